@@ -25,7 +25,7 @@ clang++-19 --target=wasm32-wasi -mexec-model=reactor -fwasm-exceptions \
 {
     for source in urdfdom tinyxml console-bridge; do
         printf '\n==== %s (in the WebAssembly modules)\n\n' "$source"
-        sed -n '1,60p' "$work/build/urdfdom/$source/debian/copyright"
+        cat "$work/build/urdfdom/$source/debian/copyright"
     done
     for package in libc++-19-dev-wasm32 wasi-libc; do
         printf '\n==== %s (in the WebAssembly modules)\n\n' "$package"

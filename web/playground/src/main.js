@@ -67,7 +67,7 @@ async function open(source, pose) {
 }
 
 function startPose() {
-  const joint = builtIn[robot.source.id]?.[3], q = [...robot.q()];
+  const joint = builtIn[robot.source.id]?.[3], q = [...robot.neutral];
   if (joint) for (const b of robot.motors()) q[b.iq] = joint(b.joint) ?? 0;
   robot.setPose(q);
   robot.stand();
@@ -78,6 +78,7 @@ function build() {
   for (const id of ["joints", "gravity", "cost"]) $(id).replaceChildren();
   view.show(robot);
   panels.buildLinks(robot, refresh);
+  panels.buildContacts(robot, setContacts);
   update = [panels.buildJoints(robot, moved), panels.buildGravity(robot), panels.buildMatrix(robot)];
   motion.start(robot);
   refresh();
@@ -109,6 +110,13 @@ function refresh() {
 function moved() {
   robot.model.array("v").fill(0);
   robot.model.array("wanted").set(robot.q());
+  refresh();
+}
+
+// After the floor, or a link that may touch it, was chosen.
+function setContacts() {
+  robot.makeContacts($("floor").checked);
+  view.drawContacts();
   refresh();
 }
 
@@ -165,9 +173,9 @@ function listen() {
     tell(robot.source.id || location.hash.includes("urdf=") ? "The address carries robot and pose." : "The address carries the pose; the robot is too large for it.");
   });
   $("move").addEventListener("click", () => { motion.setMotors(); setRunning(!motion.running); });
-  $("reset").addEventListener("click", () => { setRunning(false); startPose(); motion.start(robot); robot.makeContacts($("floor").checked); refresh(); });
+  $("reset").addEventListener("click", () => { setRunning(false); startPose(); motion.start(robot); setContacts(); });
   $("frame").addEventListener("click", () => view.frame());
-  $("floor").addEventListener("change", () => robot.makeContacts($("floor").checked));
+  $("floor").addEventListener("change", setContacts);
   for (const id of ["hold", "damping"]) $(id).addEventListener("change", () => motion.setMotors());
   for (const button of document.querySelectorAll("[data-push]")) {
     button.addEventListener("click", () => {

@@ -32,7 +32,8 @@ export function textureManager(files) {
 const text = (bytes) => new TextDecoder().decode(bytes);
 const readers = {
   stl: (bytes, material) => new THREE.Mesh(new STLLoader().parse(bytes.slice().buffer), material),
-  dae: (bytes, material, manager) => new ColladaLoader(manager).parse(text(bytes), "").scene,
+  // In the link's axes as it stands, as RViz takes it: the loader would turn what has z upwards.
+  dae: (bytes, material, manager) => new ColladaLoader(manager).parse(text(bytes).replace(/(<up_axis>)[^<]*/, "$1Y_UP"), "").scene,
   obj: (bytes, material, manager) => {
     const object = new OBJLoader(manager).parse(text(bytes));
     object.traverse((o) => { if (o.isMesh) o.material = material; });

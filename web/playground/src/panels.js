@@ -115,6 +115,22 @@ export function updateReach(ellipsoid) {
     : "";
 }
 
+// ---- what may touch the floor ----
+
+export function buildContacts(robot, changed) {
+  $("guessed").textContent = robot.guessed
+    ? "The file has no collision shape that is a box, a ball or a cylinder: the points are guessed, at the ends of links. Choose the links that touch the floor:"
+    : "The points are of the file's collision shapes: balls, corners of boxes, rims of cylinders. Links that touch the floor:";
+  $("touching").replaceChildren(...[...robot.touching].map((body) => {
+    const box = element("input", { type: "checkbox", checked: true });
+    box.addEventListener("change", () => {
+      robot.touching[box.checked ? "add" : "delete"](body);
+      changed();
+    });
+    return element("label", {}, box, ` ${robot.bodies[body].name}`);
+  }));
+}
+
 // ---- cost ----
 
 const calls = [["inverse dynamics", "id"], ["mass matrix", "mm"], ["forward dynamics", "fd"], ["inverse of the mass matrix", "minv"],

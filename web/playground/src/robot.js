@@ -35,11 +35,12 @@ export class Robot {
   // source: { name (of the file), text, files, floating, massless }
   constructor(model, source) {
     Object.assign(this, { model, source, bodies: model.bodies, frames: model.frames });
+    this.neutral = [...this.q()];
     this.collectTips();
     this.collectCoordinates();
     this.update();
     this.size = this.extent();
-    this.balls = this.contactBalls();
+    this.findBalls();
     this.makeContacts();
   }
 
@@ -122,10 +123,18 @@ export class Robot {
   }
 
   // Balls that may touch the floor: [body, x, y, z, radius]. Of collision shapes where the file has them.
-  contactBalls() {
-    const balls = this.collisionBalls();
-    if (balls.length > 0) return balls;
-    const radius = 0.012 * this.size, seen = new Set();
+  findBalls() {
+    const shapes = this.collisionBalls();
+    this.guessed = shapes.length === 0;
+    this.found = this.guessed ? this.guessedBalls() : shapes;
+    this.touching = new Set(this.found.map(([body]) => body));
+  }
+
+  // Those of the links that the user lets touch.
+  get balls() { return this.found.filter(([body]) => this.touching.has(body)); }
+
+  guessedBalls() {
+    const balls = [], radius = 0.012 * this.size, seen = new Set();
     this.bodies.forEach((b, i) => {
       for (const tip of this.tips[i]) {
         const key = `${i} ${tip.map((x) => x.toFixed(4))}`;
@@ -161,7 +170,7 @@ export class Robot {
 
   // Puts a floating robot on the floor: its lowest ball touches it, or hangs that far above.
   stand(above = 0) {
-    if (!this.isFloating()) return;
+    if (!this.isFloating() || this.balls.length === 0) return;
     const lowest = Math.min(...this.balls.map(([body, x, y, z, r]) => this.world(body, [x, y, z])[2] - r));
     this.q()[2] += above - lowest;
     this.update();

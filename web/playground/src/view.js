@@ -5,37 +5,45 @@ import URDFLoader from "urdf-loader";
 import { meshLoader, textureManager } from "./meshes.js";
 import { eigen, PRISMATIC, FLOATING } from "./robot.js";
 
-const rod = new THREE.CylinderGeometry(1, 1, 1, 12), ball = new THREE.SphereGeometry(1, 24, 16);
+const rod = new THREE.CylinderGeometry(1, 1, 1, 12), ball = new THREE.SphereGeometry(1, 24, 16), coarseBall = new THREE.SphereGeometry(1, 10, 7);
 const paint = (color, opacity = 1) => new THREE.MeshStandardMaterial({
   color, roughness: 0.55, transparent: opacity < 1, opacity, depthWrite: opacity === 1,
 });
 const colours = { link: paint(0xe8862e), joint: paint(0x3d4a57), inertia: paint(0x2f6fde, 0.16), com: paint(0xc02626),
-  reach: paint(0x128a4a, 0.35), support: paint(0x128a4a, 0.3), grip: paint(0xc02626) };
+  reach: paint(0x128a4a, 0.35), support: paint(0x128a4a, 0.3), grip: paint(0xc02626), contact: paint(0x128a4a) };
 const vector = (x) => new THREE.Vector3(...x);
 
-// A cylinder from one place to another.
-function between(from, to, radius, material) {
-  const mesh = new THREE.Mesh(rod, material), along = to.clone().sub(from), length = along.length();
-  mesh.position.copy(from).addScaledVector(along, 0.5);
-  if (length > 0) mesh.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), along.divideScalar(length));
-  mesh.scale.set(radius, length || radius, radius);
-  return mesh;
+// Makes a cylinder, or what stands for one, reach from one place to another.
+function between(from, to, radius, object = new THREE.Object3D()) {
+  const along = to.clone().sub(from), length = along.length();
+  object.position.copy(from).addScaledVector(along, 0.5);
+  if (length > 0) object.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), along.divideScalar(length));
+  object.scale.set(radius, length || radius, radius);
+  return object;
 }
 
-function placeEllipsoid(mesh, place, axes, lengths) {
+function placeEllipsoid(object, place, axes, lengths) {
   const [x, y, z] = axes.map((a) => vector(a.axis));
   if (x.clone().cross(y).dot(z) < 0) z.negate();
-  mesh.quaternion.setFromRotationMatrix(new THREE.Matrix4().makeBasis(x, y, z));
-  mesh.position.set(...place);
-  mesh.scale.set(...lengths);
+  object.quaternion.setFromRotationMatrix(new THREE.Matrix4().makeBasis(x, y, z));
+  object.position.set(...place);
+  object.scale.set(...lengths);
+  return object;
 }
 
 // Of the same mass and inertia, with its mass evenly spread.
 function inertiaEllipsoid(b) {
-  const [xx, xy, xz, yy, yz, zz] = b.inertia, mesh = new THREE.Mesh(ball, colours.inertia);
+  const [xx, xy, xz, yy, yz, zz] = b.inertia;
   const axes = eigen([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), [a, c, e] = axes.map((p) => p.value);
   const half = (x) => Math.sqrt(Math.max(1e-6, (2.5 / b.mass) * x));
-  placeEllipsoid(mesh, b.com, axes, [half(c + e - a), half(a + e - c), half(a + c - e)]);
+  return placeEllipsoid(new THREE.Object3D(), b.com, axes, [half(c + e - a), half(a + e - c), half(a + c - e)]);
+}
+
+// One shape at many places of bodies, [body, object] each: one call draws them, however many links there are.
+function everywhere(shape, material, places) {
+  const mesh = new THREE.InstancedMesh(shape, material, places.length);
+  mesh.frustumCulled = false;
+  mesh.userData.places = places.map(([body, object]) => (object.updateMatrix(), { body, matrix: object.matrix }));
   return mesh;
 }
 
@@ -60,14 +68,17 @@ export class View {
 
   show(robot) {
     if (this.root) this.scene.remove(this.root, this.grid);
+    for (const mesh of this.rods ?? []) mesh.dispose();
     this.robot = robot;
     this.root = new THREE.Group();
-    this.groups = robot.bodies.map((b, i) => this.bodyGroup(b, i));
+    this.groups = robot.bodies.map((b, i) => this.bodyGroup(i));
     this.base = new THREE.Group();
     this.marks = new THREE.Group();
-    this.root.add(this.base, this.marks, ...this.groups);
-    this.drawShapes();
+    const shaped = this.drawShapes();
+    this.rods = this.drawRods(shaped);
+    this.root.add(this.base, this.marks, ...this.groups, ...this.rods);
     this.drawMarks();
+    this.drawContacts();
     const cells = Math.ceil(robot.size * 4);
     this.grid = new THREE.GridHelper(cells, 4 * cells, 0x8899aa, 0xbcc6d0);
     this.grid.rotation.x = Math.PI / 2;
@@ -78,33 +89,56 @@ export class View {
     this.frame();
   }
 
-  bodyGroup(b, index) {
-    const { robot } = this, group = new THREE.Group(), thick = 0.013 * robot.size * Math.min(1, Math.sqrt(12 / robot.bodies.length));
+  bodyGroup(index) {
+    const group = new THREE.Group();
     group.matrixAutoUpdate = false;
     group.userData.body = index;
-    group.rods = new THREE.Group();
-    group.add(group.rods);
-    for (const tip of robot.tips[index]) {
-      if (Math.hypot(...tip) > 1e-4) group.rods.add(between(new THREE.Vector3(), vector(tip), thick, colours.link));
-    }
-    if (b.nv === 1) {
-      const half = vector(b.axis).normalize().multiplyScalar(2.2 * thick);
-      group.rods.add(between(half.clone().negate(), half, 1.7 * thick, colours.joint));
-    }
-    if (b.mass > 0) group.rods.add(inertiaEllipsoid(b));
     return group;
   }
 
+  // Rods to where links end, a cylinder along each joint's axis, and ellipsoids of inertia: of bodies without shapes.
+  drawRods(shaped) {
+    const { robot } = this, thick = 0.013 * robot.size * Math.min(1, Math.sqrt(12 / robot.bodies.length));
+    const links = [], joints = [], inertias = [];
+    robot.bodies.forEach((b, i) => {
+      if (shaped.has(i)) return;
+      for (const tip of robot.tips[i]) {
+        if (Math.hypot(...tip) > 1e-4) links.push([i, between(new THREE.Vector3(), vector(tip), thick)]);
+      }
+      if (b.nv === 1) {
+        const half = vector(b.axis).normalize().multiplyScalar(2.2 * thick);
+        joints.push([i, between(half.clone().negate(), half, 1.7 * thick)]);
+      }
+      if (b.mass > 0) inertias.push([i, inertiaEllipsoid(b)]);
+    });
+    return [everywhere(rod, colours.link, links), everywhere(rod, colours.joint, joints),
+      everywhere(inertias.length > 50 ? coarseBall : ball, colours.inertia, inertias)];
+  }
+
+  // The points that may touch the floor.
+  drawContacts() {
+    const { robot } = this, least = 0.015 * robot.size;
+    if (this.contacts) this.root.remove(this.contacts.dispose());
+    this.contacts = everywhere(coarseBall, colours.contact, robot.floor ? robot.balls.map(([body, x, y, z, radius]) => {
+      const object = new THREE.Object3D();
+      object.position.set(x, y, z);
+      object.scale.setScalar(Math.max(radius, least));
+      return [body, object];
+    }) : []);
+    this.root.add(this.contacts);
+  }
+
   // The file's visual shapes in place of rods. A name or a number that urdf-loader does not take: rods stay.
+  // Returns the bodies that have some.
   drawShapes() {
-    const { source, frames } = this.robot;
+    const { source, frames } = this.robot, shaped = new Set();
     let drawn;
     try {
       const loader = new URDFLoader(textureManager(source.files));
       loader.loadMeshCb = meshLoader(source.files, () => { this.dirty = true; });
       loader.packages = (name) => name;
       drawn = loader.parse(source.text);
-    } catch { return; }
+    } catch { return shaped; }
     for (const f of frames) {
       const shapes = drawn.links[f.link]?.children.filter((c) => c.isURDFVisual) ?? [];
       if (shapes.length === 0) continue;
@@ -113,19 +147,20 @@ export class View {
       link.matrix.set(a, b, c, f.position[0], d, e, g, f.position[1], h, i, j, f.position[2], 0, 0, 0, 1);
       link.add(...shapes);
       (this.groups[f.body] ?? this.base).add(link);
-      if (f.body >= 0) this.groups[f.body].rods.visible = false;
+      shaped.add(f.body);
     }
+    return shaped;
   }
 
   drawMarks() {
     const { size } = this.robot;
     this.com = new THREE.Mesh(ball, colours.com);
     this.com.scale.setScalar(0.02 * size);
-    this.plumb = between(new THREE.Vector3(), new THREE.Vector3(0, 0, 1), 0.003 * size, colours.com);
+    this.plumb = between(new THREE.Vector3(), new THREE.Vector3(0, 0, 1), 0.003 * size, new THREE.Mesh(rod, colours.com));
     this.reach = new THREE.Mesh(ball, colours.reach);
     this.support = new THREE.Mesh(new THREE.BufferGeometry(), colours.support);
     colours.support.side = THREE.DoubleSide;
-    this.arrow = between(new THREE.Vector3(), new THREE.Vector3(0, 1, 0), 0.006 * size, colours.grip);
+    this.arrow = new THREE.Mesh(rod, colours.grip);
     this.arrow.visible = false;
     this.marks.add(this.com, this.plumb, this.reach, this.support, this.arrow);
   }
@@ -137,6 +172,12 @@ export class View {
       const R = robot.rotation(i), p = robot.origin(i);
       group.matrix.set(R[0], R[1], R[2], p[0], R[3], R[4], R[5], p[1], R[6], R[7], R[8], p[2], 0, 0, 0, 1);
     });
+    const matrix = new THREE.Matrix4();
+    for (const mesh of [...this.rods, this.contacts]) {
+      mesh.userData.places.forEach((p, k) => mesh.setMatrixAt(k, matrix.multiplyMatrices(this.groups[p.body].matrix, p.matrix)));
+      mesh.instanceMatrix.needsUpdate = true;
+      mesh.boundingBox = mesh.boundingSphere = null;
+    }
     const [x, y, z] = robot.com;
     this.com.position.set(x, y, z);
     this.plumb.position.set(x, y, z / 2);
@@ -165,7 +206,7 @@ export class View {
     this.resize();
     this.root.updateMatrixWorld(true);
     const box = new THREE.Box3();
-    for (const group of [this.base, ...this.groups]) box.expandByObject(group, true);
+    for (const group of [this.base, ...this.groups, ...this.rods]) box.expandByObject(group, true);
     if (box.isEmpty()) box.set(new THREE.Vector3(-0.5, -0.5, 0), new THREE.Vector3(0.5, 0.5, 1));
     const { center, radius } = box.getBoundingSphere(new THREE.Sphere()), half = (this.camera.fov / 2) * (Math.PI / 180);
     const away = this.camera.position.clone().sub(this.controls.target).normalize();
@@ -245,13 +286,13 @@ export class View {
   take(event) {
     if (!this.robot) return;
     this.aim(event);
-    const hit = this.ray.intersectObjects(this.groups, true)[0];
+    const hit = this.ray.intersectObjects([...this.groups, ...this.rods], true)[0];
     if (!hit) return;
-    let at = hit.object;
-    while (at.userData.body === undefined) at = at.parent;
-    const point = hit.point.clone().applyMatrix4(at.matrix.clone().invert());
+    let at = hit.object, body = at.userData.places?.[hit.instanceId].body;
+    for (; body === undefined; at = at.parent) body = at.userData.body;
+    const point = hit.point.clone().applyMatrix4(this.groups[body].matrix.clone().invert());
     const plane = new THREE.Plane().setFromNormalAndCoplanarPoint(this.camera.getWorldDirection(new THREE.Vector3()), hit.point);
-    this.taken = { body: at.userData.body, point, plane };
+    this.taken = { body, point, plane };
     this.controls.enabled = false;
     this.canvas.setPointerCapture(event.pointerId);
     this.canvas.focus();
@@ -293,9 +334,6 @@ export class View {
     this.arrow.visible = Boolean(taken?.place);
     if (!this.arrow.visible) return;
     const from = vector(robot.world(taken.body, taken.point.toArray()));
-    const made = between(from, taken.place, 0.006 * robot.size, colours.grip);
-    this.arrow.position.copy(made.position);
-    this.arrow.quaternion.copy(made.quaternion);
-    this.arrow.scale.copy(made.scale);
+    between(from, taken.place, 0.006 * robot.size, this.arrow);
   }
 }
