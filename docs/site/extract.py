@@ -112,75 +112,103 @@ def item_of(text, line):
     return item
 
 
-def parse(header, root=ROOT):
-    whole = (root / header).read_text()
+def public_part(whole, header):
+    """The text that declares, up to its last comment; what is no declaration of C is blank, so that lines keep their numbers."""
     end = ENDS.get(header, STOP)
     public = whole[:whole.index(end)] if end else whole
     public = public[:public.rindex("*/") + 2]
-    public = re.sub(r'^#if[^\n]*__cplusplus[^\n]*\n(?:extern "C" \{|\})\n#endif', lambda m: re.sub(r"[^\n]", " ", m[0]),
-                    public, flags=re.M)
-    public = re.sub(r"^RBDI_EXTERN_C_(BEGIN|END)$", lambda m: " " * len(m[0]), public, flags=re.M)
-    public = re.sub(r"\bRBDI_EXTENSION(?= typedef)", lambda m: " " * len(m[0]), public)
-    top = re.match(r"/\*(.*?)\*/", public, re.S)
-    sections = [Section("", "", "")]
-    guards, comment, k, last, blank = [], None, top.end(), None, True
-    while True:
-        token = TOKEN.search(public, k)
-        if not token:
-            break
-        text, start = token[0].strip(), token.start() + len(token[0]) - len(token[0].lstrip())
-        k = token.end()
-        line = public.count("\n", 0, start) + 1
-        own_line = public[public.rfind("\n", 0, start) + 1:start].strip() == ""
-        if not text:
-            if comment and "all calls below" in comment:
-                sections[-1].note = comment
-            blank, comment = True, None
-        elif text.startswith("/*"):
-            section = SECTION.match(text)
-            if section:
-                sections.append(Section(section[1], section[2], plain(section[3])))
-                last = None
-            elif text.startswith("/* ===="):
-                pass
-            elif not own_line:  # behind a declaration
-                if last and not last.comment:
-                    last.comment = plain(text[2:-2])
+    for pattern in (r'^#if[^\n]*__cplusplus[^\n]*\n(?:extern "C" \{|\})\n#endif', r"^RBDI_EXTERN_C_(BEGIN|END)$",
+                    r"\bRBDI_EXTENSION(?= typedef)"):
+        public = re.sub(pattern, lambda m: re.sub(r"[^\n]", " ", m[0]), public, flags=re.M)
+    return public
+
+
+class Reader:
+    """Reads a public part into sections, token by token."""
+
+    def __init__(self, public):
+        self.public, self.sections = public, [Section("", "", "")]
+        self.guards = []       # the #if around
+        self.comment = None    # that waits for its declaration
+        self.last = None       # the item before
+        self.blank = True      # an empty line came since
+
+    def read(self, k):
+        while token := TOKEN.search(self.public, k):
+            text, k = token[0].strip(), token.end()
+            start = token.start() + len(token[0]) - len(token[0].lstrip())
+            if not text:
+                self.empty_line()
+            elif text.startswith("/*"):
+                self.take_comment(text, self.public[self.public.rfind("\n", 0, start) + 1:start].strip() == "")
+            elif text.startswith("#"):
+                self.directive(text, self.line(start))
             else:
-                comment = plain(text[2:-2])
-        elif text.startswith("#"):
-            word = re.match(r"#\s*(\w+)\s*(.*)", text, re.S)
-            if word[1] in ("if", "ifdef", "ifndef"):
-                guards.append(f"{word[1]} {word[2]}".strip())
-            elif word[1] == "endif" and guards:
-                guards.pop()
-            macro = re.match(r"(RBD_[A-Z]\w*)(\([\w, ]*\))?", word[2])
-            last = None
-            if word[1] == "define" and macro and not macro[1].endswith("_H"):
-                last = Item(macro[1], "macro", macro[1] + (macro[2] or ""), line, comment or "")
-                if macro[1] not in [i.name for s in sections for i in s.items]:
-                    sections[-1].items.append(last)
-                comment = None
-        else:
-            k = end_of(public, start)
-            found = item_of(public[start:k], line)
-            if found:
-                found.comment = comment or ""
-                found.guards = [g for g in guards if g.startswith("ifndef RBD_NO_") or "RBD_DERIVATIVES_H" in g]
-                found.follows = comment is None and last is not None and not blank
-                sections[-1].items.append(found)
-            last, comment = found, None
-            blank = False
-    rest = whole[len(public):]
-    for found in re.finditer(r"^(?:/\*((?:[^*]|\*(?!/))*)\*/\n)?#define (RBD_[A-Z]\w*)(\([\w, ]+\))", rest, re.M):
-        place = len(public) + found.start(2)
-        sizes = next((s for s in sections if s.tag in ("work", "memory", "set")), sections[-1])
-        if found[2].startswith("RBD_MODEL"):
-            sizes = next(s for s in sections if s.tag == "build")
-        if "_SIZE" in found[2]:
-            item = Item(found[2], "macro", found[2] + found[3], whole.count("\n", 0, place) + 1, plain(found[1] or ""))
-            item.follows = found[1] is None
-            sizes.items.append(item)
+                k = self.declaration(start)
+
+    def line(self, place):
+        return self.public.count("\n", 0, place) + 1
+
+    def empty_line(self):
+        if self.comment and "all calls below" in self.comment:
+            self.sections[-1].note = self.comment
+        self.blank, self.comment = True, None
+
+    def take_comment(self, text, own_line):
+        section = SECTION.match(text)
+        if section:
+            self.sections.append(Section(section[1], section[2], plain(section[3])))
+            self.last = None
+        elif text.startswith("/* ===="):
+            return
+        elif own_line:
+            self.comment = plain(text[2:-2])
+        elif self.last and not self.last.comment:  # behind a declaration
+            self.last.comment = plain(text[2:-2])
+
+    def directive(self, text, line):
+        word = re.match(r"#\s*(\w+)\s*(.*)", text, re.S)
+        if word[1] in ("if", "ifdef", "ifndef"):
+            self.guards.append(f"{word[1]} {word[2]}".strip())
+        elif word[1] == "endif" and self.guards:
+            self.guards.pop()
+        macro = re.match(r"(RBD_[A-Z]\w*)(\([\w, ]*\))?", word[2])
+        self.last = None
+        if word[1] == "define" and macro and not macro[1].endswith("_H"):
+            self.last = Item(macro[1], "macro", macro[1] + (macro[2] or ""), line, self.comment or "")
+            if macro[1] not in [i.name for s in self.sections for i in s.items]:
+                self.sections[-1].items.append(self.last)
+            self.comment = None
+
+    def declaration(self, start):
+        end = end_of(self.public, start)
+        found = item_of(self.public[start:end], self.line(start))
+        if found:
+            found.comment = self.comment or ""
+            found.guards = [g for g in self.guards if g.startswith("ifndef RBD_NO_") or "RBD_DERIVATIVES_H" in g]
+            found.follows = self.comment is None and self.last is not None and not self.blank
+            self.sections[-1].items.append(found)
+        self.last, self.comment, self.blank = found, None, False
+        return end
+
+
+def sizes(whole, public):
+    """Macros of memory, which stand behind the public part."""
+    for found in re.finditer(r"^(?:/\*((?:[^*]|\*(?!/))*)\*/\n)?#define (RBD_[A-Z]\w*_SIZE\w*)(\([\w, ]+\))", whole[len(public):], re.M):
+        line = whole.count("\n", 0, len(public) + found.start(2)) + 1
+        yield Item(found[2], "macro", found[2] + found[3], line, plain(found[1] or ""), follows=found[1] is None)
+
+
+def parse(header, root=ROOT):
+    whole = (root / header).read_text()
+    public = public_part(whole, header)
+    top = re.match(r"/\*(.*?)\*/", public, re.S)
+    reader = Reader(public)
+    reader.read(top.end())
+    sections = reader.sections
+    for item in sizes(whole, public):
+        tags = ("build",) if item.name.startswith("RBD_MODEL") else ("work", "memory", "set")
+        next((s for s in sections if s.tag in tags), sections[-1]).items.append(item)
     return Header(header, plain(top[1]), [s for s in sections if s.items or s.tag])
 
 

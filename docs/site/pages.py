@@ -331,54 +331,53 @@ def cost_lines(group):
     return out + [""]
 
 
+def type_lines(item, header, with_text):
+    kind = "enum" if item.text.startswith("typedef enum") else "struct" if "struct" in item.text else "type"
+    name = item.name if kind != "type" else signature(item).replace("typedef ", "").split("__attr")[0].strip()
+    out = [f"`````{{c:{kind}}} {name}\n"]
+    if with_text:
+        out.append(rendered(item.comment or summaries().get(item.name, ""), header))
+    for declaration, text in item.members:
+        names, _, value = (part.strip() for part in declaration.partition("="))
+        role = "enumerator" if kind == "enum" else "member"
+        words = (f"`{value}`. " if value else "") + linked(text, header) if text or value else ""
+        out += [f"````{{c:{role}}} {each}\n{words}\n````\n" for each in (members_apart(names) if role == "member" else [names])]
+    return out + ["`````\n"]
+
+
+def macro_lines(macros, text, header):
+    return ["`````{c:macro} " + "\n".join(i.text for i in macros) + "\n", rendered(text, header),
+            source(macros[0], header) + "\n`````\n"]
+
+
+def function_lines(functions, comment, header):
+    """What functions with one comment compute, their arguments, errors, cost and examples."""
+    rows, _, _ = argument_rows(functions, header)
+    short = "; ".join(dict.fromkeys(summaries().get(i.name, "") for i in functions))
+    out = ["`````{c:function} " + "\n".join(signature(i) for i in functions) + "\n",
+           rendered(comment, header, leave=[r[0] for r in rows]) or short[:1].upper() + short[1:] + ".\n"]
+    out += ["```{math}\n" + formulas()[i.name] + "\n```\n" for i in functions if i.name in formulas()]
+    if rows:
+        out += ["| argument | | shape | meaning |", "|---|---|---|---|"]
+        out += [f"| `{n}` | {way} | {shape} | {linked(text, header)} |" for n, way, shape, text in rows] + [""]
+    found = dict.fromkeys(s for i in functions for s in status_list(i.name) if re.match("rbd(_urdf)?_status ", signature(i)))
+    if found:
+        out.append("**Errors** " + ", ".join(f"{{c:enumerator}}`{s}`" for s in found) + "\n")
+    out += cost_lines(functions)
+    examples = dict.fromkeys(s for s in (snippet(i.name) for i in functions) if s)
+    return out + [fence(code) for _, code in examples]
+
+
 def entry(group, header):
     """A group of declarations as one entry."""
-    first = group[0]
-    functions = [i for i in group if i.kind == "function"]
-    types = [i for i in group if i.kind == "type"]
+    types, macros, functions = ([i for i in group if i.kind == kind] for kind in ("type", "macro", "function"))
+    macros = [i for i in macros if i.name not in extract.named_in_top(header)]
     comment = "\n".join(i.comment for i in group if i.comment)
-    out = []
-    for item in types:
-        kind = "enum" if item.text.startswith("typedef enum") else "struct" if "struct" in item.text else "type"
-        out.append(f"`````{{c:{kind}}} {item.name if kind != 'type' else signature(item).replace('typedef ', '').split('__attr')[0].strip()}\n")
-        if not functions:
-            out.append(rendered(item.comment or summaries().get(item.name, ""), header))
-        for declaration, text in item.members:
-            names = declaration.split("=")[0].strip()
-            role = "enumerator" if kind == "enum" else "member"
-            for each in members_apart(names) if role == "member" else [names]:
-                value = declaration.split("=")[1].strip() if "=" in declaration else ""
-                text_of = (f"`{value}`. " if value else "") + linked(text, header) if text or value else ""
-                out.append(f"````{{c:{role}}} {each}\n{text_of}\n````\n")
-        out.append("`````\n")
-    macros = [i for i in group if i.kind == "macro"]
+    out = [line for item in types for line in type_lines(item, header, with_text=not functions)]
     if macros:
-        described = extract.named_in_top(header)
-        macros = [i for i in macros if i.name not in described]
-    if macros:
-        out.append("`````{c:macro} " + "\n".join(i.text for i in macros) + "\n")
-        out.append(rendered(comment or summaries().get(first.name, ""), header))
-        out.append(source(macros[0], header) + "\n`````\n")
+        out += macro_lines(macros, comment or summaries().get(group[0].name, ""), header)
     if functions:
-        out.append("`````{c:function} " + "\n".join(signature(i) for i in functions) + "\n")
-        rows, _, _ = argument_rows(functions, header)
-        short = "; ".join(dict.fromkeys(summaries().get(i.name, "") for i in functions))
-        body = rendered(comment, header, leave=[r[0] for r in rows])
-        out.append(body or short[:1].upper() + short[1:] + ".\n")
-        for item in functions:
-            if item.name in formulas():
-                out.append("```{math}\n" + formulas()[item.name] + "\n```\n")
-        if rows:
-            out += ["| argument | | shape | meaning |", "|---|---|---|---|"]
-            out += [f"| `{n}` | {way} | {shape} | {linked(text, header)} |" for n, way, shape, text in rows] + [""]
-        found = list(dict.fromkeys(s for i in functions for s in status_list(i.name) if re.match("rbd(_urdf)?_status ", signature(i))))
-        if found:
-            out.append("**Errors** " + ", ".join(f"{{c:enumerator}}`{s}`" for s in found) + "\n")
-        out += cost_lines(functions)
-        examples = dict.fromkeys(s for s in (snippet(i.name) for i in functions) if s)
-        for _, code in examples:
-            out.append(fence(code))
-        out.append(source(first, header) + "\n`````\n")
+        out += function_lines(functions, comment, header) + [source(group[0], header) + "\n`````\n"]
     return "\n".join(out)
 
 
@@ -399,48 +398,58 @@ def raw_link(path, line):
     return f'<a class="source" href="../files/{path}.html#L{line}">{path}, line {line}</a>'
 
 
+def top_part(body):
+    """A part of a first comment: its sentences, as lines, and its rows (name, text)."""
+    sentences, rows, last = [], [], None
+    for line in body.split("\n"):
+        pair = re.match(r" *(\S.*?) {2,}(\S.*)$", line) or re.match(r" +(RBD_REPRODUCIBLE) (.*)$", line)
+        if pair and len(line) - len(line.lstrip()) <= 4:
+            last = [pair[1], pair[2]]
+            rows.append(last)
+        elif last and line.startswith("      "):
+            last[1] += ("\n" if re.match(r" {14,}#", line) else " ") + line.strip()
+        else:
+            last = None
+            sentences.append(line[2:] if line.startswith("  ") else line)
+    return sentences, rows
+
+
+def top_macro(name, text, header):
+    names = re.findall(r"RBD_\w+(?:\(\w\))?", name) if "(" in name else [name.split()[0]]
+    code, sentence = re.findall(r"\n(#.*)", text), re.sub(r"\n#[^\n]*", "", text)
+    return ["`````{c:macro} " + "\n".join(names) + "\n\n" + linked(sentence, header) + "\n",
+            (fence("\n".join(code)) if code else "") + "`````\n"]
+
+
+def top_table(rows, header):
+    """Rows of one text, and apart those of two: joint, q, v."""
+    out = []
+    for wide in (False, True):
+        some = [[n, *re.split(r" {2,}", t)] for n, t in rows if bool(re.search(r"\S {2,}\S", t)) == wide]
+        if some:
+            out += ["| " * (3 + wide), "|---" * (2 + wide) + "|"]
+            out += ["| " + " | ".join(linked(cell, header) for cell in row) + " |" for row in some] + [""]
+    return out
+
+
 def top_page(header):
     """The first comment: what the header is for, and its sections."""
-    out, described = [], extract.named_in_top(header)
     text = re.sub(r"^CONTENTS.*?(?:\n\n|\Z)", "", header.top, flags=re.S | re.M)
     text = re.sub(r"^[^\n]*\n(?: *Made by[^\n]*\n)?(?: *SPDX[^\n]*\n)?", "", text)
     parts = re.split(r"^ *\[(\w+)\](?! *\[)(.*)$", text, flags=re.M)
-    out.append(rendered(parts[0].strip("\n"), header))
+    out = [rendered(parts[0].strip("\n"), header)]
     for tag, head, body in zip(parts[1::3], parts[2::3], parts[3::3]):
+        sentences, rows = top_part(body)
+        lead = "\n".join(sentences).strip("\n") if not rows else "\n".join([head.strip(), *sentences]).strip("\n")
         out.append(f"\n### {tag.capitalize()}\n")
-        lines, keep, rows = body.split("\n"), [], []
-        last = None
-        for line in lines:
-            pair = re.match(r" *(\S.*?) {2,}(\S.*)$", line) or re.match(r" +(RBD_REPRODUCIBLE) (.*)$", line)
-            if pair and len(line) - len(line.lstrip()) <= 4:
-                last = [pair[1], pair[2]]
-                rows.append(last)
-            elif last and line.startswith("      "):
-                last[1] += ("\n" if re.match(r" {14,}#", line) else " ") + line.strip()
-            else:
-                last = None
-                keep.append(line[2:] if line.startswith("  ") else line)
-        if head.strip():
-            out.append(linked(head.strip(), header) + "\n" if not keep or not rows else "")
-            if keep and rows:
-                keep.insert(0, head.strip())
-        macros = [r for r in rows if r[0].startswith("RBD_")]
-        others = [r for r in rows if not r[0].startswith("RBD_")]
-        lead = "\n".join(keep).strip("\n")
-        if lead and not (head.strip() and not rows and False):
+        if head.strip() and not rows:
+            out.append(linked(head.strip(), header) + "\n")
+        if lead:
             out.append(rendered(lead, header))
-        for name, text in macros:
-            names = re.findall(r"RBD_\w+(?:\(\w\))?", name) if "(" in name else [name.split()[0]]
-            code = re.findall(r"\n(#.*)", text)
-            sentence = re.sub(r"\n#[^\n]*", "", text)
-            out.append("`````{c:macro} " + "\n".join(names) + "\n\n" + linked(sentence, header) + "\n")
-            out.append((fence("\n".join(code)) if code else "") + "`````\n")
-        for wide in (False, True):  # of three columns: joint, q, v
-            some = [[n, *re.split(r" {2,}", t)] for n, t in others if bool(re.search(r"\S {2,}\S", t)) == wide]
-            if some:
-                out += ["| " * (3 + wide), "|---" * (2 + wide) + "|"]
-                out += ["| " + " | ".join(linked(cell, header) for cell in row) + " |" for row in some] + [""]
-    for name in sorted(set(re.findall(r"#define (RBD_\w+)", header.top)) - set(described)):
+        for name, words in rows:
+            out += top_macro(name, words, header) if name.startswith("RBD_") else []
+        out += top_table([r for r in rows if not r[0].startswith("RBD_")], header)
+    for name in sorted(set(re.findall(r"#define (RBD_\w+)", header.top)) - set(extract.named_in_top(header))):
         if owner(name) == header.name:
             out.append(f"`````{{c:macro}} {name}\n\n{escaped(summaries().get(name, ''))}\n`````\n")
     return "\n".join(out)
