@@ -23,6 +23,12 @@ def double():
 
 
 @pytest.fixture
+def quick(monkeypatch):
+    """These flags for programs that take the default."""
+    monkeypatch.setenv("RBD_FLAGS", FLAGS)
+
+
+@pytest.fixture
 def iiwa(double):
     return rbd.Model(rbd.load_table(rbd.SOURCES / "models/iiwa.h"), library=double)
 

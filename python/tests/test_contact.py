@@ -69,8 +69,8 @@ def test_a_quadruped_stands_and_the_acceleration_is_that_of_the_step(hyq):
     damping = np.r_[np.zeros(6), np.full(12, kd + DT * kp)]
     for _ in range(1000):
         tau = np.r_[np.zeros(6), kp * (stance - q[7:])]
-        a = pickle.loads(pickle.dumps(feet)).fd(q, v, tau, DT, damping=damping)
         begin, (q, v) = (q, v), feet.step(q, v, tau, DT, None, damping)
+    a = pickle.loads(pickle.dumps(feet)).fd(*begin, tau, DT, damping=damping)
     assert abs(feet.forces()[:, 2].sum() - hyq.mass() * 9.81) < 1
     assert all(feet.get(leg).state == rbd.ContactState.STICKS for leg in LEGS)
     assert np.abs(hyq.step(*begin, a, DT).v_next - v).max() < 1e-6  # a new set has no shares to begin with

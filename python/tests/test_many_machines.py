@@ -32,7 +32,7 @@ def dies_once(marker, number, states):
     return many.chunk(number, states)
 
 
-def test_many_machines(tmp_path, capsys):
+def test_many_machines(tmp_path, capsys, quick):
     many.hyq()
     serial = many.study(10_000, Here, size=2500)
     assert serial.shape == (12, many.BINS) and (serial.sum(axis=1) == 10_000).all()

@@ -6,7 +6,6 @@ import subprocess
 import sys
 
 import numpy as np
-import pytest
 
 import rbd
 
@@ -22,13 +21,6 @@ def run(*command, **options):
                           **options)
     assert done.returncode == 0, done.stdout
     return done.stdout
-
-
-@pytest.fixture
-def quick(monkeypatch):
-    """The flags of the other tests, for programs that take the default."""
-    from conftest import FLAGS
-    monkeypatch.setenv("RBD_FLAGS", FLAGS)
 
 
 def test_readme(tmp_path, monkeypatch, quick):
