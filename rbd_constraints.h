@@ -1376,6 +1376,17 @@ static int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const 
     return rbdi_articulated_solve(m, c, x);
 }
 
+/* w->H = M, and w->bias = c - sum J_b' f_ext, beside the state of all links. */
+static void rbdi_constraint_bias(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                 const rbd_real *v, const rbd_real *f_ext, rbdi_c3 gravity) {
+    rbd_work *w = c->w;
+    rbd_crba_packed(m, w, q, w->H);
+    rbdi_constraint_state(m, c, rbdi_expand_v(m, v, w->vx), w->zero, gravity, 1);
+    rbdi_external(m, w, f_ext);
+    rbdi_rnea_sweep(m, w, w->zero, rbdi_mimics(m) ? w->tx : w->bias);
+    rbdi_reduce_tau(m, w->tx, w->bias);
+}
+
 /* The same by M = L'DL, for all states. Returns the status of M's pivots. */
 static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
@@ -1383,11 +1394,7 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbd_work *w = c->w;
     rbdi_mask doubt;
-    rbd_crba_packed(m, w, q, w->H);
-    rbdi_constraint_state(m, c, rbdi_expand_v(m, v, w->vx), w->zero, restitution ? none : w->gravity, 1);
-    rbdi_external(m, w, f_ext);
-    rbdi_rnea_sweep(m, w, w->zero, rbdi_mimics(m) ? w->tx : w->bias);
-    rbdi_reduce_tau(m, w->tx, w->bias);
+    rbdi_constraint_bias(m, c, q, v, f_ext, restitution ? none : w->gravity);
     for (int k = 0; k < m->nv; ++k) c->x[k] = restitution ? rbdi_zero() : tau[k] - w->bias[k];
     doubt = rbdi_factor(m, w, w->H);
     rbdi_sweep_back(m, c, w->H);
@@ -1804,6 +1811,17 @@ static void rbdi_reach_dofs(const rbd_model *m, rbd_constraint_set *c, rbdi_cons
     }
 }
 
+/* Begins a set whose constraints are placed: for this model and work, with the dofs that each reaches, and
+   the links on all paths. */
+static void rbdi_begin_set(const rbd_model *m, rbd_work *w, rbd_constraint_set *c) {
+    for (int k = 0; k < RBDI_SHAPE; ++k) c->shape[k] = m->shape[k];
+    c->w = w, c->infeasible = -1, c->links = 0;
+    for (int k = 0; k < m->nv; ++k) c->span[k].first = c->span[k].end = 0;
+    for (int i = 0; i < c->n; ++i) rbdi_reach_dofs(m, c, &c->constraint[i]);
+    for (int i = 0; i < m->nl && !rbdi_mimics(m); ++i)
+        if (c->span[m->link[i].iv].end > 0) c->link[c->links++] = (int16_t)i;
+}
+
 /* Whether rows depend on each other in every state, so that articulated bodies would always fail: if there
    are more rows than dofs, or if two links have more than six rows between them, or more than dofs. */
 static int rbdi_too_many_rows(const rbd_model *m, const rbd_constraint_set *c) {
@@ -1881,16 +1899,12 @@ RBDI_API rbd_status rbd_constraint_set_init(const rbd_model *m, rbd_work *w, con
     if (constraints) *constraints = NULL;
     if (status) return status;
     c = rbdi_lay_constraints(m->nv, n, rbdi_rows_of(list, n), memory);
-    for (int k = 0; k < RBDI_SHAPE; ++k) c->shape[k] = m->shape[k];
-    c->w = w, c->infeasible = -1, c->dirty = 1, c->exchanged = c->moving = c->links = 0;
-    for (int k = 0; k < m->nv; ++k) c->span[k].first = c->span[k].end = 0;
+    c->dirty = 1, c->exchanged = c->moving = 0;
     for (int i = 0; i < n; row += c->constraint[i++].rows) {
         rbdi_place_constraint(m, &list[i], row, &c->constraint[i]);
-        rbdi_reach_dofs(m, c, &c->constraint[i]);
         c->moving |= list[i].kp > 0 || list[i].kd > 0 || c->constraint[i].link[1] >= 0;
     }
-    for (int i = 0; i < m->nl && !rbdi_mimics(m); ++i)
-        if (c->span[m->link[i].iv].end > 0) c->link[c->links++] = (int16_t)i;
+    rbdi_begin_set(m, w, c);
     c->factored = rbdi_mimics(m) > 0 || rbdi_too_many_rows(m, c);
     *constraints = c;
     return RBD_OK;

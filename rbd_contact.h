@@ -347,8 +347,8 @@ typedef struct rbdi_contact_solver {
     rbd_real *start, *aim, *best;  /* rows: impulses before and behind a Newton step, the best so far */
     rbd_real *scratch;             /* rows */
     rbdi_contact_unknown *unknown; /* rows */
-    rbd_real *G;                   /* the matrix of a Newton step, and its right-hand sides */
-    int sides;                     /* how many */
+    rbd_real *G;                   /* the matrix of a Newton step, and behind it its right-hand sides */
+    int unknowns, sides, stride;   /* of G: rows; right-hand sides; entries from one row to the next */
     int symmetric;                 /* whether G is: no contact slips */
     rbd_real unmoved;              /* of a bounded row: smaller entries of Delta's diagonal are rounding */
     rbd_contact_solution solution;
@@ -367,8 +367,7 @@ typedef struct rbdi_contact {
     rbdi_c3 point; /* link axes */
     rbd_const radius, friction, restitution, stiffness, damping;
     rbd_real gap, approach; /* m; u_n before the step, m/s */
-    rbd_real impulse[3];    /* of the last step, along the rows; 0 where it was none */
-    rbd_real force[3];      /* the same over dt, world axes */
+    rbd_real force[3];      /* of the last step, world axes */
     int body2;
     int row;      /* of the step, -1 = none */
     int rebounds; /* in the solution for the velocities */
@@ -380,36 +379,42 @@ typedef struct rbdi_dof_row {
     int16_t dof, iq;         /* iq: of the limited coordinate, -1 = dry friction */
     rbd_const lower, upper;  /* limits; of dry friction what it can hold */
     rbd_real distance, side; /* to the nearer limit, and the row's sign there */
-    rbd_real impulse;        /* of the last step */
     int row;                 /* of the step, -1 = none */
 } rbdi_dof_row;
 
 /* A set: all that may be a row stands in a set of constraints, whose rows are laid anew at each step: three
-   of each contact that is near, those that are held, those of single dofs. */
+   of each contact that is near, those that are held, those of single dofs. Places are the same of all that
+   may be a row. */
 struct rbd_contact_set {
     rbd_constraint_set *rows;
     rbd_contact_options options;
-    int n, held, dof_rows;        /* contacts; constraints behind them; rows of dofs at most */
+    int n, dof_rows;              /* contacts; rows of dofs at most */
     int most;                     /* rows at most */
+    int differ;                   /* whether `nu` and `moved` do */
     rbdi_contact *contact;        /* n */
     rbdi_dof_row *dof_row;        /* dof_rows */
-    rbd_real *held_impulse;       /* rows of what is held */
+    int16_t *place;               /* most: of each row of the step */
+    rbd_real *impulse;            /* most: of the last step, by place; 0 where it had no row */
     rbd_real *friction;           /* of the step's contacts */
     rbd_real *lower, *upper;      /* of its other rows */
     rbd_real *b;                  /* most: u without impulses, with the bias */
     rbd_real *start, *nu, *moved; /* nv each: velocities without forces; of the end; of the positions */
     rbd_real *x;                  /* nv: L^-T dt (tau - c) */
-    rbd_real last_dt;             /* of the last step, 0 = none */
+    rbd_real dt, last_dt;         /* of this step; of the last one, 1 = none */
     rbd_real *sigma;              /* of derivatives: most x nv; then nv x nv, or rows of G; NULL = none */
     rbdi_contact_solver solver;
 };
 
-/* Bytes for n contacts and, at most, `bounded` other rows; `held` of them are of so many constraints. */
-#define RBDI_CONTACT_SET_BYTES(nv, n, constraints, held, bounded, stride) \
+/* Cuts n objects off the memory p. */
+#define RBDI_CUT(type, n) ((type *)rbdi_take(&p, 1, RBDI_ROUND((size_t)(n) * sizeof(type))))
+
+/* Bytes for n contacts, so many constraints that are held and, at most, `bounded` other rows. */
+#define RBDI_CONTACT_SET_BYTES(nv, n, constraints, bounded, stride) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_contact_set)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_contact)) + \
      RBDI_ROUND((size_t)(bounded) * sizeof(rbdi_dof_row)) + \
-     RBDI_ROUND(sizeof(rbd_real) * ((size_t)(n) + (size_t)(held) + 2 * (size_t)(bounded) + \
-                                    RBDI_CONTACT_ROWS(n, bounded) + 4 * (size_t)(nv))) + \
+     RBDI_ROUND(RBDI_CONTACT_ROWS(n, bounded) * sizeof(int16_t)) + \
+     RBDI_ROUND(sizeof(rbd_real) * ((size_t)(n) + 2 * (size_t)(bounded) + \
+                                    2 * RBDI_CONTACT_ROWS(n, bounded) + 4 * (size_t)(nv))) + \
      RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded)) + \
      RBDI_CONSTRAINTS_BYTES(nv, (n) + (constraints), RBDI_CONTACT_ROWS(n, bounded), stride))
 
@@ -419,7 +424,7 @@ struct rbd_contact_set {
 
 /* Bytes that suffice for n contacts and so many other rows: held axes, joint limits, dry friction. */
 #define RBD_CONTACT_SET_SIZE(nv, n, bounded) \
-    RBDI_CONTACT_SET_BYTES(nv, n, bounded, bounded, bounded, 3 * (n) + (bounded) + 4 * RBDI_ROW_BATCH)
+    RBDI_CONTACT_SET_BYTES(nv, n, bounded, bounded, 3 * (n) + (bounded) + 4 * RBDI_ROW_BATCH)
 
 /* ==== src/rbd_contact.h ==== */
 #endif /* RBDI_CONTACT_LAYOUT */
@@ -709,18 +714,18 @@ RBDI_PART void rbdi_contact_judge(rbdi_contact_solver *s) {
     rbdi_project_laws(s);
 }
 
-/* Puts p into cones and bounds: iterations leave it outside by the tolerance. Returns whether p changed. */
-RBDI_PART int rbdi_into_cones(rbdi_contact_solver *s) {
+/* Puts p into cones and bounds: iterations leave it outside by the tolerance. At the end contacts that open
+   have none. Returns whether p changed. */
+RBDI_PART int rbdi_into_cones(rbdi_contact_solver *s, int at_end) {
     int changed = 0;
     for (int i = 0; i < s->given.contacts; ++i) {
         rbd_real *p = &s->p[3 * i];
         const rbd_real size = rbdi_sqrt(p[0] * p[0] + p[1] * p[1]), most = s->law[i].friction * p[2];
-        const int outside = s->law[i].state == RBD_APART || !(p[2] > 0);
-        const rbd_real share = outside ? rbdi_zero() : most / size;
-        if (!outside && !(size > most)) continue;
-        changed |= p[2] < 0 || size > 0;
-        p[0] = p[0] * share, p[1] = p[1] * share;
-        if (outside) p[0] = p[1] = p[2] = rbdi_zero();
+        const rbd_contact_state state = s->law[i].state;
+        const int none = state == RBD_APART || !(p[2] > 0) || (at_end && state == RBD_OPENS);
+        if (none ? !(size > 0 || p[2] < 0 || p[2] > 0) : !(size > most)) continue;
+        for (int j = 0; j < 2 + none; ++j) p[j] = none ? rbdi_zero() : p[j] * (most / size);
+        changed = 1;
     }
     for (int i = 0; i < s->given.bounded; ++i) {
         rbd_real *p = &s->p[3 * s->given.contacts + i];
@@ -749,51 +754,36 @@ RBDI_PART int rbdi_into_cones(rbdi_contact_solver *s) {
    on p, so the solution is that of the laws as they are. S has mu e where T has none, so G is not symmetric:
    Gauss with row pivots. Where nothing slips, S = T: Cholesky, in half of the time. */
 
-/* Unknown number n of row `first` and, of a contact, the two behind it. */
-RBDI_INLINE rbdi_contact_unknown *rbdi_new_unknown(rbdi_contact_solver *s, int n, int first, int rows,
+/* A new unknown of so many rows from number `first` on, of which u shall become 0 in the first. */
+RBDI_INLINE rbdi_contact_unknown *rbdi_new_unknown(rbdi_contact_solver *s, int first, int rows,
                                                    rbd_real scale) {
-    rbdi_contact_unknown *x = &s->unknown[n];
-    x->first = first, x->rows = rows, x->scale = scale;
-    for (int j = 0; j < 3; ++j) x->column[j] = x->row[j] = rbdi_zero();
-    x->alpha = rbdi_zero();
+    rbdi_contact_unknown *x = &s->unknown[s->unknowns++];
+    x->first = first, x->rows = rows, x->scale = scale, x->alpha = rbdi_zero();
+    for (int j = 0; j < 3; ++j) x->column[j] = x->row[j] = rbdi_set(RBD_C(j == 0));
     return x;
 }
 
-/* One row whose u shall become 0. */
-RBDI_INLINE void rbdi_plain_unknown(rbdi_contact_solver *s, int n, int row, rbd_real scale) {
-    rbdi_contact_unknown *x = rbdi_new_unknown(s, n, row, 1, scale);
-    x->column[0] = x->row[0] = rbdi_set(RBD_C(1));
-}
-
-/* Lists the unknowns (2); returns their number. */
-RBDI_PART int rbdi_list_unknowns(rbdi_contact_solver *s) {
-    int n = 0;
-    s->symmetric = 1;
+/* Lists the unknowns (2). The right-hand sides stand behind G's columns, up to a whole batch. */
+RBDI_PART void rbdi_list_unknowns(rbdi_contact_solver *s) {
+    s->symmetric = 1, s->unknowns = 0;
     for (int i = 0; i < s->given.contacts; ++i) {
         const rbdi_contact_law *law = &s->law[i];
-        if (law->state == RBD_SLIPS) s->symmetric = 0;
-        if (law->state == RBD_STICKS)
-            for (int j = 0; j < 3; ++j) rbdi_plain_unknown(s, n++, 3 * i + j, law->trace);
-        if (law->state == RBD_SLIPS) {
-            rbdi_contact_unknown *x = rbdi_new_unknown(s, n++, 3 * i, 3, law->trace);
-            x->column[0] = law->friction * law->e[0], x->column[1] = law->friction * law->e[1];
-            x->column[2] = x->row[2] = rbdi_set(RBD_C(1));
-        }
-        if (law->state == RBD_SLIPS && law->friction > 0) {
-            rbdi_contact_unknown *x = rbdi_new_unknown(s, n++, 3 * i, 3, law->trace);
-            x->column[0] = x->row[0] = -law->e[1], x->column[1] = x->row[1] = law->e[0];
-            x->alpha = law->alpha;
-        }
+        rbdi_contact_unknown *x;
+        for (int j = 0; j < 3 && law->state == RBD_STICKS; ++j)
+            (void)rbdi_new_unknown(s, 3 * i + j, 1, law->trace);
+        if (law->state != RBD_SLIPS) continue;
+        s->symmetric = 0;
+        x = rbdi_new_unknown(s, 3 * i, 3, law->trace);
+        x->column[0] = law->friction * law->e[0], x->column[1] = law->friction * law->e[1];
+        x->row[0] = rbdi_zero(), x->column[2] = x->row[2] = rbdi_set(RBD_C(1));
+        if (!(law->friction > 0)) continue;
+        x = rbdi_new_unknown(s, 3 * i, 3, law->trace);
+        x->column[0] = x->row[0] = -law->e[1], x->column[1] = x->row[1] = law->e[0];
+        x->alpha = law->alpha;
     }
     for (int i = 0, r = 3 * s->given.contacts; i < s->given.bounded; ++i, ++r)
-        if (s->bound[i] == RBD_STICKS) rbdi_plain_unknown(s, n++, r, s->given.delta[r * s->rows + r]);
-    return n;
-}
-
-/* Entries from one row of G to the next: n unknowns, the right-hand sides as columns from n on, up to a whole
-   batch. */
-RBDI_INLINE int rbdi_newton_stride(const rbdi_contact_solver *s, int n) {
-    return (n + s->sides + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH;
+        if (s->bound[i] == RBD_STICKS) (void)rbdi_new_unknown(s, r, 1, s->given.delta[r * s->rows + r]);
+    s->stride = (s->unknowns + s->sides + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH;
 }
 
 /* An unknown's row of T' Delta: one of Delta's, or a sum of three, in s->scratch. */
@@ -806,9 +796,9 @@ RBDI_INLINE const rbd_real *rbdi_newton_row(rbdi_contact_solver *s, const rbdi_c
     return s->scratch;
 }
 
-/* G, or its upper triangle if it is symmetric, and -T'u behind it, of n unknowns. u: rows x sides. */
-RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, int n, rbd_const proximal, const rbd_real *u) {
-    const int stride = rbdi_newton_stride(s, n), sides = s->sides;
+/* G, or its upper triangle if it is symmetric, and -T'u behind it. u: rows x sides. */
+RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, rbd_const proximal, const rbd_real *u) {
+    const int n = s->unknowns, stride = s->stride, sides = s->sides;
     rbdi_clear(s->G, n * stride);
     for (int i = 0; i < n; ++i) {
         const rbdi_contact_unknown *x = &s->unknown[i];
@@ -827,14 +817,13 @@ RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, int n, rbd_const proxi
 }
 
 /* The largest entry on or below the diagonal of column k comes to the diagonal. Returns 0 if all are 0. */
-RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int n, int k) {
-    const int stride = rbdi_newton_stride(s, n);
-    rbd_real *own = &s->G[k * stride], *best = own, largest = rbdi_zero();
-    for (rbd_real *g = own; g < &s->G[n * stride]; g += stride) {
+RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int k) {
+    rbd_real *own = &s->G[k * s->stride], *best = own, largest = rbdi_zero();
+    for (rbd_real *g = own; g < &s->G[s->unknowns * s->stride]; g += s->stride) {
         const rbd_real size = rbdi_abs(g[k]);
         if (size > largest) best = g, largest = size;
     }
-    for (int j = k; best != own && j < n + s->sides; ++j) {
+    for (int j = k; best != own && j < s->unknowns + s->sides; ++j) {
         const rbd_real x = own[j];
         own[j] = best[j], best[j] = x;
     }
@@ -843,13 +832,13 @@ RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int n, int k) {
 
 /* Eliminates below the diagonal. Returns 0 if G is singular. Rows are eliminated from a whole batch on: the
    entries that this changes before column k are not read again. */
-RBDI_PART int rbdi_newton_gauss(rbdi_contact_solver *s, int n) {
-    const int stride = rbdi_newton_stride(s, n);
+RBDI_PART int rbdi_newton_gauss(rbdi_contact_solver *s) {
+    const int n = s->unknowns, stride = s->stride;
     for (int k = 0; k < n; ++k) {
         const rbd_real *own = &s->G[k * stride];
         const int from = k / RBDI_BATCH * RBDI_BATCH;
         rbd_real inverse;
-        if (!rbdi_newton_pivot(s, n, k)) return 0;
+        if (!rbdi_newton_pivot(s, k)) return 0;
         inverse = 1 / own[k];
         for (int i = k + 1; i < n; ++i) {
             rbd_real *g = &s->G[i * stride];
@@ -860,9 +849,9 @@ RBDI_PART int rbdi_newton_gauss(rbdi_contact_solver *s, int n) {
 }
 
 /* R of a symmetric G = R'R, and R'^-1 times the right-hand sides. Returns 0 if G is not positive definite. */
-RBDI_PART int rbdi_newton_cholesky(rbdi_contact_solver *s, int n) {
-    const int stride = rbdi_newton_stride(s, n);
-    for (int k = 0; k < n; ++k) {
+RBDI_PART int rbdi_newton_cholesky(rbdi_contact_solver *s) {
+    const int stride = s->stride;
+    for (int k = 0; k < s->unknowns; ++k) {
         rbd_real *own = &s->G[k * stride];
         const int from = k / RBDI_BATCH * RBDI_BATCH;
         for (int j = from; j < stride; j += RBDI_BATCH) {
@@ -877,9 +866,9 @@ RBDI_PART int rbdi_newton_cholesky(rbdi_contact_solver *s, int n) {
 }
 
 /* dx in place of the right-hand sides. Returns 0 if there is none. */
-RBDI_PART int rbdi_newton_solve(rbdi_contact_solver *s, int n) {
-    const int stride = rbdi_newton_stride(s, n);
-    if (!(s->symmetric ? rbdi_newton_cholesky(s, n) : rbdi_newton_gauss(s, n))) return 0;
+RBDI_PART int rbdi_newton_solve(rbdi_contact_solver *s) {
+    const int n = s->unknowns, stride = s->stride;
+    if (!(s->symmetric ? rbdi_newton_cholesky(s) : rbdi_newton_gauss(s))) return 0;
     for (int k = n - 1; k >= 0; --k) {
         rbd_real *g = &s->G[k * stride];
         for (int j = k + 1; j < n; ++j) rbdi_subtract(&g[n], g[j], &s->G[j * stride + n], s->sides);
@@ -904,12 +893,12 @@ RBDI_PART void rbdi_onto_cones(rbdi_contact_solver *s) {
 }
 
 /* p += S dx. p: rows x sides. */
-RBDI_PART void rbdi_add_increments(const rbdi_contact_solver *s, int n, rbd_real *p) {
-    const int stride = rbdi_newton_stride(s, n), sides = s->sides;
+RBDI_PART void rbdi_add_increments(const rbdi_contact_solver *s, rbd_real *p) {
+    const int n = s->unknowns, sides = s->sides;
     for (int i = 0; i < n; ++i) {
         const rbdi_contact_unknown *x = &s->unknown[i];
         for (int j = 0; j < x->rows; ++j)
-            rbdi_subtract(&p[(x->first + j) * sides], -x->column[j], &s->G[i * stride + n], sides);
+            rbdi_subtract(&p[(x->first + j) * sides], -x->column[j], &s->G[i * s->stride + n], sides);
     }
 }
 
@@ -919,30 +908,32 @@ RBDI_INLINE void rbdi_copy_rows(const rbdi_contact_solver *s, const rbd_real *fr
 
 /* s->aim: p as a step of all its length has it. Returns 0 if there is none. */
 RBDI_PART int rbdi_newton_aim(rbdi_contact_solver *s, rbd_const proximal) {
-    int n;
     rbdi_onto_cones(s);
     rbdi_contact_velocities(s);
-    n = rbdi_list_unknowns(s);
-    rbdi_newton_matrix(s, n, proximal, s->u);
-    if (!rbdi_newton_solve(s, n)) return 0;
-    rbdi_add_increments(s, n, s->p);
+    rbdi_list_unknowns(s);
+    rbdi_newton_matrix(s, proximal, s->u);
+    if (!rbdi_newton_solve(s)) return 0;
+    rbdi_add_increments(s, s->p);
     rbdi_copy_rows(s, s->p, s->aim);
     return 1;
 }
 
+/* The share of a step at which an impulse comes to its bound, if that is less than `share`. */
+RBDI_INLINE rbd_real rbdi_share_until(rbd_real share, rbd_real from, rbd_real to, rbd_real lower,
+                                      rbd_real upper) {
+    const rbd_real room = (to < from ? lower : upper) - from, way = share * (to - from);
+    if (!(to < lower || to > upper) || rbdi_abs(way) <= rbdi_abs(room)) return share;
+    return room / (to - from);
+}
+
 /* The share of a step at which the first contact opens, or the first row comes to its bound. */
 RBDI_PART rbd_real rbdi_share_to_bound(const rbdi_contact_solver *s) {
+    const rbd_real *from = s->start, *to = s->aim;
     rbd_real share = rbdi_set(RBD_C(1));
-    for (int i = 0; i < s->given.contacts; ++i) {
-        const rbd_real from = s->start[3 * i + 2], to = s->aim[3 * i + 2];
-        if (to < 0 && from < share * (from - to)) share = from / (from - to);
-    }
-    for (int i = 0, r = 3 * s->given.contacts; i < s->given.bounded; ++i, ++r) {
-        const rbd_real from = s->start[r], to = s->aim[r],
-                       bound = to < from ? s->given.lower[i] : s->given.upper[i];
-        if ((to < s->given.lower[i] || to > s->given.upper[i]) && share * (to - from) / (bound - from) > 1)
-            share = (bound - from) / (to - from);
-    }
+    for (int r = 2; r < 3 * s->given.contacts; r += 3)
+        share = rbdi_share_until(share, from[r], to[r], rbdi_zero(), rbdi_set(RBDI_UNBOUNDED));
+    for (int i = 0, r = 3 * s->given.contacts; i < s->given.bounded; ++i, ++r)
+        share = rbdi_share_until(share, from[r], to[r], s->given.lower[i], s->given.upper[i]);
     return share;
 }
 
@@ -955,7 +946,7 @@ RBDI_PART int rbdi_newton_step(rbdi_contact_solver *s, rbd_const proximal) {
     for (int i = rbdi_newton_aim(s, proximal) ? 0 : RBDI_SHORTENINGS; i < RBDI_SHORTENINGS; ++i) {
         const rbd_real share = i == 1 ? rbdi_share_to_bound(s) : rbdi_set(shorter[i]);
         for (int r = 0; i > 0 && r < s->rows; ++r) s->p[r] = s->start[r] + (s->aim[r] - s->start[r]) * share;
-        (void)rbdi_into_cones(s);
+        (void)rbdi_into_cones(s, 0);
         rbdi_contact_judge(s);
         if (s->solution.residual < before * gain[i]) return 1;
     }
@@ -993,34 +984,28 @@ RBDI_PART void rbdi_sweep_some(rbdi_contact_solver *s, int n) {
 /* Ends with this p: in cones and bounds, 0 where contacts open; one that pushes nevertheless, by less than
    the tolerance, counts as sticking. Returns whether that solves the problem. */
 RBDI_PART int rbdi_contact_end(rbdi_contact_solver *s) {
-    int changed = rbdi_into_cones(s);
-    for (int i = 0; i < s->given.contacts; ++i) {
-        rbd_real *p = &s->p[3 * i];
-        if (s->law[i].state != RBD_OPENS || !(p[2] > 0)) continue;
-        p[0] = p[1] = p[2] = rbdi_zero(), changed = 1;
-    }
-    if (changed) rbdi_contact_judge(s);
+    if (rbdi_into_cones(s, 1)) rbdi_contact_judge(s);
     for (int i = 0; i < s->given.contacts; ++i)
         if (s->law[i].state == RBD_OPENS && s->p[3 * i + 2] > 0) s->law[i].state = RBD_STICKS;
     return s->solution.residual <= s->given.tolerance;
+}
+
+/* p from other impulses, in cones and bounds. */
+RBDI_PART void rbdi_contact_take(rbdi_contact_solver *s, const rbd_real *p) {
+    rbdi_copy_rows(s, p, s->p);
+    (void)rbdi_into_cones(s, 0);
+    rbdi_contact_judge(s);
 }
 
 /* Ends a problem that is not solved with the best p, or with none unless that halves the residual: contacts
    that jam would be answered by impulses that drown the velocities. */
 RBDI_PART void rbdi_contact_give_up(rbdi_contact_solver *s) {
     rbd_real least;
-    rbdi_clear(s->p, s->rows);
-    (void)rbdi_into_cones(s);
-    rbdi_contact_judge(s);
+    rbdi_clear(s->start, s->rows);
+    rbdi_contact_take(s, s->start);
     least = s->solution.residual / 2;
-    rbdi_copy_rows(s, s->p, s->start);
-    rbdi_copy_rows(s, s->best, s->p);
-    (void)rbdi_into_cones(s);
-    rbdi_contact_judge(s);
-    if (!(s->solution.residual < least)) {
-        rbdi_copy_rows(s, s->start, s->p);
-        rbdi_contact_judge(s);
-    }
+    rbdi_contact_take(s, s->best);
+    if (!(s->solution.residual < least)) rbdi_contact_take(s, s->start);
     (void)rbdi_contact_end(s);
 }
 
@@ -1044,18 +1029,14 @@ RBDI_PART void rbdi_contact_iterate(rbdi_contact_solver *s) {
 }
 
 /* Cuts a solver's arrays off the memory. */
-RBDI_PART void rbdi_lay_solver(rbdi_contact_solver *s, int contacts, int bounded, unsigned char *memory) {
+RBDI_PART void rbdi_lay_solver(rbdi_contact_solver *s, int contacts, int bounded, unsigned char *p) {
     const int rows = 3 * contacts + bounded;
-    rbd_real *x;
-    s->law =
-        (rbdi_contact_law *)rbdi_take(&memory, 1, RBDI_ROUND((size_t)contacts * sizeof(rbdi_contact_law)));
-    s->bound =
-        (rbd_contact_state *)rbdi_take(&memory, 1, RBDI_ROUND((size_t)bounded * sizeof(rbd_contact_state)));
-    s->unknown = (rbdi_contact_unknown *)rbdi_take(&memory, 1,
-                                                   RBDI_ROUND((size_t)rows * sizeof(rbdi_contact_unknown)));
-    x = (rbd_real *)rbdi_take(&memory, rows * (rows + 5 + RBDI_CHUNK), sizeof(rbd_real));
-    s->u = x, s->start = x + rows, s->aim = x + 2 * rows, s->best = x + 3 * rows, s->scratch = x + 4 * rows;
-    s->G = x + 5 * rows;
+    s->law = RBDI_CUT(rbdi_contact_law, contacts);
+    s->bound = RBDI_CUT(rbd_contact_state, bounded);
+    s->unknown = RBDI_CUT(rbdi_contact_unknown, rows);
+    s->u = RBDI_CUT(rbd_real, rows * (rows + 5 + RBDI_CHUNK)), s->start = s->u + rows;
+    s->aim = s->start + rows, s->best = s->aim + rows, s->scratch = s->best + rows;
+    s->G = s->scratch + rows;
 }
 
 /* Takes a problem, with its defaults, and computes all that stays the same between iterations. */
@@ -1141,8 +1122,8 @@ static rbd_constraint rbdi_constraint_of_contact(const rbd_contact *a) {
 }
 
 static rbd_status rbdi_check_contact(const rbd_model *m, const rbd_contact *a, int i, rbd_report *report) {
-    const double values[6] = {a->radius, a->friction, a->restitution, a->stiffness, a->damping, 0};
-    const char *const names[6] = {"radius", "friction", "restitution", "stiffness", "damping", NULL};
+    const double values[5] = {a->radius, a->friction, a->restitution, a->stiffness, a->damping};
+    const char *const names[5] = {"radius", "friction", "restitution", "stiffness", "damping"};
     const rbd_constraint k = rbdi_constraint_of_contact(a);
     const rbd_status status = rbdi_check_constraint(m, &k, i, report);
     if (status) {
@@ -1207,11 +1188,10 @@ static int rbdi_contact_counts_fit(const rbd_constraint *held, int n, int n_held
 RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constraint *held, int n_held,
                                      const rbd_contact_options *options) {
     const rbd_contact_options o = rbdi_contact_defaults(options);
-    int rows, bounded, most;
+    int bounded, most;
     if (!m || !rbdi_contact_counts_fit(held, n, n_held)) return 0;
-    rows = rbdi_rows_of(held, n_held);
-    bounded = rows + rbdi_list_dof_rows(m, &o, NULL), most = 3 * n + bounded;
-    return RBDI_CONTACT_SET_BYTES(m->nv, n, n_held, rows, bounded, rbdi_row_stride(most)) +
+    bounded = rbdi_rows_of(held, n_held) + rbdi_list_dof_rows(m, &o, NULL), most = 3 * n + bounded;
+    return RBDI_CONTACT_SET_BYTES(m->nv, n, n_held, bounded, rbdi_row_stride(most)) +
            (o.derivatives ? RBDI_ROUND(sizeof(rbd_real) * (size_t)RBDI_CONTACT_SIDES(m->nv, most)) : 0);
 }
 
@@ -1233,24 +1213,21 @@ static rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work *w,
 /* Cuts the arrays of a set off the memory. */
 static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held, int held_rows,
                                           const rbd_contact_options *o, void *memory) {
-    const int dof_rows = rbdi_list_dof_rows(m, o, NULL), bounded = held_rows + dof_rows;
+    const int dof_rows = rbdi_list_dof_rows(m, o, NULL), bounded = held_rows + dof_rows, nv = m->nv;
     unsigned char *p = rbdi_aligned(memory);
-    rbd_contact_set *c = (rbd_contact_set *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_contact_set)));
-    rbd_real *x;
+    rbd_contact_set *c = RBDI_CUT(rbd_contact_set, 1);
     c->options = *o;
-    c->n = n, c->held = n_held, c->dof_rows = dof_rows, c->most = 3 * n + bounded;
-    c->contact = (rbdi_contact *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n * sizeof(rbdi_contact)));
-    c->dof_row = (rbdi_dof_row *)rbdi_take(&p, 1, RBDI_ROUND((size_t)bounded * sizeof(rbdi_dof_row)));
-    x = (rbd_real *)rbdi_take(
-        &p, 1, RBDI_ROUND(sizeof(rbd_real) * (size_t)(n + held_rows + 2 * bounded + c->most + 4 * m->nv)));
-    c->friction = x, c->held_impulse = x + n, c->lower = c->held_impulse + held_rows;
-    c->upper = c->lower + bounded, c->b = c->upper + bounded, c->start = c->b + c->most;
-    c->nu = c->start + m->nv, c->moved = c->nu + m->nv, c->x = c->moved + m->nv;
+    c->n = n, c->dof_rows = dof_rows, c->most = 3 * n + bounded;
+    c->contact = RBDI_CUT(rbdi_contact, n);
+    c->dof_row = RBDI_CUT(rbdi_dof_row, bounded);
+    c->place = RBDI_CUT(int16_t, c->most);
+    c->friction = RBDI_CUT(rbd_real, n + 2 * bounded + 2 * c->most + 4 * nv), c->lower = c->friction + n;
+    c->upper = c->lower + bounded, c->b = c->upper + bounded, c->impulse = c->b + c->most;
+    c->start = c->impulse + c->most, c->nu = c->start + nv, c->moved = c->nu + nv, c->x = c->moved + nv;
     rbdi_lay_solver(&c->solver, n, bounded, p);
     p += RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded));
-    c->sigma = o->derivatives ? (rbd_real *)p : NULL;
-    if (o->derivatives) p += RBDI_ROUND(sizeof(rbd_real) * (size_t)RBDI_CONTACT_SIDES(m->nv, c->most));
-    c->rows = rbdi_lay_constraints(m->nv, n + n_held, c->most, p);
+    c->sigma = o->derivatives ? RBDI_CUT(rbd_real, RBDI_CONTACT_SIDES(nv, c->most)) : NULL;
+    c->rows = rbdi_lay_constraints(nv, n + n_held, c->most, p);
     return c;
 }
 
@@ -1267,27 +1244,16 @@ static void rbdi_place_contact(const rbd_model *m, rbd_contact_set *c, const rbd
     to->stiffness = RBD_C(a->stiffness), to->damping = RBD_C(a->damping);
 }
 
-/* The dofs of each constraint's paths, and the links on them. */
-static void rbdi_reach_contacts(const rbd_model *m, rbd_constraint_set *s) {
-    for (int k = 0; k < m->nv; ++k) s->span[k].first = s->span[k].end = 0;
-    for (int i = 0; i < s->n; ++i) rbdi_reach_dofs(m, s, &s->constraint[i]);
-    s->links = 0;
-    for (int i = 0; i < m->nl && !rbdi_mimics(m); ++i)
-        if (s->span[m->link[i].iv].end > 0) s->link[s->links++] = (int16_t)i;
-}
-
 RBDI_API void rbd_contact_reset(rbd_contact_set *c) {
+    const rbd_contact_solution none = {0, 0, 0};
     if (!c) return;
-    c->last_dt = rbdi_zero();
-    c->solver.solution.residual = rbdi_zero();
-    c->solver.solution.sweeps = c->solver.solution.newton_steps = 0;
-    for (int i = 0; i < c->n; ++i) {
-        rbdi_contact *a = &c->contact[i];
-        for (int j = 0; j < 3; ++j) a->impulse[j] = a->force[j] = rbdi_zero();
+    c->last_dt = rbdi_set(RBD_C(1));
+    c->solver.solution = none;
+    rbdi_clear(c->impulse, c->most);
+    for (rbdi_contact *a = c->contact; a < c->contact + c->n; ++a) {
+        rbdi_clear(a->force, 3);
         a->state = RBD_APART, a->gap = rbdi_zero(), a->row = -1;
     }
-    for (int i = 0; i < c->dof_rows; ++i) c->dof_row[i].impulse = rbdi_zero();
-    rbdi_clear(c->held_impulse, (int)(c->lower - c->held_impulse));
 }
 
 RBDI_API rbd_status rbd_contact_set_init(const rbd_model *m, rbd_work *w, const rbd_contact *list, int n,
@@ -1308,15 +1274,13 @@ RBDI_API rbd_status rbd_contact_set_init(const rbd_model *m, rbd_work *w, const 
         return rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL);
     o = rbdi_contact_defaults(options);
     c = rbdi_lay_contacts(m, n, n_held, rbdi_rows_of(held, n_held), &o, memory);
-    for (int k = 0; k < RBDI_SHAPE; ++k) c->rows->shape[k] = m->shape[k];
-    c->rows->w = w, c->rows->infeasible = -1;
     for (int i = 0; i < n; ++i) rbdi_place_contact(m, c, &list[i], i);
     for (int i = n; i < n + n_held; row += c->rows->constraint[i++].rows) {
         rbdi_place_constraint(m, &held[i - n], row, &c->rows->constraint[i]);
         c->rows->constraint[i].kp = 1; /* any: derivatives of errors of position are wanted */
     }
     rbdi_list_dof_rows(m, &o, c->dof_row);
-    rbdi_reach_contacts(m, c->rows);
+    rbdi_begin_set(m, w, c->rows);
     rbd_contact_reset(c);
     *contacts = c;
     return RBD_OK;
@@ -1351,19 +1315,14 @@ RBDI_INLINE rbdi_v3 rbdi_contact_normal(const rbd_constraint_set *s, const rbdi_
 
 /* Gap and velocity of approach of a contact; the frame of its constraint comes to the place of contact. */
 static void rbdi_contact_gap(const rbd_constraint_set *s, rbdi_constraint *k, rbdi_contact *a) {
-    const rbdi_v3 n = rbdi_contact_normal(s, k);
+    const rbdi_v3 n = rbdi_contact_normal(s, k),
+                  x = k->link[0] < 0 ? n : rbdi_mul(s->w->kin[k->link[0]].X.E, n);
     rbdi_station one, two;
-    k->p[0] = a->point;
-    one = rbdi_station_of(s, k, 0);
-    a->gap = rbdi_dot(n, rbdi_sub(one.p, rbdi_station_of(s, k, 1).p)) - a->radius;
-    if (a->radius > 0) {
-        const rbdi_v3 x = k->link[0] < 0 ? n : rbdi_mul(s->w->kin[k->link[0]].X.E, n);
-        k->p[0].x = a->point.x - a->radius * (rbd_const)x.x;
-        k->p[0].y = a->point.y - a->radius * (rbd_const)x.y;
-        k->p[0].z = a->point.z - a->radius * (rbd_const)x.z;
-        one = rbdi_station_of(s, k, 0);
-    }
-    two = rbdi_station_at(s, k->link[1], one.p);
+    k->p[0].x = a->point.x - a->radius * (rbd_const)x.x;
+    k->p[0].y = a->point.y - a->radius * (rbd_const)x.y;
+    k->p[0].z = a->point.z - a->radius * (rbd_const)x.z;
+    one = rbdi_station_of(s, k, 0), two = rbdi_station_at(s, k->link[1], one.p);
+    a->gap = rbdi_dot(n, rbdi_sub(one.p, rbdi_station_of(s, k, 1).p));
     a->approach = rbdi_dot(n, rbdi_sub(one.v, two.v));
 }
 
@@ -1372,56 +1331,73 @@ RBDI_INLINE int rbdi_may_touch(rbd_real distance, rbd_real rate, rbd_real dt, rb
     return distance <= margin || distance + 2 * dt * rate <= 0;
 }
 
-/* The row of a limit that is near, or of dry friction; -1 if it is none. */
-static int rbdi_dof_row_at(rbdi_dof_row *a, int row, const rbd_real *q, const rbd_real *v, rbd_real dt) {
+/* Whether a limit is near, as all dry friction is. */
+static int rbdi_dof_row_at(rbdi_dof_row *a, const rbd_real *q, const rbd_real *v, rbd_real dt) {
     rbd_real below, above;
-    a->row = row, a->distance = rbdi_zero(), a->side = rbdi_set(RBD_C(1));
+    a->distance = rbdi_zero(), a->side = rbdi_set(RBD_C(1));
     if (a->iq < 0) return 1;
     below = q[a->iq] - a->lower, above = a->upper - q[a->iq];
     if (above < below) a->side = -a->side;
     a->distance = above < below ? above : below;
-    if (rbdi_may_touch(a->distance, a->side * v[a->dof], dt, rbdi_set(RBDI_NEAR_LIMIT))) return 1;
-    a->row = -1;
-    return 0;
+    return rbdi_may_touch(a->distance, a->side * v[a->dof], dt, rbdi_set(RBDI_NEAR_LIMIT));
 }
 
-/* Adds n rows from number `row` on to those that a dof has entries in. */
-RBDI_INLINE void rbdi_widen_span(rbdi_span *span, int row, int n) {
-    if (span->end == 0) span->first = (int16_t)row;
-    span->end = (int16_t)(row + n);
+/* s->path: a dof and those that carry it, ascending. Returns how many. */
+static int rbdi_path_to(const rbd_model *m, const rbd_constraint_set *s, int dof) {
+    const int n = m->dof[dof].depth + 1;
+    for (int t = n - 1; t >= 0; --t, dof = m->dof[dof].lambda) s->path[t] = (int16_t)dof;
+    return n;
 }
 
-static void rbdi_open_rows(rbd_constraint_set *s, rbdi_constraint *k, int row) {
-    k->row = (int16_t)row;
-    for (int t = 0; t < k->dofs; ++t) rbdi_widen_span(&s->span[k->dof[t]], row, k->rows);
-}
-
-/* Lists the rows of the step; returns the number of contacts among them. */
-static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real *q, const rbd_real *v,
-                          rbd_real dt) {
+/* Gives the n rows from this place on the next rows of the step, with entries in these dofs. Returns the
+   first. */
+static int rbdi_open_rows(rbd_contact_set *c, int place, int n, const int16_t *dof, int dofs) {
     rbd_constraint_set *s = c->rows;
-    int row = 0, contacts;
+    const int row = s->rows;
+    for (int r = 0; r < n; ++r) c->place[s->rows++] = (int16_t)(place + r);
+    for (int t = 0; t < dofs; ++t) {
+        rbdi_span *span = &s->span[dof[t]];
+        if (span->end == 0) span->first = (int16_t)row;
+        span->end = (int16_t)s->rows;
+    }
+    return row;
+}
+
+/* Lists the rows of the step with their bounds and the impulses to begin with, which are those of the last
+   step, or a share for a step of another length. Returns the number of contacts. */
+static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real *q, const rbd_real *v) {
+    rbd_constraint_set *s = c->rows;
+    const rbd_real dt = c->dt, share = dt / c->last_dt;
+    int place = 0, contacts;
     for (int k = 0; k < m->nv; ++k) s->span[k].first = s->span[k].end = 0;
-    for (int i = 0; i < c->n; ++i) {
+    s->rows = 0;
+    for (int i = 0; i < c->n; ++i, place += 3) {
+        rbdi_constraint *k = &s->constraint[i];
         rbdi_contact *a = &c->contact[i];
-        rbdi_contact_gap(s, &s->constraint[i], a);
+        rbdi_contact_gap(s, k, a);
         a->row = -1, a->state = RBD_APART;
         if (!rbdi_may_touch(a->gap, a->approach, dt, RBD_C(c->options.margin))) continue;
-        a->row = row;
-        c->friction[row / 3] = rbdi_set(a->friction);
-        rbdi_open_rows(s, &s->constraint[i], row);
-        row += 3;
+        c->friction[s->rows / 3] = rbdi_set(a->friction);
+        a->row = rbdi_open_rows(c, place, 3, k->dof, k->dofs);
+        k->row = (int16_t)a->row;
     }
-    contacts = row / 3;
-    for (int i = c->n; i < c->n + c->held; row += s->constraint[i++].rows)
-        rbdi_open_rows(s, &s->constraint[i], row);
+    contacts = s->rows / 3;
+    for (rbdi_constraint *k = s->constraint + c->n; k < s->constraint + s->n; place += k++->rows) {
+        k->row = (int16_t)rbdi_open_rows(c, place, k->rows, k->dof, k->dofs);
+        for (int r = k->row - 3 * contacts; r < s->rows - 3 * contacts; ++r)
+            c->upper[r] = rbdi_set(RBDI_UNBOUNDED), c->lower[r] = -c->upper[r];
+    }
     for (int i = 0; i < c->dof_rows; ++i) {
         rbdi_dof_row *a = &c->dof_row[i];
-        if (!rbdi_dof_row_at(a, row, q, v, dt)) continue;
-        for (int k = a->dof; k >= 0; k = m->dof[k].lambda) rbdi_widen_span(&s->span[k], row, 1);
-        ++row;
+        const int r = s->rows - 3 * contacts, near = rbdi_dof_row_at(a, q, v, dt);
+        a->row = near ? rbdi_open_rows(c, place + i, 1, s->path, rbdi_path_to(m, s, a->dof)) : -1;
+        if (!near) continue;
+        c->lower[r] = a->iq < 0 ? dt * a->lower : rbdi_zero();
+        c->upper[r] = a->iq < 0 ? dt * a->upper : rbdi_set(RBDI_UNBOUNDED);
     }
-    s->rows = row, s->stride = rbdi_row_stride(row);
+    s->stride = rbdi_row_stride(s->rows);
+    rbdi_clear(s->lambda, s->stride);
+    for (int r = 0; r < s->rows; ++r) s->lambda[r] = c->impulse[c->place[r]] * share;
     return contacts;
 }
 
@@ -1429,13 +1405,10 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
 static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     rbdi_clear(s->Y, m->nv * s->stride);
-    rbdi_clear(s->target, s->stride);
-    rbdi_clear(s->u, s->stride);
-    rbdi_clear(s->gamma, s->stride);
-    rbdi_clear(s->e, s->stride);
+    rbdi_clear(s->target, (int)(s->e - s->target) + s->stride); /* u and gamma too */
     for (int i = 0; i < c->n; ++i)
         if (c->contact[i].row >= 0) rbdi_constraint_rows(m, s, &s->constraint[i], 0);
-    for (int i = c->n; i < c->n + c->held; ++i) rbdi_constraint_rows(m, s, &s->constraint[i], 1);
+    for (int i = c->n; i < s->n; ++i) rbdi_constraint_rows(m, s, &s->constraint[i], 1);
     for (int i = 0; i < c->dof_rows; ++i)
         if (c->dof_row[i].row >= 0)
             s->Y[c->dof_row[i].dof * s->stride + c->dof_row[i].row] = c->dof_row[i].side;
@@ -1447,60 +1420,33 @@ static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
 }
 
 /* Delta of (4), rows x rows, in s->R; first the upper triangle, in rows of s->stride. A row that
-   rounding alone moves gets 0 on the diagonal: nothing gives way there. */
+   rounding alone moves gets 0 on the diagonal: nothing gives way there. Last what slip and stiffness add. */
 static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     const int n = s->rows;
     rbd_real *delta = s->R;
     rbdi_bound_noise(m, s);
-    for (int i = 0; i < c->n + c->held; ++i) {
+    for (int i = 0; i < s->n; ++i) {
         const rbdi_constraint *k = &s->constraint[i];
         if (i >= c->n || c->contact[i].row >= 0) rbdi_delta(s, k->dof, k->dofs, k->row, k->rows);
     }
     for (int i = 0; i < c->dof_rows; ++i) {
-        const int dof = c->dof_row[i].dof, depth = m->dof[dof].depth;
-        if (c->dof_row[i].row < 0) continue;
-        for (int t = depth, k = dof; t >= 0; --t, k = m->dof[k].lambda) s->path[t] = (int16_t)k;
-        rbdi_delta(s, s->path, depth + 1, c->dof_row[i].row, 1);
+        const rbdi_dof_row *a = &c->dof_row[i];
+        if (a->row >= 0) rbdi_delta(s, s->path, rbdi_path_to(m, s, a->dof), a->row, 1);
     }
     for (int r = 0; r < n; ++r) {
         for (int t = 0; t < r; ++t) delta[r * n + t] = delta[t * n + r];
         for (int t = r; t < n; ++t) delta[r * n + t] = delta[r * s->stride + t];
         if (delta[r * n + r] <= s->noise) delta[r * n + r] = rbdi_zero();
     }
-}
-
-/* Impulses of the last step, which a step of another length takes a share of; bounds of the rows behind the
-   contacts; what stiffness adds to Delta. */
-static void rbdi_begin_rows(rbd_contact_set *c, int contacts, rbd_real dt) {
-    rbd_constraint_set *s = c->rows;
-    const rbd_real share = c->last_dt > 0 ? dt / c->last_dt : rbdi_zero();
-    const int held = (int)(c->lower - c->held_impulse);
-    rbdi_clear(s->lambda, s->stride);
-    for (int i = 0; i < c->n; ++i) {
-        const rbdi_contact *a = &c->contact[i];
-        if (a->row < 0) continue;
-        for (int j = 0; j < 3; ++j) s->lambda[a->row + j] = a->impulse[j] * share;
-        for (int j = 0; j < 3; ++j) {
-            rbd_real *d = &s->R[(a->row + j) * (s->rows + 1)];
+    for (const rbdi_contact *a = c->contact; a < c->contact + c->n; ++a)
+        for (int j = 0; j < 3 && a->row >= 0; ++j) {
+            rbd_real *d = &delta[(a->row + j) * (n + 1)];
             if (j < 2)
-                *d = *d + RBD_C(c->options.slip) / dt;
+                *d = *d + RBD_C(c->options.slip) / c->dt;
             else if (a->stiffness > 0 && a->gap <= 0)
-                *d = *d + 1 / (dt * (dt * a->stiffness + a->damping));
+                *d = *d + 1 / (c->dt * (c->dt * a->stiffness + a->damping));
         }
-    }
-    for (int i = 0; i < held; ++i) {
-        s->lambda[3 * contacts + i] = c->held_impulse[i] * share;
-        c->upper[i] = rbdi_set(RBDI_UNBOUNDED), c->lower[i] = -c->upper[i];
-    }
-    for (int i = 0; i < c->dof_rows; ++i) {
-        const rbdi_dof_row *a = &c->dof_row[i];
-        const int r = a->row - 3 * contacts;
-        if (a->row < 0) continue;
-        s->lambda[a->row] = a->impulse * share;
-        c->lower[r] = a->iq < 0 ? dt * a->lower : rbdi_zero();
-        c->upper[r] = a->iq < 0 ? dt * a->upper : rbdi_set(RBDI_UNBOUNDED);
-    }
 }
 
 /* ---- biases [biases] ----
@@ -1517,106 +1463,84 @@ static void rbdi_begin_rows(rbd_contact_set *c, int contacts, rbd_real dt) {
 
 enum { RBDI_FOR_POSITIONS, RBDI_FOR_VELOCITIES };
 
-/* Velocity that takes a penetration back, m/s, and its derivative by the gap, which is negative then. */
-RBDI_INLINE rbd_real rbdi_correction_gain(const rbd_contact_set *c, rbd_real gap, rbd_real dt) {
-    return gap + RBD_C(c->options.slop) < 0 ? RBD_C(c->options.correction) / dt : rbdi_zero();
-}
-RBDI_INLINE rbd_real rbdi_correction(const rbd_contact_set *c, rbd_real gap, rbd_real dt) {
-    return rbdi_correction_gain(c, gap, dt) * (gap + RBD_C(c->options.slop));
+/* A bias, m/s, and its derivative by the gap. */
+typedef struct rbdi_bias {
+    rbd_real value, gain;
+} rbdi_bias;
+
+/* Of what pushes at this gap. */
+static rbdi_bias rbdi_bias_at(const rbd_contact_set *c, int purpose, rbd_real gap, rbd_const stiffness,
+                              rbd_const damping) {
+    const rbd_real dt = c->dt, deeper = gap + RBD_C(c->options.slop);
+    rbdi_bias x = {gap, rbdi_zero()};
+    if (gap > 0)
+        x.gain = 1 / dt;
+    else if (stiffness > 0)
+        x.gain = stiffness / (dt * stiffness + damping);
+    else if (purpose == RBDI_FOR_POSITIONS && deeper < 0)
+        x.value = deeper, x.gain = RBD_C(c->options.correction) / dt;
+    x.value = x.value * x.gain;
+    return x;
 }
 
-/* Whether a contact that pushed rebounds. */
-RBDI_INLINE int rbdi_rebounds(const rbd_contact_set *c, const rbdi_contact *a) {
-    return a->restitution > 0 && a->approach < -RBD_C(c->options.bounce) && c->rows->lambda[a->row + 2] > 0;
+static rbdi_bias rbdi_contact_bias(const rbd_contact_set *c, int purpose, const rbdi_contact *a) {
+    const rbdi_bias rebound = {a->approach * a->restitution, rbdi_zero()};
+    if (purpose == RBDI_FOR_VELOCITIES && a->rebounds) return rebound;
+    return rbdi_bias_at(c, purpose, a->gap, a->stiffness, a->damping);
 }
 
-/* Derivative of a contact's bias by the gap, and the bias. */
-static rbd_real rbdi_gap_gain(const rbd_contact_set *c, const rbdi_contact *a, rbd_real dt, int purpose) {
-    if (purpose == RBDI_FOR_VELOCITIES && a->rebounds) return rbdi_zero();
-    if (a->gap > 0) return 1 / dt;
-    if (a->stiffness > 0) return a->stiffness / (dt * a->stiffness + a->damping);
-    return purpose == RBDI_FOR_POSITIONS ? rbdi_correction_gain(c, a->gap, dt) : rbdi_zero();
-}
-static rbd_real rbdi_contact_bias(const rbd_contact_set *c, const rbdi_contact *a, rbd_real dt, int purpose) {
-    const rbd_real slop = a->gap > 0 || a->stiffness > 0 ? rbdi_zero() : RBD_C(c->options.slop);
-    if (purpose == RBDI_FOR_VELOCITIES && a->rebounds) return a->approach * a->restitution;
-    return rbdi_gap_gain(c, a, dt, purpose) * (a->gap + slop);
+/* Of a limit; of dry friction, whose distance is 0, none. */
+static rbdi_bias rbdi_dof_bias(const rbd_contact_set *c, int purpose, const rbdi_dof_row *a) {
+    return rbdi_bias_at(c, purpose, a->distance, 0, 0);
 }
 
-/* The same of a joint's limit. */
-static rbd_real rbdi_limit_gain(const rbd_contact_set *c, const rbdi_dof_row *a, rbd_real dt, int purpose) {
-    if (a->iq < 0) return rbdi_zero();
-    if (a->distance > 0) return 1 / dt;
-    return purpose == RBDI_FOR_POSITIONS ? rbdi_correction_gain(c, a->distance, dt) : rbdi_zero();
+/* Of a held row with the error e, which is a penetration to either side. */
+static rbdi_bias rbdi_held_bias(const rbd_contact_set *c, int purpose, rbd_real e) {
+    rbdi_bias x = rbdi_bias_at(c, purpose, -rbdi_abs(e), 0, 0);
+    if (e > 0) x.value = -x.value;
+    return x;
 }
 
-/* Of a held row with the error e. */
-RBDI_INLINE rbd_real rbdi_held_bias(const rbd_contact_set *c, rbd_real e, rbd_real dt) {
-    return e > 0 ? -rbdi_correction(c, -e, dt) : rbdi_correction(c, e, dt);
+/* Writes an entry of c->b, from J nu_0 = -s->b. Returns whether it changes. */
+RBDI_INLINE int rbdi_write_bias(rbd_contact_set *c, int row, rbd_real bias) {
+    const rbd_real before = c->b[row];
+    c->b[row] = bias - c->rows->b[row];
+    return c->b[row] < before || c->b[row] > before;
 }
 
-/* c->b, from J nu_0 = -s->b. */
-static void rbdi_write_biases(rbd_contact_set *c, rbd_real dt, int purpose) {
+/* c->b. Returns whether it changes. */
+static int rbdi_write_biases(rbd_contact_set *c, int purpose) {
     const rbd_constraint_set *s = c->rows;
-    for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
-    for (int i = 0; i < c->n; ++i) {
-        const rbdi_contact *a = &c->contact[i];
-        if (a->row >= 0) c->b[a->row + 2] = c->b[a->row + 2] + rbdi_contact_bias(c, a, dt, purpose);
-    }
-    for (int i = c->n; i < c->n + c->held && purpose == RBDI_FOR_POSITIONS; ++i)
-        for (int r = s->constraint[i].row; r < s->constraint[i].row + s->constraint[i].rows; ++r)
-            c->b[r] = c->b[r] + rbdi_held_bias(c, s->e[r], dt);
-    for (int i = 0; i < c->dof_rows; ++i) {
-        const rbdi_dof_row *a = &c->dof_row[i];
-        const rbd_real slop = a->distance > 0 ? rbdi_zero() : RBD_C(c->options.slop);
-        if (a->row < 0) continue;
-        c->b[a->row] = c->b[a->row] + rbdi_limit_gain(c, a, dt, purpose) * (a->distance + slop);
-    }
-}
-
-/* Whether positions and velocities have different biases; notes who rebounds. */
-static int rbdi_needs_velocities(rbd_contact_set *c, rbd_real dt) {
-    const rbd_constraint_set *s = c->rows;
-    int differ = 0;
-    for (int i = 0; i < c->n; ++i) {
-        rbdi_contact *a = &c->contact[i];
-        if (a->row < 0) continue;
-        a->rebounds = rbdi_rebounds(c, a);
-        differ |= a->rebounds || (!(a->stiffness > 0) && rbdi_correction(c, a->gap, dt) < 0);
-    }
-    for (int i = c->n; i < c->n + c->held; ++i)
-        for (int r = s->constraint[i].row; r < s->constraint[i].row + s->constraint[i].rows; ++r)
-            differ |= rbdi_correction(c, -rbdi_abs(s->e[r]), dt) < 0;
-    for (int i = 0; i < c->dof_rows; ++i)
-        differ |= c->dof_row[i].row >= 0 && rbdi_correction(c, c->dof_row[i].distance, dt) < 0;
-    return differ;
+    int changed = 0;
+    for (const rbdi_contact *a = c->contact; a < c->contact + c->n; ++a)
+        if (a->row >= 0) changed |= rbdi_write_bias(c, a->row + 2, rbdi_contact_bias(c, purpose, a).value);
+    for (const rbdi_constraint *k = s->constraint + c->n; k < s->constraint + s->n; ++k)
+        for (int r = k->row; r < k->row + k->rows; ++r)
+            changed |= rbdi_write_bias(c, r, rbdi_held_bias(c, purpose, s->e[r]).value);
+    for (const rbdi_dof_row *a = c->dof_row; a < c->dof_row + c->dof_rows; ++a)
+        if (a->row >= 0) changed |= rbdi_write_bias(c, a->row, rbdi_dof_bias(c, purpose, a).value);
+    return changed;
 }
 
 /* ==== src/contact/step.h ==== */
 /* ---- step code [step code] ---- */
 
-/* The state, w->H = L'DL of M + dt damping, and c->x = L^-T dt (tau - c - damping v). */
+/* The state, w->H = L'DL of M + dt damping, and s->x = L^-T dt (tau - c - damping v). */
 static rbd_status rbdi_contact_free(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
                                     const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
-                                    const rbd_real *damping, rbd_real dt) {
+                                    const rbd_real *damping) {
     rbd_constraint_set *s = c->rows;
     rbd_work *w = s->w;
     rbdi_mask doubt;
-    rbd_crba_packed(m, w, q, w->H);
-    rbdi_constraint_state(m, s, rbdi_expand_v(m, v, w->vx), w->zero, w->gravity, 1);
-    rbdi_external(m, w, f_ext);
-    rbdi_rnea_sweep(m, w, w->zero, rbdi_mimics(m) ? w->tx : w->bias);
-    rbdi_reduce_tau(m, w->tx, w->bias);
-    for (int b = 0; b < m->nb; ++b) {
-        const rbdi_frame *u = &m->frame[b];
-        if (u->nv > 0) rbdi_glide(u, &v[u->iv], dt, &c->start[u->iv]);
-    }
+    rbdi_constraint_bias(m, s, q, v, f_ext, w->gravity);
+    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
+        if (u->nv > 0) rbdi_glide(u, &v[u->iv], c->dt, &c->start[u->iv]);
     for (int k = 0; k < m->nv; ++k) {
         rbd_real *diagonal = &w->H[m->dof[k].row + m->dof[k].depth];
         rbd_real d = damping ? damping[k] : rbdi_zero();
         if (c->options.joint_damping) d = d + m->dof[k].damping;
-        *diagonal = *diagonal + dt * d;
-        s->x[k] = dt * (tau[k] - w->bias[k] - d * c->start[k]);
+        *diagonal = *diagonal + c->dt * d;
+        s->x[k] = c->dt * (tau[k] - w->bias[k] - d * c->start[k]);
     }
     doubt = rbdi_factor(m, w, w->H);
     rbdi_sweep_back(m, s, w->H);
@@ -1631,44 +1555,23 @@ static void rbdi_contact_respond(const rbd_model *m, rbd_contact_set *c, rbd_rea
     for (int k = 0; k < m->nv; ++k) nu[k] = c->start[k] + s->x[k];
 }
 
-/* Keeps impulses, states and forces. */
-static void rbdi_keep_impulses(rbd_contact_set *c, rbd_real dt) {
-    const rbd_constraint_set *s = c->rows;
-    c->last_dt = dt;
-    for (int i = 0; i < c->n; ++i) {
-        rbdi_contact *a = &c->contact[i];
-        rbdi_axes_held h;
-        for (int j = 0; j < 3; ++j) a->impulse[j] = a->force[j] = rbdi_zero();
-        if (a->row < 0) continue;
-        a->state = c->solver.law[a->row / 3].state;
-        rbdi_set_axes(s, &s->constraint[i], &h);
-        for (int r = 0; r < 3; ++r) {
-            a->impulse[r] = s->lambda[a->row + r];
-            for (int j = 0; j < 3; ++j) a->force[j] = a->force[j] + h.x[3 + j][r] * a->impulse[r] / dt;
-        }
-    }
-    for (rbd_real *p = c->held_impulse; p < c->lower; ++p)
-        *p = s->lambda[3 * c->solver.given.contacts + (int)(p - c->held_impulse)];
-    for (int i = 0; i < c->dof_rows; ++i)
-        c->dof_row[i].impulse = c->dof_row[i].row < 0 ? rbdi_zero() : s->lambda[c->dof_row[i].row];
-}
-
-/* c->moved and c->nu: velocities of the positions and of the end, in the axes of the beginning. First the
-   former. */
+/* c->moved: the velocities that positions change by. */
 static rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
                                        const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                        const rbd_real *damping, rbd_real dt) {
     rbd_constraint_set *s = c->rows;
     rbd_contact_problem given;
-    const rbd_status status = rbdi_contact_free(m, c, q, v, tau, f_ext, damping, dt);
+    rbd_status status;
+    c->dt = dt;
+    status = rbdi_contact_free(m, c, q, v, tau, f_ext, damping);
     if (status) return status;
-    given.contacts = rbdi_list_rows(m, c, q, v, dt);
+    given.contacts = rbdi_list_rows(m, c, q, v);
     given.bounded = s->rows - 3 * given.contacts;
     rbdi_write_rows(m, c);
     rbdi_reduce_rows(m, s, s->w->H);
     rbdi_write_delta(m, c);
-    rbdi_begin_rows(c, given.contacts, dt);
-    rbdi_write_biases(c, dt, RBDI_FOR_POSITIONS);
+    for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
+    (void)rbdi_write_biases(c, RBDI_FOR_POSITIONS);
     for (int k = 0; k < m->nv; ++k) c->x[k] = s->x[k];
     given.delta = s->R, given.b = c->b, given.friction = c->friction;
     given.lower = c->lower, given.upper = c->upper;
@@ -1679,27 +1582,44 @@ static rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *c, c
     return RBD_OK;
 }
 
-/* Then the latter. Returns whether it is another. */
-static int rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c, rbd_real dt) {
+/* Keeps impulses, states and forces. */
+static void rbdi_keep_impulses(rbd_contact_set *c) {
+    const rbd_constraint_set *s = c->rows;
+    c->last_dt = c->dt;
+    rbdi_clear(c->impulse, c->most);
+    for (int r = 0; r < s->rows; ++r) c->impulse[c->place[r]] = s->lambda[r];
+    for (int i = 0; i < c->n; ++i) {
+        rbdi_contact *a = &c->contact[i];
+        rbdi_axes_held h;
+        for (int j = 0; j < 3; ++j) a->force[j] = rbdi_zero();
+        if (a->row < 0) continue;
+        a->state = c->solver.law[a->row / 3].state;
+        rbdi_set_axes(s, &s->constraint[i], &h);
+        for (int r = 0; r < 3; ++r)
+            for (int j = 0; j < 3; ++j)
+                a->force[j] = a->force[j] + h.x[3 + j][r] * s->lambda[a->row + r] / c->dt;
+    }
+}
+
+/* c->nu: the velocities of the end, in the axes of the beginning: others where penetration was taken back, or
+   a contact that pushed rebounds. A set that overflowed forgets its impulses. */
+static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
-    const int differ = rbdi_needs_velocities(c, dt);
+    for (rbdi_contact *a = c->contact; a < c->contact + c->n; ++a)
+        a->rebounds = a->row >= 0 && a->restitution > 0 && a->approach < -RBD_C(c->options.bounce) &&
+                      c->rows->lambda[a->row + 2] > 0;
     for (int k = 0; k < m->nv; ++k) c->nu[k] = c->moved[k];
-    if (differ) {
-        rbdi_write_biases(c, dt, RBDI_FOR_VELOCITIES);
+    c->differ = rbdi_write_biases(c, RBDI_FOR_VELOCITIES);
+    if (c->differ) {
         rbdi_contact_iterate(&c->solver);
         rbdi_contact_respond(m, c, c->nu);
         c->solver.solution.residual = rbdi_worse(first.residual, c->solver.solution.residual);
         c->solver.solution.sweeps += first.sweeps;
         c->solver.solution.newton_steps += first.newton_steps;
     }
-    rbdi_keep_impulses(c, dt);
-    return differ;
-}
-
-/* Whether velocities and steps are numbers; a set that overflowed forgets its impulses. */
-static rbd_status rbdi_contact_status(const rbd_model *m, rbd_contact_set *c, rbd_real dt) {
+    rbdi_keep_impulses(c);
     for (int k = 0; k < m->nv; ++k)
-        if (!(rbdi_abs(c->nu[k]) < RBDI_FASTEST && rbdi_abs(dt * c->moved[k]) < RBDI_FASTEST)) {
+        if (!(rbdi_abs(c->nu[k]) < RBDI_FASTEST && rbdi_abs(c->dt * c->moved[k]) < RBDI_FASTEST)) {
             rbd_contact_reset(c);
             return RBD_ERR_NAN;
         }
@@ -1708,16 +1628,14 @@ static rbd_status rbdi_contact_status(const rbd_model *m, rbd_contact_set *c, rb
 
 /* The state after the step; after an error q and 0. */
 static void rbdi_contact_move(const rbd_model *m, const rbd_contact_set *c, rbd_status status,
-                              const rbd_real *q, rbd_real dt, rbd_real *q_next, rbd_real *v_next) {
-    for (int b = 0; b < m->nb && !status; ++b) {
-        const rbdi_frame *u = &m->frame[b];
+                              const rbd_real *q, rbd_real *q_next, rbd_real *v_next) {
+    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb && !status; ++u) {
         if (u->nv == 0) continue;
-        rbdi_move_straight(u, &q[u->iq], &c->moved[u->iv], dt, &q_next[u->iq]);
-        rbdi_turn_velocity(u, &c->moved[u->iv], dt, &c->nu[u->iv], &v_next[u->iv]);
+        rbdi_move_straight(u, &q[u->iq], &c->moved[u->iv], c->dt, &q_next[u->iq]);
+        rbdi_turn_velocity(u, &c->moved[u->iv], c->dt, &c->nu[u->iv], &v_next[u->iv]);
     }
-    if (!status) return;
-    for (int k = 0; k < m->nq; ++k) q_next[k] = q[k];
-    rbdi_clear(v_next, m->nv);
+    for (int k = 0; status && k < m->nq; ++k) q_next[k] = q[k];
+    if (status) rbdi_clear(v_next, m->nv);
 }
 
 static rbd_status rbdi_check_step(const rbd_model *m, const rbd_contact_set *c, int arrays, rbd_real dt) {
@@ -1733,11 +1651,8 @@ RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, con
     rbd_status status = rbdi_check_step(m, c, q && v && tau && q_next && v_next, dt);
     if (status) return status;
     status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping, dt);
-    if (!status) {
-        (void)rbdi_solve_velocities(m, c, dt);
-        status = rbdi_contact_status(m, c, dt);
-    }
-    rbdi_contact_move(m, c, status, q, dt, q_next, v_next);
+    if (!status) status = rbdi_solve_velocities(m, c);
+    rbdi_contact_move(m, c, status, q, q_next, v_next);
     return status;
 }
 
@@ -1747,10 +1662,7 @@ RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const
     rbd_status status = rbdi_check_step(m, c, q && v && tau && a, dt);
     if (status) return status;
     status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping, dt);
-    if (!status) {
-        (void)rbdi_solve_velocities(m, c, dt);
-        status = rbdi_contact_status(m, c, dt);
-    }
+    if (!status) status = rbdi_solve_velocities(m, c);
     for (int k = 0; k < m->nv; ++k) a[k] = status ? rbdi_zero() : (c->nu[k] - c->start[k]) / dt;
     return status;
 }
@@ -1794,32 +1706,21 @@ RBDI_CODE_BEGIN
 
 /* rho without d(J' p), of those that are not NULL. */
 static void rbdi_write_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d, const rbd_real *q,
-                           const rbd_real *v, const rbd_real *nu, const rbd_real *f_ext, rbd_real dt,
+                           const rbd_real *v, const rbd_real *nu, const rbd_real *f_ext,
                            rbd_real *const rho[3]) {
     const int n = m->nv;
-    rbd_real *M = rho[1] ? c->sigma + c->most * n : NULL;
-    for (int k = 0; k < n; ++k) d->a[k] = (nu[k] - c->start[k]) / dt;
+    rbd_real *M = c->sigma + c->most * n;
+    for (int k = 0; k < n; ++k) d->a[k] = (nu[k] - c->start[k]) / c->dt;
     for (int x = 0; x < 3; ++x) /* rbd_keep_zeros leaves entries out */
         if (rho[x]) rbdi_clear(rho[x], n * n);
-    if (M) rbdi_clear(M, n * n);
-    (void)rbd_id_derivatives(m, d, q, v, d->a, f_ext, rho[0], rho[1], M);
-    if (M) rbdi_glide_columns(m, v, dt, M);
-    for (int k = 0; rho[0] && k < n * n; ++k) rho[0][k] = rho[0][k] * dt;
-    for (int k = 0; M && k < n * n; ++k) rho[1][k] = rho[1][k] * dt - M[k];
-    for (int k = 0; rho[2] && k < n; ++k) rho[2][k * (n + 1)] = -dt;
-}
-
-/* Writes the links' motion with the velocities nu into the work. */
-static void rbdi_meet_at(const rbd_model *m, rbd_contact_set *c, const rbd_real *nu) {
-    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
-    rbdi_constraint_state(m, c->rows, rbdi_expand_v(m, nu, c->rows->w->vx), c->rows->w->zero, none, 0);
-}
-/* Constraint i in that motion, and its impulses. */
-static rbdi_pair_motion rbdi_contact_motion(const rbd_contact_set *c, int i) {
-    const rbdi_constraint *k = &c->rows->constraint[i];
-    rbdi_pair_motion x = rbdi_pair_motion_of(c->rows, k);
-    if (i < c->n) x.rolls = rbdi_scale(rbdi_set(c->contact[i].radius), rbdi_contact_normal(c->rows, k));
-    return x;
+    rbdi_clear(M, n * n);
+    (void)rbd_id_derivatives(m, d, q, v, d->a, f_ext, rho[0], rho[1], rho[1] ? M : NULL);
+    rbdi_glide_columns(m, v, c->dt, M);
+    for (int k = 0; k < n * n; ++k) {
+        if (rho[0]) rho[0][k] = rho[0][k] * c->dt;
+        if (rho[1]) rho[1][k] = rho[1][k] * c->dt - M[k];
+        if (rho[2] && k % (n + 1) == 0) rho[2][k] = -c->dt;
+    }
 }
 
 /* Adds to sigma, for each row of a constraint, `share` times the derivative of J nu by q and `gain` times
@@ -1842,44 +1743,29 @@ static void rbdi_change_rows(const rbd_model *m, rbd_contact_set *c, const rbd_d
     }
 }
 
-/* sigma of rebounds, whose bias is restitution J v: by q or, x = 1, by v. */
-static void rbdi_change_rebounds(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
-                                 const rbd_real *v, int x) {
-    rbdi_meet_at(m, c, v);
-    for (int i = 0; i < c->n; ++i) {
-        rbd_real of[2][3] = {{rbdi_zero()}, {rbdi_zero()}}; /* share, gain */
-        rbdi_pair_motion met;
-        if (c->contact[i].row < 0 || !c->contact[i].rebounds) continue;
-        of[x][2] = rbdi_set(c->contact[i].restitution);
-        met = rbdi_contact_motion(c, i);
-        rbdi_change_rows(m, c, d, &c->rows->constraint[i], &met, of[0], of[1]);
-    }
-}
-
-/* sigma, and d(J' p) in rho, by q. */
-static void rbdi_change_by_q(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
-                             const rbd_real *nu, rbd_real dt, int purpose, rbd_real *rho) {
-    const rbd_constraint_set *s = c->rows;
-    rbdi_meet_at(m, c, nu);
-    for (int i = 0; i < c->n + c->held; ++i) {
+/* Adds to sigma what contacts and held constraints have in it, and to rho d(J' p), by q; or, at the velocities
+   v before the step, sigma of rebounds, whose bias is restitution J v: by q or, x = 1, by v. */
+static void rbdi_change_constraints(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
+                                    const rbd_real *nu, int purpose, int rebounds, int x, rbd_real *rho) {
+    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
+    rbd_constraint_set *s = c->rows;
+    rbdi_constraint_state(m, s, rbdi_expand_v(m, nu, s->w->vx), s->w->zero, none, 0);
+    for (int i = 0; i < s->n; ++i) {
         const rbdi_constraint *k = &s->constraint[i];
         const rbdi_contact *a = i < c->n ? &c->contact[i] : NULL;
-        rbd_real share[6], gain[6];
-        rbdi_pair_motion x;
-        if (a && a->row < 0) continue;
+        rbd_real of[2][6]; /* share, gain */
+        rbdi_pair_motion met;
+        if ((a && a->row < 0) || (rebounds && !(a && a->rebounds))) continue;
         for (int r = 0; r < k->rows; ++r) {
-            share[r] = rbdi_set(RBD_C(1)), gain[r] = rbdi_zero();
-            if (a && r == 2) gain[r] = rbdi_gap_gain(c, a, dt, purpose);
-            if (!a && purpose == RBDI_FOR_POSITIONS)
-                gain[r] = rbdi_correction_gain(c, -rbdi_abs(s->e[k->row + r]), dt);
+            of[0][r] = rbdi_set(RBD_C(!rebounds));
+            of[1][r] = a ? rbdi_zero() : rbdi_held_bias(c, purpose, s->e[k->row + r]).gain;
         }
-        x = rbdi_contact_motion(c, i);
-        rbdi_change_rows(m, c, d, k, &x, share, gain);
-        rbdi_change_forces(m, d, k, &x, rho);
-    }
-    for (int i = 0; i < c->dof_rows; ++i) {
-        const rbdi_dof_row *a = &c->dof_row[i];
-        if (a->row >= 0) c->sigma[a->row * m->nv + a->dof] = a->side * rbdi_limit_gain(c, a, dt, purpose);
+        if (a) of[1][2] = rbdi_contact_bias(c, purpose, a).gain;
+        if (rebounds) of[x][2] = rbdi_set(a->restitution);
+        met = rbdi_pair_motion_of(s, k);
+        if (a) met.rolls = rbdi_scale(rbdi_set(a->radius), rbdi_contact_normal(s, k));
+        rbdi_change_rows(m, c, d, k, &met, of[0], of[1]);
+        if (!rebounds) rbdi_change_forces(m, d, k, &met, rho);
     }
 }
 
@@ -1887,7 +1773,7 @@ static void rbdi_change_by_q(const rbd_model *m, rbd_contact_set *c, const rbd_d
 static int rbdi_solve_change(const rbd_model *m, rbd_contact_set *c, rbd_real *rho) {
     rbd_constraint_set *s = c->rows;
     rbdi_contact_solver solver = c->solver;
-    const int n = m->nv, unknowns = rbdi_list_unknowns(&solver);
+    const int n = m->nv;
     int solved;
     rbdi_solve_up(m, s->w, s->w->H, n, n, rho);
     for (int r = 0; r < s->rows; ++r) {
@@ -1895,10 +1781,11 @@ static int rbdi_solve_change(const rbd_model *m, rbd_contact_set *c, rbd_real *r
         rbdi_subtract_product(s->x, rho, n, n, &c->sigma[r * n]);
     }
     solver.G = c->sigma + c->most * n, solver.sides = n;
-    rbdi_newton_matrix(&solver, unknowns, RBDI_SIDES_PROXIMAL, c->sigma);
-    solved = rbdi_newton_solve(&solver, unknowns);
+    rbdi_list_unknowns(&solver);
+    rbdi_newton_matrix(&solver, RBDI_SIDES_PROXIMAL, c->sigma);
+    solved = rbdi_newton_solve(&solver);
     rbdi_clear(c->sigma, s->rows * n);
-    rbdi_add_increments(&solver, unknowns, c->sigma);
+    rbdi_add_increments(&solver, c->sigma);
     for (int k = 0; k < n; ++k)
         rbdi_subtract_product(&s->Y[k * s->stride], c->sigma, s->rows, n, &rho[k * n]);
     rbdi_solve_down(m, s->w, s->w->H, -1, n, n, rho);
@@ -1908,15 +1795,18 @@ static int rbdi_solve_change(const rbd_model *m, rbd_contact_set *c, rbd_real *r
 /* Derivatives of the solution nu by q, v and tau, of those that are not NULL. Returns 0 if one has none. */
 static int rbdi_differentiate_solution(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
                                        const rbd_real *q, const rbd_real *v, const rbd_real *nu,
-                                       const rbd_real *f_ext, rbd_real dt, int purpose,
-                                       rbd_real *const dnu[3]) {
+                                       const rbd_real *f_ext, int purpose, rbd_real *const dnu[3]) {
     int solved = 1;
-    rbdi_write_rho(m, c, d, q, v, nu, f_ext, dt, dnu);
+    rbdi_write_rho(m, c, d, q, v, nu, f_ext, dnu);
     for (int x = 0; x < 3; ++x) {
         if (!dnu[x]) continue;
         rbdi_clear(c->sigma, c->rows->rows * m->nv);
-        if (x < 2 && purpose == RBDI_FOR_VELOCITIES) rbdi_change_rebounds(m, c, d, v, x);
-        if (x == 0) rbdi_change_by_q(m, c, d, nu, dt, purpose, dnu[0]);
+        if (x < 2 && purpose == RBDI_FOR_VELOCITIES)
+            rbdi_change_constraints(m, c, d, v, purpose, 1, x, NULL);
+        if (x == 0) rbdi_change_constraints(m, c, d, nu, purpose, 0, x, dnu[0]);
+        for (const rbdi_dof_row *a = c->dof_row; x == 0 && a < c->dof_row + c->dof_rows; ++a)
+            if (a->row >= 0)
+                c->sigma[a->row * m->nv + a->dof] = a->side * rbdi_dof_bias(c, purpose, a).gain;
         solved &= rbdi_solve_change(m, c, dnu[x]);
     }
     return solved;
@@ -1930,8 +1820,7 @@ RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact
     const rbd_contact_step_results to = out ? *out : none_wanted;
     rbd_real *const dq[3] = {to.dq_next_dq, to.dq_next_dv, to.dq_next_dtau};
     rbd_real *const dv[3] = {to.dv_next_dq, to.dv_next_dv, to.dv_next_dtau};
-    const int nv = m ? m->nv : 0;
-    int pairs = !to.q_next == !to.v_next, solved, differ;
+    int pairs = !to.q_next == !to.v_next, solved, size;
     rbd_status status;
     for (int x = 0; x < 3; ++x) pairs &= !dq[x] == !dv[x];
     status = rbdi_check_step(m, c, d && q && v && tau && out && pairs, dt);
@@ -1939,24 +1828,24 @@ RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact
     if (status) return status;
     if (d->work != c->rows->w) return RBD_ERR_WORK;
     if (!c->sigma) return RBD_ERR_MEMORY;
+    size = m->nv * m->nv;
     status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping, dt);
     if (!status) {
-        solved = rbdi_differentiate_solution(m, c, d, q, v, c->moved, f_ext, dt, RBDI_FOR_POSITIONS, dq);
-        differ = rbdi_solve_velocities(m, c, dt);
-        if (differ)
-            solved &= rbdi_differentiate_solution(m, c, d, q, v, c->nu, f_ext, dt, RBDI_FOR_VELOCITIES, dv);
+        solved = rbdi_differentiate_solution(m, c, d, q, v, c->moved, f_ext, RBDI_FOR_POSITIONS, dq);
+        status = rbdi_solve_velocities(m, c);
+        if (c->differ)
+            solved &= rbdi_differentiate_solution(m, c, d, q, v, c->nu, f_ext, RBDI_FOR_VELOCITIES, dv);
         for (int x = 0; x < 3; ++x) {
             if (!dq[x]) continue;
-            for (int k = 0; !differ && k < nv * nv; ++k) dv[x][k] = dq[x][k];
+            for (int k = 0; !c->differ && k < size; ++k) dv[x][k] = dq[x][k];
             rbdi_move_columns(m, c->moved, c->nu, dt, x == 0, dq[x], dv[x]);
-            solved &= rbdi_all_finite(dq[x], nv * nv) & rbdi_all_finite(dv[x], nv * nv);
+            solved &= rbdi_all_finite(dq[x], size) & rbdi_all_finite(dv[x], size);
         }
-        if (!solved) status = RBD_ERR_SINGULAR;
-        if (rbdi_contact_status(m, c, dt)) status = RBD_ERR_NAN;
+        if (!status && !solved) status = RBD_ERR_SINGULAR;
     }
     for (int x = 0; status && x < 3; ++x)
-        if (dq[x]) rbdi_clear(dq[x], nv * nv), rbdi_clear(dv[x], nv * nv);
-    if (to.q_next) rbdi_contact_move(m, c, status, q, dt, to.q_next, to.v_next);
+        if (dq[x]) rbdi_clear(dq[x], size), rbdi_clear(dv[x], size);
+    if (to.q_next) rbdi_contact_move(m, c, status, q, to.q_next, to.v_next);
     return status;
 }
 

@@ -76,6 +76,17 @@ static int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const 
     return rbdi_articulated_solve(m, c, x);
 }
 
+/* w->H = M, and w->bias = c - sum J_b' f_ext, beside the state of all links. */
+static void rbdi_constraint_bias(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                 const rbd_real *v, const rbd_real *f_ext, rbdi_c3 gravity) {
+    rbd_work *w = c->w;
+    rbd_crba_packed(m, w, q, w->H);
+    rbdi_constraint_state(m, c, rbdi_expand_v(m, v, w->vx), w->zero, gravity, 1);
+    rbdi_external(m, w, f_ext);
+    rbdi_rnea_sweep(m, w, w->zero, rbdi_mimics(m) ? w->tx : w->bias);
+    rbdi_reduce_tau(m, w->tx, w->bias);
+}
+
 /* The same by M = L'DL, for all states. Returns the status of M's pivots. */
 static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
@@ -83,11 +94,7 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbd_work *w = c->w;
     rbdi_mask doubt;
-    rbd_crba_packed(m, w, q, w->H);
-    rbdi_constraint_state(m, c, rbdi_expand_v(m, v, w->vx), w->zero, restitution ? none : w->gravity, 1);
-    rbdi_external(m, w, f_ext);
-    rbdi_rnea_sweep(m, w, w->zero, rbdi_mimics(m) ? w->tx : w->bias);
-    rbdi_reduce_tau(m, w->tx, w->bias);
+    rbdi_constraint_bias(m, c, q, v, f_ext, restitution ? none : w->gravity);
     for (int k = 0; k < m->nv; ++k) c->x[k] = restitution ? rbdi_zero() : tau[k] - w->bias[k];
     doubt = rbdi_factor(m, w, w->H);
     rbdi_sweep_back(m, c, w->H);

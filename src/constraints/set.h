@@ -187,6 +187,17 @@ static void rbdi_reach_dofs(const rbd_model *m, rbd_constraint_set *c, rbdi_cons
     }
 }
 
+/* Begins a set whose constraints are placed: for this model and work, with the dofs that each reaches, and
+   the links on all paths. */
+static void rbdi_begin_set(const rbd_model *m, rbd_work *w, rbd_constraint_set *c) {
+    for (int k = 0; k < RBDI_SHAPE; ++k) c->shape[k] = m->shape[k];
+    c->w = w, c->infeasible = -1, c->links = 0;
+    for (int k = 0; k < m->nv; ++k) c->span[k].first = c->span[k].end = 0;
+    for (int i = 0; i < c->n; ++i) rbdi_reach_dofs(m, c, &c->constraint[i]);
+    for (int i = 0; i < m->nl && !rbdi_mimics(m); ++i)
+        if (c->span[m->link[i].iv].end > 0) c->link[c->links++] = (int16_t)i;
+}
+
 /* Whether rows depend on each other in every state, so that articulated bodies would always fail: if there
    are more rows than dofs, or if two links have more than six rows between them, or more than dofs. */
 static int rbdi_too_many_rows(const rbd_model *m, const rbd_constraint_set *c) {
@@ -264,16 +275,12 @@ RBDI_API rbd_status rbd_constraint_set_init(const rbd_model *m, rbd_work *w, con
     if (constraints) *constraints = NULL;
     if (status) return status;
     c = rbdi_lay_constraints(m->nv, n, rbdi_rows_of(list, n), memory);
-    for (int k = 0; k < RBDI_SHAPE; ++k) c->shape[k] = m->shape[k];
-    c->w = w, c->infeasible = -1, c->dirty = 1, c->exchanged = c->moving = c->links = 0;
-    for (int k = 0; k < m->nv; ++k) c->span[k].first = c->span[k].end = 0;
+    c->dirty = 1, c->exchanged = c->moving = 0;
     for (int i = 0; i < n; row += c->constraint[i++].rows) {
         rbdi_place_constraint(m, &list[i], row, &c->constraint[i]);
-        rbdi_reach_dofs(m, c, &c->constraint[i]);
         c->moving |= list[i].kp > 0 || list[i].kd > 0 || c->constraint[i].link[1] >= 0;
     }
-    for (int i = 0; i < m->nl && !rbdi_mimics(m); ++i)
-        if (c->span[m->link[i].iv].end > 0) c->link[c->links++] = (int16_t)i;
+    rbdi_begin_set(m, w, c);
     c->factored = rbdi_mimics(m) > 0 || rbdi_too_many_rows(m, c);
     *constraints = c;
     return RBD_OK;

@@ -18,32 +18,21 @@
 
 /* rho without d(J' p), of those that are not NULL. */
 static void rbdi_write_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d, const rbd_real *q,
-                           const rbd_real *v, const rbd_real *nu, const rbd_real *f_ext, rbd_real dt,
+                           const rbd_real *v, const rbd_real *nu, const rbd_real *f_ext,
                            rbd_real *const rho[3]) {
     const int n = m->nv;
-    rbd_real *M = rho[1] ? c->sigma + c->most * n : NULL;
-    for (int k = 0; k < n; ++k) d->a[k] = (nu[k] - c->start[k]) / dt;
+    rbd_real *M = c->sigma + c->most * n;
+    for (int k = 0; k < n; ++k) d->a[k] = (nu[k] - c->start[k]) / c->dt;
     for (int x = 0; x < 3; ++x) /* rbd_keep_zeros leaves entries out */
         if (rho[x]) rbdi_clear(rho[x], n * n);
-    if (M) rbdi_clear(M, n * n);
-    (void)rbd_id_derivatives(m, d, q, v, d->a, f_ext, rho[0], rho[1], M);
-    if (M) rbdi_glide_columns(m, v, dt, M);
-    for (int k = 0; rho[0] && k < n * n; ++k) rho[0][k] = rho[0][k] * dt;
-    for (int k = 0; M && k < n * n; ++k) rho[1][k] = rho[1][k] * dt - M[k];
-    for (int k = 0; rho[2] && k < n; ++k) rho[2][k * (n + 1)] = -dt;
-}
-
-/* Writes the links' motion with the velocities nu into the work. */
-static void rbdi_meet_at(const rbd_model *m, rbd_contact_set *c, const rbd_real *nu) {
-    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
-    rbdi_constraint_state(m, c->rows, rbdi_expand_v(m, nu, c->rows->w->vx), c->rows->w->zero, none, 0);
-}
-/* Constraint i in that motion, and its impulses. */
-static rbdi_pair_motion rbdi_contact_motion(const rbd_contact_set *c, int i) {
-    const rbdi_constraint *k = &c->rows->constraint[i];
-    rbdi_pair_motion x = rbdi_pair_motion_of(c->rows, k);
-    if (i < c->n) x.rolls = rbdi_scale(rbdi_set(c->contact[i].radius), rbdi_contact_normal(c->rows, k));
-    return x;
+    rbdi_clear(M, n * n);
+    (void)rbd_id_derivatives(m, d, q, v, d->a, f_ext, rho[0], rho[1], rho[1] ? M : NULL);
+    rbdi_glide_columns(m, v, c->dt, M);
+    for (int k = 0; k < n * n; ++k) {
+        if (rho[0]) rho[0][k] = rho[0][k] * c->dt;
+        if (rho[1]) rho[1][k] = rho[1][k] * c->dt - M[k];
+        if (rho[2] && k % (n + 1) == 0) rho[2][k] = -c->dt;
+    }
 }
 
 /* Adds to sigma, for each row of a constraint, `share` times the derivative of J nu by q and `gain` times
@@ -66,44 +55,29 @@ static void rbdi_change_rows(const rbd_model *m, rbd_contact_set *c, const rbd_d
     }
 }
 
-/* sigma of rebounds, whose bias is restitution J v: by q or, x = 1, by v. */
-static void rbdi_change_rebounds(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
-                                 const rbd_real *v, int x) {
-    rbdi_meet_at(m, c, v);
-    for (int i = 0; i < c->n; ++i) {
-        rbd_real of[2][3] = {{rbdi_zero()}, {rbdi_zero()}}; /* share, gain */
-        rbdi_pair_motion met;
-        if (c->contact[i].row < 0 || !c->contact[i].rebounds) continue;
-        of[x][2] = rbdi_set(c->contact[i].restitution);
-        met = rbdi_contact_motion(c, i);
-        rbdi_change_rows(m, c, d, &c->rows->constraint[i], &met, of[0], of[1]);
-    }
-}
-
-/* sigma, and d(J' p) in rho, by q. */
-static void rbdi_change_by_q(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
-                             const rbd_real *nu, rbd_real dt, int purpose, rbd_real *rho) {
-    const rbd_constraint_set *s = c->rows;
-    rbdi_meet_at(m, c, nu);
-    for (int i = 0; i < c->n + c->held; ++i) {
+/* Adds to sigma what contacts and held constraints have in it, and to rho d(J' p), by q; or, at the velocities
+   v before the step, sigma of rebounds, whose bias is restitution J v: by q or, x = 1, by v. */
+static void rbdi_change_constraints(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
+                                    const rbd_real *nu, int purpose, int rebounds, int x, rbd_real *rho) {
+    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
+    rbd_constraint_set *s = c->rows;
+    rbdi_constraint_state(m, s, rbdi_expand_v(m, nu, s->w->vx), s->w->zero, none, 0);
+    for (int i = 0; i < s->n; ++i) {
         const rbdi_constraint *k = &s->constraint[i];
         const rbdi_contact *a = i < c->n ? &c->contact[i] : NULL;
-        rbd_real share[6], gain[6];
-        rbdi_pair_motion x;
-        if (a && a->row < 0) continue;
+        rbd_real of[2][6]; /* share, gain */
+        rbdi_pair_motion met;
+        if ((a && a->row < 0) || (rebounds && !(a && a->rebounds))) continue;
         for (int r = 0; r < k->rows; ++r) {
-            share[r] = rbdi_set(RBD_C(1)), gain[r] = rbdi_zero();
-            if (a && r == 2) gain[r] = rbdi_gap_gain(c, a, dt, purpose);
-            if (!a && purpose == RBDI_FOR_POSITIONS)
-                gain[r] = rbdi_correction_gain(c, -rbdi_abs(s->e[k->row + r]), dt);
+            of[0][r] = rbdi_set(RBD_C(!rebounds));
+            of[1][r] = a ? rbdi_zero() : rbdi_held_bias(c, purpose, s->e[k->row + r]).gain;
         }
-        x = rbdi_contact_motion(c, i);
-        rbdi_change_rows(m, c, d, k, &x, share, gain);
-        rbdi_change_forces(m, d, k, &x, rho);
-    }
-    for (int i = 0; i < c->dof_rows; ++i) {
-        const rbdi_dof_row *a = &c->dof_row[i];
-        if (a->row >= 0) c->sigma[a->row * m->nv + a->dof] = a->side * rbdi_limit_gain(c, a, dt, purpose);
+        if (a) of[1][2] = rbdi_contact_bias(c, purpose, a).gain;
+        if (rebounds) of[x][2] = rbdi_set(a->restitution);
+        met = rbdi_pair_motion_of(s, k);
+        if (a) met.rolls = rbdi_scale(rbdi_set(a->radius), rbdi_contact_normal(s, k));
+        rbdi_change_rows(m, c, d, k, &met, of[0], of[1]);
+        if (!rebounds) rbdi_change_forces(m, d, k, &met, rho);
     }
 }
 
@@ -111,7 +85,7 @@ static void rbdi_change_by_q(const rbd_model *m, rbd_contact_set *c, const rbd_d
 static int rbdi_solve_change(const rbd_model *m, rbd_contact_set *c, rbd_real *rho) {
     rbd_constraint_set *s = c->rows;
     rbdi_contact_solver solver = c->solver;
-    const int n = m->nv, unknowns = rbdi_list_unknowns(&solver);
+    const int n = m->nv;
     int solved;
     rbdi_solve_up(m, s->w, s->w->H, n, n, rho);
     for (int r = 0; r < s->rows; ++r) {
@@ -119,10 +93,11 @@ static int rbdi_solve_change(const rbd_model *m, rbd_contact_set *c, rbd_real *r
         rbdi_subtract_product(s->x, rho, n, n, &c->sigma[r * n]);
     }
     solver.G = c->sigma + c->most * n, solver.sides = n;
-    rbdi_newton_matrix(&solver, unknowns, RBDI_SIDES_PROXIMAL, c->sigma);
-    solved = rbdi_newton_solve(&solver, unknowns);
+    rbdi_list_unknowns(&solver);
+    rbdi_newton_matrix(&solver, RBDI_SIDES_PROXIMAL, c->sigma);
+    solved = rbdi_newton_solve(&solver);
     rbdi_clear(c->sigma, s->rows * n);
-    rbdi_add_increments(&solver, unknowns, c->sigma);
+    rbdi_add_increments(&solver, c->sigma);
     for (int k = 0; k < n; ++k)
         rbdi_subtract_product(&s->Y[k * s->stride], c->sigma, s->rows, n, &rho[k * n]);
     rbdi_solve_down(m, s->w, s->w->H, -1, n, n, rho);
@@ -132,15 +107,18 @@ static int rbdi_solve_change(const rbd_model *m, rbd_contact_set *c, rbd_real *r
 /* Derivatives of the solution nu by q, v and tau, of those that are not NULL. Returns 0 if one has none. */
 static int rbdi_differentiate_solution(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
                                        const rbd_real *q, const rbd_real *v, const rbd_real *nu,
-                                       const rbd_real *f_ext, rbd_real dt, int purpose,
-                                       rbd_real *const dnu[3]) {
+                                       const rbd_real *f_ext, int purpose, rbd_real *const dnu[3]) {
     int solved = 1;
-    rbdi_write_rho(m, c, d, q, v, nu, f_ext, dt, dnu);
+    rbdi_write_rho(m, c, d, q, v, nu, f_ext, dnu);
     for (int x = 0; x < 3; ++x) {
         if (!dnu[x]) continue;
         rbdi_clear(c->sigma, c->rows->rows * m->nv);
-        if (x < 2 && purpose == RBDI_FOR_VELOCITIES) rbdi_change_rebounds(m, c, d, v, x);
-        if (x == 0) rbdi_change_by_q(m, c, d, nu, dt, purpose, dnu[0]);
+        if (x < 2 && purpose == RBDI_FOR_VELOCITIES)
+            rbdi_change_constraints(m, c, d, v, purpose, 1, x, NULL);
+        if (x == 0) rbdi_change_constraints(m, c, d, nu, purpose, 0, x, dnu[0]);
+        for (const rbdi_dof_row *a = c->dof_row; x == 0 && a < c->dof_row + c->dof_rows; ++a)
+            if (a->row >= 0)
+                c->sigma[a->row * m->nv + a->dof] = a->side * rbdi_dof_bias(c, purpose, a).gain;
         solved &= rbdi_solve_change(m, c, dnu[x]);
     }
     return solved;
@@ -154,8 +132,7 @@ RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact
     const rbd_contact_step_results to = out ? *out : none_wanted;
     rbd_real *const dq[3] = {to.dq_next_dq, to.dq_next_dv, to.dq_next_dtau};
     rbd_real *const dv[3] = {to.dv_next_dq, to.dv_next_dv, to.dv_next_dtau};
-    const int nv = m ? m->nv : 0;
-    int pairs = !to.q_next == !to.v_next, solved, differ;
+    int pairs = !to.q_next == !to.v_next, solved, size;
     rbd_status status;
     for (int x = 0; x < 3; ++x) pairs &= !dq[x] == !dv[x];
     status = rbdi_check_step(m, c, d && q && v && tau && out && pairs, dt);
@@ -163,24 +140,24 @@ RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact
     if (status) return status;
     if (d->work != c->rows->w) return RBD_ERR_WORK;
     if (!c->sigma) return RBD_ERR_MEMORY;
+    size = m->nv * m->nv;
     status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping, dt);
     if (!status) {
-        solved = rbdi_differentiate_solution(m, c, d, q, v, c->moved, f_ext, dt, RBDI_FOR_POSITIONS, dq);
-        differ = rbdi_solve_velocities(m, c, dt);
-        if (differ)
-            solved &= rbdi_differentiate_solution(m, c, d, q, v, c->nu, f_ext, dt, RBDI_FOR_VELOCITIES, dv);
+        solved = rbdi_differentiate_solution(m, c, d, q, v, c->moved, f_ext, RBDI_FOR_POSITIONS, dq);
+        status = rbdi_solve_velocities(m, c);
+        if (c->differ)
+            solved &= rbdi_differentiate_solution(m, c, d, q, v, c->nu, f_ext, RBDI_FOR_VELOCITIES, dv);
         for (int x = 0; x < 3; ++x) {
             if (!dq[x]) continue;
-            for (int k = 0; !differ && k < nv * nv; ++k) dv[x][k] = dq[x][k];
+            for (int k = 0; !c->differ && k < size; ++k) dv[x][k] = dq[x][k];
             rbdi_move_columns(m, c->moved, c->nu, dt, x == 0, dq[x], dv[x]);
-            solved &= rbdi_all_finite(dq[x], nv * nv) & rbdi_all_finite(dv[x], nv * nv);
+            solved &= rbdi_all_finite(dq[x], size) & rbdi_all_finite(dv[x], size);
         }
-        if (!solved) status = RBD_ERR_SINGULAR;
-        if (rbdi_contact_status(m, c, dt)) status = RBD_ERR_NAN;
+        if (!status && !solved) status = RBD_ERR_SINGULAR;
     }
     for (int x = 0; status && x < 3; ++x)
-        if (dq[x]) rbdi_clear(dq[x], nv * nv), rbdi_clear(dv[x], nv * nv);
-    if (to.q_next) rbdi_contact_move(m, c, status, q, dt, to.q_next, to.v_next);
+        if (dq[x]) rbdi_clear(dq[x], size), rbdi_clear(dv[x], size);
+    if (to.q_next) rbdi_contact_move(m, c, status, q, to.q_next, to.v_next);
     return status;
 }
 

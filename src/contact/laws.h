@@ -120,18 +120,18 @@ RBDI_PART void rbdi_contact_judge(rbdi_contact_solver *s) {
     rbdi_project_laws(s);
 }
 
-/* Puts p into cones and bounds: iterations leave it outside by the tolerance. Returns whether p changed. */
-RBDI_PART int rbdi_into_cones(rbdi_contact_solver *s) {
+/* Puts p into cones and bounds: iterations leave it outside by the tolerance. At the end contacts that open
+   have none. Returns whether p changed. */
+RBDI_PART int rbdi_into_cones(rbdi_contact_solver *s, int at_end) {
     int changed = 0;
     for (int i = 0; i < s->given.contacts; ++i) {
         rbd_real *p = &s->p[3 * i];
         const rbd_real size = rbdi_sqrt(p[0] * p[0] + p[1] * p[1]), most = s->law[i].friction * p[2];
-        const int outside = s->law[i].state == RBD_APART || !(p[2] > 0);
-        const rbd_real share = outside ? rbdi_zero() : most / size;
-        if (!outside && !(size > most)) continue;
-        changed |= p[2] < 0 || size > 0;
-        p[0] = p[0] * share, p[1] = p[1] * share;
-        if (outside) p[0] = p[1] = p[2] = rbdi_zero();
+        const rbd_contact_state state = s->law[i].state;
+        const int none = state == RBD_APART || !(p[2] > 0) || (at_end && state == RBD_OPENS);
+        if (none ? !(size > 0 || p[2] < 0 || p[2] > 0) : !(size > most)) continue;
+        for (int j = 0; j < 2 + none; ++j) p[j] = none ? rbdi_zero() : p[j] * (most / size);
+        changed = 1;
     }
     for (int i = 0; i < s->given.bounded; ++i) {
         rbd_real *p = &s->p[3 * s->given.contacts + i];

@@ -36,8 +36,8 @@ typedef struct rbdi_contact_solver {
     rbd_real *start, *aim, *best;  /* rows: impulses before and behind a Newton step, the best so far */
     rbd_real *scratch;             /* rows */
     rbdi_contact_unknown *unknown; /* rows */
-    rbd_real *G;                   /* the matrix of a Newton step, and its right-hand sides */
-    int sides;                     /* how many */
+    rbd_real *G;                   /* the matrix of a Newton step, and behind it its right-hand sides */
+    int unknowns, sides, stride;   /* of G: rows; right-hand sides; entries from one row to the next */
     int symmetric;                 /* whether G is: no contact slips */
     rbd_real unmoved;              /* of a bounded row: smaller entries of Delta's diagonal are rounding */
     rbd_contact_solution solution;
@@ -56,8 +56,7 @@ typedef struct rbdi_contact {
     rbdi_c3 point; /* link axes */
     rbd_const radius, friction, restitution, stiffness, damping;
     rbd_real gap, approach; /* m; u_n before the step, m/s */
-    rbd_real impulse[3];    /* of the last step, along the rows; 0 where it was none */
-    rbd_real force[3];      /* the same over dt, world axes */
+    rbd_real force[3];      /* of the last step, world axes */
     int body2;
     int row;      /* of the step, -1 = none */
     int rebounds; /* in the solution for the velocities */
@@ -69,36 +68,42 @@ typedef struct rbdi_dof_row {
     int16_t dof, iq;         /* iq: of the limited coordinate, -1 = dry friction */
     rbd_const lower, upper;  /* limits; of dry friction what it can hold */
     rbd_real distance, side; /* to the nearer limit, and the row's sign there */
-    rbd_real impulse;        /* of the last step */
     int row;                 /* of the step, -1 = none */
 } rbdi_dof_row;
 
 /* A set: all that may be a row stands in a set of constraints, whose rows are laid anew at each step: three
-   of each contact that is near, those that are held, those of single dofs. */
+   of each contact that is near, those that are held, those of single dofs. Places are the same of all that
+   may be a row. */
 struct rbd_contact_set {
     rbd_constraint_set *rows;
     rbd_contact_options options;
-    int n, held, dof_rows;        /* contacts; constraints behind them; rows of dofs at most */
+    int n, dof_rows;              /* contacts; rows of dofs at most */
     int most;                     /* rows at most */
+    int differ;                   /* whether `nu` and `moved` do */
     rbdi_contact *contact;        /* n */
     rbdi_dof_row *dof_row;        /* dof_rows */
-    rbd_real *held_impulse;       /* rows of what is held */
+    int16_t *place;               /* most: of each row of the step */
+    rbd_real *impulse;            /* most: of the last step, by place; 0 where it had no row */
     rbd_real *friction;           /* of the step's contacts */
     rbd_real *lower, *upper;      /* of its other rows */
     rbd_real *b;                  /* most: u without impulses, with the bias */
     rbd_real *start, *nu, *moved; /* nv each: velocities without forces; of the end; of the positions */
     rbd_real *x;                  /* nv: L^-T dt (tau - c) */
-    rbd_real last_dt;             /* of the last step, 0 = none */
+    rbd_real dt, last_dt;         /* of this step; of the last one, 1 = none */
     rbd_real *sigma;              /* of derivatives: most x nv; then nv x nv, or rows of G; NULL = none */
     rbdi_contact_solver solver;
 };
 
-/* Bytes for n contacts and, at most, `bounded` other rows; `held` of them are of so many constraints. */
-#define RBDI_CONTACT_SET_BYTES(nv, n, constraints, held, bounded, stride) \
+/* Cuts n objects off the memory p. */
+#define RBDI_CUT(type, n) ((type *)rbdi_take(&p, 1, RBDI_ROUND((size_t)(n) * sizeof(type))))
+
+/* Bytes for n contacts, so many constraints that are held and, at most, `bounded` other rows. */
+#define RBDI_CONTACT_SET_BYTES(nv, n, constraints, bounded, stride) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_contact_set)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_contact)) + \
      RBDI_ROUND((size_t)(bounded) * sizeof(rbdi_dof_row)) + \
-     RBDI_ROUND(sizeof(rbd_real) * ((size_t)(n) + (size_t)(held) + 2 * (size_t)(bounded) + \
-                                    RBDI_CONTACT_ROWS(n, bounded) + 4 * (size_t)(nv))) + \
+     RBDI_ROUND(RBDI_CONTACT_ROWS(n, bounded) * sizeof(int16_t)) + \
+     RBDI_ROUND(sizeof(rbd_real) * ((size_t)(n) + 2 * (size_t)(bounded) + \
+                                    2 * RBDI_CONTACT_ROWS(n, bounded) + 4 * (size_t)(nv))) + \
      RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded)) + \
      RBDI_CONSTRAINTS_BYTES(nv, (n) + (constraints), RBDI_CONTACT_ROWS(n, bounded), stride))
 
@@ -108,6 +113,6 @@ struct rbd_contact_set {
 
 /* Bytes that suffice for n contacts and so many other rows: held axes, joint limits, dry friction. */
 #define RBD_CONTACT_SET_SIZE(nv, n, bounded) \
-    RBDI_CONTACT_SET_BYTES(nv, n, bounded, bounded, bounded, 3 * (n) + (bounded) + 4 * RBDI_ROW_BATCH)
+    RBDI_CONTACT_SET_BYTES(nv, n, bounded, bounded, 3 * (n) + (bounded) + 4 * RBDI_ROW_BATCH)
 
 #endif

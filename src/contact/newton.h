@@ -20,51 +20,36 @@
    on p, so the solution is that of the laws as they are. S has mu e where T has none, so G is not symmetric:
    Gauss with row pivots. Where nothing slips, S = T: Cholesky, in half of the time. */
 
-/* Unknown number n of row `first` and, of a contact, the two behind it. */
-RBDI_INLINE rbdi_contact_unknown *rbdi_new_unknown(rbdi_contact_solver *s, int n, int first, int rows,
+/* A new unknown of so many rows from number `first` on, of which u shall become 0 in the first. */
+RBDI_INLINE rbdi_contact_unknown *rbdi_new_unknown(rbdi_contact_solver *s, int first, int rows,
                                                    rbd_real scale) {
-    rbdi_contact_unknown *x = &s->unknown[n];
-    x->first = first, x->rows = rows, x->scale = scale;
-    for (int j = 0; j < 3; ++j) x->column[j] = x->row[j] = rbdi_zero();
-    x->alpha = rbdi_zero();
+    rbdi_contact_unknown *x = &s->unknown[s->unknowns++];
+    x->first = first, x->rows = rows, x->scale = scale, x->alpha = rbdi_zero();
+    for (int j = 0; j < 3; ++j) x->column[j] = x->row[j] = rbdi_set(RBD_C(j == 0));
     return x;
 }
 
-/* One row whose u shall become 0. */
-RBDI_INLINE void rbdi_plain_unknown(rbdi_contact_solver *s, int n, int row, rbd_real scale) {
-    rbdi_contact_unknown *x = rbdi_new_unknown(s, n, row, 1, scale);
-    x->column[0] = x->row[0] = rbdi_set(RBD_C(1));
-}
-
-/* Lists the unknowns (2); returns their number. */
-RBDI_PART int rbdi_list_unknowns(rbdi_contact_solver *s) {
-    int n = 0;
-    s->symmetric = 1;
+/* Lists the unknowns (2). The right-hand sides stand behind G's columns, up to a whole batch. */
+RBDI_PART void rbdi_list_unknowns(rbdi_contact_solver *s) {
+    s->symmetric = 1, s->unknowns = 0;
     for (int i = 0; i < s->given.contacts; ++i) {
         const rbdi_contact_law *law = &s->law[i];
-        if (law->state == RBD_SLIPS) s->symmetric = 0;
-        if (law->state == RBD_STICKS)
-            for (int j = 0; j < 3; ++j) rbdi_plain_unknown(s, n++, 3 * i + j, law->trace);
-        if (law->state == RBD_SLIPS) {
-            rbdi_contact_unknown *x = rbdi_new_unknown(s, n++, 3 * i, 3, law->trace);
-            x->column[0] = law->friction * law->e[0], x->column[1] = law->friction * law->e[1];
-            x->column[2] = x->row[2] = rbdi_set(RBD_C(1));
-        }
-        if (law->state == RBD_SLIPS && law->friction > 0) {
-            rbdi_contact_unknown *x = rbdi_new_unknown(s, n++, 3 * i, 3, law->trace);
-            x->column[0] = x->row[0] = -law->e[1], x->column[1] = x->row[1] = law->e[0];
-            x->alpha = law->alpha;
-        }
+        rbdi_contact_unknown *x;
+        for (int j = 0; j < 3 && law->state == RBD_STICKS; ++j)
+            (void)rbdi_new_unknown(s, 3 * i + j, 1, law->trace);
+        if (law->state != RBD_SLIPS) continue;
+        s->symmetric = 0;
+        x = rbdi_new_unknown(s, 3 * i, 3, law->trace);
+        x->column[0] = law->friction * law->e[0], x->column[1] = law->friction * law->e[1];
+        x->row[0] = rbdi_zero(), x->column[2] = x->row[2] = rbdi_set(RBD_C(1));
+        if (!(law->friction > 0)) continue;
+        x = rbdi_new_unknown(s, 3 * i, 3, law->trace);
+        x->column[0] = x->row[0] = -law->e[1], x->column[1] = x->row[1] = law->e[0];
+        x->alpha = law->alpha;
     }
     for (int i = 0, r = 3 * s->given.contacts; i < s->given.bounded; ++i, ++r)
-        if (s->bound[i] == RBD_STICKS) rbdi_plain_unknown(s, n++, r, s->given.delta[r * s->rows + r]);
-    return n;
-}
-
-/* Entries from one row of G to the next: n unknowns, the right-hand sides as columns from n on, up to a whole
-   batch. */
-RBDI_INLINE int rbdi_newton_stride(const rbdi_contact_solver *s, int n) {
-    return (n + s->sides + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH;
+        if (s->bound[i] == RBD_STICKS) (void)rbdi_new_unknown(s, r, 1, s->given.delta[r * s->rows + r]);
+    s->stride = (s->unknowns + s->sides + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH;
 }
 
 /* An unknown's row of T' Delta: one of Delta's, or a sum of three, in s->scratch. */
@@ -77,9 +62,9 @@ RBDI_INLINE const rbd_real *rbdi_newton_row(rbdi_contact_solver *s, const rbdi_c
     return s->scratch;
 }
 
-/* G, or its upper triangle if it is symmetric, and -T'u behind it, of n unknowns. u: rows x sides. */
-RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, int n, rbd_const proximal, const rbd_real *u) {
-    const int stride = rbdi_newton_stride(s, n), sides = s->sides;
+/* G, or its upper triangle if it is symmetric, and -T'u behind it. u: rows x sides. */
+RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, rbd_const proximal, const rbd_real *u) {
+    const int n = s->unknowns, stride = s->stride, sides = s->sides;
     rbdi_clear(s->G, n * stride);
     for (int i = 0; i < n; ++i) {
         const rbdi_contact_unknown *x = &s->unknown[i];
@@ -98,14 +83,13 @@ RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, int n, rbd_const proxi
 }
 
 /* The largest entry on or below the diagonal of column k comes to the diagonal. Returns 0 if all are 0. */
-RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int n, int k) {
-    const int stride = rbdi_newton_stride(s, n);
-    rbd_real *own = &s->G[k * stride], *best = own, largest = rbdi_zero();
-    for (rbd_real *g = own; g < &s->G[n * stride]; g += stride) {
+RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int k) {
+    rbd_real *own = &s->G[k * s->stride], *best = own, largest = rbdi_zero();
+    for (rbd_real *g = own; g < &s->G[s->unknowns * s->stride]; g += s->stride) {
         const rbd_real size = rbdi_abs(g[k]);
         if (size > largest) best = g, largest = size;
     }
-    for (int j = k; best != own && j < n + s->sides; ++j) {
+    for (int j = k; best != own && j < s->unknowns + s->sides; ++j) {
         const rbd_real x = own[j];
         own[j] = best[j], best[j] = x;
     }
@@ -114,13 +98,13 @@ RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int n, int k) {
 
 /* Eliminates below the diagonal. Returns 0 if G is singular. Rows are eliminated from a whole batch on: the
    entries that this changes before column k are not read again. */
-RBDI_PART int rbdi_newton_gauss(rbdi_contact_solver *s, int n) {
-    const int stride = rbdi_newton_stride(s, n);
+RBDI_PART int rbdi_newton_gauss(rbdi_contact_solver *s) {
+    const int n = s->unknowns, stride = s->stride;
     for (int k = 0; k < n; ++k) {
         const rbd_real *own = &s->G[k * stride];
         const int from = k / RBDI_BATCH * RBDI_BATCH;
         rbd_real inverse;
-        if (!rbdi_newton_pivot(s, n, k)) return 0;
+        if (!rbdi_newton_pivot(s, k)) return 0;
         inverse = 1 / own[k];
         for (int i = k + 1; i < n; ++i) {
             rbd_real *g = &s->G[i * stride];
@@ -131,9 +115,9 @@ RBDI_PART int rbdi_newton_gauss(rbdi_contact_solver *s, int n) {
 }
 
 /* R of a symmetric G = R'R, and R'^-1 times the right-hand sides. Returns 0 if G is not positive definite. */
-RBDI_PART int rbdi_newton_cholesky(rbdi_contact_solver *s, int n) {
-    const int stride = rbdi_newton_stride(s, n);
-    for (int k = 0; k < n; ++k) {
+RBDI_PART int rbdi_newton_cholesky(rbdi_contact_solver *s) {
+    const int stride = s->stride;
+    for (int k = 0; k < s->unknowns; ++k) {
         rbd_real *own = &s->G[k * stride];
         const int from = k / RBDI_BATCH * RBDI_BATCH;
         for (int j = from; j < stride; j += RBDI_BATCH) {
@@ -148,9 +132,9 @@ RBDI_PART int rbdi_newton_cholesky(rbdi_contact_solver *s, int n) {
 }
 
 /* dx in place of the right-hand sides. Returns 0 if there is none. */
-RBDI_PART int rbdi_newton_solve(rbdi_contact_solver *s, int n) {
-    const int stride = rbdi_newton_stride(s, n);
-    if (!(s->symmetric ? rbdi_newton_cholesky(s, n) : rbdi_newton_gauss(s, n))) return 0;
+RBDI_PART int rbdi_newton_solve(rbdi_contact_solver *s) {
+    const int n = s->unknowns, stride = s->stride;
+    if (!(s->symmetric ? rbdi_newton_cholesky(s) : rbdi_newton_gauss(s))) return 0;
     for (int k = n - 1; k >= 0; --k) {
         rbd_real *g = &s->G[k * stride];
         for (int j = k + 1; j < n; ++j) rbdi_subtract(&g[n], g[j], &s->G[j * stride + n], s->sides);
@@ -175,12 +159,12 @@ RBDI_PART void rbdi_onto_cones(rbdi_contact_solver *s) {
 }
 
 /* p += S dx. p: rows x sides. */
-RBDI_PART void rbdi_add_increments(const rbdi_contact_solver *s, int n, rbd_real *p) {
-    const int stride = rbdi_newton_stride(s, n), sides = s->sides;
+RBDI_PART void rbdi_add_increments(const rbdi_contact_solver *s, rbd_real *p) {
+    const int n = s->unknowns, sides = s->sides;
     for (int i = 0; i < n; ++i) {
         const rbdi_contact_unknown *x = &s->unknown[i];
         for (int j = 0; j < x->rows; ++j)
-            rbdi_subtract(&p[(x->first + j) * sides], -x->column[j], &s->G[i * stride + n], sides);
+            rbdi_subtract(&p[(x->first + j) * sides], -x->column[j], &s->G[i * s->stride + n], sides);
     }
 }
 
@@ -190,30 +174,32 @@ RBDI_INLINE void rbdi_copy_rows(const rbdi_contact_solver *s, const rbd_real *fr
 
 /* s->aim: p as a step of all its length has it. Returns 0 if there is none. */
 RBDI_PART int rbdi_newton_aim(rbdi_contact_solver *s, rbd_const proximal) {
-    int n;
     rbdi_onto_cones(s);
     rbdi_contact_velocities(s);
-    n = rbdi_list_unknowns(s);
-    rbdi_newton_matrix(s, n, proximal, s->u);
-    if (!rbdi_newton_solve(s, n)) return 0;
-    rbdi_add_increments(s, n, s->p);
+    rbdi_list_unknowns(s);
+    rbdi_newton_matrix(s, proximal, s->u);
+    if (!rbdi_newton_solve(s)) return 0;
+    rbdi_add_increments(s, s->p);
     rbdi_copy_rows(s, s->p, s->aim);
     return 1;
 }
 
+/* The share of a step at which an impulse comes to its bound, if that is less than `share`. */
+RBDI_INLINE rbd_real rbdi_share_until(rbd_real share, rbd_real from, rbd_real to, rbd_real lower,
+                                      rbd_real upper) {
+    const rbd_real room = (to < from ? lower : upper) - from, way = share * (to - from);
+    if (!(to < lower || to > upper) || rbdi_abs(way) <= rbdi_abs(room)) return share;
+    return room / (to - from);
+}
+
 /* The share of a step at which the first contact opens, or the first row comes to its bound. */
 RBDI_PART rbd_real rbdi_share_to_bound(const rbdi_contact_solver *s) {
+    const rbd_real *from = s->start, *to = s->aim;
     rbd_real share = rbdi_set(RBD_C(1));
-    for (int i = 0; i < s->given.contacts; ++i) {
-        const rbd_real from = s->start[3 * i + 2], to = s->aim[3 * i + 2];
-        if (to < 0 && from < share * (from - to)) share = from / (from - to);
-    }
-    for (int i = 0, r = 3 * s->given.contacts; i < s->given.bounded; ++i, ++r) {
-        const rbd_real from = s->start[r], to = s->aim[r],
-                       bound = to < from ? s->given.lower[i] : s->given.upper[i];
-        if ((to < s->given.lower[i] || to > s->given.upper[i]) && share * (to - from) / (bound - from) > 1)
-            share = (bound - from) / (to - from);
-    }
+    for (int r = 2; r < 3 * s->given.contacts; r += 3)
+        share = rbdi_share_until(share, from[r], to[r], rbdi_zero(), rbdi_set(RBDI_UNBOUNDED));
+    for (int i = 0, r = 3 * s->given.contacts; i < s->given.bounded; ++i, ++r)
+        share = rbdi_share_until(share, from[r], to[r], s->given.lower[i], s->given.upper[i]);
     return share;
 }
 
@@ -226,7 +212,7 @@ RBDI_PART int rbdi_newton_step(rbdi_contact_solver *s, rbd_const proximal) {
     for (int i = rbdi_newton_aim(s, proximal) ? 0 : RBDI_SHORTENINGS; i < RBDI_SHORTENINGS; ++i) {
         const rbd_real share = i == 1 ? rbdi_share_to_bound(s) : rbdi_set(shorter[i]);
         for (int r = 0; i > 0 && r < s->rows; ++r) s->p[r] = s->start[r] + (s->aim[r] - s->start[r]) * share;
-        (void)rbdi_into_cones(s);
+        (void)rbdi_into_cones(s, 0);
         rbdi_contact_judge(s);
         if (s->solution.residual < before * gain[i]) return 1;
     }

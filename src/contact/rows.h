@@ -24,19 +24,14 @@ RBDI_INLINE rbdi_v3 rbdi_contact_normal(const rbd_constraint_set *s, const rbdi_
 
 /* Gap and velocity of approach of a contact; the frame of its constraint comes to the place of contact. */
 static void rbdi_contact_gap(const rbd_constraint_set *s, rbdi_constraint *k, rbdi_contact *a) {
-    const rbdi_v3 n = rbdi_contact_normal(s, k);
+    const rbdi_v3 n = rbdi_contact_normal(s, k),
+                  x = k->link[0] < 0 ? n : rbdi_mul(s->w->kin[k->link[0]].X.E, n);
     rbdi_station one, two;
-    k->p[0] = a->point;
-    one = rbdi_station_of(s, k, 0);
-    a->gap = rbdi_dot(n, rbdi_sub(one.p, rbdi_station_of(s, k, 1).p)) - a->radius;
-    if (a->radius > 0) {
-        const rbdi_v3 x = k->link[0] < 0 ? n : rbdi_mul(s->w->kin[k->link[0]].X.E, n);
-        k->p[0].x = a->point.x - a->radius * (rbd_const)x.x;
-        k->p[0].y = a->point.y - a->radius * (rbd_const)x.y;
-        k->p[0].z = a->point.z - a->radius * (rbd_const)x.z;
-        one = rbdi_station_of(s, k, 0);
-    }
-    two = rbdi_station_at(s, k->link[1], one.p);
+    k->p[0].x = a->point.x - a->radius * (rbd_const)x.x;
+    k->p[0].y = a->point.y - a->radius * (rbd_const)x.y;
+    k->p[0].z = a->point.z - a->radius * (rbd_const)x.z;
+    one = rbdi_station_of(s, k, 0), two = rbdi_station_at(s, k->link[1], one.p);
+    a->gap = rbdi_dot(n, rbdi_sub(one.p, rbdi_station_of(s, k, 1).p));
     a->approach = rbdi_dot(n, rbdi_sub(one.v, two.v));
 }
 
@@ -45,56 +40,73 @@ RBDI_INLINE int rbdi_may_touch(rbd_real distance, rbd_real rate, rbd_real dt, rb
     return distance <= margin || distance + 2 * dt * rate <= 0;
 }
 
-/* The row of a limit that is near, or of dry friction; -1 if it is none. */
-static int rbdi_dof_row_at(rbdi_dof_row *a, int row, const rbd_real *q, const rbd_real *v, rbd_real dt) {
+/* Whether a limit is near, as all dry friction is. */
+static int rbdi_dof_row_at(rbdi_dof_row *a, const rbd_real *q, const rbd_real *v, rbd_real dt) {
     rbd_real below, above;
-    a->row = row, a->distance = rbdi_zero(), a->side = rbdi_set(RBD_C(1));
+    a->distance = rbdi_zero(), a->side = rbdi_set(RBD_C(1));
     if (a->iq < 0) return 1;
     below = q[a->iq] - a->lower, above = a->upper - q[a->iq];
     if (above < below) a->side = -a->side;
     a->distance = above < below ? above : below;
-    if (rbdi_may_touch(a->distance, a->side * v[a->dof], dt, rbdi_set(RBDI_NEAR_LIMIT))) return 1;
-    a->row = -1;
-    return 0;
+    return rbdi_may_touch(a->distance, a->side * v[a->dof], dt, rbdi_set(RBDI_NEAR_LIMIT));
 }
 
-/* Adds n rows from number `row` on to those that a dof has entries in. */
-RBDI_INLINE void rbdi_widen_span(rbdi_span *span, int row, int n) {
-    if (span->end == 0) span->first = (int16_t)row;
-    span->end = (int16_t)(row + n);
+/* s->path: a dof and those that carry it, ascending. Returns how many. */
+static int rbdi_path_to(const rbd_model *m, const rbd_constraint_set *s, int dof) {
+    const int n = m->dof[dof].depth + 1;
+    for (int t = n - 1; t >= 0; --t, dof = m->dof[dof].lambda) s->path[t] = (int16_t)dof;
+    return n;
 }
 
-static void rbdi_open_rows(rbd_constraint_set *s, rbdi_constraint *k, int row) {
-    k->row = (int16_t)row;
-    for (int t = 0; t < k->dofs; ++t) rbdi_widen_span(&s->span[k->dof[t]], row, k->rows);
-}
-
-/* Lists the rows of the step; returns the number of contacts among them. */
-static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real *q, const rbd_real *v,
-                          rbd_real dt) {
+/* Gives the n rows from this place on the next rows of the step, with entries in these dofs. Returns the
+   first. */
+static int rbdi_open_rows(rbd_contact_set *c, int place, int n, const int16_t *dof, int dofs) {
     rbd_constraint_set *s = c->rows;
-    int row = 0, contacts;
+    const int row = s->rows;
+    for (int r = 0; r < n; ++r) c->place[s->rows++] = (int16_t)(place + r);
+    for (int t = 0; t < dofs; ++t) {
+        rbdi_span *span = &s->span[dof[t]];
+        if (span->end == 0) span->first = (int16_t)row;
+        span->end = (int16_t)s->rows;
+    }
+    return row;
+}
+
+/* Lists the rows of the step with their bounds and the impulses to begin with, which are those of the last
+   step, or a share for a step of another length. Returns the number of contacts. */
+static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real *q, const rbd_real *v) {
+    rbd_constraint_set *s = c->rows;
+    const rbd_real dt = c->dt, share = dt / c->last_dt;
+    int place = 0, contacts;
     for (int k = 0; k < m->nv; ++k) s->span[k].first = s->span[k].end = 0;
-    for (int i = 0; i < c->n; ++i) {
+    s->rows = 0;
+    for (int i = 0; i < c->n; ++i, place += 3) {
+        rbdi_constraint *k = &s->constraint[i];
         rbdi_contact *a = &c->contact[i];
-        rbdi_contact_gap(s, &s->constraint[i], a);
+        rbdi_contact_gap(s, k, a);
         a->row = -1, a->state = RBD_APART;
         if (!rbdi_may_touch(a->gap, a->approach, dt, RBD_C(c->options.margin))) continue;
-        a->row = row;
-        c->friction[row / 3] = rbdi_set(a->friction);
-        rbdi_open_rows(s, &s->constraint[i], row);
-        row += 3;
+        c->friction[s->rows / 3] = rbdi_set(a->friction);
+        a->row = rbdi_open_rows(c, place, 3, k->dof, k->dofs);
+        k->row = (int16_t)a->row;
     }
-    contacts = row / 3;
-    for (int i = c->n; i < c->n + c->held; row += s->constraint[i++].rows)
-        rbdi_open_rows(s, &s->constraint[i], row);
+    contacts = s->rows / 3;
+    for (rbdi_constraint *k = s->constraint + c->n; k < s->constraint + s->n; place += k++->rows) {
+        k->row = (int16_t)rbdi_open_rows(c, place, k->rows, k->dof, k->dofs);
+        for (int r = k->row - 3 * contacts; r < s->rows - 3 * contacts; ++r)
+            c->upper[r] = rbdi_set(RBDI_UNBOUNDED), c->lower[r] = -c->upper[r];
+    }
     for (int i = 0; i < c->dof_rows; ++i) {
         rbdi_dof_row *a = &c->dof_row[i];
-        if (!rbdi_dof_row_at(a, row, q, v, dt)) continue;
-        for (int k = a->dof; k >= 0; k = m->dof[k].lambda) rbdi_widen_span(&s->span[k], row, 1);
-        ++row;
+        const int r = s->rows - 3 * contacts, near = rbdi_dof_row_at(a, q, v, dt);
+        a->row = near ? rbdi_open_rows(c, place + i, 1, s->path, rbdi_path_to(m, s, a->dof)) : -1;
+        if (!near) continue;
+        c->lower[r] = a->iq < 0 ? dt * a->lower : rbdi_zero();
+        c->upper[r] = a->iq < 0 ? dt * a->upper : rbdi_set(RBDI_UNBOUNDED);
     }
-    s->rows = row, s->stride = rbdi_row_stride(row);
+    s->stride = rbdi_row_stride(s->rows);
+    rbdi_clear(s->lambda, s->stride);
+    for (int r = 0; r < s->rows; ++r) s->lambda[r] = c->impulse[c->place[r]] * share;
     return contacts;
 }
 
@@ -102,13 +114,10 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
 static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     rbdi_clear(s->Y, m->nv * s->stride);
-    rbdi_clear(s->target, s->stride);
-    rbdi_clear(s->u, s->stride);
-    rbdi_clear(s->gamma, s->stride);
-    rbdi_clear(s->e, s->stride);
+    rbdi_clear(s->target, (int)(s->e - s->target) + s->stride); /* u and gamma too */
     for (int i = 0; i < c->n; ++i)
         if (c->contact[i].row >= 0) rbdi_constraint_rows(m, s, &s->constraint[i], 0);
-    for (int i = c->n; i < c->n + c->held; ++i) rbdi_constraint_rows(m, s, &s->constraint[i], 1);
+    for (int i = c->n; i < s->n; ++i) rbdi_constraint_rows(m, s, &s->constraint[i], 1);
     for (int i = 0; i < c->dof_rows; ++i)
         if (c->dof_row[i].row >= 0)
             s->Y[c->dof_row[i].dof * s->stride + c->dof_row[i].row] = c->dof_row[i].side;
@@ -120,60 +129,33 @@ static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
 }
 
 /* Delta of (4), rows x rows, in s->R; first the upper triangle, in rows of s->stride. A row that
-   rounding alone moves gets 0 on the diagonal: nothing gives way there. */
+   rounding alone moves gets 0 on the diagonal: nothing gives way there. Last what slip and stiffness add. */
 static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     const int n = s->rows;
     rbd_real *delta = s->R;
     rbdi_bound_noise(m, s);
-    for (int i = 0; i < c->n + c->held; ++i) {
+    for (int i = 0; i < s->n; ++i) {
         const rbdi_constraint *k = &s->constraint[i];
         if (i >= c->n || c->contact[i].row >= 0) rbdi_delta(s, k->dof, k->dofs, k->row, k->rows);
     }
     for (int i = 0; i < c->dof_rows; ++i) {
-        const int dof = c->dof_row[i].dof, depth = m->dof[dof].depth;
-        if (c->dof_row[i].row < 0) continue;
-        for (int t = depth, k = dof; t >= 0; --t, k = m->dof[k].lambda) s->path[t] = (int16_t)k;
-        rbdi_delta(s, s->path, depth + 1, c->dof_row[i].row, 1);
+        const rbdi_dof_row *a = &c->dof_row[i];
+        if (a->row >= 0) rbdi_delta(s, s->path, rbdi_path_to(m, s, a->dof), a->row, 1);
     }
     for (int r = 0; r < n; ++r) {
         for (int t = 0; t < r; ++t) delta[r * n + t] = delta[t * n + r];
         for (int t = r; t < n; ++t) delta[r * n + t] = delta[r * s->stride + t];
         if (delta[r * n + r] <= s->noise) delta[r * n + r] = rbdi_zero();
     }
-}
-
-/* Impulses of the last step, which a step of another length takes a share of; bounds of the rows behind the
-   contacts; what stiffness adds to Delta. */
-static void rbdi_begin_rows(rbd_contact_set *c, int contacts, rbd_real dt) {
-    rbd_constraint_set *s = c->rows;
-    const rbd_real share = c->last_dt > 0 ? dt / c->last_dt : rbdi_zero();
-    const int held = (int)(c->lower - c->held_impulse);
-    rbdi_clear(s->lambda, s->stride);
-    for (int i = 0; i < c->n; ++i) {
-        const rbdi_contact *a = &c->contact[i];
-        if (a->row < 0) continue;
-        for (int j = 0; j < 3; ++j) s->lambda[a->row + j] = a->impulse[j] * share;
-        for (int j = 0; j < 3; ++j) {
-            rbd_real *d = &s->R[(a->row + j) * (s->rows + 1)];
+    for (const rbdi_contact *a = c->contact; a < c->contact + c->n; ++a)
+        for (int j = 0; j < 3 && a->row >= 0; ++j) {
+            rbd_real *d = &delta[(a->row + j) * (n + 1)];
             if (j < 2)
-                *d = *d + RBD_C(c->options.slip) / dt;
+                *d = *d + RBD_C(c->options.slip) / c->dt;
             else if (a->stiffness > 0 && a->gap <= 0)
-                *d = *d + 1 / (dt * (dt * a->stiffness + a->damping));
+                *d = *d + 1 / (c->dt * (c->dt * a->stiffness + a->damping));
         }
-    }
-    for (int i = 0; i < held; ++i) {
-        s->lambda[3 * contacts + i] = c->held_impulse[i] * share;
-        c->upper[i] = rbdi_set(RBDI_UNBOUNDED), c->lower[i] = -c->upper[i];
-    }
-    for (int i = 0; i < c->dof_rows; ++i) {
-        const rbdi_dof_row *a = &c->dof_row[i];
-        const int r = a->row - 3 * contacts;
-        if (a->row < 0) continue;
-        s->lambda[a->row] = a->impulse * share;
-        c->lower[r] = a->iq < 0 ? dt * a->lower : rbdi_zero();
-        c->upper[r] = a->iq < 0 ? dt * a->upper : rbdi_set(RBDI_UNBOUNDED);
-    }
 }
 
 /* ---- biases [biases] ----
@@ -190,79 +172,63 @@ static void rbdi_begin_rows(rbd_contact_set *c, int contacts, rbd_real dt) {
 
 enum { RBDI_FOR_POSITIONS, RBDI_FOR_VELOCITIES };
 
-/* Velocity that takes a penetration back, m/s, and its derivative by the gap, which is negative then. */
-RBDI_INLINE rbd_real rbdi_correction_gain(const rbd_contact_set *c, rbd_real gap, rbd_real dt) {
-    return gap + RBD_C(c->options.slop) < 0 ? RBD_C(c->options.correction) / dt : rbdi_zero();
-}
-RBDI_INLINE rbd_real rbdi_correction(const rbd_contact_set *c, rbd_real gap, rbd_real dt) {
-    return rbdi_correction_gain(c, gap, dt) * (gap + RBD_C(c->options.slop));
+/* A bias, m/s, and its derivative by the gap. */
+typedef struct rbdi_bias {
+    rbd_real value, gain;
+} rbdi_bias;
+
+/* Of what pushes at this gap. */
+static rbdi_bias rbdi_bias_at(const rbd_contact_set *c, int purpose, rbd_real gap, rbd_const stiffness,
+                              rbd_const damping) {
+    const rbd_real dt = c->dt, deeper = gap + RBD_C(c->options.slop);
+    rbdi_bias x = {gap, rbdi_zero()};
+    if (gap > 0)
+        x.gain = 1 / dt;
+    else if (stiffness > 0)
+        x.gain = stiffness / (dt * stiffness + damping);
+    else if (purpose == RBDI_FOR_POSITIONS && deeper < 0)
+        x.value = deeper, x.gain = RBD_C(c->options.correction) / dt;
+    x.value = x.value * x.gain;
+    return x;
 }
 
-/* Whether a contact that pushed rebounds. */
-RBDI_INLINE int rbdi_rebounds(const rbd_contact_set *c, const rbdi_contact *a) {
-    return a->restitution > 0 && a->approach < -RBD_C(c->options.bounce) && c->rows->lambda[a->row + 2] > 0;
+static rbdi_bias rbdi_contact_bias(const rbd_contact_set *c, int purpose, const rbdi_contact *a) {
+    const rbdi_bias rebound = {a->approach * a->restitution, rbdi_zero()};
+    if (purpose == RBDI_FOR_VELOCITIES && a->rebounds) return rebound;
+    return rbdi_bias_at(c, purpose, a->gap, a->stiffness, a->damping);
 }
 
-/* Derivative of a contact's bias by the gap, and the bias. */
-static rbd_real rbdi_gap_gain(const rbd_contact_set *c, const rbdi_contact *a, rbd_real dt, int purpose) {
-    if (purpose == RBDI_FOR_VELOCITIES && a->rebounds) return rbdi_zero();
-    if (a->gap > 0) return 1 / dt;
-    if (a->stiffness > 0) return a->stiffness / (dt * a->stiffness + a->damping);
-    return purpose == RBDI_FOR_POSITIONS ? rbdi_correction_gain(c, a->gap, dt) : rbdi_zero();
-}
-static rbd_real rbdi_contact_bias(const rbd_contact_set *c, const rbdi_contact *a, rbd_real dt, int purpose) {
-    const rbd_real slop = a->gap > 0 || a->stiffness > 0 ? rbdi_zero() : RBD_C(c->options.slop);
-    if (purpose == RBDI_FOR_VELOCITIES && a->rebounds) return a->approach * a->restitution;
-    return rbdi_gap_gain(c, a, dt, purpose) * (a->gap + slop);
+/* Of a limit; of dry friction, whose distance is 0, none. */
+static rbdi_bias rbdi_dof_bias(const rbd_contact_set *c, int purpose, const rbdi_dof_row *a) {
+    return rbdi_bias_at(c, purpose, a->distance, 0, 0);
 }
 
-/* The same of a joint's limit. */
-static rbd_real rbdi_limit_gain(const rbd_contact_set *c, const rbdi_dof_row *a, rbd_real dt, int purpose) {
-    if (a->iq < 0) return rbdi_zero();
-    if (a->distance > 0) return 1 / dt;
-    return purpose == RBDI_FOR_POSITIONS ? rbdi_correction_gain(c, a->distance, dt) : rbdi_zero();
+/* Of a held row with the error e, which is a penetration to either side. */
+static rbdi_bias rbdi_held_bias(const rbd_contact_set *c, int purpose, rbd_real e) {
+    rbdi_bias x = rbdi_bias_at(c, purpose, -rbdi_abs(e), 0, 0);
+    if (e > 0) x.value = -x.value;
+    return x;
 }
 
-/* Of a held row with the error e. */
-RBDI_INLINE rbd_real rbdi_held_bias(const rbd_contact_set *c, rbd_real e, rbd_real dt) {
-    return e > 0 ? -rbdi_correction(c, -e, dt) : rbdi_correction(c, e, dt);
+/* Writes an entry of c->b, from J nu_0 = -s->b. Returns whether it changes. */
+RBDI_INLINE int rbdi_write_bias(rbd_contact_set *c, int row, rbd_real bias) {
+    const rbd_real before = c->b[row];
+    c->b[row] = bias - c->rows->b[row];
+    return c->b[row] < before || c->b[row] > before;
 }
 
-/* c->b, from J nu_0 = -s->b. */
-static void rbdi_write_biases(rbd_contact_set *c, rbd_real dt, int purpose) {
+/* c->b. Returns whether it changes. */
+static int rbdi_write_biases(rbd_contact_set *c, int purpose) {
     const rbd_constraint_set *s = c->rows;
-    for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
-    for (int i = 0; i < c->n; ++i) {
-        const rbdi_contact *a = &c->contact[i];
-        if (a->row >= 0) c->b[a->row + 2] = c->b[a->row + 2] + rbdi_contact_bias(c, a, dt, purpose);
-    }
-    for (int i = c->n; i < c->n + c->held && purpose == RBDI_FOR_POSITIONS; ++i)
-        for (int r = s->constraint[i].row; r < s->constraint[i].row + s->constraint[i].rows; ++r)
-            c->b[r] = c->b[r] + rbdi_held_bias(c, s->e[r], dt);
-    for (int i = 0; i < c->dof_rows; ++i) {
-        const rbdi_dof_row *a = &c->dof_row[i];
-        const rbd_real slop = a->distance > 0 ? rbdi_zero() : RBD_C(c->options.slop);
-        if (a->row < 0) continue;
-        c->b[a->row] = c->b[a->row] + rbdi_limit_gain(c, a, dt, purpose) * (a->distance + slop);
-    }
-}
-
-/* Whether positions and velocities have different biases; notes who rebounds. */
-static int rbdi_needs_velocities(rbd_contact_set *c, rbd_real dt) {
-    const rbd_constraint_set *s = c->rows;
-    int differ = 0;
-    for (int i = 0; i < c->n; ++i) {
-        rbdi_contact *a = &c->contact[i];
-        if (a->row < 0) continue;
-        a->rebounds = rbdi_rebounds(c, a);
-        differ |= a->rebounds || (!(a->stiffness > 0) && rbdi_correction(c, a->gap, dt) < 0);
-    }
-    for (int i = c->n; i < c->n + c->held; ++i)
-        for (int r = s->constraint[i].row; r < s->constraint[i].row + s->constraint[i].rows; ++r)
-            differ |= rbdi_correction(c, -rbdi_abs(s->e[r]), dt) < 0;
-    for (int i = 0; i < c->dof_rows; ++i)
-        differ |= c->dof_row[i].row >= 0 && rbdi_correction(c, c->dof_row[i].distance, dt) < 0;
-    return differ;
+    int changed = 0;
+    for (const rbdi_contact *a = c->contact; a < c->contact + c->n; ++a)
+        if (a->row >= 0) changed |= rbdi_write_bias(c, a->row + 2, rbdi_contact_bias(c, purpose, a).value);
+    for (const rbdi_constraint *k = s->constraint + c->n; k < s->constraint + s->n; ++k)
+        for (int r = k->row; r < k->row + k->rows; ++r)
+            changed |= rbdi_write_bias(c, r, rbdi_held_bias(c, purpose, s->e[r]).value);
+    for (const rbdi_dof_row *a = c->dof_row; a < c->dof_row + c->dof_rows; ++a)
+        if (a->row >= 0) changed |= rbdi_write_bias(c, a->row, rbdi_dof_bias(c, purpose, a).value);
+    return changed;
 }
 
 #endif

@@ -25,8 +25,8 @@ static rbd_constraint rbdi_constraint_of_contact(const rbd_contact *a) {
 }
 
 static rbd_status rbdi_check_contact(const rbd_model *m, const rbd_contact *a, int i, rbd_report *report) {
-    const double values[6] = {a->radius, a->friction, a->restitution, a->stiffness, a->damping, 0};
-    const char *const names[6] = {"radius", "friction", "restitution", "stiffness", "damping", NULL};
+    const double values[5] = {a->radius, a->friction, a->restitution, a->stiffness, a->damping};
+    const char *const names[5] = {"radius", "friction", "restitution", "stiffness", "damping"};
     const rbd_constraint k = rbdi_constraint_of_contact(a);
     const rbd_status status = rbdi_check_constraint(m, &k, i, report);
     if (status) {
@@ -91,11 +91,10 @@ static int rbdi_contact_counts_fit(const rbd_constraint *held, int n, int n_held
 RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constraint *held, int n_held,
                                      const rbd_contact_options *options) {
     const rbd_contact_options o = rbdi_contact_defaults(options);
-    int rows, bounded, most;
+    int bounded, most;
     if (!m || !rbdi_contact_counts_fit(held, n, n_held)) return 0;
-    rows = rbdi_rows_of(held, n_held);
-    bounded = rows + rbdi_list_dof_rows(m, &o, NULL), most = 3 * n + bounded;
-    return RBDI_CONTACT_SET_BYTES(m->nv, n, n_held, rows, bounded, rbdi_row_stride(most)) +
+    bounded = rbdi_rows_of(held, n_held) + rbdi_list_dof_rows(m, &o, NULL), most = 3 * n + bounded;
+    return RBDI_CONTACT_SET_BYTES(m->nv, n, n_held, bounded, rbdi_row_stride(most)) +
            (o.derivatives ? RBDI_ROUND(sizeof(rbd_real) * (size_t)RBDI_CONTACT_SIDES(m->nv, most)) : 0);
 }
 
@@ -117,24 +116,21 @@ static rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work *w,
 /* Cuts the arrays of a set off the memory. */
 static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held, int held_rows,
                                           const rbd_contact_options *o, void *memory) {
-    const int dof_rows = rbdi_list_dof_rows(m, o, NULL), bounded = held_rows + dof_rows;
+    const int dof_rows = rbdi_list_dof_rows(m, o, NULL), bounded = held_rows + dof_rows, nv = m->nv;
     unsigned char *p = rbdi_aligned(memory);
-    rbd_contact_set *c = (rbd_contact_set *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_contact_set)));
-    rbd_real *x;
+    rbd_contact_set *c = RBDI_CUT(rbd_contact_set, 1);
     c->options = *o;
-    c->n = n, c->held = n_held, c->dof_rows = dof_rows, c->most = 3 * n + bounded;
-    c->contact = (rbdi_contact *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n * sizeof(rbdi_contact)));
-    c->dof_row = (rbdi_dof_row *)rbdi_take(&p, 1, RBDI_ROUND((size_t)bounded * sizeof(rbdi_dof_row)));
-    x = (rbd_real *)rbdi_take(
-        &p, 1, RBDI_ROUND(sizeof(rbd_real) * (size_t)(n + held_rows + 2 * bounded + c->most + 4 * m->nv)));
-    c->friction = x, c->held_impulse = x + n, c->lower = c->held_impulse + held_rows;
-    c->upper = c->lower + bounded, c->b = c->upper + bounded, c->start = c->b + c->most;
-    c->nu = c->start + m->nv, c->moved = c->nu + m->nv, c->x = c->moved + m->nv;
+    c->n = n, c->dof_rows = dof_rows, c->most = 3 * n + bounded;
+    c->contact = RBDI_CUT(rbdi_contact, n);
+    c->dof_row = RBDI_CUT(rbdi_dof_row, bounded);
+    c->place = RBDI_CUT(int16_t, c->most);
+    c->friction = RBDI_CUT(rbd_real, n + 2 * bounded + 2 * c->most + 4 * nv), c->lower = c->friction + n;
+    c->upper = c->lower + bounded, c->b = c->upper + bounded, c->impulse = c->b + c->most;
+    c->start = c->impulse + c->most, c->nu = c->start + nv, c->moved = c->nu + nv, c->x = c->moved + nv;
     rbdi_lay_solver(&c->solver, n, bounded, p);
     p += RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded));
-    c->sigma = o->derivatives ? (rbd_real *)p : NULL;
-    if (o->derivatives) p += RBDI_ROUND(sizeof(rbd_real) * (size_t)RBDI_CONTACT_SIDES(m->nv, c->most));
-    c->rows = rbdi_lay_constraints(m->nv, n + n_held, c->most, p);
+    c->sigma = o->derivatives ? RBDI_CUT(rbd_real, RBDI_CONTACT_SIDES(nv, c->most)) : NULL;
+    c->rows = rbdi_lay_constraints(nv, n + n_held, c->most, p);
     return c;
 }
 
@@ -151,27 +147,16 @@ static void rbdi_place_contact(const rbd_model *m, rbd_contact_set *c, const rbd
     to->stiffness = RBD_C(a->stiffness), to->damping = RBD_C(a->damping);
 }
 
-/* The dofs of each constraint's paths, and the links on them. */
-static void rbdi_reach_contacts(const rbd_model *m, rbd_constraint_set *s) {
-    for (int k = 0; k < m->nv; ++k) s->span[k].first = s->span[k].end = 0;
-    for (int i = 0; i < s->n; ++i) rbdi_reach_dofs(m, s, &s->constraint[i]);
-    s->links = 0;
-    for (int i = 0; i < m->nl && !rbdi_mimics(m); ++i)
-        if (s->span[m->link[i].iv].end > 0) s->link[s->links++] = (int16_t)i;
-}
-
 RBDI_API void rbd_contact_reset(rbd_contact_set *c) {
+    const rbd_contact_solution none = {0, 0, 0};
     if (!c) return;
-    c->last_dt = rbdi_zero();
-    c->solver.solution.residual = rbdi_zero();
-    c->solver.solution.sweeps = c->solver.solution.newton_steps = 0;
-    for (int i = 0; i < c->n; ++i) {
-        rbdi_contact *a = &c->contact[i];
-        for (int j = 0; j < 3; ++j) a->impulse[j] = a->force[j] = rbdi_zero();
+    c->last_dt = rbdi_set(RBD_C(1));
+    c->solver.solution = none;
+    rbdi_clear(c->impulse, c->most);
+    for (rbdi_contact *a = c->contact; a < c->contact + c->n; ++a) {
+        rbdi_clear(a->force, 3);
         a->state = RBD_APART, a->gap = rbdi_zero(), a->row = -1;
     }
-    for (int i = 0; i < c->dof_rows; ++i) c->dof_row[i].impulse = rbdi_zero();
-    rbdi_clear(c->held_impulse, (int)(c->lower - c->held_impulse));
 }
 
 RBDI_API rbd_status rbd_contact_set_init(const rbd_model *m, rbd_work *w, const rbd_contact *list, int n,
@@ -192,15 +177,13 @@ RBDI_API rbd_status rbd_contact_set_init(const rbd_model *m, rbd_work *w, const 
         return rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL);
     o = rbdi_contact_defaults(options);
     c = rbdi_lay_contacts(m, n, n_held, rbdi_rows_of(held, n_held), &o, memory);
-    for (int k = 0; k < RBDI_SHAPE; ++k) c->rows->shape[k] = m->shape[k];
-    c->rows->w = w, c->rows->infeasible = -1;
     for (int i = 0; i < n; ++i) rbdi_place_contact(m, c, &list[i], i);
     for (int i = n; i < n + n_held; row += c->rows->constraint[i++].rows) {
         rbdi_place_constraint(m, &held[i - n], row, &c->rows->constraint[i]);
         c->rows->constraint[i].kp = 1; /* any: derivatives of errors of position are wanted */
     }
     rbdi_list_dof_rows(m, &o, c->dof_row);
-    rbdi_reach_contacts(m, c->rows);
+    rbdi_begin_set(m, w, c->rows);
     rbd_contact_reset(c);
     *contacts = c;
     return RBD_OK;

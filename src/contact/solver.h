@@ -30,34 +30,28 @@ RBDI_PART void rbdi_sweep_some(rbdi_contact_solver *s, int n) {
 /* Ends with this p: in cones and bounds, 0 where contacts open; one that pushes nevertheless, by less than
    the tolerance, counts as sticking. Returns whether that solves the problem. */
 RBDI_PART int rbdi_contact_end(rbdi_contact_solver *s) {
-    int changed = rbdi_into_cones(s);
-    for (int i = 0; i < s->given.contacts; ++i) {
-        rbd_real *p = &s->p[3 * i];
-        if (s->law[i].state != RBD_OPENS || !(p[2] > 0)) continue;
-        p[0] = p[1] = p[2] = rbdi_zero(), changed = 1;
-    }
-    if (changed) rbdi_contact_judge(s);
+    if (rbdi_into_cones(s, 1)) rbdi_contact_judge(s);
     for (int i = 0; i < s->given.contacts; ++i)
         if (s->law[i].state == RBD_OPENS && s->p[3 * i + 2] > 0) s->law[i].state = RBD_STICKS;
     return s->solution.residual <= s->given.tolerance;
+}
+
+/* p from other impulses, in cones and bounds. */
+RBDI_PART void rbdi_contact_take(rbdi_contact_solver *s, const rbd_real *p) {
+    rbdi_copy_rows(s, p, s->p);
+    (void)rbdi_into_cones(s, 0);
+    rbdi_contact_judge(s);
 }
 
 /* Ends a problem that is not solved with the best p, or with none unless that halves the residual: contacts
    that jam would be answered by impulses that drown the velocities. */
 RBDI_PART void rbdi_contact_give_up(rbdi_contact_solver *s) {
     rbd_real least;
-    rbdi_clear(s->p, s->rows);
-    (void)rbdi_into_cones(s);
-    rbdi_contact_judge(s);
+    rbdi_clear(s->start, s->rows);
+    rbdi_contact_take(s, s->start);
     least = s->solution.residual / 2;
-    rbdi_copy_rows(s, s->p, s->start);
-    rbdi_copy_rows(s, s->best, s->p);
-    (void)rbdi_into_cones(s);
-    rbdi_contact_judge(s);
-    if (!(s->solution.residual < least)) {
-        rbdi_copy_rows(s, s->start, s->p);
-        rbdi_contact_judge(s);
-    }
+    rbdi_contact_take(s, s->best);
+    if (!(s->solution.residual < least)) rbdi_contact_take(s, s->start);
     (void)rbdi_contact_end(s);
 }
 
@@ -81,18 +75,14 @@ RBDI_PART void rbdi_contact_iterate(rbdi_contact_solver *s) {
 }
 
 /* Cuts a solver's arrays off the memory. */
-RBDI_PART void rbdi_lay_solver(rbdi_contact_solver *s, int contacts, int bounded, unsigned char *memory) {
+RBDI_PART void rbdi_lay_solver(rbdi_contact_solver *s, int contacts, int bounded, unsigned char *p) {
     const int rows = 3 * contacts + bounded;
-    rbd_real *x;
-    s->law =
-        (rbdi_contact_law *)rbdi_take(&memory, 1, RBDI_ROUND((size_t)contacts * sizeof(rbdi_contact_law)));
-    s->bound =
-        (rbd_contact_state *)rbdi_take(&memory, 1, RBDI_ROUND((size_t)bounded * sizeof(rbd_contact_state)));
-    s->unknown = (rbdi_contact_unknown *)rbdi_take(&memory, 1,
-                                                   RBDI_ROUND((size_t)rows * sizeof(rbdi_contact_unknown)));
-    x = (rbd_real *)rbdi_take(&memory, rows * (rows + 5 + RBDI_CHUNK), sizeof(rbd_real));
-    s->u = x, s->start = x + rows, s->aim = x + 2 * rows, s->best = x + 3 * rows, s->scratch = x + 4 * rows;
-    s->G = x + 5 * rows;
+    s->law = RBDI_CUT(rbdi_contact_law, contacts);
+    s->bound = RBDI_CUT(rbd_contact_state, bounded);
+    s->unknown = RBDI_CUT(rbdi_contact_unknown, rows);
+    s->u = RBDI_CUT(rbd_real, rows * (rows + 5 + RBDI_CHUNK)), s->start = s->u + rows;
+    s->aim = s->start + rows, s->best = s->aim + rows, s->scratch = s->best + rows;
+    s->G = s->scratch + rows;
 }
 
 /* Takes a problem, with its defaults, and computes all that stays the same between iterations. */

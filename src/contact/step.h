@@ -7,28 +7,22 @@
 
 /* ---- step code [step code] ---- */
 
-/* The state, w->H = L'DL of M + dt damping, and c->x = L^-T dt (tau - c - damping v). */
+/* The state, w->H = L'DL of M + dt damping, and s->x = L^-T dt (tau - c - damping v). */
 static rbd_status rbdi_contact_free(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
                                     const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
-                                    const rbd_real *damping, rbd_real dt) {
+                                    const rbd_real *damping) {
     rbd_constraint_set *s = c->rows;
     rbd_work *w = s->w;
     rbdi_mask doubt;
-    rbd_crba_packed(m, w, q, w->H);
-    rbdi_constraint_state(m, s, rbdi_expand_v(m, v, w->vx), w->zero, w->gravity, 1);
-    rbdi_external(m, w, f_ext);
-    rbdi_rnea_sweep(m, w, w->zero, rbdi_mimics(m) ? w->tx : w->bias);
-    rbdi_reduce_tau(m, w->tx, w->bias);
-    for (int b = 0; b < m->nb; ++b) {
-        const rbdi_frame *u = &m->frame[b];
-        if (u->nv > 0) rbdi_glide(u, &v[u->iv], dt, &c->start[u->iv]);
-    }
+    rbdi_constraint_bias(m, s, q, v, f_ext, w->gravity);
+    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
+        if (u->nv > 0) rbdi_glide(u, &v[u->iv], c->dt, &c->start[u->iv]);
     for (int k = 0; k < m->nv; ++k) {
         rbd_real *diagonal = &w->H[m->dof[k].row + m->dof[k].depth];
         rbd_real d = damping ? damping[k] : rbdi_zero();
         if (c->options.joint_damping) d = d + m->dof[k].damping;
-        *diagonal = *diagonal + dt * d;
-        s->x[k] = dt * (tau[k] - w->bias[k] - d * c->start[k]);
+        *diagonal = *diagonal + c->dt * d;
+        s->x[k] = c->dt * (tau[k] - w->bias[k] - d * c->start[k]);
     }
     doubt = rbdi_factor(m, w, w->H);
     rbdi_sweep_back(m, s, w->H);
@@ -43,44 +37,23 @@ static void rbdi_contact_respond(const rbd_model *m, rbd_contact_set *c, rbd_rea
     for (int k = 0; k < m->nv; ++k) nu[k] = c->start[k] + s->x[k];
 }
 
-/* Keeps impulses, states and forces. */
-static void rbdi_keep_impulses(rbd_contact_set *c, rbd_real dt) {
-    const rbd_constraint_set *s = c->rows;
-    c->last_dt = dt;
-    for (int i = 0; i < c->n; ++i) {
-        rbdi_contact *a = &c->contact[i];
-        rbdi_axes_held h;
-        for (int j = 0; j < 3; ++j) a->impulse[j] = a->force[j] = rbdi_zero();
-        if (a->row < 0) continue;
-        a->state = c->solver.law[a->row / 3].state;
-        rbdi_set_axes(s, &s->constraint[i], &h);
-        for (int r = 0; r < 3; ++r) {
-            a->impulse[r] = s->lambda[a->row + r];
-            for (int j = 0; j < 3; ++j) a->force[j] = a->force[j] + h.x[3 + j][r] * a->impulse[r] / dt;
-        }
-    }
-    for (rbd_real *p = c->held_impulse; p < c->lower; ++p)
-        *p = s->lambda[3 * c->solver.given.contacts + (int)(p - c->held_impulse)];
-    for (int i = 0; i < c->dof_rows; ++i)
-        c->dof_row[i].impulse = c->dof_row[i].row < 0 ? rbdi_zero() : s->lambda[c->dof_row[i].row];
-}
-
-/* c->moved and c->nu: velocities of the positions and of the end, in the axes of the beginning. First the
-   former. */
+/* c->moved: the velocities that positions change by. */
 static rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
                                        const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                        const rbd_real *damping, rbd_real dt) {
     rbd_constraint_set *s = c->rows;
     rbd_contact_problem given;
-    const rbd_status status = rbdi_contact_free(m, c, q, v, tau, f_ext, damping, dt);
+    rbd_status status;
+    c->dt = dt;
+    status = rbdi_contact_free(m, c, q, v, tau, f_ext, damping);
     if (status) return status;
-    given.contacts = rbdi_list_rows(m, c, q, v, dt);
+    given.contacts = rbdi_list_rows(m, c, q, v);
     given.bounded = s->rows - 3 * given.contacts;
     rbdi_write_rows(m, c);
     rbdi_reduce_rows(m, s, s->w->H);
     rbdi_write_delta(m, c);
-    rbdi_begin_rows(c, given.contacts, dt);
-    rbdi_write_biases(c, dt, RBDI_FOR_POSITIONS);
+    for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
+    (void)rbdi_write_biases(c, RBDI_FOR_POSITIONS);
     for (int k = 0; k < m->nv; ++k) c->x[k] = s->x[k];
     given.delta = s->R, given.b = c->b, given.friction = c->friction;
     given.lower = c->lower, given.upper = c->upper;
@@ -91,27 +64,44 @@ static rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *c, c
     return RBD_OK;
 }
 
-/* Then the latter. Returns whether it is another. */
-static int rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c, rbd_real dt) {
+/* Keeps impulses, states and forces. */
+static void rbdi_keep_impulses(rbd_contact_set *c) {
+    const rbd_constraint_set *s = c->rows;
+    c->last_dt = c->dt;
+    rbdi_clear(c->impulse, c->most);
+    for (int r = 0; r < s->rows; ++r) c->impulse[c->place[r]] = s->lambda[r];
+    for (int i = 0; i < c->n; ++i) {
+        rbdi_contact *a = &c->contact[i];
+        rbdi_axes_held h;
+        for (int j = 0; j < 3; ++j) a->force[j] = rbdi_zero();
+        if (a->row < 0) continue;
+        a->state = c->solver.law[a->row / 3].state;
+        rbdi_set_axes(s, &s->constraint[i], &h);
+        for (int r = 0; r < 3; ++r)
+            for (int j = 0; j < 3; ++j)
+                a->force[j] = a->force[j] + h.x[3 + j][r] * s->lambda[a->row + r] / c->dt;
+    }
+}
+
+/* c->nu: the velocities of the end, in the axes of the beginning: others where penetration was taken back, or
+   a contact that pushed rebounds. A set that overflowed forgets its impulses. */
+static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
-    const int differ = rbdi_needs_velocities(c, dt);
+    for (rbdi_contact *a = c->contact; a < c->contact + c->n; ++a)
+        a->rebounds = a->row >= 0 && a->restitution > 0 && a->approach < -RBD_C(c->options.bounce) &&
+                      c->rows->lambda[a->row + 2] > 0;
     for (int k = 0; k < m->nv; ++k) c->nu[k] = c->moved[k];
-    if (differ) {
-        rbdi_write_biases(c, dt, RBDI_FOR_VELOCITIES);
+    c->differ = rbdi_write_biases(c, RBDI_FOR_VELOCITIES);
+    if (c->differ) {
         rbdi_contact_iterate(&c->solver);
         rbdi_contact_respond(m, c, c->nu);
         c->solver.solution.residual = rbdi_worse(first.residual, c->solver.solution.residual);
         c->solver.solution.sweeps += first.sweeps;
         c->solver.solution.newton_steps += first.newton_steps;
     }
-    rbdi_keep_impulses(c, dt);
-    return differ;
-}
-
-/* Whether velocities and steps are numbers; a set that overflowed forgets its impulses. */
-static rbd_status rbdi_contact_status(const rbd_model *m, rbd_contact_set *c, rbd_real dt) {
+    rbdi_keep_impulses(c);
     for (int k = 0; k < m->nv; ++k)
-        if (!(rbdi_abs(c->nu[k]) < RBDI_FASTEST && rbdi_abs(dt * c->moved[k]) < RBDI_FASTEST)) {
+        if (!(rbdi_abs(c->nu[k]) < RBDI_FASTEST && rbdi_abs(c->dt * c->moved[k]) < RBDI_FASTEST)) {
             rbd_contact_reset(c);
             return RBD_ERR_NAN;
         }
@@ -120,16 +110,14 @@ static rbd_status rbdi_contact_status(const rbd_model *m, rbd_contact_set *c, rb
 
 /* The state after the step; after an error q and 0. */
 static void rbdi_contact_move(const rbd_model *m, const rbd_contact_set *c, rbd_status status,
-                              const rbd_real *q, rbd_real dt, rbd_real *q_next, rbd_real *v_next) {
-    for (int b = 0; b < m->nb && !status; ++b) {
-        const rbdi_frame *u = &m->frame[b];
+                              const rbd_real *q, rbd_real *q_next, rbd_real *v_next) {
+    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb && !status; ++u) {
         if (u->nv == 0) continue;
-        rbdi_move_straight(u, &q[u->iq], &c->moved[u->iv], dt, &q_next[u->iq]);
-        rbdi_turn_velocity(u, &c->moved[u->iv], dt, &c->nu[u->iv], &v_next[u->iv]);
+        rbdi_move_straight(u, &q[u->iq], &c->moved[u->iv], c->dt, &q_next[u->iq]);
+        rbdi_turn_velocity(u, &c->moved[u->iv], c->dt, &c->nu[u->iv], &v_next[u->iv]);
     }
-    if (!status) return;
-    for (int k = 0; k < m->nq; ++k) q_next[k] = q[k];
-    rbdi_clear(v_next, m->nv);
+    for (int k = 0; status && k < m->nq; ++k) q_next[k] = q[k];
+    if (status) rbdi_clear(v_next, m->nv);
 }
 
 static rbd_status rbdi_check_step(const rbd_model *m, const rbd_contact_set *c, int arrays, rbd_real dt) {
@@ -145,11 +133,8 @@ RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, con
     rbd_status status = rbdi_check_step(m, c, q && v && tau && q_next && v_next, dt);
     if (status) return status;
     status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping, dt);
-    if (!status) {
-        (void)rbdi_solve_velocities(m, c, dt);
-        status = rbdi_contact_status(m, c, dt);
-    }
-    rbdi_contact_move(m, c, status, q, dt, q_next, v_next);
+    if (!status) status = rbdi_solve_velocities(m, c);
+    rbdi_contact_move(m, c, status, q, q_next, v_next);
     return status;
 }
 
@@ -159,10 +144,7 @@ RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const
     rbd_status status = rbdi_check_step(m, c, q && v && tau && a, dt);
     if (status) return status;
     status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping, dt);
-    if (!status) {
-        (void)rbdi_solve_velocities(m, c, dt);
-        status = rbdi_contact_status(m, c, dt);
-    }
+    if (!status) status = rbdi_solve_velocities(m, c);
     for (int k = 0; k < m->nv; ++k) a[k] = status ? rbdi_zero() : (c->nu[k] - c->start[k]) / dt;
     return status;
 }
