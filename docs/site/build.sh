@@ -11,10 +11,11 @@ python3 "$here/pages.py" "$scratch/pages"
 cp -R "$here/static" "$scratch/pages/static"
 cp -RL /usr/share/javascript/katex "$scratch/pages/static/katex"
 mkdir -p "$scratch/pages/extra/licences"
-for package in libjs-katex fonts-katex furo sphinx-common; do
+for package in libjs-katex fonts-katex furo node-normalize.css sphinx-common; do
     [ ! -f "/usr/share/doc/$package/copyright" ] || cp "/usr/share/doc/$package/copyright" "$scratch/pages/extra/licences/$package.txt"
 done
 python3 -m sphinx -q -b html -d "$scratch/trees" "$@" "$scratch/pages" "$scratch/site"
+python3 "$here/theme.py" "$scratch/site"
 rm -f "$scratch/site/objects.inv" "$scratch/site/.buildinfo"
 [ "${RBD_PLAYGROUND-no}" = no ] || sh "$root/web/playground/build.sh" "$scratch/site/playground"
 mkdir -p "$(dirname -- "$out")"

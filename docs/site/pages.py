@@ -527,7 +527,7 @@ def guide(path, files):
 
 
 def index():
-    out = ["# rbd", "", "Rigid-body dynamics of robots in one C99 header.", ""]
+    out = ["---", "hide-toc: true", "---", "", "# rbd", "", "Rigid-body dynamics of robots in one C99 header.", ""]
     first = ROOT / "docs/overview.svg"
     out += ["![A description is built into a constant model; the algorithms take it with the state and the caller's work "
             "memory](/files/docs/overview.svg)", ""] if first.exists() else []
@@ -551,6 +551,22 @@ def names_page():
 
 # ---- files that the pages link to ----
 
+STYLE = ("<meta name=viewport content='width=device-width'><style>:root { color-scheme: light dark } a { color: gray; text-decoration: none } "
+         "@media (prefers-color-scheme: dark) { body { background: #131416; color: #ccc } }</style>")
+
+
+def coloured(path, text):
+    """The page of a source file, dark where the reader prefers it."""
+    from pygments import highlight
+    from pygments.formatters import HtmlFormatter
+    from pygments.lexers import get_lexer_for_filename
+    formatter = HtmlFormatter(full=True, title=path, linenos="inline", lineanchors="L", anchorlinenos=True)
+    dark = HtmlFormatter(style="native").get_style_defs(".highlight")
+    page = highlight(text, get_lexer_for_filename(path, stripnl=False), formatter)
+    page = re.sub(r'(name|id|href)="(#?)L-(\d+)"', r'\1="\2L\3"', page)
+    return page.replace("</head>", f"<style>@media (prefers-color-scheme: dark) {{ {dark} }}</style>{STYLE}</head>")
+
+
 def write_file(path, folder):
     """A copy of a file, or a page with its text and its lines as anchors."""
     whole = folder / "files" / path
@@ -560,17 +576,11 @@ def write_file(path, folder):
         whole.write_bytes(data)
         return
     try:
-        from pygments import highlight
-        from pygments.formatters import HtmlFormatter
-        from pygments.lexers import get_lexer_for_filename
-        formatter = HtmlFormatter(full=True, title=path, linenos="inline", lineanchors="L", anchorlinenos=True)
-        formatter.lineanchors = "L"
-        text = highlight(data.decode(), get_lexer_for_filename(path, stripnl=False), formatter)
-        text = re.sub(r'(name|id|href)="(#?)L-(\d+)"', r'\1="\2L\3"', text)
-    except Exception:  # no such lexer
+        text = coloured(path, data.decode())
+    except Exception:  # no lexer for such a file
         lines = data.decode(errors="replace").split("\n")
-        text = ("<!doctype html><meta charset=utf-8><title>" + html.escape(path) + "</title><pre>" + "\n".join(
-            f'<a id="L{k}"></a>{html.escape(line)}' for k, line in enumerate(lines, 1)) + "</pre>")
+        text = "<!doctype html><meta charset=utf-8><title>" + html.escape(path) + "</title>" + STYLE + "<pre>" + "\n".join(
+            f'<a id="L{k}"></a>{html.escape(line)}' for k, line in enumerate(lines, 1)) + "</pre>"
     (whole.parent / (whole.name + ".html")).write_text(text)
 
 
