@@ -21,13 +21,19 @@ HERE = pathlib.Path(__file__).resolve().parent
 GUIDES = [
     ("Begin", ["docs/first_minutes.md", "docs/install.md", "docs/robot.md", "docs/conventions.md", "examples/README.md",
                "python/README.md"]),
-    ("In a controller", ["docs/control_loop.md", "docs/gradients.md", "docs/contacts.md", "docs/contact_step.md",
-                         "docs/firmware.md", "docs/porting.md", "docs/reproducible.md", "examples/firmware/README.md"]),
-    ("Tools and other libraries", ["docs/tools.md", "docs/other_libraries.md", "models/README.md"]),
+    ("In a controller", ["docs/control_loop.md", "docs/contacts.md", "docs/contact_step.md", "docs/gradients.md",
+                         "docs/generated_code.md", "docs/firmware.md", "docs/porting.md", "docs/reproducible.md",
+                         "examples/firmware/README.md"]),
+    ("Tools and other libraries", ["docs/other_libraries.md", "docs/tools.md", "models/README.md"]),
     ("Accuracy and measurements", ["docs/accuracy.md", "docs/performance.md", "bench/results/2026-11-23-zen4/report.md",
                                    "bench/results/2026-11-25-contact/contact.md", "bench/README.md"]),
     ("The project", ["README.md", "docs/interface.md", "CONTRIBUTING.md", "CHANGELOG.md", "packaging/README.md"]),
 ]
+# Shorter names in the list of guides.
+TITLES = {"docs/control_loop.md": "Control loop", "docs/gradients.md": "Gradients and predictive control",
+          "docs/firmware.md": "Firmware: what it costs", "docs/porting.md": "Firmware: your board",
+          "examples/firmware/README.md": "Firmware: examples", "bench/results/2026-11-23-zen4/report.md": "Measurements, in pictures",
+          "bench/results/2026-11-25-contact/contact.md": "Measurements of contacts"}
 # Rows of bench/instructions.csv, and the call that each is of.
 COSTS = {"id": "rbd_rnea", "mm": "rbd_crba", "mm_packed": "rbd_crba_packed", "fd": "rbd_aba",
          "fd_cholesky": "rbd_fd_cholesky", "hybrid": "rbd_hybrid", "id_free_base": "rbd_id_free_base",
@@ -536,7 +542,7 @@ def index():
                 "robot, take its table home. Nothing leaves your browser.</p>", ""]
     for title, paths in GUIDES:
         out += ["```{toctree}", f":caption: {title}", ":maxdepth: 1", ""]
-        out += [page_name(p) for p in paths if (ROOT / p).exists()] + ["```", ""]
+        out += [f"{TITLES[p]} <{page_name(p)}>" if p in TITLES else page_name(p) for p in paths if (ROOT / p).exists()] + ["```", ""]
     out += ["```{toctree}", ":caption: Reference", ":maxdepth: 1", "", *reference(), "reference/names", "```", ""]
     return "\n".join(out)
 

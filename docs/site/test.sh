@@ -1,11 +1,25 @@
 #!/bin/sh
 # The site: each public declaration has a page, no page or table names what is not there, all links lead somewhere, and
 # Sphinx builds it without a warning. Programs
-# of the guides do what is said. usage: test.sh names | pages | guides   pages is skipped (77) without Sphinx
+# of the guides do what is said. usage: test.sh names | pages | guides | generated CODEGEN   pages is skipped (77) without
+# Sphinx; generated: the guide whose program needs rbd-codegen
 set -eu
 here=$(CDPATH='' cd -- "$(dirname -- "$0")" && pwd)
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
+# PAGE ARGUMENT...: the program in a guide compiles as shown, with these arguments, and prints what is shown.
+program_of() {
+    page=$1
+    shift
+    awk '$0 == "```c" { inside = 1; next } inside && /^```/ { exit } inside' "docs/$page.md" >"$scratch/$page.c"
+    awk '$0 == "```text" { inside = 1; next } inside && /^```/ { exit } inside' "docs/$page.md" >"$scratch/expected"
+    [ -s "$scratch/$page.c" ] && [ -s "$scratch/expected" ]
+    # shellcheck disable=SC2086 # CC may be "ccache cc"
+    ${CC:-cc} -std=c99 -Dalways_inline=unused -Wall -Wextra -pedantic -Werror -I. "$scratch/$page.c" "$@" -o "$scratch/program" -lm
+    "$scratch/program" >"$scratch/printed"
+    diff "$scratch/expected" "$scratch/printed"
+}
+
 case ${1-} in
 names) python3 -B "$here/pages.py" --check ;;
 pages)
@@ -20,15 +34,12 @@ pages)
     ;;
 guides) # their programs compile as shown and print what is shown
     cd "$here/../.."
-    for page in first_minutes gradients; do
-        awk '$0 == "```c" { inside = 1; next } inside && /^```/ { exit } inside' "docs/$page.md" >"$scratch/$page.c"
-        awk '$0 == "```text" { inside = 1; next } inside && /^```/ { exit } inside' "docs/$page.md" >"$scratch/expected"
-        [ -s "$scratch/$page.c" ] && [ -s "$scratch/expected" ]
-        # shellcheck disable=SC2086 # CC may be "ccache cc"
-        ${CC:-cc} -std=c99 -Dalways_inline=unused -Wall -Wextra -pedantic -Werror -I. "$scratch/$page.c" -o "$scratch/program" -lm
-        "$scratch/program" >"$scratch/printed"
-        diff "$scratch/expected" "$scratch/printed"
-    done
+    for page in first_minutes gradients contacts; do program_of $page; done
+    ;;
+generated)
+    cd "$here/../.."
+    "$2" models/iiwa.urdf --name robot --algorithm id,mm,fd --output "$scratch"
+    program_of generated_code "-I$scratch" "$scratch/robot_code.c"
     ;;
 *) exit 2 ;;
 esac
