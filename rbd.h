@@ -508,7 +508,7 @@ RBDI_API rbd_status rbd_add_payload(void *memory, int body, double mass, const d
    rebuilt in the same memory.
    memory   size bytes of any alignment; RBD_WORK_SIZE(nb, nv) always suffices, with mimic joints
             RBD_WORK_SIZE_MIMIC(nb, nv)
-   work     receives the work structure, which lies inside memory: do not move it
+   work     receives the work structure, which lies inside memory: do not move it; NULL after an error
    Errors: RBD_ERR_NULL, _MEMORY, _VERSION, _LEFT_OUT. */
 RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, rbd_work **work);
 
@@ -2606,19 +2606,17 @@ RBDI_PART uint32_t rbdi_features(const rbd_model *m) {
 }
 
 /* ==== src/model/calls.h ==== */
-/* Interface: rbdi_check, rbdi_fits, rbdi_stride */
+/* Interface: rbdi_check, rbdi_stride */
 
-/* Whether this program supports the model and the work's arrays are as long as it needs them. Not by the
-   model's address: another model may have been built there, and the same table may stand at another. */
-RBDI_INLINE int rbdi_fits(const rbd_model *m, const rbd_work *w) {
-    return rbdi_supported(m) && m->shape[0] == w->shape[0] && m->shape[1] == w->shape[1] &&
-           m->shape[2] == w->shape[2];
-}
-
-/* Every call with a model and a work asks this first; arrays: none of the caller's required ones is NULL. */
+/* Every call with a model and a work asks this first; arrays: none of the caller's required ones is NULL. The
+   program must support the model, and the work's arrays must be as long as the model needs. Addresses tell
+   nothing: another model may have been built there, and the same table may stand at two. */
 RBDI_INLINE rbd_status rbdi_check(const rbd_model *m, const rbd_work *w, int arrays) {
     if (!m || !w || !arrays) return RBD_ERR_NULL;
-    return rbdi_fits(m, w) ? RBD_OK : RBD_ERR_WORK;
+    return rbdi_supported(m) && m->shape[0] == w->shape[0] && m->shape[1] == w->shape[1] &&
+                   m->shape[2] == w->shape[2]
+               ? RBD_OK
+               : RBD_ERR_WORK;
 }
 
 /* From one component of the wrenches in w->F to the next. */
@@ -5510,6 +5508,7 @@ RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size,
     unsigned char *p;
     rbd_work *w;
     int n, nqx;
+    if (work) *work = NULL;
     if (!m || !memory || !work) return RBD_ERR_NULL;
     if (m->version != RBD_MODEL_VERSION || m->scalar != (int)sizeof(rbd_const)) return RBD_ERR_VERSION;
     if (!rbdi_supported(m)) return RBD_ERR_LEFT_OUT;

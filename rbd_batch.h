@@ -534,6 +534,7 @@ RBDI_BATCH_API rbd_status rbd_batch_init(const rbd_model *m, void *memory, size_
     unsigned char *p;
     rbd_batch *b;
     rbd_status status;
+    if (batch) *batch = NULL;
     if (!m || !memory || !batch) return RBD_ERR_NULL;
     if (size < rbd_batch_size(m)) return RBD_ERR_MEMORY;
     p = rbdi_aligned(memory);
@@ -686,6 +687,7 @@ RBDI_BATCH_API rbd_status rbd_batch_derivatives_init(const rbd_model *m, rbd_bat
     unsigned char *p;
     rbd_batch_derivatives *d;
     rbd_status status;
+    if (derivatives) *derivatives = NULL;
     if (!m || !b || !memory || !derivatives) return RBD_ERR_NULL;
     if (size < rbd_batch_derivatives_size(m)) return RBD_ERR_MEMORY;
     p = rbdi_aligned(memory);

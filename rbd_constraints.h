@@ -1848,7 +1848,7 @@ static rbd_status rbdi_check_list(const rbd_model *m, const rbd_work *w, const r
     report->warnings = 0;
     rbdi_refuse(report, RBD_OK, -1, NULL, NULL);
     if (!m || !w || (!list && n) || !memory) return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
-    if (!rbdi_fits(m, w)) return rbdi_refuse(report, RBD_ERR_WORK, -1, NULL, NULL);
+    if (rbdi_check(m, w, 1)) return rbdi_refuse(report, RBD_ERR_WORK, -1, NULL, NULL);
     if (n < 0 || n > RBD_MAX_CONSTRAINTS) {
         rbdi_refuse(report, RBD_ERR_COUNT, -1, NULL, NULL);
         report->error.text = RBDI_TEXT("the number of constraints is below 0 or above RBD_MAX_CONSTRAINTS");

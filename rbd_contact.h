@@ -152,6 +152,7 @@ typedef struct rbd_contact_set rbd_contact_set; /* contacts, impulses of the las
    memory    size bytes of any alignment; rbd_contact_set_size is exact. For n contacts and `bounded` other
              rows (held axes, joint limits, dry friction) RBD_CONTACT_SET_SIZE(nv, n, bounded) suffices
              without the option `derivatives`
+   c         receives the set, which lies inside memory: do not move it; NULL after an error
    Errors: RBD_ERR_NULL, _MEMORY, _WORK, _COUNT (more than RBD_MAX_CONSTRAINTS); with the contact in
    report->error.body: _INDEX, _POSITION (point or height), _AXIS (normal), _RANGE; with a constraint, n + its
    index there: those of rbd_constraint_set_init; _RANGE, an option. rbd_constraint_finding_text has the
@@ -1203,7 +1204,7 @@ static rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work *w,
     rbdi_refuse(report, RBD_OK, -1, NULL, NULL);
     if (!m || !w || (!list && n)) return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
     if (!rbdi_contact_counts_fit(held, n, n_held)) return rbdi_refuse(report, RBD_ERR_COUNT, -1, NULL, NULL);
-    if (!rbdi_fits(m, w)) return rbdi_refuse(report, RBD_ERR_WORK, -1, NULL, NULL);
+    if (rbdi_check(m, w, 1)) return rbdi_refuse(report, RBD_ERR_WORK, -1, NULL, NULL);
     if (options) status = rbdi_check_options(options, report);
     for (int i = 0; !status && i < n; ++i) status = rbdi_check_contact(m, &list[i], i, report);
     for (int i = 0; !status && i < n_held; ++i) status = rbdi_check_constraint(m, &held[i], n + i, report);

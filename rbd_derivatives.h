@@ -66,7 +66,7 @@ typedef struct rbd_derivatives rbd_derivatives; /* scratch of one thread: see rb
             compute in it. They keep the results of rbd_kinematics in it
    memory   size bytes of any alignment; RBD_DERIVATIVES_SIZE(nb, nv) always suffices, with mimic joints
             RBD_DERIVATIVES_SIZE_MIMIC(nb, nv)
-   d        receives the structure, which lies inside memory: do not move it
+   d        receives the structure, which lies inside memory: do not move it; NULL after an error
    It holds constants of the model: call it again when those have changed. With any other model every call
    returns RBD_ERR_WORK. Errors: RBD_ERR_NULL, _MEMORY, _WORK. */
 RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *memory, size_t size,
@@ -1460,6 +1460,7 @@ RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *
     rbd_derivatives *d;
     rbd_const *constants;
     int padded;
+    if (derivatives) *derivatives = NULL;
     if (status) return status;
     if (size < rbd_derivatives_size(m)) return RBD_ERR_MEMORY;
     p = rbdi_aligned(memory);
@@ -1501,7 +1502,7 @@ RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *
 /* The checks of every call: arguments, work, and whether the constants are of this model. */
 RBDI_INLINE rbd_status rbdi_check_derivatives(const rbd_model *m, const rbd_derivatives *d, int arrays) {
     if (!m || !d || !arrays) return RBD_ERR_NULL;
-    return d->model == m && rbdi_fits(m, d->work) ? RBD_OK : RBD_ERR_WORK;
+    return d->model == m ? rbdi_check(m, d->work, 1) : RBD_ERR_WORK;
 }
 
 /* ==== src/derivatives/momentum.h ==== */

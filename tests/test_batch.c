@@ -909,17 +909,25 @@ START_TEST(null_arguments_are_refused) {
     ck_assert_int_eq(rbd_batch_set_layout(NULL, RBD_BLOCKS), RBD_ERR_NULL);
     const size_t size = rbd_batch_size(r.m);
     ck_assert_uint_eq(rbd_batch_size(NULL), 0);
-    ck_assert_int_eq(rbd_batch_init(NULL, r.memory[2], size, &r.b), RBD_ERR_NULL);
-    ck_assert_int_eq(rbd_batch_init(r.m, NULL, size, &r.b), RBD_ERR_NULL);
+    rbd_batch *b = r.b;
+    ck_assert_int_eq(rbd_batch_init(NULL, r.memory[2], size, &b), RBD_ERR_NULL);
+    ck_assert_ptr_null(b);
+    b = r.b;
+    ck_assert_int_eq(rbd_batch_init(r.m, NULL, size, &b), RBD_ERR_NULL);
+    ck_assert_ptr_null(b);
     ck_assert_int_eq(rbd_batch_init(r.m, r.memory[2], size, NULL), RBD_ERR_NULL);
     const size_t more = rbd_batch_derivatives_size(r.m);
     robot other = build_reference(reference_model(0));
-    ck_assert_int_eq(rbd_batch_derivatives_init(r.m, other.b, r.memory[4], more, &r.d), RBD_ERR_WORK);
+    rbd_batch_derivatives *d = r.d;
+    ck_assert_int_eq(rbd_batch_derivatives_init(r.m, other.b, r.memory[4], more, &d), RBD_ERR_WORK);
+    ck_assert_ptr_null(d);
     release(&other);
     ck_assert_uint_eq(rbd_batch_derivatives_size(NULL), 0);
-    ck_assert_int_eq(rbd_batch_derivatives_init(NULL, r.b, r.memory[4], more, &r.d), RBD_ERR_NULL);
-    ck_assert_int_eq(rbd_batch_derivatives_init(r.m, NULL, r.memory[4], more, &r.d), RBD_ERR_NULL);
-    ck_assert_int_eq(rbd_batch_derivatives_init(r.m, r.b, NULL, more, &r.d), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_batch_derivatives_init(NULL, r.b, r.memory[4], more, &d), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_batch_derivatives_init(r.m, NULL, r.memory[4], more, &d), RBD_ERR_NULL);
+    d = r.d;
+    ck_assert_int_eq(rbd_batch_derivatives_init(r.m, r.b, NULL, more, &d), RBD_ERR_NULL);
+    ck_assert_ptr_null(d);
     ck_assert_int_eq(rbd_batch_derivatives_init(r.m, r.b, r.memory[4], more, NULL), RBD_ERR_NULL);
     const rbd_constraint k = holding(&r);
     const size_t third = rbd_batch_constraint_set_size(r.m, &k, 1);
@@ -984,9 +992,10 @@ END_TEST
 START_TEST(model_of_another_version_is_refused) {
     robot r = build_reference(reference_model(2));
     rbd_model other = *r.m;
-    rbd_batch *b;
+    rbd_batch *b = r.b;
     other.version++;
     ck_assert_int_eq(rbd_batch_init(&other, r.memory[2], rbd_batch_size(r.m), &b), RBD_ERR_VERSION);
+    ck_assert_ptr_null(b);
     release(&r);
 }
 END_TEST

@@ -782,12 +782,16 @@ START_TEST(bad_arguments_are_refused) {
     rbd_derivatives *d = derivatives_of(&r), *e;
     double q[MAX_Q] = {0}, v[MAX_V] = {0}, x[6 * MAX_M], *none = NULL;
     void *memory = d_memory;
+    e = d;
     EXPECT(RBD_ERR_NULL, rbd_derivatives_init(NULL, r.w, memory, size, &e));
+    ck_assert_ptr_null(e);
     EXPECT(RBD_ERR_NULL, rbd_derivatives_init(r.m, NULL, memory, size, &e));
     EXPECT(RBD_ERR_NULL, rbd_derivatives_init(r.m, r.w, NULL, size, &e));
     EXPECT(RBD_ERR_NULL, rbd_derivatives_init(r.m, r.w, memory, size, NULL));
     EXPECT(RBD_ERR_WORK, rbd_derivatives_init(o.m, r.w, memory, size, &e));
+    e = d;
     EXPECT(RBD_ERR_MEMORY, rbd_derivatives_init(r.m, r.w, memory, size - 1, &e));
+    ck_assert_ptr_null(e);
     ck_assert_uint_eq(rbd_derivatives_size(NULL), 0);
     EXPECT(RBD_ERR_WORK, rbd_coriolis(o.m, d, q, v, x));
     EXPECT(RBD_ERR_NULL, rbd_coriolis(r.m, NULL, q, v, x));

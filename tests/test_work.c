@@ -9,12 +9,13 @@ START_TEST(memory_one_byte_too_small_is_refused) {
     for (int i = 0; i < reference_count; i++) {
         const ref_model *model = reference_model(i);
         robot r = robot_build(model->name, model->bodies, model->nb);
-        rbd_work *w;
+        rbd_work *w = r.w;
         const size_t size = rbd_work_size(r.m);
         ck_assert_uint_gt(size, 0);
         ck_assert_msg(size <= RBD_WORK_SIZE((size_t)r.nb, (size_t)r.nv), "%s", r.name);
         void *memory = malloc(size); /* exact, so that a sanitizer sees the byte beyond */
         ck_assert_int_eq(rbd_work_init(r.m, memory, size - 1, &w), RBD_ERR_MEMORY);
+        ck_assert_ptr_null(w);
         ck_assert_int_eq(rbd_work_init(r.m, memory, 0, &w), RBD_ERR_MEMORY);
         ck_assert_int_eq(rbd_work_init(r.m, memory, size, &w), RBD_OK);
         free(memory);
@@ -120,9 +121,12 @@ END_TEST
 START_TEST(null_arguments_are_refused) {
     robot r = robot_build("iiwa", reference_model(2)->bodies, reference_model(2)->nb);
     static unsigned char memory[RBD_WORK_SIZE(7, 7)];
-    rbd_work *w;
+    rbd_work *w = r.w;
     ck_assert_int_eq(rbd_work_init(NULL, memory, sizeof memory, &w), RBD_ERR_NULL);
+    ck_assert_ptr_null(w);
+    w = r.w;
     ck_assert_int_eq(rbd_work_init(r.m, NULL, sizeof memory, &w), RBD_ERR_NULL);
+    ck_assert_ptr_null(w);
     ck_assert_int_eq(rbd_work_init(r.m, memory, sizeof memory, NULL), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_set_gravity(NULL, earth), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_set_gravity(r.w, NULL), RBD_ERR_NULL);

@@ -97,6 +97,7 @@ typedef struct rbd_contact_set rbd_contact_set; /* contacts, impulses of the las
    memory    size bytes of any alignment; rbd_contact_set_size is exact. For n contacts and `bounded` other
              rows (held axes, joint limits, dry friction) RBD_CONTACT_SET_SIZE(nv, n, bounded) suffices
              without the option `derivatives`
+   c         receives the set, which lies inside memory: do not move it; NULL after an error
    Errors: RBD_ERR_NULL, _MEMORY, _WORK, _COUNT (more than RBD_MAX_CONSTRAINTS); with the contact in
    report->error.body: _INDEX, _POSITION (point or height), _AXIS (normal), _RANGE; with a constraint, n + its
    index there: those of rbd_constraint_set_init; _RANGE, an option. rbd_constraint_finding_text has the

@@ -31,7 +31,7 @@ typedef struct rbd_derivatives rbd_derivatives; /* scratch of one thread: see rb
             compute in it. They keep the results of rbd_kinematics in it
    memory   size bytes of any alignment; RBD_DERIVATIVES_SIZE(nb, nv) always suffices, with mimic joints
             RBD_DERIVATIVES_SIZE_MIMIC(nb, nv)
-   d        receives the structure, which lies inside memory: do not move it
+   d        receives the structure, which lies inside memory: do not move it; NULL after an error
    It holds constants of the model: call it again when those have changed. With any other model every call
    returns RBD_ERR_WORK. Errors: RBD_ERR_NULL, _MEMORY, _WORK. */
 RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *memory, size_t size,

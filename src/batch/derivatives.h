@@ -33,6 +33,7 @@ RBDI_BATCH_API rbd_status rbd_batch_derivatives_init(const rbd_model *m, rbd_bat
     unsigned char *p;
     rbd_batch_derivatives *d;
     rbd_status status;
+    if (derivatives) *derivatives = NULL;
     if (!m || !b || !memory || !derivatives) return RBD_ERR_NULL;
     if (size < rbd_batch_derivatives_size(m)) return RBD_ERR_MEMORY;
     p = rbdi_aligned(memory);

@@ -106,7 +106,7 @@ static rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work *w,
     rbdi_refuse(report, RBD_OK, -1, NULL, NULL);
     if (!m || !w || (!list && n)) return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
     if (!rbdi_contact_counts_fit(held, n, n_held)) return rbdi_refuse(report, RBD_ERR_COUNT, -1, NULL, NULL);
-    if (!rbdi_fits(m, w)) return rbdi_refuse(report, RBD_ERR_WORK, -1, NULL, NULL);
+    if (rbdi_check(m, w, 1)) return rbdi_refuse(report, RBD_ERR_WORK, -1, NULL, NULL);
     if (options) status = rbdi_check_options(options, report);
     for (int i = 0; !status && i < n; ++i) status = rbdi_check_contact(m, &list[i], i, report);
     for (int i = 0; !status && i < n_held; ++i) status = rbdi_check_constraint(m, &held[i], n + i, report);

@@ -163,6 +163,7 @@ RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *
     rbd_derivatives *d;
     rbd_const *constants;
     int padded;
+    if (derivatives) *derivatives = NULL;
     if (status) return status;
     if (size < rbd_derivatives_size(m)) return RBD_ERR_MEMORY;
     p = rbdi_aligned(memory);
@@ -204,7 +205,7 @@ RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *
 /* The checks of every call: arguments, work, and whether the constants are of this model. */
 RBDI_INLINE rbd_status rbdi_check_derivatives(const rbd_model *m, const rbd_derivatives *d, int arrays) {
     if (!m || !d || !arrays) return RBD_ERR_NULL;
-    return d->model == m && rbdi_fits(m, d->work) ? RBD_OK : RBD_ERR_WORK;
+    return d->model == m ? rbdi_check(m, d->work, 1) : RBD_ERR_WORK;
 }
 
 #endif

@@ -31,6 +31,7 @@ RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size,
     unsigned char *p;
     rbd_work *w;
     int n, nqx;
+    if (work) *work = NULL;
     if (!m || !memory || !work) return RBD_ERR_NULL;
     if (m->version != RBD_MODEL_VERSION || m->scalar != (int)sizeof(rbd_const)) return RBD_ERR_VERSION;
     if (!rbdi_supported(m)) return RBD_ERR_LEFT_OUT;
