@@ -1591,19 +1591,6 @@ RBDI_INLINE rbd_real rbdi_sqrt(rbd_real x) { return RBD_SQRT(x); }
 RBDI_INLINE rbd_real rbdi_zero(void) { return rbdi_set(RBD_C(0)); }
 RBDI_INLINE rbd_real rbdi_abs(rbd_real x) { return rbdi_select(rbdi_less(x, rbdi_zero()), -x, x); }
 
-/* Sine and cosine by libm, or by what replaces it. */
-static RBDI_UNUSED void rbdi_sincos_libm(rbd_real x, rbd_real *s, rbd_real *c) {
-#ifdef RBD_LANES
-    for (int i = 0; i < RBD_LANES; ++i) {
-        (*s)[i] = RBD_SIN(x[i]);
-        (*c)[i] = RBD_COS(x[i]);
-    }
-#else
-    *s = RBD_SIN(x);
-    *c = RBD_COS(x);
-#endif
-}
-
 /* ==== src/base/simd.h ==== */
 /* A batch has as many scalars as one SIMD instruction takes: one if there is no SIMD, or if the scalar is a
    vector already. It gathers like quantities: the joints' angles, the wrenches of a subtree. */
@@ -1933,12 +1920,18 @@ RBDI_PART void rbdi_sincos_array(const rbd_real *x, const rbd_real *quarters, in
 }
 #endif
 
-/* Sine and cosine of one angle. */
+/* Sine and cosine of one angle, by libm where rbd has no polynomial. */
 RBDI_INLINE void rbdi_sincos(rbd_real x, rbd_real *s, rbd_real *c) {
 #ifdef RBDI_POLYNOMIAL_SINCOS
     rbdi_sincos_one(x, rbdi_zero(), s, c);
+#elif defined RBD_LANES
+    for (int i = 0; i < RBD_LANES; ++i) {
+        (*s)[i] = RBD_SIN(x[i]);
+        (*c)[i] = RBD_COS(x[i]);
+    }
 #else
-    rbdi_sincos_libm(x, s, c);
+    *s = RBD_SIN(x);
+    *c = RBD_COS(x);
 #endif
 }
 
@@ -2628,13 +2621,13 @@ RBDI_DYNAMICS_BEGIN
 
 /* ==== src/model/joints.h ==== */
 /* Interface: rbdi_along_axis, rbdi_block_link, rbdi_block_motion, rbdi_cross_shift, rbdi_down,
-   rbdi_force_up_block, rbdi_joints, rbdi_link_dofs, rbdi_trig_of, RBDI_BY_FLAGS */
+   rbdi_force_up_block, rbdi_joint_attitude, rbdi_joints, rbdi_link_dofs, rbdi_trig_of, RBDI_BY_FLAGS */
 
 /* ---- joints [joints] ----
    Code that depends on the joint type: rbdi_joint_facts, rbdi_build_joint, rbdi_build_regroup,
-   rbdi_can_mimic (build), rbdi_block_pose (here), rbdi_step_joint, rbdi_difference_joint, rbdi_joint_rates
-   and rbdi_joint_velocity (manifold); rbd_neutral and rbd_random if zero or an angle will not do. One-axis
-   types mostly need the first two only. */
+   rbdi_can_mimic (build), rbdi_joint_attitude and rbdi_block_pose (here), rbdi_step_joint,
+   rbdi_difference_joint, rbdi_joint_rates and rbdi_joint_velocity (manifold); rbd_neutral and rbd_random if
+   zero or an angle will not do. One-axis types mostly need the first two only. */
 
 /* Whether a link is a block, which links with the common flags are not. */
 RBDI_INLINE int rbdi_block_link(const rbdi_link *l, int flags) {
@@ -2644,43 +2637,40 @@ RBDI_INLINE int rbdi_link_dofs(const rbd_model *m, const rbdi_link *l) {
     return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->n : 1;
 }
 
+/* Attitude of a joint that turns: from the axes of the joint frame to those of the body. */
+RBDI_INLINE rbdi_mat rbdi_joint_attitude(int type, const rbd_real *q) {
+    const rbd_real o = rbdi_zero();
+    rbd_real c, s;
+    rbdi_mat E;
+    if (type == RBD_SPHERICAL) return rbdi_quaternion_down(q);
+    if (type != RBD_PLANAR) return rbdi_quaternion_down(q + 3);
+    rbdi_sincos(q[2], &s, &c);
+    E.xx = c, E.xy = s, E.xz = o;
+    E.yx = -s, E.yy = c, E.yz = o;
+    E.zx = E.zy = o, E.zz = rbdi_set(RBD_C(1));
+    return E;
+}
+
 /* Transform of a block joint: E from parent to link, r = the link's origin in parent axes. */
 RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, const rbd_real *q) {
-    rbdi_v3 shift = rbdi_vec0();
+    const int slides = b->type == RBD_TRANSLATION;
     rbdi_pose X;
-    switch (b->type) {
-    case RBD_SPHERICAL: X.E = rbdi_quaternion_down(q); break;
-    case RBD_PLANAR: {
-        rbd_real c, s;
-        rbdi_sincos(q[2], &s, &c);
-        X.E.xx = c, X.E.xy = s, X.E.xz = rbdi_zero();
-        X.E.yx = -s, X.E.yy = c, X.E.yz = rbdi_zero();
-        X.E.zx = X.E.zy = rbdi_zero(), X.E.zz = rbdi_set(RBD_C(1));
-        shift = rbdi_vec(q[0], q[1], rbdi_zero());
-        break;
-    }
-    case RBD_TRANSLATION:
-        shift = rbdi_load_vec(q, 1);
-        X.E = rbdi_mat_c(b->E);
-        break;
-    default: /* RBD_FLOATING */
-        shift = rbdi_load_vec(q, 1);
-        X.E = rbdi_quaternion_down(q + 3);
-        break;
-    }
+    X.r = rbdi_vec0();
+    if (b->type != RBD_SPHERICAL) X.r = rbdi_vec(q[0], q[1], b->type == RBD_PLANAR ? rbdi_zero() : q[2]);
+    X.E = slides ? rbdi_mat_c(b->E) : rbdi_joint_attitude(b->type, q);
     if (!b->identity) {
         const rbdi_mat joint = rbdi_mat_c(b->E);
-        if (b->type != RBD_TRANSLATION) X.E = rbdi_mul_mat(X.E, joint);
-        shift = rbdi_mul_t(joint, shift);
+        if (!slides) X.E = rbdi_mul_mat(X.E, joint);
+        X.r = rbdi_mul_t(joint, X.r);
     }
-    X.r = rbdi_add(rbdi_vec_c(l->r), shift);
+    X.r = rbdi_add(rbdi_vec_c(l->r), X.r);
     return X;
 }
 
-/* Sine and cosine of a link's joint angle by libm. */
+/* Sine and cosine of a link's joint angle, where that is not done in batches. */
 RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *sine, rbd_real *cosine) {
     rbd_real s, c;
-    rbdi_sincos_libm(angle, &s, &c);
+    rbdi_sincos(angle, &s, &c);
     switch ((int)l->quarters) {
     case 1: *sine = c, *cosine = -s; break;
     case 2: *sine = -s, *cosine = -c; break;
@@ -5142,83 +5132,81 @@ RBDI_API rbd_status rbd_point_position(const rbd_model *m, const rbd_work *w, in
 }
 
 /* ==== src/motion/manifold.h ==== */
-/* Interface: rbdi_difference_joint, rbdi_glide, rbdi_move_straight, rbdi_turn_back, rbdi_turn_velocity */
+/* Interface: rbdi_difference_joint, rbdi_glide, rbdi_joint_motion, rbdi_joint_turns, rbdi_move_straight,
+   rbdi_put_joint_motion, rbdi_turn_back, rbdi_turn_velocity */
 
 /* ---- configuration manifold [manifold code] ---- */
 
-/* q_next = q (+) d for one joint of the description. */
-static void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_real *d, rbd_real *q_next) {
-    rbdi_v3 x;
-    switch (u->type) {
-    case RBD_CONTINUOUS_CS: {
+/* Spherical, planar and floating joints turn: their velocity is a motion in body axes, of which v has one
+   component, three or all, and their step is an exponential. The coordinates of other joints just add. */
+RBDI_INLINE int rbdi_joint_turns(const rbdi_frame *u) {
+    return u->type == RBD_SPHERICAL || u->type == RBD_PLANAR || u->type == RBD_FLOATING;
+}
+/* The motion from its components, which are `stride` apart, and back. */
+static rbdi_motion rbdi_joint_motion(const rbdi_frame *u, const rbd_real *x, ptrdiff_t stride) {
+    rbd_real a[6];
+    for (int k = 0; k < 6; ++k) a[k] = rbdi_zero();
+    for (int k = 0; k < u->nv; ++k) a[(u->type == RBD_PLANAR ? 2 : 0) + k] = x[k * stride];
+    return rbdi_load_motion(a, 1);
+}
+static void rbdi_put_joint_motion(const rbdi_frame *u, rbdi_motion V, rbd_real *x, ptrdiff_t stride) {
+    rbd_real a[6];
+    rbdi_store_motion(a, 1, V);
+    for (int k = 0; k < u->nv; ++k) x[k * stride] = a[(u->type == RBD_PLANAR ? 2 : 0) + k];
+}
+/* The origin of a joint at q in the joint frame, or its rates; and back to the coordinates. */
+static rbdi_v3 rbdi_joint_origin(const rbdi_frame *u, const rbd_real *q) {
+    if (u->type == RBD_SPHERICAL) return rbdi_vec0();
+    return rbdi_vec(q[0], q[1], u->type == RBD_PLANAR ? rbdi_zero() : q[2]);
+}
+static void rbdi_put_origin(const rbdi_frame *u, rbdi_v3 x, rbd_real *q) {
+    if (u->type == RBD_PLANAR) q[0] = x.x, q[1] = x.y;
+    if (u->type == RBD_FLOATING) rbdi_store_vec(q, 1, x);
+}
+
+/* q_next = q (+) d for one joint of the description; straight: the origin moves by the linear part of d, in
+   the axes of the beginning, not along a screw. */
+static void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_real *d, int straight,
+                            rbd_real *q_next) {
+    if (u->type == RBD_CONTINUOUS_CS) {
         rbd_real c, s, cd, sd, next[2];
         rbdi_unit_cs(q, &c, &s);
         rbdi_sincos(d[0], &sd, &cd);
         next[0] = c * cd - s * sd;
         next[1] = s * cd + c * sd;
         rbdi_unit_cs(next, &q_next[0], &q_next[1]);
-        break;
-    }
-    case RBD_SPHERICAL:
-        x = rbdi_load_vec(d, 1);
-        rbdi_quaternion_step(q, rbdi_exp_of(x), x, q_next);
-        break;
-    case RBD_PLANAR: {
-        rbd_real c, s;
-        rbdi_v3 turn = rbdi_vec(rbdi_zero(), rbdi_zero(), d[0]);
-        x = rbdi_exp_shift(rbdi_exp_of(turn), turn, rbdi_vec(d[1], d[2], rbdi_zero()));
-        rbdi_sincos(q[2], &s, &c);
-        q_next[0] = q[0] + (c * x.x - s * x.y);
-        q_next[1] = q[1] + (s * x.x + c * x.y);
-        q_next[2] = q[2] + d[0];
-        break;
-    }
-    case RBD_FLOATING: {
-        rbdi_v3 turn = rbdi_load_vec(d, 1);
-        rbdi_exp e = rbdi_exp_of(turn);
-        x = rbdi_exp_shift(e, turn, rbdi_load_vec(d + 3, 1));
-        x = rbdi_mul_t(rbdi_quaternion_down(q + 3), x);
-        rbdi_store_vec(q_next, 1, rbdi_add(rbdi_load_vec(q, 1), x));
-        rbdi_quaternion_step(q + 3, e, turn, q_next + 3);
-        break;
-    }
-    default:
+    } else if (rbdi_joint_turns(u)) {
+        const rbdi_motion step = rbdi_joint_motion(u, d, 1);
+        const rbdi_exp e = rbdi_exp_of(step.omega);
+        rbdi_v3 x = straight ? step.v : rbdi_exp_shift(e, step.omega, step.v);
+        x = rbdi_mul_t(rbdi_joint_attitude(u->type, q), x);
+        rbdi_put_origin(u, rbdi_add(rbdi_joint_origin(u, q), x), q_next);
+        if (u->type == RBD_PLANAR)
+            q_next[2] = q[2] + step.omega.z;
+        else
+            rbdi_quaternion_step(&q[u->nq - 4], e, step.omega, &q_next[u->nq - 4]);
+    } else {
         for (int k = 0; k < u->nv; ++k) q_next[k] = q[k] + d[k];
-        break;
     }
 }
 
 /* The step of rbd_step in three parts, of one joint. First v after dt without a, in the axes of the
    beginning: linear velocities in body axes gain dt omega x v, the others stay. */
 static void rbdi_glide(const rbdi_frame *u, const rbd_real *v, rbd_real dt, rbd_real *nu) {
+    rbdi_motion V;
     for (int k = 0; k < u->nv; ++k) nu[k] = v[k];
-    if (u->type == RBD_FLOATING) {
-        const rbdi_v3 linear = rbdi_load_vec(v + 3, 1);
-        const rbdi_v3 gain = rbdi_cross(rbdi_load_vec(v, 1), linear);
-        rbdi_store_vec(nu + 3, 1, rbdi_add(linear, rbdi_scale(dt, gain)));
-    } else if (u->type == RBD_PLANAR) {
-        nu[1] = v[1] - dt * v[0] * v[2], nu[2] = v[2] + dt * v[0] * v[1];
-    }
+    if (!rbdi_joint_turns(u)) return;
+    V = rbdi_joint_motion(u, v, 1);
+    V.v = rbdi_add(V.v, rbdi_scale(dt, rbdi_cross(V.omega, V.v)));
+    rbdi_put_joint_motion(u, V, nu, 1);
 }
 
 /* q moved by nu dt, whose axes stay: origins of floating and planar joints move straight. */
 static void rbdi_move_straight(const rbdi_frame *u, const rbd_real *q, const rbd_real *nu, rbd_real dt,
                                rbd_real *q_next) {
-    rbd_real d[6], c, s, x, y;
-    rbdi_v3 turn, shift;
+    rbd_real d[6];
     for (int k = 0; k < u->nv; ++k) d[k] = nu[k] * dt;
-    if (u->type == RBD_FLOATING) {
-        turn = rbdi_load_vec(d, 1);
-        shift = rbdi_mul_t(rbdi_quaternion_down(q + 3), rbdi_load_vec(d + 3, 1));
-        rbdi_store_vec(q_next, 1, rbdi_add(rbdi_load_vec(q, 1), shift));
-        rbdi_quaternion_step(q + 3, rbdi_exp_of(turn), turn, q_next + 3);
-    } else if (u->type == RBD_PLANAR) {
-        rbdi_sincos(q[2], &s, &c);
-        x = c * d[1] - s * d[2], y = s * d[1] + c * d[2];
-        q_next[0] = q[0] + x, q_next[1] = q[1] + y, q_next[2] = q[2] + d[0];
-    } else {
-        rbdi_step_joint(u, q, d, q_next);
-    }
+    rbdi_step_joint(u, q, d, 1, q_next);
 }
 
 /* x turned by -turn: x - A turn x x + B turn x (turn x x). */
@@ -5232,58 +5220,45 @@ static rbdi_v3 rbdi_turn_back(rbdi_exp e, rbdi_v3 turn, rbdi_v3 x) {
 /* nu in the axes of the end, which have turned by those of moved dt. v_next may be nu. */
 static void rbdi_turn_velocity(const rbdi_frame *u, const rbd_real *moved, rbd_real dt, const rbd_real *nu,
                                rbd_real *v_next) {
-    const int planar = u->type == RBD_PLANAR;
-    rbdi_v3 turn, x;
+    rbdi_motion V;
+    rbdi_v3 turn;
     rbdi_exp e;
-    if (planar || u->type == RBD_FLOATING || u->type == RBD_SPHERICAL) {
-        turn = planar ? rbdi_vec(rbdi_zero(), rbdi_zero(), moved[0]) : rbdi_load_vec(moved, 1);
-        turn = rbdi_scale(dt, turn);
-        e = rbdi_exp_of(turn);
-        for (int k = planar; k < u->nv; k += 3) {
-            x = rbdi_vec(nu[k], nu[k + 1], planar ? rbdi_zero() : nu[k + 2]);
-            x = rbdi_turn_back(e, turn, x);
-            v_next[k] = x.x, v_next[k + 1] = x.y;
-            if (!planar) v_next[k + 2] = x.z;
-        }
-        if (planar) v_next[0] = nu[0];
-    } else {
+    if (!rbdi_joint_turns(u)) {
         for (int k = 0; k < u->nv; ++k) v_next[k] = nu[k];
+        return;
     }
+    turn = rbdi_scale(dt, rbdi_joint_motion(u, moved, 1).omega);
+    e = rbdi_exp_of(turn);
+    V = rbdi_joint_motion(u, nu, 1);
+    V.omega = rbdi_turn_back(e, turn, V.omega), V.v = rbdi_turn_back(e, turn, V.v);
+    rbdi_put_joint_motion(u, V, v_next, 1);
+}
+
+/* An angle beyond a half turn becomes the equal one within. */
+static rbd_real rbdi_within_half_turn(rbd_real angle) {
+    const rbd_real pi2 = rbdi_set(RBDI_PI(rbd_const) * RBDI_PI(rbd_const));
+    rbd_real c, s;
+    rbdi_sincos(angle, &s, &c);
+    return rbdi_select(rbdi_less(pi2, angle * angle), rbdi_signed_angle(s, c), angle);
 }
 
 static void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, const rbd_real *q1, rbd_real *d) {
-    rbdi_v3 x, turn;
-    rbd_real c, s;
-    switch (u->type) {
-    case RBD_CONTINUOUS_CS: {
-        rbd_real c1, s1;
+    if (u->type == RBD_CONTINUOUS_CS) {
+        rbd_real c, s, c1, s1;
         rbdi_unit_cs(q0, &c, &s);
         rbdi_unit_cs(q1, &c1, &s1);
         d[0] = rbdi_signed_angle(c * s1 - s * c1, c * c1 + s * s1);
-        break;
-    }
-    case RBD_SPHERICAL: rbdi_store_vec(d, 1, rbdi_quaternion_difference(q0, q1)); break;
-    case RBD_PLANAR: {
-        rbd_real angle = q1[2] - q0[2], pi2 = rbdi_set(RBDI_PI(rbd_const) * RBDI_PI(rbd_const));
-        rbdi_sincos(angle, &s, &c);
-        angle = rbdi_select(rbdi_less(pi2, angle * angle), rbdi_signed_angle(s, c), angle);
-        rbdi_sincos(q0[2], &s, &c);
-        turn = rbdi_vec(rbdi_zero(), rbdi_zero(), angle);
-        x = rbdi_turn_z(0, c, s, rbdi_vec(q1[0] - q0[0], q1[1] - q0[1], rbdi_zero()));
-        x = rbdi_log_shift(rbdi_exp_of(turn), turn, x);
-        rbdi_store_vec(d, 1, rbdi_vec(angle, x.x, x.y));
-        break;
-    }
-    case RBD_FLOATING:
-        turn = rbdi_quaternion_difference(q0 + 3, q1 + 3);
-        x = rbdi_sub(rbdi_load_vec(q1, 1), rbdi_load_vec(q0, 1));
-        x = rbdi_log_shift(rbdi_exp_of(turn), turn, rbdi_mul(rbdi_quaternion_down(q0 + 3), x));
-        rbdi_store_vec(d, 1, turn);
-        rbdi_store_vec(d + 3, 1, x);
-        break;
-    default:
+    } else if (rbdi_joint_turns(u)) {
+        const rbdi_v3 x = rbdi_sub(rbdi_joint_origin(u, q1), rbdi_joint_origin(u, q0));
+        rbdi_motion step;
+        step.omega = u->type == RBD_PLANAR
+                         ? rbdi_vec(rbdi_zero(), rbdi_zero(), rbdi_within_half_turn(q1[2] - q0[2]))
+                         : rbdi_quaternion_difference(&q0[u->nq - 4], &q1[u->nq - 4]);
+        step.v = rbdi_mul(rbdi_joint_attitude(u->type, q0), x);
+        step.v = rbdi_log_shift(rbdi_exp_of(step.omega), step.omega, step.v);
+        rbdi_put_joint_motion(u, step, d, 1);
+    } else {
         for (int k = 0; k < u->nv; ++k) d[k] = q1[k] - q0[k];
-        break;
     }
 }
 
@@ -5296,59 +5271,46 @@ static rbd_real rbdi_inverse_length(const rbd_real *q, const rbd_real *u, int n)
 }
 
 static void rbdi_joint_rates(const rbdi_frame *u, const rbd_real *q, const rbd_real *v, rbd_real *rates) {
-    const rbd_real half = rbdi_set(RBD_C(0.5));
-    rbd_real c, s, turn[4];
-    switch (u->type) {
-    case RBD_CONTINUOUS_CS: rates[0] = -(q[1] * v[0]), rates[1] = q[0] * v[0]; break;
-    case RBD_PLANAR:
-        rbdi_sincos(q[2], &s, &c);
-        rates[0] = c * v[1] - s * v[2], rates[1] = s * v[1] + c * v[2], rates[2] = v[0];
-        break;
-    case RBD_SPHERICAL:
-    case RBD_FLOATING:
-        rbdi_store_vec(turn, 1, rbdi_scale(half, rbdi_load_vec(v, 1)));
+    if (u->type == RBD_CONTINUOUS_CS) {
+        rates[0] = -(q[1] * v[0]), rates[1] = q[0] * v[0];
+    } else if (rbdi_joint_turns(u)) {
+        const rbdi_motion V = rbdi_joint_motion(u, v, 1);
+        rbd_real turn[4];
+        rbdi_put_origin(u, rbdi_mul_t(rbdi_joint_attitude(u->type, q), V.v), rates);
+        rbdi_store_vec(turn, 1, rbdi_scale(rbdi_set(RBD_C(0.5)), V.omega));
         turn[3] = rbdi_zero();
-        rbdi_quaternion_product(&q[u->nq - 4], turn, &rates[u->nq - 4]);
-        if (u->type == RBD_FLOATING) {
-            const rbdi_mat E = rbdi_quaternion_down(q + 3);
-            const rbdi_v3 linear = rbdi_load_vec(v + 3, 1);
-            rbdi_store_vec(rates, 1, rbdi_mul_t(E, linear));
-        }
-        break;
-    default:
+        if (u->type == RBD_PLANAR)
+            rates[2] = V.omega.z;
+        else
+            rbdi_quaternion_product(&q[u->nq - 4], turn, &rates[u->nq - 4]);
+    } else {
         for (int k = 0; k < u->nv; ++k) rates[k] = v[k];
-        break;
     }
 }
 
-static void rbdi_joint_velocity(const rbdi_frame *u, const rbd_real *q, const rbd_real *rates, rbd_real *v) {
+/* Angular velocity from a quaternion of any length and its rates. */
+static rbdi_v3 rbdi_quaternion_velocity(const rbd_real *q, const rbd_real *rates) {
     rbd_real x[4], k;
-    switch (u->type) {
-    case RBD_CONTINUOUS_CS:
+    rbdi_unit_quaternion(q, x);
+    k = rbdi_inverse_length(q, x, 4);
+    for (int i = 0; i < 3; ++i) x[i] = -x[i];
+    rbdi_quaternion_product(x, rates, x);
+    return rbdi_scale(k + k, rbdi_load_vec(x, 1));
+}
+
+static void rbdi_joint_velocity(const rbdi_frame *u, const rbd_real *q, const rbd_real *rates, rbd_real *v) {
+    if (u->type == RBD_CONTINUOUS_CS) {
+        rbd_real x[2];
         rbdi_unit_cs(q, &x[0], &x[1]);
         v[0] = (x[0] * rates[1] - x[1] * rates[0]) * rbdi_inverse_length(q, x, 2);
-        break;
-    case RBD_PLANAR:
-        rbdi_sincos(q[2], &x[1], &x[0]);
-        rbdi_store_vec(x, 1, rbdi_turn_z(0, x[0], x[1], rbdi_vec(rates[0], rates[1], rbdi_zero())));
-        v[0] = rates[2], v[1] = x[0], v[2] = x[1];
-        break;
-    case RBD_SPHERICAL:
-    case RBD_FLOATING:
-        rbdi_unit_quaternion(&q[u->nq - 4], x);
-        k = rbdi_inverse_length(&q[u->nq - 4], x, 4);
-        for (int i = 0; i < 3; ++i) x[i] = -x[i];
-        rbdi_quaternion_product(x, &rates[u->nq - 4], x);
-        rbdi_store_vec(v, 1, rbdi_scale(k + k, rbdi_load_vec(x, 1)));
-        if (u->type == RBD_FLOATING) {
-            const rbdi_mat E = rbdi_quaternion_down(q + 3);
-            const rbdi_v3 linear = rbdi_load_vec(rates, 1);
-            rbdi_store_vec(v + 3, 1, rbdi_mul(E, linear));
-        }
-        break;
-    default:
-        for (int i = 0; i < u->nv; ++i) v[i] = rates[i];
-        break;
+    } else if (rbdi_joint_turns(u)) {
+        rbdi_motion V;
+        V.v = rbdi_mul(rbdi_joint_attitude(u->type, q), rbdi_joint_origin(u, rates));
+        V.omega = u->type == RBD_PLANAR ? rbdi_vec(rbdi_zero(), rbdi_zero(), rates[2])
+                                        : rbdi_quaternion_velocity(&q[u->nq - 4], &rates[u->nq - 4]);
+        rbdi_put_joint_motion(u, V, v, 1);
+    } else {
+        for (int k = 0; k < u->nv; ++k) v[k] = rates[k];
     }
 }
 
@@ -5379,7 +5341,7 @@ RBDI_API rbd_status rbd_integrate(const rbd_model *m, const rbd_real *q, const r
         const rbdi_frame *u = &m->frame[b];
         rbd_real d[6];
         for (int k = 0; k < u->nv; ++k) d[k] = v[u->iv + k] * dt;
-        if (u->nv > 0) rbdi_step_joint(u, &q[u->iq], d, &q_next[u->iq]);
+        if (u->nv > 0) rbdi_step_joint(u, &q[u->iq], d, 0, &q_next[u->iq]);
     }
     return RBD_OK;
 }

@@ -92,17 +92,4 @@ RBDI_INLINE rbd_real rbdi_sqrt(rbd_real x) { return RBD_SQRT(x); }
 RBDI_INLINE rbd_real rbdi_zero(void) { return rbdi_set(RBD_C(0)); }
 RBDI_INLINE rbd_real rbdi_abs(rbd_real x) { return rbdi_select(rbdi_less(x, rbdi_zero()), -x, x); }
 
-/* Sine and cosine by libm, or by what replaces it. */
-static RBDI_UNUSED void rbdi_sincos_libm(rbd_real x, rbd_real *s, rbd_real *c) {
-#ifdef RBD_LANES
-    for (int i = 0; i < RBD_LANES; ++i) {
-        (*s)[i] = RBD_SIN(x[i]);
-        (*c)[i] = RBD_COS(x[i]);
-    }
-#else
-    *s = RBD_SIN(x);
-    *c = RBD_COS(x);
-#endif
-}
-
 #endif

@@ -116,12 +116,18 @@ RBDI_PART void rbdi_sincos_array(const rbd_real *x, const rbd_real *quarters, in
 }
 #endif
 
-/* Sine and cosine of one angle. */
+/* Sine and cosine of one angle, by libm where rbd has no polynomial. */
 RBDI_INLINE void rbdi_sincos(rbd_real x, rbd_real *s, rbd_real *c) {
 #ifdef RBDI_POLYNOMIAL_SINCOS
     rbdi_sincos_one(x, rbdi_zero(), s, c);
+#elif defined RBD_LANES
+    for (int i = 0; i < RBD_LANES; ++i) {
+        (*s)[i] = RBD_SIN(x[i]);
+        (*c)[i] = RBD_COS(x[i]);
+    }
 #else
-    rbdi_sincos_libm(x, s, c);
+    *s = RBD_SIN(x);
+    *c = RBD_COS(x);
 #endif
 }
 

@@ -1,6 +1,5 @@
 #ifndef RBDI_DERIVATIVES_STEPS_H
 #define RBDI_DERIVATIVES_STEPS_H
-#include "algebra/spatial.h"
 #include "base/memory.h"
 #include "motion/manifold.h"
 #include "api/derivatives.h"
@@ -82,23 +81,6 @@ static void rbdi_fill_ad(rbdi_ad_function f, rbdi_motion d, rbd_real scale, rbd_
             J[i][3 + j] = rbdi_zero();
             J[3 + i][j] = (f.b * shift + f.c * wu + slope * (f.db * turn + f.dc * ww)) * scale;
         }
-}
-
-/* Velocity of a joint whose step is not a sum, or a column or row of derivatives of such: components `stride`
-   apart. From and to them. */
-RBDI_INLINE int rbdi_joint_turns(const rbdi_frame *u) {
-    return u->type == RBD_SPHERICAL || u->type == RBD_PLANAR || u->type == RBD_FLOATING;
-}
-static rbdi_motion rbdi_joint_motion(const rbdi_frame *u, const rbd_real *x, ptrdiff_t stride) {
-    rbd_real a[6];
-    for (int k = 0; k < 6; ++k) a[k] = rbdi_zero();
-    for (int k = 0; k < u->nv; ++k) a[(u->type == RBD_PLANAR ? 2 : 0) + k] = x[k * stride];
-    return rbdi_load_motion(a, 1);
-}
-static void rbdi_put_joint_motion(const rbdi_frame *u, rbdi_motion V, rbd_real *x, ptrdiff_t stride) {
-    rbd_real a[6];
-    rbdi_store_motion(a, 1, V);
-    for (int k = 0; k < u->nv; ++k) x[k * stride] = a[(u->type == RBD_PLANAR ? 2 : 0) + k];
 }
 
 /* Writes a joint's block of a matrix that is zero: scale f(ad) for the step d sign. For joints whose steps

@@ -6,13 +6,13 @@
 #include "model/features.h"
 
 /* Interface: rbdi_along_axis, rbdi_block_link, rbdi_block_motion, rbdi_cross_shift, rbdi_down,
-   rbdi_force_up_block, rbdi_joints, rbdi_link_dofs, rbdi_trig_of, RBDI_BY_FLAGS */
+   rbdi_force_up_block, rbdi_joint_attitude, rbdi_joints, rbdi_link_dofs, rbdi_trig_of, RBDI_BY_FLAGS */
 
 /* ---- joints [joints] ----
    Code that depends on the joint type: rbdi_joint_facts, rbdi_build_joint, rbdi_build_regroup,
-   rbdi_can_mimic (build), rbdi_block_pose (here), rbdi_step_joint, rbdi_difference_joint, rbdi_joint_rates
-   and rbdi_joint_velocity (manifold); rbd_neutral and rbd_random if zero or an angle will not do. One-axis
-   types mostly need the first two only. */
+   rbdi_can_mimic (build), rbdi_joint_attitude and rbdi_block_pose (here), rbdi_step_joint,
+   rbdi_difference_joint, rbdi_joint_rates and rbdi_joint_velocity (manifold); rbd_neutral and rbd_random if
+   zero or an angle will not do. One-axis types mostly need the first two only. */
 
 /* Whether a link is a block, which links with the common flags are not. */
 RBDI_INLINE int rbdi_block_link(const rbdi_link *l, int flags) {
@@ -22,43 +22,40 @@ RBDI_INLINE int rbdi_link_dofs(const rbd_model *m, const rbdi_link *l) {
     return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->n : 1;
 }
 
+/* Attitude of a joint that turns: from the axes of the joint frame to those of the body. */
+RBDI_INLINE rbdi_mat rbdi_joint_attitude(int type, const rbd_real *q) {
+    const rbd_real o = rbdi_zero();
+    rbd_real c, s;
+    rbdi_mat E;
+    if (type == RBD_SPHERICAL) return rbdi_quaternion_down(q);
+    if (type != RBD_PLANAR) return rbdi_quaternion_down(q + 3);
+    rbdi_sincos(q[2], &s, &c);
+    E.xx = c, E.xy = s, E.xz = o;
+    E.yx = -s, E.yy = c, E.yz = o;
+    E.zx = E.zy = o, E.zz = rbdi_set(RBD_C(1));
+    return E;
+}
+
 /* Transform of a block joint: E from parent to link, r = the link's origin in parent axes. */
 RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, const rbd_real *q) {
-    rbdi_v3 shift = rbdi_vec0();
+    const int slides = b->type == RBD_TRANSLATION;
     rbdi_pose X;
-    switch (b->type) {
-    case RBD_SPHERICAL: X.E = rbdi_quaternion_down(q); break;
-    case RBD_PLANAR: {
-        rbd_real c, s;
-        rbdi_sincos(q[2], &s, &c);
-        X.E.xx = c, X.E.xy = s, X.E.xz = rbdi_zero();
-        X.E.yx = -s, X.E.yy = c, X.E.yz = rbdi_zero();
-        X.E.zx = X.E.zy = rbdi_zero(), X.E.zz = rbdi_set(RBD_C(1));
-        shift = rbdi_vec(q[0], q[1], rbdi_zero());
-        break;
-    }
-    case RBD_TRANSLATION:
-        shift = rbdi_load_vec(q, 1);
-        X.E = rbdi_mat_c(b->E);
-        break;
-    default: /* RBD_FLOATING */
-        shift = rbdi_load_vec(q, 1);
-        X.E = rbdi_quaternion_down(q + 3);
-        break;
-    }
+    X.r = rbdi_vec0();
+    if (b->type != RBD_SPHERICAL) X.r = rbdi_vec(q[0], q[1], b->type == RBD_PLANAR ? rbdi_zero() : q[2]);
+    X.E = slides ? rbdi_mat_c(b->E) : rbdi_joint_attitude(b->type, q);
     if (!b->identity) {
         const rbdi_mat joint = rbdi_mat_c(b->E);
-        if (b->type != RBD_TRANSLATION) X.E = rbdi_mul_mat(X.E, joint);
-        shift = rbdi_mul_t(joint, shift);
+        if (!slides) X.E = rbdi_mul_mat(X.E, joint);
+        X.r = rbdi_mul_t(joint, X.r);
     }
-    X.r = rbdi_add(rbdi_vec_c(l->r), shift);
+    X.r = rbdi_add(rbdi_vec_c(l->r), X.r);
     return X;
 }
 
-/* Sine and cosine of a link's joint angle by libm. */
+/* Sine and cosine of a link's joint angle, where that is not done in batches. */
 RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *sine, rbd_real *cosine) {
     rbd_real s, c;
-    rbdi_sincos_libm(angle, &s, &c);
+    rbdi_sincos(angle, &s, &c);
     switch ((int)l->quarters) {
     case 1: *sine = c, *cosine = -s; break;
     case 2: *sine = -s, *cosine = -c; break;

@@ -1,86 +1,83 @@
 #ifndef RBDI_MOTION_MANIFOLD_H
 #define RBDI_MOTION_MANIFOLD_H
 #include "api/manifold.h"
-#include "model/layout.h"
-#include "algebra/rotations.h"
+#include "model/joints.h"
 
-/* Interface: rbdi_difference_joint, rbdi_glide, rbdi_move_straight, rbdi_turn_back, rbdi_turn_velocity */
+/* Interface: rbdi_difference_joint, rbdi_glide, rbdi_joint_motion, rbdi_joint_turns, rbdi_move_straight,
+   rbdi_put_joint_motion, rbdi_turn_back, rbdi_turn_velocity */
 
 /* ---- configuration manifold [manifold code] ---- */
 
-/* q_next = q (+) d for one joint of the description. */
-static void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_real *d, rbd_real *q_next) {
-    rbdi_v3 x;
-    switch (u->type) {
-    case RBD_CONTINUOUS_CS: {
+/* Spherical, planar and floating joints turn: their velocity is a motion in body axes, of which v has one
+   component, three or all, and their step is an exponential. The coordinates of other joints just add. */
+RBDI_INLINE int rbdi_joint_turns(const rbdi_frame *u) {
+    return u->type == RBD_SPHERICAL || u->type == RBD_PLANAR || u->type == RBD_FLOATING;
+}
+/* The motion from its components, which are `stride` apart, and back. */
+static rbdi_motion rbdi_joint_motion(const rbdi_frame *u, const rbd_real *x, ptrdiff_t stride) {
+    rbd_real a[6];
+    for (int k = 0; k < 6; ++k) a[k] = rbdi_zero();
+    for (int k = 0; k < u->nv; ++k) a[(u->type == RBD_PLANAR ? 2 : 0) + k] = x[k * stride];
+    return rbdi_load_motion(a, 1);
+}
+static void rbdi_put_joint_motion(const rbdi_frame *u, rbdi_motion V, rbd_real *x, ptrdiff_t stride) {
+    rbd_real a[6];
+    rbdi_store_motion(a, 1, V);
+    for (int k = 0; k < u->nv; ++k) x[k * stride] = a[(u->type == RBD_PLANAR ? 2 : 0) + k];
+}
+/* The origin of a joint at q in the joint frame, or its rates; and back to the coordinates. */
+static rbdi_v3 rbdi_joint_origin(const rbdi_frame *u, const rbd_real *q) {
+    if (u->type == RBD_SPHERICAL) return rbdi_vec0();
+    return rbdi_vec(q[0], q[1], u->type == RBD_PLANAR ? rbdi_zero() : q[2]);
+}
+static void rbdi_put_origin(const rbdi_frame *u, rbdi_v3 x, rbd_real *q) {
+    if (u->type == RBD_PLANAR) q[0] = x.x, q[1] = x.y;
+    if (u->type == RBD_FLOATING) rbdi_store_vec(q, 1, x);
+}
+
+/* q_next = q (+) d for one joint of the description; straight: the origin moves by the linear part of d, in
+   the axes of the beginning, not along a screw. */
+static void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_real *d, int straight,
+                            rbd_real *q_next) {
+    if (u->type == RBD_CONTINUOUS_CS) {
         rbd_real c, s, cd, sd, next[2];
         rbdi_unit_cs(q, &c, &s);
         rbdi_sincos(d[0], &sd, &cd);
         next[0] = c * cd - s * sd;
         next[1] = s * cd + c * sd;
         rbdi_unit_cs(next, &q_next[0], &q_next[1]);
-        break;
-    }
-    case RBD_SPHERICAL:
-        x = rbdi_load_vec(d, 1);
-        rbdi_quaternion_step(q, rbdi_exp_of(x), x, q_next);
-        break;
-    case RBD_PLANAR: {
-        rbd_real c, s;
-        rbdi_v3 turn = rbdi_vec(rbdi_zero(), rbdi_zero(), d[0]);
-        x = rbdi_exp_shift(rbdi_exp_of(turn), turn, rbdi_vec(d[1], d[2], rbdi_zero()));
-        rbdi_sincos(q[2], &s, &c);
-        q_next[0] = q[0] + (c * x.x - s * x.y);
-        q_next[1] = q[1] + (s * x.x + c * x.y);
-        q_next[2] = q[2] + d[0];
-        break;
-    }
-    case RBD_FLOATING: {
-        rbdi_v3 turn = rbdi_load_vec(d, 1);
-        rbdi_exp e = rbdi_exp_of(turn);
-        x = rbdi_exp_shift(e, turn, rbdi_load_vec(d + 3, 1));
-        x = rbdi_mul_t(rbdi_quaternion_down(q + 3), x);
-        rbdi_store_vec(q_next, 1, rbdi_add(rbdi_load_vec(q, 1), x));
-        rbdi_quaternion_step(q + 3, e, turn, q_next + 3);
-        break;
-    }
-    default:
+    } else if (rbdi_joint_turns(u)) {
+        const rbdi_motion step = rbdi_joint_motion(u, d, 1);
+        const rbdi_exp e = rbdi_exp_of(step.omega);
+        rbdi_v3 x = straight ? step.v : rbdi_exp_shift(e, step.omega, step.v);
+        x = rbdi_mul_t(rbdi_joint_attitude(u->type, q), x);
+        rbdi_put_origin(u, rbdi_add(rbdi_joint_origin(u, q), x), q_next);
+        if (u->type == RBD_PLANAR)
+            q_next[2] = q[2] + step.omega.z;
+        else
+            rbdi_quaternion_step(&q[u->nq - 4], e, step.omega, &q_next[u->nq - 4]);
+    } else {
         for (int k = 0; k < u->nv; ++k) q_next[k] = q[k] + d[k];
-        break;
     }
 }
 
 /* The step of rbd_step in three parts, of one joint. First v after dt without a, in the axes of the
    beginning: linear velocities in body axes gain dt omega x v, the others stay. */
 static void rbdi_glide(const rbdi_frame *u, const rbd_real *v, rbd_real dt, rbd_real *nu) {
+    rbdi_motion V;
     for (int k = 0; k < u->nv; ++k) nu[k] = v[k];
-    if (u->type == RBD_FLOATING) {
-        const rbdi_v3 linear = rbdi_load_vec(v + 3, 1);
-        const rbdi_v3 gain = rbdi_cross(rbdi_load_vec(v, 1), linear);
-        rbdi_store_vec(nu + 3, 1, rbdi_add(linear, rbdi_scale(dt, gain)));
-    } else if (u->type == RBD_PLANAR) {
-        nu[1] = v[1] - dt * v[0] * v[2], nu[2] = v[2] + dt * v[0] * v[1];
-    }
+    if (!rbdi_joint_turns(u)) return;
+    V = rbdi_joint_motion(u, v, 1);
+    V.v = rbdi_add(V.v, rbdi_scale(dt, rbdi_cross(V.omega, V.v)));
+    rbdi_put_joint_motion(u, V, nu, 1);
 }
 
 /* q moved by nu dt, whose axes stay: origins of floating and planar joints move straight. */
 static void rbdi_move_straight(const rbdi_frame *u, const rbd_real *q, const rbd_real *nu, rbd_real dt,
                                rbd_real *q_next) {
-    rbd_real d[6], c, s, x, y;
-    rbdi_v3 turn, shift;
+    rbd_real d[6];
     for (int k = 0; k < u->nv; ++k) d[k] = nu[k] * dt;
-    if (u->type == RBD_FLOATING) {
-        turn = rbdi_load_vec(d, 1);
-        shift = rbdi_mul_t(rbdi_quaternion_down(q + 3), rbdi_load_vec(d + 3, 1));
-        rbdi_store_vec(q_next, 1, rbdi_add(rbdi_load_vec(q, 1), shift));
-        rbdi_quaternion_step(q + 3, rbdi_exp_of(turn), turn, q_next + 3);
-    } else if (u->type == RBD_PLANAR) {
-        rbdi_sincos(q[2], &s, &c);
-        x = c * d[1] - s * d[2], y = s * d[1] + c * d[2];
-        q_next[0] = q[0] + x, q_next[1] = q[1] + y, q_next[2] = q[2] + d[0];
-    } else {
-        rbdi_step_joint(u, q, d, q_next);
-    }
+    rbdi_step_joint(u, q, d, 1, q_next);
 }
 
 /* x turned by -turn: x - A turn x x + B turn x (turn x x). */
@@ -94,58 +91,45 @@ static rbdi_v3 rbdi_turn_back(rbdi_exp e, rbdi_v3 turn, rbdi_v3 x) {
 /* nu in the axes of the end, which have turned by those of moved dt. v_next may be nu. */
 static void rbdi_turn_velocity(const rbdi_frame *u, const rbd_real *moved, rbd_real dt, const rbd_real *nu,
                                rbd_real *v_next) {
-    const int planar = u->type == RBD_PLANAR;
-    rbdi_v3 turn, x;
+    rbdi_motion V;
+    rbdi_v3 turn;
     rbdi_exp e;
-    if (planar || u->type == RBD_FLOATING || u->type == RBD_SPHERICAL) {
-        turn = planar ? rbdi_vec(rbdi_zero(), rbdi_zero(), moved[0]) : rbdi_load_vec(moved, 1);
-        turn = rbdi_scale(dt, turn);
-        e = rbdi_exp_of(turn);
-        for (int k = planar; k < u->nv; k += 3) {
-            x = rbdi_vec(nu[k], nu[k + 1], planar ? rbdi_zero() : nu[k + 2]);
-            x = rbdi_turn_back(e, turn, x);
-            v_next[k] = x.x, v_next[k + 1] = x.y;
-            if (!planar) v_next[k + 2] = x.z;
-        }
-        if (planar) v_next[0] = nu[0];
-    } else {
+    if (!rbdi_joint_turns(u)) {
         for (int k = 0; k < u->nv; ++k) v_next[k] = nu[k];
+        return;
     }
+    turn = rbdi_scale(dt, rbdi_joint_motion(u, moved, 1).omega);
+    e = rbdi_exp_of(turn);
+    V = rbdi_joint_motion(u, nu, 1);
+    V.omega = rbdi_turn_back(e, turn, V.omega), V.v = rbdi_turn_back(e, turn, V.v);
+    rbdi_put_joint_motion(u, V, v_next, 1);
+}
+
+/* An angle beyond a half turn becomes the equal one within. */
+static rbd_real rbdi_within_half_turn(rbd_real angle) {
+    const rbd_real pi2 = rbdi_set(RBDI_PI(rbd_const) * RBDI_PI(rbd_const));
+    rbd_real c, s;
+    rbdi_sincos(angle, &s, &c);
+    return rbdi_select(rbdi_less(pi2, angle * angle), rbdi_signed_angle(s, c), angle);
 }
 
 static void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, const rbd_real *q1, rbd_real *d) {
-    rbdi_v3 x, turn;
-    rbd_real c, s;
-    switch (u->type) {
-    case RBD_CONTINUOUS_CS: {
-        rbd_real c1, s1;
+    if (u->type == RBD_CONTINUOUS_CS) {
+        rbd_real c, s, c1, s1;
         rbdi_unit_cs(q0, &c, &s);
         rbdi_unit_cs(q1, &c1, &s1);
         d[0] = rbdi_signed_angle(c * s1 - s * c1, c * c1 + s * s1);
-        break;
-    }
-    case RBD_SPHERICAL: rbdi_store_vec(d, 1, rbdi_quaternion_difference(q0, q1)); break;
-    case RBD_PLANAR: {
-        rbd_real angle = q1[2] - q0[2], pi2 = rbdi_set(RBDI_PI(rbd_const) * RBDI_PI(rbd_const));
-        rbdi_sincos(angle, &s, &c);
-        angle = rbdi_select(rbdi_less(pi2, angle * angle), rbdi_signed_angle(s, c), angle);
-        rbdi_sincos(q0[2], &s, &c);
-        turn = rbdi_vec(rbdi_zero(), rbdi_zero(), angle);
-        x = rbdi_turn_z(0, c, s, rbdi_vec(q1[0] - q0[0], q1[1] - q0[1], rbdi_zero()));
-        x = rbdi_log_shift(rbdi_exp_of(turn), turn, x);
-        rbdi_store_vec(d, 1, rbdi_vec(angle, x.x, x.y));
-        break;
-    }
-    case RBD_FLOATING:
-        turn = rbdi_quaternion_difference(q0 + 3, q1 + 3);
-        x = rbdi_sub(rbdi_load_vec(q1, 1), rbdi_load_vec(q0, 1));
-        x = rbdi_log_shift(rbdi_exp_of(turn), turn, rbdi_mul(rbdi_quaternion_down(q0 + 3), x));
-        rbdi_store_vec(d, 1, turn);
-        rbdi_store_vec(d + 3, 1, x);
-        break;
-    default:
+    } else if (rbdi_joint_turns(u)) {
+        const rbdi_v3 x = rbdi_sub(rbdi_joint_origin(u, q1), rbdi_joint_origin(u, q0));
+        rbdi_motion step;
+        step.omega = u->type == RBD_PLANAR
+                         ? rbdi_vec(rbdi_zero(), rbdi_zero(), rbdi_within_half_turn(q1[2] - q0[2]))
+                         : rbdi_quaternion_difference(&q0[u->nq - 4], &q1[u->nq - 4]);
+        step.v = rbdi_mul(rbdi_joint_attitude(u->type, q0), x);
+        step.v = rbdi_log_shift(rbdi_exp_of(step.omega), step.omega, step.v);
+        rbdi_put_joint_motion(u, step, d, 1);
+    } else {
         for (int k = 0; k < u->nv; ++k) d[k] = q1[k] - q0[k];
-        break;
     }
 }
 
@@ -158,59 +142,46 @@ static rbd_real rbdi_inverse_length(const rbd_real *q, const rbd_real *u, int n)
 }
 
 static void rbdi_joint_rates(const rbdi_frame *u, const rbd_real *q, const rbd_real *v, rbd_real *rates) {
-    const rbd_real half = rbdi_set(RBD_C(0.5));
-    rbd_real c, s, turn[4];
-    switch (u->type) {
-    case RBD_CONTINUOUS_CS: rates[0] = -(q[1] * v[0]), rates[1] = q[0] * v[0]; break;
-    case RBD_PLANAR:
-        rbdi_sincos(q[2], &s, &c);
-        rates[0] = c * v[1] - s * v[2], rates[1] = s * v[1] + c * v[2], rates[2] = v[0];
-        break;
-    case RBD_SPHERICAL:
-    case RBD_FLOATING:
-        rbdi_store_vec(turn, 1, rbdi_scale(half, rbdi_load_vec(v, 1)));
+    if (u->type == RBD_CONTINUOUS_CS) {
+        rates[0] = -(q[1] * v[0]), rates[1] = q[0] * v[0];
+    } else if (rbdi_joint_turns(u)) {
+        const rbdi_motion V = rbdi_joint_motion(u, v, 1);
+        rbd_real turn[4];
+        rbdi_put_origin(u, rbdi_mul_t(rbdi_joint_attitude(u->type, q), V.v), rates);
+        rbdi_store_vec(turn, 1, rbdi_scale(rbdi_set(RBD_C(0.5)), V.omega));
         turn[3] = rbdi_zero();
-        rbdi_quaternion_product(&q[u->nq - 4], turn, &rates[u->nq - 4]);
-        if (u->type == RBD_FLOATING) {
-            const rbdi_mat E = rbdi_quaternion_down(q + 3);
-            const rbdi_v3 linear = rbdi_load_vec(v + 3, 1);
-            rbdi_store_vec(rates, 1, rbdi_mul_t(E, linear));
-        }
-        break;
-    default:
+        if (u->type == RBD_PLANAR)
+            rates[2] = V.omega.z;
+        else
+            rbdi_quaternion_product(&q[u->nq - 4], turn, &rates[u->nq - 4]);
+    } else {
         for (int k = 0; k < u->nv; ++k) rates[k] = v[k];
-        break;
     }
 }
 
-static void rbdi_joint_velocity(const rbdi_frame *u, const rbd_real *q, const rbd_real *rates, rbd_real *v) {
+/* Angular velocity from a quaternion of any length and its rates. */
+static rbdi_v3 rbdi_quaternion_velocity(const rbd_real *q, const rbd_real *rates) {
     rbd_real x[4], k;
-    switch (u->type) {
-    case RBD_CONTINUOUS_CS:
+    rbdi_unit_quaternion(q, x);
+    k = rbdi_inverse_length(q, x, 4);
+    for (int i = 0; i < 3; ++i) x[i] = -x[i];
+    rbdi_quaternion_product(x, rates, x);
+    return rbdi_scale(k + k, rbdi_load_vec(x, 1));
+}
+
+static void rbdi_joint_velocity(const rbdi_frame *u, const rbd_real *q, const rbd_real *rates, rbd_real *v) {
+    if (u->type == RBD_CONTINUOUS_CS) {
+        rbd_real x[2];
         rbdi_unit_cs(q, &x[0], &x[1]);
         v[0] = (x[0] * rates[1] - x[1] * rates[0]) * rbdi_inverse_length(q, x, 2);
-        break;
-    case RBD_PLANAR:
-        rbdi_sincos(q[2], &x[1], &x[0]);
-        rbdi_store_vec(x, 1, rbdi_turn_z(0, x[0], x[1], rbdi_vec(rates[0], rates[1], rbdi_zero())));
-        v[0] = rates[2], v[1] = x[0], v[2] = x[1];
-        break;
-    case RBD_SPHERICAL:
-    case RBD_FLOATING:
-        rbdi_unit_quaternion(&q[u->nq - 4], x);
-        k = rbdi_inverse_length(&q[u->nq - 4], x, 4);
-        for (int i = 0; i < 3; ++i) x[i] = -x[i];
-        rbdi_quaternion_product(x, &rates[u->nq - 4], x);
-        rbdi_store_vec(v, 1, rbdi_scale(k + k, rbdi_load_vec(x, 1)));
-        if (u->type == RBD_FLOATING) {
-            const rbdi_mat E = rbdi_quaternion_down(q + 3);
-            const rbdi_v3 linear = rbdi_load_vec(rates, 1);
-            rbdi_store_vec(v + 3, 1, rbdi_mul(E, linear));
-        }
-        break;
-    default:
-        for (int i = 0; i < u->nv; ++i) v[i] = rates[i];
-        break;
+    } else if (rbdi_joint_turns(u)) {
+        rbdi_motion V;
+        V.v = rbdi_mul(rbdi_joint_attitude(u->type, q), rbdi_joint_origin(u, rates));
+        V.omega = u->type == RBD_PLANAR ? rbdi_vec(rbdi_zero(), rbdi_zero(), rates[2])
+                                        : rbdi_quaternion_velocity(&q[u->nq - 4], &rates[u->nq - 4]);
+        rbdi_put_joint_motion(u, V, v, 1);
+    } else {
+        for (int k = 0; k < u->nv; ++k) v[k] = rates[k];
     }
 }
 
@@ -241,7 +212,7 @@ RBDI_API rbd_status rbd_integrate(const rbd_model *m, const rbd_real *q, const r
         const rbdi_frame *u = &m->frame[b];
         rbd_real d[6];
         for (int k = 0; k < u->nv; ++k) d[k] = v[u->iv + k] * dt;
-        if (u->nv > 0) rbdi_step_joint(u, &q[u->iq], d, &q_next[u->iq]);
+        if (u->nv > 0) rbdi_step_joint(u, &q[u->iq], d, 0, &q_next[u->iq]);
     }
     return RBD_OK;
 }
