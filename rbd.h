@@ -1957,8 +1957,7 @@ RBDI_INLINE rbd_real rbdi_pivot_inverse(rbd_real D, rbd_const scale, rbdi_mask *
    of axes (x, y, z) -> (y, z, x). */
 
 RBDI_INLINE rbdi_v3 rbdi_vec(rbd_real x, rbd_real y, rbd_real z) {
-    rbdi_v3 v;
-    v.x = x, v.y = y, v.z = z;
+    const rbdi_v3 v = {x, y, z};
     return v;
 }
 /* A vector to and from three scalars, a stride apart. */

@@ -242,7 +242,9 @@ codegen::tested record(const options *o, const std::string &algorithm) {
         x.tolerance = std::fmax(x.tolerance, is_float ? error_of<float>(x.f, e) : error_of<double>(x.f, e));
         x.examples.push_back(e);
     }
-    x.tolerance = 32 * x.tolerance + (is_float ? 1e-5 : 1e-13);
+    int exponent; /* a power of two above: that is the same if the last bits of the errors are not */
+    std::frexp(32 * x.tolerance + (is_float ? 1e-5 : 1e-13), &exponent);
+    x.tolerance = std::ldexp(1, exponent);
     return x;
 }
 

@@ -103,8 +103,7 @@ typedef char
     rbdi_constants_check[sizeof(rbdi_constants) == RBDI_CONSTANT * RBDI_BATCH * sizeof(rbd_const) ? 1 : -1];
 
 RBDI_INLINE rbdi_b3 rbdi_b_vec(rbdi_batch x, rbdi_batch y, rbdi_batch z) {
-    rbdi_b3 v;
-    v.x = x, v.y = y, v.z = z;
+    const rbdi_b3 v = {x, y, z};
     return v;
 }
 /* The vector in all lanes. */
@@ -131,8 +130,8 @@ RBDI_INLINE rbdi_batch rbdi_b_power(rbdi_bmotion S, rbdi_bforce f) {
            (f.f.x * S.v.x + f.f.y * S.v.y + f.f.z * S.v.z);
 }
 RBDI_INLINE rbdi_bmotion rbdi_b_motion_scale(rbdi_batch k, rbdi_bmotion a) {
-    a.omega = rbdi_b_scale(k, a.omega), a.v = rbdi_b_scale(k, a.v);
-    return a;
+    const rbdi_bmotion b = {rbdi_b_scale(k, a.omega), rbdi_b_scale(k, a.v)};
+    return b;
 }
 /* V x S, and with c added. */
 RBDI_INLINE rbdi_bmotion rbdi_b_motion_cross_add(rbdi_bmotion c, rbdi_bmotion V, rbdi_bmotion S) {

@@ -179,9 +179,10 @@ struct session {
         if (status != RBD_OK) throw std::runtime_error(rbd_status_string(status));
     }
 
-    session(const robot &r, const std::string &name)
-        : model_memory(rbd_model_size(r.bodies, r.nb)), row(), body(-1) {
-        demand(rbd_model_build(r.bodies, r.nb, model_memory.data(), model_memory.size(), &m, NULL));
+    session(const robot &r, const std::string &name) : row(), body(-1) {
+        const rbd_body *bodies = reinterpret_cast<const rbd_body *>(r.bodies); /* of this namespace */
+        model_memory.resize(rbd_model_size(bodies, r.nb));
+        demand(rbd_model_build(bodies, r.nb, model_memory.data(), model_memory.size(), &m, NULL));
         work_memory.resize(rbd_work_size(m));
         demand(rbd_work_init(m, work_memory.data(), work_memory.size(), &w));
         derivatives_memory.resize(rbd_derivatives_size(m));

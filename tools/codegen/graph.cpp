@@ -1,6 +1,7 @@
 /* Arithmetic as a graph: folding, sharing, evaluation. SPDX-License-Identifier: MIT */
 #include "graph.h"
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <utility>
 
@@ -82,11 +83,11 @@ value graph::divide(value a, value b) {
 value graph::root(value a) { return is_constant(a) ? constant(std::sqrt(constant_of(a))) : make(ROOT, a); }
 
 value graph::sine(value a) {
-    if (is_constant(a)) return constant(std::sin(constant_of(a)));
+    if (is_constant(a)) return constant(codegen::sine(constant_of(a)));
     return negated(make(SINE, 2 * node_of(a)), is_negative(a));
 }
 value graph::cosine(value a) {
-    return is_constant(a) ? constant(std::cos(constant_of(a))) : make(COSINE, 2 * node_of(a));
+    return is_constant(a) ? constant(codegen::cosine(constant_of(a))) : make(COSINE, 2 * node_of(a));
 }
 
 value graph::select(value a, value b, value x, value y) { return x == y ? x : make(SELECT, a, b, x, y); }
@@ -94,6 +95,23 @@ value graph::select(value a, value b, value x, value y) { return x == y ? x : ma
 value graph::gather(value a, value b, value c, value d) { return make(GATHER, a, b, c, d); }
 value graph::lane(value vector, int lane) {
     return negated(make(LANE, 2 * node_of(vector), -1, -1, -1, lane), is_negative(vector));
+}
+
+value graph::apply(const node &n, const value x[4]) {
+    switch (n.op) {
+    case CONSTANT: return constant(n.constant);
+    case INPUT: return input(n.arg[0], n.arg[1]);
+    case ADD: return add(x[0], x[1]);
+    case MULTIPLY: return multiply(x[0], x[1]);
+    case DIVIDE: return divide(x[0], x[1]);
+    case ROOT: return root(x[0]);
+    case SINE: return sine(x[0]);
+    case COSINE: return cosine(x[0]);
+    case SELECT: return select(x[0], x[1], x[2], x[3]);
+    case GATHER: return gather(x[0], x[1], x[2], x[3]);
+    case LANE: return lane(x[0], int(n.constant));
+    }
+    std::abort();
 }
 
 /* ---- evaluation ---- */
@@ -116,8 +134,8 @@ template <class T> std::vector<T> evaluate(const function &f, const std::vector<
         case MULTIPLY: x[i] = of(a[0], l) * of(a[1], l); break;
         case DIVIDE: x[i] = of(a[0], l) / of(a[1], l); break;
         case ROOT: x[i] = std::sqrt(of(a[0], l)); break;
-        case SINE: x[i] = std::sin(of(a[0], l)); break;
-        case COSINE: x[i] = std::cos(of(a[0], l)); break;
+        case SINE: x[i] = T(sine(double(of(a[0], l)))); break;
+        case COSINE: x[i] = T(cosine(double(of(a[0], l)))); break;
         case SELECT: x[i] = of(a[0], l) < of(a[1], l) ? of(a[2], l) : of(a[3], l); break;
         case GATHER: x[i] = a[l] < 0 ? 0 : of(a[l], 0); break;
         case LANE: x[i] = of(a[0], int(n.constant)); break;

@@ -27,6 +27,10 @@ struct node {
     bool is_vector;
 };
 
+/* rbd.h's, the same with every libm. */
+double sine(double x);
+double cosine(double x);
+
 /* Every node stands once: what is equal is shared. Operands come before what uses them. */
 class graph {
   public:
@@ -43,6 +47,7 @@ class graph {
     value select(value a, value b, value x, value y);
     value gather(value a, value b, value c, value d);
     value lane(value vector, int lane);
+    value apply(const node &n, const value operands[4]); /* what n does, done to these instead */
 
     bool is_constant(value x) const { return nodes[size_t(node_of(x))].op == CONSTANT; }
     double constant_of(value x) const;

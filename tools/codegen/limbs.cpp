@@ -315,6 +315,11 @@ class packer {
         return found != sign_gathered.end() ? found->second : sign_gathered[key] = unknown();
     }
 
+    signs product_of_signs(const tuple &x, const tuple &y) {
+        const signs of_x = sign_of(x); /* first: it may be a new unknown */
+        return of_x ^ sign_of(y);
+    }
+
     /* In a sum both operands must have the signs of the node, or opposite ones in all lanes. */
     void choose_signs() {
         for (int p = 0; p < int(packs.size()); p++) {
@@ -334,7 +339,7 @@ class packer {
                     0, { last }
                 };
             } else
-                sign.push_back(are_constant(x) || are_constant(y) ? unknown() : sign_of(x) ^ sign_of(y));
+                sign.push_back(are_constant(x) || are_constant(y) ? unknown() : product_of_signs(x, y));
         }
     }
 
@@ -362,8 +367,10 @@ class packer {
         if (p >= 0 && op_of(p) == MULTIPLY) {
             operands(p, &x, &y);
             const unsigned of_x = mask_of(x);
-            if (are_constant(y))
-                return out.code.multiply(vector_of(x, of_x), vector_of(y, edges(t) ^ negative ^ of_x));
+            if (are_constant(y)) {
+                const value a = vector_of(x, of_x), b = vector_of(y, edges(t) ^ negative ^ of_x);
+                return out.code.multiply(a, b);
+            }
         }
         return scaled_by_signs(d, p < 0 ? gathered(s, has) : packed(p));
     }
@@ -377,10 +384,11 @@ class packer {
             return v = scaled_by_signs(own, gathered(x, 0));
         }
         operands(p, &x, &y);
-        if (op_of(p) == ADD) return v = out.code.add(vector_of(x, own), vector_of(y, own));
-        const unsigned of_x = are_constant(x) ? own ^ mask_of(y) : mask_of(x);
-        const value a = vector_of(x, of_x), b = vector_of(y, own ^ of_x);
-        return v = op_of(p) == MULTIPLY ? out.code.multiply(a, b) : out.code.divide(a, b);
+        const bool is_sum = op_of(p) == ADD;
+        const unsigned of_x = is_sum ? own : are_constant(x) ? own ^ mask_of(y) : mask_of(x);
+        const value a = vector_of(x, of_x), b = vector_of(y, is_sum ? own : own ^ of_x);
+        const value both[4] = {a, b, NONE, NONE};
+        return v = out.code.apply(at(packs[size_t(p)][0]), both);
     }
     value scalar(value x) {
         const int i = node_of(x), p = pack[size_t(i)];
@@ -393,20 +401,11 @@ class packer {
         return negated(v, is_negative(x));
     }
     value copied(int i) {
-        const value *a = at(i).arg;
-        graph &g = out.code;
-        switch (at(i).op) {
-        case CONSTANT: return g.constant(at(i).constant);
-        case INPUT: return g.input(a[0], a[1]);
-        case ADD: return g.add(scalar(a[0]), scalar(a[1]));
-        case MULTIPLY: return g.multiply(scalar(a[0]), scalar(a[1]));
-        case DIVIDE: return g.divide(scalar(a[0]), scalar(a[1]));
-        case ROOT: return g.root(scalar(a[0]));
-        case SINE: return g.sine(scalar(a[0]));
-        case COSINE: return g.cosine(scalar(a[0]));
-        case SELECT: return g.select(scalar(a[0]), scalar(a[1]), scalar(a[2]), scalar(a[3]));
-        default: abort();
-        }
+        const node &n = at(i);
+        value operands[4] = {NONE, NONE, NONE, NONE};
+        for (int k = 0; k < 4; k++)
+            if (n.op != INPUT && n.arg[k] >= 0) operands[k] = scalar(n.arg[k]);
+        return out.code.apply(n, operands);
     }
 
     /* A result; if several lanes of its vector have the wrong sign, of that vector with the right ones. */

@@ -4,37 +4,86 @@
 #include "record.h"
 #include <algorithm>
 #include <cstring>
+#include <float.h> /* these four before rbd.h has them, in a namespace */
+#include <math.h>
+#include <stddef.h>
 #include <stdexcept>
+#include <stdint.h>
 
 namespace codegen {
 namespace RECORD_SPACE {
 
-static graph *tape;                                /* where it is recorded */
-static std::unordered_map<double, value> stand_in; /* constants that stand for arguments */
+/* What was done to numbers, as rbd.h has it. */
+struct term {
+    node written;   /* operands: terms */
+    value seen;     /* folded at once in `sketch`, to know what is constant */
+    value recorded; /* on the tape; or NONE */
+};
+enum { NONE = -1 };
 
+static graph *tape; /* where it is recorded */
+static graph sketch;
+static std::vector<term> terms;
+static std::unordered_map<double, value> stand_in; /* constants that stand for arguments: terms */
+
+static value seen(value x) { return negated(terms[size_t(node_of(x))].seen, is_negative(x)); }
+
+static value write(const node &written) {
+    value operands[4] = {NONE, NONE, NONE, NONE};
+    for (int k = 0; k < 4; k++)
+        if (written.op != INPUT && written.arg[k] >= 0) operands[k] = seen(written.arg[k]);
+    terms.push_back({written, sketch.apply(written, operands), NONE});
+    return 2 * value(terms.size() - 1);
+}
+static value write(operation op, value a, value b = NONE, value c = NONE, value d = NONE) {
+    return write({op, {a, b, c, d}, 0, false});
+}
+
+/* Operands from right to left, then the term: so GCC evaluates them, and packed limbs are shorter by it. */
+static value record(value x) {
+    term &t = terms[size_t(node_of(x))];
+    if (t.recorded == NONE) {
+        value operands[4] = {NONE, NONE, NONE, NONE};
+        for (int k = 3; k >= 0; k--)
+            if (t.written.op != INPUT && t.written.arg[k] >= 0) operands[k] = record(t.written.arg[k]);
+        t.recorded = tape->apply(t.written, operands);
+    }
+    return negated(t.recorded, is_negative(x));
+}
+
+/* Each compiler evaluates the arguments of a call, and operands, in an order of its own. So what is done to
+   numbers is written only, and recorded when it is assigned: assignments come in one order, as long as of the
+   arguments of a call one at most assigns. That is so in rbd.h, whose vectors are initialised. */
 class number {
   public:
-    alignas(double) value x; /* constants stand behind numbers in the library's memory */
+    alignas(double) value x; /* a term; constants stand behind numbers in the library's memory */
     number() = default;      /* trivial: the library's memory is raw */
+    number(const number &) = default;
     number(double c) {
         const auto found = stand_in.find(c);
-        x = found != stand_in.end() ? found->second : tape->constant(c);
+        const node constant = {CONSTANT, {NONE, NONE, NONE, NONE}, c, false};
+        x = found != stand_in.end() ? found->second : write(constant);
     }
     static number of(value x) {
         number n;
         n.x = x;
         return n;
     }
+    number &operator=(const number &y) {
+        x = y.x;
+        record(x);
+        return *this;
+    }
 };
 
-static inline number operator+(number a, number b) { return number::of(tape->add(a.x, b.x)); }
+static inline number operator+(number a, number b) { return number::of(write(ADD, a.x, b.x)); }
 static inline number operator-(number a) { return number::of(negated(a.x)); }
 static inline number operator-(number a, number b) { return a + -b; }
-static inline number operator*(number a, number b) { return number::of(tape->multiply(a.x, b.x)); }
-static inline number operator/(number a, number b) { return number::of(tape->divide(a.x, b.x)); }
-static inline number sin(number a) { return number::of(tape->sine(a.x)); }
-static inline number cos(number a) { return number::of(tape->cosine(a.x)); }
-static inline number sqrt(number a) { return number::of(tape->root(a.x)); }
+static inline number operator*(number a, number b) { return number::of(write(MULTIPLY, a.x, b.x)); }
+static inline number operator/(number a, number b) { return number::of(write(DIVIDE, a.x, b.x)); }
+static inline number sin(number a) { return number::of(write(SINE, a.x)); }
+static inline number cos(number a) { return number::of(write(COSINE, a.x)); }
+static inline number sqrt(number a) { return number::of(write(ROOT, a.x)); }
 
 /* A condition: known, or a comparison a < b or its opposite, or more than that, which can be asked for only
    as `any`. Of what is not known the recording takes that no state meets it: the one such question of rbd.h
@@ -65,8 +114,8 @@ static inline number select(mask k, number x, number y) {
     if (k.kind == ALWAYS) return x;
     if (k.kind == NEVER) return y;
     if (k.kind == MANY) throw std::runtime_error("a choice by more than one comparison");
-    if (k.kind == NOT_LESS) std::swap(x, y);
-    return number::of(tape->select(k.a, k.b, x.x, y.x));
+    if (k.kind == NOT_LESS) std::swap(x.x, y.x);
+    return number::of(write(SELECT, k.a, k.b, x.x, y.x));
 }
 static mask operator<(number a, number b);
 
@@ -79,8 +128,7 @@ template <class draft> bool has_like_limbs(const draft *links, int count, int i)
     return limbs_alike && alike > 1;
 }
 
-} // namespace RECORD_SPACE
-} // namespace codegen
+using ::cos, ::sin, ::sqrt; /* of constants */
 
 #define RBD_REAL codegen::RECORD_SPACE::number
 #define RBD_REAL_CUSTOM
@@ -89,19 +137,15 @@ template <class draft> bool has_like_limbs(const draft *links, int count, int i)
 #define RBD_STATIC
 #define RBDI_NO_FAVOURITE codegen::RECORD_SPACE::has_like_limbs
 #define RBD_IMPLEMENTATION
-#include "rbd_derivatives.h"
-
-namespace codegen {
-namespace RECORD_SPACE {
-
+#include "rbd_derivatives.h" /* in this namespace: its structs are of this scalar */
 #include "algorithms.h"
 
 /* That a pivot's inverse is finite is taken for granted: what is not is refused with the pivot. */
 static mask operator<(number a, number b) {
-    if (tape->is_constant(a.x) && tape->is_constant(b.x))
-        return tape->constant_of(a.x) < tape->constant_of(b.x);
-    if (a.x == b.x) return false;
-    if (tape->is_constant(a.x) && tape->constant_of(a.x) == double(RBDI_TINY)) return true;
+    const value x = seen(a.x), y = seen(b.x);
+    if (sketch.is_constant(x) && sketch.is_constant(y)) return sketch.constant_of(x) < sketch.constant_of(y);
+    if (x == y) return false;
+    if (sketch.is_constant(x) && sketch.constant_of(x) == double(RBDI_TINY)) return true;
     return mask(a.x, b.x);
 }
 
@@ -130,6 +174,8 @@ function RECORD(const robot &r, const std::string &name) {
     using namespace RECORD_SPACE;
     function f;
     tape = &f.code;
+    sketch = graph();
+    terms.clear();
     stand_in.clear();
     limbs_alike = r.limbs_alike;
     session s(r, name);
@@ -138,15 +184,15 @@ function RECORD(const robot &r, const std::string &name) {
         const argument &a = arguments[k];
         if (!s.takes(r, a)) continue;
         for (int i = 0; i < a.size(s.m); i++)
-            x[k].push_back(number::of(tape->input(int(f.inputs.size()), i)));
+            x[k].push_back(number::of(write(INPUT, int(f.inputs.size()), i)));
         f.inputs.push_back({a.name, a.size(s.m), a.shape});
     }
     set_gravity(s, r, x[5]);
-    for (number y : s.run(x)) f.results.push_back(y.x);
+    for (number y : s.run(x)) f.results.push_back(record(y.x));
     for (const result &y : s.row->results)
         if (y.size) f.outputs.push_back({y.name, y.size(s.m), y.shape});
     for (int k = 0; s.row->traits & PIVOTS && k < rbd_nv(s.m); k++) {
-        f.pivots.push_back(s.w->pivot[k].x);
+        f.pivots.push_back(record(s.w->pivot[k].x));
         f.limits.push_back(double((s.m->dof[k].scale + s.m->dof[k].armature) * RBDI_NOISE));
     }
     f.noise = double(RBDI_NOISE);
