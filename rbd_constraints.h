@@ -1304,7 +1304,7 @@ static int rbdi_articulated_solve(const rbd_model *m, rbd_constraint_set *c, rbd
 }
 
 /* ==== src/constraints/calls.h ==== */
-/* Interface: rbdi_check_constraints */
+/* Interface: rbdi_check_constraints, rbdi_constraint_bias */
 
 /* ---- call code [call code] ---- */
 
@@ -1628,8 +1628,8 @@ RBDI_API int rbd_constraint_rank(const rbd_constraint_set *c) {
 RBDI_API int rbd_infeasible_row(const rbd_constraint_set *c) { return c ? c->infeasible : -1; }
 
 /* ==== src/constraints/set.h ==== */
-/* Interface: rbdi_check_constraint, rbdi_constraint_of, rbdi_frame_along, rbdi_lay_constraints,
-   rbdi_place_constraint, rbdi_place_frame, rbdi_reach_dofs, rbdi_row_stride, rbdi_rows_of */
+/* Interface: rbdi_begin_set, rbdi_check_constraint, rbdi_constraint_of, rbdi_frame_along,
+   rbdi_lay_constraints, rbdi_place_constraint, rbdi_place_frame, rbdi_row_stride, rbdi_rows_of */
 
 /* ---- set code [set code] ---- */
 

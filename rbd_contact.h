@@ -455,13 +455,9 @@ RBDI_CODE_BEGIN
 
 #define RBDI_ROOT_STEPS 60           /* of the root of one contact, which needs six on average */
 #define RBDI_FASTEST_SLIP RBD_C(1e9) /* alpha over d: faster slip is slip without friction */
-#define RBDI_SHORTENINGS 4           /* shares of a Newton step that are tried: all, to the first bound, .. */
-#define RBDI_SHARES {RBD_C(1), RBD_C(1), RBD_C(0.3), RBD_C(0.09)}
-#define RBDI_GAINS \
-    {RBD_C(0.98), RBD_C(1), RBD_C(0.9), RBD_C(0.9)} /* the residual must fall below this share */
-#define RBDI_MOST_SWEEPS 32                         /* between two Newton steps */
-#define RBDI_FASTEST RBD_C(1e12)                    /* m/s or rad/s; faster has overflowed, or would */
-#define RBDI_UNBOUNDED RBD_C(1e30) /* as a bound: none; as a residual: none could be computed */
+#define RBDI_MOST_SWEEPS 32          /* between two Newton steps */
+#define RBDI_FASTEST RBD_C(1e12)     /* m/s or rad/s; faster has overflowed, or would */
+#define RBDI_UNBOUNDED RBD_C(1e30)   /* as a bound: none; as a residual: none could be computed */
 
 /* ==== src/contact/one_contact.h ==== */
 /* ---- one contact [one contact] ----
@@ -500,16 +496,13 @@ RBDI_PART void rbdi_contact_axes(rbdi_contact_law *law) {
 
 /* A contact whose block of Delta starts at D; from one row to the next `stride`. */
 RBDI_PART void rbdi_contact_prepare(rbdi_contact_law *law, const rbd_real *D, int stride, rbd_real friction) {
-    const rbd_real *y = D + stride, *n = y + stride;
-    law->trace = D[0] + y[1] + n[2];
-    law->A[0] = D[0], law->A[1] = D[1], law->A[2] = y[1];
+    const rbd_real *y = D + stride, *n = y + stride, trace = D[0] + y[1] + n[2];
+    law->trace = trace, law->friction = friction;
+    law->A[0] = D[0] + trace * RBDI_UNMOVED, law->A[1] = D[1], law->A[2] = y[1] + trace * RBDI_UNMOVED;
     law->c[0] = n[0], law->c[1] = n[1], law->d = n[2];
-    law->friction = friction;
     law->alpha = law->e[0] = law->e[1] = rbdi_zero();
-    law->state = law->d > law->trace * RBDI_UNMOVED ? RBD_OPENS : RBD_APART;
-    if (law->state == RBD_APART) return;
-    law->A[0] = law->A[0] + law->trace * RBDI_UNMOVED, law->A[2] = law->A[2] + law->trace * RBDI_UNMOVED;
-    rbdi_contact_axes(law);
+    law->state = law->d > trace * RBDI_UNMOVED ? RBD_OPENS : RBD_APART;
+    if (law->state != RBD_APART) rbdi_contact_axes(law);
 }
 
 /* D p */
@@ -572,15 +565,13 @@ RBDI_PART rbdi_contact_trial rbdi_slip_root(rbdi_contact_law *law, const rbd_rea
 
 /* The impulse of a contact from w, and its state. */
 RBDI_PART void rbdi_contact_impulse(rbdi_contact_law *law, const rbd_real w[3], rbd_real p[3]) {
-    const rbd_real mu = law->friction;
-    rbd_real p0, x, y, s[2];
+    const rbd_real mu = law->friction, p0 = -w[2] / law->d, x = w[0] + law->c[0] * p0,
+                   y = w[1] + law->c[1] * p0,
+                   s[2] = {law->axis[0] * x + law->axis[1] * y, law->axis[0] * y - law->axis[1] * x};
     rbdi_contact_trial best;
     p[0] = p[1] = p[2] = rbdi_zero();
     law->state = RBD_OPENS;
     if (!(w[2] < 0)) return;
-    p0 = -w[2] / law->d;
-    x = w[0] + law->c[0] * p0, y = w[1] + law->c[1] * p0;
-    s[0] = law->axis[0] * x + law->axis[1] * y, s[1] = law->axis[0] * y - law->axis[1] * x;
     best = rbdi_contact_try(law, s, p0, rbdi_zero());
     law->state = best.normal > 0 && best.size <= mu * best.normal ? RBD_STICKS : RBD_SLIPS;
     if (law->state == RBD_SLIPS) {
@@ -919,32 +910,27 @@ RBDI_PART int rbdi_newton_aim(rbdi_contact_solver *s, rbd_const proximal) {
     return 1;
 }
 
-/* The share of a step at which an impulse comes to its bound, if that is less than `share`. */
-RBDI_INLINE rbd_real rbdi_share_until(rbd_real share, rbd_real from, rbd_real to, rbd_real lower,
-                                      rbd_real upper) {
-    const rbd_real room = (to < from ? lower : upper) - from, way = share * (to - from);
-    if (!(to < lower || to > upper) || rbdi_abs(way) <= rbdi_abs(room)) return share;
-    return room / (to - from);
-}
-
 /* The share of a step at which the first contact opens, or the first row comes to its bound. */
 RBDI_PART rbd_real rbdi_share_to_bound(const rbdi_contact_solver *s) {
-    const rbd_real *from = s->start, *to = s->aim;
+    const int first = 3 * s->given.contacts;
     rbd_real share = rbdi_set(RBD_C(1));
-    for (int r = 2; r < 3 * s->given.contacts; r += 3)
-        share = rbdi_share_until(share, from[r], to[r], rbdi_zero(), rbdi_set(RBDI_UNBOUNDED));
-    for (int i = 0, r = 3 * s->given.contacts; i < s->given.bounded; ++i, ++r)
-        share = rbdi_share_until(share, from[r], to[r], s->given.lower[i], s->given.upper[i]);
+    for (int r = 2; r < s->rows; r += r < first - 1 ? 3 : 1) {
+        const rbd_real from = s->start[r], way = s->aim[r] - from;
+        rbd_real bound = way < 0 ? rbdi_zero() : rbdi_set(RBDI_UNBOUNDED);
+        if (r >= first) bound = way < 0 ? s->given.lower[r - first] : s->given.upper[r - first];
+        if (rbdi_abs(way) * share > rbdi_abs(bound - from)) share = (bound - from) / way;
+    }
     return share;
 }
 
-/* A Newton step that makes the residual smaller, perhaps a shortened one. Returns 0, p, u and states as they
-   were, if there is none. */
+/* A Newton step that makes the residual smaller: by `gain` at least, all of it, up to the first bound, or a
+   share. Returns 0, p, u and states as they were, if there is none. */
 RBDI_PART int rbdi_newton_step(rbdi_contact_solver *s, rbd_const proximal) {
-    const rbd_const gain[RBDI_SHORTENINGS] = RBDI_GAINS, shorter[RBDI_SHORTENINGS] = RBDI_SHARES;
+    const rbd_const gain[4] = {RBD_C(0.98), RBD_C(1), RBD_C(0.9), RBD_C(0.9)},
+                    shorter[4] = {RBD_C(1), RBD_C(1), RBD_C(0.3), RBD_C(0.09)};
     const rbd_real before = s->solution.residual;
     rbdi_copy_rows(s, s->p, s->start);
-    for (int i = rbdi_newton_aim(s, proximal) ? 0 : RBDI_SHORTENINGS; i < RBDI_SHORTENINGS; ++i) {
+    for (int i = rbdi_newton_aim(s, proximal) ? 0 : 4; i < 4; ++i) {
         const rbd_real share = i == 1 ? rbdi_share_to_bound(s) : rbdi_set(shorter[i]);
         for (int r = 0; i > 0 && r < s->rows; ++r) s->p[r] = s->start[r] + (s->aim[r] - s->start[r]) * share;
         (void)rbdi_into_cones(s, 0);
@@ -960,15 +946,6 @@ RBDI_PART int rbdi_newton_step(rbdi_contact_solver *s, rbd_const proximal) {
 /* ---- solver code [solver code] ----
    One sweep, which is enough where contacts hardly feel each other; then Newton steps; where none makes the
    residual smaller, some sweeps, twice as many each time. The best p of all is kept. */
-
-/* A Newton step, with a larger proximal term if that is needed. */
-RBDI_PART int rbdi_newton_descends(rbdi_contact_solver *s) {
-    const rbd_const proximal[3] = RBDI_PROXIMAL;
-    ++s->solution.newton_steps;
-    for (int i = 0; i < 3; ++i)
-        if (rbdi_newton_step(s, proximal[i])) return 1;
-    return 0;
-}
 
 RBDI_PART int rbdi_contact_left(const rbdi_contact_solver *s) {
     return s->given.iterations - s->solution.sweeps - s->solution.newton_steps;
@@ -1012,18 +989,21 @@ RBDI_PART void rbdi_contact_give_up(rbdi_contact_solver *s) {
 
 /* p and u of a problem that has been laid out, from p. */
 RBDI_PART void rbdi_contact_iterate(rbdi_contact_solver *s) {
+    const rbd_const proximal[3] = RBDI_PROXIMAL;
     rbd_real least = rbdi_set(RBDI_UNBOUNDED);
     s->solution.sweeps = s->solution.newton_steps = 0;
     rbdi_clear(s->best, s->rows);
     rbdi_contact_velocities(s);
     rbdi_sweep_some(s, 1);
-    for (int sweeps = 2; s->solution.residual > s->given.tolerance || !rbdi_contact_end(s);) {
+    for (int sweeps = 2, tried; s->solution.residual > s->given.tolerance || !rbdi_contact_end(s);) {
         if (s->solution.residual < least) least = s->solution.residual, rbdi_copy_rows(s, s->p, s->best);
         if (rbdi_contact_left(s) <= 0) {
             rbdi_contact_give_up(s);
             return;
         }
-        if (rbdi_newton_descends(s)) continue;
+        for (tried = 0; tried < 3 && !rbdi_newton_step(s, proximal[tried]);) ++tried;
+        ++s->solution.newton_steps;
+        if (tried < 3) continue;
         rbdi_sweep_some(s, sweeps);
         if (sweeps < RBDI_MOST_SWEEPS) sweeps *= 2;
     }
@@ -1140,12 +1120,13 @@ static rbd_status rbdi_check_contact(const rbd_model *m, const rbd_contact *a, i
 }
 
 static rbd_status rbdi_check_options(const rbd_contact_options *o, rbd_report *report) {
-    const double values[6] = {o->margin, o->slop, o->correction, o->bounce, o->tolerance, o->slip};
-    const char *const names[6] = {"margin", "slop", "correction", "bounce", "tolerance", "slip"};
-    for (int j = 0; j < 6; ++j)
+    const double values[7] = {o->margin,    o->slop, o->correction,        o->bounce,
+                              o->tolerance, o->slip, (double)o->iterations};
+    const char *const names[7] = {"margin",    "slop", "correction", "bounce",
+                                  "tolerance", "slip", "iterations"};
+    for (int j = 0; j < 7; ++j)
         if (!rbdi_finite_positive(&values[j], 1))
             return rbdi_refuse(report, RBD_ERR_RANGE, -1, NULL, names[j]);
-    if (o->iterations < 0) return rbdi_refuse(report, RBD_ERR_RANGE, -1, NULL, "iterations");
     return RBD_OK;
 }
 
@@ -1161,36 +1142,28 @@ static rbd_contact_options rbdi_contact_defaults(const rbd_contact_options *give
 
 /* The rows of single dofs: limits of one-dof joints, then dry friction. NULL: counts them. */
 static int rbdi_list_dof_rows(const rbd_model *m, const rbd_contact_options *o, rbdi_dof_row *row) {
+    rbdi_dof_row counted;
     int n = 0;
     for (int b = 0; o->joint_limits && b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
+        rbdi_dof_row *to = row ? &row[n] : &counted;
         if (u->nv != 1 || !(u->lower < u->upper) || u->type == RBD_CONTINUOUS_CS) continue;
-        if (row) {
-            row[n].dof = u->iv, row[n].iq = u->iq, row[n].lower = u->lower, row[n].upper = u->upper;
-        }
-        ++n;
+        to->dof = u->iv, to->iq = u->iq, to->lower = u->lower, to->upper = u->upper, ++n;
     }
     for (int k = 0; o->joint_friction && k < m->nv; ++k) {
+        rbdi_dof_row *to = row ? &row[n] : &counted;
         if (!(m->dof[k].friction > 0)) continue;
-        if (row) {
-            row[n].dof = (int16_t)k, row[n].iq = -1;
-            row[n].upper = m->dof[k].friction, row[n].lower = -row[n].upper;
-        }
-        ++n;
+        to->dof = (int16_t)k, to->iq = -1, to->upper = m->dof[k].friction, to->lower = -to->upper, ++n;
     }
     return n;
-}
-
-static int rbdi_contact_counts_fit(const rbd_constraint *held, int n, int n_held) {
-    return n >= 0 && n_held >= 0 && n <= RBD_MAX_CONSTRAINTS && n_held <= RBD_MAX_CONSTRAINTS - n &&
-           (held || n_held == 0);
 }
 
 RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constraint *held, int n_held,
                                      const rbd_contact_options *options) {
     const rbd_contact_options o = rbdi_contact_defaults(options);
     int bounded, most;
-    if (!m || !rbdi_contact_counts_fit(held, n, n_held)) return 0;
+    if (!m || n < 0 || n_held < 0 || n > RBD_MAX_CONSTRAINTS || n_held > RBD_MAX_CONSTRAINTS - n) return 0;
+    if (!held && n_held > 0) return 0;
     bounded = rbdi_rows_of(held, n_held) + rbdi_list_dof_rows(m, &o, NULL), most = 3 * n + bounded;
     return RBDI_CONTACT_SET_BYTES(m->nv, n, n_held, bounded, rbdi_row_stride(most)) +
            (o.derivatives ? RBDI_ROUND(sizeof(rbd_real) * (size_t)RBDI_CONTACT_SIDES(m->nv, most)) : 0);
@@ -1198,17 +1171,19 @@ RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constr
 
 static rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work *w, const rbd_contact *list,
                                           int n, const rbd_constraint *held, int n_held,
-                                          const rbd_contact_options *options, rbd_report *report) {
+                                          const rbd_contact_options *options, const void *memory, size_t size,
+                                          rbd_report *report) {
+    const size_t least = rbd_contact_set_size(m, n, held, n_held, options);
     rbd_status status = RBD_OK;
     report->warnings = 0;
     rbdi_refuse(report, RBD_OK, -1, NULL, NULL);
-    if (!m || !w || (!list && n)) return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
-    if (!rbdi_contact_counts_fit(held, n, n_held)) return rbdi_refuse(report, RBD_ERR_COUNT, -1, NULL, NULL);
+    if (!m || !w || !memory || (!list && n)) return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
+    if (least == 0) return rbdi_refuse(report, RBD_ERR_COUNT, -1, NULL, NULL);
     if (rbdi_check(m, w, 1)) return rbdi_refuse(report, RBD_ERR_WORK, -1, NULL, NULL);
     if (options) status = rbdi_check_options(options, report);
     for (int i = 0; !status && i < n; ++i) status = rbdi_check_contact(m, &list[i], i, report);
     for (int i = 0; !status && i < n_held; ++i) status = rbdi_check_constraint(m, &held[i], n + i, report);
-    return status;
+    return !status && size < least ? rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL) : status;
 }
 
 /* Cuts the arrays of a set off the memory. */
@@ -1236,7 +1211,7 @@ static void rbdi_place_contact(const rbd_model *m, rbd_contact_set *c, const rbd
     const rbd_constraint as = rbdi_constraint_of_contact(a);
     rbdi_constraint *k = &c->rows->constraint[i];
     rbdi_contact *to = &c->contact[i];
-    rbdi_place_constraint(m, &as, 3 * i, k);
+    rbdi_place_constraint(m, &as, 0, k);
     rbdi_place_plane(m, k, a->body2, a->normal, a->height);
     to->body2 = a->body2;
     to->point = k->p[0];
@@ -1265,19 +1240,16 @@ RBDI_API rbd_status rbd_contact_set_init(const rbd_model *m, rbd_work *w, const 
     rbd_contact_set *c;
     rbd_contact_options o;
     rbd_status status;
-    int row = 3 * n;
     if (!report) report = &own;
+    status =
+        rbdi_check_contact_list(m, w, list, n, held, n_held, options, contacts ? memory : NULL, size, report);
     if (contacts) *contacts = NULL;
-    status = rbdi_check_contact_list(m, w, list, n, held, n_held, options, report);
     if (status) return status;
-    if (!contacts || !memory) return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
-    if (size < rbd_contact_set_size(m, n, held, n_held, options))
-        return rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL);
     o = rbdi_contact_defaults(options);
     c = rbdi_lay_contacts(m, n, n_held, rbdi_rows_of(held, n_held), &o, memory);
     for (int i = 0; i < n; ++i) rbdi_place_contact(m, c, &list[i], i);
-    for (int i = n; i < n + n_held; row += c->rows->constraint[i++].rows) {
-        rbdi_place_constraint(m, &held[i - n], row, &c->rows->constraint[i]);
+    for (int i = n; i < n + n_held; ++i) {
+        rbdi_place_constraint(m, &held[i - n], 0, &c->rows->constraint[i]);
         c->rows->constraint[i].kp = 1; /* any: derivatives of errors of position are wanted */
     }
     rbdi_list_dof_rows(m, &o, c->dof_row);
@@ -1376,11 +1348,10 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
         rbdi_constraint *k = &s->constraint[i];
         rbdi_contact *a = &c->contact[i];
         rbdi_contact_gap(s, k, a);
-        a->row = -1, a->state = RBD_APART;
+        a->row = k->row = -1, a->state = RBD_APART;
         if (!rbdi_may_touch(a->gap, a->approach, dt, RBD_C(c->options.margin))) continue;
         c->friction[s->rows / 3] = rbdi_set(a->friction);
-        a->row = rbdi_open_rows(c, place, 3, k->dof, k->dofs);
-        k->row = (int16_t)a->row;
+        a->row = k->row = (int16_t)rbdi_open_rows(c, place, 3, k->dof, k->dofs);
     }
     contacts = s->rows / 3;
     for (rbdi_constraint *k = s->constraint + c->n; k < s->constraint + s->n; place += k++->rows) {
@@ -1407,9 +1378,8 @@ static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     rbdi_clear(s->Y, m->nv * s->stride);
     rbdi_clear(s->target, (int)(s->e - s->target) + s->stride); /* u and gamma too */
-    for (int i = 0; i < c->n; ++i)
-        if (c->contact[i].row >= 0) rbdi_constraint_rows(m, s, &s->constraint[i], 0);
-    for (int i = c->n; i < s->n; ++i) rbdi_constraint_rows(m, s, &s->constraint[i], 1);
+    for (int i = 0; i < s->n; ++i)
+        if (s->constraint[i].row >= 0) rbdi_constraint_rows(m, s, &s->constraint[i], i >= c->n);
     for (int i = 0; i < c->dof_rows; ++i)
         if (c->dof_row[i].row >= 0)
             s->Y[c->dof_row[i].dof * s->stride + c->dof_row[i].row] = c->dof_row[i].side;
@@ -1427,10 +1397,8 @@ static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
     const int n = s->rows;
     rbd_real *delta = s->R;
     rbdi_bound_noise(m, s);
-    for (int i = 0; i < s->n; ++i) {
-        const rbdi_constraint *k = &s->constraint[i];
-        if (i >= c->n || c->contact[i].row >= 0) rbdi_delta(s, k->dof, k->dofs, k->row, k->rows);
-    }
+    for (const rbdi_constraint *k = s->constraint; k < s->constraint + s->n; ++k)
+        if (k->row >= 0) rbdi_delta(s, k->dof, k->dofs, k->row, k->rows);
     for (int i = 0; i < c->dof_rows; ++i) {
         const rbdi_dof_row *a = &c->dof_row[i];
         if (a->row >= 0) rbdi_delta(s, s->path, rbdi_path_to(m, s, a->dof), a->row, 1);
@@ -1469,7 +1437,7 @@ typedef struct rbdi_bias {
     rbd_real value, gain;
 } rbdi_bias;
 
-/* Of what pushes at this gap. */
+/* Of what pushes at this gap: a contact, or a limit at its distance; dry friction, at 0, has none. */
 static rbdi_bias rbdi_bias_at(const rbd_contact_set *c, int purpose, rbd_real gap, rbd_const stiffness,
                               rbd_const damping) {
     const rbd_real dt = c->dt, deeper = gap + RBD_C(c->options.slop);
@@ -1488,11 +1456,6 @@ static rbdi_bias rbdi_contact_bias(const rbd_contact_set *c, int purpose, const 
     const rbdi_bias rebound = {a->approach * a->restitution, rbdi_zero()};
     if (purpose == RBDI_FOR_VELOCITIES && a->rebounds) return rebound;
     return rbdi_bias_at(c, purpose, a->gap, a->stiffness, a->damping);
-}
-
-/* Of a limit; of dry friction, whose distance is 0, none. */
-static rbdi_bias rbdi_dof_bias(const rbd_contact_set *c, int purpose, const rbdi_dof_row *a) {
-    return rbdi_bias_at(c, purpose, a->distance, 0, 0);
 }
 
 /* Of a held row with the error e, which is a penetration to either side. */
@@ -1519,7 +1482,8 @@ static int rbdi_write_biases(rbd_contact_set *c, int purpose) {
         for (int r = k->row; r < k->row + k->rows; ++r)
             changed |= rbdi_write_bias(c, r, rbdi_held_bias(c, purpose, s->e[r]).value);
     for (const rbdi_dof_row *a = c->dof_row; a < c->dof_row + c->dof_rows; ++a)
-        if (a->row >= 0) changed |= rbdi_write_bias(c, a->row, rbdi_dof_bias(c, purpose, a).value);
+        if (a->row >= 0)
+            changed |= rbdi_write_bias(c, a->row, rbdi_bias_at(c, purpose, a->distance, 0, 0).value);
     return changed;
 }
 
@@ -1756,7 +1720,7 @@ static void rbdi_change_constraints(const rbd_model *m, rbd_contact_set *c, cons
         const rbdi_contact *a = i < c->n ? &c->contact[i] : NULL;
         rbd_real of[2][6]; /* share, gain */
         rbdi_pair_motion met;
-        if ((a && a->row < 0) || (rebounds && !(a && a->rebounds))) continue;
+        if (k->row < 0 || (rebounds && !(a && a->rebounds))) continue;
         for (int r = 0; r < k->rows; ++r) {
             of[0][r] = rbdi_set(RBD_C(!rebounds));
             of[1][r] = a ? rbdi_zero() : rbdi_held_bias(c, purpose, s->e[k->row + r]).gain;
@@ -1802,12 +1766,12 @@ static int rbdi_differentiate_solution(const rbd_model *m, rbd_contact_set *c, r
     for (int x = 0; x < 3; ++x) {
         if (!dnu[x]) continue;
         rbdi_clear(c->sigma, c->rows->rows * m->nv);
-        if (x < 2 && purpose == RBDI_FOR_VELOCITIES)
-            rbdi_change_constraints(m, c, d, v, purpose, 1, x, NULL);
+        if (x < 2 && purpose == RBDI_FOR_VELOCITIES) rbdi_change_constraints(m, c, d, v, purpose, 1, x, NULL);
         if (x == 0) rbdi_change_constraints(m, c, d, nu, purpose, 0, x, dnu[0]);
         for (const rbdi_dof_row *a = c->dof_row; x == 0 && a < c->dof_row + c->dof_rows; ++a)
             if (a->row >= 0)
-                c->sigma[a->row * m->nv + a->dof] = a->side * rbdi_dof_bias(c, purpose, a).gain;
+                c->sigma[a->row * m->nv + a->dof] =
+                    a->side * rbdi_bias_at(c, purpose, a->distance, 0, 0).gain;
         solved &= rbdi_solve_change(m, c, dnu[x]);
     }
     return solved;

@@ -4,7 +4,7 @@
 #include "constraints/rank.h"
 #include "constraints/articulated.h"
 
-/* Interface: rbdi_check_constraints */
+/* Interface: rbdi_check_constraints, rbdi_constraint_bias */
 
 /* ---- call code [call code] ---- */
 

@@ -4,8 +4,8 @@
 #include "model/wide.h"
 #include "constraints/rows.h"
 
-/* Interface: rbdi_check_constraint, rbdi_constraint_of, rbdi_frame_along, rbdi_lay_constraints,
-   rbdi_place_constraint, rbdi_place_frame, rbdi_reach_dofs, rbdi_row_stride, rbdi_rows_of */
+/* Interface: rbdi_begin_set, rbdi_check_constraint, rbdi_constraint_of, rbdi_frame_along,
+   rbdi_lay_constraints, rbdi_place_constraint, rbdi_place_frame, rbdi_row_stride, rbdi_rows_of */
 
 /* ---- set code [set code] ---- */
 

@@ -67,7 +67,7 @@ static void rbdi_change_constraints(const rbd_model *m, rbd_contact_set *c, cons
         const rbdi_contact *a = i < c->n ? &c->contact[i] : NULL;
         rbd_real of[2][6]; /* share, gain */
         rbdi_pair_motion met;
-        if ((a && a->row < 0) || (rebounds && !(a && a->rebounds))) continue;
+        if (k->row < 0 || (rebounds && !(a && a->rebounds))) continue;
         for (int r = 0; r < k->rows; ++r) {
             of[0][r] = rbdi_set(RBD_C(!rebounds));
             of[1][r] = a ? rbdi_zero() : rbdi_held_bias(c, purpose, s->e[k->row + r]).gain;
@@ -113,12 +113,12 @@ static int rbdi_differentiate_solution(const rbd_model *m, rbd_contact_set *c, r
     for (int x = 0; x < 3; ++x) {
         if (!dnu[x]) continue;
         rbdi_clear(c->sigma, c->rows->rows * m->nv);
-        if (x < 2 && purpose == RBDI_FOR_VELOCITIES)
-            rbdi_change_constraints(m, c, d, v, purpose, 1, x, NULL);
+        if (x < 2 && purpose == RBDI_FOR_VELOCITIES) rbdi_change_constraints(m, c, d, v, purpose, 1, x, NULL);
         if (x == 0) rbdi_change_constraints(m, c, d, nu, purpose, 0, x, dnu[0]);
         for (const rbdi_dof_row *a = c->dof_row; x == 0 && a < c->dof_row + c->dof_rows; ++a)
             if (a->row >= 0)
-                c->sigma[a->row * m->nv + a->dof] = a->side * rbdi_dof_bias(c, purpose, a).gain;
+                c->sigma[a->row * m->nv + a->dof] =
+                    a->side * rbdi_bias_at(c, purpose, a->distance, 0, 0).gain;
         solved &= rbdi_solve_change(m, c, dnu[x]);
     }
     return solved;

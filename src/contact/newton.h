@@ -184,32 +184,27 @@ RBDI_PART int rbdi_newton_aim(rbdi_contact_solver *s, rbd_const proximal) {
     return 1;
 }
 
-/* The share of a step at which an impulse comes to its bound, if that is less than `share`. */
-RBDI_INLINE rbd_real rbdi_share_until(rbd_real share, rbd_real from, rbd_real to, rbd_real lower,
-                                      rbd_real upper) {
-    const rbd_real room = (to < from ? lower : upper) - from, way = share * (to - from);
-    if (!(to < lower || to > upper) || rbdi_abs(way) <= rbdi_abs(room)) return share;
-    return room / (to - from);
-}
-
 /* The share of a step at which the first contact opens, or the first row comes to its bound. */
 RBDI_PART rbd_real rbdi_share_to_bound(const rbdi_contact_solver *s) {
-    const rbd_real *from = s->start, *to = s->aim;
+    const int first = 3 * s->given.contacts;
     rbd_real share = rbdi_set(RBD_C(1));
-    for (int r = 2; r < 3 * s->given.contacts; r += 3)
-        share = rbdi_share_until(share, from[r], to[r], rbdi_zero(), rbdi_set(RBDI_UNBOUNDED));
-    for (int i = 0, r = 3 * s->given.contacts; i < s->given.bounded; ++i, ++r)
-        share = rbdi_share_until(share, from[r], to[r], s->given.lower[i], s->given.upper[i]);
+    for (int r = 2; r < s->rows; r += r < first - 1 ? 3 : 1) {
+        const rbd_real from = s->start[r], way = s->aim[r] - from;
+        rbd_real bound = way < 0 ? rbdi_zero() : rbdi_set(RBDI_UNBOUNDED);
+        if (r >= first) bound = way < 0 ? s->given.lower[r - first] : s->given.upper[r - first];
+        if (rbdi_abs(way) * share > rbdi_abs(bound - from)) share = (bound - from) / way;
+    }
     return share;
 }
 
-/* A Newton step that makes the residual smaller, perhaps a shortened one. Returns 0, p, u and states as they
-   were, if there is none. */
+/* A Newton step that makes the residual smaller: by `gain` at least, all of it, up to the first bound, or a
+   share. Returns 0, p, u and states as they were, if there is none. */
 RBDI_PART int rbdi_newton_step(rbdi_contact_solver *s, rbd_const proximal) {
-    const rbd_const gain[RBDI_SHORTENINGS] = RBDI_GAINS, shorter[RBDI_SHORTENINGS] = RBDI_SHARES;
+    const rbd_const gain[4] = {RBD_C(0.98), RBD_C(1), RBD_C(0.9), RBD_C(0.9)},
+                    shorter[4] = {RBD_C(1), RBD_C(1), RBD_C(0.3), RBD_C(0.09)};
     const rbd_real before = s->solution.residual;
     rbdi_copy_rows(s, s->p, s->start);
-    for (int i = rbdi_newton_aim(s, proximal) ? 0 : RBDI_SHORTENINGS; i < RBDI_SHORTENINGS; ++i) {
+    for (int i = rbdi_newton_aim(s, proximal) ? 0 : 4; i < 4; ++i) {
         const rbd_real share = i == 1 ? rbdi_share_to_bound(s) : rbdi_set(shorter[i]);
         for (int r = 0; i > 0 && r < s->rows; ++r) s->p[r] = s->start[r] + (s->aim[r] - s->start[r]) * share;
         (void)rbdi_into_cones(s, 0);

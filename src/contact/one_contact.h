@@ -1,6 +1,5 @@
 #ifndef RBDI_CONTACT_ONE_CONTACT_H
 #define RBDI_CONTACT_ONE_CONTACT_H
-#include "base/scalar.h"
 #include "contact/layout.h"
 #include "contact/tolerances.h"
 
@@ -40,16 +39,13 @@ RBDI_PART void rbdi_contact_axes(rbdi_contact_law *law) {
 
 /* A contact whose block of Delta starts at D; from one row to the next `stride`. */
 RBDI_PART void rbdi_contact_prepare(rbdi_contact_law *law, const rbd_real *D, int stride, rbd_real friction) {
-    const rbd_real *y = D + stride, *n = y + stride;
-    law->trace = D[0] + y[1] + n[2];
-    law->A[0] = D[0], law->A[1] = D[1], law->A[2] = y[1];
+    const rbd_real *y = D + stride, *n = y + stride, trace = D[0] + y[1] + n[2];
+    law->trace = trace, law->friction = friction;
+    law->A[0] = D[0] + trace * RBDI_UNMOVED, law->A[1] = D[1], law->A[2] = y[1] + trace * RBDI_UNMOVED;
     law->c[0] = n[0], law->c[1] = n[1], law->d = n[2];
-    law->friction = friction;
     law->alpha = law->e[0] = law->e[1] = rbdi_zero();
-    law->state = law->d > law->trace * RBDI_UNMOVED ? RBD_OPENS : RBD_APART;
-    if (law->state == RBD_APART) return;
-    law->A[0] = law->A[0] + law->trace * RBDI_UNMOVED, law->A[2] = law->A[2] + law->trace * RBDI_UNMOVED;
-    rbdi_contact_axes(law);
+    law->state = law->d > trace * RBDI_UNMOVED ? RBD_OPENS : RBD_APART;
+    if (law->state != RBD_APART) rbdi_contact_axes(law);
 }
 
 /* D p */
@@ -112,15 +108,13 @@ RBDI_PART rbdi_contact_trial rbdi_slip_root(rbdi_contact_law *law, const rbd_rea
 
 /* The impulse of a contact from w, and its state. */
 RBDI_PART void rbdi_contact_impulse(rbdi_contact_law *law, const rbd_real w[3], rbd_real p[3]) {
-    const rbd_real mu = law->friction;
-    rbd_real p0, x, y, s[2];
+    const rbd_real mu = law->friction, p0 = -w[2] / law->d, x = w[0] + law->c[0] * p0,
+                   y = w[1] + law->c[1] * p0,
+                   s[2] = {law->axis[0] * x + law->axis[1] * y, law->axis[0] * y - law->axis[1] * x};
     rbdi_contact_trial best;
     p[0] = p[1] = p[2] = rbdi_zero();
     law->state = RBD_OPENS;
     if (!(w[2] < 0)) return;
-    p0 = -w[2] / law->d;
-    x = w[0] + law->c[0] * p0, y = w[1] + law->c[1] * p0;
-    s[0] = law->axis[0] * x + law->axis[1] * y, s[1] = law->axis[0] * y - law->axis[1] * x;
     best = rbdi_contact_try(law, s, p0, rbdi_zero());
     law->state = best.normal > 0 && best.size <= mu * best.normal ? RBD_STICKS : RBD_SLIPS;
     if (law->state == RBD_SLIPS) {

@@ -84,11 +84,10 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
         rbdi_constraint *k = &s->constraint[i];
         rbdi_contact *a = &c->contact[i];
         rbdi_contact_gap(s, k, a);
-        a->row = -1, a->state = RBD_APART;
+        a->row = k->row = -1, a->state = RBD_APART;
         if (!rbdi_may_touch(a->gap, a->approach, dt, RBD_C(c->options.margin))) continue;
         c->friction[s->rows / 3] = rbdi_set(a->friction);
-        a->row = rbdi_open_rows(c, place, 3, k->dof, k->dofs);
-        k->row = (int16_t)a->row;
+        a->row = k->row = (int16_t)rbdi_open_rows(c, place, 3, k->dof, k->dofs);
     }
     contacts = s->rows / 3;
     for (rbdi_constraint *k = s->constraint + c->n; k < s->constraint + s->n; place += k++->rows) {
@@ -115,9 +114,8 @@ static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     rbdi_clear(s->Y, m->nv * s->stride);
     rbdi_clear(s->target, (int)(s->e - s->target) + s->stride); /* u and gamma too */
-    for (int i = 0; i < c->n; ++i)
-        if (c->contact[i].row >= 0) rbdi_constraint_rows(m, s, &s->constraint[i], 0);
-    for (int i = c->n; i < s->n; ++i) rbdi_constraint_rows(m, s, &s->constraint[i], 1);
+    for (int i = 0; i < s->n; ++i)
+        if (s->constraint[i].row >= 0) rbdi_constraint_rows(m, s, &s->constraint[i], i >= c->n);
     for (int i = 0; i < c->dof_rows; ++i)
         if (c->dof_row[i].row >= 0)
             s->Y[c->dof_row[i].dof * s->stride + c->dof_row[i].row] = c->dof_row[i].side;
@@ -135,10 +133,8 @@ static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
     const int n = s->rows;
     rbd_real *delta = s->R;
     rbdi_bound_noise(m, s);
-    for (int i = 0; i < s->n; ++i) {
-        const rbdi_constraint *k = &s->constraint[i];
-        if (i >= c->n || c->contact[i].row >= 0) rbdi_delta(s, k->dof, k->dofs, k->row, k->rows);
-    }
+    for (const rbdi_constraint *k = s->constraint; k < s->constraint + s->n; ++k)
+        if (k->row >= 0) rbdi_delta(s, k->dof, k->dofs, k->row, k->rows);
     for (int i = 0; i < c->dof_rows; ++i) {
         const rbdi_dof_row *a = &c->dof_row[i];
         if (a->row >= 0) rbdi_delta(s, s->path, rbdi_path_to(m, s, a->dof), a->row, 1);
@@ -177,7 +173,7 @@ typedef struct rbdi_bias {
     rbd_real value, gain;
 } rbdi_bias;
 
-/* Of what pushes at this gap. */
+/* Of what pushes at this gap: a contact, or a limit at its distance; dry friction, at 0, has none. */
 static rbdi_bias rbdi_bias_at(const rbd_contact_set *c, int purpose, rbd_real gap, rbd_const stiffness,
                               rbd_const damping) {
     const rbd_real dt = c->dt, deeper = gap + RBD_C(c->options.slop);
@@ -196,11 +192,6 @@ static rbdi_bias rbdi_contact_bias(const rbd_contact_set *c, int purpose, const 
     const rbdi_bias rebound = {a->approach * a->restitution, rbdi_zero()};
     if (purpose == RBDI_FOR_VELOCITIES && a->rebounds) return rebound;
     return rbdi_bias_at(c, purpose, a->gap, a->stiffness, a->damping);
-}
-
-/* Of a limit; of dry friction, whose distance is 0, none. */
-static rbdi_bias rbdi_dof_bias(const rbd_contact_set *c, int purpose, const rbdi_dof_row *a) {
-    return rbdi_bias_at(c, purpose, a->distance, 0, 0);
 }
 
 /* Of a held row with the error e, which is a penetration to either side. */
@@ -227,7 +218,8 @@ static int rbdi_write_biases(rbd_contact_set *c, int purpose) {
         for (int r = k->row; r < k->row + k->rows; ++r)
             changed |= rbdi_write_bias(c, r, rbdi_held_bias(c, purpose, s->e[r]).value);
     for (const rbdi_dof_row *a = c->dof_row; a < c->dof_row + c->dof_rows; ++a)
-        if (a->row >= 0) changed |= rbdi_write_bias(c, a->row, rbdi_dof_bias(c, purpose, a).value);
+        if (a->row >= 0)
+            changed |= rbdi_write_bias(c, a->row, rbdi_bias_at(c, purpose, a->distance, 0, 0).value);
     return changed;
 }
 

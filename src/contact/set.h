@@ -42,12 +42,13 @@ static rbd_status rbdi_check_contact(const rbd_model *m, const rbd_contact *a, i
 }
 
 static rbd_status rbdi_check_options(const rbd_contact_options *o, rbd_report *report) {
-    const double values[6] = {o->margin, o->slop, o->correction, o->bounce, o->tolerance, o->slip};
-    const char *const names[6] = {"margin", "slop", "correction", "bounce", "tolerance", "slip"};
-    for (int j = 0; j < 6; ++j)
+    const double values[7] = {o->margin,    o->slop, o->correction,        o->bounce,
+                              o->tolerance, o->slip, (double)o->iterations};
+    const char *const names[7] = {"margin",    "slop", "correction", "bounce",
+                                  "tolerance", "slip", "iterations"};
+    for (int j = 0; j < 7; ++j)
         if (!rbdi_finite_positive(&values[j], 1))
             return rbdi_refuse(report, RBD_ERR_RANGE, -1, NULL, names[j]);
-    if (o->iterations < 0) return rbdi_refuse(report, RBD_ERR_RANGE, -1, NULL, "iterations");
     return RBD_OK;
 }
 
@@ -63,36 +64,28 @@ static rbd_contact_options rbdi_contact_defaults(const rbd_contact_options *give
 
 /* The rows of single dofs: limits of one-dof joints, then dry friction. NULL: counts them. */
 static int rbdi_list_dof_rows(const rbd_model *m, const rbd_contact_options *o, rbdi_dof_row *row) {
+    rbdi_dof_row counted;
     int n = 0;
     for (int b = 0; o->joint_limits && b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
+        rbdi_dof_row *to = row ? &row[n] : &counted;
         if (u->nv != 1 || !(u->lower < u->upper) || u->type == RBD_CONTINUOUS_CS) continue;
-        if (row) {
-            row[n].dof = u->iv, row[n].iq = u->iq, row[n].lower = u->lower, row[n].upper = u->upper;
-        }
-        ++n;
+        to->dof = u->iv, to->iq = u->iq, to->lower = u->lower, to->upper = u->upper, ++n;
     }
     for (int k = 0; o->joint_friction && k < m->nv; ++k) {
+        rbdi_dof_row *to = row ? &row[n] : &counted;
         if (!(m->dof[k].friction > 0)) continue;
-        if (row) {
-            row[n].dof = (int16_t)k, row[n].iq = -1;
-            row[n].upper = m->dof[k].friction, row[n].lower = -row[n].upper;
-        }
-        ++n;
+        to->dof = (int16_t)k, to->iq = -1, to->upper = m->dof[k].friction, to->lower = -to->upper, ++n;
     }
     return n;
-}
-
-static int rbdi_contact_counts_fit(const rbd_constraint *held, int n, int n_held) {
-    return n >= 0 && n_held >= 0 && n <= RBD_MAX_CONSTRAINTS && n_held <= RBD_MAX_CONSTRAINTS - n &&
-           (held || n_held == 0);
 }
 
 RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constraint *held, int n_held,
                                      const rbd_contact_options *options) {
     const rbd_contact_options o = rbdi_contact_defaults(options);
     int bounded, most;
-    if (!m || !rbdi_contact_counts_fit(held, n, n_held)) return 0;
+    if (!m || n < 0 || n_held < 0 || n > RBD_MAX_CONSTRAINTS || n_held > RBD_MAX_CONSTRAINTS - n) return 0;
+    if (!held && n_held > 0) return 0;
     bounded = rbdi_rows_of(held, n_held) + rbdi_list_dof_rows(m, &o, NULL), most = 3 * n + bounded;
     return RBDI_CONTACT_SET_BYTES(m->nv, n, n_held, bounded, rbdi_row_stride(most)) +
            (o.derivatives ? RBDI_ROUND(sizeof(rbd_real) * (size_t)RBDI_CONTACT_SIDES(m->nv, most)) : 0);
@@ -100,17 +93,19 @@ RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constr
 
 static rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work *w, const rbd_contact *list,
                                           int n, const rbd_constraint *held, int n_held,
-                                          const rbd_contact_options *options, rbd_report *report) {
+                                          const rbd_contact_options *options, const void *memory, size_t size,
+                                          rbd_report *report) {
+    const size_t least = rbd_contact_set_size(m, n, held, n_held, options);
     rbd_status status = RBD_OK;
     report->warnings = 0;
     rbdi_refuse(report, RBD_OK, -1, NULL, NULL);
-    if (!m || !w || (!list && n)) return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
-    if (!rbdi_contact_counts_fit(held, n, n_held)) return rbdi_refuse(report, RBD_ERR_COUNT, -1, NULL, NULL);
+    if (!m || !w || !memory || (!list && n)) return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
+    if (least == 0) return rbdi_refuse(report, RBD_ERR_COUNT, -1, NULL, NULL);
     if (rbdi_check(m, w, 1)) return rbdi_refuse(report, RBD_ERR_WORK, -1, NULL, NULL);
     if (options) status = rbdi_check_options(options, report);
     for (int i = 0; !status && i < n; ++i) status = rbdi_check_contact(m, &list[i], i, report);
     for (int i = 0; !status && i < n_held; ++i) status = rbdi_check_constraint(m, &held[i], n + i, report);
-    return status;
+    return !status && size < least ? rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL) : status;
 }
 
 /* Cuts the arrays of a set off the memory. */
@@ -138,7 +133,7 @@ static void rbdi_place_contact(const rbd_model *m, rbd_contact_set *c, const rbd
     const rbd_constraint as = rbdi_constraint_of_contact(a);
     rbdi_constraint *k = &c->rows->constraint[i];
     rbdi_contact *to = &c->contact[i];
-    rbdi_place_constraint(m, &as, 3 * i, k);
+    rbdi_place_constraint(m, &as, 0, k);
     rbdi_place_plane(m, k, a->body2, a->normal, a->height);
     to->body2 = a->body2;
     to->point = k->p[0];
@@ -167,19 +162,16 @@ RBDI_API rbd_status rbd_contact_set_init(const rbd_model *m, rbd_work *w, const 
     rbd_contact_set *c;
     rbd_contact_options o;
     rbd_status status;
-    int row = 3 * n;
     if (!report) report = &own;
+    status =
+        rbdi_check_contact_list(m, w, list, n, held, n_held, options, contacts ? memory : NULL, size, report);
     if (contacts) *contacts = NULL;
-    status = rbdi_check_contact_list(m, w, list, n, held, n_held, options, report);
     if (status) return status;
-    if (!contacts || !memory) return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
-    if (size < rbd_contact_set_size(m, n, held, n_held, options))
-        return rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL);
     o = rbdi_contact_defaults(options);
     c = rbdi_lay_contacts(m, n, n_held, rbdi_rows_of(held, n_held), &o, memory);
     for (int i = 0; i < n; ++i) rbdi_place_contact(m, c, &list[i], i);
-    for (int i = n; i < n + n_held; row += c->rows->constraint[i++].rows) {
-        rbdi_place_constraint(m, &held[i - n], row, &c->rows->constraint[i]);
+    for (int i = n; i < n + n_held; ++i) {
+        rbdi_place_constraint(m, &held[i - n], 0, &c->rows->constraint[i]);
         c->rows->constraint[i].kp = 1; /* any: derivatives of errors of position are wanted */
     }
     rbdi_list_dof_rows(m, &o, c->dof_row);

@@ -6,15 +6,6 @@
    One sweep, which is enough where contacts hardly feel each other; then Newton steps; where none makes the
    residual smaller, some sweeps, twice as many each time. The best p of all is kept. */
 
-/* A Newton step, with a larger proximal term if that is needed. */
-RBDI_PART int rbdi_newton_descends(rbdi_contact_solver *s) {
-    const rbd_const proximal[3] = RBDI_PROXIMAL;
-    ++s->solution.newton_steps;
-    for (int i = 0; i < 3; ++i)
-        if (rbdi_newton_step(s, proximal[i])) return 1;
-    return 0;
-}
-
 RBDI_PART int rbdi_contact_left(const rbdi_contact_solver *s) {
     return s->given.iterations - s->solution.sweeps - s->solution.newton_steps;
 }
@@ -57,18 +48,21 @@ RBDI_PART void rbdi_contact_give_up(rbdi_contact_solver *s) {
 
 /* p and u of a problem that has been laid out, from p. */
 RBDI_PART void rbdi_contact_iterate(rbdi_contact_solver *s) {
+    const rbd_const proximal[3] = RBDI_PROXIMAL;
     rbd_real least = rbdi_set(RBDI_UNBOUNDED);
     s->solution.sweeps = s->solution.newton_steps = 0;
     rbdi_clear(s->best, s->rows);
     rbdi_contact_velocities(s);
     rbdi_sweep_some(s, 1);
-    for (int sweeps = 2; s->solution.residual > s->given.tolerance || !rbdi_contact_end(s);) {
+    for (int sweeps = 2, tried; s->solution.residual > s->given.tolerance || !rbdi_contact_end(s);) {
         if (s->solution.residual < least) least = s->solution.residual, rbdi_copy_rows(s, s->p, s->best);
         if (rbdi_contact_left(s) <= 0) {
             rbdi_contact_give_up(s);
             return;
         }
-        if (rbdi_newton_descends(s)) continue;
+        for (tried = 0; tried < 3 && !rbdi_newton_step(s, proximal[tried]);) ++tried;
+        ++s->solution.newton_steps;
+        if (tried < 3) continue;
         rbdi_sweep_some(s, sweeps);
         if (sweeps < RBDI_MOST_SWEEPS) sweeps *= 2;
     }

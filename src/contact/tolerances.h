@@ -21,12 +21,8 @@
 
 #define RBDI_ROOT_STEPS 60           /* of the root of one contact, which needs six on average */
 #define RBDI_FASTEST_SLIP RBD_C(1e9) /* alpha over d: faster slip is slip without friction */
-#define RBDI_SHORTENINGS 4           /* shares of a Newton step that are tried: all, to the first bound, .. */
-#define RBDI_SHARES {RBD_C(1), RBD_C(1), RBD_C(0.3), RBD_C(0.09)}
-#define RBDI_GAINS \
-    {RBD_C(0.98), RBD_C(1), RBD_C(0.9), RBD_C(0.9)} /* the residual must fall below this share */
-#define RBDI_MOST_SWEEPS 32                         /* between two Newton steps */
-#define RBDI_FASTEST RBD_C(1e12)                    /* m/s or rad/s; faster has overflowed, or would */
-#define RBDI_UNBOUNDED RBD_C(1e30) /* as a bound: none; as a residual: none could be computed */
+#define RBDI_MOST_SWEEPS 32          /* between two Newton steps */
+#define RBDI_FASTEST RBD_C(1e12)     /* m/s or rad/s; faster has overflowed, or would */
+#define RBDI_UNBOUNDED RBD_C(1e30)   /* as a bound: none; as a residual: none could be computed */
 
 #endif
