@@ -39,11 +39,10 @@
      on its data.
 
    [limits]
-     Who may touch whom is the caller's list: there is no collision detection, and planes are infinite. No
-     rolling and torsional friction, no batches. Derivatives hold while no contact changes its state.
-     Convergence of the solver is not proven, nor is the solution unique where friction is large; the residual
-     says what was reached. Rebounds of several contacts with friction follow Newton's law, which may gain
-     energy in known examples; without restitution a contact only takes energy.
+     No collision detection, no rolling and torsional friction, no batches; planes are infinite. Convergence of
+     the solver is not proven, nor is the solution unique where friction is large; the residual says what was
+     reached. Rebounds of several contacts with friction follow Newton's law, which may gain energy in known
+     examples; without restitution a contact only takes energy.
 */
 #include "rbd_constraints.h"
 
@@ -548,10 +547,7 @@ RBDI_PART rbdi_contact_trial rbdi_slip_root(rbdi_contact_law *law, const rbd_rea
     for (int i = 0; i < RBDI_ROOT_STEPS; ++i) {
         const rbd_real excess = x.size - mu * x.normal;
         rbd_real next = alpha;
-        if (excess > 0)
-            low = alpha;
-        else
-            high = alpha;
+        low = excess > 0 ? alpha : low, high = excess > 0 ? high : alpha;
         if (rbdi_abs(excess) <= 8 * RBDI_EPS * x.size || high - low <= 2 * RBDI_EPS * high) break;
         if (x.normal > 0) next = alpha + rbdi_slip_newton(law, &x, alpha);
         if (!(next > low && next < high))
@@ -898,6 +894,13 @@ RBDI_INLINE void rbdi_copy_rows(const rbdi_contact_solver *s, const rbd_real *fr
     for (int r = 0; r < s->rows; ++r) to[r] = from[r];
 }
 
+/* p from other impulses, in cones and bounds. */
+RBDI_PART void rbdi_contact_take(rbdi_contact_solver *s, const rbd_real *p) {
+    rbdi_copy_rows(s, p, s->p);
+    (void)rbdi_into_cones(s, 0);
+    rbdi_contact_judge(s);
+}
+
 /* s->aim: p as a step of all its length has it. Returns 0 if there is none. */
 RBDI_PART int rbdi_newton_aim(rbdi_contact_solver *s, rbd_const proximal) {
     rbdi_onto_cones(s);
@@ -937,8 +940,7 @@ RBDI_PART int rbdi_newton_step(rbdi_contact_solver *s, rbd_const proximal) {
         rbdi_contact_judge(s);
         if (s->solution.residual < before * gain[i]) return 1;
     }
-    rbdi_copy_rows(s, s->start, s->p);
-    rbdi_contact_judge(s);
+    rbdi_contact_take(s, s->start);
     return 0;
 }
 
@@ -966,13 +968,6 @@ RBDI_PART int rbdi_contact_end(rbdi_contact_solver *s) {
     for (int i = 0; i < s->given.contacts; ++i)
         if (s->law[i].state == RBD_OPENS && s->p[3 * i + 2] > 0) s->law[i].state = RBD_STICKS;
     return s->solution.residual <= s->given.tolerance;
-}
-
-/* p from other impulses, in cones and bounds. */
-RBDI_PART void rbdi_contact_take(rbdi_contact_solver *s, const rbd_real *p) {
-    rbdi_copy_rows(s, p, s->p);
-    (void)rbdi_into_cones(s, 0);
-    rbdi_contact_judge(s);
 }
 
 /* Ends a problem that is not solved with the best p, or with none unless that halves the residual: contacts

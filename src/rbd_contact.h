@@ -38,11 +38,10 @@
      on its data.
 
    [limits]
-     Who may touch whom is the caller's list: there is no collision detection, and planes are infinite. No
-     rolling and torsional friction, no batches. Derivatives hold while no contact changes its state.
-     Convergence of the solver is not proven, nor is the solution unique where friction is large; the residual
-     says what was reached. Rebounds of several contacts with friction follow Newton's law, which may gain
-     energy in known examples; without restitution a contact only takes energy.
+     No collision detection, no rolling and torsional friction, no batches; planes are infinite. Convergence of
+     the solver is not proven, nor is the solution unique where friction is large; the residual says what was
+     reached. Rebounds of several contacts with friction follow Newton's law, which may gain energy in known
+     examples; without restitution a contact only takes energy.
 */
 #include "rbd_constraints.h"
 

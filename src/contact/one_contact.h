@@ -91,10 +91,7 @@ RBDI_PART rbdi_contact_trial rbdi_slip_root(rbdi_contact_law *law, const rbd_rea
     for (int i = 0; i < RBDI_ROOT_STEPS; ++i) {
         const rbd_real excess = x.size - mu * x.normal;
         rbd_real next = alpha;
-        if (excess > 0)
-            low = alpha;
-        else
-            high = alpha;
+        low = excess > 0 ? alpha : low, high = excess > 0 ? high : alpha;
         if (rbdi_abs(excess) <= 8 * RBDI_EPS * x.size || high - low <= 2 * RBDI_EPS * high) break;
         if (x.normal > 0) next = alpha + rbdi_slip_newton(law, &x, alpha);
         if (!(next > low && next < high))
