@@ -486,10 +486,11 @@ RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory
 /* Bytes that rbd_model_build needs for this description; 0 if nb is out of range. */
 RBDI_API size_t rbd_model_size(const rbd_body *bodies, int nb);
 
-/* Adds mass to a body of a built model, as a new build would see it, at the cost of the way to the root:
-   what a hand took up. With what was added negated, takes it off again, to rounding. A rbd_work stays good,
-   a set of constraints too; but make a set anew after mass was taken off that the model was built with;
-   no call may run meanwhile. A model in a table of constants cannot be changed.
+/* Adds a payload to a body of a built model, such as what a hand took up. The results are those of a new
+   build, to rounding; it costs a step for each link on the way to the root. The payload negated is taken off
+   again. A rbd_work stays good, and so does a set of constraints; but make a set anew after mass was taken
+   off that the model was built with. No call may run meanwhile. A model in a table of constants cannot be
+   changed.
    memory   that was given to rbd_model_build
    mass     kg, may be negative
    com      of the payload, link frame
@@ -2729,8 +2730,8 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
    without armature in Denavit and Hartenberg's form, parallel to their parent or at a right angle, and the
    first links of a branch at such an angle. Each case is a copy of the code. Microcontrollers, without SIMD,
    have one for right angles, in which the shifts are tested (the empty assembly keeps clang from concluding
-   that the flags are flags_, and forgetting the rest). Targets that compute by calls have none: it would
-   save two per cent. */
+   that the flags are flags_, and forgetting the rest). Targets without a floating-point unit have none:
+   it would save two per cent there. */
 #define RBDI_CASE(known, name, call) \
     case known: { \
         const int name = known; \
@@ -2998,7 +2999,8 @@ RBDI_INLINE rbdi_state rbdi_forward_step(const rbd_model *m, rbd_work *w, int i,
     if (off_chain && l->branch >= 0) w->branch[l->branch].state = s;
     return s;
 }
-/* The states of the links first .. end - 1, after those of their ancestors; keep: in kin. */
+/* The states of the links first .. end - 1, after those of their ancestors, with the wrenches if wanted;
+   keep: stored in kin as well. */
 RBDI_INLINE void rbdi_forward(const rbd_model *m, rbd_work *w, int first, int end, const rbdi_state *world,
                               const rbd_real *v, const rbd_real *a, int wrench, int keep) {
     rbdi_state s = *world;
@@ -3034,14 +3036,14 @@ RBDI_PART void rbdi_reduce_tau(const rbd_model *m, const rbd_real *tx, rbd_real 
 /* Subtracts the external wrenches, given in the users' frames, from those of the links. */
 RBDI_PART void rbdi_external(const rbd_model *m, rbd_work *w, const rbd_real *f_ext) {
     const int bodies = f_ext ? m->nb : 0;
-    for (int b = 0; b < bodies; ++b) {
-        const rbdi_frame *u = &m->frame[b];
+    for (int body = 0; body < bodies; ++body) {
+        const rbdi_frame *u = &m->frame[body];
         rbdi_pose X;
         if (u->link < 0) continue;
         X.E = rbdi_mat_c(u->E);
         X.r = rbdi_vec_c(u->r);
-        w->scratch[u->link].f =
-            rbdi_force_sub(w->scratch[u->link].f, rbdi_force_up_block(&X, rbdi_load_force(f_ext + 6 * b, 1)));
+        w->scratch[u->link].f = rbdi_force_sub(w->scratch[u->link].f,
+                                               rbdi_force_up_block(&X, rbdi_load_force(f_ext + 6 * body, 1)));
     }
 }
 
@@ -3208,10 +3210,10 @@ RBDI_INLINE rbdi_rbi rbdi_rbi_up(const rbdi_link *l, int flags, rbdi_trig t, rbd
     if (flags & RBDI_BRANCH_TURN) C = rbdi_rbi_up_z(0, rbdi_set(l->cb), rbdi_set(l->sb), C);
     return rbdi_rbi_shift(rbdi_vec_c(l->r), l->subtree_mass, C);
 }
-RBDI_INLINE rbdi_rbi rbdi_rbi_up_block(const rbdi_pose *X, rbd_const m, rbdi_rbi C) {
+RBDI_INLINE rbdi_rbi rbdi_rbi_up_block(const rbdi_pose *X, rbd_const mass, rbdi_rbi C) {
     C.Sigma = rbdi_sym_up(X->E, C.Sigma);
     C.h = rbdi_mul_t(X->E, C.h);
-    return rbdi_rbi_shift(X->r, m, C);
+    return rbdi_rbi_shift(X->r, mass, C);
 }
 
 /* C plus the link's own body. */
@@ -3222,9 +3224,9 @@ RBDI_INLINE rbdi_rbi rbdi_rbi_add_link(const rbdi_link *l, rbdi_rbi C) {
 }
 
 /* Wrench that gives the composite body C unit acceleration along spatial axis k: column k of
-   [I [h]x; -[h]x m], I = tr(Sigma) - Sigma. */
-RBDI_INLINE rbdi_force rbdi_rbi_column(rbdi_rbi C, rbd_const m, int k) {
-    const rbd_real o = rbdi_zero(), mass = rbdi_set(m);
+   [I [h]x; -[h]x mass], I = tr(Sigma) - Sigma. */
+RBDI_INLINE rbdi_force rbdi_rbi_column(rbdi_rbi C, rbd_const subtree_mass, int k) {
+    const rbd_real o = rbdi_zero(), mass = rbdi_set(subtree_mass);
     rbdi_force F;
     switch (k) {
     case 0:
@@ -3267,10 +3269,10 @@ RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int 
     rbdi_store_force(F, 1, own);
     for (int k = l->end - RBDI_BATCH; k > l->first - RBDI_BATCH; k -= RBDI_BATCH) {
         rbdi_batch x[6];
-        rbd_real *n = &w->F[k], *p = n + 3 * stride;
+        rbd_real *moment = &w->F[k], *force = moment + 3 * stride;
         RBDI_UNROLL_SIX for (int j = 0; j < 3; ++j) {
-            x[j] = *(const rbdi_batch *)&n[j * stride];
-            x[j + 3] = *(const rbdi_batch *)&p[j * stride];
+            x[j] = *(const rbdi_batch *)&moment[j * stride];
+            x[j + 3] = *(const rbdi_batch *)&force[j * stride];
         }
         if (k <= l->first) {
             RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j)
@@ -3278,8 +3280,8 @@ RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int 
         }
         rbdi_batch_up(l, flags, t, x);
         RBDI_UNROLL_SIX for (int j = 0; j < 3; ++j) {
-            *(rbdi_batch *)&n[j * stride] = x[j];
-            *(rbdi_batch *)&p[j * stride] = x[j + 3];
+            *(rbdi_batch *)&moment[j * stride] = x[j];
+            *(rbdi_batch *)&force[j * stride] = x[j + 3];
         }
     }
 #else
@@ -3523,11 +3525,11 @@ RBDI_INLINE rbdi_abi rbdi_abi_up(const rbdi_link *l, int flags, rbdi_trig t, rbd
     if (flags & RBDI_BRANCH_TURN) IA = rbdi_abi_up_z(0, rbdi_set(l->cb), rbdi_set(l->sb), IA);
     return rbdi_abi_shift(rbdi_vec_c(l->r), IA);
 }
-RBDI_INLINE rbdi_abi rbdi_abi_up_block(const rbdi_pose *P, rbdi_abi IA) {
-    IA.I = rbdi_sym_up(P->E, IA.I);
-    IA.H = rbdi_mat_up(P->E, IA.H);
-    IA.M = rbdi_sym_up(P->E, IA.M);
-    return rbdi_abi_shift(P->r, IA);
+RBDI_INLINE rbdi_abi rbdi_abi_up_block(const rbdi_pose *X, rbdi_abi IA) {
+    IA.I = rbdi_sym_up(X->E, IA.I);
+    IA.H = rbdi_mat_up(X->E, IA.H);
+    IA.M = rbdi_sym_up(X->E, IA.M);
+    return rbdi_abi_shift(X->r, IA);
 }
 
 /* IA plus the link's own inertia [tr(Sigma) - Sigma, [h]x; ., m]. */
@@ -4291,14 +4293,15 @@ static void rbdi_add_links(const rbd_model *m, rbd_real *K) {
         const rbdi_mat E = rbdi_mat_c(u->E);
         const rbdi_v3 user = rbdi_vec_c(m->frame[m->dof[l->iv].body].r), r = rbdi_vec_c(u->r),
                       c = rbdi_mul_t(E, rbdi_vec_c(u->com)), p = rbdi_add(r, c);
-        const rbd_real mass = rbdi_set(u->mass), x = p.x * p.x * mass, y = p.y * p.y * mass,
-                       z = p.z * p.z * mass;
+        const rbd_real mass = rbdi_set(u->mass), xx = p.x * p.x * mass, yy = p.y * p.y * mass,
+                       zz = p.z * p.z * mass;
         const rbdi_sym S = rbdi_sym_up(E, rbdi_sym_c(u->I));
         const rbdi_v3 I = rbdi_vec(rbdi_abs(S.xx), rbdi_abs(S.yy), rbdi_abs(S.zz));
         const rbd_real trace =
                            I.x + I.y + I.z + mass * (rbdi_dot(r, r) + rbdi_dot(c, c) + rbdi_dot(user, user)),
-                       o = trace * RBDI_BUILD;
-        const rbd_real own[6] = {I.x + y + z + o, I.y + x + z + o, I.z + x + y + o, mass, mass, mass};
+                       rounding = trace * RBDI_BUILD;
+        const rbd_real own[6] = {
+            I.x + yy + zz + rounding, I.y + xx + zz + rounding, I.z + xx + yy + rounding, mass, mass, mass};
         const int iv = rbdi_source(m, l->iv);
         const rbd_real ratio = rbdi_ratio(m, l->iv);
         if (!rbdi_is(l, RBDI_BLOCK))
@@ -4317,8 +4320,8 @@ RBDI_COLD void rbdi_judge_factor(const rbd_model *m, rbd_work *w, const rbd_real
     for (int k = 0; k < n; ++k) K[k] = rbdi_abs(w->pivot[k]) + RBD_C(0.25) * m->dof[k].scale;
     for (int k = 0; k < n; ++k)
         for (int t = m->dof[k].depth - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda) {
-            const rbd_real l = L[m->dof[k].row + t];
-            K[i] = K[i] + l * l * rbdi_abs(w->pivot[k]);
+            const rbd_real factor = L[m->dof[k].row + t];
+            K[i] = K[i] + factor * factor * rbdi_abs(w->pivot[k]);
         }
     rbdi_add_links(m, K);
     for (int k = 0; k < n; ++k) {
@@ -4947,7 +4950,7 @@ RBDI_API rbd_status rbd_momentum(const rbd_model *m, const rbd_work *w, rbd_real
     return RBD_OK;
 }
 
-/* A wrench on a body as its parent feels it, in that one's axes: up to the link that carries the parent. */
+/* A wrench on a body, moved to the parent's origin and axes. */
 static rbdi_force rbdi_wrench_to_parent(const rbd_model *m, const rbd_work *w, const rbdi_frame *u,
                                         rbdi_force F) {
     const rbdi_frame *up = &m->frame[u->parent];
@@ -5604,7 +5607,7 @@ RBDI_API const char *rbd_status_string(rbd_status status) {
     return "unknown status";
 }
 
-/* A finding as a sentence; what: the rows of the description, in the singular. */
+/* A finding as a sentence; what: the word for a row of the description. */
 static char *rbdi_write_finding(const rbd_finding *finding, const char *what, char *text, size_t size) {
     const char *parts[12];
     char number[12];
@@ -5718,7 +5721,7 @@ static RBDI_UNUSED rbdi_wide rbdi_w_length(const rbdi_wide a[3]) {
     return RBDI_WIDE_LIBM(sqrt)(rbdi_w_dot(a, a));
 }
 
-/* Finite, and in the model's scalar too. */
+/* Whether numbers are finite, in the model's scalar too. */
 static RBDI_UNUSED int rbdi_finite(const double *x, int n) {
     for (int k = 0; k < n; ++k) { /* by bits: stays right under -ffinite-math-only */
         union {
@@ -5939,8 +5942,8 @@ static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close) {
     if (rbdi_w_abs(*c) <= close) *s = *s > 0 ? 1 : -1, *c = 0;
 }
 
-/* Angle of a point on the unit circle, at most 45 degrees; as rbdi_signed_angle, in the build's arithmetic
-   and with the series of sine and cosine, which are the same everywhere. */
+/* Angle, at most 45 degrees, from its cosine and sine: rbdi_signed_angle in the build's arithmetic. Sine and
+   cosine come from their series, which give the same bits everywhere. */
 static rbdi_wide rbdi_w_angle(rbdi_wide c, rbdi_wide s) {
     rbdi_wide sine = rbdi_w_abs(s), t = sine / (1 + c);
     rbdi_wide angle = t * (2 - (rbdi_wide)RBDI_ANGLE_START * t * t);
@@ -6005,8 +6008,8 @@ static void rbdi_warn(rbd_report *report, rbd_status status, int body, const cha
     ++report->warnings;
 }
 
-/* The inertia of a real body: I is positive semi-definite, and so is tr(I)/2 - I (the triangle
-   inequalities of the principal moments). Else dynamics can compute, but somebody should know. */
+/* Warns of an inertia that no real body has. I must be positive semi-definite, and so must tr(I)/2 - I (the
+   triangle inequalities of the principal moments). Dynamics computes with others too. */
 static void rbdi_check_inertia(const rbd_body *b, int i, rbd_report *report) {
     const double *I = b->inertia, trace = I[0] + I[3] + I[5];
     double size = 0, S[6];
@@ -6337,10 +6340,10 @@ static int rbdi_build_near(const rbdi_build_link *links, int nl, int i, rbdi_wid
     const rbdi_build_link *l = &links[i], *f = &links[l->favourite];
     const rbdi_wide rest = l->all - f->all, from_f = rbdi_w_length(f->X.r), step = rbdi_w_abs(t);
     for (int j = i + 1; j < nl; ++j) {
-        const rbdi_build_link *c = &links[j];
-        rbdi_wide from[3] = {c->X.r[0], c->X.r[1], c->X.r[2] - t};
-        if (c->parent == i && c != f && c->all > 0 &&
-            c->radius + rbdi_w_length(from) > 4 * (c->radius + rbdi_w_length(c->X.r)))
+        const rbdi_build_link *child = &links[j];
+        rbdi_wide from[3] = {child->X.r[0], child->X.r[1], child->X.r[2] - t};
+        if (child->parent == i && child != f && child->all > 0 &&
+            child->radius + rbdi_w_length(from) > 4 * (child->radius + rbdi_w_length(child->X.r)))
             return 0;
     }
     return rest * t * t + rbdi_build_spread(f, distance) - rbdi_build_spread(f, from_f) <
@@ -6678,75 +6681,76 @@ static void rbdi_emit_tree(rbd_model *m, const rbdi_mimic *mimic, rbdi_dof *dof,
 }
 
 /* Links, blocks, branch points and dofs, in the solver's order. */
-static void rbdi_emit_links(const rbdi_build *b) {
-    rbd_model *m = b->m;
+static void rbdi_emit_links(const rbdi_build *build) {
+    rbd_model *m = build->m;
     int block = 0;
     m->nbranch = 0;
     for (int p = 0; p < m->nl; ++p) {
-        rbdi_link *l = &b->link[p];
-        *l = rbdi_emit_link(b->bodies, b->links, p);
+        rbdi_link *l = &build->link[p];
+        *l = rbdi_emit_link(build->bodies, build->links, p);
         if (l->kind == RBDI_BLOCK) {
             l->block = (int16_t)block;
-            b->block[block++] = rbdi_emit_block(&b->links[b->links[p].order]);
+            build->block[block++] = rbdi_emit_block(&build->links[build->links[p].order]);
         }
-        if (l->parent >= 0 && l->parent != p - 1 && b->link[l->parent].branch < 0)
-            b->link[l->parent].branch = m->nbranch++;
-        rbdi_emit_dofs(b->bodies, m, b->links, p, b->dof);
+        if (l->parent >= 0 && l->parent != p - 1 && build->link[l->parent].branch < 0)
+            build->link[l->parent].branch = m->nbranch++;
+        rbdi_emit_dofs(build->bodies, m, build->links, p, build->dof);
     }
     for (int p = 0; p < m->nl; ++p) {
-        rbdi_link *l = &b->link[p];
+        rbdi_link *l = &build->link[p];
         if (l->kind == RBDI_BLOCK || l->branch >= 0 || l->parent < 0 || l->parent != p - 1 ||
             (l->flags & RBDI_SHIFT_XYZ))
             l->flags |= RBDI_OFF_CHAIN;
     }
 }
 
-static void rbdi_emit_frames(const rbdi_build *b) {
+static void rbdi_emit_frames(const rbdi_build *build) {
     int next = 0;
-    for (int i = 0; i < b->nb; ++i) {
-        b->frame[i] = rbdi_emit_frame(&b->bodies[i], &b->place[i], b->links);
-        if (!b->bodies[i].mimic) continue;
-        const rbdi_place *source = &b->place[rbdi_mimic_source(b->bodies, b->nb, i)];
-        rbdi_mimic *k = &b->mimic[next++];
+    for (int i = 0; i < build->nb; ++i) {
+        build->frame[i] = rbdi_emit_frame(&build->bodies[i], &build->place[i], build->links);
+        if (!build->bodies[i].mimic) continue;
+        const rbdi_place *source = &build->place[rbdi_mimic_source(build->bodies, build->nb, i)];
+        rbdi_mimic *k = &build->mimic[next++];
         k->source_q = (int16_t)source->iq, k->source_v = (int16_t)source->iv;
-        k->ratio = RBD_C(b->bodies[i].mimic_ratio), k->offset = RBD_C(b->bodies[i].mimic_offset);
-        b->dof[k->source_v].scale += k->ratio * k->ratio * b->dof[b->place[i].iv].scale;
+        k->ratio = RBD_C(build->bodies[i].mimic_ratio), k->offset = RBD_C(build->bodies[i].mimic_offset);
+        build->dof[k->source_v].scale += k->ratio * k->ratio * build->dof[build->place[i].iv].scale;
     }
 }
 
 /* The solver's order of the dofs, with the rows that crba writes, and which of them a link's subtree has. */
-static void rbdi_emit_order(const rbdi_build *b) {
-    rbd_model *m = b->m;
+static void rbdi_emit_order(const rbdi_build *build) {
+    rbd_model *m = build->m;
     int next = 0;
     m->nhx = 0;
     for (int p = 0; p < m->nl; ++p) {
-        rbdi_link *l = &b->link[p];
+        rbdi_link *l = &build->link[p];
         l->first = (int16_t)next;
         for (int k = 0; k < rbdi_link_dofs(m, l); ++k, ++next) {
-            const rbdi_dof *d = &b->dof[l->iv + k];
-            b->order[next].dof = (int16_t)(l->iv + k);
-            b->order[next].row = m->nmimic ? m->nh + m->nhx : d->row;
+            const rbdi_dof *d = &build->dof[l->iv + k];
+            build->order[next].dof = (int16_t)(l->iv + k);
+            build->order[next].row = m->nmimic ? m->nh + m->nhx : d->row;
             if (m->nmimic) m->nhx += d->level + 1;
         }
     }
     for (int p = 0; p < m->nl; ++p) {
-        const int behind = p + b->links[b->links[p].order].size;
-        b->link[p].end = behind < m->nl ? b->link[behind].first : (int16_t)next;
+        const int behind = p + build->links[build->links[p].order].size;
+        build->link[p].end = behind < m->nl ? build->link[behind].first : (int16_t)next;
     }
 }
 
-static void rbdi_emit(const rbdi_build *b) {
-    rbd_model *m = b->m;
-    m->link = b->link, m->block = b->block, m->dof = b->dof, m->order = b->order, m->node = b->node;
-    m->mimic = b->mimic, m->frame = b->frame;
+static void rbdi_emit(const rbdi_build *build) {
+    rbd_model *m = build->m;
+    m->link = build->link, m->block = build->block, m->dof = build->dof, m->order = build->order,
+    m->node = build->node;
+    m->mimic = build->mimic, m->frame = build->frame;
     m->version = RBD_MODEL_VERSION, m->scalar = (int16_t)sizeof(rbd_const);
-    m->nb = (int16_t)b->nb, m->nq = (int16_t)b->n.nq, m->nv = (int16_t)b->n.nv;
-    m->nl = (int16_t)b->n.nl, m->nblock = (int16_t)b->n.nblock, m->nmimic = (int16_t)b->n.nmimic;
+    m->nb = (int16_t)build->nb, m->nq = (int16_t)build->n.nq, m->nv = (int16_t)build->n.nv;
+    m->nl = (int16_t)build->n.nl, m->nblock = (int16_t)build->n.nblock, m->nmimic = (int16_t)build->n.nmimic;
     m->gravity.x = m->gravity.y = RBD_C(0), m->gravity.z = RBD_C(-9.81);
-    rbdi_emit_links(b);
-    rbdi_emit_frames(b);
-    rbdi_emit_tree(m, b->mimic, b->dof, b->node);
-    rbdi_emit_order(b);
+    rbdi_emit_links(build);
+    rbdi_emit_frames(build);
+    rbdi_emit_tree(m, build->mimic, build->dof, build->node);
+    rbdi_emit_order(build);
     m->features = rbdi_features(m);
     rbdi_shape(m, m->shape);
 }

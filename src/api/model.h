@@ -22,10 +22,11 @@ RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory
 /* Bytes that rbd_model_build needs for this description; 0 if nb is out of range. */
 RBDI_API size_t rbd_model_size(const rbd_body *bodies, int nb);
 
-/* Adds mass to a body of a built model, as a new build would see it, at the cost of the way to the root:
-   what a hand took up. With what was added negated, takes it off again, to rounding. A rbd_work stays good,
-   a set of constraints too; but make a set anew after mass was taken off that the model was built with;
-   no call may run meanwhile. A model in a table of constants cannot be changed.
+/* Adds a payload to a body of a built model, such as what a hand took up. The results are those of a new
+   build, to rounding; it costs a step for each link on the way to the root. The payload negated is taken off
+   again. A rbd_work stays good, and so does a set of constraints; but make a set anew after mass was taken
+   off that the model was built with. No call may run meanwhile. A model in a table of constants cannot be
+   changed.
    memory   that was given to rbd_model_build
    mass     kg, may be negative
    com      of the payload, link frame

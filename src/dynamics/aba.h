@@ -30,11 +30,11 @@ RBDI_INLINE rbdi_abi rbdi_abi_up(const rbdi_link *l, int flags, rbdi_trig t, rbd
     if (flags & RBDI_BRANCH_TURN) IA = rbdi_abi_up_z(0, rbdi_set(l->cb), rbdi_set(l->sb), IA);
     return rbdi_abi_shift(rbdi_vec_c(l->r), IA);
 }
-RBDI_INLINE rbdi_abi rbdi_abi_up_block(const rbdi_pose *P, rbdi_abi IA) {
-    IA.I = rbdi_sym_up(P->E, IA.I);
-    IA.H = rbdi_mat_up(P->E, IA.H);
-    IA.M = rbdi_sym_up(P->E, IA.M);
-    return rbdi_abi_shift(P->r, IA);
+RBDI_INLINE rbdi_abi rbdi_abi_up_block(const rbdi_pose *X, rbdi_abi IA) {
+    IA.I = rbdi_sym_up(X->E, IA.I);
+    IA.H = rbdi_mat_up(X->E, IA.H);
+    IA.M = rbdi_sym_up(X->E, IA.M);
+    return rbdi_abi_shift(X->r, IA);
 }
 
 /* IA plus the link's own inertia [tr(Sigma) - Sigma, [h]x; ., m]. */

@@ -26,10 +26,10 @@ RBDI_INLINE rbdi_rbi rbdi_rbi_up(const rbdi_link *l, int flags, rbdi_trig t, rbd
     if (flags & RBDI_BRANCH_TURN) C = rbdi_rbi_up_z(0, rbdi_set(l->cb), rbdi_set(l->sb), C);
     return rbdi_rbi_shift(rbdi_vec_c(l->r), l->subtree_mass, C);
 }
-RBDI_INLINE rbdi_rbi rbdi_rbi_up_block(const rbdi_pose *X, rbd_const m, rbdi_rbi C) {
+RBDI_INLINE rbdi_rbi rbdi_rbi_up_block(const rbdi_pose *X, rbd_const mass, rbdi_rbi C) {
     C.Sigma = rbdi_sym_up(X->E, C.Sigma);
     C.h = rbdi_mul_t(X->E, C.h);
-    return rbdi_rbi_shift(X->r, m, C);
+    return rbdi_rbi_shift(X->r, mass, C);
 }
 
 /* C plus the link's own body. */
@@ -40,9 +40,9 @@ RBDI_INLINE rbdi_rbi rbdi_rbi_add_link(const rbdi_link *l, rbdi_rbi C) {
 }
 
 /* Wrench that gives the composite body C unit acceleration along spatial axis k: column k of
-   [I [h]x; -[h]x m], I = tr(Sigma) - Sigma. */
-RBDI_INLINE rbdi_force rbdi_rbi_column(rbdi_rbi C, rbd_const m, int k) {
-    const rbd_real o = rbdi_zero(), mass = rbdi_set(m);
+   [I [h]x; -[h]x mass], I = tr(Sigma) - Sigma. */
+RBDI_INLINE rbdi_force rbdi_rbi_column(rbdi_rbi C, rbd_const subtree_mass, int k) {
+    const rbd_real o = rbdi_zero(), mass = rbdi_set(subtree_mass);
     rbdi_force F;
     switch (k) {
     case 0:
@@ -85,10 +85,10 @@ RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int 
     rbdi_store_force(F, 1, own);
     for (int k = l->end - RBDI_BATCH; k > l->first - RBDI_BATCH; k -= RBDI_BATCH) {
         rbdi_batch x[6];
-        rbd_real *n = &w->F[k], *p = n + 3 * stride;
+        rbd_real *moment = &w->F[k], *force = moment + 3 * stride;
         RBDI_UNROLL_SIX for (int j = 0; j < 3; ++j) {
-            x[j] = *(const rbdi_batch *)&n[j * stride];
-            x[j + 3] = *(const rbdi_batch *)&p[j * stride];
+            x[j] = *(const rbdi_batch *)&moment[j * stride];
+            x[j + 3] = *(const rbdi_batch *)&force[j * stride];
         }
         if (k <= l->first) {
             RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j)
@@ -96,8 +96,8 @@ RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int 
         }
         rbdi_batch_up(l, flags, t, x);
         RBDI_UNROLL_SIX for (int j = 0; j < 3; ++j) {
-            *(rbdi_batch *)&n[j * stride] = x[j];
-            *(rbdi_batch *)&p[j * stride] = x[j + 3];
+            *(rbdi_batch *)&moment[j * stride] = x[j];
+            *(rbdi_batch *)&force[j * stride] = x[j + 3];
         }
     }
 #else

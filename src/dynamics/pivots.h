@@ -68,14 +68,15 @@ static void rbdi_add_links(const rbd_model *m, rbd_real *K) {
         const rbdi_mat E = rbdi_mat_c(u->E);
         const rbdi_v3 user = rbdi_vec_c(m->frame[m->dof[l->iv].body].r), r = rbdi_vec_c(u->r),
                       c = rbdi_mul_t(E, rbdi_vec_c(u->com)), p = rbdi_add(r, c);
-        const rbd_real mass = rbdi_set(u->mass), x = p.x * p.x * mass, y = p.y * p.y * mass,
-                       z = p.z * p.z * mass;
+        const rbd_real mass = rbdi_set(u->mass), xx = p.x * p.x * mass, yy = p.y * p.y * mass,
+                       zz = p.z * p.z * mass;
         const rbdi_sym S = rbdi_sym_up(E, rbdi_sym_c(u->I));
         const rbdi_v3 I = rbdi_vec(rbdi_abs(S.xx), rbdi_abs(S.yy), rbdi_abs(S.zz));
         const rbd_real trace =
                            I.x + I.y + I.z + mass * (rbdi_dot(r, r) + rbdi_dot(c, c) + rbdi_dot(user, user)),
-                       o = trace * RBDI_BUILD;
-        const rbd_real own[6] = {I.x + y + z + o, I.y + x + z + o, I.z + x + y + o, mass, mass, mass};
+                       rounding = trace * RBDI_BUILD;
+        const rbd_real own[6] = {
+            I.x + yy + zz + rounding, I.y + xx + zz + rounding, I.z + xx + yy + rounding, mass, mass, mass};
         const int iv = rbdi_source(m, l->iv);
         const rbd_real ratio = rbdi_ratio(m, l->iv);
         if (!rbdi_is(l, RBDI_BLOCK))
@@ -94,8 +95,8 @@ RBDI_COLD void rbdi_judge_factor(const rbd_model *m, rbd_work *w, const rbd_real
     for (int k = 0; k < n; ++k) K[k] = rbdi_abs(w->pivot[k]) + RBD_C(0.25) * m->dof[k].scale;
     for (int k = 0; k < n; ++k)
         for (int t = m->dof[k].depth - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda) {
-            const rbd_real l = L[m->dof[k].row + t];
-            K[i] = K[i] + l * l * rbdi_abs(w->pivot[k]);
+            const rbd_real factor = L[m->dof[k].row + t];
+            K[i] = K[i] + factor * factor * rbdi_abs(w->pivot[k]);
         }
     rbdi_add_links(m, K);
     for (int k = 0; k < n; ++k) {

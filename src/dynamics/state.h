@@ -146,7 +146,8 @@ RBDI_INLINE rbdi_state rbdi_forward_step(const rbd_model *m, rbd_work *w, int i,
     if (off_chain && l->branch >= 0) w->branch[l->branch].state = s;
     return s;
 }
-/* The states of the links first .. end - 1, after those of their ancestors; keep: in kin. */
+/* The states of the links first .. end - 1, after those of their ancestors, with the wrenches if wanted;
+   keep: stored in kin as well. */
 RBDI_INLINE void rbdi_forward(const rbd_model *m, rbd_work *w, int first, int end, const rbdi_state *world,
                               const rbd_real *v, const rbd_real *a, int wrench, int keep) {
     rbdi_state s = *world;
@@ -182,14 +183,14 @@ RBDI_PART void rbdi_reduce_tau(const rbd_model *m, const rbd_real *tx, rbd_real 
 /* Subtracts the external wrenches, given in the users' frames, from those of the links. */
 RBDI_PART void rbdi_external(const rbd_model *m, rbd_work *w, const rbd_real *f_ext) {
     const int bodies = f_ext ? m->nb : 0;
-    for (int b = 0; b < bodies; ++b) {
-        const rbdi_frame *u = &m->frame[b];
+    for (int body = 0; body < bodies; ++body) {
+        const rbdi_frame *u = &m->frame[body];
         rbdi_pose X;
         if (u->link < 0) continue;
         X.E = rbdi_mat_c(u->E);
         X.r = rbdi_vec_c(u->r);
-        w->scratch[u->link].f =
-            rbdi_force_sub(w->scratch[u->link].f, rbdi_force_up_block(&X, rbdi_load_force(f_ext + 6 * b, 1)));
+        w->scratch[u->link].f = rbdi_force_sub(w->scratch[u->link].f,
+                                               rbdi_force_up_block(&X, rbdi_load_force(f_ext + 6 * body, 1)));
     }
 }
 

@@ -62,8 +62,8 @@ static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close) {
     if (rbdi_w_abs(*c) <= close) *s = *s > 0 ? 1 : -1, *c = 0;
 }
 
-/* Angle of a point on the unit circle, at most 45 degrees; as rbdi_signed_angle, in the build's arithmetic
-   and with the series of sine and cosine, which are the same everywhere. */
+/* Angle, at most 45 degrees, from its cosine and sine: rbdi_signed_angle in the build's arithmetic. Sine and
+   cosine come from their series, which give the same bits everywhere. */
 static rbdi_wide rbdi_w_angle(rbdi_wide c, rbdi_wide s) {
     rbdi_wide sine = rbdi_w_abs(s), t = sine / (1 + c);
     rbdi_wide angle = t * (2 - (rbdi_wide)RBDI_ANGLE_START * t * t);
@@ -128,8 +128,8 @@ static void rbdi_warn(rbd_report *report, rbd_status status, int body, const cha
     ++report->warnings;
 }
 
-/* The inertia of a real body: I is positive semi-definite, and so is tr(I)/2 - I (the triangle
-   inequalities of the principal moments). Else dynamics can compute, but somebody should know. */
+/* Warns of an inertia that no real body has. I must be positive semi-definite, and so must tr(I)/2 - I (the
+   triangle inequalities of the principal moments). Dynamics computes with others too. */
 static void rbdi_check_inertia(const rbd_body *b, int i, rbd_report *report) {
     const double *I = b->inertia, trace = I[0] + I[3] + I[5];
     double size = 0, S[6];

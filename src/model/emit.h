@@ -228,75 +228,76 @@ static void rbdi_emit_tree(rbd_model *m, const rbdi_mimic *mimic, rbdi_dof *dof,
 }
 
 /* Links, blocks, branch points and dofs, in the solver's order. */
-static void rbdi_emit_links(const rbdi_build *b) {
-    rbd_model *m = b->m;
+static void rbdi_emit_links(const rbdi_build *build) {
+    rbd_model *m = build->m;
     int block = 0;
     m->nbranch = 0;
     for (int p = 0; p < m->nl; ++p) {
-        rbdi_link *l = &b->link[p];
-        *l = rbdi_emit_link(b->bodies, b->links, p);
+        rbdi_link *l = &build->link[p];
+        *l = rbdi_emit_link(build->bodies, build->links, p);
         if (l->kind == RBDI_BLOCK) {
             l->block = (int16_t)block;
-            b->block[block++] = rbdi_emit_block(&b->links[b->links[p].order]);
+            build->block[block++] = rbdi_emit_block(&build->links[build->links[p].order]);
         }
-        if (l->parent >= 0 && l->parent != p - 1 && b->link[l->parent].branch < 0)
-            b->link[l->parent].branch = m->nbranch++;
-        rbdi_emit_dofs(b->bodies, m, b->links, p, b->dof);
+        if (l->parent >= 0 && l->parent != p - 1 && build->link[l->parent].branch < 0)
+            build->link[l->parent].branch = m->nbranch++;
+        rbdi_emit_dofs(build->bodies, m, build->links, p, build->dof);
     }
     for (int p = 0; p < m->nl; ++p) {
-        rbdi_link *l = &b->link[p];
+        rbdi_link *l = &build->link[p];
         if (l->kind == RBDI_BLOCK || l->branch >= 0 || l->parent < 0 || l->parent != p - 1 ||
             (l->flags & RBDI_SHIFT_XYZ))
             l->flags |= RBDI_OFF_CHAIN;
     }
 }
 
-static void rbdi_emit_frames(const rbdi_build *b) {
+static void rbdi_emit_frames(const rbdi_build *build) {
     int next = 0;
-    for (int i = 0; i < b->nb; ++i) {
-        b->frame[i] = rbdi_emit_frame(&b->bodies[i], &b->place[i], b->links);
-        if (!b->bodies[i].mimic) continue;
-        const rbdi_place *source = &b->place[rbdi_mimic_source(b->bodies, b->nb, i)];
-        rbdi_mimic *k = &b->mimic[next++];
+    for (int i = 0; i < build->nb; ++i) {
+        build->frame[i] = rbdi_emit_frame(&build->bodies[i], &build->place[i], build->links);
+        if (!build->bodies[i].mimic) continue;
+        const rbdi_place *source = &build->place[rbdi_mimic_source(build->bodies, build->nb, i)];
+        rbdi_mimic *k = &build->mimic[next++];
         k->source_q = (int16_t)source->iq, k->source_v = (int16_t)source->iv;
-        k->ratio = RBD_C(b->bodies[i].mimic_ratio), k->offset = RBD_C(b->bodies[i].mimic_offset);
-        b->dof[k->source_v].scale += k->ratio * k->ratio * b->dof[b->place[i].iv].scale;
+        k->ratio = RBD_C(build->bodies[i].mimic_ratio), k->offset = RBD_C(build->bodies[i].mimic_offset);
+        build->dof[k->source_v].scale += k->ratio * k->ratio * build->dof[build->place[i].iv].scale;
     }
 }
 
 /* The solver's order of the dofs, with the rows that crba writes, and which of them a link's subtree has. */
-static void rbdi_emit_order(const rbdi_build *b) {
-    rbd_model *m = b->m;
+static void rbdi_emit_order(const rbdi_build *build) {
+    rbd_model *m = build->m;
     int next = 0;
     m->nhx = 0;
     for (int p = 0; p < m->nl; ++p) {
-        rbdi_link *l = &b->link[p];
+        rbdi_link *l = &build->link[p];
         l->first = (int16_t)next;
         for (int k = 0; k < rbdi_link_dofs(m, l); ++k, ++next) {
-            const rbdi_dof *d = &b->dof[l->iv + k];
-            b->order[next].dof = (int16_t)(l->iv + k);
-            b->order[next].row = m->nmimic ? m->nh + m->nhx : d->row;
+            const rbdi_dof *d = &build->dof[l->iv + k];
+            build->order[next].dof = (int16_t)(l->iv + k);
+            build->order[next].row = m->nmimic ? m->nh + m->nhx : d->row;
             if (m->nmimic) m->nhx += d->level + 1;
         }
     }
     for (int p = 0; p < m->nl; ++p) {
-        const int behind = p + b->links[b->links[p].order].size;
-        b->link[p].end = behind < m->nl ? b->link[behind].first : (int16_t)next;
+        const int behind = p + build->links[build->links[p].order].size;
+        build->link[p].end = behind < m->nl ? build->link[behind].first : (int16_t)next;
     }
 }
 
-static void rbdi_emit(const rbdi_build *b) {
-    rbd_model *m = b->m;
-    m->link = b->link, m->block = b->block, m->dof = b->dof, m->order = b->order, m->node = b->node;
-    m->mimic = b->mimic, m->frame = b->frame;
+static void rbdi_emit(const rbdi_build *build) {
+    rbd_model *m = build->m;
+    m->link = build->link, m->block = build->block, m->dof = build->dof, m->order = build->order,
+    m->node = build->node;
+    m->mimic = build->mimic, m->frame = build->frame;
     m->version = RBD_MODEL_VERSION, m->scalar = (int16_t)sizeof(rbd_const);
-    m->nb = (int16_t)b->nb, m->nq = (int16_t)b->n.nq, m->nv = (int16_t)b->n.nv;
-    m->nl = (int16_t)b->n.nl, m->nblock = (int16_t)b->n.nblock, m->nmimic = (int16_t)b->n.nmimic;
+    m->nb = (int16_t)build->nb, m->nq = (int16_t)build->n.nq, m->nv = (int16_t)build->n.nv;
+    m->nl = (int16_t)build->n.nl, m->nblock = (int16_t)build->n.nblock, m->nmimic = (int16_t)build->n.nmimic;
     m->gravity.x = m->gravity.y = RBD_C(0), m->gravity.z = RBD_C(-9.81);
-    rbdi_emit_links(b);
-    rbdi_emit_frames(b);
-    rbdi_emit_tree(m, b->mimic, b->dof, b->node);
-    rbdi_emit_order(b);
+    rbdi_emit_links(build);
+    rbdi_emit_frames(build);
+    rbdi_emit_tree(m, build->mimic, build->dof, build->node);
+    rbdi_emit_order(build);
     m->features = rbdi_features(m);
     rbdi_shape(m, m->shape);
 }

@@ -115,8 +115,8 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
    without armature in Denavit and Hartenberg's form, parallel to their parent or at a right angle, and the
    first links of a branch at such an angle. Each case is a copy of the code. Microcontrollers, without SIMD,
    have one for right angles, in which the shifts are tested (the empty assembly keeps clang from concluding
-   that the flags are flags_, and forgetting the rest). Targets that compute by calls have none: it would
-   save two per cent. */
+   that the flags are flags_, and forgetting the rest). Targets without a floating-point unit have none:
+   it would save two per cent there. */
 #define RBDI_CASE(known, name, call) \
     case known: { \
         const int name = known; \

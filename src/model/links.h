@@ -206,10 +206,10 @@ static int rbdi_build_near(const rbdi_build_link *links, int nl, int i, rbdi_wid
     const rbdi_build_link *l = &links[i], *f = &links[l->favourite];
     const rbdi_wide rest = l->all - f->all, from_f = rbdi_w_length(f->X.r), step = rbdi_w_abs(t);
     for (int j = i + 1; j < nl; ++j) {
-        const rbdi_build_link *c = &links[j];
-        rbdi_wide from[3] = {c->X.r[0], c->X.r[1], c->X.r[2] - t};
-        if (c->parent == i && c != f && c->all > 0 &&
-            c->radius + rbdi_w_length(from) > 4 * (c->radius + rbdi_w_length(c->X.r)))
+        const rbdi_build_link *child = &links[j];
+        rbdi_wide from[3] = {child->X.r[0], child->X.r[1], child->X.r[2] - t};
+        if (child->parent == i && child != f && child->all > 0 &&
+            child->radius + rbdi_w_length(from) > 4 * (child->radius + rbdi_w_length(child->X.r)))
             return 0;
     }
     return rest * t * t + rbdi_build_spread(f, distance) - rbdi_build_spread(f, from_f) <

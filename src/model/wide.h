@@ -86,7 +86,7 @@ static RBDI_UNUSED rbdi_wide rbdi_w_length(const rbdi_wide a[3]) {
     return RBDI_WIDE_LIBM(sqrt)(rbdi_w_dot(a, a));
 }
 
-/* Finite, and in the model's scalar too. */
+/* Whether numbers are finite, in the model's scalar too. */
 static RBDI_UNUSED int rbdi_finite(const double *x, int n) {
     for (int k = 0; k < n; ++k) { /* by bits: stays right under -ffinite-math-only */
         union {

@@ -330,7 +330,7 @@ RBDI_API rbd_status rbd_momentum(const rbd_model *m, const rbd_work *w, rbd_real
     return RBD_OK;
 }
 
-/* A wrench on a body as its parent feels it, in that one's axes: up to the link that carries the parent. */
+/* A wrench on a body, moved to the parent's origin and axes. */
 static rbdi_force rbdi_wrench_to_parent(const rbd_model *m, const rbd_work *w, const rbdi_frame *u,
                                         rbdi_force F) {
     const rbdi_frame *up = &m->frame[u->parent];
