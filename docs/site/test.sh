@@ -37,8 +37,9 @@ guides) # their programs compile as shown and print what is shown
     for page in first_minutes gradients contacts other_libraries; do program_of $page; done
     ;;
 generated)
+    codegen=$(realpath "$2")
     cd "$here/../.."
-    "$2" models/iiwa.urdf --name robot --algorithm id,mm,fd --output "$scratch"
+    "$codegen" models/iiwa.urdf --name robot --algorithm id,mm,fd --output "$scratch"
     program_of generated_code "-I$scratch" "$scratch/robot_code.c"
     ;;
 *) exit 2 ;;
