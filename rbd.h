@@ -2701,6 +2701,8 @@ RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
     }
 #ifdef RBDI_POLYNOMIAL_SINCOS
     rbdi_sincos_array(w->angle, w->quarters, m->nl, w->s, w->c);
+#elif defined RBDI_SINCOS /* rbd-codegen records the two for itself */
+    for (int i = 0; i < m->nl; ++i) RBDI_SINCOS(w->angle[i], (int)m->link[i].quarters, &w->s[i], &w->c[i]);
 #else
     for (int i = 0; i < m->nl; ++i) rbdi_sincos_link(&m->link[i], w->angle[i], &w->s[i], &w->c[i]);
 #endif

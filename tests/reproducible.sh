@@ -1,47 +1,89 @@
 #!/bin/sh
 # RBD_REPRODUCIBLE: reproducible.c prints the hashes of reproducible.txt, whatever compiles and runs it, and its code has
-# no FMA. On another machine's processor by qemu-user, on microcontrollers by QEMU. Says what it had to leave out.
+# no FMA. So does reproducible_code.c with the code of rbd-codegen --reproducible, which RBD_CODEGEN names; the hashes of
+# reproducible_code.txt are those of the library's calls. On another machine's processor by qemu-user, on microcontrollers by QEMU. Says what it had to leave out.
 # usage: reproducible.sh [--all | --write] DIRECTORY_OF_RBD_H [REGEX]
 #     light: some of each kind, half a minute of a processor; --all in half an hour; --write keeps the hashes of gcc -O1 as those of
-#     reproducible.txt. REGEX: only those whose command line it matches.
+#     reproducible.txt, and reproducible_code.txt. REGEX: only those whose command line it matches.
 set -eu
 
 usage='usage: reproducible.sh [--all | --write] DIRECTORY_OF_RBD_H [REGEX]'
 how=light
 case ${1-} in --*) how=${1#--} && shift ;; esac
 root=${1:?$usage} only=${2-}
-expected=$root/tests/reproducible.txt
+expected=$root/tests/reproducible.txt expected_code=$root/tests/reproducible_code.txt
+codegen=${RBD_CODEGEN-}
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 failures=0 checks=0 missing=
+[ -n "$codegen" ] || missing=" rbd-codegen"
 scalars="double float"
+robots=iiwa
 fused='\<(vfn?m(add|sub)|fn?m(add|sub)|fml[as]|vfn?m[as]\.|ma[de]b|ms[de]b|wfn?m[as][ds]b)'
 quickly=-Dalways_inline=unused # compiled in a third of the time
 
-# compile OUTPUT SCALAR COMPILER OPTION...: by way of assembly, in which no FMA may be
-compile() {
-    output=$1 real=$2 compiler=$3
+# object OUTPUT SOURCE COMPILER OPTION...: by way of assembly, in which no FMA may be
+object() {
+    object=$1 source=$2 compiler=$3
     shift 3
-    set -- -std="${dialect:-c99}" -w -DRBD_REAL="$real" -I"$root" -I"$root/tests" "$@"
+    set -- -std="${dialect:-c99}" -w -I"$root" -I"$root/tests" "$@"
     if [ "$compiler" = tcc ]; then
-        tcc "$@" "$root/tests/reproducible.c" -o "$output" -lm
+        tcc "$@" -c "$source" -o "$object"
         return
     fi
-    $compiler "$@" -S "$root/tests/reproducible.c" -o "$scratch/code.s" || return 1
+    $compiler "$@" -S "$source" -o "$scratch/code.s" || return 1
     if grep -E "$fused" "$scratch/code.s" >"$scratch/fused"; then
         echo "FAILED: FMA in the code:" && sed -n '1,3p' "$scratch/fused"
         return 1
     fi
     # shellcheck disable=SC2086 # words wanted
-    $compiler ${machine-} "$scratch/code.s" -o "$output" ${link:--lm}
+    $compiler ${machine-} -c "$scratch/code.s" -o "$object"
+}
+
+# compile OUTPUT SCALAR COMPILER OPTION...: the program
+compile() {
+    output=$1 real=$2 program=$3
+    shift 2
+    # shellcheck disable=SC2086 # words wanted
+    object "$scratch/program.o" "$root/tests/reproducible.c" "$@" -DRBD_REAL="$real" &&
+        $program ${machine-} "$scratch/program.o" -o "$output" ${link:--lm}
+}
+
+# generate ROBOT SCALAR: into $scratch/ROBOT-SCALAR, once; sets robot_options of reproducible_code.c
+generate() {
+    tip=lbr_iiwa_link_7 floating=--floating folder=$scratch/$1-$2
+    case $1 in iiwa) floating= ;; hyq) tip=lf_lowerleg ;; atlas) tip=l_foot ;; esac
+    robot_options="-I$folder -DREAL=$2 -DROBOT=$1 -DLINK=$tip"
+    [ ! -e "$folder/code_code.c" ] || return 0
+    mkdir -p "$folder"
+    "$codegen" --reproducible --scalar "$2" --name code $floating --f-ext --output "$folder" --algorithm \
+        "$algorithms,jacobian:$tip,pose:$tip" "$root/models/$1.urdf"
+}
+algorithms=id,bias,gravity_torque,mm,mm_packed,minv,fd,fd_cholesky,id_derivatives,fd_derivatives
+algorithms=$algorithms,gravity_torque_derivatives,coriolis,momentum_matrix,com_jacobian
+
+# compile_code OUTPUT ROBOT SCALAR COMPILER OPTION...: the program of generated code
+compile_code() {
+    output=$1 robot=$2 real=$3 program=$4
+    shift 3
+    generate "$robot" "$real" || return 1
+    # shellcheck disable=SC2086 # words wanted
+    object "$scratch/code.o" "$scratch/$robot-$real/code_code.c" "$@" &&
+        object "$scratch/program.o" "$root/tests/reproducible_code.c" "$@" $robot_options &&
+        $program ${machine-} "$scratch/program.o" "$scratch/code.o" -o "$output" ${link:--lm}
+}
+
+# wanted NAME: whether it is one of those asked for; counts it
+wanted() {
+    printf '%s\n' "$1" | grep -Eq -e "$only" || return 1
+    checks=$((checks + 1))
 }
 
 # build COMPILER OPTION...: with each scalar; `emulator` runs it, `machine` and `link` are options for linking
 build() {
     for real in $scalars; do
         name="$* $real"
-        printf '%s\n' "$name" | grep -Eq -e "$only" || continue
-        checks=$((checks + 1))
+        wanted "$name" || continue
         # shellcheck disable=SC2086 # words wanted
         if compile "$scratch/program" "$real" "$@" && ${emulator-} "$scratch/program" >"$scratch/found" &&
             grep "^$real " "$expected" | cmp -s - "$scratch/found"; then
@@ -57,6 +99,28 @@ build() {
         compile "$scratch/program" "$real" "$@" -DEACH_CALL && ${emulator-} "$scratch/program" |
             diff "$scratch/calls" - | sed -n '1,4p'
     done
+    build_code "$@"
+}
+
+# build_code COMPILER OPTION...: the same of generated code of `robots`
+build_code() {
+    [ -n "$codegen" ] || return 0
+    for real in $scalars; do
+        for robot in $robots; do
+            name="$* $real, code of $robot"
+            wanted "$name" || continue
+            : >"$scratch/found"
+            # shellcheck disable=SC2086 # words wanted
+            if compile_code "$scratch/program" "$robot" "$real" "$@" && ${emulator-} "$scratch/program" >"$scratch/found" &&
+                grep "^$real $robot " "$expected_code" | cmp -s - "$scratch/found"; then
+                echo "ok: $name"
+                continue
+            fi
+            failures=$((failures + 1))
+            echo "FAILED: $name"
+            grep "^$real $robot " "$expected_code" | diff - "$scratch/found" || true
+        done
+    done
 }
 
 # with COMPILER [EMULATOR]: whether they are there; else they are noted as missing
@@ -71,6 +135,16 @@ if [ "$how" = write ]; then
         compile "$scratch/program" "$real" gcc -O1 && "$scratch/program"
     done >"$scratch/found"
     cp "$scratch/found" "$expected"
+    [ -n "$codegen" ] || { echo "RBD_CODEGEN names no rbd-codegen: $expected_code is as it was" && exit 1; }
+    for real in $scalars; do
+        for robot in iiwa hyq atlas; do
+            generate $robot "$real"
+            # shellcheck disable=SC2086 # words wanted
+            object "$scratch/program.o" "$root/tests/reproducible_code.c" gcc -O1 $quickly $robot_options -DBY_LIBRARY \
+                -DMODEL_FILE="\"models/${robot}_model.h\"" && gcc "$scratch/program.o" -o "$scratch/program" -lm && "$scratch/program"
+        done
+    done >"$scratch/found"
+    cp "$scratch/found" "$expected_code"
     exit
 fi
 
@@ -96,6 +170,10 @@ else
             build $compiler -O$level
             build $compiler -O$level -march=native $contract
         done
+        robots="hyq atlas" # whose code takes a minute to compile
+        build_code $compiler -O1
+        build_code $compiler -O1 -march=native $contract
+        robots=iiwa
         if [ "$(uname -m)" = x86_64 ]; then
             build $compiler -O2 -mno-sse3
             build $compiler -O2 -U__SSE2__ # scalars alone
@@ -134,8 +212,7 @@ gives() {
     status=$1
     shift
     name="$* $status"
-    printf '%s\n' "$name" | grep -Eq -e "$only" || return 0
-    checks=$((checks + 1))
+    wanted "$name" || return 0
     # shellcheck disable=SC2086 # words wanted
     if "$@" -std=c99 -w $quickly -DEXPECTED="$status" -I"$root" "$scratch/rod.c" -o "$scratch/program" ${link:--lm} &&
         ${emulator-} "$scratch/program"; then
@@ -169,6 +246,9 @@ foreign() {
     with $foreign_compiler $emulator || { emulator=; return 0; }
     link='-static -lm'
     for level in 0 1 2 3 s; do build "$foreign_compiler" -O"$level" $quickly "$@"; done
+    robots=hyq
+    build_code "$foreign_compiler" -O2 "$@"
+    robots=iiwa
     emulator='' link=''
 }
 if [ "$how" != light ]; then
@@ -205,6 +285,10 @@ board() {
     for level in ${levels_of_boards}; do
         build $cross-gcc -O$level "$@" $more $quickly --specs=picolibc.specs -fno-math-errno -ffunction-sections
     done
+    robots=hyq
+    # shellcheck disable=SC2086 # words wanted
+    [ "$how" = light ] || build_code $cross-gcc -O2 "$@" $more --specs=picolibc.specs -fno-math-errno -ffunction-sections
+    robots=iiwa
     # The sum of doubles of libgcc's assembly for ARMv7-M rounds wrongly: refused.
     # shellcheck disable=SC2086 # words wanted
     case $board_name in

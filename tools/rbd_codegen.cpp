@@ -40,6 +40,8 @@ const char help_more[] =
     "libm's "
     "is\n"
     "                      linked for them\n"
+    "  --reproducible      the same bits with every compiler, option and machine: those of rbd.h under "
+    "RBD_REPRODUCIBLE\n"
     "  --short-sums        for machines that do one operation at a time, as Cortex-M\n"
     "  --block N           most statements of a C function (600); longer ones are cut into several\n"
     "How the file is read:\n";
@@ -160,6 +162,8 @@ int read_own(options *o, char **argv, int *i) {
         o->robot.f_ext = true;
     else if (strcmp(argv[*i], "--gravity-argument") == 0)
         o->robot.gravity_argument = true;
+    else if (strcmp(argv[*i], "--reproducible") == 0)
+        o->target.is_reproducible = o->robot.reproducible = true;
     else if (strcmp(argv[*i], "--bounded-angles") == 0)
         o->target.is_bounded = true;
     else if (strcmp(argv[*i], "--short-sums") == 0)
@@ -202,6 +206,9 @@ int read_options(options *o, char **argv) {
     if (!o->path) return 1 + usage_error("no file given");
     if (o->target.limbs > 1 && o->target.lanes > 1)
         return 1 + usage_error("--limbs: the lanes are those of --lanes already");
+    if (o->target.limbs > 1 && o->target.is_reproducible)
+        return 1 + usage_error("--limbs: computes in another order than rbd.h, which --reproducible forbids");
+    if (o->target.is_reproducible) o->target.statements.long_sums = false;
     if (o->target.name.empty()) o->target.name = stem(o->path);
     if (!is_identifier(o->target.name))
         return 1 + usage_error("'%s' is not a C identifier: give a --name", o->target.name.c_str());
@@ -228,6 +235,13 @@ template <class T> double error_of(const codegen::function &f, const codegen::ex
     return worst;
 }
 
+/* To the bit what the written code computes. */
+std::vector<double> exact_results(const codegen::function &f, const std::vector<std::vector<double>> &in) {
+    if (!f.code.is_float) return codegen::evaluate<double>(f, in);
+    const std::vector<float> x = codegen::evaluate<float>(f, in);
+    return {x.begin(), x.end()};
+}
+
 /* Records an algorithm and holds the record against rbd.h in some states: what is wrong is not written. */
 codegen::tested record(const options *o, const std::string &algorithm) {
     const bool is_float = o->target.is_float;
@@ -241,6 +255,11 @@ codegen::tested record(const options *o, const std::string &algorithm) {
         if (is_float) e.out = codegen::evaluate<double>(x.f, e.in); /* of the rounded constants */
         x.tolerance = std::fmax(x.tolerance, is_float ? error_of<float>(x.f, e) : error_of<double>(x.f, e));
         x.examples.push_back(e);
+    }
+    if (o->target.is_reproducible) {
+        x.tolerance = 0;
+        for (codegen::example &e : x.examples) e.out = exact_results(x.f, e.in);
+        return x;
     }
     int exponent; /* a power of two above: that is the same if the last bits of the errors are not */
     std::frexp(32 * x.tolerance + (is_float ? 1e-5 : 1e-13), &exponent);
@@ -279,6 +298,11 @@ void print_header(const options *o, const robot *r, const std::vector<codegen::t
         "   on known states: 0, or the number of the first that is wrong; -D%s_SELFTEST_MAIN adds a main\n"
         "   that prints what it found.\n\n",
         name, name, name, upper, name, upper);
+    if (o->target.is_reproducible)
+        printf("   Every compiler, option and machine that rounds as IEEE 754 does gives the same bits: "
+               "those of\n"
+               "   rbd.h under RBD_REPRODUCIBLE, but for the signs of zeros. clang: not with "
+               "-ffp-contract=fast.\n\n");
     printf("   Units are SI, matrices row-major; coordinates and frames are those of rbd.h. Arrays must not\n"
            "   overlap. Functions that return int give 0, or, all results being 0 then, 1 + the degree of "
            "freedom\n"

@@ -84,9 +84,9 @@ class writer {
     const function &f;
     const target &t;
     program p;
-    std::vector<int> order;             /* statements */
-    std::vector<std::string> name;      /* of each node's value */
-    std::unordered_map<int, int> angle; /* of a node: its index among the angles */
+    std::vector<int> order;            /* statements */
+    std::vector<std::string> name;     /* of each node's value */
+    std::map<wanted_angle, int> angle; /* its index among the angles */
     struct store {
         std::string array;
         size_t k;
@@ -112,6 +112,7 @@ class writer {
     std::string statement(int i);
     std::string block_text(int b);
     std::string sines() const;
+    std::string reproducible_sines() const;
     std::string end() const;
 
     /* Whether angles beyond are refused by a status: by one more pivot, 1 or NaN, which is judged first. */
@@ -166,7 +167,7 @@ std::string writer::gathered(int i) const {
         const node &n = p.at(node_of(x));
         if (is_negative(x) || !p.is_leaf(node_of(x)) || n.op == CONSTANT) return std::make_pair(-1, -1);
         return n.op == INPUT ? std::make_pair(n.arg[0], n.arg[1])
-                             : std::make_pair(-int(n.op), angle.at(node_of(n.arg[0])));
+                             : std::make_pair(-int(n.op), angle.at(p.angle_of(node_of(x))));
     };
     bool contiguous = true;
     for (int l = 0; l < t.limbs; l++)
@@ -180,7 +181,7 @@ std::string writer::leaf(int i) const {
     if (n.op == CONSTANT) return number(n.constant);
     if (n.op == GATHER) return "(limbs){" + elements(i) + "}";
     if (n.op == INPUT) return format("%s[%d]", f.inputs[size_t(n.arg[0])].name.c_str(), n.arg[1]);
-    return format("%s[%d]", n.op == SINE ? "sine" : "cosine", angle.at(node_of(n.arg[0])));
+    return format("%s[%d]", n.op == SINE ? "sine" : "cosine", angle.at(p.angle_of(i)));
 }
 
 std::string writer::operand_signed(value x) const {
@@ -294,14 +295,33 @@ std::string writer::block_text(int b) {
     return s;
 }
 
+/* One after the other, so that right angles and angles of any size are those of rbd.h. */
+std::string writer::reproducible_sines() const {
+    const size_t n = p.angles.size();
+    std::string angles, quarters, s;
+    for (const wanted_angle &x : p.angles) {
+        const bool is_constant = f.code.is_constant(x.x);
+        const char *before = angles.empty() ? "" : ", ";
+        angles += before + (is_constant ? "splat(" + angle_text(x.x) + ")" : angle_text(x.x));
+        quarters += before + number(f.code.constant_of(x.quarters));
+    }
+    s = format("    static const scalar quarters[%zu] = {%s};\n    const real angle[%zu] = {%s};\n"
+               "    real sine[%zu], cosine[%zu];\n",
+               n, quarters.c_str(), n, angles.c_str(), n, n);
+    if (refuses()) s += format("    pivot[%zu] = splat(1);\n", f.pivots.size());
+    return s + format("    sines_of(angle, quarters, %zu, sine, cosine, %s);\n", n,
+                      refuses() ? format("pivot + %zu", f.pivots.size()).c_str() : "0");
+}
+
 std::string writer::sines() const {
     const size_t n = p.angles.size(), padded = (n + 3) / 4 * 4;
     if (n == 0) return "";
+    if (t.is_reproducible) return reproducible_sines();
     std::string s = format("    real angle[%zu], sine[%zu], cosine[%zu];\n    batch squares = {0};\n", padded,
                            padded, padded);
     for (size_t k = 0; k < n; k += 4) {
         s += format("    sines4(%zu", std::min<size_t>(4, n - k));
-        for (size_t j = k; j < k + 4; j++) s += ", " + angle_text(2 * p.angles[j < n ? j : k]);
+        for (size_t j = k; j < k + 4; j++) s += ", " + angle_text(p.angles[j < n ? j : k].x);
         s += format(", angle + %zu, sine + %zu, cosine + %zu, &squares);\n", k, k, k);
     }
     s += format("    SINES_OF(%zu);\n", n);
@@ -364,7 +384,8 @@ std::string contract(const function &f, const program &p, const target &t) {
     if (p.angles.empty())
         s += "   Angles: none.\n";
     else if (!t.is_bounded)
-        s += format("   Angles: any; from %s rad on by libm.\n", limit);
+        s += t.is_reproducible ? "   Angles: any.\n"
+                               : format("   Angles: any; from %s rad on by libm.\n", limit);
     else if (pivots)
         s += format("   Angles: below %s rad in size. Else, and if one is NaN, it returns -1 - %s_NV.\n",
                     limit, upper(t.name).c_str());
@@ -414,14 +435,17 @@ std::string declarations(const std::vector<tested> &functions, const target &t) 
 
 namespace {
 
-const char compiler_text[] = R"(
+const char compiler_begin[] = R"(
+#include <float.h>
 #include <math.h>
 #include <stdint.h>
 
 #if defined __FAST_MATH__ || defined __ASSOCIATIVE_MATH__
 #error "reassociation voids the sine's argument reduction: compile without -ffast-math"
 #endif
+)";
 
+const char compiler_contraction[] = R"(
 /* GCC's vectoriser packs scalars and loses time by it, as does its first scheduler on Arm, which spills; its
    ISO modes switch contraction to fused operations off. */
 #if defined __GNUC__ && !defined __clang__ && defined __OPTIMIZE__
@@ -432,6 +456,31 @@ const char compiler_text[] = R"(
 #elif defined __clang__
 #pragma STDC FP_CONTRACT ON
 #endif
+)";
+
+const char compiler_reproducible[] = R"(
+#ifdef __RECIPROCAL_MATH__
+#error "divisions have the bits of IEEE 754: compile without -freciprocal-math"
+#endif
+
+/* Products and sums are rounded one by one: no FMA. GCC's vectoriser packs scalars and loses time by it, as
+   does its first scheduler on Arm, which spills. */
+#ifdef __clang__
+#pragma clang fp contract(off)
+#elif defined __GNUC__
+#pragma GCC optimize("fp-contract=off")
+#ifdef __OPTIMIZE__
+#pragma GCC optimize("no-tree-slp-vectorize,no-tree-vectorize,no-math-errno")
+#ifdef __arm__
+#pragma GCC optimize("no-schedule-insns")
+#endif
+#endif
+#else
+#pragma STDC FP_CONTRACT OFF
+#endif
+)";
+
+const char compiler_end[] = R"(
 #ifdef __GNUC__
 #define INLINE static inline __attribute__((always_inline, unused))
 #define PART static __attribute__((noinline))
@@ -443,6 +492,27 @@ const char compiler_text[] = R"(
 #endif
 #if defined __GNUC__ && defined __FLT_EVAL_METHOD__ && (__FLT_EVAL_METHOD__ == 0 || __FLT_EVAL_METHOD__ > 2)
 #define OWN_SINES
+#endif
+)";
+
+const char evaluation_text[] = R"(
+/* Products and sums are rounded to the scalar. tcc does not tell how. */
+#ifdef __FLT_EVAL_METHOD__
+#define EVALUATION __FLT_EVAL_METHOD__
+#elif defined FLT_EVAL_METHOD
+#define EVALUATION FLT_EVAL_METHOD
+#elif defined __TINYC__ && !defined __i386__
+#define EVALUATION 0
+#else
+#define EVALUATION -1
+#endif
+#ifdef SCALAR_IS_FLOAT
+#define KEEPS_DIGITS (EVALUATION == 1 || EVALUATION == 2 || EVALUATION < 0)
+#else
+#define KEEPS_DIGITS (EVALUATION == 2 || EVALUATION < 0)
+#endif
+#if KEEPS_DIGITS
+#error "not reproducible: x87 keeps more digits, use SSE2; s390x keeps those of double, use -std=gnu99"
 #endif
 )";
 
@@ -588,9 +658,9 @@ const node &input_of(const graph &g, value angle, double *slope) {
 }
 
 /* An angle a thousand times too large, where unchecked polynomials still have values, is refused. */
-std::string selftest_beyond(const function &f, int angle, const target &t, const std::string &call) {
+std::string selftest_beyond(const function &f, value angle, const target &t, const std::string &call) {
     double slope = 1;
-    const node &n = input_of(f.code, 2 * angle, &slope);
+    const node &n = input_of(f.code, angle, &slope);
     const double beyond = (t.is_float ? 1e7 : 1e9) / std::fabs(slope);
     std::string s =
         format("    for (int j = 0; j < LANES; ++j) {\n        const scalar beyond[1] = {%s};\n"
@@ -680,7 +750,7 @@ std::string selftest(const std::vector<tested> &functions, const target &t) {
                 a.name.c_str(), t.name.c_str(), f.name.c_str(), a.name.c_str(), states, a.size,
                 tolerance.c_str());
         s += "    }\n" +
-             (t.is_bounded && !p.angles.empty() ? selftest_beyond(f, p.angles[0], t, call)
+             (t.is_bounded && !p.angles.empty() ? selftest_beyond(f, p.angles[0].x, t, call)
                                                 : std::string("    return 0;\n")) +
              "}\n";
         rows += format("    {\"%s_%s\", test_%s, %d, %s},\n", t.name.c_str(), f.name.c_str(), f.name.c_str(),
@@ -693,11 +763,14 @@ std::string selftest(const std::vector<tested> &functions, const target &t) {
 
 std::string definitions(const std::vector<tested> &functions, const target &t) {
     const char *scalar = t.is_float ? "float" : "double", *suffix = t.is_float ? "f" : "";
-    std::string s = compiler_text;
+    std::string s = compiler_begin;
+    s += t.is_reproducible ? compiler_reproducible : compiler_contraction;
+    s += compiler_end;
     s += format("\ntypedef %s scalar;\n#define LANES %d\n#define LIBM_SIN sin%s\n#define LIBM_COS cos%s\n"
                 "#define LIBM_SQRT sqrt%s\n",
                 scalar, t.lanes, suffix, suffix, suffix);
     if (t.is_float) s += "#define SCALAR_IS_FLOAT\n";
+    if (t.is_reproducible) s += evaluation_text;
     if (t.is_bounded) s += "#define ANGLES_ARE_BOUNDED\n";
     if (t.lanes > 1)
         s += format("typedef %s_real real;\ntypedef %s signed_bit;\n", t.name.c_str(),
@@ -711,7 +784,8 @@ std::string definitions(const std::vector<tested> &functions, const target &t) {
         angles = angles || !program(x.f, t.statements).angles.empty();
         pivots = pivots || !x.f.pivots.empty();
     }
-    if (angles) s += std::string(t.is_float ? sines_float : sines_double) + sines_common;
+    if (angles) s += std::string(t.is_float ? sines_float : sines_double);
+    if (angles) s += t.is_reproducible ? sines_reproducible(t.is_float, t.is_bounded) : sines_common;
     if (pivots) s += judge_text;
     s += "\n";
     for (const tested &x : functions) s += writer(x.f, t).text();

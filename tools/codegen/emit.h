@@ -10,6 +10,7 @@ namespace codegen {
 struct target {
     std::string name;          /* what all names begin with */
     bool is_float, is_bounded; /* is_bounded: no angle is beyond what the polynomials take */
+    bool is_reproducible;      /* the same bits wherever it is compiled: functions are of exact graphs */
     int lanes;                 /* 1: plain scalars */
     int limbs;                 /* like limbs of a state at once; 1: none are */
     int block;                 /* most statements of one C function */

@@ -1,5 +1,6 @@
 /* Arithmetic as a graph: folding, sharing, evaluation. SPDX-License-Identifier: MIT */
 #include "graph.h"
+#include "own_sines.h"
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -37,7 +38,7 @@ value graph::input(int array, int element) { return make(INPUT, array, element);
 value graph::add(value a, value b) {
     if (is(a, 0)) return b;
     if (is(b, 0)) return a;
-    if (is_constant(a) && is_constant(b)) return constant(constant_of(a) + constant_of(b));
+    if (is_constant(a) && is_constant(b)) return folded(constant_of(a) + constant_of(b));
     if (a == negated(b)) return constant(0);
     if (a == b) return scaled(2, a);
     if (node_of(a) > node_of(b)) std::swap(a, b);
@@ -48,7 +49,7 @@ value graph::add(value a, value b) {
 /* k x; of a product with a constant, that times k. */
 value graph::scaled(double k, value x) {
     const node &n = nodes[size_t(node_of(x))];
-    if (n.op == MULTIPLY)
+    if (n.op == MULTIPLY && !is_exact)
         for (int i = 0; i < 2; i++)
             if (is_constant(n.arg[i])) {
                 const value rest = n.arg[1 - i];
@@ -64,7 +65,7 @@ value graph::scaled(double k, value x) {
 value graph::multiply(value a, value b) {
     if (is_constant(b)) std::swap(a, b);
     if (is(a, 0) || is(b, 1)) return a;
-    if (is_constant(a) && is_constant(b)) return constant(constant_of(a) * constant_of(b));
+    if (is_constant(a) && is_constant(b)) return folded(constant_of(a) * constant_of(b));
     if (is(a, 1)) return b;
     if (is(a, -1)) return negated(b);
     if (is_constant(a)) return scaled(constant_of(a), b);
@@ -75,18 +76,24 @@ value graph::multiply(value a, value b) {
 }
 
 value graph::divide(value a, value b) {
-    if (is_constant(b) && constant_of(b) != 0) return multiply(constant(1 / constant_of(b)), a);
+    if (is_constant(b) && constant_of(b) != 0 && !is_exact) return multiply(constant(1 / constant_of(b)), a);
+    if (is_constant(a) && is_constant(b) && constant_of(b) != 0)
+        return folded(constant_of(a) / constant_of(b));
+    if (is(b, 1)) return a;
     if (is(a, 0)) return a;
     return negated(make(DIVIDE, 2 * node_of(a), 2 * node_of(b)), is_negative(a) != is_negative(b));
 }
 
-value graph::root(value a) { return is_constant(a) ? constant(std::sqrt(constant_of(a))) : make(ROOT, a); }
+value graph::root(value a) { return is_constant(a) ? folded(std::sqrt(constant_of(a))) : make(ROOT, a); }
 
-value graph::sine(value a) {
+value graph::sine(value a, int quarters) {
+    static const int of_zero[] = {0, 1, 0, -1};
+    if (is_exact) return is(a, 0) ? constant(of_zero[quarters]) : make(SINE, a, constant(quarters));
     if (is_constant(a)) return constant(codegen::sine(constant_of(a)));
     return negated(make(SINE, 2 * node_of(a)), is_negative(a));
 }
-value graph::cosine(value a) {
+value graph::cosine(value a, int quarters) {
+    if (is_exact) return is(a, 0) ? sine(a, (quarters + 1) % 4) : make(COSINE, a, constant(quarters));
     return is_constant(a) ? constant(codegen::cosine(constant_of(a))) : make(COSINE, 2 * node_of(a));
 }
 
@@ -134,8 +141,13 @@ template <class T> std::vector<T> evaluate(const function &f, const std::vector<
         case MULTIPLY: x[i] = of(a[0], l) * of(a[1], l); break;
         case DIVIDE: x[i] = of(a[0], l) / of(a[1], l); break;
         case ROOT: x[i] = std::sqrt(of(a[0], l)); break;
-        case SINE: x[i] = T(sine(double(of(a[0], l)))); break;
-        case COSINE: x[i] = T(cosine(double(of(a[0], l)))); break;
+        case SINE:
+        case COSINE: {
+            T own[2] = {T(sine(double(of(a[0], l)))), T(cosine(double(of(a[0], l))))};
+            if (a[1] >= 0) own_sines(of(a[0], l), of(a[1], l), &own[0], &own[1]);
+            x[i] = own[n.op == COSINE];
+            break;
+        }
         case SELECT: x[i] = of(a[0], l) < of(a[1], l) ? of(a[2], l) : of(a[3], l); break;
         case GATHER: x[i] = a[l] < 0 ? 0 : of(a[l], 0); break;
         case LANE: x[i] = of(a[0], int(n.constant)); break;

@@ -18,7 +18,7 @@ inline bool is_negative(value x) { return x & 1; }
 inline value negated(value x, bool when = true) { return x ^ int(when); }
 
 /* arg: operands, -1 where there are fewer; of an input its array and element. SELECT: arg[0] < arg[1] ?
-   arg[2] : arg[3]. GATHER: a vector of scalars; LANE: its element `constant`; sums, products and quotients of
+   arg[2] : arg[3]. SINE, COSINE: where the graph is exact, arg[1] is a constant, right angles more. GATHER: a vector of scalars; LANE: its element `constant`; sums, products and quotients of
    vectors are vectors. Operands of products and quotients, and the first of a sum, are never negative. */
 struct node {
     operation op;
@@ -35,6 +35,8 @@ double cosine(double x);
 class graph {
   public:
     std::vector<node> nodes;
+    bool is_exact = false; /* only what no rounding changes is folded */
+    bool is_float = false; /* what constants are rounded to then */
 
     value constant(double x);
     value input(int array, int element);
@@ -42,8 +44,8 @@ class graph {
     value multiply(value a, value b);
     value divide(value a, value b);
     value root(value a);
-    value sine(value a);
-    value cosine(value a);
+    value sine(value a, int quarters = 0); /* of a and as many right angles, which need is_exact */
+    value cosine(value a, int quarters = 0);
     value select(value a, value b, value x, value y);
     value gather(value a, value b, value c, value d);
     value lane(value vector, int lane);
@@ -64,6 +66,7 @@ class graph {
     value make(operation op, value a = -1, value b = -1, value c = -1, value d = -1, double x = 0);
     bool is(value x, double constant) const { return is_constant(x) && constant_of(x) == constant; }
     value scaled(double k, value x);
+    value folded(double x) { return constant(is_exact && is_float ? double(float(x)) : x); }
 };
 
 /* ---- functions ---- */

@@ -26,8 +26,8 @@ void program::mark() {
         const node &n = at(i);
         if (!is_statement[size_t(i)]) continue;
         if (n.op == SINE || n.op == COSINE) {
-            const int angle = node_of(n.arg[0]);
-            if (std::find(angles.begin(), angles.end(), angle) == angles.end()) angles.push_back(angle);
+            const wanted_angle x = angle_of(i);
+            if (std::find(angles.begin(), angles.end(), x) == angles.end()) angles.push_back(x);
         }
         if (is_leaf(i) || n.op == LANE) is_statement[size_t(i)] = 0;
         if (is_leaf(i)) continue;

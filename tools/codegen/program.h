@@ -18,6 +18,14 @@ struct term {
     int a, b;
 };
 
+/* Whose sine and cosine are wanted; quarters: node of the right angles to be added, or -1. */
+struct wanted_angle {
+    value x;
+    value quarters;
+    bool operator<(const wanted_angle &y) const { return x < y.x || (x == y.x && quarters < y.quarters); }
+    bool operator==(const wanted_angle &y) const { return x == y.x && quarters == y.quarters; }
+};
+
 struct operations {
     int multiplications, additions, divisions, roots, angles, choices, of_vectors;
 };
@@ -30,13 +38,14 @@ class program {
     std::vector<char> is_statement;
     std::vector<std::vector<term>> terms;
     std::vector<char> flipped; /* the statement computes the node's negative */
-    std::vector<int> angles;   /* nodes whose sine and cosine are wanted */
+    std::vector<wanted_angle> angles;
 
     program(const function &f, const style &s);
 
     const node &at(int i) const { return f.code.nodes[size_t(i)]; }
     bool
     is_leaf(int i) const; /* constants, inputs, sines and cosines, which are there before all statements */
+    wanted_angle angle_of(int i) const { return {at(i).arg[0], at(i).arg[1]}; } /* of a sine or cosine */
     bool term_is_negative(int i, const term &t) const;
     std::vector<int> operands(int i) const; /* nodes that a statement uses, leaves among them */
     operations count() const;

@@ -85,6 +85,20 @@ static inline number sin(number a) { return number::of(write(SINE, a.x)); }
 static inline number cos(number a) { return number::of(write(COSINE, a.x)); }
 static inline number sqrt(number a) { return number::of(write(ROOT, a.x)); }
 
+/* Of x and as many right angles. */
+static inline void sincos(number x, int quarters, number *s, number *c) {
+    if (tape->is_exact) {
+        s->x = tape->sine(x.x, quarters), c->x = tape->cosine(x.x, quarters);
+        return;
+    }
+    number sine = sin(x), cosine = cos(x);
+    for (; quarters > 0; quarters--) {
+        const number next = cosine;
+        cosine = -sine, sine = next;
+    }
+    *s = sine, *c = cosine;
+}
+
 /* A condition: known, or a comparison a < b or its opposite, or more than that, which can be asked for only
    as `any`. Of what is not known the recording takes that no state meets it: the one such question of rbd.h
    is whether pivots are in doubt, and that is asked again after the recorded code, see `pivots`. */
@@ -135,6 +149,7 @@ using ::cos, ::sin, ::sqrt; /* of constants */
 #define RBD_MASK codegen::RECORD_SPACE::mask
 #define RBD_CONST CONSTANTS
 #define RBD_STATIC
+#define RBDI_SINCOS codegen::RECORD_SPACE::sincos
 #define RBDI_NO_FAVOURITE codegen::RECORD_SPACE::has_like_limbs
 #define RBD_IMPLEMENTATION
 #include "rbd_derivatives.h" /* in this namespace: its structs are of this scalar */
@@ -173,6 +188,7 @@ static std::string identifier(std::string name) {
 function RECORD(const robot &r, const std::string &name) {
     using namespace RECORD_SPACE;
     function f;
+    f.code.is_exact = r.reproducible, f.code.is_float = sizeof(CONSTANTS) == sizeof(float);
     tape = &f.code;
     sketch = graph();
     terms.clear();

@@ -14,7 +14,8 @@ struct robot {
     int nb;
     double gravity[3];
     bool f_ext, gravity_argument;
-    bool limbs_alike; /* the same operations for limbs of one size, if it takes more of them */
+    bool reproducible; /* rbd.h's bits under RBD_REPRODUCIBLE */
+    bool limbs_alike;  /* the same operations for limbs of one size, if it takes more of them */
 };
 
 /* Of a body: where its joint stands in q and v. */
