@@ -1,6 +1,7 @@
-/* reproducible_code.c - code that rbd-codegen --reproducible wrote, --name code: a hash over the results of all its
-   functions. With -DBY_LIBRARY the hash of what rbd.h gives under RBD_REPRODUCIBLE, which is the same: so are made
-   those of reproducible_code.txt, by -DMODEL=NAME. LINK is the link of jacobian and pose; REAL the scalar. */
+/* reproducible_code.c - code that rbd-codegen --reproducible --name code wrote: a hash over the results of all its
+   functions. With -DBY_LIBRARY and -DMODEL_FILE the hash of what rbd.h gives under RBD_REPRODUCIBLE, which is
+   the same: reproducible_code.txt has those. ROBOT is its name, REAL the scalar, LINK that of jacobian and
+   pose. */
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
@@ -16,6 +17,10 @@
 #define RBD_IMPLEMENTATION
 #include "rbd_derivatives.h"
 #include MODEL_FILE
+#elif defined __clang__ /* states are the same too */
+#pragma clang fp contract(off)
+#elif defined __GNUC__
+#pragma GCC optimize("fp-contract=off")
 #endif
 
 #include "code_code.h"
@@ -53,7 +58,8 @@ static const REAL *q_of_kinematics(const REAL *q) {
 #define code_pose PASTE(code_pose_, LINK)
 #endif
 
-/* FNV-1a, over the bits of numbers, the least first. The zeros count as one, and so do all that are no numbers. */
+/* FNV-1a, over the bits of numbers, the least first. Both zeros count as one, and so do all that are no
+   numbers. */
 static void hash_bits(uint64_t *hash, uint64_t bits, int bytes) {
     for (int i = 0; i < bytes; i++) *hash = (*hash ^ (bits >> 8 * i & 255)) * UINT64_C(0x100000001b3);
 }
@@ -92,7 +98,7 @@ static void draw(REAL size, REAL *x, int n) {
     }
 }
 
-/* States at random; all joints at multiples of 45 degrees, where quadrants meet; at angles of many turns; zeros. */
+/* States at random; all joints at multiples of 45 degrees, where quadrants meet; many turns away; zeros. */
 enum { ORDINARY = 2, QUADRANTS = 2, TURNS, ZERO, STATES };
 static void choose_state(int state) {
     static const REAL turned[STATES][4] = {{(REAL)0.5, (REAL)-0.5, (REAL)0.5, (REAL)0.5},

@@ -46,6 +46,7 @@ expect 2 "--scalar: 'half' is neither double nor float$see" --scalar half a
 expect 2 "--lanes: '3' is none of 2, 4, 8, 16$see" --lanes 3 a
 expect 2 "--limbs: '3' is none of 1, 2, 4$see" --limbs 3 a
 expect 2 "--limbs: the lanes are those of --lanes already$see" --limbs 2 --lanes 2 a
+expect 2 "--limbs: computes in another order than rbd.h, which --reproducible forbids$see" --limbs 2 --reproducible a
 expect 2 "--block: '9' is no number from 50 on$see" --block 9 a
 expect 2 "unknown option '--bounded-angle'; did you mean '--bounded-angles'? See rbd-codegen --help" --bounded-angle a
 expect 2 "unknown option '--floatin'; did you mean '--floating'? See rbd-codegen --help" --floatin a
@@ -123,6 +124,21 @@ selftest cart --lanes 4 --f-ext --gravity-argument --algorithm $all "$root/model
 selftest named --algorithm rnea,crba,aba --output= "$root/models/cart_pole.urdf"
 grep -q "^int named_fd(" named_code.h || fail "aba is not fd"
 selftest tilted --gravity 1,2,-9 --algorithm gravity_torque "$root/models/cart_pole.urdf"
+
+# reproducible: to the bit, and refused where that cannot be; reproducible_code.c compares bits with rbd.h's
+for options in "" "--scalar float --lanes 4" "--bounded-angles --lanes 2" "--scalar float --bounded-angles"; do
+    # shellcheck disable=SC2086 # words wanted
+    selftest same --reproducible $options --algorithm id,minv "$iiwa"
+    [ "$(grep -c ' largest error 0.0e+00, 0.0e+00 allowed: ' out)" -eq 2 ] && fail "no result is changed: $options"
+    sed -i 's/{1 + /{/' same_code.c
+    ${CC:-cc} -O2 -w -march=native -DSAME_SELFTEST -DSAME_SELFTEST_MAIN -o test same_code.c -lm && ./test >out || fail "other bits: $options"
+    [ "$(grep -c ' largest error 0.0e+00, 0.0e+00 allowed: right$' out)" -eq 2 ] || { fail "not to the bit: $options"; cat out; }
+done
+for option in -ffast-math -mfpmath=387; do
+    [ $option = -ffast-math ] || [ "$(echo __FLT_EVAL_METHOD__ | ${CC:-cc} $option -E -P - 2>/dev/null)" = 2 ] || continue
+    ${CC:-cc} $option -fsyntax-only same_code.c 2>out && fail "$option is taken"
+    grep -q '#error' out || { fail "$option is not refused by name"; cat out; }
+done
 
 # the sines
 for scalar in double float; do
