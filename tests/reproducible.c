@@ -1,22 +1,31 @@
 /* reproducible.c - RBD_REPRODUCIBLE: hashes over the results of all calls, which are the same whatever
-   compiled this and whatever runs it. Prints a line for each header; with -DEACH_CALL one for each call.
+   compiled this and whatever runs it. Prints a line for each header; with -DEACH_CALL one for each call. With
+   -DALONE=NAME and -DMODEL_FILE of the table of that robot alone, with or without RBD_FEATURES.
    reproducible.sh compares them with reproducible.txt. */
 #ifndef NOT_REPRODUCIBLE
 #define RBD_REPRODUCIBLE
 #endif
 #define RBD_IMPLEMENTATION
+#ifdef RBD_FEATURES
+#include MODEL_FILE /* the features alone */
+#endif
+
 #include "rbd_spatial.h"
 
 #include "rbd_derivatives.h"
 
 #include "rbd_contact.h"
 
+#ifdef ALONE
+#include MODEL_FILE
+#else
 #include "models/atlas.h"
 #include "models/atlas_model.h"
 #include "models/hyq.h"
 #include "models/hyq_model.h"
 #include "models/iiwa.h"
 #include "models/iiwa_model.h"
+#endif
 
 #include "all_calls.h"
 #include <stdio.h>
@@ -26,6 +35,8 @@
 
 #define QUOTE_OF(x) #x
 #define QUOTE(x) QUOTE_OF(x)
+#define PASTE_OF(a, b) a##b
+#define PASTE(a, b) PASTE_OF(a, b)
 
 /* Of robots.c's descriptions; world.c has them too, with all else. */
 int world_nv(const rbd_body *b) { return rbdi_joint_facts(b->type)->nv; }
@@ -190,6 +201,9 @@ int main(void) {
 #ifdef EACH_CALL
     h.each = 1;
 #endif
+#ifdef ALONE
+    hash_model(QUOTE(ALONE), &PASTE(ALONE, _model), 4, &h);
+#else
     hash_model("iiwa-table", &iiwa_model, 4, &h);
     hash_model("hyq-table", &hyq_model, 4, &h);
     hash_model("atlas-table", &atlas_model, 4, &h);
@@ -198,6 +212,7 @@ int main(void) {
     hash_description("atlas", atlas_bodies, ATLAS_NB, 2, &h);
     hash_random(3, &h);
     hash_spatial(&h);
+#endif
     for (int k = 0; !h.each && k < HEADERS; k++)
         printf("%s %s %08lx%08lx\n", QUOTE(RBD_REAL), headers[k], (unsigned long)(h.of[k] >> 32),
                (unsigned long)(h.of[k] & UINT32_MAX));

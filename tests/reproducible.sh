@@ -185,6 +185,36 @@ fi
 # tcc 0.9.27 overwrites an argument that is a structure of three floats while it computes the next one.
 if [ "$(uname -m)" = x86_64 ] && with tcc; then scalars=double build tcc; fi
 
+# ---- RBD_FEATURES: what a robot needs gives the same bits as the whole library ----
+
+# features ROBOT COMPILER OPTION...
+features() {
+    robot=$1 all=$(echo "$1" | tr a-z A-Z)_FEATURES
+    shift
+    for real in $scalars; do
+        name="$* $real, features of $robot"
+        wanted "$name" || continue
+        : >"$scratch/found"
+        if compile "$scratch/right" "$real" "$@" -DEACH_CALL -DALONE="$robot" -DMODEL_FILE="\"models/${robot}_model.h\"" &&
+            "$scratch/right" >"$scratch/calls" && [ -s "$scratch/calls" ] &&
+            compile "$scratch/program" "$real" "$@" -DEACH_CALL -DALONE="$robot" -DMODEL_FILE="\"models/${robot}_model.h\"" \
+                -DRBD_FEATURES="$all" &&
+            "$scratch/program" >"$scratch/found" && cmp -s "$scratch/calls" "$scratch/found"; then
+            echo "ok: $name"
+        else
+            failures=$((failures + 1))
+            echo "FAILED: $name"
+            diff "$scratch/calls" "$scratch/found" | sed -n '1,4p'
+        fi
+    done
+}
+if with gcc; then
+    [ "$how" = all ] || scalars=float
+    features iiwa gcc -O1 -march=native $quickly
+    scalars="double float"
+    [ "$how" = light ] || for robot in hyq atlas; do features $robot gcc -O1 -march=native $quickly; done
+fi
+
 # ---- what is refused ----
 
 cat >"$scratch/rod.c" <<'END'
