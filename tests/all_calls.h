@@ -264,7 +264,7 @@ static void all_calls_contact(all_calls *s) {
     rbd_contact list[2] = {{.body1 = s->nb - 1, .body2 = -1, .point = {0.125, 0, 0.25}, .friction = 0.5},
                            {.body1 = s->nb / 2, .body2 = -1, .radius = 0.25, .friction = 0.75}};
     const rbd_contact_options options = {
-        .margin = 100, .joint_limits = 1, .joint_friction = 1, .joint_damping = 1};
+        .margin = 100, .joint_limits = 1, .joint_friction = 1, .joint_damping = 1, .derivatives = 1};
     const double slope[3] = {0.25, -0.5, 2};
     const size_t size = rbd_contact_set_size(s->m, 2, NULL, 0, &options),
                  derivatives_size = rbd_derivatives_size(s->m);
