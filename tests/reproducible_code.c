@@ -1,7 +1,7 @@
-/* reproducible_code.c - code that rbd-codegen --reproducible --name code wrote: a hash over the results of all its
-   functions. With -DBY_LIBRARY and -DMODEL_FILE the hash of what rbd.h gives under RBD_REPRODUCIBLE, which is
-   the same: reproducible_code.txt has those. ROBOT is its name, REAL the scalar, LINK that of jacobian and
-   pose. */
+/* reproducible_code.c - a hash over the results of all functions that rbd-codegen --reproducible --name code
+   wrote. With -DBY_LIBRARY and -DMODEL_FILE the hash of rbd.h's results under RBD_REPRODUCIBLE, which is the
+   same: reproducible_code.txt has it. ROBOT is the robot's name, REAL the scalar, LINK the link of jacobian
+   and pose. */
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>

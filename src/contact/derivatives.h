@@ -55,8 +55,8 @@ static void rbdi_change_rows(const rbd_model *m, rbd_contact_set *c, const rbd_d
     }
 }
 
-/* Adds to sigma what contacts and held constraints have in it, and to rho d(J' p), by q; or, at the velocities
-   v before the step, sigma of rebounds, whose bias is restitution J v: by q or, x = 1, by v. */
+/* Adds the terms of contacts and held constraints to sigma, and d(J' p) to rho, by q; or, at the velocities v
+   before the step, those of rebounds, whose bias is restitution J v, to sigma: by q or, x = 1, by v. */
 static void rbdi_change_constraints(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
                                     const rbd_real *nu, int purpose, int rebounds, int x, rbd_real *rho) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
