@@ -41,8 +41,8 @@
    [limits]
      No collision detection, no rolling and torsional friction, no batches; planes are infinite. Convergence
      of the solver is not proven, nor is the solution unique where friction is large; the residual says what
-     was reached. Rebounds of several contacts with friction follow Newton's law, which may gain energy in known
-     examples; without restitution a contact only takes energy.
+     was reached. Rebounds of several contacts with friction follow Newton's law, which may gain energy in
+     known examples; without restitution a contact only takes energy.
 */
 #include "rbd_constraints.h"
 

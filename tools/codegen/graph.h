@@ -18,7 +18,7 @@ inline bool is_negative(value x) { return x & 1; }
 inline value negated(value x, bool when = true) { return x ^ int(when); }
 
 /* arg: operands, -1 where there are fewer; of an input its array and element. SELECT: arg[0] < arg[1] ?
-   arg[2] : arg[3]. SINE, COSINE: where the graph is exact, arg[1] is a constant, the right angles to be added.
+   arg[2] : arg[3]. SINE, COSINE: if the graph is exact, arg[1] is a constant, the right angles to be added.
    GATHER: a vector of scalars; LANE: its element `constant`; sums, products and quotients of vectors are
    vectors. Operands of products and quotients, and the first of a sum, are never negative. */
 struct node {
