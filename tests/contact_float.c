@@ -1,15 +1,17 @@
-/* contact_float.c - rbd_contact.h in float: the same behaviour at its tolerance, 1e-5 m/s. */
+/* contact_float.c - rbd_contact.h in float: the same behaviour at its tolerance, 1e-5 m/s, and its
+   derivatives beside differences in double. */
 #define RBD_REAL float
+#define RBD_STATIC
 #define RBD_IMPLEMENTATION
+#include "rbd_derivatives.h"
 #include "rbd_contact.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "models/hyq.h"
+#include "contact_differences.h"
 
-enum { FEET = 4, LEGS = 12 };
 static const float stance[LEGS] = {0, 0, 0, 0, 0.7f, 0.7f, -0.7f, -0.7f, -1.4f, -1.4f, 1.4f, 1.4f};
 
 static int failures;
@@ -19,50 +21,114 @@ static void expect(int holds, const char *what, double value) {
     printf("FAILED: %s: %g\n", what, value);
 }
 
-/* HyQ drops by 5 cm onto its feet, and stands. */
-static void drop(float dt) {
+static const rbd_model *model;
+static rbd_work *work;
+static rbd_contact_set *set;
+static float q[HYQ_NQ], v[HYQ_NV], tau[HYQ_NV], damping[HYQ_NV];
+
+/* HyQ in its stance, its feet at this height. */
+static void open_hyq(float dt, float height, const rbd_contact_options *options) {
     static unsigned char model_memory[RBD_MODEL_SIZE(HYQ_NB)], work_memory[RBD_WORK_SIZE(HYQ_NB, HYQ_NV)];
     static unsigned char memory[100000];
-    float q[HYQ_NQ], v[HYQ_NV] = {0}, tau[HYQ_NV] = {0}, damping[HYQ_NV] = {0}, p[3], force[3], worst = 0;
-    rbd_contact foot[FEET];
-    const rbd_model *m;
-    rbd_work *w;
-    rbd_contact_set *c;
     const float point[3] = {0.33f, 0, 0};
-    double sum = 0;
-    int unsolved = 0;
-    if (rbd_model_build(hyq_bodies, HYQ_NB, model_memory, sizeof model_memory, &m, NULL) != RBD_OK ||
-        rbd_work_init(m, work_memory, sizeof work_memory, &w) != RBD_OK)
+    float p[3];
+    rbd_contact foot[FEET];
+    if (rbd_model_build(hyq_bodies, HYQ_NB, model_memory, sizeof model_memory, &model, NULL) != RBD_OK ||
+        rbd_work_init(model, work_memory, sizeof work_memory, &work) != RBD_OK)
         exit(2);
     for (int i = 0; i < FEET; i++)
         foot[i] = (rbd_contact){
             .body1 = HYQ_BODY_LF_LOWERLEG + i, .body2 = -1, .point = {0.33, 0, 0}, .friction = 0.7};
-    if (rbd_contact_set_init(m, w, foot, FEET, NULL, 0, NULL, memory, sizeof memory, &c, NULL) != RBD_OK)
+    if (rbd_contact_set_init(model, work, foot, FEET, NULL, 0, options, memory, sizeof memory, &set, NULL) !=
+        RBD_OK)
         exit(2);
-    rbd_neutral(m, q);
+    rbd_neutral(model, q);
+    for (int k = 0; k < HYQ_NV; k++) v[k] = tau[k] = damping[k] = 0;
     for (int k = 0; k < LEGS; k++) q[7 + k] = stance[k], damping[6 + k] = 8 + dt * 300;
-    rbd_kinematics(m, w, q, NULL, NULL);
-    rbd_point_position(m, w, HYQ_BODY_LF_LOWERLEG, point, p);
-    q[2] = 0.05f - p[2];
+    rbd_kinematics(model, work, q, NULL, NULL);
+    rbd_point_position(model, work, HYQ_BODY_LF_LOWERLEG, point, p);
+    q[2] = height - p[2];
+}
+
+static void control(void) {
+    for (int k = 0; k < LEGS; k++) tau[6 + k] = 300 * (stance[k] - q[7 + k]);
+}
+
+/* HyQ drops by 5 cm onto its feet, and stands. */
+static void drop(float dt) {
+    float force[3], worst = 0;
+    double sum = 0;
+    int unsolved = 0;
+    open_hyq(dt, 0.05f, NULL);
     for (int n = (int)(2 / dt); n > 0; n--) {
-        for (int k = 0; k < LEGS; k++) tau[6 + k] = 300 * (stance[k] - q[7 + k]);
-        expect(rbd_contact_step(m, c, q, v, tau, NULL, damping, dt, q, v) == RBD_OK, "step", n);
-        worst = fmaxf(worst, rbd_contact_last(c).residual);
-        unsolved += rbd_contact_last(c).residual > 1e-5f;
+        control();
+        expect(rbd_contact_step(model, set, q, v, tau, NULL, damping, dt, q, v) == RBD_OK, "step", n);
+        worst = fmaxf(worst, rbd_contact_last(set).residual);
+        unsolved += rbd_contact_last(set).residual > 1e-5f;
         for (int i = 0; i < FEET; i++) {
-            rbd_contact_get(c, i, NULL, force);
+            rbd_contact_get(set, i, NULL, force);
             expect(force[2] >= 0 && hypotf(force[0], force[1]) <= 0.70001f * force[2], "cone", force[2]);
         }
     }
-    for (int i = 0; i < FEET; i++) rbd_contact_get(c, i, NULL, force), sum += (double)force[2];
-    expect(fabs(sum - 9.81 * (double)rbd_mass(m)) < 5, "weight", sum);
+    for (int i = 0; i < FEET; i++) rbd_contact_get(set, i, NULL, force), sum += (double)force[2];
+    expect(fabs(sum - 9.81 * (double)rbd_mass(model)) < 5, "weight", sum);
     expect((float)unsolved * dt <= 0.02f, "steps that are not solved", unsolved);
     expect(worst < 1e-4f, "residual", (double)worst);
     expect(q[2] > 0.4f, "height", (double)q[2]);
-    printf("dt %g: residual %.1e at most, %d steps not solved\n", (double)dt, (double)worst, unsolved);
+    printf("13 float, HyQ lands, dt %g: residual %.1e m/s at most, %d steps above 1e-5\n", (double)dt,
+           (double)worst, unsolved);
+}
+
+/* The derivatives of a step of HyQ that stands, or slips; an error is a share of the largest entry of its
+   row, or of 1. */
+static void differentiate(const char *what, float speed, rbd_contact_state state, double bound) {
+    static unsigned char memory[200000];
+    static float by[6][HYQ_NV * HYQ_NV];
+    static hyq_step exact;
+    const rbd_contact_options options = {.slop = 1e-3, .derivatives = 1, .iterations = 200};
+    const rbd_contact_step_results out = {NULL, NULL, by[0], by[1], by[2], by[3], by[4], by[5]};
+    const float dt = 1e-3f;
+    double worst = 0;
+    rbd_derivatives *d;
+    open_hyq(dt, -5e-4f, &options);
+    if (rbd_derivatives_size(model) > sizeof memory ||
+        rbd_derivatives_init(model, work, memory, sizeof memory, &d) != RBD_OK)
+        exit(2);
+    for (int n = 0; n < 50; n++) {
+        control();
+        rbd_contact_step(model, set, q, v, tau, NULL, damping, dt, q, v);
+    }
+    control();
+    v[3] += speed, v[4] += speed;
+    exact.dt = (double)dt;
+    for (int k = 0; k < HYQ_NQ; k++) exact.q[k] = (double)q[k];
+    for (int k = 0; k < HYQ_NV; k++)
+        exact.v[k] = (double)v[k], exact.tau[k] = (double)tau[k], exact.damping[k] = (double)damping[k];
+    differentiate_hyq(&exact);
+    rbd_contact_reset(set);
+    expect(rbd_contact_step_derivatives(model, set, d, q, v, tau, NULL, damping, dt, &out) == RBD_OK, what,
+           0);
+    for (int i = 0; i < FEET; i++)
+        expect(rbd_contact_get(set, i, NULL, NULL) == state && exact.state[i] == (int)state,
+               "state of a foot", i);
+    for (int x = 0; x < 6; x++)
+        for (int r = 0; r < HYQ_NV; r++) {
+            const double *row = &exact.by[x][r * HYQ_NV];
+            double size = 1, error = 0;
+            for (int k = 0; k < HYQ_NV; k++) {
+                const double off = fabs((double)by[x][r * HYQ_NV + k] - row[k]);
+                size = fmax(size, fabs(row[k]));
+                if (!(off <= error)) error = off; /* keeps what is not a number */
+            }
+            if (!(error / size <= worst)) worst = error / size;
+        }
+    expect(worst <= bound, what, worst);
+    printf("13 float, %s: derivatives off by %.1e of a row's largest, allowed %.0e\n", what, worst, bound);
 }
 
 int main(void) {
     drop(5e-4f), drop(1e-3f), drop(1e-2f);
+    differentiate("HyQ stands", 0, RBD_STICKS, 1e-3);
+    differentiate("HyQ slips", 1, RBD_SLIPS, 1e-3);
     return failures != 0;
 }

@@ -363,6 +363,43 @@ void print_errors(void) {
         printf("%-47s %-16s %8.1e  %.3f\n", r->what, r->robot, r->error, r->share);
 }
 
+/* ---- figures ---- */
+
+typedef struct figure {
+    int item, times;
+    const char *what;
+    double found, expected, bound;
+} figure;
+
+static figure figures[200];
+static int figure_count, figures_are_kept;
+
+void record_figures(void) { figures_are_kept = 1; }
+
+void expect_figure(int item, const char *what, double found, double expected, double bound) {
+    figure *f = figures;
+    const double off = fabs(found - expected);
+    if (!(off <= bound))
+        ck_abort_msg("%s: %.12g, which is further than %.3g from %.12g", what, found, bound, expected);
+    if (!figures_are_kept) return;
+    while (f < figures + figure_count && (f->item != item || strcmp(f->what, what) != 0)) f++;
+    ck_assert_msg(f < figures + LENGTH(figures), "no room for another figure");
+    if (f == figures + figure_count) *f = (figure){item, 0, what, found, expected, bound}, figure_count++;
+    f->times++;
+    if (off / bound >= fabs(f->found - f->expected) / f->bound)
+        f->found = found, f->expected = expected, f->bound = bound;
+}
+
+void print_figures(void) {
+    printf("%-70s %16s %16s %8s %8s %8s\n", "the worst of so many, by item", "found", "expected", "off by",
+           "allowed", "of");
+    for (int item = 0; item < 100; item++)
+        for (const figure *f = figures; f < figures + figure_count; f++)
+            if (f->item == item)
+                printf("%2d %-67s %16.9g %16.9g %8.1e %8.1e %8d\n", item, f->what, f->found, f->expected,
+                       fabs(f->found - f->expected), f->bound, f->times);
+}
+
 void expect_small(const char *what, const robot *r, int number, double error, double bound) {
     remember(what, r->name, error, bound);
     if (!(error <= bound))

@@ -92,6 +92,12 @@ void expect_ok(const char *what, const robot *r, int number, rbd_status status);
 void record_errors(void);
 void print_errors(void);
 
+/* Fails unless a figure is within `bound` of what is expected. The one that is furthest off is kept of each
+   item of a list and words, and printed in the list's order: `tests --contacts`. */
+void expect_figure(int item, const char *what, double found, double expected, double bound);
+void record_figures(void);
+void print_figures(void);
+
 double largest(const double *x, int n); /* magnitude; infinite if anything is not finite */
 double dot(const double *a, const double *b, int n);
 void multiply(const double *M, const double *x, int rows, int columns, double *out);

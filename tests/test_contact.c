@@ -126,7 +126,8 @@ START_TEST(one_contact_is_one_of_all_solutions) {
             sticks++;
         } else {
             ck_assert_int_eq(x.state[0], RBD_SLIPS);
-            ck_assert_double_le(nearest_slip(&x), 1e-9 * largest(x.p, 3));
+            expect_figure(1, "one contact: distance from the nearest of all slips, share of p",
+                          nearest_slip(&x) / largest(x.p, 3), 0, 1e-9);
             slips++;
         }
     }
@@ -148,10 +149,11 @@ START_TEST(one_contact_obeys_its_laws) {
         ck_assert_int_eq(solve(&x), RBD_OK);
         v = violation_of(&x);
         noise = 1e-6 + 16 * DBL_EPSILON * (x.delta[0] + x.delta[4] + x.delta[8]) * largest(x.p, 3);
-        ck_assert_msg(x.solution.residual <= noise && v.into <= noise && v.cone <= 0 &&
-                          v.dissipation <= 4 * noise * (1 + largest(x.p, 3)),
-                      "block %d: residual %g, into %g, dissipation %g, cone %g", k, x.solution.residual,
-                      v.into, v.dissipation, v.cone);
+        ck_assert_msg(v.cone <= 0, "block %d: cone %g", k, v.cone);
+        expect_figure(1, "one contact, condition to 1e9: residual, m/s", x.solution.residual, 0, noise);
+        expect_figure(1, "one contact, condition to 1e9: -u_n, m/s", v.into, 0, noise);
+        expect_figure(1, "one contact, condition to 1e9: dissipation over 1 + |p|, m/s",
+                      v.dissipation / (1 + largest(x.p, 3)), 0, 4 * noise);
     }
 }
 END_TEST
@@ -226,7 +228,8 @@ START_TEST(two_methods_agree) {
         ck_assert_int_eq(solve(&x), RBD_OK);
         ck_assert_double_le(x.solution.residual, 1e-12);
         iterate_projection(&x, u);
-        for (int r = 0; r < x.rows; r++) ck_assert_double_eq_tol(x.u[r], u[r], 1e-9);
+        for (int r = 0; r < x.rows; r++)
+            expect_figure(2, "u by Newton's method and by projections, m/s", x.u[r], u[r], 1e-9);
     }
 }
 END_TEST
@@ -259,7 +262,8 @@ START_TEST(random_problems_obey_their_laws) {
         unsolved += x.solution.residual > x.tolerance;
         steps += x.solution.newton_steps;
     }
-    ck_assert_msg(unsolved <= problems / 50, "%d of %d not solved", unsolved, problems);
+    expect_figure(10, "random problems of up to 60 rows that are not solved, share",
+                  (double)unsolved / problems, 0, 0.02);
     ck_assert_msg(steps <= 8 * problems, "%d Newton steps in %d problems", steps, problems);
 }
 END_TEST
@@ -351,6 +355,8 @@ START_TEST(strange_numbers_stay_finite) {
         if (below(&seed, 4) == 0) x.mu[0] = pow(10, uniform(&seed, -300, 300));
         ck_assert_int_eq(solve(&x), RBD_OK);
         ck_assert_msg(isfinite(largest(x.p, x.rows)) && isfinite(x.solution.residual), "problem %d", k);
+        expect_figure(11, "strange numbers, 1e-300 to 1e300: answers that are not finite",
+                      !isfinite(largest(x.p, x.rows)), 0, 0.5);
         for (int i = 0; i < x.n; i++) ck_assert_double_ge(x.p[3 * i + 2], 0);
     }
 }
@@ -471,7 +477,8 @@ START_TEST(same_bits_on_each_run) {
     y = x;
     ck_assert_int_eq(solve(&x), RBD_OK);
     ck_assert_int_eq(solve(&y), RBD_OK);
-    ck_assert_mem_eq(x.p, y.p, sizeof x.p);
+    expect_figure(14, "impulses of a second solution: bytes that differ", memcmp(x.p, y.p, sizeof x.p) != 0,
+                  0, 0.5);
 }
 END_TEST
 

@@ -154,7 +154,7 @@ static columns found;
 static int compare(scene *s, const char *what, double bound) {
     const int n = s->r.nv;
     static const char *const by[3] = {"q", "v", "tau"};
-    double q[MAX_Q], v[MAX_V], expected[2][MAX_V];
+    double q[MAX_Q], v[MAX_V], expected[2][MAX_V], worst = 0;
     int compared = 0;
     const end e = step_from(s, s->q, s->v, s->tau);
     memset(&found, 0xff, sizeof found);
@@ -169,10 +169,12 @@ static int compare(scene *s, const char *what, double bound) {
             for (int i = 0; i < 2 * n; i++) {
                 const double *row = &found.by[3 * (i >= n) + x][(i % n) * n], y = expected[i >= n][i % n];
                 const double error = fabs(row[k] - y) / fmax(largest(row, n), 1);
+                worst = fmax(worst, error);
                 ck_assert_msg(error <= bound, "%s %s: d%s_next[%d] / d%s[%d] is %.12g, differences say %.12g",
                               s->r.name, what, i < n ? "q" : "v", i % n, by[x], k, row[k], y);
             }
         }
+    expect_figure(12, what, worst, 0, bound);
     return compared;
 }
 
@@ -220,7 +222,7 @@ START_TEST(ball_rolls_and_slides) {
         for (int k = 0; k < 3; k++)
             for (int stiff = 0; stiff < 2; stiff++) {
                 scene s;
-                open_scene(&s, "ball", &body, 1, 1e-3);
+                open_scene(&s, "derivatives beside differences: a ball rolls and slides", &body, 1, 1e-3);
                 add_contact(&s, 0, -1, 0.02, 0.01, 0)->radius = 0.1;
                 s.list[0].friction = slides ? 0.2 : 3;
                 if (stiff) s.list[0].stiffness = 1e4, s.list[0].damping = 50;
@@ -230,7 +232,7 @@ START_TEST(ball_rolls_and_slides) {
                 rbd_set_gravity(s.r.w, presses);
                 s.q[3] = 0.5, s.q[4] = 0.5, s.q[5] = -0.5, s.q[6] = 0.5;
                 put_at(&s, 0, 2, gaps[k]);
-                expect(&s, "ball", !slides, slides, 1e-6);
+                expect(&s, "derivatives beside differences: a ball rolls and slides", !slides, slides, 1e-6);
                 close_scene(&s);
             }
 }
@@ -242,7 +244,7 @@ START_TEST(box_rests_and_slides) {
     for (int slides = 0; slides < 2; slides++)
         for (int stiff = 0; stiff < 2; stiff++) {
             scene s;
-            open_scene(&s, "box", &body, 1, 1e-3);
+            open_scene(&s, "derivatives beside differences: a box rests and slides", &body, 1, 1e-3);
             for (int i = 0; i < 4; i++) {
                 rbd_contact *a = add_contact(&s, 0, -1, i & 1 ? 0.2 : -0.2, i & 2 ? 0.15 : -0.15, -0.1);
                 if (stiff) a->stiffness = 1e4, a->damping = 100;
@@ -252,7 +254,8 @@ START_TEST(box_rests_and_slides) {
             begin_scene(&s);
             s.q[2] = 0.1 - 5e-4, s.q[5] = 0.6, s.q[6] = 0.8;
             if (slides) s.v[3] = 0.3, s.v[4] = 1;
-            expect(&s, "box", slides ? 0 : 4, slides ? 4 : 0, 1e-7);
+            expect(&s, "derivatives beside differences: a box rests and slides", slides ? 0 : 4,
+                   slides ? 4 : 0, 1e-7);
             close_scene(&s);
         }
 }
@@ -264,7 +267,7 @@ START_TEST(corner_rebounds) {
     for (int k = 0; k < 3; k++)
         for (int slides = 0; slides < 2; slides++) {
             scene s;
-            open_scene(&s, "box", &body, 1, 1e-3);
+            open_scene(&s, "derivatives beside differences: a box rests and slides", &body, 1, 1e-3);
             add_contact(&s, 0, -1, 0.2, 0.15, -0.1)->restitution = 0.6;
             add_contact(&s, 0, -1, 0, 0, 5)->restitution = 0.6; /* far away */
             s.list[0].friction = slides ? 0.1 : 2;
@@ -272,7 +275,7 @@ START_TEST(corner_rebounds) {
             spin(&s, 1);
             s.q[3] = 0.1, s.q[4] = 0.7, s.q[5] = 0.1, s.q[6] = 0.7, s.v[3] = 3;
             put_at(&s, 0, 2, gaps[k]);
-            expect(&s, "rebound", !slides, slides, 1e-7);
+            expect(&s, "derivatives beside differences: a corner rebounds", !slides, slides, 1e-7);
             close_scene(&s);
         }
 }
@@ -296,7 +299,8 @@ START_TEST(bodies_touch_each_other) {
             s.q[5] = 0.6, s.q[6] = 0.8, s.q[3] = s.q[4] = 0.02, s.q[9] = 0.2, s.q[10] = 0.6, s.q[13] = 0.8;
             put_at(&s, 1, 2, gaps[k]);
             put_at(&s, 0, 9, gaps[k]);
-            expect(&s, "two bodies", slides ? 0 : 2, slides ? 2 : 0, 1e-7);
+            expect(&s, "derivatives beside differences: bodies touch each other", slides ? 0 : 2,
+                   slides ? 2 : 0, 1e-7);
             close_scene(&s);
         }
 }
@@ -309,7 +313,7 @@ START_TEST(slip_lets_contacts_creep) {
     scene s;
     double force[3];
     end e;
-    open_scene(&s, "box", &body, 1, 1e-3);
+    open_scene(&s, "derivatives beside differences: a box rests and slides", &body, 1, 1e-3);
     for (int i = 0; i < 4; i++) add_contact(&s, 0, -1, i & 1 ? 0.2 : -0.2, i & 2 ? 0.15 : -0.15, -0.1);
     s.options.slip = 1e-3;
     begin_scene(&s);
@@ -321,9 +325,9 @@ START_TEST(slip_lets_contacts_creep) {
         ck_assert_double_lt(force[0], -1e-2);
         ck_assert_double_eq_tol(e.v[3], -1e-3 * force[0], 1e-10);
     }
-    expect(&s, "creep", 4, 0, 1e-7);
+    expect(&s, "derivatives beside differences: slip: a box creeps", 4, 0, 1e-7);
     s.v[3] = 1;
-    expect(&s, "slides", 0, 4, 1e-7);
+    expect(&s, "derivatives beside differences: slip: a box slides", 0, 4, 1e-7);
     close_scene(&s);
 }
 END_TEST
@@ -363,14 +367,14 @@ START_TEST(hyq_stands_trots_and_slips) {
         open_hyq(&s, hyq_bodies, stiff ? 2e4 : 0);
         begin_scene(&s);
         run_hyq(&s, 50, 0);
-        expect(&s, "stands", 4, 0, 1e-6);
+        expect(&s, "derivatives beside differences: HyQ stands", 4, 0, 1e-6);
         for (int k = 0; k < 2; k++) s.v[3 + k] += 1;
-        expect(&s, "slips", 0, 4, 1e-6);
+        expect(&s, "derivatives beside differences: HyQ slips", 0, 4, 1e-6);
         close_scene(&s);
         open_hyq(&s, hyq_bodies, stiff ? 2e4 : 0);
         begin_scene(&s);
         run_hyq(&s, 60, 0.4);
-        expect(&s, "trots", 2, 0, 1e-6);
+        expect(&s, "derivatives beside differences: HyQ trots", 2, 0, 1e-6);
         close_scene(&s);
     }
 }
@@ -394,7 +398,7 @@ START_TEST(hyq_at_its_limits) {
         s.tau[6 + k] = side * 60, s.v[6 + k] = side * (k == 10 ? 4 : 1), at_limit += k < 11;
     }
     s.v[6] = 1, s.v[7] = -1;
-    expect(&s, "at its limits", 0, 1, 1e-5);
+    expect(&s, "derivatives beside differences: HyQ at its limits", 0, 1, 1e-5);
     ck_assert_int_eq(at_limit, 3);
     close_scene(&s);
 }
@@ -410,7 +414,7 @@ START_TEST(atlas_stands) {
     begin_scene(&s);
     for (int k = 6; k < s.r.nv; k++) s.damping[k] = 50;
     put_at(&s, 0, 2, -5e-4);
-    expect(&s, "stands", 8, 0, 1e-6);
+    expect(&s, "derivatives beside differences: Atlas stands", 8, 0, 1e-6);
     close_scene(&s);
 }
 END_TEST
@@ -472,7 +476,7 @@ static void check_tree(uint64_t *seed, int number) {
     memcpy(s.f_ext, x.f_ext, sizeof s.f_ext);
     for (int k = 0; k < s.r.nv; k++) s.damping[k] = uniform(seed, 0, 2);
     place_planes(&s, seed);
-    agreed += compare(&s, "contacts", 1e-5);
+    agreed += compare(&s, "derivatives beside differences: random trees", 1e-5);
     sticking += count(&s, RBD_STICKS), slipping += count(&s, RBD_SLIPS);
     close_scene(&s);
 }
@@ -513,14 +517,14 @@ START_TEST(parts_are_as_the_whole) {
     open_rod(&s, bodies);
     begin_scene(&s);
     spin(&s, 1);
-    expect(&s, "apart", 0, 0, 1e-7);
+    expect(&s, "derivatives beside differences: a rod in the air", 0, 0, 1e-7);
     ck_assert_int_eq(rbd_fd_derivatives(s.r.m, s.d, s.q, s.v, s.tau, s.f_ext, a, NULL, NULL, Minv), RBD_OK);
     for (int k = 0; k < 7; k++) /* of the rod, whose step is a sum */
         ck_assert_double_eq_tol(found.by[5][6 * 7 + k], s.h * Minv[6 * 7 + k], 1e-12);
     put_at(&s, 0, 2, -5e-4);
     for (int keep = 0; keep < 2; keep++) {
         ck_assert_int_eq(rbd_keep_zeros(s.d, keep), RBD_OK);
-        expect(&s, "touches", 0, 1, 1e-7);
+        expect(&s, "derivatives beside differences: a rod touches", 0, 1, 1e-7);
         for (int x = 0; x < 3; x++) {
             rbd_contact_step_results out = {NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL};
             if (x == 0) out.dq_next_dq = part.by[0], out.dv_next_dq = part.by[3];

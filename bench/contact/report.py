@@ -3,6 +3,7 @@
 
 usage: report.py PROGRAMS FOLDER     PROGRAMS: the folder of `contact` and `contact-haswell`
        report.py --document [--write]    whether the table of docs/contact_step.md is that of its results
+       report.py --instructions          the instructions of these results
 SPDX-License-Identifier: MIT"""
 import csv
 import datetime
@@ -206,7 +207,18 @@ def document(write):
         sys.exit("docs/contact_step.md: its table is not that of the results: bench/contact/report.py --document --write")
 
 
+def instructions():
+    with open(DOCUMENT) as file:
+        folder = MARK.search(file.read())[2]
+    results = Results(os.path.join(ROOT, folder))
+    for scene, rows in ROWS.items():
+        print("15 %s, %s rows, 1e-8 m/s: %s instructions a step, in %s" % (
+            scene, rows, results.row(scene, EXACT)["instructions"], folder))
+
+
 def main(arguments):
+    if arguments == ["--instructions"]:
+        return instructions()
     if arguments and arguments[0] == "--document" and arguments[1:] in ([], ["--write"]):
         return document(bool(arguments[1:]))
     if len(arguments) != 2:
