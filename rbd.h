@@ -1436,6 +1436,13 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #define RBDI_COLD static RBDI_UNUSED
 #endif
 #define RBDI_PART static RBDI_UNUSED
+/* Chooses among texts. GCC makes an array of them, which is linked, called or not, if anything else in the file
+   has text, as a model's names. */
+#if RBDI_GCC
+#define RBDI_MESSAGES __attribute__((optimize("no-tree-switch-conversion")))
+#else
+#define RBDI_MESSAGES
+#endif
 /* The short loops, over six components, in any case; clang does so by itself. */
 #if RBDI_GCC && RBDI_FOR_SPEED
 #define RBDI_UNROLL_SIX _Pragma("GCC unroll 6")
@@ -5562,7 +5569,7 @@ RBDI_API int rbd_dof_body(const rbd_model *m, int dof) {
 
 /* ---- text [text code] ---- */
 
-RBDI_API const char *rbd_status_string(rbd_status status) {
+RBDI_MESSAGES RBDI_API const char *rbd_status_string(rbd_status status) {
     switch (status) {
     case RBD_OK: return "no error";
     case RBD_ERR_NULL: return "a required pointer is NULL";

@@ -128,6 +128,13 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #define RBDI_COLD static RBDI_UNUSED
 #endif
 #define RBDI_PART static RBDI_UNUSED
+/* Chooses among texts. GCC makes an array of them, which is linked, called or not, if anything else in the file
+   has text, as a model's names. */
+#if RBDI_GCC
+#define RBDI_MESSAGES __attribute__((optimize("no-tree-switch-conversion")))
+#else
+#define RBDI_MESSAGES
+#endif
 /* The short loops, over six components, in any case; clang does so by itself. */
 #if RBDI_GCC && RBDI_FOR_SPEED
 #define RBDI_UNROLL_SIX _Pragma("GCC unroll 6")

@@ -1,12 +1,13 @@
 #ifndef RBDI_MODEL_TEXT_H
 #define RBDI_MODEL_TEXT_H
 #include "api/status.h"
+#include "base/compiler.h"
 
 /* Interface: rbdi_write_finding */
 
 /* ---- text [text code] ---- */
 
-RBDI_API const char *rbd_status_string(rbd_status status) {
+RBDI_MESSAGES RBDI_API const char *rbd_status_string(rbd_status status) {
     switch (status) {
     case RBD_OK: return "no error";
     case RBD_ERR_NULL: return "a required pointer is NULL";
