@@ -84,7 +84,8 @@ def check_dumps(program):
     expect("in another order", replay(program, lines[:1] + lines[:0:-1]), SAME, whole)
 
     text = "".join(lines).encode()
-    for length in [0, 5, 100, len(lines[0]) - 2, *range(len(lines[0]) + 5, len(text) - 2, 397), len(text) - 2]:
+    expect("an empty dump", replay(program, []), UNUSABLE, "the recording is empty: nothing was replayed")
+    for length in [5, 100, len(lines[0]) - 2, *range(len(lines[0]) + 5, len(text) - 2, 397), len(text) - 2]:
         there = text[:length + 1].count(b"\n") - 1 if length > len(lines[0]) else 0
         got = replay(program, text[:length])
         if there > 0:
@@ -130,9 +131,11 @@ def check_dumps(program):
             (f"ticks {ticks:08x}", "ticks 00000000", "0 ticks: none")):
         expect(new, replay(program, header(lines, old, new)), UNUSABLE, sentence, "nothing was replayed")
     expect("a table", replay(program, ["q,v\n", "1,2\n"]), UNUSABLE, "not a recording")
-    expect("no such file", replay(program, lines, "/no/such/folder/table.csv"), UNUSABLE, "the table cannot be written")
+    expect("no such file", replay(program, lines, "/no/such/folder/table.csv"), UNUSABLE,
+           "cannot write the table '/no/such/folder/table.csv': No such file or directory: nothing was replayed")
     done = subprocess.run([program, "/no/such/dump"], stdout=subprocess.PIPE, text=True, check=False)
-    expect("no such dump", (done.returncode, done.stdout), UNUSABLE, "the recording cannot be opened")
+    expect("no such dump", (done.returncode, done.stdout), UNUSABLE,
+           "cannot open the recording '/no/such/dump': No such file or directory: nothing was replayed")
 
     # Whatever is in it, with the right checksums: a status of the four, and a sentence.
     source = random.Random(32)

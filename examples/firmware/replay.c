@@ -2,6 +2,7 @@
    usage: replay RECORDING [TABLE.csv]    the table is for replay.gp
    Exit status: 0 all the same bits; 1 a tick differs; 2 the recording is not whole, its ticks have the same
    bits; 3 nothing was replayed. SPDX-License-Identifier: MIT */
+#include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,6 +21,11 @@ typedef struct recording {
     int ticks, missing;
     tick *tick;
 } recording;
+
+static int cannot(const char *what, const char *path) {
+    printf("%s '%s': %s: nothing was replayed\n", what, path, strerror(errno));
+    return UNUSABLE;
+}
 
 static int unusable(const char *sentence) {
     printf("%s: nothing was replayed\n", sentence);
@@ -70,9 +76,9 @@ static int read_header(FILE *file, recording *r) {
     char version[16];
     unsigned format, scalar, inputs, states, outputs, ticks;
     uint64_t model, configuration;
-    do {
+    if (!read_line(file, line)) return unusable("the recording is empty");
+    while (strncmp(line, "rbd-recording ", 14) != 0)
         if (!read_line(file, line)) return unusable("not a recording: no line begins with rbd-recording");
-    } while (strncmp(line, "rbd-recording ", 14) != 0);
     if (sscanf(line, "rbd-recording %2x", &format) == 1 && format != RECORDER_FORMAT) {
         snprintf(say, sizeof say, "a recording of format %u, this program reads %d", format, RECORDER_FORMAT);
         return unusable(say);
@@ -193,12 +199,12 @@ int main(int argc, char **argv) {
     recording r = {0};
     if (argc < 2 || argc > 3) return unusable("usage: replay RECORDING [TABLE.csv]");
     FILE *file = fopen(argv[1], "rb"), *table = NULL;
-    if (!file) return unusable("the recording cannot be opened");
+    if (!file) return cannot("cannot open the recording", argv[1]);
     int status = read_header(file, &r);
     if (status == SAME) status = read_ticks(file, &r);
     fclose(file);
     if (status != UNUSABLE && argc == 3 && !(table = fopen(argv[2], "w")))
-        status = unusable("the table cannot be written");
+        status = cannot("cannot write the table", argv[2]);
     const rbd_status refused = rbd_work_init(&iiwa_model, memory, sizeof memory, &w);
     if (status != UNUSABLE && refused != RBD_OK) status = unusable(rbd_status_string(refused));
     if (status != UNUSABLE) {
