@@ -128,8 +128,8 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #define RBDI_COLD static RBDI_UNUSED
 #endif
 #define RBDI_PART static RBDI_UNUSED
-/* Chooses among texts. GCC makes an array of them, which is linked, called or not, if anything else in the file
-   has text, as a model's names. */
+/* For a function that chooses among texts. GCC would make an array of them, which is linked even if nothing
+   calls the function, when the file has any other text, as a model's names. */
 #if RBDI_GCC
 #define RBDI_MESSAGES __attribute__((optimize("no-tree-switch-conversion")))
 #else
