@@ -105,6 +105,7 @@ value graph::lane(value vector, int lane) {
 }
 
 value graph::apply(const node &n, const value x[4]) {
+    const int quarters = (n.op == SINE || n.op == COSINE) && n.arg[1] >= 0 ? int(constant_of(x[1])) : 0;
     switch (n.op) {
     case CONSTANT: return constant(n.constant);
     case INPUT: return input(n.arg[0], n.arg[1]);
@@ -112,8 +113,8 @@ value graph::apply(const node &n, const value x[4]) {
     case MULTIPLY: return multiply(x[0], x[1]);
     case DIVIDE: return divide(x[0], x[1]);
     case ROOT: return root(x[0]);
-    case SINE: return sine(x[0]);
-    case COSINE: return cosine(x[0]);
+    case SINE: return sine(x[0], quarters);
+    case COSINE: return cosine(x[0], quarters);
     case SELECT: return select(x[0], x[1], x[2], x[3]);
     case GATHER: return gather(x[0], x[1], x[2], x[3]);
     case LANE: return lane(x[0], int(n.constant));

@@ -88,7 +88,8 @@ static inline number sqrt(number a) { return number::of(write(ROOT, a.x)); }
 /* Of x and as many right angles. */
 static inline void sincos(number x, int quarters, number *s, number *c) {
     if (tape->is_exact) {
-        s->x = tape->sine(x.x, quarters), c->x = tape->cosine(x.x, quarters);
+        const number turn = quarters;
+        *s = number::of(write(SINE, x.x, turn.x)), *c = number::of(write(COSINE, x.x, turn.x));
         return;
     }
     number sine = sin(x), cosine = cos(x);
@@ -191,6 +192,7 @@ function RECORD(const robot &r, const std::string &name) {
     f.code.is_exact = r.reproducible, f.code.is_float = sizeof(CONSTANTS) == sizeof(float);
     tape = &f.code;
     sketch = graph();
+    sketch.is_exact = f.code.is_exact, sketch.is_float = f.code.is_float;
     terms.clear();
     stand_in.clear();
     limbs_alike = r.limbs_alike;

@@ -257,13 +257,14 @@ const tests = {
   async "the firmware main compiles with table and code, whatever the options, and prints what the page shows"() {
     await choose("iiwa");
     const set = (id, value) => page.$eval(`#${id}`, (e, v) => { e[typeof v === "boolean" ? "checked" : "value"] = v; e.form.dispatchEvent(new Event("input")); }, value);
-    for (const [scalar, chosen] of [["double", ["f-ext", "gravity-argument"]], ["double", []], ["float", ["bounded-angles", "short-sums"]]]) {
+    for (const [scalar, chosen] of [["double", ["f-ext", "gravity-argument"]], ["double", []], ["double", ["reproducible"]], ["float", ["bounded-angles", "short-sums"]]]) {
       await set("scalar", scalar);
-      for (const option of ["f-ext", "gravity-argument", "bounded-angles", "short-sums"]) await set(option, chosen.includes(option));
+      for (const option of ["f-ext", "gravity-argument", "bounded-angles", "short-sums", "reproducible"]) await set(option, chosen.includes(option));
       await download("#save-model", ["iiwa_model.h"]);
       const [, header] = await download("#save-code", ["iiwa_code.c", "iiwa_code.h"]);
       assert.match(header, new RegExp(`${scalar} tau\\[7\\]`));
-      await download("#save-main", ["iiwa_main.c"]);
+      const [main] = await download("#save-main", ["iiwa_main.c"]);
+      assert.equal(main.includes("#define RBD_REPRODUCIBLE"), chosen.includes("reproducible"));
       execFileSync("cc", ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-Dalways_inline=unused", `-I${root}`,
         "iiwa_main.c", "iiwa_code.c", "-lm", "-o", "main"], { cwd: scratch });
       await torques(execFileSync(join(scratch, "main"), { encoding: "utf8" }));

@@ -16,12 +16,15 @@ c := clang-19 -std=c99 $(flags) $(warnings)
 cpp := clang++-19 -std=c++17 $(flags) $(warnings)
 foreign := clang++-19 -std=c++17 $(flags) -w -DTIXML_USE_STL
 
-# Objects are named after their sources, in their folders; record.cpp is compiled once for each scalar.
+# Objects are named after their sources, in their folders; record.cpp and own_sines.cpp are compiled once for each scalar.
 mains := rbd_model rbd_codegen rbd_eval
-record := $(objects)/record_double.o $(objects)/record_float.o
+scalars := double float
+record := $(scalars:%=$(objects)/record_%.o)
+sines := $(scalars:%=$(objects)/own_sines_%.o)
 object = $(patsubst $(1)/%,$(objects)/%.o,$(basename $(2)))
-ours := $(filter-out $(mains:%=$(objects)/tools/%.o) $(objects)/tools/codegen/record.o,$(call object,$(ROOT), \
-    $(wildcard $(ROOT)/tools/*.c $(ROOT)/tools/*.cpp $(ROOT)/tools/codegen/*.cpp) $(ROOT)/web/wasm/exceptions.cpp)) $(record)
+ours := $(filter-out $(mains:%=$(objects)/tools/%.o) $(addprefix $(objects)/tools/codegen/,record.o own_sines.o), \
+    $(call object,$(ROOT),$(wildcard $(ROOT)/tools/*.c $(ROOT)/tools/*.cpp $(ROOT)/tools/codegen/*.cpp) \
+    $(ROOT)/web/wasm/exceptions.cpp)) $(record) $(sines)
 theirs := $(call object,$(urdfdom),$(addprefix $(urdfdom)/, \
     $(addprefix tinyxml/,tinystr.cpp tinyxml.cpp tinyxmlerror.cpp tinyxmlparser.cpp) console-bridge/src/console.cpp \
     $(addprefix urdfdom/urdf_parser/src/,model.cpp link.cpp joint.cpp pose.cpp)))
@@ -41,6 +44,9 @@ $(objects)/%.o: $(ROOT)/%.cpp
 $(record): $(objects)/record_%.o: $(ROOT)/tools/codegen/record.cpp
 	@mkdir -p $(@D)
 	$(cpp) -DCONSTANTS=$* -DRECORD=record_$* -DRECORD_SPACE=of_$* -c $< -o $@
+$(sines): $(objects)/own_sines_%.o: $(ROOT)/tools/codegen/own_sines.cpp
+	@mkdir -p $(@D)
+	$(cpp) -DSCALAR=$* -DWORDS=two_over_pi_$* -c $< -o $@
 $(theirs): $(objects)/%.o: $(urdfdom)/%.cpp
 	@mkdir -p $(@D)
 	$(foreign) -c $< -o $@

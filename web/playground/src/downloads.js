@@ -7,7 +7,7 @@ import guide from "../../../docs/first_minutes.md";
 
 const algorithms = [["id", "inverse dynamics", true], ["mm", "mass matrix", true], ["fd", "forward dynamics", true],
   ["minv", "inverse of the mass matrix"], ["id_derivatives", "derivatives of inverse dynamics"], ["fd_derivatives", "derivatives of forward dynamics"]];
-const flags = ["f-ext", "gravity-argument", "bounded-angles", "short-sums"];
+const flags = ["f-ext", "gravity-argument", "bounded-angles", "short-sums", "reproducible"];
 
 export const identifier = (s) => s.replace(/\.[^.]*$/, "").replace(/[^A-Za-z0-9_]/g, "_").replace(/^(?=\d|$)/, "_");
 
@@ -32,7 +32,7 @@ function firmwareMain(robot) {
   const real = (x) => literal(Number.isInteger(x) ? x.toFixed(1) : String(x));
   const more = [["f-ext", "f_ext", "[6 * ROBOT_NB]"], ["gravity-argument", "gravity", `[3] = {0, 0, ${real(-9.81)}}`]].filter(([id]) => $(id).checked);
   const pose = [...robot.q()].map((x) => real(Number(x.toPrecision(6)))).join(", ");
-  return template.replace(/RBD_REAL float/, `RBD_REAL ${scalar}`)
+  return template.replace(/RBD_REAL float(.*\n)/, (all, rest) => `RBD_REAL ${scalar}${rest}${$("reproducible").checked ? "#define RBD_REPRODUCIBLE\n" : ""}`)
     .replace("{0}", () => `{${pose}}`)
     .replace("still[ROBOT_NV];", (found) => `${found}${more.map(([, n, length]) => `\nstatic const rbd_real ${n}${length};`).join("")}`)
     .replace("still, by_code", () => ["still", ...more.map(([, n]) => n), "by_code"].join(", "))
