@@ -1992,10 +1992,7 @@ RBDI_INLINE rbdi_v3 rbdi_mul(rbdi_mat A, rbdi_v3 v) {
                     A.zx * v.x + A.zy * v.y + A.zz * v.z);
 }
 RBDI_INLINE rbdi_mat rbdi_transpose(rbdi_mat A) {
-    rbdi_mat B;
-    B.xx = A.xx, B.xy = A.yx, B.xz = A.zx;
-    B.yx = A.xy, B.yy = A.yy, B.yz = A.zy;
-    B.zx = A.xz, B.zy = A.yz, B.zz = A.zz;
+    const rbdi_mat B = {A.xx, A.yx, A.zx, A.xy, A.yy, A.zy, A.xz, A.yz, A.zz};
     return B;
 }
 RBDI_INLINE rbdi_v3 rbdi_mul_t(rbdi_mat A, rbdi_v3 v) { return rbdi_mul(rbdi_transpose(A), v); }
@@ -3121,8 +3118,9 @@ RBDI_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q,
     const rbd_status status = rbdi_check(m, w, q && v && a && tau);
     if (status) return status;
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
-    rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), rbdi_expand_v(m, a, w->ax), f_ext,
-              rbdi_mimics(m) ? w->tx : tau);
+    v = rbdi_expand_v(m, v, w->vx);
+    a = rbdi_expand_v(m, a, w->ax);
+    rbdi_rnea(m, w, v, a, f_ext, rbdi_mimics(m) ? w->tx : tau);
     rbdi_reduce_tau(m, w->tx, tau);
     return RBD_OK;
 }

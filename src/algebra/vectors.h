@@ -36,10 +36,7 @@ RBDI_INLINE rbdi_v3 rbdi_mul(rbdi_mat A, rbdi_v3 v) {
                     A.zx * v.x + A.zy * v.y + A.zz * v.z);
 }
 RBDI_INLINE rbdi_mat rbdi_transpose(rbdi_mat A) {
-    rbdi_mat B;
-    B.xx = A.xx, B.xy = A.yx, B.xz = A.zx;
-    B.yx = A.xy, B.yy = A.yy, B.yz = A.zy;
-    B.zx = A.xz, B.zy = A.yz, B.zz = A.zz;
+    const rbdi_mat B = {A.xx, A.yx, A.zx, A.xy, A.yy, A.zy, A.xz, A.yz, A.zz};
     return B;
 }
 RBDI_INLINE rbdi_v3 rbdi_mul_t(rbdi_mat A, rbdi_v3 v) { return rbdi_mul(rbdi_transpose(A), v); }

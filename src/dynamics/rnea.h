@@ -68,8 +68,9 @@ RBDI_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q,
     const rbd_status status = rbdi_check(m, w, q && v && a && tau);
     if (status) return status;
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
-    rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), rbdi_expand_v(m, a, w->ax), f_ext,
-              rbdi_mimics(m) ? w->tx : tau);
+    v = rbdi_expand_v(m, v, w->vx);
+    a = rbdi_expand_v(m, a, w->ax);
+    rbdi_rnea(m, w, v, a, f_ext, rbdi_mimics(m) ? w->tx : tau);
     rbdi_reduce_tau(m, w->tx, tau);
     return RBD_OK;
 }

@@ -1,9 +1,10 @@
 #!/bin/sh
 # rbd-codegen built by another compiler writes the same bytes: GCC and clang evaluate arguments in opposite orders.
-# usage: same_text.sh ROOT RBD_CODEGEN LIBRARY...   the libraries of tools/, but that of the code generator; CXX built them
+# usage: same_text.sh ROOT RBD_CODEGEN CODEGEN_WRITE LIBRARY...   the libraries of tools/, but that of the code generator, and
+#     that of the random robots; CXX built all
 set -u
-root=$(realpath "$1") rbd_codegen=$(realpath "$2")
-shift 2
+root=$(realpath "$1") rbd_codegen=$(realpath "$2") write=$(realpath "$3")
+shift 3
 libraries=$(realpath "$@")
 case ${CXX:-c++} in *clang*) other=g++ ;; *) other=clang++-19 ;; esac
 command -v $other >/dev/null || { echo "skipped: there is no $other"; exit 77; }
@@ -23,10 +24,14 @@ done
 for source in graph program emit sines compute limbs; do
     compile codegen/$source.cpp $source.o -O1 || exit 1
 done
+generator=$(echo ./*.o)
+compile ../tests/codegen/write.cpp write.o || exit 1
 # shellcheck disable=SC2046 # words wanted
 compile rbd_codegen.cpp rbd_codegen.o $(pkg-config --cflags urdfdom) || exit 1
 # shellcheck disable=SC2046,SC2086 # words wanted
-$other ./*.o $libraries $libraries $(pkg-config --libs urdfdom) -lm -o other || exit 1
+$other rbd_codegen.o $generator $libraries $libraries $(pkg-config --libs urdfdom) -lm -o other || exit 1
+# shellcheck disable=SC2086 # words wanted
+$other write.o $generator $libraries -lquadmath -lm -o other_write || exit 1
 
 mkdir here there
 compared=0 failed=0
@@ -41,14 +46,17 @@ compare() { # MODEL ARGUMENT...
     done
 }
 all=$("$rbd_codegen" --help | tr ' ' '\n' | sed -n '/^id$/,/^--scalar$/p' | grep -v ':LINK\|^--\|^$' | paste -sd,)
-for model in cart_pole double_pendulum five_bar iiwa pendulum; do
-    compare $model --algorithm "$all"
-done
-compare hyq --floating --algorithm "$all"
-compare hyq --floating --limbs 4 --f-ext --gravity-argument --algorithm "$all"
-compare atlas --algorithm id,mm,fd,minv,id_derivatives
-compare atlas --floating --limbs 2 --scalar float --algorithm id,mm_packed,fd
 compare iiwa --scalar float --bounded-angles --short-sums --algorithm "$all,jacobian:lbr_iiwa_link_7,pose:lbr_iiwa_link_7"
-compare cart_pole --lanes 4 --f-ext --bounded-angles --block 50 --algorithm "$all"
-[ $compared -eq 22 ] || { echo "FAILED: $compared files compared"; failed=1; }
+compare five_bar --lanes 4 --f-ext --bounded-angles --block 50 --algorithm "$all"
+compare hyq --floating --algorithm "$all"
+compare hyq --floating --limbs 4 --gravity-argument --algorithm "$all"
+compare atlas --floating --limbs 2 --algorithm id,mm_packed,fd
+
+# random robots, with joints of all types
+"$write" robot 10 double 1 1 600 long 0 here && ./other_write robot 10 double 1 1 600 long 0 there || exit 1
+for file in here/robot*; do
+    cmp "$file" there/"${file#here/}" || { echo "FAILED: $other writes another ${file#here/}"; failed=1; }
+    compared=$((compared + 1))
+done
+[ $compared -eq 30 ] || { echo "FAILED: $compared files compared"; failed=1; }
 exit $failed
