@@ -446,7 +446,8 @@ static void place_planes(scene *s, uint64_t *seed) {
     }
 }
 
-static int agreed, sticking, slipping;
+/* Of a tree that is not solved, as one whose rigid contacts ask for what no motion has, a state means nothing. */
+static int agreed, sticking, slipping, unsolved;
 
 static void check_tree(uint64_t *seed, int number) {
     rbd_body bodies[MAX_BODIES];
@@ -477,7 +478,11 @@ static void check_tree(uint64_t *seed, int number) {
     for (int k = 0; k < s.r.nv; k++) s.damping[k] = uniform(seed, 0, 2);
     place_planes(&s, seed);
     agreed += compare(&s, "derivatives beside differences: random trees", 1e-5);
-    sticking += count(&s, RBD_STICKS), slipping += count(&s, RBD_SLIPS);
+    (void)step_from(&s, s.q, s.v, s.tau);
+    if (rbd_contact_last(s.c).residual <= 1e-11)
+        sticking += count(&s, RBD_STICKS), slipping += count(&s, RBD_SLIPS);
+    else
+        unsolved++;
     close_scene(&s);
 }
 
@@ -487,14 +492,15 @@ static void check_tree(uint64_t *seed, int number) {
 #endif
 
 START_TEST(random_trees) {
-    agreed = sticking = slipping = 0;
-    for (int i = 0; i < 150 / PART_OF_TREES; i++) {
+    agreed = sticking = slipping = unsolved = 0;
+    for (int i = 0; i < 240 / PART_OF_TREES; i++) {
         uint64_t seed = 500 + (uint64_t)i;
         check_tree(&seed, i);
     }
-    ck_assert_int_ge(agreed, 3600 / PART_OF_TREES);
+    ck_assert_int_ge(agreed, 5800 / PART_OF_TREES);
     ck_assert_int_ge(sticking, 30 / PART_OF_TREES);
-    ck_assert_int_ge(slipping, 120 / PART_OF_TREES);
+    ck_assert_int_ge(slipping, 200 / PART_OF_TREES);
+    ck_assert_int_le(unsolved, 50);
 }
 END_TEST
 
