@@ -446,7 +446,7 @@ static void place_planes(scene *s, uint64_t *seed) {
     }
 }
 
-/* Of a tree that is not solved, as one whose rigid contacts ask for what no motion has, a state means nothing. */
+/* States of a tree that is not solved mean nothing: its rigid contacts may ask for what no motion has. */
 static int agreed, sticking, slipping, unsolved;
 
 static void check_tree(uint64_t *seed, int number) {
