@@ -1059,7 +1059,7 @@ RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, 
     }
 }
 RBDI_INLINE void rbdi_clear_row(int n, int want, rbdi_wanted row) {
-    const rbdi_batch zero = {0};
+    const rbdi_batch zero = rbdi_zero_batch();
     for (int k = 0; k < n; k += RBDI_BATCH) RBDI_UNROLL_SIX
         for (int r = 0; r < RBDI_RESULTS; ++r)
             if (want >> r & 1) *(rbdi_batch *)(row.at[r] + k) = zero;

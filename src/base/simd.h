@@ -27,12 +27,23 @@ typedef uint64_t rbdi_bit;
 #elif RBDI_REAL_KIND == 2
 typedef uint32_t rbdi_bit;
 #endif
+/* x in all lanes. */
+RBDI_INLINE rbdi_batch rbdi_all_lanes(rbd_real x) {
+#if RBDI_BATCH > 1
+    const rbdi_batch zero = {0};
+    return x - zero;
+#else
+    return x;
+#endif
+}
+RBDI_INLINE rbdi_batch rbdi_zero_batch(void) { return rbdi_all_lanes(rbdi_zero()); }
+
 #if RBDI_BATCH > 1
 typedef rbdi_bit rbdi_bits __attribute__((vector_size(RBDI_BATCH * sizeof(rbd_real))));
 
 /* The batch with x as its k-th scalar. */
 RBDI_INLINE rbdi_batch rbdi_insert(rbdi_batch b, int k, rbd_real x) {
-    const rbdi_batch zero = {0}, all = x - zero;
+    const rbdi_batch all = rbdi_all_lanes(x);
     rbdi_bits lane;
     for (int i = 0; i < RBDI_BATCH; ++i) lane[i] = (rbdi_bit)i;
     lane = (rbdi_bits)(lane == (rbdi_bit)k);
@@ -46,23 +57,6 @@ RBDI_INLINE rbdi_batch rbdi_first_lanes(rbdi_batch b, int n) {
 }
 #endif
 
-RBDI_INLINE rbdi_batch rbdi_zero_batch(void) {
-#if RBDI_BATCH > 1
-    const rbdi_batch zero = {0};
-    return zero;
-#else
-    return rbdi_zero();
-#endif
-}
-/* x in all lanes. */
-RBDI_INLINE rbdi_batch rbdi_all_lanes(rbd_real x) {
-#if RBDI_BATCH > 1
-    const rbdi_batch zero = {0};
-    return x - zero;
-#else
-    return x;
-#endif
-}
 RBDI_INLINE rbd_real rbdi_first_lane(rbdi_batch x) {
 #if RBDI_BATCH > 1
     return x[0];
