@@ -137,8 +137,8 @@ RBDI_INLINE void rbdi_own_sums(const rbd_model *m, rbd_derivatives *d, int base,
     if (need & RBDI_NEED_WRENCH) rbdi_common_external(m, d, f_ext);
 }
 
-/* The whole computation: motion, then masses, momenta and wrenches, their sums over subtrees, and the columns
-   of forces. */
+/* The whole computation for one need, which the compiler knows unless at -Os: motion, then masses, momenta
+   and wrenches, their sums over subtrees, and the columns of forces. */
 RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *q,
                                 const rbd_real *v, const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext,
                                 int need, int more) {
@@ -149,18 +149,23 @@ RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base
         rbdi_force_columns(&d->columns[b], &d->constants[b], need);
 }
 
-/* The same, compiled for q alone, for everything, and for any need: C, the wrench alone. With a free base all
-   is in the base's axes and, unless need has RBDI_NEED_WHOLE, at v = 0 and without gravity. */
+/* The same for any need: q alone, C, the wrench alone, or everything. With a free base all is in the base's
+   axes and, unless need has RBDI_NEED_WHOLE, at v = 0 and without gravity. */
 RBDI_PART void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
                            const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext, int need) {
-    const int all = RBDI_NEED_V | RBDI_NEED_WRENCH, base = d->base, more = need & RBDI_NEED_WHOLE;
+    const int coriolis = RBDI_NEED_V | RBDI_NEED_CORIOLIS, all = RBDI_NEED_V | RBDI_NEED_WRENCH;
+    const int base = d->base, more = need & RBDI_NEED_WHOLE;
     need &= ~more;
-    if (RBDI_FOR_SPEED && need == 0)
-        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, 0, more);
-    else if (RBDI_FOR_SPEED && need == all)
-        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, all, more);
-    else
+    if (!RBDI_FOR_SPEED)
         rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, need, more);
+    else if (!need)
+        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, 0, 0);
+    else if (need == coriolis)
+        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, coriolis, 0);
+    else if (need == RBDI_NEED_WRENCH)
+        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, RBDI_NEED_WRENCH, more);
+    else
+        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, all, more);
 }
 
 #endif
