@@ -4482,9 +4482,7 @@ RBDI_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_r
     rbdi_solve(m, w, w->H, a);
     return rbdi_status_of(m, w, doubt, a, m->nv);
 }
-#endif
 
-#ifndef RBD_NO_CHOLESKY
 RBDI_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, rbd_real *H) {
     rbdi_mask doubt;
     const rbd_status status = rbdi_check(m, w, H != NULL);
@@ -4526,9 +4524,7 @@ RBDI_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, con
     rbdi_solve_columns(m, w, L, 1, n, n, X, NULL);
     return RBD_OK;
 }
-#endif
 
-#ifndef RBD_NO_CHOLESKY
 RBDI_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *Minv) {
     rbdi_mask doubt;
     const rbd_status status = rbdi_check(m, w, q && Minv);
