@@ -1,9 +1,11 @@
 /* urdf_fuzz.cpp - libFuzzer's target over the loader: whatever the text, it returns, and what it calls good
    is a model that rbd_model_build takes and whose results are finite. The first byte chooses options. Run by:
    ./run fuzz [SECONDS] */
+#ifndef LIBRARIES_ARE_LINKED /* as in the replay */
 #define RBD_STATIC
 #define RBD_IMPLEMENTATION
 #define RBD_URDF_IMPLEMENTATION
+#endif
 #include "rbd_urdf.h"
 
 static void require(bool condition) {
