@@ -1,11 +1,12 @@
 #!/bin/sh
 # Runs the reference tests (scalars.c) and the suites of machines.c on another machine, emulated by qemu-user (an
-# i386 runs on x86-64 itself, where its kernel lets it), or with a compiler that is neither GCC nor clang.
+# i386 runs on x86-64 itself, where its kernel lets it), as WebAssembly in node, or with a compiler that is neither GCC nor
+# clang.
 # tests/firmware/check.h stands in for Check. Exits with 77 where compiler or emulator is missing.
-# usage: machines.sh DIRECTORY_OF_RBD_H aarch64 | armhf | i386 | riscv64 | s390x | tcc
+# usage: machines.sh DIRECTORY_OF_RBD_H aarch64 | armhf | i386 | riscv64 | s390x | wasm | wasm-suites | tcc
 set -eu
 
-usage='usage: machines.sh DIRECTORY_OF_RBD_H aarch64 | armhf | i386 | riscv64 | s390x | tcc'
+usage='usage: machines.sh DIRECTORY_OF_RBD_H aarch64 | armhf | i386 | riscv64 | s390x | wasm | wasm-suites | tcc'
 root=${1:?$usage}
 target=${2:?$usage}
 dialect=-std=c99
@@ -18,11 +19,15 @@ s390x) compiler=s390x-linux-gnu-gcc dialect=-std=gnu99 ;; # in c99 it computes f
 armhf) compiler=arm-linux-gnueabihf-gcc emulator=qemu-arm ;;
 i386) compiler=i686-linux-gnu-gcc ;;
 tcc) compiler=tcc emulator='' link=-lm ;;
+wasm*) # a trap ends what outgrows the stack
+    compiler='clang-19 --target=wasm32-wasi' emulator="node $root/web/wasm/node.mjs" link='-lm -Wl,-z,stack-size=8388608'
+    optimised='-O1 -Dalways_inline=unused' ;;
 *) echo "$usage" >&2; exit 2 ;;
 esac
-for program in $compiler $emulator; do
+for program in ${compiler%% *} ${emulator%% *}; do
     command -v "$program" >/dev/null 2>&1 || { echo "left out: no $program"; exit 77; }
 done
+case $target in wasm*) [ -e /usr/lib/wasm32-wasi/libc.a ] || { echo "left out: no wasi-libc"; exit 77; } ;; esac
 [ "$target" != tcc ] || [ "$(uname -m)" = x86_64 ] || { echo "left out: tcc elsewhere than on x86-64"; exit 77; }
 
 scratch=$(mktemp -d)
@@ -85,6 +90,10 @@ suites() {
 
 object reference -O0
 object control -O0 -DCONTROL_SMALL
+if [ "$target" = wasm-suites ]; then
+    suites
+    exit
+fi
 scalar double $optimised
 # tcc 0.9.27 overwrites an argument that is a structure of three floats while it computes the next one.
 [ "$target" = tcc ] || scalar float $optimised -DSCALAR_FLOAT
@@ -93,6 +102,13 @@ aarch64)
     expect_path PRESENT RBDI_POLYNOMIAL_SINCOS
     expect_path ABSENT RBDI_BATCH_SCALAR
     scalar '4 lanes' $optimised -DRBD_LANES=4
+    ;;
+wasm)
+    expect_path PRESENT RBDI_POLYNOMIAL_SINCOS
+    expect_path PRESENT RBDI_BATCH_SCALAR
+    expect_path ABSENT RBDI_BATCH_SCALAR -msimd128
+    scalar 'double, SIMD' $optimised -msimd128
+    scalar 'float, SIMD' $optimised -msimd128 -DSCALAR_FLOAT
     ;;
 armhf | riscv64) expect_path PRESENT RBDI_POLYNOMIAL_SINCOS ;;
 i386) # the x87 computes with 80 bits: the sine's argument reduction would not be what it is made for

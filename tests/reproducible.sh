@@ -293,6 +293,22 @@ if [ "$how" != light ]; then
     scalars=double dialect=c99 foreign s390x s390x-linux-gnu-gcc qemu-s390x -march=z14
 fi
 
+# ---- WebAssembly, in node ----
+
+webassembly() {
+    with clang-19 wasm-ld-19 node || return 0
+    [ -e /usr/lib/wasm32-wasi/libc.a ] || { missing="$missing wasi-libc"; return 0; }
+    emulator="node $root/web/wasm/node.mjs" link='-lm -Wl,-z,stack-size=8388608'
+    for level; do
+        for machine in --target=wasm32-wasi '--target=wasm32-wasi -msimd128'; do
+            # shellcheck disable=SC2086 # words wanted
+            build clang-19 -O"$level" $quickly $machine
+        done
+    done
+    emulator='' machine='' link=''
+}
+if [ "$how" = light ]; then scalars=double webassembly 1; else webassembly 0 1 2 3 s; fi
+
 # ---- microcontrollers ----
 
 # board NAME MACHINE OPTION...: of Arm, or `virt` of RISC-V

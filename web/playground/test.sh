@@ -1,6 +1,5 @@
 #!/bin/sh
-# The playground, built and used in a real browser; skipped where something for it is missing. By hand, not in ./run test,
-# until rbd-codegen writes the same bytes from every compiler: "downloads are the bytes of the commands" fails till then.
+# The playground, built and used in a real browser; skipped where something for it is missing.
 # usage: test.sh TOOLS WORK   TOOLS has rbd-model and rbd-codegen; WORK keeps the page and what it is made of
 set -eu
 here=$(CDPATH='' cd -- "$(dirname -- "$0")" && pwd)

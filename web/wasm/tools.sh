@@ -10,6 +10,8 @@ wasm=$(CDPATH='' cd -- "$(dirname -- "$0")" && pwd)
 mkdir -p "${1:?$usage}/build"
 out=$(CDPATH='' cd -- "$1" && pwd)
 build=$out/build
+exec 9>"$build/.lock" # until make ends: others may build in the same folder
+flock 9
 
 release=bookworm # of Debian
 sources='urdfdom=3.0.1-1 urdfdom-headers=1.0.5-3 tinyxml=2.6.2-6+deb12u1 console-bridge=1.0.1+dfsg2-3'
@@ -33,7 +35,7 @@ if [ ! -d "$build/urdfdom" ]; then
     fetched=$build/fetched
     rm -rf "$fetched"
     mkdir "$fetched"
-    fetch >"$build/log.txt" 2>&1 || { cat "$build/log.txt" >&2; echo "tools.sh: no sources of urdfdom" >&2; exit 1; }
+    fetch >"$build/log.txt" 2>&1 || { cat "$build/log.txt" >&2; echo "skipped: no sources of urdfdom" >&2; exit 77; }
     mkdir "$fetched/urdfdom"
     for source in $sources; do
         mv "$fetched/${source%%=*}"-[0-9]*/ "$fetched/urdfdom/${source%%=*}"
