@@ -144,9 +144,20 @@ def pattern(sentence, figures="same"):
     return re.compile(re.sub(r"(?:\d(?:\\?[.,]?\d)*|–)", lambda _: r"[\d.,–]*[\d–]", text) if figures == "any" else text)
 
 
+ROWS_OF = re.compile(r"<!-- rows of (\S+) -->\n(.*?)\n?<!-- end -->", re.S)
+
+
+def csv_table(match):
+    """Such a table with the cells of its file: the first column is words, all others are figures."""
+    with open(ROOT / match[1], newline="") as file:
+        rows = ["|" + "|".join(f" {cell} " if cell else " " for cell in row) + "|" for row in csv.reader(file)]
+    rows.insert(1, "|---" + "|--:" * (rows[0].count("|") - 2) + "|")
+    return f"<!-- rows of {match[1]} -->\n" + "\n".join(rows) + "\n<!-- end -->"
+
+
 def csv_tables(document, text):
     """Tables between <!-- rows of FILE.csv --> and <!-- end --> have the cells of that file."""
-    for match in re.finditer(r"<!-- rows of (\S+) -->\n(.*?)\n<!-- end -->", text, re.S):
+    for match in ROWS_OF.finditer(text):
         with open(ROOT / match[1], newline="") as file:
             rows = ["| " + " | ".join(row) + " |" for row in csv.reader(file)]
         shown = [re.sub(r"\|  \|", "| |", line) for line in match[2].split("\n") if not set(line) <= set("|-: ")]
@@ -158,6 +169,7 @@ def check(write):
     problems, texts = [], {d: (ROOT / d).read_text() for d in DOCUMENTS}
     for document, text in texts.items():
         problems += csv_tables(document, text)
+        texts[document] = ROWS_OF.sub(csv_table, text) if write else text
     left = {d: without_code(text) for d, text in texts.items()}
     for document, sentence in sentences():
         same = pattern(sentence).search(texts[document])

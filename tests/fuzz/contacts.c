@@ -5,6 +5,8 @@
                 [--seconds S]    as many of these as there is time for, ten thousand by ten thousand
                 [--kind NAME]    of this kind only: single, a class of trees, runs or broken
                 [--from N]       begins with problem N of each kind
+                [--publish FOLDER]   writes contact_accuracy.csv and contact_runs.csv there, of float
+                                     contact_accuracy_float.csv and so on: tables of docs/accuracy.md
        contacts --one CLASS N    shows one problem of a class of trees
    In float (RBD_REAL): single contacts, runs and broken descriptions only. */
 #define RBD_IMPLEMENTATION
@@ -1269,6 +1271,79 @@ static void print_runs(void) {
         }
 }
 
+/* A figure to one digit, rounded up. */
+static const char *rounded(double x) {
+    static char text[16];
+    int e = (int)floor(log10(x)), digit;
+    if (!(x > 0)) return "0";
+    digit = (int)ceil(x / pow(10, e) * (1 - 1e-9));
+    if (digit == 10) digit = 1, e++;
+    snprintf(text, sizeof text, "%de%d", digit, e);
+    return text;
+}
+
+static FILE *open_table(const char *folder, const char *name) {
+    char path[1000];
+    FILE *file;
+    snprintf(path, sizeof path, "%s/contact_%s%s.csv", folder, name, IN_FLOAT ? "_float" : "");
+    file = fopen(path, "w");
+    if (!file) perror(path), exit(2);
+    return file;
+}
+
+/* Of all kinds, in float of the first; a kind whose problems have no such figure has an empty cell. */
+static void publish_accuracy(const char *folder) {
+    static const struct {
+        const char *name;
+        int quantity;
+    } rows[6] = {{"cone", CONE},
+                 {"Signorini, of those solved", SIGNORINI},
+                 {"dissipation, of those solved", DISSIPATION},
+                 {"energy made beyond the residual", ENERGY},
+                 {"equation of motion", EQUATION},
+                 {"two methods", METHODS}};
+    const int end = IN_FLOAT ? WORLD : TREES_END;
+    FILE *file = open_table(folder, "accuracy");
+    for (int k = SINGLE; k < end; k++) fprintf(file, ",%s", kinds[k]);
+    fprintf(file, "\nproblems");
+    for (int k = SINGLE; k < end; k++) fprintf(file, ",%ld", counts[k][PROBLEMS] - counts[k][SINGULAR]);
+    fprintf(file, "\nabove the tolerance");
+    for (int k = SINGLE; k < end; k++) fprintf(file, ",%ld", counts[k][UNSOLVED]);
+    fprintf(file, "\ntheir largest residual");
+    for (int k = SINGLE; k < end; k++) fprintf(file, ",%s", rounded(worst_unsolved[k]));
+    if (!IN_FLOAT) fprintf(file, "\nwhich the second method solves,");
+    for (int k = WORLD; k < ANY && !IN_FLOAT; k++) fprintf(file, ",%ld", counts[k][OTHER_SOLVES]);
+    if (!IN_FLOAT) fprintf(file, ",");
+    for (int r = 0; r < (IN_FLOAT ? 3 : 6); r++) {
+        fprintf(file, strchr(rows[r].name, ',') ? "\n\"%s\"" : "\n%s", rows[r].name);
+        for (int k = SINGLE; k < end; k++) {
+            const double scale = IN_FLOAT && rows[r].quantity == CONE ? 1e5 : 1; /* see judge */
+            const char *figure = rounded(worst_of[k][rows[r].quantity].error * scale);
+            fprintf(file, ",%s", k == SINGLE && r > 2 ? "" : figure);
+        }
+    }
+    fprintf(file, "\n");
+    fclose(file);
+}
+
+/* Of each scene, by step size. */
+static void publish_runs(const char *folder) {
+    FILE *file = open_table(folder, "runs");
+    fprintf(file, ",\"above %s m/s, of %ld, at 0.5, 1, 2, 5, 10 ms\",above 1e-3 m/s\n",
+            IN_FLOAT ? "1e-5" : "1e-6", runs[0][0].steps);
+    for (int k = 0; k < SCENES; k++) {
+        const run_figures *f = runs[k];
+        fprintf(file, strchr(scene_names[k], ',') ? "\"%s\"" : "%s", scene_names[k]);
+        for (int size = 0; size < STEP_SIZES; size++)
+            fprintf(file, "%s%ld", size ? ", " : ",\"", f[size].unsolved);
+        for (int size = 0; size < STEP_SIZES; size++)
+            fprintf(file, "%s%ld", size ? ", " : "\",\"",
+                    f[size].histogram[DECADES - 2] + f[size].histogram[DECADES - 1]);
+        fprintf(file, "\"\n");
+    }
+    fclose(file);
+}
+
 static int kind_of(const char *name) {
     for (int k = 0; k < KINDS; k++)
         if (strcmp(kinds[k], name) == 0) return k;
@@ -1291,6 +1366,7 @@ static void run_kind(int kind, int from, int n) {
 int main(int argc, char **argv) {
     int problems = 100000, from = 0, only = -1;
     double seconds = 0;
+    const char *publish = NULL;
     setvbuf(stdout, NULL, _IOLBF, BUFSIZ);
     for (int i = 1; i < argc; i++) {
         const int more = argc - 1 - i;
@@ -1300,6 +1376,8 @@ int main(int argc, char **argv) {
             problems = atoi(argv[++i]);
         else if (more > 0 && strcmp(argv[i], "--from") == 0)
             from = atoi(argv[++i]);
+        else if (more > 0 && strcmp(argv[i], "--publish") == 0)
+            publish = argv[++i];
         else if (more > 0 && strcmp(argv[i], "--kind") == 0)
             only = kind_of(argv[++i]);
         else if (more > 1 && strcmp(argv[i], "--one") == 0) {
@@ -1323,6 +1401,7 @@ int main(int argc, char **argv) {
     } while (difftime(time(NULL), start_time) < seconds);
     print_counts();
     print_runs();
+    if (publish) publish_accuracy(publish), publish_runs(publish);
     printf("%ld failures\n", failures);
     return failures > 0;
 }
