@@ -1,13 +1,18 @@
 # SPDX-License-Identifier: MIT
 """examples/many_machines.py: the same counts to the bit in this process, in a pool, and where a worker dies."""
+import contextlib
 import functools
 import importlib.util
+import json
 import os
+import subprocess
 import sys
+import time
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 _path = Path(__file__).parent.parent / "examples/many_machines.py"
 _spec = importlib.util.spec_from_file_location("many_machines", _path)
@@ -52,3 +57,47 @@ def test_many_machines_quantiles():
     width = 2 * many.LARGEST / many.BINS
     found = many.quantiles(counts)[0]
     assert np.allclose(found, (np.array([100, 200, 200, 200, 300]) + 0.5) * width - many.LARGEST)
+
+
+@contextlib.contextmanager
+def started(*command):
+    """A program of distributed that runs meanwhile, with this folder's rbd."""
+    paths = [str(_path.parent.parent), *sys.path]
+    process = subprocess.Popen([sys.executable, "-m", f"distributed.cli.dask_{command[0]}", *command[1:]],
+                               env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, paths))},
+                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.wait()
+
+
+def test_many_machines_distributed(tmp_path):
+    """A scheduler and two workers, one of which is killed in the midst: some seconds of a processor."""
+    distributed = pytest.importorskip("distributed")
+    many.hyq()
+    file = tmp_path / "scheduler.json"
+    worker = "worker", "--scheduler-file", str(file), "--nthreads", "1", "--no-dashboard", "--no-nanny", "--local-directory", str(tmp_path)
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(started("scheduler", "--scheduler-file", str(file), "--port", "0", "--host", "127.0.0.1", "--no-dashboard"))
+        first, _ = (stack.enter_context(started(*worker)) for _ in range(2))
+        for _ in range(600):
+            if file.exists() and file.read_text().endswith("}"):
+                break
+            time.sleep(0.1)
+        address = json.loads(file.read_text())["address"]
+
+        class Kills(many.Dask):
+            def submit(self, function, *arguments):
+                if arguments[0] == 0:
+                    self.client.wait_for_workers(2, timeout=60)
+                if arguments[0] == 4:
+                    first.kill()
+                return super().submit(function, *arguments)
+
+        spread = many.study(20_000, lambda: Kills(address), size=2500, ahead=3)
+        assert first.wait(10) != 0
+        with distributed.Client(address) as client:
+            assert len(client.scheduler_info()["workers"]) == 1
+    assert np.array_equal(spread, many.study(20_000, Here, size=2500))
