@@ -63,9 +63,9 @@ def test_many_machines_quantiles():
 def started(*command):
     """A program of distributed that runs meanwhile, with this folder's rbd."""
     paths = [str(_path.parent.parent), *sys.path]
-    process = subprocess.Popen([sys.executable, "-m", f"distributed.cli.dask_{command[0]}", *command[1:]],
-                               env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, paths))},
-                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    program = [sys.executable, "-m", f"distributed.cli.dask_{command[0]}", *command[1:]]
+    process = subprocess.Popen(program, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                               env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, paths))})
     try:
         yield process
     finally:
@@ -78,9 +78,10 @@ def test_many_machines_distributed(tmp_path):
     distributed = pytest.importorskip("distributed")
     many.hyq()
     file = tmp_path / "scheduler.json"
-    worker = "worker", "--scheduler-file", str(file), "--nthreads", "1", "--no-dashboard", "--no-nanny", "--local-directory", str(tmp_path)
+    both = "--scheduler-file", str(file), "--no-dashboard"
+    worker = "worker", *both, "--nthreads", "1", "--no-nanny", "--local-directory", str(tmp_path)
     with contextlib.ExitStack() as stack:
-        stack.enter_context(started("scheduler", "--scheduler-file", str(file), "--port", "0", "--host", "127.0.0.1", "--no-dashboard"))
+        stack.enter_context(started("scheduler", *both, "--port", "0", "--host", "127.0.0.1"))
         first, _ = (stack.enter_context(started(*worker)) for _ in range(2))
         for _ in range(600):
             if file.exists() and file.read_text().endswith("}"):
