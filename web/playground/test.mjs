@@ -67,7 +67,7 @@ async function download(button, names) {
   for (let i = 0; i < 300 && !names.every((n) => existsSync(join(scratch, n))); i++) await new Promise((r) => setTimeout(r, 50));
   return names.map((n) => readFileSync(join(scratch, n), "utf8"));
 }
-// What a firmware main prints: each torque by the model and by the code.
+// The output of a firmware main: each torque by the model and by the code.
 async function torques(printed) {
   const rows = printed.trim().split("\n").map((line) => line.split(" ").map(Number)), shown = await gravity();
   assert.equal(rows.length, shown.length);

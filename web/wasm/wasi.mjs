@@ -220,7 +220,7 @@ export async function run(module, args, files = {}, stdin = '') {
     const tree = new Files(files);
     let instance = null;
     const system = imports(args, tree, standard, () => instance.exports.memory.buffer);
-    // What is imported and not here fails with ENOSYS.
+    // An import that is not here fails with ENOSYS.
     const wanted = WebAssembly.Module.imports(module).map(({name}) => [name, system[name] ?? (() => 52)]);
     instance = await WebAssembly.instantiate(module, {wasi_snapshot_preview1: Object.fromEntries(wanted)});
     let status = 0, trap = '';

@@ -1,4 +1,4 @@
-// What goes home: the files that rbd-model and rbd-codegen write, by these commands themselves, and a main for firmware.
+// To take home: the files that rbd-model and rbd-codegen write, by these commands themselves, and a main for firmware.
 import { command } from "./module.js";
 import { $, element } from "./panels.js";
 import { save } from "./files.js";

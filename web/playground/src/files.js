@@ -1,4 +1,4 @@
-// What is dropped: a URDF, a xacro, or a zip with one of them and its meshes.
+// Dropped files: a URDF, a xacro, or a zip with one of them and its meshes.
 import { unzipSync } from "fflate";
 import { expandXacro } from "./xacro.js";
 import { element } from "./panels.js";

@@ -194,7 +194,7 @@ export function drawEnergy(history) {
 
 // ---- problems ----
 
-// What one does about an error or a warning of rbd_urdf.h, by its number.
+// Remedies for an error or a warning of rbd_urdf.h, by its number.
 const remedies = {
   "-6": "Mend the XML at this line: a tag that is not closed, or a character that must be written as an entity.",
   "-7": "The file must hold one <robot> with links, and a joint that moves. A xacro is expanded here if its name ends in .xacro.",

@@ -55,7 +55,7 @@ export class Robot {
     this.bodies.forEach((b, i) => { if (this.tips[i].length === 0) this.tips[i].push(b.com.map((x) => 2 * x)); });
   }
 
-  // What a slider moves: { label, joint, low, high, unit, get, set }.
+  // The coordinates that sliders move: { label, joint, low, high, unit, get, set }.
   collectCoordinates() {
     this.coordinates = [];
     const plain = (b, k, label, low, high, unit) => this.coordinates.push({
@@ -95,7 +95,7 @@ export class Robot {
     this.update();
   }
 
-  // What the picture needs: poses, centre of mass, energy.
+  // For the picture: poses, centre of mass, energy.
   updatePose() {
     this.model.exports.web_pose();
     this.poses = this.model.array("poses").slice();
@@ -103,7 +103,7 @@ export class Robot {
     this.energy = [...this.model.array("energy")];
   }
 
-  // And what the panels need: gravity torques, mass matrix.
+  // For the panels: gravity torques, mass matrix.
   update() {
     this.updatePose();
     this.model.exports.web_dynamics();
