@@ -1356,9 +1356,9 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
     }
     for (int i = 0; i < c->dof_rows; ++i) {
         rbdi_dof_row *a = &c->dof_row[i];
-        const int r = s->rows - 3 * contacts, near = rbdi_dof_row_at(a, q, v, dt);
-        a->row = near ? rbdi_open_rows(c, place + i, 1, s->path, rbdi_path_to(m, s, a->dof)) : -1;
-        if (!near) continue;
+        const int r = s->rows - 3 * contacts, bounded = rbdi_dof_row_at(a, q, v, dt);
+        a->row = bounded ? rbdi_open_rows(c, place + i, 1, s->path, rbdi_path_to(m, s, a->dof)) : -1;
+        if (!bounded) continue;
         c->lower[r] = a->iq < 0 ? dt * a->lower : rbdi_zero();
         c->upper[r] = a->iq < 0 ? dt * a->upper : rbdi_set(RBDI_UNBOUNDED);
     }
