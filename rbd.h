@@ -4032,7 +4032,7 @@ RBDI_INLINE void rbdi_subtract_scalars(rbdi_terms g, int which, int n, rbd_real 
         sum[b] = which == RBDI_FRESH ? rbdi_zero() : y[b];
         if (which == RBDI_PATH) sum[b] = sum[b] * g.k;
     }
-    for (int i = 0; i < g.n; ++i) {
+    RBDI_UNROLL_TWO for (int i = 0; i < g.n; ++i) {
         const int t = which == RBDI_OWN || which == RBDI_DESCENDANTS ? g.n - 1 - i : i;
         const rbd_real *row = g.X + rbdi_start_of(&g, which, t), x = rbdi_factor_of(&g, which, t, row);
         RBDI_UNROLL_ROW for (int b = 0; b < n; ++b) sum[b] = sum[b] - row[b] * x;
