@@ -8,6 +8,9 @@
 #endif
 #include "rbd_urdf.h"
 
+#include <cmath>
+#include <vector>
+
 static void require(bool condition) {
     if (!condition) __builtin_trap();
 }
