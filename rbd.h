@@ -2619,7 +2619,8 @@ RBDI_DYNAMICS_BEGIN
 
 /* ==== src/model/joints.h ==== */
 /* Interface: rbdi_along_axis, rbdi_block_link, rbdi_block_motion, rbdi_cross_shift, rbdi_down,
-   rbdi_force_up_block, rbdi_joint_attitude, rbdi_joints, rbdi_link_dofs, rbdi_trig_of, RBDI_BY_FLAGS */
+   rbdi_force_up_block, rbdi_joint_attitude, rbdi_joints, rbdi_link_dofs, rbdi_trig_of, RBDI_BY_FLAGS,
+   RBDI_BY_FLAGS_OF, RBDI_CASES, RBDI_NO_CASES */
 
 /* ---- joints [joints] ----
    Code that depends on the joint type: rbdi_joint_facts, rbdi_build_joint, rbdi_build_regroup,
@@ -2737,9 +2738,9 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
         const int name = known; \
         call; \
     } break;
-#if !RBDI_FOR_SPEED || !RBDI_HARD_FLOAT || RBDI_REAL_KIND % 3 == 0
+#if !defined __OPTIMIZE__ || !RBDI_HARD_FLOAT || RBDI_REAL_KIND % 3 == 0
 #define RBDI_CASES(name, call)
-#elif RBDI_SIMD > 0
+#elif RBDI_SIMD > 0 && RBDI_FOR_SPEED
 #define RBDI_CASES(name, call) \
     RBDI_CASE(RBDI_TWIST_90, name, call) \
     RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_Z, name, call) \
@@ -2761,7 +2762,8 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
     } break; \
         RBDI_CASE(RBDI_TWIST_0 | RBDI_SHIFT_R, name, call)
 #endif
-#define RBDI_BY_FLAGS(name, link, call) \
+#define RBDI_NO_CASES(name, call)
+#define RBDI_BY_FLAGS_OF(cases, name, link, call) \
     do { \
         const int flags_ = rbdi_flags(link); \
         switch (flags_) { \
@@ -2769,9 +2771,14 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
             const int name = flags_; \
             call; \
         } break; \
-            RBDI_CASES(name, call) \
+            cases(name, call) \
         } \
     } while (0)
+#if RBDI_FOR_SPEED
+#define RBDI_BY_FLAGS(name, link, call) RBDI_BY_FLAGS_OF(RBDI_CASES, name, link, call)
+#else
+#define RBDI_BY_FLAGS(name, link, call) RBDI_BY_FLAGS_OF(RBDI_NO_CASES, name, link, call)
+#endif
 
 /* Vector, parent axes to link axes, of a one-axis joint. */
 RBDI_INLINE rbdi_v3 rbdi_down(const rbdi_link *l, int flags, rbdi_trig t, rbdi_v3 v) {
@@ -3413,21 +3420,24 @@ RBDI_PART void rbdi_crba_link(const rbd_model *m, const rbd_work *w, int i, ptrd
 }
 
 /* RBDA table 6.2, into the packed tree matrix H or, if M is given, the full matrix, which is zero before.
-   With mimic joints into H and the rows behind it; rbdi_reduce_H does the rest. */
-RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_real *M) {
+   With mimic joints into H and the rows behind it; rbdi_reduce_H does the rest. At -Os the full matrix alone
+   has code for common flags, which saves a fifth of its instructions: packed it is a part of larger calls. */
+RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_real *M, int full) {
     const rbd_model model = *m; /* copies, which no store into H or w->F can be thought to change */
     const rbd_work work = *w;
-    const ptrdiff_t stride = rbdi_stride(m);
+    const ptrdiff_t stride = rbdi_stride(m), usual = RBDI_FIXED_STRIDE ? RBDI_FIXED_STRIDE : stride;
     rbdi_rbi carried = rbdi_rbi_zero(), any = carried; /* an address of carried would keep it in memory */
     for (int i = 0; i < m->nbranch; ++i) w->branch[i].C = carried;
     for (int i = m->nl - 1; RBDI_FIXED_STRIDE && stride != RBDI_FIXED_STRIDE && i >= 0; --i)
         rbdi_crba_link(&model, &work, i, stride, &any, H, M);
     if (RBDI_FIXED_STRIDE && stride != RBDI_FIXED_STRIDE) return;
     for (int i = m->nl - 1; i >= 0; --i)
-        RBDI_BY_FLAGS(flags, &model.link[i],
-                      carried =
-                          rbdi_crba_step(&model, &work, i, flags,
-                                         RBDI_FIXED_STRIDE ? RBDI_FIXED_STRIDE : stride, carried, H, M));
+        if (RBDI_FOR_SPEED || full)
+            RBDI_BY_FLAGS_OF(RBDI_CASES, flags, &model.link[i],
+                             carried = rbdi_crba_step(&model, &work, i, flags, usual, carried, H, M));
+        else
+            RBDI_BY_FLAGS_OF(RBDI_NO_CASES, flags, &model.link[i],
+                             carried = rbdi_crba_step(&model, &work, i, flags, usual, carried, H, M));
 }
 
 /* The dof that carries this one, itself unless it mimics, and its share of that. */
@@ -3457,7 +3467,7 @@ RBDI_PART void rbdi_reduce_H(const rbd_model *m, rbd_real *H) {
 /* M packed, from the joints' transforms. */
 RBDI_PART void rbdi_crba_of_joints(const rbd_model *m, rbd_work *w, rbd_real *H) {
     if (rbdi_mimics(m)) rbdi_clear(w->H, m->nh);
-    rbdi_crba(m, w, rbdi_mimics(m) ? w->H : H, NULL);
+    rbdi_crba(m, w, rbdi_mimics(m) ? w->H : H, NULL, 0);
     if (rbdi_mimics(m)) rbdi_reduce_H(m, w->H);
     for (int k = 0; rbdi_mimics(m) && k < m->nh; ++k) H[k] = w->H[k];
 }
@@ -3482,7 +3492,7 @@ RBDI_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q,
         return RBD_OK;
     }
     rbdi_joints(m, w, q);
-    rbdi_crba(m, w, NULL, M);
+    rbdi_crba(m, w, NULL, M, 1);
     return RBD_OK;
 }
 

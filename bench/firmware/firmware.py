@@ -12,6 +12,8 @@ import shutil
 import subprocess
 import sys
 
+import cold
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 CROSS = ROOT / "examples/firmware/cross"
 ACCEPTED = ROOT / "bench/results/firmware.csv"
@@ -559,6 +561,7 @@ BLOCKS = {"five_bar": ("examples/firmware/README.md", five_bar_table), "mpc": ("
           "recorded": ("examples/firmware/README.md", recorded_table),
           "contacts": ("examples/firmware/README.md", contacts_table), "flash": ("docs/porting.md", alone_table),
           "own": ("docs/firmware.md", lambda _, __: own_table(read_accepted())),
+          "cold": ("docs/firmware.md", lambda _, __: cold.table()),
           "calls": ("docs/firmware.md", lambda _, __: calls_table(read_accepted()).split("\n"))}
 
 

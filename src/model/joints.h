@@ -6,7 +6,8 @@
 #include "model/features.h"
 
 /* Interface: rbdi_along_axis, rbdi_block_link, rbdi_block_motion, rbdi_cross_shift, rbdi_down,
-   rbdi_force_up_block, rbdi_joint_attitude, rbdi_joints, rbdi_link_dofs, rbdi_trig_of, RBDI_BY_FLAGS */
+   rbdi_force_up_block, rbdi_joint_attitude, rbdi_joints, rbdi_link_dofs, rbdi_trig_of, RBDI_BY_FLAGS,
+   RBDI_BY_FLAGS_OF, RBDI_CASES, RBDI_NO_CASES */
 
 /* ---- joints [joints] ----
    Code that depends on the joint type: rbdi_joint_facts, rbdi_build_joint, rbdi_build_regroup,
@@ -124,9 +125,9 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
         const int name = known; \
         call; \
     } break;
-#if !RBDI_FOR_SPEED || !RBDI_HARD_FLOAT || RBDI_REAL_KIND % 3 == 0
+#if !defined __OPTIMIZE__ || !RBDI_HARD_FLOAT || RBDI_REAL_KIND % 3 == 0
 #define RBDI_CASES(name, call)
-#elif RBDI_SIMD > 0
+#elif RBDI_SIMD > 0 && RBDI_FOR_SPEED
 #define RBDI_CASES(name, call) \
     RBDI_CASE(RBDI_TWIST_90, name, call) \
     RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_Z, name, call) \
@@ -148,7 +149,8 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
     } break; \
         RBDI_CASE(RBDI_TWIST_0 | RBDI_SHIFT_R, name, call)
 #endif
-#define RBDI_BY_FLAGS(name, link, call) \
+#define RBDI_NO_CASES(name, call)
+#define RBDI_BY_FLAGS_OF(cases, name, link, call) \
     do { \
         const int flags_ = rbdi_flags(link); \
         switch (flags_) { \
@@ -156,9 +158,14 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
             const int name = flags_; \
             call; \
         } break; \
-            RBDI_CASES(name, call) \
+            cases(name, call) \
         } \
     } while (0)
+#if RBDI_FOR_SPEED
+#define RBDI_BY_FLAGS(name, link, call) RBDI_BY_FLAGS_OF(RBDI_CASES, name, link, call)
+#else
+#define RBDI_BY_FLAGS(name, link, call) RBDI_BY_FLAGS_OF(RBDI_NO_CASES, name, link, call)
+#endif
 
 /* Vector, parent axes to link axes, of a one-axis joint. */
 RBDI_INLINE rbdi_v3 rbdi_down(const rbdi_link *l, int flags, rbdi_trig t, rbdi_v3 v) {
