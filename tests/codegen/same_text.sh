@@ -20,6 +20,7 @@ compile() { # SOURCE OBJECT ARGUMENT...
 }
 for scalar in double float; do
     compile codegen/record.cpp record_$scalar.o -DCONSTANTS=$scalar -DRECORD=record_$scalar -DRECORD_SPACE=of_$scalar || exit 1
+    compile codegen/own_sines.cpp sines_$scalar.o -DSCALAR=$scalar -DWORDS=two_over_pi_$scalar || exit 1
 done
 for source in graph program emit sines compute limbs; do
     compile codegen/$source.cpp $source.o -O1 || exit 1
@@ -49,6 +50,7 @@ all=$("$rbd_codegen" --help | tr ' ' '\n' | sed -n '/^id$/,/^--scalar$/p' | grep
 compare iiwa --scalar float --bounded-angles --short-sums --algorithm "$all,jacobian:lbr_iiwa_link_7,pose:lbr_iiwa_link_7"
 compare five_bar --lanes 4 --f-ext --bounded-angles --block 50 --algorithm "$all"
 compare hyq --floating --algorithm "$all"
+compare hyq --floating --reproducible --scalar float --algorithm "$all"
 compare hyq --floating --limbs 4 --gravity-argument --algorithm "$all"
 compare atlas --floating --limbs 2 --algorithm id,mm_packed,fd
 
@@ -58,5 +60,5 @@ for file in here/robot*; do
     cmp "$file" there/"${file#here/}" || { echo "FAILED: $other writes another ${file#here/}"; failed=1; }
     compared=$((compared + 1))
 done
-[ $compared -eq 30 ] || { echo "FAILED: $compared files compared"; failed=1; }
+[ $compared -eq 32 ] || { echo "FAILED: $compared files compared"; failed=1; }
 exit $failed
