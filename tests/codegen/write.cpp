@@ -1,5 +1,5 @@
 // write.cpp - writes code of the first N of the chosen robots, NAME0_code.c and so on: all functions, with
-// all arguments. usage: write NAME N double|float LANES LIMBS BLOCK long|short BOUNDED FOLDER
+// all arguments. usage: write NAME N double|float LANES LIMBS BLOCK long|short|reproducible BOUNDED FOLDER
 #include "../../tools/codegen/emit.h"
 #include "../../tools/codegen/limbs.h"
 #include <cstdio>
@@ -27,6 +27,7 @@ int main(int argc, char **argv) {
         t.block = std::atoi(argv[6]);
         t.is_bounded = std::atoi(argv[8]) != 0;
         t.statements.long_sums = std::strcmp(argv[7], "long") == 0;
+        t.is_reproducible = r.reproducible = std::strcmp(argv[7], "reproducible") == 0;
         r.limbs_alike = t.limbs > 1;
         std::vector<codegen::tested> functions;
         for (std::string name : codegen::algorithm_names()) {
