@@ -26,6 +26,8 @@ const char help[] =
     "need no rbd.h. What\n"
     "they compute is what rbd.h computes: it is run once, on a scalar that records, and the "
     "record is written.\n"
+    "Matrices are factored and solved by sums of rows, four columns at once, but for --lanes and "
+    "--short-sums.\n"
     "  --name NAME         what files, functions and constants begin with (the file's name)\n"
     "  --output FOLDER     where to write (here)\n"
     "  --algorithm LIST    which functions, with commas between (id,mm,fd; or rnea,crba,aba); there are\n";
@@ -355,6 +357,7 @@ int run(options *o) {
             if (o->target.limbs > 1)
                 o->target.limbs = codegen::like_limbs(codegen::joints(o->robot), o->target.limbs);
             o->robot.limbs_alike = o->target.limbs > 1;
+            o->robot.by_rows = o->target.lanes == 1 && o->target.statements.long_sums;
             for (const std::string &name : o->algorithms) functions.push_back(record(o, name));
             print_header(o, &r, functions);
             print_source(o, &r, functions);

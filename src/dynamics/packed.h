@@ -176,6 +176,9 @@ RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
     const rbdi_node *node = m->node;
     rbd_real *inverse = w->F; /* 1/D, by node */
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
+#ifdef RBDI_ROWS /* rbd-codegen: sums of rows are not recorded scalar by scalar */
+    if (RBDI_ROWS(factor)(m, w, H)) return doubt;
+#endif
     for (int s = m->nv - 1; s >= 0; --s) {
         const rbdi_dof *dof = &m->dof[node[s].dof];
         rbd_real *row = &H[node[s].row];
@@ -298,6 +301,9 @@ RBDI_PART void rbdi_solve_two(const rbd_model *m, rbd_work *w, const rbd_real *L
 /* X = sign M^-1 X, and Y likewise if it is not NULL: n columns, from one row to the next a stride. */
 RBDI_PART void rbdi_solve_columns(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign,
                                   ptrdiff_t stride, int n, rbd_real *X, rbd_real *Y) {
+#ifdef RBDI_ROWS
+    if (RBDI_ROWS(solve)(m, L, sign, stride, n, X, Y)) return;
+#endif
     if (Y && n >= RBDI_BATCH && 2 * n <= RBDI_ROW * RBDI_BATCH) {
         rbdi_solve_two(m, w, L, sign, stride, n, X, Y);
         return;
@@ -323,6 +329,9 @@ RBDI_PART void rbdi_invert(const rbd_model *m, rbd_work *w, const rbd_real *L, r
     rbdi_start *path = (rbdi_start *)w->F; /* where its rows begin, root first */
     rbd_real *row = Z;
     int before = 0;
+#ifdef RBDI_ROWS
+    if (RBDI_ROWS(invert)(m, L, Z)) return;
+#endif
     for (int k = 0; k < n; ++k, row += n) {
         const rbd_real *l = &L[m->dof[k].row];
         const int d = m->dof[k].depth;

@@ -108,12 +108,12 @@ done
 if command -v tcc >/dev/null; then
     for bounded in "" --bounded-angles; do
         # shellcheck disable=SC2086 # no option is none
-        expect 0 "" --name tiny $bounded --algorithm id,fd "$iiwa"
+        expect 0 "" --name tiny $bounded --algorithm id,fd,minv,fd_derivatives "$iiwa"
         tcc -DTINY_SELFTEST -DTINY_SELFTEST_MAIN -o test tiny_code.c -lm && ./test >out || { fail "tcc: $bounded"; cat out; }
     done
 fi
 selftest hyq --floating --algorithm id,fd --block 300 "$root/models/hyq.urdf"
-selftest pairs --scalar float --floating --limbs 4 --f-ext --algorithm id "$root/models/atlas.urdf"
+selftest pairs --scalar float --floating --limbs 4 --f-ext --algorithm id,minv "$root/models/atlas.urdf"
 grep -q "^#define LIMBS 2" pairs_code.c || fail "the pairs of limbs are not computed at once"
 selftest legs --floating --limbs 4 --algorithm id,mm_packed,fd --block 100 "$root/models/hyq.urdf"
 grep -q "^#define LIMBS 4" legs_code.c || fail "the four legs are not computed at once"

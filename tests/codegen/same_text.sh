@@ -22,7 +22,7 @@ for scalar in double float; do
     compile codegen/record.cpp record_$scalar.o -DCONSTANTS=$scalar -DRECORD=record_$scalar -DRECORD_SPACE=of_$scalar || exit 1
     compile codegen/own_sines.cpp sines_$scalar.o -DSCALAR=$scalar -DWORDS=two_over_pi_$scalar || exit 1
 done
-for source in graph program emit sines compute limbs; do
+for source in graph program emit sines compute limbs rows; do
     compile codegen/$source.cpp $source.o -O1 || exit 1
 done
 generator=$(echo ./*.o)

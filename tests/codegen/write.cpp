@@ -29,6 +29,7 @@ int main(int argc, char **argv) {
         t.statements.long_sums = std::strcmp(argv[7], "long") == 0;
         t.is_reproducible = r.reproducible = std::strcmp(argv[7], "reproducible") == 0;
         r.limbs_alike = t.limbs > 1;
+        r.by_rows = t.lanes == 1 && t.statements.long_sums;
         std::vector<codegen::tested> functions;
         for (std::string name : codegen::algorithm_names()) {
             name = name.substr(0, name.find("LINK")) + (name.find("LINK") != name.npos ? "tip" : "");

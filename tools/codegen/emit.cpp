@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <map>
+#include <stdexcept>
 
 namespace codegen {
 namespace {
@@ -74,9 +75,14 @@ class writer {
         for (size_t k = 0; k < p.angles.size(); k++) angle[p.angles[k]] = int(k);
         size_t first = 0;
         for (const array &a : f.outputs)
-            for (int k = 0; k < a.size; k++) store_at(f.results[first++], a.name, size_t(k));
+            for (int k = 0; k < a.size; k++, first++)
+                if (!is_copied(f.results[first])) store_at(f.results[first], a.name, size_t(k));
         for (size_t k = 0; k < f.pivots.size(); k++) store_at(f.pivots[k], "pivot", k);
+        for (const row_call &c : f.calls)
+            for (const row_call::store &s : c.stores)
+                if (!is_for_call(s)) store_at(s.x, "rows", size_t(s.at));
         split();
+        check_loads();
     }
     std::string text();
 
@@ -96,7 +102,23 @@ class writer {
     std::map<int, std::vector<store>> stores; /* of a node */
     std::vector<int> block, shared; /* of a node: the block that computes it, its place in `kept` or -1 */
     int blocks = 1, kept = 0, kept_vectors = 0;
+    size_t calls = 0; /* written */
 
+    /* The statement behind a value; of a lane that of its vector. */
+    int source_of(value x) const {
+        const node &n = p.at(node_of(x));
+        return node_of(n.op == LANE ? n.arg[0] : x);
+    }
+    /* Stored just before the call, and not where it is computed. */
+    bool is_for_call(const row_call::store &s) const {
+        return s.late || !p.is_statement[size_t(source_of(s.x))];
+    }
+    /* A result that stands in rows. */
+    bool is_copied(value x) const { return p.at(node_of(x)).op == LOADED && !is_negative(x); }
+    void check_loads() const;
+    std::string calls_before(int i);
+    std::string copies() const;
+    std::string call_texts() const;
     void store_at(value x, const std::string &array, size_t k);
     void split();
     std::string number(double x) const { return literal(x, t.is_float); }
@@ -138,6 +160,12 @@ void writer::split() {
     std::vector<int> last(f.code.nodes.size(), -1);
     for (int i : order)
         for (int k : p.operands(i)) last[size_t(k)] = block[size_t(i)];
+    for (const row_call &c : f.calls) {
+        const auto next = std::lower_bound(order.begin(), order.end(), c.node);
+        const int at = next == order.end() ? blocks - 1 : block[size_t(*next)];
+        for (const row_call::store &s : c.stores)
+            last[size_t(source_of(s.x))] = std::max(last[size_t(source_of(s.x))], is_for_call(s) ? at : -1);
+    }
     std::vector<std::vector<int>> released(size_t(blocks) + 1);
     std::vector<int> unused[2]; /* scalars, vectors */
     int current = 0;
@@ -166,6 +194,7 @@ std::string writer::gathered(int i) const {
     const auto place = [&](value x) {
         const node &n = p.at(node_of(x));
         if (is_negative(x) || !p.is_leaf(node_of(x)) || n.op == CONSTANT) return std::make_pair(-1, -1);
+        if (n.op == LOADED) return std::make_pair(-int(n.op), n.arg[0]);
         return n.op == INPUT ? std::make_pair(n.arg[0], n.arg[1])
                              : std::make_pair(-int(n.op), angle.at(p.angle_of(node_of(x))));
     };
@@ -180,6 +209,7 @@ std::string writer::leaf(int i) const {
     const node &n = p.at(i);
     if (n.op == CONSTANT) return number(n.constant);
     if (n.op == GATHER) return "(limbs){" + elements(i) + "}";
+    if (n.op == LOADED) return format("rows[%d]", n.arg[0]);
     if (n.op == INPUT) return format("%s[%d]", f.inputs[size_t(n.arg[0])].name.c_str(), n.arg[1]);
     return format("%s[%d]", n.op == SINE ? "sine" : "cosine", angle.at(p.angle_of(i)));
 }
@@ -281,7 +311,7 @@ std::string writer::statement(int i) {
         (is_vector ? "    const limbs " : "    const real ") + own + " = " + expression(i) + ";\n";
     s += stores_of(i);
     if (shared[size_t(i)] >= 0)
-        s += format("    kept%s[%d] = %s;\n", is_vector ? "_limbs" : "", shared[size_t(i)], own.c_str());
+        s += format("    k%s[%d] = %s;\n", is_vector ? "l" : "", shared[size_t(i)], own.c_str());
     return s;
 }
 
@@ -289,9 +319,73 @@ std::string writer::block_text(int b) {
     std::string s;
     for (int i : order)
         if (block[size_t(i)] < b && shared[size_t(i)] >= 0)
-            name[size_t(i)] = format("kept%s[%d]", p.at(i).is_vector ? "_limbs" : "", shared[size_t(i)]);
+            name[size_t(i)] = format("k%s[%d]", p.at(i).is_vector ? "l" : "", shared[size_t(i)]);
     for (int i : order)
-        if (block[size_t(i)] == b) s += statement(i);
+        if (block[size_t(i)] == b) s += calls_before(i) + statement(i);
+    return b == blocks - 1 ? s + calls_before(int(name.size())) : s;
+}
+
+/* ---- calls on rows ---- */
+
+/* What is loaded at a statement, no later call may have written by then. */
+void writer::check_loads() const {
+    std::vector<std::vector<int>> written(size_t(f.rows)); /* of each place: the calls */
+    for (size_t k = 0; k < f.calls.size(); k++)
+        for (int at : places_written(f.calls[k])) written[size_t(at)].push_back(int(k));
+    const auto check = [&](int i, int at) {
+        const node &n = p.at(i);
+        if (n.op != LOADED) return;
+        for (int k : written[size_t(n.arg[0])])
+            if (k > n.arg[1] && f.calls[size_t(k)].node <= at)
+                throw std::logic_error("a row is read when it has been written again");
+    };
+    for (int i : order)
+        for (int k : p.operands(i)) check(k, i);
+    for (value x : f.results) check(node_of(x), int(name.size()));
+    for (value x : f.pivots) check(node_of(x), int(name.size()));
+}
+
+std::string writer::calls_before(int i) {
+    std::string s;
+    for (; calls < f.calls.size() && f.calls[calls].node <= i; calls++) {
+        const std::vector<row_call::store> &all = f.calls[calls].stores;
+        const value zero = f.code.find_constant(0);
+        for (size_t k = 0, n = 0; k < all.size(); k += n ? n : 1, n = 0) {
+            while (k + n < all.size() && all[k + n].x == zero && all[k + n].at == all[k].at + int(n)) n++;
+            if (n > 2)
+                s += format("    CLEAR(%d, rows + %d);\n", int(n), all[k].at);
+            else if (n = 0, is_for_call(all[k]))
+                s += format("    rows[%d] = %s;\n", all[k].at, operand_signed(all[k].x).c_str());
+        }
+        s += format("    %s_%s_rows_%zu(rows);\n", t.name.c_str(), f.name.c_str(), calls);
+    }
+    return s;
+}
+
+std::string writer::call_texts() const {
+    std::string s;
+    for (size_t k = 0; k < f.calls.size(); k++)
+        s += format("PART void %s_%s_rows_%zu(scalar *restrict rows) {\n%s}\n", t.name.c_str(),
+                    f.name.c_str(), k, sums_text(f.calls[k]).c_str());
+    return s;
+}
+
+/* Results that stand in rows, as long as they stand there one behind the other. */
+std::string writer::copies() const {
+    std::string s;
+    size_t first = 0;
+    for (const array &a : f.outputs) {
+        const auto at = [&](int k) {
+            if (k == a.size || !is_copied(f.results[first + size_t(k)])) return -a.size;
+            return p.at(node_of(f.results[first + size_t(k)])).arg[0];
+        };
+        for (int k = 0, n = 1; k < a.size; k += n, n = 1) {
+            if (at(k) < 0) continue;
+            while (at(k + n) == at(k) + n) n++;
+            s += format("    COPY(%d, %s + %d, %d);\n", n, a.name.c_str(), k, at(k));
+        }
+        first += size_t(a.size);
+    }
     return s;
 }
 
@@ -332,7 +426,7 @@ std::string writer::sines() const {
 
 /* Results that are no statements, and the judgement of the pivots. */
 std::string writer::end() const {
-    std::string s;
+    std::string s = copies();
     for (const auto &x : stores)
         if (!p.is_statement[size_t(x.first)]) s += stores_of(x.first);
     if (f.pivots.empty()) return s;
@@ -350,29 +444,32 @@ std::string writer::text() {
     const std::string full = t.name + "_" + f.name;
     const bool angles = !p.angles.empty(), pivots = !f.pivots.empty();
     const std::string all = parameters(f, "real", "restrict ");
-    std::string s, calls;
+    std::string s = call_texts(), parts;
     if (pivots) {
         s += format("static const scalar %s_limit[%zu] = {", full.c_str(), judged());
         for (size_t k = 0; k < judged(); k++)
             s += (k ? ", " : "") + number(k < f.limits.size() ? f.limits[k] : 0);
         s += "};\n";
     }
-    std::string more = ", real *restrict kept", pass = ", kept";
-    if (kept_vectors > 0) more += ", limbs *restrict kept_limbs", pass += ", kept_limbs";
+    std::string more = ", real *restrict k", pass = ", k";
+    if (f.rows > 0) more += ", real *restrict rows", pass += ", rows";
+    if (kept_vectors > 0) more += ", limbs *restrict kl", pass += ", kl";
     if (angles) more += ", const real *restrict sine, const real *restrict cosine", pass += ", sine, cosine";
     if (pivots) more += ", real *restrict pivot", pass += ", pivot";
     for (int b = 0; b < blocks && blocks > 1; b++) {
-        s += format("PART void %s_%d(%s%s) {\n    %s, (void)kept%s%s%s;\n%s}\n", full.c_str(), b, all.c_str(),
-                    more.c_str(), names(f, "(void)").c_str(), kept_vectors > 0 ? ", (void)kept_limbs" : "",
-                    angles ? ", (void)sine, (void)cosine" : "", pivots ? ", (void)pivot" : "",
-                    block_text(b).c_str());
-        calls += format("    %s_%d(%s%s);\n", full.c_str(), b, names(f).c_str(), pass.c_str());
+        s += format(
+            "PART void %s_%d(%s%s) {\n    %s, (void)k%s%s%s;\n%s}\n", full.c_str(), b, all.c_str(),
+            more.c_str(), names(f, "(void)").c_str(),
+            (std::string(kept_vectors > 0 ? ", (void)kl" : "") + (f.rows > 0 ? ", (void)rows" : "")).c_str(),
+            angles ? ", (void)sine, (void)cosine" : "", pivots ? ", (void)pivot" : "", block_text(b).c_str());
+        parts += format("    %s_%d(%s%s);\n", full.c_str(), b, names(f).c_str(), pass.c_str());
     }
     s += format("%s %s(%s) {\n", result_type(f), full.c_str(), all.c_str());
-    if (blocks > 1) s += format("    real kept[%d];\n", std::max(1, kept));
-    if (kept_vectors > 0) s += format("    limbs kept_limbs[%d];\n", kept_vectors);
+    if (blocks > 1) s += format("    real k[%d]; /* kept for later parts */\n", std::max(1, kept));
+    if (kept_vectors > 0) s += format("    limbs kl[%d];\n", kept_vectors);
+    if (f.rows > 0) s += format("    real rows[%d];\n", f.rows);
     if (pivots) s += format("    real pivot[%zu];\n", judged());
-    s += sines() + (blocks > 1 ? calls : block_text(0));
+    s += sines() + (blocks > 1 ? parts : block_text(0));
     return s + "    " + names(f, "(void)") + ";\n" + end() + "}\n\n";
 }
 
@@ -426,6 +523,7 @@ std::string declarations(const std::vector<tested> &functions, const target &t) 
                     "cosines.",
                     n.multiplications, n.additions, n.divisions, n.roots, n.angles);
         if (n.of_vectors > 0) s += format("\n   Of these %d are of %d limbs at once.", n.of_vectors, t.limbs);
+        if (n.of_fours > 0) s += format("\n   And %d on four columns of rows at once.", n.of_fours);
         s += " */\n";
         s += format("%s %s_%s(%s);\n\n", result_type(x.f), t.name.c_str(), x.f.name.c_str(),
                     parameters(x.f, real_name(t), "").c_str());
@@ -779,14 +877,16 @@ std::string definitions(const std::vector<tested> &functions, const target &t) {
     else
         s += scalar_text;
     if (t.limbs > 1) s += format("\n#define LIMBS %d\n", t.limbs) + limbs_text;
-    bool angles = false, pivots = false;
+    bool angles = false, pivots = false, rows = false;
     for (const tested &x : functions) {
+        rows = rows || x.f.rows > 0;
         angles = angles || !program(x.f, t.statements).angles.empty();
         pivots = pivots || !x.f.pivots.empty();
     }
     if (angles) s += std::string(t.is_float ? sines_float : sines_double);
     if (angles) s += t.is_reproducible ? sines_reproducible(t.is_float, t.is_bounded) : sines_common;
     if (pivots) s += judge_text;
+    if (rows) s += rows_text();
     s += "\n";
     for (const tested &x : functions) s += writer(x.f, t).text();
     return s + selftest(functions, t);

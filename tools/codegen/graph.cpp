@@ -33,6 +33,10 @@ double graph::constant_of(value x) const {
     const double c = nodes[size_t(node_of(x))].constant;
     return is_negative(x) ? -c : c;
 }
+value graph::find_constant(double x) const {
+    const auto found = table.find({CONSTANT, {-1, -1, -1, -1}, std::fabs(x), false});
+    return found == table.end() ? -1 : 2 * found->second + (x < 0);
+}
 value graph::input(int array, int element) { return make(INPUT, array, element); }
 
 value graph::add(value a, value b) {
@@ -103,12 +107,22 @@ value graph::gather(value a, value b, value c, value d) { return make(GATHER, a,
 value graph::lane(value vector, int lane) {
     return negated(make(LANE, 2 * node_of(vector), -1, -1, -1, lane), is_negative(vector));
 }
+value graph::loaded(int at, int call) { return make(LOADED, at, call); }
+
+std::vector<value> function::wanted() const {
+    std::vector<value> all = results;
+    all.insert(all.end(), pivots.begin(), pivots.end());
+    for (const row_call &c : calls)
+        for (const row_call::store &s : c.stores) all.push_back(s.x);
+    return all;
+}
 
 value graph::apply(const node &n, const value x[4]) {
     const int quarters = (n.op == SINE || n.op == COSINE) && n.arg[1] >= 0 ? int(constant_of(x[1])) : 0;
     switch (n.op) {
     case CONSTANT: return constant(n.constant);
     case INPUT: return input(n.arg[0], n.arg[1]);
+    case LOADED: return loaded(n.arg[0], n.arg[1]);
     case ADD: return add(x[0], x[1]);
     case MULTIPLY: return multiply(x[0], x[1]);
     case DIVIDE: return divide(x[0], x[1]);
@@ -126,7 +140,8 @@ value graph::apply(const node &n, const value x[4]) {
 
 template <class T> std::vector<T> evaluate(const function &f, const std::vector<std::vector<double>> &in) {
     enum { LANES = 4 }; /* of scalars all the same */
-    std::vector<T> x(LANES * f.code.nodes.size()), results;
+    std::vector<T> x(LANES * f.code.nodes.size()), rows(size_t(f.rows)), results;
+    size_t call = 0;
     const auto of = [&](value v, int l) {
         const T y = x[size_t(LANES * node_of(v) + l)];
         return is_negative(v) ? -y : y;
@@ -135,6 +150,10 @@ template <class T> std::vector<T> evaluate(const function &f, const std::vector<
         const node &n = f.code.nodes[i / LANES];
         const value *a = n.arg;
         const int l = int(i % LANES);
+        for (; call < f.calls.size() && f.calls[call].node <= int(i / LANES); call++) {
+            for (const row_call::store &s : f.calls[call].stores) rows[size_t(s.at)] = of(s.x, 0);
+            run(f.calls[call], rows);
+        }
         switch (n.op) {
         case CONSTANT: x[i] = T(n.constant); break;
         case INPUT: x[i] = T(in[size_t(a[0])][size_t(a[1])]); break;
@@ -152,6 +171,7 @@ template <class T> std::vector<T> evaluate(const function &f, const std::vector<
         case SELECT: x[i] = of(a[0], l) < of(a[1], l) ? of(a[2], l) : of(a[3], l); break;
         case GATHER: x[i] = a[l] < 0 ? 0 : of(a[l], 0); break;
         case LANE: x[i] = of(a[0], int(n.constant)); break;
+        case LOADED: x[i] = rows[size_t(a[0])]; break;
         }
     }
     for (value v : f.results) results.push_back(of(v, 0));

@@ -2,6 +2,7 @@
 #ifndef TOOLS_CODEGEN_GRAPH_H
 #define TOOLS_CODEGEN_GRAPH_H
 
+#include "rows.h"
 #include <cstdint>
 #include <string>
 #include <unordered_map>
@@ -9,7 +10,7 @@
 
 namespace codegen {
 
-enum operation { CONSTANT, INPUT, ADD, MULTIPLY, DIVIDE, ROOT, SINE, COSINE, SELECT, GATHER, LANE };
+enum operation { CONSTANT, INPUT, ADD, MULTIPLY, DIVIDE, ROOT, SINE, COSINE, SELECT, GATHER, LANE, LOADED };
 
 /* A node or its negative, 2 * node + sign: signs stand on the edges, so that no negation costs anything. */
 typedef int value;
@@ -20,7 +21,8 @@ inline value negated(value x, bool when = true) { return x ^ int(when); }
 /* arg: operands, -1 where there are fewer; of an input its array and element. SELECT: arg[0] < arg[1] ?
    arg[2] : arg[3]. SINE, COSINE: if the graph is exact, arg[1] is a constant, the right angles to be added.
    GATHER: a vector of scalars; LANE: its element `constant`; sums, products and quotients of vectors are
-   vectors. Operands of products and quotients, and the first of a sum, are never negative. */
+   vectors. LOADED: arg[0] is a place in the memory of rows, arg[1] the call that wrote it. Operands of
+   products and quotients, and the first of a sum, are never negative. */
 struct node {
     operation op;
     value arg[4];
@@ -31,6 +33,8 @@ struct node {
 /* rbd.h's, the same with every libm. */
 double sine(double x);
 double cosine(double x);
+
+inline bool has_operands(operation op) { return op != INPUT && op != LOADED; }
 
 /* Every node stands once: what is equal is shared. Operands come before what uses them. */
 class graph {
@@ -51,9 +55,11 @@ class graph {
     value gather(value a, value b, value c, value d);
     value lane(value vector, int lane);
     value apply(const node &n, const value operands[4]); /* what n does, done to these instead */
+    value loaded(int at, int call);
 
     bool is_constant(value x) const { return nodes[size_t(node_of(x))].op == CONSTANT; }
     double constant_of(value x) const;
+    value find_constant(double x) const; /* -1: there is none */
 
   private:
     struct hash {
@@ -88,6 +94,10 @@ struct function {
     std::vector<value> pivots;  /* of a factorisation, by degree of freedom */
     std::vector<double> limits; /* that they must exceed */
     double noise;               /* limits relative to the most inertia that a joint can move */
+    std::vector<row_call> calls;
+    int rows; /* scalars of their memory */
+
+    std::vector<value> wanted() const; /* results, pivots and what is stored for calls */
 };
 
 /* The results, computed in the scalar T. in: an array for each input. */

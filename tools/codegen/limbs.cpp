@@ -171,12 +171,11 @@ class packer {
 
     /* Angles are computed before all else, one by one. */
     void find_live() {
-        for (const std::vector<value> *list : {&f.results, &f.pivots})
-            for (value x : *list) live[size_t(node_of(x))] = 1;
+        for (value x : f.wanted()) live[size_t(node_of(x))] = 1;
         for (int i = int(live.size()) - 1; i >= 0; i--) {
             const operation op = at(i).op;
             for (value x : at(i).arg) {
-                if (!live[size_t(i)] || x < 0 || op == INPUT) continue;
+                if (!live[size_t(i)] || x < 0 || !has_operands(op)) continue;
                 live[size_t(node_of(x))] = 1;
                 if (op == SINE || op == COSINE || in_angle[size_t(i)]) in_angle[size_t(node_of(x))] = 1;
             }
@@ -198,8 +197,9 @@ class packer {
                 where = p.limb;
                 key = {n.arg[0], where == NONE ? n.arg[1] : p.slot};
             }
+            if (n.op == LOADED) key = {n.arg[1]};
             for (value x : n.arg) {
-                if (x < 0 || n.op == INPUT) continue;
+                if (x < 0 || !has_operands(n.op)) continue;
                 const int l = limb[size_t(node_of(x))];
                 key.push_back(kind[size_t(node_of(x))]);
                 several = several || (l != NONE && where != NONE && l != where);
@@ -404,7 +404,7 @@ class packer {
         const node &n = at(i);
         value operands[4] = {NONE, NONE, NONE, NONE};
         for (int k = 0; k < 4; k++)
-            if (n.op != INPUT && n.arg[k] >= 0) operands[k] = scalar(n.arg[k]);
+            if (has_operands(n.op) && n.arg[k] >= 0) operands[k] = scalar(n.arg[k]);
         return out.code.apply(n, operands);
     }
 
@@ -419,19 +419,28 @@ class packer {
         return negated(v, is_negative(x) != bool(wanted[size_t(p)] >> lane(i) & 1));
     }
 
+    /* No lane of a vector depends on a call on which another does not. */
+    void copy_call(row_call *c) {
+        for (row_call::store &s : c->stores) s.x = scalar(s.x);
+        c->node = int(out.code.nodes.size());
+    }
+
     void build() {
         std::vector<unsigned> wanted(packs.size(), 0); /* lanes that are results, and negative */
         out.code = graph();
         for (size_t p = 0; p < packs.size(); p++) /* angles side by side */
             for (int i : packs[p])
                 if (at(i).op == SINE || at(i).op == COSINE) scalar(at(i).arg[0]);
+        size_t call = 0;
         for (int i = 0; i < int(live.size()); i++) {
+            for (; call < f.calls.size() && f.calls[call].node <= i; call++) copy_call(&out.calls[call]);
             if (!live[size_t(i)]) continue;
             if (pack[size_t(i)] >= 0 && !is_source(at(i).op))
                 packed(pack[size_t(i)]);
             else
                 scalar(2 * i);
         }
+        for (; call < f.calls.size(); call++) copy_call(&out.calls[call]);
         for (value x : f.results)
             if (is_negative(x) && pack[size_t(node_of(x))] >= 0)
                 wanted[size_t(pack[size_t(node_of(x))])] |= 1u << lane(node_of(x));

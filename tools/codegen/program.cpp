@@ -10,7 +10,7 @@ bool program::is_leaf(int i) const {
     if (op == GATHER)
         return std::all_of(at(i).arg, at(i).arg + 4,
                            [this](value x) { return x < 0 || at(node_of(x)).op == CONSTANT; });
-    return op == CONSTANT || op == INPUT || op == SINE || op == COSINE;
+    return op == CONSTANT || op == INPUT || op == SINE || op == COSINE || op == LOADED;
 }
 
 /* Nodes that results need, and how often each is used. */
@@ -20,8 +20,7 @@ void program::mark() {
         is_statement[size_t(node_of(x))] = 1;
         uses[size_t(node_of(x))]++;
     };
-    for (value x : f.results) use(x);
-    for (value x : f.pivots) use(x);
+    for (value x : f.wanted()) use(x);
     for (int i = int(f.code.nodes.size()) - 1; i >= 0; i--) {
         const node &n = at(i);
         if (!is_statement[size_t(i)]) continue;
@@ -86,8 +85,7 @@ void program::gather_sums(int longest) {
 void program::share_products() {
     std::vector<std::vector<int>> users(terms.size());
     std::vector<char> elsewhere(terms.size(), 0);
-    for (value x : f.results) elsewhere[size_t(node_of(x))] = 1;
-    for (value x : f.pivots) elsewhere[size_t(node_of(x))] = 1;
+    for (value x : f.wanted()) elsewhere[size_t(node_of(x))] = 1;
     for (int i = 0; i < int(terms.size()); i++)
         if (at(i).op == LANE) elsewhere[size_t(node_of(at(i).arg[0]))] = 1;
     for (int i = 0; i < int(terms.size()); i++)
@@ -167,7 +165,8 @@ std::vector<int> program::operands(int i) const {
 }
 
 operations program::count() const {
-    operations n = {0, 0, 0, 0, int(angles.size()), 0, 0};
+    operations n = {0, 0, 0, 0, int(angles.size()), 0, 0, 0};
+    for (const row_call &c : f.calls) n.of_fours += count_fours(c);
     for (int i = 0; i < int(terms.size()); i++) {
         if (!is_statement[size_t(i)]) continue;
         const operation op = at(i).op;

@@ -27,7 +27,7 @@ struct wanted_angle {
 };
 
 struct operations {
-    int multiplications, additions, divisions, roots, angles, choices, of_vectors;
+    int multiplications, additions, divisions, roots, angles, choices, of_vectors, of_fours;
 };
 
 /* Each node that is a statement has terms: a sum's; or one, the operands, of other operations. The order is

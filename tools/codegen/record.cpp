@@ -31,7 +31,7 @@ static value seen(value x) { return negated(terms[size_t(node_of(x))].seen, is_n
 static value write(const node &written) {
     value operands[4] = {NONE, NONE, NONE, NONE};
     for (int k = 0; k < 4; k++)
-        if (written.op != INPUT && written.arg[k] >= 0) operands[k] = seen(written.arg[k]);
+        if (has_operands(written.op) && written.arg[k] >= 0) operands[k] = seen(written.arg[k]);
     terms.push_back({written, sketch.apply(written, operands), NONE});
     return 2 * value(terms.size() - 1);
 }
@@ -45,7 +45,7 @@ static value record(value x) {
     if (t.recorded == NONE) {
         value operands[4] = {NONE, NONE, NONE, NONE};
         for (int k = 3; k >= 0; k--)
-            if (t.written.op != INPUT && t.written.arg[k] >= 0) operands[k] = record(t.written.arg[k]);
+            if (has_operands(t.written.op) && t.written.arg[k] >= 0) operands[k] = record(t.written.arg[k]);
         t.recorded = tape->apply(t.written, operands);
     }
     return negated(t.recorded, is_negative(x));
@@ -145,6 +145,12 @@ template <class draft> bool has_like_limbs(const draft *links, int count, int i)
 
 using ::cos, ::sin, ::sqrt; /* of constants */
 
+/* What rbd.h does to whole rows is recorded as calls: rows_record.h. */
+template <class model, class work> bool rows_factor(const model *m, work *w, number *H);
+template <class model>
+bool rows_solve(const model *m, const number *L, int sign, ptrdiff_t stride, int n, number *X, number *Y);
+template <class model> bool rows_invert(const model *m, const number *L, number *Z);
+
 #define RBD_REAL codegen::RECORD_SPACE::number
 #define RBD_REAL_CUSTOM
 #define RBD_MASK codegen::RECORD_SPACE::mask
@@ -152,9 +158,11 @@ using ::cos, ::sin, ::sqrt; /* of constants */
 #define RBD_STATIC
 #define RBDI_SINCOS codegen::RECORD_SPACE::sincos
 #define RBDI_NO_FAVOURITE codegen::RECORD_SPACE::has_like_limbs
+#define RBDI_ROWS(name) rows_##name
 #define RBD_IMPLEMENTATION
 #include "rbd_derivatives.h" /* in this namespace: its structs are of this scalar */
 #include "algorithms.h"
+#include "rows_record.h"
 
 /* That a pivot's inverse is finite is taken for granted: what is not is refused with the pivot. */
 static mask operator<(number a, number b) {
@@ -196,6 +204,7 @@ function RECORD(const robot &r, const std::string &name) {
     terms.clear();
     stand_in.clear();
     limbs_alike = r.limbs_alike;
+    recorder.begin(&f, r.by_rows);
     session s(r, name);
     std::vector<number> x[ARGUMENTS];
     for (int k = 0; k < ARGUMENTS; k++) {

@@ -16,6 +16,7 @@ struct robot {
     bool f_ext, gravity_argument;
     bool reproducible; /* rbd.h's bits under RBD_REPRODUCIBLE */
     bool limbs_alike;  /* the same operations for limbs of one size, if it takes more of them */
+    bool by_rows;      /* sums of rows are calls */
 };
 
 /* Of a body: where its joint stands in q and v. */
