@@ -20,7 +20,7 @@ compile() { # SOURCE OBJECT ARGUMENT...
 }
 for scalar in double float; do
     compile codegen/record.cpp record_$scalar.o -DCONSTANTS=$scalar -DRECORD=record_$scalar -DRECORD_SPACE=of_$scalar || exit 1
-    compile codegen/own_sines.cpp sines_$scalar.o -DSCALAR=$scalar -DWORDS=two_over_pi_$scalar || exit 1
+    compile codegen/own_sines.cpp own_sines_$scalar.o -DSCALAR=$scalar -DWORDS=two_over_pi_$scalar || exit 1
 done
 for source in graph program emit sines compute limbs rows; do
     compile codegen/$source.cpp $source.o -O1 || exit 1
