@@ -822,8 +822,6 @@ RBDI_EXTERN_C_END
 #undef E
 #pragma push_macro("F")
 #undef F
-#pragma push_macro("G")
-#undef G
 #pragma push_macro("H")
 #undef H
 #pragma push_macro("I")
@@ -842,8 +840,6 @@ RBDI_EXTERN_C_END
 #undef O
 #pragma push_macro("P")
 #undef P
-#pragma push_macro("Q")
-#undef Q
 #pragma push_macro("R")
 #undef R
 #pragma push_macro("S")
@@ -854,8 +850,6 @@ RBDI_EXTERN_C_END
 #undef U
 #pragma push_macro("V")
 #undef V
-#pragma push_macro("W")
-#undef W
 #pragma push_macro("X")
 #undef X
 #pragma push_macro("Y")
@@ -6959,7 +6953,6 @@ RBDI_API rbd_status rbd_add_payload(void *memory, int body, double mass, const d
 #pragma pop_macro("D")
 #pragma pop_macro("E")
 #pragma pop_macro("F")
-#pragma pop_macro("G")
 #pragma pop_macro("H")
 #pragma pop_macro("I")
 #pragma pop_macro("J")
@@ -6969,13 +6962,11 @@ RBDI_API rbd_status rbd_add_payload(void *memory, int body, double mass, const d
 #pragma pop_macro("N")
 #pragma pop_macro("O")
 #pragma pop_macro("P")
-#pragma pop_macro("Q")
 #pragma pop_macro("R")
 #pragma pop_macro("S")
 #pragma pop_macro("T")
 #pragma pop_macro("U")
 #pragma pop_macro("V")
-#pragma pop_macro("W")
 #pragma pop_macro("X")
 #pragma pop_macro("Y")
 #pragma pop_macro("Z")

@@ -223,56 +223,16 @@ RBDI_BATCH_API rbd_status rbd_batch_constrained_fd(const rbd_model *m, rbd_batch
 /* ==== src/base/letters_begin.h ==== */
 #pragma push_macro("A")
 #undef A
-#pragma push_macro("B")
-#undef B
 #pragma push_macro("C")
 #undef C
-#pragma push_macro("D")
-#undef D
-#pragma push_macro("E")
-#undef E
-#pragma push_macro("F")
-#undef F
-#pragma push_macro("G")
-#undef G
 #pragma push_macro("H")
 #undef H
-#pragma push_macro("I")
-#undef I
 #pragma push_macro("J")
 #undef J
-#pragma push_macro("K")
-#undef K
-#pragma push_macro("L")
-#undef L
 #pragma push_macro("M")
 #undef M
-#pragma push_macro("N")
-#undef N
-#pragma push_macro("O")
-#undef O
-#pragma push_macro("P")
-#undef P
-#pragma push_macro("Q")
-#undef Q
-#pragma push_macro("R")
-#undef R
-#pragma push_macro("S")
-#undef S
-#pragma push_macro("T")
-#undef T
-#pragma push_macro("U")
-#undef U
-#pragma push_macro("V")
-#undef V
-#pragma push_macro("W")
-#undef W
-#pragma push_macro("X")
-#undef X
 #pragma push_macro("Y")
 #undef Y
-#pragma push_macro("Z")
-#undef Z
 
 /* ==== src/rbd_batch.h ==== */
 #if defined RBD_BATCH_IMPLEMENTATION && !defined RBDI_BATCH_IMPLEMENTED
@@ -841,28 +801,8 @@ RBDI_BATCH_API rbd_status rbd_batch_constrained_fd(const rbd_model *m, rbd_batch
 
 /* ==== src/base/letters_end.h ==== */
 #pragma pop_macro("A")
-#pragma pop_macro("B")
 #pragma pop_macro("C")
-#pragma pop_macro("D")
-#pragma pop_macro("E")
-#pragma pop_macro("F")
-#pragma pop_macro("G")
 #pragma pop_macro("H")
-#pragma pop_macro("I")
 #pragma pop_macro("J")
-#pragma pop_macro("K")
-#pragma pop_macro("L")
 #pragma pop_macro("M")
-#pragma pop_macro("N")
-#pragma pop_macro("O")
-#pragma pop_macro("P")
-#pragma pop_macro("Q")
-#pragma pop_macro("R")
-#pragma pop_macro("S")
-#pragma pop_macro("T")
-#pragma pop_macro("U")
-#pragma pop_macro("V")
-#pragma pop_macro("W")
-#pragma pop_macro("X")
 #pragma pop_macro("Y")
-#pragma pop_macro("Z")

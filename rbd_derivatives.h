@@ -215,8 +215,6 @@ RBDI_EXTERN_C_END
 #undef E
 #pragma push_macro("F")
 #undef F
-#pragma push_macro("G")
-#undef G
 #pragma push_macro("H")
 #undef H
 #pragma push_macro("I")
@@ -225,18 +223,12 @@ RBDI_EXTERN_C_END
 #undef J
 #pragma push_macro("K")
 #undef K
-#pragma push_macro("L")
-#undef L
 #pragma push_macro("M")
 #undef M
-#pragma push_macro("N")
-#undef N
 #pragma push_macro("O")
 #undef O
 #pragma push_macro("P")
 #undef P
-#pragma push_macro("Q")
-#undef Q
 #pragma push_macro("R")
 #undef R
 #pragma push_macro("S")
@@ -247,14 +239,10 @@ RBDI_EXTERN_C_END
 #undef U
 #pragma push_macro("V")
 #undef V
-#pragma push_macro("W")
-#undef W
 #pragma push_macro("X")
 #undef X
 #pragma push_macro("Y")
 #undef Y
-#pragma push_macro("Z")
-#undef Z
 
 /* ==== src/rbd_derivatives.h ==== */
 #ifndef RBDI_DERIVATIVES_LAYOUT
@@ -2354,23 +2342,17 @@ RBDI_CODE_END
 #pragma pop_macro("D")
 #pragma pop_macro("E")
 #pragma pop_macro("F")
-#pragma pop_macro("G")
 #pragma pop_macro("H")
 #pragma pop_macro("I")
 #pragma pop_macro("J")
 #pragma pop_macro("K")
-#pragma pop_macro("L")
 #pragma pop_macro("M")
-#pragma pop_macro("N")
 #pragma pop_macro("O")
 #pragma pop_macro("P")
-#pragma pop_macro("Q")
 #pragma pop_macro("R")
 #pragma pop_macro("S")
 #pragma pop_macro("T")
 #pragma pop_macro("U")
 #pragma pop_macro("V")
-#pragma pop_macro("W")
 #pragma pop_macro("X")
 #pragma pop_macro("Y")
-#pragma pop_macro("Z")

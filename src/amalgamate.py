@@ -13,7 +13,8 @@ A room is a file
     #endif
 
 or, without a guard, text alone, which is put wherever it is named. In the shipped header the text stands in place
-of the #include, under a line that names the file.
+of the #include, under a line that names the file. Of the letters whose macros are set aside it has only those that it
+uses.
 
 usage: amalgamate.py --write | --check        writes the shipped headers, or fails if they differ
 """
@@ -24,6 +25,7 @@ from pathlib import Path
 SRC = Path(__file__).resolve().parent
 HEADERS = ["rbd.h", "rbd_derivatives.h", "rbd_constraints.h", "rbd_contact.h", "rbd_batch.h", "rbd_spatial.h"]
 INCLUDE = re.compile(r'#include "(\w+/\w+\.h)"')
+LETTER = re.compile(r'#(?:pragma (?:push|pop)_macro\("(\w)"\)|undef (\w))')
 MADE = "   Made by src/amalgamate.py from src/{} and the files that it includes: edit those."
 
 
@@ -74,10 +76,17 @@ def read_header(header, src=SRC):
     return pieces + [(None, trim(own))] if trim(own) else pieces
 
 
+def letters_of(pieces):
+    """The single letters that the code of these pieces uses as names."""
+    code = "\n".join(line for _, text in pieces for line in text if not LETTER.fullmatch(line))
+    return set(re.findall(r"\b[A-Z]\b", re.sub(r"/\*.*?\*/", "", code, flags=re.DOTALL)))
+
+
 def lines_of(header, src=SRC):
     """The lines of a shipped header, each with the file of src/ and the line there that it is from, or None."""
-    at = {}
-    for room, text in read_header(header, src):
+    pieces, at = read_header(header, src), {}
+    letters = letters_of(pieces)
+    for room, text in pieces:
         name = room or header
         lines = (src / name).read_text(encoding="utf-8").split("\n")
         first = next(i for i in range(at.get(name, 0), len(lines)) if lines[i:i + len(text)] == text)
@@ -89,7 +98,10 @@ def lines_of(header, src=SRC):
             continue
         yield "", None
         yield marker(name), None
-        yield from ((line, (name, first + i)) for i, line in enumerate(text, 1))
+        for i, line in enumerate(text, 1):
+            letter = LETTER.fullmatch(line)
+            if not letter or (letter[1] or letter[2]) in letters:
+                yield line, (name, first + i)
 
 
 def shipped(header, src=SRC):
