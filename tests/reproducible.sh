@@ -300,12 +300,12 @@ fi
 webassembly() {
     with clang-19 wasm-ld-19 node || return 0
     [ -e /usr/lib/wasm32-wasi/libc.a ] || { missing="$missing wasi-libc"; return 0; }
-    emulator="node $root/web/wasm/node.mjs" link='-lm -Wl,-z,stack-size=8388608'
+    emulator="node $root/web/wasm/node.mjs" machine=--target=wasm32-wasi link='-lm -Wl,-z,stack-size=8388608'
     for level; do
         build clang-19 -O"$level" $quickly --target=wasm32-wasi
         build clang-19 -O"$level" $quickly --target=wasm32-wasi -msimd128
     done
-    emulator='' link=''
+    emulator='' machine='' link=''
 }
 if [ "$how" = light ]; then scalars=double webassembly 1; else webassembly 0 1 2 3 s; fi
 
