@@ -89,7 +89,8 @@
      RBD_REPRODUCIBLE the same bits on every machine: see [guarantees]. From the include to the end of the
                       file no product and sum are contracted to FMA, the caller's neither
      RBD_NO_BUILD     leaves rbd_model_build out, and the other calls on descriptions (add_payload, describe):
-                      models from generated tables only. The file compiles in less time
+                      models from generated tables only. Constraints are set up in RBD_CONST, else in
+                      double. The file compiles in less time
      RBD_NO_CHOLESKY  leaves out cholesky_..., minverse, fd_cholesky, hybrid, id_free_base and fd_derivatives.
                       rbd_aba, which uses the factor for models with mimic joints and for states in doubt,
                       then takes less flash: rbd_work_init refuses such models, RBD_ERR_LEFT_OUT
@@ -865,12 +866,14 @@ RBDI_EXTERN_C_END
 /* ---- layout [layout] ----
    The built model and the work, laid open for sizes at compile time and for generated tables only. */
 
-/* Arithmetic of the build: double at least, whatever the model's scalar. */
-#if RBDI_KIND(RBD_CONST) == 3
-RBDI_EXTENSION typedef __float128 rbdi_wide;
+/* Arithmetic of the build: double at least, whatever the model's scalar. Firmware, which does not build, sets
+   constraints up in its own scalar. */
+#if RBDI_KIND(RBD_CONST) == 3 || (defined RBD_NO_BUILD && !RBDI_REPRODUCIBLE)
+#define RBDI_WIDE RBD_CONST
 #else
-typedef double rbdi_wide;
+#define RBDI_WIDE double
 #endif
+RBDI_EXTENSION typedef RBDI_WIDE rbdi_wide;
 
 #define RBDI_CHUNK 16 /* padding of rows: at least a batch */
 
@@ -5659,8 +5662,10 @@ RBDI_CODE_END
 
 #include <math.h>
 
-#if RBDI_KIND(RBD_CONST) == 3
+#if RBDI_KIND(RBDI_WIDE) == 3
 #define RBDI_WIDE_LIBM(name) name##q
+#elif RBDI_KIND(RBDI_WIDE) == 2
+#define RBDI_WIDE_LIBM(name) name##f
 #else
 #define RBDI_WIDE_LIBM(name) name
 #endif
@@ -5776,17 +5781,17 @@ static RBDI_UNUSED void rbdi_orthonormalise(rbdi_wide R[9]) {
 }
 
 static RBDI_UNUSED int rbdi_is_rotation(const double R[9]) {
-    double det = R[0] * (R[4] * R[8] - R[5] * R[7]) - R[1] * (R[3] * R[8] - R[5] * R[6]) +
-                 R[2] * (R[3] * R[7] - R[4] * R[6]);
+    rbdi_wide A[9], T[9], D[9];
     if (!rbdi_finite(R, 9)) return 0;
     if (rbdi_all_zero(R, 9)) return 1;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) {
-            double dot = R[3 * i] * R[3 * j] + R[3 * i + 1] * R[3 * j + 1] + R[3 * i + 2] * R[3 * j + 2];
-            double off = dot - (i == j);
-            if (!(off < RBDI_ORTHONORMAL && off > -RBDI_ORTHONORMAL)) return 0;
-        }
-    return det > 0;
+    rbdi_widen(R, 9, A);
+    rbdi_w_transpose(A, T);
+    rbdi_w_product(A, T, D);
+    for (int k = 0; k < 9; ++k)
+        if (!(rbdi_w_abs(D[k] - (k % 4 == 0)) < (rbdi_wide)RBDI_ORTHONORMAL)) return 0;
+    return A[0] * (A[4] * A[8] - A[5] * A[7]) - A[1] * (A[3] * A[8] - A[5] * A[6]) +
+               A[2] * (A[3] * A[7] - A[4] * A[6]) >
+           0;
 }
 
 /* No eigenvalue of the symmetric matrix (xx xy xz yy yz zz) below -RBDI_SEMIDEFINITE of size: Cholesky

@@ -88,7 +88,8 @@
      RBD_REPRODUCIBLE the same bits on every machine: see [guarantees]. From the include to the end of the
                       file no product and sum are contracted to FMA, the caller's neither
      RBD_NO_BUILD     leaves rbd_model_build out, and the other calls on descriptions (add_payload, describe):
-                      models from generated tables only. The file compiles in less time
+                      models from generated tables only. Constraints are set up in RBD_CONST, else in
+                      double. The file compiles in less time
      RBD_NO_CHOLESKY  leaves out cholesky_..., minverse, fd_cholesky, hybrid, id_free_base and fd_derivatives.
                       rbd_aba, which uses the factor for models with mimic joints and for states in doubt,
                       then takes less flash: rbd_work_init refuses such models, RBD_ERR_LEFT_OUT

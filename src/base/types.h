@@ -5,12 +5,14 @@
 /* ---- layout [layout] ----
    The built model and the work, laid open for sizes at compile time and for generated tables only. */
 
-/* Arithmetic of the build: double at least, whatever the model's scalar. */
-#if RBDI_KIND(RBD_CONST) == 3
-RBDI_EXTENSION typedef __float128 rbdi_wide;
+/* Arithmetic of the build: double at least, whatever the model's scalar. Firmware, which does not build, sets
+   constraints up in its own scalar. */
+#if RBDI_KIND(RBD_CONST) == 3 || (defined RBD_NO_BUILD && !RBDI_REPRODUCIBLE)
+#define RBDI_WIDE RBD_CONST
 #else
-typedef double rbdi_wide;
+#define RBDI_WIDE double
 #endif
+RBDI_EXTENSION typedef RBDI_WIDE rbdi_wide;
 
 #define RBDI_CHUNK 16 /* padding of rows: at least a batch */
 

@@ -14,8 +14,10 @@
 
 #include <math.h>
 
-#if RBDI_KIND(RBD_CONST) == 3
+#if RBDI_KIND(RBDI_WIDE) == 3
 #define RBDI_WIDE_LIBM(name) name##q
+#elif RBDI_KIND(RBDI_WIDE) == 2
+#define RBDI_WIDE_LIBM(name) name##f
 #else
 #define RBDI_WIDE_LIBM(name) name
 #endif
@@ -131,17 +133,17 @@ static RBDI_UNUSED void rbdi_orthonormalise(rbdi_wide R[9]) {
 }
 
 static RBDI_UNUSED int rbdi_is_rotation(const double R[9]) {
-    double det = R[0] * (R[4] * R[8] - R[5] * R[7]) - R[1] * (R[3] * R[8] - R[5] * R[6]) +
-                 R[2] * (R[3] * R[7] - R[4] * R[6]);
+    rbdi_wide A[9], T[9], D[9];
     if (!rbdi_finite(R, 9)) return 0;
     if (rbdi_all_zero(R, 9)) return 1;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) {
-            double dot = R[3 * i] * R[3 * j] + R[3 * i + 1] * R[3 * j + 1] + R[3 * i + 2] * R[3 * j + 2];
-            double off = dot - (i == j);
-            if (!(off < RBDI_ORTHONORMAL && off > -RBDI_ORTHONORMAL)) return 0;
-        }
-    return det > 0;
+    rbdi_widen(R, 9, A);
+    rbdi_w_transpose(A, T);
+    rbdi_w_product(A, T, D);
+    for (int k = 0; k < 9; ++k)
+        if (!(rbdi_w_abs(D[k] - (k % 4 == 0)) < (rbdi_wide)RBDI_ORTHONORMAL)) return 0;
+    return A[0] * (A[4] * A[8] - A[5] * A[7]) - A[1] * (A[3] * A[8] - A[5] * A[6]) +
+               A[2] * (A[3] * A[7] - A[4] * A[6]) >
+           0;
 }
 
 /* No eigenvalue of the symmetric matrix (xx xy xz yy yz zz) below -RBDI_SEMIDEFINITE of size: Cholesky
