@@ -862,13 +862,6 @@ RBDI_INLINE void rbdi_copy_rows(const rbdi_contact_solver *s, const rbd_real *fr
     for (int r = 0; r < s->rows; ++r) to[r] = from[r];
 }
 
-/* p from other impulses, in cones and bounds. */
-RBDI_PART void rbdi_contact_take(rbdi_contact_solver *s, const rbd_real *p) {
-    rbdi_copy_rows(s, p, s->p);
-    (void)rbdi_into_cones(s, 0);
-    rbdi_contact_judge(s);
-}
-
 /* s->aim: p as a step of all its length has it. Returns 0 if there is none. */
 RBDI_PART int rbdi_newton_aim(rbdi_contact_solver *s, rbd_const proximal) {
     rbdi_onto_cones(s);
@@ -908,7 +901,8 @@ RBDI_PART int rbdi_newton_step(rbdi_contact_solver *s, rbd_const proximal) {
         rbdi_contact_judge(s);
         if (s->solution.residual < before * gain[i]) return 1;
     }
-    rbdi_contact_take(s, s->start);
+    rbdi_copy_rows(s, s->start, s->p);
+    rbdi_contact_judge(s);
     return 0;
 }
 
@@ -936,6 +930,13 @@ RBDI_PART int rbdi_contact_end(rbdi_contact_solver *s) {
     for (int i = 0; i < s->given.contacts; ++i)
         if (s->law[i].state == RBD_OPENS && s->p[3 * i + 2] > 0) s->law[i].state = RBD_STICKS;
     return s->solution.residual <= s->given.tolerance;
+}
+
+/* p from other impulses, in cones and bounds. */
+RBDI_PART void rbdi_contact_take(rbdi_contact_solver *s, const rbd_real *p) {
+    rbdi_copy_rows(s, p, s->p);
+    (void)rbdi_into_cones(s, 0);
+    rbdi_contact_judge(s);
 }
 
 /* Ends a problem that is not solved with the best p, or with none unless that halves the residual: contacts

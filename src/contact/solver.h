@@ -27,6 +27,13 @@ RBDI_PART int rbdi_contact_end(rbdi_contact_solver *s) {
     return s->solution.residual <= s->given.tolerance;
 }
 
+/* p from other impulses, in cones and bounds. */
+RBDI_PART void rbdi_contact_take(rbdi_contact_solver *s, const rbd_real *p) {
+    rbdi_copy_rows(s, p, s->p);
+    (void)rbdi_into_cones(s, 0);
+    rbdi_contact_judge(s);
+}
+
 /* Ends a problem that is not solved with the best p, or with none unless that halves the residual: contacts
    that jam would be answered by impulses that drown the velocities. */
 RBDI_PART void rbdi_contact_give_up(rbdi_contact_solver *s) {
