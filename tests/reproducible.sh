@@ -1,10 +1,12 @@
 #!/bin/sh
 # RBD_REPRODUCIBLE: reproducible.c prints the hashes of reproducible.txt, whatever compiles and runs it, and its code has
 # no FMA. So does reproducible_code.c with the code of rbd-codegen --reproducible, which RBD_CODEGEN names; the hashes of
-# reproducible_code.txt are those of the library's calls. On another machine's processor by qemu-user, on microcontrollers by QEMU. Says what it had to leave out.
+# reproducible_code.txt are those of the library's calls. On another machine's processor by qemu-user, on
+# microcontrollers by QEMU. Says what it had to leave out.
 # usage: reproducible.sh [--all | --write] DIRECTORY_OF_RBD_H [REGEX]
-#     light: some of each kind, half a minute of a processor; --all in half an hour; --write keeps the hashes of gcc -O1 as those of
-#     reproducible.txt, and reproducible_code.txt. REGEX: only those whose command line it matches.
+#     light: some of each kind, half a minute of a processor; --all in an hour and a half on two cores; --write keeps
+#     the hashes of gcc -O1 as those of reproducible.txt, and reproducible_code.txt. REGEX: only those whose command
+#     line it matches.
 set -eu
 
 usage='usage: reproducible.sh [--all | --write] DIRECTORY_OF_RBD_H [REGEX]'

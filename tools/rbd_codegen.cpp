@@ -26,8 +26,8 @@ const char help[] =
     "need no rbd.h. What\n"
     "they compute is what rbd.h computes: it is run once, on a scalar that records, and the "
     "record is written.\n"
-    "Matrices are factored and solved by sums of rows, four columns at once, but for --lanes and "
-    "--short-sums.\n"
+    "Matrices are factored and solved by sums of rows, four columns at once, except with --lanes, "
+    "--short-sums and --reproducible.\n"
     "  --name NAME         what files, functions and constants begin with (the file's name)\n"
     "  --output FOLDER     where to write (here)\n"
     "  --algorithm LIST    which functions, with commas between (id,mm,fd; or rnea,crba,aba); there are\n";

@@ -6,6 +6,15 @@ out=${1:?usage: build.sh FOLDER}
 shift
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
+if [ "${RBD_PLAYGROUND-no}" = yes ]; then # first: the pages link it
+    status=0
+    sh "$root/web/playground/build.sh" "$scratch/playground" || status=$?
+    case $status in
+    0) ;;
+    77) export RBD_PLAYGROUND=no; echo "the site is without its playground" >&2 ;;
+    *) exit 1 ;;
+    esac
+fi
 python3() { if [ -x /usr/bin/python3 ]; then /usr/bin/python3 "$@"; else command python3 "$@"; fi; } # Debian's Sphinx
 python3 "$here/pages.py" "$scratch/pages"
 cp -R "$here/static" "$scratch/pages/static"
@@ -17,7 +26,7 @@ done
 python3 -m sphinx -q -b html -d "$scratch/trees" "$@" "$scratch/pages" "$scratch/site"
 python3 "$here/theme.py" "$scratch/site"
 rm -f "$scratch/site/objects.inv" "$scratch/site/.buildinfo"
-[ "${RBD_PLAYGROUND-no}" = no ] || sh "$root/web/playground/build.sh" "$scratch/site/playground"
+[ "${RBD_PLAYGROUND-no}" = no ] || mv "$scratch/playground" "$scratch/site/playground"
 mkdir -p "$(dirname -- "$out")"
 rm -rf "$out"
 mv "$scratch/site" "$out"

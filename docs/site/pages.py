@@ -357,7 +357,7 @@ def macro_lines(macros, text, header):
 
 
 def function_lines(functions, comment, header):
-    """What functions with one comment compute, their arguments, errors, cost and examples."""
+    """Results, arguments, errors, cost and examples of functions with one comment."""
     rows, _, _ = argument_rows(functions, header)
     short = "; ".join(dict.fromkeys(summaries().get(i.name, "") for i in functions))
     out = ["`````{c:function} " + "\n".join(signature(i) for i in functions) + "\n",

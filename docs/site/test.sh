@@ -1,8 +1,8 @@
 #!/bin/sh
 # The site: each public declaration has a page, no page or table names what is not there, all links lead somewhere, and
-# Sphinx builds it without a warning. Programs
-# of the guides do what is said. usage: test.sh names | pages | guides | generated CODEGEN   pages is skipped (77) without
-# Sphinx; generated: the guide whose program needs rbd-codegen
+# Sphinx builds it without a warning. Programs of the guides do what is said.
+# usage: test.sh names | pages | guides | generated CODEGEN   pages is skipped (77) without Sphinx; generated: the guide
+# whose program needs rbd-codegen
 set -eu
 here=$(CDPATH='' cd -- "$(dirname -- "$0")" && pwd)
 scratch=$(mktemp -d)

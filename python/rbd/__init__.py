@@ -1659,8 +1659,8 @@ class Model(_Owner):
 
     @_c("work")
     def body_kinematics(self, body, q, v=None, a=None):
-        """The same of one body and of those between it and the world, at the price of this path. The calls below
-        read these bodies alone."""
+        """Computes pose, velocity and acceleration of one body and its ancestors, in less time than `kinematics`.
+        The calls below then know these bodies only."""
 
     @_c("work", "R p", p="3")
     def body_pose(self, body):

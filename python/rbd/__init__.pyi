@@ -683,8 +683,8 @@ class Model:
 
     def body_kinematics(self, body: int | str, q: ArrayLike, v: ArrayLike | None = None,
                         a: ArrayLike | None = None) -> None:
-        """The same of one body and of those between it and the world, at the price of this path. The calls below
-        read these bodies alone.
+        """Computes pose, velocity and acceleration of one body and its ancestors, in less time than `kinematics`.
+        The calls below then know these bodies only.
 
             body                   index, or name of the link
             q            nq        configuration: rad, m, quaternions (x, y, z, w)

@@ -35,7 +35,11 @@ clang++-19 --target=wasm32-wasi -mexec-model=reactor -fwasm-exceptions \
 
 cd "$here"
 if ! cmp -s package-lock.json node_modules/.lock; then
-    npm ci --no-audit --no-fund --silent --ignore-scripts || { echo "skipped: npm could not fetch its packages"; exit 77; }
+    npm ci --no-audit --no-fund --silent --ignore-scripts || {
+        ! npm ping >/dev/null 2>&1 || exit 1 # the registry is there: what failed is ours
+        echo "skipped: npm could not fetch its packages" >&2
+        exit 77
+    }
     cp package-lock.json node_modules/.lock
 fi
 node bundle.mjs "$work" "$out"
