@@ -634,8 +634,9 @@ RBDI_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real 
 RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                    const rbd_real *a);
 
-/* The same of one body and of those between it and the world, at the price of this path. The functions below
-   read these bodies alone: of others, and of sums over all, they return RBD_ERR_ORDER.
+/* The same of one body and of those between it and the world: the sines of all joints, but the bodies of this
+   path alone. Of bodies that other joints move, and of sums over all, the functions below return
+   RBD_ERR_ORDER.
    Errors: RBD_ERR_NULL, _WORK, _INDEX. */
 RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int body, const rbd_real *q,
                                         const rbd_real *v, const rbd_real *a);
@@ -1170,7 +1171,7 @@ struct rbd_work {
     uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
     rbdi_c3 gravity;
     int singular;      /* dof, -1 = none */
-    int kinematics_of; /* kin: of this link and its ancestors; nl: of all; or RBDI_NO_KINEMATICS */
+    int kinematics_of; /* kin: of this link and its ancestors; nl: of all; -1: of none */
 #if RBDI_REPRODUCIBLE
     int doubt; /* a pivot or a rank has been in doubt: see rbdi_batch_apart */
 #endif
@@ -2616,8 +2617,8 @@ RBDI_DYNAMICS_BEGIN
 
 /* ==== src/model/joints.h ==== */
 /* Interface: rbdi_along_axis, rbdi_block_link, rbdi_block_motion, rbdi_cross_shift, rbdi_down,
-   rbdi_force_up_block, rbdi_joint_attitude, rbdi_joints, rbdi_link_dofs, rbdi_trig_of, RBDI_BY_FLAGS,
-   RBDI_BY_FLAGS_OF, RBDI_CASES, RBDI_NO_CASES */
+   rbdi_force_up_block, rbdi_joint_attitude, rbdi_joint_origin, rbdi_joints, rbdi_link_dofs, rbdi_trig_of,
+   RBDI_BY_FLAGS, RBDI_BY_FLAGS_OF, RBDI_CASES, RBDI_NO_CASES */
 
 /* ---- joints [joints] ----
    Code that depends on the joint type: rbdi_joint_facts, rbdi_build_joint, rbdi_build_regroup,
@@ -2647,12 +2648,17 @@ RBDI_INLINE rbdi_mat rbdi_joint_attitude(int type, const rbd_real *q) {
     return E;
 }
 
+/* The origin of a joint at q in the joint frame, or its rates. */
+RBDI_INLINE rbdi_v3 rbdi_joint_origin(int type, const rbd_real *q) {
+    if (type == RBD_SPHERICAL) return rbdi_vec0();
+    return rbdi_vec(q[0], q[1], type == RBD_PLANAR ? rbdi_zero() : q[2]);
+}
+
 /* Transform of a block joint: E from parent to link, r = the link's origin in parent axes. */
 RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, const rbd_real *q) {
     const int slides = b->type == RBD_TRANSLATION;
     rbdi_pose X;
-    X.r = rbdi_vec0();
-    if (b->type != RBD_SPHERICAL) X.r = rbdi_vec(q[0], q[1], b->type == RBD_PLANAR ? rbdi_zero() : q[2]);
+    X.r = rbdi_joint_origin(b->type, q);
     X.E = slides ? rbdi_mat_c(b->E) : rbdi_joint_attitude(b->type, q);
     if (!b->identity) {
         const rbdi_mat joint = rbdi_mat_c(b->E);
@@ -5169,11 +5175,7 @@ static void rbdi_put_joint_motion(const rbdi_frame *u, rbdi_motion V, rbd_real *
     rbdi_store_motion(a, 1, V);
     for (int k = 0; k < u->nv; ++k) x[k * stride] = a[(u->type == RBD_PLANAR ? 2 : 0) + k];
 }
-/* The origin of a joint at q in the joint frame, or its rates; and back to the coordinates. */
-static rbdi_v3 rbdi_joint_origin(const rbdi_frame *u, const rbd_real *q) {
-    if (u->type == RBD_SPHERICAL) return rbdi_vec0();
-    return rbdi_vec(q[0], q[1], u->type == RBD_PLANAR ? rbdi_zero() : q[2]);
-}
+/* From rbdi_joint_origin back to the coordinates. */
 static void rbdi_put_origin(const rbdi_frame *u, rbdi_v3 x, rbd_real *q) {
     if (u->type == RBD_PLANAR) q[0] = x.x, q[1] = x.y;
     if (u->type == RBD_FLOATING) rbdi_store_vec(q, 1, x);
@@ -5195,7 +5197,7 @@ static void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_re
         const rbdi_exp e = rbdi_exp_of(step.omega);
         rbdi_v3 x = straight ? step.v : rbdi_exp_shift(e, step.omega, step.v);
         x = rbdi_mul_t(rbdi_joint_attitude(u->type, q), x);
-        rbdi_put_origin(u, rbdi_add(rbdi_joint_origin(u, q), x), q_next);
+        rbdi_put_origin(u, rbdi_add(rbdi_joint_origin(u->type, q), x), q_next);
         if (u->type == RBD_PLANAR)
             q_next[2] = q[2] + step.omega.z;
         else
@@ -5264,7 +5266,7 @@ static void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, const
         rbdi_unit_cs(q1, &c1, &s1);
         d[0] = rbdi_signed_angle(c * s1 - s * c1, c * c1 + s * s1);
     } else if (rbdi_joint_turns(u)) {
-        const rbdi_v3 x = rbdi_sub(rbdi_joint_origin(u, q1), rbdi_joint_origin(u, q0));
+        const rbdi_v3 x = rbdi_sub(rbdi_joint_origin(u->type, q1), rbdi_joint_origin(u->type, q0));
         rbdi_motion step;
         step.omega = u->type == RBD_PLANAR
                          ? rbdi_vec(rbdi_zero(), rbdi_zero(), rbdi_within_half_turn(q1[2] - q0[2]))
@@ -5320,7 +5322,7 @@ static void rbdi_joint_velocity(const rbdi_frame *u, const rbd_real *q, const rb
         v[0] = (x[0] * rates[1] - x[1] * rates[0]) * rbdi_inverse_length(q, x, 2);
     } else if (rbdi_joint_turns(u)) {
         rbdi_motion V;
-        V.v = rbdi_mul(rbdi_joint_attitude(u->type, q), rbdi_joint_origin(u, rates));
+        V.v = rbdi_mul(rbdi_joint_attitude(u->type, q), rbdi_joint_origin(u->type, rates));
         V.omega = u->type == RBD_PLANAR ? rbdi_vec(rbdi_zero(), rbdi_zero(), rates[2])
                                         : rbdi_quaternion_velocity(&q[u->nq - 4], &rates[u->nq - 4]);
         rbdi_put_joint_motion(u, V, v, 1);
@@ -5755,7 +5757,7 @@ static RBDI_UNUSED int rbdi_finite_positive(const double *x, int n) {
 }
 static RBDI_UNUSED int rbdi_all_zero(const double *x, int n) {
     for (int k = 0; k < n; ++k)
-        if (x[k] < 0 || x[k] > 0) return 0;
+        if ((rbdi_wide)x[k] < 0 || (rbdi_wide)x[k] > 0) return 0;
     return 1;
 }
 

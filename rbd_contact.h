@@ -351,8 +351,8 @@ typedef struct rbdi_dof_row {
 } rbdi_dof_row;
 
 /* A set: all that may be a row stands in a set of constraints, whose rows are laid anew at each step: three
-   of each contact that is near, those that are held, those of single dofs. Places are the same of all that
-   may be a row. */
+   of each contact that is near, those that are held, those of single dofs. A row's place is its number if
+   every possible row were present; impulses are kept by place. */
 struct rbd_contact_set {
     rbd_constraint_set *rows;
     rbd_contact_options options;
@@ -373,7 +373,7 @@ struct rbd_contact_set {
     rbdi_contact_solver solver;
 };
 
-/* Cuts n objects off the memory p. */
+/* Cuts n objects off the memory at p, a variable of the caller. */
 #define RBDI_CUT(type, n) ((type *)rbdi_take(&p, 1, RBDI_ROUND((size_t)(n) * sizeof(type))))
 
 /* Bytes for n contacts, so many constraints that are held and, at most, `bounded` other rows. */
@@ -679,7 +679,7 @@ RBDI_PART int rbdi_into_cones(rbdi_contact_solver *s, int at_end) {
         const rbd_real size = rbdi_sqrt(p[0] * p[0] + p[1] * p[1]), most = s->law[i].friction * p[2];
         const rbd_contact_state state = s->law[i].state;
         const int none = state == RBD_APART || !(p[2] > 0) || (at_end && state == RBD_OPENS);
-        if (none ? !(size > 0 || p[2] < 0 || p[2] > 0) : !(size > most)) continue;
+        if (none ? size <= 0 && p[2] <= 0 && p[2] >= 0 : !(size > most)) continue; /* not so of NaN */
         for (int j = 0; j < 2 + none; ++j) p[j] = none ? rbdi_zero() : p[j] * (most / size);
         changed = 1;
     }
@@ -878,7 +878,7 @@ RBDI_PART int rbdi_newton_aim(rbdi_contact_solver *s, rbd_const proximal) {
 RBDI_PART rbd_real rbdi_share_to_bound(const rbdi_contact_solver *s) {
     const int first = 3 * s->given.contacts;
     rbd_real share = rbdi_set(RBD_C(1));
-    for (int r = 2; r < s->rows; r += r < first - 1 ? 3 : 1) {
+    for (int r = first > 0 ? 2 : 0; r < s->rows; r += r < first - 1 ? 3 : 1) {
         const rbd_real from = s->start[r], way = s->aim[r] - from;
         rbd_real bound = way < 0 ? rbdi_zero() : rbdi_set(RBDI_UNBOUNDED);
         if (r >= first) bound = way < 0 ? s->given.lower[r - first] : s->given.upper[r - first];
@@ -1268,8 +1268,8 @@ RBDI_INLINE int rbdi_may_touch(rbd_real distance, rbd_real rate, rbd_real dt, rb
     return distance <= margin || distance + 2 * dt * rate <= 0;
 }
 
-/* Whether a limit is near, as all dry friction is. */
-static int rbdi_dof_row_at(rbdi_dof_row *a, const rbd_real *q, const rbd_real *v, rbd_real dt) {
+/* Finds the nearer limit, and whether it is near; dry friction always is. */
+static int rbdi_find_limit(rbdi_dof_row *a, const rbd_real *q, const rbd_real *v, rbd_real dt) {
     rbd_real below, above;
     a->distance = rbdi_zero(), a->side = rbdi_set(RBD_C(1));
     if (a->iq < 0) return 1;
@@ -1325,9 +1325,9 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
     }
     for (int i = 0; i < c->dof_rows; ++i) {
         rbdi_dof_row *a = &c->dof_row[i];
-        const int r = s->rows - 3 * contacts, bounded = rbdi_dof_row_at(a, q, v, dt);
-        a->row = bounded ? rbdi_open_rows(c, place + i, 1, s->path, rbdi_path_to(m, s, a->dof)) : -1;
-        if (!bounded) continue;
+        const int r = s->rows - 3 * contacts, acts = rbdi_find_limit(a, q, v, dt);
+        a->row = acts ? rbdi_open_rows(c, place + i, 1, s->path, rbdi_path_to(m, s, a->dof)) : -1;
+        if (!acts) continue;
         c->lower[r] = a->iq < 0 ? dt * a->lower : rbdi_zero();
         c->upper[r] = a->iq < 0 ? dt * a->upper : rbdi_set(RBDI_UNBOUNDED);
     }
@@ -1530,10 +1530,11 @@ static void rbdi_keep_impulses(rbd_contact_set *c) {
     }
 }
 
-/* c->nu: the velocities of the end, in the axes of the beginning: others where penetration was taken back, or
-   a contact that pushed rebounds. A set that overflowed forgets its impulses. */
+/* c->nu: the velocities of the end, in the axes of the beginning. They differ from c->moved where penetration
+   was taken back, or a contact that pushed rebounds. A set that overflowed forgets its impulses. */
 static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
+    int finite = 1;
     for (rbdi_contact *a = c->contact; a < c->contact + c->n; ++a)
         a->rebounds = a->row >= 0 && a->restitution > 0 && a->approach < -RBD_C(c->options.bounce) &&
                       c->rows->lambda[a->row + 2] > 0;
@@ -1548,11 +1549,10 @@ static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) 
     }
     rbdi_keep_impulses(c);
     for (int k = 0; k < m->nv; ++k)
-        if (!(rbdi_abs(c->nu[k]) < RBDI_FASTEST && rbdi_abs(c->dt * c->moved[k]) < RBDI_FASTEST)) {
-            rbd_contact_reset(c);
-            return RBD_ERR_NAN;
-        }
-    return RBD_OK;
+        finite &= rbdi_abs(c->nu[k]) < RBDI_FASTEST && rbdi_abs(c->dt * c->moved[k]) < RBDI_FASTEST;
+    for (int i = 0; i < c->n; ++i) finite &= rbdi_all_finite(c->contact[i].force, 3);
+    if (!finite) rbd_contact_reset(c);
+    return finite ? RBD_OK : RBD_ERR_NAN;
 }
 
 /* The state after the step; after an error q and 0. */

@@ -367,7 +367,7 @@ void print_errors(void) {
 
 typedef struct figure {
     int item, times;
-    const char *what;
+    char what[72];
     double found, expected, bound;
 } figure;
 
@@ -384,7 +384,11 @@ void expect_figure(int item, const char *what, double found, double expected, do
     if (!figures_are_kept) return;
     while (f < figures + figure_count && (f->item != item || strcmp(f->what, what) != 0)) f++;
     ck_assert_msg(f < figures + LENGTH(figures), "no room for another figure");
-    if (f == figures + figure_count) *f = (figure){item, 0, what, found, expected, bound}, figure_count++;
+    if (f == figures + figure_count) {
+        *f = (figure){item, 0, "", found, expected, bound};
+        snprintf(f->what, sizeof f->what, "%s", what);
+        figure_count++;
+    }
     f->times++;
     if (off / bound >= fabs(f->found - f->expected) / f->bound)
         f->found = found, f->expected = expected, f->bound = bound;

@@ -155,6 +155,7 @@ static int compare(scene *s, const char *what, double bound) {
     const int n = s->r.nv;
     static const char *const by[3] = {"q", "v", "tau"};
     double q[MAX_Q], v[MAX_V], expected[2][MAX_V], worst = 0;
+    char figure[80];
     int compared = 0;
     const end e = step_from(s, s->q, s->v, s->tau);
     memset(&found, 0xff, sizeof found);
@@ -174,7 +175,8 @@ static int compare(scene *s, const char *what, double bound) {
                               s->r.name, what, i < n ? "q" : "v", i % n, by[x], k, row[k], y);
             }
         }
-    expect_figure(12, what, worst, 0, bound);
+    snprintf(figure, sizeof figure, "derivatives beside differences: %s", what);
+    expect_figure(12, figure, worst, 0, bound);
     return compared;
 }
 
@@ -222,7 +224,7 @@ START_TEST(ball_rolls_and_slides) {
         for (int k = 0; k < 3; k++)
             for (int stiff = 0; stiff < 2; stiff++) {
                 scene s;
-                open_scene(&s, "derivatives beside differences: a ball rolls and slides", &body, 1, 1e-3);
+                open_scene(&s, "ball", &body, 1, 1e-3);
                 add_contact(&s, 0, -1, 0.02, 0.01, 0)->radius = 0.1;
                 s.list[0].friction = slides ? 0.2 : 3;
                 if (stiff) s.list[0].stiffness = 1e4, s.list[0].damping = 50;
@@ -232,7 +234,7 @@ START_TEST(ball_rolls_and_slides) {
                 rbd_set_gravity(s.r.w, presses);
                 s.q[3] = 0.5, s.q[4] = 0.5, s.q[5] = -0.5, s.q[6] = 0.5;
                 put_at(&s, 0, 2, gaps[k]);
-                expect(&s, "derivatives beside differences: a ball rolls and slides", !slides, slides, 1e-6);
+                expect(&s, "a ball rolls and slides", !slides, slides, 1e-6);
                 close_scene(&s);
             }
 }
@@ -244,7 +246,7 @@ START_TEST(box_rests_and_slides) {
     for (int slides = 0; slides < 2; slides++)
         for (int stiff = 0; stiff < 2; stiff++) {
             scene s;
-            open_scene(&s, "derivatives beside differences: a box rests and slides", &body, 1, 1e-3);
+            open_scene(&s, "box", &body, 1, 1e-3);
             for (int i = 0; i < 4; i++) {
                 rbd_contact *a = add_contact(&s, 0, -1, i & 1 ? 0.2 : -0.2, i & 2 ? 0.15 : -0.15, -0.1);
                 if (stiff) a->stiffness = 1e4, a->damping = 100;
@@ -254,8 +256,7 @@ START_TEST(box_rests_and_slides) {
             begin_scene(&s);
             s.q[2] = 0.1 - 5e-4, s.q[5] = 0.6, s.q[6] = 0.8;
             if (slides) s.v[3] = 0.3, s.v[4] = 1;
-            expect(&s, "derivatives beside differences: a box rests and slides", slides ? 0 : 4,
-                   slides ? 4 : 0, 1e-7);
+            expect(&s, "a box rests and slides", slides ? 0 : 4, slides ? 4 : 0, 1e-7);
             close_scene(&s);
         }
 }
@@ -267,7 +268,7 @@ START_TEST(corner_rebounds) {
     for (int k = 0; k < 3; k++)
         for (int slides = 0; slides < 2; slides++) {
             scene s;
-            open_scene(&s, "derivatives beside differences: a box rests and slides", &body, 1, 1e-3);
+            open_scene(&s, "box", &body, 1, 1e-3);
             add_contact(&s, 0, -1, 0.2, 0.15, -0.1)->restitution = 0.6;
             add_contact(&s, 0, -1, 0, 0, 5)->restitution = 0.6; /* far away */
             s.list[0].friction = slides ? 0.1 : 2;
@@ -275,7 +276,7 @@ START_TEST(corner_rebounds) {
             spin(&s, 1);
             s.q[3] = 0.1, s.q[4] = 0.7, s.q[5] = 0.1, s.q[6] = 0.7, s.v[3] = 3;
             put_at(&s, 0, 2, gaps[k]);
-            expect(&s, "derivatives beside differences: a corner rebounds", !slides, slides, 1e-7);
+            expect(&s, "a corner rebounds", !slides, slides, 1e-7);
             close_scene(&s);
         }
 }
@@ -299,8 +300,7 @@ START_TEST(bodies_touch_each_other) {
             s.q[5] = 0.6, s.q[6] = 0.8, s.q[3] = s.q[4] = 0.02, s.q[9] = 0.2, s.q[10] = 0.6, s.q[13] = 0.8;
             put_at(&s, 1, 2, gaps[k]);
             put_at(&s, 0, 9, gaps[k]);
-            expect(&s, "derivatives beside differences: bodies touch each other", slides ? 0 : 2,
-                   slides ? 2 : 0, 1e-7);
+            expect(&s, "bodies touch each other", slides ? 0 : 2, slides ? 2 : 0, 1e-7);
             close_scene(&s);
         }
 }
@@ -313,7 +313,7 @@ START_TEST(slip_lets_contacts_creep) {
     scene s;
     double force[3];
     end e;
-    open_scene(&s, "derivatives beside differences: a box rests and slides", &body, 1, 1e-3);
+    open_scene(&s, "box", &body, 1, 1e-3);
     for (int i = 0; i < 4; i++) add_contact(&s, 0, -1, i & 1 ? 0.2 : -0.2, i & 2 ? 0.15 : -0.15, -0.1);
     s.options.slip = 1e-3;
     begin_scene(&s);
@@ -325,9 +325,9 @@ START_TEST(slip_lets_contacts_creep) {
         ck_assert_double_lt(force[0], -1e-2);
         ck_assert_double_eq_tol(e.v[3], -1e-3 * force[0], 1e-10);
     }
-    expect(&s, "derivatives beside differences: slip: a box creeps", 4, 0, 1e-7);
+    expect(&s, "slip: a box creeps", 4, 0, 1e-7);
     s.v[3] = 1;
-    expect(&s, "derivatives beside differences: slip: a box slides", 0, 4, 1e-7);
+    expect(&s, "slip: a box slides", 0, 4, 1e-7);
     close_scene(&s);
 }
 END_TEST
@@ -367,14 +367,14 @@ START_TEST(hyq_stands_trots_and_slips) {
         open_hyq(&s, hyq_bodies, stiff ? 2e4 : 0);
         begin_scene(&s);
         run_hyq(&s, 50, 0);
-        expect(&s, "derivatives beside differences: HyQ stands", 4, 0, 1e-6);
+        expect(&s, "HyQ stands", 4, 0, 1e-6);
         for (int k = 0; k < 2; k++) s.v[3 + k] += 1;
-        expect(&s, "derivatives beside differences: HyQ slips", 0, 4, 1e-6);
+        expect(&s, "HyQ slips", 0, 4, 1e-6);
         close_scene(&s);
         open_hyq(&s, hyq_bodies, stiff ? 2e4 : 0);
         begin_scene(&s);
         run_hyq(&s, 60, 0.4);
-        expect(&s, "derivatives beside differences: HyQ trots", 2, 0, 1e-6);
+        expect(&s, "HyQ trots", 2, 0, 1e-6);
         close_scene(&s);
     }
 }
@@ -398,7 +398,7 @@ START_TEST(hyq_at_its_limits) {
         s.tau[6 + k] = side * 60, s.v[6 + k] = side * (k == 10 ? 4 : 1), at_limit += k < 11;
     }
     s.v[6] = 1, s.v[7] = -1;
-    expect(&s, "derivatives beside differences: HyQ at its limits", 0, 1, 1e-5);
+    expect(&s, "HyQ at its limits", 0, 1, 1e-5);
     ck_assert_int_eq(at_limit, 3);
     close_scene(&s);
 }
@@ -414,7 +414,7 @@ START_TEST(atlas_stands) {
     begin_scene(&s);
     for (int k = 6; k < s.r.nv; k++) s.damping[k] = 50;
     put_at(&s, 0, 2, -5e-4);
-    expect(&s, "derivatives beside differences: Atlas stands", 8, 0, 1e-6);
+    expect(&s, "Atlas stands", 8, 0, 1e-6);
     close_scene(&s);
 }
 END_TEST
@@ -477,7 +477,7 @@ static void check_tree(uint64_t *seed, int number) {
     memcpy(s.f_ext, x.f_ext, sizeof s.f_ext);
     for (int k = 0; k < s.r.nv; k++) s.damping[k] = uniform(seed, 0, 2);
     place_planes(&s, seed);
-    agreed += compare(&s, "derivatives beside differences: random trees", 1e-5);
+    agreed += compare(&s, "random trees", 1e-5);
     (void)step_from(&s, s.q, s.v, s.tau);
     if (rbd_contact_last(s.c).residual <= 1e-11)
         sticking += count(&s, RBD_STICKS), slipping += count(&s, RBD_SLIPS);
@@ -500,7 +500,7 @@ START_TEST(random_trees) {
     ck_assert_int_ge(agreed, 5800 / PART_OF_TREES);
     ck_assert_int_ge(sticking, 30 / PART_OF_TREES);
     ck_assert_int_ge(slipping, 200 / PART_OF_TREES);
-    ck_assert_int_le(unsolved, 50);
+    ck_assert_int_le(unsolved, 60 / PART_OF_TREES);
 }
 END_TEST
 
@@ -528,14 +528,14 @@ START_TEST(parts_are_as_the_whole) {
     open_rod(&s, bodies);
     begin_scene(&s);
     spin(&s, 1);
-    expect(&s, "derivatives beside differences: a rod in the air", 0, 0, 1e-7);
+    expect(&s, "a rod in the air", 0, 0, 1e-7);
     ck_assert_int_eq(rbd_fd_derivatives(s.r.m, s.d, s.q, s.v, s.tau, s.f_ext, a, NULL, NULL, Minv), RBD_OK);
     for (int k = 0; k < 7; k++) /* of the rod, whose step is a sum */
         ck_assert_double_eq_tol(found.by[5][6 * 7 + k], s.h * Minv[6 * 7 + k], 1e-12);
     put_at(&s, 0, 2, -5e-4);
     for (int keep = 0; keep < 2; keep++) {
         ck_assert_int_eq(rbd_keep_zeros(s.d, keep), RBD_OK);
-        expect(&s, "derivatives beside differences: a rod touches", 0, 1, 1e-7);
+        expect(&s, "a rod touches", 0, 1, 1e-7);
         for (int x = 0; x < 3; x++) {
             rbd_contact_step_results out = {NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL};
             if (x == 0) out.dq_next_dq = part.by[0], out.dv_next_dq = part.by[3];

@@ -91,7 +91,7 @@ int check_algorithm(const std::string &given) {
     return usage_error("--algorithm: there is no '%s'", name.c_str());
 }
 
-/* What this command calls an algorithm of rbd.h's name, as rbd-eval does. */
+/* This command's name of an algorithm that has rbd.h's name, as in rbd-eval. */
 std::string own_name(const std::string &name) {
     return name == "rnea" ? "id" : name == "crba" ? "mm" : name == "aba" ? "fd" : name;
 }

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""What a call out of a cold instruction cache fetches on a Cortex-M7: lines of 32 bytes that hold an instruction which it
-executes at least once, with and without RBD_FEATURES. QEMU writes each block of instructions when it first meets it.
+"""Lines of 32 bytes that a call out of a cold instruction cache fetches on a Cortex-M7, with and without RBD_FEATURES.
+QEMU writes each block of instructions when it first meets it: code that rbd_work_init has run before does not count.
 Nothing is timed. Exact, and the same again on any machine, for one compiler.
-usage: cold.py      prints the rows and writes ../results/firmware_cold.csv, and the table of docs/firmware.md"""
+usage: cold.py      prints the rows and writes ../results/firmware_cold.csv; ./run firmware --documents writes the table"""
 import csv
 import pathlib
 import re

@@ -13,8 +13,9 @@
 RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                    const rbd_real *a);
 
-/* The same of one body and of those between it and the world, at the price of this path. The functions below
-   read these bodies alone: of others, and of sums over all, they return RBD_ERR_ORDER.
+/* The same of one body and of those between it and the world: the sines of all joints, but the bodies of this
+   path alone. Of bodies that other joints move, and of sums over all, the functions below return
+   RBD_ERR_ORDER.
    Errors: RBD_ERR_NULL, _WORK, _INDEX. */
 RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int body, const rbd_real *q,
                                         const rbd_real *v, const rbd_real *a);

@@ -129,7 +129,7 @@ RBDI_PART int rbdi_into_cones(rbdi_contact_solver *s, int at_end) {
         const rbd_real size = rbdi_sqrt(p[0] * p[0] + p[1] * p[1]), most = s->law[i].friction * p[2];
         const rbd_contact_state state = s->law[i].state;
         const int none = state == RBD_APART || !(p[2] > 0) || (at_end && state == RBD_OPENS);
-        if (none ? !(size > 0 || p[2] < 0 || p[2] > 0) : !(size > most)) continue;
+        if (none ? size <= 0 && p[2] <= 0 && p[2] >= 0 : !(size > most)) continue; /* not so of NaN */
         for (int j = 0; j < 2 + none; ++j) p[j] = none ? rbdi_zero() : p[j] * (most / size);
         changed = 1;
     }

@@ -73,8 +73,8 @@ typedef struct rbdi_dof_row {
 } rbdi_dof_row;
 
 /* A set: all that may be a row stands in a set of constraints, whose rows are laid anew at each step: three
-   of each contact that is near, those that are held, those of single dofs. Places are the same of all that
-   may be a row. */
+   of each contact that is near, those that are held, those of single dofs. A row's place is its number if
+   every possible row were present; impulses are kept by place. */
 struct rbd_contact_set {
     rbd_constraint_set *rows;
     rbd_contact_options options;
@@ -95,7 +95,7 @@ struct rbd_contact_set {
     rbdi_contact_solver solver;
 };
 
-/* Cuts n objects off the memory p. */
+/* Cuts n objects off the memory at p, a variable of the caller. */
 #define RBDI_CUT(type, n) ((type *)rbdi_take(&p, 1, RBDI_ROUND((size_t)(n) * sizeof(type))))
 
 /* Bytes for n contacts, so many constraints that are held and, at most, `bounded` other rows. */

@@ -188,7 +188,7 @@ RBDI_PART int rbdi_newton_aim(rbdi_contact_solver *s, rbd_const proximal) {
 RBDI_PART rbd_real rbdi_share_to_bound(const rbdi_contact_solver *s) {
     const int first = 3 * s->given.contacts;
     rbd_real share = rbdi_set(RBD_C(1));
-    for (int r = 2; r < s->rows; r += r < first - 1 ? 3 : 1) {
+    for (int r = first > 0 ? 2 : 0; r < s->rows; r += r < first - 1 ? 3 : 1) {
         const rbd_real from = s->start[r], way = s->aim[r] - from;
         rbd_real bound = way < 0 ? rbdi_zero() : rbdi_set(RBDI_UNBOUNDED);
         if (r >= first) bound = way < 0 ? s->given.lower[r - first] : s->given.upper[r - first];

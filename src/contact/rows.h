@@ -40,8 +40,8 @@ RBDI_INLINE int rbdi_may_touch(rbd_real distance, rbd_real rate, rbd_real dt, rb
     return distance <= margin || distance + 2 * dt * rate <= 0;
 }
 
-/* Whether a limit is near, as all dry friction is. */
-static int rbdi_dof_row_at(rbdi_dof_row *a, const rbd_real *q, const rbd_real *v, rbd_real dt) {
+/* Finds the nearer limit, and whether it is near; dry friction always is. */
+static int rbdi_find_limit(rbdi_dof_row *a, const rbd_real *q, const rbd_real *v, rbd_real dt) {
     rbd_real below, above;
     a->distance = rbdi_zero(), a->side = rbdi_set(RBD_C(1));
     if (a->iq < 0) return 1;
@@ -97,9 +97,9 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
     }
     for (int i = 0; i < c->dof_rows; ++i) {
         rbdi_dof_row *a = &c->dof_row[i];
-        const int r = s->rows - 3 * contacts, bounded = rbdi_dof_row_at(a, q, v, dt);
-        a->row = bounded ? rbdi_open_rows(c, place + i, 1, s->path, rbdi_path_to(m, s, a->dof)) : -1;
-        if (!bounded) continue;
+        const int r = s->rows - 3 * contacts, acts = rbdi_find_limit(a, q, v, dt);
+        a->row = acts ? rbdi_open_rows(c, place + i, 1, s->path, rbdi_path_to(m, s, a->dof)) : -1;
+        if (!acts) continue;
         c->lower[r] = a->iq < 0 ? dt * a->lower : rbdi_zero();
         c->upper[r] = a->iq < 0 ? dt * a->upper : rbdi_set(RBDI_UNBOUNDED);
     }

@@ -83,10 +83,11 @@ static void rbdi_keep_impulses(rbd_contact_set *c) {
     }
 }
 
-/* c->nu: the velocities of the end, in the axes of the beginning: others where penetration was taken back, or
-   a contact that pushed rebounds. A set that overflowed forgets its impulses. */
+/* c->nu: the velocities of the end, in the axes of the beginning. They differ from c->moved where penetration
+   was taken back, or a contact that pushed rebounds. A set that overflowed forgets its impulses. */
 static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
+    int finite = 1;
     for (rbdi_contact *a = c->contact; a < c->contact + c->n; ++a)
         a->rebounds = a->row >= 0 && a->restitution > 0 && a->approach < -RBD_C(c->options.bounce) &&
                       c->rows->lambda[a->row + 2] > 0;
@@ -101,11 +102,10 @@ static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) 
     }
     rbdi_keep_impulses(c);
     for (int k = 0; k < m->nv; ++k)
-        if (!(rbdi_abs(c->nu[k]) < RBDI_FASTEST && rbdi_abs(c->dt * c->moved[k]) < RBDI_FASTEST)) {
-            rbd_contact_reset(c);
-            return RBD_ERR_NAN;
-        }
-    return RBD_OK;
+        finite &= rbdi_abs(c->nu[k]) < RBDI_FASTEST && rbdi_abs(c->dt * c->moved[k]) < RBDI_FASTEST;
+    for (int i = 0; i < c->n; ++i) finite &= rbdi_all_finite(c->contact[i].force, 3);
+    if (!finite) rbd_contact_reset(c);
+    return finite ? RBD_OK : RBD_ERR_NAN;
 }
 
 /* The state after the step; after an error q and 0. */

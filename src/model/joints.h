@@ -6,8 +6,8 @@
 #include "model/features.h"
 
 /* Interface: rbdi_along_axis, rbdi_block_link, rbdi_block_motion, rbdi_cross_shift, rbdi_down,
-   rbdi_force_up_block, rbdi_joint_attitude, rbdi_joints, rbdi_link_dofs, rbdi_trig_of, RBDI_BY_FLAGS,
-   RBDI_BY_FLAGS_OF, RBDI_CASES, RBDI_NO_CASES */
+   rbdi_force_up_block, rbdi_joint_attitude, rbdi_joint_origin, rbdi_joints, rbdi_link_dofs, rbdi_trig_of,
+   RBDI_BY_FLAGS, RBDI_BY_FLAGS_OF, RBDI_CASES, RBDI_NO_CASES */
 
 /* ---- joints [joints] ----
    Code that depends on the joint type: rbdi_joint_facts, rbdi_build_joint, rbdi_build_regroup,
@@ -37,12 +37,17 @@ RBDI_INLINE rbdi_mat rbdi_joint_attitude(int type, const rbd_real *q) {
     return E;
 }
 
+/* The origin of a joint at q in the joint frame, or its rates. */
+RBDI_INLINE rbdi_v3 rbdi_joint_origin(int type, const rbd_real *q) {
+    if (type == RBD_SPHERICAL) return rbdi_vec0();
+    return rbdi_vec(q[0], q[1], type == RBD_PLANAR ? rbdi_zero() : q[2]);
+}
+
 /* Transform of a block joint: E from parent to link, r = the link's origin in parent axes. */
 RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, const rbd_real *q) {
     const int slides = b->type == RBD_TRANSLATION;
     rbdi_pose X;
-    X.r = rbdi_vec0();
-    if (b->type != RBD_SPHERICAL) X.r = rbdi_vec(q[0], q[1], b->type == RBD_PLANAR ? rbdi_zero() : q[2]);
+    X.r = rbdi_joint_origin(b->type, q);
     X.E = slides ? rbdi_mat_c(b->E) : rbdi_joint_attitude(b->type, q);
     if (!b->identity) {
         const rbdi_mat joint = rbdi_mat_c(b->E);

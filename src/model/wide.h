@@ -107,7 +107,7 @@ static RBDI_UNUSED int rbdi_finite_positive(const double *x, int n) {
 }
 static RBDI_UNUSED int rbdi_all_zero(const double *x, int n) {
     for (int k = 0; k < n; ++k)
-        if (x[k] < 0 || x[k] > 0) return 0;
+        if ((rbdi_wide)x[k] < 0 || (rbdi_wide)x[k] > 0) return 0;
     return 1;
 }
 

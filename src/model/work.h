@@ -62,7 +62,7 @@ struct rbd_work {
     uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
     rbdi_c3 gravity;
     int singular;      /* dof, -1 = none */
-    int kinematics_of; /* kin: of this link and its ancestors; nl: of all; or RBDI_NO_KINEMATICS */
+    int kinematics_of; /* kin: of this link and its ancestors; nl: of all; -1: of none */
 #if RBDI_REPRODUCIBLE
     int doubt; /* a pivot or a rank has been in doubt: see rbdi_batch_apart */
 #endif

@@ -25,11 +25,7 @@ static void rbdi_put_joint_motion(const rbdi_frame *u, rbdi_motion V, rbd_real *
     rbdi_store_motion(a, 1, V);
     for (int k = 0; k < u->nv; ++k) x[k * stride] = a[(u->type == RBD_PLANAR ? 2 : 0) + k];
 }
-/* The origin of a joint at q in the joint frame, or its rates; and back to the coordinates. */
-static rbdi_v3 rbdi_joint_origin(const rbdi_frame *u, const rbd_real *q) {
-    if (u->type == RBD_SPHERICAL) return rbdi_vec0();
-    return rbdi_vec(q[0], q[1], u->type == RBD_PLANAR ? rbdi_zero() : q[2]);
-}
+/* From rbdi_joint_origin back to the coordinates. */
 static void rbdi_put_origin(const rbdi_frame *u, rbdi_v3 x, rbd_real *q) {
     if (u->type == RBD_PLANAR) q[0] = x.x, q[1] = x.y;
     if (u->type == RBD_FLOATING) rbdi_store_vec(q, 1, x);
@@ -51,7 +47,7 @@ static void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_re
         const rbdi_exp e = rbdi_exp_of(step.omega);
         rbdi_v3 x = straight ? step.v : rbdi_exp_shift(e, step.omega, step.v);
         x = rbdi_mul_t(rbdi_joint_attitude(u->type, q), x);
-        rbdi_put_origin(u, rbdi_add(rbdi_joint_origin(u, q), x), q_next);
+        rbdi_put_origin(u, rbdi_add(rbdi_joint_origin(u->type, q), x), q_next);
         if (u->type == RBD_PLANAR)
             q_next[2] = q[2] + step.omega.z;
         else
@@ -120,7 +116,7 @@ static void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, const
         rbdi_unit_cs(q1, &c1, &s1);
         d[0] = rbdi_signed_angle(c * s1 - s * c1, c * c1 + s * s1);
     } else if (rbdi_joint_turns(u)) {
-        const rbdi_v3 x = rbdi_sub(rbdi_joint_origin(u, q1), rbdi_joint_origin(u, q0));
+        const rbdi_v3 x = rbdi_sub(rbdi_joint_origin(u->type, q1), rbdi_joint_origin(u->type, q0));
         rbdi_motion step;
         step.omega = u->type == RBD_PLANAR
                          ? rbdi_vec(rbdi_zero(), rbdi_zero(), rbdi_within_half_turn(q1[2] - q0[2]))
@@ -176,7 +172,7 @@ static void rbdi_joint_velocity(const rbdi_frame *u, const rbd_real *q, const rb
         v[0] = (x[0] * rates[1] - x[1] * rates[0]) * rbdi_inverse_length(q, x, 2);
     } else if (rbdi_joint_turns(u)) {
         rbdi_motion V;
-        V.v = rbdi_mul(rbdi_joint_attitude(u->type, q), rbdi_joint_origin(u, rates));
+        V.v = rbdi_mul(rbdi_joint_attitude(u->type, q), rbdi_joint_origin(u->type, rates));
         V.omega = u->type == RBD_PLANAR ? rbdi_vec(rbdi_zero(), rbdi_zero(), rates[2])
                                         : rbdi_quaternion_velocity(&q[u->nq - 4], &rates[u->nq - 4]);
         rbdi_put_joint_motion(u, V, v, 1);

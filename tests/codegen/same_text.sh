@@ -1,7 +1,7 @@
 #!/bin/sh
 # rbd-codegen built by another compiler writes the same bytes: GCC and clang evaluate arguments in opposite orders.
-# usage: same_text.sh ROOT RBD_CODEGEN CODEGEN_WRITE LIBRARY...   the libraries of tools/, but that of the code generator, and
-#     that of the random robots; CXX built all
+# usage: same_text.sh ROOT RBD_CODEGEN CODEGEN_WRITE LIBRARY...   LIBRARY: those of tools/ without the code generator's,
+#     and that of the random robots; CXX built all
 set -u
 root=$(realpath "$1") rbd_codegen=$(realpath "$2") write=$(realpath "$3")
 shift 3

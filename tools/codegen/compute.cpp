@@ -1,13 +1,10 @@
 /* rbd.h's own results in double, to hold the generated code against. SPDX-License-Identifier: MIT */
 #include "record.h"
 #include <algorithm>
-#include <cfloat>
 #include <cstring>
 #include <stdexcept>
 
-#if FLT_EVAL_METHOD == 0 /* else bits are not the same anyway */
 #define RBD_REPRODUCIBLE
-#endif
 #define RBD_STATIC
 #define RBD_IMPLEMENTATION
 #include "rbd_derivatives.h"
@@ -24,17 +21,6 @@ double draw(uint64_t *seed) {
 }
 
 } // namespace
-
-double sine(double x) {
-    double s, c;
-    rbdi_sincos(x, &s, &c);
-    return s;
-}
-double cosine(double x) {
-    double s, c;
-    rbdi_sincos(x, &s, &c);
-    return c;
-}
 
 std::vector<std::string> algorithm_names() {
     std::vector<std::string> names;

@@ -327,7 +327,7 @@ std::string writer::block_text(int b) {
 
 /* ---- calls on rows ---- */
 
-/* What is loaded at a statement, no later call may have written by then. */
+/* No call may have written a place again before a statement loads it. */
 void writer::check_loads() const {
     std::vector<std::vector<int>> written(size_t(f.rows)); /* of each place: the calls */
     for (size_t k = 0; k < f.calls.size(); k++)

@@ -90,15 +90,20 @@ value graph::divide(value a, value b) {
 
 value graph::root(value a) { return is_constant(a) ? folded(std::sqrt(constant_of(a))) : make(ROOT, a); }
 
+static double own_sine(double x, double quarters) {
+    double sine, cosine;
+    own_sines(x, quarters, &sine, &cosine);
+    return sine;
+}
 value graph::sine(value a, int quarters) {
     static const int of_zero[] = {0, 1, 0, -1};
     if (is_exact) return is(a, 0) ? constant(of_zero[quarters]) : make(SINE, a, constant(quarters));
-    if (is_constant(a)) return constant(codegen::sine(constant_of(a)));
+    if (is_constant(a)) return constant(own_sine(constant_of(a), 0));
     return negated(make(SINE, 2 * node_of(a)), is_negative(a));
 }
 value graph::cosine(value a, int quarters) {
     if (is_exact) return is(a, 0) ? sine(a, (quarters + 1) % 4) : make(COSINE, a, constant(quarters));
-    return is_constant(a) ? constant(codegen::cosine(constant_of(a))) : make(COSINE, 2 * node_of(a));
+    return is_constant(a) ? constant(own_sine(constant_of(a), 1)) : make(COSINE, 2 * node_of(a));
 }
 
 value graph::select(value a, value b, value x, value y) { return x == y ? x : make(SELECT, a, b, x, y); }
@@ -163,8 +168,8 @@ template <class T> std::vector<T> evaluate(const function &f, const std::vector<
         case ROOT: x[i] = std::sqrt(of(a[0], l)); break;
         case SINE:
         case COSINE: {
-            T own[2] = {T(sine(double(of(a[0], l)))), T(cosine(double(of(a[0], l))))};
-            if (a[1] >= 0) own_sines(of(a[0], l), of(a[1], l), &own[0], &own[1]);
+            T own[2];
+            own_sines(of(a[0], l), a[1] >= 0 ? of(a[1], l) : T(0), &own[0], &own[1]);
             x[i] = own[n.op == COSINE];
             break;
         }

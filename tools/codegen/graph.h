@@ -30,10 +30,6 @@ struct node {
     bool is_vector;
 };
 
-/* rbd.h's, the same with every libm. */
-double sine(double x);
-double cosine(double x);
-
 inline bool has_operands(operation op) { return op != INPUT && op != LOADED; }
 
 /* Every node stands once: what is equal is shared. Operands come before what uses them. */
@@ -54,7 +50,7 @@ class graph {
     value select(value a, value b, value x, value y);
     value gather(value a, value b, value c, value d);
     value lane(value vector, int lane);
-    value apply(const node &n, const value operands[4]); /* what n does, done to these instead */
+    value apply(const node &n, const value operands[4]); /* n's operation on other operands */
     value loaded(int at, int call);
 
     bool is_constant(value x) const { return nodes[size_t(node_of(x))].op == CONSTANT; }

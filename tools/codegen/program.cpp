@@ -50,7 +50,7 @@ void program::gather(int i, bool negative, bool top, std::vector<term> &t, int &
     }
 }
 
-/* What a sum has opened is no statement any more. */
+/* Nodes that a sum has taken in are no statements any more. */
 void program::absorb(int i) {
     const std::vector<term> &t = terms[size_t(i)];
     std::vector<int> open = {node_of(at(i).arg[0]), node_of(at(i).arg[1])};

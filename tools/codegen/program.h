@@ -6,7 +6,7 @@
 
 namespace codegen {
 
-/* What suits the target. */
+/* Ways of writing that suit the target. */
 struct style {
     bool long_sums; /* of up to eight terms, and products that sums share computed in each: for machines that
                        multiply and add in one instruction and run several at once */

@@ -13,7 +13,7 @@
 namespace codegen {
 namespace RECORD_SPACE {
 
-/* What was done to numbers, as rbd.h has it. */
+/* An operation on numbers as rbd.h wrote it. */
 struct term {
     node written;   /* operands: terms */
     value seen;     /* folded at once in `sketch`, to know what is constant */
@@ -145,7 +145,7 @@ template <class draft> bool has_like_limbs(const draft *links, int count, int i)
 
 using ::cos, ::sin, ::sqrt; /* of constants */
 
-/* What rbd.h does to whole rows is recorded as calls: rows_record.h. */
+/* Work on whole rows is recorded as calls: rows_record.h. */
 template <class model, class work> bool rows_factor(const model *m, work *w, number *H);
 template <class model>
 bool rows_solve(const model *m, const number *L, int sign, ptrdiff_t stride, int n, number *X, number *Y);

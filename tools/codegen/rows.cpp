@@ -4,6 +4,8 @@
 namespace codegen {
 namespace {
 
+static_assert(MOST_FOURS == 10, "the texts below have room for as many");
+
 /* s, the row that is made, by fours; those from i on, n of them. By vectors each number of fours has its own
    macros: compilers need not unroll anything. */
 const char by_vectors[] = R"(

@@ -1,7 +1,7 @@
 /* rows.h - sums of rows of matrices, four columns at once. SPDX-License-Identifier: MIT
 
-   What rbd.h does to whole rows (src/dynamics/packed.h, src/derivatives/entries.h) is no part of the graph:
-   a function has calls instead, each a list of sums. The rows stand in one memory, in whole fours. Scalars of
+   Work on whole rows (src/dynamics/packed.h) is no part of the graph: a function has calls instead, each a
+   list of sums. The rows stand in one memory, in whole fours. Scalars of
    the graph are stored into it before a call, and loaded from it behind one. */
 #ifndef TOOLS_CODEGEN_ROWS_H
 #define TOOLS_CODEGEN_ROWS_H

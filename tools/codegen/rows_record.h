@@ -39,7 +39,7 @@ static class row_recorder {
         c->stores.push_back({at, x, bool(is_written[size_t(at)])});
         now[size_t(at)] = x, numbers[size_t(at)] = y;
     }
-    /* What stands there when all calls are done that have been recorded: 0 where none has written. */
+    /* The value at a place after all recorded calls; 0 if none has written it. */
     number load(int at) const { return now[size_t(at)] == NOWHERE ? number(0) : numbers[size_t(at)]; }
 
     void finish(row_call c) {
@@ -187,7 +187,7 @@ static void solve_rows(const rbd_model *m, const row_factor &L, int sign, ptrdif
 
 template <class model>
 bool rows_solve(const model *m, const number *L, int sign, ptrdiff_t stride, int n, number *X, number *Y) {
-    if (!recorder.is_on || !factors.count(L)) return false;
+    if (!recorder.is_on || !factors.count(L) || n > MOST_COLUMNS) return false;
     solve_rows(m, factors[L], sign, stride, n, X);
     if (Y) solve_rows(m, factors[L], sign, stride, n, Y);
     return true;
