@@ -506,6 +506,7 @@ START_TEST(massless_model_has_its_com_at_zero) {
     double com[3], velocity[3], acceleration[3];
     ck_assert(!(rbd_mass(r.m) > 0));
     ck_assert(!(rbd_mass(NULL) > 0));
+    ck_assert_int_eq(rbd_body_pose(r.m, r.w, 0, NULL, com), RBD_ERR_ORDER); /* fixed to the world, too */
     ck_assert_int_eq(rbd_kinematics(r.m, r.w, q, q, q), RBD_OK);
     ck_assert_int_eq(rbd_com(r.m, r.w, com, velocity, acceleration), RBD_OK);
     same("com", com, zero, 3);
