@@ -120,7 +120,7 @@ esac
 END
 : >"$scratch/apt"
 run 0 test --light suites -v
-prints '^run: test takes a quarter of an hour'
+prints '^run: test takes ten minutes'
 prints '^3 passed, 0 failed$'
 prints '^left out: package cmake$'
 prints '^left out: firmware cortex-m3$'
