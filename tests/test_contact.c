@@ -354,9 +354,8 @@ START_TEST(strange_numbers_stay_finite) {
         }
         if (below(&seed, 4) == 0) x.mu[0] = pow(10, uniform(&seed, -300, 300));
         ck_assert_int_eq(solve(&x), RBD_OK);
-        ck_assert_msg(isfinite(largest(x.p, x.rows)) && isfinite(x.solution.residual), "problem %d", k);
         expect_figure(11, "strange numbers, 1e-300 to 1e300: answers that are not finite",
-                      !isfinite(largest(x.p, x.rows)), 0, 0.5);
+                      !(isfinite(largest(x.p, x.rows)) && isfinite(x.solution.residual)), 0, 0.5);
         for (int i = 0; i < x.n; i++) ck_assert_double_ge(x.p[3 * i + 2], 0);
     }
 }
@@ -477,8 +476,7 @@ START_TEST(same_bits_on_each_run) {
     y = x;
     ck_assert_int_eq(solve(&x), RBD_OK);
     ck_assert_int_eq(solve(&y), RBD_OK);
-    expect_figure(14, "impulses of a second solution: bytes that differ", memcmp(x.p, y.p, sizeof x.p) != 0,
-                  0, 0.5);
+    expect_figure(14, "second solutions whose impulses differ", memcmp(x.p, y.p, sizeof x.p) != 0, 0, 0.5);
 }
 END_TEST
 

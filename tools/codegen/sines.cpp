@@ -5,6 +5,18 @@
 
 namespace codegen {
 
+/* The lines that end a sine and cosine: from the rest of an angle and its quadrant. */
+#define SINES_OF_REST \
+    "    z = r * r;\n" \
+    "    sine.x = z * r * (SINE_TAIL(z)) + r;\n" \
+    "    cosine.x = z * z * (COSINE_TAIL(z)) + (ONE - HALF * z);\n" \
+    "    k = shifted.b;\n" \
+    "    swap = (sine.b ^ cosine.b) & (0u - (k & 1u));\n" \
+    "    sine.b = (sine.b ^ swap) ^ ((k & 2u) << QUADRANT_SIGN);\n" \
+    "    cosine.b = (cosine.b ^ swap) ^ (((k + 1u) & 2u) << QUADRANT_SIGN);\n" \
+    "    *s = sine.x;\n" \
+    "    *c = cosine.x;\n"
+
 const char sines_double[] = R"(
 typedef uint64_t bit;
 #define QUADRANT_SIGN 62
@@ -78,16 +90,7 @@ INLINE void sines(batch x, batch *s, batch *c, batch *squares) {
     shifted.x = x * TWO_OVER_PI + WHOLE;
     n = shifted.x - WHOLE;
     r = REST(x, n);
-    z = r * r;
-    sine.x = z * r * (SINE_TAIL(z)) + r;
-    cosine.x = z * z * (COSINE_TAIL(z)) + (ONE - HALF * z);
-    k = shifted.b;
-    swap = (sine.b ^ cosine.b) & (0u - (k & 1u));
-    sine.b = (sine.b ^ swap) ^ ((k & 2u) << QUADRANT_SIGN);
-    cosine.b = (cosine.b ^ swap) ^ (((k + 1u) & 2u) << QUADRANT_SIGN);
-    *s = sine.x;
-    *c = cosine.x;
-    *squares += x * x;
+)" SINES_OF_REST R"(    *squares += x * x;
 }
 #endif
 
@@ -205,16 +208,7 @@ INLINE void sines(real x, real quarters, real *s, real *c) {
     shifted.x = x * TWO_OVER_PI + whole;
     n = shifted.x - whole;
     r = REST(x, n);
-    z = r * r;
-    sine.x = z * r * (SINE_TAIL(z)) + r;
-    cosine.x = z * z * (COSINE_TAIL(z)) + (ONE - HALF * z);
-    k = shifted.b;
-    swap = (sine.b ^ cosine.b) & (0u - (k & 1u));
-    sine.b = (sine.b ^ swap) ^ ((k & 2u) << QUADRANT_SIGN);
-    cosine.b = (cosine.b ^ swap) ^ (((k + 1u) & 2u) << QUADRANT_SIGN);
-    *s = sine.x;
-    *c = cosine.x;
-}
+)" SINES_OF_REST R"(}
 
 #ifdef ANGLES_ARE_BOUNDED
 /* Sine and cosine of an angle not below SINES_LIMIT become NaN, and so does *verdict if it is not NULL. */
