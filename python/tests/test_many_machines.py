@@ -73,7 +73,7 @@ def started(*command):
         process.wait()
 
 
-def test_many_machines_distributed(tmp_path):
+def test_many_machines_distributed(tmp_path, quick):
     """A scheduler and two workers, one of which is killed in the midst: some seconds of a processor."""
     distributed = pytest.importorskip("distributed")
     many.hyq()
