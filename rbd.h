@@ -1310,8 +1310,7 @@ struct rbd_work {
 #include <float.h>
 
 /* ---- compiler [compiler] ----
-   All that depends on the compiler and its target. No other section asks for them, except [configuration] for
-   vector types and C99. */
+   Only this section and [configuration], for vector types and C99, depend on the compiler and its target. */
 
 #if defined __FAST_MATH__ || defined __ASSOCIATIVE_MATH__
 #error \
@@ -1336,15 +1335,15 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #else
 #define RBDI_FOR_SPEED 0
 #endif
-#ifdef __SOFTFP__ /* arithmetic is a call */
+#ifdef __SOFTFP__ /* without a floating-point unit each operation is a call */
 #define RBDI_HARD_FLOAT 0
 #else
 #define RBDI_HARD_FLOAT 1
 #endif
 
-/* Doubles that one SIMD instruction takes, 0 without; of AVX-512 half: what one state has is short, and whole
-   ones of 512 bits made single calls slower (Intel, Cholesky of Atlas by a third). Lanes may be longer:
-   RBD_LANES. */
+/* Doubles in one SIMD register, 0 without SIMD. With AVX-512 half a register: the rows of one state are
+   short, and whole registers made single calls slower (Intel, Cholesky of Atlas by a third). Lanes may be
+   longer: RBD_LANES. */
 #ifdef __AVX__
 #define RBDI_SIMD 4
 #elif defined __SSE2__ || (defined __ARM_NEON && defined __aarch64__) || defined __wasm_simd128__
@@ -1364,9 +1363,9 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #define RBDI_HAS_SHUFFLE 0
 #endif
 
-/* Products and sums are rounded to the scalar: not with -1 and 2, which keep more of them, and with 1 those
-   of double alone. Other values, as 16 of GCC's default dialects where there is a half precision unit, are of
-   types that are not used here. tcc does not tell. */
+/* Whether products and sums are rounded to the scalar. FLT_EVAL_METHOD -1 and 2 keep more digits, 1 rounds
+   double alone. Other values concern types that are not used here, such as 16 in GCC's default dialects for a
+   half precision unit. tcc does not define it. */
 #ifdef __FLT_EVAL_METHOD__
 #define RBDI_EVALUATION __FLT_EVAL_METHOD__
 #elif defined FLT_EVAL_METHOD
@@ -1390,8 +1389,8 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #else
 #define RBDI_CONTRACTION "fp-contract=fast"
 #endif
-/* GCC's vectoriser packs the scalars of 3-vectors, which costs time. GCC makes calls of memset of loops that
-   clear a few numbers, and its ISO modes switch contraction to FMA off. clang needs none of this. */
+/* GCC's vectoriser packs the scalars of 3-vectors, which costs time. GCC turns loops that clear a few numbers
+   into calls of memset, and its ISO modes switch contraction to FMA off. clang needs none of this. */
 #if RBDI_GCC && defined __OPTIMIZE__
 #define RBDI_PRAGMA(text) _Pragma(#text)
 #define RBDI_OPTIMIZE_WITH(level, contraction) \
@@ -1405,18 +1404,18 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #define RBDI_CODE_END
 #endif
 
-/* Dynamics. At -Os no part of the code is compiled for special cases (RBDI_FOR_SPEED), which halves it; GCC's
-   level 2 then makes it 6 % larger and saves a fifth of the instructions. All in one list: a level undoes
-   earlier ones. */
+/* Dynamics at -Os: no code is compiled for special cases (RBDI_FOR_SPEED), which halves it. GCC's level 2
+   then makes it 6 % larger and saves a fifth of the instructions. All options stand in one list, because a
+   level undoes earlier ones. */
 #if RBDI_GCC && defined __OPTIMIZE_SIZE__
 #define RBDI_DYNAMICS_BEGIN _Pragma("GCC push_options") RBDI_OPTIMIZE("O2,")
 #else
 #define RBDI_DYNAMICS_BEGIN RBDI_CODE_BEGIN
 #endif
 
-/* RBDI_INLINE: vector algebra, and the steps that are compiled once for each common set of link flags. It is
-   inlined always where the compiler optimises: vectors that are passed in memory would cost ten times as much
-   at -Os, to save a fifth of the code. RBDI_PART: all others; a build may leave them unused. */
+/* RBDI_INLINE: vector algebra, and the steps that are compiled once for each common set of link flags. Where
+   the compiler optimises it always inlines them: to pass vectors in memory would take ten times as long at
+   -Os, and save a fifth of the code. RBDI_PART: all others; a build may leave them unused. */
 #if RBDI_GNU && defined __OPTIMIZE__
 #define RBDI_INLINE static inline __attribute__((always_inline, unused))
 #else
@@ -1434,14 +1433,14 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #define RBDI_COLD static RBDI_UNUSED
 #endif
 #define RBDI_PART static RBDI_UNUSED
-/* For a function that chooses among texts. GCC would make an array of them, which is linked even if nothing
-   calls the function, when the file has any other text, as a model's names. */
+/* For a function that returns one of many texts. GCC would keep them in an array, which is linked even if
+   nothing calls the function, as soon as the file has any other text, such as a model's names. */
 #if RBDI_GCC
 #define RBDI_MESSAGES __attribute__((optimize("no-tree-switch-conversion")))
 #else
 #define RBDI_MESSAGES
 #endif
-/* The short loops, over six components, in any case; clang does so by itself. */
+/* Unrolls short loops, such as those over six components; clang does so by itself. */
 #if RBDI_GCC && RBDI_FOR_SPEED
 #define RBDI_UNROLL_SIX _Pragma("GCC unroll 6")
 #define RBDI_UNROLL_ROW _Pragma("GCC unroll 8")
@@ -1451,7 +1450,7 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #define RBDI_UNROLL_ROW
 #define RBDI_UNROLL_TWO
 #endif
-/* Stands before columns of a row are read or written one by one. Without it each gets an index of its own. */
+/* Keeps one address for all columns of a row. Without it the compiler computes one for each column. */
 #if RBDI_GNU
 #define RBDI_ONE_INDEX(row) __asm__("" : "+r"(row))
 #else
@@ -1543,10 +1542,12 @@ RBDI_EXTENSION __float128 sqrtq(__float128 x);
 #define RBD_SQRT(x) RBDI_LIBM(sqrt)(x)
 #endif
 
-/* pi to quad precision, from doubles: a long literal would be cut to double. */
+/* pi to quad precision, as a sum of doubles: a longer literal would be rounded to double. */
 #define RBDI_PI(type) \
     ((type)3.141592653589793116 + (type)1.2246467991473532e-16 + (type) - 2.9947698097183397e-33)
 
+/* A scalar is one number or, with RBD_LANES, a vector with a number for each state. A mask is the result of a
+   comparison; with lanes it holds in some and not in others. */
 #ifdef RBD_LANES
 #if RBDI_REAL_KIND == 2
 typedef int32_t rbdi_int;
@@ -1560,15 +1561,15 @@ RBDI_INLINE rbd_real rbdi_set(rbd_const c) {
     return zero + c;
 }
 RBDI_INLINE rbdi_mask rbdi_less(rbd_real a, rbd_real b) { return (rbdi_mask)(a < b); }
-RBDI_INLINE rbdi_mask rbdi_not(rbdi_mask k) { return ~k; }
+RBDI_INLINE rbdi_mask rbdi_not(rbdi_mask a) { return ~a; }
 RBDI_INLINE rbdi_mask rbdi_or(rbdi_mask a, rbdi_mask b) { return a | b; }
 RBDI_INLINE rbdi_mask rbdi_and(rbdi_mask a, rbdi_mask b) { return a & b; }
-RBDI_INLINE rbd_real rbdi_select(rbdi_mask k, rbd_real a, rbd_real b) {
-    return (rbd_real)(((rbdi_mask)a & k) | ((rbdi_mask)b & ~k));
+RBDI_INLINE rbd_real rbdi_select(rbdi_mask mask, rbd_real a, rbd_real b) {
+    return (rbd_real)(((rbdi_mask)a & mask) | ((rbdi_mask)b & ~mask));
 }
-RBDI_INLINE int rbdi_any(rbdi_mask k) {
+RBDI_INLINE int rbdi_any(rbdi_mask mask) {
     rbdi_int any = 0;
-    for (int i = 0; i < RBD_LANES; ++i) any |= k[i];
+    for (int i = 0; i < RBD_LANES; ++i) any |= mask[i];
     return any != 0;
 }
 RBDI_INLINE rbd_real rbdi_sqrt(rbd_real x) {
@@ -1583,39 +1584,51 @@ typedef int rbdi_mask;
 #endif
 RBDI_INLINE rbd_real rbdi_set(rbd_const c) { return (rbd_real)(c); }
 RBDI_INLINE rbdi_mask rbdi_less(rbd_real a, rbd_real b) { return a < b; }
-RBDI_INLINE rbdi_mask rbdi_not(rbdi_mask k) { return !k; }
+RBDI_INLINE rbdi_mask rbdi_not(rbdi_mask a) { return !a; }
 RBDI_INLINE rbdi_mask rbdi_or(rbdi_mask a, rbdi_mask b) { return a | b; }
 RBDI_INLINE rbdi_mask rbdi_and(rbdi_mask a, rbdi_mask b) { return a & b; }
 #ifdef RBD_MASK
-RBDI_INLINE rbd_real rbdi_select(rbdi_mask k, rbd_real a, rbd_real b) { return select(k, a, b); }
+RBDI_INLINE rbd_real rbdi_select(rbdi_mask mask, rbd_real a, rbd_real b) { return select(mask, a, b); }
 #else
-RBDI_INLINE rbd_real rbdi_select(rbdi_mask k, rbd_real a, rbd_real b) { return k ? a : b; }
+RBDI_INLINE rbd_real rbdi_select(rbdi_mask mask, rbd_real a, rbd_real b) { return mask ? a : b; }
 #endif
-RBDI_INLINE int rbdi_any(rbdi_mask k) { return k; }
+RBDI_INLINE int rbdi_any(rbdi_mask mask) { return mask; }
 RBDI_INLINE rbd_real rbdi_sqrt(rbd_real x) { return RBD_SQRT(x); }
 #endif
 RBDI_INLINE rbd_real rbdi_zero(void) { return rbdi_set(RBD_C(0)); }
 RBDI_INLINE rbd_real rbdi_abs(rbd_real x) { return rbdi_select(rbdi_less(x, rbdi_zero()), -x, x); }
 
+/* 1 / D if D > threshold, else 0, and bad is set: no division gives infinity. */
+RBDI_INLINE rbd_real rbdi_reciprocal(rbd_real D, rbd_const threshold, rbdi_mask *bad) {
+    rbdi_mask good = rbdi_less(rbdi_set(threshold), D);
+    *bad = rbdi_or(*bad, rbdi_not(good));
+    return rbdi_select(good, rbdi_set(RBD_C(1)) / rbdi_select(good, D, rbdi_set(RBD_C(1))), rbdi_zero());
+}
+
+/* 1 / D of a pivot, 0 where that would overflow. The pivot is in doubt if it is small beside scale, the
+   inertia that it came from: see [tolerances]. */
+RBDI_INLINE rbd_real rbdi_pivot_inverse(rbd_real D, rbd_const scale, rbdi_mask *doubt) {
+    rbdi_mask none = rbdi_less(D, D);
+    *doubt = rbdi_or(*doubt, rbdi_not(rbdi_less(rbdi_set(scale * RBDI_DOUBT), D)));
+    return rbdi_reciprocal(D, RBDI_TINY, &none);
+}
+
 /* ==== src/base/simd.h ==== */
 /* A batch has as many scalars as one SIMD instruction takes: one if there is no SIMD, or if the scalar is a
    vector already. It gathers like quantities: the joints' angles, the wrenches of a subtree. */
-#if defined RBD_LANES || RBDI_REAL_KIND % 3 == 0
-#define RBDI_BATCH 1
-#elif RBDI_GNU && RBDI_SIMD > 0
+#if RBDI_GNU && RBDI_SIMD > 0 && RBDI_REAL_KIND % 3 != 0 && !defined RBD_LANES
 #define RBDI_BATCH (RBDI_SIMD * RBDI_REAL_KIND) /* the kind of double is 1, of float 2 */
+typedef rbd_real rbdi_batch
+    __attribute__((vector_size(RBDI_BATCH * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
 #else
 #define RBDI_BATCH 1
+#ifndef RBD_LANES
 #define RBDI_BATCH_SCALAR
+#endif
+typedef rbd_real rbdi_batch;
 #endif
 #if RBDI_BATCH > RBDI_CHUNK
 #error "rbd: RBDI_CHUNK, the padding of rows, must hold a batch"
-#endif
-#if defined RBD_LANES || RBDI_REAL_KIND % 3 == 0 || defined RBDI_BATCH_SCALAR
-typedef rbd_real rbdi_batch;
-#else
-typedef rbd_real rbdi_batch
-    __attribute__((vector_size(RBDI_BATCH * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
 #endif
 
 #if RBDI_REAL_KIND == 1
@@ -1638,18 +1651,18 @@ RBDI_INLINE rbdi_batch rbdi_zero_batch(void) { return rbdi_all_lanes(rbdi_zero()
 typedef rbdi_bit rbdi_bits __attribute__((vector_size(RBDI_BATCH * sizeof(rbd_real))));
 
 /* The batch with x as its k-th scalar. */
-RBDI_INLINE rbdi_batch rbdi_insert(rbdi_batch b, int k, rbd_real x) {
+RBDI_INLINE rbdi_batch rbdi_insert(rbdi_batch batch, int k, rbd_real x) {
     const rbdi_batch all = rbdi_all_lanes(x);
     rbdi_bits lane;
     for (int i = 0; i < RBDI_BATCH; ++i) lane[i] = (rbdi_bit)i;
     lane = (rbdi_bits)(lane == (rbdi_bit)k);
-    return (rbdi_batch)(((rbdi_bits)b & ~lane) | ((rbdi_bits)all & lane));
+    return (rbdi_batch)(((rbdi_bits)batch & ~lane) | ((rbdi_bits)all & lane));
 }
 /* The first n scalars of the batch, and zeros. */
-RBDI_INLINE rbdi_batch rbdi_first_lanes(rbdi_batch b, int n) {
+RBDI_INLINE rbdi_batch rbdi_first_lanes(rbdi_batch batch, int n) {
     rbdi_batch lane;
     for (int i = 0; i < RBDI_BATCH; ++i) lane[i] = (rbd_real)i;
-    return (rbdi_batch)((rbdi_bits)b & (rbdi_bits)(lane < (rbd_real)n));
+    return (rbdi_batch)((rbdi_bits)batch & (rbdi_bits)(lane < (rbd_real)n));
 }
 #endif
 
@@ -1661,8 +1674,8 @@ RBDI_INLINE rbd_real rbdi_first_lane(rbdi_batch x) {
 #endif
 }
 
-/* A sum over all scalars of several batches: lane by lane and, at the end, over the lanes; with
-   RBD_REPRODUCIBLE one scalar after the other, for then it does not depend on the length of a batch. */
+/* A sum over all scalars of several batches: lane by lane and, at the end, over the lanes. With
+   RBD_REPRODUCIBLE one scalar after the other, so that it does not depend on the length of a batch. */
 #if RBDI_REPRODUCIBLE || RBDI_BATCH == 1
 typedef rbd_real rbdi_sum;
 RBDI_INLINE rbdi_sum rbdi_sum_of_none(void) { return rbdi_zero(); }
@@ -1686,9 +1699,9 @@ RBDI_INLINE rbd_real rbdi_sum_value(rbdi_sum x) {
 }
 #endif
 
-/* Four scalars that go together: an axis or origin and a fourth that is not used, or parameters of a body. By
-   address: clang without AVX warns of vectors of four doubles as values. GCC takes what is wider than a batch
-   through memory. */
+/* Four scalars that go together: an axis or origin with a fourth that is not used, or parameters of a body.
+   They are passed by address, because clang without AVX warns of vectors of four doubles as values. GCC would
+   move a vector that is wider than a batch through memory. scale: y = factor x; add: y += factor x. */
 #if RBDI_BATCH >= 4 || (RBDI_BATCH > 1 && RBDI_CLANG)
 typedef rbd_real rbdi_four
     __attribute__((vector_size(4 * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
@@ -1697,8 +1710,8 @@ RBDI_INLINE void rbdi_set_four(rbdi_four *y, rbd_real a, rbd_real b, rbd_real c,
     const rbdi_four x = {a, b, c, d};
     *y = x;
 }
-RBDI_INLINE void rbdi_scale_four(rbdi_four *y, rbd_real k, const rbdi_four *x) { *y = *x * k; }
-RBDI_INLINE void rbdi_add_four(rbdi_four *y, rbd_real k, const rbdi_four *x) { *y = *y + *x * k; }
+RBDI_INLINE void rbdi_scale_four(rbdi_four *y, rbd_real factor, const rbdi_four *x) { *y = *x * factor; }
+RBDI_INLINE void rbdi_add_four(rbdi_four *y, rbd_real factor, const rbdi_four *x) { *y = *y + *x * factor; }
 #else
 typedef struct rbdi_four {
     rbd_real x, y, z, w;
@@ -1709,14 +1722,14 @@ RBDI_INLINE rbd_real rbdi_one_of(const rbdi_four *x, int k) {
 RBDI_INLINE void rbdi_set_four(rbdi_four *y, rbd_real a, rbd_real b, rbd_real c, rbd_real d) {
     y->x = a, y->y = b, y->z = c, y->w = d;
 }
-RBDI_INLINE void rbdi_scale_four(rbdi_four *y, rbd_real k, const rbdi_four *x) {
-    rbdi_set_four(y, x->x * k, x->y * k, x->z * k, x->w * k);
+RBDI_INLINE void rbdi_scale_four(rbdi_four *y, rbd_real factor, const rbdi_four *x) {
+    rbdi_set_four(y, x->x * factor, x->y * factor, x->z * factor, x->w * factor);
 }
-RBDI_INLINE void rbdi_add_four(rbdi_four *y, rbd_real k, const rbdi_four *x) {
-    rbdi_set_four(y, y->x + x->x * k, y->y + x->y * k, y->z + x->z * k, y->w + x->w * k);
+RBDI_INLINE void rbdi_add_four(rbdi_four *y, rbd_real factor, const rbdi_four *x) {
+    rbdi_set_four(y, y->x + x->x * factor, y->y + x->y * factor, y->z + x->z * factor, y->w + x->w * factor);
 }
 #endif
-/* Four components of a batch, lane by lane. */
+/* Transposes: four batches, a component each, become one four for each lane. */
 #if RBDI_BATCH == 4 && RBDI_HAS_SHUFFLE
 RBDI_INLINE void rbdi_fours_of_lanes(const rbdi_batch x[4], rbdi_four y[RBDI_BATCH]) {
     const rbdi_batch a = __builtin_shufflevector(x[0], x[1], 0, 4, 2, 6),
@@ -1735,7 +1748,7 @@ RBDI_INLINE void rbdi_fours_of_lanes(const rbdi_batch x[4], rbdi_four y[RBDI_BAT
 
 /* ==== src/base/reduction.h ==== */
 /* ---- reduction [reduction] ----
-   Angles of any size: x = n pi/2 + r with |r| <= pi/4, after Payne and Hanek (1983). x is N 2^(32 a), N a
+   Angles of any size: x = n pi/2 + r with |r| <= pi/4, after Payne and Hanek (1983). |x| is N 2^(32 a), N a
    whole number of three words of 32 bits. Of 2/pi = sum b_k 2^(-32 k) the words before b_a contribute
    multiples of 4 to x 2/pi. The words behind b_(a + RBDI_REDUCTION + 3) contribute less than rounding does,
    also where x is near a multiple of pi/2. */
@@ -1753,7 +1766,7 @@ RBDI_INLINE void rbdi_fours_of_lanes(const rbdi_batch x[4], rbdi_four y[RBDI_BAT
 #endif
 
 static RBDI_UNUSED const uint32_t rbdi_two_over_pi[] =
-    {/* b_1 and on */
+    {/* from b_1 on */
 #if RBDI_REAL_KIND == 1
      0xa2f9836eu, 0x4e441529u, 0xfc2757d1u, 0xf534ddc0u, 0xdb629599u, 0x3c439041u, 0xfe5163abu, 0xdebbc561u,
      0xb7246e3au, 0x424dd2e0u, 0x06492eeau, 0x09d1921cu, 0xfe1deb1cu, 0xb129a73eu, 0xe88235f5u, 0x2ebb4484u,
@@ -1766,17 +1779,17 @@ static RBDI_UNUSED const uint32_t rbdi_two_over_pi[] =
 #endif
 };
 
-/* The integer part of x 2/pi modulo 2^32 and its fraction, in words: part[0], part[1] .. */
+/* The integer part of |x| 2/pi modulo 2^32, in part[0], and its fraction, in the words from part[1] on. */
 RBDI_COLD void rbdi_turns(RBD_REAL x, uint32_t part[RBDI_REDUCTION + 2]) {
     union {
         RBD_REAL x;
-        rbdi_bit b;
+        rbdi_bit bits;
     } u = {x < 0 ? -x : x};
     const rbdi_bit one = (rbdi_bit)1 << RBDI_MANTISSA;
-    const uint64_t mantissa = (u.b & (one - 1)) | one;
-    const int bias = 8 * (int)sizeof(x) - 2 - RBDI_MANTISSA, /* exponent bits but the first */
-        e = (int)(u.b >> RBDI_MANTISSA) - ((1 << bias) - 1) - RBDI_MANTISSA + 64, a = e / 32 - 2, s = e % 32;
-    const uint64_t low = (mantissa & UINT32_MAX) << s, high = ((mantissa >> 32) << s) + (low >> 32);
+    const uint64_t mantissa = (u.bits & (one - 1)) | one;
+    const int bias = (1 << (8 * (int)sizeof(x) - 2 - RBDI_MANTISSA)) - 1, /* of the exponent */
+        e = (int)(u.bits >> RBDI_MANTISSA) - bias - RBDI_MANTISSA + 64, a = e / 32 - 2, shift = e % 32;
+    const uint64_t low = (mantissa & UINT32_MAX) << shift, high = ((mantissa >> 32) << shift) + (low >> 32);
     const uint32_t N[3] = {(uint32_t)low, (uint32_t)high, (uint32_t)(high >> 32)};
     for (int j = 0; j <= RBDI_REDUCTION + 1; ++j) part[j] = 0;
     for (int k = a > 1 ? a : 1; k <= a + RBDI_REDUCTION + 3; ++k)
@@ -1790,14 +1803,14 @@ RBDI_COLD void rbdi_turns(RBD_REAL x, uint32_t part[RBDI_REDUCTION + 2]) {
         }
 }
 
-/* Returns r of x, finite or not, and adds n modulo 4 to the right angles. */
+/* Returns r, for x finite or not, and adds n modulo 4 to the quarters: right angles. */
 RBDI_COLD RBD_REAL rbdi_reduce_angle(RBD_REAL x, RBD_REAL *quarters) {
     const RBD_REAL word = (RBD_REAL)(1 / 4294967296.), right_angle = (RBD_REAL)1.57079632679489661923;
     uint32_t part[RBDI_REDUCTION + 2], flip;
     RBD_REAL r = 0;
     if (!(x - x == 0)) return x - x; /* not a number */
     rbdi_turns(x, part);
-    flip = part[1] >> 31 ? UINT32_MAX : 0; /* the fraction is over a half: it counts from the next multiple */
+    flip = part[1] >> 31 ? UINT32_MAX : 0; /* a fraction over a half counts from the next multiple */
     for (int j = RBDI_REDUCTION + 1; j > 0; --j) r = (r + (RBD_REAL)(part[j] ^ flip)) * word;
     r = r * (flip ? -right_angle : right_angle);
     part[0] = (part[0] + (flip & 1)) & 3;
@@ -1812,16 +1825,16 @@ RBDI_COLD RBD_REAL rbdi_reduce_angle(RBD_REAL x, RBD_REAL *quarters) {
 typedef rbdi_bit rbdi_bits;
 typedef union rbdi_pun {
     rbd_real x;
-    rbdi_bits b;
+    rbdi_bits bits;
 } rbdi_pun;
 RBDI_INLINE rbdi_bits rbdi_to_bits(rbdi_batch x) {
     rbdi_pun u;
     u.x = x;
-    return u.b;
+    return u.bits;
 }
-RBDI_INLINE rbdi_batch rbdi_from_bits(rbdi_bits b) {
+RBDI_INLINE rbdi_batch rbdi_from_bits(rbdi_bits bits) {
     rbdi_pun u;
-    u.b = b;
+    u.bits = bits;
     return u.x;
 }
 RBDI_INLINE rbdi_bits rbdi_beyond(rbdi_batch x, rbd_const limit) { return !(x < limit); }
@@ -1830,14 +1843,14 @@ RBDI_INLINE rbdi_bits rbdi_beyond(rbdi_batch x, rbd_const limit) { return !(x < 
 typedef rbdi_bit rbdi_bits __attribute__((vector_size(RBDI_BATCH * sizeof(rbd_real))));
 #endif
 RBDI_INLINE rbdi_bits rbdi_to_bits(rbdi_batch x) { return (rbdi_bits)x; }
-RBDI_INLINE rbdi_batch rbdi_from_bits(rbdi_bits b) { return (rbdi_batch)b; }
+RBDI_INLINE rbdi_batch rbdi_from_bits(rbdi_bits bits) { return (rbdi_batch)bits; }
 RBDI_INLINE rbdi_bits rbdi_beyond(rbdi_batch x, rbd_const limit) { return ~(rbdi_bits)(x < limit); }
 #endif
 
-/* Sine and cosine for |x| <= RBDI_SINCOS_LIMIT, without a branch: x = n pi/2 + r by adding and
-   subtracting 1.5 * 2^(mantissa bits), pi/2 split in three (Cody and Waite); minimax polynomials in
-   r^2 on |r| <= pi/4; the quadrant, in the sum's low bits, swaps and signs them. Right angles to be added to
-   x go there exactly. */
+/* Sine and cosine of x + quarters pi/2, |x| <= RBDI_SINCOS_LIMIT, without a branch. x = n pi/2 + r, n from
+   adding and subtracting 1.5 * 2^(mantissa bits), with pi/2 split in three (Cody and Waite 1980). Minimax
+   polynomials in z = r^2 on |r| <= pi/4. The low bits of the sum have the quadrant, to which the quarters are
+   added exactly; it swaps sine and cosine and gives their signs. */
 RBDI_INLINE void rbdi_sincos_batch(rbdi_batch x, rbdi_batch quarters, rbdi_batch *s, rbdi_batch *c) {
 #if RBDI_CLANG /* which does not tell by a macro that it may reassociate */
 #pragma clang fp reassociate(off)
@@ -1874,49 +1887,49 @@ RBDI_INLINE void rbdi_sincos_batch(rbdi_batch x, rbdi_batch quarters, rbdi_batch
 #endif
     rbdi_batch sine = z * r * ps + r;
     rbdi_batch cosine = z * z * pc + (RBD_C(1) - RBD_C(0.5) * z);
-    rbdi_bits k = rbdi_to_bits(shifted), bs = rbdi_to_bits(sine), bc = rbdi_to_bits(cosine);
-    rbdi_bits swap = (bs ^ bc) & (0u - (k & 1u));
-    *s = rbdi_from_bits((bs ^ swap) ^ ((k & 2u) << top));
-    *c = rbdi_from_bits((bc ^ swap) ^ (((k + 1u) & 2u) << top));
+    rbdi_bits quadrant = rbdi_to_bits(shifted), bs = rbdi_to_bits(sine), bc = rbdi_to_bits(cosine);
+    rbdi_bits swap = (bs ^ bc) & (0u - (quadrant & 1u));
+    *s = rbdi_from_bits((bs ^ swap) ^ ((quadrant & 2u) << top));
+    *c = rbdi_from_bits((bc ^ swap) ^ (((quadrant + 1u) & 2u) << top));
 }
 
-/* Sine and cosine of one angle of any size and as many right angles. */
+/* Sine and cosine of one angle x of any size plus so many right angles. */
 RBDI_PART void rbdi_sincos_one(rbd_real x, rbd_real quarters, rbd_real *s, rbd_real *c) {
-    rbdi_batch bs, bc;
+    rbdi_batch sine, cosine;
 #ifdef RBD_LANES
     for (int i = 0; i < RBD_LANES; ++i) {
-        RBD_REAL k = quarters[i];
-        if (!(x[i] * x[i] < RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT)) x[i] = rbdi_reduce_angle(x[i], &k);
-        quarters[i] = k;
+        RBD_REAL sum = quarters[i];
+        if (!(x[i] * x[i] < RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT)) x[i] = rbdi_reduce_angle(x[i], &sum);
+        quarters[i] = sum;
     }
 #else
     if (!(x * x < RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT)) x = rbdi_reduce_angle(x, &quarters);
 #endif
-    rbdi_sincos_batch(rbdi_all_lanes(x), rbdi_all_lanes(quarters), &bs, &bc);
-    *s = rbdi_first_lane(bs), *c = rbdi_first_lane(bc);
+    rbdi_sincos_batch(rbdi_all_lanes(x), rbdi_all_lanes(quarters), &sine, &cosine);
+    *s = rbdi_first_lane(sine), *c = rbdi_first_lane(cosine);
 }
 
-/* Sines and cosines of n angles and as many right angles. The error is below 2.3e-16 (double), 1.0e-7
-   (float) up to the limit, and twice as much beyond it. The arrays are padded to whole batches. */
-RBDI_PART void rbdi_sincos_array(const rbd_real *x, const rbd_real *quarters, int n, rbd_real *s,
+/* Sines and cosines of `count` angles plus right angles. The error is below 2.3e-16 (double), 1.0e-7 (float)
+   up to the limit, and twice as much beyond it. The arrays are padded to whole batches. */
+RBDI_PART void rbdi_sincos_array(const rbd_real *x, const rbd_real *quarters, int count, rbd_real *s,
                                  rbd_real *c) {
     const rbd_const limit = RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT;
-    const rbdi_batch *bx = (const rbdi_batch *)x, *bq = (const rbdi_batch *)quarters;
-    rbdi_batch *bs = (rbdi_batch *)s, *bc = (rbdi_batch *)c;
+    const rbdi_batch *angle = (const rbdi_batch *)x, *turns = (const rbdi_batch *)quarters;
+    rbdi_batch *sine = (rbdi_batch *)s, *cosine = (rbdi_batch *)c;
     rbdi_bits beyond;
     rbdi_bit any = 0;
-    if (n <= 0) return;
-    beyond = rbdi_beyond(bx[0] * bx[0], limit);
-    for (int i = 0; i * RBDI_BATCH < n; ++i) {
-        beyond |= rbdi_beyond(bx[i] * bx[i], limit);
-        rbdi_sincos_batch(bx[i], bq[i], &bs[i], &bc[i]);
+    if (count <= 0) return;
+    beyond = rbdi_beyond(angle[0] * angle[0], limit);
+    for (int i = 0; i * RBDI_BATCH < count; ++i) {
+        beyond |= rbdi_beyond(angle[i] * angle[i], limit);
+        rbdi_sincos_batch(angle[i], turns[i], &sine[i], &cosine[i]);
     }
 #ifdef RBDI_BATCH_SCALAR
     any = beyond;
 #else
     for (int i = 0; i < (int)(sizeof beyond / sizeof any); ++i) any |= beyond[i];
 #endif
-    for (int i = 0; any && i < n; ++i) rbdi_sincos_one(x[i], quarters[i], &s[i], &c[i]);
+    for (int i = 0; any && i < count; ++i) rbdi_sincos_one(x[i], quarters[i], &s[i], &c[i]);
 }
 #endif
 
@@ -1933,21 +1946,6 @@ RBDI_INLINE void rbdi_sincos(rbd_real x, rbd_real *s, rbd_real *c) {
     *s = RBD_SIN(x);
     *c = RBD_COS(x);
 #endif
-}
-
-/* 1 / D if D > threshold, else 0 and it is marked bad: no infinity ever leaves a division. */
-RBDI_INLINE rbd_real rbdi_reciprocal(rbd_real D, rbd_const threshold, rbdi_mask *bad) {
-    rbdi_mask good = rbdi_less(rbdi_set(threshold), D);
-    *bad = rbdi_or(*bad, rbdi_not(good));
-    return rbdi_select(good, rbdi_set(RBD_C(1)) / rbdi_select(good, D, rbdi_set(RBD_C(1))), rbdi_zero());
-}
-
-/* 1 / D of a pivot, 0 where that would overflow; in doubt if D is small beside the inertia that it came
-   from. */
-RBDI_INLINE rbd_real rbdi_pivot_inverse(rbd_real D, rbd_const scale, rbdi_mask *doubt) {
-    rbdi_mask none = rbdi_less(D, D);
-    *doubt = rbdi_or(*doubt, rbdi_not(rbdi_less(rbdi_set(scale * RBDI_DOUBT), D)));
-    return rbdi_reciprocal(D, RBDI_TINY, &none);
 }
 
 /* ==== src/algebra/vectors.h ==== */
@@ -2490,14 +2488,14 @@ RBDI_CODE_BEGIN
 /* ---- common [common] ----
    Small functions that several sections call. */
 
-/* Sets x to 0, a batch at a time. A call of memset would cost more. */
+/* Sets the n scalars of x to 0, a batch at a time. A call of memset would take longer. */
 RBDI_PART void rbdi_clear(rbd_real *x, int n) {
     int k = 0;
 #if RBDI_BATCH > 1 || defined RBD_LANES
     const rbdi_batch zero = rbdi_zero_batch();
     for (; k + 8 * RBDI_BATCH <= n; k += 8 * RBDI_BATCH) {
         rbdi_batch *p = (rbdi_batch *)&x[k];
-        RBDI_ONE_INDEX(p); /* or the compiler calls memset all the same */
+        RBDI_ONE_INDEX(p); /* without it the compiler calls memset all the same */
         p[0] = p[1] = p[2] = p[3] = p[4] = p[5] = p[6] = p[7] = zero;
     }
     for (; k + RBDI_BATCH <= n; k += RBDI_BATCH) {
@@ -2509,19 +2507,21 @@ RBDI_PART void rbdi_clear(rbd_real *x, int n) {
     for (; k < n; ++k) x[k] = rbdi_zero();
 }
 
+/* Whether two names are equal; NULL equals none. */
 RBDI_PART int rbdi_same(const char *a, const char *b) {
     if (!a || !b) return 0;
     while (*a && *a == *b) ++a, ++b;
     return *a == *b;
 }
 
-/* Cuts count objects of size bytes off the front of the memory. */
+/* Takes count objects of size bytes from the front of the memory. */
 RBDI_PART void *rbdi_take(unsigned char **memory, int count, size_t size) {
-    unsigned char *p = *memory;
+    unsigned char *taken = *memory;
     *memory += (size_t)count * size;
-    return p;
+    return taken;
 }
 
+/* The first address in the memory with the alignment of RBDI_ALIGN. */
 RBDI_PART unsigned char *rbdi_aligned(void *memory) {
     return (unsigned char *)(((uintptr_t)memory + RBDI_ALIGN - 1) / RBDI_ALIGN * RBDI_ALIGN);
 }

@@ -4,8 +4,7 @@
 #include <float.h>
 
 /* ---- compiler [compiler] ----
-   All that depends on the compiler and its target. No other section asks for them, except [configuration] for
-   vector types and C99. */
+   Only this section and [configuration], for vector types and C99, depend on the compiler and its target. */
 
 #if defined __FAST_MATH__ || defined __ASSOCIATIVE_MATH__
 #error \
@@ -30,15 +29,15 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #else
 #define RBDI_FOR_SPEED 0
 #endif
-#ifdef __SOFTFP__ /* arithmetic is a call */
+#ifdef __SOFTFP__ /* without a floating-point unit each operation is a call */
 #define RBDI_HARD_FLOAT 0
 #else
 #define RBDI_HARD_FLOAT 1
 #endif
 
-/* Doubles that one SIMD instruction takes, 0 without; of AVX-512 half: what one state has is short, and whole
-   ones of 512 bits made single calls slower (Intel, Cholesky of Atlas by a third). Lanes may be longer:
-   RBD_LANES. */
+/* Doubles in one SIMD register, 0 without SIMD. With AVX-512 half a register: the rows of one state are
+   short, and whole registers made single calls slower (Intel, Cholesky of Atlas by a third). Lanes may be
+   longer: RBD_LANES. */
 #ifdef __AVX__
 #define RBDI_SIMD 4
 #elif defined __SSE2__ || (defined __ARM_NEON && defined __aarch64__) || defined __wasm_simd128__
@@ -58,9 +57,9 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #define RBDI_HAS_SHUFFLE 0
 #endif
 
-/* Products and sums are rounded to the scalar: not with -1 and 2, which keep more of them, and with 1 those
-   of double alone. Other values, as 16 of GCC's default dialects where there is a half precision unit, are of
-   types that are not used here. tcc does not tell. */
+/* Whether products and sums are rounded to the scalar. FLT_EVAL_METHOD -1 and 2 keep more digits, 1 rounds
+   double alone. Other values concern types that are not used here, such as 16 in GCC's default dialects for a
+   half precision unit. tcc does not define it. */
 #ifdef __FLT_EVAL_METHOD__
 #define RBDI_EVALUATION __FLT_EVAL_METHOD__
 #elif defined FLT_EVAL_METHOD
@@ -84,8 +83,8 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #else
 #define RBDI_CONTRACTION "fp-contract=fast"
 #endif
-/* GCC's vectoriser packs the scalars of 3-vectors, which costs time. GCC makes calls of memset of loops that
-   clear a few numbers, and its ISO modes switch contraction to FMA off. clang needs none of this. */
+/* GCC's vectoriser packs the scalars of 3-vectors, which costs time. GCC turns loops that clear a few numbers
+   into calls of memset, and its ISO modes switch contraction to FMA off. clang needs none of this. */
 #if RBDI_GCC && defined __OPTIMIZE__
 #define RBDI_PRAGMA(text) _Pragma(#text)
 #define RBDI_OPTIMIZE_WITH(level, contraction) \
@@ -99,18 +98,18 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #define RBDI_CODE_END
 #endif
 
-/* Dynamics. At -Os no part of the code is compiled for special cases (RBDI_FOR_SPEED), which halves it; GCC's
-   level 2 then makes it 6 % larger and saves a fifth of the instructions. All in one list: a level undoes
-   earlier ones. */
+/* Dynamics at -Os: no code is compiled for special cases (RBDI_FOR_SPEED), which halves it. GCC's level 2
+   then makes it 6 % larger and saves a fifth of the instructions. All options stand in one list, because a
+   level undoes earlier ones. */
 #if RBDI_GCC && defined __OPTIMIZE_SIZE__
 #define RBDI_DYNAMICS_BEGIN _Pragma("GCC push_options") RBDI_OPTIMIZE("O2,")
 #else
 #define RBDI_DYNAMICS_BEGIN RBDI_CODE_BEGIN
 #endif
 
-/* RBDI_INLINE: vector algebra, and the steps that are compiled once for each common set of link flags. It is
-   inlined always where the compiler optimises: vectors that are passed in memory would cost ten times as much
-   at -Os, to save a fifth of the code. RBDI_PART: all others; a build may leave them unused. */
+/* RBDI_INLINE: vector algebra, and the steps that are compiled once for each common set of link flags. Where
+   the compiler optimises it always inlines them: to pass vectors in memory would take ten times as long at
+   -Os, and save a fifth of the code. RBDI_PART: all others; a build may leave them unused. */
 #if RBDI_GNU && defined __OPTIMIZE__
 #define RBDI_INLINE static inline __attribute__((always_inline, unused))
 #else
@@ -128,14 +127,14 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #define RBDI_COLD static RBDI_UNUSED
 #endif
 #define RBDI_PART static RBDI_UNUSED
-/* For a function that chooses among texts. GCC would make an array of them, which is linked even if nothing
-   calls the function, when the file has any other text, as a model's names. */
+/* For a function that returns one of many texts. GCC would keep them in an array, which is linked even if
+   nothing calls the function, as soon as the file has any other text, such as a model's names. */
 #if RBDI_GCC
 #define RBDI_MESSAGES __attribute__((optimize("no-tree-switch-conversion")))
 #else
 #define RBDI_MESSAGES
 #endif
-/* The short loops, over six components, in any case; clang does so by itself. */
+/* Unrolls short loops, such as those over six components; clang does so by itself. */
 #if RBDI_GCC && RBDI_FOR_SPEED
 #define RBDI_UNROLL_SIX _Pragma("GCC unroll 6")
 #define RBDI_UNROLL_ROW _Pragma("GCC unroll 8")
@@ -145,7 +144,7 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #define RBDI_UNROLL_ROW
 #define RBDI_UNROLL_TWO
 #endif
-/* Stands before columns of a row are read or written one by one. Without it each gets an index of its own. */
+/* Keeps one address for all columns of a row. Without it the compiler computes one for each column. */
 #if RBDI_GNU
 #define RBDI_ONE_INDEX(row) __asm__("" : "+r"(row))
 #else

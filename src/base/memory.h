@@ -5,14 +5,14 @@
 /* ---- common [common] ----
    Small functions that several sections call. */
 
-/* Sets x to 0, a batch at a time. A call of memset would cost more. */
+/* Sets the n scalars of x to 0, a batch at a time. A call of memset would take longer. */
 RBDI_PART void rbdi_clear(rbd_real *x, int n) {
     int k = 0;
 #if RBDI_BATCH > 1 || defined RBD_LANES
     const rbdi_batch zero = rbdi_zero_batch();
     for (; k + 8 * RBDI_BATCH <= n; k += 8 * RBDI_BATCH) {
         rbdi_batch *p = (rbdi_batch *)&x[k];
-        RBDI_ONE_INDEX(p); /* or the compiler calls memset all the same */
+        RBDI_ONE_INDEX(p); /* without it the compiler calls memset all the same */
         p[0] = p[1] = p[2] = p[3] = p[4] = p[5] = p[6] = p[7] = zero;
     }
     for (; k + RBDI_BATCH <= n; k += RBDI_BATCH) {
@@ -24,19 +24,21 @@ RBDI_PART void rbdi_clear(rbd_real *x, int n) {
     for (; k < n; ++k) x[k] = rbdi_zero();
 }
 
+/* Whether two names are equal; NULL equals none. */
 RBDI_PART int rbdi_same(const char *a, const char *b) {
     if (!a || !b) return 0;
     while (*a && *a == *b) ++a, ++b;
     return *a == *b;
 }
 
-/* Cuts count objects of size bytes off the front of the memory. */
+/* Takes count objects of size bytes from the front of the memory. */
 RBDI_PART void *rbdi_take(unsigned char **memory, int count, size_t size) {
-    unsigned char *p = *memory;
+    unsigned char *taken = *memory;
     *memory += (size_t)count * size;
-    return p;
+    return taken;
 }
 
+/* The first address in the memory with the alignment of RBDI_ALIGN. */
 RBDI_PART unsigned char *rbdi_aligned(void *memory) {
     return (unsigned char *)(((uintptr_t)memory + RBDI_ALIGN - 1) / RBDI_ALIGN * RBDI_ALIGN);
 }

@@ -3,7 +3,7 @@
 #include "base/simd.h"
 
 /* ---- reduction [reduction] ----
-   Angles of any size: x = n pi/2 + r with |r| <= pi/4, after Payne and Hanek (1983). x is N 2^(32 a), N a
+   Angles of any size: x = n pi/2 + r with |r| <= pi/4, after Payne and Hanek (1983). |x| is N 2^(32 a), N a
    whole number of three words of 32 bits. Of 2/pi = sum b_k 2^(-32 k) the words before b_a contribute
    multiples of 4 to x 2/pi. The words behind b_(a + RBDI_REDUCTION + 3) contribute less than rounding does,
    also where x is near a multiple of pi/2. */
@@ -21,7 +21,7 @@
 #endif
 
 static RBDI_UNUSED const uint32_t rbdi_two_over_pi[] =
-    {/* b_1 and on */
+    {/* from b_1 on */
 #if RBDI_REAL_KIND == 1
      0xa2f9836eu, 0x4e441529u, 0xfc2757d1u, 0xf534ddc0u, 0xdb629599u, 0x3c439041u, 0xfe5163abu, 0xdebbc561u,
      0xb7246e3au, 0x424dd2e0u, 0x06492eeau, 0x09d1921cu, 0xfe1deb1cu, 0xb129a73eu, 0xe88235f5u, 0x2ebb4484u,
@@ -34,17 +34,17 @@ static RBDI_UNUSED const uint32_t rbdi_two_over_pi[] =
 #endif
 };
 
-/* The integer part of x 2/pi modulo 2^32 and its fraction, in words: part[0], part[1] .. */
+/* The integer part of |x| 2/pi modulo 2^32, in part[0], and its fraction, in the words from part[1] on. */
 RBDI_COLD void rbdi_turns(RBD_REAL x, uint32_t part[RBDI_REDUCTION + 2]) {
     union {
         RBD_REAL x;
-        rbdi_bit b;
+        rbdi_bit bits;
     } u = {x < 0 ? -x : x};
     const rbdi_bit one = (rbdi_bit)1 << RBDI_MANTISSA;
-    const uint64_t mantissa = (u.b & (one - 1)) | one;
-    const int bias = 8 * (int)sizeof(x) - 2 - RBDI_MANTISSA, /* exponent bits but the first */
-        e = (int)(u.b >> RBDI_MANTISSA) - ((1 << bias) - 1) - RBDI_MANTISSA + 64, a = e / 32 - 2, s = e % 32;
-    const uint64_t low = (mantissa & UINT32_MAX) << s, high = ((mantissa >> 32) << s) + (low >> 32);
+    const uint64_t mantissa = (u.bits & (one - 1)) | one;
+    const int bias = (1 << (8 * (int)sizeof(x) - 2 - RBDI_MANTISSA)) - 1, /* of the exponent */
+        e = (int)(u.bits >> RBDI_MANTISSA) - bias - RBDI_MANTISSA + 64, a = e / 32 - 2, shift = e % 32;
+    const uint64_t low = (mantissa & UINT32_MAX) << shift, high = ((mantissa >> 32) << shift) + (low >> 32);
     const uint32_t N[3] = {(uint32_t)low, (uint32_t)high, (uint32_t)(high >> 32)};
     for (int j = 0; j <= RBDI_REDUCTION + 1; ++j) part[j] = 0;
     for (int k = a > 1 ? a : 1; k <= a + RBDI_REDUCTION + 3; ++k)
@@ -58,14 +58,14 @@ RBDI_COLD void rbdi_turns(RBD_REAL x, uint32_t part[RBDI_REDUCTION + 2]) {
         }
 }
 
-/* Returns r of x, finite or not, and adds n modulo 4 to the right angles. */
+/* Returns r, for x finite or not, and adds n modulo 4 to the quarters: right angles. */
 RBDI_COLD RBD_REAL rbdi_reduce_angle(RBD_REAL x, RBD_REAL *quarters) {
     const RBD_REAL word = (RBD_REAL)(1 / 4294967296.), right_angle = (RBD_REAL)1.57079632679489661923;
     uint32_t part[RBDI_REDUCTION + 2], flip;
     RBD_REAL r = 0;
     if (!(x - x == 0)) return x - x; /* not a number */
     rbdi_turns(x, part);
-    flip = part[1] >> 31 ? UINT32_MAX : 0; /* the fraction is over a half: it counts from the next multiple */
+    flip = part[1] >> 31 ? UINT32_MAX : 0; /* a fraction over a half counts from the next multiple */
     for (int j = RBDI_REDUCTION + 1; j > 0; --j) r = (r + (RBD_REAL)(part[j] ^ flip)) * word;
     r = r * (flip ? -right_angle : right_angle);
     part[0] = (part[0] + (flip & 1)) & 3;

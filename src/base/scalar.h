@@ -1,7 +1,7 @@
 #ifndef RBDI_BASE_SCALAR_H
 #define RBDI_BASE_SCALAR_H
-#include "api/types.h"
 #include "base/compiler.h"
+#include "base/tolerances.h"
 
 /* ---- scalar [scalar] ---- */
 
@@ -38,10 +38,12 @@ RBDI_EXTENSION __float128 sqrtq(__float128 x);
 #define RBD_SQRT(x) RBDI_LIBM(sqrt)(x)
 #endif
 
-/* pi to quad precision, from doubles: a long literal would be cut to double. */
+/* pi to quad precision, as a sum of doubles: a longer literal would be rounded to double. */
 #define RBDI_PI(type) \
     ((type)3.141592653589793116 + (type)1.2246467991473532e-16 + (type) - 2.9947698097183397e-33)
 
+/* A scalar is one number or, with RBD_LANES, a vector with a number for each state. A mask is the result of a
+   comparison; with lanes it holds in some and not in others. */
 #ifdef RBD_LANES
 #if RBDI_REAL_KIND == 2
 typedef int32_t rbdi_int;
@@ -55,15 +57,15 @@ RBDI_INLINE rbd_real rbdi_set(rbd_const c) {
     return zero + c;
 }
 RBDI_INLINE rbdi_mask rbdi_less(rbd_real a, rbd_real b) { return (rbdi_mask)(a < b); }
-RBDI_INLINE rbdi_mask rbdi_not(rbdi_mask k) { return ~k; }
+RBDI_INLINE rbdi_mask rbdi_not(rbdi_mask a) { return ~a; }
 RBDI_INLINE rbdi_mask rbdi_or(rbdi_mask a, rbdi_mask b) { return a | b; }
 RBDI_INLINE rbdi_mask rbdi_and(rbdi_mask a, rbdi_mask b) { return a & b; }
-RBDI_INLINE rbd_real rbdi_select(rbdi_mask k, rbd_real a, rbd_real b) {
-    return (rbd_real)(((rbdi_mask)a & k) | ((rbdi_mask)b & ~k));
+RBDI_INLINE rbd_real rbdi_select(rbdi_mask mask, rbd_real a, rbd_real b) {
+    return (rbd_real)(((rbdi_mask)a & mask) | ((rbdi_mask)b & ~mask));
 }
-RBDI_INLINE int rbdi_any(rbdi_mask k) {
+RBDI_INLINE int rbdi_any(rbdi_mask mask) {
     rbdi_int any = 0;
-    for (int i = 0; i < RBD_LANES; ++i) any |= k[i];
+    for (int i = 0; i < RBD_LANES; ++i) any |= mask[i];
     return any != 0;
 }
 RBDI_INLINE rbd_real rbdi_sqrt(rbd_real x) {
@@ -78,18 +80,33 @@ typedef int rbdi_mask;
 #endif
 RBDI_INLINE rbd_real rbdi_set(rbd_const c) { return (rbd_real)(c); }
 RBDI_INLINE rbdi_mask rbdi_less(rbd_real a, rbd_real b) { return a < b; }
-RBDI_INLINE rbdi_mask rbdi_not(rbdi_mask k) { return !k; }
+RBDI_INLINE rbdi_mask rbdi_not(rbdi_mask a) { return !a; }
 RBDI_INLINE rbdi_mask rbdi_or(rbdi_mask a, rbdi_mask b) { return a | b; }
 RBDI_INLINE rbdi_mask rbdi_and(rbdi_mask a, rbdi_mask b) { return a & b; }
 #ifdef RBD_MASK
-RBDI_INLINE rbd_real rbdi_select(rbdi_mask k, rbd_real a, rbd_real b) { return select(k, a, b); }
+RBDI_INLINE rbd_real rbdi_select(rbdi_mask mask, rbd_real a, rbd_real b) { return select(mask, a, b); }
 #else
-RBDI_INLINE rbd_real rbdi_select(rbdi_mask k, rbd_real a, rbd_real b) { return k ? a : b; }
+RBDI_INLINE rbd_real rbdi_select(rbdi_mask mask, rbd_real a, rbd_real b) { return mask ? a : b; }
 #endif
-RBDI_INLINE int rbdi_any(rbdi_mask k) { return k; }
+RBDI_INLINE int rbdi_any(rbdi_mask mask) { return mask; }
 RBDI_INLINE rbd_real rbdi_sqrt(rbd_real x) { return RBD_SQRT(x); }
 #endif
 RBDI_INLINE rbd_real rbdi_zero(void) { return rbdi_set(RBD_C(0)); }
 RBDI_INLINE rbd_real rbdi_abs(rbd_real x) { return rbdi_select(rbdi_less(x, rbdi_zero()), -x, x); }
+
+/* 1 / D if D > threshold, else 0, and bad is set: no division gives infinity. */
+RBDI_INLINE rbd_real rbdi_reciprocal(rbd_real D, rbd_const threshold, rbdi_mask *bad) {
+    rbdi_mask good = rbdi_less(rbdi_set(threshold), D);
+    *bad = rbdi_or(*bad, rbdi_not(good));
+    return rbdi_select(good, rbdi_set(RBD_C(1)) / rbdi_select(good, D, rbdi_set(RBD_C(1))), rbdi_zero());
+}
+
+/* 1 / D of a pivot, 0 where that would overflow. The pivot is in doubt if it is small beside scale, the
+   inertia that it came from: see [tolerances]. */
+RBDI_INLINE rbd_real rbdi_pivot_inverse(rbd_real D, rbd_const scale, rbdi_mask *doubt) {
+    rbdi_mask none = rbdi_less(D, D);
+    *doubt = rbdi_or(*doubt, rbdi_not(rbdi_less(rbdi_set(scale * RBDI_DOUBT), D)));
+    return rbdi_reciprocal(D, RBDI_TINY, &none);
+}
 
 #endif

@@ -4,22 +4,19 @@
 
 /* A batch has as many scalars as one SIMD instruction takes: one if there is no SIMD, or if the scalar is a
    vector already. It gathers like quantities: the joints' angles, the wrenches of a subtree. */
-#if defined RBD_LANES || RBDI_REAL_KIND % 3 == 0
-#define RBDI_BATCH 1
-#elif RBDI_GNU && RBDI_SIMD > 0
+#if RBDI_GNU && RBDI_SIMD > 0 && RBDI_REAL_KIND % 3 != 0 && !defined RBD_LANES
 #define RBDI_BATCH (RBDI_SIMD * RBDI_REAL_KIND) /* the kind of double is 1, of float 2 */
+typedef rbd_real rbdi_batch
+    __attribute__((vector_size(RBDI_BATCH * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
 #else
 #define RBDI_BATCH 1
+#ifndef RBD_LANES
 #define RBDI_BATCH_SCALAR
+#endif
+typedef rbd_real rbdi_batch;
 #endif
 #if RBDI_BATCH > RBDI_CHUNK
 #error "rbd: RBDI_CHUNK, the padding of rows, must hold a batch"
-#endif
-#if defined RBD_LANES || RBDI_REAL_KIND % 3 == 0 || defined RBDI_BATCH_SCALAR
-typedef rbd_real rbdi_batch;
-#else
-typedef rbd_real rbdi_batch
-    __attribute__((vector_size(RBDI_BATCH * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
 #endif
 
 #if RBDI_REAL_KIND == 1
@@ -42,18 +39,18 @@ RBDI_INLINE rbdi_batch rbdi_zero_batch(void) { return rbdi_all_lanes(rbdi_zero()
 typedef rbdi_bit rbdi_bits __attribute__((vector_size(RBDI_BATCH * sizeof(rbd_real))));
 
 /* The batch with x as its k-th scalar. */
-RBDI_INLINE rbdi_batch rbdi_insert(rbdi_batch b, int k, rbd_real x) {
+RBDI_INLINE rbdi_batch rbdi_insert(rbdi_batch batch, int k, rbd_real x) {
     const rbdi_batch all = rbdi_all_lanes(x);
     rbdi_bits lane;
     for (int i = 0; i < RBDI_BATCH; ++i) lane[i] = (rbdi_bit)i;
     lane = (rbdi_bits)(lane == (rbdi_bit)k);
-    return (rbdi_batch)(((rbdi_bits)b & ~lane) | ((rbdi_bits)all & lane));
+    return (rbdi_batch)(((rbdi_bits)batch & ~lane) | ((rbdi_bits)all & lane));
 }
 /* The first n scalars of the batch, and zeros. */
-RBDI_INLINE rbdi_batch rbdi_first_lanes(rbdi_batch b, int n) {
+RBDI_INLINE rbdi_batch rbdi_first_lanes(rbdi_batch batch, int n) {
     rbdi_batch lane;
     for (int i = 0; i < RBDI_BATCH; ++i) lane[i] = (rbd_real)i;
-    return (rbdi_batch)((rbdi_bits)b & (rbdi_bits)(lane < (rbd_real)n));
+    return (rbdi_batch)((rbdi_bits)batch & (rbdi_bits)(lane < (rbd_real)n));
 }
 #endif
 
@@ -65,8 +62,8 @@ RBDI_INLINE rbd_real rbdi_first_lane(rbdi_batch x) {
 #endif
 }
 
-/* A sum over all scalars of several batches: lane by lane and, at the end, over the lanes; with
-   RBD_REPRODUCIBLE one scalar after the other, for then it does not depend on the length of a batch. */
+/* A sum over all scalars of several batches: lane by lane and, at the end, over the lanes. With
+   RBD_REPRODUCIBLE one scalar after the other, so that it does not depend on the length of a batch. */
 #if RBDI_REPRODUCIBLE || RBDI_BATCH == 1
 typedef rbd_real rbdi_sum;
 RBDI_INLINE rbdi_sum rbdi_sum_of_none(void) { return rbdi_zero(); }
@@ -90,9 +87,9 @@ RBDI_INLINE rbd_real rbdi_sum_value(rbdi_sum x) {
 }
 #endif
 
-/* Four scalars that go together: an axis or origin and a fourth that is not used, or parameters of a body. By
-   address: clang without AVX warns of vectors of four doubles as values. GCC takes what is wider than a batch
-   through memory. */
+/* Four scalars that go together: an axis or origin with a fourth that is not used, or parameters of a body.
+   They are passed by address, because clang without AVX warns of vectors of four doubles as values. GCC would
+   move a vector that is wider than a batch through memory. scale: y = factor x; add: y += factor x. */
 #if RBDI_BATCH >= 4 || (RBDI_BATCH > 1 && RBDI_CLANG)
 typedef rbd_real rbdi_four
     __attribute__((vector_size(4 * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
@@ -101,8 +98,8 @@ RBDI_INLINE void rbdi_set_four(rbdi_four *y, rbd_real a, rbd_real b, rbd_real c,
     const rbdi_four x = {a, b, c, d};
     *y = x;
 }
-RBDI_INLINE void rbdi_scale_four(rbdi_four *y, rbd_real k, const rbdi_four *x) { *y = *x * k; }
-RBDI_INLINE void rbdi_add_four(rbdi_four *y, rbd_real k, const rbdi_four *x) { *y = *y + *x * k; }
+RBDI_INLINE void rbdi_scale_four(rbdi_four *y, rbd_real factor, const rbdi_four *x) { *y = *x * factor; }
+RBDI_INLINE void rbdi_add_four(rbdi_four *y, rbd_real factor, const rbdi_four *x) { *y = *y + *x * factor; }
 #else
 typedef struct rbdi_four {
     rbd_real x, y, z, w;
@@ -113,14 +110,14 @@ RBDI_INLINE rbd_real rbdi_one_of(const rbdi_four *x, int k) {
 RBDI_INLINE void rbdi_set_four(rbdi_four *y, rbd_real a, rbd_real b, rbd_real c, rbd_real d) {
     y->x = a, y->y = b, y->z = c, y->w = d;
 }
-RBDI_INLINE void rbdi_scale_four(rbdi_four *y, rbd_real k, const rbdi_four *x) {
-    rbdi_set_four(y, x->x * k, x->y * k, x->z * k, x->w * k);
+RBDI_INLINE void rbdi_scale_four(rbdi_four *y, rbd_real factor, const rbdi_four *x) {
+    rbdi_set_four(y, x->x * factor, x->y * factor, x->z * factor, x->w * factor);
 }
-RBDI_INLINE void rbdi_add_four(rbdi_four *y, rbd_real k, const rbdi_four *x) {
-    rbdi_set_four(y, y->x + x->x * k, y->y + x->y * k, y->z + x->z * k, y->w + x->w * k);
+RBDI_INLINE void rbdi_add_four(rbdi_four *y, rbd_real factor, const rbdi_four *x) {
+    rbdi_set_four(y, y->x + x->x * factor, y->y + x->y * factor, y->z + x->z * factor, y->w + x->w * factor);
 }
 #endif
-/* Four components of a batch, lane by lane. */
+/* Transposes: four batches, a component each, become one four for each lane. */
 #if RBDI_BATCH == 4 && RBDI_HAS_SHUFFLE
 RBDI_INLINE void rbdi_fours_of_lanes(const rbdi_batch x[4], rbdi_four y[RBDI_BATCH]) {
     const rbdi_batch a = __builtin_shufflevector(x[0], x[1], 0, 4, 2, 6),

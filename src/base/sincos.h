@@ -1,6 +1,5 @@
 #ifndef RBDI_BASE_SINCOS_H
 #define RBDI_BASE_SINCOS_H
-#include "base/tolerances.h"
 #include "base/reduction.h"
 
 #ifdef RBDI_POLYNOMIAL_SINCOS
@@ -8,16 +7,16 @@
 typedef rbdi_bit rbdi_bits;
 typedef union rbdi_pun {
     rbd_real x;
-    rbdi_bits b;
+    rbdi_bits bits;
 } rbdi_pun;
 RBDI_INLINE rbdi_bits rbdi_to_bits(rbdi_batch x) {
     rbdi_pun u;
     u.x = x;
-    return u.b;
+    return u.bits;
 }
-RBDI_INLINE rbdi_batch rbdi_from_bits(rbdi_bits b) {
+RBDI_INLINE rbdi_batch rbdi_from_bits(rbdi_bits bits) {
     rbdi_pun u;
-    u.b = b;
+    u.bits = bits;
     return u.x;
 }
 RBDI_INLINE rbdi_bits rbdi_beyond(rbdi_batch x, rbd_const limit) { return !(x < limit); }
@@ -26,14 +25,14 @@ RBDI_INLINE rbdi_bits rbdi_beyond(rbdi_batch x, rbd_const limit) { return !(x < 
 typedef rbdi_bit rbdi_bits __attribute__((vector_size(RBDI_BATCH * sizeof(rbd_real))));
 #endif
 RBDI_INLINE rbdi_bits rbdi_to_bits(rbdi_batch x) { return (rbdi_bits)x; }
-RBDI_INLINE rbdi_batch rbdi_from_bits(rbdi_bits b) { return (rbdi_batch)b; }
+RBDI_INLINE rbdi_batch rbdi_from_bits(rbdi_bits bits) { return (rbdi_batch)bits; }
 RBDI_INLINE rbdi_bits rbdi_beyond(rbdi_batch x, rbd_const limit) { return ~(rbdi_bits)(x < limit); }
 #endif
 
-/* Sine and cosine for |x| <= RBDI_SINCOS_LIMIT, without a branch: x = n pi/2 + r by adding and
-   subtracting 1.5 * 2^(mantissa bits), pi/2 split in three (Cody and Waite); minimax polynomials in
-   r^2 on |r| <= pi/4; the quadrant, in the sum's low bits, swaps and signs them. Right angles to be added to
-   x go there exactly. */
+/* Sine and cosine of x + quarters pi/2, |x| <= RBDI_SINCOS_LIMIT, without a branch. x = n pi/2 + r, n from
+   adding and subtracting 1.5 * 2^(mantissa bits), with pi/2 split in three (Cody and Waite 1980). Minimax
+   polynomials in z = r^2 on |r| <= pi/4. The low bits of the sum have the quadrant, to which the quarters are
+   added exactly; it swaps sine and cosine and gives their signs. */
 RBDI_INLINE void rbdi_sincos_batch(rbdi_batch x, rbdi_batch quarters, rbdi_batch *s, rbdi_batch *c) {
 #if RBDI_CLANG /* which does not tell by a macro that it may reassociate */
 #pragma clang fp reassociate(off)
@@ -70,49 +69,49 @@ RBDI_INLINE void rbdi_sincos_batch(rbdi_batch x, rbdi_batch quarters, rbdi_batch
 #endif
     rbdi_batch sine = z * r * ps + r;
     rbdi_batch cosine = z * z * pc + (RBD_C(1) - RBD_C(0.5) * z);
-    rbdi_bits k = rbdi_to_bits(shifted), bs = rbdi_to_bits(sine), bc = rbdi_to_bits(cosine);
-    rbdi_bits swap = (bs ^ bc) & (0u - (k & 1u));
-    *s = rbdi_from_bits((bs ^ swap) ^ ((k & 2u) << top));
-    *c = rbdi_from_bits((bc ^ swap) ^ (((k + 1u) & 2u) << top));
+    rbdi_bits quadrant = rbdi_to_bits(shifted), bs = rbdi_to_bits(sine), bc = rbdi_to_bits(cosine);
+    rbdi_bits swap = (bs ^ bc) & (0u - (quadrant & 1u));
+    *s = rbdi_from_bits((bs ^ swap) ^ ((quadrant & 2u) << top));
+    *c = rbdi_from_bits((bc ^ swap) ^ (((quadrant + 1u) & 2u) << top));
 }
 
-/* Sine and cosine of one angle of any size and as many right angles. */
+/* Sine and cosine of one angle x of any size plus so many right angles. */
 RBDI_PART void rbdi_sincos_one(rbd_real x, rbd_real quarters, rbd_real *s, rbd_real *c) {
-    rbdi_batch bs, bc;
+    rbdi_batch sine, cosine;
 #ifdef RBD_LANES
     for (int i = 0; i < RBD_LANES; ++i) {
-        RBD_REAL k = quarters[i];
-        if (!(x[i] * x[i] < RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT)) x[i] = rbdi_reduce_angle(x[i], &k);
-        quarters[i] = k;
+        RBD_REAL sum = quarters[i];
+        if (!(x[i] * x[i] < RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT)) x[i] = rbdi_reduce_angle(x[i], &sum);
+        quarters[i] = sum;
     }
 #else
     if (!(x * x < RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT)) x = rbdi_reduce_angle(x, &quarters);
 #endif
-    rbdi_sincos_batch(rbdi_all_lanes(x), rbdi_all_lanes(quarters), &bs, &bc);
-    *s = rbdi_first_lane(bs), *c = rbdi_first_lane(bc);
+    rbdi_sincos_batch(rbdi_all_lanes(x), rbdi_all_lanes(quarters), &sine, &cosine);
+    *s = rbdi_first_lane(sine), *c = rbdi_first_lane(cosine);
 }
 
-/* Sines and cosines of n angles and as many right angles. The error is below 2.3e-16 (double), 1.0e-7
-   (float) up to the limit, and twice as much beyond it. The arrays are padded to whole batches. */
-RBDI_PART void rbdi_sincos_array(const rbd_real *x, const rbd_real *quarters, int n, rbd_real *s,
+/* Sines and cosines of `count` angles plus right angles. The error is below 2.3e-16 (double), 1.0e-7 (float)
+   up to the limit, and twice as much beyond it. The arrays are padded to whole batches. */
+RBDI_PART void rbdi_sincos_array(const rbd_real *x, const rbd_real *quarters, int count, rbd_real *s,
                                  rbd_real *c) {
     const rbd_const limit = RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT;
-    const rbdi_batch *bx = (const rbdi_batch *)x, *bq = (const rbdi_batch *)quarters;
-    rbdi_batch *bs = (rbdi_batch *)s, *bc = (rbdi_batch *)c;
+    const rbdi_batch *angle = (const rbdi_batch *)x, *turns = (const rbdi_batch *)quarters;
+    rbdi_batch *sine = (rbdi_batch *)s, *cosine = (rbdi_batch *)c;
     rbdi_bits beyond;
     rbdi_bit any = 0;
-    if (n <= 0) return;
-    beyond = rbdi_beyond(bx[0] * bx[0], limit);
-    for (int i = 0; i * RBDI_BATCH < n; ++i) {
-        beyond |= rbdi_beyond(bx[i] * bx[i], limit);
-        rbdi_sincos_batch(bx[i], bq[i], &bs[i], &bc[i]);
+    if (count <= 0) return;
+    beyond = rbdi_beyond(angle[0] * angle[0], limit);
+    for (int i = 0; i * RBDI_BATCH < count; ++i) {
+        beyond |= rbdi_beyond(angle[i] * angle[i], limit);
+        rbdi_sincos_batch(angle[i], turns[i], &sine[i], &cosine[i]);
     }
 #ifdef RBDI_BATCH_SCALAR
     any = beyond;
 #else
     for (int i = 0; i < (int)(sizeof beyond / sizeof any); ++i) any |= beyond[i];
 #endif
-    for (int i = 0; any && i < n; ++i) rbdi_sincos_one(x[i], quarters[i], &s[i], &c[i]);
+    for (int i = 0; any && i < count; ++i) rbdi_sincos_one(x[i], quarters[i], &s[i], &c[i]);
 }
 #endif
 
@@ -129,21 +128,6 @@ RBDI_INLINE void rbdi_sincos(rbd_real x, rbd_real *s, rbd_real *c) {
     *s = RBD_SIN(x);
     *c = RBD_COS(x);
 #endif
-}
-
-/* 1 / D if D > threshold, else 0 and it is marked bad: no infinity ever leaves a division. */
-RBDI_INLINE rbd_real rbdi_reciprocal(rbd_real D, rbd_const threshold, rbdi_mask *bad) {
-    rbdi_mask good = rbdi_less(rbdi_set(threshold), D);
-    *bad = rbdi_or(*bad, rbdi_not(good));
-    return rbdi_select(good, rbdi_set(RBD_C(1)) / rbdi_select(good, D, rbdi_set(RBD_C(1))), rbdi_zero());
-}
-
-/* 1 / D of a pivot, 0 where that would overflow; in doubt if D is small beside the inertia that it came
-   from. */
-RBDI_INLINE rbd_real rbdi_pivot_inverse(rbd_real D, rbd_const scale, rbdi_mask *doubt) {
-    rbdi_mask none = rbdi_less(D, D);
-    *doubt = rbdi_or(*doubt, rbdi_not(rbdi_less(rbdi_set(scale * RBDI_DOUBT), D)));
-    return rbdi_reciprocal(D, RBDI_TINY, &none);
 }
 
 #endif

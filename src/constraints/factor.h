@@ -1,6 +1,6 @@
 #ifndef RBDI_CONSTRAINTS_FACTOR_H
 #define RBDI_CONSTRAINTS_FACTOR_H
-#include "base/sincos.h"
+#include "base/simd.h"
 #include "algebra/vectors.h"
 #include "constraints/layout.h"
 #include "constraints/tolerances.h"

@@ -1,7 +1,6 @@
 #ifndef RBDI_DYNAMICS_PACKED_H
 #define RBDI_DYNAMICS_PACKED_H
 #include "model/work.h"
-#include "base/sincos.h"
 #include "base/memory.h"
 
 /* Interface: rbdi_factor, rbdi_invert, rbdi_multiply, rbdi_solve, rbdi_solve_columns, rbdi_solve_down,

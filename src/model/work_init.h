@@ -2,7 +2,6 @@
 #define RBDI_MODEL_WORK_INIT_H
 #include "api/model.h"
 #include "model/work.h"
-#include "base/tolerances.h"
 #include "base/memory.h"
 #include "model/features.h"
 
