@@ -306,22 +306,22 @@ RBDI_EXTERN_C_END
 
 #define RBDI_SIX_ROWS (RBDI_ROW_BATCH > 6 ? RBDI_ROW_BATCH : 6) /* a constraint's rows, padded to batches */
 
-/* A constraint between two links. */
+/* A constraint between two links. Arrays of two: of frame 1 and of frame 2. */
 typedef struct rbdi_constraint {
-    rbd_const R[2][9]; /* frame vectors into link axes, row-major */
-    rbdi_c3 p[2];
-    rbd_const held[3][RBDI_SIX_ROWS]; /* the axis that each row holds, a column of R[1], by component */
+    rbd_const rotation[2][9];         /* vectors of the frame into those of the link, row-major */
+    rbdi_c3 position[2];              /* of its origin, link axes */
+    rbd_const held[3][RBDI_SIX_ROWS]; /* x, y and z of the axis that each row holds, axes of link 2 */
     rbd_const kp, kd;
     int16_t link[2];   /* -1 = world */
-    int16_t ancestor;  /* nearest link that carries both or is one of them, -1 = the world */
-    int16_t row, rows; /* the first, and how many */
+    int16_t ancestor;  /* the nearest common ancestor of the two links, -1 = the world */
+    int16_t row, rows; /* the first row in the set, and how many */
     int16_t angular;   /* number of angular rows, which come first */
     int16_t axis[6];   /* of each row: 0 .. 5 */
-    int16_t dofs;      /* number of entries of: */
+    int16_t dofs;      /* number of entries of `dof` */
     int16_t *dof;      /* dofs on the path to one body or both, ascending */
 } rbdi_constraint;
 
-/* The rows that a dof may have entries in, first .. end - 1. All others are zero. */
+/* Rows in which a dof may have entries: first .. end - 1. In all others its entries are 0. */
 typedef struct rbdi_span {
     int16_t first, end;
 } rbdi_span;
@@ -329,30 +329,34 @@ typedef struct rbdi_span {
 struct rbd_constraint_set {
     uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
     rbd_work *w;
-    int n, rows, stride;          /* stride: of rows, padded */
-    int links;                    /* number of links on a path */
-    int infeasible;               /* row, -1 = none */
-    int exchanged;                /* whether R is that of [rank], its rows in another order, `chosen` */
-    int factored;                 /* whether the factor of M is always used */
-    int dirty;                    /* whether Y and R have entries that articulated bodies do not write */
-    int moving;                   /* whether dynamics need the velocities of the links' origins */
-    rbdi_constraint *constraint;  /* n */
-    int16_t *link;                /* links on a path to a body, ascending; none with mimic joints */
-    rbdi_span *span;              /* nv: the rows of the constraints whose paths have the dof */
-    int16_t *path;                /* nv: scratch, of dofs */
-    rbd_real *Y;                  /* nv x stride: J' by dofs, then L^-T J'; or S' K of [articulated] */
-    rbd_real *R;                  /* [factor]: rows x stride; [rank]: first nv x stride */
-    rbd_real *x, *stack, *before; /* nv each: solution; scratch; the last step of assembly */
-    rbd_real *D_inverse;          /* nv: 1/D of M = L'DL */
-    rbd_real *b, *lambda, *u, *gamma, *e, *target; /* stride each: right-hand side, solution, J v, gamma,
-                                                      position error, wanted J a */
-    rbd_real *demand;  /* stride: sum of the squares of b's terms, a measure of its rounding */
-    rbd_real *square;  /* stride, [rank]: the square of a row's part that is independent of the rows taken */
-    rbd_real *share;   /* stride, [rank]: 1 / the square of the whole row */
-    rbd_real *chosen;  /* stride, [rank]: the row with which row t was exchanged */
-    rbd_real *inverse; /* stride: 1 / R_tt, 0 where a row depends on those before it */
-    rbd_real noise;    /* the square that rounding of J's entries may give a row */
-    rbdi_v3 world;     /* acceleration of the world */
+    int n, rows, stride; /* constraints; rows; distance of arrays with an entry for each row, padded */
+    int links;           /* number of entries of `link` */
+    int infeasible;      /* row, -1 = none */
+    int pivoted;         /* whether R is that of [rank], its rows in the order of `pivot_row` */
+    int factored;        /* whether the factor of M is always used */
+    int dirty;           /* whether Y and R have entries that articulated bodies do not write */
+    int moving;          /* whether dynamics need the velocities of the links' origins */
+    rbdi_constraint *constraint; /* n */
+    int16_t *link;               /* links on a path to a body, ascending; none with mimic joints */
+    rbdi_span *span;             /* nv: the rows of the constraints whose paths have the dof */
+    int16_t *path;               /* nv: scratch, of dofs */
+    rbd_real *Y;                 /* nv x stride: J' by dofs, then L^-T J'; or S' K of [articulated] */
+    rbd_real *R;                 /* Cholesky factor of Delta, rows x stride; in [rank] first Z, nv x stride */
+    rbd_real *x;                 /* nv: right-hand side, then solution */
+    rbd_real *householder;       /* nv: vector of a reflection */
+    rbd_real *last_step;         /* nv: of assembly */
+    rbd_real *D_inverse;         /* nv: 1/D of M = L'DL */
+    rbd_real *b, *lambda;        /* stride each: right-hand side and solution of Delta lambda = b */
+    rbd_real *velocity, *gamma;  /* stride each: J v; gamma */
+    rbd_real *e;                 /* stride: position error */
+    rbd_real *target;            /* stride: wanted J x */
+    rbd_real *slack;          /* stride: sum of the squares of b's terms; [rank] makes it a tolerance of b */
+    rbd_real *square;         /* stride, [rank]: of a row's part that is independent of the rows taken */
+    rbd_real *inverse_square; /* stride, [rank]: 1 / the square of the whole row */
+    rbd_real *pivot_row;      /* stride, [rank]: the row with which row t was exchanged */
+    rbd_real *R_inverse;      /* stride: 1 / R_tt, 0 where a row depends on those before it */
+    rbd_real noise;           /* a square below which a row's entries may be rounding of J's */
+    rbdi_v3 world;            /* acceleration of the world */
 };
 
 #define RBDI_CONSTRAINTS_BYTES(nv, n, rows, stride) \
@@ -412,12 +416,13 @@ RBDI_CODE_BEGIN
    the one that its condition explains, because Delta squares the condition of the rows.
    RBDI_RANK: a row counts as independent if the square of its part that is independent of the rows before it
    exceeds this share of the row's square. Rounding leaves some 1e-31, more in ill-conditioned models; a leg
-   1e-7 rad from straight has 1e-14. A row must also exceed RBDI_MOTIONLESS times J's levers, magnified by the
-   lightest joints. A smaller row moves nothing: its entries are rounding.
+   1e-7 rad from straight has 1e-14.
+   RBDI_MOTIONLESS: a row of Z, [rank], that is shorter than this share of its lever arms over the root of D
+   is rounding: no joint moves the body along its axis.
    RBDI_FEASIBLE: targets of dependent rows may contradict each other by this share of their terms, because
    positions drift.
-   RBDI_SHORT_STEP, rad or m: assembly ends RBDI_CLOSING_STEPS after a step below this. RBDI_CLOSED: the
-   largest entry of e that is left must be below this. */
+   RBDI_SHORT_STEP, rad or m: assembly ends RBDI_CLOSING_STEPS after a step below this.
+   RBDI_CLOSED: after it all entries of e must be below this. */
 #if RBDI_KIND(RBD_CONST) == 1
 #define RBDI_CLEAR 1e-5
 #define RBDI_MOTIONLESS 2e-13
@@ -444,10 +449,10 @@ RBDI_CODE_BEGIN
 
 #endif
 
-#define RBDI_CLEARLY_MORE RBD_C(1.001) /* if shares differ by rounding alone, the first row is taken */
+#define RBDI_CLEARLY_MORE RBD_C(1.001) /* of shares that differ by rounding alone the first is taken */
 #define RBDI_LONGEST_STEP RBD_C(0.5)
-#define RBDI_LEAST_SHARE RBD_C(1e-3)
-#define RBDI_MOST_SHARE RBD_C(5)
+#define RBDI_LEAST_STEP_SIZE RBD_C(1e-3)
+#define RBDI_MOST_STEP_SIZE RBD_C(5)
 #define RBDI_NEARING_STEPS 200
 #define RBDI_CLOSING_STEPS 3
 
@@ -456,46 +461,48 @@ RBDI_CODE_BEGIN
 
 /* ---- kinematics [kinematics] ---- */
 
-/* A point fixed in a link, world axes: its place, angular velocity, velocity, and their rates. */
+/* Motion of a point fixed in a link, world axes: place, angular velocity, velocity, and their rates. */
 typedef struct rbdi_station {
     rbdi_v3 p, omega, v, omega_dot, acc;
 } rbdi_station;
 
-/* Motion of the point of a link that is at p. The world, link -1, accelerates by -gravity if the links do. */
+/* Motion of the point of a link that is at p now. Link -1 is the world, which accelerates by -gravity where
+   gravity is an acceleration of the world. */
 RBDI_INLINE rbdi_station rbdi_station_at(const rbd_constraint_set *c, int link, rbdi_v3 p) {
-    rbdi_station s;
-    s.p = p;
-    s.omega = s.v = s.omega_dot = rbdi_vec0();
-    s.acc = c->world;
+    rbdi_station at;
+    at.p = p;
+    at.omega = at.v = at.omega_dot = rbdi_vec0();
+    at.acc = c->world;
     if (link >= 0) {
-        const rbdi_kin *k = &c->w->kin[link];
-        const rbdi_v3 arm = rbdi_sub(p, k->X.r);
+        const rbdi_kin *kin = &c->w->kin[link];
+        const rbdi_mat E = kin->X.E;
+        const rbdi_v3 arm = rbdi_sub(p, kin->X.r);
         rbdi_v3 turn;
-        s.omega = rbdi_mul_t(k->X.E, k->state.omega);
-        turn = rbdi_cross(s.omega, arm);
-        s.v = rbdi_add(rbdi_mul_t(k->X.E, k->v), turn);
-        s.omega_dot = rbdi_mul_t(k->X.E, k->state.omega_dot);
-        s.acc = rbdi_add(rbdi_mul_t(k->X.E, k->state.acc), rbdi_cross(s.omega_dot, arm));
-        s.acc = rbdi_add(s.acc, rbdi_cross(s.omega, turn));
+        at.omega = rbdi_mul_t(E, kin->state.omega);
+        turn = rbdi_cross(at.omega, arm);
+        at.v = rbdi_add(rbdi_mul_t(E, kin->v), turn);
+        at.omega_dot = rbdi_mul_t(E, kin->state.omega_dot);
+        at.acc = rbdi_add(rbdi_mul_t(E, kin->state.acc), rbdi_cross(at.omega_dot, arm));
+        at.acc = rbdi_add(at.acc, rbdi_cross(at.omega, turn));
     }
-    return s;
+    return at;
 }
 
 /* Motion of the origin of a constraint's frame. */
-RBDI_ONCE rbdi_station rbdi_station_of(const rbd_constraint_set *c, const rbdi_constraint *on, int side) {
-    const rbdi_v3 x = rbdi_vec_c(on->p[side]);
-    const int link = on->link[side];
-    return rbdi_station_at(c, link, link < 0 ? x : rbdi_point_p(&c->w->kin[link], x));
+RBDI_ONCE rbdi_station rbdi_station_of(const rbd_constraint_set *c, const rbdi_constraint *con, int side) {
+    const rbdi_v3 origin = rbdi_vec_c(con->position[side]);
+    const int link = con->link[side];
+    return rbdi_station_at(c, link, link < 0 ? origin : rbdi_point_p(&c->w->kin[link], origin));
 }
 
 /* Orientation of that frame in the world. */
-static rbdi_mat rbdi_station_axes(const rbd_constraint_set *c, const rbdi_constraint *on, int side) {
-    const rbdi_mat R = rbdi_mat_c(on->R[side]);
-    return on->link[side] < 0 ? R : rbdi_mul_mat(rbdi_transpose(c->w->kin[on->link[side]].X.E), R);
+static rbdi_mat rbdi_station_axes(const rbd_constraint_set *c, const rbdi_constraint *con, int side) {
+    const rbdi_mat R = rbdi_mat_c(con->rotation[side]);
+    return con->link[side] < 0 ? R : rbdi_mul_mat(rbdi_transpose(c->w->kin[con->link[side]].X.E), R);
 }
 
-/* log R, the rotation vector. Sums of R's entries give four multiples of its quaternion, each by one of its
-   components. The one with the largest factor is accurate. */
+/* log R, the rotation vector. Sums of R's entries give four times the products of its quaternion with each of
+   its components. The product with the largest component is the accurate one. */
 static rbdi_v3 rbdi_log_rotation(rbdi_mat R) {
     const rbd_real one = rbdi_set(RBD_C(1)), o = rbdi_zero();
     const rbd_real x = R.zy - R.yz, y = R.xz - R.zx, z = R.yx - R.xy, xy = R.xy + R.yx, xz = R.xz + R.zx,
@@ -515,56 +522,58 @@ static rbdi_v3 rbdi_log_rotation(rbdi_mat R) {
     return rbdi_quaternion_difference(identity, q);
 }
 
-/* Angular part of the position error e, frame 2: [conventions]. */
-static rbdi_v3 rbdi_angular_error(const rbdi_constraint *k, rbdi_mat R) {
+/* Angular part of the position error e, axes of frame 2: [conventions]. R: frame 1 seen from frame 2. */
+static rbdi_v3 rbdi_angular_error(const rbdi_constraint *con, rbdi_mat R) {
     const rbd_real o = rbdi_zero();
     int free;
-    if (k->angular != 2) return rbdi_log_rotation(R);
-    free = 3 - k->axis[0] - k->axis[1];
+    if (con->angular != 2) return rbdi_log_rotation(R);
+    free = 3 - con->axis[0] - con->axis[1];
     if (free == 0) return rbdi_vec(o, -R.zx, R.yx);
     if (free == 1) return rbdi_vec(R.zy, o, -R.xy);
     return rbdi_vec(-R.yz, R.xz, o);
 }
 
-/* The axes that a constraint holds, in world axes, with rows as lanes: the components of angular rows, then
-   those of linear rows. */
+/* The axes that a constraint holds, world axes, rows as lanes: x, y, z of the axes of angular rows, then of
+   linear rows; 0 where the row is of the other kind. */
 typedef struct rbdi_axes_held {
-    rbd_real x[6][RBDI_SIX_ROWS];
+    rbd_real axis[6][RBDI_SIX_ROWS];
 } rbdi_axes_held;
 
-RBDI_ONCE void rbdi_set_axes(const rbd_constraint_set *c, const rbdi_constraint *k, rbdi_axes_held *h) {
+RBDI_ONCE void rbdi_set_axes(const rbd_constraint_set *c, const rbdi_constraint *con, rbdi_axes_held *h) {
     const rbdi_batch zero = rbdi_zero_batch();
-    for (int r = 0; r < k->rows; r += RBDI_BATCH)
-        for (int i = k->angular ? 0 : 3; i < 6; ++i) *(rbdi_batch *)&h->x[i][r] = zero;
-    for (int r = 0; r < k->rows; ++r) {
-        const rbdi_v3 a = rbdi_vec(rbdi_set(k->held[0][r]), rbdi_set(k->held[1][r]), rbdi_set(k->held[2][r])),
-                      e = k->link[1] < 0 ? a : rbdi_mul_t(c->w->kin[k->link[1]].X.E, a);
-        const int first = r < k->angular ? 0 : 3;
-        h->x[first][r] = e.x, h->x[first + 1][r] = e.y, h->x[first + 2][r] = e.z;
+    for (int r = 0; r < con->rows; r += RBDI_BATCH)
+        for (int i = con->angular ? 0 : 3; i < 6; ++i) *(rbdi_batch *)&h->axis[i][r] = zero;
+    for (int r = 0; r < con->rows; ++r) {
+        const int first = r < con->angular ? 0 : 3;
+        rbdi_v3 axis =
+            rbdi_vec(rbdi_set(con->held[0][r]), rbdi_set(con->held[1][r]), rbdi_set(con->held[2][r]));
+        if (con->link[1] >= 0) axis = rbdi_mul_t(c->w->kin[con->link[1]].X.E, axis);
+        h->axis[first][r] = axis.x, h->axis[first + 1][r] = axis.y, h->axis[first + 2][r] = axis.z;
     }
 }
 
 /* Adds the components of (angular; linear), world axes, along the axes that a constraint holds. */
-RBDI_ONCE void rbdi_add_held(const rbdi_constraint *k, const rbdi_axes_held *h, rbdi_v3 angular,
+RBDI_ONCE void rbdi_add_held(const rbdi_constraint *con, const rbdi_axes_held *h, rbdi_v3 angular,
                              rbdi_v3 linear, rbd_real *out) {
-    for (int r = 0; r < k->rows; r += RBDI_BATCH) {
+    for (int r = 0; r < con->rows; r += RBDI_BATCH) {
         rbdi_batch sum = *(const rbdi_batch *)&out[r];
-        sum = sum + *(const rbdi_batch *)&h->x[3][r] * linear.x +
-              *(const rbdi_batch *)&h->x[4][r] * linear.y + *(const rbdi_batch *)&h->x[5][r] * linear.z;
-        if (k->angular)
-            sum = sum + *(const rbdi_batch *)&h->x[0][r] * angular.x +
-                  *(const rbdi_batch *)&h->x[1][r] * angular.y + *(const rbdi_batch *)&h->x[2][r] * angular.z;
+        sum = sum + *(const rbdi_batch *)&h->axis[3][r] * linear.x +
+              *(const rbdi_batch *)&h->axis[4][r] * linear.y + *(const rbdi_batch *)&h->axis[5][r] * linear.z;
+        if (con->angular)
+            sum = sum + *(const rbdi_batch *)&h->axis[0][r] * angular.x +
+                  *(const rbdi_batch *)&h->axis[1][r] * angular.y +
+                  *(const rbdi_batch *)&h->axis[2][r] * angular.z;
         *(rbdi_batch *)&out[r] = sum;
     }
 }
 
 /* Adds gamma and J v of a constraint and, if `errors`, e. Returns the origin of frame 1 in the world. */
-RBDI_ONCE rbdi_v3 rbdi_constraint_motion(rbd_constraint_set *c, const rbdi_constraint *k,
+RBDI_ONCE rbdi_v3 rbdi_constraint_motion(rbd_constraint_set *c, const rbdi_constraint *con,
                                          const rbdi_axes_held *h, int errors) {
-    const rbdi_station one = rbdi_station_of(c, k, 0), two = rbdi_station_of(c, k, 1);
+    const rbdi_station one = rbdi_station_of(c, con, 0), two = rbdi_station_of(c, con, 1);
     const rbdi_v3 s = rbdi_sub(one.p, two.p), w2 = two.omega;
     rbdi_v3 u = one.v, spin = one.omega, a = rbdi_sub(one.acc, two.acc), alpha = one.omega_dot;
-    if (k->link[1] >= 0) {
+    if (con->link[1] >= 0) {
         const rbdi_v3 ws = rbdi_cross(w2, s);
         u = rbdi_sub(rbdi_sub(u, two.v), ws);
         spin = rbdi_sub(spin, w2);
@@ -572,16 +581,16 @@ RBDI_ONCE rbdi_v3 rbdi_constraint_motion(rbd_constraint_set *c, const rbdi_const
         alpha = rbdi_sub(alpha, rbdi_cross(w2, spin));
         a = rbdi_sub(a, rbdi_cross(w2, rbdi_add(ws, rbdi_add(u, u))));
     }
-    rbdi_add_held(k, h, alpha, a, &c->gamma[k->row]);
-    rbdi_add_held(k, h, spin, u, &c->u[k->row]);
+    rbdi_add_held(con, h, alpha, a, &c->gamma[con->row]);
+    rbdi_add_held(con, h, spin, u, &c->velocity[con->row]);
     if (errors) {
         rbdi_v3 turn = rbdi_vec0();
-        if (k->angular) {
-            const rbdi_mat R = rbdi_station_axes(c, k, 1);
-            turn = rbdi_angular_error(k, rbdi_mul_mat(rbdi_transpose(R), rbdi_station_axes(c, k, 0)));
+        if (con->angular) {
+            const rbdi_mat R = rbdi_station_axes(c, con, 1);
+            turn = rbdi_angular_error(con, rbdi_mul_mat(rbdi_transpose(R), rbdi_station_axes(c, con, 0)));
             turn = rbdi_mul(R, turn);
         }
-        rbdi_add_held(k, h, turn, s, &c->e[k->row]);
+        rbdi_add_held(con, h, turn, s, &c->e[con->row]);
     }
     return one.p;
 }
@@ -591,40 +600,41 @@ RBDI_ONCE rbdi_v3 rbdi_constraint_motion(rbd_constraint_set *c, const rbdi_const
 
 /* ---- rows [rows] ---- */
 
-/* Adds to a column of J: the motion, world axes, that a dof gives to frame 1 of constraint k. */
-RBDI_ONCE void rbdi_constraint_column(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k,
+/* Adds a motion, world axes, that a dof gives to body 1 at the origin of frame 1, to the dof's column of J.
+   sign: -1 if it gives the motion to body 2. A mimic joint's goes to the joint that it follows. */
+RBDI_ONCE void rbdi_constraint_column(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *con,
                                       const rbdi_axes_held *h, int dof, int sign, rbdi_v3 angular,
                                       rbdi_v3 linear) {
     if (sign < 0 || dof >= m->nv) {
         const rbd_real ratio = sign < 0 ? -rbdi_ratio(m, dof) : rbdi_ratio(m, dof);
         angular = rbdi_scale(ratio, angular), linear = rbdi_scale(ratio, linear);
     }
-    rbdi_add_held(k, h, angular, linear, &c->Y[rbdi_source(m, dof) * c->stride + k->row]);
+    rbdi_add_held(con, h, angular, linear, &c->Y[rbdi_source(m, dof) * c->stride + con->row]);
 }
 
-/* Columns of the dofs of a link on a path; p: origin of frame 1. */
-RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k,
+/* Columns of the dofs of a link on a path. p: origin of frame 1. */
+RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *con,
                                       const rbdi_axes_held *h, rbdi_v3 p, int link, int sign) {
     const rbdi_link *l = &m->link[link];
     const rbdi_pose X = c->w->kin[link].X;
     const rbdi_v3 arm = rbdi_sub(p, X.r), z = rbdi_vec(X.E.zx, X.E.zy, X.E.zz), o = rbdi_vec0();
     if (rbdi_is(l, RBDI_REVOLUTE) || rbdi_is(l, RBDI_REVOLUTE_CS)) {
-        rbdi_constraint_column(m, c, k, h, l->iv, sign, z, rbdi_cross(z, arm));
+        rbdi_constraint_column(m, c, con, h, l->iv, sign, z, rbdi_cross(z, arm));
     } else if (rbdi_is(l, RBDI_SCREW)) {
         const rbdi_v3 turn = rbdi_scale(rbdi_set(l->rho), z), slide = rbdi_scale(rbdi_set(l->kappa), z);
-        rbdi_constraint_column(m, c, k, h, l->iv, sign, turn, rbdi_add(slide, rbdi_cross(turn, arm)));
+        rbdi_constraint_column(m, c, con, h, l->iv, sign, turn, rbdi_add(slide, rbdi_cross(turn, arm)));
     } else {
         const rbdi_v3 axis[3] = {rbdi_vec(X.E.xx, X.E.xy, X.E.xz), rbdi_vec(X.E.yx, X.E.yy, X.E.yz), z};
-        for (int j = 0, s = rbdi_block_of(m, l)->first; j < rbdi_link_dofs(m, l); ++j, ++s)
-            rbdi_constraint_column(m, c, k, h, l->iv + j, sign, s < 3 ? axis[s] : o,
-                                   s < 3 ? rbdi_cross(axis[s], arm) : axis[s - 3]);
+        for (int j = 0, at = rbdi_block_of(m, l)->first; j < rbdi_link_dofs(m, l); ++j, ++at)
+            rbdi_constraint_column(m, c, con, h, l->iv + j, sign, at < 3 ? axis[at] : o,
+                                   at < 3 ? rbdi_cross(axis[at], arm) : axis[at - 3]);
     }
 }
 
-/* Runs the statement behind it for each link that moves only one of the two bodies; sign: 1 for body 1, -1
-   for body 2. Links on both paths cancel. */
-#define RBDI_FOR_PATHS(m, k, link, sign) \
-    for (int link1_ = (k)->link[0], link2_ = (k)->link[1], link, sign; \
+/* Runs the statement behind it for each link that moves only one of the two bodies. sign: 1 for body 1, -1
+   for body 2. The motions of links on both paths cancel. */
+#define RBDI_FOR_PATHS(m, con, link, sign) \
+    for (int link1_ = (con)->link[0], link2_ = (con)->link[1], link, sign; \
          link1_ != link2_ && (sign = link1_ > link2_ ? 1 : -1, link = sign > 0 ? link1_ : link2_, 1); \
          sign > 0 ? (link1_ = (m)->link[link].parent) : (link2_ = (m)->link[link].parent))
 
@@ -638,8 +648,8 @@ static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraint_set *c, const r
     if (rbdi_mimics(m)) rbdi_kin_links(m, c->w, 0, m->nl, v, moving);
 }
 
-/* Writes the motion of all links and poses of those on a path into the work, replacing the results of
-   rbd_kinematics; with `wrench` also the wrenches of inverse dynamics. Gravity is an acceleration of the
+/* Writes the motion of all links and the poses of those on a path into the work, over the results of
+   rbd_kinematics; if `wrench`, also the wrenches of inverse dynamics. Gravity is an acceleration of the
    world. rbdi_joints must have been called. */
 RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v,
                                        const rbd_real *a, rbdi_c3 gravity, int wrench) {
@@ -651,81 +661,85 @@ RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraint_set *c
     rbdi_kin_of_paths(m, c, v, 1);
 }
 
-/* Clears Y and R, for calls that do not write all entries that articulated bodies read, and J v,
-   gamma and e. */
+/* Clears J v, gamma, e, and Y and R, of which articulated bodies read entries that they do not write. */
 static void rbdi_clear_rows(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_clear(c->Y, m->nv * c->stride);
     rbdi_clear(c->R, c->rows * c->stride);
-    rbdi_clear(c->u, 3 * c->stride);
+    rbdi_clear(c->velocity, 3 * c->stride);
     c->dirty = 1;
 }
 
 /* Adds Y = J', gamma and J v of a constraint and, if `errors`, e. */
-static void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k,
+static void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *con,
                                  int errors) {
     rbdi_axes_held h;
     rbdi_v3 p;
-    rbdi_set_axes(c, k, &h);
-    p = rbdi_constraint_motion(c, k, &h, errors);
-    RBDI_FOR_PATHS(m, k, link, sign) rbdi_constraint_link(m, c, k, &h, p, link, sign);
+    rbdi_set_axes(c, con, &h);
+    p = rbdi_constraint_motion(c, con, &h, errors);
+    RBDI_FOR_PATHS(m, con, link, sign) rbdi_constraint_link(m, c, con, &h, p, link, sign);
 }
 
 /* ==== src/constraints/factor.h ==== */
 /* Interface: rbdi_bound_noise, rbdi_delta */
 
 /* ---- factor [factor] ----
-   Both ways of [design] factor Delta = Y' D^-1 Y by Cholesky:
+   Both ways of [design] factor Delta = Y' D^-1 Y by Cholesky and solve Delta lambda = b:
 
        Delta = R'R,   R' beta = b,   R lambda = beta
 
-   Delta has b in column `rows`, and R then has beta there. */
+   b stands in column `rows` of Delta's array, and becomes beta while R replaces Delta. */
 
 /* x'y */
 RBDI_INLINE rbd_real rbdi_rows_product(const rbd_real *x, const rbd_real *y, int n) {
-    rbdi_sum lanes = rbdi_sum_of_none();
+    rbdi_sum batches = rbdi_sum_of_none();
     rbd_real sum;
     int k = 0;
     for (; k + RBDI_BATCH <= n; k += RBDI_BATCH)
-        lanes = rbdi_sum_and(lanes, *(const rbdi_batch *)&x[k] * *(const rbdi_batch *)&y[k]);
-    sum = rbdi_sum_value(lanes);
+        batches = rbdi_sum_and(batches, *(const rbdi_batch *)&x[k] * *(const rbdi_batch *)&y[k]);
+    sum = rbdi_sum_value(batches);
     for (; k < n; ++k) sum = sum + x[k] * y[k];
     return sum;
 }
 
-/* Computes c->noise from the levers of J's entries, the distances of the links from the world's origin, and
-   from 1/D of the dofs on the paths. */
+/* Computes c->noise. Rounding in an entry of J is a share of its lever arm, here the distance of a link from
+   the world's origin; Delta has its square times 1/D. */
 static void rbdi_bound_noise(const rbd_model *m, rbd_constraint_set *c) {
     rbd_real levers = rbdi_set(RBD_C(1)), inverse = rbdi_zero();
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
+    for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con)
         for (int side = 0; side < 2; ++side)
-            if (k->link[side] >= 0)
-                levers = levers + rbdi_dot(c->w->kin[k->link[side]].X.r, c->w->kin[k->link[side]].X.r);
+            if (con->link[side] >= 0)
+                levers = levers + rbdi_dot(c->w->kin[con->link[side]].X.r, c->w->kin[con->link[side]].X.r);
     for (int k = 0; k < m->nv; ++k)
         if (c->span[k].end > 0) inverse = inverse + c->D_inverse[k];
     c->noise = levers * inverse * (RBDI_MOTIONLESS * RBDI_MOTIONLESS);
 }
 
-/* Rows i .. i + n - 1 of Delta from the diagonal on, and b behind them. The rows have entries in these
-   dofs. */
+/* Two consecutive batches of a row. */
+typedef struct rbdi_batches {
+    rbdi_batch first, second;
+} rbdi_batches;
+
+/* Rows i .. i + n - 1 of Delta from the diagonal on, and b behind them. The rows have entries in these dofs
+   alone. */
 RBDI_INLINE void rbdi_delta_rows(const rbd_constraint_set *c, const int16_t *dof, int dofs, int i, int n) {
     const int stride = c->stride;
     rbd_real *R = c->R + i * stride;
     for (int j = i; j <= c->rows; j += 2 * RBDI_BATCH) {
-        rbdi_batch x[6], y[6];
-        RBDI_UNROLL_SIX for (int r = 0; r < n; ++r) { x[r] = y[r] = rbdi_zero_batch(); }
+        rbdi_batches sum[6];
+        RBDI_UNROLL_SIX for (int r = 0; r < n; ++r) { sum[r].first = sum[r].second = rbdi_zero_batch(); }
         while (dofs > 0 && c->span[dof[dofs - 1]].end <= j) --dofs; /* its rows of Y end there */
         for (int t = 0; t < dofs; ++t) {
             const rbd_real *own = c->Y + dof[t] * stride, inverse = c->D_inverse[dof[t]];
-            const rbdi_batch u = *(const rbdi_batch *)&own[j] * inverse,
-                             v = *(const rbdi_batch *)&own[j + RBDI_BATCH] * inverse;
+            const rbdi_batch first = *(const rbdi_batch *)&own[j] * inverse,
+                             second = *(const rbdi_batch *)&own[j + RBDI_BATCH] * inverse;
             RBDI_UNROLL_SIX for (int r = 0; r < n; ++r) {
-                x[r] = x[r] + u * own[i + r];
-                y[r] = y[r] + v * own[i + r];
+                sum[r].first = sum[r].first + first * own[i + r];
+                sum[r].second = sum[r].second + second * own[i + r];
             }
         }
         RBDI_UNROLL_SIX for (int r = 0; r < n; ++r) {
-            *(rbdi_batch *)&R[r * stride + j] = x[r];
-            *(rbdi_batch *)&R[r * stride + j + RBDI_BATCH] = y[r];
+            *(rbdi_batch *)&R[r * stride + j] = sum[r].first;
+            *(rbdi_batch *)&R[r * stride + j + RBDI_BATCH] = sum[r].second;
         }
     }
     for (int r = 0; r < n; ++r) R[r * stride + c->rows] = c->b[i + r];
@@ -745,45 +759,43 @@ static void rbdi_delta(const rbd_constraint_set *c, const int16_t *dof, int dofs
     }
 }
 
-/* Two batches of row t from column j on, minus the products of the rows before it. */
-typedef struct rbdi_batches {
-    rbdi_batch x, y;
-} rbdi_batches;
+/* Two batches of row t of Delta from column j on, minus the products of the rows of R before it. */
 RBDI_INLINE rbdi_batches rbdi_less_rows(const rbd_constraint_set *c, int t, int j) {
     const int stride = c->stride;
-    const rbd_real *r = c->R, *row = &c->R[t * stride];
-    rbdi_batches b = {*(const rbdi_batch *)&row[j], *(const rbdi_batch *)&row[j + RBDI_BATCH]};
-    for (; r < row; r += stride) {
-        b.x = b.x - *(const rbdi_batch *)&r[j] * r[t];
-        b.y = b.y - *(const rbdi_batch *)&r[j + RBDI_BATCH] * r[t];
+    const rbd_real *row = &c->R[t * stride];
+    rbdi_batches two = {*(const rbdi_batch *)&row[j], *(const rbdi_batch *)&row[j + RBDI_BATCH]};
+    for (const rbd_real *before = c->R; before < row; before += stride) {
+        two.first = two.first - *(const rbdi_batch *)&before[j] * before[t];
+        two.second = two.second - *(const rbdi_batch *)&before[j + RBDI_BATCH] * before[t];
     }
-    return b;
+    return two;
 }
 
-/* Replaces row t of Delta by that of R, and b_t by beta_t. Returns whether the pivot is in doubt. */
+/* Replaces row t of Delta by that of R, and b_t by beta_t. noise: c->noise / RBDI_CLEAR. Returns whether the
+   pivot is in doubt. */
 RBDI_INLINE rbdi_mask rbdi_factor_row(rbd_constraint_set *c, int t, rbd_real noise) {
     rbd_real *R = &c->R[t * c->stride], inverse;
     const rbd_real least = (R[t] + noise) * RBDI_CLEAR;
     rbdi_mask none = rbdi_less(least, least), doubt;
-    rbdi_batches b = rbdi_less_rows(c, t, t);
-    *(rbdi_batch *)&R[t] = b.x;
+    rbdi_batches two = rbdi_less_rows(c, t, t);
+    *(rbdi_batch *)&R[t] = two.first;
     doubt = rbdi_not(rbdi_less(least, R[t]));
-    c->inverse[t] = inverse = rbdi_sqrt(rbdi_reciprocal(R[t], RBDI_TINY, &none));
+    c->R_inverse[t] = inverse = rbdi_sqrt(rbdi_reciprocal(R[t], RBDI_TINY, &none));
     for (int j = t;;) {
-        *(rbdi_batch *)&R[j] = b.x * inverse, *(rbdi_batch *)&R[j + RBDI_BATCH] = b.y * inverse;
+        *(rbdi_batch *)&R[j] = two.first * inverse, *(rbdi_batch *)&R[j + RBDI_BATCH] = two.second * inverse;
         if ((j += 2 * RBDI_BATCH) > c->rows) return doubt;
-        b = rbdi_less_rows(c, t, j);
+        two = rbdi_less_rows(c, t, j);
     }
 }
 
-/* R lambda = beta. lambda is 0 behind the last row. */
+/* Solves R lambda = beta. Entries of lambda behind the last row are 0. */
 static void rbdi_back_substitute(rbd_constraint_set *c) {
     for (int t = c->rows - 1; t >= 0; --t) {
         const rbd_real *R = &c->R[t * c->stride];
         rbdi_sum sum = rbdi_sum_of_none();
         for (int j = t + 1; j < c->rows; j += RBDI_BATCH)
             sum = rbdi_sum_and(sum, *(const rbdi_batch *)&R[j] * *(const rbdi_batch *)&c->lambda[j]);
-        c->lambda[t] = c->inverse[t] * (R[c->rows] - rbdi_sum_value(sum));
+        c->lambda[t] = c->R_inverse[t] * (R[c->rows] - rbdi_sum_value(sum));
     }
 }
 
@@ -793,32 +805,33 @@ static rbdi_mask rbdi_factor_delta(const rbd_model *m, rbd_constraint_set *c) {
     rbd_real noise;
     rbdi_bound_noise(m, c);
     noise = c->noise * (1 / RBDI_CLEAR);
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
-        rbdi_delta(c, k->dof, k->dofs, k->row, k->rows);
-        for (int t = k->row; t < k->row + k->rows; ++t) doubt = rbdi_or(doubt, rbdi_factor_row(c, t, noise));
+    for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con) {
+        rbdi_delta(c, con->dof, con->dofs, con->row, con->rows);
+        for (int t = con->row; t < con->row + con->rows; ++t)
+            doubt = rbdi_or(doubt, rbdi_factor_row(c, t, noise));
     }
     return doubt;
 }
 
 /* ==== src/constraints/rank.h ==== */
 /* ---- rank [rank] ----
-   If a pivot of Delta = Z'Z, Z = D^-1/2 Y, is in doubt, Z is factored instead. Its condition number is the
-   square root of that of Delta:
+   If a pivot of Delta = Z'Z, Z = D^-1/2 Y, is in doubt, Z is factored instead, whose condition number is the
+   square root of Delta's:
 
        Z P = Q R,    Delta = P R' R P'
 
    by Householder's reflections with column pivoting (Golub and Van Loan, Matrix Computations, section 5.4.2).
-   Each step takes the row that depends least, by its share, on the rows taken before, and P exchanges
-   it with the row in its place. So the state decides the order, not the caller. Once the largest share is
-   rounding ([tolerances]), all remaining rows depend on those taken: they are dropped, 1/R_tt = 0.
+   A row of a constraint is a column of Z. Each step takes the row of which the largest share is independent
+   of the rows taken before, and P exchanges it with the row in its place. So the state decides the order, not
+   the caller. Once the largest share is rounding ([tolerances]), all remaining rows depend on those taken:
+   they are dropped, 1/R_tt = 0.
 
    Q is not needed. R' beta = b and R lambda = beta give lambda, 0 for dropped rows. The equation of motion
    then holds to rounding whatever the rank is, and so do the rows taken. For a dropped row j, R n = 0 with
-   n_j = 1 gives a null vector: J'n = 0. The rows agree only if n'b = 0. The null vectors are made orthogonal
-   one after the other (Gram and Schmidt); lambda has the least norm once it has lost its components along
-   them.
+   n_j = 1 gives a null vector n: J' n = 0. The rows agree only if n' b = 0. The null vectors are made
+   orthogonal to each other (Gram and Schmidt); lambda less its components along them has the least norm.
 
-   Lanes may differ in order and rank: branches only ask whether all lanes agree. */
+   Lanes may differ in order and rank, so no branch depends on one lane alone. */
 
 static rbdi_mask rbdi_is_index(rbd_real x, int k) {
     return rbdi_and(rbdi_less(rbdi_set(RBD_C(k) - RBD_C(0.5)), x),
@@ -826,30 +839,30 @@ static rbdi_mask rbdi_is_index(rbd_real x, int k) {
 }
 
 static rbdi_mask rbdi_dropped(const rbd_constraint_set *c, int t) {
-    return rbdi_not(rbdi_less(rbdi_zero(), rbdi_abs(c->inverse[t])));
+    return rbdi_not(rbdi_less(rbdi_zero(), rbdi_abs(c->R_inverse[t])));
 }
 
-/* Exchanges entry t of x with that of the row chosen for its place. Entries are `step` apart. Does so for n
+/* Exchanges entry t of x with that of row pivot_row[t]. Entries of x are `step` apart. Does so for `count`
    vectors x, `next` apart. */
-static void rbdi_exchange(const rbd_constraint_set *c, int t, rbd_real *x, int step, int n, int next) {
+static void rbdi_exchange(const rbd_constraint_set *c, int t, rbd_real *x, int step, int count, int next) {
     for (int j = t + 1; j < c->rows; ++j) {
-        const rbdi_mask here = rbdi_is_index(c->chosen[t], j);
-        rbd_real *a = x + t * step, *b = x + j * step;
+        const rbdi_mask here = rbdi_is_index(c->pivot_row[t], j);
+        rbd_real *one = x + t * step, *two = x + j * step;
         if (!rbdi_any(here)) continue;
-        for (int k = 0; k < n; ++k, a += next, b += next) {
-            const rbd_real old = *a;
-            *a = rbdi_select(here, *b, old);
-            *b = rbdi_select(here, old, *b);
+        for (int i = 0; i < count; ++i, one += next, two += next) {
+            const rbd_real old = *one;
+            *one = rbdi_select(here, *two, old);
+            *two = rbdi_select(here, old, *two);
         }
     }
 }
 
-/* X, of n columns, to the order of R; and back. */
-static void rbdi_to_order(const rbd_constraint_set *c, rbd_real *X, int n) {
-    for (int t = 0; c->exchanged && t < c->rows; ++t) rbdi_exchange(c, t, X, n, n, 1);
+/* P' X and P X. X: rows x columns. */
+static void rbdi_permute(const rbd_constraint_set *c, rbd_real *X, int columns) {
+    for (int t = 0; c->pivoted && t < c->rows; ++t) rbdi_exchange(c, t, X, columns, columns, 1);
 }
-static void rbdi_from_order(const rbd_constraint_set *c, rbd_real *X, int n) {
-    for (int t = c->rows - 1; c->exchanged && t >= 0; --t) rbdi_exchange(c, t, X, n, n, 1);
+static void rbdi_permute_back(const rbd_constraint_set *c, rbd_real *X, int columns) {
+    for (int t = c->rows - 1; c->pivoted && t >= 0; --t) rbdi_exchange(c, t, X, columns, columns, 1);
 }
 
 /* c->square of the rows from t on. */
@@ -864,24 +877,24 @@ static void rbdi_independent_squares(const rbd_constraint_set *c, int nv, int t)
     }
 }
 
-/* Exchanges row t with the row whose independent share is largest. */
+/* Exchanges row t with the row that has the largest independent share. */
 static void rbdi_choose_row(rbd_constraint_set *c, int nv, int t) {
-    rbd_real best = c->square[t] * c->share[t], at = rbdi_set(RBD_C(t));
+    rbd_real best = c->square[t] * c->inverse_square[t], at = rbdi_set(RBD_C(t));
     for (int j = t + 1; j < c->rows; ++j) {
-        const rbd_real share = c->square[j] * c->share[j];
+        const rbd_real share = c->square[j] * c->inverse_square[j];
         const rbdi_mask more = rbdi_less(best * RBDI_CLEARLY_MORE, share);
         best = rbdi_select(more, share, best), at = rbdi_select(more, rbdi_set(RBD_C(j)), at);
     }
-    c->chosen[t] = at;
+    c->pivot_row[t] = at;
     rbdi_exchange(c, t, c->R, 1, nv, c->stride);
     rbdi_exchange(c, t, c->square, 1, 1, 0);
-    rbdi_exchange(c, t, c->share, 1, 1, 0);
+    rbdi_exchange(c, t, c->inverse_square, 1, 1, 0);
 }
 
-/* Householder's reflection that makes R_tt the last entry of column t. */
+/* Householder's reflection that leaves R_tt as the last entry of column t other than 0. */
 static void rbdi_reflect(rbd_constraint_set *c, int nv, int t) {
     const int stride = c->stride;
-    rbd_real *Z = c->R, *h = c->stack;
+    rbd_real *Z = c->R, *h = c->householder;
     rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
     const rbd_real head = Z[t * stride + t], length = rbdi_sqrt(c->square[t]),
                    R = rbdi_select(rbdi_less(head, rbdi_zero()), length, -length),
@@ -900,7 +913,7 @@ static void rbdi_reflect(rbd_constraint_set *c, int nv, int t) {
     Z[t * stride + t] = R;
 }
 
-/* R of all rows, and 1/R_tt: 0 if row t depends on those before it. */
+/* R of all rows, and 1/R_tt, which is 0 if row t depends on those before it. */
 static void rbdi_orthogonalise(const rbd_model *m, rbd_constraint_set *c) {
     const rbd_real noise = c->noise * (1 / RBDI_RANK), one = rbdi_set(RBD_C(1));
     const int nv = m->nv, steps = c->rows < nv ? c->rows : nv;
@@ -914,31 +927,32 @@ static void rbdi_orthogonalise(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_independent_squares(c, nv, 0);
     for (int r = 0; r < c->rows; ++r) {
         rbdi_mask none = rbdi_less(one, rbdi_zero());
-        c->share[r] = rbdi_reciprocal(c->square[r] + noise, RBDI_TINY, &none);
-        c->inverse[r] = rbdi_zero(), c->chosen[r] = rbdi_set(RBD_C(r));
+        c->inverse_square[r] = rbdi_reciprocal(c->square[r] + noise, RBDI_TINY, &none);
+        c->R_inverse[r] = rbdi_zero(), c->pivot_row[r] = rbdi_set(RBD_C(r));
     }
     for (int t = 0; t < steps; ++t) {
         if (t > 0) rbdi_independent_squares(c, nv, t);
         rbdi_choose_row(c, nv, t);
-        taken = rbdi_and(taken, rbdi_not(rbdi_less(c->square[t] * c->share[t], rbdi_set(RBDI_RANK))));
+        taken =
+            rbdi_and(taken, rbdi_not(rbdi_less(c->square[t] * c->inverse_square[t], rbdi_set(RBDI_RANK))));
         if (!rbdi_any(taken)) return;
         rbdi_reflect(c, nv, t);
-        c->inverse[t] =
+        c->R_inverse[t] =
             rbdi_select(taken, one / rbdi_select(taken, c->R[t * c->stride + t], one), rbdi_zero());
     }
 }
 
 /* The null vector of a dropped row t, 0 in lanes that took the row. Its t + 1 entries replace row t of c->R
    up to the diagonal, which is no longer needed. */
-static rbd_real *rbdi_null(const rbd_constraint_set *c, int t) { return &c->R[t * c->stride]; }
+static rbd_real *rbdi_null_vector(const rbd_constraint_set *c, int t) { return &c->R[t * c->stride]; }
 
 /* x loses its component along the null vector of row t. */
 static void rbdi_project(const rbd_constraint_set *c, int t, rbd_real *x) {
-    const rbd_real *n = rbdi_null(c, t);
-    rbdi_mask none = rbdi_less(n[0], n[0]); /* n is shorter than 1 only where it is 0 */
-    const rbd_real share =
-        rbdi_rows_product(n, x, t + 1) * rbdi_reciprocal(rbdi_rows_product(n, n, t + 1), RBD_C(0.5), &none);
-    for (int k = 0; k <= t; ++k) x[k] = x[k] - share * n[k];
+    const rbd_real *null = rbdi_null_vector(c, t);
+    rbdi_mask none = rbdi_less(null[0], null[0]); /* its length is 0, or at least 1 */
+    const rbd_real factor = rbdi_rows_product(null, x, t + 1) *
+                            rbdi_reciprocal(rbdi_rows_product(null, null, t + 1), RBD_C(0.5), &none);
+    for (int i = 0; i <= t; ++i) x[i] = x[i] - factor * null[i];
 }
 
 /* x loses its components along the null vectors of the rows before row `end`. */
@@ -947,93 +961,95 @@ static void rbdi_project_rows(const rbd_constraint_set *c, int end, rbd_real *x)
         if (rbdi_any(rbdi_dropped(c, t))) rbdi_project(c, t, x);
 }
 
-/* The null vectors of all dropped rows, made orthogonal one after the other (Gram and Schmidt). */
+/* The null vectors of all dropped rows, orthogonal to each other. */
 static void rbdi_null_space(const rbd_constraint_set *c) {
     for (int t = 0; t < c->rows; ++t) {
-        rbd_real *n = rbdi_null(c, t);
+        rbd_real *null = rbdi_null_vector(c, t);
         if (!rbdi_any(rbdi_dropped(c, t))) continue;
-        n[t] = rbdi_select(rbdi_dropped(c, t), rbdi_set(RBD_C(1)), rbdi_zero());
+        null[t] = rbdi_select(rbdi_dropped(c, t), rbdi_set(RBD_C(1)), rbdi_zero());
         for (int i = t - 1; i >= 0; --i)
-            n[i] = -c->inverse[i] * rbdi_rows_product(&c->R[i * c->stride + i + 1], &n[i + 1], t - i);
-        rbdi_project_rows(c, t, n);
+            null[i] = -c->R_inverse[i] * rbdi_rows_product(&c->R[i * c->stride + i + 1], &null[i + 1], t - i);
+        rbdi_project_rows(c, t, null);
     }
 }
 
 static rbd_real rbdi_sum_abs(rbdi_v3 x) { return rbdi_abs(x.x) + rbdi_abs(x.y) + rbdi_abs(x.z); }
 
-/* J v, gamma and e of a constraint are differences of terms. This bounds the terms of its target. */
-static rbd_real rbdi_motion_size(const rbd_constraint_set *c, const rbdi_constraint *k) {
-    const rbdi_station one = rbdi_station_of(c, k, 0), two = rbdi_station_of(c, k, 1);
+/* A bound on the terms of a constraint's target. J v, gamma and e in it are differences, so they may be far
+   smaller than their terms. */
+static rbd_real rbdi_motion_size(const rbd_constraint_set *c, const rbdi_constraint *con) {
+    const rbdi_station one = rbdi_station_of(c, con, 0), two = rbdi_station_of(c, con, 1);
     const rbd_real w = rbdi_sum_abs(one.omega) + rbdi_sum_abs(two.omega),
                    v = w + rbdi_sum_abs(one.v) + rbdi_sum_abs(two.v),
                    p = rbdi_sum_abs(one.p) + rbdi_sum_abs(two.p) + RBD_C(1);
     const rbd_real turning = rbdi_sum_abs(one.omega_dot) + rbdi_sum_abs(two.omega_dot),
                    moving = rbdi_sum_abs(one.acc) + rbdi_sum_abs(two.acc);
-    return turning + moving + v * (w + (RBD_C(1) + k->kd)) + p * k->kp;
+    return turning + moving + v * (w + (RBD_C(1) + con->kd)) + p * con->kp;
 }
 
-/* Replaces c->demand by the amount by which targets may contradict each other. Brings it and c->target to the
-   order of R. */
-static void rbdi_bound_demand(rbd_constraint_set *c) {
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
-        const rbd_real noise = rbdi_motion_size(c, k) * RBDI_NOISE;
-        for (int r = k->row; r < k->row + k->rows; ++r)
-            c->demand[r] = rbdi_sqrt(c->demand[r]) * RBDI_FEASIBLE + noise;
+/* Makes c->slack the amount by which rounding and drift may change an entry of b. Permutes it and c->target
+   as R. */
+static void rbdi_set_slack(rbd_constraint_set *c) {
+    for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con) {
+        const rbd_real noise = rbdi_motion_size(c, con) * RBDI_NOISE;
+        for (int r = con->row; r < con->row + con->rows; ++r)
+            c->slack[r] = rbdi_sqrt(c->slack[r]) * RBDI_FEASIBLE + noise;
     }
-    rbdi_to_order(c, c->demand, 1);
-    rbdi_to_order(c, c->target, 1);
+    rbdi_permute(c, c->slack, 1);
+    rbdi_permute(c, c->target, 1);
 }
 
 /* Notes the first dropped row, in the caller's order, that contradicts the rows it depends on: the targets
-   have a component along its null vector. */
+   have a component along its null vector. (J x of any x has none.) */
 static void rbdi_check_rows(rbd_constraint_set *c) {
-    rbd_real *bad = c->share;
+    rbd_real *bad = c->inverse_square;
     const rbd_real one = rbdi_set(RBD_C(1));
-    rbdi_bound_demand(c);
+    rbdi_set_slack(c);
     rbdi_clear(bad, c->rows);
     for (int t = 0; t < c->rows; ++t) {
-        const rbd_real *n = rbdi_null(c, t);
+        const rbd_real *null = rbdi_null_vector(c, t);
         rbd_real bound = rbdi_zero();
         if (!rbdi_any(rbdi_dropped(c, t))) continue;
-        for (int j = 0; j <= t; ++j) bound = bound + rbdi_abs(n[j]) * c->demand[j];
-        bad[t] =
-            rbdi_select(rbdi_less(bound, rbdi_abs(rbdi_rows_product(n, c->target, t + 1))), one, rbdi_zero());
+        for (int j = 0; j <= t; ++j) bound = bound + rbdi_abs(null[j]) * c->slack[j];
+        bad[t] = rbdi_select(rbdi_less(bound, rbdi_abs(rbdi_rows_product(null, c->target, t + 1))), one,
+                             rbdi_zero());
     }
-    rbdi_from_order(c, bad, 1);
+    rbdi_permute_back(c, bad, 1);
     for (int r = c->rows - 1; r >= 0; --r)
         if (rbdi_any(rbdi_less(rbdi_zero(), bad[r]))) c->infeasible = r;
 }
 
-/* The n columns of X lose their components along the null vectors. */
-static void rbdi_project_columns(const rbd_constraint_set *c, rbd_real *X, int n) {
+/* The columns of X lose their components along the null vectors. X: rows x columns. */
+static void rbdi_project_columns(const rbd_constraint_set *c, rbd_real *X, int columns) {
     rbd_real *x = c->square;
-    for (int column = 0; c->exchanged && column < n; ++column) {
-        for (int i = 0; i < c->rows; ++i) x[i] = X[i * n + column];
+    for (int j = 0; c->pivoted && j < columns; ++j) {
+        for (int i = 0; i < c->rows; ++i) x[i] = X[i * columns + j];
         rbdi_project_rows(c, c->rows, x);
-        for (int i = 0; i < c->rows; ++i) X[i * n + column] = x[i];
+        for (int i = 0; i < c->rows; ++i) X[i * columns + j] = x[i];
     }
 }
 
-/* X = Delta^-1 X, of least norm, for n columns. If rows depend on each other, the right-hand side loses its
-   components along the null vectors, too: with them the equations would contradict each other. */
-static void rbdi_delta_solve(const rbd_constraint_set *c, rbd_real *X, int n) {
+/* X = Delta^-1 X, of least norm. X: rows x columns. If rows depend on each other, the right-hand sides lose
+   their components along the null vectors, too: with them the equations would contradict each other. */
+static void rbdi_delta_solve(const rbd_constraint_set *c, rbd_real *X, int columns) {
     rbd_real *x = c->square;
-    rbdi_to_order(c, X, n);
-    rbdi_project_columns(c, X, n);
+    rbdi_permute(c, X, columns);
+    rbdi_project_columns(c, X, columns);
     for (int t = 0; t < c->rows; ++t) {
         for (int i = 0; i < t; ++i) x[i] = c->R[i * c->stride + t];
-        rbdi_subtract_product(x, X, t, n, &X[t * n]);
-        rbdi_multiply(&X[t * n], c->inverse[t], n);
+        rbdi_subtract_product(x, X, t, columns, &X[t * columns]);
+        rbdi_multiply(&X[t * columns], c->R_inverse[t], columns);
     }
     for (int t = c->rows - 1; t >= 0; --t) {
-        rbdi_subtract_product(&c->R[t * c->stride + t + 1], &X[(t + 1) * n], c->rows - t - 1, n, &X[t * n]);
-        rbdi_multiply(&X[t * n], c->inverse[t], n);
+        rbdi_subtract_product(&c->R[t * c->stride + t + 1], &X[(t + 1) * columns], c->rows - t - 1, columns,
+                              &X[t * columns]);
+        rbdi_multiply(&X[t * columns], c->R_inverse[t], columns);
     }
-    rbdi_project_columns(c, X, n);
-    rbdi_from_order(c, X, n);
+    rbdi_project_columns(c, X, columns);
+    rbdi_permute_back(c, X, columns);
 }
 
-/* Gives lambda to the caller; returns the status of a call from that of the pivots of M. */
+/* Gives lambda to the caller. Returns the status of a call from that of the pivots of M. */
 static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraint_set *c, rbd_status status,
                                           rbd_real *lambda) {
     if (status) (void)rbdi_verdict(m, c->w, c->lambda, c->rows);
@@ -1046,38 +1062,39 @@ static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraint_set
 /* Interface: rbdi_reduce_rows, rbdi_sweep_back, rbdi_sweep_down */
 
 /* ---- solution [solution] ----
-   The steps by the factor of M, before and after [factor] or [rank]. L = NULL means L = 1. */
+   The steps by the factor M = L'DL, before and after [factor] or [rank]. L = NULL: the identity. */
 
-/* x = L^-T x; D^-1. */
+/* x = L^-T x, and c->D_inverse from the factor. */
 static void rbdi_sweep_back(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
     rbdi_solve_up(m, c->w, L, 1, 1, c->x);
     for (int k = 0; k < m->nv; ++k) c->D_inverse[k] = L[m->dof[k].row + m->dof[k].depth];
 }
 
-/* Y = L^-T Y and b = target - Y' D^-1 x. Lanes behind a dof's span are 0. */
+/* Y = L^-T Y, b = target - Y' D^-1 x, and the squares of b's terms. Batches may reach beyond a dof's span:
+   entries there are 0. */
 static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
     if (L) rbdi_solve_up(m, c->w, L, c->stride, c->rows, c->Y);
     for (int r = 0; r < c->rows; r += RBDI_BATCH) {
         const rbdi_batch b = *(const rbdi_batch *)&c->target[r];
-        *(rbdi_batch *)&c->b[r] = b, *(rbdi_batch *)&c->demand[r] = b * b;
+        *(rbdi_batch *)&c->b[r] = b, *(rbdi_batch *)&c->slack[r] = b * b;
     }
     for (int k = 0; k < m->nv; ++k) {
-        const rbd_real x = c->x[k] * c->D_inverse[k];
+        const rbd_real z = c->x[k] * c->D_inverse[k];
         for (int r = c->span[k].first; r < c->span[k].end; r += RBDI_BATCH) {
-            const rbdi_batch term = *(const rbdi_batch *)&c->Y[k * c->stride + r] * x;
-            rbdi_batch *b = (rbdi_batch *)&c->b[r], *demand = (rbdi_batch *)&c->demand[r];
+            const rbdi_batch term = *(const rbdi_batch *)&c->Y[k * c->stride + r] * z;
+            rbdi_batch *b = (rbdi_batch *)&c->b[r], *squares = (rbdi_batch *)&c->slack[r];
             *b = *b - term;
-            *demand = *demand + term * term;
+            *squares = *squares + term * term;
         }
     }
 }
 
-/* Entry k of Y lambda. */
-RBDI_INLINE rbd_real rbdi_rows_push(const rbd_constraint_set *c, int k) {
-    const rbdi_span s = c->span[k];
+/* Entry of dof k of Y lambda. */
+RBDI_INLINE rbd_real rbdi_y_lambda(const rbd_constraint_set *c, int k) {
+    const rbdi_span span = c->span[k];
     const rbd_real *y = &c->Y[k * c->stride], *lambda = c->lambda;
     rbdi_sum sum = rbdi_sum_of_none();
-    for (int r = s.first; r < s.end; r += RBDI_BATCH)
+    for (int r = span.first; r < span.end; r += RBDI_BATCH)
         sum = rbdi_sum_and(sum, *(const rbdi_batch *)&y[r] * *(const rbdi_batch *)&lambda[r]);
     return rbdi_sum_value(sum);
 }
@@ -1085,7 +1102,7 @@ RBDI_INLINE rbd_real rbdi_rows_push(const rbd_constraint_set *c, int k) {
 /* x = L^-1 D^-1 (x + Y lambda). */
 static void rbdi_sweep_down(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
     for (int k = 0; k < m->nv; ++k) {
-        c->x[k] = c->x[k] + rbdi_rows_push(c, k);
+        c->x[k] = c->x[k] + rbdi_y_lambda(c, k);
         if (!L) c->x[k] = c->x[k] * c->D_inverse[k];
     }
     if (L) rbdi_solve_down(m, c->w, L, 1, 1, 1, c->x);
@@ -1093,15 +1110,15 @@ static void rbdi_sweep_down(const rbd_model *m, rbd_constraint_set *c, const rbd
 
 /* ==== src/constraints/articulated.h ==== */
 /* ---- articulated bodies [articulated] ----
-   A unit force (moment) of a row acts on both bodies, with opposite signs, as wrenches K on their links.
-   Pass 2 of [aba] eliminates one joint after the other. K is then carried from link to link to the world. The
-   acceleration of a joint's link without S qdd is y = X y_p + c. At each joint
+   The Popov-Vereshchagin algorithm. A unit force (moment) of a row acts on both bodies, with opposite
+   signs, as wrenches K on their links. Pass 2 of [aba] has eliminated the joints; K is carried past each of
+   them to the world. a' = X a_p + c is the acceleration of a joint's link without S qdd. At each joint
 
        Y = S' K,   K -= U/D Y,   epsilon += Y u/D + K' c,   K_p = X' K
 
-   and the acceleration along the rows is K' y + epsilon + Delta lambda, where Delta = Y' D^-1 Y of the joints
-   so far. At the common ancestor of the two links the two wrenches are added. In the world y is known, and
-   [factor] gives lambda from b = target - epsilon - K' y. Then u/D += Y'lambda / D, and pass 3 gives the
+   and the acceleration along the row is K' a' + epsilon + Delta lambda, where Delta = Y' D^-1 Y of the joints
+   so far. At the common ancestor of the two links the two wrenches are added. In the world a' is known, and
+   [factor] gives lambda from b = target - epsilon - K' a'. Then u/D += D^-1 Y lambda, and pass 3 gives the
    accelerations. */
 
 #if RBDI_BATCH > 1
@@ -1110,40 +1127,41 @@ static void rbdi_sweep_down(const rbd_model *m, rbd_constraint_set *c, const rbd
 #define rbdi_wrenches_up rbdi_array_up
 #endif
 
-/* K of a batch of rows, in the axes of the link that it was carried to, and target - epsilon. */
-typedef struct rbdi_carried {
+/* K of a batch of rows, in the axes of the link that it was carried to, and b = target - epsilon. */
+typedef struct rbdi_row_wrenches {
     rbdi_batch K[6], b;
-} rbdi_carried;
+} rbdi_row_wrenches;
 
-/* K of a batch of rows, from row r of the constraint on, on the link of a side; 0 on the world. p: origin of
-   frame 1, where the forces act. */
-RBDI_INLINE void rbdi_start_rows(const rbd_constraint_set *c, const rbdi_constraint *k,
+/* K on one of the two links, of a batch of rows from row r of the constraint on; 0 if it is the world. p:
+   origin of frame 1, where the forces act. */
+RBDI_INLINE void rbdi_start_rows(const rbd_constraint_set *c, const rbdi_constraint *con,
                                  const rbdi_axes_held *h, rbdi_v3 p, int side, int r, rbdi_batch K[6]) {
-    const int link = k->link[k->link[side] < 0 ? 1 : side];
+    const int link = con->link[con->link[side] < 0 ? 1 : side];
     const rbdi_pose X = c->w->kin[link].X;
-    const rbd_real sign = rbdi_set(side ? RBD_C(-1) : RBD_C(k->link[0] >= 0));
-    const rbdi_v3 arm = side ? rbdi_mul(X.E, rbdi_sub(p, X.r)) : rbdi_vec_c(k->p[0]);
+    const rbd_real sign = rbdi_set(side ? RBD_C(-1) : RBD_C(con->link[0] >= 0));
+    const rbdi_v3 arm = side ? rbdi_mul(X.E, rbdi_sub(p, X.r)) : rbdi_vec_c(con->position[0]);
     const rbdi_v3 axis[3] = {rbdi_scale(sign, rbdi_vec(X.E.xx, X.E.xy, X.E.xz)),
                              rbdi_scale(sign, rbdi_vec(X.E.yx, X.E.yy, X.E.yz)),
                              rbdi_scale(sign, rbdi_vec(X.E.zx, X.E.zy, X.E.zz))};
     for (int j = 0; j < 3; ++j)
-        K[3 + j] = *(const rbdi_batch *)&h->x[3][r] * axis[j].x +
-                   *(const rbdi_batch *)&h->x[4][r] * axis[j].y +
-                   *(const rbdi_batch *)&h->x[5][r] * axis[j].z;
+        K[3 + j] = *(const rbdi_batch *)&h->axis[3][r] * axis[j].x +
+                   *(const rbdi_batch *)&h->axis[4][r] * axis[j].y +
+                   *(const rbdi_batch *)&h->axis[5][r] * axis[j].z;
     K[0] = K[5] * arm.y - K[4] * arm.z;
     K[1] = K[3] * arm.z - K[5] * arm.x;
     K[2] = K[4] * arm.x - K[3] * arm.y;
-    for (int j = 0; k->angular && j < 3; ++j)
-        K[j] = K[j] + *(const rbdi_batch *)&h->x[0][r] * axis[j].x +
-               *(const rbdi_batch *)&h->x[1][r] * axis[j].y + *(const rbdi_batch *)&h->x[2][r] * axis[j].z;
+    for (int j = 0; con->angular && j < 3; ++j)
+        K[j] = K[j] + *(const rbdi_batch *)&h->axis[0][r] * axis[j].x +
+               *(const rbdi_batch *)&h->axis[1][r] * axis[j].y +
+               *(const rbdi_batch *)&h->axis[2][r] * axis[j].z;
 }
 
 /* Carries K past the joint of one-axis link i, into the parent's axes. Writes Y. */
-RBDI_INLINE void rbdi_rows_axis(const rbd_model *m, const rbd_work *w, int i, int flags, rbdi_carried *on,
-                                rbdi_batch *Y) {
+RBDI_INLINE void rbdi_rows_axis(const rbd_model *m, const rbd_work *w, int i, int flags,
+                                rbdi_row_wrenches *rows, rbdi_batch *Y) {
     const rbdi_link *l = &m->link[i];
     const rbdi_scratch *own = &w->scratch[i];
-    rbdi_batch *K = on->K, y = K[2], z = K[2], term;
+    rbdi_batch *K = rows->K, y = K[2], z = K[2], term;
     if (flags & RBDI_SLIDES) y = K[2] * l->rho + K[5] * l->kappa;
     *Y = y;
     K[0] = K[0] - y * own->U_D.n.x, K[1] = K[1] - y * own->U_D.n.y;
@@ -1152,11 +1170,11 @@ RBDI_INLINE void rbdi_rows_axis(const rbd_model *m, const rbd_work *w, int i, in
     K[3] = K[3] - y * own->U_D.f.x, K[4] = K[4] - y * own->U_D.f.y, K[5] = K[5] - y * own->U_D.f.z;
     term = y * own->u_D + K[0] * own->c.omega.x + K[1] * own->c.omega.y;
     term = term + K[3] * own->c.v.x + K[4] * own->c.v.y + K[5] * own->c.v.z;
-    on->b = on->b - term;
+    rows->b = rows->b - term;
     rbdi_wrenches_up(l, flags, rbdi_trig_of(m, w, i, flags), K);
 }
 
-/* K = X' K of a block link. */
+/* X' K of a block link. */
 RBDI_INLINE void rbdi_wrenches_up_block(const rbdi_pose *X, rbdi_batch K[6]) {
     const rbdi_mat E = X->E;
     const rbdi_v3 r = X->r;
@@ -1171,71 +1189,71 @@ RBDI_INLINE void rbdi_wrenches_up_block(const rbdi_pose *X, rbdi_batch K[6]) {
     K[2] = K[2] + K[4] * r.x - K[3] * r.y;
 }
 
-/* Carries K past the n dofs of a block, whose rows of Y are `stride` apart. Nothing of K passes a free
-   base: its U/D has only the entries that its own dofs need. */
-RBDI_INLINE void rbdi_rows_dofs(const rbdi_block_work *bw, int first, int n, int free_base, rbdi_carried *on,
-                                rbd_real *Y, int stride) {
+/* Carries K past the n dofs of a block, whose rows of Y are `stride` apart. At a free base all of K is
+   eliminated: U/D has only the entries that its own dofs need. */
+RBDI_INLINE void rbdi_rows_dofs(const rbdi_block_work *bw, int first, int n, int free_base,
+                                rbdi_row_wrenches *rows, rbd_real *Y, int stride) {
     RBDI_UNROLL_SIX for (int d = n - 1; d >= 0; --d) {
-        const rbdi_batch y = on->K[first + d];
+        const rbdi_batch y = rows->K[first + d];
         const int end = free_base ? d : 6;
         *(rbdi_batch *)&Y[d * stride] = y;
-        on->b = on->b - y * bw->u_D[d];
-        RBDI_UNROLL_SIX for (int j = 0; j < end; ++j) { on->K[j] = on->K[j] - y * bw->U_D[d][j]; }
+        rows->b = rows->b - y * bw->u_D[d];
+        RBDI_UNROLL_SIX for (int j = 0; j < end; ++j) { rows->K[j] = rows->K[j] - y * bw->U_D[d][j]; }
     }
 }
-static rbdi_carried rbdi_rows_block(const rbd_model *m, const rbd_work *w, int i, rbdi_carried on,
-                                    rbd_real *Y, int stride) {
+static rbdi_row_wrenches rbdi_rows_block(const rbd_model *m, const rbd_work *w, int i, rbdi_row_wrenches rows,
+                                         rbd_real *Y, int stride) {
     const rbdi_link *l = &m->link[i];
     const rbdi_block *b = rbdi_block_of(m, l);
     const rbdi_block_work *bw = &w->block[l->block];
     if (rbdi_free_base(l, b)) {
-        rbdi_rows_dofs(bw, 0, 6, 1, &on, Y, stride);
-        for (int j = 0; j < 6; ++j) on.K[j] = rbdi_zero_batch();
+        rbdi_rows_dofs(bw, 0, 6, 1, &rows, Y, stride);
+        for (int j = 0; j < 6; ++j) rows.K[j] = rbdi_zero_batch();
     } else {
         rbd_real C[6];
         rbdi_store_motion(C, 1, w->scratch[i].c);
-        rbdi_rows_dofs(bw, b->first, b->n, 0, &on, Y, stride);
-        for (int j = 0; j < 6; ++j) on.b = on.b - on.K[j] * C[j];
-        rbdi_wrenches_up_block(&bw->X, on.K);
+        rbdi_rows_dofs(bw, b->first, b->n, 0, &rows, Y, stride);
+        for (int j = 0; j < 6; ++j) rows.b = rows.b - rows.K[j] * C[j];
+        rbdi_wrenches_up_block(&bw->X, rows.K);
     }
-    return on;
+    return rows;
 }
 
 /* Carries K from link i to its ancestor `stop`. Y: the batch in the row of dof 0. */
 static void rbdi_carry_rows(const rbd_model *m, const rbd_constraint_set *c, int i, int stop,
-                            rbdi_carried *carried, rbd_real *Y) {
-    rbdi_carried on = *carried; /* in registers */
+                            rbdi_row_wrenches *carried, rbd_real *Y) {
+    rbdi_row_wrenches rows = *carried; /* in registers */
     for (; i > stop; i = m->link[i].parent) {
         const rbdi_link *l = &m->link[i];
         rbd_real *to = Y + l->iv * c->stride;
         if (rbdi_is(l, RBDI_BLOCK))
-            on = rbdi_rows_block(m, c->w, i, on, to, c->stride);
+            rows = rbdi_rows_block(m, c->w, i, rows, to, c->stride);
         else
-            RBDI_BY_FLAGS(flags, l, rbdi_rows_axis(m, c->w, i, flags, &on, (rbdi_batch *)to));
+            RBDI_BY_FLAGS(flags, l, rbdi_rows_axis(m, c->w, i, flags, &rows, (rbdi_batch *)to));
     }
-    *carried = on;
+    *carried = rows;
 }
 
-/* Y and b of a batch of rows, from row r of the constraint on. h, p: its axes and the origin of frame 1. */
-static void rbdi_rows_to_world(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k, int r,
+/* Y and b of a batch of rows from row r of the constraint on. h: its axes. p: origin of frame 1. */
+static void rbdi_rows_to_world(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *con, int r,
                                const rbdi_axes_held *h, rbdi_v3 p) {
-    rbd_real *Y = c->Y + k->row + r;
-    rbdi_carried on, one;
-    for (int j = 0; j < 6; ++j) on.K[j] = rbdi_zero_batch();
-    on.b = *(const rbdi_batch *)&c->target[k->row + r];
-    for (int side = 0; side < (k->link[1] < 0 ? 1 : 2); ++side) {
-        rbdi_start_rows(c, k, h, p, side, r, one.K);
-        one.b = on.b;
-        rbdi_carry_rows(m, c, k->link[side], k->ancestor, &one, Y);
-        for (int j = 0; j < 6; ++j) on.K[j] = on.K[j] + one.K[j];
-        on.b = one.b;
+    rbd_real *Y = c->Y + con->row + r;
+    rbdi_row_wrenches rows, one;
+    for (int j = 0; j < 6; ++j) rows.K[j] = rbdi_zero_batch();
+    rows.b = *(const rbdi_batch *)&c->target[con->row + r];
+    for (int side = 0; side < (con->link[1] < 0 ? 1 : 2); ++side) {
+        rbdi_start_rows(c, con, h, p, side, r, one.K);
+        one.b = rows.b;
+        rbdi_carry_rows(m, c, con->link[side], con->ancestor, &one, Y);
+        for (int j = 0; j < 6; ++j) rows.K[j] = rows.K[j] + one.K[j];
+        rows.b = one.b;
     }
-    rbdi_carry_rows(m, c, k->ancestor, -1, &on, Y);
-    on.b = on.b - on.K[3] * c->world.x - on.K[4] * c->world.y - on.K[5] * c->world.z;
-    *(rbdi_batch *)&c->b[k->row + r] = on.b;
+    rbdi_carry_rows(m, c, con->ancestor, -1, &rows, Y);
+    rows.b = rows.b - rows.K[3] * c->world.x - rows.K[4] * c->world.y - rows.K[5] * c->world.z;
+    *(rbdi_batch *)&c->b[con->row + r] = rows.b;
 }
 
-/* 1/D of the dofs on a path. */
+/* 1/D of the dofs on the paths. */
 static void rbdi_path_inverse(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
     for (int at = 0; at < c->links; ++at) {
@@ -1245,18 +1263,18 @@ static void rbdi_path_inverse(const rbd_model *m, rbd_constraint_set *c) {
     }
 }
 
-/* u/D += Y'lambda / D. */
-static void rbdi_push_links(const rbd_model *m, rbd_constraint_set *c) {
+/* u/D += D^-1 Y lambda. */
+static void rbdi_add_multipliers(const rbd_model *m, rbd_constraint_set *c) {
     for (int at = 0; at < c->links; ++at) {
         const rbdi_link *l = &m->link[c->link[at]];
         const int block = rbdi_is(l, RBDI_BLOCK), n = rbdi_link_dofs(m, l);
         rbd_real *u_D = block ? c->w->block[l->block].u_D : &c->w->scratch[c->link[at]].u_D;
-        for (int t = 0; t < n; ++t) u_D[t] = u_D[t] + rbdi_rows_push(c, l->iv + t) * c->D_inverse[l->iv + t];
+        for (int t = 0; t < n; ++t) u_D[t] = u_D[t] + rbdi_y_lambda(c, l->iv + t) * c->D_inverse[l->iv + t];
     }
 }
 
-/* Velocities, poses and bias wrenches of the links. K brings the terms of gamma by accelerations, so that
-   these are 0 in the links' motion. */
+/* Velocities, poses and bias wrenches of the links. epsilon has gamma's terms of the links' accelerations, so
+   these are 0 here. */
 static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, rbdi_c3 gravity, int moving) {
     rbd_work *w = c->w;
@@ -1269,7 +1287,7 @@ static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, co
         const int link = c->constraint[i / 2].link[i % 2];
         if (link < 0) continue;
         w->kin[link].state.omega_dot = w->kin[link].state.acc = rbdi_vec0();
-        if (!moving) w->kin[link].v = rbdi_vec0(); /* a number, but not used */
+        if (!moving) w->kin[link].v = rbdi_vec0(); /* not used, but it must not be a NaN */
     }
 }
 
@@ -1277,7 +1295,7 @@ static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, co
 static int rbdi_articulated_solve(const rbd_model *m, rbd_constraint_set *c, rbd_real *x) {
     if (rbdi_any(rbdi_factor_delta(m, c))) return 0;
     rbdi_back_substitute(c);
-    rbdi_push_links(m, c);
+    rbdi_add_multipliers(m, c);
     rbdi_aba_pass3(m, c->w, c->world, x);
     c->infeasible = c->w->singular = -1;
     return 1;
@@ -1295,14 +1313,14 @@ static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constrain
     return rbdi_check(m, c->w, 1);
 }
 
-/* x = M^-1 (right-hand side + J' lambda), lambda of least norm with J x = target; from Y = J' and
-   x = L^-T (right-hand side). check: note a row that contradicts others. */
+/* x = M^-1 (f + J' lambda), lambda of least norm with J x = target, from Y = J' and x = L^-T f. check:
+   whether to note a row that contradicts others. */
 static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L, int check) {
     rbdi_reduce_rows(m, c, L);
-    c->exchanged = 0, c->infeasible = -1;
+    c->pivoted = 0, c->infeasible = -1;
     if (rbdi_any(rbdi_factor_delta(m, c))) {
         RBDI_NOTE_DOUBT(c->w, 1);
-        c->exchanged = 1;
+        c->pivoted = 1;
         rbdi_orthogonalise(m, c);
         rbdi_null_space(c);
         if (check) rbdi_check_rows(c);
@@ -1314,22 +1332,22 @@ static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, const rb
     rbdi_sweep_down(m, c, L);
 }
 
-/* Targets of a constraint's rows: the accelerations of Baumgarte's stabilisation minus gamma; with a
-   restitution the change of velocity in an impact. */
-static void rbdi_set_target(rbd_constraint_set *c, const rbdi_constraint *k, const rbd_real *restitution) {
-    for (int r = k->row; r < k->row + k->rows; r += RBDI_BATCH) {
-        const rbdi_batch u = *(const rbdi_batch *)&c->u[r];
-        rbdi_batch x = rbdi_zero_batch() - (restitution ? u : *(const rbdi_batch *)&c->gamma[r]);
-        if (restitution) x = x - u * *restitution;
-        if (!restitution && k->kd > 0) x = x - u * k->kd;
-        if (!restitution && k->kp > 0) x = x - *(const rbdi_batch *)&c->e[r] * k->kp;
-        *(rbdi_batch *)&c->target[r] = x;
+/* Targets of a constraint's rows: -gamma - kd J v - kp e; with a restitution, the change of velocity in an
+   impact, -(1 + restitution) J v. */
+static void rbdi_set_target(rbd_constraint_set *c, const rbdi_constraint *con, const rbd_real *restitution) {
+    for (int r = con->row; r < con->row + con->rows; r += RBDI_BATCH) {
+        const rbdi_batch v = *(const rbdi_batch *)&c->velocity[r];
+        rbdi_batch target = rbdi_zero_batch() - (restitution ? v : *(const rbdi_batch *)&c->gamma[r]);
+        if (restitution) target = target - v * *restitution;
+        if (!restitution && con->kd > 0) target = target - v * con->kd;
+        if (!restitution && con->kp > 0) target = target - *(const rbdi_batch *)&c->e[r] * con->kp;
+        *(rbdi_batch *)&c->target[r] = target;
     }
 }
 
-/* Computes, by articulated bodies, the accelerations x. With a restitution x is the change of velocity in
-   an impact: the same without gravity, velocity products and forces. Returns 0, x untouched, if a pivot is
-   in doubt. */
+/* Computes the accelerations x and lambda by articulated bodies. With a restitution x is the change of
+   velocity in an impact, by the same steps without gravity, velocity products and forces. Returns 0, x
+   untouched, if a pivot is in doubt. */
 static int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                const rbd_real *restitution, rbd_real *x) {
@@ -1344,19 +1362,19 @@ static int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const 
     rbdi_path_inverse(m, c);
     if (c->dirty) rbdi_clear_rows(m, c);
     c->dirty = 0;
-    rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
+    rbdi_clear(c->velocity, 3 * c->stride); /* gamma and e are behind it */
+    for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con) {
         rbdi_axes_held h;
         rbdi_v3 p;
-        rbdi_set_axes(c, k, &h);
-        p = rbdi_constraint_motion(c, k, &h, !restitution && k->kp > 0);
-        rbdi_set_target(c, k, restitution);
-        for (int r = 0; r < k->rows; r += RBDI_BATCH) rbdi_rows_to_world(m, c, k, r, &h, p);
+        rbdi_set_axes(c, con, &h);
+        p = rbdi_constraint_motion(c, con, &h, !restitution && con->kp > 0);
+        rbdi_set_target(c, con, restitution);
+        for (int r = 0; r < con->rows; r += RBDI_BATCH) rbdi_rows_to_world(m, c, con, r, &h, p);
     }
     return rbdi_articulated_solve(m, c, x);
 }
 
-/* w->H = M, and w->bias = c - sum J_b' f_ext, beside the state of all links. */
+/* Writes M to w->H, c - sum J_b' f_ext to w->bias, and the state of all links. */
 static void rbdi_constraint_bias(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                  const rbd_real *v, const rbd_real *f_ext, rbdi_c3 gravity) {
     rbd_work *w = c->w;
@@ -1367,7 +1385,7 @@ static void rbdi_constraint_bias(const rbd_model *m, rbd_constraint_set *c, cons
     rbdi_reduce_tau(m, w->tx, w->bias);
 }
 
-/* The same by M = L'DL, for all states. Returns the status of M's pivots. */
+/* The same by M = L'DL, in every state. Returns the status of M's pivots. */
 static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                    const rbd_real *restitution, rbd_real *x) {
@@ -1379,16 +1397,17 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
     doubt = rbdi_factor(m, w, w->H);
     rbdi_sweep_back(m, c, w->H);
     rbdi_clear_rows(m, c);
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
-        rbdi_constraint_rows(m, c, k, !restitution && k->kp > 0);
-        rbdi_set_target(c, k, restitution);
+    for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con) {
+        rbdi_constraint_rows(m, c, con, !restitution && con->kp > 0);
+        rbdi_set_target(c, con, restitution);
     }
     rbdi_multipliers(m, c, w->H, !restitution); /* an impact's targets, J v, are in the range of J */
     for (int k = 0; k < m->nv; ++k) x[k] = c->x[k];
     return rbdi_status_of(m, w, doubt, x, m->nv);
 }
 
-/* x and lambda by articulated bodies, or by M if these are in doubt; returns the status of the call. */
+/* Computes x and lambda by articulated bodies or, if these are in doubt, by the factor of M. Returns the
+   status of the call. */
 static rbd_status rbdi_constrained(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                    const rbd_real *restitution, rbd_real *x, rbd_real *lambda) {
@@ -1408,7 +1427,7 @@ RBDI_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraint_set *c
 }
 
 static int rbdi_restitution_fits(rbd_real x) {
-    const rbd_real one = rbdi_set(RBD_C(1)), two = one + one; /* NaN is not below it */
+    const rbd_real one = rbdi_set(RBD_C(1)), two = one + one; /* to refuse NaN, which is not below it */
     const rbdi_mask above = rbdi_or(rbdi_less(one, x), rbdi_not(rbdi_less(x, two)));
     return !rbdi_any(rbdi_or(above, rbdi_less(x, rbdi_zero())));
 }
@@ -1424,15 +1443,15 @@ RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const 
     return status;
 }
 
-/* Computes the rows, and the motion of all links without gravity. */
+/* Computes J, J v, gamma and, if `errors`, e, and the motion of all links without gravity. v: NULL = 0. */
 static void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                     const rbd_real *v, int errors) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbdi_joints(m, c->w, rbdi_expand_q(m, c->w, q));
     rbdi_constraint_state(m, c, v ? rbdi_expand_v(m, v, c->w->vx) : c->w->zero, c->w->zero, none, 0);
     rbdi_clear_rows(m, c);
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
-        rbdi_constraint_rows(m, c, k, errors);
+    for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con)
+        rbdi_constraint_rows(m, c, con, errors);
 }
 
 RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
@@ -1450,8 +1469,8 @@ RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_s
 
 /* ==== src/constraints/weights.h ==== */
 /* ---- weights [weights] ----
-   With a diagonal matrix D in place of M, so L = 1, the same steps solve least squares: they add D^-1 J'
-   lambda to x, the change with the least sum of D (.)^2 that gives J x = target. */
+   With a diagonal matrix D in place of M, so that L = 1, [solution] solves least squares: it adds D^-1 J'
+   lambda to x, of all changes d with J (x + d) = target the one with the least d' D d. */
 
 /* Whether n weights are above 0. NULL: all are 1. */
 static int rbdi_weights_fit(const rbd_const *weight, int n) {
@@ -1460,7 +1479,7 @@ static int rbdi_weights_fit(const rbd_const *weight, int n) {
     return 1;
 }
 
-/* Whether dof k has no motor: its flag is 0; without flags, it is of a floating joint at a root. */
+/* Whether dof k has no motor: its flag is 0 or, without flags, its joint is a floating one at a root. */
 static int rbdi_is_passive(const rbd_model *m, const unsigned char *actuated, int k) {
     const rbdi_frame *u = &m->frame[m->dof[k].body];
     return actuated ? !actuated[k] : u->type == RBD_FLOATING && m->link[u->link].parent < 0;
@@ -1471,15 +1490,17 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
                                        const unsigned char *actuated, const rbd_const *weight, rbd_real *tau,
                                        rbd_real *lambda) {
     const rbd_status status = rbdi_check_constraints(m, c, q && v && a && tau);
+    rbd_real *root; /* of 1 / weight */
     if (status) return status;
     if (!rbdi_weights_fit(weight, c->rows)) return RBD_ERR_RANGE;
     rbd_rnea(m, c->w, q, v, a, f_ext, c->x);
     rbdi_constraint_rows_at(m, c, q, NULL, 0);
+    root = c->velocity; /* J v is not needed */
     for (int r = 0; r < c->rows; ++r)
-        c->u[r] = rbdi_sqrt(rbdi_set(RBD_C(1) / (weight ? weight[r] : RBD_C(1))));
+        root[r] = rbdi_sqrt(rbdi_set(RBD_C(1) / (weight ? weight[r] : RBD_C(1))));
     for (int k = 0; k < m->nv; ++k) {
         const int passive = rbdi_is_passive(m, actuated, k);
-        for (int r = 0; r < c->rows; ++r) c->Y[k * c->stride + r] = c->Y[k * c->stride + r] * c->u[r];
+        for (int r = 0; r < c->rows; ++r) c->Y[k * c->stride + r] = c->Y[k * c->stride + r] * root[r];
         tau[k] = c->x[k];
         c->x[k] = passive ? -tau[k] : rbdi_zero();
         c->D_inverse[k] = rbdi_set(passive ? RBD_C(1) : RBD_C(0));
@@ -1488,39 +1509,39 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
     rbdi_multipliers(m, c, NULL, 0);
     for (int k = 0; k < m->nv; ++k)
         tau[k] = tau[k] - rbdi_rows_product(&c->Y[k * c->stride], c->lambda, c->rows);
-    for (int r = 0; lambda && r < c->rows; ++r) lambda[r] = c->lambda[r] * c->u[r];
+    for (int r = 0; lambda && r < c->rows; ++r) lambda[r] = c->lambda[r] * root[r];
     c->infeasible = -1; /* least squares always have a solution */
     return RBD_OK;
 }
 
 /* ==== src/constraints/assembly.h ==== */
 /* ---- assembly [assembly] ----
-   Newton's method. Each step d has J d = -e and, among all such steps, makes d + rbd_difference(q, q_near),
-   the remaining distance, shortest. Steps are cut to RBDI_LONGEST_STEP, because J changes. The last steps
-   only reduce e. */
+   Newton's method. Of all steps d with J d = -e it takes the one that makes d + rbd_difference(q, q_near),
+   the remaining distance from q, shortest. Steps are cut to RBDI_LONGEST_STEP, because J changes. The last
+   steps reduce e alone. */
 
 /* Largest magnitude of n numbers. */
 static rbd_real rbdi_largest(const rbd_real *x, int n) {
     rbd_real largest = rbdi_zero();
     for (int k = 0; k < n; ++k) {
-        const rbd_real y = rbdi_abs(x[k]);
-        largest = rbdi_select(rbdi_less(largest, y), y, largest);
+        const rbd_real size = rbdi_abs(x[k]);
+        largest = rbdi_select(rbdi_less(largest, size), size, largest);
     }
     return largest;
 }
 
-/* The share of the distance that the next step removes, by Barzilai and Borwein (1988), from this step x,
-   the one before it, c->before, and the shares of both. A share of 1 is right if J is constant. If J
-   changes, steps with it converge slowly or never. */
-static rbd_real rbdi_next_share(const rbd_constraint_set *c, int nv, rbd_real share, rbd_real share_before) {
-    const rbd_real one = rbdi_set(RBD_C(1)), least = rbdi_set(RBDI_LEAST_SHARE),
-                   most = rbdi_set(RBDI_MOST_SHARE);
+/* The next step size: the share of the distance that a step removes, by Barzilai and Borwein (1988), from
+   this step c->x, the step before it, and the sizes of both. 1 is right if J is constant; if J changes, steps
+   of size 1 converge slowly or never. */
+static rbd_real rbdi_next_size(const rbd_constraint_set *c, int nv, rbd_real size, rbd_real last_size) {
+    const rbd_real one = rbdi_set(RBD_C(1)), least = rbdi_set(RBDI_LEAST_STEP_SIZE),
+                   most = rbdi_set(RBDI_MOST_STEP_SIZE);
     rbdi_mask none = rbdi_less(one, rbdi_zero());
     rbd_real square = rbdi_zero(), change = rbdi_zero(), next;
     for (int k = 0; k < nv; ++k) {
-        const rbd_real weighted = c->before[k] / c->D_inverse[k];
-        square = square + weighted * c->before[k];
-        change = change + weighted * (c->before[k] / share_before - c->x[k] / share);
+        const rbd_real weighted = c->last_step[k] / c->D_inverse[k];
+        square = square + weighted * c->last_step[k];
+        change = change + weighted * (c->last_step[k] / last_size - c->x[k] / size);
     }
     next = square * rbdi_reciprocal(change, RBDI_TINY, &none);
     next = rbdi_select(none, one, next); /* no step before this */
@@ -1528,37 +1549,37 @@ static rbd_real rbdi_next_share(const rbd_constraint_set *c, int nv, rbd_real sh
     return rbdi_select(rbdi_less(next, least), least, next);
 }
 
-/* Takes a step with this share of the distance; returns its length. */
+/* Takes a step of this size. Returns its length before it is cut. */
 static rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                                   rbd_real *q_near, rbd_real share) {
+                                   rbd_real *q_near, rbd_real size) {
     const rbd_real limit = rbdi_set(RBDI_LONGEST_STEP);
-    rbd_real length, k;
+    rbd_real length, cut;
     rbd_difference(m, q, q_near, c->x);
-    for (int i = 0; i < m->nv; ++i) c->x[i] = -share * c->x[i] / c->D_inverse[i];
+    for (int i = 0; i < m->nv; ++i) c->x[i] = -size * c->x[i] / c->D_inverse[i];
     for (int r = 0; r < c->rows; ++r) c->target[r] = -c->e[r];
     rbdi_multipliers(m, c, NULL, 0);
     length = rbdi_largest(c->x, m->nv);
-    k = rbdi_select(rbdi_less(limit, length), limit / (length + RBDI_TINY), rbdi_set(RBD_C(1)));
-    rbd_integrate(m, q_near, c->x, k, q_near);
+    cut = rbdi_select(rbdi_less(limit, length), limit / (length + RBDI_TINY), rbdi_set(RBD_C(1)));
+    rbd_integrate(m, q_near, c->x, cut, q_near);
     return length;
 }
 
 /* Computes q_near from q. */
 static void rbdi_assemble_position(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    rbd_real *q_near) {
-    rbd_real share = rbdi_set(RBD_C(1)), share_before = share;
+    rbd_real size = rbdi_set(RBD_C(1)), last_size = size;
     for (int k = 0; k < m->nq; ++k) q_near[k] = q[k];
-    rbdi_clear(c->before, m->nv);
+    rbdi_clear(c->last_step, m->nv);
     for (int step = 0, close = 0; close < RBDI_CLOSING_STEPS; ++step) {
         rbd_real length, next;
         rbdi_constraint_rows_at(m, c, q_near, NULL, 1);
-        length = rbdi_assembly_step(m, c, q, q_near, close ? rbdi_zero() : share);
+        length = rbdi_assembly_step(m, c, q, q_near, close ? rbdi_zero() : size);
         if (close || step > RBDI_NEARING_STEPS || !rbdi_any(rbdi_less(rbdi_set(RBDI_SHORT_STEP), length)))
             ++close;
         if (close) continue;
-        next = rbdi_next_share(c, m->nv, share, share_before);
-        share_before = share, share = next;
-        for (int k = 0; k < m->nv; ++k) c->before[k] = c->x[k];
+        next = rbdi_next_size(c, m->nv, size, last_size);
+        last_size = size, size = next;
+        for (int k = 0; k < m->nv; ++k) c->last_step[k] = c->x[k];
     }
     rbdi_constraint_rows_at(m, c, q_near, NULL, 1);
 }
@@ -1615,18 +1636,18 @@ RBDI_API int rbd_infeasible_row(const rbd_constraint_set *c) { return c ? c->inf
 
 static rbd_constraint rbdi_constraint_of(int body1, const double *p1, int body2, const double *p2,
                                          int angular) {
-    rbd_constraint k;
-    k.name = NULL;
-    k.body1 = body1, k.body2 = body2;
-    for (int i = 0; i < 9; ++i) k.rotation1[i] = k.rotation2[i] = i % 4 == 0;
+    rbd_constraint con;
+    con.name = NULL;
+    con.body1 = body1, con.body2 = body2;
+    for (int i = 0; i < 9; ++i) con.rotation1[i] = con.rotation2[i] = i % 4 == 0;
     for (int i = 0; i < 3; ++i) {
-        k.position1[i] = p1 ? p1[i] : 0;
-        k.position2[i] = p2 ? p2[i] : 0;
-        k.axes[i] = i < angular;
-        k.axes[i + 3] = 1;
+        con.position1[i] = p1 ? p1[i] : 0;
+        con.position2[i] = p2 ? p2[i] : 0;
+        con.axes[i] = i < angular;
+        con.axes[i + 3] = 1;
     }
-    k.kp = k.kd = 0;
-    return k;
+    con.kp = con.kd = 0;
+    return con;
 }
 
 /* A rotation whose z axis is this axis. */
@@ -1657,23 +1678,23 @@ RBDI_API rbd_constraint rbd_ball_loop(int body1, const double point1[3], int bod
 
 RBDI_API rbd_constraint rbd_hinge_loop(int body1, const double point1[3], const double axis1[3], int body2,
                                        const double point2[3], const double axis2[3]) {
-    rbd_constraint k = rbdi_constraint_of(body1, point1, body2, point2, 2);
-    if (axis1) rbdi_frame_along(axis1, k.rotation1);
-    if (axis2) rbdi_frame_along(axis2, k.rotation2);
-    return k;
+    rbd_constraint con = rbdi_constraint_of(body1, point1, body2, point2, 2);
+    if (axis1) rbdi_frame_along(axis1, con.rotation1);
+    if (axis2) rbdi_frame_along(axis2, con.rotation2);
+    return con;
 }
 
 RBDI_API char *rbd_constraint_finding_text(const rbd_finding *finding, char *text, size_t size) {
     return rbdi_write_finding(finding, "constraint", text, size);
 }
 
-static int rbdi_held_axes(const rbd_constraint *k) {
+static int rbdi_held_axes(const rbd_constraint *con) {
     int n = 0;
-    for (int i = 0; i < 6; ++i) n += k->axes[i] == 1;
+    for (int i = 0; i < 6; ++i) n += con->axes[i] == 1;
     return n;
 }
 
-/* The stride of rows: two batches may begin at any row. */
+/* The stride for so many rows: loops may access two batches from any row on. */
 static int rbdi_row_stride(int rows) { return (rows + 4 * RBDI_BATCH) / RBDI_BATCH * RBDI_BATCH; }
 
 static int rbdi_rows_of(const rbd_constraint *list, int n) {
@@ -1692,31 +1713,31 @@ RBDI_API size_t rbd_constraint_set_size(const rbd_model *m, const rbd_constraint
 /* The link of a body, -1 = world. */
 static int rbdi_link_of_body(const rbd_model *m, int body) { return body < 0 ? -1 : m->frame[body].link; }
 
-static rbd_status rbdi_check_constraint(const rbd_model *m, const rbd_constraint *k, int i,
+static rbd_status rbdi_check_constraint(const rbd_model *m, const rbd_constraint *con, int i,
                                         rbd_report *report) {
-    int strange = rbdi_held_axes(k) == 0;
-    for (int j = 0; j < 6; ++j) strange |= k->axes[j] != 0 && k->axes[j] != 1;
+    int strange = rbdi_held_axes(con) == 0;
+    for (int j = 0; j < 6; ++j) strange |= con->axes[j] != 0 && con->axes[j] != 1;
 #define RBDI_REQUIRE(condition, status, field, sentence) \
     do { \
         if (!(condition)) { \
-            rbdi_refuse(report, status, i, k->name, field); \
+            rbdi_refuse(report, status, i, con->name, field); \
             report->error.text = sentence; \
             return status; \
         } \
     } while (0)
-    RBDI_REQUIRE(k->body1 >= -1 && k->body1 < m->nb, RBD_ERR_INDEX, "body1", NULL);
-    RBDI_REQUIRE(k->body1 >= 0 || k->body2 >= 0, RBD_ERR_INDEX, "body1",
+    RBDI_REQUIRE(con->body1 >= -1 && con->body1 < m->nb, RBD_ERR_INDEX, "body1", NULL);
+    RBDI_REQUIRE(con->body1 >= 0 || con->body2 >= 0, RBD_ERR_INDEX, "body1",
                  RBDI_TEXT("both bodies are -1: the world, or a name that no body has"));
-    RBDI_REQUIRE(k->body2 >= -1 && k->body2 < m->nb, RBD_ERR_INDEX, "body2", NULL);
-    RBDI_REQUIRE(rbdi_link_of_body(m, k->body1) != rbdi_link_of_body(m, k->body2), RBD_ERR_INDEX, "body2",
+    RBDI_REQUIRE(con->body2 >= -1 && con->body2 < m->nb, RBD_ERR_INDEX, "body2", NULL);
+    RBDI_REQUIRE(rbdi_link_of_body(m, con->body1) != rbdi_link_of_body(m, con->body2), RBD_ERR_INDEX, "body2",
                  RBDI_TEXT("no joint moves it against body1"));
-    RBDI_REQUIRE(rbdi_is_rotation(k->rotation1), RBD_ERR_ROTATION, "rotation1", NULL);
-    RBDI_REQUIRE(rbdi_finite(k->position1, 3), RBD_ERR_POSITION, "position1", NULL);
-    RBDI_REQUIRE(rbdi_is_rotation(k->rotation2), RBD_ERR_ROTATION, "rotation2", NULL);
-    RBDI_REQUIRE(rbdi_finite(k->position2, 3), RBD_ERR_POSITION, "position2", NULL);
+    RBDI_REQUIRE(rbdi_is_rotation(con->rotation1), RBD_ERR_ROTATION, "rotation1", NULL);
+    RBDI_REQUIRE(rbdi_finite(con->position1, 3), RBD_ERR_POSITION, "position1", NULL);
+    RBDI_REQUIRE(rbdi_is_rotation(con->rotation2), RBD_ERR_ROTATION, "rotation2", NULL);
+    RBDI_REQUIRE(rbdi_finite(con->position2, 3), RBD_ERR_POSITION, "position2", NULL);
     RBDI_REQUIRE(!strange, RBD_ERR_AXIS, "axes", RBDI_TEXT("none is held, or one is neither 0 nor 1"));
-    RBDI_REQUIRE(rbdi_finite_positive(&k->kp, 1), RBD_ERR_RANGE, "kp", NULL);
-    RBDI_REQUIRE(rbdi_finite_positive(&k->kd, 1), RBD_ERR_RANGE, "kd", NULL);
+    RBDI_REQUIRE(rbdi_finite_positive(&con->kp, 1), RBD_ERR_RANGE, "kp", NULL);
+    RBDI_REQUIRE(rbdi_finite_positive(&con->kd, 1), RBD_ERR_RANGE, "kd", NULL);
 #undef RBDI_REQUIRE
     return RBD_OK;
 }
@@ -1743,21 +1764,22 @@ static int rbdi_place_frame(const rbd_model *m, int body, const double R[9], con
     return rbdi_link_of_body(m, body);
 }
 
-/* The nearest link that carries both or is one of them, -1 = world. Ancestors have smaller indices. */
+/* The nearest common ancestor of two links, which may be one of them; -1 = world. Ancestors have smaller
+   indices. */
 static int rbdi_common_ancestor(const rbd_model *m, int one, int two) {
     while (one != two) {
-        int *behind = one > two ? &one : &two;
-        *behind = m->link[*behind].parent;
+        int *later = one > two ? &one : &two;
+        *later = m->link[*later].parent;
     }
     return one;
 }
 
 static void rbdi_place_constraint(const rbd_model *m, const rbd_constraint *from, int row,
                                   rbdi_constraint *to) {
-    to->link[0] =
-        (int16_t)rbdi_place_frame(m, from->body1, from->rotation1, from->position1, to->R[0], &to->p[0]);
-    to->link[1] =
-        (int16_t)rbdi_place_frame(m, from->body2, from->rotation2, from->position2, to->R[1], &to->p[1]);
+    to->link[0] = (int16_t)rbdi_place_frame(m, from->body1, from->rotation1, from->position1, to->rotation[0],
+                                            &to->position[0]);
+    to->link[1] = (int16_t)rbdi_place_frame(m, from->body2, from->rotation2, from->position2, to->rotation[1],
+                                            &to->position[1]);
     to->ancestor = (int16_t)rbdi_common_ancestor(m, to->link[0], to->link[1]);
     to->kp = RBD_C(from->kp), to->kd = RBD_C(from->kd);
     to->row = (int16_t)row;
@@ -1765,34 +1787,34 @@ static void rbdi_place_constraint(const rbd_model *m, const rbd_constraint *from
     for (int r = 0; r < RBDI_SIX_ROWS; ++r) to->held[0][r] = to->held[1][r] = to->held[2][r] = 0;
     for (int j = 0; j < 6; ++j) {
         if (!from->axes[j]) continue;
-        for (int i = 0; i < 3; ++i) to->held[i][to->rows] = to->R[1][3 * i + j % 3];
+        for (int i = 0; i < 3; ++i) to->held[i][to->rows] = to->rotation[1][3 * i + j % 3];
         to->axis[to->rows++] = (int16_t)j;
         to->angular = (int16_t)(to->angular + (j < 3));
     }
 }
 
-/* Finds the dofs that a constraint's rows reach: those of the paths to its bodies. */
-static void rbdi_reach_dofs(const rbd_model *m, rbd_constraint_set *c, rbdi_constraint *k) {
+/* Finds the dofs of the paths to a constraint's bodies, and extends their spans by its rows. */
+static void rbdi_reach_dofs(const rbd_model *m, rbd_constraint_set *c, rbdi_constraint *con) {
     int16_t *reached = c->path;
     for (int i = 0; i < m->nv; ++i) reached[i] = 0;
     for (int side = 0; side < 2; ++side)
-        for (int link = k->link[side]; link >= 0; link = m->link[link].parent)
+        for (int link = con->link[side]; link >= 0; link = m->link[link].parent)
             for (int j = 0; j < rbdi_link_dofs(m, &m->link[link]); ++j)
                 for (int i = rbdi_source(m, m->link[link].iv + j); i >= 0 && !reached[i];
                      i = m->dof[i].lambda)
                     reached[i] = 1;
-    k->dofs = 0;
+    con->dofs = 0;
     for (int i = 0; i < m->nv; ++i) {
         rbdi_span *s = &c->span[i];
         if (!reached[i]) continue;
-        if (s->end == 0) s->first = k->row;
-        s->end = (int16_t)(k->row + k->rows);
-        k->dof[k->dofs++] = (int16_t)i;
+        if (s->end == 0) s->first = con->row;
+        s->end = (int16_t)(con->row + con->rows);
+        con->dof[con->dofs++] = (int16_t)i;
     }
 }
 
-/* Begins a set whose constraints are placed: for this model and work, with the dofs that each reaches, and
-   the links on all paths. */
+/* Prepares a set whose constraints are placed for this model and work: the dofs of each, spans, and the links
+   on all paths. */
 static void rbdi_begin_set(const rbd_model *m, rbd_work *w, rbd_constraint_set *c) {
     for (int k = 0; k < RBDI_SHAPE; ++k) c->shape[k] = m->shape[k];
     c->w = w, c->infeasible = -1, c->links = 0;
@@ -1802,18 +1824,18 @@ static void rbdi_begin_set(const rbd_model *m, rbd_work *w, rbd_constraint_set *
         if (c->span[m->link[i].iv].end > 0) c->link[c->links++] = (int16_t)i;
 }
 
-/* Whether rows depend on each other in every state, so that articulated bodies would always fail: if there
-   are more rows than dofs, or if two links have more than six rows between them, or more than dofs. */
+/* Whether rows depend on each other in every state, so that articulated bodies would always fail: there are
+   more rows than dofs, or between two links more than six, or more than the dofs that move one of them. */
 static int rbdi_too_many_rows(const rbd_model *m, const rbd_constraint_set *c) {
     const rbdi_constraint *stop = c->constraint + c->n;
     int too_many = c->rows > m->nv;
-    for (const rbdi_constraint *k = c->constraint; k < stop; ++k) {
+    for (const rbdi_constraint *con = c->constraint; con < stop; ++con) {
         int rows = 0, dofs = 0;
         for (const rbdi_constraint *o = c->constraint; o < stop; ++o)
-            if ((o->link[0] == k->link[0] && o->link[1] == k->link[1]) ||
-                (o->link[0] == k->link[1] && o->link[1] == k->link[0]))
+            if ((o->link[0] == con->link[0] && o->link[1] == con->link[1]) ||
+                (o->link[0] == con->link[1] && o->link[1] == con->link[0]))
                 rows += o->rows;
-        RBDI_FOR_PATHS(m, k, link, sign) {
+        RBDI_FOR_PATHS(m, con, link, sign) {
             (void)sign;
             dofs += rbdi_link_dofs(m, &m->link[link]);
         }
@@ -1858,12 +1880,12 @@ static rbd_constraint_set *rbdi_lay_constraints(int nv, int n, int rows, void *m
     c->Y = (rbd_real *)rbdi_take(&p, nv * stride, sizeof(rbd_real));
     c->R = (rbd_real *)rbdi_take(&p, (rows > nv ? rows : nv) * stride, sizeof(rbd_real));
     x = (rbd_real *)rbdi_take(&p, 4 * nv, sizeof(rbd_real));
-    c->x = x, c->stack = x + nv, c->before = x + 2 * nv, c->D_inverse = x + 3 * nv;
+    c->x = x, c->householder = x + nv, c->last_step = x + 2 * nv, c->D_inverse = x + 3 * nv;
     x = (rbd_real *)rbdi_take(&p, 11 * stride, sizeof(rbd_real));
     rbdi_clear(x, 11 * stride);
-    c->b = x, c->lambda = x + stride, c->target = x + 2 * stride, c->u = x + 3 * stride;
-    c->gamma = x + 4 * stride, c->e = x + 5 * stride, c->demand = x + 6 * stride, c->square = x + 7 * stride;
-    c->share = x + 8 * stride, c->chosen = x + 9 * stride, c->inverse = x + 10 * stride;
+    c->b = x, c->lambda = x + stride, c->target = x + 2 * stride, c->velocity = x + 3 * stride;
+    c->gamma = x + 4 * stride, c->e = x + 5 * stride, c->slack = x + 6 * stride, c->square = x + 7 * stride;
+    c->inverse_square = x + 8 * stride, c->pivot_row = x + 9 * stride, c->R_inverse = x + 10 * stride;
     return c;
 }
 
@@ -1879,7 +1901,7 @@ RBDI_API rbd_status rbd_constraint_set_init(const rbd_model *m, rbd_work *w, con
     if (constraints) *constraints = NULL;
     if (status) return status;
     c = rbdi_lay_constraints(m->nv, n, rbdi_rows_of(list, n), memory);
-    c->dirty = 1, c->exchanged = c->moving = 0;
+    c->dirty = 1, c->pivoted = c->moving = 0;
     for (int i = 0; i < n; row += c->constraint[i++].rows) {
         rbdi_place_constraint(m, &list[i], row, &c->constraint[i]);
         c->moving |= list[i].kp > 0 || list[i].kd > 0 || c->constraint[i].link[1] >= 0;
@@ -1902,8 +1924,8 @@ RBDI_CODE_END
 RBDI_CODE_BEGIN
 
 /* ==== src/constraints/derivatives.h ==== */
-/* Interface: rbdi_change, rbdi_change_forces, rbdi_change_of, rbdi_error_turn, rbdi_pair_motion,
-   rbdi_pair_motion_of */
+/* Interface: rbdi_differentiate_error, rbdi_differentiate_forces, rbdi_differentiate_motion,
+   rbdi_motion_derivatives, rbdi_pair_motion, rbdi_pair_motion_of */
 
 /* ---- derivatives [derivatives code] ----
    Where x is a component of q, v or tau,
@@ -1911,45 +1933,52 @@ RBDI_CODE_BEGIN
        M da/dx = J' dlambda/dx - rho,     rho = d(ID - J' lambda)/dx at fixed a and lambda
        J da/dx = -sigma,                  sigma = d(J a + gamma + kd J v + kp e)/dx at fixed a
 
-   so that with T = M^-1 J'    Delta dlambda/dx = T' rho - sigma,   da/dx = -M^-1 rho + T dlambda/dx. By tau,
-   rho = -1 and sigma = 0. rbd_id_derivatives gives d ID. The rest depends only on the relative motion of the
-   two bodies, so only on dofs that move one of them. All quantities are in world axes, at the origin p of
-   frame 1: motions of the link-fixed point there. For such a dof k, which moves body b, S = (z; s), negated
-   if b is body 2; P is its joint's parent; x between spatial vectors is the spatial cross product, A a
-   spatial acceleration:
+   so that with T = M^-1 J'
+
+       Delta dlambda/dx = T' rho - sigma,   da/dx = -M^-1 rho + T dlambda/dx
+
+   By tau, rho = -1 and sigma = 0. rbd_id_derivatives gives d ID. The rest depends only on the relative motion
+   of the two bodies, so only on dofs that move one of them. All quantities are in world axes; motions are
+   those of the link-fixed points at p, the origin of frame 1. Such a dof k moves body b; S = (z; s), negated
+   if b is body 2; V and A are spatial velocities and accelerations, of the joint's parent link P and of its
+   own link; x between spatial vectors is the spatial cross product:
 
        Psi = V_P x S    Phi = A_P x S + V_P x Psi    U = Psi + V_link x S
-       d(w; u) = (z x omega_b + Psi_omega; z x v_b + Psi_v - omega_2 x s)                           by q
-       d(angular) = z x alpha_b + Psi_omega x omega_b + Phi_omega - omega_2 x dw                    by q
-       d(linear) = z x acc_b + 2 Psi_omega x v_b + Phi_v - alpha_2 x s - omega_2 x (omega_2 x s)
-                   - 2 omega_2 x du                                                                 by q
-       d(angular; linear) = (U_omega + z x omega_b - omega_2 x z; U_v + 2 z x v_b - 2 omega_2 x s)  by v
+       by q   dw = z x omega_b + Psi_omega
+              du = z x v_b + Psi_v - omega_2 x s
+              dalpha = z x alpha_b + Psi_omega x omega_b + Phi_omega - omega_2 x dw
+              dacc = z x acc_b + 2 Psi_omega x v_b + Phi_v - alpha_2 x s - omega_2 x (omega_2 x s)
+                     - 2 omega_2 x du
+       by v   dalpha = U_omega + z x omega_b - omega_2 x z
+              dacc = U_v + 2 z x v_b - 2 omega_2 x s
 
-   where (w; u) is the velocity of body 1 relative to body 2 and (angular; linear) its rate. If b is body 2,
-   the axes turn with it, which adds z x (w; u), (dw x w + z x angular; 2 dw x u + z x linear) with dw from
-   above, and by v (z x w; 2 z x u). With m and f the moment and force of lambda, and S_i that of another such
-   dof, J' lambda has
+   where (w; u) is the velocity of body 1 relative to body 2 and (alpha; acc) its rate. If b is body 2, the
+   axes turn with it, which adds by q (z x w; z x u) to (dw; du) and (dw x w + z x alpha; 2 dw x u + z x acc),
+   with dw from above, to (dalpha; dacc), and by v (z x w; 2 z x u). With n and f the moment and force of
+   lambda, and S_i of another such dof, J' lambda has
 
-       d(S_i . (m; f)) = S_i . (m x z; f x z)   if b is body 1 and k moves i, or b is body 2 and it does not
+       d(S_i . (n; f)) = S_i . (n x z; f x z)   if b is body 1 and k moves i, or b is body 2 and it does not
                          S_i . (s x f; 0)       else
 
    Checked against finite differences in tests/test_constraints.c. */
 
-/* Relative motion of the two bodies of a constraint, and their force. */
+/* Motion of body 1 relative to body 2 at the origin of frame 1, world axes, and what is needed for its
+   derivatives. */
 typedef struct rbdi_pair_motion {
     rbdi_station body[2];
-    rbdi_v3 w, u, angular, linear, m, f;
+    rbdi_motion velocity, rate; /* (w; u), (alpha; acc) */
+    rbdi_force force;           /* of lambda */
     rbdi_axes_held h;
-    rbdi_v3 turn;    /* log R, world axes */
-    rbdi_v3 free[2]; /* the free axis if two angular ones are held: of frame 2, of frame 1 */
-    rbd_real bend;   /* factor of turn x (turn x .) in the derivative of log R */
-    rbdi_v3 rolls;   /* p moves over body 1, of balls in contact: by z x rolls, z the relative turn */
+    rbdi_v3 log_R;       /* world axes */
+    rbd_real log_square; /* the derivative of log R is z - log_R x z / 2 + this times log_R x (log_R x z) */
+    rbdi_v3 free[2];     /* the free axis if two angular ones are held: of frame 2, of frame 1 */
+    rbdi_v3 roll_radius; /* a turn z of body 1 moves the place of contact over it by z x this; 0 if no ball */
 } rbdi_pair_motion;
 
-/* S of a dof, and the derivatives by it: of (w; u) by q, of (angular; linear) by q and by v. */
-typedef struct rbdi_change {
-    rbdi_motion S, velocity, by_q, by_v;
-} rbdi_change;
+/* S of a dof, and derivatives by it: of (w; u) by q, of (alpha; acc) by q and by v. */
+typedef struct rbdi_motion_derivatives {
+    rbdi_motion S, velocity_q, rate_q, rate_v;
+} rbdi_motion_derivatives;
 
 RBDI_INLINE rbdi_motion rbdi_motion_cross(rbdi_motion V, rbdi_motion S) {
     rbdi_motion C;
@@ -1963,115 +1992,121 @@ RBDI_INLINE rbdi_v3 rbdi_cross_add(rbdi_v3 c, rbdi_v3 a, rbdi_v3 b) { return rbd
 RBDI_INLINE rbdi_v3 rbdi_cross_sub(rbdi_v3 c, rbdi_v3 a, rbdi_v3 b) { return rbdi_add(c, rbdi_cross(b, a)); }
 RBDI_INLINE rbdi_v3 rbdi_twice(rbdi_v3 a) { return rbdi_add(a, a); }
 
-static rbdi_pair_motion rbdi_pair_motion_of(const rbd_constraint_set *c, const rbdi_constraint *k) {
-    rbdi_pair_motion x;
-    const rbdi_station one = rbdi_station_of(c, k, 0), two = rbdi_station_at(c, k->link[1], one.p);
-    x.body[0] = one, x.body[1] = two;
-    x.w = rbdi_sub(one.omega, two.omega), x.u = rbdi_sub(one.v, two.v);
-    x.angular = rbdi_cross_sub(rbdi_sub(one.omega_dot, two.omega_dot), two.omega, x.w);
-    x.linear = rbdi_cross_sub(rbdi_sub(one.acc, two.acc), two.omega, rbdi_twice(x.u));
-    rbdi_set_axes(c, k, &x.h);
-    x.m = x.f = rbdi_vec0();
-    for (int r = 0; r < k->rows; ++r) {
-        const int angular = r < k->angular, i = angular ? 0 : 3;
-        const rbdi_v3 e = rbdi_vec(x.h.x[i][r], x.h.x[i + 1][r], x.h.x[i + 2][r]);
-        rbdi_v3 *to = angular ? &x.m : &x.f;
-        *to = rbdi_add(*to, rbdi_scale(c->lambda[k->row + r], e));
+static rbdi_pair_motion rbdi_pair_motion_of(const rbd_constraint_set *c, const rbdi_constraint *con) {
+    rbdi_pair_motion pair;
+    const rbdi_station one = rbdi_station_of(c, con, 0), two = rbdi_station_at(c, con->link[1], one.p);
+    pair.body[0] = one, pair.body[1] = two;
+    pair.velocity.omega = rbdi_sub(one.omega, two.omega), pair.velocity.v = rbdi_sub(one.v, two.v);
+    pair.rate.omega = rbdi_cross_sub(rbdi_sub(one.omega_dot, two.omega_dot), two.omega, pair.velocity.omega);
+    pair.rate.v = rbdi_cross_sub(rbdi_sub(one.acc, two.acc), two.omega, rbdi_twice(pair.velocity.v));
+    rbdi_set_axes(c, con, &pair.h);
+    pair.force.n = pair.force.f = rbdi_vec0();
+    for (int r = 0; r < con->rows; ++r) {
+        const int angular = r < con->angular, i = angular ? 0 : 3;
+        const rbdi_v3 e = rbdi_vec(pair.h.axis[i][r], pair.h.axis[i + 1][r], pair.h.axis[i + 2][r]);
+        rbdi_v3 *to = angular ? &pair.force.n : &pair.force.f;
+        *to = rbdi_add(*to, rbdi_scale(c->lambda[con->row + r], e));
     }
-    x.turn = x.free[0] = x.free[1] = x.rolls = rbdi_vec0(), x.bend = rbdi_zero();
-    if (k->kp > 0 && k->angular) {
-        const rbdi_mat R_1 = rbdi_station_axes(c, k, 0), R_2 = rbdi_station_axes(c, k, 1);
-        const int i = k->angular == 2 ? 3 - k->axis[0] - k->axis[1] : 0;
+    pair.log_R = pair.free[0] = pair.free[1] = pair.roll_radius = rbdi_vec0(), pair.log_square = rbdi_zero();
+    if (con->kp > 0 && con->angular) {
+        const rbdi_mat R_1 = rbdi_station_axes(c, con, 0), R_2 = rbdi_station_axes(c, con, 1);
+        const int i = con->angular == 2 ? 3 - con->axis[0] - con->axis[1] : 0;
         rbd_real tails[7], axis[3] = {rbdi_zero(), rbdi_zero(), rbdi_zero()};
-        x.turn = rbdi_log_rotation(rbdi_mul_mat(rbdi_transpose(R_2), R_1));
-        rbdi_tails(x.turn, tails);
-        x.turn = rbdi_mul(R_2, x.turn);
-        x.bend = rbdi_ad_function_of(RBDI_J_R_INVERSE, tails).c;
+        pair.log_R = rbdi_log_rotation(rbdi_mul_mat(rbdi_transpose(R_2), R_1));
+        rbdi_tails(pair.log_R, tails);
+        pair.log_R = rbdi_mul(R_2, pair.log_R);
+        pair.log_square = rbdi_ad_function_of(RBDI_J_R_INVERSE, tails).c;
         axis[i] = rbdi_set(RBD_C(1));
-        x.free[0] = rbdi_mul(R_2, rbdi_load_vec(axis, 1));
-        x.free[1] = rbdi_mul(R_1, rbdi_load_vec(axis, 1));
+        pair.free[0] = rbdi_mul(R_2, rbdi_load_vec(axis, 1));
+        pair.free[1] = rbdi_mul(R_1, rbdi_load_vec(axis, 1));
     }
-    return x;
+    return pair;
 }
 
-/* By dof j of a link on the path of body `side`. */
-static rbdi_change rbdi_change_of(const rbd_model *m, const rbd_constraint_set *c, const rbdi_pair_motion *x,
-                                  int side, int link, int j) {
-    const rbdi_station *b = &x->body[side], P = rbdi_station_at(c, m->link[link].parent, b->p),
+/* Derivatives by dof j of a link on the path of body `side`. */
+static rbdi_motion_derivatives rbdi_differentiate_motion(const rbd_model *m, const rbd_constraint_set *c,
+                                                         const rbdi_pair_motion *pair, int side, int link,
+                                                         int j) {
+    const rbdi_station *b = &pair->body[side], P = rbdi_station_at(c, m->link[link].parent, b->p),
                        own = rbdi_station_at(c, link, b->p);
     const rbd_real ratio = rbdi_ratio(m, m->link[link].iv + j), scale = side ? -ratio : ratio;
-    const rbdi_v3 w2 = x->body[1].omega;
+    const rbdi_v3 omega2 = pair->body[1].omega;
     rbdi_motion V, A, Psi, Phi, U;
-    rbdi_change d;
-    rbdi_v3 z, s, ws;
-    d.S = rbdi_column(m, c->w, link, j, b->p);
-    z = d.S.omega = rbdi_scale(scale, d.S.omega), s = d.S.v = rbdi_scale(scale, d.S.v);
+    rbdi_motion_derivatives by;
+    rbdi_v3 z, s, omega2_s;
+    by.S = rbdi_column(m, c->w, link, j, b->p);
+    z = by.S.omega = rbdi_scale(scale, by.S.omega), s = by.S.v = rbdi_scale(scale, by.S.v);
     V.omega = own.omega, V.v = own.v;
-    U = rbdi_motion_cross(V, d.S);
+    U = rbdi_motion_cross(V, by.S);
     V.omega = P.omega, V.v = P.v;
     A.omega = P.omega_dot, A.v = rbdi_cross_sub(P.acc, P.omega, P.v);
-    Psi = rbdi_motion_cross(V, d.S);
-    Phi = rbdi_motion_add(rbdi_motion_cross(A, d.S), rbdi_motion_cross(V, Psi));
+    Psi = rbdi_motion_cross(V, by.S);
+    Phi = rbdi_motion_add(rbdi_motion_cross(A, by.S), rbdi_motion_cross(V, Psi));
     U = rbdi_motion_add(U, Psi);
-    ws = rbdi_cross(w2, s);
-    d.velocity.omega = rbdi_cross_add(Psi.omega, z, b->omega);
-    d.velocity.v = rbdi_sub(rbdi_cross_add(Psi.v, z, b->v), ws);
-    d.by_q.omega = rbdi_cross_add(rbdi_cross_add(Phi.omega, z, b->omega_dot), Psi.omega, b->omega);
-    d.by_q.omega = rbdi_cross_sub(d.by_q.omega, w2, d.velocity.omega);
-    d.by_q.v = rbdi_cross_add(rbdi_cross_add(Phi.v, z, b->acc), rbdi_twice(Psi.omega), b->v);
-    d.by_q.v = rbdi_cross_sub(rbdi_cross_sub(d.by_q.v, x->body[1].omega_dot, s), w2, ws);
-    d.by_q.v = rbdi_cross_sub(d.by_q.v, w2, rbdi_twice(d.velocity.v));
-    d.by_v.omega = rbdi_cross_sub(rbdi_cross_add(U.omega, z, b->omega), w2, z);
-    d.by_v.v = rbdi_sub(rbdi_cross_add(U.v, z, rbdi_twice(b->v)), rbdi_twice(ws));
+    omega2_s = rbdi_cross(omega2, s);
+    by.velocity_q.omega = rbdi_cross_add(Psi.omega, z, b->omega);
+    by.velocity_q.v = rbdi_sub(rbdi_cross_add(Psi.v, z, b->v), omega2_s);
+    by.rate_q.omega = rbdi_cross_add(rbdi_cross_add(Phi.omega, z, b->omega_dot), Psi.omega, b->omega);
+    by.rate_q.omega = rbdi_cross_sub(by.rate_q.omega, omega2, by.velocity_q.omega);
+    by.rate_q.v = rbdi_cross_add(rbdi_cross_add(Phi.v, z, b->acc), rbdi_twice(Psi.omega), b->v);
+    by.rate_q.v = rbdi_cross_sub(rbdi_cross_sub(by.rate_q.v, pair->body[1].omega_dot, s), omega2, omega2_s);
+    by.rate_q.v = rbdi_cross_sub(by.rate_q.v, omega2, rbdi_twice(by.velocity_q.v));
+    by.rate_v.omega = rbdi_cross_sub(rbdi_cross_add(U.omega, z, b->omega), omega2, z);
+    by.rate_v.v = rbdi_sub(rbdi_cross_add(U.v, z, rbdi_twice(b->v)), rbdi_twice(omega2_s));
     if (side) {
-        d.by_q.omega = rbdi_cross_add(rbdi_cross_add(d.by_q.omega, d.velocity.omega, x->w), z, x->angular);
-        d.by_q.v = rbdi_cross_add(rbdi_cross_add(d.by_q.v, d.velocity.omega, rbdi_twice(x->u)), z, x->linear);
-        d.velocity.omega = rbdi_cross_add(d.velocity.omega, z, x->w);
-        d.velocity.v = rbdi_cross_add(d.velocity.v, z, x->u);
-        d.by_v.omega = rbdi_cross_add(d.by_v.omega, z, x->w);
-        d.by_v.v = rbdi_cross_add(d.by_v.v, z, rbdi_twice(x->u));
+        by.rate_q.omega = rbdi_cross_add(
+            rbdi_cross_add(by.rate_q.omega, by.velocity_q.omega, pair->velocity.omega), z, pair->rate.omega);
+        by.rate_q.v = rbdi_cross_add(
+            rbdi_cross_add(by.rate_q.v, by.velocity_q.omega, rbdi_twice(pair->velocity.v)), z, pair->rate.v);
+        by.velocity_q.omega = rbdi_cross_add(by.velocity_q.omega, z, pair->velocity.omega);
+        by.velocity_q.v = rbdi_cross_add(by.velocity_q.v, z, pair->velocity.v);
+        by.rate_v.omega = rbdi_cross_add(by.rate_v.omega, z, pair->velocity.omega);
+        by.rate_v.v = rbdi_cross_add(by.rate_v.v, z, rbdi_twice(pair->velocity.v));
     }
-    d.velocity.v = rbdi_cross_add(d.velocity.v, x->w, rbdi_cross(z, x->rolls));
-    return d;
+    by.velocity_q.v = rbdi_cross_add(by.velocity_q.v, pair->velocity.omega, rbdi_cross(z, pair->roll_radius));
+    return by;
 }
 
 /* Derivative of the angular part of e, world axes, by a dof that turns body 1 by z relative to body 2. */
-static rbdi_v3 rbdi_error_turn(const rbdi_constraint *k, const rbdi_pair_motion *x, rbdi_v3 z) {
-    const rbdi_v3 bent = rbdi_cross(x->turn, z), more = rbdi_scale(x->bend, rbdi_cross(x->turn, bent));
-    if (k->angular == 2) return rbdi_cross(x->free[0], rbdi_cross(z, x->free[1]));
+static rbdi_v3 rbdi_differentiate_error(const rbdi_constraint *con, const rbdi_pair_motion *pair, rbdi_v3 z) {
+    const rbdi_v3 bent = rbdi_cross(pair->log_R, z),
+                  more = rbdi_scale(pair->log_square, rbdi_cross(pair->log_R, bent));
+    if (con->angular == 2) return rbdi_cross(pair->free[0], rbdi_cross(z, pair->free[1]));
     return rbdi_add(rbdi_add(z, rbdi_scale(rbdi_set(RBD_C(-0.5)), bent)), more);
 }
 
 /* Adds a dof's column of sigma. */
-static void rbdi_put_sigma(const rbdi_constraint *k, const rbdi_pair_motion *x, const rbdi_change *d, int nv,
-                           rbd_real *by_q, rbd_real *by_v) {
+static void rbdi_add_sigma(const rbdi_constraint *con, const rbdi_pair_motion *pair,
+                           const rbdi_motion_derivatives *by, int nv, rbd_real *sigma_q, rbd_real *sigma_v) {
     rbd_real sum[2][RBDI_SIX_ROWS], also[RBDI_SIX_ROWS];
     rbdi_clear(sum[0], 2 * RBDI_SIX_ROWS);
-    rbdi_add_held(k, &x->h, d->by_q.omega, d->by_q.v, sum[0]);
-    rbdi_add_held(k, &x->h, d->by_v.omega, d->by_v.v, sum[1]);
+    rbdi_add_held(con, &pair->h, by->rate_q.omega, by->rate_q.v, sum[0]);
+    rbdi_add_held(con, &pair->h, by->rate_v.omega, by->rate_v.v, sum[1]);
     for (int part = 0; part < 3; ++part) { /* J v by q, by v; e by q */
-        rbdi_v3 turn = part == 0 ? d->velocity.omega : d->S.omega;
-        const rbd_const gain = part < 2 ? k->kd : k->kp;
+        rbdi_v3 turn = part == 0 ? by->velocity_q.omega : by->S.omega;
+        const rbd_const gain = part < 2 ? con->kd : con->kp;
         if (!(gain > 0)) continue;
-        if (part == 2) turn = rbdi_error_turn(k, x, turn);
+        if (part == 2) turn = rbdi_differentiate_error(con, pair, turn);
         rbdi_clear(also, RBDI_SIX_ROWS);
-        rbdi_add_held(k, &x->h, turn, part == 0 ? d->velocity.v : d->S.v, also);
-        for (int r = 0; r < k->rows; ++r) sum[part == 1][r] = sum[part == 1][r] + also[r] * gain;
+        rbdi_add_held(con, &pair->h, turn, part == 0 ? by->velocity_q.v : by->S.v, also);
+        for (int r = 0; r < con->rows; ++r) sum[part == 1][r] = sum[part == 1][r] + also[r] * gain;
     }
-    for (int r = 0; r < k->rows; ++r) {
-        if (by_q) by_q[(k->row + r) * nv] = by_q[(k->row + r) * nv] + sum[0][r];
-        if (by_v) by_v[(k->row + r) * nv] = by_v[(k->row + r) * nv] + sum[1][r];
+    for (int r = 0; r < con->rows; ++r) {
+        if (sigma_q) sigma_q[(con->row + r) * nv] = sigma_q[(con->row + r) * nv] + sum[0][r];
+        if (sigma_v) sigma_v[(con->row + r) * nv] = sigma_v[(con->row + r) * nv] + sum[1][r];
     }
 }
 
-/* Subtracts the derivative of J' lambda by a dof of the link `mover` from a column of rho. The dofs'
-   motions S stand in the columns Phi of d, which are no longer needed. The columns S of d are: they keep a
-   free base's. */
-static void rbdi_put_rho(const rbd_model *m, const rbd_derivatives *d, const rbdi_constraint *k,
-                         const rbdi_pair_motion *x, int side, int mover, rbdi_motion S, rbd_real *rho) {
-    const rbdi_v3 o = rbdi_vec0(), mz = rbdi_cross(x->m, S.omega), fz = rbdi_cross(x->f, S.omega),
-                  sf = rbdi_cross(S.v, x->f), roll = rbdi_cross(rbdi_cross(S.omega, x->rolls), x->f);
-    RBDI_FOR_PATHS(m, k, link, sign) {
+/* Subtracts the derivative of J' lambda by a dof of the link `mover`, with this S, from a column of rho. The
+   S of all dofs stand in the columns Phi of d, which are no longer needed; its columns S keep a free base's.
+   */
+static void rbdi_subtract_rho(const rbd_model *m, const rbd_derivatives *d, const rbdi_constraint *con,
+                              const rbdi_pair_motion *pair, int side, int mover, rbdi_motion S,
+                              rbd_real *rho) {
+    const rbdi_v3 o = rbdi_vec0(), mz = rbdi_cross(pair->force.n, S.omega),
+                  fz = rbdi_cross(pair->force.f, S.omega), sf = rbdi_cross(S.v, pair->force.f),
+                  roll = rbdi_cross(rbdi_cross(S.omega, pair->roll_radius), pair->force.f);
+    RBDI_FOR_PATHS(m, con, link, sign) {
         const rbdi_link *l = &m->link[link];
         const int other = sign < 0,
                   moved = other == side && l->first >= m->link[mover].first; /* on the same path: behind it */
@@ -2085,35 +2120,37 @@ static void rbdi_put_rho(const rbd_model *m, const rbd_derivatives *d, const rbd
 }
 
 /* rho += -d(J' lambda) of a constraint, with the dofs' motions in d. */
-static void rbdi_change_forces(const rbd_model *m, const rbd_derivatives *d, const rbdi_constraint *k,
-                               const rbdi_pair_motion *x, rbd_real *rho) {
-    RBDI_FOR_PATHS(m, k, link, sign)
+static void rbdi_differentiate_forces(const rbd_model *m, const rbd_derivatives *d,
+                                      const rbdi_constraint *con, const rbdi_pair_motion *pair,
+                                      rbd_real *rho) {
+    RBDI_FOR_PATHS(m, con, link, sign)
     for (int j = 0, first = m->link[link].first; j < rbdi_link_dofs(m, &m->link[link]); ++j)
-        rbdi_put_rho(m, d, k, x, sign < 0, link, rbdi_load_motion(RBDI_OF(d, first + j, Phi), RBDI_BATCH),
-                     rho + rbdi_source(m, m->link[link].iv + j));
+        rbdi_subtract_rho(m, d, con, pair, sign < 0, link,
+                          rbdi_load_motion(RBDI_OF(d, first + j, Phi), RBDI_BATCH),
+                          rho + rbdi_source(m, m->link[link].iv + j));
 }
 
-/* The same, and sigma. */
+/* The same, and += sigma by q and by v. NULL: not wanted. */
 static void rbdi_differentiate(const rbd_model *m, const rbd_constraint_set *c, const rbd_derivatives *d,
-                               const rbdi_constraint *k, rbd_real *rho_q, rbd_real *sigma_q,
+                               const rbdi_constraint *con, rbd_real *rho_q, rbd_real *sigma_q,
                                rbd_real *sigma_v) {
-    const rbdi_pair_motion x = rbdi_pair_motion_of(c, k);
-    RBDI_FOR_PATHS(m, k, link, sign) {
+    const rbdi_pair_motion pair = rbdi_pair_motion_of(c, con);
+    RBDI_FOR_PATHS(m, con, link, sign) {
         const rbdi_link *l = &m->link[link];
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
-            const rbdi_change by = rbdi_change_of(m, c, &x, sign < 0, link, j);
+            const rbdi_motion_derivatives by = rbdi_differentiate_motion(m, c, &pair, sign < 0, link, j);
             const int column = rbdi_source(m, l->iv + j);
             rbdi_store_motion(RBDI_OF(d, l->first + j, Phi), RBDI_BATCH, by.S);
-            rbdi_put_sigma(k, &x, &by, m->nv, sigma_q ? sigma_q + column : NULL,
+            rbdi_add_sigma(con, &pair, &by, m->nv, sigma_q ? sigma_q + column : NULL,
                            sigma_v ? sigma_v + column : NULL);
         }
     }
-    if (rho_q) rbdi_change_forces(m, d, k, &x, rho_q);
+    if (rho_q) rbdi_differentiate_forces(m, d, con, &pair, rho_q);
 }
 
-/* dlambda = Delta^-1 (T' rho - sigma) in place of sigma. */
-static void rbdi_change_lambda(const rbd_model *m, rbd_constraint_set *c, const rbd_real *rho,
-                               rbd_real *sigma) {
+/* Replaces sigma by dlambda = Delta^-1 (T' rho - sigma). c->Y: -T. */
+static void rbdi_lambda_derivatives(const rbd_model *m, rbd_constraint_set *c, const rbd_real *rho,
+                                    rbd_real *sigma) {
     const int n = m->nv;
     for (int r = 0; r < c->rows; ++r) {
         rbd_real *to = &sigma[r * n];
@@ -2146,14 +2183,14 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
     for (int x = 0; x < 3; ++x)
         if (of_lambda[x]) rbdi_clear(of_lambda[x], c->rows * nv);
     rbdi_constraint_state(m, c, rbdi_expand_v(m, v, c->w->vx), rbdi_expand_v(m, d->a, c->w->ax), none, 0);
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
-        rbdi_differentiate(m, c, d, k, to.da_dq, to.dlambda_dq, to.dlambda_dv);
+    for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con)
+        rbdi_differentiate(m, c, d, con, to.da_dq, to.dlambda_dq, to.dlambda_dv);
     rbdi_solve_down(m, c->w, c->w->H, -1, c->stride, c->rows, c->Y); /* -T = -L^-1 D^-1 Y */
     if (to.da_dtau) rbdi_clear(to.da_dtau, nv * nv);
     for (int k = 0; to.da_dtau && k < nv; ++k) to.da_dtau[k * nv + k] = rbdi_set(RBD_C(-1));
     for (int x = 0; x < 3; ++x) {
         if (!of_a[x]) continue;
-        rbdi_change_lambda(m, c, of_a[x], of_lambda[x]);
+        rbdi_lambda_derivatives(m, c, of_a[x], of_lambda[x]);
         rbdi_solve_columns(m, c->w, c->w->H, -1, nv, nv, of_a[x], NULL);
         for (int k = 0; k < nv; ++k)
             rbdi_subtract_product(&c->Y[k * c->stride], of_lambda[x], c->rows, nv, &of_a[x][k * nv]);

@@ -1048,29 +1048,29 @@ RBDI_API rbd_status rbd_contact_solve(const rbd_contact_problem *problem, void *
 /* ---- set code [set code] ---- */
 
 /* The plane of a contact as frame 2 of its constraint: x and y are tangents, z is the normal. */
-static void rbdi_place_plane(const rbd_model *m, rbdi_constraint *k, int body2, const double normal[3],
+static void rbdi_place_plane(const rbd_model *m, rbdi_constraint *con, int body2, const double normal[3],
                              double height) {
     double R[9], origin[3], up[3] = {0, 0, 1};
     for (int j = 0; j < 3 && !rbdi_all_zero(normal, 3); ++j) up[j] = normal[j];
     rbdi_frame_along(up, R);
     for (int j = 0; j < 3; ++j) origin[j] = height * R[3 * j + 2];
-    k->link[1] = (int16_t)rbdi_place_frame(m, body2, R, origin, k->R[1], &k->p[1]);
+    con->link[1] = (int16_t)rbdi_place_frame(m, body2, R, origin, con->rotation[1], &con->position[1]);
     for (int i = 0; i < 3; ++i)
-        for (int r = 0; r < 3; ++r) k->held[i][r] = k->R[1][3 * i + r];
+        for (int r = 0; r < 3; ++r) con->held[i][r] = con->rotation[1][3 * i + r];
 }
 
 /* A contact as a constraint that holds three linear axes. */
 static rbd_constraint rbdi_constraint_of_contact(const rbd_contact *a) {
-    rbd_constraint k = rbdi_constraint_of(a->body1, a->point, a->body2, NULL, 0);
-    k.name = a->name;
-    return k;
+    rbd_constraint con = rbdi_constraint_of(a->body1, a->point, a->body2, NULL, 0);
+    con.name = a->name;
+    return con;
 }
 
 static rbd_status rbdi_check_contact(const rbd_model *m, const rbd_contact *a, int i, rbd_report *report) {
     const double values[5] = {a->radius, a->friction, a->restitution, a->stiffness, a->damping};
     const char *const names[5] = {"radius", "friction", "restitution", "stiffness", "damping"};
-    const rbd_constraint k = rbdi_constraint_of_contact(a);
-    const rbd_status status = rbdi_check_constraint(m, &k, i, report);
+    const rbd_constraint con = rbdi_constraint_of_contact(a);
+    const rbd_status status = rbdi_check_constraint(m, &con, i, report);
     if (status) {
         if (status == RBD_ERR_POSITION) report->error.field = "point";
         return status;
@@ -1173,12 +1173,12 @@ static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held,
 
 static void rbdi_place_contact(const rbd_model *m, rbd_contact_set *c, const rbd_contact *a, int i) {
     const rbd_constraint as = rbdi_constraint_of_contact(a);
-    rbdi_constraint *k = &c->rows->constraint[i];
+    rbdi_constraint *con = &c->rows->constraint[i];
     rbdi_contact *to = &c->contact[i];
-    rbdi_place_constraint(m, &as, 0, k);
-    rbdi_place_plane(m, k, a->body2, a->normal, a->height);
+    rbdi_place_constraint(m, &as, 0, con);
+    rbdi_place_plane(m, con, a->body2, a->normal, a->height);
     to->body2 = a->body2;
-    to->point = k->p[0];
+    to->point = con->position[0];
     to->radius = RBD_C(a->radius), to->friction = RBD_C(a->friction);
     to->restitution = RBD_C(a->restitution);
     to->stiffness = RBD_C(a->stiffness), to->damping = RBD_C(a->damping);
@@ -1244,22 +1244,23 @@ RBDI_API rbd_status rbd_contact_plane(const rbd_model *m, rbd_contact_set *c, in
    place moves over a ball, so nothing of dJ/dt has a part in this: a wheel's point accelerates upward, its
    gap does not. */
 
-/* World axes of the normal of constraint k. */
-RBDI_INLINE rbdi_v3 rbdi_contact_normal(const rbd_constraint_set *s, const rbdi_constraint *k) {
-    const rbdi_v3 n = rbdi_vec(rbdi_set(k->held[0][2]), rbdi_set(k->held[1][2]), rbdi_set(k->held[2][2]));
-    return k->link[1] < 0 ? n : rbdi_mul_t(s->w->kin[k->link[1]].X.E, n);
+/* World axes of the normal of a constraint. */
+RBDI_INLINE rbdi_v3 rbdi_contact_normal(const rbd_constraint_set *s, const rbdi_constraint *con) {
+    const rbdi_v3 n =
+        rbdi_vec(rbdi_set(con->held[0][2]), rbdi_set(con->held[1][2]), rbdi_set(con->held[2][2]));
+    return con->link[1] < 0 ? n : rbdi_mul_t(s->w->kin[con->link[1]].X.E, n);
 }
 
 /* Gap and velocity of approach of a contact; the frame of its constraint comes to the place of contact. */
-static void rbdi_contact_gap(const rbd_constraint_set *s, rbdi_constraint *k, rbdi_contact *a) {
-    const rbdi_v3 n = rbdi_contact_normal(s, k),
-                  x = k->link[0] < 0 ? n : rbdi_mul(s->w->kin[k->link[0]].X.E, n);
+static void rbdi_contact_gap(const rbd_constraint_set *s, rbdi_constraint *con, rbdi_contact *a) {
+    const rbdi_v3 n = rbdi_contact_normal(s, con),
+                  x = con->link[0] < 0 ? n : rbdi_mul(s->w->kin[con->link[0]].X.E, n);
     rbdi_station one, two;
-    k->p[0].x = a->point.x - a->radius * (rbd_const)x.x;
-    k->p[0].y = a->point.y - a->radius * (rbd_const)x.y;
-    k->p[0].z = a->point.z - a->radius * (rbd_const)x.z;
-    one = rbdi_station_of(s, k, 0), two = rbdi_station_at(s, k->link[1], one.p);
-    a->gap = rbdi_dot(n, rbdi_sub(one.p, rbdi_station_of(s, k, 1).p));
+    con->position[0].x = a->point.x - a->radius * (rbd_const)x.x;
+    con->position[0].y = a->point.y - a->radius * (rbd_const)x.y;
+    con->position[0].z = a->point.z - a->radius * (rbd_const)x.z;
+    one = rbdi_station_of(s, con, 0), two = rbdi_station_at(s, con->link[1], one.p);
+    a->gap = rbdi_dot(n, rbdi_sub(one.p, rbdi_station_of(s, con, 1).p));
     a->approach = rbdi_dot(n, rbdi_sub(one.v, two.v));
 }
 
@@ -1309,18 +1310,18 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
     for (int k = 0; k < m->nv; ++k) s->span[k].first = s->span[k].end = 0;
     s->rows = 0;
     for (int i = 0; i < c->n; ++i, place += 3) {
-        rbdi_constraint *k = &s->constraint[i];
+        rbdi_constraint *con = &s->constraint[i];
         rbdi_contact *a = &c->contact[i];
-        rbdi_contact_gap(s, k, a);
-        a->row = k->row = -1, a->state = RBD_APART;
+        rbdi_contact_gap(s, con, a);
+        a->row = con->row = -1, a->state = RBD_APART;
         if (!rbdi_may_touch(a->gap, a->approach, dt, RBD_C(c->options.margin))) continue;
         c->friction[s->rows / 3] = rbdi_set(a->friction);
-        a->row = k->row = (int16_t)rbdi_open_rows(c, place, 3, k->dof, k->dofs);
+        a->row = con->row = (int16_t)rbdi_open_rows(c, place, 3, con->dof, con->dofs);
     }
     contacts = s->rows / 3;
-    for (rbdi_constraint *k = s->constraint + c->n; k < s->constraint + s->n; place += k++->rows) {
-        k->row = (int16_t)rbdi_open_rows(c, place, k->rows, k->dof, k->dofs);
-        for (int r = k->row - 3 * contacts; r < s->rows - 3 * contacts; ++r)
+    for (rbdi_constraint *con = s->constraint + c->n; con < s->constraint + s->n; place += con++->rows) {
+        con->row = (int16_t)rbdi_open_rows(c, place, con->rows, con->dof, con->dofs);
+        for (int r = con->row - 3 * contacts; r < s->rows - 3 * contacts; ++r)
             c->upper[r] = rbdi_set(RBDI_UNBOUNDED), c->lower[r] = -c->upper[r];
     }
     for (int i = 0; i < c->dof_rows; ++i) {
@@ -1361,8 +1362,8 @@ static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
     const int n = s->rows;
     rbd_real *delta = s->R;
     rbdi_bound_noise(m, s);
-    for (const rbdi_constraint *k = s->constraint; k < s->constraint + s->n; ++k)
-        if (k->row >= 0) rbdi_delta(s, k->dof, k->dofs, k->row, k->rows);
+    for (const rbdi_constraint *con = s->constraint; con < s->constraint + s->n; ++con)
+        if (con->row >= 0) rbdi_delta(s, con->dof, con->dofs, con->row, con->rows);
     for (int i = 0; i < c->dof_rows; ++i) {
         const rbdi_dof_row *a = &c->dof_row[i];
         if (a->row >= 0) rbdi_delta(s, s->path, rbdi_path_to(m, s, a->dof), a->row, 1);
@@ -1442,8 +1443,8 @@ static int rbdi_write_biases(rbd_contact_set *c, int purpose) {
     int changed = 0;
     for (const rbdi_contact *a = c->contact; a < c->contact + c->n; ++a)
         if (a->row >= 0) changed |= rbdi_write_bias(c, a->row + 2, rbdi_contact_bias(c, purpose, a).value);
-    for (const rbdi_constraint *k = s->constraint + c->n; k < s->constraint + s->n; ++k)
-        for (int r = k->row; r < k->row + k->rows; ++r)
+    for (const rbdi_constraint *con = s->constraint + c->n; con < s->constraint + s->n; ++con)
+        for (int r = con->row; r < con->row + con->rows; ++r)
             changed |= rbdi_write_bias(c, r, rbdi_held_bias(c, purpose, s->e[r]).value);
     for (const rbdi_dof_row *a = c->dof_row; a < c->dof_row + c->dof_rows; ++a)
         if (a->row >= 0)
@@ -1526,7 +1527,7 @@ static void rbdi_keep_impulses(rbd_contact_set *c) {
         rbdi_set_axes(s, &s->constraint[i], &h);
         for (int r = 0; r < 3; ++r)
             for (int j = 0; j < 3; ++j)
-                a->force[j] = a->force[j] + h.x[3 + j][r] * s->lambda[a->row + r] / c->dt;
+                a->force[j] = a->force[j] + h.axis[3 + j][r] * s->lambda[a->row + r] / c->dt;
     }
 }
 
@@ -1655,18 +1656,18 @@ static void rbdi_write_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivativ
 /* Adds to sigma, for each row of a constraint, `share` times the derivative of J nu by q and `gain` times
    that of the gap or error, which is J. Leaves the dofs' motions in d. */
 static void rbdi_change_rows(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
-                             const rbdi_constraint *k, const rbdi_pair_motion *x, const rbd_real *share,
+                             const rbdi_constraint *con, const rbdi_pair_motion *x, const rbd_real *share,
                              const rbd_real *gain) {
-    RBDI_FOR_PATHS(m, k, link, sign) {
+    RBDI_FOR_PATHS(m, con, link, sign) {
         const rbdi_link *l = &m->link[link];
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
-            const rbdi_change by = rbdi_change_of(m, c->rows, x, sign < 0, link, j);
-            rbd_real sum[2][RBDI_SIX_ROWS], *to = &c->sigma[k->row * m->nv + rbdi_source(m, l->iv + j)];
+            const rbdi_motion_derivatives by = rbdi_differentiate_motion(m, c->rows, x, sign < 0, link, j);
+            rbd_real sum[2][RBDI_SIX_ROWS], *to = &c->sigma[con->row * m->nv + rbdi_source(m, l->iv + j)];
             rbdi_store_motion(RBDI_OF(d, l->first + j, Phi), RBDI_BATCH, by.S);
             rbdi_clear(sum[0], 2 * RBDI_SIX_ROWS);
-            rbdi_add_held(k, &x->h, by.velocity.omega, by.velocity.v, sum[0]);
-            rbdi_add_held(k, &x->h, rbdi_error_turn(k, x, by.S.omega), by.S.v, sum[1]);
-            for (int r = 0; r < k->rows; ++r, to += m->nv)
+            rbdi_add_held(con, &x->h, by.velocity_q.omega, by.velocity_q.v, sum[0]);
+            rbdi_add_held(con, &x->h, rbdi_differentiate_error(con, x, by.S.omega), by.S.v, sum[1]);
+            for (int r = 0; r < con->rows; ++r, to += m->nv)
                 *to = *to + share[r] * sum[0][r] + gain[r] * sum[1][r];
         }
     }
@@ -1680,21 +1681,21 @@ static void rbdi_change_constraints(const rbd_model *m, rbd_contact_set *c, cons
     rbd_constraint_set *s = c->rows;
     rbdi_constraint_state(m, s, rbdi_expand_v(m, nu, s->w->vx), s->w->zero, none, 0);
     for (int i = 0; i < s->n; ++i) {
-        const rbdi_constraint *k = &s->constraint[i];
+        const rbdi_constraint *con = &s->constraint[i];
         const rbdi_contact *a = i < c->n ? &c->contact[i] : NULL;
         rbd_real of[2][6]; /* share, gain */
         rbdi_pair_motion met;
-        if (k->row < 0 || (rebounds && !(a && a->rebounds))) continue;
-        for (int r = 0; r < k->rows; ++r) {
+        if (con->row < 0 || (rebounds && !(a && a->rebounds))) continue;
+        for (int r = 0; r < con->rows; ++r) {
             of[0][r] = rbdi_set(RBD_C(!rebounds));
-            of[1][r] = a ? rbdi_zero() : rbdi_held_bias(c, purpose, s->e[k->row + r]).gain;
+            of[1][r] = a ? rbdi_zero() : rbdi_held_bias(c, purpose, s->e[con->row + r]).gain;
         }
         if (a) of[1][2] = rbdi_contact_bias(c, purpose, a).gain;
         if (rebounds) of[x][2] = rbdi_set(a->restitution);
-        met = rbdi_pair_motion_of(s, k);
-        if (a) met.rolls = rbdi_scale(rbdi_set(a->radius), rbdi_contact_normal(s, k));
-        rbdi_change_rows(m, c, d, k, &met, of[0], of[1]);
-        if (!rebounds) rbdi_change_forces(m, d, k, &met, rho);
+        met = rbdi_pair_motion_of(s, con);
+        if (a) met.roll_radius = rbdi_scale(rbdi_set(a->radius), rbdi_contact_normal(s, con));
+        rbdi_change_rows(m, c, d, con, &met, of[0], of[1]);
+        if (!rebounds) rbdi_differentiate_forces(m, d, con, &met, rho);
     }
 }
 

@@ -234,7 +234,7 @@ static double growth_of(const set *c) {
     for (int i = 0; i < c->rows; i++) {
         double diagonal = 0;
         for (int t = 0; t <= i; t++) diagonal += pow(c->c->R[t * c->c->stride + i], 2);
-        growth = fmax(growth, diagonal * pow(c->c->inverse[i], 2));
+        growth = fmax(growth, diagonal * pow(c->c->R_inverse[i], 2));
     }
     return growth;
 }

@@ -6,15 +6,15 @@
 #include "constraints/solution.h"
 
 /* ---- articulated bodies [articulated] ----
-   A unit force (moment) of a row acts on both bodies, with opposite signs, as wrenches K on their links.
-   Pass 2 of [aba] eliminates one joint after the other. K is then carried from link to link to the world. The
-   acceleration of a joint's link without S qdd is y = X y_p + c. At each joint
+   The Popov-Vereshchagin algorithm. A unit force (moment) of a row acts on both bodies, with opposite
+   signs, as wrenches K on their links. Pass 2 of [aba] has eliminated the joints; K is carried past each of
+   them to the world. a' = X a_p + c is the acceleration of a joint's link without S qdd. At each joint
 
        Y = S' K,   K -= U/D Y,   epsilon += Y u/D + K' c,   K_p = X' K
 
-   and the acceleration along the rows is K' y + epsilon + Delta lambda, where Delta = Y' D^-1 Y of the joints
-   so far. At the common ancestor of the two links the two wrenches are added. In the world y is known, and
-   [factor] gives lambda from b = target - epsilon - K' y. Then u/D += Y'lambda / D, and pass 3 gives the
+   and the acceleration along the row is K' a' + epsilon + Delta lambda, where Delta = Y' D^-1 Y of the joints
+   so far. At the common ancestor of the two links the two wrenches are added. In the world a' is known, and
+   [factor] gives lambda from b = target - epsilon - K' a'. Then u/D += D^-1 Y lambda, and pass 3 gives the
    accelerations. */
 
 #if RBDI_BATCH > 1
@@ -23,40 +23,41 @@
 #define rbdi_wrenches_up rbdi_array_up
 #endif
 
-/* K of a batch of rows, in the axes of the link that it was carried to, and target - epsilon. */
-typedef struct rbdi_carried {
+/* K of a batch of rows, in the axes of the link that it was carried to, and b = target - epsilon. */
+typedef struct rbdi_row_wrenches {
     rbdi_batch K[6], b;
-} rbdi_carried;
+} rbdi_row_wrenches;
 
-/* K of a batch of rows, from row r of the constraint on, on the link of a side; 0 on the world. p: origin of
-   frame 1, where the forces act. */
-RBDI_INLINE void rbdi_start_rows(const rbd_constraint_set *c, const rbdi_constraint *k,
+/* K on one of the two links, of a batch of rows from row r of the constraint on; 0 if it is the world. p:
+   origin of frame 1, where the forces act. */
+RBDI_INLINE void rbdi_start_rows(const rbd_constraint_set *c, const rbdi_constraint *con,
                                  const rbdi_axes_held *h, rbdi_v3 p, int side, int r, rbdi_batch K[6]) {
-    const int link = k->link[k->link[side] < 0 ? 1 : side];
+    const int link = con->link[con->link[side] < 0 ? 1 : side];
     const rbdi_pose X = c->w->kin[link].X;
-    const rbd_real sign = rbdi_set(side ? RBD_C(-1) : RBD_C(k->link[0] >= 0));
-    const rbdi_v3 arm = side ? rbdi_mul(X.E, rbdi_sub(p, X.r)) : rbdi_vec_c(k->p[0]);
+    const rbd_real sign = rbdi_set(side ? RBD_C(-1) : RBD_C(con->link[0] >= 0));
+    const rbdi_v3 arm = side ? rbdi_mul(X.E, rbdi_sub(p, X.r)) : rbdi_vec_c(con->position[0]);
     const rbdi_v3 axis[3] = {rbdi_scale(sign, rbdi_vec(X.E.xx, X.E.xy, X.E.xz)),
                              rbdi_scale(sign, rbdi_vec(X.E.yx, X.E.yy, X.E.yz)),
                              rbdi_scale(sign, rbdi_vec(X.E.zx, X.E.zy, X.E.zz))};
     for (int j = 0; j < 3; ++j)
-        K[3 + j] = *(const rbdi_batch *)&h->x[3][r] * axis[j].x +
-                   *(const rbdi_batch *)&h->x[4][r] * axis[j].y +
-                   *(const rbdi_batch *)&h->x[5][r] * axis[j].z;
+        K[3 + j] = *(const rbdi_batch *)&h->axis[3][r] * axis[j].x +
+                   *(const rbdi_batch *)&h->axis[4][r] * axis[j].y +
+                   *(const rbdi_batch *)&h->axis[5][r] * axis[j].z;
     K[0] = K[5] * arm.y - K[4] * arm.z;
     K[1] = K[3] * arm.z - K[5] * arm.x;
     K[2] = K[4] * arm.x - K[3] * arm.y;
-    for (int j = 0; k->angular && j < 3; ++j)
-        K[j] = K[j] + *(const rbdi_batch *)&h->x[0][r] * axis[j].x +
-               *(const rbdi_batch *)&h->x[1][r] * axis[j].y + *(const rbdi_batch *)&h->x[2][r] * axis[j].z;
+    for (int j = 0; con->angular && j < 3; ++j)
+        K[j] = K[j] + *(const rbdi_batch *)&h->axis[0][r] * axis[j].x +
+               *(const rbdi_batch *)&h->axis[1][r] * axis[j].y +
+               *(const rbdi_batch *)&h->axis[2][r] * axis[j].z;
 }
 
 /* Carries K past the joint of one-axis link i, into the parent's axes. Writes Y. */
-RBDI_INLINE void rbdi_rows_axis(const rbd_model *m, const rbd_work *w, int i, int flags, rbdi_carried *on,
-                                rbdi_batch *Y) {
+RBDI_INLINE void rbdi_rows_axis(const rbd_model *m, const rbd_work *w, int i, int flags,
+                                rbdi_row_wrenches *rows, rbdi_batch *Y) {
     const rbdi_link *l = &m->link[i];
     const rbdi_scratch *own = &w->scratch[i];
-    rbdi_batch *K = on->K, y = K[2], z = K[2], term;
+    rbdi_batch *K = rows->K, y = K[2], z = K[2], term;
     if (flags & RBDI_SLIDES) y = K[2] * l->rho + K[5] * l->kappa;
     *Y = y;
     K[0] = K[0] - y * own->U_D.n.x, K[1] = K[1] - y * own->U_D.n.y;
@@ -65,11 +66,11 @@ RBDI_INLINE void rbdi_rows_axis(const rbd_model *m, const rbd_work *w, int i, in
     K[3] = K[3] - y * own->U_D.f.x, K[4] = K[4] - y * own->U_D.f.y, K[5] = K[5] - y * own->U_D.f.z;
     term = y * own->u_D + K[0] * own->c.omega.x + K[1] * own->c.omega.y;
     term = term + K[3] * own->c.v.x + K[4] * own->c.v.y + K[5] * own->c.v.z;
-    on->b = on->b - term;
+    rows->b = rows->b - term;
     rbdi_wrenches_up(l, flags, rbdi_trig_of(m, w, i, flags), K);
 }
 
-/* K = X' K of a block link. */
+/* X' K of a block link. */
 RBDI_INLINE void rbdi_wrenches_up_block(const rbdi_pose *X, rbdi_batch K[6]) {
     const rbdi_mat E = X->E;
     const rbdi_v3 r = X->r;
@@ -84,71 +85,71 @@ RBDI_INLINE void rbdi_wrenches_up_block(const rbdi_pose *X, rbdi_batch K[6]) {
     K[2] = K[2] + K[4] * r.x - K[3] * r.y;
 }
 
-/* Carries K past the n dofs of a block, whose rows of Y are `stride` apart. Nothing of K passes a free
-   base: its U/D has only the entries that its own dofs need. */
-RBDI_INLINE void rbdi_rows_dofs(const rbdi_block_work *bw, int first, int n, int free_base, rbdi_carried *on,
-                                rbd_real *Y, int stride) {
+/* Carries K past the n dofs of a block, whose rows of Y are `stride` apart. At a free base all of K is
+   eliminated: U/D has only the entries that its own dofs need. */
+RBDI_INLINE void rbdi_rows_dofs(const rbdi_block_work *bw, int first, int n, int free_base,
+                                rbdi_row_wrenches *rows, rbd_real *Y, int stride) {
     RBDI_UNROLL_SIX for (int d = n - 1; d >= 0; --d) {
-        const rbdi_batch y = on->K[first + d];
+        const rbdi_batch y = rows->K[first + d];
         const int end = free_base ? d : 6;
         *(rbdi_batch *)&Y[d * stride] = y;
-        on->b = on->b - y * bw->u_D[d];
-        RBDI_UNROLL_SIX for (int j = 0; j < end; ++j) { on->K[j] = on->K[j] - y * bw->U_D[d][j]; }
+        rows->b = rows->b - y * bw->u_D[d];
+        RBDI_UNROLL_SIX for (int j = 0; j < end; ++j) { rows->K[j] = rows->K[j] - y * bw->U_D[d][j]; }
     }
 }
-static rbdi_carried rbdi_rows_block(const rbd_model *m, const rbd_work *w, int i, rbdi_carried on,
-                                    rbd_real *Y, int stride) {
+static rbdi_row_wrenches rbdi_rows_block(const rbd_model *m, const rbd_work *w, int i, rbdi_row_wrenches rows,
+                                         rbd_real *Y, int stride) {
     const rbdi_link *l = &m->link[i];
     const rbdi_block *b = rbdi_block_of(m, l);
     const rbdi_block_work *bw = &w->block[l->block];
     if (rbdi_free_base(l, b)) {
-        rbdi_rows_dofs(bw, 0, 6, 1, &on, Y, stride);
-        for (int j = 0; j < 6; ++j) on.K[j] = rbdi_zero_batch();
+        rbdi_rows_dofs(bw, 0, 6, 1, &rows, Y, stride);
+        for (int j = 0; j < 6; ++j) rows.K[j] = rbdi_zero_batch();
     } else {
         rbd_real C[6];
         rbdi_store_motion(C, 1, w->scratch[i].c);
-        rbdi_rows_dofs(bw, b->first, b->n, 0, &on, Y, stride);
-        for (int j = 0; j < 6; ++j) on.b = on.b - on.K[j] * C[j];
-        rbdi_wrenches_up_block(&bw->X, on.K);
+        rbdi_rows_dofs(bw, b->first, b->n, 0, &rows, Y, stride);
+        for (int j = 0; j < 6; ++j) rows.b = rows.b - rows.K[j] * C[j];
+        rbdi_wrenches_up_block(&bw->X, rows.K);
     }
-    return on;
+    return rows;
 }
 
 /* Carries K from link i to its ancestor `stop`. Y: the batch in the row of dof 0. */
 static void rbdi_carry_rows(const rbd_model *m, const rbd_constraint_set *c, int i, int stop,
-                            rbdi_carried *carried, rbd_real *Y) {
-    rbdi_carried on = *carried; /* in registers */
+                            rbdi_row_wrenches *carried, rbd_real *Y) {
+    rbdi_row_wrenches rows = *carried; /* in registers */
     for (; i > stop; i = m->link[i].parent) {
         const rbdi_link *l = &m->link[i];
         rbd_real *to = Y + l->iv * c->stride;
         if (rbdi_is(l, RBDI_BLOCK))
-            on = rbdi_rows_block(m, c->w, i, on, to, c->stride);
+            rows = rbdi_rows_block(m, c->w, i, rows, to, c->stride);
         else
-            RBDI_BY_FLAGS(flags, l, rbdi_rows_axis(m, c->w, i, flags, &on, (rbdi_batch *)to));
+            RBDI_BY_FLAGS(flags, l, rbdi_rows_axis(m, c->w, i, flags, &rows, (rbdi_batch *)to));
     }
-    *carried = on;
+    *carried = rows;
 }
 
-/* Y and b of a batch of rows, from row r of the constraint on. h, p: its axes and the origin of frame 1. */
-static void rbdi_rows_to_world(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k, int r,
+/* Y and b of a batch of rows from row r of the constraint on. h: its axes. p: origin of frame 1. */
+static void rbdi_rows_to_world(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *con, int r,
                                const rbdi_axes_held *h, rbdi_v3 p) {
-    rbd_real *Y = c->Y + k->row + r;
-    rbdi_carried on, one;
-    for (int j = 0; j < 6; ++j) on.K[j] = rbdi_zero_batch();
-    on.b = *(const rbdi_batch *)&c->target[k->row + r];
-    for (int side = 0; side < (k->link[1] < 0 ? 1 : 2); ++side) {
-        rbdi_start_rows(c, k, h, p, side, r, one.K);
-        one.b = on.b;
-        rbdi_carry_rows(m, c, k->link[side], k->ancestor, &one, Y);
-        for (int j = 0; j < 6; ++j) on.K[j] = on.K[j] + one.K[j];
-        on.b = one.b;
+    rbd_real *Y = c->Y + con->row + r;
+    rbdi_row_wrenches rows, one;
+    for (int j = 0; j < 6; ++j) rows.K[j] = rbdi_zero_batch();
+    rows.b = *(const rbdi_batch *)&c->target[con->row + r];
+    for (int side = 0; side < (con->link[1] < 0 ? 1 : 2); ++side) {
+        rbdi_start_rows(c, con, h, p, side, r, one.K);
+        one.b = rows.b;
+        rbdi_carry_rows(m, c, con->link[side], con->ancestor, &one, Y);
+        for (int j = 0; j < 6; ++j) rows.K[j] = rows.K[j] + one.K[j];
+        rows.b = one.b;
     }
-    rbdi_carry_rows(m, c, k->ancestor, -1, &on, Y);
-    on.b = on.b - on.K[3] * c->world.x - on.K[4] * c->world.y - on.K[5] * c->world.z;
-    *(rbdi_batch *)&c->b[k->row + r] = on.b;
+    rbdi_carry_rows(m, c, con->ancestor, -1, &rows, Y);
+    rows.b = rows.b - rows.K[3] * c->world.x - rows.K[4] * c->world.y - rows.K[5] * c->world.z;
+    *(rbdi_batch *)&c->b[con->row + r] = rows.b;
 }
 
-/* 1/D of the dofs on a path. */
+/* 1/D of the dofs on the paths. */
 static void rbdi_path_inverse(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
     for (int at = 0; at < c->links; ++at) {
@@ -158,18 +159,18 @@ static void rbdi_path_inverse(const rbd_model *m, rbd_constraint_set *c) {
     }
 }
 
-/* u/D += Y'lambda / D. */
-static void rbdi_push_links(const rbd_model *m, rbd_constraint_set *c) {
+/* u/D += D^-1 Y lambda. */
+static void rbdi_add_multipliers(const rbd_model *m, rbd_constraint_set *c) {
     for (int at = 0; at < c->links; ++at) {
         const rbdi_link *l = &m->link[c->link[at]];
         const int block = rbdi_is(l, RBDI_BLOCK), n = rbdi_link_dofs(m, l);
         rbd_real *u_D = block ? c->w->block[l->block].u_D : &c->w->scratch[c->link[at]].u_D;
-        for (int t = 0; t < n; ++t) u_D[t] = u_D[t] + rbdi_rows_push(c, l->iv + t) * c->D_inverse[l->iv + t];
+        for (int t = 0; t < n; ++t) u_D[t] = u_D[t] + rbdi_y_lambda(c, l->iv + t) * c->D_inverse[l->iv + t];
     }
 }
 
-/* Velocities, poses and bias wrenches of the links. K brings the terms of gamma by accelerations, so that
-   these are 0 in the links' motion. */
+/* Velocities, poses and bias wrenches of the links. epsilon has gamma's terms of the links' accelerations, so
+   these are 0 here. */
 static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, rbdi_c3 gravity, int moving) {
     rbd_work *w = c->w;
@@ -182,7 +183,7 @@ static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, co
         const int link = c->constraint[i / 2].link[i % 2];
         if (link < 0) continue;
         w->kin[link].state.omega_dot = w->kin[link].state.acc = rbdi_vec0();
-        if (!moving) w->kin[link].v = rbdi_vec0(); /* a number, but not used */
+        if (!moving) w->kin[link].v = rbdi_vec0(); /* not used, but it must not be a NaN */
     }
 }
 
@@ -190,7 +191,7 @@ static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, co
 static int rbdi_articulated_solve(const rbd_model *m, rbd_constraint_set *c, rbd_real *x) {
     if (rbdi_any(rbdi_factor_delta(m, c))) return 0;
     rbdi_back_substitute(c);
-    rbdi_push_links(m, c);
+    rbdi_add_multipliers(m, c);
     rbdi_aba_pass3(m, c->w, c->world, x);
     c->infeasible = c->w->singular = -1;
     return 1;

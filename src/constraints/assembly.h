@@ -4,32 +4,32 @@
 #include "constraints/weights.h"
 
 /* ---- assembly [assembly] ----
-   Newton's method. Each step d has J d = -e and, among all such steps, makes d + rbd_difference(q, q_near),
-   the remaining distance, shortest. Steps are cut to RBDI_LONGEST_STEP, because J changes. The last steps
-   only reduce e. */
+   Newton's method. Of all steps d with J d = -e it takes the one that makes d + rbd_difference(q, q_near),
+   the remaining distance from q, shortest. Steps are cut to RBDI_LONGEST_STEP, because J changes. The last
+   steps reduce e alone. */
 
 /* Largest magnitude of n numbers. */
 static rbd_real rbdi_largest(const rbd_real *x, int n) {
     rbd_real largest = rbdi_zero();
     for (int k = 0; k < n; ++k) {
-        const rbd_real y = rbdi_abs(x[k]);
-        largest = rbdi_select(rbdi_less(largest, y), y, largest);
+        const rbd_real size = rbdi_abs(x[k]);
+        largest = rbdi_select(rbdi_less(largest, size), size, largest);
     }
     return largest;
 }
 
-/* The share of the distance that the next step removes, by Barzilai and Borwein (1988), from this step x,
-   the one before it, c->before, and the shares of both. A share of 1 is right if J is constant. If J
-   changes, steps with it converge slowly or never. */
-static rbd_real rbdi_next_share(const rbd_constraint_set *c, int nv, rbd_real share, rbd_real share_before) {
-    const rbd_real one = rbdi_set(RBD_C(1)), least = rbdi_set(RBDI_LEAST_SHARE),
-                   most = rbdi_set(RBDI_MOST_SHARE);
+/* The next step size: the share of the distance that a step removes, by Barzilai and Borwein (1988), from
+   this step c->x, the step before it, and the sizes of both. 1 is right if J is constant; if J changes, steps
+   of size 1 converge slowly or never. */
+static rbd_real rbdi_next_size(const rbd_constraint_set *c, int nv, rbd_real size, rbd_real last_size) {
+    const rbd_real one = rbdi_set(RBD_C(1)), least = rbdi_set(RBDI_LEAST_STEP_SIZE),
+                   most = rbdi_set(RBDI_MOST_STEP_SIZE);
     rbdi_mask none = rbdi_less(one, rbdi_zero());
     rbd_real square = rbdi_zero(), change = rbdi_zero(), next;
     for (int k = 0; k < nv; ++k) {
-        const rbd_real weighted = c->before[k] / c->D_inverse[k];
-        square = square + weighted * c->before[k];
-        change = change + weighted * (c->before[k] / share_before - c->x[k] / share);
+        const rbd_real weighted = c->last_step[k] / c->D_inverse[k];
+        square = square + weighted * c->last_step[k];
+        change = change + weighted * (c->last_step[k] / last_size - c->x[k] / size);
     }
     next = square * rbdi_reciprocal(change, RBDI_TINY, &none);
     next = rbdi_select(none, one, next); /* no step before this */
@@ -37,37 +37,37 @@ static rbd_real rbdi_next_share(const rbd_constraint_set *c, int nv, rbd_real sh
     return rbdi_select(rbdi_less(next, least), least, next);
 }
 
-/* Takes a step with this share of the distance; returns its length. */
+/* Takes a step of this size. Returns its length before it is cut. */
 static rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                                   rbd_real *q_near, rbd_real share) {
+                                   rbd_real *q_near, rbd_real size) {
     const rbd_real limit = rbdi_set(RBDI_LONGEST_STEP);
-    rbd_real length, k;
+    rbd_real length, cut;
     rbd_difference(m, q, q_near, c->x);
-    for (int i = 0; i < m->nv; ++i) c->x[i] = -share * c->x[i] / c->D_inverse[i];
+    for (int i = 0; i < m->nv; ++i) c->x[i] = -size * c->x[i] / c->D_inverse[i];
     for (int r = 0; r < c->rows; ++r) c->target[r] = -c->e[r];
     rbdi_multipliers(m, c, NULL, 0);
     length = rbdi_largest(c->x, m->nv);
-    k = rbdi_select(rbdi_less(limit, length), limit / (length + RBDI_TINY), rbdi_set(RBD_C(1)));
-    rbd_integrate(m, q_near, c->x, k, q_near);
+    cut = rbdi_select(rbdi_less(limit, length), limit / (length + RBDI_TINY), rbdi_set(RBD_C(1)));
+    rbd_integrate(m, q_near, c->x, cut, q_near);
     return length;
 }
 
 /* Computes q_near from q. */
 static void rbdi_assemble_position(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    rbd_real *q_near) {
-    rbd_real share = rbdi_set(RBD_C(1)), share_before = share;
+    rbd_real size = rbdi_set(RBD_C(1)), last_size = size;
     for (int k = 0; k < m->nq; ++k) q_near[k] = q[k];
-    rbdi_clear(c->before, m->nv);
+    rbdi_clear(c->last_step, m->nv);
     for (int step = 0, close = 0; close < RBDI_CLOSING_STEPS; ++step) {
         rbd_real length, next;
         rbdi_constraint_rows_at(m, c, q_near, NULL, 1);
-        length = rbdi_assembly_step(m, c, q, q_near, close ? rbdi_zero() : share);
+        length = rbdi_assembly_step(m, c, q, q_near, close ? rbdi_zero() : size);
         if (close || step > RBDI_NEARING_STEPS || !rbdi_any(rbdi_less(rbdi_set(RBDI_SHORT_STEP), length)))
             ++close;
         if (close) continue;
-        next = rbdi_next_share(c, m->nv, share, share_before);
-        share_before = share, share = next;
-        for (int k = 0; k < m->nv; ++k) c->before[k] = c->x[k];
+        next = rbdi_next_size(c, m->nv, size, last_size);
+        last_size = size, size = next;
+        for (int k = 0; k < m->nv; ++k) c->last_step[k] = c->x[k];
     }
     rbdi_constraint_rows_at(m, c, q_near, NULL, 1);
 }

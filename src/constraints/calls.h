@@ -15,14 +15,14 @@ static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constrain
     return rbdi_check(m, c->w, 1);
 }
 
-/* x = M^-1 (right-hand side + J' lambda), lambda of least norm with J x = target; from Y = J' and
-   x = L^-T (right-hand side). check: note a row that contradicts others. */
+/* x = M^-1 (f + J' lambda), lambda of least norm with J x = target, from Y = J' and x = L^-T f. check:
+   whether to note a row that contradicts others. */
 static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L, int check) {
     rbdi_reduce_rows(m, c, L);
-    c->exchanged = 0, c->infeasible = -1;
+    c->pivoted = 0, c->infeasible = -1;
     if (rbdi_any(rbdi_factor_delta(m, c))) {
         RBDI_NOTE_DOUBT(c->w, 1);
-        c->exchanged = 1;
+        c->pivoted = 1;
         rbdi_orthogonalise(m, c);
         rbdi_null_space(c);
         if (check) rbdi_check_rows(c);
@@ -34,22 +34,22 @@ static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, const rb
     rbdi_sweep_down(m, c, L);
 }
 
-/* Targets of a constraint's rows: the accelerations of Baumgarte's stabilisation minus gamma; with a
-   restitution the change of velocity in an impact. */
-static void rbdi_set_target(rbd_constraint_set *c, const rbdi_constraint *k, const rbd_real *restitution) {
-    for (int r = k->row; r < k->row + k->rows; r += RBDI_BATCH) {
-        const rbdi_batch u = *(const rbdi_batch *)&c->u[r];
-        rbdi_batch x = rbdi_zero_batch() - (restitution ? u : *(const rbdi_batch *)&c->gamma[r]);
-        if (restitution) x = x - u * *restitution;
-        if (!restitution && k->kd > 0) x = x - u * k->kd;
-        if (!restitution && k->kp > 0) x = x - *(const rbdi_batch *)&c->e[r] * k->kp;
-        *(rbdi_batch *)&c->target[r] = x;
+/* Targets of a constraint's rows: -gamma - kd J v - kp e; with a restitution, the change of velocity in an
+   impact, -(1 + restitution) J v. */
+static void rbdi_set_target(rbd_constraint_set *c, const rbdi_constraint *con, const rbd_real *restitution) {
+    for (int r = con->row; r < con->row + con->rows; r += RBDI_BATCH) {
+        const rbdi_batch v = *(const rbdi_batch *)&c->velocity[r];
+        rbdi_batch target = rbdi_zero_batch() - (restitution ? v : *(const rbdi_batch *)&c->gamma[r]);
+        if (restitution) target = target - v * *restitution;
+        if (!restitution && con->kd > 0) target = target - v * con->kd;
+        if (!restitution && con->kp > 0) target = target - *(const rbdi_batch *)&c->e[r] * con->kp;
+        *(rbdi_batch *)&c->target[r] = target;
     }
 }
 
-/* Computes, by articulated bodies, the accelerations x. With a restitution x is the change of velocity in
-   an impact: the same without gravity, velocity products and forces. Returns 0, x untouched, if a pivot is
-   in doubt. */
+/* Computes the accelerations x and lambda by articulated bodies. With a restitution x is the change of
+   velocity in an impact, by the same steps without gravity, velocity products and forces. Returns 0, x
+   untouched, if a pivot is in doubt. */
 static int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                const rbd_real *restitution, rbd_real *x) {
@@ -64,19 +64,19 @@ static int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const 
     rbdi_path_inverse(m, c);
     if (c->dirty) rbdi_clear_rows(m, c);
     c->dirty = 0;
-    rbdi_clear(c->u, 3 * c->stride); /* gamma and e too */
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
+    rbdi_clear(c->velocity, 3 * c->stride); /* gamma and e are behind it */
+    for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con) {
         rbdi_axes_held h;
         rbdi_v3 p;
-        rbdi_set_axes(c, k, &h);
-        p = rbdi_constraint_motion(c, k, &h, !restitution && k->kp > 0);
-        rbdi_set_target(c, k, restitution);
-        for (int r = 0; r < k->rows; r += RBDI_BATCH) rbdi_rows_to_world(m, c, k, r, &h, p);
+        rbdi_set_axes(c, con, &h);
+        p = rbdi_constraint_motion(c, con, &h, !restitution && con->kp > 0);
+        rbdi_set_target(c, con, restitution);
+        for (int r = 0; r < con->rows; r += RBDI_BATCH) rbdi_rows_to_world(m, c, con, r, &h, p);
     }
     return rbdi_articulated_solve(m, c, x);
 }
 
-/* w->H = M, and w->bias = c - sum J_b' f_ext, beside the state of all links. */
+/* Writes M to w->H, c - sum J_b' f_ext to w->bias, and the state of all links. */
 static void rbdi_constraint_bias(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                  const rbd_real *v, const rbd_real *f_ext, rbdi_c3 gravity) {
     rbd_work *w = c->w;
@@ -87,7 +87,7 @@ static void rbdi_constraint_bias(const rbd_model *m, rbd_constraint_set *c, cons
     rbdi_reduce_tau(m, w->tx, w->bias);
 }
 
-/* The same by M = L'DL, for all states. Returns the status of M's pivots. */
+/* The same by M = L'DL, in every state. Returns the status of M's pivots. */
 static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                    const rbd_real *restitution, rbd_real *x) {
@@ -99,16 +99,17 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
     doubt = rbdi_factor(m, w, w->H);
     rbdi_sweep_back(m, c, w->H);
     rbdi_clear_rows(m, c);
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
-        rbdi_constraint_rows(m, c, k, !restitution && k->kp > 0);
-        rbdi_set_target(c, k, restitution);
+    for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con) {
+        rbdi_constraint_rows(m, c, con, !restitution && con->kp > 0);
+        rbdi_set_target(c, con, restitution);
     }
     rbdi_multipliers(m, c, w->H, !restitution); /* an impact's targets, J v, are in the range of J */
     for (int k = 0; k < m->nv; ++k) x[k] = c->x[k];
     return rbdi_status_of(m, w, doubt, x, m->nv);
 }
 
-/* x and lambda by articulated bodies, or by M if these are in doubt; returns the status of the call. */
+/* Computes x and lambda by articulated bodies or, if these are in doubt, by the factor of M. Returns the
+   status of the call. */
 static rbd_status rbdi_constrained(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                    const rbd_real *restitution, rbd_real *x, rbd_real *lambda) {
@@ -128,7 +129,7 @@ RBDI_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraint_set *c
 }
 
 static int rbdi_restitution_fits(rbd_real x) {
-    const rbd_real one = rbdi_set(RBD_C(1)), two = one + one; /* NaN is not below it */
+    const rbd_real one = rbdi_set(RBD_C(1)), two = one + one; /* to refuse NaN, which is not below it */
     const rbdi_mask above = rbdi_or(rbdi_less(one, x), rbdi_not(rbdi_less(x, two)));
     return !rbdi_any(rbdi_or(above, rbdi_less(x, rbdi_zero())));
 }
@@ -144,15 +145,15 @@ RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const 
     return status;
 }
 
-/* Computes the rows, and the motion of all links without gravity. */
+/* Computes J, J v, gamma and, if `errors`, e, and the motion of all links without gravity. v: NULL = 0. */
 static void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                     const rbd_real *v, int errors) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbdi_joints(m, c->w, rbdi_expand_q(m, c->w, q));
     rbdi_constraint_state(m, c, v ? rbdi_expand_v(m, v, c->w->vx) : c->w->zero, c->w->zero, none, 0);
     rbdi_clear_rows(m, c);
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
-        rbdi_constraint_rows(m, c, k, errors);
+    for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con)
+        rbdi_constraint_rows(m, c, con, errors);
 }
 
 RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,

@@ -6,8 +6,8 @@
 #include "api/constrained_derivatives.h"
 #include "constraints/calls.h"
 
-/* Interface: rbdi_change, rbdi_change_forces, rbdi_change_of, rbdi_error_turn, rbdi_pair_motion,
-   rbdi_pair_motion_of */
+/* Interface: rbdi_differentiate_error, rbdi_differentiate_forces, rbdi_differentiate_motion,
+   rbdi_motion_derivatives, rbdi_pair_motion, rbdi_pair_motion_of */
 
 /* ---- derivatives [derivatives code] ----
    Where x is a component of q, v or tau,
@@ -15,45 +15,52 @@
        M da/dx = J' dlambda/dx - rho,     rho = d(ID - J' lambda)/dx at fixed a and lambda
        J da/dx = -sigma,                  sigma = d(J a + gamma + kd J v + kp e)/dx at fixed a
 
-   so that with T = M^-1 J'    Delta dlambda/dx = T' rho - sigma,   da/dx = -M^-1 rho + T dlambda/dx. By tau,
-   rho = -1 and sigma = 0. rbd_id_derivatives gives d ID. The rest depends only on the relative motion of the
-   two bodies, so only on dofs that move one of them. All quantities are in world axes, at the origin p of
-   frame 1: motions of the link-fixed point there. For such a dof k, which moves body b, S = (z; s), negated
-   if b is body 2; P is its joint's parent; x between spatial vectors is the spatial cross product, A a
-   spatial acceleration:
+   so that with T = M^-1 J'
+
+       Delta dlambda/dx = T' rho - sigma,   da/dx = -M^-1 rho + T dlambda/dx
+
+   By tau, rho = -1 and sigma = 0. rbd_id_derivatives gives d ID. The rest depends only on the relative motion
+   of the two bodies, so only on dofs that move one of them. All quantities are in world axes; motions are
+   those of the link-fixed points at p, the origin of frame 1. Such a dof k moves body b; S = (z; s), negated
+   if b is body 2; V and A are spatial velocities and accelerations, of the joint's parent link P and of its
+   own link; x between spatial vectors is the spatial cross product:
 
        Psi = V_P x S    Phi = A_P x S + V_P x Psi    U = Psi + V_link x S
-       d(w; u) = (z x omega_b + Psi_omega; z x v_b + Psi_v - omega_2 x s)                           by q
-       d(angular) = z x alpha_b + Psi_omega x omega_b + Phi_omega - omega_2 x dw                    by q
-       d(linear) = z x acc_b + 2 Psi_omega x v_b + Phi_v - alpha_2 x s - omega_2 x (omega_2 x s)
-                   - 2 omega_2 x du                                                                 by q
-       d(angular; linear) = (U_omega + z x omega_b - omega_2 x z; U_v + 2 z x v_b - 2 omega_2 x s)  by v
+       by q   dw = z x omega_b + Psi_omega
+              du = z x v_b + Psi_v - omega_2 x s
+              dalpha = z x alpha_b + Psi_omega x omega_b + Phi_omega - omega_2 x dw
+              dacc = z x acc_b + 2 Psi_omega x v_b + Phi_v - alpha_2 x s - omega_2 x (omega_2 x s)
+                     - 2 omega_2 x du
+       by v   dalpha = U_omega + z x omega_b - omega_2 x z
+              dacc = U_v + 2 z x v_b - 2 omega_2 x s
 
-   where (w; u) is the velocity of body 1 relative to body 2 and (angular; linear) its rate. If b is body 2,
-   the axes turn with it, which adds z x (w; u), (dw x w + z x angular; 2 dw x u + z x linear) with dw from
-   above, and by v (z x w; 2 z x u). With m and f the moment and force of lambda, and S_i that of another such
-   dof, J' lambda has
+   where (w; u) is the velocity of body 1 relative to body 2 and (alpha; acc) its rate. If b is body 2, the
+   axes turn with it, which adds by q (z x w; z x u) to (dw; du) and (dw x w + z x alpha; 2 dw x u + z x acc),
+   with dw from above, to (dalpha; dacc), and by v (z x w; 2 z x u). With n and f the moment and force of
+   lambda, and S_i of another such dof, J' lambda has
 
-       d(S_i . (m; f)) = S_i . (m x z; f x z)   if b is body 1 and k moves i, or b is body 2 and it does not
+       d(S_i . (n; f)) = S_i . (n x z; f x z)   if b is body 1 and k moves i, or b is body 2 and it does not
                          S_i . (s x f; 0)       else
 
    Checked against finite differences in tests/test_constraints.c. */
 
-/* Relative motion of the two bodies of a constraint, and their force. */
+/* Motion of body 1 relative to body 2 at the origin of frame 1, world axes, and what is needed for its
+   derivatives. */
 typedef struct rbdi_pair_motion {
     rbdi_station body[2];
-    rbdi_v3 w, u, angular, linear, m, f;
+    rbdi_motion velocity, rate; /* (w; u), (alpha; acc) */
+    rbdi_force force;           /* of lambda */
     rbdi_axes_held h;
-    rbdi_v3 turn;    /* log R, world axes */
-    rbdi_v3 free[2]; /* the free axis if two angular ones are held: of frame 2, of frame 1 */
-    rbd_real bend;   /* factor of turn x (turn x .) in the derivative of log R */
-    rbdi_v3 rolls;   /* p moves over body 1, of balls in contact: by z x rolls, z the relative turn */
+    rbdi_v3 log_R;       /* world axes */
+    rbd_real log_square; /* the derivative of log R is z - log_R x z / 2 + this times log_R x (log_R x z) */
+    rbdi_v3 free[2];     /* the free axis if two angular ones are held: of frame 2, of frame 1 */
+    rbdi_v3 roll_radius; /* a turn z of body 1 moves the place of contact over it by z x this; 0 if no ball */
 } rbdi_pair_motion;
 
-/* S of a dof, and the derivatives by it: of (w; u) by q, of (angular; linear) by q and by v. */
-typedef struct rbdi_change {
-    rbdi_motion S, velocity, by_q, by_v;
-} rbdi_change;
+/* S of a dof, and derivatives by it: of (w; u) by q, of (alpha; acc) by q and by v. */
+typedef struct rbdi_motion_derivatives {
+    rbdi_motion S, velocity_q, rate_q, rate_v;
+} rbdi_motion_derivatives;
 
 RBDI_INLINE rbdi_motion rbdi_motion_cross(rbdi_motion V, rbdi_motion S) {
     rbdi_motion C;
@@ -67,115 +74,121 @@ RBDI_INLINE rbdi_v3 rbdi_cross_add(rbdi_v3 c, rbdi_v3 a, rbdi_v3 b) { return rbd
 RBDI_INLINE rbdi_v3 rbdi_cross_sub(rbdi_v3 c, rbdi_v3 a, rbdi_v3 b) { return rbdi_add(c, rbdi_cross(b, a)); }
 RBDI_INLINE rbdi_v3 rbdi_twice(rbdi_v3 a) { return rbdi_add(a, a); }
 
-static rbdi_pair_motion rbdi_pair_motion_of(const rbd_constraint_set *c, const rbdi_constraint *k) {
-    rbdi_pair_motion x;
-    const rbdi_station one = rbdi_station_of(c, k, 0), two = rbdi_station_at(c, k->link[1], one.p);
-    x.body[0] = one, x.body[1] = two;
-    x.w = rbdi_sub(one.omega, two.omega), x.u = rbdi_sub(one.v, two.v);
-    x.angular = rbdi_cross_sub(rbdi_sub(one.omega_dot, two.omega_dot), two.omega, x.w);
-    x.linear = rbdi_cross_sub(rbdi_sub(one.acc, two.acc), two.omega, rbdi_twice(x.u));
-    rbdi_set_axes(c, k, &x.h);
-    x.m = x.f = rbdi_vec0();
-    for (int r = 0; r < k->rows; ++r) {
-        const int angular = r < k->angular, i = angular ? 0 : 3;
-        const rbdi_v3 e = rbdi_vec(x.h.x[i][r], x.h.x[i + 1][r], x.h.x[i + 2][r]);
-        rbdi_v3 *to = angular ? &x.m : &x.f;
-        *to = rbdi_add(*to, rbdi_scale(c->lambda[k->row + r], e));
+static rbdi_pair_motion rbdi_pair_motion_of(const rbd_constraint_set *c, const rbdi_constraint *con) {
+    rbdi_pair_motion pair;
+    const rbdi_station one = rbdi_station_of(c, con, 0), two = rbdi_station_at(c, con->link[1], one.p);
+    pair.body[0] = one, pair.body[1] = two;
+    pair.velocity.omega = rbdi_sub(one.omega, two.omega), pair.velocity.v = rbdi_sub(one.v, two.v);
+    pair.rate.omega = rbdi_cross_sub(rbdi_sub(one.omega_dot, two.omega_dot), two.omega, pair.velocity.omega);
+    pair.rate.v = rbdi_cross_sub(rbdi_sub(one.acc, two.acc), two.omega, rbdi_twice(pair.velocity.v));
+    rbdi_set_axes(c, con, &pair.h);
+    pair.force.n = pair.force.f = rbdi_vec0();
+    for (int r = 0; r < con->rows; ++r) {
+        const int angular = r < con->angular, i = angular ? 0 : 3;
+        const rbdi_v3 e = rbdi_vec(pair.h.axis[i][r], pair.h.axis[i + 1][r], pair.h.axis[i + 2][r]);
+        rbdi_v3 *to = angular ? &pair.force.n : &pair.force.f;
+        *to = rbdi_add(*to, rbdi_scale(c->lambda[con->row + r], e));
     }
-    x.turn = x.free[0] = x.free[1] = x.rolls = rbdi_vec0(), x.bend = rbdi_zero();
-    if (k->kp > 0 && k->angular) {
-        const rbdi_mat R_1 = rbdi_station_axes(c, k, 0), R_2 = rbdi_station_axes(c, k, 1);
-        const int i = k->angular == 2 ? 3 - k->axis[0] - k->axis[1] : 0;
+    pair.log_R = pair.free[0] = pair.free[1] = pair.roll_radius = rbdi_vec0(), pair.log_square = rbdi_zero();
+    if (con->kp > 0 && con->angular) {
+        const rbdi_mat R_1 = rbdi_station_axes(c, con, 0), R_2 = rbdi_station_axes(c, con, 1);
+        const int i = con->angular == 2 ? 3 - con->axis[0] - con->axis[1] : 0;
         rbd_real tails[7], axis[3] = {rbdi_zero(), rbdi_zero(), rbdi_zero()};
-        x.turn = rbdi_log_rotation(rbdi_mul_mat(rbdi_transpose(R_2), R_1));
-        rbdi_tails(x.turn, tails);
-        x.turn = rbdi_mul(R_2, x.turn);
-        x.bend = rbdi_ad_function_of(RBDI_J_R_INVERSE, tails).c;
+        pair.log_R = rbdi_log_rotation(rbdi_mul_mat(rbdi_transpose(R_2), R_1));
+        rbdi_tails(pair.log_R, tails);
+        pair.log_R = rbdi_mul(R_2, pair.log_R);
+        pair.log_square = rbdi_ad_function_of(RBDI_J_R_INVERSE, tails).c;
         axis[i] = rbdi_set(RBD_C(1));
-        x.free[0] = rbdi_mul(R_2, rbdi_load_vec(axis, 1));
-        x.free[1] = rbdi_mul(R_1, rbdi_load_vec(axis, 1));
+        pair.free[0] = rbdi_mul(R_2, rbdi_load_vec(axis, 1));
+        pair.free[1] = rbdi_mul(R_1, rbdi_load_vec(axis, 1));
     }
-    return x;
+    return pair;
 }
 
-/* By dof j of a link on the path of body `side`. */
-static rbdi_change rbdi_change_of(const rbd_model *m, const rbd_constraint_set *c, const rbdi_pair_motion *x,
-                                  int side, int link, int j) {
-    const rbdi_station *b = &x->body[side], P = rbdi_station_at(c, m->link[link].parent, b->p),
+/* Derivatives by dof j of a link on the path of body `side`. */
+static rbdi_motion_derivatives rbdi_differentiate_motion(const rbd_model *m, const rbd_constraint_set *c,
+                                                         const rbdi_pair_motion *pair, int side, int link,
+                                                         int j) {
+    const rbdi_station *b = &pair->body[side], P = rbdi_station_at(c, m->link[link].parent, b->p),
                        own = rbdi_station_at(c, link, b->p);
     const rbd_real ratio = rbdi_ratio(m, m->link[link].iv + j), scale = side ? -ratio : ratio;
-    const rbdi_v3 w2 = x->body[1].omega;
+    const rbdi_v3 omega2 = pair->body[1].omega;
     rbdi_motion V, A, Psi, Phi, U;
-    rbdi_change d;
-    rbdi_v3 z, s, ws;
-    d.S = rbdi_column(m, c->w, link, j, b->p);
-    z = d.S.omega = rbdi_scale(scale, d.S.omega), s = d.S.v = rbdi_scale(scale, d.S.v);
+    rbdi_motion_derivatives by;
+    rbdi_v3 z, s, omega2_s;
+    by.S = rbdi_column(m, c->w, link, j, b->p);
+    z = by.S.omega = rbdi_scale(scale, by.S.omega), s = by.S.v = rbdi_scale(scale, by.S.v);
     V.omega = own.omega, V.v = own.v;
-    U = rbdi_motion_cross(V, d.S);
+    U = rbdi_motion_cross(V, by.S);
     V.omega = P.omega, V.v = P.v;
     A.omega = P.omega_dot, A.v = rbdi_cross_sub(P.acc, P.omega, P.v);
-    Psi = rbdi_motion_cross(V, d.S);
-    Phi = rbdi_motion_add(rbdi_motion_cross(A, d.S), rbdi_motion_cross(V, Psi));
+    Psi = rbdi_motion_cross(V, by.S);
+    Phi = rbdi_motion_add(rbdi_motion_cross(A, by.S), rbdi_motion_cross(V, Psi));
     U = rbdi_motion_add(U, Psi);
-    ws = rbdi_cross(w2, s);
-    d.velocity.omega = rbdi_cross_add(Psi.omega, z, b->omega);
-    d.velocity.v = rbdi_sub(rbdi_cross_add(Psi.v, z, b->v), ws);
-    d.by_q.omega = rbdi_cross_add(rbdi_cross_add(Phi.omega, z, b->omega_dot), Psi.omega, b->omega);
-    d.by_q.omega = rbdi_cross_sub(d.by_q.omega, w2, d.velocity.omega);
-    d.by_q.v = rbdi_cross_add(rbdi_cross_add(Phi.v, z, b->acc), rbdi_twice(Psi.omega), b->v);
-    d.by_q.v = rbdi_cross_sub(rbdi_cross_sub(d.by_q.v, x->body[1].omega_dot, s), w2, ws);
-    d.by_q.v = rbdi_cross_sub(d.by_q.v, w2, rbdi_twice(d.velocity.v));
-    d.by_v.omega = rbdi_cross_sub(rbdi_cross_add(U.omega, z, b->omega), w2, z);
-    d.by_v.v = rbdi_sub(rbdi_cross_add(U.v, z, rbdi_twice(b->v)), rbdi_twice(ws));
+    omega2_s = rbdi_cross(omega2, s);
+    by.velocity_q.omega = rbdi_cross_add(Psi.omega, z, b->omega);
+    by.velocity_q.v = rbdi_sub(rbdi_cross_add(Psi.v, z, b->v), omega2_s);
+    by.rate_q.omega = rbdi_cross_add(rbdi_cross_add(Phi.omega, z, b->omega_dot), Psi.omega, b->omega);
+    by.rate_q.omega = rbdi_cross_sub(by.rate_q.omega, omega2, by.velocity_q.omega);
+    by.rate_q.v = rbdi_cross_add(rbdi_cross_add(Phi.v, z, b->acc), rbdi_twice(Psi.omega), b->v);
+    by.rate_q.v = rbdi_cross_sub(rbdi_cross_sub(by.rate_q.v, pair->body[1].omega_dot, s), omega2, omega2_s);
+    by.rate_q.v = rbdi_cross_sub(by.rate_q.v, omega2, rbdi_twice(by.velocity_q.v));
+    by.rate_v.omega = rbdi_cross_sub(rbdi_cross_add(U.omega, z, b->omega), omega2, z);
+    by.rate_v.v = rbdi_sub(rbdi_cross_add(U.v, z, rbdi_twice(b->v)), rbdi_twice(omega2_s));
     if (side) {
-        d.by_q.omega = rbdi_cross_add(rbdi_cross_add(d.by_q.omega, d.velocity.omega, x->w), z, x->angular);
-        d.by_q.v = rbdi_cross_add(rbdi_cross_add(d.by_q.v, d.velocity.omega, rbdi_twice(x->u)), z, x->linear);
-        d.velocity.omega = rbdi_cross_add(d.velocity.omega, z, x->w);
-        d.velocity.v = rbdi_cross_add(d.velocity.v, z, x->u);
-        d.by_v.omega = rbdi_cross_add(d.by_v.omega, z, x->w);
-        d.by_v.v = rbdi_cross_add(d.by_v.v, z, rbdi_twice(x->u));
+        by.rate_q.omega = rbdi_cross_add(
+            rbdi_cross_add(by.rate_q.omega, by.velocity_q.omega, pair->velocity.omega), z, pair->rate.omega);
+        by.rate_q.v = rbdi_cross_add(
+            rbdi_cross_add(by.rate_q.v, by.velocity_q.omega, rbdi_twice(pair->velocity.v)), z, pair->rate.v);
+        by.velocity_q.omega = rbdi_cross_add(by.velocity_q.omega, z, pair->velocity.omega);
+        by.velocity_q.v = rbdi_cross_add(by.velocity_q.v, z, pair->velocity.v);
+        by.rate_v.omega = rbdi_cross_add(by.rate_v.omega, z, pair->velocity.omega);
+        by.rate_v.v = rbdi_cross_add(by.rate_v.v, z, rbdi_twice(pair->velocity.v));
     }
-    d.velocity.v = rbdi_cross_add(d.velocity.v, x->w, rbdi_cross(z, x->rolls));
-    return d;
+    by.velocity_q.v = rbdi_cross_add(by.velocity_q.v, pair->velocity.omega, rbdi_cross(z, pair->roll_radius));
+    return by;
 }
 
 /* Derivative of the angular part of e, world axes, by a dof that turns body 1 by z relative to body 2. */
-static rbdi_v3 rbdi_error_turn(const rbdi_constraint *k, const rbdi_pair_motion *x, rbdi_v3 z) {
-    const rbdi_v3 bent = rbdi_cross(x->turn, z), more = rbdi_scale(x->bend, rbdi_cross(x->turn, bent));
-    if (k->angular == 2) return rbdi_cross(x->free[0], rbdi_cross(z, x->free[1]));
+static rbdi_v3 rbdi_differentiate_error(const rbdi_constraint *con, const rbdi_pair_motion *pair, rbdi_v3 z) {
+    const rbdi_v3 bent = rbdi_cross(pair->log_R, z),
+                  more = rbdi_scale(pair->log_square, rbdi_cross(pair->log_R, bent));
+    if (con->angular == 2) return rbdi_cross(pair->free[0], rbdi_cross(z, pair->free[1]));
     return rbdi_add(rbdi_add(z, rbdi_scale(rbdi_set(RBD_C(-0.5)), bent)), more);
 }
 
 /* Adds a dof's column of sigma. */
-static void rbdi_put_sigma(const rbdi_constraint *k, const rbdi_pair_motion *x, const rbdi_change *d, int nv,
-                           rbd_real *by_q, rbd_real *by_v) {
+static void rbdi_add_sigma(const rbdi_constraint *con, const rbdi_pair_motion *pair,
+                           const rbdi_motion_derivatives *by, int nv, rbd_real *sigma_q, rbd_real *sigma_v) {
     rbd_real sum[2][RBDI_SIX_ROWS], also[RBDI_SIX_ROWS];
     rbdi_clear(sum[0], 2 * RBDI_SIX_ROWS);
-    rbdi_add_held(k, &x->h, d->by_q.omega, d->by_q.v, sum[0]);
-    rbdi_add_held(k, &x->h, d->by_v.omega, d->by_v.v, sum[1]);
+    rbdi_add_held(con, &pair->h, by->rate_q.omega, by->rate_q.v, sum[0]);
+    rbdi_add_held(con, &pair->h, by->rate_v.omega, by->rate_v.v, sum[1]);
     for (int part = 0; part < 3; ++part) { /* J v by q, by v; e by q */
-        rbdi_v3 turn = part == 0 ? d->velocity.omega : d->S.omega;
-        const rbd_const gain = part < 2 ? k->kd : k->kp;
+        rbdi_v3 turn = part == 0 ? by->velocity_q.omega : by->S.omega;
+        const rbd_const gain = part < 2 ? con->kd : con->kp;
         if (!(gain > 0)) continue;
-        if (part == 2) turn = rbdi_error_turn(k, x, turn);
+        if (part == 2) turn = rbdi_differentiate_error(con, pair, turn);
         rbdi_clear(also, RBDI_SIX_ROWS);
-        rbdi_add_held(k, &x->h, turn, part == 0 ? d->velocity.v : d->S.v, also);
-        for (int r = 0; r < k->rows; ++r) sum[part == 1][r] = sum[part == 1][r] + also[r] * gain;
+        rbdi_add_held(con, &pair->h, turn, part == 0 ? by->velocity_q.v : by->S.v, also);
+        for (int r = 0; r < con->rows; ++r) sum[part == 1][r] = sum[part == 1][r] + also[r] * gain;
     }
-    for (int r = 0; r < k->rows; ++r) {
-        if (by_q) by_q[(k->row + r) * nv] = by_q[(k->row + r) * nv] + sum[0][r];
-        if (by_v) by_v[(k->row + r) * nv] = by_v[(k->row + r) * nv] + sum[1][r];
+    for (int r = 0; r < con->rows; ++r) {
+        if (sigma_q) sigma_q[(con->row + r) * nv] = sigma_q[(con->row + r) * nv] + sum[0][r];
+        if (sigma_v) sigma_v[(con->row + r) * nv] = sigma_v[(con->row + r) * nv] + sum[1][r];
     }
 }
 
-/* Subtracts the derivative of J' lambda by a dof of the link `mover` from a column of rho. The dofs'
-   motions S stand in the columns Phi of d, which are no longer needed. The columns S of d are: they keep a
-   free base's. */
-static void rbdi_put_rho(const rbd_model *m, const rbd_derivatives *d, const rbdi_constraint *k,
-                         const rbdi_pair_motion *x, int side, int mover, rbdi_motion S, rbd_real *rho) {
-    const rbdi_v3 o = rbdi_vec0(), mz = rbdi_cross(x->m, S.omega), fz = rbdi_cross(x->f, S.omega),
-                  sf = rbdi_cross(S.v, x->f), roll = rbdi_cross(rbdi_cross(S.omega, x->rolls), x->f);
-    RBDI_FOR_PATHS(m, k, link, sign) {
+/* Subtracts the derivative of J' lambda by a dof of the link `mover`, with this S, from a column of rho. The
+   S of all dofs stand in the columns Phi of d, which are no longer needed; its columns S keep a free base's.
+   */
+static void rbdi_subtract_rho(const rbd_model *m, const rbd_derivatives *d, const rbdi_constraint *con,
+                              const rbdi_pair_motion *pair, int side, int mover, rbdi_motion S,
+                              rbd_real *rho) {
+    const rbdi_v3 o = rbdi_vec0(), mz = rbdi_cross(pair->force.n, S.omega),
+                  fz = rbdi_cross(pair->force.f, S.omega), sf = rbdi_cross(S.v, pair->force.f),
+                  roll = rbdi_cross(rbdi_cross(S.omega, pair->roll_radius), pair->force.f);
+    RBDI_FOR_PATHS(m, con, link, sign) {
         const rbdi_link *l = &m->link[link];
         const int other = sign < 0,
                   moved = other == side && l->first >= m->link[mover].first; /* on the same path: behind it */
@@ -189,35 +202,37 @@ static void rbdi_put_rho(const rbd_model *m, const rbd_derivatives *d, const rbd
 }
 
 /* rho += -d(J' lambda) of a constraint, with the dofs' motions in d. */
-static void rbdi_change_forces(const rbd_model *m, const rbd_derivatives *d, const rbdi_constraint *k,
-                               const rbdi_pair_motion *x, rbd_real *rho) {
-    RBDI_FOR_PATHS(m, k, link, sign)
+static void rbdi_differentiate_forces(const rbd_model *m, const rbd_derivatives *d,
+                                      const rbdi_constraint *con, const rbdi_pair_motion *pair,
+                                      rbd_real *rho) {
+    RBDI_FOR_PATHS(m, con, link, sign)
     for (int j = 0, first = m->link[link].first; j < rbdi_link_dofs(m, &m->link[link]); ++j)
-        rbdi_put_rho(m, d, k, x, sign < 0, link, rbdi_load_motion(RBDI_OF(d, first + j, Phi), RBDI_BATCH),
-                     rho + rbdi_source(m, m->link[link].iv + j));
+        rbdi_subtract_rho(m, d, con, pair, sign < 0, link,
+                          rbdi_load_motion(RBDI_OF(d, first + j, Phi), RBDI_BATCH),
+                          rho + rbdi_source(m, m->link[link].iv + j));
 }
 
-/* The same, and sigma. */
+/* The same, and += sigma by q and by v. NULL: not wanted. */
 static void rbdi_differentiate(const rbd_model *m, const rbd_constraint_set *c, const rbd_derivatives *d,
-                               const rbdi_constraint *k, rbd_real *rho_q, rbd_real *sigma_q,
+                               const rbdi_constraint *con, rbd_real *rho_q, rbd_real *sigma_q,
                                rbd_real *sigma_v) {
-    const rbdi_pair_motion x = rbdi_pair_motion_of(c, k);
-    RBDI_FOR_PATHS(m, k, link, sign) {
+    const rbdi_pair_motion pair = rbdi_pair_motion_of(c, con);
+    RBDI_FOR_PATHS(m, con, link, sign) {
         const rbdi_link *l = &m->link[link];
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
-            const rbdi_change by = rbdi_change_of(m, c, &x, sign < 0, link, j);
+            const rbdi_motion_derivatives by = rbdi_differentiate_motion(m, c, &pair, sign < 0, link, j);
             const int column = rbdi_source(m, l->iv + j);
             rbdi_store_motion(RBDI_OF(d, l->first + j, Phi), RBDI_BATCH, by.S);
-            rbdi_put_sigma(k, &x, &by, m->nv, sigma_q ? sigma_q + column : NULL,
+            rbdi_add_sigma(con, &pair, &by, m->nv, sigma_q ? sigma_q + column : NULL,
                            sigma_v ? sigma_v + column : NULL);
         }
     }
-    if (rho_q) rbdi_change_forces(m, d, k, &x, rho_q);
+    if (rho_q) rbdi_differentiate_forces(m, d, con, &pair, rho_q);
 }
 
-/* dlambda = Delta^-1 (T' rho - sigma) in place of sigma. */
-static void rbdi_change_lambda(const rbd_model *m, rbd_constraint_set *c, const rbd_real *rho,
-                               rbd_real *sigma) {
+/* Replaces sigma by dlambda = Delta^-1 (T' rho - sigma). c->Y: -T. */
+static void rbdi_lambda_derivatives(const rbd_model *m, rbd_constraint_set *c, const rbd_real *rho,
+                                    rbd_real *sigma) {
     const int n = m->nv;
     for (int r = 0; r < c->rows; ++r) {
         rbd_real *to = &sigma[r * n];
@@ -250,14 +265,14 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
     for (int x = 0; x < 3; ++x)
         if (of_lambda[x]) rbdi_clear(of_lambda[x], c->rows * nv);
     rbdi_constraint_state(m, c, rbdi_expand_v(m, v, c->w->vx), rbdi_expand_v(m, d->a, c->w->ax), none, 0);
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k)
-        rbdi_differentiate(m, c, d, k, to.da_dq, to.dlambda_dq, to.dlambda_dv);
+    for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con)
+        rbdi_differentiate(m, c, d, con, to.da_dq, to.dlambda_dq, to.dlambda_dv);
     rbdi_solve_down(m, c->w, c->w->H, -1, c->stride, c->rows, c->Y); /* -T = -L^-1 D^-1 Y */
     if (to.da_dtau) rbdi_clear(to.da_dtau, nv * nv);
     for (int k = 0; to.da_dtau && k < nv; ++k) to.da_dtau[k * nv + k] = rbdi_set(RBD_C(-1));
     for (int x = 0; x < 3; ++x) {
         if (!of_a[x]) continue;
-        rbdi_change_lambda(m, c, of_a[x], of_lambda[x]);
+        rbdi_lambda_derivatives(m, c, of_a[x], of_lambda[x]);
         rbdi_solve_columns(m, c->w, c->w->H, -1, nv, nv, of_a[x], NULL);
         for (int k = 0; k < nv; ++k)
             rbdi_subtract_product(&c->Y[k * c->stride], of_lambda[x], c->rows, nv, &of_a[x][k * nv]);

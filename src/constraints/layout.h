@@ -17,22 +17,22 @@
 
 #define RBDI_SIX_ROWS (RBDI_ROW_BATCH > 6 ? RBDI_ROW_BATCH : 6) /* a constraint's rows, padded to batches */
 
-/* A constraint between two links. */
+/* A constraint between two links. Arrays of two: of frame 1 and of frame 2. */
 typedef struct rbdi_constraint {
-    rbd_const R[2][9]; /* frame vectors into link axes, row-major */
-    rbdi_c3 p[2];
-    rbd_const held[3][RBDI_SIX_ROWS]; /* the axis that each row holds, a column of R[1], by component */
+    rbd_const rotation[2][9];         /* vectors of the frame into those of the link, row-major */
+    rbdi_c3 position[2];              /* of its origin, link axes */
+    rbd_const held[3][RBDI_SIX_ROWS]; /* x, y and z of the axis that each row holds, axes of link 2 */
     rbd_const kp, kd;
     int16_t link[2];   /* -1 = world */
-    int16_t ancestor;  /* nearest link that carries both or is one of them, -1 = the world */
-    int16_t row, rows; /* the first, and how many */
+    int16_t ancestor;  /* the nearest common ancestor of the two links, -1 = the world */
+    int16_t row, rows; /* the first row in the set, and how many */
     int16_t angular;   /* number of angular rows, which come first */
     int16_t axis[6];   /* of each row: 0 .. 5 */
-    int16_t dofs;      /* number of entries of: */
+    int16_t dofs;      /* number of entries of `dof` */
     int16_t *dof;      /* dofs on the path to one body or both, ascending */
 } rbdi_constraint;
 
-/* The rows that a dof may have entries in, first .. end - 1. All others are zero. */
+/* Rows in which a dof may have entries: first .. end - 1. In all others its entries are 0. */
 typedef struct rbdi_span {
     int16_t first, end;
 } rbdi_span;
@@ -40,30 +40,34 @@ typedef struct rbdi_span {
 struct rbd_constraint_set {
     uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
     rbd_work *w;
-    int n, rows, stride;          /* stride: of rows, padded */
-    int links;                    /* number of links on a path */
-    int infeasible;               /* row, -1 = none */
-    int exchanged;                /* whether R is that of [rank], its rows in another order, `chosen` */
-    int factored;                 /* whether the factor of M is always used */
-    int dirty;                    /* whether Y and R have entries that articulated bodies do not write */
-    int moving;                   /* whether dynamics need the velocities of the links' origins */
-    rbdi_constraint *constraint;  /* n */
-    int16_t *link;                /* links on a path to a body, ascending; none with mimic joints */
-    rbdi_span *span;              /* nv: the rows of the constraints whose paths have the dof */
-    int16_t *path;                /* nv: scratch, of dofs */
-    rbd_real *Y;                  /* nv x stride: J' by dofs, then L^-T J'; or S' K of [articulated] */
-    rbd_real *R;                  /* [factor]: rows x stride; [rank]: first nv x stride */
-    rbd_real *x, *stack, *before; /* nv each: solution; scratch; the last step of assembly */
-    rbd_real *D_inverse;          /* nv: 1/D of M = L'DL */
-    rbd_real *b, *lambda, *u, *gamma, *e, *target; /* stride each: right-hand side, solution, J v, gamma,
-                                                      position error, wanted J a */
-    rbd_real *demand;  /* stride: sum of the squares of b's terms, a measure of its rounding */
-    rbd_real *square;  /* stride, [rank]: the square of a row's part that is independent of the rows taken */
-    rbd_real *share;   /* stride, [rank]: 1 / the square of the whole row */
-    rbd_real *chosen;  /* stride, [rank]: the row with which row t was exchanged */
-    rbd_real *inverse; /* stride: 1 / R_tt, 0 where a row depends on those before it */
-    rbd_real noise;    /* the square that rounding of J's entries may give a row */
-    rbdi_v3 world;     /* acceleration of the world */
+    int n, rows, stride; /* constraints; rows; distance of arrays with an entry for each row, padded */
+    int links;           /* number of entries of `link` */
+    int infeasible;      /* row, -1 = none */
+    int pivoted;         /* whether R is that of [rank], its rows in the order of `pivot_row` */
+    int factored;        /* whether the factor of M is always used */
+    int dirty;           /* whether Y and R have entries that articulated bodies do not write */
+    int moving;          /* whether dynamics need the velocities of the links' origins */
+    rbdi_constraint *constraint; /* n */
+    int16_t *link;               /* links on a path to a body, ascending; none with mimic joints */
+    rbdi_span *span;             /* nv: the rows of the constraints whose paths have the dof */
+    int16_t *path;               /* nv: scratch, of dofs */
+    rbd_real *Y;                 /* nv x stride: J' by dofs, then L^-T J'; or S' K of [articulated] */
+    rbd_real *R;                 /* Cholesky factor of Delta, rows x stride; in [rank] first Z, nv x stride */
+    rbd_real *x;                 /* nv: right-hand side, then solution */
+    rbd_real *householder;       /* nv: vector of a reflection */
+    rbd_real *last_step;         /* nv: of assembly */
+    rbd_real *D_inverse;         /* nv: 1/D of M = L'DL */
+    rbd_real *b, *lambda;        /* stride each: right-hand side and solution of Delta lambda = b */
+    rbd_real *velocity, *gamma;  /* stride each: J v; gamma */
+    rbd_real *e;                 /* stride: position error */
+    rbd_real *target;            /* stride: wanted J x */
+    rbd_real *slack;          /* stride: sum of the squares of b's terms; [rank] makes it a tolerance of b */
+    rbd_real *square;         /* stride, [rank]: of a row's part that is independent of the rows taken */
+    rbd_real *inverse_square; /* stride, [rank]: 1 / the square of the whole row */
+    rbd_real *pivot_row;      /* stride, [rank]: the row with which row t was exchanged */
+    rbd_real *R_inverse;      /* stride: 1 / R_tt, 0 where a row depends on those before it */
+    rbd_real noise;           /* a square below which a row's entries may be rounding of J's */
+    rbdi_v3 world;            /* acceleration of the world */
 };
 
 #define RBDI_CONSTRAINTS_BYTES(nv, n, rows, stride) \

@@ -5,23 +5,23 @@
 #include "constraints/factor.h"
 
 /* ---- rank [rank] ----
-   If a pivot of Delta = Z'Z, Z = D^-1/2 Y, is in doubt, Z is factored instead. Its condition number is the
-   square root of that of Delta:
+   If a pivot of Delta = Z'Z, Z = D^-1/2 Y, is in doubt, Z is factored instead, whose condition number is the
+   square root of Delta's:
 
        Z P = Q R,    Delta = P R' R P'
 
    by Householder's reflections with column pivoting (Golub and Van Loan, Matrix Computations, section 5.4.2).
-   Each step takes the row that depends least, by its share, on the rows taken before, and P exchanges
-   it with the row in its place. So the state decides the order, not the caller. Once the largest share is
-   rounding ([tolerances]), all remaining rows depend on those taken: they are dropped, 1/R_tt = 0.
+   A row of a constraint is a column of Z. Each step takes the row of which the largest share is independent
+   of the rows taken before, and P exchanges it with the row in its place. So the state decides the order, not
+   the caller. Once the largest share is rounding ([tolerances]), all remaining rows depend on those taken:
+   they are dropped, 1/R_tt = 0.
 
    Q is not needed. R' beta = b and R lambda = beta give lambda, 0 for dropped rows. The equation of motion
    then holds to rounding whatever the rank is, and so do the rows taken. For a dropped row j, R n = 0 with
-   n_j = 1 gives a null vector: J'n = 0. The rows agree only if n'b = 0. The null vectors are made orthogonal
-   one after the other (Gram and Schmidt); lambda has the least norm once it has lost its components along
-   them.
+   n_j = 1 gives a null vector n: J' n = 0. The rows agree only if n' b = 0. The null vectors are made
+   orthogonal to each other (Gram and Schmidt); lambda less its components along them has the least norm.
 
-   Lanes may differ in order and rank: branches only ask whether all lanes agree. */
+   Lanes may differ in order and rank, so no branch depends on one lane alone. */
 
 static rbdi_mask rbdi_is_index(rbd_real x, int k) {
     return rbdi_and(rbdi_less(rbdi_set(RBD_C(k) - RBD_C(0.5)), x),
@@ -29,30 +29,30 @@ static rbdi_mask rbdi_is_index(rbd_real x, int k) {
 }
 
 static rbdi_mask rbdi_dropped(const rbd_constraint_set *c, int t) {
-    return rbdi_not(rbdi_less(rbdi_zero(), rbdi_abs(c->inverse[t])));
+    return rbdi_not(rbdi_less(rbdi_zero(), rbdi_abs(c->R_inverse[t])));
 }
 
-/* Exchanges entry t of x with that of the row chosen for its place. Entries are `step` apart. Does so for n
+/* Exchanges entry t of x with that of row pivot_row[t]. Entries of x are `step` apart. Does so for `count`
    vectors x, `next` apart. */
-static void rbdi_exchange(const rbd_constraint_set *c, int t, rbd_real *x, int step, int n, int next) {
+static void rbdi_exchange(const rbd_constraint_set *c, int t, rbd_real *x, int step, int count, int next) {
     for (int j = t + 1; j < c->rows; ++j) {
-        const rbdi_mask here = rbdi_is_index(c->chosen[t], j);
-        rbd_real *a = x + t * step, *b = x + j * step;
+        const rbdi_mask here = rbdi_is_index(c->pivot_row[t], j);
+        rbd_real *one = x + t * step, *two = x + j * step;
         if (!rbdi_any(here)) continue;
-        for (int k = 0; k < n; ++k, a += next, b += next) {
-            const rbd_real old = *a;
-            *a = rbdi_select(here, *b, old);
-            *b = rbdi_select(here, old, *b);
+        for (int i = 0; i < count; ++i, one += next, two += next) {
+            const rbd_real old = *one;
+            *one = rbdi_select(here, *two, old);
+            *two = rbdi_select(here, old, *two);
         }
     }
 }
 
-/* X, of n columns, to the order of R; and back. */
-static void rbdi_to_order(const rbd_constraint_set *c, rbd_real *X, int n) {
-    for (int t = 0; c->exchanged && t < c->rows; ++t) rbdi_exchange(c, t, X, n, n, 1);
+/* P' X and P X. X: rows x columns. */
+static void rbdi_permute(const rbd_constraint_set *c, rbd_real *X, int columns) {
+    for (int t = 0; c->pivoted && t < c->rows; ++t) rbdi_exchange(c, t, X, columns, columns, 1);
 }
-static void rbdi_from_order(const rbd_constraint_set *c, rbd_real *X, int n) {
-    for (int t = c->rows - 1; c->exchanged && t >= 0; --t) rbdi_exchange(c, t, X, n, n, 1);
+static void rbdi_permute_back(const rbd_constraint_set *c, rbd_real *X, int columns) {
+    for (int t = c->rows - 1; c->pivoted && t >= 0; --t) rbdi_exchange(c, t, X, columns, columns, 1);
 }
 
 /* c->square of the rows from t on. */
@@ -67,24 +67,24 @@ static void rbdi_independent_squares(const rbd_constraint_set *c, int nv, int t)
     }
 }
 
-/* Exchanges row t with the row whose independent share is largest. */
+/* Exchanges row t with the row that has the largest independent share. */
 static void rbdi_choose_row(rbd_constraint_set *c, int nv, int t) {
-    rbd_real best = c->square[t] * c->share[t], at = rbdi_set(RBD_C(t));
+    rbd_real best = c->square[t] * c->inverse_square[t], at = rbdi_set(RBD_C(t));
     for (int j = t + 1; j < c->rows; ++j) {
-        const rbd_real share = c->square[j] * c->share[j];
+        const rbd_real share = c->square[j] * c->inverse_square[j];
         const rbdi_mask more = rbdi_less(best * RBDI_CLEARLY_MORE, share);
         best = rbdi_select(more, share, best), at = rbdi_select(more, rbdi_set(RBD_C(j)), at);
     }
-    c->chosen[t] = at;
+    c->pivot_row[t] = at;
     rbdi_exchange(c, t, c->R, 1, nv, c->stride);
     rbdi_exchange(c, t, c->square, 1, 1, 0);
-    rbdi_exchange(c, t, c->share, 1, 1, 0);
+    rbdi_exchange(c, t, c->inverse_square, 1, 1, 0);
 }
 
-/* Householder's reflection that makes R_tt the last entry of column t. */
+/* Householder's reflection that leaves R_tt as the last entry of column t other than 0. */
 static void rbdi_reflect(rbd_constraint_set *c, int nv, int t) {
     const int stride = c->stride;
-    rbd_real *Z = c->R, *h = c->stack;
+    rbd_real *Z = c->R, *h = c->householder;
     rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
     const rbd_real head = Z[t * stride + t], length = rbdi_sqrt(c->square[t]),
                    R = rbdi_select(rbdi_less(head, rbdi_zero()), length, -length),
@@ -103,7 +103,7 @@ static void rbdi_reflect(rbd_constraint_set *c, int nv, int t) {
     Z[t * stride + t] = R;
 }
 
-/* R of all rows, and 1/R_tt: 0 if row t depends on those before it. */
+/* R of all rows, and 1/R_tt, which is 0 if row t depends on those before it. */
 static void rbdi_orthogonalise(const rbd_model *m, rbd_constraint_set *c) {
     const rbd_real noise = c->noise * (1 / RBDI_RANK), one = rbdi_set(RBD_C(1));
     const int nv = m->nv, steps = c->rows < nv ? c->rows : nv;
@@ -117,31 +117,32 @@ static void rbdi_orthogonalise(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_independent_squares(c, nv, 0);
     for (int r = 0; r < c->rows; ++r) {
         rbdi_mask none = rbdi_less(one, rbdi_zero());
-        c->share[r] = rbdi_reciprocal(c->square[r] + noise, RBDI_TINY, &none);
-        c->inverse[r] = rbdi_zero(), c->chosen[r] = rbdi_set(RBD_C(r));
+        c->inverse_square[r] = rbdi_reciprocal(c->square[r] + noise, RBDI_TINY, &none);
+        c->R_inverse[r] = rbdi_zero(), c->pivot_row[r] = rbdi_set(RBD_C(r));
     }
     for (int t = 0; t < steps; ++t) {
         if (t > 0) rbdi_independent_squares(c, nv, t);
         rbdi_choose_row(c, nv, t);
-        taken = rbdi_and(taken, rbdi_not(rbdi_less(c->square[t] * c->share[t], rbdi_set(RBDI_RANK))));
+        taken =
+            rbdi_and(taken, rbdi_not(rbdi_less(c->square[t] * c->inverse_square[t], rbdi_set(RBDI_RANK))));
         if (!rbdi_any(taken)) return;
         rbdi_reflect(c, nv, t);
-        c->inverse[t] =
+        c->R_inverse[t] =
             rbdi_select(taken, one / rbdi_select(taken, c->R[t * c->stride + t], one), rbdi_zero());
     }
 }
 
 /* The null vector of a dropped row t, 0 in lanes that took the row. Its t + 1 entries replace row t of c->R
    up to the diagonal, which is no longer needed. */
-static rbd_real *rbdi_null(const rbd_constraint_set *c, int t) { return &c->R[t * c->stride]; }
+static rbd_real *rbdi_null_vector(const rbd_constraint_set *c, int t) { return &c->R[t * c->stride]; }
 
 /* x loses its component along the null vector of row t. */
 static void rbdi_project(const rbd_constraint_set *c, int t, rbd_real *x) {
-    const rbd_real *n = rbdi_null(c, t);
-    rbdi_mask none = rbdi_less(n[0], n[0]); /* n is shorter than 1 only where it is 0 */
-    const rbd_real share =
-        rbdi_rows_product(n, x, t + 1) * rbdi_reciprocal(rbdi_rows_product(n, n, t + 1), RBD_C(0.5), &none);
-    for (int k = 0; k <= t; ++k) x[k] = x[k] - share * n[k];
+    const rbd_real *null = rbdi_null_vector(c, t);
+    rbdi_mask none = rbdi_less(null[0], null[0]); /* its length is 0, or at least 1 */
+    const rbd_real factor = rbdi_rows_product(null, x, t + 1) *
+                            rbdi_reciprocal(rbdi_rows_product(null, null, t + 1), RBD_C(0.5), &none);
+    for (int i = 0; i <= t; ++i) x[i] = x[i] - factor * null[i];
 }
 
 /* x loses its components along the null vectors of the rows before row `end`. */
@@ -150,93 +151,95 @@ static void rbdi_project_rows(const rbd_constraint_set *c, int end, rbd_real *x)
         if (rbdi_any(rbdi_dropped(c, t))) rbdi_project(c, t, x);
 }
 
-/* The null vectors of all dropped rows, made orthogonal one after the other (Gram and Schmidt). */
+/* The null vectors of all dropped rows, orthogonal to each other. */
 static void rbdi_null_space(const rbd_constraint_set *c) {
     for (int t = 0; t < c->rows; ++t) {
-        rbd_real *n = rbdi_null(c, t);
+        rbd_real *null = rbdi_null_vector(c, t);
         if (!rbdi_any(rbdi_dropped(c, t))) continue;
-        n[t] = rbdi_select(rbdi_dropped(c, t), rbdi_set(RBD_C(1)), rbdi_zero());
+        null[t] = rbdi_select(rbdi_dropped(c, t), rbdi_set(RBD_C(1)), rbdi_zero());
         for (int i = t - 1; i >= 0; --i)
-            n[i] = -c->inverse[i] * rbdi_rows_product(&c->R[i * c->stride + i + 1], &n[i + 1], t - i);
-        rbdi_project_rows(c, t, n);
+            null[i] = -c->R_inverse[i] * rbdi_rows_product(&c->R[i * c->stride + i + 1], &null[i + 1], t - i);
+        rbdi_project_rows(c, t, null);
     }
 }
 
 static rbd_real rbdi_sum_abs(rbdi_v3 x) { return rbdi_abs(x.x) + rbdi_abs(x.y) + rbdi_abs(x.z); }
 
-/* J v, gamma and e of a constraint are differences of terms. This bounds the terms of its target. */
-static rbd_real rbdi_motion_size(const rbd_constraint_set *c, const rbdi_constraint *k) {
-    const rbdi_station one = rbdi_station_of(c, k, 0), two = rbdi_station_of(c, k, 1);
+/* A bound on the terms of a constraint's target. J v, gamma and e in it are differences, so they may be far
+   smaller than their terms. */
+static rbd_real rbdi_motion_size(const rbd_constraint_set *c, const rbdi_constraint *con) {
+    const rbdi_station one = rbdi_station_of(c, con, 0), two = rbdi_station_of(c, con, 1);
     const rbd_real w = rbdi_sum_abs(one.omega) + rbdi_sum_abs(two.omega),
                    v = w + rbdi_sum_abs(one.v) + rbdi_sum_abs(two.v),
                    p = rbdi_sum_abs(one.p) + rbdi_sum_abs(two.p) + RBD_C(1);
     const rbd_real turning = rbdi_sum_abs(one.omega_dot) + rbdi_sum_abs(two.omega_dot),
                    moving = rbdi_sum_abs(one.acc) + rbdi_sum_abs(two.acc);
-    return turning + moving + v * (w + (RBD_C(1) + k->kd)) + p * k->kp;
+    return turning + moving + v * (w + (RBD_C(1) + con->kd)) + p * con->kp;
 }
 
-/* Replaces c->demand by the amount by which targets may contradict each other. Brings it and c->target to the
-   order of R. */
-static void rbdi_bound_demand(rbd_constraint_set *c) {
-    for (const rbdi_constraint *k = c->constraint; k < c->constraint + c->n; ++k) {
-        const rbd_real noise = rbdi_motion_size(c, k) * RBDI_NOISE;
-        for (int r = k->row; r < k->row + k->rows; ++r)
-            c->demand[r] = rbdi_sqrt(c->demand[r]) * RBDI_FEASIBLE + noise;
+/* Makes c->slack the amount by which rounding and drift may change an entry of b. Permutes it and c->target
+   as R. */
+static void rbdi_set_slack(rbd_constraint_set *c) {
+    for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con) {
+        const rbd_real noise = rbdi_motion_size(c, con) * RBDI_NOISE;
+        for (int r = con->row; r < con->row + con->rows; ++r)
+            c->slack[r] = rbdi_sqrt(c->slack[r]) * RBDI_FEASIBLE + noise;
     }
-    rbdi_to_order(c, c->demand, 1);
-    rbdi_to_order(c, c->target, 1);
+    rbdi_permute(c, c->slack, 1);
+    rbdi_permute(c, c->target, 1);
 }
 
 /* Notes the first dropped row, in the caller's order, that contradicts the rows it depends on: the targets
-   have a component along its null vector. */
+   have a component along its null vector. (J x of any x has none.) */
 static void rbdi_check_rows(rbd_constraint_set *c) {
-    rbd_real *bad = c->share;
+    rbd_real *bad = c->inverse_square;
     const rbd_real one = rbdi_set(RBD_C(1));
-    rbdi_bound_demand(c);
+    rbdi_set_slack(c);
     rbdi_clear(bad, c->rows);
     for (int t = 0; t < c->rows; ++t) {
-        const rbd_real *n = rbdi_null(c, t);
+        const rbd_real *null = rbdi_null_vector(c, t);
         rbd_real bound = rbdi_zero();
         if (!rbdi_any(rbdi_dropped(c, t))) continue;
-        for (int j = 0; j <= t; ++j) bound = bound + rbdi_abs(n[j]) * c->demand[j];
-        bad[t] =
-            rbdi_select(rbdi_less(bound, rbdi_abs(rbdi_rows_product(n, c->target, t + 1))), one, rbdi_zero());
+        for (int j = 0; j <= t; ++j) bound = bound + rbdi_abs(null[j]) * c->slack[j];
+        bad[t] = rbdi_select(rbdi_less(bound, rbdi_abs(rbdi_rows_product(null, c->target, t + 1))), one,
+                             rbdi_zero());
     }
-    rbdi_from_order(c, bad, 1);
+    rbdi_permute_back(c, bad, 1);
     for (int r = c->rows - 1; r >= 0; --r)
         if (rbdi_any(rbdi_less(rbdi_zero(), bad[r]))) c->infeasible = r;
 }
 
-/* The n columns of X lose their components along the null vectors. */
-static void rbdi_project_columns(const rbd_constraint_set *c, rbd_real *X, int n) {
+/* The columns of X lose their components along the null vectors. X: rows x columns. */
+static void rbdi_project_columns(const rbd_constraint_set *c, rbd_real *X, int columns) {
     rbd_real *x = c->square;
-    for (int column = 0; c->exchanged && column < n; ++column) {
-        for (int i = 0; i < c->rows; ++i) x[i] = X[i * n + column];
+    for (int j = 0; c->pivoted && j < columns; ++j) {
+        for (int i = 0; i < c->rows; ++i) x[i] = X[i * columns + j];
         rbdi_project_rows(c, c->rows, x);
-        for (int i = 0; i < c->rows; ++i) X[i * n + column] = x[i];
+        for (int i = 0; i < c->rows; ++i) X[i * columns + j] = x[i];
     }
 }
 
-/* X = Delta^-1 X, of least norm, for n columns. If rows depend on each other, the right-hand side loses its
-   components along the null vectors, too: with them the equations would contradict each other. */
-static void rbdi_delta_solve(const rbd_constraint_set *c, rbd_real *X, int n) {
+/* X = Delta^-1 X, of least norm. X: rows x columns. If rows depend on each other, the right-hand sides lose
+   their components along the null vectors, too: with them the equations would contradict each other. */
+static void rbdi_delta_solve(const rbd_constraint_set *c, rbd_real *X, int columns) {
     rbd_real *x = c->square;
-    rbdi_to_order(c, X, n);
-    rbdi_project_columns(c, X, n);
+    rbdi_permute(c, X, columns);
+    rbdi_project_columns(c, X, columns);
     for (int t = 0; t < c->rows; ++t) {
         for (int i = 0; i < t; ++i) x[i] = c->R[i * c->stride + t];
-        rbdi_subtract_product(x, X, t, n, &X[t * n]);
-        rbdi_multiply(&X[t * n], c->inverse[t], n);
+        rbdi_subtract_product(x, X, t, columns, &X[t * columns]);
+        rbdi_multiply(&X[t * columns], c->R_inverse[t], columns);
     }
     for (int t = c->rows - 1; t >= 0; --t) {
-        rbdi_subtract_product(&c->R[t * c->stride + t + 1], &X[(t + 1) * n], c->rows - t - 1, n, &X[t * n]);
-        rbdi_multiply(&X[t * n], c->inverse[t], n);
+        rbdi_subtract_product(&c->R[t * c->stride + t + 1], &X[(t + 1) * columns], c->rows - t - 1, columns,
+                              &X[t * columns]);
+        rbdi_multiply(&X[t * columns], c->R_inverse[t], columns);
     }
-    rbdi_project_columns(c, X, n);
-    rbdi_from_order(c, X, n);
+    rbdi_project_columns(c, X, columns);
+    rbdi_permute_back(c, X, columns);
 }
 
-/* Gives lambda to the caller; returns the status of a call from that of the pivots of M. */
+/* Gives lambda to the caller. Returns the status of a call from that of the pivots of M. */
 static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraint_set *c, rbd_status status,
                                           rbd_real *lambda) {
     if (status) (void)rbdi_verdict(m, c->w, c->lambda, c->rows);

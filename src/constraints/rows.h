@@ -7,40 +7,41 @@
 
 /* ---- rows [rows] ---- */
 
-/* Adds to a column of J: the motion, world axes, that a dof gives to frame 1 of constraint k. */
-RBDI_ONCE void rbdi_constraint_column(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k,
+/* Adds a motion, world axes, that a dof gives to body 1 at the origin of frame 1, to the dof's column of J.
+   sign: -1 if it gives the motion to body 2. A mimic joint's goes to the joint that it follows. */
+RBDI_ONCE void rbdi_constraint_column(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *con,
                                       const rbdi_axes_held *h, int dof, int sign, rbdi_v3 angular,
                                       rbdi_v3 linear) {
     if (sign < 0 || dof >= m->nv) {
         const rbd_real ratio = sign < 0 ? -rbdi_ratio(m, dof) : rbdi_ratio(m, dof);
         angular = rbdi_scale(ratio, angular), linear = rbdi_scale(ratio, linear);
     }
-    rbdi_add_held(k, h, angular, linear, &c->Y[rbdi_source(m, dof) * c->stride + k->row]);
+    rbdi_add_held(con, h, angular, linear, &c->Y[rbdi_source(m, dof) * c->stride + con->row]);
 }
 
-/* Columns of the dofs of a link on a path; p: origin of frame 1. */
-RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k,
+/* Columns of the dofs of a link on a path. p: origin of frame 1. */
+RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *con,
                                       const rbdi_axes_held *h, rbdi_v3 p, int link, int sign) {
     const rbdi_link *l = &m->link[link];
     const rbdi_pose X = c->w->kin[link].X;
     const rbdi_v3 arm = rbdi_sub(p, X.r), z = rbdi_vec(X.E.zx, X.E.zy, X.E.zz), o = rbdi_vec0();
     if (rbdi_is(l, RBDI_REVOLUTE) || rbdi_is(l, RBDI_REVOLUTE_CS)) {
-        rbdi_constraint_column(m, c, k, h, l->iv, sign, z, rbdi_cross(z, arm));
+        rbdi_constraint_column(m, c, con, h, l->iv, sign, z, rbdi_cross(z, arm));
     } else if (rbdi_is(l, RBDI_SCREW)) {
         const rbdi_v3 turn = rbdi_scale(rbdi_set(l->rho), z), slide = rbdi_scale(rbdi_set(l->kappa), z);
-        rbdi_constraint_column(m, c, k, h, l->iv, sign, turn, rbdi_add(slide, rbdi_cross(turn, arm)));
+        rbdi_constraint_column(m, c, con, h, l->iv, sign, turn, rbdi_add(slide, rbdi_cross(turn, arm)));
     } else {
         const rbdi_v3 axis[3] = {rbdi_vec(X.E.xx, X.E.xy, X.E.xz), rbdi_vec(X.E.yx, X.E.yy, X.E.yz), z};
-        for (int j = 0, s = rbdi_block_of(m, l)->first; j < rbdi_link_dofs(m, l); ++j, ++s)
-            rbdi_constraint_column(m, c, k, h, l->iv + j, sign, s < 3 ? axis[s] : o,
-                                   s < 3 ? rbdi_cross(axis[s], arm) : axis[s - 3]);
+        for (int j = 0, at = rbdi_block_of(m, l)->first; j < rbdi_link_dofs(m, l); ++j, ++at)
+            rbdi_constraint_column(m, c, con, h, l->iv + j, sign, at < 3 ? axis[at] : o,
+                                   at < 3 ? rbdi_cross(axis[at], arm) : axis[at - 3]);
     }
 }
 
-/* Runs the statement behind it for each link that moves only one of the two bodies; sign: 1 for body 1, -1
-   for body 2. Links on both paths cancel. */
-#define RBDI_FOR_PATHS(m, k, link, sign) \
-    for (int link1_ = (k)->link[0], link2_ = (k)->link[1], link, sign; \
+/* Runs the statement behind it for each link that moves only one of the two bodies. sign: 1 for body 1, -1
+   for body 2. The motions of links on both paths cancel. */
+#define RBDI_FOR_PATHS(m, con, link, sign) \
+    for (int link1_ = (con)->link[0], link2_ = (con)->link[1], link, sign; \
          link1_ != link2_ && (sign = link1_ > link2_ ? 1 : -1, link = sign > 0 ? link1_ : link2_, 1); \
          sign > 0 ? (link1_ = (m)->link[link].parent) : (link2_ = (m)->link[link].parent))
 
@@ -54,8 +55,8 @@ static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraint_set *c, const r
     if (rbdi_mimics(m)) rbdi_kin_links(m, c->w, 0, m->nl, v, moving);
 }
 
-/* Writes the motion of all links and poses of those on a path into the work, replacing the results of
-   rbd_kinematics; with `wrench` also the wrenches of inverse dynamics. Gravity is an acceleration of the
+/* Writes the motion of all links and the poses of those on a path into the work, over the results of
+   rbd_kinematics; if `wrench`, also the wrenches of inverse dynamics. Gravity is an acceleration of the
    world. rbdi_joints must have been called. */
 RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v,
                                        const rbd_real *a, rbdi_c3 gravity, int wrench) {
@@ -67,23 +68,22 @@ RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraint_set *c
     rbdi_kin_of_paths(m, c, v, 1);
 }
 
-/* Clears Y and R, for calls that do not write all entries that articulated bodies read, and J v,
-   gamma and e. */
+/* Clears J v, gamma, e, and Y and R, of which articulated bodies read entries that they do not write. */
 static void rbdi_clear_rows(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_clear(c->Y, m->nv * c->stride);
     rbdi_clear(c->R, c->rows * c->stride);
-    rbdi_clear(c->u, 3 * c->stride);
+    rbdi_clear(c->velocity, 3 * c->stride);
     c->dirty = 1;
 }
 
 /* Adds Y = J', gamma and J v of a constraint and, if `errors`, e. */
-static void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *k,
+static void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *con,
                                  int errors) {
     rbdi_axes_held h;
     rbdi_v3 p;
-    rbdi_set_axes(c, k, &h);
-    p = rbdi_constraint_motion(c, k, &h, errors);
-    RBDI_FOR_PATHS(m, k, link, sign) rbdi_constraint_link(m, c, k, &h, p, link, sign);
+    rbdi_set_axes(c, con, &h);
+    p = rbdi_constraint_motion(c, con, &h, errors);
+    RBDI_FOR_PATHS(m, con, link, sign) rbdi_constraint_link(m, c, con, &h, p, link, sign);
 }
 
 #endif

@@ -11,18 +11,18 @@
 
 static rbd_constraint rbdi_constraint_of(int body1, const double *p1, int body2, const double *p2,
                                          int angular) {
-    rbd_constraint k;
-    k.name = NULL;
-    k.body1 = body1, k.body2 = body2;
-    for (int i = 0; i < 9; ++i) k.rotation1[i] = k.rotation2[i] = i % 4 == 0;
+    rbd_constraint con;
+    con.name = NULL;
+    con.body1 = body1, con.body2 = body2;
+    for (int i = 0; i < 9; ++i) con.rotation1[i] = con.rotation2[i] = i % 4 == 0;
     for (int i = 0; i < 3; ++i) {
-        k.position1[i] = p1 ? p1[i] : 0;
-        k.position2[i] = p2 ? p2[i] : 0;
-        k.axes[i] = i < angular;
-        k.axes[i + 3] = 1;
+        con.position1[i] = p1 ? p1[i] : 0;
+        con.position2[i] = p2 ? p2[i] : 0;
+        con.axes[i] = i < angular;
+        con.axes[i + 3] = 1;
     }
-    k.kp = k.kd = 0;
-    return k;
+    con.kp = con.kd = 0;
+    return con;
 }
 
 /* A rotation whose z axis is this axis. */
@@ -53,23 +53,23 @@ RBDI_API rbd_constraint rbd_ball_loop(int body1, const double point1[3], int bod
 
 RBDI_API rbd_constraint rbd_hinge_loop(int body1, const double point1[3], const double axis1[3], int body2,
                                        const double point2[3], const double axis2[3]) {
-    rbd_constraint k = rbdi_constraint_of(body1, point1, body2, point2, 2);
-    if (axis1) rbdi_frame_along(axis1, k.rotation1);
-    if (axis2) rbdi_frame_along(axis2, k.rotation2);
-    return k;
+    rbd_constraint con = rbdi_constraint_of(body1, point1, body2, point2, 2);
+    if (axis1) rbdi_frame_along(axis1, con.rotation1);
+    if (axis2) rbdi_frame_along(axis2, con.rotation2);
+    return con;
 }
 
 RBDI_API char *rbd_constraint_finding_text(const rbd_finding *finding, char *text, size_t size) {
     return rbdi_write_finding(finding, "constraint", text, size);
 }
 
-static int rbdi_held_axes(const rbd_constraint *k) {
+static int rbdi_held_axes(const rbd_constraint *con) {
     int n = 0;
-    for (int i = 0; i < 6; ++i) n += k->axes[i] == 1;
+    for (int i = 0; i < 6; ++i) n += con->axes[i] == 1;
     return n;
 }
 
-/* The stride of rows: two batches may begin at any row. */
+/* The stride for so many rows: loops may access two batches from any row on. */
 static int rbdi_row_stride(int rows) { return (rows + 4 * RBDI_BATCH) / RBDI_BATCH * RBDI_BATCH; }
 
 static int rbdi_rows_of(const rbd_constraint *list, int n) {
@@ -88,31 +88,31 @@ RBDI_API size_t rbd_constraint_set_size(const rbd_model *m, const rbd_constraint
 /* The link of a body, -1 = world. */
 static int rbdi_link_of_body(const rbd_model *m, int body) { return body < 0 ? -1 : m->frame[body].link; }
 
-static rbd_status rbdi_check_constraint(const rbd_model *m, const rbd_constraint *k, int i,
+static rbd_status rbdi_check_constraint(const rbd_model *m, const rbd_constraint *con, int i,
                                         rbd_report *report) {
-    int strange = rbdi_held_axes(k) == 0;
-    for (int j = 0; j < 6; ++j) strange |= k->axes[j] != 0 && k->axes[j] != 1;
+    int strange = rbdi_held_axes(con) == 0;
+    for (int j = 0; j < 6; ++j) strange |= con->axes[j] != 0 && con->axes[j] != 1;
 #define RBDI_REQUIRE(condition, status, field, sentence) \
     do { \
         if (!(condition)) { \
-            rbdi_refuse(report, status, i, k->name, field); \
+            rbdi_refuse(report, status, i, con->name, field); \
             report->error.text = sentence; \
             return status; \
         } \
     } while (0)
-    RBDI_REQUIRE(k->body1 >= -1 && k->body1 < m->nb, RBD_ERR_INDEX, "body1", NULL);
-    RBDI_REQUIRE(k->body1 >= 0 || k->body2 >= 0, RBD_ERR_INDEX, "body1",
+    RBDI_REQUIRE(con->body1 >= -1 && con->body1 < m->nb, RBD_ERR_INDEX, "body1", NULL);
+    RBDI_REQUIRE(con->body1 >= 0 || con->body2 >= 0, RBD_ERR_INDEX, "body1",
                  RBDI_TEXT("both bodies are -1: the world, or a name that no body has"));
-    RBDI_REQUIRE(k->body2 >= -1 && k->body2 < m->nb, RBD_ERR_INDEX, "body2", NULL);
-    RBDI_REQUIRE(rbdi_link_of_body(m, k->body1) != rbdi_link_of_body(m, k->body2), RBD_ERR_INDEX, "body2",
+    RBDI_REQUIRE(con->body2 >= -1 && con->body2 < m->nb, RBD_ERR_INDEX, "body2", NULL);
+    RBDI_REQUIRE(rbdi_link_of_body(m, con->body1) != rbdi_link_of_body(m, con->body2), RBD_ERR_INDEX, "body2",
                  RBDI_TEXT("no joint moves it against body1"));
-    RBDI_REQUIRE(rbdi_is_rotation(k->rotation1), RBD_ERR_ROTATION, "rotation1", NULL);
-    RBDI_REQUIRE(rbdi_finite(k->position1, 3), RBD_ERR_POSITION, "position1", NULL);
-    RBDI_REQUIRE(rbdi_is_rotation(k->rotation2), RBD_ERR_ROTATION, "rotation2", NULL);
-    RBDI_REQUIRE(rbdi_finite(k->position2, 3), RBD_ERR_POSITION, "position2", NULL);
+    RBDI_REQUIRE(rbdi_is_rotation(con->rotation1), RBD_ERR_ROTATION, "rotation1", NULL);
+    RBDI_REQUIRE(rbdi_finite(con->position1, 3), RBD_ERR_POSITION, "position1", NULL);
+    RBDI_REQUIRE(rbdi_is_rotation(con->rotation2), RBD_ERR_ROTATION, "rotation2", NULL);
+    RBDI_REQUIRE(rbdi_finite(con->position2, 3), RBD_ERR_POSITION, "position2", NULL);
     RBDI_REQUIRE(!strange, RBD_ERR_AXIS, "axes", RBDI_TEXT("none is held, or one is neither 0 nor 1"));
-    RBDI_REQUIRE(rbdi_finite_positive(&k->kp, 1), RBD_ERR_RANGE, "kp", NULL);
-    RBDI_REQUIRE(rbdi_finite_positive(&k->kd, 1), RBD_ERR_RANGE, "kd", NULL);
+    RBDI_REQUIRE(rbdi_finite_positive(&con->kp, 1), RBD_ERR_RANGE, "kp", NULL);
+    RBDI_REQUIRE(rbdi_finite_positive(&con->kd, 1), RBD_ERR_RANGE, "kd", NULL);
 #undef RBDI_REQUIRE
     return RBD_OK;
 }
@@ -139,21 +139,22 @@ static int rbdi_place_frame(const rbd_model *m, int body, const double R[9], con
     return rbdi_link_of_body(m, body);
 }
 
-/* The nearest link that carries both or is one of them, -1 = world. Ancestors have smaller indices. */
+/* The nearest common ancestor of two links, which may be one of them; -1 = world. Ancestors have smaller
+   indices. */
 static int rbdi_common_ancestor(const rbd_model *m, int one, int two) {
     while (one != two) {
-        int *behind = one > two ? &one : &two;
-        *behind = m->link[*behind].parent;
+        int *later = one > two ? &one : &two;
+        *later = m->link[*later].parent;
     }
     return one;
 }
 
 static void rbdi_place_constraint(const rbd_model *m, const rbd_constraint *from, int row,
                                   rbdi_constraint *to) {
-    to->link[0] =
-        (int16_t)rbdi_place_frame(m, from->body1, from->rotation1, from->position1, to->R[0], &to->p[0]);
-    to->link[1] =
-        (int16_t)rbdi_place_frame(m, from->body2, from->rotation2, from->position2, to->R[1], &to->p[1]);
+    to->link[0] = (int16_t)rbdi_place_frame(m, from->body1, from->rotation1, from->position1, to->rotation[0],
+                                            &to->position[0]);
+    to->link[1] = (int16_t)rbdi_place_frame(m, from->body2, from->rotation2, from->position2, to->rotation[1],
+                                            &to->position[1]);
     to->ancestor = (int16_t)rbdi_common_ancestor(m, to->link[0], to->link[1]);
     to->kp = RBD_C(from->kp), to->kd = RBD_C(from->kd);
     to->row = (int16_t)row;
@@ -161,34 +162,34 @@ static void rbdi_place_constraint(const rbd_model *m, const rbd_constraint *from
     for (int r = 0; r < RBDI_SIX_ROWS; ++r) to->held[0][r] = to->held[1][r] = to->held[2][r] = 0;
     for (int j = 0; j < 6; ++j) {
         if (!from->axes[j]) continue;
-        for (int i = 0; i < 3; ++i) to->held[i][to->rows] = to->R[1][3 * i + j % 3];
+        for (int i = 0; i < 3; ++i) to->held[i][to->rows] = to->rotation[1][3 * i + j % 3];
         to->axis[to->rows++] = (int16_t)j;
         to->angular = (int16_t)(to->angular + (j < 3));
     }
 }
 
-/* Finds the dofs that a constraint's rows reach: those of the paths to its bodies. */
-static void rbdi_reach_dofs(const rbd_model *m, rbd_constraint_set *c, rbdi_constraint *k) {
+/* Finds the dofs of the paths to a constraint's bodies, and extends their spans by its rows. */
+static void rbdi_reach_dofs(const rbd_model *m, rbd_constraint_set *c, rbdi_constraint *con) {
     int16_t *reached = c->path;
     for (int i = 0; i < m->nv; ++i) reached[i] = 0;
     for (int side = 0; side < 2; ++side)
-        for (int link = k->link[side]; link >= 0; link = m->link[link].parent)
+        for (int link = con->link[side]; link >= 0; link = m->link[link].parent)
             for (int j = 0; j < rbdi_link_dofs(m, &m->link[link]); ++j)
                 for (int i = rbdi_source(m, m->link[link].iv + j); i >= 0 && !reached[i];
                      i = m->dof[i].lambda)
                     reached[i] = 1;
-    k->dofs = 0;
+    con->dofs = 0;
     for (int i = 0; i < m->nv; ++i) {
         rbdi_span *s = &c->span[i];
         if (!reached[i]) continue;
-        if (s->end == 0) s->first = k->row;
-        s->end = (int16_t)(k->row + k->rows);
-        k->dof[k->dofs++] = (int16_t)i;
+        if (s->end == 0) s->first = con->row;
+        s->end = (int16_t)(con->row + con->rows);
+        con->dof[con->dofs++] = (int16_t)i;
     }
 }
 
-/* Begins a set whose constraints are placed: for this model and work, with the dofs that each reaches, and
-   the links on all paths. */
+/* Prepares a set whose constraints are placed for this model and work: the dofs of each, spans, and the links
+   on all paths. */
 static void rbdi_begin_set(const rbd_model *m, rbd_work *w, rbd_constraint_set *c) {
     for (int k = 0; k < RBDI_SHAPE; ++k) c->shape[k] = m->shape[k];
     c->w = w, c->infeasible = -1, c->links = 0;
@@ -198,18 +199,18 @@ static void rbdi_begin_set(const rbd_model *m, rbd_work *w, rbd_constraint_set *
         if (c->span[m->link[i].iv].end > 0) c->link[c->links++] = (int16_t)i;
 }
 
-/* Whether rows depend on each other in every state, so that articulated bodies would always fail: if there
-   are more rows than dofs, or if two links have more than six rows between them, or more than dofs. */
+/* Whether rows depend on each other in every state, so that articulated bodies would always fail: there are
+   more rows than dofs, or between two links more than six, or more than the dofs that move one of them. */
 static int rbdi_too_many_rows(const rbd_model *m, const rbd_constraint_set *c) {
     const rbdi_constraint *stop = c->constraint + c->n;
     int too_many = c->rows > m->nv;
-    for (const rbdi_constraint *k = c->constraint; k < stop; ++k) {
+    for (const rbdi_constraint *con = c->constraint; con < stop; ++con) {
         int rows = 0, dofs = 0;
         for (const rbdi_constraint *o = c->constraint; o < stop; ++o)
-            if ((o->link[0] == k->link[0] && o->link[1] == k->link[1]) ||
-                (o->link[0] == k->link[1] && o->link[1] == k->link[0]))
+            if ((o->link[0] == con->link[0] && o->link[1] == con->link[1]) ||
+                (o->link[0] == con->link[1] && o->link[1] == con->link[0]))
                 rows += o->rows;
-        RBDI_FOR_PATHS(m, k, link, sign) {
+        RBDI_FOR_PATHS(m, con, link, sign) {
             (void)sign;
             dofs += rbdi_link_dofs(m, &m->link[link]);
         }
@@ -254,12 +255,12 @@ static rbd_constraint_set *rbdi_lay_constraints(int nv, int n, int rows, void *m
     c->Y = (rbd_real *)rbdi_take(&p, nv * stride, sizeof(rbd_real));
     c->R = (rbd_real *)rbdi_take(&p, (rows > nv ? rows : nv) * stride, sizeof(rbd_real));
     x = (rbd_real *)rbdi_take(&p, 4 * nv, sizeof(rbd_real));
-    c->x = x, c->stack = x + nv, c->before = x + 2 * nv, c->D_inverse = x + 3 * nv;
+    c->x = x, c->householder = x + nv, c->last_step = x + 2 * nv, c->D_inverse = x + 3 * nv;
     x = (rbd_real *)rbdi_take(&p, 11 * stride, sizeof(rbd_real));
     rbdi_clear(x, 11 * stride);
-    c->b = x, c->lambda = x + stride, c->target = x + 2 * stride, c->u = x + 3 * stride;
-    c->gamma = x + 4 * stride, c->e = x + 5 * stride, c->demand = x + 6 * stride, c->square = x + 7 * stride;
-    c->share = x + 8 * stride, c->chosen = x + 9 * stride, c->inverse = x + 10 * stride;
+    c->b = x, c->lambda = x + stride, c->target = x + 2 * stride, c->velocity = x + 3 * stride;
+    c->gamma = x + 4 * stride, c->e = x + 5 * stride, c->slack = x + 6 * stride, c->square = x + 7 * stride;
+    c->inverse_square = x + 8 * stride, c->pivot_row = x + 9 * stride, c->R_inverse = x + 10 * stride;
     return c;
 }
 
@@ -275,7 +276,7 @@ RBDI_API rbd_status rbd_constraint_set_init(const rbd_model *m, rbd_work *w, con
     if (constraints) *constraints = NULL;
     if (status) return status;
     c = rbdi_lay_constraints(m->nv, n, rbdi_rows_of(list, n), memory);
-    c->dirty = 1, c->exchanged = c->moving = 0;
+    c->dirty = 1, c->pivoted = c->moving = 0;
     for (int i = 0; i < n; row += c->constraint[i++].rows) {
         rbdi_place_constraint(m, &list[i], row, &c->constraint[i]);
         c->moving |= list[i].kp > 0 || list[i].kd > 0 || c->constraint[i].link[1] >= 0;

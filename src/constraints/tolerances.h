@@ -9,12 +9,13 @@
    the one that its condition explains, because Delta squares the condition of the rows.
    RBDI_RANK: a row counts as independent if the square of its part that is independent of the rows before it
    exceeds this share of the row's square. Rounding leaves some 1e-31, more in ill-conditioned models; a leg
-   1e-7 rad from straight has 1e-14. A row must also exceed RBDI_MOTIONLESS times J's levers, magnified by the
-   lightest joints. A smaller row moves nothing: its entries are rounding.
+   1e-7 rad from straight has 1e-14.
+   RBDI_MOTIONLESS: a row of Z, [rank], that is shorter than this share of its lever arms over the root of D
+   is rounding: no joint moves the body along its axis.
    RBDI_FEASIBLE: targets of dependent rows may contradict each other by this share of their terms, because
    positions drift.
-   RBDI_SHORT_STEP, rad or m: assembly ends RBDI_CLOSING_STEPS after a step below this. RBDI_CLOSED: the
-   largest entry of e that is left must be below this. */
+   RBDI_SHORT_STEP, rad or m: assembly ends RBDI_CLOSING_STEPS after a step below this.
+   RBDI_CLOSED: after it all entries of e must be below this. */
 #if RBDI_KIND(RBD_CONST) == 1
 #define RBDI_CLEAR 1e-5
 #define RBDI_MOTIONLESS 2e-13
@@ -41,10 +42,10 @@
 
 #endif
 
-#define RBDI_CLEARLY_MORE RBD_C(1.001) /* if shares differ by rounding alone, the first row is taken */
+#define RBDI_CLEARLY_MORE RBD_C(1.001) /* of shares that differ by rounding alone the first is taken */
 #define RBDI_LONGEST_STEP RBD_C(0.5)
-#define RBDI_LEAST_SHARE RBD_C(1e-3)
-#define RBDI_MOST_SHARE RBD_C(5)
+#define RBDI_LEAST_STEP_SIZE RBD_C(1e-3)
+#define RBDI_MOST_STEP_SIZE RBD_C(5)
 #define RBDI_NEARING_STEPS 200
 #define RBDI_CLOSING_STEPS 3
 

@@ -3,8 +3,8 @@
 #include "constraints/calls.h"
 
 /* ---- weights [weights] ----
-   With a diagonal matrix D in place of M, so L = 1, the same steps solve least squares: they add D^-1 J'
-   lambda to x, the change with the least sum of D (.)^2 that gives J x = target. */
+   With a diagonal matrix D in place of M, so that L = 1, [solution] solves least squares: it adds D^-1 J'
+   lambda to x, of all changes d with J (x + d) = target the one with the least d' D d. */
 
 /* Whether n weights are above 0. NULL: all are 1. */
 static int rbdi_weights_fit(const rbd_const *weight, int n) {
@@ -13,7 +13,7 @@ static int rbdi_weights_fit(const rbd_const *weight, int n) {
     return 1;
 }
 
-/* Whether dof k has no motor: its flag is 0; without flags, it is of a floating joint at a root. */
+/* Whether dof k has no motor: its flag is 0 or, without flags, its joint is a floating one at a root. */
 static int rbdi_is_passive(const rbd_model *m, const unsigned char *actuated, int k) {
     const rbdi_frame *u = &m->frame[m->dof[k].body];
     return actuated ? !actuated[k] : u->type == RBD_FLOATING && m->link[u->link].parent < 0;
@@ -24,15 +24,17 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
                                        const unsigned char *actuated, const rbd_const *weight, rbd_real *tau,
                                        rbd_real *lambda) {
     const rbd_status status = rbdi_check_constraints(m, c, q && v && a && tau);
+    rbd_real *root; /* of 1 / weight */
     if (status) return status;
     if (!rbdi_weights_fit(weight, c->rows)) return RBD_ERR_RANGE;
     rbd_rnea(m, c->w, q, v, a, f_ext, c->x);
     rbdi_constraint_rows_at(m, c, q, NULL, 0);
+    root = c->velocity; /* J v is not needed */
     for (int r = 0; r < c->rows; ++r)
-        c->u[r] = rbdi_sqrt(rbdi_set(RBD_C(1) / (weight ? weight[r] : RBD_C(1))));
+        root[r] = rbdi_sqrt(rbdi_set(RBD_C(1) / (weight ? weight[r] : RBD_C(1))));
     for (int k = 0; k < m->nv; ++k) {
         const int passive = rbdi_is_passive(m, actuated, k);
-        for (int r = 0; r < c->rows; ++r) c->Y[k * c->stride + r] = c->Y[k * c->stride + r] * c->u[r];
+        for (int r = 0; r < c->rows; ++r) c->Y[k * c->stride + r] = c->Y[k * c->stride + r] * root[r];
         tau[k] = c->x[k];
         c->x[k] = passive ? -tau[k] : rbdi_zero();
         c->D_inverse[k] = rbdi_set(passive ? RBD_C(1) : RBD_C(0));
@@ -41,7 +43,7 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
     rbdi_multipliers(m, c, NULL, 0);
     for (int k = 0; k < m->nv; ++k)
         tau[k] = tau[k] - rbdi_rows_product(&c->Y[k * c->stride], c->lambda, c->rows);
-    for (int r = 0; lambda && r < c->rows; ++r) lambda[r] = c->lambda[r] * c->u[r];
+    for (int r = 0; lambda && r < c->rows; ++r) lambda[r] = c->lambda[r] * root[r];
     c->infeasible = -1; /* least squares always have a solution */
     return RBD_OK;
 }

@@ -38,18 +38,18 @@ static void rbdi_write_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivativ
 /* Adds to sigma, for each row of a constraint, `share` times the derivative of J nu by q and `gain` times
    that of the gap or error, which is J. Leaves the dofs' motions in d. */
 static void rbdi_change_rows(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
-                             const rbdi_constraint *k, const rbdi_pair_motion *x, const rbd_real *share,
+                             const rbdi_constraint *con, const rbdi_pair_motion *x, const rbd_real *share,
                              const rbd_real *gain) {
-    RBDI_FOR_PATHS(m, k, link, sign) {
+    RBDI_FOR_PATHS(m, con, link, sign) {
         const rbdi_link *l = &m->link[link];
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
-            const rbdi_change by = rbdi_change_of(m, c->rows, x, sign < 0, link, j);
-            rbd_real sum[2][RBDI_SIX_ROWS], *to = &c->sigma[k->row * m->nv + rbdi_source(m, l->iv + j)];
+            const rbdi_motion_derivatives by = rbdi_differentiate_motion(m, c->rows, x, sign < 0, link, j);
+            rbd_real sum[2][RBDI_SIX_ROWS], *to = &c->sigma[con->row * m->nv + rbdi_source(m, l->iv + j)];
             rbdi_store_motion(RBDI_OF(d, l->first + j, Phi), RBDI_BATCH, by.S);
             rbdi_clear(sum[0], 2 * RBDI_SIX_ROWS);
-            rbdi_add_held(k, &x->h, by.velocity.omega, by.velocity.v, sum[0]);
-            rbdi_add_held(k, &x->h, rbdi_error_turn(k, x, by.S.omega), by.S.v, sum[1]);
-            for (int r = 0; r < k->rows; ++r, to += m->nv)
+            rbdi_add_held(con, &x->h, by.velocity_q.omega, by.velocity_q.v, sum[0]);
+            rbdi_add_held(con, &x->h, rbdi_differentiate_error(con, x, by.S.omega), by.S.v, sum[1]);
+            for (int r = 0; r < con->rows; ++r, to += m->nv)
                 *to = *to + share[r] * sum[0][r] + gain[r] * sum[1][r];
         }
     }
@@ -63,21 +63,21 @@ static void rbdi_change_constraints(const rbd_model *m, rbd_contact_set *c, cons
     rbd_constraint_set *s = c->rows;
     rbdi_constraint_state(m, s, rbdi_expand_v(m, nu, s->w->vx), s->w->zero, none, 0);
     for (int i = 0; i < s->n; ++i) {
-        const rbdi_constraint *k = &s->constraint[i];
+        const rbdi_constraint *con = &s->constraint[i];
         const rbdi_contact *a = i < c->n ? &c->contact[i] : NULL;
         rbd_real of[2][6]; /* share, gain */
         rbdi_pair_motion met;
-        if (k->row < 0 || (rebounds && !(a && a->rebounds))) continue;
-        for (int r = 0; r < k->rows; ++r) {
+        if (con->row < 0 || (rebounds && !(a && a->rebounds))) continue;
+        for (int r = 0; r < con->rows; ++r) {
             of[0][r] = rbdi_set(RBD_C(!rebounds));
-            of[1][r] = a ? rbdi_zero() : rbdi_held_bias(c, purpose, s->e[k->row + r]).gain;
+            of[1][r] = a ? rbdi_zero() : rbdi_held_bias(c, purpose, s->e[con->row + r]).gain;
         }
         if (a) of[1][2] = rbdi_contact_bias(c, purpose, a).gain;
         if (rebounds) of[x][2] = rbdi_set(a->restitution);
-        met = rbdi_pair_motion_of(s, k);
-        if (a) met.rolls = rbdi_scale(rbdi_set(a->radius), rbdi_contact_normal(s, k));
-        rbdi_change_rows(m, c, d, k, &met, of[0], of[1]);
-        if (!rebounds) rbdi_change_forces(m, d, k, &met, rho);
+        met = rbdi_pair_motion_of(s, con);
+        if (a) met.roll_radius = rbdi_scale(rbdi_set(a->radius), rbdi_contact_normal(s, con));
+        rbdi_change_rows(m, c, d, con, &met, of[0], of[1]);
+        if (!rebounds) rbdi_differentiate_forces(m, d, con, &met, rho);
     }
 }
 

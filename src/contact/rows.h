@@ -16,22 +16,23 @@
    place moves over a ball, so nothing of dJ/dt has a part in this: a wheel's point accelerates upward, its
    gap does not. */
 
-/* World axes of the normal of constraint k. */
-RBDI_INLINE rbdi_v3 rbdi_contact_normal(const rbd_constraint_set *s, const rbdi_constraint *k) {
-    const rbdi_v3 n = rbdi_vec(rbdi_set(k->held[0][2]), rbdi_set(k->held[1][2]), rbdi_set(k->held[2][2]));
-    return k->link[1] < 0 ? n : rbdi_mul_t(s->w->kin[k->link[1]].X.E, n);
+/* World axes of the normal of a constraint. */
+RBDI_INLINE rbdi_v3 rbdi_contact_normal(const rbd_constraint_set *s, const rbdi_constraint *con) {
+    const rbdi_v3 n =
+        rbdi_vec(rbdi_set(con->held[0][2]), rbdi_set(con->held[1][2]), rbdi_set(con->held[2][2]));
+    return con->link[1] < 0 ? n : rbdi_mul_t(s->w->kin[con->link[1]].X.E, n);
 }
 
 /* Gap and velocity of approach of a contact; the frame of its constraint comes to the place of contact. */
-static void rbdi_contact_gap(const rbd_constraint_set *s, rbdi_constraint *k, rbdi_contact *a) {
-    const rbdi_v3 n = rbdi_contact_normal(s, k),
-                  x = k->link[0] < 0 ? n : rbdi_mul(s->w->kin[k->link[0]].X.E, n);
+static void rbdi_contact_gap(const rbd_constraint_set *s, rbdi_constraint *con, rbdi_contact *a) {
+    const rbdi_v3 n = rbdi_contact_normal(s, con),
+                  x = con->link[0] < 0 ? n : rbdi_mul(s->w->kin[con->link[0]].X.E, n);
     rbdi_station one, two;
-    k->p[0].x = a->point.x - a->radius * (rbd_const)x.x;
-    k->p[0].y = a->point.y - a->radius * (rbd_const)x.y;
-    k->p[0].z = a->point.z - a->radius * (rbd_const)x.z;
-    one = rbdi_station_of(s, k, 0), two = rbdi_station_at(s, k->link[1], one.p);
-    a->gap = rbdi_dot(n, rbdi_sub(one.p, rbdi_station_of(s, k, 1).p));
+    con->position[0].x = a->point.x - a->radius * (rbd_const)x.x;
+    con->position[0].y = a->point.y - a->radius * (rbd_const)x.y;
+    con->position[0].z = a->point.z - a->radius * (rbd_const)x.z;
+    one = rbdi_station_of(s, con, 0), two = rbdi_station_at(s, con->link[1], one.p);
+    a->gap = rbdi_dot(n, rbdi_sub(one.p, rbdi_station_of(s, con, 1).p));
     a->approach = rbdi_dot(n, rbdi_sub(one.v, two.v));
 }
 
@@ -81,18 +82,18 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
     for (int k = 0; k < m->nv; ++k) s->span[k].first = s->span[k].end = 0;
     s->rows = 0;
     for (int i = 0; i < c->n; ++i, place += 3) {
-        rbdi_constraint *k = &s->constraint[i];
+        rbdi_constraint *con = &s->constraint[i];
         rbdi_contact *a = &c->contact[i];
-        rbdi_contact_gap(s, k, a);
-        a->row = k->row = -1, a->state = RBD_APART;
+        rbdi_contact_gap(s, con, a);
+        a->row = con->row = -1, a->state = RBD_APART;
         if (!rbdi_may_touch(a->gap, a->approach, dt, RBD_C(c->options.margin))) continue;
         c->friction[s->rows / 3] = rbdi_set(a->friction);
-        a->row = k->row = (int16_t)rbdi_open_rows(c, place, 3, k->dof, k->dofs);
+        a->row = con->row = (int16_t)rbdi_open_rows(c, place, 3, con->dof, con->dofs);
     }
     contacts = s->rows / 3;
-    for (rbdi_constraint *k = s->constraint + c->n; k < s->constraint + s->n; place += k++->rows) {
-        k->row = (int16_t)rbdi_open_rows(c, place, k->rows, k->dof, k->dofs);
-        for (int r = k->row - 3 * contacts; r < s->rows - 3 * contacts; ++r)
+    for (rbdi_constraint *con = s->constraint + c->n; con < s->constraint + s->n; place += con++->rows) {
+        con->row = (int16_t)rbdi_open_rows(c, place, con->rows, con->dof, con->dofs);
+        for (int r = con->row - 3 * contacts; r < s->rows - 3 * contacts; ++r)
             c->upper[r] = rbdi_set(RBDI_UNBOUNDED), c->lower[r] = -c->upper[r];
     }
     for (int i = 0; i < c->dof_rows; ++i) {
@@ -133,8 +134,8 @@ static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
     const int n = s->rows;
     rbd_real *delta = s->R;
     rbdi_bound_noise(m, s);
-    for (const rbdi_constraint *k = s->constraint; k < s->constraint + s->n; ++k)
-        if (k->row >= 0) rbdi_delta(s, k->dof, k->dofs, k->row, k->rows);
+    for (const rbdi_constraint *con = s->constraint; con < s->constraint + s->n; ++con)
+        if (con->row >= 0) rbdi_delta(s, con->dof, con->dofs, con->row, con->rows);
     for (int i = 0; i < c->dof_rows; ++i) {
         const rbdi_dof_row *a = &c->dof_row[i];
         if (a->row >= 0) rbdi_delta(s, s->path, rbdi_path_to(m, s, a->dof), a->row, 1);
@@ -214,8 +215,8 @@ static int rbdi_write_biases(rbd_contact_set *c, int purpose) {
     int changed = 0;
     for (const rbdi_contact *a = c->contact; a < c->contact + c->n; ++a)
         if (a->row >= 0) changed |= rbdi_write_bias(c, a->row + 2, rbdi_contact_bias(c, purpose, a).value);
-    for (const rbdi_constraint *k = s->constraint + c->n; k < s->constraint + s->n; ++k)
-        for (int r = k->row; r < k->row + k->rows; ++r)
+    for (const rbdi_constraint *con = s->constraint + c->n; con < s->constraint + s->n; ++con)
+        for (int r = con->row; r < con->row + con->rows; ++r)
             changed |= rbdi_write_bias(c, r, rbdi_held_bias(c, purpose, s->e[r]).value);
     for (const rbdi_dof_row *a = c->dof_row; a < c->dof_row + c->dof_rows; ++a)
         if (a->row >= 0)

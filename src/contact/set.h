@@ -6,29 +6,29 @@
 /* ---- set code [set code] ---- */
 
 /* The plane of a contact as frame 2 of its constraint: x and y are tangents, z is the normal. */
-static void rbdi_place_plane(const rbd_model *m, rbdi_constraint *k, int body2, const double normal[3],
+static void rbdi_place_plane(const rbd_model *m, rbdi_constraint *con, int body2, const double normal[3],
                              double height) {
     double R[9], origin[3], up[3] = {0, 0, 1};
     for (int j = 0; j < 3 && !rbdi_all_zero(normal, 3); ++j) up[j] = normal[j];
     rbdi_frame_along(up, R);
     for (int j = 0; j < 3; ++j) origin[j] = height * R[3 * j + 2];
-    k->link[1] = (int16_t)rbdi_place_frame(m, body2, R, origin, k->R[1], &k->p[1]);
+    con->link[1] = (int16_t)rbdi_place_frame(m, body2, R, origin, con->rotation[1], &con->position[1]);
     for (int i = 0; i < 3; ++i)
-        for (int r = 0; r < 3; ++r) k->held[i][r] = k->R[1][3 * i + r];
+        for (int r = 0; r < 3; ++r) con->held[i][r] = con->rotation[1][3 * i + r];
 }
 
 /* A contact as a constraint that holds three linear axes. */
 static rbd_constraint rbdi_constraint_of_contact(const rbd_contact *a) {
-    rbd_constraint k = rbdi_constraint_of(a->body1, a->point, a->body2, NULL, 0);
-    k.name = a->name;
-    return k;
+    rbd_constraint con = rbdi_constraint_of(a->body1, a->point, a->body2, NULL, 0);
+    con.name = a->name;
+    return con;
 }
 
 static rbd_status rbdi_check_contact(const rbd_model *m, const rbd_contact *a, int i, rbd_report *report) {
     const double values[5] = {a->radius, a->friction, a->restitution, a->stiffness, a->damping};
     const char *const names[5] = {"radius", "friction", "restitution", "stiffness", "damping"};
-    const rbd_constraint k = rbdi_constraint_of_contact(a);
-    const rbd_status status = rbdi_check_constraint(m, &k, i, report);
+    const rbd_constraint con = rbdi_constraint_of_contact(a);
+    const rbd_status status = rbdi_check_constraint(m, &con, i, report);
     if (status) {
         if (status == RBD_ERR_POSITION) report->error.field = "point";
         return status;
@@ -131,12 +131,12 @@ static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held,
 
 static void rbdi_place_contact(const rbd_model *m, rbd_contact_set *c, const rbd_contact *a, int i) {
     const rbd_constraint as = rbdi_constraint_of_contact(a);
-    rbdi_constraint *k = &c->rows->constraint[i];
+    rbdi_constraint *con = &c->rows->constraint[i];
     rbdi_contact *to = &c->contact[i];
-    rbdi_place_constraint(m, &as, 0, k);
-    rbdi_place_plane(m, k, a->body2, a->normal, a->height);
+    rbdi_place_constraint(m, &as, 0, con);
+    rbdi_place_plane(m, con, a->body2, a->normal, a->height);
     to->body2 = a->body2;
-    to->point = k->p[0];
+    to->point = con->position[0];
     to->radius = RBD_C(a->radius), to->friction = RBD_C(a->friction);
     to->restitution = RBD_C(a->restitution);
     to->stiffness = RBD_C(a->stiffness), to->damping = RBD_C(a->damping);

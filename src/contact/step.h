@@ -79,7 +79,7 @@ static void rbdi_keep_impulses(rbd_contact_set *c) {
         rbdi_set_axes(s, &s->constraint[i], &h);
         for (int r = 0; r < 3; ++r)
             for (int j = 0; j < 3; ++j)
-                a->force[j] = a->force[j] + h.x[3 + j][r] * s->lambda[a->row + r] / c->dt;
+                a->force[j] = a->force[j] + h.axis[3 + j][r] * s->lambda[a->row + r] / c->dt;
     }
 }
 
