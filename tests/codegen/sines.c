@@ -17,8 +17,8 @@ int main(void) {
         seed = seed * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
         x[0] = scale[k % 4] * (rbd_real)(int32_t)(seed >> 32) / (rbd_real)2147483648.0;
         rbdi_sincos(x[0], &s, &c);
-        sines4(1, x[0], x[0], x[0], x[0], angle, sine, cosine, &squares);
-        SINES_OF(1);
+        sines4(1, x[0], x[0], x[0], x[0], 0, angle, sine, cosine, &squares);
+        SINES_OF(1, 0);
         if (!are_inside(squares) || memcmp(&s, &sine[0], sizeof s) != 0 ||
             memcmp(&c, &cosine[0], sizeof c) != 0) {
             printf("of %.17g: %.17g %.17g, not %.17g %.17g\n", (double)x[0], (double)sine[0],

@@ -114,6 +114,12 @@ value graph::lane(value vector, int lane) {
 }
 value graph::loaded(int at, int call) { return make(LOADED, at, call); }
 
+std::vector<array> function::arrays() const {
+    std::vector<array> all = inputs;
+    all.insert(all.end(), outputs.begin(), outputs.end());
+    return all;
+}
+
 std::vector<value> function::wanted() const {
     std::vector<value> all = results;
     all.insert(all.end(), pivots.begin(), pivots.end());

@@ -93,6 +93,7 @@ struct function {
     std::vector<row_call> calls;
     int rows; /* scalars of their memory */
 
+    std::vector<array> arrays() const; /* inputs and outputs */
     std::vector<value> wanted() const; /* results, pivots and what is stored for calls */
 };
 

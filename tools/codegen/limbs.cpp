@@ -215,41 +215,30 @@ class packer {
     }
 
     /* Of each class the first of one limb with the first of the others, and so on: they were recorded in one
-       order. If the limbs have the same constants, those tell more. */
+       order. */
     void match() {
-        std::map<int, std::map<std::vector<value>, lists>> members; /* of a class, by constants */
+        std::map<int, lists> members; /* of a class */
         for (int i = 0; i < int(live.size()); i++) {
             const operation op = at(i).op;
             const bool can = op == ADD || op == MULTIPLY || op == DIVIDE || is_source(op);
-            std::vector<value> constants;
             if (!live[size_t(i)] || limb[size_t(i)] == NONE || !can || (in_angle[size_t(i)] && op != INPUT))
                 continue;
-            for (int k = 0; k < 2 && !is_source(op); k++)
-                if (is_constant(at(i).arg[k])) constants.push_back(2 * node_of(at(i).arg[k]));
-            lists &l = members[kind[size_t(i)]][constants];
+            lists &l = members[kind[size_t(i)]];
             l.resize(size_t(width));
             l[size_t(lane(i))].push_back(i);
         }
         for (const auto &m : members) {
-            lists rest{size_t(width)}, none(rest);
-            for (const auto &alike : m.second) take(alike.second, &rest);
-            for (std::vector<int> &x : rest) std::sort(x.begin(), x.end());
-            take(rest, &none);
+            size_t n = live.size();
+            for (const std::vector<int> &x : m.second) n = std::min(n, x.size());
+            for (size_t k = 0; k < n; k++) {
+                packs.push_back({});
+                for (const std::vector<int> &x : m.second) packs.back().push_back(x[k]);
+            }
         }
         std::sort(packs.begin(), packs.end()); /* operands come first */
         for (size_t p = 0; p < packs.size(); p++)
             for (int i : packs[p]) pack[size_t(i)] = int(p);
         vectors.assign(packs.size(), NONE);
-    }
-    void take(const lists &from, lists *rest) {
-        size_t n = from[0].size();
-        for (const std::vector<int> &x : from) n = std::min(n, x.size());
-        for (size_t k = 0; k < n; k++) {
-            packs.push_back({});
-            for (const std::vector<int> &x : from) packs.back().push_back(x[k]);
-        }
-        for (size_t l = 0; l < from.size(); l++)
-            (*rest)[l].insert((*rest)[l].end(), from[l].begin() + long(n), from[l].end());
     }
 
     /* ---- operands of a pack: for each lane an edge ---- */
@@ -288,19 +277,15 @@ class packer {
 
     /* ---- signs: those of inputs, of what is gathered and of products with constants are free ---- */
 
-    signs unknown() { return {0, {unknowns++}}; }
+    static signs only(int unknown) { return {0, {unknown}}; }
+    signs unknown() { return only(unknowns++); }
     signs resolved(signs s) const { /* with lane 0 positive */
         for (size_t k = 0; k < s.unknowns.size();) {
             const auto found = solved.find(s.unknowns[k]);
             if (found == solved.end())
                 k++;
             else
-                s = s ^
-                    signs {
-                        0, { found->first }
-                    } ^
-                    found->second,
-                k = 0;
+                s = s ^ only(found->first) ^ found->second, k = 0;
         }
         if (s.mask & 1) s.mask ^= all_lanes;
         return s;
@@ -335,9 +320,7 @@ class packer {
                 const signs difference = resolved(sign.back() ^ sign_of(y) ^ signs{edges(y), {}});
                 if (difference.unknowns.empty()) continue; /* as it should be; or an operand is multiplied */
                 const int last = difference.unknowns.back();
-                solved[last] = difference ^ signs {
-                    0, { last }
-                };
+                solved[last] = difference ^ only(last);
             } else
                 sign.push_back(are_constant(x) || are_constant(y) ? unknown() : product_of_signs(x, y));
         }
@@ -358,20 +341,12 @@ class packer {
     /* The vector of the edges, or of their negatives in some lanes. */
     value vector_of(const tuple &t, unsigned negative) {
         const int p = pack_of(t);
-        tuple s, x, y;
+        tuple s;
         if (p < 0)
             for (value v : t) s.push_back(scalar(2 * node_of(v)));
         if (are_constant(t)) return gathered(s, edges(t) ^ negative);
         const unsigned has = mask_of(t), d = has ^ edges(t) ^ negative;
         if (d == 0 || d == all_lanes) return negated(p < 0 ? gathered(s, has) : packed(p), d != 0);
-        if (p >= 0 && op_of(p) == MULTIPLY) {
-            operands(p, &x, &y);
-            const unsigned of_x = mask_of(x);
-            if (are_constant(y)) {
-                const value a = vector_of(x, of_x), b = vector_of(y, edges(t) ^ negative ^ of_x);
-                return out.code.multiply(a, b);
-            }
-        }
         return scaled_by_signs(d, p < 0 ? gathered(s, has) : packed(p));
     }
     value packed(int p) {

@@ -80,38 +80,6 @@ void program::gather_sums(int longest) {
     }
 }
 
-/* A product that only sums use is computed in each of them, where a fused multiplication costs no more than
-   the addition: in sums with another term left that is no product. */
-void program::share_products() {
-    std::vector<std::vector<int>> users(terms.size());
-    std::vector<char> elsewhere(terms.size(), 0);
-    for (value x : f.wanted()) elsewhere[size_t(node_of(x))] = 1;
-    for (int i = 0; i < int(terms.size()); i++)
-        if (at(i).op == LANE) elsewhere[size_t(node_of(at(i).arg[0]))] = 1;
-    for (int i = 0; i < int(terms.size()); i++)
-        for (const term &t : terms[size_t(i)]) {
-            if (!is_statement[size_t(i)]) continue;
-            if (at(i).op == ADD && t.b < 0)
-                users[size_t(t.a)].push_back(i);
-            else
-                for (int k : {t.a, t.b})
-                    if (k >= 0) elsewhere[size_t(k)] = 1;
-        }
-    for (int i = int(terms.size()) - 1; i >= 0; i--) {
-        if (!is_statement[size_t(i)] || at(i).op != MULTIPLY || elsewhere[size_t(i)]) continue;
-        const auto alone = [this](int s) {
-            const auto &t = terms[size_t(s)];
-            return std::count_if(t.begin(), t.end(), [](const term &x) { return x.b < 0; }) < 2;
-        };
-        const std::vector<int> &all = users[size_t(i)];
-        if (all.empty() || std::any_of(all.begin(), all.end(), alone)) continue;
-        for (int s : all)
-            for (term &t : terms[size_t(s)])
-                if (t.b < 0 && t.a == i) t.a = terms[size_t(i)][0].a, t.b = terms[size_t(i)][0].b;
-        is_statement[size_t(i)] = 0;
-    }
-}
-
 /* In a sum what is ready last comes last. */
 void program::sort_by_depth() {
     std::vector<int> depth(terms.size(), 0);
@@ -120,7 +88,7 @@ void program::sort_by_depth() {
     };
     for (int i = 0; i < int(terms.size()); i++) {
         std::vector<term> &t = terms[size_t(i)];
-        if (at(i).op == LANE) depth[size_t(i)] = depth[size_t(node_of(at(i).arg[0]))] + 1;
+        if (at(i).op == LANE) depth[size_t(i)] = depth[size_t(source_of(2 * i))] + 1;
         if (!is_statement[size_t(i)]) continue;
         if (at(i).op == ADD)
             std::stable_sort(t.begin(), t.end(), [&](const term &x, const term &y) { return of(x) < of(y); });
@@ -136,12 +104,9 @@ bool program::term_is_negative(int i, const term &t) const {
 /* A sum may stand for its negative: where all its terms are negative, or the result that it is. */
 void program::choose_signs() {
     std::vector<int> wanted(terms.size(), 0);
-    for (value x : f.results) {
-        const int i = node_of(x), v = at(i).op == LANE ? node_of(at(i).arg[0]) : i;
-        wanted[size_t(v)] += is_negative(x) ? 1 : -1;
-    }
+    for (value x : f.results) wanted[size_t(source_of(x))] += is_negative(x) ? 1 : -1;
     for (int i = 0; i < int(terms.size()); i++) {
-        if (at(i).op == LANE) flipped[size_t(i)] = flipped[size_t(node_of(at(i).arg[0]))];
+        if (at(i).op == LANE) flipped[size_t(i)] = flipped[size_t(source_of(2 * i))];
         if (!is_statement[size_t(i)]) continue;
         const std::vector<term> &t = terms[size_t(i)];
         const auto negative =
@@ -153,15 +118,23 @@ void program::choose_signs() {
     }
 }
 
+/* Of a lane that of its vector. */
+int program::source_of(value x) const {
+    const int i = node_of(x);
+    return at(i).op == LANE ? node_of(at(i).arg[0]) : i;
+}
+
 std::vector<int> program::operands(int i) const {
     std::vector<int> all;
     for (const term &t : terms[size_t(i)]) {
-        all.push_back(t.a);
-        if (t.b >= 0) all.push_back(t.b);
+        all.push_back(source_of(2 * t.a));
+        if (t.b >= 0) all.push_back(source_of(2 * t.b));
     }
-    for (int &k : all)
-        if (at(k).op == LANE) k = node_of(at(k).arg[0]);
     return all;
+}
+
+bool program::is_for_call(const row_call::store &s) const {
+    return s.late || !is_statement[size_t(source_of(s.x))];
 }
 
 operations program::count() const {
@@ -187,7 +160,6 @@ program::program(const function &f_, const style &s)
       flipped(f_.code.nodes.size(), 0), uses(f_.code.nodes.size(), 0) {
     mark();
     gather_sums(s.long_sums ? 8 : 2);
-    if (s.long_sums) share_products();
     sort_by_depth();
     choose_signs();
 }

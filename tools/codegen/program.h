@@ -8,8 +8,7 @@ namespace codegen {
 
 /* Ways of writing that suit the target. */
 struct style {
-    bool long_sums; /* of up to eight terms, and products that sums share computed in each: for machines that
-                       multiply and add in one instruction and run several at once */
+    bool long_sums; /* of up to eight terms: for machines that run several instructions at once */
 };
 
 /* a b, or a alone if b is -1; nodes. */
@@ -43,11 +42,12 @@ class program {
     program(const function &f, const style &s);
 
     const node &at(int i) const { return f.code.nodes[size_t(i)]; }
-    bool
-    is_leaf(int i) const; /* constants, inputs, sines and cosines, which are there before all statements */
+    bool is_leaf(int i) const; /* what is there before all statements, and what rows hold */
     wanted_angle angle_of(int i) const { return {at(i).arg[0], at(i).arg[1]}; } /* of a sine or cosine */
     bool term_is_negative(int i, const term &t) const;
-    std::vector<int> operands(int i) const; /* nodes that a statement uses, leaves among them */
+    int source_of(value x) const;                     /* the node that computes it */
+    std::vector<int> operands(int i) const;           /* nodes that a statement uses, leaves among them */
+    bool is_for_call(const row_call::store &s) const; /* stored before the call, not where it is computed */
     operations count() const;
 
   private:
@@ -57,7 +57,6 @@ class program {
     void gather_sums(int longest);
     void gather(int i, bool negative, bool top, std::vector<term> &t, int &room) const;
     void absorb(int i);
-    void share_products();
     void sort_by_depth();
     void choose_signs();
 };

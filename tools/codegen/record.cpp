@@ -14,8 +14,8 @@ namespace codegen {
 namespace RECORD_SPACE {
 
 /* An operation on numbers as rbd.h wrote it. */
-struct term {
-    node written;   /* operands: terms */
+struct step {
+    node written;   /* operands: steps */
     value seen;     /* folded at once in `sketch`, to know what is constant */
     value recorded; /* on the tape; or NONE */
 };
@@ -23,25 +23,25 @@ enum { NONE = -1 };
 
 static graph *tape; /* where it is recorded */
 static graph sketch;
-static std::vector<term> terms;
-static std::unordered_map<double, value> stand_in; /* constants that stand for arguments: terms */
+static std::vector<step> steps;
+static std::unordered_map<double, value> stand_in; /* constants that stand for arguments: steps */
 
-static value seen(value x) { return negated(terms[size_t(node_of(x))].seen, is_negative(x)); }
+static value seen(value x) { return negated(steps[size_t(node_of(x))].seen, is_negative(x)); }
 
 static value write(const node &written) {
     value operands[4] = {NONE, NONE, NONE, NONE};
     for (int k = 0; k < 4; k++)
         if (has_operands(written.op) && written.arg[k] >= 0) operands[k] = seen(written.arg[k]);
-    terms.push_back({written, sketch.apply(written, operands), NONE});
-    return 2 * value(terms.size() - 1);
+    steps.push_back({written, sketch.apply(written, operands), NONE});
+    return 2 * value(steps.size() - 1);
 }
 static value write(operation op, value a, value b = NONE, value c = NONE, value d = NONE) {
     return write({op, {a, b, c, d}, 0, false});
 }
 
-/* Operands from right to left, then the term: so GCC evaluates them, and packed limbs are shorter by it. */
+/* Operands from right to left, then the step: so GCC evaluates them, and packed limbs are shorter by it. */
 static value record(value x) {
-    term &t = terms[size_t(node_of(x))];
+    step &t = steps[size_t(node_of(x))];
     if (t.recorded == NONE) {
         value operands[4] = {NONE, NONE, NONE, NONE};
         for (int k = 3; k >= 0; k--)
@@ -56,7 +56,7 @@ static value record(value x) {
    arguments of a call one at most assigns. That is so in rbd.h, whose vectors are initialised. */
 class number {
   public:
-    alignas(double) value x; /* a term; constants stand behind numbers in the library's memory */
+    alignas(double) value x; /* a step; constants stand behind numbers in the library's memory */
     number() = default;      /* trivial: the library's memory is raw */
     number(const number &) = default;
     number(double c) {
@@ -201,7 +201,7 @@ function RECORD(const robot &r, const std::string &name) {
     tape = &f.code;
     sketch = graph();
     sketch.is_exact = f.code.is_exact, sketch.is_float = f.code.is_float;
-    terms.clear();
+    steps.clear();
     stand_in.clear();
     limbs_alike = r.limbs_alike;
     recorder.begin(&f, r.by_rows);

@@ -73,7 +73,7 @@ class sum_writer {
             for_runs(r.own, [&](int i, int n) { line("FROM", {i, n}, "", r.from + FOUR * i); });
         else
             add("TIMES", r.own, r.scale, r.scale_is_negative, r.from);
-        for (const row_sum::term &t : r.terms) {
+        for (const row_sum::multiple &t : r.terms) {
             add("TIMES", t.fours & ~known, t.factor, true, t.row);
             add("MINUS", t.fours & known, t.factor, false, t.row);
             known |= t.fours;
@@ -140,7 +140,7 @@ int count_fours(const row_call &c) {
     int n = 0;
     for (const row_sum &s : c.sums) {
         if (s.scale != NOWHERE) n += __builtin_popcount(s.own);
-        for (const row_sum::term &t : s.terms) n += 2 * __builtin_popcount(t.fours);
+        for (const row_sum::multiple &t : s.terms) n += 2 * __builtin_popcount(t.fours);
     }
     return n;
 }

@@ -17,18 +17,18 @@ enum { FOUR = 4, MOST_FOURS = 10 /* of one sum: as many as there are registers f
    A set of fours has a bit for each: own are those of the row at `from`, the others count as 0. Without
    fours: the inverse of the scalar at `from`. */
 struct row_sum {
-    struct term {
+    struct multiple {
         int factor, row;
         unsigned fours;
     };
     int to, from, scale; /* scale: NOWHERE is 1 */
     bool scale_is_negative;
     unsigned own;
-    std::vector<term> terms;
+    std::vector<multiple> terms;
 
     unsigned fours() const {
         unsigned all = own;
-        for (const term &t : terms) all |= t.fours;
+        for (const multiple &t : terms) all |= t.fours;
         return all;
     }
 };
@@ -59,7 +59,7 @@ template <class T> void run(const row_call &c, std::vector<T> &rows) {
             };
             T x = of(s.from, s.own);
             if (s.scale != NOWHERE) x *= s.scale_is_negative ? -rows[size_t(s.scale)] : rows[size_t(s.scale)];
-            for (const row_sum::term &t : s.terms) x -= rows[size_t(t.factor)] * of(t.row, t.fours);
+            for (const row_sum::multiple &t : s.terms) x -= rows[size_t(t.factor)] * of(t.row, t.fours);
             if (s.fours() >> j / FOUR & 1) rows[size_t(s.to + j)] = x;
         }
     }

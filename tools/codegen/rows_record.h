@@ -90,7 +90,7 @@ static void add_sum(row_call *c, const row_sum &all) {
         row_sum s = all;
         s.to += FOUR * i, s.from += FOUR * i, s.own = part(s.own);
         s.terms.clear();
-        for (row_sum::term t : all.terms) {
+        for (row_sum::multiple t : all.terms) {
             t.fours = part(t.fours), t.row += FOUR * i;
             if (t.fours) s.terms.push_back(t);
         }

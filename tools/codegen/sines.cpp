@@ -1,23 +1,12 @@
 /* The generated code's own sine and cosine: rbd.h's, see its rbdi_sincos_batch, for the scalar wanted.
    tests/codegen/sines.c holds the two against each other, bit by bit. SPDX-License-Identifier: MIT */
-#include "sines.h"
 #include "own_sines.h"
+#include "text.h"
 
 namespace codegen {
+namespace {
 
-/* The lines that end a sine and cosine: from the rest of an angle and its quadrant. */
-#define SINES_OF_REST \
-    "    z = r * r;\n" \
-    "    sine.x = z * r * (SINE_TAIL(z)) + r;\n" \
-    "    cosine.x = z * z * (COSINE_TAIL(z)) + (ONE - HALF * z);\n" \
-    "    k = shifted.b;\n" \
-    "    swap = (sine.b ^ cosine.b) & (0u - (k & 1u));\n" \
-    "    sine.b = (sine.b ^ swap) ^ ((k & 2u) << QUADRANT_SIGN);\n" \
-    "    cosine.b = (cosine.b ^ swap) ^ (((k + 1u) & 2u) << QUADRANT_SIGN);\n" \
-    "    *s = sine.x;\n" \
-    "    *c = cosine.x;\n"
-
-const char sines_double[] = R"(
+const char of_double[] = R"(
 typedef uint64_t bit;
 #define QUADRANT_SIGN 62
 #define SINES_LIMIT 1e6
@@ -39,7 +28,7 @@ typedef uint64_t bit;
 #define ONE 1.0
 )";
 
-const char sines_float[] = R"(
+const char of_float[] = R"(
 typedef uint32_t bit;
 #define QUADRANT_SIGN 30
 #define SINES_LIMIT 1e4f
@@ -54,7 +43,14 @@ typedef uint32_t bit;
 #define ONE 1.0f
 )";
 
-const char sines_common[] = R"(
+/* Sums keep no digits that the scalar has not. */
+const char not_kept_longer[] = R"(
+#if defined __GNUC__ && defined __FLT_EVAL_METHOD__ && (__FLT_EVAL_METHOD__ == 0 || __FLT_EVAL_METHOD__ > 2)
+#define OWN_SINES
+#endif
+)";
+
+const char by_batches[] = R"(
 /* A batch is as many angles as one SIMD instruction takes, 256 bits at most. */
 #if LANES > 1
 #define BATCH 1
@@ -74,10 +70,11 @@ typedef real batch;
 typedef bit bits;
 #endif
 
+/* Sine and cosine of x, |x| below SINES_LIMIT, and as many right angles as `whole` is more than WHOLE;
+   *squares grows by x^2. x = n pi/2 + r by adding and subtracting 1.5 * 2^(mantissa bits); the quadrant, in
+   the sum's low bits, swaps and signs the two. */
 #ifdef OWN_SINES
-/* Sine and cosine for |x| below SINES_LIMIT; *squares grows by x^2. x = n pi/2 + r by adding and subtracting
-   1.5 * 2^(mantissa bits); the quadrant, in the sum's low bits, swaps and signs the two. */
-INLINE void sines(batch x, batch *s, batch *c, batch *squares) {
+INLINE void sines(batch x, batch whole, batch *s, batch *c, batch *squares) {
 #ifdef __clang__
 #pragma clang fp reassociate(off)
 #endif
@@ -87,18 +84,38 @@ INLINE void sines(batch x, batch *s, batch *c, batch *squares) {
     } shifted, sine, cosine;
     batch n, r, z;
     bits k, swap;
-    shifted.x = x * TWO_OVER_PI + WHOLE;
-    n = shifted.x - WHOLE;
+    shifted.x = x * TWO_OVER_PI + whole;
+    n = shifted.x - whole;
     r = REST(x, n);
-)" SINES_OF_REST R"(    *squares += x * x;
+    z = r * r;
+    sine.x = z * r * (SINE_TAIL(z)) + r;
+    cosine.x = z * z * (COSINE_TAIL(z)) + (ONE - HALF * z);
+    k = shifted.b;
+    swap = (sine.b ^ cosine.b) & (0u - (k & 1u));
+    sine.b = (sine.b ^ swap) ^ ((k & 2u) << QUADRANT_SIGN);
+    cosine.b = (cosine.b ^ swap) ^ (((k + 1u) & 2u) << QUADRANT_SIGN);
+    *s = sine.x;
+    *c = cosine.x;
+    *squares += x * x;
+}
+
+/* The right angles of a batch; without any, quarters is 0. */
+INLINE batch whole_of(const scalar *quarters) {
+    const batch zero = {0};
+#if BATCH > 1
+    return (quarters ? *(const batch *)quarters : zero) + WHOLE;
+#else
+    return (quarters ? splat(*quarters) : zero) + WHOLE;
+#endif
 }
 #endif
 
 /* Of the first n of four angles, which are kept in x. They come by value: what is stored one by one and read
    together stalls. */
-INLINE void sines4(int n, real x0, real x1, real x2, real x3, real *x, real *s, real *c, batch *squares) {
+INLINE void sines4(int n, real x0, real x1, real x2, real x3, const scalar *quarters, real *x, real *s,
+                   real *c, batch *squares) {
 #if !defined OWN_SINES || LANES * BATCH == 1
-    (void)s, (void)c, (void)squares;
+    (void)quarters, (void)s, (void)c, (void)squares;
     x[0] = x0;
     if (n > 1) x[1] = x1;
     if (n > 2) x[2] = x2;
@@ -107,28 +124,28 @@ INLINE void sines4(int n, real x0, real x1, real x2, real x3, real *x, real *s, 
     const batch all = {x0, x1, x2, x3};
     (void)n;
     *(batch *)x = all;
-    sines(all, (batch *)s, (batch *)c, squares);
+    sines(all, whole_of(quarters), (batch *)s, (batch *)c, squares);
 #elif BATCH == 2
     const batch first = {x0, x1}, second = {x2, x3};
     *(batch *)x = first;
-    sines(first, (batch *)s, (batch *)c, squares);
+    sines(first, whole_of(quarters), (batch *)s, (batch *)c, squares);
     if (n < 3) return;
     *(batch *)(x + 2) = second;
-    sines(second, (batch *)(s + 2), (batch *)(c + 2), squares);
+    sines(second, whole_of(quarters ? quarters + 2 : 0), (batch *)(s + 2), (batch *)(c + 2), squares);
 #else
-    sines(x[0] = x0, &s[0], &c[0], squares);
-    if (n > 1) sines(x[1] = x1, &s[1], &c[1], squares);
-    if (n > 2) sines(x[2] = x2, &s[2], &c[2], squares);
-    if (n > 3) sines(x[3] = x3, &s[3], &c[3], squares);
+    const real all[4] = {x0, x1, x2, x3};
+    for (int i = 0; i < n; ++i)
+        sines(x[i] = all[i], whole_of(quarters ? quarters + i : 0), &s[i], &c[i], squares);
 #endif
 }
 
 /* One at a time they are a loop, for the sake of flash. */
 #if defined OWN_SINES && LANES * BATCH == 1
-#define SINES_OF(n) \
-    for (int i = 0; i < (n); ++i) sines(angle[i], sine + i, cosine + i, &squares)
+#define SINES_OF(n, quarters) \
+    for (int i = 0; i < (n); ++i) \
+    sines(angle[i], whole_of((quarters) ? (quarters) + i : 0), sine + i, cosine + i, &squares)
 #else
-#define SINES_OF(n) (void)0
+#define SINES_OF(n, quarters) (void)0
 #endif
 
 /* Where this is 0, any angle may lie beyond; without sines of our own, always. */
@@ -140,89 +157,46 @@ INLINE int are_inside(batch squares) {
     return squares < SINES_LIMIT * SINES_LIMIT;
 #else
     const bits inside = (bits)(squares < SINES_LIMIT * SINES_LIMIT);
-    bit all = 1;
-    for (int i = 0; i < LANES * BATCH; ++i) all &= inside[i];
-    return (int)all;
+    bit every = 1;
+    for (int i = 0; i < LANES * BATCH; ++i) every &= inside[i];
+    return (int)every;
 #endif
 }
+)";
 
-#if !defined ANGLES_ARE_BOUNDED || !defined OWN_SINES
+/* ---- angles beyond the limit ---- */
+
+const char by_libm[] = R"(
 COLD void sines_by_libm(const real *x, int n, real *s, real *c) {
-    for (int i = 0; i < n; ++i) {
-#if LANES > 1
-        for (int j = 0; j < LANES; ++j) s[i][j] = LIBM_SIN(x[i][j]), c[i][j] = LIBM_COS(x[i][j]);
-#else
-        s[i] = LIBM_SIN(x[i]), c[i] = LIBM_COS(x[i]);
-#endif
-    }
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < LANES; ++j)
+            LANE(s[i], j) = LIBM_SIN(LANE(x[i], j)), LANE(c[i], j) = LIBM_COS(LANE(x[i], j));
 }
-#endif
+)";
 
-#ifdef ANGLES_ARE_BOUNDED
+const char beyond_by_libm[] =
+    R"(COLD void sines_beyond(const real *x, const scalar *quarters, int n, real *s, real *c, real *verdict) {
+    (void)quarters, (void)verdict;
+    sines_by_libm(x, n, s, c);
+}
+)";
+
+const char beyond_refused[] = R"(
 /* Sine and cosine of an angle not below SINES_LIMIT become NaN, and so does *verdict if it is not NULL. */
-COLD void refuse_beyond(const real *x, int n, real *s, real *c, real *verdict) {
+COLD void sines_beyond(const real *x, const scalar *quarters, int n, real *s, real *c, real *verdict) {
+    (void)quarters;
 #ifndef OWN_SINES
     sines_by_libm(x, n, s, c);
 #endif
     for (int i = 0; i < n; ++i) {
-        const real zero = {0};
-        const real k = choose(x[i] * x[i] < SINES_LIMIT * SINES_LIMIT, zero + ONE, zero + (scalar)NAN);
+        const real k = choose(x[i] * x[i] < SINES_LIMIT * SINES_LIMIT, splat(ONE), splat((scalar)NAN));
         s[i] *= k, c[i] *= k;
         if (verdict) *verdict *= k;
     }
 }
-#define SINES_BEYOND(n, verdict) \
-    if (!are_inside(squares)) refuse_beyond(angle, n, sine, cosine, verdict)
-#else
-#define SINES_BEYOND(n, verdict) \
-    if (!are_inside(squares)) sines_by_libm(angle, n, sine, cosine)
-#endif
 )";
 
-static const char reproducible_text[] = R"(
-#if LANES > 1
-typedef bit bits __attribute__((vector_size(LANES * sizeof(scalar))));
-INLINE int is_inside(real x) {
-    const mask inside = x * x < SINES_LIMIT * SINES_LIMIT;
-    signed_bit all = -1;
-    for (int j = 0; j < LANES; ++j) all &= inside[j];
-    return all != 0;
-}
-#else
-typedef bit bits;
-INLINE real splat(scalar x) { return x; }
-INLINE int is_inside(real x) { return x * x < SINES_LIMIT * SINES_LIMIT; }
-#endif
-
-/* Sine and cosine of x, below SINES_LIMIT, and as many right angles. x = n pi/2 + r by adding and subtracting
-   1.5 * 2^(mantissa bits), to which right angles are added; the quadrant, in the sum's low bits, swaps and
-   signs the two. */
-INLINE void sines(real x, real quarters, real *s, real *c) {
-    union {
-        real x;
-        bits b;
-    } shifted, sine, cosine;
-    const real whole = quarters + WHOLE;
-    real n, r, z;
-    bits k, swap;
-    shifted.x = x * TWO_OVER_PI + whole;
-    n = shifted.x - whole;
-    r = REST(x, n);
-)" SINES_OF_REST R"(}
-
-#ifdef ANGLES_ARE_BOUNDED
-/* Sine and cosine of an angle not below SINES_LIMIT become NaN, and so does *verdict if it is not NULL. */
-PART void sines_of(const real *x, const scalar *quarters, int n, real *s, real *c, real *verdict) {
-    for (int i = 0; i < n; ++i) {
-        sines(x[i], splat(quarters[i]), &s[i], &c[i]);
-        if (!is_inside(x[i])) {
-            const real k = choose(x[i] * x[i] < SINES_LIMIT * SINES_LIMIT, splat(ONE), splat((scalar)NAN));
-            s[i] *= k, c[i] *= k;
-            if (verdict) *verdict *= k;
-        }
-    }
-}
-#else
+const char beyond_reduced[] = R"(
 /* x 2/pi, its integer part modulo 2^32 and the words of its fraction, after Payne and Hanek (1983). x is
    N 2^(32 a), N of three words. Words of 2/pi before the a-th contribute multiples of 4. */
 COLD void turns(scalar x, uint32_t *part) {
@@ -268,40 +242,43 @@ COLD scalar reduced(scalar x, scalar *quarters) {
     return x < 0 ? -r : r;
 }
 
-COLD void reduce(real *x, real *quarters) {
-#if LANES > 1
-    for (int j = 0; j < LANES; ++j) {
-        scalar k = (*quarters)[j];
-        if (!((*x)[j] * (*x)[j] < SINES_LIMIT * SINES_LIMIT)) (*x)[j] = reduced((*x)[j], &k);
-        (*quarters)[j] = k;
-    }
-#else
-    *x = reduced(*x, quarters);
-#endif
-}
-
-/* Of n angles and as many right angles. */
-PART void sines_of(const real *x, const scalar *quarters, int n, real *s, real *c, real *verdict) {
+COLD void sines_beyond(const real *x, const scalar *quarters, int n, real *s, real *c, real *verdict) {
+    const batch zero = {0};
+    batch squares = zero, sine, cosine;
     (void)verdict;
-    for (int i = 0; i < n; ++i) {
-        real angle = x[i], k = splat(quarters[i]);
-        if (!is_inside(angle)) reduce(&angle, &k);
-        sines(angle, k, &s[i], &c[i]);
-    }
-}
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < LANES; ++j) {
+            scalar r = LANE(x[i], j), k = quarters[i];
+            if (!(r * r < SINES_LIMIT * SINES_LIMIT)) r = reduced(r, &k);
+            sines(zero + r, zero + (k + WHOLE), &sine, &cosine, &squares);
+#if LANES * BATCH == 1
+            s[i] = sine, c[i] = cosine;
+#else
+            LANE(s[i], j) = sine[0], LANE(c[i], j) = cosine[0];
 #endif
+        }
+}
 )";
 
-std::string sines_reproducible(bool is_float, bool is_bounded) {
-    std::string s = is_float
-                        ? "#define MANTISSA 23\n#define REDUCTION 2 /* words of the fraction of x 2/pi */\n"
-                        : "#define MANTISSA 52\n#define REDUCTION 4 /* words of the fraction of x 2/pi */\n";
-    if (is_bounded) return reproducible_text;
-    s += "static const uint32_t two_over_pi[] = {";
-    int k = 0;
-    for (uint32_t word : is_float ? two_over_pi_float() : two_over_pi_double())
-        s += (k == 0 ? "\n    " : k % 8 == 0 ? ",\n    " : ", ") + std::to_string(word) + "u", k++;
-    return s + "};\n" + reproducible_text;
+std::string reduction(bool is_float) {
+    const std::vector<uint32_t> words = is_float ? two_over_pi_float() : two_over_pi_double();
+    return format("\n#define MANTISSA %d\n#define REDUCTION %d /* words of the fraction of x 2/pi */\n"
+                  "static const uint32_t two_over_pi[] = {",
+                  is_float ? 23 : 52, is_float ? 2 : 4) +
+           join(words.size(), ", ",
+                [&](size_t k) { return (k % 8 ? "" : "\n    ") + std::to_string(words[k]) + "u"; }) +
+           "};\n" + beyond_reduced;
+}
+
+} // namespace
+
+std::string sines_text(const target &t) {
+    std::string s = t.is_float ? of_float : of_double;
+    s += t.is_reproducible ? "\n#define OWN_SINES\n" : not_kept_longer;
+    s += by_batches;
+    if (t.is_reproducible) return s + (t.is_bounded ? beyond_refused : reduction(t.is_float));
+    if (!t.is_bounded) return s + by_libm + beyond_by_libm;
+    return s + "\n#ifndef OWN_SINES" + by_libm + "#endif\n" + beyond_refused;
 }
 
 } // namespace codegen

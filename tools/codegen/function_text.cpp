@@ -1,0 +1,199 @@
+/* A function as C: its sines, its statements, by blocks, its calls on rows, its verdict.
+   SPDX-License-Identifier: MIT */
+#include "blocks.h"
+#include "statements.h"
+#include <algorithm>
+#include <stdexcept>
+
+namespace codegen {
+namespace {
+
+class writer {
+  public:
+    writer(const program &p_, const target &t_)
+        : f(p_.f), t(t_), p(p_), b(p, t_.block), c(p, t_), full(t_.name + "_" + f.name) {
+        check_loads();
+    }
+    std::string text();
+
+  private:
+    const function &f;
+    const target &t;
+    const program &p;
+    const blocks b;
+    statements c;
+    const std::string full; /* name */
+    size_t calls = 0;       /* written */
+
+    void check_loads() const;
+    std::string calls_before(int i);
+    std::string copies() const;
+    std::string block_text(int k);
+    std::string sines() const;
+    std::string end() const;
+
+    /* Whether angles beyond are refused by a status: by one more pivot, 1 or NaN, which is judged first. */
+    bool refuses() const { return t.is_bounded && !p.angles.empty() && !f.pivots.empty(); }
+    size_t judged() const { return f.pivots.size() + refuses(); }
+};
+
+/* ---- calls on rows ---- */
+
+/* No call may have written a place again before a statement loads it. */
+void writer::check_loads() const {
+    std::vector<std::vector<int>> written(size_t(f.rows)); /* of each place: the calls */
+    for (size_t k = 0; k < f.calls.size(); k++)
+        for (int at : places_written(f.calls[k])) written[size_t(at)].push_back(int(k));
+    const auto check = [&](int i, int at) {
+        const node &n = p.at(i);
+        if (n.op != LOADED) return;
+        for (int k : written[size_t(n.arg[0])])
+            if (k > n.arg[1] && f.calls[size_t(k)].node <= at)
+                throw std::logic_error("a row is read when it has been written again");
+    };
+    for (int i : b.order)
+        for (int k : p.operands(i)) check(k, i);
+    for (value x : f.results) check(node_of(x), int(c.name.size()));
+    for (value x : f.pivots) check(node_of(x), int(c.name.size()));
+}
+
+std::string writer::calls_before(int i) {
+    const value zero = f.code.find_constant(0);
+    std::string s;
+    for (; calls < f.calls.size() && f.calls[calls].node <= i; calls++) {
+        const std::vector<row_call::store> &all = f.calls[calls].stores;
+        for (size_t k = 0, n = 0; k < all.size(); k += n ? n : 1, n = 0) {
+            while (k + n < all.size() && all[k + n].x == zero && all[k + n].at == all[k].at + int(n)) n++;
+            if (n > 2)
+                s += format("    CLEAR(%d, rows + %d);\n", int(n), all[k].at);
+            else if (n = 0, p.is_for_call(all[k]))
+                s += format("    rows[%d] = %s;\n", all[k].at, c.of(all[k].x).c_str());
+        }
+        s += format("    %s_rows_%zu(rows);\n", full.c_str(), calls);
+    }
+    return s;
+}
+
+/* Results that stand in rows, as long as they stand there one behind the other. */
+std::string writer::copies() const {
+    std::string s;
+    size_t first = 0;
+    for (const array &a : f.outputs) {
+        const auto at = [&](int k) {
+            if (k == a.size || !c.is_copied(f.results[first + size_t(k)])) return -a.size;
+            return p.at(node_of(f.results[first + size_t(k)])).arg[0];
+        };
+        for (int k = 0, n = 1; k < a.size; k += n, n = 1) {
+            if (at(k) < 0) continue;
+            while (at(k + n) == at(k) + n) n++;
+            s += format("    COPY(%d, %s + %d, %d);\n", n, a.name.c_str(), k, at(k));
+        }
+        first += size_t(a.size);
+    }
+    return s;
+}
+
+/* ---- parts ---- */
+
+std::string writer::sines() const {
+    const size_t n = p.angles.size(), padded = (n + 3) / 4 * 4;
+    const auto angle = [&](size_t k) { return p.angles[std::min(k, n - 1)]; };
+    const auto text = [&](size_t k) {
+        const value x = angle(k).x;
+        return f.code.is_constant(x) ? c.of(x) : c.of_angle(x);
+    };
+    const std::string verdict = refuses() ? format("pivot + %zu", f.pivots.size()) : "0";
+    const char *quarters = t.is_reproducible ? "quarters" : "0";
+    std::string s;
+    if (n == 0) return s;
+    if (t.is_reproducible)
+        s += format("    static const scalar quarters[%zu] = {", padded) +
+             join(padded, ", ",
+                  [&](size_t k) { return literal(f.code.constant_of(angle(k).quarters), t.is_float); }) +
+             "};\n";
+    s += format("    real angle[%zu], sine[%zu], cosine[%zu];\n    batch squares = {0};\n", padded, padded,
+                padded);
+    for (size_t k = 0; k < n; k += 4)
+        s += format("    sines4(%zu, ", std::min<size_t>(4, n - k)) +
+             join(4, ", ", [&](size_t j) { return text(k + j); }) +
+             format(", %s, angle + %zu, sine + %zu, cosine + %zu, &squares);\n",
+                    t.is_reproducible ? format("quarters + %zu", k).c_str() : "0", k, k, k);
+    s += format("    SINES_OF(%zu, %s);\n", n, quarters);
+    if (refuses()) s += format("    pivot[%zu] = splat(1);\n", f.pivots.size());
+    return s + format("    if (!are_inside(squares)) sines_beyond(angle, %s, %zu, sine, cosine, %s);\n",
+                      quarters, n, verdict.c_str());
+}
+
+std::string writer::block_text(int k) {
+    const auto kept = [&](int i) {
+        return format("k%s[%d]", p.at(i).is_vector ? "l" : "", b.kept_at[size_t(i)]);
+    };
+    std::string s;
+    for (int i : b.order) {
+        const int own = b.of[size_t(i)];
+        const bool is_kept = b.kept_at[size_t(i)] >= 0;
+        if (own < k && is_kept) c.name[size_t(i)] = kept(i);
+        if (own != k) continue;
+        s += calls_before(i) + c.statement(i);
+        if (is_kept) s += "    " + kept(i) + " = " + c.name[size_t(i)] + ";\n";
+    }
+    return k == b.count - 1 ? s + calls_before(int(c.name.size())) : s;
+}
+
+/* Results that are no statements, and the judgement of the pivots. */
+std::string writer::end() const {
+    std::string s = copies() + c.stores_of_others();
+    if (f.pivots.empty()) return s;
+    const auto judge = [&](const char *how, const array &a) {
+        return format("%s(pivot, %s_limit, %zu, %s, %d)", how, full.c_str(), judged(), a.name.c_str(),
+                      a.size);
+    };
+    s += "    const int status = " + judge("judge", f.outputs[0]) + ";\n";
+    for (size_t k = 1; k < f.outputs.size(); k++)
+        s += "    if (status) (void)" + judge("judge_closely", f.outputs[k]) + ";\n";
+    return s + "    return status;\n";
+}
+
+std::string writer::text() {
+    const std::string arguments = parameters(f, "real", "restrict ");
+    struct passed {
+        std::string type, name;
+    };
+    std::vector<passed> more = {{"real *restrict ", "k"}}; /* to parts, beside the arguments */
+    if (f.rows > 0) more.push_back({"real *restrict ", "rows"});
+    if (b.kept_vectors > 0) more.push_back({"limbs *restrict ", "kl"});
+    if (!p.angles.empty())
+        for (const char *name : {"sine", "cosine"}) more.push_back({"const real *restrict ", name});
+    if (!f.pivots.empty()) more.push_back({"real *restrict ", "pivot"});
+    const auto each = [&](auto one) { return join(more.size(), "", [&](size_t k) { return one(more[k]); }); };
+
+    std::string s, parts;
+    for (size_t k = 0; k < f.calls.size(); k++)
+        s += format("PART void %s_rows_%zu(scalar *restrict rows) {\n", full.c_str(), k) +
+             sums_text(f.calls[k]) + "}\n";
+    if (!f.pivots.empty())
+        s += format("static const scalar %s_limit[%zu] = {", full.c_str(), judged()) +
+             join(judged(), ", ",
+                  [&](size_t k) { return literal(k < f.limits.size() ? f.limits[k] : 0, t.is_float); }) +
+             "};\n";
+    for (int k = 0; k < b.count && b.count > 1; k++) {
+        s += format("PART void %s_%d(", full.c_str(), k) + arguments +
+             each([](const passed &x) { return ", " + x.type + x.name; }) + ") {\n    " + names(f, "(void)") +
+             each([](const passed &x) { return ", (void)" + x.name; }) + ";\n" + block_text(k) + "}\n";
+        parts += format("    %s_%d(", full.c_str(), k) + names(f) +
+                 each([](const passed &x) { return ", " + x.name; }) + ");\n";
+    }
+    s += format("%s %s(%s) {\n", result_type(f), full.c_str(), arguments.c_str());
+    if (b.count > 1) s += format("    real k[%d]; /* kept for later parts */\n", std::max(1, b.kept));
+    if (b.kept_vectors > 0) s += format("    limbs kl[%d];\n", b.kept_vectors);
+    if (f.rows > 0) s += format("    real rows[%d];\n", f.rows);
+    if (!f.pivots.empty()) s += format("    real pivot[%zu];\n", judged());
+    s += sines() + (b.count > 1 ? parts : block_text(0));
+    return s + "    " + names(f, "(void)") + ";\n" + end() + "}\n\n";
+}
+
+} // namespace
+
+std::string function_text(const program &p, const target &t) { return writer(p, t).text(); }
+
+} // namespace codegen
