@@ -889,11 +889,12 @@ RBDI_EXTENSION typedef RBDI_WIDE rbdi_wide;
 #define RBDI_ROUND(bytes) (((size_t)(bytes) + RBDI_ALIGN - 1) / RBDI_ALIGN * RBDI_ALIGN)
 
 /* ==== src/algebra/types.h ==== */
-/* Known angles of a turn. They are two of a link's flags: macros, because C++20 warns where enumerators of
-   two enumerations are combined. */
+/* Flags of a link whose twist has a known angle. Macros, because C++20 warns where enumerators of two
+   enumerations are combined. */
 #define RBDI_TWIST_90 128 /* 90 degrees */
 #define RBDI_TWIST_0 256  /* 0 */
 
+/* c: of constants of the model. */
 typedef struct rbdi_c3 {
     rbd_const x, y, z;
 } rbdi_c3;
@@ -1958,14 +1959,15 @@ RBDI_INLINE rbdi_v3 rbdi_vec(rbd_real x, rbd_real y, rbd_real z) {
     const rbdi_v3 v = {x, y, z};
     return v;
 }
-/* A vector to and from three scalars, a stride apart. */
-RBDI_INLINE void rbdi_store_vec(rbd_real *a, ptrdiff_t stride, rbdi_v3 v) {
-    a[0] = v.x, a[stride] = v.y, a[2 * stride] = v.z;
+/* A vector to and from an array, whose components are a stride apart. */
+RBDI_INLINE void rbdi_store_vec(rbd_real *array, ptrdiff_t stride, rbdi_v3 v) {
+    array[0] = v.x, array[stride] = v.y, array[2 * stride] = v.z;
 }
-RBDI_INLINE rbdi_v3 rbdi_load_vec(const rbd_real *a, ptrdiff_t stride) {
-    return rbdi_vec(a[0], a[stride], a[2 * stride]);
+RBDI_INLINE rbdi_v3 rbdi_load_vec(const rbd_real *array, ptrdiff_t stride) {
+    return rbdi_vec(array[0], array[stride], array[2 * stride]);
 }
-RBDI_INLINE rbdi_v3 rbdi_vec_c(rbdi_c3 c) { return rbdi_vec(rbdi_set(c.x), rbdi_set(c.y), rbdi_set(c.z)); }
+/* _c: from constants of the model. */
+RBDI_INLINE rbdi_v3 rbdi_vec_c(rbdi_c3 a) { return rbdi_vec(rbdi_set(a.x), rbdi_set(a.y), rbdi_set(a.z)); }
 RBDI_INLINE rbdi_v3 rbdi_vec0(void) { return rbdi_vec(rbdi_zero(), rbdi_zero(), rbdi_zero()); }
 RBDI_INLINE rbdi_v3 rbdi_add(rbdi_v3 a, rbdi_v3 b) { return rbdi_vec(a.x + b.x, a.y + b.y, a.z + b.z); }
 RBDI_INLINE rbdi_v3 rbdi_sub(rbdi_v3 a, rbdi_v3 b) { return rbdi_vec(a.x - b.x, a.y - b.y, a.z - b.z); }
@@ -1995,27 +1997,27 @@ RBDI_INLINE rbdi_mat rbdi_mul_mat(rbdi_mat A, rbdi_mat B) {
     C.zx = x.z, C.zy = y.z, C.zz = z.z;
     return C;
 }
-RBDI_INLINE rbdi_mat rbdi_mat_c(const rbd_const a[9]) {
-    rbdi_mat A;
-    A.xx = rbdi_set(a[0]), A.xy = rbdi_set(a[1]), A.xz = rbdi_set(a[2]);
-    A.yx = rbdi_set(a[3]), A.yy = rbdi_set(a[4]), A.yz = rbdi_set(a[5]);
-    A.zx = rbdi_set(a[6]), A.zy = rbdi_set(a[7]), A.zz = rbdi_set(a[8]);
-    return A;
+RBDI_INLINE rbdi_mat rbdi_mat_c(const rbd_const A[9]) {
+    rbdi_mat B;
+    B.xx = rbdi_set(A[0]), B.xy = rbdi_set(A[1]), B.xz = rbdi_set(A[2]);
+    B.yx = rbdi_set(A[3]), B.yy = rbdi_set(A[4]), B.yz = rbdi_set(A[5]);
+    B.zx = rbdi_set(A[6]), B.zy = rbdi_set(A[7]), B.zz = rbdi_set(A[8]);
+    return B;
 }
 RBDI_INLINE rbdi_v3 rbdi_mul_sym(rbdi_sym A, rbdi_v3 v) {
     return rbdi_vec(A.xx * v.x + A.xy * v.y + A.xz * v.z, A.xy * v.x + A.yy * v.y + A.yz * v.z,
                     A.xz * v.x + A.yz * v.y + A.zz * v.z);
 }
-RBDI_INLINE rbdi_sym rbdi_sym_c(rbdi_csym c) {
-    rbdi_sym A;
-    A.xx = rbdi_set(c.xx), A.xy = rbdi_set(c.xy), A.xz = rbdi_set(c.xz);
-    A.yy = rbdi_set(c.yy), A.yz = rbdi_set(c.yz), A.zz = rbdi_set(c.zz);
-    return A;
+RBDI_INLINE rbdi_sym rbdi_sym_c(rbdi_csym A) {
+    rbdi_sym B;
+    B.xx = rbdi_set(A.xx), B.xy = rbdi_set(A.xy), B.xz = rbdi_set(A.xz);
+    B.yy = rbdi_set(A.yy), B.yz = rbdi_set(A.yz), B.zz = rbdi_set(A.zz);
+    return B;
 }
 
-/* Turns. Down: components in a frame turned by the angle (c, s) about z; up: components in the frame from
-   which it was turned. The flags say what is known of the angle: RBDI_TWIST_0 (1, 0), RBDI_TWIST_90 (0, 1),
-   or nothing. */
+/* Change of axes by a turn about z with cosine c and sine s. rbdi_turn_z, down: from the axes before the turn
+   to those after it; _up: back. flags: RBDI_TWIST_0 if (c, s) is (1, 0), RBDI_TWIST_90 if (0, 1), else
+   neither. */
 RBDI_INLINE rbdi_v3 rbdi_turn_z(int flags, rbd_real c, rbd_real s, rbdi_v3 v) {
     if (flags & RBDI_TWIST_0) return v;
     if (flags & RBDI_TWIST_90) return rbdi_vec(v.y, -v.x, v.z);
@@ -2027,8 +2029,8 @@ RBDI_INLINE rbdi_v3 rbdi_turn_up_z(int flags, rbd_real c, rbd_real s, rbdi_v3 v)
     return rbdi_vec(c * v.x - s * v.y, c * v.y + s * v.x, v.z);
 }
 
-/* Change of axes of a symmetric matrix, child to parent: Rz' A Rz with four multiplications for the
-   block (x, y) instead of the twelve of the plain product. */
+/* The same of a symmetric matrix, up: E' A E for the turn E. The block (x, y) takes four multiplications, the
+   plain product twelve. */
 RBDI_INLINE rbdi_sym rbdi_sym_up_z(int flags, rbd_real c, rbd_real s, rbdi_sym A) {
     rbd_real t;
     rbdi_sym B;
@@ -2053,7 +2055,7 @@ RBDI_INLINE rbdi_sym rbdi_sym_cycle(rbdi_sym A) {
     return B;
 }
 
-/* The same for a general matrix. */
+/* The same of a general matrix. */
 RBDI_INLINE rbdi_mat rbdi_mat_up_z(int flags, rbd_real c, rbd_real s, rbdi_mat A) {
     rbd_real t;
     rbdi_mat B;
@@ -2085,6 +2087,46 @@ RBDI_INLINE rbdi_mat rbdi_mat_cycle(rbdi_mat A) {
 }
 
 /* ==== src/algebra/spatial.h ==== */
+RBDI_INLINE rbdi_sym rbdi_sym_add(rbdi_sym A, rbdi_sym B) {
+    A.xx = A.xx + B.xx, A.xy = A.xy + B.xy, A.xz = A.xz + B.xz;
+    A.yy = A.yy + B.yy, A.yz = A.yz + B.yz, A.zz = A.zz + B.zz;
+    return A;
+}
+/* E' A E: up, for E from the parent's axes to the child's. */
+RBDI_INLINE rbdi_mat rbdi_mat_up(rbdi_mat E, rbdi_mat A) {
+    return rbdi_mul_mat(rbdi_transpose(E), rbdi_mul_mat(A, E));
+}
+
+RBDI_INLINE rbdi_sym rbdi_sym_up(rbdi_mat E, rbdi_sym A) {
+    rbdi_mat full;
+    rbdi_sym B;
+    full.xx = A.xx, full.xy = A.xy, full.xz = A.xz;
+    full.yx = A.xy, full.yy = A.yy, full.yz = A.yz;
+    full.zx = A.xz, full.zy = A.yz, full.zz = A.zz;
+    full = rbdi_mat_up(E, full);
+    B.xx = full.xx, B.xy = full.xy, B.xz = full.xz, B.yy = full.yy, B.yz = full.yz, B.zz = full.zz;
+    return B;
+}
+
+/* [omega]x [omega]x. */
+RBDI_INLINE rbdi_mat rbdi_omega_steady(rbdi_v3 omega) {
+    rbd_real xx = omega.x * omega.x, yy = omega.y * omega.y, zz = omega.z * omega.z;
+    rbdi_mat O;
+    O.xx = -(yy + zz), O.yy = -(xx + zz), O.zz = -(xx + yy);
+    O.xy = O.yx = omega.x * omega.y;
+    O.xz = O.zx = omega.x * omega.z;
+    O.yz = O.zy = omega.y * omega.z;
+    return O;
+}
+/* Omega = [omega_dot]x + [omega]x [omega]x: a point x of the body has the acceleration acc + Omega x. */
+RBDI_INLINE rbdi_mat rbdi_omega(rbdi_v3 omega, rbdi_v3 omega_dot) {
+    rbdi_mat O = rbdi_omega_steady(omega);
+    O.xy = O.xy - omega_dot.z, O.yx = O.yx + omega_dot.z;
+    O.xz = O.xz + omega_dot.y, O.zx = O.zx - omega_dot.y;
+    O.yz = O.yz - omega_dot.x, O.zy = O.zy + omega_dot.x;
+    return O;
+}
+
 RBDI_INLINE rbdi_force rbdi_force_add(rbdi_force A, rbdi_force B) {
     A.n = rbdi_add(A.n, B.n);
     A.f = rbdi_add(A.f, B.f);
@@ -2111,13 +2153,14 @@ RBDI_INLINE rbdi_motion rbdi_motion_add(rbdi_motion A, rbdi_motion B) {
     return A;
 }
 
-/* Composite body (Sigma, h, m): same moves. Sigma_new = Sigma + r h' + h_new r', h_new = h + m r. */
+/* Composite body (Sigma, h, m), moved up by a shift r = d z: Sigma_new = Sigma + r h' + h_new r', h_new = h +
+   m r, and by a turn. */
 RBDI_INLINE rbdi_rbi rbdi_rbi_shift_z(rbd_real d, rbd_const m, rbdi_rbi C) {
-    rbd_real k = C.h.z + d * m;
+    rbd_real h_new = C.h.z + d * m;
     C.Sigma.xz = C.Sigma.xz + d * C.h.x;
     C.Sigma.yz = C.Sigma.yz + d * C.h.y;
-    C.Sigma.zz = C.Sigma.zz + d * (C.h.z + k);
-    C.h.z = k;
+    C.Sigma.zz = C.Sigma.zz + d * (C.h.z + h_new);
+    C.h.z = h_new;
     return C;
 }
 RBDI_INLINE rbdi_rbi rbdi_rbi_up_z(int flags, rbd_real c, rbd_real s, rbdi_rbi C) {
@@ -2131,35 +2174,43 @@ RBDI_INLINE rbdi_rbi rbdi_rbi_cycle(rbdi_rbi C) {
     return C;
 }
 RBDI_INLINE rbdi_rbi rbdi_rbi_uncycle(rbdi_rbi C) { return rbdi_rbi_cycle(rbdi_rbi_cycle(C)); }
-RBDI_INLINE rbdi_sym rbdi_sym_add(rbdi_sym A, rbdi_sym B) {
-    A.xx = A.xx + B.xx, A.xy = A.xy + B.xy, A.xz = A.xz + B.xz;
-    A.yy = A.yy + B.yy, A.yz = A.yz + B.yz, A.zz = A.zz + B.zz;
-    return A;
-}
 RBDI_INLINE rbdi_rbi rbdi_rbi_add(rbdi_rbi A, rbdi_rbi B) {
     A.Sigma = rbdi_sym_add(A.Sigma, B.Sigma);
     A.h = rbdi_add(A.h, B.h);
     return A;
 }
+RBDI_INLINE rbdi_rbi rbdi_rbi_zero(void) {
+    const rbd_real o = rbdi_zero();
+    rbdi_rbi C;
+    C.Sigma.xx = C.Sigma.xy = C.Sigma.xz = C.Sigma.yy = C.Sigma.yz = C.Sigma.zz = o;
+    C.h = rbdi_vec0();
+    return C;
+}
+/* By any shift r. */
+RBDI_INLINE rbdi_rbi rbdi_rbi_shift(rbdi_v3 r, rbd_const m, rbdi_rbi C) {
+    C = rbdi_rbi_shift_z(r.x, m, rbdi_rbi_cycle(C));
+    C = rbdi_rbi_shift_z(r.y, m, rbdi_rbi_cycle(C));
+    return rbdi_rbi_shift_z(r.z, m, rbdi_rbi_cycle(C));
+}
 
-/* Articulated-body inertia [I H; H' M]: H_new = H + [r]x M, I_new = I - H [r]x + [r]x H_new' for r = d z.
-   full = 0: row z of I and H is zero and stays so. */
+/* Articulated-body inertia [I H; H' M], up, for r = d z: H_new = H + [r]x M, I_new = I - H [r]x + [r]x
+   H_new'. full = 0: row z of I and H is zero, and stays zero. */
 RBDI_INLINE rbdi_abi rbdi_abi_shift_z(rbd_real d, int full, rbdi_abi IA) {
-    rbdi_abi Y = IA;
-    Y.H.xx = IA.H.xx - d * IA.M.xy;
-    Y.H.xy = IA.H.xy - d * IA.M.yy;
-    Y.H.xz = IA.H.xz - d * IA.M.yz;
-    Y.H.yx = IA.H.yx + d * IA.M.xx;
-    Y.H.yy = IA.H.yy + d * IA.M.xy;
-    Y.H.yz = IA.H.yz + d * IA.M.xz;
-    Y.I.xx = IA.I.xx - d * (IA.H.xy + Y.H.xy);
-    Y.I.xy = IA.I.xy + d * (IA.H.xx - Y.H.yy);
-    Y.I.yy = IA.I.yy + d * (IA.H.yx + Y.H.yx);
+    rbdi_abi up = IA;
+    up.H.xx = IA.H.xx - d * IA.M.xy;
+    up.H.xy = IA.H.xy - d * IA.M.yy;
+    up.H.xz = IA.H.xz - d * IA.M.yz;
+    up.H.yx = IA.H.yx + d * IA.M.xx;
+    up.H.yy = IA.H.yy + d * IA.M.xy;
+    up.H.yz = IA.H.yz + d * IA.M.xz;
+    up.I.xx = IA.I.xx - d * (IA.H.xy + up.H.xy);
+    up.I.xy = IA.I.xy + d * (IA.H.xx - up.H.yy);
+    up.I.yy = IA.I.yy + d * (IA.H.yx + up.H.yx);
     if (full) {
-        Y.I.xz = IA.I.xz - d * IA.H.zy;
-        Y.I.yz = IA.I.yz + d * IA.H.zx;
+        up.I.xz = IA.I.xz - d * IA.H.zy;
+        up.I.yz = IA.I.yz + d * IA.H.zx;
     }
-    return Y;
+    return up;
 }
 RBDI_INLINE rbdi_abi rbdi_abi_up_z(int flags, rbd_real c, rbd_real s, rbdi_abi IA) {
     IA.I = rbdi_sym_up_z(flags, c, s, IA.I);
@@ -2182,72 +2233,21 @@ RBDI_INLINE rbdi_abi rbdi_abi_add(rbdi_abi A, rbdi_abi B) {
     A.H.zx = A.H.zx + B.H.zx, A.H.zy = A.H.zy + B.H.zy, A.H.zz = A.H.zz + B.H.zz;
     return A;
 }
-
-/* [omega]x [omega]x. */
-RBDI_INLINE rbdi_mat rbdi_omega_steady(rbdi_v3 omega) {
-    rbd_real xx = omega.x * omega.x, yy = omega.y * omega.y, zz = omega.z * omega.z;
-    rbdi_mat O;
-    O.xx = -(yy + zz), O.yy = -(xx + zz), O.zz = -(xx + yy);
-    O.xy = O.yx = omega.x * omega.y;
-    O.xz = O.zx = omega.x * omega.z;
-    O.yz = O.zy = omega.y * omega.z;
-    return O;
-}
-/* Omega = [omega_dot]x + [omega]x [omega]x: a point x of the body accelerates with acc + Omega x. */
-RBDI_INLINE rbdi_mat rbdi_omega(rbdi_v3 omega, rbdi_v3 omega_dot) {
-    rbdi_mat O = rbdi_omega_steady(omega);
-    O.xy = O.xy - omega_dot.z, O.yx = O.yx + omega_dot.z;
-    O.xz = O.xz + omega_dot.y, O.zx = O.zx - omega_dot.y;
-    O.yz = O.yz - omega_dot.x, O.zy = O.zy + omega_dot.x;
-    return O;
-}
-
-RBDI_INLINE rbdi_rbi rbdi_rbi_shift(rbdi_v3 r, rbd_const m, rbdi_rbi C) {
-    C = rbdi_rbi_shift_z(r.x, m, rbdi_rbi_cycle(C));
-    C = rbdi_rbi_shift_z(r.y, m, rbdi_rbi_cycle(C));
-    return rbdi_rbi_shift_z(r.z, m, rbdi_rbi_cycle(C));
-}
-
-RBDI_INLINE rbdi_rbi rbdi_rbi_zero(void) {
+RBDI_INLINE rbdi_abi rbdi_abi_zero(void) {
     const rbd_real o = rbdi_zero();
-    rbdi_rbi C;
-    C.Sigma.xx = C.Sigma.xy = C.Sigma.xz = C.Sigma.yy = C.Sigma.yz = C.Sigma.zz = o;
-    C.h = rbdi_vec0();
-    return C;
+    rbdi_abi IA;
+    IA.I.xx = IA.I.xy = IA.I.xz = IA.I.yy = IA.I.yz = IA.I.zz = o;
+    IA.H.xx = IA.H.xy = IA.H.xz = IA.H.yx = IA.H.yy = IA.H.yz = IA.H.zx = IA.H.zy = IA.H.zz = o;
+    IA.M.xx = IA.M.xy = IA.M.xz = IA.M.yy = IA.M.yz = IA.M.zz = o;
+    return IA;
 }
-
-/* E' A E. */
-RBDI_INLINE rbdi_mat rbdi_mat_up(rbdi_mat E, rbdi_mat A) {
-    return rbdi_mul_mat(rbdi_transpose(E), rbdi_mul_mat(A, E));
-}
-
-RBDI_INLINE rbdi_sym rbdi_sym_up(rbdi_mat E, rbdi_sym A) {
-    rbdi_mat M;
-    rbdi_sym B;
-    M.xx = A.xx, M.xy = A.xy, M.xz = A.xz;
-    M.yx = A.xy, M.yy = A.yy, M.yz = A.yz;
-    M.zx = A.xz, M.zy = A.yz, M.zz = A.zz;
-    M = rbdi_mat_up(E, M);
-    B.xx = M.xx, B.xy = M.xy, B.xz = M.xz, B.yy = M.yy, B.yz = M.yz, B.zz = M.zz;
-    return B;
-}
-
 RBDI_INLINE rbdi_abi rbdi_abi_shift(rbdi_v3 r, rbdi_abi IA) {
     IA = rbdi_abi_shift_z(r.x, 1, rbdi_abi_cycle(IA));
     IA = rbdi_abi_shift_z(r.y, 1, rbdi_abi_cycle(IA));
     return rbdi_abi_shift_z(r.z, 1, rbdi_abi_cycle(IA));
 }
 
-RBDI_INLINE rbdi_abi rbdi_abi_zero(void) {
-    const rbd_real o = rbdi_zero();
-    rbdi_abi X;
-    X.I.xx = X.I.xy = X.I.xz = X.I.yy = X.I.yz = X.I.zz = o;
-    X.H.xx = X.H.xy = X.H.xz = X.H.yx = X.H.yy = X.H.yz = X.H.zx = X.H.zy = X.H.zz = o;
-    X.M.xx = X.M.xy = X.M.xz = X.M.yy = X.M.yz = X.M.zz = o;
-    return X;
-}
-
-/* IA of a composite body: I = tr(Sigma) - Sigma, H = [h]x, M = m. */
+/* IA of a composite body of mass m: I = tr(Sigma) 1 - Sigma, H = [h]x, M = m 1. */
 RBDI_INLINE rbdi_abi rbdi_abi_of_rbi(rbdi_rbi C, rbd_const m) {
     const rbd_real trace = C.Sigma.xx + C.Sigma.yy + C.Sigma.zz;
     rbdi_abi IA = rbdi_abi_zero();
@@ -2282,31 +2282,31 @@ RBDI_INLINE rbdi_abi rbdi_abi_from_array(rbd_real A[6][6]) {
     return IA;
 }
 
-/* Spatial vectors to and from six scalars, a stride apart. */
-RBDI_INLINE void rbdi_store_motion(rbd_real *a, ptrdiff_t stride, rbdi_motion V) {
-    rbdi_store_vec(a, stride, V.omega);
-    rbdi_store_vec(a + 3 * stride, stride, V.v);
+/* Spatial vectors to and from arrays, whose six components are a stride apart. */
+RBDI_INLINE void rbdi_store_motion(rbd_real *array, ptrdiff_t stride, rbdi_motion V) {
+    rbdi_store_vec(array, stride, V.omega);
+    rbdi_store_vec(array + 3 * stride, stride, V.v);
 }
-RBDI_INLINE rbdi_motion rbdi_load_motion(const rbd_real *a, ptrdiff_t stride) {
+RBDI_INLINE rbdi_motion rbdi_load_motion(const rbd_real *array, ptrdiff_t stride) {
     rbdi_motion V;
-    V.omega = rbdi_load_vec(a, stride), V.v = rbdi_load_vec(a + 3 * stride, stride);
+    V.omega = rbdi_load_vec(array, stride), V.v = rbdi_load_vec(array + 3 * stride, stride);
     return V;
 }
-RBDI_INLINE void rbdi_store_force(rbd_real *a, ptrdiff_t stride, rbdi_force F) {
-    rbdi_store_vec(a, stride, F.n);
-    rbdi_store_vec(a + 3 * stride, stride, F.f);
+RBDI_INLINE void rbdi_store_force(rbd_real *array, ptrdiff_t stride, rbdi_force F) {
+    rbdi_store_vec(array, stride, F.n);
+    rbdi_store_vec(array + 3 * stride, stride, F.f);
 }
-RBDI_INLINE rbdi_force rbdi_load_force(const rbd_real *a, ptrdiff_t stride) {
+RBDI_INLINE rbdi_force rbdi_load_force(const rbd_real *array, ptrdiff_t stride) {
     rbdi_force F;
-    F.n = rbdi_load_vec(a, stride), F.f = rbdi_load_vec(a + 3 * stride, stride);
+    F.n = rbdi_load_vec(array, stride), F.f = rbdi_load_vec(array + 3 * stride, stride);
     return F;
 }
 
 /* ==== src/algebra/rotations.h ==== */
 /* Quaternions and angles. */
 
-/* Powers of two small enough that the square of no finite number times them overflows, and large enough that
-   a number whose square does overflow stays above 1e-15. */
+/* A power of two. It is so small that the square of no finite number times it overflows, and so large that a
+   number whose square overflows stays above 1e-15. */
 #if RBDI_KIND(RBD_CONST) == 1
 #define RBDI_SHORTEN 2.9134143481250808e-157 /* 2^-520 */
 #elif RBDI_KIND(RBD_CONST) == 2
@@ -2317,16 +2317,16 @@ RBDI_INLINE rbdi_force rbdi_load_force(const rbd_real *a, ptrdiff_t stride) {
     RBDI_SQUARE(RBDI_SQUARE(RBDI_SQUARE(RBDI_SQUARE(RBD_C(3.7291703656001034e-155)))))
 #endif
 
-/* u = q, shortened where the sum of the n squares would overflow, and 1 / (sum of the squares of u), or 0,
-   with *bad set, where that is below RBDI_SHORT. */
+/* u = q, shortened if the sum of the n squares would overflow. Returns 1 / (sum of the squares of u), or 0
+   with bad set if that sum is below RBDI_SHORT. */
 RBDI_INLINE rbd_real rbdi_inverse_square(const rbd_real *q, int n, rbd_real *u, rbdi_mask *bad) {
     const rbd_real one = rbdi_set(RBD_C(1)), limit = rbdi_set(RBD_C(1e-12) / RBDI_SHORTEN / RBDI_SHORTEN);
-    rbd_real sum = q[0] * q[0], k;
+    rbd_real sum = q[0] * q[0], factor;
     RBDI_UNROLL_SIX for (int i = 1; i < n; ++i)
         sum = sum + q[i] * q[i];
-    k = rbdi_select(rbdi_less(limit, sum), rbdi_set(RBDI_SHORTEN), one);
+    factor = rbdi_select(rbdi_less(limit, sum), rbdi_set(RBDI_SHORTEN), one);
     RBDI_UNROLL_SIX for (int i = 0; i < n; ++i)
-        u[i] = q[i] * k;
+        u[i] = q[i] * factor;
     sum = u[0] * u[0];
     RBDI_UNROLL_SIX for (int i = 1; i < n; ++i)
         sum = sum + u[i] * u[i];
@@ -2334,14 +2334,14 @@ RBDI_INLINE rbd_real rbdi_inverse_square(const rbd_real *q, int n, rbd_real *u, 
     return rbdi_reciprocal(sum, RBDI_SHORT, bad);
 }
 
-/* The rotation that turns joint-frame vectors into body vectors, from a quaternion (x, y, z, w) of any
-   length; zero gives the identity. */
+/* E of a quaternion (x, y, z, w) of any length, from joint-frame axes to body axes; zero gives the identity.
+   */
 RBDI_INLINE rbdi_mat rbdi_quaternion_down(const rbd_real *q) {
     rbdi_mask bad;
-    rbd_real u[4], s = rbdi_inverse_square(q, 4, u, &bad), x, y, z;
+    rbd_real u[4], twice = rbdi_inverse_square(q, 4, u, &bad), x, y, z;
     rbdi_mat E;
-    s = s + s;
-    x = s * u[0], y = s * u[1], z = s * u[2];
+    twice = twice + twice;
+    x = twice * u[0], y = twice * u[1], z = twice * u[2];
     E.xx = rbdi_set(RBD_C(1)) - (y * u[1] + z * u[2]);
     E.yy = rbdi_set(RBD_C(1)) - (x * u[0] + z * u[2]);
     E.zz = rbdi_set(RBD_C(1)) - (x * u[0] + y * u[1]);
@@ -2354,36 +2354,37 @@ RBDI_INLINE rbdi_mat rbdi_quaternion_down(const rbd_real *q) {
 /* (cos, sin) scaled to unit length, (1, 0) if both vanish. */
 RBDI_INLINE void rbdi_unit_cs(const rbd_real *q, rbd_real *c, rbd_real *s) {
     rbdi_mask bad;
-    rbd_real u[2], k = rbdi_sqrt(rbdi_inverse_square(q, 2, u, &bad));
-    *c = rbdi_select(bad, rbdi_set(RBD_C(1)), u[0] * k);
-    *s = rbdi_select(bad, rbdi_zero(), u[1] * k);
+    rbd_real u[2], factor = rbdi_sqrt(rbdi_inverse_square(q, 2, u, &bad));
+    *c = rbdi_select(bad, rbdi_set(RBD_C(1)), u[0] * factor);
+    *s = rbdi_select(bad, rbdi_zero(), u[1] * factor);
 }
 
-/* sum (-x)^k / (n + 2k)!: the tails of sine (n odd) and cosine (n even), for 0 <= x < 1. */
+/* sum over k of (-x)^k / (n + 2k)!: the tails of sine (n odd) and cosine (n even), for 0 <= x < 1. */
 static RBDI_UNUSED rbd_real rbdi_tail(rbd_real x, int n) {
-    rbd_real s = rbdi_set(RBD_C(1));
+    rbd_real sum = rbdi_set(RBD_C(1));
     int factorial = 1;
     for (int k = RBDI_TAIL_TERMS; k > 0; --k)
-        s = rbdi_set(RBD_C(1)) - x * s * (RBD_C(1) / (rbd_const)((n + 2 * k - 1) * (n + 2 * k)));
+        sum = rbdi_set(RBD_C(1)) - x * sum * (RBD_C(1) / (rbd_const)((n + 2 * k - 1) * (n + 2 * k)));
     for (int k = 2; k <= n; ++k) factorial *= k;
-    return s * (RBD_C(1) / (rbd_const)factorial);
+    return sum * (RBD_C(1) / (rbd_const)factorial);
 }
 
-/* Coefficients of the exponential map for a turn by theta, x = theta^2. */
+/* Coefficients of the exponential map for a turn by theta. Here and below A = sin(theta) / theta. */
 typedef struct rbdi_exp {
-    rbd_real x, half_sine; /* sin(theta / 2) / theta */
-    rbd_real half_cosine;  /* cos(theta / 2) */
-    rbd_real B, C;         /* (1 - cos theta) / theta^2, (theta - sin theta) / theta^3 */
+    rbd_real x;           /* theta^2 */
+    rbd_real half_sine;   /* sin(theta / 2) / theta */
+    rbd_real half_cosine; /* cos(theta / 2) */
+    rbd_real B, C;        /* (1 - cos theta) / theta^2, (theta - sin theta) / theta^3 */
 } rbdi_exp;
 
 static RBDI_UNUSED rbdi_exp rbdi_exp_of(rbdi_v3 turn) {
     rbdi_exp e;
-    rbd_real theta, s, A;
+    rbd_real theta, sine, A;
     rbdi_mask near_zero;
     e.x = rbdi_dot(turn, turn) + RBDI_NO_ANGLE;
     theta = rbdi_sqrt(e.x);
-    rbdi_sincos(theta * RBD_C(0.5), &s, &e.half_cosine);
-    e.half_sine = s / theta;
+    rbdi_sincos(theta * RBD_C(0.5), &sine, &e.half_cosine);
+    e.half_sine = sine / theta;
     e.B = (e.half_sine + e.half_sine) * e.half_sine;
     A = (e.half_sine + e.half_sine) * e.half_cosine;
     near_zero = rbdi_less(e.x, rbdi_set(RBD_C(1)));
@@ -2392,28 +2393,29 @@ static RBDI_UNUSED rbdi_exp rbdi_exp_of(rbdi_v3 turn) {
     return e;
 }
 
-/* Shift of a screw motion with turn omega and translation u: V u, V = 1 + B [omega]x + C [omega]x^2. */
-static RBDI_UNUSED rbdi_v3 rbdi_exp_shift(rbdi_exp e, rbdi_v3 omega, rbdi_v3 u) {
-    rbdi_v3 wu = rbdi_cross(omega, u);
-    return rbdi_add(u, rbdi_add(rbdi_scale(e.B, wu), rbdi_scale(e.C, rbdi_cross(omega, wu))));
+/* The shift p of a screw motion (omega; v): p = v + B omega x v + C omega x (omega x v). */
+static RBDI_UNUSED rbdi_v3 rbdi_exp_shift(rbdi_exp e, rbdi_v3 omega, rbdi_v3 v) {
+    rbdi_v3 across = rbdi_cross(omega, v);
+    return rbdi_add(v, rbdi_add(rbdi_scale(e.B, across), rbdi_scale(e.C, rbdi_cross(omega, across))));
 }
 
-/* Its inverse: V^-1 u = u - omega x u / 2 + k omega x (omega x u), k = (1 - A / (2 B)) / theta^2. */
-static RBDI_UNUSED rbdi_v3 rbdi_log_shift(rbdi_exp e, rbdi_v3 omega, rbdi_v3 u) {
-    rbdi_v3 wu = rbdi_cross(omega, u);
+/* Its inverse: v = p - omega x p / 2 + D omega x (omega x p), D = (1 - A / (2 B)) / theta^2. */
+static RBDI_UNUSED rbdi_v3 rbdi_log_shift(rbdi_exp e, rbdi_v3 omega, rbdi_v3 p) {
+    rbdi_v3 across = rbdi_cross(omega, p);
     rbd_real one = rbdi_set(RBD_C(1)), twice_B = e.B + e.B, A = (e.half_sine + e.half_sine) * e.half_cosine;
     rbdi_mask near_zero = rbdi_less(e.x, one);
-    rbd_real x = rbdi_select(near_zero, e.x, rbdi_zero()), D = rbdi_tail(x, 4);
-    rbd_real k = rbdi_select(near_zero, (rbdi_tail(x, 3) - (D + D)) / twice_B, (one - A / twice_B) / e.x);
-    u = rbdi_add(u, rbdi_scale(k, rbdi_cross(omega, wu)));
-    return rbdi_sub(u, rbdi_scale(rbdi_set(RBD_C(0.5)), wu));
+    rbd_real x = rbdi_select(near_zero, e.x, rbdi_zero()), tail = rbdi_tail(x, 4);
+    rbd_real D =
+        rbdi_select(near_zero, (rbdi_tail(x, 3) - (tail + tail)) / twice_B, (one - A / twice_B) / e.x);
+    p = rbdi_add(p, rbdi_scale(D, rbdi_cross(omega, across)));
+    return rbdi_sub(p, rbdi_scale(rbdi_set(RBD_C(0.5)), across));
 }
 
-/* Angle in [0, pi] with sine s >= 0 and cosine c, s^2 + c^2 = 1, by sine and cosine alone: a cubic
-   start and Newton steps, each of which cubes the error. */
+/* Angle in [0, pi] with sine s >= 0 and cosine c, s^2 + c^2 = 1, by sine and cosine alone: from a cubic guess
+   by Newton steps, each of which cubes the error. */
 static RBDI_UNUSED rbd_real rbdi_angle(rbd_real s, rbd_real c) {
-    rbd_real one = rbdi_set(RBD_C(1)), o = rbdi_zero(), t, angle, sine, cosine;
-    rbdi_mask obtuse = rbdi_less(c, o);
+    rbd_real one = rbdi_set(RBD_C(1)), t, angle, sine, cosine;
+    rbdi_mask obtuse = rbdi_less(c, rbdi_zero());
     rbd_real positive = rbdi_select(obtuse, -c, c);
     t = s / (positive + one); /* tan(angle / 2) in [0, 1] */
     angle = t * (rbdi_set(RBD_C(2)) - t * t * RBD_C(RBDI_ANGLE_START));
@@ -2434,20 +2436,21 @@ static RBDI_UNUSED rbd_real rbdi_signed_angle(rbd_real s, rbd_real c) {
 /* Unit quaternion of the same direction; identity for zero. */
 static RBDI_UNUSED void rbdi_unit_quaternion(const rbd_real *q, rbd_real *u) {
     rbdi_mask bad;
-    rbd_real k = rbdi_sqrt(rbdi_inverse_square(q, 4, u, &bad));
-    for (int i = 0; i < 4; ++i) u[i] = u[i] * k;
+    rbd_real factor = rbdi_sqrt(rbdi_inverse_square(q, 4, u, &bad));
+    for (int i = 0; i < 4; ++i) u[i] = u[i] * factor;
     u[3] = rbdi_select(bad, rbdi_set(RBD_C(1)), u[3]);
 }
 
 /* out = a b, Hamilton's product of (x, y, z, w). */
 static RBDI_UNUSED void rbdi_quaternion_product(const rbd_real *a, const rbd_real *b, rbd_real *out) {
-    rbdi_v3 u = rbdi_load_vec(a, 1), v = rbdi_load_vec(b, 1);
-    rbd_real w = a[3] * b[3] - rbdi_dot(u, v);
-    rbdi_store_vec(out, 1, rbdi_add(rbdi_cross(u, v), rbdi_add(rbdi_scale(a[3], v), rbdi_scale(b[3], u))));
+    rbdi_v3 va = rbdi_load_vec(a, 1), vb = rbdi_load_vec(b, 1);
+    rbd_real w = a[3] * b[3] - rbdi_dot(va, vb);
+    rbdi_store_vec(out, 1,
+                   rbdi_add(rbdi_cross(va, vb), rbdi_add(rbdi_scale(a[3], vb), rbdi_scale(b[3], va))));
     out[3] = w;
 }
 
-/* q exp(turn), normalised. */
+/* out = q exp(turn), normalised; e: the coefficients for the turn. */
 static RBDI_UNUSED void rbdi_quaternion_step(const rbd_real *q, rbdi_exp e, rbdi_v3 turn, rbd_real *out) {
     rbd_real step[4], unit[4];
     rbdi_store_vec(step, 1, rbdi_scale(e.half_sine, turn));
@@ -2459,16 +2462,16 @@ static RBDI_UNUSED void rbdi_quaternion_step(const rbd_real *q, rbdi_exp e, rbdi
 
 /* The turn (body axes, at most pi) that leads from q0 to q1. */
 static RBDI_UNUSED rbdi_v3 rbdi_quaternion_difference(const rbd_real *q0, const rbd_real *q1) {
-    rbd_real a[4], b[4], c[4], sine, cosine, angle;
+    rbd_real a[4], b[4], step[4], sine, cosine, angle;
     rbdi_v3 v;
     rbdi_mask back;
     rbdi_unit_quaternion(q0, a);
     rbdi_unit_quaternion(q1, b);
     for (int i = 0; i < 3; ++i) a[i] = -a[i];
-    rbdi_quaternion_product(a, b, c);
-    v = rbdi_load_vec(c, 1);
-    back = rbdi_less(c[3], rbdi_zero());
-    cosine = rbdi_select(back, -c[3], c[3]);
+    rbdi_quaternion_product(a, b, step);
+    v = rbdi_load_vec(step, 1);
+    back = rbdi_less(step[3], rbdi_zero());
+    cosine = rbdi_select(back, -step[3], step[3]);
     sine = rbdi_sqrt(rbdi_dot(v, v) + RBDI_NO_ANGLE);
     angle = rbdi_angle(sine, cosine);
     angle = (angle + angle) / sine;

@@ -3,8 +3,8 @@
 
    Rotations, placements of frames, and the spatial vectors of Featherstone's book (Rigid Body Dynamics
    Algorithms, 2008, chapter 2; "the book" below): small structs by value and static inline functions, in C99
-   and C++, for every scalar of rbd.h, which must stand beside it. Include it in as many files as you like: it
-   has no symbol of its own.
+   and C++, for every scalar of rbd.h, which must stand beside it. It has no symbol of its own: any number of
+   files may include it.
 
        rbd_placement hand = rbd_placement_from_arrays(R, p, HAND, WORLD);         // of rbd_body_pose
        rbd_force f = rbd_force_of(moment, force, WORLD);
@@ -17,25 +17,25 @@
    [conventions]
      vectors      angular first, as everywhere in rbd: a motion is (omega; v of the point at the origin), a
                   force is (moment about the origin; force)
-     kinds        motion and force are different types, so that a compiler refuses to mix them up: only a
-                  motion goes into rbd_motion_up, and what an inertia makes of a motion is a force
+     kinds        motion and force are different types, so that a compiler refuses to mix them up:
+                  rbd_motion_up takes a motion only, and an inertia times a motion is a force
      placement    says where frame `of` stands in frame `in`: rotation turns vectors from of's axes into in's
                   axes, position is of's origin, in in's axes; Pinocchio's SE3 in_M_of
      up, down     up: from `of` to `in`, as from a child to its parent; down: back
      quaternions  (x, y, z, w), of any length; they turn as the rotation does
      angles       rad; roll, pitch, yaw are those of URDF: Rz(yaw) Ry(pitch) Rx(roll)
 
-   [frames] Every quantity is given a frame, a number of your choice: indices of bodies, -1 for the world, are
-   at hand. As it is nobody keeps it, and nothing is spent on it. With
+   [frames] Every quantity is given a frame, a number of your choice, such as a body's index or -1 for the
+   world. By default it is not kept and costs nothing. With
 
        void frame_error(const char *file, int line, const char *call, int found, int expected);
        #define RBD_CHECK_FRAMES frame_error
        #include "rbd_spatial.h"
 
-   it is kept with each quantity, and your function (in one file; it may print, stop, or return) is called
-   where a call gets a quantity of another frame than it can take: with the place in your source, the name of
-   the call, and the two frames. The structs are larger then: all files that hand them to each other need the
-   same setting. rbd_vec3 and rbd_rotation are bare numbers and carry no frame.
+   it is kept with each quantity. If a call gets a quantity of a wrong frame, your function (in one file; it
+   may print, stop, or return) gets the place in your source, the name of the call, and the two frames. The
+   structs are larger then: all files that exchange them need the same setting. rbd_vec3 and rbd_rotation have
+   no frame.
 */
 #define RBDI_WITH_ALGEBRA
 #include "rbd.h"
@@ -67,10 +67,10 @@ typedef rbdi_v3 rbd_vec3;      /* x, y, z */
 typedef rbdi_mat rbd_rotation; /* xx, xy, xz, yx, ... zz: by rows */
 typedef rbdi_sym rbd_sym3;     /* xx, xy, xz, yy, yz, zz: symmetric */
 
-/* Where a frame stands in another one. */
+/* Where frame `of` stands in frame `in`. */
 typedef struct rbd_placement {
-    rbd_rotation rotation;
-    rbd_vec3 position; /* m */
+    rbd_rotation rotation; /* from of's axes into in's */
+    rbd_vec3 position;     /* of of's origin, in in's axes, m */
     RBDI_FRAMES(int of, in;)
 } rbd_placement;
 
@@ -110,7 +110,7 @@ RBDI_INLINE rbd_rotation rbd_rotation_identity(void) {
     return r;
 }
 
-/* From and to nine numbers by rows, as of rbd_body_pose. */
+/* From and to nine numbers, row-major, such as those of rbd_body_pose. */
 RBDI_INLINE rbd_rotation rbd_rotation_from_array(const rbd_real *a) {
     rbd_rotation r;
     r.xx = a[0], r.xy = a[1], r.xz = a[2];
@@ -124,11 +124,11 @@ RBDI_INLINE void rbd_rotation_to_array(rbd_rotation r, rbd_real *a) {
     rbdi_store_vec(a + 6, 1, rbdi_vec(r.zx, r.zy, r.zz));
 }
 
-/* a b: first b, then a, both about the axes of the frame that a leads to. */
+/* a b: first turns by b, then by a. Both turn about the axes of the frame that a leads to. */
 RBDI_INLINE rbd_rotation rbd_rotation_product(rbd_rotation a, rbd_rotation b) { return rbdi_mul_mat(a, b); }
 RBDI_INLINE rbd_rotation rbd_rotation_inverse(rbd_rotation r) { return rbdi_transpose(r); }
 
-/* r v, and r' v. */
+/* r v, from of's axes into in's; rbd_rotate_back: r' v. */
 RBDI_INLINE rbd_vec3 rbd_rotate(rbd_rotation r, rbd_vec3 v) { return rbdi_mul(r, v); }
 RBDI_INLINE rbd_vec3 rbd_rotate_back(rbd_rotation r, rbd_vec3 v) { return rbdi_mul_t(r, v); }
 
@@ -137,8 +137,8 @@ RBDI_INLINE rbd_rotation rbd_rotation_from_quaternion(const rbd_real q[4]) {
     return rbdi_transpose(rbdi_quaternion_down(q));
 }
 
-/* q: the unit quaternion x, y, z, w with w >= 0. Of 4 q q', whose entries r has, the row with the largest
-   diagonal (Shepperd 1978), without a branch. */
+/* q: the unit quaternion x, y, z, w with w >= 0. Normalises the row of 4 q q' with the largest diagonal
+   entry, whose entries are sums of those of r (Shepperd 1978), without a branch. */
 static RBDI_UNUSED void rbd_rotation_to_quaternion(rbd_rotation r, rbd_real q[4]) {
     const rbd_real one = rbdi_set(RBD_C(1)), x = r.zy - r.yz, y = r.xz - r.zx, z = r.yx - r.xy,
                    xy = r.xy + r.yx, yz = r.yz + r.zy, xz = r.xz + r.zx;
@@ -158,7 +158,7 @@ static RBDI_UNUSED void rbd_rotation_to_quaternion(rbd_rotation r, rbd_real q[4]
     for (int k = 0; k < 4; ++k) q[k] = best * q[k];
 }
 
-/* Rz(yaw) Ry(pitch) Rx(roll). */
+/* Rz(yaw) Ry(pitch) Rx(roll), rad. */
 static RBDI_UNUSED rbd_rotation rbd_rotation_from_rpy(rbd_real roll, rbd_real pitch, rbd_real yaw) {
     rbd_real sr, cr, sp, cp, sy, cy;
     rbd_rotation r;
@@ -171,27 +171,27 @@ static RBDI_UNUSED rbd_rotation rbd_rotation_from_rpy(rbd_real roll, rbd_real pi
     return r;
 }
 
-/* The angle of (c, s), in [-pi, pi]; scales them to unit length, (1, 0) if both vanish. */
+/* The angle of (c, s), in [-pi, pi]; scales them to unit length, (1, 0) if both are zero. */
 RBDI_INLINE rbd_real rbdi_angle_of(rbd_real *c, rbd_real *s) {
     rbdi_mask none = rbdi_less(*c, *c);
-    const rbd_real k = rbdi_reciprocal(rbdi_sqrt(*c * *c + *s * *s), RBDI_TINY, &none);
-    *c = rbdi_select(none, rbdi_set(RBD_C(1)), k * *c);
-    *s = k * *s;
+    const rbd_real factor = rbdi_reciprocal(rbdi_sqrt(*c * *c + *s * *s), RBDI_TINY, &none);
+    *c = rbdi_select(none, rbdi_set(RBD_C(1)), factor * *c);
+    *s = factor * *s;
     return rbdi_signed_angle(*s, *c);
 }
 
-/* rpy: roll and yaw in [-pi, pi], pitch in [-pi/2, pi/2]. At a pitch of pi/2 or -pi/2, where roll and yaw
-   turn about the same axis, two that give r. */
+/* rpy: roll and yaw in [-pi, pi], pitch in [-pi/2, pi/2], rad. At a pitch of pi/2 or -pi/2 roll and yaw turn
+   about the same axis; then they are two that give r. */
 static RBDI_UNUSED void rbd_rotation_to_rpy(rbd_rotation r, rbd_real rpy[3]) {
     rbd_real c = r.zz, s = r.zy, cp, sp = -r.zx, cy, sy;
     rpy[0] = rbdi_angle_of(&c, &s);
-    cp = r.zy * s + r.zz * c; /* what is left is Rz(yaw) Ry(pitch) = r Rx(-roll) */
+    cp = r.zy * s + r.zz * c; /* the rest is Rz(yaw) Ry(pitch) = r Rx(-roll) */
     sy = r.xz * s - r.xy * c, cy = r.yy * c - r.yz * s;
     rpy[1] = rbdi_angle_of(&cp, &sp);
     rpy[2] = rbdi_angle_of(&cy, &sy);
 }
 
-/* exp: the rotation by |turn| about turn. */
+/* exp: the rotation about the vector turn, by its length, rad. */
 static RBDI_UNUSED rbd_rotation rbd_rotation_exp(rbd_vec3 turn) {
     const rbdi_exp e = rbdi_exp_of(turn);
     rbd_real q[4];
@@ -200,7 +200,7 @@ static RBDI_UNUSED rbd_rotation rbd_rotation_exp(rbd_vec3 turn) {
     return rbd_rotation_from_quaternion(q);
 }
 
-/* log: the shortest turn, at most pi, whose exp is r. */
+/* log: the shortest turn, of length at most pi, whose exp is r. */
 static RBDI_UNUSED rbd_vec3 rbd_rotation_log(rbd_rotation r) {
     rbd_real none[4], q[4];
     none[0] = none[1] = none[2] = rbdi_zero(), none[3] = rbdi_set(RBD_C(1));
@@ -208,7 +208,7 @@ static RBDI_UNUSED rbd_vec3 rbd_rotation_log(rbd_rotation r) {
     return rbdi_quaternion_difference(none, q);
 }
 
-/* The rotation by the angle about the axis, whose length does not count; without one the identity. */
+/* The rotation about an axis of any length, by the angle, rad; the identity if the axis is zero. */
 static RBDI_UNUSED rbd_rotation rbd_rotation_from_axis_angle(rbd_vec3 axis, rbd_real angle) {
     rbdi_mask bad;
     rbd_real a[3], u[3];
@@ -217,7 +217,7 @@ static RBDI_UNUSED rbd_rotation rbd_rotation_from_axis_angle(rbd_vec3 axis, rbd_
     return rbd_rotation_exp(rbdi_scale(angle, rbdi_load_vec(u, 1)));
 }
 
-/* The angle, in [0, pi]; axis: of unit length, z where the angle is 0. */
+/* Returns the angle, in [0, pi]; axis: of unit length, z if the angle is 0. */
 static RBDI_UNUSED rbd_real rbd_rotation_to_axis_angle(rbd_rotation r, rbd_vec3 *axis) {
     const rbd_vec3 turn = rbd_rotation_log(r);
     const rbd_real angle = rbdi_sqrt(rbdi_dot(turn, turn));
@@ -229,7 +229,7 @@ static RBDI_UNUSED rbd_real rbd_rotation_to_axis_angle(rbd_rotation r, rbd_vec3 
 
 /* ---- placements [placements] ---- */
 
-/* Frame `of` seen from frame `in`. */
+/* Where frame `of` stands in frame `in`: its axes, and its origin, m. */
 RBDI_INLINE rbd_placement rbd_placement_of(rbd_rotation rotation, rbd_vec3 position, int of, int in) {
     rbd_placement x;
     x.rotation = rotation;
@@ -238,7 +238,7 @@ RBDI_INLINE rbd_placement rbd_placement_of(rbd_rotation rotation, rbd_vec3 posit
     RBDI_FRAMES(x.of = of; x.in = in;)
     return x;
 }
-/* The same from the results of rbd_body_pose, for which `in` is the world. */
+/* The same from arrays, such as the results of rbd_body_pose, where `in` is the world. */
 RBDI_INLINE rbd_placement rbd_placement_from_arrays(const rbd_real rotation[9], const rbd_real position[3],
                                                     int of, int in) {
     return rbd_placement_of(rbd_rotation_from_array(rotation), rbd_vec3_from_array(position), of, in);
@@ -247,17 +247,17 @@ RBDI_INLINE rbd_placement rbd_placement_identity(int of, int in) {
     return rbd_placement_of(rbd_rotation_identity(), rbdi_vec0(), of, in);
 }
 
-/* c in a, from b in a and c in b. */
-RBDI_INLINE rbd_placement rbd_placement_compose(RBDI_AT rbd_placement b, rbd_placement c) {
+/* The placement of inner.of in outer.in; inner.in must be outer.of. */
+RBDI_INLINE rbd_placement rbd_placement_compose(RBDI_AT rbd_placement outer, rbd_placement inner) {
     rbd_placement x;
-    RBDI_MATCH("rbd_placement_compose", c.in, b.of);
-    x.rotation = rbdi_mul_mat(b.rotation, c.rotation);
-    x.position = rbdi_add(b.position, rbdi_mul(b.rotation, c.position));
-    RBDI_FRAMES(x.of = c.of; x.in = b.in;)
+    RBDI_MATCH("rbd_placement_compose", inner.in, outer.of);
+    x.rotation = rbdi_mul_mat(outer.rotation, inner.rotation);
+    x.position = rbdi_add(outer.position, rbdi_mul(outer.rotation, inner.position));
+    RBDI_FRAMES(x.of = inner.of; x.in = outer.in;)
     return x;
 }
 
-/* `in` seen from `of`. */
+/* The placement of frame `in` in frame `of`. */
 RBDI_INLINE rbd_placement rbd_placement_inverse(rbd_placement x) {
     rbd_placement y;
     y.rotation = rbdi_transpose(x.rotation);
@@ -266,7 +266,7 @@ RBDI_INLINE rbd_placement rbd_placement_inverse(rbd_placement x) {
     return y;
 }
 
-/* A point of frame `of` in coordinates of `in`, and back. */
+/* A point from coordinates of frame `of` into those of `in`; rbd_point_down: back. */
 RBDI_INLINE rbd_vec3 rbd_point_up(rbd_placement x, rbd_vec3 point) {
     return rbdi_add(x.position, rbdi_mul(x.rotation, point));
 }
@@ -285,7 +285,7 @@ RBDI_INLINE rbd_motion rbd_motion_of(rbd_vec3 angular, rbd_vec3 linear, int fram
     RBDI_FRAMES(m.frame = frame;)
     return m;
 }
-/* From and to six numbers, as of rbd_body_velocity. */
+/* From and to six numbers (angular; linear), such as those of rbd_body_velocity. */
 RBDI_INLINE rbd_motion rbd_motion_from_array(const rbd_real a[6], int frame) {
     return rbd_motion_of(rbd_vec3_from_array(a), rbd_vec3_from_array(a + 3), frame);
 }
@@ -300,13 +300,13 @@ RBDI_INLINE rbd_motion rbd_motion_add(RBDI_AT rbd_motion a, rbd_motion b) {
     a.linear = rbdi_add(a.linear, b.linear);
     return a;
 }
-RBDI_INLINE rbd_motion rbd_motion_scale(rbd_real k, rbd_motion m) {
-    m.angular = rbdi_scale(k, m.angular);
-    m.linear = rbdi_scale(k, m.linear);
+RBDI_INLINE rbd_motion rbd_motion_scale(rbd_real factor, rbd_motion m) {
+    m.angular = rbdi_scale(factor, m.angular);
+    m.linear = rbdi_scale(factor, m.linear);
     return m;
 }
 
-/* A motion of frame `of` in frame `in`: (2.24) of the book. */
+/* A motion from frame `of` into frame `in`; (2.24) of the book. */
 RBDI_INLINE rbd_motion rbd_motion_up(RBDI_AT rbd_placement x, rbd_motion m) {
     RBDI_MATCH("rbd_motion_up", m.frame, x.of);
     m.angular = rbdi_mul(x.rotation, m.angular);
@@ -314,7 +314,7 @@ RBDI_INLINE rbd_motion rbd_motion_up(RBDI_AT rbd_placement x, rbd_motion m) {
     RBDI_FRAMES(m.frame = x.in;)
     return m;
 }
-/* A motion of frame `in` in frame `of`. */
+/* A motion from frame `in` into frame `of`. */
 RBDI_INLINE rbd_motion rbd_motion_down(RBDI_AT rbd_placement x, rbd_motion m) {
     RBDI_MATCH("rbd_motion_down", m.frame, x.in);
     m.linear = rbdi_mul_t(x.rotation, rbdi_sub(m.linear, rbdi_cross(x.position, m.angular)));
@@ -323,7 +323,7 @@ RBDI_INLINE rbd_motion rbd_motion_down(RBDI_AT rbd_placement x, rbd_motion m) {
     return m;
 }
 
-/* v x m: the rate of a motion that is carried along by v; (2.31). */
+/* v x m: the rate of a motion m that is fixed in a body with velocity v; (2.31). */
 RBDI_INLINE rbd_motion rbd_motion_cross(RBDI_AT rbd_motion v, rbd_motion m) {
     RBDI_MATCH("rbd_motion_cross", m.frame, v.frame);
     m.linear = rbdi_add(rbdi_cross(v.angular, m.linear), rbdi_cross(v.linear, m.angular));
@@ -331,8 +331,8 @@ RBDI_INLINE rbd_motion rbd_motion_cross(RBDI_AT rbd_motion v, rbd_motion m) {
     return m;
 }
 
-/* exp: where a frame gets in unit time that moves with v, constant in its own axes; named `of`, seen from
-   where it was, the frame of v. */
+/* exp: the placement, after unit time, of a frame that moves with v, constant in its own axes. The moved
+   frame is `of`; `in`, where it started, is the frame of v. */
 static RBDI_UNUSED rbd_placement rbd_placement_exp(rbd_motion v, int of) {
     rbd_placement x;
     x.rotation = rbd_rotation_exp(v.angular);
@@ -342,8 +342,8 @@ static RBDI_UNUSED rbd_placement rbd_placement_exp(rbd_motion v, int of) {
     return x;
 }
 
-/* log: the v with the shortest turn, at most pi, whose exp is x. Its components are the same in both frames;
-   it is given in frame `in`. */
+/* log: the motion with the shortest turn, at most pi, whose exp is x. It has the same components in both
+   frames; its frame is `in`. */
 static RBDI_UNUSED rbd_motion rbd_placement_log(rbd_placement x) {
     rbd_motion v;
     v.angular = rbd_rotation_log(x.rotation);
@@ -362,7 +362,7 @@ RBDI_INLINE rbd_force rbd_force_of(rbd_vec3 moment, rbd_vec3 force, int frame) {
     RBDI_FRAMES(f.frame = frame;)
     return f;
 }
-/* From and to six numbers, as of a row of f_ext. */
+/* From and to six numbers (moment; force), such as a row of f_ext. */
 RBDI_INLINE rbd_force rbd_force_from_array(const rbd_real a[6], int frame) {
     return rbd_force_of(rbd_vec3_from_array(a), rbd_vec3_from_array(a + 3), frame);
 }
@@ -377,13 +377,13 @@ RBDI_INLINE rbd_force rbd_force_add(RBDI_AT rbd_force a, rbd_force b) {
     a.force = rbdi_add(a.force, b.force);
     return a;
 }
-RBDI_INLINE rbd_force rbd_force_scale(rbd_real k, rbd_force f) {
-    f.moment = rbdi_scale(k, f.moment);
-    f.force = rbdi_scale(k, f.force);
+RBDI_INLINE rbd_force rbd_force_scale(rbd_real factor, rbd_force f) {
+    f.moment = rbdi_scale(factor, f.moment);
+    f.force = rbdi_scale(factor, f.force);
     return f;
 }
 
-/* A force of frame `of` in frame `in`; (2.25). */
+/* A force from frame `of` into frame `in`; (2.25). */
 RBDI_INLINE rbd_force rbd_force_up(RBDI_AT rbd_placement x, rbd_force f) {
     RBDI_MATCH("rbd_force_up", f.frame, x.of);
     f.force = rbdi_mul(x.rotation, f.force);
@@ -391,7 +391,7 @@ RBDI_INLINE rbd_force rbd_force_up(RBDI_AT rbd_placement x, rbd_force f) {
     RBDI_FRAMES(f.frame = x.in;)
     return f;
 }
-/* A force of frame `in` in frame `of`. */
+/* A force from frame `in` into frame `of`. */
 RBDI_INLINE rbd_force rbd_force_down(RBDI_AT rbd_placement x, rbd_force f) {
     RBDI_MATCH("rbd_force_down", f.frame, x.in);
     f.moment = rbdi_mul_t(x.rotation, rbdi_sub(f.moment, rbdi_cross(x.position, f.force)));
@@ -400,7 +400,7 @@ RBDI_INLINE rbd_force rbd_force_down(RBDI_AT rbd_placement x, rbd_force f) {
     return f;
 }
 
-/* v x* f: the rate of a force that is carried along by v; (2.32). */
+/* v x* f: the rate of a force f that is fixed in a body with velocity v; (2.32). */
 RBDI_INLINE rbd_force rbd_force_cross(RBDI_AT rbd_motion v, rbd_force f) {
     RBDI_MATCH("rbd_force_cross", f.frame, v.frame);
     f.moment = rbdi_add(rbdi_cross(v.angular, f.moment), rbdi_cross(v.linear, f.force));
@@ -408,7 +408,7 @@ RBDI_INLINE rbd_force rbd_force_cross(RBDI_AT rbd_motion v, rbd_force f) {
     return f;
 }
 
-/* v . f, W: what the force does on a body that moves with v; the same in every frame. */
+/* v . f: the power, W, of the force on a body with velocity v; the same in every frame. */
 RBDI_INLINE rbd_real rbd_power(RBDI_AT rbd_motion v, rbd_force f) {
     RBDI_MATCH("rbd_power", f.frame, v.frame);
     return rbdi_dot(v.angular, f.moment) + rbdi_dot(v.linear, f.force);
@@ -417,8 +417,8 @@ RBDI_INLINE rbd_real rbd_power(RBDI_AT rbd_motion v, rbd_force f) {
 /* ==== src/spatial/inertias.h ==== */
 /* ---- inertias [inertias] ---- */
 
-/* From ten parameters, in which the inertia is linear, those of regressors: mass; mass times centre of mass;
-   xx, xy, xz, yy, yz, zz about the origin. */
+/* From the ten parameters of a regressor, in which the inertia is linear: mass; mass times centre of mass;
+   xx, xy, xz, yy, yz, zz about the frame's origin, in kg, kg m and kg m^2. _to_parameters: back. */
 RBDI_INLINE rbd_inertia rbd_inertia_from_parameters(const rbd_const p[10], int frame) {
     rbd_inertia i;
     i.mass = p[0];
@@ -437,30 +437,31 @@ RBDI_INLINE void rbd_inertia_to_parameters(rbd_inertia i, rbd_real p[10]) {
     rbdi_store_vec(p + 7, 1, rbdi_vec(a.yy, a.yz, a.zz));
 }
 
-/* t 1 - a. With t the trace it makes the rotational inertia of the second moment of mass, with half of it the
-   second moment of the rotational inertia; see [design] of rbd.h. */
-RBDI_INLINE rbd_sym3 rbdi_trace_less(rbd_real t, rbd_sym3 a) {
+/* trace 1 - a: of the second moment of mass, Sigma, the rotational inertia, see [design] of rbd.h. With half
+   the trace of the rotational inertia: back. */
+RBDI_INLINE rbd_sym3 rbdi_trace_less(rbd_real trace, rbd_sym3 a) {
     rbd_sym3 b;
-    b.xx = t - a.xx, b.yy = t - a.yy, b.zz = t - a.zz;
+    b.xx = trace - a.xx, b.yy = trace - a.yy, b.zz = trace - a.zz;
     b.xy = -a.xy, b.xz = -a.xz, b.yz = -a.yz;
     return b;
 }
+RBDI_INLINE rbd_sym3 rbdi_second_moment(rbd_sym3 rotational) {
+    return rbdi_trace_less(RBD_C(0.5) * (rotational.xx + rotational.yy + rotational.zz), rotational);
+}
 
-/* An inertia moved by a constant shift: rbd.h's rule for second moments. */
-RBDI_INLINE rbd_inertia rbdi_inertia_shift(rbd_vec3 shift, rbd_sym3 second, rbd_inertia i) {
-    rbdi_rbi c;
-    c.Sigma = second;
-    c.h = i.h;
-    c = rbdi_rbi_shift(shift, i.mass, c);
-    i.h = c.h;
-    i.rotational = rbdi_trace_less(c.Sigma.xx + c.Sigma.yy + c.Sigma.zz, c.Sigma);
+/* An inertia with this second moment, whose frame moves so that its origin stands at `shift` in the new one.
+   */
+RBDI_INLINE rbd_inertia rbdi_inertia_shift(rbd_vec3 shift, rbd_sym3 Sigma, rbd_inertia i) {
+    rbdi_rbi C;
+    C.Sigma = Sigma;
+    C.h = i.h;
+    C = rbdi_rbi_shift(shift, i.mass, C);
+    i.h = C.h;
+    i.rotational = rbdi_trace_less(C.Sigma.xx + C.Sigma.yy + C.Sigma.zz, C.Sigma);
     return i;
 }
-RBDI_INLINE rbd_sym3 rbdi_second_moment(rbd_sym3 a) {
-    return rbdi_trace_less(RBD_C(0.5) * (a.xx + a.yy + a.zz), a);
-}
 
-/* As a body is described: mass; centre of mass; inertia about it xx, xy, xz, yy, yz, zz. */
+/* From mass, kg; centre of mass, m; inertia about it xx, xy, xz, yy, yz, zz, kg m^2: as in an rbd_body. */
 RBDI_INLINE rbd_inertia rbd_inertia_of(rbd_const mass, const rbd_const com[3], const rbd_const inertia[6],
                                        int frame) {
     rbd_const p[10];
@@ -472,7 +473,7 @@ RBDI_INLINE rbd_inertia rbd_inertia_of(rbd_const mass, const rbd_const com[3], c
                               rbdi_second_moment(i.rotational), i);
 }
 
-/* Of two bodies that are one. */
+/* The inertia of two bodies that move as one, from theirs in the same frame. */
 RBDI_INLINE rbd_inertia rbd_inertia_add(RBDI_AT rbd_inertia a, rbd_inertia b) {
     RBDI_MATCH("rbd_inertia_add", b.frame, a.frame);
     a.mass = a.mass + b.mass;
@@ -481,7 +482,7 @@ RBDI_INLINE rbd_inertia rbd_inertia_add(RBDI_AT rbd_inertia a, rbd_inertia b) {
     return a;
 }
 
-/* An inertia of frame `of` in frame `in`; (2.66). */
+/* An inertia from frame `of` into frame `in`; (2.66) of the book. */
 RBDI_INLINE rbd_inertia rbd_inertia_up(RBDI_AT rbd_placement x, rbd_inertia i) {
     RBDI_MATCH("rbd_inertia_up", i.frame, x.of);
     i.h = rbdi_mul(x.rotation, i.h);
@@ -490,14 +491,14 @@ RBDI_INLINE rbd_inertia rbd_inertia_up(RBDI_AT rbd_placement x, rbd_inertia i) {
     RBDI_FRAMES(i.frame = x.in;)
     return i;
 }
-/* An inertia of frame `in` in frame `of`. */
+/* An inertia from frame `in` into frame `of`. */
 RBDI_INLINE rbd_inertia rbd_inertia_down(RBDI_AT rbd_placement x, rbd_inertia i) {
     RBDI_MATCH("rbd_inertia_down", i.frame, x.in);
-    RBDI_FRAMES(i.frame = x.in;) /* said once */
+    RBDI_FRAMES(i.frame = x.in;) /* so that a mismatch is reported once */
     return rbd_inertia_up(RBDI_HERE rbd_placement_inverse(x), i);
 }
 
-/* i m: of a velocity the momentum, of an acceleration the force that it takes; (2.63). */
+/* i m: the momentum for a velocity m, the force for an acceleration m; (2.63). */
 RBDI_INLINE rbd_force rbd_inertia_times(RBDI_AT rbd_inertia i, rbd_motion m) {
     rbd_force f;
     RBDI_MATCH("rbd_inertia_times", m.frame, i.frame);
@@ -508,7 +509,7 @@ RBDI_INLINE rbd_force rbd_inertia_times(RBDI_AT rbd_inertia i, rbd_motion m) {
 }
 
 /* ---- checks [checks] ----
-   Calls that compare frames are told where they stand. A macro does not expand within its own expansion. */
+   Calls that compare frames get their file and line. A macro does not expand within its own expansion. */
 
 #ifdef RBD_CHECK_FRAMES
 #define rbd_placement_compose(...) rbd_placement_compose(__FILE__, __LINE__, __VA_ARGS__)

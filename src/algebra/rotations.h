@@ -5,8 +5,8 @@
 
 /* Quaternions and angles. */
 
-/* Powers of two small enough that the square of no finite number times them overflows, and large enough that
-   a number whose square does overflow stays above 1e-15. */
+/* A power of two. It is so small that the square of no finite number times it overflows, and so large that a
+   number whose square overflows stays above 1e-15. */
 #if RBDI_KIND(RBD_CONST) == 1
 #define RBDI_SHORTEN 2.9134143481250808e-157 /* 2^-520 */
 #elif RBDI_KIND(RBD_CONST) == 2
@@ -17,16 +17,16 @@
     RBDI_SQUARE(RBDI_SQUARE(RBDI_SQUARE(RBDI_SQUARE(RBD_C(3.7291703656001034e-155)))))
 #endif
 
-/* u = q, shortened where the sum of the n squares would overflow, and 1 / (sum of the squares of u), or 0,
-   with *bad set, where that is below RBDI_SHORT. */
+/* u = q, shortened if the sum of the n squares would overflow. Returns 1 / (sum of the squares of u), or 0
+   with bad set if that sum is below RBDI_SHORT. */
 RBDI_INLINE rbd_real rbdi_inverse_square(const rbd_real *q, int n, rbd_real *u, rbdi_mask *bad) {
     const rbd_real one = rbdi_set(RBD_C(1)), limit = rbdi_set(RBD_C(1e-12) / RBDI_SHORTEN / RBDI_SHORTEN);
-    rbd_real sum = q[0] * q[0], k;
+    rbd_real sum = q[0] * q[0], factor;
     RBDI_UNROLL_SIX for (int i = 1; i < n; ++i)
         sum = sum + q[i] * q[i];
-    k = rbdi_select(rbdi_less(limit, sum), rbdi_set(RBDI_SHORTEN), one);
+    factor = rbdi_select(rbdi_less(limit, sum), rbdi_set(RBDI_SHORTEN), one);
     RBDI_UNROLL_SIX for (int i = 0; i < n; ++i)
-        u[i] = q[i] * k;
+        u[i] = q[i] * factor;
     sum = u[0] * u[0];
     RBDI_UNROLL_SIX for (int i = 1; i < n; ++i)
         sum = sum + u[i] * u[i];
@@ -34,14 +34,14 @@ RBDI_INLINE rbd_real rbdi_inverse_square(const rbd_real *q, int n, rbd_real *u, 
     return rbdi_reciprocal(sum, RBDI_SHORT, bad);
 }
 
-/* The rotation that turns joint-frame vectors into body vectors, from a quaternion (x, y, z, w) of any
-   length; zero gives the identity. */
+/* E of a quaternion (x, y, z, w) of any length, from joint-frame axes to body axes; zero gives the identity.
+   */
 RBDI_INLINE rbdi_mat rbdi_quaternion_down(const rbd_real *q) {
     rbdi_mask bad;
-    rbd_real u[4], s = rbdi_inverse_square(q, 4, u, &bad), x, y, z;
+    rbd_real u[4], twice = rbdi_inverse_square(q, 4, u, &bad), x, y, z;
     rbdi_mat E;
-    s = s + s;
-    x = s * u[0], y = s * u[1], z = s * u[2];
+    twice = twice + twice;
+    x = twice * u[0], y = twice * u[1], z = twice * u[2];
     E.xx = rbdi_set(RBD_C(1)) - (y * u[1] + z * u[2]);
     E.yy = rbdi_set(RBD_C(1)) - (x * u[0] + z * u[2]);
     E.zz = rbdi_set(RBD_C(1)) - (x * u[0] + y * u[1]);
@@ -54,36 +54,37 @@ RBDI_INLINE rbdi_mat rbdi_quaternion_down(const rbd_real *q) {
 /* (cos, sin) scaled to unit length, (1, 0) if both vanish. */
 RBDI_INLINE void rbdi_unit_cs(const rbd_real *q, rbd_real *c, rbd_real *s) {
     rbdi_mask bad;
-    rbd_real u[2], k = rbdi_sqrt(rbdi_inverse_square(q, 2, u, &bad));
-    *c = rbdi_select(bad, rbdi_set(RBD_C(1)), u[0] * k);
-    *s = rbdi_select(bad, rbdi_zero(), u[1] * k);
+    rbd_real u[2], factor = rbdi_sqrt(rbdi_inverse_square(q, 2, u, &bad));
+    *c = rbdi_select(bad, rbdi_set(RBD_C(1)), u[0] * factor);
+    *s = rbdi_select(bad, rbdi_zero(), u[1] * factor);
 }
 
-/* sum (-x)^k / (n + 2k)!: the tails of sine (n odd) and cosine (n even), for 0 <= x < 1. */
+/* sum over k of (-x)^k / (n + 2k)!: the tails of sine (n odd) and cosine (n even), for 0 <= x < 1. */
 static RBDI_UNUSED rbd_real rbdi_tail(rbd_real x, int n) {
-    rbd_real s = rbdi_set(RBD_C(1));
+    rbd_real sum = rbdi_set(RBD_C(1));
     int factorial = 1;
     for (int k = RBDI_TAIL_TERMS; k > 0; --k)
-        s = rbdi_set(RBD_C(1)) - x * s * (RBD_C(1) / (rbd_const)((n + 2 * k - 1) * (n + 2 * k)));
+        sum = rbdi_set(RBD_C(1)) - x * sum * (RBD_C(1) / (rbd_const)((n + 2 * k - 1) * (n + 2 * k)));
     for (int k = 2; k <= n; ++k) factorial *= k;
-    return s * (RBD_C(1) / (rbd_const)factorial);
+    return sum * (RBD_C(1) / (rbd_const)factorial);
 }
 
-/* Coefficients of the exponential map for a turn by theta, x = theta^2. */
+/* Coefficients of the exponential map for a turn by theta. Here and below A = sin(theta) / theta. */
 typedef struct rbdi_exp {
-    rbd_real x, half_sine; /* sin(theta / 2) / theta */
-    rbd_real half_cosine;  /* cos(theta / 2) */
-    rbd_real B, C;         /* (1 - cos theta) / theta^2, (theta - sin theta) / theta^3 */
+    rbd_real x;           /* theta^2 */
+    rbd_real half_sine;   /* sin(theta / 2) / theta */
+    rbd_real half_cosine; /* cos(theta / 2) */
+    rbd_real B, C;        /* (1 - cos theta) / theta^2, (theta - sin theta) / theta^3 */
 } rbdi_exp;
 
 static RBDI_UNUSED rbdi_exp rbdi_exp_of(rbdi_v3 turn) {
     rbdi_exp e;
-    rbd_real theta, s, A;
+    rbd_real theta, sine, A;
     rbdi_mask near_zero;
     e.x = rbdi_dot(turn, turn) + RBDI_NO_ANGLE;
     theta = rbdi_sqrt(e.x);
-    rbdi_sincos(theta * RBD_C(0.5), &s, &e.half_cosine);
-    e.half_sine = s / theta;
+    rbdi_sincos(theta * RBD_C(0.5), &sine, &e.half_cosine);
+    e.half_sine = sine / theta;
     e.B = (e.half_sine + e.half_sine) * e.half_sine;
     A = (e.half_sine + e.half_sine) * e.half_cosine;
     near_zero = rbdi_less(e.x, rbdi_set(RBD_C(1)));
@@ -92,28 +93,29 @@ static RBDI_UNUSED rbdi_exp rbdi_exp_of(rbdi_v3 turn) {
     return e;
 }
 
-/* Shift of a screw motion with turn omega and translation u: V u, V = 1 + B [omega]x + C [omega]x^2. */
-static RBDI_UNUSED rbdi_v3 rbdi_exp_shift(rbdi_exp e, rbdi_v3 omega, rbdi_v3 u) {
-    rbdi_v3 wu = rbdi_cross(omega, u);
-    return rbdi_add(u, rbdi_add(rbdi_scale(e.B, wu), rbdi_scale(e.C, rbdi_cross(omega, wu))));
+/* The shift p of a screw motion (omega; v): p = v + B omega x v + C omega x (omega x v). */
+static RBDI_UNUSED rbdi_v3 rbdi_exp_shift(rbdi_exp e, rbdi_v3 omega, rbdi_v3 v) {
+    rbdi_v3 across = rbdi_cross(omega, v);
+    return rbdi_add(v, rbdi_add(rbdi_scale(e.B, across), rbdi_scale(e.C, rbdi_cross(omega, across))));
 }
 
-/* Its inverse: V^-1 u = u - omega x u / 2 + k omega x (omega x u), k = (1 - A / (2 B)) / theta^2. */
-static RBDI_UNUSED rbdi_v3 rbdi_log_shift(rbdi_exp e, rbdi_v3 omega, rbdi_v3 u) {
-    rbdi_v3 wu = rbdi_cross(omega, u);
+/* Its inverse: v = p - omega x p / 2 + D omega x (omega x p), D = (1 - A / (2 B)) / theta^2. */
+static RBDI_UNUSED rbdi_v3 rbdi_log_shift(rbdi_exp e, rbdi_v3 omega, rbdi_v3 p) {
+    rbdi_v3 across = rbdi_cross(omega, p);
     rbd_real one = rbdi_set(RBD_C(1)), twice_B = e.B + e.B, A = (e.half_sine + e.half_sine) * e.half_cosine;
     rbdi_mask near_zero = rbdi_less(e.x, one);
-    rbd_real x = rbdi_select(near_zero, e.x, rbdi_zero()), D = rbdi_tail(x, 4);
-    rbd_real k = rbdi_select(near_zero, (rbdi_tail(x, 3) - (D + D)) / twice_B, (one - A / twice_B) / e.x);
-    u = rbdi_add(u, rbdi_scale(k, rbdi_cross(omega, wu)));
-    return rbdi_sub(u, rbdi_scale(rbdi_set(RBD_C(0.5)), wu));
+    rbd_real x = rbdi_select(near_zero, e.x, rbdi_zero()), tail = rbdi_tail(x, 4);
+    rbd_real D =
+        rbdi_select(near_zero, (rbdi_tail(x, 3) - (tail + tail)) / twice_B, (one - A / twice_B) / e.x);
+    p = rbdi_add(p, rbdi_scale(D, rbdi_cross(omega, across)));
+    return rbdi_sub(p, rbdi_scale(rbdi_set(RBD_C(0.5)), across));
 }
 
-/* Angle in [0, pi] with sine s >= 0 and cosine c, s^2 + c^2 = 1, by sine and cosine alone: a cubic
-   start and Newton steps, each of which cubes the error. */
+/* Angle in [0, pi] with sine s >= 0 and cosine c, s^2 + c^2 = 1, by sine and cosine alone: from a cubic guess
+   by Newton steps, each of which cubes the error. */
 static RBDI_UNUSED rbd_real rbdi_angle(rbd_real s, rbd_real c) {
-    rbd_real one = rbdi_set(RBD_C(1)), o = rbdi_zero(), t, angle, sine, cosine;
-    rbdi_mask obtuse = rbdi_less(c, o);
+    rbd_real one = rbdi_set(RBD_C(1)), t, angle, sine, cosine;
+    rbdi_mask obtuse = rbdi_less(c, rbdi_zero());
     rbd_real positive = rbdi_select(obtuse, -c, c);
     t = s / (positive + one); /* tan(angle / 2) in [0, 1] */
     angle = t * (rbdi_set(RBD_C(2)) - t * t * RBD_C(RBDI_ANGLE_START));
@@ -134,20 +136,21 @@ static RBDI_UNUSED rbd_real rbdi_signed_angle(rbd_real s, rbd_real c) {
 /* Unit quaternion of the same direction; identity for zero. */
 static RBDI_UNUSED void rbdi_unit_quaternion(const rbd_real *q, rbd_real *u) {
     rbdi_mask bad;
-    rbd_real k = rbdi_sqrt(rbdi_inverse_square(q, 4, u, &bad));
-    for (int i = 0; i < 4; ++i) u[i] = u[i] * k;
+    rbd_real factor = rbdi_sqrt(rbdi_inverse_square(q, 4, u, &bad));
+    for (int i = 0; i < 4; ++i) u[i] = u[i] * factor;
     u[3] = rbdi_select(bad, rbdi_set(RBD_C(1)), u[3]);
 }
 
 /* out = a b, Hamilton's product of (x, y, z, w). */
 static RBDI_UNUSED void rbdi_quaternion_product(const rbd_real *a, const rbd_real *b, rbd_real *out) {
-    rbdi_v3 u = rbdi_load_vec(a, 1), v = rbdi_load_vec(b, 1);
-    rbd_real w = a[3] * b[3] - rbdi_dot(u, v);
-    rbdi_store_vec(out, 1, rbdi_add(rbdi_cross(u, v), rbdi_add(rbdi_scale(a[3], v), rbdi_scale(b[3], u))));
+    rbdi_v3 va = rbdi_load_vec(a, 1), vb = rbdi_load_vec(b, 1);
+    rbd_real w = a[3] * b[3] - rbdi_dot(va, vb);
+    rbdi_store_vec(out, 1,
+                   rbdi_add(rbdi_cross(va, vb), rbdi_add(rbdi_scale(a[3], vb), rbdi_scale(b[3], va))));
     out[3] = w;
 }
 
-/* q exp(turn), normalised. */
+/* out = q exp(turn), normalised; e: the coefficients for the turn. */
 static RBDI_UNUSED void rbdi_quaternion_step(const rbd_real *q, rbdi_exp e, rbdi_v3 turn, rbd_real *out) {
     rbd_real step[4], unit[4];
     rbdi_store_vec(step, 1, rbdi_scale(e.half_sine, turn));
@@ -159,16 +162,16 @@ static RBDI_UNUSED void rbdi_quaternion_step(const rbd_real *q, rbdi_exp e, rbdi
 
 /* The turn (body axes, at most pi) that leads from q0 to q1. */
 static RBDI_UNUSED rbdi_v3 rbdi_quaternion_difference(const rbd_real *q0, const rbd_real *q1) {
-    rbd_real a[4], b[4], c[4], sine, cosine, angle;
+    rbd_real a[4], b[4], step[4], sine, cosine, angle;
     rbdi_v3 v;
     rbdi_mask back;
     rbdi_unit_quaternion(q0, a);
     rbdi_unit_quaternion(q1, b);
     for (int i = 0; i < 3; ++i) a[i] = -a[i];
-    rbdi_quaternion_product(a, b, c);
-    v = rbdi_load_vec(c, 1);
-    back = rbdi_less(c[3], rbdi_zero());
-    cosine = rbdi_select(back, -c[3], c[3]);
+    rbdi_quaternion_product(a, b, step);
+    v = rbdi_load_vec(step, 1);
+    back = rbdi_less(step[3], rbdi_zero());
+    cosine = rbdi_select(back, -step[3], step[3]);
     sine = rbdi_sqrt(rbdi_dot(v, v) + RBDI_NO_ANGLE);
     angle = rbdi_angle(sine, cosine);
     angle = (angle + angle) / sine;

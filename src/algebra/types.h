@@ -2,11 +2,12 @@
 #define RBDI_ALGEBRA_TYPES_H
 #include "api/configuration.h"
 
-/* Known angles of a turn. They are two of a link's flags: macros, because C++20 warns where enumerators of
-   two enumerations are combined. */
+/* Flags of a link whose twist has a known angle. Macros, because C++20 warns where enumerators of two
+   enumerations are combined. */
 #define RBDI_TWIST_90 128 /* 90 degrees */
 #define RBDI_TWIST_0 256  /* 0 */
 
+/* c: of constants of the model. */
 typedef struct rbdi_c3 {
     rbd_const x, y, z;
 } rbdi_c3;

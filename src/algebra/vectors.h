@@ -12,14 +12,15 @@ RBDI_INLINE rbdi_v3 rbdi_vec(rbd_real x, rbd_real y, rbd_real z) {
     const rbdi_v3 v = {x, y, z};
     return v;
 }
-/* A vector to and from three scalars, a stride apart. */
-RBDI_INLINE void rbdi_store_vec(rbd_real *a, ptrdiff_t stride, rbdi_v3 v) {
-    a[0] = v.x, a[stride] = v.y, a[2 * stride] = v.z;
+/* A vector to and from an array, whose components are a stride apart. */
+RBDI_INLINE void rbdi_store_vec(rbd_real *array, ptrdiff_t stride, rbdi_v3 v) {
+    array[0] = v.x, array[stride] = v.y, array[2 * stride] = v.z;
 }
-RBDI_INLINE rbdi_v3 rbdi_load_vec(const rbd_real *a, ptrdiff_t stride) {
-    return rbdi_vec(a[0], a[stride], a[2 * stride]);
+RBDI_INLINE rbdi_v3 rbdi_load_vec(const rbd_real *array, ptrdiff_t stride) {
+    return rbdi_vec(array[0], array[stride], array[2 * stride]);
 }
-RBDI_INLINE rbdi_v3 rbdi_vec_c(rbdi_c3 c) { return rbdi_vec(rbdi_set(c.x), rbdi_set(c.y), rbdi_set(c.z)); }
+/* _c: from constants of the model. */
+RBDI_INLINE rbdi_v3 rbdi_vec_c(rbdi_c3 a) { return rbdi_vec(rbdi_set(a.x), rbdi_set(a.y), rbdi_set(a.z)); }
 RBDI_INLINE rbdi_v3 rbdi_vec0(void) { return rbdi_vec(rbdi_zero(), rbdi_zero(), rbdi_zero()); }
 RBDI_INLINE rbdi_v3 rbdi_add(rbdi_v3 a, rbdi_v3 b) { return rbdi_vec(a.x + b.x, a.y + b.y, a.z + b.z); }
 RBDI_INLINE rbdi_v3 rbdi_sub(rbdi_v3 a, rbdi_v3 b) { return rbdi_vec(a.x - b.x, a.y - b.y, a.z - b.z); }
@@ -49,27 +50,27 @@ RBDI_INLINE rbdi_mat rbdi_mul_mat(rbdi_mat A, rbdi_mat B) {
     C.zx = x.z, C.zy = y.z, C.zz = z.z;
     return C;
 }
-RBDI_INLINE rbdi_mat rbdi_mat_c(const rbd_const a[9]) {
-    rbdi_mat A;
-    A.xx = rbdi_set(a[0]), A.xy = rbdi_set(a[1]), A.xz = rbdi_set(a[2]);
-    A.yx = rbdi_set(a[3]), A.yy = rbdi_set(a[4]), A.yz = rbdi_set(a[5]);
-    A.zx = rbdi_set(a[6]), A.zy = rbdi_set(a[7]), A.zz = rbdi_set(a[8]);
-    return A;
+RBDI_INLINE rbdi_mat rbdi_mat_c(const rbd_const A[9]) {
+    rbdi_mat B;
+    B.xx = rbdi_set(A[0]), B.xy = rbdi_set(A[1]), B.xz = rbdi_set(A[2]);
+    B.yx = rbdi_set(A[3]), B.yy = rbdi_set(A[4]), B.yz = rbdi_set(A[5]);
+    B.zx = rbdi_set(A[6]), B.zy = rbdi_set(A[7]), B.zz = rbdi_set(A[8]);
+    return B;
 }
 RBDI_INLINE rbdi_v3 rbdi_mul_sym(rbdi_sym A, rbdi_v3 v) {
     return rbdi_vec(A.xx * v.x + A.xy * v.y + A.xz * v.z, A.xy * v.x + A.yy * v.y + A.yz * v.z,
                     A.xz * v.x + A.yz * v.y + A.zz * v.z);
 }
-RBDI_INLINE rbdi_sym rbdi_sym_c(rbdi_csym c) {
-    rbdi_sym A;
-    A.xx = rbdi_set(c.xx), A.xy = rbdi_set(c.xy), A.xz = rbdi_set(c.xz);
-    A.yy = rbdi_set(c.yy), A.yz = rbdi_set(c.yz), A.zz = rbdi_set(c.zz);
-    return A;
+RBDI_INLINE rbdi_sym rbdi_sym_c(rbdi_csym A) {
+    rbdi_sym B;
+    B.xx = rbdi_set(A.xx), B.xy = rbdi_set(A.xy), B.xz = rbdi_set(A.xz);
+    B.yy = rbdi_set(A.yy), B.yz = rbdi_set(A.yz), B.zz = rbdi_set(A.zz);
+    return B;
 }
 
-/* Turns. Down: components in a frame turned by the angle (c, s) about z; up: components in the frame from
-   which it was turned. The flags say what is known of the angle: RBDI_TWIST_0 (1, 0), RBDI_TWIST_90 (0, 1),
-   or nothing. */
+/* Change of axes by a turn about z with cosine c and sine s. rbdi_turn_z, down: from the axes before the turn
+   to those after it; _up: back. flags: RBDI_TWIST_0 if (c, s) is (1, 0), RBDI_TWIST_90 if (0, 1), else
+   neither. */
 RBDI_INLINE rbdi_v3 rbdi_turn_z(int flags, rbd_real c, rbd_real s, rbdi_v3 v) {
     if (flags & RBDI_TWIST_0) return v;
     if (flags & RBDI_TWIST_90) return rbdi_vec(v.y, -v.x, v.z);
@@ -81,8 +82,8 @@ RBDI_INLINE rbdi_v3 rbdi_turn_up_z(int flags, rbd_real c, rbd_real s, rbdi_v3 v)
     return rbdi_vec(c * v.x - s * v.y, c * v.y + s * v.x, v.z);
 }
 
-/* Change of axes of a symmetric matrix, child to parent: Rz' A Rz with four multiplications for the
-   block (x, y) instead of the twelve of the plain product. */
+/* The same of a symmetric matrix, up: E' A E for the turn E. The block (x, y) takes four multiplications, the
+   plain product twelve. */
 RBDI_INLINE rbdi_sym rbdi_sym_up_z(int flags, rbd_real c, rbd_real s, rbdi_sym A) {
     rbd_real t;
     rbdi_sym B;
@@ -107,7 +108,7 @@ RBDI_INLINE rbdi_sym rbdi_sym_cycle(rbdi_sym A) {
     return B;
 }
 
-/* The same for a general matrix. */
+/* The same of a general matrix. */
 RBDI_INLINE rbdi_mat rbdi_mat_up_z(int flags, rbd_real c, rbd_real s, rbdi_mat A) {
     rbd_real t;
     rbdi_mat B;

@@ -5,8 +5,8 @@
 
 /* ---- inertias [inertias] ---- */
 
-/* From ten parameters, in which the inertia is linear, those of regressors: mass; mass times centre of mass;
-   xx, xy, xz, yy, yz, zz about the origin. */
+/* From the ten parameters of a regressor, in which the inertia is linear: mass; mass times centre of mass;
+   xx, xy, xz, yy, yz, zz about the frame's origin, in kg, kg m and kg m^2. _to_parameters: back. */
 RBDI_INLINE rbd_inertia rbd_inertia_from_parameters(const rbd_const p[10], int frame) {
     rbd_inertia i;
     i.mass = p[0];
@@ -25,30 +25,31 @@ RBDI_INLINE void rbd_inertia_to_parameters(rbd_inertia i, rbd_real p[10]) {
     rbdi_store_vec(p + 7, 1, rbdi_vec(a.yy, a.yz, a.zz));
 }
 
-/* t 1 - a. With t the trace it makes the rotational inertia of the second moment of mass, with half of it the
-   second moment of the rotational inertia; see [design] of rbd.h. */
-RBDI_INLINE rbd_sym3 rbdi_trace_less(rbd_real t, rbd_sym3 a) {
+/* trace 1 - a: of the second moment of mass, Sigma, the rotational inertia, see [design] of rbd.h. With half
+   the trace of the rotational inertia: back. */
+RBDI_INLINE rbd_sym3 rbdi_trace_less(rbd_real trace, rbd_sym3 a) {
     rbd_sym3 b;
-    b.xx = t - a.xx, b.yy = t - a.yy, b.zz = t - a.zz;
+    b.xx = trace - a.xx, b.yy = trace - a.yy, b.zz = trace - a.zz;
     b.xy = -a.xy, b.xz = -a.xz, b.yz = -a.yz;
     return b;
 }
+RBDI_INLINE rbd_sym3 rbdi_second_moment(rbd_sym3 rotational) {
+    return rbdi_trace_less(RBD_C(0.5) * (rotational.xx + rotational.yy + rotational.zz), rotational);
+}
 
-/* An inertia moved by a constant shift: rbd.h's rule for second moments. */
-RBDI_INLINE rbd_inertia rbdi_inertia_shift(rbd_vec3 shift, rbd_sym3 second, rbd_inertia i) {
-    rbdi_rbi c;
-    c.Sigma = second;
-    c.h = i.h;
-    c = rbdi_rbi_shift(shift, i.mass, c);
-    i.h = c.h;
-    i.rotational = rbdi_trace_less(c.Sigma.xx + c.Sigma.yy + c.Sigma.zz, c.Sigma);
+/* An inertia with this second moment, whose frame moves so that its origin stands at `shift` in the new one.
+   */
+RBDI_INLINE rbd_inertia rbdi_inertia_shift(rbd_vec3 shift, rbd_sym3 Sigma, rbd_inertia i) {
+    rbdi_rbi C;
+    C.Sigma = Sigma;
+    C.h = i.h;
+    C = rbdi_rbi_shift(shift, i.mass, C);
+    i.h = C.h;
+    i.rotational = rbdi_trace_less(C.Sigma.xx + C.Sigma.yy + C.Sigma.zz, C.Sigma);
     return i;
 }
-RBDI_INLINE rbd_sym3 rbdi_second_moment(rbd_sym3 a) {
-    return rbdi_trace_less(RBD_C(0.5) * (a.xx + a.yy + a.zz), a);
-}
 
-/* As a body is described: mass; centre of mass; inertia about it xx, xy, xz, yy, yz, zz. */
+/* From mass, kg; centre of mass, m; inertia about it xx, xy, xz, yy, yz, zz, kg m^2: as in an rbd_body. */
 RBDI_INLINE rbd_inertia rbd_inertia_of(rbd_const mass, const rbd_const com[3], const rbd_const inertia[6],
                                        int frame) {
     rbd_const p[10];
@@ -60,7 +61,7 @@ RBDI_INLINE rbd_inertia rbd_inertia_of(rbd_const mass, const rbd_const com[3], c
                               rbdi_second_moment(i.rotational), i);
 }
 
-/* Of two bodies that are one. */
+/* The inertia of two bodies that move as one, from theirs in the same frame. */
 RBDI_INLINE rbd_inertia rbd_inertia_add(RBDI_AT rbd_inertia a, rbd_inertia b) {
     RBDI_MATCH("rbd_inertia_add", b.frame, a.frame);
     a.mass = a.mass + b.mass;
@@ -69,7 +70,7 @@ RBDI_INLINE rbd_inertia rbd_inertia_add(RBDI_AT rbd_inertia a, rbd_inertia b) {
     return a;
 }
 
-/* An inertia of frame `of` in frame `in`; (2.66). */
+/* An inertia from frame `of` into frame `in`; (2.66) of the book. */
 RBDI_INLINE rbd_inertia rbd_inertia_up(RBDI_AT rbd_placement x, rbd_inertia i) {
     RBDI_MATCH("rbd_inertia_up", i.frame, x.of);
     i.h = rbdi_mul(x.rotation, i.h);
@@ -78,14 +79,14 @@ RBDI_INLINE rbd_inertia rbd_inertia_up(RBDI_AT rbd_placement x, rbd_inertia i) {
     RBDI_FRAMES(i.frame = x.in;)
     return i;
 }
-/* An inertia of frame `in` in frame `of`. */
+/* An inertia from frame `in` into frame `of`. */
 RBDI_INLINE rbd_inertia rbd_inertia_down(RBDI_AT rbd_placement x, rbd_inertia i) {
     RBDI_MATCH("rbd_inertia_down", i.frame, x.in);
-    RBDI_FRAMES(i.frame = x.in;) /* said once */
+    RBDI_FRAMES(i.frame = x.in;) /* so that a mismatch is reported once */
     return rbd_inertia_up(RBDI_HERE rbd_placement_inverse(x), i);
 }
 
-/* i m: of a velocity the momentum, of an acceleration the force that it takes; (2.63). */
+/* i m: the momentum for a velocity m, the force for an acceleration m; (2.63). */
 RBDI_INLINE rbd_force rbd_inertia_times(RBDI_AT rbd_inertia i, rbd_motion m) {
     rbd_force f;
     RBDI_MATCH("rbd_inertia_times", m.frame, i.frame);
@@ -96,7 +97,7 @@ RBDI_INLINE rbd_force rbd_inertia_times(RBDI_AT rbd_inertia i, rbd_motion m) {
 }
 
 /* ---- checks [checks] ----
-   Calls that compare frames are told where they stand. A macro does not expand within its own expansion. */
+   Calls that compare frames get their file and line. A macro does not expand within its own expansion. */
 
 #ifdef RBD_CHECK_FRAMES
 #define rbd_placement_compose(...) rbd_placement_compose(__FILE__, __LINE__, __VA_ARGS__)

@@ -16,7 +16,7 @@ RBDI_INLINE rbd_rotation rbd_rotation_identity(void) {
     return r;
 }
 
-/* From and to nine numbers by rows, as of rbd_body_pose. */
+/* From and to nine numbers, row-major, such as those of rbd_body_pose. */
 RBDI_INLINE rbd_rotation rbd_rotation_from_array(const rbd_real *a) {
     rbd_rotation r;
     r.xx = a[0], r.xy = a[1], r.xz = a[2];
@@ -30,11 +30,11 @@ RBDI_INLINE void rbd_rotation_to_array(rbd_rotation r, rbd_real *a) {
     rbdi_store_vec(a + 6, 1, rbdi_vec(r.zx, r.zy, r.zz));
 }
 
-/* a b: first b, then a, both about the axes of the frame that a leads to. */
+/* a b: first turns by b, then by a. Both turn about the axes of the frame that a leads to. */
 RBDI_INLINE rbd_rotation rbd_rotation_product(rbd_rotation a, rbd_rotation b) { return rbdi_mul_mat(a, b); }
 RBDI_INLINE rbd_rotation rbd_rotation_inverse(rbd_rotation r) { return rbdi_transpose(r); }
 
-/* r v, and r' v. */
+/* r v, from of's axes into in's; rbd_rotate_back: r' v. */
 RBDI_INLINE rbd_vec3 rbd_rotate(rbd_rotation r, rbd_vec3 v) { return rbdi_mul(r, v); }
 RBDI_INLINE rbd_vec3 rbd_rotate_back(rbd_rotation r, rbd_vec3 v) { return rbdi_mul_t(r, v); }
 
@@ -43,8 +43,8 @@ RBDI_INLINE rbd_rotation rbd_rotation_from_quaternion(const rbd_real q[4]) {
     return rbdi_transpose(rbdi_quaternion_down(q));
 }
 
-/* q: the unit quaternion x, y, z, w with w >= 0. Of 4 q q', whose entries r has, the row with the largest
-   diagonal (Shepperd 1978), without a branch. */
+/* q: the unit quaternion x, y, z, w with w >= 0. Normalises the row of 4 q q' with the largest diagonal
+   entry, whose entries are sums of those of r (Shepperd 1978), without a branch. */
 static RBDI_UNUSED void rbd_rotation_to_quaternion(rbd_rotation r, rbd_real q[4]) {
     const rbd_real one = rbdi_set(RBD_C(1)), x = r.zy - r.yz, y = r.xz - r.zx, z = r.yx - r.xy,
                    xy = r.xy + r.yx, yz = r.yz + r.zy, xz = r.xz + r.zx;
@@ -64,7 +64,7 @@ static RBDI_UNUSED void rbd_rotation_to_quaternion(rbd_rotation r, rbd_real q[4]
     for (int k = 0; k < 4; ++k) q[k] = best * q[k];
 }
 
-/* Rz(yaw) Ry(pitch) Rx(roll). */
+/* Rz(yaw) Ry(pitch) Rx(roll), rad. */
 static RBDI_UNUSED rbd_rotation rbd_rotation_from_rpy(rbd_real roll, rbd_real pitch, rbd_real yaw) {
     rbd_real sr, cr, sp, cp, sy, cy;
     rbd_rotation r;
@@ -77,27 +77,27 @@ static RBDI_UNUSED rbd_rotation rbd_rotation_from_rpy(rbd_real roll, rbd_real pi
     return r;
 }
 
-/* The angle of (c, s), in [-pi, pi]; scales them to unit length, (1, 0) if both vanish. */
+/* The angle of (c, s), in [-pi, pi]; scales them to unit length, (1, 0) if both are zero. */
 RBDI_INLINE rbd_real rbdi_angle_of(rbd_real *c, rbd_real *s) {
     rbdi_mask none = rbdi_less(*c, *c);
-    const rbd_real k = rbdi_reciprocal(rbdi_sqrt(*c * *c + *s * *s), RBDI_TINY, &none);
-    *c = rbdi_select(none, rbdi_set(RBD_C(1)), k * *c);
-    *s = k * *s;
+    const rbd_real factor = rbdi_reciprocal(rbdi_sqrt(*c * *c + *s * *s), RBDI_TINY, &none);
+    *c = rbdi_select(none, rbdi_set(RBD_C(1)), factor * *c);
+    *s = factor * *s;
     return rbdi_signed_angle(*s, *c);
 }
 
-/* rpy: roll and yaw in [-pi, pi], pitch in [-pi/2, pi/2]. At a pitch of pi/2 or -pi/2, where roll and yaw
-   turn about the same axis, two that give r. */
+/* rpy: roll and yaw in [-pi, pi], pitch in [-pi/2, pi/2], rad. At a pitch of pi/2 or -pi/2 roll and yaw turn
+   about the same axis; then they are two that give r. */
 static RBDI_UNUSED void rbd_rotation_to_rpy(rbd_rotation r, rbd_real rpy[3]) {
     rbd_real c = r.zz, s = r.zy, cp, sp = -r.zx, cy, sy;
     rpy[0] = rbdi_angle_of(&c, &s);
-    cp = r.zy * s + r.zz * c; /* what is left is Rz(yaw) Ry(pitch) = r Rx(-roll) */
+    cp = r.zy * s + r.zz * c; /* the rest is Rz(yaw) Ry(pitch) = r Rx(-roll) */
     sy = r.xz * s - r.xy * c, cy = r.yy * c - r.yz * s;
     rpy[1] = rbdi_angle_of(&cp, &sp);
     rpy[2] = rbdi_angle_of(&cy, &sy);
 }
 
-/* exp: the rotation by |turn| about turn. */
+/* exp: the rotation about the vector turn, by its length, rad. */
 static RBDI_UNUSED rbd_rotation rbd_rotation_exp(rbd_vec3 turn) {
     const rbdi_exp e = rbdi_exp_of(turn);
     rbd_real q[4];
@@ -106,7 +106,7 @@ static RBDI_UNUSED rbd_rotation rbd_rotation_exp(rbd_vec3 turn) {
     return rbd_rotation_from_quaternion(q);
 }
 
-/* log: the shortest turn, at most pi, whose exp is r. */
+/* log: the shortest turn, of length at most pi, whose exp is r. */
 static RBDI_UNUSED rbd_vec3 rbd_rotation_log(rbd_rotation r) {
     rbd_real none[4], q[4];
     none[0] = none[1] = none[2] = rbdi_zero(), none[3] = rbdi_set(RBD_C(1));
@@ -114,7 +114,7 @@ static RBDI_UNUSED rbd_vec3 rbd_rotation_log(rbd_rotation r) {
     return rbdi_quaternion_difference(none, q);
 }
 
-/* The rotation by the angle about the axis, whose length does not count; without one the identity. */
+/* The rotation about an axis of any length, by the angle, rad; the identity if the axis is zero. */
 static RBDI_UNUSED rbd_rotation rbd_rotation_from_axis_angle(rbd_vec3 axis, rbd_real angle) {
     rbdi_mask bad;
     rbd_real a[3], u[3];
@@ -123,7 +123,7 @@ static RBDI_UNUSED rbd_rotation rbd_rotation_from_axis_angle(rbd_vec3 axis, rbd_
     return rbd_rotation_exp(rbdi_scale(angle, rbdi_load_vec(u, 1)));
 }
 
-/* The angle, in [0, pi]; axis: of unit length, z where the angle is 0. */
+/* Returns the angle, in [0, pi]; axis: of unit length, z if the angle is 0. */
 static RBDI_UNUSED rbd_real rbd_rotation_to_axis_angle(rbd_rotation r, rbd_vec3 *axis) {
     const rbd_vec3 turn = rbd_rotation_log(r);
     const rbd_real angle = rbdi_sqrt(rbdi_dot(turn, turn));
@@ -135,7 +135,7 @@ static RBDI_UNUSED rbd_real rbd_rotation_to_axis_angle(rbd_rotation r, rbd_vec3 
 
 /* ---- placements [placements] ---- */
 
-/* Frame `of` seen from frame `in`. */
+/* Where frame `of` stands in frame `in`: its axes, and its origin, m. */
 RBDI_INLINE rbd_placement rbd_placement_of(rbd_rotation rotation, rbd_vec3 position, int of, int in) {
     rbd_placement x;
     x.rotation = rotation;
@@ -144,7 +144,7 @@ RBDI_INLINE rbd_placement rbd_placement_of(rbd_rotation rotation, rbd_vec3 posit
     RBDI_FRAMES(x.of = of; x.in = in;)
     return x;
 }
-/* The same from the results of rbd_body_pose, for which `in` is the world. */
+/* The same from arrays, such as the results of rbd_body_pose, where `in` is the world. */
 RBDI_INLINE rbd_placement rbd_placement_from_arrays(const rbd_real rotation[9], const rbd_real position[3],
                                                     int of, int in) {
     return rbd_placement_of(rbd_rotation_from_array(rotation), rbd_vec3_from_array(position), of, in);
@@ -153,17 +153,17 @@ RBDI_INLINE rbd_placement rbd_placement_identity(int of, int in) {
     return rbd_placement_of(rbd_rotation_identity(), rbdi_vec0(), of, in);
 }
 
-/* c in a, from b in a and c in b. */
-RBDI_INLINE rbd_placement rbd_placement_compose(RBDI_AT rbd_placement b, rbd_placement c) {
+/* The placement of inner.of in outer.in; inner.in must be outer.of. */
+RBDI_INLINE rbd_placement rbd_placement_compose(RBDI_AT rbd_placement outer, rbd_placement inner) {
     rbd_placement x;
-    RBDI_MATCH("rbd_placement_compose", c.in, b.of);
-    x.rotation = rbdi_mul_mat(b.rotation, c.rotation);
-    x.position = rbdi_add(b.position, rbdi_mul(b.rotation, c.position));
-    RBDI_FRAMES(x.of = c.of; x.in = b.in;)
+    RBDI_MATCH("rbd_placement_compose", inner.in, outer.of);
+    x.rotation = rbdi_mul_mat(outer.rotation, inner.rotation);
+    x.position = rbdi_add(outer.position, rbdi_mul(outer.rotation, inner.position));
+    RBDI_FRAMES(x.of = inner.of; x.in = outer.in;)
     return x;
 }
 
-/* `in` seen from `of`. */
+/* The placement of frame `in` in frame `of`. */
 RBDI_INLINE rbd_placement rbd_placement_inverse(rbd_placement x) {
     rbd_placement y;
     y.rotation = rbdi_transpose(x.rotation);
@@ -172,7 +172,7 @@ RBDI_INLINE rbd_placement rbd_placement_inverse(rbd_placement x) {
     return y;
 }
 
-/* A point of frame `of` in coordinates of `in`, and back. */
+/* A point from coordinates of frame `of` into those of `in`; rbd_point_down: back. */
 RBDI_INLINE rbd_vec3 rbd_point_up(rbd_placement x, rbd_vec3 point) {
     return rbdi_add(x.position, rbdi_mul(x.rotation, point));
 }

@@ -21,10 +21,10 @@ typedef rbdi_v3 rbd_vec3;      /* x, y, z */
 typedef rbdi_mat rbd_rotation; /* xx, xy, xz, yx, ... zz: by rows */
 typedef rbdi_sym rbd_sym3;     /* xx, xy, xz, yy, yz, zz: symmetric */
 
-/* Where a frame stands in another one. */
+/* Where frame `of` stands in frame `in`. */
 typedef struct rbd_placement {
-    rbd_rotation rotation;
-    rbd_vec3 position; /* m */
+    rbd_rotation rotation; /* from of's axes into in's */
+    rbd_vec3 position;     /* of of's origin, in in's axes, m */
     RBDI_FRAMES(int of, in;)
 } rbd_placement;
 

@@ -12,7 +12,7 @@ RBDI_INLINE rbd_motion rbd_motion_of(rbd_vec3 angular, rbd_vec3 linear, int fram
     RBDI_FRAMES(m.frame = frame;)
     return m;
 }
-/* From and to six numbers, as of rbd_body_velocity. */
+/* From and to six numbers (angular; linear), such as those of rbd_body_velocity. */
 RBDI_INLINE rbd_motion rbd_motion_from_array(const rbd_real a[6], int frame) {
     return rbd_motion_of(rbd_vec3_from_array(a), rbd_vec3_from_array(a + 3), frame);
 }
@@ -27,13 +27,13 @@ RBDI_INLINE rbd_motion rbd_motion_add(RBDI_AT rbd_motion a, rbd_motion b) {
     a.linear = rbdi_add(a.linear, b.linear);
     return a;
 }
-RBDI_INLINE rbd_motion rbd_motion_scale(rbd_real k, rbd_motion m) {
-    m.angular = rbdi_scale(k, m.angular);
-    m.linear = rbdi_scale(k, m.linear);
+RBDI_INLINE rbd_motion rbd_motion_scale(rbd_real factor, rbd_motion m) {
+    m.angular = rbdi_scale(factor, m.angular);
+    m.linear = rbdi_scale(factor, m.linear);
     return m;
 }
 
-/* A motion of frame `of` in frame `in`: (2.24) of the book. */
+/* A motion from frame `of` into frame `in`; (2.24) of the book. */
 RBDI_INLINE rbd_motion rbd_motion_up(RBDI_AT rbd_placement x, rbd_motion m) {
     RBDI_MATCH("rbd_motion_up", m.frame, x.of);
     m.angular = rbdi_mul(x.rotation, m.angular);
@@ -41,7 +41,7 @@ RBDI_INLINE rbd_motion rbd_motion_up(RBDI_AT rbd_placement x, rbd_motion m) {
     RBDI_FRAMES(m.frame = x.in;)
     return m;
 }
-/* A motion of frame `in` in frame `of`. */
+/* A motion from frame `in` into frame `of`. */
 RBDI_INLINE rbd_motion rbd_motion_down(RBDI_AT rbd_placement x, rbd_motion m) {
     RBDI_MATCH("rbd_motion_down", m.frame, x.in);
     m.linear = rbdi_mul_t(x.rotation, rbdi_sub(m.linear, rbdi_cross(x.position, m.angular)));
@@ -50,7 +50,7 @@ RBDI_INLINE rbd_motion rbd_motion_down(RBDI_AT rbd_placement x, rbd_motion m) {
     return m;
 }
 
-/* v x m: the rate of a motion that is carried along by v; (2.31). */
+/* v x m: the rate of a motion m that is fixed in a body with velocity v; (2.31). */
 RBDI_INLINE rbd_motion rbd_motion_cross(RBDI_AT rbd_motion v, rbd_motion m) {
     RBDI_MATCH("rbd_motion_cross", m.frame, v.frame);
     m.linear = rbdi_add(rbdi_cross(v.angular, m.linear), rbdi_cross(v.linear, m.angular));
@@ -58,8 +58,8 @@ RBDI_INLINE rbd_motion rbd_motion_cross(RBDI_AT rbd_motion v, rbd_motion m) {
     return m;
 }
 
-/* exp: where a frame gets in unit time that moves with v, constant in its own axes; named `of`, seen from
-   where it was, the frame of v. */
+/* exp: the placement, after unit time, of a frame that moves with v, constant in its own axes. The moved
+   frame is `of`; `in`, where it started, is the frame of v. */
 static RBDI_UNUSED rbd_placement rbd_placement_exp(rbd_motion v, int of) {
     rbd_placement x;
     x.rotation = rbd_rotation_exp(v.angular);
@@ -69,8 +69,8 @@ static RBDI_UNUSED rbd_placement rbd_placement_exp(rbd_motion v, int of) {
     return x;
 }
 
-/* log: the v with the shortest turn, at most pi, whose exp is x. Its components are the same in both frames;
-   it is given in frame `in`. */
+/* log: the motion with the shortest turn, at most pi, whose exp is x. It has the same components in both
+   frames; its frame is `in`. */
 static RBDI_UNUSED rbd_motion rbd_placement_log(rbd_placement x) {
     rbd_motion v;
     v.angular = rbd_rotation_log(x.rotation);
@@ -89,7 +89,7 @@ RBDI_INLINE rbd_force rbd_force_of(rbd_vec3 moment, rbd_vec3 force, int frame) {
     RBDI_FRAMES(f.frame = frame;)
     return f;
 }
-/* From and to six numbers, as of a row of f_ext. */
+/* From and to six numbers (moment; force), such as a row of f_ext. */
 RBDI_INLINE rbd_force rbd_force_from_array(const rbd_real a[6], int frame) {
     return rbd_force_of(rbd_vec3_from_array(a), rbd_vec3_from_array(a + 3), frame);
 }
@@ -104,13 +104,13 @@ RBDI_INLINE rbd_force rbd_force_add(RBDI_AT rbd_force a, rbd_force b) {
     a.force = rbdi_add(a.force, b.force);
     return a;
 }
-RBDI_INLINE rbd_force rbd_force_scale(rbd_real k, rbd_force f) {
-    f.moment = rbdi_scale(k, f.moment);
-    f.force = rbdi_scale(k, f.force);
+RBDI_INLINE rbd_force rbd_force_scale(rbd_real factor, rbd_force f) {
+    f.moment = rbdi_scale(factor, f.moment);
+    f.force = rbdi_scale(factor, f.force);
     return f;
 }
 
-/* A force of frame `of` in frame `in`; (2.25). */
+/* A force from frame `of` into frame `in`; (2.25). */
 RBDI_INLINE rbd_force rbd_force_up(RBDI_AT rbd_placement x, rbd_force f) {
     RBDI_MATCH("rbd_force_up", f.frame, x.of);
     f.force = rbdi_mul(x.rotation, f.force);
@@ -118,7 +118,7 @@ RBDI_INLINE rbd_force rbd_force_up(RBDI_AT rbd_placement x, rbd_force f) {
     RBDI_FRAMES(f.frame = x.in;)
     return f;
 }
-/* A force of frame `in` in frame `of`. */
+/* A force from frame `in` into frame `of`. */
 RBDI_INLINE rbd_force rbd_force_down(RBDI_AT rbd_placement x, rbd_force f) {
     RBDI_MATCH("rbd_force_down", f.frame, x.in);
     f.moment = rbdi_mul_t(x.rotation, rbdi_sub(f.moment, rbdi_cross(x.position, f.force)));
@@ -127,7 +127,7 @@ RBDI_INLINE rbd_force rbd_force_down(RBDI_AT rbd_placement x, rbd_force f) {
     return f;
 }
 
-/* v x* f: the rate of a force that is carried along by v; (2.32). */
+/* v x* f: the rate of a force f that is fixed in a body with velocity v; (2.32). */
 RBDI_INLINE rbd_force rbd_force_cross(RBDI_AT rbd_motion v, rbd_force f) {
     RBDI_MATCH("rbd_force_cross", f.frame, v.frame);
     f.moment = rbdi_add(rbdi_cross(v.angular, f.moment), rbdi_cross(v.linear, f.force));
@@ -135,7 +135,7 @@ RBDI_INLINE rbd_force rbd_force_cross(RBDI_AT rbd_motion v, rbd_force f) {
     return f;
 }
 
-/* v . f, W: what the force does on a body that moves with v; the same in every frame. */
+/* v . f: the power, W, of the force on a body with velocity v; the same in every frame. */
 RBDI_INLINE rbd_real rbd_power(RBDI_AT rbd_motion v, rbd_force f) {
     RBDI_MATCH("rbd_power", f.frame, v.frame);
     return rbdi_dot(v.angular, f.moment) + rbdi_dot(v.linear, f.force);
