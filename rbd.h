@@ -953,68 +953,68 @@ typedef struct rbdi_pose { /* x_child = E (x_parent - r) */
    RBDI_BRANCH_TURN, RBDI_MASS_KEPT, RBDI_OFF_CHAIN, RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_ROOT, RBDI_SCREW,
    RBDI_SHAPE, RBDI_SHIFT_R, RBDI_SHIFT_XYZ, RBDI_SHIFT_Z, RBDI_SLIDES */
 
-/* Pose of a frame B in a frame A: x_B = E (x_A - r). */
+/* Pose of a frame B in a frame A: x_B = E (x_A - r), in the build's arithmetic. */
 typedef struct rbdi_wide_pose {
     rbdi_wide E[9], r[3];
 } rbdi_wide_pose;
 
-/* A link while it is being built. Later steps overwrite what earlier ones left. */
+/* A link during the build. Later steps overwrite fields of earlier ones. */
 typedef struct rbdi_build_link {
     rbdi_wide_pose X;               /* in the parent's frame at q = 0; r is without the slide d */
     rbdi_wide Sigma[6], h[3], mass; /* second, first and zeroth moment of mass */
     rbdi_wide_pose solver;          /* solver frame in the user's link frame */
     rbdi_wide axis[3], rho, kappa;
     rbdi_wide cg, sg, ca, sa, cb, sb, d;
-    rbdi_wide all, radius, lever; /* of the subtree: mass, radius of gyration and first moment */
-    rbdi_wide trace, moment, all_mass,
-        subtree_mass;               /* of the subtree: bounds of its mass moments; regrouped mass */
-    rbdi_wide scale, reach;         /* of the pivot; of the user's frames: see rbdi_build_scale */
-    int parent, kind, type, iq, iv; /* parent: index among the links being built */
-    int body, joint_dof;            /* its body; its first dof among those of the body's joint */
-    int size, favourite;  /* links of the subtree; the child that comes next in the solver's order */
-    int position, cursor; /* in the solver's order: its own; where its next child goes */
-    int order;            /* the link at this position */
-    int dh;               /* has Denavit and Hartenberg's form */
+    rbdi_wide all_mass, radius, lever; /* of the subtree: mass, radius of gyration and first moment */
+    rbdi_wide trace, moment;           /* of the subtree: bounds of its moments of mass */
+    rbdi_wide scale, reach;            /* of the pivot; of the user's frames: see rbdi_build_scale */
+    rbdi_wide subtree_mass;            /* regrouped */
+    int parent, kind, type, iq, iv;    /* parent: index among the links being built */
+    int body, joint_dof;               /* its body; its first dof among those of the body's joint */
+    int size, favourite;  /* number of links in the subtree; the child that is next in the solver's order */
+    int position, cursor; /* in the solver's order: its own; that of its next child */
+    int order;            /* the link whose position is this one's index */
+    int dh;               /* whether it has Denavit and Hartenberg's form: beta = 0, r along x */
 } rbdi_build_link;
 
-/* Where a body of the description sits while the model is built. */
+/* A body of the description during the build. */
 typedef struct rbdi_place {
     rbdi_wide_pose X; /* in its link */
-    int link;         /* -1 = world */
+    int link;         /* that carries it, -1 = world */
     int moves;        /* whether its joint moves mass, inertia or armature */
     int iq, iv;
 } rbdi_place;
 
-/* How the solver moves a link: about and along the local z, or as a block of spatial unit axes. */
+/* Kinds of links: those that move about and along their z, and blocks, see rbdi_block. */
 enum { RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_SCREW, RBDI_BLOCK };
 
 /* Flags for operations that a link's constants make necessary. The algorithms take the flags as an argument:
    the common combinations are compiled with constant flags (see RBDI_BY_FLAGS). */
 enum {
     RBDI_BRANCH_TURN = 1, /* the frame is turned about the parent's z before the twist */
-    RBDI_SHIFT_XYZ = 2,   /* RBDI_BRANCH_TURN, or the parent-side shift has y and z components */
-    RBDI_SHIFT_Z = 4,     /* the shift along the link's z is not zero throughout */
+    RBDI_SHIFT_XYZ = 2,   /* RBDI_BRANCH_TURN, or the parent-side shift has a y or z component */
+    RBDI_SHIFT_Z = 4,     /* the shift along the link's z is not always zero */
     RBDI_MASS_KEPT = 8,   /* Sigma_zz, h_z or m were not regrouped away */
     RBDI_ARMATURE = 16,   /* some degree of freedom of the joint has armature */
     RBDI_ROOT = 32,       /* the parent is the world */
     RBDI_SLIDES = 64,     /* kind is RBDI_SCREW; 128 and 256: RBDI_TWIST_90 and RBDI_TWIST_0, of alpha */
     RBDI_SHIFT_R = 512,   /* the parent-side shift is not zero */
-    RBDI_OFF_CHAIN = 1024 /* not a simple link of a chain: a block, a branch point, a link whose parent is
-                               not link i - 1, or one without Denavit and Hartenberg's form */
+    RBDI_OFF_CHAIN = 1024 /* not a simple link of a chain: a root, a block, a branch point, a link i whose
+                               parent is not link i - 1, or one without Denavit and Hartenberg's form */
 };
 
-/* A moving link in the form that costs least. From the parent's frame: shift by r, turn beta about z,
-   twist alpha about x, turn rho q + gamma about z, slide d + kappa q along it. Blocks: see rbdi_block. */
+/* A moving link, see [design]. From the parent's frame: shift by r, turn by beta about z, twist by alpha
+   about x, turn by rho q + gamma about z, slide by d + kappa q along z. A block has its pose in an
+   rbdi_block. */
 typedef struct rbdi_link {
     int16_t parent; /* an earlier link, -1 = world */
     int16_t iq, iv; /* first coordinate and degree of freedom */
     int16_t block;  /* index into blocks, -1 = none */
-    int16_t
-        branch; /* index into rbd_work.branch, -1 = no branch point: its child, if any, is the next link */
-    int16_t first, end; /* solver dofs of the subtree: its own first .. end - 1, contiguous */
+    int16_t branch; /* a branch point's index into rbd_work.branch; -1: its child, if any, is the next link */
+    int16_t first, end; /* dofs of the subtree: rbd_model.order[first] .. [end - 1], its own first */
     int16_t kind, flags;
     rbd_const cg, sg;          /* cosine and sine of the joint angle at q = 0 */
-    rbd_const quarters, gamma; /* that angle: right angles, 0 to 3, and the rest, 45 degrees at most */
+    rbd_const quarters, gamma; /* that angle: 0 to 3 right angles, and the rest, at most 45 degrees */
     rbd_const ca, sa, cb, sb;  /* cosines and sines of alpha and beta */
     rbdi_c3 r;                 /* parent axes; y = z = 0 unless RBDI_SHIFT_XYZ */
     rbd_const d;               /* along the link's z */
@@ -1041,11 +1041,11 @@ typedef struct rbdi_dof {
     int16_t depth; /* number of ancestors in that tree. Of mimic dofs lambda, row and depth have no meaning */
     int16_t before, level; /* parent and number of ancestors in the mechanism, of mimic dofs too */
     rbd_const armature, damping, friction;
-    rbd_const scale; /* bound of the inertia that it moves; a pivot below RBDI_DOUBT scale is judged */
+    rbd_const scale; /* bound of the inertia that it moves; a pivot below RBDI_DOUBT scale is in doubt */
 } rbdi_dof;
 
-/* The dof at an index of the solver's order, depth first, and the row of level + 1 entries that crba writes
-   for it: the dof's own or, with mimic joints, a row behind the packed matrix. */
+/* The dof at this index of the solver's order, depth first, and where the row of level + 1 entries begins
+   that crba writes for it: the dof's own row or, with mimic joints, one behind the packed matrix. */
 typedef struct rbdi_order {
     int16_t dof;
     int32_t row;
@@ -1078,7 +1078,7 @@ typedef struct rbdi_frame {
     rbd_const lower, upper, velocity, effort;
 } rbdi_frame;
 
-#define RBDI_SHAPE 3 /* words */
+#define RBDI_SHAPE 3 /* words of rbd_model.shape */
 
 struct rbd_model {
     int16_t version, scalar; /* RBD_MODEL_VERSION, sizeof(rbd_const) */
@@ -1095,10 +1095,10 @@ struct rbd_model {
     const rbdi_mimic *mimic; /* nmimic */
     const rbdi_frame *frame; /* nb, in the description's order */
     uint32_t features;       /* rbdi_features */
-    uint64_t shape[RBDI_SHAPE]; /* all that determines the sizes of a work and a batch: rbdi_shape */
+    uint64_t shape[RBDI_SHAPE]; /* determines the sizes of a work and a batch: rbdi_shape */
 };
 
-/* A built model as a table, which rbd-model writes: declared in every file, defined in one. */
+/* For a built model as a table, which rbd-model writes: declared in every file, defined in one. */
 #define RBDI_TABLE_SYMBOL(name) RBDI_PASTE(name, RBD_CONST)
 #ifdef RBD_STATIC
 #define RBDI_TABLE static
@@ -5662,8 +5662,7 @@ RBDI_CODE_END
    rbdi_w_transpose, rbdi_widen, RBDI_TEXT */
 
 /* ---- descriptions [descriptions] ----
-   Tools for reading a description, here and in the other headers: checks, and algebra in the build's
-   arithmetic. Also the way back, from the model to a row. */
+   To read a description, here and in other headers: checks, and algebra in the build's arithmetic (w_). */
 
 #include <math.h>
 
@@ -5689,11 +5688,12 @@ static RBDI_UNUSED void rbdi_w_apply(const rbdi_wide A[9], const rbdi_wide x[3],
 static RBDI_UNUSED void rbdi_w_transpose(const rbdi_wide A[9], rbdi_wide B[9]) {
     for (int i = 0; i < 9; ++i) B[i] = A[i % 3 * 3 + i / 3];
 }
-static RBDI_UNUSED void rbdi_w_product(const rbdi_wide A[9], const rbdi_wide B[9], rbdi_wide C[9]) {
-    rbdi_wide D[9];
+/* AB may be A or B. */
+static RBDI_UNUSED void rbdi_w_product(const rbdi_wide A[9], const rbdi_wide B[9], rbdi_wide AB[9]) {
+    rbdi_wide C[9];
     for (int i = 0; i < 9; ++i)
-        D[i] = A[i / 3 * 3] * B[i % 3] + A[i / 3 * 3 + 1] * B[i % 3 + 3] + A[i / 3 * 3 + 2] * B[i % 3 + 6];
-    for (int i = 0; i < 9; ++i) C[i] = D[i];
+        C[i] = A[i / 3 * 3] * B[i % 3] + A[i / 3 * 3 + 1] * B[i % 3 + 3] + A[i / 3 * 3 + 2] * B[i % 3 + 6];
+    for (int i = 0; i < 9; ++i) AB[i] = C[i];
 }
 static RBDI_UNUSED void rbdi_w_turn_z(rbdi_wide c, rbdi_wide s, rbdi_wide A[9]) {
     rbdi_w_identity(A);
@@ -5703,15 +5703,15 @@ static RBDI_UNUSED void rbdi_w_turn_x(rbdi_wide c, rbdi_wide s, rbdi_wide A[9]) 
     rbdi_w_identity(A);
     A[4] = c, A[5] = s, A[7] = -s, A[8] = c;
 }
-/* Rz(gamma) Rx(alpha) Rz(beta) from the cosines and sines. */
+/* E = Rz(gamma) Rx(alpha) Rz(beta) from the cosines and sines. */
 static RBDI_UNUSED void rbdi_w_zxz(rbdi_wide cg, rbdi_wide sg, rbdi_wide ca, rbdi_wide sa, rbdi_wide cb,
                                    rbdi_wide sb, rbdi_wide E[9]) {
-    rbdi_wide Z[9];
+    rbdi_wide turn[9];
     rbdi_w_turn_z(cg, sg, E);
-    rbdi_w_turn_x(ca, sa, Z);
-    rbdi_w_product(E, Z, E);
-    rbdi_w_turn_z(cb, sb, Z);
-    rbdi_w_product(E, Z, E);
+    rbdi_w_turn_x(ca, sa, turn);
+    rbdi_w_product(E, turn, E);
+    rbdi_w_turn_z(cb, sb, turn);
+    rbdi_w_product(E, turn, E);
 }
 /* Pose of C in A, from that of C in B and of B in A. */
 static RBDI_UNUSED rbdi_wide_pose rbdi_w_compose(const rbdi_wide_pose *CB, const rbdi_wide_pose *BA) {
@@ -5741,9 +5741,9 @@ static RBDI_UNUSED rbdi_wide rbdi_w_length(const rbdi_wide a[3]) {
     return RBDI_WIDE_LIBM(sqrt)(rbdi_w_dot(a, a));
 }
 
-/* Whether numbers are finite, in the model's scalar too. */
+/* Whether n numbers are finite, in the model's scalar too. */
 static RBDI_UNUSED int rbdi_finite(const double *x, int n) {
-    for (int k = 0; k < n; ++k) { /* by bits: stays right under -ffinite-math-only */
+    for (int k = 0; k < n; ++k) { /* by bits, which is right with -ffinite-math-only too */
         union {
             double x;
             uint64_t bits;
@@ -5764,17 +5764,19 @@ static RBDI_UNUSED int rbdi_all_zero(const double *x, int n) {
     return 1;
 }
 
-/* y = x scaled to unit length, whatever its length is. */
+/* y = x scaled to unit length, of any length but 0: by the largest component first, so that nothing
+   overflows. */
 static RBDI_UNUSED void rbdi_unit(const rbdi_wide x[3], rbdi_wide y[3]) {
-    rbdi_wide largest = 0, n;
+    rbdi_wide largest = 0, length;
     for (int k = 0; k < 3; ++k)
         if (rbdi_w_abs(x[k]) > largest) largest = rbdi_w_abs(x[k]);
     for (int k = 0; k < 3; ++k) y[k] = x[k] / largest;
-    n = rbdi_w_length(y);
-    for (int k = 0; k < 3; ++k) y[k] /= n;
+    length = rbdi_w_length(y);
+    for (int k = 0; k < 3; ++k) y[k] /= length;
 }
 
-/* A nearly orthonormal matrix made exactly so, rows first to last (Gram and Schmidt). An exact one stays. */
+/* Makes a nearly orthonormal matrix orthonormal, rows first to last (Gram and Schmidt). An exact one stays.
+   */
 static RBDI_UNUSED void rbdi_orthonormalise(rbdi_wide R[9]) {
     rbdi_wide along;
     rbdi_unit(&R[0], &R[0]);
@@ -5785,29 +5787,28 @@ static RBDI_UNUSED void rbdi_orthonormalise(rbdi_wide R[9]) {
         R[6 + k] = R[(k + 1) % 3] * R[3 + (k + 2) % 3] - R[(k + 2) % 3] * R[3 + (k + 1) % 3];
 }
 
+/* Whether a matrix is a rotation, or 0, which stands for the identity. */
 static RBDI_UNUSED int rbdi_is_rotation(const double R[9]) {
-    rbdi_wide A[9], T[9], D[9];
+    rbdi_wide A[9], T[9], product[9];
     if (!rbdi_finite(R, 9)) return 0;
     if (rbdi_all_zero(R, 9)) return 1;
     rbdi_widen(R, 9, A);
     rbdi_w_transpose(A, T);
-    rbdi_w_product(A, T, D);
+    rbdi_w_product(A, T, product);
     for (int k = 0; k < 9; ++k)
-        if (!(rbdi_w_abs(D[k] - (k % 4 == 0)) < (rbdi_wide)RBDI_ORTHONORMAL)) return 0;
+        if (!(rbdi_w_abs(product[k] - (k % 4 == 0)) < (rbdi_wide)RBDI_ORTHONORMAL)) return 0;
     return A[0] * (A[4] * A[8] - A[5] * A[7]) - A[1] * (A[3] * A[8] - A[5] * A[6]) +
                A[2] * (A[3] * A[7] - A[4] * A[6]) >
            0;
 }
 
-/* No eigenvalue of the symmetric matrix (xx xy xz yy yz zz) below -RBDI_SEMIDEFINITE of size: Cholesky
-   pivots. */
+/* Whether no eigenvalue of the symmetric matrix (xx xy xz yy yz zz) is below -RBDI_SEMIDEFINITE size: by the
+   pivots of Gauss of the matrix with RBDI_SEMIDEFINITE size on the diagonal added. */
 static RBDI_UNUSED int rbdi_semidefinite(const double A[6], double size) {
-    double e = RBDI_SEMIDEFINITE * size, a = A[0] + e, l = A[1] / a, k = A[2] / a, b = A[3] + e - l * A[1],
-           yz, c;
-    if (!(a > 0) || !(b > 0)) return 0;
-    yz = A[4] - l * A[2];
-    c = A[5] + e - k * A[2] - yz * yz / b;
-    return c > 0;
+    const double added = RBDI_SEMIDEFINITE * size, xx = A[0] + added, yy = A[3] + added - A[1] / xx * A[1],
+                 yz = A[4] - A[1] / xx * A[2];
+    if (!(xx > 0) || !(yy > 0)) return 0;
+    return A[5] + added - A[2] / xx * A[2] - yz * yz / yy > 0;
 }
 
 static RBDI_UNUSED rbd_status rbdi_refuse(rbd_report *report, rbd_status status, int body, const char *name,
@@ -5823,6 +5824,7 @@ static RBDI_UNUSED rbd_status rbdi_refuse(rbd_report *report, rbd_status status,
 #ifndef RBD_NO_BUILD
 
 /* ==== src/model/describe.h ==== */
+/* A pose of the model in the build's arithmetic. */
 static RBDI_UNUSED rbdi_wide_pose rbdi_widen_pose(const rbd_const E[9], rbdi_c3 r) {
     rbdi_wide_pose X;
     for (int k = 0; k < 9; ++k) X.E[k] = (rbdi_wide)E[k];
@@ -5841,7 +5843,8 @@ static RBDI_UNUSED rbdi_wide_pose rbdi_link_place(const rbd_model *m, const rbdi
     return X;
 }
 
-/* The pose of a body's joint, its axes (the links' z) and its parent; returns its first dof. */
+/* Writes the pose of a body's joint, its axes, which are the links' z, and its parent; returns its first dof.
+   */
 static int rbdi_describe_joint(const rbd_model *m, int body, rbd_body *row) {
     const rbdi_frame *u = &m->frame[body];
     rbdi_wide_pose X = rbdi_widen_pose(u->E, u->r), up;
@@ -5854,7 +5857,7 @@ static int rbdi_describe_joint(const rbd_model *m, int body, rbd_body *row) {
         dof = m->link[i].iv;
     }
     row->parent = -1;
-    if (i >= 0) { /* from the link to the body that it carries */
+    if (i >= 0) { /* from that link to the body whose joint moves it */
         row->parent = m->dof[m->link[i].iv].body;
         up = rbdi_widen_pose(m->frame[row->parent].E, m->frame[row->parent].r);
         X = rbdi_w_relative(&X, &up);
@@ -5889,9 +5892,9 @@ RBDI_API rbd_status rbd_describe(const rbd_model *m, int body, rbd_body *row) {
     row->mimic = NULL;
     row->mimic_ratio = row->mimic_offset = 0;
     if (u->type != RBD_FIXED && first >= m->nv) {
-        const rbdi_mimic *k = &m->mimic[first - m->nv];
-        row->mimic = m->frame[m->dof[k->source_v].body].joint;
-        row->mimic_ratio = (double)k->ratio, row->mimic_offset = (double)k->offset;
+        const rbdi_mimic *mimic = &m->mimic[first - m->nv];
+        row->mimic = m->frame[m->dof[mimic->source_v].body].joint;
+        row->mimic_ratio = (double)mimic->ratio, row->mimic_offset = (double)mimic->offset;
     }
     dof = &m->dof[first];
     for (int k = 0; k < 6; ++k) {
@@ -5905,20 +5908,20 @@ RBDI_API rbd_status rbd_describe(const rbd_model *m, int body, rbd_body *row) {
 
 /* ==== src/model/check.h ==== */
 /* ---- model build [model build] ----
-   Description to model, in the caller's memory. Steps:
+   From the description to the model, in the caller's memory. Steps:
      checks   rbdi_check_body; after step 2 rbdi_check_moves: the first error ends the build
-     1, 2     rbdi_build_joint, rbdi_build_mass: links of each joint, in the users' frames; their moments
+     1, 2     rbdi_build_joint, rbdi_build_mass: the links of each joint, in the user's frames; their moments
      3, 4     rbdi_build_axis: joint axis on z; rbdi_build_order: depth first, favourite child next
      5        rbdi_build_measure: mass and moments of each subtree
      6        rbdi_build_normalise: root to leaves, Denavit and Hartenberg's form where it loses no digit
-     7, 8     rbdi_build_scale: bounds for the pivots; rbdi_build_regroup: leaves to root, base parameters
-     9, 10    rbdi_emit_link, rbdi_emit_tree, all by rbdi_emit: constants, dofs, packed rows, frames */
+     7, 8     rbdi_build_scale: bounds of the pivots; rbdi_build_regroup: leaves to root, base parameters
+     9, 10    rbdi_emit_link, rbdi_emit_tree, called by rbdi_emit: constants, dofs, packed rows, frames */
 
-/* Facts of a joint type for the build. A type made of one-axis links lists their axes in order:
-   'a' axis, 'b' axis2, 'x' 'y' 'z' the joint frame's; a type without is a block. */
+/* Facts about a joint type, for the build. A type without axes is a block. */
 typedef struct rbdi_joint_fact {
-    int nq, nv, first; /* first: of a block's spatial axes */
-    char axes[4];
+    int nq, nv;
+    int first;    /* of a block: the first of its spatial unit axes */
+    char axes[4]; /* of one-axis links, in order: 'a' axis, 'b' axis2, 'x' 'y' 'z' those of the joint frame */
 } rbdi_joint_fact;
 
 static const rbdi_joint_fact *rbdi_joint_facts(int type) {
@@ -5940,6 +5943,7 @@ static const rbdi_joint_fact *rbdi_joint_facts(int type) {
     return &facts[type > RBD_FIXED && type < RBD_JOINT_TYPES ? type : RBD_FIXED];
 }
 
+/* Number of links of a joint. */
 static int rbdi_links_of(int type) {
     const rbdi_joint_fact *fact = rbdi_joint_facts(type);
     int n = 0;
@@ -5954,16 +5958,17 @@ static int rbdi_can_mimic(int type) {
 
 static int rbdi_nonzero(rbdi_wide x) { return x < 0 || x > 0; }
 
-/* Scales (c, s) to the unit circle, and to its nearest quarter point if this close to one. */
+/* Scales (c, s) to the unit circle, and moves it to the nearest right angle if one is as close as this, rad.
+   */
 static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close) {
-    rbdi_wide n = RBDI_WIDE_LIBM(sqrt)(*c * *c + *s * *s);
-    *c /= n, *s /= n;
+    rbdi_wide length = RBDI_WIDE_LIBM(sqrt)(*c * *c + *s * *s);
+    *c /= length, *s /= length;
     if (rbdi_w_abs(*s) <= close) *c = *c > 0 ? 1 : -1, *s = 0;
     if (rbdi_w_abs(*c) <= close) *s = *s > 0 ? 1 : -1, *c = 0;
 }
 
 /* Angle, at most 45 degrees, from its cosine and sine: rbdi_signed_angle in the build's arithmetic. Sine and
-   cosine come from their series, which give the same bits everywhere. */
+   cosine are sums of their series, which give the same bits everywhere. */
 static rbdi_wide rbdi_w_angle(rbdi_wide c, rbdi_wide s) {
     rbdi_wide sine = rbdi_w_abs(s), t = sine / (1 + c);
     rbdi_wide angle = t * (2 - (rbdi_wide)RBDI_ANGLE_START * t * t);
@@ -5978,10 +5983,10 @@ static rbdi_wide rbdi_w_angle(rbdi_wide c, rbdi_wide s) {
     return s < 0 ? -angle : angle;
 }
 
-/* Adds the mass moments (S, h, m), seen after x' = A x + t, to those of a link:
-   h_new = A h + m t, Sigma_new = A Sigma A' + t (A h)' + h_new t'. */
+/* Adds moments of mass (Sigma, h, mass) to those of a link, in whose frame a point x is A x + t: h_new = A h
+   + mass t, Sigma_new = A Sigma A' + t (A h)' + h_new t'. */
 static void rbdi_add_moments(rbdi_build_link *to, const rbdi_wide A[9], const rbdi_wide t[3],
-                             const rbdi_wide Sigma[6], const rbdi_wide h[3], rbdi_wide m) {
+                             const rbdi_wide Sigma[6], const rbdi_wide h[3], rbdi_wide mass) {
     static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
     rbdi_wide full[9], turned[9], Ah[3], T[9];
     for (int k = 0; k < 6; ++k) full[3 * row[k] + column[k]] = full[3 * column[k] + row[k]] = Sigma[k];
@@ -5991,13 +5996,13 @@ static void rbdi_add_moments(rbdi_build_link *to, const rbdi_wide A[9], const rb
     rbdi_w_apply(A, h, Ah);
     for (int k = 0; k < 6; ++k) {
         int i = row[k], j = column[k];
-        to->Sigma[k] += full[3 * i + j] + t[i] * Ah[j] + (Ah[i] + m * t[i]) * t[j];
+        to->Sigma[k] += full[3 * i + j] + t[i] * Ah[j] + (Ah[i] + mass * t[i]) * t[j];
     }
-    for (int i = 0; i < 3; ++i) to->h[i] += Ah[i] + m * t[i];
-    to->mass += m;
+    for (int i = 0; i < 3; ++i) to->h[i] += Ah[i] + mass * t[i];
+    to->mass += mass;
 }
 
-/* Sees the moments of a link in the frame x' = A x + t. */
+/* Changes a link's frame, and so its moments: the point x becomes A x + t. */
 static void rbdi_change_moments(rbdi_build_link *l, const rbdi_wide A[9], const rbdi_wide t[3]) {
     rbdi_build_link old = *l;
     for (int k = 0; k < 6; ++k) l->Sigma[k] = 0;
@@ -6008,17 +6013,17 @@ static void rbdi_change_moments(rbdi_build_link *l, const rbdi_wide A[9], const 
 
 /* -- the checks -- */
 
-static int rbdi_parallel(const double a[3], const double b[3]) {
+static int rbdi_parallel(const double axis[3], const double axis2[3]) {
     rbdi_wide x[3], y[3], cross[3];
-    rbdi_widen(a, 3, x);
-    rbdi_widen(b, 3, y);
+    rbdi_widen(axis, 3, x);
+    rbdi_widen(axis2, 3, y);
     rbdi_unit(x, x);
     rbdi_unit(y, y);
     for (int k = 0; k < 3; ++k) cross[k] = x[(k + 1) % 3] * y[(k + 2) % 3] - x[(k + 2) % 3] * y[(k + 1) % 3];
     return !(rbdi_w_length(cross) > RBDI_PARALLEL);
 }
 
-static int rbdi_is_axis(const double a[3]) { return rbdi_finite(a, 3) && !rbdi_all_zero(a, 3); }
+static int rbdi_is_axis(const double axis[3]) { return rbdi_finite(axis, 3) && !rbdi_all_zero(axis, 3); }
 
 static void rbdi_warn(rbd_report *report, rbd_status status, int body, const char *name, const char *field) {
     if (report->warnings < RBD_MAX_WARNINGS) {
@@ -6028,14 +6033,14 @@ static void rbdi_warn(rbd_report *report, rbd_status status, int body, const cha
     ++report->warnings;
 }
 
-/* Warns of an inertia that no real body has. I must be positive semi-definite, and so must tr(I)/2 - I (the
-   triangle inequalities of the principal moments). Dynamics computes with others too. */
+/* Warns of an inertia that no real body has. I must be positive semi-definite, and so must Sigma = tr(I)/2 -
+   I (the triangle inequalities of the principal moments). Dynamics computes with others too. */
 static void rbdi_check_inertia(const rbd_body *b, int i, rbd_report *report) {
     const double *I = b->inertia, trace = I[0] + I[3] + I[5];
-    double size = 0, S[6];
+    double size = 0, Sigma[6];
     for (int k = 0; k < 6; ++k) {
         size += I[k] < 0 ? -I[k] : I[k];
-        S[k] = (k == 0 || k == 3 || k == 5 ? trace / 2 : 0) - I[k];
+        Sigma[k] = (k == 0 || k == 3 || k == 5 ? trace / 2 : 0) - I[k];
     }
     if (!(size > 0)) {
         if (b->mass > 0) rbdi_warn(report, RBD_WARN_INERTIA_ZERO, i, b->name, "inertia");
@@ -6044,7 +6049,7 @@ static void rbdi_check_inertia(const rbd_body *b, int i, rbd_report *report) {
     if (!(b->mass > 0)) rbdi_warn(report, RBD_WARN_MASS_ZERO, i, b->name, "mass");
     if (!rbdi_semidefinite(I, size))
         rbdi_warn(report, RBD_WARN_INERTIA_NEGATIVE, i, b->name, "inertia");
-    else if (!rbdi_semidefinite(S, size))
+    else if (!rbdi_semidefinite(Sigma, size))
         rbdi_warn(report, RBD_WARN_INERTIA_TRIANGLE, i, b->name, "inertia");
 }
 
@@ -6109,8 +6114,8 @@ static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_rep
     return RBD_OK;
 }
 
-/* Every joint must move mass, inertia or armature: of its body, of bodies fixed to that or carried by it, or
-   of joints that mimic it. */
+/* Every joint must move mass, inertia or armature: of its body, of bodies fixed to it or moved with it, or of
+   joints that mimic it. */
 static rbd_status rbdi_check_moves(const rbd_body *bodies, int nb, rbdi_place *place, rbd_report *report) {
     rbd_status status = RBD_OK;
     for (int i = 0; i < nb; ++i) place[i].moves = bodies[i].mimic != NULL;
@@ -6129,11 +6134,12 @@ static rbd_status rbdi_check_moves(const rbd_body *bodies, int nb, rbdi_place *p
 
 /* -- the steps of the build -- */
 
+/* Lengths of the model's arrays. */
 typedef struct rbdi_counts {
     int nl, nblock, ndof, nmimic, nq, nv;
 } rbdi_counts;
 
-/* The steps work on this: the description, the model's arrays, and scratch behind them. */
+/* A build: the description, the model with its arrays, and scratch behind them. */
 typedef struct rbdi_build {
     const rbd_body *bodies;
     int nb;
@@ -6156,7 +6162,7 @@ static rbdi_counts rbdi_count(const rbd_body *bodies, int nb) {
 }
 
 /* ==== src/model/links.h ==== */
-/* Axis of the k-th link of a joint, unit length, joint frame. */
+/* A joint's axis of this letter of rbdi_joint_fact.axes, of unit length, joint frame. */
 static void rbdi_link_axis(const rbd_body *b, char which, rbdi_wide axis[3]) {
     for (int k = 0; k < 3; ++k) axis[k] = which == 'x' + k;
     if (which == 'a') rbdi_widen(b->axis, 3, axis);
@@ -6173,8 +6179,8 @@ static void rbdi_build_reach(rbdi_build_link *l, rbdi_wide reach) {
     if (l->reach < reach) l->reach = reach;
 }
 
-/* Step 1: the pose of body i, and the links of its joint, in the user's frames. Universal,
-   cylindrical and Euler joints become chains of one-axis links, massless but for the last. */
+/* Step 1: the pose of body i, and the links of its joint, in the user's frames. Universal, cylindrical and
+   Euler joints become chains of one-axis links; only the last has mass. */
 static void rbdi_build_joint(const rbd_body *bodies, int i, rbdi_place *place, rbdi_build_link *links,
                              int *nl) {
     const rbd_body *b = &bodies[i];
@@ -6219,30 +6225,30 @@ static void rbdi_build_joint(const rbd_body *bodies, int i, rbdi_place *place, r
     if (parent >= 0) rbdi_build_reach(&links[parent], rbdi_w_length(X.r));
 }
 
-/* Step 2: the body's mass moments onto its link: about the centre of mass Sigma = tr(I)/2 - I. */
+/* Step 2: adds the body's moments of mass to its link's. About the centre of mass Sigma = tr(I)/2 - I. */
 static void rbdi_build_mass(const rbd_body *b, const rbdi_place *place, rbdi_build_link *links) {
-    rbdi_wide Sigma[6], A[9], t[3], none[3] = {0, 0, 0}, half;
+    rbdi_wide Sigma[6], T[9], com[3], none[3] = {0, 0, 0}, half;
     if (place->link < 0) return;
     rbdi_widen(b->inertia, 6, Sigma);
     half = (Sigma[0] + Sigma[3] + Sigma[5]) / 2;
     for (int k = 0; k < 6; ++k) Sigma[k] = (k == 0 || k == 3 || k == 5 ? half : 0) - Sigma[k];
-    rbdi_widen(b->com, 3, t);
-    rbdi_w_transpose(place->X.E, A);
-    rbdi_w_apply(A, t, t);
-    for (int k = 0; k < 3; ++k) t[k] += place->X.r[k];
-    rbdi_add_moments(&links[place->link], A, t, Sigma, none, (rbdi_wide)b->mass);
+    rbdi_widen(b->com, 3, com);
+    rbdi_w_transpose(place->X.E, T);
+    rbdi_w_apply(T, com, com);
+    for (int k = 0; k < 3; ++k) com[k] += place->X.r[k];
+    rbdi_add_moments(&links[place->link], T, com, Sigma, none, (rbdi_wide)b->mass);
 }
 
-/* Rows of E: x, s x x, s, for a unit vector s and x perpendicular to it. */
-static void rbdi_build_basis(const rbdi_wide s[3], rbdi_wide E[9]) {
+/* Axes, the rows of E, with this unit vector for z. */
+static void rbdi_build_basis(const rbdi_wide z[3], rbdi_wide E[9]) {
     rbdi_wide length;
     int least = 0;
     for (int k = 1; k < 3; ++k)
-        if (rbdi_w_abs(s[k]) < rbdi_w_abs(s[least])) least = k;
-    for (int k = 0; k < 3; ++k) E[k] = (k == least) - s[least] * s[k];
+        if (rbdi_w_abs(z[k]) < rbdi_w_abs(z[least])) least = k;
+    for (int k = 0; k < 3; ++k) E[k] = (k == least) - z[least] * z[k];
     length = rbdi_w_length(E);
-    for (int k = 0; k < 3; ++k) E[k] /= length, E[6 + k] = s[k];
-    for (int k = 0; k < 3; ++k) E[3 + k] = s[(k + 1) % 3] * E[(k + 2) % 3] - s[(k + 2) % 3] * E[(k + 1) % 3];
+    for (int k = 0; k < 3; ++k) E[k] /= length, E[6 + k] = z[k];
+    for (int k = 0; k < 3; ++k) E[3 + k] = z[(k + 1) % 3] * E[(k + 2) % 3] - z[(k + 2) % 3] * E[(k + 1) % 3];
 }
 
 /* Step 3: solver frames, with the joint's axis on z. */
@@ -6255,9 +6261,9 @@ static void rbdi_build_axis(rbdi_build_link *links, int i) {
     rbdi_change_moments(l, l->solver.E, l->solver.r);
 }
 
-/* Step 4: depth-first positions, the child with the largest subtree first (one-axis children before
-   others, under a one-axis parent: only they can have Denavit and Hartenberg's form). links[p].order = the
-   link at position p. */
+/* Step 4: depth-first positions. The favourite child, which comes first, has the largest subtree; under a
+   one-axis parent a one-axis child comes before blocks, because only it can have Denavit and Hartenberg's
+   form. */
 static void rbdi_build_order(rbdi_build_link *links, int nl) {
     int next_root = 0;
     for (int i = 0; i < nl; ++i) links[i].size = 1;
@@ -6291,8 +6297,8 @@ static void rbdi_build_order(rbdi_build_link *links, int nl) {
     }
 }
 
-/* A frame whose joint axis is z may be turned about z by (c, s) and shifted along z by t: joint motion
-   and results stay, the constants around it change. */
+/* Turns the frame of link i about its joint axis z by (c, s) and shifts it along z by t. The joint's motion
+   and all results stay; the constants around it change. */
 static void rbdi_build_turn(rbdi_build_link *links, int nl, int i, rbdi_wide c, rbdi_wide s, rbdi_wide t) {
     rbdi_build_link *l = &links[i];
     const rbdi_wide down[3] = {0, 0, -t};
@@ -6307,8 +6313,8 @@ static void rbdi_build_turn(rbdi_build_link *links, int nl, int i, rbdi_wide c, 
     l->X = rbdi_w_compose(&turn, &l->X);
 }
 
-/* Angles of E = Rz(gamma) Rx(alpha) Rz(beta), |beta| <= 90 degrees, snapped; E is rebuilt from them so that
-   everything that follows, pose and dynamics, works with one model. */
+/* Angles of E = Rz(gamma) Rx(alpha) Rz(beta), |beta| <= 90 degrees, snapped to right angles. E is computed
+   anew from them, so that poses and dynamics have the same model. */
 static void rbdi_build_angles(rbdi_build_link *l) {
     rbdi_wide *E = l->X.E, sigma = RBDI_WIDE_LIBM(sqrt)(E[6] * E[6] + E[7] * E[7]);
     l->cb = 1, l->sb = 0;
@@ -6323,17 +6329,17 @@ static void rbdi_build_angles(rbdi_build_link *l) {
     }
     l->cg = E[0] * l->cb + E[1] * l->sb;
     l->sg = (E[1] * l->cb - E[0] * l->sb) * l->ca + E[2] * l->sa;
-    rbdi_w_snap(&l->cg, &l->sg, RBDI_SNAP / 1000); /* of rounding alone: gamma costs nothing */
+    rbdi_w_snap(&l->cg, &l->sg, RBDI_SNAP / 1000); /* removes rounding alone: any gamma costs the same */
     rbdi_w_zxz(l->cg, l->sg, l->ca, l->sa, l->cb, l->sb, E);
 }
 
-/* Bounds of the moments of mass, sums of m |x|^2 and of m |x|, of the subtree of f about a point at this
-   distance from f's origin: its links stretched out away from the point. */
-static rbdi_wide rbdi_build_spread(const rbdi_build_link *f, rbdi_wide distance) {
-    return f->all * (f->radius + distance) * (f->radius + distance);
+/* Bounds of the moments of mass, sums of m |x|^2 and of m |x|, of the subtree of link l about a point at this
+   distance from l's origin: with its links stretched out away from the point. */
+static rbdi_wide rbdi_build_second_moment(const rbdi_build_link *l, rbdi_wide distance) {
+    return l->all_mass * (l->radius + distance) * (l->radius + distance);
 }
-static rbdi_wide rbdi_build_lever(const rbdi_build_link *f, rbdi_wide distance) {
-    return f->lever + f->all * distance;
+static rbdi_wide rbdi_build_first_moment(const rbdi_build_link *l, rbdi_wide distance) {
+    return l->lever + l->all_mass * distance;
 }
 
 /* Step 5, leaves to root: mass, radius of gyration and first moment of the stretched subtree about the link's
@@ -6341,50 +6347,51 @@ static rbdi_wide rbdi_build_lever(const rbdi_build_link *f, rbdi_wide distance) 
 static void rbdi_build_measure(rbdi_build_link *links, int i) {
     rbdi_build_link *l = &links[i];
     const rbdi_wide own = l->Sigma[0] + l->Sigma[3] + l->Sigma[5];
-    if (own > 0) l->radius += own; /* else no real body is like this */
+    if (own > 0) l->radius += own; /* not positive: no real body is like this */
     if (own > 0 && l->mass > 0) l->lever += RBDI_WIDE_LIBM(sqrt)(own * l->mass);
-    l->all += l->mass;
-    l->radius = l->all > 0 ? RBDI_WIDE_LIBM(sqrt)(l->radius / l->all) : 0;
+    l->all_mass += l->mass;
+    l->radius = l->all_mass > 0 ? RBDI_WIDE_LIBM(sqrt)(l->radius / l->all_mass) : 0;
     if (l->parent < 0) return;
-    /* sums, until the parent's turn comes */
-    links[l->parent].radius += rbdi_build_spread(l, rbdi_w_length(l->X.r));
-    links[l->parent].lever += rbdi_build_lever(l, rbdi_w_length(l->X.r));
-    links[l->parent].all += l->all;
+    /* until the parent is measured its radius is the sum of the second moments */
+    links[l->parent].radius += rbdi_build_second_moment(l, rbdi_w_length(l->X.r));
+    links[l->parent].lever += rbdi_build_first_moment(l, rbdi_w_length(l->X.r));
+    links[l->parent].all_mass += l->all_mass;
 }
 
-/* Whether link l's frame may move by t along its axis, which brings the origin of its child f to this
-   distance from it. Inertias about a far point are large, and the algorithms take their differences: rounding
-   errors grow with them. So the moments of this subtree may become at most 4 times those about the origin
-   that the user chose. Right-angled and parallel axes pass (1.1 times at most in iiwa, HyQ, Atlas). */
+/* Whether the frame of link i, l, may move by t along its axis, so that its favourite child f is at this
+   distance from it. Inertias about a far point are large, and the algorithms subtract them from each other:
+   rounding errors grow with them. So the moments of this subtree may become at most 4 times those about the
+   origin that the user chose. Right-angled and parallel axes pass (1.1 times at most in iiwa, HyQ, Atlas). */
 static int rbdi_build_near(const rbdi_build_link *links, int nl, int i, rbdi_wide t, rbdi_wide distance) {
     const rbdi_build_link *l = &links[i], *f = &links[l->favourite];
-    const rbdi_wide rest = l->all - f->all, from_f = rbdi_w_length(f->X.r), step = rbdi_w_abs(t);
+    const rbdi_wide rest = l->all_mass - f->all_mass, before = rbdi_w_length(f->X.r), step = rbdi_w_abs(t);
     for (int j = i + 1; j < nl; ++j) {
         const rbdi_build_link *child = &links[j];
-        rbdi_wide from[3] = {child->X.r[0], child->X.r[1], child->X.r[2] - t};
-        if (child->parent == i && child != f && child->all > 0 &&
-            child->radius + rbdi_w_length(from) > 4 * (child->radius + rbdi_w_length(child->X.r)))
+        rbdi_wide r[3] = {child->X.r[0], child->X.r[1], child->X.r[2] - t};
+        if (child->parent == i && child != f && child->all_mass > 0 &&
+            child->radius + rbdi_w_length(r) > 4 * (child->radius + rbdi_w_length(child->X.r)))
             return 0;
     }
-    return rest * t * t + rbdi_build_spread(f, distance) - rbdi_build_spread(f, from_f) <
-               3 * rbdi_build_spread(l, 0) &&
-           rest * step + rbdi_build_lever(f, distance) - rbdi_build_lever(f, from_f) <
-               3 * rbdi_build_lever(l, 0);
+    return rest * t * t + rbdi_build_second_moment(f, distance) - rbdi_build_second_moment(f, before) <
+               3 * rbdi_build_second_moment(l, 0) &&
+           rest * step + rbdi_build_first_moment(f, distance) - rbdi_build_first_moment(f, before) <
+               3 * rbdi_build_first_moment(l, 0);
 }
 
-/* Step 6, root to leaves: give the favourite child Denavit-Hartenberg form, beta = 0 and r = (a, 0, 0),
-   by turning and shifting link i's own frame; a link without such a child drops gamma and d instead.
-   Nearly parallel axes put the common normal far away and would lose digits: they stay general. */
+/* Step 6, root to leaves: gives the favourite child of link i Denavit and Hartenberg's form, beta = 0 and r =
+   (a, 0, 0), by a turn and shift of link i's frame. Without such a child gamma and d become 0 instead. Nearly
+   parallel axes have their common normal far away and would lose digits: they keep a general r and beta. */
 static void rbdi_build_normalise(rbdi_build_link *links, int nl, int i) {
     rbdi_build_link *l = &links[i], *f;
     rbdi_wide r[3], Z[9], a, d = 0, t;
     if (l->kind == RBDI_BLOCK) return;
-#ifdef RBDI_NO_FAVOURITE /* rbd-codegen --limbs: of like limbs none is preferred */
+#ifdef RBDI_NO_FAVOURITE /* rbd-codegen --limbs: equal limbs get equal constants */
     if (l->favourite >= 0 && RBDI_NO_FAVOURITE(links, nl, i)) l->favourite = -1;
 #endif
     if (l->favourite < 0 || links[l->favourite].kind == RBDI_BLOCK) {
-        /* it moves only to save the shift d: its subtree may get 4 times farther away */
-        const int moves = l->dh && rbdi_build_spread(l, rbdi_w_abs(l->d)) <= 16 * rbdi_build_spread(l, 0);
+        /* this saves no more than the shift d: the subtree may get at most 4 times farther away */
+        const rbdi_wide far = rbdi_build_second_moment(l, rbdi_w_abs(l->d));
+        const int moves = l->dh && far <= 16 * rbdi_build_second_moment(l, 0);
         rbdi_build_angles(l);
         rbdi_build_turn(links, nl, i, l->cg, -l->sg, moves ? -l->d : 0);
         return;
@@ -6393,7 +6400,7 @@ static void rbdi_build_normalise(rbdi_build_link *links, int nl, int i) {
     rbdi_build_angles(l);
     rbdi_build_angles(f);
     if (rbdi_w_abs(f->sa) > 0) {
-        /* beta or beta + 180 degrees: alpha is 90 degrees, or the link's gamma small */
+        /* beta or beta + 180 degrees: so that alpha is 90 degrees, or else l's gamma within 90 degrees */
         if (rbdi_nonzero(f->ca) ? l->cg * f->cb - l->sg * f->sb < 0 : f->sa < 0)
             f->cb = -f->cb, f->sb = -f->sb, f->sa = -f->sa;
         rbdi_w_turn_z(f->cb, f->sb, Z);
@@ -6420,14 +6427,14 @@ static void rbdi_build_origin(const rbdi_build_link *l, rbdi_wide r[3]) {
 }
 
 /* ==== src/model/regroup.h ==== */
-/* Step 7, leaves to root: a bound of the inertia that the joint moves, in any configuration: of the subtree
-   about the link's origin; of the link's own inertia only the part about the axis. A pivot is the difference
-   of numbers of this size.
+/* Step 7, leaves to root: scale, a bound of the inertia that the joint moves, in any configuration: that of
+   the subtree about the link's origin, but of the link's own only the part about the axis. A pivot is the
+   difference of numbers of this size.
 
    RBDI_ROD of the inertia about all axes is added. Otherwise a pivot of 16 roundings of the description would
-   be out of doubt where nothing should turn about the axis, as with a rod. This inertia is taken about points
-   as far away as the user's frames: solver.r from the link's origin to its own, and reach, the farthest fixed
-   body on this link or a later one. A slide is taken to move by 1. */
+   not be in doubt where nothing should turn about the axis, as with a thin rod on it. This inertia is taken
+   about points as far away as the user's frames: solver.r, from the link's origin to the user's, and reach,
+   to the farthest body fixed to this link or to a later one. A sliding joint is assumed to move by 1 m. */
 static void rbdi_build_scale(rbdi_build_link *links, int i) {
     rbdi_build_link *l = &links[i], *up;
     rbdi_wide r[3], distance, reach,
@@ -6435,7 +6442,6 @@ static void rbdi_build_scale(rbdi_build_link *links, int i) {
     l->scale = l->trace + (l->kind == RBDI_BLOCK ? trace : l->Sigma[0] + l->Sigma[3]);
     l->trace += trace;
     l->moment += rbdi_w_length(l->h);
-    l->all_mass += l->mass;
     reach = l->reach += rbdi_w_length(l->solver.r);
     l->scale += RBDI_ROD * (l->trace + 2 * l->moment * reach + l->all_mass * reach * reach);
     if (l->parent < 0) return;
@@ -6444,35 +6450,34 @@ static void rbdi_build_scale(rbdi_build_link *links, int i) {
     distance = rbdi_w_length(r);
     up->trace += l->trace + 2 * l->moment * distance + l->all_mass * distance * distance;
     up->moment += l->moment + l->all_mass * distance;
-    up->all_mass += l->all_mass;
     /* a joint that slides */
     if (l->kind == RBDI_BLOCK ? l->type != RBD_SPHERICAL : rbdi_nonzero(l->kappa)) reach += 1;
     rbdi_build_reach(up, reach);
 }
 
-/* Step 8, leaves to root: regrouping. Inertia that does not depend on the joint's motion goes to the parent:
-   of a revolute link a rod on its axis, of a sliding one all second moments, of a spherical one a
-   point mass, of helical and planar ones the moment along z. Dynamics cannot tell the difference. */
+/* Step 8, leaves to root: regrouping ([design]). Moments of mass that the joint's motion does not change go
+   to the parent: of a revolute link m, h_z and Sigma_zz, of a sliding one Sigma, of a spherical one m, of a
+   helical or planar one Sigma_zz. */
 static void rbdi_build_regroup(rbdi_build_link *links, int i) {
     rbdi_build_link *l = &links[i];
-    rbdi_wide Sigma[6] = {0, 0, 0, 0, 0, 0}, h[3] = {0, 0, 0}, m = 0, r[3], T[9];
+    rbdi_wide Sigma[6] = {0, 0, 0, 0, 0, 0}, h[3] = {0, 0, 0}, mass = 0, r[3], T[9];
     int slides = l->type == RBD_TRANSLATION || (l->kind == RBDI_SCREW && !(l->rho > 0));
     if (l->type == RBD_FLOATING) return;
     if (l->type == RBD_SPHERICAL) {
-        m = l->mass, l->mass = 0;
+        mass = l->mass, l->mass = 0;
     } else if (slides) {
         for (int k = 0; k < 6; ++k) Sigma[k] = l->Sigma[k], l->Sigma[k] = 0;
     } else {
         Sigma[5] = l->Sigma[5], l->Sigma[5] = 0;
         if (l->kind == RBDI_REVOLUTE || l->kind == RBDI_REVOLUTE_CS) {
             h[2] = l->h[2], l->h[2] = 0;
-            m = l->mass, l->mass = 0;
+            mass = l->mass, l->mass = 0;
         }
     }
     if (l->parent < 0) return;
     rbdi_build_origin(l, r);
     rbdi_w_transpose(l->X.E, T);
-    rbdi_add_moments(&links[l->parent], T, r, Sigma, h, m);
+    rbdi_add_moments(&links[l->parent], T, r, Sigma, h, mass);
 }
 
 /* ==== src/model/emit.h ==== */
@@ -6611,7 +6616,7 @@ static rbdi_frame rbdi_emit_frame(const rbd_body *b, const rbdi_place *place, co
 static void rbdi_build_solve(rbdi_build_link *links, int nl) {
     for (int i = 0; i < nl; ++i) rbdi_build_axis(links, i);
     rbdi_build_order(links, nl);
-    for (int i = nl - 1; i >= 0; --i) rbdi_build_measure(links, i);
+    for (int p = nl - 1; p >= 0; --p) rbdi_build_measure(links, links[p].order);
     for (int p = 0; p < nl; ++p) rbdi_build_normalise(links, nl, links[p].order);
     for (int i = 0; i < nl; ++i)
         if (links[i].kind != RBDI_BLOCK) rbdi_build_angles(&links[i]);
@@ -6825,7 +6830,7 @@ RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory
 /* ==== src/model/payload.h ==== */
 /* -- a payload -- */
 
-/* Own inertia of a body with a payload: masses, moments about the common centre c. */
+/* The inertia of a body with a payload: the sum of the masses, the centre of mass c, the moments about it. */
 static rbd_status rbdi_payload_frame(rbdi_frame *u, const rbd_body *load) {
     const rbdi_wide mass[2] = {(rbdi_wide)u->mass, (rbdi_wide)load->mass}, sum = mass[0] + mass[1];
     const rbdi_wide com[2][3] = {{(rbdi_wide)u->com.x, (rbdi_wide)u->com.y, (rbdi_wide)u->com.z},
@@ -6842,11 +6847,12 @@ static rbd_status rbdi_payload_frame(rbdi_frame *u, const rbd_body *load) {
         size += (double)(rbdi_w_abs(I[k]) + rbdi_w_abs((rbdi_wide)load->inertia[k]));
         I[k] += (rbdi_wide)load->inertia[k];
     }
-    for (int j = 0; j < 2; ++j) {
-        const rbdi_wide d[3] = {com[j][0] - c[0], com[j][1] - c[1], com[j][2] - c[2]}, dd = rbdi_w_dot(d, d);
-        for (int k = 0, a = 0; a < 3; ++a)
-            for (int b = a; b < 3; ++b, ++k) I[k] += mass[j] * ((a == b ? dd : 0) - d[a] * d[b]);
-        size += (double)(rbdi_w_abs(mass[j]) * dd);
+    for (int part = 0; part < 2; ++part) {
+        const rbdi_wide r[3] = {com[part][0] - c[0], com[part][1] - c[1], com[part][2] - c[2]},
+                        rr = rbdi_w_dot(r, r);
+        for (int k = 0, i = 0; i < 3; ++i)
+            for (int j = i; j < 3; ++j, ++k) I[k] += mass[part] * ((i == j ? rr : 0) - r[i] * r[j]);
+        size += (double)(rbdi_w_abs(mass[part]) * rr);
     }
     for (int k = 0; k < 6; ++k) whole[k] = (double)I[k];
     size *= 1 + 16 * (double)RBDI_EPS / RBDI_SEMIDEFINITE;
@@ -6857,9 +6863,9 @@ static rbd_status rbdi_payload_frame(rbdi_frame *u, const rbd_body *load) {
     return RBD_OK;
 }
 
-/* From a link to its parent: pair[1] becomes link i of the built model with the mass that pair[0] has
-   collected, pair[0] an empty parent. */
-static void rbdi_payload_climb(const rbd_model *m, int i, rbdi_build_link pair[2]) {
+/* Prepares a step of the build from link i of the model to its parent, for the payload alone: pair[1] becomes
+   link i with the moments of mass that pair[0] has, pair[0] its parent, empty. */
+static void rbdi_payload_step(const rbd_model *m, int i, rbdi_build_link pair[2]) {
     const rbdi_link *l = &m->link[i];
     pair[1] = pair[0];
     pair[1].parent = l->parent < 0 ? -1 : 0;
@@ -6867,14 +6873,16 @@ static void rbdi_payload_climb(const rbd_model *m, int i, rbdi_build_link pair[2
     pair[1].rho = (rbdi_wide)l->rho, pair[1].kappa = (rbdi_wide)l->kappa;
     pair[1].X = rbdi_link_place(m, l);
     rbdi_clear_link(&pair[0]);
+    pair[0].all_mass = pair[1].all_mass;
 }
 
-static void rbdi_payload_scale(rbdi_dof *d, rbdi_wide x) {
-    d->scale = RBD_C((rbdi_wide)d->scale + x);
-    if (d->scale < d->armature + RBDI_LEAST_SCALE) d->scale = d->armature + RBDI_LEAST_SCALE;
+/* Adds x to a dof's scale. */
+static void rbdi_payload_scale(rbdi_dof *dof, rbdi_wide x) {
+    dof->scale = RBD_C((rbdi_wide)dof->scale + x);
+    if (dof->scale < dof->armature + RBDI_LEAST_SCALE) dof->scale = dof->armature + RBDI_LEAST_SCALE;
 }
 
-/* Step 7, the bounds of pivots, for what is added (sign = 1) or taken off (-1). */
+/* Step 7, the bounds of pivots, for a payload that is added (sign = 1) or taken off (-1). */
 static void rbdi_payload_bounds(const rbd_model *m, int i, rbd_body load, const rbdi_place *place) {
     rbdi_dof *dof = (rbdi_dof *)m->dof;
     const double sign = load.mass < 0 || load.inertia[0] + load.inertia[3] + load.inertia[5] < 0 ? -1 : 1;
@@ -6883,27 +6891,30 @@ static void rbdi_payload_bounds(const rbd_model *m, int i, rbd_body load, const 
     for (int k = 0; k < 6; ++k) load.inertia[k] *= sign;
     rbdi_clear_link(&pair[0]);
     rbdi_build_mass(&load, place, pair);
+    pair[0].all_mass = pair[0].mass;
     for (; i >= 0; i = m->link[i].parent) {
         const int iv = m->link[i].iv;
-        rbdi_payload_climb(m, i, pair);
-        for (int b = 0; b < m->nb; ++b) {
-            const rbdi_c3 at = m->frame[b].r;
+        rbdi_payload_step(m, i, pair);
+        for (int body = 0; body < m->nb; ++body) {
+            const rbdi_c3 at = m->frame[body].r;
             const rbdi_wide r[3] = {(rbdi_wide)at.x, (rbdi_wide)at.y, (rbdi_wide)at.z};
-            if (m->frame[b].link == i) rbdi_build_reach(&pair[1], rbdi_w_length(r));
+            if (m->frame[body].link == i) rbdi_build_reach(&pair[1], rbdi_w_length(r));
         }
         rbdi_build_scale(pair, 1);
         for (int k = 0; k < rbdi_link_dofs(m, &m->link[i]); ++k) {
             const rbdi_wide x = (rbdi_wide)sign * rbdi_build_dof_scale(&pair[1], k);
             rbdi_payload_scale(&dof[iv + k], x);
             if (iv >= m->nv) { /* which has one dof */
-                const rbdi_mimic *f = &m->mimic[iv - m->nv];
-                rbdi_payload_scale(&dof[f->source_v], (rbdi_wide)f->ratio * (rbdi_wide)f->ratio * x);
+                const rbdi_mimic *mimic = &m->mimic[iv - m->nv];
+                const rbdi_wide ratio = (rbdi_wide)mimic->ratio;
+                rbdi_payload_scale(&dof[mimic->source_v], ratio * ratio * x);
             }
         }
     }
 }
 
-/* Step 8, regrouping, which is linear, for the payload alone: what stays on its link, and what goes on. */
+/* Step 8, regrouping, for the payload alone, because it is linear: on the way to the root each link keeps a
+   part. */
 static void rbdi_payload_links(const rbd_model *m, int i, const rbd_body *load, const rbdi_place *place) {
     rbdi_link *link = (rbdi_link *)m->link;
     rbdi_build_link pair[2];
@@ -6911,11 +6922,12 @@ static void rbdi_payload_links(const rbd_model *m, int i, const rbd_body *load, 
     rbdi_clear_link(&pair[0]);
     rbdi_build_mass(load, place, pair);
     for (; i >= 0; i = link[i].parent) {
-        rbdi_csym *S = &link[i].Sigma, x;
-        rbdi_payload_climb(m, i, pair);
+        rbdi_csym *Sigma = &link[i].Sigma, x;
+        rbdi_payload_step(m, i, pair);
         rbdi_build_regroup(pair, 1);
         x = rbdi_round6(pair[1].Sigma);
-        S->xx += x.xx, S->xy += x.xy, S->xz += x.xz, S->yy += x.yy, S->yz += x.yz, S->zz += x.zz;
+        Sigma->xx += x.xx, Sigma->xy += x.xy, Sigma->xz += x.xz;
+        Sigma->yy += x.yy, Sigma->yz += x.yz, Sigma->zz += x.zz;
         link[i].h.x += RBD_C(pair[1].h[0]);
         link[i].h.y += RBD_C(pair[1].h[1]);
         link[i].h.z += RBD_C(pair[1].h[2]);

@@ -5,20 +5,20 @@
 #include "model/wide.h"
 
 /* ---- model build [model build] ----
-   Description to model, in the caller's memory. Steps:
+   From the description to the model, in the caller's memory. Steps:
      checks   rbdi_check_body; after step 2 rbdi_check_moves: the first error ends the build
-     1, 2     rbdi_build_joint, rbdi_build_mass: links of each joint, in the users' frames; their moments
+     1, 2     rbdi_build_joint, rbdi_build_mass: the links of each joint, in the user's frames; their moments
      3, 4     rbdi_build_axis: joint axis on z; rbdi_build_order: depth first, favourite child next
      5        rbdi_build_measure: mass and moments of each subtree
      6        rbdi_build_normalise: root to leaves, Denavit and Hartenberg's form where it loses no digit
-     7, 8     rbdi_build_scale: bounds for the pivots; rbdi_build_regroup: leaves to root, base parameters
-     9, 10    rbdi_emit_link, rbdi_emit_tree, all by rbdi_emit: constants, dofs, packed rows, frames */
+     7, 8     rbdi_build_scale: bounds of the pivots; rbdi_build_regroup: leaves to root, base parameters
+     9, 10    rbdi_emit_link, rbdi_emit_tree, called by rbdi_emit: constants, dofs, packed rows, frames */
 
-/* Facts of a joint type for the build. A type made of one-axis links lists their axes in order:
-   'a' axis, 'b' axis2, 'x' 'y' 'z' the joint frame's; a type without is a block. */
+/* Facts about a joint type, for the build. A type without axes is a block. */
 typedef struct rbdi_joint_fact {
-    int nq, nv, first; /* first: of a block's spatial axes */
-    char axes[4];
+    int nq, nv;
+    int first;    /* of a block: the first of its spatial unit axes */
+    char axes[4]; /* of one-axis links, in order: 'a' axis, 'b' axis2, 'x' 'y' 'z' those of the joint frame */
 } rbdi_joint_fact;
 
 static const rbdi_joint_fact *rbdi_joint_facts(int type) {
@@ -40,6 +40,7 @@ static const rbdi_joint_fact *rbdi_joint_facts(int type) {
     return &facts[type > RBD_FIXED && type < RBD_JOINT_TYPES ? type : RBD_FIXED];
 }
 
+/* Number of links of a joint. */
 static int rbdi_links_of(int type) {
     const rbdi_joint_fact *fact = rbdi_joint_facts(type);
     int n = 0;
@@ -54,16 +55,17 @@ static int rbdi_can_mimic(int type) {
 
 static int rbdi_nonzero(rbdi_wide x) { return x < 0 || x > 0; }
 
-/* Scales (c, s) to the unit circle, and to its nearest quarter point if this close to one. */
+/* Scales (c, s) to the unit circle, and moves it to the nearest right angle if one is as close as this, rad.
+   */
 static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close) {
-    rbdi_wide n = RBDI_WIDE_LIBM(sqrt)(*c * *c + *s * *s);
-    *c /= n, *s /= n;
+    rbdi_wide length = RBDI_WIDE_LIBM(sqrt)(*c * *c + *s * *s);
+    *c /= length, *s /= length;
     if (rbdi_w_abs(*s) <= close) *c = *c > 0 ? 1 : -1, *s = 0;
     if (rbdi_w_abs(*c) <= close) *s = *s > 0 ? 1 : -1, *c = 0;
 }
 
 /* Angle, at most 45 degrees, from its cosine and sine: rbdi_signed_angle in the build's arithmetic. Sine and
-   cosine come from their series, which give the same bits everywhere. */
+   cosine are sums of their series, which give the same bits everywhere. */
 static rbdi_wide rbdi_w_angle(rbdi_wide c, rbdi_wide s) {
     rbdi_wide sine = rbdi_w_abs(s), t = sine / (1 + c);
     rbdi_wide angle = t * (2 - (rbdi_wide)RBDI_ANGLE_START * t * t);
@@ -78,10 +80,10 @@ static rbdi_wide rbdi_w_angle(rbdi_wide c, rbdi_wide s) {
     return s < 0 ? -angle : angle;
 }
 
-/* Adds the mass moments (S, h, m), seen after x' = A x + t, to those of a link:
-   h_new = A h + m t, Sigma_new = A Sigma A' + t (A h)' + h_new t'. */
+/* Adds moments of mass (Sigma, h, mass) to those of a link, in whose frame a point x is A x + t: h_new = A h
+   + mass t, Sigma_new = A Sigma A' + t (A h)' + h_new t'. */
 static void rbdi_add_moments(rbdi_build_link *to, const rbdi_wide A[9], const rbdi_wide t[3],
-                             const rbdi_wide Sigma[6], const rbdi_wide h[3], rbdi_wide m) {
+                             const rbdi_wide Sigma[6], const rbdi_wide h[3], rbdi_wide mass) {
     static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
     rbdi_wide full[9], turned[9], Ah[3], T[9];
     for (int k = 0; k < 6; ++k) full[3 * row[k] + column[k]] = full[3 * column[k] + row[k]] = Sigma[k];
@@ -91,13 +93,13 @@ static void rbdi_add_moments(rbdi_build_link *to, const rbdi_wide A[9], const rb
     rbdi_w_apply(A, h, Ah);
     for (int k = 0; k < 6; ++k) {
         int i = row[k], j = column[k];
-        to->Sigma[k] += full[3 * i + j] + t[i] * Ah[j] + (Ah[i] + m * t[i]) * t[j];
+        to->Sigma[k] += full[3 * i + j] + t[i] * Ah[j] + (Ah[i] + mass * t[i]) * t[j];
     }
-    for (int i = 0; i < 3; ++i) to->h[i] += Ah[i] + m * t[i];
-    to->mass += m;
+    for (int i = 0; i < 3; ++i) to->h[i] += Ah[i] + mass * t[i];
+    to->mass += mass;
 }
 
-/* Sees the moments of a link in the frame x' = A x + t. */
+/* Changes a link's frame, and so its moments: the point x becomes A x + t. */
 static void rbdi_change_moments(rbdi_build_link *l, const rbdi_wide A[9], const rbdi_wide t[3]) {
     rbdi_build_link old = *l;
     for (int k = 0; k < 6; ++k) l->Sigma[k] = 0;
@@ -108,17 +110,17 @@ static void rbdi_change_moments(rbdi_build_link *l, const rbdi_wide A[9], const 
 
 /* -- the checks -- */
 
-static int rbdi_parallel(const double a[3], const double b[3]) {
+static int rbdi_parallel(const double axis[3], const double axis2[3]) {
     rbdi_wide x[3], y[3], cross[3];
-    rbdi_widen(a, 3, x);
-    rbdi_widen(b, 3, y);
+    rbdi_widen(axis, 3, x);
+    rbdi_widen(axis2, 3, y);
     rbdi_unit(x, x);
     rbdi_unit(y, y);
     for (int k = 0; k < 3; ++k) cross[k] = x[(k + 1) % 3] * y[(k + 2) % 3] - x[(k + 2) % 3] * y[(k + 1) % 3];
     return !(rbdi_w_length(cross) > RBDI_PARALLEL);
 }
 
-static int rbdi_is_axis(const double a[3]) { return rbdi_finite(a, 3) && !rbdi_all_zero(a, 3); }
+static int rbdi_is_axis(const double axis[3]) { return rbdi_finite(axis, 3) && !rbdi_all_zero(axis, 3); }
 
 static void rbdi_warn(rbd_report *report, rbd_status status, int body, const char *name, const char *field) {
     if (report->warnings < RBD_MAX_WARNINGS) {
@@ -128,14 +130,14 @@ static void rbdi_warn(rbd_report *report, rbd_status status, int body, const cha
     ++report->warnings;
 }
 
-/* Warns of an inertia that no real body has. I must be positive semi-definite, and so must tr(I)/2 - I (the
-   triangle inequalities of the principal moments). Dynamics computes with others too. */
+/* Warns of an inertia that no real body has. I must be positive semi-definite, and so must Sigma = tr(I)/2 -
+   I (the triangle inequalities of the principal moments). Dynamics computes with others too. */
 static void rbdi_check_inertia(const rbd_body *b, int i, rbd_report *report) {
     const double *I = b->inertia, trace = I[0] + I[3] + I[5];
-    double size = 0, S[6];
+    double size = 0, Sigma[6];
     for (int k = 0; k < 6; ++k) {
         size += I[k] < 0 ? -I[k] : I[k];
-        S[k] = (k == 0 || k == 3 || k == 5 ? trace / 2 : 0) - I[k];
+        Sigma[k] = (k == 0 || k == 3 || k == 5 ? trace / 2 : 0) - I[k];
     }
     if (!(size > 0)) {
         if (b->mass > 0) rbdi_warn(report, RBD_WARN_INERTIA_ZERO, i, b->name, "inertia");
@@ -144,7 +146,7 @@ static void rbdi_check_inertia(const rbd_body *b, int i, rbd_report *report) {
     if (!(b->mass > 0)) rbdi_warn(report, RBD_WARN_MASS_ZERO, i, b->name, "mass");
     if (!rbdi_semidefinite(I, size))
         rbdi_warn(report, RBD_WARN_INERTIA_NEGATIVE, i, b->name, "inertia");
-    else if (!rbdi_semidefinite(S, size))
+    else if (!rbdi_semidefinite(Sigma, size))
         rbdi_warn(report, RBD_WARN_INERTIA_TRIANGLE, i, b->name, "inertia");
 }
 
@@ -209,8 +211,8 @@ static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_rep
     return RBD_OK;
 }
 
-/* Every joint must move mass, inertia or armature: of its body, of bodies fixed to that or carried by it, or
-   of joints that mimic it. */
+/* Every joint must move mass, inertia or armature: of its body, of bodies fixed to it or moved with it, or of
+   joints that mimic it. */
 static rbd_status rbdi_check_moves(const rbd_body *bodies, int nb, rbdi_place *place, rbd_report *report) {
     rbd_status status = RBD_OK;
     for (int i = 0; i < nb; ++i) place[i].moves = bodies[i].mimic != NULL;
@@ -229,11 +231,12 @@ static rbd_status rbdi_check_moves(const rbd_body *bodies, int nb, rbdi_place *p
 
 /* -- the steps of the build -- */
 
+/* Lengths of the model's arrays. */
 typedef struct rbdi_counts {
     int nl, nblock, ndof, nmimic, nq, nv;
 } rbdi_counts;
 
-/* The steps work on this: the description, the model's arrays, and scratch behind them. */
+/* A build: the description, the model with its arrays, and scratch behind them. */
 typedef struct rbdi_build {
     const rbd_body *bodies;
     int nb;

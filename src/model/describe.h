@@ -4,6 +4,7 @@
 #include "model/features.h"
 #include "model/wide.h"
 
+/* A pose of the model in the build's arithmetic. */
 static RBDI_UNUSED rbdi_wide_pose rbdi_widen_pose(const rbd_const E[9], rbdi_c3 r) {
     rbdi_wide_pose X;
     for (int k = 0; k < 9; ++k) X.E[k] = (rbdi_wide)E[k];
@@ -22,7 +23,8 @@ static RBDI_UNUSED rbdi_wide_pose rbdi_link_place(const rbd_model *m, const rbdi
     return X;
 }
 
-/* The pose of a body's joint, its axes (the links' z) and its parent; returns its first dof. */
+/* Writes the pose of a body's joint, its axes, which are the links' z, and its parent; returns its first dof.
+   */
 static int rbdi_describe_joint(const rbd_model *m, int body, rbd_body *row) {
     const rbdi_frame *u = &m->frame[body];
     rbdi_wide_pose X = rbdi_widen_pose(u->E, u->r), up;
@@ -35,7 +37,7 @@ static int rbdi_describe_joint(const rbd_model *m, int body, rbd_body *row) {
         dof = m->link[i].iv;
     }
     row->parent = -1;
-    if (i >= 0) { /* from the link to the body that it carries */
+    if (i >= 0) { /* from that link to the body whose joint moves it */
         row->parent = m->dof[m->link[i].iv].body;
         up = rbdi_widen_pose(m->frame[row->parent].E, m->frame[row->parent].r);
         X = rbdi_w_relative(&X, &up);
@@ -70,9 +72,9 @@ RBDI_API rbd_status rbd_describe(const rbd_model *m, int body, rbd_body *row) {
     row->mimic = NULL;
     row->mimic_ratio = row->mimic_offset = 0;
     if (u->type != RBD_FIXED && first >= m->nv) {
-        const rbdi_mimic *k = &m->mimic[first - m->nv];
-        row->mimic = m->frame[m->dof[k->source_v].body].joint;
-        row->mimic_ratio = (double)k->ratio, row->mimic_offset = (double)k->offset;
+        const rbdi_mimic *mimic = &m->mimic[first - m->nv];
+        row->mimic = m->frame[m->dof[mimic->source_v].body].joint;
+        row->mimic_ratio = (double)mimic->ratio, row->mimic_offset = (double)mimic->offset;
     }
     dof = &m->dof[first];
     for (int k = 0; k < 6; ++k) {

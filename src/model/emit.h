@@ -138,7 +138,7 @@ static rbdi_frame rbdi_emit_frame(const rbd_body *b, const rbdi_place *place, co
 static void rbdi_build_solve(rbdi_build_link *links, int nl) {
     for (int i = 0; i < nl; ++i) rbdi_build_axis(links, i);
     rbdi_build_order(links, nl);
-    for (int i = nl - 1; i >= 0; --i) rbdi_build_measure(links, i);
+    for (int p = nl - 1; p >= 0; --p) rbdi_build_measure(links, links[p].order);
     for (int p = 0; p < nl; ++p) rbdi_build_normalise(links, nl, links[p].order);
     for (int i = 0; i < nl; ++i)
         if (links[i].kind != RBDI_BLOCK) rbdi_build_angles(&links[i]);

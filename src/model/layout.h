@@ -9,68 +9,68 @@
    RBDI_BRANCH_TURN, RBDI_MASS_KEPT, RBDI_OFF_CHAIN, RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_ROOT, RBDI_SCREW,
    RBDI_SHAPE, RBDI_SHIFT_R, RBDI_SHIFT_XYZ, RBDI_SHIFT_Z, RBDI_SLIDES */
 
-/* Pose of a frame B in a frame A: x_B = E (x_A - r). */
+/* Pose of a frame B in a frame A: x_B = E (x_A - r), in the build's arithmetic. */
 typedef struct rbdi_wide_pose {
     rbdi_wide E[9], r[3];
 } rbdi_wide_pose;
 
-/* A link while it is being built. Later steps overwrite what earlier ones left. */
+/* A link during the build. Later steps overwrite fields of earlier ones. */
 typedef struct rbdi_build_link {
     rbdi_wide_pose X;               /* in the parent's frame at q = 0; r is without the slide d */
     rbdi_wide Sigma[6], h[3], mass; /* second, first and zeroth moment of mass */
     rbdi_wide_pose solver;          /* solver frame in the user's link frame */
     rbdi_wide axis[3], rho, kappa;
     rbdi_wide cg, sg, ca, sa, cb, sb, d;
-    rbdi_wide all, radius, lever; /* of the subtree: mass, radius of gyration and first moment */
-    rbdi_wide trace, moment, all_mass,
-        subtree_mass;               /* of the subtree: bounds of its mass moments; regrouped mass */
-    rbdi_wide scale, reach;         /* of the pivot; of the user's frames: see rbdi_build_scale */
-    int parent, kind, type, iq, iv; /* parent: index among the links being built */
-    int body, joint_dof;            /* its body; its first dof among those of the body's joint */
-    int size, favourite;  /* links of the subtree; the child that comes next in the solver's order */
-    int position, cursor; /* in the solver's order: its own; where its next child goes */
-    int order;            /* the link at this position */
-    int dh;               /* has Denavit and Hartenberg's form */
+    rbdi_wide all_mass, radius, lever; /* of the subtree: mass, radius of gyration and first moment */
+    rbdi_wide trace, moment;           /* of the subtree: bounds of its moments of mass */
+    rbdi_wide scale, reach;            /* of the pivot; of the user's frames: see rbdi_build_scale */
+    rbdi_wide subtree_mass;            /* regrouped */
+    int parent, kind, type, iq, iv;    /* parent: index among the links being built */
+    int body, joint_dof;               /* its body; its first dof among those of the body's joint */
+    int size, favourite;  /* number of links in the subtree; the child that is next in the solver's order */
+    int position, cursor; /* in the solver's order: its own; that of its next child */
+    int order;            /* the link whose position is this one's index */
+    int dh;               /* whether it has Denavit and Hartenberg's form: beta = 0, r along x */
 } rbdi_build_link;
 
-/* Where a body of the description sits while the model is built. */
+/* A body of the description during the build. */
 typedef struct rbdi_place {
     rbdi_wide_pose X; /* in its link */
-    int link;         /* -1 = world */
+    int link;         /* that carries it, -1 = world */
     int moves;        /* whether its joint moves mass, inertia or armature */
     int iq, iv;
 } rbdi_place;
 
-/* How the solver moves a link: about and along the local z, or as a block of spatial unit axes. */
+/* Kinds of links: those that move about and along their z, and blocks, see rbdi_block. */
 enum { RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_SCREW, RBDI_BLOCK };
 
 /* Flags for operations that a link's constants make necessary. The algorithms take the flags as an argument:
    the common combinations are compiled with constant flags (see RBDI_BY_FLAGS). */
 enum {
     RBDI_BRANCH_TURN = 1, /* the frame is turned about the parent's z before the twist */
-    RBDI_SHIFT_XYZ = 2,   /* RBDI_BRANCH_TURN, or the parent-side shift has y and z components */
-    RBDI_SHIFT_Z = 4,     /* the shift along the link's z is not zero throughout */
+    RBDI_SHIFT_XYZ = 2,   /* RBDI_BRANCH_TURN, or the parent-side shift has a y or z component */
+    RBDI_SHIFT_Z = 4,     /* the shift along the link's z is not always zero */
     RBDI_MASS_KEPT = 8,   /* Sigma_zz, h_z or m were not regrouped away */
     RBDI_ARMATURE = 16,   /* some degree of freedom of the joint has armature */
     RBDI_ROOT = 32,       /* the parent is the world */
     RBDI_SLIDES = 64,     /* kind is RBDI_SCREW; 128 and 256: RBDI_TWIST_90 and RBDI_TWIST_0, of alpha */
     RBDI_SHIFT_R = 512,   /* the parent-side shift is not zero */
-    RBDI_OFF_CHAIN = 1024 /* not a simple link of a chain: a block, a branch point, a link whose parent is
-                               not link i - 1, or one without Denavit and Hartenberg's form */
+    RBDI_OFF_CHAIN = 1024 /* not a simple link of a chain: a root, a block, a branch point, a link i whose
+                               parent is not link i - 1, or one without Denavit and Hartenberg's form */
 };
 
-/* A moving link in the form that costs least. From the parent's frame: shift by r, turn beta about z,
-   twist alpha about x, turn rho q + gamma about z, slide d + kappa q along it. Blocks: see rbdi_block. */
+/* A moving link, see [design]. From the parent's frame: shift by r, turn by beta about z, twist by alpha
+   about x, turn by rho q + gamma about z, slide by d + kappa q along z. A block has its pose in an
+   rbdi_block. */
 typedef struct rbdi_link {
     int16_t parent; /* an earlier link, -1 = world */
     int16_t iq, iv; /* first coordinate and degree of freedom */
     int16_t block;  /* index into blocks, -1 = none */
-    int16_t
-        branch; /* index into rbd_work.branch, -1 = no branch point: its child, if any, is the next link */
-    int16_t first, end; /* solver dofs of the subtree: its own first .. end - 1, contiguous */
+    int16_t branch; /* a branch point's index into rbd_work.branch; -1: its child, if any, is the next link */
+    int16_t first, end; /* dofs of the subtree: rbd_model.order[first] .. [end - 1], its own first */
     int16_t kind, flags;
     rbd_const cg, sg;          /* cosine and sine of the joint angle at q = 0 */
-    rbd_const quarters, gamma; /* that angle: right angles, 0 to 3, and the rest, 45 degrees at most */
+    rbd_const quarters, gamma; /* that angle: 0 to 3 right angles, and the rest, at most 45 degrees */
     rbd_const ca, sa, cb, sb;  /* cosines and sines of alpha and beta */
     rbdi_c3 r;                 /* parent axes; y = z = 0 unless RBDI_SHIFT_XYZ */
     rbd_const d;               /* along the link's z */
@@ -97,11 +97,11 @@ typedef struct rbdi_dof {
     int16_t depth; /* number of ancestors in that tree. Of mimic dofs lambda, row and depth have no meaning */
     int16_t before, level; /* parent and number of ancestors in the mechanism, of mimic dofs too */
     rbd_const armature, damping, friction;
-    rbd_const scale; /* bound of the inertia that it moves; a pivot below RBDI_DOUBT scale is judged */
+    rbd_const scale; /* bound of the inertia that it moves; a pivot below RBDI_DOUBT scale is in doubt */
 } rbdi_dof;
 
-/* The dof at an index of the solver's order, depth first, and the row of level + 1 entries that crba writes
-   for it: the dof's own or, with mimic joints, a row behind the packed matrix. */
+/* The dof at this index of the solver's order, depth first, and where the row of level + 1 entries begins
+   that crba writes for it: the dof's own row or, with mimic joints, one behind the packed matrix. */
 typedef struct rbdi_order {
     int16_t dof;
     int32_t row;
@@ -134,7 +134,7 @@ typedef struct rbdi_frame {
     rbd_const lower, upper, velocity, effort;
 } rbdi_frame;
 
-#define RBDI_SHAPE 3 /* words */
+#define RBDI_SHAPE 3 /* words of rbd_model.shape */
 
 struct rbd_model {
     int16_t version, scalar; /* RBD_MODEL_VERSION, sizeof(rbd_const) */
@@ -151,10 +151,10 @@ struct rbd_model {
     const rbdi_mimic *mimic; /* nmimic */
     const rbdi_frame *frame; /* nb, in the description's order */
     uint32_t features;       /* rbdi_features */
-    uint64_t shape[RBDI_SHAPE]; /* all that determines the sizes of a work and a batch: rbdi_shape */
+    uint64_t shape[RBDI_SHAPE]; /* determines the sizes of a work and a batch: rbdi_shape */
 };
 
-/* A built model as a table, which rbd-model writes: declared in every file, defined in one. */
+/* For a built model as a table, which rbd-model writes: declared in every file, defined in one. */
 #define RBDI_TABLE_SYMBOL(name) RBDI_PASTE(name, RBD_CONST)
 #ifdef RBD_STATIC
 #define RBDI_TABLE static

@@ -2,7 +2,7 @@
 #define RBDI_MODEL_LINKS_H
 #include "model/check.h"
 
-/* Axis of the k-th link of a joint, unit length, joint frame. */
+/* A joint's axis of this letter of rbdi_joint_fact.axes, of unit length, joint frame. */
 static void rbdi_link_axis(const rbd_body *b, char which, rbdi_wide axis[3]) {
     for (int k = 0; k < 3; ++k) axis[k] = which == 'x' + k;
     if (which == 'a') rbdi_widen(b->axis, 3, axis);
@@ -19,8 +19,8 @@ static void rbdi_build_reach(rbdi_build_link *l, rbdi_wide reach) {
     if (l->reach < reach) l->reach = reach;
 }
 
-/* Step 1: the pose of body i, and the links of its joint, in the user's frames. Universal,
-   cylindrical and Euler joints become chains of one-axis links, massless but for the last. */
+/* Step 1: the pose of body i, and the links of its joint, in the user's frames. Universal, cylindrical and
+   Euler joints become chains of one-axis links; only the last has mass. */
 static void rbdi_build_joint(const rbd_body *bodies, int i, rbdi_place *place, rbdi_build_link *links,
                              int *nl) {
     const rbd_body *b = &bodies[i];
@@ -65,30 +65,30 @@ static void rbdi_build_joint(const rbd_body *bodies, int i, rbdi_place *place, r
     if (parent >= 0) rbdi_build_reach(&links[parent], rbdi_w_length(X.r));
 }
 
-/* Step 2: the body's mass moments onto its link: about the centre of mass Sigma = tr(I)/2 - I. */
+/* Step 2: adds the body's moments of mass to its link's. About the centre of mass Sigma = tr(I)/2 - I. */
 static void rbdi_build_mass(const rbd_body *b, const rbdi_place *place, rbdi_build_link *links) {
-    rbdi_wide Sigma[6], A[9], t[3], none[3] = {0, 0, 0}, half;
+    rbdi_wide Sigma[6], T[9], com[3], none[3] = {0, 0, 0}, half;
     if (place->link < 0) return;
     rbdi_widen(b->inertia, 6, Sigma);
     half = (Sigma[0] + Sigma[3] + Sigma[5]) / 2;
     for (int k = 0; k < 6; ++k) Sigma[k] = (k == 0 || k == 3 || k == 5 ? half : 0) - Sigma[k];
-    rbdi_widen(b->com, 3, t);
-    rbdi_w_transpose(place->X.E, A);
-    rbdi_w_apply(A, t, t);
-    for (int k = 0; k < 3; ++k) t[k] += place->X.r[k];
-    rbdi_add_moments(&links[place->link], A, t, Sigma, none, (rbdi_wide)b->mass);
+    rbdi_widen(b->com, 3, com);
+    rbdi_w_transpose(place->X.E, T);
+    rbdi_w_apply(T, com, com);
+    for (int k = 0; k < 3; ++k) com[k] += place->X.r[k];
+    rbdi_add_moments(&links[place->link], T, com, Sigma, none, (rbdi_wide)b->mass);
 }
 
-/* Rows of E: x, s x x, s, for a unit vector s and x perpendicular to it. */
-static void rbdi_build_basis(const rbdi_wide s[3], rbdi_wide E[9]) {
+/* Axes, the rows of E, with this unit vector for z. */
+static void rbdi_build_basis(const rbdi_wide z[3], rbdi_wide E[9]) {
     rbdi_wide length;
     int least = 0;
     for (int k = 1; k < 3; ++k)
-        if (rbdi_w_abs(s[k]) < rbdi_w_abs(s[least])) least = k;
-    for (int k = 0; k < 3; ++k) E[k] = (k == least) - s[least] * s[k];
+        if (rbdi_w_abs(z[k]) < rbdi_w_abs(z[least])) least = k;
+    for (int k = 0; k < 3; ++k) E[k] = (k == least) - z[least] * z[k];
     length = rbdi_w_length(E);
-    for (int k = 0; k < 3; ++k) E[k] /= length, E[6 + k] = s[k];
-    for (int k = 0; k < 3; ++k) E[3 + k] = s[(k + 1) % 3] * E[(k + 2) % 3] - s[(k + 2) % 3] * E[(k + 1) % 3];
+    for (int k = 0; k < 3; ++k) E[k] /= length, E[6 + k] = z[k];
+    for (int k = 0; k < 3; ++k) E[3 + k] = z[(k + 1) % 3] * E[(k + 2) % 3] - z[(k + 2) % 3] * E[(k + 1) % 3];
 }
 
 /* Step 3: solver frames, with the joint's axis on z. */
@@ -101,9 +101,9 @@ static void rbdi_build_axis(rbdi_build_link *links, int i) {
     rbdi_change_moments(l, l->solver.E, l->solver.r);
 }
 
-/* Step 4: depth-first positions, the child with the largest subtree first (one-axis children before
-   others, under a one-axis parent: only they can have Denavit and Hartenberg's form). links[p].order = the
-   link at position p. */
+/* Step 4: depth-first positions. The favourite child, which comes first, has the largest subtree; under a
+   one-axis parent a one-axis child comes before blocks, because only it can have Denavit and Hartenberg's
+   form. */
 static void rbdi_build_order(rbdi_build_link *links, int nl) {
     int next_root = 0;
     for (int i = 0; i < nl; ++i) links[i].size = 1;
@@ -137,8 +137,8 @@ static void rbdi_build_order(rbdi_build_link *links, int nl) {
     }
 }
 
-/* A frame whose joint axis is z may be turned about z by (c, s) and shifted along z by t: joint motion
-   and results stay, the constants around it change. */
+/* Turns the frame of link i about its joint axis z by (c, s) and shifts it along z by t. The joint's motion
+   and all results stay; the constants around it change. */
 static void rbdi_build_turn(rbdi_build_link *links, int nl, int i, rbdi_wide c, rbdi_wide s, rbdi_wide t) {
     rbdi_build_link *l = &links[i];
     const rbdi_wide down[3] = {0, 0, -t};
@@ -153,8 +153,8 @@ static void rbdi_build_turn(rbdi_build_link *links, int nl, int i, rbdi_wide c, 
     l->X = rbdi_w_compose(&turn, &l->X);
 }
 
-/* Angles of E = Rz(gamma) Rx(alpha) Rz(beta), |beta| <= 90 degrees, snapped; E is rebuilt from them so that
-   everything that follows, pose and dynamics, works with one model. */
+/* Angles of E = Rz(gamma) Rx(alpha) Rz(beta), |beta| <= 90 degrees, snapped to right angles. E is computed
+   anew from them, so that poses and dynamics have the same model. */
 static void rbdi_build_angles(rbdi_build_link *l) {
     rbdi_wide *E = l->X.E, sigma = RBDI_WIDE_LIBM(sqrt)(E[6] * E[6] + E[7] * E[7]);
     l->cb = 1, l->sb = 0;
@@ -169,17 +169,17 @@ static void rbdi_build_angles(rbdi_build_link *l) {
     }
     l->cg = E[0] * l->cb + E[1] * l->sb;
     l->sg = (E[1] * l->cb - E[0] * l->sb) * l->ca + E[2] * l->sa;
-    rbdi_w_snap(&l->cg, &l->sg, RBDI_SNAP / 1000); /* of rounding alone: gamma costs nothing */
+    rbdi_w_snap(&l->cg, &l->sg, RBDI_SNAP / 1000); /* removes rounding alone: any gamma costs the same */
     rbdi_w_zxz(l->cg, l->sg, l->ca, l->sa, l->cb, l->sb, E);
 }
 
-/* Bounds of the moments of mass, sums of m |x|^2 and of m |x|, of the subtree of f about a point at this
-   distance from f's origin: its links stretched out away from the point. */
-static rbdi_wide rbdi_build_spread(const rbdi_build_link *f, rbdi_wide distance) {
-    return f->all * (f->radius + distance) * (f->radius + distance);
+/* Bounds of the moments of mass, sums of m |x|^2 and of m |x|, of the subtree of link l about a point at this
+   distance from l's origin: with its links stretched out away from the point. */
+static rbdi_wide rbdi_build_second_moment(const rbdi_build_link *l, rbdi_wide distance) {
+    return l->all_mass * (l->radius + distance) * (l->radius + distance);
 }
-static rbdi_wide rbdi_build_lever(const rbdi_build_link *f, rbdi_wide distance) {
-    return f->lever + f->all * distance;
+static rbdi_wide rbdi_build_first_moment(const rbdi_build_link *l, rbdi_wide distance) {
+    return l->lever + l->all_mass * distance;
 }
 
 /* Step 5, leaves to root: mass, radius of gyration and first moment of the stretched subtree about the link's
@@ -187,50 +187,51 @@ static rbdi_wide rbdi_build_lever(const rbdi_build_link *f, rbdi_wide distance) 
 static void rbdi_build_measure(rbdi_build_link *links, int i) {
     rbdi_build_link *l = &links[i];
     const rbdi_wide own = l->Sigma[0] + l->Sigma[3] + l->Sigma[5];
-    if (own > 0) l->radius += own; /* else no real body is like this */
+    if (own > 0) l->radius += own; /* not positive: no real body is like this */
     if (own > 0 && l->mass > 0) l->lever += RBDI_WIDE_LIBM(sqrt)(own * l->mass);
-    l->all += l->mass;
-    l->radius = l->all > 0 ? RBDI_WIDE_LIBM(sqrt)(l->radius / l->all) : 0;
+    l->all_mass += l->mass;
+    l->radius = l->all_mass > 0 ? RBDI_WIDE_LIBM(sqrt)(l->radius / l->all_mass) : 0;
     if (l->parent < 0) return;
-    /* sums, until the parent's turn comes */
-    links[l->parent].radius += rbdi_build_spread(l, rbdi_w_length(l->X.r));
-    links[l->parent].lever += rbdi_build_lever(l, rbdi_w_length(l->X.r));
-    links[l->parent].all += l->all;
+    /* until the parent is measured its radius is the sum of the second moments */
+    links[l->parent].radius += rbdi_build_second_moment(l, rbdi_w_length(l->X.r));
+    links[l->parent].lever += rbdi_build_first_moment(l, rbdi_w_length(l->X.r));
+    links[l->parent].all_mass += l->all_mass;
 }
 
-/* Whether link l's frame may move by t along its axis, which brings the origin of its child f to this
-   distance from it. Inertias about a far point are large, and the algorithms take their differences: rounding
-   errors grow with them. So the moments of this subtree may become at most 4 times those about the origin
-   that the user chose. Right-angled and parallel axes pass (1.1 times at most in iiwa, HyQ, Atlas). */
+/* Whether the frame of link i, l, may move by t along its axis, so that its favourite child f is at this
+   distance from it. Inertias about a far point are large, and the algorithms subtract them from each other:
+   rounding errors grow with them. So the moments of this subtree may become at most 4 times those about the
+   origin that the user chose. Right-angled and parallel axes pass (1.1 times at most in iiwa, HyQ, Atlas). */
 static int rbdi_build_near(const rbdi_build_link *links, int nl, int i, rbdi_wide t, rbdi_wide distance) {
     const rbdi_build_link *l = &links[i], *f = &links[l->favourite];
-    const rbdi_wide rest = l->all - f->all, from_f = rbdi_w_length(f->X.r), step = rbdi_w_abs(t);
+    const rbdi_wide rest = l->all_mass - f->all_mass, before = rbdi_w_length(f->X.r), step = rbdi_w_abs(t);
     for (int j = i + 1; j < nl; ++j) {
         const rbdi_build_link *child = &links[j];
-        rbdi_wide from[3] = {child->X.r[0], child->X.r[1], child->X.r[2] - t};
-        if (child->parent == i && child != f && child->all > 0 &&
-            child->radius + rbdi_w_length(from) > 4 * (child->radius + rbdi_w_length(child->X.r)))
+        rbdi_wide r[3] = {child->X.r[0], child->X.r[1], child->X.r[2] - t};
+        if (child->parent == i && child != f && child->all_mass > 0 &&
+            child->radius + rbdi_w_length(r) > 4 * (child->radius + rbdi_w_length(child->X.r)))
             return 0;
     }
-    return rest * t * t + rbdi_build_spread(f, distance) - rbdi_build_spread(f, from_f) <
-               3 * rbdi_build_spread(l, 0) &&
-           rest * step + rbdi_build_lever(f, distance) - rbdi_build_lever(f, from_f) <
-               3 * rbdi_build_lever(l, 0);
+    return rest * t * t + rbdi_build_second_moment(f, distance) - rbdi_build_second_moment(f, before) <
+               3 * rbdi_build_second_moment(l, 0) &&
+           rest * step + rbdi_build_first_moment(f, distance) - rbdi_build_first_moment(f, before) <
+               3 * rbdi_build_first_moment(l, 0);
 }
 
-/* Step 6, root to leaves: give the favourite child Denavit-Hartenberg form, beta = 0 and r = (a, 0, 0),
-   by turning and shifting link i's own frame; a link without such a child drops gamma and d instead.
-   Nearly parallel axes put the common normal far away and would lose digits: they stay general. */
+/* Step 6, root to leaves: gives the favourite child of link i Denavit and Hartenberg's form, beta = 0 and r =
+   (a, 0, 0), by a turn and shift of link i's frame. Without such a child gamma and d become 0 instead. Nearly
+   parallel axes have their common normal far away and would lose digits: they keep a general r and beta. */
 static void rbdi_build_normalise(rbdi_build_link *links, int nl, int i) {
     rbdi_build_link *l = &links[i], *f;
     rbdi_wide r[3], Z[9], a, d = 0, t;
     if (l->kind == RBDI_BLOCK) return;
-#ifdef RBDI_NO_FAVOURITE /* rbd-codegen --limbs: of like limbs none is preferred */
+#ifdef RBDI_NO_FAVOURITE /* rbd-codegen --limbs: equal limbs get equal constants */
     if (l->favourite >= 0 && RBDI_NO_FAVOURITE(links, nl, i)) l->favourite = -1;
 #endif
     if (l->favourite < 0 || links[l->favourite].kind == RBDI_BLOCK) {
-        /* it moves only to save the shift d: its subtree may get 4 times farther away */
-        const int moves = l->dh && rbdi_build_spread(l, rbdi_w_abs(l->d)) <= 16 * rbdi_build_spread(l, 0);
+        /* this saves no more than the shift d: the subtree may get at most 4 times farther away */
+        const rbdi_wide far = rbdi_build_second_moment(l, rbdi_w_abs(l->d));
+        const int moves = l->dh && far <= 16 * rbdi_build_second_moment(l, 0);
         rbdi_build_angles(l);
         rbdi_build_turn(links, nl, i, l->cg, -l->sg, moves ? -l->d : 0);
         return;
@@ -239,7 +240,7 @@ static void rbdi_build_normalise(rbdi_build_link *links, int nl, int i) {
     rbdi_build_angles(l);
     rbdi_build_angles(f);
     if (rbdi_w_abs(f->sa) > 0) {
-        /* beta or beta + 180 degrees: alpha is 90 degrees, or the link's gamma small */
+        /* beta or beta + 180 degrees: so that alpha is 90 degrees, or else l's gamma within 90 degrees */
         if (rbdi_nonzero(f->ca) ? l->cg * f->cb - l->sg * f->sb < 0 : f->sa < 0)
             f->cb = -f->cb, f->sb = -f->sb, f->sa = -f->sa;
         rbdi_w_turn_z(f->cb, f->sb, Z);

@@ -6,7 +6,7 @@
 
 /* -- a payload -- */
 
-/* Own inertia of a body with a payload: masses, moments about the common centre c. */
+/* The inertia of a body with a payload: the sum of the masses, the centre of mass c, the moments about it. */
 static rbd_status rbdi_payload_frame(rbdi_frame *u, const rbd_body *load) {
     const rbdi_wide mass[2] = {(rbdi_wide)u->mass, (rbdi_wide)load->mass}, sum = mass[0] + mass[1];
     const rbdi_wide com[2][3] = {{(rbdi_wide)u->com.x, (rbdi_wide)u->com.y, (rbdi_wide)u->com.z},
@@ -23,11 +23,12 @@ static rbd_status rbdi_payload_frame(rbdi_frame *u, const rbd_body *load) {
         size += (double)(rbdi_w_abs(I[k]) + rbdi_w_abs((rbdi_wide)load->inertia[k]));
         I[k] += (rbdi_wide)load->inertia[k];
     }
-    for (int j = 0; j < 2; ++j) {
-        const rbdi_wide d[3] = {com[j][0] - c[0], com[j][1] - c[1], com[j][2] - c[2]}, dd = rbdi_w_dot(d, d);
-        for (int k = 0, a = 0; a < 3; ++a)
-            for (int b = a; b < 3; ++b, ++k) I[k] += mass[j] * ((a == b ? dd : 0) - d[a] * d[b]);
-        size += (double)(rbdi_w_abs(mass[j]) * dd);
+    for (int part = 0; part < 2; ++part) {
+        const rbdi_wide r[3] = {com[part][0] - c[0], com[part][1] - c[1], com[part][2] - c[2]},
+                        rr = rbdi_w_dot(r, r);
+        for (int k = 0, i = 0; i < 3; ++i)
+            for (int j = i; j < 3; ++j, ++k) I[k] += mass[part] * ((i == j ? rr : 0) - r[i] * r[j]);
+        size += (double)(rbdi_w_abs(mass[part]) * rr);
     }
     for (int k = 0; k < 6; ++k) whole[k] = (double)I[k];
     size *= 1 + 16 * (double)RBDI_EPS / RBDI_SEMIDEFINITE;
@@ -38,9 +39,9 @@ static rbd_status rbdi_payload_frame(rbdi_frame *u, const rbd_body *load) {
     return RBD_OK;
 }
 
-/* From a link to its parent: pair[1] becomes link i of the built model with the mass that pair[0] has
-   collected, pair[0] an empty parent. */
-static void rbdi_payload_climb(const rbd_model *m, int i, rbdi_build_link pair[2]) {
+/* Prepares a step of the build from link i of the model to its parent, for the payload alone: pair[1] becomes
+   link i with the moments of mass that pair[0] has, pair[0] its parent, empty. */
+static void rbdi_payload_step(const rbd_model *m, int i, rbdi_build_link pair[2]) {
     const rbdi_link *l = &m->link[i];
     pair[1] = pair[0];
     pair[1].parent = l->parent < 0 ? -1 : 0;
@@ -48,14 +49,16 @@ static void rbdi_payload_climb(const rbd_model *m, int i, rbdi_build_link pair[2
     pair[1].rho = (rbdi_wide)l->rho, pair[1].kappa = (rbdi_wide)l->kappa;
     pair[1].X = rbdi_link_place(m, l);
     rbdi_clear_link(&pair[0]);
+    pair[0].all_mass = pair[1].all_mass;
 }
 
-static void rbdi_payload_scale(rbdi_dof *d, rbdi_wide x) {
-    d->scale = RBD_C((rbdi_wide)d->scale + x);
-    if (d->scale < d->armature + RBDI_LEAST_SCALE) d->scale = d->armature + RBDI_LEAST_SCALE;
+/* Adds x to a dof's scale. */
+static void rbdi_payload_scale(rbdi_dof *dof, rbdi_wide x) {
+    dof->scale = RBD_C((rbdi_wide)dof->scale + x);
+    if (dof->scale < dof->armature + RBDI_LEAST_SCALE) dof->scale = dof->armature + RBDI_LEAST_SCALE;
 }
 
-/* Step 7, the bounds of pivots, for what is added (sign = 1) or taken off (-1). */
+/* Step 7, the bounds of pivots, for a payload that is added (sign = 1) or taken off (-1). */
 static void rbdi_payload_bounds(const rbd_model *m, int i, rbd_body load, const rbdi_place *place) {
     rbdi_dof *dof = (rbdi_dof *)m->dof;
     const double sign = load.mass < 0 || load.inertia[0] + load.inertia[3] + load.inertia[5] < 0 ? -1 : 1;
@@ -64,27 +67,30 @@ static void rbdi_payload_bounds(const rbd_model *m, int i, rbd_body load, const 
     for (int k = 0; k < 6; ++k) load.inertia[k] *= sign;
     rbdi_clear_link(&pair[0]);
     rbdi_build_mass(&load, place, pair);
+    pair[0].all_mass = pair[0].mass;
     for (; i >= 0; i = m->link[i].parent) {
         const int iv = m->link[i].iv;
-        rbdi_payload_climb(m, i, pair);
-        for (int b = 0; b < m->nb; ++b) {
-            const rbdi_c3 at = m->frame[b].r;
+        rbdi_payload_step(m, i, pair);
+        for (int body = 0; body < m->nb; ++body) {
+            const rbdi_c3 at = m->frame[body].r;
             const rbdi_wide r[3] = {(rbdi_wide)at.x, (rbdi_wide)at.y, (rbdi_wide)at.z};
-            if (m->frame[b].link == i) rbdi_build_reach(&pair[1], rbdi_w_length(r));
+            if (m->frame[body].link == i) rbdi_build_reach(&pair[1], rbdi_w_length(r));
         }
         rbdi_build_scale(pair, 1);
         for (int k = 0; k < rbdi_link_dofs(m, &m->link[i]); ++k) {
             const rbdi_wide x = (rbdi_wide)sign * rbdi_build_dof_scale(&pair[1], k);
             rbdi_payload_scale(&dof[iv + k], x);
             if (iv >= m->nv) { /* which has one dof */
-                const rbdi_mimic *f = &m->mimic[iv - m->nv];
-                rbdi_payload_scale(&dof[f->source_v], (rbdi_wide)f->ratio * (rbdi_wide)f->ratio * x);
+                const rbdi_mimic *mimic = &m->mimic[iv - m->nv];
+                const rbdi_wide ratio = (rbdi_wide)mimic->ratio;
+                rbdi_payload_scale(&dof[mimic->source_v], ratio * ratio * x);
             }
         }
     }
 }
 
-/* Step 8, regrouping, which is linear, for the payload alone: what stays on its link, and what goes on. */
+/* Step 8, regrouping, for the payload alone, because it is linear: on the way to the root each link keeps a
+   part. */
 static void rbdi_payload_links(const rbd_model *m, int i, const rbd_body *load, const rbdi_place *place) {
     rbdi_link *link = (rbdi_link *)m->link;
     rbdi_build_link pair[2];
@@ -92,11 +98,12 @@ static void rbdi_payload_links(const rbd_model *m, int i, const rbd_body *load, 
     rbdi_clear_link(&pair[0]);
     rbdi_build_mass(load, place, pair);
     for (; i >= 0; i = link[i].parent) {
-        rbdi_csym *S = &link[i].Sigma, x;
-        rbdi_payload_climb(m, i, pair);
+        rbdi_csym *Sigma = &link[i].Sigma, x;
+        rbdi_payload_step(m, i, pair);
         rbdi_build_regroup(pair, 1);
         x = rbdi_round6(pair[1].Sigma);
-        S->xx += x.xx, S->xy += x.xy, S->xz += x.xz, S->yy += x.yy, S->yz += x.yz, S->zz += x.zz;
+        Sigma->xx += x.xx, Sigma->xy += x.xy, Sigma->xz += x.xz;
+        Sigma->yy += x.yy, Sigma->yz += x.yz, Sigma->zz += x.zz;
         link[i].h.x += RBD_C(pair[1].h[0]);
         link[i].h.y += RBD_C(pair[1].h[1]);
         link[i].h.z += RBD_C(pair[1].h[2]);

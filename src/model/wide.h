@@ -9,8 +9,7 @@
    rbdi_w_transpose, rbdi_widen, RBDI_TEXT */
 
 /* ---- descriptions [descriptions] ----
-   Tools for reading a description, here and in the other headers: checks, and algebra in the build's
-   arithmetic. Also the way back, from the model to a row. */
+   To read a description, here and in other headers: checks, and algebra in the build's arithmetic (w_). */
 
 #include <math.h>
 
@@ -36,11 +35,12 @@ static RBDI_UNUSED void rbdi_w_apply(const rbdi_wide A[9], const rbdi_wide x[3],
 static RBDI_UNUSED void rbdi_w_transpose(const rbdi_wide A[9], rbdi_wide B[9]) {
     for (int i = 0; i < 9; ++i) B[i] = A[i % 3 * 3 + i / 3];
 }
-static RBDI_UNUSED void rbdi_w_product(const rbdi_wide A[9], const rbdi_wide B[9], rbdi_wide C[9]) {
-    rbdi_wide D[9];
+/* AB may be A or B. */
+static RBDI_UNUSED void rbdi_w_product(const rbdi_wide A[9], const rbdi_wide B[9], rbdi_wide AB[9]) {
+    rbdi_wide C[9];
     for (int i = 0; i < 9; ++i)
-        D[i] = A[i / 3 * 3] * B[i % 3] + A[i / 3 * 3 + 1] * B[i % 3 + 3] + A[i / 3 * 3 + 2] * B[i % 3 + 6];
-    for (int i = 0; i < 9; ++i) C[i] = D[i];
+        C[i] = A[i / 3 * 3] * B[i % 3] + A[i / 3 * 3 + 1] * B[i % 3 + 3] + A[i / 3 * 3 + 2] * B[i % 3 + 6];
+    for (int i = 0; i < 9; ++i) AB[i] = C[i];
 }
 static RBDI_UNUSED void rbdi_w_turn_z(rbdi_wide c, rbdi_wide s, rbdi_wide A[9]) {
     rbdi_w_identity(A);
@@ -50,15 +50,15 @@ static RBDI_UNUSED void rbdi_w_turn_x(rbdi_wide c, rbdi_wide s, rbdi_wide A[9]) 
     rbdi_w_identity(A);
     A[4] = c, A[5] = s, A[7] = -s, A[8] = c;
 }
-/* Rz(gamma) Rx(alpha) Rz(beta) from the cosines and sines. */
+/* E = Rz(gamma) Rx(alpha) Rz(beta) from the cosines and sines. */
 static RBDI_UNUSED void rbdi_w_zxz(rbdi_wide cg, rbdi_wide sg, rbdi_wide ca, rbdi_wide sa, rbdi_wide cb,
                                    rbdi_wide sb, rbdi_wide E[9]) {
-    rbdi_wide Z[9];
+    rbdi_wide turn[9];
     rbdi_w_turn_z(cg, sg, E);
-    rbdi_w_turn_x(ca, sa, Z);
-    rbdi_w_product(E, Z, E);
-    rbdi_w_turn_z(cb, sb, Z);
-    rbdi_w_product(E, Z, E);
+    rbdi_w_turn_x(ca, sa, turn);
+    rbdi_w_product(E, turn, E);
+    rbdi_w_turn_z(cb, sb, turn);
+    rbdi_w_product(E, turn, E);
 }
 /* Pose of C in A, from that of C in B and of B in A. */
 static RBDI_UNUSED rbdi_wide_pose rbdi_w_compose(const rbdi_wide_pose *CB, const rbdi_wide_pose *BA) {
@@ -88,9 +88,9 @@ static RBDI_UNUSED rbdi_wide rbdi_w_length(const rbdi_wide a[3]) {
     return RBDI_WIDE_LIBM(sqrt)(rbdi_w_dot(a, a));
 }
 
-/* Whether numbers are finite, in the model's scalar too. */
+/* Whether n numbers are finite, in the model's scalar too. */
 static RBDI_UNUSED int rbdi_finite(const double *x, int n) {
-    for (int k = 0; k < n; ++k) { /* by bits: stays right under -ffinite-math-only */
+    for (int k = 0; k < n; ++k) { /* by bits, which is right with -ffinite-math-only too */
         union {
             double x;
             uint64_t bits;
@@ -111,17 +111,19 @@ static RBDI_UNUSED int rbdi_all_zero(const double *x, int n) {
     return 1;
 }
 
-/* y = x scaled to unit length, whatever its length is. */
+/* y = x scaled to unit length, of any length but 0: by the largest component first, so that nothing
+   overflows. */
 static RBDI_UNUSED void rbdi_unit(const rbdi_wide x[3], rbdi_wide y[3]) {
-    rbdi_wide largest = 0, n;
+    rbdi_wide largest = 0, length;
     for (int k = 0; k < 3; ++k)
         if (rbdi_w_abs(x[k]) > largest) largest = rbdi_w_abs(x[k]);
     for (int k = 0; k < 3; ++k) y[k] = x[k] / largest;
-    n = rbdi_w_length(y);
-    for (int k = 0; k < 3; ++k) y[k] /= n;
+    length = rbdi_w_length(y);
+    for (int k = 0; k < 3; ++k) y[k] /= length;
 }
 
-/* A nearly orthonormal matrix made exactly so, rows first to last (Gram and Schmidt). An exact one stays. */
+/* Makes a nearly orthonormal matrix orthonormal, rows first to last (Gram and Schmidt). An exact one stays.
+   */
 static RBDI_UNUSED void rbdi_orthonormalise(rbdi_wide R[9]) {
     rbdi_wide along;
     rbdi_unit(&R[0], &R[0]);
@@ -132,29 +134,28 @@ static RBDI_UNUSED void rbdi_orthonormalise(rbdi_wide R[9]) {
         R[6 + k] = R[(k + 1) % 3] * R[3 + (k + 2) % 3] - R[(k + 2) % 3] * R[3 + (k + 1) % 3];
 }
 
+/* Whether a matrix is a rotation, or 0, which stands for the identity. */
 static RBDI_UNUSED int rbdi_is_rotation(const double R[9]) {
-    rbdi_wide A[9], T[9], D[9];
+    rbdi_wide A[9], T[9], product[9];
     if (!rbdi_finite(R, 9)) return 0;
     if (rbdi_all_zero(R, 9)) return 1;
     rbdi_widen(R, 9, A);
     rbdi_w_transpose(A, T);
-    rbdi_w_product(A, T, D);
+    rbdi_w_product(A, T, product);
     for (int k = 0; k < 9; ++k)
-        if (!(rbdi_w_abs(D[k] - (k % 4 == 0)) < (rbdi_wide)RBDI_ORTHONORMAL)) return 0;
+        if (!(rbdi_w_abs(product[k] - (k % 4 == 0)) < (rbdi_wide)RBDI_ORTHONORMAL)) return 0;
     return A[0] * (A[4] * A[8] - A[5] * A[7]) - A[1] * (A[3] * A[8] - A[5] * A[6]) +
                A[2] * (A[3] * A[7] - A[4] * A[6]) >
            0;
 }
 
-/* No eigenvalue of the symmetric matrix (xx xy xz yy yz zz) below -RBDI_SEMIDEFINITE of size: Cholesky
-   pivots. */
+/* Whether no eigenvalue of the symmetric matrix (xx xy xz yy yz zz) is below -RBDI_SEMIDEFINITE size: by the
+   pivots of Gauss of the matrix with RBDI_SEMIDEFINITE size on the diagonal added. */
 static RBDI_UNUSED int rbdi_semidefinite(const double A[6], double size) {
-    double e = RBDI_SEMIDEFINITE * size, a = A[0] + e, l = A[1] / a, k = A[2] / a, b = A[3] + e - l * A[1],
-           yz, c;
-    if (!(a > 0) || !(b > 0)) return 0;
-    yz = A[4] - l * A[2];
-    c = A[5] + e - k * A[2] - yz * yz / b;
-    return c > 0;
+    const double added = RBDI_SEMIDEFINITE * size, xx = A[0] + added, yy = A[3] + added - A[1] / xx * A[1],
+                 yz = A[4] - A[1] / xx * A[2];
+    if (!(xx > 0) || !(yy > 0)) return 0;
+    return A[5] + added - A[2] / xx * A[2] - yz * yz / yy > 0;
 }
 
 static RBDI_UNUSED rbd_status rbdi_refuse(rbd_report *report, rbd_status status, int body, const char *name,
