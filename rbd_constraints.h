@@ -457,7 +457,8 @@ RBDI_CODE_BEGIN
 #define RBDI_CLOSING_STEPS 3
 
 /* ==== src/constraints/kinematics.h ==== */
-/* Interface: rbdi_add_held, rbdi_axes_held, rbdi_set_axes, rbdi_station, rbdi_station_at, rbdi_station_of */
+/* Interface: rbdi_add_held, rbdi_axes_held, rbdi_frame_origin, rbdi_set_axes, rbdi_station, rbdi_station_at,
+   rbdi_station_of */
 
 /* ---- kinematics [kinematics] ---- */
 
@@ -488,15 +489,39 @@ RBDI_INLINE rbdi_station rbdi_station_at(const rbd_constraint_set *c, int link, 
     return at;
 }
 
-/* Motion of the origin of a constraint's frame. */
-RBDI_ONCE rbdi_station rbdi_station_of(const rbd_constraint_set *c, const rbdi_constraint *con, int side) {
+/* Origin of a constraint's frame in the world, and its motion. */
+RBDI_INLINE rbdi_v3 rbdi_frame_origin(const rbd_constraint_set *c, const rbdi_constraint *con, int side) {
     const rbdi_v3 origin = rbdi_vec_c(con->position[side]);
-    const int link = con->link[side];
-    return rbdi_station_at(c, link, link < 0 ? origin : rbdi_point_p(&c->w->kin[link], origin));
+    return con->link[side] < 0 ? origin : rbdi_point_p(&c->w->kin[con->link[side]], origin);
+}
+RBDI_ONCE rbdi_station rbdi_station_of(const rbd_constraint_set *c, const rbdi_constraint *con, int side) {
+    return rbdi_station_at(c, con->link[side], rbdi_frame_origin(c, con, side));
 }
 
-/* Orientation of that frame in the world. */
-static rbdi_mat rbdi_station_axes(const rbd_constraint_set *c, const rbdi_constraint *con, int side) {
+/* Motion of the bodies at the origin of frame 1. */
+typedef struct rbdi_relative_motion {
+    rbdi_station body[2];
+    rbdi_motion velocity, rate; /* of body 1 relative to body 2, and its rate in axes that turn with body 2 */
+} rbdi_relative_motion;
+
+RBDI_INLINE rbdi_v3 rbdi_twice(rbdi_v3 a) { return rbdi_add(a, a); }
+
+RBDI_ONCE rbdi_relative_motion rbdi_relative_motion_of(const rbd_constraint_set *c,
+                                                       const rbdi_constraint *con) {
+    const rbdi_station one = rbdi_station_of(c, con, 0), two = rbdi_station_at(c, con->link[1], one.p);
+    rbdi_relative_motion x;
+    x.body[0] = one, x.body[1] = two;
+    x.velocity.omega = rbdi_sub(one.omega, two.omega), x.velocity.v = rbdi_sub(one.v, two.v);
+    x.rate.omega = rbdi_sub(one.omega_dot, two.omega_dot), x.rate.v = rbdi_sub(one.acc, two.acc);
+    if (con->link[1] >= 0) {
+        x.rate.omega = rbdi_sub(x.rate.omega, rbdi_cross(two.omega, x.velocity.omega));
+        x.rate.v = rbdi_sub(x.rate.v, rbdi_cross(two.omega, rbdi_twice(x.velocity.v)));
+    }
+    return x;
+}
+
+/* Orientation of a constraint's frame in the world. */
+static rbdi_mat rbdi_frame_axes(const rbd_constraint_set *c, const rbdi_constraint *con, int side) {
     const rbdi_mat R = rbdi_mat_c(con->rotation[side]);
     return con->link[side] < 0 ? R : rbdi_mul_mat(rbdi_transpose(c->w->kin[con->link[side]].X.E), R);
 }
@@ -570,29 +595,20 @@ RBDI_ONCE void rbdi_add_held(const rbdi_constraint *con, const rbdi_axes_held *h
 /* Adds gamma and J v of a constraint and, if `errors`, e. Returns the origin of frame 1 in the world. */
 RBDI_ONCE rbdi_v3 rbdi_constraint_motion(rbd_constraint_set *c, const rbdi_constraint *con,
                                          const rbdi_axes_held *h, int errors) {
-    const rbdi_station one = rbdi_station_of(c, con, 0), two = rbdi_station_of(c, con, 1);
-    const rbdi_v3 s = rbdi_sub(one.p, two.p), w2 = two.omega;
-    rbdi_v3 u = one.v, spin = one.omega, a = rbdi_sub(one.acc, two.acc), alpha = one.omega_dot;
-    if (con->link[1] >= 0) {
-        const rbdi_v3 ws = rbdi_cross(w2, s);
-        u = rbdi_sub(rbdi_sub(u, two.v), ws);
-        spin = rbdi_sub(spin, w2);
-        alpha = rbdi_sub(alpha, two.omega_dot), a = rbdi_sub(a, rbdi_cross(two.omega_dot, s));
-        alpha = rbdi_sub(alpha, rbdi_cross(w2, spin));
-        a = rbdi_sub(a, rbdi_cross(w2, rbdi_add(ws, rbdi_add(u, u))));
-    }
-    rbdi_add_held(con, h, alpha, a, &c->gamma[con->row]);
-    rbdi_add_held(con, h, spin, u, &c->velocity[con->row]);
+    const rbdi_relative_motion x = rbdi_relative_motion_of(c, con);
+    const rbdi_v3 p = x.body[0].p;
+    rbdi_add_held(con, h, x.rate.omega, x.rate.v, &c->gamma[con->row]);
+    rbdi_add_held(con, h, x.velocity.omega, x.velocity.v, &c->velocity[con->row]);
     if (errors) {
         rbdi_v3 turn = rbdi_vec0();
         if (con->angular) {
-            const rbdi_mat R = rbdi_station_axes(c, con, 1);
-            turn = rbdi_angular_error(con, rbdi_mul_mat(rbdi_transpose(R), rbdi_station_axes(c, con, 0)));
+            const rbdi_mat R = rbdi_frame_axes(c, con, 1);
+            turn = rbdi_angular_error(con, rbdi_mul_mat(rbdi_transpose(R), rbdi_frame_axes(c, con, 0)));
             turn = rbdi_mul(R, turn);
         }
-        rbdi_add_held(con, h, turn, s, &c->e[con->row]);
+        rbdi_add_held(con, h, turn, rbdi_sub(p, rbdi_frame_origin(c, con, 1)), &c->e[con->row]);
     }
-    return one.p;
+    return p;
 }
 
 /* ==== src/constraints/rows.h ==== */
@@ -1256,11 +1272,8 @@ static void rbdi_rows_to_world(const rbd_model *m, rbd_constraint_set *c, const 
 /* 1/D of the dofs on the paths. */
 static void rbdi_path_inverse(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
-    for (int at = 0; at < c->links; ++at) {
-        const rbdi_link *l = &m->link[c->link[at]];
-        for (int k = l->iv, end = k + rbdi_link_dofs(m, l); k < end; ++k)
-            c->D_inverse[k] = rbdi_reciprocal(c->w->pivot[k], RBDI_TINY, &none);
-    }
+    for (int k = 0; k < m->nv; ++k)
+        if (c->span[k].end > 0) c->D_inverse[k] = rbdi_reciprocal(c->w->pivot[k], RBDI_TINY, &none);
 }
 
 /* u/D += D^-1 Y lambda. */
@@ -1965,9 +1978,8 @@ RBDI_CODE_BEGIN
 /* Motion of body 1 relative to body 2 at the origin of frame 1, world axes, and what is needed for its
    derivatives. */
 typedef struct rbdi_pair_motion {
-    rbdi_station body[2];
-    rbdi_motion velocity, rate; /* (w; u), (alpha; acc) */
-    rbdi_force force;           /* of lambda */
+    rbdi_relative_motion motion; /* velocity (w; u), rate (alpha; acc) */
+    rbdi_force force;            /* of lambda */
     rbdi_axes_held h;
     rbdi_v3 log_R;       /* world axes */
     rbd_real log_square; /* the derivative of log R is z - log_R x z / 2 + this times log_R x (log_R x z) */
@@ -1990,15 +2002,10 @@ RBDI_INLINE rbdi_motion rbdi_motion_cross(rbdi_motion V, rbdi_motion S) {
 /* c + a x b */
 RBDI_INLINE rbdi_v3 rbdi_cross_add(rbdi_v3 c, rbdi_v3 a, rbdi_v3 b) { return rbdi_add(c, rbdi_cross(a, b)); }
 RBDI_INLINE rbdi_v3 rbdi_cross_sub(rbdi_v3 c, rbdi_v3 a, rbdi_v3 b) { return rbdi_add(c, rbdi_cross(b, a)); }
-RBDI_INLINE rbdi_v3 rbdi_twice(rbdi_v3 a) { return rbdi_add(a, a); }
 
 static rbdi_pair_motion rbdi_pair_motion_of(const rbd_constraint_set *c, const rbdi_constraint *con) {
     rbdi_pair_motion pair;
-    const rbdi_station one = rbdi_station_of(c, con, 0), two = rbdi_station_at(c, con->link[1], one.p);
-    pair.body[0] = one, pair.body[1] = two;
-    pair.velocity.omega = rbdi_sub(one.omega, two.omega), pair.velocity.v = rbdi_sub(one.v, two.v);
-    pair.rate.omega = rbdi_cross_sub(rbdi_sub(one.omega_dot, two.omega_dot), two.omega, pair.velocity.omega);
-    pair.rate.v = rbdi_cross_sub(rbdi_sub(one.acc, two.acc), two.omega, rbdi_twice(pair.velocity.v));
+    pair.motion = rbdi_relative_motion_of(c, con);
     rbdi_set_axes(c, con, &pair.h);
     pair.force.n = pair.force.f = rbdi_vec0();
     for (int r = 0; r < con->rows; ++r) {
@@ -2009,7 +2016,7 @@ static rbdi_pair_motion rbdi_pair_motion_of(const rbd_constraint_set *c, const r
     }
     pair.log_R = pair.free[0] = pair.free[1] = pair.roll_radius = rbdi_vec0(), pair.log_square = rbdi_zero();
     if (con->kp > 0 && con->angular) {
-        const rbdi_mat R_1 = rbdi_station_axes(c, con, 0), R_2 = rbdi_station_axes(c, con, 1);
+        const rbdi_mat R_1 = rbdi_frame_axes(c, con, 0), R_2 = rbdi_frame_axes(c, con, 1);
         const int i = con->angular == 2 ? 3 - con->axis[0] - con->axis[1] : 0;
         rbd_real tails[7], axis[3] = {rbdi_zero(), rbdi_zero(), rbdi_zero()};
         pair.log_R = rbdi_log_rotation(rbdi_mul_mat(rbdi_transpose(R_2), R_1));
@@ -2027,10 +2034,10 @@ static rbdi_pair_motion rbdi_pair_motion_of(const rbd_constraint_set *c, const r
 static rbdi_motion_derivatives rbdi_differentiate_motion(const rbd_model *m, const rbd_constraint_set *c,
                                                          const rbdi_pair_motion *pair, int side, int link,
                                                          int j) {
-    const rbdi_station *b = &pair->body[side], P = rbdi_station_at(c, m->link[link].parent, b->p),
+    const rbdi_station *b = &pair->motion.body[side], P = rbdi_station_at(c, m->link[link].parent, b->p),
                        own = rbdi_station_at(c, link, b->p);
     const rbd_real ratio = rbdi_ratio(m, m->link[link].iv + j), scale = side ? -ratio : ratio;
-    const rbdi_v3 omega2 = pair->body[1].omega;
+    const rbdi_v3 omega2 = pair->motion.body[1].omega;
     rbdi_motion V, A, Psi, Phi, U;
     rbdi_motion_derivatives by;
     rbdi_v3 z, s, omega2_s;
@@ -2049,21 +2056,25 @@ static rbdi_motion_derivatives rbdi_differentiate_motion(const rbd_model *m, con
     by.rate_q.omega = rbdi_cross_add(rbdi_cross_add(Phi.omega, z, b->omega_dot), Psi.omega, b->omega);
     by.rate_q.omega = rbdi_cross_sub(by.rate_q.omega, omega2, by.velocity_q.omega);
     by.rate_q.v = rbdi_cross_add(rbdi_cross_add(Phi.v, z, b->acc), rbdi_twice(Psi.omega), b->v);
-    by.rate_q.v = rbdi_cross_sub(rbdi_cross_sub(by.rate_q.v, pair->body[1].omega_dot, s), omega2, omega2_s);
+    by.rate_q.v =
+        rbdi_cross_sub(rbdi_cross_sub(by.rate_q.v, pair->motion.body[1].omega_dot, s), omega2, omega2_s);
     by.rate_q.v = rbdi_cross_sub(by.rate_q.v, omega2, rbdi_twice(by.velocity_q.v));
     by.rate_v.omega = rbdi_cross_sub(rbdi_cross_add(U.omega, z, b->omega), omega2, z);
     by.rate_v.v = rbdi_sub(rbdi_cross_add(U.v, z, rbdi_twice(b->v)), rbdi_twice(omega2_s));
     if (side) {
-        by.rate_q.omega = rbdi_cross_add(
-            rbdi_cross_add(by.rate_q.omega, by.velocity_q.omega, pair->velocity.omega), z, pair->rate.omega);
+        by.rate_q.omega =
+            rbdi_cross_add(rbdi_cross_add(by.rate_q.omega, by.velocity_q.omega, pair->motion.velocity.omega),
+                           z, pair->motion.rate.omega);
         by.rate_q.v = rbdi_cross_add(
-            rbdi_cross_add(by.rate_q.v, by.velocity_q.omega, rbdi_twice(pair->velocity.v)), z, pair->rate.v);
-        by.velocity_q.omega = rbdi_cross_add(by.velocity_q.omega, z, pair->velocity.omega);
-        by.velocity_q.v = rbdi_cross_add(by.velocity_q.v, z, pair->velocity.v);
-        by.rate_v.omega = rbdi_cross_add(by.rate_v.omega, z, pair->velocity.omega);
-        by.rate_v.v = rbdi_cross_add(by.rate_v.v, z, rbdi_twice(pair->velocity.v));
+            rbdi_cross_add(by.rate_q.v, by.velocity_q.omega, rbdi_twice(pair->motion.velocity.v)), z,
+            pair->motion.rate.v);
+        by.velocity_q.omega = rbdi_cross_add(by.velocity_q.omega, z, pair->motion.velocity.omega);
+        by.velocity_q.v = rbdi_cross_add(by.velocity_q.v, z, pair->motion.velocity.v);
+        by.rate_v.omega = rbdi_cross_add(by.rate_v.omega, z, pair->motion.velocity.omega);
+        by.rate_v.v = rbdi_cross_add(by.rate_v.v, z, rbdi_twice(pair->motion.velocity.v));
     }
-    by.velocity_q.v = rbdi_cross_add(by.velocity_q.v, pair->velocity.omega, rbdi_cross(z, pair->roll_radius));
+    by.velocity_q.v =
+        rbdi_cross_add(by.velocity_q.v, pair->motion.velocity.omega, rbdi_cross(z, pair->roll_radius));
     return by;
 }
 

@@ -152,11 +152,8 @@ static void rbdi_rows_to_world(const rbd_model *m, rbd_constraint_set *c, const 
 /* 1/D of the dofs on the paths. */
 static void rbdi_path_inverse(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
-    for (int at = 0; at < c->links; ++at) {
-        const rbdi_link *l = &m->link[c->link[at]];
-        for (int k = l->iv, end = k + rbdi_link_dofs(m, l); k < end; ++k)
-            c->D_inverse[k] = rbdi_reciprocal(c->w->pivot[k], RBDI_TINY, &none);
-    }
+    for (int k = 0; k < m->nv; ++k)
+        if (c->span[k].end > 0) c->D_inverse[k] = rbdi_reciprocal(c->w->pivot[k], RBDI_TINY, &none);
 }
 
 /* u/D += D^-1 Y lambda. */

@@ -47,9 +47,8 @@
 /* Motion of body 1 relative to body 2 at the origin of frame 1, world axes, and what is needed for its
    derivatives. */
 typedef struct rbdi_pair_motion {
-    rbdi_station body[2];
-    rbdi_motion velocity, rate; /* (w; u), (alpha; acc) */
-    rbdi_force force;           /* of lambda */
+    rbdi_relative_motion motion; /* velocity (w; u), rate (alpha; acc) */
+    rbdi_force force;            /* of lambda */
     rbdi_axes_held h;
     rbdi_v3 log_R;       /* world axes */
     rbd_real log_square; /* the derivative of log R is z - log_R x z / 2 + this times log_R x (log_R x z) */
@@ -72,15 +71,10 @@ RBDI_INLINE rbdi_motion rbdi_motion_cross(rbdi_motion V, rbdi_motion S) {
 /* c + a x b */
 RBDI_INLINE rbdi_v3 rbdi_cross_add(rbdi_v3 c, rbdi_v3 a, rbdi_v3 b) { return rbdi_add(c, rbdi_cross(a, b)); }
 RBDI_INLINE rbdi_v3 rbdi_cross_sub(rbdi_v3 c, rbdi_v3 a, rbdi_v3 b) { return rbdi_add(c, rbdi_cross(b, a)); }
-RBDI_INLINE rbdi_v3 rbdi_twice(rbdi_v3 a) { return rbdi_add(a, a); }
 
 static rbdi_pair_motion rbdi_pair_motion_of(const rbd_constraint_set *c, const rbdi_constraint *con) {
     rbdi_pair_motion pair;
-    const rbdi_station one = rbdi_station_of(c, con, 0), two = rbdi_station_at(c, con->link[1], one.p);
-    pair.body[0] = one, pair.body[1] = two;
-    pair.velocity.omega = rbdi_sub(one.omega, two.omega), pair.velocity.v = rbdi_sub(one.v, two.v);
-    pair.rate.omega = rbdi_cross_sub(rbdi_sub(one.omega_dot, two.omega_dot), two.omega, pair.velocity.omega);
-    pair.rate.v = rbdi_cross_sub(rbdi_sub(one.acc, two.acc), two.omega, rbdi_twice(pair.velocity.v));
+    pair.motion = rbdi_relative_motion_of(c, con);
     rbdi_set_axes(c, con, &pair.h);
     pair.force.n = pair.force.f = rbdi_vec0();
     for (int r = 0; r < con->rows; ++r) {
@@ -91,7 +85,7 @@ static rbdi_pair_motion rbdi_pair_motion_of(const rbd_constraint_set *c, const r
     }
     pair.log_R = pair.free[0] = pair.free[1] = pair.roll_radius = rbdi_vec0(), pair.log_square = rbdi_zero();
     if (con->kp > 0 && con->angular) {
-        const rbdi_mat R_1 = rbdi_station_axes(c, con, 0), R_2 = rbdi_station_axes(c, con, 1);
+        const rbdi_mat R_1 = rbdi_frame_axes(c, con, 0), R_2 = rbdi_frame_axes(c, con, 1);
         const int i = con->angular == 2 ? 3 - con->axis[0] - con->axis[1] : 0;
         rbd_real tails[7], axis[3] = {rbdi_zero(), rbdi_zero(), rbdi_zero()};
         pair.log_R = rbdi_log_rotation(rbdi_mul_mat(rbdi_transpose(R_2), R_1));
@@ -109,10 +103,10 @@ static rbdi_pair_motion rbdi_pair_motion_of(const rbd_constraint_set *c, const r
 static rbdi_motion_derivatives rbdi_differentiate_motion(const rbd_model *m, const rbd_constraint_set *c,
                                                          const rbdi_pair_motion *pair, int side, int link,
                                                          int j) {
-    const rbdi_station *b = &pair->body[side], P = rbdi_station_at(c, m->link[link].parent, b->p),
+    const rbdi_station *b = &pair->motion.body[side], P = rbdi_station_at(c, m->link[link].parent, b->p),
                        own = rbdi_station_at(c, link, b->p);
     const rbd_real ratio = rbdi_ratio(m, m->link[link].iv + j), scale = side ? -ratio : ratio;
-    const rbdi_v3 omega2 = pair->body[1].omega;
+    const rbdi_v3 omega2 = pair->motion.body[1].omega;
     rbdi_motion V, A, Psi, Phi, U;
     rbdi_motion_derivatives by;
     rbdi_v3 z, s, omega2_s;
@@ -131,21 +125,25 @@ static rbdi_motion_derivatives rbdi_differentiate_motion(const rbd_model *m, con
     by.rate_q.omega = rbdi_cross_add(rbdi_cross_add(Phi.omega, z, b->omega_dot), Psi.omega, b->omega);
     by.rate_q.omega = rbdi_cross_sub(by.rate_q.omega, omega2, by.velocity_q.omega);
     by.rate_q.v = rbdi_cross_add(rbdi_cross_add(Phi.v, z, b->acc), rbdi_twice(Psi.omega), b->v);
-    by.rate_q.v = rbdi_cross_sub(rbdi_cross_sub(by.rate_q.v, pair->body[1].omega_dot, s), omega2, omega2_s);
+    by.rate_q.v =
+        rbdi_cross_sub(rbdi_cross_sub(by.rate_q.v, pair->motion.body[1].omega_dot, s), omega2, omega2_s);
     by.rate_q.v = rbdi_cross_sub(by.rate_q.v, omega2, rbdi_twice(by.velocity_q.v));
     by.rate_v.omega = rbdi_cross_sub(rbdi_cross_add(U.omega, z, b->omega), omega2, z);
     by.rate_v.v = rbdi_sub(rbdi_cross_add(U.v, z, rbdi_twice(b->v)), rbdi_twice(omega2_s));
     if (side) {
-        by.rate_q.omega = rbdi_cross_add(
-            rbdi_cross_add(by.rate_q.omega, by.velocity_q.omega, pair->velocity.omega), z, pair->rate.omega);
+        by.rate_q.omega =
+            rbdi_cross_add(rbdi_cross_add(by.rate_q.omega, by.velocity_q.omega, pair->motion.velocity.omega),
+                           z, pair->motion.rate.omega);
         by.rate_q.v = rbdi_cross_add(
-            rbdi_cross_add(by.rate_q.v, by.velocity_q.omega, rbdi_twice(pair->velocity.v)), z, pair->rate.v);
-        by.velocity_q.omega = rbdi_cross_add(by.velocity_q.omega, z, pair->velocity.omega);
-        by.velocity_q.v = rbdi_cross_add(by.velocity_q.v, z, pair->velocity.v);
-        by.rate_v.omega = rbdi_cross_add(by.rate_v.omega, z, pair->velocity.omega);
-        by.rate_v.v = rbdi_cross_add(by.rate_v.v, z, rbdi_twice(pair->velocity.v));
+            rbdi_cross_add(by.rate_q.v, by.velocity_q.omega, rbdi_twice(pair->motion.velocity.v)), z,
+            pair->motion.rate.v);
+        by.velocity_q.omega = rbdi_cross_add(by.velocity_q.omega, z, pair->motion.velocity.omega);
+        by.velocity_q.v = rbdi_cross_add(by.velocity_q.v, z, pair->motion.velocity.v);
+        by.rate_v.omega = rbdi_cross_add(by.rate_v.omega, z, pair->motion.velocity.omega);
+        by.rate_v.v = rbdi_cross_add(by.rate_v.v, z, rbdi_twice(pair->motion.velocity.v));
     }
-    by.velocity_q.v = rbdi_cross_add(by.velocity_q.v, pair->velocity.omega, rbdi_cross(z, pair->roll_radius));
+    by.velocity_q.v =
+        rbdi_cross_add(by.velocity_q.v, pair->motion.velocity.omega, rbdi_cross(z, pair->roll_radius));
     return by;
 }
 

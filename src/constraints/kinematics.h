@@ -3,7 +3,8 @@
 #include "motion/kinematics.h"
 #include "constraints/layout.h"
 
-/* Interface: rbdi_add_held, rbdi_axes_held, rbdi_set_axes, rbdi_station, rbdi_station_at, rbdi_station_of */
+/* Interface: rbdi_add_held, rbdi_axes_held, rbdi_frame_origin, rbdi_set_axes, rbdi_station, rbdi_station_at,
+   rbdi_station_of */
 
 /* ---- kinematics [kinematics] ---- */
 
@@ -34,15 +35,39 @@ RBDI_INLINE rbdi_station rbdi_station_at(const rbd_constraint_set *c, int link, 
     return at;
 }
 
-/* Motion of the origin of a constraint's frame. */
-RBDI_ONCE rbdi_station rbdi_station_of(const rbd_constraint_set *c, const rbdi_constraint *con, int side) {
+/* Origin of a constraint's frame in the world, and its motion. */
+RBDI_INLINE rbdi_v3 rbdi_frame_origin(const rbd_constraint_set *c, const rbdi_constraint *con, int side) {
     const rbdi_v3 origin = rbdi_vec_c(con->position[side]);
-    const int link = con->link[side];
-    return rbdi_station_at(c, link, link < 0 ? origin : rbdi_point_p(&c->w->kin[link], origin));
+    return con->link[side] < 0 ? origin : rbdi_point_p(&c->w->kin[con->link[side]], origin);
+}
+RBDI_ONCE rbdi_station rbdi_station_of(const rbd_constraint_set *c, const rbdi_constraint *con, int side) {
+    return rbdi_station_at(c, con->link[side], rbdi_frame_origin(c, con, side));
 }
 
-/* Orientation of that frame in the world. */
-static rbdi_mat rbdi_station_axes(const rbd_constraint_set *c, const rbdi_constraint *con, int side) {
+/* Motion of the bodies at the origin of frame 1. */
+typedef struct rbdi_relative_motion {
+    rbdi_station body[2];
+    rbdi_motion velocity, rate; /* of body 1 relative to body 2, and its rate in axes that turn with body 2 */
+} rbdi_relative_motion;
+
+RBDI_INLINE rbdi_v3 rbdi_twice(rbdi_v3 a) { return rbdi_add(a, a); }
+
+RBDI_ONCE rbdi_relative_motion rbdi_relative_motion_of(const rbd_constraint_set *c,
+                                                       const rbdi_constraint *con) {
+    const rbdi_station one = rbdi_station_of(c, con, 0), two = rbdi_station_at(c, con->link[1], one.p);
+    rbdi_relative_motion x;
+    x.body[0] = one, x.body[1] = two;
+    x.velocity.omega = rbdi_sub(one.omega, two.omega), x.velocity.v = rbdi_sub(one.v, two.v);
+    x.rate.omega = rbdi_sub(one.omega_dot, two.omega_dot), x.rate.v = rbdi_sub(one.acc, two.acc);
+    if (con->link[1] >= 0) {
+        x.rate.omega = rbdi_sub(x.rate.omega, rbdi_cross(two.omega, x.velocity.omega));
+        x.rate.v = rbdi_sub(x.rate.v, rbdi_cross(two.omega, rbdi_twice(x.velocity.v)));
+    }
+    return x;
+}
+
+/* Orientation of a constraint's frame in the world. */
+static rbdi_mat rbdi_frame_axes(const rbd_constraint_set *c, const rbdi_constraint *con, int side) {
     const rbdi_mat R = rbdi_mat_c(con->rotation[side]);
     return con->link[side] < 0 ? R : rbdi_mul_mat(rbdi_transpose(c->w->kin[con->link[side]].X.E), R);
 }
@@ -116,29 +141,20 @@ RBDI_ONCE void rbdi_add_held(const rbdi_constraint *con, const rbdi_axes_held *h
 /* Adds gamma and J v of a constraint and, if `errors`, e. Returns the origin of frame 1 in the world. */
 RBDI_ONCE rbdi_v3 rbdi_constraint_motion(rbd_constraint_set *c, const rbdi_constraint *con,
                                          const rbdi_axes_held *h, int errors) {
-    const rbdi_station one = rbdi_station_of(c, con, 0), two = rbdi_station_of(c, con, 1);
-    const rbdi_v3 s = rbdi_sub(one.p, two.p), w2 = two.omega;
-    rbdi_v3 u = one.v, spin = one.omega, a = rbdi_sub(one.acc, two.acc), alpha = one.omega_dot;
-    if (con->link[1] >= 0) {
-        const rbdi_v3 ws = rbdi_cross(w2, s);
-        u = rbdi_sub(rbdi_sub(u, two.v), ws);
-        spin = rbdi_sub(spin, w2);
-        alpha = rbdi_sub(alpha, two.omega_dot), a = rbdi_sub(a, rbdi_cross(two.omega_dot, s));
-        alpha = rbdi_sub(alpha, rbdi_cross(w2, spin));
-        a = rbdi_sub(a, rbdi_cross(w2, rbdi_add(ws, rbdi_add(u, u))));
-    }
-    rbdi_add_held(con, h, alpha, a, &c->gamma[con->row]);
-    rbdi_add_held(con, h, spin, u, &c->velocity[con->row]);
+    const rbdi_relative_motion x = rbdi_relative_motion_of(c, con);
+    const rbdi_v3 p = x.body[0].p;
+    rbdi_add_held(con, h, x.rate.omega, x.rate.v, &c->gamma[con->row]);
+    rbdi_add_held(con, h, x.velocity.omega, x.velocity.v, &c->velocity[con->row]);
     if (errors) {
         rbdi_v3 turn = rbdi_vec0();
         if (con->angular) {
-            const rbdi_mat R = rbdi_station_axes(c, con, 1);
-            turn = rbdi_angular_error(con, rbdi_mul_mat(rbdi_transpose(R), rbdi_station_axes(c, con, 0)));
+            const rbdi_mat R = rbdi_frame_axes(c, con, 1);
+            turn = rbdi_angular_error(con, rbdi_mul_mat(rbdi_transpose(R), rbdi_frame_axes(c, con, 0)));
             turn = rbdi_mul(R, turn);
         }
-        rbdi_add_held(con, h, turn, s, &c->e[con->row]);
+        rbdi_add_held(con, h, turn, rbdi_sub(p, rbdi_frame_origin(c, con, 1)), &c->e[con->row]);
     }
-    return one.p;
+    return p;
 }
 
 #endif

@@ -32,7 +32,7 @@ static void rbdi_contact_gap(const rbd_constraint_set *s, rbdi_constraint *con, 
     con->position[0].y = a->point.y - a->radius * (rbd_const)x.y;
     con->position[0].z = a->point.z - a->radius * (rbd_const)x.z;
     one = rbdi_station_of(s, con, 0), two = rbdi_station_at(s, con->link[1], one.p);
-    a->gap = rbdi_dot(n, rbdi_sub(one.p, rbdi_station_of(s, con, 1).p));
+    a->gap = rbdi_dot(n, rbdi_sub(one.p, rbdi_frame_origin(s, con, 1)));
     a->approach = rbdi_dot(n, rbdi_sub(one.v, two.v));
 }
 
