@@ -760,18 +760,16 @@ RBDI_INLINE void rbdi_delta_rows(const rbd_constraint_set *c, const int16_t *dof
     }
     for (int r = 0; r < n; ++r) R[r * stride + c->rows] = c->b[i + r];
 }
-/* The same for any number of rows. dof: ascending. */
+/* The same for any number of rows, of which the compiler knows blocks of 6 and 3. dof: ascending. */
 static void rbdi_delta(const rbd_constraint_set *c, const int16_t *dof, int dofs, int row, int rows) {
     for (int i = row, n; i < row + rows; i += n) {
         n = row + rows - i >= 6 ? 6 : row + rows - i >= 3 ? 3 : 1;
-        if (!RBDI_FOR_SPEED)
-            rbdi_delta_rows(c, dof, dofs, i, n);
-        else if (n == 6)
+        if (RBDI_FOR_SPEED && n == 6)
             rbdi_delta_rows(c, dof, dofs, i, 6);
-        else if (n == 3)
+        else if (RBDI_FOR_SPEED && n == 3)
             rbdi_delta_rows(c, dof, dofs, i, 3);
         else
-            rbdi_delta_rows(c, dof, dofs, i, 1);
+            rbdi_delta_rows(c, dof, dofs, i, n);
     }
 }
 
@@ -962,19 +960,17 @@ static void rbdi_orthogonalise(const rbd_model *m, rbd_constraint_set *c) {
    up to the diagonal, which is no longer needed. */
 static rbd_real *rbdi_null_vector(const rbd_constraint_set *c, int t) { return &c->R[t * c->stride]; }
 
-/* x loses its component along the null vector of row t. */
-static void rbdi_project(const rbd_constraint_set *c, int t, rbd_real *x) {
-    const rbd_real *null = rbdi_null_vector(c, t);
-    rbdi_mask none = rbdi_less(null[0], null[0]); /* its length is 0, or at least 1 */
-    const rbd_real factor = rbdi_rows_product(null, x, t + 1) *
-                            rbdi_reciprocal(rbdi_rows_product(null, null, t + 1), RBD_C(0.5), &none);
-    for (int i = 0; i <= t; ++i) x[i] = x[i] - factor * null[i];
-}
-
 /* x loses its components along the null vectors of the rows before row `end`. */
-static void rbdi_project_rows(const rbd_constraint_set *c, int end, rbd_real *x) {
-    for (int t = 0; t < end; ++t)
-        if (rbdi_any(rbdi_dropped(c, t))) rbdi_project(c, t, x);
+static void rbdi_project(const rbd_constraint_set *c, int end, rbd_real *x) {
+    for (int t = 0; t < end; ++t) {
+        const rbd_real *null = rbdi_null_vector(c, t);
+        rbdi_mask none = rbdi_less(null[0], null[0]); /* its length is 0, or at least 1 */
+        rbd_real factor;
+        if (!rbdi_any(rbdi_dropped(c, t))) continue;
+        factor = rbdi_rows_product(null, x, t + 1) *
+                 rbdi_reciprocal(rbdi_rows_product(null, null, t + 1), RBD_C(0.5), &none);
+        for (int i = 0; i <= t; ++i) x[i] = x[i] - factor * null[i];
+    }
 }
 
 /* The null vectors of all dropped rows, orthogonal to each other. */
@@ -985,7 +981,7 @@ static void rbdi_null_space(const rbd_constraint_set *c) {
         null[t] = rbdi_select(rbdi_dropped(c, t), rbdi_set(RBD_C(1)), rbdi_zero());
         for (int i = t - 1; i >= 0; --i)
             null[i] = -c->R_inverse[i] * rbdi_rows_product(&c->R[i * c->stride + i + 1], &null[i + 1], t - i);
-        rbdi_project_rows(c, t, null);
+        rbdi_project(c, t, null);
     }
 }
 
@@ -1040,7 +1036,7 @@ static void rbdi_project_columns(const rbd_constraint_set *c, rbd_real *X, int c
     rbd_real *x = c->square;
     for (int j = 0; c->pivoted && j < columns; ++j) {
         for (int i = 0; i < c->rows; ++i) x[i] = X[i * columns + j];
-        rbdi_project_rows(c, c->rows, x);
+        rbdi_project(c, c->rows, x);
         for (int i = 0; i < c->rows; ++i) X[i * columns + j] = x[i];
     }
 }
@@ -1190,21 +1186,6 @@ RBDI_INLINE void rbdi_rows_axis(const rbd_model *m, const rbd_work *w, int i, in
     rbdi_wrenches_up(l, flags, rbdi_trig_of(m, w, i, flags), K);
 }
 
-/* X' K of a block link. */
-RBDI_INLINE void rbdi_wrenches_up_block(const rbdi_pose *X, rbdi_batch K[6]) {
-    const rbdi_mat E = X->E;
-    const rbdi_v3 r = X->r;
-    for (int j = 0; j < 6; j += 3) {
-        const rbdi_batch x = K[j], y = K[j + 1], z = K[j + 2];
-        K[j] = x * E.xx + y * E.yx + z * E.zx;
-        K[j + 1] = x * E.xy + y * E.yy + z * E.zy;
-        K[j + 2] = x * E.xz + y * E.yz + z * E.zz;
-    }
-    K[0] = K[0] + K[5] * r.y - K[4] * r.z;
-    K[1] = K[1] + K[3] * r.z - K[5] * r.x;
-    K[2] = K[2] + K[4] * r.x - K[3] * r.y;
-}
-
 /* Carries K past the n dofs of a block, whose rows of Y are `stride` apart. At a free base all of K is
    eliminated: U/D has only the entries that its own dofs need. */
 RBDI_INLINE void rbdi_rows_dofs(const rbdi_block_work *bw, int first, int n, int free_base,
@@ -1230,7 +1211,7 @@ static rbdi_row_wrenches rbdi_rows_block(const rbd_model *m, const rbd_work *w, 
         rbdi_store_motion(C, 1, w->scratch[i].c);
         rbdi_rows_dofs(bw, b->first, b->n, 0, &rows, Y, stride);
         for (int j = 0; j < 6; ++j) rows.b = rows.b - rows.K[j] * C[j];
-        rbdi_wrenches_up_block(&bw->X, rows.K);
+        rbdi_crba_up_block(&bw->X, (rbd_real *)rows.K, RBDI_BATCH, RBDI_BATCH);
     }
     return rows;
 }

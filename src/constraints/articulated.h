@@ -70,21 +70,6 @@ RBDI_INLINE void rbdi_rows_axis(const rbd_model *m, const rbd_work *w, int i, in
     rbdi_wrenches_up(l, flags, rbdi_trig_of(m, w, i, flags), K);
 }
 
-/* X' K of a block link. */
-RBDI_INLINE void rbdi_wrenches_up_block(const rbdi_pose *X, rbdi_batch K[6]) {
-    const rbdi_mat E = X->E;
-    const rbdi_v3 r = X->r;
-    for (int j = 0; j < 6; j += 3) {
-        const rbdi_batch x = K[j], y = K[j + 1], z = K[j + 2];
-        K[j] = x * E.xx + y * E.yx + z * E.zx;
-        K[j + 1] = x * E.xy + y * E.yy + z * E.zy;
-        K[j + 2] = x * E.xz + y * E.yz + z * E.zz;
-    }
-    K[0] = K[0] + K[5] * r.y - K[4] * r.z;
-    K[1] = K[1] + K[3] * r.z - K[5] * r.x;
-    K[2] = K[2] + K[4] * r.x - K[3] * r.y;
-}
-
 /* Carries K past the n dofs of a block, whose rows of Y are `stride` apart. At a free base all of K is
    eliminated: U/D has only the entries that its own dofs need. */
 RBDI_INLINE void rbdi_rows_dofs(const rbdi_block_work *bw, int first, int n, int free_base,
@@ -110,7 +95,7 @@ static rbdi_row_wrenches rbdi_rows_block(const rbd_model *m, const rbd_work *w, 
         rbdi_store_motion(C, 1, w->scratch[i].c);
         rbdi_rows_dofs(bw, b->first, b->n, 0, &rows, Y, stride);
         for (int j = 0; j < 6; ++j) rows.b = rows.b - rows.K[j] * C[j];
-        rbdi_wrenches_up_block(&bw->X, rows.K);
+        rbdi_crba_up_block(&bw->X, (rbd_real *)rows.K, RBDI_BATCH, RBDI_BATCH);
     }
     return rows;
 }

@@ -136,19 +136,17 @@ static void rbdi_orthogonalise(const rbd_model *m, rbd_constraint_set *c) {
    up to the diagonal, which is no longer needed. */
 static rbd_real *rbdi_null_vector(const rbd_constraint_set *c, int t) { return &c->R[t * c->stride]; }
 
-/* x loses its component along the null vector of row t. */
-static void rbdi_project(const rbd_constraint_set *c, int t, rbd_real *x) {
-    const rbd_real *null = rbdi_null_vector(c, t);
-    rbdi_mask none = rbdi_less(null[0], null[0]); /* its length is 0, or at least 1 */
-    const rbd_real factor = rbdi_rows_product(null, x, t + 1) *
-                            rbdi_reciprocal(rbdi_rows_product(null, null, t + 1), RBD_C(0.5), &none);
-    for (int i = 0; i <= t; ++i) x[i] = x[i] - factor * null[i];
-}
-
 /* x loses its components along the null vectors of the rows before row `end`. */
-static void rbdi_project_rows(const rbd_constraint_set *c, int end, rbd_real *x) {
-    for (int t = 0; t < end; ++t)
-        if (rbdi_any(rbdi_dropped(c, t))) rbdi_project(c, t, x);
+static void rbdi_project(const rbd_constraint_set *c, int end, rbd_real *x) {
+    for (int t = 0; t < end; ++t) {
+        const rbd_real *null = rbdi_null_vector(c, t);
+        rbdi_mask none = rbdi_less(null[0], null[0]); /* its length is 0, or at least 1 */
+        rbd_real factor;
+        if (!rbdi_any(rbdi_dropped(c, t))) continue;
+        factor = rbdi_rows_product(null, x, t + 1) *
+                 rbdi_reciprocal(rbdi_rows_product(null, null, t + 1), RBD_C(0.5), &none);
+        for (int i = 0; i <= t; ++i) x[i] = x[i] - factor * null[i];
+    }
 }
 
 /* The null vectors of all dropped rows, orthogonal to each other. */
@@ -159,7 +157,7 @@ static void rbdi_null_space(const rbd_constraint_set *c) {
         null[t] = rbdi_select(rbdi_dropped(c, t), rbdi_set(RBD_C(1)), rbdi_zero());
         for (int i = t - 1; i >= 0; --i)
             null[i] = -c->R_inverse[i] * rbdi_rows_product(&c->R[i * c->stride + i + 1], &null[i + 1], t - i);
-        rbdi_project_rows(c, t, null);
+        rbdi_project(c, t, null);
     }
 }
 
@@ -214,7 +212,7 @@ static void rbdi_project_columns(const rbd_constraint_set *c, rbd_real *X, int c
     rbd_real *x = c->square;
     for (int j = 0; c->pivoted && j < columns; ++j) {
         for (int i = 0; i < c->rows; ++i) x[i] = X[i * columns + j];
-        rbdi_project_rows(c, c->rows, x);
+        rbdi_project(c, c->rows, x);
         for (int i = 0; i < c->rows; ++i) X[i * columns + j] = x[i];
     }
 }
