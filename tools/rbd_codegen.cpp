@@ -44,6 +44,8 @@ const char help_more[] =
     "                      linked for them\n"
     "  --reproducible      the same bits with every compiler, option and machine: those of rbd.h under "
     "RBD_REPRODUCIBLE\n"
+    "  --example           also NAME_example.c, a main that calls the first function and prints what it "
+    "gives\n"
     "  --short-sums        for machines that do one operation at a time, as Cortex-M\n"
     "  --block N           most statements of a C function (600); longer ones are cut into several\n"
     "How the file is read:\n";
@@ -58,6 +60,7 @@ struct options {
     codegen::robot robot;
     std::vector<std::string> algorithms;
     std::string folder;
+    bool example;
     const char *path;
     settings read;
 };
@@ -168,6 +171,8 @@ int read_own(options *o, char **argv, int *i) {
         o->target.is_reproducible = o->robot.reproducible = true;
     else if (strcmp(argv[*i], "--bounded-angles") == 0)
         o->target.is_bounded = true;
+    else if (strcmp(argv[*i], "--example") == 0)
+        o->example = true;
     else if (strcmp(argv[*i], "--short-sums") == 0)
         o->target.statements.long_sums = false;
     else
@@ -271,12 +276,12 @@ codegen::tested record(const options *o, const std::string &algorithm) {
 
 /* ---- files ---- */
 
-/* Makes standard output that file. */
+/* Makes standard output the file NAME_ENDING, and begins it. */
 void begin(const options *o, const robot *r, const char *ending, const char *what) {
-    const std::string path = o->folder + o->target.name + "_code." + ending;
+    const std::string path = o->folder + o->target.name + "_" + ending;
     if (!freopen(path.c_str(), "w", stdout))
         throw std::runtime_error("cannot write " + path + ": " + std::strerror(errno));
-    printf("/* %s_code.%s - ", o->target.name.c_str(), ending);
+    printf("/* %s_%s - ", o->target.name.c_str(), ending);
     print_in_comment(r->urdf.name);
     printf(", %s\n", what);
     print_origin(r, "rbd-codegen " RBD_VERSION);
@@ -291,7 +296,7 @@ void print_header(const options *o, const robot *r, const std::vector<codegen::t
     std::string capitals = o->target.name;
     for (char &c : capitals) c = char(toupper(static_cast<unsigned char>(c)));
     const char *upper = capitals.c_str();
-    begin(o, r, "h", "functions of this robot alone, straight-line code.");
+    begin(o, r, "code.h", "functions of this robot alone, straight-line code.");
     printf(
         "\n\n   Compile %s_code.c, a file of its own, with\n"
         "       cc -O3 -march=native -c %s_code.c                               (a computer)\n"
@@ -320,9 +325,19 @@ void print_header(const options *o, const robot *r, const std::vector<codegen::t
 }
 
 void print_source(const options *o, const robot *r, const std::vector<codegen::tested> &functions) {
-    begin(o, r, "c", "see the header.");
+    begin(o, r, "code.c", "see the header.");
     printf("*/\n/* clang-format off */\n#include \"%s_code.h\"\n%s", o->target.name.c_str(),
            codegen::definitions(functions, o->target).c_str());
+    end();
+}
+
+/* Of the first function, in the neutral configuration. */
+void print_example(const options *o, const robot *r, const codegen::function &f) {
+    std::vector<double> q(size_t(rbd_nq(r->model)));
+    rbd_neutral(r->model, q.data());
+    begin(o, r, "example.c", "calls the first function and prints what it gives.");
+    printf("       %s */\n%s", codegen::example_command(o->target.name).c_str(),
+           codegen::example_text(f, o->target, q, {o->robot.gravity, o->robot.gravity + 3}).c_str());
     end();
 }
 
@@ -359,8 +374,10 @@ int run(options *o) {
             o->robot.limbs_alike = o->target.limbs > 1;
             o->robot.by_rows = o->target.lanes == 1 && o->target.statements.long_sums;
             for (const std::string &name : o->algorithms) functions.push_back(record(o, name));
+            if (o->example) puts(codegen::example_command(o->folder + o->target.name).c_str());
             print_header(o, &r, functions);
             print_source(o, &r, functions);
+            if (o->example) print_example(o, &r, functions[0].f);
         } catch (const std::exception &e) {
             fprintf(stderr, "%s: %s\n", program, e.what());
             status = EXIT_BAD;

@@ -125,6 +125,27 @@ selftest named --algorithm rnea,crba,aba --output= "$root/models/cart_pole.urdf"
 grep -q "^int named_fd(" named_code.h || fail "aba is not fd"
 selftest tilted --gravity 1,2,-9 --algorithm gravity_torque "$root/models/cart_pole.urdf"
 
+# contracts: whole, and the test of it sees what is missing
+contracts=$root/tests/codegen/contracts.py
+python3 "$contracts" iiwa_code.h arm_code.h bounded_code.h hyq_code.h pairs_code.h legs_code.h cart_code.h || fail "a contract"
+for line in "   tau " "   Angles: " "   Not checked: " "   Operations: " "   Stack: " "   Pivots: " "       rbd-codegen "; do
+    cp hyq_code.c less_code.c && sed "0,/^$line/{/^$line/s/.*/   ./}" hyq_code.h >less_code.h
+    python3 "$contracts" less_code.h >out && fail "a contract without '$line' passes"
+done
+
+# an example: its command line compiles it, and it prints what the function gives
+for options in "--algorithm gravity_torque" "--algorithm fd,id --lanes 2 --gravity-argument" "--floating --scalar float --algorithm fd"; do
+    # shellcheck disable=SC2086 # words wanted
+    expect 0 "" --name shown --example $options "$root/models/hyq.urdf"
+    grep -q "^    shown_\|= shown_" shown_example.c || fail "the example calls nothing: $options"
+    sed "s/^cc -O2 /${CC:-cc} -std=c99 -pedantic -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Wvla -Wundef -Wno-psabi -Werror /" out >line
+    rm -f shown_example
+    { sh ./line && ./shown_example >printed; } || fail "the example of $options"
+    n=$(sed -n 's/.*i < \([0-9]*\).*/\1/p' shown_example.c)
+    [ "$(grep -c '^[a-z]*\[[0-9]*\] = -\?[0-9]' printed)" -eq "$n" ] || { fail "the example does not print $n results: $options"; cat printed; }
+done
+grep -q '^a\[5\] = -9.81$' printed || { fail "the floating robot does not fall"; cat printed; }
+
 # reproducible: to the bit, and refused where that cannot be; reproducible_code.c compares bits with rbd.h's
 for options in "" "--scalar float --lanes 4" "--bounded-angles --lanes 2" "--scalar float --bounded-angles"; do
     # shellcheck disable=SC2086 # words wanted

@@ -55,9 +55,11 @@ std::string declarations(const std::vector<tested> &functions, const target &t) 
         const program p(x.f, t.statements);
         s += "/* " + x.f.about + "\n";
         for (const array &a : x.f.arrays()) s += format("   %-8s %s\n", a.name.c_str(), a.shape);
-        s += contract(p, t) + operations_text(p.count(), t) + " */\n";
+        s += contract(p, t) + operations_text(p.count(), t);
+        s += format("\n   Stack: arrays of %zu bytes, beside what the compiler keeps there. */\n",
+                    stack_bytes(p, t));
         s += format("%s %s_%s(%s);\n\n", result_type(x.f), t.name.c_str(), x.f.name.c_str(),
-                    parameters(x.f, t.lanes > 1 ? t.name + "_real" : scalar, "").c_str());
+                    parameters(x.f, real_name(t), "").c_str());
     }
     return s;
 }

@@ -27,5 +27,10 @@ struct tested {
 std::string declarations(const std::vector<tested> &functions, const target &t);
 std::string definitions(const std::vector<tested> &functions, const target &t);
 
+/* A main that calls a function at rest at q, and how to compile it. */
+std::string example_command(const std::string &path); /* of the files: FOLDER/NAME */
+std::string example_text(const function &f, const target &t, const std::vector<double> &q,
+                         const std::vector<double> &gravity);
+
 } // namespace codegen
 #endif

@@ -15,6 +15,7 @@ class writer {
         check_loads();
     }
     std::string text();
+    size_t stack_bytes() const;
 
   private:
     const function &f;
@@ -25,10 +26,20 @@ class writer {
     const std::string full; /* name */
     size_t calls = 0;       /* written */
 
+    /* Arrays of the function, which its parts share. */
+    struct local {
+        const char *type, *name;
+        size_t size;
+        int scalars; /* of an element */
+    };
+    std::vector<local> locals() const;
+    static size_t padded(size_t angles) { return (angles + 3) / 4 * 4; }
+
     void check_loads() const;
     std::string calls_before(int i);
     std::string copies() const;
     std::string block_text(int k);
+    std::string part(int k, const std::string &arguments);
     std::string sines() const;
     std::string end() const;
 
@@ -96,7 +107,7 @@ std::string writer::copies() const {
 /* ---- parts ---- */
 
 std::string writer::sines() const {
-    const size_t n = p.angles.size(), padded = (n + 3) / 4 * 4;
+    const size_t n = p.angles.size();
     const auto angle = [&](size_t k) { return p.angles[std::min(k, n - 1)]; };
     const auto text = [&](size_t k) {
         const value x = angle(k).x;
@@ -107,12 +118,11 @@ std::string writer::sines() const {
     std::string s;
     if (n == 0) return s;
     if (t.is_reproducible)
-        s += format("    static const scalar quarters[%zu] = {", padded) +
-             join(padded, ", ",
+        s += format("    static const scalar quarters[%zu] = {", padded(n)) +
+             join(padded(n), ", ",
                   [&](size_t k) { return literal(f.code.constant_of(angle(k).quarters), t.is_float); }) +
              "};\n";
-    s += format("    real angle[%zu], sine[%zu], cosine[%zu];\n    batch squares = {0};\n", padded, padded,
-                padded);
+    s += "    batch squares = {0};\n";
     for (size_t k = 0; k < n; k += 4)
         s += format("    sines4(%zu, ", std::min<size_t>(4, n - k)) +
              join(4, ", ", [&](size_t j) { return text(k + j); }) +
@@ -154,20 +164,36 @@ std::string writer::end() const {
     return s + "    return status;\n";
 }
 
+std::vector<writer::local> writer::locals() const {
+    const size_t angles = padded(p.angles.size());
+    std::vector<local> all;
+    if (b.count > 1) all.push_back({"real", "k", size_t(std::max(1, b.kept)), t.lanes});
+    if (b.kept_vectors > 0) all.push_back({"limbs", "kl", size_t(b.kept_vectors), t.limbs});
+    if (f.rows > 0) all.push_back({"real", "rows", size_t(f.rows), t.lanes});
+    if (!f.pivots.empty()) all.push_back({"real", "pivot", judged(), t.lanes});
+    for (const char *name : {"angle", "sine", "cosine"})
+        if (angles > 0) all.push_back({"real", name, angles, t.lanes});
+    return all;
+}
+
+size_t writer::stack_bytes() const {
+    size_t scalars = 0;
+    for (const local &x : locals()) scalars += x.size * size_t(x.scalars);
+    return scalars * (t.is_float ? sizeof(float) : sizeof(double));
+}
+
+/* A block, as a function that has the arrays of the whole. */
+std::string writer::part(int k, const std::string &arguments) {
+    std::string s = format("PART void %s_%d(", full.c_str(), k) + arguments;
+    for (const local &x : locals()) s += format(", %s *restrict %s", x.type, x.name);
+    s += ") {\n    " + names(f, "(void)");
+    for (const local &x : locals()) s += format(", (void)%s", x.name);
+    return s + ";\n" + block_text(k) + "}\n";
+}
+
 std::string writer::text() {
     const std::string arguments = parameters(f, "real", "restrict ");
-    struct passed {
-        std::string type, name;
-    };
-    std::vector<passed> more = {{"real *restrict ", "k"}}; /* to parts, beside the arguments */
-    if (f.rows > 0) more.push_back({"real *restrict ", "rows"});
-    if (b.kept_vectors > 0) more.push_back({"limbs *restrict ", "kl"});
-    if (!p.angles.empty())
-        for (const char *name : {"sine", "cosine"}) more.push_back({"const real *restrict ", name});
-    if (!f.pivots.empty()) more.push_back({"real *restrict ", "pivot"});
-    const auto each = [&](auto one) { return join(more.size(), "", [&](size_t k) { return one(more[k]); }); };
-
-    std::string s, parts;
+    std::string s, body, arrays;
     for (size_t k = 0; k < f.calls.size(); k++)
         s += format("PART void %s_rows_%zu(scalar *restrict rows) {\n", full.c_str(), k) +
              sums_text(f.calls[k]) + "}\n";
@@ -176,24 +202,20 @@ std::string writer::text() {
              join(judged(), ", ",
                   [&](size_t k) { return literal(k < f.limits.size() ? f.limits[k] : 0, t.is_float); }) +
              "};\n";
+    if (b.count == 1) body = block_text(0);
+    for (const local &x : locals()) arrays += format(", %s", x.name);
     for (int k = 0; k < b.count && b.count > 1; k++) {
-        s += format("PART void %s_%d(", full.c_str(), k) + arguments +
-             each([](const passed &x) { return ", " + x.type + x.name; }) + ") {\n    " + names(f, "(void)") +
-             each([](const passed &x) { return ", (void)" + x.name; }) + ";\n" + block_text(k) + "}\n";
-        parts += format("    %s_%d(", full.c_str(), k) + names(f) +
-                 each([](const passed &x) { return ", " + x.name; }) + ");\n";
+        s += part(k, arguments);
+        body += format("    %s_%d(", full.c_str(), k) + names(f) + arrays + ");\n";
     }
     s += format("%s %s(%s) {\n", result_type(f), full.c_str(), arguments.c_str());
-    if (b.count > 1) s += format("    real k[%d]; /* kept for later parts */\n", std::max(1, b.kept));
-    if (b.kept_vectors > 0) s += format("    limbs kl[%d];\n", b.kept_vectors);
-    if (f.rows > 0) s += format("    real rows[%d];\n", f.rows);
-    if (!f.pivots.empty()) s += format("    real pivot[%zu];\n", judged());
-    s += sines() + (b.count > 1 ? parts : block_text(0));
-    return s + "    " + names(f, "(void)") + ";\n" + end() + "}\n\n";
+    for (const local &x : locals()) s += format("    %s %s[%zu];\n", x.type, x.name, x.size);
+    return s + sines() + body + "    " + names(f, "(void)") + ";\n" + end() + "}\n\n";
 }
 
 } // namespace
 
 std::string function_text(const program &p, const target &t) { return writer(p, t).text(); }
+size_t stack_bytes(const program &p, const target &t) { return writer(p, t).stack_bytes(); }
 
 } // namespace codegen

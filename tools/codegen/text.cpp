@@ -47,6 +47,10 @@ std::string names(const function &f, const char *before) {
     return join(all.size(), ", ", [&](size_t k) { return before + all[k].name; });
 }
 
+std::string real_name(const target &t) {
+    return t.lanes > 1 ? t.name + "_real" : t.is_float ? "float" : "double";
+}
+
 const char *result_type(const function &f) { return f.pivots.empty() ? "void" : "int"; }
 
 } // namespace codegen

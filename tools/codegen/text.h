@@ -27,10 +27,12 @@ template <class function> std::string join(size_t n, const std::string &between,
 std::string parameters(const function &f, const std::string &real, const char *before_size);
 std::string names(const function &f, const char *before = "");
 const char *result_type(const function &f);
+std::string real_name(const target &t); /* of the header */
 
 std::string common_text(const std::vector<piece> &all, const target &t); /* what all functions use */
 std::string sines_text(const target &t);
 std::string function_text(const program &p, const target &t);
+size_t stack_bytes(const program &p, const target &t); /* of its arrays */
 std::string selftest_text(const std::vector<piece> &all, const target &t);
 
 } // namespace codegen
