@@ -1115,18 +1115,18 @@ struct rbd_model {
 /* Interface: rbdi_block_work, rbdi_branch, rbdi_kin, rbdi_scratch, RBDI_FIXED_STRIDE, RBDI_LINKS,
    RBDI_NOTE_DOUBT, RBDI_NO_KINEMATICS */
 
-typedef struct rbdi_scratch { /* per link, of one call */
+typedef struct rbdi_scratch { /* per link, during one call */
     rbdi_force f;             /* rnea: wrench; aba: pA; children that are not the next link add theirs */
-    rbdi_motion c;            /* aba: velocity-product acceleration */
+    rbdi_motion c;            /* aba: velocity-product acceleration; rbdi_momenta: velocity */
     rbdi_force U_D;           /* aba: U / D */
     rbd_real u_D;             /* aba: u / D */
 } rbdi_scratch;
 
-typedef struct rbdi_branch { /* per link with a child that is not the next link: what those children share */
-    rbdi_state state;        /* rnea, kinematics; aba's pass 1: omega */
-    rbdi_motion y;           /* aba's pass 3 */
-    rbdi_abi I;              /* aba's pass 2; pass 1 clears it */
-    rbdi_rbi C;              /* crba */
+typedef struct rbdi_branch { /* per branch point: a link with a child that is not the next link; [design] */
+    rbdi_state state;        /* for those children, in rnea and kinematics; aba's pass 1: omega */
+    rbdi_motion y;           /* for them, in aba's pass 3 */
+    rbdi_abi I;              /* sum of theirs, in aba's pass 2; pass 1 clears it */
+    rbdi_rbi C;              /* sum of theirs, in crba */
 } rbdi_branch;
 
 typedef struct rbdi_block_work { /* per block */
@@ -1134,17 +1134,17 @@ typedef struct rbdi_block_work { /* per block */
     rbd_real U_D[6][6], u_D[6]; /* aba: U / D and u / D of each of its dofs */
 } rbdi_block_work;
 
-typedef struct rbdi_kin { /* per link, kept after rbd_kinematics */
+typedef struct rbdi_kin { /* per link, kept for the calls after rbd_kinematics */
     rbdi_pose X;          /* axes and origin in the world */
     rbdi_v3 v;            /* velocity of the origin, link axes */
-    rbdi_state state;     /* angular velocity, angular and classical acceleration, no gravity */
+    rbdi_state state;     /* without gravity */
 } rbdi_kin;
 
-/* The arrays of a work: type, name, length. nl links, nk blocks, ns branch points, n dofs with mimics, nqx
-   coordinates with mimics (0 without mimics), nv dofs without, nh packed entries. */
+/* The arrays of a work: type, name, length. nl links, nk blocks, ns branch points; n dofs and nqx coordinates
+   with those of mimic joints (nqx = 0 without mimic joints), nv dofs without them; nh packed entries. */
 #define RBDI_WORK_ARRAYS(ARRAY, nl, nk, ns, n, nqx, nv, nh) \
-    ARRAY(rbd_real, angle, RBDI_PADDED(nl))    /* joint angles without their right angles */ \
-    ARRAY(rbd_real, quarters, RBDI_PADDED(nl)) /* the right angles */ \
+    ARRAY(rbd_real, angle, RBDI_PADDED(nl))    /* joint angles less these right angles */ \
+    ARRAY(rbd_real, quarters, RBDI_PADDED(nl)) /* right angles */ \
     ARRAY(rbd_real, c, RBDI_PADDED(nl))        /* cosines of the whole angles */ \
     ARRAY(rbd_real, s, RBDI_PADDED(nl))        /* sines */ \
     ARRAY(rbdi_branch, branch, ns) \
@@ -1172,7 +1172,7 @@ struct rbd_work {
     uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
     rbdi_c3 gravity;
     int singular;      /* dof, -1 = none */
-    int kinematics_of; /* kin: of this link and its ancestors; nl: of all; -1: of none */
+    int kinematics_of; /* kin: of this link and its ancestors; nl: of all; -1: of the world alone */
 #if RBDI_REPRODUCIBLE
     int doubt; /* a pivot or a rank has been in doubt: see rbdi_batch_apart */
 #endif
@@ -1185,8 +1185,8 @@ struct rbd_work {
 #define RBDI_NOTE_DOUBT(w, x) (void)(w)
 #endif
 
-/* From one component of crba's wrenches to the next, of n dofs. Where memory is plenty it is a number that
-   the compiler knows, for up to 64 dofs: that saves a tenth of the mass matrix's time, a fifth in lanes. */
+/* From one component of crba's wrenches to the next, of n dofs. Where memory is plenty it is a constant for
+   up to 64 dofs, which saves a tenth of the mass matrix's time, a fifth in lanes. */
 #if (defined __x86_64__ || defined __aarch64__) && RBDI_REAL_KIND % 3
 #define RBDI_FIXED_STRIDE 80
 #else
@@ -1196,12 +1196,12 @@ struct rbd_work {
 #define RBDI_WORK_BYTES(nl, nk, ns, n, nqx, nv, nh) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_work)) RBDI_WORK_ARRAYS(RBDI_ARRAY_BYTES, nl, nk, ns, n, nqx, nv, nh))
 
-/* Most links that nb bodies with nv dofs can need: universal and cylindrical joints take two, Euler
-   joints three. Branch points have two children, blocks have three dofs at least. */
+/* Most links that nb bodies with nv dofs can have: universal and cylindrical joints have two, Euler joints
+   three. Branch points have at least two children, blocks at least three dofs. */
 #define RBDI_LINKS(nb, nv) ((nb) + 2 * (nv) / 3)
 
 /* Bytes that suffice for the work of any model with nb bodies and nv degrees of freedom, without or with
-   mimic joints (compile-time bounds; rbd_work_size is exact, and less). */
+   mimic joints (a compile-time bound; rbd_work_size is exact). */
 #define RBD_WORK_SIZE(nb, nv) \
     RBDI_WORK_BYTES(RBDI_LINKS(nb, nv), (nv) / 3, RBDI_LINKS(nb, nv) / 2, nv, 0, nv, RBDI_TRIANGLE(nv))
 #define RBD_WORK_SIZE_MIMIC(nb, nv) \
@@ -2533,10 +2533,10 @@ RBDI_PART unsigned char *rbdi_aligned(void *memory) {
 /* Interface: rbdi_block_of, rbdi_flags, rbdi_is, rbdi_mimics, rbdi_on_world */
 
 /* ---- features [features] ----
-   The features of a model, as bits: flags that some link has, flags that some link lacks, kinds of links,
+   The features of a model, as bits: flags that some link has, flags that some link has not, kinds of links,
    mimic joints, and blocks other than floating bases. RBD_FEATURES are those of all models of the program;
-   without it there are all. The algorithms ask for flags, kinds, mimic joints and blocks by these functions:
-   the compiler then drops code that no model needs. */
+   its default is all. The algorithms get flags, kinds, mimic joints and blocks from these functions, so that
+   the compiler drops code that no model needs. */
 
 #define RBDI_FLAGS 2047u /* all flags of links */
 #define RBDI_LACKS(flags) ((uint32_t)(flags) << 11)
@@ -2550,7 +2550,7 @@ RBDI_PART unsigned char *rbdi_aligned(void *memory) {
 #define RBDI_FEATURES RBDI_ALL_FEATURES
 #endif
 
-/* Flags of a link: those that every model's links have are set, those that none has are clear. */
+/* Flags of a link. The compiler knows those that all links of all models have, and those that none has. */
 RBDI_INLINE int rbdi_flags(const rbdi_link *l) {
     const uint32_t some = RBDI_FEATURES & RBDI_FLAGS, all = some & ~(RBDI_FEATURES >> 11);
     if (RBDI_FEATURES == RBDI_ALL_FEATURES) return l->flags;
@@ -2563,7 +2563,8 @@ RBDI_INLINE int rbdi_is(const rbdi_link *l, int kind) {
     return kinds == 1u << kind || ((kinds >> kind & 1u) && l->kind == kind);
 }
 
-/* The block of a link: known if all blocks of the program are floating bases on the world, in its axes. */
+/* The block of a link: a constant if all blocks of the program are floating bases on the world, in its axes.
+   */
 RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link *l) {
     static const rbdi_block floating = {RBD_FLOATING, 0, 6, 1, {0}};
     return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? &m->block[l->block] : &floating;
@@ -2573,7 +2574,7 @@ RBDI_INLINE int rbdi_on_world(const rbdi_link *block) {
     return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? block->parent < 0 : 1;
 }
 
-/* Whether this program has all that the model needs. rbd_aba needs Cholesky's factor for mimic joints. */
+/* Whether this program has all features of the model. rbd_aba needs Cholesky's factor for mimic joints. */
 RBDI_INLINE int rbdi_supported(const rbd_model *m) {
 #ifdef RBD_NO_CHOLESKY
     if (m->nmimic) return 0;
@@ -2600,9 +2601,10 @@ RBDI_PART uint32_t rbdi_features(const rbd_model *m) {
 /* ==== src/model/calls.h ==== */
 /* Interface: rbdi_check, rbdi_stride */
 
-/* Every call with a model and a work asks this first; arrays: none of the caller's required ones is NULL. The
-   program must support the model, and the work's arrays must be as long as the model needs. Addresses tell
-   nothing: another model may have been built there, and the same table may stand at two. */
+/* The first check of every call with a model and a work. arrays: none of the caller's required ones is NULL.
+   The program must support the model, and the work's arrays must have the lengths that the model needs. The
+   model's address is not compared: another model may have been built there, and one table may stand at two.
+   */
 RBDI_INLINE rbd_status rbdi_check(const rbd_model *m, const rbd_work *w, int arrays) {
     if (!m || !w || !arrays) return RBD_ERR_NULL;
     return rbdi_supported(m) && m->shape[0] == w->shape[0] && m->shape[1] == w->shape[1] &&
@@ -2629,15 +2631,17 @@ RBDI_DYNAMICS_BEGIN
    rbdi_difference_joint, rbdi_joint_rates and rbdi_joint_velocity (manifold); rbd_neutral and rbd_random if
    zero or an angle will not do. One-axis types mostly need the first two only. */
 
-/* Whether a link is a block, which links with the common flags are not. */
+/* Whether a link is a block: all have RBDI_MASS_KEPT, so that this is the constant 0 with the common flags.
+   */
 RBDI_INLINE int rbdi_block_link(const rbdi_link *l, int flags) {
     return (flags & RBDI_MASS_KEPT) && rbdi_is(l, RBDI_BLOCK);
 }
+/* Number of dofs of a link. */
 RBDI_INLINE int rbdi_link_dofs(const rbd_model *m, const rbdi_link *l) {
     return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->n : 1;
 }
 
-/* Attitude of a joint that turns: from the axes of the joint frame to those of the body. */
+/* E of a block that turns: from the axes of the joint frame to those of the body. */
 RBDI_INLINE rbdi_mat rbdi_joint_attitude(int type, const rbd_real *q) {
     const rbd_real o = rbdi_zero();
     rbd_real c, s;
@@ -2651,13 +2655,13 @@ RBDI_INLINE rbdi_mat rbdi_joint_attitude(int type, const rbd_real *q) {
     return E;
 }
 
-/* The origin of a joint at q in the joint frame, or its rates. */
+/* The body's origin in the joint frame of a block, or its rates if q are the rates of the coordinates. */
 RBDI_INLINE rbdi_v3 rbdi_joint_origin(int type, const rbd_real *q) {
     if (type == RBD_SPHERICAL) return rbdi_vec0();
     return rbdi_vec(q[0], q[1], type == RBD_PLANAR ? rbdi_zero() : q[2]);
 }
 
-/* Transform of a block joint: E from parent to link, r = the link's origin in parent axes. */
+/* Pose of a block: E from parent to link, r = the link's origin in parent axes. */
 RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, const rbd_real *q) {
     const int slides = b->type == RBD_TRANSLATION;
     rbdi_pose X;
@@ -2672,7 +2676,7 @@ RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, c
     return X;
 }
 
-/* Sine and cosine of a link's joint angle, where that is not done in batches. */
+/* Sine and cosine of a link's joint angle, where rbdi_sincos_array is not there. */
 RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *sine, rbd_real *cosine) {
     rbd_real s, c;
     rbdi_sincos(angle, &s, &c);
@@ -2684,11 +2688,11 @@ RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *si
     }
 }
 
-/* Computes all that depends on q alone: sines and cosines (all in one batch), slides, block transforms. The
-   angle q + gamma is rounded before: by as much as one more rounding of q, 6e-11 rad at q = 1e6 in double;
-   not at all if the joint angle at q = 0 is a multiple of 90 degrees. */
+/* Computes all quantities that depend on q alone: sines and cosines (in batches), slides, poses of blocks.
+   The angle q + gamma is rounded before its sine is computed: by one more rounding of q, 6e-11 rad at q = 1e6
+   in double, or not at all if gamma is 0, because the joint angle at q = 0 is a multiple of 90 degrees. */
 RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
-    int plain = 1;
+    int all_done = 1;
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
         w->quarters[i] = rbdi_set(l->quarters);
@@ -2698,7 +2702,7 @@ RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
             w->angle[i] = rbdi_zero();
             w->block[l->block].X = rbdi_block_pose(l, rbdi_block_of(m, l), &q[l->iq]);
         } else {
-            plain = 0;
+            all_done = 0;
             w->angle[i] = rbdi_zero();
             if (l->rho > 0 && rbdi_is(l, RBDI_SCREW)) w->angle[i] = q[l->iq] + l->gamma;
             if (rbdi_is(l, RBDI_SCREW)) w->d[i] = q[l->iq] * l->kappa + l->d;
@@ -2711,7 +2715,7 @@ RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
 #else
     for (int i = 0; i < m->nl; ++i) rbdi_sincos_link(&m->link[i], w->angle[i], &w->s[i], &w->c[i]);
 #endif
-    if (plain) return;
+    if (all_done) return;
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
         if (rbdi_is(l, RBDI_REVOLUTE_CS)) {
@@ -2726,6 +2730,7 @@ RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
     }
 }
 
+/* The state of a one-axis joint after rbdi_joints. */
 RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i, int flags) {
     rbdi_trig t;
     t.c = w->c[i], t.s = w->s[i];
@@ -2735,10 +2740,10 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
 
 /* Dispatches on the link's flags, so that the most common ones compile with constant flags: revolute links
    without armature in Denavit and Hartenberg's form, parallel to their parent or at a right angle, and the
-   first links of a branch at such an angle. Each case is a copy of the code. Microcontrollers, without SIMD,
-   have one for right angles, in which the shifts are tested (the empty assembly keeps clang from concluding
-   that the flags are flags_, and forgetting the rest). Targets without a floating-point unit have none:
-   it would save two per cent there. */
+   first links of a branch at such an angle. Each case is a copy of the code. Targets without SIMD, such as
+   microcontrollers, have one case for right angles, which tests the shifts. Its empty assembly hides from
+   clang that shifts_ equals flags_: clang would replace it, and lose the constants. Targets without a
+   floating-point unit have no case, which would save two per cent there. */
 #define RBDI_CASE(known, name, call) \
     case known: { \
         const int name = known; \
@@ -2786,27 +2791,26 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
 #define RBDI_BY_FLAGS(name, link, call) RBDI_BY_FLAGS_OF(RBDI_NO_CASES, name, link, call)
 #endif
 
-/* Vector, parent axes to link axes, of a one-axis joint. */
-RBDI_INLINE rbdi_v3 rbdi_down(const rbdi_link *l, int flags, rbdi_trig t, rbdi_v3 v) {
-    if (flags & RBDI_BRANCH_TURN) v = rbdi_turn_z(0, rbdi_set(l->cb), rbdi_set(l->sb), v);
-    v = rbdi_uncycle(rbdi_turn_z(flags, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_cycle(v)));
-    return rbdi_turn_z(0, t.c, t.s, v);
+/* The vector x from the parent's axes to those of a one-axis link. */
+RBDI_INLINE rbdi_v3 rbdi_down(const rbdi_link *l, int flags, rbdi_trig t, rbdi_v3 x) {
+    if (flags & RBDI_BRANCH_TURN) x = rbdi_turn_z(0, rbdi_set(l->cb), rbdi_set(l->sb), x);
+    x = rbdi_uncycle(rbdi_turn_z(flags, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_cycle(x)));
+    return rbdi_turn_z(0, t.c, t.s, x);
 }
 
 /* omega x r, for the parent-side shift r. */
 RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, int flags, rbdi_v3 omega) {
-    rbdi_v3 y;
-    y = rbdi_vec(rbdi_zero(), omega.z * l->r.x, -(omega.y * l->r.x));
+    rbdi_v3 x = rbdi_vec(rbdi_zero(), omega.z * l->r.x, -(omega.y * l->r.x));
     if (flags & RBDI_SHIFT_XYZ) {
-        y.x = omega.y * l->r.z - omega.z * l->r.y;
-        y.y = y.y - omega.x * l->r.z;
-        y.z = y.z + omega.x * l->r.y;
+        x.x = omega.y * l->r.z - omega.z * l->r.y;
+        x.y = x.y - omega.x * l->r.z;
+        x.z = x.z + omega.x * l->r.y;
     }
-    return y;
+    return x;
 }
 
-/* Force (n; f) of a one-axis link, in x[0] .. x[5], to the parent's axes and origin: slide, turn, twist,
-   branch turn, shift. Written once for T = one scalar and T = a batch of them. */
+/* The force F = (n; f) of a one-axis link to the parent's axes and origin: slide, turn, twist, branch turn,
+   shift. Written once for T = one scalar and T = a batch of them. */
 #define RBDI_DEFINE_FORCE_UP(name, T) \
     RBDI_INLINE void name##_turn(int flags, rbd_real c, rbd_real s, T *x, T *y) { \
         const T x0 = *x, y0 = *y; \
@@ -2815,24 +2819,24 @@ RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, int flags, rbdi_v3 omeg
         if (flags & RBDI_TWIST_90) return; \
         *x = x0 * c - y0 * s, *y = x0 * s + y0 * c; \
     } \
-    RBDI_INLINE void name(const rbdi_link *l, int flags, rbdi_trig t, T *x) { \
+    RBDI_INLINE void name(const rbdi_link *l, int flags, rbdi_trig t, T *F) { \
         if (flags & RBDI_SHIFT_Z) { \
-            x[0] = x[0] - x[4] * t.d; \
-            x[1] = x[1] + x[3] * t.d; \
+            F[0] = F[0] - F[4] * t.d; \
+            F[1] = F[1] + F[3] * t.d; \
         } \
         RBDI_UNROLL_SIX for (int k = 0; k < 6; k += 3) { \
-            name##_turn(0, t.c, t.s, &x[k], &x[k + 1]); \
-            name##_turn(flags, rbdi_set(l->ca), rbdi_set(l->sa), &x[k + 1], &x[k + 2]); \
+            name##_turn(0, t.c, t.s, &F[k], &F[k + 1]); \
+            name##_turn(flags, rbdi_set(l->ca), rbdi_set(l->sa), &F[k + 1], &F[k + 2]); \
             if (flags & RBDI_BRANCH_TURN) \
-                name##_turn(0, rbdi_set(l->cb), rbdi_set(l->sb), &x[k], &x[k + 1]); \
+                name##_turn(0, rbdi_set(l->cb), rbdi_set(l->sb), &F[k], &F[k + 1]); \
         } \
         if (!(flags & RBDI_SHIFT_R)) return; \
-        x[1] = x[1] - x[5] * l->r.x; \
-        x[2] = x[2] + x[4] * l->r.x; \
+        F[1] = F[1] - F[5] * l->r.x; \
+        F[2] = F[2] + F[4] * l->r.x; \
         if (flags & RBDI_SHIFT_XYZ) { \
-            x[0] = x[0] + (x[5] * l->r.y - x[4] * l->r.z); \
-            x[1] = x[1] + x[3] * l->r.z; \
-            x[2] = x[2] - x[3] * l->r.y; \
+            F[0] = F[0] + (F[5] * l->r.y - F[4] * l->r.z); \
+            F[1] = F[1] + F[3] * l->r.z; \
+            F[2] = F[2] - F[3] * l->r.y; \
         } \
     }
 RBDI_DEFINE_FORCE_UP(rbdi_array_up, rbd_real)
@@ -2841,13 +2845,13 @@ RBDI_DEFINE_FORCE_UP(rbdi_batch_up, rbdi_batch)
 #endif
 
 RBDI_INLINE rbdi_force rbdi_force_up(const rbdi_link *l, int flags, rbdi_trig t, rbdi_force F) {
-    rbd_real x[6];
-    rbdi_store_force(x, 1, F);
-    rbdi_array_up(l, flags, t, x);
-    return rbdi_load_force(x, 1);
+    rbd_real array[6];
+    rbdi_store_force(array, 1, F);
+    rbdi_array_up(l, flags, t, array);
+    return rbdi_load_force(array, 1);
 }
 
-/* The same of a block link. */
+/* The same of a block. */
 RBDI_INLINE rbdi_force rbdi_force_up_block(const rbdi_pose *X, rbdi_force F) {
     F.f = rbdi_mul_t(X->E, F.f);
     F.n = rbdi_add(rbdi_mul_t(X->E, F.n), rbdi_cross(X->r, F.f));
@@ -2859,12 +2863,13 @@ RBDI_INLINE rbd_real rbdi_along_axis(const rbdi_link *l, int flags, rbdi_force F
     return flags & RBDI_SLIDES ? F.n.z * l->rho + F.f.z * l->kappa : F.n.z;
 }
 
+/* S v of a block. */
 RBDI_INLINE rbdi_motion rbdi_block_motion(const rbdi_block *b, const rbd_real *v) {
-    rbd_real a[6];
+    rbd_real array[6];
     if (b->n == 6) return rbdi_load_motion(v, 1);
-    for (int k = 0; k < 6; ++k) a[k] = rbdi_zero();
-    for (int k = 0; k < b->n; ++k) a[b->first + k] = v[k];
-    return rbdi_load_motion(a, 1);
+    for (int k = 0; k < 6; ++k) array[k] = rbdi_zero();
+    for (int k = 0; k < b->n; ++k) array[b->first + k] = v[k];
+    return rbdi_load_motion(array, 1);
 }
 
 /* ==== src/dynamics/state.h ==== */
@@ -5475,8 +5480,8 @@ RBDI_API size_t rbd_work_size(const rbd_model *m) {
 
 #if RBDI_REPRODUCIBLE
 /* Whether products and sums are rounded one by one and to nearest, and denormals are numbers. The last test
-   is of libgcc's double sums on ARMv7-M: wrong if one exponent is 33 above the other and the result's below
-   it. */
+   finds libgcc's double sums on ARMv7-M: they are wrong if one exponent is 33 above the other and that of the
+   result is lower. */
 RBDI_COLD int rbdi_rounds(void) {
     const volatile RBD_REAL given[5] = {1, RBDI_EPS, 1 + RBDI_EPS, 1 + 2 * RBDI_EPS, RBDI_TINY};
     const RBD_REAL one = given[0], e = given[1], x = given[2], square = given[3], tiny = given[4];
@@ -5625,7 +5630,7 @@ RBDI_MESSAGES RBDI_API const char *rbd_status_string(rbd_status status) {
     return "unknown status";
 }
 
-/* A finding as a sentence; what: the word for a row of the description. */
+/* Writes a finding as a sentence; what: the word for a row of the description. */
 static char *rbdi_write_finding(const rbd_finding *finding, const char *what, char *text, size_t size) {
     const char *parts[12];
     char number[12];
@@ -6493,17 +6498,17 @@ static rbdi_csym rbdi_round6(const rbdi_wide x[6]) {
     return c;
 }
 
-/* The joint angle at q = 0: right angles are exact where their multiple of pi would not be. */
+/* The joint angle at q = 0. Its right angles are kept apart, because a multiple of pi would be rounded. */
 static void rbdi_emit_angle(const rbdi_build_link *l, rbdi_link *out) {
-    rbdi_wide c = l->cg, s = l->sg, next;
+    rbdi_wide c = l->cg, s = l->sg, minus_c;
     int quarters = 0;
     out->cg = RBD_C(c), out->sg = RBD_C(s);
-    for (; quarters < 3 && c < rbdi_w_abs(s); ++quarters) next = 0 - c, c = s, s = next;
+    for (; quarters < 3 && c < rbdi_w_abs(s); ++quarters) minus_c = 0 - c, c = s, s = minus_c;
     out->quarters = RBD_C(quarters);
     out->gamma = l->kind == RBDI_BLOCK ? RBD_C(0) : RBD_C(rbdi_w_angle(c, s));
 }
 
-/* Step 9: the solver's constants of the link at position p. */
+/* Step 9: the constants of the link at position p. */
 static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_build_link *links, int p) {
     const rbdi_build_link *l = &links[links[p].order];
     const rbd_body *b = &bodies[l->body];
@@ -6536,6 +6541,7 @@ static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_build_link *l
     return out;
 }
 
+/* The same of a block: its joint. */
 static rbdi_block rbdi_emit_block(const rbdi_build_link *l) {
     const rbdi_joint_fact *fact = rbdi_joint_facts(l->type);
     rbdi_block out;
@@ -6549,13 +6555,13 @@ static rbdi_block rbdi_emit_block(const rbdi_build_link *l) {
     return out;
 }
 
-/* Bound of the inertia that dof k of a link moves. */
+/* Bound of the inertia that the link's k-th dof moves. */
 static rbdi_wide rbdi_build_dof_scale(const rbdi_build_link *l, int k) {
     if (l->kind != RBDI_BLOCK) return l->rho * l->scale + l->kappa * l->kappa * l->all_mass;
     return rbdi_joint_facts(l->type)->first + k < 3 ? l->scale : l->all_mass;
 }
 
-/* The dofs of link p. */
+/* The dofs of the link at position p. */
 static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbdi_build_link *links, int p,
                            rbdi_dof *dof) {
     const rbdi_build_link *l = &links[links[p].order];
@@ -6563,25 +6569,24 @@ static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbd
     const rbdi_link *link = &m->link[p];
     const int n = l->kind == RBDI_BLOCK ? rbdi_joint_facts(l->type)->nv : 1;
     for (int k = 0; k < n; ++k) {
-        rbdi_dof *d = &dof[link->iv + k];
-        const rbdi_wide scale = rbdi_build_dof_scale(l, k);
-        d->body = (int16_t)l->body;
-        d->before = -1;
+        rbdi_dof *out = &dof[link->iv + k];
+        out->body = (int16_t)l->body;
+        out->before = -1;
         if (k > 0) {
-            d->before = (int16_t)(link->iv + k - 1);
+            out->before = (int16_t)(link->iv + k - 1);
         } else if (link->parent >= 0) {
             const rbdi_link *up = &m->link[link->parent];
-            d->before = (int16_t)(up->iv + rbdi_link_dofs(m, up) - 1);
+            out->before = (int16_t)(up->iv + rbdi_link_dofs(m, up) - 1);
         }
-        d->level = (int16_t)(d->before < 0 ? 0 : dof[d->before].level + 1);
-        d->armature = RBD_C(b->armature[l->joint_dof + k]);
-        d->damping = RBD_C(b->damping[l->joint_dof + k]);
-        d->friction = RBD_C(b->friction[l->joint_dof + k]);
-        d->scale = RBD_C(scale) + d->armature + RBDI_LEAST_SCALE;
+        out->level = (int16_t)(out->before < 0 ? 0 : dof[out->before].level + 1);
+        out->armature = RBD_C(b->armature[l->joint_dof + k]);
+        out->damping = RBD_C(b->damping[l->joint_dof + k]);
+        out->friction = RBD_C(b->friction[l->joint_dof + k]);
+        out->scale = RBD_C(rbdi_build_dof_scale(l, k)) + out->armature + RBDI_LEAST_SCALE;
     }
 }
 
-/* The frame of body i, as its user sees it. */
+/* A body in the user's frame. */
 static rbdi_frame rbdi_emit_frame(const rbd_body *b, const rbdi_place *place, const rbdi_build_link *links) {
     rbdi_wide_pose X = place->X;
     rbdi_wide com[3], I[6];
@@ -6612,7 +6617,7 @@ static rbdi_frame rbdi_emit_frame(const rbd_body *b, const rbdi_place *place, co
     return out;
 }
 
-/* Steps 3 to 8: from the users' frames to the solver's. */
+/* Steps 3 to 8: from the user's frames to those of [design]. */
 static void rbdi_build_solve(rbdi_build_link *links, int nl) {
     for (int i = 0; i < nl; ++i) rbdi_build_axis(links, i);
     rbdi_build_order(links, nl);
@@ -6629,7 +6634,7 @@ static void rbdi_build_solve(rbdi_build_link *links, int nl) {
     }
 }
 
-/* Coordinates and dofs in the order of the bodies; those of mimic joints behind all others. */
+/* Coordinates and dofs: in the order of the bodies; those of mimic joints behind all others. */
 static void rbdi_place_coordinates(const rbd_body *bodies, int nb, rbdi_counts n, rbdi_place *place) {
     int iq = 0, iv = 0, mimic = 0;
     for (int i = 0; i < nb; ++i) {
@@ -6644,31 +6649,26 @@ static void rbdi_place_coordinates(const rbd_body *bodies, int nb, rbdi_counts n
     }
 }
 
-/* Four counts side by side. */
-static uint64_t rbdi_pack(int a, int b, int c, int d) {
-    return (uint64_t)a << 48 | (uint64_t)b << 32 | (uint64_t)c << 16 | (uint64_t)d;
-}
-/* All that rbd_work_size and rbd_batch_size depend on, so that a few comparisons tell whether two models have
-   the same. */
+/* All numbers that rbd_work_size and rbd_batch_size depend on, side by side in few words to compare. */
 static void rbdi_shape(const rbd_model *m, uint64_t shape[RBDI_SHAPE]) {
-    shape[0] = rbdi_pack(m->nb, m->nq, m->nv, m->nl);
-    shape[1] = rbdi_pack(0, m->nblock, m->nbranch, m->nmimic);
+    shape[0] = (uint64_t)m->nb << 48 | (uint64_t)m->nq << 32 | (uint64_t)m->nv << 16 | (uint64_t)m->nl;
+    shape[1] = (uint64_t)m->nblock << 32 | (uint64_t)m->nbranch << 16 | (uint64_t)m->nmimic;
     shape[2] = (uint64_t)m->nh << 32 | (uint64_t)m->nhx;
 }
 
-/* Entry (a, b) of the matrix is not zero: b joins the path from a to the root, or a the path from b.
-   Eliminating a row fills the row of its lambda with what else it has (RBDA 6.5), so the two paths become
-   one from there on. */
-static void rbdi_couple(rbdi_dof *dof, int a, int b) {
-    while (a != b) {
-        const int high = a > b ? a : b, low = a > b ? b : a, next = dof[high].lambda;
+/* Entry (i, j) of the matrix is not zero: so one of the two must be on the other's path to the root. The
+   elimination of a row fills the row of its lambda in all its other columns (RBDA 6.5): so from there on the
+   two paths become one. */
+static void rbdi_couple(rbdi_dof *dof, int i, int j) {
+    while (i != j) {
+        const int high = i > j ? i : j, low = i > j ? j : i, next = dof[high].lambda;
         if (next < low) dof[high].lambda = (int16_t)low;
-        a = low, b = next;
+        i = low, j = next;
     }
 }
 
-/* The nv dofs of the matrix in depth-first order. Until the caller sets them, depth counts the descendants,
-   and row is the next place after a dof. */
+/* The nv dofs of the matrix in depth-first order. Meanwhile dof.depth is the number of descendants, and
+   dof.row where the next child goes. */
 static void rbdi_emit_nodes(rbdi_dof *dof, int nv, rbdi_node *node) {
     int32_t next = 0;
     for (int k = 0; k < nv; ++k) dof[k].depth = 0;
@@ -6682,8 +6682,8 @@ static void rbdi_emit_nodes(rbdi_dof *dof, int nv, rbdi_node *node) {
     }
 }
 
-/* Step 10: the tree of the matrix. Without mimic joints it is that of the mechanism; mimic dofs couple what
-   they follow with all that lies before and behind them. */
+/* Step 10: the tree of the matrix. Without mimic joints it is that of the mechanism. A mimic dof couples the
+   dof that it follows with those on its path to the root, and with those whose path it is on. */
 static void rbdi_emit_tree(rbd_model *m, const rbdi_mimic *mimic, rbdi_dof *dof, rbdi_node *node) {
     const int nv = m->nv, n = nv + m->nmimic;
     for (int k = 0; k < n; ++k) {
@@ -6702,7 +6702,7 @@ static void rbdi_emit_tree(rbd_model *m, const rbdi_mimic *mimic, rbdi_dof *dof,
         dof[k].row = m->nh;
         if (k < nv) m->nh += dof[k].depth + 1;
     }
-    for (int s = 0; s < nv; ++s) node[s].row = dof[node[s].dof].row;
+    for (int k = 0; k < nv; ++k) node[k].row = dof[node[k].dof].row;
 }
 
 /* Links, blocks, branch points and dofs, in the solver's order. */
@@ -6711,50 +6711,51 @@ static void rbdi_emit_links(const rbdi_build *build) {
     int block = 0;
     m->nbranch = 0;
     for (int p = 0; p < m->nl; ++p) {
-        rbdi_link *l = &build->link[p];
-        *l = rbdi_emit_link(build->bodies, build->links, p);
-        if (l->kind == RBDI_BLOCK) {
-            l->block = (int16_t)block;
+        rbdi_link *out = &build->link[p];
+        *out = rbdi_emit_link(build->bodies, build->links, p);
+        if (out->kind == RBDI_BLOCK) {
+            out->block = (int16_t)block;
             build->block[block++] = rbdi_emit_block(&build->links[build->links[p].order]);
         }
-        if (l->parent >= 0 && l->parent != p - 1 && build->link[l->parent].branch < 0)
-            build->link[l->parent].branch = m->nbranch++;
+        if (out->parent >= 0 && out->parent != p - 1 && build->link[out->parent].branch < 0)
+            build->link[out->parent].branch = m->nbranch++;
         rbdi_emit_dofs(build->bodies, m, build->links, p, build->dof);
     }
     for (int p = 0; p < m->nl; ++p) {
-        rbdi_link *l = &build->link[p];
-        if (l->kind == RBDI_BLOCK || l->branch >= 0 || l->parent < 0 || l->parent != p - 1 ||
-            (l->flags & RBDI_SHIFT_XYZ))
-            l->flags |= RBDI_OFF_CHAIN;
+        rbdi_link *out = &build->link[p];
+        if (out->kind == RBDI_BLOCK || out->branch >= 0 || out->parent < 0 || out->parent != p - 1 ||
+            (out->flags & RBDI_SHIFT_XYZ))
+            out->flags |= RBDI_OFF_CHAIN;
     }
 }
 
+/* Bodies and mimic joints. What moves a mimic joint moves its inertia too: so scale grows. */
 static void rbdi_emit_frames(const rbdi_build *build) {
     int next = 0;
     for (int i = 0; i < build->nb; ++i) {
         build->frame[i] = rbdi_emit_frame(&build->bodies[i], &build->place[i], build->links);
         if (!build->bodies[i].mimic) continue;
         const rbdi_place *source = &build->place[rbdi_mimic_source(build->bodies, build->nb, i)];
-        rbdi_mimic *k = &build->mimic[next++];
-        k->source_q = (int16_t)source->iq, k->source_v = (int16_t)source->iv;
-        k->ratio = RBD_C(build->bodies[i].mimic_ratio), k->offset = RBD_C(build->bodies[i].mimic_offset);
-        build->dof[k->source_v].scale += k->ratio * k->ratio * build->dof[build->place[i].iv].scale;
+        rbdi_mimic *out = &build->mimic[next++];
+        out->source_q = (int16_t)source->iq, out->source_v = (int16_t)source->iv;
+        out->ratio = RBD_C(build->bodies[i].mimic_ratio), out->offset = RBD_C(build->bodies[i].mimic_offset);
+        build->dof[out->source_v].scale += out->ratio * out->ratio * build->dof[build->place[i].iv].scale;
     }
 }
 
-/* The solver's order of the dofs, with the rows that crba writes, and which of them a link's subtree has. */
+/* The solver's order of the dofs, with the rows that crba writes; the range of each link's subtree in it. */
 static void rbdi_emit_order(const rbdi_build *build) {
     rbd_model *m = build->m;
     int next = 0;
     m->nhx = 0;
     for (int p = 0; p < m->nl; ++p) {
-        rbdi_link *l = &build->link[p];
-        l->first = (int16_t)next;
-        for (int k = 0; k < rbdi_link_dofs(m, l); ++k, ++next) {
-            const rbdi_dof *d = &build->dof[l->iv + k];
-            build->order[next].dof = (int16_t)(l->iv + k);
-            build->order[next].row = m->nmimic ? m->nh + m->nhx : d->row;
-            if (m->nmimic) m->nhx += d->level + 1;
+        rbdi_link *out = &build->link[p];
+        out->first = (int16_t)next;
+        for (int k = 0; k < rbdi_link_dofs(m, out); ++k, ++next) {
+            const rbdi_dof *dof = &build->dof[out->iv + k];
+            build->order[next].dof = (int16_t)(out->iv + k);
+            build->order[next].row = m->nmimic ? m->nh + m->nhx : dof->row;
+            if (m->nmimic) m->nhx += dof->level + 1;
         }
     }
     for (int p = 0; p < m->nl; ++p) {
@@ -6781,7 +6782,7 @@ static void rbdi_emit(const rbdi_build *build) {
 }
 
 /* ==== src/model/build.h ==== */
-/* Cuts the model and the build's own scratch off the memory. */
+/* Takes the model and the scratch of the build from the memory. */
 static void rbdi_build_take(rbdi_build *b, void *memory) {
     unsigned char *p = rbdi_aligned(memory);
     b->m = (rbd_model *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_model)));

@@ -3,7 +3,7 @@
 #include "api/model.h"
 #include "model/emit.h"
 
-/* Cuts the model and the build's own scratch off the memory. */
+/* Takes the model and the scratch of the build from the memory. */
 static void rbdi_build_take(rbdi_build *b, void *memory) {
     unsigned char *p = rbdi_aligned(memory);
     b->m = (rbd_model *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_model)));

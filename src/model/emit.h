@@ -15,17 +15,17 @@ static rbdi_csym rbdi_round6(const rbdi_wide x[6]) {
     return c;
 }
 
-/* The joint angle at q = 0: right angles are exact where their multiple of pi would not be. */
+/* The joint angle at q = 0. Its right angles are kept apart, because a multiple of pi would be rounded. */
 static void rbdi_emit_angle(const rbdi_build_link *l, rbdi_link *out) {
-    rbdi_wide c = l->cg, s = l->sg, next;
+    rbdi_wide c = l->cg, s = l->sg, minus_c;
     int quarters = 0;
     out->cg = RBD_C(c), out->sg = RBD_C(s);
-    for (; quarters < 3 && c < rbdi_w_abs(s); ++quarters) next = 0 - c, c = s, s = next;
+    for (; quarters < 3 && c < rbdi_w_abs(s); ++quarters) minus_c = 0 - c, c = s, s = minus_c;
     out->quarters = RBD_C(quarters);
     out->gamma = l->kind == RBDI_BLOCK ? RBD_C(0) : RBD_C(rbdi_w_angle(c, s));
 }
 
-/* Step 9: the solver's constants of the link at position p. */
+/* Step 9: the constants of the link at position p. */
 static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_build_link *links, int p) {
     const rbdi_build_link *l = &links[links[p].order];
     const rbd_body *b = &bodies[l->body];
@@ -58,6 +58,7 @@ static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_build_link *l
     return out;
 }
 
+/* The same of a block: its joint. */
 static rbdi_block rbdi_emit_block(const rbdi_build_link *l) {
     const rbdi_joint_fact *fact = rbdi_joint_facts(l->type);
     rbdi_block out;
@@ -71,13 +72,13 @@ static rbdi_block rbdi_emit_block(const rbdi_build_link *l) {
     return out;
 }
 
-/* Bound of the inertia that dof k of a link moves. */
+/* Bound of the inertia that the link's k-th dof moves. */
 static rbdi_wide rbdi_build_dof_scale(const rbdi_build_link *l, int k) {
     if (l->kind != RBDI_BLOCK) return l->rho * l->scale + l->kappa * l->kappa * l->all_mass;
     return rbdi_joint_facts(l->type)->first + k < 3 ? l->scale : l->all_mass;
 }
 
-/* The dofs of link p. */
+/* The dofs of the link at position p. */
 static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbdi_build_link *links, int p,
                            rbdi_dof *dof) {
     const rbdi_build_link *l = &links[links[p].order];
@@ -85,25 +86,24 @@ static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbd
     const rbdi_link *link = &m->link[p];
     const int n = l->kind == RBDI_BLOCK ? rbdi_joint_facts(l->type)->nv : 1;
     for (int k = 0; k < n; ++k) {
-        rbdi_dof *d = &dof[link->iv + k];
-        const rbdi_wide scale = rbdi_build_dof_scale(l, k);
-        d->body = (int16_t)l->body;
-        d->before = -1;
+        rbdi_dof *out = &dof[link->iv + k];
+        out->body = (int16_t)l->body;
+        out->before = -1;
         if (k > 0) {
-            d->before = (int16_t)(link->iv + k - 1);
+            out->before = (int16_t)(link->iv + k - 1);
         } else if (link->parent >= 0) {
             const rbdi_link *up = &m->link[link->parent];
-            d->before = (int16_t)(up->iv + rbdi_link_dofs(m, up) - 1);
+            out->before = (int16_t)(up->iv + rbdi_link_dofs(m, up) - 1);
         }
-        d->level = (int16_t)(d->before < 0 ? 0 : dof[d->before].level + 1);
-        d->armature = RBD_C(b->armature[l->joint_dof + k]);
-        d->damping = RBD_C(b->damping[l->joint_dof + k]);
-        d->friction = RBD_C(b->friction[l->joint_dof + k]);
-        d->scale = RBD_C(scale) + d->armature + RBDI_LEAST_SCALE;
+        out->level = (int16_t)(out->before < 0 ? 0 : dof[out->before].level + 1);
+        out->armature = RBD_C(b->armature[l->joint_dof + k]);
+        out->damping = RBD_C(b->damping[l->joint_dof + k]);
+        out->friction = RBD_C(b->friction[l->joint_dof + k]);
+        out->scale = RBD_C(rbdi_build_dof_scale(l, k)) + out->armature + RBDI_LEAST_SCALE;
     }
 }
 
-/* The frame of body i, as its user sees it. */
+/* A body in the user's frame. */
 static rbdi_frame rbdi_emit_frame(const rbd_body *b, const rbdi_place *place, const rbdi_build_link *links) {
     rbdi_wide_pose X = place->X;
     rbdi_wide com[3], I[6];
@@ -134,7 +134,7 @@ static rbdi_frame rbdi_emit_frame(const rbd_body *b, const rbdi_place *place, co
     return out;
 }
 
-/* Steps 3 to 8: from the users' frames to the solver's. */
+/* Steps 3 to 8: from the user's frames to those of [design]. */
 static void rbdi_build_solve(rbdi_build_link *links, int nl) {
     for (int i = 0; i < nl; ++i) rbdi_build_axis(links, i);
     rbdi_build_order(links, nl);
@@ -151,7 +151,7 @@ static void rbdi_build_solve(rbdi_build_link *links, int nl) {
     }
 }
 
-/* Coordinates and dofs in the order of the bodies; those of mimic joints behind all others. */
+/* Coordinates and dofs: in the order of the bodies; those of mimic joints behind all others. */
 static void rbdi_place_coordinates(const rbd_body *bodies, int nb, rbdi_counts n, rbdi_place *place) {
     int iq = 0, iv = 0, mimic = 0;
     for (int i = 0; i < nb; ++i) {
@@ -166,31 +166,26 @@ static void rbdi_place_coordinates(const rbd_body *bodies, int nb, rbdi_counts n
     }
 }
 
-/* Four counts side by side. */
-static uint64_t rbdi_pack(int a, int b, int c, int d) {
-    return (uint64_t)a << 48 | (uint64_t)b << 32 | (uint64_t)c << 16 | (uint64_t)d;
-}
-/* All that rbd_work_size and rbd_batch_size depend on, so that a few comparisons tell whether two models have
-   the same. */
+/* All numbers that rbd_work_size and rbd_batch_size depend on, side by side in few words to compare. */
 static void rbdi_shape(const rbd_model *m, uint64_t shape[RBDI_SHAPE]) {
-    shape[0] = rbdi_pack(m->nb, m->nq, m->nv, m->nl);
-    shape[1] = rbdi_pack(0, m->nblock, m->nbranch, m->nmimic);
+    shape[0] = (uint64_t)m->nb << 48 | (uint64_t)m->nq << 32 | (uint64_t)m->nv << 16 | (uint64_t)m->nl;
+    shape[1] = (uint64_t)m->nblock << 32 | (uint64_t)m->nbranch << 16 | (uint64_t)m->nmimic;
     shape[2] = (uint64_t)m->nh << 32 | (uint64_t)m->nhx;
 }
 
-/* Entry (a, b) of the matrix is not zero: b joins the path from a to the root, or a the path from b.
-   Eliminating a row fills the row of its lambda with what else it has (RBDA 6.5), so the two paths become
-   one from there on. */
-static void rbdi_couple(rbdi_dof *dof, int a, int b) {
-    while (a != b) {
-        const int high = a > b ? a : b, low = a > b ? b : a, next = dof[high].lambda;
+/* Entry (i, j) of the matrix is not zero: so one of the two must be on the other's path to the root. The
+   elimination of a row fills the row of its lambda in all its other columns (RBDA 6.5): so from there on the
+   two paths become one. */
+static void rbdi_couple(rbdi_dof *dof, int i, int j) {
+    while (i != j) {
+        const int high = i > j ? i : j, low = i > j ? j : i, next = dof[high].lambda;
         if (next < low) dof[high].lambda = (int16_t)low;
-        a = low, b = next;
+        i = low, j = next;
     }
 }
 
-/* The nv dofs of the matrix in depth-first order. Until the caller sets them, depth counts the descendants,
-   and row is the next place after a dof. */
+/* The nv dofs of the matrix in depth-first order. Meanwhile dof.depth is the number of descendants, and
+   dof.row where the next child goes. */
 static void rbdi_emit_nodes(rbdi_dof *dof, int nv, rbdi_node *node) {
     int32_t next = 0;
     for (int k = 0; k < nv; ++k) dof[k].depth = 0;
@@ -204,8 +199,8 @@ static void rbdi_emit_nodes(rbdi_dof *dof, int nv, rbdi_node *node) {
     }
 }
 
-/* Step 10: the tree of the matrix. Without mimic joints it is that of the mechanism; mimic dofs couple what
-   they follow with all that lies before and behind them. */
+/* Step 10: the tree of the matrix. Without mimic joints it is that of the mechanism. A mimic dof couples the
+   dof that it follows with those on its path to the root, and with those whose path it is on. */
 static void rbdi_emit_tree(rbd_model *m, const rbdi_mimic *mimic, rbdi_dof *dof, rbdi_node *node) {
     const int nv = m->nv, n = nv + m->nmimic;
     for (int k = 0; k < n; ++k) {
@@ -224,7 +219,7 @@ static void rbdi_emit_tree(rbd_model *m, const rbdi_mimic *mimic, rbdi_dof *dof,
         dof[k].row = m->nh;
         if (k < nv) m->nh += dof[k].depth + 1;
     }
-    for (int s = 0; s < nv; ++s) node[s].row = dof[node[s].dof].row;
+    for (int k = 0; k < nv; ++k) node[k].row = dof[node[k].dof].row;
 }
 
 /* Links, blocks, branch points and dofs, in the solver's order. */
@@ -233,50 +228,51 @@ static void rbdi_emit_links(const rbdi_build *build) {
     int block = 0;
     m->nbranch = 0;
     for (int p = 0; p < m->nl; ++p) {
-        rbdi_link *l = &build->link[p];
-        *l = rbdi_emit_link(build->bodies, build->links, p);
-        if (l->kind == RBDI_BLOCK) {
-            l->block = (int16_t)block;
+        rbdi_link *out = &build->link[p];
+        *out = rbdi_emit_link(build->bodies, build->links, p);
+        if (out->kind == RBDI_BLOCK) {
+            out->block = (int16_t)block;
             build->block[block++] = rbdi_emit_block(&build->links[build->links[p].order]);
         }
-        if (l->parent >= 0 && l->parent != p - 1 && build->link[l->parent].branch < 0)
-            build->link[l->parent].branch = m->nbranch++;
+        if (out->parent >= 0 && out->parent != p - 1 && build->link[out->parent].branch < 0)
+            build->link[out->parent].branch = m->nbranch++;
         rbdi_emit_dofs(build->bodies, m, build->links, p, build->dof);
     }
     for (int p = 0; p < m->nl; ++p) {
-        rbdi_link *l = &build->link[p];
-        if (l->kind == RBDI_BLOCK || l->branch >= 0 || l->parent < 0 || l->parent != p - 1 ||
-            (l->flags & RBDI_SHIFT_XYZ))
-            l->flags |= RBDI_OFF_CHAIN;
+        rbdi_link *out = &build->link[p];
+        if (out->kind == RBDI_BLOCK || out->branch >= 0 || out->parent < 0 || out->parent != p - 1 ||
+            (out->flags & RBDI_SHIFT_XYZ))
+            out->flags |= RBDI_OFF_CHAIN;
     }
 }
 
+/* Bodies and mimic joints. What moves a mimic joint moves its inertia too: so scale grows. */
 static void rbdi_emit_frames(const rbdi_build *build) {
     int next = 0;
     for (int i = 0; i < build->nb; ++i) {
         build->frame[i] = rbdi_emit_frame(&build->bodies[i], &build->place[i], build->links);
         if (!build->bodies[i].mimic) continue;
         const rbdi_place *source = &build->place[rbdi_mimic_source(build->bodies, build->nb, i)];
-        rbdi_mimic *k = &build->mimic[next++];
-        k->source_q = (int16_t)source->iq, k->source_v = (int16_t)source->iv;
-        k->ratio = RBD_C(build->bodies[i].mimic_ratio), k->offset = RBD_C(build->bodies[i].mimic_offset);
-        build->dof[k->source_v].scale += k->ratio * k->ratio * build->dof[build->place[i].iv].scale;
+        rbdi_mimic *out = &build->mimic[next++];
+        out->source_q = (int16_t)source->iq, out->source_v = (int16_t)source->iv;
+        out->ratio = RBD_C(build->bodies[i].mimic_ratio), out->offset = RBD_C(build->bodies[i].mimic_offset);
+        build->dof[out->source_v].scale += out->ratio * out->ratio * build->dof[build->place[i].iv].scale;
     }
 }
 
-/* The solver's order of the dofs, with the rows that crba writes, and which of them a link's subtree has. */
+/* The solver's order of the dofs, with the rows that crba writes; the range of each link's subtree in it. */
 static void rbdi_emit_order(const rbdi_build *build) {
     rbd_model *m = build->m;
     int next = 0;
     m->nhx = 0;
     for (int p = 0; p < m->nl; ++p) {
-        rbdi_link *l = &build->link[p];
-        l->first = (int16_t)next;
-        for (int k = 0; k < rbdi_link_dofs(m, l); ++k, ++next) {
-            const rbdi_dof *d = &build->dof[l->iv + k];
-            build->order[next].dof = (int16_t)(l->iv + k);
-            build->order[next].row = m->nmimic ? m->nh + m->nhx : d->row;
-            if (m->nmimic) m->nhx += d->level + 1;
+        rbdi_link *out = &build->link[p];
+        out->first = (int16_t)next;
+        for (int k = 0; k < rbdi_link_dofs(m, out); ++k, ++next) {
+            const rbdi_dof *dof = &build->dof[out->iv + k];
+            build->order[next].dof = (int16_t)(out->iv + k);
+            build->order[next].row = m->nmimic ? m->nh + m->nhx : dof->row;
+            if (m->nmimic) m->nhx += dof->level + 1;
         }
     }
     for (int p = 0; p < m->nl; ++p) {

@@ -6,10 +6,10 @@
 /* Interface: rbdi_block_of, rbdi_flags, rbdi_is, rbdi_mimics, rbdi_on_world */
 
 /* ---- features [features] ----
-   The features of a model, as bits: flags that some link has, flags that some link lacks, kinds of links,
+   The features of a model, as bits: flags that some link has, flags that some link has not, kinds of links,
    mimic joints, and blocks other than floating bases. RBD_FEATURES are those of all models of the program;
-   without it there are all. The algorithms ask for flags, kinds, mimic joints and blocks by these functions:
-   the compiler then drops code that no model needs. */
+   its default is all. The algorithms get flags, kinds, mimic joints and blocks from these functions, so that
+   the compiler drops code that no model needs. */
 
 #define RBDI_FLAGS 2047u /* all flags of links */
 #define RBDI_LACKS(flags) ((uint32_t)(flags) << 11)
@@ -23,7 +23,7 @@
 #define RBDI_FEATURES RBDI_ALL_FEATURES
 #endif
 
-/* Flags of a link: those that every model's links have are set, those that none has are clear. */
+/* Flags of a link. The compiler knows those that all links of all models have, and those that none has. */
 RBDI_INLINE int rbdi_flags(const rbdi_link *l) {
     const uint32_t some = RBDI_FEATURES & RBDI_FLAGS, all = some & ~(RBDI_FEATURES >> 11);
     if (RBDI_FEATURES == RBDI_ALL_FEATURES) return l->flags;
@@ -36,7 +36,8 @@ RBDI_INLINE int rbdi_is(const rbdi_link *l, int kind) {
     return kinds == 1u << kind || ((kinds >> kind & 1u) && l->kind == kind);
 }
 
-/* The block of a link: known if all blocks of the program are floating bases on the world, in its axes. */
+/* The block of a link: a constant if all blocks of the program are floating bases on the world, in its axes.
+   */
 RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link *l) {
     static const rbdi_block floating = {RBD_FLOATING, 0, 6, 1, {0}};
     return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? &m->block[l->block] : &floating;
@@ -46,7 +47,7 @@ RBDI_INLINE int rbdi_on_world(const rbdi_link *block) {
     return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? block->parent < 0 : 1;
 }
 
-/* Whether this program has all that the model needs. rbd_aba needs Cholesky's factor for mimic joints. */
+/* Whether this program has all features of the model. rbd_aba needs Cholesky's factor for mimic joints. */
 RBDI_INLINE int rbdi_supported(const rbd_model *m) {
 #ifdef RBD_NO_CHOLESKY
     if (m->nmimic) return 0;

@@ -15,15 +15,17 @@
    rbdi_difference_joint, rbdi_joint_rates and rbdi_joint_velocity (manifold); rbd_neutral and rbd_random if
    zero or an angle will not do. One-axis types mostly need the first two only. */
 
-/* Whether a link is a block, which links with the common flags are not. */
+/* Whether a link is a block: all have RBDI_MASS_KEPT, so that this is the constant 0 with the common flags.
+   */
 RBDI_INLINE int rbdi_block_link(const rbdi_link *l, int flags) {
     return (flags & RBDI_MASS_KEPT) && rbdi_is(l, RBDI_BLOCK);
 }
+/* Number of dofs of a link. */
 RBDI_INLINE int rbdi_link_dofs(const rbd_model *m, const rbdi_link *l) {
     return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->n : 1;
 }
 
-/* Attitude of a joint that turns: from the axes of the joint frame to those of the body. */
+/* E of a block that turns: from the axes of the joint frame to those of the body. */
 RBDI_INLINE rbdi_mat rbdi_joint_attitude(int type, const rbd_real *q) {
     const rbd_real o = rbdi_zero();
     rbd_real c, s;
@@ -37,13 +39,13 @@ RBDI_INLINE rbdi_mat rbdi_joint_attitude(int type, const rbd_real *q) {
     return E;
 }
 
-/* The origin of a joint at q in the joint frame, or its rates. */
+/* The body's origin in the joint frame of a block, or its rates if q are the rates of the coordinates. */
 RBDI_INLINE rbdi_v3 rbdi_joint_origin(int type, const rbd_real *q) {
     if (type == RBD_SPHERICAL) return rbdi_vec0();
     return rbdi_vec(q[0], q[1], type == RBD_PLANAR ? rbdi_zero() : q[2]);
 }
 
-/* Transform of a block joint: E from parent to link, r = the link's origin in parent axes. */
+/* Pose of a block: E from parent to link, r = the link's origin in parent axes. */
 RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, const rbd_real *q) {
     const int slides = b->type == RBD_TRANSLATION;
     rbdi_pose X;
@@ -58,7 +60,7 @@ RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, c
     return X;
 }
 
-/* Sine and cosine of a link's joint angle, where that is not done in batches. */
+/* Sine and cosine of a link's joint angle, where rbdi_sincos_array is not there. */
 RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *sine, rbd_real *cosine) {
     rbd_real s, c;
     rbdi_sincos(angle, &s, &c);
@@ -70,11 +72,11 @@ RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *si
     }
 }
 
-/* Computes all that depends on q alone: sines and cosines (all in one batch), slides, block transforms. The
-   angle q + gamma is rounded before: by as much as one more rounding of q, 6e-11 rad at q = 1e6 in double;
-   not at all if the joint angle at q = 0 is a multiple of 90 degrees. */
+/* Computes all quantities that depend on q alone: sines and cosines (in batches), slides, poses of blocks.
+   The angle q + gamma is rounded before its sine is computed: by one more rounding of q, 6e-11 rad at q = 1e6
+   in double, or not at all if gamma is 0, because the joint angle at q = 0 is a multiple of 90 degrees. */
 RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
-    int plain = 1;
+    int all_done = 1;
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
         w->quarters[i] = rbdi_set(l->quarters);
@@ -84,7 +86,7 @@ RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
             w->angle[i] = rbdi_zero();
             w->block[l->block].X = rbdi_block_pose(l, rbdi_block_of(m, l), &q[l->iq]);
         } else {
-            plain = 0;
+            all_done = 0;
             w->angle[i] = rbdi_zero();
             if (l->rho > 0 && rbdi_is(l, RBDI_SCREW)) w->angle[i] = q[l->iq] + l->gamma;
             if (rbdi_is(l, RBDI_SCREW)) w->d[i] = q[l->iq] * l->kappa + l->d;
@@ -97,7 +99,7 @@ RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
 #else
     for (int i = 0; i < m->nl; ++i) rbdi_sincos_link(&m->link[i], w->angle[i], &w->s[i], &w->c[i]);
 #endif
-    if (plain) return;
+    if (all_done) return;
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
         if (rbdi_is(l, RBDI_REVOLUTE_CS)) {
@@ -112,6 +114,7 @@ RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
     }
 }
 
+/* The state of a one-axis joint after rbdi_joints. */
 RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i, int flags) {
     rbdi_trig t;
     t.c = w->c[i], t.s = w->s[i];
@@ -121,10 +124,10 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
 
 /* Dispatches on the link's flags, so that the most common ones compile with constant flags: revolute links
    without armature in Denavit and Hartenberg's form, parallel to their parent or at a right angle, and the
-   first links of a branch at such an angle. Each case is a copy of the code. Microcontrollers, without SIMD,
-   have one for right angles, in which the shifts are tested (the empty assembly keeps clang from concluding
-   that the flags are flags_, and forgetting the rest). Targets without a floating-point unit have none:
-   it would save two per cent there. */
+   first links of a branch at such an angle. Each case is a copy of the code. Targets without SIMD, such as
+   microcontrollers, have one case for right angles, which tests the shifts. Its empty assembly hides from
+   clang that shifts_ equals flags_: clang would replace it, and lose the constants. Targets without a
+   floating-point unit have no case, which would save two per cent there. */
 #define RBDI_CASE(known, name, call) \
     case known: { \
         const int name = known; \
@@ -172,27 +175,26 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
 #define RBDI_BY_FLAGS(name, link, call) RBDI_BY_FLAGS_OF(RBDI_NO_CASES, name, link, call)
 #endif
 
-/* Vector, parent axes to link axes, of a one-axis joint. */
-RBDI_INLINE rbdi_v3 rbdi_down(const rbdi_link *l, int flags, rbdi_trig t, rbdi_v3 v) {
-    if (flags & RBDI_BRANCH_TURN) v = rbdi_turn_z(0, rbdi_set(l->cb), rbdi_set(l->sb), v);
-    v = rbdi_uncycle(rbdi_turn_z(flags, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_cycle(v)));
-    return rbdi_turn_z(0, t.c, t.s, v);
+/* The vector x from the parent's axes to those of a one-axis link. */
+RBDI_INLINE rbdi_v3 rbdi_down(const rbdi_link *l, int flags, rbdi_trig t, rbdi_v3 x) {
+    if (flags & RBDI_BRANCH_TURN) x = rbdi_turn_z(0, rbdi_set(l->cb), rbdi_set(l->sb), x);
+    x = rbdi_uncycle(rbdi_turn_z(flags, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_cycle(x)));
+    return rbdi_turn_z(0, t.c, t.s, x);
 }
 
 /* omega x r, for the parent-side shift r. */
 RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, int flags, rbdi_v3 omega) {
-    rbdi_v3 y;
-    y = rbdi_vec(rbdi_zero(), omega.z * l->r.x, -(omega.y * l->r.x));
+    rbdi_v3 x = rbdi_vec(rbdi_zero(), omega.z * l->r.x, -(omega.y * l->r.x));
     if (flags & RBDI_SHIFT_XYZ) {
-        y.x = omega.y * l->r.z - omega.z * l->r.y;
-        y.y = y.y - omega.x * l->r.z;
-        y.z = y.z + omega.x * l->r.y;
+        x.x = omega.y * l->r.z - omega.z * l->r.y;
+        x.y = x.y - omega.x * l->r.z;
+        x.z = x.z + omega.x * l->r.y;
     }
-    return y;
+    return x;
 }
 
-/* Force (n; f) of a one-axis link, in x[0] .. x[5], to the parent's axes and origin: slide, turn, twist,
-   branch turn, shift. Written once for T = one scalar and T = a batch of them. */
+/* The force F = (n; f) of a one-axis link to the parent's axes and origin: slide, turn, twist, branch turn,
+   shift. Written once for T = one scalar and T = a batch of them. */
 #define RBDI_DEFINE_FORCE_UP(name, T) \
     RBDI_INLINE void name##_turn(int flags, rbd_real c, rbd_real s, T *x, T *y) { \
         const T x0 = *x, y0 = *y; \
@@ -201,24 +203,24 @@ RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, int flags, rbdi_v3 omeg
         if (flags & RBDI_TWIST_90) return; \
         *x = x0 * c - y0 * s, *y = x0 * s + y0 * c; \
     } \
-    RBDI_INLINE void name(const rbdi_link *l, int flags, rbdi_trig t, T *x) { \
+    RBDI_INLINE void name(const rbdi_link *l, int flags, rbdi_trig t, T *F) { \
         if (flags & RBDI_SHIFT_Z) { \
-            x[0] = x[0] - x[4] * t.d; \
-            x[1] = x[1] + x[3] * t.d; \
+            F[0] = F[0] - F[4] * t.d; \
+            F[1] = F[1] + F[3] * t.d; \
         } \
         RBDI_UNROLL_SIX for (int k = 0; k < 6; k += 3) { \
-            name##_turn(0, t.c, t.s, &x[k], &x[k + 1]); \
-            name##_turn(flags, rbdi_set(l->ca), rbdi_set(l->sa), &x[k + 1], &x[k + 2]); \
+            name##_turn(0, t.c, t.s, &F[k], &F[k + 1]); \
+            name##_turn(flags, rbdi_set(l->ca), rbdi_set(l->sa), &F[k + 1], &F[k + 2]); \
             if (flags & RBDI_BRANCH_TURN) \
-                name##_turn(0, rbdi_set(l->cb), rbdi_set(l->sb), &x[k], &x[k + 1]); \
+                name##_turn(0, rbdi_set(l->cb), rbdi_set(l->sb), &F[k], &F[k + 1]); \
         } \
         if (!(flags & RBDI_SHIFT_R)) return; \
-        x[1] = x[1] - x[5] * l->r.x; \
-        x[2] = x[2] + x[4] * l->r.x; \
+        F[1] = F[1] - F[5] * l->r.x; \
+        F[2] = F[2] + F[4] * l->r.x; \
         if (flags & RBDI_SHIFT_XYZ) { \
-            x[0] = x[0] + (x[5] * l->r.y - x[4] * l->r.z); \
-            x[1] = x[1] + x[3] * l->r.z; \
-            x[2] = x[2] - x[3] * l->r.y; \
+            F[0] = F[0] + (F[5] * l->r.y - F[4] * l->r.z); \
+            F[1] = F[1] + F[3] * l->r.z; \
+            F[2] = F[2] - F[3] * l->r.y; \
         } \
     }
 RBDI_DEFINE_FORCE_UP(rbdi_array_up, rbd_real)
@@ -227,13 +229,13 @@ RBDI_DEFINE_FORCE_UP(rbdi_batch_up, rbdi_batch)
 #endif
 
 RBDI_INLINE rbdi_force rbdi_force_up(const rbdi_link *l, int flags, rbdi_trig t, rbdi_force F) {
-    rbd_real x[6];
-    rbdi_store_force(x, 1, F);
-    rbdi_array_up(l, flags, t, x);
-    return rbdi_load_force(x, 1);
+    rbd_real array[6];
+    rbdi_store_force(array, 1, F);
+    rbdi_array_up(l, flags, t, array);
+    return rbdi_load_force(array, 1);
 }
 
-/* The same of a block link. */
+/* The same of a block. */
 RBDI_INLINE rbdi_force rbdi_force_up_block(const rbdi_pose *X, rbdi_force F) {
     F.f = rbdi_mul_t(X->E, F.f);
     F.n = rbdi_add(rbdi_mul_t(X->E, F.n), rbdi_cross(X->r, F.f));
@@ -245,12 +247,13 @@ RBDI_INLINE rbd_real rbdi_along_axis(const rbdi_link *l, int flags, rbdi_force F
     return flags & RBDI_SLIDES ? F.n.z * l->rho + F.f.z * l->kappa : F.n.z;
 }
 
+/* S v of a block. */
 RBDI_INLINE rbdi_motion rbdi_block_motion(const rbdi_block *b, const rbd_real *v) {
-    rbd_real a[6];
+    rbd_real array[6];
     if (b->n == 6) return rbdi_load_motion(v, 1);
-    for (int k = 0; k < 6; ++k) a[k] = rbdi_zero();
-    for (int k = 0; k < b->n; ++k) a[b->first + k] = v[k];
-    return rbdi_load_motion(a, 1);
+    for (int k = 0; k < 6; ++k) array[k] = rbdi_zero();
+    for (int k = 0; k < b->n; ++k) array[b->first + k] = v[k];
+    return rbdi_load_motion(array, 1);
 }
 
 #endif

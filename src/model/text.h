@@ -54,7 +54,7 @@ RBDI_MESSAGES RBDI_API const char *rbd_status_string(rbd_status status) {
     return "unknown status";
 }
 
-/* A finding as a sentence; what: the word for a row of the description. */
+/* Writes a finding as a sentence; what: the word for a row of the description. */
 static char *rbdi_write_finding(const rbd_finding *finding, const char *what, char *text, size_t size) {
     const char *parts[12];
     char number[12];

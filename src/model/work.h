@@ -5,18 +5,18 @@
 /* Interface: rbdi_block_work, rbdi_branch, rbdi_kin, rbdi_scratch, RBDI_FIXED_STRIDE, RBDI_LINKS,
    RBDI_NOTE_DOUBT, RBDI_NO_KINEMATICS */
 
-typedef struct rbdi_scratch { /* per link, of one call */
+typedef struct rbdi_scratch { /* per link, during one call */
     rbdi_force f;             /* rnea: wrench; aba: pA; children that are not the next link add theirs */
-    rbdi_motion c;            /* aba: velocity-product acceleration */
+    rbdi_motion c;            /* aba: velocity-product acceleration; rbdi_momenta: velocity */
     rbdi_force U_D;           /* aba: U / D */
     rbd_real u_D;             /* aba: u / D */
 } rbdi_scratch;
 
-typedef struct rbdi_branch { /* per link with a child that is not the next link: what those children share */
-    rbdi_state state;        /* rnea, kinematics; aba's pass 1: omega */
-    rbdi_motion y;           /* aba's pass 3 */
-    rbdi_abi I;              /* aba's pass 2; pass 1 clears it */
-    rbdi_rbi C;              /* crba */
+typedef struct rbdi_branch { /* per branch point: a link with a child that is not the next link; [design] */
+    rbdi_state state;        /* for those children, in rnea and kinematics; aba's pass 1: omega */
+    rbdi_motion y;           /* for them, in aba's pass 3 */
+    rbdi_abi I;              /* sum of theirs, in aba's pass 2; pass 1 clears it */
+    rbdi_rbi C;              /* sum of theirs, in crba */
 } rbdi_branch;
 
 typedef struct rbdi_block_work { /* per block */
@@ -24,17 +24,17 @@ typedef struct rbdi_block_work { /* per block */
     rbd_real U_D[6][6], u_D[6]; /* aba: U / D and u / D of each of its dofs */
 } rbdi_block_work;
 
-typedef struct rbdi_kin { /* per link, kept after rbd_kinematics */
+typedef struct rbdi_kin { /* per link, kept for the calls after rbd_kinematics */
     rbdi_pose X;          /* axes and origin in the world */
     rbdi_v3 v;            /* velocity of the origin, link axes */
-    rbdi_state state;     /* angular velocity, angular and classical acceleration, no gravity */
+    rbdi_state state;     /* without gravity */
 } rbdi_kin;
 
-/* The arrays of a work: type, name, length. nl links, nk blocks, ns branch points, n dofs with mimics, nqx
-   coordinates with mimics (0 without mimics), nv dofs without, nh packed entries. */
+/* The arrays of a work: type, name, length. nl links, nk blocks, ns branch points; n dofs and nqx coordinates
+   with those of mimic joints (nqx = 0 without mimic joints), nv dofs without them; nh packed entries. */
 #define RBDI_WORK_ARRAYS(ARRAY, nl, nk, ns, n, nqx, nv, nh) \
-    ARRAY(rbd_real, angle, RBDI_PADDED(nl))    /* joint angles without their right angles */ \
-    ARRAY(rbd_real, quarters, RBDI_PADDED(nl)) /* the right angles */ \
+    ARRAY(rbd_real, angle, RBDI_PADDED(nl))    /* joint angles less these right angles */ \
+    ARRAY(rbd_real, quarters, RBDI_PADDED(nl)) /* right angles */ \
     ARRAY(rbd_real, c, RBDI_PADDED(nl))        /* cosines of the whole angles */ \
     ARRAY(rbd_real, s, RBDI_PADDED(nl))        /* sines */ \
     ARRAY(rbdi_branch, branch, ns) \
@@ -62,7 +62,7 @@ struct rbd_work {
     uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
     rbdi_c3 gravity;
     int singular;      /* dof, -1 = none */
-    int kinematics_of; /* kin: of this link and its ancestors; nl: of all; -1: of none */
+    int kinematics_of; /* kin: of this link and its ancestors; nl: of all; -1: of the world alone */
 #if RBDI_REPRODUCIBLE
     int doubt; /* a pivot or a rank has been in doubt: see rbdi_batch_apart */
 #endif
@@ -75,8 +75,8 @@ struct rbd_work {
 #define RBDI_NOTE_DOUBT(w, x) (void)(w)
 #endif
 
-/* From one component of crba's wrenches to the next, of n dofs. Where memory is plenty it is a number that
-   the compiler knows, for up to 64 dofs: that saves a tenth of the mass matrix's time, a fifth in lanes. */
+/* From one component of crba's wrenches to the next, of n dofs. Where memory is plenty it is a constant for
+   up to 64 dofs, which saves a tenth of the mass matrix's time, a fifth in lanes. */
 #if (defined __x86_64__ || defined __aarch64__) && RBDI_REAL_KIND % 3
 #define RBDI_FIXED_STRIDE 80
 #else
@@ -86,12 +86,12 @@ struct rbd_work {
 #define RBDI_WORK_BYTES(nl, nk, ns, n, nqx, nv, nh) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_work)) RBDI_WORK_ARRAYS(RBDI_ARRAY_BYTES, nl, nk, ns, n, nqx, nv, nh))
 
-/* Most links that nb bodies with nv dofs can need: universal and cylindrical joints take two, Euler
-   joints three. Branch points have two children, blocks have three dofs at least. */
+/* Most links that nb bodies with nv dofs can have: universal and cylindrical joints have two, Euler joints
+   three. Branch points have at least two children, blocks at least three dofs. */
 #define RBDI_LINKS(nb, nv) ((nb) + 2 * (nv) / 3)
 
 /* Bytes that suffice for the work of any model with nb bodies and nv degrees of freedom, without or with
-   mimic joints (compile-time bounds; rbd_work_size is exact, and less). */
+   mimic joints (a compile-time bound; rbd_work_size is exact). */
 #define RBD_WORK_SIZE(nb, nv) \
     RBDI_WORK_BYTES(RBDI_LINKS(nb, nv), (nv) / 3, RBDI_LINKS(nb, nv) / 2, nv, 0, nv, RBDI_TRIANGLE(nv))
 #define RBD_WORK_SIZE_MIMIC(nb, nv) \

@@ -15,8 +15,8 @@ RBDI_API size_t rbd_work_size(const rbd_model *m) {
 
 #if RBDI_REPRODUCIBLE
 /* Whether products and sums are rounded one by one and to nearest, and denormals are numbers. The last test
-   is of libgcc's double sums on ARMv7-M: wrong if one exponent is 33 above the other and the result's below
-   it. */
+   finds libgcc's double sums on ARMv7-M: they are wrong if one exponent is 33 above the other and that of the
+   result is lower. */
 RBDI_COLD int rbdi_rounds(void) {
     const volatile RBD_REAL given[5] = {1, RBDI_EPS, 1 + RBDI_EPS, 1 + 2 * RBDI_EPS, RBDI_TINY};
     const RBD_REAL one = given[0], e = given[1], x = given[2], square = given[3], tiny = given[4];
