@@ -2334,8 +2334,8 @@ RBDI_INLINE rbd_real rbdi_inverse_square(const rbd_real *q, int n, rbd_real *u, 
     return rbdi_reciprocal(sum, RBDI_SHORT, bad);
 }
 
-/* E of a quaternion (x, y, z, w) of any length, from joint-frame axes to body axes; zero gives the identity.
-   */
+/* E of a quaternion (x, y, z, w) of any length, from joint-frame axes to body axes; zero gives the
+   identity. */
 RBDI_INLINE rbdi_mat rbdi_quaternion_down(const rbd_real *q) {
     rbdi_mask bad;
     rbd_real u[4], twice = rbdi_inverse_square(q, 4, u, &bad), x, y, z;
@@ -2563,8 +2563,8 @@ RBDI_INLINE int rbdi_is(const rbdi_link *l, int kind) {
     return kinds == 1u << kind || ((kinds >> kind & 1u) && l->kind == kind);
 }
 
-/* The block of a link: a constant if all blocks of the program are floating bases on the world, in its axes.
-   */
+/* The block of a link: a constant if all blocks of the program are floating bases on the world, in its
+   axes. */
 RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link *l) {
     static const rbdi_block floating = {RBD_FLOATING, 0, 6, 1, {0}};
     return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? &m->block[l->block] : &floating;
@@ -2601,10 +2601,10 @@ RBDI_PART uint32_t rbdi_features(const rbd_model *m) {
 /* ==== src/model/calls.h ==== */
 /* Interface: rbdi_check, rbdi_stride */
 
-/* The first check of every call with a model and a work. arrays: none of the caller's required ones is NULL.
-   The program must support the model, and the work's arrays must have the lengths that the model needs. The
-   model's address is not compared: another model may have been built there, and one table may stand at two.
-   */
+/* The first check of every call with a model and a work. arrays: none of the caller's required ones is
+   NULL. The program must support the model, and the work's arrays must have the lengths that the model
+   needs. The model's address is not compared: another model may have been built there, and one table may
+   stand at two. */
 RBDI_INLINE rbd_status rbdi_check(const rbd_model *m, const rbd_work *w, int arrays) {
     if (!m || !w || !arrays) return RBD_ERR_NULL;
     return rbdi_supported(m) && m->shape[0] == w->shape[0] && m->shape[1] == w->shape[1] &&
@@ -2631,8 +2631,7 @@ RBDI_DYNAMICS_BEGIN
    rbdi_difference_joint, rbdi_joint_rates and rbdi_joint_velocity (manifold); rbd_neutral and rbd_random if
    zero or an angle will not do. One-axis types mostly need the first two only. */
 
-/* Whether a link is a block: all have RBDI_MASS_KEPT, so that this is the constant 0 with the common flags.
-   */
+/* Whether a link is a block. All have RBDI_MASS_KEPT, so that with the common flags this is a constant. */
 RBDI_INLINE int rbdi_block_link(const rbdi_link *l, int flags) {
     return (flags & RBDI_MASS_KEPT) && rbdi_is(l, RBDI_BLOCK);
 }
@@ -3069,31 +3068,35 @@ RBDI_PART void rbdi_external(const rbd_model *m, rbd_work *w, const rbd_real *f_
 /* Interface: rbdi_rnea_sweep */
 
 /* ---- rnea [rnea] ----
-   RBDA table 5.1. Down: v_i, a_i ([state]) and with them f_i = I_i a_i + v_i x* I_i v_i - X* f_ext, here
-   from Omega (rbdi_wrench). Up: tau_i = S_i' f_i, f_p += X' f_i. To the table are added armature, several
-   external wrenches a link, in the users' frames, and gravity as an acceleration of the world. */
+   RBDA table 5.1. Down: v_i, a_i ([state]), and f_i = I_i a_i + v_i x* I_i v_i - X* f_ext from them, here
+   by Omega (rbdi_wrench). Up: tau_i = S_i' f_i, f_p += X' f_i for the parent p. The table has no armature
+   and one external wrench a link; here each body has one, in its own frame. Gravity is an acceleration of
+   the world. */
 
-/* Torque of a joint from the force F that its link takes; the force as the parent feels it. */
+/* tau of a one-axis joint from the force F on its link. Returns F at the parent's origin, in its axes. */
 RBDI_INLINE rbdi_force rbdi_rnea_up(const rbd_model *m, const rbd_work *w, int i, int flags, rbdi_force F,
                                     const rbd_real *a, rbd_real *tau) {
     const rbdi_link *l = &m->link[i];
-    rbd_real t = rbdi_along_axis(l, flags, F);
-    if (flags & RBDI_ARMATURE) t = t + a[l->iv] * m->dof[l->iv].armature;
-    tau[l->iv] = t;
+    rbd_real torque = rbdi_along_axis(l, flags, F);
+    if (flags & RBDI_ARMATURE) torque = torque + a[l->iv] * m->dof[l->iv].armature;
+    tau[l->iv] = torque; /* which may be a */
     return flags & RBDI_ROOT ? F : rbdi_force_up(l, flags, rbdi_trig_of(m, w, i, flags), F);
 }
+/* The same of a block; F becomes the parent's. */
 RBDI_PART void rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l,
                                   const rbd_real *a, rbd_real *tau, rbdi_force *F) {
     const rbdi_block *b = rbdi_block_of(m, l);
-    rbd_real all[6];
-    rbdi_store_force(all, 1, *F);
-    for (int k = 0; k < b->n; ++k) tau[l->iv + k] = all[b->first + k];
-    for (int k = 0; (rbdi_flags(l) & RBDI_ARMATURE) && k < b->n; ++k)
-        tau[l->iv + k] = tau[l->iv + k] + a[l->iv + k] * m->dof[l->iv + k].armature;
+    rbd_real array[6];
+    rbdi_store_force(array, 1, *F);
+    for (int k = 0; k < b->n; ++k) {
+        rbd_real torque = array[b->first + k];
+        if (rbdi_flags(l) & RBDI_ARMATURE) torque = torque + a[l->iv + k] * m->dof[l->iv + k].armature;
+        tau[l->iv + k] = torque;
+    }
     if (!rbdi_on_world(l)) *F = rbdi_force_up_block(&w->block[l->block].X, *F);
 }
 
-/* One step of the sweep leaf to root: takes the force from link i + 1, returns the one for link i - 1. */
+/* One step of the sweep up: takes the force from link i + 1, returns that for link i - 1. */
 RBDI_INLINE rbdi_force rbdi_rnea_step(const rbd_model *m, const rbd_work *w, int i, int flags,
                                       rbdi_force carried, const rbd_real *a, rbd_real *tau) {
     const rbdi_link *l = &m->link[i];
@@ -3116,7 +3119,7 @@ RBDI_PART void rbdi_rnea_sweep(const rbd_model *m, const rbd_work *w, const rbd_
         RBDI_BY_FLAGS(flags, &m->link[i], carried = rbdi_rnea_step(m, w, i, flags, carried, a, tau));
 }
 
-/* RBDA table 5.1 in classical accelerations. All that depends on q alone is there already. */
+/* RBDA table 5.1 in classical accelerations, after rbdi_joints. */
 RBDI_PART void rbdi_rnea(const rbd_model *m, rbd_work *w, const rbd_real *v, const rbd_real *a,
                          const rbd_real *f_ext, rbd_real *tau) {
     const rbdi_state world = rbdi_world_state(w->gravity);
@@ -3148,10 +3151,10 @@ RBDI_API rbd_status rbd_gravity_torque(const rbd_model *m, rbd_work *w, const rb
     return rbd_rnea(m, w, q, w->zero, w->zero, NULL, g);
 }
 
-/* Table 5.1 with v in the place of a, and neither velocity nor gravity: the states are velocities, (omega;
-   v) = (omega_dot; acc), and the wrenches that move the links their momenta. Up, h_i of the subtrees: p_i =
-   S_i' h_i, and (C' v)_i = (dS_i/dt)' h_i = (V_i x S_i)' h_i = -S_i' (V_i x* h_i); V_i stays in scratch.c.
-   */
+/* Table 5.1 with v in the place of a, without velocity and gravity: then the accelerations are velocities V_i
+   = (omega_dot; acc), kept in scratch.c, and the wrenches on the links are their momenta. Up, with the
+   momenta h_i of the subtrees: p_i = S_i' h_i, (C' v)_i = (dS_i/dt)' h_i = (V_i x S_i)' h_i = -S_i' (V_i x*
+   h_i). */
 RBDI_PART void rbdi_momenta(const rbd_model *m, rbd_work *w, const rbd_real *v, rbd_real *p, rbd_real *ctv) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     const rbdi_state world = rbdi_world_state(none);
@@ -3164,15 +3167,15 @@ RBDI_PART void rbdi_momenta(const rbd_model *m, rbd_work *w, const rbd_real *v, 
     for (int i = m->nl - 1; i >= 0; --i) {
         const rbdi_link *l = &m->link[i];
         const rbdi_motion V = w->scratch[i].c;
-        rbdi_force h = w->scratch[i].f, turned;
-        turned.n = rbdi_add(rbdi_cross(h.n, V.omega), rbdi_cross(h.f, V.v));
-        turned.f = rbdi_cross(h.f, V.omega);
+        rbdi_force h = w->scratch[i].f, h_x_V; /* -V x* h */
+        h_x_V.n = rbdi_add(rbdi_cross(h.n, V.omega), rbdi_cross(h.f, V.v));
+        h_x_V.f = rbdi_cross(h.f, V.omega);
         if (rbdi_is(l, RBDI_BLOCK)) {
             rbdi_rnea_up_block(m, w, l, v, p, &h);
-            rbdi_rnea_up_block(m, w, l, w->zero, ctv, &turned);
+            rbdi_rnea_up_block(m, w, l, w->zero, ctv, &h_x_V);
         } else {
             h = rbdi_rnea_up(m, w, i, rbdi_flags(l), h, v, p);
-            rbdi_rnea_up(m, w, i, rbdi_flags(l) | RBDI_ROOT, turned, w->zero, ctv);
+            rbdi_rnea_up(m, w, i, rbdi_flags(l) | RBDI_ROOT, h_x_V, w->zero, ctv);
         }
         if (l->parent >= 0) w->scratch[l->parent].f = rbdi_force_add(w->scratch[l->parent].f, h);
     }
@@ -3920,42 +3923,42 @@ RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbdi_v3 world, rb
 /* ---- packed matrix of a tree [packed matrix] ----
    M is symmetric, and entry (i, j) is zero unless one dof is on the path of the other to the root. Row k is
    packed: it has the dofs on k's path only, root first, the diagonal last (dof[k].row, dof[k].depth). M =
-   L'DL with L unit lower triangular, RBDA section 6.5: the leaves are eliminated first, so nothing fills in.
-   The factor stands in M's place: L, and 1/D on the diagonal.
+   L'DL with L unit lower triangular, RBDA section 6.5: the leaves are eliminated first, so that no zero
+   fills. The factor replaces M: L below the diagonal, 1/D on it.
 
      rbdi_factor          M = L'DL, in place; the pivots D go to w->pivot
      rbdi_solve           x = M^-1 x
      rbdi_solve_columns   X = M^-1 X or -M^-1 X, n columns of one matrix or of two
      rbdi_invert          Z = M^-1, full
      rbdi_subtract_product  y -= X' x
-     rbdi_subtract        y -= k x
-     rbdi_multiply        y *= k
+     rbdi_subtract        y -= factor x
+     rbdi_multiply        y *= factor
    Their scratch is w->F.
 
    In depth-first order, m->node, the descendants of a dof follow it. Every result is a row less a sum of
-   other rows times factors: those of the descendants (factor, first half of a solution) or of the path
-   (second half, inverse). The row stays in registers meanwhile, up to RBDI_ROW batches of it, and the others
-   are read from memory; the one made just before comes last, because the processor must wait for it. Batches
-   count from the first column; the last one ends with the last column and may overlap the one before it.
-   Fewer columns than a batch go one by one. */
+   other rows times factors: the rows of the descendants (factor, first half of a solution) or of the path
+   (second half, inverse). The result stays in registers, up to RBDI_ROW batches of it, and the others are
+   read from memory; the row computed just before comes last, because the processor must wait for it.
+   Batches are counted from the first column; the last one ends with the last column and may overlap the one
+   before it. Fewer columns than a batch are computed one by one. */
 
-/* y *= k, a batch at a time. */
-RBDI_INLINE void rbdi_multiply(rbd_real *y, rbd_real k, int n) {
+/* y *= factor, a batch at a time. */
+RBDI_INLINE void rbdi_multiply(rbd_real *y, rbd_real factor, int n) {
     int j = 0;
 #if RBDI_BATCH > 1
-    for (; j + RBDI_BATCH <= n; j += RBDI_BATCH) *(rbdi_batch *)&y[j] = *(const rbdi_batch *)&y[j] * k;
+    for (; j + RBDI_BATCH <= n; j += RBDI_BATCH) *(rbdi_batch *)&y[j] = *(const rbdi_batch *)&y[j] * factor;
 #endif
-    for (; j < n; ++j) y[j] = y[j] * k;
+    for (; j < n; ++j) y[j] = y[j] * factor;
 }
 
-/* y -= k x, a batch at a time. */
-RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real k, const rbd_real *x, int n) {
+/* y -= factor x, a batch at a time. */
+RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real factor, const rbd_real *x, int n) {
     int j = 0;
 #if RBDI_BATCH > 1
     for (; j + RBDI_BATCH <= n; j += RBDI_BATCH)
-        *(rbdi_batch *)&y[j] = *(const rbdi_batch *)&y[j] - *(const rbdi_batch *)&x[j] * k;
+        *(rbdi_batch *)&y[j] = *(const rbdi_batch *)&y[j] - *(const rbdi_batch *)&x[j] * factor;
 #endif
-    for (; j < n; ++j) y[j] = y[j] - k * x[j];
+    for (; j < n; ++j) y[j] = y[j] - factor * x[j];
 }
 
 #if RBDI_BATCH > 1 || defined RBD_LANES
@@ -3963,7 +3966,7 @@ RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real k, const rbd_real *x, int n
 #else
 #define RBDI_ROW 4
 #endif
-/* Makes the call with number = n, 1 <= n <= most <= RBDI_ROW, which the compiler then knows. */
+/* Dispatches on n, 1 <= n <= most <= RBDI_ROW, so that each call compiles with a constant number = n. */
 #if RBDI_FOR_SPEED
 #define RBDI_BY_NUMBER(number, most, n, call) \
     switch (n) { \
@@ -3989,15 +3992,15 @@ RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real k, const rbd_real *x, int n
     } while (0);
 #endif
 
-/* A sum of n rows times factors. The rows are
-     RBDI_OWN          of nodes, at X + node[t].row; factor x[t] times the row's entry in column d
-     RBDI_DESCENDANTS  of nodes, at X + start[t]; factor x[node[t].row]
-     RBDI_PATH         at X + start[t]; factor x[t]; subtracted from k y
-     RBDI_FRESH        likewise, subtracted from 0
+/* n rows and their factors, to be subtracted from a row y. Row t and its factor are
+     RBDI_OWN          at X + node[t].row; factor x[t] times the row's entry in column d
+     RBDI_DESCENDANTS  at X + start[t]; factor x[node[t].row]
+     RBDI_PATH         at X + start[t]; factor x[t]; y is multiplied by scale before
+     RBDI_FRESH        the same, y is 0 before
      RBDI_EQUIDISTANT  at X + t stride; factor x[t]
-   Y: a second matrix with the same rows. */
+   Y: a second matrix with its rows at the same places. */
 enum { RBDI_OWN, RBDI_DESCENDANTS, RBDI_PATH, RBDI_FRESH, RBDI_EQUIDISTANT };
-/* In the memory of scalars, which may be aligned to four bytes alone. */
+/* Where a row starts. These stand in memory of scalars, which may be aligned to four bytes only. */
 #if RBDI_GNU
 typedef ptrdiff_t rbdi_start
     __attribute__((may_alias, aligned(sizeof(RBD_REAL) % sizeof(ptrdiff_t) ? 4 : sizeof(ptrdiff_t))));
@@ -4009,7 +4012,7 @@ typedef struct rbdi_terms {
     const rbdi_node *node;
     const rbdi_start *start;
     ptrdiff_t stride;
-    rbd_real k;
+    rbd_real scale;
     int n, d;
 } rbdi_terms;
 
@@ -4022,14 +4025,15 @@ RBDI_INLINE rbd_real rbdi_factor_of(const rbdi_terms *g, int which, int t, const
     return g->x[which == RBDI_DESCENDANTS ? g->node[t].row : t];
 }
 
-/* y less the sum, and z of two matrices: so many batches, the last of which begins with column last. */
+/* y less the rows of X and, with two matrices, z less those of Y: so many batches, the last of which begins
+   with column `last`. */
 RBDI_INLINE void rbdi_subtract_batches(rbdi_terms g, int which, int matrices, int batches, int last,
                                        rbd_real *y, rbd_real *z) {
     rbdi_batch sum[2][RBDI_ROW];
-    RBDI_UNROLL_ROW for (int s = 0; s < matrices; ++s) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
-        const rbd_real *from = (s > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last);
-        sum[s][b] = which == RBDI_FRESH ? rbdi_zero_batch() : *(const rbdi_batch *)from;
-        if (which == RBDI_PATH) sum[s][b] = sum[s][b] * g.k;
+    RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
+        const rbd_real *from = (a > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last);
+        sum[a][b] = which == RBDI_FRESH ? rbdi_zero_batch() : *(const rbdi_batch *)from;
+        if (which == RBDI_PATH) sum[a][b] = sum[a][b] * g.scale;
     }
     RBDI_UNROLL_TWO for (int i = 0; i < g.n; ++i) {
         const int t = which == RBDI_OWN || which == RBDI_DESCENDANTS ? g.n - 1 - i : i;
@@ -4038,20 +4042,20 @@ RBDI_INLINE void rbdi_subtract_batches(rbdi_terms g, int which, int matrices, in
         const rbd_real x = rbdi_factor_of(&g, which, t, row);
         RBDI_ONE_INDEX(row);
         if (matrices > 1) RBDI_ONE_INDEX(other);
-        RBDI_UNROLL_ROW for (int s = 0; s < matrices; ++s) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
-            const rbd_real *from = (s > 0 ? other : row) + (b < batches - 1 ? b * RBDI_BATCH : last);
-            sum[s][b] = sum[s][b] - *(const rbdi_batch *)from * x;
+        RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
+            const rbd_real *from = (a > 0 ? other : row) + (b < batches - 1 ? b * RBDI_BATCH : last);
+            sum[a][b] = sum[a][b] - *(const rbdi_batch *)from * x;
         }
     }
-    RBDI_UNROLL_ROW for (int s = 0; s < matrices; ++s) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) *
-        (rbdi_batch *)((s > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last)) = sum[s][b];
+    RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) *
+        (rbdi_batch *)((a > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last)) = sum[a][b];
 }
 /* The same of one matrix with n columns, fewer than a batch. */
 RBDI_INLINE void rbdi_subtract_scalars(rbdi_terms g, int which, int n, rbd_real *y) {
     rbd_real sum[RBDI_BATCH];
     RBDI_UNROLL_ROW for (int b = 0; b < n; ++b) {
         sum[b] = which == RBDI_FRESH ? rbdi_zero() : y[b];
-        if (which == RBDI_PATH) sum[b] = sum[b] * g.k;
+        if (which == RBDI_PATH) sum[b] = sum[b] * g.scale;
     }
     RBDI_UNROLL_TWO for (int i = 0; i < g.n; ++i) {
         const int t = which == RBDI_OWN || which == RBDI_DESCENDANTS ? g.n - 1 - i : i;
@@ -4073,14 +4077,14 @@ RBDI_INLINE void rbdi_subtract_columns(rbdi_terms g, int which, int n, rbd_real 
     }
 }
 
-/* y -= sum of x[t] times row t < count of X, whose rows are n apart and have n columns. */
+/* y -= X' x, for the count x n matrix X. */
 RBDI_PART void rbdi_subtract_product(const rbd_real *x, const rbd_real *X, int count, int n, rbd_real *y) {
     rbdi_terms g;
     g.X = X, g.x = x, g.n = count, g.d = 0, g.stride = n;
     rbdi_subtract_columns(g, RBDI_EQUIDISTANT, n, y);
 }
 
-/* First U = D L: row i of it is row i of M less L_ki U_k of all descendants k. Says whether a pivot is in
+/* First U = D L: its row i is row i of M less L_ki U_k for all descendants k. Returns whether a pivot is in
    doubt. */
 RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
     const rbdi_node *node = m->node;
@@ -4103,41 +4107,42 @@ RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
     return doubt;
 }
 
-/* By L' y = x, L x = y / D. One array, by depth on a dof's path, has the sums that its descendants
-   subtract, then the results on the path. It is stored as it is loaded, by batches and then by scalars: the
-   processor would wait for a batch that was stored by scalars. */
+/* Solves L' y = x, then L x = y / D. One array, by depth on a dof's path, has first the sums that its
+   descendants subtract, then the results on the path. It is stored as it is loaded, in batches and then
+   scalars: the processor would wait for a batch that was stored as scalars. */
 RBDI_PART void rbdi_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
     const rbdi_dof *dof = m->dof;
     rbd_real *path = w->F;
     rbdi_clear(path, m->nv + RBDI_BATCH);
-    for (const rbdi_node *s = m->node + m->nv - 1; s >= m->node; --s) {
-        const int d = dof[s->dof].depth;
-        const rbd_real *l = L + s->row, y = x[s->dof] + path[d];
-        int k = 0;
-        x[s->dof] = y;
+    for (const rbdi_node *node = m->node + m->nv - 1; node >= m->node; --node) {
+        const int d = dof[node->dof].depth;
+        const rbd_real *l = L + node->row, y = x[node->dof] + path[d];
+        int t = 0;
+        x[node->dof] = y;
 #if RBDI_BATCH > 1
-        for (; k + RBDI_BATCH <= d; k += RBDI_BATCH)
-            *(rbdi_batch *)&path[k] = *(const rbdi_batch *)&path[k] - *(const rbdi_batch *)&l[k] * y;
-        if (s->row + k <= m->nh - RBDI_BATCH) {
-            rbdi_batch *p = (rbdi_batch *)&path[k];
-            *p = rbdi_first_lanes(*p - *(const rbdi_batch *)&l[k] * y, d - k);
+        for (; t + RBDI_BATCH <= d; t += RBDI_BATCH)
+            *(rbdi_batch *)&path[t] = *(const rbdi_batch *)&path[t] - *(const rbdi_batch *)&l[t] * y;
+        if (node->row + t <= m->nh - RBDI_BATCH) {
+            rbdi_batch *rest = (rbdi_batch *)&path[t];
+            *rest = rbdi_first_lanes(*rest - *(const rbdi_batch *)&l[t] * y, d - t);
             continue;
         }
 #endif
-        for (; k < d; ++k) path[k] = path[k] - l[k] * y;
+        for (; t < d; ++t) path[t] = path[t] - l[t] * y;
         path[d] = rbdi_zero();
     }
-    for (const rbdi_node *s = m->node, *end = s + m->nv; s < end; ++s) {
-        const int d = dof[s->dof].depth;
-        const rbd_real *l = L + s->row;
-        rbd_real a = x[s->dof] * l[d], b = rbdi_zero();
-        int k = 0;
-        for (; k + 1 < d; k += 2) a = a - path[k] * l[k], b = b - path[k + 1] * l[k + 1];
-        path[d] = x[s->dof] = k < d ? a - path[k] * l[k] + b : a + b;
+    for (const rbdi_node *node = m->node, *end = node + m->nv; node < end; ++node) {
+        const int d = dof[node->dof].depth;
+        const rbd_real *l = L + node->row;
+        rbd_real even = x[node->dof] * l[d], odd = rbdi_zero(); /* two sums: none waits for the other */
+        int t = 0;
+        for (; t + 1 < d; t += 2) even = even - path[t] * l[t], odd = odd - path[t + 1] * l[t + 1];
+        path[d] = x[node->dof] = t < d ? even - path[t] * l[t] + odd : even + odd;
     }
 }
 
-/* L' X = X: batches of one matrix or two, or (batches = 0) scalars of one. */
+/* L'^-1 replaces X: in n columns of one matrix or two, by so many batches, or (batches = 0) of one by
+   scalars. */
 RBDI_INLINE void rbdi_columns_up(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride,
                                  int matrices, int batches, int n, rbd_real *X, rbd_real *Y) {
     rbdi_start *start = (rbdi_start *)w->F; /* rows of nodes */
@@ -4156,7 +4161,7 @@ RBDI_INLINE void rbdi_columns_up(const rbd_model *m, rbd_work *w, const rbd_real
             rbdi_subtract_scalars(g, RBDI_DESCENDANTS, n, X + start[s]);
     }
 }
-/* Then L X = sign D^-1 X. */
+/* Then sign L^-1 D^-1 X. */
 RBDI_INLINE void rbdi_columns_down(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign,
                                    ptrdiff_t stride, int matrices, int batches, int n, rbd_real *X,
                                    rbd_real *Y) {
@@ -4167,7 +4172,7 @@ RBDI_INLINE void rbdi_columns_down(const rbd_model *m, rbd_work *w, const rbd_re
         const rbdi_node node = m->node[s];
         const ptrdiff_t own = node.dof * stride;
         g.x = L + node.row, g.n = m->dof[node.dof].depth;
-        g.k = sign < 0 ? -g.x[g.n] : g.x[g.n];
+        g.scale = sign < 0 ? -g.x[g.n] : g.x[g.n];
         path[g.n] = own;
         if (batches > 0)
             rbdi_subtract_batches(g, RBDI_PATH, matrices, batches, n - RBDI_BATCH, X + own, Y + own);
@@ -4175,7 +4180,7 @@ RBDI_INLINE void rbdi_columns_down(const rbd_model *m, rbd_work *w, const rbd_re
             rbdi_subtract_scalars(g, RBDI_PATH, n, X + own);
     }
 }
-/* The same of one matrix with any number of columns. */
+/* The two of one matrix with any number of columns. */
 RBDI_PART void rbdi_solve_up(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride, int n,
                              rbd_real *X) {
     for (int columns; n > 0; n -= columns, X += columns) {
@@ -4200,7 +4205,7 @@ RBDI_PART void rbdi_solve_down(const rbd_model *m, rbd_work *w, const rbd_real *
                            rbdi_columns_down(m, w, L, sign, stride, 1, 0, scalars, X, X))
     }
 }
-/* Both of two matrices, with at most half of RBDI_ROW batches of columns. */
+/* Both of two matrices with at most half of RBDI_ROW batches of columns. */
 RBDI_PART void rbdi_solve_two(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign, ptrdiff_t stride,
                               int n, rbd_real *X, rbd_real *Y) {
     RBDI_BY_NUMBER(batches, RBDI_ROW / 2, (n + RBDI_BATCH - 1) / RBDI_BATCH,
@@ -4208,7 +4213,7 @@ RBDI_PART void rbdi_solve_two(const rbd_model *m, rbd_work *w, const rbd_real *L
                     rbdi_columns_down(m, w, L, sign, stride, 2, batches, n, X, Y)));
 }
 
-/* X = sign M^-1 X, and Y likewise if it is not NULL: n columns, from one row to the next a stride. */
+/* X = sign M^-1 X, and Y likewise unless it is NULL: n columns, with rows a stride apart. */
 RBDI_PART void rbdi_solve_columns(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign,
                                   ptrdiff_t stride, int n, rbd_real *X, rbd_real *Y) {
 #ifdef RBDI_ROWS
@@ -4224,7 +4229,7 @@ RBDI_PART void rbdi_solve_columns(const rbd_model *m, rbd_work *w, const rbd_rea
     if (Y) rbdi_solve_down(m, w, L, sign, stride, n, Y);
 }
 
-/* Column k of Z, n x n, from what its row has up to the diagonal. */
+/* Copies k entries of a row into a column of a matrix with n columns. */
 RBDI_INLINE void rbdi_mirror(const rbd_real *row, ptrdiff_t n, int k, rbd_real *column) {
     const rbd_real *end = row + k;
     for (; end - row >= 4; row += 4, column += 4 * n)
@@ -4232,8 +4237,8 @@ RBDI_INLINE void rbdi_mirror(const rbd_real *row, ptrdiff_t n, int k, rbd_real *
     for (; row != end; ++row, column += n) *column = *row;
 }
 
-/* L Z = D^-1 L'^-1 is upper triangular with the diagonal 1/D, so that row k of Z, up to the diagonal, is a
-   sum over the rows i of the path: Z_kj = - sum L_ki Z_ij for j < k, Z_kk = 1/D_k - sum L_ki Z_ik. */
+/* Z = M^-1. L Z = D^-1 L'^-1 is upper triangular with the diagonal 1/D. So row k of Z, up to the diagonal, is
+   a sum over the rows i of the path: Z_kj = - sum L_ki Z_ij for j < k, Z_kk = 1/D_k - sum L_ki Z_ik. */
 RBDI_PART void rbdi_invert(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *Z) {
     const int n = m->nv;
     rbdi_start *path = (rbdi_start *)w->F; /* where its rows begin, root first */
@@ -4245,7 +4250,7 @@ RBDI_PART void rbdi_invert(const rbd_model *m, rbd_work *w, const rbd_real *L, r
     for (int k = 0; k < n; ++k, row += n) {
         const rbd_real *l = &L[m->dof[k].row];
         const int d = m->dof[k].depth;
-        rbd_real a = l[d], b = rbdi_zero();
+        rbd_real even = l[d], odd = rbdi_zero();
         rbdi_terms g;
         int i = m->dof[k].lambda, t = d;
         for (; t > 0 && (t > before || path[t - 1] != i * n); i = m->dof[i].lambda) path[--t] = i * n;
@@ -4253,8 +4258,9 @@ RBDI_PART void rbdi_invert(const rbd_model *m, rbd_work *w, const rbd_real *L, r
         g.X = Z, g.start = path, g.x = l, g.n = d, g.d = 0;
         rbdi_subtract_columns(g, RBDI_FRESH, k, row);
         rbdi_mirror(row, n, k, Z + k);
-        for (t = 0; t + 1 < d; t += 2) a = a - l[t] * Z[path[t] + k], b = b - l[t + 1] * Z[path[t + 1] + k];
-        row[k] = t < d ? a - l[t] * Z[path[t] + k] + b : a + b;
+        for (t = 0; t + 1 < d; t += 2)
+            even = even - l[t] * Z[path[t] + k], odd = odd - l[t + 1] * Z[path[t + 1] + k];
+        row[k] = t < d ? even - l[t] * Z[path[t] + k] + odd : even + odd;
     }
 }
 
@@ -4392,14 +4398,14 @@ RBDI_INLINE rbd_status rbdi_status_of(const rbd_model *m, rbd_work *w, rbdi_mask
 /* ==== src/dynamics/hybrid.h ==== */
 #ifndef RBD_NO_CHOLESKY
 /* ---- hybrid dynamics [hybrid] ----
-   RBDA section 9.1. f: the free dofs, whose torque is given; p: those with a prescribed acceleration. With c
-   = rnea of a_p and a_f = 0:
+   RBDA section 9.1. f: the dofs whose torque is given; p: those whose acceleration is prescribed. With c =
+   tau at a_p and a_f = 0:
 
        M_ff a_f = tau_f - c_f,   tau_p = c_p + M_pf a_f
 
-   M_ff = L'DL is factored within packed M, from the last dof on. The entries of M_pf stay. */
+   M_ff = L'DL is factored in place within the packed M, from the last dof to the first. M_pf stays. */
 
-/* L and 1/D replace M_ff in H, x_f becomes L^-T x_f. */
+/* L and 1/D replace M_ff in H, x_f becomes L^-T x_f. Returns whether a pivot is in doubt. */
 RBDI_PART rbdi_mask rbdi_eliminate_free(const rbd_model *m, rbd_work *w, const unsigned char *prescribed,
                                         rbd_real *H, rbd_real *x) {
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
@@ -4527,11 +4533,11 @@ RBDI_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, 
 RBDI_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *M, rbd_real *L) {
     const rbd_status status = rbdi_check(m, w, M && L);
     if (status) return status;
-    for (int i = 0; i < m->nv; ++i) { /* packed rows never overtake the full ones: L may be M */
-        int d = m->dof[i].depth;
+    for (int i = 0; i < m->nv; ++i) { /* L may be M, because packed rows end before the full ones do */
+        const int depth = m->dof[i].depth;
         rbd_real *row = &L[m->dof[i].row];
-        for (int t = d, j = i; t >= 0; --t, j = m->dof[j].lambda) w->bias[t] = M[i * m->nv + j];
-        for (int t = 0; t <= d; ++t) row[t] = w->bias[t];
+        for (int t = depth, j = i; t >= 0; --t, j = m->dof[j].lambda) w->bias[t] = M[i * m->nv + j];
+        for (int t = 0; t <= depth; ++t) row[t] = w->bias[t];
     }
     return rbd_cholesky_factor_packed(m, w, L);
 }
@@ -5780,8 +5786,8 @@ static RBDI_UNUSED void rbdi_unit(const rbdi_wide x[3], rbdi_wide y[3]) {
     for (int k = 0; k < 3; ++k) y[k] /= length;
 }
 
-/* Makes a nearly orthonormal matrix orthonormal, rows first to last (Gram and Schmidt). An exact one stays.
-   */
+/* Makes a nearly orthonormal matrix orthonormal, rows first to last (Gram and Schmidt). An exact one
+   stays. */
 static RBDI_UNUSED void rbdi_orthonormalise(rbdi_wide R[9]) {
     rbdi_wide along;
     rbdi_unit(&R[0], &R[0]);
@@ -5848,8 +5854,8 @@ static RBDI_UNUSED rbdi_wide_pose rbdi_link_place(const rbd_model *m, const rbdi
     return X;
 }
 
-/* Writes the pose of a body's joint, its axes, which are the links' z, and its parent; returns its first dof.
-   */
+/* Writes the pose of a body's joint, its axes, which are the links' z, and its parent; returns its first
+   dof. */
 static int rbdi_describe_joint(const rbd_model *m, int body, rbd_body *row) {
     const rbdi_frame *u = &m->frame[body];
     rbdi_wide_pose X = rbdi_widen_pose(u->E, u->r), up;
@@ -5963,8 +5969,8 @@ static int rbdi_can_mimic(int type) {
 
 static int rbdi_nonzero(rbdi_wide x) { return x < 0 || x > 0; }
 
-/* Scales (c, s) to the unit circle, and moves it to the nearest right angle if one is as close as this, rad.
-   */
+/* Scales (c, s) to the unit circle, and moves it to the nearest right angle if one is as close as this,
+   rad. */
 static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close) {
     rbdi_wide length = RBDI_WIDE_LIBM(sqrt)(*c * *c + *s * *s);
     *c /= length, *s /= length;

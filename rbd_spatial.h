@@ -449,8 +449,8 @@ RBDI_INLINE rbd_sym3 rbdi_second_moment(rbd_sym3 rotational) {
     return rbdi_trace_less(RBD_C(0.5) * (rotational.xx + rotational.yy + rotational.zz), rotational);
 }
 
-/* An inertia with this second moment, whose frame moves so that its origin stands at `shift` in the new one.
-   */
+/* An inertia with this second moment, whose frame moves so that its origin stands at `shift` in the new
+   one. */
 RBDI_INLINE rbd_inertia rbdi_inertia_shift(rbd_vec3 shift, rbd_sym3 Sigma, rbd_inertia i) {
     rbdi_rbi C;
     C.Sigma = Sigma;

@@ -34,8 +34,8 @@ RBDI_INLINE rbd_real rbdi_inverse_square(const rbd_real *q, int n, rbd_real *u, 
     return rbdi_reciprocal(sum, RBDI_SHORT, bad);
 }
 
-/* E of a quaternion (x, y, z, w) of any length, from joint-frame axes to body axes; zero gives the identity.
-   */
+/* E of a quaternion (x, y, z, w) of any length, from joint-frame axes to body axes; zero gives the
+   identity. */
 RBDI_INLINE rbdi_mat rbdi_quaternion_down(const rbd_real *q) {
     rbdi_mask bad;
     rbd_real u[4], twice = rbdi_inverse_square(q, 4, u, &bad), x, y, z;

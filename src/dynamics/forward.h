@@ -52,11 +52,11 @@ RBDI_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, 
 RBDI_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *M, rbd_real *L) {
     const rbd_status status = rbdi_check(m, w, M && L);
     if (status) return status;
-    for (int i = 0; i < m->nv; ++i) { /* packed rows never overtake the full ones: L may be M */
-        int d = m->dof[i].depth;
+    for (int i = 0; i < m->nv; ++i) { /* L may be M, because packed rows end before the full ones do */
+        const int depth = m->dof[i].depth;
         rbd_real *row = &L[m->dof[i].row];
-        for (int t = d, j = i; t >= 0; --t, j = m->dof[j].lambda) w->bias[t] = M[i * m->nv + j];
-        for (int t = 0; t <= d; ++t) row[t] = w->bias[t];
+        for (int t = depth, j = i; t >= 0; --t, j = m->dof[j].lambda) w->bias[t] = M[i * m->nv + j];
+        for (int t = 0; t <= depth; ++t) row[t] = w->bias[t];
     }
     return rbd_cholesky_factor_packed(m, w, L);
 }

@@ -5,14 +5,14 @@
 
 #ifndef RBD_NO_CHOLESKY
 /* ---- hybrid dynamics [hybrid] ----
-   RBDA section 9.1. f: the free dofs, whose torque is given; p: those with a prescribed acceleration. With c
-   = rnea of a_p and a_f = 0:
+   RBDA section 9.1. f: the dofs whose torque is given; p: those whose acceleration is prescribed. With c =
+   tau at a_p and a_f = 0:
 
        M_ff a_f = tau_f - c_f,   tau_p = c_p + M_pf a_f
 
-   M_ff = L'DL is factored within packed M, from the last dof on. The entries of M_pf stay. */
+   M_ff = L'DL is factored in place within the packed M, from the last dof to the first. M_pf stays. */
 
-/* L and 1/D replace M_ff in H, x_f becomes L^-T x_f. */
+/* L and 1/D replace M_ff in H, x_f becomes L^-T x_f. Returns whether a pivot is in doubt. */
 RBDI_PART rbdi_mask rbdi_eliminate_free(const rbd_model *m, rbd_work *w, const unsigned char *prescribed,
                                         rbd_real *H, rbd_real *x) {
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());

@@ -9,42 +9,42 @@
 /* ---- packed matrix of a tree [packed matrix] ----
    M is symmetric, and entry (i, j) is zero unless one dof is on the path of the other to the root. Row k is
    packed: it has the dofs on k's path only, root first, the diagonal last (dof[k].row, dof[k].depth). M =
-   L'DL with L unit lower triangular, RBDA section 6.5: the leaves are eliminated first, so nothing fills in.
-   The factor stands in M's place: L, and 1/D on the diagonal.
+   L'DL with L unit lower triangular, RBDA section 6.5: the leaves are eliminated first, so that no zero
+   fills. The factor replaces M: L below the diagonal, 1/D on it.
 
      rbdi_factor          M = L'DL, in place; the pivots D go to w->pivot
      rbdi_solve           x = M^-1 x
      rbdi_solve_columns   X = M^-1 X or -M^-1 X, n columns of one matrix or of two
      rbdi_invert          Z = M^-1, full
      rbdi_subtract_product  y -= X' x
-     rbdi_subtract        y -= k x
-     rbdi_multiply        y *= k
+     rbdi_subtract        y -= factor x
+     rbdi_multiply        y *= factor
    Their scratch is w->F.
 
    In depth-first order, m->node, the descendants of a dof follow it. Every result is a row less a sum of
-   other rows times factors: those of the descendants (factor, first half of a solution) or of the path
-   (second half, inverse). The row stays in registers meanwhile, up to RBDI_ROW batches of it, and the others
-   are read from memory; the one made just before comes last, because the processor must wait for it. Batches
-   count from the first column; the last one ends with the last column and may overlap the one before it.
-   Fewer columns than a batch go one by one. */
+   other rows times factors: the rows of the descendants (factor, first half of a solution) or of the path
+   (second half, inverse). The result stays in registers, up to RBDI_ROW batches of it, and the others are
+   read from memory; the row computed just before comes last, because the processor must wait for it.
+   Batches are counted from the first column; the last one ends with the last column and may overlap the one
+   before it. Fewer columns than a batch are computed one by one. */
 
-/* y *= k, a batch at a time. */
-RBDI_INLINE void rbdi_multiply(rbd_real *y, rbd_real k, int n) {
+/* y *= factor, a batch at a time. */
+RBDI_INLINE void rbdi_multiply(rbd_real *y, rbd_real factor, int n) {
     int j = 0;
 #if RBDI_BATCH > 1
-    for (; j + RBDI_BATCH <= n; j += RBDI_BATCH) *(rbdi_batch *)&y[j] = *(const rbdi_batch *)&y[j] * k;
+    for (; j + RBDI_BATCH <= n; j += RBDI_BATCH) *(rbdi_batch *)&y[j] = *(const rbdi_batch *)&y[j] * factor;
 #endif
-    for (; j < n; ++j) y[j] = y[j] * k;
+    for (; j < n; ++j) y[j] = y[j] * factor;
 }
 
-/* y -= k x, a batch at a time. */
-RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real k, const rbd_real *x, int n) {
+/* y -= factor x, a batch at a time. */
+RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real factor, const rbd_real *x, int n) {
     int j = 0;
 #if RBDI_BATCH > 1
     for (; j + RBDI_BATCH <= n; j += RBDI_BATCH)
-        *(rbdi_batch *)&y[j] = *(const rbdi_batch *)&y[j] - *(const rbdi_batch *)&x[j] * k;
+        *(rbdi_batch *)&y[j] = *(const rbdi_batch *)&y[j] - *(const rbdi_batch *)&x[j] * factor;
 #endif
-    for (; j < n; ++j) y[j] = y[j] - k * x[j];
+    for (; j < n; ++j) y[j] = y[j] - factor * x[j];
 }
 
 #if RBDI_BATCH > 1 || defined RBD_LANES
@@ -52,7 +52,7 @@ RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real k, const rbd_real *x, int n
 #else
 #define RBDI_ROW 4
 #endif
-/* Makes the call with number = n, 1 <= n <= most <= RBDI_ROW, which the compiler then knows. */
+/* Dispatches on n, 1 <= n <= most <= RBDI_ROW, so that each call compiles with a constant number = n. */
 #if RBDI_FOR_SPEED
 #define RBDI_BY_NUMBER(number, most, n, call) \
     switch (n) { \
@@ -78,15 +78,15 @@ RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real k, const rbd_real *x, int n
     } while (0);
 #endif
 
-/* A sum of n rows times factors. The rows are
-     RBDI_OWN          of nodes, at X + node[t].row; factor x[t] times the row's entry in column d
-     RBDI_DESCENDANTS  of nodes, at X + start[t]; factor x[node[t].row]
-     RBDI_PATH         at X + start[t]; factor x[t]; subtracted from k y
-     RBDI_FRESH        likewise, subtracted from 0
+/* n rows and their factors, to be subtracted from a row y. Row t and its factor are
+     RBDI_OWN          at X + node[t].row; factor x[t] times the row's entry in column d
+     RBDI_DESCENDANTS  at X + start[t]; factor x[node[t].row]
+     RBDI_PATH         at X + start[t]; factor x[t]; y is multiplied by scale before
+     RBDI_FRESH        the same, y is 0 before
      RBDI_EQUIDISTANT  at X + t stride; factor x[t]
-   Y: a second matrix with the same rows. */
+   Y: a second matrix with its rows at the same places. */
 enum { RBDI_OWN, RBDI_DESCENDANTS, RBDI_PATH, RBDI_FRESH, RBDI_EQUIDISTANT };
-/* In the memory of scalars, which may be aligned to four bytes alone. */
+/* Where a row starts. These stand in memory of scalars, which may be aligned to four bytes only. */
 #if RBDI_GNU
 typedef ptrdiff_t rbdi_start
     __attribute__((may_alias, aligned(sizeof(RBD_REAL) % sizeof(ptrdiff_t) ? 4 : sizeof(ptrdiff_t))));
@@ -98,7 +98,7 @@ typedef struct rbdi_terms {
     const rbdi_node *node;
     const rbdi_start *start;
     ptrdiff_t stride;
-    rbd_real k;
+    rbd_real scale;
     int n, d;
 } rbdi_terms;
 
@@ -111,14 +111,15 @@ RBDI_INLINE rbd_real rbdi_factor_of(const rbdi_terms *g, int which, int t, const
     return g->x[which == RBDI_DESCENDANTS ? g->node[t].row : t];
 }
 
-/* y less the sum, and z of two matrices: so many batches, the last of which begins with column last. */
+/* y less the rows of X and, with two matrices, z less those of Y: so many batches, the last of which begins
+   with column `last`. */
 RBDI_INLINE void rbdi_subtract_batches(rbdi_terms g, int which, int matrices, int batches, int last,
                                        rbd_real *y, rbd_real *z) {
     rbdi_batch sum[2][RBDI_ROW];
-    RBDI_UNROLL_ROW for (int s = 0; s < matrices; ++s) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
-        const rbd_real *from = (s > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last);
-        sum[s][b] = which == RBDI_FRESH ? rbdi_zero_batch() : *(const rbdi_batch *)from;
-        if (which == RBDI_PATH) sum[s][b] = sum[s][b] * g.k;
+    RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
+        const rbd_real *from = (a > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last);
+        sum[a][b] = which == RBDI_FRESH ? rbdi_zero_batch() : *(const rbdi_batch *)from;
+        if (which == RBDI_PATH) sum[a][b] = sum[a][b] * g.scale;
     }
     RBDI_UNROLL_TWO for (int i = 0; i < g.n; ++i) {
         const int t = which == RBDI_OWN || which == RBDI_DESCENDANTS ? g.n - 1 - i : i;
@@ -127,20 +128,20 @@ RBDI_INLINE void rbdi_subtract_batches(rbdi_terms g, int which, int matrices, in
         const rbd_real x = rbdi_factor_of(&g, which, t, row);
         RBDI_ONE_INDEX(row);
         if (matrices > 1) RBDI_ONE_INDEX(other);
-        RBDI_UNROLL_ROW for (int s = 0; s < matrices; ++s) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
-            const rbd_real *from = (s > 0 ? other : row) + (b < batches - 1 ? b * RBDI_BATCH : last);
-            sum[s][b] = sum[s][b] - *(const rbdi_batch *)from * x;
+        RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
+            const rbd_real *from = (a > 0 ? other : row) + (b < batches - 1 ? b * RBDI_BATCH : last);
+            sum[a][b] = sum[a][b] - *(const rbdi_batch *)from * x;
         }
     }
-    RBDI_UNROLL_ROW for (int s = 0; s < matrices; ++s) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) *
-        (rbdi_batch *)((s > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last)) = sum[s][b];
+    RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) *
+        (rbdi_batch *)((a > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last)) = sum[a][b];
 }
 /* The same of one matrix with n columns, fewer than a batch. */
 RBDI_INLINE void rbdi_subtract_scalars(rbdi_terms g, int which, int n, rbd_real *y) {
     rbd_real sum[RBDI_BATCH];
     RBDI_UNROLL_ROW for (int b = 0; b < n; ++b) {
         sum[b] = which == RBDI_FRESH ? rbdi_zero() : y[b];
-        if (which == RBDI_PATH) sum[b] = sum[b] * g.k;
+        if (which == RBDI_PATH) sum[b] = sum[b] * g.scale;
     }
     RBDI_UNROLL_TWO for (int i = 0; i < g.n; ++i) {
         const int t = which == RBDI_OWN || which == RBDI_DESCENDANTS ? g.n - 1 - i : i;
@@ -162,14 +163,14 @@ RBDI_INLINE void rbdi_subtract_columns(rbdi_terms g, int which, int n, rbd_real 
     }
 }
 
-/* y -= sum of x[t] times row t < count of X, whose rows are n apart and have n columns. */
+/* y -= X' x, for the count x n matrix X. */
 RBDI_PART void rbdi_subtract_product(const rbd_real *x, const rbd_real *X, int count, int n, rbd_real *y) {
     rbdi_terms g;
     g.X = X, g.x = x, g.n = count, g.d = 0, g.stride = n;
     rbdi_subtract_columns(g, RBDI_EQUIDISTANT, n, y);
 }
 
-/* First U = D L: row i of it is row i of M less L_ki U_k of all descendants k. Says whether a pivot is in
+/* First U = D L: its row i is row i of M less L_ki U_k for all descendants k. Returns whether a pivot is in
    doubt. */
 RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
     const rbdi_node *node = m->node;
@@ -192,41 +193,42 @@ RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
     return doubt;
 }
 
-/* By L' y = x, L x = y / D. One array, by depth on a dof's path, has the sums that its descendants
-   subtract, then the results on the path. It is stored as it is loaded, by batches and then by scalars: the
-   processor would wait for a batch that was stored by scalars. */
+/* Solves L' y = x, then L x = y / D. One array, by depth on a dof's path, has first the sums that its
+   descendants subtract, then the results on the path. It is stored as it is loaded, in batches and then
+   scalars: the processor would wait for a batch that was stored as scalars. */
 RBDI_PART void rbdi_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
     const rbdi_dof *dof = m->dof;
     rbd_real *path = w->F;
     rbdi_clear(path, m->nv + RBDI_BATCH);
-    for (const rbdi_node *s = m->node + m->nv - 1; s >= m->node; --s) {
-        const int d = dof[s->dof].depth;
-        const rbd_real *l = L + s->row, y = x[s->dof] + path[d];
-        int k = 0;
-        x[s->dof] = y;
+    for (const rbdi_node *node = m->node + m->nv - 1; node >= m->node; --node) {
+        const int d = dof[node->dof].depth;
+        const rbd_real *l = L + node->row, y = x[node->dof] + path[d];
+        int t = 0;
+        x[node->dof] = y;
 #if RBDI_BATCH > 1
-        for (; k + RBDI_BATCH <= d; k += RBDI_BATCH)
-            *(rbdi_batch *)&path[k] = *(const rbdi_batch *)&path[k] - *(const rbdi_batch *)&l[k] * y;
-        if (s->row + k <= m->nh - RBDI_BATCH) {
-            rbdi_batch *p = (rbdi_batch *)&path[k];
-            *p = rbdi_first_lanes(*p - *(const rbdi_batch *)&l[k] * y, d - k);
+        for (; t + RBDI_BATCH <= d; t += RBDI_BATCH)
+            *(rbdi_batch *)&path[t] = *(const rbdi_batch *)&path[t] - *(const rbdi_batch *)&l[t] * y;
+        if (node->row + t <= m->nh - RBDI_BATCH) {
+            rbdi_batch *rest = (rbdi_batch *)&path[t];
+            *rest = rbdi_first_lanes(*rest - *(const rbdi_batch *)&l[t] * y, d - t);
             continue;
         }
 #endif
-        for (; k < d; ++k) path[k] = path[k] - l[k] * y;
+        for (; t < d; ++t) path[t] = path[t] - l[t] * y;
         path[d] = rbdi_zero();
     }
-    for (const rbdi_node *s = m->node, *end = s + m->nv; s < end; ++s) {
-        const int d = dof[s->dof].depth;
-        const rbd_real *l = L + s->row;
-        rbd_real a = x[s->dof] * l[d], b = rbdi_zero();
-        int k = 0;
-        for (; k + 1 < d; k += 2) a = a - path[k] * l[k], b = b - path[k + 1] * l[k + 1];
-        path[d] = x[s->dof] = k < d ? a - path[k] * l[k] + b : a + b;
+    for (const rbdi_node *node = m->node, *end = node + m->nv; node < end; ++node) {
+        const int d = dof[node->dof].depth;
+        const rbd_real *l = L + node->row;
+        rbd_real even = x[node->dof] * l[d], odd = rbdi_zero(); /* two sums: none waits for the other */
+        int t = 0;
+        for (; t + 1 < d; t += 2) even = even - path[t] * l[t], odd = odd - path[t + 1] * l[t + 1];
+        path[d] = x[node->dof] = t < d ? even - path[t] * l[t] + odd : even + odd;
     }
 }
 
-/* L' X = X: batches of one matrix or two, or (batches = 0) scalars of one. */
+/* L'^-1 replaces X: in n columns of one matrix or two, by so many batches, or (batches = 0) of one by
+   scalars. */
 RBDI_INLINE void rbdi_columns_up(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride,
                                  int matrices, int batches, int n, rbd_real *X, rbd_real *Y) {
     rbdi_start *start = (rbdi_start *)w->F; /* rows of nodes */
@@ -245,7 +247,7 @@ RBDI_INLINE void rbdi_columns_up(const rbd_model *m, rbd_work *w, const rbd_real
             rbdi_subtract_scalars(g, RBDI_DESCENDANTS, n, X + start[s]);
     }
 }
-/* Then L X = sign D^-1 X. */
+/* Then sign L^-1 D^-1 X. */
 RBDI_INLINE void rbdi_columns_down(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign,
                                    ptrdiff_t stride, int matrices, int batches, int n, rbd_real *X,
                                    rbd_real *Y) {
@@ -256,7 +258,7 @@ RBDI_INLINE void rbdi_columns_down(const rbd_model *m, rbd_work *w, const rbd_re
         const rbdi_node node = m->node[s];
         const ptrdiff_t own = node.dof * stride;
         g.x = L + node.row, g.n = m->dof[node.dof].depth;
-        g.k = sign < 0 ? -g.x[g.n] : g.x[g.n];
+        g.scale = sign < 0 ? -g.x[g.n] : g.x[g.n];
         path[g.n] = own;
         if (batches > 0)
             rbdi_subtract_batches(g, RBDI_PATH, matrices, batches, n - RBDI_BATCH, X + own, Y + own);
@@ -264,7 +266,7 @@ RBDI_INLINE void rbdi_columns_down(const rbd_model *m, rbd_work *w, const rbd_re
             rbdi_subtract_scalars(g, RBDI_PATH, n, X + own);
     }
 }
-/* The same of one matrix with any number of columns. */
+/* The two of one matrix with any number of columns. */
 RBDI_PART void rbdi_solve_up(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride, int n,
                              rbd_real *X) {
     for (int columns; n > 0; n -= columns, X += columns) {
@@ -289,7 +291,7 @@ RBDI_PART void rbdi_solve_down(const rbd_model *m, rbd_work *w, const rbd_real *
                            rbdi_columns_down(m, w, L, sign, stride, 1, 0, scalars, X, X))
     }
 }
-/* Both of two matrices, with at most half of RBDI_ROW batches of columns. */
+/* Both of two matrices with at most half of RBDI_ROW batches of columns. */
 RBDI_PART void rbdi_solve_two(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign, ptrdiff_t stride,
                               int n, rbd_real *X, rbd_real *Y) {
     RBDI_BY_NUMBER(batches, RBDI_ROW / 2, (n + RBDI_BATCH - 1) / RBDI_BATCH,
@@ -297,7 +299,7 @@ RBDI_PART void rbdi_solve_two(const rbd_model *m, rbd_work *w, const rbd_real *L
                     rbdi_columns_down(m, w, L, sign, stride, 2, batches, n, X, Y)));
 }
 
-/* X = sign M^-1 X, and Y likewise if it is not NULL: n columns, from one row to the next a stride. */
+/* X = sign M^-1 X, and Y likewise unless it is NULL: n columns, with rows a stride apart. */
 RBDI_PART void rbdi_solve_columns(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign,
                                   ptrdiff_t stride, int n, rbd_real *X, rbd_real *Y) {
 #ifdef RBDI_ROWS
@@ -313,7 +315,7 @@ RBDI_PART void rbdi_solve_columns(const rbd_model *m, rbd_work *w, const rbd_rea
     if (Y) rbdi_solve_down(m, w, L, sign, stride, n, Y);
 }
 
-/* Column k of Z, n x n, from what its row has up to the diagonal. */
+/* Copies k entries of a row into a column of a matrix with n columns. */
 RBDI_INLINE void rbdi_mirror(const rbd_real *row, ptrdiff_t n, int k, rbd_real *column) {
     const rbd_real *end = row + k;
     for (; end - row >= 4; row += 4, column += 4 * n)
@@ -321,8 +323,8 @@ RBDI_INLINE void rbdi_mirror(const rbd_real *row, ptrdiff_t n, int k, rbd_real *
     for (; row != end; ++row, column += n) *column = *row;
 }
 
-/* L Z = D^-1 L'^-1 is upper triangular with the diagonal 1/D, so that row k of Z, up to the diagonal, is a
-   sum over the rows i of the path: Z_kj = - sum L_ki Z_ij for j < k, Z_kk = 1/D_k - sum L_ki Z_ik. */
+/* Z = M^-1. L Z = D^-1 L'^-1 is upper triangular with the diagonal 1/D. So row k of Z, up to the diagonal, is
+   a sum over the rows i of the path: Z_kj = - sum L_ki Z_ij for j < k, Z_kk = 1/D_k - sum L_ki Z_ik. */
 RBDI_PART void rbdi_invert(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *Z) {
     const int n = m->nv;
     rbdi_start *path = (rbdi_start *)w->F; /* where its rows begin, root first */
@@ -334,7 +336,7 @@ RBDI_PART void rbdi_invert(const rbd_model *m, rbd_work *w, const rbd_real *L, r
     for (int k = 0; k < n; ++k, row += n) {
         const rbd_real *l = &L[m->dof[k].row];
         const int d = m->dof[k].depth;
-        rbd_real a = l[d], b = rbdi_zero();
+        rbd_real even = l[d], odd = rbdi_zero();
         rbdi_terms g;
         int i = m->dof[k].lambda, t = d;
         for (; t > 0 && (t > before || path[t - 1] != i * n); i = m->dof[i].lambda) path[--t] = i * n;
@@ -342,8 +344,9 @@ RBDI_PART void rbdi_invert(const rbd_model *m, rbd_work *w, const rbd_real *L, r
         g.X = Z, g.start = path, g.x = l, g.n = d, g.d = 0;
         rbdi_subtract_columns(g, RBDI_FRESH, k, row);
         rbdi_mirror(row, n, k, Z + k);
-        for (t = 0; t + 1 < d; t += 2) a = a - l[t] * Z[path[t] + k], b = b - l[t + 1] * Z[path[t + 1] + k];
-        row[k] = t < d ? a - l[t] * Z[path[t] + k] + b : a + b;
+        for (t = 0; t + 1 < d; t += 2)
+            even = even - l[t] * Z[path[t] + k], odd = odd - l[t + 1] * Z[path[t + 1] + k];
+        row[k] = t < d ? even - l[t] * Z[path[t] + k] + odd : even + odd;
     }
 }
 

@@ -7,31 +7,35 @@
 /* Interface: rbdi_rnea_sweep */
 
 /* ---- rnea [rnea] ----
-   RBDA table 5.1. Down: v_i, a_i ([state]) and with them f_i = I_i a_i + v_i x* I_i v_i - X* f_ext, here
-   from Omega (rbdi_wrench). Up: tau_i = S_i' f_i, f_p += X' f_i. To the table are added armature, several
-   external wrenches a link, in the users' frames, and gravity as an acceleration of the world. */
+   RBDA table 5.1. Down: v_i, a_i ([state]), and f_i = I_i a_i + v_i x* I_i v_i - X* f_ext from them, here
+   by Omega (rbdi_wrench). Up: tau_i = S_i' f_i, f_p += X' f_i for the parent p. The table has no armature
+   and one external wrench a link; here each body has one, in its own frame. Gravity is an acceleration of
+   the world. */
 
-/* Torque of a joint from the force F that its link takes; the force as the parent feels it. */
+/* tau of a one-axis joint from the force F on its link. Returns F at the parent's origin, in its axes. */
 RBDI_INLINE rbdi_force rbdi_rnea_up(const rbd_model *m, const rbd_work *w, int i, int flags, rbdi_force F,
                                     const rbd_real *a, rbd_real *tau) {
     const rbdi_link *l = &m->link[i];
-    rbd_real t = rbdi_along_axis(l, flags, F);
-    if (flags & RBDI_ARMATURE) t = t + a[l->iv] * m->dof[l->iv].armature;
-    tau[l->iv] = t;
+    rbd_real torque = rbdi_along_axis(l, flags, F);
+    if (flags & RBDI_ARMATURE) torque = torque + a[l->iv] * m->dof[l->iv].armature;
+    tau[l->iv] = torque; /* which may be a */
     return flags & RBDI_ROOT ? F : rbdi_force_up(l, flags, rbdi_trig_of(m, w, i, flags), F);
 }
+/* The same of a block; F becomes the parent's. */
 RBDI_PART void rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l,
                                   const rbd_real *a, rbd_real *tau, rbdi_force *F) {
     const rbdi_block *b = rbdi_block_of(m, l);
-    rbd_real all[6];
-    rbdi_store_force(all, 1, *F);
-    for (int k = 0; k < b->n; ++k) tau[l->iv + k] = all[b->first + k];
-    for (int k = 0; (rbdi_flags(l) & RBDI_ARMATURE) && k < b->n; ++k)
-        tau[l->iv + k] = tau[l->iv + k] + a[l->iv + k] * m->dof[l->iv + k].armature;
+    rbd_real array[6];
+    rbdi_store_force(array, 1, *F);
+    for (int k = 0; k < b->n; ++k) {
+        rbd_real torque = array[b->first + k];
+        if (rbdi_flags(l) & RBDI_ARMATURE) torque = torque + a[l->iv + k] * m->dof[l->iv + k].armature;
+        tau[l->iv + k] = torque;
+    }
     if (!rbdi_on_world(l)) *F = rbdi_force_up_block(&w->block[l->block].X, *F);
 }
 
-/* One step of the sweep leaf to root: takes the force from link i + 1, returns the one for link i - 1. */
+/* One step of the sweep up: takes the force from link i + 1, returns that for link i - 1. */
 RBDI_INLINE rbdi_force rbdi_rnea_step(const rbd_model *m, const rbd_work *w, int i, int flags,
                                       rbdi_force carried, const rbd_real *a, rbd_real *tau) {
     const rbdi_link *l = &m->link[i];
@@ -54,7 +58,7 @@ RBDI_PART void rbdi_rnea_sweep(const rbd_model *m, const rbd_work *w, const rbd_
         RBDI_BY_FLAGS(flags, &m->link[i], carried = rbdi_rnea_step(m, w, i, flags, carried, a, tau));
 }
 
-/* RBDA table 5.1 in classical accelerations. All that depends on q alone is there already. */
+/* RBDA table 5.1 in classical accelerations, after rbdi_joints. */
 RBDI_PART void rbdi_rnea(const rbd_model *m, rbd_work *w, const rbd_real *v, const rbd_real *a,
                          const rbd_real *f_ext, rbd_real *tau) {
     const rbdi_state world = rbdi_world_state(w->gravity);
@@ -86,10 +90,10 @@ RBDI_API rbd_status rbd_gravity_torque(const rbd_model *m, rbd_work *w, const rb
     return rbd_rnea(m, w, q, w->zero, w->zero, NULL, g);
 }
 
-/* Table 5.1 with v in the place of a, and neither velocity nor gravity: the states are velocities, (omega;
-   v) = (omega_dot; acc), and the wrenches that move the links their momenta. Up, h_i of the subtrees: p_i =
-   S_i' h_i, and (C' v)_i = (dS_i/dt)' h_i = (V_i x S_i)' h_i = -S_i' (V_i x* h_i); V_i stays in scratch.c.
-   */
+/* Table 5.1 with v in the place of a, without velocity and gravity: then the accelerations are velocities V_i
+   = (omega_dot; acc), kept in scratch.c, and the wrenches on the links are their momenta. Up, with the
+   momenta h_i of the subtrees: p_i = S_i' h_i, (C' v)_i = (dS_i/dt)' h_i = (V_i x S_i)' h_i = -S_i' (V_i x*
+   h_i). */
 RBDI_PART void rbdi_momenta(const rbd_model *m, rbd_work *w, const rbd_real *v, rbd_real *p, rbd_real *ctv) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     const rbdi_state world = rbdi_world_state(none);
@@ -102,15 +106,15 @@ RBDI_PART void rbdi_momenta(const rbd_model *m, rbd_work *w, const rbd_real *v, 
     for (int i = m->nl - 1; i >= 0; --i) {
         const rbdi_link *l = &m->link[i];
         const rbdi_motion V = w->scratch[i].c;
-        rbdi_force h = w->scratch[i].f, turned;
-        turned.n = rbdi_add(rbdi_cross(h.n, V.omega), rbdi_cross(h.f, V.v));
-        turned.f = rbdi_cross(h.f, V.omega);
+        rbdi_force h = w->scratch[i].f, h_x_V; /* -V x* h */
+        h_x_V.n = rbdi_add(rbdi_cross(h.n, V.omega), rbdi_cross(h.f, V.v));
+        h_x_V.f = rbdi_cross(h.f, V.omega);
         if (rbdi_is(l, RBDI_BLOCK)) {
             rbdi_rnea_up_block(m, w, l, v, p, &h);
-            rbdi_rnea_up_block(m, w, l, w->zero, ctv, &turned);
+            rbdi_rnea_up_block(m, w, l, w->zero, ctv, &h_x_V);
         } else {
             h = rbdi_rnea_up(m, w, i, rbdi_flags(l), h, v, p);
-            rbdi_rnea_up(m, w, i, rbdi_flags(l) | RBDI_ROOT, turned, w->zero, ctv);
+            rbdi_rnea_up(m, w, i, rbdi_flags(l) | RBDI_ROOT, h_x_V, w->zero, ctv);
         }
         if (l->parent >= 0) w->scratch[l->parent].f = rbdi_force_add(w->scratch[l->parent].f, h);
     }

@@ -6,10 +6,10 @@
 
 /* Interface: rbdi_check, rbdi_stride */
 
-/* The first check of every call with a model and a work. arrays: none of the caller's required ones is NULL.
-   The program must support the model, and the work's arrays must have the lengths that the model needs. The
-   model's address is not compared: another model may have been built there, and one table may stand at two.
-   */
+/* The first check of every call with a model and a work. arrays: none of the caller's required ones is
+   NULL. The program must support the model, and the work's arrays must have the lengths that the model
+   needs. The model's address is not compared: another model may have been built there, and one table may
+   stand at two. */
 RBDI_INLINE rbd_status rbdi_check(const rbd_model *m, const rbd_work *w, int arrays) {
     if (!m || !w || !arrays) return RBD_ERR_NULL;
     return rbdi_supported(m) && m->shape[0] == w->shape[0] && m->shape[1] == w->shape[1] &&

@@ -23,8 +23,8 @@ static RBDI_UNUSED rbdi_wide_pose rbdi_link_place(const rbd_model *m, const rbdi
     return X;
 }
 
-/* Writes the pose of a body's joint, its axes, which are the links' z, and its parent; returns its first dof.
-   */
+/* Writes the pose of a body's joint, its axes, which are the links' z, and its parent; returns its first
+   dof. */
 static int rbdi_describe_joint(const rbd_model *m, int body, rbd_body *row) {
     const rbdi_frame *u = &m->frame[body];
     rbdi_wide_pose X = rbdi_widen_pose(u->E, u->r), up;

@@ -36,8 +36,8 @@ RBDI_INLINE int rbdi_is(const rbdi_link *l, int kind) {
     return kinds == 1u << kind || ((kinds >> kind & 1u) && l->kind == kind);
 }
 
-/* The block of a link: a constant if all blocks of the program are floating bases on the world, in its axes.
-   */
+/* The block of a link: a constant if all blocks of the program are floating bases on the world, in its
+   axes. */
 RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link *l) {
     static const rbdi_block floating = {RBD_FLOATING, 0, 6, 1, {0}};
     return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? &m->block[l->block] : &floating;

@@ -15,8 +15,7 @@
    rbdi_difference_joint, rbdi_joint_rates and rbdi_joint_velocity (manifold); rbd_neutral and rbd_random if
    zero or an angle will not do. One-axis types mostly need the first two only. */
 
-/* Whether a link is a block: all have RBDI_MASS_KEPT, so that this is the constant 0 with the common flags.
-   */
+/* Whether a link is a block. All have RBDI_MASS_KEPT, so that with the common flags this is a constant. */
 RBDI_INLINE int rbdi_block_link(const rbdi_link *l, int flags) {
     return (flags & RBDI_MASS_KEPT) && rbdi_is(l, RBDI_BLOCK);
 }

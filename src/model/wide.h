@@ -122,8 +122,8 @@ static RBDI_UNUSED void rbdi_unit(const rbdi_wide x[3], rbdi_wide y[3]) {
     for (int k = 0; k < 3; ++k) y[k] /= length;
 }
 
-/* Makes a nearly orthonormal matrix orthonormal, rows first to last (Gram and Schmidt). An exact one stays.
-   */
+/* Makes a nearly orthonormal matrix orthonormal, rows first to last (Gram and Schmidt). An exact one
+   stays. */
 static RBDI_UNUSED void rbdi_orthonormalise(rbdi_wide R[9]) {
     rbdi_wide along;
     rbdi_unit(&R[0], &R[0]);
