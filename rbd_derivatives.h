@@ -252,23 +252,23 @@ RBDI_EXTERN_C_END
 /* ---- layout [layout] ----
    Open for sizes at compile time only. */
 
-typedef struct rbdi_columns rbdi_columns;     /* a batch of dofs: values that depend on the state */
-typedef struct rbdi_constants rbdi_constants; /* a batch of dofs: constants */
+typedef struct rbdi_columns rbdi_columns;     /* of a batch of dofs: quantities that depend on the state */
+typedef struct rbdi_constants rbdi_constants; /* of a batch of dofs: constants */
 
-/* A part of the tree without branches, in which each dof's parent is the dof before it; or the dofs of one
-   block. Indices of dofs are in the solver's order in this header. */
+/* Dofs of which each is the parent of the next, without branches; or the dofs of one block. In this header
+   dofs are numbered in the solver's order. */
 typedef struct rbdi_segment {
     int16_t first, end; /* its dofs are first .. end - 1 */
     int16_t parent;     /* parent of the first dof, -1 = none */
-    int16_t block;      /* 1: a block */
+    int16_t block;      /* whether it is a block */
     int16_t link;       /* link of the first dof */
-    int16_t origin;     /* of a root: end of the dofs up to the link of the common origin; else 0 */
+    int16_t origin;     /* of a root: end of the dofs of the links up to that of the common origin; else 0 */
 } rbdi_segment;
 
-/* A dof. */
+/* A dof: its entries in the results, and its place among the lanes. */
 typedef struct rbdi_entry {
     int16_t user;   /* the caller's dof: row and column of the results */
-    int16_t end;    /* end of its subtree */
+    int16_t end;    /* end of the dofs of its subtree */
     int16_t joint;  /* end of the dofs of its link */
     int16_t source; /* index of its velocity in v with mimic joints appended */
     int16_t parent; /* -1 = none */
@@ -278,7 +278,7 @@ typedef struct rbdi_entry {
     int32_t row;       /* index of its row in a square matrix */
 } rbdi_entry;
 
-/* A batch that has dofs on a dof's path or in its subtree, and a bit for each lane of these. */
+/* A batch in which dofs are ancestors of a dof or in its subtree, with a bit for each such lane. */
 typedef struct rbdi_relatives {
     int32_t at;     /* index of the batch in scalars; -1 ends a list */
     int16_t row;    /* index of the batch in a row of entries */
@@ -295,7 +295,7 @@ struct rbd_derivatives {
     int batches, segments; /* their numbers */
     int keep_zeros;        /* rbd_keep_zeros */
     int base;              /* dofs of a free base: 6 or 0 */
-    int behind;            /* batch that begins with the first dof after the base */
+    int behind;            /* first batch of the dofs behind the base */
     rbdi_motion V;         /* velocity of the base, in its axes */
     rbdi_v3 up;            /* -gravity, likewise */
     rbdi_columns *columns; /* batches */
@@ -495,11 +495,11 @@ RBDI_INLINE int rbdi_dof_axis(const rbd_model *m, const rbdi_link *l, int k) {
 }
 
 /* Stores axes and origin of a link for one of its dofs. The axes are cycled so that z is the dof's own. */
-RBDI_INLINE void rbdi_put_axes(rbd_real *out, const rbdi_four *x, const rbdi_four *y, const rbdi_four *z,
+RBDI_INLINE void rbdi_put_axes(rbd_real *out, const rbdi_four *ex, const rbdi_four *ey, const rbdi_four *ez,
                                const rbdi_four *origin) {
-    rbdi_store_vec(out, RBDI_BATCH, rbdi_axis_vec(x));
-    rbdi_store_vec(out + 3 * RBDI_BATCH, RBDI_BATCH, rbdi_axis_vec(y));
-    rbdi_store_vec(out + 6 * RBDI_BATCH, RBDI_BATCH, rbdi_axis_vec(z));
+    rbdi_store_vec(out, RBDI_BATCH, rbdi_axis_vec(ex));
+    rbdi_store_vec(out + 3 * RBDI_BATCH, RBDI_BATCH, rbdi_axis_vec(ey));
+    rbdi_store_vec(out + 6 * RBDI_BATCH, RBDI_BATCH, rbdi_axis_vec(ez));
     rbdi_store_vec(out + 9 * RBDI_BATCH, RBDI_BATCH, rbdi_axis_vec(origin));
 }
 /* The same for the dofs of a block from k on. */
@@ -516,23 +516,23 @@ RBDI_INLINE rbdi_pose rbdi_common_pose(const rbd_model *m, const rbd_derivatives
     const int last = rbdi_last_dof(m, link), axis = rbdi_dof_axis(m, &m->link[link], last);
     const rbd_real *in = RBDI_OF(d, last, ex);
     rbdi_v3 e[3];
-    rbdi_pose X;
+    rbdi_pose pose;
     for (int k = 0; k < 3; ++k) e[(axis + 1 + k) % 3] = rbdi_load_vec(in + 3 * k * RBDI_BATCH, RBDI_BATCH);
-    X.E.xx = e[0].x, X.E.xy = e[0].y, X.E.xz = e[0].z;
-    X.E.yx = e[1].x, X.E.yy = e[1].y, X.E.yz = e[1].z;
-    X.E.zx = e[2].x, X.E.zy = e[2].y, X.E.zz = e[2].z;
-    X.r = rbdi_load_vec(in + 9 * RBDI_BATCH, RBDI_BATCH);
-    return X;
+    pose.E.xx = e[0].x, pose.E.xy = e[0].y, pose.E.xz = e[0].z;
+    pose.E.yx = e[1].x, pose.E.yy = e[1].y, pose.E.yz = e[1].z;
+    pose.E.zx = e[2].x, pose.E.zy = e[2].y, pose.E.zz = e[2].z;
+    pose.r = rbdi_load_vec(in + 9 * RBDI_BATCH, RBDI_BATCH);
+    return pose;
 }
 
-/* Moves the common origin from the root's own to link i's. */
+/* Moves the common origin from the root's origin to that of link i, which is at x. */
 RBDI_PART void rbdi_move_origin(const rbd_model *m, rbd_derivatives *d, int i, rbdi_v3 x) {
     for (int k = m->link[d->origin[i]].first; k < m->link[i].first; ++k)
         rbdi_store_vec(RBDI_OF(d, k, x), RBDI_BATCH,
                        rbdi_sub(rbdi_load_vec(RBDI_OF(d, k, x), RBDI_BATCH), x));
 }
 
-/* Axes and origins of all links; base: in the base's axes. */
+/* Axes and origins of all links. base: dofs of a free base whose axes the frame has, or 0. */
 RBDI_PART void rbdi_poses(const rbd_model *m, rbd_derivatives *d, int base) {
     const int known = base ? 0 : -1; /* the last link that is where the root is */
     rbdi_axes p;
@@ -565,17 +565,17 @@ RBDI_PART void rbdi_poses(const rbd_model *m, rbd_derivatives *d, int base) {
 RBDI_PART void rbdi_motion_columns(rbd_derivatives *d, int b) {
     for (; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
-        const rbdi_constants *k = &d->constants[b];
-        const rbdi_b3 z = rbdi_b_vec(c->ez.x * k->rho, c->ez.y * k->rho, c->ez.z * k->rho);
-        const rbdi_b3 slide = rbdi_b_vec(c->ez.x * k->kappa, c->ez.y * k->kappa, c->ez.z * k->kappa);
-        c->S.omega = z;
-        c->S.v = rbdi_b_cross_add(slide, c->x, z);
+        const rbdi_constants *own = &d->constants[b];
+        const rbdi_b3 turn = rbdi_b_vec(c->ez.x * own->rho, c->ez.y * own->rho, c->ez.z * own->rho);
+        const rbdi_b3 slide = rbdi_b_vec(c->ez.x * own->kappa, c->ez.y * own->kappa, c->ez.z * own->kappa);
+        c->S.omega = turn;
+        c->S.v = rbdi_b_cross_add(slide, c->x, turn);
     }
 }
 
 /* Sums over ancestors: Vp from dV, or Ap from dA, which begins `apart` scalars behind. world: V or A of the
-   roots' parent, with a base that of its link. moves: whether the velocity of the frame, that of the link
-   of its origin, is subtracted. */
+   roots' parent or, with a base, of the base. moves: whether the frame moves with its origin, so that the
+   velocity of that is subtracted. */
 RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, ptrdiff_t apart,
                                     rbdi_motion world, int moves) {
     const rbdi_entry *entry = d->entry;
@@ -583,25 +583,26 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
         rbdi_store_motion(Vp + entry[base - 1].at, RBDI_BATCH, world);
         rbdi_store_motion(Vp + entry[base - 1].at + apart, RBDI_BATCH, rbdi_motion0());
     }
-    for (const rbdi_segment *r = d->segment + (base > 0), *last = d->segment + d->segments; r < last; ++r) {
+    for (const rbdi_segment *seg = d->segment + (base > 0), *last = d->segment + d->segments; seg < last;
+         ++seg) {
         rbdi_motion V = world;
-        if (r->parent >= base) {
-            const rbd_real *in = Vp + entry[r->parent].at;
+        if (seg->parent >= base) {
+            const rbd_real *in = Vp + entry[seg->parent].at;
             V = rbdi_motion_add(rbdi_load_motion(in, RBDI_BATCH), rbdi_load_motion(in + apart, RBDI_BATCH));
         }
-        for (int k = r->first; moves && k < r->origin; ++k)
+        for (int k = seg->first; moves && k < seg->origin; ++k)
             V.v = rbdi_sub(V.v, rbdi_load_vec(Vp + entry[k].at + apart + 3 * RBDI_BATCH, RBDI_BATCH));
-        if (r->block) {
+        if (seg->block) {
             rbdi_motion all = rbdi_motion0();
-            for (int k = r->first; k < r->end; ++k)
+            for (int k = seg->first; k < seg->end; ++k)
                 all = rbdi_motion_add(all, rbdi_load_motion(Vp + entry[k].at + apart, RBDI_BATCH));
-            for (int k = r->first; k < r->end; ++k) {
+            for (int k = seg->first; k < seg->end; ++k) {
                 rbdi_store_motion(Vp + entry[k].at, RBDI_BATCH, V);
                 rbdi_store_motion(Vp + entry[k].at + apart, RBDI_BATCH, all);
             }
             continue;
         }
-        for (int k = r->first; k < r->end; ++k) {
+        for (int k = seg->first; k < seg->end; ++k) {
             rbd_real *out = Vp + entry[k].at;
             RBDI_ONE_INDEX(out);
             rbdi_store_motion(out, RBDI_BATCH, V);
@@ -616,8 +617,8 @@ RBDI_INLINE void rbdi_copy(const rbd_real *x, int n, rbd_real *y) {
     for (; k + RBDI_BATCH <= n; k += RBDI_BATCH) *(rbdi_batch *)&y[k] = *(const rbdi_batch *)&x[k];
     for (; k < n; ++k) y[k] = x[k];
 }
-/* Copies v or a into the lanes, which have the same order, from dof k on: 0, or the first behind a free
-   base. */
+/* Copies v or a into the lanes, which have the same order, from dof k on: dof 0 or, behind a free base, the
+   first. */
 RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v, rbd_real *out) {
     const int n = d->n;
     for (; k < d->base; ++k) out[d->entry[k].at] = v[k];
@@ -682,48 +683,49 @@ RBDI_INLINE rbdi_b3 rbdi_b_rotate(const rbdi_columns *c, rbdi_cbatch x, rbdi_cba
                       ex.z * x + ey.z * y + ez.z * z);
 }
 /* Sigma and h of the links. */
-RBDI_INLINE void rbdi_own_inertia(const rbdi_columns *c, const rbdi_constants *k, rbdi_sums *s) {
+RBDI_INLINE void rbdi_own_inertia(const rbdi_columns *c, const rbdi_constants *own, rbdi_sums *s) {
     const rbdi_b3 ex = c->ex, ey = c->ey, ez = c->ez, x = c->x;
-    const rbdi_b3 h = rbdi_b_rotate(c, k->hx, k->hy, k->hz), a = rbdi_b_rotate(c, k->xx, k->xy, k->xz),
-                  b = rbdi_b_rotate(c, k->xy, k->yy, k->yz),
-                  e = rbdi_b_rotate(c, k->xz, k->yz, k->zz); /* R h_b; (a b e) = R Sigma_b */
-    s->h = rbdi_b_vec(h.x + x.x * k->m, h.y + x.y * k->m, h.z + x.z * k->m);
-    s->xx = a.x * ex.x + b.x * ey.x + e.x * ez.x + x.x * h.x + s->h.x * x.x;
-    s->xy = a.x * ex.y + b.x * ey.y + e.x * ez.y + x.x * h.y + s->h.x * x.y;
-    s->xz = a.x * ex.z + b.x * ey.z + e.x * ez.z + x.x * h.z + s->h.x * x.z;
-    s->yy = a.y * ex.y + b.y * ey.y + e.y * ez.y + x.y * h.y + s->h.y * x.y;
-    s->yz = a.y * ex.z + b.y * ey.z + e.y * ez.z + x.y * h.z + s->h.y * x.z;
-    s->zz = a.z * ex.z + b.z * ey.z + e.z * ez.z + x.z * h.z + s->h.z * x.z;
+    const rbdi_b3 h = rbdi_b_rotate(c, own->hx, own->hy, own->hz),
+                  u = rbdi_b_rotate(c, own->xx, own->xy, own->xz),
+                  v = rbdi_b_rotate(c, own->xy, own->yy, own->yz),
+                  w = rbdi_b_rotate(c, own->xz, own->yz, own->zz); /* R h_b; (u v w) = R Sigma_b */
+    s->h = rbdi_b_vec(h.x + x.x * own->m, h.y + x.y * own->m, h.z + x.z * own->m);
+    s->xx = u.x * ex.x + v.x * ey.x + w.x * ez.x + x.x * h.x + s->h.x * x.x;
+    s->xy = u.x * ex.y + v.x * ey.y + w.x * ez.y + x.x * h.y + s->h.x * x.y;
+    s->xz = u.x * ex.z + v.x * ey.z + w.x * ez.z + x.x * h.z + s->h.x * x.z;
+    s->yy = u.y * ex.y + v.y * ey.y + w.y * ez.y + x.y * h.y + s->h.y * x.y;
+    s->yz = u.y * ex.z + v.y * ey.z + w.y * ez.z + x.y * h.z + s->h.y * x.z;
+    s->zz = u.z * ex.z + v.z * ey.z + w.z * ez.z + x.z * h.z + s->h.z * x.z;
 }
 
 /* X and P of the links. V is their velocity or, for 2 B in place of B, twice that. */
-RBDI_INLINE void rbdi_own_momentum(rbdi_bmotion V, const rbdi_constants *k, rbdi_sums *s) {
+RBDI_INLINE void rbdi_own_momentum(rbdi_bmotion V, const rbdi_constants *own, rbdi_sums *s) {
     const rbdi_b3 w = V.omega, v = V.v, h = s->h;
-    const rbdi_b3 x = rbdi_b_vec(s->xx, s->xy, s->xz), y = rbdi_b_vec(s->xy, s->yy, s->yz),
-                  z = rbdi_b_vec(s->xz, s->yz, s->zz);
-    s->Xx = rbdi_b_vec(w.y * z.x - w.z * y.x + v.x * h.x, w.y * z.y - w.z * y.y + v.x * h.y,
-                       w.y * z.z - w.z * y.z + v.x * h.z);
-    s->Xy = rbdi_b_vec(w.z * x.x - w.x * z.x + v.y * h.x, w.z * x.y - w.x * z.y + v.y * h.y,
-                       w.z * x.z - w.x * z.z + v.y * h.z);
-    s->Xz = rbdi_b_vec(w.x * y.x - w.y * x.x + v.z * h.x, w.x * y.y - w.y * x.y + v.z * h.y,
-                       w.x * y.z - w.y * x.z + v.z * h.z);
-    s->P = rbdi_b_cross_add(rbdi_b_vec(v.x * k->m, v.y * k->m, v.z * k->m), w, h);
+    const rbdi_b3 sx = rbdi_b_vec(s->xx, s->xy, s->xz), sy = rbdi_b_vec(s->xy, s->yy, s->yz),
+                  sz = rbdi_b_vec(s->xz, s->yz, s->zz);
+    s->Xx = rbdi_b_vec(w.y * sz.x - w.z * sy.x + v.x * h.x, w.y * sz.y - w.z * sy.y + v.x * h.y,
+                       w.y * sz.z - w.z * sy.z + v.x * h.z);
+    s->Xy = rbdi_b_vec(w.z * sx.x - w.x * sz.x + v.y * h.x, w.z * sx.y - w.x * sz.y + v.y * h.y,
+                       w.z * sx.z - w.x * sz.z + v.y * h.z);
+    s->Xz = rbdi_b_vec(w.x * sy.x - w.y * sx.x + v.z * h.x, w.x * sy.y - w.y * sx.y + v.z * h.y,
+                       w.x * sy.z - w.y * sx.z + v.z * h.z);
+    s->P = rbdi_b_cross_add(rbdi_b_vec(v.x * own->m, v.y * own->m, v.z * own->m), w, h);
 }
 
-/* Rows of Omega. */
+/* The rows of Omega. */
 typedef struct rbdi_b33 {
     rbdi_b3 x, y, z;
 } rbdi_b33;
-RBDI_INLINE rbdi_b33 rbdi_b_omega(rbdi_b3 w, rbdi_b3 al) {
+RBDI_INLINE rbdi_b33 rbdi_b_omega(rbdi_b3 w, rbdi_b3 alpha) {
     rbdi_b33 O;
-    O.x = rbdi_b_vec(-(w.y * w.y + w.z * w.z), w.x * w.y - al.z, w.x * w.z + al.y);
-    O.y = rbdi_b_vec(w.x * w.y + al.z, -(w.x * w.x + w.z * w.z), w.y * w.z - al.x);
-    O.z = rbdi_b_vec(w.x * w.z - al.y, w.y * w.z + al.x, -(w.x * w.x + w.y * w.y));
+    O.x = rbdi_b_vec(-(w.y * w.y + w.z * w.z), w.x * w.y - alpha.z, w.x * w.z + alpha.y);
+    O.y = rbdi_b_vec(w.x * w.y + alpha.z, -(w.x * w.x + w.z * w.z), w.y * w.z - alpha.x);
+    O.z = rbdi_b_vec(w.x * w.z - alpha.y, w.y * w.z + alpha.x, -(w.x * w.x + w.y * w.y));
     return O;
 }
 
-/* Wrench that moves the links: n_x = K_zy - K_yz of K = Omega Sigma + acc h' as in rbdi_wrench. */
-RBDI_INLINE void rbdi_own_wrench(rbdi_bmotion V, rbdi_bmotion A, const rbdi_constants *k, rbdi_sums *s) {
+/* The wrench that moves each link: n_x = K_zy - K_yz of K = Omega Sigma + acc h', as in rbdi_wrench. */
+RBDI_INLINE void rbdi_own_wrench(rbdi_bmotion V, rbdi_bmotion A, const rbdi_constants *own, rbdi_sums *s) {
     const rbdi_b3 h = s->h, acc = rbdi_b_cross_add(A.v, V.omega, V.v);
     const rbdi_b33 O = rbdi_b_omega(V.omega, A.omega);
     const rbdi_b3 n =
@@ -731,9 +733,9 @@ RBDI_INLINE void rbdi_own_wrench(rbdi_bmotion V, rbdi_bmotion A, const rbdi_cons
                    O.x.y * s->yz + (O.x.x - O.z.z) * s->xz + O.x.z * s->zz - O.z.x * s->xx - O.z.y * s->xy,
                    O.y.x * s->xx + (O.y.y - O.x.x) * s->xy + O.y.z * s->xz - O.x.y * s->yy - O.x.z * s->yz);
     s->f.n = rbdi_b_cross_add(n, h, acc);
-    s->f.f = rbdi_b_vec(O.x.x * h.x + O.x.y * h.y + O.x.z * h.z + acc.x * k->m,
-                        O.y.x * h.x + O.y.y * h.y + O.y.z * h.z + acc.y * k->m,
-                        O.z.x * h.x + O.z.y * h.y + O.z.z * h.z + acc.z * k->m);
+    s->f.f = rbdi_b_vec(O.x.x * h.x + O.x.y * h.y + O.x.z * h.z + acc.x * own->m,
+                        O.y.x * h.x + O.y.y * h.y + O.y.z * h.z + acc.y * own->m,
+                        O.z.x * h.x + O.z.y * h.y + O.z.z * h.z + acc.z * own->m);
 }
 
 /* Stores the sums that need asks for. */
@@ -747,29 +749,29 @@ RBDI_INLINE void rbdi_store_sums(const rbdi_sums *s, int need, rbdi_sums *out) {
 /* Subtracts external wrenches from those of the links. */
 RBDI_PART void rbdi_common_external(const rbd_model *m, rbd_derivatives *d, const rbd_real *f_ext) {
     const int bodies = f_ext ? m->nb : 0;
-    for (int b = 0; b < bodies; ++b) {
-        const rbdi_frame *u = &m->frame[b];
-        rbdi_pose X;
+    for (int body = 0; body < bodies; ++body) {
+        const rbdi_frame *u = &m->frame[body];
+        rbdi_pose pose;
         rbdi_force F;
         rbd_real *out;
         if (u->link < 0) continue;
-        X.E = rbdi_mat_c(u->E);
-        X.r = rbdi_vec_c(u->r);
-        F = rbdi_force_up_block(&X, rbdi_load_force(f_ext + 6 * b, 1)); /* to the link */
-        X = rbdi_common_pose(m, d, u->link);
-        F = rbdi_force_up_block(&X, F);
+        pose.E = rbdi_mat_c(u->E);
+        pose.r = rbdi_vec_c(u->r);
+        F = rbdi_force_up_block(&pose, rbdi_load_force(f_ext + 6 * body, 1)); /* to the link */
+        pose = rbdi_common_pose(m, d, u->link);
+        F = rbdi_force_up_block(&pose, F);
         out = RBDI_OF(d, rbdi_last_dof(m, u->link), sum.f);
         rbdi_store_force(out, RBDI_BATCH, rbdi_force_sub(rbdi_load_force(out, RBDI_BATCH), F));
     }
 }
 
 /* ==== src/derivatives/subtrees.h ==== */
-/* Sums over subtrees of n components from x on, for the segments from root on: as many as there are registers
-   for, at most 14 of the 27. All dofs of a block get the sum of the block. One segment after the other:
-   equal limbs side by side in batches, such as HyQ's legs, took more time. */
-RBDI_INLINE void rbdi_sum_few(rbd_derivatives *d, const rbdi_segment *root, rbd_real *x, int n) {
-    for (const rbdi_segment *r = d->segment + d->segments - 1; r >= root; --r) {
-        const rbdi_entry *e = d->entry + r->end - 1, *first = d->entry + r->first;
+/* Sums n components, from x on, over subtrees, for the segments from root on. n is at most 14 of the 27, for
+   which there are registers. All dofs of a block get the sum of the block. Segments are taken one after the
+   other: equal limbs as lanes, such as HyQ's legs, took more time. */
+RBDI_INLINE void rbdi_sum_components(rbd_derivatives *d, const rbdi_segment *root, rbd_real *x, int n) {
+    for (const rbdi_segment *seg = d->segment + d->segments - 1; seg >= root; --seg) {
+        const rbdi_entry *e = d->entry + seg->end - 1, *first = d->entry + seg->first;
         const rbd_real *last = x + e->at;
         rbd_real sum[14], *out;
         RBDI_ONE_INDEX(last);
@@ -780,12 +782,12 @@ RBDI_INLINE void rbdi_sum_few(rbd_derivatives *d, const rbdi_segment *root, rbd_
             RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = sum[j] =
                 sum[j] + out[j * RBDI_BATCH];
         }
-        for (e = first + 1; r->block && e < d->entry + r->end; ++e) {
+        for (e = first + 1; seg->block && e < d->entry + seg->end; ++e) {
             out = x + e->at;
             RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = sum[j];
         }
-        if (r->parent < 0) continue;
-        out = x + d->entry[r->parent].at;
+        if (seg->parent < 0) continue;
+        out = x + d->entry[seg->parent].at;
         RBDI_ONE_INDEX(out);
         RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = out[j * RBDI_BATCH] + sum[j];
     }
@@ -793,12 +795,12 @@ RBDI_INLINE void rbdi_sum_few(rbd_derivatives *d, const rbdi_segment *root, rbd_
 RBDI_INLINE void rbdi_sum_subtrees(rbd_derivatives *d, const rbdi_segment *root, int need) {
     rbd_real *x = (rbd_real *)&d->columns->sum;
     if (!(need & RBDI_NEED_V)) {
-        rbdi_sum_few(d, root, x, 9);
-        if (need & RBDI_NEED_WRENCH) rbdi_sum_few(d, root, x + 21 * RBDI_BATCH, 6);
+        rbdi_sum_components(d, root, x, 9);
+        if (need & RBDI_NEED_WRENCH) rbdi_sum_components(d, root, x + 21 * RBDI_BATCH, 6);
         return;
     }
-    rbdi_sum_few(d, root, x, 14);
-    rbdi_sum_few(d, root, x + 14 * RBDI_BATCH, need & RBDI_NEED_WRENCH ? 13 : 7);
+    rbdi_sum_components(d, root, x, 14);
+    rbdi_sum_components(d, root, x + 14 * RBDI_BATCH, need & RBDI_NEED_WRENCH ? 13 : 7);
 }
 
 /* I V of a subtree or of a link, m its mass. */
@@ -812,7 +814,7 @@ RBDI_INLINE rbdi_bforce rbdi_inertia_times(const rbdi_sums *s, rbdi_cbatch m, rb
     F.f = rbdi_b_cross_add(rbdi_b_vec(v.x * m, v.y * m, v.z * m), w, s->h);
     return F;
 }
-/* F + (G / 2 w, -P x w): F + B (w; any). */
+/* F + B (w; any) = F + (G w / 2; w x P). */
 RBDI_INLINE rbdi_bforce rbdi_subtree_B_add(rbdi_bforce F, const rbdi_sums *s, rbdi_b3 w) {
     const rbdi_b3 x = s->Xx, y = s->Xy, z = s->Xz;
     F.n = rbdi_b_vec(F.n.x + (y.y + z.z) * w.x - x.y * w.y - x.z * w.z,
@@ -850,19 +852,18 @@ RBDI_PART void rbdi_columns_by_q(rbd_derivatives *d) {
         c->Phi = Phi, c->E = E;
     }
 }
-/* Columns of forces of a batch of dofs. */
-RBDI_INLINE void rbdi_force_columns(rbdi_columns *c, const rbdi_constants *k, int need) {
+/* F and, if needed, D and T of a batch of dofs. */
+RBDI_INLINE void rbdi_force_columns(rbdi_columns *c, const rbdi_constants *own, int need) {
     const rbdi_sums *s = &c->sum;
     const rbdi_bmotion S = c->S;
     if (need & RBDI_NEED_V) {
         c->T = rbdi_subtree_B_t(s, S);
-        c->D = rbdi_subtree_B_add(rbdi_inertia_times(s, k->subtree, c->U), s, S.omega);
+        c->D = rbdi_subtree_B_add(rbdi_inertia_times(s, own->subtree, c->U), s, S.omega);
     }
-    c->F = rbdi_inertia_times(s, k->subtree, S);
+    c->F = rbdi_inertia_times(s, own->subtree, S);
 }
 
-/* Sweep towards the leaves: the motion of all dofs. It reads v, a and gravity only if need asks for them.
-   */
+/* Sweep towards the leaves: the motion of all dofs. Reads v, a and gravity only if need asks for them. */
 RBDI_INLINE void rbdi_common_motion(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *q,
                                     const rbd_real *v, const rbd_real *a, rbdi_c3 gravity, int need) {
     rbdi_joints(m, d->work, rbdi_expand_q(m, d->work, q));
@@ -877,30 +878,30 @@ RBDI_INLINE void rbdi_common_motion(const rbd_model *m, rbd_derivatives *d, int 
     if (need & RBDI_NEED_WRENCH) rbdi_accelerations(m, d, base, a, gravity);
 }
 
-/* The first batch with a dof that has its link's inertia: a free base's last dof has it. */
+/* The first batch with a link's inertia, which the link's last dof has. */
 RBDI_INLINE int rbdi_first_inertia(const rbd_derivatives *d, int base) {
     return base ? d->entry[base - 1].batch : 0;
 }
-/* Inertias, momenta and wrenches of the links themselves. */
+/* Inertias, momenta and wrenches of the links, each alone. */
 RBDI_INLINE void rbdi_own_sums(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *f_ext,
                                int need) {
     for (int b = rbdi_first_inertia(d, base); b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
-        const rbdi_constants *k = &d->constants[b];
+        const rbdi_constants *own = &d->constants[b];
         rbdi_bmotion V;
         rbdi_sums s; /* not in place: what lies in memory is read again after every store */
-        rbdi_own_inertia(c, k, &s);
+        rbdi_own_inertia(c, own, &s);
         if (need) V = rbdi_b_motion_add(c->Vp, c->dV);
-        if (need & RBDI_NEED_WRENCH) rbdi_own_wrench(V, rbdi_b_motion_add(c->Ap, c->dA), k, &s);
+        if (need & RBDI_NEED_WRENCH) rbdi_own_wrench(V, rbdi_b_motion_add(c->Ap, c->dA), own, &s);
         if (need & RBDI_NEED_V)
-            rbdi_own_momentum(need & RBDI_NEED_CORIOLIS ? V : rbdi_b_motion_add(V, V), k, &s);
+            rbdi_own_momentum(need & RBDI_NEED_CORIOLIS ? V : rbdi_b_motion_add(V, V), own, &s);
         rbdi_store_sums(&s, need, &c->sum);
     }
     if (need & RBDI_NEED_WRENCH) rbdi_common_external(m, d, f_ext);
 }
 
-/* The whole computation for one need, which the compiler knows unless at -Os: motion, then masses, momenta
-   and wrenches, their sums over subtrees, and the columns of forces. */
+/* The whole computation for one need, a constant unless at -Os: motion, then inertias, momenta and wrenches,
+   their sums over subtrees, and the columns F, D and T. */
 RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *q,
                                 const rbd_real *v, const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext,
                                 int need, int more) {
@@ -911,23 +912,21 @@ RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base
         rbdi_force_columns(&d->columns[b], &d->constants[b], need);
 }
 
-/* The same for any need: q alone, C, the wrench alone, or everything. With a free base all is in the base's
-   axes and, unless need has RBDI_NEED_WHOLE, at v = 0 and without gravity. */
+/* The same for any need: q alone, C, the wrench alone, or all. With a free base all is in the base's axes
+   and, unless need has RBDI_NEED_WHOLE, at v = 0 of the base and without gravity. */
 RBDI_PART void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
                            const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext, int need) {
     const int coriolis = RBDI_NEED_V | RBDI_NEED_CORIOLIS, all = RBDI_NEED_V | RBDI_NEED_WRENCH;
     const int base = d->base, more = need & RBDI_NEED_WHOLE;
     need &= ~more;
-    if (!RBDI_FOR_SPEED)
-        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, need, more);
-    else if (!need)
+    if (RBDI_FOR_SPEED && !need)
         rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, 0, 0);
-    else if (need == coriolis)
+    else if (RBDI_FOR_SPEED && need == coriolis)
         rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, coriolis, 0);
-    else if (need == RBDI_NEED_WRENCH)
+    else if (RBDI_FOR_SPEED && need == RBDI_NEED_WRENCH)
         rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, RBDI_NEED_WRENCH, more);
     else
-        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, all, more);
+        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, RBDI_FOR_SPEED ? all : need, more);
 }
 
 /* ==== src/derivatives/entries.h ==== */
@@ -938,10 +937,10 @@ RBDI_PART void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_rea
        dtau_i/dv_j = S_i' D_j         dtau_j/dv_i = T_j' S_i + F_j' U_i
        dtau_i/dq_j = S_i' E_j         dtau_j/dq_i = T_j' Psi_i + F_j' Phi_i
 
-   and zero for dofs of different branches. Within a joint the axes of i do not turn with those of j: there
+   and 0 for dofs of different branches. Within a joint the axes of i do not turn with those of j: there
    dtau_i/dq_j is the second formula of the last line with i and j exchanged. C is as dtau/dv, from halved
-   columns. Rows are computed one at a time, with dofs as lanes: those on the path to dof i by the right
-   column, those of its subtree by the left one. */
+   columns. Rows are computed one at a time, with dofs as lanes: the entries of dofs on the path to dof i by
+   the formulas on the right, those of dofs in its subtree by the formulas on the left. */
 
 /* S' F. */
 RBDI_INLINE rbd_real rbdi_power(rbdi_motion S, rbdi_force F) {
@@ -955,12 +954,12 @@ typedef struct rbdi_wanted {
     rbd_real *at[RBDI_RESULTS];
 } rbdi_wanted;
 
-/* a' x, vectors of a batch times the vector of one dof, and with c added. */
+/* a' x of a batch of vectors a and one vector x, and with c added. */
 RBDI_INLINE rbdi_batch rbdi_b_dot(rbdi_b3 a, rbdi_v3 x) { return a.x * x.x + a.y * x.y + a.z * x.z; }
 RBDI_INLINE rbdi_batch rbdi_b_dot_add(rbdi_batch c, rbdi_b3 a, rbdi_v3 x) {
     return c + a.x * x.x + a.y * x.y + a.z * x.z;
 }
-/* S' F and V' F. */
+/* S' F of a batch of motions and one force, and of a batch of forces and one motion. */
 RBDI_INLINE rbdi_batch rbdi_b_motion_dot(rbdi_bmotion S, rbdi_force F) {
     return rbdi_b_dot_add(rbdi_b_dot(S.omega, F.n), S.v, F.f);
 }
@@ -968,14 +967,14 @@ RBDI_INLINE rbdi_batch rbdi_b_force_dot(rbdi_bforce F, rbdi_motion S) {
     return rbdi_b_dot_add(rbdi_b_dot(F.n, S.omega), F.f, S.v);
 }
 
-/* Entries of a dof, with the columns F and T, and the dofs of a batch on its path. */
+/* Entries of a dof, whose columns are F and T, with a batch of dofs on its path. */
 RBDI_INLINE void rbdi_entries_before(const rbdi_columns *c, int want, rbdi_force F, rbdi_v3 T,
                                      rbdi_batch y[RBDI_RESULTS]) {
     if (want & RBDI_WANT_Q) y[RBDI_BY_Q] = rbdi_b_dot(c->Psi.omega, T) + rbdi_b_motion_dot(c->Phi, F);
     if (want & RBDI_WANT_V) y[RBDI_BY_V] = rbdi_b_dot(c->S.omega, T) + rbdi_b_motion_dot(c->U, F);
     if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_motion_dot(c->S, F);
 }
-/* Entries of a dof, with the column S, and the dofs of a batch in its subtree. */
+/* Entries of a dof, whose column is S, with a batch of dofs in its subtree. */
 RBDI_INLINE void rbdi_entries_behind(const rbdi_columns *c, int want, rbdi_motion S,
                                      rbdi_batch y[RBDI_RESULTS]) {
     if (want & RBDI_WANT_Q) y[RBDI_BY_Q] = rbdi_b_force_dot(c->E, S);
@@ -983,14 +982,14 @@ RBDI_INLINE void rbdi_entries_behind(const rbdi_columns *c, int want, rbdi_motio
     if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_force_dot(c->F, S);
 }
 
-/* With mimic joints a result is G' (.) G: adds the entries y of dofs i and k. Those of two results are a
-   stride apart. */
+/* Adds the entries y of dofs i and k, which are `stride` apart, to those of the joints that they follow: with
+   mimic joints a result is G' (.) G, G = dv/dv of all joints by those of the caller. */
 RBDI_PART void rbdi_add_entry(const rbd_model *m, const rbdi_entry *i, const rbdi_entry *k, const rbd_real *y,
                               ptrdiff_t stride, rbdi_wanted out) {
-    const rbd_real g = rbdi_ratio(m, i->source) * rbdi_ratio(m, k->source);
+    const rbd_real ratio = rbdi_ratio(m, i->source) * rbdi_ratio(m, k->source);
     for (int r = 0; r < RBDI_RESULTS; ++r) {
         rbd_real *to = out.at[r] ? out.at[r] + i->row + k->user : NULL;
-        if (to) *to = *to + y[r * stride] * g;
+        if (to) *to = *to + y[r * stride] * ratio;
     }
 }
 
@@ -1002,10 +1001,10 @@ RBDI_INLINE rbdi_relatives *rbdi_relatives_of(const rbd_derivatives *d, int i) {
 }
 
 /* Mask of the lanes whose bits begin at first. */
-RBDI_INLINE rbdi_bits rbdi_lanes_of(const rbdi_relatives *k, int first) {
+RBDI_INLINE rbdi_bits rbdi_lanes_of(const rbdi_relatives *rel, int first) {
     rbdi_bits lanes;
     for (int j = 0; j < RBDI_BATCH; ++j) lanes[j] = (rbdi_bit)1 << (first + j);
-    return (rbdi_bits)((lanes & (rbdi_bit)k->lanes) == lanes); /* no table: loads take the time here */
+    return (rbdi_bits)((lanes & (rbdi_bit)rel->lanes) == lanes); /* no table: loads take the time here */
 }
 /* Stores the wanted entries of a batch into a row, 0 in the other lanes. */
 RBDI_INLINE void rbdi_put_lanes(const rbdi_batch *y, rbdi_bits lanes, int want, rbdi_wanted row,
@@ -1015,40 +1014,42 @@ RBDI_INLINE void rbdi_put_lanes(const rbdi_batch *y, rbdi_bits lanes, int want, 
     }
 }
 
-/* Row of the dof at e, from the columns behind a free base on: the batches of its relatives. */
-RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, const rbdi_relatives *k,
+/* The row of the dof at e, from the columns behind a free base on: a batch of entries for each of its
+   relatives. */
+RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, const rbdi_relatives *rel,
                               int want, rbdi_wanted row) {
     const rbd_real *x = (const rbd_real *)columns;
     const rbdi_columns *own = (const rbdi_columns *)(const void *)(x + e->at);
     const rbdi_batch zero = rbdi_zero_batch();
     rbdi_batch y[RBDI_RESULTS] = {zero, zero, zero}, z[RBDI_RESULTS] = {zero, zero, zero};
-    if (k->at >= 0) {
+    if (rel->at >= 0) {
         const rbdi_force F = rbdi_load_force((const rbd_real *)&own->F, RBDI_BATCH);
         const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T, RBDI_BATCH);
         do {
-            rbdi_entries_before((const rbdi_columns *)(const void *)(x + k->at), want, F, T, y);
-            rbdi_put_lanes(y, rbdi_lanes_of(k, RBDI_ON_PATH), want, row, k->row);
-        } while ((++k)->at >= 0);
+            rbdi_entries_before((const rbdi_columns *)(const void *)(x + rel->at), want, F, T, y);
+            rbdi_put_lanes(y, rbdi_lanes_of(rel, RBDI_ON_PATH), want, row, rel->row);
+        } while ((++rel)->at >= 0);
     }
-    for (++k; k->at >= 0; ++k) {
-        const rbdi_columns *c = (const rbdi_columns *)(const void *)(x + k->at);
+    for (++rel; rel->at >= 0; ++rel) {
+        const rbdi_columns *c = (const rbdi_columns *)(const void *)(x + rel->at);
         const rbdi_force F = rbdi_load_force((const rbd_real *)&own->F, RBDI_BATCH);
         const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T, RBDI_BATCH);
         const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S, RBDI_BATCH);
-        const rbdi_bits before = rbdi_lanes_of(k, RBDI_ON_PATH), behind = rbdi_lanes_of(k, RBDI_IN_SUBTREE);
+        const rbdi_bits before = rbdi_lanes_of(rel, RBDI_ON_PATH),
+                        behind = rbdi_lanes_of(rel, RBDI_IN_SUBTREE);
         rbdi_entries_before(c, want, F, T, y);
         rbdi_entries_behind(c, want, S, z);
         RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
             if (want >> r & 1) y[r] = (rbdi_batch)(((rbdi_bits)y[r] & before) | ((rbdi_bits)z[r] & behind));
-            if (want >> r & 1) *(rbdi_batch *)(row.at[r] + k->row) = y[r];
+            if (want >> r & 1) *(rbdi_batch *)(row.at[r] + rel->row) = y[r];
         }
     }
-    if ((++k)->at >= 0) {
+    if ((++rel)->at >= 0) {
         const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S, RBDI_BATCH);
         do {
-            rbdi_entries_behind((const rbdi_columns *)(const void *)(x + k->at), want, S, y);
-            rbdi_put_lanes(y, rbdi_lanes_of(k, RBDI_IN_SUBTREE), want, row, k->row);
-        } while ((++k)->at >= 0);
+            rbdi_entries_behind((const rbdi_columns *)(const void *)(x + rel->at), want, S, y);
+            rbdi_put_lanes(y, rbdi_lanes_of(rel, RBDI_IN_SUBTREE), want, row, rel->row);
+        } while ((++rel)->at >= 0);
     }
 }
 RBDI_INLINE void rbdi_clear_row(int n, int want, rbdi_wanted row) {
@@ -1102,7 +1103,7 @@ RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rb
         rbdi_put_rows_in_place(*d, want, zeros, out); /* a copy: no store into a result can change it */
 }
 #else
-/* Entries y of dofs i and k. */
+/* Stores or, with mimic joints, adds the entries y of dofs i and k. */
 RBDI_INLINE void rbdi_put_entry(const rbd_model *m, const rbdi_entry *i, const rbdi_entry *k, int want,
                                 const rbd_real *y, rbdi_wanted out) {
     if (rbdi_mimics(m))
@@ -1132,8 +1133,8 @@ RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rb
 }
 #endif
 
-/* A free base. The frame has its axes, and its S are unit vectors: the entries of its rows are components of
-   F_j, D_j, E_j. By the velocity (w; v) of the base and by its turn theta, with (n; f) = F_j,
+/* A free base. The frame has its axes, and its S are unit vectors, so the entries of its rows are components
+   of F_j, D_j, E_j. The columns by its velocity (w; v) and its turn theta are, with (n; f) = F_j,
 
        dtau_j/dw = T_j + n_j x w - f_j x v      dtau_j/dv = f_j x w      dtau_j/dtheta = f_j x up
 
@@ -1231,24 +1232,24 @@ RBDI_PART void rbdi_put_turns(const rbd_derivatives *d, rbd_real *by_q, rbd_real
     }
 }
 
-/* dtau_i/dq_j for dofs i before j of one block. */
+/* dtau_i/dq_j of dofs i before j of one block. */
 RBDI_PART void rbdi_put_block_entries(const rbd_derivatives *d, rbd_real *by_q) {
-    for (const rbdi_segment *r = d->segment + (d->base > 0); r < d->segment + d->segments; ++r)
-        for (int i = r->first; r->block && i < r->end; ++i) {
+    for (const rbdi_segment *seg = d->segment + (d->base > 0); seg < d->segment + d->segments; ++seg)
+        for (int i = seg->first; seg->block && i < seg->end; ++i) {
             const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), RBDI_BATCH);
             const rbdi_v3 T = rbdi_load_vec(RBDI_OF(d, i, T), RBDI_BATCH);
-            for (int j = i + 1; j < r->end; ++j)
+            for (int j = i + 1; j < seg->end; ++j)
                 by_q[d->entry[i].row + d->entry[j].user] =
                     rbdi_dot(T, rbdi_load_vec(RBDI_OF(d, j, Psi.omega), RBDI_BATCH)) +
                     rbdi_power(rbdi_load_motion(RBDI_OF(d, j, Phi), RBDI_BATCH), F);
         }
 }
-/* Rotors, on the diagonal of M. */
+/* Adds the rotors' inertias to the diagonal of M. */
 RBDI_PART void rbdi_add_armature(const rbd_derivatives *d, rbd_real *M) {
     for (int k = d->base; k < d->n; ++k) {
         const rbdi_entry *e = &d->entry[k];
-        const rbd_real g = rbdi_ratio(d->model, e->source);
-        M[e->row + e->user] = M[e->row + e->user] + g * g * d->model->dof[e->source].armature;
+        const rbd_real ratio = rbdi_ratio(d->model, e->source);
+        M[e->row + e->user] = M[e->row + e->user] + ratio * ratio * d->model->dof[e->source].armature;
     }
 }
 
@@ -1268,14 +1269,12 @@ RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rb
         if (by_v) rbdi_put_components(d, (const rbd_real *)&d->columns->D, 6, PTRDIFF_MAX, by_v);
         if (M) rbdi_put_components(d, (const rbd_real *)&d->columns->F, 6, PTRDIFF_MAX, M);
     }
-    if (!RBDI_FOR_SPEED)
-        rbdi_put_rows(d, want, zeros, out);
-    else if (want == (RBDI_WANT_Q | RBDI_WANT_V)) /* the most common ones, as constants */
+    if (RBDI_FOR_SPEED && want == (RBDI_WANT_Q | RBDI_WANT_V)) /* the most common ones, as constants */
         rbdi_put_rows(d, RBDI_WANT_Q | RBDI_WANT_V, zeros, out);
-    else if (want == RBDI_WANT_V)
+    else if (RBDI_FOR_SPEED && want == RBDI_WANT_V)
         rbdi_put_rows(d, RBDI_WANT_V, zeros, out);
 #if RBDI_BATCH > 1
-    else if (want == (RBDI_WANT_Q | RBDI_WANT_V | RBDI_WANT_M))
+    else if (RBDI_FOR_SPEED && want == (RBDI_WANT_Q | RBDI_WANT_V | RBDI_WANT_M))
         rbdi_put_rows(d, RBDI_WANT_Q | RBDI_WANT_V | RBDI_WANT_M, zeros, out);
 #endif
     else
@@ -1290,9 +1289,9 @@ RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rb
 
 /* ---- memory [memory code] ---- */
 
-/* 6 if the model has a free base without rotors, with all other dofs in its subtree, else 0. Its
-   coordinates come first. A rotor would feel v_dot, and not v_dot + w x v - gravity, the unknown of
-   [forward dynamics code]. */
+/* 6 if the model has a free base without rotors, with all other dofs in its subtree, else 0. Its coordinates
+   come first. The torque of a rotor depends on v_dot, not on v_dot + w x v - gravity, the unknown of [forward
+   dynamics code]. */
 RBDI_INLINE int rbdi_free_dofs(const rbd_model *m) {
     const rbdi_link *l = m->link;
     return m->nl > 0 && !rbdi_mimics(m) && rbdi_is(l, RBDI_BLOCK) && !(rbdi_flags(l) & RBDI_ARMATURE) &&
@@ -1323,8 +1322,8 @@ RBDI_INLINE int rbdi_slides(const rbd_model *m, const rbdi_link *l, int k) {
                                   : rbdi_is(l, RBDI_SCREW) && !(l->rho > 0);
 }
 
-/* Constants of link i's dofs. The last dof has the link's inertia, in axes cycled so that z is the dof's
-   own. */
+/* Constants of link i's dofs. The last dof has the link's inertia, in axes cycled so that z is that dof's
+   axis. */
 RBDI_PART void rbdi_init_constants(const rbd_model *m, rbd_derivatives *d, int i) {
     const rbdi_link *l = &m->link[i];
     const int last = rbdi_last_dof(m, i), z = rbdi_dof_axis(m, l, last);
@@ -1357,9 +1356,9 @@ RBDI_PART void rbdi_init_body(const rbd_model *m, rbd_derivatives *d, const rbdi
     d->mass += u->mass;
 }
 
-/* Chooses the link whose origin is that of a root's tree: the first that rotates, or the last of a chain of
-   links that only slide. */
-RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root, rbdi_segment *r) {
+/* Chooses the link whose origin is the common origin of a root's tree: the first that rotates or, in a chain
+   of links that only slide, the last. */
+RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root, rbdi_segment *seg) {
     int i = root;
     while (i + 1 < m->nl && m->link[i + 1].parent == i &&
            (rbdi_is(&m->link[i], RBDI_SCREW)
@@ -1367,7 +1366,7 @@ RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root
                 : rbdi_is(&m->link[i], RBDI_BLOCK) && rbdi_block_of(m, &m->link[i])->type == RBD_TRANSLATION))
         ++i;
     d->origin[i] = (int16_t)root;
-    r->origin = (int16_t)(rbdi_last_dof(m, i) + 1);
+    seg->origin = (int16_t)(rbdi_last_dof(m, i) + 1);
 }
 
 /* Entries of the dofs of link i, and their segment. */
@@ -1375,7 +1374,7 @@ RBDI_PART void rbdi_init_link(const rbd_model *m, rbd_derivatives *d, int i) {
     const rbdi_link *l = &m->link[i];
     const int n = rbdi_link_dofs(m, l), block = rbdi_is(l, RBDI_BLOCK);
     const int parent = l->parent < 0 ? -1 : rbdi_last_dof(m, l->parent);
-    rbdi_segment *r = &d->segment[d->segments > 0 ? d->segments - 1 : 0];
+    rbdi_segment *seg = &d->segment[d->segments > 0 ? d->segments - 1 : 0];
     for (int k = l->first; k < l->first + n; ++k) {
         rbdi_entry *e = &d->entry[k];
         e->source = m->order[k].dof;
@@ -1385,13 +1384,13 @@ RBDI_PART void rbdi_init_link(const rbd_model *m, rbd_derivatives *d, int i) {
         e->parent = (int16_t)(k > l->first ? k - 1 : parent);
         e->row = e->user * m->nv;
     }
-    if (d->segments == 0 || block || r->block || parent != l->first - 1) {
-        r = &d->segment[d->segments++];
-        r->first = l->first, r->parent = (int16_t)parent, r->block = (int16_t)block;
-        r->link = (int16_t)i, r->origin = 0;
-        if (parent < 0) rbdi_init_origin(m, d, i, r);
+    if (d->segments == 0 || block || seg->block || parent != l->first - 1) {
+        seg = &d->segment[d->segments++];
+        seg->first = l->first, seg->parent = (int16_t)parent, seg->block = (int16_t)block;
+        seg->link = (int16_t)i, seg->origin = 0;
+        if (parent < 0) rbdi_init_origin(m, d, i, seg);
     }
-    r->end = (int16_t)(l->first + n);
+    seg->end = (int16_t)(l->first + n);
 }
 
 /* Assigns the lanes in the caller's order, the order of the results' rows. */
@@ -1411,23 +1410,24 @@ RBDI_PART void rbdi_assign_lanes(const rbd_model *m, rbd_derivatives *d) {
 RBDI_PART void rbdi_init_relatives(rbd_derivatives *d) {
     uint64_t *lanes = (uint64_t *)(void *)d->columns; /* of each batch: they are not in use yet */
     for (int i = d->base; i < d->n; ++i) {
-        rbdi_relatives *list = rbdi_relatives_of(d, i), *k = list;
+        rbdi_relatives *list = rbdi_relatives_of(d, i), *rel = list;
         for (int b = 0; b < d->batches; ++b) lanes[b] = 0;
         for (int j = d->entry[i].parent; j >= d->base; j = d->entry[j].parent)
             lanes[d->entry[j].batch] |= (uint64_t)1 << (RBDI_ON_PATH + d->entry[j].lane);
         for (int j = i; j < d->entry[i].end; ++j)
             lanes[d->entry[j].batch] |= (uint64_t)1 << (RBDI_IN_SUBTREE + d->entry[j].lane);
-        for (int which = 0; which < 3; ++which, ++k) {
+        for (int which = 0; which < 3; ++which, ++rel) {
             for (int b = d->behind; b < d->batches; ++b) {
                 const int subtree = lanes[b] >> RBDI_IN_SUBTREE != 0,
                           path = lanes[b] % ((uint64_t)1 << RBDI_IN_SUBTREE) != 0;
                 if (path + subtree == 0 || subtree + (subtree && !path) != which) continue;
-                k->at = b * RBDI_COLUMN_SIZE * RBDI_BATCH, k->row = (int16_t)((b - d->behind) * RBDI_BATCH);
-                (k++)->lanes = lanes[b];
+                rel->at = b * RBDI_COLUMN_SIZE * RBDI_BATCH,
+                rel->row = (int16_t)((b - d->behind) * RBDI_BATCH);
+                (rel++)->lanes = lanes[b];
             }
-            k->at = -1;
+            rel->at = -1;
         }
-        list->whole = k - list == rbdi_relatives_length(d);
+        list->whole = rel - list == rbdi_relatives_length(d);
     }
 }
 #endif
@@ -1486,7 +1486,7 @@ RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *
     return RBD_OK;
 }
 
-/* The checks of every call: arguments, work, and whether the constants are of this model. */
+/* The checks of every call: arguments, the model that the constants are of, work. */
 RBDI_INLINE rbd_status rbdi_check_derivatives(const rbd_model *m, const rbd_derivatives *d, int arrays) {
     if (!m || !d || !arrays) return RBD_ERR_NULL;
     return d->model == m ? rbdi_check(m, d->work, 1) : RBD_ERR_WORK;
@@ -1628,13 +1628,14 @@ RBDI_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const r
 
 /* ==== src/derivatives/free_base.h ==== */
 /* ---- inverse dynamics with a free base [free base code] ----
-   At A = 0 of the base the wrenches of the links add up to f. The missing wrench tau - f gives the base's A =
-   y: I y = tau - f, with I the inertia of the whole, by the two laws of the centre of mass c. In the common
-   frame all links accelerate by y. The torques are S' f + F' y, with f of the subtree and F = I S. v and
-   gravity are in y only: v_dot = y - w x v - up. Other models, and a y in doubt, go by rbd_hybrid. */
+   If A = 0 at the base, the wrenches of the links add up to f. The missing wrench tau - f gives A = y of the
+   base: I y = tau - f, with I the inertia of the whole tree, by Newton's and Euler's laws about the centre of
+   mass c. In the common frame the A of all links increases by y. The torques are S' f + F' y, with f of the
+   subtree and F = I S. v and gravity are in y only: v_dot = y - w x v - up. rbd_hybrid serves other models,
+   and a y in doubt. */
 
 #ifndef RBD_NO_CHOLESKY
-/* M^-1 x by pivots from the end, as everywhere. */
+/* M^-1 x of turns, by pivots from the end, as in [packed matrix]. */
 RBDI_INLINE rbdi_v3 rbdi_solve_turns(const rbd_model *m, rbdi_sym M, rbdi_v3 x, rbdi_mask *doubt) {
     const rbd_real z = rbdi_pivot_inverse(M.zz, m->dof[2].scale, doubt), yz = M.yz * z, xz = M.xz * z,
                    xy = M.xy - xz * M.yz, y = rbdi_pivot_inverse(M.yy - yz * M.yz, m->dof[1].scale, doubt),
@@ -1648,24 +1649,25 @@ RBDI_INLINE rbdi_v3 rbdi_solve_turns(const rbd_model *m, rbdi_sym M, rbdi_v3 x, 
     return s;
 }
 
-/* y, from the wrench that the base lacks. */
+/* y from the missing wrench F. */
 RBDI_PART rbdi_motion rbdi_base_motion(const rbd_model *m, const rbd_derivatives *d, rbdi_force F,
                                        rbdi_mask *doubt) {
-    const rbd_real share = rbdi_pivot_inverse(rbdi_set(d->mass), m->dof[3].scale, doubt);
+    const rbd_real mass_inverse = rbdi_pivot_inverse(rbdi_set(d->mass), m->dof[3].scale, doubt);
     const rbd_real *s = RBDI_OF(d, d->base - 1, sum); /* Sigma */
-    const rbdi_v3 h = rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h), RBDI_BATCH), c = rbdi_scale(share, h);
+    const rbdi_v3 h = rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h), RBDI_BATCH),
+                  com = rbdi_scale(mass_inverse, h);
     rbdi_rbi C; /* Sigma about c, h about the base's origin */
     rbdi_motion y;
     C.h = h;
-    C.Sigma.xx = s[0] - c.x * h.x, C.Sigma.xy = s[RBDI_BATCH] - c.x * h.y;
-    C.Sigma.xz = s[2 * RBDI_BATCH] - c.x * h.z, C.Sigma.yy = s[3 * RBDI_BATCH] - c.y * h.y;
-    C.Sigma.yz = s[4 * RBDI_BATCH] - c.y * h.z, C.Sigma.zz = s[5 * RBDI_BATCH] - c.z * h.z;
-    y.omega = rbdi_solve_turns(m, rbdi_abi_of_rbi(C, d->mass).I, rbdi_sub(F.n, rbdi_cross(c, F.f)), doubt);
-    y.v = rbdi_scale(share, rbdi_sub(F.f, rbdi_cross(y.omega, h)));
+    C.Sigma.xx = s[0] - com.x * h.x, C.Sigma.xy = s[RBDI_BATCH] - com.x * h.y;
+    C.Sigma.xz = s[2 * RBDI_BATCH] - com.x * h.z, C.Sigma.yy = s[3 * RBDI_BATCH] - com.y * h.y;
+    C.Sigma.yz = s[4 * RBDI_BATCH] - com.y * h.z, C.Sigma.zz = s[5 * RBDI_BATCH] - com.z * h.z;
+    y.omega = rbdi_solve_turns(m, rbdi_abi_of_rbi(C, d->mass).I, rbdi_sub(F.n, rbdi_cross(com, F.f)), doubt);
+    y.v = rbdi_scale(mass_inverse, rbdi_sub(F.f, rbdi_cross(y.omega, h)));
     return y;
 }
 
-/* Torques of the joints if the base moves by y. */
+/* Torques of the joints at A = y of the base. */
 RBDI_PART void rbdi_put_torques(const rbd_model *m, const rbd_derivatives *d, rbdi_motion y,
                                 const rbd_real *a, rbd_real *tau) {
     for (int b = d->behind, k = d->base; b < d->batches; ++b, k += RBDI_BATCH) {
@@ -1676,11 +1678,11 @@ RBDI_PART void rbdi_put_torques(const rbd_model *m, const rbd_derivatives *d, rb
     for (int k = d->base; k < m->nv; ++k) tau[k] = tau[k] + a[k] * m->dof[k].armature;
 }
 
-/* The same by rbd_hybrid, for any model. */
+/* rbd_id_free_base by rbd_hybrid, for any model. */
 RBDI_COLD rbd_status rbdi_hybrid_free_base(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                            const rbd_real *v, const rbd_real *f_ext, rbd_real *a,
                                            rbd_real *tau) {
-    unsigned char *given = (unsigned char *)d->a; /* which nothing else needs now */
+    unsigned char *given = (unsigned char *)d->a; /* not needed otherwise */
     int bases = 0;
     for (int k = 0; k < m->nv; ++k) given[k] = 1;
     for (int i = 0; i < m->nl; ++i) {
@@ -1744,13 +1746,14 @@ RBDI_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep) {
 }
 
 /* ---- derivatives of forward dynamics [forward dynamics code] ----
-   The columns are computed at a = 0: the bias c_i = S_i' f_i, and M. They give a. Then a is added, which is
-   linear: dA to the accelerations, and I dA_p + (sum over the subtree of F_j a_j) to the wrench of dof i's
-   subtree, with dA_p of the parent.
+   The columns are computed at a = 0. They give the bias c, c_i = S_i' f_i, and M, and these give a. Then the
+   effect of a is added, which is linear: dA to the accelerations, and I dA_p + (sum over the subtree of F_j
+   a_j) to the wrench of dof i's subtree, with dA_p of the parent.
 
    a is computed from the factor even if M^-1 is requested. The product M^-1 (tau - c) takes 5 % fewer
-   instructions but loses digits: in chains of 48 links M a is off by 80 times as much, da/dq by 20. If each
-   of 24 links is twice as heavy as its parent, da/dq has no correct digit, from the factor six.
+   instructions but loses digits: in chains of 48 links the error of M a is 80 times as large, of da/dq 20
+   times. If each of 24 links is twice as heavy as its parent, da/dq has no correct digit; by the factor it
+   has six.
 
    With a free base, v and gravity enter only the base's A. The unknowns are y = (w_dot; v_dot + w x v -
    gravity; accelerations of the joints), at v = 0 and without gravity. y does not depend on the position,
@@ -1759,7 +1762,7 @@ RBDI_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep) {
        v_dot = y - w x v - up      by w: dy - e x v      by v: -w x e      by theta: e x up                */
 
 #ifndef RBD_NO_CHOLESKY
-/* M into packed rows, without mimic joints. */
+/* Writes M as a packed matrix. The model has no mimic joints. */
 RBDI_PART void rbdi_put_packed(const rbd_model *m, const rbd_derivatives *d, rbd_real *H) {
     const rbdi_order *o = m->order;
     const rbdi_entry *e = d->entry;
@@ -1768,16 +1771,15 @@ RBDI_PART void rbdi_put_packed(const rbd_model *m, const rbd_derivatives *d, rbd
         const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), RBDI_BATCH);
         const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, i, S), RBDI_BATCH);
         rbd_real *row = H + o[i].row, *pivot = row + m->dof[o[i].dof].depth, *to = pivot;
-        if (d->base)
-            rbdi_store_force(row, 1, F); /* of a base's row, which is shorter, the next writes over the end */
+        if (d->base) rbdi_store_force(row, 1, F); /* over the end of a base's row goes the next row */
         for (int k = e[i].parent; k >= d->base; k = e[k].parent)
             *--to = rbdi_power(rbdi_load_motion(RBDI_OF(d, k, S), RBDI_BATCH), F);
         *pivot = rbdi_power(S, F) + m->dof[o[i].dof].armature;
     }
 }
 
-/* Whether a pivot of M in the common frame is in doubt: M_kk is a difference of inertias about the common
-   origin, as large as the subtree's tr(Sigma), and is off by eps of that. */
+/* Whether a pivot of M is in doubt because of the common frame: M_kk is a difference of inertias about the
+   common origin, as large as the subtree's tr(Sigma), and its error is eps times that. */
 RBDI_PART rbdi_mask rbdi_far_pivots(const rbd_derivatives *d) {
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
     for (int k = d->base; k < d->n; ++k) {
@@ -1789,7 +1791,7 @@ RBDI_PART rbdi_mask rbdi_far_pivots(const rbd_derivatives *d) {
     return doubt;
 }
 
-/* tau - c. */
+/* x = tau - c. */
 RBDI_PART void rbdi_net_torque(const rbd_model *m, rbd_derivatives *d, const rbd_real *tau, rbd_real *x) {
     rbd_real *bias = rbdi_mimics(m) ? d->work->tx : x;
     for (int b = d->base ? d->behind : 0; b < d->batches; ++b) {
@@ -1813,7 +1815,7 @@ RBDI_PART void rbdi_add_acceleration(const rbd_model *m, rbd_derivatives *d, con
     }
     rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Phi, -6 * RBDI_BATCH,
                        base ? rbdi_load_motion(a, 1) : rbdi_motion0(), 0);
-    rbdi_sum_few(d, d->segment, (rbd_real *)&d->columns->E, 6);
+    rbdi_sum_components(d, d->segment, (rbd_real *)&d->columns->E, 6);
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
         const rbdi_bforce f =
@@ -1824,7 +1826,7 @@ RBDI_PART void rbdi_add_acceleration(const rbd_model *m, rbd_derivatives *d, con
     rbdi_columns_by_q(d);
 }
 
-/* Adds [s]x to three rows and columns of a matrix with rows of nv. */
+/* Adds [s]x to three rows and columns of a matrix that has nv columns. */
 RBDI_INLINE void rbdi_add_skew(rbd_real *out, ptrdiff_t nv, rbdi_v3 s) {
     const rbd_real x[3] = {s.x, s.y, s.z};
     for (int i = 0; i < 3; ++i, out += nv) {
@@ -1832,8 +1834,8 @@ RBDI_INLINE void rbdi_add_skew(rbd_real *out, ptrdiff_t nv, rbdi_v3 s) {
         out[j] = out[j] - x[k], out[k] = out[k] + x[j];
     }
 }
-/* Turns y, in d->a, into a, and the derivatives of y, which may be NULL, into those of a. v: velocity of the
-   base. */
+/* Replaces y, in d->a, by a, and the derivatives of y, each of which may be NULL, by those of a. v: velocity
+   of the base. */
 RBDI_PART void rbdi_from_base(const rbd_model *m, const rbd_derivatives *d, const rbd_real *v, rbd_real *by_q,
                               rbd_real *by_v) {
     const ptrdiff_t nv = m->nv;
@@ -2138,15 +2140,15 @@ RBDI_API rbd_status rbd_check_parameters(const rbd_const pi[10]) {
 /* Interface: rbdi_ad_function_of, rbdi_glide_columns, rbdi_move_columns, rbdi_tails, RBDI_J_R_INVERSE */
 
 /* ---- derivatives of steps on the configuration manifold [steps code] ----
-   Of spherical, planar and floating joints; the others add: derivatives 1, -1. For a step d = (w; u), w = 0
-   or u = 0 or in a plane where the joint has no more, with ad = ([w]x, 0; [u]x, [w]x)
+   Of spherical, planar and floating joints; the coordinates of others add up, so their derivatives are 1 and
+   -1. For a step d = (w; u), with zeros where a joint has less than six dofs, and ad = ([w]x, 0; [u]x, [w]x)
 
        integrate     by q  exp(-ad)         by d   J_r = (1 - exp(-ad)) / ad
        difference    by q0 -J_r^-1(-d)      by q1  J_r^-1(d)
 
-   ad is the dual number [w]x + eps [u]x, with eps below the diagonal. f(ad) has f([w]x) = 1 + b [w]x + c
-   [w]x^2 on the diagonal and its derivative along u below. b and c are functions of x = w'w. With c_n = sum
-   (-x)^k / (n + 2k)!, whose derivatives are 2 dc_n/dx = n c_n+2 - c_n+1, they are
+   ad is the dual number [w]x + eps [u]x: a function f(ad) has f([w]x) = 1 + b [w]x + c [w]x^2 on the diagonal
+   and the derivative of f([w]x) along u below it. b and c are functions of x = w'w. With c_n = sum over k of
+   (-x)^k / (n + 2k)!, where 2 dc_n/dx = n c_n+2 - c_n+1, they are
 
        exp(-ad)   b = -c_1, c = c_2
        J_r        b = -c_2, c = c_3
@@ -2159,7 +2161,7 @@ typedef struct rbdi_ad_function {
     rbd_real b, c, db, dc;
 } rbdi_ad_function;
 
-/* c_1 .. c_6 for a turn. */
+/* c_0 .. c_6 of a turn w. */
 static void rbdi_tails(rbdi_v3 w, rbd_real c[7]) {
     const rbdi_exp e = rbdi_exp_of(w);
     const rbd_real one = rbdi_set(RBD_C(1));
@@ -2184,10 +2186,10 @@ static rbdi_ad_function rbdi_ad_function_of(int which, const rbd_real c[7]) {
     const int n = which == RBDI_EXP_MINUS_AD ? 1 : 2;
     rbdi_ad_function f;
     if (which == RBDI_J_R_INVERSE) {
-        const rbd_real half = rbdi_set(RBD_C(0.5)), k = half / c[2], slope = rbdi_tail_slope(c, 4);
+        const rbd_real half = rbdi_set(RBD_C(0.5)), factor = half / c[2], slope = rbdi_tail_slope(c, 4);
         f.b = half, f.db = rbdi_zero();
-        f.c = (c[3] - (c[4] + c[4])) * k;
-        f.dc = (rbdi_tail_slope(c, 3) - (slope + slope) - (f.c + f.c) * rbdi_tail_slope(c, 2)) * k;
+        f.c = (c[3] - (c[4] + c[4])) * factor;
+        f.dc = (rbdi_tail_slope(c, 3) - (slope + slope) - (f.c + f.c) * rbdi_tail_slope(c, 2)) * factor;
         return f;
     }
     f.b = -c[n], f.db = -rbdi_tail_slope(c, n);
@@ -2195,7 +2197,7 @@ static rbdi_ad_function rbdi_ad_function_of(int which, const rbd_real c[7]) {
     return f;
 }
 
-/* scale f(ad), 6 x 6. */
+/* J = scale f(ad) of the step d. */
 static void rbdi_fill_ad(rbdi_ad_function f, rbdi_motion d, rbd_real scale, rbd_real J[6][6]) {
     const rbd_real w[3] = {d.omega.x, d.omega.y, d.omega.z}, u[3] = {d.v.x, d.v.y, d.v.z};
     const rbd_real x = rbdi_dot(d.omega, d.omega), slope = rbdi_dot(d.omega, d.v) + rbdi_dot(d.omega, d.v);
@@ -2214,25 +2216,25 @@ static void rbdi_fill_ad(rbdi_ad_function f, rbdi_motion d, rbd_real scale, rbd_
         }
 }
 
-/* Writes a joint's block of a matrix that is zero: scale f(ad) for the step d sign. For joints whose steps
-   add f = 1. */
-static void rbdi_put_step(const rbd_model *m, const rbdi_frame *u, int which, const rbd_real *d,
+/* Writes scale f(ad) of the step sign d as a joint's block of a matrix that is 0. f = 1 for joints whose
+   coordinates add up. */
+static void rbdi_put_step(const rbd_model *m, const rbdi_frame *body, int which, const rbd_real *d,
                           rbd_real sign, rbd_real scale, rbd_real *out) {
     const ptrdiff_t nv = m->nv;
-    const int first = u->type == RBD_PLANAR ? 2 : 0;
+    const int first = body->type == RBD_PLANAR ? 2 : 0;
     rbd_real c[7], J[6][6];
     rbdi_motion step;
-    out += u->iv * nv + u->iv;
-    if (!rbdi_joint_turns(u)) {
-        for (int k = 0; k < u->nv; ++k) out[k * nv + k] = scale;
+    out += body->iv * nv + body->iv;
+    if (!rbdi_joint_turns(body)) {
+        for (int k = 0; k < body->nv; ++k) out[k * nv + k] = scale;
         return;
     }
-    step = rbdi_joint_motion(u, d, 1);
+    step = rbdi_joint_motion(body, d, 1);
     step.omega = rbdi_scale(sign, step.omega), step.v = rbdi_scale(sign, step.v);
     rbdi_tails(step.omega, c);
     rbdi_fill_ad(rbdi_ad_function_of(which, c), step, scale, J);
-    for (int i = 0; i < u->nv; ++i)
-        for (int j = 0; j < u->nv; ++j) out[i * nv + j] = J[first + i][first + j];
+    for (int i = 0; i < body->nv; ++i)
+        for (int j = 0; j < body->nv; ++j) out[i * nv + j] = J[first + i][first + j];
 }
 
 RBDI_API rbd_status rbd_integrate_derivatives(const rbd_model *m, const rbd_real *v, rbd_real dt,
@@ -2242,71 +2244,73 @@ RBDI_API rbd_status rbd_integrate_derivatives(const rbd_model *m, const rbd_real
     if (dnext_dq) rbdi_clear(dnext_dq, m->nv * m->nv);
     if (dnext_dv) rbdi_clear(dnext_dv, m->nv * m->nv);
     for (int b = 0; b < m->nb; ++b) {
-        const rbdi_frame *u = &m->frame[b];
-        const rbd_real *d = u->nv > 0 ? &v[u->iv] : v;
-        if (dnext_dq && u->nv > 0) rbdi_put_step(m, u, RBDI_EXP_MINUS_AD, d, dt, one, dnext_dq);
-        if (dnext_dv && u->nv > 0) rbdi_put_step(m, u, RBDI_J_R, d, dt, dt, dnext_dv);
+        const rbdi_frame *body = &m->frame[b];
+        const rbd_real *d = body->nv > 0 ? &v[body->iv] : v;
+        if (dnext_dq && body->nv > 0) rbdi_put_step(m, body, RBDI_EXP_MINUS_AD, d, dt, one, dnext_dq);
+        if (dnext_dv && body->nv > 0) rbdi_put_step(m, body, RBDI_J_R, d, dt, dt, dnext_dv);
     }
     return RBD_OK;
 }
 
-/* Of rbd_step, whose origins move straight: M dv~/dv in place of M, v~ being what rbdi_glide makes of v. */
+/* Replaces M by M dv~/dv, where v~ is what rbdi_glide makes of v for steps whose origins move straight. */
 static RBDI_UNUSED void rbdi_glide_columns(const rbd_model *m, const rbd_real *v, rbd_real dt, rbd_real *M) {
     for (int b = 0; b < m->nb; ++b) {
-        const rbdi_frame *u = &m->frame[b];
+        const rbdi_frame *body = &m->frame[b];
         rbdi_motion V;
-        if (!rbdi_joint_turns(u)) continue;
-        V = rbdi_joint_motion(u, &v[u->iv], 1);
-        for (rbd_real *row = M + u->iv; row < M + m->nv * m->nv; row += m->nv) {
-            rbdi_motion J = rbdi_joint_motion(u, row, 1);
+        if (!rbdi_joint_turns(body)) continue;
+        V = rbdi_joint_motion(body, &v[body->iv], 1);
+        for (rbd_real *row = M + body->iv; row < M + m->nv * m->nv; row += m->nv) {
+            rbdi_motion J = rbdi_joint_motion(body, row, 1);
             J.omega = rbdi_add(J.omega, rbdi_scale(dt, rbdi_cross(V.v, J.v)));
             J.v = rbdi_add(J.v, rbdi_scale(dt, rbdi_cross(J.v, V.omega)));
-            rbdi_put_joint_motion(u, J, row, 1);
+            rbdi_put_joint_motion(body, J, row, 1);
         }
     }
 }
 
-/* Rows of a joint that turns, of derivatives of rbdi_move_straight and rbdi_turn_velocity, in place of those
-   of `moved` and nu. With moved = (w; v) and E = exp(-dt [w]x), and the step (e; s) of q that a column is by:
+/* Replaces rows of a joint that turns: derivatives of `moved` by those of rbdi_move_straight, of nu by those
+   of rbdi_turn_velocity. n: columns. With moved = (w; v), E = exp(-dt [w]x), and the step (e; s) of q that a
+   column is by:
 
        turn = dt J_r(dt w) dw,   dq_next = (E e + turn; E (s + dt e x v + dt dv)),
        dv_next = E dnu + v_next x turn */
-static void rbdi_turn_columns(const rbdi_frame *u, int n, const rbd_real *moved, const rbd_real *nu,
+static void rbdi_turn_columns(const rbdi_frame *body, int n, const rbd_real *moved, const rbd_real *nu,
                               rbd_real dt, int by_q, rbd_real *dq, rbd_real *dv) {
-    const rbdi_motion V = rbdi_joint_motion(u, moved, 1), end = rbdi_joint_motion(u, nu, 1);
+    const rbdi_motion V = rbdi_joint_motion(body, moved, 1), end = rbdi_joint_motion(body, nu, 1);
     const rbdi_v3 w = rbdi_scale(dt, V.omega), back = rbdi_scale(-dt, V.omega);
     const rbdi_exp e = rbdi_exp_of(w);
     const rbdi_v3 end_w = rbdi_turn_back(e, w, end.omega), end_v = rbdi_turn_back(e, w, end.v);
     for (int k = 0; k < n; ++k, ++dq, ++dv) {
-        rbdi_motion p = rbdi_joint_motion(u, dq, n), x = rbdi_joint_motion(u, dv, n);
-        const rbdi_v3 turn = rbdi_scale(dt, rbdi_exp_shift(e, back, p.omega));
-        p.omega = turn, p.v = rbdi_scale(dt, p.v);
-        if (by_q && k >= u->iv && k < u->iv + u->nv) {
+        rbdi_motion position = rbdi_joint_motion(body, dq, n), velocity = rbdi_joint_motion(body, dv, n);
+        const rbdi_v3 turn = rbdi_scale(dt, rbdi_exp_shift(e, back, position.omega));
+        position.omega = turn, position.v = rbdi_scale(dt, position.v);
+        if (by_q && k >= body->iv && k < body->iv + body->nv) {
             rbd_real unit[6] = {rbdi_zero(), rbdi_zero(), rbdi_zero(), rbdi_zero(), rbdi_zero(), rbdi_zero()};
             rbdi_motion step;
-            unit[k - u->iv] = rbdi_set(RBD_C(1));
-            step = rbdi_joint_motion(u, unit, 1);
-            p.omega = rbdi_add(turn, rbdi_turn_back(e, w, step.omega));
-            p.v = rbdi_add(rbdi_add(p.v, step.v), rbdi_scale(dt, rbdi_cross(step.omega, V.v)));
+            unit[k - body->iv] = rbdi_set(RBD_C(1));
+            step = rbdi_joint_motion(body, unit, 1);
+            position.omega = rbdi_add(turn, rbdi_turn_back(e, w, step.omega));
+            position.v = rbdi_add(rbdi_add(position.v, step.v), rbdi_scale(dt, rbdi_cross(step.omega, V.v)));
         }
-        p.v = rbdi_turn_back(e, w, p.v);
-        x.omega = rbdi_add(rbdi_turn_back(e, w, x.omega), rbdi_cross(end_w, turn));
-        x.v = rbdi_add(rbdi_turn_back(e, w, x.v), rbdi_cross(end_v, turn));
-        rbdi_put_joint_motion(u, p, dq, n), rbdi_put_joint_motion(u, x, dv, n);
+        position.v = rbdi_turn_back(e, w, position.v);
+        velocity.omega = rbdi_add(rbdi_turn_back(e, w, velocity.omega), rbdi_cross(end_w, turn));
+        velocity.v = rbdi_add(rbdi_turn_back(e, w, velocity.v), rbdi_cross(end_v, turn));
+        rbdi_put_joint_motion(body, position, dq, n), rbdi_put_joint_motion(body, velocity, dv, n);
     }
 }
 
-/* The same of all joints. */
+/* The same for all joints. */
 static RBDI_UNUSED void rbdi_move_columns(const rbd_model *m, const rbd_real *moved, const rbd_real *nu,
                                           rbd_real dt, int by_q, rbd_real *dq, rbd_real *dv) {
     const ptrdiff_t n = m->nv;
     for (int b = 0; b < m->nb; ++b) {
-        const rbdi_frame *u = &m->frame[b];
-        if (rbdi_joint_turns(u)) {
-            rbdi_turn_columns(u, m->nv, &moved[u->iv], &nu[u->iv], dt, by_q, &dq[u->iv * n], &dv[u->iv * n]);
+        const rbdi_frame *body = &m->frame[b];
+        if (rbdi_joint_turns(body)) {
+            rbdi_turn_columns(body, m->nv, &moved[body->iv], &nu[body->iv], dt, by_q, &dq[body->iv * n],
+                              &dv[body->iv * n]);
             continue;
         }
-        for (int k = u->iv; k < u->iv + u->nv; ++k) {
+        for (int k = body->iv; k < body->iv + body->nv; ++k) {
             for (int j = 0; j < n; ++j) dq[k * n + j] = dq[k * n + j] * dt;
             if (by_q) dq[k * n + k] = dq[k * n + k] + rbdi_set(RBD_C(1));
         }
@@ -2320,12 +2324,12 @@ RBDI_API rbd_status rbd_difference_derivatives(const rbd_model *m, const rbd_rea
     if (dd_dq0) rbdi_clear(dd_dq0, m->nv * m->nv);
     if (dd_dq1) rbdi_clear(dd_dq1, m->nv * m->nv);
     for (int b = 0; b < m->nb; ++b) {
-        const rbdi_frame *u = &m->frame[b];
+        const rbdi_frame *body = &m->frame[b];
         rbd_real d[6];
-        if (u->nv == 0) continue;
-        rbdi_difference_joint(u, &q0[u->iq], &q1[u->iq], d);
-        if (dd_dq0) rbdi_put_step(m, u, RBDI_J_R_INVERSE, d, -one, -one, dd_dq0);
-        if (dd_dq1) rbdi_put_step(m, u, RBDI_J_R_INVERSE, d, one, one, dd_dq1);
+        if (body->nv == 0) continue;
+        rbdi_difference_joint(body, &q0[body->iq], &q1[body->iq], d);
+        if (dd_dq0) rbdi_put_step(m, body, RBDI_J_R_INVERSE, d, -one, -one, dd_dq0);
+        if (dd_dq1) rbdi_put_step(m, body, RBDI_J_R_INVERSE, d, one, one, dd_dq1);
     }
     return RBD_OK;
 }

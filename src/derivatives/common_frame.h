@@ -159,11 +159,11 @@ RBDI_INLINE int rbdi_dof_axis(const rbd_model *m, const rbdi_link *l, int k) {
 }
 
 /* Stores axes and origin of a link for one of its dofs. The axes are cycled so that z is the dof's own. */
-RBDI_INLINE void rbdi_put_axes(rbd_real *out, const rbdi_four *x, const rbdi_four *y, const rbdi_four *z,
+RBDI_INLINE void rbdi_put_axes(rbd_real *out, const rbdi_four *ex, const rbdi_four *ey, const rbdi_four *ez,
                                const rbdi_four *origin) {
-    rbdi_store_vec(out, RBDI_BATCH, rbdi_axis_vec(x));
-    rbdi_store_vec(out + 3 * RBDI_BATCH, RBDI_BATCH, rbdi_axis_vec(y));
-    rbdi_store_vec(out + 6 * RBDI_BATCH, RBDI_BATCH, rbdi_axis_vec(z));
+    rbdi_store_vec(out, RBDI_BATCH, rbdi_axis_vec(ex));
+    rbdi_store_vec(out + 3 * RBDI_BATCH, RBDI_BATCH, rbdi_axis_vec(ey));
+    rbdi_store_vec(out + 6 * RBDI_BATCH, RBDI_BATCH, rbdi_axis_vec(ez));
     rbdi_store_vec(out + 9 * RBDI_BATCH, RBDI_BATCH, rbdi_axis_vec(origin));
 }
 /* The same for the dofs of a block from k on. */
@@ -180,23 +180,23 @@ RBDI_INLINE rbdi_pose rbdi_common_pose(const rbd_model *m, const rbd_derivatives
     const int last = rbdi_last_dof(m, link), axis = rbdi_dof_axis(m, &m->link[link], last);
     const rbd_real *in = RBDI_OF(d, last, ex);
     rbdi_v3 e[3];
-    rbdi_pose X;
+    rbdi_pose pose;
     for (int k = 0; k < 3; ++k) e[(axis + 1 + k) % 3] = rbdi_load_vec(in + 3 * k * RBDI_BATCH, RBDI_BATCH);
-    X.E.xx = e[0].x, X.E.xy = e[0].y, X.E.xz = e[0].z;
-    X.E.yx = e[1].x, X.E.yy = e[1].y, X.E.yz = e[1].z;
-    X.E.zx = e[2].x, X.E.zy = e[2].y, X.E.zz = e[2].z;
-    X.r = rbdi_load_vec(in + 9 * RBDI_BATCH, RBDI_BATCH);
-    return X;
+    pose.E.xx = e[0].x, pose.E.xy = e[0].y, pose.E.xz = e[0].z;
+    pose.E.yx = e[1].x, pose.E.yy = e[1].y, pose.E.yz = e[1].z;
+    pose.E.zx = e[2].x, pose.E.zy = e[2].y, pose.E.zz = e[2].z;
+    pose.r = rbdi_load_vec(in + 9 * RBDI_BATCH, RBDI_BATCH);
+    return pose;
 }
 
-/* Moves the common origin from the root's own to link i's. */
+/* Moves the common origin from the root's origin to that of link i, which is at x. */
 RBDI_PART void rbdi_move_origin(const rbd_model *m, rbd_derivatives *d, int i, rbdi_v3 x) {
     for (int k = m->link[d->origin[i]].first; k < m->link[i].first; ++k)
         rbdi_store_vec(RBDI_OF(d, k, x), RBDI_BATCH,
                        rbdi_sub(rbdi_load_vec(RBDI_OF(d, k, x), RBDI_BATCH), x));
 }
 
-/* Axes and origins of all links; base: in the base's axes. */
+/* Axes and origins of all links. base: dofs of a free base whose axes the frame has, or 0. */
 RBDI_PART void rbdi_poses(const rbd_model *m, rbd_derivatives *d, int base) {
     const int known = base ? 0 : -1; /* the last link that is where the root is */
     rbdi_axes p;
@@ -229,17 +229,17 @@ RBDI_PART void rbdi_poses(const rbd_model *m, rbd_derivatives *d, int base) {
 RBDI_PART void rbdi_motion_columns(rbd_derivatives *d, int b) {
     for (; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
-        const rbdi_constants *k = &d->constants[b];
-        const rbdi_b3 z = rbdi_b_vec(c->ez.x * k->rho, c->ez.y * k->rho, c->ez.z * k->rho);
-        const rbdi_b3 slide = rbdi_b_vec(c->ez.x * k->kappa, c->ez.y * k->kappa, c->ez.z * k->kappa);
-        c->S.omega = z;
-        c->S.v = rbdi_b_cross_add(slide, c->x, z);
+        const rbdi_constants *own = &d->constants[b];
+        const rbdi_b3 turn = rbdi_b_vec(c->ez.x * own->rho, c->ez.y * own->rho, c->ez.z * own->rho);
+        const rbdi_b3 slide = rbdi_b_vec(c->ez.x * own->kappa, c->ez.y * own->kappa, c->ez.z * own->kappa);
+        c->S.omega = turn;
+        c->S.v = rbdi_b_cross_add(slide, c->x, turn);
     }
 }
 
 /* Sums over ancestors: Vp from dV, or Ap from dA, which begins `apart` scalars behind. world: V or A of the
-   roots' parent, with a base that of its link. moves: whether the velocity of the frame, that of the link
-   of its origin, is subtracted. */
+   roots' parent or, with a base, of the base. moves: whether the frame moves with its origin, so that the
+   velocity of that is subtracted. */
 RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, ptrdiff_t apart,
                                     rbdi_motion world, int moves) {
     const rbdi_entry *entry = d->entry;
@@ -247,25 +247,26 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
         rbdi_store_motion(Vp + entry[base - 1].at, RBDI_BATCH, world);
         rbdi_store_motion(Vp + entry[base - 1].at + apart, RBDI_BATCH, rbdi_motion0());
     }
-    for (const rbdi_segment *r = d->segment + (base > 0), *last = d->segment + d->segments; r < last; ++r) {
+    for (const rbdi_segment *seg = d->segment + (base > 0), *last = d->segment + d->segments; seg < last;
+         ++seg) {
         rbdi_motion V = world;
-        if (r->parent >= base) {
-            const rbd_real *in = Vp + entry[r->parent].at;
+        if (seg->parent >= base) {
+            const rbd_real *in = Vp + entry[seg->parent].at;
             V = rbdi_motion_add(rbdi_load_motion(in, RBDI_BATCH), rbdi_load_motion(in + apart, RBDI_BATCH));
         }
-        for (int k = r->first; moves && k < r->origin; ++k)
+        for (int k = seg->first; moves && k < seg->origin; ++k)
             V.v = rbdi_sub(V.v, rbdi_load_vec(Vp + entry[k].at + apart + 3 * RBDI_BATCH, RBDI_BATCH));
-        if (r->block) {
+        if (seg->block) {
             rbdi_motion all = rbdi_motion0();
-            for (int k = r->first; k < r->end; ++k)
+            for (int k = seg->first; k < seg->end; ++k)
                 all = rbdi_motion_add(all, rbdi_load_motion(Vp + entry[k].at + apart, RBDI_BATCH));
-            for (int k = r->first; k < r->end; ++k) {
+            for (int k = seg->first; k < seg->end; ++k) {
                 rbdi_store_motion(Vp + entry[k].at, RBDI_BATCH, V);
                 rbdi_store_motion(Vp + entry[k].at + apart, RBDI_BATCH, all);
             }
             continue;
         }
-        for (int k = r->first; k < r->end; ++k) {
+        for (int k = seg->first; k < seg->end; ++k) {
             rbd_real *out = Vp + entry[k].at;
             RBDI_ONE_INDEX(out);
             rbdi_store_motion(out, RBDI_BATCH, V);
@@ -280,8 +281,8 @@ RBDI_INLINE void rbdi_copy(const rbd_real *x, int n, rbd_real *y) {
     for (; k + RBDI_BATCH <= n; k += RBDI_BATCH) *(rbdi_batch *)&y[k] = *(const rbdi_batch *)&x[k];
     for (; k < n; ++k) y[k] = x[k];
 }
-/* Copies v or a into the lanes, which have the same order, from dof k on: 0, or the first behind a free
-   base. */
+/* Copies v or a into the lanes, which have the same order, from dof k on: dof 0 or, behind a free base, the
+   first. */
 RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v, rbd_real *out) {
     const int n = d->n;
     for (; k < d->base; ++k) out[d->entry[k].at] = v[k];
@@ -346,48 +347,49 @@ RBDI_INLINE rbdi_b3 rbdi_b_rotate(const rbdi_columns *c, rbdi_cbatch x, rbdi_cba
                       ex.z * x + ey.z * y + ez.z * z);
 }
 /* Sigma and h of the links. */
-RBDI_INLINE void rbdi_own_inertia(const rbdi_columns *c, const rbdi_constants *k, rbdi_sums *s) {
+RBDI_INLINE void rbdi_own_inertia(const rbdi_columns *c, const rbdi_constants *own, rbdi_sums *s) {
     const rbdi_b3 ex = c->ex, ey = c->ey, ez = c->ez, x = c->x;
-    const rbdi_b3 h = rbdi_b_rotate(c, k->hx, k->hy, k->hz), a = rbdi_b_rotate(c, k->xx, k->xy, k->xz),
-                  b = rbdi_b_rotate(c, k->xy, k->yy, k->yz),
-                  e = rbdi_b_rotate(c, k->xz, k->yz, k->zz); /* R h_b; (a b e) = R Sigma_b */
-    s->h = rbdi_b_vec(h.x + x.x * k->m, h.y + x.y * k->m, h.z + x.z * k->m);
-    s->xx = a.x * ex.x + b.x * ey.x + e.x * ez.x + x.x * h.x + s->h.x * x.x;
-    s->xy = a.x * ex.y + b.x * ey.y + e.x * ez.y + x.x * h.y + s->h.x * x.y;
-    s->xz = a.x * ex.z + b.x * ey.z + e.x * ez.z + x.x * h.z + s->h.x * x.z;
-    s->yy = a.y * ex.y + b.y * ey.y + e.y * ez.y + x.y * h.y + s->h.y * x.y;
-    s->yz = a.y * ex.z + b.y * ey.z + e.y * ez.z + x.y * h.z + s->h.y * x.z;
-    s->zz = a.z * ex.z + b.z * ey.z + e.z * ez.z + x.z * h.z + s->h.z * x.z;
+    const rbdi_b3 h = rbdi_b_rotate(c, own->hx, own->hy, own->hz),
+                  u = rbdi_b_rotate(c, own->xx, own->xy, own->xz),
+                  v = rbdi_b_rotate(c, own->xy, own->yy, own->yz),
+                  w = rbdi_b_rotate(c, own->xz, own->yz, own->zz); /* R h_b; (u v w) = R Sigma_b */
+    s->h = rbdi_b_vec(h.x + x.x * own->m, h.y + x.y * own->m, h.z + x.z * own->m);
+    s->xx = u.x * ex.x + v.x * ey.x + w.x * ez.x + x.x * h.x + s->h.x * x.x;
+    s->xy = u.x * ex.y + v.x * ey.y + w.x * ez.y + x.x * h.y + s->h.x * x.y;
+    s->xz = u.x * ex.z + v.x * ey.z + w.x * ez.z + x.x * h.z + s->h.x * x.z;
+    s->yy = u.y * ex.y + v.y * ey.y + w.y * ez.y + x.y * h.y + s->h.y * x.y;
+    s->yz = u.y * ex.z + v.y * ey.z + w.y * ez.z + x.y * h.z + s->h.y * x.z;
+    s->zz = u.z * ex.z + v.z * ey.z + w.z * ez.z + x.z * h.z + s->h.z * x.z;
 }
 
 /* X and P of the links. V is their velocity or, for 2 B in place of B, twice that. */
-RBDI_INLINE void rbdi_own_momentum(rbdi_bmotion V, const rbdi_constants *k, rbdi_sums *s) {
+RBDI_INLINE void rbdi_own_momentum(rbdi_bmotion V, const rbdi_constants *own, rbdi_sums *s) {
     const rbdi_b3 w = V.omega, v = V.v, h = s->h;
-    const rbdi_b3 x = rbdi_b_vec(s->xx, s->xy, s->xz), y = rbdi_b_vec(s->xy, s->yy, s->yz),
-                  z = rbdi_b_vec(s->xz, s->yz, s->zz);
-    s->Xx = rbdi_b_vec(w.y * z.x - w.z * y.x + v.x * h.x, w.y * z.y - w.z * y.y + v.x * h.y,
-                       w.y * z.z - w.z * y.z + v.x * h.z);
-    s->Xy = rbdi_b_vec(w.z * x.x - w.x * z.x + v.y * h.x, w.z * x.y - w.x * z.y + v.y * h.y,
-                       w.z * x.z - w.x * z.z + v.y * h.z);
-    s->Xz = rbdi_b_vec(w.x * y.x - w.y * x.x + v.z * h.x, w.x * y.y - w.y * x.y + v.z * h.y,
-                       w.x * y.z - w.y * x.z + v.z * h.z);
-    s->P = rbdi_b_cross_add(rbdi_b_vec(v.x * k->m, v.y * k->m, v.z * k->m), w, h);
+    const rbdi_b3 sx = rbdi_b_vec(s->xx, s->xy, s->xz), sy = rbdi_b_vec(s->xy, s->yy, s->yz),
+                  sz = rbdi_b_vec(s->xz, s->yz, s->zz);
+    s->Xx = rbdi_b_vec(w.y * sz.x - w.z * sy.x + v.x * h.x, w.y * sz.y - w.z * sy.y + v.x * h.y,
+                       w.y * sz.z - w.z * sy.z + v.x * h.z);
+    s->Xy = rbdi_b_vec(w.z * sx.x - w.x * sz.x + v.y * h.x, w.z * sx.y - w.x * sz.y + v.y * h.y,
+                       w.z * sx.z - w.x * sz.z + v.y * h.z);
+    s->Xz = rbdi_b_vec(w.x * sy.x - w.y * sx.x + v.z * h.x, w.x * sy.y - w.y * sx.y + v.z * h.y,
+                       w.x * sy.z - w.y * sx.z + v.z * h.z);
+    s->P = rbdi_b_cross_add(rbdi_b_vec(v.x * own->m, v.y * own->m, v.z * own->m), w, h);
 }
 
-/* Rows of Omega. */
+/* The rows of Omega. */
 typedef struct rbdi_b33 {
     rbdi_b3 x, y, z;
 } rbdi_b33;
-RBDI_INLINE rbdi_b33 rbdi_b_omega(rbdi_b3 w, rbdi_b3 al) {
+RBDI_INLINE rbdi_b33 rbdi_b_omega(rbdi_b3 w, rbdi_b3 alpha) {
     rbdi_b33 O;
-    O.x = rbdi_b_vec(-(w.y * w.y + w.z * w.z), w.x * w.y - al.z, w.x * w.z + al.y);
-    O.y = rbdi_b_vec(w.x * w.y + al.z, -(w.x * w.x + w.z * w.z), w.y * w.z - al.x);
-    O.z = rbdi_b_vec(w.x * w.z - al.y, w.y * w.z + al.x, -(w.x * w.x + w.y * w.y));
+    O.x = rbdi_b_vec(-(w.y * w.y + w.z * w.z), w.x * w.y - alpha.z, w.x * w.z + alpha.y);
+    O.y = rbdi_b_vec(w.x * w.y + alpha.z, -(w.x * w.x + w.z * w.z), w.y * w.z - alpha.x);
+    O.z = rbdi_b_vec(w.x * w.z - alpha.y, w.y * w.z + alpha.x, -(w.x * w.x + w.y * w.y));
     return O;
 }
 
-/* Wrench that moves the links: n_x = K_zy - K_yz of K = Omega Sigma + acc h' as in rbdi_wrench. */
-RBDI_INLINE void rbdi_own_wrench(rbdi_bmotion V, rbdi_bmotion A, const rbdi_constants *k, rbdi_sums *s) {
+/* The wrench that moves each link: n_x = K_zy - K_yz of K = Omega Sigma + acc h', as in rbdi_wrench. */
+RBDI_INLINE void rbdi_own_wrench(rbdi_bmotion V, rbdi_bmotion A, const rbdi_constants *own, rbdi_sums *s) {
     const rbdi_b3 h = s->h, acc = rbdi_b_cross_add(A.v, V.omega, V.v);
     const rbdi_b33 O = rbdi_b_omega(V.omega, A.omega);
     const rbdi_b3 n =
@@ -395,9 +397,9 @@ RBDI_INLINE void rbdi_own_wrench(rbdi_bmotion V, rbdi_bmotion A, const rbdi_cons
                    O.x.y * s->yz + (O.x.x - O.z.z) * s->xz + O.x.z * s->zz - O.z.x * s->xx - O.z.y * s->xy,
                    O.y.x * s->xx + (O.y.y - O.x.x) * s->xy + O.y.z * s->xz - O.x.y * s->yy - O.x.z * s->yz);
     s->f.n = rbdi_b_cross_add(n, h, acc);
-    s->f.f = rbdi_b_vec(O.x.x * h.x + O.x.y * h.y + O.x.z * h.z + acc.x * k->m,
-                        O.y.x * h.x + O.y.y * h.y + O.y.z * h.z + acc.y * k->m,
-                        O.z.x * h.x + O.z.y * h.y + O.z.z * h.z + acc.z * k->m);
+    s->f.f = rbdi_b_vec(O.x.x * h.x + O.x.y * h.y + O.x.z * h.z + acc.x * own->m,
+                        O.y.x * h.x + O.y.y * h.y + O.y.z * h.z + acc.y * own->m,
+                        O.z.x * h.x + O.z.y * h.y + O.z.z * h.z + acc.z * own->m);
 }
 
 /* Stores the sums that need asks for. */
@@ -411,17 +413,17 @@ RBDI_INLINE void rbdi_store_sums(const rbdi_sums *s, int need, rbdi_sums *out) {
 /* Subtracts external wrenches from those of the links. */
 RBDI_PART void rbdi_common_external(const rbd_model *m, rbd_derivatives *d, const rbd_real *f_ext) {
     const int bodies = f_ext ? m->nb : 0;
-    for (int b = 0; b < bodies; ++b) {
-        const rbdi_frame *u = &m->frame[b];
-        rbdi_pose X;
+    for (int body = 0; body < bodies; ++body) {
+        const rbdi_frame *u = &m->frame[body];
+        rbdi_pose pose;
         rbdi_force F;
         rbd_real *out;
         if (u->link < 0) continue;
-        X.E = rbdi_mat_c(u->E);
-        X.r = rbdi_vec_c(u->r);
-        F = rbdi_force_up_block(&X, rbdi_load_force(f_ext + 6 * b, 1)); /* to the link */
-        X = rbdi_common_pose(m, d, u->link);
-        F = rbdi_force_up_block(&X, F);
+        pose.E = rbdi_mat_c(u->E);
+        pose.r = rbdi_vec_c(u->r);
+        F = rbdi_force_up_block(&pose, rbdi_load_force(f_ext + 6 * body, 1)); /* to the link */
+        pose = rbdi_common_pose(m, d, u->link);
+        F = rbdi_force_up_block(&pose, F);
         out = RBDI_OF(d, rbdi_last_dof(m, u->link), sum.f);
         rbdi_store_force(out, RBDI_BATCH, rbdi_force_sub(rbdi_load_force(out, RBDI_BATCH), F));
     }

@@ -30,13 +30,14 @@ RBDI_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep) {
 }
 
 /* ---- derivatives of forward dynamics [forward dynamics code] ----
-   The columns are computed at a = 0: the bias c_i = S_i' f_i, and M. They give a. Then a is added, which is
-   linear: dA to the accelerations, and I dA_p + (sum over the subtree of F_j a_j) to the wrench of dof i's
-   subtree, with dA_p of the parent.
+   The columns are computed at a = 0. They give the bias c, c_i = S_i' f_i, and M, and these give a. Then the
+   effect of a is added, which is linear: dA to the accelerations, and I dA_p + (sum over the subtree of F_j
+   a_j) to the wrench of dof i's subtree, with dA_p of the parent.
 
    a is computed from the factor even if M^-1 is requested. The product M^-1 (tau - c) takes 5 % fewer
-   instructions but loses digits: in chains of 48 links M a is off by 80 times as much, da/dq by 20. If each
-   of 24 links is twice as heavy as its parent, da/dq has no correct digit, from the factor six.
+   instructions but loses digits: in chains of 48 links the error of M a is 80 times as large, of da/dq 20
+   times. If each of 24 links is twice as heavy as its parent, da/dq has no correct digit; by the factor it
+   has six.
 
    With a free base, v and gravity enter only the base's A. The unknowns are y = (w_dot; v_dot + w x v -
    gravity; accelerations of the joints), at v = 0 and without gravity. y does not depend on the position,
@@ -45,7 +46,7 @@ RBDI_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep) {
        v_dot = y - w x v - up      by w: dy - e x v      by v: -w x e      by theta: e x up                */
 
 #ifndef RBD_NO_CHOLESKY
-/* M into packed rows, without mimic joints. */
+/* Writes M as a packed matrix. The model has no mimic joints. */
 RBDI_PART void rbdi_put_packed(const rbd_model *m, const rbd_derivatives *d, rbd_real *H) {
     const rbdi_order *o = m->order;
     const rbdi_entry *e = d->entry;
@@ -54,16 +55,15 @@ RBDI_PART void rbdi_put_packed(const rbd_model *m, const rbd_derivatives *d, rbd
         const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), RBDI_BATCH);
         const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, i, S), RBDI_BATCH);
         rbd_real *row = H + o[i].row, *pivot = row + m->dof[o[i].dof].depth, *to = pivot;
-        if (d->base)
-            rbdi_store_force(row, 1, F); /* of a base's row, which is shorter, the next writes over the end */
+        if (d->base) rbdi_store_force(row, 1, F); /* over the end of a base's row goes the next row */
         for (int k = e[i].parent; k >= d->base; k = e[k].parent)
             *--to = rbdi_power(rbdi_load_motion(RBDI_OF(d, k, S), RBDI_BATCH), F);
         *pivot = rbdi_power(S, F) + m->dof[o[i].dof].armature;
     }
 }
 
-/* Whether a pivot of M in the common frame is in doubt: M_kk is a difference of inertias about the common
-   origin, as large as the subtree's tr(Sigma), and is off by eps of that. */
+/* Whether a pivot of M is in doubt because of the common frame: M_kk is a difference of inertias about the
+   common origin, as large as the subtree's tr(Sigma), and its error is eps times that. */
 RBDI_PART rbdi_mask rbdi_far_pivots(const rbd_derivatives *d) {
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
     for (int k = d->base; k < d->n; ++k) {
@@ -75,7 +75,7 @@ RBDI_PART rbdi_mask rbdi_far_pivots(const rbd_derivatives *d) {
     return doubt;
 }
 
-/* tau - c. */
+/* x = tau - c. */
 RBDI_PART void rbdi_net_torque(const rbd_model *m, rbd_derivatives *d, const rbd_real *tau, rbd_real *x) {
     rbd_real *bias = rbdi_mimics(m) ? d->work->tx : x;
     for (int b = d->base ? d->behind : 0; b < d->batches; ++b) {
@@ -99,7 +99,7 @@ RBDI_PART void rbdi_add_acceleration(const rbd_model *m, rbd_derivatives *d, con
     }
     rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Phi, -6 * RBDI_BATCH,
                        base ? rbdi_load_motion(a, 1) : rbdi_motion0(), 0);
-    rbdi_sum_few(d, d->segment, (rbd_real *)&d->columns->E, 6);
+    rbdi_sum_components(d, d->segment, (rbd_real *)&d->columns->E, 6);
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
         const rbdi_bforce f =
@@ -110,7 +110,7 @@ RBDI_PART void rbdi_add_acceleration(const rbd_model *m, rbd_derivatives *d, con
     rbdi_columns_by_q(d);
 }
 
-/* Adds [s]x to three rows and columns of a matrix with rows of nv. */
+/* Adds [s]x to three rows and columns of a matrix that has nv columns. */
 RBDI_INLINE void rbdi_add_skew(rbd_real *out, ptrdiff_t nv, rbdi_v3 s) {
     const rbd_real x[3] = {s.x, s.y, s.z};
     for (int i = 0; i < 3; ++i, out += nv) {
@@ -118,8 +118,8 @@ RBDI_INLINE void rbdi_add_skew(rbd_real *out, ptrdiff_t nv, rbdi_v3 s) {
         out[j] = out[j] - x[k], out[k] = out[k] + x[j];
     }
 }
-/* Turns y, in d->a, into a, and the derivatives of y, which may be NULL, into those of a. v: velocity of the
-   base. */
+/* Replaces y, in d->a, by a, and the derivatives of y, each of which may be NULL, by those of a. v: velocity
+   of the base. */
 RBDI_PART void rbdi_from_base(const rbd_model *m, const rbd_derivatives *d, const rbd_real *v, rbd_real *by_q,
                               rbd_real *by_v) {
     const ptrdiff_t nv = m->nv;

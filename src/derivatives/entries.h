@@ -10,10 +10,10 @@
        dtau_i/dv_j = S_i' D_j         dtau_j/dv_i = T_j' S_i + F_j' U_i
        dtau_i/dq_j = S_i' E_j         dtau_j/dq_i = T_j' Psi_i + F_j' Phi_i
 
-   and zero for dofs of different branches. Within a joint the axes of i do not turn with those of j: there
+   and 0 for dofs of different branches. Within a joint the axes of i do not turn with those of j: there
    dtau_i/dq_j is the second formula of the last line with i and j exchanged. C is as dtau/dv, from halved
-   columns. Rows are computed one at a time, with dofs as lanes: those on the path to dof i by the right
-   column, those of its subtree by the left one. */
+   columns. Rows are computed one at a time, with dofs as lanes: the entries of dofs on the path to dof i by
+   the formulas on the right, those of dofs in its subtree by the formulas on the left. */
 
 /* S' F. */
 RBDI_INLINE rbd_real rbdi_power(rbdi_motion S, rbdi_force F) {
@@ -27,12 +27,12 @@ typedef struct rbdi_wanted {
     rbd_real *at[RBDI_RESULTS];
 } rbdi_wanted;
 
-/* a' x, vectors of a batch times the vector of one dof, and with c added. */
+/* a' x of a batch of vectors a and one vector x, and with c added. */
 RBDI_INLINE rbdi_batch rbdi_b_dot(rbdi_b3 a, rbdi_v3 x) { return a.x * x.x + a.y * x.y + a.z * x.z; }
 RBDI_INLINE rbdi_batch rbdi_b_dot_add(rbdi_batch c, rbdi_b3 a, rbdi_v3 x) {
     return c + a.x * x.x + a.y * x.y + a.z * x.z;
 }
-/* S' F and V' F. */
+/* S' F of a batch of motions and one force, and of a batch of forces and one motion. */
 RBDI_INLINE rbdi_batch rbdi_b_motion_dot(rbdi_bmotion S, rbdi_force F) {
     return rbdi_b_dot_add(rbdi_b_dot(S.omega, F.n), S.v, F.f);
 }
@@ -40,14 +40,14 @@ RBDI_INLINE rbdi_batch rbdi_b_force_dot(rbdi_bforce F, rbdi_motion S) {
     return rbdi_b_dot_add(rbdi_b_dot(F.n, S.omega), F.f, S.v);
 }
 
-/* Entries of a dof, with the columns F and T, and the dofs of a batch on its path. */
+/* Entries of a dof, whose columns are F and T, with a batch of dofs on its path. */
 RBDI_INLINE void rbdi_entries_before(const rbdi_columns *c, int want, rbdi_force F, rbdi_v3 T,
                                      rbdi_batch y[RBDI_RESULTS]) {
     if (want & RBDI_WANT_Q) y[RBDI_BY_Q] = rbdi_b_dot(c->Psi.omega, T) + rbdi_b_motion_dot(c->Phi, F);
     if (want & RBDI_WANT_V) y[RBDI_BY_V] = rbdi_b_dot(c->S.omega, T) + rbdi_b_motion_dot(c->U, F);
     if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_motion_dot(c->S, F);
 }
-/* Entries of a dof, with the column S, and the dofs of a batch in its subtree. */
+/* Entries of a dof, whose column is S, with a batch of dofs in its subtree. */
 RBDI_INLINE void rbdi_entries_behind(const rbdi_columns *c, int want, rbdi_motion S,
                                      rbdi_batch y[RBDI_RESULTS]) {
     if (want & RBDI_WANT_Q) y[RBDI_BY_Q] = rbdi_b_force_dot(c->E, S);
@@ -55,14 +55,14 @@ RBDI_INLINE void rbdi_entries_behind(const rbdi_columns *c, int want, rbdi_motio
     if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_force_dot(c->F, S);
 }
 
-/* With mimic joints a result is G' (.) G: adds the entries y of dofs i and k. Those of two results are a
-   stride apart. */
+/* Adds the entries y of dofs i and k, which are `stride` apart, to those of the joints that they follow: with
+   mimic joints a result is G' (.) G, G = dv/dv of all joints by those of the caller. */
 RBDI_PART void rbdi_add_entry(const rbd_model *m, const rbdi_entry *i, const rbdi_entry *k, const rbd_real *y,
                               ptrdiff_t stride, rbdi_wanted out) {
-    const rbd_real g = rbdi_ratio(m, i->source) * rbdi_ratio(m, k->source);
+    const rbd_real ratio = rbdi_ratio(m, i->source) * rbdi_ratio(m, k->source);
     for (int r = 0; r < RBDI_RESULTS; ++r) {
         rbd_real *to = out.at[r] ? out.at[r] + i->row + k->user : NULL;
-        if (to) *to = *to + y[r * stride] * g;
+        if (to) *to = *to + y[r * stride] * ratio;
     }
 }
 
@@ -74,10 +74,10 @@ RBDI_INLINE rbdi_relatives *rbdi_relatives_of(const rbd_derivatives *d, int i) {
 }
 
 /* Mask of the lanes whose bits begin at first. */
-RBDI_INLINE rbdi_bits rbdi_lanes_of(const rbdi_relatives *k, int first) {
+RBDI_INLINE rbdi_bits rbdi_lanes_of(const rbdi_relatives *rel, int first) {
     rbdi_bits lanes;
     for (int j = 0; j < RBDI_BATCH; ++j) lanes[j] = (rbdi_bit)1 << (first + j);
-    return (rbdi_bits)((lanes & (rbdi_bit)k->lanes) == lanes); /* no table: loads take the time here */
+    return (rbdi_bits)((lanes & (rbdi_bit)rel->lanes) == lanes); /* no table: loads take the time here */
 }
 /* Stores the wanted entries of a batch into a row, 0 in the other lanes. */
 RBDI_INLINE void rbdi_put_lanes(const rbdi_batch *y, rbdi_bits lanes, int want, rbdi_wanted row,
@@ -87,40 +87,42 @@ RBDI_INLINE void rbdi_put_lanes(const rbdi_batch *y, rbdi_bits lanes, int want, 
     }
 }
 
-/* Row of the dof at e, from the columns behind a free base on: the batches of its relatives. */
-RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, const rbdi_relatives *k,
+/* The row of the dof at e, from the columns behind a free base on: a batch of entries for each of its
+   relatives. */
+RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, const rbdi_relatives *rel,
                               int want, rbdi_wanted row) {
     const rbd_real *x = (const rbd_real *)columns;
     const rbdi_columns *own = (const rbdi_columns *)(const void *)(x + e->at);
     const rbdi_batch zero = rbdi_zero_batch();
     rbdi_batch y[RBDI_RESULTS] = {zero, zero, zero}, z[RBDI_RESULTS] = {zero, zero, zero};
-    if (k->at >= 0) {
+    if (rel->at >= 0) {
         const rbdi_force F = rbdi_load_force((const rbd_real *)&own->F, RBDI_BATCH);
         const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T, RBDI_BATCH);
         do {
-            rbdi_entries_before((const rbdi_columns *)(const void *)(x + k->at), want, F, T, y);
-            rbdi_put_lanes(y, rbdi_lanes_of(k, RBDI_ON_PATH), want, row, k->row);
-        } while ((++k)->at >= 0);
+            rbdi_entries_before((const rbdi_columns *)(const void *)(x + rel->at), want, F, T, y);
+            rbdi_put_lanes(y, rbdi_lanes_of(rel, RBDI_ON_PATH), want, row, rel->row);
+        } while ((++rel)->at >= 0);
     }
-    for (++k; k->at >= 0; ++k) {
-        const rbdi_columns *c = (const rbdi_columns *)(const void *)(x + k->at);
+    for (++rel; rel->at >= 0; ++rel) {
+        const rbdi_columns *c = (const rbdi_columns *)(const void *)(x + rel->at);
         const rbdi_force F = rbdi_load_force((const rbd_real *)&own->F, RBDI_BATCH);
         const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T, RBDI_BATCH);
         const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S, RBDI_BATCH);
-        const rbdi_bits before = rbdi_lanes_of(k, RBDI_ON_PATH), behind = rbdi_lanes_of(k, RBDI_IN_SUBTREE);
+        const rbdi_bits before = rbdi_lanes_of(rel, RBDI_ON_PATH),
+                        behind = rbdi_lanes_of(rel, RBDI_IN_SUBTREE);
         rbdi_entries_before(c, want, F, T, y);
         rbdi_entries_behind(c, want, S, z);
         RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
             if (want >> r & 1) y[r] = (rbdi_batch)(((rbdi_bits)y[r] & before) | ((rbdi_bits)z[r] & behind));
-            if (want >> r & 1) *(rbdi_batch *)(row.at[r] + k->row) = y[r];
+            if (want >> r & 1) *(rbdi_batch *)(row.at[r] + rel->row) = y[r];
         }
     }
-    if ((++k)->at >= 0) {
+    if ((++rel)->at >= 0) {
         const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S, RBDI_BATCH);
         do {
-            rbdi_entries_behind((const rbdi_columns *)(const void *)(x + k->at), want, S, y);
-            rbdi_put_lanes(y, rbdi_lanes_of(k, RBDI_IN_SUBTREE), want, row, k->row);
-        } while ((++k)->at >= 0);
+            rbdi_entries_behind((const rbdi_columns *)(const void *)(x + rel->at), want, S, y);
+            rbdi_put_lanes(y, rbdi_lanes_of(rel, RBDI_IN_SUBTREE), want, row, rel->row);
+        } while ((++rel)->at >= 0);
     }
 }
 RBDI_INLINE void rbdi_clear_row(int n, int want, rbdi_wanted row) {
@@ -174,7 +176,7 @@ RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rb
         rbdi_put_rows_in_place(*d, want, zeros, out); /* a copy: no store into a result can change it */
 }
 #else
-/* Entries y of dofs i and k. */
+/* Stores or, with mimic joints, adds the entries y of dofs i and k. */
 RBDI_INLINE void rbdi_put_entry(const rbd_model *m, const rbdi_entry *i, const rbdi_entry *k, int want,
                                 const rbd_real *y, rbdi_wanted out) {
     if (rbdi_mimics(m))
@@ -204,8 +206,8 @@ RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rb
 }
 #endif
 
-/* A free base. The frame has its axes, and its S are unit vectors: the entries of its rows are components of
-   F_j, D_j, E_j. By the velocity (w; v) of the base and by its turn theta, with (n; f) = F_j,
+/* A free base. The frame has its axes, and its S are unit vectors, so the entries of its rows are components
+   of F_j, D_j, E_j. The columns by its velocity (w; v) and its turn theta are, with (n; f) = F_j,
 
        dtau_j/dw = T_j + n_j x w - f_j x v      dtau_j/dv = f_j x w      dtau_j/dtheta = f_j x up
 
@@ -303,24 +305,24 @@ RBDI_PART void rbdi_put_turns(const rbd_derivatives *d, rbd_real *by_q, rbd_real
     }
 }
 
-/* dtau_i/dq_j for dofs i before j of one block. */
+/* dtau_i/dq_j of dofs i before j of one block. */
 RBDI_PART void rbdi_put_block_entries(const rbd_derivatives *d, rbd_real *by_q) {
-    for (const rbdi_segment *r = d->segment + (d->base > 0); r < d->segment + d->segments; ++r)
-        for (int i = r->first; r->block && i < r->end; ++i) {
+    for (const rbdi_segment *seg = d->segment + (d->base > 0); seg < d->segment + d->segments; ++seg)
+        for (int i = seg->first; seg->block && i < seg->end; ++i) {
             const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), RBDI_BATCH);
             const rbdi_v3 T = rbdi_load_vec(RBDI_OF(d, i, T), RBDI_BATCH);
-            for (int j = i + 1; j < r->end; ++j)
+            for (int j = i + 1; j < seg->end; ++j)
                 by_q[d->entry[i].row + d->entry[j].user] =
                     rbdi_dot(T, rbdi_load_vec(RBDI_OF(d, j, Psi.omega), RBDI_BATCH)) +
                     rbdi_power(rbdi_load_motion(RBDI_OF(d, j, Phi), RBDI_BATCH), F);
         }
 }
-/* Rotors, on the diagonal of M. */
+/* Adds the rotors' inertias to the diagonal of M. */
 RBDI_PART void rbdi_add_armature(const rbd_derivatives *d, rbd_real *M) {
     for (int k = d->base; k < d->n; ++k) {
         const rbdi_entry *e = &d->entry[k];
-        const rbd_real g = rbdi_ratio(d->model, e->source);
-        M[e->row + e->user] = M[e->row + e->user] + g * g * d->model->dof[e->source].armature;
+        const rbd_real ratio = rbdi_ratio(d->model, e->source);
+        M[e->row + e->user] = M[e->row + e->user] + ratio * ratio * d->model->dof[e->source].armature;
     }
 }
 
@@ -340,14 +342,12 @@ RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rb
         if (by_v) rbdi_put_components(d, (const rbd_real *)&d->columns->D, 6, PTRDIFF_MAX, by_v);
         if (M) rbdi_put_components(d, (const rbd_real *)&d->columns->F, 6, PTRDIFF_MAX, M);
     }
-    if (!RBDI_FOR_SPEED)
-        rbdi_put_rows(d, want, zeros, out);
-    else if (want == (RBDI_WANT_Q | RBDI_WANT_V)) /* the most common ones, as constants */
+    if (RBDI_FOR_SPEED && want == (RBDI_WANT_Q | RBDI_WANT_V)) /* the most common ones, as constants */
         rbdi_put_rows(d, RBDI_WANT_Q | RBDI_WANT_V, zeros, out);
-    else if (want == RBDI_WANT_V)
+    else if (RBDI_FOR_SPEED && want == RBDI_WANT_V)
         rbdi_put_rows(d, RBDI_WANT_V, zeros, out);
 #if RBDI_BATCH > 1
-    else if (want == (RBDI_WANT_Q | RBDI_WANT_V | RBDI_WANT_M))
+    else if (RBDI_FOR_SPEED && want == (RBDI_WANT_Q | RBDI_WANT_V | RBDI_WANT_M))
         rbdi_put_rows(d, RBDI_WANT_Q | RBDI_WANT_V | RBDI_WANT_M, zeros, out);
 #endif
     else

@@ -3,13 +3,14 @@
 #include "derivatives/memory.h"
 
 /* ---- inverse dynamics with a free base [free base code] ----
-   At A = 0 of the base the wrenches of the links add up to f. The missing wrench tau - f gives the base's A =
-   y: I y = tau - f, with I the inertia of the whole, by the two laws of the centre of mass c. In the common
-   frame all links accelerate by y. The torques are S' f + F' y, with f of the subtree and F = I S. v and
-   gravity are in y only: v_dot = y - w x v - up. Other models, and a y in doubt, go by rbd_hybrid. */
+   If A = 0 at the base, the wrenches of the links add up to f. The missing wrench tau - f gives A = y of the
+   base: I y = tau - f, with I the inertia of the whole tree, by Newton's and Euler's laws about the centre of
+   mass c. In the common frame the A of all links increases by y. The torques are S' f + F' y, with f of the
+   subtree and F = I S. v and gravity are in y only: v_dot = y - w x v - up. rbd_hybrid serves other models,
+   and a y in doubt. */
 
 #ifndef RBD_NO_CHOLESKY
-/* M^-1 x by pivots from the end, as everywhere. */
+/* M^-1 x of turns, by pivots from the end, as in [packed matrix]. */
 RBDI_INLINE rbdi_v3 rbdi_solve_turns(const rbd_model *m, rbdi_sym M, rbdi_v3 x, rbdi_mask *doubt) {
     const rbd_real z = rbdi_pivot_inverse(M.zz, m->dof[2].scale, doubt), yz = M.yz * z, xz = M.xz * z,
                    xy = M.xy - xz * M.yz, y = rbdi_pivot_inverse(M.yy - yz * M.yz, m->dof[1].scale, doubt),
@@ -23,24 +24,25 @@ RBDI_INLINE rbdi_v3 rbdi_solve_turns(const rbd_model *m, rbdi_sym M, rbdi_v3 x, 
     return s;
 }
 
-/* y, from the wrench that the base lacks. */
+/* y from the missing wrench F. */
 RBDI_PART rbdi_motion rbdi_base_motion(const rbd_model *m, const rbd_derivatives *d, rbdi_force F,
                                        rbdi_mask *doubt) {
-    const rbd_real share = rbdi_pivot_inverse(rbdi_set(d->mass), m->dof[3].scale, doubt);
+    const rbd_real mass_inverse = rbdi_pivot_inverse(rbdi_set(d->mass), m->dof[3].scale, doubt);
     const rbd_real *s = RBDI_OF(d, d->base - 1, sum); /* Sigma */
-    const rbdi_v3 h = rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h), RBDI_BATCH), c = rbdi_scale(share, h);
+    const rbdi_v3 h = rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h), RBDI_BATCH),
+                  com = rbdi_scale(mass_inverse, h);
     rbdi_rbi C; /* Sigma about c, h about the base's origin */
     rbdi_motion y;
     C.h = h;
-    C.Sigma.xx = s[0] - c.x * h.x, C.Sigma.xy = s[RBDI_BATCH] - c.x * h.y;
-    C.Sigma.xz = s[2 * RBDI_BATCH] - c.x * h.z, C.Sigma.yy = s[3 * RBDI_BATCH] - c.y * h.y;
-    C.Sigma.yz = s[4 * RBDI_BATCH] - c.y * h.z, C.Sigma.zz = s[5 * RBDI_BATCH] - c.z * h.z;
-    y.omega = rbdi_solve_turns(m, rbdi_abi_of_rbi(C, d->mass).I, rbdi_sub(F.n, rbdi_cross(c, F.f)), doubt);
-    y.v = rbdi_scale(share, rbdi_sub(F.f, rbdi_cross(y.omega, h)));
+    C.Sigma.xx = s[0] - com.x * h.x, C.Sigma.xy = s[RBDI_BATCH] - com.x * h.y;
+    C.Sigma.xz = s[2 * RBDI_BATCH] - com.x * h.z, C.Sigma.yy = s[3 * RBDI_BATCH] - com.y * h.y;
+    C.Sigma.yz = s[4 * RBDI_BATCH] - com.y * h.z, C.Sigma.zz = s[5 * RBDI_BATCH] - com.z * h.z;
+    y.omega = rbdi_solve_turns(m, rbdi_abi_of_rbi(C, d->mass).I, rbdi_sub(F.n, rbdi_cross(com, F.f)), doubt);
+    y.v = rbdi_scale(mass_inverse, rbdi_sub(F.f, rbdi_cross(y.omega, h)));
     return y;
 }
 
-/* Torques of the joints if the base moves by y. */
+/* Torques of the joints at A = y of the base. */
 RBDI_PART void rbdi_put_torques(const rbd_model *m, const rbd_derivatives *d, rbdi_motion y,
                                 const rbd_real *a, rbd_real *tau) {
     for (int b = d->behind, k = d->base; b < d->batches; ++b, k += RBDI_BATCH) {
@@ -51,11 +53,11 @@ RBDI_PART void rbdi_put_torques(const rbd_model *m, const rbd_derivatives *d, rb
     for (int k = d->base; k < m->nv; ++k) tau[k] = tau[k] + a[k] * m->dof[k].armature;
 }
 
-/* The same by rbd_hybrid, for any model. */
+/* rbd_id_free_base by rbd_hybrid, for any model. */
 RBDI_COLD rbd_status rbdi_hybrid_free_base(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                            const rbd_real *v, const rbd_real *f_ext, rbd_real *a,
                                            rbd_real *tau) {
-    unsigned char *given = (unsigned char *)d->a; /* which nothing else needs now */
+    unsigned char *given = (unsigned char *)d->a; /* not needed otherwise */
     int bases = 0;
     for (int k = 0; k < m->nv; ++k) given[k] = 1;
     for (int i = 0; i < m->nl; ++i) {

@@ -6,23 +6,23 @@
 /* ---- layout [layout] ----
    Open for sizes at compile time only. */
 
-typedef struct rbdi_columns rbdi_columns;     /* a batch of dofs: values that depend on the state */
-typedef struct rbdi_constants rbdi_constants; /* a batch of dofs: constants */
+typedef struct rbdi_columns rbdi_columns;     /* of a batch of dofs: quantities that depend on the state */
+typedef struct rbdi_constants rbdi_constants; /* of a batch of dofs: constants */
 
-/* A part of the tree without branches, in which each dof's parent is the dof before it; or the dofs of one
-   block. Indices of dofs are in the solver's order in this header. */
+/* Dofs of which each is the parent of the next, without branches; or the dofs of one block. In this header
+   dofs are numbered in the solver's order. */
 typedef struct rbdi_segment {
     int16_t first, end; /* its dofs are first .. end - 1 */
     int16_t parent;     /* parent of the first dof, -1 = none */
-    int16_t block;      /* 1: a block */
+    int16_t block;      /* whether it is a block */
     int16_t link;       /* link of the first dof */
-    int16_t origin;     /* of a root: end of the dofs up to the link of the common origin; else 0 */
+    int16_t origin;     /* of a root: end of the dofs of the links up to that of the common origin; else 0 */
 } rbdi_segment;
 
-/* A dof. */
+/* A dof: its entries in the results, and its place among the lanes. */
 typedef struct rbdi_entry {
     int16_t user;   /* the caller's dof: row and column of the results */
-    int16_t end;    /* end of its subtree */
+    int16_t end;    /* end of the dofs of its subtree */
     int16_t joint;  /* end of the dofs of its link */
     int16_t source; /* index of its velocity in v with mimic joints appended */
     int16_t parent; /* -1 = none */
@@ -32,7 +32,7 @@ typedef struct rbdi_entry {
     int32_t row;       /* index of its row in a square matrix */
 } rbdi_entry;
 
-/* A batch that has dofs on a dof's path or in its subtree, and a bit for each lane of these. */
+/* A batch in which dofs are ancestors of a dof or in its subtree, with a bit for each such lane. */
 typedef struct rbdi_relatives {
     int32_t at;     /* index of the batch in scalars; -1 ends a list */
     int16_t row;    /* index of the batch in a row of entries */
@@ -49,7 +49,7 @@ struct rbd_derivatives {
     int batches, segments; /* their numbers */
     int keep_zeros;        /* rbd_keep_zeros */
     int base;              /* dofs of a free base: 6 or 0 */
-    int behind;            /* batch that begins with the first dof after the base */
+    int behind;            /* first batch of the dofs behind the base */
     rbdi_motion V;         /* velocity of the base, in its axes */
     rbdi_v3 up;            /* -gravity, likewise */
     rbdi_columns *columns; /* batches */

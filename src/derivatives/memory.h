@@ -6,9 +6,9 @@
 
 /* ---- memory [memory code] ---- */
 
-/* 6 if the model has a free base without rotors, with all other dofs in its subtree, else 0. Its
-   coordinates come first. A rotor would feel v_dot, and not v_dot + w x v - gravity, the unknown of
-   [forward dynamics code]. */
+/* 6 if the model has a free base without rotors, with all other dofs in its subtree, else 0. Its coordinates
+   come first. The torque of a rotor depends on v_dot, not on v_dot + w x v - gravity, the unknown of [forward
+   dynamics code]. */
 RBDI_INLINE int rbdi_free_dofs(const rbd_model *m) {
     const rbdi_link *l = m->link;
     return m->nl > 0 && !rbdi_mimics(m) && rbdi_is(l, RBDI_BLOCK) && !(rbdi_flags(l) & RBDI_ARMATURE) &&
@@ -39,8 +39,8 @@ RBDI_INLINE int rbdi_slides(const rbd_model *m, const rbdi_link *l, int k) {
                                   : rbdi_is(l, RBDI_SCREW) && !(l->rho > 0);
 }
 
-/* Constants of link i's dofs. The last dof has the link's inertia, in axes cycled so that z is the dof's
-   own. */
+/* Constants of link i's dofs. The last dof has the link's inertia, in axes cycled so that z is that dof's
+   axis. */
 RBDI_PART void rbdi_init_constants(const rbd_model *m, rbd_derivatives *d, int i) {
     const rbdi_link *l = &m->link[i];
     const int last = rbdi_last_dof(m, i), z = rbdi_dof_axis(m, l, last);
@@ -73,9 +73,9 @@ RBDI_PART void rbdi_init_body(const rbd_model *m, rbd_derivatives *d, const rbdi
     d->mass += u->mass;
 }
 
-/* Chooses the link whose origin is that of a root's tree: the first that rotates, or the last of a chain of
-   links that only slide. */
-RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root, rbdi_segment *r) {
+/* Chooses the link whose origin is the common origin of a root's tree: the first that rotates or, in a chain
+   of links that only slide, the last. */
+RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root, rbdi_segment *seg) {
     int i = root;
     while (i + 1 < m->nl && m->link[i + 1].parent == i &&
            (rbdi_is(&m->link[i], RBDI_SCREW)
@@ -83,7 +83,7 @@ RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root
                 : rbdi_is(&m->link[i], RBDI_BLOCK) && rbdi_block_of(m, &m->link[i])->type == RBD_TRANSLATION))
         ++i;
     d->origin[i] = (int16_t)root;
-    r->origin = (int16_t)(rbdi_last_dof(m, i) + 1);
+    seg->origin = (int16_t)(rbdi_last_dof(m, i) + 1);
 }
 
 /* Entries of the dofs of link i, and their segment. */
@@ -91,7 +91,7 @@ RBDI_PART void rbdi_init_link(const rbd_model *m, rbd_derivatives *d, int i) {
     const rbdi_link *l = &m->link[i];
     const int n = rbdi_link_dofs(m, l), block = rbdi_is(l, RBDI_BLOCK);
     const int parent = l->parent < 0 ? -1 : rbdi_last_dof(m, l->parent);
-    rbdi_segment *r = &d->segment[d->segments > 0 ? d->segments - 1 : 0];
+    rbdi_segment *seg = &d->segment[d->segments > 0 ? d->segments - 1 : 0];
     for (int k = l->first; k < l->first + n; ++k) {
         rbdi_entry *e = &d->entry[k];
         e->source = m->order[k].dof;
@@ -101,13 +101,13 @@ RBDI_PART void rbdi_init_link(const rbd_model *m, rbd_derivatives *d, int i) {
         e->parent = (int16_t)(k > l->first ? k - 1 : parent);
         e->row = e->user * m->nv;
     }
-    if (d->segments == 0 || block || r->block || parent != l->first - 1) {
-        r = &d->segment[d->segments++];
-        r->first = l->first, r->parent = (int16_t)parent, r->block = (int16_t)block;
-        r->link = (int16_t)i, r->origin = 0;
-        if (parent < 0) rbdi_init_origin(m, d, i, r);
+    if (d->segments == 0 || block || seg->block || parent != l->first - 1) {
+        seg = &d->segment[d->segments++];
+        seg->first = l->first, seg->parent = (int16_t)parent, seg->block = (int16_t)block;
+        seg->link = (int16_t)i, seg->origin = 0;
+        if (parent < 0) rbdi_init_origin(m, d, i, seg);
     }
-    r->end = (int16_t)(l->first + n);
+    seg->end = (int16_t)(l->first + n);
 }
 
 /* Assigns the lanes in the caller's order, the order of the results' rows. */
@@ -127,23 +127,24 @@ RBDI_PART void rbdi_assign_lanes(const rbd_model *m, rbd_derivatives *d) {
 RBDI_PART void rbdi_init_relatives(rbd_derivatives *d) {
     uint64_t *lanes = (uint64_t *)(void *)d->columns; /* of each batch: they are not in use yet */
     for (int i = d->base; i < d->n; ++i) {
-        rbdi_relatives *list = rbdi_relatives_of(d, i), *k = list;
+        rbdi_relatives *list = rbdi_relatives_of(d, i), *rel = list;
         for (int b = 0; b < d->batches; ++b) lanes[b] = 0;
         for (int j = d->entry[i].parent; j >= d->base; j = d->entry[j].parent)
             lanes[d->entry[j].batch] |= (uint64_t)1 << (RBDI_ON_PATH + d->entry[j].lane);
         for (int j = i; j < d->entry[i].end; ++j)
             lanes[d->entry[j].batch] |= (uint64_t)1 << (RBDI_IN_SUBTREE + d->entry[j].lane);
-        for (int which = 0; which < 3; ++which, ++k) {
+        for (int which = 0; which < 3; ++which, ++rel) {
             for (int b = d->behind; b < d->batches; ++b) {
                 const int subtree = lanes[b] >> RBDI_IN_SUBTREE != 0,
                           path = lanes[b] % ((uint64_t)1 << RBDI_IN_SUBTREE) != 0;
                 if (path + subtree == 0 || subtree + (subtree && !path) != which) continue;
-                k->at = b * RBDI_COLUMN_SIZE * RBDI_BATCH, k->row = (int16_t)((b - d->behind) * RBDI_BATCH);
-                (k++)->lanes = lanes[b];
+                rel->at = b * RBDI_COLUMN_SIZE * RBDI_BATCH,
+                rel->row = (int16_t)((b - d->behind) * RBDI_BATCH);
+                (rel++)->lanes = lanes[b];
             }
-            k->at = -1;
+            rel->at = -1;
         }
-        list->whole = k - list == rbdi_relatives_length(d);
+        list->whole = rel - list == rbdi_relatives_length(d);
     }
 }
 #endif
@@ -202,7 +203,7 @@ RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *
     return RBD_OK;
 }
 
-/* The checks of every call: arguments, work, and whether the constants are of this model. */
+/* The checks of every call: arguments, the model that the constants are of, work. */
 RBDI_INLINE rbd_status rbdi_check_derivatives(const rbd_model *m, const rbd_derivatives *d, int arrays) {
     if (!m || !d || !arrays) return RBD_ERR_NULL;
     return d->model == m ? rbdi_check(m, d->work, 1) : RBD_ERR_WORK;

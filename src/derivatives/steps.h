@@ -7,15 +7,15 @@
 /* Interface: rbdi_ad_function_of, rbdi_glide_columns, rbdi_move_columns, rbdi_tails, RBDI_J_R_INVERSE */
 
 /* ---- derivatives of steps on the configuration manifold [steps code] ----
-   Of spherical, planar and floating joints; the others add: derivatives 1, -1. For a step d = (w; u), w = 0
-   or u = 0 or in a plane where the joint has no more, with ad = ([w]x, 0; [u]x, [w]x)
+   Of spherical, planar and floating joints; the coordinates of others add up, so their derivatives are 1 and
+   -1. For a step d = (w; u), with zeros where a joint has less than six dofs, and ad = ([w]x, 0; [u]x, [w]x)
 
        integrate     by q  exp(-ad)         by d   J_r = (1 - exp(-ad)) / ad
        difference    by q0 -J_r^-1(-d)      by q1  J_r^-1(d)
 
-   ad is the dual number [w]x + eps [u]x, with eps below the diagonal. f(ad) has f([w]x) = 1 + b [w]x + c
-   [w]x^2 on the diagonal and its derivative along u below. b and c are functions of x = w'w. With c_n = sum
-   (-x)^k / (n + 2k)!, whose derivatives are 2 dc_n/dx = n c_n+2 - c_n+1, they are
+   ad is the dual number [w]x + eps [u]x: a function f(ad) has f([w]x) = 1 + b [w]x + c [w]x^2 on the diagonal
+   and the derivative of f([w]x) along u below it. b and c are functions of x = w'w. With c_n = sum over k of
+   (-x)^k / (n + 2k)!, where 2 dc_n/dx = n c_n+2 - c_n+1, they are
 
        exp(-ad)   b = -c_1, c = c_2
        J_r        b = -c_2, c = c_3
@@ -28,7 +28,7 @@ typedef struct rbdi_ad_function {
     rbd_real b, c, db, dc;
 } rbdi_ad_function;
 
-/* c_1 .. c_6 for a turn. */
+/* c_0 .. c_6 of a turn w. */
 static void rbdi_tails(rbdi_v3 w, rbd_real c[7]) {
     const rbdi_exp e = rbdi_exp_of(w);
     const rbd_real one = rbdi_set(RBD_C(1));
@@ -53,10 +53,10 @@ static rbdi_ad_function rbdi_ad_function_of(int which, const rbd_real c[7]) {
     const int n = which == RBDI_EXP_MINUS_AD ? 1 : 2;
     rbdi_ad_function f;
     if (which == RBDI_J_R_INVERSE) {
-        const rbd_real half = rbdi_set(RBD_C(0.5)), k = half / c[2], slope = rbdi_tail_slope(c, 4);
+        const rbd_real half = rbdi_set(RBD_C(0.5)), factor = half / c[2], slope = rbdi_tail_slope(c, 4);
         f.b = half, f.db = rbdi_zero();
-        f.c = (c[3] - (c[4] + c[4])) * k;
-        f.dc = (rbdi_tail_slope(c, 3) - (slope + slope) - (f.c + f.c) * rbdi_tail_slope(c, 2)) * k;
+        f.c = (c[3] - (c[4] + c[4])) * factor;
+        f.dc = (rbdi_tail_slope(c, 3) - (slope + slope) - (f.c + f.c) * rbdi_tail_slope(c, 2)) * factor;
         return f;
     }
     f.b = -c[n], f.db = -rbdi_tail_slope(c, n);
@@ -64,7 +64,7 @@ static rbdi_ad_function rbdi_ad_function_of(int which, const rbd_real c[7]) {
     return f;
 }
 
-/* scale f(ad), 6 x 6. */
+/* J = scale f(ad) of the step d. */
 static void rbdi_fill_ad(rbdi_ad_function f, rbdi_motion d, rbd_real scale, rbd_real J[6][6]) {
     const rbd_real w[3] = {d.omega.x, d.omega.y, d.omega.z}, u[3] = {d.v.x, d.v.y, d.v.z};
     const rbd_real x = rbdi_dot(d.omega, d.omega), slope = rbdi_dot(d.omega, d.v) + rbdi_dot(d.omega, d.v);
@@ -83,25 +83,25 @@ static void rbdi_fill_ad(rbdi_ad_function f, rbdi_motion d, rbd_real scale, rbd_
         }
 }
 
-/* Writes a joint's block of a matrix that is zero: scale f(ad) for the step d sign. For joints whose steps
-   add f = 1. */
-static void rbdi_put_step(const rbd_model *m, const rbdi_frame *u, int which, const rbd_real *d,
+/* Writes scale f(ad) of the step sign d as a joint's block of a matrix that is 0. f = 1 for joints whose
+   coordinates add up. */
+static void rbdi_put_step(const rbd_model *m, const rbdi_frame *body, int which, const rbd_real *d,
                           rbd_real sign, rbd_real scale, rbd_real *out) {
     const ptrdiff_t nv = m->nv;
-    const int first = u->type == RBD_PLANAR ? 2 : 0;
+    const int first = body->type == RBD_PLANAR ? 2 : 0;
     rbd_real c[7], J[6][6];
     rbdi_motion step;
-    out += u->iv * nv + u->iv;
-    if (!rbdi_joint_turns(u)) {
-        for (int k = 0; k < u->nv; ++k) out[k * nv + k] = scale;
+    out += body->iv * nv + body->iv;
+    if (!rbdi_joint_turns(body)) {
+        for (int k = 0; k < body->nv; ++k) out[k * nv + k] = scale;
         return;
     }
-    step = rbdi_joint_motion(u, d, 1);
+    step = rbdi_joint_motion(body, d, 1);
     step.omega = rbdi_scale(sign, step.omega), step.v = rbdi_scale(sign, step.v);
     rbdi_tails(step.omega, c);
     rbdi_fill_ad(rbdi_ad_function_of(which, c), step, scale, J);
-    for (int i = 0; i < u->nv; ++i)
-        for (int j = 0; j < u->nv; ++j) out[i * nv + j] = J[first + i][first + j];
+    for (int i = 0; i < body->nv; ++i)
+        for (int j = 0; j < body->nv; ++j) out[i * nv + j] = J[first + i][first + j];
 }
 
 RBDI_API rbd_status rbd_integrate_derivatives(const rbd_model *m, const rbd_real *v, rbd_real dt,
@@ -111,71 +111,73 @@ RBDI_API rbd_status rbd_integrate_derivatives(const rbd_model *m, const rbd_real
     if (dnext_dq) rbdi_clear(dnext_dq, m->nv * m->nv);
     if (dnext_dv) rbdi_clear(dnext_dv, m->nv * m->nv);
     for (int b = 0; b < m->nb; ++b) {
-        const rbdi_frame *u = &m->frame[b];
-        const rbd_real *d = u->nv > 0 ? &v[u->iv] : v;
-        if (dnext_dq && u->nv > 0) rbdi_put_step(m, u, RBDI_EXP_MINUS_AD, d, dt, one, dnext_dq);
-        if (dnext_dv && u->nv > 0) rbdi_put_step(m, u, RBDI_J_R, d, dt, dt, dnext_dv);
+        const rbdi_frame *body = &m->frame[b];
+        const rbd_real *d = body->nv > 0 ? &v[body->iv] : v;
+        if (dnext_dq && body->nv > 0) rbdi_put_step(m, body, RBDI_EXP_MINUS_AD, d, dt, one, dnext_dq);
+        if (dnext_dv && body->nv > 0) rbdi_put_step(m, body, RBDI_J_R, d, dt, dt, dnext_dv);
     }
     return RBD_OK;
 }
 
-/* Of rbd_step, whose origins move straight: M dv~/dv in place of M, v~ being what rbdi_glide makes of v. */
+/* Replaces M by M dv~/dv, where v~ is what rbdi_glide makes of v for steps whose origins move straight. */
 static RBDI_UNUSED void rbdi_glide_columns(const rbd_model *m, const rbd_real *v, rbd_real dt, rbd_real *M) {
     for (int b = 0; b < m->nb; ++b) {
-        const rbdi_frame *u = &m->frame[b];
+        const rbdi_frame *body = &m->frame[b];
         rbdi_motion V;
-        if (!rbdi_joint_turns(u)) continue;
-        V = rbdi_joint_motion(u, &v[u->iv], 1);
-        for (rbd_real *row = M + u->iv; row < M + m->nv * m->nv; row += m->nv) {
-            rbdi_motion J = rbdi_joint_motion(u, row, 1);
+        if (!rbdi_joint_turns(body)) continue;
+        V = rbdi_joint_motion(body, &v[body->iv], 1);
+        for (rbd_real *row = M + body->iv; row < M + m->nv * m->nv; row += m->nv) {
+            rbdi_motion J = rbdi_joint_motion(body, row, 1);
             J.omega = rbdi_add(J.omega, rbdi_scale(dt, rbdi_cross(V.v, J.v)));
             J.v = rbdi_add(J.v, rbdi_scale(dt, rbdi_cross(J.v, V.omega)));
-            rbdi_put_joint_motion(u, J, row, 1);
+            rbdi_put_joint_motion(body, J, row, 1);
         }
     }
 }
 
-/* Rows of a joint that turns, of derivatives of rbdi_move_straight and rbdi_turn_velocity, in place of those
-   of `moved` and nu. With moved = (w; v) and E = exp(-dt [w]x), and the step (e; s) of q that a column is by:
+/* Replaces rows of a joint that turns: derivatives of `moved` by those of rbdi_move_straight, of nu by those
+   of rbdi_turn_velocity. n: columns. With moved = (w; v), E = exp(-dt [w]x), and the step (e; s) of q that a
+   column is by:
 
        turn = dt J_r(dt w) dw,   dq_next = (E e + turn; E (s + dt e x v + dt dv)),
        dv_next = E dnu + v_next x turn */
-static void rbdi_turn_columns(const rbdi_frame *u, int n, const rbd_real *moved, const rbd_real *nu,
+static void rbdi_turn_columns(const rbdi_frame *body, int n, const rbd_real *moved, const rbd_real *nu,
                               rbd_real dt, int by_q, rbd_real *dq, rbd_real *dv) {
-    const rbdi_motion V = rbdi_joint_motion(u, moved, 1), end = rbdi_joint_motion(u, nu, 1);
+    const rbdi_motion V = rbdi_joint_motion(body, moved, 1), end = rbdi_joint_motion(body, nu, 1);
     const rbdi_v3 w = rbdi_scale(dt, V.omega), back = rbdi_scale(-dt, V.omega);
     const rbdi_exp e = rbdi_exp_of(w);
     const rbdi_v3 end_w = rbdi_turn_back(e, w, end.omega), end_v = rbdi_turn_back(e, w, end.v);
     for (int k = 0; k < n; ++k, ++dq, ++dv) {
-        rbdi_motion p = rbdi_joint_motion(u, dq, n), x = rbdi_joint_motion(u, dv, n);
-        const rbdi_v3 turn = rbdi_scale(dt, rbdi_exp_shift(e, back, p.omega));
-        p.omega = turn, p.v = rbdi_scale(dt, p.v);
-        if (by_q && k >= u->iv && k < u->iv + u->nv) {
+        rbdi_motion position = rbdi_joint_motion(body, dq, n), velocity = rbdi_joint_motion(body, dv, n);
+        const rbdi_v3 turn = rbdi_scale(dt, rbdi_exp_shift(e, back, position.omega));
+        position.omega = turn, position.v = rbdi_scale(dt, position.v);
+        if (by_q && k >= body->iv && k < body->iv + body->nv) {
             rbd_real unit[6] = {rbdi_zero(), rbdi_zero(), rbdi_zero(), rbdi_zero(), rbdi_zero(), rbdi_zero()};
             rbdi_motion step;
-            unit[k - u->iv] = rbdi_set(RBD_C(1));
-            step = rbdi_joint_motion(u, unit, 1);
-            p.omega = rbdi_add(turn, rbdi_turn_back(e, w, step.omega));
-            p.v = rbdi_add(rbdi_add(p.v, step.v), rbdi_scale(dt, rbdi_cross(step.omega, V.v)));
+            unit[k - body->iv] = rbdi_set(RBD_C(1));
+            step = rbdi_joint_motion(body, unit, 1);
+            position.omega = rbdi_add(turn, rbdi_turn_back(e, w, step.omega));
+            position.v = rbdi_add(rbdi_add(position.v, step.v), rbdi_scale(dt, rbdi_cross(step.omega, V.v)));
         }
-        p.v = rbdi_turn_back(e, w, p.v);
-        x.omega = rbdi_add(rbdi_turn_back(e, w, x.omega), rbdi_cross(end_w, turn));
-        x.v = rbdi_add(rbdi_turn_back(e, w, x.v), rbdi_cross(end_v, turn));
-        rbdi_put_joint_motion(u, p, dq, n), rbdi_put_joint_motion(u, x, dv, n);
+        position.v = rbdi_turn_back(e, w, position.v);
+        velocity.omega = rbdi_add(rbdi_turn_back(e, w, velocity.omega), rbdi_cross(end_w, turn));
+        velocity.v = rbdi_add(rbdi_turn_back(e, w, velocity.v), rbdi_cross(end_v, turn));
+        rbdi_put_joint_motion(body, position, dq, n), rbdi_put_joint_motion(body, velocity, dv, n);
     }
 }
 
-/* The same of all joints. */
+/* The same for all joints. */
 static RBDI_UNUSED void rbdi_move_columns(const rbd_model *m, const rbd_real *moved, const rbd_real *nu,
                                           rbd_real dt, int by_q, rbd_real *dq, rbd_real *dv) {
     const ptrdiff_t n = m->nv;
     for (int b = 0; b < m->nb; ++b) {
-        const rbdi_frame *u = &m->frame[b];
-        if (rbdi_joint_turns(u)) {
-            rbdi_turn_columns(u, m->nv, &moved[u->iv], &nu[u->iv], dt, by_q, &dq[u->iv * n], &dv[u->iv * n]);
+        const rbdi_frame *body = &m->frame[b];
+        if (rbdi_joint_turns(body)) {
+            rbdi_turn_columns(body, m->nv, &moved[body->iv], &nu[body->iv], dt, by_q, &dq[body->iv * n],
+                              &dv[body->iv * n]);
             continue;
         }
-        for (int k = u->iv; k < u->iv + u->nv; ++k) {
+        for (int k = body->iv; k < body->iv + body->nv; ++k) {
             for (int j = 0; j < n; ++j) dq[k * n + j] = dq[k * n + j] * dt;
             if (by_q) dq[k * n + k] = dq[k * n + k] + rbdi_set(RBD_C(1));
         }
@@ -189,12 +191,12 @@ RBDI_API rbd_status rbd_difference_derivatives(const rbd_model *m, const rbd_rea
     if (dd_dq0) rbdi_clear(dd_dq0, m->nv * m->nv);
     if (dd_dq1) rbdi_clear(dd_dq1, m->nv * m->nv);
     for (int b = 0; b < m->nb; ++b) {
-        const rbdi_frame *u = &m->frame[b];
+        const rbdi_frame *body = &m->frame[b];
         rbd_real d[6];
-        if (u->nv == 0) continue;
-        rbdi_difference_joint(u, &q0[u->iq], &q1[u->iq], d);
-        if (dd_dq0) rbdi_put_step(m, u, RBDI_J_R_INVERSE, d, -one, -one, dd_dq0);
-        if (dd_dq1) rbdi_put_step(m, u, RBDI_J_R_INVERSE, d, one, one, dd_dq1);
+        if (body->nv == 0) continue;
+        rbdi_difference_joint(body, &q0[body->iq], &q1[body->iq], d);
+        if (dd_dq0) rbdi_put_step(m, body, RBDI_J_R_INVERSE, d, -one, -one, dd_dq0);
+        if (dd_dq1) rbdi_put_step(m, body, RBDI_J_R_INVERSE, d, one, one, dd_dq1);
     }
     return RBD_OK;
 }

@@ -2,12 +2,12 @@
 #define RBDI_DERIVATIVES_SUBTREES_H
 #include "derivatives/common_frame.h"
 
-/* Sums over subtrees of n components from x on, for the segments from root on: as many as there are registers
-   for, at most 14 of the 27. All dofs of a block get the sum of the block. One segment after the other:
-   equal limbs side by side in batches, such as HyQ's legs, took more time. */
-RBDI_INLINE void rbdi_sum_few(rbd_derivatives *d, const rbdi_segment *root, rbd_real *x, int n) {
-    for (const rbdi_segment *r = d->segment + d->segments - 1; r >= root; --r) {
-        const rbdi_entry *e = d->entry + r->end - 1, *first = d->entry + r->first;
+/* Sums n components, from x on, over subtrees, for the segments from root on. n is at most 14 of the 27, for
+   which there are registers. All dofs of a block get the sum of the block. Segments are taken one after the
+   other: equal limbs as lanes, such as HyQ's legs, took more time. */
+RBDI_INLINE void rbdi_sum_components(rbd_derivatives *d, const rbdi_segment *root, rbd_real *x, int n) {
+    for (const rbdi_segment *seg = d->segment + d->segments - 1; seg >= root; --seg) {
+        const rbdi_entry *e = d->entry + seg->end - 1, *first = d->entry + seg->first;
         const rbd_real *last = x + e->at;
         rbd_real sum[14], *out;
         RBDI_ONE_INDEX(last);
@@ -18,12 +18,12 @@ RBDI_INLINE void rbdi_sum_few(rbd_derivatives *d, const rbdi_segment *root, rbd_
             RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = sum[j] =
                 sum[j] + out[j * RBDI_BATCH];
         }
-        for (e = first + 1; r->block && e < d->entry + r->end; ++e) {
+        for (e = first + 1; seg->block && e < d->entry + seg->end; ++e) {
             out = x + e->at;
             RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = sum[j];
         }
-        if (r->parent < 0) continue;
-        out = x + d->entry[r->parent].at;
+        if (seg->parent < 0) continue;
+        out = x + d->entry[seg->parent].at;
         RBDI_ONE_INDEX(out);
         RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = out[j * RBDI_BATCH] + sum[j];
     }
@@ -31,12 +31,12 @@ RBDI_INLINE void rbdi_sum_few(rbd_derivatives *d, const rbdi_segment *root, rbd_
 RBDI_INLINE void rbdi_sum_subtrees(rbd_derivatives *d, const rbdi_segment *root, int need) {
     rbd_real *x = (rbd_real *)&d->columns->sum;
     if (!(need & RBDI_NEED_V)) {
-        rbdi_sum_few(d, root, x, 9);
-        if (need & RBDI_NEED_WRENCH) rbdi_sum_few(d, root, x + 21 * RBDI_BATCH, 6);
+        rbdi_sum_components(d, root, x, 9);
+        if (need & RBDI_NEED_WRENCH) rbdi_sum_components(d, root, x + 21 * RBDI_BATCH, 6);
         return;
     }
-    rbdi_sum_few(d, root, x, 14);
-    rbdi_sum_few(d, root, x + 14 * RBDI_BATCH, need & RBDI_NEED_WRENCH ? 13 : 7);
+    rbdi_sum_components(d, root, x, 14);
+    rbdi_sum_components(d, root, x + 14 * RBDI_BATCH, need & RBDI_NEED_WRENCH ? 13 : 7);
 }
 
 /* I V of a subtree or of a link, m its mass. */
@@ -50,7 +50,7 @@ RBDI_INLINE rbdi_bforce rbdi_inertia_times(const rbdi_sums *s, rbdi_cbatch m, rb
     F.f = rbdi_b_cross_add(rbdi_b_vec(v.x * m, v.y * m, v.z * m), w, s->h);
     return F;
 }
-/* F + (G / 2 w, -P x w): F + B (w; any). */
+/* F + B (w; any) = F + (G w / 2; w x P). */
 RBDI_INLINE rbdi_bforce rbdi_subtree_B_add(rbdi_bforce F, const rbdi_sums *s, rbdi_b3 w) {
     const rbdi_b3 x = s->Xx, y = s->Xy, z = s->Xz;
     F.n = rbdi_b_vec(F.n.x + (y.y + z.z) * w.x - x.y * w.y - x.z * w.z,
@@ -88,19 +88,18 @@ RBDI_PART void rbdi_columns_by_q(rbd_derivatives *d) {
         c->Phi = Phi, c->E = E;
     }
 }
-/* Columns of forces of a batch of dofs. */
-RBDI_INLINE void rbdi_force_columns(rbdi_columns *c, const rbdi_constants *k, int need) {
+/* F and, if needed, D and T of a batch of dofs. */
+RBDI_INLINE void rbdi_force_columns(rbdi_columns *c, const rbdi_constants *own, int need) {
     const rbdi_sums *s = &c->sum;
     const rbdi_bmotion S = c->S;
     if (need & RBDI_NEED_V) {
         c->T = rbdi_subtree_B_t(s, S);
-        c->D = rbdi_subtree_B_add(rbdi_inertia_times(s, k->subtree, c->U), s, S.omega);
+        c->D = rbdi_subtree_B_add(rbdi_inertia_times(s, own->subtree, c->U), s, S.omega);
     }
-    c->F = rbdi_inertia_times(s, k->subtree, S);
+    c->F = rbdi_inertia_times(s, own->subtree, S);
 }
 
-/* Sweep towards the leaves: the motion of all dofs. It reads v, a and gravity only if need asks for them.
-   */
+/* Sweep towards the leaves: the motion of all dofs. Reads v, a and gravity only if need asks for them. */
 RBDI_INLINE void rbdi_common_motion(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *q,
                                     const rbd_real *v, const rbd_real *a, rbdi_c3 gravity, int need) {
     rbdi_joints(m, d->work, rbdi_expand_q(m, d->work, q));
@@ -115,30 +114,30 @@ RBDI_INLINE void rbdi_common_motion(const rbd_model *m, rbd_derivatives *d, int 
     if (need & RBDI_NEED_WRENCH) rbdi_accelerations(m, d, base, a, gravity);
 }
 
-/* The first batch with a dof that has its link's inertia: a free base's last dof has it. */
+/* The first batch with a link's inertia, which the link's last dof has. */
 RBDI_INLINE int rbdi_first_inertia(const rbd_derivatives *d, int base) {
     return base ? d->entry[base - 1].batch : 0;
 }
-/* Inertias, momenta and wrenches of the links themselves. */
+/* Inertias, momenta and wrenches of the links, each alone. */
 RBDI_INLINE void rbdi_own_sums(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *f_ext,
                                int need) {
     for (int b = rbdi_first_inertia(d, base); b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
-        const rbdi_constants *k = &d->constants[b];
+        const rbdi_constants *own = &d->constants[b];
         rbdi_bmotion V;
         rbdi_sums s; /* not in place: what lies in memory is read again after every store */
-        rbdi_own_inertia(c, k, &s);
+        rbdi_own_inertia(c, own, &s);
         if (need) V = rbdi_b_motion_add(c->Vp, c->dV);
-        if (need & RBDI_NEED_WRENCH) rbdi_own_wrench(V, rbdi_b_motion_add(c->Ap, c->dA), k, &s);
+        if (need & RBDI_NEED_WRENCH) rbdi_own_wrench(V, rbdi_b_motion_add(c->Ap, c->dA), own, &s);
         if (need & RBDI_NEED_V)
-            rbdi_own_momentum(need & RBDI_NEED_CORIOLIS ? V : rbdi_b_motion_add(V, V), k, &s);
+            rbdi_own_momentum(need & RBDI_NEED_CORIOLIS ? V : rbdi_b_motion_add(V, V), own, &s);
         rbdi_store_sums(&s, need, &c->sum);
     }
     if (need & RBDI_NEED_WRENCH) rbdi_common_external(m, d, f_ext);
 }
 
-/* The whole computation for one need, which the compiler knows unless at -Os: motion, then masses, momenta
-   and wrenches, their sums over subtrees, and the columns of forces. */
+/* The whole computation for one need, a constant unless at -Os: motion, then inertias, momenta and wrenches,
+   their sums over subtrees, and the columns F, D and T. */
 RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *q,
                                 const rbd_real *v, const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext,
                                 int need, int more) {
@@ -149,23 +148,21 @@ RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base
         rbdi_force_columns(&d->columns[b], &d->constants[b], need);
 }
 
-/* The same for any need: q alone, C, the wrench alone, or everything. With a free base all is in the base's
-   axes and, unless need has RBDI_NEED_WHOLE, at v = 0 and without gravity. */
+/* The same for any need: q alone, C, the wrench alone, or all. With a free base all is in the base's axes
+   and, unless need has RBDI_NEED_WHOLE, at v = 0 of the base and without gravity. */
 RBDI_PART void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
                            const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext, int need) {
     const int coriolis = RBDI_NEED_V | RBDI_NEED_CORIOLIS, all = RBDI_NEED_V | RBDI_NEED_WRENCH;
     const int base = d->base, more = need & RBDI_NEED_WHOLE;
     need &= ~more;
-    if (!RBDI_FOR_SPEED)
-        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, need, more);
-    else if (!need)
+    if (RBDI_FOR_SPEED && !need)
         rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, 0, 0);
-    else if (need == coriolis)
+    else if (RBDI_FOR_SPEED && need == coriolis)
         rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, coriolis, 0);
-    else if (need == RBDI_NEED_WRENCH)
+    else if (RBDI_FOR_SPEED && need == RBDI_NEED_WRENCH)
         rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, RBDI_NEED_WRENCH, more);
     else
-        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, all, more);
+        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, RBDI_FOR_SPEED ? all : need, more);
 }
 
 #endif
