@@ -397,7 +397,7 @@ static void rbdi_task_scatter(const rbdi_task *t, const rbd_batch *b, int s, int
 static void rbdi_note_singular(const rbd_model *m, rbd_batch *b, int first, int count) {
     for (int i = 0; i < count && b->state < 0; ++i)
         for (int k = m->nv - 1; k >= 0 && b->state < 0; --k)
-            if (!(b->w->pivot[k][i] > 0)) b->state = first + i, b->dof = k; /* judged */
+            if (!(b->w->pivot[k][i] > 0)) b->state = first + i, b->dof = k; /* after rbdi_check_pivots */
 }
 
 #if RBDI_REPRODUCIBLE

@@ -1064,7 +1064,7 @@ static void rbdi_delta_solve(const rbd_constraint_set *c, rbd_real *X, int colum
 /* Gives lambda to the caller. Returns the status of a call from that of the pivots of M. */
 static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraint_set *c, rbd_status status,
                                           rbd_real *lambda) {
-    if (status) (void)rbdi_verdict(m, c->w, c->lambda, c->rows);
+    if (status) (void)rbdi_pivot_status(m, c->w, c->lambda, c->rows);
     for (int r = 0; lambda && r < c->rows; ++r) lambda[r] = c->lambda[r];
     if (status) return status;
     return c->infeasible < 0 ? RBD_OK : RBD_ERR_INFEASIBLE;
@@ -1433,7 +1433,7 @@ RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const 
     if (!rbdi_restitution_fits(restitution)) return RBD_ERR_RANGE;
     status = rbdi_constrained(m, c, q, v, c->w->zero, NULL, &restitution, c->x, impulse);
     for (int k = 0; k < m->nv; ++k) v_plus[k] = v[k] + c->x[k];
-    if (status) (void)rbdi_verdict(m, c->w, v_plus, m->nv);
+    if (status) (void)rbdi_pivot_status(m, c->w, v_plus, m->nv);
     return status;
 }
 
@@ -2187,8 +2187,8 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
         for (int k = 0; k < nv; ++k)
             rbdi_subtract_product(&c->Y[k * c->stride], of_lambda[x], c->rows, nv, &of_a[x][k * nv]);
         if (solved && solved != RBD_ERR_INFEASIBLE) {
-            (void)rbdi_verdict(m, c->w, of_a[x], nv * nv);
-            (void)rbdi_verdict(m, c->w, of_lambda[x], c->rows * nv);
+            (void)rbdi_pivot_status(m, c->w, of_a[x], nv * nv);
+            (void)rbdi_pivot_status(m, c->w, of_lambda[x], c->rows * nv);
         }
     }
     for (int k = 0; to.a && k < nv; ++k) to.a[k] = d->a[k];

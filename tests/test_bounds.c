@@ -136,11 +136,11 @@ static void expect_bounds(const rbd_model *m, rbd_work *w, const rbd_real *q, co
             const double away = 1e-6, limit = (double)D[k] / (e[k] + (double)m->dof[k].armature);
             test_noise = limit * (1 + side * away);
             memcpy(w->pivot, D, (size_t)n * sizeof *D);
-            rbdi_judge_factor(m, w, L, doubt);
+            rbdi_check_pivots(m, w, L, doubt);
             ck_assert_msg((w->pivot[k] > 0) == (side < 0), "dof %d of %d: %s at %.9g of the noise", k, n,
                           side < 0 ? "not sound" : "sound", 1 + side * away);
             memcpy(w->pivot, D, (size_t)n * sizeof *D);
-            rbdi_judge_factor(m, w, L, !doubt);
+            rbdi_check_pivots(m, w, L, !doubt);
             ck_assert_msg(w->pivot[k] > 0, "dof %d of %d: not sound without doubt", k, n);
         }
 }

@@ -141,7 +141,7 @@ RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const 
     if (!rbdi_restitution_fits(restitution)) return RBD_ERR_RANGE;
     status = rbdi_constrained(m, c, q, v, c->w->zero, NULL, &restitution, c->x, impulse);
     for (int k = 0; k < m->nv; ++k) v_plus[k] = v[k] + c->x[k];
-    if (status) (void)rbdi_verdict(m, c->w, v_plus, m->nv);
+    if (status) (void)rbdi_pivot_status(m, c->w, v_plus, m->nv);
     return status;
 }
 

@@ -275,8 +275,8 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
         for (int k = 0; k < nv; ++k)
             rbdi_subtract_product(&c->Y[k * c->stride], of_lambda[x], c->rows, nv, &of_a[x][k * nv]);
         if (solved && solved != RBD_ERR_INFEASIBLE) {
-            (void)rbdi_verdict(m, c->w, of_a[x], nv * nv);
-            (void)rbdi_verdict(m, c->w, of_lambda[x], c->rows * nv);
+            (void)rbdi_pivot_status(m, c->w, of_a[x], nv * nv);
+            (void)rbdi_pivot_status(m, c->w, of_lambda[x], c->rows * nv);
         }
     }
     for (int k = 0; to.a && k < nv; ++k) to.a[k] = d->a[k];

@@ -240,7 +240,7 @@ static void rbdi_delta_solve(const rbd_constraint_set *c, rbd_real *X, int colum
 /* Gives lambda to the caller. Returns the status of a call from that of the pivots of M. */
 static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraint_set *c, rbd_status status,
                                           rbd_real *lambda) {
-    if (status) (void)rbdi_verdict(m, c->w, c->lambda, c->rows);
+    if (status) (void)rbdi_pivot_status(m, c->w, c->lambda, c->rows);
     for (int r = 0; lambda && r < c->rows; ++r) lambda[r] = c->lambda[r];
     if (status) return status;
     return c->infeasible < 0 ? RBD_OK : RBD_ERR_INFEASIBLE;

@@ -158,10 +158,10 @@ RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, c
     doubt = rbdi_factor(m, d->work, d->work->H);
     if (!rbdi_mimics(m)) doubt = rbdi_or(doubt, rbdi_far_pivots(d));
     d->work->singular = -1;
-    if (rbdi_any(doubt)) rbdi_judge_state(m, d->work);
+    if (rbdi_any(doubt)) rbdi_check_state(m, d->work);
     if (Minv) rbdi_invert(m, d->work, d->work->H, Minv);
     rbdi_solve(m, d->work, d->work->H, d->a);
-    if (rbdi_any(doubt)) status = rbdi_verdict(m, d->work, d->a, nv);
+    if (rbdi_any(doubt)) status = rbdi_pivot_status(m, d->work, d->a, nv);
     if (da_dq) rbdi_add_acceleration(m, d, d->a);
     if (da_dq || da_dv) rbdi_put_entries(m, d, da_dq, da_dv, NULL, 0);
     if (d->base) rbdi_put_turns(d, da_dq, da_dv);
@@ -173,9 +173,9 @@ RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, c
                            count > 1 ? sides[1] : NULL);
     if (d->base) rbdi_from_base(m, d, v, da_dq, da_dv);
     for (int k = 0; a && k < nv; ++k) a[k] = d->a[k];
-    if (status && a) (void)rbdi_verdict(m, d->work, a, nv);
+    if (status && a) (void)rbdi_pivot_status(m, d->work, a, nv);
     for (int k = 0; status && k < 3; ++k)
-        if (result[k]) (void)rbdi_verdict(m, d->work, result[k], nv * nv);
+        if (result[k]) (void)rbdi_pivot_status(m, d->work, result[k], nv * nv);
     return status;
 }
 #endif

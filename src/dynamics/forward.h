@@ -45,8 +45,8 @@ RBDI_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, 
     doubt = rbdi_factor(m, w, H);
     w->singular = -1;
     if (!rbdi_any(doubt)) return RBD_OK;
-    rbdi_judge_factor(m, w, H, doubt);
-    return rbdi_verdict(m, w, H, rbd_packed_size(m));
+    rbdi_check_pivots(m, w, H, doubt);
+    return rbdi_pivot_status(m, w, H, rbd_packed_size(m));
 }
 
 RBDI_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *M, rbd_real *L) {

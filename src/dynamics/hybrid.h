@@ -54,8 +54,9 @@ RBDI_PART void rbdi_substitute_free(const rbd_model *m, const unsigned char *pre
     }
 }
 
-/* Judges the pivots of M_ff: H becomes the factor of M with the rows and columns p of the unit matrix. */
-RBDI_COLD rbd_status rbdi_judge_free(const rbd_model *m, rbd_work *w, const unsigned char *prescribed,
+/* Checks the pivots of M_ff: those of M with the rows and columns p of the unit matrix, whose factor H
+   becomes. */
+RBDI_COLD rbd_status rbdi_check_free(const rbd_model *m, rbd_work *w, const unsigned char *prescribed,
                                      rbdi_mask doubt, rbd_real *a, rbd_real *tau) {
     for (int k = 0; k < m->nv; ++k) {
         rbd_real *row = &w->H[m->dof[k].row];
@@ -63,11 +64,11 @@ RBDI_COLD rbd_status rbdi_judge_free(const rbd_model *m, rbd_work *w, const unsi
         for (int t = m->dof[k].depth - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
             if (prescribed[k] || prescribed[i]) row[t] = rbdi_zero();
     }
-    rbdi_judge_factor(m, w, w->H, doubt);
+    rbdi_check_pivots(m, w, w->H, doubt);
     for (int k = 0; k < m->nv; ++k)
-        if (prescribed[k]) w->pivot[k] = rbdi_set(RBD_C(1)); /* sound */
-    (void)rbdi_verdict(m, w, tau, m->nv);
-    return rbdi_verdict(m, w, a, m->nv);
+        if (prescribed[k]) w->pivot[k] = rbdi_set(RBD_C(1)); /* good */
+    (void)rbdi_pivot_status(m, w, tau, m->nv);
+    return rbdi_pivot_status(m, w, a, m->nv);
 }
 
 RBDI_API rbd_status rbd_hybrid(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
@@ -88,7 +89,7 @@ RBDI_API rbd_status rbd_hybrid(const rbd_model *m, rbd_work *w, const rbd_real *
     doubt = rbdi_eliminate_free(m, w, given, w->H, w->bias);
     rbdi_substitute_free(m, given, w->H, w->bias, a, tau);
     w->singular = -1;
-    return rbdi_any(doubt) ? rbdi_judge_free(m, w, given, doubt, a, tau) : RBD_OK;
+    return rbdi_any(doubt) ? rbdi_check_free(m, w, given, doubt, a, tau) : RBD_OK;
 }
 #endif
 

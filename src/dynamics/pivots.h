@@ -3,10 +3,10 @@
 #include "dynamics/crba.h"
 #include "dynamics/packed.h"
 
-/* Interface: rbdi_judge_state, rbdi_status_of, rbdi_verdict */
+/* Interface: rbdi_check_state, rbdi_pivot_status, rbdi_status_of */
 
 /* ---- pivots [pivots] ----
-   One judge decides whether M is singular, for all calls: rbdi_judge_factor, on the pivots D of M = L'DL.
+   One function decides for all calls whether M is singular: rbdi_check_pivots, from the pivots D of M = L'DL.
 
    D_k = y' M y for the motion y in which dof k moves by 1 and the dofs behind it give way: column k of L^-1.
    Two kinds of rounding reach it.
@@ -22,37 +22,37 @@
 
    A pivot counts as zero unless D > RBDI_NOISE (e + armature) + RBDI_TINY.
 
-   Calls do not judge the pivots that they compute. They only test D > RBDI_DOUBT dof.scale. If all pivots
-   pass, M is regular: a rounding error reaches that size only if it is magnified by more than RBDI_DOUBT /
-   eps, and then an earlier pivot was small beside its own scale; RBDI_DOUBT is at least sqrt(eps), so that
-   one of the two fails the test. Otherwise the state is in doubt: rbdi_judge_state computes M from the
-   joints' transforms, factors it and judges. If M is regular, the call's results are kept.
+   Calls that compute pivots only test D > RBDI_DOUBT dof.scale. If all pivots pass, M is regular: a
+   rounding error reaches that size only if it is magnified by more than RBDI_DOUBT / eps, and then an
+   earlier pivot was small beside its own scale; RBDI_DOUBT is at least sqrt(eps), so that one of the two
+   fails the test. Otherwise the state is in doubt: rbdi_check_state computes M from the joints' transforms,
+   factors it and checks its pivots. If M is regular, the call's results are kept.
 
-   With RBD_NO_CHOLESKY nothing can judge, and a state in doubt is singular. */
+   With RBD_NO_CHOLESKY there is no factor to check, and a state in doubt is singular. */
 
 /* Replaces a pivot by 1 if it is above its noise or no pivot of the state is in doubt, by 0 if not, by -1 if
    it is not a number. */
-RBDI_PART void rbdi_judge(rbd_work *w, int k, rbd_real noise, rbdi_mask doubt) {
+RBDI_PART void rbdi_check_pivot(rbd_work *w, int k, rbd_real noise, rbdi_mask doubt) {
     const rbd_real D = w->pivot[k], one = rbdi_set(RBD_C(1));
     const rbdi_mask number = rbdi_or(rbdi_less(D, one), rbdi_less(rbdi_zero(), D));
     const rbd_real bad = rbdi_select(number, rbdi_zero(), -one);
     w->pivot[k] = rbdi_select(rbdi_or(rbdi_not(doubt), rbdi_less(noise, D)), one, bad);
 }
 
-/* The first judged pivot, in the order of elimination, that is not sound; the n results x of its lanes
-   become 0. */
-RBDI_PART rbd_status rbdi_verdict(const rbd_model *m, rbd_work *w, rbd_real *x, int n) {
+/* The status after the checks. w->singular becomes the first bad pivot in the order of elimination; the n
+   results x of its lanes become 0. */
+RBDI_PART rbd_status rbdi_pivot_status(const rbd_model *m, rbd_work *w, rbd_real *x, int n) {
     const rbd_real half = rbdi_set(RBD_C(0.5)), o = rbdi_zero();
-    rbdi_mask sound = rbdi_less(o, half), number = sound;
+    rbdi_mask good = rbdi_less(o, half), number = good;
     w->singular = -1;
     for (int k = m->nv - 1; k >= 0; --k) {
         const rbdi_mask ok = rbdi_less(half, w->pivot[k]);
-        sound = rbdi_and(sound, ok);
+        good = rbdi_and(good, ok);
         if (w->singular >= 0 || !rbdi_any(rbdi_not(ok))) continue;
         w->singular = k;
         number = rbdi_less(-half, w->pivot[k]);
     }
-    for (int k = 0; k < n; ++k) x[k] = rbdi_select(sound, x[k], o);
+    for (int k = 0; k < n; ++k) x[k] = rbdi_select(good, x[k], o);
     if (w->singular < 0) return RBD_OK;
     return rbdi_any(rbdi_not(number)) ? RBD_ERR_NAN : RBD_ERR_SINGULAR;
 }
@@ -87,9 +87,9 @@ static void rbdi_add_links(const rbd_model *m, rbd_real *K) {
     }
 }
 
-/* The judge. L is the packed factor that the pivots are of, doubt what rbdi_factor said of it: M_jj = sum of
-   L_kj^2 D_k; column k of L^-1, which is zero but for k and what lies behind it, by substitution. */
-RBDI_COLD void rbdi_judge_factor(const rbd_model *m, rbd_work *w, const rbd_real *L, rbdi_mask doubt) {
+/* Checks the pivots of M. L is its packed factor, doubt what rbdi_factor returned. M_jj = sum of L_kj^2
+   D_k; column k of L^-1, zero but for k and what is behind it, by substitution. */
+RBDI_COLD void rbdi_check_pivots(const rbd_model *m, rbd_work *w, const rbd_real *L, rbdi_mask doubt) {
     const int n = m->nv;
     rbd_real *K = w->F, *y = w->F + n; /* the scratch of crba */
     for (int k = 0; k < n; ++k) K[k] = rbdi_abs(w->pivot[k]) + RBD_C(0.25) * m->dof[k].scale;
@@ -109,19 +109,20 @@ RBDI_COLD void rbdi_judge_factor(const rbd_model *m, rbd_work *w, const rbd_real
                 y[j] = y[j] - row[t] * y[i];
             e = e + y[j] * y[j] * K[j];
         }
-        rbdi_judge(w, k, e * RBDI_NOISE + RBDI_TINY, doubt);
+        rbdi_check_pivot(w, k, e * RBDI_NOISE + RBDI_TINY, doubt);
     }
 }
 
-/* Judges the state of the last rbdi_joints. The factor is left in w->H. */
-RBDI_COLD void rbdi_judge_state(const rbd_model *m, rbd_work *w) {
+/* Checks the pivots of M at the state of the last rbdi_joints. The factor is left in w->H. */
+RBDI_COLD void rbdi_check_state(const rbd_model *m, rbd_work *w) {
     RBDI_NOTE_DOUBT(w, 1);
 #ifndef RBD_NO_CHOLESKY
     rbdi_crba_of_joints(m, w, w->H);
-    rbdi_judge_factor(m, w, w->H, rbdi_factor(m, w, w->H));
+    rbdi_check_pivots(m, w, w->H, rbdi_factor(m, w, w->H));
 #else
     for (int k = 0; k < m->nv; ++k)
-        rbdi_judge(w, k, rbdi_set(m->dof[k].scale * RBDI_DOUBT), rbdi_less(rbdi_zero(), rbdi_set(RBD_C(1))));
+        rbdi_check_pivot(w, k, rbdi_set(m->dof[k].scale * RBDI_DOUBT),
+                         rbdi_less(rbdi_zero(), rbdi_set(RBD_C(1))));
 #endif
 }
 
@@ -129,8 +130,8 @@ RBDI_COLD void rbdi_judge_state(const rbd_model *m, rbd_work *w) {
 RBDI_INLINE rbd_status rbdi_status_of(const rbd_model *m, rbd_work *w, rbdi_mask doubt, rbd_real *x, int n) {
     w->singular = -1;
     if (!rbdi_any(doubt)) return RBD_OK;
-    rbdi_judge_state(m, w);
-    return rbdi_verdict(m, w, x, n);
+    rbdi_check_state(m, w);
+    return rbdi_pivot_status(m, w, x, n);
 }
 
 #endif

@@ -270,7 +270,7 @@ def stages(header):
     def bounds():
         return Stage("bounds", (("test_bounds.c", ("-O0", APART)),),
                      (("fuzz/robots.c", ("-O1", "-DRBD_REAL=double")), ("fuzz/world.c", ("-O1", "-DRBD_REAL=double"))),
-                     ("-lquadmath",), functions="judge|add_links|hold_rows|factor")
+                     ("-lquadmath",), functions="check_pivot|check_state|check_free|pivot_status|add_links|hold_rows|factor")
 
     def axes(scalar_name):
         flag = f"-DRBD_REAL={scalar_name}"
