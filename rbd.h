@@ -122,7 +122,7 @@
 #define RBD_H
 
 /* ==== src/api/configuration.h ==== */
-#ifdef RBD_BATCH_IMPLEMENTATION /* all static but the calls of rbd_batch.h: another file has the rest */
+#ifdef RBD_BATCH_IMPLEMENTATION /* all but the calls of rbd_batch.h is static: another file implements it */
 #define RBD_IMPLEMENTATION
 #define RBD_STATIC
 #endif
@@ -136,8 +136,8 @@
 
 /* The macros of [configuration], checked and completed. */
 
-/* A wrong macro gives one #error. Then it is replaced by a value that works, so that no further message hides
-   that one. */
+/* A wrong macro gives one #error. It is then replaced by a value that works, so that no other message
+   follows. */
 #if !defined __cplusplus && (!defined __STDC_VERSION__ || __STDC_VERSION__ < 199901L)
 #error "rbd: needs C99 or later: compile with -std=c99, c11, c17 or a gnu dialect of them"
 #undef RBD_IMPLEMENTATION
@@ -186,8 +186,8 @@
 #undef RBD_LANES
 #endif
 
-/* From here to the end of the file, for what it inlines too. clang keeps to this unless -ffp-contract=fast is
-   on its command line. */
+/* From here to the end of the file, also in functions that are inlined. clang obeys unless
+   -ffp-contract=fast is on its command line. */
 #ifdef RBD_REPRODUCIBLE
 #if RBDI_REAL_KIND % 3 == 0
 #error "rbd: RBD_REPRODUCIBLE needs RBD_REAL double or float"
@@ -219,9 +219,9 @@
 #define RBDI_EXTENSION
 #endif
 
-/* A symbol whose value is the scalar, in every file. The linker takes it several times if all values are
-   equal, else it refuses them; in link-time optimisation the assembler does. It has no section: it takes no
-   memory, and nothing removes it. clang's link-time optimisation would refuse equal values too. */
+/* Every file has a symbol whose value encodes the scalar. The linker accepts it several times if all values
+   are equal, else it refuses; in link-time optimisation the assembler does. It has no section, so that it
+   takes no memory and is never removed. clang's link-time optimisation would refuse equal values too. */
 #ifndef RBD_CHECK_SCALAR
 #if defined __GNUC__ && !defined __clang__ && defined __ELF__ && !defined RBD_STATIC && \
     !defined RBD_REAL_CUSTOM
@@ -269,9 +269,9 @@ RBDI_EXTENSION typedef RBD_REAL rbd_real; /* states and results */
 RBDI_EXTERN_C_BEGIN
 
 /* ==== src/api/symbols.h ==== */
-/* The symbols carry what the layout of their arguments depends on, so that files which differ in it do not
-   link: rbd_rnea is rbd_rnea_double, or rbd_rnea_double_8 with 8 lanes; the batch calls, whose arrays are
-   ordinary ones, are without the lanes. Of a class the mangled names tell. */
+/* The symbols name the scalar and the lanes, which determine the layout of arguments, so that files which
+   differ in them do not link: rbd_rnea is rbd_rnea_double, or rbd_rnea_double_8 with 8 lanes. The batch
+   calls, which take ordinary arrays, do not name the lanes. The mangled names of C++ tell classes apart. */
 #define RBDI_PASTE_OF(a, b) a##_##b
 #define RBDI_PASTE(a, b) RBDI_PASTE_OF(a, b)
 #if RBDI_REAL_KIND == 3 && RBDI_KIND(RBD_CONST) != 3
@@ -352,14 +352,14 @@ RBDI_EXTERN_C_BEGIN
 
 /* Joint types; [conventions] has their coordinates. All but fixed may stand anywhere in the tree. */
 typedef enum rbd_joint_type {
-    RBD_FIXED,         /* merged into the parent; the body stays available as a named frame */
+    RBD_FIXED,         /* merged into the parent; the body remains as a named frame */
     RBD_REVOLUTE,      /* about axis */
     RBD_CONTINUOUS,    /* about axis, no limits */
     RBD_CONTINUOUS_CS, /* about axis, q = (cos, sin) */
     RBD_PRISMATIC,     /* along axis */
     RBD_HELICAL,       /* about axis, and pitch metres per radian along it */
     RBD_CYLINDRICAL,   /* about and along axis, independently */
-    RBD_UNIVERSAL,     /* about axis, then about axis2 (carried along by the first turn) */
+    RBD_UNIVERSAL,     /* about axis, then about axis2, which the first turn moves */
     RBD_SPHERICAL,     /* quaternion */
     RBD_EULER_ZYX,     /* R = Rz(q0) Ry(q1) Rx(q2) */
     RBD_EULER_XYZ,
@@ -372,7 +372,7 @@ typedef enum rbd_joint_type {
 } rbd_joint_type;
 
 /* One body and the joint that carries it: a row of the description. Zero is a sensible default for
-   every field but parent (-1 = world), type (0 is fixed), axis where the joint has one, mass, and
+   every field but parent (-1 = world), type (0 is fixed), mass, axis where the joint has one, and
    mimic_ratio of a joint that mimics. */
 typedef struct rbd_body {
     const char *name;    /* of the link; unique, NULL = nameless */
@@ -387,16 +387,16 @@ typedef struct rbd_body {
     double mass;         /* kg */
     double com[3];       /* centre of mass, link frame */
     double inertia[6];   /* xx xy xz yy yz zz about the centre of mass, link axes, kg m^2 */
-    double armature[6];  /* per degree of freedom (what lies beyond is ignored): rotor inertia seen at
-                             the joint; in M, rnea, fd */
-    double damping[6];   /* per degree of freedom: see rbd_passive */
-    double friction[6];  /* per degree of freedom: see rbd_passive */
-    double lower, upper; /* limits of a one-dof joint; none if lower >= upper */
-    double velocity;     /* limit, 0 = none; carried for the user */
-    double effort;       /* limit, 0 = none; carried for the user */
-    const char *mimic;   /* name of the joint this one follows, NULL = none; one-dof joints only */
+    double armature[6];  /* per degree of freedom, entries beyond are ignored: rotor inertia seen at the
+                             joint, kg m^2 or kg; in M, rnea, fd */
+    double damping[6];   /* per degree of freedom, N m s or N s/m: see rbd_passive */
+    double friction[6];  /* per degree of freedom, N m or N: see rbd_passive */
+    double lower, upper; /* limits of a one-dof joint, rad or m; none if lower >= upper */
+    double velocity;     /* limit, rad/s or m/s, 0 = none; kept for the user */
+    double effort;       /* limit, N m or N, 0 = none; kept for the user */
+    const char *mimic;   /* name of the joint that this one follows, NULL = none; one-dof joints only */
     double mimic_ratio;  /* q = ratio * (q of that joint) + offset; not 0 */
-    double mimic_offset;
+    double mimic_offset; /* rad or m */
 } rbd_body;
 
 typedef struct rbd_model rbd_model; /* constants: see rbd_model_build */
@@ -405,7 +405,7 @@ typedef struct rbd_work rbd_work;   /* scratch and results of one thread: see rb
 /* ==== src/api/status.h ==== */
 /* ---- status [status] ---- */
 
-/* Every function returns one: 0, or a negative error. A build error names body and field. */
+/* The result of most functions: 0, or a negative error. An error of the build names body and field. */
 typedef enum rbd_status {
     RBD_OK = 0,
     RBD_ERR_NULL = -1,     /* a required pointer is NULL */
@@ -437,7 +437,7 @@ typedef enum rbd_status {
     RBD_ERR_INFEASIBLE = -27, /* constraints contradict each other */
     RBD_ERR_LEFT_OUT = -28,   /* the model needs code that RBD_FEATURES or RBD_NO_CHOLESKY leave out */
     RBD_ERR_ARITHMETIC = -29, /* RBD_REPRODUCIBLE, and sums and products are not rounded as in [guarantees] */
-    /* warnings of the build: dynamics can compute with it, but no real body is like this */
+    /* warnings of the build: dynamics computes with such a body, but no real one is like this */
     RBD_WARN_INERTIA_NEGATIVE = 1, /* inertia has a negative eigenvalue */
     RBD_WARN_INERTIA_TRIANGLE = 2, /* one principal moment exceeds the sum of the others */
     RBD_WARN_INERTIA_ZERO = 3,     /* mass, but no inertia about the centre of mass */
@@ -457,10 +457,10 @@ typedef struct rbd_finding {
 } rbd_finding;
 
 #define RBD_MAX_WARNINGS 16
-/* Findings of the build: the first error, and the warnings (counted all, kept as far as they fit). */
+/* Findings of the build: the first error, and the warnings, of which the first RBD_MAX_WARNINGS are kept. */
 typedef struct rbd_report {
     rbd_finding error; /* error.status is RBD_OK if there is none */
-    int warnings;
+    int warnings;      /* number of all */
     rbd_finding warning[RBD_MAX_WARNINGS];
 } rbd_report;
 
@@ -487,17 +487,18 @@ RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory
 /* Bytes that rbd_model_build needs for this description; 0 if nb is out of range. */
 RBDI_API size_t rbd_model_size(const rbd_body *bodies, int nb);
 
-/* Adds a payload to a body of a built model, such as what a hand took up. The results are those of a new
-   build, to rounding; it costs a step for each link on the way to the root. The payload negated is taken off
-   again. A rbd_work stays good, and so does a set of constraints; but make a set anew after mass was taken
-   off that the model was built with. No call may run meanwhile. A model in a table of constants cannot be
-   changed.
-   memory   that was given to rbd_model_build
+/* Adds a payload, such as an object in the hand, to a body of a built model. Later results are those of a new
+   build, to rounding. It costs a step for each link on the way to the root. To take the payload off, add it
+   with mass and inertia negated. Every rbd_work and set of constraints stays valid; but make a set anew after
+   taking off mass that the model was built with. No other call may use the model meanwhile. A model in a
+   table of constants cannot be changed.
+   memory   the memory that was given to rbd_model_build
    mass     kg, may be negative
-   com      of the payload, link frame
-   inertia  xx xy xz yy yz zz about its com, link axes; NULL = a point
-   Errors, the model as it was: RBD_ERR_NULL, _VERSION (no model there), _INDEX; not finite, or of the whole
-   then RBD_ERR_MASS negative, RBD_ERR_INERTIA with a negative eigenvalue; RBD_ERR_COM. */
+   com      centre of mass of the payload, link frame, m
+   inertia  xx xy xz yy yz zz about that, link axes, kg m^2; NULL = a point mass
+   Errors, which leave the model as it was: RBD_ERR_NULL, _VERSION (no model there), _INDEX; _MASS, _COM,
+   _INERTIA if not finite; _MASS if the body's mass would be negative, _INERTIA if its inertia would have a
+   negative eigenvalue. */
 RBDI_API rbd_status rbd_add_payload(void *memory, int body, double mass, const double com[3],
                                     const double inertia[6]);
 
@@ -505,9 +506,9 @@ RBDI_API rbd_status rbd_add_payload(void *memory, int body, double mass, const d
 
 /* ---- work [work] ---- */
 
-/* Prepares the memory that the algorithms work in; one per thread and model. A copy of the model works
-   too. With a model that needs arrays of other lengths every call returns RBD_ERR_WORK, including a model
-   rebuilt in the same memory.
+/* Prepares the memory that the algorithms work in; one per thread and model. It serves every model with
+   arrays of the same lengths, such as a copy. With any other, including a model rebuilt in the same memory,
+   each call returns RBD_ERR_WORK.
    memory   size bytes of any alignment; RBD_WORK_SIZE(nb, nv) always suffices, with mimic joints
             RBD_WORK_SIZE_MIMIC(nb, nv)
    work     receives the work structure, which lies inside memory: do not move it; NULL after an error
@@ -517,16 +518,16 @@ RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size,
 /* Bytes that rbd_work_init needs for this model. */
 RBDI_API size_t rbd_work_size(const rbd_model *m);
 
-/* Sets gravity, 3 components in the world frame, m/s^2, for the calls that follow. Errors: RBD_ERR_NULL. */
+/* Sets gravity, a vector in the world frame, m/s^2, for the calls that follow. Errors: RBD_ERR_NULL. */
 RBDI_API rbd_status rbd_set_gravity(rbd_work *w, const rbd_const gravity[3]);
 
-/* The gravity that is set. Errors: RBD_ERR_NULL. */
+/* Reads the gravity that is set, m/s^2. Errors: RBD_ERR_NULL. */
 RBDI_API rbd_status rbd_get_gravity(const rbd_work *w, rbd_const gravity[3]);
 
-/* After RBD_ERR_SINGULAR or RBD_ERR_NAN: the degree of freedom (index into v) whose pivot is not above its
-   rounding, or not a number; of several the last. After RBD_ERR_NAN the cause is q of a joint that this dof
-   carries, or of its own joint if that has several dofs, or an overflow there. -1 after a call that factors M
-   and finds no fault; calls that do not factor it leave it as it is. With lanes: of all states together. */
+/* Returns, after RBD_ERR_SINGULAR or RBD_ERR_NAN, the degree of freedom (index into v) whose pivot is not
+   above its rounding, or not a number; of several the last. After RBD_ERR_NAN the cause is q of a joint
+   that this dof moves, or of its own joint if that has several dofs, or an overflow there. -1 after a call
+   that factors M and finds it regular; other calls do not change it. With lanes: of all states together. */
 RBDI_API int rbd_singular_dof(const rbd_work *w);
 
 /* ==== src/api/dynamics.h ==== */
@@ -550,13 +551,13 @@ RBDI_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q,
 RBDI_API rbd_status rbd_bias(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                              const rbd_real *f_ext, rbd_real *c);
 
-/* Gravity torque g = tau at v = a = 0: what holds the robot still. */
+/* Gravity torque g = tau at v = a = 0: it holds the robot still. */
 RBDI_API rbd_status rbd_gravity_torque(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *g);
 
-/* Generalized momentum p = M v and C' v, without a matrix: what a momentum observer needs to feel contacts,
-   since dp/dt = tau + C' v - g + sum J' f_ext (De Luca and Mattone 2005). C is the Coriolis matrix of
-   rbd_coriolis, for which dM/dt - 2 C is skew. By the momenta of the subtrees: p_i = S_i' h_i, (C' v)_i =
-   (dS_i/dt)' h_i.
+/* Generalized momentum p = M v and C' v, for a momentum observer, which detects contacts by dp/dt = tau +
+   C' v - g + sum J' f_ext (De Luca and Mattone 2005). C is the Coriolis matrix of rbd_coriolis, for which
+   dM/dt - 2 C is skew. No matrix is computed: p_i = S_i' h_i, (C' v)_i = (dS_i/dt)' h_i, h_i the momenta of
+   the subtrees.
    p, ctv: nv; each may be NULL, not the same array. */
 RBDI_API rbd_status rbd_generalized_momentum(const rbd_model *m, rbd_work *w, const rbd_real *q,
                                              const rbd_real *v, rbd_real *p, rbd_real *ctv);
@@ -564,15 +565,15 @@ RBDI_API rbd_status rbd_generalized_momentum(const rbd_model *m, rbd_work *w, co
 /* Mass matrix M, nv x nv, both triangles. Composite rigid bodies, RBDA table 6.2. */
 RBDI_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *mass_matrix);
 
-/* Mass matrix packed: row i of the lower triangle holds only the columns that the tree fills, which
-   are i and its ancestors, root first; row after row: rbd_packed_size(m) entries. Where joints mimic
-   others, the tree is that of the matrix's elimination, and some entries on its paths may be zero. */
+/* Mass matrix packed: rows of the lower triangle one after the other, rbd_packed_size(m) entries. Row i has
+   the columns of its ancestors in the tree, root first, then i: all others are zero. With mimic joints the
+   tree is the matrix's elimination tree, and some entries may be zero. */
 RBDI_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *packed);
 
 /* Number of entries of a packed matrix, at most nv (nv + 1) / 2. */
 RBDI_API int rbd_packed_size(const rbd_model *m);
 
-/* Where entry (i, j) lies in a packed matrix; -1 if the tree makes it zero (or no such dof). */
+/* Index of entry (i, j) in a packed matrix; -1 if the tree makes it zero, or there is no such dof. */
 RBDI_API int rbd_packed_index(const rbd_model *m, int i, int j);
 
 /* Forward dynamics a = M^-1 (tau - c + sum J' f_ext). Articulated bodies, RBDA table 7.1. Also
@@ -585,9 +586,9 @@ RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
 RBDI_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                     const rbd_real *tau, const rbd_real *f_ext, rbd_real *a);
 
-/* Hybrid dynamics: of each degree of freedom either the acceleration is given or the torque, and the other
-   wanted; M a + c = tau + sum J' f_ext. By the mass matrix, RBDA section 9.1; any dofs, also some of a joint.
-   Where all but a floating base is given rbd_id_free_base of rbd_derivatives.h is faster.
+/* Hybrid dynamics, M a + c = tau + sum J' f_ext: of each degree of freedom either the acceleration or the
+   torque is given, and the other computed. By the mass matrix, RBDA section 9.1; a joint's dofs may differ.
+   If only a floating base is not, rbd_id_free_base of rbd_derivatives.h is faster.
    given   nv flags: not 0 where a is given, 0 where tau is
    a, tau  in: what is given; out: all. Not the same array.
    Also RBD_ERR_SINGULAR, of the degrees of freedom whose torque is given; then a and tau are 0. */
@@ -608,41 +609,41 @@ RBDI_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, 
 RBDI_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd_real *factor,
                                        const rbd_real *b, rbd_real *x);
 
-/* Solves M x = b for n right-hand sides, the columns of b. b, x: nv x n; may be the same. With n <= 0 nothing
-   is done. For J M^-1 J' of a Jacobian J give J', or give n columns of the identity's for M^-1. */
+/* Solves M x = b for n right-hand sides, the columns of b. b, x: nv x n; may be the same. With n <= 0 it does
+   nothing. With b = J', for a Jacobian J, J x is J M^-1 J'; columns of the identity give those of M^-1. */
 RBDI_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, const rbd_real *factor, int n,
                                             const rbd_real *b, rbd_real *x);
 
-/* Inverse M^-1 of the mass matrix, nv x nv, both triangles, equal to the bit. From the factor of rbd_crba's
-   M, row by row (Takahashi, Fagan and Chin 1973). Also RBD_ERR_SINGULAR. */
+/* Inverse M^-1 of the mass matrix, nv x nv, both triangles, which are equal to the bit. From the factor of M,
+   row by row (Takahashi, Fagan and Chin 1973). Also RBD_ERR_SINGULAR. */
 RBDI_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *Minv);
 #endif
 
 /* Passive torque of the joints, tau_k = -damping_k v_k - friction_k sign(v_k), sign(0) = 0: add it to
    the tau given to forward dynamics, subtract it from the tau that inverse dynamics gives.
-   A mimic joint's share is carried to the joint it follows. v, tau: nv; may be the same array.
+   A mimic joint's torque acts on the joint that it follows. v, tau: nv; may be the same array.
    Errors: RBD_ERR_NULL, _WORK. */
 RBDI_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *v, rbd_real *tau);
 
 /* ==== src/api/kinematics.h ==== */
 /* ---- kinematics [kinematics] ---- */
 
-/* Computes poses, velocities and accelerations of all bodies; the functions below read them.
+/* Computes poses, velocities and accelerations of all bodies, for the functions below.
    q: nq; v, a: nv, or NULL for zero. The results stay until the next call of rbd_kinematics,
    rbd_body_kinematics or rbd_joint_wrench.
    Errors: RBD_ERR_NULL, _WORK. */
 RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                    const rbd_real *a);
 
-/* The same of one body and of those between it and the world: the sines of all joints, but the bodies of this
-   path alone. Of bodies that other joints move, and of sums over all, the functions below return
+/* The same of one body and of the bodies between it and the world only; it computes the sines of all joints.
+   For bodies that other joints move, and for sums over all bodies, the functions below then return
    RBD_ERR_ORDER.
    Errors: RBD_ERR_NULL, _WORK, _INDEX. */
 RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int body, const rbd_real *q,
                                         const rbd_real *v, const rbd_real *a);
 
-/* Pose of a body: rotation, 3 x 3, turns link vectors into world vectors; p is the link origin in the world.
-   Each may be NULL. Errors of these four: RBD_ERR_NULL, _WORK, _INDEX, _ORDER. */
+/* Pose of a body: rotation, 3 x 3, from link axes to world axes; p, the link origin in the world, m. Each
+   may be NULL. Errors of these four: RBD_ERR_NULL, _WORK, _INDEX, _ORDER. */
 RBDI_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body, rbd_real rotation[9],
                                   rbd_real p[3]);
 
@@ -653,8 +654,8 @@ RBDI_API rbd_status rbd_body_velocity(const rbd_model *m, const rbd_work *w, int
 RBDI_API rbd_status rbd_body_acceleration(const rbd_model *m, const rbd_work *w, int body,
                                           rbd_real acceleration[6]);
 
-/* Classical acceleration (domega/dt; acceleration of the link origin), link axes, without gravity:
-   what an accelerometer at the origin measures, plus gravity. */
+/* Classical acceleration (domega/dt; acceleration of the link origin), link axes, without gravity: an
+   accelerometer at the origin measures it minus gravity. */
 RBDI_API rbd_status rbd_body_acceleration_classical(const rbd_model *m, const rbd_work *w, int body,
                                                     rbd_real acceleration[6]);
 
@@ -671,10 +672,10 @@ RBDI_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real posi
 /* Mass of all bodies that a joint moves, kg; 0 without a model. */
 RBDI_API rbd_const rbd_mass(const rbd_model *m);
 
-/* The wrench (moment; force) that each body's joint transmits, fixed joints too: what loads gears and
-   bearings, and what a sensor there feels. It acts on the body, from its parent, in link axes at the link's
+/* The wrench (moment; force) that each body's joint transmits, fixed joints too: it loads gears and bearings,
+   and a force sensor there measures it. It acts on the body, from its parent, in link axes at the link's
    origin. RBDA table 5.1 with the bodies' own inertias; along the axis it is tau - armature a.
-   Calls rbd_kinematics, whose results are those of q, v, a then. f_ext: as for rbd_rnea. wrench: nb x 6.
+   It calls rbd_kinematics with q, v, a. f_ext: as for rbd_rnea. wrench: nb x 6.
    Errors: RBD_ERR_NULL, _WORK. */
 RBDI_API rbd_status rbd_joint_wrench(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                      const rbd_real *a, const rbd_real *f_ext, rbd_real *wrench);
@@ -692,18 +693,19 @@ typedef enum rbd_axes { RBD_WORLD_AXES, RBD_LINK_AXES } rbd_axes;
 RBDI_API rbd_status rbd_jacobian(const rbd_model *m, const rbd_work *w, int body, const rbd_real point[3],
                                  rbd_axes axes, rbd_real *jacobian);
 
-/* Jacobian of a point of a body as seen from another body, the reference (-1: the world), 6 x nv: J v is the
-   motion of the point less that of the reference's point at this place. RBD_LINK_AXES: the reference's. */
+/* Jacobian of a point of a body relative to another body, the reference (-1: the world), 6 x nv: J v is
+   the motion of the point less that of the reference's point at the same place. RBD_LINK_AXES: the
+   reference's. */
 RBDI_API rbd_status rbd_relative_jacobian(const rbd_model *m, const rbd_work *w, int body,
                                           const rbd_real point[3], int reference, rbd_axes axes,
                                           rbd_real *jacobian);
 
-/* tau = J' f, nv, for a wrench f (moment about the point; force) along these axes; J is never formed. */
+/* tau = J' f, nv, for a wrench f (moment about the point; force) along these axes, without computing J. */
 RBDI_API rbd_status rbd_jacobian_transpose(const rbd_model *m, const rbd_work *w, int body,
                                            const rbd_real point[3], rbd_axes axes, const rbd_real f[6],
                                            rbd_real *tau);
 
-/* Position of a point in the world. */
+/* Position of a point in the world, m. */
 RBDI_API rbd_status rbd_point_position(const rbd_model *m, const rbd_work *w, int body,
                                        const rbd_real point[3], rbd_real position[3]);
 
@@ -711,21 +713,21 @@ RBDI_API rbd_status rbd_point_position(const rbd_model *m, const rbd_work *w, in
 RBDI_API rbd_status rbd_point_velocity(const rbd_model *m, const rbd_work *w, int body,
                                        const rbd_real point[3], rbd_axes axes, rbd_real velocity[6]);
 
-/* (domega/dt; classical acceleration of the point), without gravity: J a + dJ/dt v, J along world axes. So
-   what a = NULL in rbd_kinematics leaves is the bias dJ/dt v. */
+/* (domega/dt; classical acceleration of the point), without gravity: J a + dJ/dt v, J along world axes.
+   With a = NULL in rbd_kinematics it is the bias dJ/dt v. */
 RBDI_API rbd_status rbd_point_acceleration(const rbd_model *m, const rbd_work *w, int body,
                                            const rbd_real point[3], rbd_axes axes, rbd_real acceleration[6]);
 
-/* A wrench f (moment about the point; force) along these axes as the body's row of f_ext, f_ext + 6 body;
-   rows of several points add up. row may be f. */
+/* Converts a wrench f (moment about the point; force) along these axes to a row of f_ext, that of the body:
+   f_ext + 6 body. Add up the rows of several points. row may be f. */
 RBDI_API rbd_status rbd_point_wrench(const rbd_model *m, const rbd_work *w, int body, const rbd_real point[3],
                                      rbd_axes axes, const rbd_real f[6], rbd_real row[6]);
 
 /* Centroidal momentum h (angular, about the centre of mass; linear) of all bodies that a joint moves, and its
    rate h_dot, world axes. Either may be NULL. Rotors (armature) have none. Orin, Goswami and Lee (2013).
-   The wrench on the robot but for gravity is n = h_dot[0..2] about the centre of mass and f = h_dot[3..5] -
-   rbd_mass(m) gravity; the world feels its opposite. On a ground z = 0 the zero-moment point is then
-   (c_x - (n_y + c_z f_x) / f_z, c_y + (n_x - c_z f_y) / f_z, 0), with c from rbd_com. */
+   The wrench of the world on the robot, without gravity, is n = h_dot[0..2] about the centre of mass and f =
+   h_dot[3..5] - rbd_mass(m) gravity. On a ground z = 0 the zero-moment point is (c_x - (n_y + c_z f_x) / f_z,
+   c_y + (n_x - c_z f_y) / f_z, 0), with c from rbd_com. */
 RBDI_API rbd_status rbd_momentum(const rbd_model *m, const rbd_work *w, rbd_real h[6], rbd_real h_dot[6]);
 
 /* ==== src/api/manifold.h ==== */
@@ -740,15 +742,15 @@ RBDI_API rbd_status rbd_neutral(const rbd_model *m, rbd_real *q);
 RBDI_API rbd_status rbd_integrate(const rbd_model *m, const rbd_real *q, const rbd_real *v, rbd_real dt,
                                   rbd_real *q_next);
 
-/* One step of semi-implicit Euler from the accelerations a of forward dynamics: nu = v + dt a, then q moved
-   by nu. Floating, planar and spherical joints, whose velocities have body axes, make it in the axes of the
-   step's beginning: the origin has its classical acceleration and goes straight on, and v_next is nu in the
-   axes of the end. So a free body keeps its linear momentum, and a ball that rolls its energy, at any dt;
-   v + dt a by components and rbd_integrate gain some. q_next may be q, v_next may be v or a. */
+/* One step of semi-implicit Euler from the accelerations a of forward dynamics: nu = v + dt a, then q moves
+   by nu dt. The velocities of floating, planar and spherical joints have body axes; their step is made in
+   the axes of its beginning: the origin has its classical acceleration and moves straight, and v_next is nu
+   in the axes of the end. So a free body keeps its linear momentum, and a rolling ball its energy, at any
+   dt; v + dt a by components and rbd_integrate gain some. q_next may be q, v_next may be v or a. */
 RBDI_API rbd_status rbd_step(const rbd_model *m, const rbd_real *q, const rbd_real *v, const rbd_real *a,
                              rbd_real dt, rbd_real *q_next, rbd_real *v_next);
 
-/* The tangent step d (nv) for which rbd_integrate(q0, d, 1) is q1, the shortest rotation. */
+/* The tangent step d, nv, for which rbd_integrate(q0, d, 1) is q1, with the shortest rotation. */
 RBDI_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const rbd_real *q1, rbd_real *d);
 
 /* Rates q' of the coordinates, nq, from the velocity, for filters and ODE solvers: a quaternion's is
@@ -760,8 +762,8 @@ RBDI_API rbd_status rbd_rates_from_velocity(const rbd_model *m, const rbd_real *
 RBDI_API rbd_status rbd_velocity_from_rates(const rbd_model *m, const rbd_real *q, const rbd_real *rates,
                                             rbd_real *v);
 
-/* A random configuration: uniform within limits where given, else angles in (-pi, pi), lengths in
-   (-1, 1), orientations uniform. seed: the caller's, any value, advanced by the call. */
+/* A random configuration: uniform within the limits of a joint that has them, else angles in (-pi, pi),
+   lengths in (-1, 1) m, orientations uniform. seed: any value; the call advances it. */
 RBDI_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q);
 
 /* ==== src/api/lookup.h ==== */
@@ -771,31 +773,30 @@ RBDI_API int rbd_nb(const rbd_model *m); /* number of bodies */
 RBDI_API int rbd_nq(const rbd_model *m); /* length of q */
 RBDI_API int rbd_nv(const rbd_model *m); /* length of v, a, tau: degrees of freedom */
 
-/* Index of a body by the name of its link, or of the joint that carries it; -1 if there is none. */
+/* Index of the body with this name of its link, or of its joint; -1 if there is none. */
 RBDI_API int rbd_body_index(const rbd_model *m, const char *name);
 RBDI_API int rbd_joint_index(const rbd_model *m, const char *name);
 
-/* Names, NULL if nameless or no such body. */
+/* Names of a body's link and of its joint; NULL if it is nameless or there is no such body. */
 RBDI_API const char *rbd_body_name(const rbd_model *m, int body);
 RBDI_API const char *rbd_joint_name(const rbd_model *m, int body);
 
-/* Where the joint of a body lies in q and in v, and how much of them it has.
-   Errors: RBD_ERR_NULL, _INDEX. */
+/* The joint of a body: its type, its entries of q and v, its limits. Errors: RBD_ERR_NULL, _INDEX. */
 typedef struct rbd_joint_info {
     rbd_joint_type type;
-    int iq, nq, iv, nv;     /* a mimic or fixed joint has nq = nv = 0, iq = iv = -1 */
-    rbd_const lower, upper; /* none if lower >= upper */
-    rbd_const velocity, effort;
+    int iq, nq, iv, nv;     /* q[iq] .. q[iq + nq - 1], v likewise; mimic, fixed: nq = nv = 0, iq = iv = -1 */
+    rbd_const lower, upper; /* rad or m; none if lower >= upper */
+    rbd_const velocity, effort; /* as in rbd_body */
 } rbd_joint_info;
 RBDI_API rbd_status rbd_joint(const rbd_model *m, int body, rbd_joint_info *info);
 
 /* The body whose joint has this degree of freedom, -1 if there is none. */
 RBDI_API int rbd_dof_body(const rbd_model *m, int dof);
 
-#ifndef RBD_NO_BUILD /* it computes in double */
-/* Reads a body back from the model, of a table in flash too: a row from which rbd_model_build makes the same,
-   to rounding. Its parent is the body whose joint carries it: bodies fixed between are left out. Axes are of
-   unit length. Errors: RBD_ERR_NULL, _INDEX. */
+#ifndef RBD_NO_BUILD /* because it computes in double */
+/* Reads a body back from any model, tables too, as a row from which rbd_model_build makes the same, to
+   rounding. Its parent is the next body towards the root whose joint moves; bodies fixed between them are
+   left out. Axes have unit length. Errors: RBD_ERR_NULL, _INDEX. */
 RBDI_API rbd_status rbd_describe(const rbd_model *m, int body, rbd_body *row);
 #endif
 

@@ -1,7 +1,7 @@
 #ifndef RBDI_API_CONFIGURATION_H
 #define RBDI_API_CONFIGURATION_H
 
-#ifdef RBD_BATCH_IMPLEMENTATION /* all static but the calls of rbd_batch.h: another file has the rest */
+#ifdef RBD_BATCH_IMPLEMENTATION /* all but the calls of rbd_batch.h is static: another file implements it */
 #define RBD_IMPLEMENTATION
 #define RBD_STATIC
 #endif
@@ -15,8 +15,8 @@
 
 /* The macros of [configuration], checked and completed. */
 
-/* A wrong macro gives one #error. Then it is replaced by a value that works, so that no further message hides
-   that one. */
+/* A wrong macro gives one #error. It is then replaced by a value that works, so that no other message
+   follows. */
 #if !defined __cplusplus && (!defined __STDC_VERSION__ || __STDC_VERSION__ < 199901L)
 #error "rbd: needs C99 or later: compile with -std=c99, c11, c17 or a gnu dialect of them"
 #undef RBD_IMPLEMENTATION
@@ -65,8 +65,8 @@
 #undef RBD_LANES
 #endif
 
-/* From here to the end of the file, for what it inlines too. clang keeps to this unless -ffp-contract=fast is
-   on its command line. */
+/* From here to the end of the file, also in functions that are inlined. clang obeys unless
+   -ffp-contract=fast is on its command line. */
 #ifdef RBD_REPRODUCIBLE
 #if RBDI_REAL_KIND % 3 == 0
 #error "rbd: RBD_REPRODUCIBLE needs RBD_REAL double or float"
@@ -98,9 +98,9 @@
 #define RBDI_EXTENSION
 #endif
 
-/* A symbol whose value is the scalar, in every file. The linker takes it several times if all values are
-   equal, else it refuses them; in link-time optimisation the assembler does. It has no section: it takes no
-   memory, and nothing removes it. clang's link-time optimisation would refuse equal values too. */
+/* Every file has a symbol whose value encodes the scalar. The linker accepts it several times if all values
+   are equal, else it refuses; in link-time optimisation the assembler does. It has no section, so that it
+   takes no memory and is never removed. clang's link-time optimisation would refuse equal values too. */
 #ifndef RBD_CHECK_SCALAR
 #if defined __GNUC__ && !defined __clang__ && defined __ELF__ && !defined RBD_STATIC && \
     !defined RBD_REAL_CUSTOM

@@ -24,13 +24,13 @@ RBDI_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q,
 RBDI_API rbd_status rbd_bias(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                              const rbd_real *f_ext, rbd_real *c);
 
-/* Gravity torque g = tau at v = a = 0: what holds the robot still. */
+/* Gravity torque g = tau at v = a = 0: it holds the robot still. */
 RBDI_API rbd_status rbd_gravity_torque(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *g);
 
-/* Generalized momentum p = M v and C' v, without a matrix: what a momentum observer needs to feel contacts,
-   since dp/dt = tau + C' v - g + sum J' f_ext (De Luca and Mattone 2005). C is the Coriolis matrix of
-   rbd_coriolis, for which dM/dt - 2 C is skew. By the momenta of the subtrees: p_i = S_i' h_i, (C' v)_i =
-   (dS_i/dt)' h_i.
+/* Generalized momentum p = M v and C' v, for a momentum observer, which detects contacts by dp/dt = tau +
+   C' v - g + sum J' f_ext (De Luca and Mattone 2005). C is the Coriolis matrix of rbd_coriolis, for which
+   dM/dt - 2 C is skew. No matrix is computed: p_i = S_i' h_i, (C' v)_i = (dS_i/dt)' h_i, h_i the momenta of
+   the subtrees.
    p, ctv: nv; each may be NULL, not the same array. */
 RBDI_API rbd_status rbd_generalized_momentum(const rbd_model *m, rbd_work *w, const rbd_real *q,
                                              const rbd_real *v, rbd_real *p, rbd_real *ctv);
@@ -38,15 +38,15 @@ RBDI_API rbd_status rbd_generalized_momentum(const rbd_model *m, rbd_work *w, co
 /* Mass matrix M, nv x nv, both triangles. Composite rigid bodies, RBDA table 6.2. */
 RBDI_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *mass_matrix);
 
-/* Mass matrix packed: row i of the lower triangle holds only the columns that the tree fills, which
-   are i and its ancestors, root first; row after row: rbd_packed_size(m) entries. Where joints mimic
-   others, the tree is that of the matrix's elimination, and some entries on its paths may be zero. */
+/* Mass matrix packed: rows of the lower triangle one after the other, rbd_packed_size(m) entries. Row i has
+   the columns of its ancestors in the tree, root first, then i: all others are zero. With mimic joints the
+   tree is the matrix's elimination tree, and some entries may be zero. */
 RBDI_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *packed);
 
 /* Number of entries of a packed matrix, at most nv (nv + 1) / 2. */
 RBDI_API int rbd_packed_size(const rbd_model *m);
 
-/* Where entry (i, j) lies in a packed matrix; -1 if the tree makes it zero (or no such dof). */
+/* Index of entry (i, j) in a packed matrix; -1 if the tree makes it zero, or there is no such dof. */
 RBDI_API int rbd_packed_index(const rbd_model *m, int i, int j);
 
 /* Forward dynamics a = M^-1 (tau - c + sum J' f_ext). Articulated bodies, RBDA table 7.1. Also
@@ -59,9 +59,9 @@ RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
 RBDI_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                     const rbd_real *tau, const rbd_real *f_ext, rbd_real *a);
 
-/* Hybrid dynamics: of each degree of freedom either the acceleration is given or the torque, and the other
-   wanted; M a + c = tau + sum J' f_ext. By the mass matrix, RBDA section 9.1; any dofs, also some of a joint.
-   Where all but a floating base is given rbd_id_free_base of rbd_derivatives.h is faster.
+/* Hybrid dynamics, M a + c = tau + sum J' f_ext: of each degree of freedom either the acceleration or the
+   torque is given, and the other computed. By the mass matrix, RBDA section 9.1; a joint's dofs may differ.
+   If only a floating base is not, rbd_id_free_base of rbd_derivatives.h is faster.
    given   nv flags: not 0 where a is given, 0 where tau is
    a, tau  in: what is given; out: all. Not the same array.
    Also RBD_ERR_SINGULAR, of the degrees of freedom whose torque is given; then a and tau are 0. */
@@ -82,19 +82,19 @@ RBDI_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, 
 RBDI_API rbd_status rbd_cholesky_solve(const rbd_model *m, rbd_work *w, const rbd_real *factor,
                                        const rbd_real *b, rbd_real *x);
 
-/* Solves M x = b for n right-hand sides, the columns of b. b, x: nv x n; may be the same. With n <= 0 nothing
-   is done. For J M^-1 J' of a Jacobian J give J', or give n columns of the identity's for M^-1. */
+/* Solves M x = b for n right-hand sides, the columns of b. b, x: nv x n; may be the same. With n <= 0 it does
+   nothing. With b = J', for a Jacobian J, J x is J M^-1 J'; columns of the identity give those of M^-1. */
 RBDI_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, const rbd_real *factor, int n,
                                             const rbd_real *b, rbd_real *x);
 
-/* Inverse M^-1 of the mass matrix, nv x nv, both triangles, equal to the bit. From the factor of rbd_crba's
-   M, row by row (Takahashi, Fagan and Chin 1973). Also RBD_ERR_SINGULAR. */
+/* Inverse M^-1 of the mass matrix, nv x nv, both triangles, which are equal to the bit. From the factor of M,
+   row by row (Takahashi, Fagan and Chin 1973). Also RBD_ERR_SINGULAR. */
 RBDI_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *Minv);
 #endif
 
 /* Passive torque of the joints, tau_k = -damping_k v_k - friction_k sign(v_k), sign(0) = 0: add it to
    the tau given to forward dynamics, subtract it from the tau that inverse dynamics gives.
-   A mimic joint's share is carried to the joint it follows. v, tau: nv; may be the same array.
+   A mimic joint's torque acts on the joint that it follows. v, tau: nv; may be the same array.
    Errors: RBD_ERR_NULL, _WORK. */
 RBDI_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real *v, rbd_real *tau);
 

@@ -6,22 +6,22 @@
 
 /* ---- kinematics [kinematics] ---- */
 
-/* Computes poses, velocities and accelerations of all bodies; the functions below read them.
+/* Computes poses, velocities and accelerations of all bodies, for the functions below.
    q: nq; v, a: nv, or NULL for zero. The results stay until the next call of rbd_kinematics,
    rbd_body_kinematics or rbd_joint_wrench.
    Errors: RBD_ERR_NULL, _WORK. */
 RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                    const rbd_real *a);
 
-/* The same of one body and of those between it and the world: the sines of all joints, but the bodies of this
-   path alone. Of bodies that other joints move, and of sums over all, the functions below return
+/* The same of one body and of the bodies between it and the world only; it computes the sines of all joints.
+   For bodies that other joints move, and for sums over all bodies, the functions below then return
    RBD_ERR_ORDER.
    Errors: RBD_ERR_NULL, _WORK, _INDEX. */
 RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int body, const rbd_real *q,
                                         const rbd_real *v, const rbd_real *a);
 
-/* Pose of a body: rotation, 3 x 3, turns link vectors into world vectors; p is the link origin in the world.
-   Each may be NULL. Errors of these four: RBD_ERR_NULL, _WORK, _INDEX, _ORDER. */
+/* Pose of a body: rotation, 3 x 3, from link axes to world axes; p, the link origin in the world, m. Each
+   may be NULL. Errors of these four: RBD_ERR_NULL, _WORK, _INDEX, _ORDER. */
 RBDI_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body, rbd_real rotation[9],
                                   rbd_real p[3]);
 
@@ -32,8 +32,8 @@ RBDI_API rbd_status rbd_body_velocity(const rbd_model *m, const rbd_work *w, int
 RBDI_API rbd_status rbd_body_acceleration(const rbd_model *m, const rbd_work *w, int body,
                                           rbd_real acceleration[6]);
 
-/* Classical acceleration (domega/dt; acceleration of the link origin), link axes, without gravity:
-   what an accelerometer at the origin measures, plus gravity. */
+/* Classical acceleration (domega/dt; acceleration of the link origin), link axes, without gravity: an
+   accelerometer at the origin measures it minus gravity. */
 RBDI_API rbd_status rbd_body_acceleration_classical(const rbd_model *m, const rbd_work *w, int body,
                                                     rbd_real acceleration[6]);
 
@@ -50,10 +50,10 @@ RBDI_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real posi
 /* Mass of all bodies that a joint moves, kg; 0 without a model. */
 RBDI_API rbd_const rbd_mass(const rbd_model *m);
 
-/* The wrench (moment; force) that each body's joint transmits, fixed joints too: what loads gears and
-   bearings, and what a sensor there feels. It acts on the body, from its parent, in link axes at the link's
+/* The wrench (moment; force) that each body's joint transmits, fixed joints too: it loads gears and bearings,
+   and a force sensor there measures it. It acts on the body, from its parent, in link axes at the link's
    origin. RBDA table 5.1 with the bodies' own inertias; along the axis it is tau - armature a.
-   Calls rbd_kinematics, whose results are those of q, v, a then. f_ext: as for rbd_rnea. wrench: nb x 6.
+   It calls rbd_kinematics with q, v, a. f_ext: as for rbd_rnea. wrench: nb x 6.
    Errors: RBD_ERR_NULL, _WORK. */
 RBDI_API rbd_status rbd_joint_wrench(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                      const rbd_real *a, const rbd_real *f_ext, rbd_real *wrench);

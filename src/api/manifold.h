@@ -15,15 +15,15 @@ RBDI_API rbd_status rbd_neutral(const rbd_model *m, rbd_real *q);
 RBDI_API rbd_status rbd_integrate(const rbd_model *m, const rbd_real *q, const rbd_real *v, rbd_real dt,
                                   rbd_real *q_next);
 
-/* One step of semi-implicit Euler from the accelerations a of forward dynamics: nu = v + dt a, then q moved
-   by nu. Floating, planar and spherical joints, whose velocities have body axes, make it in the axes of the
-   step's beginning: the origin has its classical acceleration and goes straight on, and v_next is nu in the
-   axes of the end. So a free body keeps its linear momentum, and a ball that rolls its energy, at any dt;
-   v + dt a by components and rbd_integrate gain some. q_next may be q, v_next may be v or a. */
+/* One step of semi-implicit Euler from the accelerations a of forward dynamics: nu = v + dt a, then q moves
+   by nu dt. The velocities of floating, planar and spherical joints have body axes; their step is made in
+   the axes of its beginning: the origin has its classical acceleration and moves straight, and v_next is nu
+   in the axes of the end. So a free body keeps its linear momentum, and a rolling ball its energy, at any
+   dt; v + dt a by components and rbd_integrate gain some. q_next may be q, v_next may be v or a. */
 RBDI_API rbd_status rbd_step(const rbd_model *m, const rbd_real *q, const rbd_real *v, const rbd_real *a,
                              rbd_real dt, rbd_real *q_next, rbd_real *v_next);
 
-/* The tangent step d (nv) for which rbd_integrate(q0, d, 1) is q1, the shortest rotation. */
+/* The tangent step d, nv, for which rbd_integrate(q0, d, 1) is q1, with the shortest rotation. */
 RBDI_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const rbd_real *q1, rbd_real *d);
 
 /* Rates q' of the coordinates, nq, from the velocity, for filters and ODE solvers: a quaternion's is
@@ -35,8 +35,8 @@ RBDI_API rbd_status rbd_rates_from_velocity(const rbd_model *m, const rbd_real *
 RBDI_API rbd_status rbd_velocity_from_rates(const rbd_model *m, const rbd_real *q, const rbd_real *rates,
                                             rbd_real *v);
 
-/* A random configuration: uniform within limits where given, else angles in (-pi, pi), lengths in
-   (-1, 1), orientations uniform. seed: the caller's, any value, advanced by the call. */
+/* A random configuration: uniform within the limits of a joint that has them, else angles in (-pi, pi),
+   lengths in (-1, 1) m, orientations uniform. seed: any value; the call advances it. */
 RBDI_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q);
 
 #endif

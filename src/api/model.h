@@ -22,17 +22,18 @@ RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory
 /* Bytes that rbd_model_build needs for this description; 0 if nb is out of range. */
 RBDI_API size_t rbd_model_size(const rbd_body *bodies, int nb);
 
-/* Adds a payload to a body of a built model, such as what a hand took up. The results are those of a new
-   build, to rounding; it costs a step for each link on the way to the root. The payload negated is taken off
-   again. A rbd_work stays good, and so does a set of constraints; but make a set anew after mass was taken
-   off that the model was built with. No call may run meanwhile. A model in a table of constants cannot be
-   changed.
-   memory   that was given to rbd_model_build
+/* Adds a payload, such as an object in the hand, to a body of a built model. Later results are those of a new
+   build, to rounding. It costs a step for each link on the way to the root. To take the payload off, add it
+   with mass and inertia negated. Every rbd_work and set of constraints stays valid; but make a set anew after
+   taking off mass that the model was built with. No other call may use the model meanwhile. A model in a
+   table of constants cannot be changed.
+   memory   the memory that was given to rbd_model_build
    mass     kg, may be negative
-   com      of the payload, link frame
-   inertia  xx xy xz yy yz zz about its com, link axes; NULL = a point
-   Errors, the model as it was: RBD_ERR_NULL, _VERSION (no model there), _INDEX; not finite, or of the whole
-   then RBD_ERR_MASS negative, RBD_ERR_INERTIA with a negative eigenvalue; RBD_ERR_COM. */
+   com      centre of mass of the payload, link frame, m
+   inertia  xx xy xz yy yz zz about that, link axes, kg m^2; NULL = a point mass
+   Errors, which leave the model as it was: RBD_ERR_NULL, _VERSION (no model there), _INDEX; _MASS, _COM,
+   _INERTIA if not finite; _MASS if the body's mass would be negative, _INERTIA if its inertia would have a
+   negative eigenvalue. */
 RBDI_API rbd_status rbd_add_payload(void *memory, int body, double mass, const double com[3],
                                     const double inertia[6]);
 
@@ -40,9 +41,9 @@ RBDI_API rbd_status rbd_add_payload(void *memory, int body, double mass, const d
 
 /* ---- work [work] ---- */
 
-/* Prepares the memory that the algorithms work in; one per thread and model. A copy of the model works
-   too. With a model that needs arrays of other lengths every call returns RBD_ERR_WORK, including a model
-   rebuilt in the same memory.
+/* Prepares the memory that the algorithms work in; one per thread and model. It serves every model with
+   arrays of the same lengths, such as a copy. With any other, including a model rebuilt in the same memory,
+   each call returns RBD_ERR_WORK.
    memory   size bytes of any alignment; RBD_WORK_SIZE(nb, nv) always suffices, with mimic joints
             RBD_WORK_SIZE_MIMIC(nb, nv)
    work     receives the work structure, which lies inside memory: do not move it; NULL after an error
@@ -52,16 +53,16 @@ RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size,
 /* Bytes that rbd_work_init needs for this model. */
 RBDI_API size_t rbd_work_size(const rbd_model *m);
 
-/* Sets gravity, 3 components in the world frame, m/s^2, for the calls that follow. Errors: RBD_ERR_NULL. */
+/* Sets gravity, a vector in the world frame, m/s^2, for the calls that follow. Errors: RBD_ERR_NULL. */
 RBDI_API rbd_status rbd_set_gravity(rbd_work *w, const rbd_const gravity[3]);
 
-/* The gravity that is set. Errors: RBD_ERR_NULL. */
+/* Reads the gravity that is set, m/s^2. Errors: RBD_ERR_NULL. */
 RBDI_API rbd_status rbd_get_gravity(const rbd_work *w, rbd_const gravity[3]);
 
-/* After RBD_ERR_SINGULAR or RBD_ERR_NAN: the degree of freedom (index into v) whose pivot is not above its
-   rounding, or not a number; of several the last. After RBD_ERR_NAN the cause is q of a joint that this dof
-   carries, or of its own joint if that has several dofs, or an overflow there. -1 after a call that factors M
-   and finds no fault; calls that do not factor it leave it as it is. With lanes: of all states together. */
+/* Returns, after RBD_ERR_SINGULAR or RBD_ERR_NAN, the degree of freedom (index into v) whose pivot is not
+   above its rounding, or not a number; of several the last. After RBD_ERR_NAN the cause is q of a joint
+   that this dof moves, or of its own joint if that has several dofs, or an overflow there. -1 after a call
+   that factors M and finds it regular; other calls do not change it. With lanes: of all states together. */
 RBDI_API int rbd_singular_dof(const rbd_work *w);
 
 #endif

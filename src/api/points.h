@@ -16,18 +16,19 @@ typedef enum rbd_axes { RBD_WORLD_AXES, RBD_LINK_AXES } rbd_axes;
 RBDI_API rbd_status rbd_jacobian(const rbd_model *m, const rbd_work *w, int body, const rbd_real point[3],
                                  rbd_axes axes, rbd_real *jacobian);
 
-/* Jacobian of a point of a body as seen from another body, the reference (-1: the world), 6 x nv: J v is the
-   motion of the point less that of the reference's point at this place. RBD_LINK_AXES: the reference's. */
+/* Jacobian of a point of a body relative to another body, the reference (-1: the world), 6 x nv: J v is
+   the motion of the point less that of the reference's point at the same place. RBD_LINK_AXES: the
+   reference's. */
 RBDI_API rbd_status rbd_relative_jacobian(const rbd_model *m, const rbd_work *w, int body,
                                           const rbd_real point[3], int reference, rbd_axes axes,
                                           rbd_real *jacobian);
 
-/* tau = J' f, nv, for a wrench f (moment about the point; force) along these axes; J is never formed. */
+/* tau = J' f, nv, for a wrench f (moment about the point; force) along these axes, without computing J. */
 RBDI_API rbd_status rbd_jacobian_transpose(const rbd_model *m, const rbd_work *w, int body,
                                            const rbd_real point[3], rbd_axes axes, const rbd_real f[6],
                                            rbd_real *tau);
 
-/* Position of a point in the world. */
+/* Position of a point in the world, m. */
 RBDI_API rbd_status rbd_point_position(const rbd_model *m, const rbd_work *w, int body,
                                        const rbd_real point[3], rbd_real position[3]);
 
@@ -35,21 +36,21 @@ RBDI_API rbd_status rbd_point_position(const rbd_model *m, const rbd_work *w, in
 RBDI_API rbd_status rbd_point_velocity(const rbd_model *m, const rbd_work *w, int body,
                                        const rbd_real point[3], rbd_axes axes, rbd_real velocity[6]);
 
-/* (domega/dt; classical acceleration of the point), without gravity: J a + dJ/dt v, J along world axes. So
-   what a = NULL in rbd_kinematics leaves is the bias dJ/dt v. */
+/* (domega/dt; classical acceleration of the point), without gravity: J a + dJ/dt v, J along world axes.
+   With a = NULL in rbd_kinematics it is the bias dJ/dt v. */
 RBDI_API rbd_status rbd_point_acceleration(const rbd_model *m, const rbd_work *w, int body,
                                            const rbd_real point[3], rbd_axes axes, rbd_real acceleration[6]);
 
-/* A wrench f (moment about the point; force) along these axes as the body's row of f_ext, f_ext + 6 body;
-   rows of several points add up. row may be f. */
+/* Converts a wrench f (moment about the point; force) along these axes to a row of f_ext, that of the body:
+   f_ext + 6 body. Add up the rows of several points. row may be f. */
 RBDI_API rbd_status rbd_point_wrench(const rbd_model *m, const rbd_work *w, int body, const rbd_real point[3],
                                      rbd_axes axes, const rbd_real f[6], rbd_real row[6]);
 
 /* Centroidal momentum h (angular, about the centre of mass; linear) of all bodies that a joint moves, and its
    rate h_dot, world axes. Either may be NULL. Rotors (armature) have none. Orin, Goswami and Lee (2013).
-   The wrench on the robot but for gravity is n = h_dot[0..2] about the centre of mass and f = h_dot[3..5] -
-   rbd_mass(m) gravity; the world feels its opposite. On a ground z = 0 the zero-moment point is then
-   (c_x - (n_y + c_z f_x) / f_z, c_y + (n_x - c_z f_y) / f_z, 0), with c from rbd_com. */
+   The wrench of the world on the robot, without gravity, is n = h_dot[0..2] about the centre of mass and f =
+   h_dot[3..5] - rbd_mass(m) gravity. On a ground z = 0 the zero-moment point is (c_x - (n_y + c_z f_x) / f_z,
+   c_y + (n_x - c_z f_y) / f_z, 0), with c from rbd_com. */
 RBDI_API rbd_status rbd_momentum(const rbd_model *m, const rbd_work *w, rbd_real h[6], rbd_real h_dot[6]);
 
 #endif

@@ -4,7 +4,7 @@
 
 /* ---- status [status] ---- */
 
-/* Every function returns one: 0, or a negative error. A build error names body and field. */
+/* The result of most functions: 0, or a negative error. An error of the build names body and field. */
 typedef enum rbd_status {
     RBD_OK = 0,
     RBD_ERR_NULL = -1,     /* a required pointer is NULL */
@@ -36,7 +36,7 @@ typedef enum rbd_status {
     RBD_ERR_INFEASIBLE = -27, /* constraints contradict each other */
     RBD_ERR_LEFT_OUT = -28,   /* the model needs code that RBD_FEATURES or RBD_NO_CHOLESKY leave out */
     RBD_ERR_ARITHMETIC = -29, /* RBD_REPRODUCIBLE, and sums and products are not rounded as in [guarantees] */
-    /* warnings of the build: dynamics can compute with it, but no real body is like this */
+    /* warnings of the build: dynamics computes with such a body, but no real one is like this */
     RBD_WARN_INERTIA_NEGATIVE = 1, /* inertia has a negative eigenvalue */
     RBD_WARN_INERTIA_TRIANGLE = 2, /* one principal moment exceeds the sum of the others */
     RBD_WARN_INERTIA_ZERO = 3,     /* mass, but no inertia about the centre of mass */
@@ -56,10 +56,10 @@ typedef struct rbd_finding {
 } rbd_finding;
 
 #define RBD_MAX_WARNINGS 16
-/* Findings of the build: the first error, and the warnings (counted all, kept as far as they fit). */
+/* Findings of the build: the first error, and the warnings, of which the first RBD_MAX_WARNINGS are kept. */
 typedef struct rbd_report {
     rbd_finding error; /* error.status is RBD_OK if there is none */
-    int warnings;
+    int warnings;      /* number of all */
     rbd_finding warning[RBD_MAX_WARNINGS];
 } rbd_report;
 

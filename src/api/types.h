@@ -8,14 +8,14 @@
 
 /* Joint types; [conventions] has their coordinates. All but fixed may stand anywhere in the tree. */
 typedef enum rbd_joint_type {
-    RBD_FIXED,         /* merged into the parent; the body stays available as a named frame */
+    RBD_FIXED,         /* merged into the parent; the body remains as a named frame */
     RBD_REVOLUTE,      /* about axis */
     RBD_CONTINUOUS,    /* about axis, no limits */
     RBD_CONTINUOUS_CS, /* about axis, q = (cos, sin) */
     RBD_PRISMATIC,     /* along axis */
     RBD_HELICAL,       /* about axis, and pitch metres per radian along it */
     RBD_CYLINDRICAL,   /* about and along axis, independently */
-    RBD_UNIVERSAL,     /* about axis, then about axis2 (carried along by the first turn) */
+    RBD_UNIVERSAL,     /* about axis, then about axis2, which the first turn moves */
     RBD_SPHERICAL,     /* quaternion */
     RBD_EULER_ZYX,     /* R = Rz(q0) Ry(q1) Rx(q2) */
     RBD_EULER_XYZ,
@@ -28,7 +28,7 @@ typedef enum rbd_joint_type {
 } rbd_joint_type;
 
 /* One body and the joint that carries it: a row of the description. Zero is a sensible default for
-   every field but parent (-1 = world), type (0 is fixed), axis where the joint has one, mass, and
+   every field but parent (-1 = world), type (0 is fixed), mass, axis where the joint has one, and
    mimic_ratio of a joint that mimics. */
 typedef struct rbd_body {
     const char *name;    /* of the link; unique, NULL = nameless */
@@ -43,16 +43,16 @@ typedef struct rbd_body {
     double mass;         /* kg */
     double com[3];       /* centre of mass, link frame */
     double inertia[6];   /* xx xy xz yy yz zz about the centre of mass, link axes, kg m^2 */
-    double armature[6];  /* per degree of freedom (what lies beyond is ignored): rotor inertia seen at
-                             the joint; in M, rnea, fd */
-    double damping[6];   /* per degree of freedom: see rbd_passive */
-    double friction[6];  /* per degree of freedom: see rbd_passive */
-    double lower, upper; /* limits of a one-dof joint; none if lower >= upper */
-    double velocity;     /* limit, 0 = none; carried for the user */
-    double effort;       /* limit, 0 = none; carried for the user */
-    const char *mimic;   /* name of the joint this one follows, NULL = none; one-dof joints only */
+    double armature[6];  /* per degree of freedom, entries beyond are ignored: rotor inertia seen at the
+                             joint, kg m^2 or kg; in M, rnea, fd */
+    double damping[6];   /* per degree of freedom, N m s or N s/m: see rbd_passive */
+    double friction[6];  /* per degree of freedom, N m or N: see rbd_passive */
+    double lower, upper; /* limits of a one-dof joint, rad or m; none if lower >= upper */
+    double velocity;     /* limit, rad/s or m/s, 0 = none; kept for the user */
+    double effort;       /* limit, N m or N, 0 = none; kept for the user */
+    const char *mimic;   /* name of the joint that this one follows, NULL = none; one-dof joints only */
     double mimic_ratio;  /* q = ratio * (q of that joint) + offset; not 0 */
-    double mimic_offset;
+    double mimic_offset; /* rad or m */
 } rbd_body;
 
 typedef struct rbd_model rbd_model; /* constants: see rbd_model_build */
