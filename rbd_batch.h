@@ -2,8 +2,8 @@
    Made by src/amalgamate.py from src/rbd_batch.h and the files that it includes: edit those.
    SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end of rbd.h.
 
-   Each call computes n states, RBD_LANES of them by each instruction, from and to ordinary arrays. A file of
-   its own implements the calls, compiled for the SIMD unit at hand:
+   Each call computes n states, RBD_LANES of them by each instruction, from and to ordinary arrays. A separate
+   file implements the calls, compiled for the SIMD unit that is there:
 
        #define RBD_LANES 8               (double: 8 with AVX-512, 4 with AVX, 2 else; float: twice that)
        #define RBD_BATCH_IMPLEMENTATION
@@ -24,9 +24,9 @@
      [lanes] [tasks] [batch code] [derivatives code] [constraints code]
 
    [conventions] Beyond those of rbd.h:
-     states       n states stand one after the other, unless rbd_batch_set_layout says otherwise: q is n x nq,
+     states       n states are one after the other, unless rbd_batch_set_layout changes this: q is n x nq,
                   v, a, tau n x nv, f_ext n x nb x 6 or NULL, mass_matrix n x nv x nv, packed
-                  n x rbd_packed_size(m). With n <= 0 nothing is done
+                  n x rbd_packed_size(m). With n <= 0 a call does nothing
      results      those of the single calls, to rounding. An output may be NULL, or an input, as there
      errors       those of the single calls. With RBD_ERR_SINGULAR the results of the other states stand, and
                   rbd_batch_singular names the first singular state
@@ -81,28 +81,28 @@ extern "C" {
 
 typedef struct rbd_batch rbd_batch; /* scratch of one thread */
 
-/* How the states stand in the arrays of a batch call, inputs and results alike. Rows are transposed on the
-   way in and out; blocks are not. A block holds L = rbd_batch_lanes() states lane by lane: component k of
-   state s of a quantity of this width (nq, nv, 6 nb, nv nv and so on) is
+/* The order of the states in the arrays of a batch call, inputs and results. Rows are transposed before and
+   after the computation; blocks are not. A block has L = rbd_batch_lanes() states, each in a lane:
+   component k of state s of a quantity of this width (nq, nv, 6 nb, nv nv and so on) is
 
        x[(s / L * width + k) * L + s % L]
 
-   An array is of whole blocks, n / L rounded up; beyond the n-th state nothing is read or written. Quickest
-   at an address that L * sizeof(RBD_REAL) divides. */
+   An array has whole blocks, n / L rounded up; entries of states beyond the n-th are not read or written.
+   Calls are fastest with arrays at multiples of L * sizeof(RBD_REAL) bytes. */
 typedef enum rbd_layout {
     RBD_ROWS,  /* x[s * width + k] */
     RBD_BLOCKS /* as above */
 } rbd_layout;
 
-RBDI_BATCH_API int rbd_batch_lanes(void); /* how many states go together */
+RBDI_BATCH_API int rbd_batch_lanes(void); /* the number of states in one block, RBD_LANES */
 
-/* Bytes that rbd_batch_init needs for this model, and the call itself: as rbd_work_size, rbd_work_init. */
+/* As rbd_work_size, rbd_work_init and rbd_set_gravity, of a batch instead of a work. */
 RBDI_BATCH_API size_t rbd_batch_size(const rbd_model *m);
 RBDI_BATCH_API rbd_status rbd_batch_init(const rbd_model *m, void *memory, size_t size, rbd_batch **batch);
 RBDI_BATCH_API rbd_status rbd_batch_set_gravity(rbd_batch *b, const rbd_const gravity[3]);
 
-/* The layout of all arrays of the calls that follow, RBD_ROWS after rbd_batch_init. Results are the same bits
-   in both. Error: RBD_ERR_NULL. */
+/* Sets the layout of all arrays for the calls that follow; it is RBD_ROWS after rbd_batch_init. Both give the
+   same bits. Error: RBD_ERR_NULL. */
 RBDI_BATCH_API rbd_status rbd_batch_set_layout(rbd_batch *b, rbd_layout layout);
 
 /* As the calls without _batch, for n states. */
@@ -133,7 +133,8 @@ RBDI_BATCH_API rbd_status rbd_batch_momentum(const rbd_model *m, rbd_batch *b, i
                                              const RBD_REAL *v, const RBD_REAL *a, RBD_REAL *h,
                                              RBD_REAL *h_dot);
 
-/* After RBD_ERR_SINGULAR: the first singular state of the last call, else -1; *dof: where (may be NULL). */
+/* Returns, after RBD_ERR_SINGULAR, the first singular state of the last call, else -1. dof, which may be
+   NULL, receives its singular degree of freedom, as from rbd_singular_dof. */
 RBDI_BATCH_API int rbd_batch_singular(const rbd_batch *b, int *dof);
 
 /* ==== src/rbd_batch.h ==== */
@@ -283,9 +284,10 @@ RBDI_INLINE void rbdi_transpose_lanes(rbd_real x[RBD_LANES]) {
 typedef RBD_REAL rbdi_lane_row
     __attribute__((vector_size(sizeof(rbd_real)), aligned(sizeof(RBD_REAL)), may_alias));
 
-/* x[k] lane s = component k of state s, of `width` components; the lanes of states beyond the rest repeat the
-   last one. Rows go in blocks of RBD_LANES columns; the last block may overlap the one before. The rows of
-   the next states are fetched meanwhile: the processor does not foresee so many streams. */
+/* Lane s of x[k] becomes component k of state s, of `width` components; of `rest` states in all. Lanes
+   beyond these repeat the last one. Rows are transposed RBD_LANES columns at a time; the last columns may
+   overlap those before. The rows of the next states are prefetched, because the processor does not predict
+   so many streams. */
 static void rbdi_gather(const RBD_REAL *in, int width, int blocks, int rest, rbd_real *x) {
     const int last = (rest < RBD_LANES ? rest : RBD_LANES) - 1;
     const int across = blocks ? 1 : width, along = blocks ? RBD_LANES : 1;
@@ -310,7 +312,7 @@ static void rbdi_gather(const RBD_REAL *in, int width, int blocks, int rest, rbd
     }
 }
 
-/* The reverse, of the first count states. */
+/* The reverse, for the first count states. */
 static void rbdi_scatter(const rbd_real *x, int width, int blocks, int count, RBD_REAL *out) {
     const int across = blocks ? 1 : width, along = blocks ? RBD_LANES : 1;
     if (blocks || width < RBD_LANES) {
@@ -338,21 +340,21 @@ enum { RBDI_ARGUMENTS = 4 };
 
 struct rbd_batch {
     rbd_work *w;
-    rbd_real *x[RBDI_ARGUMENTS], *y; /* inputs and outputs of the states at hand, a lane each */
-    int state, dof;                  /* first singular state of the last call, -1 = none */
+    rbd_real *x[RBDI_ARGUMENTS], *y; /* inputs and outputs of RBD_LANES states, a lane each */
+    int state, dof;                  /* first singular state of the last call and its dof, -1 = none */
     rbd_layout layout;
 };
 
-/* A call: its inputs q, v, a (or tau) and f_ext, its outputs with the lengths of their rows, of all states;
-   and of those at hand in lanes. NULL = none. */
+/* A batch call: its inputs q, v, a (or tau) and f_ext and its outputs of all states; x and y are those of
+   RBD_LANES states. NULL = none. */
 typedef struct rbdi_task {
     const RBD_REAL *in[RBDI_ARGUMENTS];
     RBD_REAL *out[RBDI_ARGUMENTS];
-    int width[RBDI_ARGUMENTS];
+    int width[RBDI_ARGUMENTS]; /* components of each output */
     const rbd_real *x[RBDI_ARGUMENTS];
     rbd_real *y[RBDI_ARGUMENTS];
     rbd_work *w;
-    void *more; /* what else the call needs */
+    void *more; /* other arguments of the call */
 } rbdi_task;
 typedef rbd_status rbdi_lane_call(const rbd_model *m, const rbdi_task *t);
 
@@ -361,12 +363,12 @@ static int rbdi_batch_width(const rbd_model *m, int k) { return k == 0 ? m->nq :
 /* Largest outputs of a call: M, or a Jacobian, or a momentum and its rate. */
 static int rbdi_batch_output(const rbd_model *m) { return (m->nv > 6 ? m->nv : 6) * m->nv + 12; }
 
-/* Whether a call can work where the caller has these states: in a whole block, where lanes may stand. */
+/* Whether a call can use the caller's array of these states: a whole block at an aligned address. */
 static int rbdi_usable(const rbd_batch *b, const RBD_REAL *x, int rest) {
     return b->layout == RBD_BLOCKS && rest >= RBD_LANES && (uintptr_t)x % sizeof(rbd_real) == 0;
 }
 
-/* The inputs of the states from s on, in lanes. */
+/* Sets x to the inputs of the states from s on. */
 static void rbdi_task_gather(const rbd_model *m, rbdi_task *t, const rbd_batch *b, int s, int rest) {
     for (int k = 0; k < RBDI_ARGUMENTS; ++k) {
         const int width = rbdi_batch_width(m, k);
@@ -377,9 +379,10 @@ static void rbdi_task_gather(const rbd_model *m, rbdi_task *t, const rbd_batch *
     }
 }
 
-/* Where the outputs of the states from s on go: to the caller, or to y, for rbdi_task_scatter. With
-   RBD_REPRODUCIBLE to y: rbdi_batch_apart reads the inputs again, which may be the same arrays. */
-static void rbdi_task_aim(rbdi_task *t, const rbd_batch *b, rbd_real *y, int s, int rest) {
+/* Sets t->y to the outputs of the states from s on: the caller's array, or y, for rbdi_task_scatter.
+   With RBD_REPRODUCIBLE it is y, because rbdi_batch_singly reads the inputs again, which may be the
+   same arrays. */
+static void rbdi_task_targets(rbdi_task *t, const rbd_batch *b, rbd_real *y, int s, int rest) {
     for (int k = 0; k < RBDI_ARGUMENTS; y += t->width[k++]) {
         RBD_REAL *out = t->out[k] ? t->out[k] + (size_t)s * (size_t)t->width[k] : NULL;
         t->y[k] = !out || (!RBDI_REPRODUCIBLE && rbdi_usable(b, out, rest)) ? (rbd_real *)out : y;
@@ -401,9 +404,10 @@ static void rbdi_note_singular(const rbd_model *m, rbd_batch *b, int first, int 
 }
 
 #if RBDI_REPRODUCIBLE
-/* One state at a time, in all lanes: if a pivot is in doubt, a call's path depends on all of its lanes. */
-static rbd_status rbdi_batch_apart(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int s, int count,
-                                   rbd_real *y, rbdi_task *t) {
+/* One state at a time, in all lanes: if a pivot is in doubt, all lanes take the path that one of them
+   needs. */
+static rbd_status rbdi_batch_singly(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int s, int count,
+                                    rbd_real *y, rbdi_task *t) {
     const int blocks = b->layout == RBD_BLOCKS;
     rbd_status result = RBD_OK;
     for (int i = 0; i < count; ++i) {
@@ -429,7 +433,7 @@ static rbd_status rbdi_batch_apart(rbdi_lane_call *call, const rbd_model *m, rbd
 }
 #endif
 
-/* Runs a call on n states; y: lanes for its outputs, one after the other. */
+/* Makes a call for n states. y: memory for its outputs of RBD_LANES states. */
 static rbd_status rbdi_batch_run(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int n, rbd_real *y,
                                  rbdi_task *t) {
     rbd_status result = b ? rbdi_check(m, b->w, t->in[0] != NULL) : RBD_ERR_NULL;
@@ -440,12 +444,12 @@ static rbd_status rbdi_batch_run(rbdi_lane_call *call, const rbd_model *m, rbd_b
         const int count = n - s < RBD_LANES ? n - s : RBD_LANES;
         rbd_status status;
         rbdi_task_gather(m, t, b, s, n - s);
-        rbdi_task_aim(t, b, y, s, n - s);
+        rbdi_task_targets(t, b, y, s, n - s);
         RBDI_NOTE_DOUBT(b->w, 0);
         status = call(m, t);
 #if RBDI_REPRODUCIBLE
         if (b->w->doubt) {
-            status = rbdi_batch_apart(call, m, b, s, count, y, t);
+            status = rbdi_batch_singly(call, m, b, s, count, y, t);
             if (status) result = status;
             continue;
         }
@@ -473,7 +477,7 @@ static void rbdi_task_output(rbdi_task *t, int k, RBD_REAL *out, int width) {
 /* ==== src/batch/calls.h ==== */
 /* ---- batches [batch code] ---- */
 
-/* A call with one output. */
+/* A call with one output, which must not be NULL. */
 static rbd_status rbdi_batch_one(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int n,
                                  const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
                                  const RBD_REAL *f_ext, RBD_REAL *out, int width) {
@@ -625,7 +629,7 @@ RBDI_BATCH_API int rbd_batch_singular(const rbd_batch *b, int *dof) {
 struct rbd_batch_derivatives {
     rbd_batch *b;
     rbd_derivatives *d;
-    rbd_real *y; /* outputs of the states at hand */
+    rbd_real *y; /* outputs of RBD_LANES states */
 };
 
 /* Largest outputs of a call: three square matrices and an acceleration, a momentum matrix and its bias, or a
@@ -743,7 +747,7 @@ RBDI_BATCH_API rbd_status rbd_batch_regressor(const rbd_model *m, rbd_batch_deri
 struct rbd_batch_constraint_set {
     rbd_batch *b;
     rbd_constraint_set *c;
-    rbd_real *y; /* outputs of the states at hand */
+    rbd_real *y; /* outputs of RBD_LANES states */
 };
 
 static size_t rbdi_batch_constraints_own(const rbd_model *m, int rows) {

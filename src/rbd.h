@@ -64,8 +64,8 @@
      RBD_LANES n      the scalar becomes a GCC/Clang vector of n RBD_REAL: one call, n states
      RBD_REAL_CUSTOM  RBD_REAL is a C++ class with + - * / unary -, < and a constructor from
                       RBD_CONST; sin, cos, sqrt are found by argument-dependent lookup
-     RBD_MASK         what < of such a class gives, if not bool (a class that records): with ! | & and a
-                      conversion to int, whether any holds; select(mask, a, b) is found like sin
+     RBD_MASK         the result type of < of such a class, if not bool (for a class that records): with ! | &
+                      and a conversion to int, whether any holds; select(mask, a, b) is found like sin
      RBD_CONST        scalar of the model's constants; default: RBD_REAL, double for a class
      RBD_SIN(x) RBD_COS(x)   replace rbd's own sine and cosine (scalar builds)
      RBD_SQRT(x)      replaces libm's square root
@@ -76,35 +76,34 @@
                       0 in a file whose scalar differs on purpose; 1 with clang, where it does no link-time
                       optimisation
      RBD_BATCH_IMPLEMENTATION   with RBD_LANES: this file implements the calls of rbd_batch.h
-     RBD_FEATURES     what the program's robots need of the library, in the file with RBD_IMPLEMENTATION: the
-                      ..._FEATURES of their tables, with | between. The compiler leaves all else out, which
-                      halves the flash. rbd_work_init refuses other models: RBD_ERR_LEFT_OUT. Before rbd.h a
-                      table gives its features, after it the rest:
+     RBD_FEATURES     the features of the program's robots, in the file with RBD_IMPLEMENTATION: the
+                      ..._FEATURES of their tables, with | between. The compiler leaves out all other code,
+                      which halves the flash. rbd_work_init refuses other models: RBD_ERR_LEFT_OUT. Included
+                      before rbd.h, a table defines its features only, after it the rest:
                           #define RBD_IMPLEMENTATION
                           #define RBD_FEATURES ARM_FEATURES
                           #include "arm_model.h"
                           #include "rbd.h"
                           #include "arm_model.h"
      RBD_REPRODUCIBLE the same bits on every machine: see [guarantees]. From the include to the end of the
-                      file no product and sum are contracted to FMA, the caller's neither
-     RBD_NO_BUILD     leaves rbd_model_build out, and the other calls on descriptions (add_payload, describe):
-                      models from generated tables only. Constraints are set up in RBD_CONST, else in
+                      file no product and sum are contracted to FMA, nor are those of your own code
+     RBD_NO_BUILD     leaves out rbd_model_build and the other calls on descriptions (add_payload, describe):
+                      models come from generated tables only. Constraints are set up in RBD_CONST instead of
                       double. The file compiles in less time
      RBD_NO_CHOLESKY  leaves out cholesky_..., minverse, fd_cholesky, hybrid, id_free_base and fd_derivatives.
                       rbd_aba, which uses the factor for models with mimic joints and for states in doubt,
                       then takes less flash: rbd_work_init refuses such models, RBD_ERR_LEFT_OUT
-                      All other parts that are not called are left out by the linker: compile with
+                      The linker leaves out all other calls that are not used: compile with
                       -ffunction-sections, link with --gc-sections
 
    [guarantees]
-     No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant: all that changes
-     lies in the caller's rbd_work. No call writes to the model but rbd_add_payload; it may be const
-     data in flash. Finite input gives finite output, as long as nothing overflows: a singular
-     system is an error that names the degree of freedom. Input is not searched for NaN: one that
-     reaches the mass matrix is RBD_ERR_NAN in forward dynamics, any other is in all that depends on
-     it, with RBD_OK. From libm only sqrt; sin and cos for __float128 and classes, and with excess precision
-     (x87). The same input gives the same bits on every call of one build; between builds, contraction to FMA
-     and the order of sums change last bits.
+     No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant: calls change the caller's
+     rbd_work and outputs only. Only rbd_add_payload writes to the model, which may be const data in flash.
+     Finite input gives finite output, as long as nothing overflows: a singular system is an error that names
+     the degree of freedom. Input is not searched for NaN: one that reaches the mass matrix is RBD_ERR_NAN in
+     forward dynamics, any other reaches all results that depend on it, with RBD_OK. From libm only sqrt; sin
+     and cos for __float128 and classes, and with excess precision (x87). The same input gives the same bits
+     on every call of one build; between builds, contraction to FMA and the order of sums change last bits.
      With RBD_REPRODUCIBLE every call gives the same bits in double, and in float, on every machine that
      rounds to nearest as IEEE 754 does and keeps denormals, whatever the compiler, its -O and its SIMD unit.
      Sums have one order, and sine is rbd's own. Compile without -ffast-math and its parts, and with clang
@@ -114,7 +113,7 @@
      Contacts and closed loops are in rbd_constraints.h. No flexible bodies, no integrator beyond one
      step on the configuration manifold (stages of Runge-Kutta need a correction there to keep an
      order above 2: examples/integrator.c). Damping and friction are described but no algorithm
-     applies them by itself: see rbd_passive. Joint limits are carried, not enforced.
+     applies them by itself: see rbd_passive. Joint limits are kept for the user, not enforced.
 */
 
 #ifndef RBD_H
@@ -143,7 +142,7 @@ RBDI_EXTERN_C_END
    ================================================================================================= */
 
 /* Below, names of one letter are those of the formulas. The caller's macros of these names (I of complex.h, F
-   of Arduino) come back at the end. */
+   of Arduino) are set aside, and restored at the end. */
 
 #include "base/letters_begin.h"
 
@@ -157,23 +156,23 @@ RBDI_EXTERN_C_END
 
 #endif /* RBDI_LAYOUT */
 
-/* rbd_spatial.h wants what goes before [common] in files without the implementation too. */
+/* rbd_spatial.h uses the sections before [common], in files without the implementation too. */
 #if defined RBD_IMPLEMENTATION || defined RBDI_WITH_ALGEBRA
 #ifndef RBDI_ALGEBRA
 #define RBDI_ALGEBRA
 
 /* ---- design [design] ----
-   Featherstone, Rigid Body Dynamics Algorithms (2008), is "the book" below. The algorithms are its tables
-   5.1, 6.2, 6.3 and 7.1. They run on constants of another form, which the build computes once:
+   Featherstone, Rigid Body Dynamics Algorithms (2008), is "the book", or RBDA, below. The algorithms are its
+   tables 5.1, 6.2, 6.3 and 7.1. The build computes their constants once, in frames that make them fast:
 
    Frames. Every link of a one-axis joint has its axis on z. Turning its frame about z or shifting it along z
    changes no result. The build uses this freedom to give the transform from the parent the form of Denavit
    and Hartenberg (Khalil and Dombre 2002, ch. 3): shift by r = (a, 0, 0) along the parent's x, twist by alpha
    about x, turn by rho q + gamma about z, slide by d + kappa q along z. A turn about one axis costs four
    multiplications, by 90 or 0 degrees none; -90 degrees become 90 with the parent's frame turned by 180
-   about its z. Only one child of a link can have this form, and no child of the world, of a block or with a
-   nearly parallel axis. The others keep a general shift r and a turn by beta about the parent's z before the
-   twist. The user's frame of a body is a constant pose on its link (rbdi_frame).
+   about its z. Only one child of a link can have this form, and no child of the world or of a block, nor one
+   whose axis is nearly parallel. The others keep a general shift r and a turn by beta about the parent's z
+   before the twist. The user's frame of a body is a constant pose on its link (rbdi_frame).
 
    Second moments. Inertia is kept as Sigma = integral of x x' dm = tr(I)/2 - I, with h = integral of x dm =
    m c and the mass: [Sigma h; h' m] changes frame like x x' itself, and the wrench of a link costs less in
@@ -187,18 +186,18 @@ RBDI_EXTERN_C_END
    Classical accelerations. The state of a link is omega, its rate, and the acceleration of the frame's origin
    as a point (gravity: the world accelerates upward). A point x of the link accelerates by acc + Omega x,
    Omega = [omega_dot]x + [omega]x [omega]x. The wrench for this is f = Omega h + m acc, n = axial part of
-   (Omega Sigma + acc h'). No linear velocity is needed: of v x v only omega x (omega x r) is left, and that
-   is in Omega. rbd_body_acceleration subtracts omega x v to give the spatial acceleration. For floating and
-   planar joints, whose v is in body axes, c contains it (rbdi_joint_product).
+   (Omega Sigma + acc h'). No linear velocity is needed, because Omega has omega x (omega x r).
+   rbd_body_acceleration subtracts omega x v, which gives the spatial acceleration. For floating and planar
+   joints, whose v is in body axes, c contains it (rbdi_joint_product).
 
    Cyclic axes. The turn about x is the turn about z with the axes renamed, (x, y, z) -> (y, z, x): _cycle
    renames, _uncycle renames back.
 
-   Order. Links stand depth first. Behind each link stands its child with the largest subtree (under a
+   Order. Links are in depth-first order. After each link comes its child with the largest subtree (under a
    one-axis link a one-axis child before blocks). So the parent is mostly link i - 1, and the quantities
    passed between the two stay in registers: up F, IA and pA, or the composite C (`carried` in rnea and crba),
-   down s, y or omega. A link with further children is a branch point. Its accumulator in memory, rbdi_branch,
-   keeps state and y for them and sums their IA and C. Their wrenches are added to the parent's scratch.f:
+   down s, y or omega. A link with further children is a branch point. Its rbdi_branch in memory keeps state
+   and y for them and sums their IA and C. Their wrenches are added to the parent's scratch.f:
 
              0 -- 1 -- 2          links 0 .. 5; parents -1 0 1 1 0 4
              |    '--- 3          links 0 and 1 are branch points, for 4 and 3
@@ -216,8 +215,9 @@ RBDI_EXTERN_C_END
    memory of their own and check RBD_VERSION_NUMBER and RBD_MODEL_VERSION. They use what the comments
    "Interface" below name, and all of base/ and algebra/.
 
-   A new algorithm: take rbdi_rnea for a pattern. First rbdi_joints; down rbdi_forward; up one pass with
-   rbdi_force_up or _block, handing on to link i - 1 or adding to link[i].parent. Linear velocity: rbdi_kin.v.
+   To write a new algorithm, begin with a copy of rbdi_rnea: first rbdi_joints; down rbdi_forward; up one pass
+   with rbdi_force_up or _block, which passes forces to link i - 1 or adds them at link[i].parent. For linear
+   velocities see rbdi_kin.v.
 
      the book               here
      i, lambda(i)           i, link[i].parent

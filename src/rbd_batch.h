@@ -1,8 +1,8 @@
 /* rbd_batch.h - many states at once, in the lanes of SIMD instructions, for rbd.h and the headers on it.
    SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end of rbd.h.
 
-   Each call computes n states, RBD_LANES of them by each instruction, from and to ordinary arrays. A file of
-   its own implements the calls, compiled for the SIMD unit at hand:
+   Each call computes n states, RBD_LANES of them by each instruction, from and to ordinary arrays. A separate
+   file implements the calls, compiled for the SIMD unit that is there:
 
        #define RBD_LANES 8               (double: 8 with AVX-512, 4 with AVX, 2 else; float: twice that)
        #define RBD_BATCH_IMPLEMENTATION
@@ -23,9 +23,9 @@
      [lanes] [tasks] [batch code] [derivatives code] [constraints code]
 
    [conventions] Beyond those of rbd.h:
-     states       n states stand one after the other, unless rbd_batch_set_layout says otherwise: q is n x nq,
+     states       n states are one after the other, unless rbd_batch_set_layout changes this: q is n x nq,
                   v, a, tau n x nv, f_ext n x nb x 6 or NULL, mass_matrix n x nv x nv, packed
-                  n x rbd_packed_size(m). With n <= 0 nothing is done
+                  n x rbd_packed_size(m). With n <= 0 a call does nothing
      results      those of the single calls, to rounding. An output may be NULL, or an input, as there
      errors       those of the single calls. With RBD_ERR_SINGULAR the results of the other states stand, and
                   rbd_batch_singular names the first singular state

@@ -24,28 +24,28 @@
 
 typedef struct rbd_batch rbd_batch; /* scratch of one thread */
 
-/* How the states stand in the arrays of a batch call, inputs and results alike. Rows are transposed on the
-   way in and out; blocks are not. A block holds L = rbd_batch_lanes() states lane by lane: component k of
-   state s of a quantity of this width (nq, nv, 6 nb, nv nv and so on) is
+/* The order of the states in the arrays of a batch call, inputs and results. Rows are transposed before and
+   after the computation; blocks are not. A block has L = rbd_batch_lanes() states, each in a lane:
+   component k of state s of a quantity of this width (nq, nv, 6 nb, nv nv and so on) is
 
        x[(s / L * width + k) * L + s % L]
 
-   An array is of whole blocks, n / L rounded up; beyond the n-th state nothing is read or written. Quickest
-   at an address that L * sizeof(RBD_REAL) divides. */
+   An array has whole blocks, n / L rounded up; entries of states beyond the n-th are not read or written.
+   Calls are fastest with arrays at multiples of L * sizeof(RBD_REAL) bytes. */
 typedef enum rbd_layout {
     RBD_ROWS,  /* x[s * width + k] */
     RBD_BLOCKS /* as above */
 } rbd_layout;
 
-RBDI_BATCH_API int rbd_batch_lanes(void); /* how many states go together */
+RBDI_BATCH_API int rbd_batch_lanes(void); /* the number of states in one block, RBD_LANES */
 
-/* Bytes that rbd_batch_init needs for this model, and the call itself: as rbd_work_size, rbd_work_init. */
+/* As rbd_work_size, rbd_work_init and rbd_set_gravity, of a batch instead of a work. */
 RBDI_BATCH_API size_t rbd_batch_size(const rbd_model *m);
 RBDI_BATCH_API rbd_status rbd_batch_init(const rbd_model *m, void *memory, size_t size, rbd_batch **batch);
 RBDI_BATCH_API rbd_status rbd_batch_set_gravity(rbd_batch *b, const rbd_const gravity[3]);
 
-/* The layout of all arrays of the calls that follow, RBD_ROWS after rbd_batch_init. Results are the same bits
-   in both. Error: RBD_ERR_NULL. */
+/* Sets the layout of all arrays for the calls that follow; it is RBD_ROWS after rbd_batch_init. Both give the
+   same bits. Error: RBD_ERR_NULL. */
 RBDI_BATCH_API rbd_status rbd_batch_set_layout(rbd_batch *b, rbd_layout layout);
 
 /* As the calls without _batch, for n states. */
@@ -76,7 +76,8 @@ RBDI_BATCH_API rbd_status rbd_batch_momentum(const rbd_model *m, rbd_batch *b, i
                                              const RBD_REAL *v, const RBD_REAL *a, RBD_REAL *h,
                                              RBD_REAL *h_dot);
 
-/* After RBD_ERR_SINGULAR: the first singular state of the last call, else -1; *dof: where (may be NULL). */
+/* Returns, after RBD_ERR_SINGULAR, the first singular state of the last call, else -1. dof, which may be
+   NULL, receives its singular degree of freedom, as from rbd_singular_dof. */
 RBDI_BATCH_API int rbd_batch_singular(const rbd_batch *b, int *dof);
 
 #endif

@@ -9,7 +9,7 @@
 
 /* ---- batches [batch code] ---- */
 
-/* A call with one output. */
+/* A call with one output, which must not be NULL. */
 static rbd_status rbdi_batch_one(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int n,
                                  const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
                                  const RBD_REAL *f_ext, RBD_REAL *out, int width) {

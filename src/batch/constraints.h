@@ -10,7 +10,7 @@
 struct rbd_batch_constraint_set {
     rbd_batch *b;
     rbd_constraint_set *c;
-    rbd_real *y; /* outputs of the states at hand */
+    rbd_real *y; /* outputs of RBD_LANES states */
 };
 
 static size_t rbdi_batch_constraints_own(const rbd_model *m, int rows) {

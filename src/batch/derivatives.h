@@ -11,7 +11,7 @@
 struct rbd_batch_derivatives {
     rbd_batch *b;
     rbd_derivatives *d;
-    rbd_real *y; /* outputs of the states at hand */
+    rbd_real *y; /* outputs of RBD_LANES states */
 };
 
 /* Largest outputs of a call: three square matrices and an acceleration, a momentum matrix and its bias, or a

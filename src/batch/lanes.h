@@ -46,9 +46,10 @@ RBDI_INLINE void rbdi_transpose_lanes(rbd_real x[RBD_LANES]) {
 typedef RBD_REAL rbdi_lane_row
     __attribute__((vector_size(sizeof(rbd_real)), aligned(sizeof(RBD_REAL)), may_alias));
 
-/* x[k] lane s = component k of state s, of `width` components; the lanes of states beyond the rest repeat the
-   last one. Rows go in blocks of RBD_LANES columns; the last block may overlap the one before. The rows of
-   the next states are fetched meanwhile: the processor does not foresee so many streams. */
+/* Lane s of x[k] becomes component k of state s, of `width` components; of `rest` states in all. Lanes
+   beyond these repeat the last one. Rows are transposed RBD_LANES columns at a time; the last columns may
+   overlap those before. The rows of the next states are prefetched, because the processor does not predict
+   so many streams. */
 static void rbdi_gather(const RBD_REAL *in, int width, int blocks, int rest, rbd_real *x) {
     const int last = (rest < RBD_LANES ? rest : RBD_LANES) - 1;
     const int across = blocks ? 1 : width, along = blocks ? RBD_LANES : 1;
@@ -73,7 +74,7 @@ static void rbdi_gather(const RBD_REAL *in, int width, int blocks, int rest, rbd
     }
 }
 
-/* The reverse, of the first count states. */
+/* The reverse, for the first count states. */
 static void rbdi_scatter(const rbd_real *x, int width, int blocks, int count, RBD_REAL *out) {
     const int across = blocks ? 1 : width, along = blocks ? RBD_LANES : 1;
     if (blocks || width < RBD_LANES) {

@@ -10,21 +10,21 @@ enum { RBDI_ARGUMENTS = 4 };
 
 struct rbd_batch {
     rbd_work *w;
-    rbd_real *x[RBDI_ARGUMENTS], *y; /* inputs and outputs of the states at hand, a lane each */
-    int state, dof;                  /* first singular state of the last call, -1 = none */
+    rbd_real *x[RBDI_ARGUMENTS], *y; /* inputs and outputs of RBD_LANES states, a lane each */
+    int state, dof;                  /* first singular state of the last call and its dof, -1 = none */
     rbd_layout layout;
 };
 
-/* A call: its inputs q, v, a (or tau) and f_ext, its outputs with the lengths of their rows, of all states;
-   and of those at hand in lanes. NULL = none. */
+/* A batch call: its inputs q, v, a (or tau) and f_ext and its outputs of all states; x and y are those of
+   RBD_LANES states. NULL = none. */
 typedef struct rbdi_task {
     const RBD_REAL *in[RBDI_ARGUMENTS];
     RBD_REAL *out[RBDI_ARGUMENTS];
-    int width[RBDI_ARGUMENTS];
+    int width[RBDI_ARGUMENTS]; /* components of each output */
     const rbd_real *x[RBDI_ARGUMENTS];
     rbd_real *y[RBDI_ARGUMENTS];
     rbd_work *w;
-    void *more; /* what else the call needs */
+    void *more; /* other arguments of the call */
 } rbdi_task;
 typedef rbd_status rbdi_lane_call(const rbd_model *m, const rbdi_task *t);
 
@@ -33,12 +33,12 @@ static int rbdi_batch_width(const rbd_model *m, int k) { return k == 0 ? m->nq :
 /* Largest outputs of a call: M, or a Jacobian, or a momentum and its rate. */
 static int rbdi_batch_output(const rbd_model *m) { return (m->nv > 6 ? m->nv : 6) * m->nv + 12; }
 
-/* Whether a call can work where the caller has these states: in a whole block, where lanes may stand. */
+/* Whether a call can use the caller's array of these states: a whole block at an aligned address. */
 static int rbdi_usable(const rbd_batch *b, const RBD_REAL *x, int rest) {
     return b->layout == RBD_BLOCKS && rest >= RBD_LANES && (uintptr_t)x % sizeof(rbd_real) == 0;
 }
 
-/* The inputs of the states from s on, in lanes. */
+/* Sets x to the inputs of the states from s on. */
 static void rbdi_task_gather(const rbd_model *m, rbdi_task *t, const rbd_batch *b, int s, int rest) {
     for (int k = 0; k < RBDI_ARGUMENTS; ++k) {
         const int width = rbdi_batch_width(m, k);
@@ -49,9 +49,10 @@ static void rbdi_task_gather(const rbd_model *m, rbdi_task *t, const rbd_batch *
     }
 }
 
-/* Where the outputs of the states from s on go: to the caller, or to y, for rbdi_task_scatter. With
-   RBD_REPRODUCIBLE to y: rbdi_batch_apart reads the inputs again, which may be the same arrays. */
-static void rbdi_task_aim(rbdi_task *t, const rbd_batch *b, rbd_real *y, int s, int rest) {
+/* Sets t->y to the outputs of the states from s on: the caller's array, or y, for rbdi_task_scatter.
+   With RBD_REPRODUCIBLE it is y, because rbdi_batch_singly reads the inputs again, which may be the
+   same arrays. */
+static void rbdi_task_targets(rbdi_task *t, const rbd_batch *b, rbd_real *y, int s, int rest) {
     for (int k = 0; k < RBDI_ARGUMENTS; y += t->width[k++]) {
         RBD_REAL *out = t->out[k] ? t->out[k] + (size_t)s * (size_t)t->width[k] : NULL;
         t->y[k] = !out || (!RBDI_REPRODUCIBLE && rbdi_usable(b, out, rest)) ? (rbd_real *)out : y;
@@ -73,9 +74,10 @@ static void rbdi_note_singular(const rbd_model *m, rbd_batch *b, int first, int 
 }
 
 #if RBDI_REPRODUCIBLE
-/* One state at a time, in all lanes: if a pivot is in doubt, a call's path depends on all of its lanes. */
-static rbd_status rbdi_batch_apart(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int s, int count,
-                                   rbd_real *y, rbdi_task *t) {
+/* One state at a time, in all lanes: if a pivot is in doubt, all lanes take the path that one of them
+   needs. */
+static rbd_status rbdi_batch_singly(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int s, int count,
+                                    rbd_real *y, rbdi_task *t) {
     const int blocks = b->layout == RBD_BLOCKS;
     rbd_status result = RBD_OK;
     for (int i = 0; i < count; ++i) {
@@ -101,7 +103,7 @@ static rbd_status rbdi_batch_apart(rbdi_lane_call *call, const rbd_model *m, rbd
 }
 #endif
 
-/* Runs a call on n states; y: lanes for its outputs, one after the other. */
+/* Makes a call for n states. y: memory for its outputs of RBD_LANES states. */
 static rbd_status rbdi_batch_run(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int n, rbd_real *y,
                                  rbdi_task *t) {
     rbd_status result = b ? rbdi_check(m, b->w, t->in[0] != NULL) : RBD_ERR_NULL;
@@ -112,12 +114,12 @@ static rbd_status rbdi_batch_run(rbdi_lane_call *call, const rbd_model *m, rbd_b
         const int count = n - s < RBD_LANES ? n - s : RBD_LANES;
         rbd_status status;
         rbdi_task_gather(m, t, b, s, n - s);
-        rbdi_task_aim(t, b, y, s, n - s);
+        rbdi_task_targets(t, b, y, s, n - s);
         RBDI_NOTE_DOUBT(b->w, 0);
         status = call(m, t);
 #if RBDI_REPRODUCIBLE
         if (b->w->doubt) {
-            status = rbdi_batch_apart(call, m, b, s, count, y, t);
+            status = rbdi_batch_singly(call, m, b, s, count, y, t);
             if (status) result = status;
             continue;
         }

@@ -64,7 +64,7 @@ struct rbd_work {
     int singular;      /* dof, -1 = none */
     int kinematics_of; /* kin: of this link and its ancestors; nl: of all; -1: of the world alone */
 #if RBDI_REPRODUCIBLE
-    int doubt; /* a pivot or a rank has been in doubt: see rbdi_batch_apart */
+    int doubt; /* a pivot or a rank has been in doubt: see rbdi_batch_singly */
 #endif
     RBDI_WORK_ARRAYS(RBDI_ARRAY_FIELD, 0, 0, 0, 0, 0, 0, 0)
 };
