@@ -96,7 +96,7 @@ typedef struct rbd_constraint {
 } rbd_constraint;
 
 /* Common constraints. Every field may be changed afterwards. Holds a point of a body at a place: 3 rows,
-   forces in world axes. point: body axes; place: world, NULL = the origin. Without kp any place will do. */
+   forces in world axes. point: body axes, m; place: world, m; NULL = origin. Without kp any place will do. */
 RBDI_API rbd_constraint rbd_point_contact(int body, const double point[3], const double place[3]);
 
 /* Holds a surface, the point and the orientation: 6 rows. Without kp any orientation will do. */
@@ -654,8 +654,7 @@ RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraint_set *c,
          link1_ != link2_ && (sign = link1_ > link2_ ? 1 : -1, link = sign > 0 ? link1_ : link2_, 1); \
          sign > 0 ? (link1_ = (m)->link[link].parent) : (link2_ = (m)->link[link].parent))
 
-/* Poses of the links on a path and, if `moving`, velocities of their origins. The angular velocities are
-   already there. */
+/* Poses of the links on a path and, if `moving`, velocities of their origins, from the angular velocities. */
 static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v, int moving) {
     for (int n = 0, first, end; n < c->links;) {
         for (end = first = c->link[n]; n < c->links && c->link[n] == end; ++n) ++end;
@@ -735,8 +734,7 @@ typedef struct rbdi_batches {
     rbdi_batch first, second;
 } rbdi_batches;
 
-/* Rows i .. i + n - 1 of Delta from the diagonal on, and b behind them. The rows have entries in these dofs
-   alone. */
+/* Rows i .. i + n - 1 of Delta from the diagonal on, and b behind them. dof: where they have entries. */
 RBDI_INLINE void rbdi_delta_rows(const rbd_constraint_set *c, const int16_t *dof, int dofs, int i, int n) {
     const int stride = c->stride;
     rbd_real *R = c->R + i * stride;
@@ -999,8 +997,7 @@ static rbd_real rbdi_motion_size(const rbd_constraint_set *c, const rbdi_constra
     return turning + moving + v * (w + (RBD_C(1) + con->kd)) + p * con->kp;
 }
 
-/* Makes c->slack the amount by which rounding and drift may change an entry of b. Permutes it and c->target
-   as R. */
+/* Makes c->slack the error of b by rounding and drift, and permutes it and c->target. */
 static void rbdi_set_slack(rbd_constraint_set *c) {
     for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con) {
         const rbd_real noise = rbdi_motion_size(c, con) * RBDI_NOISE;
@@ -1758,8 +1755,7 @@ static int rbdi_place_frame(const rbd_model *m, int body, const double R[9], con
     return rbdi_link_of_body(m, body);
 }
 
-/* The nearest common ancestor of two links, which may be one of them; -1 = world. Ancestors have smaller
-   indices. */
+/* The nearest common ancestor of two links, or one of them; -1 = world. Ancestors have smaller indices. */
 static int rbdi_common_ancestor(const rbd_model *m, int one, int two) {
     while (one != two) {
         int *later = one > two ? &one : &two;
@@ -1956,8 +1952,7 @@ RBDI_CODE_BEGIN
 
    Checked against finite differences in tests/test_constraints.c. */
 
-/* Motion of body 1 relative to body 2 at the origin of frame 1, world axes, and what is needed for its
-   derivatives. */
+/* Motion of body 1 relative to body 2 at the origin of frame 1, world axes, and what its derivatives need. */
 typedef struct rbdi_pair_motion {
     rbdi_relative_motion motion; /* velocity (w; u), rate (alpha; acc) */
     rbdi_force force;            /* of lambda */
@@ -2089,9 +2084,8 @@ static void rbdi_add_sigma(const rbdi_constraint *con, const rbdi_pair_motion *p
     }
 }
 
-/* Subtracts the derivative of J' lambda by a dof of the link `mover`, with this S, from a column of rho. The
-   S of all dofs stand in the columns Phi of d, which are no longer needed; its columns S keep a free base's.
-   */
+/* Subtracts the derivative of J' lambda by a dof of the link `mover`, with this S, from a column of rho. S of
+   the others stand in the columns Phi of d, no longer needed; its columns S keep those of a free base. */
 static void rbdi_subtract_rho(const rbd_model *m, const rbd_derivatives *d, const rbdi_constraint *con,
                               const rbdi_pair_motion *pair, int side, int mover, rbdi_motion S,
                               rbd_real *rho) {

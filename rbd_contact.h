@@ -75,11 +75,11 @@ typedef enum rbd_contact_state {
 } rbd_contact_state;
 
 /* ---- solver [solver] ----
-   Impulses p of contacts from u = Delta p + b and the laws of [conventions], for those who have a Delta. */
+   Impulses p of contacts from u = Delta p + b and the laws of [conventions], for a caller's own Delta. */
 
 typedef struct rbd_contact_problem {
     int contacts;             /* three rows each, in the order tangent, tangent, normal */
-    int bounded;              /* rows behind those, one each: joint limits, dry friction, what is held */
+    int bounded;              /* rows behind those, one each: joint limits, dry friction, held axes */
     const rbd_real *delta;    /* rows x rows: J M^-1 J', symmetric and positive semidefinite, 1/kg */
     const rbd_real *b;        /* rows: u where p = 0, m/s */
     const rbd_real *friction; /* contacts: mu, not negative */
@@ -116,9 +116,9 @@ RBDI_API rbd_status rbd_contact_solve(const rbd_contact_problem *problem, void *
 typedef struct rbd_contact {
     const char *name;   /* for findings; NULL = nameless */
     int body1, body2;   /* index in the description, -1 = world */
-    double point[3];    /* link axes of body 1, m */
+    double point[3];    /* axes of body 1, m */
     double radius;      /* m; 0 = a point */
-    double normal[3];   /* of the plane, link axes of body 2, towards body 1; of any length; all 0 = z */
+    double normal[3];   /* of the plane, axes of body 2, towards body 1; of any length; all 0 = z */
     double height;      /* of the plane along the unit normal, m */
     double friction;    /* mu */
     double restitution; /* 0 (does not rebound) to 1 */
@@ -130,7 +130,7 @@ typedef struct rbd_contact {
 typedef struct rbd_contact_options {
     double margin; /* closer contacts are rows, m [0.005]; others where they may arrive within two steps */
     double slop;   /* penetration that is left, m [1e-5] */
-    double correction;  /* share of the rest that a step takes back [0.2] */
+    double correction;  /* share of the rest that a step corrects [0.2] */
     double bounce;      /* slower impacts do not rebound, m/s [0.05]; choose more than 2 g dt */
     double tolerance;   /* of the residual, m/s [1e-6, float 1e-5] */
     int iterations;     /* at most [40] */
@@ -146,7 +146,7 @@ typedef struct rbd_contact_set rbd_contact_set; /* contacts, impulses of the las
 /* Checks contacts and prepares them in the caller's memory, for this model and work, which the calls use.
    list      n contacts, not needed later but for their names
    held      n_held constraints that hold at the same time: loops, feet that are bolted down. Their kp and kd
-             have no meaning here; errors of position are taken back as penetration is. May be NULL
+             have no meaning here; position errors are corrected as penetration is. May be NULL
    options   NULL: all defaults
    memory    size bytes of any alignment; rbd_contact_set_size is exact. For n contacts and `bounded` other
              rows (held axes, joint limits, dry friction) RBD_CONTACT_SET_SIZE(nv, n, bounded) suffices
@@ -178,25 +178,25 @@ RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constr
 
        M (nu - v) = dt (tau - c + sum J_b' f_ext) + J' p,   u = J nu,   laws of u + bias and p
 
-   then q_next by nu, and v_next in its axes as rbd_step has it. The biases: contacts that are apart may just
-   touch at the end, stiff ones give way, rebounds are those of the velocity before. Penetration is taken back
-   in the positions only, by a second solution on the same Delta, so that it gives no velocity. */
+   then q_next by nu, and v_next in its axes as by rbd_step. The bias lets contacts close their gap, makes
+   stiff ones springs and dampers, and reverses approaches that rebound. Penetration is corrected in positions
+   alone, by a second solution with the same Delta, so that it gives no velocity. */
 RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
                                      const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                      const rbd_real *damping, rbd_real dt, rbd_real *q_next,
                                      rbd_real *v_next);
 
-/* Its acceleration alone: rbd_step with a gives its v_next, and q_next where nothing penetrates. */
+/* The acceleration of that step. By it rbd_step gives v_next and, unless something penetrates, q_next. */
 RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
                                    const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                    const rbd_real *damping, rbd_real dt, rbd_real *a);
 
-/* Another plane under contact i from the next step on, as rbd_contact has it: the tangent plane of terrain.
+/* Changes the plane of contact i, as in rbd_contact, from the next step on: to the tangent plane of terrain.
    Errors: RBD_ERR_NULL, _INDEX, _AXIS, _POSITION. */
 RBDI_API rbd_status rbd_contact_plane(const rbd_model *m, rbd_contact_set *c, int i, const double normal[3],
                                       double height);
 
-/* Forgets the last impulses, with which a step begins: after a jump of the state. */
+/* Clears the last impulses, with which a step begins. Call it after a jump of the state. */
 RBDI_API void rbd_contact_reset(rbd_contact_set *c);
 
 /* Returns the state of contact i in the last step; RBD_APART without such a contact.
@@ -236,8 +236,8 @@ typedef struct rbd_contact_step_results {
    c            with the option `derivatives`
    d            of the same work
    out          dq_next_... each with its dv_next_..., both or neither NULL; no two the same array
-   Where redundant points slip and turn at once, the motion depends on shares of force that are not unique:
-   these are derivatives of one choice.
+   If redundant points slip and turn at once, the motion depends on shares of force that are not unique: these
+   are derivatives for one choice.
    Errors: as rbd_contact_step; RBD_ERR_WORK also if d has another work; RBD_ERR_MEMORY without the option;
    RBD_ERR_SINGULAR also where impulses have no derivative. Then q_next is q, and all else is 0. */
 RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
@@ -284,25 +284,25 @@ RBDI_EXTERN_C_END
 /* ==== src/contact/layout.h ==== */
 /* ---- layout [layout] ---- */
 
-/* One contact of a problem: its block of Delta, D = [A c; c' d], and what the law needs of it. */
+/* One contact of a problem: its block of Delta, D = [A c; c' d], and quantities of [one contact]. */
 typedef struct rbdi_contact_law {
     rbd_real A[3], c[2], d; /* A: xx xy yy */
     rbd_real trace;         /* of D */
-    rbd_real l[2], axis[2]; /* S = A - c c'/d: its eigenvalues, and the eigenvector of the first */
-    rbd_real k[2];          /* c/d along S's eigenvectors */
+    rbd_real l[2], axis[2]; /* of S = A - c c'/d: eigenvalues, and the eigenvector of the first */
+    rbd_real k[2];          /* components of c/d along the eigenvectors of S */
     rbd_real friction;      /* mu */
     rbd_real alpha;         /* u_t = -alpha p_t when it last slipped, 1/kg; 0 before */
     rbd_real e[2];          /* direction of friction */
     rbd_contact_state state;
 } rbdi_contact_law;
 
-/* An unknown of a Newton step, [newton]: it changes p by `column` and asks for 0 of `row` times u, both in so
-   many rows of the problem from number `first` on. */
+/* An unknown of a Newton step, [newton]: it changes p by `column`, and its equation is `row` times u = 0,
+   both in so many rows of the problem from row `first` on. */
 typedef struct rbdi_contact_unknown {
     int first, rows;
     rbd_real column[3], row[3];
-    rbd_real alpha; /* what the diagonal has beside Delta */
-    rbd_real scale; /* of the diagonal */
+    rbd_real alpha; /* added to the diagonal */
+    rbd_real scale; /* of the diagonal's entry: the factor of `proximal` */
 } rbdi_contact_unknown;
 
 /* A problem that is being solved. */
@@ -312,13 +312,13 @@ typedef struct rbdi_contact_solver {
     rbdi_contact_law *law;         /* contacts */
     rbd_contact_state *bound;      /* bounded rows: RBD_STICKS between the bounds, else RBD_OPENS */
     rbd_real *p, *u;               /* rows: p is the caller's */
-    rbd_real *start, *aim, *best;  /* rows: impulses before and behind a Newton step, the best so far */
+    rbd_real *start, *full, *best; /* rows: p before a Newton step, after all of it, and the best p */
     rbd_real *scratch;             /* rows */
     rbdi_contact_unknown *unknown; /* rows */
     rbd_real *G;                   /* the matrix of a Newton step, and behind it its right-hand sides */
     int unknowns, sides, stride;   /* of G: rows; right-hand sides; entries from one row to the next */
     int symmetric;                 /* whether G is: no contact slips */
-    rbd_real unmoved;              /* of a bounded row: smaller entries of Delta's diagonal are rounding */
+    rbd_real unmoved;              /* smaller entries of a bounded row on Delta's diagonal are rounding */
     rbd_contact_solution solution;
 } rbdi_contact_solver;
 
@@ -338,45 +338,45 @@ typedef struct rbdi_contact {
     rbd_real force[3];      /* of the last step, world axes */
     int body2;
     int row;      /* of the step, -1 = none */
-    int rebounds; /* in the solution for the velocities */
+    int rebounds; /* whether the solution for the velocities has its rebound */
     rbd_contact_state state;
 } rbdi_contact;
 
 /* A row of one degree of freedom: a limit of its joint or its dry friction. */
 typedef struct rbdi_dof_row {
     int16_t dof, iq;         /* iq: of the limited coordinate, -1 = dry friction */
-    rbd_const lower, upper;  /* limits; of dry friction what it can hold */
+    rbd_const lower, upper;  /* limits, rad or m; the largest forces of dry friction, N m or N */
     rbd_real distance, side; /* to the nearer limit, and the row's sign there */
     int row;                 /* of the step, -1 = none */
 } rbdi_dof_row;
 
-/* A set: all that may be a row stands in a set of constraints, whose rows are laid anew at each step: three
-   of each contact that is near, those that are held, those of single dofs. A row's place is its number if
-   every possible row were present; impulses are kept by place. */
+/* A set of contacts has a set of constraints, whose rows are listed anew at each step: three of each contact
+   that is near, those of held constraints, those of single dofs. A row's place is the number that it has if
+   all rows are present. Impulses are kept by place. */
 struct rbd_contact_set {
     rbd_constraint_set *rows;
     rbd_contact_options options;
-    int n, dof_rows;              /* contacts; rows of dofs at most */
-    int most;                     /* rows at most */
-    int differ;                   /* whether `nu` and `moved` do */
+    int n, dof_rows;              /* numbers of contacts and, at most, of rows of dofs */
+    int max_rows;                 /* rows at most */
+    int differ;                   /* whether `nu` and `moved` differ */
     rbdi_contact *contact;        /* n */
     rbdi_dof_row *dof_row;        /* dof_rows */
-    int16_t *place;               /* most: of each row of the step */
-    rbd_real *impulse;            /* most: of the last step, by place; 0 where it had no row */
+    int16_t *place;               /* max_rows: of each row of the step */
+    rbd_real *impulse;            /* max_rows: of the last step, by place; 0 where it had no row */
     rbd_real *friction;           /* of the step's contacts */
     rbd_real *lower, *upper;      /* of its other rows */
-    rbd_real *b;                  /* most: u without impulses, with the bias */
+    rbd_real *b;                  /* max_rows: u without impulses, with the bias */
     rbd_real *start, *nu, *moved; /* nv each: velocities without forces; of the end; of the positions */
     rbd_real *x;                  /* nv: L^-T dt (tau - c) */
     rbd_real dt, last_dt;         /* of this step; of the last one, 1 = none */
-    rbd_real *sigma;              /* of derivatives: most x nv; then nv x nv, or rows of G; NULL = none */
+    rbd_real *sigma;              /* of derivatives: max_rows x nv; then nv x nv, or rows of G; NULL = none */
     rbdi_contact_solver solver;
 };
 
-/* Cuts n objects off the memory at p, a variable of the caller. */
+/* Takes n objects from the memory at p, a variable of the caller. */
 #define RBDI_CUT(type, n) ((type *)rbdi_take(&p, 1, RBDI_ROUND((size_t)(n) * sizeof(type))))
 
-/* Bytes for n contacts, so many constraints that are held and, at most, `bounded` other rows. */
+/* Bytes for n contacts, so many held constraints and, at most, `bounded` other rows. */
 #define RBDI_CONTACT_SET_BYTES(nv, n, constraints, bounded, stride) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_contact_set)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_contact)) + \
      RBDI_ROUND((size_t)(bounded) * sizeof(rbdi_dof_row)) + \
@@ -386,7 +386,7 @@ struct rbd_contact_set {
      RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded)) + \
      RBDI_CONSTRAINTS_BYTES(nv, (n) + (constraints), RBDI_CONTACT_ROWS(n, bounded), stride))
 
-/* Scalars that the option `derivatives` takes beside: sigma, then M or G. */
+/* Scalars for the option `derivatives`: sigma, then M or G. */
 #define RBDI_CONTACT_SIDES(nv, rows) \
     ((rows) * (nv) + (int)RBDI_LARGER((nv) * (nv), (rows) * ((rows) + (nv) + RBDI_CHUNK)))
 
@@ -405,9 +405,9 @@ RBDI_CODE_BEGIN
 /* ==== src/contact/tolerances.h ==== */
 /* ---- tolerances [tolerances] ---- */
 
-/* RBDI_UNMOVED: a block's entry below this share of its trace is rounding: nothing gives way there.
-   RBDI_PROXIMAL: what Newton adds to the diagonal, a share of the trace: [newton]. RBDI_SIDES_PROXIMAL: the
-   same of derivatives, whose relative error is that times the condition of G. */
+/* RBDI_UNMOVED: an entry of a block below this share of its trace is rounding, so no impulse changes that
+   velocity. RBDI_PROXIMAL: share of the trace that Newton steps add to the diagonal, [newton].
+   RBDI_SIDES_PROXIMAL: the same for derivatives, whose relative error is that times the condition of G. */
 #define RBDI_UNMOVED (16 * RBDI_EPS)
 #define RBDI_SIDES_PROXIMAL (512 * RBDI_EPS)
 #if RBDI_KIND(RBD_CONST) == 2
@@ -418,18 +418,18 @@ RBDI_CODE_BEGIN
 #define RBDI_CONTACT_TOLERANCE RBD_C(1e-6)
 #endif
 #define RBDI_CONTACT_ITERATIONS 40
-#define RBDI_NEAR_LIMIT RBD_C(0.02) /* rad or m: limits that are nearer are rows */
+#define RBDI_NEAR_LIMIT RBD_C(0.02) /* rad or m: nearer limits are rows */
 
-#define RBDI_ROOT_STEPS 60           /* of the root of one contact, which needs six on average */
-#define RBDI_FASTEST_SLIP RBD_C(1e9) /* alpha over d: faster slip is slip without friction */
+#define RBDI_ROOT_STEPS 60           /* for the root of one contact, six on average */
+#define RBDI_FASTEST_SLIP RBD_C(1e9) /* largest alpha / d: as without friction */
 #define RBDI_MOST_SWEEPS 32          /* between two Newton steps */
 #define RBDI_FASTEST RBD_C(1e12)     /* m/s or rad/s; faster has overflowed, or would */
 #define RBDI_UNBOUNDED RBD_C(1e30)   /* as a bound: none; as a residual: none could be computed */
 
 /* ==== src/contact/one_contact.h ==== */
 /* ---- one contact [one contact] ----
-   The laws of one contact, exactly, with all other impulses held. w = u - D p is its velocity without its own
-   impulse, D = [A c; c' d].
+   Solves the laws of one contact exactly, with all other impulses held. w = u - D p is its velocity without
+   its own impulse, D = [A c; c' d].
 
      w_n >= 0             p = 0: it opens
      slip                 u_n = 0 and u_t = -alpha p_t: with p0 = -w_n/d > 0, S = A - c c'/d, s = w_t + c p0
@@ -438,11 +438,11 @@ RBDI_CODE_BEGIN
 
      stick                the same with alpha = 0, where p is within the cone
 
-   Along the eigenvectors of S p_t is two divisions. g(alpha) = |p_t| - mu p_n is above 0 at 0 where stick was
-   refused, and not above 0 at |s| (1 + mu (|k_1| + |k_2|)) / (mu p0), k = c/d along the eigenvectors: a root
-   is always between. Newton's method on 1/|p_t| - 1/(mu p_n), which is linear in alpha where S has equal
-   eigenvalues and c = 0; a step out of the bracket becomes a halving. With strong coupling there may be more
-   roots (Painleve): each obeys the laws, and the bracket decides which one comes out. */
+   Along the eigenvectors of S, p_t takes two divisions. g(alpha) = |p_t| - mu p_n is above 0 at alpha = 0,
+   as stick was refused, and not above 0 at |s| (1 + mu (|k_1| + |k_2|)) / (mu p0), k = c/d along the
+   eigenvectors: a root is between. Newton's method finds it, as that of 1/|p_t| - 1/(mu p_n), which is linear
+   in alpha if S has equal eigenvalues and c = 0; a step out of the bracket becomes a halving. With strong
+   coupling there may be more roots (Painleve); each obeys the laws, and the bracket decides which is found. */
 
 /* Eigenvalues and eigenvectors of S = A - c c'/d. */
 RBDI_PART void rbdi_contact_axes(rbdi_contact_law *law) {
@@ -461,7 +461,7 @@ RBDI_PART void rbdi_contact_axes(rbdi_contact_law *law) {
     law->k[0] = law->axis[0] * x + law->axis[1] * y, law->k[1] = law->axis[0] * y - law->axis[1] * x;
 }
 
-/* A contact whose block of Delta starts at D; from one row to the next `stride`. */
+/* Prepares a contact whose block of Delta begins at D, with rows that are `stride` apart. */
 RBDI_PART void rbdi_contact_prepare(rbdi_contact_law *law, const rbd_real *D, int stride, rbd_real friction) {
     const rbd_real *y = D + stride, *n = y + stride, trace = D[0] + y[1] + n[2];
     law->trace = trace, law->friction = friction;
@@ -503,7 +503,7 @@ RBDI_INLINE rbd_real rbdi_slip_newton(const rbdi_contact_law *law, const rbdi_co
     return (1 / x->size - 1 / bound) / (size_rate / (x->size * x->size) - bound_rate / (bound * bound));
 }
 
-/* Finds the root of (1); law->alpha is the first guess, and becomes the root. s is not 0, nor is mu. */
+/* Finds the root of (1). law->alpha is the first guess, and becomes the root. Neither s nor mu is 0. */
 RBDI_PART rbdi_contact_trial rbdi_slip_root(rbdi_contact_law *law, const rbd_real s[2], rbd_real p0) {
     const rbd_real mu = law->friction, size = rbdi_sqrt(s[0] * s[0] + s[1] * s[1]);
     rbd_real low = rbdi_zero(), alpha = law->alpha,
@@ -554,17 +554,17 @@ RBDI_PART void rbdi_contact_impulse(rbdi_contact_law *law, const rbd_real w[3], 
 
 /* ==== src/contact/laws.h ==== */
 /* ---- laws [laws] ----
-   All contacts and bounded rows together. A sweep of block Gauss-Seidel solves one after the other exactly.
-   As a projection (Alart and Curnier 1991) the laws are p = P(z), z = p - u/d with the normal's d:
+   A sweep of block Gauss-Seidel solves all contacts and bounded rows exactly, one after the other. As a
+   projection (Alart and Curnier 1991) the laws are p = P(z), z = p - u/d with the normal's d:
 
      opens    z_n <= 0                p = 0
      sticks   |z_t| <= mu z_n         p = z
      slips    else                    p = z_n (mu e + n), e = z_t/|z_t|
-     bounded                          p = z, or the bound that z is behind
+     bounded                          p = z, or the bound that z has passed
 
    The residual is the largest |p - P(z)| d: of an open contact d |p|, of one that sticks |u|, of one that
-   slips |u_n| and d times the error of friction. It is in m/s and 0 only where all laws hold. The rounding of
-   u counts too: contacts that jam could else be answered by impulses of any size. */
+   slips |u_n| and d times the error of friction. It is in m/s, and 0 only if all laws hold. It includes the
+   rounding of u; if it did not, impulses of contacts that jam could have any size. */
 
 /* u = b + Delta p. */
 RBDI_PART void rbdi_contact_velocities(rbdi_contact_solver *s) {
@@ -572,7 +572,7 @@ RBDI_PART void rbdi_contact_velocities(rbdi_contact_solver *s) {
     rbdi_subtract_product(s->scratch, s->given.delta, s->rows, s->rows, s->u);
 }
 
-/* Changes p of n rows from number `first` on to x, and u with it. */
+/* Sets p of n rows from row `first` on to x, and changes u with it. */
 RBDI_INLINE void rbdi_change_impulse(rbdi_contact_solver *s, int first, int n, const rbd_real *x) {
     for (int r = first; r < first + n; ++r) {
         const rbd_real less = s->p[r] - x[r - first];
@@ -592,7 +592,7 @@ RBDI_PART void rbdi_sweep_contact(rbdi_contact_solver *s, int i) {
     rbdi_change_impulse(s, 3 * i, 3, x);
 }
 
-/* z of bounded row number i, and P(z). */
+/* P(z) of bounded row i, and its state. */
 RBDI_INLINE rbd_real rbdi_project_bounded(const rbdi_contact_solver *s, int i, rbd_contact_state *state) {
     const int r = 3 * s->given.contacts + i;
     const rbd_real d = s->given.delta[r * s->rows + r],
@@ -604,7 +604,7 @@ RBDI_INLINE rbd_real rbdi_project_bounded(const rbdi_contact_solver *s, int i, r
     return z;
 }
 
-/* One sweep, from the first contact to the last row, or back. */
+/* One sweep, from the first contact to the last row or, if `back`, from the last row to the first contact. */
 RBDI_PART void rbdi_sweep_laws(rbdi_contact_solver *s, int back) {
     const int n = s->given.contacts, all = n + s->given.bounded;
     for (int t = 0; t < all; ++t) {
@@ -636,13 +636,13 @@ RBDI_PART void rbdi_project_contact(rbdi_contact_law *law, const rbd_real *p, co
     to[0] = most * law->e[0], to[1] = most * law->e[1];
 }
 
-/* The larger of two residuals; what is not a number counts as RBDI_UNBOUNDED. */
+/* The larger of two residuals. NaN counts as RBDI_UNBOUNDED. */
 RBDI_INLINE rbd_real rbdi_worse(rbd_real worst, rbd_real error) {
     if (!(error < RBDI_UNBOUNDED)) return rbdi_set(RBDI_UNBOUNDED);
     return error > worst ? error : worst;
 }
 
-/* The states that z has, and the residual. */
+/* The states of z, and the residual. */
 RBDI_PART void rbdi_project_laws(rbdi_contact_solver *s) {
     rbd_real worst = rbdi_zero();
     for (int i = 0; i < s->given.contacts; ++i) {
@@ -664,14 +664,14 @@ RBDI_PART void rbdi_project_laws(rbdi_contact_solver *s) {
     s->solution.residual = worst;
 }
 
-/* u and the residual of p. */
-RBDI_PART void rbdi_contact_judge(rbdi_contact_solver *s) {
+/* u, states and residual of p. */
+RBDI_PART void rbdi_contact_residual(rbdi_contact_solver *s) {
     rbdi_contact_velocities(s);
     rbdi_project_laws(s);
 }
 
-/* Puts p into cones and bounds: iterations leave it outside by the tolerance. At the end contacts that open
-   have none. Returns whether p changed. */
+/* Moves p into cones and bounds, because iterations leave it outside by the tolerance. If `at_end`, contacts
+   that open get 0. Returns whether p changed. */
 RBDI_PART int rbdi_into_cones(rbdi_contact_solver *s, int at_end) {
     int changed = 0;
     for (int i = 0; i < s->given.contacts; ++i) {
@@ -706,11 +706,11 @@ RBDI_PART int rbdi_into_cones(rbdi_contact_solver *s, int at_end) {
      G dx = -T'u,   G = T' Delta S + diag(alpha) + proximal diag(trace D),   p += S dx                    (3)
 
    `proximal` keeps G regular. Points on one rigid foot make Delta singular; with rounding alone on the
-   diagonal a step wanders through its null space and the states never settle. It acts on the increments, not
-   on p, so the solution is that of the laws as they are. S has mu e where T has none, so G is not symmetric:
-   Gauss with row pivots. Where nothing slips, S = T: Cholesky, in half of the time. */
+   diagonal a step moves far along its null space, and the states never settle. It acts on the increments, not
+   on p, so the solution still obeys the laws. S has mu e where T has 0, so G is not symmetric: Gauss
+   eliminates it, with row pivots. If nothing slips, S = T: Cholesky takes half of the time. */
 
-/* A new unknown of so many rows from number `first` on, of which u shall become 0 in the first. */
+/* A new unknown of so many rows from row `first` on. Its equation is u = 0 in the first of them. */
 RBDI_INLINE rbdi_contact_unknown *rbdi_new_unknown(rbdi_contact_solver *s, int first, int rows,
                                                    rbd_real scale) {
     rbdi_contact_unknown *x = &s->unknown[s->unknowns++];
@@ -719,7 +719,7 @@ RBDI_INLINE rbdi_contact_unknown *rbdi_new_unknown(rbdi_contact_solver *s, int f
     return x;
 }
 
-/* Lists the unknowns (2). The right-hand sides stand behind G's columns, up to a whole batch. */
+/* Lists the unknowns (2). The right-hand sides follow G's columns; rows end with a whole batch. */
 RBDI_PART void rbdi_list_unknowns(rbdi_contact_solver *s) {
     s->symmetric = 1, s->unknowns = 0;
     for (int i = 0; i < s->given.contacts; ++i) {
@@ -752,7 +752,7 @@ RBDI_INLINE const rbd_real *rbdi_newton_row(rbdi_contact_solver *s, const rbdi_c
     return s->scratch;
 }
 
-/* G, or its upper triangle if it is symmetric, and -T'u behind it. u: rows x sides. */
+/* G, or its upper triangle if it is symmetric, followed by -T'u. u: rows x sides. */
 RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, rbd_const proximal, const rbd_real *u) {
     const int n = s->unknowns, stride = s->stride, sides = s->sides;
     rbdi_clear(s->G, n * stride);
@@ -772,7 +772,7 @@ RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, rbd_const proximal, co
     }
 }
 
-/* The largest entry on or below the diagonal of column k comes to the diagonal. Returns 0 if all are 0. */
+/* Brings the largest entry of column k on or below the diagonal to the diagonal. Returns 0 if all are 0. */
 RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int k) {
     rbd_real *own = &s->G[k * s->stride], *best = own, largest = rbdi_zero();
     for (rbd_real *g = own; g < &s->G[s->unknowns * s->stride]; g += s->stride) {
@@ -786,8 +786,8 @@ RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int k) {
     return largest > 0;
 }
 
-/* Eliminates below the diagonal. Returns 0 if G is singular. Rows are eliminated from a whole batch on: the
-   entries that this changes before column k are not read again. */
+/* Eliminates the entries below the diagonal. Returns 0 if G is singular. Rows are changed in whole batches;
+   entries before column k are not read again. */
 RBDI_PART int rbdi_newton_gauss(rbdi_contact_solver *s) {
     const int n = s->unknowns, stride = s->stride;
     for (int k = 0; k < n; ++k) {
@@ -821,7 +821,7 @@ RBDI_PART int rbdi_newton_cholesky(rbdi_contact_solver *s) {
     return 1;
 }
 
-/* dx in place of the right-hand sides. Returns 0 if there is none. */
+/* Replaces the right-hand sides by dx. Returns 0 if G is singular. */
 RBDI_PART int rbdi_newton_solve(rbdi_contact_solver *s) {
     const int n = s->unknowns, stride = s->stride;
     if (!(s->symmetric ? rbdi_newton_cholesky(s) : rbdi_newton_gauss(s))) return 0;
@@ -833,8 +833,8 @@ RBDI_PART int rbdi_newton_solve(rbdi_contact_solver *s) {
     return 1;
 }
 
-/* Puts p where the states say: of open contacts to 0, of slipping ones on the cone along e, rows that are at
-   a bound there; u belongs to p. */
+/* Moves p to where the states have it: 0 for open contacts, on the cone along e for slipping ones, at the
+   bound for rows at a bound. u must be that of p. */
 RBDI_PART void rbdi_onto_cones(rbdi_contact_solver *s) {
     for (int i = 0; i < s->given.contacts; ++i) {
         const rbdi_contact_law *law = &s->law[i];
@@ -862,129 +862,129 @@ RBDI_INLINE void rbdi_copy_rows(const rbdi_contact_solver *s, const rbd_real *fr
     for (int r = 0; r < s->rows; ++r) to[r] = from[r];
 }
 
-/* s->aim: p as a step of all its length has it. Returns 0 if there is none. */
-RBDI_PART int rbdi_newton_aim(rbdi_contact_solver *s, rbd_const proximal) {
+/* Computes s->full, p after a step of full length. Returns 0 if G is singular. */
+RBDI_PART int rbdi_full_step(rbdi_contact_solver *s, rbd_const proximal) {
     rbdi_onto_cones(s);
     rbdi_contact_velocities(s);
     rbdi_list_unknowns(s);
     rbdi_newton_matrix(s, proximal, s->u);
     if (!rbdi_newton_solve(s)) return 0;
     rbdi_add_increments(s, s->p);
-    rbdi_copy_rows(s, s->p, s->aim);
+    rbdi_copy_rows(s, s->p, s->full);
     return 1;
 }
 
-/* The share of a step at which the first contact opens, or the first row comes to its bound. */
+/* The share of the full step at which the first contact opens or the first row reaches its bound. */
 RBDI_PART rbd_real rbdi_share_to_bound(const rbdi_contact_solver *s) {
     const int first = 3 * s->given.contacts;
     rbd_real share = rbdi_set(RBD_C(1));
     for (int r = first > 0 ? 2 : 0; r < s->rows; r += r < first - 1 ? 3 : 1) {
-        const rbd_real from = s->start[r], way = s->aim[r] - from;
-        rbd_real bound = way < 0 ? rbdi_zero() : rbdi_set(RBDI_UNBOUNDED);
-        if (r >= first) bound = way < 0 ? s->given.lower[r - first] : s->given.upper[r - first];
-        if (rbdi_abs(way) * share > rbdi_abs(bound - from)) share = (bound - from) / way;
+        const rbd_real from = s->start[r], step = s->full[r] - from;
+        rbd_real bound = step < 0 ? rbdi_zero() : rbdi_set(RBDI_UNBOUNDED);
+        if (r >= first) bound = step < 0 ? s->given.lower[r - first] : s->given.upper[r - first];
+        if (rbdi_abs(step) * share > rbdi_abs(bound - from)) share = (bound - from) / step;
     }
     return share;
 }
 
-/* A Newton step that makes the residual smaller: by `gain` at least, all of it, up to the first bound, or a
-   share. Returns 0, p, u and states as they were, if there is none. */
+/* Takes a Newton step that reduces the residual to less than `gain` of it: the full step, the step up to the
+   first bound, or a share of the full step. If none does, returns 0, with p, u and states as they were. */
 RBDI_PART int rbdi_newton_step(rbdi_contact_solver *s, rbd_const proximal) {
     const rbd_const gain[4] = {RBD_C(0.98), RBD_C(1), RBD_C(0.9), RBD_C(0.9)},
                     shorter[4] = {RBD_C(1), RBD_C(1), RBD_C(0.3), RBD_C(0.09)};
     const rbd_real before = s->solution.residual;
     rbdi_copy_rows(s, s->p, s->start);
-    for (int i = rbdi_newton_aim(s, proximal) ? 0 : 4; i < 4; ++i) {
+    for (int i = rbdi_full_step(s, proximal) ? 0 : 4; i < 4; ++i) {
         const rbd_real share = i == 1 ? rbdi_share_to_bound(s) : rbdi_set(shorter[i]);
-        for (int r = 0; i > 0 && r < s->rows; ++r) s->p[r] = s->start[r] + (s->aim[r] - s->start[r]) * share;
+        for (int r = 0; i > 0 && r < s->rows; ++r) s->p[r] = s->start[r] + (s->full[r] - s->start[r]) * share;
         (void)rbdi_into_cones(s, 0);
-        rbdi_contact_judge(s);
+        rbdi_contact_residual(s);
         if (s->solution.residual < before * gain[i]) return 1;
     }
     rbdi_copy_rows(s, s->start, s->p);
-    rbdi_contact_judge(s);
+    rbdi_contact_residual(s);
     return 0;
 }
 
 /* ==== src/contact/solver.h ==== */
 /* ---- solver code [solver code] ----
-   One sweep, which is enough where contacts hardly feel each other; then Newton steps; where none makes the
-   residual smaller, some sweeps, twice as many each time. The best p of all is kept. */
+   The first sweep is enough if contacts hardly affect each other. Newton steps follow. If none reduces the
+   residual, some sweeps follow, twice as many each time. The best p of all is kept. */
 
-RBDI_PART int rbdi_contact_left(const rbdi_contact_solver *s) {
+RBDI_PART int rbdi_iterations_left(const rbdi_contact_solver *s) {
     return s->given.iterations - s->solution.sweeps - s->solution.newton_steps;
 }
 
-/* Sweeps forth and back, up to n. Before u is believed it is computed anew: it may have the rounding of far
-   larger impulses. */
-RBDI_PART void rbdi_sweep_some(rbdi_contact_solver *s, int n) {
-    while (n-- > 0 && rbdi_contact_left(s) > 0) rbdi_sweep_laws(s, n & 1);
+/* Up to n sweeps, forth and back. u may have the rounding of far larger impulses, so it is computed anew
+   before a small residual counts. */
+RBDI_PART void rbdi_sweep_back_and_forth(rbdi_contact_solver *s, int n) {
+    while (n-- > 0 && rbdi_iterations_left(s) > 0) rbdi_sweep_laws(s, n & 1);
     rbdi_project_laws(s);
-    if (s->solution.residual <= s->given.tolerance) rbdi_contact_judge(s);
+    if (s->solution.residual <= s->given.tolerance) rbdi_contact_residual(s);
 }
 
-/* Ends with this p: in cones and bounds, 0 where contacts open; one that pushes nevertheless, by less than
-   the tolerance, counts as sticking. Returns whether that solves the problem. */
+/* Ends with this p, moved into cones and bounds, 0 for contacts that open. A contact that opens but pushes,
+   by less than the tolerance, counts as sticking. Returns whether the problem is solved. */
 RBDI_PART int rbdi_contact_end(rbdi_contact_solver *s) {
-    if (rbdi_into_cones(s, 1)) rbdi_contact_judge(s);
+    if (rbdi_into_cones(s, 1)) rbdi_contact_residual(s);
     for (int i = 0; i < s->given.contacts; ++i)
         if (s->law[i].state == RBD_OPENS && s->p[3 * i + 2] > 0) s->law[i].state = RBD_STICKS;
     return s->solution.residual <= s->given.tolerance;
 }
 
-/* p from other impulses, in cones and bounds. */
-RBDI_PART void rbdi_contact_take(rbdi_contact_solver *s, const rbd_real *p) {
+/* Sets p to other impulses, moved into cones and bounds. */
+RBDI_PART void rbdi_set_impulses(rbdi_contact_solver *s, const rbd_real *p) {
     rbdi_copy_rows(s, p, s->p);
     (void)rbdi_into_cones(s, 0);
-    rbdi_contact_judge(s);
+    rbdi_contact_residual(s);
 }
 
-/* Ends a problem that is not solved with the best p, or with none unless that halves the residual: contacts
-   that jam would be answered by impulses that drown the velocities. */
+/* Ends a problem that is not solved with the best p or, unless that halves the residual, with p = 0: contacts
+   that jam would get impulses in whose rounding the velocities are lost. */
 RBDI_PART void rbdi_contact_give_up(rbdi_contact_solver *s) {
     rbd_real least;
     rbdi_clear(s->start, s->rows);
-    rbdi_contact_take(s, s->start);
+    rbdi_set_impulses(s, s->start);
     least = s->solution.residual / 2;
-    rbdi_contact_take(s, s->best);
-    if (!(s->solution.residual < least)) rbdi_contact_take(s, s->start);
+    rbdi_set_impulses(s, s->best);
+    if (!(s->solution.residual < least)) rbdi_set_impulses(s, s->start);
     (void)rbdi_contact_end(s);
 }
 
-/* p and u of a problem that has been laid out, from p. */
+/* Solves a problem from the p that is given. */
 RBDI_PART void rbdi_contact_iterate(rbdi_contact_solver *s) {
     const rbd_const proximal[3] = RBDI_PROXIMAL;
     rbd_real least = rbdi_set(RBDI_UNBOUNDED);
     s->solution.sweeps = s->solution.newton_steps = 0;
     rbdi_clear(s->best, s->rows);
     rbdi_contact_velocities(s);
-    rbdi_sweep_some(s, 1);
+    rbdi_sweep_back_and_forth(s, 1);
     for (int sweeps = 2, tried; s->solution.residual > s->given.tolerance || !rbdi_contact_end(s);) {
         if (s->solution.residual < least) least = s->solution.residual, rbdi_copy_rows(s, s->p, s->best);
-        if (rbdi_contact_left(s) <= 0) {
+        if (rbdi_iterations_left(s) <= 0) {
             rbdi_contact_give_up(s);
             return;
         }
         for (tried = 0; tried < 3 && !rbdi_newton_step(s, proximal[tried]);) ++tried;
         ++s->solution.newton_steps;
         if (tried < 3) continue;
-        rbdi_sweep_some(s, sweeps);
+        rbdi_sweep_back_and_forth(s, sweeps);
         if (sweeps < RBDI_MOST_SWEEPS) sweeps *= 2;
     }
 }
 
-/* Cuts a solver's arrays off the memory. */
+/* Lays out a solver's arrays in the memory. */
 RBDI_PART void rbdi_lay_solver(rbdi_contact_solver *s, int contacts, int bounded, unsigned char *p) {
     const int rows = 3 * contacts + bounded;
     s->law = RBDI_CUT(rbdi_contact_law, contacts);
     s->bound = RBDI_CUT(rbd_contact_state, bounded);
     s->unknown = RBDI_CUT(rbdi_contact_unknown, rows);
     s->u = RBDI_CUT(rbd_real, rows * (rows + 5 + RBDI_CHUNK)), s->start = s->u + rows;
-    s->aim = s->start + rows, s->best = s->aim + rows, s->scratch = s->best + rows;
+    s->full = s->start + rows, s->best = s->full + rows, s->scratch = s->best + rows;
     s->G = s->scratch + rows;
 }
 
-/* Takes a problem, with its defaults, and computes all that stays the same between iterations. */
+/* Takes a problem, sets its defaults, and computes all that does not change between iterations. */
 RBDI_PART void rbdi_contact_begin(rbdi_contact_solver *s, const rbd_contact_problem *given, rbd_real *p) {
     s->given = *given;
     s->rows = 3 * given->contacts + given->bounded;
@@ -1006,19 +1006,20 @@ RBDI_PART int rbdi_all_finite(const rbd_real *x, int n) {
     return 1;
 }
 
-RBDI_PART rbd_status rbdi_check_problem(const rbd_contact_problem *a, const void *memory, size_t size,
+RBDI_PART rbd_status rbdi_check_problem(const rbd_contact_problem *given, const void *memory, size_t size,
                                         const rbd_real *p) {
-    if (!a) return RBD_ERR_NULL;
-    if (a->contacts < 0 || a->bounded < 0) return RBD_ERR_COUNT;
-    if (!memory || (a->contacts && !a->friction) || (a->bounded && (!a->lower || !a->upper)))
+    if (!given) return RBD_ERR_NULL;
+    if (given->contacts < 0 || given->bounded < 0) return RBD_ERR_COUNT;
+    if (!memory || (given->contacts && !given->friction) ||
+        (given->bounded && (!given->lower || !given->upper)))
         return RBD_ERR_NULL;
-    if (a->contacts + a->bounded > 0 && (!a->delta || !a->b || !p)) return RBD_ERR_NULL;
-    if (size < rbd_contact_solve_size(a->contacts, a->bounded)) return RBD_ERR_MEMORY;
-    if (!(a->tolerance >= 0) || a->iterations < 0) return RBD_ERR_RANGE;
-    for (int i = 0; i < a->contacts; ++i)
-        if (!(a->friction[i] >= 0)) return RBD_ERR_RANGE;
-    for (int i = 0; i < a->bounded; ++i)
-        if (!(a->lower[i] <= a->upper[i])) return RBD_ERR_RANGE;
+    if (given->contacts + given->bounded > 0 && (!given->delta || !given->b || !p)) return RBD_ERR_NULL;
+    if (size < rbd_contact_solve_size(given->contacts, given->bounded)) return RBD_ERR_MEMORY;
+    if (!(given->tolerance >= 0) || given->iterations < 0) return RBD_ERR_RANGE;
+    for (int i = 0; i < given->contacts; ++i)
+        if (!(given->friction[i] >= 0)) return RBD_ERR_RANGE;
+    for (int i = 0; i < given->bounded; ++i)
+        if (!(given->lower[i] <= given->upper[i])) return RBD_ERR_RANGE;
     return RBD_OK;
 }
 
@@ -1047,7 +1048,7 @@ RBDI_API rbd_status rbd_contact_solve(const rbd_contact_problem *problem, void *
 /* ==== src/contact/set.h ==== */
 /* ---- set code [set code] ---- */
 
-/* The plane of a contact as frame 2 of its constraint: x and y are tangents, z is the normal. */
+/* Makes the plane of a contact frame 2 of its constraint: x and y are tangents, z is the normal. */
 static void rbdi_place_plane(const rbd_model *m, rbdi_constraint *con, int body2, const double normal[3],
                              double height) {
     double R[9], origin[3], up[3] = {0, 0, 1};
@@ -1059,27 +1060,26 @@ static void rbdi_place_plane(const rbd_model *m, rbdi_constraint *con, int body2
         for (int r = 0; r < 3; ++r) con->held[i][r] = con->rotation[1][3 * i + r];
 }
 
-/* A contact as a constraint that holds three linear axes. */
-static rbd_constraint rbdi_constraint_of_contact(const rbd_contact *a) {
-    rbd_constraint con = rbdi_constraint_of(a->body1, a->point, a->body2, NULL, 0);
-    con.name = a->name;
+/* The constraint of a contact: it holds three linear axes. */
+static rbd_constraint rbdi_constraint_of_contact(const rbd_contact *from) {
+    rbd_constraint con = rbdi_constraint_of(from->body1, from->point, from->body2, NULL, 0);
+    con.name = from->name;
     return con;
 }
 
-static rbd_status rbdi_check_contact(const rbd_model *m, const rbd_contact *a, int i, rbd_report *report) {
-    const double values[5] = {a->radius, a->friction, a->restitution, a->stiffness, a->damping};
+static rbd_status rbdi_check_contact(const rbd_model *m, const rbd_contact *from, int i, rbd_report *report) {
+    const double values[5] = {from->radius, from->friction, from->restitution, from->stiffness,
+                              from->damping};
     const char *const names[5] = {"radius", "friction", "restitution", "stiffness", "damping"};
-    const rbd_constraint con = rbdi_constraint_of_contact(a);
+    const rbd_constraint con = rbdi_constraint_of_contact(from);
     const rbd_status status = rbdi_check_constraint(m, &con, i, report);
-    if (status) {
-        if (status == RBD_ERR_POSITION) report->error.field = "point";
-        return status;
-    }
-    if (!rbdi_finite(a->normal, 3)) return rbdi_refuse(report, RBD_ERR_AXIS, i, a->name, "normal");
-    if (!rbdi_finite(&a->height, 1)) return rbdi_refuse(report, RBD_ERR_POSITION, i, a->name, "height");
+    if (status == RBD_ERR_POSITION) report->error.field = "point";
+    if (status) return status;
+    if (!rbdi_finite(from->normal, 3)) return rbdi_refuse(report, RBD_ERR_AXIS, i, from->name, "normal");
+    if (!rbdi_finite(&from->height, 1)) return rbdi_refuse(report, RBD_ERR_POSITION, i, from->name, "height");
     for (int j = 0; j < 5; ++j)
         if (!rbdi_finite_positive(&values[j], 1) || (j == 2 && values[j] > 1))
-            return rbdi_refuse(report, RBD_ERR_RANGE, i, a->name, names[j]);
+            return rbdi_refuse(report, RBD_ERR_RANGE, i, from->name, names[j]);
     return RBD_OK;
 }
 
@@ -1104,7 +1104,7 @@ static rbd_contact_options rbdi_contact_defaults(const rbd_contact_options *give
     return o;
 }
 
-/* The rows of single dofs: limits of one-dof joints, then dry friction. NULL: counts them. */
+/* Lists the rows of single dofs: limits of one-dof joints, then dry friction; NULL: counts them. */
 static int rbdi_list_dof_rows(const rbd_model *m, const rbd_contact_options *o, rbdi_dof_row *row) {
     rbdi_dof_row counted;
     int n = 0;
@@ -1150,38 +1150,38 @@ static rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work *w,
     return !status && size < least ? rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL) : status;
 }
 
-/* Cuts the arrays of a set off the memory. */
+/* Lays out the arrays of a set in the memory. */
 static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held, int held_rows,
                                           const rbd_contact_options *o, void *memory) {
     const int dof_rows = rbdi_list_dof_rows(m, o, NULL), bounded = held_rows + dof_rows, nv = m->nv;
     unsigned char *p = rbdi_aligned(memory);
     rbd_contact_set *c = RBDI_CUT(rbd_contact_set, 1);
     c->options = *o;
-    c->n = n, c->dof_rows = dof_rows, c->most = 3 * n + bounded;
+    c->n = n, c->dof_rows = dof_rows, c->max_rows = 3 * n + bounded;
     c->contact = RBDI_CUT(rbdi_contact, n);
     c->dof_row = RBDI_CUT(rbdi_dof_row, bounded);
-    c->place = RBDI_CUT(int16_t, c->most);
-    c->friction = RBDI_CUT(rbd_real, n + 2 * bounded + 2 * c->most + 4 * nv), c->lower = c->friction + n;
-    c->upper = c->lower + bounded, c->b = c->upper + bounded, c->impulse = c->b + c->most;
-    c->start = c->impulse + c->most, c->nu = c->start + nv, c->moved = c->nu + nv, c->x = c->moved + nv;
+    c->place = RBDI_CUT(int16_t, c->max_rows);
+    c->friction = RBDI_CUT(rbd_real, n + 2 * bounded + 2 * c->max_rows + 4 * nv), c->lower = c->friction + n;
+    c->upper = c->lower + bounded, c->b = c->upper + bounded, c->impulse = c->b + c->max_rows;
+    c->start = c->impulse + c->max_rows, c->nu = c->start + nv, c->moved = c->nu + nv, c->x = c->moved + nv;
     rbdi_lay_solver(&c->solver, n, bounded, p);
     p += RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded));
-    c->sigma = o->derivatives ? RBDI_CUT(rbd_real, RBDI_CONTACT_SIDES(nv, c->most)) : NULL;
-    c->rows = rbdi_lay_constraints(nv, n + n_held, c->most, p);
+    c->sigma = o->derivatives ? RBDI_CUT(rbd_real, RBDI_CONTACT_SIDES(nv, c->max_rows)) : NULL;
+    c->rows = rbdi_lay_constraints(nv, n + n_held, c->max_rows, p);
     return c;
 }
 
-static void rbdi_place_contact(const rbd_model *m, rbd_contact_set *c, const rbd_contact *a, int i) {
-    const rbd_constraint as = rbdi_constraint_of_contact(a);
+static void rbdi_place_contact(const rbd_model *m, rbd_contact_set *c, const rbd_contact *from, int i) {
+    const rbd_constraint as = rbdi_constraint_of_contact(from);
     rbdi_constraint *con = &c->rows->constraint[i];
     rbdi_contact *to = &c->contact[i];
     rbdi_place_constraint(m, &as, 0, con);
-    rbdi_place_plane(m, con, a->body2, a->normal, a->height);
-    to->body2 = a->body2;
+    rbdi_place_plane(m, con, from->body2, from->normal, from->height);
+    to->body2 = from->body2;
     to->point = con->position[0];
-    to->radius = RBD_C(a->radius), to->friction = RBD_C(a->friction);
-    to->restitution = RBD_C(a->restitution);
-    to->stiffness = RBD_C(a->stiffness), to->damping = RBD_C(a->damping);
+    to->radius = RBD_C(from->radius), to->friction = RBD_C(from->friction);
+    to->restitution = RBD_C(from->restitution);
+    to->stiffness = RBD_C(from->stiffness), to->damping = RBD_C(from->damping);
 }
 
 RBDI_API void rbd_contact_reset(rbd_contact_set *c) {
@@ -1189,10 +1189,10 @@ RBDI_API void rbd_contact_reset(rbd_contact_set *c) {
     if (!c) return;
     c->last_dt = rbdi_set(RBD_C(1));
     c->solver.solution = none;
-    rbdi_clear(c->impulse, c->most);
-    for (rbdi_contact *a = c->contact; a < c->contact + c->n; ++a) {
-        rbdi_clear(a->force, 3);
-        a->state = RBD_APART, a->gap = rbdi_zero(), a->row = -1;
+    rbdi_clear(c->impulse, c->max_rows);
+    for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
+        rbdi_clear(contact->force, 3);
+        contact->state = RBD_APART, contact->gap = rbdi_zero(), contact->row = -1;
     }
 }
 
@@ -1214,7 +1214,7 @@ RBDI_API rbd_status rbd_contact_set_init(const rbd_model *m, rbd_work *w, const 
     for (int i = 0; i < n; ++i) rbdi_place_contact(m, c, &list[i], i);
     for (int i = n; i < n + n_held; ++i) {
         rbdi_place_constraint(m, &held[i - n], 0, &c->rows->constraint[i]);
-        c->rows->constraint[i].kp = 1; /* any: derivatives of errors of position are wanted */
+        c->rows->constraint[i].kp = 1; /* any value above 0: derivatives need the position error */
     }
     rbdi_list_dof_rows(m, &o, c->dof_row);
     rbdi_begin_set(m, w, c->rows);
@@ -1235,14 +1235,14 @@ RBDI_API rbd_status rbd_contact_plane(const rbd_model *m, rbd_contact_set *c, in
 
 /* ==== src/contact/rows.h ==== */
 /* ---- contact rows [contact rows] ----
-   The rows of a step: contacts first, three each, then what is held, then single dofs. By the factor M = L'DL
-   of [packed matrix], with Y = L^-T J' and x = L^-T dt (tau - c):
+   The rows of a step: contacts first, three each, then held constraints, then single dofs. By the factor
+   M = L'DL of [packed matrix], with Y = L^-T J' and x = L^-T dt (tau - c):
 
        Delta = Y' D^-1 Y,   J nu_0 = J v + Y' D^-1 x,   nu = v + L^-1 D^-1 (x + Y p)                      (4)
 
-   where v has the axes of the step's beginning, [manifold code]. J is that of the place of contact at q. The
-   place moves over a ball, so nothing of dJ/dt has a part in this: a wheel's point accelerates upward, its
-   gap does not. */
+   where v is in the axes of the step's beginning, [manifold code]. J is that of the place of contact at q.
+   The place moves over a ball, so dJ/dt of a point fixed in it has no part in this: the point of a wheel
+   accelerates upward, its gap does not. */
 
 /* World axes of the normal of a constraint. */
 RBDI_INLINE rbdi_v3 rbdi_contact_normal(const rbd_constraint_set *s, const rbdi_constraint *con) {
@@ -1251,44 +1251,43 @@ RBDI_INLINE rbdi_v3 rbdi_contact_normal(const rbd_constraint_set *s, const rbdi_
     return con->link[1] < 0 ? n : rbdi_mul_t(s->w->kin[con->link[1]].X.E, n);
 }
 
-/* Gap and velocity of approach of a contact; the frame of its constraint comes to the place of contact. */
-static void rbdi_contact_gap(const rbd_constraint_set *s, rbdi_constraint *con, rbdi_contact *a) {
+/* Computes gap and velocity of approach, and moves frame 1 of the constraint to the place of contact. */
+static void rbdi_contact_gap(const rbd_constraint_set *s, rbdi_constraint *con, rbdi_contact *contact) {
     const rbdi_v3 n = rbdi_contact_normal(s, con),
                   x = con->link[0] < 0 ? n : rbdi_mul(s->w->kin[con->link[0]].X.E, n);
     rbdi_station one, two;
-    con->position[0].x = a->point.x - a->radius * (rbd_const)x.x;
-    con->position[0].y = a->point.y - a->radius * (rbd_const)x.y;
-    con->position[0].z = a->point.z - a->radius * (rbd_const)x.z;
+    con->position[0].x = contact->point.x - contact->radius * (rbd_const)x.x;
+    con->position[0].y = contact->point.y - contact->radius * (rbd_const)x.y;
+    con->position[0].z = contact->point.z - contact->radius * (rbd_const)x.z;
     one = rbdi_station_of(s, con, 0), two = rbdi_station_at(s, con->link[1], one.p);
-    a->gap = rbdi_dot(n, rbdi_sub(one.p, rbdi_frame_origin(s, con, 1)));
-    a->approach = rbdi_dot(n, rbdi_sub(one.v, two.v));
+    contact->gap = rbdi_dot(n, rbdi_sub(one.p, rbdi_frame_origin(s, con, 1)));
+    contact->approach = rbdi_dot(n, rbdi_sub(one.v, two.v));
 }
 
-/* Whether something at this distance may be reached within two steps, or is nearer than the margin. */
+/* Whether this distance may become 0 within two steps, or is at most the margin. */
 RBDI_INLINE int rbdi_may_touch(rbd_real distance, rbd_real rate, rbd_real dt, rbd_real margin) {
     return distance <= margin || distance + 2 * dt * rate <= 0;
 }
 
-/* Finds the nearer limit, and whether it is near; dry friction always is. */
-static int rbdi_find_limit(rbdi_dof_row *a, const rbd_real *q, const rbd_real *v, rbd_real dt) {
+/* Finds the nearer limit. Returns whether it is near; dry friction always is. */
+static int rbdi_find_limit(rbdi_dof_row *limit, const rbd_real *q, const rbd_real *v, rbd_real dt) {
     rbd_real below, above;
-    a->distance = rbdi_zero(), a->side = rbdi_set(RBD_C(1));
-    if (a->iq < 0) return 1;
-    below = q[a->iq] - a->lower, above = a->upper - q[a->iq];
-    if (above < below) a->side = -a->side;
-    a->distance = above < below ? above : below;
-    return rbdi_may_touch(a->distance, a->side * v[a->dof], dt, rbdi_set(RBDI_NEAR_LIMIT));
+    limit->distance = rbdi_zero(), limit->side = rbdi_set(RBD_C(1));
+    if (limit->iq < 0) return 1;
+    below = q[limit->iq] - limit->lower, above = limit->upper - q[limit->iq];
+    if (above < below) limit->side = -limit->side;
+    limit->distance = above < below ? above : below;
+    return rbdi_may_touch(limit->distance, limit->side * v[limit->dof], dt, rbdi_set(RBDI_NEAR_LIMIT));
 }
 
-/* s->path: a dof and those that carry it, ascending. Returns how many. */
+/* Writes a dof and its ancestors, ascending, to s->path. Returns how many. */
 static int rbdi_path_to(const rbd_model *m, const rbd_constraint_set *s, int dof) {
     const int n = m->dof[dof].depth + 1;
     for (int t = n - 1; t >= 0; --t, dof = m->dof[dof].lambda) s->path[t] = (int16_t)dof;
     return n;
 }
 
-/* Gives the n rows from this place on the next rows of the step, with entries in these dofs. Returns the
-   first. */
+/* Appends n rows, of this place and those behind it, with entries in these dofs. Returns the first. */
 static int rbdi_open_rows(rbd_contact_set *c, int place, int n, const int16_t *dof, int dofs) {
     rbd_constraint_set *s = c->rows;
     const int row = s->rows;
@@ -1301,22 +1300,22 @@ static int rbdi_open_rows(rbd_contact_set *c, int place, int n, const int16_t *d
     return row;
 }
 
-/* Lists the rows of the step with their bounds and the impulses to begin with, which are those of the last
-   step, or a share for a step of another length. Returns the number of contacts. */
+/* Lists the rows of the step with their bounds, and the impulses of the last step, times dt over its dt, to
+   begin with. Returns the number of contacts. */
 static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real *q, const rbd_real *v) {
     rbd_constraint_set *s = c->rows;
-    const rbd_real dt = c->dt, share = dt / c->last_dt;
+    const rbd_real dt = c->dt, ratio = dt / c->last_dt;
     int place = 0, contacts;
     for (int k = 0; k < m->nv; ++k) s->span[k].first = s->span[k].end = 0;
     s->rows = 0;
     for (int i = 0; i < c->n; ++i, place += 3) {
         rbdi_constraint *con = &s->constraint[i];
-        rbdi_contact *a = &c->contact[i];
-        rbdi_contact_gap(s, con, a);
-        a->row = con->row = -1, a->state = RBD_APART;
-        if (!rbdi_may_touch(a->gap, a->approach, dt, RBD_C(c->options.margin))) continue;
-        c->friction[s->rows / 3] = rbdi_set(a->friction);
-        a->row = con->row = (int16_t)rbdi_open_rows(c, place, 3, con->dof, con->dofs);
+        rbdi_contact *contact = &c->contact[i];
+        rbdi_contact_gap(s, con, contact);
+        contact->row = con->row = -1, contact->state = RBD_APART;
+        if (!rbdi_may_touch(contact->gap, contact->approach, dt, RBD_C(c->options.margin))) continue;
+        c->friction[s->rows / 3] = rbdi_set(contact->friction);
+        contact->row = con->row = (int16_t)rbdi_open_rows(c, place, 3, con->dof, con->dofs);
     }
     contacts = s->rows / 3;
     for (rbdi_constraint *con = s->constraint + c->n; con < s->constraint + s->n; place += con++->rows) {
@@ -1325,20 +1324,20 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
             c->upper[r] = rbdi_set(RBDI_UNBOUNDED), c->lower[r] = -c->upper[r];
     }
     for (int i = 0; i < c->dof_rows; ++i) {
-        rbdi_dof_row *a = &c->dof_row[i];
-        const int r = s->rows - 3 * contacts, acts = rbdi_find_limit(a, q, v, dt);
-        a->row = acts ? rbdi_open_rows(c, place + i, 1, s->path, rbdi_path_to(m, s, a->dof)) : -1;
+        rbdi_dof_row *limit = &c->dof_row[i];
+        const int r = s->rows - 3 * contacts, acts = rbdi_find_limit(limit, q, v, dt);
+        limit->row = acts ? rbdi_open_rows(c, place + i, 1, s->path, rbdi_path_to(m, s, limit->dof)) : -1;
         if (!acts) continue;
-        c->lower[r] = a->iq < 0 ? dt * a->lower : rbdi_zero();
-        c->upper[r] = a->iq < 0 ? dt * a->upper : rbdi_set(RBDI_UNBOUNDED);
+        c->lower[r] = limit->iq < 0 ? dt * limit->lower : rbdi_zero();
+        c->upper[r] = limit->iq < 0 ? dt * limit->upper : rbdi_set(RBDI_UNBOUNDED);
     }
     s->stride = rbdi_row_stride(s->rows);
     rbdi_clear(s->lambda, s->stride);
-    for (int r = 0; r < s->rows; ++r) s->lambda[r] = c->impulse[c->place[r]] * share;
+    for (int r = 0; r < s->rows; ++r) s->lambda[r] = c->impulse[c->place[r]] * ratio;
     return contacts;
 }
 
-/* Y = J', and target = -J v of the velocity c->start. */
+/* Y = J', and target = -J c->start. */
 static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     rbdi_clear(s->Y, m->nv * s->stride);
@@ -1355,8 +1354,8 @@ static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     }
 }
 
-/* Delta of (4), rows x rows, in s->R; first the upper triangle, in rows of s->stride. A row that
-   rounding alone moves gets 0 on the diagonal: nothing gives way there. Last what slip and stiffness add. */
+/* Delta of (4), rows x rows, in s->R; first the upper triangle, in rows of s->stride. Rows that rounding
+   alone moves get 0 on the diagonal: no impulse changes their velocity. Slip and stiffness are added last. */
 static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     const int n = s->rows;
@@ -1365,35 +1364,35 @@ static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
     for (const rbdi_constraint *con = s->constraint; con < s->constraint + s->n; ++con)
         if (con->row >= 0) rbdi_delta(s, con->dof, con->dofs, con->row, con->rows);
     for (int i = 0; i < c->dof_rows; ++i) {
-        const rbdi_dof_row *a = &c->dof_row[i];
-        if (a->row >= 0) rbdi_delta(s, s->path, rbdi_path_to(m, s, a->dof), a->row, 1);
+        const rbdi_dof_row *limit = &c->dof_row[i];
+        if (limit->row >= 0) rbdi_delta(s, s->path, rbdi_path_to(m, s, limit->dof), limit->row, 1);
     }
     for (int r = 0; r < n; ++r) {
         for (int t = 0; t < r; ++t) delta[r * n + t] = delta[t * n + r];
         for (int t = r; t < n; ++t) delta[r * n + t] = delta[r * s->stride + t];
         if (delta[r * n + r] <= s->noise) delta[r * n + r] = rbdi_zero();
     }
-    for (const rbdi_contact *a = c->contact; a < c->contact + c->n; ++a)
-        for (int j = 0; j < 3 && a->row >= 0; ++j) {
-            rbd_real *d = &delta[(a->row + j) * (n + 1)];
+    for (const rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact)
+        for (int j = 0; j < 3 && contact->row >= 0; ++j) {
+            rbd_real *d = &delta[(contact->row + j) * (n + 1)];
             if (j < 2)
                 *d = *d + RBD_C(c->options.slip) / c->dt;
-            else if (a->stiffness > 0 && a->gap <= 0)
-                *d = *d + 1 / (c->dt * (c->dt * a->stiffness + a->damping));
+            else if (contact->stiffness > 0 && contact->gap <= 0)
+                *d = *d + 1 / (c->dt * (c->dt * contact->stiffness + contact->damping));
         }
 }
 
 /* ---- biases [biases] ----
-   The bias is added to u_n, so that 0 <= p_n, u_n >= 0 is the law in each case:
+   The bias is added to u_n, so that p_n >= 0, u_n >= 0, p_n u_n = 0 is the law in each case:
 
-     apart      gap / dt: it may just touch at the end
-     rigid      0; deeper than the slop, for positions, a share of the depth over dt
+     apart      gap / dt: the gap is at least 0 at the end
+     rigid      0; for positions, below the slop, the option `correction` times the depth below it over dt
      stiff      k gap / (dt k + d), and 1 / (dt (dt k + d)) on Delta's diagonal: together the implicit spring
                 and damper p_n = -dt (k (gap + dt u_n) + d u_n), stable at every dt
      rebounds   for velocities, restitution times the approach
 
-   The option `slip` is the same along the plane: slip / dt on the diagonal, so that u_t + slip p_t / dt
-   is what sticks or slips. */
+   The option `slip` adds a damper along the plane: slip / dt on the diagonal, so that u_t + slip p_t / dt is
+   the velocity that sticks or slips. */
 
 enum { RBDI_FOR_POSITIONS, RBDI_FOR_VELOCITIES };
 
@@ -1402,7 +1401,7 @@ typedef struct rbdi_bias {
     rbd_real value, gain;
 } rbdi_bias;
 
-/* Of what pushes at this gap: a contact, or a limit at its distance; dry friction, at 0, has none. */
+/* The bias at this gap of a contact, or distance of a limit. Dry friction, at 0, has none. */
 static rbdi_bias rbdi_bias_at(const rbd_contact_set *c, int purpose, rbd_real gap, rbd_const stiffness,
                               rbd_const damping) {
     const rbd_real dt = c->dt, deeper = gap + RBD_C(c->options.slop);
@@ -1417,45 +1416,46 @@ static rbdi_bias rbdi_bias_at(const rbd_contact_set *c, int purpose, rbd_real ga
     return x;
 }
 
-static rbdi_bias rbdi_contact_bias(const rbd_contact_set *c, int purpose, const rbdi_contact *a) {
-    const rbdi_bias rebound = {a->approach * a->restitution, rbdi_zero()};
-    if (purpose == RBDI_FOR_VELOCITIES && a->rebounds) return rebound;
-    return rbdi_bias_at(c, purpose, a->gap, a->stiffness, a->damping);
+static rbdi_bias rbdi_contact_bias(const rbd_contact_set *c, int purpose, const rbdi_contact *contact) {
+    const rbdi_bias rebound = {contact->approach * contact->restitution, rbdi_zero()};
+    if (purpose == RBDI_FOR_VELOCITIES && contact->rebounds) return rebound;
+    return rbdi_bias_at(c, purpose, contact->gap, contact->stiffness, contact->damping);
 }
 
-/* Of a held row with the error e, which is a penetration to either side. */
+/* The bias of a held row with the error e, which counts as a penetration on either side. */
 static rbdi_bias rbdi_held_bias(const rbd_contact_set *c, int purpose, rbd_real e) {
     rbdi_bias x = rbdi_bias_at(c, purpose, -rbdi_abs(e), 0, 0);
     if (e > 0) x.value = -x.value;
     return x;
 }
 
-/* Writes an entry of c->b, from J nu_0 = -s->b. Returns whether it changes. */
+/* c->b = J nu_0 + bias of a row, where J nu_0 = -s->b. Returns whether it changes. */
 RBDI_INLINE int rbdi_write_bias(rbd_contact_set *c, int row, rbd_real bias) {
     const rbd_real before = c->b[row];
     c->b[row] = bias - c->rows->b[row];
     return c->b[row] < before || c->b[row] > before;
 }
 
-/* c->b. Returns whether it changes. */
+/* Writes c->b of all rows. Returns whether it changes. */
 static int rbdi_write_biases(rbd_contact_set *c, int purpose) {
     const rbd_constraint_set *s = c->rows;
     int changed = 0;
-    for (const rbdi_contact *a = c->contact; a < c->contact + c->n; ++a)
-        if (a->row >= 0) changed |= rbdi_write_bias(c, a->row + 2, rbdi_contact_bias(c, purpose, a).value);
+    for (const rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact)
+        if (contact->row >= 0)
+            changed |= rbdi_write_bias(c, contact->row + 2, rbdi_contact_bias(c, purpose, contact).value);
     for (const rbdi_constraint *con = s->constraint + c->n; con < s->constraint + s->n; ++con)
         for (int r = con->row; r < con->row + con->rows; ++r)
             changed |= rbdi_write_bias(c, r, rbdi_held_bias(c, purpose, s->e[r]).value);
-    for (const rbdi_dof_row *a = c->dof_row; a < c->dof_row + c->dof_rows; ++a)
-        if (a->row >= 0)
-            changed |= rbdi_write_bias(c, a->row, rbdi_bias_at(c, purpose, a->distance, 0, 0).value);
+    for (const rbdi_dof_row *limit = c->dof_row; limit < c->dof_row + c->dof_rows; ++limit)
+        if (limit->row >= 0)
+            changed |= rbdi_write_bias(c, limit->row, rbdi_bias_at(c, purpose, limit->distance, 0, 0).value);
     return changed;
 }
 
 /* ==== src/contact/step.h ==== */
 /* ---- step code [step code] ---- */
 
-/* The state, w->H = L'DL of M + dt damping, and s->x = L^-T dt (tau - c - damping v). */
+/* Computes the state, the factor w->H of M + dt damping, and s->x = L^-T dt (tau - c - damping v). */
 static rbd_status rbdi_contact_free(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
                                     const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                     const rbd_real *damping) {
@@ -1477,7 +1477,7 @@ static rbd_status rbdi_contact_free(const rbd_model *m, rbd_contact_set *c, cons
     return rbdi_status_of(m, w, doubt, s->x, m->nv);
 }
 
-/* nu from the impulses: (4). */
+/* nu of the impulses by (4). */
 static void rbdi_contact_respond(const rbd_model *m, rbd_contact_set *c, rbd_real *nu) {
     rbd_constraint_set *s = c->rows;
     for (int k = 0; k < m->nv; ++k) s->x[k] = c->x[k];
@@ -1485,7 +1485,7 @@ static void rbdi_contact_respond(const rbd_model *m, rbd_contact_set *c, rbd_rea
     for (int k = 0; k < m->nv; ++k) nu[k] = c->start[k] + s->x[k];
 }
 
-/* c->moved: the velocities that positions change by. */
+/* Computes c->moved, the velocities by which positions change. */
 static rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
                                        const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                        const rbd_real *damping, rbd_real dt) {
@@ -1512,33 +1512,35 @@ static rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *c, c
     return RBD_OK;
 }
 
-/* Keeps impulses, states and forces. */
+/* Keeps impulses, states and forces for the next step and the caller. */
 static void rbdi_keep_impulses(rbd_contact_set *c) {
     const rbd_constraint_set *s = c->rows;
     c->last_dt = c->dt;
-    rbdi_clear(c->impulse, c->most);
+    rbdi_clear(c->impulse, c->max_rows);
     for (int r = 0; r < s->rows; ++r) c->impulse[c->place[r]] = s->lambda[r];
     for (int i = 0; i < c->n; ++i) {
-        rbdi_contact *a = &c->contact[i];
+        rbdi_contact *contact = &c->contact[i];
         rbdi_axes_held h;
-        for (int j = 0; j < 3; ++j) a->force[j] = rbdi_zero();
-        if (a->row < 0) continue;
-        a->state = c->solver.law[a->row / 3].state;
+        for (int j = 0; j < 3; ++j) contact->force[j] = rbdi_zero();
+        if (contact->row < 0) continue;
+        contact->state = c->solver.law[contact->row / 3].state;
         rbdi_set_axes(s, &s->constraint[i], &h);
         for (int r = 0; r < 3; ++r)
             for (int j = 0; j < 3; ++j)
-                a->force[j] = a->force[j] + h.axis[3 + j][r] * s->lambda[a->row + r] / c->dt;
+                contact->force[j] =
+                    contact->force[j] + h.axis[3 + j][r] * s->lambda[contact->row + r] / c->dt;
     }
 }
 
-/* c->nu: the velocities of the end, in the axes of the beginning. They differ from c->moved where penetration
-   was taken back, or a contact that pushed rebounds. A set that overflowed forgets its impulses. */
+/* Computes c->nu, the velocities at the end, in the axes of the beginning. They differ from c->moved if
+   penetration was corrected, or a contact that pushed rebounds. Overflow clears the set's impulses. */
 static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
     int finite = 1;
-    for (rbdi_contact *a = c->contact; a < c->contact + c->n; ++a)
-        a->rebounds = a->row >= 0 && a->restitution > 0 && a->approach < -RBD_C(c->options.bounce) &&
-                      c->rows->lambda[a->row + 2] > 0;
+    for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact)
+        contact->rebounds = contact->row >= 0 && contact->restitution > 0 &&
+                            contact->approach < -RBD_C(c->options.bounce) &&
+                            c->rows->lambda[contact->row + 2] > 0;
     for (int k = 0; k < m->nv; ++k) c->nu[k] = c->moved[k];
     c->differ = rbdi_write_biases(c, RBDI_FOR_VELOCITIES);
     if (c->differ) {
@@ -1556,7 +1558,7 @@ static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) 
     return finite ? RBD_OK : RBD_ERR_NAN;
 }
 
-/* The state after the step; after an error q and 0. */
+/* Writes the state after the step; after an error, q and v = 0. */
 static void rbdi_contact_move(const rbd_model *m, const rbd_contact_set *c, rbd_status status,
                               const rbd_real *q, rbd_real *q_next, rbd_real *v_next) {
     for (const rbdi_frame *u = m->frame; u < m->frame + m->nb && !status; ++u) {
@@ -1623,23 +1625,23 @@ RBDI_CODE_BEGIN
 
 /* ==== src/contact/derivatives.h ==== */
 /* ---- derivatives [step derivatives code] ----
-   Of (4), with the states of the solution held. x is a component of q, v or tau, v~ = c->start, a =
-   (nu - v~) / dt, and M has dt damping on its diagonal:
+   Derivatives of (4), with the states of the solution held. x is a component of q, v or tau, v~ = c->start,
+   a = (nu - v~) / dt, and M has dt damping on its diagonal:
 
        M dnu/dx = J' dp/dx - rho,     rho = dt dID/dx - d(J' p)/dx at fixed a and p; by v also -M dv~/dv
        du/dx = J dnu/dx + sigma,      sigma = d(J nu + bias)/dx at fixed nu
 
-   and rho = -dt by tau. d ID is rbd_id_derivatives; d(J nu) and d(J' p) are as in [derivatives code], for a
-   place that rolls over the body if it is a ball's. With Z = L^-T rho and the S, T and G of [newton]
+   and rho = -dt by tau. rbd_id_derivatives gives d ID; d(J nu) and d(J' p) are as in [derivatives code] but
+   for balls, over which the place of contact rolls. With Z = L^-T rho and the S, T and G of [newton]
 
        G y = -T' (sigma - Y' D^-1 Z),   dp = S y,   dnu = -L^-1 D^-1 (Z - Y dp)                         (5) */
 
-/* rho without d(J' p), of those that are not NULL. */
+/* Writes rho without d(J' p) for each of the three that is not NULL. */
 static void rbdi_write_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d, const rbd_real *q,
                            const rbd_real *v, const rbd_real *nu, const rbd_real *f_ext,
                            rbd_real *const rho[3]) {
     const int n = m->nv;
-    rbd_real *M = c->sigma + c->most * n;
+    rbd_real *M = c->sigma + c->max_rows * n;
     for (int k = 0; k < n; ++k) d->a[k] = (nu[k] - c->start[k]) / c->dt;
     for (int x = 0; x < 3; ++x) /* rbd_keep_zeros leaves entries out */
         if (rho[x]) rbdi_clear(rho[x], n * n);
@@ -1653,54 +1655,55 @@ static void rbdi_write_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivativ
     }
 }
 
-/* Adds to sigma, for each row of a constraint, `share` times the derivative of J nu by q and `gain` times
-   that of the gap or error, which is J. Leaves the dofs' motions in d. */
-static void rbdi_change_rows(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
-                             const rbdi_constraint *con, const rbdi_pair_motion *x, const rbd_real *share,
-                             const rbd_real *gain) {
+/* Adds to sigma, for each row of a constraint, `factor` times the derivative of J nu by q and `gain` times
+   the derivative of the gap or error, which is J. Leaves the S of the dofs in d. */
+static void rbdi_row_terms(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
+                           const rbdi_constraint *con, const rbdi_pair_motion *pair, const rbd_real *factor,
+                           const rbd_real *gain) {
     RBDI_FOR_PATHS(m, con, link, sign) {
         const rbdi_link *l = &m->link[link];
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
-            const rbdi_motion_derivatives by = rbdi_differentiate_motion(m, c->rows, x, sign < 0, link, j);
+            const rbdi_motion_derivatives by = rbdi_differentiate_motion(m, c->rows, pair, sign < 0, link, j);
             rbd_real sum[2][RBDI_SIX_ROWS], *to = &c->sigma[con->row * m->nv + rbdi_source(m, l->iv + j)];
             rbdi_store_motion(RBDI_OF(d, l->first + j, Phi), RBDI_BATCH, by.S);
             rbdi_clear(sum[0], 2 * RBDI_SIX_ROWS);
-            rbdi_add_held(con, &x->h, by.velocity_q.omega, by.velocity_q.v, sum[0]);
-            rbdi_add_held(con, &x->h, rbdi_differentiate_error(con, x, by.S.omega), by.S.v, sum[1]);
+            rbdi_add_held(con, &pair->h, by.velocity_q.omega, by.velocity_q.v, sum[0]);
+            rbdi_add_held(con, &pair->h, rbdi_differentiate_error(con, pair, by.S.omega), by.S.v, sum[1]);
             for (int r = 0; r < con->rows; ++r, to += m->nv)
-                *to = *to + share[r] * sum[0][r] + gain[r] * sum[1][r];
+                *to = *to + factor[r] * sum[0][r] + gain[r] * sum[1][r];
         }
     }
 }
 
-/* Adds the terms of contacts and held constraints to sigma, and d(J' p) to rho, by q; or, at the velocities v
-   before the step, those of rebounds, whose bias is restitution J v, to sigma: by q or, x = 1, by v. */
-static void rbdi_change_constraints(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
-                                    const rbd_real *nu, int purpose, int rebounds, int x, rbd_real *rho) {
+/* Adds the terms of contacts and held constraints by q: to sigma, and -d(J' p) to rho. Or, if `rebounds`,
+   those of rebounds, by q (x = 0) or v (x = 1), to sigma: the bias is restitution J nu, nu before the step.
+   */
+static void rbdi_constraint_terms(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
+                                  const rbd_real *nu, int purpose, int rebounds, int x, rbd_real *rho) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbd_constraint_set *s = c->rows;
     rbdi_constraint_state(m, s, rbdi_expand_v(m, nu, s->w->vx), s->w->zero, none, 0);
     for (int i = 0; i < s->n; ++i) {
         const rbdi_constraint *con = &s->constraint[i];
-        const rbdi_contact *a = i < c->n ? &c->contact[i] : NULL;
-        rbd_real of[2][6]; /* share, gain */
-        rbdi_pair_motion met;
-        if (con->row < 0 || (rebounds && !(a && a->rebounds))) continue;
+        const rbdi_contact *contact = i < c->n ? &c->contact[i] : NULL;
+        rbd_real factor[6], gain[6];
+        rbdi_pair_motion pair;
+        if (con->row < 0 || (rebounds && !(contact && contact->rebounds))) continue;
         for (int r = 0; r < con->rows; ++r) {
-            of[0][r] = rbdi_set(RBD_C(!rebounds));
-            of[1][r] = a ? rbdi_zero() : rbdi_held_bias(c, purpose, s->e[con->row + r]).gain;
+            factor[r] = rbdi_set(RBD_C(!rebounds));
+            gain[r] = contact ? rbdi_zero() : rbdi_held_bias(c, purpose, s->e[con->row + r]).gain;
         }
-        if (a) of[1][2] = rbdi_contact_bias(c, purpose, a).gain;
-        if (rebounds) of[x][2] = rbdi_set(a->restitution);
-        met = rbdi_pair_motion_of(s, con);
-        if (a) met.roll_radius = rbdi_scale(rbdi_set(a->radius), rbdi_contact_normal(s, con));
-        rbdi_change_rows(m, c, d, con, &met, of[0], of[1]);
-        if (!rebounds) rbdi_differentiate_forces(m, d, con, &met, rho);
+        if (contact) gain[2] = rbdi_contact_bias(c, purpose, contact).gain;
+        if (rebounds) (x == 0 ? factor : gain)[2] = rbdi_set(contact->restitution);
+        pair = rbdi_pair_motion_of(s, con);
+        if (contact) pair.roll_radius = rbdi_scale(rbdi_set(contact->radius), rbdi_contact_normal(s, con));
+        rbdi_row_terms(m, c, d, con, &pair, factor, gain);
+        if (!rebounds) rbdi_differentiate_forces(m, d, con, &pair, rho);
     }
 }
 
-/* (5): dnu in place of rho. Returns 0 if the impulses have no derivative. */
-static int rbdi_solve_change(const rbd_model *m, rbd_contact_set *c, rbd_real *rho) {
+/* Replaces rho by dnu of (5). Returns 0 if the impulses have no derivative. */
+static int rbdi_solve_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_real *rho) {
     rbd_constraint_set *s = c->rows;
     rbdi_contact_solver solver = c->solver;
     const int n = m->nv;
@@ -1710,7 +1713,7 @@ static int rbdi_solve_change(const rbd_model *m, rbd_contact_set *c, rbd_real *r
         for (int k = 0; k < n; ++k) s->x[k] = s->Y[k * s->stride + r] * s->D_inverse[k];
         rbdi_subtract_product(s->x, rho, n, n, &c->sigma[r * n]);
     }
-    solver.G = c->sigma + c->most * n, solver.sides = n;
+    solver.G = c->sigma + c->max_rows * n, solver.sides = n;
     rbdi_list_unknowns(&solver);
     rbdi_newton_matrix(&solver, RBDI_SIDES_PROXIMAL, c->sigma);
     solved = rbdi_newton_solve(&solver);
@@ -1722,7 +1725,7 @@ static int rbdi_solve_change(const rbd_model *m, rbd_contact_set *c, rbd_real *r
     return solved;
 }
 
-/* Derivatives of the solution nu by q, v and tau, of those that are not NULL. Returns 0 if one has none. */
+/* Writes the derivatives of the solution nu by q, v and tau, unless NULL. Returns 0 if one does not exist. */
 static int rbdi_differentiate_solution(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
                                        const rbd_real *q, const rbd_real *v, const rbd_real *nu,
                                        const rbd_real *f_ext, int purpose, rbd_real *const dnu[3]) {
@@ -1731,13 +1734,13 @@ static int rbdi_differentiate_solution(const rbd_model *m, rbd_contact_set *c, r
     for (int x = 0; x < 3; ++x) {
         if (!dnu[x]) continue;
         rbdi_clear(c->sigma, c->rows->rows * m->nv);
-        if (x < 2 && purpose == RBDI_FOR_VELOCITIES) rbdi_change_constraints(m, c, d, v, purpose, 1, x, NULL);
-        if (x == 0) rbdi_change_constraints(m, c, d, nu, purpose, 0, x, dnu[0]);
-        for (const rbdi_dof_row *a = c->dof_row; x == 0 && a < c->dof_row + c->dof_rows; ++a)
-            if (a->row >= 0)
-                c->sigma[a->row * m->nv + a->dof] =
-                    a->side * rbdi_bias_at(c, purpose, a->distance, 0, 0).gain;
-        solved &= rbdi_solve_change(m, c, dnu[x]);
+        if (x < 2 && purpose == RBDI_FOR_VELOCITIES) rbdi_constraint_terms(m, c, d, v, purpose, 1, x, NULL);
+        if (x == 0) rbdi_constraint_terms(m, c, d, nu, purpose, 0, x, dnu[0]);
+        for (const rbdi_dof_row *limit = c->dof_row; x == 0 && limit < c->dof_row + c->dof_rows; ++limit)
+            if (limit->row >= 0)
+                c->sigma[limit->row * m->nv + limit->dof] =
+                    limit->side * rbdi_bias_at(c, purpose, limit->distance, 0, 0).gain;
+        solved &= rbdi_solve_derivatives(m, c, dnu[x]);
     }
     return solved;
 }

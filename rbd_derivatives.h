@@ -62,8 +62,8 @@ RBDI_EXTERN_C_BEGIN
 typedef struct rbd_derivatives rbd_derivatives; /* scratch of one thread: see rbd_derivatives_init */
 
 /* Prepares the memory that the calls of this header work in.
-   w        a work of the model. The calls take its gravity and use its scratch, so that no other thread may
-            compute in it. They keep the results of rbd_kinematics in it
+   w        a work of the model. The calls take its gravity and use its scratch, so no other thread may
+            compute in it. They do not change the results of rbd_kinematics in it
    memory   size bytes of any alignment; RBD_DERIVATIVES_SIZE(nb, nv) always suffices, with mimic joints
             RBD_DERIVATIVES_SIZE_MIMIC(nb, nv)
    d        receives the structure, which lies inside memory: do not move it; NULL after an error
@@ -86,8 +86,8 @@ RBDI_API size_t rbd_derivatives_size(const rbd_model *m);
 RBDI_API rbd_status rbd_momentum_matrix(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                         const rbd_real *v, rbd_real *matrix, rbd_real A_dot_v[6]);
 
-/* Jacobian of the centre of mass of those bodies, J 3 x nv: J v is its velocity, world axes. Zero if there is
-   no mass. */
+/* Jacobian of the centre of mass of all bodies that a joint moves, J, 3 x nv: J v is its velocity in world
+   axes. Zero if there is no mass. */
 RBDI_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                      rbd_real *jacobian);
 
@@ -617,8 +617,7 @@ RBDI_INLINE void rbdi_copy(const rbd_real *x, int n, rbd_real *y) {
     for (; k + RBDI_BATCH <= n; k += RBDI_BATCH) *(rbdi_batch *)&y[k] = *(const rbdi_batch *)&x[k];
     for (; k < n; ++k) y[k] = x[k];
 }
-/* Copies v or a into the lanes, which have the same order, from dof k on: dof 0 or, behind a free base, the
-   first. */
+/* Copies v or a into the lanes, which have the same order, from dof k on: 0 or the first behind a base. */
 RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v, rbd_real *out) {
     const int n = d->n;
     for (; k < d->base; ++k) out[d->entry[k].at] = v[k];
@@ -1014,8 +1013,7 @@ RBDI_INLINE void rbdi_put_lanes(const rbdi_batch *y, rbdi_bits lanes, int want, 
     }
 }
 
-/* The row of the dof at e, from the columns behind a free base on: a batch of entries for each of its
-   relatives. */
+/* The row of the dof at e, from the columns behind a free base on: the batches of its relatives. */
 RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, const rbdi_relatives *rel,
                               int want, rbdi_wanted row) {
     const rbd_real *x = (const rbd_real *)columns;
@@ -1290,8 +1288,7 @@ RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rb
 /* ---- memory [memory code] ---- */
 
 /* 6 if the model has a free base without rotors, with all other dofs in its subtree, else 0. Its coordinates
-   come first. The torque of a rotor depends on v_dot, not on v_dot + w x v - gravity, the unknown of [forward
-   dynamics code]. */
+   come first. The torque of a rotor depends on v_dot, which is not the unknown of [forward dynamics code]. */
 RBDI_INLINE int rbdi_free_dofs(const rbd_model *m) {
     const rbdi_link *l = m->link;
     return m->nl > 0 && !rbdi_mimics(m) && rbdi_is(l, RBDI_BLOCK) && !(rbdi_flags(l) & RBDI_ARMATURE) &&
@@ -1322,8 +1319,7 @@ RBDI_INLINE int rbdi_slides(const rbd_model *m, const rbdi_link *l, int k) {
                                   : rbdi_is(l, RBDI_SCREW) && !(l->rho > 0);
 }
 
-/* Constants of link i's dofs. The last dof has the link's inertia, in axes cycled so that z is that dof's
-   axis. */
+/* Constants of link i's dofs. The last dof has the link's inertia, in axes cycled so that z is its axis. */
 RBDI_PART void rbdi_init_constants(const rbd_model *m, rbd_derivatives *d, int i) {
     const rbdi_link *l = &m->link[i];
     const int last = rbdi_last_dof(m, i), z = rbdi_dof_axis(m, l, last);

@@ -38,7 +38,7 @@ typedef struct rbd_constraint {
 } rbd_constraint;
 
 /* Common constraints. Every field may be changed afterwards. Holds a point of a body at a place: 3 rows,
-   forces in world axes. point: body axes; place: world, NULL = the origin. Without kp any place will do. */
+   forces in world axes. point: body axes, m; place: world, m; NULL = origin. Without kp any place will do. */
 RBDI_API rbd_constraint rbd_point_contact(int body, const double point[3], const double place[3]);
 
 /* Holds a surface, the point and the orientation: 6 rows. Without kp any orientation will do. */

@@ -21,11 +21,11 @@ typedef enum rbd_contact_state {
 } rbd_contact_state;
 
 /* ---- solver [solver] ----
-   Impulses p of contacts from u = Delta p + b and the laws of [conventions], for those who have a Delta. */
+   Impulses p of contacts from u = Delta p + b and the laws of [conventions], for a caller's own Delta. */
 
 typedef struct rbd_contact_problem {
     int contacts;             /* three rows each, in the order tangent, tangent, normal */
-    int bounded;              /* rows behind those, one each: joint limits, dry friction, what is held */
+    int bounded;              /* rows behind those, one each: joint limits, dry friction, held axes */
     const rbd_real *delta;    /* rows x rows: J M^-1 J', symmetric and positive semidefinite, 1/kg */
     const rbd_real *b;        /* rows: u where p = 0, m/s */
     const rbd_real *friction; /* contacts: mu, not negative */
@@ -62,9 +62,9 @@ RBDI_API rbd_status rbd_contact_solve(const rbd_contact_problem *problem, void *
 typedef struct rbd_contact {
     const char *name;   /* for findings; NULL = nameless */
     int body1, body2;   /* index in the description, -1 = world */
-    double point[3];    /* link axes of body 1, m */
+    double point[3];    /* axes of body 1, m */
     double radius;      /* m; 0 = a point */
-    double normal[3];   /* of the plane, link axes of body 2, towards body 1; of any length; all 0 = z */
+    double normal[3];   /* of the plane, axes of body 2, towards body 1; of any length; all 0 = z */
     double height;      /* of the plane along the unit normal, m */
     double friction;    /* mu */
     double restitution; /* 0 (does not rebound) to 1 */
@@ -76,7 +76,7 @@ typedef struct rbd_contact {
 typedef struct rbd_contact_options {
     double margin; /* closer contacts are rows, m [0.005]; others where they may arrive within two steps */
     double slop;   /* penetration that is left, m [1e-5] */
-    double correction;  /* share of the rest that a step takes back [0.2] */
+    double correction;  /* share of the rest that a step corrects [0.2] */
     double bounce;      /* slower impacts do not rebound, m/s [0.05]; choose more than 2 g dt */
     double tolerance;   /* of the residual, m/s [1e-6, float 1e-5] */
     int iterations;     /* at most [40] */
@@ -92,7 +92,7 @@ typedef struct rbd_contact_set rbd_contact_set; /* contacts, impulses of the las
 /* Checks contacts and prepares them in the caller's memory, for this model and work, which the calls use.
    list      n contacts, not needed later but for their names
    held      n_held constraints that hold at the same time: loops, feet that are bolted down. Their kp and kd
-             have no meaning here; errors of position are taken back as penetration is. May be NULL
+             have no meaning here; position errors are corrected as penetration is. May be NULL
    options   NULL: all defaults
    memory    size bytes of any alignment; rbd_contact_set_size is exact. For n contacts and `bounded` other
              rows (held axes, joint limits, dry friction) RBD_CONTACT_SET_SIZE(nv, n, bounded) suffices
@@ -124,25 +124,25 @@ RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constr
 
        M (nu - v) = dt (tau - c + sum J_b' f_ext) + J' p,   u = J nu,   laws of u + bias and p
 
-   then q_next by nu, and v_next in its axes as rbd_step has it. The biases: contacts that are apart may just
-   touch at the end, stiff ones give way, rebounds are those of the velocity before. Penetration is taken back
-   in the positions only, by a second solution on the same Delta, so that it gives no velocity. */
+   then q_next by nu, and v_next in its axes as by rbd_step. The bias lets contacts close their gap, makes
+   stiff ones springs and dampers, and reverses approaches that rebound. Penetration is corrected in positions
+   alone, by a second solution with the same Delta, so that it gives no velocity. */
 RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
                                      const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                      const rbd_real *damping, rbd_real dt, rbd_real *q_next,
                                      rbd_real *v_next);
 
-/* Its acceleration alone: rbd_step with a gives its v_next, and q_next where nothing penetrates. */
+/* The acceleration of that step. By it rbd_step gives v_next and, unless something penetrates, q_next. */
 RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
                                    const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                    const rbd_real *damping, rbd_real dt, rbd_real *a);
 
-/* Another plane under contact i from the next step on, as rbd_contact has it: the tangent plane of terrain.
+/* Changes the plane of contact i, as in rbd_contact, from the next step on: to the tangent plane of terrain.
    Errors: RBD_ERR_NULL, _INDEX, _AXIS, _POSITION. */
 RBDI_API rbd_status rbd_contact_plane(const rbd_model *m, rbd_contact_set *c, int i, const double normal[3],
                                       double height);
 
-/* Forgets the last impulses, with which a step begins: after a jump of the state. */
+/* Clears the last impulses, with which a step begins. Call it after a jump of the state. */
 RBDI_API void rbd_contact_reset(rbd_contact_set *c);
 
 /* Returns the state of contact i in the last step; RBD_APART without such a contact.

@@ -22,8 +22,8 @@ typedef struct rbd_contact_step_results {
    c            with the option `derivatives`
    d            of the same work
    out          dq_next_... each with its dv_next_..., both or neither NULL; no two the same array
-   Where redundant points slip and turn at once, the motion depends on shares of force that are not unique:
-   these are derivatives of one choice.
+   If redundant points slip and turn at once, the motion depends on shares of force that are not unique: these
+   are derivatives for one choice.
    Errors: as rbd_contact_step; RBD_ERR_WORK also if d has another work; RBD_ERR_MEMORY without the option;
    RBD_ERR_SINGULAR also where impulses have no derivative. Then q_next is q, and all else is 0. */
 RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,

@@ -27,8 +27,8 @@
 typedef struct rbd_derivatives rbd_derivatives; /* scratch of one thread: see rbd_derivatives_init */
 
 /* Prepares the memory that the calls of this header work in.
-   w        a work of the model. The calls take its gravity and use its scratch, so that no other thread may
-            compute in it. They keep the results of rbd_kinematics in it
+   w        a work of the model. The calls take its gravity and use its scratch, so no other thread may
+            compute in it. They do not change the results of rbd_kinematics in it
    memory   size bytes of any alignment; RBD_DERIVATIVES_SIZE(nb, nv) always suffices, with mimic joints
             RBD_DERIVATIVES_SIZE_MIMIC(nb, nv)
    d        receives the structure, which lies inside memory: do not move it; NULL after an error
@@ -51,8 +51,8 @@ RBDI_API size_t rbd_derivatives_size(const rbd_model *m);
 RBDI_API rbd_status rbd_momentum_matrix(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                         const rbd_real *v, rbd_real *matrix, rbd_real A_dot_v[6]);
 
-/* Jacobian of the centre of mass of those bodies, J 3 x nv: J v is its velocity, world axes. Zero if there is
-   no mass. */
+/* Jacobian of the centre of mass of all bodies that a joint moves, J, 3 x nv: J v is its velocity in world
+   axes. Zero if there is no mass. */
 RBDI_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                      rbd_real *jacobian);
 

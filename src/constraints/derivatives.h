@@ -44,8 +44,7 @@
 
    Checked against finite differences in tests/test_constraints.c. */
 
-/* Motion of body 1 relative to body 2 at the origin of frame 1, world axes, and what is needed for its
-   derivatives. */
+/* Motion of body 1 relative to body 2 at the origin of frame 1, world axes, and what its derivatives need. */
 typedef struct rbdi_pair_motion {
     rbdi_relative_motion motion; /* velocity (w; u), rate (alpha; acc) */
     rbdi_force force;            /* of lambda */
@@ -177,9 +176,8 @@ static void rbdi_add_sigma(const rbdi_constraint *con, const rbdi_pair_motion *p
     }
 }
 
-/* Subtracts the derivative of J' lambda by a dof of the link `mover`, with this S, from a column of rho. The
-   S of all dofs stand in the columns Phi of d, which are no longer needed; its columns S keep a free base's.
-   */
+/* Subtracts the derivative of J' lambda by a dof of the link `mover`, with this S, from a column of rho. S of
+   the others stand in the columns Phi of d, no longer needed; its columns S keep those of a free base. */
 static void rbdi_subtract_rho(const rbd_model *m, const rbd_derivatives *d, const rbdi_constraint *con,
                               const rbdi_pair_motion *pair, int side, int mover, rbdi_motion S,
                               rbd_real *rho) {

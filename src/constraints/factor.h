@@ -44,8 +44,7 @@ typedef struct rbdi_batches {
     rbdi_batch first, second;
 } rbdi_batches;
 
-/* Rows i .. i + n - 1 of Delta from the diagonal on, and b behind them. The rows have entries in these dofs
-   alone. */
+/* Rows i .. i + n - 1 of Delta from the diagonal on, and b behind them. dof: where they have entries. */
 RBDI_INLINE void rbdi_delta_rows(const rbd_constraint_set *c, const int16_t *dof, int dofs, int i, int n) {
     const int stride = c->stride;
     rbd_real *R = c->R + i * stride;

@@ -175,8 +175,7 @@ static rbd_real rbdi_motion_size(const rbd_constraint_set *c, const rbdi_constra
     return turning + moving + v * (w + (RBD_C(1) + con->kd)) + p * con->kp;
 }
 
-/* Makes c->slack the amount by which rounding and drift may change an entry of b. Permutes it and c->target
-   as R. */
+/* Makes c->slack the error of b by rounding and drift, and permutes it and c->target. */
 static void rbdi_set_slack(rbd_constraint_set *c) {
     for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con) {
         const rbd_real noise = rbdi_motion_size(c, con) * RBDI_NOISE;

@@ -45,8 +45,7 @@ RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraint_set *c,
          link1_ != link2_ && (sign = link1_ > link2_ ? 1 : -1, link = sign > 0 ? link1_ : link2_, 1); \
          sign > 0 ? (link1_ = (m)->link[link].parent) : (link2_ = (m)->link[link].parent))
 
-/* Poses of the links on a path and, if `moving`, velocities of their origins. The angular velocities are
-   already there. */
+/* Poses of the links on a path and, if `moving`, velocities of their origins, from the angular velocities. */
 static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v, int moving) {
     for (int n = 0, first, end; n < c->links;) {
         for (end = first = c->link[n]; n < c->links && c->link[n] == end; ++n) ++end;

@@ -139,8 +139,7 @@ static int rbdi_place_frame(const rbd_model *m, int body, const double R[9], con
     return rbdi_link_of_body(m, body);
 }
 
-/* The nearest common ancestor of two links, which may be one of them; -1 = world. Ancestors have smaller
-   indices. */
+/* The nearest common ancestor of two links, or one of them; -1 = world. Ancestors have smaller indices. */
 static int rbdi_common_ancestor(const rbd_model *m, int one, int two) {
     while (one != two) {
         int *later = one > two ? &one : &two;

@@ -5,23 +5,23 @@
 #include "contact/step.h"
 
 /* ---- derivatives [step derivatives code] ----
-   Of (4), with the states of the solution held. x is a component of q, v or tau, v~ = c->start, a =
-   (nu - v~) / dt, and M has dt damping on its diagonal:
+   Derivatives of (4), with the states of the solution held. x is a component of q, v or tau, v~ = c->start,
+   a = (nu - v~) / dt, and M has dt damping on its diagonal:
 
        M dnu/dx = J' dp/dx - rho,     rho = dt dID/dx - d(J' p)/dx at fixed a and p; by v also -M dv~/dv
        du/dx = J dnu/dx + sigma,      sigma = d(J nu + bias)/dx at fixed nu
 
-   and rho = -dt by tau. d ID is rbd_id_derivatives; d(J nu) and d(J' p) are as in [derivatives code], for a
-   place that rolls over the body if it is a ball's. With Z = L^-T rho and the S, T and G of [newton]
+   and rho = -dt by tau. rbd_id_derivatives gives d ID; d(J nu) and d(J' p) are as in [derivatives code] but
+   for balls, over which the place of contact rolls. With Z = L^-T rho and the S, T and G of [newton]
 
        G y = -T' (sigma - Y' D^-1 Z),   dp = S y,   dnu = -L^-1 D^-1 (Z - Y dp)                         (5) */
 
-/* rho without d(J' p), of those that are not NULL. */
+/* Writes rho without d(J' p) for each of the three that is not NULL. */
 static void rbdi_write_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d, const rbd_real *q,
                            const rbd_real *v, const rbd_real *nu, const rbd_real *f_ext,
                            rbd_real *const rho[3]) {
     const int n = m->nv;
-    rbd_real *M = c->sigma + c->most * n;
+    rbd_real *M = c->sigma + c->max_rows * n;
     for (int k = 0; k < n; ++k) d->a[k] = (nu[k] - c->start[k]) / c->dt;
     for (int x = 0; x < 3; ++x) /* rbd_keep_zeros leaves entries out */
         if (rho[x]) rbdi_clear(rho[x], n * n);
@@ -35,54 +35,55 @@ static void rbdi_write_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivativ
     }
 }
 
-/* Adds to sigma, for each row of a constraint, `share` times the derivative of J nu by q and `gain` times
-   that of the gap or error, which is J. Leaves the dofs' motions in d. */
-static void rbdi_change_rows(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
-                             const rbdi_constraint *con, const rbdi_pair_motion *x, const rbd_real *share,
-                             const rbd_real *gain) {
+/* Adds to sigma, for each row of a constraint, `factor` times the derivative of J nu by q and `gain` times
+   the derivative of the gap or error, which is J. Leaves the S of the dofs in d. */
+static void rbdi_row_terms(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
+                           const rbdi_constraint *con, const rbdi_pair_motion *pair, const rbd_real *factor,
+                           const rbd_real *gain) {
     RBDI_FOR_PATHS(m, con, link, sign) {
         const rbdi_link *l = &m->link[link];
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
-            const rbdi_motion_derivatives by = rbdi_differentiate_motion(m, c->rows, x, sign < 0, link, j);
+            const rbdi_motion_derivatives by = rbdi_differentiate_motion(m, c->rows, pair, sign < 0, link, j);
             rbd_real sum[2][RBDI_SIX_ROWS], *to = &c->sigma[con->row * m->nv + rbdi_source(m, l->iv + j)];
             rbdi_store_motion(RBDI_OF(d, l->first + j, Phi), RBDI_BATCH, by.S);
             rbdi_clear(sum[0], 2 * RBDI_SIX_ROWS);
-            rbdi_add_held(con, &x->h, by.velocity_q.omega, by.velocity_q.v, sum[0]);
-            rbdi_add_held(con, &x->h, rbdi_differentiate_error(con, x, by.S.omega), by.S.v, sum[1]);
+            rbdi_add_held(con, &pair->h, by.velocity_q.omega, by.velocity_q.v, sum[0]);
+            rbdi_add_held(con, &pair->h, rbdi_differentiate_error(con, pair, by.S.omega), by.S.v, sum[1]);
             for (int r = 0; r < con->rows; ++r, to += m->nv)
-                *to = *to + share[r] * sum[0][r] + gain[r] * sum[1][r];
+                *to = *to + factor[r] * sum[0][r] + gain[r] * sum[1][r];
         }
     }
 }
 
-/* Adds the terms of contacts and held constraints to sigma, and d(J' p) to rho, by q; or, at the velocities v
-   before the step, those of rebounds, whose bias is restitution J v, to sigma: by q or, x = 1, by v. */
-static void rbdi_change_constraints(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
-                                    const rbd_real *nu, int purpose, int rebounds, int x, rbd_real *rho) {
+/* Adds the terms of contacts and held constraints by q: to sigma, and -d(J' p) to rho. Or, if `rebounds`,
+   those of rebounds, by q (x = 0) or v (x = 1), to sigma: the bias is restitution J nu, nu before the step.
+   */
+static void rbdi_constraint_terms(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
+                                  const rbd_real *nu, int purpose, int rebounds, int x, rbd_real *rho) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbd_constraint_set *s = c->rows;
     rbdi_constraint_state(m, s, rbdi_expand_v(m, nu, s->w->vx), s->w->zero, none, 0);
     for (int i = 0; i < s->n; ++i) {
         const rbdi_constraint *con = &s->constraint[i];
-        const rbdi_contact *a = i < c->n ? &c->contact[i] : NULL;
-        rbd_real of[2][6]; /* share, gain */
-        rbdi_pair_motion met;
-        if (con->row < 0 || (rebounds && !(a && a->rebounds))) continue;
+        const rbdi_contact *contact = i < c->n ? &c->contact[i] : NULL;
+        rbd_real factor[6], gain[6];
+        rbdi_pair_motion pair;
+        if (con->row < 0 || (rebounds && !(contact && contact->rebounds))) continue;
         for (int r = 0; r < con->rows; ++r) {
-            of[0][r] = rbdi_set(RBD_C(!rebounds));
-            of[1][r] = a ? rbdi_zero() : rbdi_held_bias(c, purpose, s->e[con->row + r]).gain;
+            factor[r] = rbdi_set(RBD_C(!rebounds));
+            gain[r] = contact ? rbdi_zero() : rbdi_held_bias(c, purpose, s->e[con->row + r]).gain;
         }
-        if (a) of[1][2] = rbdi_contact_bias(c, purpose, a).gain;
-        if (rebounds) of[x][2] = rbdi_set(a->restitution);
-        met = rbdi_pair_motion_of(s, con);
-        if (a) met.roll_radius = rbdi_scale(rbdi_set(a->radius), rbdi_contact_normal(s, con));
-        rbdi_change_rows(m, c, d, con, &met, of[0], of[1]);
-        if (!rebounds) rbdi_differentiate_forces(m, d, con, &met, rho);
+        if (contact) gain[2] = rbdi_contact_bias(c, purpose, contact).gain;
+        if (rebounds) (x == 0 ? factor : gain)[2] = rbdi_set(contact->restitution);
+        pair = rbdi_pair_motion_of(s, con);
+        if (contact) pair.roll_radius = rbdi_scale(rbdi_set(contact->radius), rbdi_contact_normal(s, con));
+        rbdi_row_terms(m, c, d, con, &pair, factor, gain);
+        if (!rebounds) rbdi_differentiate_forces(m, d, con, &pair, rho);
     }
 }
 
-/* (5): dnu in place of rho. Returns 0 if the impulses have no derivative. */
-static int rbdi_solve_change(const rbd_model *m, rbd_contact_set *c, rbd_real *rho) {
+/* Replaces rho by dnu of (5). Returns 0 if the impulses have no derivative. */
+static int rbdi_solve_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_real *rho) {
     rbd_constraint_set *s = c->rows;
     rbdi_contact_solver solver = c->solver;
     const int n = m->nv;
@@ -92,7 +93,7 @@ static int rbdi_solve_change(const rbd_model *m, rbd_contact_set *c, rbd_real *r
         for (int k = 0; k < n; ++k) s->x[k] = s->Y[k * s->stride + r] * s->D_inverse[k];
         rbdi_subtract_product(s->x, rho, n, n, &c->sigma[r * n]);
     }
-    solver.G = c->sigma + c->most * n, solver.sides = n;
+    solver.G = c->sigma + c->max_rows * n, solver.sides = n;
     rbdi_list_unknowns(&solver);
     rbdi_newton_matrix(&solver, RBDI_SIDES_PROXIMAL, c->sigma);
     solved = rbdi_newton_solve(&solver);
@@ -104,7 +105,7 @@ static int rbdi_solve_change(const rbd_model *m, rbd_contact_set *c, rbd_real *r
     return solved;
 }
 
-/* Derivatives of the solution nu by q, v and tau, of those that are not NULL. Returns 0 if one has none. */
+/* Writes the derivatives of the solution nu by q, v and tau, unless NULL. Returns 0 if one does not exist. */
 static int rbdi_differentiate_solution(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
                                        const rbd_real *q, const rbd_real *v, const rbd_real *nu,
                                        const rbd_real *f_ext, int purpose, rbd_real *const dnu[3]) {
@@ -113,13 +114,13 @@ static int rbdi_differentiate_solution(const rbd_model *m, rbd_contact_set *c, r
     for (int x = 0; x < 3; ++x) {
         if (!dnu[x]) continue;
         rbdi_clear(c->sigma, c->rows->rows * m->nv);
-        if (x < 2 && purpose == RBDI_FOR_VELOCITIES) rbdi_change_constraints(m, c, d, v, purpose, 1, x, NULL);
-        if (x == 0) rbdi_change_constraints(m, c, d, nu, purpose, 0, x, dnu[0]);
-        for (const rbdi_dof_row *a = c->dof_row; x == 0 && a < c->dof_row + c->dof_rows; ++a)
-            if (a->row >= 0)
-                c->sigma[a->row * m->nv + a->dof] =
-                    a->side * rbdi_bias_at(c, purpose, a->distance, 0, 0).gain;
-        solved &= rbdi_solve_change(m, c, dnu[x]);
+        if (x < 2 && purpose == RBDI_FOR_VELOCITIES) rbdi_constraint_terms(m, c, d, v, purpose, 1, x, NULL);
+        if (x == 0) rbdi_constraint_terms(m, c, d, nu, purpose, 0, x, dnu[0]);
+        for (const rbdi_dof_row *limit = c->dof_row; x == 0 && limit < c->dof_row + c->dof_rows; ++limit)
+            if (limit->row >= 0)
+                c->sigma[limit->row * m->nv + limit->dof] =
+                    limit->side * rbdi_bias_at(c, purpose, limit->distance, 0, 0).gain;
+        solved &= rbdi_solve_derivatives(m, c, dnu[x]);
     }
     return solved;
 }

@@ -4,17 +4,17 @@
 #include "contact/one_contact.h"
 
 /* ---- laws [laws] ----
-   All contacts and bounded rows together. A sweep of block Gauss-Seidel solves one after the other exactly.
-   As a projection (Alart and Curnier 1991) the laws are p = P(z), z = p - u/d with the normal's d:
+   A sweep of block Gauss-Seidel solves all contacts and bounded rows exactly, one after the other. As a
+   projection (Alart and Curnier 1991) the laws are p = P(z), z = p - u/d with the normal's d:
 
      opens    z_n <= 0                p = 0
      sticks   |z_t| <= mu z_n         p = z
      slips    else                    p = z_n (mu e + n), e = z_t/|z_t|
-     bounded                          p = z, or the bound that z is behind
+     bounded                          p = z, or the bound that z has passed
 
    The residual is the largest |p - P(z)| d: of an open contact d |p|, of one that sticks |u|, of one that
-   slips |u_n| and d times the error of friction. It is in m/s and 0 only where all laws hold. The rounding of
-   u counts too: contacts that jam could else be answered by impulses of any size. */
+   slips |u_n| and d times the error of friction. It is in m/s, and 0 only if all laws hold. It includes the
+   rounding of u; if it did not, impulses of contacts that jam could have any size. */
 
 /* u = b + Delta p. */
 RBDI_PART void rbdi_contact_velocities(rbdi_contact_solver *s) {
@@ -22,7 +22,7 @@ RBDI_PART void rbdi_contact_velocities(rbdi_contact_solver *s) {
     rbdi_subtract_product(s->scratch, s->given.delta, s->rows, s->rows, s->u);
 }
 
-/* Changes p of n rows from number `first` on to x, and u with it. */
+/* Sets p of n rows from row `first` on to x, and changes u with it. */
 RBDI_INLINE void rbdi_change_impulse(rbdi_contact_solver *s, int first, int n, const rbd_real *x) {
     for (int r = first; r < first + n; ++r) {
         const rbd_real less = s->p[r] - x[r - first];
@@ -42,7 +42,7 @@ RBDI_PART void rbdi_sweep_contact(rbdi_contact_solver *s, int i) {
     rbdi_change_impulse(s, 3 * i, 3, x);
 }
 
-/* z of bounded row number i, and P(z). */
+/* P(z) of bounded row i, and its state. */
 RBDI_INLINE rbd_real rbdi_project_bounded(const rbdi_contact_solver *s, int i, rbd_contact_state *state) {
     const int r = 3 * s->given.contacts + i;
     const rbd_real d = s->given.delta[r * s->rows + r],
@@ -54,7 +54,7 @@ RBDI_INLINE rbd_real rbdi_project_bounded(const rbdi_contact_solver *s, int i, r
     return z;
 }
 
-/* One sweep, from the first contact to the last row, or back. */
+/* One sweep, from the first contact to the last row or, if `back`, from the last row to the first contact. */
 RBDI_PART void rbdi_sweep_laws(rbdi_contact_solver *s, int back) {
     const int n = s->given.contacts, all = n + s->given.bounded;
     for (int t = 0; t < all; ++t) {
@@ -86,13 +86,13 @@ RBDI_PART void rbdi_project_contact(rbdi_contact_law *law, const rbd_real *p, co
     to[0] = most * law->e[0], to[1] = most * law->e[1];
 }
 
-/* The larger of two residuals; what is not a number counts as RBDI_UNBOUNDED. */
+/* The larger of two residuals. NaN counts as RBDI_UNBOUNDED. */
 RBDI_INLINE rbd_real rbdi_worse(rbd_real worst, rbd_real error) {
     if (!(error < RBDI_UNBOUNDED)) return rbdi_set(RBDI_UNBOUNDED);
     return error > worst ? error : worst;
 }
 
-/* The states that z has, and the residual. */
+/* The states of z, and the residual. */
 RBDI_PART void rbdi_project_laws(rbdi_contact_solver *s) {
     rbd_real worst = rbdi_zero();
     for (int i = 0; i < s->given.contacts; ++i) {
@@ -114,14 +114,14 @@ RBDI_PART void rbdi_project_laws(rbdi_contact_solver *s) {
     s->solution.residual = worst;
 }
 
-/* u and the residual of p. */
-RBDI_PART void rbdi_contact_judge(rbdi_contact_solver *s) {
+/* u, states and residual of p. */
+RBDI_PART void rbdi_contact_residual(rbdi_contact_solver *s) {
     rbdi_contact_velocities(s);
     rbdi_project_laws(s);
 }
 
-/* Puts p into cones and bounds: iterations leave it outside by the tolerance. At the end contacts that open
-   have none. Returns whether p changed. */
+/* Moves p into cones and bounds, because iterations leave it outside by the tolerance. If `at_end`, contacts
+   that open get 0. Returns whether p changed. */
 RBDI_PART int rbdi_into_cones(rbdi_contact_solver *s, int at_end) {
     int changed = 0;
     for (int i = 0; i < s->given.contacts; ++i) {

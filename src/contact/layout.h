@@ -6,25 +6,25 @@
 
 /* ---- layout [layout] ---- */
 
-/* One contact of a problem: its block of Delta, D = [A c; c' d], and what the law needs of it. */
+/* One contact of a problem: its block of Delta, D = [A c; c' d], and quantities of [one contact]. */
 typedef struct rbdi_contact_law {
     rbd_real A[3], c[2], d; /* A: xx xy yy */
     rbd_real trace;         /* of D */
-    rbd_real l[2], axis[2]; /* S = A - c c'/d: its eigenvalues, and the eigenvector of the first */
-    rbd_real k[2];          /* c/d along S's eigenvectors */
+    rbd_real l[2], axis[2]; /* of S = A - c c'/d: eigenvalues, and the eigenvector of the first */
+    rbd_real k[2];          /* components of c/d along the eigenvectors of S */
     rbd_real friction;      /* mu */
     rbd_real alpha;         /* u_t = -alpha p_t when it last slipped, 1/kg; 0 before */
     rbd_real e[2];          /* direction of friction */
     rbd_contact_state state;
 } rbdi_contact_law;
 
-/* An unknown of a Newton step, [newton]: it changes p by `column` and asks for 0 of `row` times u, both in so
-   many rows of the problem from number `first` on. */
+/* An unknown of a Newton step, [newton]: it changes p by `column`, and its equation is `row` times u = 0,
+   both in so many rows of the problem from row `first` on. */
 typedef struct rbdi_contact_unknown {
     int first, rows;
     rbd_real column[3], row[3];
-    rbd_real alpha; /* what the diagonal has beside Delta */
-    rbd_real scale; /* of the diagonal */
+    rbd_real alpha; /* added to the diagonal */
+    rbd_real scale; /* of the diagonal's entry: the factor of `proximal` */
 } rbdi_contact_unknown;
 
 /* A problem that is being solved. */
@@ -34,13 +34,13 @@ typedef struct rbdi_contact_solver {
     rbdi_contact_law *law;         /* contacts */
     rbd_contact_state *bound;      /* bounded rows: RBD_STICKS between the bounds, else RBD_OPENS */
     rbd_real *p, *u;               /* rows: p is the caller's */
-    rbd_real *start, *aim, *best;  /* rows: impulses before and behind a Newton step, the best so far */
+    rbd_real *start, *full, *best; /* rows: p before a Newton step, after all of it, and the best p */
     rbd_real *scratch;             /* rows */
     rbdi_contact_unknown *unknown; /* rows */
     rbd_real *G;                   /* the matrix of a Newton step, and behind it its right-hand sides */
     int unknowns, sides, stride;   /* of G: rows; right-hand sides; entries from one row to the next */
     int symmetric;                 /* whether G is: no contact slips */
-    rbd_real unmoved;              /* of a bounded row: smaller entries of Delta's diagonal are rounding */
+    rbd_real unmoved;              /* smaller entries of a bounded row on Delta's diagonal are rounding */
     rbd_contact_solution solution;
 } rbdi_contact_solver;
 
@@ -60,45 +60,45 @@ typedef struct rbdi_contact {
     rbd_real force[3];      /* of the last step, world axes */
     int body2;
     int row;      /* of the step, -1 = none */
-    int rebounds; /* in the solution for the velocities */
+    int rebounds; /* whether the solution for the velocities has its rebound */
     rbd_contact_state state;
 } rbdi_contact;
 
 /* A row of one degree of freedom: a limit of its joint or its dry friction. */
 typedef struct rbdi_dof_row {
     int16_t dof, iq;         /* iq: of the limited coordinate, -1 = dry friction */
-    rbd_const lower, upper;  /* limits; of dry friction what it can hold */
+    rbd_const lower, upper;  /* limits, rad or m; the largest forces of dry friction, N m or N */
     rbd_real distance, side; /* to the nearer limit, and the row's sign there */
     int row;                 /* of the step, -1 = none */
 } rbdi_dof_row;
 
-/* A set: all that may be a row stands in a set of constraints, whose rows are laid anew at each step: three
-   of each contact that is near, those that are held, those of single dofs. A row's place is its number if
-   every possible row were present; impulses are kept by place. */
+/* A set of contacts has a set of constraints, whose rows are listed anew at each step: three of each contact
+   that is near, those of held constraints, those of single dofs. A row's place is the number that it has if
+   all rows are present. Impulses are kept by place. */
 struct rbd_contact_set {
     rbd_constraint_set *rows;
     rbd_contact_options options;
-    int n, dof_rows;              /* contacts; rows of dofs at most */
-    int most;                     /* rows at most */
-    int differ;                   /* whether `nu` and `moved` do */
+    int n, dof_rows;              /* numbers of contacts and, at most, of rows of dofs */
+    int max_rows;                 /* rows at most */
+    int differ;                   /* whether `nu` and `moved` differ */
     rbdi_contact *contact;        /* n */
     rbdi_dof_row *dof_row;        /* dof_rows */
-    int16_t *place;               /* most: of each row of the step */
-    rbd_real *impulse;            /* most: of the last step, by place; 0 where it had no row */
+    int16_t *place;               /* max_rows: of each row of the step */
+    rbd_real *impulse;            /* max_rows: of the last step, by place; 0 where it had no row */
     rbd_real *friction;           /* of the step's contacts */
     rbd_real *lower, *upper;      /* of its other rows */
-    rbd_real *b;                  /* most: u without impulses, with the bias */
+    rbd_real *b;                  /* max_rows: u without impulses, with the bias */
     rbd_real *start, *nu, *moved; /* nv each: velocities without forces; of the end; of the positions */
     rbd_real *x;                  /* nv: L^-T dt (tau - c) */
     rbd_real dt, last_dt;         /* of this step; of the last one, 1 = none */
-    rbd_real *sigma;              /* of derivatives: most x nv; then nv x nv, or rows of G; NULL = none */
+    rbd_real *sigma;              /* of derivatives: max_rows x nv; then nv x nv, or rows of G; NULL = none */
     rbdi_contact_solver solver;
 };
 
-/* Cuts n objects off the memory at p, a variable of the caller. */
+/* Takes n objects from the memory at p, a variable of the caller. */
 #define RBDI_CUT(type, n) ((type *)rbdi_take(&p, 1, RBDI_ROUND((size_t)(n) * sizeof(type))))
 
-/* Bytes for n contacts, so many constraints that are held and, at most, `bounded` other rows. */
+/* Bytes for n contacts, so many held constraints and, at most, `bounded` other rows. */
 #define RBDI_CONTACT_SET_BYTES(nv, n, constraints, bounded, stride) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_contact_set)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_contact)) + \
      RBDI_ROUND((size_t)(bounded) * sizeof(rbdi_dof_row)) + \
@@ -108,7 +108,7 @@ struct rbd_contact_set {
      RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded)) + \
      RBDI_CONSTRAINTS_BYTES(nv, (n) + (constraints), RBDI_CONTACT_ROWS(n, bounded), stride))
 
-/* Scalars that the option `derivatives` takes beside: sigma, then M or G. */
+/* Scalars for the option `derivatives`: sigma, then M or G. */
 #define RBDI_CONTACT_SIDES(nv, rows) \
     ((rows) * (nv) + (int)RBDI_LARGER((nv) * (nv), (rows) * ((rows) + (nv) + RBDI_CHUNK)))
 

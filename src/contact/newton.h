@@ -16,11 +16,11 @@
      G dx = -T'u,   G = T' Delta S + diag(alpha) + proximal diag(trace D),   p += S dx                    (3)
 
    `proximal` keeps G regular. Points on one rigid foot make Delta singular; with rounding alone on the
-   diagonal a step wanders through its null space and the states never settle. It acts on the increments, not
-   on p, so the solution is that of the laws as they are. S has mu e where T has none, so G is not symmetric:
-   Gauss with row pivots. Where nothing slips, S = T: Cholesky, in half of the time. */
+   diagonal a step moves far along its null space, and the states never settle. It acts on the increments, not
+   on p, so the solution still obeys the laws. S has mu e where T has 0, so G is not symmetric: Gauss
+   eliminates it, with row pivots. If nothing slips, S = T: Cholesky takes half of the time. */
 
-/* A new unknown of so many rows from number `first` on, of which u shall become 0 in the first. */
+/* A new unknown of so many rows from row `first` on. Its equation is u = 0 in the first of them. */
 RBDI_INLINE rbdi_contact_unknown *rbdi_new_unknown(rbdi_contact_solver *s, int first, int rows,
                                                    rbd_real scale) {
     rbdi_contact_unknown *x = &s->unknown[s->unknowns++];
@@ -29,7 +29,7 @@ RBDI_INLINE rbdi_contact_unknown *rbdi_new_unknown(rbdi_contact_solver *s, int f
     return x;
 }
 
-/* Lists the unknowns (2). The right-hand sides stand behind G's columns, up to a whole batch. */
+/* Lists the unknowns (2). The right-hand sides follow G's columns; rows end with a whole batch. */
 RBDI_PART void rbdi_list_unknowns(rbdi_contact_solver *s) {
     s->symmetric = 1, s->unknowns = 0;
     for (int i = 0; i < s->given.contacts; ++i) {
@@ -62,7 +62,7 @@ RBDI_INLINE const rbd_real *rbdi_newton_row(rbdi_contact_solver *s, const rbdi_c
     return s->scratch;
 }
 
-/* G, or its upper triangle if it is symmetric, and -T'u behind it. u: rows x sides. */
+/* G, or its upper triangle if it is symmetric, followed by -T'u. u: rows x sides. */
 RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, rbd_const proximal, const rbd_real *u) {
     const int n = s->unknowns, stride = s->stride, sides = s->sides;
     rbdi_clear(s->G, n * stride);
@@ -82,7 +82,7 @@ RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, rbd_const proximal, co
     }
 }
 
-/* The largest entry on or below the diagonal of column k comes to the diagonal. Returns 0 if all are 0. */
+/* Brings the largest entry of column k on or below the diagonal to the diagonal. Returns 0 if all are 0. */
 RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int k) {
     rbd_real *own = &s->G[k * s->stride], *best = own, largest = rbdi_zero();
     for (rbd_real *g = own; g < &s->G[s->unknowns * s->stride]; g += s->stride) {
@@ -96,8 +96,8 @@ RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int k) {
     return largest > 0;
 }
 
-/* Eliminates below the diagonal. Returns 0 if G is singular. Rows are eliminated from a whole batch on: the
-   entries that this changes before column k are not read again. */
+/* Eliminates the entries below the diagonal. Returns 0 if G is singular. Rows are changed in whole batches;
+   entries before column k are not read again. */
 RBDI_PART int rbdi_newton_gauss(rbdi_contact_solver *s) {
     const int n = s->unknowns, stride = s->stride;
     for (int k = 0; k < n; ++k) {
@@ -131,7 +131,7 @@ RBDI_PART int rbdi_newton_cholesky(rbdi_contact_solver *s) {
     return 1;
 }
 
-/* dx in place of the right-hand sides. Returns 0 if there is none. */
+/* Replaces the right-hand sides by dx. Returns 0 if G is singular. */
 RBDI_PART int rbdi_newton_solve(rbdi_contact_solver *s) {
     const int n = s->unknowns, stride = s->stride;
     if (!(s->symmetric ? rbdi_newton_cholesky(s) : rbdi_newton_gauss(s))) return 0;
@@ -143,8 +143,8 @@ RBDI_PART int rbdi_newton_solve(rbdi_contact_solver *s) {
     return 1;
 }
 
-/* Puts p where the states say: of open contacts to 0, of slipping ones on the cone along e, rows that are at
-   a bound there; u belongs to p. */
+/* Moves p to where the states have it: 0 for open contacts, on the cone along e for slipping ones, at the
+   bound for rows at a bound. u must be that of p. */
 RBDI_PART void rbdi_onto_cones(rbdi_contact_solver *s) {
     for (int i = 0; i < s->given.contacts; ++i) {
         const rbdi_contact_law *law = &s->law[i];
@@ -172,47 +172,47 @@ RBDI_INLINE void rbdi_copy_rows(const rbdi_contact_solver *s, const rbd_real *fr
     for (int r = 0; r < s->rows; ++r) to[r] = from[r];
 }
 
-/* s->aim: p as a step of all its length has it. Returns 0 if there is none. */
-RBDI_PART int rbdi_newton_aim(rbdi_contact_solver *s, rbd_const proximal) {
+/* Computes s->full, p after a step of full length. Returns 0 if G is singular. */
+RBDI_PART int rbdi_full_step(rbdi_contact_solver *s, rbd_const proximal) {
     rbdi_onto_cones(s);
     rbdi_contact_velocities(s);
     rbdi_list_unknowns(s);
     rbdi_newton_matrix(s, proximal, s->u);
     if (!rbdi_newton_solve(s)) return 0;
     rbdi_add_increments(s, s->p);
-    rbdi_copy_rows(s, s->p, s->aim);
+    rbdi_copy_rows(s, s->p, s->full);
     return 1;
 }
 
-/* The share of a step at which the first contact opens, or the first row comes to its bound. */
+/* The share of the full step at which the first contact opens or the first row reaches its bound. */
 RBDI_PART rbd_real rbdi_share_to_bound(const rbdi_contact_solver *s) {
     const int first = 3 * s->given.contacts;
     rbd_real share = rbdi_set(RBD_C(1));
     for (int r = first > 0 ? 2 : 0; r < s->rows; r += r < first - 1 ? 3 : 1) {
-        const rbd_real from = s->start[r], way = s->aim[r] - from;
-        rbd_real bound = way < 0 ? rbdi_zero() : rbdi_set(RBDI_UNBOUNDED);
-        if (r >= first) bound = way < 0 ? s->given.lower[r - first] : s->given.upper[r - first];
-        if (rbdi_abs(way) * share > rbdi_abs(bound - from)) share = (bound - from) / way;
+        const rbd_real from = s->start[r], step = s->full[r] - from;
+        rbd_real bound = step < 0 ? rbdi_zero() : rbdi_set(RBDI_UNBOUNDED);
+        if (r >= first) bound = step < 0 ? s->given.lower[r - first] : s->given.upper[r - first];
+        if (rbdi_abs(step) * share > rbdi_abs(bound - from)) share = (bound - from) / step;
     }
     return share;
 }
 
-/* A Newton step that makes the residual smaller: by `gain` at least, all of it, up to the first bound, or a
-   share. Returns 0, p, u and states as they were, if there is none. */
+/* Takes a Newton step that reduces the residual to less than `gain` of it: the full step, the step up to the
+   first bound, or a share of the full step. If none does, returns 0, with p, u and states as they were. */
 RBDI_PART int rbdi_newton_step(rbdi_contact_solver *s, rbd_const proximal) {
     const rbd_const gain[4] = {RBD_C(0.98), RBD_C(1), RBD_C(0.9), RBD_C(0.9)},
                     shorter[4] = {RBD_C(1), RBD_C(1), RBD_C(0.3), RBD_C(0.09)};
     const rbd_real before = s->solution.residual;
     rbdi_copy_rows(s, s->p, s->start);
-    for (int i = rbdi_newton_aim(s, proximal) ? 0 : 4; i < 4; ++i) {
+    for (int i = rbdi_full_step(s, proximal) ? 0 : 4; i < 4; ++i) {
         const rbd_real share = i == 1 ? rbdi_share_to_bound(s) : rbdi_set(shorter[i]);
-        for (int r = 0; i > 0 && r < s->rows; ++r) s->p[r] = s->start[r] + (s->aim[r] - s->start[r]) * share;
+        for (int r = 0; i > 0 && r < s->rows; ++r) s->p[r] = s->start[r] + (s->full[r] - s->start[r]) * share;
         (void)rbdi_into_cones(s, 0);
-        rbdi_contact_judge(s);
+        rbdi_contact_residual(s);
         if (s->solution.residual < before * gain[i]) return 1;
     }
     rbdi_copy_rows(s, s->start, s->p);
-    rbdi_contact_judge(s);
+    rbdi_contact_residual(s);
     return 0;
 }
 

@@ -4,8 +4,8 @@
 #include "contact/tolerances.h"
 
 /* ---- one contact [one contact] ----
-   The laws of one contact, exactly, with all other impulses held. w = u - D p is its velocity without its own
-   impulse, D = [A c; c' d].
+   Solves the laws of one contact exactly, with all other impulses held. w = u - D p is its velocity without
+   its own impulse, D = [A c; c' d].
 
      w_n >= 0             p = 0: it opens
      slip                 u_n = 0 and u_t = -alpha p_t: with p0 = -w_n/d > 0, S = A - c c'/d, s = w_t + c p0
@@ -14,11 +14,11 @@
 
      stick                the same with alpha = 0, where p is within the cone
 
-   Along the eigenvectors of S p_t is two divisions. g(alpha) = |p_t| - mu p_n is above 0 at 0 where stick was
-   refused, and not above 0 at |s| (1 + mu (|k_1| + |k_2|)) / (mu p0), k = c/d along the eigenvectors: a root
-   is always between. Newton's method on 1/|p_t| - 1/(mu p_n), which is linear in alpha where S has equal
-   eigenvalues and c = 0; a step out of the bracket becomes a halving. With strong coupling there may be more
-   roots (Painleve): each obeys the laws, and the bracket decides which one comes out. */
+   Along the eigenvectors of S, p_t takes two divisions. g(alpha) = |p_t| - mu p_n is above 0 at alpha = 0,
+   as stick was refused, and not above 0 at |s| (1 + mu (|k_1| + |k_2|)) / (mu p0), k = c/d along the
+   eigenvectors: a root is between. Newton's method finds it, as that of 1/|p_t| - 1/(mu p_n), which is linear
+   in alpha if S has equal eigenvalues and c = 0; a step out of the bracket becomes a halving. With strong
+   coupling there may be more roots (Painleve); each obeys the laws, and the bracket decides which is found. */
 
 /* Eigenvalues and eigenvectors of S = A - c c'/d. */
 RBDI_PART void rbdi_contact_axes(rbdi_contact_law *law) {
@@ -37,7 +37,7 @@ RBDI_PART void rbdi_contact_axes(rbdi_contact_law *law) {
     law->k[0] = law->axis[0] * x + law->axis[1] * y, law->k[1] = law->axis[0] * y - law->axis[1] * x;
 }
 
-/* A contact whose block of Delta starts at D; from one row to the next `stride`. */
+/* Prepares a contact whose block of Delta begins at D, with rows that are `stride` apart. */
 RBDI_PART void rbdi_contact_prepare(rbdi_contact_law *law, const rbd_real *D, int stride, rbd_real friction) {
     const rbd_real *y = D + stride, *n = y + stride, trace = D[0] + y[1] + n[2];
     law->trace = trace, law->friction = friction;
@@ -79,7 +79,7 @@ RBDI_INLINE rbd_real rbdi_slip_newton(const rbdi_contact_law *law, const rbdi_co
     return (1 / x->size - 1 / bound) / (size_rate / (x->size * x->size) - bound_rate / (bound * bound));
 }
 
-/* Finds the root of (1); law->alpha is the first guess, and becomes the root. s is not 0, nor is mu. */
+/* Finds the root of (1). law->alpha is the first guess, and becomes the root. Neither s nor mu is 0. */
 RBDI_PART rbdi_contact_trial rbdi_slip_root(rbdi_contact_law *law, const rbd_real s[2], rbd_real p0) {
     const rbd_real mu = law->friction, size = rbdi_sqrt(s[0] * s[0] + s[1] * s[1]);
     rbd_real low = rbdi_zero(), alpha = law->alpha,

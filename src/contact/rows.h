@@ -7,14 +7,14 @@
 #include "contact/tolerances.h"
 
 /* ---- contact rows [contact rows] ----
-   The rows of a step: contacts first, three each, then what is held, then single dofs. By the factor M = L'DL
-   of [packed matrix], with Y = L^-T J' and x = L^-T dt (tau - c):
+   The rows of a step: contacts first, three each, then held constraints, then single dofs. By the factor
+   M = L'DL of [packed matrix], with Y = L^-T J' and x = L^-T dt (tau - c):
 
        Delta = Y' D^-1 Y,   J nu_0 = J v + Y' D^-1 x,   nu = v + L^-1 D^-1 (x + Y p)                      (4)
 
-   where v has the axes of the step's beginning, [manifold code]. J is that of the place of contact at q. The
-   place moves over a ball, so nothing of dJ/dt has a part in this: a wheel's point accelerates upward, its
-   gap does not. */
+   where v is in the axes of the step's beginning, [manifold code]. J is that of the place of contact at q.
+   The place moves over a ball, so dJ/dt of a point fixed in it has no part in this: the point of a wheel
+   accelerates upward, its gap does not. */
 
 /* World axes of the normal of a constraint. */
 RBDI_INLINE rbdi_v3 rbdi_contact_normal(const rbd_constraint_set *s, const rbdi_constraint *con) {
@@ -23,44 +23,43 @@ RBDI_INLINE rbdi_v3 rbdi_contact_normal(const rbd_constraint_set *s, const rbdi_
     return con->link[1] < 0 ? n : rbdi_mul_t(s->w->kin[con->link[1]].X.E, n);
 }
 
-/* Gap and velocity of approach of a contact; the frame of its constraint comes to the place of contact. */
-static void rbdi_contact_gap(const rbd_constraint_set *s, rbdi_constraint *con, rbdi_contact *a) {
+/* Computes gap and velocity of approach, and moves frame 1 of the constraint to the place of contact. */
+static void rbdi_contact_gap(const rbd_constraint_set *s, rbdi_constraint *con, rbdi_contact *contact) {
     const rbdi_v3 n = rbdi_contact_normal(s, con),
                   x = con->link[0] < 0 ? n : rbdi_mul(s->w->kin[con->link[0]].X.E, n);
     rbdi_station one, two;
-    con->position[0].x = a->point.x - a->radius * (rbd_const)x.x;
-    con->position[0].y = a->point.y - a->radius * (rbd_const)x.y;
-    con->position[0].z = a->point.z - a->radius * (rbd_const)x.z;
+    con->position[0].x = contact->point.x - contact->radius * (rbd_const)x.x;
+    con->position[0].y = contact->point.y - contact->radius * (rbd_const)x.y;
+    con->position[0].z = contact->point.z - contact->radius * (rbd_const)x.z;
     one = rbdi_station_of(s, con, 0), two = rbdi_station_at(s, con->link[1], one.p);
-    a->gap = rbdi_dot(n, rbdi_sub(one.p, rbdi_frame_origin(s, con, 1)));
-    a->approach = rbdi_dot(n, rbdi_sub(one.v, two.v));
+    contact->gap = rbdi_dot(n, rbdi_sub(one.p, rbdi_frame_origin(s, con, 1)));
+    contact->approach = rbdi_dot(n, rbdi_sub(one.v, two.v));
 }
 
-/* Whether something at this distance may be reached within two steps, or is nearer than the margin. */
+/* Whether this distance may become 0 within two steps, or is at most the margin. */
 RBDI_INLINE int rbdi_may_touch(rbd_real distance, rbd_real rate, rbd_real dt, rbd_real margin) {
     return distance <= margin || distance + 2 * dt * rate <= 0;
 }
 
-/* Finds the nearer limit, and whether it is near; dry friction always is. */
-static int rbdi_find_limit(rbdi_dof_row *a, const rbd_real *q, const rbd_real *v, rbd_real dt) {
+/* Finds the nearer limit. Returns whether it is near; dry friction always is. */
+static int rbdi_find_limit(rbdi_dof_row *limit, const rbd_real *q, const rbd_real *v, rbd_real dt) {
     rbd_real below, above;
-    a->distance = rbdi_zero(), a->side = rbdi_set(RBD_C(1));
-    if (a->iq < 0) return 1;
-    below = q[a->iq] - a->lower, above = a->upper - q[a->iq];
-    if (above < below) a->side = -a->side;
-    a->distance = above < below ? above : below;
-    return rbdi_may_touch(a->distance, a->side * v[a->dof], dt, rbdi_set(RBDI_NEAR_LIMIT));
+    limit->distance = rbdi_zero(), limit->side = rbdi_set(RBD_C(1));
+    if (limit->iq < 0) return 1;
+    below = q[limit->iq] - limit->lower, above = limit->upper - q[limit->iq];
+    if (above < below) limit->side = -limit->side;
+    limit->distance = above < below ? above : below;
+    return rbdi_may_touch(limit->distance, limit->side * v[limit->dof], dt, rbdi_set(RBDI_NEAR_LIMIT));
 }
 
-/* s->path: a dof and those that carry it, ascending. Returns how many. */
+/* Writes a dof and its ancestors, ascending, to s->path. Returns how many. */
 static int rbdi_path_to(const rbd_model *m, const rbd_constraint_set *s, int dof) {
     const int n = m->dof[dof].depth + 1;
     for (int t = n - 1; t >= 0; --t, dof = m->dof[dof].lambda) s->path[t] = (int16_t)dof;
     return n;
 }
 
-/* Gives the n rows from this place on the next rows of the step, with entries in these dofs. Returns the
-   first. */
+/* Appends n rows, of this place and those behind it, with entries in these dofs. Returns the first. */
 static int rbdi_open_rows(rbd_contact_set *c, int place, int n, const int16_t *dof, int dofs) {
     rbd_constraint_set *s = c->rows;
     const int row = s->rows;
@@ -73,22 +72,22 @@ static int rbdi_open_rows(rbd_contact_set *c, int place, int n, const int16_t *d
     return row;
 }
 
-/* Lists the rows of the step with their bounds and the impulses to begin with, which are those of the last
-   step, or a share for a step of another length. Returns the number of contacts. */
+/* Lists the rows of the step with their bounds, and the impulses of the last step, times dt over its dt, to
+   begin with. Returns the number of contacts. */
 static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real *q, const rbd_real *v) {
     rbd_constraint_set *s = c->rows;
-    const rbd_real dt = c->dt, share = dt / c->last_dt;
+    const rbd_real dt = c->dt, ratio = dt / c->last_dt;
     int place = 0, contacts;
     for (int k = 0; k < m->nv; ++k) s->span[k].first = s->span[k].end = 0;
     s->rows = 0;
     for (int i = 0; i < c->n; ++i, place += 3) {
         rbdi_constraint *con = &s->constraint[i];
-        rbdi_contact *a = &c->contact[i];
-        rbdi_contact_gap(s, con, a);
-        a->row = con->row = -1, a->state = RBD_APART;
-        if (!rbdi_may_touch(a->gap, a->approach, dt, RBD_C(c->options.margin))) continue;
-        c->friction[s->rows / 3] = rbdi_set(a->friction);
-        a->row = con->row = (int16_t)rbdi_open_rows(c, place, 3, con->dof, con->dofs);
+        rbdi_contact *contact = &c->contact[i];
+        rbdi_contact_gap(s, con, contact);
+        contact->row = con->row = -1, contact->state = RBD_APART;
+        if (!rbdi_may_touch(contact->gap, contact->approach, dt, RBD_C(c->options.margin))) continue;
+        c->friction[s->rows / 3] = rbdi_set(contact->friction);
+        contact->row = con->row = (int16_t)rbdi_open_rows(c, place, 3, con->dof, con->dofs);
     }
     contacts = s->rows / 3;
     for (rbdi_constraint *con = s->constraint + c->n; con < s->constraint + s->n; place += con++->rows) {
@@ -97,20 +96,20 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
             c->upper[r] = rbdi_set(RBDI_UNBOUNDED), c->lower[r] = -c->upper[r];
     }
     for (int i = 0; i < c->dof_rows; ++i) {
-        rbdi_dof_row *a = &c->dof_row[i];
-        const int r = s->rows - 3 * contacts, acts = rbdi_find_limit(a, q, v, dt);
-        a->row = acts ? rbdi_open_rows(c, place + i, 1, s->path, rbdi_path_to(m, s, a->dof)) : -1;
+        rbdi_dof_row *limit = &c->dof_row[i];
+        const int r = s->rows - 3 * contacts, acts = rbdi_find_limit(limit, q, v, dt);
+        limit->row = acts ? rbdi_open_rows(c, place + i, 1, s->path, rbdi_path_to(m, s, limit->dof)) : -1;
         if (!acts) continue;
-        c->lower[r] = a->iq < 0 ? dt * a->lower : rbdi_zero();
-        c->upper[r] = a->iq < 0 ? dt * a->upper : rbdi_set(RBDI_UNBOUNDED);
+        c->lower[r] = limit->iq < 0 ? dt * limit->lower : rbdi_zero();
+        c->upper[r] = limit->iq < 0 ? dt * limit->upper : rbdi_set(RBDI_UNBOUNDED);
     }
     s->stride = rbdi_row_stride(s->rows);
     rbdi_clear(s->lambda, s->stride);
-    for (int r = 0; r < s->rows; ++r) s->lambda[r] = c->impulse[c->place[r]] * share;
+    for (int r = 0; r < s->rows; ++r) s->lambda[r] = c->impulse[c->place[r]] * ratio;
     return contacts;
 }
 
-/* Y = J', and target = -J v of the velocity c->start. */
+/* Y = J', and target = -J c->start. */
 static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     rbdi_clear(s->Y, m->nv * s->stride);
@@ -127,8 +126,8 @@ static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     }
 }
 
-/* Delta of (4), rows x rows, in s->R; first the upper triangle, in rows of s->stride. A row that
-   rounding alone moves gets 0 on the diagonal: nothing gives way there. Last what slip and stiffness add. */
+/* Delta of (4), rows x rows, in s->R; first the upper triangle, in rows of s->stride. Rows that rounding
+   alone moves get 0 on the diagonal: no impulse changes their velocity. Slip and stiffness are added last. */
 static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     const int n = s->rows;
@@ -137,35 +136,35 @@ static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
     for (const rbdi_constraint *con = s->constraint; con < s->constraint + s->n; ++con)
         if (con->row >= 0) rbdi_delta(s, con->dof, con->dofs, con->row, con->rows);
     for (int i = 0; i < c->dof_rows; ++i) {
-        const rbdi_dof_row *a = &c->dof_row[i];
-        if (a->row >= 0) rbdi_delta(s, s->path, rbdi_path_to(m, s, a->dof), a->row, 1);
+        const rbdi_dof_row *limit = &c->dof_row[i];
+        if (limit->row >= 0) rbdi_delta(s, s->path, rbdi_path_to(m, s, limit->dof), limit->row, 1);
     }
     for (int r = 0; r < n; ++r) {
         for (int t = 0; t < r; ++t) delta[r * n + t] = delta[t * n + r];
         for (int t = r; t < n; ++t) delta[r * n + t] = delta[r * s->stride + t];
         if (delta[r * n + r] <= s->noise) delta[r * n + r] = rbdi_zero();
     }
-    for (const rbdi_contact *a = c->contact; a < c->contact + c->n; ++a)
-        for (int j = 0; j < 3 && a->row >= 0; ++j) {
-            rbd_real *d = &delta[(a->row + j) * (n + 1)];
+    for (const rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact)
+        for (int j = 0; j < 3 && contact->row >= 0; ++j) {
+            rbd_real *d = &delta[(contact->row + j) * (n + 1)];
             if (j < 2)
                 *d = *d + RBD_C(c->options.slip) / c->dt;
-            else if (a->stiffness > 0 && a->gap <= 0)
-                *d = *d + 1 / (c->dt * (c->dt * a->stiffness + a->damping));
+            else if (contact->stiffness > 0 && contact->gap <= 0)
+                *d = *d + 1 / (c->dt * (c->dt * contact->stiffness + contact->damping));
         }
 }
 
 /* ---- biases [biases] ----
-   The bias is added to u_n, so that 0 <= p_n, u_n >= 0 is the law in each case:
+   The bias is added to u_n, so that p_n >= 0, u_n >= 0, p_n u_n = 0 is the law in each case:
 
-     apart      gap / dt: it may just touch at the end
-     rigid      0; deeper than the slop, for positions, a share of the depth over dt
+     apart      gap / dt: the gap is at least 0 at the end
+     rigid      0; for positions, below the slop, the option `correction` times the depth below it over dt
      stiff      k gap / (dt k + d), and 1 / (dt (dt k + d)) on Delta's diagonal: together the implicit spring
                 and damper p_n = -dt (k (gap + dt u_n) + d u_n), stable at every dt
      rebounds   for velocities, restitution times the approach
 
-   The option `slip` is the same along the plane: slip / dt on the diagonal, so that u_t + slip p_t / dt
-   is what sticks or slips. */
+   The option `slip` adds a damper along the plane: slip / dt on the diagonal, so that u_t + slip p_t / dt is
+   the velocity that sticks or slips. */
 
 enum { RBDI_FOR_POSITIONS, RBDI_FOR_VELOCITIES };
 
@@ -174,7 +173,7 @@ typedef struct rbdi_bias {
     rbd_real value, gain;
 } rbdi_bias;
 
-/* Of what pushes at this gap: a contact, or a limit at its distance; dry friction, at 0, has none. */
+/* The bias at this gap of a contact, or distance of a limit. Dry friction, at 0, has none. */
 static rbdi_bias rbdi_bias_at(const rbd_contact_set *c, int purpose, rbd_real gap, rbd_const stiffness,
                               rbd_const damping) {
     const rbd_real dt = c->dt, deeper = gap + RBD_C(c->options.slop);
@@ -189,38 +188,39 @@ static rbdi_bias rbdi_bias_at(const rbd_contact_set *c, int purpose, rbd_real ga
     return x;
 }
 
-static rbdi_bias rbdi_contact_bias(const rbd_contact_set *c, int purpose, const rbdi_contact *a) {
-    const rbdi_bias rebound = {a->approach * a->restitution, rbdi_zero()};
-    if (purpose == RBDI_FOR_VELOCITIES && a->rebounds) return rebound;
-    return rbdi_bias_at(c, purpose, a->gap, a->stiffness, a->damping);
+static rbdi_bias rbdi_contact_bias(const rbd_contact_set *c, int purpose, const rbdi_contact *contact) {
+    const rbdi_bias rebound = {contact->approach * contact->restitution, rbdi_zero()};
+    if (purpose == RBDI_FOR_VELOCITIES && contact->rebounds) return rebound;
+    return rbdi_bias_at(c, purpose, contact->gap, contact->stiffness, contact->damping);
 }
 
-/* Of a held row with the error e, which is a penetration to either side. */
+/* The bias of a held row with the error e, which counts as a penetration on either side. */
 static rbdi_bias rbdi_held_bias(const rbd_contact_set *c, int purpose, rbd_real e) {
     rbdi_bias x = rbdi_bias_at(c, purpose, -rbdi_abs(e), 0, 0);
     if (e > 0) x.value = -x.value;
     return x;
 }
 
-/* Writes an entry of c->b, from J nu_0 = -s->b. Returns whether it changes. */
+/* c->b = J nu_0 + bias of a row, where J nu_0 = -s->b. Returns whether it changes. */
 RBDI_INLINE int rbdi_write_bias(rbd_contact_set *c, int row, rbd_real bias) {
     const rbd_real before = c->b[row];
     c->b[row] = bias - c->rows->b[row];
     return c->b[row] < before || c->b[row] > before;
 }
 
-/* c->b. Returns whether it changes. */
+/* Writes c->b of all rows. Returns whether it changes. */
 static int rbdi_write_biases(rbd_contact_set *c, int purpose) {
     const rbd_constraint_set *s = c->rows;
     int changed = 0;
-    for (const rbdi_contact *a = c->contact; a < c->contact + c->n; ++a)
-        if (a->row >= 0) changed |= rbdi_write_bias(c, a->row + 2, rbdi_contact_bias(c, purpose, a).value);
+    for (const rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact)
+        if (contact->row >= 0)
+            changed |= rbdi_write_bias(c, contact->row + 2, rbdi_contact_bias(c, purpose, contact).value);
     for (const rbdi_constraint *con = s->constraint + c->n; con < s->constraint + s->n; ++con)
         for (int r = con->row; r < con->row + con->rows; ++r)
             changed |= rbdi_write_bias(c, r, rbdi_held_bias(c, purpose, s->e[r]).value);
-    for (const rbdi_dof_row *a = c->dof_row; a < c->dof_row + c->dof_rows; ++a)
-        if (a->row >= 0)
-            changed |= rbdi_write_bias(c, a->row, rbdi_bias_at(c, purpose, a->distance, 0, 0).value);
+    for (const rbdi_dof_row *limit = c->dof_row; limit < c->dof_row + c->dof_rows; ++limit)
+        if (limit->row >= 0)
+            changed |= rbdi_write_bias(c, limit->row, rbdi_bias_at(c, purpose, limit->distance, 0, 0).value);
     return changed;
 }
 

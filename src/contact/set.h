@@ -5,7 +5,7 @@
 
 /* ---- set code [set code] ---- */
 
-/* The plane of a contact as frame 2 of its constraint: x and y are tangents, z is the normal. */
+/* Makes the plane of a contact frame 2 of its constraint: x and y are tangents, z is the normal. */
 static void rbdi_place_plane(const rbd_model *m, rbdi_constraint *con, int body2, const double normal[3],
                              double height) {
     double R[9], origin[3], up[3] = {0, 0, 1};
@@ -17,27 +17,26 @@ static void rbdi_place_plane(const rbd_model *m, rbdi_constraint *con, int body2
         for (int r = 0; r < 3; ++r) con->held[i][r] = con->rotation[1][3 * i + r];
 }
 
-/* A contact as a constraint that holds three linear axes. */
-static rbd_constraint rbdi_constraint_of_contact(const rbd_contact *a) {
-    rbd_constraint con = rbdi_constraint_of(a->body1, a->point, a->body2, NULL, 0);
-    con.name = a->name;
+/* The constraint of a contact: it holds three linear axes. */
+static rbd_constraint rbdi_constraint_of_contact(const rbd_contact *from) {
+    rbd_constraint con = rbdi_constraint_of(from->body1, from->point, from->body2, NULL, 0);
+    con.name = from->name;
     return con;
 }
 
-static rbd_status rbdi_check_contact(const rbd_model *m, const rbd_contact *a, int i, rbd_report *report) {
-    const double values[5] = {a->radius, a->friction, a->restitution, a->stiffness, a->damping};
+static rbd_status rbdi_check_contact(const rbd_model *m, const rbd_contact *from, int i, rbd_report *report) {
+    const double values[5] = {from->radius, from->friction, from->restitution, from->stiffness,
+                              from->damping};
     const char *const names[5] = {"radius", "friction", "restitution", "stiffness", "damping"};
-    const rbd_constraint con = rbdi_constraint_of_contact(a);
+    const rbd_constraint con = rbdi_constraint_of_contact(from);
     const rbd_status status = rbdi_check_constraint(m, &con, i, report);
-    if (status) {
-        if (status == RBD_ERR_POSITION) report->error.field = "point";
-        return status;
-    }
-    if (!rbdi_finite(a->normal, 3)) return rbdi_refuse(report, RBD_ERR_AXIS, i, a->name, "normal");
-    if (!rbdi_finite(&a->height, 1)) return rbdi_refuse(report, RBD_ERR_POSITION, i, a->name, "height");
+    if (status == RBD_ERR_POSITION) report->error.field = "point";
+    if (status) return status;
+    if (!rbdi_finite(from->normal, 3)) return rbdi_refuse(report, RBD_ERR_AXIS, i, from->name, "normal");
+    if (!rbdi_finite(&from->height, 1)) return rbdi_refuse(report, RBD_ERR_POSITION, i, from->name, "height");
     for (int j = 0; j < 5; ++j)
         if (!rbdi_finite_positive(&values[j], 1) || (j == 2 && values[j] > 1))
-            return rbdi_refuse(report, RBD_ERR_RANGE, i, a->name, names[j]);
+            return rbdi_refuse(report, RBD_ERR_RANGE, i, from->name, names[j]);
     return RBD_OK;
 }
 
@@ -62,7 +61,7 @@ static rbd_contact_options rbdi_contact_defaults(const rbd_contact_options *give
     return o;
 }
 
-/* The rows of single dofs: limits of one-dof joints, then dry friction. NULL: counts them. */
+/* Lists the rows of single dofs: limits of one-dof joints, then dry friction; NULL: counts them. */
 static int rbdi_list_dof_rows(const rbd_model *m, const rbd_contact_options *o, rbdi_dof_row *row) {
     rbdi_dof_row counted;
     int n = 0;
@@ -108,38 +107,38 @@ static rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work *w,
     return !status && size < least ? rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL) : status;
 }
 
-/* Cuts the arrays of a set off the memory. */
+/* Lays out the arrays of a set in the memory. */
 static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held, int held_rows,
                                           const rbd_contact_options *o, void *memory) {
     const int dof_rows = rbdi_list_dof_rows(m, o, NULL), bounded = held_rows + dof_rows, nv = m->nv;
     unsigned char *p = rbdi_aligned(memory);
     rbd_contact_set *c = RBDI_CUT(rbd_contact_set, 1);
     c->options = *o;
-    c->n = n, c->dof_rows = dof_rows, c->most = 3 * n + bounded;
+    c->n = n, c->dof_rows = dof_rows, c->max_rows = 3 * n + bounded;
     c->contact = RBDI_CUT(rbdi_contact, n);
     c->dof_row = RBDI_CUT(rbdi_dof_row, bounded);
-    c->place = RBDI_CUT(int16_t, c->most);
-    c->friction = RBDI_CUT(rbd_real, n + 2 * bounded + 2 * c->most + 4 * nv), c->lower = c->friction + n;
-    c->upper = c->lower + bounded, c->b = c->upper + bounded, c->impulse = c->b + c->most;
-    c->start = c->impulse + c->most, c->nu = c->start + nv, c->moved = c->nu + nv, c->x = c->moved + nv;
+    c->place = RBDI_CUT(int16_t, c->max_rows);
+    c->friction = RBDI_CUT(rbd_real, n + 2 * bounded + 2 * c->max_rows + 4 * nv), c->lower = c->friction + n;
+    c->upper = c->lower + bounded, c->b = c->upper + bounded, c->impulse = c->b + c->max_rows;
+    c->start = c->impulse + c->max_rows, c->nu = c->start + nv, c->moved = c->nu + nv, c->x = c->moved + nv;
     rbdi_lay_solver(&c->solver, n, bounded, p);
     p += RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded));
-    c->sigma = o->derivatives ? RBDI_CUT(rbd_real, RBDI_CONTACT_SIDES(nv, c->most)) : NULL;
-    c->rows = rbdi_lay_constraints(nv, n + n_held, c->most, p);
+    c->sigma = o->derivatives ? RBDI_CUT(rbd_real, RBDI_CONTACT_SIDES(nv, c->max_rows)) : NULL;
+    c->rows = rbdi_lay_constraints(nv, n + n_held, c->max_rows, p);
     return c;
 }
 
-static void rbdi_place_contact(const rbd_model *m, rbd_contact_set *c, const rbd_contact *a, int i) {
-    const rbd_constraint as = rbdi_constraint_of_contact(a);
+static void rbdi_place_contact(const rbd_model *m, rbd_contact_set *c, const rbd_contact *from, int i) {
+    const rbd_constraint as = rbdi_constraint_of_contact(from);
     rbdi_constraint *con = &c->rows->constraint[i];
     rbdi_contact *to = &c->contact[i];
     rbdi_place_constraint(m, &as, 0, con);
-    rbdi_place_plane(m, con, a->body2, a->normal, a->height);
-    to->body2 = a->body2;
+    rbdi_place_plane(m, con, from->body2, from->normal, from->height);
+    to->body2 = from->body2;
     to->point = con->position[0];
-    to->radius = RBD_C(a->radius), to->friction = RBD_C(a->friction);
-    to->restitution = RBD_C(a->restitution);
-    to->stiffness = RBD_C(a->stiffness), to->damping = RBD_C(a->damping);
+    to->radius = RBD_C(from->radius), to->friction = RBD_C(from->friction);
+    to->restitution = RBD_C(from->restitution);
+    to->stiffness = RBD_C(from->stiffness), to->damping = RBD_C(from->damping);
 }
 
 RBDI_API void rbd_contact_reset(rbd_contact_set *c) {
@@ -147,10 +146,10 @@ RBDI_API void rbd_contact_reset(rbd_contact_set *c) {
     if (!c) return;
     c->last_dt = rbdi_set(RBD_C(1));
     c->solver.solution = none;
-    rbdi_clear(c->impulse, c->most);
-    for (rbdi_contact *a = c->contact; a < c->contact + c->n; ++a) {
-        rbdi_clear(a->force, 3);
-        a->state = RBD_APART, a->gap = rbdi_zero(), a->row = -1;
+    rbdi_clear(c->impulse, c->max_rows);
+    for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
+        rbdi_clear(contact->force, 3);
+        contact->state = RBD_APART, contact->gap = rbdi_zero(), contact->row = -1;
     }
 }
 
@@ -172,7 +171,7 @@ RBDI_API rbd_status rbd_contact_set_init(const rbd_model *m, rbd_work *w, const 
     for (int i = 0; i < n; ++i) rbdi_place_contact(m, c, &list[i], i);
     for (int i = n; i < n + n_held; ++i) {
         rbdi_place_constraint(m, &held[i - n], 0, &c->rows->constraint[i]);
-        c->rows->constraint[i].kp = 1; /* any: derivatives of errors of position are wanted */
+        c->rows->constraint[i].kp = 1; /* any value above 0: derivatives need the position error */
     }
     rbdi_list_dof_rows(m, &o, c->dof_row);
     rbdi_begin_set(m, w, c->rows);

@@ -3,83 +3,83 @@
 #include "contact/newton.h"
 
 /* ---- solver code [solver code] ----
-   One sweep, which is enough where contacts hardly feel each other; then Newton steps; where none makes the
-   residual smaller, some sweeps, twice as many each time. The best p of all is kept. */
+   The first sweep is enough if contacts hardly affect each other. Newton steps follow. If none reduces the
+   residual, some sweeps follow, twice as many each time. The best p of all is kept. */
 
-RBDI_PART int rbdi_contact_left(const rbdi_contact_solver *s) {
+RBDI_PART int rbdi_iterations_left(const rbdi_contact_solver *s) {
     return s->given.iterations - s->solution.sweeps - s->solution.newton_steps;
 }
 
-/* Sweeps forth and back, up to n. Before u is believed it is computed anew: it may have the rounding of far
-   larger impulses. */
-RBDI_PART void rbdi_sweep_some(rbdi_contact_solver *s, int n) {
-    while (n-- > 0 && rbdi_contact_left(s) > 0) rbdi_sweep_laws(s, n & 1);
+/* Up to n sweeps, forth and back. u may have the rounding of far larger impulses, so it is computed anew
+   before a small residual counts. */
+RBDI_PART void rbdi_sweep_back_and_forth(rbdi_contact_solver *s, int n) {
+    while (n-- > 0 && rbdi_iterations_left(s) > 0) rbdi_sweep_laws(s, n & 1);
     rbdi_project_laws(s);
-    if (s->solution.residual <= s->given.tolerance) rbdi_contact_judge(s);
+    if (s->solution.residual <= s->given.tolerance) rbdi_contact_residual(s);
 }
 
-/* Ends with this p: in cones and bounds, 0 where contacts open; one that pushes nevertheless, by less than
-   the tolerance, counts as sticking. Returns whether that solves the problem. */
+/* Ends with this p, moved into cones and bounds, 0 for contacts that open. A contact that opens but pushes,
+   by less than the tolerance, counts as sticking. Returns whether the problem is solved. */
 RBDI_PART int rbdi_contact_end(rbdi_contact_solver *s) {
-    if (rbdi_into_cones(s, 1)) rbdi_contact_judge(s);
+    if (rbdi_into_cones(s, 1)) rbdi_contact_residual(s);
     for (int i = 0; i < s->given.contacts; ++i)
         if (s->law[i].state == RBD_OPENS && s->p[3 * i + 2] > 0) s->law[i].state = RBD_STICKS;
     return s->solution.residual <= s->given.tolerance;
 }
 
-/* p from other impulses, in cones and bounds. */
-RBDI_PART void rbdi_contact_take(rbdi_contact_solver *s, const rbd_real *p) {
+/* Sets p to other impulses, moved into cones and bounds. */
+RBDI_PART void rbdi_set_impulses(rbdi_contact_solver *s, const rbd_real *p) {
     rbdi_copy_rows(s, p, s->p);
     (void)rbdi_into_cones(s, 0);
-    rbdi_contact_judge(s);
+    rbdi_contact_residual(s);
 }
 
-/* Ends a problem that is not solved with the best p, or with none unless that halves the residual: contacts
-   that jam would be answered by impulses that drown the velocities. */
+/* Ends a problem that is not solved with the best p or, unless that halves the residual, with p = 0: contacts
+   that jam would get impulses in whose rounding the velocities are lost. */
 RBDI_PART void rbdi_contact_give_up(rbdi_contact_solver *s) {
     rbd_real least;
     rbdi_clear(s->start, s->rows);
-    rbdi_contact_take(s, s->start);
+    rbdi_set_impulses(s, s->start);
     least = s->solution.residual / 2;
-    rbdi_contact_take(s, s->best);
-    if (!(s->solution.residual < least)) rbdi_contact_take(s, s->start);
+    rbdi_set_impulses(s, s->best);
+    if (!(s->solution.residual < least)) rbdi_set_impulses(s, s->start);
     (void)rbdi_contact_end(s);
 }
 
-/* p and u of a problem that has been laid out, from p. */
+/* Solves a problem from the p that is given. */
 RBDI_PART void rbdi_contact_iterate(rbdi_contact_solver *s) {
     const rbd_const proximal[3] = RBDI_PROXIMAL;
     rbd_real least = rbdi_set(RBDI_UNBOUNDED);
     s->solution.sweeps = s->solution.newton_steps = 0;
     rbdi_clear(s->best, s->rows);
     rbdi_contact_velocities(s);
-    rbdi_sweep_some(s, 1);
+    rbdi_sweep_back_and_forth(s, 1);
     for (int sweeps = 2, tried; s->solution.residual > s->given.tolerance || !rbdi_contact_end(s);) {
         if (s->solution.residual < least) least = s->solution.residual, rbdi_copy_rows(s, s->p, s->best);
-        if (rbdi_contact_left(s) <= 0) {
+        if (rbdi_iterations_left(s) <= 0) {
             rbdi_contact_give_up(s);
             return;
         }
         for (tried = 0; tried < 3 && !rbdi_newton_step(s, proximal[tried]);) ++tried;
         ++s->solution.newton_steps;
         if (tried < 3) continue;
-        rbdi_sweep_some(s, sweeps);
+        rbdi_sweep_back_and_forth(s, sweeps);
         if (sweeps < RBDI_MOST_SWEEPS) sweeps *= 2;
     }
 }
 
-/* Cuts a solver's arrays off the memory. */
+/* Lays out a solver's arrays in the memory. */
 RBDI_PART void rbdi_lay_solver(rbdi_contact_solver *s, int contacts, int bounded, unsigned char *p) {
     const int rows = 3 * contacts + bounded;
     s->law = RBDI_CUT(rbdi_contact_law, contacts);
     s->bound = RBDI_CUT(rbd_contact_state, bounded);
     s->unknown = RBDI_CUT(rbdi_contact_unknown, rows);
     s->u = RBDI_CUT(rbd_real, rows * (rows + 5 + RBDI_CHUNK)), s->start = s->u + rows;
-    s->aim = s->start + rows, s->best = s->aim + rows, s->scratch = s->best + rows;
+    s->full = s->start + rows, s->best = s->full + rows, s->scratch = s->best + rows;
     s->G = s->scratch + rows;
 }
 
-/* Takes a problem, with its defaults, and computes all that stays the same between iterations. */
+/* Takes a problem, sets its defaults, and computes all that does not change between iterations. */
 RBDI_PART void rbdi_contact_begin(rbdi_contact_solver *s, const rbd_contact_problem *given, rbd_real *p) {
     s->given = *given;
     s->rows = 3 * given->contacts + given->bounded;
@@ -101,19 +101,20 @@ RBDI_PART int rbdi_all_finite(const rbd_real *x, int n) {
     return 1;
 }
 
-RBDI_PART rbd_status rbdi_check_problem(const rbd_contact_problem *a, const void *memory, size_t size,
+RBDI_PART rbd_status rbdi_check_problem(const rbd_contact_problem *given, const void *memory, size_t size,
                                         const rbd_real *p) {
-    if (!a) return RBD_ERR_NULL;
-    if (a->contacts < 0 || a->bounded < 0) return RBD_ERR_COUNT;
-    if (!memory || (a->contacts && !a->friction) || (a->bounded && (!a->lower || !a->upper)))
+    if (!given) return RBD_ERR_NULL;
+    if (given->contacts < 0 || given->bounded < 0) return RBD_ERR_COUNT;
+    if (!memory || (given->contacts && !given->friction) ||
+        (given->bounded && (!given->lower || !given->upper)))
         return RBD_ERR_NULL;
-    if (a->contacts + a->bounded > 0 && (!a->delta || !a->b || !p)) return RBD_ERR_NULL;
-    if (size < rbd_contact_solve_size(a->contacts, a->bounded)) return RBD_ERR_MEMORY;
-    if (!(a->tolerance >= 0) || a->iterations < 0) return RBD_ERR_RANGE;
-    for (int i = 0; i < a->contacts; ++i)
-        if (!(a->friction[i] >= 0)) return RBD_ERR_RANGE;
-    for (int i = 0; i < a->bounded; ++i)
-        if (!(a->lower[i] <= a->upper[i])) return RBD_ERR_RANGE;
+    if (given->contacts + given->bounded > 0 && (!given->delta || !given->b || !p)) return RBD_ERR_NULL;
+    if (size < rbd_contact_solve_size(given->contacts, given->bounded)) return RBD_ERR_MEMORY;
+    if (!(given->tolerance >= 0) || given->iterations < 0) return RBD_ERR_RANGE;
+    for (int i = 0; i < given->contacts; ++i)
+        if (!(given->friction[i] >= 0)) return RBD_ERR_RANGE;
+    for (int i = 0; i < given->bounded; ++i)
+        if (!(given->lower[i] <= given->upper[i])) return RBD_ERR_RANGE;
     return RBD_OK;
 }
 

@@ -7,7 +7,7 @@
 
 /* ---- step code [step code] ---- */
 
-/* The state, w->H = L'DL of M + dt damping, and s->x = L^-T dt (tau - c - damping v). */
+/* Computes the state, the factor w->H of M + dt damping, and s->x = L^-T dt (tau - c - damping v). */
 static rbd_status rbdi_contact_free(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
                                     const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                     const rbd_real *damping) {
@@ -29,7 +29,7 @@ static rbd_status rbdi_contact_free(const rbd_model *m, rbd_contact_set *c, cons
     return rbdi_status_of(m, w, doubt, s->x, m->nv);
 }
 
-/* nu from the impulses: (4). */
+/* nu of the impulses by (4). */
 static void rbdi_contact_respond(const rbd_model *m, rbd_contact_set *c, rbd_real *nu) {
     rbd_constraint_set *s = c->rows;
     for (int k = 0; k < m->nv; ++k) s->x[k] = c->x[k];
@@ -37,7 +37,7 @@ static void rbdi_contact_respond(const rbd_model *m, rbd_contact_set *c, rbd_rea
     for (int k = 0; k < m->nv; ++k) nu[k] = c->start[k] + s->x[k];
 }
 
-/* c->moved: the velocities that positions change by. */
+/* Computes c->moved, the velocities by which positions change. */
 static rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
                                        const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                        const rbd_real *damping, rbd_real dt) {
@@ -64,33 +64,35 @@ static rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *c, c
     return RBD_OK;
 }
 
-/* Keeps impulses, states and forces. */
+/* Keeps impulses, states and forces for the next step and the caller. */
 static void rbdi_keep_impulses(rbd_contact_set *c) {
     const rbd_constraint_set *s = c->rows;
     c->last_dt = c->dt;
-    rbdi_clear(c->impulse, c->most);
+    rbdi_clear(c->impulse, c->max_rows);
     for (int r = 0; r < s->rows; ++r) c->impulse[c->place[r]] = s->lambda[r];
     for (int i = 0; i < c->n; ++i) {
-        rbdi_contact *a = &c->contact[i];
+        rbdi_contact *contact = &c->contact[i];
         rbdi_axes_held h;
-        for (int j = 0; j < 3; ++j) a->force[j] = rbdi_zero();
-        if (a->row < 0) continue;
-        a->state = c->solver.law[a->row / 3].state;
+        for (int j = 0; j < 3; ++j) contact->force[j] = rbdi_zero();
+        if (contact->row < 0) continue;
+        contact->state = c->solver.law[contact->row / 3].state;
         rbdi_set_axes(s, &s->constraint[i], &h);
         for (int r = 0; r < 3; ++r)
             for (int j = 0; j < 3; ++j)
-                a->force[j] = a->force[j] + h.axis[3 + j][r] * s->lambda[a->row + r] / c->dt;
+                contact->force[j] =
+                    contact->force[j] + h.axis[3 + j][r] * s->lambda[contact->row + r] / c->dt;
     }
 }
 
-/* c->nu: the velocities of the end, in the axes of the beginning. They differ from c->moved where penetration
-   was taken back, or a contact that pushed rebounds. A set that overflowed forgets its impulses. */
+/* Computes c->nu, the velocities at the end, in the axes of the beginning. They differ from c->moved if
+   penetration was corrected, or a contact that pushed rebounds. Overflow clears the set's impulses. */
 static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
     int finite = 1;
-    for (rbdi_contact *a = c->contact; a < c->contact + c->n; ++a)
-        a->rebounds = a->row >= 0 && a->restitution > 0 && a->approach < -RBD_C(c->options.bounce) &&
-                      c->rows->lambda[a->row + 2] > 0;
+    for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact)
+        contact->rebounds = contact->row >= 0 && contact->restitution > 0 &&
+                            contact->approach < -RBD_C(c->options.bounce) &&
+                            c->rows->lambda[contact->row + 2] > 0;
     for (int k = 0; k < m->nv; ++k) c->nu[k] = c->moved[k];
     c->differ = rbdi_write_biases(c, RBDI_FOR_VELOCITIES);
     if (c->differ) {
@@ -108,7 +110,7 @@ static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) 
     return finite ? RBD_OK : RBD_ERR_NAN;
 }
 
-/* The state after the step; after an error q and 0. */
+/* Writes the state after the step; after an error, q and v = 0. */
 static void rbdi_contact_move(const rbd_model *m, const rbd_contact_set *c, rbd_status status,
                               const rbd_real *q, rbd_real *q_next, rbd_real *v_next) {
     for (const rbdi_frame *u = m->frame; u < m->frame + m->nb && !status; ++u) {

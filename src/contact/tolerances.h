@@ -4,9 +4,9 @@
 
 /* ---- tolerances [tolerances] ---- */
 
-/* RBDI_UNMOVED: a block's entry below this share of its trace is rounding: nothing gives way there.
-   RBDI_PROXIMAL: what Newton adds to the diagonal, a share of the trace: [newton]. RBDI_SIDES_PROXIMAL: the
-   same of derivatives, whose relative error is that times the condition of G. */
+/* RBDI_UNMOVED: an entry of a block below this share of its trace is rounding, so no impulse changes that
+   velocity. RBDI_PROXIMAL: share of the trace that Newton steps add to the diagonal, [newton].
+   RBDI_SIDES_PROXIMAL: the same for derivatives, whose relative error is that times the condition of G. */
 #define RBDI_UNMOVED (16 * RBDI_EPS)
 #define RBDI_SIDES_PROXIMAL (512 * RBDI_EPS)
 #if RBDI_KIND(RBD_CONST) == 2
@@ -17,10 +17,10 @@
 #define RBDI_CONTACT_TOLERANCE RBD_C(1e-6)
 #endif
 #define RBDI_CONTACT_ITERATIONS 40
-#define RBDI_NEAR_LIMIT RBD_C(0.02) /* rad or m: limits that are nearer are rows */
+#define RBDI_NEAR_LIMIT RBD_C(0.02) /* rad or m: nearer limits are rows */
 
-#define RBDI_ROOT_STEPS 60           /* of the root of one contact, which needs six on average */
-#define RBDI_FASTEST_SLIP RBD_C(1e9) /* alpha over d: faster slip is slip without friction */
+#define RBDI_ROOT_STEPS 60           /* for the root of one contact, six on average */
+#define RBDI_FASTEST_SLIP RBD_C(1e9) /* largest alpha / d: as without friction */
 #define RBDI_MOST_SWEEPS 32          /* between two Newton steps */
 #define RBDI_FASTEST RBD_C(1e12)     /* m/s or rad/s; faster has overflowed, or would */
 #define RBDI_UNBOUNDED RBD_C(1e30)   /* as a bound: none; as a residual: none could be computed */

@@ -281,8 +281,7 @@ RBDI_INLINE void rbdi_copy(const rbd_real *x, int n, rbd_real *y) {
     for (; k + RBDI_BATCH <= n; k += RBDI_BATCH) *(rbdi_batch *)&y[k] = *(const rbdi_batch *)&x[k];
     for (; k < n; ++k) y[k] = x[k];
 }
-/* Copies v or a into the lanes, which have the same order, from dof k on: dof 0 or, behind a free base, the
-   first. */
+/* Copies v or a into the lanes, which have the same order, from dof k on: 0 or the first behind a base. */
 RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v, rbd_real *out) {
     const int n = d->n;
     for (; k < d->base; ++k) out[d->entry[k].at] = v[k];

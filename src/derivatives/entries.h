@@ -87,8 +87,7 @@ RBDI_INLINE void rbdi_put_lanes(const rbdi_batch *y, rbdi_bits lanes, int want, 
     }
 }
 
-/* The row of the dof at e, from the columns behind a free base on: a batch of entries for each of its
-   relatives. */
+/* The row of the dof at e, from the columns behind a free base on: the batches of its relatives. */
 RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, const rbdi_relatives *rel,
                               int want, rbdi_wanted row) {
     const rbd_real *x = (const rbd_real *)columns;

@@ -7,8 +7,7 @@
 /* ---- memory [memory code] ---- */
 
 /* 6 if the model has a free base without rotors, with all other dofs in its subtree, else 0. Its coordinates
-   come first. The torque of a rotor depends on v_dot, not on v_dot + w x v - gravity, the unknown of [forward
-   dynamics code]. */
+   come first. The torque of a rotor depends on v_dot, which is not the unknown of [forward dynamics code]. */
 RBDI_INLINE int rbdi_free_dofs(const rbd_model *m) {
     const rbdi_link *l = m->link;
     return m->nl > 0 && !rbdi_mimics(m) && rbdi_is(l, RBDI_BLOCK) && !(rbdi_flags(l) & RBDI_ARMATURE) &&
@@ -39,8 +38,7 @@ RBDI_INLINE int rbdi_slides(const rbd_model *m, const rbdi_link *l, int k) {
                                   : rbdi_is(l, RBDI_SCREW) && !(l->rho > 0);
 }
 
-/* Constants of link i's dofs. The last dof has the link's inertia, in axes cycled so that z is that dof's
-   axis. */
+/* Constants of link i's dofs. The last dof has the link's inertia, in axes cycled so that z is its axis. */
 RBDI_PART void rbdi_init_constants(const rbd_model *m, rbd_derivatives *d, int i) {
     const rbdi_link *l = &m->link[i];
     const int last = rbdi_last_dof(m, i), z = rbdi_dof_axis(m, l, last);
