@@ -442,7 +442,7 @@ RBDI_CODE_BEGIN
    as stick was refused, and not above 0 at |s| (1 + mu (|k_1| + |k_2|)) / (mu p0), k = c/d along the
    eigenvectors: a root is between. Newton's method finds it, as that of 1/|p_t| - 1/(mu p_n), which is linear
    in alpha if S has equal eigenvalues and c = 0; a step out of the bracket becomes a halving. With strong
-   coupling there may be more roots (Painleve); each obeys the laws, and the bracket decides which is found. */
+   coupling there may be more roots (Painleve); each obeys the laws, and the bracket decides. */
 
 /* Eigenvalues and eigenvectors of S = A - c c'/d. */
 RBDI_PART void rbdi_contact_axes(rbdi_contact_law *law) {
@@ -1255,13 +1255,13 @@ RBDI_INLINE rbdi_v3 rbdi_contact_normal(const rbd_constraint_set *s, const rbdi_
 static void rbdi_contact_gap(const rbd_constraint_set *s, rbdi_constraint *con, rbdi_contact *contact) {
     const rbdi_v3 n = rbdi_contact_normal(s, con),
                   x = con->link[0] < 0 ? n : rbdi_mul(s->w->kin[con->link[0]].X.E, n);
-    rbdi_station one, two;
+    rbdi_relative_motion relative;
     con->position[0].x = contact->point.x - contact->radius * (rbd_const)x.x;
     con->position[0].y = contact->point.y - contact->radius * (rbd_const)x.y;
     con->position[0].z = contact->point.z - contact->radius * (rbd_const)x.z;
-    one = rbdi_station_of(s, con, 0), two = rbdi_station_at(s, con->link[1], one.p);
-    contact->gap = rbdi_dot(n, rbdi_sub(one.p, rbdi_frame_origin(s, con, 1)));
-    contact->approach = rbdi_dot(n, rbdi_sub(one.v, two.v));
+    relative = rbdi_relative_motion_of(s, con);
+    contact->gap = rbdi_dot(n, rbdi_sub(relative.body[0].p, rbdi_frame_origin(s, con, 1)));
+    contact->approach = rbdi_dot(n, relative.velocity.v);
 }
 
 /* Whether this distance may become 0 within two steps, or is at most the margin. */

@@ -3,8 +3,8 @@
 #include "motion/kinematics.h"
 #include "constraints/layout.h"
 
-/* Interface: rbdi_add_held, rbdi_axes_held, rbdi_frame_origin, rbdi_set_axes, rbdi_station, rbdi_station_at,
-   rbdi_station_of */
+/* Interface: rbdi_add_held, rbdi_axes_held, rbdi_frame_origin, rbdi_relative_motion, rbdi_relative_motion_of,
+   rbdi_set_axes */
 
 /* ---- kinematics [kinematics] ---- */
 
@@ -35,13 +35,10 @@ RBDI_INLINE rbdi_station rbdi_station_at(const rbd_constraint_set *c, int link, 
     return at;
 }
 
-/* Origin of a constraint's frame in the world, and its motion. */
+/* Origin of a constraint's frame in the world. */
 RBDI_INLINE rbdi_v3 rbdi_frame_origin(const rbd_constraint_set *c, const rbdi_constraint *con, int side) {
     const rbdi_v3 origin = rbdi_vec_c(con->position[side]);
     return con->link[side] < 0 ? origin : rbdi_point_p(&c->w->kin[con->link[side]], origin);
-}
-RBDI_ONCE rbdi_station rbdi_station_of(const rbd_constraint_set *c, const rbdi_constraint *con, int side) {
-    return rbdi_station_at(c, con->link[side], rbdi_frame_origin(c, con, side));
 }
 
 /* Motion of the bodies at the origin of frame 1. */
@@ -50,18 +47,17 @@ typedef struct rbdi_relative_motion {
     rbdi_motion velocity, rate; /* of body 1 relative to body 2, and its rate in axes that turn with body 2 */
 } rbdi_relative_motion;
 
-RBDI_INLINE rbdi_v3 rbdi_twice(rbdi_v3 a) { return rbdi_add(a, a); }
-
 RBDI_ONCE rbdi_relative_motion rbdi_relative_motion_of(const rbd_constraint_set *c,
                                                        const rbdi_constraint *con) {
-    const rbdi_station one = rbdi_station_of(c, con, 0), two = rbdi_station_at(c, con->link[1], one.p);
+    const rbdi_v3 p = rbdi_frame_origin(c, con, 0);
+    const rbdi_station one = rbdi_station_at(c, con->link[0], p), two = rbdi_station_at(c, con->link[1], p);
     rbdi_relative_motion x;
     x.body[0] = one, x.body[1] = two;
     x.velocity.omega = rbdi_sub(one.omega, two.omega), x.velocity.v = rbdi_sub(one.v, two.v);
     x.rate.omega = rbdi_sub(one.omega_dot, two.omega_dot), x.rate.v = rbdi_sub(one.acc, two.acc);
     if (con->link[1] >= 0) {
         x.rate.omega = rbdi_sub(x.rate.omega, rbdi_cross(two.omega, x.velocity.omega));
-        x.rate.v = rbdi_sub(x.rate.v, rbdi_cross(two.omega, rbdi_twice(x.velocity.v)));
+        x.rate.v = rbdi_sub(x.rate.v, rbdi_cross(two.omega, rbdi_add(x.velocity.v, x.velocity.v)));
     }
     return x;
 }

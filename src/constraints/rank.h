@@ -166,10 +166,11 @@ static rbd_real rbdi_sum_abs(rbdi_v3 x) { return rbdi_abs(x.x) + rbdi_abs(x.y) +
 /* A bound on the terms of a constraint's target. J v, gamma and e in it are differences, so they may be far
    smaller than their terms. */
 static rbd_real rbdi_motion_size(const rbd_constraint_set *c, const rbdi_constraint *con) {
-    const rbdi_station one = rbdi_station_of(c, con, 0), two = rbdi_station_of(c, con, 1);
+    const rbdi_relative_motion x = rbdi_relative_motion_of(c, con);
+    const rbdi_station one = x.body[0], two = x.body[1];
     const rbd_real w = rbdi_sum_abs(one.omega) + rbdi_sum_abs(two.omega),
                    v = w + rbdi_sum_abs(one.v) + rbdi_sum_abs(two.v),
-                   p = rbdi_sum_abs(one.p) + rbdi_sum_abs(two.p) + RBD_C(1);
+                   p = rbdi_sum_abs(one.p) + rbdi_sum_abs(rbdi_frame_origin(c, con, 1)) + RBD_C(1);
     const rbd_real turning = rbdi_sum_abs(one.omega_dot) + rbdi_sum_abs(two.omega_dot),
                    moving = rbdi_sum_abs(one.acc) + rbdi_sum_abs(two.acc);
     return turning + moving + v * (w + (RBD_C(1) + con->kd)) + p * con->kp;

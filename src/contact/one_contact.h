@@ -18,7 +18,7 @@
    as stick was refused, and not above 0 at |s| (1 + mu (|k_1| + |k_2|)) / (mu p0), k = c/d along the
    eigenvectors: a root is between. Newton's method finds it, as that of 1/|p_t| - 1/(mu p_n), which is linear
    in alpha if S has equal eigenvalues and c = 0; a step out of the bracket becomes a halving. With strong
-   coupling there may be more roots (Painleve); each obeys the laws, and the bracket decides which is found. */
+   coupling there may be more roots (Painleve); each obeys the laws, and the bracket decides. */
 
 /* Eigenvalues and eigenvectors of S = A - c c'/d. */
 RBDI_PART void rbdi_contact_axes(rbdi_contact_law *law) {
