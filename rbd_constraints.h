@@ -672,7 +672,7 @@ RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraint_set *c
     rbdi_kin_of_paths(m, c, v, 1);
 }
 
-/* Clears J v, gamma, e, and Y and R, of which articulated bodies read entries that they do not write. */
+/* Clears J v, gamma, e, Y and R. Articulated bodies read entries of Y and R that they do not write. */
 static void rbdi_clear_rows(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_clear(c->Y, m->nv * c->stride);
     rbdi_clear(c->R, c->rows * c->stride);
@@ -754,7 +754,7 @@ RBDI_INLINE void rbdi_delta_rows(const rbd_constraint_set *c, const int16_t *dof
     }
     for (int r = 0; r < n; ++r) R[r * stride + c->rows] = c->b[i + r];
 }
-/* The same for any number of rows, of which the compiler knows blocks of 6 and 3. dof: ascending. */
+/* The same for any number of rows, in blocks of 6 and 3 as constants for the compiler. dof: ascending. */
 static void rbdi_delta(const rbd_constraint_set *c, const int16_t *dof, int dofs, int row, int rows) {
     for (int i = row, n; i < row + rows; i += n) {
         n = row + rows - i >= 6 ? 6 : row + rows - i >= 3 ? 3 : 1;
@@ -829,7 +829,7 @@ static rbdi_mask rbdi_factor_delta(const rbd_model *m, rbd_constraint_set *c) {
        Z P = Q R,    Delta = P R' R P'
 
    by Householder's reflections with column pivoting (Golub and Van Loan, Matrix Computations, section 5.4.2).
-   A row of a constraint is a column of Z. Each step takes the row of which the largest share is independent
+   A row of a constraint is a column of Z. Each step takes the row with the largest share that is independent
    of the rows taken before, and P exchanges it with the row in its place. So the state decides the order, not
    the caller. Once the largest share is rounding ([tolerances]), all remaining rows depend on those taken:
    they are dropped, 1/R_tt = 0.

@@ -255,7 +255,7 @@ RBDI_EXTERN_C_END
 typedef struct rbdi_columns rbdi_columns;     /* of a batch of dofs: quantities that depend on the state */
 typedef struct rbdi_constants rbdi_constants; /* of a batch of dofs: constants */
 
-/* Dofs of which each is the parent of the next, without branches; or the dofs of one block. In this header
+/* A chain of dofs without branches, each the parent of the next; or the dofs of one block. In this header
    dofs are numbered in the solver's order. */
 typedef struct rbdi_segment {
     int16_t first, end; /* its dofs are first .. end - 1 */
@@ -1830,8 +1830,8 @@ RBDI_INLINE void rbdi_add_skew(rbd_real *out, ptrdiff_t nv, rbdi_v3 s) {
         out[j] = out[j] - x[k], out[k] = out[k] + x[j];
     }
 }
-/* Replaces y, in d->a, by a, and the derivatives of y, each of which may be NULL, by those of a. v: velocity
-   of the base. */
+/* Replaces y, in d->a, by a, and the derivatives of y by those of a. Either may be NULL. v: velocity of the
+   base. */
 RBDI_PART void rbdi_from_base(const rbd_model *m, const rbd_derivatives *d, const rbd_real *v, rbd_real *by_q,
                               rbd_real *by_v) {
     const ptrdiff_t nv = m->nv;

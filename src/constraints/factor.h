@@ -68,7 +68,7 @@ RBDI_INLINE void rbdi_delta_rows(const rbd_constraint_set *c, const int16_t *dof
     }
     for (int r = 0; r < n; ++r) R[r * stride + c->rows] = c->b[i + r];
 }
-/* The same for any number of rows, of which the compiler knows blocks of 6 and 3. dof: ascending. */
+/* The same for any number of rows, in blocks of 6 and 3 as constants for the compiler. dof: ascending. */
 static void rbdi_delta(const rbd_constraint_set *c, const int16_t *dof, int dofs, int row, int rows) {
     for (int i = row, n; i < row + rows; i += n) {
         n = row + rows - i >= 6 ? 6 : row + rows - i >= 3 ? 3 : 1;

@@ -11,7 +11,7 @@
        Z P = Q R,    Delta = P R' R P'
 
    by Householder's reflections with column pivoting (Golub and Van Loan, Matrix Computations, section 5.4.2).
-   A row of a constraint is a column of Z. Each step takes the row of which the largest share is independent
+   A row of a constraint is a column of Z. Each step takes the row with the largest share that is independent
    of the rows taken before, and P exchanges it with the row in its place. So the state decides the order, not
    the caller. Once the largest share is rounding ([tolerances]), all remaining rows depend on those taken:
    they are dropped, 1/R_tt = 0.

@@ -67,7 +67,7 @@ RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraint_set *c
     rbdi_kin_of_paths(m, c, v, 1);
 }
 
-/* Clears J v, gamma, e, and Y and R, of which articulated bodies read entries that they do not write. */
+/* Clears J v, gamma, e, Y and R. Articulated bodies read entries of Y and R that they do not write. */
 static void rbdi_clear_rows(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_clear(c->Y, m->nv * c->stride);
     rbdi_clear(c->R, c->rows * c->stride);

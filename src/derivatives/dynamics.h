@@ -118,8 +118,8 @@ RBDI_INLINE void rbdi_add_skew(rbd_real *out, ptrdiff_t nv, rbdi_v3 s) {
         out[j] = out[j] - x[k], out[k] = out[k] + x[j];
     }
 }
-/* Replaces y, in d->a, by a, and the derivatives of y, each of which may be NULL, by those of a. v: velocity
-   of the base. */
+/* Replaces y, in d->a, by a, and the derivatives of y by those of a. Either may be NULL. v: velocity of the
+   base. */
 RBDI_PART void rbdi_from_base(const rbd_model *m, const rbd_derivatives *d, const rbd_real *v, rbd_real *by_q,
                               rbd_real *by_v) {
     const ptrdiff_t nv = m->nv;

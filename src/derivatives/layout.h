@@ -9,7 +9,7 @@
 typedef struct rbdi_columns rbdi_columns;     /* of a batch of dofs: quantities that depend on the state */
 typedef struct rbdi_constants rbdi_constants; /* of a batch of dofs: constants */
 
-/* Dofs of which each is the parent of the next, without branches; or the dofs of one block. In this header
+/* A chain of dofs without branches, each the parent of the next; or the dofs of one block. In this header
    dofs are numbered in the solver's order. */
 typedef struct rbdi_segment {
     int16_t first, end; /* its dofs are first .. end - 1 */
