@@ -102,6 +102,9 @@ RBDI_INLINE rbdi_mask rbdi_factor_row(rbd_constraint_set *c, int t, rbd_real noi
     rbdi_batches two = rbdi_less_rows(c, t, t);
     *(rbdi_batch *)&R[t] = two.first;
     doubt = rbdi_not(rbdi_less(least, R[t]));
+#ifdef RBDI_ROWS /* rbd-codegen: the verdict comes behind what is recorded */
+    RBDI_ROWS(pivot)(R[t], least);
+#endif
     c->R_inverse[t] = inverse = rbdi_sqrt(rbdi_reciprocal(R[t], RBDI_TINY, &none));
     for (int j = t;;) {
         *(rbdi_batch *)&R[j] = two.first * inverse, *(rbdi_batch *)&R[j + RBDI_BATCH] = two.second * inverse;

@@ -59,6 +59,22 @@ expect 1 "--algorithm pose:lbr_iiwa_link7: the robot has no link 'lbr_iiwa_link7
     --algorithm id,pose:lbr_iiwa_link7 "$iiwa"
 expect 1 "--algorithm pose:world: link 'world' is the world and no body" --algorithm pose:world "$iiwa"
 expect 2 "--algorithm: 'id' stands twice$see" --algorithm id,rnea a
+expect 2 "--algorithm: 'impact' needs --constraints FILE$see" --algorithm id,impact a
+expect 2 "--constraints: no algorithm of the list takes them$see" --constraints feet.csv a
+expect 2 "--passive: 'constrained_id' is not in the list$see" --passive x --algorithm impact --constraints feet.csv a
+expect 1 "nowhere.csv: No such file or directory" --algorithm impact --constraints nowhere.csv "$iiwa"
+printf 'body1,x1,axes\nlf_lowerleg,0.33,000111\nlf_lowerleg,0.2,000111\n' >twice.csv
+printf 'body1,axes\nright_rod,000101\nleft_rod,000111\n' >sideways.csv
+hyq=$root/models/hyq.urdf five_bar=$root/models/five_bar.urdf
+expect 1 "--passive: the robot has no joint 'left_elbo' that moves; did you mean 'left_elbow'?" --passive left_elbo \
+    --algorithm constrained_id --constraints "$root/models/five_bar_loop.csv" "$five_bar"
+expect 1 "twice.csv: the 6 rows depend on each other in every state tried, their rank is 5: hold fewer axes, or call rbd.h" \
+    --floating --algorithm constrained --constraints twice.csv "$hyq"
+expect 1 "row 3 of the constraints is 0 in every state: hold fewer axes" --algorithm impact --constraints sideways.csv "$five_bar"
+expect 1 "twice.csv: row 2: column 'body1': the robot has no link 'lf_lowerleg'" --algorithm impact --constraints twice.csv "$iiwa"
+printf 'body1,axes,kp\nlbr_iiwa_link_7,111000,9\n' >turns.csv
+expect 1 "--reproducible: not with kp of one or three angular axes" --reproducible --algorithm constrained --constraints turns.csv "$iiwa"
+expect 1 "--reproducible: not with constrained_id" --reproducible --algorithm constrained_id --constraints turns.csv "$iiwa"
 expect 1 "--output: there is no folder 'nowhere/at/all'" --output nowhere/at/all "$iiwa"
 expect 1 "--output: there is no folder '/dev/null'" --output /dev/null "$iiwa"
 mkdir -p there/iiwa_code.h
@@ -112,12 +128,22 @@ if command -v tcc >/dev/null; then
         tcc -DTINY_SELFTEST -DTINY_SELFTEST_MAIN -o test tiny_code.c -lm && ./test >out || { fail "tcc: $bounded"; cat out; }
     done
 fi
-selftest hyq --floating --algorithm id,fd --block 300 "$root/models/hyq.urdf"
+selftest hyq --floating --algorithm id,fd --block 300 "$hyq"
 selftest pairs --scalar float --floating --limbs 4 --f-ext --algorithm id,minv "$root/models/atlas.urdf"
 grep -q "^#define LIMBS 2" pairs_code.c || fail "the pairs of limbs are not computed at once"
-selftest legs --floating --limbs 4 --algorithm id,mm_packed,fd --block 100 "$root/models/hyq.urdf"
+selftest legs --floating --limbs 4 --algorithm id,mm_packed,fd --block 100 "$hyq"
 grep -q "^#define LIMBS 4" legs_code.c || fail "the four legs are not computed at once"
 grep -q "Of these [0-9]* are of 4 limbs" legs_code.h || fail "the header does not say what is done at once"
+printf 'body1,x1,axes\nlf_lowerleg,0.33,000111\nrf_lowerleg,0.33,000111\nlh_lowerleg,0.33,000111\nrh_lowerleg,0.33,000111\n' >feet.csv
+selftest feet --floating --limbs 4 --bounded-angles --algorithm constrained,impact --constraints feet.csv "$hyq"
+grep -q "before it, or nearly: it returns 1 + FEET_NV + this row" feet_code.h || fail "nor how rows are judged"
+printf 'body1,x1,z1,axes\nl_foot,0.05,-0.08,111111\nr_foot,0.05,-0.08,111111\n' >flat.csv
+selftest flat --floating --limbs 2 --algorithm constrained --constraints flat.csv "$root/models/atlas.urdf"
+selftest walks --floating --bounded-angles --algorithm constrained_id --constraints feet.csv "$hyq"
+selftest pin --scalar float --passive left_elbow --passive right_elbow --algorithm impact,constrained_id \
+    --constraints "$root/models/five_bar_loop.csv" "$five_bar"
+selftest loop --scalar float --lanes 2 --algorithm fd,constrained,impact --constraints "$root/models/five_bar_loop.csv" "$five_bar"
+selftest held --algorithm constrained --constraints turns.csv "$iiwa"
 selftest none --limbs 2 --algorithm gravity_torque "$iiwa"
 grep -q "LIMBS" none_code.c && fail "like limbs of an arm"
 selftest cart --lanes 4 --f-ext --gravity-argument --algorithm $all "$root/models/cart_pole.urdf"

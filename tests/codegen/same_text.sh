@@ -48,12 +48,14 @@ compare() { # MODEL ARGUMENT...
         compared=$((compared + 1))
     done
 }
-all=$("$rbd_codegen" --help | tr ' ' '\n' | sed -n '/^id$/,/^--scalar$/p' | grep -v ':LINK\|^--\|^$' | paste -sd,)
-compare iiwa --scalar float --bounded-angles --short-sums --algorithm "$all,jacobian:lbr_iiwa_link_7,pose:lbr_iiwa_link_7"
-compare five_bar --lanes 4 --f-ext --bounded-angles --block 50 --algorithm "$all"
-compare hyq --floating --algorithm "$all"
-compare hyq --floating --reproducible --scalar float --algorithm "$all"
-compare hyq --floating --limbs 4 --gravity-argument --algorithm "$all"
+printf 'body1,x1,axes\nlf_lowerleg,0.33,000111\nrh_lowerleg,0.33,000111\n' >feet.csv
+printf 'body1,axes,kp\nlbr_iiwa_link_7,111000,9\n' >hand.csv
+all=$("$rbd_codegen" --help | tr ' ' '\n' | sed -n '/^id$/,/^--constraints$/p' | grep -v ':LINK\|^--\|^$' | paste -sd,)
+compare iiwa --scalar float --bounded-angles --short-sums --constraints hand.csv --algorithm "$all,jacobian:lbr_iiwa_link_7,pose:lbr_iiwa_link_7"
+compare five_bar --lanes 4 --f-ext --bounded-angles --block 50 --constraints "$root/models/five_bar_loop.csv" --algorithm "$all"
+compare hyq --floating --constraints feet.csv --algorithm "$all"
+compare hyq --floating --reproducible --scalar float --constraints feet.csv --algorithm "${all%,constrained_id}"
+compare hyq --floating --limbs 4 --gravity-argument --constraints feet.csv --algorithm "$all"
 compare atlas --floating --limbs 2 --algorithm id,mm_packed,fd
 
 # random robots, with joints of all types

@@ -6,7 +6,8 @@
 #include <cstdlib>
 #include <cstring>
 
-extern "C" const rbd_body *chosen_robot(int index, int *nb);
+extern "C" const rbd_body *chosen_robot(int index, int *nb, const rbd_constraint **constraints, int *nc,
+                                        unsigned char **actuated, int *nv);
 
 static void write(const std::string &path, const std::string &text) {
     FILE *file = std::fopen(path.c_str(), "w");
@@ -18,7 +19,10 @@ int main(int argc, char **argv) {
     for (int k = 0; k < std::atoi(argv[2]); k++) {
         codegen::target t = {};
         codegen::robot r = {};
-        r.bodies = chosen_robot(k, &r.nb);
+        unsigned char *actuated;
+        int nv;
+        r.bodies = chosen_robot(k, &r.nb, &r.constraints, &r.nc, &actuated, &nv);
+        r.actuated.assign(actuated, actuated + nv);
         r.f_ext = r.gravity_argument = true;
         t.name = argv[1] + std::to_string(k);
         t.is_float = std::strcmp(argv[3], "float") == 0;
@@ -32,6 +36,7 @@ int main(int argc, char **argv) {
         r.by_rows = t.lanes == 1 && t.statements.long_sums;
         std::vector<codegen::tested> functions;
         for (std::string name : codegen::algorithm_names()) {
+            if (name == "constrained_id" && t.is_reproducible) continue;
             name = name.substr(0, name.find("LINK")) + (name.find("LINK") != name.npos ? "tip" : "");
             const codegen::function f =
                 t.is_float ? codegen::record_float(r, name) : codegen::record_double(r, name);

@@ -1,4 +1,5 @@
-/* algorithms.h - what can be generated: one row for each of the calls of rbd.h and rbd_derivatives.h.
+/* algorithms.h - what can be generated: one row for each of the calls of rbd.h, rbd_derivatives.h and
+   rbd_constraints.h.
    Included after these by those who record the calls and by those who compute with them.
    SPDX-License-Identifier: MIT */
 
@@ -6,30 +7,39 @@ struct call {
     const rbd_model *m;
     rbd_work *w;
     rbd_derivatives *d;
+    rbd_constraint_set *set;       /* may be NULL */
+    const unsigned char *actuated; /* NULL: all but those of a free base */
     int body;
-    const rbd_real *q, *v, *a, *tau, *f_ext; /* f_ext may be NULL */
+    const rbd_real *q, *v, *a, *tau, *f_ext, *gravity, *restitution; /* f_ext may be NULL */
     rbd_real *out[4];
 };
 
-typedef int size_of(const rbd_model *m);
-static int size_nv(const rbd_model *m) { return rbd_nv(m); }
-static int size_full(const rbd_model *m) { return rbd_nv(m) * rbd_nv(m); }
-static int size_rows_3(const rbd_model *m) { return 3 * rbd_nv(m); }
-static int size_rows_6(const rbd_model *m) { return 6 * rbd_nv(m); }
-static int size_wrenches(const rbd_model *m) { return 6 * rbd_nb(m); }
-static int size_3(const rbd_model *) { return 3; }
-static int size_9(const rbd_model *) { return 9; }
+typedef int size_of(const call &c);
+static int size_nq(const call &c) { return rbd_nq(c.m); }
+static int size_nv(const call &c) { return rbd_nv(c.m); }
+static int size_packed(const call &c) { return rbd_packed_size(c.m); }
+static int size_full(const call &c) { return rbd_nv(c.m) * rbd_nv(c.m); }
+static int size_rows_3(const call &c) { return 3 * rbd_nv(c.m); }
+static int size_rows_6(const call &c) { return 6 * rbd_nv(c.m); }
+static int size_wrenches(const call &c) { return 6 * rbd_nb(c.m); }
+static int size_held(const call &c) { return rbd_constraint_rows(c.set); }
+static int size_1(const call &) { return 1; }
+static int size_3(const call &) { return 3; }
+static int size_9(const call &) { return 9; }
 
 enum traits {
     PLAIN = 0,
     PIVOTS = 1 /* may find M singular */,
-    BODY = 2 /* of a body, whose link is named */
+    BODY = 2 /* of a body, whose link is named */,
+    HELD = 4 /* with constraints */
 };
 
 struct result {
     const char *name, *shape;
     size_of *size;
 };
+
+static rbd_status run_constrained_id(const call &c);
 
 /* arguments: those below, by letter. */
 static const struct algorithm {
@@ -66,7 +76,7 @@ static const struct algorithm {
     {"mm_packed",
      "q",
      PLAIN,
-     {{"H", "row after row, the entries that the tree fills", rbd_packed_size}},
+     {{"H", "row after row, the entries that the tree fills", size_packed}},
      [](const call &c) { return rbd_crba_packed(c.m, c.w, c.q, c.out[0]); },
      "Mass matrix, lower triangle, packed: rbd_crba_packed."},
     {"minv",
@@ -149,6 +159,27 @@ static const struct algorithm {
          return status ? status : rbd_body_pose(c.m, c.w, c.body, c.out[0], c.out[1]);
      },
      "Pose of the link: rbd_body_pose."},
+    {"constrained",
+     "qvtfg",
+     PIVOTS | HELD,
+     {{"a", "nv", size_nv}, {"lambda", "constraint forces, of the held axes row after row", size_held}},
+     [](const call &c) {
+         return rbd_constrained_fd(c.m, c.set, c.q, c.v, c.tau, c.f_ext, c.out[0], c.out[1]);
+     },
+     "Forward dynamics with constraints, M a + c = tau + J' lambda + sum J_b' f_ext: rbd_constrained_fd."},
+    {"impact",
+     "qvr",
+     PIVOTS | HELD,
+     {{"v_plus", "nv, behind the impact", size_nv}, {"impulse", "of the held axes row after row", size_held}},
+     [](const call &c) { return rbd_impact(c.m, c.set, c.q, c.v, c.restitution[0], c.out[0], c.out[1]); },
+     "Velocity after an impact, J v_plus = -restitution J v: rbd_impact."},
+    {"constrained_id",
+     "qvafg",
+     HELD,
+     {{"tau", "nv", size_nv}, {"lambda", "constraint forces, of the held axes row after row", size_held}},
+     run_constrained_id,
+     "Inverse dynamics with constraints, of all lambda with tau = 0 at joints without motors the least: "
+     "rbd_constrained_id."},
 };
 
 static const struct argument {
@@ -156,43 +187,49 @@ static const struct argument {
     const char *name, *shape;
     size_of *size;
 } arguments[] = {
-    {'q', "q", "nq", rbd_nq},
+    {'q', "q", "nq", size_nq},
     {'v', "v", "nv", size_nv},
     {'a', "a", "nv", size_nv},
     {'t', "tau", "nv", size_nv},
     {'f', "f_ext", "nb x 6: the wrench (moment; force) on each body, in its axes, at its origin",
      size_wrenches},
     {'g', "gravity", "world frame", size_3},
+    {'r', "restitution", "0 (nothing rebounds) to 1, which is not checked", size_1},
 };
 enum { ARGUMENTS = sizeof arguments / sizeof *arguments };
 
 /* A robot with memory to compute in, and a call of an algorithm, "NAME" or "NAME:LINK". */
 struct session {
-    std::vector<unsigned char> model_memory, work_memory, derivatives_memory;
-    const rbd_model *m;
-    rbd_work *w;
-    rbd_derivatives *d;
+    std::vector<unsigned char> model_memory, work_memory, derivatives_memory, set_memory;
+    call c;
     const algorithm *row;
-    int body;
 
     static void demand(rbd_status status) {
         if (status != RBD_OK) throw std::runtime_error(rbd_status_string(status));
     }
 
-    session(const robot &r, const std::string &name) : row(), body(-1) {
+    session(const robot &r, const std::string &name) : c(), row() {
         const rbd_body *bodies = reinterpret_cast<const rbd_body *>(r.bodies); /* of this namespace */
         model_memory.resize(rbd_model_size(bodies, r.nb));
-        demand(rbd_model_build(bodies, r.nb, model_memory.data(), model_memory.size(), &m, NULL));
-        work_memory.resize(rbd_work_size(m));
-        demand(rbd_work_init(m, work_memory.data(), work_memory.size(), &w));
-        derivatives_memory.resize(rbd_derivatives_size(m));
-        demand(rbd_derivatives_init(m, w, derivatives_memory.data(), derivatives_memory.size(), &d));
+        demand(rbd_model_build(bodies, r.nb, model_memory.data(), model_memory.size(), &c.m, NULL));
+        work_memory.resize(rbd_work_size(c.m));
+        demand(rbd_work_init(c.m, work_memory.data(), work_memory.size(), &c.w));
+        derivatives_memory.resize(rbd_derivatives_size(c.m));
+        demand(rbd_derivatives_init(c.m, c.w, derivatives_memory.data(), derivatives_memory.size(), &c.d));
         const size_t colon = std::min(name.find(':'), name.size());
         for (const algorithm &x : algorithms)
             if (name.substr(0, colon) == x.name) row = &x;
-        if (colon < name.size()) body = rbd_body_index(m, name.c_str() + colon + 1);
-        if (row->traits & BODY && body < 0) throw std::runtime_error(name + ": there is no such link");
-        if (rbd_nv(m) == 0) throw std::runtime_error("the robot has no degree of freedom");
+        c.body = colon < name.size() ? rbd_body_index(c.m, name.c_str() + colon + 1) : -1;
+        if (row->traits & BODY && c.body < 0) throw std::runtime_error(name + ": there is no such link");
+        if (rbd_nv(c.m) == 0) throw std::runtime_error("the robot has no degree of freedom");
+        c.actuated = r.actuated.empty() ? NULL : r.actuated.data();
+        if (row->traits & HELD) hold(reinterpret_cast<const rbd_constraint *>(r.constraints), r.nc);
+    }
+
+    void hold(const rbd_constraint *list, int n) {
+        set_memory.resize(rbd_constraint_set_size(c.m, list, n) + 1);
+        demand(
+            rbd_constraint_set_init(c.m, c.w, list, n, set_memory.data(), set_memory.size(), &c.set, NULL));
     }
 
     bool takes(const robot &r, const argument &a) const {
@@ -201,20 +238,17 @@ struct session {
     }
 
     /* x: an array for each argument. */
-    std::vector<rbd_real> run(const std::vector<rbd_real> x[ARGUMENTS]) {
+    template <class function>
+    std::vector<rbd_real> run(const std::vector<rbd_real> x[ARGUMENTS], function run_call) {
+        const rbd_real **given[ARGUMENTS] = {&c.q, &c.v, &c.a, &c.tau, &c.f_ext, &c.gravity, &c.restitution};
         std::vector<rbd_real> out[4], all;
-        for (int k = 0; k < 4; k++)
-            if (row->results[k].size) out[k].resize(size_t(row->results[k].size(m)));
-        demand(row->run({m,
-                         w,
-                         d,
-                         body,
-                         x[0].data(),
-                         x[1].data(),
-                         x[2].data(),
-                         x[3].data(),
-                         x[4].empty() ? NULL : x[4].data(),
-                         {out[0].data(), out[1].data(), out[2].data(), out[3].data()}}));
+        for (int k = 0; k < ARGUMENTS; k++) *given[k] = x[k].empty() ? NULL : x[k].data();
+        for (int k = 0; k < 4; k++) {
+            if (row->results[k].size) out[k].resize(size_t(row->results[k].size(c)));
+            c.out[k] = out[k].data();
+        }
+        const rbd_status status = run_call(c);
+        demand(status == RBD_ERR_INFEASIBLE ? RBD_OK : status); /* by rows that depend on each other */
         for (const auto &y : out) all.insert(all.end(), y.begin(), y.end());
         return all;
     }

@@ -130,6 +130,14 @@ INLINE int judge(const real *pivot, const scalar *limit, int n, real *x, int siz
 }
 )";
 
+const char held_text[] = R"(/* Of pivots of rows, the last first, and behind them of dofs, all or none. */
+INLINE int status_of_rows(int status, int rows, int judged, int dofs) {
+    const int k = (status < 0 ? -status : status) - 1, behind = dofs - judged - rows;
+    if (status == 0 || k < rows) return status == 0 ? 0 : dofs + rows - k;
+    return status < 0 ? status - behind : status + behind;
+}
+)";
+
 } // namespace
 
 std::string common_text(const std::vector<piece> &all, const target &t) {
@@ -152,6 +160,7 @@ std::string common_text(const std::vector<piece> &all, const target &t) {
     if (t.limbs > 1) s += format("\n#define LIMBS %d\n", t.limbs) + limbs_text;
     if (any([](const piece &x) { return !x.p.angles.empty(); })) s += sines_text(t);
     if (any([](const piece &x) { return !x.p.f.pivots.empty(); })) s += judge_text;
+    if (any([](const piece &x) { return x.p.f.rows_held > 0; })) s += held_text;
     if (any([](const piece &x) { return x.p.f.rows > 0; })) s += rows_text();
     return s;
 }

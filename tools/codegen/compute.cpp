@@ -1,6 +1,7 @@
 /* rbd.h's own results in double, to hold the generated code against. SPDX-License-Identifier: MIT */
 #include "record.h"
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <stdexcept>
 
@@ -9,15 +10,35 @@
 #define RBD_IMPLEMENTATION
 #include "rbd_derivatives.h"
 
+#include "rbd_constraints.h"
+
 namespace codegen {
 namespace {
 
 #include "algorithms.h"
+#include "held.h"
+
+rbd_status run_constrained_id(const call &c) {
+    return rbd_constrained_id(c.m, c.set, c.q, c.v, c.a, c.f_ext, c.actuated, NULL, c.out[0], c.out[1]);
+}
 
 /* In -1 to 1, the same on all machines. */
 double draw(uint64_t *seed) {
     *seed = *seed * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
     return double(int32_t(*seed >> 32)) / 2147483648.0;
+}
+
+/* Draws an array for each argument. */
+void draw_arguments(const robot &r, const session &s, unsigned state, std::vector<double> x[ARGUMENTS]) {
+    uint64_t seed = state + 1, configuration = state + 1;
+    for (int k = 0; k < ARGUMENTS; k++) {
+        const argument &a = arguments[k];
+        if (!s.takes(r, a)) continue;
+        x[k].resize(size_t(a.size(s.c)));
+        for (double &y : x[k]) y = draw(&seed) * (a.letter == 'g' ? 10 : 2);
+        if (a.letter == 'r') x[k][0] = 0.5 + x[k][0] / 4;
+        if (a.letter == 'q') session::demand(rbd_random(s.c.m, &configuration, x[k].data()));
+    }
 }
 
 } // namespace
@@ -29,32 +50,88 @@ std::vector<std::string> algorithm_names() {
     return names;
 }
 
+bool takes_constraints(const std::string &name) {
+    return std::any_of(std::begin(algorithms), std::end(algorithms),
+                       [&](const algorithm &row) { return row.name == name && row.traits & HELD; });
+}
+
 std::vector<joint> joints(const robot &r) {
     session s(r, "id");
     std::vector<joint> all;
     for (int b = 0; b < r.nb; b++) {
         rbd_joint_info x;
-        session::demand(rbd_joint(s.m, b, &x));
+        session::demand(rbd_joint(s.c.m, b, &x));
         all.push_back({r.bodies[b].parent, x.iq, x.nq, x.iv, x.nv});
     }
     return all;
 }
 
+/* The rows of a factor of G in the order of their shares, the largest first. */
+std::vector<bool> largest_rows(const std::vector<column> &G) {
+    std::vector<bool> taken(G.size(), false);
+    std::vector<column> L;
+    for (size_t best = 0; best < G.size();) {
+        double share = RBDI_CLEAR, left = 0;
+        best = G.size();
+        for (size_t k = 0; k < G.size(); k++) {
+            double x = G[k][k];
+            for (const column &l : L) x -= l[k] * l[k];
+            if (!taken[k] && x > share * G[k][k]) best = k, share = x / G[k][k], left = x;
+        }
+        if (best == G.size()) break;
+        taken[best] = true;
+        column x;
+        for (size_t k = 0; k < G.size(); k++) {
+            x.push_back(G[best][k]);
+            for (const column &l : L) x[k] -= l[k] * l[best];
+            x[k] /= std::sqrt(left);
+        }
+        L.push_back(x);
+    }
+    return taken;
+}
+
+/* The least share of these rows. */
+double least_share(const std::vector<column> &G, const std::vector<bool> &taken) {
+    double least = 1;
+    factor_of(G, [&](size_t k, double pivot, double entry) {
+        if (taken[k]) least = std::fmin(least, std::fmax(pivot / entry, 1e-16));
+        return bool(taken[k]);
+    });
+    return least;
+}
+
+std::vector<bool> independent_joints(const robot &r) {
+    enum { TRIED = 20 };
+    std::vector<std::vector<column>> G;
+    std::vector<bool> best;
+    double best_score = -HUGE_VAL;
+    for (unsigned state = 0; state < TRIED; state++) {
+        std::vector<double> x[ARGUMENTS];
+        session s(r, "constrained_id");
+        draw_arguments(r, s, state, x);
+        s.c.q = x[0].data();
+        G.push_back(products_of(passive_columns(s.c, jacobian_of(s.c))));
+    }
+    for (const std::vector<column> &own : G) {
+        const std::vector<bool> taken = largest_rows(own);
+        double score = 1e6 * double(std::count(taken.begin(), taken.end(), true));
+        for (const std::vector<column> &other : G) score += std::log(least_share(other, taken));
+        if (score > best_score) best = taken, best_score = score;
+    }
+    return best;
+}
+
 example compute(const robot &r, const std::string &name, unsigned state) {
     session s(r, name);
     example e;
-    uint64_t seed = state + 1, configuration = state + 1;
     std::vector<double> x[ARGUMENTS];
-    for (int k = 0; k < ARGUMENTS; k++) {
-        const argument &a = arguments[k];
-        if (!s.takes(r, a)) continue;
-        x[k].resize(size_t(a.size(s.m)));
-        for (double &y : x[k]) y = draw(&seed) * (a.letter == 'g' ? 10 : 2);
-        if (a.letter == 'q') session::demand(rbd_random(s.m, &configuration, x[k].data()));
-        e.in.push_back(x[k]);
-    }
-    session::demand(rbd_set_gravity(s.w, x[5].empty() ? r.gravity : x[5].data()));
-    e.out = s.run(x);
+    draw_arguments(r, s, state, x);
+    for (const std::vector<double> &y : x)
+        if (!y.empty()) e.in.push_back(y);
+    session::demand(rbd_set_gravity(s.c.w, x[5].empty() ? r.gravity : x[5].data()));
+    e.out = s.run(x, s.row->run);
+    if (s.c.set) e.rows = rbd_constraint_rows(s.c.set), e.rank = rbd_constraint_rank(s.c.set);
     return e;
 }
 

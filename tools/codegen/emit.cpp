@@ -4,6 +4,14 @@
 namespace codegen {
 namespace {
 
+const char rows_contract[] =
+    "   Rows: where a pivot of J M^-1 J' is at most %.0e of its diagonal entry, a row depends on those\n"
+    "      before it, or nearly: it returns 1 + %s_NV + this row. There call rbd.h, which decides.\n";
+const char motors_contract[] =
+    "   Rows: A is J of the joints without motors. Where a pivot of A'A is at most %.0e of its diagonal\n"
+    "      entry, less is held than elsewhere: it returns more than %s_NV. There call rbd.h, which "
+    "decides.\n";
+
 /* The range of the angles, how pivots are judged, and what is not checked. */
 std::string contract(const program &p, const target &t) {
     const char *limit = t.is_float ? "1e4" : "1e6";
@@ -21,11 +29,13 @@ std::string contract(const program &p, const target &t) {
         s += format("   Angles: below %s rad in size. Else, and if one is NaN, results that depend on it are "
                     "NaN.\n",
                     limit);
-    if (pivots)
+    if (p.f.dofs() > 0)
         s += format(
             "   Pivots: M counts as singular where one is at most %.2g of the largest inertia that its "
             "joint can move.\n",
             p.f.noise);
+    if (p.f.rows_held > 0)
+        s += format(p.f.dofs() > 0 ? rows_contract : motors_contract, p.f.clear, upper(t.name).c_str());
     s += "   Not checked: pointers, lengths, overlap; that ";
     s += p.angles.empty() || !t.is_bounded ? "" : "other ";
     s += "input is finite: what depends on NaN is NaN";

@@ -161,7 +161,8 @@ std::string writer::end() const {
     s += "    const int status = " + judge("judge", f.outputs[0]) + ";\n";
     for (size_t k = 1; k < f.outputs.size(); k++)
         s += "    if (status) (void)" + judge("judge_closely", f.outputs[k]) + ";\n";
-    return s + "    return status;\n";
+    if (f.rows_held == 0) return s + "    return status;\n";
+    return s + format("    return status_of_rows(status, %d, %d, %d);\n", f.rows_held, f.dofs(), f.nv);
 }
 
 std::vector<writer::local> writer::locals() const {

@@ -185,6 +185,8 @@ template <class T> std::vector<T> evaluate(const function &f, const std::vector<
         case LOADED: x[i] = rows[size_t(a[0])]; break;
         }
     }
+    for (size_t k = 0; k < f.pivots.size(); k++)
+        if (!(of(f.pivots[k], 0) > T(f.limits[k]))) return {};
     for (value v : f.results) results.push_back(of(v, 0));
     return results;
 }

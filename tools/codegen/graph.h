@@ -87,17 +87,22 @@ struct function {
     std::vector<array> inputs;
     std::vector<array> outputs;
     std::vector<value> results; /* of one output after the other */
-    std::vector<value> pivots;  /* of a factorisation, by degree of freedom */
+    std::vector<value> pivots;  /* of the rows of constraints, the last first; of M, by degree of freedom */
+    int rows_held;              /* of these constraints */
     std::vector<double> limits; /* that they must exceed */
     double noise;               /* limits relative to the most inertia that a joint can move */
+    double clear;               /* limits of rows relative to them */
     std::vector<row_call> calls;
     int rows; /* scalars of their memory */
 
     std::vector<array> arrays() const; /* inputs and outputs */
+    int nv;                            /* degrees of freedom */
+    int dofs() const { return int(pivots.size()) - rows_held; }
     std::vector<value> wanted() const; /* results, pivots and what is stored for calls */
 };
 
-/* The results, computed in the scalar T. in: an array for each input. */
+/* The results, computed in the scalar T; none if a pivot is not above its limit. in: an array for each
+   input. */
 template <class T> std::vector<T> evaluate(const function &f, const std::vector<std::vector<double>> &in);
 
 } // namespace codegen

@@ -158,7 +158,7 @@ class packer {
         const tree t(joints, width);
         for (const array &a : f.inputs) {
             std::vector<place> places(size_t(a.size), {NONE, 0});
-            for (size_t b = 0; b < joints.size() && a.name != "gravity"; b++) {
+            for (size_t b = 0; b < joints.size() && a.name != "gravity" && a.name != "restitution"; b++) {
                 const joint &j = joints[b];
                 const bool is_q = a.name == "q", is_wrench = a.name == "f_ext";
                 const int first = is_wrench ? 6 * int(b) : is_q ? j.iq : j.iv;

@@ -81,8 +81,27 @@ static inline number operator-(number a) { return number::of(negated(a.x)); }
 static inline number operator-(number a, number b) { return a + -b; }
 static inline number operator*(number a, number b) { return number::of(write(MULTIPLY, a.x, b.x)); }
 static inline number operator/(number a, number b) { return number::of(write(DIVIDE, a.x, b.x)); }
-static inline number sin(number a) { return number::of(write(SINE, a.x)); }
-static inline number cos(number a) { return number::of(write(COSINE, a.x)); }
+
+/* Whether it is made of arguments alone: sines and cosines of these are computed before all else. */
+static bool is_given(value x) {
+    const node &n = sketch.nodes[size_t(node_of(x))];
+    if (n.op == ADD || n.op == MULTIPLY) return is_given(n.arg[0]) && is_given(n.arg[1]);
+    return n.op == INPUT || n.op == CONSTANT;
+}
+/* Of other angles, up to a right one, by the power series: 1 - x^2 / (k (k - 1)) (1 - ...), k from
+   least + 2 on. */
+static number series(number square, int least) {
+    number sum = 1;
+    if (tape->is_exact) throw std::runtime_error("--reproducible: not with kp of one or three angular axes");
+    for (int k = least + 22; k > least; k -= 2) sum = number(1) - square * sum * number(1. / (k * (k - 1)));
+    return sum;
+}
+static inline number sin(number a) {
+    return is_given(seen(a.x)) ? number::of(write(SINE, a.x)) : a * series(a * a, 1);
+}
+static inline number cos(number a) {
+    return is_given(seen(a.x)) ? number::of(write(COSINE, a.x)) : series(a * a, 0);
+}
 static inline number sqrt(number a) { return number::of(write(ROOT, a.x)); }
 
 /* Of x and as many right angles. */
@@ -151,6 +170,16 @@ template <class model>
 bool rows_solve(const model *m, const number *L, int sign, ptrdiff_t stride, int n, number *X, number *Y);
 template <class model> bool rows_invert(const model *m, const number *L, number *Z);
 
+/* Of rows of constraints: pivots, minus what they must exceed. Their verdict is asked for as `pivots` are. */
+static std::vector<number> row_pivots;
+static void rows_pivot(number pivot, number least) {
+    const value x = seen(pivot.x);
+    if (sketch.is_constant(x) && !(sketch.constant_of(x) > 0))
+        throw std::runtime_error("row " + std::to_string(row_pivots.size()) +
+                                 " of the constraints is 0 in every state: hold fewer axes");
+    row_pivots.push_back(pivot - least);
+}
+
 #define RBD_REAL codegen::RECORD_SPACE::number
 #define RBD_REAL_CUSTOM
 #define RBD_MASK codegen::RECORD_SPACE::mask
@@ -160,9 +189,20 @@ template <class model> bool rows_invert(const model *m, const number *L, number 
 #define RBDI_NO_FAVOURITE codegen::RECORD_SPACE::has_like_limbs
 #define RBDI_ROWS(name) rows_##name
 #define RBD_IMPLEMENTATION
+#include "rbd_constraints.h"
 #include "rbd_derivatives.h" /* in this namespace: its structs are of this scalar */
 #include "algorithms.h"
+#include "held.h"
 #include "rows_record.h"
+
+static std::vector<bool> kept; /* joints of run_without_rank */
+rbd_status run_constrained_id(const call &c) {
+    if (tape->is_exact) throw std::runtime_error("--reproducible: not with constrained_id");
+    return run_without_rank(c, [](size_t k, number pivot, number entry) {
+        if (kept[k]) rows_pivot(pivot, entry * RBDI_CLEAR);
+        return bool(kept[k]);
+    });
+}
 
 /* That a pivot's inverse is finite is taken for granted: what is not is refused with the pivot. */
 static mask operator<(number a, number b) {
@@ -182,7 +222,7 @@ static void set_gravity(const session &s, const robot &r, const std::vector<numb
         stand_in[double(c[i])] = g[size_t(i)].x;
         stand_in[-double(c[i])] = negated(g[size_t(i)].x);
     }
-    session::demand(rbd_set_gravity(s.w, c));
+    session::demand(rbd_set_gravity(s.c.w, c));
 }
 
 /* "jacobian:left foot" as part of a C identifier. */
@@ -203,26 +243,32 @@ function RECORD(const robot &r, const std::string &name) {
     sketch.is_exact = f.code.is_exact, sketch.is_float = f.code.is_float;
     steps.clear();
     stand_in.clear();
+    row_pivots.clear();
     limbs_alike = r.limbs_alike;
     recorder.begin(&f, r.by_rows);
+    if (name == "constrained_id") kept = independent_joints(r);
     session s(r, name);
     std::vector<number> x[ARGUMENTS];
     for (int k = 0; k < ARGUMENTS; k++) {
         const argument &a = arguments[k];
         if (!s.takes(r, a)) continue;
-        for (int i = 0; i < a.size(s.m); i++)
+        for (int i = 0; i < a.size(s.c); i++)
             x[k].push_back(number::of(write(INPUT, int(f.inputs.size()), i)));
-        f.inputs.push_back({a.name, a.size(s.m), a.shape});
+        f.inputs.push_back({a.name, a.size(s.c), a.shape});
     }
     set_gravity(s, r, x[5]);
-    for (number y : s.run(x)) f.results.push_back(record(y.x));
+    for (number y : s.run(x, s.row->run)) f.results.push_back(record(y.x));
     for (const result &y : s.row->results)
-        if (y.size) f.outputs.push_back({y.name, y.size(s.m), y.shape});
-    for (int k = 0; s.row->traits & PIVOTS && k < rbd_nv(s.m); k++) {
-        f.pivots.push_back(record(s.w->pivot[k].x));
-        f.limits.push_back(double((s.m->dof[k].scale + s.m->dof[k].armature) * RBDI_NOISE));
+        if (y.size) f.outputs.push_back({y.name, y.size(s.c), y.shape});
+    f.rows_held = int(row_pivots.size());
+    for (auto x = row_pivots.rbegin(); x != row_pivots.rend(); ++x)
+        f.pivots.push_back(record(x->x)), f.limits.push_back(0);
+    for (int k = 0; s.row->traits & PIVOTS && k < rbd_nv(s.c.m); k++) {
+        f.pivots.push_back(record(s.c.w->pivot[k].x));
+        f.limits.push_back(double((s.c.m->dof[k].scale + s.c.m->dof[k].armature) * RBDI_NOISE));
     }
-    f.noise = double(RBDI_NOISE);
+    f.nv = rbd_nv(s.c.m);
+    f.noise = double(RBDI_NOISE), f.clear = double(RBDI_CLEAR);
     f.name = identifier(name), f.about = s.row->about;
     return f;
 }

@@ -5,6 +5,7 @@
 #include "graph.h"
 
 struct rbd_body;
+struct rbd_constraint;
 
 namespace codegen {
 
@@ -12,6 +13,9 @@ namespace codegen {
 struct robot {
     const rbd_body *bodies;
     int nb;
+    const rbd_constraint *constraints;
+    int nc;
+    std::vector<unsigned char> actuated; /* of constrained_id: its flags, or none */
     double gravity[3];
     bool f_ext, gravity_argument;
     bool reproducible; /* rbd.h's bits under RBD_REPRODUCIBLE */
@@ -27,6 +31,10 @@ std::vector<joint> joints(const robot &r);
 
 /* The names of all algorithms; of a body: "NAME:LINK". */
 std::vector<std::string> algorithm_names();
+bool takes_constraints(const std::string &name);
+
+/* For constrained_id: joints without motors that are independent, those that are it best in random states. */
+std::vector<bool> independent_joints(const robot &r);
 
 /* The call that rbd.h makes for an algorithm, with constants of the model in double or float. Throws
    std::runtime_error where it cannot be recorded. */
@@ -38,6 +46,7 @@ function record_float(const robot &r, const std::string &algorithm);
 struct example {
     std::vector<std::vector<double>> in;
     std::vector<double> out;
+    int rows, rank; /* of the constraints */
 };
 example compute(const robot &r, const std::string &algorithm, unsigned state);
 

@@ -84,8 +84,7 @@ std::string beyond(const function &f, value angle, const target &t, const std::s
     const std::string size = literal((t.is_float ? 1e7 : 1e9) / std::fabs(slope), t.is_float);
     const std::string s = format("    for (int j = 0; j < LANES; ++j) LANE(%s[%d], j) = %s;\n",
                                  f.inputs[size_t(n.arg[0])].name.c_str(), n.arg[1], size.c_str());
-    if (!f.pivots.empty())
-        return s + format("    return %s == -1 - %zu ? 0 : 2;\n", call.c_str(), f.pivots.size());
+    if (!f.pivots.empty()) return s + format("    return %s == -1 - %d ? 0 : 2;\n", call.c_str(), f.nv);
     return s + "    " + call + ";\n    for (int j = 0; j < LANES; ++j)\n        if (" +
            join(f.outputs.size(), " && ",
                 [&](size_t k) {
