@@ -260,13 +260,15 @@ int read_options(options *o, char **argv) {
 
 /* ---- functions ---- */
 
-/* Largest error of an output relative to its largest entry, which counts as 0.001 at least. */
+const double least = 0.001; /* that the largest entry of an output counts as */
+
+/* Largest error of an output relative to its largest entry. */
 template <class T> double error_of(const codegen::function &f, const codegen::example &e) {
     const std::vector<T> found = codegen::evaluate<T>(f, e.in);
     double worst = 0;
     size_t k = 0;
     for (const codegen::array &a : f.outputs) {
-        double largest = 0.001, error = 0;
+        double largest = least, error = 0;
         for (const size_t end = k + size_t(a.size); k < end; k++) {
             const double d = std::fabs(double(found[k]) - e.out[k]);
             if (!(d < HUGE_VAL)) return HUGE_VAL;
@@ -289,7 +291,7 @@ std::vector<double> exact_results(const codegen::function &f, const std::vector<
 codegen::tested record(const options *o, const std::string &algorithm) {
     const bool is_float = o->target.is_float;
     const auto recorded = is_float ? codegen::record_float : codegen::record_double;
-    codegen::tested x = {recorded(o->robot, algorithm), {}, 0};
+    codegen::tested x = {recorded(o->robot, algorithm), {}, 0, least};
     if (o->robot.limbs_alike) x.f = codegen::pack_limbs(x.f, codegen::joints(o->robot), o->target.limbs);
     for (unsigned state = 0; x.examples.size() < 3; state++) {
         codegen::example e = codegen::compute(o->robot, algorithm, state);

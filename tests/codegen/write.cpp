@@ -41,7 +41,7 @@ int main(int argc, char **argv) {
             const codegen::function f =
                 t.is_float ? codegen::record_float(r, name) : codegen::record_double(r, name);
             functions.push_back(
-                {r.limbs_alike ? codegen::pack_limbs(f, codegen::joints(r), t.limbs) : f, {}, 0});
+                {r.limbs_alike ? codegen::pack_limbs(f, codegen::joints(r), t.limbs) : f, {}, 0, 1});
         }
         const std::string path = argv[9] + ("/" + t.name);
         write(path + "_code.h", codegen::declarations(functions, t));

@@ -122,17 +122,26 @@ std::vector<bool> independent_joints(const robot &r) {
     return best;
 }
 
-example compute(const robot &r, const std::string &name, unsigned state) {
+example compute(const robot &r, const std::string &name, const std::vector<std::vector<double>> &in) {
     session s(r, name);
-    example e;
     std::vector<double> x[ARGUMENTS];
-    draw_arguments(r, s, state, x);
-    for (const std::vector<double> &y : x)
-        if (!y.empty()) e.in.push_back(y);
+    size_t given = 0;
+    for (int k = 0; k < ARGUMENTS; k++)
+        if (s.takes(r, arguments[k])) x[k] = in[given++];
     session::demand(rbd_set_gravity(s.c.w, x[5].empty() ? r.gravity : x[5].data()));
-    e.out = s.run(x, s.row->run);
+    example e = {in, s.run(x, s.row->run), 0, 0};
     if (s.c.set) e.rows = rbd_constraint_rows(s.c.set), e.rank = rbd_constraint_rank(s.c.set);
     return e;
+}
+
+example compute(const robot &r, const std::string &name, unsigned state) {
+    session s(r, name);
+    std::vector<double> x[ARGUMENTS];
+    std::vector<std::vector<double>> in;
+    draw_arguments(r, s, state, x);
+    for (const std::vector<double> &y : x)
+        if (!y.empty()) in.push_back(y);
+    return compute(r, name, in);
 }
 
 } // namespace codegen

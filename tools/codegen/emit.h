@@ -21,7 +21,8 @@ struct target {
 struct tested {
     function f;
     std::vector<example> examples;
-    double tolerance; /* of the self-test, relative to the largest result */
+    double tolerance; /* of the self-test, relative to the largest result of an array, or to `least` */
+    double least;
 };
 
 std::string declarations(const std::vector<tested> &functions, const target &t);

@@ -49,6 +49,7 @@ struct example {
     int rows, rank; /* of the constraints */
 };
 example compute(const robot &r, const std::string &algorithm, unsigned state);
+example compute(const robot &r, const std::string &algorithm, const std::vector<std::vector<double>> &in);
 
 } // namespace codegen
 #endif

@@ -8,9 +8,9 @@ namespace codegen {
 namespace {
 
 const char comparison_text[] = R"(
-/* Relative to the largest, which counts as 0.001 at least. */
-static int differs(const real *x, const scalar *y, int n, int lane, scalar tolerance, scalar *worst) {
-    scalar largest = (scalar)0.001;
+/* Relative to the largest, if that is more than it is at the call. */
+static int differs(const real *x, const scalar *y, int n, int lane, scalar tolerance, scalar largest,
+                   scalar *worst) {
     int same = 1;
     for (int k = 0; k < n; ++k) {
         if (y[k] > largest) largest = y[k];
@@ -129,8 +129,9 @@ std::string test_of(const piece &x, const target &t) {
         tables += table(x, name, a.size, t, [](const example &e) { return e.out; }, first);
         first += size_t(a.size);
         compares +=
-            format("            if (differs(%s, %s[(k + j) %% %zu], %d, j, %s, worst)) return 1;\n",
-                   a.name.c_str(), name.c_str(), states, a.size, literal(x.x.tolerance, t.is_float).c_str());
+            format("            if (differs(%s, %s[(k + j) %% %zu], %d, j, %s, %s, worst)) return 1;\n",
+                   a.name.c_str(), name.c_str(), states, a.size, literal(x.x.tolerance, t.is_float).c_str(),
+                   literal(x.x.least, t.is_float).c_str());
     }
     std::string s = tables + format("static int test_%s(scalar *worst) {\n", f.name.c_str());
     for (const array &a : f.arrays()) s += format("    static real %s[%d];\n", a.name.c_str(), a.size);

@@ -1,0 +1,70 @@
+#!/bin/sh
+# The fuzzer of generated code: all functions of random robots, and of the models, give rbd.h's results when gcc and clang
+# compile them with ASan and UBSan. Robot k is the same on every machine, with its options and its states.
+# usage: fuzz.sh ROOT RBD_CODEGEN CODEGEN_FUZZ FOLDER [ROBOTS [FIRST]]
+#     200 robots and the models; given a number, so many robots and no models. Prints a line for each; what is wrong stays
+#     in FOLDER.
+set -u
+flags="-std=c99 -O1 -march=native -w -fsanitize=address,undefined -fno-sanitize=pointer-overflow,null -fno-sanitize-recover=all"
+
+# one FOLDER PROGRAM ARGUMENT...: writes code, says what it is, its name first, and compiles it; for xargs
+if [ "$1" = --one ]; then
+    cd "$2" || exit 1
+    shift 2
+    about=$("$@" 2>&1) || { echo "not written: $*: $about"; exit 1; }
+    echo "$about"
+    name=${about%%:*} failed=0
+    upper=$(echo "$name" | tr a-z A-Z)
+    for cc in gcc "clang-19 -fno-sanitize=alignment"; do # which takes clang half of its time
+        compiler=${cc%% *}
+        # shellcheck disable=SC2086 # words wanted
+        $compiler $flags ${cc#$compiler} "-D${upper}_SELFTEST" "-D${upper}_SELFTEST_MAIN" -o "$name.$compiler" "${name}_code.c" -lm >"$name.$compiler.out" 2>&1 &&
+            "./$name.$compiler" >>"$name.$compiler.out" 2>&1 && continue
+        echo "$name: WRONG by $compiler, see $name.$compiler.out and ${name}_code.c"
+        grep -v ': right$' "$name.$compiler.out" | head -n 5
+        failed=1
+    done
+    [ $failed -ne 0 ] || rm -f "${name}"_code.[ch] "$name".gcc* "$name".clang*
+    exit $failed
+fi
+# model NAME URDF OPTION...: all functions of a model, those of a link for its last one
+if [ "$1" = --model ]; then
+    rbd_codegen=$2 name=$3 urdf=$4
+    shift 4
+    link=$(sed -n 's/.*<link name="\([^"]*\)".*/\1/p' "$urdf" | tail -n 1)
+    all=$("$rbd_codegen" --help | tr ' ' '\n' | sed -n '/^id$/,/^--scalar$/p' | grep -v '^--\|^$' | sed "s/LINK/$link/" | paste -sd,)
+    "$rbd_codegen" --name "$name" --algorithm "$all" "$@" "$urdf" && echo "$name: $(basename "$urdf") $*"
+    exit
+fi
+
+root=$(realpath "$1") rbd_codegen=$(realpath "$2") fuzz=$(realpath "$3")
+for cc in gcc clang-19; do
+    command -v $cc >/dev/null || { echo "skipped: there is no $cc"; exit 77; }
+done
+mkdir -p "$4" && folder=$(realpath "$4") && self=$(realpath "$0") || exit 1
+
+robots() { # COUNT FIRST
+    k=$2
+    while [ "$k" -lt $(($1 + $2)) ]; do
+        echo "$fuzz . $k"
+        k=$((k + 1))
+    done
+}
+models() {
+    n=0
+    for model in atlas hyq iiwa five_bar cart_pole double_pendulum pendulum; do
+        case $model in atlas | hyq) base=--floating ;; *) base= ;; esac
+        for options in "" "--limbs 4 --f-ext --gravity-argument" "--scalar float --short-sums --bounded-angles" "--reproducible --lanes 2"; do
+            case $model$options in atlas*[!4]*-*-sums* | atlas*lanes*) continue ;; esac # gcc takes minutes
+            echo "$self --model $rbd_codegen m$n $root/models/$model.urdf $base $options"
+            n=$((n + 1))
+        done
+    done
+}
+if [ $# -gt 4 ]; then robots "$5" "${6-0}"; else models && robots 200 0; fi |
+    xargs -P "$(nproc)" -L 1 "$self" --one "$folder" >"$folder/report" 2>&1
+status=$?
+cat "$folder/report"
+wrong=$(grep -c 'WRONG by\|^not written' "$folder/report")
+echo "$(grep -c ' functions, ' "$folder/report") robots, $(grep -c '\.urdf' "$folder/report") models, $wrong wrong"
+[ "$wrong" -eq 0 ] && [ $status -eq 0 ]
