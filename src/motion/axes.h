@@ -13,11 +13,13 @@
 typedef struct rbdi_axes {
     rbdi_four x, y, z, origin;
 } rbdi_axes;
+/* A vector to and from a rbdi_four; the fourth is not used. */
 RBDI_INLINE void rbdi_set_axis(rbdi_four *a, rbdi_v3 v) { rbdi_set_four(a, v.x, v.y, v.z, v.z); }
 RBDI_INLINE rbdi_v3 rbdi_axis_vec(const rbdi_four *a) {
     return rbdi_vec(rbdi_one_of(a, 0), rbdi_one_of(a, 1), rbdi_one_of(a, 2));
 }
 
+/* From a pose, and back. */
 RBDI_INLINE void rbdi_load_axes(rbdi_axes *p, const rbdi_pose *X) {
     rbdi_set_axis(&p->x, rbdi_vec(X->E.xx, X->E.xy, X->E.xz));
     rbdi_set_axis(&p->y, rbdi_vec(X->E.yx, X->E.yy, X->E.yz));
@@ -31,6 +33,7 @@ RBDI_INLINE void rbdi_store_axes(rbdi_pose *X, const rbdi_axes *p) {
     X->E.zx = z.x, X->E.zy = z.y, X->E.zz = z.z;
     X->r = rbdi_axis_vec(&p->origin);
 }
+/* The world's own axes, with its origin. */
 RBDI_INLINE void rbdi_world_axes(rbdi_axes *p) {
     const rbd_real one = rbdi_set(RBD_C(1)), o = rbdi_zero();
     rbdi_set_axis(&p->x, rbdi_vec(one, o, o));
@@ -39,7 +42,7 @@ RBDI_INLINE void rbdi_world_axes(rbdi_axes *p) {
     rbdi_set_axis(&p->origin, rbdi_vec(o, o, o));
 }
 
-/* The axes a, b turned in their plane, as in rbdi_turn_z. */
+/* Turns the axes a, b in their plane, as rbdi_turn_z turns x, y. */
 RBDI_INLINE void rbdi_turn_axes(int flags, rbd_real c, rbd_real s, rbdi_four *a, rbdi_four *b) {
     const rbdi_four from = *a;
     if (flags & RBDI_TWIST_0) return;
@@ -54,7 +57,7 @@ RBDI_INLINE void rbdi_turn_axes(int flags, rbd_real c, rbd_real s, rbdi_four *a,
     rbdi_add_four(b, -s, &from);
 }
 
-/* The step of a one-axis link from its parent's axes and origin; a root's origin stays. */
+/* The parent's axes and origin become those of a one-axis link; a root keeps the origin. */
 RBDI_INLINE void rbdi_axes_step(const rbdi_link *l, int flags, rbdi_trig t, rbdi_axes *p) {
     if ((flags & RBDI_SHIFT_R) && !(flags & RBDI_ROOT)) {
         rbdi_add_four(&p->origin, rbdi_set(l->r.x), &p->x);

@@ -8,31 +8,31 @@
 
 /* ---- configuration manifold [manifold code] ---- */
 
-/* Spherical, planar and floating joints turn: their velocity is a motion in body axes, of which v has one
-   component, three or all, and their step is an exponential. The coordinates of other joints just add. */
+/* Spherical, planar and floating joints turn: their v has components of a motion in body axes, and their
+   step is an exponential. Coordinates of other joints add up. */
 RBDI_INLINE int rbdi_joint_turns(const rbdi_frame *u) {
     return u->type == RBD_SPHERICAL || u->type == RBD_PLANAR || u->type == RBD_FLOATING;
 }
-/* The motion from its components, which are `stride` apart, and back. */
-static rbdi_motion rbdi_joint_motion(const rbdi_frame *u, const rbd_real *x, ptrdiff_t stride) {
-    rbd_real a[6];
-    for (int k = 0; k < 6; ++k) a[k] = rbdi_zero();
-    for (int k = 0; k < u->nv; ++k) a[(u->type == RBD_PLANAR ? 2 : 0) + k] = x[k * stride];
-    return rbdi_load_motion(a, 1);
+/* That motion from the joint's components in v, which are a stride apart, and back. */
+static rbdi_motion rbdi_joint_motion(const rbdi_frame *u, const rbd_real *v, ptrdiff_t stride) {
+    rbd_real array[6];
+    for (int k = 0; k < 6; ++k) array[k] = rbdi_zero();
+    for (int k = 0; k < u->nv; ++k) array[(u->type == RBD_PLANAR ? 2 : 0) + k] = v[k * stride];
+    return rbdi_load_motion(array, 1);
 }
-static void rbdi_put_joint_motion(const rbdi_frame *u, rbdi_motion V, rbd_real *x, ptrdiff_t stride) {
-    rbd_real a[6];
-    rbdi_store_motion(a, 1, V);
-    for (int k = 0; k < u->nv; ++k) x[k * stride] = a[(u->type == RBD_PLANAR ? 2 : 0) + k];
+static void rbdi_put_joint_motion(const rbdi_frame *u, rbdi_motion V, rbd_real *v, ptrdiff_t stride) {
+    rbd_real array[6];
+    rbdi_store_motion(array, 1, V);
+    for (int k = 0; k < u->nv; ++k) v[k * stride] = array[(u->type == RBD_PLANAR ? 2 : 0) + k];
 }
-/* From rbdi_joint_origin back to the coordinates. */
-static void rbdi_put_origin(const rbdi_frame *u, rbdi_v3 x, rbd_real *q) {
-    if (u->type == RBD_PLANAR) q[0] = x.x, q[1] = x.y;
-    if (u->type == RBD_FLOATING) rbdi_store_vec(q, 1, x);
+/* The coordinates of the origin p: back from rbdi_joint_origin. */
+static void rbdi_put_origin(const rbdi_frame *u, rbdi_v3 p, rbd_real *q) {
+    if (u->type == RBD_PLANAR) q[0] = p.x, q[1] = p.y;
+    if (u->type == RBD_FLOATING) rbdi_store_vec(q, 1, p);
 }
 
-/* q_next = q (+) d for one joint of the description; straight: the origin moves by the linear part of d, in
-   the axes of the beginning, not along a screw. */
+/* q_next = q (+) d for one joint of the description: along a screw or, if straight, with its origin moved
+   by the linear part of d in the axes of the beginning. */
 static void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_real *d, int straight,
                             rbd_real *q_next) {
     if (u->type == RBD_CONTINUOUS_CS) {
@@ -45,9 +45,9 @@ static void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_re
     } else if (rbdi_joint_turns(u)) {
         const rbdi_motion step = rbdi_joint_motion(u, d, 1);
         const rbdi_exp e = rbdi_exp_of(step.omega);
-        rbdi_v3 x = straight ? step.v : rbdi_exp_shift(e, step.omega, step.v);
-        x = rbdi_mul_t(rbdi_joint_attitude(u->type, q), x);
-        rbdi_put_origin(u, rbdi_add(rbdi_joint_origin(u->type, q), x), q_next);
+        rbdi_v3 shift = straight ? step.v : rbdi_exp_shift(e, step.omega, step.v);
+        shift = rbdi_mul_t(rbdi_joint_attitude(u->type, q), shift);
+        rbdi_put_origin(u, rbdi_add(rbdi_joint_origin(u->type, q), shift), q_next);
         if (u->type == RBD_PLANAR)
             q_next[2] = q[2] + step.omega.z;
         else
@@ -57,8 +57,8 @@ static void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_re
     }
 }
 
-/* The step of rbd_step in three parts, of one joint. First v after dt without a, in the axes of the
-   beginning: linear velocities in body axes gain dt omega x v, the others stay. */
+/* rbd_step of one joint in three parts. First nu: v after dt if a is 0, in the axes of the step's
+   beginning. Linear velocities in body axes gain dt omega x v, the others stay. */
 static void rbdi_glide(const rbdi_frame *u, const rbd_real *v, rbd_real dt, rbd_real *nu) {
     rbdi_motion V;
     for (int k = 0; k < u->nv; ++k) nu[k] = v[k];
@@ -68,7 +68,7 @@ static void rbdi_glide(const rbdi_frame *u, const rbd_real *v, rbd_real dt, rbd_
     rbdi_put_joint_motion(u, V, nu, 1);
 }
 
-/* q moved by nu dt, whose axes stay: origins of floating and planar joints move straight. */
+/* Second q_next: q moved by nu dt. Origins of floating and planar joints move straight. */
 static void rbdi_move_straight(const rbdi_frame *u, const rbd_real *q, const rbd_real *nu, rbd_real dt,
                                rbd_real *q_next) {
     rbd_real d[6];
@@ -76,15 +76,16 @@ static void rbdi_move_straight(const rbdi_frame *u, const rbd_real *q, const rbd
     rbdi_step_joint(u, q, d, 1, q_next);
 }
 
-/* x turned by -turn: x - A turn x x + B turn x (turn x x). */
-static rbdi_v3 rbdi_turn_back(rbdi_exp e, rbdi_v3 turn, rbdi_v3 x) {
-    const rbdi_v3 across = rbdi_cross(turn, x);
+/* The vector r turned by -turn: r - A turn x r + B turn x (turn x r). */
+static rbdi_v3 rbdi_turn_back(rbdi_exp e, rbdi_v3 turn, rbdi_v3 r) {
+    const rbdi_v3 across = rbdi_cross(turn, r);
     const rbdi_v3 inward = rbdi_cross(turn, across);
-    x = rbdi_sub(x, rbdi_scale((e.half_sine + e.half_sine) * e.half_cosine, across));
-    return rbdi_add(x, rbdi_scale(e.B, inward));
+    r = rbdi_sub(r, rbdi_scale((e.half_sine + e.half_sine) * e.half_cosine, across));
+    return rbdi_add(r, rbdi_scale(e.B, inward));
 }
 
-/* nu in the axes of the end, which have turned by those of moved dt. v_next may be nu. */
+/* Third v_next: nu in the axes of the step's end, which the velocity `moved` has turned during dt. v_next
+   may be nu. */
 static void rbdi_turn_velocity(const rbdi_frame *u, const rbd_real *moved, rbd_real dt, const rbd_real *nu,
                                rbd_real *v_next) {
     rbdi_motion V;
@@ -101,7 +102,7 @@ static void rbdi_turn_velocity(const rbdi_frame *u, const rbd_real *moved, rbd_r
     rbdi_put_joint_motion(u, V, v_next, 1);
 }
 
-/* An angle beyond a half turn becomes the equal one within. */
+/* The same angle in [-pi, pi], but unchanged, to the bit, if it is there already. */
 static rbd_real rbdi_within_half_turn(rbd_real angle) {
     const rbd_real pi2 = rbdi_set(RBDI_PI(rbd_const) * RBDI_PI(rbd_const));
     rbd_real c, s;
@@ -109,6 +110,7 @@ static rbd_real rbdi_within_half_turn(rbd_real angle) {
     return rbdi_select(rbdi_less(pi2, angle * angle), rbdi_signed_angle(s, c), angle);
 }
 
+/* d with q0 (+) d = q1, for one joint. */
 static void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, const rbd_real *q1, rbd_real *d) {
     if (u->type == RBD_CONTINUOUS_CS) {
         rbd_real c, s, c1, s1;
@@ -116,12 +118,12 @@ static void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, const
         rbdi_unit_cs(q1, &c1, &s1);
         d[0] = rbdi_signed_angle(c * s1 - s * c1, c * c1 + s * s1);
     } else if (rbdi_joint_turns(u)) {
-        const rbdi_v3 x = rbdi_sub(rbdi_joint_origin(u->type, q1), rbdi_joint_origin(u->type, q0));
+        const rbdi_v3 shift = rbdi_sub(rbdi_joint_origin(u->type, q1), rbdi_joint_origin(u->type, q0));
         rbdi_motion step;
         step.omega = u->type == RBD_PLANAR
                          ? rbdi_vec(rbdi_zero(), rbdi_zero(), rbdi_within_half_turn(q1[2] - q0[2]))
                          : rbdi_quaternion_difference(&q0[u->nq - 4], &q1[u->nq - 4]);
-        step.v = rbdi_mul(rbdi_joint_attitude(u->type, q0), x);
+        step.v = rbdi_mul(rbdi_joint_attitude(u->type, q0), shift);
         step.v = rbdi_log_shift(rbdi_exp_of(step.omega), step.omega, step.v);
         rbdi_put_joint_motion(u, step, d, 1);
     } else {
@@ -129,14 +131,16 @@ static void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, const
     }
 }
 
-/* 1 / |q|, of unit quaternion or (cos, sin) u along q; 0 where q has no direction. */
-static rbd_real rbdi_inverse_length(const rbd_real *q, const rbd_real *u, int n) {
+/* 1 / |q| of a quaternion or (cos, sin) with this unit one of the same direction; 0 if q is shorter than
+   1e-15. */
+static rbd_real rbdi_inverse_length(const rbd_real *q, const rbd_real *unit, int n) {
     rbdi_mask bad = rbdi_less(*q, *q);
     rbd_real length = rbdi_zero();
-    for (int k = 0; k < n; ++k) length = length + q[k] * u[k];
+    for (int k = 0; k < n; ++k) length = length + q[k] * unit[k];
     return rbdi_reciprocal(length, RBD_C(1e-15), &bad);
 }
 
+/* rbd_rates_from_velocity of one joint. */
 static void rbdi_joint_rates(const rbdi_frame *u, const rbd_real *q, const rbd_real *v, rbd_real *rates) {
     if (u->type == RBD_CONTINUOUS_CS) {
         rates[0] = -(q[1] * v[0]), rates[1] = q[0] * v[0];
@@ -157,19 +161,20 @@ static void rbdi_joint_rates(const rbdi_frame *u, const rbd_real *q, const rbd_r
 
 /* Angular velocity from a quaternion of any length and its rates. */
 static rbdi_v3 rbdi_quaternion_velocity(const rbd_real *q, const rbd_real *rates) {
-    rbd_real x[4], k;
-    rbdi_unit_quaternion(q, x);
-    k = rbdi_inverse_length(q, x, 4);
-    for (int i = 0; i < 3; ++i) x[i] = -x[i];
-    rbdi_quaternion_product(x, rates, x);
-    return rbdi_scale(k + k, rbdi_load_vec(x, 1));
+    rbd_real unit[4], inverse;
+    rbdi_unit_quaternion(q, unit);
+    inverse = rbdi_inverse_length(q, unit, 4);
+    for (int k = 0; k < 3; ++k) unit[k] = -unit[k];
+    rbdi_quaternion_product(unit, rates, unit);
+    return rbdi_scale(inverse + inverse, rbdi_load_vec(unit, 1));
 }
 
+/* rbd_velocity_from_rates of one joint. */
 static void rbdi_joint_velocity(const rbdi_frame *u, const rbd_real *q, const rbd_real *rates, rbd_real *v) {
     if (u->type == RBD_CONTINUOUS_CS) {
-        rbd_real x[2];
-        rbdi_unit_cs(q, &x[0], &x[1]);
-        v[0] = (x[0] * rates[1] - x[1] * rates[0]) * rbdi_inverse_length(q, x, 2);
+        rbd_real unit[2];
+        rbdi_unit_cs(q, &unit[0], &unit[1]);
+        v[0] = (unit[0] * rates[1] - unit[1] * rates[0]) * rbdi_inverse_length(q, unit, 2);
     } else if (rbdi_joint_turns(u)) {
         rbdi_motion V;
         V.v = rbdi_mul(rbdi_joint_attitude(u->type, q), rbdi_joint_origin(u->type, rates));
@@ -248,7 +253,8 @@ RBDI_API rbd_status rbd_neutral(const rbd_model *m, rbd_real *q) {
     return RBD_OK;
 }
 
-/* Uniform in [0, 1), 24 bits so that any scalar holds them, by splitmix64. */
+/* A number uniform in [0, 1), with 24 bits, which every scalar has, by splitmix64 (Steele, Lea and Flood
+   2014). */
 static rbd_const rbdi_uniform(uint64_t *seed) {
     uint64_t z = *seed += UINT64_C(0x9e3779b97f4a7c15);
     z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
@@ -256,43 +262,42 @@ static rbd_const rbdi_uniform(uint64_t *seed) {
     return (rbd_const)(int32_t)(z >> 40) * RBD_C(5.9604644775390625e-8);
 }
 
-/* Uniform between two bounds; each lane draws its own. */
+/* A number uniform between two bounds; each lane draws its own. */
 static rbd_real rbdi_draw(uint64_t *seed, rbd_const lower, rbd_const upper) {
 #ifdef RBD_LANES
     rbd_real x = rbdi_zero();
     for (int i = 0; i < RBD_LANES; ++i) {
-        const rbd_const u = rbdi_uniform(seed);
-        x[i] = lower * (1 - u) + upper * u;
+        const rbd_const share = rbdi_uniform(seed);
+        x[i] = lower * (1 - share) + upper * share;
     }
     return x;
 #else
-    const rbd_const u = rbdi_uniform(seed);
-    return rbdi_set(lower * (1 - u) + upper * u);
+    const rbd_const share = rbdi_uniform(seed);
+    return rbdi_set(lower * (1 - share) + upper * share);
 #endif
 }
 
-/* Uniform orientation: two points on circles with radii sqrt(u), sqrt(1 - u) (Shoemake 1992). */
+/* A uniform orientation: two points on circles with radii sqrt(x), sqrt(1 - x), x uniform (Shoemake 1992). */
 static void rbdi_draw_quaternion(uint64_t *seed, rbd_real *q) {
-    rbd_real u = rbdi_draw(seed, RBD_C(0), RBD_C(1)), a, b, c, s;
-    a = rbdi_sqrt(u);
-    b = rbdi_sqrt(rbdi_set(RBD_C(1)) - u);
+    rbd_real x = rbdi_draw(seed, RBD_C(0), RBD_C(1)), radius = rbdi_sqrt(x), c, s;
     rbdi_sincos(rbdi_draw(seed, -RBDI_PI(rbd_const), RBDI_PI(rbd_const)), &s, &c);
-    q[0] = a * s, q[1] = a * c;
+    q[0] = radius * s, q[1] = radius * c;
+    radius = rbdi_sqrt(rbdi_set(RBD_C(1)) - x);
     rbdi_sincos(rbdi_draw(seed, -RBDI_PI(rbd_const), RBDI_PI(rbd_const)), &s, &c);
-    q[2] = b * s, q[3] = b * c;
+    q[2] = radius * s, q[3] = radius * c;
 }
 
 RBDI_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q) {
     if (!m || !seed || !q) return RBD_ERR_NULL;
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
-        rbd_real *x;
+        rbd_real *own;
         const rbd_const pi = RBDI_PI(rbd_const), one = RBD_C(1);
         int angles = u->nv, shifts = 0; /* shifts come first, but with cylindrical joints */
         if (u->nv == 0) continue;
-        x = &q[u->iq];
+        own = &q[u->iq];
         if (u->nv == 1 && u->lower < u->upper && u->type != RBD_CONTINUOUS_CS) {
-            x[0] = rbdi_draw(seed, u->lower, u->upper);
+            own[0] = rbdi_draw(seed, u->lower, u->upper);
             continue;
         }
         if (u->type == RBD_PRISMATIC) shifts = 1;
@@ -300,13 +305,13 @@ RBDI_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q) 
         if (u->type == RBD_TRANSLATION || u->type == RBD_FLOATING) shifts = angles = 3;
         if (u->type == RBD_SPHERICAL) angles = 0;
         for (int k = 0; k < angles; ++k)
-            x[k] = k < shifts ? rbdi_draw(seed, -one, one) : rbdi_draw(seed, -pi, pi);
-        if (u->type == RBD_CYLINDRICAL) x[1] = rbdi_draw(seed, -one, one);
+            own[k] = k < shifts ? rbdi_draw(seed, -one, one) : rbdi_draw(seed, -pi, pi);
+        if (u->type == RBD_CYLINDRICAL) own[1] = rbdi_draw(seed, -one, one);
         if (u->type == RBD_CONTINUOUS_CS) {
-            rbd_real angle = x[0];
-            rbdi_sincos(angle, &x[1], &x[0]);
+            rbd_real angle = own[0];
+            rbdi_sincos(angle, &own[1], &own[0]);
         }
-        if (u->type == RBD_SPHERICAL || u->type == RBD_FLOATING) rbdi_draw_quaternion(seed, x + u->nq - 4);
+        if (u->type == RBD_SPHERICAL || u->type == RBD_FLOATING) rbdi_draw_quaternion(seed, own + u->nq - 4);
     }
     return RBD_OK;
 }
