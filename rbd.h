@@ -5681,7 +5681,7 @@ RBDI_CODE_END
 /* ==== src/model/wide.h ==== */
 /* Interface: rbdi_all_zero, rbdi_finite, rbdi_finite_positive, rbdi_is_rotation, rbdi_orthonormalise,
    rbdi_refuse, rbdi_semidefinite, rbdi_unit, rbdi_w_abs, rbdi_w_apply, rbdi_w_identity, rbdi_w_product,
-   rbdi_w_transpose, rbdi_widen, RBDI_TEXT */
+   rbdi_w_transpose, rbdi_widen */
 
 /* ---- descriptions [descriptions] ----
    To read a description, here and in other headers: checks, and algebra in the build's arithmetic (w_). */
@@ -5839,8 +5839,6 @@ static RBDI_UNUSED rbd_status rbdi_refuse(rbd_report *report, rbd_status status,
     f->status = status, f->body = body, f->name = name, f->field = field, f->text = NULL;
     return status;
 }
-
-#define RBDI_TEXT(sentence) sentence
 
 /* ==== src/rbd.h ==== */
 #ifndef RBD_NO_BUILD
@@ -6104,7 +6102,7 @@ static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_rep
     RBDI_REQUIRE(type >= 0 && type < RBD_JOINT_TYPES, RBD_ERR_TYPE, "type");
     axes = rbdi_joint_facts(type)->axes;
     RBDI_REQUIRE_SAYING(type != RBD_FIXED || rbdi_all_zero(b->axis, 3), RBD_ERR_TYPE, "type",
-                        RBDI_TEXT("missing? it is 0, fixed, but the joint has an axis"));
+                        "missing? it is 0, fixed, but the joint has an axis");
     if (axes[0] == 'a') RBDI_REQUIRE(rbdi_is_axis(b->axis), RBD_ERR_AXIS, "axis");
     if (axes[0] == 'a' && axes[1] == 'b')
         RBDI_REQUIRE(rbdi_is_axis(b->axis2) && !rbdi_parallel(b->axis, b->axis2), RBD_ERR_AXIS, "axis2");
@@ -6123,11 +6121,9 @@ static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_rep
     RBDI_REQUIRE(rbdi_finite_positive(&b->effort, 1), RBD_ERR_LIMITS, "effort");
     if (b->mimic) {
         RBDI_REQUIRE(rbdi_can_mimic(type) && rbdi_mimic_source(bodies, nb, i) >= 0, RBD_ERR_MIMIC, "mimic");
-        RBDI_REQUIRE_SAYING(rbdi_finite(&b->mimic_ratio, 1), RBD_ERR_MIMIC, "mimic_ratio",
-                            RBDI_TEXT("not finite"));
+        RBDI_REQUIRE_SAYING(rbdi_finite(&b->mimic_ratio, 1), RBD_ERR_MIMIC, "mimic_ratio", "not finite");
         RBDI_REQUIRE_SAYING(RBD_C(b->mimic_ratio) < 0 || RBD_C(b->mimic_ratio) > 0, RBD_ERR_MIMIC,
-                            "mimic_ratio",
-                            RBDI_TEXT("missing or 0: a joint that shall stand still is a fixed joint"));
+                            "mimic_ratio", "missing or 0: a joint that shall stand still is a fixed joint");
         RBDI_REQUIRE(rbdi_finite(&b->mimic_offset, 1), RBD_ERR_MIMIC, "mimic_offset");
     }
 #undef RBDI_REQUIRE

@@ -1718,15 +1718,15 @@ static rbd_status rbdi_check_constraint(const rbd_model *m, const rbd_constraint
     } while (0)
     RBDI_REQUIRE(con->body1 >= -1 && con->body1 < m->nb, RBD_ERR_INDEX, "body1", NULL);
     RBDI_REQUIRE(con->body1 >= 0 || con->body2 >= 0, RBD_ERR_INDEX, "body1",
-                 RBDI_TEXT("both bodies are -1: the world, or a name that no body has"));
+                 "both bodies are -1: the world, or a name that no body has");
     RBDI_REQUIRE(con->body2 >= -1 && con->body2 < m->nb, RBD_ERR_INDEX, "body2", NULL);
     RBDI_REQUIRE(rbdi_link_of_body(m, con->body1) != rbdi_link_of_body(m, con->body2), RBD_ERR_INDEX, "body2",
-                 RBDI_TEXT("no joint moves it against body1"));
+                 "no joint moves it against body1");
     RBDI_REQUIRE(rbdi_is_rotation(con->rotation1), RBD_ERR_ROTATION, "rotation1", NULL);
     RBDI_REQUIRE(rbdi_finite(con->position1, 3), RBD_ERR_POSITION, "position1", NULL);
     RBDI_REQUIRE(rbdi_is_rotation(con->rotation2), RBD_ERR_ROTATION, "rotation2", NULL);
     RBDI_REQUIRE(rbdi_finite(con->position2, 3), RBD_ERR_POSITION, "position2", NULL);
-    RBDI_REQUIRE(!strange, RBD_ERR_AXIS, "axes", RBDI_TEXT("none is held, or one is neither 0 nor 1"));
+    RBDI_REQUIRE(!strange, RBD_ERR_AXIS, "axes", "none is held, or one is neither 0 nor 1");
     RBDI_REQUIRE(rbdi_finite_positive(&con->kp, 1), RBD_ERR_RANGE, "kp", NULL);
     RBDI_REQUIRE(rbdi_finite_positive(&con->kd, 1), RBD_ERR_RANGE, "kd", NULL);
 #undef RBDI_REQUIRE
@@ -1843,7 +1843,7 @@ static rbd_status rbdi_check_list(const rbd_model *m, const rbd_work *w, const r
     if (rbdi_check(m, w, 1)) return rbdi_refuse(report, RBD_ERR_WORK, -1, NULL, NULL);
     if (n < 0 || n > RBD_MAX_CONSTRAINTS) {
         rbdi_refuse(report, RBD_ERR_COUNT, -1, NULL, NULL);
-        report->error.text = RBDI_TEXT("the number of constraints is below 0 or above RBD_MAX_CONSTRAINTS");
+        report->error.text = "the number of constraints is below 0 or above RBD_MAX_CONSTRAINTS";
         return RBD_ERR_COUNT;
     }
     for (int i = 0; i < n; ++i) {

@@ -179,7 +179,7 @@ static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_rep
     RBDI_REQUIRE(type >= 0 && type < RBD_JOINT_TYPES, RBD_ERR_TYPE, "type");
     axes = rbdi_joint_facts(type)->axes;
     RBDI_REQUIRE_SAYING(type != RBD_FIXED || rbdi_all_zero(b->axis, 3), RBD_ERR_TYPE, "type",
-                        RBDI_TEXT("missing? it is 0, fixed, but the joint has an axis"));
+                        "missing? it is 0, fixed, but the joint has an axis");
     if (axes[0] == 'a') RBDI_REQUIRE(rbdi_is_axis(b->axis), RBD_ERR_AXIS, "axis");
     if (axes[0] == 'a' && axes[1] == 'b')
         RBDI_REQUIRE(rbdi_is_axis(b->axis2) && !rbdi_parallel(b->axis, b->axis2), RBD_ERR_AXIS, "axis2");
@@ -198,11 +198,9 @@ static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_rep
     RBDI_REQUIRE(rbdi_finite_positive(&b->effort, 1), RBD_ERR_LIMITS, "effort");
     if (b->mimic) {
         RBDI_REQUIRE(rbdi_can_mimic(type) && rbdi_mimic_source(bodies, nb, i) >= 0, RBD_ERR_MIMIC, "mimic");
-        RBDI_REQUIRE_SAYING(rbdi_finite(&b->mimic_ratio, 1), RBD_ERR_MIMIC, "mimic_ratio",
-                            RBDI_TEXT("not finite"));
+        RBDI_REQUIRE_SAYING(rbdi_finite(&b->mimic_ratio, 1), RBD_ERR_MIMIC, "mimic_ratio", "not finite");
         RBDI_REQUIRE_SAYING(RBD_C(b->mimic_ratio) < 0 || RBD_C(b->mimic_ratio) > 0, RBD_ERR_MIMIC,
-                            "mimic_ratio",
-                            RBDI_TEXT("missing or 0: a joint that shall stand still is a fixed joint"));
+                            "mimic_ratio", "missing or 0: a joint that shall stand still is a fixed joint");
         RBDI_REQUIRE(rbdi_finite(&b->mimic_offset, 1), RBD_ERR_MIMIC, "mimic_offset");
     }
 #undef RBDI_REQUIRE

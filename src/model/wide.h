@@ -6,7 +6,7 @@
 
 /* Interface: rbdi_all_zero, rbdi_finite, rbdi_finite_positive, rbdi_is_rotation, rbdi_orthonormalise,
    rbdi_refuse, rbdi_semidefinite, rbdi_unit, rbdi_w_abs, rbdi_w_apply, rbdi_w_identity, rbdi_w_product,
-   rbdi_w_transpose, rbdi_widen, RBDI_TEXT */
+   rbdi_w_transpose, rbdi_widen */
 
 /* ---- descriptions [descriptions] ----
    To read a description, here and in other headers: checks, and algebra in the build's arithmetic (w_). */
@@ -164,7 +164,5 @@ static RBDI_UNUSED rbd_status rbdi_refuse(rbd_report *report, rbd_status status,
     f->status = status, f->body = body, f->name = name, f->field = field, f->text = NULL;
     return status;
 }
-
-#define RBDI_TEXT(sentence) sentence
 
 #endif
