@@ -10,10 +10,11 @@
    RBDI_BY_FLAGS, RBDI_BY_FLAGS_OF, RBDI_CASES, RBDI_NO_CASES */
 
 /* ---- joints [joints] ----
-   Code that depends on the joint type: rbdi_joint_facts, rbdi_build_joint, rbdi_build_regroup,
-   rbdi_can_mimic (build), rbdi_joint_attitude and rbdi_block_pose (here), rbdi_step_joint,
-   rbdi_difference_joint, rbdi_joint_rates and rbdi_joint_velocity (manifold); rbd_neutral and rbd_random if
-   zero or an angle will not do. One-axis types mostly need the first two only. */
+   Code that depends on the joint type. In the build: rbdi_joint_facts, rbdi_build_joint, rbdi_build_scale,
+   rbdi_build_regroup, rbdi_can_mimic, rbdi_describe_joint. Here: rbdi_joint_attitude, rbdi_joint_origin,
+   rbdi_block_pose. In manifold: rbdi_joint_turns, rbdi_joint_motion and back, rbdi_put_origin,
+   rbdi_step_joint, rbdi_difference_joint, rbdi_joint_rates, rbdi_joint_velocity, and rbd_neutral and
+   rbd_random if zero or an angle will not do. One-axis types mostly need the first two only. */
 
 /* Whether a link is a block. All have RBDI_MASS_KEPT, so that with the common flags this is a constant. */
 RBDI_INLINE int rbdi_block_link(const rbdi_link *l, int flags) {

@@ -149,7 +149,7 @@ static rbdi_kin rbdi_body_kin(const rbd_model *m, const rbd_work *w, int body) {
     return k;
 }
 
-/* Whether kinematics of a body are there; body -1: of all. */
+/* RBD_ERR_ORDER unless kinematics of this body, or of all with body -1, have been computed. */
 static rbd_status rbdi_have_kinematics(const rbd_model *m, const rbd_work *w, int body) {
     const int last = w->kinematics_of, link = body < 0 ? m->nl : m->frame[body].link;
     if (last == m->nl || link < 0) return last == RBDI_NO_KINEMATICS ? RBD_ERR_ORDER : RBD_OK;
@@ -184,7 +184,7 @@ RBDI_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int bod
 
 enum { RBDI_VELOCITY, RBDI_CLASSICAL_ACCELERATION, RBDI_SPATIAL_ACCELERATION };
 
-/* Velocity or acceleration of a point of a body. */
+/* Velocity, or classical or spatial acceleration, of a point of a body. */
 static rbd_status rbdi_point_motion(const rbd_model *m, const rbd_work *w, int body, const rbd_real *point,
                                     rbd_axes axes, int quantity, rbd_real *out) {
     const rbd_status status = rbdi_check_body_call(m, w, body, out != NULL);
@@ -227,13 +227,13 @@ RBDI_API rbd_status rbd_point_acceleration(const rbd_model *m, const rbd_work *w
 
 RBDI_API rbd_const rbd_mass(const rbd_model *m) {
     rbd_const mass = RBD_C(0);
-    for (int b = 0; m && b < m->nb; ++b)
-        if (m->frame[b].link >= 0) mass += m->frame[b].mass;
+    for (int body = 0; m && body < m->nb; ++body)
+        if (m->frame[body].link >= 0) mass += m->frame[body].mass;
     return mass;
 }
 
-/* A body in motion, in its own axes: its centre of mass c, with velocity and acceleration; angular momentum
-   about c, and its rate. */
+/* The motion of a body, in its own axes: its centre of mass c, with velocity v and acceleration acc; its
+   angular momentum L about c, with its rate. */
 typedef struct rbdi_moving {
     rbdi_kin k;
     rbd_real mass;
@@ -254,23 +254,24 @@ static rbdi_moving rbdi_moving_body(const rbd_model *m, const rbd_work *w, int b
     return b;
 }
 
-/* All bodies that a joint moves: momentum about their centre of mass, and its rate, world axes; kinetic
-   energy. */
+/* Sums over all bodies that a joint moves, world axes: momentum h about their centre of mass, with its
+   rate; kinetic energy without that of the rotors. */
 typedef struct rbdi_total {
     rbdi_force h, h_dot;
     rbdi_v3 com;
     rbd_real mass, inverse_mass, kinetic;
 } rbdi_total;
 
-/* Adds the momentum of a body at r, of linear velocity v and angular momentum L; or, with their rates, its
-   rate. */
+/* Adds to h the momentum of a body at r with linear velocity v and angular momentum L; or, with their
+   rates, to h_dot. */
 RBDI_INLINE void rbdi_add_momentum(const rbdi_moving *b, rbdi_v3 r, rbdi_v3 v, rbdi_v3 L, rbdi_force *h) {
     const rbdi_v3 f = rbdi_scale(b->mass, rbdi_mul_t(b->k.X.E, v));
     h->f = rbdi_add(h->f, f);
     h->n = rbdi_add(h->n, rbdi_add(rbdi_mul_t(b->k.X.E, L), rbdi_cross(r, f)));
 }
 
-/* Sums the momenta about a place o of the robot, then moves them to the centre of mass: n - (com - o) x f. */
+/* Sums the momenta about the first link's origin o, which rounds less than about a far world origin, then
+   moves them to the centre of mass: n - (com - o) x f. */
 static rbdi_total rbdi_add_bodies(const rbd_model *m, const rbd_work *w) {
     const rbd_const mass = rbd_mass(m);
     const rbdi_v3 o = mass > 0 ? w->kin[0].X.r : rbdi_vec0();
@@ -280,11 +281,11 @@ static rbdi_total rbdi_add_bodies(const rbd_model *m, const rbd_work *w) {
     s.kinetic = rbdi_zero();
     s.com = rbdi_vec0();
     s.h = s.h_dot = rbdi_force0();
-    for (int i = 0; i < m->nb; ++i) {
+    for (int body = 0; body < m->nb; ++body) {
         rbdi_moving b;
         rbdi_v3 r;
-        if (m->frame[i].link < 0) continue;
-        b = rbdi_moving_body(m, w, i);
+        if (m->frame[body].link < 0) continue;
+        b = rbdi_moving_body(m, w, body);
         r = rbdi_sub(rbdi_point_p(&b.k, b.c), o);
         s.com = rbdi_add(s.com, rbdi_scale(b.mass * s.inverse_mass, r));
         rbdi_add_momentum(&b, r, b.v, b.L, &s.h);
@@ -330,7 +331,7 @@ RBDI_API rbd_status rbd_momentum(const rbd_model *m, const rbd_work *w, rbd_real
     return RBD_OK;
 }
 
-/* A wrench on a body, moved to the parent's origin and axes. */
+/* A wrench on a body, in its own axes, to the parent's origin and axes. */
 static rbdi_force rbdi_wrench_to_parent(const rbd_model *m, const rbd_work *w, const rbdi_frame *u,
                                         rbdi_force F) {
     const rbdi_frame *up = &m->frame[u->parent];
@@ -354,21 +355,21 @@ RBDI_API rbd_status rbd_joint_wrench(const rbd_model *m, rbd_work *w, const rbd_
                                      const rbd_real *a, const rbd_real *f_ext, rbd_real *wrench) {
     const rbd_status status = wrench ? rbd_kinematics(m, w, q, v, a) : RBD_ERR_NULL;
     if (status) return status;
-    for (int b = 0; b < m->nb; ++b) {
-        const rbdi_moving s = rbdi_moving_body(m, w, b);
+    for (int body = 0; body < m->nb; ++body) {
+        const rbdi_moving b = rbdi_moving_body(m, w, body);
         rbdi_force F;
-        F.f = rbdi_scale(s.mass, rbdi_sub(s.acc, rbdi_mul(s.k.X.E, rbdi_vec_c(w->gravity))));
-        F.n = rbdi_add(s.L_dot, rbdi_cross(s.c, F.f));
-        if (f_ext) F = rbdi_force_sub(F, rbdi_load_force(f_ext + 6 * b, 1));
-        rbdi_store_force(wrench + 6 * b, 1, F);
+        F.f = rbdi_scale(b.mass, rbdi_sub(b.acc, rbdi_mul(b.k.X.E, rbdi_vec_c(w->gravity))));
+        F.n = rbdi_add(b.L_dot, rbdi_cross(b.c, F.f));
+        if (f_ext) F = rbdi_force_sub(F, rbdi_load_force(f_ext + 6 * body, 1));
+        rbdi_store_force(wrench + 6 * body, 1, F);
     }
-    for (int b = m->nb - 1; b >= 0; --b) {
-        const rbdi_frame *u = &m->frame[b];
+    for (int body = m->nb - 1; body >= 0; --body) {
+        const rbdi_frame *u = &m->frame[body];
         rbd_real *up;
         rbdi_force F;
         if (u->parent < 0) continue;
         up = wrench + 6 * u->parent;
-        F = rbdi_wrench_to_parent(m, w, u, rbdi_load_force(wrench + 6 * b, 1));
+        F = rbdi_wrench_to_parent(m, w, u, rbdi_load_force(wrench + 6 * body, 1));
         rbdi_store_force(up, 1, rbdi_force_add(rbdi_load_force(up, 1), F));
     }
     return RBD_OK;
