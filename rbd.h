@@ -431,7 +431,7 @@ typedef enum rbd_status {
     RBD_ERR_LIMITS = -22,     /* not finite, or a negative velocity or effort limit */
     RBD_ERR_MIMIC = -23,      /* not a one-dof joint, what it follows is missing or follows too, or ratio 0 */
     RBD_ERR_WORK = -24,       /* the work, or batch, is of another model; the set, of another work */
-    RBD_ERR_NAN = -25,        /* the mass matrix is not a number: so is q, or something overflowed */
+    RBD_ERR_NAN = -25,        /* NaN in the mass matrix: q has one, or something overflowed */
     RBD_ERR_RANGE = -26,      /* of a constraint, weight, restitution (rbd_constraints.h): out of range */
     RBD_ERR_INFEASIBLE = -27, /* constraints contradict each other */
     RBD_ERR_LEFT_OUT = -28,   /* the model needs code that RBD_FEATURES or RBD_NO_CHOLESKY leave out */
@@ -5633,7 +5633,7 @@ RBDI_MESSAGES RBDI_API const char *rbd_status_string(rbd_status status) {
         return "ratio 0 or not finite, offset not finite, not a one-dof joint, or it follows a joint that is "
                "missing or mimics too";
     case RBD_ERR_WORK: return "made for another model or another work";
-    case RBD_ERR_NAN: return "the mass matrix is not a number: so is q, or something overflowed";
+    case RBD_ERR_NAN: return "NaN in the mass matrix: q has one, or something overflowed";
     case RBD_ERR_RANGE: return "negative, not finite or out of range";
     case RBD_ERR_INFEASIBLE: return "the constraints contradict each other";
     case RBD_ERR_ARITHMETIC:

@@ -123,7 +123,7 @@ typedef struct rbd_constraint_set rbd_constraint_set; /* constraints that hold t
    c        receives the set, which lies inside memory: do not move it; NULL after an error
    report   receives the error: body is the constraint's index, field one of rbd_constraint's; may be NULL
    Errors: RBD_ERR_NULL, _MEMORY, _WORK, _COUNT; of a constraint: _INDEX (a body does not exist, or no joint
-   moves one against the other), _ROTATION, _POSITION, _AXIS (none held, or neither 0 nor 1), _RANGE. */
+   moves one relative to the other), _ROTATION, _POSITION, _AXIS (none held, or neither 0 nor 1), _RANGE. */
 RBDI_API rbd_status rbd_constraint_set_init(const rbd_model *m, rbd_work *w, const rbd_constraint *list,
                                             int n, void *memory, size_t size, rbd_constraint_set **c,
                                             rbd_report *report);
@@ -1721,7 +1721,7 @@ static rbd_status rbdi_check_constraint(const rbd_model *m, const rbd_constraint
                  "both bodies are -1: the world, or a name that no body has");
     RBDI_REQUIRE(con->body2 >= -1 && con->body2 < m->nb, RBD_ERR_INDEX, "body2", NULL);
     RBDI_REQUIRE(rbdi_link_of_body(m, con->body1) != rbdi_link_of_body(m, con->body2), RBD_ERR_INDEX, "body2",
-                 "no joint moves it against body1");
+                 "no joint moves it relative to body1");
     RBDI_REQUIRE(rbdi_is_rotation(con->rotation1), RBD_ERR_ROTATION, "rotation1", NULL);
     RBDI_REQUIRE(rbdi_finite(con->position1, 3), RBD_ERR_POSITION, "position1", NULL);
     RBDI_REQUIRE(rbdi_is_rotation(con->rotation2), RBD_ERR_ROTATION, "rotation2", NULL);

@@ -1301,11 +1301,13 @@ RBDI_INLINE int rbdi_surplus_lanes(const rbd_model *m) {
     return (RBDI_BATCH - rbdi_free_dofs(m) % RBDI_BATCH) % RBDI_BATCH;
 }
 
+/* Number of batches that have all dofs. */
+RBDI_INLINE int rbdi_batches_of(const rbd_model *m) {
+    return (m->nv + rbdi_mimics(m) + rbdi_surplus_lanes(m) + RBDI_BATCH - 1) / RBDI_BATCH;
+}
+
 RBDI_API size_t rbd_derivatives_size(const rbd_model *m) {
-    const int n = m ? m->nv + rbdi_mimics(m) : 0;
-    if (!m) return 0;
-    return RBDI_DERIVATIVES_BYTES(m->nl, n,
-                                  (n + rbdi_surplus_lanes(m) + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH);
+    return m ? RBDI_DERIVATIVES_BYTES(m->nl, m->nv + rbdi_mimics(m), rbdi_batches_of(m) * RBDI_BATCH) : 0;
 }
 
 /* The constants of dof k, component by component. */
@@ -1452,7 +1454,7 @@ RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *
     d->model = m, d->work = w;
     d->n = m->nv + rbdi_mimics(m);
     d->base = rbdi_free_dofs(m);
-    d->batches = (d->n + rbdi_surplus_lanes(m) + RBDI_BATCH - 1) / RBDI_BATCH;
+    d->batches = rbdi_batches_of(m);
     d->behind = (d->base + rbdi_surplus_lanes(m)) / RBDI_BATCH;
     padded = d->batches * RBDI_BATCH;
     d->columns = (rbdi_columns *)rbdi_take(&p, d->batches, sizeof(rbdi_columns));

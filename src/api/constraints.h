@@ -65,7 +65,7 @@ typedef struct rbd_constraint_set rbd_constraint_set; /* constraints that hold t
    c        receives the set, which lies inside memory: do not move it; NULL after an error
    report   receives the error: body is the constraint's index, field one of rbd_constraint's; may be NULL
    Errors: RBD_ERR_NULL, _MEMORY, _WORK, _COUNT; of a constraint: _INDEX (a body does not exist, or no joint
-   moves one against the other), _ROTATION, _POSITION, _AXIS (none held, or neither 0 nor 1), _RANGE. */
+   moves one relative to the other), _ROTATION, _POSITION, _AXIS (none held, or neither 0 nor 1), _RANGE. */
 RBDI_API rbd_status rbd_constraint_set_init(const rbd_model *m, rbd_work *w, const rbd_constraint *list,
                                             int n, void *memory, size_t size, rbd_constraint_set **c,
                                             rbd_report *report);

@@ -105,7 +105,7 @@ static rbd_status rbdi_check_constraint(const rbd_model *m, const rbd_constraint
                  "both bodies are -1: the world, or a name that no body has");
     RBDI_REQUIRE(con->body2 >= -1 && con->body2 < m->nb, RBD_ERR_INDEX, "body2", NULL);
     RBDI_REQUIRE(rbdi_link_of_body(m, con->body1) != rbdi_link_of_body(m, con->body2), RBD_ERR_INDEX, "body2",
-                 "no joint moves it against body1");
+                 "no joint moves it relative to body1");
     RBDI_REQUIRE(rbdi_is_rotation(con->rotation1), RBD_ERR_ROTATION, "rotation1", NULL);
     RBDI_REQUIRE(rbdi_finite(con->position1, 3), RBD_ERR_POSITION, "position1", NULL);
     RBDI_REQUIRE(rbdi_is_rotation(con->rotation2), RBD_ERR_ROTATION, "rotation2", NULL);
