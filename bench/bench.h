@@ -20,6 +20,7 @@ struct options {
     int robot;         /* index of a robot, or ALL */
     const char *model; /* URDF file of the robot instead, or NULL */
     bool floating;     /* its root link is on a floating joint */
+    bool fixed_base;   /* robots with a floating base have it held still */
     int algorithm;     /* index of an algorithm, or ALL */
     int scalar;        /* index of a scalar, or ALL */
     int variant;       /* RUN_TIME and so on, or ALL */
@@ -73,6 +74,9 @@ enum {
     PINOCCHIO_PV,
     PINOCCHIO_AVX512F,
     PINOCCHIO_PV_AVX512F,
+    PINOCCHIO_CODE_IIWA,
+    PINOCCHIO_CODE_HYQ,
+    PINOCCHIO_CODE_ATLAS,
     DYNIBO,
     ROBCOGEN_IIWA,
     ROBCOGEN_HYQ,
@@ -121,6 +125,7 @@ struct robot {
     const char *name;  /* on the command line and in CSV */
     const char *title; /* for people */
     const rbd_body *bodies;
+    rbd_body *held; /* the same with the base fixed to the world, or NULL */
     int nb, nq, nv;
     int packed; /* entries of the packed mass matrix */
     int samples;
@@ -130,6 +135,9 @@ struct robot {
 };
 
 extern const char *const robot_names[]; /* ended by NULL */
+
+/* Sets nq and nv by building the model once. Returns 0, or -1. */
+int robot_take_lengths(struct robot *r);
 
 /* Loads the robot of o->model. Returns 0, or -1 after a message. (robots/model_file.c) */
 int robot_load(struct robot *r, const struct options *o);

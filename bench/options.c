@@ -12,6 +12,7 @@ static const char help[] =
     "  --robot NAME       iiwa, hyq, atlas or all (default all)\n"
     "  --model FILE       the robot of this URDF file instead of these\n"
     "  --floating         its root link is on a floating joint, not fixed to the world\n"
+    "  --fixed-base       the base of hyq and atlas is fixed to the world, not floating\n"
     "  --algorithm NAME   id, mm, mm_packed, fd, fd_cholesky, hybrid, id_free_base, minv, jacobian,\n"
     "                     momentum_matrix, coriolis, regressor, id_derivatives, id_derivatives_mm,\n"
     "                     fd_derivatives, constrained_fd, constrained_fd_hand or all (default all);\n"
@@ -214,6 +215,10 @@ static int read_argument(struct options *o, char **argv, int *i) {
         o->floating = true;
         return -1;
     }
+    if (strcmp(argument, "--fixed-base") == 0) {
+        o->fixed_base = true;
+        return -1;
+    }
     if (strcmp(argument, "--help") == 0 || strcmp(argument, "-h") == 0)
         return fputs(help, stdout) < 0 ? EXIT_FAILURE : EXIT_SUCCESS;
     if (strcmp(argument, "--version") == 0)
@@ -236,6 +241,7 @@ int options_read(struct options *o, int argc, char **argv) {
     }
     if (o->model && o->robot != ALL) return usage_error("--model: it stands instead of --robot");
     if (o->cold && o->count != COUNT_NONE) return usage_error("--cold: it belongs to times, not to --count");
+    if (o->fixed_base && o->model) return usage_error("--fixed-base: --model has it so without --floating");
     if (o->floating && !o->model) return usage_error("--floating: it belongs to --model");
     return -1;
 }

@@ -171,10 +171,10 @@ static void write_table_row(FILE *f, struct names w, const struct row *rows, int
             row->disturbed ? " disturbed" : "", has_waited(rows, n, row) ? " *" : "");
 }
 
-/* Whether it was compiled from source here, by GCC. */
+/* Whether it was compiled from source here, by GCC; of generated code rbd's is too. */
 static bool is_by_gcc(const struct row *row) {
-    return !library_is_ours(row->instance->library) &&
-           strncmp(build_of(row->instance->library), "gcc ", 4) == 0;
+    const struct library *l = row->instance->library;
+    return !library_is_ours(l) && l->variant == RUN_TIME && strncmp(build_of(l), "gcc ", 4) == 0;
 }
 
 /* Explains the marks that the table has. */
@@ -191,9 +191,10 @@ static void write_table_notes(FILE *f, const struct row *rows, int n) {
               "to share\n",
               f);
     if (by_gcc)
-        fputs("\nPinocchio, and what RobCoGen wrote, are compiled by g++ here; clang makes Pinocchio 1.35\n"
-              "to 1.8 times as fast: install it and configure anew, with CXX=clang++\n",
-              f);
+        fputs(
+            "\nPinocchio is compiled by g++ here; clang makes it 1.35 to 1.8 times as fast: install it and\n"
+            "configure anew, with CXX=clang++\n",
+            f);
     if (disturbed)
         fputs("\ndisturbed: the least time did not come twice to 3 %, however often it was measured; it may "
               "be too "
@@ -205,8 +206,9 @@ static void write_table(FILE *f, const struct options *o, const struct row *rows
     char cpu[256];
     fprintf(f, "rbd %s, %s%s%s\n", RBD_VERSION, COMPILER, *BENCH_FLAGS ? " " : "", BENCH_FLAGS);
     fprintf(f, "%s\n", cpu_name(cpu, sizeof cpu));
-    fprintf(f, "%d random states (seed %llu) x %d experiments, gravity %s; ns per state\n\n", o->samples,
-            (unsigned long long)o->seed, o->experiments, o->gravity ? "on" : "off");
+    fprintf(f, "%d random states (seed %llu) x %d experiments, gravity %s%s; ns per state\n\n", o->samples,
+            (unsigned long long)o->seed, o->experiments, o->gravity ? "on" : "off",
+            o->fixed_base ? ", bases fixed" : "");
     const struct names w = names_of(rows, n);
     write_names(f, w, "robot", "scalar", "algorithm", "variant");
     fprintf(f, " %9s %9s %9s %9s %10s %10s\n", "min", "speed-up", "mean", "std dev", "max error",

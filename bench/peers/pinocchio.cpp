@@ -4,8 +4,6 @@
 // SPDX-License-Identifier: MIT
 #undef PINOCCHIO_ENABLE_TEMPLATE_INSTANTIATION // that of the installed library has other flags
 #include <cstring>
-#include <new>
-#include <pinocchio/multibody/model.hpp>
 #include <pinocchio/multibody/data.hpp>
 #include <pinocchio/algorithm/aba.hpp>
 #include <pinocchio/algorithm/aba-derivatives.hpp>
@@ -19,25 +17,12 @@
 #include <pinocchio/algorithm/rnea.hpp>
 #include <pinocchio/algorithm/rnea-derivatives.hpp>
 #include "../robots/contacts.h"
-#include "tree.hpp"
+#include "pinocchio_model.hpp"
 
 namespace {
 
-using Eigen::Matrix3d;
-using Eigen::MatrixXd;
-using Eigen::Vector3d;
 using Eigen::VectorXd;
 using input = Eigen::Map<const VectorXd>;
-
-struct model {
-    tree t;
-    pinocchio::Model m;
-    std::vector<int> q, v;  // Pinocchio's places of each body's joint, -1 = fixed
-    std::vector<int> joint; // and its number
-    std::vector<int> place; // Pinocchio's place of each degree of freedom of rbd
-    std::size_t last = 0;   // frame of the last body
-    bool every_body_moves = true;
-};
 
 enum { SETS = ALGORITHMS - CONSTRAINED };
 
@@ -66,77 +51,6 @@ struct work {
     }
 };
 
-// ---- model ----
-
-Vector3d vector_of(const double *x) { return Vector3d(x[0], x[1], x[2]); }
-
-pinocchio::SE3 placement_of(const rbd_body &b) {
-    const mat3 R = rotation_given(b.rotation);
-    Matrix3d rotation;
-    for (int i = 0; i < 9; i++) rotation(i / 3, i % 3) = R.m[i];
-    return pinocchio::SE3(rotation, vector_of(b.position));
-}
-
-pinocchio::Inertia inertia_of(const rbd_body &b) {
-    const double *I = b.inertia;
-    Matrix3d about_com;
-    about_com << I[0], I[1], I[2], I[1], I[3], I[4], I[2], I[4], I[5];
-    return pinocchio::Inertia(b.mass, vector_of(b.com), about_com);
-}
-
-// The joint that its URDF loader would make: about a coordinate axis where it can.
-pinocchio::JointModel joint_of(const rbd_body &b) {
-    const Vector3d axis = vector_of(b.axis).normalized();
-    if (b.type == RBD_FLOATING) return pinocchio::JointModelFreeFlyer();
-    if (turns(b)) {
-        if (axis == Vector3d::UnitX()) return pinocchio::JointModelRX();
-        if (axis == Vector3d::UnitY()) return pinocchio::JointModelRY();
-        if (axis == Vector3d::UnitZ()) return pinocchio::JointModelRZ();
-        return pinocchio::JointModelRevoluteUnaligned(axis);
-    }
-    if (axis == Vector3d::UnitX()) return pinocchio::JointModelPX();
-    if (axis == Vector3d::UnitY()) return pinocchio::JointModelPY();
-    if (axis == Vector3d::UnitZ()) return pinocchio::JointModelPZ();
-    return pinocchio::JointModelPrismaticUnaligned(axis);
-}
-
-// Where a body is: on a joint, at a placement.
-struct seat {
-    std::size_t joint = 0;
-    pinocchio::SE3 placement = pinocchio::SE3::Identity();
-};
-
-// A body and what hangs on it, depth first: its algorithms take the joints of a subtree to be contiguous.
-void add_bodies(model *p, int i, seat s) {
-    const rbd_body &b = p->t.bodies[(size_t)i];
-    const size_t k = (size_t)i;
-    s.placement = s.placement * placement_of(b);
-    if (b.type == RBD_FIXED) {
-        p->every_body_moves = false;
-    } else {
-        s.joint = p->m.addJoint(s.joint, joint_of(b), s.placement, "j" + std::to_string(i));
-        s.placement = pinocchio::SE3::Identity();
-        p->q[k] = p->m.joints[s.joint].idx_q();
-        p->v[k] = p->m.joints[s.joint].idx_v();
-        if (b.type != RBD_FLOATING) p->m.armature[p->v[k]] = b.armature[0];
-    }
-    p->joint[k] = (int)s.joint;
-    p->m.appendBodyToJoint(s.joint, inertia_of(b), s.placement);
-    const pinocchio::Frame frame("b" + std::to_string(i), s.joint, 0, s.placement, pinocchio::BODY);
-    const std::size_t number = p->m.addFrame(frame);
-    if (k + 1 == p->t.bodies.size()) p->last = number;
-    for (int child = i + 1; child < (int)p->t.bodies.size(); child++)
-        if (p->t.bodies[(size_t)child].parent == i) add_bodies(p, child, s);
-}
-
-// rbd has the base's angular components first.
-void find_places(model *p) {
-    for (size_t i = 0; i < p->t.bodies.size(); i++) {
-        const int v = p->v[i], n = v < 0 ? 0 : p->t.bodies[i].type == RBD_FLOATING ? 6 : 1;
-        for (int k = 0; k < n; k++) p->place.push_back(v + (n == 6 ? (k + 3) % 6 : k));
-    }
-}
-
 contacts::contacts(const model &p, int algorithm, solver by) : d(p.m) {
     const int nb = (int)p.t.bodies.size();
     const contact_set *set = contact_set_of(p.t.bodies.data(), nb, algorithm);
@@ -154,22 +68,6 @@ contacts::contacts(const model &p, int algorithm, solver by) : d(p.m) {
     else
         pinocchio::initPvSolver(p.m, d, models);
 }
-
-rbd_status model_build(const rbd_body *bodies, int nb, void *memory, size_t, const void **out, char *text) {
-    model *p = new (memory) model;
-    *out = p;
-    if (!read_tree(bodies, nb, &p->t, text)) return RBD_ERR_TYPE;
-    p->q.assign((size_t)nb, -1);
-    p->v = p->joint = p->q;
-    for (int i = 0; i < nb; i++)
-        if (bodies[i].parent < 0) add_bodies(p, i, seat());
-    find_places(p);
-    return RBD_OK;
-}
-
-size_t model_size(const rbd_body *, int) { return sizeof(model); }
-
-void model_free(const void *p) { static_cast<model *>(const_cast<void *>(p))->~model(); }
 
 // ---- work ----
 
@@ -239,34 +137,6 @@ int can(const void *model_, int algorithm) {
 }
 
 // ---- conventions: README.md of rbd, "From and to other libraries" ----
-
-void size(const void *p, int *nq, int *nv) {
-    *nq = static_cast<const model *>(p)->m.nq;
-    *nv = static_cast<const model *>(p)->m.nv;
-}
-
-void convert_state(const void *model_, const struct state *rbd, const struct state *its) {
-    const model *p = static_cast<const model *>(model_);
-    for (size_t i = 0; i < p->t.bodies.size(); i++)
-        for (int k = 0; p->q[i] >= 0 && k < (p->t.bodies[i].type == RBD_FLOATING ? 7 : 1); k++)
-            its->q[p->q[i] + k] = rbd->q[p->t.iq[i] + k];
-    for (int i = 0; i < p->m.nv; i++) {
-        const int k = p->place[(size_t)i];
-        its->v[k] = rbd->v[i], its->a[k] = rbd->a[i], its->tau[k] = rbd->tau[i];
-    }
-}
-
-template <typename Matrix> void reorder(const model *p, const Matrix &its, double *x) {
-    const int nv = p->m.nv;
-    for (int i = 0; i < nv; i++)
-        for (int j = 0; j < nv; j++) x[i * nv + j] = its(p->place[(size_t)i], p->place[(size_t)j]);
-}
-
-// A symmetric matrix of which the upper triangle alone is filled.
-template <typename Matrix> void reorder_upper(const model *p, const Matrix &its, double *x) {
-    const MatrixXd full = its.template selfadjointView<Eigen::Upper>();
-    reorder(p, full, x);
-}
 
 // Rows: linear first there.
 template <typename Matrix> void reorder_motion(const model *p, const Matrix &its, double *x) {

@@ -20,20 +20,6 @@ static int load_error(const char *path) {
     return -1;
 }
 
-/* Lengths of q and v, by building the model once. */
-static int take_lengths(struct robot *r) {
-    const size_t size = rbd_model_size(r->bodies, r->nb);
-    const rbd_model *m;
-    void *memory = malloc(size);
-    const int good = memory && rbd_model_build(r->bodies, r->nb, memory, size, &m, NULL) == RBD_OK;
-    if (good) {
-        r->nq = rbd_nq(m);
-        r->nv = rbd_nv(m);
-    }
-    free(memory);
-    return good ? 0 : -1;
-}
-
 int robot_load(struct robot *r, const struct options *o) {
     const rbd_urdf_options options = {.root = o->floating ? RBD_FLOATING : RBD_FIXED};
     if (rbd_urdf_load(o->model, &options, &loaded) != RBD_URDF_OK) /* counts */
@@ -45,7 +31,7 @@ int robot_load(struct robot *r, const struct options *o) {
     for (char *c = loaded.names; *c; c++) /* the robot's name stands first: fit for CSV and JSON */
         if (!isalnum((unsigned char)*c) && !strchr("_-.", *c)) *c = '_';
     *r = (struct robot){.name = loaded.name, .title = loaded.name, .bodies = loaded.bodies, .nb = loaded.nb};
-    return take_lengths(r);
+    return robot_take_lengths(r);
 }
 
 #else

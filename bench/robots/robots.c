@@ -294,6 +294,32 @@ static int open_other(struct robot *r, const struct library *library, struct ins
     return 0;
 }
 
+int robot_take_lengths(struct robot *r) {
+    const size_t size = rbd_model_size(r->bodies, r->nb);
+    const rbd_model *m;
+    void *memory = malloc(size);
+    const int good = memory && rbd_model_build(r->bodies, r->nb, memory, size, &m, NULL) == RBD_OK;
+    if (good) {
+        r->nq = rbd_nq(m);
+        r->nv = rbd_nv(m);
+    }
+    free(memory);
+    return good ? 0 : -1;
+}
+
+/* Has the world hold the base still. There are no stored results of such a robot, nor code. */
+static int hold_base(struct robot *r) {
+    const size_t size = (size_t)r->nb * sizeof *r->held;
+    if (r->bodies[0].type != RBD_FLOATING) return 0;
+    r->held = malloc(size);
+    if (!r->held) return out_of_memory(r, r->samples);
+    memcpy(r->held, r->bodies, size);
+    r->held[0].type = RBD_FIXED;
+    r->bodies = r->held;
+    r->reference = NULL;
+    return robot_take_lengths(r);
+}
+
 /* A robot of the table. */
 static void describe(struct robot *r, int index) {
     const struct description *d = &descriptions[index];
@@ -309,6 +335,7 @@ int robot_open(struct robot *r, int index, const struct options *o) {
     else if (robot_load(r, o) != 0)
         return -1;
     r->samples = o->samples;
+    if (o->fixed_base && hold_base(r) != 0) return -1;
     if (open_double(r, o->seed) != 0) return -1;
     for (int i = DOUBLE + 1; i < TIMED; i++)
         if (library_wanted(libraries[i], r, o) && open_other(r, libraries[i], &r->instances[i]) != 0)
@@ -319,4 +346,5 @@ int robot_open(struct robot *r, int index, const struct options *o) {
 void robot_close(struct robot *r) {
     for (int i = 0; i < LIBRARIES; i++) instance_close(&r->instances[i]);
     free(r->numbers);
+    free(r->held);
 }

@@ -7,11 +7,18 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { ROWS = 6, OURS = 4, SIZE = 4096 };
+enum { ROWS = 7, OURS = 4, SIZE = 4096 };
 
-/* run-time, lanes, 2 and 4 threads, and two rows of a library compiled by GCC in two ways. */
+/* run-time, lanes, 2 and 4 threads, and rows of a library compiled by GCC: its generated code, and its
+   run-time calls in two ways. */
 static const struct conventions others = {.build = "gcc 1.2"};
 static const struct library ours = {.name = "rbd", .version = "0", .scalar = "double", .lanes = 4},
+                            code = {.name = "Another",
+                                    .version = "1",
+                                    .scalar = "double",
+                                    .variant = GENERATED,
+                                    .form = "code",
+                                    .conventions = &others},
                             peer = {.name = "Another",
                                     .version = "1",
                                     .scalar = "double",
@@ -22,7 +29,8 @@ static const struct library ours = {.name = "rbd", .version = "0", .scalar = "do
                                     .form = "with a very long name of its form",
                                     .conventions = &others};
 static const struct robot robot = {.name = "iiwa", .title = "a robot with quite a title"};
-static const struct instance instances[3] = {{.robot = &robot, .library = &ours},
+static const struct instance instances[4] = {{.robot = &robot, .library = &ours},
+                                             {.robot = &robot, .library = &code},
                                              {.robot = &robot, .library = &peer},
                                              {.robot = &robot, .library = &form}};
 
@@ -30,7 +38,7 @@ static const struct instance instances[3] = {{.robot = &robot, .library = &ours}
    Returns text. */
 static char *table(const double mean[ROWS], const double min[ROWS], int n, int disturbed, char text[SIZE]) {
     static const char name[] = "test_report.txt";
-    static const int variant[ROWS] = {RUN_TIME, LANES, THREADS, THREADS, RUN_TIME, RUN_TIME};
+    static const int variant[ROWS] = {RUN_TIME, LANES, THREADS, THREADS, GENERATED, RUN_TIME, RUN_TIME};
     struct row rows[ROWS] = {{0}};
     const struct options options = {.output = name, .format = FORMAT_TABLE};
     for (int i = 0; i < n; i++) {
@@ -82,7 +90,8 @@ static double number(const char *text, const char *word, const char *title) {
 
 static void check_columns(void) {
     char text[SIZE];
-    const double mean[ROWS] = {200, 40, 30, 20, 900, 800}, min[ROWS] = {100, 25, 20, 12.5, 800, 400};
+    const double mean[ROWS] = {200, 40, 30, 20, 50, 900, 800};
+    const double min[ROWS] = {100, 25, 20, 12.5, 45, 800, 400};
     table(mean, min, ROWS, -1, text);
     const char *head = line_of(text, "speed-up");
     expect(strstr(head, "min") < strstr(head, "speed-up") && strstr(head, "speed-up") < strstr(head, "mean"),
@@ -95,13 +104,15 @@ static void check_columns(void) {
                number(text, "Another 1 with a very long name of its form", "speed-up") == 0.25,
            "a long name moves its row's numbers out of no column");
     expect(number(text, "a robot with quite a title", "min") == 100, "nor does a long title");
+    expect(number(text, "Another 1 code", "min") == 45, "code of another library is named so");
     expect(strstr(text, "by g++ here; clang"), "a note says that another library is compiled by GCC");
-    expect(!strstr(table(mean, min, OURS, -1, text), "g++"), "and not where there is none");
+    expect(!strstr(table(mean, min, OURS + 1, -1, text), "g++"),
+           "and not where its code alone is, as rbd's is");
 }
 
 static void check_marks(void) {
     char text[SIZE];
-    const double min[ROWS] = {9, 9, 9, 9, 9, 9};
+    const double min[ROWS] = {9, 9, 9, 9, 9, 9, 9};
     table((const double[ROWS]){100, 30, 16e6, 9}, min, OURS, -1, text);
     expect(marked(text, "threads 2", " *"), "threads that waited are marked");
     expect(!marked(text, "threads 4", " *"), "threads that did not are not");

@@ -21,6 +21,7 @@ import figures  # noqa: E402
 import page  # noqa: E402
 import readme  # noqa: E402
 import report  # noqa: E402
+import sizes  # noqa: E402
 from data import Data  # noqa: E402
 
 PROGRAMS = sys.argv.pop(1) if len(sys.argv) > 1 else "."
@@ -328,6 +329,11 @@ class Readme(unittest.TestCase):
              ("Pinocchio", "run-time avx512f", "id", "iiwa", 300, 0),
              ("Pinocchio", "run-time avx512f", "id", "hyq", 1100, 0), ("RBDL", "run-time", "id", "iiwa", 5000, 1),
              ("rbd", "lanes 4", "id", "iiwa", 20, 0), ("rbd", "lanes 8", "id", "iiwa", 9.5, 0),
+             ("rbd", "generated", "id", "iiwa", 40, 0), ("rbd", "generated", "mm", "iiwa", 30, 0),
+             ("rbd", "generated", "mm_packed", "iiwa", 25, 0), ("rbd", "generated", "id_derivatives", "iiwa", 150, 0),
+             ("rbd", "generated", "hybrid", "iiwa", 77, 0), ("Pinocchio", "generated code", "mm", "iiwa", 75, 1),
+             ("Pinocchio", "generated code", "id", "iiwa", 120, 0),
+             ("Pinocchio", "generated code", "id_derivatives", "iiwa", 1500, 0),
              ("RobCoGen", "generated", "id", "iiwa", 200, 0)]
 
     def test_pinocchio_at_its_best_beside_the_run_time_model(self):
@@ -336,11 +342,26 @@ class Readme(unittest.TestCase):
         self.assertEqual(lines[0], "| ns: iiwa / HyQ / Atlas | rbd | Pinocchio 1 | times as fast as Pinocchio | RBDL 1 |")
         self.assertEqual(lines[2:], ["| inverse dynamics | 50.0 / 100 / – | 300 / 1000 / – | 6.0 / 10 / – | 5000* / – / – |"])
 
-    def test_other_forms_are_named_and_compared_with_no_library_of_another_kind(self):
+    def test_generated_code_stands_beside_generated_code(self):
         with tempfile.TemporaryDirectory() as folder:
-            lines = readme.other(self.data(folder, *self.CELLS)).splitlines()
-        self.assertEqual(lines[0], "| ns: iiwa / HyQ / Atlas | lanes 4 | lanes 8 | RobCoGen 1 |")
-        self.assertEqual(lines[2:], ["| inverse dynamics | 20.0 / – / – | 9.50 / – / – | 200 / – / – |"])
+            lines = readme.generated(self.data(folder, *self.CELLS)).splitlines()
+        self.assertEqual(lines[0], "| ns: iiwa / HyQ / Atlas | rbd | Pinocchio 1 | times as fast as Pinocchio | RobCoGen 1 |")
+        self.assertEqual(lines[2:], [
+            "| inverse dynamics | 40.0 / – / – | 120 / – / – | 3.0 / – / – | 200 / – / – |",
+            "| mass matrix, one triangle | 25.0 / – / – | 75.0* / – / – | 3.0 / – / – | – |",
+            "| derivatives of inverse dynamics | 150 / – / – | 1500 / – / – | 10 / – / – | – |"])
+
+    def test_generated_code_alone_is_in_its_table(self):
+        with tempfile.TemporaryDirectory() as folder:
+            lines = readme.generated(self.data(folder, *(c for c in self.CELLS if c[0] == "rbd"))).splitlines()
+        self.assertEqual(lines[0], "| ns: iiwa / HyQ / Atlas | rbd |")
+        self.assertEqual(lines[2:4], ["| inverse dynamics | 40.0 / – / – |", "| mass matrix | 30.0 / – / – |"])
+
+    def test_batches_are_compared_with_no_library(self):
+        with tempfile.TemporaryDirectory() as folder:
+            lines = readme.batches(self.data(folder, *self.CELLS)).splitlines()
+        self.assertEqual(lines[0], "| ns: iiwa / HyQ / Atlas | lanes 4 | lanes 8 |")
+        self.assertEqual(lines[2:], ["| inverse dynamics | 20.0 / – / – | 9.50 / – / – |"])
 
     def test_one_triangle_is_compared_with_one_triangle(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -368,6 +389,36 @@ class Readme(unittest.TestCase):
             names += [name for _, name, _, _ in readme.MARK.findall(text)]
             self.assertEqual(readme.rewritten(text, document=document), text, "not so: bench/workload/readme.py --write")
         self.assertEqual(sorted(names), sorted(readme.TABLES), "each table stands in one document")
+
+
+class Sizes(unittest.TestCase):
+    """Of generated code: operations that are known, and the command that wrote it."""
+
+    HEADER = ("/* iiwa_code.h - iiwa\n       rbd-codegen --name iiwa --output bench --algorithm id,mm --limbs 4 'a b/iiwa.urdf'\n\n"
+              "   Operations: 935 multiplications, 736 additions, 2 divisions, 1 roots, 30 sines and cosines.\n"
+              "   Of these 1388 are of 2 limbs at once.\n   And 9048 on four columns of rows at once. */\n")
+
+    def test_operations(self):
+        self.assertEqual(sizes.said_operations(self.HEADER), 935 + 736 + 2 + 1 + 9048)
+        for source, count in (("y[0] = x[1];", 0), ("v[5] = - v[4];", 0), ("v[1] = -1 * v[0];", 1), ("v[2] = cos(x[1]);", 0),
+                              ("y[2] = v[1] * (v[2] + x[3]) - v[4] / 2.5 + -3.e-05 * y[2];", 6), ("// a - b", 1)):
+            self.assertEqual(sizes.counted_operations(source), count, source)
+
+    def test_one_function_is_written_by_the_same_command(self):
+        self.assertEqual(sizes.command_for(self.HEADER, "fd", "/tmp/x"),
+                         ["--name", "iiwa", "--output", "/tmp/x", "--algorithm", "fd", "--limbs", "4", "a b/iiwa.urdf"])
+
+    @unittest.skipUnless(shutil.which("gcc") and shutil.which("size"), "needs gcc and size")
+    def test_machine_code_is_measured(self):
+        with tempfile.TemporaryDirectory() as folder:
+            found = []
+            for statements in (1, 1000):
+                path = os.path.join(folder, "code.c")
+                with open(path, "w") as f:
+                    f.write("void f(volatile int *x) { %s }\n" % ("*x = 1; " * statements))
+                found.append(sizes.compiled(["gcc"], path, folder))
+            self.assertGreater(found[1][0] - found[0][0], 3 * 999)
+            self.assertTrue(all(seconds > 0 for _, seconds in found))
 
 
 @unittest.skipUnless(shutil.which("gnuplot"), "needs gnuplot")
@@ -470,6 +521,22 @@ class Page(unittest.TestCase):
         plain.panel("id", plain.bars, blocks)
         self.assertEqual([int(line.split()[3]) for line in blocks[0].splitlines()],
                          [int(plain.shade(b, 0)[1:], 16) for b in plain.bars])
+
+    def test_code_for_one_robot_and_single_calls_in_float_have_tables(self):
+        code = [sizes.HEADER, ["rbd", "iiwa", "id", 12345, 400, 6789, 0.25], ["Pinocchio", "iiwa", "id", 23456, 500, 7890, 1.5],
+                ["rbd", "hyq", "id", 1000, 100, 2000, 0.5]]
+        grid = [Schemas.COLUMNS, ["rbd", "1", "gcc", "float", "iiwa", "id", 1, 1, 99, 0, 81, 0, "", "run-time", 0],
+                ["rbd", "1", "gcc", "float", "hyq", "fd_derivatives", 1, 1, 9999, 0, 1234, 0, "", "run-time", 1]]
+        with tempfile.TemporaryDirectory() as folder:
+            self.assertNotIn("GRiD", self.write(folder, 700, False)[0])
+            for name, rows in (("code-gcc", code), ("grid-gcc", grid)):
+                with open(os.path.join(folder, name + ".csv"), "w", newline="") as f:
+                    csv.writer(f).writerows(rows)
+            text = self.write(folder, 700, False)[0]
+        self.assertIn("| id | iiwa | 12.3 / 23.5 | 400 / 500 | 6.8 / 7.9 | 0.25 / 1.50 |", text)
+        self.assertIn("| id | HyQ | 1.0 / – | 100 / – | 2.0 / – | 0.50 / – |", text)
+        self.assertIn("| ID | 0.081 | – | – |", text)
+        self.assertIn("| ∇FD | – | 1.234* | – |", text)
 
     def test_without_counts_there_are_only_times(self):
         with tempfile.TemporaryDirectory() as folder:

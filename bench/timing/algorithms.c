@@ -9,7 +9,8 @@ extern const struct library library_double, library_float, library_quad, library
     library_iiwa_code, library_hyq_code, library_atlas_code, library_iiwa_code_lanes, library_hyq_code_lanes,
     library_atlas_code_lanes, library_iiwa_code_blocks, library_hyq_code_blocks, library_atlas_code_blocks,
     library_mujoco, library_kdl, library_pinocchio, library_pinocchio_pv, library_pinocchio_avx512f,
-    library_pinocchio_pv_avx512f, library_rbdl, library_dynibo, library_robcogen_iiwa, library_robcogen_hyq,
+    library_pinocchio_pv_avx512f, library_pinocchio_code_iiwa, library_pinocchio_code_hyq,
+    library_pinocchio_code_atlas, library_rbdl, library_dynibo, library_robcogen_iiwa, library_robcogen_hyq,
     library_robcogen_atlas;
 
 const struct library *const libraries[LIBRARIES] = {
@@ -49,6 +50,11 @@ const struct library *const libraries[LIBRARIES] = {
 #ifdef BENCH_PINOCCHIO_AVX512F
     [PINOCCHIO_AVX512F] = &library_pinocchio_avx512f,
     [PINOCCHIO_PV_AVX512F] = &library_pinocchio_pv_avx512f,
+#endif
+#ifdef BENCH_PINOCCHIO_CODE
+    [PINOCCHIO_CODE_IIWA] = &library_pinocchio_code_iiwa,
+    [PINOCCHIO_CODE_HYQ] = &library_pinocchio_code_hyq,
+    [PINOCCHIO_CODE_ATLAS] = &library_pinocchio_code_atlas,
 #endif
 #ifdef BENCH_DYNIBO
     [DYNIBO] = &library_dynibo,

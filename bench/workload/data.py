@@ -26,11 +26,12 @@ class Bar:
 
 
 RUN_TIME = Bar("run-time", "rbd with a run-time model", "rbd", "run-time")
-OURS = [RUN_TIME, Bar("generated", "rbd's generated code", "rbd", "generated"),
-        Bar("lanes", "rbd by lanes", "rbd", "lanes")]
+GENERATED = Bar("generated", "rbd's generated code", "rbd", "generated")
+OURS = [RUN_TIME, GENERATED, Bar("lanes", "rbd by lanes", "rbd", "lanes")]
 GENERATED_LANES = Bar("generated lanes", "rbd's generated code by lanes", "rbd", "generated-lanes")
 PEERS = [Bar("MuJoCo", "MuJoCo", "MuJoCo", "run-time"), Bar("KDL", "KDL", "KDL", "run-time"),
          Bar("RBDL", "RBDL", "RBDL", "run-time"), Bar("Pinocchio", "Pinocchio", "Pinocchio", "run-time"),
+         Bar("Pinocchio code", "Pinocchio's generated code", "Pinocchio", "generated"),
          Bar("RobCoGen", "RobCoGen", "RobCoGen", "generated"), Bar("dynibo", "dynibo", "dynibo", "run-time"),
          Bar("RBD.jl", "RigidBodyDynamics.jl", "RigidBodyDynamics.jl", "run-time")]
 
@@ -57,6 +58,7 @@ class Data:
         self.counts = {c: sum((read(os.path.join(folder, "counts-%s-%s.csv" % (source, c)))
                                for source in ("perf", "valgrind")), []) for c in compilers}
         self.operations = read(os.path.join(folder, "operations.csv"))
+        self.grid, self.code = (read(os.path.join(folder, "%s-%s.csv" % (name, compilers[0]))) for name in ("grid", "code"))
         self.scaling = {c: read(os.path.join(folder, "scaling-%s.csv" % c)) for c in compilers}
         self.main = compilers[0]
         self.source = None  # of count, unless told: see counted

@@ -5,7 +5,7 @@ import os
 
 import figures
 import words
-from data import ALGORITHMS, RUN_TIME, mean, ratios
+from data import ALGORITHMS, RUN_TIME, is_disturbed, mean, ratios
 
 
 class Figure:
@@ -143,6 +143,36 @@ def ratios_table(data):
     return rows
 
 
+GRID = [("id", "ID"), ("minv", "M⁻¹"), ("fd", "FD"), ("id_derivatives", "∇ID"), ("fd_derivatives", "∇FD")]
+
+
+def grid_table(data):
+    """The rows of GRiDBenchmarks' table, in its unit."""
+    found = {(row["algorithm"], row["robot"]): row for row in data.grid}
+    rows = [["microseconds", *[robot for _, robot in data.robots]]]
+    for algorithm, title in GRID:
+        cells = [found.get((algorithm, robot)) for robot, _ in data.robots]
+        rows.append([title] + ["%.3f%s" % (float(row["min_ns"]) / 1000, "*" if is_disturbed(row) else "") if row else "–"
+                               for row in cells])
+    return rows
+
+
+CODE = [("source_bytes", "source, kB", 1e-3, "%.1f"), ("operations", "operations", 1, "%.0f"),
+        ("text_bytes", "machine code, kB", 1e-3, "%.1f"), ("compile_s", "compiled in s", 1, "%.2f")]
+
+
+def code_table(data):
+    """A row for each function and robot: rbd's number and, where there is one, Pinocchio's."""
+    found = {(row["library"], row["robot"], row["algorithm"]): row for row in data.code}
+    rows = [["function", "robot"] + [title + ": rbd / Pinocchio" for _, title, _, _ in CODE]]
+    for algorithm in dict.fromkeys(row["algorithm"] for row in data.code):
+        for r, robot in data.robots:
+            both = [found.get((library, r, algorithm)) for library in ("rbd", "Pinocchio")]
+            rows.append([algorithm, robot] + [" / ".join(form % (float(row[name]) * unit) if row else "–" for row in both)
+                                              for name, _, unit, form in CODE])
+    return rows
+
+
 def sources_table(data, robot, algorithm):
     """The three sources side by side, for the run-time model."""
     names = ["cycles", "instructions", "loads", "stores", "branches", "branch_misses", "l1d_accesses", "l1d_misses",
@@ -244,6 +274,18 @@ def write(data, folder, facts, notes):
         form.paragraph("Time as a multiple of the run-time model's: the geometric mean over the robots, or over those "
                        "named. What a row computes and what it leaves out is in bench/peers/README.md.")
         form.table(ratios_table(data))
+        if data.code:
+            form.title("Code for one robot", 2)
+            form.paragraph("What rbd-codegen and Pinocchio's code generation wrote, and %s made of it, each function alone: "
+                           "the mass matrix is one triangle, sines and cosines are not counted as operations, and a second "
+                           "is one of the processor." % data.main)
+            form.table(code_table(data))
+        if data.grid:
+            form.title("By the method of GRiDBenchmarks", 2)
+            form.paragraph("Single calls in float with gravity, HyQ and Atlas with their base fixed to the world, as in the "
+                           "table of github.com/A2R-Lab/GRiDBenchmarks (Plancher, Neuman, Ghosal, Kuindersma, Reddi, ICRA "
+                           "2022): rbd's run-time model, the least of the experiments, another state at each call.")
+            form.table(grid_table(data))
         robot = data.robots[0]
         form.title("The three sources side by side", 2)
         form.paragraph("rbd's run-time model, %s, inverse dynamics, double." % robot[1])

@@ -13,7 +13,7 @@ import textwrap
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from data import OURS, PEERS, ROBOTS, RUN_TIME, Bar, Data  # noqa: E402
+from data import GENERATED, PEERS, ROBOTS, RUN_TIME, Bar, Data  # noqa: E402
 
 DOCUMENTS = ("README.md", "docs/performance.md")
 MARK = re.compile(r"(<!-- (\S+) of (\S+) -->\n).*?(<!-- end -->)", re.DOTALL)
@@ -22,7 +22,7 @@ MARK = re.compile(r"(<!-- (\S+) of (\S+) -->\n).*?(<!-- end -->)", re.DOTALL)
 ROWS = [("inverse dynamics", "id", "id"), ("mass matrix", "mm", None), ("mass matrix, one triangle", "mm_packed", "mm"),
         ("forward dynamics", "fd", "fd"), ("M⁻¹", "minv", "minv"), ("Jacobian of the last body", "jacobian", "jacobian"),
         ("derivatives of inverse dynamics, and M", "id_derivatives_mm", "id_derivatives_mm"),
-        ("derivatives of inverse dynamics", "id_derivatives", None),
+        ("derivatives of inverse dynamics", "id_derivatives", "id_derivatives"),
         ("derivatives of forward dynamics, and M⁻¹", "fd_derivatives", "fd_derivatives"), ("Coriolis matrix", "coriolis", "coriolis"),
         ("centroidal momentum matrix", "momentum_matrix", "momentum_matrix"), ("torque regressor", "regressor", "regressor"),
         ("constrained dynamics, 12 rows", "constrained_fd", "constrained_fd")]
@@ -62,23 +62,19 @@ def time_cell(data, bar, row):
     return cell(values)
 
 
-def ratio_cell(data, bar, row):
-    """How many times as fast as the bar the run-time model is."""
+def ratio_cell(data, own, bar, row):
+    """How many times as fast as the bar rbd's own is."""
     values = []
     for robot, _ in ROBOTS:
-        ours, other = data.time(RUN_TIME, robot, row[1]), data.time(bar, robot, algorithm_of(bar, row))
+        ours, other = data.time(own, robot, row[1]), data.time(bar, robot, algorithm_of(bar, row))
         values.append(ratio(other / ours) if ours and other else "–")
     return cell(values)
 
 
 def title(data, bar):
-    """The bar's name: of another library with its version."""
-    if bar is RUN_TIME:
-        return "rbd"
-    if is_ours(bar):
-        return bar.variant
-    versions = {row["version"] for row in data.times[data.main] if bar.fits(row)}
-    return "%s %s" % (bar.label, min(versions)) if versions != {"code"} else bar.label
+    """The library's name, of another with its version."""
+    versions = {row["version"] for row in data.times[data.main] if bar.fits(row)} - {"code"}
+    return bar.library if is_ours(bar) else " ".join([bar.library, *sorted(versions)[:1]])
 
 
 def table(head, rows):
@@ -92,29 +88,36 @@ def present(data, bars):
     return [b for b in bars if any(b.fits(row) for row in data.times[data.main])]
 
 
-def run_time(data):
-    """rbd and the libraries that take any robot when they run."""
-    peers = present(data, [b for b in PEERS if b.variant == "run-time"])
+def beside(data, own):
+    """One of rbd's bars beside the libraries that are called in the same way."""
+    peers = present(data, [b for b in PEERS if b.variant == own.variant])
     peers.sort(key=lambda b: b.library != "Pinocchio")
     ratios = [b for b in peers if b.library == "Pinocchio"]
-    bars = [RUN_TIME] + ratios
+    bars = [own] + ratios
     others = [b for b in peers if b not in ratios]
     head = ["ns: " + " / ".join(t for _, t in ROBOTS)] + [title(data, b) for b in bars] + [
-        "times as fast as %s" % b.label for b in ratios] + [title(data, b) for b in others]
-    return table(head, [[row[0]] + [time_cell(data, b, row) for b in bars] + [ratio_cell(data, b, row) for b in ratios]
+        "times as fast as %s" % b.library for b in ratios] + [title(data, b) for b in others]
+    return table(head, [[row[0]] + [time_cell(data, b, row) for b in bars] + [ratio_cell(data, own, b, row) for b in ratios]
                         + [time_cell(data, b, row) for b in others] for row in ROWS
-                        if any(data.time(b, r, algorithm_of(b, row)) for b in peers for r, _ in ROBOTS)])
+                        if any(data.time(b, r, algorithm_of(b, row)) for b in peers or bars for r, _ in ROBOTS)])
 
 
-def other(data):
-    """rbd in its other forms, beside the code that RobCoGen writes for one robot."""
+def run_time(data):
+    """rbd and the libraries that take any robot when they run."""
+    return beside(data, RUN_TIME)
+
+
+def generated(data):
+    """The code for one robot that rbd-codegen writes, and that of others."""
+    return beside(data, GENERATED)
+
+
+def batches(data):
+    """rbd on many states at once."""
     variants = {row["variant"] for row in data.times[data.main] if row["library"] == "rbd" and row["scalar"] == "double"}
-    wide = sorted((v for v in variants if v.split()[0] in ("lanes", "generated-blocks")),
-                  key=lambda v: (v.split()[0] != "lanes", int(v.split()[1])))
-    bars = present(data, [Bar(v, v, "rbd", v) for v in wide if v.startswith("lanes")] + [
-        b for b in OURS if b.variant == "generated"] + [
-        Bar(v, v, "rbd", v) for v in wide if not v.startswith("lanes")] + [b for b in PEERS if b.variant == "generated"])
-    return table(["ns: " + " / ".join(t for _, t in ROBOTS)] + [title(data, b) for b in bars],
+    bars = [Bar(v, v, "rbd", v) for v in sorted((v for v in variants if v.split()[0] in ("lanes", "generated-blocks")),
+                                                key=lambda v: (v.split()[0] != "lanes", int(v.split()[1])))]
+    return table(["ns: " + " / ".join(t for _, t in ROBOTS)] + [b.variant for b in bars],
                  [[row[0]] + [time_cell(data, b, row) for b in bars] for row in ROWS])
 
 
@@ -150,7 +153,7 @@ def accuracy(data):
         all calls.""" % (worst[True], max(worst.values())))
 
 
-TABLES = {"machine": machine, "run-time": run_time, "other": other, "accuracy": accuracy}
+TABLES = {"machine": machine, "run-time": run_time, "generated": generated, "batches": batches, "accuracy": accuracy}
 
 
 def rewritten(text, report=None, root=ROOT, document="README.md"):

@@ -20,6 +20,7 @@ CODEGEN = os.path.join(ROOT, "build", "tools", "rbd-codegen")  # ./run builds it
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import callgrind  # noqa: E402
 import page  # noqa: E402
+import sizes  # noqa: E402
 from data import Data, read  # noqa: E402
 
 CALLGRIND = ["valgrind", "--command-line-only=yes", "--tool=callgrind", "--cache-sim=yes", "--branch-sim=yes",
@@ -265,6 +266,20 @@ def progress_of(command):
         call(command)
 
 
+def grid_times(o, compiler, path):
+    """Single calls of rbd in float, bases fixed, with gravity."""
+    progress_of([bench(o, compiler, "native"), "--library", "rbd", "--variant", "run-time", "--scalar", "float", "--fixed-base",
+                 "--gravity", "--samples", str(o.samples), "--experiments", str(o.experiments), "--format", "csv",
+                 "--output", path])
+
+
+def code_rows(o, compiler, path):
+    build = os.path.join(folder_of(o, compiler, "native"), "bench")
+    bench(o, compiler, "native")
+    with open(path, "w", newline="") as f:
+        csv.writer(f, lineterminator="\n").writerows([sizes.HEADER, *sizes.rows(build, CODEGEN, compiler)])
+
+
 def valgrind_counts(o, compiler, path):
     raw = os.path.join(o.output, "callgrind-%s" % compiler)
     call(CALLGRIND + ["--callgrind-out-file=" + raw, bench(o, compiler, "haswell"), "--count", "callgrind",
@@ -323,6 +338,9 @@ def measure(o):
                       lambda p, c=c: times(o, c, "haswell", p))
             steps.add("counts-valgrind-%s.csv" % c, "counting under valgrind, " + c,
                       lambda p, c=c: valgrind_counts(o, c, p))
+    first = o.compilers[0]
+    steps.add("grid-%s.csv" % first, "the method of GRiDBenchmarks, " + first, lambda p: grid_times(o, first, p))
+    steps.add("code-%s.csv" % first, "compiling code for one robot, " + first, lambda p: code_rows(o, first, p))
     if o.counters != "none":
         steps.add("operations.csv", "counting operations", lambda p: call_to(
             p, [program(o, o.compilers[0], "native", "rbd-operations")]))
@@ -352,7 +370,8 @@ def facts(o, data):
     for row in data.times[data.main]:
         versions[row["library"]] = row["version"]
         if row["library"] != "rbd":
-            builds.setdefault(row["compiler"], {})[row["library"]] = None
+            kind = "'s generated code" if row["variant"].startswith("generated") else ""
+            builds.setdefault(row["compiler"], {})[row["library"] + kind] = None
     now = datetime.datetime.now(datetime.timezone.utc)
     lanes = sorted({r["variant"] for r in data.times[data.main] if r["variant"].startswith("lanes")})
     return [
