@@ -1,6 +1,7 @@
 /* rbd-codegen: writes rbd.h's functions for one robot as straight-line C. SPDX-License-Identifier: MIT */
 extern "C" {
 #include "constraints.h"
+#include "csv.h"
 #include "nearest.h"
 #include "print.h"
 #include "robot.h"
@@ -36,6 +37,9 @@ const char help_more[] =
     "\n"
     "  --constraints FILE  of constrained, impact, constrained_id: table of contacts and loops, as for "
     "rbd-eval\n"
+    "  --stances FILE      of the constraints those that hold, by the links of body1 with commas between, or "
+    "none: a\n"
+    "                      line for each stance, which is an argument then, a number from 0\n"
     "  --passive JOINT     it has no motor in constrained_id; may stand several times (a floating base's)\n"
     "  --scalar SCALAR     double or float (double)\n"
     "  --lanes N           N states at once, 2, 4, 8 or 16: GCC's and clang's vectors of N scalars\n"
@@ -65,7 +69,7 @@ struct options {
     std::vector<std::string> algorithms;
     std::string folder;
     bool example;
-    const char *path, *constraints;
+    const char *path, *constraints, *stances;
     std::vector<const char *> passive;
     settings read;
 };
@@ -155,6 +159,11 @@ int read_constraints(options *o, const char *text) {
     return 0;
 }
 
+int read_stances(options *o, const char *text) {
+    o->stances = text;
+    return 0;
+}
+
 int read_passive(options *o, const char *text) {
     o->passive.push_back(text);
     return 0;
@@ -178,7 +187,8 @@ int read_own(options *o, char **argv, int *i) {
                       {"--block", read_block},
                       {"--limbs", read_limbs},
                       {"--constraints", read_constraints},
-                      {"--passive", read_passive}};
+                      {"--passive", read_passive},
+                      {"--stances", read_stances}};
     for (const auto &x : with_value) {
         if (!option_is(argv[*i], x.name)) continue;
         const char *text = option_value(argv, i);
@@ -220,6 +230,8 @@ int check_constraints(const options *o) {
         return usage_error("--algorithm: '%s' needs --constraints FILE", taker.c_str());
     if (o->constraints && taker.empty())
         return usage_error("--constraints: no algorithm of the list takes them");
+    if (o->stances && !o->constraints) return usage_error("--stances: which of --constraints FILE?");
+    if (o->stances && o->target.lanes > 1) return usage_error("--stances: not with --lanes");
     if (!o->passive.empty() && taker != "constrained_id")
         return usage_error("--passive: 'constrained_id' is not in the list");
     return 0;
@@ -264,7 +276,7 @@ const double least = 0.001; /* that the largest entry of an output counts as */
 
 /* Largest error of an output relative to its largest entry. */
 template <class T> double error_of(const codegen::function &f, const codegen::example &e) {
-    const std::vector<T> found = codegen::evaluate<T>(f, e.in);
+    const std::vector<T> found = codegen::evaluate<T>(f, e.in, e.stance);
     double worst = 0;
     size_t k = 0;
     for (const codegen::array &a : f.outputs) {
@@ -281,9 +293,9 @@ template <class T> double error_of(const codegen::function &f, const codegen::ex
 }
 
 /* To the bit what the written code computes. */
-std::vector<double> exact_results(const codegen::function &f, const std::vector<std::vector<double>> &in) {
-    if (!f.code.is_float) return codegen::evaluate<double>(f, in);
-    const std::vector<float> x = codegen::evaluate<float>(f, in);
+std::vector<double> exact_results(const codegen::function &f, const codegen::example &e) {
+    if (!f.code.is_float) return codegen::evaluate<double>(f, e.in, e.stance);
+    const std::vector<float> x = codegen::evaluate<float>(f, e.in, e.stance);
     return {x.begin(), x.end()};
 }
 
@@ -293,23 +305,25 @@ codegen::tested record(const options *o, const std::string &algorithm) {
     const auto recorded = is_float ? codegen::record_float : codegen::record_double;
     codegen::tested x = {recorded(o->robot, algorithm), {}, 0, least};
     if (o->robot.limbs_alike) x.f = codegen::pack_limbs(x.f, codegen::joints(o->robot), o->target.limbs);
-    for (unsigned state = 0; x.examples.size() < 3; state++) {
-        codegen::example e = codegen::compute(o->robot, algorithm, state);
-        if (exact_results(x.f, e.in).empty()) {
-            if (state < 40) continue;
+    const size_t wanted = size_t(std::max(3, x.f.sets()));
+    for (unsigned state = 0; x.examples.size() < wanted; state++) {
+        const int stance = int(x.examples.size()) % x.f.sets();
+        codegen::example e = codegen::compute(o->robot, algorithm, state, stance);
+        if (exact_results(x.f, e).empty()) {
+            if (state < 40 * wanted) continue;
             throw std::runtime_error(std::string(o->constraints) + ": the " + std::to_string(e.rows) +
                                      " rows depend on each other in every state tried, their rank is " +
                                      std::to_string(e.rank) + ": hold fewer axes, or call rbd.h");
         }
         if (!(error_of<double>(x.f, e) < (is_float ? 0.05 : 1e-9)))
             throw std::runtime_error("what was recorded is not what rbd.h computes; please report this");
-        if (is_float) e.out = codegen::evaluate<double>(x.f, e.in); /* of the rounded constants */
+        if (is_float) e.out = codegen::evaluate<double>(x.f, e.in, e.stance); /* of the rounded constants */
         x.tolerance = std::fmax(x.tolerance, is_float ? error_of<float>(x.f, e) : error_of<double>(x.f, e));
         x.examples.push_back(e);
     }
     if (o->target.is_reproducible) {
         x.tolerance = 0;
-        for (codegen::example &e : x.examples) e.out = exact_results(x.f, e.in);
+        for (codegen::example &e : x.examples) e.out = exact_results(x.f, e);
         return x;
     }
     int exponent; /* a power of two above: that is the same if the last bits of the errors are not */
@@ -425,6 +439,40 @@ std::vector<unsigned char> motors(const options *o, const rbd_model *m) {
     return all;
 }
 
+/* Adds the constraints of each link of a row. */
+int add_stance(const csv *table, options *o, const robot *r) {
+    std::vector<int> holds;
+    if (o->robot.stances.size() == 32) return csv_error(table, "more than 32 stances");
+    for (int k = 0; k < table->n; k++) {
+        const std::string link = table->cells[k];
+        char reason[REASON];
+        const int body = link == "none" && table->n == 1 ? -1 : robot_link(r, link.c_str(), reason);
+        if (body < 0 && link != "none") return csv_error(table, "%s", reason);
+        const size_t before = holds.size();
+        for (int i = 0; i < o->robot.nc && body >= 0; i++)
+            if (o->robot.constraints[i].body1 == body) holds.push_back(i);
+        if (body >= 0 && holds.size() == before)
+            return csv_error(table, "link '%s' is body1 of no constraint", link.c_str());
+    }
+    o->robot.stances.push_back(holds);
+    return 0;
+}
+
+int read_table_of_stances(options *o, const robot *r) {
+    csv table = {};
+    int status;
+    table.name = o->stances;
+    table.from = fopen(o->stances, "r");
+    if (!table.from)
+        return fprintf(stderr, "%s: %s: %s\n", program, o->stances, std::strerror(errno)), EXIT_BAD;
+    while ((status = csv_read(&table)) > 0 && (status = add_stance(&table, o, r)) == 0) {
+    }
+    if (status == 0 && o->robot.stances.empty()) status = csv_error(&table, "no stance: the table is empty");
+    fclose(table.from);
+    csv_free(&table);
+    return status == 0 ? 0 : EXIT_BAD;
+}
+
 /* Reads the table; returns 0, or EXIT_BAD after a message. */
 int hold(options *o, const robot *r, held *to) {
     rbd_work *w;
@@ -434,7 +482,8 @@ int hold(options *o, const robot *r, held *to) {
     rbd_work_init(r->model, to->work.data(), to->work.size(), &w);
     o->robot.nc = constraints_read(o->constraints, r, w, &to->list, &to->set, &set);
     o->robot.constraints = to->list;
-    return o->robot.nc < 0 ? EXIT_BAD : 0;
+    if (o->robot.nc < 0) return EXIT_BAD;
+    return o->stances ? read_table_of_stances(o, r) : 0;
 }
 
 int run(options *o) {

@@ -62,6 +62,8 @@ expect 2 "--algorithm: 'id' stands twice$see" --algorithm id,rnea a
 expect 2 "--algorithm: 'impact' needs --constraints FILE$see" --algorithm id,impact a
 expect 2 "--constraints: no algorithm of the list takes them$see" --constraints feet.csv a
 expect 2 "--passive: 'constrained_id' is not in the list$see" --passive x --algorithm impact --constraints feet.csv a
+expect 2 "--stances: which of --constraints FILE? See rbd-codegen --help" --stances gait.csv a
+expect 2 "--stances: not with --lanes$see" --lanes 2 --stances gait.csv --algorithm impact --constraints feet.csv a
 expect 1 "nowhere.csv: No such file or directory" --algorithm impact --constraints nowhere.csv "$iiwa"
 printf 'body1,x1,axes\nlf_lowerleg,0.33,000111\nlf_lowerleg,0.2,000111\n' >twice.csv
 printf 'body1,axes\nright_rod,000101\nleft_rod,000111\n' >sideways.csv
@@ -135,11 +137,19 @@ selftest legs --floating --limbs 4 --algorithm id,mm_packed,fd --block 100 "$hyq
 grep -q "^#define LIMBS 4" legs_code.c || fail "the four legs are not computed at once"
 grep -q "Of these [0-9]* are of 4 limbs" legs_code.h || fail "the header does not say what is done at once"
 printf 'body1,x1,axes\nlf_lowerleg,0.33,000111\nrf_lowerleg,0.33,000111\nlh_lowerleg,0.33,000111\nrh_lowerleg,0.33,000111\n' >feet.csv
-selftest feet --floating --limbs 4 --bounded-angles --algorithm constrained,impact --constraints feet.csv "$hyq"
-grep -q "before it, or nearly: it returns 1 + FEET_NV + this row" feet_code.h || fail "nor how rows are judged"
 printf 'body1,x1,z1,axes\nl_foot,0.05,-0.08,111111\nr_foot,0.05,-0.08,111111\n' >flat.csv
 selftest flat --floating --limbs 2 --algorithm constrained --constraints flat.csv "$root/models/atlas.urdf"
-selftest walks --floating --bounded-angles --algorithm constrained_id --constraints feet.csv "$hyq"
+printf 'lf_lowerleg,rh_lowerleg\nrf_lowerleg,lf_lowerleg,lh_lowerleg,rh_lowerleg\nnone\n' >gait.csv
+selftest gait --floating --limbs 4 --bounded-angles --algorithm constrained,impact,constrained_id \
+    --constraints feet.csv --stances gait.csv "$hyq"
+grep -q "before it, or nearly: it returns 1 + GAIT_NV + this row" gait_code.h || fail "nor how rows are judged"
+grep -q "^int gait_impact(int stance, const double q" gait_code.h || fail "the stance is no argument"
+printf 'lf_lowerleg\nlf_upperleg\n' >knee.csv
+printf 'lf_lowerleg,lf_foot\n' >foot.csv
+for message in "nowhere.csv: No such file or directory" "knee.csv: row 2: link 'lf_upperleg' is body1 of no constraint" \
+    "foot.csv: row 1: $("$rbd_codegen" --floating --algorithm pose:lf_foot "$hyq" 2>&1 | sed 's/.*pose:lf_foot: //')"; do
+    expect 1 "$message" --floating --algorithm impact --constraints feet.csv --stances "${message%%:*}" "$hyq"
+done
 selftest pin --scalar float --passive left_elbow --passive right_elbow --algorithm impact,constrained_id \
     --constraints "$root/models/five_bar_loop.csv" "$five_bar"
 selftest loop --scalar float --lanes 2 --algorithm fd,constrained,impact --constraints "$root/models/five_bar_loop.csv" "$five_bar"

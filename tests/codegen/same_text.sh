@@ -53,7 +53,8 @@ printf 'body1,axes,kp\nlbr_iiwa_link_7,111000,9\n' >hand.csv
 all=$("$rbd_codegen" --help | tr ' ' '\n' | sed -n '/^id$/,/^--constraints$/p' | grep -v ':LINK\|^--\|^$' | paste -sd,)
 compare iiwa --scalar float --bounded-angles --short-sums --constraints hand.csv --algorithm "$all,jacobian:lbr_iiwa_link_7,pose:lbr_iiwa_link_7"
 compare five_bar --lanes 4 --f-ext --bounded-angles --block 50 --constraints "$root/models/five_bar_loop.csv" --algorithm "$all"
-compare hyq --floating --constraints feet.csv --algorithm "$all"
+printf 'lf_lowerleg,rh_lowerleg\nrh_lowerleg\nnone\n' >gait.csv
+compare hyq --floating --constraints feet.csv --stances gait.csv --algorithm "$all"
 compare hyq --floating --reproducible --scalar float --constraints feet.csv --algorithm "${all%,constrained_id}"
 compare hyq --floating --limbs 4 --gravity-argument --constraints feet.csv --algorithm "$all"
 compare atlas --floating --limbs 2 --algorithm id,mm_packed,fd

@@ -8,6 +8,7 @@ struct call {
     rbd_work *w;
     rbd_derivatives *d;
     rbd_constraint_set *set;       /* may be NULL */
+    int rows;                      /* of all constraints, though the set may have fewer */
     const unsigned char *actuated; /* NULL: all but those of a free base */
     int body;
     const rbd_real *q, *v, *a, *tau, *f_ext, *gravity, *restitution; /* f_ext may be NULL */
@@ -22,7 +23,7 @@ static int size_full(const call &c) { return rbd_nv(c.m) * rbd_nv(c.m); }
 static int size_rows_3(const call &c) { return 3 * rbd_nv(c.m); }
 static int size_rows_6(const call &c) { return 6 * rbd_nv(c.m); }
 static int size_wrenches(const call &c) { return 6 * rbd_nb(c.m); }
-static int size_held(const call &c) { return rbd_constraint_rows(c.set); }
+static int size_held(const call &c) { return c.rows; }
 static int size_1(const call &) { return 1; }
 static int size_3(const call &) { return 3; }
 static int size_9(const call &) { return 9; }
@@ -203,12 +204,13 @@ struct session {
     std::vector<unsigned char> model_memory, work_memory, derivatives_memory, set_memory;
     call c;
     const algorithm *row;
+    std::vector<int> held; /* of each row of the set: which one of all */
 
     static void demand(rbd_status status) {
         if (status != RBD_OK) throw std::runtime_error(rbd_status_string(status));
     }
 
-    session(const robot &r, const std::string &name) : c(), row() {
+    session(const robot &r, const std::string &name, int stance = 0) : c(), row() {
         const rbd_body *bodies = reinterpret_cast<const rbd_body *>(r.bodies); /* of this namespace */
         model_memory.resize(rbd_model_size(bodies, r.nb));
         demand(rbd_model_build(bodies, r.nb, model_memory.data(), model_memory.size(), &c.m, NULL));
@@ -223,13 +225,28 @@ struct session {
         if (row->traits & BODY && c.body < 0) throw std::runtime_error(name + ": there is no such link");
         if (rbd_nv(c.m) == 0) throw std::runtime_error("the robot has no degree of freedom");
         c.actuated = r.actuated.empty() ? NULL : r.actuated.data();
-        if (row->traits & HELD) hold(reinterpret_cast<const rbd_constraint *>(r.constraints), r.nc);
+        if (row->traits & HELD) hold(r, stance);
     }
 
-    void hold(const rbd_constraint *list, int n) {
-        set_memory.resize(rbd_constraint_set_size(c.m, list, n) + 1);
-        demand(
-            rbd_constraint_set_init(c.m, c.w, list, n, set_memory.data(), set_memory.size(), &c.set, NULL));
+    void hold(const robot &r, int stance) {
+        const rbd_constraint *all = reinterpret_cast<const rbd_constraint *>(r.constraints);
+        std::vector<rbd_constraint> own;
+        for (int i = 0; i < r.nc; i++) {
+            const auto holds = [&](const std::vector<int> &x) {
+                return std::count(x.begin(), x.end(), i) > 0;
+            };
+            const bool is_own = r.stances.empty() || holds(r.stances[size_t(stance)]);
+            if (is_own) own.push_back(all[i]);
+            for (int axis : all[i].axes)
+                if (axis && is_own)
+                    held.push_back(c.rows++);
+                else
+                    c.rows += axis;
+        }
+        const int n = int(own.size());
+        set_memory.resize(rbd_constraint_set_size(c.m, own.data(), n) + 1);
+        demand(rbd_constraint_set_init(c.m, c.w, own.data(), n, set_memory.data(), set_memory.size(), &c.set,
+                                       NULL));
     }
 
     bool takes(const robot &r, const argument &a) const {
@@ -249,7 +266,13 @@ struct session {
         }
         const rbd_status status = run_call(c);
         demand(status == RBD_ERR_INFEASIBLE ? RBD_OK : status); /* by rows that depend on each other */
-        for (const auto &y : out) all.insert(all.end(), y.begin(), y.end());
+        for (int k = 0; k < 4; k++) {
+            std::vector<rbd_real> &y = out[k], own = y;
+            if (row->results[k].size == size_held) std::fill(y.begin(), y.end(), rbd_real(0));
+            for (size_t i = 0; i < held.size() && row->results[k].size == size_held; i++)
+                y[size_t(held[i])] = own[i];
+            all.insert(all.end(), y.begin(), y.end());
+        }
         return all;
     }
 };

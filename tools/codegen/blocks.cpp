@@ -22,9 +22,19 @@ std::vector<int> blocks::last_uses(const program &p) const {
 blocks::blocks(const program &p, int most) : of(p.f.code.nodes.size(), -1), kept_at(of) {
     for (int i = 0; i < int(of.size()); i++)
         if (p.is_statement[size_t(i)]) order.push_back(i);
+    const auto rank = [&](int i) {
+        const uint32_t set = p.stances[size_t(i)];
+        return std::make_pair(-__builtin_popcount(set), set);
+    };
+    std::stable_sort(order.begin(), order.end(), [&](int x, int y) { return rank(x) < rank(y); });
     const int n = int(order.size());
-    count = std::max(1, (n + most - 1) / most);
-    for (int k = 0; k < n; k++) of[size_t(order[size_t(k)])] = int(int64_t(k) * count / n);
+    for (int first = 0, end = 0; first < n || count == 0; first = end) {
+        while (end < n && rank(order[size_t(end)]) == rank(order[size_t(first)])) end++;
+        const int more = std::max(1, (end - first + most - 1) / most);
+        for (int k = first; k < end; k++)
+            of[size_t(order[size_t(k)])] = count + int(int64_t(k - first) * more / (end - first));
+        stances.resize(size_t(count += more), first < n ? p.stances[size_t(order[size_t(first)])] : 0);
+    }
     const std::vector<int> last = last_uses(p);
     std::vector<std::vector<int>> released(size_t(count) + 1);
     std::vector<int> unused[2]; /* places of scalars, of vectors */

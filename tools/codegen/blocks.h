@@ -7,12 +7,14 @@
 namespace codegen {
 
 /* Compilers take long for a long function: it is cut into blocks of as many statements. A value that a later
-   block reads is kept in memory, in a place that is free again behind the last block that reads it. */
+   block reads is kept in memory, in a place that is free again behind the last block that reads it. What more
+   stances need comes before what fewer need, each set of stances in blocks of its own. */
 struct blocks {
-    std::vector<int> order;   /* the statements */
-    std::vector<int> of;      /* each node's block, or -1 */
-    std::vector<int> kept_at; /* its place, or -1 */
-    int count = 1, kept = 0, kept_vectors = 0;
+    std::vector<int> order;        /* the statements */
+    std::vector<int> of;           /* each node's block, or -1 */
+    std::vector<int> kept_at;      /* its place, or -1 */
+    std::vector<uint32_t> stances; /* of each block */
+    int count = 0, kept = 0, kept_vectors = 0;
 
     blocks(const program &p, int most);
 

@@ -101,14 +101,14 @@ double least_share(const std::vector<column> &G, const std::vector<bool> &taken)
     return least;
 }
 
-std::vector<bool> independent_joints(const robot &r) {
+std::vector<bool> independent_joints(const robot &r, int stance) {
     enum { TRIED = 20 };
     std::vector<std::vector<column>> G;
     std::vector<bool> best;
     double best_score = -HUGE_VAL;
     for (unsigned state = 0; state < TRIED; state++) {
         std::vector<double> x[ARGUMENTS];
-        session s(r, "constrained_id");
+        session s(r, "constrained_id", stance);
         draw_arguments(r, s, state, x);
         s.c.q = x[0].data();
         G.push_back(products_of(passive_columns(s.c, jacobian_of(s.c))));
@@ -122,26 +122,27 @@ std::vector<bool> independent_joints(const robot &r) {
     return best;
 }
 
-example compute(const robot &r, const std::string &name, const std::vector<std::vector<double>> &in) {
-    session s(r, name);
+example compute(const robot &r, const std::string &name, const std::vector<std::vector<double>> &in,
+                int stance) {
+    session s(r, name, stance);
     std::vector<double> x[ARGUMENTS];
     size_t given = 0;
     for (int k = 0; k < ARGUMENTS; k++)
         if (s.takes(r, arguments[k])) x[k] = in[given++];
     session::demand(rbd_set_gravity(s.c.w, x[5].empty() ? r.gravity : x[5].data()));
-    example e = {in, s.run(x, s.row->run), 0, 0};
+    example e = {in, s.run(x, s.row->run), stance, 0, 0};
     if (s.c.set) e.rows = rbd_constraint_rows(s.c.set), e.rank = rbd_constraint_rank(s.c.set);
     return e;
 }
 
-example compute(const robot &r, const std::string &name, unsigned state) {
-    session s(r, name);
+example compute(const robot &r, const std::string &name, unsigned state, int stance) {
+    session s(r, name, stance);
     std::vector<double> x[ARGUMENTS];
     std::vector<std::vector<double>> in;
     draw_arguments(r, s, state, x);
     for (const std::vector<double> &y : x)
         if (!y.empty()) in.push_back(y);
-    return compute(r, name, in);
+    return compute(r, name, in, stance);
 }
 
 } // namespace codegen

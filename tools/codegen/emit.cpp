@@ -8,7 +8,7 @@ const char rows_contract[] =
     "   Rows: where a pivot of J M^-1 J' is at most %.0e of its diagonal entry, a row depends on those\n"
     "      before it, or nearly: it returns 1 + %s_NV + this row. There call rbd.h, which decides.\n";
 const char motors_contract[] =
-    "   Rows: A is J of the joints without motors. Where a pivot of A'A is at most %.0e of its diagonal\n"
+    "   Pivots: A is J of the joints without motors. Where one of A'A is at most %.0e of its diagonal\n"
     "      entry, less is held than elsewhere: it returns more than %s_NV. There call rbd.h, which "
     "decides.\n";
 
@@ -36,7 +36,8 @@ std::string contract(const program &p, const target &t) {
             p.f.noise);
     if (p.f.rows_held > 0)
         s += format(p.f.dofs() > 0 ? rows_contract : motors_contract, p.f.clear, upper(t.name).c_str());
-    s += "   Not checked: pointers, lengths, overlap; that ";
+    s += p.f.stances > 0 ? "   Not checked: the stance, pointers, lengths, overlap; that "
+                         : "   Not checked: pointers, lengths, overlap; that ";
     s += p.angles.empty() || !t.is_bounded ? "" : "other ";
     s += "input is finite: what depends on NaN is NaN";
     return s + (pivots ? ";\n      it returns 0 unless M depends on it.\n" : ".\n");
@@ -64,6 +65,9 @@ std::string declarations(const std::vector<tested> &functions, const target &t) 
     for (const tested &x : functions) {
         const program p(x.f, t.statements);
         s += "/* " + x.f.about + "\n";
+        if (x.f.stances > 0)
+            s += format("   stance   0 to %d: which constraints hold, by a row of the table\n",
+                        x.f.stances - 1);
         for (const array &a : x.f.arrays()) s += format("   %-8s %s\n", a.name.c_str(), a.shape);
         s += contract(p, t) + operations_text(p.count(), t);
         s += format("\n   Stack: arrays of %zu bytes, beside what the compiler keeps there. */\n",

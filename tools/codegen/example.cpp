@@ -30,6 +30,7 @@ std::string example_text(const function &f, const target &t, const std::vector<d
     const std::string real = real_name(t), call = t.name + "_" + f.name;
     std::string s =
         format("#include \"%s_code.h\"\n#include <stdio.h>\n\nint main(void) {\n", t.name.c_str());
+    if (f.stances > 0) s += "    const int stance = 0;\n";
     for (const array &a : f.inputs) {
         const std::vector<double> x = a.name == "q"         ? q
                                       : a.name == "gravity" ? gravity

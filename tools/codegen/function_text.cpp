@@ -45,7 +45,7 @@ class writer {
 
     /* Whether angles beyond are refused by a status: by one more pivot, 1 or NaN, which is judged first. */
     bool refuses() const { return t.is_bounded && !p.angles.empty() && !f.pivots.empty(); }
-    size_t judged() const { return f.pivots.size() + refuses(); }
+    size_t judged() const { return size_t(f.judged()) + refuses(); }
 };
 
 /* ---- calls on rows ---- */
@@ -113,7 +113,7 @@ std::string writer::sines() const {
         const value x = angle(k).x;
         return f.code.is_constant(x) ? c.of(x) : c.of_angle(x);
     };
-    const std::string verdict = refuses() ? format("pivot + %zu", f.pivots.size()) : "0";
+    const std::string verdict = refuses() ? format("pivot + %d", f.judged()) : "0";
     const char *quarters = t.is_reproducible ? "quarters" : "0";
     std::string s;
     if (n == 0) return s;
@@ -129,7 +129,7 @@ std::string writer::sines() const {
              format(", %s, angle + %zu, sine + %zu, cosine + %zu, &squares);\n",
                     t.is_reproducible ? format("quarters + %zu", k).c_str() : "0", k, k, k);
     s += format("    SINES_OF(%zu, %s);\n", n, quarters);
-    if (refuses()) s += format("    pivot[%zu] = splat(1);\n", f.pivots.size());
+    if (refuses()) s += format("    pivot[%d] = splat(1);\n", f.judged());
     return s + format("    if (!are_inside(squares)) sines_beyond(angle, %s, %zu, sine, cosine, %s);\n",
                       quarters, n, verdict.c_str());
 }
@@ -207,7 +207,8 @@ std::string writer::text() {
     for (const local &x : locals()) arrays += format(", %s", x.name);
     for (int k = 0; k < b.count && b.count > 1; k++) {
         s += part(k, arguments);
-        body += format("    %s_%d(", full.c_str(), k) + names(f) + arrays + ");\n";
+        body += "    " + only_if(f, b.stances[size_t(k)], 0) + format("%s_%d(", full.c_str(), k) + names(f) +
+                arrays + ");\n";
     }
     s += format("%s %s(%s) {\n", result_type(f), full.c_str(), arguments.c_str());
     for (const local &x : locals()) s += format("    %s %s[%zu];\n", x.type, x.name, x.size);

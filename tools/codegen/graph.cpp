@@ -149,7 +149,8 @@ value graph::apply(const node &n, const value x[4]) {
 
 /* ---- evaluation ---- */
 
-template <class T> std::vector<T> evaluate(const function &f, const std::vector<std::vector<double>> &in) {
+template <class T>
+std::vector<T> evaluate(const function &f, const std::vector<std::vector<double>> &in, int stance) {
     enum { LANES = 4 }; /* of scalars all the same */
     std::vector<T> x(LANES * f.code.nodes.size()), rows(size_t(f.rows)), results;
     size_t call = 0;
@@ -185,12 +186,14 @@ template <class T> std::vector<T> evaluate(const function &f, const std::vector<
         case LOADED: x[i] = rows[size_t(a[0])]; break;
         }
     }
-    for (size_t k = 0; k < f.pivots.size(); k++)
-        if (!(of(f.pivots[k], 0) > T(f.limits[k]))) return {};
-    for (value v : f.results) results.push_back(of(v, 0));
+    const size_t judged = size_t(f.judged()), n = f.results.size() / size_t(f.sets());
+    for (size_t k = 0; k < judged; k++)
+        if (!(of(f.pivots[size_t(stance) * judged + k], 0) > T(f.limits[k]))) return {};
+    for (size_t k = 0; k < n; k++) results.push_back(of(f.results[size_t(stance) * n + k], 0));
     return results;
 }
-template std::vector<double> evaluate<double>(const function &, const std::vector<std::vector<double>> &);
-template std::vector<float> evaluate<float>(const function &, const std::vector<std::vector<double>> &);
+template std::vector<double> evaluate<double>(const function &, const std::vector<std::vector<double>> &,
+                                              int);
+template std::vector<float> evaluate<float>(const function &, const std::vector<std::vector<double>> &, int);
 
 } // namespace codegen

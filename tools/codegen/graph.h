@@ -97,13 +97,17 @@ struct function {
 
     std::vector<array> arrays() const; /* inputs and outputs */
     int nv;                            /* degrees of freedom */
-    int dofs() const { return int(pivots.size()) - rows_held; }
+    int stances; /* sets of constraints, of each of which there are results and pivots; 0: one */
+    int sets() const { return stances > 0 ? stances : 1; }
+    int judged() const { return int(pivots.size()) / sets(); } /* pivots of one */
+    int dofs() const { return judged() - rows_held; }
     std::vector<value> wanted() const; /* results, pivots and what is stored for calls */
 };
 
 /* The results, computed in the scalar T; none if a pivot is not above its limit. in: an array for each
    input. */
-template <class T> std::vector<T> evaluate(const function &f, const std::vector<std::vector<double>> &in);
+template <class T>
+std::vector<T> evaluate(const function &f, const std::vector<std::vector<double>> &in, int stance = 0);
 
 } // namespace codegen
 #endif

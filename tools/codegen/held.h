@@ -9,7 +9,7 @@ typedef std::vector<rbd_real> column;
 
 /* n entries as one would write the sum, which begins with its first. */
 template <class entry> rbd_real sum_of(size_t n, entry at) {
-    rbd_real sum = at(0);
+    rbd_real sum = n > 0 ? at(0) : rbd_real(0);
     for (size_t k = 1; k < n; k++) sum = sum + at(k);
     return sum;
 }
@@ -85,12 +85,11 @@ template <class function> rbd_status run_without_rank(const call &c, function ke
         for (const column &l : L) y.push_back(sum_of(t.size(), [&](size_t k) { return l[k] * t[k]; }));
         solve_by(F, &y), solve_by(F, &y);
         for (size_t k = 0; k < t.size(); k++)
-            t[k] = L.empty() ? rbd_real(0) : sum_of(L.size(), [&](size_t i) { return L[i][k] * y[i]; });
+            t[k] = sum_of(L.size(), [&](size_t i) { return L[i][k] * y[i]; });
     } else {
         solve_by(L, &t);
     }
-    for (size_t r = 0; r < rows; r++)
-        lambda[r] = A.empty() ? rbd_real(0) : sum_of(A.size(), [&](size_t k) { return A[k][r] * t[k]; });
+    for (size_t r = 0; r < rows; r++) lambda[r] = sum_of(A.size(), [&](size_t k) { return A[k][r] * t[k]; });
     for (size_t k = 0; k < nv; k++)
         for (size_t r = 0; r < rows; r++) tau[k] = tau[k] - J[r * nv + k] * lambda[r];
     return status;

@@ -155,13 +155,23 @@ operations program::count() const {
     return n;
 }
 
+void program::find_stances() {
+    for (const std::vector<value> *all : {&f.results, &f.pivots})
+        for (size_t k = 0; k < all->size() && f.stances > 0; k++)
+            stances[size_t(source_of((*all)[k]))] |= 1u << k / (all->size() / size_t(f.stances));
+    for (int i = int(terms.size()) - 1; i >= 0; i--)
+        if (is_statement[size_t(i)])
+            for (int k : operands(i)) stances[size_t(k)] |= stances[size_t(i)];
+}
+
 program::program(const function &f_, const style &s)
     : f(f_), is_statement(f_.code.nodes.size(), 0), terms(f_.code.nodes.size()),
-      flipped(f_.code.nodes.size(), 0), uses(f_.code.nodes.size(), 0) {
+      flipped(f_.code.nodes.size(), 0), stances(terms.size(), 0), uses(terms.size(), 0) {
     mark();
     gather_sums(s.long_sums ? 8 : 2);
     sort_by_depth();
     choose_signs();
+    find_stances();
 }
 
 } // namespace codegen

@@ -38,6 +38,8 @@ class program {
     std::vector<std::vector<term>> terms;
     std::vector<char> flipped; /* the statement computes the node's negative */
     std::vector<wanted_angle> angles;
+    std::vector<uint32_t>
+        stances; /* of each node: those that need it, a bit each; none if the function has none */
 
     program(const function &f, const style &s);
 
@@ -59,6 +61,7 @@ class program {
     void absorb(int i);
     void sort_by_depth();
     void choose_signs();
+    void find_stances();
 };
 
 } // namespace codegen

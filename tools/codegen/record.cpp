@@ -225,6 +225,38 @@ static void set_gravity(const session &s, const robot &r, const std::vector<numb
     session::demand(rbd_set_gravity(s.c.w, c));
 }
 
+/* The call with the constraints of a stance. What it shares with those before is there already. */
+static void record_set(const robot &r, const std::string &name, int stance, function *f) {
+    row_pivots.clear();
+    if (name == "constrained_id") kept = independent_joints(r, stance);
+    session s(r, name, stance);
+    std::vector<number> x[ARGUMENTS];
+    f->inputs.clear(), f->outputs.clear(), f->limits.clear();
+    for (int k = 0; k < ARGUMENTS; k++) {
+        const argument &a = arguments[k];
+        if (!s.takes(r, a)) continue;
+        for (int i = 0; i < a.size(s.c); i++)
+            x[k].push_back(number::of(write(INPUT, int(f->inputs.size()), i)));
+        f->inputs.push_back({a.name, a.size(s.c), a.shape});
+    }
+    set_gravity(s, r, x[5]);
+    for (number y : s.run(x, s.row->run)) f->results.push_back(record(y.x));
+    for (const result &y : s.row->results)
+        if (y.size) f->outputs.push_back({y.name, y.size(s.c), y.shape});
+    const bool has_M = s.row->traits & PIVOTS;
+    if (s.c.set) f->rows_held = has_M ? s.c.rows : int(kept.size());
+    std::vector<value> pivots(size_t(f->rows_held), tape->constant(1));
+    f->limits.resize(pivots.size(), 0);
+    for (size_t k = 0; k < row_pivots.size(); k++)
+        pivots[pivots.size() - 1 - (has_M ? size_t(s.held[k]) : k)] = record(row_pivots[k].x);
+    for (int k = 0; has_M && k < rbd_nv(s.c.m); k++) {
+        pivots.push_back(record(s.c.w->pivot[k].x));
+        f->limits.push_back(double((s.c.m->dof[k].scale + s.c.m->dof[k].armature) * RBDI_NOISE));
+    }
+    f->pivots.insert(f->pivots.end(), pivots.begin(), pivots.end());
+    f->nv = rbd_nv(s.c.m), f->about = s.row->about;
+}
+
 /* "jacobian:left foot" as part of a C identifier. */
 static std::string identifier(std::string name) {
     for (char &c : name)
@@ -243,33 +275,14 @@ function RECORD(const robot &r, const std::string &name) {
     sketch.is_exact = f.code.is_exact, sketch.is_float = f.code.is_float;
     steps.clear();
     stand_in.clear();
-    row_pivots.clear();
     limbs_alike = r.limbs_alike;
-    recorder.begin(&f, r.by_rows);
-    if (name == "constrained_id") kept = independent_joints(r);
-    session s(r, name);
-    std::vector<number> x[ARGUMENTS];
-    for (int k = 0; k < ARGUMENTS; k++) {
-        const argument &a = arguments[k];
-        if (!s.takes(r, a)) continue;
-        for (int i = 0; i < a.size(s.c); i++)
-            x[k].push_back(number::of(write(INPUT, int(f.inputs.size()), i)));
-        f.inputs.push_back({a.name, a.size(s.c), a.shape});
-    }
-    set_gravity(s, r, x[5]);
-    for (number y : s.run(x, s.row->run)) f.results.push_back(record(y.x));
-    for (const result &y : s.row->results)
-        if (y.size) f.outputs.push_back({y.name, y.size(s.c), y.shape});
-    f.rows_held = int(row_pivots.size());
-    for (auto x = row_pivots.rbegin(); x != row_pivots.rend(); ++x)
-        f.pivots.push_back(record(x->x)), f.limits.push_back(0);
-    for (int k = 0; s.row->traits & PIVOTS && k < rbd_nv(s.c.m); k++) {
-        f.pivots.push_back(record(s.c.w->pivot[k].x));
-        f.limits.push_back(double((s.c.m->dof[k].scale + s.c.m->dof[k].armature) * RBDI_NOISE));
-    }
-    f.nv = rbd_nv(s.c.m);
+    const bool has_stances = takes_constraints(name) && !r.stances.empty();
+    recorder.begin(&f, r.by_rows && !has_stances);
+    f.stances = has_stances ? int(r.stances.size()) : 0;
+    f.rows_held = 0;
+    for (int stance = 0; stance < f.sets(); stance++) record_set(r, name, stance, &f);
     f.noise = double(RBDI_NOISE), f.clear = double(RBDI_CLEAR);
-    f.name = identifier(name), f.about = s.row->about;
+    f.name = identifier(name);
     return f;
 }
 

@@ -15,7 +15,8 @@ struct robot {
     int nb;
     const rbd_constraint *constraints;
     int nc;
-    std::vector<unsigned char> actuated; /* of constrained_id: its flags, or none */
+    std::vector<std::vector<int>> stances; /* which of them hold; none: all */
+    std::vector<unsigned char> actuated;   /* of constrained_id: its flags, or none */
     double gravity[3];
     bool f_ext, gravity_argument;
     bool reproducible; /* rbd.h's bits under RBD_REPRODUCIBLE */
@@ -34,7 +35,7 @@ std::vector<std::string> algorithm_names();
 bool takes_constraints(const std::string &name);
 
 /* For constrained_id: joints without motors that are independent, those that are it best in random states. */
-std::vector<bool> independent_joints(const robot &r);
+std::vector<bool> independent_joints(const robot &r, int stance);
 
 /* The call that rbd.h makes for an algorithm, with constants of the model in double or float. Throws
    std::runtime_error where it cannot be recorded. */
@@ -46,10 +47,11 @@ function record_float(const robot &r, const std::string &algorithm);
 struct example {
     std::vector<std::vector<double>> in;
     std::vector<double> out;
-    int rows, rank; /* of the constraints */
+    int stance, rows, rank; /* of the constraints */
 };
-example compute(const robot &r, const std::string &algorithm, unsigned state);
-example compute(const robot &r, const std::string &algorithm, const std::vector<std::vector<double>> &in);
+example compute(const robot &r, const std::string &algorithm, unsigned state, int stance);
+example compute(const robot &r, const std::string &algorithm, const std::vector<std::vector<double>> &in,
+                int stance = 0);
 
 } // namespace codegen
 #endif

@@ -134,9 +134,12 @@ std::string test_of(const piece &x, const target &t) {
                    literal(x.x.least, t.is_float).c_str());
     }
     std::string s = tables + format("static int test_%s(scalar *worst) {\n", f.name.c_str());
+    if (f.stances > 0)
+        s += format("    int stance = 0;\n    static const int stances[%zu] = {", states) +
+             join(states, ", ", [&](size_t k) { return std::to_string(x.x.examples[k].stance); }) + "};\n";
     for (const array &a : f.arrays()) s += format("    static real %s[%d];\n", a.name.c_str(), a.size);
     s += format("    for (int k = 0; k < %zu; ++k) {\n        for (int j = 0; j < LANES; ++j) {\n", states) +
-         gives + "        }\n        " +
+         gives + "        }\n        " + (f.stances > 0 ? "stance = stances[k];\n        " : "") +
          (f.pivots.empty() ? call + ";\n" : "if (" + call + " != 0) return 1;\n") +
          "        for (int j = 0; j < LANES; ++j) {\n" + compares + "        }\n    }\n";
     const bool checks = t.is_bounded && !x.p.angles.empty();

@@ -8,14 +8,16 @@ namespace codegen {
 statements::statements(const program &p_, const target &t_) : name(p_.f.code.nodes.size()), p(p_), t(t_) {
     const function &f = p.f;
     for (size_t k = 0; k < p.angles.size(); k++) angle[p.angles[k]] = int(k);
-    size_t first = 0;
-    for (const array &a : f.outputs)
-        for (int k = 0; k < a.size; k++, first++)
-            if (!is_copied(f.results[first])) store_at(f.results[first], a.name, size_t(k));
-    for (size_t k = 0; k < f.pivots.size(); k++) store_at(f.pivots[k], "pivot", k);
+    size_t first = 0, judged = 0;
+    for (int set = 0; set < f.sets(); set++) {
+        for (const array &a : f.outputs)
+            for (int k = 0; k < a.size; k++, first++)
+                if (!is_copied(f.results[first])) store_at(f.results[first], a.name, size_t(k), 1u << set);
+        for (int k = 0; k < f.judged(); k++) store_at(f.pivots[judged++], "pivot", size_t(k), 1u << set);
+    }
     for (const row_call &c : f.calls)
         for (const row_call::store &s : c.stores)
-            if (!p.is_for_call(s)) store_at(s.x, "rows", size_t(s.at));
+            if (!p.is_for_call(s)) store_at(s.x, "rows", size_t(s.at), 1);
 }
 
 /* ---- values ---- */
@@ -120,9 +122,16 @@ std::string statements::statement(int i) {
 
 bool statements::is_copied(value x) const { return p.at(node_of(x)).op == LOADED && !is_negative(x); }
 
-void statements::store_at(value x, const std::string &array, size_t k) {
+void statements::store_at(value x, const std::string &array, size_t k, uint32_t stances) {
     const node &n = p.at(node_of(x));
-    stores[p.source_of(x)].push_back({array, k, is_negative(x), n.op == LANE ? int(n.constant) : -1});
+    const int lane = n.op == LANE ? int(n.constant) : -1;
+    std::vector<store> &all = stores[p.source_of(x)];
+    for (store &to : all)
+        if (to.array == array && to.k == k && to.negative == is_negative(x) && to.lane == lane) {
+            to.stances |= stances;
+            return;
+        }
+    all.push_back({array, k, is_negative(x), lane, stances});
 }
 
 /* The lanes of a vector are stored as one where they stand one behind the other. */
@@ -135,12 +144,14 @@ std::string statements::stores_of(int i) const {
         const store &to = all[k];
         size_t n = 0;
         while (to.lane == 0 && k + n < all.size() && all[k + n].lane == int(n) && all[k + n].k == to.k + n &&
-               all[k + n].array == to.array && all[k + n].negative == to.negative)
+               all[k + n].array == to.array && all[k + n].negative == to.negative &&
+               all[k + n].stances == to.stances)
             n++;
         const bool whole = to.lane == 0 && n == size_t(t.limbs);
         const std::string place = format("%s[%zu]", to.array.c_str(), to.k);
-        s += "    " + (whole ? "side_by_side(" + place + ")" : place) + " = " +
-             of(negated(2 * i, to.negative)) + (whole || to.lane < 0 ? "" : format("[%d]", to.lane)) + ";\n";
+        s += "    " + only_if(p.f, to.stances, p.is_statement[size_t(i)] ? p.stances[size_t(i)] : 0) +
+             (whole ? "side_by_side(" + place + ")" : place) + " = " + of(negated(2 * i, to.negative)) +
+             (whole || to.lane < 0 ? "" : format("[%d]", to.lane)) + ";\n";
         if (whole) k += n - 1;
     }
     return s;

@@ -28,10 +28,11 @@ class statements {
         size_t k;
         bool negative;
         int lane; /* of a vector; or -1 */
+        uint32_t stances;
     };
     std::map<int, std::vector<store>> stores; /* of a node */
 
-    void store_at(value x, const std::string &array, size_t k);
+    void store_at(value x, const std::string &array, size_t k, uint32_t stances);
     std::string stores_of(int i) const;
     std::string leaf(int i) const;
     std::string elements(int i) const;

@@ -36,15 +36,21 @@ std::string upper(std::string s) {
 
 std::string parameters(const function &f, const std::string &real, const char *before_size) {
     const std::vector<array> all = f.arrays();
-    return join(all.size(), ", ", [&](size_t k) {
-        return format("%s%s %s[%s%d]", k < f.inputs.size() ? "const " : "", real.c_str(), all[k].name.c_str(),
-                      before_size, all[k].size);
-    });
+    return (f.stances > 0 ? "int stance, " : "") + join(all.size(), ", ", [&](size_t k) {
+               return format("%s%s %s[%s%d]", k < f.inputs.size() ? "const " : "", real.c_str(),
+                             all[k].name.c_str(), before_size, all[k].size);
+           });
 }
 
 std::string names(const function &f, const char *before) {
     const std::vector<array> all = f.arrays();
-    return join(all.size(), ", ", [&](size_t k) { return before + all[k].name; });
+    return (f.stances > 0 ? before + std::string("stance, ") : "") +
+           join(all.size(), ", ", [&](size_t k) { return before + all[k].name; });
+}
+
+std::string only_if(const function &f, uint32_t stances, uint32_t known) {
+    const uint32_t all = known ? known : uint32_t(-1) >> (32 - f.sets());
+    return f.stances == 0 || stances == all ? "" : format("if (0x%xu >> stance & 1) ", unsigned(stances));
 }
 
 std::string real_name(const target &t) {

@@ -26,6 +26,7 @@ template <class function> std::string join(size_t n, const std::string &between,
 /* The arrays of a function: "const double q[restrict 7], double tau[restrict 7]"; or their names. */
 std::string parameters(const function &f, const std::string &real, const char *before_size);
 std::string names(const function &f, const char *before = "");
+std::string only_if(const function &f, uint32_t stances, uint32_t known); /* it is one of those known, or 0 */
 const char *result_type(const function &f);
 std::string real_name(const target &t); /* of the header */
 
