@@ -1171,8 +1171,9 @@ enum { RBDI_NO_KINEMATICS = -2 };
 struct rbd_work {
     uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
     rbdi_c3 gravity;
-    int singular;      /* dof, -1 = none */
-    int kinematics_of; /* kin: of this link and its ancestors; nl: of all; -1: of the world alone */
+    int singular;          /* dof, -1 = none */
+    int16_t kinematics_of; /* kin: of this link and its ancestors; nl: of all; -1: of the world alone */
+    int16_t moving;        /* kin: velocities and accelerations are there; else they are zero */
 #if RBDI_REPRODUCIBLE
     int doubt; /* a pivot or a rank has been in doubt: see rbdi_batch_singly */
 #endif
@@ -2689,12 +2690,13 @@ RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *si
     }
 }
 
-/* Computes all quantities that depend on q alone: sines and cosines (in batches), slides, poses of blocks.
-   The angle q + gamma is rounded before its sine is computed: by one more rounding of q, 6e-11 rad at q = 1e6
-   in double, or not at all if gamma is 0, because the joint angle at q = 0 is a multiple of 90 degrees. */
-RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
+/* Computes all quantities of the links first .. end - 1 that depend on q alone: sines and cosines (in whole
+   batches from first on, for which the arrays must have room), slides, poses of blocks. The angle q + gamma is
+   rounded before its sine is computed: by one more rounding of q, 6e-11 rad at q = 1e6 in double, or not at all
+   if gamma is 0, because the joint angle at q = 0 is a multiple of 90 degrees. */
+RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *q) {
     int all_done = 1;
-    for (int i = 0; i < m->nl; ++i) {
+    for (int i = first; i < end; ++i) {
         const rbdi_link *l = &m->link[i];
         w->quarters[i] = rbdi_set(l->quarters);
         if (rbdi_is(l, RBDI_REVOLUTE)) {
@@ -2710,14 +2712,14 @@ RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
         }
     }
 #ifdef RBDI_POLYNOMIAL_SINCOS
-    rbdi_sincos_array(w->angle, w->quarters, m->nl, w->s, w->c);
+    rbdi_sincos_array(w->angle + first, w->quarters + first, end - first, w->s + first, w->c + first);
 #elif defined RBDI_SINCOS /* rbd-codegen records the two for itself */
-    for (int i = 0; i < m->nl; ++i) RBDI_SINCOS(w->angle[i], (int)m->link[i].quarters, &w->s[i], &w->c[i]);
+    for (int i = first; i < end; ++i) RBDI_SINCOS(w->angle[i], (int)m->link[i].quarters, &w->s[i], &w->c[i]);
 #else
-    for (int i = 0; i < m->nl; ++i) rbdi_sincos_link(&m->link[i], w->angle[i], &w->s[i], &w->c[i]);
+    for (int i = first; i < end; ++i) rbdi_sincos_link(&m->link[i], w->angle[i], &w->s[i], &w->c[i]);
 #endif
     if (all_done) return;
-    for (int i = 0; i < m->nl; ++i) {
+    for (int i = first; i < end; ++i) {
         const rbdi_link *l = &m->link[i];
         if (rbdi_is(l, RBDI_REVOLUTE_CS)) {
             rbd_real c, s;
@@ -3134,7 +3136,7 @@ RBDI_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q,
                              const rbd_real *a, const rbd_real *f_ext, rbd_real *tau) {
     const rbd_status status = rbdi_check(m, w, q && v && a && tau);
     if (status) return status;
-    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
+    rbdi_joints(m, w, 0, m->nl, rbdi_expand_q(m, w, q));
     v = rbdi_expand_v(m, v, w->vx);
     a = rbdi_expand_v(m, a, w->ax);
     rbdi_rnea(m, w, v, a, f_ext, rbdi_mimics(m) ? w->tx : tau);
@@ -3187,7 +3189,7 @@ RBDI_API rbd_status rbd_generalized_momentum(const rbd_model *m, rbd_work *w, co
                                              const rbd_real *v, rbd_real *p, rbd_real *ctv) {
     const rbd_status status = rbdi_check(m, w, q && v);
     if (status) return status;
-    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
+    rbdi_joints(m, w, 0, m->nl, rbdi_expand_q(m, w, q));
     if (!p) p = w->bias;
     if (!ctv) ctv = w->bias;
     rbdi_momenta(m, w, rbdi_expand_v(m, v, w->vx), rbdi_mimics(m) ? w->tx : p, rbdi_mimics(m) ? w->ax : ctv);
@@ -3491,7 +3493,7 @@ RBDI_PART void rbdi_crba_of_joints(const rbd_model *m, rbd_work *w, rbd_real *H)
 RBDI_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *H) {
     const rbd_status status = rbdi_check(m, w, q && H);
     if (status) return status;
-    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
+    rbdi_joints(m, w, 0, m->nl, rbdi_expand_q(m, w, q));
     rbdi_crba_of_joints(m, w, H);
     return RBD_OK;
 }
@@ -3507,7 +3509,7 @@ RBDI_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q,
                 M[i * m->nv + j] = M[j * m->nv + i] = w->H[k];
         return RBD_OK;
     }
-    rbdi_joints(m, w, q);
+    rbdi_joints(m, w, 0, m->nl, q);
     rbdi_crba(m, w, NULL, M, 1);
     return RBD_OK;
 }
@@ -4475,7 +4477,7 @@ RBDI_API rbd_status rbd_hybrid(const rbd_model *m, rbd_work *w, const rbd_real *
     if (status) return status;
     for (int k = 0; k < m->nv; ++k)
         if (!given[k]) a[k] = rbdi_zero();
-    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
+    rbdi_joints(m, w, 0, m->nl, rbdi_expand_q(m, w, q));
     rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), rbdi_expand_v(m, a, w->ax), f_ext,
               rbdi_mimics(m) ? w->tx : w->bias);
     rbdi_reduce_tau(m, w->tx, w->bias);
@@ -4500,7 +4502,7 @@ RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
 #ifndef RBD_NO_CHOLESKY
     if (rbdi_mimics(m)) return rbd_fd_cholesky(m, w, q, v, tau, f_ext, a);
 #endif
-    rbdi_joints(m, w, q);
+    rbdi_joints(m, w, 0, m->nl, q);
     rbdi_aba_velocities(m, w, v, 0);
     rbdi_external(m, w, f_ext);
     doubt = rbdi_aba_pass2(m, w, tau);
@@ -4728,30 +4730,27 @@ static void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, 
     }
 }
 
-/* Kinematics of the links first .. end - 1, after those of their ancestors. v, a: with mimics, or NULL. */
+/* Kinematics of the links first .. end - 1, after those of their ancestors; of a robot that does not move,
+   poses alone. v, a: with mimics. */
 static void rbdi_link_kinematics(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *v,
                                  const rbd_real *a) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     const rbdi_state world = rbdi_world_state(none);
-    const int moving = v || a;
-    if (!v) v = w->zero;
-    if (moving)
-        rbdi_forward(m, w, first, end, &world, v, a ? a : w->zero, 0, 1);
-    else
-        for (int i = first; i < end; ++i) w->kin[i].state = world, w->kin[i].v = world.acc;
-    rbdi_kin_links(m, w, first, end, v, moving);
+    if (w->moving) rbdi_forward(m, w, first, end, &world, v, a, 0, 1);
+    rbdi_kin_links(m, w, first, end, v, w->moving);
 }
 
 RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                    const rbd_real *a) {
     const rbd_status status = rbdi_check(m, w, q != NULL);
     if (status) return status;
-    if (v) v = rbdi_expand_v(m, v, w->vx);
-    if (a) a = rbdi_expand_v(m, a, w->ax);
-    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
+    w->moving = v || a;
+    v = v ? rbdi_expand_v(m, v, w->vx) : w->zero;
+    a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
+    rbdi_joints(m, w, 0, m->nl, rbdi_expand_q(m, w, q));
     rbdi_link_kinematics(m, w, 0, m->nl, v, a);
     *w->rotors = rbdi_zero();
-    for (int k = 0; v && k < m->nv + rbdi_mimics(m); ++k)
+    for (int k = 0; w->moving && k < m->nv + rbdi_mimics(m); ++k)
         *w->rotors = *w->rotors + v[k] * v[k] * (RBD_C(0.5) * m->dof[k].armature);
     w->kinematics_of = m->nl;
     return RBD_OK;
@@ -4764,15 +4763,19 @@ RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int bod
     if (status) return status;
     if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
     last = m->frame[body].link;
-    if (v) v = rbdi_expand_v(m, v, w->vx);
-    if (a) a = rbdi_expand_v(m, a, w->ax);
-    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
-    for (int first = 0, end = 0; end <= last; first = end) { /* the path, in runs of consecutive links */
-        while (!rbdi_carries(m, first, last)) ++first;
+    w->moving = v || a;
+    v = v ? rbdi_expand_v(m, v, w->vx) : w->zero;
+    a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
+    q = rbdi_expand_q(m, w, q);
+    for (int end = 0; end <= last;) { /* the path, in runs of consecutive links */
+        int first = last, from;
+        for (int up = m->link[last].parent; up >= end; up = m->link[up].parent) first = up;
         for (end = first + 1; end <= last && rbdi_carries(m, end, last);) ++end;
+        from = first - ((first - end) & (RBDI_BATCH - 1)); /* whole batches, to the end of the run */
+        rbdi_joints(m, w, from < 0 ? 0 : from, end, q);
         rbdi_link_kinematics(m, w, first, end, v, a);
     }
-    w->kinematics_of = last;
+    w->kinematics_of = (int16_t)last;
     return RBD_OK;
 }
 
@@ -4793,15 +4796,14 @@ static rbdi_kin rbdi_body_kin(const rbd_model *m, const rbd_work *w, int body) {
     const rbdi_mat E = rbdi_mat_c(u->E);
     const rbdi_v3 r = rbdi_vec_c(u->r);
     rbdi_kin k;
-    if (u->link < 0) {
-        k.X.E = E;
-        k.X.r = r;
-        k.v = k.state.omega = k.state.omega_dot = k.state.acc = rbdi_vec0();
-        return k;
-    }
-    k = w->kin[u->link];
-    k.X.r = rbdi_point_p(&k, r);
-    k.X.E = rbdi_mul_mat(E, k.X.E);
+    k.X.E = E;
+    k.X.r = r;
+    k.v = k.state.omega = k.state.omega_dot = k.state.acc = rbdi_vec0();
+    if (u->link < 0) return k;
+    if (w->moving) k = w->kin[u->link];
+    k.X.r = rbdi_point_p(&w->kin[u->link], r);
+    k.X.E = rbdi_mul_mat(E, w->kin[u->link].X.E);
+    if (!w->moving) return k;
     k.v = rbdi_mul(E, rbdi_point_v(&k, r));
     k.state.acc = rbdi_mul(E, rbdi_point_acc(&k, r));
     k.state.omega = rbdi_mul(E, k.state.omega);
@@ -5055,17 +5057,20 @@ static rbdi_mat rbdi_axes_of(const rbd_model *m, const rbd_work *w, int body) {
     return u->link < 0 ? E : rbdi_mul_mat(E, w->kin[u->link].X.E);
 }
 
+/* A link's unit axis: omega_x .. omega_z, v_x .. v_z. */
+RBDI_INLINE rbdi_v3 rbdi_unit_axis(const rbdi_pose *X, int axis) {
+    return rbdi_load_vec((const rbd_real *)&X->E + 3 * (axis < 3 ? axis : axis - 3), 1);
+}
+
 /* Motion, world axes, of the point of link i that is at r, for unit velocity of the link's dof k. Its axis
    a goes through the origin p: (a; a x (r - p)), or (0; a) if it slides. */
 RBDI_INLINE rbdi_motion rbdi_column(const rbd_model *m, const rbd_work *w, int i, int k, rbdi_v3 r) {
     const rbdi_link *l = &m->link[i];
-    const rbdi_kin *s = &w->kin[i];
+    const rbdi_pose *X = &w->kin[i].X;
     const int axis = rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->first + k : 2;
     rbdi_motion c;
-    c.omega = axis % 3 == 0   ? rbdi_vec(s->X.E.xx, s->X.E.xy, s->X.E.xz)
-              : axis % 3 == 1 ? rbdi_vec(s->X.E.yx, s->X.E.yy, s->X.E.yz)
-                              : rbdi_vec(s->X.E.zx, s->X.E.zy, s->X.E.zz);
-    c.v = axis < 3 ? rbdi_cross(c.omega, rbdi_sub(r, s->X.r)) : c.omega;
+    c.omega = rbdi_unit_axis(X, axis);
+    c.v = axis < 3 ? rbdi_cross(c.omega, rbdi_sub(r, X->r)) : c.omega;
     if (rbdi_is(l, RBDI_SCREW)) {
         c.v = rbdi_add(rbdi_scale(rbdi_set(l->rho), c.v), rbdi_scale(rbdi_set(l->kappa), c.omega));
         c.omega = rbdi_scale(rbdi_set(l->rho), c.omega);
@@ -5074,18 +5079,43 @@ RBDI_INLINE rbdi_motion rbdi_column(const rbd_model *m, const rbd_work *w, int i
     return c;
 }
 
-/* Adds to J, times sign, the columns of link i; E, if any, turns them. */
-RBDI_INLINE void rbdi_add_columns(const rbd_model *m, const rbd_work *w, int i, rbdi_v3 r, const rbdi_mat *E,
-                                  rbd_const sign, rbd_real *J) {
-    const rbdi_link *l = &m->link[i];
-    for (int k = 0; k < rbdi_link_dofs(m, l); ++k) {
-        const rbd_real share = rbdi_ratio(m, l->iv + k) * sign;
-        rbd_real *to = &J[rbdi_source(m, l->iv + k)], column[6];
-        rbdi_motion c = rbdi_column(m, w, i, k, r);
-        if (E) c.omega = rbdi_mul(*E, c.omega), c.v = rbdi_mul(*E, c.v);
-        rbdi_store_motion(column, 1, c);
-        RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j)
-            to[j * m->nv] = to[j * m->nv] + column[j] * share;
+/* Adds k times such a motion to a column of J: (0; a), or (a; a x arm) with arm = r - p. */
+RBDI_INLINE void rbdi_add_slide(rbd_real *J, ptrdiff_t nv, rbd_real k, rbdi_v3 a) {
+    rbdi_store_vec(J + 3 * nv, nv, rbdi_add(rbdi_load_vec(J + 3 * nv, nv), rbdi_scale(k, a)));
+}
+RBDI_INLINE void rbdi_add_turn(rbd_real *J, ptrdiff_t nv, rbd_real k, rbdi_v3 a, rbdi_v3 arm) {
+    rbdi_store_vec(J, nv, rbdi_add(rbdi_load_vec(J, nv), rbdi_scale(k, a)));
+    rbdi_add_slide(J, nv, k, rbdi_cross(a, arm));
+}
+
+/* Adds to J, times sign, the columns of link i and of its ancestors up to link `end`, which has none; E, if
+   any, turns them. */
+RBDI_PART void rbdi_add_path(const rbd_model *m, const rbd_work *w, int i, int end, rbdi_v3 r,
+                             const rbdi_mat *E, rbd_const sign, rbd_real *J) {
+    const ptrdiff_t nv = m->nv;
+    for (; i != end; i = m->link[i].parent) {
+        const rbdi_link *l = &m->link[i];
+        const rbdi_pose *X = &w->kin[i].X;
+        const rbdi_block *b;
+        rbd_real *to = &J[rbdi_source(m, l->iv)], k = rbdi_ratio(m, l->iv) * sign;
+        rbdi_v3 arm = rbdi_sub(r, X->r), a;
+        if (E) arm = rbdi_mul(*E, arm);
+        if (!rbdi_is(l, RBDI_BLOCK)) {
+            a = rbdi_unit_axis(X, 2);
+            if (E) a = rbdi_mul(*E, a);
+            if (rbdi_is(l, RBDI_SCREW)) rbdi_add_slide(to, nv, k * l->kappa, a), k = k * l->rho;
+            rbdi_add_turn(to, nv, k, a, arm);
+            continue;
+        }
+        b = rbdi_block_of(m, l);
+        for (int axis = b->first; axis < b->first + b->n; ++axis, ++to) {
+            a = rbdi_unit_axis(X, axis);
+            if (E) a = rbdi_mul(*E, a);
+            if (axis >= 3)
+                rbdi_add_slide(to, nv, k, a);
+            else
+                rbdi_add_turn(to, nv, k, a, arm);
+        }
     }
 }
 
@@ -5096,7 +5126,7 @@ static rbd_status rbdi_put_jacobian(const rbd_model *m, const rbd_work *w, int b
     const rbd_status status = rbdi_check_body_call(m, w, body, J != NULL);
     rbdi_v3 r;
     rbdi_mat E;
-    int link, other;
+    int link, other, common;
     if (status) return status;
     if (reference < -1 || reference >= m->nb) return RBD_ERR_INDEX;
     if (reference >= 0 && rbdi_have_kinematics(m, w, reference)) return RBD_ERR_ORDER;
@@ -5104,14 +5134,10 @@ static rbd_status rbdi_put_jacobian(const rbd_model *m, const rbd_work *w, int b
     link = m->frame[body].link, other = reference < 0 ? -1 : m->frame[reference].link;
     if (axes >= 0) E = rbdi_axes_of(m, w, axes);
     rbdi_clear(J, 6 * m->nv);
-    while (link != other) { /* up to the common ancestor: parents stand before their children */
-        const int up = link > other;
-        rbdi_add_columns(m, w, up ? link : other, r, axes >= 0 ? &E : NULL, up ? RBD_C(1) : RBD_C(-1), J);
-        if (up)
-            link = m->link[link].parent;
-        else
-            other = m->link[other].parent;
-    }
+    for (common = other; common >= 0 && (link < 0 || !rbdi_carries(m, common, link));)
+        common = m->link[common].parent;
+    rbdi_add_path(m, w, link, common, r, axes >= 0 ? &E : NULL, RBD_C(1), J);
+    rbdi_add_path(m, w, other, common, r, axes >= 0 ? &E : NULL, RBD_C(-1), J);
     return RBD_OK;
 }
 
@@ -5534,7 +5560,7 @@ RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size,
 #undef RBDI_TAKE
     for (int k = 0; k < n; ++k) w->zero[k] = rbdi_zero();
     for (int k = 0; k < 6 * RBDI_STRIDE(n); ++k) w->F[k] = rbdi_zero();
-    for (int k = m->nl; k < (int)RBDI_PADDED(m->nl); ++k) w->angle[k] = w->quarters[k] = rbdi_zero();
+    for (int k = 0; k < (int)RBDI_PADDED(m->nl); ++k) w->angle[k] = w->quarters[k] = rbdi_zero();
     w->F += RBDI_CHUNK;
     *work = w;
     return RBD_OK;

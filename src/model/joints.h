@@ -72,12 +72,13 @@ RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *si
     }
 }
 
-/* Computes all quantities that depend on q alone: sines and cosines (in batches), slides, poses of blocks.
-   The angle q + gamma is rounded before its sine is computed: by one more rounding of q, 6e-11 rad at q = 1e6
-   in double, or not at all if gamma is 0, because the joint angle at q = 0 is a multiple of 90 degrees. */
-RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
+/* Computes all quantities of the links first .. end - 1 that depend on q alone: sines and cosines (in whole
+   batches from first on, for which the arrays must have room), slides, poses of blocks. The angle q + gamma is
+   rounded before its sine is computed: by one more rounding of q, 6e-11 rad at q = 1e6 in double, or not at all
+   if gamma is 0, because the joint angle at q = 0 is a multiple of 90 degrees. */
+RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *q) {
     int all_done = 1;
-    for (int i = 0; i < m->nl; ++i) {
+    for (int i = first; i < end; ++i) {
         const rbdi_link *l = &m->link[i];
         w->quarters[i] = rbdi_set(l->quarters);
         if (rbdi_is(l, RBDI_REVOLUTE)) {
@@ -93,14 +94,14 @@ RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
         }
     }
 #ifdef RBDI_POLYNOMIAL_SINCOS
-    rbdi_sincos_array(w->angle, w->quarters, m->nl, w->s, w->c);
+    rbdi_sincos_array(w->angle + first, w->quarters + first, end - first, w->s + first, w->c + first);
 #elif defined RBDI_SINCOS /* rbd-codegen records the two for itself */
-    for (int i = 0; i < m->nl; ++i) RBDI_SINCOS(w->angle[i], (int)m->link[i].quarters, &w->s[i], &w->c[i]);
+    for (int i = first; i < end; ++i) RBDI_SINCOS(w->angle[i], (int)m->link[i].quarters, &w->s[i], &w->c[i]);
 #else
-    for (int i = 0; i < m->nl; ++i) rbdi_sincos_link(&m->link[i], w->angle[i], &w->s[i], &w->c[i]);
+    for (int i = first; i < end; ++i) rbdi_sincos_link(&m->link[i], w->angle[i], &w->s[i], &w->c[i]);
 #endif
     if (all_done) return;
-    for (int i = 0; i < m->nl; ++i) {
+    for (int i = first; i < end; ++i) {
         const rbdi_link *l = &m->link[i];
         if (rbdi_is(l, RBDI_REVOLUTE_CS)) {
             rbd_real c, s;

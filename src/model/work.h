@@ -61,8 +61,9 @@ enum { RBDI_NO_KINEMATICS = -2 };
 struct rbd_work {
     uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
     rbdi_c3 gravity;
-    int singular;      /* dof, -1 = none */
-    int kinematics_of; /* kin: of this link and its ancestors; nl: of all; -1: of the world alone */
+    int singular;          /* dof, -1 = none */
+    int16_t kinematics_of; /* kin: of this link and its ancestors; nl: of all; -1: of the world alone */
+    int16_t moving;        /* kin: velocities and accelerations are there; else they are zero */
 #if RBDI_REPRODUCIBLE
     int doubt; /* a pivot or a rank has been in doubt: see rbdi_batch_singly */
 #endif

@@ -50,7 +50,7 @@ RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size,
 #undef RBDI_TAKE
     for (int k = 0; k < n; ++k) w->zero[k] = rbdi_zero();
     for (int k = 0; k < 6 * RBDI_STRIDE(n); ++k) w->F[k] = rbdi_zero();
-    for (int k = m->nl; k < (int)RBDI_PADDED(m->nl); ++k) w->angle[k] = w->quarters[k] = rbdi_zero();
+    for (int k = 0; k < (int)RBDI_PADDED(m->nl); ++k) w->angle[k] = w->quarters[k] = rbdi_zero();
     w->F += RBDI_CHUNK;
     *work = w;
     return RBD_OK;

@@ -68,30 +68,27 @@ static void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, 
     }
 }
 
-/* Kinematics of the links first .. end - 1, after those of their ancestors. v, a: with mimics, or NULL. */
+/* Kinematics of the links first .. end - 1, after those of their ancestors; of a robot that does not move,
+   poses alone. v, a: with mimics. */
 static void rbdi_link_kinematics(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *v,
                                  const rbd_real *a) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     const rbdi_state world = rbdi_world_state(none);
-    const int moving = v || a;
-    if (!v) v = w->zero;
-    if (moving)
-        rbdi_forward(m, w, first, end, &world, v, a ? a : w->zero, 0, 1);
-    else
-        for (int i = first; i < end; ++i) w->kin[i].state = world, w->kin[i].v = world.acc;
-    rbdi_kin_links(m, w, first, end, v, moving);
+    if (w->moving) rbdi_forward(m, w, first, end, &world, v, a, 0, 1);
+    rbdi_kin_links(m, w, first, end, v, w->moving);
 }
 
 RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                    const rbd_real *a) {
     const rbd_status status = rbdi_check(m, w, q != NULL);
     if (status) return status;
-    if (v) v = rbdi_expand_v(m, v, w->vx);
-    if (a) a = rbdi_expand_v(m, a, w->ax);
-    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
+    w->moving = v || a;
+    v = v ? rbdi_expand_v(m, v, w->vx) : w->zero;
+    a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
+    rbdi_joints(m, w, 0, m->nl, rbdi_expand_q(m, w, q));
     rbdi_link_kinematics(m, w, 0, m->nl, v, a);
     *w->rotors = rbdi_zero();
-    for (int k = 0; v && k < m->nv + rbdi_mimics(m); ++k)
+    for (int k = 0; w->moving && k < m->nv + rbdi_mimics(m); ++k)
         *w->rotors = *w->rotors + v[k] * v[k] * (RBD_C(0.5) * m->dof[k].armature);
     w->kinematics_of = m->nl;
     return RBD_OK;
@@ -104,15 +101,19 @@ RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int bod
     if (status) return status;
     if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
     last = m->frame[body].link;
-    if (v) v = rbdi_expand_v(m, v, w->vx);
-    if (a) a = rbdi_expand_v(m, a, w->ax);
-    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
-    for (int first = 0, end = 0; end <= last; first = end) { /* the path, in runs of consecutive links */
-        while (!rbdi_carries(m, first, last)) ++first;
+    w->moving = v || a;
+    v = v ? rbdi_expand_v(m, v, w->vx) : w->zero;
+    a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
+    q = rbdi_expand_q(m, w, q);
+    for (int end = 0; end <= last;) { /* the path, in runs of consecutive links */
+        int first = last, from;
+        for (int up = m->link[last].parent; up >= end; up = m->link[up].parent) first = up;
         for (end = first + 1; end <= last && rbdi_carries(m, end, last);) ++end;
+        from = first - ((first - end) & (RBDI_BATCH - 1)); /* whole batches, to the end of the run */
+        rbdi_joints(m, w, from < 0 ? 0 : from, end, q);
         rbdi_link_kinematics(m, w, first, end, v, a);
     }
-    w->kinematics_of = last;
+    w->kinematics_of = (int16_t)last;
     return RBD_OK;
 }
 
@@ -133,15 +134,14 @@ static rbdi_kin rbdi_body_kin(const rbd_model *m, const rbd_work *w, int body) {
     const rbdi_mat E = rbdi_mat_c(u->E);
     const rbdi_v3 r = rbdi_vec_c(u->r);
     rbdi_kin k;
-    if (u->link < 0) {
-        k.X.E = E;
-        k.X.r = r;
-        k.v = k.state.omega = k.state.omega_dot = k.state.acc = rbdi_vec0();
-        return k;
-    }
-    k = w->kin[u->link];
-    k.X.r = rbdi_point_p(&k, r);
-    k.X.E = rbdi_mul_mat(E, k.X.E);
+    k.X.E = E;
+    k.X.r = r;
+    k.v = k.state.omega = k.state.omega_dot = k.state.acc = rbdi_vec0();
+    if (u->link < 0) return k;
+    if (w->moving) k = w->kin[u->link];
+    k.X.r = rbdi_point_p(&w->kin[u->link], r);
+    k.X.E = rbdi_mul_mat(E, w->kin[u->link].X.E);
+    if (!w->moving) return k;
     k.v = rbdi_mul(E, rbdi_point_v(&k, r));
     k.state.acc = rbdi_mul(E, rbdi_point_acc(&k, r));
     k.state.omega = rbdi_mul(E, k.state.omega);

@@ -22,17 +22,20 @@ static rbdi_mat rbdi_axes_of(const rbd_model *m, const rbd_work *w, int body) {
     return u->link < 0 ? E : rbdi_mul_mat(E, w->kin[u->link].X.E);
 }
 
+/* A link's unit axis: omega_x .. omega_z, v_x .. v_z. */
+RBDI_INLINE rbdi_v3 rbdi_unit_axis(const rbdi_pose *X, int axis) {
+    return rbdi_load_vec((const rbd_real *)&X->E + 3 * (axis < 3 ? axis : axis - 3), 1);
+}
+
 /* Motion, world axes, of the point of link i that is at r, for unit velocity of the link's dof k. Its axis
    a goes through the origin p: (a; a x (r - p)), or (0; a) if it slides. */
 RBDI_INLINE rbdi_motion rbdi_column(const rbd_model *m, const rbd_work *w, int i, int k, rbdi_v3 r) {
     const rbdi_link *l = &m->link[i];
-    const rbdi_kin *s = &w->kin[i];
+    const rbdi_pose *X = &w->kin[i].X;
     const int axis = rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->first + k : 2;
     rbdi_motion c;
-    c.omega = axis % 3 == 0   ? rbdi_vec(s->X.E.xx, s->X.E.xy, s->X.E.xz)
-              : axis % 3 == 1 ? rbdi_vec(s->X.E.yx, s->X.E.yy, s->X.E.yz)
-                              : rbdi_vec(s->X.E.zx, s->X.E.zy, s->X.E.zz);
-    c.v = axis < 3 ? rbdi_cross(c.omega, rbdi_sub(r, s->X.r)) : c.omega;
+    c.omega = rbdi_unit_axis(X, axis);
+    c.v = axis < 3 ? rbdi_cross(c.omega, rbdi_sub(r, X->r)) : c.omega;
     if (rbdi_is(l, RBDI_SCREW)) {
         c.v = rbdi_add(rbdi_scale(rbdi_set(l->rho), c.v), rbdi_scale(rbdi_set(l->kappa), c.omega));
         c.omega = rbdi_scale(rbdi_set(l->rho), c.omega);
@@ -41,18 +44,43 @@ RBDI_INLINE rbdi_motion rbdi_column(const rbd_model *m, const rbd_work *w, int i
     return c;
 }
 
-/* Adds to J, times sign, the columns of link i; E, if any, turns them. */
-RBDI_INLINE void rbdi_add_columns(const rbd_model *m, const rbd_work *w, int i, rbdi_v3 r, const rbdi_mat *E,
-                                  rbd_const sign, rbd_real *J) {
-    const rbdi_link *l = &m->link[i];
-    for (int k = 0; k < rbdi_link_dofs(m, l); ++k) {
-        const rbd_real share = rbdi_ratio(m, l->iv + k) * sign;
-        rbd_real *to = &J[rbdi_source(m, l->iv + k)], column[6];
-        rbdi_motion c = rbdi_column(m, w, i, k, r);
-        if (E) c.omega = rbdi_mul(*E, c.omega), c.v = rbdi_mul(*E, c.v);
-        rbdi_store_motion(column, 1, c);
-        RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j)
-            to[j * m->nv] = to[j * m->nv] + column[j] * share;
+/* Adds k times such a motion to a column of J: (0; a), or (a; a x arm) with arm = r - p. */
+RBDI_INLINE void rbdi_add_slide(rbd_real *J, ptrdiff_t nv, rbd_real k, rbdi_v3 a) {
+    rbdi_store_vec(J + 3 * nv, nv, rbdi_add(rbdi_load_vec(J + 3 * nv, nv), rbdi_scale(k, a)));
+}
+RBDI_INLINE void rbdi_add_turn(rbd_real *J, ptrdiff_t nv, rbd_real k, rbdi_v3 a, rbdi_v3 arm) {
+    rbdi_store_vec(J, nv, rbdi_add(rbdi_load_vec(J, nv), rbdi_scale(k, a)));
+    rbdi_add_slide(J, nv, k, rbdi_cross(a, arm));
+}
+
+/* Adds to J, times sign, the columns of link i and of its ancestors up to link `end`, which has none; E, if
+   any, turns them. */
+RBDI_PART void rbdi_add_path(const rbd_model *m, const rbd_work *w, int i, int end, rbdi_v3 r,
+                             const rbdi_mat *E, rbd_const sign, rbd_real *J) {
+    const ptrdiff_t nv = m->nv;
+    for (; i != end; i = m->link[i].parent) {
+        const rbdi_link *l = &m->link[i];
+        const rbdi_pose *X = &w->kin[i].X;
+        const rbdi_block *b;
+        rbd_real *to = &J[rbdi_source(m, l->iv)], k = rbdi_ratio(m, l->iv) * sign;
+        rbdi_v3 arm = rbdi_sub(r, X->r), a;
+        if (E) arm = rbdi_mul(*E, arm);
+        if (!rbdi_is(l, RBDI_BLOCK)) {
+            a = rbdi_unit_axis(X, 2);
+            if (E) a = rbdi_mul(*E, a);
+            if (rbdi_is(l, RBDI_SCREW)) rbdi_add_slide(to, nv, k * l->kappa, a), k = k * l->rho;
+            rbdi_add_turn(to, nv, k, a, arm);
+            continue;
+        }
+        b = rbdi_block_of(m, l);
+        for (int axis = b->first; axis < b->first + b->n; ++axis, ++to) {
+            a = rbdi_unit_axis(X, axis);
+            if (E) a = rbdi_mul(*E, a);
+            if (axis >= 3)
+                rbdi_add_slide(to, nv, k, a);
+            else
+                rbdi_add_turn(to, nv, k, a, arm);
+        }
     }
 }
 
@@ -63,7 +91,7 @@ static rbd_status rbdi_put_jacobian(const rbd_model *m, const rbd_work *w, int b
     const rbd_status status = rbdi_check_body_call(m, w, body, J != NULL);
     rbdi_v3 r;
     rbdi_mat E;
-    int link, other;
+    int link, other, common;
     if (status) return status;
     if (reference < -1 || reference >= m->nb) return RBD_ERR_INDEX;
     if (reference >= 0 && rbdi_have_kinematics(m, w, reference)) return RBD_ERR_ORDER;
@@ -71,14 +99,10 @@ static rbd_status rbdi_put_jacobian(const rbd_model *m, const rbd_work *w, int b
     link = m->frame[body].link, other = reference < 0 ? -1 : m->frame[reference].link;
     if (axes >= 0) E = rbdi_axes_of(m, w, axes);
     rbdi_clear(J, 6 * m->nv);
-    while (link != other) { /* up to the common ancestor: parents stand before their children */
-        const int up = link > other;
-        rbdi_add_columns(m, w, up ? link : other, r, axes >= 0 ? &E : NULL, up ? RBD_C(1) : RBD_C(-1), J);
-        if (up)
-            link = m->link[link].parent;
-        else
-            other = m->link[other].parent;
-    }
+    for (common = other; common >= 0 && (link < 0 || !rbdi_carries(m, common, link));)
+        common = m->link[common].parent;
+    rbdi_add_path(m, w, link, common, r, axes >= 0 ? &E : NULL, RBD_C(1), J);
+    rbdi_add_path(m, w, other, common, r, axes >= 0 ? &E : NULL, RBD_C(-1), J);
     return RBD_OK;
 }
 
