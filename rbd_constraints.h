@@ -1376,7 +1376,7 @@ static void rbdi_constraint_bias(const rbd_model *m, rbd_constraint_set *c, cons
     rbdi_reduce_tau(m, w->tx, w->bias);
 }
 
-/* The same by M = L'DL, in every state. Returns the status of M's pivots. */
+/* As rbdi_articulated_fd, by the factor of M, in every state. Returns the status of M's pivots. */
 static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                    const rbd_real *restitution, rbd_real *x) {
@@ -1461,7 +1461,7 @@ RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_s
 /* ==== src/constraints/weights.h ==== */
 /* ---- weights [weights] ----
    With a diagonal matrix D in place of M, so that L = 1, [solution] solves least squares: it adds D^-1 J'
-   lambda to x, of all changes d with J (x + d) = target the one with the least d' D d. */
+   lambda to x = D^-1 f, of all changes d with J (x + d) = target the one with the least d' D d. */
 
 /* Whether n weights are above 0. NULL: all are 1. */
 static int rbdi_weights_fit(const rbd_const *weight, int n) {

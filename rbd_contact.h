@@ -367,7 +367,7 @@ struct rbd_contact_set {
     rbd_real *lower, *upper;      /* of its other rows */
     rbd_real *b;                  /* max_rows: u without impulses, with the bias */
     rbd_real *start, *nu, *moved; /* nv each: velocities without forces; of the end; of the positions */
-    rbd_real *x;                  /* nv: L^-T dt (tau - c) */
+    rbd_real *x;                  /* nv: L^-T dt (tau - c - damping v) */
     rbd_real dt, last_dt;         /* of this step; of the last one, 1 = none */
     rbd_real *sigma;              /* of derivatives: max_rows x nv; then nv x nv, or rows of G; NULL = none */
     rbdi_contact_solver solver;
@@ -405,8 +405,8 @@ RBDI_CODE_BEGIN
 /* ==== src/contact/tolerances.h ==== */
 /* ---- tolerances [tolerances] ---- */
 
-/* RBDI_UNMOVED: an entry of a block below this share of its trace is rounding, so no impulse changes that
-   velocity. RBDI_PROXIMAL: share of the trace that Newton steps add to the diagonal, [newton].
+/* RBDI_UNMOVED: an entry of a block below this share of its trace is rounding: no impulse moves it.
+   RBDI_PROXIMAL: share of the trace that Newton steps add to the diagonal, [newton].
    RBDI_SIDES_PROXIMAL: the same for derivatives, whose relative error is that times the condition of G. */
 #define RBDI_UNMOVED (16 * RBDI_EPS)
 #define RBDI_SIDES_PROXIMAL (512 * RBDI_EPS)
@@ -1236,7 +1236,7 @@ RBDI_API rbd_status rbd_contact_plane(const rbd_model *m, rbd_contact_set *c, in
 /* ==== src/contact/rows.h ==== */
 /* ---- contact rows [contact rows] ----
    The rows of a step: contacts first, three each, then held constraints, then single dofs. By the factor
-   M = L'DL of [packed matrix], with Y = L^-T J' and x = L^-T dt (tau - c):
+   M + dt damping = L'DL of [packed matrix], with Y = L^-T J' and x = L^-T dt (tau - c - damping v):
 
        Delta = Y' D^-1 Y,   J nu_0 = J v + Y' D^-1 x,   nu = v + L^-1 D^-1 (x + Y p)                      (4)
 
@@ -1676,8 +1676,7 @@ static void rbdi_row_terms(const rbd_model *m, rbd_contact_set *c, const rbd_der
 }
 
 /* Adds the terms of contacts and held constraints by q: to sigma, and -d(J' p) to rho. Or, if `rebounds`,
-   those of rebounds, by q (x = 0) or v (x = 1), to sigma: the bias is restitution J nu, nu before the step.
-   */
+   those of rebounds, by q (x = 0) or v (x = 1), to sigma: restitution J nu, of nu before the step. */
 static void rbdi_constraint_terms(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
                                   const rbd_real *nu, int purpose, int rebounds, int x, rbd_real *rho) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};

@@ -20,7 +20,7 @@
      --- stop here if you only use it ---
      [xml] [check] [urdfdom] [description] [result]
 
-   [reading] What becomes of a URDF:
+   [reading] How a URDF becomes a description:
      order        the moving joints in the order of the file, parents before children; q and v follow
      root link    fixed: it is the world. Floating: body 0, on a floating joint called "root"
      fixed joint  its link is merged into the body it is fixed to, or kept as a body of type RBD_FIXED,
@@ -30,9 +30,9 @@
                   first coordinate runs along unit vector k + 1 (after z comes x) made square to the axis,
                   the second along axis cross first: for z they are x, y; for x: y, z; for y: z, x.
                   Unless the axis is z the link is a fixed body on a nameless one that the joint moves
-     mimic        follows another joint, also through others. With multiplier 0, or following a joint of
-                  options.lock, it is held still where that puts it
-     axis         what is not of unit length is made so
+     mimic        follows another joint, also through others. With multiplier 0, or if it follows a joint of
+                  options.lock, it is held still at the value that it then has
+     axis         made a unit vector
      limits       zero velocity or effort, or lower >= upper: none
      angles       rad. Values that look like degrees, as limits of -90 and 90, give a warning
      dynamics     damping and friction, and armature = "..." there (kg m^2, or kg), for each degree of
@@ -44,11 +44,10 @@
    Called with bodies and names NULL, loading only counts: robot.nb, robot.names_size, robot.nframes and
    robot.nwarnings say how long the arrays must be for the second call.
 
-   An error says what is wrong, names link or joint, and the option that helps; what is odd but can be
-   computed with, as a link that no real body is like, is a warning. The text may come from anywhere. Locale
-   does not matter. urdfdom's messages go to nobody unless options.show_messages; calls from several threads
-   wait for each other, because urdfdom's console is one for all. No exception leaves, nothing stays
-   allocated.
+   An error says what is wrong, names link or joint, and the option that helps. Odd data that can be computed
+   with, such as an inertia that no real body has, gives a warning. The text may come from anywhere. Locale
+   does not matter. urdfdom's messages are dropped unless options.show_messages; calls from several threads
+   wait for each other, because urdfdom has one console. No exception leaves a call; no memory stays taken.
 */
 #ifndef RBD_URDF_H
 #define RBD_URDF_H
@@ -64,20 +63,20 @@ extern "C" {
 /* A joint to be held still. */
 typedef struct rbd_urdf_lock {
     const char *joint;
-    double value; /* where, in rad or m; of a planar or floating joint 0, which is its neutral position */
+    double value; /* rad or m; of a planar or floating joint 0, which is its neutral position */
 } rbd_urdf_lock;
 
 /* How to read. NULL, or all zero, is a robot with its root link fixed to the world. */
 typedef struct rbd_urdf_options {
     rbd_joint_type root;       /* joint of the root link: RBD_FIXED (0) or RBD_FLOATING */
     const char *root_joint;    /* its name, NULL = "root" */
-    const double *gravity;     /* 3, world frame, handed on to the result; NULL = (0, 0, -9.81) */
+    const double *gravity;     /* 3, world frame, m/s^2, copied to the result; NULL = (0, 0, -9.81) */
     const char *const *keep;   /* names of fixed links to keep as bodies, ended by NULL; NULL = none */
     int keep_all;              /* keep all fixed links as bodies */
     int lock_massless;         /* hold joints still that move no mass, with a warning; else an error */
     int strict;                /* warnings are errors */
-    int show_messages;         /* leave urdfdom's messages to its console, which is standard error */
-    const char *root_link;     /* take only this link, as the root, and what hangs on it; NULL = all */
+    int show_messages;         /* urdfdom's messages go to its console, which is standard error */
+    const char *root_link;     /* take only this link, as the root, and its subtree; NULL = all */
     const rbd_urdf_lock *lock; /* joints to hold still, ended by joint = NULL; NULL = none */
 } rbd_urdf_options;
 
@@ -98,7 +97,7 @@ typedef enum rbd_urdf_status {
     RBD_URDF_ERR_INERTIAL = -10, /* <inertial> is incomplete, or the mass negative */
     RBD_URDF_ERR_JOINT = -11,    /* unknown type, or parent or child is missing */
     RBD_URDF_ERR_AXIS = -12,     /* zero, or without xyz */
-    RBD_URDF_ERR_MIMIC = -13,    /* what it follows is missing, itself, or cannot be followed */
+    RBD_URDF_ERR_MIMIC = -13,    /* it follows a joint that is missing, itself, or cannot be followed */
     RBD_URDF_ERR_TREE = -14,     /* the links are no tree: a cycle, two parents, two roots */
     RBD_URDF_ERR_MODEL = -15,    /* rbd_model_build would refuse it */
     RBD_URDF_ERR_PARSER = -16,   /* urdfdom refuses it */
@@ -109,11 +108,11 @@ typedef enum rbd_urdf_status {
     RBD_URDF_WARN_AXIS = 5,     /* an axis is not of unit length: made so */
     RBD_URDF_WARN_NAME = 6,     /* the robot has no name: it is called "robot" */
     RBD_URDF_WARN_MIMIC = 7,    /* a fixed joint mimics another: ignored */
-    RBD_URDF_WARN_SINGULAR = 8, /* neither a joint nor what mimics it moves mass */
+    RBD_URDF_WARN_SINGULAR = 8, /* neither a joint nor those that mimic it move mass */
     RBD_URDF_WARN_DEGREES = 9   /* an angle is taken as rad, and looks like degrees */
 } rbd_urdf_status;
 
-/* A few words for a status, English, static. */
+/* A status in a few English words; a static string. */
 const char *rbd_urdf_status_string(rbd_urdf_status status);
 
 /* An error or a warning. */
@@ -991,12 +990,11 @@ class checked {
         for (size_t i = 0; i < links.size(); ++i) {
             if (links[i].joint >= 0) continue;
             if (root >= 0)
-                throw failure(
-                    RBD_URDF_ERR_TREE, links[i].line,
-                    "two links are no joint's child, so there are two roots: " +
-                        quoted(links[(size_t)root].name) + " and " + quoted(links[i].name) +
-                        "; to take one with what hangs on it: options.root_link, rbd-model --root " +
-                        quoted(links[(size_t)root].name));
+                throw failure(RBD_URDF_ERR_TREE, links[i].line,
+                              "two links are no joint's child, so there are two roots: " +
+                                  quoted(links[(size_t)root].name) + " and " + quoted(links[i].name) +
+                                  "; to take one with its subtree: options.root_link, rbd-model --root " +
+                                  quoted(links[(size_t)root].name));
             root = (int)i;
         }
         std::vector<bool> seen(links.size(), false);
@@ -1058,7 +1056,7 @@ class checked {
             good[(size_t)leader] = true; /* told once */
             warnings.add(RBD_URDF_WARN_SINGULAR, j.line,
                          "joint " + quoted(j.name) +
-                             ": neither it nor what mimics it moves mass: forward dynamics is singular" +
+                             ": neither it nor joints that mimic it move mass: forward dynamics is singular" +
                              massless_hint(j.name));
         }
     }
@@ -1770,7 +1768,7 @@ const char *rbd_urdf_status_string(rbd_urdf_status status) {
     switch (status) {
     case RBD_URDF_OK: return "no error";
     case RBD_URDF_ERR_NULL: return "a required pointer is NULL";
-    case RBD_URDF_ERR_OPTION: return "an option has no such value, or names what is not there";
+    case RBD_URDF_ERR_OPTION: return "an option has no such value, or names no link or joint";
     case RBD_URDF_ERR_FILE: return "the file cannot be read";
     case RBD_URDF_ERR_ROOM: return "an array is too short";
     case RBD_URDF_ERR_MEMORY: return "out of memory";
@@ -1781,7 +1779,7 @@ const char *rbd_urdf_status_string(rbd_urdf_status status) {
     case RBD_URDF_ERR_INERTIAL: return "the inertial is incomplete or its mass negative";
     case RBD_URDF_ERR_JOINT: return "a joint lacks type, parent or child";
     case RBD_URDF_ERR_AXIS: return "an axis is zero or has no xyz";
-    case RBD_URDF_ERR_MIMIC: return "a joint cannot mimic what it names";
+    case RBD_URDF_ERR_MIMIC: return "a joint cannot mimic the one that it names";
     case RBD_URDF_ERR_TREE: return "the links are no tree";
     case RBD_URDF_ERR_MODEL: return "not a model that rbd_model_build takes";
     case RBD_URDF_ERR_PARSER: return "urdfdom refuses it";
@@ -1792,7 +1790,7 @@ const char *rbd_urdf_status_string(rbd_urdf_status status) {
     case RBD_URDF_WARN_AXIS: return "an axis is not of unit length";
     case RBD_URDF_WARN_NAME: return "the robot has no name";
     case RBD_URDF_WARN_MIMIC: return "a fixed joint mimics another";
-    case RBD_URDF_WARN_SINGULAR: return "neither a joint nor what mimics it moves mass";
+    case RBD_URDF_WARN_SINGULAR: return "neither a joint nor those that mimic it move mass";
     case RBD_URDF_WARN_DEGREES: return "an angle looks like degrees";
     }
     return "unknown status";

@@ -14,7 +14,7 @@ const char *program = "rbd-eval";
 static const char help[] =
     "usage: rbd-eval FILE.urdf --algorithm NAME [OPTION...] < states.csv > results.csv\n"
     "\n"
-    "Evaluates an algorithm on every row of a table of states, 17 digits out. The first row of a table "
+    "Evaluates an algorithm on every row of a table of states, with 17 digits. The first row of a table "
     "names\n"
     "its columns; they may stand in any order, and those that are not needed are skipped.\n"
     "\n";

@@ -11,7 +11,7 @@ const char *program = "rbd-model";
 static const char help[] =
     "usage: rbd-model [OPTION...] FILE.urdf\n"
     "\n"
-    "Prints a summary of a robot's URDF file (- is standard input): links, joints, masses, what is odd.\n"
+    "Prints a summary of a robot's URDF file (- is standard input): links, joints, masses, odd data.\n"
     "With one of these it writes something else to standard output, and the warnings to standard error:\n"
     "  --c NAME            the description, NAME_bodies, a C table for rbd_model_build\n"
     "  --c-model NAME      the built model, NAME_model and NAME_FEATURES, a C table for firmware\n"

@@ -67,7 +67,7 @@ const char *option_value(char **argv, int *i) {
 const char settings_help[] =
     "  --floating          the root link is on a floating joint, not fixed to the world\n"
     "  --root-joint NAME   what that joint is called (root)\n"
-    "  --root LINK         take only this link, as the root, and what hangs on it\n"
+    "  --root LINK         take only this link, as the root, and its subtree\n"
     "  --gravity X,Y,Z     in the world frame, m/s^2 (0,0,-9.81)\n"
     "  --keep LINK         keep this fixed link as a body, a frame; may stand several times\n"
     "  --keep-all          keep all fixed links\n"
@@ -75,7 +75,7 @@ const char settings_help[] =
     "                      mimic it; may stand several times\n"
     "  --lock-massless     hold joints still that move no mass (else they are an error)\n"
     "  --strict            warnings are errors\n"
-    "  --messages          show what urdfdom has to say\n"
+    "  --messages          show the messages of urdfdom\n"
     "  --help, --version\n";
 
 int read_vector(const char *option, const char *text, double v[3]) {

@@ -1226,7 +1226,7 @@ def _urdf_options(call, *, floating: bool = False, root: str | None = None, root
     """The options are those of the command-line tools (rbd-model --help).
 
     floating       the root link is on a floating joint, not fixed to the world
-    root           take only this link, as the root, and what hangs on it; None = all
+    root           take only this link, as the root, and its subtree; None = all
     root_joint     the name of the floating joint; None = "root"
     gravity        3, world frame, m/s^2; None = (0, 0, -9.81)
     keep           links on fixed joints to keep as bodies; others are merged: a name or several

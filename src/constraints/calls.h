@@ -87,7 +87,7 @@ static void rbdi_constraint_bias(const rbd_model *m, rbd_constraint_set *c, cons
     rbdi_reduce_tau(m, w->tx, w->bias);
 }
 
-/* The same by M = L'DL, in every state. Returns the status of M's pivots. */
+/* As rbdi_articulated_fd, by the factor of M, in every state. Returns the status of M's pivots. */
 static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                    const rbd_real *restitution, rbd_real *x) {

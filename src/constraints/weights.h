@@ -4,7 +4,7 @@
 
 /* ---- weights [weights] ----
    With a diagonal matrix D in place of M, so that L = 1, [solution] solves least squares: it adds D^-1 J'
-   lambda to x, of all changes d with J (x + d) = target the one with the least d' D d. */
+   lambda to x = D^-1 f, of all changes d with J (x + d) = target the one with the least d' D d. */
 
 /* Whether n weights are above 0. NULL: all are 1. */
 static int rbdi_weights_fit(const rbd_const *weight, int n) {

@@ -56,8 +56,7 @@ static void rbdi_row_terms(const rbd_model *m, rbd_contact_set *c, const rbd_der
 }
 
 /* Adds the terms of contacts and held constraints by q: to sigma, and -d(J' p) to rho. Or, if `rebounds`,
-   those of rebounds, by q (x = 0) or v (x = 1), to sigma: the bias is restitution J nu, nu before the step.
-   */
+   those of rebounds, by q (x = 0) or v (x = 1), to sigma: restitution J nu, of nu before the step. */
 static void rbdi_constraint_terms(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
                                   const rbd_real *nu, int purpose, int rebounds, int x, rbd_real *rho) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};

@@ -89,7 +89,7 @@ struct rbd_contact_set {
     rbd_real *lower, *upper;      /* of its other rows */
     rbd_real *b;                  /* max_rows: u without impulses, with the bias */
     rbd_real *start, *nu, *moved; /* nv each: velocities without forces; of the end; of the positions */
-    rbd_real *x;                  /* nv: L^-T dt (tau - c) */
+    rbd_real *x;                  /* nv: L^-T dt (tau - c - damping v) */
     rbd_real dt, last_dt;         /* of this step; of the last one, 1 = none */
     rbd_real *sigma;              /* of derivatives: max_rows x nv; then nv x nv, or rows of G; NULL = none */
     rbdi_contact_solver solver;

@@ -8,7 +8,7 @@
 
 /* ---- contact rows [contact rows] ----
    The rows of a step: contacts first, three each, then held constraints, then single dofs. By the factor
-   M = L'DL of [packed matrix], with Y = L^-T J' and x = L^-T dt (tau - c):
+   M + dt damping = L'DL of [packed matrix], with Y = L^-T J' and x = L^-T dt (tau - c - damping v):
 
        Delta = Y' D^-1 Y,   J nu_0 = J v + Y' D^-1 x,   nu = v + L^-1 D^-1 (x + Y p)                      (4)
 

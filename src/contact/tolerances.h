@@ -4,8 +4,8 @@
 
 /* ---- tolerances [tolerances] ---- */
 
-/* RBDI_UNMOVED: an entry of a block below this share of its trace is rounding, so no impulse changes that
-   velocity. RBDI_PROXIMAL: share of the trace that Newton steps add to the diagonal, [newton].
+/* RBDI_UNMOVED: an entry of a block below this share of its trace is rounding: no impulse moves it.
+   RBDI_PROXIMAL: share of the trace that Newton steps add to the diagonal, [newton].
    RBDI_SIDES_PROXIMAL: the same for derivatives, whose relative error is that times the condition of G. */
 #define RBDI_UNMOVED (16 * RBDI_EPS)
 #define RBDI_SIDES_PROXIMAL (512 * RBDI_EPS)

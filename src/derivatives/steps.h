@@ -8,7 +8,7 @@
 
 /* ---- derivatives of steps on the configuration manifold [steps code] ----
    Of spherical, planar and floating joints; the coordinates of others add up, so their derivatives are 1 and
-   -1. For a step d = (w; u), with zeros where a joint has less than six dofs, and ad = ([w]x, 0; [u]x, [w]x)
+   -1. For a step d = (w; u), with zeros where a joint has fewer than six dofs, and ad = ([w]x, 0; [u]x, [w]x)
 
        integrate     by q  exp(-ad)         by d   J_r = (1 - exp(-ad)) / ad
        difference    by q0 -J_r^-1(-d)      by q1  J_r^-1(d)

@@ -815,7 +815,7 @@ START_TEST(a_joint_that_moves_no_mass_with_those_that_mimic_it_gives_a_warning) 
     ck_assert_int_eq(robot.warnings[0].status, RBD_URDF_WARN_SINGULAR);
     ck_assert_str_eq(
         robot.warnings[0].text,
-        "joint 'drive': neither it nor what mimics it moves mass: forward dynamics is singular; to "
+        "joint 'drive': neither it nor joints that mimic it move mass: forward dynamics is singular; to "
         "hold it still: options.lock, rbd-model --lock 'drive', or --lock-massless for all such");
 }
 END_TEST
