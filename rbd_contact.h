@@ -1464,7 +1464,7 @@ static rbd_status rbdi_contact_free(const rbd_model *m, rbd_contact_set *c, cons
     rbdi_mask doubt;
     rbdi_constraint_bias(m, s, q, v, f_ext, w->gravity);
     for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
-        if (u->nv > 0) rbdi_glide(u, &v[u->iv], c->dt, &c->start[u->iv]);
+        if (u->nv > 0) rbdi_unforced_velocity(u, &v[u->iv], c->dt, &c->start[u->iv]);
     for (int k = 0; k < m->nv; ++k) {
         rbd_real *diagonal = &w->H[m->dof[k].row + m->dof[k].depth];
         rbd_real d = damping ? damping[k] : rbdi_zero();
@@ -1647,7 +1647,7 @@ static void rbdi_write_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivativ
         if (rho[x]) rbdi_clear(rho[x], n * n);
     rbdi_clear(M, n * n);
     (void)rbd_id_derivatives(m, d, q, v, d->a, f_ext, rho[0], rho[1], rho[1] ? M : NULL);
-    rbdi_glide_columns(m, v, c->dt, M);
+    rbdi_unforced_columns(m, v, c->dt, M);
     for (int k = 0; k < n * n; ++k) {
         if (rho[0]) rho[0][k] = rho[0][k] * c->dt;
         if (rho[1]) rho[1][k] = rho[1][k] * c->dt - M[k];

@@ -2135,7 +2135,7 @@ RBDI_API rbd_status rbd_check_parameters(const rbd_const pi[10]) {
 #endif
 
 /* ==== src/derivatives/steps.h ==== */
-/* Interface: rbdi_ad_function_of, rbdi_glide_columns, rbdi_move_columns, rbdi_tails, RBDI_J_R_INVERSE */
+/* Interface: rbdi_ad_function_of, rbdi_move_columns, rbdi_tails, rbdi_unforced_columns, RBDI_J_R_INVERSE */
 
 /* ---- derivatives of steps on the configuration manifold [steps code] ----
    Of spherical, planar and floating joints; the coordinates of others add up, so their derivatives are 1 and
@@ -2250,8 +2250,10 @@ RBDI_API rbd_status rbd_integrate_derivatives(const rbd_model *m, const rbd_real
     return RBD_OK;
 }
 
-/* Replaces M by M dv~/dv, where v~ is what rbdi_glide makes of v for steps whose origins move straight. */
-static RBDI_UNUSED void rbdi_glide_columns(const rbd_model *m, const rbd_real *v, rbd_real dt, rbd_real *M) {
+/* Replaces M by M dv~/dv, where v~ is the result of rbdi_unforced_velocity for v, for steps whose origins
+   move straight. */
+static RBDI_UNUSED void rbdi_unforced_columns(const rbd_model *m, const rbd_real *v, rbd_real dt,
+                                              rbd_real *M) {
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *body = &m->frame[b];
         rbdi_motion V;

@@ -27,7 +27,7 @@ static void rbdi_write_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivativ
         if (rho[x]) rbdi_clear(rho[x], n * n);
     rbdi_clear(M, n * n);
     (void)rbd_id_derivatives(m, d, q, v, d->a, f_ext, rho[0], rho[1], rho[1] ? M : NULL);
-    rbdi_glide_columns(m, v, c->dt, M);
+    rbdi_unforced_columns(m, v, c->dt, M);
     for (int k = 0; k < n * n; ++k) {
         if (rho[0]) rho[0][k] = rho[0][k] * c->dt;
         if (rho[1]) rho[1][k] = rho[1][k] * c->dt - M[k];

@@ -16,7 +16,7 @@ static rbd_status rbdi_contact_free(const rbd_model *m, rbd_contact_set *c, cons
     rbdi_mask doubt;
     rbdi_constraint_bias(m, s, q, v, f_ext, w->gravity);
     for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
-        if (u->nv > 0) rbdi_glide(u, &v[u->iv], c->dt, &c->start[u->iv]);
+        if (u->nv > 0) rbdi_unforced_velocity(u, &v[u->iv], c->dt, &c->start[u->iv]);
     for (int k = 0; k < m->nv; ++k) {
         rbd_real *diagonal = &w->H[m->dof[k].row + m->dof[k].depth];
         rbd_real d = damping ? damping[k] : rbdi_zero();

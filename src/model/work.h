@@ -30,28 +30,29 @@ typedef struct rbdi_kin { /* per link, kept for the calls after rbd_kinematics *
     rbdi_state state;     /* without gravity */
 } rbdi_kin;
 
-/* The arrays of a work: type, name, length. nl links, nk blocks, ns branch points; n dofs and nqx coordinates
-   with those of mimic joints (nqx = 0 without mimic joints), nv dofs without them; nh packed entries. */
-#define RBDI_WORK_ARRAYS(ARRAY, nl, nk, ns, n, nqx, nv, nh) \
+/* The arrays of a work: type, name, length. nl links, nblock blocks, nbranch branch points; ndof dofs and
+   nqx coordinates with those of mimic joints (nqx = 0 without mimic joints), nv dofs without them; nh
+   packed entries. */
+#define RBDI_WORK_ARRAYS(ARRAY, nl, nblock, nbranch, ndof, nqx, nv, nh) \
     ARRAY(rbd_real, angle, RBDI_PADDED(nl))    /* joint angles less these right angles */ \
     ARRAY(rbd_real, quarters, RBDI_PADDED(nl)) /* right angles */ \
     ARRAY(rbd_real, c, RBDI_PADDED(nl))        /* cosines of the whole angles */ \
     ARRAY(rbd_real, s, RBDI_PADDED(nl))        /* sines */ \
-    ARRAY(rbdi_branch, branch, ns) \
-    ARRAY(rbdi_block_work, block, nk) \
+    ARRAY(rbdi_branch, branch, nbranch) \
+    ARRAY(rbdi_block_work, block, nblock) \
     ARRAY(rbd_real, d, nl) /* slides of screw links */ \
     ARRAY(rbdi_scratch, scratch, nl) \
     ARRAY(rbdi_kin, kin, nl) \
-    ARRAY(rbd_real, rotors, 1) /* kinetic energy of the armatures */ \
-    ARRAY(rbd_real, zero, n)   /* zeros */ \
-    ARRAY(rbd_real, pivot, n)  /* pivots of the last factorisation */ \
+    ARRAY(rbd_real, rotors, 1)   /* kinetic energy of the armatures */ \
+    ARRAY(rbd_real, zero, ndof)  /* zeros */ \
+    ARRAY(rbd_real, pivot, ndof) /* pivots of the last factorisation */ \
     ARRAY(rbd_real, bias, nv) \
-    ARRAY(rbd_real, F, 6 * RBDI_STRIDE(n)) /* crba: wrenches by component, behind RBDI_CHUNK zeros */ \
+    ARRAY(rbd_real, F, 6 * RBDI_STRIDE(ndof)) /* crba: wrenches by component, behind RBDI_CHUNK zeros */ \
     ARRAY(rbd_real, H, nh) \
     ARRAY(rbd_real, qx, nqx) /* coordinates with the mimics' appended */ \
-    ARRAY(rbd_real, vx, (nqx) > 0 ? (n) : 0) \
-    ARRAY(rbd_real, ax, (nqx) > 0 ? (n) : 0) \
-    ARRAY(rbd_real, tx, (nqx) > 0 ? (n) : 0)
+    ARRAY(rbd_real, vx, (nqx) > 0 ? (ndof) : 0) \
+    ARRAY(rbd_real, ax, (nqx) > 0 ? (ndof) : 0) \
+    ARRAY(rbd_real, tx, (nqx) > 0 ? (ndof) : 0)
 #define RBDI_PADDED(n) (RBDI_ROUND((size_t)(n) * sizeof(rbd_real)) / sizeof(rbd_real))
 #define RBDI_ARRAY_FIELD(type, name, length) type *name;
 #define RBDI_ARRAY_BYTES(type, name, length) +(size_t)(length) * sizeof(type)
@@ -84,8 +85,9 @@ struct rbd_work {
 #define RBDI_FIXED_STRIDE 0
 #endif
 #define RBDI_STRIDE(n) ((n) + RBDI_CHUNK > RBDI_FIXED_STRIDE ? (n) + RBDI_CHUNK : RBDI_FIXED_STRIDE)
-#define RBDI_WORK_BYTES(nl, nk, ns, n, nqx, nv, nh) \
-    (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_work)) RBDI_WORK_ARRAYS(RBDI_ARRAY_BYTES, nl, nk, ns, n, nqx, nv, nh))
+#define RBDI_WORK_BYTES(nl, nblock, nbranch, ndof, nqx, nv, nh) \
+    (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_work)) \
+                      RBDI_WORK_ARRAYS(RBDI_ARRAY_BYTES, nl, nblock, nbranch, ndof, nqx, nv, nh))
 
 /* Most links that nb bodies with nv dofs can have: universal and cylindrical joints have two, Euler joints
    three. Branch points have at least two children, blocks at least three dofs. */
@@ -101,19 +103,20 @@ struct rbd_work {
 #define RBDI_TRIANGLE(n) ((size_t)(n) * ((size_t)(n) + 1) / 2)
 
 /* The arrays of a model of nb bodies, and of its build: type, name, length. */
-#define RBDI_MODEL_ARRAYS(ARRAY, nb, nl, nk, n, nm) \
+#define RBDI_MODEL_ARRAYS(ARRAY, nb, nl, nblock, ndof, nmimic) \
     ARRAY(rbdi_link, link, nl) \
-    ARRAY(rbdi_block, block, nk) \
-    ARRAY(rbdi_dof, dof, n) \
-    ARRAY(rbdi_order, order, n) \
-    ARRAY(rbdi_node, node, n) \
-    ARRAY(rbdi_mimic, mimic, nm) \
+    ARRAY(rbdi_block, block, nblock) \
+    ARRAY(rbdi_dof, dof, ndof) \
+    ARRAY(rbdi_order, order, ndof) \
+    ARRAY(rbdi_node, node, ndof) \
+    ARRAY(rbdi_mimic, mimic, nmimic) \
     ARRAY(rbdi_frame, frame, nb) \
     ARRAY(rbdi_build_link, links, nl) \
     ARRAY(rbdi_place, place, nb)
 #define RBDI_ROUNDED_BYTES(type, name, length) +RBDI_ROUND((size_t)(length) * sizeof(type))
-#define RBDI_MODEL_BYTES(nb, nl, nk, n, nm) \
-    (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_model)) RBDI_MODEL_ARRAYS(RBDI_ROUNDED_BYTES, nb, nl, nk, n, nm))
+#define RBDI_MODEL_BYTES(nb, nl, nblock, ndof, nmimic) \
+    (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_model)) \
+                      RBDI_MODEL_ARRAYS(RBDI_ROUNDED_BYTES, nb, nl, nblock, ndof, nmimic))
 
 /* Bytes that suffice to build any model of nb bodies (a compile-time bound; rbd_model_size is exact). */
 #define RBD_MODEL_SIZE(nb) RBDI_MODEL_BYTES(nb, 3 * (nb), nb, 6 * (nb), nb)

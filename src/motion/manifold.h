@@ -3,8 +3,8 @@
 #include "api/manifold.h"
 #include "model/joints.h"
 
-/* Interface: rbdi_difference_joint, rbdi_glide, rbdi_joint_motion, rbdi_joint_turns, rbdi_move_straight,
-   rbdi_put_joint_motion, rbdi_turn_back, rbdi_turn_velocity */
+/* Interface: rbdi_difference_joint, rbdi_joint_motion, rbdi_joint_turns, rbdi_move_straight,
+   rbdi_put_joint_motion, rbdi_turn_back, rbdi_turn_velocity, rbdi_unforced_velocity */
 
 /* ---- configuration manifold [manifold code] ---- */
 
@@ -59,7 +59,7 @@ static void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_re
 
 /* rbd_step of one joint in three parts. First nu: v after dt if a is 0, in the axes of the step's
    beginning. Linear velocities in body axes gain dt omega x v, the others stay. */
-static void rbdi_glide(const rbdi_frame *u, const rbd_real *v, rbd_real dt, rbd_real *nu) {
+static void rbdi_unforced_velocity(const rbdi_frame *u, const rbd_real *v, rbd_real dt, rbd_real *nu) {
     rbdi_motion V;
     for (int k = 0; k < u->nv; ++k) nu[k] = v[k];
     if (!rbdi_joint_turns(u)) return;
@@ -225,7 +225,7 @@ RBDI_API rbd_status rbd_step(const rbd_model *m, const rbd_real *q, const rbd_re
         const rbdi_frame *u = &m->frame[b];
         rbd_real nu[6];
         if (u->nv == 0) continue;
-        rbdi_glide(u, &v[u->iv], dt, nu);
+        rbdi_unforced_velocity(u, &v[u->iv], dt, nu);
         for (int k = 0; k < u->nv; ++k) nu[k] = nu[k] + dt * a[u->iv + k];
         rbdi_move_straight(u, &q[u->iq], nu, dt, &q_next[u->iq]);
         rbdi_turn_velocity(u, nu, dt, nu, &v_next[u->iv]);
