@@ -37,9 +37,9 @@ RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory
     b.bodies = bodies, b.nb = nb, b.n = rbdi_count(bodies, nb);
     if (size < rbd_model_size(bodies, nb)) return rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL);
     rbdi_build_take(&b, memory);
-    rbdi_place_coordinates(bodies, nb, b.n, b.place);
+    rbdi_place_coordinates(&b);
     for (int i = 0, nl = 0; i < nb; ++i) {
-        rbdi_build_joint(bodies, i, b.place, b.links, &nl);
+        rbdi_build_joint(&b, i, &nl);
         rbdi_build_mass(&bodies[i], &b.place[i], b.links);
     }
     if (rbdi_check_moves(bodies, nb, b.place, report)) return RBD_ERR_LEAF;

@@ -26,9 +26,9 @@ static void rbdi_emit_angle(const rbdi_build_link *l, rbdi_link *out) {
 }
 
 /* Step 9: the constants of the link at position p. */
-static rbdi_link rbdi_emit_link(const rbd_body *bodies, const rbdi_build_link *links, int p) {
-    const rbdi_build_link *l = &links[links[p].order];
-    const rbd_body *b = &bodies[l->body];
+static rbdi_link rbdi_emit_link(const rbdi_build *build, int p) {
+    const rbdi_build_link *links = build->links, *l = &links[links[p].order];
+    const rbd_body *b = &build->bodies[l->body];
     int block = l->kind == RBDI_BLOCK, flags = 0;
     rbdi_link out;
     if (!block && rbdi_nonzero(l->sb)) flags |= RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ;
@@ -79,11 +79,11 @@ static rbdi_wide rbdi_build_dof_scale(const rbdi_build_link *l, int k) {
 }
 
 /* The dofs of the link at position p. */
-static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbdi_build_link *links, int p,
-                           rbdi_dof *dof) {
-    const rbdi_build_link *l = &links[links[p].order];
-    const rbd_body *b = &bodies[l->body];
-    const rbdi_link *link = &m->link[p];
+static void rbdi_emit_dofs(const rbdi_build *build, int p) {
+    const rbdi_build_link *l = &build->links[build->links[p].order];
+    const rbd_body *b = &build->bodies[l->body];
+    const rbdi_link *link = &build->link[p];
+    rbdi_dof *dof = build->dof;
     const int n = l->kind == RBDI_BLOCK ? rbdi_joint_facts(l->type)->nv : 1;
     for (int k = 0; k < n; ++k) {
         rbdi_dof *out = &dof[link->iv + k];
@@ -92,8 +92,8 @@ static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbd
         if (k > 0) {
             out->before = (int16_t)(link->iv + k - 1);
         } else if (link->parent >= 0) {
-            const rbdi_link *up = &m->link[link->parent];
-            out->before = (int16_t)(up->iv + rbdi_link_dofs(m, up) - 1);
+            const rbdi_link *up = &build->link[link->parent];
+            out->before = (int16_t)(up->iv + rbdi_link_dofs(build->m, up) - 1);
         }
         out->level = (int16_t)(out->before < 0 ? 0 : dof[out->before].level + 1);
         out->armature = RBD_C(b->armature[l->joint_dof + k]);
@@ -103,8 +103,10 @@ static void rbdi_emit_dofs(const rbd_body *bodies, const rbd_model *m, const rbd
     }
 }
 
-/* A body in the user's frame. */
-static rbdi_frame rbdi_emit_frame(const rbd_body *b, const rbdi_place *place, const rbdi_build_link *links) {
+/* Body i in the user's frame. */
+static rbdi_frame rbdi_emit_frame(const rbdi_build *build, int i) {
+    const rbd_body *b = &build->bodies[i];
+    const rbdi_place *place = &build->place[i];
     rbdi_wide_pose X = place->X;
     rbdi_wide com[3], I[6];
     rbdi_frame out;
@@ -112,8 +114,8 @@ static rbdi_frame rbdi_emit_frame(const rbd_body *b, const rbdi_place *place, co
     rbdi_widen(b->inertia, 6, I);
     out.link = -1;
     if (place->link >= 0) {
-        out.link = (int16_t)links[place->link].position;
-        X = rbdi_w_relative(&X, &links[place->link].solver);
+        out.link = (int16_t)build->links[place->link].position;
+        X = rbdi_w_relative(&X, &build->links[place->link].solver);
     }
     out.name = b->name, out.joint = b->joint;
     out.parent = (int16_t)b->parent;
@@ -152,13 +154,14 @@ static void rbdi_build_solve(rbdi_build_link *links, int nl) {
 }
 
 /* Coordinates and dofs: in the order of the bodies; those of mimic joints behind all others. */
-static void rbdi_place_coordinates(const rbd_body *bodies, int nb, rbdi_counts n, rbdi_place *place) {
+static void rbdi_place_coordinates(const rbdi_build *build) {
     int iq = 0, iv = 0, mimic = 0;
-    for (int i = 0; i < nb; ++i) {
-        const rbdi_joint_fact *fact = rbdi_joint_facts((int)bodies[i].type);
-        place[i].iq = iq, place[i].iv = iv;
-        if (bodies[i].mimic) {
-            place[i].iq = n.nq + mimic, place[i].iv = n.nv + mimic;
+    for (int i = 0; i < build->nb; ++i) {
+        const rbdi_joint_fact *fact = rbdi_joint_facts((int)build->bodies[i].type);
+        rbdi_place *place = &build->place[i];
+        place->iq = iq, place->iv = iv;
+        if (build->bodies[i].mimic) {
+            place->iq = build->n.nq + mimic, place->iv = build->n.nv + mimic;
             ++mimic;
         } else {
             iq += fact->nq, iv += fact->nv;
@@ -201,8 +204,10 @@ static void rbdi_emit_nodes(rbdi_dof *dof, int nv, rbdi_node *node) {
 
 /* Step 10: the tree of the matrix. Without mimic joints it is that of the mechanism. A mimic dof couples the
    dof that it follows with those on its path to the root, and with those whose path it is on. */
-static void rbdi_emit_tree(rbd_model *m, const rbdi_mimic *mimic, rbdi_dof *dof, rbdi_node *node) {
-    const int nv = m->nv, n = nv + m->nmimic;
+static void rbdi_emit_tree(const rbdi_build *build) {
+    const int nv = build->n.nv, n = build->n.ndof;
+    const rbdi_mimic *mimic = build->mimic;
+    rbdi_dof *dof = build->dof;
     for (int k = 0; k < n; ++k) {
         int up = dof[k].before;
         while (up >= nv) up = dof[up].before;
@@ -212,14 +217,14 @@ static void rbdi_emit_tree(rbd_model *m, const rbdi_mimic *mimic, rbdi_dof *dof,
         for (int j = dof[k].before; j >= 0; j = dof[j].before)
             if (k >= nv || j >= nv)
                 rbdi_couple(dof, k < nv ? k : mimic[k - nv].source_v, j < nv ? j : mimic[j - nv].source_v);
-    rbdi_emit_nodes(dof, nv, node);
-    m->nh = 0;
+    rbdi_emit_nodes(dof, nv, build->node);
+    build->m->nh = 0;
     for (int k = 0; k < n; ++k) {
         dof[k].depth = (int16_t)(dof[k].lambda < 0 ? 0 : dof[dof[k].lambda].depth + 1);
-        dof[k].row = m->nh;
-        if (k < nv) m->nh += dof[k].depth + 1;
+        dof[k].row = build->m->nh;
+        if (k < nv) build->m->nh += dof[k].depth + 1;
     }
-    for (int k = 0; k < nv; ++k) node[k].row = dof[node[k].dof].row;
+    for (int k = 0; k < nv; ++k) build->node[k].row = dof[build->node[k].dof].row;
 }
 
 /* Links, blocks, branch points and dofs, in the solver's order. */
@@ -229,14 +234,14 @@ static void rbdi_emit_links(const rbdi_build *build) {
     m->nbranch = 0;
     for (int p = 0; p < m->nl; ++p) {
         rbdi_link *out = &build->link[p];
-        *out = rbdi_emit_link(build->bodies, build->links, p);
+        *out = rbdi_emit_link(build, p);
         if (out->kind == RBDI_BLOCK) {
             out->block = (int16_t)block;
             build->block[block++] = rbdi_emit_block(&build->links[build->links[p].order]);
         }
         if (out->parent >= 0 && out->parent != p - 1 && build->link[out->parent].branch < 0)
             build->link[out->parent].branch = m->nbranch++;
-        rbdi_emit_dofs(build->bodies, m, build->links, p, build->dof);
+        rbdi_emit_dofs(build, p);
     }
     for (int p = 0; p < m->nl; ++p) {
         rbdi_link *out = &build->link[p];
@@ -250,7 +255,7 @@ static void rbdi_emit_links(const rbdi_build *build) {
 static void rbdi_emit_frames(const rbdi_build *build) {
     int next = 0;
     for (int i = 0; i < build->nb; ++i) {
-        build->frame[i] = rbdi_emit_frame(&build->bodies[i], &build->place[i], build->links);
+        build->frame[i] = rbdi_emit_frame(build, i);
         if (!build->bodies[i].mimic) continue;
         const rbdi_place *source = &build->place[rbdi_mimic_source(build->bodies, build->nb, i)];
         rbdi_mimic *out = &build->mimic[next++];
@@ -292,7 +297,7 @@ static void rbdi_emit(const rbdi_build *build) {
     m->gravity.x = m->gravity.y = RBD_C(0), m->gravity.z = RBD_C(-9.81);
     rbdi_emit_links(build);
     rbdi_emit_frames(build);
-    rbdi_emit_tree(m, build->mimic, build->dof, build->node);
+    rbdi_emit_tree(build);
     rbdi_emit_order(build);
     m->features = rbdi_features(m);
     rbdi_shape(m, m->shape);

@@ -21,9 +21,9 @@ static void rbdi_build_reach(rbdi_build_link *l, rbdi_wide reach) {
 
 /* Step 1: the pose of body i, and the links of its joint, in the user's frames. Universal, cylindrical and
    Euler joints become chains of one-axis links; only the last has mass. */
-static void rbdi_build_joint(const rbd_body *bodies, int i, rbdi_place *place, rbdi_build_link *links,
-                             int *nl) {
-    const rbd_body *b = &bodies[i];
+static void rbdi_build_joint(const rbdi_build *build, int i, int *nl) {
+    const rbd_body *b = &build->bodies[i];
+    rbdi_place *place = build->place;
     const int type = (int)b->type, n = rbdi_links_of(type);
     const char *axes = rbdi_joint_facts(type)->axes;
     rbdi_wide R[9];
@@ -39,7 +39,7 @@ static void rbdi_build_joint(const rbd_body *bodies, int i, rbdi_place *place, r
         X = rbdi_w_compose(&X, &place[b->parent].X);
     }
     for (int k = 0; k < n; ++k) {
-        rbdi_build_link *l = &links[*nl];
+        rbdi_build_link *l = &build->links[*nl];
         rbdi_clear_link(l);
         l->parent = parent, l->type = type, l->body = i, l->joint_dof = k;
         l->iq = place[i].iq + k, l->iv = place[i].iv + k;
@@ -62,7 +62,7 @@ static void rbdi_build_joint(const rbd_body *bodies, int i, rbdi_place *place, r
     }
     place[i].link = parent;
     place[i].X = X;
-    if (parent >= 0) rbdi_build_reach(&links[parent], rbdi_w_length(X.r));
+    if (parent >= 0) rbdi_build_reach(&build->links[parent], rbdi_w_length(X.r));
 }
 
 /* Step 2: adds the body's moments of mass to its link's. About the centre of mass Sigma = tr(I)/2 - I. */
