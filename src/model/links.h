@@ -101,25 +101,26 @@ static void rbdi_build_axis(rbdi_build_link *links, int i) {
     rbdi_change_moments(l, l->solver.E, l->solver.r);
 }
 
-/* Step 4: depth-first positions. The favourite child, which comes first, has the largest subtree; under a
-   one-axis parent a one-axis child comes before blocks, because only it can have Denavit and Hartenberg's
-   form. */
+/* Of the children of a link the one with the highest rank comes first, its favourite: that with the largest
+   subtree; under a one-axis parent one-axis children before blocks, because only they can have Denavit and
+   Hartenberg's form. */
+static int rbdi_build_rank(const rbdi_build_link *links, int nl, int i) {
+    const int one_axis = links[i].kind != RBDI_BLOCK && links[links[i].parent].kind != RBDI_BLOCK;
+    return links[i].size + (one_axis ? nl : 0);
+}
+
+/* Step 4: depth-first positions. */
 static void rbdi_build_order(rbdi_build_link *links, int nl) {
     int next_root = 0;
     for (int i = 0; i < nl; ++i) links[i].size = 1;
     for (int i = nl - 1; i >= 0; --i)
         if (links[i].parent >= 0) links[links[i].parent].size += links[i].size;
     for (int i = 0; i < nl; ++i) {
-        rbdi_build_link *up;
-        int best, first;
+        int *favourite;
         if (links[i].parent < 0) continue;
-        up = &links[links[i].parent];
-        best = up->favourite;
-        first = up->kind != RBDI_BLOCK;
-        if (best < 0 || (first && links[best].kind == RBDI_BLOCK && links[i].kind != RBDI_BLOCK) ||
-            (links[i].size > links[best].size &&
-             !(first && links[best].kind != RBDI_BLOCK && links[i].kind == RBDI_BLOCK)))
-            up->favourite = i;
+        favourite = &links[links[i].parent].favourite;
+        if (*favourite < 0 || rbdi_build_rank(links, nl, i) > rbdi_build_rank(links, nl, *favourite))
+            *favourite = i;
     }
     for (int i = 0; i < nl; ++i) {
         rbdi_build_link *l = &links[i];
