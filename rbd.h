@@ -2365,7 +2365,7 @@ RBDI_INLINE void rbdi_unit_cs(const rbd_real *q, rbd_real *c, rbd_real *s) {
 }
 
 /* sum over k of (-x)^k / (n + 2k)!: the tails of sine (n odd) and cosine (n even), for 0 <= x < 1. */
-static RBDI_UNUSED rbd_real rbdi_tail(rbd_real x, int n) {
+RBDI_PART rbd_real rbdi_tail(rbd_real x, int n) {
     rbd_real sum = rbdi_set(RBD_C(1));
     int factorial = 1;
     for (int k = RBDI_TAIL_TERMS; k > 0; --k)
@@ -2382,7 +2382,7 @@ typedef struct rbdi_exp {
     rbd_real B, C;        /* (1 - cos theta) / theta^2, (theta - sin theta) / theta^3 */
 } rbdi_exp;
 
-static RBDI_UNUSED rbdi_exp rbdi_exp_of(rbdi_v3 turn) {
+RBDI_PART rbdi_exp rbdi_exp_of(rbdi_v3 turn) {
     rbdi_exp e;
     rbd_real theta, sine, A;
     rbdi_mask near_zero;
@@ -2399,13 +2399,13 @@ static RBDI_UNUSED rbdi_exp rbdi_exp_of(rbdi_v3 turn) {
 }
 
 /* The shift p of a screw motion (omega; v): p = v + B omega x v + C omega x (omega x v). */
-static RBDI_UNUSED rbdi_v3 rbdi_exp_shift(rbdi_exp e, rbdi_v3 omega, rbdi_v3 v) {
+RBDI_PART rbdi_v3 rbdi_exp_shift(rbdi_exp e, rbdi_v3 omega, rbdi_v3 v) {
     rbdi_v3 across = rbdi_cross(omega, v);
     return rbdi_add(v, rbdi_add(rbdi_scale(e.B, across), rbdi_scale(e.C, rbdi_cross(omega, across))));
 }
 
 /* Its inverse: v = p - omega x p / 2 + D omega x (omega x p), D = (1 - A / (2 B)) / theta^2. */
-static RBDI_UNUSED rbdi_v3 rbdi_log_shift(rbdi_exp e, rbdi_v3 omega, rbdi_v3 p) {
+RBDI_PART rbdi_v3 rbdi_log_shift(rbdi_exp e, rbdi_v3 omega, rbdi_v3 p) {
     rbdi_v3 across = rbdi_cross(omega, p);
     rbd_real one = rbdi_set(RBD_C(1)), twice_B = e.B + e.B, A = (e.half_sine + e.half_sine) * e.half_cosine;
     rbdi_mask near_zero = rbdi_less(e.x, one);
@@ -2418,7 +2418,7 @@ static RBDI_UNUSED rbdi_v3 rbdi_log_shift(rbdi_exp e, rbdi_v3 omega, rbdi_v3 p) 
 
 /* Angle in [0, pi] with sine s >= 0 and cosine c, s^2 + c^2 = 1, by sine and cosine alone: from a cubic guess
    by Newton steps, each of which cubes the error. */
-static RBDI_UNUSED rbd_real rbdi_angle(rbd_real s, rbd_real c) {
+RBDI_PART rbd_real rbdi_angle(rbd_real s, rbd_real c) {
     rbd_real one = rbdi_set(RBD_C(1)), t, angle, sine, cosine;
     rbdi_mask obtuse = rbdi_less(c, rbdi_zero());
     rbd_real positive = rbdi_select(obtuse, -c, c);
@@ -2432,14 +2432,14 @@ static RBDI_UNUSED rbd_real rbdi_angle(rbd_real s, rbd_real c) {
 }
 
 /* The same with the sign of s, in [-pi, pi]. */
-static RBDI_UNUSED rbd_real rbdi_signed_angle(rbd_real s, rbd_real c) {
+RBDI_PART rbd_real rbdi_signed_angle(rbd_real s, rbd_real c) {
     rbdi_mask negative = rbdi_less(s, rbdi_zero());
     rbd_real angle = rbdi_angle(rbdi_select(negative, -s, s), c);
     return rbdi_select(negative, -angle, angle);
 }
 
 /* Unit quaternion of the same direction; identity for zero. */
-static RBDI_UNUSED void rbdi_unit_quaternion(const rbd_real *q, rbd_real *u) {
+RBDI_PART void rbdi_unit_quaternion(const rbd_real *q, rbd_real *u) {
     rbdi_mask bad;
     rbd_real factor = rbdi_sqrt(rbdi_inverse_square(q, 4, u, &bad));
     for (int i = 0; i < 4; ++i) u[i] = u[i] * factor;
@@ -2447,7 +2447,7 @@ static RBDI_UNUSED void rbdi_unit_quaternion(const rbd_real *q, rbd_real *u) {
 }
 
 /* out = a b, Hamilton's product of (x, y, z, w). */
-static RBDI_UNUSED void rbdi_quaternion_product(const rbd_real *a, const rbd_real *b, rbd_real *out) {
+RBDI_PART void rbdi_quaternion_product(const rbd_real *a, const rbd_real *b, rbd_real *out) {
     rbdi_v3 va = rbdi_load_vec(a, 1), vb = rbdi_load_vec(b, 1);
     rbd_real w = a[3] * b[3] - rbdi_dot(va, vb);
     rbdi_store_vec(out, 1,
@@ -2456,7 +2456,7 @@ static RBDI_UNUSED void rbdi_quaternion_product(const rbd_real *a, const rbd_rea
 }
 
 /* out = q exp(turn), normalised; e: the coefficients for the turn. */
-static RBDI_UNUSED void rbdi_quaternion_step(const rbd_real *q, rbdi_exp e, rbdi_v3 turn, rbd_real *out) {
+RBDI_PART void rbdi_quaternion_step(const rbd_real *q, rbdi_exp e, rbdi_v3 turn, rbd_real *out) {
     rbd_real step[4], unit[4];
     rbdi_store_vec(step, 1, rbdi_scale(e.half_sine, turn));
     step[3] = e.half_cosine;
@@ -2466,7 +2466,7 @@ static RBDI_UNUSED void rbdi_quaternion_step(const rbd_real *q, rbdi_exp e, rbdi
 }
 
 /* The turn (body axes, at most pi) that leads from q0 to q1. */
-static RBDI_UNUSED rbdi_v3 rbdi_quaternion_difference(const rbd_real *q0, const rbd_real *q1) {
+RBDI_PART rbdi_v3 rbdi_quaternion_difference(const rbd_real *q0, const rbd_real *q1) {
     rbd_real a[4], b[4], step[4], sine, cosine, angle;
     rbdi_v3 v;
     rbdi_mask back;
@@ -5727,38 +5727,38 @@ RBDI_CODE_END
 #define RBDI_WIDE_LIBM(name) name
 #endif
 
-static RBDI_UNUSED void rbdi_widen(const double *x, int n, rbdi_wide *y) {
+RBDI_PART void rbdi_widen(const double *x, int n, rbdi_wide *y) {
     for (int k = 0; k < n; ++k) y[k] = (rbdi_wide)x[k];
 }
-static RBDI_UNUSED void rbdi_w_identity(rbdi_wide A[9]) {
+RBDI_PART void rbdi_w_identity(rbdi_wide A[9]) {
     for (int k = 0; k < 9; ++k) A[k] = k % 4 == 0;
 }
-static RBDI_UNUSED void rbdi_w_apply(const rbdi_wide A[9], const rbdi_wide x[3], rbdi_wide y[3]) {
+RBDI_PART void rbdi_w_apply(const rbdi_wide A[9], const rbdi_wide x[3], rbdi_wide y[3]) {
     rbdi_wide z[3];
     for (int i = 0; i < 3; ++i) z[i] = A[3 * i] * x[0] + A[3 * i + 1] * x[1] + A[3 * i + 2] * x[2];
     for (int i = 0; i < 3; ++i) y[i] = z[i];
 }
-static RBDI_UNUSED void rbdi_w_transpose(const rbdi_wide A[9], rbdi_wide B[9]) {
+RBDI_PART void rbdi_w_transpose(const rbdi_wide A[9], rbdi_wide B[9]) {
     for (int i = 0; i < 9; ++i) B[i] = A[i % 3 * 3 + i / 3];
 }
 /* AB may be A or B. */
-static RBDI_UNUSED void rbdi_w_product(const rbdi_wide A[9], const rbdi_wide B[9], rbdi_wide AB[9]) {
+RBDI_PART void rbdi_w_product(const rbdi_wide A[9], const rbdi_wide B[9], rbdi_wide AB[9]) {
     rbdi_wide C[9];
     for (int i = 0; i < 9; ++i)
         C[i] = A[i / 3 * 3] * B[i % 3] + A[i / 3 * 3 + 1] * B[i % 3 + 3] + A[i / 3 * 3 + 2] * B[i % 3 + 6];
     for (int i = 0; i < 9; ++i) AB[i] = C[i];
 }
-static RBDI_UNUSED void rbdi_w_turn_z(rbdi_wide c, rbdi_wide s, rbdi_wide A[9]) {
+RBDI_PART void rbdi_w_turn_z(rbdi_wide c, rbdi_wide s, rbdi_wide A[9]) {
     rbdi_w_identity(A);
     A[0] = c, A[1] = s, A[3] = -s, A[4] = c;
 }
-static RBDI_UNUSED void rbdi_w_turn_x(rbdi_wide c, rbdi_wide s, rbdi_wide A[9]) {
+RBDI_PART void rbdi_w_turn_x(rbdi_wide c, rbdi_wide s, rbdi_wide A[9]) {
     rbdi_w_identity(A);
     A[4] = c, A[5] = s, A[7] = -s, A[8] = c;
 }
 /* E = Rz(gamma) Rx(alpha) Rz(beta) from the cosines and sines. */
-static RBDI_UNUSED void rbdi_w_zxz(rbdi_wide cg, rbdi_wide sg, rbdi_wide ca, rbdi_wide sa, rbdi_wide cb,
-                                   rbdi_wide sb, rbdi_wide E[9]) {
+RBDI_PART void rbdi_w_zxz(rbdi_wide cg, rbdi_wide sg, rbdi_wide ca, rbdi_wide sa, rbdi_wide cb, rbdi_wide sb,
+                          rbdi_wide E[9]) {
     rbdi_wide turn[9];
     rbdi_w_turn_z(cg, sg, E);
     rbdi_w_turn_x(ca, sa, turn);
@@ -5767,7 +5767,7 @@ static RBDI_UNUSED void rbdi_w_zxz(rbdi_wide cg, rbdi_wide sg, rbdi_wide ca, rbd
     rbdi_w_product(E, turn, E);
 }
 /* Pose of C in A, from that of C in B and of B in A. */
-static RBDI_UNUSED rbdi_wide_pose rbdi_w_compose(const rbdi_wide_pose *CB, const rbdi_wide_pose *BA) {
+RBDI_PART rbdi_wide_pose rbdi_w_compose(const rbdi_wide_pose *CB, const rbdi_wide_pose *BA) {
     rbdi_wide_pose X;
     rbdi_wide T[9];
     rbdi_w_transpose(BA->E, T);
@@ -5777,7 +5777,7 @@ static RBDI_UNUSED rbdi_wide_pose rbdi_w_compose(const rbdi_wide_pose *CB, const
     return X;
 }
 /* Pose of C in B, from those of both in A. */
-static RBDI_UNUSED rbdi_wide_pose rbdi_w_relative(const rbdi_wide_pose *CA, const rbdi_wide_pose *BA) {
+RBDI_PART rbdi_wide_pose rbdi_w_relative(const rbdi_wide_pose *CA, const rbdi_wide_pose *BA) {
     rbdi_wide_pose X;
     rbdi_wide T[9];
     rbdi_w_transpose(BA->E, T);
@@ -5786,16 +5786,14 @@ static RBDI_UNUSED rbdi_wide_pose rbdi_w_relative(const rbdi_wide_pose *CA, cons
     rbdi_w_apply(BA->E, X.r, X.r);
     return X;
 }
-static RBDI_UNUSED rbdi_wide rbdi_w_dot(const rbdi_wide a[3], const rbdi_wide b[3]) {
+RBDI_PART rbdi_wide rbdi_w_dot(const rbdi_wide a[3], const rbdi_wide b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
-static RBDI_UNUSED rbdi_wide rbdi_w_abs(rbdi_wide x) { return x < 0 ? -x : x; }
-static RBDI_UNUSED rbdi_wide rbdi_w_length(const rbdi_wide a[3]) {
-    return RBDI_WIDE_LIBM(sqrt)(rbdi_w_dot(a, a));
-}
+RBDI_PART rbdi_wide rbdi_w_abs(rbdi_wide x) { return x < 0 ? -x : x; }
+RBDI_PART rbdi_wide rbdi_w_length(const rbdi_wide a[3]) { return RBDI_WIDE_LIBM(sqrt)(rbdi_w_dot(a, a)); }
 
 /* Whether n numbers are finite, in the model's scalar too. */
-static RBDI_UNUSED int rbdi_finite(const double *x, int n) {
+RBDI_PART int rbdi_finite(const double *x, int n) {
     for (int k = 0; k < n; ++k) { /* by bits, which is right with -ffinite-math-only too */
         union {
             double x;
@@ -5806,12 +5804,12 @@ static RBDI_UNUSED int rbdi_finite(const double *x, int n) {
     }
     return 1;
 }
-static RBDI_UNUSED int rbdi_finite_positive(const double *x, int n) {
+RBDI_PART int rbdi_finite_positive(const double *x, int n) {
     for (int k = 0; k < n; ++k)
         if (!rbdi_finite(&x[k], 1) || x[k] < 0) return 0;
     return 1;
 }
-static RBDI_UNUSED int rbdi_all_zero(const double *x, int n) {
+RBDI_PART int rbdi_all_zero(const double *x, int n) {
     for (int k = 0; k < n; ++k)
         if ((rbdi_wide)x[k] < 0 || (rbdi_wide)x[k] > 0) return 0;
     return 1;
@@ -5819,7 +5817,7 @@ static RBDI_UNUSED int rbdi_all_zero(const double *x, int n) {
 
 /* y = x scaled to unit length, of any length but 0: by the largest component first, so that nothing
    overflows. */
-static RBDI_UNUSED void rbdi_unit(const rbdi_wide x[3], rbdi_wide y[3]) {
+RBDI_PART void rbdi_unit(const rbdi_wide x[3], rbdi_wide y[3]) {
     rbdi_wide largest = 0, length;
     for (int k = 0; k < 3; ++k)
         if (rbdi_w_abs(x[k]) > largest) largest = rbdi_w_abs(x[k]);
@@ -5830,7 +5828,7 @@ static RBDI_UNUSED void rbdi_unit(const rbdi_wide x[3], rbdi_wide y[3]) {
 
 /* Makes a nearly orthonormal matrix orthonormal, rows first to last (Gram and Schmidt). An exact one
    stays. */
-static RBDI_UNUSED void rbdi_orthonormalise(rbdi_wide R[9]) {
+RBDI_PART void rbdi_orthonormalise(rbdi_wide R[9]) {
     rbdi_wide along;
     rbdi_unit(&R[0], &R[0]);
     along = rbdi_w_dot(&R[0], &R[3]);
@@ -5841,7 +5839,7 @@ static RBDI_UNUSED void rbdi_orthonormalise(rbdi_wide R[9]) {
 }
 
 /* Whether a matrix is a rotation, or 0, which stands for the identity. */
-static RBDI_UNUSED int rbdi_is_rotation(const double R[9]) {
+RBDI_PART int rbdi_is_rotation(const double R[9]) {
     rbdi_wide A[9], T[9], product[9];
     if (!rbdi_finite(R, 9)) return 0;
     if (rbdi_all_zero(R, 9)) return 1;
@@ -5857,15 +5855,15 @@ static RBDI_UNUSED int rbdi_is_rotation(const double R[9]) {
 
 /* Whether no eigenvalue of the symmetric matrix (xx xy xz yy yz zz) is below -RBDI_SEMIDEFINITE size: by the
    pivots of Gauss of the matrix with RBDI_SEMIDEFINITE size on the diagonal added. */
-static RBDI_UNUSED int rbdi_semidefinite(const double A[6], double size) {
+RBDI_PART int rbdi_semidefinite(const double A[6], double size) {
     const double added = RBDI_SEMIDEFINITE * size, xx = A[0] + added, yy = A[3] + added - A[1] / xx * A[1],
                  yz = A[4] - A[1] / xx * A[2];
     if (!(xx > 0) || !(yy > 0)) return 0;
     return A[5] + added - A[2] / xx * A[2] - yz * yz / yy > 0;
 }
 
-static RBDI_UNUSED rbd_status rbdi_refuse(rbd_report *report, rbd_status status, int body, const char *name,
-                                          const char *field) {
+RBDI_PART rbd_status rbdi_refuse(rbd_report *report, rbd_status status, int body, const char *name,
+                                 const char *field) {
     rbd_finding *f = &report->error;
     f->status = status, f->body = body, f->name = name, f->field = field, f->text = NULL;
     return status;
@@ -5876,7 +5874,7 @@ static RBDI_UNUSED rbd_status rbdi_refuse(rbd_report *report, rbd_status status,
 
 /* ==== src/model/describe.h ==== */
 /* A pose of the model in the build's arithmetic. */
-static RBDI_UNUSED rbdi_wide_pose rbdi_widen_pose(const rbd_const E[9], rbdi_c3 r) {
+RBDI_PART rbdi_wide_pose rbdi_widen_pose(const rbd_const E[9], rbdi_c3 r) {
     rbdi_wide_pose X;
     for (int k = 0; k < 9; ++k) X.E[k] = (rbdi_wide)E[k];
     X.r[0] = (rbdi_wide)r.x, X.r[1] = (rbdi_wide)r.y, X.r[2] = (rbdi_wide)r.z;
@@ -5884,7 +5882,7 @@ static RBDI_UNUSED rbdi_wide_pose rbdi_widen_pose(const rbd_const E[9], rbdi_c3 
 }
 
 /* Pose of link l in its parent at q = 0. */
-static RBDI_UNUSED rbdi_wide_pose rbdi_link_place(const rbd_model *m, const rbdi_link *l) {
+RBDI_PART rbdi_wide_pose rbdi_link_place(const rbd_model *m, const rbdi_link *l) {
     static const rbd_const none[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
     rbdi_wide_pose X = rbdi_widen_pose(l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->E : none, l->r);
     if (l->kind == RBDI_BLOCK) return X;

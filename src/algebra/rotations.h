@@ -60,7 +60,7 @@ RBDI_INLINE void rbdi_unit_cs(const rbd_real *q, rbd_real *c, rbd_real *s) {
 }
 
 /* sum over k of (-x)^k / (n + 2k)!: the tails of sine (n odd) and cosine (n even), for 0 <= x < 1. */
-static RBDI_UNUSED rbd_real rbdi_tail(rbd_real x, int n) {
+RBDI_PART rbd_real rbdi_tail(rbd_real x, int n) {
     rbd_real sum = rbdi_set(RBD_C(1));
     int factorial = 1;
     for (int k = RBDI_TAIL_TERMS; k > 0; --k)
@@ -77,7 +77,7 @@ typedef struct rbdi_exp {
     rbd_real B, C;        /* (1 - cos theta) / theta^2, (theta - sin theta) / theta^3 */
 } rbdi_exp;
 
-static RBDI_UNUSED rbdi_exp rbdi_exp_of(rbdi_v3 turn) {
+RBDI_PART rbdi_exp rbdi_exp_of(rbdi_v3 turn) {
     rbdi_exp e;
     rbd_real theta, sine, A;
     rbdi_mask near_zero;
@@ -94,13 +94,13 @@ static RBDI_UNUSED rbdi_exp rbdi_exp_of(rbdi_v3 turn) {
 }
 
 /* The shift p of a screw motion (omega; v): p = v + B omega x v + C omega x (omega x v). */
-static RBDI_UNUSED rbdi_v3 rbdi_exp_shift(rbdi_exp e, rbdi_v3 omega, rbdi_v3 v) {
+RBDI_PART rbdi_v3 rbdi_exp_shift(rbdi_exp e, rbdi_v3 omega, rbdi_v3 v) {
     rbdi_v3 across = rbdi_cross(omega, v);
     return rbdi_add(v, rbdi_add(rbdi_scale(e.B, across), rbdi_scale(e.C, rbdi_cross(omega, across))));
 }
 
 /* Its inverse: v = p - omega x p / 2 + D omega x (omega x p), D = (1 - A / (2 B)) / theta^2. */
-static RBDI_UNUSED rbdi_v3 rbdi_log_shift(rbdi_exp e, rbdi_v3 omega, rbdi_v3 p) {
+RBDI_PART rbdi_v3 rbdi_log_shift(rbdi_exp e, rbdi_v3 omega, rbdi_v3 p) {
     rbdi_v3 across = rbdi_cross(omega, p);
     rbd_real one = rbdi_set(RBD_C(1)), twice_B = e.B + e.B, A = (e.half_sine + e.half_sine) * e.half_cosine;
     rbdi_mask near_zero = rbdi_less(e.x, one);
@@ -113,7 +113,7 @@ static RBDI_UNUSED rbdi_v3 rbdi_log_shift(rbdi_exp e, rbdi_v3 omega, rbdi_v3 p) 
 
 /* Angle in [0, pi] with sine s >= 0 and cosine c, s^2 + c^2 = 1, by sine and cosine alone: from a cubic guess
    by Newton steps, each of which cubes the error. */
-static RBDI_UNUSED rbd_real rbdi_angle(rbd_real s, rbd_real c) {
+RBDI_PART rbd_real rbdi_angle(rbd_real s, rbd_real c) {
     rbd_real one = rbdi_set(RBD_C(1)), t, angle, sine, cosine;
     rbdi_mask obtuse = rbdi_less(c, rbdi_zero());
     rbd_real positive = rbdi_select(obtuse, -c, c);
@@ -127,14 +127,14 @@ static RBDI_UNUSED rbd_real rbdi_angle(rbd_real s, rbd_real c) {
 }
 
 /* The same with the sign of s, in [-pi, pi]. */
-static RBDI_UNUSED rbd_real rbdi_signed_angle(rbd_real s, rbd_real c) {
+RBDI_PART rbd_real rbdi_signed_angle(rbd_real s, rbd_real c) {
     rbdi_mask negative = rbdi_less(s, rbdi_zero());
     rbd_real angle = rbdi_angle(rbdi_select(negative, -s, s), c);
     return rbdi_select(negative, -angle, angle);
 }
 
 /* Unit quaternion of the same direction; identity for zero. */
-static RBDI_UNUSED void rbdi_unit_quaternion(const rbd_real *q, rbd_real *u) {
+RBDI_PART void rbdi_unit_quaternion(const rbd_real *q, rbd_real *u) {
     rbdi_mask bad;
     rbd_real factor = rbdi_sqrt(rbdi_inverse_square(q, 4, u, &bad));
     for (int i = 0; i < 4; ++i) u[i] = u[i] * factor;
@@ -142,7 +142,7 @@ static RBDI_UNUSED void rbdi_unit_quaternion(const rbd_real *q, rbd_real *u) {
 }
 
 /* out = a b, Hamilton's product of (x, y, z, w). */
-static RBDI_UNUSED void rbdi_quaternion_product(const rbd_real *a, const rbd_real *b, rbd_real *out) {
+RBDI_PART void rbdi_quaternion_product(const rbd_real *a, const rbd_real *b, rbd_real *out) {
     rbdi_v3 va = rbdi_load_vec(a, 1), vb = rbdi_load_vec(b, 1);
     rbd_real w = a[3] * b[3] - rbdi_dot(va, vb);
     rbdi_store_vec(out, 1,
@@ -151,7 +151,7 @@ static RBDI_UNUSED void rbdi_quaternion_product(const rbd_real *a, const rbd_rea
 }
 
 /* out = q exp(turn), normalised; e: the coefficients for the turn. */
-static RBDI_UNUSED void rbdi_quaternion_step(const rbd_real *q, rbdi_exp e, rbdi_v3 turn, rbd_real *out) {
+RBDI_PART void rbdi_quaternion_step(const rbd_real *q, rbdi_exp e, rbdi_v3 turn, rbd_real *out) {
     rbd_real step[4], unit[4];
     rbdi_store_vec(step, 1, rbdi_scale(e.half_sine, turn));
     step[3] = e.half_cosine;
@@ -161,7 +161,7 @@ static RBDI_UNUSED void rbdi_quaternion_step(const rbd_real *q, rbdi_exp e, rbdi
 }
 
 /* The turn (body axes, at most pi) that leads from q0 to q1. */
-static RBDI_UNUSED rbdi_v3 rbdi_quaternion_difference(const rbd_real *q0, const rbd_real *q1) {
+RBDI_PART rbdi_v3 rbdi_quaternion_difference(const rbd_real *q0, const rbd_real *q1) {
     rbd_real a[4], b[4], step[4], sine, cosine, angle;
     rbdi_v3 v;
     rbdi_mask back;

@@ -121,8 +121,7 @@ RBDI_API rbd_status rbd_integrate_derivatives(const rbd_model *m, const rbd_real
 
 /* Replaces M by M dv~/dv, where v~ is the result of rbdi_unforced_velocity for v, for steps whose origins
    move straight. */
-static RBDI_UNUSED void rbdi_unforced_columns(const rbd_model *m, const rbd_real *v, rbd_real dt,
-                                              rbd_real *M) {
+RBDI_PART void rbdi_unforced_columns(const rbd_model *m, const rbd_real *v, rbd_real dt, rbd_real *M) {
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *body = &m->frame[b];
         rbdi_motion V;
@@ -169,8 +168,8 @@ static void rbdi_turn_columns(const rbdi_frame *body, int n, const rbd_real *mov
 }
 
 /* The same for all joints. */
-static RBDI_UNUSED void rbdi_move_columns(const rbd_model *m, const rbd_real *moved, const rbd_real *nu,
-                                          rbd_real dt, int by_q, rbd_real *dq, rbd_real *dv) {
+RBDI_PART void rbdi_move_columns(const rbd_model *m, const rbd_real *moved, const rbd_real *nu, rbd_real dt,
+                                 int by_q, rbd_real *dq, rbd_real *dv) {
     const ptrdiff_t n = m->nv;
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *body = &m->frame[b];

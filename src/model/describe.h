@@ -5,7 +5,7 @@
 #include "model/wide.h"
 
 /* A pose of the model in the build's arithmetic. */
-static RBDI_UNUSED rbdi_wide_pose rbdi_widen_pose(const rbd_const E[9], rbdi_c3 r) {
+RBDI_PART rbdi_wide_pose rbdi_widen_pose(const rbd_const E[9], rbdi_c3 r) {
     rbdi_wide_pose X;
     for (int k = 0; k < 9; ++k) X.E[k] = (rbdi_wide)E[k];
     X.r[0] = (rbdi_wide)r.x, X.r[1] = (rbdi_wide)r.y, X.r[2] = (rbdi_wide)r.z;
@@ -13,7 +13,7 @@ static RBDI_UNUSED rbdi_wide_pose rbdi_widen_pose(const rbd_const E[9], rbdi_c3 
 }
 
 /* Pose of link l in its parent at q = 0. */
-static RBDI_UNUSED rbdi_wide_pose rbdi_link_place(const rbd_model *m, const rbdi_link *l) {
+RBDI_PART rbdi_wide_pose rbdi_link_place(const rbd_model *m, const rbdi_link *l) {
     static const rbd_const none[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
     rbdi_wide_pose X = rbdi_widen_pose(l->kind == RBDI_BLOCK ? rbdi_block_of(m, l)->E : none, l->r);
     if (l->kind == RBDI_BLOCK) return X;

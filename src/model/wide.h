@@ -2,6 +2,7 @@
 #define RBDI_MODEL_WIDE_H
 #include "api/status.h"
 #include "model/layout.h"
+#include "base/compiler.h"
 #include "base/tolerances.h"
 
 /* Interface: rbdi_all_zero, rbdi_finite, rbdi_finite_positive, rbdi_is_rotation, rbdi_orthonormalise,
@@ -21,38 +22,38 @@
 #define RBDI_WIDE_LIBM(name) name
 #endif
 
-static RBDI_UNUSED void rbdi_widen(const double *x, int n, rbdi_wide *y) {
+RBDI_PART void rbdi_widen(const double *x, int n, rbdi_wide *y) {
     for (int k = 0; k < n; ++k) y[k] = (rbdi_wide)x[k];
 }
-static RBDI_UNUSED void rbdi_w_identity(rbdi_wide A[9]) {
+RBDI_PART void rbdi_w_identity(rbdi_wide A[9]) {
     for (int k = 0; k < 9; ++k) A[k] = k % 4 == 0;
 }
-static RBDI_UNUSED void rbdi_w_apply(const rbdi_wide A[9], const rbdi_wide x[3], rbdi_wide y[3]) {
+RBDI_PART void rbdi_w_apply(const rbdi_wide A[9], const rbdi_wide x[3], rbdi_wide y[3]) {
     rbdi_wide z[3];
     for (int i = 0; i < 3; ++i) z[i] = A[3 * i] * x[0] + A[3 * i + 1] * x[1] + A[3 * i + 2] * x[2];
     for (int i = 0; i < 3; ++i) y[i] = z[i];
 }
-static RBDI_UNUSED void rbdi_w_transpose(const rbdi_wide A[9], rbdi_wide B[9]) {
+RBDI_PART void rbdi_w_transpose(const rbdi_wide A[9], rbdi_wide B[9]) {
     for (int i = 0; i < 9; ++i) B[i] = A[i % 3 * 3 + i / 3];
 }
 /* AB may be A or B. */
-static RBDI_UNUSED void rbdi_w_product(const rbdi_wide A[9], const rbdi_wide B[9], rbdi_wide AB[9]) {
+RBDI_PART void rbdi_w_product(const rbdi_wide A[9], const rbdi_wide B[9], rbdi_wide AB[9]) {
     rbdi_wide C[9];
     for (int i = 0; i < 9; ++i)
         C[i] = A[i / 3 * 3] * B[i % 3] + A[i / 3 * 3 + 1] * B[i % 3 + 3] + A[i / 3 * 3 + 2] * B[i % 3 + 6];
     for (int i = 0; i < 9; ++i) AB[i] = C[i];
 }
-static RBDI_UNUSED void rbdi_w_turn_z(rbdi_wide c, rbdi_wide s, rbdi_wide A[9]) {
+RBDI_PART void rbdi_w_turn_z(rbdi_wide c, rbdi_wide s, rbdi_wide A[9]) {
     rbdi_w_identity(A);
     A[0] = c, A[1] = s, A[3] = -s, A[4] = c;
 }
-static RBDI_UNUSED void rbdi_w_turn_x(rbdi_wide c, rbdi_wide s, rbdi_wide A[9]) {
+RBDI_PART void rbdi_w_turn_x(rbdi_wide c, rbdi_wide s, rbdi_wide A[9]) {
     rbdi_w_identity(A);
     A[4] = c, A[5] = s, A[7] = -s, A[8] = c;
 }
 /* E = Rz(gamma) Rx(alpha) Rz(beta) from the cosines and sines. */
-static RBDI_UNUSED void rbdi_w_zxz(rbdi_wide cg, rbdi_wide sg, rbdi_wide ca, rbdi_wide sa, rbdi_wide cb,
-                                   rbdi_wide sb, rbdi_wide E[9]) {
+RBDI_PART void rbdi_w_zxz(rbdi_wide cg, rbdi_wide sg, rbdi_wide ca, rbdi_wide sa, rbdi_wide cb, rbdi_wide sb,
+                          rbdi_wide E[9]) {
     rbdi_wide turn[9];
     rbdi_w_turn_z(cg, sg, E);
     rbdi_w_turn_x(ca, sa, turn);
@@ -61,7 +62,7 @@ static RBDI_UNUSED void rbdi_w_zxz(rbdi_wide cg, rbdi_wide sg, rbdi_wide ca, rbd
     rbdi_w_product(E, turn, E);
 }
 /* Pose of C in A, from that of C in B and of B in A. */
-static RBDI_UNUSED rbdi_wide_pose rbdi_w_compose(const rbdi_wide_pose *CB, const rbdi_wide_pose *BA) {
+RBDI_PART rbdi_wide_pose rbdi_w_compose(const rbdi_wide_pose *CB, const rbdi_wide_pose *BA) {
     rbdi_wide_pose X;
     rbdi_wide T[9];
     rbdi_w_transpose(BA->E, T);
@@ -71,7 +72,7 @@ static RBDI_UNUSED rbdi_wide_pose rbdi_w_compose(const rbdi_wide_pose *CB, const
     return X;
 }
 /* Pose of C in B, from those of both in A. */
-static RBDI_UNUSED rbdi_wide_pose rbdi_w_relative(const rbdi_wide_pose *CA, const rbdi_wide_pose *BA) {
+RBDI_PART rbdi_wide_pose rbdi_w_relative(const rbdi_wide_pose *CA, const rbdi_wide_pose *BA) {
     rbdi_wide_pose X;
     rbdi_wide T[9];
     rbdi_w_transpose(BA->E, T);
@@ -80,16 +81,14 @@ static RBDI_UNUSED rbdi_wide_pose rbdi_w_relative(const rbdi_wide_pose *CA, cons
     rbdi_w_apply(BA->E, X.r, X.r);
     return X;
 }
-static RBDI_UNUSED rbdi_wide rbdi_w_dot(const rbdi_wide a[3], const rbdi_wide b[3]) {
+RBDI_PART rbdi_wide rbdi_w_dot(const rbdi_wide a[3], const rbdi_wide b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
-static RBDI_UNUSED rbdi_wide rbdi_w_abs(rbdi_wide x) { return x < 0 ? -x : x; }
-static RBDI_UNUSED rbdi_wide rbdi_w_length(const rbdi_wide a[3]) {
-    return RBDI_WIDE_LIBM(sqrt)(rbdi_w_dot(a, a));
-}
+RBDI_PART rbdi_wide rbdi_w_abs(rbdi_wide x) { return x < 0 ? -x : x; }
+RBDI_PART rbdi_wide rbdi_w_length(const rbdi_wide a[3]) { return RBDI_WIDE_LIBM(sqrt)(rbdi_w_dot(a, a)); }
 
 /* Whether n numbers are finite, in the model's scalar too. */
-static RBDI_UNUSED int rbdi_finite(const double *x, int n) {
+RBDI_PART int rbdi_finite(const double *x, int n) {
     for (int k = 0; k < n; ++k) { /* by bits, which is right with -ffinite-math-only too */
         union {
             double x;
@@ -100,12 +99,12 @@ static RBDI_UNUSED int rbdi_finite(const double *x, int n) {
     }
     return 1;
 }
-static RBDI_UNUSED int rbdi_finite_positive(const double *x, int n) {
+RBDI_PART int rbdi_finite_positive(const double *x, int n) {
     for (int k = 0; k < n; ++k)
         if (!rbdi_finite(&x[k], 1) || x[k] < 0) return 0;
     return 1;
 }
-static RBDI_UNUSED int rbdi_all_zero(const double *x, int n) {
+RBDI_PART int rbdi_all_zero(const double *x, int n) {
     for (int k = 0; k < n; ++k)
         if ((rbdi_wide)x[k] < 0 || (rbdi_wide)x[k] > 0) return 0;
     return 1;
@@ -113,7 +112,7 @@ static RBDI_UNUSED int rbdi_all_zero(const double *x, int n) {
 
 /* y = x scaled to unit length, of any length but 0: by the largest component first, so that nothing
    overflows. */
-static RBDI_UNUSED void rbdi_unit(const rbdi_wide x[3], rbdi_wide y[3]) {
+RBDI_PART void rbdi_unit(const rbdi_wide x[3], rbdi_wide y[3]) {
     rbdi_wide largest = 0, length;
     for (int k = 0; k < 3; ++k)
         if (rbdi_w_abs(x[k]) > largest) largest = rbdi_w_abs(x[k]);
@@ -124,7 +123,7 @@ static RBDI_UNUSED void rbdi_unit(const rbdi_wide x[3], rbdi_wide y[3]) {
 
 /* Makes a nearly orthonormal matrix orthonormal, rows first to last (Gram and Schmidt). An exact one
    stays. */
-static RBDI_UNUSED void rbdi_orthonormalise(rbdi_wide R[9]) {
+RBDI_PART void rbdi_orthonormalise(rbdi_wide R[9]) {
     rbdi_wide along;
     rbdi_unit(&R[0], &R[0]);
     along = rbdi_w_dot(&R[0], &R[3]);
@@ -135,7 +134,7 @@ static RBDI_UNUSED void rbdi_orthonormalise(rbdi_wide R[9]) {
 }
 
 /* Whether a matrix is a rotation, or 0, which stands for the identity. */
-static RBDI_UNUSED int rbdi_is_rotation(const double R[9]) {
+RBDI_PART int rbdi_is_rotation(const double R[9]) {
     rbdi_wide A[9], T[9], product[9];
     if (!rbdi_finite(R, 9)) return 0;
     if (rbdi_all_zero(R, 9)) return 1;
@@ -151,15 +150,15 @@ static RBDI_UNUSED int rbdi_is_rotation(const double R[9]) {
 
 /* Whether no eigenvalue of the symmetric matrix (xx xy xz yy yz zz) is below -RBDI_SEMIDEFINITE size: by the
    pivots of Gauss of the matrix with RBDI_SEMIDEFINITE size on the diagonal added. */
-static RBDI_UNUSED int rbdi_semidefinite(const double A[6], double size) {
+RBDI_PART int rbdi_semidefinite(const double A[6], double size) {
     const double added = RBDI_SEMIDEFINITE * size, xx = A[0] + added, yy = A[3] + added - A[1] / xx * A[1],
                  yz = A[4] - A[1] / xx * A[2];
     if (!(xx > 0) || !(yy > 0)) return 0;
     return A[5] + added - A[2] / xx * A[2] - yz * yz / yy > 0;
 }
 
-static RBDI_UNUSED rbd_status rbdi_refuse(rbd_report *report, rbd_status status, int body, const char *name,
-                                          const char *field) {
+RBDI_PART rbd_status rbdi_refuse(rbd_report *report, rbd_status status, int body, const char *name,
+                                 const char *field) {
     rbd_finding *f = &report->error;
     f->status = status, f->body = body, f->name = name, f->field = field, f->text = NULL;
     return status;
