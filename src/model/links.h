@@ -231,8 +231,8 @@ static void rbdi_build_normalise(rbdi_build_link *links, int nl, int i) {
 #endif
     if (l->favourite < 0 || links[l->favourite].kind == RBDI_BLOCK) {
         /* this saves no more than the shift d: the subtree may get at most 4 times farther away */
-        const rbdi_wide far = rbdi_build_second_moment(l, rbdi_w_abs(l->d));
-        const int moves = l->dh && far <= 16 * rbdi_build_second_moment(l, 0);
+        const rbdi_wide moved = rbdi_build_second_moment(l, rbdi_w_abs(l->d));
+        const int moves = l->dh && moved <= 16 * rbdi_build_second_moment(l, 0);
         rbdi_build_angles(l);
         rbdi_build_turn(links, nl, i, l->cg, -l->sg, moves ? -l->d : 0);
         return;

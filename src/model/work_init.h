@@ -20,9 +20,9 @@ RBDI_API size_t rbd_work_size(const rbd_model *m) {
 RBDI_COLD int rbdi_rounds(void) {
     const volatile RBD_REAL given[5] = {1, RBDI_EPS, 1 + RBDI_EPS, 1 + 2 * RBDI_EPS, RBDI_TINY};
     const RBD_REAL one = given[0], e = given[1], x = given[2], square = given[3], tiny = given[4];
-    const volatile RBD_REAL half = tiny * (RBD_REAL)0.5, far = e * 524288 /* double: 2^-33 */;
+    const volatile RBD_REAL half = tiny * (RBD_REAL)0.5, low = e * 524288 /* double: 2^-33 */;
     return x * x - square == 0 && one + e * (RBD_REAL)0.75 == x && one + e * (RBD_REAL)0.25 == one &&
-           half > 0 && half + half == tiny && one - x * far == one - far;
+           half > 0 && half + half == tiny && one - x * low == one - low;
 }
 #endif
 
