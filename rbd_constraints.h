@@ -380,17 +380,17 @@ struct rbd_constraint_set {
 #define RBDI_CONSTRAINTS_IMPLEMENTED
 
 /* ---- design [design] ----
-   Two ways. Dynamics and impacts use articulated bodies, [articulated]: the work grows with the links, and
-   with the lengths of the paths times the squares of their rows. The factor of M costs the squares of the
-   paths as well. It serves derivatives, models with mimic joints, sets that have more rows than can be
+   There are two ways. Dynamics and impacts use articulated bodies, [articulated]: the work grows with the
+   links, and with the lengths of the paths times the squares of their rows. The factor of M costs the squares
+   of the paths as well. It serves derivatives, models with mimic joints, sets with more rows than can be
    independent, and each state in which a pivot of the other way is in doubt; [rank] then decides which rows
    are independent.
    HyQ on four points and Atlas on two flat feet, 12 rows each, instructions (gcc 12, -O3 -march=haswell):
 
                                HyQ     Atlas
-       rbd_aba                8119     17163
-       articulated bodies    18541     27437
-       factor of M           28067     49112
+       rbd_aba                8394     17426
+       articulated bodies    18602     27733
+       factor of M           25854     45899
 
    By the factor: the two equations, with M = L'DL ([packed matrix] of rbd.h), Y = L^-T J' and
    z = D^-1 L^-T (tau - c):
@@ -398,9 +398,9 @@ struct rbd_constraint_set {
        Delta lambda = r - gamma - Y'z,   Delta = J M^-1 J' = Y' D^-1 Y        r: the wanted J a + gamma
        L a = z + D^-1 Y lambda
 
-   Row k of Y stands for dof k, its columns for the rows of the constraints, so that the entries of one dof
-   are contiguous and loops run over batches of rows. Only rows of constraints that hold a body behind the
-   dof are not zero there: its span. */
+   Row k of Y is that of dof k, its columns are the rows of the constraints, so that the entries of one dof
+   are contiguous and loops run over batches of rows. A dof has entries only in rows of constraints on a body
+   that it moves: its span. */
 
 RBDI_CODE_BEGIN
 
@@ -868,12 +868,10 @@ static void rbdi_exchange(const rbd_constraint_set *c, int t, rbd_real *x, int s
     }
 }
 
-/* P' X and P X. X: rows x columns. */
-static void rbdi_permute(const rbd_constraint_set *c, rbd_real *X, int columns) {
-    for (int t = 0; c->pivoted && t < c->rows; ++t) rbdi_exchange(c, t, X, columns, columns, 1);
-}
-static void rbdi_permute_back(const rbd_constraint_set *c, rbd_real *X, int columns) {
-    for (int t = c->rows - 1; c->pivoted && t >= 0; --t) rbdi_exchange(c, t, X, columns, columns, 1);
+/* P' X or, if `back`, P X. X: rows x columns. */
+static void rbdi_permute(const rbd_constraint_set *c, rbd_real *X, int columns, int back) {
+    for (int t = 0; c->pivoted && t < c->rows; ++t)
+        rbdi_exchange(c, back ? c->rows - 1 - t : t, X, columns, columns, 1);
 }
 
 /* c->square of the rows from t on. */
@@ -1004,8 +1002,8 @@ static void rbdi_set_slack(rbd_constraint_set *c) {
         for (int r = con->row; r < con->row + con->rows; ++r)
             c->slack[r] = rbdi_sqrt(c->slack[r]) * RBDI_FEASIBLE + noise;
     }
-    rbdi_permute(c, c->slack, 1);
-    rbdi_permute(c, c->target, 1);
+    rbdi_permute(c, c->slack, 1, 0);
+    rbdi_permute(c, c->target, 1, 0);
 }
 
 /* Notes the first dropped row, in the caller's order, that contradicts the rows it depends on: the targets
@@ -1023,7 +1021,7 @@ static void rbdi_check_rows(rbd_constraint_set *c) {
         bad[t] = rbdi_select(rbdi_less(bound, rbdi_abs(rbdi_rows_product(null, c->target, t + 1))), one,
                              rbdi_zero());
     }
-    rbdi_permute_back(c, bad, 1);
+    rbdi_permute(c, bad, 1, 1);
     for (int r = c->rows - 1; r >= 0; --r)
         if (rbdi_any(rbdi_less(rbdi_zero(), bad[r]))) c->infeasible = r;
 }
@@ -1042,7 +1040,7 @@ static void rbdi_project_columns(const rbd_constraint_set *c, rbd_real *X, int c
    their components along the null vectors, too: with them the equations would contradict each other. */
 static void rbdi_delta_solve(const rbd_constraint_set *c, rbd_real *X, int columns) {
     rbd_real *x = c->square;
-    rbdi_permute(c, X, columns);
+    rbdi_permute(c, X, columns, 0);
     rbdi_project_columns(c, X, columns);
     for (int t = 0; t < c->rows; ++t) {
         for (int i = 0; i < t; ++i) x[i] = c->R[i * c->stride + t];
@@ -1055,7 +1053,7 @@ static void rbdi_delta_solve(const rbd_constraint_set *c, rbd_real *X, int colum
         rbdi_multiply(&X[t * columns], c->R_inverse[t], columns);
     }
     rbdi_project_columns(c, X, columns);
-    rbdi_permute_back(c, X, columns);
+    rbdi_permute(c, X, columns, 1);
 }
 
 /* Gives lambda to the caller. Returns the status of a call from that of the pivots of M. */

@@ -94,17 +94,17 @@ RBDI_EXTERN_C_END
 #define RBDI_CONSTRAINTS_IMPLEMENTED
 
 /* ---- design [design] ----
-   Two ways. Dynamics and impacts use articulated bodies, [articulated]: the work grows with the links, and
-   with the lengths of the paths times the squares of their rows. The factor of M costs the squares of the
-   paths as well. It serves derivatives, models with mimic joints, sets that have more rows than can be
+   There are two ways. Dynamics and impacts use articulated bodies, [articulated]: the work grows with the
+   links, and with the lengths of the paths times the squares of their rows. The factor of M costs the squares
+   of the paths as well. It serves derivatives, models with mimic joints, sets with more rows than can be
    independent, and each state in which a pivot of the other way is in doubt; [rank] then decides which rows
    are independent.
    HyQ on four points and Atlas on two flat feet, 12 rows each, instructions (gcc 12, -O3 -march=haswell):
 
                                HyQ     Atlas
-       rbd_aba                8119     17163
-       articulated bodies    18541     27437
-       factor of M           28067     49112
+       rbd_aba                8394     17426
+       articulated bodies    18602     27733
+       factor of M           25854     45899
 
    By the factor: the two equations, with M = L'DL ([packed matrix] of rbd.h), Y = L^-T J' and
    z = D^-1 L^-T (tau - c):
@@ -112,9 +112,9 @@ RBDI_EXTERN_C_END
        Delta lambda = r - gamma - Y'z,   Delta = J M^-1 J' = Y' D^-1 Y        r: the wanted J a + gamma
        L a = z + D^-1 Y lambda
 
-   Row k of Y stands for dof k, its columns for the rows of the constraints, so that the entries of one dof
-   are contiguous and loops run over batches of rows. Only rows of constraints that hold a body behind the
-   dof are not zero there: its span. */
+   Row k of Y is that of dof k, its columns are the rows of the constraints, so that the entries of one dof
+   are contiguous and loops run over batches of rows. A dof has entries only in rows of constraints on a body
+   that it moves: its span. */
 
 RBDI_CODE_BEGIN
 

@@ -47,12 +47,10 @@ static void rbdi_exchange(const rbd_constraint_set *c, int t, rbd_real *x, int s
     }
 }
 
-/* P' X and P X. X: rows x columns. */
-static void rbdi_permute(const rbd_constraint_set *c, rbd_real *X, int columns) {
-    for (int t = 0; c->pivoted && t < c->rows; ++t) rbdi_exchange(c, t, X, columns, columns, 1);
-}
-static void rbdi_permute_back(const rbd_constraint_set *c, rbd_real *X, int columns) {
-    for (int t = c->rows - 1; c->pivoted && t >= 0; --t) rbdi_exchange(c, t, X, columns, columns, 1);
+/* P' X or, if `back`, P X. X: rows x columns. */
+static void rbdi_permute(const rbd_constraint_set *c, rbd_real *X, int columns, int back) {
+    for (int t = 0; c->pivoted && t < c->rows; ++t)
+        rbdi_exchange(c, back ? c->rows - 1 - t : t, X, columns, columns, 1);
 }
 
 /* c->square of the rows from t on. */
@@ -183,8 +181,8 @@ static void rbdi_set_slack(rbd_constraint_set *c) {
         for (int r = con->row; r < con->row + con->rows; ++r)
             c->slack[r] = rbdi_sqrt(c->slack[r]) * RBDI_FEASIBLE + noise;
     }
-    rbdi_permute(c, c->slack, 1);
-    rbdi_permute(c, c->target, 1);
+    rbdi_permute(c, c->slack, 1, 0);
+    rbdi_permute(c, c->target, 1, 0);
 }
 
 /* Notes the first dropped row, in the caller's order, that contradicts the rows it depends on: the targets
@@ -202,7 +200,7 @@ static void rbdi_check_rows(rbd_constraint_set *c) {
         bad[t] = rbdi_select(rbdi_less(bound, rbdi_abs(rbdi_rows_product(null, c->target, t + 1))), one,
                              rbdi_zero());
     }
-    rbdi_permute_back(c, bad, 1);
+    rbdi_permute(c, bad, 1, 1);
     for (int r = c->rows - 1; r >= 0; --r)
         if (rbdi_any(rbdi_less(rbdi_zero(), bad[r]))) c->infeasible = r;
 }
@@ -221,7 +219,7 @@ static void rbdi_project_columns(const rbd_constraint_set *c, rbd_real *X, int c
    their components along the null vectors, too: with them the equations would contradict each other. */
 static void rbdi_delta_solve(const rbd_constraint_set *c, rbd_real *X, int columns) {
     rbd_real *x = c->square;
-    rbdi_permute(c, X, columns);
+    rbdi_permute(c, X, columns, 0);
     rbdi_project_columns(c, X, columns);
     for (int t = 0; t < c->rows; ++t) {
         for (int i = 0; i < t; ++i) x[i] = c->R[i * c->stride + t];
@@ -234,7 +232,7 @@ static void rbdi_delta_solve(const rbd_constraint_set *c, rbd_real *X, int colum
         rbdi_multiply(&X[t * columns], c->R_inverse[t], columns);
     }
     rbdi_project_columns(c, X, columns);
-    rbdi_permute_back(c, X, columns);
+    rbdi_permute(c, X, columns, 1);
 }
 
 /* Gives lambda to the caller. Returns the status of a call from that of the pivots of M. */
