@@ -9,7 +9,7 @@ enum { SETS = ALGORITHMS - CONSTRAINED, MAX_CONTACTS = 4 };
 static int contacts_of(const rbd_model *m, int algorithm, rbd_constraint list[MAX_CONTACTS]) {
     for (size_t k = 0; k < sizeof contact_sets / sizeof *contact_sets; k++) {
         const struct contact_set *s = &contact_sets[k];
-        int found = s->algorithm == algorithm;
+        int found = s->algorithm == algorithm && rbd_nq(m) > rbd_nv(m); /* the base floats */
         for (int i = 0; i < s->count && found; i++) {
             const struct contact *c = &s->contacts[i];
             const int body = rbd_body_index(m, c->body);

@@ -91,12 +91,14 @@ class function : pinocchio::CodeGenBase<double> {
 
     static int inputs_of(const pinocchio::Model &m) { return m.nq + 2 * m.nv + 3; }
 
-    // In one file: each text but the first without the declarations that all begin with.
+    // In one file: each text but the first without the declarations that all begin with. The first, which calls
+    // the others, may be without this header.
     std::string source() {
         std::string all;
         for (const auto &[file, text] : texts(*libcgen_ptr).of(*cgen_ptr))
             if (file.find("_forward_zero") != file.npos)
-                all += all.empty() ? text : text.substr(text.find("void " + file.substr(0, file.size() - 2)));
+                all += all.empty() ? "#include <math.h>\n" + text
+                                   : text.substr(text.find("void " + file.substr(0, file.size() - 2)));
         return all;
     }
 };
