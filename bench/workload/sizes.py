@@ -46,7 +46,8 @@ def compiled(command, path, folder):
     subprocess.run([*command, "-c", path, "-o", done], check=True)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     size = subprocess.run(["size", done], check=True, capture_output=True, text=True).stdout
-    return int(size.splitlines()[1].split()[0]), after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return int(size.splitlines()[1].split()[0]), round(seconds, 3)
 
 
 def rows(build, codegen, compiler):
