@@ -35,7 +35,8 @@ const char help[] =
     "  --algorithm LIST    which functions, with commas between (id,mm,fd; or rnea,crba,aba); there are\n";
 const char help_more[] =
     "\n"
-    "  --constraints FILE  of constrained, impact, constrained_id: table of contacts and loops, as for "
+    "  --constraints FILE  of constrained, impact, constrained_id, delta: table of contacts and loops, as "
+    "for "
     "rbd-eval\n"
     "  --stances FILE      of the constraints those that hold, by the links of body1 with commas between, or "
     "none: a\n"

@@ -35,9 +35,11 @@ enum { RANDOM = 57, ZERO = RANDOM, NOT_A_NUMBER, LOCKED, BEYOND, STATES, MOST = 
 /* All functions, with their arguments, of robot n. */
 typedef const real *in;
 #if CODE_REPRODUCIBLE
+#define DELTA(x, n)
 #define CONSTRAINED_ID(x, n)
-enum { call_constrained_id = -1 };
+enum { call_delta = -2, call_constrained_id = -1 };
 #else
+#define DELTA(x, n) x(n, int, delta, (in q, real * Delta))
 #define CONSTRAINED_ID(x, n) \
     x(n, int, constrained_id, (in q, in v, in a, in f_ext, in gravity, real * tau, real * lambda))
 #endif
@@ -57,11 +59,12 @@ enum { call_constrained_id = -1 };
                           (in q, in v, in tau, in f_ext, in gravity, real * a, real * da_dq, real * da_dv, \
                            real * Minv)) x(n, int, fd, (in q, in v, in tau, in f_ext, in gravity, real * a)) \
                             x(n, int, fd_cholesky, (in q, in v, in tau, in f_ext, in gravity, real * a)) \
-                                x(n, int, constrained, \
-                                  (in q, in v, in tau, in f_ext, in gravity, real * a, real * lambda)) \
-                                    x(n, int, impact, \
-                                      (in q, in v, in restitution, real * v_plus, real * impulse)) \
-                                        CONSTRAINED_ID(x, n)
+                                DELTA(x, n) \
+                                    x(n, int, constrained, \
+                                      (in q, in v, in tau, in f_ext, in gravity, real * a, real * lambda)) \
+                                        x(n, int, impact, \
+                                          (in q, in v, in restitution, real * v_plus, real * impulse)) \
+                                            CONSTRAINED_ID(x, n)
 
 #define NUMBER(n, result, function, arguments) call_##function,
 enum { FUNCTIONS(NUMBER, ) CALLS, FIRST_WITH_PIVOTS = call_minv, FIRST_HELD = call_constrained };
@@ -258,12 +261,30 @@ static int run_code(const code *c, int call) {
     case call_fd: return c->fd(q, v, tau, f_ext, gravity, found);
     case call_constrained: return c->constrained(q, v, tau, f_ext, gravity, found, found + nv);
 #if !CODE_REPRODUCIBLE
+    case call_delta: return c->delta(q, found);
     case call_constrained_id: return c->constrained_id(q, v, a, f_ext, gravity, found, found + nv);
 #endif
     case call_impact: return c->impact(q, v, restitution, found, found + nv);
     default: return c->fd_cholesky(q, v, tau, f_ext, gravity, found);
     }
     return 0;
+}
+
+/* J M^-1 J' by its definition. */
+static rbd_status run_delta(const REAL *x, REAL *out) {
+    static REAL Minv[MOST * MOST], J[18 * MOST], y[MOST];
+    const int nv = rbd_nv(m), rows = rbd_constraint_rows(set);
+    const rbd_status status = rbd_minverse(m, w, x, Minv);
+    rbd_constraint_jacobian(m, set, x, NULL, J, NULL, NULL);
+    for (int i = 0; i < rows; i++) {
+        memset(y, 0, sizeof y);
+        for (int k = 0; k < nv * nv; k++) y[k % nv] += J[i * nv + k / nv] * Minv[k];
+        for (int j = 0; j < rows; j++) {
+            out[i * rows + j] = 0;
+            for (int k = 0; k < nv && !status; k++) out[i * rows + j] += y[k] * J[j * nv + k];
+        }
+    }
+    return status;
 }
 
 static rbd_status run_rbd(const sample_state *s, int call, REAL *out) {
@@ -294,6 +315,7 @@ static rbd_status run_rbd(const sample_state *s, int call, REAL *out) {
                                   out + nv + 2 * nv * nv);
     case call_fd: return rbd_aba(m, w, x, xv, xtau, f, out);
     case call_constrained: return rbd_constrained_fd(m, set, x, xv, xtau, f, out, out + nv);
+    case call_delta: return run_delta(x, out);
     case call_constrained_id: return rbd_constrained_id(m, set, x, xv, xa, f, motors, NULL, out, out + nv);
     case call_impact: return rbd_impact(m, set, x, xv, (REAL)0.25, out, out + nv);
     default: return rbd_fd_cholesky(m, w, x, xv, xtau, f, out);
@@ -314,6 +336,7 @@ static int size_of(int call) {
     case call_jacobian_tip: return 6 * nv;
     case call_com_jacobian: return 3 * nv;
     case call_pose_tip: return 12;
+    case call_delta: return rbd_constraint_rows(set) * rbd_constraint_rows(set);
     case call_constrained:
     case call_constrained_id:
     case call_impact: return nv + rbd_constraint_rows(set);

@@ -140,9 +140,10 @@ printf 'body1,x1,axes\nlf_lowerleg,0.33,000111\nrf_lowerleg,0.33,000111\nlh_lowe
 printf 'body1,x1,z1,axes\nl_foot,0.05,-0.08,111111\nr_foot,0.05,-0.08,111111\n' >flat.csv
 selftest flat --floating --limbs 2 --algorithm constrained --constraints flat.csv "$root/models/atlas.urdf"
 printf 'lf_lowerleg,rh_lowerleg\nrf_lowerleg,lf_lowerleg,lh_lowerleg,rh_lowerleg\nnone\n' >gait.csv
-selftest gait --floating --limbs 4 --bounded-angles --algorithm constrained,impact,constrained_id \
+selftest gait --floating --limbs 4 --bounded-angles --algorithm constrained,impact,constrained_id,delta \
     --constraints feet.csv --stances gait.csv "$hyq"
 grep -q "before it, or nearly: it returns 1 + GAIT_NV + this row" gait_code.h || fail "nor how rows are judged"
+grep -q "^int gait_delta(const double q\[19\], double Delta\[144\]);" gait_code.h || fail "Delta is not that of all constraints"
 grep -q "^int gait_impact(int stance, const double q" gait_code.h || fail "the stance is no argument"
 printf 'lf_lowerleg\nlf_upperleg\n' >knee.csv
 printf 'lf_lowerleg,lf_foot\n' >foot.csv

@@ -55,7 +55,7 @@ compare iiwa --scalar float --bounded-angles --short-sums --constraints hand.csv
 compare five_bar --lanes 4 --f-ext --bounded-angles --block 50 --constraints "$root/models/five_bar_loop.csv" --algorithm "$all"
 printf 'lf_lowerleg,rh_lowerleg\nrh_lowerleg\nnone\n' >gait.csv
 compare hyq --floating --constraints feet.csv --stances gait.csv --algorithm "$all"
-compare hyq --floating --reproducible --scalar float --constraints feet.csv --algorithm "${all%,constrained_id}"
+compare hyq --floating --reproducible --scalar float --constraints feet.csv --algorithm "${all%,delta,constrained_id}"
 compare hyq --floating --limbs 4 --gravity-argument --constraints feet.csv --algorithm "$all"
 compare atlas --floating --limbs 2 --algorithm id,mm_packed,fd
 

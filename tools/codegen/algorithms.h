@@ -24,6 +24,7 @@ static int size_rows_3(const call &c) { return 3 * rbd_nv(c.m); }
 static int size_rows_6(const call &c) { return 6 * rbd_nv(c.m); }
 static int size_wrenches(const call &c) { return 6 * rbd_nb(c.m); }
 static int size_held(const call &c) { return c.rows; }
+static int size_delta(const call &c) { return c.rows * c.rows; }
 static int size_1(const call &) { return 1; }
 static int size_3(const call &) { return 3; }
 static int size_9(const call &) { return 9; }
@@ -32,7 +33,8 @@ enum traits {
     PLAIN = 0,
     PIVOTS = 1 /* may find M singular */,
     BODY = 2 /* of a body, whose link is named */,
-    HELD = 4 /* with constraints */
+    HELD = 4 /* with constraints */,
+    ALL_HELD = 12 /* with all of them, and rows may depend on each other */
 };
 
 struct result {
@@ -41,6 +43,20 @@ struct result {
 };
 
 static rbd_status run_constrained_id(const call &c);
+
+/* Delta, once an impact has carried the rows through the tree. */
+static rbd_status run_delta(const call &c) {
+    const std::vector<rbd_real> still(size_t(rbd_nv(c.m)), rbd_real(0));
+    std::vector<rbd_real> moved(still);
+    const rbd_status status = rbd_impact(c.m, c.set, c.q, still.data(), rbd_real(0), moved.data(), NULL);
+    for (const auto *k = c.set->constraint; k < c.set->constraint + c.set->n; k++) {
+        rbdi_delta(c.set, k->dof, k->dofs, k->row, k->rows);
+        for (int i = k->row; i < k->row + k->rows; i++)
+            for (int j = i; j < c.rows; j++)
+                c.out[0][i * c.rows + j] = c.out[0][j * c.rows + i] = c.set->R[i * c.set->stride + j];
+    }
+    return status;
+}
 
 /* arguments: those below, by letter. */
 static const struct algorithm {
@@ -174,6 +190,13 @@ static const struct algorithm {
      {{"v_plus", "nv, behind the impact", size_nv}, {"impulse", "of the held axes row after row", size_held}},
      [](const call &c) { return rbd_impact(c.m, c.set, c.q, c.v, c.restitution[0], c.out[0], c.out[1]); },
      "Velocity after an impact, J v_plus = -restitution J v: rbd_impact."},
+    {"delta",
+     "q",
+     PIVOTS | ALL_HELD,
+     {{"Delta", "rows x rows of all constraints, both triangles", size_delta}},
+     run_delta,
+     "J M^-1 J' of the constraints, as rbd_contact_solve takes it: the inverse of the inertia at the "
+     "contacts."},
     {"constrained_id",
      "qvafg",
      HELD,
@@ -228,6 +251,8 @@ struct session {
         if (row->traits & HELD) hold(r, stance);
     }
 
+    bool holds_all() const { return (row->traits & ALL_HELD) == ALL_HELD; }
+
     void hold(const robot &r, int stance) {
         const rbd_constraint *all = reinterpret_cast<const rbd_constraint *>(r.constraints);
         std::vector<rbd_constraint> own;
@@ -235,7 +260,7 @@ struct session {
             const auto holds = [&](const std::vector<int> &x) {
                 return std::count(x.begin(), x.end(), i) > 0;
             };
-            const bool is_own = r.stances.empty() || holds(r.stances[size_t(stance)]);
+            const bool is_own = r.stances.empty() || holds_all() || holds(r.stances[size_t(stance)]);
             if (is_own) own.push_back(all[i]);
             for (int axis : all[i].axes)
                 if (axis && is_own)

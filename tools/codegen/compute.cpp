@@ -50,10 +50,13 @@ std::vector<std::string> algorithm_names() {
     return names;
 }
 
-bool takes_constraints(const std::string &name) {
-    return std::any_of(std::begin(algorithms), std::end(algorithms),
-                       [&](const algorithm &row) { return row.name == name && row.traits & HELD; });
+static bool has_traits(const std::string &name, int traits) {
+    return std::any_of(std::begin(algorithms), std::end(algorithms), [&](const algorithm &row) {
+        return row.name == name && (row.traits & traits) == traits;
+    });
 }
+bool takes_constraints(const std::string &name) { return has_traits(name, HELD); }
+bool takes_stances(const std::string &name) { return has_traits(name, HELD) && !has_traits(name, ALL_HELD); }
 
 std::vector<joint> joints(const robot &r) {
     session s(r, "id");

@@ -197,7 +197,6 @@ static void rows_pivot(number pivot, number least) {
 
 static std::vector<bool> kept; /* joints of run_without_rank */
 rbd_status run_constrained_id(const call &c) {
-    if (tape->is_exact) throw std::runtime_error("--reproducible: not with constrained_id");
     return run_without_rank(c, [](size_t k, number pivot, number entry) {
         if (kept[k]) rows_pivot(pivot, entry * RBDI_CLEAR);
         return bool(kept[k]);
@@ -228,6 +227,8 @@ static void set_gravity(const session &s, const robot &r, const std::vector<numb
 /* The call with the constraints of a stance. What it shares with those before is there already. */
 static void record_set(const robot &r, const std::string &name, int stance, function *f) {
     row_pivots.clear();
+    if (tape->is_exact && (name == "constrained_id" || name == "delta"))
+        throw std::runtime_error("--reproducible: not with " + name);
     if (name == "constrained_id") kept = independent_joints(r, stance);
     session s(r, name, stance);
     std::vector<number> x[ARGUMENTS];
@@ -244,7 +245,8 @@ static void record_set(const robot &r, const std::string &name, int stance, func
     for (const result &y : s.row->results)
         if (y.size) f->outputs.push_back({y.name, y.size(s.c), y.shape});
     const bool has_M = s.row->traits & PIVOTS;
-    if (s.c.set) f->rows_held = has_M ? s.c.rows : int(kept.size());
+    if (s.holds_all()) row_pivots.clear();
+    if (s.c.set && !s.holds_all()) f->rows_held = has_M ? s.c.rows : int(kept.size());
     std::vector<value> pivots(size_t(f->rows_held), tape->constant(1));
     f->limits.resize(pivots.size(), 0);
     for (size_t k = 0; k < row_pivots.size(); k++)
@@ -276,7 +278,7 @@ function RECORD(const robot &r, const std::string &name) {
     steps.clear();
     stand_in.clear();
     limbs_alike = r.limbs_alike;
-    const bool has_stances = takes_constraints(name) && !r.stances.empty();
+    const bool has_stances = takes_stances(name) && !r.stances.empty();
     recorder.begin(&f, r.by_rows && !has_stances);
     f.stances = has_stances ? int(r.stances.size()) : 0;
     f.rows_held = 0;

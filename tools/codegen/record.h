@@ -33,6 +33,7 @@ std::vector<joint> joints(const robot &r);
 /* The names of all algorithms; of a body: "NAME:LINK". */
 std::vector<std::string> algorithm_names();
 bool takes_constraints(const std::string &name);
+bool takes_stances(const std::string &name);
 
 /* For constrained_id: joints without motors that are independent, those that are it best in random states. */
 std::vector<bool> independent_joints(const robot &r, int stance);
