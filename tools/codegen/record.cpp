@@ -194,6 +194,7 @@ static void rows_pivot(number pivot, number least) {
 #include "algorithms.h"
 #include "held.h"
 #include "rows_record.h"
+#include "derivatives_record.h"
 
 static std::vector<bool> kept; /* joints of run_without_rank */
 rbd_status run_constrained_id(const call &c) {
@@ -241,7 +242,8 @@ static void record_set(const robot &r, const std::string &name, int stance, func
         f->inputs.push_back({a.name, a.size(s.c), a.shape});
     }
     set_gravity(s, r, x[5]);
-    for (number y : s.run(x, s.row->run)) f->results.push_back(record(y.x));
+    const auto own = r.reproducible ? NULL : record_of(s.row->name);
+    for (number y : s.run(x, own ? own : s.row->run)) f->results.push_back(record(y.x));
     for (const result &y : s.row->results)
         if (y.size) f->outputs.push_back({y.name, y.size(s.c), y.shape});
     const bool has_M = s.row->traits & PIVOTS;
