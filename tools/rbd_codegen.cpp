@@ -56,7 +56,7 @@ const char help_more[] =
     "  --example           also NAME_example.c, a main that calls the first function and prints what it "
     "gives\n"
     "  --short-sums        for machines that do one operation at a time, as Cortex-M\n"
-    "  --block N           most statements of a C function (600); longer ones are cut into several\n"
+    "  --block N           most statements of a C function (300); longer ones are cut into several\n"
     "How the file is read:\n";
 const char help_end[] =
     "\n"
@@ -527,7 +527,7 @@ int main(int argc, char **argv) {
     options o = {};
     o.target.lanes = 1;
     o.target.limbs = 1;
-    o.target.block = 600;
+    o.target.block = 300;
     o.target.statements.long_sums = true;
     o.algorithms = {"id", "mm", "fd"};
     o.read = settings_new(argc, argv);

@@ -15,11 +15,12 @@ const char compiler_text[] = R"(
 #error "reassociation voids the sine's argument reduction: compile without -ffast-math"
 #endif
 
-/* GCC's vectoriser packs scalars and loses time by it, as does its first scheduler on Arm, which spills. Its
-   ISO modes do not contract products and sums to fused operations. */
+/* GCC's vectoriser packs scalars and loses time by it, as do its first scheduler on Arm, which spills, and
+   memset for a few zeros. Its ISO modes do not contract products and sums to fused operations. */
 #if defined __GNUC__ && !defined __clang__
 #pragma GCC optimize("fp-contract=%s")
 #ifdef __OPTIMIZE__
+#pragma GCC optimize("no-tree-loop-distribute-patterns")
 #pragma GCC optimize("no-tree-slp-vectorize,no-tree-vectorize,no-math-errno")
 #ifdef __arm__
 #pragma GCC optimize("no-schedule-insns")
@@ -161,6 +162,7 @@ std::string common_text(const std::vector<piece> &all, const target &t) {
     if (any([](const piece &x) { return !x.p.angles.empty(); })) s += sines_text(t);
     if (any([](const piece &x) { return !x.p.f.pivots.empty(); })) s += judge_text;
     if (any([](const piece &x) { return x.p.f.rows_held > 0; })) s += held_text;
+    if (t.lanes == 1) s += copies_text();
     if (any([](const piece &x) { return x.p.f.rows > 0; })) s += rows_text();
     return s;
 }

@@ -38,6 +38,7 @@ class writer {
     void check_loads() const;
     std::string calls_before(int i);
     std::string copies() const;
+    std::string clears() const;
     std::string block_text(int k);
     std::string part(int k, const std::string &arguments);
     std::string sines() const;
@@ -69,17 +70,11 @@ void writer::check_loads() const {
 }
 
 std::string writer::calls_before(int i) {
-    const value zero = f.code.find_constant(0);
     std::string s;
     for (; calls < f.calls.size() && f.calls[calls].node <= i; calls++) {
-        const std::vector<row_call::store> &all = f.calls[calls].stores;
-        for (size_t k = 0, n = 0; k < all.size(); k += n ? n : 1, n = 0) {
-            while (k + n < all.size() && all[k + n].x == zero && all[k + n].at == all[k].at + int(n)) n++;
-            if (n > 2)
-                s += format("    CLEAR(%d, rows + %d);\n", int(n), all[k].at);
-            else if (n = 0, p.is_for_call(all[k]))
-                s += format("    rows[%d] = %s;\n", all[k].at, c.of(all[k].x).c_str());
-        }
+        for (const row_call::store &x : f.calls[calls].stores)
+            if (p.is_for_call(x) && !c.is_cleared(x))
+                s += format("    rows[%d] = %s;\n", x.at, c.of(x.x).c_str());
         s += format("    %s_rows_%zu(rows);\n", full.c_str(), calls);
     }
     return s;
@@ -100,6 +95,29 @@ std::string writer::copies() const {
             s += format("    COPY(%d, %s + %d, %d);\n", n, a.name.c_str(), k, at(k));
         }
         first += size_t(a.size);
+    }
+    return s;
+}
+
+/* The zeros of an array, before all else is stored: whole fours, which may reach over other elements. */
+template <class function> std::string clear_text(const std::string &name, int size, function is_zero) {
+    std::string s;
+    for (int k = 0, n = 0; k < size; k += n ? n : 1, n = 0) {
+        while (k + n < size && is_zero(k + n)) n += std::min<int>(FOUR, size - k - n);
+        if (n > 0) s += format("    CLEAR(%d, %s + %d);\n", n, name.c_str(), k);
+    }
+    return s;
+}
+
+std::string writer::clears() const {
+    std::vector<char> is_zero(size_t(f.rows), 0);
+    for (const row_call &call : f.calls)
+        for (const row_call::store &x : call.stores) is_zero[size_t(x.at)] |= c.is_cleared(x);
+    std::string s = clear_text("rows", f.rows, [&](int k) { return is_zero[size_t(k)] != 0; });
+    const value *first = f.results.data();
+    for (const array &a : f.outputs) {
+        s += clear_text(a.name, a.size, [&](int k) { return c.is_cleared(first[k]); });
+        first += a.size;
     }
     return s;
 }
@@ -139,6 +157,7 @@ std::string writer::block_text(int k) {
         return format("k%s[%d]", p.at(i).is_vector ? "l" : "", b.kept_at[size_t(i)]);
     };
     std::string s;
+    c.begin_block();
     for (int i : b.order) {
         const int own = b.of[size_t(i)];
         const bool is_kept = b.kept_at[size_t(i)] >= 0;
@@ -212,7 +231,7 @@ std::string writer::text() {
     }
     s += format("%s %s(%s) {\n", result_type(f), full.c_str(), arguments.c_str());
     for (const local &x : locals()) s += format("    %s %s[%zu];\n", x.type, x.name, x.size);
-    return s + sines() + body + "    " + names(f, "(void)") + ";\n" + end() + "}\n\n";
+    return s + clears() + sines() + body + "    " + names(f, "(void)") + ";\n" + end() + "}\n\n";
 }
 
 } // namespace

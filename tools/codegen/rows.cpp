@@ -11,7 +11,6 @@ static_assert(MOST_FOURS == 10, "the texts below have room for as many");
 const char by_vectors[] = R"(
 /* Sums of rows, by fours of columns. */
 #ifdef __GNUC__
-typedef scalar four __attribute__((vector_size(4 * sizeof(scalar)), aligned(sizeof(scalar)), may_alias));
 #define AT(x, i) (((four *)(rows + (x)))[i])
 /* Compilers that know what has been stored would keep it in registers, and spill it: read it again. */
 #define ROW { four s[10]; __asm__ volatile("" ::: "memory");
@@ -21,19 +20,23 @@ typedef scalar four __attribute__((vector_size(4 * sizeof(scalar)), aligned(size
 #define TO(i, n, x) TO##n(i, x)
 )";
 
-const char by_loops[] = R"(#else
-#define ROW { scalar s[40];
-#define EACH(n) for (int j = 0; j < 4 * (n); ++j)
-#define FROM(i, n, x) EACH(n) s[4 * (i) + j] = rows[(x) + j];
-#define TIMES(i, n, k, x) EACH(n) s[4 * (i) + j] = k * rows[(x) + j];
-#define MINUS(i, n, k, x) EACH(n) s[4 * (i) + j] -= k * rows[(x) + j];
-#define TO(i, n, x) EACH(n) rows[(x) + j] = s[4 * (i) + j];
+const char clears_and_copies[] = R"(
+#ifdef __GNUC__
+typedef scalar four __attribute__((vector_size(4 * sizeof(scalar)), aligned(sizeof(scalar)), may_alias));
 #endif
-#define END }
 #define CLEAR(n, to) clear_row(n, to)
 #define COPY(n, to, x) copy_row(n, to, rows + (x))
 INLINE void clear_row(int n, scalar *to) {
-    for (int j = 0; j < n; ++j) to[j] = 0;
+    int j = 0;
+#ifdef __GNUC__
+    const four zeros = {0};
+    for (; j + 32 <= n; j += 32) {
+        four *y = (four *)(to + j);
+        y[0] = y[1] = y[2] = y[3] = y[4] = y[5] = y[6] = y[7] = zeros;
+    }
+    for (; j + 4 <= n; j += 4) *(four *)(to + j) = zeros;
+#endif
+    for (; j < n; ++j) to[j] = 0;
 }
 /* By sixteens at first, else compilers call memcpy. */
 INLINE void copy_row(int n, scalar *restrict to, const scalar *restrict from) {
@@ -48,6 +51,17 @@ INLINE void copy_row(int n, scalar *restrict to, const scalar *restrict from) {
 #endif
     for (; j < n; ++j) to[j] = from[j];
 }
+)";
+
+const char by_loops[] = R"(#else
+#define ROW { scalar s[40];
+#define EACH(n) for (int j = 0; j < 4 * (n); ++j)
+#define FROM(i, n, x) EACH(n) s[4 * (i) + j] = rows[(x) + j];
+#define TIMES(i, n, k, x) EACH(n) s[4 * (i) + j] = k * rows[(x) + j];
+#define MINUS(i, n, k, x) EACH(n) s[4 * (i) + j] -= k * rows[(x) + j];
+#define TO(i, n, x) EACH(n) rows[(x) + j] = s[4 * (i) + j];
+#endif
+#define END }
 )";
 
 /* Calls one(first, number) for the runs of a set of fours. */
@@ -106,6 +120,8 @@ std::vector<int> places_written(const row_call &c) {
     }
     return all;
 }
+
+std::string copies_text() { return clears_and_copies; }
 
 std::string rows_text() {
     static const char *const macros[][3] = {{"FROM", "(i, x)", " = AT(x, "},

@@ -45,6 +45,7 @@ struct row_call {
 };
 
 std::vector<int> places_written(const row_call &c);
+std::string copies_text(); /* CLEAR and COPY */
 std::string rows_text();
 std::string sums_text(const row_call &c);
 /* Multiplications and additions, of fours. */

@@ -12,7 +12,8 @@ statements::statements(const program &p_, const target &t_) : name(p_.f.code.nod
     for (int set = 0; set < f.sets(); set++) {
         for (const array &a : f.outputs)
             for (int k = 0; k < a.size; k++, first++)
-                if (!is_copied(f.results[first])) store_at(f.results[first], a.name, size_t(k), 1u << set);
+                if (!is_copied(f.results[first]) && !is_cleared(f.results[first]))
+                    store_at(f.results[first], a.name, size_t(k), 1u << set);
         for (int k = 0; k < f.judged(); k++) store_at(f.pivots[judged++], "pivot", size_t(k), 1u << set);
     }
     for (const row_call &c : f.calls)
@@ -113,14 +114,19 @@ std::string statements::expression(int i) const {
 }
 
 std::string statements::statement(int i) {
-    name[size_t(i)] = format("t%d", i);
-    return (p.at(i).is_vector ? "    const limbs " : "    const real ") + name[size_t(i)] + " = " +
-           expression(i) + ";\n" + stores_of(i);
+    name[size_t(i)] = format("t%d", named++);
+    return (p.at(i).is_vector ? "    limbs " : "    real ") + name[size_t(i)] + " = " + expression(i) +
+           ";\n" + stores_of(i);
 }
 
 /* ---- stores ---- */
 
 bool statements::is_copied(value x) const { return p.at(node_of(x)).op == LOADED && !is_negative(x); }
+
+/* With stances a result may be zero in some of them alone. */
+bool statements::is_cleared(value x) const {
+    return t.lanes == 1 && p.f.stances == 0 && x == p.f.code.find_constant(0);
+}
 
 void statements::store_at(value x, const std::string &array, size_t k, uint32_t stances) {
     const node &n = p.at(node_of(x));

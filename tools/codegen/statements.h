@@ -18,10 +18,14 @@ class statements {
     std::string statement(int i);         /* with the stores of what it computes; it gets a name */
     std::string stores_of_others() const; /* of results that are no statements */
     bool is_copied(value x) const;        /* a result that stands in rows */
+    bool is_cleared(value x) const;       /* a zero, which is stored before all statements */
+    bool is_cleared(const row_call::store &x) const { return !x.late && is_cleared(x.x); }
+    void begin_block() { named = 0; } /* short names, for they are half of the text */
 
   private:
     const program &p;
     const target &t;
+    int named = 0;                     /* statements of the block */
     std::map<wanted_angle, int> angle; /* its index among the angles */
     struct store {
         std::string array;
