@@ -505,15 +505,17 @@ RBDI_ONCE rbdi_relative_motion rbdi_relative_motion_of(const rbd_constraint_set 
                                                        const rbdi_constraint *con) {
     const rbdi_v3 p = rbdi_frame_origin(c, con, 0);
     const rbdi_station one = rbdi_station_at(c, con->link[0], p), two = rbdi_station_at(c, con->link[1], p);
-    rbdi_relative_motion x;
-    x.body[0] = one, x.body[1] = two;
-    x.velocity.omega = rbdi_sub(one.omega, two.omega), x.velocity.v = rbdi_sub(one.v, two.v);
-    x.rate.omega = rbdi_sub(one.omega_dot, two.omega_dot), x.rate.v = rbdi_sub(one.acc, two.acc);
+    rbdi_relative_motion relative;
+    relative.body[0] = one, relative.body[1] = two;
+    relative.velocity.omega = rbdi_sub(one.omega, two.omega), relative.velocity.v = rbdi_sub(one.v, two.v);
+    relative.rate.omega = rbdi_sub(one.omega_dot, two.omega_dot),
+    relative.rate.v = rbdi_sub(one.acc, two.acc);
     if (con->link[1] >= 0) {
-        x.rate.omega = rbdi_sub(x.rate.omega, rbdi_cross(two.omega, x.velocity.omega));
-        x.rate.v = rbdi_sub(x.rate.v, rbdi_cross(two.omega, rbdi_add(x.velocity.v, x.velocity.v)));
+        relative.rate.omega = rbdi_sub(relative.rate.omega, rbdi_cross(two.omega, relative.velocity.omega));
+        relative.rate.v = rbdi_sub(relative.rate.v,
+                                   rbdi_cross(two.omega, rbdi_add(relative.velocity.v, relative.velocity.v)));
     }
-    return x;
+    return relative;
 }
 
 /* Orientation of a constraint's frame in the world. */
@@ -591,10 +593,10 @@ RBDI_ONCE void rbdi_add_held(const rbdi_constraint *con, const rbdi_axes_held *h
 /* Adds gamma and J v of a constraint and, if `errors`, e. Returns the origin of frame 1 in the world. */
 RBDI_ONCE rbdi_v3 rbdi_constraint_motion(rbd_constraint_set *c, const rbdi_constraint *con,
                                          const rbdi_axes_held *h, int errors) {
-    const rbdi_relative_motion x = rbdi_relative_motion_of(c, con);
-    const rbdi_v3 p = x.body[0].p;
-    rbdi_add_held(con, h, x.rate.omega, x.rate.v, &c->gamma[con->row]);
-    rbdi_add_held(con, h, x.velocity.omega, x.velocity.v, &c->velocity[con->row]);
+    const rbdi_relative_motion relative = rbdi_relative_motion_of(c, con);
+    const rbdi_v3 p = relative.body[0].p;
+    rbdi_add_held(con, h, relative.rate.omega, relative.rate.v, &c->gamma[con->row]);
+    rbdi_add_held(con, h, relative.velocity.omega, relative.velocity.v, &c->velocity[con->row]);
     if (errors) {
         rbdi_v3 turn = rbdi_vec0();
         if (con->angular) {
@@ -985,8 +987,8 @@ static rbd_real rbdi_sum_abs(rbdi_v3 x) { return rbdi_abs(x.x) + rbdi_abs(x.y) +
 /* A bound on the terms of a constraint's target. J v, gamma and e in it are differences, so they may be far
    smaller than their terms. */
 static rbd_real rbdi_motion_size(const rbd_constraint_set *c, const rbdi_constraint *con) {
-    const rbdi_relative_motion x = rbdi_relative_motion_of(c, con);
-    const rbdi_station one = x.body[0], two = x.body[1];
+    const rbdi_relative_motion relative = rbdi_relative_motion_of(c, con);
+    const rbdi_station one = relative.body[0], two = relative.body[1];
     const rbd_real w = rbdi_sum_abs(one.omega) + rbdi_sum_abs(two.omega),
                    v = w + rbdi_sum_abs(one.v) + rbdi_sum_abs(two.v),
                    p = rbdi_sum_abs(one.p) + rbdi_sum_abs(rbdi_frame_origin(c, con, 1)) + RBD_C(1);
@@ -1415,10 +1417,10 @@ RBDI_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraint_set *c
     return status ? status : rbdi_constrained(m, c, q, v, tau, f_ext, NULL, a, lambda);
 }
 
-static int rbdi_restitution_fits(rbd_real x) {
+static int rbdi_restitution_fits(rbd_real restitution) {
     const rbd_real one = rbdi_set(RBD_C(1)), two = one + one; /* to refuse NaN, which is not below it */
-    const rbdi_mask above = rbdi_or(rbdi_less(one, x), rbdi_not(rbdi_less(x, two)));
-    return !rbdi_any(rbdi_or(above, rbdi_less(x, rbdi_zero())));
+    const rbdi_mask above = rbdi_or(rbdi_less(one, restitution), rbdi_not(rbdi_less(restitution, two)));
+    return !rbdi_any(rbdi_or(above, rbdi_less(restitution, rbdi_zero())));
 }
 
 RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
@@ -1732,13 +1734,13 @@ static rbd_status rbdi_check_constraint(const rbd_model *m, const rbd_constraint
 }
 
 /* Converts a frame on a body to a frame on its link; returns the link. */
-static int rbdi_place_frame(const rbd_model *m, int body, const double R[9], const double p[3],
+static int rbdi_place_frame(const rbd_model *m, int body, const double rotation[9], const double position[3],
                             rbd_const R_link[9], rbdi_c3 *p_link) {
     rbdi_wide A[9], x[3], E[9], r[3] = {0, 0, 0};
     rbdi_w_identity(E);
-    rbdi_widen(R, 9, A);
-    rbdi_widen(p, 3, x);
-    if (rbdi_all_zero(R, 9)) rbdi_w_identity(A);
+    rbdi_widen(rotation, 9, A);
+    rbdi_widen(position, 3, x);
+    if (rbdi_all_zero(rotation, 9)) rbdi_w_identity(A);
     rbdi_orthonormalise(A);
     if (body >= 0) {
         const rbdi_frame *u = &m->frame[body];

@@ -373,8 +373,8 @@ struct rbd_contact_set {
     rbdi_contact_solver solver;
 };
 
-/* Takes n objects from the memory at p, a variable of the caller. */
-#define RBDI_CUT(type, n) ((type *)rbdi_take(&p, 1, RBDI_ROUND((size_t)(n) * sizeof(type))))
+/* Takes n objects from the memory at `at`, a variable of the caller. */
+#define RBDI_CUT(type, n) ((type *)rbdi_take(&at, 1, RBDI_ROUND((size_t)(n) * sizeof(type))))
 
 /* Bytes for n contacts, so many held constraints and, at most, `bounded` other rows. */
 #define RBDI_CONTACT_SET_BYTES(nv, n, constraints, bounded, stride) \
@@ -486,21 +486,21 @@ typedef struct rbdi_contact_trial {
 
 RBDI_INLINE rbdi_contact_trial rbdi_contact_try(const rbdi_contact_law *law, const rbd_real s[2], rbd_real p0,
                                                 rbd_real alpha) {
-    rbdi_contact_trial x;
-    x.t[0] = -s[0] / (law->l[0] + alpha), x.t[1] = -s[1] / (law->l[1] + alpha);
-    x.normal = p0 - law->k[0] * x.t[0] - law->k[1] * x.t[1];
-    x.size = rbdi_sqrt(x.t[0] * x.t[0] + x.t[1] * x.t[1]);
-    return x;
+    rbdi_contact_trial trial;
+    trial.t[0] = -s[0] / (law->l[0] + alpha), trial.t[1] = -s[1] / (law->l[1] + alpha);
+    trial.normal = p0 - law->k[0] * trial.t[0] - law->k[1] * trial.t[1];
+    trial.size = rbdi_sqrt(trial.t[0] * trial.t[0] + trial.t[1] * trial.t[1]);
+    return trial;
 }
 
 /* Newton increment of alpha for 1/|p_t| - 1/(mu p_n) = 0. */
-RBDI_INLINE rbd_real rbdi_slip_newton(const rbdi_contact_law *law, const rbdi_contact_trial *x,
+RBDI_INLINE rbd_real rbdi_slip_newton(const rbdi_contact_law *law, const rbdi_contact_trial *trial,
                                       rbd_real alpha) {
-    const rbd_real bound = law->friction * x->normal, r0 = x->t[0] / (law->l[0] + alpha),
-                   r1 = x->t[1] / (law->l[1] + alpha);
-    const rbd_real size_rate = -(x->t[0] * r0 + x->t[1] * r1) / x->size,
+    const rbd_real size = trial->size, bound = law->friction * trial->normal,
+                   r0 = trial->t[0] / (law->l[0] + alpha), r1 = trial->t[1] / (law->l[1] + alpha);
+    const rbd_real size_rate = -(trial->t[0] * r0 + trial->t[1] * r1) / size,
                    bound_rate = law->friction * (law->k[0] * r0 + law->k[1] * r1);
-    return (1 / x->size - 1 / bound) / (size_rate / (x->size * x->size) - bound_rate / (bound * bound));
+    return (1 / size - 1 / bound) / (size_rate / (size * size) - bound_rate / (bound * bound));
 }
 
 /* Finds the root of (1). law->alpha is the first guess, and becomes the root. Neither s nor mu is 0. */
@@ -508,23 +508,23 @@ RBDI_PART rbdi_contact_trial rbdi_slip_root(rbdi_contact_law *law, const rbd_rea
     const rbd_real mu = law->friction, size = rbdi_sqrt(s[0] * s[0] + s[1] * s[1]);
     rbd_real low = rbdi_zero(), alpha = law->alpha,
              high = size * (1 + mu * (rbdi_abs(law->k[0]) + rbdi_abs(law->k[1]))) / (mu * p0);
-    rbdi_contact_trial x;
+    rbdi_contact_trial trial;
     if (!(alpha > 0 && alpha < high)) alpha = size / (mu * p0) - law->l[0]; /* as without coupling */
     if (!(alpha > 0 && alpha < high)) alpha = rbdi_zero();
-    x = rbdi_contact_try(law, s, p0, alpha);
+    trial = rbdi_contact_try(law, s, p0, alpha);
     for (int i = 0; i < RBDI_ROOT_STEPS; ++i) {
-        const rbd_real excess = x.size - mu * x.normal;
+        const rbd_real excess = trial.size - mu * trial.normal;
         rbd_real next = alpha;
         low = excess > 0 ? alpha : low, high = excess > 0 ? high : alpha;
-        if (rbdi_abs(excess) <= 8 * RBDI_EPS * x.size || high - low <= 2 * RBDI_EPS * high) break;
-        if (x.normal > 0) next = alpha + rbdi_slip_newton(law, &x, alpha);
+        if (rbdi_abs(excess) <= 8 * RBDI_EPS * trial.size || high - low <= 2 * RBDI_EPS * high) break;
+        if (trial.normal > 0) next = alpha + rbdi_slip_newton(law, &trial, alpha);
         if (!(next > low && next < high))
             next = low > 0 && high > 16 * low ? rbdi_sqrt(low) * rbdi_sqrt(high) : (low + high) / 2;
         alpha = next;
-        x = rbdi_contact_try(law, s, p0, alpha);
+        trial = rbdi_contact_try(law, s, p0, alpha);
     }
     law->alpha = alpha;
-    return x;
+    return trial;
 }
 
 /* The impulse of a contact from w, and its state. */
@@ -780,8 +780,8 @@ RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int k) {
         if (size > largest) best = g, largest = size;
     }
     for (int j = k; best != own && j < s->unknowns + s->sides; ++j) {
-        const rbd_real x = own[j];
-        own[j] = best[j], best[j] = x;
+        const rbd_real old = own[j];
+        own[j] = best[j], best[j] = old;
     }
     return largest > 0;
 }
@@ -811,9 +811,10 @@ RBDI_PART int rbdi_newton_cholesky(rbdi_contact_solver *s) {
         rbd_real *own = &s->G[k * stride];
         const int from = k / RBDI_BATCH * RBDI_BATCH;
         for (int j = from; j < stride; j += RBDI_BATCH) {
-            rbdi_batch x = *(const rbdi_batch *)&own[j];
-            for (const rbd_real *g = s->G; g < own; g += stride) x = x - *(const rbdi_batch *)&g[j] * g[k];
-            *(rbdi_batch *)&own[j] = x;
+            rbdi_batch out = *(const rbdi_batch *)&own[j];
+            for (const rbd_real *g = s->G; g < own; g += stride)
+                out = out - *(const rbdi_batch *)&g[j] * g[k];
+            *(rbdi_batch *)&own[j] = out;
         }
         if (!(own[k] > 0)) return 0;
         rbdi_multiply(own + from, 1 / rbdi_sqrt(own[k]), stride - from);
@@ -974,7 +975,7 @@ RBDI_PART void rbdi_contact_iterate(rbdi_contact_solver *s) {
 }
 
 /* Lays out a solver's arrays in the memory. */
-RBDI_PART void rbdi_lay_solver(rbdi_contact_solver *s, int contacts, int bounded, unsigned char *p) {
+RBDI_PART void rbdi_lay_solver(rbdi_contact_solver *s, int contacts, int bounded, unsigned char *at) {
     const int rows = 3 * contacts + bounded;
     s->law = RBDI_CUT(rbdi_contact_law, contacts);
     s->bound = RBDI_CUT(rbd_contact_state, bounded);
@@ -1154,7 +1155,7 @@ static rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work *w,
 static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held, int held_rows,
                                           const rbd_contact_options *o, void *memory) {
     const int dof_rows = rbdi_list_dof_rows(m, o, NULL), bounded = held_rows + dof_rows, nv = m->nv;
-    unsigned char *p = rbdi_aligned(memory);
+    unsigned char *at = rbdi_aligned(memory);
     rbd_contact_set *c = RBDI_CUT(rbd_contact_set, 1);
     c->options = *o;
     c->n = n, c->dof_rows = dof_rows, c->max_rows = 3 * n + bounded;
@@ -1164,10 +1165,10 @@ static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held,
     c->friction = RBDI_CUT(rbd_real, n + 2 * bounded + 2 * c->max_rows + 4 * nv), c->lower = c->friction + n;
     c->upper = c->lower + bounded, c->b = c->upper + bounded, c->impulse = c->b + c->max_rows;
     c->start = c->impulse + c->max_rows, c->nu = c->start + nv, c->moved = c->nu + nv, c->x = c->moved + nv;
-    rbdi_lay_solver(&c->solver, n, bounded, p);
-    p += RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded));
+    rbdi_lay_solver(&c->solver, n, bounded, at);
+    at += RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded));
     c->sigma = o->derivatives ? RBDI_CUT(rbd_real, RBDI_CONTACT_SIDES(nv, c->max_rows)) : NULL;
-    c->rows = rbdi_lay_constraints(nv, n + n_held, c->max_rows, p);
+    c->rows = rbdi_lay_constraints(nv, n + n_held, c->max_rows, at);
     return c;
 }
 
@@ -1246,22 +1247,22 @@ RBDI_API rbd_status rbd_contact_plane(const rbd_model *m, rbd_contact_set *c, in
 
 /* World axes of the normal of a constraint. */
 RBDI_INLINE rbdi_v3 rbdi_contact_normal(const rbd_constraint_set *s, const rbdi_constraint *con) {
-    const rbdi_v3 n =
+    const rbdi_v3 normal =
         rbdi_vec(rbdi_set(con->held[0][2]), rbdi_set(con->held[1][2]), rbdi_set(con->held[2][2]));
-    return con->link[1] < 0 ? n : rbdi_mul_t(s->w->kin[con->link[1]].X.E, n);
+    return con->link[1] < 0 ? normal : rbdi_mul_t(s->w->kin[con->link[1]].X.E, normal);
 }
 
 /* Computes gap and velocity of approach, and moves frame 1 of the constraint to the place of contact. */
 static void rbdi_contact_gap(const rbd_constraint_set *s, rbdi_constraint *con, rbdi_contact *contact) {
-    const rbdi_v3 n = rbdi_contact_normal(s, con),
-                  x = con->link[0] < 0 ? n : rbdi_mul(s->w->kin[con->link[0]].X.E, n);
+    const rbdi_v3 normal = rbdi_contact_normal(s, con),
+                  local = con->link[0] < 0 ? normal : rbdi_mul(s->w->kin[con->link[0]].X.E, normal);
     rbdi_relative_motion relative;
-    con->position[0].x = contact->point.x - contact->radius * (rbd_const)x.x;
-    con->position[0].y = contact->point.y - contact->radius * (rbd_const)x.y;
-    con->position[0].z = contact->point.z - contact->radius * (rbd_const)x.z;
+    con->position[0].x = contact->point.x - contact->radius * (rbd_const)local.x;
+    con->position[0].y = contact->point.y - contact->radius * (rbd_const)local.y;
+    con->position[0].z = contact->point.z - contact->radius * (rbd_const)local.z;
     relative = rbdi_relative_motion_of(s, con);
-    contact->gap = rbdi_dot(n, rbdi_sub(relative.body[0].p, rbdi_frame_origin(s, con, 1)));
-    contact->approach = rbdi_dot(n, relative.velocity.v);
+    contact->gap = rbdi_dot(normal, rbdi_sub(relative.body[0].p, rbdi_frame_origin(s, con, 1)));
+    contact->approach = rbdi_dot(normal, relative.velocity.v);
 }
 
 /* Whether this distance may become 0 within two steps, or is at most the margin. */

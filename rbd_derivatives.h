@@ -611,11 +611,11 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
     }
 }
 
-/* Copies n scalars, a batch at a time. */
-RBDI_INLINE void rbdi_copy(const rbd_real *x, int n, rbd_real *y) {
+/* Copies so many scalars, a batch at a time. */
+RBDI_INLINE void rbdi_copy(const rbd_real *x, int count, rbd_real *y) {
     int k = 0;
-    for (; k + RBDI_BATCH <= n; k += RBDI_BATCH) *(rbdi_batch *)&y[k] = *(const rbdi_batch *)&x[k];
-    for (; k < n; ++k) y[k] = x[k];
+    for (; k + RBDI_BATCH <= count; k += RBDI_BATCH) *(rbdi_batch *)&y[k] = *(const rbdi_batch *)&x[k];
+    for (; k < count; ++k) y[k] = x[k];
 }
 /* Copies v or a into the lanes, which have the same order, from dof k on: 0 or the first behind a base. */
 RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v, rbd_real *out) {
@@ -681,20 +681,20 @@ RBDI_INLINE rbdi_b3 rbdi_b_rotate(const rbdi_columns *c, rbdi_cbatch x, rbdi_cba
     return rbdi_b_vec(ex.x * x + ey.x * y + ez.x * z, ex.y * x + ey.y * y + ez.y * z,
                       ex.z * x + ey.z * y + ez.z * z);
 }
-/* Sigma and h of the links. */
+/* Sigma and h of the links, from R h_b and the columns of R Sigma_b. */
 RBDI_INLINE void rbdi_own_inertia(const rbdi_columns *c, const rbdi_constants *own, rbdi_sums *s) {
     const rbdi_b3 ex = c->ex, ey = c->ey, ez = c->ez, x = c->x;
     const rbdi_b3 h = rbdi_b_rotate(c, own->hx, own->hy, own->hz),
-                  u = rbdi_b_rotate(c, own->xx, own->xy, own->xz),
-                  v = rbdi_b_rotate(c, own->xy, own->yy, own->yz),
-                  w = rbdi_b_rotate(c, own->xz, own->yz, own->zz); /* R h_b; (u v w) = R Sigma_b */
+                  col_x = rbdi_b_rotate(c, own->xx, own->xy, own->xz),
+                  col_y = rbdi_b_rotate(c, own->xy, own->yy, own->yz),
+                  col_z = rbdi_b_rotate(c, own->xz, own->yz, own->zz);
     s->h = rbdi_b_vec(h.x + x.x * own->m, h.y + x.y * own->m, h.z + x.z * own->m);
-    s->xx = u.x * ex.x + v.x * ey.x + w.x * ez.x + x.x * h.x + s->h.x * x.x;
-    s->xy = u.x * ex.y + v.x * ey.y + w.x * ez.y + x.x * h.y + s->h.x * x.y;
-    s->xz = u.x * ex.z + v.x * ey.z + w.x * ez.z + x.x * h.z + s->h.x * x.z;
-    s->yy = u.y * ex.y + v.y * ey.y + w.y * ez.y + x.y * h.y + s->h.y * x.y;
-    s->yz = u.y * ex.z + v.y * ey.z + w.y * ez.z + x.y * h.z + s->h.y * x.z;
-    s->zz = u.z * ex.z + v.z * ey.z + w.z * ez.z + x.z * h.z + s->h.z * x.z;
+    s->xx = col_x.x * ex.x + col_y.x * ey.x + col_z.x * ez.x + x.x * h.x + s->h.x * x.x;
+    s->xy = col_x.x * ex.y + col_y.x * ey.y + col_z.x * ez.y + x.x * h.y + s->h.x * x.y;
+    s->xz = col_x.x * ex.z + col_y.x * ey.z + col_z.x * ez.z + x.x * h.z + s->h.x * x.z;
+    s->yy = col_x.y * ex.y + col_y.y * ey.y + col_z.y * ez.y + x.y * h.y + s->h.y * x.y;
+    s->yz = col_x.y * ex.z + col_y.y * ey.z + col_z.y * ez.z + x.y * h.z + s->h.y * x.z;
+    s->zz = col_x.z * ex.z + col_y.z * ey.z + col_z.z * ez.z + x.z * h.z + s->h.z * x.z;
 }
 
 /* X and P of the links. V is their velocity or, for 2 B in place of B, twice that. */
@@ -765,30 +765,30 @@ RBDI_PART void rbdi_common_external(const rbd_model *m, rbd_derivatives *d, cons
 }
 
 /* ==== src/derivatives/subtrees.h ==== */
-/* Sums n components, from x on, over subtrees, for the segments from root on. n is at most 14 of the 27, for
+/* Sums so many components, from x on, over subtrees, for the segments from root on: at most 14 of the 27, for
    which there are registers. All dofs of a block get the sum of the block. Segments are taken one after the
    other: equal limbs as lanes, such as HyQ's legs, took more time. */
-RBDI_INLINE void rbdi_sum_components(rbd_derivatives *d, const rbdi_segment *root, rbd_real *x, int n) {
+RBDI_INLINE void rbdi_sum_components(rbd_derivatives *d, const rbdi_segment *root, rbd_real *x, int count) {
     for (const rbdi_segment *seg = d->segment + d->segments - 1; seg >= root; --seg) {
         const rbdi_entry *e = d->entry + seg->end - 1, *first = d->entry + seg->first;
         const rbd_real *last = x + e->at;
         rbd_real sum[14], *out;
         RBDI_ONE_INDEX(last);
-        RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) sum[j] = last[j * RBDI_BATCH];
+        RBDI_UNROLL_SUMS for (int j = 0; j < count; ++j) sum[j] = last[j * RBDI_BATCH];
         while (e > first) {
             out = x + (--e)->at;
             RBDI_ONE_INDEX(out);
-            RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = sum[j] =
+            RBDI_UNROLL_SUMS for (int j = 0; j < count; ++j) out[j * RBDI_BATCH] = sum[j] =
                 sum[j] + out[j * RBDI_BATCH];
         }
         for (e = first + 1; seg->block && e < d->entry + seg->end; ++e) {
             out = x + e->at;
-            RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = sum[j];
+            RBDI_UNROLL_SUMS for (int j = 0; j < count; ++j) out[j * RBDI_BATCH] = sum[j];
         }
         if (seg->parent < 0) continue;
         out = x + d->entry[seg->parent].at;
         RBDI_ONE_INDEX(out);
-        RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = out[j * RBDI_BATCH] + sum[j];
+        RBDI_UNROLL_SUMS for (int j = 0; j < count; ++j) out[j * RBDI_BATCH] = out[j * RBDI_BATCH] + sum[j];
     }
 }
 RBDI_INLINE void rbdi_sum_subtrees(rbd_derivatives *d, const rbdi_segment *root, int need) {
@@ -802,15 +802,15 @@ RBDI_INLINE void rbdi_sum_subtrees(rbd_derivatives *d, const rbdi_segment *root,
     rbdi_sum_components(d, root, x + 14 * RBDI_BATCH, need & RBDI_NEED_WRENCH ? 13 : 7);
 }
 
-/* I V of a subtree or of a link, m its mass. */
-RBDI_INLINE rbdi_bforce rbdi_inertia_times(const rbdi_sums *s, rbdi_cbatch m, rbdi_bmotion V) {
+/* I V of a subtree. */
+RBDI_INLINE rbdi_bforce rbdi_inertia_times(const rbdi_sums *s, rbdi_cbatch mass, rbdi_bmotion V) {
     const rbdi_b3 w = V.omega, v = V.v;
     rbdi_bforce F;
     F.n = rbdi_b_vec((s->yy + s->zz) * w.x - s->xy * w.y - s->xz * w.z,
                      (s->xx + s->zz) * w.y - s->xy * w.x - s->yz * w.z,
                      (s->xx + s->yy) * w.z - s->xz * w.x - s->yz * w.y);
     F.n = rbdi_b_cross_add(F.n, s->h, v);
-    F.f = rbdi_b_cross_add(rbdi_b_vec(v.x * m, v.y * m, v.z * m), w, s->h);
+    F.f = rbdi_b_cross_add(rbdi_b_vec(v.x * mass, v.y * mass, v.z * mass), w, s->h);
     return F;
 }
 /* F + B (w; any) = F + (G w / 2; w x P). */
@@ -981,13 +981,13 @@ RBDI_INLINE void rbdi_entries_behind(const rbdi_columns *c, int want, rbdi_motio
     if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_force_dot(c->F, S);
 }
 
-/* Adds the entries y of dofs i and k, which are `stride` apart, to those of the joints that they follow: with
+/* Adds the entries y of two dofs, which are `stride` apart, to those of the joints that they follow: with
    mimic joints a result is G' (.) G, G = dv/dv of all joints by those of the caller. */
-RBDI_PART void rbdi_add_entry(const rbd_model *m, const rbdi_entry *i, const rbdi_entry *k, const rbd_real *y,
-                              ptrdiff_t stride, rbdi_wanted out) {
-    const rbd_real ratio = rbdi_ratio(m, i->source) * rbdi_ratio(m, k->source);
+RBDI_PART void rbdi_add_entry(const rbd_model *m, const rbdi_entry *row, const rbdi_entry *column,
+                              const rbd_real *y, ptrdiff_t stride, rbdi_wanted out) {
+    const rbd_real ratio = rbdi_ratio(m, row->source) * rbdi_ratio(m, column->source);
     for (int r = 0; r < RBDI_RESULTS; ++r) {
-        rbd_real *to = out.at[r] ? out.at[r] + i->row + k->user : NULL;
+        rbd_real *to = out.at[r] ? out.at[r] + row->row + column->user : NULL;
         if (to) *to = *to + y[r * stride] * ratio;
     }
 }
@@ -1101,14 +1101,14 @@ RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rb
         rbdi_put_rows_in_place(*d, want, zeros, out); /* a copy: no store into a result can change it */
 }
 #else
-/* Stores or, with mimic joints, adds the entries y of dofs i and k. */
-RBDI_INLINE void rbdi_put_entry(const rbd_model *m, const rbdi_entry *i, const rbdi_entry *k, int want,
+/* Stores or, with mimic joints, adds the entries y of two dofs. */
+RBDI_INLINE void rbdi_put_entry(const rbd_model *m, const rbdi_entry *row, const rbdi_entry *column, int want,
                                 const rbd_real *y, rbdi_wanted out) {
     if (rbdi_mimics(m))
-        rbdi_add_entry(m, i, k, y, 1, out);
+        rbdi_add_entry(m, row, column, y, 1, out);
     else RBDI_UNROLL_SIX
         for (int r = 0; r < RBDI_RESULTS; ++r)
-            if (want >> r & 1) (out.at[r] + i->row)[k->user] = y[r];
+            if (want >> r & 1) (out.at[r] + row->row)[column->user] = y[r];
 }
 RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rbdi_wanted out) {
     const rbdi_entry *e = d->entry;
@@ -1151,14 +1151,15 @@ RBDI_INLINE void rbdi_base_columns(const rbd_derivatives *d, int want) {
         RBDI_UNROLL_SUMS for (int j = 9; j < 21; ++j) x[j] = rbdi_all_lanes(whole[j * RBDI_BATCH]);
     }
     for (int b = 0; b < d->behind; ++b) {
-        const rbdi_cbatch m = d->constants[b].subtree;
+        const rbdi_cbatch mass = d->constants[b].subtree;
         rbdi_columns *c = &d->columns[b];
         const rbdi_bmotion S = c->S;
         const rbdi_b3 a = rbdi_b_cross(up, S.omega); /* Phi = (0; a) */
-        if (want & RBDI_WANT_M) c->F = rbdi_inertia_times(&s, m, S);
+        if (want & RBDI_WANT_M) c->F = rbdi_inertia_times(&s, mass, S);
         if (want & RBDI_WANT_V)
-            c->D = rbdi_subtree_B_add(rbdi_inertia_times(&s, m, rbdi_b_motion_cross(V, S)), &s, S.omega);
-        if (want & RBDI_WANT_Q) c->E.n = rbdi_b_cross(s.h, a), c->E.f = rbdi_b_vec(a.x * m, a.y * m, a.z * m);
+            c->D = rbdi_subtree_B_add(rbdi_inertia_times(&s, mass, rbdi_b_motion_cross(V, S)), &s, S.omega);
+        if (want & RBDI_WANT_Q)
+            c->E.n = rbdi_b_cross(s.h, a), c->E.f = rbdi_b_vec(a.x * mass, a.y * mass, a.z * mass);
     }
 }
 /* Stores n components of all dofs, from x on, as rows of a matrix. A batch may overwrite the beginning of
@@ -1223,8 +1224,8 @@ RBDI_PART void rbdi_put_turns(const rbd_derivatives *d, rbd_real *by_q, rbd_real
     rbdi_place_turns(by_q, by_v, turn);
     for (int j = 0; j < 3; ++j) rbdi_store_force(turn[j], nv, rbdi_load_force(RBDI_OF(d, j, D), RBDI_BATCH));
     for (int b = d->behind; b < d->batches; ++b) {
-        const rbdi_b3 y = rbdi_b_cross_add(d->columns[b].T, d->columns[b].F.n, w);
-        const rbd_real *x = (const rbd_real *)&y;
+        const rbdi_b3 column = rbdi_b_cross_add(d->columns[b].T, d->columns[b].F.n, w);
+        const rbd_real *x = (const rbd_real *)&column;
         for (int k = 0; k < RBDI_BATCH && row < nv * nv; ++k, row += nv)
             for (int j = 0; j < 3; ++j) turn[j][row] = x[j * RBDI_BATCH + k];
     }
@@ -1651,15 +1652,15 @@ RBDI_INLINE rbdi_v3 rbdi_solve_turns(const rbd_model *m, rbdi_sym M, rbdi_v3 x, 
 RBDI_PART rbdi_motion rbdi_base_motion(const rbd_model *m, const rbd_derivatives *d, rbdi_force F,
                                        rbdi_mask *doubt) {
     const rbd_real mass_inverse = rbdi_pivot_inverse(rbdi_set(d->mass), m->dof[3].scale, doubt);
-    const rbd_real *s = RBDI_OF(d, d->base - 1, sum); /* Sigma */
+    const rbd_real *Sigma = RBDI_OF(d, d->base - 1, sum);
     const rbdi_v3 h = rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h), RBDI_BATCH),
                   com = rbdi_scale(mass_inverse, h);
     rbdi_rbi C; /* Sigma about c, h about the base's origin */
     rbdi_motion y;
     C.h = h;
-    C.Sigma.xx = s[0] - com.x * h.x, C.Sigma.xy = s[RBDI_BATCH] - com.x * h.y;
-    C.Sigma.xz = s[2 * RBDI_BATCH] - com.x * h.z, C.Sigma.yy = s[3 * RBDI_BATCH] - com.y * h.y;
-    C.Sigma.yz = s[4 * RBDI_BATCH] - com.y * h.z, C.Sigma.zz = s[5 * RBDI_BATCH] - com.z * h.z;
+    C.Sigma.xx = Sigma[0] - com.x * h.x, C.Sigma.xy = Sigma[RBDI_BATCH] - com.x * h.y;
+    C.Sigma.xz = Sigma[2 * RBDI_BATCH] - com.x * h.z, C.Sigma.yy = Sigma[3 * RBDI_BATCH] - com.y * h.y;
+    C.Sigma.yz = Sigma[4 * RBDI_BATCH] - com.y * h.z, C.Sigma.zz = Sigma[5 * RBDI_BATCH] - com.z * h.z;
     y.omega = rbdi_solve_turns(m, rbdi_abi_of_rbi(C, d->mass).I, rbdi_sub(F.n, rbdi_cross(com, F.f)), doubt);
     y.v = rbdi_scale(mass_inverse, rbdi_sub(F.f, rbdi_cross(y.omega, h)));
     return y;
@@ -1782,7 +1783,7 @@ RBDI_PART rbdi_mask rbdi_far_pivots(const rbd_derivatives *d) {
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
     for (int k = d->base; k < d->n; ++k) {
         const rbdi_entry *e = &d->entry[k];
-        const rbd_real *s = RBDI_OF(d, k, sum), trace = s[0] + s[3 * RBDI_BATCH] + s[5 * RBDI_BATCH];
+        const rbd_real *sum = RBDI_OF(d, k, sum), trace = sum[0] + sum[3 * RBDI_BATCH] + sum[5 * RBDI_BATCH];
         const rbd_const rho = ((const rbd_const *)&d->constants[e->batch].rho)[e->lane];
         doubt = rbdi_or(doubt, rbdi_less(d->work->pivot[e->source], trace * (rho * RBDI_DOUBT)));
     }
@@ -2259,10 +2260,10 @@ RBDI_PART void rbdi_unforced_columns(const rbd_model *m, const rbd_real *v, rbd_
         if (!rbdi_joint_turns(body)) continue;
         V = rbdi_joint_motion(body, &v[body->iv], 1);
         for (rbd_real *row = M + body->iv; row < M + m->nv * m->nv; row += m->nv) {
-            rbdi_motion J = rbdi_joint_motion(body, row, 1);
-            J.omega = rbdi_add(J.omega, rbdi_scale(dt, rbdi_cross(V.v, J.v)));
-            J.v = rbdi_add(J.v, rbdi_scale(dt, rbdi_cross(J.v, V.omega)));
-            rbdi_put_joint_motion(body, J, row, 1);
+            rbdi_motion part = rbdi_joint_motion(body, row, 1);
+            part.omega = rbdi_add(part.omega, rbdi_scale(dt, rbdi_cross(V.v, part.v)));
+            part.v = rbdi_add(part.v, rbdi_scale(dt, rbdi_cross(part.v, V.omega)));
+            rbdi_put_joint_motion(body, part, row, 1);
         }
     }
 }

@@ -128,10 +128,10 @@ RBDI_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraint_set *c
     return status ? status : rbdi_constrained(m, c, q, v, tau, f_ext, NULL, a, lambda);
 }
 
-static int rbdi_restitution_fits(rbd_real x) {
+static int rbdi_restitution_fits(rbd_real restitution) {
     const rbd_real one = rbdi_set(RBD_C(1)), two = one + one; /* to refuse NaN, which is not below it */
-    const rbdi_mask above = rbdi_or(rbdi_less(one, x), rbdi_not(rbdi_less(x, two)));
-    return !rbdi_any(rbdi_or(above, rbdi_less(x, rbdi_zero())));
+    const rbdi_mask above = rbdi_or(rbdi_less(one, restitution), rbdi_not(rbdi_less(restitution, two)));
+    return !rbdi_any(rbdi_or(above, rbdi_less(restitution, rbdi_zero())));
 }
 
 RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,

@@ -51,15 +51,17 @@ RBDI_ONCE rbdi_relative_motion rbdi_relative_motion_of(const rbd_constraint_set 
                                                        const rbdi_constraint *con) {
     const rbdi_v3 p = rbdi_frame_origin(c, con, 0);
     const rbdi_station one = rbdi_station_at(c, con->link[0], p), two = rbdi_station_at(c, con->link[1], p);
-    rbdi_relative_motion x;
-    x.body[0] = one, x.body[1] = two;
-    x.velocity.omega = rbdi_sub(one.omega, two.omega), x.velocity.v = rbdi_sub(one.v, two.v);
-    x.rate.omega = rbdi_sub(one.omega_dot, two.omega_dot), x.rate.v = rbdi_sub(one.acc, two.acc);
+    rbdi_relative_motion relative;
+    relative.body[0] = one, relative.body[1] = two;
+    relative.velocity.omega = rbdi_sub(one.omega, two.omega), relative.velocity.v = rbdi_sub(one.v, two.v);
+    relative.rate.omega = rbdi_sub(one.omega_dot, two.omega_dot),
+    relative.rate.v = rbdi_sub(one.acc, two.acc);
     if (con->link[1] >= 0) {
-        x.rate.omega = rbdi_sub(x.rate.omega, rbdi_cross(two.omega, x.velocity.omega));
-        x.rate.v = rbdi_sub(x.rate.v, rbdi_cross(two.omega, rbdi_add(x.velocity.v, x.velocity.v)));
+        relative.rate.omega = rbdi_sub(relative.rate.omega, rbdi_cross(two.omega, relative.velocity.omega));
+        relative.rate.v = rbdi_sub(relative.rate.v,
+                                   rbdi_cross(two.omega, rbdi_add(relative.velocity.v, relative.velocity.v)));
     }
-    return x;
+    return relative;
 }
 
 /* Orientation of a constraint's frame in the world. */
@@ -137,10 +139,10 @@ RBDI_ONCE void rbdi_add_held(const rbdi_constraint *con, const rbdi_axes_held *h
 /* Adds gamma and J v of a constraint and, if `errors`, e. Returns the origin of frame 1 in the world. */
 RBDI_ONCE rbdi_v3 rbdi_constraint_motion(rbd_constraint_set *c, const rbdi_constraint *con,
                                          const rbdi_axes_held *h, int errors) {
-    const rbdi_relative_motion x = rbdi_relative_motion_of(c, con);
-    const rbdi_v3 p = x.body[0].p;
-    rbdi_add_held(con, h, x.rate.omega, x.rate.v, &c->gamma[con->row]);
-    rbdi_add_held(con, h, x.velocity.omega, x.velocity.v, &c->velocity[con->row]);
+    const rbdi_relative_motion relative = rbdi_relative_motion_of(c, con);
+    const rbdi_v3 p = relative.body[0].p;
+    rbdi_add_held(con, h, relative.rate.omega, relative.rate.v, &c->gamma[con->row]);
+    rbdi_add_held(con, h, relative.velocity.omega, relative.velocity.v, &c->velocity[con->row]);
     if (errors) {
         rbdi_v3 turn = rbdi_vec0();
         if (con->angular) {

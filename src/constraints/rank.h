@@ -164,8 +164,8 @@ static rbd_real rbdi_sum_abs(rbdi_v3 x) { return rbdi_abs(x.x) + rbdi_abs(x.y) +
 /* A bound on the terms of a constraint's target. J v, gamma and e in it are differences, so they may be far
    smaller than their terms. */
 static rbd_real rbdi_motion_size(const rbd_constraint_set *c, const rbdi_constraint *con) {
-    const rbdi_relative_motion x = rbdi_relative_motion_of(c, con);
-    const rbdi_station one = x.body[0], two = x.body[1];
+    const rbdi_relative_motion relative = rbdi_relative_motion_of(c, con);
+    const rbdi_station one = relative.body[0], two = relative.body[1];
     const rbd_real w = rbdi_sum_abs(one.omega) + rbdi_sum_abs(two.omega),
                    v = w + rbdi_sum_abs(one.v) + rbdi_sum_abs(two.v),
                    p = rbdi_sum_abs(one.p) + rbdi_sum_abs(rbdi_frame_origin(c, con, 1)) + RBD_C(1);

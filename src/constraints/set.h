@@ -118,13 +118,13 @@ static rbd_status rbdi_check_constraint(const rbd_model *m, const rbd_constraint
 }
 
 /* Converts a frame on a body to a frame on its link; returns the link. */
-static int rbdi_place_frame(const rbd_model *m, int body, const double R[9], const double p[3],
+static int rbdi_place_frame(const rbd_model *m, int body, const double rotation[9], const double position[3],
                             rbd_const R_link[9], rbdi_c3 *p_link) {
     rbdi_wide A[9], x[3], E[9], r[3] = {0, 0, 0};
     rbdi_w_identity(E);
-    rbdi_widen(R, 9, A);
-    rbdi_widen(p, 3, x);
-    if (rbdi_all_zero(R, 9)) rbdi_w_identity(A);
+    rbdi_widen(rotation, 9, A);
+    rbdi_widen(position, 3, x);
+    if (rbdi_all_zero(rotation, 9)) rbdi_w_identity(A);
     rbdi_orthonormalise(A);
     if (body >= 0) {
         const rbdi_frame *u = &m->frame[body];

@@ -95,8 +95,8 @@ struct rbd_contact_set {
     rbdi_contact_solver solver;
 };
 
-/* Takes n objects from the memory at p, a variable of the caller. */
-#define RBDI_CUT(type, n) ((type *)rbdi_take(&p, 1, RBDI_ROUND((size_t)(n) * sizeof(type))))
+/* Takes n objects from the memory at `at`, a variable of the caller. */
+#define RBDI_CUT(type, n) ((type *)rbdi_take(&at, 1, RBDI_ROUND((size_t)(n) * sizeof(type))))
 
 /* Bytes for n contacts, so many held constraints and, at most, `bounded` other rows. */
 #define RBDI_CONTACT_SET_BYTES(nv, n, constraints, bounded, stride) \

@@ -90,8 +90,8 @@ RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int k) {
         if (size > largest) best = g, largest = size;
     }
     for (int j = k; best != own && j < s->unknowns + s->sides; ++j) {
-        const rbd_real x = own[j];
-        own[j] = best[j], best[j] = x;
+        const rbd_real old = own[j];
+        own[j] = best[j], best[j] = old;
     }
     return largest > 0;
 }
@@ -121,9 +121,10 @@ RBDI_PART int rbdi_newton_cholesky(rbdi_contact_solver *s) {
         rbd_real *own = &s->G[k * stride];
         const int from = k / RBDI_BATCH * RBDI_BATCH;
         for (int j = from; j < stride; j += RBDI_BATCH) {
-            rbdi_batch x = *(const rbdi_batch *)&own[j];
-            for (const rbd_real *g = s->G; g < own; g += stride) x = x - *(const rbdi_batch *)&g[j] * g[k];
-            *(rbdi_batch *)&own[j] = x;
+            rbdi_batch out = *(const rbdi_batch *)&own[j];
+            for (const rbd_real *g = s->G; g < own; g += stride)
+                out = out - *(const rbdi_batch *)&g[j] * g[k];
+            *(rbdi_batch *)&own[j] = out;
         }
         if (!(own[k] > 0)) return 0;
         rbdi_multiply(own + from, 1 / rbdi_sqrt(own[k]), stride - from);

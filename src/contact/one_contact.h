@@ -62,21 +62,21 @@ typedef struct rbdi_contact_trial {
 
 RBDI_INLINE rbdi_contact_trial rbdi_contact_try(const rbdi_contact_law *law, const rbd_real s[2], rbd_real p0,
                                                 rbd_real alpha) {
-    rbdi_contact_trial x;
-    x.t[0] = -s[0] / (law->l[0] + alpha), x.t[1] = -s[1] / (law->l[1] + alpha);
-    x.normal = p0 - law->k[0] * x.t[0] - law->k[1] * x.t[1];
-    x.size = rbdi_sqrt(x.t[0] * x.t[0] + x.t[1] * x.t[1]);
-    return x;
+    rbdi_contact_trial trial;
+    trial.t[0] = -s[0] / (law->l[0] + alpha), trial.t[1] = -s[1] / (law->l[1] + alpha);
+    trial.normal = p0 - law->k[0] * trial.t[0] - law->k[1] * trial.t[1];
+    trial.size = rbdi_sqrt(trial.t[0] * trial.t[0] + trial.t[1] * trial.t[1]);
+    return trial;
 }
 
 /* Newton increment of alpha for 1/|p_t| - 1/(mu p_n) = 0. */
-RBDI_INLINE rbd_real rbdi_slip_newton(const rbdi_contact_law *law, const rbdi_contact_trial *x,
+RBDI_INLINE rbd_real rbdi_slip_newton(const rbdi_contact_law *law, const rbdi_contact_trial *trial,
                                       rbd_real alpha) {
-    const rbd_real bound = law->friction * x->normal, r0 = x->t[0] / (law->l[0] + alpha),
-                   r1 = x->t[1] / (law->l[1] + alpha);
-    const rbd_real size_rate = -(x->t[0] * r0 + x->t[1] * r1) / x->size,
+    const rbd_real size = trial->size, bound = law->friction * trial->normal,
+                   r0 = trial->t[0] / (law->l[0] + alpha), r1 = trial->t[1] / (law->l[1] + alpha);
+    const rbd_real size_rate = -(trial->t[0] * r0 + trial->t[1] * r1) / size,
                    bound_rate = law->friction * (law->k[0] * r0 + law->k[1] * r1);
-    return (1 / x->size - 1 / bound) / (size_rate / (x->size * x->size) - bound_rate / (bound * bound));
+    return (1 / size - 1 / bound) / (size_rate / (size * size) - bound_rate / (bound * bound));
 }
 
 /* Finds the root of (1). law->alpha is the first guess, and becomes the root. Neither s nor mu is 0. */
@@ -84,23 +84,23 @@ RBDI_PART rbdi_contact_trial rbdi_slip_root(rbdi_contact_law *law, const rbd_rea
     const rbd_real mu = law->friction, size = rbdi_sqrt(s[0] * s[0] + s[1] * s[1]);
     rbd_real low = rbdi_zero(), alpha = law->alpha,
              high = size * (1 + mu * (rbdi_abs(law->k[0]) + rbdi_abs(law->k[1]))) / (mu * p0);
-    rbdi_contact_trial x;
+    rbdi_contact_trial trial;
     if (!(alpha > 0 && alpha < high)) alpha = size / (mu * p0) - law->l[0]; /* as without coupling */
     if (!(alpha > 0 && alpha < high)) alpha = rbdi_zero();
-    x = rbdi_contact_try(law, s, p0, alpha);
+    trial = rbdi_contact_try(law, s, p0, alpha);
     for (int i = 0; i < RBDI_ROOT_STEPS; ++i) {
-        const rbd_real excess = x.size - mu * x.normal;
+        const rbd_real excess = trial.size - mu * trial.normal;
         rbd_real next = alpha;
         low = excess > 0 ? alpha : low, high = excess > 0 ? high : alpha;
-        if (rbdi_abs(excess) <= 8 * RBDI_EPS * x.size || high - low <= 2 * RBDI_EPS * high) break;
-        if (x.normal > 0) next = alpha + rbdi_slip_newton(law, &x, alpha);
+        if (rbdi_abs(excess) <= 8 * RBDI_EPS * trial.size || high - low <= 2 * RBDI_EPS * high) break;
+        if (trial.normal > 0) next = alpha + rbdi_slip_newton(law, &trial, alpha);
         if (!(next > low && next < high))
             next = low > 0 && high > 16 * low ? rbdi_sqrt(low) * rbdi_sqrt(high) : (low + high) / 2;
         alpha = next;
-        x = rbdi_contact_try(law, s, p0, alpha);
+        trial = rbdi_contact_try(law, s, p0, alpha);
     }
     law->alpha = alpha;
-    return x;
+    return trial;
 }
 
 /* The impulse of a contact from w, and its state. */

@@ -18,22 +18,22 @@
 
 /* World axes of the normal of a constraint. */
 RBDI_INLINE rbdi_v3 rbdi_contact_normal(const rbd_constraint_set *s, const rbdi_constraint *con) {
-    const rbdi_v3 n =
+    const rbdi_v3 normal =
         rbdi_vec(rbdi_set(con->held[0][2]), rbdi_set(con->held[1][2]), rbdi_set(con->held[2][2]));
-    return con->link[1] < 0 ? n : rbdi_mul_t(s->w->kin[con->link[1]].X.E, n);
+    return con->link[1] < 0 ? normal : rbdi_mul_t(s->w->kin[con->link[1]].X.E, normal);
 }
 
 /* Computes gap and velocity of approach, and moves frame 1 of the constraint to the place of contact. */
 static void rbdi_contact_gap(const rbd_constraint_set *s, rbdi_constraint *con, rbdi_contact *contact) {
-    const rbdi_v3 n = rbdi_contact_normal(s, con),
-                  x = con->link[0] < 0 ? n : rbdi_mul(s->w->kin[con->link[0]].X.E, n);
+    const rbdi_v3 normal = rbdi_contact_normal(s, con),
+                  local = con->link[0] < 0 ? normal : rbdi_mul(s->w->kin[con->link[0]].X.E, normal);
     rbdi_relative_motion relative;
-    con->position[0].x = contact->point.x - contact->radius * (rbd_const)x.x;
-    con->position[0].y = contact->point.y - contact->radius * (rbd_const)x.y;
-    con->position[0].z = contact->point.z - contact->radius * (rbd_const)x.z;
+    con->position[0].x = contact->point.x - contact->radius * (rbd_const)local.x;
+    con->position[0].y = contact->point.y - contact->radius * (rbd_const)local.y;
+    con->position[0].z = contact->point.z - contact->radius * (rbd_const)local.z;
     relative = rbdi_relative_motion_of(s, con);
-    contact->gap = rbdi_dot(n, rbdi_sub(relative.body[0].p, rbdi_frame_origin(s, con, 1)));
-    contact->approach = rbdi_dot(n, relative.velocity.v);
+    contact->gap = rbdi_dot(normal, rbdi_sub(relative.body[0].p, rbdi_frame_origin(s, con, 1)));
+    contact->approach = rbdi_dot(normal, relative.velocity.v);
 }
 
 /* Whether this distance may become 0 within two steps, or is at most the margin. */

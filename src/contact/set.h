@@ -111,7 +111,7 @@ static rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work *w,
 static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held, int held_rows,
                                           const rbd_contact_options *o, void *memory) {
     const int dof_rows = rbdi_list_dof_rows(m, o, NULL), bounded = held_rows + dof_rows, nv = m->nv;
-    unsigned char *p = rbdi_aligned(memory);
+    unsigned char *at = rbdi_aligned(memory);
     rbd_contact_set *c = RBDI_CUT(rbd_contact_set, 1);
     c->options = *o;
     c->n = n, c->dof_rows = dof_rows, c->max_rows = 3 * n + bounded;
@@ -121,10 +121,10 @@ static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held,
     c->friction = RBDI_CUT(rbd_real, n + 2 * bounded + 2 * c->max_rows + 4 * nv), c->lower = c->friction + n;
     c->upper = c->lower + bounded, c->b = c->upper + bounded, c->impulse = c->b + c->max_rows;
     c->start = c->impulse + c->max_rows, c->nu = c->start + nv, c->moved = c->nu + nv, c->x = c->moved + nv;
-    rbdi_lay_solver(&c->solver, n, bounded, p);
-    p += RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded));
+    rbdi_lay_solver(&c->solver, n, bounded, at);
+    at += RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded));
     c->sigma = o->derivatives ? RBDI_CUT(rbd_real, RBDI_CONTACT_SIDES(nv, c->max_rows)) : NULL;
-    c->rows = rbdi_lay_constraints(nv, n + n_held, c->max_rows, p);
+    c->rows = rbdi_lay_constraints(nv, n + n_held, c->max_rows, at);
     return c;
 }
 

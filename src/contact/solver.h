@@ -69,7 +69,7 @@ RBDI_PART void rbdi_contact_iterate(rbdi_contact_solver *s) {
 }
 
 /* Lays out a solver's arrays in the memory. */
-RBDI_PART void rbdi_lay_solver(rbdi_contact_solver *s, int contacts, int bounded, unsigned char *p) {
+RBDI_PART void rbdi_lay_solver(rbdi_contact_solver *s, int contacts, int bounded, unsigned char *at) {
     const int rows = 3 * contacts + bounded;
     s->law = RBDI_CUT(rbdi_contact_law, contacts);
     s->bound = RBDI_CUT(rbd_contact_state, bounded);

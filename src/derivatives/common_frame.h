@@ -275,11 +275,11 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
     }
 }
 
-/* Copies n scalars, a batch at a time. */
-RBDI_INLINE void rbdi_copy(const rbd_real *x, int n, rbd_real *y) {
+/* Copies so many scalars, a batch at a time. */
+RBDI_INLINE void rbdi_copy(const rbd_real *x, int count, rbd_real *y) {
     int k = 0;
-    for (; k + RBDI_BATCH <= n; k += RBDI_BATCH) *(rbdi_batch *)&y[k] = *(const rbdi_batch *)&x[k];
-    for (; k < n; ++k) y[k] = x[k];
+    for (; k + RBDI_BATCH <= count; k += RBDI_BATCH) *(rbdi_batch *)&y[k] = *(const rbdi_batch *)&x[k];
+    for (; k < count; ++k) y[k] = x[k];
 }
 /* Copies v or a into the lanes, which have the same order, from dof k on: 0 or the first behind a base. */
 RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v, rbd_real *out) {
@@ -345,20 +345,20 @@ RBDI_INLINE rbdi_b3 rbdi_b_rotate(const rbdi_columns *c, rbdi_cbatch x, rbdi_cba
     return rbdi_b_vec(ex.x * x + ey.x * y + ez.x * z, ex.y * x + ey.y * y + ez.y * z,
                       ex.z * x + ey.z * y + ez.z * z);
 }
-/* Sigma and h of the links. */
+/* Sigma and h of the links, from R h_b and the columns of R Sigma_b. */
 RBDI_INLINE void rbdi_own_inertia(const rbdi_columns *c, const rbdi_constants *own, rbdi_sums *s) {
     const rbdi_b3 ex = c->ex, ey = c->ey, ez = c->ez, x = c->x;
     const rbdi_b3 h = rbdi_b_rotate(c, own->hx, own->hy, own->hz),
-                  u = rbdi_b_rotate(c, own->xx, own->xy, own->xz),
-                  v = rbdi_b_rotate(c, own->xy, own->yy, own->yz),
-                  w = rbdi_b_rotate(c, own->xz, own->yz, own->zz); /* R h_b; (u v w) = R Sigma_b */
+                  col_x = rbdi_b_rotate(c, own->xx, own->xy, own->xz),
+                  col_y = rbdi_b_rotate(c, own->xy, own->yy, own->yz),
+                  col_z = rbdi_b_rotate(c, own->xz, own->yz, own->zz);
     s->h = rbdi_b_vec(h.x + x.x * own->m, h.y + x.y * own->m, h.z + x.z * own->m);
-    s->xx = u.x * ex.x + v.x * ey.x + w.x * ez.x + x.x * h.x + s->h.x * x.x;
-    s->xy = u.x * ex.y + v.x * ey.y + w.x * ez.y + x.x * h.y + s->h.x * x.y;
-    s->xz = u.x * ex.z + v.x * ey.z + w.x * ez.z + x.x * h.z + s->h.x * x.z;
-    s->yy = u.y * ex.y + v.y * ey.y + w.y * ez.y + x.y * h.y + s->h.y * x.y;
-    s->yz = u.y * ex.z + v.y * ey.z + w.y * ez.z + x.y * h.z + s->h.y * x.z;
-    s->zz = u.z * ex.z + v.z * ey.z + w.z * ez.z + x.z * h.z + s->h.z * x.z;
+    s->xx = col_x.x * ex.x + col_y.x * ey.x + col_z.x * ez.x + x.x * h.x + s->h.x * x.x;
+    s->xy = col_x.x * ex.y + col_y.x * ey.y + col_z.x * ez.y + x.x * h.y + s->h.x * x.y;
+    s->xz = col_x.x * ex.z + col_y.x * ey.z + col_z.x * ez.z + x.x * h.z + s->h.x * x.z;
+    s->yy = col_x.y * ex.y + col_y.y * ey.y + col_z.y * ez.y + x.y * h.y + s->h.y * x.y;
+    s->yz = col_x.y * ex.z + col_y.y * ey.z + col_z.y * ez.z + x.y * h.z + s->h.y * x.z;
+    s->zz = col_x.z * ex.z + col_y.z * ey.z + col_z.z * ez.z + x.z * h.z + s->h.z * x.z;
 }
 
 /* X and P of the links. V is their velocity or, for 2 B in place of B, twice that. */

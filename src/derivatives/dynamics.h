@@ -68,7 +68,7 @@ RBDI_PART rbdi_mask rbdi_far_pivots(const rbd_derivatives *d) {
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
     for (int k = d->base; k < d->n; ++k) {
         const rbdi_entry *e = &d->entry[k];
-        const rbd_real *s = RBDI_OF(d, k, sum), trace = s[0] + s[3 * RBDI_BATCH] + s[5 * RBDI_BATCH];
+        const rbd_real *sum = RBDI_OF(d, k, sum), trace = sum[0] + sum[3 * RBDI_BATCH] + sum[5 * RBDI_BATCH];
         const rbd_const rho = ((const rbd_const *)&d->constants[e->batch].rho)[e->lane];
         doubt = rbdi_or(doubt, rbdi_less(d->work->pivot[e->source], trace * (rho * RBDI_DOUBT)));
     }

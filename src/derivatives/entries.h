@@ -55,13 +55,13 @@ RBDI_INLINE void rbdi_entries_behind(const rbdi_columns *c, int want, rbdi_motio
     if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_force_dot(c->F, S);
 }
 
-/* Adds the entries y of dofs i and k, which are `stride` apart, to those of the joints that they follow: with
+/* Adds the entries y of two dofs, which are `stride` apart, to those of the joints that they follow: with
    mimic joints a result is G' (.) G, G = dv/dv of all joints by those of the caller. */
-RBDI_PART void rbdi_add_entry(const rbd_model *m, const rbdi_entry *i, const rbdi_entry *k, const rbd_real *y,
-                              ptrdiff_t stride, rbdi_wanted out) {
-    const rbd_real ratio = rbdi_ratio(m, i->source) * rbdi_ratio(m, k->source);
+RBDI_PART void rbdi_add_entry(const rbd_model *m, const rbdi_entry *row, const rbdi_entry *column,
+                              const rbd_real *y, ptrdiff_t stride, rbdi_wanted out) {
+    const rbd_real ratio = rbdi_ratio(m, row->source) * rbdi_ratio(m, column->source);
     for (int r = 0; r < RBDI_RESULTS; ++r) {
-        rbd_real *to = out.at[r] ? out.at[r] + i->row + k->user : NULL;
+        rbd_real *to = out.at[r] ? out.at[r] + row->row + column->user : NULL;
         if (to) *to = *to + y[r * stride] * ratio;
     }
 }
@@ -175,14 +175,14 @@ RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rb
         rbdi_put_rows_in_place(*d, want, zeros, out); /* a copy: no store into a result can change it */
 }
 #else
-/* Stores or, with mimic joints, adds the entries y of dofs i and k. */
-RBDI_INLINE void rbdi_put_entry(const rbd_model *m, const rbdi_entry *i, const rbdi_entry *k, int want,
+/* Stores or, with mimic joints, adds the entries y of two dofs. */
+RBDI_INLINE void rbdi_put_entry(const rbd_model *m, const rbdi_entry *row, const rbdi_entry *column, int want,
                                 const rbd_real *y, rbdi_wanted out) {
     if (rbdi_mimics(m))
-        rbdi_add_entry(m, i, k, y, 1, out);
+        rbdi_add_entry(m, row, column, y, 1, out);
     else RBDI_UNROLL_SIX
         for (int r = 0; r < RBDI_RESULTS; ++r)
-            if (want >> r & 1) (out.at[r] + i->row)[k->user] = y[r];
+            if (want >> r & 1) (out.at[r] + row->row)[column->user] = y[r];
 }
 RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rbdi_wanted out) {
     const rbdi_entry *e = d->entry;
@@ -225,14 +225,15 @@ RBDI_INLINE void rbdi_base_columns(const rbd_derivatives *d, int want) {
         RBDI_UNROLL_SUMS for (int j = 9; j < 21; ++j) x[j] = rbdi_all_lanes(whole[j * RBDI_BATCH]);
     }
     for (int b = 0; b < d->behind; ++b) {
-        const rbdi_cbatch m = d->constants[b].subtree;
+        const rbdi_cbatch mass = d->constants[b].subtree;
         rbdi_columns *c = &d->columns[b];
         const rbdi_bmotion S = c->S;
         const rbdi_b3 a = rbdi_b_cross(up, S.omega); /* Phi = (0; a) */
-        if (want & RBDI_WANT_M) c->F = rbdi_inertia_times(&s, m, S);
+        if (want & RBDI_WANT_M) c->F = rbdi_inertia_times(&s, mass, S);
         if (want & RBDI_WANT_V)
-            c->D = rbdi_subtree_B_add(rbdi_inertia_times(&s, m, rbdi_b_motion_cross(V, S)), &s, S.omega);
-        if (want & RBDI_WANT_Q) c->E.n = rbdi_b_cross(s.h, a), c->E.f = rbdi_b_vec(a.x * m, a.y * m, a.z * m);
+            c->D = rbdi_subtree_B_add(rbdi_inertia_times(&s, mass, rbdi_b_motion_cross(V, S)), &s, S.omega);
+        if (want & RBDI_WANT_Q)
+            c->E.n = rbdi_b_cross(s.h, a), c->E.f = rbdi_b_vec(a.x * mass, a.y * mass, a.z * mass);
     }
 }
 /* Stores n components of all dofs, from x on, as rows of a matrix. A batch may overwrite the beginning of
@@ -297,8 +298,8 @@ RBDI_PART void rbdi_put_turns(const rbd_derivatives *d, rbd_real *by_q, rbd_real
     rbdi_place_turns(by_q, by_v, turn);
     for (int j = 0; j < 3; ++j) rbdi_store_force(turn[j], nv, rbdi_load_force(RBDI_OF(d, j, D), RBDI_BATCH));
     for (int b = d->behind; b < d->batches; ++b) {
-        const rbdi_b3 y = rbdi_b_cross_add(d->columns[b].T, d->columns[b].F.n, w);
-        const rbd_real *x = (const rbd_real *)&y;
+        const rbdi_b3 column = rbdi_b_cross_add(d->columns[b].T, d->columns[b].F.n, w);
+        const rbd_real *x = (const rbd_real *)&column;
         for (int k = 0; k < RBDI_BATCH && row < nv * nv; ++k, row += nv)
             for (int j = 0; j < 3; ++j) turn[j][row] = x[j * RBDI_BATCH + k];
     }

@@ -28,15 +28,15 @@ RBDI_INLINE rbdi_v3 rbdi_solve_turns(const rbd_model *m, rbdi_sym M, rbdi_v3 x, 
 RBDI_PART rbdi_motion rbdi_base_motion(const rbd_model *m, const rbd_derivatives *d, rbdi_force F,
                                        rbdi_mask *doubt) {
     const rbd_real mass_inverse = rbdi_pivot_inverse(rbdi_set(d->mass), m->dof[3].scale, doubt);
-    const rbd_real *s = RBDI_OF(d, d->base - 1, sum); /* Sigma */
+    const rbd_real *Sigma = RBDI_OF(d, d->base - 1, sum);
     const rbdi_v3 h = rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h), RBDI_BATCH),
                   com = rbdi_scale(mass_inverse, h);
     rbdi_rbi C; /* Sigma about c, h about the base's origin */
     rbdi_motion y;
     C.h = h;
-    C.Sigma.xx = s[0] - com.x * h.x, C.Sigma.xy = s[RBDI_BATCH] - com.x * h.y;
-    C.Sigma.xz = s[2 * RBDI_BATCH] - com.x * h.z, C.Sigma.yy = s[3 * RBDI_BATCH] - com.y * h.y;
-    C.Sigma.yz = s[4 * RBDI_BATCH] - com.y * h.z, C.Sigma.zz = s[5 * RBDI_BATCH] - com.z * h.z;
+    C.Sigma.xx = Sigma[0] - com.x * h.x, C.Sigma.xy = Sigma[RBDI_BATCH] - com.x * h.y;
+    C.Sigma.xz = Sigma[2 * RBDI_BATCH] - com.x * h.z, C.Sigma.yy = Sigma[3 * RBDI_BATCH] - com.y * h.y;
+    C.Sigma.yz = Sigma[4 * RBDI_BATCH] - com.y * h.z, C.Sigma.zz = Sigma[5 * RBDI_BATCH] - com.z * h.z;
     y.omega = rbdi_solve_turns(m, rbdi_abi_of_rbi(C, d->mass).I, rbdi_sub(F.n, rbdi_cross(com, F.f)), doubt);
     y.v = rbdi_scale(mass_inverse, rbdi_sub(F.f, rbdi_cross(y.omega, h)));
     return y;

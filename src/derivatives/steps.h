@@ -128,10 +128,10 @@ RBDI_PART void rbdi_unforced_columns(const rbd_model *m, const rbd_real *v, rbd_
         if (!rbdi_joint_turns(body)) continue;
         V = rbdi_joint_motion(body, &v[body->iv], 1);
         for (rbd_real *row = M + body->iv; row < M + m->nv * m->nv; row += m->nv) {
-            rbdi_motion J = rbdi_joint_motion(body, row, 1);
-            J.omega = rbdi_add(J.omega, rbdi_scale(dt, rbdi_cross(V.v, J.v)));
-            J.v = rbdi_add(J.v, rbdi_scale(dt, rbdi_cross(J.v, V.omega)));
-            rbdi_put_joint_motion(body, J, row, 1);
+            rbdi_motion part = rbdi_joint_motion(body, row, 1);
+            part.omega = rbdi_add(part.omega, rbdi_scale(dt, rbdi_cross(V.v, part.v)));
+            part.v = rbdi_add(part.v, rbdi_scale(dt, rbdi_cross(part.v, V.omega)));
+            rbdi_put_joint_motion(body, part, row, 1);
         }
     }
 }

@@ -2,30 +2,30 @@
 #define RBDI_DERIVATIVES_SUBTREES_H
 #include "derivatives/common_frame.h"
 
-/* Sums n components, from x on, over subtrees, for the segments from root on. n is at most 14 of the 27, for
+/* Sums so many components, from x on, over subtrees, for the segments from root on: at most 14 of the 27, for
    which there are registers. All dofs of a block get the sum of the block. Segments are taken one after the
    other: equal limbs as lanes, such as HyQ's legs, took more time. */
-RBDI_INLINE void rbdi_sum_components(rbd_derivatives *d, const rbdi_segment *root, rbd_real *x, int n) {
+RBDI_INLINE void rbdi_sum_components(rbd_derivatives *d, const rbdi_segment *root, rbd_real *x, int count) {
     for (const rbdi_segment *seg = d->segment + d->segments - 1; seg >= root; --seg) {
         const rbdi_entry *e = d->entry + seg->end - 1, *first = d->entry + seg->first;
         const rbd_real *last = x + e->at;
         rbd_real sum[14], *out;
         RBDI_ONE_INDEX(last);
-        RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) sum[j] = last[j * RBDI_BATCH];
+        RBDI_UNROLL_SUMS for (int j = 0; j < count; ++j) sum[j] = last[j * RBDI_BATCH];
         while (e > first) {
             out = x + (--e)->at;
             RBDI_ONE_INDEX(out);
-            RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = sum[j] =
+            RBDI_UNROLL_SUMS for (int j = 0; j < count; ++j) out[j * RBDI_BATCH] = sum[j] =
                 sum[j] + out[j * RBDI_BATCH];
         }
         for (e = first + 1; seg->block && e < d->entry + seg->end; ++e) {
             out = x + e->at;
-            RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = sum[j];
+            RBDI_UNROLL_SUMS for (int j = 0; j < count; ++j) out[j * RBDI_BATCH] = sum[j];
         }
         if (seg->parent < 0) continue;
         out = x + d->entry[seg->parent].at;
         RBDI_ONE_INDEX(out);
-        RBDI_UNROLL_SUMS for (int j = 0; j < n; ++j) out[j * RBDI_BATCH] = out[j * RBDI_BATCH] + sum[j];
+        RBDI_UNROLL_SUMS for (int j = 0; j < count; ++j) out[j * RBDI_BATCH] = out[j * RBDI_BATCH] + sum[j];
     }
 }
 RBDI_INLINE void rbdi_sum_subtrees(rbd_derivatives *d, const rbdi_segment *root, int need) {
@@ -39,15 +39,15 @@ RBDI_INLINE void rbdi_sum_subtrees(rbd_derivatives *d, const rbdi_segment *root,
     rbdi_sum_components(d, root, x + 14 * RBDI_BATCH, need & RBDI_NEED_WRENCH ? 13 : 7);
 }
 
-/* I V of a subtree or of a link, m its mass. */
-RBDI_INLINE rbdi_bforce rbdi_inertia_times(const rbdi_sums *s, rbdi_cbatch m, rbdi_bmotion V) {
+/* I V of a subtree. */
+RBDI_INLINE rbdi_bforce rbdi_inertia_times(const rbdi_sums *s, rbdi_cbatch mass, rbdi_bmotion V) {
     const rbdi_b3 w = V.omega, v = V.v;
     rbdi_bforce F;
     F.n = rbdi_b_vec((s->yy + s->zz) * w.x - s->xy * w.y - s->xz * w.z,
                      (s->xx + s->zz) * w.y - s->xy * w.x - s->yz * w.z,
                      (s->xx + s->yy) * w.z - s->xz * w.x - s->yz * w.y);
     F.n = rbdi_b_cross_add(F.n, s->h, v);
-    F.f = rbdi_b_cross_add(rbdi_b_vec(v.x * m, v.y * m, v.z * m), w, s->h);
+    F.f = rbdi_b_cross_add(rbdi_b_vec(v.x * mass, v.y * mass, v.z * mass), w, s->h);
     return F;
 }
 /* F + B (w; any) = F + (G w / 2; w x P). */
