@@ -2694,9 +2694,9 @@ RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *si
 }
 
 /* Computes all quantities of the links first .. end - 1 that depend on q alone: sines and cosines (in whole
-   batches from first on, for which the arrays must have room), slides, poses of blocks. The angle q + gamma is
-   rounded before its sine is computed: by one more rounding of q, 6e-11 rad at q = 1e6 in double, or not at all
-   if gamma is 0, because the joint angle at q = 0 is a multiple of 90 degrees. */
+   batches from first on, for which the arrays must have room), slides, poses of blocks. The angle q + gamma
+   is rounded before its sine is computed: by one more rounding of q, 6e-11 rad at q = 1e6 in double, or not
+   at all if gamma is 0, because the joint angle at q = 0 is a multiple of 90 degrees. */
 RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *q) {
     int all_done = 1;
     for (int i = first; i < end; ++i) {
@@ -4686,15 +4686,15 @@ RBDI_INLINE rbdi_v3 rbdi_parent_velocity(const rbd_work *w, const rbdi_link *l, 
     return l->parent < 0 ? rbdi_vec0() : rbdi_add(up->v, rbdi_cross(up->state.omega, r));
 }
 
-/* World pose of link i and, if moving, velocity of its origin; its angular velocity is known. x: axes and
-   origin of the parent, which become the link's. */
+/* World pose of link i and, if moving, velocity of its origin; its angular velocity is known. axes: the
+   parent's axes and origin, which become the link's. */
 RBDI_INLINE void rbdi_kin_axis(const rbd_model *m, rbd_work *w, int i, int flags, const rbd_real *v,
-                               int moving, rbdi_axes *x) {
+                               int moving, rbdi_axes *axes) {
     const rbdi_link *l = &m->link[i];
     const rbdi_trig t = rbdi_trig_of(m, w, i, flags);
     rbdi_kin *k = &w->kin[i];
-    rbdi_axes_step(l, flags & ~RBDI_ROOT, t, x);
-    rbdi_store_axes(&k->X, x);
+    rbdi_axes_step(l, flags & ~RBDI_ROOT, t, axes);
+    rbdi_store_axes(&k->X, axes);
     if (!moving) return;
     k->v = rbdi_down(l, flags, t, rbdi_parent_velocity(w, l, rbdi_vec_c(l->r)));
     if (flags & RBDI_SHIFT_Z) {
@@ -4704,12 +4704,12 @@ RBDI_INLINE void rbdi_kin_axis(const rbd_model *m, rbd_work *w, int i, int flags
     if (flags & RBDI_SLIDES) k->v.z = k->v.z + v[l->iv] * l->kappa;
 }
 RBDI_INLINE void rbdi_kin_block(const rbd_model *m, rbd_work *w, int i, const rbd_real *v, int moving,
-                                rbdi_axes *x) {
+                                rbdi_axes *axes) {
     const rbdi_link *l = &m->link[i];
     const rbdi_pose *X = &w->block[l->block].X;
     rbdi_kin *k = &w->kin[i];
-    rbdi_axes_block(X, 0, x);
-    rbdi_store_axes(&k->X, x);
+    rbdi_axes_block(X, 0, axes);
+    rbdi_store_axes(&k->X, axes);
     if (moving)
         k->v = rbdi_add(rbdi_mul(X->E, rbdi_parent_velocity(w, l, X->r)),
                         rbdi_block_motion(rbdi_block_of(m, l), &v[l->iv]).v);
@@ -4718,18 +4718,18 @@ RBDI_INLINE void rbdi_kin_block(const rbd_model *m, rbd_work *w, int i, const rb
 /* The same of the links first .. end - 1. */
 static void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *v,
                            int moving) {
-    rbdi_axes x;
-    rbdi_world_axes(&x);
+    rbdi_axes axes;
+    rbdi_world_axes(&axes);
     for (int i = first; i < end; ++i) {
         const rbdi_link *l = &m->link[i];
         if (l->parent < 0)
-            rbdi_world_axes(&x);
+            rbdi_world_axes(&axes);
         else if (l->parent != i - 1)
-            rbdi_load_axes(&x, &w->kin[l->parent].X);
+            rbdi_load_axes(&axes, &w->kin[l->parent].X);
         if (rbdi_is(l, RBDI_BLOCK))
-            rbdi_kin_block(m, w, i, v, moving, &x);
+            rbdi_kin_block(m, w, i, v, moving, &axes);
         else
-            RBDI_BY_FLAGS(flags, l, rbdi_kin_axis(m, w, i, flags, v, moving, &x));
+            RBDI_BY_FLAGS(flags, l, rbdi_kin_axis(m, w, i, flags, v, moving, &axes));
     }
 }
 
@@ -4770,11 +4770,11 @@ RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int bod
     v = v ? rbdi_expand_v(m, v, w->vx) : w->zero;
     a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
     q = rbdi_expand_q(m, w, q);
-    for (int end = 0; end <= last;) { /* the path, in runs of consecutive links */
+    for (int end = 0; end <= last;) { /* the path, by ranges of consecutive links */
         int first = last, from;
         for (int up = m->link[last].parent; up >= end; up = m->link[up].parent) first = up;
         for (end = first + 1; end <= last && rbdi_carries(m, end, last);) ++end;
-        from = first - ((first - end) & (RBDI_BATCH - 1)); /* whole batches, to the end of the run */
+        from = first - ((first - end) & (RBDI_BATCH - 1)); /* whole batches, to the end of the range */
         rbdi_joints(m, w, from < 0 ? 0 : from, end, q);
         rbdi_link_kinematics(m, w, first, end, v, a);
     }
@@ -4782,7 +4782,7 @@ RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int bod
     return RBD_OK;
 }
 
-/* Of the point x, link axes: its place in the world; its velocity and acceleration, link axes. */
+/* Of a point x of a link, link axes: its position in the world; its velocity and acceleration, link axes. */
 RBDI_INLINE rbdi_v3 rbdi_point_p(const rbdi_kin *k, rbdi_v3 x) {
     return rbdi_add(k->X.r, rbdi_mul_t(k->X.E, x));
 }
@@ -5045,22 +5045,22 @@ RBDI_API rbd_status rbd_joint_wrench(const rbd_model *m, rbd_work *w, const rbd_
 
 /* ---- points and momentum [points code] ---- */
 
-/* Place of a point in the world. */
-static rbdi_v3 rbdi_point_place(const rbd_model *m, const rbd_work *w, int body, const rbd_real *point) {
+/* Position of a point in the world. */
+static rbdi_v3 rbdi_point_position(const rbd_model *m, const rbd_work *w, int body, const rbd_real *point) {
     const rbdi_frame *u = &m->frame[body];
     rbdi_v3 r = rbdi_vec_c(u->r);
     if (point) r = rbdi_add(r, rbdi_mul_t(rbdi_mat_c(u->E), rbdi_load_vec(point, 1)));
     return u->link < 0 ? r : rbdi_point_p(&w->kin[u->link], r);
 }
 
-/* Turns world vectors into the axes of a body. */
+/* E of a body: from world axes to its own. */
 static rbdi_mat rbdi_axes_of(const rbd_model *m, const rbd_work *w, int body) {
     const rbdi_frame *u = &m->frame[body];
     const rbdi_mat E = rbdi_mat_c(u->E);
     return u->link < 0 ? E : rbdi_mul_mat(E, w->kin[u->link].X.E);
 }
 
-/* A link's unit axis: omega_x .. omega_z, v_x .. v_z. */
+/* The axis of a link that its spatial unit axis, omega_x .. omega_z, v_x .. v_z, has, in world axes. */
 RBDI_INLINE rbdi_v3 rbdi_unit_axis(const rbdi_pose *X, int axis) {
     return rbdi_load_vec((const rbd_real *)&X->E + 3 * (axis < 3 ? axis : axis - 3), 1);
 }
@@ -5082,13 +5082,13 @@ RBDI_INLINE rbdi_motion rbdi_column(const rbd_model *m, const rbd_work *w, int i
     return c;
 }
 
-/* Adds k times such a motion to a column of J: (0; a), or (a; a x arm) with arm = r - p. */
-RBDI_INLINE void rbdi_add_slide(rbd_real *J, ptrdiff_t nv, rbd_real k, rbdi_v3 a) {
-    rbdi_store_vec(J + 3 * nv, nv, rbdi_add(rbdi_load_vec(J + 3 * nv, nv), rbdi_scale(k, a)));
+/* Adds share times such a motion to a column of J: (0; a), or (a; a x arm) with arm = r - p. */
+RBDI_INLINE void rbdi_add_slide(rbd_real *J, ptrdiff_t nv, rbd_real share, rbdi_v3 a) {
+    rbdi_store_vec(J + 3 * nv, nv, rbdi_add(rbdi_load_vec(J + 3 * nv, nv), rbdi_scale(share, a)));
 }
-RBDI_INLINE void rbdi_add_turn(rbd_real *J, ptrdiff_t nv, rbd_real k, rbdi_v3 a, rbdi_v3 arm) {
-    rbdi_store_vec(J, nv, rbdi_add(rbdi_load_vec(J, nv), rbdi_scale(k, a)));
-    rbdi_add_slide(J, nv, k, rbdi_cross(a, arm));
+RBDI_INLINE void rbdi_add_turn(rbd_real *J, ptrdiff_t nv, rbd_real share, rbdi_v3 a, rbdi_v3 arm) {
+    rbdi_store_vec(J, nv, rbdi_add(rbdi_load_vec(J, nv), rbdi_scale(share, a)));
+    rbdi_add_slide(J, nv, share, rbdi_cross(a, arm));
 }
 
 /* Adds to J, times sign, the columns of link i and of its ancestors up to link `end`, which has none; E, if
@@ -5100,14 +5100,14 @@ RBDI_PART void rbdi_add_path(const rbd_model *m, const rbd_work *w, int i, int e
         const rbdi_link *l = &m->link[i];
         const rbdi_pose *X = &w->kin[i].X;
         const rbdi_block *b;
-        rbd_real *to = &J[rbdi_source(m, l->iv)], k = rbdi_ratio(m, l->iv) * sign;
+        rbd_real *to = &J[rbdi_source(m, l->iv)], share = rbdi_ratio(m, l->iv) * sign;
         rbdi_v3 arm = rbdi_sub(r, X->r), a;
         if (E) arm = rbdi_mul(*E, arm);
         if (!rbdi_is(l, RBDI_BLOCK)) {
             a = rbdi_unit_axis(X, 2);
             if (E) a = rbdi_mul(*E, a);
-            if (rbdi_is(l, RBDI_SCREW)) rbdi_add_slide(to, nv, k * l->kappa, a), k = k * l->rho;
-            rbdi_add_turn(to, nv, k, a, arm);
+            if (rbdi_is(l, RBDI_SCREW)) rbdi_add_slide(to, nv, share * l->kappa, a), share = share * l->rho;
+            rbdi_add_turn(to, nv, share, a, arm);
             continue;
         }
         b = rbdi_block_of(m, l);
@@ -5115,9 +5115,9 @@ RBDI_PART void rbdi_add_path(const rbd_model *m, const rbd_work *w, int i, int e
             a = rbdi_unit_axis(X, axis);
             if (E) a = rbdi_mul(*E, a);
             if (axis >= 3)
-                rbdi_add_slide(to, nv, k, a);
+                rbdi_add_slide(to, nv, share, a);
             else
-                rbdi_add_turn(to, nv, k, a, arm);
+                rbdi_add_turn(to, nv, share, a, arm);
         }
     }
 }
@@ -5133,7 +5133,7 @@ static rbd_status rbdi_put_jacobian(const rbd_model *m, const rbd_work *w, int b
     if (status) return status;
     if (reference < -1 || reference >= m->nb) return RBD_ERR_INDEX;
     if (reference >= 0 && rbdi_have_kinematics(m, w, reference)) return RBD_ERR_ORDER;
-    r = rbdi_point_place(m, w, body, point);
+    r = rbdi_point_position(m, w, body, point);
     link = m->frame[body].link, other = reference < 0 ? -1 : m->frame[reference].link;
     if (axes >= 0) E = rbdi_axes_of(m, w, axes);
     rbdi_clear(J, 6 * m->nv);
@@ -5167,7 +5167,7 @@ RBDI_API rbd_status rbd_jacobian_transpose(const rbd_model *m, const rbd_work *w
         const rbdi_mat E = rbdi_axes_of(m, w, body);
         F.n = rbdi_mul_t(E, F.n), F.f = rbdi_mul_t(E, F.f);
     }
-    r = rbdi_point_place(m, w, body, point);
+    r = rbdi_point_position(m, w, body, point);
     rbdi_clear(tau, m->nv);
     for (int i = m->frame[body].link; i >= 0; i = m->link[i].parent) {
         const rbdi_link *l = &m->link[i];
@@ -5199,7 +5199,7 @@ RBDI_API rbd_status rbd_point_position(const rbd_model *m, const rbd_work *w, in
                                        const rbd_real point[3], rbd_real position[3]) {
     const rbd_status status = rbdi_check_body_call(m, w, body, position != NULL);
     if (status) return status;
-    rbdi_store_vec(position, 1, rbdi_point_place(m, w, body, point));
+    rbdi_store_vec(position, 1, rbdi_point_position(m, w, body, point));
     return RBD_OK;
 }
 

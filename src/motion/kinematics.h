@@ -21,15 +21,15 @@ RBDI_INLINE rbdi_v3 rbdi_parent_velocity(const rbd_work *w, const rbdi_link *l, 
     return l->parent < 0 ? rbdi_vec0() : rbdi_add(up->v, rbdi_cross(up->state.omega, r));
 }
 
-/* World pose of link i and, if moving, velocity of its origin; its angular velocity is known. x: axes and
-   origin of the parent, which become the link's. */
+/* World pose of link i and, if moving, velocity of its origin; its angular velocity is known. axes: the
+   parent's axes and origin, which become the link's. */
 RBDI_INLINE void rbdi_kin_axis(const rbd_model *m, rbd_work *w, int i, int flags, const rbd_real *v,
-                               int moving, rbdi_axes *x) {
+                               int moving, rbdi_axes *axes) {
     const rbdi_link *l = &m->link[i];
     const rbdi_trig t = rbdi_trig_of(m, w, i, flags);
     rbdi_kin *k = &w->kin[i];
-    rbdi_axes_step(l, flags & ~RBDI_ROOT, t, x);
-    rbdi_store_axes(&k->X, x);
+    rbdi_axes_step(l, flags & ~RBDI_ROOT, t, axes);
+    rbdi_store_axes(&k->X, axes);
     if (!moving) return;
     k->v = rbdi_down(l, flags, t, rbdi_parent_velocity(w, l, rbdi_vec_c(l->r)));
     if (flags & RBDI_SHIFT_Z) {
@@ -39,12 +39,12 @@ RBDI_INLINE void rbdi_kin_axis(const rbd_model *m, rbd_work *w, int i, int flags
     if (flags & RBDI_SLIDES) k->v.z = k->v.z + v[l->iv] * l->kappa;
 }
 RBDI_INLINE void rbdi_kin_block(const rbd_model *m, rbd_work *w, int i, const rbd_real *v, int moving,
-                                rbdi_axes *x) {
+                                rbdi_axes *axes) {
     const rbdi_link *l = &m->link[i];
     const rbdi_pose *X = &w->block[l->block].X;
     rbdi_kin *k = &w->kin[i];
-    rbdi_axes_block(X, 0, x);
-    rbdi_store_axes(&k->X, x);
+    rbdi_axes_block(X, 0, axes);
+    rbdi_store_axes(&k->X, axes);
     if (moving)
         k->v = rbdi_add(rbdi_mul(X->E, rbdi_parent_velocity(w, l, X->r)),
                         rbdi_block_motion(rbdi_block_of(m, l), &v[l->iv]).v);
@@ -53,18 +53,18 @@ RBDI_INLINE void rbdi_kin_block(const rbd_model *m, rbd_work *w, int i, const rb
 /* The same of the links first .. end - 1. */
 static void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *v,
                            int moving) {
-    rbdi_axes x;
-    rbdi_world_axes(&x);
+    rbdi_axes axes;
+    rbdi_world_axes(&axes);
     for (int i = first; i < end; ++i) {
         const rbdi_link *l = &m->link[i];
         if (l->parent < 0)
-            rbdi_world_axes(&x);
+            rbdi_world_axes(&axes);
         else if (l->parent != i - 1)
-            rbdi_load_axes(&x, &w->kin[l->parent].X);
+            rbdi_load_axes(&axes, &w->kin[l->parent].X);
         if (rbdi_is(l, RBDI_BLOCK))
-            rbdi_kin_block(m, w, i, v, moving, &x);
+            rbdi_kin_block(m, w, i, v, moving, &axes);
         else
-            RBDI_BY_FLAGS(flags, l, rbdi_kin_axis(m, w, i, flags, v, moving, &x));
+            RBDI_BY_FLAGS(flags, l, rbdi_kin_axis(m, w, i, flags, v, moving, &axes));
     }
 }
 
@@ -105,11 +105,11 @@ RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int bod
     v = v ? rbdi_expand_v(m, v, w->vx) : w->zero;
     a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
     q = rbdi_expand_q(m, w, q);
-    for (int end = 0; end <= last;) { /* the path, in runs of consecutive links */
+    for (int end = 0; end <= last;) { /* the path, by ranges of consecutive links */
         int first = last, from;
         for (int up = m->link[last].parent; up >= end; up = m->link[up].parent) first = up;
         for (end = first + 1; end <= last && rbdi_carries(m, end, last);) ++end;
-        from = first - ((first - end) & (RBDI_BATCH - 1)); /* whole batches, to the end of the run */
+        from = first - ((first - end) & (RBDI_BATCH - 1)); /* whole batches, to the end of the range */
         rbdi_joints(m, w, from < 0 ? 0 : from, end, q);
         rbdi_link_kinematics(m, w, first, end, v, a);
     }
@@ -117,7 +117,7 @@ RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int bod
     return RBD_OK;
 }
 
-/* Of the point x, link axes: its place in the world; its velocity and acceleration, link axes. */
+/* Of a point x of a link, link axes: its position in the world; its velocity and acceleration, link axes. */
 RBDI_INLINE rbdi_v3 rbdi_point_p(const rbdi_kin *k, rbdi_v3 x) {
     return rbdi_add(k->X.r, rbdi_mul_t(k->X.E, x));
 }

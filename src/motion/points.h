@@ -7,22 +7,22 @@
 
 /* ---- points and momentum [points code] ---- */
 
-/* Place of a point in the world. */
-static rbdi_v3 rbdi_point_place(const rbd_model *m, const rbd_work *w, int body, const rbd_real *point) {
+/* Position of a point in the world. */
+static rbdi_v3 rbdi_point_position(const rbd_model *m, const rbd_work *w, int body, const rbd_real *point) {
     const rbdi_frame *u = &m->frame[body];
     rbdi_v3 r = rbdi_vec_c(u->r);
     if (point) r = rbdi_add(r, rbdi_mul_t(rbdi_mat_c(u->E), rbdi_load_vec(point, 1)));
     return u->link < 0 ? r : rbdi_point_p(&w->kin[u->link], r);
 }
 
-/* Turns world vectors into the axes of a body. */
+/* E of a body: from world axes to its own. */
 static rbdi_mat rbdi_axes_of(const rbd_model *m, const rbd_work *w, int body) {
     const rbdi_frame *u = &m->frame[body];
     const rbdi_mat E = rbdi_mat_c(u->E);
     return u->link < 0 ? E : rbdi_mul_mat(E, w->kin[u->link].X.E);
 }
 
-/* A link's unit axis: omega_x .. omega_z, v_x .. v_z. */
+/* The axis of a link that its spatial unit axis, omega_x .. omega_z, v_x .. v_z, has, in world axes. */
 RBDI_INLINE rbdi_v3 rbdi_unit_axis(const rbdi_pose *X, int axis) {
     return rbdi_load_vec((const rbd_real *)&X->E + 3 * (axis < 3 ? axis : axis - 3), 1);
 }
@@ -44,13 +44,13 @@ RBDI_INLINE rbdi_motion rbdi_column(const rbd_model *m, const rbd_work *w, int i
     return c;
 }
 
-/* Adds k times such a motion to a column of J: (0; a), or (a; a x arm) with arm = r - p. */
-RBDI_INLINE void rbdi_add_slide(rbd_real *J, ptrdiff_t nv, rbd_real k, rbdi_v3 a) {
-    rbdi_store_vec(J + 3 * nv, nv, rbdi_add(rbdi_load_vec(J + 3 * nv, nv), rbdi_scale(k, a)));
+/* Adds share times such a motion to a column of J: (0; a), or (a; a x arm) with arm = r - p. */
+RBDI_INLINE void rbdi_add_slide(rbd_real *J, ptrdiff_t nv, rbd_real share, rbdi_v3 a) {
+    rbdi_store_vec(J + 3 * nv, nv, rbdi_add(rbdi_load_vec(J + 3 * nv, nv), rbdi_scale(share, a)));
 }
-RBDI_INLINE void rbdi_add_turn(rbd_real *J, ptrdiff_t nv, rbd_real k, rbdi_v3 a, rbdi_v3 arm) {
-    rbdi_store_vec(J, nv, rbdi_add(rbdi_load_vec(J, nv), rbdi_scale(k, a)));
-    rbdi_add_slide(J, nv, k, rbdi_cross(a, arm));
+RBDI_INLINE void rbdi_add_turn(rbd_real *J, ptrdiff_t nv, rbd_real share, rbdi_v3 a, rbdi_v3 arm) {
+    rbdi_store_vec(J, nv, rbdi_add(rbdi_load_vec(J, nv), rbdi_scale(share, a)));
+    rbdi_add_slide(J, nv, share, rbdi_cross(a, arm));
 }
 
 /* Adds to J, times sign, the columns of link i and of its ancestors up to link `end`, which has none; E, if
@@ -62,14 +62,14 @@ RBDI_PART void rbdi_add_path(const rbd_model *m, const rbd_work *w, int i, int e
         const rbdi_link *l = &m->link[i];
         const rbdi_pose *X = &w->kin[i].X;
         const rbdi_block *b;
-        rbd_real *to = &J[rbdi_source(m, l->iv)], k = rbdi_ratio(m, l->iv) * sign;
+        rbd_real *to = &J[rbdi_source(m, l->iv)], share = rbdi_ratio(m, l->iv) * sign;
         rbdi_v3 arm = rbdi_sub(r, X->r), a;
         if (E) arm = rbdi_mul(*E, arm);
         if (!rbdi_is(l, RBDI_BLOCK)) {
             a = rbdi_unit_axis(X, 2);
             if (E) a = rbdi_mul(*E, a);
-            if (rbdi_is(l, RBDI_SCREW)) rbdi_add_slide(to, nv, k * l->kappa, a), k = k * l->rho;
-            rbdi_add_turn(to, nv, k, a, arm);
+            if (rbdi_is(l, RBDI_SCREW)) rbdi_add_slide(to, nv, share * l->kappa, a), share = share * l->rho;
+            rbdi_add_turn(to, nv, share, a, arm);
             continue;
         }
         b = rbdi_block_of(m, l);
@@ -77,9 +77,9 @@ RBDI_PART void rbdi_add_path(const rbd_model *m, const rbd_work *w, int i, int e
             a = rbdi_unit_axis(X, axis);
             if (E) a = rbdi_mul(*E, a);
             if (axis >= 3)
-                rbdi_add_slide(to, nv, k, a);
+                rbdi_add_slide(to, nv, share, a);
             else
-                rbdi_add_turn(to, nv, k, a, arm);
+                rbdi_add_turn(to, nv, share, a, arm);
         }
     }
 }
@@ -95,7 +95,7 @@ static rbd_status rbdi_put_jacobian(const rbd_model *m, const rbd_work *w, int b
     if (status) return status;
     if (reference < -1 || reference >= m->nb) return RBD_ERR_INDEX;
     if (reference >= 0 && rbdi_have_kinematics(m, w, reference)) return RBD_ERR_ORDER;
-    r = rbdi_point_place(m, w, body, point);
+    r = rbdi_point_position(m, w, body, point);
     link = m->frame[body].link, other = reference < 0 ? -1 : m->frame[reference].link;
     if (axes >= 0) E = rbdi_axes_of(m, w, axes);
     rbdi_clear(J, 6 * m->nv);
@@ -129,7 +129,7 @@ RBDI_API rbd_status rbd_jacobian_transpose(const rbd_model *m, const rbd_work *w
         const rbdi_mat E = rbdi_axes_of(m, w, body);
         F.n = rbdi_mul_t(E, F.n), F.f = rbdi_mul_t(E, F.f);
     }
-    r = rbdi_point_place(m, w, body, point);
+    r = rbdi_point_position(m, w, body, point);
     rbdi_clear(tau, m->nv);
     for (int i = m->frame[body].link; i >= 0; i = m->link[i].parent) {
         const rbdi_link *l = &m->link[i];
@@ -161,7 +161,7 @@ RBDI_API rbd_status rbd_point_position(const rbd_model *m, const rbd_work *w, in
                                        const rbd_real point[3], rbd_real position[3]) {
     const rbd_status status = rbdi_check_body_call(m, w, body, position != NULL);
     if (status) return status;
-    rbdi_store_vec(position, 1, rbdi_point_place(m, w, body, point));
+    rbdi_store_vec(position, 1, rbdi_point_position(m, w, body, point));
     return RBD_OK;
 }
 
