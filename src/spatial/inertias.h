@@ -40,12 +40,12 @@ RBDI_INLINE rbd_sym3 rbdi_second_moment(rbd_sym3 rotational) {
 /* An inertia with this second moment, whose frame moves so that its origin stands at `shift` in the new
    one. */
 RBDI_INLINE rbd_inertia rbdi_inertia_shift(rbd_vec3 shift, rbd_sym3 Sigma, rbd_inertia i) {
-    rbdi_rbi C;
-    C.Sigma = Sigma;
-    C.h = i.h;
-    C = rbdi_rbi_shift(shift, i.mass, C);
-    i.h = C.h;
-    i.rotational = rbdi_trace_less(C.Sigma.xx + C.Sigma.yy + C.Sigma.zz, C.Sigma);
+    rbdi_rbi c; /* composite: no capital letter, of which users may have macros here */
+    c.Sigma = Sigma;
+    c.h = i.h;
+    c = rbdi_rbi_shift(shift, i.mass, c);
+    i.h = c.h;
+    i.rotational = rbdi_trace_less(c.Sigma.xx + c.Sigma.yy + c.Sigma.zz, c.Sigma);
     return i;
 }
 
