@@ -245,7 +245,7 @@ RBDI_INLINE void rbdi_put_components(const rbd_derivatives *d, const rbd_real *x
         const rbdi_batch *in = (const rbdi_batch *)x + b * RBDI_COLUMN_SIZE;
         rbd_real *to = out + base + (b - behind) * RBDI_BATCH;
         RBDI_UNROLL_SIX for (int k = 0; k < n; ++k, to += nv) {
-            if (RBDI_BATCH == 1 || to - out <= end - RBDI_BATCH)
+            if (RBDI_BATCH == 1 || k < n - 1 || to - out <= end - RBDI_BATCH)
                 *(rbdi_batch *)to = in[k];
             else
                 rbdi_copy((const rbd_real *)&in[k], (int)(end - (to - out)), to);

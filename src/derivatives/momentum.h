@@ -72,7 +72,7 @@ RBDI_INLINE void rbdi_put_momenta(const rbd_derivatives *d, rbdi_v3 com, rbd_rea
         F.f = rbdi_b_vec(F.f.x * scale, F.f.y * scale, F.f.z * scale);
         d->columns[b].E = F;
     }
-    if (!rbdi_mimics(m)) {
+    if (!rbdi_mimics(m) && 2 * m->nv >= RBDI_BATCH) {
         rbdi_put_components(d, x, rows, rows * m->nv, out);
         return;
     }
