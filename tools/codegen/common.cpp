@@ -162,7 +162,11 @@ std::string common_text(const std::vector<piece> &all, const target &t) {
     if (any([](const piece &x) { return !x.p.angles.empty(); })) s += sines_text(t);
     if (any([](const piece &x) { return !x.p.f.pivots.empty(); })) s += judge_text;
     if (any([](const piece &x) { return x.p.f.rows_held > 0; })) s += held_text;
-    if (t.lanes == 1) s += copies_text();
+    const auto clears = [&t](const piece &x) {
+        const std::vector<value> &all = x.p.f.results;
+        return t.lanes == 1 && std::count(all.begin(), all.end(), x.p.f.code.find_constant(0)) > 0;
+    };
+    if (any([&](const piece &x) { return x.p.f.rows > 0 || clears(x); })) s += copies_text();
     if (any([](const piece &x) { return x.p.f.rows > 0; })) s += rows_text();
     return s;
 }
