@@ -91,8 +91,8 @@ class function : pinocchio::CodeGenBase<double> {
 
     static int inputs_of(const pinocchio::Model &m) { return m.nq + 2 * m.nv + 3; }
 
-    // In one file: each text but the first without the declarations that all begin with. The first, which calls
-    // the others, may be without this header.
+    // In one file: each text but the first without the declarations that all begin with. The first, which
+    // calls the others, may be without this header.
     std::string source() {
         std::string all;
         for (const auto &[file, text] : texts(*libcgen_ptr).of(*cgen_ptr))

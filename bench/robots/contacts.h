@@ -41,7 +41,7 @@ static inline int contact_body(const rbd_body *bodies, int nb, const char *name)
     return -1;
 }
 
-/* The set of the algorithm of which the robot has all bodies, or NULL; a fixed base does not stand on feet. */
+/* The set of the algorithm whose bodies the robot all has, or NULL; a fixed base does not stand on feet. */
 static inline const struct contact_set *contact_set_of(const rbd_body *bodies, int nb, int algorithm) {
     for (size_t k = 0; k < sizeof contact_sets / sizeof *contact_sets; k++) {
         const struct contact_set *s = &contact_sets[k];

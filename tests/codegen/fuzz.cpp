@@ -1,5 +1,6 @@
 // fuzz.cpp - writes code of a random robot, with rbd.h's results in random states as its self-test: all
-// functions, by options that the robot's number draws. usage: fuzz FOLDER NUMBER, writes fNUMBER_code.h and .c
+// functions, by options that the robot's number draws.
+// usage: fuzz FOLDER NUMBER, writes fNUMBER_code.h and .c
 #include "../../tools/codegen/emit.h"
 #include "../../tools/codegen/limbs.h"
 #include <algorithm>
