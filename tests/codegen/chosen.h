@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { CHOSEN = 10, HELD_TWICE = 4 /* has one constraint twice */ };
+enum { CHOSEN = 10, FIRST_WITH_LIMBS = 8, HELD_TWICE = 4 /* has one constraint twice */ };
 
 /* The robot becomes `count` limbs of a floating base: alike but for constants, every other one mirrored. */
 static void make_limbs(sample *s, int count) {

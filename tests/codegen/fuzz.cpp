@@ -1,9 +1,8 @@
 // fuzz.cpp - writes code of a random robot, with rbd.h's results in random states as its self-test: all
 // functions, by options that the robot's number draws.
-// usage: fuzz FOLDER NUMBER, writes fNUMBER_code.h and .c
+// usage: fuzz FOLDER NUMBER, writes FOLDER/fNUMBER_code.h and .c
 #include "../../tools/codegen/emit.h"
 #include "../../tools/codegen/limbs.h"
-#include <algorithm>
 #include <cfloat>
 #include <cmath>
 #include <cstdio>
@@ -14,6 +13,8 @@ extern "C" {
 enum { ORDINARY, AXES, TURNED = 7, FOLLOWERS, CLASSES = 10 }; // of robots.h
 extern const char *const class_names[CLASSES];
 const rbd_body *drawn_robot(int class_number, int number, int limbs, int *nb);
+const rbd_constraint *drawn_constraints(int number, int *nc);
+const unsigned char *drawn_motors();
 void drawn_state();
 const double *drawn_input(const char *name);
 double uniform(uint64_t *seed, double low, double high);
@@ -21,7 +22,7 @@ double uniform(uint64_t *seed, double low, double high);
 
 namespace {
 
-enum { STATES = 10 };
+enum { STATES = 6 };
 typedef std::vector<std::vector<double>> input;
 
 struct drawn {
@@ -38,7 +39,11 @@ drawn draw(int number) {
     const bool can_be_float = robot_class <= AXES || robot_class == TURNED || robot_class == FOLLOWERS;
     drawn x = {};
     x.r.bodies = drawn_robot(robot_class, number, alike, &x.r.nb);
+    x.r.constraints = drawn_constraints(number, &x.r.nc);
     x.r.gravity[2] = -9.81;
+    int nv = 0;
+    for (const codegen::joint &j : codegen::joints(x.r)) nv += j.nv;
+    x.r.actuated.assign(drawn_motors(), drawn_motors() + nv);
     x.r.f_ext = below(2), x.r.gravity_argument = below(2);
     x.t.name = "f" + std::to_string(number);
     x.t.is_float = can_be_float && below(3) == 0;
@@ -58,36 +63,6 @@ drawn draw(int number) {
     return x;
 }
 
-/* Condition number in the norm of the largest column sum, by Gauss and Jordan with the largest pivots. */
-double condition(std::vector<double> M) {
-    const size_t n = size_t(std::lround(std::sqrt(double(M.size()))));
-    std::vector<long double> A(M.begin(), M.end()), B(n * n);
-    const auto norm = [n](const std::vector<long double> &X) {
-        long double most = 0;
-        for (size_t j = 0; j < n; j++) {
-            long double sum = 0;
-            for (size_t i = 0; i < n; i++) sum += std::fabs(X[n * i + j]);
-            most = std::fmax(most, sum);
-        }
-        return most;
-    };
-    const long double before = norm(A);
-    for (size_t i = 0; i < n; i++) B[(n + 1) * i] = 1;
-    for (size_t k = 0; k < n; k++) {
-        size_t best = k;
-        for (size_t i = k; i < n; i++)
-            if (std::fabs(A[n * i + k]) > std::fabs(A[n * best + k])) best = i;
-        if (!(std::fabs(A[n * best + k]) > 0)) return HUGE_VAL;
-        for (auto *X : {&A, &B}) std::swap_ranges(&(*X)[n * k], &(*X)[n * k] + n, &(*X)[n * best]);
-        for (size_t i = 0; i < n; i++) {
-            const long double factor = i == k ? 1 - 1 / A[n * k + k] : A[n * i + k] / A[n * k + k];
-            for (auto *X : {&A, &B})
-                for (size_t j = 0; j < n; j++) (*X)[n * i + j] -= factor * (*X)[n * k + j];
-        }
-    }
-    return double(before * norm(B));
-}
-
 /* The arguments in the state drawn last; what that has none of is a quarter. */
 input inputs(const codegen::function &f) {
     input in;
@@ -98,14 +73,35 @@ input inputs(const codegen::function &f) {
     return in;
 }
 
-/* Of the results; those of M^-1 as M can be inverted. */
-double tolerance_of(const drawn &x, const codegen::function &f, const input &in) {
+/* Inputs nearby, each a thousandth off at most. */
+input moved(input in, uint64_t seed) {
+    for (std::vector<double> &x : in)
+        for (double &y : x) y *= uniform(&seed, 0.999, 1.001);
+    return in;
+}
+
+/* Of results relative to the largest of their array: some roundings of these, and those on the way to them,
+   which float shows, the largest of several states nearby. Infinite where one of the two refuses. */
+double tolerance_of(const drawn &x, const codegen::function &f, const codegen::example &e) {
     const double eps = x.t.is_float ? FLT_EPSILON : DBL_EPSILON;
-    double largest = 0;
-    for (double y : in[0]) largest = std::fmax(largest, std::fabs(y));
-    const double angle = eps * largest;
-    if (f.pivots.empty()) return 5e4 * eps + 100 * angle;
-    return 5e4 * eps + (10 * eps + 100 * angle) * condition(codegen::compute(x.r, "mm", {in[0]}).out);
+    double worst = 0;
+    for (uint64_t near = 0; near < 10; near++) {
+        const input in = near ? moved(e.in, near) : e.in;
+        const std::vector<double> fine = codegen::evaluate<double>(f, in);
+        const std::vector<float> rough = codegen::evaluate<float>(f, in);
+        size_t k = 0;
+        if (fine.empty() || rough.empty()) return HUGE_VAL;
+        for (const codegen::array &a : f.outputs) {
+            double largest = 1e-300, errors = 0;
+            for (const size_t end = k + size_t(a.size); k < end; k++) {
+                largest = std::fmax(largest, std::fabs(e.out[k]));
+                errors += std::fabs(double(rough[k]) - fine[k]);
+            }
+            if (!(errors / largest < HUGE_VAL)) return HUGE_VAL;
+            worst = std::fmax(worst, errors / largest);
+        }
+    }
+    return (5e4 + 100 * worst / double(FLT_EPSILON)) * eps;
 }
 
 struct tested {
@@ -113,19 +109,21 @@ struct tested {
     codegen::tested code;
 };
 
-/* Adds rbd.h's results to the known ones; not where it refuses, or the scalar can tell too little of them. */
+/* Adds rbd.h's results to the known ones; not where one of the two refuses, or digits are lost. */
 void add_state(const drawn &x, tested *to) {
     const input in = inputs(to->code.f);
-    const double tolerance = tolerance_of(x, to->code.f, in);
-    if (!(tolerance < (x.t.is_float ? 0.05 : 1e-4))) return;
     for (double y : in[0])
         if (x.t.is_bounded && !(std::fabs(y) < (x.t.is_float ? 1e3 : 1e5))) return;
     try {
-        to->code.examples.push_back(codegen::compute(x.r, to->name, in));
+        const codegen::example e = codegen::compute(x.r, to->name, in);
+        const double tolerance = tolerance_of(x, to->code.f, e);
+        if (!(tolerance < (x.t.is_float ? 0.05 : 1e-4))) return;
+        to->code.examples.push_back(e);
+        to->code.tolerance =
+            x.t.is_reproducible && !x.t.is_float ? 0 : std::fmax(to->code.tolerance, tolerance);
     } catch (const std::runtime_error &) {
         return;
     }
-    to->code.tolerance = x.t.is_reproducible && !x.t.is_float ? 0 : std::fmax(to->code.tolerance, tolerance);
     for (double y : to->code.examples.back().out)
         to->code.least = std::fmax(to->code.least, 1e-6 * std::fabs(y));
 }
@@ -137,31 +135,36 @@ void write(const std::string &path, const std::string &text) {
 
 } // namespace
 
+/* All functions of the robot, but those of constraints that cannot be recorded. */
+std::vector<tested> record(const drawn &x) {
+    std::vector<tested> all;
+    for (std::string name : codegen::algorithm_names()) {
+        const size_t link = name.find("LINK");
+        if (link != name.npos) name.replace(link, 4, "tip");
+        try {
+            codegen::function f =
+                x.t.is_float ? codegen::record_float(x.r, name) : codegen::record_double(x.r, name);
+            if (x.r.limbs_alike) f = codegen::pack_limbs(f, codegen::joints(x.r), x.t.limbs);
+            all.push_back({name, {f, {}, 0, x.t.is_float ? 1e-30 : 1e-300}});
+        } catch (const std::runtime_error &) {
+            if (!codegen::takes_constraints(name)) throw;
+        }
+    }
+    return all;
+}
+
 int main(int argc, char **argv) {
     if (argc != 3) return 2;
     const drawn x = draw(std::atoi(argv[2]));
-    std::vector<tested> all;
-    for (const std::string &given : codegen::algorithm_names()) {
-        const std::string name =
-            given.substr(0, given.find("LINK")) + (given.find("LINK") != given.npos ? "tip" : "");
-        if (codegen::takes_constraints(name)) continue; // check.c has robots with constraints
-        const codegen::function f =
-            x.t.is_float ? codegen::record_float(x.r, name) : codegen::record_double(x.r, name);
-        all.push_back({name,
-                       {x.r.limbs_alike ? codegen::pack_limbs(f, codegen::joints(x.r), x.t.limbs) : f,
-                        {},
-                        0,
-                        x.t.is_float ? 1e-30 : 1e-300}});
-    }
+    std::vector<tested> all = record(x);
+    std::vector<codegen::tested> functions;
+    size_t states = 0;
     for (int k = 0; k < STATES; k++) {
         drawn_state();
         for (tested &y : all) add_state(x, &y);
     }
-    std::vector<codegen::tested> functions;
-    size_t states = 0;
     for (const tested &y : all) {
-        if (y.code.examples.empty()) continue;
-        functions.push_back(y.code);
+        if (!y.code.examples.empty()) functions.push_back(y.code);
         states += y.code.examples.size();
     }
     std::printf("%s: %zu functions, %zu states\n", x.about.c_str(), functions.size(), states);

@@ -1,13 +1,12 @@
 #!/bin/sh
 # The fuzzer of generated code: all functions of random robots, and of the models, give rbd.h's results when gcc and clang
 # compile them with ASan and UBSan. Robot k is the same on every machine, with its options and its states.
-# usage: fuzz.sh ROOT RBD_CODEGEN CODEGEN_FUZZ FOLDER [ROBOTS [FIRST]]
-#     200 robots and the models; given a number, so many robots and no models. Prints a line for each; what is wrong stays
-#     in FOLDER.
+# usage: fuzz.sh ROOT RBD_CODEGEN CODEGEN_FUZZ FOLDER [models | ROBOTS [FIRST]]
+#     the models and 200 robots; or one of the two. Prints a line for each; what is wrong stays in FOLDER.
 set -u
 flags="-std=c99 -O1 -march=native -w -fsanitize=address,undefined -fno-sanitize=pointer-overflow,null -fno-sanitize-recover=all"
 
-# one FOLDER PROGRAM ARGUMENT...: writes code, says what it is, its name first, and compiles it; for xargs
+# --one FOLDER PROGRAM ARGUMENT...: writes code, says what it is, its name first, and compiles it; for xargs
 if [ "$1" = --one ]; then
     cd "$2" || exit 1
     shift 2
@@ -24,16 +23,19 @@ if [ "$1" = --one ]; then
         grep -v ': right$' "$name.$compiler.out" | head -n 5
         failed=1
     done
-    [ $failed -ne 0 ] || rm -f "${name}"_code.[ch] "$name".gcc* "$name".clang*
+    [ $failed -ne 0 ] || rm -f "${name}"_code.[ch] "$name".gcc* "$name".clang* "$name.csv"
     exit $failed
 fi
-# model NAME URDF OPTION...: all functions of a model, those of a link for its last one
+# --model RBD_CODEGEN NAME URDF OPTION...: writes all functions of a model, those of a link for its last one
 if [ "$1" = --model ]; then
     rbd_codegen=$2 name=$3 urdf=$4
     shift 4
     link=$(sed -n 's/.*<link name="\([^"]*\)".*/\1/p' "$urdf" | tail -n 1)
-    all=$("$rbd_codegen" --help | tr ' ' '\n' | sed -n '/^id$/,/^--scalar$/p' | grep -v '^--\|^$' | sed "s/LINK/$link/" | paste -sd,)
-    "$rbd_codegen" --name "$name" --algorithm "$all" "$@" "$urdf" && echo "$name: $(basename "$urdf") $*"
+    printf 'body1,x1,y1,z1,axes\n%s,0.1,0.2,0.3,000001\n' "$link" >"$name.csv"
+    all=$("$rbd_codegen" --help | sed -n '/there are$/,/^  --/p' | grep -v ' --' | tr ' ' '\n' | sed "/^$/d; s/LINK/$link/")
+    case $* in *--reproducible*) all=$(echo "$all" | grep -v '^constrained_id$') ;; esac
+    "$rbd_codegen" --name "$name" --algorithm "$(echo "$all" | paste -sd,)" --constraints "$name.csv" "$@" "$urdf" &&
+        echo "$name: $(basename "$urdf") $*, $(grep -c '^int\|^void' "${name}_code.h") functions"
     exit
 fi
 
@@ -52,19 +54,24 @@ robots() { # COUNT FIRST
 }
 models() {
     n=0
-    for model in atlas hyq iiwa five_bar cart_pole double_pendulum pendulum; do
+    for model in pendulum double_pendulum cart_pole five_bar iiwa hyq atlas; do
         case $model in atlas | hyq) base=--floating ;; *) base= ;; esac
         for options in "" "--limbs 4 --f-ext --gravity-argument" "--scalar float --short-sums --bounded-angles" "--reproducible --lanes 2"; do
             case $model$options in atlas*[!4]*-*-sums* | atlas*lanes*) continue ;; esac # gcc takes minutes
-            echo "$self --model $rbd_codegen m$n $root/models/$model.urdf $base $options"
+            # shellcheck disable=SC2086 # no blank at the end
+            echo "$self --model $rbd_codegen m$n $root/models/$model.urdf" $base $options
             n=$((n + 1))
         done
     done
 }
-if [ $# -gt 4 ]; then robots "$5" "${6-0}"; else models && robots 200 0; fi |
+case ${5-} in
+'') models && robots 200 0 ;;
+models) models ;;
+*) robots "$5" "${6-0}" ;;
+esac |
     xargs -P "$(nproc)" -L 1 "$self" --one "$folder" >"$folder/report" 2>&1
 status=$?
 cat "$folder/report"
 wrong=$(grep -c 'WRONG by\|^not written' "$folder/report")
-echo "$(grep -c ' functions, ' "$folder/report") robots, $(grep -c '\.urdf' "$folder/report") models, $wrong wrong"
+echo "$(grep -c ' functions, .* states' "$folder/report") robots, $(grep -c '\.urdf' "$folder/report") models, $wrong wrong"
 [ "$wrong" -eq 0 ] && [ $status -eq 0 ]
