@@ -4753,8 +4753,8 @@ RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_re
     rbdi_joints(m, w, 0, m->nl, rbdi_expand_q(m, w, q));
     rbdi_link_kinematics(m, w, 0, m->nl, v, a);
     *w->rotors = rbdi_zero();
-    for (int k = 0; w->moving && k < m->nv + rbdi_mimics(m); ++k)
-        *w->rotors = *w->rotors + v[k] * v[k] * (RBD_C(0.5) * m->dof[k].armature);
+    for (int i = 0; w->moving && i < m->nv + rbdi_mimics(m); ++i)
+        *w->rotors = *w->rotors + v[i] * v[i] * (RBD_C(0.5) * m->dof[i].armature);
     w->kinematics_of = m->nl;
     return RBD_OK;
 }
@@ -6530,15 +6530,15 @@ static void rbdi_build_regroup(rbdi_build_link *links, int i) {
 
 /* ==== src/model/emit.h ==== */
 static rbdi_c3 rbdi_round3(const rbdi_wide x[3]) {
-    rbdi_c3 c;
-    c.x = RBD_C(x[0]), c.y = RBD_C(x[1]), c.z = RBD_C(x[2]);
-    return c;
+    rbdi_c3 out;
+    out.x = RBD_C(x[0]), out.y = RBD_C(x[1]), out.z = RBD_C(x[2]);
+    return out;
 }
 static rbdi_csym rbdi_round6(const rbdi_wide x[6]) {
-    rbdi_csym c;
-    c.xx = RBD_C(x[0]), c.xy = RBD_C(x[1]), c.xz = RBD_C(x[2]);
-    c.yy = RBD_C(x[3]), c.yz = RBD_C(x[4]), c.zz = RBD_C(x[5]);
-    return c;
+    rbdi_csym out;
+    out.xx = RBD_C(x[0]), out.xy = RBD_C(x[1]), out.xz = RBD_C(x[2]);
+    out.yy = RBD_C(x[3]), out.yz = RBD_C(x[4]), out.zz = RBD_C(x[5]);
+    return out;
 }
 
 /* The joint angle at q = 0. Its right angles are kept apart, because a multiple of pi would be rounded. */
@@ -6971,12 +6971,12 @@ static void rbdi_payload_links(const rbd_model *m, int i, const rbd_body *load, 
     rbdi_clear_link(&pair[0]);
     rbdi_build_mass(load, place, pair);
     for (; i >= 0; i = link[i].parent) {
-        rbdi_csym *Sigma = &link[i].Sigma, x;
+        rbdi_csym *Sigma = &link[i].Sigma, add;
         rbdi_payload_step(m, i, pair);
         rbdi_build_regroup(pair, 1);
-        x = rbdi_round6(pair[1].Sigma);
-        Sigma->xx += x.xx, Sigma->xy += x.xy, Sigma->xz += x.xz;
-        Sigma->yy += x.yy, Sigma->yz += x.yz, Sigma->zz += x.zz;
+        add = rbdi_round6(pair[1].Sigma);
+        Sigma->xx += add.xx, Sigma->xy += add.xy, Sigma->xz += add.xz;
+        Sigma->yy += add.yy, Sigma->yz += add.yz, Sigma->zz += add.zz;
         link[i].h.x += RBD_C(pair[1].h[0]);
         link[i].h.y += RBD_C(pair[1].h[1]);
         link[i].h.z += RBD_C(pair[1].h[2]);

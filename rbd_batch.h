@@ -582,18 +582,18 @@ typedef struct rbdi_lane_point {
 } rbdi_lane_point;
 
 static rbd_status rbdi_lanes_jacobian(const rbd_model *m, const rbdi_task *t) {
-    const rbdi_lane_point *p = (const rbdi_lane_point *)t->more;
+    const rbdi_lane_point *point = (const rbdi_lane_point *)t->more;
     (void)rbd_kinematics(m, t->w, t->x[0], NULL, NULL); /* arguments are checked */
-    return rbd_jacobian(m, t->w, p->body, p->point, p->axes, t->y[0]);
+    return rbd_jacobian(m, t->w, point->body, point->point, point->axes, t->y[0]);
 }
 RBDI_BATCH_API rbd_status rbd_batch_jacobian(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                              int body, const RBD_REAL point[3], rbd_axes axes, RBD_REAL *J) {
     rbdi_task t = rbdi_task_of(q, NULL, NULL, NULL);
-    rbdi_lane_point p;
+    rbdi_lane_point in_lanes;
     rbd_real lanes[3];
     for (int k = 0; k < 3; ++k) lanes[k] = rbdi_set(point ? point[k] : RBD_C(0));
-    p.body = body, p.axes = axes, p.point = lanes;
-    t.more = &p;
+    in_lanes.body = body, in_lanes.axes = axes, in_lanes.point = lanes;
+    t.more = &in_lanes;
     rbdi_task_output(&t, 0, J, 6 * rbd_nv(m));
     return J ? rbdi_batch_run(rbdi_lanes_jacobian, m, b, n, b ? b->y : NULL, &t) : RBD_ERR_NULL;
 }

@@ -4,15 +4,15 @@
 #include "model/regroup.h"
 
 static rbdi_c3 rbdi_round3(const rbdi_wide x[3]) {
-    rbdi_c3 c;
-    c.x = RBD_C(x[0]), c.y = RBD_C(x[1]), c.z = RBD_C(x[2]);
-    return c;
+    rbdi_c3 out;
+    out.x = RBD_C(x[0]), out.y = RBD_C(x[1]), out.z = RBD_C(x[2]);
+    return out;
 }
 static rbdi_csym rbdi_round6(const rbdi_wide x[6]) {
-    rbdi_csym c;
-    c.xx = RBD_C(x[0]), c.xy = RBD_C(x[1]), c.xz = RBD_C(x[2]);
-    c.yy = RBD_C(x[3]), c.yz = RBD_C(x[4]), c.zz = RBD_C(x[5]);
-    return c;
+    rbdi_csym out;
+    out.xx = RBD_C(x[0]), out.xy = RBD_C(x[1]), out.xz = RBD_C(x[2]);
+    out.yy = RBD_C(x[3]), out.yz = RBD_C(x[4]), out.zz = RBD_C(x[5]);
+    return out;
 }
 
 /* The joint angle at q = 0. Its right angles are kept apart, because a multiple of pi would be rounded. */

@@ -98,12 +98,12 @@ static void rbdi_payload_links(const rbd_model *m, int i, const rbd_body *load, 
     rbdi_clear_link(&pair[0]);
     rbdi_build_mass(load, place, pair);
     for (; i >= 0; i = link[i].parent) {
-        rbdi_csym *Sigma = &link[i].Sigma, x;
+        rbdi_csym *Sigma = &link[i].Sigma, add;
         rbdi_payload_step(m, i, pair);
         rbdi_build_regroup(pair, 1);
-        x = rbdi_round6(pair[1].Sigma);
-        Sigma->xx += x.xx, Sigma->xy += x.xy, Sigma->xz += x.xz;
-        Sigma->yy += x.yy, Sigma->yz += x.yz, Sigma->zz += x.zz;
+        add = rbdi_round6(pair[1].Sigma);
+        Sigma->xx += add.xx, Sigma->xy += add.xy, Sigma->xz += add.xz;
+        Sigma->yy += add.yy, Sigma->yz += add.yz, Sigma->zz += add.zz;
         link[i].h.x += RBD_C(pair[1].h[0]);
         link[i].h.y += RBD_C(pair[1].h[1]);
         link[i].h.z += RBD_C(pair[1].h[2]);

@@ -88,8 +88,8 @@ RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_re
     rbdi_joints(m, w, 0, m->nl, rbdi_expand_q(m, w, q));
     rbdi_link_kinematics(m, w, 0, m->nl, v, a);
     *w->rotors = rbdi_zero();
-    for (int k = 0; w->moving && k < m->nv + rbdi_mimics(m); ++k)
-        *w->rotors = *w->rotors + v[k] * v[k] * (RBD_C(0.5) * m->dof[k].armature);
+    for (int i = 0; w->moving && i < m->nv + rbdi_mimics(m); ++i)
+        *w->rotors = *w->rotors + v[i] * v[i] * (RBD_C(0.5) * m->dof[i].armature);
     w->kinematics_of = m->nl;
     return RBD_OK;
 }
