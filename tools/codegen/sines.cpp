@@ -99,13 +99,13 @@ INLINE void sines(batch x, batch whole, batch *s, batch *c, batch *squares) {
     *squares += x * x;
 }
 
-/* The right angles of a batch; without any, quarters is 0. */
-INLINE batch whole_of(const scalar *quarters) {
+/* The right angles of the batch from i on; without any, quarters is 0. */
+INLINE batch whole_of(const scalar *quarters, int i) {
     const batch zero = {0};
 #if BATCH > 1
-    return (quarters ? *(const batch *)quarters : zero) + WHOLE;
+    return (quarters ? *(const batch *)(quarters + i) : zero) + WHOLE;
 #else
-    return (quarters ? splat(*quarters) : zero) + WHOLE;
+    return (quarters ? splat(quarters[i]) : zero) + WHOLE;
 #endif
 }
 #endif
@@ -124,18 +124,18 @@ INLINE void sines4(int n, real x0, real x1, real x2, real x3, const scalar *quar
     const batch all = {x0, x1, x2, x3};
     (void)n;
     *(batch *)x = all;
-    sines(all, whole_of(quarters), (batch *)s, (batch *)c, squares);
+    sines(all, whole_of(quarters, 0), (batch *)s, (batch *)c, squares);
 #elif BATCH == 2
     const batch first = {x0, x1}, second = {x2, x3};
     *(batch *)x = first;
-    sines(first, whole_of(quarters), (batch *)s, (batch *)c, squares);
+    sines(first, whole_of(quarters, 0), (batch *)s, (batch *)c, squares);
     if (n < 3) return;
     *(batch *)(x + 2) = second;
-    sines(second, whole_of(quarters ? quarters + 2 : 0), (batch *)(s + 2), (batch *)(c + 2), squares);
+    sines(second, whole_of(quarters, 2), (batch *)(s + 2), (batch *)(c + 2), squares);
 #else
     const real all[4] = {x0, x1, x2, x3};
     for (int i = 0; i < n; ++i)
-        sines(x[i] = all[i], whole_of(quarters ? quarters + i : 0), &s[i], &c[i], squares);
+        sines(x[i] = all[i], whole_of(quarters, i), &s[i], &c[i], squares);
 #endif
 }
 
@@ -143,7 +143,7 @@ INLINE void sines4(int n, real x0, real x1, real x2, real x3, const scalar *quar
 #if defined OWN_SINES && LANES * BATCH == 1
 #define SINES_OF(n, quarters) \
     for (int i = 0; i < (n); ++i) \
-    sines(angle[i], whole_of((quarters) ? (quarters) + i : 0), sine + i, cosine + i, &squares)
+    sines(angle[i], whole_of(quarters, i), sine + i, cosine + i, &squares)
 #else
 #define SINES_OF(n, quarters) (void)0
 #endif
