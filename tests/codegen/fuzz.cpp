@@ -73,41 +73,54 @@ input inputs(const codegen::function &f) {
     return in;
 }
 
-/* Inputs nearby, each a thousandth off at most. */
-input moved(input in, uint64_t seed) {
+/* Inputs nearby, each at most so much of itself off. */
+input moved(input in, double share, uint64_t seed) {
     for (std::vector<double> &x : in)
-        for (double &y : x) y *= uniform(&seed, 0.999, 1.001);
+        for (double &y : x) y *= uniform(&seed, 1 - share, 1 + share);
     return in;
 }
 
-/* Of results relative to the largest of their array: some roundings of these, and those on the way to them,
-   which float shows, the largest of several states nearby. Infinite where one of the two refuses. */
-double tolerance_of(const drawn &x, const codegen::function &f, const codegen::example &e) {
-    const double eps = x.t.is_float ? FLT_EPSILON : DBL_EPSILON;
+/* The largest difference of results relative to the largest of their array; infinite if one is no number. */
+template <class T>
+double difference(const codegen::function &f, const codegen::example &e, const std::vector<T> &x,
+                  const std::vector<double> &y) {
     double worst = 0;
-    for (uint64_t near = 0; near < 10; near++) {
-        const input in = near ? moved(e.in, near) : e.in;
-        const std::vector<double> fine = codegen::evaluate<double>(f, in);
-        const std::vector<float> rough = codegen::evaluate<float>(f, in);
-        size_t k = 0;
-        if (fine.empty() || rough.empty()) return HUGE_VAL;
-        for (const codegen::array &a : f.outputs) {
-            double largest = 1e-300, errors = 0;
-            for (const size_t end = k + size_t(a.size); k < end; k++) {
-                largest = std::fmax(largest, std::fabs(e.out[k]));
-                errors += std::fabs(double(rough[k]) - fine[k]);
-            }
-            if (!(errors / largest < HUGE_VAL)) return HUGE_VAL;
-            worst = std::fmax(worst, errors / largest);
+    size_t k = 0;
+    for (const codegen::array &a : f.outputs) {
+        double largest = 1e-300, sum = 0;
+        for (const size_t end = k + size_t(a.size); k < end; k++) {
+            largest = std::fmax(largest, std::fabs(e.out[k]));
+            sum += std::fabs(double(x[k]) - y[k]);
         }
+        if (!(sum / largest < HUGE_VAL)) return HUGE_VAL;
+        worst = std::fmax(worst, sum / largest);
     }
-    return (5e4 + 100 * worst / double(FLT_EPSILON)) * eps;
+    return worst;
 }
 
 struct tested {
     std::string name; // of the algorithm
     codegen::tested code;
 };
+
+/* Of results relative to the largest of their array: some roundings of these, and a hundred times those on
+   the way to them. Float shows the code's, in states nearby; rbd.h's show where the last digits of arguments
+   differ. Infinite where one of the two refuses. */
+double tolerance_of(const drawn &x, const tested &to, const codegen::example &e) {
+    const codegen::function &f = to.code.f;
+    const double eps = x.t.is_float ? FLT_EPSILON : DBL_EPSILON;
+    double code = 0, rbd = 0;
+    for (uint64_t seed = 0; seed < 10; seed++) {
+        const input in = moved(e.in, seed > 0 ? 1e-3 : 0, seed);
+        const std::vector<double> fine = codegen::evaluate<double>(f, in);
+        const std::vector<float> rough = codegen::evaluate<float>(f, in);
+        if (fine.empty() || rough.empty()) return HUGE_VAL;
+        code = std::fmax(code, difference(f, e, rough, fine));
+        const input near = moved(e.in, 4 * DBL_EPSILON, seed);
+        rbd = std::fmax(rbd, difference(f, e, codegen::compute(x.r, to.name, near).out, e.out));
+    }
+    return 5e4 * eps + 100 * (code / double(FLT_EPSILON) + rbd / DBL_EPSILON) * eps;
+}
 
 /* Adds rbd.h's results to the known ones; not where one of the two refuses, or digits are lost. */
 void add_state(const drawn &x, tested *to) {
@@ -116,7 +129,7 @@ void add_state(const drawn &x, tested *to) {
         if (x.t.is_bounded && !(std::fabs(y) < (x.t.is_float ? 1e3 : 1e5))) return;
     try {
         const codegen::example e = codegen::compute(x.r, to->name, in);
-        const double tolerance = tolerance_of(x, to->code.f, e);
+        const double tolerance = tolerance_of(x, *to, e);
         if (!(tolerance < (x.t.is_float ? 0.05 : 1e-4))) return;
         to->code.examples.push_back(e);
         to->code.tolerance =

@@ -33,7 +33,7 @@ if [ "$1" = --model ]; then
     link=$(sed -n 's/.*<link name="\([^"]*\)".*/\1/p' "$urdf" | tail -n 1)
     printf 'body1,x1,y1,z1,axes\n%s,0.1,0.2,0.3,000001\n' "$link" >"$name.csv"
     all=$("$rbd_codegen" --help | sed -n '/there are$/,/^  --/p' | grep -v ' --' | tr ' ' '\n' | sed "/^$/d; s/LINK/$link/")
-    case $* in *--reproducible*) all=$(echo "$all" | grep -v '^constrained_id$') ;; esac
+    case $* in *--reproducible*) all=$(echo "$all" | grep -v '^constrained_id$\|^delta$') ;; esac
     "$rbd_codegen" --name "$name" --algorithm "$(echo "$all" | paste -sd,)" --constraints "$name.csv" "$@" "$urdf" &&
         echo "$name: $(basename "$urdf") $*, $(grep -c '^int\|^void' "${name}_code.h") functions"
     exit
