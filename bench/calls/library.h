@@ -21,6 +21,7 @@ enum {
     FREE_BASE,
     MINV,
     JACOBIAN,
+    BODY_JACOBIAN,
     MOMENTUM_MATRIX,
     CORIOLIS,
     REGRESSOR,

@@ -142,6 +142,18 @@ static rbd_status call_jacobian(const void *model, void *work, int n, const void
                             : rbd_jacobian(model, work_of(work), rbd_nb(model) - 1, NULL, RBD_WORLD_AXES, J);
 }
 
+/* The Jacobian, then rotation and origin of the body. */
+static rbd_status call_body_jacobian(const void *model, void *work, int n, const void *q, const void *v,
+                                     const void *x, void *out) {
+    const int last = rbd_nb(model) - 1;
+    rbd_work *w = work_of(work);
+    rbd_real *J = out, *pose = J + 6 * rbd_nv(model);
+    rbd_status status = rbd_body_kinematics(model, w, last, q, NULL, NULL);
+    (void)n, (void)v, (void)x;
+    if (status == RBD_OK) status = rbd_body_pose(model, w, last, pose, pose + 9);
+    return status != RBD_OK ? status : rbd_jacobian(model, w, last, NULL, RBD_WORLD_AXES, J);
+}
+
 static rbd_status call_momentum_matrix(const void *model, void *work, int n, const void *q, const void *v,
                                        const void *x, void *A) {
     (void)n, (void)v, (void)x;
@@ -207,7 +219,8 @@ static rbd_status call_constrained_hand(const void *model, void *work, int n, co
 #define CALLS \
     [ID] = call_id, [MM] = call_mm, [MM_PACKED] = call_mm_packed, [FD] = call_fd, \
     [FD_CHOLESKY] = call_fd_cholesky, [HYBRID] = call_hybrid, [FREE_BASE] = call_free_base, \
-    [MINV] = call_minv, [JACOBIAN] = call_jacobian, [MOMENTUM_MATRIX] = call_momentum_matrix, \
-    [CORIOLIS] = call_coriolis, [REGRESSOR] = call_regressor, [ID_DERIVATIVES] = call_id_derivatives, \
-    [ID_DERIVATIVES_MM] = call_id_derivatives_mm, [FD_DERIVATIVES] = call_fd_derivatives, \
-    [CONSTRAINED] = call_constrained, [CONSTRAINED_HAND] = call_constrained_hand
+    [MINV] = call_minv, [JACOBIAN] = call_jacobian, [BODY_JACOBIAN] = call_body_jacobian, \
+    [MOMENTUM_MATRIX] = call_momentum_matrix, [CORIOLIS] = call_coriolis, [REGRESSOR] = call_regressor, \
+    [ID_DERIVATIVES] = call_id_derivatives, [ID_DERIVATIVES_MM] = call_id_derivatives_mm, \
+    [FD_DERIVATIVES] = call_fd_derivatives, [CONSTRAINED] = call_constrained, \
+    [CONSTRAINED_HAND] = call_constrained_hand

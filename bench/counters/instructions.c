@@ -95,6 +95,7 @@ static const struct {
     [FREE_BASE] = {"id_free_base", a},
     [MINV] = {"minv", tau},
     [JACOBIAN] = {"jacobian", tau},
+    [BODY_JACOBIAN] = {"body_jacobian", tau},
     [MOMENTUM_MATRIX] = {"momentum_matrix", tau},
     [CORIOLIS] = {"coriolis", tau},
     [REGRESSOR] = {"regressor", a},

@@ -230,6 +230,13 @@ void convert_result(const void *model_, int algorithm, const struct state *rbd, 
     case MM: reorder_upper(p, d.M, x); break;
     case MINV: reorder_upper(p, d.Minv, x); break;
     case JACOBIAN: reorder_motion(p, w->J, x); break;
+    case BODY_JACOBIAN: {
+        const pinocchio::SE3 &pose = d.oMf[w->last];
+        reorder_motion(p, w->J, x);
+        for (int i = 0; i < 9; i++) x[6 * nv + i] = pose.rotation()(i / 3, i % 3);
+        for (int i = 0; i < 3; i++) x[6 * nv + 9 + i] = pose.translation()[i];
+        break;
+    }
     case MOMENTUM_MATRIX: reorder_motion(p, d.Ag, x); break;
     case CORIOLIS: reorder(p, d.C, x); break;
     case REGRESSOR: reorder_regressor(p, d.jointTorqueRegressor, x); break;
@@ -269,7 +276,8 @@ conventions make_conventions() {
     c.calls[MM] = "crba, LOCAL convention: one triangle";
     c.calls[FD] = "aba, LOCAL convention";
     c.calls[MINV] = "computeMinverse: one triangle";
-    c.calls[JACOBIAN] = "computeFrameJacobian, LOCAL_WORLD_ALIGNED: the chain of that body alone";
+    c.calls[JACOBIAN] = c.calls[BODY_JACOBIAN] =
+        "computeFrameJacobian, LOCAL_WORLD_ALIGNED: the chain of that body alone";
     c.calls[MOMENTUM_MATRIX] = "computeCentroidalMap";
     c.calls[CORIOLIS] = "computeCoriolisMatrix";
     c.calls[REGRESSOR] = "computeJointTorqueRegressor";
@@ -304,7 +312,7 @@ library make_library() {
     l.call[MM] = call_mm;
     l.call[FD] = call_fd;
     l.call[MINV] = call_minv;
-    l.call[JACOBIAN] = call_jacobian;
+    l.call[JACOBIAN] = l.call[BODY_JACOBIAN] = call_jacobian;
     l.call[MOMENTUM_MATRIX] = call_momentum_matrix;
     l.call[CORIOLIS] = call_coriolis;
     l.call[REGRESSOR] = call_regressor;

@@ -83,6 +83,7 @@ const struct algorithm algorithms[ALGORITHMS] = {
     [FREE_BASE] = {"id_free_base", "inverse dynamics, the base free", ACCELERATION},
     [MINV] = {"minv", "inverse of the mass matrix", NOTHING},
     [JACOBIAN] = {"jacobian", "kinematics and Jacobian of the last body", NOTHING},
+    [BODY_JACOBIAN] = {"body_jacobian", "pose and Jacobian of the last body alone", NOTHING},
     [MOMENTUM_MATRIX] = {"momentum_matrix", "centroidal momentum matrix", NOTHING},
     [CORIOLIS] = {"coriolis", "Coriolis matrix", NOTHING},
     [REGRESSOR] = {"regressor", "torque regressor", ACCELERATION},
@@ -157,6 +158,7 @@ int algorithm_parts(int algorithm, const struct robot *r, int size[MAX_PARTS]) {
     case MM_PACKED: size[0] = r->packed; return 1;
     case JACOBIAN:
     case MOMENTUM_MATRIX: size[0] = 6 * nv; return 1;
+    case BODY_JACOBIAN: size[0] = 6 * nv, size[1] = 12; return 2;
     case REGRESSOR: size[0] = nv * 10 * r->nb; return 1;
     default: return 1;
     }

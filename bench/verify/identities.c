@@ -144,6 +144,17 @@ static int check_jacobian(struct check *c, struct states s, double bound) {
     return check_accept(c, "J v = velocity", relative_error(velocity, expected, 6), bound);
 }
 
+static int check_body_jacobian(struct check *c, struct states s, double bound) {
+    const int n = 6 * c->robot->nv;
+    if (check_run(c, BODY_JACOBIAN, s, c->result) != 0 || check_run(c, JACOBIAN, s, c->other) != 0 ||
+        kinematics(c, s) != 0)
+        return -1;
+    rbd_body_pose(c->instance->model, instance_work(c->instance), c->robot->nb - 1, c->other + n,
+                  c->other + n + 9);
+    return check_accept(c, "J and pose are those of all kinematics",
+                        relative_error(c->result, c->other, n + 12), bound);
+}
+
 static int check_momentum(struct check *c, struct states s, double bound) {
     double expected[6], h[6] = {0};
     if (check_run(c, MOMENTUM_MATRIX, s, c->result) != 0 || kinematics(c, s) != 0) return -1;
@@ -293,6 +304,7 @@ int check_sample(struct check *c, struct states s, double condition) {
         [FREE_BASE] = check_hybrid,
         [MINV] = check_inverse,
         [JACOBIAN] = check_jacobian,
+        [BODY_JACOBIAN] = check_body_jacobian,
         [MOMENTUM_MATRIX] = check_momentum,
         [CORIOLIS] = check_coriolis,
         [REGRESSOR] = check_regressor,

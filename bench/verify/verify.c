@@ -87,6 +87,7 @@ static void stored(const struct check *c, const ref_state *s, struct part part[P
         [FD_CHOLESKY] = {{s->qdd, nv}},
         [MINV] = {{s->Minv, n}},
         [JACOBIAN] = {{s->J_world, s->jac_body == last ? 6 * nv : 0}},
+        [BODY_JACOBIAN] = {{s->J_world, s->jac_body == last ? 6 * nv : 0}},
         [MOMENTUM_MATRIX] = {{s->A_h, 6 * nv}},
         [REGRESSOR] = {{s->Y, nv * 10 * c->robot->nb}},
         [ID_DERIVATIVES] = {{s->dtau_dq, n}, {s->dtau_dv, n}},
