@@ -3,6 +3,7 @@
 // usage: fuzz FOLDER NUMBER, writes FOLDER/fNUMBER_code.h and .c
 #include "../../tools/codegen/emit.h"
 #include "../../tools/codegen/limbs.h"
+#include "rbd.h"
 #include <cfloat>
 #include <cmath>
 #include <cstdio>
@@ -80,6 +81,17 @@ input moved(input in, double share, uint64_t seed) {
     return in;
 }
 
+/* A robot whose last digits differ; its bodies stand in `room`. */
+codegen::robot moved(codegen::robot r, uint64_t seed, std::vector<rbd_body> *room) {
+    const auto move = [&seed](double *x, int n) {
+        for (int k = 0; k < n; k++) x[k] *= uniform(&seed, 1 - 4 * DBL_EPSILON, 1 + 4 * DBL_EPSILON);
+    };
+    room->assign(r.bodies, r.bodies + r.nb);
+    for (rbd_body &b : *room) move(&b.mass, 1), move(b.com, 3), move(b.inertia, 6), move(b.position, 3);
+    r.bodies = room->data();
+    return r;
+}
+
 /* The largest difference of results relative to the largest of their array; infinite if one is no number. */
 template <class T>
 double difference(const codegen::function &f, const codegen::example &e, const std::vector<T> &x,
@@ -104,12 +116,13 @@ struct tested {
 };
 
 /* Of results relative to the largest of their array: some roundings of these, and a hundred times those on
-   the way to them. Float shows the code's, in states nearby; rbd.h's show where the last digits of arguments
-   differ. Infinite where one of the two refuses. */
+   the way to them. Float shows the code's, in states nearby; rbd.h's show where the last digits of the
+   robot and of arguments differ. Infinite where one of the two refuses. */
 double tolerance_of(const drawn &x, const tested &to, const codegen::example &e) {
     const codegen::function &f = to.code.f;
     const double eps = x.t.is_float ? FLT_EPSILON : DBL_EPSILON;
     double code = 0, rbd = 0;
+    std::vector<rbd_body> room;
     for (uint64_t seed = 0; seed < 10; seed++) {
         const input in = moved(e.in, seed > 0 ? 1e-3 : 0, seed);
         const std::vector<double> fine = codegen::evaluate<double>(f, in);
@@ -117,7 +130,8 @@ double tolerance_of(const drawn &x, const tested &to, const codegen::example &e)
         if (fine.empty() || rough.empty()) return HUGE_VAL;
         code = std::fmax(code, difference(f, e, rough, fine));
         const input near = moved(e.in, 4 * DBL_EPSILON, seed);
-        rbd = std::fmax(rbd, difference(f, e, codegen::compute(x.r, to.name, near).out, e.out));
+        const codegen::robot r = moved(x.r, seed, &room);
+        rbd = std::fmax(rbd, difference(f, e, codegen::compute(r, to.name, near).out, e.out));
     }
     return 5e4 * eps + 100 * (code / double(FLT_EPSILON) + rbd / DBL_EPSILON) * eps;
 }
