@@ -87,7 +87,8 @@ codegen::robot moved(codegen::robot r, uint64_t seed, std::vector<rbd_body> *roo
         for (int k = 0; k < n; k++) x[k] *= uniform(&seed, 1 - 4 * DBL_EPSILON, 1 + 4 * DBL_EPSILON);
     };
     room->assign(r.bodies, r.bodies + r.nb);
-    for (rbd_body &b : *room) move(&b.mass, 1), move(b.com, 3), move(b.inertia, 6), move(b.position, 3);
+    for (rbd_body &b : *room)
+        move(&b.mass, 1), move(b.com, 3), move(b.inertia, 6), move(b.position, 3), move(b.armature, 6);
     r.bodies = room->data();
     return r;
 }
