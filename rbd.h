@@ -634,8 +634,8 @@ RBDI_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real 
 RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                    const rbd_real *a);
 
-/* The same of one body and of the bodies between it and the world only. For bodies that other joints move, and
-   for sums over all bodies, the functions below then return RBD_ERR_ORDER.
+/* The same of one body and of the bodies between it and the world only. For bodies that other joints move,
+   and for sums over all bodies, the functions below then return RBD_ERR_ORDER.
    Errors: RBD_ERR_NULL, _WORK, _INDEX. */
 RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int body, const rbd_real *q,
                                         const rbd_real *v, const rbd_real *a);
