@@ -489,8 +489,8 @@ RBDI_API size_t rbd_model_size(const rbd_body *bodies, int nb);
 /* Adds a payload, such as an object in the hand, to a body of a built model. Later results are those of a new
    build, to rounding. It costs a step for each link on the way to the root. To take the payload off, add it
    with mass and inertia negated. Every rbd_work and set of constraints stays valid; but make a set anew after
-   taking off mass that the model was built with. No other call may use the model meanwhile. A model in a
-   table of constants cannot be changed.
+   taking off mass that the model was built with. Make every rbd_derivatives anew: it has copies of masses. No
+   other call may use the model meanwhile. A model in a table of constants cannot be changed.
    memory   the memory that was given to rbd_model_build
    mass     kg, may be negative
    com      centre of mass of the payload, link frame, m
@@ -506,8 +506,8 @@ RBDI_API rbd_status rbd_add_payload(void *memory, int body, double mass, const d
 /* ---- work [work] ---- */
 
 /* Prepares the memory that the algorithms work in; one per thread and model. It serves every model with
-   arrays of the same lengths, such as a copy. With any other, including a model rebuilt in the same memory,
-   each call returns RBD_ERR_WORK.
+   arrays of the same lengths, such as a copy. With a model of other lengths, including one rebuilt in
+   the same memory, each call returns RBD_ERR_WORK.
    memory   size bytes of any alignment; RBD_WORK_SIZE(nb, nv) always suffices, with mimic joints
             RBD_WORK_SIZE_MIMIC(nb, nv)
    work     receives the work structure, which lies inside memory: do not move it; NULL after an error
@@ -629,7 +629,7 @@ RBDI_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real 
 
 /* Computes poses, velocities and accelerations of all bodies, for the functions below.
    q: nq; v, a: nv, or NULL for zero. The results stay until the next call of rbd_kinematics,
-   rbd_body_kinematics or rbd_joint_wrench.
+   rbd_body_kinematics, rbd_joint_wrench, or of rbd_constraints.h or rbd_contact.h with the same work.
    Errors: RBD_ERR_NULL, _WORK. */
 RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                    const rbd_real *a);
@@ -680,8 +680,9 @@ RBDI_API rbd_status rbd_joint_wrench(const rbd_model *m, rbd_work *w, const rbd_
 
 /* ==== src/api/points.h ==== */
 /* ---- points and momentum [points] ----
-   After rbd_kinematics, at its q, v and a. A point is fixed in a body: 3 components in link axes, NULL for
-   the link origin. Its motion: (omega of the body; velocity of the point), along world axes or link axes.
+   After rbd_kinematics or, for its bodies, rbd_body_kinematics, at its q, v and a. A point is fixed in a
+   body: 3 components in link axes, NULL for the link origin. Its motion: (omega of the body; velocity of the
+   point), along world axes or link axes.
    Errors: RBD_ERR_NULL, _WORK, _INDEX, _ORDER. */
 
 typedef enum rbd_axes { RBD_WORLD_AXES, RBD_LINK_AXES } rbd_axes;
@@ -1173,7 +1174,7 @@ struct rbd_work {
     rbdi_c3 gravity;
     int singular;          /* dof, -1 = none */
     int16_t kinematics_of; /* kin: of this link and its ancestors; nl: of all; -1: of the world alone */
-    int16_t moving;        /* kin: velocities and accelerations are there; else they are zero */
+    int16_t moving;        /* whether kin has velocities and accelerations; else rbdi_body_kin makes them 0 */
 #if RBDI_REPRODUCIBLE
     int doubt; /* a pivot or a rank has been in doubt: see rbdi_batch_singly */
 #endif
@@ -3056,7 +3057,7 @@ RBDI_PART void rbdi_reduce_tau(const rbd_model *m, const rbd_real *tx, rbd_real 
         tau[m->mimic[k].source_v] = tau[m->mimic[k].source_v] + tx[m->nv + k] * m->mimic[k].ratio;
 }
 
-/* Subtracts the external wrenches, given in the users' frames, from those of the links. */
+/* Subtracts the external wrenches, given in the user's frames, from those of the links. */
 RBDI_PART void rbdi_external(const rbd_model *m, rbd_work *w, const rbd_real *f_ext) {
     const int bodies = f_ext ? m->nb : 0;
     for (int body = 0; body < bodies; ++body) {
@@ -4147,7 +4148,7 @@ RBDI_PART void rbdi_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, rb
     }
 }
 
-/* L'^-1 replaces X: in n columns of one matrix or two, by so many batches, or (batches = 0) of one by
+/* X = L'^-1 X, and so Y: n columns of one matrix or two, by so many batches, or (batches = 0) of one by
    scalars. */
 RBDI_INLINE void rbdi_columns_up(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride,
                                  int matrices, int batches, int n, rbd_real *X, rbd_real *Y) {
@@ -4167,7 +4168,7 @@ RBDI_INLINE void rbdi_columns_up(const rbd_model *m, rbd_work *w, const rbd_real
             rbdi_subtract_scalars(g, RBDI_DESCENDANTS, n, X + start[s]);
     }
 }
-/* Then sign L^-1 D^-1 X. */
+/* Then X = sign L^-1 D^-1 X, and so Y. */
 RBDI_INLINE void rbdi_columns_down(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign,
                                    ptrdiff_t stride, int matrices, int batches, int n, rbd_real *X,
                                    rbd_real *Y) {
@@ -4773,7 +4774,7 @@ RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int bod
         int first = last, from;
         for (int up = m->link[last].parent; up >= end; up = m->link[up].parent) first = up;
         for (end = first + 1; end <= last && rbdi_carries(m, end, last);) ++end;
-        from = first - ((first - end) & (RBDI_BATCH - 1)); /* whole batches, to the end of the range */
+        from = end - (end - first + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH; /* whole batches */
         rbdi_joints(m, w, from < 0 ? 0 : from, end, q);
         rbdi_link_kinematics(m, w, first, end, v, a);
     }
@@ -5081,13 +5082,13 @@ RBDI_INLINE rbdi_motion rbdi_column(const rbd_model *m, const rbd_work *w, int i
     return c;
 }
 
-/* Adds share times such a motion to a column of J: (0; a), or (a; a x arm) with arm = r - p. */
-RBDI_INLINE void rbdi_add_slide(rbd_real *J, ptrdiff_t nv, rbd_real share, rbdi_v3 a) {
-    rbdi_store_vec(J + 3 * nv, nv, rbdi_add(rbdi_load_vec(J + 3 * nv, nv), rbdi_scale(share, a)));
+/* Adds ratio times such a motion to a column of J: (0; a), or (a; a x arm) with arm = r - p. */
+RBDI_INLINE void rbdi_add_slide(rbd_real *J, ptrdiff_t nv, rbd_real ratio, rbdi_v3 a) {
+    rbdi_store_vec(J + 3 * nv, nv, rbdi_add(rbdi_load_vec(J + 3 * nv, nv), rbdi_scale(ratio, a)));
 }
-RBDI_INLINE void rbdi_add_turn(rbd_real *J, ptrdiff_t nv, rbd_real share, rbdi_v3 a, rbdi_v3 arm) {
-    rbdi_store_vec(J, nv, rbdi_add(rbdi_load_vec(J, nv), rbdi_scale(share, a)));
-    rbdi_add_slide(J, nv, share, rbdi_cross(a, arm));
+RBDI_INLINE void rbdi_add_turn(rbd_real *J, ptrdiff_t nv, rbd_real ratio, rbdi_v3 a, rbdi_v3 arm) {
+    rbdi_store_vec(J, nv, rbdi_add(rbdi_load_vec(J, nv), rbdi_scale(ratio, a)));
+    rbdi_add_slide(J, nv, ratio, rbdi_cross(a, arm));
 }
 
 /* Adds to J, times sign, the columns of link i and of its ancestors up to link `end`, which has none; E, if
@@ -5099,14 +5100,14 @@ RBDI_PART void rbdi_add_path(const rbd_model *m, const rbd_work *w, int i, int e
         const rbdi_link *l = &m->link[i];
         const rbdi_pose *X = &w->kin[i].X;
         const rbdi_block *b;
-        rbd_real *to = &J[rbdi_source(m, l->iv)], share = rbdi_ratio(m, l->iv) * sign;
+        rbd_real *to = &J[rbdi_source(m, l->iv)], ratio = rbdi_ratio(m, l->iv) * sign;
         rbdi_v3 arm = rbdi_sub(r, X->r), a;
         if (E) arm = rbdi_mul(*E, arm);
         if (!rbdi_is(l, RBDI_BLOCK)) {
             a = rbdi_unit_axis(X, 2);
             if (E) a = rbdi_mul(*E, a);
-            if (rbdi_is(l, RBDI_SCREW)) rbdi_add_slide(to, nv, share * l->kappa, a), share = share * l->rho;
-            rbdi_add_turn(to, nv, share, a, arm);
+            if (rbdi_is(l, RBDI_SCREW)) rbdi_add_slide(to, nv, ratio * l->kappa, a), ratio = ratio * l->rho;
+            rbdi_add_turn(to, nv, ratio, a, arm);
             continue;
         }
         b = rbdi_block_of(m, l);
@@ -5114,9 +5115,9 @@ RBDI_PART void rbdi_add_path(const rbd_model *m, const rbd_work *w, int i, int e
             a = rbdi_unit_axis(X, axis);
             if (E) a = rbdi_mul(*E, a);
             if (axis >= 3)
-                rbdi_add_slide(to, nv, share, a);
+                rbdi_add_slide(to, nv, ratio, a);
             else
-                rbdi_add_turn(to, nv, share, a, arm);
+                rbdi_add_turn(to, nv, ratio, a, arm);
         }
     }
 }

@@ -2087,17 +2087,17 @@ static void rbdi_add_sigma(const rbdi_constraint *con, const rbdi_pair_motion *p
 
 /* Subtracts the derivative of J' lambda by a dof of the link `mover`, with this S, from a column of rho. S of
    the others stand in the columns Phi of d, no longer needed; its columns S keep those of a free base. */
-static void rbdi_subtract_rho(const rbd_model *m, const rbd_derivatives *d, const rbdi_constraint *con,
-                              const rbdi_pair_motion *pair, int side, int mover, rbdi_motion S,
-                              rbd_real *rho) {
-    const rbdi_v3 o = rbdi_vec0(), mz = rbdi_cross(pair->force.n, S.omega),
+static void rbdi_subtract_force_derivative(const rbd_model *m, const rbd_derivatives *d,
+                                           const rbdi_constraint *con, const rbdi_pair_motion *pair, int side,
+                                           int mover, rbdi_motion S, rbd_real *rho) {
+    const rbdi_v3 o = rbdi_vec0(), nz = rbdi_cross(pair->force.n, S.omega),
                   fz = rbdi_cross(pair->force.f, S.omega), sf = rbdi_cross(S.v, pair->force.f),
                   roll = rbdi_cross(rbdi_cross(S.omega, pair->roll_radius), pair->force.f);
     RBDI_FOR_PATHS(m, con, link, sign) {
         const rbdi_link *l = &m->link[link];
         const int other = sign < 0,
                   moved = other == side && l->first >= m->link[mover].first; /* on the same path: behind it */
-        const rbdi_v3 moment = rbdi_add(roll, moved == side ? sf : mz), force = moved == side ? o : fz;
+        const rbdi_v3 moment = rbdi_add(roll, moved == side ? sf : nz), force = moved == side ? o : fz;
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
             const rbdi_motion C = rbdi_load_motion(RBDI_OF(d, l->first + j, Phi), RBDI_BATCH);
             rbd_real *to = &rho[rbdi_source(m, l->iv + j) * m->nv];
@@ -2112,9 +2112,9 @@ static void rbdi_differentiate_forces(const rbd_model *m, const rbd_derivatives 
                                       rbd_real *rho) {
     RBDI_FOR_PATHS(m, con, link, sign)
     for (int j = 0, first = m->link[link].first; j < rbdi_link_dofs(m, &m->link[link]); ++j)
-        rbdi_subtract_rho(m, d, con, pair, sign < 0, link,
-                          rbdi_load_motion(RBDI_OF(d, first + j, Phi), RBDI_BATCH),
-                          rho + rbdi_source(m, m->link[link].iv + j));
+        rbdi_subtract_force_derivative(m, d, con, pair, sign < 0, link,
+                                       rbdi_load_motion(RBDI_OF(d, first + j, Phi), RBDI_BATCH),
+                                       rho + rbdi_source(m, m->link[link].iv + j));
 }
 
 /* The same, and += sigma by q and by v. NULL: not wanted. */

@@ -1163,7 +1163,8 @@ RBDI_INLINE void rbdi_base_columns(const rbd_derivatives *d, int want) {
     }
 }
 /* Stores n components of all dofs, from x on, as rows of a matrix. A batch may overwrite the beginning of
-   the next row, which is stored later, but does not pass end, the number of the matrix's entries. */
+   the next row, which is stored later, but does not pass end, the number of the matrix's entries. Only the
+   last row asks for it: two rows must be as long as a batch. */
 RBDI_INLINE void rbdi_put_components(const rbd_derivatives *d, const rbd_real *x, int n, ptrdiff_t end,
                                      rbd_real *out) {
     const ptrdiff_t nv = d->model->nv, base = d->base, behind = d->behind;

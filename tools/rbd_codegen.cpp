@@ -8,6 +8,7 @@ extern "C" {
 }
 #include "codegen/emit.h"
 #include "codegen/limbs.h"
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
@@ -145,7 +146,7 @@ int read_block(options *o, const char *text) {
     char *end;
     const long n = strtol(text, &end, 10);
     if (*end || end == text || n < 50 || n > 1000000)
-        return usage_error("--block: '%s' is no number from 50 on", text);
+        return usage_error("--block: '%s' is no number from 50 to 1000000", text);
     o->target.block = int(n);
     return 0;
 }
@@ -231,7 +232,9 @@ int check_constraints(const options *o) {
         return usage_error("--algorithm: '%s' needs --constraints FILE", taker.c_str());
     if (o->constraints && taker.empty())
         return usage_error("--constraints: no algorithm of the list takes them");
-    if (o->stances && !o->constraints) return usage_error("--stances: which of --constraints FILE?");
+    if (o->stances && !o->constraints) return usage_error("--stances: needs --constraints FILE");
+    if (o->stances && std::none_of(o->algorithms.begin(), o->algorithms.end(), codegen::takes_stances))
+        return usage_error("--stances: no algorithm of the list takes them");
     if (o->stances && o->target.lanes > 1) return usage_error("--stances: not with --lanes");
     if (!o->passive.empty() && taker != "constrained_id")
         return usage_error("--passive: 'constrained_id' is not in the list");
@@ -312,6 +315,8 @@ codegen::tested record(const options *o, const std::string &algorithm) {
         codegen::example e = codegen::compute(o->robot, algorithm, state, stance);
         if (exact_results(x.f, e).empty()) {
             if (state < 40 * wanted) continue;
+            if (x.f.rows_held == 0)
+                throw std::runtime_error("the mass matrix is singular, in this scalar, in every state tried");
             throw std::runtime_error(std::string(o->constraints) + ": the " + std::to_string(e.rows) +
                                      " rows depend on each other in every state tried, their rank is " +
                                      std::to_string(e.rank) + ": hold fewer axes, or call rbd.h");
@@ -333,7 +338,16 @@ codegen::tested record(const options *o, const std::string &algorithm) {
     return x;
 }
 
-/* What constraints_read allocates. */
+/* The same; an error names the algorithm. */
+codegen::tested record_or_say(const options *o, const std::string &algorithm) {
+    try {
+        return record(o, algorithm);
+    } catch (const std::runtime_error &e) {
+        throw std::runtime_error(algorithm + ": " + e.what());
+    }
+}
+
+/* The memory of constraints_read. */
 struct held {
     std::vector<unsigned char> work;
     rbd_constraint *list = nullptr;
@@ -447,7 +461,8 @@ int add_stance(const csv *table, options *o, const robot *r) {
     for (int k = 0; k < table->n; k++) {
         const std::string link = table->cells[k];
         char reason[REASON];
-        const int body = link == "none" && table->n == 1 ? -1 : robot_link(r, link.c_str(), reason);
+        if (link == "none" && table->n > 1) return csv_error(table, "'none' stands alone in its row");
+        const int body = link == "none" ? -1 : robot_link(r, link.c_str(), reason);
         if (body < 0 && link != "none") return csv_error(table, "%s", reason);
         const size_t before = holds.size();
         for (int i = 0; i < o->robot.nc && body >= 0; i++)
@@ -507,7 +522,7 @@ int run(options *o) {
                 o->target.limbs = codegen::like_limbs(codegen::joints(o->robot), o->target.limbs);
             o->robot.limbs_alike = o->target.limbs > 1;
             o->robot.by_rows = o->target.lanes == 1 && o->target.statements.long_sums;
-            for (const std::string &name : o->algorithms) functions.push_back(record(o, name));
+            for (const std::string &name : o->algorithms) functions.push_back(record_or_say(o, name));
             if (o->example) puts(codegen::example_command(o->folder + o->target.name).c_str());
             print_header(o, &r, functions);
             print_source(o, &r, functions);

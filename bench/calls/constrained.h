@@ -5,11 +5,16 @@
 
 enum { SETS = ALGORITHMS - CONSTRAINED, MAX_CONTACTS = 4 };
 
+static int floats(const rbd_model *m) {
+    rbd_joint_info joint;
+    return rbd_joint(m, 0, &joint) == RBD_OK && joint.type == RBD_FLOATING;
+}
+
 /* Fills the list; returns its length, 0 if the robot has no such set. */
 static int contacts_of(const rbd_model *m, int algorithm, rbd_constraint list[MAX_CONTACTS]) {
     for (size_t k = 0; k < sizeof contact_sets / sizeof *contact_sets; k++) {
         const struct contact_set *s = &contact_sets[k];
-        int found = s->algorithm == algorithm && rbd_nq(m) > rbd_nv(m); /* the base floats */
+        int found = s->algorithm == algorithm && floats(m);
         for (int i = 0; i < s->count && found; i++) {
             const struct contact *c = &s->contacts[i];
             const int body = rbd_body_index(m, c->body);

@@ -15,6 +15,9 @@
 #include "bench/firmware/hyq_code.h"
 #include "bench/firmware/iiwa_code.h"
 #endif
+#ifdef FIGURES_FEET
+#include "bench/firmware/hyq_feet_code.h"
+#endif
 #define ATLAS_MODEL_IMPLEMENTATION
 #define HYQ_MODEL_IMPLEMENTATION
 #define IIWA_MODEL_IMPLEMENTATION
@@ -133,6 +136,11 @@ CALL(constrained_fd_derivatives,
                                                                   .dlambda_dq = by_q_lambda,
                                                                   .dlambda_dv = by_v_lambda}))
 #endif
+#endif
+
+#ifdef FIGURES_FEET /* rbd-codegen's, of HyQ on four points */
+CALL(generated_constrained_fd,
+     (m && hyq_feet_constrained(q, v, tau, out, lambda) == 0 ? RBD_OK : RBD_ERR_SINGULAR))
 #endif
 
 #ifdef FIGURES_GENERATED /* rbd-codegen's, each for its robot alone */
@@ -293,6 +301,27 @@ static int is_right(const robot *r) {
     return gives_back(r->model, inverse, forward);
 }
 
+#ifdef FIGURES_FEET
+/* The generated code and the library's call find the same accelerations and forces, to a share of the largest
+   of each. */
+static int is_near(const rbd_real *x, const rbd_real *y, int n) {
+    rbd_real largest = 1;
+    for (int i = 0; i < n; i++)
+        if (x[i] > largest || -x[i] > largest) largest = x[i] < 0 ? -x[i] : x[i];
+    for (int i = 0; i < n; i++)
+        if (!(x[i] - y[i] < largest * (rbd_real)1e-2 && y[i] - x[i] < largest * (rbd_real)1e-2)) return 0;
+    return 1;
+}
+static int stands_right(const rbd_model *m) {
+    static rbd_real qdd[MAX_NV], force[ROWS];
+    if (constrained_fd(m) != RBD_OK) return 0;
+    for (int i = 0; i < rbd_nv(m); i++) qdd[i] = out[i];
+    for (int i = 0; i < ROWS; i++) force[i] = lambda[i];
+    return generated_constrained_fd(m) == RBD_OK && is_near(qdd, out, rbd_nv(m)) &&
+           is_near(force, lambda, ROWS);
+}
+#endif
+
 /* work: bytes that the call needs. */
 static int print_row(const robot *r, const algorithm *g, size_t work) {
     uint64_t seed_q = 1;
@@ -310,6 +339,9 @@ static int print_row(const robot *r, const algorithm *g, size_t work) {
         if (status != RBD_OK || again != RBD_OK || depth < 0) return 0;
         sum += instructions(middle, end) - instructions(start, middle);
         stack = depth > stack ? depth : stack;
+#ifdef FIGURES_FEET
+        if (g->call == generated_constrained_fd && !stands_right(r->model)) return 0;
+#endif
         if (!is_right(r)) return 0;
     }
     printf("%s,%s,%lu,%d,%lu\n", r->name, g->name, (unsigned long)work, stack,
@@ -349,6 +381,10 @@ int main(void) {
         if (!print_rows(&robots[i], algorithms, sizeof algorithms / sizeof *algorithms, 1)) return 1;
 #ifdef FIGURES_GENERATED
         if (!print_rows(&robots[i], robots[i].generated, 2, 0)) return 1;
+#endif
+#ifdef FIGURES_FEET
+        static const algorithm feet[1] = {{"generated_constrained_fd", generated_constrained_fd}};
+        if (robots[i].model == &hyq_model && !print_rows(&robots[i], feet, 1, 0)) return 1;
 #endif
     }
     return 0;

@@ -31,7 +31,7 @@ LARGE = {"momentum_matrix": "rbd_momentum_matrix", "coriolis": "rbd_coriolis", "
          "fd_derivatives": "rbd_fd_derivatives"}
 ALGORITHMS = {**SMALL, **LARGE}
 # Straight-line code of rbd-codegen, for one robot: float, -O2, where RAM for Atlas is.
-GENERATED = {"generated_id": "id", "generated_fd": "fd"}
+GENERATED = {"generated_id": "id", "generated_fd": "fd", "generated_constrained_fd": "feet_constrained"}
 # Float, -O2, where RAM for Atlas is, each in a library of its own: contacts, 12 rows (work: with the set of constraints),
 # and rbd_aba by RBD_NO_CHOLESKY without what only mimic joints need.
 KINDS = {"contacts": {"constrained_fd": "rbd_constrained_fd", "impact": "rbd_impact", "constrained_id": "rbd_constrained_id",
@@ -237,6 +237,13 @@ def worst_frames(graph_file):
     return {re.sub("_(double|float)$", "", function): depth(function) for function in list(frame)}
 
 
+def of_generated(target, here, robot, algorithm):
+    """The robot's constants are in the code."""
+    function = f"{robot}_{GENERATED[algorithm]}"
+    graph = next((here / f"libgenerated_{function.rpartition('_')[0]}.a.p").glob("*.ci"))
+    return dict(code=flash_bytes(target, here / f"code_generated_{function}"), model=0, frames=worst_frames(graph)[function])
+
+
 def figures(target, folder, scalars, levels, parts, printed):
     here, title, rows = folder / "bench/firmware", compiler(target), []
     for scalar in scalars:
@@ -249,11 +256,8 @@ def figures(target, folder, scalars, levels, parts, printed):
                 robot, algorithm, work, stack, instructions = line.split(",")
                 row = dict(target=target, compiler=title, scalar=scalar, level=level, robot=robot, algorithm=algorithm,
                            work=int(work), stack=int(stack), instructions=int(instructions))
-                if algorithm in GENERATED:  # constants are in the code
-                    function = f"{robot}_{GENERATED[algorithm]}"
-                    graph = next((here / f"libgenerated_{robot}.a.p").glob("*.ci"))
-                    row.update(code=flash_bytes(target, here / f"code_generated_{function}"), model=0,
-                               frames=worst_frames(graph)[function])
+                if algorithm in GENERATED:
+                    row.update(of_generated(target, here, robot, algorithm))
                 else:
                     row.update(code=code[algorithm], model=model[robot], frames=frames[ALGORITHMS[algorithm]])
                 check_stack(row)
@@ -263,9 +267,13 @@ def figures(target, folder, scalars, levels, parts, printed):
         frames = worst_frames(next((here / f"lib{kind}_float_2.a.p").glob("*.ci"))) if lines else {}
         for robot, algorithm, work, stack, instructions in (line.split(",") for line in lines):
             rows.append(dict(target=target, compiler=title, scalar="float", level="2", robot=robot, algorithm=algorithm,
-                             code=flash_bytes(target, here / f"code_float_2_{algorithm}"), work=int(work), stack=int(stack),
-                             model=flash_bytes(target, here / f"libmodel_float_{robot}.a"),
-                             frames=frames[algorithms[algorithm]], instructions=int(instructions)))
+                             work=int(work), stack=int(stack), instructions=int(instructions)))
+            if algorithm in GENERATED:
+                rows[-1].update(of_generated(target, here, robot, algorithm))
+            else:
+                rows[-1].update(code=flash_bytes(target, here / f"code_float_2_{algorithm}"),
+                                model=flash_bytes(target, here / f"libmodel_float_{robot}.a"),
+                                frames=frames[algorithms[algorithm]])
             check_stack(rows[-1])
     for robot, level in ((r, level) for r in OWN_ROBOTS for level in levels if "own" in parts):
         name = f"own_{robot}_{level}"
@@ -479,10 +487,11 @@ def generated_table(some):
     lines = ["", "| rbd-codegen, float, -O2 | | iiwa: code | stack | instr. | HyQ: code | stack | instr. | "
              "Atlas: code | stack | instr. |", "|---|---|" + "--:|" * 9]
     for target in ("cortex-m3", "cortex-m4f", "rv32imafc"):
-        for algorithm, name in (("generated_id", "RNEA"), ("generated_fd", "ABA")):
-            cells = [some[target, r, algorithm][f] for r in ROBOTS if (target, r, algorithm) in some
+        for algorithm, name in (("generated_id", "RNEA"), ("generated_fd", "ABA"),
+                                ("generated_constrained_fd", "four feet on the ground")):
+            cells = [some[target, r, algorithm][f] if (target, r, algorithm) in some else "–" for r in ROBOTS
                      for f in ("code", "stack", "instructions")]
-            if cells:
+            if set(cells) != {"–"}:
                 lines.append(f"| {target} | {name} | " + " | ".join(map(str, cells)) + " |")
     return lines if len(lines) > 3 else []
 

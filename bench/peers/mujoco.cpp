@@ -214,7 +214,7 @@ int can(const void *model_, int algorithm) {
     return ANGULAR_MOMENTUM && fixed == 0;
 }
 
-// ---- conventions: README.md of rbd, "From and to other libraries" ----
+// ---- conventions: docs/other_libraries.md ----
 
 void size(const void *p, int *nq, int *nv) {
     *nq = static_cast<const model *>(p)->m->nq;

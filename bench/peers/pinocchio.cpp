@@ -136,7 +136,7 @@ int can(const void *model_, int algorithm) {
     return algorithm != REGRESSOR || p->every_body_moves;
 }
 
-// ---- conventions: README.md of rbd, "From and to other libraries" ----
+// ---- conventions: docs/other_libraries.md ----
 
 // Rows: linear first there.
 template <typename Matrix> void reorder_motion(const model *p, const Matrix &its, double *x) {

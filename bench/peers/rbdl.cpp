@@ -181,7 +181,7 @@ int can(const void *p, int algorithm) {
     return algorithm != CONSTRAINED || static_cast<const model *>(p)->feet.size() > 0;
 }
 
-// ---- conventions: README.md of rbd, "From and to other libraries" ----
+// ---- conventions: docs/other_libraries.md ----
 
 void size(const void *p, int *nq, int *nv) {
     *nq = (int)static_cast<const model *>(p)->m.q_size;

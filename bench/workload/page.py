@@ -277,8 +277,8 @@ def write(data, folder, facts, notes):
         if data.code:
             form.title("Code for one robot", 2)
             form.paragraph("What rbd-codegen and Pinocchio's code generation wrote, and %s made of it, each function alone: "
-                           "the mass matrix is one triangle, sines and cosines are not counted as operations, and a second "
-                           "is one of the processor." % data.main)
+                           "the mass matrix is one triangle, sines and cosines are not counted as operations, an operation "
+                           "of rbd's on several limbs or on four columns counts once, and a second is one of the processor." % data.main)
             form.table(code_table(data))
         if data.grid:
             form.title("By the method of GRiDBenchmarks", 2)

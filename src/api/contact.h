@@ -124,15 +124,15 @@ RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constr
 
        M (nu - v) = dt (tau - c + sum J_b' f_ext) + J' p,   u = J nu,   laws of u + bias and p
 
-   then q_next by nu, and v_next in its axes as by rbd_step. The bias lets contacts close their gap, makes
-   stiff ones springs and dampers, and reverses approaches that rebound. Penetration is corrected in positions
-   alone, by a second solution with the same Delta, so that it gives no velocity. */
+   then q_next by nu, and v_next, which is nu in the axes of the end. The bias lets contacts close their gap,
+   makes stiff ones springs and dampers, and reverses approaches that rebound. Penetration is corrected in
+   positions alone, by a second solution with the same Delta, so that it gives no velocity. */
 RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
                                      const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                      const rbd_real *damping, rbd_real dt, rbd_real *q_next,
                                      rbd_real *v_next);
 
-/* The acceleration of that step. By it rbd_step gives v_next and, unless something penetrates, q_next. */
+/* Its acceleration. By it rbd_step gives q_next and v_next, unless something penetrates or rebounds. */
 RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
                                    const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                    const rbd_real *damping, rbd_real dt, rbd_real *a);

@@ -8,7 +8,7 @@
 
 /* Computes poses, velocities and accelerations of all bodies, for the functions below.
    q: nq; v, a: nv, or NULL for zero. The results stay until the next call of rbd_kinematics,
-   rbd_body_kinematics or rbd_joint_wrench.
+   rbd_body_kinematics, rbd_joint_wrench, or of rbd_constraints.h or rbd_contact.h with the same work.
    Errors: RBD_ERR_NULL, _WORK. */
 RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                    const rbd_real *a);

@@ -25,8 +25,8 @@ RBDI_API size_t rbd_model_size(const rbd_body *bodies, int nb);
 /* Adds a payload, such as an object in the hand, to a body of a built model. Later results are those of a new
    build, to rounding. It costs a step for each link on the way to the root. To take the payload off, add it
    with mass and inertia negated. Every rbd_work and set of constraints stays valid; but make a set anew after
-   taking off mass that the model was built with. No other call may use the model meanwhile. A model in a
-   table of constants cannot be changed.
+   taking off mass that the model was built with. Make every rbd_derivatives anew: it has copies of masses. No
+   other call may use the model meanwhile. A model in a table of constants cannot be changed.
    memory   the memory that was given to rbd_model_build
    mass     kg, may be negative
    com      centre of mass of the payload, link frame, m
@@ -42,8 +42,8 @@ RBDI_API rbd_status rbd_add_payload(void *memory, int body, double mass, const d
 /* ---- work [work] ---- */
 
 /* Prepares the memory that the algorithms work in; one per thread and model. It serves every model with
-   arrays of the same lengths, such as a copy. With any other, including a model rebuilt in the same memory,
-   each call returns RBD_ERR_WORK.
+   arrays of the same lengths, such as a copy. With a model of other lengths, including one rebuilt in
+   the same memory, each call returns RBD_ERR_WORK.
    memory   size bytes of any alignment; RBD_WORK_SIZE(nb, nv) always suffices, with mimic joints
             RBD_WORK_SIZE_MIMIC(nb, nv)
    work     receives the work structure, which lies inside memory: do not move it; NULL after an error

@@ -5,8 +5,9 @@
 #include "api/status.h"
 
 /* ---- points and momentum [points] ----
-   After rbd_kinematics, at its q, v and a. A point is fixed in a body: 3 components in link axes, NULL for
-   the link origin. Its motion: (omega of the body; velocity of the point), along world axes or link axes.
+   After rbd_kinematics or, for its bodies, rbd_body_kinematics, at its q, v and a. A point is fixed in a
+   body: 3 components in link axes, NULL for the link origin. Its motion: (omega of the body; velocity of the
+   point), along world axes or link axes.
    Errors: RBD_ERR_NULL, _WORK, _INDEX, _ORDER. */
 
 typedef enum rbd_axes { RBD_WORLD_AXES, RBD_LINK_AXES } rbd_axes;

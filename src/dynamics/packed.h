@@ -227,7 +227,7 @@ RBDI_PART void rbdi_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, rb
     }
 }
 
-/* L'^-1 replaces X: in n columns of one matrix or two, by so many batches, or (batches = 0) of one by
+/* X = L'^-1 X, and so Y: n columns of one matrix or two, by so many batches, or (batches = 0) of one by
    scalars. */
 RBDI_INLINE void rbdi_columns_up(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride,
                                  int matrices, int batches, int n, rbd_real *X, rbd_real *Y) {
@@ -247,7 +247,7 @@ RBDI_INLINE void rbdi_columns_up(const rbd_model *m, rbd_work *w, const rbd_real
             rbdi_subtract_scalars(g, RBDI_DESCENDANTS, n, X + start[s]);
     }
 }
-/* Then sign L^-1 D^-1 X. */
+/* Then X = sign L^-1 D^-1 X, and so Y. */
 RBDI_INLINE void rbdi_columns_down(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign,
                                    ptrdiff_t stride, int matrices, int batches, int n, rbd_real *X,
                                    rbd_real *Y) {

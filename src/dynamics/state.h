@@ -180,7 +180,7 @@ RBDI_PART void rbdi_reduce_tau(const rbd_model *m, const rbd_real *tx, rbd_real 
         tau[m->mimic[k].source_v] = tau[m->mimic[k].source_v] + tx[m->nv + k] * m->mimic[k].ratio;
 }
 
-/* Subtracts the external wrenches, given in the users' frames, from those of the links. */
+/* Subtracts the external wrenches, given in the user's frames, from those of the links. */
 RBDI_PART void rbdi_external(const rbd_model *m, rbd_work *w, const rbd_real *f_ext) {
     const int bodies = f_ext ? m->nb : 0;
     for (int body = 0; body < bodies; ++body) {

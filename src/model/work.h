@@ -64,7 +64,7 @@ struct rbd_work {
     rbdi_c3 gravity;
     int singular;          /* dof, -1 = none */
     int16_t kinematics_of; /* kin: of this link and its ancestors; nl: of all; -1: of the world alone */
-    int16_t moving;        /* kin: velocities and accelerations are there; else they are zero */
+    int16_t moving;        /* whether kin has velocities and accelerations; else rbdi_body_kin makes them 0 */
 #if RBDI_REPRODUCIBLE
     int doubt; /* a pivot or a rank has been in doubt: see rbdi_batch_singly */
 #endif

@@ -109,7 +109,7 @@ RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int bod
         int first = last, from;
         for (int up = m->link[last].parent; up >= end; up = m->link[up].parent) first = up;
         for (end = first + 1; end <= last && rbdi_carries(m, end, last);) ++end;
-        from = first - ((first - end) & (RBDI_BATCH - 1)); /* whole batches, to the end of the range */
+        from = end - (end - first + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH; /* whole batches */
         rbdi_joints(m, w, from < 0 ? 0 : from, end, q);
         rbdi_link_kinematics(m, w, first, end, v, a);
     }

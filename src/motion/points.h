@@ -44,13 +44,13 @@ RBDI_INLINE rbdi_motion rbdi_column(const rbd_model *m, const rbd_work *w, int i
     return c;
 }
 
-/* Adds share times such a motion to a column of J: (0; a), or (a; a x arm) with arm = r - p. */
-RBDI_INLINE void rbdi_add_slide(rbd_real *J, ptrdiff_t nv, rbd_real share, rbdi_v3 a) {
-    rbdi_store_vec(J + 3 * nv, nv, rbdi_add(rbdi_load_vec(J + 3 * nv, nv), rbdi_scale(share, a)));
+/* Adds ratio times such a motion to a column of J: (0; a), or (a; a x arm) with arm = r - p. */
+RBDI_INLINE void rbdi_add_slide(rbd_real *J, ptrdiff_t nv, rbd_real ratio, rbdi_v3 a) {
+    rbdi_store_vec(J + 3 * nv, nv, rbdi_add(rbdi_load_vec(J + 3 * nv, nv), rbdi_scale(ratio, a)));
 }
-RBDI_INLINE void rbdi_add_turn(rbd_real *J, ptrdiff_t nv, rbd_real share, rbdi_v3 a, rbdi_v3 arm) {
-    rbdi_store_vec(J, nv, rbdi_add(rbdi_load_vec(J, nv), rbdi_scale(share, a)));
-    rbdi_add_slide(J, nv, share, rbdi_cross(a, arm));
+RBDI_INLINE void rbdi_add_turn(rbd_real *J, ptrdiff_t nv, rbd_real ratio, rbdi_v3 a, rbdi_v3 arm) {
+    rbdi_store_vec(J, nv, rbdi_add(rbdi_load_vec(J, nv), rbdi_scale(ratio, a)));
+    rbdi_add_slide(J, nv, ratio, rbdi_cross(a, arm));
 }
 
 /* Adds to J, times sign, the columns of link i and of its ancestors up to link `end`, which has none; E, if
@@ -62,14 +62,14 @@ RBDI_PART void rbdi_add_path(const rbd_model *m, const rbd_work *w, int i, int e
         const rbdi_link *l = &m->link[i];
         const rbdi_pose *X = &w->kin[i].X;
         const rbdi_block *b;
-        rbd_real *to = &J[rbdi_source(m, l->iv)], share = rbdi_ratio(m, l->iv) * sign;
+        rbd_real *to = &J[rbdi_source(m, l->iv)], ratio = rbdi_ratio(m, l->iv) * sign;
         rbdi_v3 arm = rbdi_sub(r, X->r), a;
         if (E) arm = rbdi_mul(*E, arm);
         if (!rbdi_is(l, RBDI_BLOCK)) {
             a = rbdi_unit_axis(X, 2);
             if (E) a = rbdi_mul(*E, a);
-            if (rbdi_is(l, RBDI_SCREW)) rbdi_add_slide(to, nv, share * l->kappa, a), share = share * l->rho;
-            rbdi_add_turn(to, nv, share, a, arm);
+            if (rbdi_is(l, RBDI_SCREW)) rbdi_add_slide(to, nv, ratio * l->kappa, a), ratio = ratio * l->rho;
+            rbdi_add_turn(to, nv, ratio, a, arm);
             continue;
         }
         b = rbdi_block_of(m, l);
@@ -77,9 +77,9 @@ RBDI_PART void rbdi_add_path(const rbd_model *m, const rbd_work *w, int i, int e
             a = rbdi_unit_axis(X, axis);
             if (E) a = rbdi_mul(*E, a);
             if (axis >= 3)
-                rbdi_add_slide(to, nv, share, a);
+                rbdi_add_slide(to, nv, ratio, a);
             else
-                rbdi_add_turn(to, nv, share, a, arm);
+                rbdi_add_turn(to, nv, ratio, a, arm);
         }
     }
 }

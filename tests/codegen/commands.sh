@@ -47,7 +47,7 @@ expect 2 "--lanes: '3' is none of 2, 4, 8, 16$see" --lanes 3 a
 expect 2 "--limbs: '3' is none of 1, 2, 4$see" --limbs 3 a
 expect 2 "--limbs: the lanes are those of --lanes already$see" --limbs 2 --lanes 2 a
 expect 2 "--limbs: computes in another order than rbd.h, which --reproducible forbids$see" --limbs 2 --reproducible a
-expect 2 "--block: '9' is no number from 50 on$see" --block 9 a
+expect 2 "--block: '9' is no number from 50 to 1000000$see" --block 9 a
 expect 2 "unknown option '--bounded-angle'; did you mean '--bounded-angles'? See rbd-codegen --help" --bounded-angle a
 expect 2 "unknown option '--floatin'; did you mean '--floating'? See rbd-codegen --help" --floatin a
 expect 2 "--algorithm: there is no 'FD'; did you mean 'fd'? See rbd-codegen --help" --algorithm id,FD a
@@ -62,7 +62,8 @@ expect 2 "--algorithm: 'id' stands twice$see" --algorithm id,rnea a
 expect 2 "--algorithm: 'impact' needs --constraints FILE$see" --algorithm id,impact a
 expect 2 "--constraints: no algorithm of the list takes them$see" --constraints feet.csv a
 expect 2 "--passive: 'constrained_id' is not in the list$see" --passive x --algorithm impact --constraints feet.csv a
-expect 2 "--stances: which of --constraints FILE? See rbd-codegen --help" --stances gait.csv a
+expect 2 "--stances: needs --constraints FILE$see" --stances gait.csv a
+expect 2 "--stances: no algorithm of the list takes them$see" --stances gait.csv --algorithm delta --constraints feet.csv a
 expect 2 "--stances: not with --lanes$see" --lanes 2 --stances gait.csv --algorithm impact --constraints feet.csv a
 expect 1 "nowhere.csv: No such file or directory" --algorithm impact --constraints nowhere.csv "$iiwa"
 printf 'body1,x1,axes\nlf_lowerleg,0.33,000111\nlf_lowerleg,0.2,000111\n' >twice.csv
@@ -147,12 +148,16 @@ grep -q "^int gait_delta(const double q\[19\], double Delta\[144\]);" gait_code.
 grep -q "^int gait_impact(int stance, const double q" gait_code.h || fail "the stance is no argument"
 printf 'lf_lowerleg\nlf_upperleg\n' >knee.csv
 printf 'lf_lowerleg,lf_foot\n' >foot.csv
+printf 'lf_lowerleg,none\n' >both.csv
 for message in "nowhere.csv: No such file or directory" "knee.csv: row 2: link 'lf_upperleg' is body1 of no constraint" \
+    "both.csv: row 1: 'none' stands alone in its row" \
     "foot.csv: row 1: $("$rbd_codegen" --floating --algorithm pose:lf_foot "$hyq" 2>&1 | sed 's/.*pose:lf_foot: //')"; do
     expect 1 "$message" --floating --algorithm impact --constraints feet.csv --stances "${message%%:*}" "$hyq"
 done
 selftest pin --scalar float --passive left_elbow --passive right_elbow --algorithm impact,constrained_id \
     --constraints "$root/models/five_bar_loop.csv" "$five_bar"
+printf 'left_rod\nnone\n' >open.csv
+selftest open --algorithm constrained_id --constraints "$root/models/five_bar_loop.csv" --stances open.csv "$five_bar"
 selftest loop --scalar float --lanes 2 --algorithm fd,constrained,impact --constraints "$root/models/five_bar_loop.csv" "$five_bar"
 selftest held --algorithm constrained --constraints turns.csv "$iiwa"
 selftest none --limbs 2 --algorithm gravity_torque "$iiwa"

@@ -131,7 +131,9 @@ INLINE int judge(const real *pivot, const scalar *limit, int n, real *x, int siz
 }
 )";
 
-const char held_text[] = R"(/* Of pivots of rows, the last first, and behind them of dofs, all or none. */
+const char held_text[] = R"(
+/* The status to return, from that of judge(). Its pivots are those of rows, the last first, then those of
+   all dofs or of none. */
 INLINE int status_of_rows(int status, int rows, int judged, int dofs) {
     const int k = (status < 0 ? -status : status) - 1, behind = dofs - judged - rows;
     if (status == 0 || k < rows) return status == 0 ? 0 : dofs + rows - k;

@@ -40,7 +40,9 @@ std::string contract(const program &p, const target &t) {
                          : "   Not checked: pointers, lengths, overlap; that ";
     s += p.angles.empty() || !t.is_bounded ? "" : "other ";
     s += "input is finite: what depends on NaN is NaN";
-    return s + (pivots ? ";\n      it returns 0 unless M depends on it.\n" : ".\n");
+    if (!pivots) return s + ".\n";
+    const char *judged = p.f.rows_held == 0 ? "M" : p.f.dofs() > 0 ? "M or J of the constraints" : "J";
+    return s + format(";\n      it returns 0 unless %s depends on it.\n", judged);
 }
 
 std::string operations_text(const operations &n, const target &t) {

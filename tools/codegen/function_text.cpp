@@ -231,7 +231,7 @@ std::string writer::text() {
     }
     s += format("%s %s(%s) {\n", result_type(f), full.c_str(), arguments.c_str());
     for (const local &x : locals()) s += format("    %s %s[%zu];\n", x.type, x.name, x.size);
-    if (f.stances > 0) /* of one that there is not, none is sound */
+    if (f.stances > 0 && !f.pivots.empty()) /* of one that there is not, none is sound */
         s += format("    for (int i = 0; i < %d; ++i) pivot[i] = splat(0);\n", f.judged());
     return s + clears() + sines() + body + "    " + names(f, "(void)") + ";\n" + end() + "}\n\n";
 }

@@ -7,7 +7,7 @@
 
 typedef std::vector<rbd_real> column;
 
-/* n entries as one would write the sum, which begins with its first. */
+/* at(0) + at(1) + ...; 0 if n is 0. */
 template <class entry> rbd_real sum_of(size_t n, entry at) {
     rbd_real sum = n > 0 ? at(0) : rbd_real(0);
     for (size_t k = 1; k < n; k++) sum = sum + at(k);

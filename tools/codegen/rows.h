@@ -37,7 +37,7 @@ struct row_call {
     struct store {
         int at;
         int x;     /* value */
-        bool late; /* a call before has written there */
+        bool late; /* something stands there already */
     };
     int node; /* it stands before this node */
     std::vector<store> stores;

@@ -18,7 +18,7 @@ static class row_recorder {
     void begin(function *to, bool on) {
         f = to, is_on = on;
         f->rows = 0;
-        now.clear(), numbers.clear(), is_written.clear(), matrices.clear(), factors.clear();
+        now.clear(), numbers.clear(), matrices.clear(), factors.clear();
     }
 
     /* Places for rows of so many columns, each in whole fours. */
@@ -26,7 +26,6 @@ static class row_recorder {
         matrices.push_back({f->rows, rows, pitch_of(columns)});
         f->rows += rows * pitch_of(columns);
         now.resize(size_t(f->rows), NOWHERE), numbers.resize(size_t(f->rows));
-        is_written.resize(size_t(f->rows), 0);
         return matrices.back().at;
     }
     static int fours(int columns) { return (columns + FOUR - 1) / FOUR; }
@@ -36,7 +35,7 @@ static class row_recorder {
     void put(row_call *c, int at, number y) {
         const value x = record(y.x);
         if (now[size_t(at)] == x) return;
-        c->stores.push_back({at, x, bool(is_written[size_t(at)])});
+        c->stores.push_back({at, x, now[size_t(at)] != NOWHERE});
         now[size_t(at)] = x, numbers[size_t(at)] = y;
     }
     /* The value at a place after all recorded calls; 0 if none has written it. */
@@ -46,7 +45,6 @@ static class row_recorder {
         c.node = int(tape->nodes.size());
         for (int at : places_written(c)) {
             const number y = number::of(write(LOADED, at, int(f->calls.size())));
-            is_written[size_t(at)] = 1;
             now[size_t(at)] = record(y.x), numbers[size_t(at)] = y;
         }
         f->calls.push_back(std::move(c));
@@ -74,9 +72,8 @@ static class row_recorder {
 
   private:
     function *f;
-    std::vector<value> now;       /* what stands at each place, as recorded; or NOWHERE */
-    std::vector<number> numbers;  /* the same, as written */
-    std::vector<char> is_written; /* by a call */
+    std::vector<value> now;      /* what stands at each place, as recorded; or NOWHERE */
+    std::vector<number> numbers; /* the same, as written */
     std::vector<place> matrices;
 } recorder;
 
