@@ -71,13 +71,13 @@ printf 'body1,axes\nright_rod,000101\nleft_rod,000111\n' >sideways.csv
 hyq=$root/models/hyq.urdf five_bar=$root/models/five_bar.urdf
 expect 1 "--passive: the robot has no joint 'left_elbo' that moves; did you mean 'left_elbow'?" --passive left_elbo \
     --algorithm constrained_id --constraints "$root/models/five_bar_loop.csv" "$five_bar"
-expect 1 "twice.csv: the 6 rows depend on each other in every state tried, their rank is 5: hold fewer axes, or call rbd.h" \
+expect 1 "constrained: twice.csv: the 6 rows depend on each other in every state tried, their rank is 5: hold fewer axes, or call rbd.h" \
     --floating --algorithm constrained --constraints twice.csv "$hyq"
-expect 1 "row 3 of the constraints is 0 in every state: hold fewer axes" --algorithm impact --constraints sideways.csv "$five_bar"
+expect 1 "impact: row 3 of the constraints is 0 in every state: hold fewer axes" --algorithm impact --constraints sideways.csv "$five_bar"
 expect 1 "twice.csv: row 2: column 'body1': the robot has no link 'lf_lowerleg'" --algorithm impact --constraints twice.csv "$iiwa"
 printf 'body1,axes,kp\nlbr_iiwa_link_7,111000,9\n' >turns.csv
-expect 1 "--reproducible: not with kp of one or three angular axes" --reproducible --algorithm constrained --constraints turns.csv "$iiwa"
-expect 1 "--reproducible: not with constrained_id" --reproducible --algorithm constrained_id --constraints turns.csv "$iiwa"
+expect 1 "constrained: --reproducible: not with kp of one or three angular axes" --reproducible --algorithm constrained --constraints turns.csv "$iiwa"
+expect 1 "constrained_id: --reproducible: not with constrained_id" --reproducible --algorithm constrained_id --constraints turns.csv "$iiwa"
 expect 1 "--output: there is no folder 'nowhere/at/all'" --output nowhere/at/all "$iiwa"
 expect 1 "--output: there is no folder '/dev/null'" --output /dev/null "$iiwa"
 mkdir -p there/iiwa_code.h

@@ -32,7 +32,7 @@ template <class function> std::vector<column> factor_of(const std::vector<column
 }
 
 /* x = (L L')^-1 x. */
-static void solve_by(const std::vector<column> &L, column *x) {
+static inline void solve_by(const std::vector<column> &L, column *x) {
     column &y = *x;
     for (size_t k = 0; k < L.size(); k++) {
         y[k] = y[k] / L[k][k];
@@ -44,7 +44,7 @@ static void solve_by(const std::vector<column> &L, column *x) {
     }
 }
 
-static std::vector<column> products_of(const std::vector<column> &A) { /* A'A */
+static inline std::vector<column> products_of(const std::vector<column> &A) { /* A'A */
     std::vector<column> G(A.size(), column(A.size()));
     for (size_t k = 0; k < A.size(); k++)
         for (size_t i = k; i < A.size(); i++)
@@ -53,7 +53,7 @@ static std::vector<column> products_of(const std::vector<column> &A) { /* A'A */
 }
 
 /* A of the joints without motors, from J. */
-static std::vector<column> passive_columns(const call &c, const column &J) {
+static inline std::vector<column> passive_columns(const call &c, const column &J) {
     const size_t nv = size_t(rbd_nv(c.m));
     std::vector<column> A;
     for (size_t k = 0; k < nv; k++) {
@@ -64,7 +64,7 @@ static std::vector<column> passive_columns(const call &c, const column &J) {
     return A;
 }
 
-static column jacobian_of(const call &c) {
+static inline column jacobian_of(const call &c) {
     column J(size_t(rbd_constraint_rows(c.set) * rbd_nv(c.m)));
     (void)rbd_constraint_jacobian(c.m, c.set, c.q, NULL, J.data(), NULL, NULL);
     return J;
