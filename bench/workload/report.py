@@ -11,6 +11,7 @@ import itertools
 import json
 import os
 import platform
+import shlex
 import shutil
 import subprocess
 import sys
@@ -192,7 +193,7 @@ def configure(o, folder, compiler, march):
     cpp = cpp_of(o, compiler)
     more = []
     if march != "native" and "clang" in cpp:
-        more = ["-Dcpp_args=-fno-integrated-as,-B" + assembler_for_valgrind(folder + "-as")]
+        more = ["-Dcpp_args=-fno-integrated-as " + shlex.quote("-B" + assembler_for_valgrind(folder + "-as"))]
     call(["meson", "setup", folder, ROOT, "--buildtype=release", "-Dtests=disabled", "-Dbench=enabled",
           "-Durdf=disabled", "-Dbench_march=" + march, "-Drobcogen=" + o.robcogen, "-Dcodegen=" + CODEGEN] + more,
          env={"CC": compiler, "CXX": cpp})
