@@ -525,8 +525,8 @@ int run(options *o) {
             if (o->target.limbs > 1)
                 o->target.limbs = codegen::like_limbs(codegen::joints(o->robot), o->target.limbs);
             o->robot.limbs_alike = o->target.limbs > 1;
-            o->robot.by_rows = rbd_nv(r.model) > MOST_BY_SCALARS && o->target.lanes == 1 &&
-                               o->target.statements.long_sums;
+            o->robot.by_rows =
+                rbd_nv(r.model) > MOST_BY_SCALARS && o->target.lanes == 1 && o->target.statements.long_sums;
             for (const std::string &name : o->algorithms) functions.push_back(record_or_say(o, name));
             if (o->example) puts(codegen::example_command(o->folder + o->target.name).c_str());
             print_header(o, &r, functions);
