@@ -37,11 +37,12 @@ TITLES = {"docs/control_loop.md": "Control loop", "docs/gradients.md": "Gradient
 # Rows of bench/instructions.csv, and the call that each is of.
 COSTS = {"id": "rbd_rnea", "mm": "rbd_crba", "mm_packed": "rbd_crba_packed", "fd": "rbd_aba",
          "fd_cholesky": "rbd_fd_cholesky", "hybrid": "rbd_hybrid", "id_free_base": "rbd_id_free_base",
-         "minv": "rbd_minverse", "jacobian": "rbd_jacobian", "momentum_matrix": "rbd_momentum_matrix",
+         "minv": "rbd_minverse", "jacobian": "rbd_jacobian", "body_jacobian": "rbd_body_kinematics",
+         "momentum_matrix": "rbd_momentum_matrix",
          "coriolis": "rbd_coriolis", "regressor": "rbd_regressor", "id_derivatives": "rbd_id_derivatives",
          "id_derivatives_mm": "rbd_id_derivatives", "fd_derivatives": "rbd_fd_derivatives",
          "constrained_fd": "rbd_constrained_fd", "constrained_fd_hand": "rbd_constrained_fd"}
-COST_NOTES = {"jacobian": "with rbd_kinematics", "id_derivatives_mm": "with M", "constrained_fd": "12 rows",
+COST_NOTES = {"jacobian": "with rbd_kinematics", "body_jacobian": "with pose and Jacobian", "id_derivatives_mm": "with M", "constrained_fd": "12 rows",
               "constrained_fd_hand": "with a hand held too"}
 # Arguments of these types need no further word.
 HANDLES = {"rbd_model": "the model", "rbd_work": "work of this thread", "rbd_derivatives": "memory of derivatives",
