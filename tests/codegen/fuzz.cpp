@@ -137,6 +137,12 @@ double tolerance_of(const drawn &x, const tested &to, const codegen::example &e)
     return 5e4 * eps + 100 * (code / double(FLT_EPSILON) + rbd / DBL_EPSILON) * eps;
 }
 
+double largest(const std::vector<double> &all) {
+    double x = 0;
+    for (double y : all) x = std::fmax(x, std::fabs(y));
+    return x;
+}
+
 /* Adds rbd.h's results to the known ones; not where one of the two refuses, or digits are lost. */
 void add_state(const drawn &x, tested *to) {
     const input in = inputs(to->code.f);
@@ -152,8 +158,11 @@ void add_state(const drawn &x, tested *to) {
     } catch (const std::runtime_error &) {
         return;
     }
-    for (double y : to->code.examples.back().out)
-        to->code.least = std::fmax(to->code.least, 1e-6 * std::fabs(y));
+    double size = largest(to->code.examples.back().out);
+    /* C is a difference of terms of the size of M v, and 0 with one degree of freedom. */
+    if (to->name == "coriolis")
+        size = std::fmax(size, largest(codegen::compute(x.r, "mm", {in[0]}).out) * largest(in[1]));
+    to->code.least = std::fmax(to->code.least, 1e-6 * size);
 }
 
 void write(const std::string &path, const std::string &text) {
