@@ -8,7 +8,7 @@
 
 namespace {
 
-// What generated code may call, which this does not.
+// Functions that generated code may call; this code calls none.
 struct atomic_functions {
     void *library;
     void (*forward)(), (*reverse)();

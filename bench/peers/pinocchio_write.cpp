@@ -119,11 +119,15 @@ int main(int argc, char **argv) {
         char text[160] = "";
         alignas(model) unsigned char memory[sizeof(model)];
         const void *m;
-        if (model_build(r.bodies, r.nb, memory, sizeof memory, &m, text) != RBD_OK) break;
+        if (model_build(r.bodies, r.nb, memory, sizeof memory, &m, text) != RBD_OK) {
+            std::fprintf(stderr, "pinocchio_write: %s: %s\n", r.name, text);
+            return 1;
+        }
         for (const codegen_function &f : codegen_functions) {
             const std::string name = std::string("pinocchio_") + r.name + "_" + f.name;
-            std::ofstream(argv[2] + ("/" + name) + ".c")
-                << function(static_cast<const model *>(m)->m, name, f).source();
+            std::ofstream file(argv[2] + ("/" + name) + ".c");
+            file << function(static_cast<const model *>(m)->m, name, f).source();
+            if (!file.flush()) return std::perror(name.c_str()), 1;
         }
         return 0;
     }

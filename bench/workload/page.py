@@ -272,11 +272,11 @@ def write(data, folder, facts, notes):
             form.paragraph("* " + words.disturbed(data))
         form.title("Ratios", 2)
         form.paragraph("Time as a multiple of the run-time model's: the geometric mean over the robots, or over those "
-                       "named. What a row computes and what it leaves out is in bench/peers/README.md.")
+                       "named. bench/peers/README.md says for each row what it computes and what it leaves out.")
         form.table(ratios_table(data))
         if data.code:
             form.title("Code for one robot", 2)
-            form.paragraph("What rbd-codegen and Pinocchio's code generation wrote, and %s made of it, each function alone: "
+            form.paragraph("The text that rbd-codegen and Pinocchio's code generation wrote, and the code that %s made of it, function by function: "
                            "the mass matrix is one triangle, sines and cosines are not counted as operations, an operation "
                            "of rbd's on several limbs or on four columns counts once, and a second is one of the processor." % data.main)
             form.table(code_table(data))

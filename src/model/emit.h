@@ -251,7 +251,7 @@ static void rbdi_emit_links(const rbdi_build *build) {
     }
 }
 
-/* Bodies and mimic joints. What moves a mimic joint moves its inertia too: so scale grows. */
+/* Frames of the bodies, and mimic joints, whose inertia adds to the scale of the joint that they follow. */
 static void rbdi_emit_frames(const rbdi_build *build) {
     int next = 0;
     for (int i = 0; i < build->nb; ++i) {

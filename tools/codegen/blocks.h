@@ -7,8 +7,8 @@
 namespace codegen {
 
 /* Compilers take long for a long function: it is cut into blocks of as many statements. A value that a later
-   block reads is kept in memory, in a place that is free again behind the last block that reads it. What more
-   stances need comes before what fewer need, each set of stances in blocks of its own. */
+   block reads is kept in memory, in a place that is free again behind the last block that reads it. Each
+   set of stances has blocks of its own; sets of more stances come first. */
 struct blocks {
     std::vector<int> order;        /* the statements */
     std::vector<int> of;           /* each node's block, or -1 */

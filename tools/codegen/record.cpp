@@ -225,7 +225,7 @@ static void set_gravity(const session &s, const robot &r, const std::vector<numb
     session::demand(rbd_set_gravity(s.c.w, c));
 }
 
-/* The call with the constraints of a stance. What it shares with those before is there already. */
+/* The call with the constraints of a stance. Nodes that earlier stances recorded are taken again. */
 static void record_set(const robot &r, const std::string &name, int stance, function *f) {
     row_pivots.clear();
     if (tape->is_exact && (name == "constrained_id" || name == "delta"))
