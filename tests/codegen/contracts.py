@@ -30,7 +30,7 @@ def faults(header):
         for wanted in LINES + [r"   Pivots: .+"] * (result == "int"):
             if not any(re.fullmatch(wanted, line) for line in lines):
                 yield f"{name}: no line '{wanted}'"
-        body = re.search(rf"^{result} {name}\(.*\{{\n((?:    (?:real|limbs) \w+\[\d+\];\n)*)", source, re.M)[1]
+        body = re.search(rf"^{result} {name}\(.*\{{\n((?:    (?:ALIGNED )?(?:real|limbs) \w+\[\d+\];\n)*)", source, re.M)[1]
         stack = sum(int(n) * widths[kind] for kind, n in re.findall(r"(real|limbs) \w+\[(\d+)\];", body))
         if f"arrays of {stack * SIZES[scalar]} bytes" not in comment:
             yield f"{name}: its arrays have {stack * SIZES[scalar]} bytes"

@@ -80,19 +80,29 @@ std::string writer::calls_before(int i) {
     return s;
 }
 
-/* Results that stand in rows, as long as they stand there one behind the other. */
+/* Results that stand in rows: runs, one behind the other, which repeat with rows of a matrix. */
 std::string writer::copies() const {
     std::string s;
     size_t first = 0;
     for (const array &a : f.outputs) {
         const auto at = [&](int k) {
-            if (k == a.size || !c.is_copied(f.results[first + size_t(k)])) return -a.size;
+            if (k >= a.size || !c.is_copied(f.results[first + size_t(k)])) return -1;
             return p.at(node_of(f.results[first + size_t(k)])).arg[0];
         };
-        for (int k = 0, n = 1; k < a.size; k += n, n = 1) {
-            if (at(k) < 0) continue;
-            while (at(k + n) == at(k) + n) n++;
-            s += format("    COPY(%d, %s + %d, %d);\n", n, a.name.c_str(), k, at(k));
+        const auto run = [&](int k) {
+            int n = at(k) >= 0;
+            while (n > 0 && at(k + n) == at(k) + n) n++;
+            return n;
+        };
+        for (int k = 0, n; k < a.size; k++) {
+            if ((n = run(k)) == 0) continue;
+            int next = k + n, count = 1;
+            while (next < a.size && run(next) == 0) next++;
+            const int pitch = next - k, step = at(next) - at(k);
+            while (run(k + count * pitch) == n && at(k + count * pitch) == at(k) + count * step) count++;
+            s += format("    copy_rows(%d, %d, %s + %d, %d, rows + %d, %d);\n", count, n, a.name.c_str(), k,
+                        pitch, at(k), step);
+            k += (count - 1) * pitch + n - 1;
         }
         first += size_t(a.size);
     }
@@ -216,7 +226,7 @@ std::string writer::text() {
     std::string s, body, arrays;
     for (size_t k = 0; k < f.calls.size(); k++)
         s += format("PART void %s_rows_%zu(scalar *restrict rows) {\n", full.c_str(), k) +
-             sums_text(f.calls[k]) + "}\n";
+             call_text(f.calls[k]) + "}\n";
     if (!f.pivots.empty())
         s += format("static const scalar %s_limit[%zu] = {", full.c_str(), judged()) +
              join(judged(), ", ",
@@ -230,7 +240,9 @@ std::string writer::text() {
                 arrays + ");\n";
     }
     s += format("%s %s(%s) {\n", result_type(f), full.c_str(), arguments.c_str());
-    for (const local &x : locals()) s += format("    %s %s[%zu];\n", x.type, x.name, x.size);
+    for (const local &x : locals())
+        s += format("    %s%s %s[%zu];\n", x.name == std::string("rows") ? "ALIGNED " : "", x.type, x.name,
+                    x.size);
     if (f.stances > 0 && !f.pivots.empty()) /* of one that there is not, none is sound */
         s += format("    for (int i = 0; i < %d; ++i) pivot[i] = splat(0);\n", f.judged());
     return s + clears() + sines() + body + "    " + names(f, "(void)") + ";\n" + end() + "}\n\n";

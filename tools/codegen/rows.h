@@ -1,8 +1,9 @@
 /* rows.h - sums of rows of matrices, four columns at once. SPDX-License-Identifier: MIT
 
-   Work on whole rows (src/dynamics/packed.h) is no part of the graph: a function has calls instead, each a
-   list of sums. The rows stand in one memory, in whole fours. Scalars of
-   the graph are stored into it before a call, and loaded from it behind one. */
+   Work on whole rows (src/dynamics/packed.h) is no part of the graph: a function has calls instead. The rows
+   stand in one memory, in whole fours. Scalars of the graph are stored into it before a call, and loaded
+   from it behind one. Rows that the tree leaves partly zero are written sum by sum; full ones are computed by
+   a loop: much code that runs once waits for its instructions. */
 #ifndef TOOLS_CODEGEN_ROWS_H
 #define TOOLS_CODEGEN_ROWS_H
 
@@ -22,7 +23,6 @@ struct row_sum {
         unsigned fours;
     };
     int to, from, scale; /* scale: NOWHERE is 1 */
-    bool scale_is_negative;
     unsigned own;
     std::vector<multiple> terms;
 
@@ -33,6 +33,19 @@ struct row_sum {
     }
 };
 
+/* X = sign M^-1 X, all columns of it, as loops over a table of the dofs: X = L'^-1 X, a sum over the
+   descendants of each; then X = sign L^-1 D^-1 X, a sum over the path from the root. */
+struct row_solution {
+    struct dof {
+        int row, depth, factors, inverse; /* row: from X; where its row of L and 1/D are */
+        int descendants;
+    };
+    std::vector<dof> dofs; /* depth first; none: nothing is solved */
+    int X, fours, sign;
+    bool is_half; /* the second half alone */
+};
+
+/* Sums, then a solution. */
 struct row_call {
     struct store {
         int at;
@@ -42,28 +55,48 @@ struct row_call {
     int node; /* it stands before this node */
     std::vector<store> stores;
     std::vector<row_sum> sums;
+    row_solution solution;
 };
 
 std::vector<int> places_written(const row_call &c);
 std::string copies_text(); /* CLEAR and COPY */
 std::string rows_text();
-std::string sums_text(const row_call &c);
+std::string call_text(const row_call &c); /* the body of its function */
 /* Multiplications and additions, of fours. */
 int count_fours(const row_call &c);
 
-template <class T> void run(const row_call &c, std::vector<T> &rows) {
-    for (const row_sum &s : c.sums) {
-        if (s.fours() == 0) rows[size_t(s.to)] = 1 / rows[size_t(s.from)];
-        for (int j = 0; s.fours() >> j / FOUR; j++) {
-            const auto of = [&rows, j](int row, unsigned fours) {
-                return fours >> j / FOUR & 1 ? rows[size_t(row + j)] : 0;
-            };
-            T x = of(s.from, s.own);
-            if (s.scale != NOWHERE) x *= s.scale_is_negative ? -rows[size_t(s.scale)] : rows[size_t(s.scale)];
-            for (const row_sum::multiple &t : s.terms) x -= rows[size_t(t.factor)] * of(t.row, t.fours);
-            if (s.fours() >> j / FOUR & 1) rows[size_t(s.to + j)] = x;
+template <class T> void run_sum(const row_sum &s, std::vector<T> &rows) {
+    const auto at = [&rows](int i) -> T & { return rows[size_t(i)]; };
+    if (s.fours() == 0) at(s.to) = 1 / at(s.from);
+    for (int j = 0; s.fours() >> j / FOUR; j++) {
+        const auto of = [&](int row, unsigned fours) { return fours >> j / FOUR & 1 ? at(row + j) : 0; };
+        T x = of(s.from, s.own);
+        if (s.scale != NOWHERE) x *= at(s.scale);
+        for (const row_sum::multiple &t : s.terms) x -= at(t.factor) * of(t.row, t.fours);
+        if (s.fours() >> j / FOUR & 1) at(s.to + j) = x;
+    }
+}
+template <class T> void run_solution(const row_solution &s, std::vector<T> &rows) {
+    typedef row_solution::dof dof;
+    std::vector<const dof *> path(s.dofs.size());
+    for (int j = 0; j < FOUR * s.fours; j++) {
+        const auto at = [&](const dof &k) -> T & { return rows[size_t(s.X + k.row + j)]; };
+        const auto factor = [&rows](const dof &k, int depth) { return rows[size_t(k.factors + depth)]; };
+        for (size_t k = s.dofs.size(); k-- > 0 && !s.is_half;)
+            for (int i = s.dofs[k].descendants; i > 0; i--) {
+                const dof &t = s.dofs[k + size_t(i)];
+                at(s.dofs[k]) -= factor(t, s.dofs[k].depth) * at(t);
+            }
+        for (const dof &k : s.dofs) {
+            at(k) *= T(s.sign) * rows[size_t(k.inverse)];
+            for (int t = 0; t < k.depth; t++) at(k) -= factor(k, t) * at(*path[size_t(t)]);
+            path[size_t(k.depth)] = &k;
         }
     }
+}
+template <class T> void run(const row_call &c, std::vector<T> &rows) {
+    for (const row_sum &s : c.sums) run_sum(s, rows);
+    run_solution(c.solution, rows);
 }
 
 } // namespace codegen

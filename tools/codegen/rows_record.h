@@ -1,7 +1,7 @@
 /* rows_record.h - what rbd.h does to rows, as calls instead of scalars. Included behind rbd.h by record.cpp.
    SPDX-License-Identifier: MIT */
 
-enum { MOST_COLUMNS = 120 /* a set of fours is a word */ };
+enum { MOST_COLUMNS = 120 /* a set of fours is a word */, WHOLE = 8 /* rows start at multiples of it */ };
 
 /* Where a factor stands: the rows of L, and 1/D. */
 struct row_factor {
@@ -18,20 +18,19 @@ static class row_recorder {
     void begin(function *to, bool on) {
         f = to, is_on = on;
         f->rows = 0;
-        now.clear(), numbers.clear(), matrices.clear(), factors.clear();
+        now.clear(), numbers.clear(), factors.clear();
     }
 
-    /* Places for rows of so many columns, each in whole fours. */
-    int take(int rows, int columns) {
-        matrices.push_back({f->rows, rows, pitch_of(columns)});
-        f->rows += rows * pitch_of(columns);
+    /* Places for so many scalars, in whole fours, or for a matrix in what the largest registers hold. */
+    int take(int size, int whole = FOUR) {
+        const int at = (f->rows + whole - 1) / whole * whole;
+        f->rows = at + (size + FOUR - 1) / FOUR * FOUR;
         now.resize(size_t(f->rows), NOWHERE), numbers.resize(size_t(f->rows));
-        return matrices.back().at;
+        return at;
     }
     static int fours(int columns) { return (columns + FOUR - 1) / FOUR; }
-    static int pitch_of(int columns) { return FOUR * fours(columns); }
 
-    row_call start() { return {0, {}, {}}; }
+    row_call start() { return {0, {}, {}, {}}; }
     void put(row_call *c, int at, number y) {
         const value x = record(y.x);
         if (now[size_t(at)] == x) return;
@@ -50,31 +49,10 @@ static class row_recorder {
         f->calls.push_back(std::move(c));
     }
 
-    /* Rows of a matrix in memory, from one to the next a pitch. */
-    struct place {
-        int at, rows, pitch;
-    };
-    /* Where x, with rows a stride apart, stands in whole fours since a call before, or a new place for it. */
-    place find(const number *x, ptrdiff_t stride, int rows, int columns) {
-        for (int i = 0; i < rows * columns; i++) {
-            const value y = record(x[i / columns * stride + i % columns].x);
-            const node &n = tape->nodes[size_t(node_of(y))];
-            if (n.op != LOADED || now[size_t(n.arg[0])] != y) continue;
-            for (const place &m : matrices) {
-                const int at = n.arg[0] - i / columns * m.pitch - i % columns, first = at - m.at;
-                if (m.rows == rows && first >= 0 && first % FOUR == 0 && first + pitch_of(columns) <= m.pitch)
-                    return {at, rows, m.pitch};
-            }
-            break;
-        }
-        return {take(rows, columns), rows, pitch_of(columns)};
-    }
-
   private:
     function *f;
     std::vector<value> now;      /* what stands at each place, as recorded; or NOWHERE */
     std::vector<number> numbers; /* the same, as written */
-    std::vector<place> matrices;
 } recorder;
 
 /* ---- packed matrices, see rbd.h's [packed matrix] ---- */
@@ -105,23 +83,23 @@ template <class model, class work> bool rows_factor(const model *m, work *w, num
     row_factor L;
     for (int k = 0; k < m->nv; k++) {
         const int n = m->dof[k].depth + 1;
-        U.push_back(recorder.take(1, n));
-        for (int t = 0; t < row_recorder::pitch_of(n); t++)
+        U.push_back(recorder.take(n));
+        for (int t = 0; t < FOUR * row_recorder::fours(n); t++)
             recorder.put(&c, U.back() + t, t < n ? H[m->dof[k].row + t] : number(0));
     }
-    for (int k = 0; k < m->nv; k++) L.row.push_back(recorder.take(1, m->dof[k].depth));
-    L.inverse = recorder.take(1, m->nv);
+    for (int k = 0; k < m->nv; k++) L.row.push_back(recorder.take(m->dof[k].depth));
+    L.inverse = recorder.take(m->nv);
     for (int s = m->nv - 1; s >= 0; s--) {
         const int k = m->node[s].dof, d = m->dof[k].depth;
         const int u = U[size_t(k)];
-        row_sum sum = {u, u, NOWHERE, false, first_fours(d + 1), {}};
+        row_sum sum = {u, u, NOWHERE, first_fours(d + 1), {}};
         for (int t = s + m->node[s].descendants; t > s; t--) {
             const size_t i = size_t(m->node[t].dof);
             sum.terms.push_back({L.row[i] + d, U[i], first_fours(d + 1)});
         }
         if (!sum.terms.empty()) add_sum(&c, sum);
-        add_sum(&c, {L.inverse + k, u + d, NOWHERE, false, 0, {}});
-        if (d > 0) add_sum(&c, {L.row[size_t(k)], u, L.inverse + k, false, first_fours(d), {}});
+        add_sum(&c, {L.inverse + k, u + d, NOWHERE, 0, {}});
+        if (d > 0) add_sum(&c, {L.row[size_t(k)], u, L.inverse + k, first_fours(d), {}});
     }
     recorder.finish(c);
     for (int k = 0; k < m->nv; k++) {
@@ -134,65 +112,64 @@ template <class model, class work> bool rows_factor(const model *m, work *w, num
     return true;
 }
 
-/* Of the matrix at X: sums up the tree, then down. filled: fours of each row that are not all zeros. */
-static void add_solution(row_call *c, const rbd_model *m, const row_factor &L, int sign,
-                         row_recorder::place X, std::vector<unsigned> filled) {
-    const auto row = [&](int k) { return X.at + k * X.pitch; };
-    const auto add = [&](int k, const row_sum &sum) {
-        if (sum.fours() && (!sum.terms.empty() || sum.scale != NOWHERE)) add_sum(c, sum);
-        filled[size_t(k)] = sum.fours();
-    };
+/* X = L'^-1 X of the identity: rows that have the columns of the descendants alone. */
+static void add_inverse_up(row_call *c, const rbd_model *m, const row_factor &L, int X, int pitch) {
+    std::vector<unsigned> filled(size_t(m->nv), 0);
     for (int s = m->nv - 1; s >= 0; s--) {
-        const int k = m->node[s].dof;
-        row_sum sum = {row(k), row(k), NOWHERE, false, filled[size_t(k)], {}};
+        const int k = m->node[s].dof, row = X + k * pitch;
+        row_sum sum = {row, row, NOWHERE, 1u << k / FOUR, {}};
         for (int t = s + m->node[s].descendants; t > s; t--) {
             const int i = m->node[t].dof;
-            if (filled[size_t(i)])
-                sum.terms.push_back({L.row[size_t(i)] + m->dof[k].depth, row(i), filled[size_t(i)]});
+            sum.terms.push_back({L.row[size_t(i)] + m->dof[k].depth, X + i * pitch, filled[size_t(i)]});
         }
-        add(k, sum);
-    }
-    for (int s = 0; s < m->nv; s++) {
-        const int k = m->node[s].dof;
-        row_sum sum = {row(k), row(k), L.inverse + k, sign < 0, filled[size_t(k)], {}};
-        for (int i = m->dof[k].lambda; i >= 0; i = m->dof[i].lambda)
-            if (filled[size_t(i)])
-                sum.terms.insert(sum.terms.begin(),
-                                 {L.row[size_t(k)] + m->dof[i].depth, row(i), filled[size_t(i)]});
-        add(k, sum);
+        if (!sum.terms.empty()) add_sum(c, sum);
+        filled[size_t(k)] = sum.fours();
     }
 }
 
-/* X = sign M^-1 X, n columns. */
+/* X = sign M^-1 X for matrices with rows a stride apart and n columns, here side by side, each in whole
+   fours. */
 static void solve_rows(const rbd_model *m, const row_factor &L, int sign, ptrdiff_t stride, int n,
-                       number *X) {
-    row_call c = recorder.start();
-    const row_recorder::place Y = recorder.find(X, stride, m->nv, n);
-    std::vector<unsigned> filled(size_t(m->nv), 0);
-    for (int k = 0; k < m->nv; k++) {
-        const auto x = [&](int j) { return j < n ? X[k * stride + j] : number(0); };
-        for (int j = 0; j < n; j++)
-            if (record(x(j).x) != tape->constant(0)) filled[size_t(k)] |= 1u << j / FOUR;
-        for (int j = 0; j < row_recorder::pitch_of(n); j++)
-            if (filled[size_t(k)] >> j / FOUR & 1) recorder.put(&c, Y.at + k * Y.pitch + j, x(j));
+                       const std::vector<number *> &all, bool is_identity) {
+    std::vector<number *> columns; /* NULL: zeros */
+    for (number *X : all) {
+        for (int j = 0; j < n; j++) columns.push_back(X + j);
+        columns.resize(size_t(row_recorder::fours(int(columns.size())) * FOUR));
     }
-    add_solution(&c, m, L, sign, Y, filled);
+    const int fours = int(columns.size()) / FOUR;
+    columns.resize((columns.size() + WHOLE - 1) / WHOLE * WHOLE);
+    const int pitch = int(columns.size()), X = recorder.take(m->nv * pitch, WHOLE);
+    row_call c = recorder.start();
+    c.solution = {{}, X, fours, sign, is_identity};
+    for (int s = 0; s < m->nv; s++) {
+        const int k = m->node[s].dof;
+        c.solution.dofs.push_back(
+            {k * pitch, m->dof[k].depth, L.row[size_t(k)], L.inverse + k, m->node[s].descendants});
+    }
+    for (int i = 0; i < m->nv * pitch; i++) {
+        const number *x = columns[size_t(i % pitch)];
+        recorder.put(&c, X + i, x ? x[i / pitch * stride] : number(0));
+    }
+    if (is_identity) add_inverse_up(&c, m, L, X, pitch);
     recorder.finish(c);
-    for (int k = 0; k < m->nv; k++)
-        for (int j = 0; j < n; j++) X[k * stride + j] = recorder.load(Y.at + k * Y.pitch + j);
+    for (int i = 0; i < m->nv * pitch; i++) {
+        number *x = columns[size_t(i % pitch)];
+        if (x) x[i / pitch * stride] = recorder.load(X + i);
+    }
 }
 
 template <class model>
 bool rows_solve(const model *m, const number *L, int sign, ptrdiff_t stride, int n, number *X, number *Y) {
     if (!recorder.is_on || !factors.count(L) || n > MOST_COLUMNS) return false;
-    solve_rows(m, factors[L], sign, stride, n, X);
-    if (Y) solve_rows(m, factors[L], sign, stride, n, Y);
+    std::vector<number *> all = {X};
+    if (Y) all.push_back(Y);
+    solve_rows(m, factors[L], sign, stride, n, all, false);
     return true;
 }
 
 template <class model> bool rows_invert(const model *m, const number *L, number *Z) {
     if (!recorder.is_on || !factors.count(L)) return false;
     for (int i = 0; i < m->nv * m->nv; i++) Z[i] = number(i % (m->nv + 1) ? 0 : 1);
-    solve_rows(m, factors[L], 1, m->nv, m->nv, Z);
+    solve_rows(m, factors[L], 1, m->nv, m->nv, {Z}, true);
     return true;
 }
