@@ -1922,10 +1922,8 @@ RBDI_PART void rbdi_sincos_array(const rbd_real *x, const rbd_real *quarters, in
     const rbd_const limit = RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT;
     const rbdi_batch *angle = (const rbdi_batch *)x, *turns = (const rbdi_batch *)quarters;
     rbdi_batch *sine = (rbdi_batch *)s, *cosine = (rbdi_batch *)c;
-    rbdi_bits beyond;
+    rbdi_bits beyond = rbdi_to_bits(rbdi_zero_batch());
     rbdi_bit any = 0;
-    if (count <= 0) return;
-    beyond = rbdi_beyond(angle[0] * angle[0], limit);
     for (int i = 0; i * RBDI_BATCH < count; ++i) {
         beyond |= rbdi_beyond(angle[i] * angle[i], limit);
         rbdi_sincos_batch(angle[i], turns[i], &sine[i], &cosine[i]);
@@ -2627,8 +2625,8 @@ RBDI_DYNAMICS_BEGIN
 
 /* ==== src/model/joints.h ==== */
 /* Interface: rbdi_along_axis, rbdi_block_link, rbdi_block_motion, rbdi_cross_shift, rbdi_down,
-   rbdi_force_up_block, rbdi_joint_attitude, rbdi_joint_origin, rbdi_joints, rbdi_link_dofs, rbdi_trig_of,
-   RBDI_BY_FLAGS, RBDI_BY_FLAGS_OF, RBDI_CASES, RBDI_NO_CASES */
+   rbdi_force_up_block, rbdi_joint_attitude, rbdi_joint_origin, rbdi_joints, rbdi_link_dofs,
+   rbdi_range_joints, rbdi_trig_of, RBDI_BY_FLAGS, RBDI_BY_FLAGS_OF, RBDI_CASES, RBDI_NO_CASES */
 
 /* ---- joints [joints] ----
    Code that depends on the joint type. In the build: rbdi_joint_facts, rbdi_build_joint, rbdi_build_scale,
@@ -2693,11 +2691,12 @@ RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *si
     }
 }
 
-/* Computes all quantities of the links first .. end - 1 that depend on q alone: sines and cosines (in whole
-   batches from first on, for which the arrays must have room), slides, poses of blocks. The angle q + gamma
-   is rounded before its sine is computed: by one more rounding of q, 6e-11 rad at q = 1e6 in double, or not
-   at all if gamma is 0, because the joint angle at q = 0 is a multiple of 90 degrees. */
-RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *q) {
+/* Computes all quantities of the links first .. end - 1 that depend on q alone: slides, poses of blocks, and
+   sines and cosines. These from link `from` on, in whole batches, for which the arrays must have room. The
+   angle q + gamma is rounded before its sine is computed: by one more rounding of q, 6e-11 rad at q = 1e6 in
+   double, or not at all if gamma is 0, because the joint angle at q = 0 is a multiple of 90 degrees. */
+RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int end, int from,
+                                 const rbd_real *q) {
     int all_done = 1;
     for (int i = first; i < end; ++i) {
         const rbdi_link *l = &m->link[i];
@@ -2715,14 +2714,14 @@ RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, int first, int end, 
         }
     }
 #ifdef RBDI_POLYNOMIAL_SINCOS
-    rbdi_sincos_array(w->angle + first, w->quarters + first, end - first, w->s + first, w->c + first);
+    rbdi_sincos_array(w->angle + from, w->quarters + from, end - from, w->s + from, w->c + from);
 #elif defined RBDI_SINCOS /* rbd-codegen records the two for itself */
-    for (int i = first; i < end; ++i) RBDI_SINCOS(w->angle[i], (int)m->link[i].quarters, &w->s[i], &w->c[i]);
+    for (int i = from; i < end; ++i) RBDI_SINCOS(w->angle[i], (int)m->link[i].quarters, &w->s[i], &w->c[i]);
 #else
-    for (int i = first; i < end; ++i) rbdi_sincos_link(&m->link[i], w->angle[i], &w->s[i], &w->c[i]);
+    for (int i = from; i < end; ++i) rbdi_sincos_link(&m->link[i], w->angle[i], &w->s[i], &w->c[i]);
 #endif
     if (all_done) return;
-    for (int i = first; i < end; ++i) {
+    for (int i = from; i < end; ++i) {
         const rbdi_link *l = &m->link[i];
         if (rbdi_is(l, RBDI_REVOLUTE_CS)) {
             rbd_real c, s;
@@ -2734,6 +2733,11 @@ RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, int first, int end, 
             w->s[i] = rbdi_set(l->sg);
         }
     }
+}
+
+/* The same of all links. */
+RBDI_INLINE void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
+    rbdi_range_joints(m, w, 0, m->nl, 0, q);
 }
 
 /* The state of a one-axis joint after rbdi_joints. */
@@ -3139,7 +3143,7 @@ RBDI_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q,
                              const rbd_real *a, const rbd_real *f_ext, rbd_real *tau) {
     const rbd_status status = rbdi_check(m, w, q && v && a && tau);
     if (status) return status;
-    rbdi_joints(m, w, 0, m->nl, rbdi_expand_q(m, w, q));
+    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
     v = rbdi_expand_v(m, v, w->vx);
     a = rbdi_expand_v(m, a, w->ax);
     rbdi_rnea(m, w, v, a, f_ext, rbdi_mimics(m) ? w->tx : tau);
@@ -3192,7 +3196,7 @@ RBDI_API rbd_status rbd_generalized_momentum(const rbd_model *m, rbd_work *w, co
                                              const rbd_real *v, rbd_real *p, rbd_real *ctv) {
     const rbd_status status = rbdi_check(m, w, q && v);
     if (status) return status;
-    rbdi_joints(m, w, 0, m->nl, rbdi_expand_q(m, w, q));
+    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
     if (!p) p = w->bias;
     if (!ctv) ctv = w->bias;
     rbdi_momenta(m, w, rbdi_expand_v(m, v, w->vx), rbdi_mimics(m) ? w->tx : p, rbdi_mimics(m) ? w->ax : ctv);
@@ -3496,7 +3500,7 @@ RBDI_PART void rbdi_crba_of_joints(const rbd_model *m, rbd_work *w, rbd_real *H)
 RBDI_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *H) {
     const rbd_status status = rbdi_check(m, w, q && H);
     if (status) return status;
-    rbdi_joints(m, w, 0, m->nl, rbdi_expand_q(m, w, q));
+    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
     rbdi_crba_of_joints(m, w, H);
     return RBD_OK;
 }
@@ -3512,7 +3516,7 @@ RBDI_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q,
                 M[i * m->nv + j] = M[j * m->nv + i] = w->H[k];
         return RBD_OK;
     }
-    rbdi_joints(m, w, 0, m->nl, q);
+    rbdi_joints(m, w, q);
     rbdi_crba(m, w, NULL, M, 1);
     return RBD_OK;
 }
@@ -4480,7 +4484,7 @@ RBDI_API rbd_status rbd_hybrid(const rbd_model *m, rbd_work *w, const rbd_real *
     if (status) return status;
     for (int k = 0; k < m->nv; ++k)
         if (!given[k]) a[k] = rbdi_zero();
-    rbdi_joints(m, w, 0, m->nl, rbdi_expand_q(m, w, q));
+    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
     rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), rbdi_expand_v(m, a, w->ax), f_ext,
               rbdi_mimics(m) ? w->tx : w->bias);
     rbdi_reduce_tau(m, w->tx, w->bias);
@@ -4505,7 +4509,7 @@ RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
 #ifndef RBD_NO_CHOLESKY
     if (rbdi_mimics(m)) return rbd_fd_cholesky(m, w, q, v, tau, f_ext, a);
 #endif
-    rbdi_joints(m, w, 0, m->nl, q);
+    rbdi_joints(m, w, q);
     rbdi_aba_velocities(m, w, v, 0);
     rbdi_external(m, w, f_ext);
     doubt = rbdi_aba_pass2(m, w, tau);
@@ -4677,7 +4681,7 @@ RBDI_INLINE void rbdi_axes_block(const rbdi_pose *X, int root, rbdi_axes *p) {
 
 /* Whether link j is in the subtree of link i. */
 RBDI_INLINE int rbdi_carries(const rbd_model *m, int i, int j) {
-    return m->link[i].first <= m->link[j].first && m->link[j].first < m->link[i].end;
+    return i <= j && m->link[j].first < m->link[i].end;
 }
 
 /* Velocity of the parent-fixed point at r, both in the parent's axes. */
@@ -4733,14 +4737,12 @@ static void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, 
     }
 }
 
-/* Kinematics of the links first .. end - 1, after those of their ancestors; of a robot that does not move,
-   poses alone. v, a: with mimics. */
-static void rbdi_link_kinematics(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *v,
-                                 const rbd_real *a) {
+/* States of the links first .. end - 1, after those of their ancestors. v, a: with mimics. */
+static void rbdi_kin_states(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *v,
+                            const rbd_real *a) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     const rbdi_state world = rbdi_world_state(none);
-    if (w->moving) rbdi_forward(m, w, first, end, &world, v, a, 0, 1);
-    rbdi_kin_links(m, w, first, end, v, w->moving);
+    rbdi_forward(m, w, first, end, &world, v, a, 0, 1);
 }
 
 RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
@@ -4750,13 +4752,26 @@ RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_re
     w->moving = v || a;
     v = v ? rbdi_expand_v(m, v, w->vx) : w->zero;
     a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
-    rbdi_joints(m, w, 0, m->nl, rbdi_expand_q(m, w, q));
-    rbdi_link_kinematics(m, w, 0, m->nl, v, a);
+    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
+    if (w->moving) rbdi_kin_states(m, w, 0, m->nl, v, a);
+    rbdi_kin_links(m, w, 0, m->nl, v, w->moving);
     *w->rotors = rbdi_zero();
     for (int i = 0; w->moving && i < m->nv + rbdi_mimics(m); ++i)
         *w->rotors = *w->rotors + v[i] * v[i] * (RBD_C(0.5) * m->dof[i].armature);
     w->kinematics_of = m->nl;
     return RBD_OK;
+}
+
+/* rbdi_joints of a link and its ancestors, in chains of consecutive links. The last comes first, as its sines
+   take the longest. A chain's batches end with its last link, and may change the sines of links before it. */
+static void rbdi_path_joints(const rbd_model *m, rbd_work *w, int last, const rbd_real *q) {
+    for (int end = last + 1, first; end > 0; end = m->link[first].parent + 1) {
+        int from;
+        for (first = end - 1; first > 0 && m->link[first].parent == first - 1;) --first;
+        from = first + rbdi_is(&m->link[first], RBDI_BLOCK); /* a base has no sine */
+        from = end - (end - from + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH;
+        rbdi_range_joints(m, w, first, end, from < 0 ? 0 : from, q);
+    }
 }
 
 RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int body, const rbd_real *q,
@@ -4769,14 +4784,13 @@ RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int bod
     w->moving = v || a;
     v = v ? rbdi_expand_v(m, v, w->vx) : w->zero;
     a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
-    q = rbdi_expand_q(m, w, q);
-    for (int end = 0; end <= last;) { /* the path, by ranges of consecutive links */
-        int first = last, from;
-        for (int up = m->link[last].parent; up >= end; up = m->link[up].parent) first = up;
-        for (end = first + 1; end <= last && rbdi_carries(m, end, last);) ++end;
-        from = end - (end - first + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH; /* whole batches */
-        rbdi_joints(m, w, from < 0 ? 0 : from, end, q);
-        rbdi_link_kinematics(m, w, first, end, v, a);
+    rbdi_path_joints(m, w, last, rbdi_expand_q(m, w, q));
+    for (int first = 0, end; first <= last; first = end) {
+        const int leaf = m->link[last].first; /* a dof of the subtrees of all links on the path */
+        while (m->link[first].end <= leaf) ++first;
+        for (end = first + 1; end <= last && m->link[end].end > leaf;) ++end;
+        if (w->moving) rbdi_kin_states(m, w, first, end, v, a);
+        rbdi_kin_links(m, w, first, end, v, w->moving);
     }
     w->kinematics_of = (int16_t)last;
     return RBD_OK;
@@ -4818,7 +4832,7 @@ static rbdi_kin rbdi_body_kin(const rbd_model *m, const rbd_work *w, int body) {
 static rbd_status rbdi_have_kinematics(const rbd_model *m, const rbd_work *w, int body) {
     const int last = w->kinematics_of, link = body < 0 ? m->nl : m->frame[body].link;
     if (last == m->nl || link < 0) return last == RBDI_NO_KINEMATICS ? RBD_ERR_ORDER : RBD_OK;
-    return link < m->nl && last >= 0 && rbdi_carries(m, link, last) ? RBD_OK : RBD_ERR_ORDER;
+    return rbdi_carries(m, link, last) ? RBD_OK : RBD_ERR_ORDER;
 }
 /* arrays: none of the caller's required ones is NULL. */
 static rbd_status rbdi_check_body_call(const rbd_model *m, const rbd_work *w, int body, int arrays) {

@@ -1271,7 +1271,7 @@ static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, co
     rbd_work *w = c->w;
     w->kinematics_of = RBDI_NO_KINEMATICS;
     c->world = rbdi_world_state(gravity).acc;
-    rbdi_joints(m, w, 0, m->nl, q);
+    rbdi_joints(m, w, q);
     rbdi_aba_velocities(m, w, v, 1);
     rbdi_kin_of_paths(m, c, v, moving);
     for (int i = 0; i < 2 * c->n; ++i) {
@@ -1438,7 +1438,7 @@ RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const 
 static void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                     const rbd_real *v, int errors) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
-    rbdi_joints(m, c->w, 0, m->nl, rbdi_expand_q(m, c->w, q));
+    rbdi_joints(m, c->w, rbdi_expand_q(m, c->w, q));
     rbdi_constraint_state(m, c, v ? rbdi_expand_v(m, v, c->w->vx) : c->w->zero, c->w->zero, none, 0);
     rbdi_clear_rows(m, c);
     for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con)

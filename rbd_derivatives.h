@@ -865,7 +865,7 @@ RBDI_INLINE void rbdi_force_columns(rbdi_columns *c, const rbdi_constants *own, 
 /* Sweep towards the leaves: the motion of all dofs. Reads v, a and gravity only if need asks for them. */
 RBDI_INLINE void rbdi_common_motion(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *q,
                                     const rbd_real *v, const rbd_real *a, rbdi_c3 gravity, int need) {
-    rbdi_joints(m, d->work, 0, m->nl, rbdi_expand_q(m, d->work, q));
+    rbdi_joints(m, d->work, rbdi_expand_q(m, d->work, q));
     if (base && need) d->V.omega = rbdi_load_vec(v, 1), d->V.v = d->up = rbdi_vec0();
     if (base && need & RBDI_NEED_WHOLE) {
         d->V.v = rbdi_load_vec(v + 3, 1);

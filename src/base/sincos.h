@@ -98,10 +98,8 @@ RBDI_PART void rbdi_sincos_array(const rbd_real *x, const rbd_real *quarters, in
     const rbd_const limit = RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT;
     const rbdi_batch *angle = (const rbdi_batch *)x, *turns = (const rbdi_batch *)quarters;
     rbdi_batch *sine = (rbdi_batch *)s, *cosine = (rbdi_batch *)c;
-    rbdi_bits beyond;
+    rbdi_bits beyond = rbdi_to_bits(rbdi_zero_batch());
     rbdi_bit any = 0;
-    if (count <= 0) return;
-    beyond = rbdi_beyond(angle[0] * angle[0], limit);
     for (int i = 0; i * RBDI_BATCH < count; ++i) {
         beyond |= rbdi_beyond(angle[i] * angle[i], limit);
         rbdi_sincos_batch(angle[i], turns[i], &sine[i], &cosine[i]);

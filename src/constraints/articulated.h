@@ -158,7 +158,7 @@ static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, co
     rbd_work *w = c->w;
     w->kinematics_of = RBDI_NO_KINEMATICS;
     c->world = rbdi_world_state(gravity).acc;
-    rbdi_joints(m, w, 0, m->nl, q);
+    rbdi_joints(m, w, q);
     rbdi_aba_velocities(m, w, v, 1);
     rbdi_kin_of_paths(m, c, v, moving);
     for (int i = 0; i < 2 * c->n; ++i) {

@@ -283,7 +283,7 @@ RBDI_PART void rbdi_crba_of_joints(const rbd_model *m, rbd_work *w, rbd_real *H)
 RBDI_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *H) {
     const rbd_status status = rbdi_check(m, w, q && H);
     if (status) return status;
-    rbdi_joints(m, w, 0, m->nl, rbdi_expand_q(m, w, q));
+    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
     rbdi_crba_of_joints(m, w, H);
     return RBD_OK;
 }
@@ -299,7 +299,7 @@ RBDI_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q,
                 M[i * m->nv + j] = M[j * m->nv + i] = w->H[k];
         return RBD_OK;
     }
-    rbdi_joints(m, w, 0, m->nl, q);
+    rbdi_joints(m, w, q);
     rbdi_crba(m, w, NULL, M, 1);
     return RBD_OK;
 }

@@ -79,7 +79,7 @@ RBDI_API rbd_status rbd_hybrid(const rbd_model *m, rbd_work *w, const rbd_real *
     if (status) return status;
     for (int k = 0; k < m->nv; ++k)
         if (!given[k]) a[k] = rbdi_zero();
-    rbdi_joints(m, w, 0, m->nl, rbdi_expand_q(m, w, q));
+    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
     rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), rbdi_expand_v(m, a, w->ax), f_ext,
               rbdi_mimics(m) ? w->tx : w->bias);
     rbdi_reduce_tau(m, w->tx, w->bias);

@@ -71,7 +71,7 @@ RBDI_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q,
                              const rbd_real *a, const rbd_real *f_ext, rbd_real *tau) {
     const rbd_status status = rbdi_check(m, w, q && v && a && tau);
     if (status) return status;
-    rbdi_joints(m, w, 0, m->nl, rbdi_expand_q(m, w, q));
+    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
     v = rbdi_expand_v(m, v, w->vx);
     a = rbdi_expand_v(m, a, w->ax);
     rbdi_rnea(m, w, v, a, f_ext, rbdi_mimics(m) ? w->tx : tau);
@@ -124,7 +124,7 @@ RBDI_API rbd_status rbd_generalized_momentum(const rbd_model *m, rbd_work *w, co
                                              const rbd_real *v, rbd_real *p, rbd_real *ctv) {
     const rbd_status status = rbdi_check(m, w, q && v);
     if (status) return status;
-    rbdi_joints(m, w, 0, m->nl, rbdi_expand_q(m, w, q));
+    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
     if (!p) p = w->bias;
     if (!ctv) ctv = w->bias;
     rbdi_momenta(m, w, rbdi_expand_v(m, v, w->vx), rbdi_mimics(m) ? w->tx : p, rbdi_mimics(m) ? w->ax : ctv);

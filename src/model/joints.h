@@ -6,8 +6,8 @@
 #include "model/features.h"
 
 /* Interface: rbdi_along_axis, rbdi_block_link, rbdi_block_motion, rbdi_cross_shift, rbdi_down,
-   rbdi_force_up_block, rbdi_joint_attitude, rbdi_joint_origin, rbdi_joints, rbdi_link_dofs, rbdi_trig_of,
-   RBDI_BY_FLAGS, RBDI_BY_FLAGS_OF, RBDI_CASES, RBDI_NO_CASES */
+   rbdi_force_up_block, rbdi_joint_attitude, rbdi_joint_origin, rbdi_joints, rbdi_link_dofs,
+   rbdi_range_joints, rbdi_trig_of, RBDI_BY_FLAGS, RBDI_BY_FLAGS_OF, RBDI_CASES, RBDI_NO_CASES */
 
 /* ---- joints [joints] ----
    Code that depends on the joint type. In the build: rbdi_joint_facts, rbdi_build_joint, rbdi_build_scale,
@@ -72,11 +72,12 @@ RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *si
     }
 }
 
-/* Computes all quantities of the links first .. end - 1 that depend on q alone: sines and cosines (in whole
-   batches from first on, for which the arrays must have room), slides, poses of blocks. The angle q + gamma
-   is rounded before its sine is computed: by one more rounding of q, 6e-11 rad at q = 1e6 in double, or not
-   at all if gamma is 0, because the joint angle at q = 0 is a multiple of 90 degrees. */
-RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *q) {
+/* Computes all quantities of the links first .. end - 1 that depend on q alone: slides, poses of blocks, and
+   sines and cosines. These from link `from` on, in whole batches, for which the arrays must have room. The
+   angle q + gamma is rounded before its sine is computed: by one more rounding of q, 6e-11 rad at q = 1e6 in
+   double, or not at all if gamma is 0, because the joint angle at q = 0 is a multiple of 90 degrees. */
+RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int end, int from,
+                                 const rbd_real *q) {
     int all_done = 1;
     for (int i = first; i < end; ++i) {
         const rbdi_link *l = &m->link[i];
@@ -94,14 +95,14 @@ RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, int first, int end, 
         }
     }
 #ifdef RBDI_POLYNOMIAL_SINCOS
-    rbdi_sincos_array(w->angle + first, w->quarters + first, end - first, w->s + first, w->c + first);
+    rbdi_sincos_array(w->angle + from, w->quarters + from, end - from, w->s + from, w->c + from);
 #elif defined RBDI_SINCOS /* rbd-codegen records the two for itself */
-    for (int i = first; i < end; ++i) RBDI_SINCOS(w->angle[i], (int)m->link[i].quarters, &w->s[i], &w->c[i]);
+    for (int i = from; i < end; ++i) RBDI_SINCOS(w->angle[i], (int)m->link[i].quarters, &w->s[i], &w->c[i]);
 #else
-    for (int i = first; i < end; ++i) rbdi_sincos_link(&m->link[i], w->angle[i], &w->s[i], &w->c[i]);
+    for (int i = from; i < end; ++i) rbdi_sincos_link(&m->link[i], w->angle[i], &w->s[i], &w->c[i]);
 #endif
     if (all_done) return;
-    for (int i = first; i < end; ++i) {
+    for (int i = from; i < end; ++i) {
         const rbdi_link *l = &m->link[i];
         if (rbdi_is(l, RBDI_REVOLUTE_CS)) {
             rbd_real c, s;
@@ -113,6 +114,11 @@ RBDI_PART void rbdi_joints(const rbd_model *m, rbd_work *w, int first, int end, 
             w->s[i] = rbdi_set(l->sg);
         }
     }
+}
+
+/* The same of all links. */
+RBDI_INLINE void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
+    rbdi_range_joints(m, w, 0, m->nl, 0, q);
 }
 
 /* The state of a one-axis joint after rbdi_joints. */

@@ -12,7 +12,7 @@
 
 /* Whether link j is in the subtree of link i. */
 RBDI_INLINE int rbdi_carries(const rbd_model *m, int i, int j) {
-    return m->link[i].first <= m->link[j].first && m->link[j].first < m->link[i].end;
+    return i <= j && m->link[j].first < m->link[i].end;
 }
 
 /* Velocity of the parent-fixed point at r, both in the parent's axes. */
@@ -68,14 +68,12 @@ static void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, 
     }
 }
 
-/* Kinematics of the links first .. end - 1, after those of their ancestors; of a robot that does not move,
-   poses alone. v, a: with mimics. */
-static void rbdi_link_kinematics(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *v,
-                                 const rbd_real *a) {
+/* States of the links first .. end - 1, after those of their ancestors. v, a: with mimics. */
+static void rbdi_kin_states(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *v,
+                            const rbd_real *a) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     const rbdi_state world = rbdi_world_state(none);
-    if (w->moving) rbdi_forward(m, w, first, end, &world, v, a, 0, 1);
-    rbdi_kin_links(m, w, first, end, v, w->moving);
+    rbdi_forward(m, w, first, end, &world, v, a, 0, 1);
 }
 
 RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
@@ -85,13 +83,26 @@ RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_re
     w->moving = v || a;
     v = v ? rbdi_expand_v(m, v, w->vx) : w->zero;
     a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
-    rbdi_joints(m, w, 0, m->nl, rbdi_expand_q(m, w, q));
-    rbdi_link_kinematics(m, w, 0, m->nl, v, a);
+    rbdi_joints(m, w, rbdi_expand_q(m, w, q));
+    if (w->moving) rbdi_kin_states(m, w, 0, m->nl, v, a);
+    rbdi_kin_links(m, w, 0, m->nl, v, w->moving);
     *w->rotors = rbdi_zero();
     for (int i = 0; w->moving && i < m->nv + rbdi_mimics(m); ++i)
         *w->rotors = *w->rotors + v[i] * v[i] * (RBD_C(0.5) * m->dof[i].armature);
     w->kinematics_of = m->nl;
     return RBD_OK;
+}
+
+/* rbdi_joints of a link and its ancestors, in chains of consecutive links. The last comes first, as its sines
+   take the longest. A chain's batches end with its last link, and may change the sines of links before it. */
+static void rbdi_path_joints(const rbd_model *m, rbd_work *w, int last, const rbd_real *q) {
+    for (int end = last + 1, first; end > 0; end = m->link[first].parent + 1) {
+        int from;
+        for (first = end - 1; first > 0 && m->link[first].parent == first - 1;) --first;
+        from = first + rbdi_is(&m->link[first], RBDI_BLOCK); /* a base has no sine */
+        from = end - (end - from + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH;
+        rbdi_range_joints(m, w, first, end, from < 0 ? 0 : from, q);
+    }
 }
 
 RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int body, const rbd_real *q,
@@ -104,14 +115,13 @@ RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int bod
     w->moving = v || a;
     v = v ? rbdi_expand_v(m, v, w->vx) : w->zero;
     a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
-    q = rbdi_expand_q(m, w, q);
-    for (int end = 0; end <= last;) { /* the path, by ranges of consecutive links */
-        int first = last, from;
-        for (int up = m->link[last].parent; up >= end; up = m->link[up].parent) first = up;
-        for (end = first + 1; end <= last && rbdi_carries(m, end, last);) ++end;
-        from = end - (end - first + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH; /* whole batches */
-        rbdi_joints(m, w, from < 0 ? 0 : from, end, q);
-        rbdi_link_kinematics(m, w, first, end, v, a);
+    rbdi_path_joints(m, w, last, rbdi_expand_q(m, w, q));
+    for (int first = 0, end; first <= last; first = end) {
+        const int leaf = m->link[last].first; /* a dof of the subtrees of all links on the path */
+        while (m->link[first].end <= leaf) ++first;
+        for (end = first + 1; end <= last && m->link[end].end > leaf;) ++end;
+        if (w->moving) rbdi_kin_states(m, w, first, end, v, a);
+        rbdi_kin_links(m, w, first, end, v, w->moving);
     }
     w->kinematics_of = (int16_t)last;
     return RBD_OK;
@@ -153,7 +163,7 @@ static rbdi_kin rbdi_body_kin(const rbd_model *m, const rbd_work *w, int body) {
 static rbd_status rbdi_have_kinematics(const rbd_model *m, const rbd_work *w, int body) {
     const int last = w->kinematics_of, link = body < 0 ? m->nl : m->frame[body].link;
     if (last == m->nl || link < 0) return last == RBDI_NO_KINEMATICS ? RBD_ERR_ORDER : RBD_OK;
-    return link < m->nl && last >= 0 && rbdi_carries(m, link, last) ? RBD_OK : RBD_ERR_ORDER;
+    return rbdi_carries(m, link, last) ? RBD_OK : RBD_ERR_ORDER;
 }
 /* arrays: none of the caller's required ones is NULL. */
 static rbd_status rbdi_check_body_call(const rbd_model *m, const rbd_work *w, int body, int arrays) {

@@ -310,7 +310,7 @@ class dynamics_derivatives {
 
 static rbd_status record_derivatives(const call &c, const number *v, const number *a, const number *f_ext,
                                      number *by_q, number *by_v, bool coriolis) {
-    rbdi_joints(c.m, c.w, 0, c.m->nl, rbdi_expand_q(c.m, c.w, c.q));
+    rbdi_joints(c.m, c.w, rbdi_expand_q(c.m, c.w, c.q));
     v = rbdi_expand_v(c.m, v, c.w->vx), a = rbdi_expand_v(c.m, a, c.w->ax);
     dynamics_derivatives(c.m, c.w, v, a, c.w->gravity, f_ext, coriolis).run(by_q, by_v);
     return RBD_OK;
