@@ -138,24 +138,38 @@ RBDI_INLINE rbdi_v3 rbdi_point_acc(const rbdi_kin *k, rbdi_v3 x) {
     return rbdi_add(k->state.acc, rbdi_mul(rbdi_omega(k->state.omega, k->state.omega_dot), x));
 }
 
+/* Position of a point in the world. */
+RBDI_ONCE rbdi_v3 rbdi_point_position(const rbd_model *m, const rbd_work *w, int body,
+                                      const rbd_real *point) {
+    const rbdi_frame *u = &m->frame[body];
+    rbdi_v3 r = rbdi_vec_c(u->r);
+    if (point) r = rbdi_add(r, rbdi_mul_t(rbdi_mat_c(u->E), rbdi_load_vec(point, 1)));
+    return u->link < 0 ? r : rbdi_point_p(&w->kin[u->link], r);
+}
+
+/* E of a body: from world axes to its own. */
+static rbdi_mat rbdi_axes_of(const rbd_model *m, const rbd_work *w, int body) {
+    const rbdi_frame *u = &m->frame[body];
+    const rbdi_mat E = rbdi_mat_c(u->E);
+    return u->link < 0 ? E : rbdi_mul_mat(E, w->kin[u->link].X.E);
+}
+
 /* Pose and state of a body of the description, in its own frame. */
 static rbdi_kin rbdi_body_kin(const rbd_model *m, const rbd_work *w, int body) {
     const rbdi_frame *u = &m->frame[body];
     const rbdi_mat E = rbdi_mat_c(u->E);
     const rbdi_v3 r = rbdi_vec_c(u->r);
     rbdi_kin k;
-    k.X.E = E;
-    k.X.r = r;
     k.v = k.state.omega = k.state.omega_dot = k.state.acc = rbdi_vec0();
-    if (u->link < 0) return k;
-    if (w->moving) k = w->kin[u->link];
-    k.X.r = rbdi_point_p(&w->kin[u->link], r);
-    k.X.E = rbdi_mul_mat(E, w->kin[u->link].X.E);
-    if (!w->moving) return k;
-    k.v = rbdi_mul(E, rbdi_point_v(&k, r));
-    k.state.acc = rbdi_mul(E, rbdi_point_acc(&k, r));
-    k.state.omega = rbdi_mul(E, k.state.omega);
-    k.state.omega_dot = rbdi_mul(E, k.state.omega_dot);
+    if (w->moving && u->link >= 0) {
+        k = w->kin[u->link];
+        k.v = rbdi_mul(E, rbdi_point_v(&k, r));
+        k.state.acc = rbdi_mul(E, rbdi_point_acc(&k, r));
+        k.state.omega = rbdi_mul(E, k.state.omega);
+        k.state.omega_dot = rbdi_mul(E, k.state.omega_dot);
+    }
+    k.X.E = rbdi_axes_of(m, w, body);
+    k.X.r = rbdi_point_position(m, w, body, NULL);
     return k;
 }
 
@@ -180,15 +194,14 @@ static rbd_status rbdi_check_robot_call(const rbd_model *m, const rbd_work *w) {
 RBDI_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body, rbd_real R[9],
                                   rbd_real p[3]) {
     const rbd_status status = rbdi_check_body_call(m, w, body, 1);
-    rbdi_kin k;
     if (status) return status;
-    k = rbdi_body_kin(m, w, body);
     if (R) {
-        rbdi_store_vec(R, 1, rbdi_vec(k.X.E.xx, k.X.E.yx, k.X.E.zx));
-        rbdi_store_vec(R + 3, 1, rbdi_vec(k.X.E.xy, k.X.E.yy, k.X.E.zy));
-        rbdi_store_vec(R + 6, 1, rbdi_vec(k.X.E.xz, k.X.E.yz, k.X.E.zz));
+        const rbdi_mat E = rbdi_axes_of(m, w, body);
+        rbdi_store_vec(R, 1, rbdi_vec(E.xx, E.yx, E.zx));
+        rbdi_store_vec(R + 3, 1, rbdi_vec(E.xy, E.yy, E.zy));
+        rbdi_store_vec(R + 6, 1, rbdi_vec(E.xz, E.yz, E.zz));
     }
-    if (p) rbdi_store_vec(p, 1, k.X.r);
+    if (p) rbdi_store_vec(p, 1, rbdi_point_position(m, w, body, NULL));
     return RBD_OK;
 }
 

@@ -7,79 +7,65 @@
 
 /* ---- points and momentum [points code] ---- */
 
-/* Position of a point in the world. */
-static rbdi_v3 rbdi_point_position(const rbd_model *m, const rbd_work *w, int body, const rbd_real *point) {
-    const rbdi_frame *u = &m->frame[body];
-    rbdi_v3 r = rbdi_vec_c(u->r);
-    if (point) r = rbdi_add(r, rbdi_mul_t(rbdi_mat_c(u->E), rbdi_load_vec(point, 1)));
-    return u->link < 0 ? r : rbdi_point_p(&w->kin[u->link], r);
-}
-
-/* E of a body: from world axes to its own. */
-static rbdi_mat rbdi_axes_of(const rbd_model *m, const rbd_work *w, int body) {
-    const rbdi_frame *u = &m->frame[body];
-    const rbdi_mat E = rbdi_mat_c(u->E);
-    return u->link < 0 ? E : rbdi_mul_mat(E, w->kin[u->link].X.E);
-}
-
 /* The axis of a link that its spatial unit axis, omega_x .. omega_z, v_x .. v_z, has, in world axes. */
 RBDI_INLINE rbdi_v3 rbdi_unit_axis(const rbdi_pose *X, int axis) {
     return rbdi_load_vec((const rbd_real *)&X->E + 3 * (axis < 3 ? axis : axis - 3), 1);
 }
 
-/* Motion, world axes, of the point of link i that is at r, for unit velocity of the link's dof k. Its axis
-   a goes through the origin p: (a; a x (r - p)), or (0; a) if it slides. */
+/* Motion of a point of a link for unit velocity of its spatial unit axis, which is a: (a; a x arm) or, if it
+   slides, (0; a). arm: from the link's origin to the point. */
+RBDI_INLINE rbdi_motion rbdi_axis_motion(const rbdi_link *l, int axis, rbdi_v3 a, rbdi_v3 arm) {
+    rbdi_motion c;
+    c.omega = axis < 3 ? a : rbdi_vec0();
+    c.v = axis < 3 ? rbdi_cross(a, arm) : a;
+    if (rbdi_is(l, RBDI_SCREW)) {
+        c.omega = rbdi_scale(rbdi_set(l->rho), a);
+        c.v = rbdi_add(rbdi_scale(rbdi_set(l->rho), c.v), rbdi_scale(rbdi_set(l->kappa), a));
+    }
+    return c;
+}
+/* The same for unit velocity of dof k of link i, of the point at r, world axes. */
 RBDI_INLINE rbdi_motion rbdi_column(const rbd_model *m, const rbd_work *w, int i, int k, rbdi_v3 r) {
     const rbdi_link *l = &m->link[i];
     const rbdi_pose *X = &w->kin[i].X;
     const int axis = rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->first + k : 2;
+    return rbdi_axis_motion(l, axis, rbdi_unit_axis(X, axis), rbdi_sub(r, X->r));
+}
+
+/* Writes the column of J of a link's axis, in the axes E if there are any; or, if there is a factor, adds it
+   times this. */
+RBDI_INLINE void rbdi_put_column(const rbdi_link *l, const rbdi_pose *X, int axis, rbdi_v3 arm,
+                                 const rbdi_mat *E, const rbd_real *factor, rbd_real *J, ptrdiff_t nv) {
+    rbdi_v3 a = rbdi_unit_axis(X, axis);
     rbdi_motion c;
-    c.omega = rbdi_unit_axis(X, axis);
-    c.v = axis < 3 ? rbdi_cross(c.omega, rbdi_sub(r, X->r)) : c.omega;
-    if (rbdi_is(l, RBDI_SCREW)) {
-        c.v = rbdi_add(rbdi_scale(rbdi_set(l->rho), c.v), rbdi_scale(rbdi_set(l->kappa), c.omega));
-        c.omega = rbdi_scale(rbdi_set(l->rho), c.omega);
+    if (E) a = rbdi_mul(*E, a);
+    c = rbdi_axis_motion(l, axis, a, arm);
+    if (factor) {
+        c.omega = rbdi_add(rbdi_load_vec(J, nv), rbdi_scale(*factor, c.omega));
+        c.v = rbdi_add(rbdi_load_vec(J + 3 * nv, nv), rbdi_scale(*factor, c.v));
     }
-    if (axis >= 3) c.omega = rbdi_vec0();
-    return c;
+    rbdi_store_motion(J, nv, c);
 }
 
-/* Adds ratio times such a motion to a column of J: (0; a), or (a; a x arm) with arm = r - p. */
-RBDI_INLINE void rbdi_add_slide(rbd_real *J, ptrdiff_t nv, rbd_real ratio, rbdi_v3 a) {
-    rbdi_store_vec(J + 3 * nv, nv, rbdi_add(rbdi_load_vec(J + 3 * nv, nv), rbdi_scale(ratio, a)));
-}
-RBDI_INLINE void rbdi_add_turn(rbd_real *J, ptrdiff_t nv, rbd_real ratio, rbdi_v3 a, rbdi_v3 arm) {
-    rbdi_store_vec(J, nv, rbdi_add(rbdi_load_vec(J, nv), rbdi_scale(ratio, a)));
-    rbdi_add_slide(J, nv, ratio, rbdi_cross(a, arm));
-}
-
-/* Adds to J, times sign, the columns of link i and of its ancestors up to link `end`, which has none; E, if
-   any, turns them. */
-RBDI_PART void rbdi_add_path(const rbd_model *m, const rbd_work *w, int i, int end, rbdi_v3 r,
-                             const rbdi_mat *E, rbd_const sign, rbd_real *J) {
+/* Writes into J the columns of link i and of its ancestors up to link `end`, which has none, in the axes E if
+   there are any. If sign is not 0, they are added times sign, as other links may have part in a column. */
+RBDI_ONCE void rbdi_put_path(const rbd_model *m, const rbd_work *w, int i, int end, rbdi_v3 r,
+                             const rbdi_mat *E, int sign, rbd_real *J) {
     const ptrdiff_t nv = m->nv;
     for (; i != end; i = m->link[i].parent) {
         const rbdi_link *l = &m->link[i];
         const rbdi_pose *X = &w->kin[i].X;
-        const rbdi_block *b;
-        rbd_real *to = &J[rbdi_source(m, l->iv)], ratio = rbdi_ratio(m, l->iv) * sign;
-        rbdi_v3 arm = rbdi_sub(r, X->r), a;
+        const rbd_real ratio = sign ? rbdi_ratio(m, l->iv) * (rbd_const)sign : rbdi_zero(),
+                       *factor = sign ? &ratio : NULL;
+        rbd_real *to = &J[sign ? rbdi_source(m, l->iv) : l->iv];
+        rbdi_v3 arm = rbdi_sub(r, X->r);
         if (E) arm = rbdi_mul(*E, arm);
         if (!rbdi_is(l, RBDI_BLOCK)) {
-            a = rbdi_unit_axis(X, 2);
-            if (E) a = rbdi_mul(*E, a);
-            if (rbdi_is(l, RBDI_SCREW)) rbdi_add_slide(to, nv, ratio * l->kappa, a), ratio = ratio * l->rho;
-            rbdi_add_turn(to, nv, ratio, a, arm);
-            continue;
-        }
-        b = rbdi_block_of(m, l);
-        for (int axis = b->first; axis < b->first + b->n; ++axis, ++to) {
-            a = rbdi_unit_axis(X, axis);
-            if (E) a = rbdi_mul(*E, a);
-            if (axis >= 3)
-                rbdi_add_slide(to, nv, ratio, a);
-            else
-                rbdi_add_turn(to, nv, ratio, a, arm);
+            rbdi_put_column(l, X, 2, arm, E, factor, to, nv);
+        } else {
+            const rbdi_block *b = rbdi_block_of(m, l);
+            for (int axis = b->first; axis < b->first + b->n; ++axis, ++to)
+                rbdi_put_column(l, X, axis, arm, E, factor, to, nv);
         }
     }
 }
@@ -99,10 +85,13 @@ static rbd_status rbdi_put_jacobian(const rbd_model *m, const rbd_work *w, int b
     link = m->frame[body].link, other = reference < 0 ? -1 : m->frame[reference].link;
     if (axes >= 0) E = rbdi_axes_of(m, w, axes);
     rbdi_clear(J, 6 * m->nv);
-    for (common = other; common >= 0 && (link < 0 || !rbdi_carries(m, common, link));)
-        common = m->link[common].parent;
-    rbdi_add_path(m, w, link, common, r, axes >= 0 ? &E : NULL, RBD_C(1), J);
-    rbdi_add_path(m, w, other, common, r, axes >= 0 ? &E : NULL, RBD_C(-1), J);
+    if (reference < 0 && axes < 0 && rbdi_mimics(m) == 0) { /* with constants: half the instructions */
+        rbdi_put_path(m, w, link, -1, r, NULL, 0, J);
+        return RBD_OK;
+    }
+    for (common = other; common >= 0 && !rbdi_carries(m, common, link);) common = m->link[common].parent;
+    for (int sign = 1; sign >= -1; sign -= 2)
+        rbdi_put_path(m, w, sign > 0 ? link : other, common, r, axes >= 0 ? &E : NULL, sign, J);
     return RBD_OK;
 }
 
