@@ -15,8 +15,11 @@
 #include "bench/firmware/hyq_code.h"
 #include "bench/firmware/iiwa_code.h"
 #endif
-#ifdef FIGURES_FEET
+#ifdef FIGURES_CODE
+#include "bench/firmware/five_bar_loop_code.h"
 #include "bench/firmware/hyq_feet_code.h"
+#define FIVE_BAR_MODEL_IMPLEMENTATION
+#include "models/five_bar_model.h"
 #endif
 #define ATLAS_MODEL_IMPLEMENTATION
 #define HYQ_MODEL_IMPLEMENTATION
@@ -71,6 +74,19 @@ static rbd_constraint contact(int robot, int i) {
     static const int atlas[2] = {ATLAS_BODY_L_FOOT, ATLAS_BODY_R_FOOT};
     static const double shin[3] = {0.33, 0, 0}, sole[3] = {0.05, 0, -0.08};
     return robot == HYQ_NV ? rbd_point_contact(hyq[i], shin, NULL) : rbd_flat_contact(atlas[i], sole, NULL);
+}
+
+/* How many constraints the robot has. */
+static int list_constraints(const rbd_model *m, rbd_constraint list[4]) {
+#ifdef FIGURES_CODE
+    if (m == &five_bar_model) {
+        list[0] = five_bar_constraints[0];
+        return 1;
+    }
+#endif
+    const int n = rbd_nv(m) == HYQ_NV ? 4 : 2;
+    for (int i = 0; i < n; i++) list[i] = contact(rbd_nv(m), i);
+    return n;
 }
 #endif
 
@@ -138,9 +154,9 @@ CALL(constrained_fd_derivatives,
 #endif
 #endif
 
-#ifdef FIGURES_FEET /* rbd-codegen's, of HyQ on four points */
-CALL(generated_constrained_fd,
-     (m && hyq_feet_constrained(q, v, tau, out, lambda) == 0 ? RBD_OK : RBD_ERR_SINGULAR))
+#ifdef FIGURES_CODE /* rbd-codegen's, of the five-bar's loop and of HyQ on four points */
+CALL(five_bar_loop, (m && five_bar_loop_constrained(q, v, tau, out, lambda) == 0 ? RBD_OK : RBD_ERR_SINGULAR))
+CALL(hyq_feet, (m && hyq_feet_constrained(q, v, tau, out, lambda) == 0 ? RBD_OK : RBD_ERR_SINGULAR))
 #endif
 
 #ifdef FIGURES_GENERATED /* rbd-codegen's, each for its robot alone */
@@ -267,8 +283,7 @@ static rbd_status prepare(const rbd_model *m) {
 #endif
 #ifdef FIGURES_CONTACTS
     rbd_constraint list[4];
-    const int n = rbd_nv(m) == HYQ_NV ? 4 : 2;
-    for (int i = 0; i < n; i++) list[i] = contact(rbd_nv(m), i);
+    const int n = list_constraints(m, list);
     set_size = rbd_constraint_set_size(m, list, n);
     return rbd_constraint_set_init(m, w, list, n, constraints_memory, sizeof constraints_memory, &c, NULL);
 #else
@@ -301,7 +316,7 @@ static int is_right(const robot *r) {
     return gives_back(r->model, inverse, forward);
 }
 
-#ifdef FIGURES_FEET
+#ifdef FIGURES_CODE
 /* The generated code and the library's call find the same accelerations and forces, to a share of the largest
    of each. */
 static int is_near(const rbd_real *x, const rbd_real *y, int n) {
@@ -312,17 +327,17 @@ static int is_near(const rbd_real *x, const rbd_real *y, int n) {
         if (!(x[i] - y[i] < largest * (rbd_real)1e-2 && y[i] - x[i] < largest * (rbd_real)1e-2)) return 0;
     return 1;
 }
-static int stands_right(const rbd_model *m) {
+static int is_constrained_right(const rbd_model *m, const algorithm *generated) {
     static rbd_real qdd[MAX_NV], force[ROWS];
+    const int rows = rbd_constraint_rows(c);
     if (constrained_fd(m) != RBD_OK) return 0;
     for (int i = 0; i < rbd_nv(m); i++) qdd[i] = out[i];
-    for (int i = 0; i < ROWS; i++) force[i] = lambda[i];
-    return generated_constrained_fd(m) == RBD_OK && is_near(qdd, out, rbd_nv(m)) &&
-           is_near(force, lambda, ROWS);
+    for (int i = 0; i < rows; i++) force[i] = lambda[i];
+    return generated->call(m) == RBD_OK && is_near(qdd, out, rbd_nv(m)) && is_near(force, lambda, rows);
 }
 #endif
 
-/* work: bytes that the call needs. */
+/* work: bytes that the call needs; generated code needs none. */
 static int print_row(const robot *r, const algorithm *g, size_t work) {
     uint64_t seed_q = 1;
     uint32_t seed = 2;
@@ -339,8 +354,8 @@ static int print_row(const robot *r, const algorithm *g, size_t work) {
         if (status != RBD_OK || again != RBD_OK || depth < 0) return 0;
         sum += instructions(middle, end) - instructions(start, middle);
         stack = depth > stack ? depth : stack;
-#ifdef FIGURES_FEET
-        if (g->call == generated_constrained_fd && !stands_right(r->model)) return 0;
+#ifdef FIGURES_CODE
+        if (work == 0 && !is_constrained_right(r->model, g)) return 0;
 #endif
         if (!is_right(r)) return 0;
     }
@@ -382,10 +397,12 @@ int main(void) {
 #ifdef FIGURES_GENERATED
         if (!print_rows(&robots[i], robots[i].generated, 2, 0)) return 1;
 #endif
-#ifdef FIGURES_FEET
-        static const algorithm feet[1] = {{"generated_constrained_fd", generated_constrained_fd}};
-        if (robots[i].model == &hyq_model && !print_rows(&robots[i], feet, 1, 0)) return 1;
-#endif
     }
+#ifdef FIGURES_CODE
+    static const robot five_bar = {"five_bar", &five_bar_model}, *const hyq = &robots[1];
+    static const algorithm loop[1] = {{"generated_constrained_fd", five_bar_loop}},
+                           feet[1] = {{"generated_constrained_fd", hyq_feet}};
+    if (!print_rows(&five_bar, loop, 1, 0) || !print_rows(hyq, feet, 1, 0)) return 1;
+#endif
     return 0;
 }

@@ -31,7 +31,8 @@ LARGE = {"momentum_matrix": "rbd_momentum_matrix", "coriolis": "rbd_coriolis", "
          "fd_derivatives": "rbd_fd_derivatives"}
 ALGORITHMS = {**SMALL, **LARGE}
 # Straight-line code of rbd-codegen, for one robot: float, -O2, where RAM for Atlas is.
-GENERATED = {"generated_id": "id", "generated_fd": "fd", "generated_constrained_fd": "feet_constrained"}
+GENERATED = {"generated_id": "id", "generated_fd": "fd", "generated_constrained_fd": "constrained"}
+CONSTRAINED = {"five_bar": "loop", "hyq": "feet"}  # of constrained dynamics, with models/ROBOT_SET.csv
 # Float, -O2, where RAM for Atlas is, each in a library of its own: contacts, 12 rows (work: with the set of constraints),
 # and rbd_aba by RBD_NO_CHOLESKY without what only mimic joints need.
 KINDS = {"contacts": {"constrained_fd": "rbd_constrained_fd", "impact": "rbd_impact", "constrained_id": "rbd_constrained_id",
@@ -239,8 +240,9 @@ def worst_frames(graph_file):
 
 def of_generated(target, here, robot, algorithm):
     """The robot's constants are in the code."""
-    function = f"{robot}_{GENERATED[algorithm]}"
-    graph = next((here / f"libgenerated_{function.rpartition('_')[0]}.a.p").glob("*.ci"))
+    name = f"{robot}_{CONSTRAINED[robot]}" if algorithm == "generated_constrained_fd" else robot
+    function = f"{name}_{GENERATED[algorithm]}"
+    graph = next((here / f"libgenerated_{name}.a.p").glob("*.ci"))
     return dict(code=flash_bytes(target, here / f"code_generated_{function}"), model=0, frames=worst_frames(graph)[function])
 
 
@@ -397,10 +399,11 @@ def as_csv(rows):
     return text.getvalue()
 
 
-def accept(rows):
-    new = {r["target"] for r in rows}
-    rows = [r for r in read_accepted() if r["target"] not in new] + rows
-    rows.sort(key=lambda r: TARGETS.index(r["target"]))
+def accept(rows, brief):
+    """In place of all rows of their targets; brief: of the same rows alone."""
+    targets = {r["target"] for r in rows}
+    accepted = {key(r): r for r in read_accepted() if brief or r["target"] not in targets}
+    rows = sorted({**accepted, **{key(r): r for r in rows}}.values(), key=lambda r: TARGETS.index(r["target"]))
     ACCEPTED.parent.mkdir(exist_ok=True)
     partial = ACCEPTED.with_suffix(".new")
     partial.write_text(as_csv(rows))
@@ -483,16 +486,23 @@ def calls_table(rows):
 
 
 def generated_table(some):
-    """Of the targets that ./run test has, as far as there are such rows; nothing lies in RAM but the stack."""
-    lines = ["", "| rbd-codegen, float, -O2 | | iiwa: code | stack | instr. | HyQ: code | stack | instr. | "
-             "Atlas: code | stack | instr. |", "|---|---|" + "--:|" * 9]
+    """Of the targets that ./run test has; nothing lies in RAM but the stack."""
+    return (generated_lines(some, {"iiwa": "iiwa", "hyq": "HyQ", "atlas": "Atlas"},
+                            {"generated_id": "RNEA", "generated_fd": "ABA"}) +
+            generated_lines(some, {"five_bar": "five-bar, its loop", "hyq": "HyQ, four feet"},
+                            {"generated_constrained_fd": "constrained"}))
+
+
+def generated_lines(some, robots, algorithms):
+    """As far as there are such rows."""
+    lines = ["", "| rbd-codegen, float, -O2 | | " + " | ".join(f"{name}: code | stack | instr." for name in robots.values()) +
+             " |", "|---|---|" + "--:|" * 3 * len(robots)]
     for target in ("cortex-m3", "cortex-m4f", "rv32imafc"):
-        for algorithm, name in (("generated_id", "RNEA"), ("generated_fd", "ABA"),
-                                ("generated_constrained_fd", "four feet on the ground")):
-            cells = [some[target, r, algorithm][f] if (target, r, algorithm) in some else "–" for r in ROBOTS
-                     for f in ("code", "stack", "instructions")]
-            if set(cells) != {"–"}:
-                lines.append(f"| {target} | {name} | " + " | ".join(map(str, cells)) + " |")
+        for algorithm, name in algorithms.items():
+            rows = [some.get((target, robot, algorithm)) for robot in robots]
+            cells = [str(row[f]) if row else "–" for row in rows for f in ("code", "stack", "instructions")]
+            if any(rows):
+                lines.append(f"| {target} | {name} | " + " | ".join(cells) + " |")
     return lines if len(lines) > 3 else []
 
 
@@ -605,13 +615,14 @@ def options():
                         "all")
     parser.add_argument("--scalar", choices=SCALARS + ["all"], default="float", help="to show; default: float")
     parser.add_argument("--brief", metavar="PART,...", help="build, run and measure these alone, in float at --level "
-                        "(default: both), in less time: " + ", ".join(PARTS[:-1]))
+                        "(default: both), in less time: " + ", ".join(PARTS))
     parser.add_argument("--level", choices=LEVELS + ["all"], help="of optimisation, to show: -Os or -O2; "
                         "default: 2")
-    parser.add_argument("--robot", choices=ROBOTS + ["all"], default="all", help="to show; default: all")
+    parser.add_argument("--robot", choices=[*ROBOTS, "five_bar", "all"], default="all", help="to show; default: all")
     parser.add_argument("--format", choices=["table", "csv"], default="table")
     parser.add_argument("--proofs", action="store_true", help="print what the proofs found")
-    parser.add_argument("--accept", action="store_true", help="make these figures the budgets, bench/results/firmware.csv")
+    parser.add_argument("--accept", action="store_true", help="make these figures the budgets, bench/results/firmware.csv; "
+                        "with --brief those shown alone")
     parser.add_argument("--codegen", type=pathlib.Path, help="an rbd-codegen, for the figures of generated code; ./run "
                         "firmware gives its own")
     parser.add_argument("--if-possible", action="store_true", help="exit with status 77 if something is not installed")
@@ -661,8 +672,6 @@ def main():
     if wanted.documents:
         documents(write=True)
         return
-    if wanted.accept and wanted.brief:
-        die("budgets are of all builds: --accept without --brief")
     targets = TARGETS if not wanted.target or "all" in wanted.target else wanted.target
     for target in targets:
         if missing(target):
@@ -675,7 +684,7 @@ def main():
         levels = [wanted.level] if wanted.level in LEVELS else LEVELS
         if not set(parts) < set(PARTS):
             die("--brief takes some of " + ", ".join(PARTS))
-    codegen = None if wanted.brief else wanted.codegen
+    codegen = wanted.codegen if "more" in parts else None
     level = wanted.level or levels[-1]
     rows, examples = [], {}
     for target in targets:
@@ -692,7 +701,7 @@ def main():
     if problems:
         sys.exit(f"firmware: {len(problems)} problems, the first: {problems[0]}")
     if wanted.accept:
-        accept(rows)
+        accept(shown if wanted.brief else rows, wanted.brief)
         accept_examples(examples)
         documents(write=True)
 
