@@ -56,6 +56,9 @@ enum {
     IIWA_CODE = SCALARS, /* rbd-codegen's */
     HYQ_CODE,
     ATLAS_CODE,
+    IIWA_FIXED, /* in float, the bases fixed */
+    HYQ_FIXED,
+    ATLAS_FIXED,
     LANES_DOUBLE,
     LANES_DOUBLE_4, /* where LANES_DOUBLE has 8 */
     LANES_FLOAT,

@@ -1,6 +1,7 @@
 /* generated.h - what rbd-codegen wrote for one robot, CODE_ROBOT: CODE_HEADER declares it, its names begin
-   with CODE; WITH_DERIVATIVES: and its derivatives. Code for CODE_LANES states at once is given the same
-   batches as lanes.h, which are brought lane by lane and back, or in blocks. SPDX-License-Identifier: MIT */
+   with CODE, its scalar is CODE_REAL; WITH_DERIVATIVES: and its derivatives; CODE_FIXED: of the robot with a
+   fixed base. Code for CODE_LANES states at once is given the same batches as lanes.h, which are brought lane
+   by lane and back, or in blocks. SPDX-License-Identifier: MIT */
 #include "../bench.h"
 #include <string.h>
 #include CODE_HEADER
@@ -9,8 +10,10 @@
 #define PASTE(a, b) PASTE_NOW(a, b)
 #define PASTE_NOW(a, b) a##b
 
+#define SCALAR CODE_REAL
 #define N_LANES CODE_LANES
 #define ONLY_ROBOT CODE_ROBOT
+#define FIXED_BASE CODE_FIXED
 
 enum { NQ = CODE_NQ, NV = CODE_NV, SQUARE = NV * NV };
 
@@ -22,7 +25,7 @@ typedef FUNCTION(real) real;
 #else
 #define VARIANT GENERATED
 #define WIDTH 1
-typedef double real;
+typedef CODE_REAL real;
 #endif
 
 /* The states of one call: one, or as many as there are lanes. */
@@ -150,7 +153,7 @@ static real gravity_now[3];
 
 static rbd_status set_gravity(void *work, const double gravity[3]) {
     (void)work;
-    for (int i = 0; i < 3; i++) gravity_now[i] = (real){0} + gravity[i];
+    for (int i = 0; i < 3; i++) gravity_now[i] = (real){0} + (CODE_REAL)gravity[i];
     return RBD_OK;
 }
 

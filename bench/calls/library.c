@@ -1,7 +1,7 @@
 /* The library for one scalar and variant, as a table. This file is compiled once for each (see meson.build):
    LIBRARY names the table; RBD_REAL and RBD_CONST choose the scalar; RBD_LANES makes its calls batches; CODE
-   makes them calls of code generated for one robot. With LIBRARY alone it is the library as a program has it;
-   the others are RBD_STATIC, since a program can have the names of rbd.h only once.
+   makes them calls of code generated for one robot, in CODE_REAL. With LIBRARY alone it is the library as a
+   program has it; the others are RBD_STATIC, since a program can have the names of rbd.h only once.
    SPDX-License-Identifier: MIT */
 #if defined CODE
 #include "generated.h"
@@ -13,7 +13,11 @@
 #include <float.h>
 #include <math.h>
 
-typedef RBD_REAL number; /* of the arrays: rbd_real may be a vector of them */
+#ifndef CODE
+#define SCALAR RBD_REAL
+#define FIXED_BASE false
+#endif
+typedef SCALAR number; /* of the arrays: rbd_real may be a vector of them */
 
 #ifdef ALONE /* in a shared object that shows nothing else */
 __attribute__((visibility("default")))
@@ -66,11 +70,12 @@ static double relative_error(const double *x, const void *expected, int n) {
     { \
         .name = "rbd", \
         .version = RBD_VERSION, \
-        .scalar = TEXT(RBD_REAL), \
+        .scalar = TEXT(SCALAR), \
         .variant = variant_, \
         .lanes = N_LANES, \
         .blocks = blocks_, \
         .robot = ONLY_ROBOT, \
+        .fixed_base = FIXED_BASE, \
         .width = WIDTH, \
         .size = sizeof(number), \
         .epsilon = sizeof(number) == sizeof(float) ? (double)FLT_EPSILON : DBL_EPSILON, \

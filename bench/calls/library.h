@@ -89,6 +89,7 @@ struct library {
     int variant, lanes; /* lanes: states in a SIMD instruction */
     bool blocks;        /* states and results stand lane by lane: number_place */
     const char *robot;  /* the name of the only one it knows; NULL: any */
+    bool fixed_base;    /* it knows that one as --fixed-base makes it, and no other */
     int width;          /* states a call takes at most */
     size_t size;        /* bytes of a number in its arrays */
     double epsilon;     /* distance from 1 to the next number */

@@ -307,7 +307,7 @@ int robot_take_lengths(struct robot *r) {
     return good ? 0 : -1;
 }
 
-/* Has the world hold the base still. There are no stored results of such a robot, nor code. */
+/* Has the world hold the base still. There are no stored results of such a robot. */
 static int hold_base(struct robot *r) {
     const size_t size = (size_t)r->nb * sizeof *r->held;
     if (r->bodies[0].type != RBD_FLOATING) return 0;

@@ -526,7 +526,8 @@ class Page(unittest.TestCase):
         code = [sizes.HEADER, ["rbd", "iiwa", "id", 12345, 400, 6789, 0.25], ["Pinocchio", "iiwa", "id", 23456, 500, 7890, 1.5],
                 ["rbd", "hyq", "id", 1000, 100, 2000, 0.5]]
         grid = [Schemas.COLUMNS, ["rbd", "1", "gcc", "float", "iiwa", "id", 1, 1, 99, 0, 81, 0, "", "run-time", 0],
-                ["rbd", "1", "gcc", "float", "hyq", "fd_derivatives", 1, 1, 9999, 0, 1234, 0, "", "run-time", 1]]
+                ["rbd", "1", "gcc", "float", "hyq", "fd_derivatives", 1, 1, 9999, 0, 1234, 0, "", "run-time", 1],
+                ["rbd", "1", "gcc", "float", "atlas", "id", 1, 1, 99, 0, 27, 0, "", "generated", 0]]
         with tempfile.TemporaryDirectory() as folder:
             self.assertNotIn("GRiD", self.write(folder, 700, False)[0])
             for name, rows in (("code-gcc", code), ("grid-gcc", grid)):
@@ -537,6 +538,8 @@ class Page(unittest.TestCase):
         self.assertIn("| id | HyQ | 1.0 / – | 100 / – | 2.0 / – | 0.50 / – |", text)
         self.assertIn("| ID | 0.081 | – | – |", text)
         self.assertIn("| ∇FD | – | 1.234* | – |", text)
+        self.assertIn("| ID, generated code | – | – | 0.027 |", text)
+        self.assertNotIn("| ∇FD, generated code |", text)
 
     def test_without_counts_there_are_only_times(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -6,12 +6,12 @@
 
 extern const struct library library_double, library_float, library_quad, library_lanes_double,
     library_lanes_double_4, library_lanes_float, library_blocks_double, library_blocks_float,
-    library_iiwa_code, library_hyq_code, library_atlas_code, library_iiwa_code_lanes, library_hyq_code_lanes,
-    library_atlas_code_lanes, library_iiwa_code_blocks, library_hyq_code_blocks, library_atlas_code_blocks,
-    library_mujoco, library_kdl, library_pinocchio, library_pinocchio_pv, library_pinocchio_avx512f,
-    library_pinocchio_pv_avx512f, library_pinocchio_code_iiwa, library_pinocchio_code_hyq,
-    library_pinocchio_code_atlas, library_rbdl, library_dynibo, library_robcogen_iiwa, library_robcogen_hyq,
-    library_robcogen_atlas;
+    library_iiwa_code, library_hyq_code, library_atlas_code, library_iiwa_fixed, library_hyq_fixed,
+    library_atlas_fixed, library_iiwa_code_lanes, library_hyq_code_lanes, library_atlas_code_lanes,
+    library_iiwa_code_blocks, library_hyq_code_blocks, library_atlas_code_blocks, library_mujoco, library_kdl,
+    library_pinocchio, library_pinocchio_pv, library_pinocchio_avx512f, library_pinocchio_pv_avx512f,
+    library_pinocchio_code_iiwa, library_pinocchio_code_hyq, library_pinocchio_code_atlas, library_rbdl,
+    library_dynibo, library_robcogen_iiwa, library_robcogen_hyq, library_robcogen_atlas;
 
 const struct library *const libraries[LIBRARIES] = {
     [DOUBLE] = &library_double,
@@ -27,6 +27,11 @@ const struct library *const libraries[LIBRARIES] = {
     [IIWA_CODE] = &library_iiwa_code,
     [HYQ_CODE] = &library_hyq_code,
     [ATLAS_CODE] = &library_atlas_code,
+#ifdef BENCH_FIXED
+    [IIWA_FIXED] = &library_iiwa_fixed,
+    [HYQ_FIXED] = &library_hyq_fixed,
+    [ATLAS_FIXED] = &library_atlas_fixed,
+#endif
     [IIWA_CODE_LANES] = &library_iiwa_code_lanes,
     [HYQ_CODE_LANES] = &library_hyq_code_lanes,
     [ATLAS_CODE_LANES] = &library_atlas_code_lanes,
@@ -115,8 +120,15 @@ static bool same_name(const char *a, const char *b) {
     return *a == *b;
 }
 
+/* Code for one robot knows it with its own base, that of the reference, or with a fixed one. */
+static bool knows(const struct library *library, const struct robot *r, const struct options *o) {
+    if (!library->robot) return true;
+    return strcmp(library->robot, r->name) == 0 &&
+           (library->fixed_base ? o->fixed_base : r->reference != NULL);
+}
+
 bool library_wanted(const struct library *library, const struct robot *r, const struct options *o) {
-    if (!library || (library->robot && (!r->reference || strcmp(library->robot, r->name) != 0))) return false;
+    if (!library || !knows(library, r, o)) return false;
     const bool name = o->library == ALL || same_name(library->name, library_names[o->library]);
     const bool scalar = o->scalar == ALL || strcmp(library->scalar, scalar_names[o->scalar]) == 0;
     const bool variant = o->variant == ALL || o->variant == library->variant ||

@@ -148,12 +148,14 @@ GRID = [("id", "ID"), ("minv", "M⁻¹"), ("fd", "FD"), ("id_derivatives", "∇I
 
 def grid_table(data):
     """The rows of GRiDBenchmarks' table, in its unit."""
-    found = {(row["algorithm"], row["robot"]): row for row in data.grid}
+    found = {(row["variant"], row["algorithm"], row["robot"]): row for row in data.grid}
     rows = [["microseconds", *[robot for _, robot in data.robots]]]
-    for algorithm, title in GRID:
-        cells = [found.get((algorithm, robot)) for robot, _ in data.robots]
-        rows.append([title] + ["%.3f%s" % (float(row["min_ns"]) / 1000, "*" if is_disturbed(row) else "") if row else "–"
-                               for row in cells])
+    for variant, code in (("run-time", ""), ("generated", ", generated code")):
+        for algorithm, title in GRID:
+            cells = [found.get((variant, algorithm, robot)) for robot, _ in data.robots]
+            if any(cells):
+                rows.append([title + code] + ["%.3f%s" % (float(row["min_ns"]) / 1000, "*" if is_disturbed(row) else "")
+                                              if row else "–" for row in cells])
     return rows
 
 
@@ -284,7 +286,8 @@ def write(data, folder, facts, notes):
             form.title("By the method of GRiDBenchmarks", 2)
             form.paragraph("Single calls in float with gravity, HyQ and Atlas with their base fixed to the world, as in the "
                            "table of github.com/A2R-Lab/GRiDBenchmarks (Plancher, Neuman, Ghosal, Kuindersma, Reddi, ICRA "
-                           "2022): rbd's run-time model, the least of the experiments, another state at each call.")
+                           "2022): rbd's run-time model and its generated code, the least of the experiments, another state "
+                           "at each call.")
             form.table(grid_table(data))
         robot = data.robots[0]
         form.title("The three sources side by side", 2)

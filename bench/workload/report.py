@@ -268,10 +268,16 @@ def progress_of(command):
 
 
 def grid_times(o, compiler, path):
-    """Single calls of rbd in float, bases fixed, with gravity."""
-    progress_of([bench(o, compiler, "native"), "--library", "rbd", "--variant", "run-time", "--scalar", "float", "--fixed-base",
-                 "--gravity", "--samples", str(o.samples), "--experiments", str(o.experiments), "--format", "csv",
-                 "--output", path])
+    """Single calls of rbd in float, bases fixed, with gravity: for any robot, and of generated code."""
+    rows = []  # the code is compiled for this step alone
+    call(["meson", "configure", folder_of(o, compiler, "native"), "-Dbench_fixed_base=true"])
+    BUILT.pop((compiler, "native", "rbd-bench"), None)
+    for variant in ("run-time", "generated"):
+        progress_of([bench(o, compiler, "native"), "--library", "rbd", "--variant", variant, "--scalar", "float", "--fixed-base",
+                     "--gravity", "--samples", str(o.samples), "--experiments", str(o.experiments), "--format", "csv",
+                     "--output", path])
+        rows += read(path)
+    write_rows(path, rows)
 
 
 def code_rows(o, compiler, path):
