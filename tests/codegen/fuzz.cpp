@@ -32,6 +32,14 @@ struct drawn {
     std::string about;
 };
 
+/* Those numbers below n whose bits are set. */
+std::vector<int> some_of(int n, int bits) {
+    std::vector<int> found;
+    for (int k = 0; k < n; k++)
+        if (bits >> k & 1) found.push_back(k);
+    return found;
+}
+
 drawn draw(int number) {
     uint64_t seed = uint64_t(number);
     const auto below = [&seed](int n) { return int(uniform(&seed, 0, n)); };
@@ -56,11 +64,13 @@ drawn draw(int number) {
     x.t.statements.long_sums = below(3) && !x.t.is_reproducible;
     x.r.limbs_alike = x.t.limbs > 1;
     x.r.by_rows = x.t.lanes == 1 && x.t.statements.long_sums;
+    for (int stances = x.t.lanes == 1 && below(2) ? 1 + below(4) : 0; stances > 0; stances--)
+        x.r.stances.push_back(some_of(x.r.nc, below(1 << x.r.nc)));
     x.about = x.t.name + ": " + class_names[robot_class] + ", " + std::to_string(x.r.nb) + " bodies, " +
               (x.t.is_float ? "float" : "double") + (x.t.is_reproducible ? ", reproducible" : "") +
               (x.t.is_bounded ? ", bounded" : "") + (x.t.statements.long_sums ? "" : ", short sums") +
               ", lanes " + std::to_string(x.t.lanes) + ", limbs " + std::to_string(x.t.limbs) + ", block " +
-              std::to_string(x.t.block);
+              std::to_string(x.t.block) + ", stances " + std::to_string(x.r.stances.size());
     return x;
 }
 
@@ -126,13 +136,13 @@ double tolerance_of(const drawn &x, const tested &to, const codegen::example &e)
     std::vector<rbd_body> room;
     for (uint64_t seed = 0; seed < 10; seed++) {
         const input in = moved(e.in, seed > 0 ? 1e-3 : 0, seed);
-        const std::vector<double> fine = codegen::evaluate<double>(f, in);
-        const std::vector<float> rough = codegen::evaluate<float>(f, in);
+        const std::vector<double> fine = codegen::evaluate<double>(f, in, e.stance);
+        const std::vector<float> rough = codegen::evaluate<float>(f, in, e.stance);
         if (fine.empty() || rough.empty()) return HUGE_VAL;
         code = std::fmax(code, difference(f, e, rough, fine));
         const input near = moved(e.in, 4 * DBL_EPSILON, seed);
         const codegen::robot r = moved(x.r, seed, &room);
-        rbd = std::fmax(rbd, difference(f, e, codegen::compute(r, to.name, near).out, e.out));
+        rbd = std::fmax(rbd, difference(f, e, codegen::compute(r, to.name, near, e.stance).out, e.out));
     }
     return 5e4 * eps + 100 * (code / double(FLT_EPSILON) + rbd / DBL_EPSILON) * eps;
 }
@@ -144,12 +154,9 @@ double largest(const std::vector<double> &all) {
 }
 
 /* Adds rbd.h's results to the known ones; not where one of the two refuses, or digits are lost. */
-void add_state(const drawn &x, tested *to) {
-    const input in = inputs(to->code.f);
-    for (double y : in[0])
-        if (x.t.is_bounded && !(std::fabs(y) < (x.t.is_float ? 1e3 : 1e5))) return;
+void add_example(const drawn &x, const input &in, int stance, tested *to) {
     try {
-        const codegen::example e = codegen::compute(x.r, to->name, in);
+        const codegen::example e = codegen::compute(x.r, to->name, in, stance);
         const double tolerance = tolerance_of(x, *to, e);
         if (!(tolerance < (x.t.is_float ? 0.05 : 1e-4))) return;
         to->code.examples.push_back(e);
@@ -163,6 +170,14 @@ void add_state(const drawn &x, tested *to) {
     if (to->name == "coriolis")
         size = std::fmax(size, largest(codegen::compute(x.r, "mm", {in[0]}).out) * largest(in[1]));
     to->code.least = std::fmax(to->code.least, 1e-6 * size);
+}
+
+/* In each stance. */
+void add_state(const drawn &x, tested *to) {
+    const input in = inputs(to->code.f);
+    for (double y : in[0])
+        if (x.t.is_bounded && !(std::fabs(y) < (x.t.is_float ? 1e3 : 1e5))) return;
+    for (int stance = 0; stance < to->code.f.sets(); stance++) add_example(x, in, stance, to);
 }
 
 void write(const std::string &path, const std::string &text) {

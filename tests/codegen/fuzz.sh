@@ -23,16 +23,19 @@ if [ "$1" = --one ]; then
         grep -v ': right$' "$name.$compiler.out" | head -n 5
         failed=1
     done
-    [ $failed -ne 0 ] || rm -f "${name}"_code.[ch] "$name".gcc* "$name".clang* "$name.csv"
+    [ $failed -ne 0 ] || rm -f "${name}"_code.[ch] "$name".gcc* "$name".clang* "$name.csv" "$name.stances"
     exit $failed
 fi
-# --model RBD_CODEGEN NAME URDF OPTION...: writes all functions of a model, those of a link for its last one
+# --model RBD_CODEGEN NAME URDF OPTION...: writes all functions of a model, those of a link for its last one; by limbs for
+# two stances, in which that is held and not
 if [ "$1" = --model ]; then
     rbd_codegen=$2 name=$3 urdf=$4
     shift 4
     link=$(sed -n 's/.*<link name="\([^"]*\)".*/\1/p' "$urdf" | tail -n 1)
     printf 'body1,x1,y1,z1,axes\n%s,0.1,0.2,0.3,000001\n' "$link" >"$name.csv"
     all=$("$rbd_codegen" --help | sed -n '/there are$/,/^  --/p' | grep -v ' --' | tr ' ' '\n' | sed "/^$/d; s/LINK/$link/")
+    printf '%s\nnone\n' "$link" >"$name.stances"
+    case $* in *--limbs*) set -- "$@" --stances "$name.stances" ;; esac
     case $* in *--reproducible*) all=$(echo "$all" | grep -v '^constrained_id$\|^delta$') ;; esac
     "$rbd_codegen" --name "$name" --algorithm "$(echo "$all" | paste -sd,)" --constraints "$name.csv" "$@" "$urdf" &&
         echo "$name: $(basename "$urdf") $*, $(grep -c '^int\|^void' "${name}_code.h") functions"
