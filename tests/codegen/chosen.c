@@ -40,6 +40,17 @@ static void cut(int most) {
     }
 }
 
+/* Of a robot whose joints are all fixed the last one turns. */
+static void let_one_move(void) {
+    rbd_body *last = &robot.bodies[robot.nb - 1];
+    int nv = 0;
+    for (int i = 0; i < robot.nb; i++) nv += world_nv(&robot.bodies[i]);
+    if (nv > 0) return;
+    last->type = RBD_REVOLUTE;
+    last->axis[2] = 1;
+    if (last->mass <= 0) last->mass = robot.mass[robot.nb - 1];
+}
+
 const rbd_body *drawn_robot(int class_number, int number, int limbs, int *nb);
 const rbd_body *drawn_robot(int class_number, int number, int limbs, int *nb) {
     const int can_be_limb =
@@ -47,6 +58,7 @@ const rbd_body *drawn_robot(int class_number, int number, int limbs, int *nb) {
     const int most = limbs > 1 && can_be_limb ? MOST_BODIES / limbs : MOST_BODIES;
     draw_robot(&robot, class_number, number);
     cut(most);
+    let_one_move();
     if (limbs > 1 && can_be_limb) make_limbs(&robot, limbs);
     robot.bodies[robot.nb - 1].name = "tip";
     *nb = robot.nb;

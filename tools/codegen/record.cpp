@@ -147,7 +147,8 @@ static inline mask operator&(mask a, mask b) { return !((!a) | (!b)); }
 static inline number select(mask k, number x, number y) {
     if (k.kind == ALWAYS) return x;
     if (k.kind == NEVER) return y;
-    if (k.kind == MANY) throw std::runtime_error("a choice by more than one comparison");
+    if (k.kind == MANY) /* asked where pivots are in doubt whatever the arguments are */
+        throw std::runtime_error("the mass matrix is singular, or nearly, in every state");
     if (k.kind == NOT_LESS) std::swap(x.x, y.x);
     return number::of(write(SELECT, k.a, k.b, x.x, y.x));
 }
