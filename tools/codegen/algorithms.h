@@ -37,10 +37,16 @@ enum traits {
     ALL_HELD = 12 /* with all of them, and rows may depend on each other */
 };
 
-struct result {
+struct quantity {
     const char *name, *shape;
     size_of *size;
 };
+
+static void demand(rbd_status status) {
+    if (status != RBD_OK) throw std::runtime_error(rbd_status_string(status));
+}
+
+static void kinematics(const call &c) { demand(rbd_kinematics(c.m, c.w, c.q, NULL, NULL)); }
 
 static rbd_status run_constrained_id(const call &c);
 
@@ -58,169 +64,89 @@ static rbd_status run_delta(const call &c) {
     return status;
 }
 
-/* arguments: those below, by letter. */
+#define ROW(name, arguments, traits, run, about, ...) \
+    {name, arguments, traits, {__VA_ARGS__}, [](const call &c) { return run; }, about}
+
+/* arguments: the first letters of those below. */
 static const struct algorithm {
     const char *name, *arguments;
     int traits;
-    result results[4];
+    quantity results[4];
     rbd_status (*run)(const call &c);
     const char *about;
 } algorithms[] = {
-    {"id",
-     "qvafg",
-     PLAIN,
-     {{"tau", "nv", size_nv}},
-     [](const call &c) { return rbd_rnea(c.m, c.w, c.q, c.v, c.a, c.f_ext, c.out[0]); },
-     "Inverse dynamics tau = M(q) a + c(q, v) - sum J' f_ext: rbd_rnea."},
-    {"bias",
-     "qvfg",
-     PLAIN,
-     {{"c", "nv", size_nv}},
-     [](const call &c) { return rbd_bias(c.m, c.w, c.q, c.v, c.f_ext, c.out[0]); },
-     "Bias force, tau at a = 0: rbd_bias."},
-    {"gravity_torque",
-     "qg",
-     PLAIN,
-     {{"tau", "nv", size_nv}},
-     [](const call &c) { return rbd_gravity_torque(c.m, c.w, c.q, c.out[0]); },
-     "Gravity torque, tau at v = a = 0: rbd_gravity_torque."},
-    {"mm",
-     "q",
-     PLAIN,
-     {{"M", "nv x nv, both triangles", size_full}},
-     [](const call &c) { return rbd_crba(c.m, c.w, c.q, c.out[0]); },
-     "Mass matrix: rbd_crba."},
-    {"mm_packed",
-     "q",
-     PLAIN,
-     {{"H", "row after row, the entries that the tree fills", size_packed}},
-     [](const call &c) { return rbd_crba_packed(c.m, c.w, c.q, c.out[0]); },
-     "Mass matrix, lower triangle, packed: rbd_crba_packed."},
-    {"minv",
-     "q",
-     PIVOTS,
-     {{"Minv", "nv x nv", size_full}},
-     [](const call &c) { return rbd_minverse(c.m, c.w, c.q, c.out[0]); },
-     "Inverse of the mass matrix: rbd_minverse."},
-    {"fd",
-     "qvtfg",
-     PIVOTS,
-     {{"a", "nv", size_nv}},
-     [](const call &c) { return rbd_aba(c.m, c.w, c.q, c.v, c.tau, c.f_ext, c.out[0]); },
-     "Forward dynamics a = M^-1 (tau - c + sum J' f_ext) by articulated bodies: rbd_aba."},
-    {"fd_cholesky",
-     "qvtfg",
-     PIVOTS,
-     {{"a", "nv", size_nv}},
-     [](const call &c) { return rbd_fd_cholesky(c.m, c.w, c.q, c.v, c.tau, c.f_ext, c.out[0]); },
-     "Forward dynamics by mass matrix and its factor: rbd_fd_cholesky."},
-    {"id_derivatives",
-     "qvafg",
-     PLAIN,
-     {{"dtau_dq", "nv x nv, along tangent steps of q", size_full}, {"dtau_dv", "nv x nv", size_full}},
-     [](const call &c) {
-         return rbd_id_derivatives(c.m, c.d, c.q, c.v, c.a, c.f_ext, c.out[0], c.out[1], NULL);
-     },
-     "Derivatives of the inverse dynamics: rbd_id_derivatives."},
-    {"fd_derivatives",
-     "qvtfg",
-     PIVOTS,
-     {{"a", "nv, the acceleration", size_nv},
-      {"da_dq", "nv x nv, along tangent steps of q", size_full},
-      {"da_dv", "nv x nv", size_full},
-      {"Minv", "nv x nv, da/dtau", size_full}},
-     [](const call &c) {
-         return rbd_fd_derivatives(c.m, c.d, c.q, c.v, c.tau, c.f_ext, c.out[0], c.out[1], c.out[2],
-                                   c.out[3]);
-     },
-     "Derivatives of the forward dynamics: rbd_fd_derivatives."},
-    {"gravity_torque_derivatives",
-     "qg",
-     PLAIN,
-     {{"dg_dq", "nv x nv", size_full}},
-     [](const call &c) { return rbd_gravity_torque_derivatives(c.m, c.d, c.q, c.out[0]); },
-     "Derivatives of the gravity torque: rbd_gravity_torque_derivatives."},
-    {"coriolis",
-     "qv",
-     PLAIN,
-     {{"C", "nv x nv", size_full}},
-     [](const call &c) { return rbd_coriolis(c.m, c.d, c.q, c.v, c.out[0]); },
-     "Coriolis matrix, dM/dt - 2 C being skew: rbd_coriolis."},
-    {"momentum_matrix",
-     "q",
-     PLAIN,
-     {{"A", "6 x nv, angular rows first", size_rows_6}},
-     [](const call &c) { return rbd_momentum_matrix(c.m, c.d, c.q, NULL, c.out[0], NULL); },
-     "Centroidal momentum matrix, world axes: rbd_momentum_matrix."},
-    {"com_jacobian",
-     "q",
-     PLAIN,
-     {{"J", "3 x nv", size_rows_3}},
-     [](const call &c) { return rbd_com_jacobian(c.m, c.d, c.q, c.out[0]); },
-     "Jacobian of the centre of mass, world axes: rbd_com_jacobian."},
-    {"jacobian",
-     "q",
-     BODY,
-     {{"J", "6 x nv, angular rows first", size_rows_6}},
-     [](const call &c) {
-         const rbd_status status = rbd_kinematics(c.m, c.w, c.q, NULL, NULL);
-         return status ? status : rbd_jacobian(c.m, c.w, c.body, NULL, RBD_WORLD_AXES, c.out[0]);
-     },
-     "Jacobian of the link's origin, world axes: rbd_jacobian."},
-    {"pose",
-     "q",
-     BODY,
-     {{"R", "3 x 3, link vectors into world vectors", size_9}, {"p", "the link's origin", size_3}},
-     [](const call &c) {
-         const rbd_status status = rbd_kinematics(c.m, c.w, c.q, NULL, NULL);
-         return status ? status : rbd_body_pose(c.m, c.w, c.body, c.out[0], c.out[1]);
-     },
-     "Pose of the link: rbd_body_pose."},
-    {"constrained",
-     "qvtfg",
-     PIVOTS | HELD,
-     {{"a", "nv", size_nv}, {"lambda", "constraint forces, of the held axes row after row", size_held}},
-     [](const call &c) {
-         return rbd_constrained_fd(c.m, c.set, c.q, c.v, c.tau, c.f_ext, c.out[0], c.out[1]);
-     },
-     "Forward dynamics with constraints, M a + c = tau + J' lambda + sum J_b' f_ext: rbd_constrained_fd."},
-    {"impact",
-     "qvr",
-     PIVOTS | HELD,
-     {{"v_plus", "nv, behind the impact", size_nv}, {"impulse", "of the held axes row after row", size_held}},
-     [](const call &c) { return rbd_impact(c.m, c.set, c.q, c.v, c.restitution[0], c.out[0], c.out[1]); },
-     "Velocity after an impact, J v_plus = -restitution J v: rbd_impact."},
-    {"delta",
-     "q",
-     PIVOTS | ALL_HELD,
-     {{"Delta", "rows x rows of all constraints, both triangles", size_delta}},
-     run_delta,
-     "J M^-1 J' of the constraints, as rbd_contact_solve takes it: the inverse of the inertia at the "
-     "contacts."},
-    {"constrained_id",
-     "qvafg",
-     HELD,
-     {{"tau", "nv", size_nv}, {"lambda", "constraint forces, of the held axes row after row", size_held}},
-     run_constrained_id,
-     "Inverse dynamics with constraints, of all lambda with tau = 0 at joints without motors the least: "
-     "rbd_constrained_id."},
+    ROW("id", "qvafg", PLAIN, rbd_rnea(c.m, c.w, c.q, c.v, c.a, c.f_ext, c.out[0]),
+        "Inverse dynamics tau = M(q) a + c(q, v) - sum J' f_ext: rbd_rnea.", {"tau", "nv", size_nv}),
+    ROW("bias", "qvfg", PLAIN, rbd_bias(c.m, c.w, c.q, c.v, c.f_ext, c.out[0]),
+        "Bias force, tau at a = 0: rbd_bias.", {"c", "nv", size_nv}),
+    ROW("gravity_torque", "qg", PLAIN, rbd_gravity_torque(c.m, c.w, c.q, c.out[0]),
+        "Gravity torque, tau at v = a = 0: rbd_gravity_torque.", {"tau", "nv", size_nv}),
+    ROW("mm", "q", PLAIN, rbd_crba(c.m, c.w, c.q, c.out[0]), "Mass matrix: rbd_crba.",
+        {"M", "nv x nv, both triangles", size_full}),
+    ROW("mm_packed", "q", PLAIN, rbd_crba_packed(c.m, c.w, c.q, c.out[0]),
+        "Mass matrix, lower triangle, packed: rbd_crba_packed.",
+        {"H", "row after row, the entries that the tree fills", size_packed}),
+    ROW("minv", "q", PIVOTS, rbd_minverse(c.m, c.w, c.q, c.out[0]),
+        "Inverse of the mass matrix: rbd_minverse.", {"Minv", "nv x nv", size_full}),
+    ROW("fd", "qvtfg", PIVOTS, rbd_aba(c.m, c.w, c.q, c.v, c.tau, c.f_ext, c.out[0]),
+        "Forward dynamics a = M^-1 (tau - c + sum J' f_ext) by articulated bodies: rbd_aba.",
+        {"a", "nv", size_nv}),
+    ROW("fd_cholesky", "qvtfg", PIVOTS, rbd_fd_cholesky(c.m, c.w, c.q, c.v, c.tau, c.f_ext, c.out[0]),
+        "Forward dynamics by mass matrix and its factor: rbd_fd_cholesky.", {"a", "nv", size_nv}),
+    ROW("id_derivatives", "qvafg", PLAIN,
+        rbd_id_derivatives(c.m, c.d, c.q, c.v, c.a, c.f_ext, c.out[0], c.out[1], NULL),
+        "Derivatives of the inverse dynamics: rbd_id_derivatives.",
+        {"dtau_dq", "nv x nv, along tangent steps of q", size_full}, {"dtau_dv", "nv x nv", size_full}),
+    ROW("fd_derivatives", "qvtfg", PIVOTS,
+        rbd_fd_derivatives(c.m, c.d, c.q, c.v, c.tau, c.f_ext, c.out[0], c.out[1], c.out[2], c.out[3]),
+        "Derivatives of the forward dynamics: rbd_fd_derivatives.", {"a", "nv, the acceleration", size_nv},
+        {"da_dq", "nv x nv, along tangent steps of q", size_full}, {"da_dv", "nv x nv", size_full},
+        {"Minv", "nv x nv, da/dtau", size_full}),
+    ROW("gravity_torque_derivatives", "qg", PLAIN, rbd_gravity_torque_derivatives(c.m, c.d, c.q, c.out[0]),
+        "Derivatives of the gravity torque: rbd_gravity_torque_derivatives.",
+        {"dg_dq", "nv x nv", size_full}),
+    ROW("coriolis", "qv", PLAIN, rbd_coriolis(c.m, c.d, c.q, c.v, c.out[0]),
+        "Coriolis matrix, dM/dt - 2 C being skew: rbd_coriolis.", {"C", "nv x nv", size_full}),
+    ROW("momentum_matrix", "q", PLAIN, rbd_momentum_matrix(c.m, c.d, c.q, NULL, c.out[0], NULL),
+        "Centroidal momentum matrix, world axes: rbd_momentum_matrix.",
+        {"A", "6 x nv, angular rows first", size_rows_6}),
+    ROW("com_jacobian", "q", PLAIN, rbd_com_jacobian(c.m, c.d, c.q, c.out[0]),
+        "Jacobian of the centre of mass, world axes: rbd_com_jacobian.", {"J", "3 x nv", size_rows_3}),
+    ROW("jacobian", "q", BODY,
+        (kinematics(c), rbd_jacobian(c.m, c.w, c.body, NULL, RBD_WORLD_AXES, c.out[0])),
+        "Jacobian of the link's origin, world axes: rbd_jacobian.",
+        {"J", "6 x nv, angular rows first", size_rows_6}),
+    ROW("pose", "q", BODY, (kinematics(c), rbd_body_pose(c.m, c.w, c.body, c.out[0], c.out[1])),
+        "Pose of the link: rbd_body_pose.", {"R", "3 x 3, link vectors into world vectors", size_9},
+        {"p", "the link's origin", size_3}),
+    ROW("constrained", "qvtfg", PIVOTS | HELD,
+        rbd_constrained_fd(c.m, c.set, c.q, c.v, c.tau, c.f_ext, c.out[0], c.out[1]),
+        "Forward dynamics with constraints, M a + c = tau + J' lambda + sum J_b' f_ext: rbd_constrained_fd.",
+        {"a", "nv", size_nv}, {"lambda", "constraint forces, of the held axes row after row", size_held}),
+    ROW("impact", "qvr", PIVOTS | HELD,
+        rbd_impact(c.m, c.set, c.q, c.v, c.restitution[0], c.out[0], c.out[1]),
+        "Velocity after an impact, J v_plus = -restitution J v: rbd_impact.",
+        {"v_plus", "nv, behind the impact", size_nv},
+        {"impulse", "of the held axes row after row", size_held}),
+    ROW("delta", "q", PIVOTS | ALL_HELD, run_delta(c),
+        "J M^-1 J' of the constraints, as rbd_contact_solve takes it: the inverse of the inertia at the "
+        "contacts.",
+        {"Delta", "rows x rows of all constraints, both triangles", size_delta}),
+    ROW("constrained_id", "qvafg", HELD, run_constrained_id(c),
+        "Inverse dynamics with constraints, of all lambda with tau = 0 at joints without motors the least: "
+        "rbd_constrained_id.",
+        {"tau", "nv", size_nv}, {"lambda", "constraint forces, of the held axes row after row", size_held}),
 };
 
-static const struct argument {
-    char letter;
-    const char *name, *shape;
-    size_of *size;
-} arguments[] = {
-    {'q', "q", "nq", size_nq},
-    {'v', "v", "nv", size_nv},
-    {'a', "a", "nv", size_nv},
-    {'t', "tau", "nv", size_nv},
-    {'f', "f_ext", "nb x 6: the wrench (moment; force) on each body, in its axes, at its origin",
-     size_wrenches},
-    {'g', "gravity", "world frame", size_3},
-    {'r', "restitution", "0 (nothing rebounds) to 1, which is not checked", size_1},
-};
-enum { ARGUMENTS = sizeof arguments / sizeof *arguments };
+enum { Q, V, A, TAU, F_EXT, GRAVITY, RESTITUTION, ARGUMENTS };
+static const quantity arguments[ARGUMENTS] = {
+    {"q", "nq", size_nq},
+    {"v", "nv", size_nv},
+    {"a", "nv", size_nv},
+    {"tau", "nv", size_nv},
+    {"f_ext", "nb x 6: the wrench (moment; force) on each body, in its axes, at its origin", size_wrenches},
+    {"gravity", "world frame", size_3},
+    {"restitution", "0 (nothing rebounds) to 1, which is not checked", size_1}};
 
 /* A robot with memory to compute in, and a call of an algorithm, "NAME" or "NAME:LINK". */
 struct session {
@@ -228,10 +154,6 @@ struct session {
     call c;
     const algorithm *row;
     std::vector<int> held; /* of each row of the set: which one of all */
-
-    static void demand(rbd_status status) {
-        if (status != RBD_OK) throw std::runtime_error(rbd_status_string(status));
-    }
 
     session(const robot &r, const std::string &name, int stance = 0) : c(), row() {
         const rbd_body *bodies = reinterpret_cast<const rbd_body *>(r.bodies); /* of this namespace */
@@ -274,9 +196,9 @@ struct session {
                                        NULL));
     }
 
-    bool takes(const robot &r, const argument &a) const {
-        const bool wanted = a.letter == 'f' ? r.f_ext : a.letter == 'g' ? r.gravity_argument : true;
-        return wanted && std::strchr(row->arguments, a.letter);
+    bool takes(const robot &r, int k) const {
+        const bool wanted = k == F_EXT ? r.f_ext : k == GRAVITY ? r.gravity_argument : true;
+        return wanted && std::strchr(row->arguments, arguments[k].name[0]);
     }
 
     /* x: an array for each argument. */

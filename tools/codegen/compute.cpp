@@ -32,12 +32,11 @@ double draw(uint64_t *seed) {
 void draw_arguments(const robot &r, const session &s, unsigned state, std::vector<double> x[ARGUMENTS]) {
     uint64_t seed = state + 1, configuration = state + 1;
     for (int k = 0; k < ARGUMENTS; k++) {
-        const argument &a = arguments[k];
-        if (!s.takes(r, a)) continue;
-        x[k].resize(size_t(a.size(s.c)));
-        for (double &y : x[k]) y = draw(&seed) * (a.letter == 'g' ? 10 : 2);
-        if (a.letter == 'r') x[k][0] = 0.5 + x[k][0] / 4;
-        if (a.letter == 'q') session::demand(rbd_random(s.c.m, &configuration, x[k].data()));
+        if (!s.takes(r, k)) continue;
+        x[k].resize(size_t(arguments[k].size(s.c)));
+        for (double &y : x[k]) y = draw(&seed) * (k == GRAVITY ? 10 : 2);
+        if (k == RESTITUTION) x[k][0] = 0.5 + x[k][0] / 4;
+        if (k == Q) demand(rbd_random(s.c.m, &configuration, x[k].data()));
     }
 }
 
@@ -63,7 +62,7 @@ std::vector<joint> joints(const robot &r) {
     std::vector<joint> all;
     for (int b = 0; b < r.nb; b++) {
         rbd_joint_info x;
-        session::demand(rbd_joint(s.c.m, b, &x));
+        demand(rbd_joint(s.c.m, b, &x));
         all.push_back({r.bodies[b].parent, x.iq, x.nq, x.iv, x.nv});
     }
     return all;
@@ -113,7 +112,7 @@ std::vector<bool> independent_joints(const robot &r, int stance) {
         std::vector<double> x[ARGUMENTS];
         session s(r, "constrained_id", stance);
         draw_arguments(r, s, state, x);
-        s.c.q = x[0].data();
+        s.c.q = x[Q].data();
         G.push_back(products_of(passive_columns(s.c, jacobian_of(s.c))));
     }
     for (const std::vector<column> &own : G) {
@@ -131,8 +130,8 @@ example compute(const robot &r, const std::string &name, const std::vector<std::
     std::vector<double> x[ARGUMENTS];
     size_t given = 0;
     for (int k = 0; k < ARGUMENTS; k++)
-        if (s.takes(r, arguments[k])) x[k] = in[given++];
-    session::demand(rbd_set_gravity(s.c.w, x[5].empty() ? r.gravity : x[5].data()));
+        if (s.takes(r, k)) x[k] = in[given++];
+    demand(rbd_set_gravity(s.c.w, x[GRAVITY].empty() ? r.gravity : x[GRAVITY].data()));
     example e = {in, s.run(x, s.row->run), stance, 0, 0};
     if (s.c.set) e.rows = rbd_constraint_rows(s.c.set), e.rank = rbd_constraint_rank(s.c.set);
     return e;

@@ -223,7 +223,7 @@ static void set_gravity(const session &s, const robot &r, const std::vector<numb
         stand_in[double(c[i])] = g[size_t(i)].x;
         stand_in[-double(c[i])] = negated(g[size_t(i)].x);
     }
-    session::demand(rbd_set_gravity(s.c.w, c));
+    demand(rbd_set_gravity(s.c.w, c));
 }
 
 /* The call with the constraints of a stance. Nodes that earlier stances recorded are taken again. */
@@ -236,16 +236,16 @@ static void record_set(const robot &r, const std::string &name, int stance, func
     std::vector<number> x[ARGUMENTS];
     f->inputs.clear(), f->outputs.clear(), f->limits.clear();
     for (int k = 0; k < ARGUMENTS; k++) {
-        const argument &a = arguments[k];
-        if (!s.takes(r, a)) continue;
+        const quantity &a = arguments[k];
+        if (!s.takes(r, k)) continue;
         for (int i = 0; i < a.size(s.c); i++)
             x[k].push_back(number::of(write(INPUT, int(f->inputs.size()), i)));
         f->inputs.push_back({a.name, a.size(s.c), a.shape});
     }
-    set_gravity(s, r, x[5]);
+    set_gravity(s, r, x[GRAVITY]);
     const auto own = r.reproducible ? NULL : record_of(s.row->name);
     for (number y : s.run(x, own ? own : s.row->run)) f->results.push_back(record(y.x));
-    for (const result &y : s.row->results)
+    for (const quantity &y : s.row->results)
         if (y.size) f->outputs.push_back({y.name, y.size(s.c), y.shape});
     const bool has_M = s.row->traits & PIVOTS;
     if (s.holds_all()) row_pivots.clear();
