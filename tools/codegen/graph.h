@@ -2,11 +2,11 @@
 #ifndef TOOLS_CODEGEN_GRAPH_H
 #define TOOLS_CODEGEN_GRAPH_H
 
-#include "rows.h"
-#include <cstdint>
-#include <string>
-#include <unordered_map>
-#include <vector>
+#include "own_sines.h"
+#include <array>
+#include <cmath>
+#include <map>
+#include <tuple>
 
 namespace codegen {
 
@@ -25,9 +25,12 @@ inline value negated(value x, bool when = true) { return x ^ int(when); }
    products and quotients, and the first of a sum, are never negative. */
 struct node {
     operation op;
-    value arg[4];
+    std::array<value, 4> arg;
     double constant;
     bool is_vector;
+    bool operator<(const node &y) const {
+        return std::tie(op, arg, constant) < std::tie(y.op, y.arg, y.constant);
+    }
 };
 
 inline bool has_operands(operation op) { return op != INPUT && op != LOADED; }
@@ -39,75 +42,108 @@ class graph {
     bool is_exact = false; /* only what no rounding changes is folded */
     bool is_float = false; /* what constants are rounded to then */
 
-    value constant(double x);
-    value input(int array, int element);
-    value add(value a, value b);
-    value multiply(value a, value b);
-    value divide(value a, value b);
-    value root(value a);
-    value sine(value a, int quarters = 0); /* of a and as many right angles, which need is_exact */
-    value cosine(value a, int quarters = 0);
-    value select(value a, value b, value x, value y);
-    value gather(value a, value b, value c, value d);
-    value lane(value vector, int lane);
-    value apply(const node &n, const value operands[4]); /* n's operation on other operands */
-    value loaded(int at, int call);
-
     bool is_constant(value x) const { return nodes[size_t(node_of(x))].op == CONSTANT; }
-    double constant_of(value x) const;
-    value find_constant(double x) const; /* -1: there is none */
+    double constant_of(value x) const {
+        const double c = nodes[size_t(node_of(x))].constant;
+        return is_negative(x) ? -c : c;
+    }
+    value find_constant(double x) const { /* -1: there is none */
+        const auto found = table.find({CONSTANT, {-1, -1, -1, -1}, std::fabs(x), false});
+        return found == table.end() ? -1 : 2 * found->second + (x < 0);
+    }
+
+    value constant(double x) { return negated(make(CONSTANT, {-1, -1, -1, -1}, std::fabs(x)), x < 0); }
+    value multiply(value a, value b) {
+        if (is_constant(b)) std::swap(a, b);
+        if (is(a, 0) || is(b, 1)) return a;
+        if (is_constant(a) && is_constant(b)) return folded(constant_of(a) * constant_of(b));
+        if (is(a, 1)) return b;
+        if (is(a, -1)) return negated(b);
+        return is_constant(a) ? scaled(constant_of(a), b) : product(a, b);
+    }
+    value lane(value vector, int lane) {
+        return negated(make(LANE, {2 * node_of(vector), -1, -1, -1}, lane), is_negative(vector));
+    }
+
+    /* n's operation on other operands. */
+    value apply(const node &n, const std::array<value, 4> &x) {
+        switch (n.op) {
+        case CONSTANT: return constant(n.constant);
+        case INPUT:
+        case LOADED: return make(n.op, n.arg);
+        case ADD: return add(x[0], x[1]);
+        case MULTIPLY: return multiply(x[0], x[1]);
+        case DIVIDE: return divide(x[0], x[1]);
+        case ROOT: return is_constant(x[0]) ? folded(std::sqrt(constant_of(x[0]))) : make(ROOT, x);
+        case SINE:
+        case COSINE: return turned(n.op, x[0], x[1]);
+        case SELECT: return x[2] == x[3] ? x[2] : make(SELECT, x);
+        case GATHER: return make(GATHER, x);
+        default: return lane(x[0], int(n.constant));
+        }
+    }
+    /* On of(operand) in place of each operand, the last first. */
+    template <class function> value copy(const node &n, function of) {
+        std::array<value, 4> x = {-1, -1, -1, -1};
+        for (size_t k = 4; k-- > 0;)
+            if (has_operands(n.op) && n.arg[k] >= 0) x[k] = of(n.arg[k]);
+        return apply(n, x);
+    }
 
   private:
-    struct hash {
-        size_t operator()(const node &n) const;
-    };
-    struct same {
-        bool operator()(const node &a, const node &b) const;
-    };
-    std::unordered_map<node, int, hash, same> table;
+    std::map<node, int> table;
 
-    value make(operation op, value a = -1, value b = -1, value c = -1, value d = -1, double x = 0);
+    value make(operation op, const std::array<value, 4> &x, double constant = 0) {
+        const bool of_vector = op >= ADD && op <= DIVIDE && nodes[size_t(node_of(x[0]))].is_vector;
+        const auto found = table.emplace(node{op, x, constant, op == GATHER || of_vector}, int(nodes.size()));
+        if (found.second) nodes.push_back(found.first->first);
+        return 2 * found.first->second;
+    }
     bool is(value x, double constant) const { return is_constant(x) && constant_of(x) == constant; }
-    value scaled(double k, value x);
     value folded(double x) { return constant(is_exact && is_float ? double(float(x)) : x); }
+
+    value add(value a, value b) {
+        if (is(a, 0)) return b;
+        if (is(b, 0)) return a;
+        if (is_constant(a) && is_constant(b)) return folded(constant_of(a) + constant_of(b));
+        if (a == negated(b)) return constant(0);
+        if (a == b) return scaled(2, a);
+        if (node_of(a) > node_of(b)) std::swap(a, b);
+        const bool sign = is_negative(a);
+        return negated(make(ADD, {negated(a, sign), negated(b, sign), -1, -1}), sign);
+    }
+    value product(value a, value b) {
+        const bool sign = is_negative(a) != is_negative(b);
+        a = 2 * node_of(a), b = 2 * node_of(b);
+        return negated(make(MULTIPLY, {std::min(a, b), std::max(a, b), -1, -1}), sign);
+    }
+    /* k x; of a product with a constant, that times k. */
+    value scaled(double k, value x) {
+        const node n = nodes[size_t(node_of(x))];
+        for (size_t i = 0; i < 2 && n.op == MULTIPLY && !is_exact; i++)
+            if (is_constant(n.arg[i]))
+                return multiply(constant(k * constant_of(n.arg[i])), negated(n.arg[1 - i], is_negative(x)));
+        return product(constant(k), x);
+    }
+    value divide(value a, value b) {
+        const bool has_inverse = is_constant(b) && constant_of(b) != 0;
+        if (has_inverse && !is_exact) return multiply(constant(1 / constant_of(b)), a);
+        if (has_inverse && is_constant(a)) return folded(constant_of(a) / constant_of(b));
+        if (is(b, 1) || is(a, 0)) return a;
+        return negated(make(DIVIDE, {2 * node_of(a), 2 * node_of(b), -1, -1}),
+                       is_negative(a) != is_negative(b));
+    }
+    /* Sine or cosine of a and as many right angles, which need is_exact. */
+    value turned(operation op, value a, value quarters) {
+        double own[2];
+        if (is_exact && !is(a, 0)) return make(op, {a, quarters < 0 ? constant(0) : quarters, -1, -1});
+        if (is_constant(a)) {
+            own_sines(constant_of(a), quarters < 0 ? 0 : constant_of(quarters), &own[0], &own[1]);
+            return constant(own[op == COSINE]);
+        }
+        return negated(make(op, {2 * node_of(a), -1, -1, -1}), op == SINE && is_negative(a));
+    }
 };
-
-/* ---- functions ---- */
-
-struct array {
-    std::string name;
-    int size;
-    const char *shape; /* for the header's reader */
-};
-
-/* One function to be written: a graph with names. */
-struct function {
-    std::string name, about;
-    graph code;
-    std::vector<array> inputs;
-    std::vector<array> outputs;
-    std::vector<value> results; /* of one output after the other */
-    std::vector<value> pivots;  /* of the rows of constraints, the last first; of M, by degree of freedom */
-    int rows_held;              /* of these constraints */
-    std::vector<double> limits; /* that they must exceed */
-    double noise;               /* limits relative to the most inertia that a joint can move */
-    double clear;               /* limits of rows relative to them */
-    std::vector<row_call> calls;
-    int rows; /* scalars of their memory */
-
-    std::vector<array> arrays() const; /* inputs and outputs */
-    int nv;                            /* degrees of freedom */
-    int stances; /* sets of constraints, of each of which there are results and pivots; 0: one */
-    int sets() const { return stances > 0 ? stances : 1; }
-    int judged() const { return int(pivots.size()) / sets(); } /* pivots of one */
-    int dofs() const { return judged() - rows_held; }
-    std::vector<value> wanted() const; /* results, pivots and what is stored for calls */
-};
-
-/* The results, computed in the scalar T; none if a pivot is not above its limit. in: an array for each
-   input. */
-template <class T>
-std::vector<T> evaluate(const function &f, const std::vector<std::vector<double>> &in, int stance = 0);
 
 } // namespace codegen
 #endif

@@ -329,9 +329,9 @@ class packer {
     /* ---- the new graph ---- */
 
     value gathered(const tuple &t, unsigned negative) {
-        value a[4] = {-1, -1, -1, -1};
-        for (size_t l = 0; l < t.size(); l++) a[l] = negated(t[l], negative >> l & 1);
-        return out.code.gather(a[0], a[1], a[2], a[3]);
+        node n = {GATHER, {NONE, NONE, NONE, NONE}, 0, true};
+        for (size_t l = 0; l < t.size(); l++) n.arg[l] = negated(t[l], negative >> l & 1);
+        return out.code.apply(n, n.arg);
     }
     value scaled_by_signs(unsigned negative, value vector) {
         const tuple ones(size_t(width), out.code.constant(1));
@@ -362,8 +362,7 @@ class packer {
         const bool is_sum = op_of(p) == ADD;
         const unsigned of_x = is_sum ? own : are_constant(x) ? own ^ mask_of(y) : mask_of(x);
         const value a = vector_of(x, of_x), b = vector_of(y, is_sum ? own : own ^ of_x);
-        const value both[4] = {a, b, NONE, NONE};
-        return v = out.code.apply(at(packs[size_t(p)][0]), both);
+        return v = out.code.apply(at(packs[size_t(p)][0]), {a, b, NONE, NONE});
     }
     value scalar(value x) {
         const int i = node_of(x), p = pack[size_t(i)];
@@ -372,15 +371,8 @@ class packer {
             const unsigned own = resolved(sign[size_t(p)]).mask;
             v = negated(out.code.lane(packed(p), lane(i)), own >> lane(i) & 1);
         } else if (v < 0)
-            v = copied(i);
+            v = out.code.copy(at(i), [this](value y) { return scalar(y); });
         return negated(v, is_negative(x));
-    }
-    value copied(int i) {
-        const node &n = at(i);
-        value operands[4] = {NONE, NONE, NONE, NONE};
-        for (int k = 0; k < 4; k++)
-            if (has_operands(n.op) && n.arg[k] >= 0) operands[k] = scalar(n.arg[k]);
-        return out.code.apply(n, operands);
     }
 
     /* A result; if several lanes of its vector have the wrong sign, of that vector with the right ones. */

@@ -5,7 +5,7 @@
 #ifndef TOOLS_CODEGEN_PROGRAM_H
 #define TOOLS_CODEGEN_PROGRAM_H
 
-#include "graph.h"
+#include "function.h"
 #include <algorithm>
 #include <set>
 
@@ -60,7 +60,7 @@ class program {
     bool is_leaf(int i) const {
         const operation op = at(i).op;
         if (op == GATHER)
-            return std::all_of(at(i).arg, at(i).arg + 4,
+            return std::all_of(at(i).arg.begin(), at(i).arg.end(),
                                [this](value x) { return x < 0 || at(node_of(x)).op == CONSTANT; });
         return op == CONSTANT || op == INPUT || op == SINE || op == COSINE || op == LOADED;
     }

@@ -9,6 +9,7 @@
 #include <stddef.h>
 #include <stdexcept>
 #include <stdint.h>
+#include <unordered_map>
 
 namespace codegen {
 namespace RECORD_SPACE {
@@ -29,10 +30,7 @@ static std::unordered_map<double, value> stand_in; /* constants that stand for a
 static value seen(value x) { return negated(steps[size_t(node_of(x))].seen, is_negative(x)); }
 
 static value write(const node &written) {
-    value operands[4] = {NONE, NONE, NONE, NONE};
-    for (int k = 0; k < 4; k++)
-        if (has_operands(written.op) && written.arg[k] >= 0) operands[k] = seen(written.arg[k]);
-    steps.push_back({written, sketch.apply(written, operands), NONE});
+    steps.push_back({written, sketch.copy(written, seen), NONE});
     return 2 * value(steps.size() - 1);
 }
 static value write(operation op, value a, value b = NONE, value c = NONE, value d = NONE) {
@@ -42,12 +40,7 @@ static value write(operation op, value a, value b = NONE, value c = NONE, value 
 /* Operands from right to left, then the step: so GCC evaluates them, and packed limbs are shorter by it. */
 static value record(value x) {
     step &t = steps[size_t(node_of(x))];
-    if (t.recorded == NONE) {
-        value operands[4] = {NONE, NONE, NONE, NONE};
-        for (int k = 3; k >= 0; k--)
-            if (has_operands(t.written.op) && t.written.arg[k] >= 0) operands[k] = record(t.written.arg[k]);
-        t.recorded = tape->apply(t.written, operands);
-    }
+    if (t.recorded == NONE) t.recorded = tape->copy(t.written, record);
     return negated(t.recorded, is_negative(x));
 }
 

@@ -2,7 +2,7 @@
 #ifndef TOOLS_CODEGEN_RECORD_H
 #define TOOLS_CODEGEN_RECORD_H
 
-#include "graph.h"
+#include "function.h"
 
 struct rbd_body;
 struct rbd_constraint;
