@@ -15,12 +15,13 @@ cd "$scratch" || exit 1
 compile() { # SOURCE OBJECT ARGUMENT...
     source=$1 object=$2
     shift 2
-    $other -std=c++17 -ffp-contract=off -Dalways_inline=unused -Wno-deprecated-declarations -I"$root" -I"$root/tools" "$@" \
+    $other -std=c++17 -ffp-contract=off -Dalways_inline=unused -Wno-deprecated-declarations -I"$root" -I"$root/tools" \
+        -I"$(dirname "$rbd_codegen")" "$@" \
         -c "$root/tools/$source" -o "$object"
 }
 for scalar in double float; do
     compile codegen/record.cpp record_$scalar.o -DCONSTANTS=$scalar -DRECORD=record_$scalar -DRECORD_SPACE=of_$scalar || exit 1
-    compile codegen/own_sines.cpp own_sines_$scalar.o -DSCALAR=$scalar -DWORDS=two_over_pi_$scalar || exit 1
+    compile codegen/own_sines.cpp own_sines_$scalar.o -DSCALAR=$scalar || exit 1
 done
 for source in "$root"/tools/codegen/*.cpp; do
     name=$(basename "$source" .cpp)

@@ -20,8 +20,7 @@ std::string contract(const program &p, const target &t) {
     if (p.angles.empty())
         s += "   Angles: none.\n";
     else if (!t.is_bounded)
-        s += t.is_reproducible ? "   Angles: any.\n"
-                               : format("   Angles: any; from %s rad on by libm.\n", limit);
+        s += "   Angles: any.\n";
     else if (pivots)
         s += format("   Angles: below %s rad in size. Else, and if one is NaN, it returns -1 - %s_NV.\n",
                     limit, upper(t.name).c_str());

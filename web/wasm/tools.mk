@@ -6,7 +6,7 @@ urdfdom := $(build)/urdfdom
 tools := rbd-model rbd-codegen rbd-eval
 
 target := --target=wasm32-wasi -fwasm-exceptions
-includes := -I$(ROOT) -I$(ROOT)/tools $(addprefix -isystem ,$(ROOT)/web/wasm/libcxx $(urdfdom)/tinyxml \
+includes := -I$(ROOT) -I$(ROOT)/tools -I$(objects) $(addprefix -isystem ,$(ROOT)/web/wasm/libcxx $(urdfdom)/tinyxml \
     $(urdfdom)/console-bridge/include $(urdfdom)/urdfdom/urdf_parser/include $(wildcard $(urdfdom)/urdfdom-headers/*/include))
 # urdfdom's messages name its source files: without this build's folder. No function is inlined by force, as in
 # tools/meson.build, which says too why contraction is off.
@@ -46,7 +46,11 @@ $(record): $(objects)/record_%.o: $(ROOT)/tools/codegen/record.cpp
 	$(cpp) -DCONSTANTS=$* -DRECORD=record_$* -DRECORD_SPACE=of_$* -c $< -o $@
 $(sines): $(objects)/own_sines_%.o: $(ROOT)/tools/codegen/own_sines.cpp
 	@mkdir -p $(@D)
-	$(cpp) -DSCALAR=$* -DWORDS=two_over_pi_$* -c $< -o $@
+	$(cpp) -DSCALAR=$* -c $< -o $@
+$(objects)/sincos_text.h: $(ROOT)/tools/codegen/sincos_text.sed $(addprefix $(ROOT)/src/base/,reduction.h sincos.h)
+	@mkdir -p $(@D)
+	sed -f $^ >$@
+$(objects)/tools/codegen/sines.o: $(objects)/sincos_text.h
 $(theirs): $(objects)/%.o: $(urdfdom)/%.cpp
 	@mkdir -p $(@D)
 	$(foreign) -c $< -o $@
