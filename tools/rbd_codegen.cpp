@@ -311,6 +311,7 @@ std::vector<double> exact_results(const codegen::function &f, const codegen::exa
 
 /* Records an algorithm and holds the record against rbd.h in some states: what is wrong is not written. */
 codegen::tested record(const options *o, const std::string &algorithm) {
+    codegen::compute(o->robot, algorithm, 0, 0); /* says where M is singular */
     const bool is_float = o->target.is_float;
     const auto recorded = is_float ? codegen::record_float : codegen::record_double;
     codegen::tested x = {recorded(o->robot, algorithm), {}, 0, least};

@@ -82,6 +82,7 @@ expect 1 "twice.csv: row 2: column 'body1': the robot has no link 'lf_lowerleg'"
 printf 'body1,axes,kp\nlbr_iiwa_link_7,111000,9\n' >turns.csv
 expect 1 "constrained: --reproducible: not with kp of one or three angular axes" --reproducible --algorithm constrained --constraints turns.csv "$iiwa"
 expect 1 "constrained_id: --reproducible: not with constrained_id" --reproducible --algorithm constrained_id --constraints turns.csv "$iiwa"
+expect 1 "fd: the mass matrix is singular at the joint of link 'world'" --floating --algorithm fd "$iiwa"
 expect 1 "--output: there is no folder 'nowhere/at/all'" --output nowhere/at/all "$iiwa"
 expect 1 "--output: there is no folder '/dev/null'" --output /dev/null "$iiwa"
 mkdir -p there/iiwa_code.h
