@@ -30,38 +30,30 @@ class tree {
 
     tree(const std::vector<joint> &joints_, int width_)
         : places(joints_.size(), {NONE, 0}), joints(joints_), width(width_) {
+        for (const joint &j : joints)
+            carrier.push_back(j.parent < 0 || is_moving(j.parent) ? j.parent : carrier[size_t(j.parent)]);
         search(NONE);
     }
 
   private:
     const std::vector<joint> &joints;
     int width, groups = 0, slots = 0;
+    std::vector<int> carrier; /* of each body the next one that moves, through fixed ones */
 
-    /* The bodies that body b carries: moving ones, by shape; fixed ones, whose own children count as b's. */
-    struct carried {
-        std::vector<int> moving, fixed;
-    };
-    void collect(int b, carried *c) const {
-        for (int k = b + 1; k < int(joints.size()); k++) {
-            if (joints[size_t(k)].parent != b) continue;
-            if (joints[size_t(k)].nv > 0) {
-                c->moving.push_back(k);
-            } else {
-                c->fixed.push_back(k);
-                collect(k, c);
-            }
-        }
-    }
-    carried children(int b) const {
-        carried c;
-        collect(b, &c);
-        std::stable_sort(c.moving.begin(), c.moving.end(),
-                         [this](int x, int y) { return shape(x) < shape(y); });
-        return c;
+    bool is_moving(int b) const { return joints[size_t(b)].nv > 0; }
+
+    /* The bodies that body b carries: moving ones, by shape; or fixed ones. */
+    std::vector<int> carried(int b, bool moving) const {
+        std::vector<int> all;
+        for (int k = b + 1; k < int(joints.size()); k++)
+            if (carrier[size_t(k)] == b && is_moving(k) == moving) all.push_back(k);
+        const auto by_shape = [this](int x, int y) { return shape(x) < shape(y); };
+        if (moving) std::stable_sort(all.begin(), all.end(), by_shape);
+        return all;
     }
     std::string shape(int b) const {
         std::string s = std::to_string(joints[size_t(b)].nq) + ":" + std::to_string(joints[size_t(b)].nv);
-        for (int c : children(b).moving) s += "(" + shape(c) + ")";
+        for (int c : carried(b, true)) s += "(" + shape(c) + ")";
         return s;
     }
 
@@ -70,22 +62,20 @@ class tree {
         slots++;
     }
     void place_limbs(const std::vector<int> &roots) {
-        std::vector<carried> c;
-        for (int b : roots) c.push_back(children(b));
-        const auto row = [&c](std::vector<int> carried::*list, size_t k) {
-            std::vector<int> all;
-            for (const carried &x : c)
-                if (k < (x.*list).size()) all.push_back((x.*list)[k]);
-            return all;
-        };
         place_row(roots);
         operations++;
-        for (size_t k = 0; k < c[0].moving.size(); k++) place_limbs(row(&carried::moving, k));
-        for (size_t k = 0; row(&carried::fixed, k).size() == roots.size(); k++)
-            place_row(row(&carried::fixed, k));
+        for (bool moving : {true, false}) {
+            std::vector<std::vector<int>> rows(joints.size()); /* what the k-th of each limb carry */
+            for (int b : roots) {
+                const std::vector<int> all = carried(b, moving);
+                for (size_t k = 0; k < all.size(); k++) rows[k].push_back(all[k]);
+            }
+            for (size_t k = 0; rows[k].size() == roots.size(); k++)
+                moving ? place_limbs(rows[k]) : place_row(rows[k]);
+        }
     }
     void search(int b) {
-        const std::vector<int> all = children(b).moving;
+        const std::vector<int> all = carried(b, true);
         for (size_t k = 0; k < all.size();) {
             size_t n = k;
             while (n < all.size() && n < k + size_t(width) && shape(all[n]) == shape(all[k])) n++;
