@@ -6,8 +6,7 @@ extern "C" {
 #include "print.h"
 #include "robot.h"
 }
-#include "codegen/emit.h"
-#include "codegen/limbs.h"
+#include "codegen/codegen.h"
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
@@ -204,7 +203,7 @@ int read_own(options *o, char **argv, int *i) {
     else if (strcmp(argv[*i], "--example") == 0)
         o->example = true;
     else if (strcmp(argv[*i], "--short-sums") == 0)
-        o->target.statements.long_sums = false;
+        o->target.long_sums = false;
     else
         return -1;
     return 0;
@@ -264,7 +263,7 @@ int read_options(options *o, char **argv) {
     if (o->target.limbs > 1 && o->target.is_reproducible)
         return 1 + usage_error("--limbs: computes in another order than rbd.h, which --reproducible forbids");
     if (check_constraints(o) != 0) return 1 + EXIT_USAGE;
-    if (o->target.is_reproducible) o->target.statements.long_sums = false;
+    if (o->target.is_reproducible) o->target.long_sums = false;
     if (o->target.name.empty()) o->target.name = stem(o->path);
     if (!is_identifier(o->target.name))
         return 1 + usage_error("'%s' is not a C identifier: give a --name", o->target.name.c_str());
@@ -279,7 +278,7 @@ int read_options(options *o, char **argv) {
    between. */
 bool is_by_rows(const options &o, const std::string &name, int nv) {
     const int most_by_scalars = name == "fd_derivatives" ? 12 : 24;
-    return nv > most_by_scalars && o.target.lanes == 1 && o.target.statements.long_sums;
+    return nv > most_by_scalars && o.target.lanes == 1 && o.target.long_sums;
 }
 
 const double least = 0.001; /* that the largest entry of an output counts as */
@@ -552,7 +551,7 @@ int main(int argc, char **argv) {
     o.target.lanes = 1;
     o.target.limbs = 1;
     o.target.block = 300;
-    o.target.statements.long_sums = true;
+    o.target.long_sums = true;
     o.algorithms = {"id", "mm", "fd"};
     o.read = settings_new(argc, argv);
     int status = read_options(&o, argv);

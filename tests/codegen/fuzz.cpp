@@ -1,8 +1,7 @@
 // fuzz.cpp - writes code of a random robot, with rbd.h's results in random states as its self-test: all
 // functions, by options that the robot's number draws.
 // usage: fuzz FOLDER NUMBER, writes FOLDER/fNUMBER_code.h and .c
-#include "../../tools/codegen/emit.h"
-#include "../../tools/codegen/limbs.h"
+#include "../../tools/codegen/codegen.h"
 #include "rbd.h"
 #include "rbd_constraints.h"
 #include <cfloat>
@@ -66,15 +65,15 @@ drawn draw(int number) {
     x.t.lanes = below(3) ? 1 : 2 << below(2);
     x.t.limbs = x.t.lanes > 1 || x.t.is_reproducible ? 1 : codegen::like_limbs(codegen::joints(x.r), 4);
     x.t.block = below(2) ? 600 : 50 + below(100);
-    x.t.statements.long_sums = below(3) && !x.t.is_reproducible;
+    x.t.long_sums = below(3) && !x.t.is_reproducible;
     x.r.limbs_alike = x.t.limbs > 1;
-    x.r.by_rows = x.t.lanes == 1 && x.t.statements.long_sums;
+    x.r.by_rows = x.t.lanes == 1 && x.t.long_sums;
     for (int stances = x.t.lanes == 1 && below(2) ? 1 + below(4) : 0; stances > 0; stances--)
         x.r.stances.push_back(some_of(x.r.nc, below(1 << x.r.nc)));
     x.about = x.t.name + ": " + class_names[robot_class] + ", " + std::to_string(x.r.nb) + " bodies, " +
               (x.t.is_float ? "float" : "double") + (x.t.is_reproducible ? ", reproducible" : "") +
-              (x.t.is_bounded ? ", bounded" : "") + (x.t.statements.long_sums ? "" : ", short sums") +
-              ", lanes " + std::to_string(x.t.lanes) + ", limbs " + std::to_string(x.t.limbs) + ", block " +
+              (x.t.is_bounded ? ", bounded" : "") + (x.t.long_sums ? "" : ", short sums") + ", lanes " +
+              std::to_string(x.t.lanes) + ", limbs " + std::to_string(x.t.limbs) + ", block " +
               std::to_string(x.t.block) + ", stances " + std::to_string(x.r.stances.size());
     return x;
 }

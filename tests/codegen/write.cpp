@@ -1,7 +1,6 @@
 // write.cpp - writes code of the first N of the chosen robots, NAME0_code.c and so on: all functions, with
 // all arguments. usage: write NAME N double|float LANES LIMBS BLOCK long|short|reproducible BOUNDED FOLDER
-#include "../../tools/codegen/emit.h"
-#include "../../tools/codegen/limbs.h"
+#include "../../tools/codegen/codegen.h"
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -30,10 +29,10 @@ int main(int argc, char **argv) {
         t.limbs = codegen::like_limbs(codegen::joints(r), std::atoi(argv[5]));
         t.block = std::atoi(argv[6]);
         t.is_bounded = std::atoi(argv[8]) != 0;
-        t.statements.long_sums = std::strcmp(argv[7], "long") == 0;
+        t.long_sums = std::strcmp(argv[7], "long") == 0;
         t.is_reproducible = r.reproducible = std::strcmp(argv[7], "reproducible") == 0;
         r.limbs_alike = t.limbs > 1;
-        r.by_rows = t.lanes == 1 && t.statements.long_sums;
+        r.by_rows = t.lanes == 1 && t.long_sums;
         std::vector<codegen::tested> functions;
         for (std::string name : codegen::algorithm_names()) {
             if ((name == "constrained_id" || name == "delta") && t.is_reproducible) continue;

@@ -1,5 +1,5 @@
 /* rbd.h's own results in double, to hold the generated code against. SPDX-License-Identifier: MIT */
-#include "record.h"
+#include "codegen.h"
 #include <algorithm>
 #include <cmath>
 #include <cstring>

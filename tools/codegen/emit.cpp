@@ -64,7 +64,7 @@ std::string declarations(const std::vector<tested> &functions, const target &t) 
                     "typedef %s %s_real __attribute__((vector_size(%d * sizeof(%s))));\n\n",
                     t.lanes, scalar, t.name.c_str(), t.lanes, scalar);
     for (const tested &x : functions) {
-        const program p(x.f, t.statements);
+        const program p(x.f, t);
         s += "/* " + x.f.about + "\n";
         if (x.f.stances > 0)
             s += format("   stance   0 to %d: which constraints hold, by a row of the table\n",
@@ -81,7 +81,7 @@ std::string declarations(const std::vector<tested> &functions, const target &t) 
 
 std::string definitions(const std::vector<tested> &functions, const target &t) {
     std::vector<piece> all;
-    for (const tested &x : functions) all.push_back({x, program(x.f, t.statements)});
+    for (const tested &x : functions) all.push_back({x, program(x.f, t)});
     std::string s = common_text(all, t) + "\n";
     for (const piece &x : all) s += function_text(x.p, t);
     return s + selftest_text(all, t);

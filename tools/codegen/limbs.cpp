@@ -5,7 +5,7 @@
    inputs (classify). A node and its like of the other limbs become one, of vectors (match); what differs
    between the limbs beside that is gathered, what is wanted of one limb is taken out (build). Where limbs are
    mirror images a lane stands for its node's negative (choose_signs). */
-#include "limbs.h"
+#include "codegen.h"
 #include <algorithm>
 #include <cstdlib>
 #include <iterator>

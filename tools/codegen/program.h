@@ -5,16 +5,11 @@
 #ifndef TOOLS_CODEGEN_PROGRAM_H
 #define TOOLS_CODEGEN_PROGRAM_H
 
-#include "function.h"
+#include "codegen.h"
 #include <algorithm>
 #include <set>
 
 namespace codegen {
-
-/* Ways of writing that suit the target. */
-struct style {
-    bool long_sums; /* of up to eight terms: for machines that run several instructions at once */
-};
 
 /* a b, or a alone if b is -1; nodes. */
 struct term {
@@ -44,11 +39,11 @@ class program {
     std::vector<wanted_angle> angles;
     std::vector<uint32_t> stances; /* of each node: those that need it, a bit each; with stances */
 
-    program(const function &f_, const style &s)
+    program(const function &f_, const target &t)
         : f(f_), is_statement(f_.code.nodes.size(), 0), terms(is_statement.size()), flipped(is_statement),
           stances(terms.size(), 0), uses(terms.size(), 0) {
         mark();
-        gather_sums(s.long_sums ? 8 : 2);
+        gather_sums(t.long_sums ? 8 : 2);
         sort_by_depth();
         choose_signs();
         find_stances();

@@ -1,7 +1,7 @@
 /* rbd.h run with a scalar that records what is done to it. Compiled for the constants of each scalar:
    CONSTANTS is double or float, RECORD the function's name, RECORD_SPACE a namespace for it.
    SPDX-License-Identifier: MIT */
-#include "record.h"
+#include "codegen.h"
 #include <algorithm>
 #include <cstring>
 #include <float.h> /* these four before rbd.h has them, in a namespace */

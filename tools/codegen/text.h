@@ -2,7 +2,7 @@
 #ifndef TOOLS_CODEGEN_TEXT_H
 #define TOOLS_CODEGEN_TEXT_H
 
-#include "emit.h"
+#include "program.h"
 
 namespace codegen {
 
