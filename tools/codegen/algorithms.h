@@ -148,7 +148,14 @@ static const quantity arguments[ARGUMENTS] = {
     {"gravity", "world frame", size_3},
     {"restitution", "0 (nothing rebounds) to 1, which is not checked", size_1}};
 
-/* A robot with memory to compute in, and a call of an algorithm, "NAME" or "NAME:LINK". */
+/* Of "NAME" or "NAME:LINK"; or NULL. */
+static const algorithm *row_of(const std::string &name) {
+    for (const algorithm &x : algorithms)
+        if (name.substr(0, name.find(':')) == x.name) return &x;
+    return NULL;
+}
+
+/* A robot with memory to compute in, and a call of an algorithm. */
 struct session {
     std::vector<unsigned char> model_memory, work_memory, derivatives_memory, set_memory;
     call c;
@@ -163,11 +170,9 @@ struct session {
         demand(rbd_work_init(c.m, work_memory.data(), work_memory.size(), &c.w));
         derivatives_memory.resize(rbd_derivatives_size(c.m));
         demand(rbd_derivatives_init(c.m, c.w, derivatives_memory.data(), derivatives_memory.size(), &c.d));
-        const size_t colon = std::min(name.find(':'), name.size());
-        for (const algorithm &x : algorithms)
-            if (name.substr(0, colon) == x.name) row = &x;
-        c.body = colon < name.size() ? rbd_body_index(c.m, name.c_str() + colon + 1) : -1;
-        if (row->traits & BODY && c.body < 0) throw std::runtime_error(name + ": there is no such link");
+        row = row_of(name);
+        c.body = row->traits & BODY ? rbd_body_index(c.m, name.c_str() + name.find(':') + 1) : 0;
+        if (c.body < 0) throw std::runtime_error(name + ": there is no such link");
         if (rbd_nv(c.m) == 0) throw std::runtime_error("the robot has no degree of freedom");
         c.actuated = r.actuated.empty() ? NULL : r.actuated.data();
         if (row->traits & HELD) hold(r, stance);

@@ -49,13 +49,10 @@ std::vector<std::string> algorithm_names() {
     return names;
 }
 
-static bool has_traits(const std::string &name, int traits) {
-    return std::any_of(std::begin(algorithms), std::end(algorithms), [&](const algorithm &row) {
-        return row.name == name && (row.traits & traits) == traits;
-    });
+bool takes_constraints(const std::string &name) { return row_of(name) && row_of(name)->traits & HELD; }
+bool takes_stances(const std::string &name) {
+    return row_of(name) && (row_of(name)->traits & ALL_HELD) == HELD;
 }
-bool takes_constraints(const std::string &name) { return has_traits(name, HELD); }
-bool takes_stances(const std::string &name) { return has_traits(name, HELD) && !has_traits(name, ALL_HELD); }
 
 std::vector<joint> joints(const robot &r) {
     session s(r, "id");
@@ -68,29 +65,20 @@ std::vector<joint> joints(const robot &r) {
     return all;
 }
 
-/* The rows of a factor of G in the order of their shares, the largest first. */
+/* Rows of a factor of G, each the one with the largest share of its entry that those before leave. */
 std::vector<bool> largest_rows(const std::vector<column> &G) {
     std::vector<bool> taken(G.size(), false);
-    std::vector<column> L;
-    for (size_t best = 0; best < G.size();) {
-        double share = RBDI_CLEAR, left = 0;
-        best = G.size();
+    for (;;) {
+        const std::vector<column> L = factor_of(G, [&](size_t k, double, double) { return bool(taken[k]); });
+        double share = RBDI_CLEAR;
+        size_t best = G.size();
         for (size_t k = 0; k < G.size(); k++) {
-            double x = G[k][k];
-            for (const column &l : L) x -= l[k] * l[k];
-            if (!taken[k] && x > share * G[k][k]) best = k, share = x / G[k][k], left = x;
+            const double left = G[k][k] - sum_of(L.size(), [&](size_t t) { return L[t][k] * L[t][k]; });
+            if (!taken[k] && left > share * G[k][k]) best = k, share = left / G[k][k];
         }
-        if (best == G.size()) break;
+        if (best == G.size()) return taken;
         taken[best] = true;
-        column x;
-        for (size_t k = 0; k < G.size(); k++) {
-            x.push_back(G[best][k]);
-            for (const column &l : L) x[k] -= l[k] * l[best];
-            x[k] /= std::sqrt(left);
-        }
-        L.push_back(x);
     }
-    return taken;
 }
 
 /* The least share of these rows. */

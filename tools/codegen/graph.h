@@ -2,7 +2,6 @@
 #ifndef TOOLS_CODEGEN_GRAPH_H
 #define TOOLS_CODEGEN_GRAPH_H
 
-#include "own_sines.h"
 #include <array>
 #include <cmath>
 #include <map>
@@ -12,6 +11,10 @@
 namespace codegen {
 
 enum operation { CONSTANT, INPUT, ADD, MULTIPLY, DIVIDE, ROOT, SINE, COSINE, SELECT, GATHER, LANE, LOADED };
+
+/* Sine and cosine of x and as many right angles: rbd.h's under RBD_REPRODUCIBLE. */
+void own_sines(double x, double quarters, double *sine, double *cosine);
+void own_sines(float x, float quarters, float *sine, float *cosine);
 
 /* A node or its negative, 2 * node + sign: signs stand on the edges, so that no negation costs anything. */
 typedef int value;

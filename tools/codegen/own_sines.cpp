@@ -1,5 +1,5 @@
-/* See own_sines.h. Compiled for each scalar: SCALAR. SPDX-License-Identifier: MIT */
-#include "own_sines.h"
+/* The sines of constants and of examples: graph.h. Compiled for each scalar: SCALAR. SPDX-License-Identifier: MIT */
+#include "graph.h"
 
 #define RBD_REAL SCALAR
 #define RBD_REPRODUCIBLE
