@@ -87,6 +87,7 @@ INLINE int all(mask k) {
 INLINE real choose(mask k, real x, real y) { return (real)(((mask)x & k) | ((mask)y & ~k)); }
 )";
 
+/* The verdict on pivots is rbd.h's: the first in the order of elimination that is not sound. */
 const char real_text[] = R"(INLINE real splat(scalar x) {
     const real zero = {0};
     return zero + x;
@@ -95,21 +96,7 @@ INLINE real root(real x) {
     for (int j = 0; j < LANES; ++j) LANE(x, j) = LIBM_SQRT(LANE(x, j));
     return x;
 }
-)";
 
-const char limbs_text[] = R"(
-/* Like limbs, side by side. */
-#if defined __GNUC__ && !defined __clang__
-#pragma GCC diagnostic ignored "-Wpsabi"
-#endif
-typedef scalar limbs __attribute__((vector_size(LIMBS * sizeof(scalar))));
-typedef scalar limbs_in_memory
-    __attribute__((vector_size(LIMBS * sizeof(scalar)), aligned(sizeof(scalar)), may_alias));
-#define side_by_side(first) (*(limbs_in_memory *)&(first))
-)";
-
-/* As rbd.h's verdict on pivots: the first in the order of elimination that is not sound. */
-const char judge_text[] = R"(
 /* Pivots are sound if they are above their rounding. 0 if all are; else, of the first lane where one is not,
    1 + the first dof, in the order of elimination, whose pivot is not, its negative if that is not a number;
    the lane's results become 0. Angles out of range are one pivot more, before the others. */
@@ -129,9 +116,7 @@ INLINE int judge(const real *pivot, const scalar *limit, int n, real *x, int siz
     for (int k = 1; k < n; ++k) sound &= limit[k] < pivot[k];
     return all(sound) ? 0 : judge_closely(pivot, limit, n, x, size);
 }
-)";
 
-const char held_text[] = R"(
 /* The status to return, from that of judge(). Its pivots are those of rows, the last first, then those of
    all dofs or of none. */
 INLINE int status_of_rows(int status, int rows, int judged, int dofs) {
@@ -141,6 +126,17 @@ INLINE int status_of_rows(int status, int rows, int judged, int dofs) {
 }
 )";
 
+const char limbs_text[] = R"(
+/* Like limbs, side by side. */
+#if defined __GNUC__ && !defined __clang__
+#pragma GCC diagnostic ignored "-Wpsabi"
+#endif
+typedef scalar limbs __attribute__((vector_size(LIMBS * sizeof(scalar))));
+typedef scalar limbs_in_memory
+    __attribute__((vector_size(LIMBS * sizeof(scalar)), aligned(sizeof(scalar)), may_alias));
+#define side_by_side(first) (*(limbs_in_memory *)&(first))
+)";
+
 } // namespace
 
 std::string common_text(const std::vector<piece> &all, const target &t) {
@@ -148,9 +144,8 @@ std::string common_text(const std::vector<piece> &all, const target &t) {
     const char *scalar = t.is_float ? "float" : "double", *suffix = t.is_float ? "f" : "";
     std::string s =
         format(compiler_text, t.is_reproducible ? "off" : "fast", t.is_reproducible ? "OFF" : "ON");
-    s += format("\ntypedef %s scalar;\n#define LANES %d\n#define LIBM_SIN sin%s\n#define LIBM_COS cos%s\n"
-                "#define LIBM_SQRT sqrt%s\n",
-                scalar, t.lanes, suffix, suffix, suffix);
+    s +=
+        format("\ntypedef %s scalar;\n#define LANES %d\n#define LIBM_SQRT sqrt%s\n", scalar, t.lanes, suffix);
     if (t.is_float) s += "#define SCALAR_IS_FLOAT\n";
     if (t.is_reproducible) s += reproducible_text;
     if (t.lanes > 1)
@@ -159,16 +154,9 @@ std::string common_text(const std::vector<piece> &all, const target &t) {
              lanes_text;
     else
         s += scalar_text;
-    s += real_text;
+    s += real_text + copies_text();
     if (t.limbs > 1) s += format("\n#define LIMBS %d\n", t.limbs) + limbs_text;
     if (any([](const piece &x) { return !x.p.angles.empty(); })) s += sines_text(t);
-    if (any([](const piece &x) { return !x.p.f.pivots.empty(); })) s += judge_text;
-    if (any([](const piece &x) { return x.p.f.rows_held > 0; })) s += held_text;
-    const auto clears = [&t](const piece &x) {
-        const std::vector<value> &all = x.p.f.results;
-        return t.lanes == 1 && std::count(all.begin(), all.end(), x.p.f.code.find_constant(0)) > 0;
-    };
-    if (any([&](const piece &x) { return x.p.f.rows > 0 || clears(x); })) s += copies_text();
     if (any([](const piece &x) { return x.p.f.rows > 0; })) s += rows_text();
     return s;
 }

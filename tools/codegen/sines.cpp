@@ -34,8 +34,6 @@ const char names_text[] = R"(
 #endif
 #define OWN_REAL scalar
 #define OWN_C(x) ((scalar)(x))
-#define OWN_SIN LIBM_SIN
-#define OWN_COS LIBM_COS
 typedef real own_real;
 typedef scalar own_const;
 INLINE real own_zero(void) { return splat(0); }
@@ -163,9 +161,10 @@ COLD void sines_beyond(const real *x, const scalar *quarters, int n, real *s, re
 } // namespace
 
 std::string sines_text(const target &t) {
-    return format("\n#define OWN_REAL_KIND %d\ntypedef uint%d_t own_bit;\n#define SINES_LIMIT %s\n%s",
+    return format("\n#define OWN_REAL_KIND %d\ntypedef uint%d_t own_bit;\n#define SINES_LIMIT %s\n%s"
+                  "#define OWN_SIN sin%s\n#define OWN_COS cos%s\n",
                   t.is_float ? 2 : 1, t.is_float ? 32 : 64, t.is_float ? "1e4f" : "1e6",
-                  t.is_bounded ? "#define BOUNDED\n" : "") +
+                  t.is_bounded ? "#define BOUNDED\n" : "", t.is_float ? "f" : "", t.is_float ? "f" : "") +
            (t.is_reproducible ? "#define OWN_ROUNDS 1\n" : rounds_text) + names_text + library + by_batches;
 }
 
