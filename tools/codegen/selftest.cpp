@@ -1,8 +1,5 @@
 /* The self-test: all functions on known states. SPDX-License-Identifier: MIT */
 #include "text.h"
-#include <algorithm>
-#include <cmath>
-#include <cstdlib>
 
 namespace codegen {
 namespace {
@@ -67,45 +64,28 @@ int main(void) {
 #endif
 )";
 
-/* The first input that an angle depends on, and the angle's derivative by it. */
-const node &input_of(const graph &g, value angle, double *slope) {
-    const node &n = g.nodes[size_t(node_of(angle))];
-    if (n.op == INPUT) return n;
-    const int k = g.is_constant(n.arg[0]);
-    if ((n.op != ADD && n.op != MULTIPLY) || g.is_constant(n.arg[k])) abort();
-    if (n.op == MULTIPLY) *slope *= g.constant_of(n.arg[1 - k]);
-    return input_of(g, n.arg[k], slope);
-}
-
-/* An angle a thousand times too large, where unchecked polynomials still have values, is refused. */
-std::string beyond(const function &f, value angle, const target &t, const std::string &call) {
-    double slope = 1;
-    const node &n = input_of(f.code, angle, &slope);
-    const std::string size = literal((t.is_float ? 1e7 : 1e9) / std::fabs(slope), t.is_float);
-    const std::string s = format("    for (int j = 0; j < LANES; ++j) LANE(%s[%d], j) = %s;\n",
-                                 f.inputs[size_t(n.arg[0])].name.c_str(), n.arg[1], size.c_str());
+/* Angles a thousand times too large, where unchecked polynomials still have values, are refused. */
+std::string beyond(const function &f, const target &t, const std::string &call) {
+    const std::string s = format("    for (int i = 0; i < %d; ++i)\n"
+                                 "        for (int j = 0; j < LANES; ++j) LANE(%s[i], j) = %s;\n",
+                                 f.inputs[0].size, f.inputs[0].name.c_str(), t.is_float ? "1e7f" : "1e9");
     if (!f.pivots.empty()) return s + format("    return %s == -1 - %d ? 0 : 2;\n", call.c_str(), f.nv);
+    const auto has_numbers = [&](size_t k) {
+        return format("has_numbers(%s, %d, j)", f.outputs[k].name.c_str(), f.outputs[k].size);
+    };
     return s + "    " + call + ";\n    for (int j = 0; j < LANES; ++j)\n        if (" +
-           join(f.outputs.size(), " && ",
-                [&](size_t k) {
-                    return format("has_numbers(%s, %d, j)", f.outputs[k].name.c_str(), f.outputs[k].size);
-                }) +
-           ") return 2;\n    return 0;\n";
+           join(f.outputs.size(), " && ", has_numbers) + ") return 2;\n    return 0;\n";
 }
 
-/* The states' values of an array, from `first` on in what `get` gives of a state. */
-template <class getter>
-std::string table(const piece &x, const std::string &name, int size, const target &t, getter get,
-                  size_t first) {
-    std::string s = format("static const scalar %s[%zu][%d] = {\n", name.c_str(), x.x.examples.size(), size);
-    for (const example &e : x.x.examples)
+/* What the states have from x on of an array, six numbers to a line. */
+std::string table(const std::vector<const double *> &states, const std::string &name, int size,
+                  const target &t) {
+    std::string s = format("static const scalar %s[%zu][%d] = {\n", name.c_str(), states.size(), size);
+    for (const double *x : states)
         s += "    {" +
              join(size_t(size), "",
                   [&](size_t k) {
-                      return (k == 0       ? ""
-                              : k % 6 == 0 ? ",\n     "
-                                           : ", ") +
-                             literal(get(e)[first + k], t.is_float);
+                      return (k % 6 ? ", " : k ? ",\n     " : "") + literal(x[k], t.is_float);
                   }) +
              "},\n";
     return s + "};\n";
@@ -115,35 +95,39 @@ std::string table(const piece &x, const std::string &name, int size, const targe
 std::string test_of(const piece &x, const target &t) {
     const function &f = x.x.f;
     const std::string full = t.name + "_" + f.name, call = full + "(" + names(f) + ")";
-    const size_t states = x.x.examples.size();
-    std::string tables, gives, compares;
-    size_t first = 0;
-    for (size_t k = 0; k < f.inputs.size(); k++) {
-        const std::string name = full + "_of_" + f.inputs[k].name;
-        tables += table(x, name, f.inputs[k].size, t, [k](const example &e) { return e.in[k]; }, 0);
-        gives += format("            give(%s[(k + j) %% %zu], %d, j, %s);\n", name.c_str(), states,
-                        f.inputs[k].size, f.inputs[k].name.c_str());
-    }
-    for (const array &a : f.outputs) {
-        const std::string name = full + "_is_" + a.name;
-        tables += table(x, name, a.size, t, [](const example &e) { return e.out; }, first);
+    const size_t states = x.x.examples.size(), given = f.inputs.size();
+    const std::vector<array> arrays = f.arrays();
+    std::string tables, room, gives, compares;
+    size_t first = 0; /* of the results */
+    for (size_t k = 0; k < arrays.size(); k++) {
+        const array &a = arrays[k];
+        const std::string name = full + (k < given ? "_of_" : "_is_") + a.name,
+                          row = format("%s[(k + j) %% %zu], %d, j", name.c_str(), states, a.size);
+        std::vector<const double *> numbers;
+        for (const example &e : x.x.examples)
+            numbers.push_back(k < given ? e.in[k].data() : e.out.data() + first);
+        tables += table(numbers, name, a.size, t);
+        room += format("    static real %s[%d];\n", a.name.c_str(), a.size);
+        if (k < given) {
+            gives += "            give(" + row + ", " + a.name + ");\n";
+            continue;
+        }
         first += size_t(a.size);
-        compares +=
-            format("            if (differs(%s, %s[(k + j) %% %zu], %d, j, %s, %s, worst)) return 1;\n",
-                   a.name.c_str(), name.c_str(), states, a.size, literal(x.x.tolerance, t.is_float).c_str(),
-                   literal(x.x.least, t.is_float).c_str());
+        compares += "            if (differs(" + a.name + ", " + row + ", " +
+                    literal(x.x.tolerance, t.is_float) + ", " + literal(x.x.least, t.is_float) +
+                    ", worst)) return 1;\n";
     }
     std::string s = tables + format("static int test_%s(scalar *worst) {\n", f.name.c_str());
     if (f.stances > 0)
         s += format("    int stance = 0;\n    static const int stances[%zu] = {", states) +
              join(states, ", ", [&](size_t k) { return std::to_string(x.x.examples[k].stance); }) + "};\n";
-    for (const array &a : f.arrays()) s += format("    static real %s[%d];\n", a.name.c_str(), a.size);
+    s += room;
     s += format("    for (int k = 0; k < %zu; ++k) {\n        for (int j = 0; j < LANES; ++j) {\n", states) +
          gives + "        }\n        " + (f.stances > 0 ? "stance = stances[k];\n        " : "") +
          (f.pivots.empty() ? call + ";\n" : "if (" + call + " != 0) return 1;\n") +
          "        for (int j = 0; j < LANES; ++j) {\n" + compares + "        }\n    }\n";
     const bool checks = t.is_bounded && !x.p.angles.empty();
-    return s + (checks ? beyond(f, x.p.angles[0].x, t, call) : "    return 0;\n") + "}\n";
+    return s + (checks ? beyond(f, t, call) : "    return 0;\n") + "}\n";
 }
 
 } // namespace
