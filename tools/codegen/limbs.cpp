@@ -134,7 +134,6 @@ class packer {
     std::vector<int> kind, limb, pack;      /* its class; where it belongs; its pack; or NONE */
     lists packs;                            /* nodes that are one vector */
     std::vector<signs> sign;                /* of packs: lanes that hold the node's negative */
-    std::map<tuple, signs> sign_gathered;   /* the same of other nodes that are gathered */
     std::map<int, signs> solved;            /* of unknowns */
     int unknowns = 0;
     std::vector<value> scalars, vectors; /* of nodes and packs in `out`, or NONE */
@@ -260,12 +259,8 @@ class packer {
         for (size_t l = 0; l < t.size(); l++) mask |= unsigned(is_negative(t[l])) << l;
         return mask;
     }
-    static tuple without_signs(tuple t) {
-        for (value &x : t) x = 2 * node_of(x);
-        return t;
-    }
 
-    /* ---- signs: those of inputs, of what is gathered and of products with constants are free ---- */
+    /* ---- signs: those of inputs and of products with constants are free ---- */
 
     static signs only(int unknown) { return {0, {unknown}}; }
     signs unknown() { return only(unknowns++); }
@@ -281,19 +276,7 @@ class packer {
         return s;
     }
     unsigned mask_of(const tuple &t) { return resolved(sign_of(t)).mask; }
-    signs sign_of(const tuple &t) {
-        const int p = pack_of(t);
-        if (p >= 0) return sign[size_t(p)];
-        const tuple key = without_signs(t);
-        if (std::count(key.begin(), key.end(), key[0]) == width) return {0, {}};
-        const auto found = sign_gathered.find(key);
-        return found != sign_gathered.end() ? found->second : sign_gathered[key] = unknown();
-    }
-
-    signs product_of_signs(const tuple &x, const tuple &y) {
-        const signs of_x = sign_of(x); /* first: it may be a new unknown */
-        return of_x ^ sign_of(y);
-    }
+    signs sign_of(const tuple &t) { return pack_of(t) < 0 ? signs{0, {}} : sign[size_t(pack_of(t))]; }
 
     /* In a sum both operands must have the signs of the node, or opposite ones in all lanes. */
     void choose_signs() {
@@ -312,7 +295,7 @@ class packer {
                 const int last = difference.unknowns.back();
                 solved[last] = difference ^ only(last);
             } else
-                sign.push_back(are_constant(x) || are_constant(y) ? unknown() : product_of_signs(x, y));
+                sign.push_back(are_constant(x) || are_constant(y) ? unknown() : sign_of(x) ^ sign_of(y));
         }
     }
 
@@ -331,13 +314,11 @@ class packer {
     /* The vector of the edges, or of their negatives in some lanes. */
     value vector_of(const tuple &t, unsigned negative) {
         const int p = pack_of(t);
+        const unsigned d = mask_of(t) ^ edges(t) ^ negative;
+        if (p >= 0) return d == all_lanes ? negated(packed(p)) : scaled_by_signs(d, packed(p));
         tuple s;
-        if (p < 0)
-            for (value v : t) s.push_back(scalar(2 * node_of(v)));
-        if (are_constant(t)) return gathered(s, edges(t) ^ negative);
-        const unsigned has = mask_of(t), d = has ^ edges(t) ^ negative;
-        if (d == 0 || d == all_lanes) return negated(p < 0 ? gathered(s, has) : packed(p), d != 0);
-        return scaled_by_signs(d, p < 0 ? gathered(s, has) : packed(p));
+        for (value v : t) s.push_back(scalar(2 * node_of(v)));
+        return gathered(s, d);
     }
     value packed(int p) {
         value &v = vectors[size_t(p)];
