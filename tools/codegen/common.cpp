@@ -34,10 +34,12 @@ const char compiler_text[] = R"(
 #define INLINE static inline __attribute__((always_inline, unused))
 #define PART static __attribute__((noinline))
 #define COLD static __attribute__((noinline, cold, unused))
+#define UNUSED __attribute__((unused))
 #else
 #define INLINE static inline
 #define PART static
 #define COLD static
+#define UNUSED
 #endif
 )";
 

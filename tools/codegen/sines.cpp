@@ -18,26 +18,7 @@ const char rounds_text[] = R"(
 #endif
 )";
 
-const char names_text[] = R"(
-#ifdef __clang__
-#define OWN_CLANG 1
-#else
-#define OWN_CLANG 0
-#endif
-#define OWN_INLINE INLINE
-#define OWN_PART COLD
-#define OWN_COLD COLD
-#ifdef __GNUC__
-#define OWN_UNUSED __attribute__((unused))
-#else
-#define OWN_UNUSED
-#endif
-#define OWN_REAL scalar
-#define OWN_C(x) ((scalar)(x))
-typedef real own_real;
-typedef scalar own_const;
-INLINE real own_zero(void) { return splat(0); }
-
+const char batches_text[] = R"(
 /* A batch is as many angles as one SIMD instruction takes, 256 bits at most. */
 #if LANES > 1
 #define OWN_LANES LANES
@@ -165,7 +146,7 @@ std::string sines_text(const target &t) {
                   "#define OWN_SIN sin%s\n#define OWN_COS cos%s\n",
                   t.is_float ? 2 : 1, t.is_float ? 32 : 64, t.is_float ? "1e4f" : "1e6",
                   t.is_bounded ? "#define BOUNDED\n" : "", t.is_float ? "f" : "", t.is_float ? "f" : "") +
-           (t.is_reproducible ? "#define OWN_ROUNDS 1\n" : rounds_text) + names_text + library + by_batches;
+           (t.is_reproducible ? "#define OWN_ROUNDS 1\n" : rounds_text) + batches_text + library + by_batches;
 }
 
 } // namespace codegen
