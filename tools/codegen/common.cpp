@@ -43,11 +43,8 @@ const char compiler_text[] = R"(
 #endif
 )";
 
-const char reproducible_text[] = R"(
-#ifdef __RECIPROCAL_MATH__
-#error "divisions have the bits of IEEE 754: compile without -freciprocal-math"
-#endif
-/* Products and sums are rounded to the scalar. tcc does not tell how. */
+const char rounding_text[] = R"(
+/* Whether products and sums are rounded to the scalar. tcc does not tell how. */
 #ifdef __FLT_EVAL_METHOD__
 #define EVALUATION __FLT_EVAL_METHOD__
 #elif defined FLT_EVAL_METHOD
@@ -57,12 +54,18 @@ const char reproducible_text[] = R"(
 #else
 #define EVALUATION -1
 #endif
-#ifdef SCALAR_IS_FLOAT
-#define KEEPS_DIGITS (EVALUATION == 1 || EVALUATION == 2 || EVALUATION < 0)
+#if EVALUATION == 0 || EVALUATION > 2 || (EVALUATION == 1 && !defined SCALAR_IS_FLOAT)
+#define OWN_ROUNDS 1
 #else
-#define KEEPS_DIGITS (EVALUATION == 2 || EVALUATION < 0)
+#define OWN_ROUNDS 0
 #endif
-#if KEEPS_DIGITS
+)";
+
+const char reproducible_text[] = R"(
+#ifdef __RECIPROCAL_MATH__
+#error "divisions have the bits of IEEE 754: compile without -freciprocal-math"
+#endif
+#if !OWN_ROUNDS
 #error "not reproducible: x87 keeps more digits, use SSE2; s390x keeps those of double, use -std=gnu99"
 #endif
 )";
@@ -149,6 +152,7 @@ std::string common_text(const std::vector<piece> &all, const target &t) {
     s +=
         format("\ntypedef %s scalar;\n#define LANES %d\n#define LIBM_SQRT sqrt%s\n", scalar, t.lanes, suffix);
     if (t.is_float) s += "#define SCALAR_IS_FLOAT\n";
+    s += rounding_text;
     if (t.is_reproducible) s += reproducible_text;
     if (t.lanes > 1)
         s += format("typedef %s_real real;\ntypedef %s signed_bit;\n", t.name.c_str(),

@@ -9,22 +9,13 @@ const char library[] = {
 #include "sincos_text.h"
 };
 
-/* Whether sums keep no digits that the scalar has not. */
-const char rounds_text[] = R"(
-#if defined __GNUC__ && defined __FLT_EVAL_METHOD__ && (__FLT_EVAL_METHOD__ == 0 || __FLT_EVAL_METHOD__ > 2)
-#define OWN_ROUNDS 1
-#else
-#define OWN_ROUNDS 0
-#endif
-)";
-
 const char batches_text[] = R"(
 /* A batch is as many angles as one SIMD instruction takes, 256 bits at most. */
 #if LANES > 1
 #define OWN_LANES LANES
 #define OWN_BATCH 1
 typedef real own_batch;
-#elif OWN_ROUNDS && (defined __SSE2__ || (defined __ARM_NEON && defined __aarch64__))
+#elif OWN_ROUNDS && defined __GNUC__ && (defined __SSE2__ || (defined __ARM_NEON && defined __aarch64__))
 #if defined __AVX__ || defined SCALAR_IS_FLOAT
 #define OWN_BATCH 4
 #else
@@ -146,7 +137,7 @@ std::string sines_text(const target &t) {
                   "#define OWN_SIN sin%s\n#define OWN_COS cos%s\n",
                   t.is_float ? 2 : 1, t.is_float ? 32 : 64, t.is_float ? "1e4f" : "1e6",
                   t.is_bounded ? "#define BOUNDED\n" : "", t.is_float ? "f" : "", t.is_float ? "f" : "") +
-           (t.is_reproducible ? "#define OWN_ROUNDS 1\n" : rounds_text) + batches_text + library + by_batches;
+           batches_text + library + by_batches;
 }
 
 } // namespace codegen
