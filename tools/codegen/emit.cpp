@@ -4,44 +4,40 @@
 namespace codegen {
 namespace {
 
-const char rows_contract[] =
-    "   Rows: where a pivot of J M^-1 J' is at most %.0e of its diagonal entry, a row depends on those\n"
-    "      before it, or nearly: it returns 1 + %s_NV + this row. There call rbd.h, which decides.\n";
-const char motors_contract[] =
-    "   Pivots: A is J of the joints without motors. Where one of A'A is at most %.0e of its diagonal\n"
-    "      entry, less is held than elsewhere: it returns more than %s_NV. There call rbd.h, which "
-    "decides.\n";
-
 /* The range of the angles, how pivots are judged, and what is not checked. */
 std::string contract(const program &p, const target &t) {
-    const char *limit = t.is_float ? "1e4" : "1e6";
-    const bool pivots = !p.f.pivots.empty();
-    std::string s;
-    if (p.angles.empty())
-        s += "   Angles: none.\n";
-    else if (!t.is_bounded)
-        s += "   Angles: any.\n";
-    else if (pivots)
-        s += format("   Angles: below %s rad in size. Else, and if one is NaN, it returns -1 - %s_NV.\n",
-                    limit, upper(t.name).c_str());
-    else
-        s += format("   Angles: below %s rad in size. Else, and if one is NaN, results that depend on it are "
-                    "NaN.\n",
-                    limit);
-    if (p.f.dofs() > 0)
+    const std::string nv = upper(t.name) + "_NV";
+    const bool pivots = !p.f.pivots.empty(), refuses = t.is_bounded && !p.angles.empty(), M = p.f.dofs() > 0;
+    std::string s = "   Angles: ";
+    s += p.angles.empty() ? "none"
+         : !refuses       ? "any"
+                    : format("below %s rad in size. Else, and if one is NaN, ", t.is_float ? "1e4" : "1e6");
+    if (refuses) s += pivots ? "it returns -1 - " + nv : "results that depend on it are NaN";
+    s += ".\n";
+    if (M)
         s += format(
             "   Pivots: M counts as singular where one is at most %.2g of the largest inertia that its "
             "joint can move.\n",
             p.f.noise);
     if (p.f.rows_held > 0)
-        s += format(p.f.dofs() > 0 ? rows_contract : motors_contract, p.f.clear, upper(t.name).c_str());
-    s += p.f.stances > 0 ? "   Not checked: the stance, pointers, lengths, overlap; that "
-                         : "   Not checked: pointers, lengths, overlap; that ";
-    s += p.angles.empty() || !t.is_bounded ? "" : "other ";
-    s += "input is finite: what depends on NaN is NaN";
+        s += (M ? "   Rows: where a pivot of J M^-1 J' is at most " + format("%.0e", p.f.clear) +
+                      " of its diagonal entry, a row depends on those\n      before it, or nearly: it "
+                      "returns 1 + " +
+                      nv + " + this row."
+                : "   Pivots: A is J of the joints without motors. Where one of A'A is at most " +
+                      format("%.0e", p.f.clear) +
+                      " of its diagonal\n      entry, less is held than elsewhere: it returns more than " +
+                      nv + ".") +
+             " There call rbd.h, which decides.\n";
+    s += std::string("   Not checked: ") + (p.f.stances > 0 ? "the stance, " : "") +
+         "pointers, lengths, overlap; that " + (refuses ? "other " : "") +
+         "input is finite: what depends on NaN is NaN";
     if (!pivots) return s + ".\n";
-    const char *judged = p.f.rows_held == 0 ? "M" : p.f.dofs() > 0 ? "M or J of the constraints" : "J";
-    return s + format(";\n      it returns 0 unless %s depends on it.\n", judged);
+    return s + ";\n      it returns 0 unless " +
+           (p.f.rows_held == 0 ? "M"
+            : M                ? "M or J of the constraints"
+                               : "J") +
+           " depends on it.\n";
 }
 
 std::string operations_text(const operations &n, const target &t) {

@@ -51,10 +51,7 @@ class graph {
         const double c = nodes[size_t(node_of(x))].constant;
         return is_negative(x) ? -c : c;
     }
-    value find_constant(double x) const { /* -1: there is none */
-        const auto found = table.find({CONSTANT, {-1, -1, -1, -1}, std::fabs(x), false});
-        return found == table.end() ? -1 : 2 * found->second + (x < 0);
-    }
+    bool is(value x, double constant) const { return is_constant(x) && constant_of(x) == constant; }
 
     value constant(double x) { return negated(make(CONSTANT, {-1, -1, -1, -1}, std::fabs(x)), x < 0); }
     value multiply(value a, value b) {
@@ -103,7 +100,6 @@ class graph {
         if (found.second) nodes.push_back(found.first->first);
         return 2 * found.first->second;
     }
-    bool is(value x, double constant) const { return is_constant(x) && constant_of(x) == constant; }
     value folded(double x) { return constant(is_exact && is_float ? double(float(x)) : x); }
 
     value add(value a, value b) {

@@ -25,7 +25,7 @@ struct wanted_angle {
 };
 
 struct operations {
-    int multiplications, additions, divisions, roots, angles, choices, of_vectors, of_fours;
+    int multiplications, additions, divisions, roots, angles, of_vectors, of_fours;
 };
 
 /* Each node that is a statement has terms: a sum's; or one, the operands, of other operations. The order is
@@ -85,7 +85,7 @@ class program {
     }
 
     operations count() const {
-        operations n = {0, 0, 0, 0, int(angles.size()), 0, 0, 0};
+        operations n = {0, 0, 0, 0, int(angles.size()), 0, 0};
         for (const row_call &c : f.calls) n.of_fours += count_fours(c);
         for (int i = 0; i < int(terms.size()); i++) {
             if (!is_statement[size_t(i)]) continue;
@@ -97,7 +97,6 @@ class program {
             n.divisions += op == DIVIDE;
             if (at(i).is_vector) n.of_vectors += n.additions + n.multiplications + n.divisions - before;
             n.roots += op == ROOT;
-            n.choices += op == SELECT;
         }
         return n;
     }
