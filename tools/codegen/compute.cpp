@@ -28,16 +28,19 @@ double draw(uint64_t *seed) {
     return double(int32_t(*seed >> 32)) / 2147483648.0;
 }
 
-/* Draws an array for each argument. */
-void draw_arguments(const robot &r, const session &s, unsigned state, std::vector<double> x[ARGUMENTS]) {
+/* An array for each argument. */
+std::vector<std::vector<double>> draw_arguments(const robot &r, const session &s, unsigned state) {
     uint64_t seed = state + 1, configuration = state + 1;
+    std::vector<std::vector<double>> all;
     for (int k = 0; k < ARGUMENTS; k++) {
         if (!s.takes(r, k)) continue;
-        x[k].resize(size_t(arguments[k].size(s.c)));
-        for (double &y : x[k]) y = draw(&seed) * (k == GRAVITY ? 10 : 2);
-        if (k == RESTITUTION) x[k][0] = 0.5 + x[k][0] / 4;
-        if (k == Q) demand(rbd_random(s.c.m, &configuration, x[k].data()));
+        std::vector<double> x(size_t(arguments[k].size(s.c)));
+        for (double &y : x) y = draw(&seed) * (k == GRAVITY ? 10 : 2);
+        if (k == RESTITUTION) x[0] = 0.5 + x[0] / 4;
+        if (k == Q) demand(rbd_random(s.c.m, &configuration, x.data()));
+        all.push_back(x);
     }
+    return all;
 }
 
 } // namespace
@@ -65,51 +68,37 @@ std::vector<joint> joints(const robot &r) {
     return all;
 }
 
-/* Rows of a factor of G, each the one with the largest share of its entry that those before leave. */
-std::vector<bool> largest_rows(const std::vector<column> &G) {
-    std::vector<bool> taken(G.size(), false);
-    for (;;) {
-        const std::vector<column> L = factor_of(G, [&](size_t k, double, double) { return bool(taken[k]); });
-        double share = RBDI_CLEAR;
-        size_t best = G.size();
-        for (size_t k = 0; k < G.size(); k++) {
-            const double left = G[k][k] - sum_of(L.size(), [&](size_t t) { return L[t][k] * L[t][k]; });
-            if (!taken[k] && left > share * G[k][k]) best = k, share = left / G[k][k];
-        }
-        if (best == G.size()) return taken;
-        taken[best] = true;
-    }
+/* The share of its entry that a row of G keeps behind those taken. */
+static double share_of(const std::vector<column> &G, const std::vector<bool> &taken, size_t k) {
+    const std::vector<column> L = factor_of(G, [&](size_t i, double, double) { return bool(taken[i]); });
+    return 1 - sum_of(L.size(), [&](size_t t) { return L[t][k] * L[t][k]; }) / G[k][k];
 }
 
-/* The least share of these rows. */
-double least_share(const std::vector<column> &G, const std::vector<bool> &taken) {
-    double least = 1;
-    factor_of(G, [&](size_t k, double pivot, double entry) {
-        if (taken[k]) least = std::fmin(least, std::fmax(pivot / entry, 1e-16));
-        return bool(taken[k]);
-    });
-    return least;
-}
-
+/* One after the other, the joint that keeps most in all states: the last of several, for those of a free base
+   that shift it do so in any state. */
 std::vector<bool> independent_joints(const robot &r, int stance) {
     enum { TRIED = 20 };
-    std::vector<std::vector<column>> G;
-    std::vector<bool> best;
-    double best_score = -HUGE_VAL;
+    std::vector<std::vector<column>> states;
     for (unsigned state = 0; state < TRIED; state++) {
-        std::vector<double> x[ARGUMENTS];
         session s(r, "constrained_id", stance);
-        draw_arguments(r, s, state, x);
+        const std::vector<std::vector<double>> x = draw_arguments(r, s, state);
         s.c.q = x[Q].data();
-        G.push_back(products_of(passive_columns(s.c, jacobian_of(s.c))));
+        states.push_back(products_of(passive_columns(s.c, jacobian_of(s.c))));
     }
-    for (const std::vector<column> &own : G) {
-        const std::vector<bool> taken = largest_rows(own);
-        double score = 1e6 * double(std::count(taken.begin(), taken.end(), true));
-        for (const std::vector<column> &other : G) score += std::log(least_share(other, taken));
-        if (score > best_score) best = taken, best_score = score;
+    const size_t n = states[0].size();
+    std::vector<bool> taken(n, false);
+    for (;;) {
+        double most = TRIED * std::log(RBDI_CLEAR);
+        size_t best = n;
+        for (size_t k = 0; k < n; k++) {
+            double score = 0;
+            for (const std::vector<column> &G : states)
+                score += std::log(std::fmax(share_of(G, taken, k), 1e-16));
+            if (!taken[k] && score >= most) best = k, most = score;
+        }
+        if (best == n) return taken;
+        taken[best] = true;
     }
-    return best;
 }
 
 example compute(const robot &r, const std::string &name, const std::vector<std::vector<double>> &in,
@@ -126,13 +115,7 @@ example compute(const robot &r, const std::string &name, const std::vector<std::
 }
 
 example compute(const robot &r, const std::string &name, unsigned state, int stance) {
-    session s(r, name, stance);
-    std::vector<double> x[ARGUMENTS];
-    std::vector<std::vector<double>> in;
-    draw_arguments(r, s, state, x);
-    for (const std::vector<double> &y : x)
-        if (!y.empty()) in.push_back(y);
-    return compute(r, name, in, stance);
+    return compute(r, name, draw_arguments(r, session(r, name, stance), state), stance);
 }
 
 } // namespace codegen
