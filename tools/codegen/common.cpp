@@ -19,6 +19,7 @@ const char compiler_text[] = R"(
    memset for a few zeros. Its ISO modes do not contract products and sums to fused operations. */
 #if defined __GNUC__ && !defined __clang__
 #pragma GCC optimize("fp-contract=%s")
+#pragma GCC diagnostic ignored "-Wpsabi"
 #ifdef __OPTIMIZE__
 #pragma GCC optimize("no-tree-loop-distribute-patterns")
 #pragma GCC optimize("no-tree-slp-vectorize,no-tree-vectorize,no-math-errno")
@@ -79,9 +80,6 @@ INLINE real choose(mask k, real x, real y) { return k ? x : y; }
 )";
 
 const char lanes_text[] = R"(
-#if defined __GNUC__ && !defined __clang__
-#pragma GCC diagnostic ignored "-Wpsabi"
-#endif
 typedef signed_bit mask __attribute__((vector_size(LANES * sizeof(scalar))));
 #define LANE(x, j) ((x)[j])
 INLINE int all(mask k) {
@@ -133,9 +131,6 @@ INLINE int status_of_rows(int status, int rows, int judged, int dofs) {
 
 const char limbs_text[] = R"(
 /* Like limbs, side by side. */
-#if defined __GNUC__ && !defined __clang__
-#pragma GCC diagnostic ignored "-Wpsabi"
-#endif
 typedef scalar limbs __attribute__((vector_size(LIMBS * sizeof(scalar))));
 typedef scalar limbs_in_memory
     __attribute__((vector_size(LIMBS * sizeof(scalar)), aligned(sizeof(scalar)), may_alias));
@@ -146,12 +141,11 @@ typedef scalar limbs_in_memory
 
 std::string common_text(const std::vector<piece> &all, const target &t) {
     const auto any = [&all](auto has) { return std::any_of(all.begin(), all.end(), has); };
-    const char *scalar = t.is_float ? "float" : "double", *suffix = t.is_float ? "f" : "";
     std::string s =
-        format(compiler_text, t.is_reproducible ? "off" : "fast", t.is_reproducible ? "OFF" : "ON");
-    s +=
-        format("\ntypedef %s scalar;\n#define LANES %d\n#define LIBM_SQRT sqrt%s\n", scalar, t.lanes, suffix);
-    if (t.is_float) s += "#define SCALAR_IS_FLOAT\n";
+        format(compiler_text, t.is_reproducible ? "off" : "fast", t.is_reproducible ? "OFF" : "ON") +
+        format("\ntypedef %s scalar;\n#define LANES %d\n#define LIBM_SQRT sqrt%s\n%s",
+               t.is_float ? "float" : "double", t.lanes, t.is_float ? "f" : "",
+               t.is_float ? "#define SCALAR_IS_FLOAT\n" : "");
     s += rounding_text;
     if (t.is_reproducible) s += reproducible_text;
     if (t.lanes > 1)
