@@ -1,4 +1,4 @@
-/* The sines of constants and of examples: graph.h. Compiled for each scalar: SCALAR. SPDX-License-Identifier: MIT */
+/* The sines of constants and examples: graph.h. Compiled for each SCALAR. SPDX-License-Identifier: MIT */
 #include "graph.h"
 
 #define RBD_REAL SCALAR

@@ -45,8 +45,8 @@ INLINE real own_first_lane(own_batch x) {
 const char by_batches[] = R"(
 typedef own_batch batch;
 
-/* Sine and cosine of x, |x| below SINES_LIMIT, and the right angles from i on, none if quarters is 0; *squares
-   grows by x^2. */
+/* Sine and cosine of x, |x| below SINES_LIMIT, and the right angles from i on, none if quarters is 0;
+   *squares grows by x^2. */
 #ifdef OWN_POLYNOMIAL_SINCOS
 INLINE void sines(batch x, const scalar *quarters, int i, batch *s, batch *c, batch *squares) {
     batch turns = {0};
