@@ -1,5 +1,5 @@
 // quad.cpp - rbd.h's results in quad precision for fuzz.cpp: references without roundings of their own.
-#include "../../tools/codegen/record.h"
+#include "../../tools/codegen/codegen.h"
 #include <algorithm>
 #include <cstring>
 #include <stdexcept>
