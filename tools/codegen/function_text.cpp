@@ -54,8 +54,6 @@ class writer {
 /* No call may have written a place again before a statement loads it. */
 void writer::check_loads() const {
     std::vector<std::vector<int>> written(size_t(f.rows)); /* of each place: the calls */
-    for (size_t k = 0; k < f.calls.size(); k++)
-        for (int at : places_written(f.calls[k])) written[size_t(at)].push_back(int(k));
     const auto check = [&](int i, int at) {
         const node &n = p.at(i);
         if (n.op != LOADED) return;
@@ -63,6 +61,13 @@ void writer::check_loads() const {
             if (k > n.arg[1] && f.calls[size_t(k)].node <= at)
                 throw std::logic_error("a row is read when it has been written again");
     };
+    for (size_t k = 0; k < f.calls.size(); k++) {
+        for (const row_call::store &s : f.calls[k].stores) {
+            if (p.is_for_call(s)) check(p.source_of(s.x), int(c.name.size())); /* those before it */
+            written[size_t(s.at)].push_back(int(k));
+        }
+        for (int at : places_written(f.calls[k])) written[size_t(at)].push_back(int(k));
+    }
     for (int i : b.order)
         for (int k : p.operands(i)) check(k, i);
     for (value x : f.results) check(node_of(x), int(c.name.size()));
