@@ -193,7 +193,11 @@ static void rows_pivot(number pivot, number least) {
 static std::vector<bool> kept; /* joints of run_without_rank */
 rbd_status run_constrained_id(const call &c) {
     return run_without_rank(c, [](size_t k, number pivot, number entry) {
-        if (kept[k]) rows_pivot(pivot, entry * RBDI_CLEAR);
+        const number least = entry * RBDI_CLEAR;
+        if (kept[k])
+            rows_pivot(pivot, least);
+        else
+            row_pivots.push_back(select(least < pivot, 0, 1)); /* that it is held here is a fault too */
         return bool(kept[k]);
     });
 }
