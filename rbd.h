@@ -2691,10 +2691,11 @@ RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *si
     }
 }
 
-/* Computes all quantities of the links first .. end - 1 that depend on q alone: slides, poses of blocks, and
-   sines and cosines. These from link `from` on, in whole batches, for which the arrays must have room. The
-   angle q + gamma is rounded before its sine is computed: by one more rounding of q, 6e-11 rad at q = 1e6 in
-   double, or not at all if gamma is 0, because the joint angle at q = 0 is a multiple of 90 degrees. */
+/* Computes all quantities of the links first .. end - 1 that depend on q alone: slides, poses of blocks, sines
+   and cosines. The sines are written from link `from` on in whole batches, for which the arrays must have room:
+   those of links outside the range are of the angles that these had last. The angle q + gamma is rounded before
+   its sine is computed: by one more rounding of q, 6e-11 rad at q = 1e6 in double, or not at all if gamma is 0,
+   because the joint angle at q = 0 is a multiple of 90 degrees. */
 RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int end, int from,
                                  const rbd_real *q) {
     int all_done = 1;
@@ -2740,7 +2741,7 @@ RBDI_INLINE void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q)
     rbdi_range_joints(m, w, 0, m->nl, 0, q);
 }
 
-/* The state of a one-axis joint after rbdi_joints. */
+/* The state of a one-axis joint after rbdi_joints or rbdi_range_joints. */
 RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i, int flags) {
     rbdi_trig t;
     t.c = w->c[i], t.s = w->s[i];
@@ -4762,18 +4763,6 @@ RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_re
     return RBD_OK;
 }
 
-/* rbdi_joints of a link and its ancestors, in chains of consecutive links. The last comes first, as its sines
-   take the longest. A chain's batches end with its last link, and may change the sines of links before it. */
-static void rbdi_path_joints(const rbd_model *m, rbd_work *w, int last, const rbd_real *q) {
-    for (int end = last + 1, first; end > 0; end = m->link[first].parent + 1) {
-        int from;
-        for (first = end - 1; first > 0 && m->link[first].parent == first - 1;) --first;
-        from = first + rbdi_is(&m->link[first], RBDI_BLOCK); /* a base has no sine */
-        from = end - (end - from + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH;
-        rbdi_range_joints(m, w, first, end, from < 0 ? 0 : from, q);
-    }
-}
-
 RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int body, const rbd_real *q,
                                         const rbd_real *v, const rbd_real *a) {
     const rbd_status status = rbdi_check(m, w, q != NULL);
@@ -4784,11 +4773,15 @@ RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int bod
     w->moving = v || a;
     v = v ? rbdi_expand_v(m, v, w->vx) : w->zero;
     a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
-    rbdi_path_joints(m, w, last, rbdi_expand_q(m, w, q));
+    q = rbdi_expand_q(m, w, q);
     for (int first = 0, end; first <= last; first = end) {
         const int leaf = m->link[last].first; /* a dof of the subtrees of all links on the path */
+        int from;
         while (m->link[first].end <= leaf) ++first;
         for (end = first + 1; end <= last && m->link[end].end > leaf;) ++end;
+        from = first + rbdi_is(&m->link[first], RBDI_BLOCK); /* a base has no sine */
+        from = end - (end - from + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH;
+        rbdi_range_joints(m, w, first, end, from < 0 ? 0 : from, q);
         if (w->moving) rbdi_kin_states(m, w, first, end, v, a);
         rbdi_kin_links(m, w, first, end, v, w->moving);
     }

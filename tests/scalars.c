@@ -631,6 +631,46 @@ static rbd_body massive_body(rbd_joint_type type) {
     return b;
 }
 
+/* A tree whose branches share batches of sines: angles by cosine and sine, large ones, and sliders askew. */
+START_TEST(kinematics_of_one_body_are_those_of_all) {
+    enum { BODIES = 9 };
+    static const rbd_joint_type types[] = {RBD_REVOLUTE, RBD_CONTINUOUS_CS, RBD_PRISMATIC};
+    static unsigned char memory[RBD_MODEL_SIZE(BODIES)];
+    static rbd_real R[2][9], p[2][3], neutral[MAX_Q];
+    rbd_body bodies[BODIES];
+    void *work_memory;
+    for (int i = 0; i < BODIES; i++) {
+        bodies[i] = massive_body(types[i % 3]);
+        bodies[i].parent = i == 0 ? -1 : i < 6 ? 0 : i - 4;
+        for (int k = 0; k < 3; k++) bodies[i].axis[k] = 1 + (i + k) % 3, bodies[i].position[k] = 0.1 * k;
+    }
+    RUN(rbd_model_build(bodies, BODIES, memory, sizeof memory, &model, NULL));
+    work_memory = malloc(rbd_work_size(model));
+    RUN(rbd_work_init(model, work_memory, rbd_work_size(model), &work));
+    EACH_LANE {
+        for (int i = 0, k = 0; i < BODIES; i++) {
+            if (types[i % 3] == RBD_CONTINUOUS_CS) put(&q[k++], lane, cos(1.0 + i));
+            put(&q[k++], lane, types[i % 3] == RBD_REVOLUTE ? 2e6 + i + lane : sin(1.0 + i));
+        }
+    }
+    rbd_neutral(model, neutral);
+    for (int i = 0; i < BODIES; i++) {
+        RUN(rbd_kinematics(model, work, q, NULL, NULL));
+        RUN(rbd_body_pose(model, work, i, R[0], p[0]));
+        RUN(rbd_kinematics(model, work, neutral, NULL, NULL));
+        RUN(rbd_body_kinematics(model, work, i, q, NULL, NULL));
+        RUN(rbd_body_pose(model, work, i, R[1], p[1]));
+        EACH_LANE {
+            double error = 0;
+            for (int k = 0; k < 9; k++) error += fabs(get(R[1][k], lane) - get(R[0][k], lane));
+            for (int k = 0; k < 3; k++) error += fabs(get(p[1][k], lane) - get(p[0][k], lane));
+            ck_assert_msg(error <= fmax(100 * DIRECT, FLOOR), "body %d, lane %d: error %.3g", i, lane, error);
+        }
+    }
+    free(work_memory);
+}
+END_TEST
+
 static rbd_status build(const rbd_body *bodies, int nb) {
     static unsigned char memory[RBD_MODEL_SIZE(2)];
     return rbd_model_build(bodies, nb, memory, sizeof memory, &model, NULL);
@@ -899,6 +939,7 @@ static TCase *scalar_tests(void) {
     tcase_add_test(c, minverse_and_many_solutions_match_the_reference);
     tcase_add_test(c, forward_undoes_inverse_dynamics_in_full_precision);
     tcase_add_test(c, kinematics_match_the_reference);
+    tcase_add_test(c, kinematics_of_one_body_are_those_of_all);
     tcase_add_test(c, points_match_the_reference);
     tcase_add_test(c, integrate_and_difference_match_the_reference);
     tcase_add_test(c, momentum_and_derivatives_match_the_reference);

@@ -93,18 +93,6 @@ RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_re
     return RBD_OK;
 }
 
-/* rbdi_joints of a link and its ancestors, in chains of consecutive links. The last comes first, as its sines
-   take the longest. A chain's batches end with its last link, and may change the sines of links before it. */
-static void rbdi_path_joints(const rbd_model *m, rbd_work *w, int last, const rbd_real *q) {
-    for (int end = last + 1, first; end > 0; end = m->link[first].parent + 1) {
-        int from;
-        for (first = end - 1; first > 0 && m->link[first].parent == first - 1;) --first;
-        from = first + rbdi_is(&m->link[first], RBDI_BLOCK); /* a base has no sine */
-        from = end - (end - from + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH;
-        rbdi_range_joints(m, w, first, end, from < 0 ? 0 : from, q);
-    }
-}
-
 RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int body, const rbd_real *q,
                                         const rbd_real *v, const rbd_real *a) {
     const rbd_status status = rbdi_check(m, w, q != NULL);
@@ -115,11 +103,15 @@ RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int bod
     w->moving = v || a;
     v = v ? rbdi_expand_v(m, v, w->vx) : w->zero;
     a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
-    rbdi_path_joints(m, w, last, rbdi_expand_q(m, w, q));
+    q = rbdi_expand_q(m, w, q);
     for (int first = 0, end; first <= last; first = end) {
         const int leaf = m->link[last].first; /* a dof of the subtrees of all links on the path */
+        int from;
         while (m->link[first].end <= leaf) ++first;
         for (end = first + 1; end <= last && m->link[end].end > leaf;) ++end;
+        from = first + rbdi_is(&m->link[first], RBDI_BLOCK); /* a base has no sine */
+        from = end - (end - from + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH;
+        rbdi_range_joints(m, w, first, end, from < 0 ? 0 : from, q);
         if (w->moving) rbdi_kin_states(m, w, first, end, v, a);
         rbdi_kin_links(m, w, first, end, v, w->moving);
     }

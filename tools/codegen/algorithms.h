@@ -217,9 +217,13 @@ struct session {
             c.out[k] = out[k].data();
         }
         const rbd_status status = run_call(c);
-        if (status == RBD_ERR_SINGULAR)
-            throw std::runtime_error(std::string(rbd_status_string(status)) + " at the joint of link '" +
-                                     rbd_body_name(c.m, c.m->dof[rbd_singular_dof(c.w)].body) + "'");
+        if (status == RBD_ERR_SINGULAR) {
+            const int body = c.m->dof[rbd_singular_dof(c.w)].body;
+            const char *name = rbd_body_name(c.m, body);
+            throw std::runtime_error(
+                std::string(rbd_status_string(status)) + " at the joint of " +
+                (name ? "link '" + std::string(name) + "'" : "body " + std::to_string(body)));
+        }
         demand(status == RBD_ERR_INFEASIBLE ? RBD_OK : status); /* by rows that depend on each other */
         for (int k = 0; k < 4; k++) {
             std::vector<rbd_real> &y = out[k], own = y;

@@ -26,9 +26,8 @@ std::string contract(const program &p, const target &t) {
                       nv + " + this row."
                 : "   Pivots: A is J of the joints without motors. Where one of A'A is at most " +
                       format("%.0e", p.f.clear) +
-                      " of its diagonal\n      entry, or one is more that was not when this was written,\n   "
-                      "   "
-                      "it returns more than " +
+                      " of its diagonal\n      entry, or a joint is held that was not when this was "
+                      "written, it returns\n      more than " +
                       nv + ".") +
              " There call rbd.h, which decides.\n";
     s += std::string("   Not checked: ") + (p.f.stances > 0 ? "the stance, " : "") +

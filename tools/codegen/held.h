@@ -70,12 +70,16 @@ static inline column jacobian_of(const call &c) {
     return J;
 }
 
-template <class function> rbd_status run_without_rank(const call &c, function keeps) {
+/* keeps as in factor_of; checks(k, of the entry of G what the kept rows leave, entry of G). */
+template <class function, class check>
+rbd_status run_without_rank(const call &c, function keeps, check checks) {
     const size_t nv = size_t(rbd_nv(c.m)), rows = size_t(rbd_constraint_rows(c.set));
     rbd_real *tau = c.out[0], *lambda = c.out[1];
     const column J = jacobian_of(c);
-    const std::vector<column> A = passive_columns(c, J), L = factor_of(products_of(A), keeps);
+    const std::vector<column> A = passive_columns(c, J), G = products_of(A), L = factor_of(G, keeps);
     column t, y;
+    for (size_t k = 0; k < A.size(); k++)
+        checks(k, G[k][k] - sum_of(L.size(), [&](size_t i) { return L[i][k] * L[i][k]; }), G[k][k]);
     const rbd_status status = rbd_rnea(c.m, c.w, c.q, c.v, c.a, c.f_ext, tau);
     for (size_t k = 0; k < nv; k++)
         if (rbdi_is_passive(c.m, c.actuated, int(k))) t.push_back(tau[k]);

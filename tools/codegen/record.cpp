@@ -192,14 +192,17 @@ static void rows_pivot(number pivot, number least) {
 
 static std::vector<bool> kept; /* joints of run_without_rank */
 rbd_status run_constrained_id(const call &c) {
-    return run_without_rank(c, [](size_t k, number pivot, number entry) {
-        const number least = entry * RBDI_CLEAR;
-        if (kept[k])
-            rows_pivot(pivot, least);
-        else
-            row_pivots.push_back(select(least < pivot, 0, 1)); /* that it is held here is a fault too */
-        return bool(kept[k]);
-    });
+    return run_without_rank(
+        c,
+        [](size_t k, number pivot, number entry) {
+            if (kept[k]) rows_pivot(pivot, entry * RBDI_CLEAR);
+            return bool(kept[k]);
+        },
+        [](size_t k, number rest, number entry) { /* 0 if the rows hold this joint, which they did not */
+                                                  if (!kept[k])
+                                                      row_pivots.push_back(
+                                                          select(entry * RBDI_CLEAR < rest, 0, 1));
+        });
 }
 
 /* That a pivot's inverse is finite is taken for granted: what is not is refused with the pivot. */
