@@ -113,7 +113,6 @@ selftest() {
 all=id,bias,gravity_torque,mm,mm_packed,minv,fd,fd_cholesky,id_derivatives,fd_derivatives,coriolis,momentum_matrix,com_jacobian
 selftest iiwa --algorithm $all,jacobian:lbr_iiwa_link_7,pose:lbr_iiwa_link_7 "$iiwa"
 selftest arm --scalar float --bounded-angles --short-sums "$iiwa"
-grep -q "OWN_SIN sinf" arm_code.c || fail "no sines of libm's for other compilers"
 selftest bounded --bounded-angles --lanes 2 --algorithm id,minv,mm "$root/models/cart_pole.urdf"
 [ "$(grep -c "^   Angles: below 1e6 rad in size. Else, and if one is NaN, " bounded_code.h)" -eq 3 ] ||
     fail "the header does not say the range of the angles"
@@ -137,6 +136,8 @@ for compiler in tcc "${CC:-cc} -mfpmath=387"; do
         expect 0 "" --name tiny $bounded --algorithm id,fd,minv,fd_derivatives "$iiwa"
         $compiler -DTINY_SELFTEST -DTINY_SELFTEST_MAIN -o test tiny_code.c -lm && ./test >out || { fail "$compiler: $bounded"; cat out; }
     done
+    expect 0 "" --name rows --floating --algorithm fd_derivatives "$hyq" # sums of rows without vectors
+    $compiler -DROWS_SELFTEST -DROWS_SELFTEST_MAIN -o test rows_code.c -lm && ./test >out || { fail "$compiler: rows"; cat out; }
 done
 selftest hyq --floating --algorithm id,fd --block 300 "$hyq"
 selftest pairs --scalar float --floating --limbs 4 --f-ext --algorithm id,minv "$root/models/atlas.urdf"

@@ -122,7 +122,7 @@ struct neighbour {
     codegen::robot r;
 };
 
-/* What is 0 stays 0, rotations are still what rbd.h takes for one, and inertias are physical. */
+/* Zeros stay 0, rotations are still what rbd.h takes for one, and inertias are physical. */
 void move(const drawn &x, uint64_t seed, neighbour *to) {
     const auto change = [&seed]() { return uniform(&seed, -distance, distance); };
     const auto scale = [&change](double *y, int n) {
@@ -212,7 +212,11 @@ void add_example(const drawn &x, const std::vector<neighbour> &near, const input
     try {
         codegen::example e = codegen::compute(x.r, to->name, in, stance);
         if (!to_the_bit) e.out = compute_quad(x.r, to->name, to->code.f, in, stance);
-        if (evaluate(x, to->code.f, in, stance).empty()) return;
+        const std::vector<double> found = evaluate(x, to->code.f, in, stance);
+        if (found.empty()) return;
+        for (size_t k = 0; k < found.size(); k++)
+            if (std::isnan(found[k]) && !std::isnan(e.out[k]))
+                throw std::logic_error(to->name + " gives NaN");
         const double least = least_of(x, *to, e);
         const double tolerance = tolerance_of(x, to->code.f, e, least, scatter_of(x, near, *to, e));
         if (!(tolerance < (x.t.is_float ? 0.05 : 1e-4))) return;

@@ -56,13 +56,6 @@ struct blocks {
         std::vector<int> last(of.size(), -1);
         for (int i : order)
             for (int k : p.operands(i)) last[size_t(k)] = of[size_t(i)];
-        for (const row_call &c : p.f.calls) {
-            const auto next = std::lower_bound(order.begin(), order.end(), c.node);
-            const int at = next == order.end() ? count - 1 : of[size_t(*next)];
-            for (const row_call::store &s : c.stores)
-                if (p.is_for_call(s))
-                    last[size_t(p.source_of(s.x))] = std::max(last[size_t(p.source_of(s.x))], at);
-        }
         return last;
     }
 };

@@ -22,7 +22,7 @@ struct robot {
     bool f_ext, gravity_argument;
     bool reproducible; /* rbd.h's bits under RBD_REPRODUCIBLE */
     bool limbs_alike;  /* the same operations for limbs of one size, if it takes more of them */
-    bool by_rows;      /* sums of rows are calls */
+    bool by_rows;      /* sums of rows are calls; not with lanes, short sums or reproducible */
 };
 
 /* The names of all algorithms; of a body: "NAME:LINK". */
@@ -35,7 +35,8 @@ bool takes_stances(const std::string &name);
 function record_double(const robot &r, const std::string &algorithm);
 function record_float(const robot &r, const std::string &algorithm);
 
-/* For constrained_id: joints without motors that are independent, those that are it best in random states. */
+/* For constrained_id: independent joints without motors, those that depend least on others in random
+   states. */
 std::vector<bool> independent_joints(const robot &r, int stance);
 
 /* States drawn at random, an array for each of `inputs` (the same array for the same name), and rbd.h's

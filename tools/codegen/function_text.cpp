@@ -11,9 +11,7 @@ namespace {
 class writer {
   public:
     writer(const program &p_, const target &t_)
-        : f(p_.f), t(t_), p(p_), b(p, t_.block), c(p, t_), full(t_.name + "_" + f.name) {
-        check_loads();
-    }
+        : f(p_.f), t(t_), p(p_), b(p, t_.block), c(p, t_), full(t_.name + "_" + f.name) {}
     std::string text();
     size_t stack_bytes() const;
 
@@ -35,7 +33,6 @@ class writer {
     std::vector<local> locals() const;
     static size_t padded(size_t angles) { return (angles + 3) / 4 * 4; }
 
-    void check_loads() const;
     std::string calls_before(int i);
     std::string copies() const;
     std::string clears() const;
@@ -51,34 +48,11 @@ class writer {
 
 /* ---- calls on rows ---- */
 
-/* No call may have written a place again before a statement loads it. */
-void writer::check_loads() const {
-    std::vector<std::vector<int>> written(size_t(f.rows)); /* of each place: the calls */
-    const auto check = [&](int i, int at) {
-        const node &n = p.at(i);
-        if (n.op != LOADED) return;
-        for (int k : written[size_t(n.arg[0])])
-            if (k > n.arg[1] && f.calls[size_t(k)].node <= at)
-                throw std::logic_error("a row is read when it has been written again");
-    };
-    for (size_t k = 0; k < f.calls.size(); k++) {
-        for (const row_call::store &s : f.calls[k].stores) {
-            if (p.is_for_call(s)) check(p.source_of(s.x), int(c.name.size())); /* those before it */
-            written[size_t(s.at)].push_back(int(k));
-        }
-        for (int at : places_written(f.calls[k])) written[size_t(at)].push_back(int(k));
-    }
-    for (int i : b.order)
-        for (int k : p.operands(i)) check(k, i);
-    for (value x : f.results) check(node_of(x), int(c.name.size()));
-    for (value x : f.pivots) check(node_of(x), int(c.name.size()));
-}
-
 std::string writer::calls_before(int i) {
     std::string s;
     for (; calls < f.calls.size() && f.calls[calls].node <= i; calls++) {
         for (const row_call::store &x : f.calls[calls].stores)
-            if (p.is_for_call(x) && !c.is_cleared(x))
+            if (p.is_for_call(x) && !c.is_cleared(x.x))
                 s += format("    rows[%d] = %s;\n", x.at, c.of(x.x).c_str());
         s += format("    %s_rows_%zu(rows);\n", full.c_str(), calls);
     }
@@ -104,7 +78,13 @@ std::string writer::copies() const {
             int next = k + n, count = 1;
             while (next < a.size && run(next) == 0) next++;
             const int pitch = next - k, step = at(next) - at(k);
-            while (run(k + count * pitch) == n && at(k + count * pitch) == at(k) + count * step) count++;
+            const auto repeats =
+                [&](int i) { /* the next run behind the one at i - pitch is of the next row */
+                             for (int j = i - pitch + n; j < i; j++)
+                                 if (run(j) > 0) return false;
+                             return run(i) == n && at(i) == at(i - pitch) + step;
+                };
+            while (repeats(k + count * pitch)) count++;
             s += format("    copy_rows(%d, %d, %s + %d, %d, rows + %d, %d);\n", count, n, a.name.c_str(), k,
                         pitch, at(k), step);
             k += (count - 1) * pitch + n - 1;
@@ -119,7 +99,7 @@ template <class function> std::string clear_text(const std::string &name, int si
     std::string s;
     for (int k = 0, n = 0; k < size; k += n ? n : 1, n = 0) {
         while (k + n < size && is_zero(k + n)) n += std::min<int>(FOUR, size - k - n);
-        if (n > 0) s += format("    CLEAR(%d, %s + %d);\n", n, name.c_str(), k);
+        if (n > 0) s += format("    clear_row(%d, %s + %d);\n", n, name.c_str(), k);
     }
     return s;
 }
@@ -127,7 +107,7 @@ template <class function> std::string clear_text(const std::string &name, int si
 std::string writer::clears() const {
     std::vector<char> is_zero(size_t(f.rows), 0);
     for (const row_call &call : f.calls)
-        for (const row_call::store &x : call.stores) is_zero[size_t(x.at)] |= c.is_cleared(x);
+        for (const row_call::store &x : call.stores) is_zero[size_t(x.at)] |= c.is_cleared(x.x);
     std::string s = clear_text("rows", f.rows, [&](int k) { return is_zero[size_t(k)] != 0; });
     const value *first = f.results.data();
     for (const array &a : f.outputs) {

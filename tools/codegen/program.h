@@ -1,6 +1,6 @@
 /* program.h - the statements that a graph becomes. SPDX-License-Identifier: MIT
 
-   What is dead goes, sums become long, products stand inside the sums that use them, so that the compiler can
+   Dead nodes go, sums become long, products stand inside the sums that use them, so that the compiler can
    fuse the two. */
 #ifndef TOOLS_CODEGEN_PROGRAM_H
 #define TOOLS_CODEGEN_PROGRAM_H
@@ -80,13 +80,11 @@ class program {
         return all;
     }
 
-    bool is_for_call(const row_call::store &s) const {
-        return s.late || !is_statement[size_t(source_of(s.x))];
-    }
+    bool is_for_call(const row_call::store &s) const { return !is_statement[size_t(source_of(s.x))]; }
 
     operations count() const {
         operations n = {0, 0, 0, 0, int(angles.size()), 0, 0};
-        for (const row_call &c : f.calls) n.of_fours += count_fours(c);
+        for (const row_call &c : f.calls) n.of_fours += count_fours(c), n.divisions += count_inverses(c);
         for (int i = 0; i < int(terms.size()); i++) {
             if (!is_statement[size_t(i)]) continue;
             const operation op = at(i).op;

@@ -1,4 +1,4 @@
-/* The C text of sums of rows. SPDX-License-Identifier: MIT */
+/* The C text of sums of rows and of solutions. SPDX-License-Identifier: MIT */
 #include "rows.h"
 #include <algorithm>
 
@@ -27,7 +27,6 @@ const char clears_and_copies[] = R"(
 #ifdef __GNUC__
 typedef scalar four __attribute__((vector_size(4 * sizeof(scalar)), aligned(sizeof(scalar)), may_alias));
 #endif
-#define CLEAR(n, to) clear_row(n, to)
 INLINE void clear_row(int n, scalar *to) {
     int j = 0;
 #ifdef __GNUC__
@@ -79,18 +78,18 @@ const char solution[] = R"(
    where its row of L and 1/D are, and how many descendants it has. half: the second alone. */
 #ifdef __GNUC__
 #if defined __AVX512F__ || (defined __AVX__ && defined SCALAR_IS_FLOAT)
-enum { WIDE = 2, MOST_FOURS = 16 }; /* fours in a register; of a row, so that two sums stay in registers */
+enum { WIDE = 2, MOST_AT_ONCE = 16 }; /* fours in a register; of a row, so that two sums stay in registers */
 #else
-enum { WIDE = 1, MOST_FOURS = 6 };
+enum { WIDE = 1, MOST_AT_ONCE = 6 };
 #endif
 typedef scalar wide
     __attribute__((vector_size(4 * WIDE * sizeof(scalar)), aligned(sizeof(scalar)), may_alias));
 #ifdef __clang__ /* unrolls by itself, and loads once what is used twice */
 #define UNROLL
-#define LOADED
+#define ONCE
 #else
 #define UNROLL _Pragma("GCC unroll 8")
-#define LOADED __asm__ volatile("" ::: "memory");
+#define ONCE __asm__ volatile("" ::: "memory");
 #endif
 #define EACH_WIDE UNROLL for (int j = 0; j < (n + WIDE - 1) / WIDE; ++j)
 
@@ -98,7 +97,7 @@ typedef scalar wide
 #define MINUS_TWO(z, f, g) { \
     const wide *from = (const wide *)(z); \
     const scalar of_s = f, of_r = g; \
-    EACH_WIDE { const wide v = from[j]; LOADED s[j] -= v * of_s, r[j] -= v * of_r; } }
+    EACH_WIDE { const wide v = from[j]; ONCE s[j] -= v * of_s, r[j] -= v * of_r; } }
 #define MINUS_ONE(z, f) { \
     const wide *from = (const wide *)(z); \
     const scalar of_s = f; \
@@ -140,7 +139,7 @@ INLINE void solve_columns(const int (*dof)[5], int dofs, int half, scalar sign, 
 }
 INLINE void solve(const int (*dof)[5], int dofs, int half, scalar sign, const scalar *rows, scalar *X,
                   int n) {
-    const int passes = (n + MOST_FOURS - 1) / MOST_FOURS, size = ((n - 1) / passes + WIDE) / WIDE * WIDE;
+    const int passes = (n + MOST_AT_ONCE - 1) / MOST_AT_ONCE, size = ((n - 1) / passes + WIDE) / WIDE * WIDE;
     const int last = (passes - 1) * size;
     for (int j = 0; j < last; j += size) solve_columns(dof, dofs, half, sign, rows, X + 4 * j, size);
     solve_columns(dof, dofs, half, sign, rows, X + 4 * last, n - last);
@@ -263,6 +262,10 @@ std::string call_text(const row_call &c) {
         w.text += "    solve(dof, " + list({int(x.dofs.size()), x.is_half, x.sign}) + ", rows, rows + " +
                   list({x.X, x.fours}) + ");\n";
     return w.text;
+}
+
+int count_inverses(const row_call &c) {
+    return int(std::count_if(c.sums.begin(), c.sums.end(), [](const row_sum &s) { return s.fours() == 0; }));
 }
 
 int count_fours(const row_call &c) {

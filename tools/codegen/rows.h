@@ -2,8 +2,8 @@
 
    Work on whole rows (src/dynamics/packed.h) is no part of the graph: a function has calls instead. The rows
    stand in one memory, in whole fours. Scalars of the graph are stored into it before a call, and loaded
-   from it behind one. Rows that the tree leaves partly zero are written sum by sum; full ones are computed by
-   a loop: much code that runs once waits for its instructions. */
+   from it behind one. No two calls write to one place. Rows that the tree leaves partly zero are written sum
+   by sum; full ones are computed by a loop, whose instructions stay in the cache. */
 #ifndef TOOLS_CODEGEN_ROWS_H
 #define TOOLS_CODEGEN_ROWS_H
 
@@ -48,9 +48,7 @@ struct row_solution {
 /* Sums, then a solution. */
 struct row_call {
     struct store {
-        int at;
-        int x;     /* value */
-        bool late; /* something stands there already */
+        int at, x; /* x: value */
     };
     int node; /* it stands before this node */
     std::vector<store> stores;
@@ -59,11 +57,12 @@ struct row_call {
 };
 
 std::vector<int> places_written(const row_call &c);
-std::string copies_text(); /* CLEAR and COPY */
+std::string copies_text(); /* of runs of scalars, cleared and copied */
 std::string rows_text();
 std::string call_text(const row_call &c); /* the body of its function */
 /* Multiplications and additions, of fours. */
 int count_fours(const row_call &c);
+int count_inverses(const row_call &c);
 
 template <class T> void run_sum(const row_sum &s, std::vector<T> &rows) {
     const auto at = [&rows](int i) -> T & { return rows[size_t(i)]; };

@@ -18,41 +18,35 @@ static class row_recorder {
     void begin(function *to, bool on) {
         f = to, is_on = on;
         f->rows = 0;
-        now.clear(), numbers.clear(), factors.clear();
+        numbers.clear(), factors.clear();
     }
 
     /* Places for so many scalars, in whole fours, or for a matrix in what the largest registers hold. */
     int take(int size, int whole = FOUR) {
         const int at = (f->rows + whole - 1) / whole * whole;
         f->rows = at + (size + FOUR - 1) / FOUR * FOUR;
-        now.resize(size_t(f->rows), NOWHERE), numbers.resize(size_t(f->rows));
+        numbers.resize(size_t(f->rows));
         return at;
     }
     static int fours(int columns) { return (columns + FOUR - 1) / FOUR; }
 
     row_call start() { return {0, {}, {}, {}}; }
     void put(row_call *c, int at, number y) {
-        const value x = record(y.x);
-        if (now[size_t(at)] == x) return;
-        c->stores.push_back({at, x, now[size_t(at)] != NOWHERE});
-        now[size_t(at)] = x, numbers[size_t(at)] = y;
+        c->stores.push_back({at, record(y.x)});
+        numbers[size_t(at)] = y;
     }
-    /* The value at a place after all recorded calls; 0 if none has written it. */
-    number load(int at) const { return now[size_t(at)] == NOWHERE ? number(0) : numbers[size_t(at)]; }
-
     void finish(row_call c) {
         c.node = int(tape->nodes.size());
-        for (int at : places_written(c)) {
-            const number y = number::of(write(LOADED, at, int(f->calls.size())));
-            now[size_t(at)] = record(y.x), numbers[size_t(at)] = y;
-        }
+        for (int at : places_written(c))
+            numbers[size_t(at)] = number::of(write(LOADED, at, int(f->calls.size())));
         f->calls.push_back(std::move(c));
     }
+    /* The value at a place after all recorded calls. */
+    number load(int at) const { return numbers[size_t(at)]; }
 
   private:
     function *f;
-    std::vector<value> now;      /* what stands at each place, as recorded; or NOWHERE */
-    std::vector<number> numbers; /* the same, as written */
+    std::vector<number> numbers; /* at each place */
 } recorder;
 
 /* ---- packed matrices, see rbd.h's [packed matrix] ---- */
@@ -160,7 +154,7 @@ static void solve_rows(const rbd_model *m, const row_factor &L, int sign, ptrdif
 
 template <class model>
 bool rows_solve(const model *m, const number *L, int sign, ptrdiff_t stride, int n, number *X, number *Y) {
-    if (!recorder.is_on || !factors.count(L) || n > MOST_COLUMNS) return false;
+    if (!recorder.is_on || !factors.count(L)) return false;
     std::vector<number *> all = {X};
     if (Y) all.push_back(Y);
     solve_rows(m, factors[L], sign, stride, n, all, false);

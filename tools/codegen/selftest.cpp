@@ -77,7 +77,7 @@ std::string beyond(const function &f, const target &t, const std::string &call) 
            join(f.outputs.size(), " && ", has_numbers) + ") return 2;\n    return 0;\n";
 }
 
-/* What the states have from x on of an array, six numbers to a line. */
+/* An array from x on in all states, six numbers to a line. */
 std::string table(const std::vector<const double *> &states, const std::string &name, int size,
                   const target &t) {
     std::string s = format("static const scalar %s[%zu][%d] = {\n", name.c_str(), states.size(), size);

@@ -62,7 +62,6 @@ class statements {
 
     /* A zero, which is stored before all statements. With stances it may be zero in some of them alone. */
     bool is_cleared(value x) const { return t.lanes == 1 && p.f.stances == 0 && p.f.code.is(x, 0); }
-    bool is_cleared(const row_call::store &x) const { return !x.late && is_cleared(x.x); }
 
   private:
     const program &p;
