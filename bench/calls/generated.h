@@ -51,9 +51,9 @@ struct lane_memory {
 
 /* The states from s on; those beyond the last are the last once more. */
 static void gather(const void *rows, int n, int s, int states, real *lanes) {
-    const double *row[CODE_LANES];
+    const SCALAR *row[CODE_LANES];
     for (int j = 0; j < CODE_LANES; j++)
-        row[j] = (const double *)rows + (s + j < states ? s + j : states - 1) * n;
+        row[j] = (const SCALAR *)rows + (s + j < states ? s + j : states - 1) * n;
     for (int k = 0; k < n; k++)
 #if CODE_LANES == 2
         lanes[k] = (real){row[0][k], row[1][k]};
@@ -65,14 +65,14 @@ static void gather(const void *rows, int n, int s, int states, real *lanes) {
 #endif
 }
 
-static void scatter(const real *lanes, int n, int s, int states, double *rows) {
+static void scatter(const real *lanes, int n, int s, int states, SCALAR *rows) {
     for (int j = 0; j < CODE_LANES && s + j < states; j++)
         for (int k = 0; k < n; k++) rows[(s + j) * n + k] = lanes[k][j];
 }
 
 /* The states from s on stand in lanes already, the last block filled; a result of several parts is copied. */
 static rbd_status run_block(group_call *call, int parts, int results, struct lane_memory *l, int s,
-                            const double *q, const double *v, const double *x, double *out) {
+                            const SCALAR *q, const SCALAR *v, const SCALAR *x, SCALAR *out) {
     const struct group g = {(const real *)(q + s * NQ), (const real *)(v + s * NV),
                             (const real *)(x + s * NV), parts > 1 ? l->out : (real *)(out + s * results)};
     const rbd_status status = call(&g);
@@ -100,7 +100,7 @@ static rbd_status run(group_call *call, enum takes takes, int parts, int results
         const rbd_status status = call(&g);
         if (status != RBD_OK) return status;
         for (int p = 0; p < parts; p++)
-            scatter(l->out + p * results, results, s, states, (double *)out + p * BATCH * results);
+            scatter(l->out + p * results, results, s, states, (SCALAR *)out + p * BATCH * results);
     }
     return RBD_OK;
 }

@@ -399,11 +399,20 @@ def as_csv(rows):
     return text.getvalue()
 
 
+def refuse_other_compilers(targets):
+    """Some rows are accepted only beside those of the same compiler: check_budgets compares no others."""
+    for target, title in sorted({(r["target"], r["compiler"]) for r in read_accepted() if r["target"] in targets}):
+        if title != compiler(target):
+            die(f"--brief --accept: the accepted figures of {target} are of {title}, this is {compiler(target)}; "
+                f"./run firmware --target {target} --accept")
+
+
 def accept(rows, brief):
-    """In place of all rows of their targets; brief: of the same rows alone."""
-    targets = {r["target"] for r in rows}
-    accepted = {key(r): r for r in read_accepted() if brief or r["target"] not in targets}
-    rows = sorted({**accepted, **{key(r): r for r in rows}}.values(), key=lambda r: TARGETS.index(r["target"]))
+    """In place of all rows of their targets; brief: of the same rows alone. What was there keeps its place, what is
+    new comes last of its target."""
+    targets, new = {r["target"] for r in rows}, {key(r): r for r in rows}
+    accepted = {key(r): r for r in read_accepted() if brief or r["target"] not in targets or key(r) in new}
+    rows = sorted({**accepted, **new}.values(), key=lambda r: TARGETS.index(r["target"]))
     ACCEPTED.parent.mkdir(exist_ok=True)
     partial = ACCEPTED.with_suffix(".new")
     partial.write_text(as_csv(rows))
@@ -622,7 +631,7 @@ def options():
     parser.add_argument("--format", choices=["table", "csv"], default="table")
     parser.add_argument("--proofs", action="store_true", help="print what the proofs found")
     parser.add_argument("--accept", action="store_true", help="make these figures the budgets, bench/results/firmware.csv; "
-                        "with --brief those shown alone")
+                        "with --brief those shown alone, and of the examples all that ran")
     parser.add_argument("--codegen", type=pathlib.Path, help="an rbd-codegen, for the figures of generated code; ./run "
                         "firmware gives its own")
     parser.add_argument("--if-possible", action="store_true", help="exit with status 77 if something is not installed")
@@ -684,6 +693,8 @@ def main():
         levels = [wanted.level] if wanted.level in LEVELS else LEVELS
         if not set(parts) < set(PARTS):
             die("--brief takes some of " + ", ".join(PARTS))
+        if wanted.accept:
+            refuse_other_compilers(targets)
     codegen = wanted.codegen if "more" in parts else None
     level = wanted.level or levels[-1]
     rows, examples = [], {}

@@ -27,8 +27,8 @@ const struct library *const libraries[LIBRARIES] = {
     [IIWA_CODE] = &library_iiwa_code,
     [HYQ_CODE] = &library_hyq_code,
     [ATLAS_CODE] = &library_atlas_code,
-#ifdef BENCH_FIXED
     [IIWA_FIXED] = &library_iiwa_fixed,
+#ifdef BENCH_FIXED
     [HYQ_FIXED] = &library_hyq_fixed,
     [ATLAS_FIXED] = &library_atlas_fixed,
 #endif

@@ -269,7 +269,7 @@ def progress_of(command):
 
 def grid_times(o, compiler, path):
     """Single calls of rbd in float, bases fixed, with gravity: for any robot, and of generated code."""
-    rows = []  # the code is compiled for this step alone
+    rows = []  # the folder's first builds are without this code, then it keeps the option
     call(["meson", "configure", folder_of(o, compiler, "native"), "-Dbench_fixed_base=true"])
     BUILT.pop((compiler, "native", "rbd-bench"), None)
     for variant in ("run-time", "generated"):

@@ -13,7 +13,7 @@ RBDI_INLINE rbdi_v3 rbdi_unit_axis(const rbdi_pose *X, int axis) {
 }
 
 /* Motion of a point of a link for unit velocity of its spatial unit axis, which is a: (a; a x arm) or, if it
-   slides, (0; a). arm: from the link's origin to the point. */
+   slides, (0; a); a screw: rho and kappa times these. arm: from the link's origin to the point. */
 RBDI_INLINE rbdi_motion rbdi_axis_motion(const rbdi_link *l, int axis, rbdi_v3 a, rbdi_v3 arm) {
     rbdi_motion c;
     c.omega = axis < 3 ? a : rbdi_vec0();
@@ -32,8 +32,7 @@ RBDI_INLINE rbdi_motion rbdi_column(const rbd_model *m, const rbd_work *w, int i
     return rbdi_axis_motion(l, axis, rbdi_unit_axis(X, axis), rbdi_sub(r, X->r));
 }
 
-/* Writes the column of J of a link's axis, in the axes E if there are any; or, if there is a factor, adds it
-   times this. */
+/* Stores a link's column in J, in the axes E if given; with a factor adds factor times the column. */
 RBDI_INLINE void rbdi_put_column(const rbdi_link *l, const rbdi_pose *X, int axis, rbdi_v3 arm,
                                  const rbdi_mat *E, const rbd_real *factor, rbd_real *J, ptrdiff_t nv) {
     rbdi_v3 a = rbdi_unit_axis(X, axis);
@@ -55,8 +54,8 @@ RBDI_ONCE void rbdi_put_path(const rbd_model *m, const rbd_work *w, int i, int e
     for (; i != end; i = m->link[i].parent) {
         const rbdi_link *l = &m->link[i];
         const rbdi_pose *X = &w->kin[i].X;
-        const rbd_real ratio = sign ? rbdi_ratio(m, l->iv) * (rbd_const)sign : rbdi_zero(),
-                       *factor = sign ? &ratio : NULL;
+        const rbd_real ratio = sign ? rbdi_ratio(m, l->iv) * (rbd_const)sign : rbdi_zero();
+        const rbd_real *factor = sign ? &ratio : NULL;
         rbd_real *to = &J[sign ? rbdi_source(m, l->iv) : l->iv];
         rbdi_v3 arm = rbdi_sub(r, X->r);
         if (E) arm = rbdi_mul(*E, arm);
@@ -85,7 +84,9 @@ static rbd_status rbdi_put_jacobian(const rbd_model *m, const rbd_work *w, int b
     link = m->frame[body].link, other = reference < 0 ? -1 : m->frame[reference].link;
     if (axes >= 0) E = rbdi_axes_of(m, w, axes);
     rbdi_clear(J, 6 * m->nv);
-    if (reference < 0 && axes < 0 && rbdi_mimics(m) == 0) { /* with constants: half the instructions */
+    /* Apart for speed: inlined with E and sign constant the loop has half the instructions; it shows in rows
+       jacobian, body_jacobian. */
+    if (reference < 0 && axes < 0 && rbdi_mimics(m) == 0) {
         rbdi_put_path(m, w, link, -1, r, NULL, 0, J);
         return RBD_OK;
     }
