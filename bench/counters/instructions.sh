@@ -129,8 +129,8 @@ compile_generated() { # COMPILER
                 $option $root "$bench/../models/$robot.urdf"
             compile "$1" double -c "$work/${name}_code.c" -o "$work/${name}_code.o"
             compile "$1" double -DLIBRARY="library_$name" -DCODE="$name" -DCODE_ROBOT="\"$robot\"" \
-                -DCODE_HEADER="\"${name}_code.h\"" -DCODE_LANES=$lanes -DCODE_NQ="${upper}_NQ" \
-                -DCODE_NV="${upper}_NV" -c "$bench/calls/library.c" -o "$work/$name.o"
+                -DCODE_HEADER="\"${name}_code.h\"" -DCODE_LANES=$lanes -DCODE_REAL=double -DCODE_FIXED=false \
+                -DCODE_NQ="${upper}_NQ" -DCODE_NV="${upper}_NV" -c "$bench/calls/library.c" -o "$work/$name.o"
             special="$special $work/$name.o $work/${name}_code.o"
         done
     done
