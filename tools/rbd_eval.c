@@ -150,7 +150,7 @@ static void print_names(const columns *c) {
 }
 
 static void print_numbers(const double *x, int n) {
-    for (int i = 0; i < n; i++) printf("%s%.17g", i ? "," : "", x[i]);
+    for (int i = 0; i < n; i++) printf("%s%.17g", i ? "," : "", x[i] + 0.0); /* -0 is written 0 */
     printf("\n");
 }
 
