@@ -286,6 +286,7 @@ const double least = 0.001; /* that the largest entry of an output counts as */
 /* Largest error of an output relative to its largest entry. */
 template <class T> double error_of(const codegen::function &f, const codegen::example &e) {
     const std::vector<T> found = codegen::evaluate<T>(f, e.in, e.stance);
+    if (found.empty()) return HUGE_VAL; /* a pivot near its limit in one scalar alone */
     double worst = 0;
     size_t k = 0;
     for (const codegen::array &a : f.outputs) {

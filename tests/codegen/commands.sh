@@ -139,6 +139,20 @@ for compiler in tcc "${CC:-cc} -mfpmath=387"; do
     expect 0 "" --name rows --floating --algorithm fd_derivatives "$hyq" # sums of rows without vectors
     $compiler -DROWS_SELFTEST -DROWS_SELFTEST_MAIN -o test rows_code.c -lm && ./test >out || { fail "$compiler: rows"; cat out; }
 done
+# rows of more fours than a sum holds, and registers of this machine
+{
+    echo "<robot name='chain'><link name='0'>$(inertia 1)</link>"
+    for k in $(seq 45); do
+        echo "<link name='$k'>$(inertia 1)</link><joint name='j$k' type='continuous'><parent link='$((k - 1))'/><child link='$k'/>
+<origin xyz='0.1 0 0'/><axis xyz='$((k % 2)) $((1 - k % 2)) 0'/></joint>"
+    done
+    echo "</robot>"
+} >chain.urdf
+for scalar in double float; do
+    expect 0 "" --name chain --scalar $scalar --algorithm minv chain.urdf
+    ${CC:-cc} -O1 -march=native -Wno-psabi -DCHAIN_SELFTEST -DCHAIN_SELFTEST_MAIN -o test chain_code.c -lm && ./test >out ||
+        { fail "a chain of 45 joints, $scalar"; cat out; }
+done
 selftest hyq --floating --algorithm id,fd --block 300 "$hyq"
 selftest pairs --scalar float --floating --limbs 4 --f-ext --algorithm id,minv "$root/models/atlas.urdf"
 grep -q "^#define LIMBS 2" pairs_code.c || fail "the pairs of limbs are not computed at once"

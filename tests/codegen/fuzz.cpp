@@ -1,7 +1,7 @@
 // fuzz.cpp - writes code of a random robot, with rbd.h's results in random states as its self-test: all
 // functions, by options that the robot's number draws.
 // usage: fuzz FOLDER NUMBER, writes FOLDER/fNUMBER_code.h and .c
-#include "../../tools/codegen/codegen.h"
+#include "quad.h"
 #include "rbd.h"
 #include "rbd_constraints.h"
 #include <cfloat>
@@ -178,7 +178,7 @@ std::vector<double> scatter_of(const drawn &x, const std::vector<neighbour> &nea
         const input in = moved(x, e.in, n);
         const std::vector<double> y = evaluate(x, to.nearby[n], in, e.stance);
         if (y.empty()) return std::vector<double>(e.out.size(), HUGE_VAL);
-        const std::vector<double> exact = compute_quad(near[n].r, to.name, to.code.f, in, e.stance);
+        const std::vector<double> exact = compute_quad(near[n].r, to.name, in, e.stance);
         for (size_t k = 0; k < y.size(); k++) {
             const double difference = y[k] - exact[k],
                          known = std::isfinite(difference) ? difference : HUGE_VAL;
@@ -211,7 +211,7 @@ void add_example(const drawn &x, const std::vector<neighbour> &near, const input
     const bool to_the_bit = x.t.is_reproducible && !x.t.is_float;
     try {
         codegen::example e = codegen::compute(x.r, to->name, in, stance);
-        if (!to_the_bit) e.out = compute_quad(x.r, to->name, to->code.f, in, stance);
+        if (!to_the_bit) e.out = compute_quad(x.r, to->name, in, stance);
         const std::vector<double> found = evaluate(x, to->code.f, in, stance);
         if (found.empty()) return;
         for (size_t k = 0; k < found.size(); k++)

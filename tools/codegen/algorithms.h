@@ -48,8 +48,6 @@ static void demand(rbd_status status) {
 
 static void kinematics(const call &c) { demand(rbd_kinematics(c.m, c.w, c.q, NULL, NULL)); }
 
-static rbd_status run_constrained_id(const call &c);
-
 /* Delta, once an impact has carried the rows through the tree. */
 static rbd_status run_delta(const call &c) {
     const std::vector<rbd_real> still(size_t(rbd_nv(c.m)), rbd_real(0));
@@ -132,7 +130,8 @@ static const struct algorithm {
         "J M^-1 J' of the constraints, as rbd_contact_solve takes it: the inverse of the inertia at the "
         "contacts.",
         {"Delta", "rows x rows of all constraints, both triangles", size_delta}),
-    ROW("constrained_id", "qvafg", HELD, run_constrained_id(c),
+    ROW("constrained_id", "qvafg", HELD,
+        rbd_constrained_id(c.m, c.set, c.q, c.v, c.a, c.f_ext, c.actuated, NULL, c.out[0], c.out[1]),
         "Inverse dynamics with constraints, of all lambda with tau = 0 at joints without motors the least: "
         "rbd_constrained_id.",
         {"tau", "nv", size_nv}, {"lambda", "constraint forces, of the held axes row after row", size_held}),
@@ -235,3 +234,18 @@ struct session {
         return all;
     }
 };
+
+/* The results for an array of each argument that the call takes. */
+template <class inputs> std::vector<rbd_real> results_for(session *s, const robot &r, const inputs &in) {
+    std::vector<rbd_real> x[ARGUMENTS];
+    const typename inputs::value_type::value_type *gravity = r.gravity;
+    size_t given = 0;
+    for (int k = 0; k < ARGUMENTS; k++) {
+        if (!s->takes(r, k)) continue;
+        if (k == GRAVITY) gravity = in[given].data();
+        x[k].assign(in[given].begin(), in[given].end());
+        given++;
+    }
+    demand(rbd_set_gravity(s->c.w, gravity));
+    return s->run(x, s->row->run);
+}

@@ -18,10 +18,6 @@ namespace {
 #include "algorithms.h"
 #include "held.h"
 
-rbd_status run_constrained_id(const call &c) {
-    return rbd_constrained_id(c.m, c.set, c.q, c.v, c.a, c.f_ext, c.actuated, NULL, c.out[0], c.out[1]);
-}
-
 /* In -1 to 1, the same on all machines. */
 double draw(uint64_t *seed) {
     *seed = *seed * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
@@ -104,12 +100,7 @@ std::vector<bool> independent_joints(const robot &r, int stance) {
 example compute(const robot &r, const std::string &name, const std::vector<std::vector<double>> &in,
                 int stance) {
     session s(r, name, stance);
-    std::vector<double> x[ARGUMENTS];
-    size_t given = 0;
-    for (int k = 0; k < ARGUMENTS; k++)
-        if (s.takes(r, k)) x[k] = in[given++];
-    demand(rbd_set_gravity(s.c.w, x[GRAVITY].empty() ? r.gravity : x[GRAVITY].data()));
-    example e = {in, s.run(x, s.row->run), stance, 0, 0};
+    example e = {in, results_for(&s, r, in), stance, 0, 0};
     if (s.c.set) e.rows = rbd_constraint_rows(s.c.set), e.rank = rbd_constraint_rank(s.c.set);
     return e;
 }

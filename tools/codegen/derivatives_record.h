@@ -353,6 +353,7 @@ static rbd_status record_fd_derivatives(const call &c) {
 
 /* The recording in place of that of rbd.h's call; NULL if there is none. */
 static rbd_status (*record_of(const std::string &name))(const call &c) {
+    if (name == "constrained_id") return record_constrained_id;
     if (name == "fd_derivatives") return record_fd_derivatives;
     if (name == "id_derivatives")
         return

@@ -59,35 +59,35 @@ std::string writer::calls_before(int i) {
     return s;
 }
 
-/* Results that stand in rows: runs, one behind the other, which repeat with rows of a matrix. */
+/* Results that stand in rows, in runs, of which several may be rows of one matrix. */
 std::string writer::copies() const {
+    struct run {
+        int to, from, n;
+    };
     std::string s;
     size_t first = 0;
     for (const array &a : f.outputs) {
-        const auto at = [&](int k) {
-            if (k >= a.size || !c.is_copied(f.results[first + size_t(k)])) return -1;
-            return p.at(node_of(f.results[first + size_t(k)])).arg[0];
-        };
-        const auto run = [&](int k) {
-            int n = at(k) >= 0;
-            while (n > 0 && at(k + n) == at(k) + n) n++;
-            return n;
-        };
-        for (int k = 0, n; k < a.size; k++) {
-            if ((n = run(k)) == 0) continue;
-            int next = k + n, count = 1;
-            while (next < a.size && run(next) == 0) next++;
-            const int pitch = next - k, step = at(next) - at(k);
-            const auto repeats =
-                [&](int i) { /* the next run behind the one at i - pitch is of the next row */
-                             for (int j = i - pitch + n; j < i; j++)
-                                 if (run(j) > 0) return false;
-                             return run(i) == n && at(i) == at(i - pitch) + step;
-                };
-            while (repeats(k + count * pitch)) count++;
-            s += format("    copy_rows(%d, %d, %s + %d, %d, rows + %d, %d);\n", count, n, a.name.c_str(), k,
-                        pitch, at(k), step);
-            k += (count - 1) * pitch + n - 1;
+        std::vector<run> runs;
+        for (int k = 0; k < a.size; k++) {
+            const value x = f.results[first + size_t(k)];
+            if (!c.is_copied(x)) continue;
+            const int at = p.at(node_of(x)).arg[0];
+            if (!runs.empty() && runs.back().to + runs.back().n == k &&
+                runs.back().from + runs.back().n == at)
+                runs.back().n++;
+            else
+                runs.push_back({k, at, 1});
+        }
+        for (size_t i = 0, count = 1; i < runs.size(); i += count, count = 1) {
+            const run &x = runs[i], &next = runs[std::min(i + 1, runs.size() - 1)];
+            const int pitch = next.to - x.to, step = next.from - x.from;
+            for (; i + count < runs.size(); count++) {
+                const run &y = runs[i + count];
+                if (y.n != x.n || y.to != x.to + int(count) * pitch || y.from != x.from + int(count) * step)
+                    break;
+            }
+            s += format("    copy_rows(%zu, %d, %s + %d, %d, rows + %d, %d);\n", count, x.n, a.name.c_str(),
+                        x.to, pitch, x.from, step);
         }
         first += size_t(a.size);
     }

@@ -366,6 +366,7 @@ class packer {
     void build() {
         std::vector<unsigned> wanted(packs.size(), 0); /* lanes that are results, and negative */
         out.code = graph();
+        out.code.is_float = f.code.is_float;
         for (size_t p = 0; p < packs.size(); p++) /* angles side by side */
             for (int i : packs[p])
                 if (at(i).op == SINE || at(i).op == COSINE) scalar(at(i).arg[0]);

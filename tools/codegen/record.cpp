@@ -188,22 +188,21 @@ static void rows_pivot(number pivot, number least) {
 #include "algorithms.h"
 #include "held.h"
 #include "rows_record.h"
-#include "derivatives_record.h"
 
 static std::vector<bool> kept; /* joints of run_without_rank */
-rbd_status run_constrained_id(const call &c) {
-    return run_without_rank(
-        c,
-        [](size_t k, number pivot, number entry) {
-            if (kept[k]) rows_pivot(pivot, entry * RBDI_CLEAR);
-            return bool(kept[k]);
-        },
-        [](size_t k, number rest, number entry) { /* 0 if the rows hold this joint, which they did not */
-                                                  if (!kept[k])
-                                                      row_pivots.push_back(
-                                                          select(entry * RBDI_CLEAR < rest, 0, 1));
-        });
+static rbd_status record_constrained_id(const call &c) {
+    const auto keeps = [](size_t k, number pivot, number entry) {
+        if (kept[k]) rows_pivot(pivot, entry * RBDI_CLEAR);
+        return bool(kept[k]);
+    };
+    /* 0 if the rows hold a joint that they did not */
+    const auto checks = [](size_t k, number rest, number entry) {
+        if (!kept[k]) row_pivots.push_back(select(entry * RBDI_CLEAR < rest, 0, 1));
+    };
+    return run_without_rank(c, keeps, checks);
 }
+
+#include "derivatives_record.h"
 
 /* That a pivot's inverse is finite is taken for granted: what is not is refused with the pivot. */
 static mask operator<(number a, number b) {

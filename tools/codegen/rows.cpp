@@ -5,7 +5,7 @@
 namespace codegen {
 namespace {
 
-static_assert(MOST_FOURS == 10, "the texts below have room for as many");
+static_assert(MOST_FOURS == 10 && MOST_COLUMNS == 120, "the texts below have room for as many");
 
 /* s, the row that is made, by fours; those from i on, n of them. By vectors each number of fours has its own
    macros: compilers need not unroll anything. k: where a factor stands; x: where a row does. */
@@ -253,15 +253,13 @@ std::string call_text(const row_call &c) {
         return s;
     };
     sum_writer w;
-    std::string table;
     for (const row_sum &r : c.sums) w.write(r);
+    if (x.dofs.empty()) return w.text;
+    w.text += "    static const int dof[][5] = {";
     for (const row_solution::dof &d : x.dofs)
-        table += "{" + list({d.row, d.depth, d.factors, d.inverse, d.descendants}) + "},";
-    if (!x.dofs.empty()) w.text += "    static const int dof[][5] = {" + table + "};\n";
-    if (!x.dofs.empty())
-        w.text += "    solve(dof, " + list({int(x.dofs.size()), x.is_half, x.sign}) + ", rows, rows + " +
-                  list({x.X, x.fours}) + ");\n";
-    return w.text;
+        w.text += "{" + list({d.row, d.depth, d.factors, d.inverse, d.descendants}) + "},";
+    return w.text + "};\n    solve(dof, " + list({int(x.dofs.size()), x.is_half, x.sign}) +
+           ", rows, rows + " + list({x.X, x.fours}) + ");\n";
 }
 
 int count_inverses(const row_call &c) {

@@ -13,6 +13,7 @@
 namespace codegen {
 
 enum { FOUR = 4, MOST_FOURS = 10 /* of one sum: as many as there are registers for */, NOWHERE = -1 };
+enum { MOST_COLUMNS = 120 /* a set of fours is a word */, WHOLE = 8 /* rows start at multiples of it */ };
 
 /* The row at `to` = scale * the row at `from`, minus the sum of factors times rows. All are places in memory.
    A set of fours has a bit for each: own are those of the row at `from`, the others count as 0. Without

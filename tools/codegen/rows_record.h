@@ -1,8 +1,6 @@
 /* rows_record.h - what rbd.h does to rows, as calls instead of scalars. Included behind rbd.h by record.cpp.
    SPDX-License-Identifier: MIT */
 
-enum { MOST_COLUMNS = 120 /* a set of fours is a word */, WHOLE = 8 /* rows start at multiples of it */ };
-
 /* Where a factor stands: the rows of L, and 1/D. */
 struct row_factor {
     std::vector<int> row;
@@ -30,7 +28,6 @@ static class row_recorder {
     }
     static int fours(int columns) { return (columns + FOUR - 1) / FOUR; }
 
-    row_call start() { return {0, {}, {}, {}}; }
     void put(row_call *c, int at, number y) {
         c->stores.push_back({at, record(y.x)});
         numbers[size_t(at)] = y;
@@ -72,7 +69,7 @@ static unsigned first_fours(int columns) { return (1u << row_recorder::fours(col
 /* Rows of U = D L, then those of L. */
 template <class model, class work> bool rows_factor(const model *m, work *w, number *H) {
     if (!recorder.is_on || m->nv > MOST_COLUMNS) return false;
-    row_call c = recorder.start();
+    row_call c = {};
     std::vector<int> U;
     row_factor L;
     for (int k = 0; k < m->nv; k++) {
@@ -133,7 +130,7 @@ static void solve_rows(const rbd_model *m, const row_factor &L, int sign, ptrdif
     const int fours = int(columns.size()) / FOUR;
     columns.resize((columns.size() + WHOLE - 1) / WHOLE * WHOLE);
     const int pitch = int(columns.size()), X = recorder.take(m->nv * pitch, WHOLE);
-    row_call c = recorder.start();
+    row_call c = {};
     c.solution = {{}, X, fours, sign, is_identity};
     for (int s = 0; s < m->nv; s++) {
         const int k = m->node[s].dof;
