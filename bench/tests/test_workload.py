@@ -210,6 +210,20 @@ class Resuming(unittest.TestCase):
                     self.assertEqual(sorted(os.listdir(folder)), ["a"])
             self.assertEqual(done, ["a", "b", "b", "c"])
 
+    def test_each_program_is_built_as_this_run_wants_it(self):
+        calls, call, built = [], report.call, report.BUILT
+        with tempfile.TemporaryDirectory() as folder:
+            os.makedirs(os.path.join(folder, "build-gcc-native"))
+            open(os.path.join(folder, "build-gcc-native", "build.ninja"), "w").close()  # of an earlier run
+            report.call, report.BUILT = lambda command: calls.append(command[-1]), {}
+            try:
+                for fixed_base in (False, False, True, True, False):
+                    report.bench(type("options", (), {"output": folder}), "gcc", "native", fixed_base)
+            finally:
+                report.call, report.BUILT = call, built
+        self.assertEqual(calls, ["-Dbench_fixed_base=false", "bench/rbd-bench", "-Dbench_fixed_base=true",
+                                 "bench/rbd-bench", "-Dbench_fixed_base=false", "bench/rbd-bench"])
+
 
 class Staleness(unittest.TestCase):
     MACHINE = {"libraries": ["rbd 1"], "counters": ["task_clock_ns"], "message": "not permitted"}

@@ -170,20 +170,21 @@ def cpp_of(o, compiler):
     return (name != compiler and shutil.which(name)) or shutil.which("g++") or "c++"
 
 
-BUILT = {}  # (compiler, march, name): path
+BUILT = {}  # (compiler, march, name): the value of bench_fixed_base that it was built with in this run
 
 
-def program(o, compiler, march, name):
-    """The path of a program of bench/, which is built if it was not in this run."""
-    key = (compiler, march, name)
-    if key not in BUILT:
-        folder = folder_of(o, compiler, march)
+def program(o, compiler, march, name, fixed_base=False):
+    """The path of a program of bench/, which is built if it was not in this run; fixed_base: with generated code of
+    HyQ and Atlas on fixed bases."""
+    key, folder = (compiler, march, name), folder_of(o, compiler, march)
+    if BUILT.get(key) != fixed_base:
         progress("report: building %s with %s, -march=%s " % (name, compiler, march))
         if not os.path.exists(os.path.join(folder, "build.ninja")):
             configure(o, folder, compiler, march)
+        call(["meson", "configure", folder, "-Dbench_fixed_base=%s" % str(fixed_base).lower()])
         call(["ninja", "-C", folder, "bench/" + name])
-        BUILT[key] = os.path.join(folder, "bench", name)
-    return BUILT[key]
+        BUILT[key] = fixed_base
+    return os.path.join(folder, "bench", name)
 
 
 def configure(o, folder, compiler, march):
@@ -211,8 +212,8 @@ def assembler_for_valgrind(folder):
     return folder
 
 
-def bench(o, compiler, march):
-    return program(o, compiler, march, "rbd-bench")
+def bench(o, compiler, march, fixed_base=False):
+    return program(o, compiler, march, "rbd-bench", fixed_base)
 
 
 ROUNDS = 2
@@ -269,11 +270,9 @@ def progress_of(command):
 
 def grid_times(o, compiler, path):
     """Single calls of rbd in float, bases fixed, with gravity: for any robot, and of generated code."""
-    rows = []  # the folder's first builds are without this code, then it keeps the option
-    call(["meson", "configure", folder_of(o, compiler, "native"), "-Dbench_fixed_base=true"])
-    BUILT.pop((compiler, "native", "rbd-bench"), None)
+    rows = []
     for variant in ("run-time", "generated"):
-        progress_of([bench(o, compiler, "native"), "--library", "rbd", "--variant", variant, "--scalar", "float", "--fixed-base",
+        progress_of([bench(o, compiler, "native", True), "--library", "rbd", "--variant", variant, "--scalar", "float", "--fixed-base",
                      "--gravity", "--samples", str(o.samples), "--experiments", str(o.experiments), "--format", "csv",
                      "--output", path])
         rows += read(path)
