@@ -111,10 +111,14 @@ int read_algorithms(options *o, const char *list) {
     o->algorithms.clear();
     for (size_t comma; (comma = rest.find(',')) != std::string::npos; rest.erase(0, comma + 1)) {
         const std::string name = own_name(rest.substr(0, comma));
-        bool again = false;
-        for (const std::string &x : o->algorithms) again = again || x == name;
         if (check_algorithm(name) != 0) return EXIT_USAGE;
-        if (again) return usage_error("--algorithm: '%s' stands twice", name.c_str());
+        for (const std::string &x : o->algorithms) {
+            const std::string in_c = codegen::name_in_c(name);
+            if (x == name) return usage_error("--algorithm: '%s' stands twice", name.c_str());
+            if (codegen::name_in_c(x) == in_c)
+                return usage_error("--algorithm: '%s' and '%s' have one name in C, '%s'", x.c_str(),
+                                   name.c_str(), in_c.c_str());
+        }
         o->algorithms.push_back(name);
     }
     return 0;

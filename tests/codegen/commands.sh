@@ -41,6 +41,8 @@ expect 2 "--name: '1x' is not a C identifier$see" --name 1x a
 expect 2 "'a-b' is not a C identifier: give a --name$see" a-b.urdf
 expect 2 "--algorithm: there is no 'ik'$see" --algorithm id,ik a
 expect 2 "--algorithm: 'id' stands twice$see" --algorithm id,id a
+expect 2 "--algorithm: 'pose:left-foot' and 'pose:left_foot' have one name in C, 'pose_left_foot'$see" \
+    --algorithm pose:left-foot,id,pose:left_foot a
 expect 2 "--algorithm: its value is missing$see" --algorithm
 expect 2 "--scalar: 'half' is neither double nor float$see" --scalar half a
 expect 2 "--lanes: '3' is none of 2, 4, 8, 16$see" --lanes 3 a

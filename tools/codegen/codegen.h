@@ -27,6 +27,7 @@ struct robot {
 
 /* The names of all algorithms; of a body: "NAME:LINK". */
 std::vector<std::string> algorithm_names();
+std::string name_in_c(std::string name); /* of "jacobian:left foot": "jacobian_left_foot" */
 bool takes_constraints(const std::string &name);
 bool takes_stances(const std::string &name);
 

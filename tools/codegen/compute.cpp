@@ -48,6 +48,12 @@ std::vector<std::string> algorithm_names() {
     return names;
 }
 
+std::string name_in_c(std::string name) {
+    for (char &c : name)
+        if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
+    return name;
+}
+
 bool takes_constraints(const std::string &name) { return row_of(name) && row_of(name)->traits & HELD; }
 bool takes_stances(const std::string &name) {
     return row_of(name) && (row_of(name)->traits & ALL_HELD) == HELD;

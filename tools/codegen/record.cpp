@@ -261,13 +261,6 @@ static void record_set(const robot &r, const std::string &name, int stance, func
     f->nv = rbd_nv(s.c.m), f->about = s.row->about;
 }
 
-/* "jacobian:left foot" as part of a C identifier. */
-static std::string identifier(std::string name) {
-    for (char &c : name)
-        if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
-    return name;
-}
-
 } // namespace RECORD_SPACE
 
 function RECORD(const robot &r, const std::string &name) {
@@ -286,7 +279,7 @@ function RECORD(const robot &r, const std::string &name) {
     f.rows_held = 0;
     for (int stance = 0; stance < f.sets(); stance++) record_set(r, name, stance, &f);
     f.noise = double(RBDI_NOISE), f.clear = double(RBDI_CLEAR);
-    f.name = identifier(name);
+    f.name = name_in_c(name);
     return f;
 }
 
