@@ -155,6 +155,8 @@ for scalar in double float; do
     ${CC:-cc} -O1 -march=native -Wno-psabi -DCHAIN_SELFTEST -DCHAIN_SELFTEST_MAIN -o test chain_code.c -lm && ./test >out ||
         { fail "a chain of 45 joints, $scalar"; cat out; }
 done
+sed "s/mass value='1'/mass value='1e308'/" chain.urdf >heavy.urdf # inf - inf
+expect 1 "mm: a constant is not a number: the robot's lengths or masses overflow" --algorithm mm heavy.urdf
 selftest hyq --floating --algorithm id,fd --block 300 "$hyq"
 selftest pairs --scalar float --floating --limbs 4 --f-ext --algorithm id,minv "$root/models/atlas.urdf"
 grep -q "^#define LIMBS 2" pairs_code.c || fail "the pairs of limbs are not computed at once"

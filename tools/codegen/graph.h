@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <stdexcept>
 #include <tuple>
 #include <vector>
 
@@ -53,7 +54,11 @@ class graph {
     }
     bool is(value x, double constant) const { return is_constant(x) && constant_of(x) == constant; }
 
-    value constant(double x) { return negated(make(CONSTANT, {-1, -1, -1, -1}, std::fabs(x)), x < 0); }
+    value constant(double x) {
+        if (std::isnan(x)) /* which has no place in the order of nodes */
+            throw std::runtime_error("a constant is not a number: the robot's lengths or masses overflow");
+        return negated(make(CONSTANT, {-1, -1, -1, -1}, std::fabs(x)), x < 0);
+    }
     value multiply(value a, value b) {
         if (is_constant(b)) std::swap(a, b);
         if (is(a, 0) || is(b, 1)) return a;
