@@ -55,9 +55,8 @@ const rbd_body *drawn_robot(int class_number, int number, int limbs, int *nb);
 const rbd_body *drawn_robot(int class_number, int number, int limbs, int *nb) {
     const int can_be_limb =
         class_number != FOLLOWERS && class_number != ALL; /* whose joints may follow others */
-    const int most = limbs > 1 && can_be_limb ? MOST_BODIES / limbs : MOST_BODIES;
     draw_robot(&robot, class_number, number);
-    cut(most);
+    cut(limbs > 1 && can_be_limb ? 1 : MOST_BODIES);
     let_one_move();
     if (limbs > 1 && can_be_limb) make_limbs(&robot, limbs);
     robot.bodies[robot.nb - 1].name = "tip";
