@@ -22,9 +22,6 @@ const double *drawn_input(const char *name);
 double uniform(uint64_t *seed, double low, double high);
 }
 
-std::vector<double> compute_quad(const codegen::robot &r, const std::string &name, const codegen::function &f,
-                                 const std::vector<std::vector<double>> &in, int stance); // quad.cpp
-
 namespace {
 
 enum { STATES = 6 };
@@ -34,6 +31,7 @@ struct drawn {
     codegen::target t;
     codegen::robot r;
     std::string about;
+    bool has_usual_sizes; // lengths and masses that float can tell
 };
 
 /* Those numbers below n whose bits are set. */
@@ -48,9 +46,8 @@ drawn draw(int number) {
     uint64_t seed = uint64_t(number);
     const auto below = [&seed](int n) { return int(uniform(&seed, 0, n)); };
     const int robot_class = number % CLASSES, alike = below(3) ? 1 : 2 << below(2);
-    // float cannot tell the lengths and masses of the other classes
-    const bool can_be_float = robot_class <= AXES || robot_class == TURNED || robot_class == FOLLOWERS;
     drawn x = {};
+    x.has_usual_sizes = robot_class <= AXES || robot_class == TURNED || robot_class == FOLLOWERS;
     x.r.bodies = drawn_robot(robot_class, number, alike, &x.r.nb);
     x.r.constraints = drawn_constraints(number, &x.r.nc);
     x.r.gravity[2] = -9.81;
@@ -59,7 +56,7 @@ drawn draw(int number) {
     x.r.actuated.assign(drawn_motors(), drawn_motors() + nv);
     x.r.f_ext = below(2), x.r.gravity_argument = below(2);
     x.t.name = "f" + std::to_string(number);
-    x.t.is_float = can_be_float && below(3) == 0;
+    x.t.is_float = x.has_usual_sizes && below(3) == 0;
     x.t.is_reproducible = x.r.reproducible = below(4) == 0;
     x.t.is_bounded = below(3) == 0 && robot_class != TURNED;
     x.t.lanes = below(3) ? 1 : 2 << below(2);
@@ -153,6 +150,7 @@ struct tested {
     std::string name; // of the algorithm
     codegen::tested code;
     std::vector<codegen::function> nearby; // of the neighbours
+    bool may_be_empty;                     // there may be no example: see add_example
 };
 
 /* As the code computes it; none if it refuses. */
@@ -205,7 +203,8 @@ double tolerance_of(const drawn &x, const codegen::function &f, const codegen::e
     return (x.t.is_float ? 100 : 20) * (10 * epsilon(x) + worst);
 }
 
-/* Adds results of rbd.h to the known ones; not where one of the two refuses, or digits are lost. */
+/* Adds results of rbd.h to the known ones; not where one of the two refuses, or digits are lost. Code may
+   refuse where rbd.h does not if rows depend on each other, or nearly, which can be where sizes differ. */
 void add_example(const drawn &x, const std::vector<neighbour> &near, const input &in, int stance,
                  tested *to) {
     const bool to_the_bit = x.t.is_reproducible && !x.t.is_float;
@@ -213,6 +212,7 @@ void add_example(const drawn &x, const std::vector<neighbour> &near, const input
         codegen::example e = codegen::compute(x.r, to->name, in, stance);
         if (!to_the_bit) e.out = compute_quad(x.r, to->name, in, stance);
         const std::vector<double> found = evaluate(x, to->code.f, in, stance);
+        to->may_be_empty |= !found.empty() || e.rank < e.rows || (e.rows > 0 && !x.has_usual_sizes);
         if (found.empty()) return;
         for (size_t k = 0; k < found.size(); k++)
             if (std::isnan(found[k]) && !std::isnan(e.out[k]))
@@ -224,6 +224,7 @@ void add_example(const drawn &x, const std::vector<neighbour> &near, const input
         to->code.least = std::fmax(to->code.least, least);
         if (!to_the_bit) to->code.tolerance = std::fmax(to->code.tolerance, tolerance);
     } catch (const std::runtime_error &) {
+        to->may_be_empty = true;
     }
 }
 
@@ -231,7 +232,10 @@ void add_example(const drawn &x, const std::vector<neighbour> &near, const input
 void add_state(const drawn &x, const std::vector<neighbour> &near, tested *to) {
     const input in = inputs(to->code.f);
     for (double y : in[0])
-        if (x.t.is_bounded && !(std::fabs(y) < (x.t.is_float ? 1e3 : 1e5))) return;
+        if (x.t.is_bounded && !(std::fabs(y) < (x.t.is_float ? 1e3 : 1e5))) {
+            to->may_be_empty = true;
+            return;
+        }
     for (int stance = 0; stance < to->code.f.sets(); stance++) add_example(x, near, in, stance, to);
 }
 
@@ -256,7 +260,7 @@ std::vector<tested> record(const drawn &x, const std::vector<neighbour> &near) {
         try {
             codegen::function f = record(x, x.r, name);
             if (x.r.limbs_alike) f = codegen::pack_limbs(f, codegen::joints(x.r), x.t.limbs);
-            tested to = {name, {f, {}, 0, x.t.is_float ? 1e-30 : 1e-300}, {}};
+            tested to = {name, {f, {}, 0, x.t.is_float ? 1e-30 : 1e-300}, {}, false};
             for (const neighbour &n : near) to.nearby.push_back(record(x, n.r, name));
             all.push_back(to);
         } catch (const std::runtime_error &e) {
@@ -280,6 +284,7 @@ int main(int argc, char **argv) {
     }
     for (const tested &y : all) {
         if (!y.code.examples.empty()) functions.push_back(y.code);
+        if (!y.may_be_empty) throw std::logic_error(y.name + " refuses all states, and rbd.h none");
         states += y.code.examples.size();
     }
     std::printf("%s: %zu functions, %zu states\n", x.about.c_str(), functions.size(), states);
