@@ -33,18 +33,13 @@ struct offset {
 };
 
 static rbdi_mat mat_add(rbdi_mat A, rbdi_mat B) {
-    const rbdi_mat M = {A.xx + B.xx, A.xy + B.xy, A.xz + B.xz, A.yx + B.yx, A.yy + B.yy,
-                        A.yz + B.yz, A.zx + B.zx, A.zy + B.zy, A.zz + B.zz};
-    return M;
+    return {A.xx + B.xx, A.xy + B.xy, A.xz + B.xz, A.yx + B.yx, A.yy + B.yy,
+            A.yz + B.yz, A.zx + B.zx, A.zy + B.zy, A.zz + B.zz};
 }
-static rbdi_mat mat_of_sym(rbdi_sym A) {
-    const rbdi_mat M = {A.xx, A.xy, A.xz, A.xy, A.yy, A.yz, A.xz, A.yz, A.zz};
-    return M;
-}
+static rbdi_mat mat_of_sym(rbdi_sym A) { return {A.xx, A.xy, A.xz, A.xy, A.yy, A.yz, A.xz, A.yz, A.zz}; }
 /* The matrix with these columns. */
 static rbdi_mat mat_of_columns(rbdi_v3 x, rbdi_v3 y, rbdi_v3 z) {
-    const rbdi_mat M = {x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z};
-    return M;
+    return {x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z};
 }
 /* a b'. */
 static rbdi_mat outer(rbdi_v3 a, rbdi_v3 b) {
@@ -63,14 +58,11 @@ static rbdi_v3 mul_trace_less(rbdi_mat A, rbdi_v3 w) {
                     (A.xx + A.yy) * w.z - A.zx * w.x - A.zy * w.y);
 }
 static rbdi_motion motion_cross(rbdi_motion V, rbdi_motion S) {
-    const rbdi_motion c = {rbdi_cross(V.omega, S.omega),
-                           rbdi_add(rbdi_cross(V.v, S.omega), rbdi_cross(V.omega, S.v))};
-    return c;
+    return {rbdi_cross(V.omega, S.omega), rbdi_add(rbdi_cross(V.v, S.omega), rbdi_cross(V.omega, S.v))};
 }
 /* V x* f. */
 static rbdi_force force_cross(rbdi_motion V, rbdi_force f) {
-    const rbdi_force c = {rbdi_add(rbdi_cross(V.omega, f.n), rbdi_cross(V.v, f.f)), rbdi_cross(V.omega, f.f)};
-    return c;
+    return {rbdi_add(rbdi_cross(V.omega, f.n), rbdi_cross(V.v, f.f)), rbdi_cross(V.omega, f.f)};
 }
 
 class dynamics_derivatives {
@@ -231,10 +223,7 @@ class dynamics_derivatives {
                            : rbdi_force_up(&m->link[i], flags(i), trig(i), F);
     }
     /* To the parent's axes. */
-    rbdi_v3 up(int i, rbdi_v3 x) const {
-        const rbdi_force moment = {x, rbdi_vec0()};
-        return up(i, moment).n;
-    }
+    rbdi_v3 up(int i, rbdi_v3 x) const { return up(i, rbdi_force{x, rbdi_vec0()}).n; }
     rbdi_mat up(int i, rbdi_mat A) const {
         const rbdi_link *l = &m->link[i];
         if (is_block(i)) return rbdi_mat_up(pose(i).E, A);
@@ -247,15 +236,12 @@ class dynamics_derivatives {
     /* ---- columns and entries ---- */
 
     static rbdi_force inertia_times(const subtree &s, number mass, rbdi_motion V) {
-        const rbdi_force F = {
-            rbdi_add(mul_trace_less(mat_of_sym(s.C.Sigma), V.omega), rbdi_cross(s.C.h, V.v)),
-            rbdi_add(rbdi_scale(mass, V.v), rbdi_cross(V.omega, s.C.h))};
-        return F;
+        return {rbdi_add(mul_trace_less(mat_of_sym(s.C.Sigma), V.omega), rbdi_cross(s.C.h, V.v)),
+                rbdi_add(rbdi_scale(mass, V.v), rbdi_cross(V.omega, s.C.h))};
     }
     /* 2 B (omega; any). */
     static rbdi_force B_times(const subtree &s, rbdi_v3 omega) {
-        const rbdi_force F = {mul_trace_less(s.X, omega), rbdi_cross(omega, s.P)};
-        return F;
+        return {mul_trace_less(s.X, omega), rbdi_cross(omega, s.P)};
     }
 
     /* Entries of dof j of link i and the dofs on the path, to which its columns go one after the other. */
@@ -316,32 +302,25 @@ static rbd_status record_derivatives(const call &c, const number *v, const numbe
     return RBD_OK;
 }
 
-/* tau - c(q, v), for velocities with those of mimic joints. */
-static void record_net_torque(const call &c, const number *v, rbdi_c3 gravity, number *x) {
-    const rbdi_state world = rbdi_world_state(gravity);
-    rbdi_forward(c.m, c.w, 0, c.m->nl, &world, v, c.w->zero, 1, 0);
-    rbdi_external(c.m, c.w, c.f_ext);
-    rbdi_rnea_sweep(c.m, c.w, c.w->zero, rbdi_mimics(c.m) ? c.w->tx : x);
-    rbdi_reduce_tau(c.m, c.w->tx, x);
-    for (int k = 0; k < c.m->nv; k++) x[k] = c.tau[k] - x[k];
-}
-
 /* The steps of rbd_fd_derivatives, which says why a free base has no linear velocity and no gravity
    meanwhile. */
 static rbd_status record_fd_derivatives(const call &c) {
     const rbd_model *m = c.m;
     const int nv = m->nv, base = c.d->base, unsolved = base ? 4 : 0;
-    const rbdi_c3 none = {0, 0, 0}, gravity = base ? none : c.w->gravity;
+    const rbdi_c3 gravity = c.w->gravity, felt = base ? rbdi_c3{0, 0, 0} : gravity;
     number *a = c.d->a, *by_q = c.out[1], *by_v = c.out[2], *H = c.w->H, *turn[3];
     std::vector<number> moving(c.v, c.v + nv);
     for (int k = 3; k < base; k++) moving[size_t(k)] = 0;
     const number *v = rbdi_expand_v(m, moving.data(), c.w->vx);
     rbd_crba_packed(m, c.w, c.q, H);
-    record_net_torque(c, v, gravity, a);
+    c.w->gravity = felt;
+    rbd_bias(m, c.w, c.q, moving.data(), c.f_ext, a);
+    c.w->gravity = gravity;
+    for (int k = 0; k < nv; k++) a[k] = c.tau[k] - a[k];
     rbdi_factor(m, c.w, H);
     rbdi_invert(m, c.w, H, c.out[3]);
     rbdi_solve(m, c.w, H, a);
-    dynamics_derivatives(m, c.w, v, rbdi_expand_v(m, a, c.w->ax), gravity, c.f_ext, false).run(by_q, by_v);
+    dynamics_derivatives(m, c.w, v, rbdi_expand_v(m, a, c.w->ax), felt, c.f_ext, false).run(by_q, by_v);
     if (base) rbdi_place_turns(by_q, by_v, turn);
     for (int i = 0; base && i < nv * nv; i += nv)
         for (int k = 0; k < 3; k++) turn[k][i] = by_v[i + k];
