@@ -206,8 +206,8 @@ struct session {
     }
 
     /* x: an array for each argument. */
-    template <class function>
-    std::vector<rbd_real> run(const std::vector<rbd_real> x[ARGUMENTS], function run_call) {
+    std::vector<rbd_real> run(const std::vector<rbd_real> x[ARGUMENTS],
+                              rbd_status (*run_call)(const call &)) {
         const rbd_real **given[ARGUMENTS] = {&c.q, &c.v, &c.a, &c.tau, &c.f_ext, &c.gravity, &c.restitution};
         std::vector<rbd_real> out[4], all;
         for (int k = 0; k < ARGUMENTS; k++) *given[k] = x[k].empty() ? NULL : x[k].data();

@@ -1,5 +1,5 @@
-/* held.h - rbd_constrained_id without a search for the rank. Included behind algorithms.h by those who record
-   it and by those who compare it with rbd.h. SPDX-License-Identifier: MIT
+/* held.h - rbd_constrained_id without a search for the rank: A'A and its factor. Included behind algorithms.h
+   by record.cpp, and by compute.cpp, which chooses columns. SPDX-License-Identifier: MIT
 
    A' lambda = t, where A is J of the joints without motors, and t what inverse dynamics wants of them. Of its
    solutions, or nearest ones, A (A'A)^+ t is the least. A'A = L L' by Cholesky. L has no columns where a
@@ -31,19 +31,6 @@ template <class function> std::vector<column> factor_of(const std::vector<column
     return L;
 }
 
-/* x = (L L')^-1 x. */
-static inline void solve_by(const std::vector<column> &L, column *x) {
-    column &y = *x;
-    for (size_t k = 0; k < L.size(); k++) {
-        y[k] = y[k] / L[k][k];
-        for (size_t i = k + 1; i < L.size(); i++) y[i] = y[i] - L[k][i] * y[k];
-    }
-    for (size_t k = L.size(); k-- > 0;) {
-        for (size_t i = k + 1; i < L.size(); i++) y[k] = y[k] - L[k][i] * y[i];
-        y[k] = y[k] / L[k][k];
-    }
-}
-
 static inline std::vector<column> products_of(const std::vector<column> &A) { /* A'A */
     std::vector<column> G(A.size(), column(A.size()));
     for (size_t k = 0; k < A.size(); k++)
@@ -68,33 +55,4 @@ static inline column jacobian_of(const call &c) {
     column J(size_t(rbd_constraint_rows(c.set) * rbd_nv(c.m)));
     (void)rbd_constraint_jacobian(c.m, c.set, c.q, NULL, J.data(), NULL, NULL);
     return J;
-}
-
-/* keeps as in factor_of; checks(k, of the entry of G what the kept rows leave, entry of G). */
-template <class function, class check>
-rbd_status run_without_rank(const call &c, function keeps, check checks) {
-    const size_t nv = size_t(rbd_nv(c.m)), rows = size_t(rbd_constraint_rows(c.set));
-    rbd_real *tau = c.out[0], *lambda = c.out[1];
-    const column J = jacobian_of(c);
-    const std::vector<column> A = passive_columns(c, J), G = products_of(A), L = factor_of(G, keeps);
-    column t, y;
-    for (size_t k = 0; k < A.size(); k++)
-        checks(k, G[k][k] - sum_of(L.size(), [&](size_t i) { return L[i][k] * L[i][k]; }), G[k][k]);
-    const rbd_status status = rbd_rnea(c.m, c.w, c.q, c.v, c.a, c.f_ext, tau);
-    for (size_t k = 0; k < nv; k++)
-        if (rbdi_is_passive(c.m, c.actuated, int(k))) t.push_back(tau[k]);
-    if (L.size() < A.size()) {
-        const std::vector<column> F =
-            factor_of(products_of(L), [](size_t, rbd_real, rbd_real) { return true; });
-        for (const column &l : L) y.push_back(sum_of(t.size(), [&](size_t k) { return l[k] * t[k]; }));
-        solve_by(F, &y), solve_by(F, &y);
-        for (size_t k = 0; k < t.size(); k++)
-            t[k] = sum_of(L.size(), [&](size_t i) { return L[i][k] * y[i]; });
-    } else {
-        solve_by(L, &t);
-    }
-    for (size_t r = 0; r < rows; r++) lambda[r] = sum_of(A.size(), [&](size_t k) { return A[k][r] * t[k]; });
-    for (size_t k = 0; k < nv; k++)
-        for (size_t r = 0; r < rows; r++) tau[k] = tau[k] - J[r * nv + k] * lambda[r];
-    return status;
 }

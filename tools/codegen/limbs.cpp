@@ -371,15 +371,14 @@ class packer {
             for (int i : packs[p])
                 if (at(i).op == SINE || at(i).op == COSINE) scalar(at(i).arg[0]);
         size_t call = 0;
-        for (int i = 0; i < int(live.size()); i++) {
+        for (int i = 0; i <= int(live.size()); i++) {
             for (; call < f.calls.size() && f.calls[call].node <= i; call++) copy_call(&out.calls[call]);
-            if (!live[size_t(i)]) continue;
+            if (i == int(live.size()) || !live[size_t(i)]) continue;
             if (pack[size_t(i)] >= 0 && !is_source(at(i).op))
                 packed(pack[size_t(i)]);
             else
                 scalar(2 * i);
         }
-        for (; call < f.calls.size(); call++) copy_call(&out.calls[call]);
         for (value x : f.results)
             if (is_negative(x) && pack[size_t(node_of(x))] >= 0)
                 wanted[size_t(pack[size_t(node_of(x))])] |= 1u << lane(node_of(x));

@@ -105,10 +105,7 @@ static inline void sincos(number x, int quarters, number *s, number *c) {
         return;
     }
     number sine = sin(x), cosine = cos(x);
-    for (; quarters > 0; quarters--) {
-        const number next = cosine;
-        cosine = -sine, sine = next;
-    }
+    for (; quarters > 0; quarters--) std::swap(cosine, sine), cosine = -cosine;
     *s = sine, *c = cosine;
 }
 
@@ -189,17 +186,52 @@ static void rows_pivot(number pivot, number least) {
 #include "held.h"
 #include "rows_record.h"
 
-static std::vector<bool> kept; /* joints of run_without_rank */
+/* x = (L L')^-1 x. */
+static void solve_by(const std::vector<column> &L, column *x) {
+    column &y = *x;
+    for (size_t k = 0; k < L.size(); k++) {
+        y[k] = y[k] / L[k][k];
+        for (size_t i = k + 1; i < L.size(); i++) y[i] = y[i] - L[k][i] * y[k];
+    }
+    for (size_t k = L.size(); k-- > 0;) {
+        for (size_t i = k + 1; i < L.size(); i++) y[k] = y[k] - L[k][i] * y[i];
+        y[k] = y[k] / L[k][k];
+    }
+}
+
+static std::vector<bool> kept; /* joints whose columns L has */
+
+/* By the columns of L that held.h speaks of. */
 static rbd_status record_constrained_id(const call &c) {
-    const auto keeps = [](size_t k, number pivot, number entry) {
+    const size_t nv = size_t(rbd_nv(c.m)), rows = size_t(rbd_constraint_rows(c.set));
+    number *tau = c.out[0], *lambda = c.out[1];
+    const column J = jacobian_of(c);
+    const std::vector<column> A = passive_columns(c, J), G = products_of(A);
+    const std::vector<column> L = factor_of(G, [](size_t k, number pivot, number entry) {
         if (kept[k]) rows_pivot(pivot, entry * RBDI_CLEAR);
         return bool(kept[k]);
-    };
-    /* 0 if the rows hold a joint that they did not */
-    const auto checks = [](size_t k, number rest, number entry) {
-        if (!kept[k]) row_pivots.push_back(select(entry * RBDI_CLEAR < rest, 0, 1));
-    };
-    return run_without_rank(c, keeps, checks);
+    });
+    column t, y;
+    for (size_t k = 0; k < A.size(); k++) { /* 0 if the rows hold a joint that they did not */
+        const number held = sum_of(L.size(), [&](size_t i) { return L[i][k] * L[i][k]; });
+        if (!kept[k]) row_pivots.push_back(select(G[k][k] * RBDI_CLEAR < G[k][k] - held, 0, 1));
+    }
+    const rbd_status status = rbd_rnea(c.m, c.w, c.q, c.v, c.a, c.f_ext, tau);
+    for (size_t k = 0; k < nv; k++)
+        if (rbdi_is_passive(c.m, c.actuated, int(k))) t.push_back(tau[k]);
+    if (L.size() < A.size()) {
+        const std::vector<column> F = factor_of(products_of(L), [](size_t, number, number) { return true; });
+        for (const column &l : L) y.push_back(sum_of(t.size(), [&](size_t k) { return l[k] * t[k]; }));
+        solve_by(F, &y), solve_by(F, &y);
+        for (size_t k = 0; k < t.size(); k++)
+            t[k] = sum_of(L.size(), [&](size_t i) { return L[i][k] * y[i]; });
+    } else {
+        solve_by(L, &t);
+    }
+    for (size_t r = 0; r < rows; r++) lambda[r] = sum_of(A.size(), [&](size_t k) { return A[k][r] * t[k]; });
+    for (size_t k = 0; k < nv; k++)
+        for (size_t r = 0; r < rows; r++) tau[k] = tau[k] - J[r * nv + k] * lambda[r];
+    return status;
 }
 
 #include "derivatives_record.h"
@@ -265,18 +297,15 @@ static void record_set(const robot &r, const std::string &name, int stance, func
 
 function RECORD(const robot &r, const std::string &name) {
     using namespace RECORD_SPACE;
-    function f;
+    function f = {};
     f.code.is_exact = r.reproducible, f.code.is_float = sizeof(CONSTANTS) == sizeof(float);
-    tape = &f.code;
-    sketch = graph();
-    sketch.is_exact = f.code.is_exact, sketch.is_float = f.code.is_float;
+    tape = &f.code, sketch = f.code;
     steps.clear();
     stand_in.clear();
     limbs_alike = r.limbs_alike;
     const bool has_stances = takes_stances(name) && !r.stances.empty();
     recorder.begin(&f, r.by_rows && !has_stances);
     f.stances = has_stances ? int(r.stances.size()) : 0;
-    f.rows_held = 0;
     for (int stance = 0; stance < f.sets(); stance++) record_set(r, name, stance, &f);
     f.noise = double(RBDI_NOISE), f.clear = double(RBDI_CLEAR);
     f.name = name_in_c(name);
