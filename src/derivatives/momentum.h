@@ -2,7 +2,8 @@
 #define RBDI_DERIVATIVES_MOMENTUM_H
 #include "derivatives/memory.h"
 
-/* ---- momentum [momentum code] ---- */
+/* ---- momentum [momentum code] ----
+   A (Orin, Goswami and Lee 2013) has the columns F_i of RBDA table 6.2 about the centre of mass. */
 
 /* Position in the world of the common origin of a root's tree. */
 RBDI_INLINE rbdi_v3 rbdi_place_of(const rbd_model *m, const rbd_derivatives *d, int root) {
@@ -14,7 +15,7 @@ RBDI_INLINE rbdi_v3 rbdi_place_of(const rbd_model *m, const rbd_derivatives *d, 
                     X.r);
 }
 
-/* Moves positions, F and wrenches of the other roots' trees to the first root's origin. */
+/* Moves positions, F and wrenches of the other roots' trees to the first root's origin: A is in one frame. */
 RBDI_PART void rbdi_join_origins(const rbd_model *m, rbd_derivatives *d) {
     rbdi_v3 offset = rbdi_vec0();
     int others = 0;
@@ -58,7 +59,7 @@ RBDI_INLINE rbdi_b3 rbdi_b_mul_t(rbdi_mat E, rbdi_b3 a) {
 }
 
 /* Stores F of all dofs as a matrix, in world axes, with moments about the centre of mass. With three rows:
-   f only, times scale. */
+   f only, which no shift of the origin changes, times scale. */
 RBDI_INLINE void rbdi_put_momenta(const rbd_derivatives *d, rbdi_v3 com, rbd_real scale, int rows,
                                   rbd_real *out) {
     const rbd_model *m = d->model;
@@ -87,7 +88,7 @@ RBDI_INLINE void rbdi_put_momenta(const rbd_derivatives *d, rbdi_v3 com, rbd_rea
     }
 }
 
-/* The wrench on all that moves, at a = 0: the sum over the roots. */
+/* The wrench f of table 5.1 on all that moves, at a = 0 and without gravity: the sum over the roots. */
 RBDI_PART void rbdi_put_momentum_bias(const rbd_model *m, const rbd_derivatives *d, rbdi_v3 com,
                                       rbd_real *A_dot_v) {
     rbdi_force F = rbdi_force0();

@@ -3,7 +3,8 @@
 #include "model/wide.h"
 #include "derivatives/momentum.h"
 
-/* ---- regressors and inertial parameters [identification code] ---- */
+/* ---- regressors and inertial parameters [identification code] ----
+   f = I a + v x* I v (RBDA table 5.1) is linear in a body's parameters, f = K pi: row i of Y is S_i' K. */
 
 /* a_1 x_1 + a_2 x_2 + a_3 x_3, and with y added. */
 RBDI_INLINE void rbdi_add_fours(rbdi_four *y, rbdi_v3 a, const rbdi_four x[3]) {
@@ -64,18 +65,19 @@ RBDI_PART void rbdi_link_motion(rbd_derivatives *d, int base) {
    inertia: I omega_dot + omega x I omega, in body axes. Its forces are zero and not written. */
 RBDI_PART void rbdi_unit_wrenches(const rbd_derivatives *d, int last, const rbdi_placement *p, rbd_real *K,
                                   ptrdiff_t stride) {
-    const rbdi_v3 w = rbdi_to_body(p, rbdi_load_vec(RBDI_OF(d, last, U.omega), RBDI_BATCH)),
-                  a = rbdi_to_body(p, rbdi_load_vec(RBDI_OF(d, last, U.v), RBDI_BATCH));
+    const rbdi_v3 omega = rbdi_to_body(p, rbdi_load_vec(RBDI_OF(d, last, U.omega), RBDI_BATCH)),
+                  omega_dot = rbdi_to_body(p, rbdi_load_vec(RBDI_OF(d, last, U.v), RBDI_BATCH));
     const rbd_real *Omega = RBDI_OF(d, last, sum.Xx), *acc = RBDI_OF(d, last, sum.P), o = rbdi_zero();
-    const rbd_real xy = w.x * w.y, xz = w.x * w.z, yz = w.y * w.z, xx = w.x * w.x, yy = w.y * w.y,
-                   zz = w.z * w.z;
+    const rbd_real x = omega_dot.x, y = omega_dot.y, z = omega_dot.z;
+    const rbd_real xy = omega.x * omega.y, xz = omega.x * omega.z, yz = omega.y * omega.z,
+                   xx = omega.x * omega.x, yy = omega.y * omega.y, zz = omega.z * omega.z;
     rbdi_four f[3], some[3], rest[3];
-    rbdi_set_four(&some[0], a.x, a.y - xz, a.z + xy, -yz); /* xx xy xz yy */
-    rbdi_set_four(&some[1], xz, a.x + yz, zz - xx, a.y);
-    rbdi_set_four(&some[2], -xy, xx - yy, a.x - yz, xy);
-    rbdi_set_four(&rest[0], a.z + xy, -yz, yy - zz, yz); /* xz yy yz zz */
-    rbdi_set_four(&rest[1], zz - xx, a.y, a.z - xy, -xz);
-    rbdi_set_four(&rest[2], a.x - yz, xy, a.y + xz, a.z);
+    rbdi_set_four(&some[0], x, y - xz, z + xy, -yz); /* xx xy xz yy */
+    rbdi_set_four(&some[1], xz, x + yz, zz - xx, y);
+    rbdi_set_four(&some[2], -xy, xx - yy, x - yz, xy);
+    rbdi_set_four(&rest[0], z + xy, -yz, yy - zz, yz); /* xz yy yz zz */
+    rbdi_set_four(&rest[1], zz - xx, y, z - xy, -xz);
+    rbdi_set_four(&rest[2], x - yz, xy, y + xz, z);
     RBDI_UNROLL_SIX for (int i = 0; i < 3; ++i) {
         const rbdi_v3 R =
             rbdi_vec(rbdi_one_of(&p->row[i], 1), rbdi_one_of(&p->row[i], 2), rbdi_one_of(&p->row[i], 3));
@@ -140,14 +142,14 @@ RBDI_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const 
         rbdi_unit_wrenches(d, k, &p, K, stride);
         for (; k >= base; k = entry[k].parent) {
             rbd_real *y = Y + entry[k].user * columns;
-            const rbdi_motion s = rbdi_load_motion(S + entry[k].at, RBDI_BATCH);
+            const rbdi_motion S_k = rbdi_load_motion(S + entry[k].at, RBDI_BATCH);
             if (rbdi_mimics(m)) {
                 const rbd_real ratio = rbdi_ratio(m, entry[k].source);
                 rbd_real part[10];
-                rbdi_regress(K, stride, s, part);
+                rbdi_regress(K, stride, S_k, part);
                 for (int j = 0; j < 10; ++j) y[j] = y[j] + part[j] * ratio;
             } else
-                rbdi_regress(K, stride, s, y);
+                rbdi_regress(K, stride, S_k, y);
         }
     }
     return RBD_OK;
@@ -156,9 +158,8 @@ RBDI_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const 
 RBDI_API rbd_status rbd_energy_regressors(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                           const rbd_real *v, rbd_real *Y_kinetic, rbd_real *Y_potential) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && (v || !Y_kinetic));
-    const int need = Y_kinetic ? RBDI_NEED_V : 0;
     if (status) return status;
-    rbdi_common_motion(m, d, 0, q, v, NULL, d->work->gravity, need);
+    rbdi_common_motion(m, d, 0, q, v, NULL, d->work->gravity, Y_kinetic ? RBDI_NEED_V : 0);
     if (Y_kinetic) rbdi_clear(Y_kinetic, 10 * m->nb);
     if (Y_potential) rbdi_clear(Y_potential, 10 * m->nb);
     for (int i = 0; i < m->nb; ++i) {
@@ -174,14 +175,14 @@ RBDI_API rbd_status rbd_energy_regressors(const rbd_model *m, rbd_derivatives *d
             const rbdi_motion world = rbdi_load_motion(RBDI_OF(d, m->link[root].first, Vp), RBDI_BATCH),
                               V = rbdi_motion_add(rbdi_load_motion(RBDI_OF(d, last, Vp), RBDI_BATCH),
                                                   rbdi_load_motion(RBDI_OF(d, last, dV), RBDI_BATCH));
-            const rbdi_v3 w = rbdi_to_body(&p, V.omega),
-                          c = rbdi_to_body(
+            const rbdi_v3 omega = rbdi_to_body(&p, V.omega),
+                          v_o = rbdi_to_body(
                               &p, rbdi_add(rbdi_sub(V.v, world.v), rbdi_cross(V.omega, rbdi_origin_of(&p))));
-            rbd_real *y = Y_kinetic + 10 * i;
-            y[0] = rbdi_dot(c, c) * half;
-            rbdi_store_vec(y + 1, 1, rbdi_cross(c, w));
-            y[4] = w.x * w.x * half, y[5] = w.x * w.y, y[6] = w.x * w.z;
-            y[7] = w.y * w.y * half, y[8] = w.y * w.z, y[9] = w.z * w.z * half;
+            rbd_real *y = Y_kinetic + 10 * i; /* v' I v / 2 = y pi */
+            y[0] = rbdi_dot(v_o, v_o) * half;
+            rbdi_store_vec(y + 1, 1, rbdi_cross(v_o, omega));
+            y[4] = omega.x * omega.x * half, y[5] = omega.x * omega.y, y[6] = omega.x * omega.z;
+            y[7] = omega.y * omega.y * half, y[8] = omega.y * omega.z, y[9] = omega.z * omega.z * half;
         }
         if (Y_potential) {
             const rbdi_v3 up = rbdi_sub(rbdi_vec0(), rbdi_vec_c(d->work->gravity));
@@ -196,15 +197,15 @@ RBDI_API rbd_status rbd_energy_regressors(const rbd_model *m, rbd_derivatives *d
 
 RBDI_API rbd_status rbd_body_parameters(const rbd_model *m, int body, rbd_const pi[10]) {
     const rbdi_frame *u;
-    rbd_const m_, x, y, z;
+    rbd_const mass, x, y, z;
     if (!m || !pi) return RBD_ERR_NULL;
     if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
     u = &m->frame[body];
-    m_ = u->mass, x = u->com.x, y = u->com.y, z = u->com.z;
-    pi[0] = m_, pi[1] = m_ * x, pi[2] = m_ * y, pi[3] = m_ * z;
-    pi[4] = u->I.xx + m_ * (y * y + z * z), pi[5] = u->I.xy - m_ * x * y, pi[6] = u->I.xz - m_ * x * z;
-    pi[7] = u->I.yy + m_ * (x * x + z * z), pi[8] = u->I.yz - m_ * y * z;
-    pi[9] = u->I.zz + m_ * (x * x + y * y);
+    mass = u->mass, x = u->com.x, y = u->com.y, z = u->com.z;
+    pi[0] = mass, pi[1] = mass * x, pi[2] = mass * y, pi[3] = mass * z; /* RBDA 2.63 */
+    pi[4] = u->I.xx + mass * (y * y + z * z), pi[5] = u->I.xy - mass * x * y;
+    pi[6] = u->I.xz - mass * x * z, pi[7] = u->I.yy + mass * (x * x + z * z);
+    pi[8] = u->I.yz - mass * y * z, pi[9] = u->I.zz + mass * (x * x + y * y);
     return RBD_OK;
 }
 
