@@ -66,7 +66,7 @@ struct options {
     codegen::robot robot;
     std::vector<std::string> algorithms;
     std::string folder;
-    bool example;
+    bool example, short_sums;
     const char *path, *constraints, *stances;
     std::vector<const char *> passive;
     settings read;
@@ -156,25 +156,10 @@ int read_name(options *o, const char *text) {
     return is_identifier(text) ? 0 : usage_error("--name: '%s' is not a C identifier", text);
 }
 
-int read_constraints(options *o, const char *text) {
-    o->constraints = text;
-    return 0;
-}
-
-int read_stances(options *o, const char *text) {
-    o->stances = text;
-    return 0;
-}
-
-int read_passive(options *o, const char *text) {
-    o->passive.push_back(text);
-    return 0;
-}
-
-int read_folder(options *o, const char *text) {
-    o->folder = *text ? std::string(text) + "/" : "";
-    return 0;
-}
+int read_constraints(options *o, const char *text) { return o->constraints = text, 0; }
+int read_stances(options *o, const char *text) { return o->stances = text, 0; }
+int read_passive(options *o, const char *text) { return o->passive.push_back(text), 0; }
+int read_folder(options *o, const char *text) { return o->folder = *text ? std::string(text) + "/" : "", 0; }
 
 /* Reads argument *i if it is one of this command's own; -1 if it is none. */
 int read_own(options *o, char **argv, int *i) {
@@ -196,21 +181,18 @@ int read_own(options *o, char **argv, int *i) {
         const char *text = option_value(argv, i);
         return text ? x.read(o, text) : int(EXIT_USAGE);
     }
-    if (strcmp(argv[*i], "--f-ext") == 0)
-        o->robot.f_ext = true;
-    else if (strcmp(argv[*i], "--gravity-argument") == 0)
-        o->robot.gravity_argument = true;
-    else if (strcmp(argv[*i], "--reproducible") == 0)
-        o->target.is_reproducible = o->robot.reproducible = true;
-    else if (strcmp(argv[*i], "--bounded-angles") == 0)
-        o->target.is_bounded = true;
-    else if (strcmp(argv[*i], "--example") == 0)
-        o->example = true;
-    else if (strcmp(argv[*i], "--short-sums") == 0)
-        o->target.long_sums = false;
-    else
-        return -1;
-    return 0;
+    const struct {
+        const char *name;
+        bool *is_given;
+    } flags[] = {{"--f-ext", &o->robot.f_ext},
+                 {"--gravity-argument", &o->robot.gravity_argument},
+                 {"--reproducible", &o->robot.reproducible},
+                 {"--bounded-angles", &o->target.is_bounded},
+                 {"--example", &o->example},
+                 {"--short-sums", &o->short_sums}};
+    for (const auto &x : flags)
+        if (strcmp(argv[*i], x.name) == 0) return *x.is_given = true, 0;
+    return -1;
 }
 
 void print_help() {
@@ -262,12 +244,13 @@ int read_options(options *o, char **argv) {
         if (status > 0) return 1 + status;
     }
     if (!o->path) return 1 + usage_error("no file given");
+    o->target.is_reproducible = o->robot.reproducible;
     if (o->target.limbs > 1 && o->target.lanes > 1)
         return 1 + usage_error("--limbs: the lanes are those of --lanes already");
     if (o->target.limbs > 1 && o->target.is_reproducible)
         return 1 + usage_error("--limbs: computes in another order than rbd.h, which --reproducible forbids");
     if (check_constraints(o) != 0) return 1 + EXIT_USAGE;
-    if (o->target.is_reproducible) o->target.long_sums = false;
+    o->target.long_sums = !o->short_sums && !o->target.is_reproducible;
     if (o->target.name.empty()) o->target.name = stem(o->path);
     if (!is_identifier(o->target.name))
         return 1 + usage_error("'%s' is not a C identifier: give a --name", o->target.name.c_str());
@@ -556,7 +539,6 @@ int main(int argc, char **argv) {
     o.target.lanes = 1;
     o.target.limbs = 1;
     o.target.block = 300;
-    o.target.long_sums = true;
     o.algorithms = {"id", "mm", "fd"};
     o.read = settings_new(argc, argv);
     int status = read_options(&o, argv);
