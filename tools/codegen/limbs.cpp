@@ -37,8 +37,9 @@ class tree {
 
   private:
     const std::vector<joint> &joints;
-    int width, groups = 0, slots = 0;
-    std::vector<int> carrier; /* of each body the next one that moves, through fixed ones */
+    int width, groups = 0;
+    std::map<std::string, int> slots; /* of paths */
+    std::vector<int> carrier;         /* of each body the next one that moves, through fixed ones */
 
     bool is_moving(int b) const { return joints[size_t(b)].nv > 0; }
 
@@ -57,21 +58,15 @@ class tree {
         return s;
     }
 
-    void place_row(const std::vector<int> &row) {
-        for (size_t l = 0; l < row.size(); l++) places[size_t(row[l])] = {groups * width + int(l), slots};
-        slots++;
-    }
-    void place_limbs(const std::vector<int> &roots) {
-        place_row(roots);
-        operations++;
+    /* Body b and all that it carries. path: from the limb's root, indices among what each body carries; bodies of
+       one path have one slot. */
+    void place_limb(int b, int limb, const std::string &path) {
+        places[size_t(b)] = {limb, slots.emplace(path, int(slots.size())).first->second};
+        operations += is_moving(b) && limb % width == 0;
         for (bool moving : {true, false}) {
-            std::vector<std::vector<int>> rows(joints.size()); /* what the k-th of each limb carry */
-            for (int b : roots) {
-                const std::vector<int> all = carried(b, moving);
-                for (size_t k = 0; k < all.size(); k++) rows[k].push_back(all[k]);
-            }
-            for (size_t k = 0; rows[k].size() == roots.size(); k++)
-                moving ? place_limbs(rows[k]) : place_row(rows[k]);
+            const std::vector<int> all = carried(b, moving);
+            for (size_t k = 0; k < all.size(); k++)
+                place_limb(all[k], limb, path + (moving ? " " : ":") + std::to_string(k));
         }
     }
     void search(int b) {
@@ -80,9 +75,8 @@ class tree {
             size_t n = k;
             while (n < all.size() && n < k + size_t(width) && shape(all[n]) == shape(all[k])) n++;
             if (width > 1 && int(n - k) == width) {
-                place_limbs(std::vector<int>(all.begin() + long(k), all.begin() + long(n)));
                 groups++;
-                k = n;
+                for (; k < n; k++) place_limb(all[k], groups * width - int(n - k), std::to_string(groups));
             } else {
                 operations++;
                 search(all[k++]);
