@@ -3,7 +3,6 @@
 #include "blocks.h"
 #include "statements.h"
 #include <algorithm>
-#include <stdexcept>
 
 namespace codegen {
 namespace {

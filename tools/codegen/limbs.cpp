@@ -7,7 +7,6 @@
    mirror images a lane stands for its node's negative (choose_signs). */
 #include "codegen.h"
 #include <algorithm>
-#include <cstdlib>
 #include <iterator>
 #include <map>
 

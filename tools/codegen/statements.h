@@ -3,7 +3,6 @@
 #define TOOLS_CODEGEN_STATEMENTS_H
 
 #include "text.h"
-#include <cstdlib>
 #include <map>
 
 namespace codegen {
