@@ -157,6 +157,9 @@ for scalar in double float; do
 done
 sed "s/mass value='1'/mass value='1e308'/" chain.urdf >heavy.urdf # inf - inf
 expect 1 "mm: a constant is not a number: the robot's lengths or masses overflow" --algorithm mm heavy.urdf
+# names that could be those of a part, and of a self-test
+sed "s/\(link\|link name\)='1'/\1='45_1'/g" chain.urdf >parts.urdf
+selftest test --block 50 --algorithm jacobian:45,jacobian:45_1 parts.urdf
 selftest hyq --floating --algorithm id,fd --block 300 "$hyq"
 selftest pairs --scalar float --floating --limbs 4 --f-ext --algorithm id,minv "$root/models/atlas.urdf"
 grep -q "^#define LIMBS 2" pairs_code.c || fail "the pairs of limbs are not computed at once"

@@ -198,7 +198,7 @@ size_t writer::stack_bytes() const {
 
 /* A block, as a function that has the arrays of the whole. */
 std::string writer::part(int k, const std::string &arguments) {
-    std::string s = format("PART void %s_%d(", full.c_str(), k) + arguments;
+    std::string s = format("PART void part_%d_of_%s(", k, full.c_str()) + arguments;
     for (const local &x : locals()) s += format(", %s *restrict %s", x.type, x.name);
     s += ") {\n    " + names(f, "(void)");
     for (const local &x : locals()) s += format(", (void)%s", x.name);
@@ -220,8 +220,8 @@ std::string writer::text() {
     for (const local &x : locals()) arrays += format(", %s", x.name);
     for (int k = 0; k < b.count && b.count > 1; k++) {
         s += part(k, arguments);
-        body += "    " + only_if(f, b.stances[size_t(k)], 0) + format("%s_%d(", full.c_str(), k) + names(f) +
-                arrays + ");\n";
+        body += "    " + only_if(f, b.stances[size_t(k)], 0) + format("part_%d_of_%s(", k, full.c_str()) +
+                names(f) + arrays + ");\n";
     }
     s += format("%s %s(%s) {\n", result_type(f), full.c_str(), arguments.c_str());
     for (const local &x : locals())

@@ -91,7 +91,7 @@ std::string table(const std::vector<const double *> &states, const std::string &
     return s + "};\n";
 }
 
-/* "test_NAME" runs a function on each state; with lanes other states are in the others. */
+/* "test_ROBOT_NAME" runs a function on each state; with lanes other states are in the others. */
 std::string test_of(const piece &x, const target &t) {
     const function &f = x.x.f;
     const std::string full = t.name + "_" + f.name, call = full + "(" + names(f) + ")";
@@ -117,7 +117,7 @@ std::string test_of(const piece &x, const target &t) {
                     literal(x.x.tolerance, t.is_float) + ", " + literal(x.x.least, t.is_float) +
                     ", worst)) return 1;\n";
     }
-    std::string s = tables + format("static int test_%s(scalar *worst) {\n", f.name.c_str());
+    std::string s = tables + format("static int test_%s(scalar *worst) {\n", full.c_str());
     if (f.stances > 0)
         s += format("    int stance = 0;\n    static const int stances[%zu] = {", states) +
              join(states, ", ", [&](size_t k) { return std::to_string(x.x.examples[k].stance); }) + "};\n";
@@ -136,10 +136,10 @@ std::string selftest_text(const std::vector<piece> &all, const target &t) {
     const std::string macro = upper(t.name) + "_SELFTEST";
     std::string s = "#ifdef " + macro + "\n" + comparison_text, rows;
     for (const piece &x : all) {
-        const char *name = x.x.f.name.c_str();
+        const std::string full = t.name + "_" + x.x.f.name;
         s += test_of(x, t);
-        rows += format("    {\"%s_%s\", test_%s, %zu, %s},\n", t.name.c_str(), name, name,
-                       x.x.examples.size(), literal(x.x.tolerance, t.is_float).c_str());
+        rows += format("    {\"%s\", test_%s, %zu, %s},\n", full.c_str(), full.c_str(), x.x.examples.size(),
+                       literal(x.x.tolerance, t.is_float).c_str());
     }
     return s + format(end_text, rows.c_str(), t.name.c_str(), macro.c_str(), t.name.c_str());
 }
