@@ -351,11 +351,14 @@ struct held {
 
 /* ---- files ---- */
 
+std::vector<std::string> begun; /* files */
+
 /* Makes standard output the file NAME_ENDING, and begins it. */
 void begin(const options *o, const robot *r, const char *ending, const char *what) {
     const std::string path = o->folder + o->target.name + "_" + ending;
     if (!freopen(path.c_str(), "w", stdout))
         throw std::runtime_error("cannot write " + path + ": " + std::strerror(errno));
+    begun.push_back(path);
     printf("/* %s_%s - ", o->target.name.c_str(), ending);
     print_in_comment(r->urdf.name);
     printf(", %s\n", what);
@@ -422,6 +425,18 @@ void check_folder(const options *o) {
     if (o->folder.empty() || std::filesystem::is_directory(o->folder, error)) return;
     throw std::runtime_error("--output: there is no folder '" + o->folder.substr(0, o->folder.size() - 1) +
                              "'");
+}
+
+/* All files or none: a header and a source of two runs would not fit. */
+void write_files(const options *o, const robot *r, const std::vector<codegen::tested> &functions) {
+    try {
+        print_header(o, r, functions);
+        print_source(o, r, functions);
+        if (o->example) print_example(o, r, functions[0].f);
+    } catch (const std::exception &) {
+        for (const std::string &path : begun) std::remove(path.c_str());
+        throw;
+    }
 }
 
 void check_link(const robot *r, const std::string &algorithm) {
@@ -520,9 +535,7 @@ int run(options *o) {
                 functions.push_back(record_or_say(o, name));
             }
             if (o->example) puts(codegen::example_command(o->folder + o->target.name).c_str());
-            print_header(o, &r, functions);
-            print_source(o, &r, functions);
-            if (o->example) print_example(o, &r, functions[0].f);
+            write_files(o, &r, functions);
         } catch (const std::exception &e) {
             fprintf(stderr, "%s: %s\n", program, e.what());
             status = EXIT_BAD;

@@ -89,7 +89,10 @@ expect 1 "--output: there is no folder 'nowhere/at/all'" --output nowhere/at/all
 expect 1 "--output: there is no folder '/dev/null'" --output /dev/null "$iiwa"
 mkdir -p there/iiwa_code.h
 expect 1 "cannot write there/iiwa_code.h: Is a directory" --output there --algorithm gravity_torque "$iiwa"
-ls ./*_code.* >/dev/null 2>&1 && fail "files in spite of an error"
+mkdir -p there/half_code.c there/late_example.c
+expect 1 "cannot write there/half_code.c: Is a directory" --output there --name half "$iiwa"
+expect 1 "cannot write there/late_example.c: Is a directory" --output there --name late --example "$iiwa"
+[ -z "$(find . -type f -name '*_*.[ch]')" ] || fail "files in spite of an error"
 
 # ---- self-tests ----
 
