@@ -508,6 +508,10 @@ int hold(options *o, const robot *r, held *to) {
     o->robot.nc = constraints_read(o->constraints, r, w, &to->list, &to->set, &set);
     o->robot.constraints = to->list;
     if (o->robot.nc < 0) return EXIT_BAD;
+    if (o->robot.nc == 0)
+        return fprintf(stderr, "%s: %s: no constraint: the table has a header alone\n", program,
+                       o->constraints),
+               EXIT_BAD;
     return o->stances ? read_table_of_stances(o, r) : 0;
 }
 

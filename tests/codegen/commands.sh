@@ -93,6 +93,8 @@ mkdir -p there/half_code.c there/late_example.c
 expect 1 "cannot write there/half_code.c: Is a directory" --output there --name half "$iiwa"
 expect 1 "cannot write there/late_example.c: Is a directory" --output there --name late --example "$iiwa"
 [ -z "$(find . -type f -name '*_*.[ch]')" ] || fail "files in spite of an error"
+printf 'body1,axes\n' >empty.csv
+expect 1 "empty.csv: no constraint: the table has a header alone" --algorithm impact --constraints empty.csv "$iiwa"
 
 # ---- self-tests ----
 
