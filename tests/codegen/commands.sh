@@ -162,6 +162,21 @@ for scalar in double float; do
 done
 sed "s/mass value='1'/mass value='1e308'/" chain.urdf >heavy.urdf # inf - inf
 expect 1 "mm: a constant is not a number: the robot's lengths or masses overflow" --algorithm mm heavy.urdf
+# each link a thousand times as heavy as the one before: rounding goes far, and that is no error
+{
+    echo "<robot name='heavy'><link name='0'/>"
+    mass=1
+    for k in $(seq 7); do
+        echo "<link name='$k'><inertial><origin xyz='0.05 0.02 0.03'/><mass value='$mass'/>
+<inertia ixx='${mass}e-2' ixy='0' ixz='0' iyy='${mass}e-2' iyz='0' izz='${mass}e-2'/></inertial></link>
+<joint name='j$k' type='continuous'><parent link='$((k - 1))'/><child link='$k'/>
+<origin xyz='0.3 0 0'/><axis xyz='$((k % 2)) $((1 - k % 2)) 0'/></joint>"
+        mass=${mass}000
+    done
+    echo "</robot>"
+} >heavy.urdf
+selftest heavy --algorithm minv,fd,fd_derivatives heavy.urdf
+expect 1 "fd: this scalar has too few digits for the robot" --gravity 1e300,0,0 --scalar float --algorithm fd heavy.urdf
 # names that could be those of a part, and of a self-test
 sed "s/\(link\|link name\)='1'/\1='45_1'/g" chain.urdf >parts.urdf
 selftest test --block 50 --algorithm jacobian:45,jacobian:45_1 parts.urdf
