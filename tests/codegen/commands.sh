@@ -177,6 +177,21 @@ expect 1 "mm: a constant is not a number: the robot's lengths or masses overflow
 } >heavy.urdf
 selftest heavy --algorithm minv,fd,fd_derivatives heavy.urdf
 expect 1 "fd: this scalar has too few digits for the robot" --gravity 1e300,0,0 --scalar float --algorithm fd heavy.urdf
+# lengths that are rounding: products of them are no float
+noise=1e-25
+{
+    echo "<robot name='noise'>"
+    for k in 0 1 2; do
+        echo "<link name='$k'><inertial><origin xyz='$noise .1 $noise'/><mass value='1'/>
+<inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link>"
+    done
+    for k in 1 2; do
+        echo "<joint name='j$k' type='continuous'><parent link='$((k - 1))'/><child link='$k'/>
+<origin xyz='.1 $noise $noise'/><axis xyz='$((k % 2)) 0 $((1 - k % 2))'/></joint>"
+    done
+    echo "</robot>"
+} >noise.urdf
+selftest noise --floating --scalar float --algorithm fd,momentum_matrix noise.urdf
 # names that could be those of a part, and of a self-test
 sed "s/\(link\|link name\)='1'/\1='45_1'/g" chain.urdf >parts.urdf
 selftest test --block 50 --algorithm jacobian:45,jacobian:45_1 parts.urdf

@@ -36,6 +36,7 @@ __attribute__((format(printf, 1, 2))) inline std::string format(const char *text
 /* The shortest that reads back as the same number. */
 inline std::string literal(double x, bool is_float) {
     char text[40];
+    if (is_float && float(x) == 0) x = 0; /* compilers warn of what float has not */
     for (int digits = 1; digits <= 17; digits++) {
         snprintf(text, sizeof text, "%.*g", digits, x);
         if (is_float ? strtof(text, nullptr) == float(x) : strtod(text, nullptr) == x) break;
