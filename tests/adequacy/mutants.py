@@ -213,6 +213,8 @@ WARN_NOT = ["-Wno-psabi", "-Wno-attributes", "-Werror=incompatible-pointer-types
 APART = "-Dalways_inline=unused"  # compiles in a fraction of the time
 SANITIZE = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-O1", APART)
 BATCHED = "rbd.h|rbd_derivatives.h|rbd_constraints.h|rbd_batch.h"
+# tcc 0.9.27 returns the struct of rbd_contact_last, a real and two ints, in other registers than GCC reads.
+NOT_BY_TCC = ("contact_step", "contact_derivatives")
 BATCHES = "batch|gather|scatter|transpose|EXCHANGE|task|lanes|_output|note_singular"
 
 
@@ -291,7 +293,8 @@ def stages(header):
            Stage("spatial frames", (("spatial_frames.c", ("-O0",)),), headers="rbd_spatial"),
            spatial("sanitized", *SANITIZE, link=SANITIZE[:2])]
     if shutil.which("tcc") and platform.machine() == "x86_64":
-        out += [Stage("suites, tcc", (("rbd.c", ()),), fast, compiler="tcc", parts=parts)]
+        out += [Stage("suites, tcc", (("rbd.c", ()),), fast, compiler="tcc",
+                      parts=tuple(part for part in parts if part not in NOT_BY_TCC))]
     out += [batch("double", 4), batch("double", 2), batch("double", 8), batch("float", 4), batch("float", 16),
             sincos("double"), sincos("float", "-DRBD_REAL=float"), sincos("scalars", "-U__SSE2__"),
             sincos("float scalars", "-U__SSE2__", "-DRBD_REAL=float"),
@@ -427,8 +430,8 @@ class Bench:
         for stage in self.stages:
             if not re.search(stage.functions, function):
                 continue
-            if stage.name == "suites" and differs:  # tcc's code of it passed them; GCC's meets them sanitized
-                continue
+            if stage.name == "suites" and differs and self.header != "rbd_contact.h":
+                continue  # tcc's code of it passed nearly all of them; GCC's meets all sanitized
             self.prepare(stage, place)
             verdict = self.attempt(stage, include, place)
             if verdict == "no compile":
