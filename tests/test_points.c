@@ -390,6 +390,29 @@ START_TEST(momentum_does_not_depend_on_the_place) {
 }
 END_TEST
 
+/* A speck 1000 km away, which is the first link, costs the others' centre of mass no digits. */
+START_TEST(a_far_root_does_not_blur_the_others) {
+    const rbd_body rows[2] = {
+        {.parent = -1,
+         .type = RBD_PRISMATIC,
+         .axis = {0, 0, 1},
+         .position = {1048576},
+         .mass = 1.0 / 1048576},
+        {.parent = -1, .type = RBD_PRISMATIC, .axis = {0, 0, 1}, .position = {0.3, 0.7, 0.1}, .mass = 1}};
+    const double mass = 1 + rows[0].mass, com[3] = {1.3 / mass, 0.7 / mass, 0.1 / mass}, g[3] = {3, -2, 1};
+    const double potential = -(3 * 1.3 - 2 * 0.7 + 0.1), q[2] = {0};
+    double found[3], energy;
+    robot r = robot_build("two roots", rows, 2);
+    rbd_set_gravity(r.w, g);
+    ck_assert_int_eq(rbd_kinematics(r.m, r.w, q, NULL, NULL), RBD_OK);
+    ck_assert_int_eq(rbd_com(r.m, r.w, found, NULL, NULL), RBD_OK);
+    ck_assert_int_eq(rbd_energy(r.m, r.w, NULL, &energy), RBD_OK);
+    expect_close("centre of mass", &r, 0, found, com, 3, 1e-15);
+    expect_close("potential energy", &r, 0, &energy, &potential, 1, 2e-15);
+    robot_free(&r);
+}
+END_TEST
+
 /* The torque of its base holds a floating robot: the momentum's rate less the weight. */
 static void check_base(const robot *r, const state *s, int number) {
     double tau[MAX_V], rate[6], c[3], f[6], torque[MAX_V], R[9], p[3], x[3];
@@ -510,6 +533,7 @@ Suite *points_suite(void) {
     tcase_add_test(c, common_ancestors_do_not_count);
     tcase_add_test(c, momentum_is_that_of_the_bodies);
     tcase_add_test(c, momentum_does_not_depend_on_the_place);
+    tcase_add_test(c, a_far_root_does_not_blur_the_others);
     tcase_add_test(c, rate_of_momentum_is_the_force_on_the_base);
     tcase_add_test(c, what_is_fixed_to_the_world_does_not_move);
     tcase_add_test(c, errors_have_their_names);

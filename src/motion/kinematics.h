@@ -273,7 +273,7 @@ static rbdi_moving rbdi_moving_body(const rbd_model *m, const rbd_work *w, int b
    rate; kinetic energy without that of the rotors. */
 typedef struct rbdi_total {
     rbdi_force h, h_dot;
-    rbdi_v3 com;
+    rbdi_v3 com, arm; /* of the centre of mass, from the world's origin and the first link's */
     rbd_real mass, inverse_mass, kinetic;
 } rbdi_total;
 
@@ -286,7 +286,7 @@ RBDI_INLINE void rbdi_add_momentum(const rbdi_moving *b, rbdi_v3 r, rbdi_v3 v, r
 }
 
 /* Sums the momenta about the first link's origin o, which rounds less than about a far world origin, then
-   moves them to the centre of mass: n - (com - o) x f. */
+   moves them to the centre of mass: n - arm x f. com is not o + arm: bodies may be far from o. */
 static rbdi_total rbdi_add_bodies(const rbd_model *m, const rbd_work *w) {
     const rbd_const mass = rbd_mass(m);
     const rbdi_v3 o = mass > 0 ? w->kin[0].X.r : rbdi_vec0();
@@ -294,22 +294,22 @@ static rbdi_total rbdi_add_bodies(const rbd_model *m, const rbd_work *w) {
     s.mass = rbdi_set(mass);
     s.inverse_mass = rbdi_set(mass > 0 ? RBD_C(1) / mass : RBD_C(0));
     s.kinetic = rbdi_zero();
-    s.com = rbdi_vec0();
+    s.com = s.arm = rbdi_vec0();
     s.h = s.h_dot = rbdi_force0();
     for (int body = 0; body < m->nb; ++body) {
         rbdi_moving b;
-        rbdi_v3 r;
+        rbdi_v3 p, r;
         if (m->frame[body].link < 0) continue;
         b = rbdi_moving_body(m, w, body);
-        r = rbdi_sub(rbdi_point_p(&b.k, b.c), o);
-        s.com = rbdi_add(s.com, rbdi_scale(b.mass * s.inverse_mass, r));
+        p = rbdi_point_p(&b.k, b.c), r = rbdi_sub(p, o);
+        s.com = rbdi_add(s.com, rbdi_scale(b.mass * s.inverse_mass, p));
+        s.arm = rbdi_add(s.arm, rbdi_scale(b.mass * s.inverse_mass, r));
         rbdi_add_momentum(&b, r, b.v, b.L, &s.h);
         rbdi_add_momentum(&b, r, b.acc, b.L_dot, &s.h_dot);
         s.kinetic = s.kinetic + RBD_C(0.5) * (b.mass * rbdi_dot(b.v, b.v) + rbdi_dot(b.k.state.omega, b.L));
     }
-    s.h.n = rbdi_sub(s.h.n, rbdi_cross(s.com, s.h.f));
-    s.h_dot.n = rbdi_sub(s.h_dot.n, rbdi_cross(s.com, s.h_dot.f));
-    s.com = rbdi_add(s.com, o);
+    s.h.n = rbdi_sub(s.h.n, rbdi_cross(s.arm, s.h.f));
+    s.h_dot.n = rbdi_sub(s.h_dot.n, rbdi_cross(s.arm, s.h_dot.f));
     return s;
 }
 
