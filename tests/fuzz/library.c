@@ -301,7 +301,7 @@ static void check_kinematics(void) {
     ok("com", rbd_com(model, work, x, x + 3, x + 6));
     for (int k = 0; k < 3; k++) compare3(COM, x + 3 * k, t.com[k], t.com_size[k]);
     ok("energy", rbd_energy(model, work, &energy[0], &energy[1]));
-    compare(ENERGY, energy, t.energy, t.energy_size, 2);
+    if (in_range(t.energy_size, 2)) compare(ENERGY, energy, t.energy, t.energy_size, 2);
 }
 
 /* A step from q by v dt; and the step from q to q1 must lead there. */
