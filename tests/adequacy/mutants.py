@@ -304,6 +304,8 @@ def stages(header):
                   functions="stride|whole_batches|batches_of"),
             tables("double"), tables("float", "-DSCALAR_FLOAT"),
             scalar("float", "-DSCALAR_FLOAT"), scalar("4 lanes", "-DRBD_LANES=4"),
+            Stage("scalar quad", (("scalars.c", ("-O0", APART, "-DSCALAR_QUAD")),), ref, ("-lquadmath",),
+                  functions="sincos|joints"),  # which take their sines one by one there
             sanitized_batch("double", 4), sanitized_batch("float", 16),
             Stage("arrays", (("arrays.c", SANITIZE),), link=SANITIZE[:2], arguments=("400",),
                   headers="rbd.h|rbd_derivatives"),
