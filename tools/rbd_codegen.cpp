@@ -400,12 +400,12 @@ void print_header(const options *o, const robot *r, const std::vector<codegen::t
     const char *upper = capitals.c_str();
     begin(o, r, "code.h", "functions of this robot alone, straight-line code.");
     printf(
-        "\n\n   Compile %s_code.c, a file of its own, with\n"
+        "\n   Compile %s_code.c, a file of its own, as C, with\n"
         "       cc -O3 -march=native -c %s_code.c                               (a computer)\n"
         "       arm-none-eabi-gcc -O2 -mcpu=... -mfloat-abi=... -c %s_code.c    (a microcontroller)\n"
         "   without -ffast-math. With -D%s_SELFTEST it has int %s_selftest(void), which runs all functions\n"
-        "   on known states: 0, or the number of the first that is wrong; -D%s_SELFTEST_MAIN adds a main\n"
-        "   that prints what it found.\n\n",
+        "   on known states: 0, or the number of the first that is wrong; with -D%s_SELFTEST_MAIN a main\n"
+        "   too, which prints what it found.\n\n",
         name, name, name, upper, name, upper);
     if (o->target.is_reproducible)
         printf("   Every compiler, option and machine that rounds as IEEE 754 does gives the same bits: "
@@ -422,6 +422,7 @@ void print_header(const options *o, const robot *r, const std::vector<codegen::t
     print_c_indices(r, name);
     printf("\n#ifdef __cplusplus\nextern \"C\" {\n#endif\n\n%s",
            codegen::declarations(functions, o->target).c_str());
+    printf("extern int %s_selftest(void); /* with -D%s_SELFTEST */\n\n", name, upper);
     printf("#ifdef __cplusplus\n}\n#endif\n\n#endif\n");
     end();
 }

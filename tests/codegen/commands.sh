@@ -107,7 +107,7 @@ selftest() {
     for flags in "" "-DBROKEN"; do
         [ -n "$flags" ] && sed -i "/^static const scalar ${name}_[a-zA-Z0-9_]*_is/{n;s/{/{1 + /}" "${name}_code.c"
         ${CC:-cc} -std=c99 -O0 -Wall -Wextra -Wpedantic -Wconversion -Wno-psabi -Werror \
-            "-D${upper}_SELFTEST" "-D${upper}_SELFTEST_MAIN" -o test "${name}_code.c" -lm || fail "does not compile: $*"
+            "-D${upper}_SELFTEST_MAIN" -o test "${name}_code.c" -lm || fail "does not compile: $*"
         ./test >out
         found=$?
         [ -z "$flags" ] && [ $found -ne 0 ] && fail "self-test $found: $*"
@@ -285,8 +285,10 @@ eval "set -- $(sed -n 's/^       rbd-codegen //p' cart_code.c)"
 expect 0 "" "$@"
 sed "s/{1 + /{/" first.c | cmp -s - cart_code.c || fail "another source the second time"
 
-# C++ takes the header
-printf '#include "iiwa_code.h"\nint main() { double q[IIWA_NQ] = {}, tau[IIWA_NV]; iiwa_gravity_torque(q, tau); return tau[0] > 1; }\n' >use.cpp
-${CC:-cc} -c iiwa_code.c -o iiwa.o && ${CXX:-c++} use.cpp iiwa.o -lm -o use && ./use || fail "not from C++"
+# C++ takes the header, and says of the source that it is C
+printf '#include "iiwa_code.h"\nint main() { double q[IIWA_NQ] = {}, tau[IIWA_NV]; iiwa_gravity_torque(q, tau); return tau[0] > 1 || iiwa_selftest(); }\n' >use.cpp
+sed "s/{1 + /{/" iiwa_code.c >right_code.c
+${CC:-cc} -DIIWA_SELFTEST -Wmissing-prototypes -Werror -c right_code.c -o iiwa.o && ${CXX:-c++} use.cpp iiwa.o -lm -o use && ./use || fail "not from C++"
+${CXX:-c++} -x c++ -c iiwa_code.c -o iiwa.o 2>&1 | grep -q "this file is C99: compile it as C" || fail "C++ does not say that the source is C"
 
 exit $failed

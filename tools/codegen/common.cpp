@@ -11,6 +11,9 @@ const char compiler_text[] = R"(
 #include <math.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+#error "this file is C99: compile it as C, not as C++, which may include its header"
+#endif
 #if defined __FAST_MATH__ || defined __ASSOCIATIVE_MATH__
 #error "reassociation voids the sine's argument reduction: compile without -ffast-math"
 #endif

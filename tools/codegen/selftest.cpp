@@ -134,7 +134,7 @@ std::string test_of(const piece &x, const target &t) {
 
 std::string selftest_text(const std::vector<piece> &all, const target &t) {
     const std::string macro = upper(t.name) + "_SELFTEST";
-    std::string s = "#ifdef " + macro + "\n" + comparison_text, rows;
+    std::string s = "#if defined " + macro + " || defined " + macro + "_MAIN\n" + comparison_text, rows;
     for (const piece &x : all) {
         const std::string full = t.name + "_" + x.x.f.name;
         s += test_of(x, t);
