@@ -171,8 +171,8 @@ RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constr
    damping    implicit: tau acts as tau - damping v_next. A position controller of gains kp, kd that runs with
               the step has damping = kd + dt kp and tau = kp (q_wanted - q): stable at every dt. NULL: 0
    Errors: RBD_ERR_NULL, _WORK; _RANGE, dt not between 1e-30 and 1e30; _SINGULAR, _NAN as rbd_constrained_fd,
-   _NAN also of speeds above 1e12: then q_next is q and v_next or a is 0. A solution above the tolerance is no
-   error: rbd_contact_last. */
+   _NAN also of a gap that is not a number and of speeds above 1e12: then q_next is q and v_next or a is 0. A
+   solution above the tolerance is no error: rbd_contact_last. */
 
 /* One time step dt, semi-implicit: velocities first, by
 
@@ -1265,9 +1265,9 @@ static void rbdi_contact_gap(const rbd_constraint_set *s, rbdi_constraint *con, 
     contact->approach = rbdi_dot(normal, relative.velocity.v);
 }
 
-/* Whether this distance may become 0 within two steps, or is at most the margin. */
+/* Whether this distance may become 0 within two steps, or is at most the margin, or not a number. */
 RBDI_INLINE int rbdi_may_touch(rbd_real distance, rbd_real rate, rbd_real dt, rbd_real margin) {
-    return distance <= margin || distance + 2 * dt * rate <= 0;
+    return !(distance > margin && distance + 2 * dt * rate > 0);
 }
 
 /* Finds the nearer limit. Returns whether it is near; dry friction always is. */
@@ -1534,10 +1534,10 @@ static void rbdi_keep_impulses(rbd_contact_set *c) {
 }
 
 /* Computes c->nu, the velocities at the end, in the axes of the beginning. They differ from c->moved if
-   penetration was corrected, or a contact that pushed rebounds. Overflow clears the set's impulses. */
+   penetration was corrected, or a contact that pushed rebounds. Overflow and NaN clear the set's impulses. */
 static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
-    int finite = 1;
+    int finite = rbdi_all_finite(c->b, c->rows->rows);
     for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact)
         contact->rebounds = contact->row >= 0 && contact->restitution > 0 &&
                             contact->approach < -RBD_C(c->options.bounce) &&

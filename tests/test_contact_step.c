@@ -915,6 +915,29 @@ START_TEST(overflow_is_an_error) {
 }
 END_TEST
 
+/* Coordinates that are not in the mass matrix: without the rows of contact and limit the body would fall. */
+START_TEST(distances_that_are_not_a_number_are_errors) {
+    for (int k = 0; k < 2; k++) {
+        rbd_body body = {.name = "body", .parent = -1, .type = RBD_TRANSLATION, .mass = 1};
+        scene s;
+        if (k == 1) body.type = RBD_PRISMATIC, body.axis[2] = 1, body.upper = 1;
+        open_scene(&s, "body", &body, 1, 1e-3);
+        s.options.joint_limits = k;
+        if (k == 0) add_contact(&s, 0, -1, 0, 0, 0);
+        begin_scene(&s);
+        s.q[k == 0 ? 2 : 0] = NAN;
+        rbd_status status = rbd_contact_step(s.r.m, s.c, s.q, s.v, s.tau, NULL, NULL, s.h, s.q, s.v);
+        ck_assert_int_eq(status, RBD_ERR_NAN);
+        for (int i = 0; i < rbd_nv(s.r.m); i++) ck_assert_double_eq(s.v[i], 0);
+        for (int i = 0; i < rbd_nq(s.r.m); i++) s.q[i] = 0.5;
+        status = rbd_contact_step(s.r.m, s.c, s.q, s.v, s.tau, NULL, NULL, s.h, s.q, s.v);
+        ck_assert_int_eq(status, RBD_OK);
+        ck_assert_double_eq_tol(s.v[k == 0 ? 2 : 0], -9.81e-3, 1e-12);
+        close_scene(&s);
+    }
+}
+END_TEST
+
 START_TEST(singular_states_are_errors) {
     rbd_body body[2] = {rod(), rod()};
     scene s;
@@ -969,6 +992,7 @@ Suite *contact_step_suite(void) {
     tcase_add_test(c, errors_are_taken_back);
     tcase_add_test(c, box_rests_on_a_ball_of_the_world);
     tcase_add_test(c, overflow_is_an_error);
+    tcase_add_test(c, distances_that_are_not_a_number_are_errors);
     tcase_add_test(c, singular_states_are_errors);
     suite_add_tcase(suite, c);
     return suite;

@@ -36,9 +36,9 @@ static void rbdi_contact_gap(const rbd_constraint_set *s, rbdi_constraint *con, 
     contact->approach = rbdi_dot(normal, relative.velocity.v);
 }
 
-/* Whether this distance may become 0 within two steps, or is at most the margin. */
+/* Whether this distance may become 0 within two steps, or is at most the margin, or not a number. */
 RBDI_INLINE int rbdi_may_touch(rbd_real distance, rbd_real rate, rbd_real dt, rbd_real margin) {
-    return distance <= margin || distance + 2 * dt * rate <= 0;
+    return !(distance > margin && distance + 2 * dt * rate > 0);
 }
 
 /* Finds the nearer limit. Returns whether it is near; dry friction always is. */

@@ -85,10 +85,10 @@ static void rbdi_keep_impulses(rbd_contact_set *c) {
 }
 
 /* Computes c->nu, the velocities at the end, in the axes of the beginning. They differ from c->moved if
-   penetration was corrected, or a contact that pushed rebounds. Overflow clears the set's impulses. */
+   penetration was corrected, or a contact that pushed rebounds. Overflow and NaN clear the set's impulses. */
 static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
-    int finite = 1;
+    int finite = rbdi_all_finite(c->b, c->rows->rows);
     for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact)
         contact->rebounds = contact->row >= 0 && contact->restitution > 0 &&
                             contact->approach < -RBD_C(c->options.bounce) &&
