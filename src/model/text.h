@@ -10,7 +10,7 @@
 RBDI_MESSAGES RBDI_API const char *rbd_status_string(rbd_status status) {
     switch (status) {
     case RBD_OK: return "no error";
-    case RBD_ERR_NULL: return "a required pointer is NULL";
+    case RBD_ERR_NULL: return "a required pointer is NULL, as a work or set is until its _init succeeds";
     case RBD_ERR_MEMORY:
         return "the memory given is too small: rbd_model_size, rbd_work_size or another _size has the figure";
     case RBD_ERR_VERSION: return "the built model is of another version or scalar than this rbd.h";
