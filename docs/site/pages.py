@@ -165,7 +165,7 @@ def errors(text):
         for call in re.findall(r"\bas (rbd_\w+)", sentence):
             found += [s for s in status_list(call) if s not in found]
         sentence = re.sub(r"(; _|, and RBD_ERR_)SINGULAR[^.]*where said.*", "", sentence)
-        for prefix, word in re.findall(r"(?<!\w)(RBD_ERR|RBD_URDF_ERR|)_([A-Z]+)\b", sentence):
+        for prefix, word in re.findall(r"(?<!\w)(RBD_ERR|RBD_URDF_ERR|)_([A-Z_]+)\b", sentence):
             name = (prefix or "RBD_ERR") + "_" + word
             if name in places() and name not in found:
                 found.append(name)
@@ -308,18 +308,20 @@ def argument_rows(group, header):
             base = re.sub(r"\bconst\b|\*", "", kind).strip()
             if base in HANDLES and "**" not in kind:
                 continue
-            known, row = argument(item.name, name, own.get(name))
+            spatial = header.name == "rbd_spatial.h"  # its letters are not those of the dynamics
+            known, row = argument(item.name, name, own.get(name)) if not spatial else (None, None)
             used.add(row)
             if (name, known) in seen:
                 continue
             seen.add((name, known))
-            if not known and header.name == "rbd_spatial.h":
+            if spatial and name not in own:
                 continue
             if not known and not own.get(name) and base not in places():
                 unknown.append((item.name, name))
             shape, text = known or ("-", own.get(name) or "")
             shape = length.strip("[]") or shape if shape == "-" else shape
-            way = "out" if "*" in kind and not kind.startswith("const") else "in"
+            shape = "-" if "**" in kind else shape  # of the pointer that is set
+            way = "out" if "**" in kind or "*" in kind and not kind.startswith("const") else "in"
             way = "in, out" if re.match(r"(nv flags|in: )", text) and way == "out" else way
             rows.append((name, way, shape.replace("-", "").replace(" ", " × "), text))
     return rows, unknown, used

@@ -47,7 +47,7 @@ RBDI_API rbd_status rbd_add_payload(void *memory, int body, double mass, const d
    memory   size bytes of any alignment; RBD_WORK_SIZE(nb, nv) always suffices, with mimic joints
             RBD_WORK_SIZE_MIMIC(nb, nv)
    work     receives the work structure, which lies inside memory: do not move it; NULL after an error
-   Errors: RBD_ERR_NULL, _MEMORY, _VERSION, _LEFT_OUT. */
+   Errors: RBD_ERR_NULL, _MEMORY, _VERSION, _LEFT_OUT, _ARITHMETIC. */
 RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size, rbd_work **work);
 
 /* Bytes that rbd_work_init needs for this model. */
