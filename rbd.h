@@ -361,13 +361,13 @@ typedef enum rbd_joint_type {
     RBD_UNIVERSAL,     /* about axis, then about axis2, which the first turn moves */
     RBD_SPHERICAL,     /* quaternion */
     RBD_EULER_ZYX,     /* R = Rz(q0) Ry(q1) Rx(q2) */
-    RBD_EULER_XYZ,
-    RBD_EULER_YXZ,
-    RBD_EULER_ZXY,
-    RBD_PLANAR,      /* in the x-y plane of the joint frame */
-    RBD_TRANSLATION, /* along x, y, z of the joint frame */
-    RBD_FLOATING,    /* free */
-    RBD_JOINT_TYPES  /* how many there are */
+    RBD_EULER_XYZ,     /* R = Rx(q0) Ry(q1) Rz(q2) */
+    RBD_EULER_YXZ,     /* R = Ry(q0) Rx(q1) Rz(q2) */
+    RBD_EULER_ZXY,     /* R = Rz(q0) Rx(q1) Ry(q2) */
+    RBD_PLANAR,        /* in the x-y plane of the joint frame */
+    RBD_TRANSLATION,   /* along x, y, z of the joint frame */
+    RBD_FLOATING,      /* free */
+    RBD_JOINT_TYPES    /* how many there are */
 } rbd_joint_type;
 
 /* One body and the joint that carries it: a row of the description. Zero is a sensible default for
@@ -407,32 +407,32 @@ typedef struct rbd_work rbd_work;   /* scratch and results of one thread: see rb
 /* The result of most functions: 0, or a negative error. An error of the build names body and field. */
 typedef enum rbd_status {
     RBD_OK = 0,
-    RBD_ERR_NULL = -1,     /* a required pointer is NULL */
-    RBD_ERR_MEMORY = -2,   /* the memory given is too small */
-    RBD_ERR_VERSION = -3,  /* the built model is of another version or scalar */
-    RBD_ERR_INDEX = -4,    /* no such body */
-    RBD_ERR_ORDER = -5,    /* rbd_kinematics must be called first */
-    RBD_ERR_SINGULAR = -6, /* the mass matrix is singular: rbd_singular_dof says where */
-    RBD_ERR_COUNT = -7,    /* number of bodies below 1 or above RBD_MAX_BODIES, or that of constraints */
-    RBD_ERR_NAME = -8,     /* a name stands twice */
-    RBD_ERR_PARENT = -9,   /* parent is not an earlier body or -1 */
-    RBD_ERR_TYPE = -10,    /* unknown joint type, or missing: fixed, but with an axis */
-    RBD_ERR_AXIS = -11,    /* axis zero or not finite; universal: axes parallel */
-    RBD_ERR_PITCH = -12,   /* not finite */
-    RBD_ERR_POSITION = -13,
-    RBD_ERR_ROTATION = -14, /* not finite or not orthonormal and right-handed */
-    RBD_ERR_MASS = -15,     /* not finite or negative */
-    RBD_ERR_COM = -16,
-    RBD_ERR_INERTIA = -17,
-    RBD_ERR_LEAF = -18,     /* a movable leaf without mass, inertia and armature */
-    RBD_ERR_ARMATURE = -19, /* not finite or negative; likewise the next two */
-    RBD_ERR_DAMPING = -20,
-    RBD_ERR_FRICTION = -21,
+    RBD_ERR_NULL = -1,        /* a required pointer is NULL */
+    RBD_ERR_MEMORY = -2,      /* the memory given is too small */
+    RBD_ERR_VERSION = -3,     /* the built model is of another version or scalar */
+    RBD_ERR_INDEX = -4,       /* no such body */
+    RBD_ERR_ORDER = -5,       /* rbd_kinematics must be called first */
+    RBD_ERR_SINGULAR = -6,    /* the mass matrix is singular: rbd_singular_dof says where */
+    RBD_ERR_COUNT = -7,       /* number of bodies below 1 or above RBD_MAX_BODIES, or that of constraints */
+    RBD_ERR_NAME = -8,        /* a name stands twice */
+    RBD_ERR_PARENT = -9,      /* parent is not an earlier body or -1 */
+    RBD_ERR_TYPE = -10,       /* unknown joint type, or missing: fixed, but with an axis */
+    RBD_ERR_AXIS = -11,       /* axis zero or not finite; universal: axes parallel */
+    RBD_ERR_PITCH = -12,      /* not finite */
+    RBD_ERR_POSITION = -13,   /* not finite */
+    RBD_ERR_ROTATION = -14,   /* not finite or not orthonormal and right-handed */
+    RBD_ERR_MASS = -15,       /* not finite or negative */
+    RBD_ERR_COM = -16,        /* not finite */
+    RBD_ERR_INERTIA = -17,    /* not finite */
+    RBD_ERR_LEAF = -18,       /* a movable leaf without mass, inertia and armature */
+    RBD_ERR_ARMATURE = -19,   /* not finite or negative */
+    RBD_ERR_DAMPING = -20,    /* not finite or negative */
+    RBD_ERR_FRICTION = -21,   /* not finite or negative */
     RBD_ERR_LIMITS = -22,     /* not finite, or a negative velocity or effort limit */
     RBD_ERR_MIMIC = -23,      /* not a one-dof joint, what it follows is missing or follows too, or ratio 0 */
     RBD_ERR_WORK = -24,       /* the work, or batch, is of another model; the set, of another work */
-    RBD_ERR_NAN = -25,        /* NaN in the mass matrix: q has one, or something overflowed */
-    RBD_ERR_RANGE = -26,      /* of a constraint, weight, restitution (rbd_constraints.h): out of range */
+    RBD_ERR_NAN = -25,        /* NaN where accelerations are solved for: q has one, or something overflowed */
+    RBD_ERR_RANGE = -26,      /* a gain, weight, restitution, friction, dt or option is out of range */
     RBD_ERR_INFEASIBLE = -27, /* constraints contradict each other */
     RBD_ERR_LEFT_OUT = -28,   /* the model needs code that RBD_FEATURES or RBD_NO_CHOLESKY leave out */
     RBD_ERR_ARITHMETIC = -29, /* RBD_REPRODUCIBLE, and sums and products are not rounded as in [guarantees] */
@@ -5672,7 +5672,7 @@ RBDI_MESSAGES RBDI_API const char *rbd_status_string(rbd_status status) {
         return "ratio 0 or not finite, offset not finite, not a one-dof joint, or it follows a joint that is "
                "missing or mimics too";
     case RBD_ERR_WORK: return "made for another model or another work";
-    case RBD_ERR_NAN: return "NaN in the mass matrix: q has one, or something overflowed";
+    case RBD_ERR_NAN: return "NaN where accelerations are solved for: q has one, or something overflowed";
     case RBD_ERR_RANGE: return "negative, not finite or out of range";
     case RBD_ERR_INFEASIBLE: return "the constraints contradict each other";
     case RBD_ERR_ARITHMETIC:

@@ -14,10 +14,10 @@
 #define rbd_contact_last RBDI_SYMBOL(rbd_contact_last)
 
 typedef enum rbd_contact_state {
-    RBD_APART, /* not a row of the problem: too far away, or nothing that it touches can move */
-    RBD_OPENS, /* may touch, but does not push */
-    RBD_STICKS,
-    RBD_SLIPS
+    RBD_APART,  /* not a row of the problem: too far away, or nothing that it touches can move */
+    RBD_OPENS,  /* may touch, but does not push */
+    RBD_STICKS, /* pushes, and does not move along the plane */
+    RBD_SLIPS   /* moves along the plane, and friction brakes it */
 } rbd_contact_state;
 
 /* ---- solver [solver] ----

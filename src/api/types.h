@@ -18,13 +18,13 @@ typedef enum rbd_joint_type {
     RBD_UNIVERSAL,     /* about axis, then about axis2, which the first turn moves */
     RBD_SPHERICAL,     /* quaternion */
     RBD_EULER_ZYX,     /* R = Rz(q0) Ry(q1) Rx(q2) */
-    RBD_EULER_XYZ,
-    RBD_EULER_YXZ,
-    RBD_EULER_ZXY,
-    RBD_PLANAR,      /* in the x-y plane of the joint frame */
-    RBD_TRANSLATION, /* along x, y, z of the joint frame */
-    RBD_FLOATING,    /* free */
-    RBD_JOINT_TYPES  /* how many there are */
+    RBD_EULER_XYZ,     /* R = Rx(q0) Ry(q1) Rz(q2) */
+    RBD_EULER_YXZ,     /* R = Ry(q0) Rx(q1) Rz(q2) */
+    RBD_EULER_ZXY,     /* R = Rz(q0) Rx(q1) Ry(q2) */
+    RBD_PLANAR,        /* in the x-y plane of the joint frame */
+    RBD_TRANSLATION,   /* along x, y, z of the joint frame */
+    RBD_FLOATING,      /* free */
+    RBD_JOINT_TYPES    /* how many there are */
 } rbd_joint_type;
 
 /* One body and the joint that carries it: a row of the description. Zero is a sensible default for
