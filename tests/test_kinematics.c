@@ -383,7 +383,8 @@ static void check_path(const robot *r, const state *s, int number) {
         RUN(rbd_kinematics(r->m, r->w, s->q, v, a));
         read_bodies(r, number, &all);
         RUN(rbd_jacobian(r->m, r->w, last, NULL, RBD_LINK_AXES, J[0]));
-        RUN(rbd_kinematics(r->m, r->w, other, s->a, s->v)); /* of another state */
+        RUN(rbd_kinematics(r->m, r->w, other, s->a, s->v));               /* of another state */
+        if (last % 2) RUN(rbd_kinematics(r->m, r->w, other, NULL, NULL)); /* which rests */
         RUN(rbd_body_kinematics(r->m, r->w, last, s->q, v, a));
         RUN(rbd_jacobian(r->m, r->w, last, NULL, RBD_LINK_AXES, J[1]));
         same("Jacobian of one body", J[1], J[0], 6 * r->nv);
