@@ -57,8 +57,8 @@ class tree {
         return s;
     }
 
-    /* Body b and all that it carries. path: from the limb's root, indices among what each body carries; bodies of
-       one path have one slot. */
+    /* Body b and all that it carries. path: from the limb's root, indices among what each body carries;
+       bodies of one path have one slot. */
     void place_limb(int b, int limb, const std::string &path) {
         places[size_t(b)] = {limb, slots.emplace(path, int(slots.size())).first->second};
         operations += is_moving(b) && limb % width == 0;
