@@ -2496,21 +2496,19 @@ RBDI_CODE_BEGIN
 
 /* Sets the n scalars of x to 0, a batch at a time. A call of memset would take longer. */
 RBDI_PART void rbdi_clear(rbd_real *x, int n) {
-    int k = 0;
 #if RBDI_BATCH > 1 || defined RBD_LANES
     const rbdi_batch zero = rbdi_zero_batch();
-    for (; k + 8 * RBDI_BATCH <= n; k += 8 * RBDI_BATCH) {
-        rbdi_batch *p = (rbdi_batch *)&x[k];
-        RBDI_ONE_INDEX(p); /* without it the compiler calls memset all the same */
+    for (rbdi_batch *p; n >= 8 * RBDI_BATCH; n -= 8 * RBDI_BATCH, x += 8 * RBDI_BATCH) {
+        RBDI_ONE_INDEX(x); /* without it the compiler calls memset all the same */
+        p = (rbdi_batch *)x;
         p[0] = p[1] = p[2] = p[3] = p[4] = p[5] = p[6] = p[7] = zero;
     }
-    for (; k + RBDI_BATCH <= n; k += RBDI_BATCH) {
-        rbdi_batch *p = (rbdi_batch *)&x[k];
-        RBDI_ONE_INDEX(p);
-        *p = zero;
+    for (; n >= RBDI_BATCH; n -= RBDI_BATCH, x += RBDI_BATCH) {
+        RBDI_ONE_INDEX(x);
+        *(rbdi_batch *)x = zero;
     }
 #endif
-    for (; k < n; ++k) x[k] = rbdi_zero();
+    for (; n > 0; --n, ++x) *x = rbdi_zero();
 }
 
 /* Whether two names are equal; NULL equals none. */
