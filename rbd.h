@@ -1707,7 +1707,8 @@ RBDI_INLINE rbd_real rbdi_sum_value(rbdi_sum x) {
 
 /* Four scalars that go together: an axis or origin with a fourth that is not used, or parameters of a body.
    They are passed by address, because clang without AVX warns of vectors of four doubles as values. GCC would
-   move a vector that is wider than a batch through memory. scale: y = factor x; add: y += factor x. */
+   move a vector that is wider than a batch through memory. put: y[0] .. y[2] = x, where y[3] may become
+   anything; scale: y = factor x; add: y += factor x. */
 #if RBDI_BATCH >= 4 || (RBDI_BATCH > 1 && RBDI_CLANG)
 typedef rbd_real rbdi_four
     __attribute__((vector_size(4 * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
@@ -1716,6 +1717,7 @@ RBDI_INLINE void rbdi_set_four(rbdi_four *y, rbd_real a, rbd_real b, rbd_real c,
     const rbdi_four x = {a, b, c, d};
     *y = x;
 }
+RBDI_INLINE void rbdi_put_four(rbd_real *y, const rbdi_four *x) { *(rbdi_four *)y = *x; }
 RBDI_INLINE void rbdi_scale_four(rbdi_four *y, rbd_real factor, const rbdi_four *x) { *y = *x * factor; }
 RBDI_INLINE void rbdi_add_four(rbdi_four *y, rbd_real factor, const rbdi_four *x) { *y = *y + *x * factor; }
 #else
@@ -1728,6 +1730,7 @@ RBDI_INLINE rbd_real rbdi_one_of(const rbdi_four *x, int k) {
 RBDI_INLINE void rbdi_set_four(rbdi_four *y, rbd_real a, rbd_real b, rbd_real c, rbd_real d) {
     y->x = a, y->y = b, y->z = c, y->w = d;
 }
+RBDI_INLINE void rbdi_put_four(rbd_real *y, const rbdi_four *x) { y[0] = x->x, y[1] = x->y, y[2] = x->z; }
 RBDI_INLINE void rbdi_scale_four(rbdi_four *y, rbd_real factor, const rbdi_four *x) {
     rbdi_set_four(y, x->x * factor, x->y * factor, x->z * factor, x->w * factor);
 }
@@ -1915,25 +1918,26 @@ RBDI_PART void rbdi_sincos_one(rbd_real x, rbd_real quarters, rbd_real *s, rbd_r
     *s = rbdi_first_lane(sine), *c = rbdi_first_lane(cosine);
 }
 
-/* Sines and cosines of `count` angles plus right angles. The error is below 2.3e-16 (double), 1.0e-7 (float)
-   up to the limit, and twice as much beyond it. The arrays are padded to whole batches. */
-RBDI_PART void rbdi_sincos_array(const rbd_real *x, const rbd_real *quarters, int count, rbd_real *s,
+/* Sines and cosines of the angles first .. end - 1 plus right angles, in whole batches from the end down to
+   0: entries before `first`, or behind `end` if it is less than a batch, are written too. The error is below
+   2.3e-16 (double), 1.0e-7 (float) up to the limit, and twice as much beyond it. */
+RBDI_PART void rbdi_sincos_array(const rbd_real *x, const rbd_real *quarters, int first, int end, rbd_real *s,
                                  rbd_real *c) {
-    const rbd_const limit = RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT;
-    const rbdi_batch *angle = (const rbdi_batch *)x, *turns = (const rbdi_batch *)quarters;
-    rbdi_batch *sine = (rbdi_batch *)s, *cosine = (rbdi_batch *)c;
     rbdi_bits beyond = rbdi_to_bits(rbdi_zero_batch());
     rbdi_bit any = 0;
-    for (int i = 0; i * RBDI_BATCH < count; ++i) {
-        beyond |= rbdi_beyond(angle[i] * angle[i], limit);
-        rbdi_sincos_batch(angle[i], turns[i], &sine[i], &cosine[i]);
+    for (int i = end; i > first;) {
+        rbdi_batch angle;
+        i = i > RBDI_BATCH ? i - RBDI_BATCH : 0;
+        angle = *(const rbdi_batch *)&x[i];
+        beyond |= rbdi_beyond(angle * angle, RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT);
+        rbdi_sincos_batch(angle, *(const rbdi_batch *)&quarters[i], (rbdi_batch *)&s[i], (rbdi_batch *)&c[i]);
     }
 #ifdef RBDI_BATCH_SCALAR
     any = beyond;
 #else
     for (int i = 0; i < (int)(sizeof beyond / sizeof any); ++i) any |= beyond[i];
 #endif
-    for (int i = 0; any && i < count; ++i) rbdi_sincos_one(x[i], quarters[i], &s[i], &c[i]);
+    for (int i = first; any && i < end; ++i) rbdi_sincos_one(x[i], quarters[i], &s[i], &c[i]);
 }
 #endif
 
@@ -2690,19 +2694,18 @@ RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *si
 }
 
 /* Computes all quantities of the links first .. end - 1 that depend on q alone: slides, poses of blocks,
-   sines and cosines. The sines are written from link `from` on in whole batches, for which the arrays must
-   have room: those of links outside the range are of the angles that these had last. The angle q + gamma is
-   rounded before its sine is computed: by one more rounding of q, 6e-11 rad at q = 1e6 in double, or not at
-   all if gamma is 0, because the joint angle at q = 0 is a multiple of 90 degrees. */
-RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int end, int from,
-                                 const rbd_real *q) {
-    int all_done = 1;
+   sines and cosines; rbdi_sincos_array overwrites those of other links from angles that they had last. The
+   angle q + gamma is rounded before its sine is computed: by one more rounding of q, 6e-11 rad at q = 1e6 in
+   double, or not at all if gamma is 0, because the joint angle at q = 0 is a multiple of 90 degrees. */
+RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *q) {
+    int all_done = 1, from = first;
     for (int i = first; i < end; ++i) {
         const rbdi_link *l = &m->link[i];
         w->quarters[i] = rbdi_set(l->quarters);
         if (rbdi_is(l, RBDI_REVOLUTE)) {
             w->angle[i] = q[l->iq] + l->gamma;
         } else if (rbdi_is(l, RBDI_BLOCK)) {
+            from += i == from; /* a base has no sine */
             w->angle[i] = rbdi_zero();
             w->block[l->block].X = rbdi_block_pose(l, rbdi_block_of(m, l), &q[l->iq]);
         } else {
@@ -2713,7 +2716,7 @@ RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int
         }
     }
 #ifdef RBDI_POLYNOMIAL_SINCOS
-    rbdi_sincos_array(w->angle + from, w->quarters + from, end - from, w->s + from, w->c + from);
+    rbdi_sincos_array(w->angle, w->quarters, from, end, w->s, w->c);
 #elif defined RBDI_SINCOS /* rbd-codegen records the two for itself */
     for (int i = from; i < end; ++i) RBDI_SINCOS(w->angle[i], (int)m->link[i].quarters, &w->s[i], &w->c[i]);
 #else
@@ -2736,7 +2739,7 @@ RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int
 
 /* The same of all links. */
 RBDI_INLINE void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
-    rbdi_range_joints(m, w, 0, m->nl, 0, q);
+    rbdi_range_joints(m, w, 0, m->nl, q);
 }
 
 /* The state of a one-axis joint after rbdi_joints or rbdi_range_joints. */
@@ -4614,10 +4617,9 @@ RBDI_INLINE void rbdi_load_axes(rbdi_axes *p, const rbdi_pose *X) {
     rbdi_set_axis(&p->origin, X->r);
 }
 RBDI_INLINE void rbdi_store_axes(rbdi_pose *X, const rbdi_axes *p) {
-    const rbdi_v3 x = rbdi_axis_vec(&p->x), y = rbdi_axis_vec(&p->y), z = rbdi_axis_vec(&p->z);
-    X->E.xx = x.x, X->E.xy = x.y, X->E.xz = x.z;
-    X->E.yx = y.x, X->E.yy = y.y, X->E.yz = y.z;
-    X->E.zx = z.x, X->E.zy = z.y, X->E.zz = z.z;
+    rbdi_put_four(&X->E.xx, &p->x);
+    rbdi_put_four(&X->E.yx, &p->y);
+    rbdi_put_four(&X->E.zx, &p->z);
     X->r = rbdi_axis_vec(&p->origin);
 }
 /* The world's own axes, with its origin. */
@@ -4691,11 +4693,8 @@ RBDI_INLINE rbdi_v3 rbdi_parent_velocity(const rbd_work *w, const rbdi_link *l, 
 
 /* World pose of link i and, if moving, velocity of its origin; its angular velocity is known. axes: the
    parent's axes and origin, which become the link's. */
-RBDI_INLINE void rbdi_kin_axis(const rbd_model *m, rbd_work *w, int i, int flags, const rbd_real *v,
-                               int moving, rbdi_axes *axes) {
-    const rbdi_link *l = &m->link[i];
-    const rbdi_trig t = rbdi_trig_of(m, w, i, flags);
-    rbdi_kin *k = &w->kin[i];
+RBDI_INLINE void rbdi_kin_axis(const rbd_work *w, const rbdi_link *l, rbdi_kin *k, int flags, rbdi_trig t,
+                               const rbd_real *v, int moving, rbdi_axes *axes) {
     rbdi_axes_step(l, flags & ~RBDI_ROOT, t, axes);
     rbdi_store_axes(&k->X, axes);
     if (!moving) return;
@@ -4706,33 +4705,31 @@ RBDI_INLINE void rbdi_kin_axis(const rbd_model *m, rbd_work *w, int i, int flags
     }
     if (flags & RBDI_SLIDES) k->v.z = k->v.z + v[l->iv] * l->kappa;
 }
-RBDI_INLINE void rbdi_kin_block(const rbd_model *m, rbd_work *w, int i, const rbd_real *v, int moving,
-                                rbdi_axes *axes) {
-    const rbdi_link *l = &m->link[i];
-    const rbdi_pose *X = &w->block[l->block].X;
-    rbdi_kin *k = &w->kin[i];
-    rbdi_axes_block(X, 0, axes);
-    rbdi_store_axes(&k->X, axes);
-    if (moving)
-        k->v = rbdi_add(rbdi_mul(X->E, rbdi_parent_velocity(w, l, X->r)),
-                        rbdi_block_motion(rbdi_block_of(m, l), &v[l->iv]).v);
-}
 
 /* The same of the links first .. end - 1. */
 static void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *v,
                            int moving) {
+    const rbdi_link *const link = m->link; /* stores of vectors would make the compiler load them anew */
+    rbdi_kin *const kin = w->kin;
     rbdi_axes axes;
     rbdi_world_axes(&axes);
     for (int i = first; i < end; ++i) {
-        const rbdi_link *l = &m->link[i];
+        const rbdi_link *l = &link[i];
+        rbdi_kin *k = &kin[i];
         if (l->parent < 0)
             rbdi_world_axes(&axes);
         else if (l->parent != i - 1)
-            rbdi_load_axes(&axes, &w->kin[l->parent].X);
-        if (rbdi_is(l, RBDI_BLOCK))
-            rbdi_kin_block(m, w, i, v, moving, &axes);
-        else
-            RBDI_BY_FLAGS(flags, l, rbdi_kin_axis(m, w, i, flags, v, moving, &axes));
+            rbdi_load_axes(&axes, &kin[l->parent].X);
+        if (rbdi_is(l, RBDI_BLOCK)) {
+            const rbdi_pose *X = &w->block[l->block].X;
+            rbdi_axes_block(X, 0, &axes);
+            rbdi_store_axes(&k->X, &axes);
+            if (moving)
+                k->v = rbdi_add(rbdi_mul(X->E, rbdi_parent_velocity(w, l, X->r)),
+                                rbdi_block_motion(rbdi_block_of(m, l), &v[l->iv]).v);
+        } else
+            RBDI_BY_FLAGS(flags, l,
+                          rbdi_kin_axis(w, l, k, flags, rbdi_trig_of(m, w, i, flags), v, moving, &axes));
     }
 }
 
@@ -4764,7 +4761,8 @@ RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_re
 RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int body, const rbd_real *q,
                                         const rbd_real *v, const rbd_real *a) {
     const rbd_status status = rbdi_check(m, w, q != NULL);
-    int last;
+    const rbdi_link *l;
+    int last, leaf;
     if (status) return status;
     if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
     last = m->frame[body].link;
@@ -4772,14 +4770,12 @@ RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int bod
     v = v ? rbdi_expand_v(m, v, w->vx) : w->zero;
     a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
     q = rbdi_expand_q(m, w, q);
+    l = m->link;
+    leaf = last < 0 ? 0 : l[last].first; /* a dof of the subtrees of all links on the path */
     for (int first = 0, end; first <= last; first = end) {
-        const int leaf = m->link[last].first; /* a dof of the subtrees of all links on the path */
-        int from;
-        while (m->link[first].end <= leaf) ++first;
-        for (end = first + 1; end <= last && m->link[end].end > leaf;) ++end;
-        from = first + rbdi_is(&m->link[first], RBDI_BLOCK); /* a base has no sine */
-        from = end - (end - from + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH;
-        rbdi_range_joints(m, w, first, end, from < 0 ? 0 : from, q);
+        for (; l->end <= leaf; ++l) ++first;
+        for (end = first; end <= last && l->end > leaf; ++l) ++end;
+        rbdi_range_joints(m, w, first, end, q);
         if (w->moving) rbdi_kin_states(m, w, first, end, v, a);
         rbdi_kin_links(m, w, first, end, v, w->moving);
     }
@@ -4808,7 +4804,7 @@ RBDI_ONCE rbdi_v3 rbdi_point_position(const rbd_model *m, const rbd_work *w, int
 }
 
 /* E of a body: from world axes to its own. */
-static rbdi_mat rbdi_axes_of(const rbd_model *m, const rbd_work *w, int body) {
+RBDI_ONCE rbdi_mat rbdi_axes_of(const rbd_model *m, const rbd_work *w, int body) {
     const rbdi_frame *u = &m->frame[body];
     const rbdi_mat E = rbdi_mat_c(u->E);
     return u->link < 0 ? E : rbdi_mul_mat(E, w->kin[u->link].X.E);

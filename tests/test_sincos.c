@@ -121,7 +121,7 @@ static void expect_untouched(int from) {
 static void compute(int n) {
 #ifdef RBDI_POLYNOMIAL_SINCOS
     static rbd_real none[ROOM];
-    rbdi_sincos_array(angle, none, n, sine, cosine);
+    rbdi_sincos_array(angle, none, 0, n, sine, cosine);
 #else
     for (int i = 0; i < n; i++) rbdi_sincos(angle[i], &sine[i], &cosine[i]);
 #endif

@@ -89,7 +89,8 @@ RBDI_INLINE rbd_real rbdi_sum_value(rbdi_sum x) {
 
 /* Four scalars that go together: an axis or origin with a fourth that is not used, or parameters of a body.
    They are passed by address, because clang without AVX warns of vectors of four doubles as values. GCC would
-   move a vector that is wider than a batch through memory. scale: y = factor x; add: y += factor x. */
+   move a vector that is wider than a batch through memory. put: y[0] .. y[2] = x, where y[3] may become
+   anything; scale: y = factor x; add: y += factor x. */
 #if RBDI_BATCH >= 4 || (RBDI_BATCH > 1 && RBDI_CLANG)
 typedef rbd_real rbdi_four
     __attribute__((vector_size(4 * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
@@ -98,6 +99,7 @@ RBDI_INLINE void rbdi_set_four(rbdi_four *y, rbd_real a, rbd_real b, rbd_real c,
     const rbdi_four x = {a, b, c, d};
     *y = x;
 }
+RBDI_INLINE void rbdi_put_four(rbd_real *y, const rbdi_four *x) { *(rbdi_four *)y = *x; }
 RBDI_INLINE void rbdi_scale_four(rbdi_four *y, rbd_real factor, const rbdi_four *x) { *y = *x * factor; }
 RBDI_INLINE void rbdi_add_four(rbdi_four *y, rbd_real factor, const rbdi_four *x) { *y = *y + *x * factor; }
 #else
@@ -110,6 +112,7 @@ RBDI_INLINE rbd_real rbdi_one_of(const rbdi_four *x, int k) {
 RBDI_INLINE void rbdi_set_four(rbdi_four *y, rbd_real a, rbd_real b, rbd_real c, rbd_real d) {
     y->x = a, y->y = b, y->z = c, y->w = d;
 }
+RBDI_INLINE void rbdi_put_four(rbd_real *y, const rbdi_four *x) { y[0] = x->x, y[1] = x->y, y[2] = x->z; }
 RBDI_INLINE void rbdi_scale_four(rbdi_four *y, rbd_real factor, const rbdi_four *x) {
     rbdi_set_four(y, x->x * factor, x->y * factor, x->z * factor, x->w * factor);
 }

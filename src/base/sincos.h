@@ -91,25 +91,26 @@ RBDI_PART void rbdi_sincos_one(rbd_real x, rbd_real quarters, rbd_real *s, rbd_r
     *s = rbdi_first_lane(sine), *c = rbdi_first_lane(cosine);
 }
 
-/* Sines and cosines of `count` angles plus right angles. The error is below 2.3e-16 (double), 1.0e-7 (float)
-   up to the limit, and twice as much beyond it. The arrays are padded to whole batches. */
-RBDI_PART void rbdi_sincos_array(const rbd_real *x, const rbd_real *quarters, int count, rbd_real *s,
+/* Sines and cosines of the angles first .. end - 1 plus right angles, in whole batches from the end down to
+   0: entries before `first`, or behind `end` if it is less than a batch, are written too. The error is below
+   2.3e-16 (double), 1.0e-7 (float) up to the limit, and twice as much beyond it. */
+RBDI_PART void rbdi_sincos_array(const rbd_real *x, const rbd_real *quarters, int first, int end, rbd_real *s,
                                  rbd_real *c) {
-    const rbd_const limit = RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT;
-    const rbdi_batch *angle = (const rbdi_batch *)x, *turns = (const rbdi_batch *)quarters;
-    rbdi_batch *sine = (rbdi_batch *)s, *cosine = (rbdi_batch *)c;
     rbdi_bits beyond = rbdi_to_bits(rbdi_zero_batch());
     rbdi_bit any = 0;
-    for (int i = 0; i * RBDI_BATCH < count; ++i) {
-        beyond |= rbdi_beyond(angle[i] * angle[i], limit);
-        rbdi_sincos_batch(angle[i], turns[i], &sine[i], &cosine[i]);
+    for (int i = end; i > first;) {
+        rbdi_batch angle;
+        i = i > RBDI_BATCH ? i - RBDI_BATCH : 0;
+        angle = *(const rbdi_batch *)&x[i];
+        beyond |= rbdi_beyond(angle * angle, RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT);
+        rbdi_sincos_batch(angle, *(const rbdi_batch *)&quarters[i], (rbdi_batch *)&s[i], (rbdi_batch *)&c[i]);
     }
 #ifdef RBDI_BATCH_SCALAR
     any = beyond;
 #else
     for (int i = 0; i < (int)(sizeof beyond / sizeof any); ++i) any |= beyond[i];
 #endif
-    for (int i = 0; any && i < count; ++i) rbdi_sincos_one(x[i], quarters[i], &s[i], &c[i]);
+    for (int i = first; any && i < end; ++i) rbdi_sincos_one(x[i], quarters[i], &s[i], &c[i]);
 }
 #endif
 

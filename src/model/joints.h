@@ -73,19 +73,18 @@ RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *si
 }
 
 /* Computes all quantities of the links first .. end - 1 that depend on q alone: slides, poses of blocks,
-   sines and cosines. The sines are written from link `from` on in whole batches, for which the arrays must
-   have room: those of links outside the range are of the angles that these had last. The angle q + gamma is
-   rounded before its sine is computed: by one more rounding of q, 6e-11 rad at q = 1e6 in double, or not at
-   all if gamma is 0, because the joint angle at q = 0 is a multiple of 90 degrees. */
-RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int end, int from,
-                                 const rbd_real *q) {
-    int all_done = 1;
+   sines and cosines; rbdi_sincos_array overwrites those of other links from angles that they had last. The
+   angle q + gamma is rounded before its sine is computed: by one more rounding of q, 6e-11 rad at q = 1e6 in
+   double, or not at all if gamma is 0, because the joint angle at q = 0 is a multiple of 90 degrees. */
+RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *q) {
+    int all_done = 1, from = first;
     for (int i = first; i < end; ++i) {
         const rbdi_link *l = &m->link[i];
         w->quarters[i] = rbdi_set(l->quarters);
         if (rbdi_is(l, RBDI_REVOLUTE)) {
             w->angle[i] = q[l->iq] + l->gamma;
         } else if (rbdi_is(l, RBDI_BLOCK)) {
+            from += i == from; /* a base has no sine */
             w->angle[i] = rbdi_zero();
             w->block[l->block].X = rbdi_block_pose(l, rbdi_block_of(m, l), &q[l->iq]);
         } else {
@@ -96,7 +95,7 @@ RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int
         }
     }
 #ifdef RBDI_POLYNOMIAL_SINCOS
-    rbdi_sincos_array(w->angle + from, w->quarters + from, end - from, w->s + from, w->c + from);
+    rbdi_sincos_array(w->angle, w->quarters, from, end, w->s, w->c);
 #elif defined RBDI_SINCOS /* rbd-codegen records the two for itself */
     for (int i = from; i < end; ++i) RBDI_SINCOS(w->angle[i], (int)m->link[i].quarters, &w->s[i], &w->c[i]);
 #else
@@ -119,7 +118,7 @@ RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int
 
 /* The same of all links. */
 RBDI_INLINE void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q) {
-    rbdi_range_joints(m, w, 0, m->nl, 0, q);
+    rbdi_range_joints(m, w, 0, m->nl, q);
 }
 
 /* The state of a one-axis joint after rbdi_joints or rbdi_range_joints. */

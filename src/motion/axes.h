@@ -27,10 +27,9 @@ RBDI_INLINE void rbdi_load_axes(rbdi_axes *p, const rbdi_pose *X) {
     rbdi_set_axis(&p->origin, X->r);
 }
 RBDI_INLINE void rbdi_store_axes(rbdi_pose *X, const rbdi_axes *p) {
-    const rbdi_v3 x = rbdi_axis_vec(&p->x), y = rbdi_axis_vec(&p->y), z = rbdi_axis_vec(&p->z);
-    X->E.xx = x.x, X->E.xy = x.y, X->E.xz = x.z;
-    X->E.yx = y.x, X->E.yy = y.y, X->E.yz = y.z;
-    X->E.zx = z.x, X->E.zy = z.y, X->E.zz = z.z;
+    rbdi_put_four(&X->E.xx, &p->x);
+    rbdi_put_four(&X->E.yx, &p->y);
+    rbdi_put_four(&X->E.zx, &p->z);
     X->r = rbdi_axis_vec(&p->origin);
 }
 /* The world's own axes, with its origin. */

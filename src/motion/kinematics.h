@@ -23,11 +23,8 @@ RBDI_INLINE rbdi_v3 rbdi_parent_velocity(const rbd_work *w, const rbdi_link *l, 
 
 /* World pose of link i and, if moving, velocity of its origin; its angular velocity is known. axes: the
    parent's axes and origin, which become the link's. */
-RBDI_INLINE void rbdi_kin_axis(const rbd_model *m, rbd_work *w, int i, int flags, const rbd_real *v,
-                               int moving, rbdi_axes *axes) {
-    const rbdi_link *l = &m->link[i];
-    const rbdi_trig t = rbdi_trig_of(m, w, i, flags);
-    rbdi_kin *k = &w->kin[i];
+RBDI_INLINE void rbdi_kin_axis(const rbd_work *w, const rbdi_link *l, rbdi_kin *k, int flags, rbdi_trig t,
+                               const rbd_real *v, int moving, rbdi_axes *axes) {
     rbdi_axes_step(l, flags & ~RBDI_ROOT, t, axes);
     rbdi_store_axes(&k->X, axes);
     if (!moving) return;
@@ -38,33 +35,31 @@ RBDI_INLINE void rbdi_kin_axis(const rbd_model *m, rbd_work *w, int i, int flags
     }
     if (flags & RBDI_SLIDES) k->v.z = k->v.z + v[l->iv] * l->kappa;
 }
-RBDI_INLINE void rbdi_kin_block(const rbd_model *m, rbd_work *w, int i, const rbd_real *v, int moving,
-                                rbdi_axes *axes) {
-    const rbdi_link *l = &m->link[i];
-    const rbdi_pose *X = &w->block[l->block].X;
-    rbdi_kin *k = &w->kin[i];
-    rbdi_axes_block(X, 0, axes);
-    rbdi_store_axes(&k->X, axes);
-    if (moving)
-        k->v = rbdi_add(rbdi_mul(X->E, rbdi_parent_velocity(w, l, X->r)),
-                        rbdi_block_motion(rbdi_block_of(m, l), &v[l->iv]).v);
-}
 
 /* The same of the links first .. end - 1. */
 static void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *v,
                            int moving) {
+    const rbdi_link *const link = m->link; /* stores of vectors would make the compiler load them anew */
+    rbdi_kin *const kin = w->kin;
     rbdi_axes axes;
     rbdi_world_axes(&axes);
     for (int i = first; i < end; ++i) {
-        const rbdi_link *l = &m->link[i];
+        const rbdi_link *l = &link[i];
+        rbdi_kin *k = &kin[i];
         if (l->parent < 0)
             rbdi_world_axes(&axes);
         else if (l->parent != i - 1)
-            rbdi_load_axes(&axes, &w->kin[l->parent].X);
-        if (rbdi_is(l, RBDI_BLOCK))
-            rbdi_kin_block(m, w, i, v, moving, &axes);
-        else
-            RBDI_BY_FLAGS(flags, l, rbdi_kin_axis(m, w, i, flags, v, moving, &axes));
+            rbdi_load_axes(&axes, &kin[l->parent].X);
+        if (rbdi_is(l, RBDI_BLOCK)) {
+            const rbdi_pose *X = &w->block[l->block].X;
+            rbdi_axes_block(X, 0, &axes);
+            rbdi_store_axes(&k->X, &axes);
+            if (moving)
+                k->v = rbdi_add(rbdi_mul(X->E, rbdi_parent_velocity(w, l, X->r)),
+                                rbdi_block_motion(rbdi_block_of(m, l), &v[l->iv]).v);
+        } else
+            RBDI_BY_FLAGS(flags, l,
+                          rbdi_kin_axis(w, l, k, flags, rbdi_trig_of(m, w, i, flags), v, moving, &axes));
     }
 }
 
@@ -96,7 +91,8 @@ RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_re
 RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int body, const rbd_real *q,
                                         const rbd_real *v, const rbd_real *a) {
     const rbd_status status = rbdi_check(m, w, q != NULL);
-    int last;
+    const rbdi_link *l;
+    int last, leaf;
     if (status) return status;
     if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
     last = m->frame[body].link;
@@ -104,14 +100,12 @@ RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int bod
     v = v ? rbdi_expand_v(m, v, w->vx) : w->zero;
     a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
     q = rbdi_expand_q(m, w, q);
+    l = m->link;
+    leaf = last < 0 ? 0 : l[last].first; /* a dof of the subtrees of all links on the path */
     for (int first = 0, end; first <= last; first = end) {
-        const int leaf = m->link[last].first; /* a dof of the subtrees of all links on the path */
-        int from;
-        while (m->link[first].end <= leaf) ++first;
-        for (end = first + 1; end <= last && m->link[end].end > leaf;) ++end;
-        from = first + rbdi_is(&m->link[first], RBDI_BLOCK); /* a base has no sine */
-        from = end - (end - from + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH;
-        rbdi_range_joints(m, w, first, end, from < 0 ? 0 : from, q);
+        for (; l->end <= leaf; ++l) ++first;
+        for (end = first; end <= last && l->end > leaf; ++l) ++end;
+        rbdi_range_joints(m, w, first, end, q);
         if (w->moving) rbdi_kin_states(m, w, first, end, v, a);
         rbdi_kin_links(m, w, first, end, v, w->moving);
     }
@@ -140,7 +134,7 @@ RBDI_ONCE rbdi_v3 rbdi_point_position(const rbd_model *m, const rbd_work *w, int
 }
 
 /* E of a body: from world axes to its own. */
-static rbdi_mat rbdi_axes_of(const rbd_model *m, const rbd_work *w, int body) {
+RBDI_ONCE rbdi_mat rbdi_axes_of(const rbd_model *m, const rbd_work *w, int body) {
     const rbdi_frame *u = &m->frame[body];
     const rbdi_mat E = rbdi_mat_c(u->E);
     return u->link < 0 ? E : rbdi_mul_mat(E, w->kin[u->link].X.E);

@@ -3,7 +3,7 @@
 R"(
 /^#include/d
 /^RBDI_INLINE rbdi_bits rbdi_beyond/d
-/^\/\* Sines and cosines of `count` angles/,/^}/d
+/^\/\* Sines and cosines of the angles/,/^}/d
 s/#if RBDI_CLANG/#ifdef __clang__/
 s/RBDI_PART/COLD/g
 s/RBDI_INLINE/INLINE/g
