@@ -71,40 +71,41 @@ RBDI_ONCE void rbdi_put_path(const rbd_model *m, const rbd_work *w, int i, int e
 
 /* Jacobian of a point of `body` minus that of the same place fixed in `reference` (-1 = the world), in the
    axes of the body `axes` (-1 = the world's). */
-static rbd_status rbdi_put_jacobian(const rbd_model *m, const rbd_work *w, int body, const rbd_real *point,
-                                    int reference, int axes, rbd_real *J) {
-    const rbd_status status = rbdi_check_body_call(m, w, body, J != NULL);
-    rbdi_v3 r;
+static void rbdi_put_jacobian(const rbd_model *m, const rbd_work *w, int body, const rbd_real *point,
+                              int reference, int axes, rbd_real *J) {
+    const rbdi_v3 r = rbdi_point_position(m, w, body, point);
+    const int link = m->frame[body].link, other = reference < 0 ? -1 : m->frame[reference].link;
     rbdi_mat E;
-    int link, other, common;
-    if (status) return status;
-    if (reference < -1 || reference >= m->nb) return RBD_ERR_INDEX;
-    if (reference >= 0 && rbdi_have_kinematics(m, w, reference)) return RBD_ERR_ORDER;
-    r = rbdi_point_position(m, w, body, point);
-    link = m->frame[body].link, other = reference < 0 ? -1 : m->frame[reference].link;
+    int common = other;
     if (axes >= 0) E = rbdi_axes_of(m, w, axes);
     rbdi_clear(J, 6 * m->nv);
-    /* Apart for speed: inlined with E and sign constant the loop has half the instructions; it shows in rows
-       jacobian, body_jacobian. */
-    if (reference < 0 && axes < 0 && rbdi_mimics(m) == 0) {
-        rbdi_put_path(m, w, link, -1, r, NULL, 0, J);
-        return RBD_OK;
-    }
-    for (common = other; common >= 0 && !rbdi_carries(m, common, link);) common = m->link[common].parent;
+    while (common >= 0 && !rbdi_carries(m, common, link)) common = m->link[common].parent;
     for (int sign = 1; sign >= -1; sign -= 2)
         rbdi_put_path(m, w, sign > 0 ? link : other, common, r, axes >= 0 ? &E : NULL, sign, J);
-    return RBD_OK;
 }
 
 RBDI_API rbd_status rbd_relative_jacobian(const rbd_model *m, const rbd_work *w, int body,
                                           const rbd_real point[3], int reference, rbd_axes axes,
                                           rbd_real *J) {
-    return rbdi_put_jacobian(m, w, body, point, reference, axes == RBD_LINK_AXES ? reference : -1, J);
+    rbd_status status = rbdi_check_body_call(m, w, body, J != NULL);
+    if (reference == -1) return rbd_jacobian(m, w, body, point, RBD_WORLD_AXES, J);
+    if (!status) status = rbdi_check_body_call(m, w, reference, 1);
+    if (status) return status;
+    rbdi_put_jacobian(m, w, body, point, reference, axes == RBD_LINK_AXES ? reference : -1, J);
+    return RBD_OK;
 }
 
 RBDI_API rbd_status rbd_jacobian(const rbd_model *m, const rbd_work *w, int body, const rbd_real point[3],
                                  rbd_axes axes, rbd_real *J) {
-    return rbdi_put_jacobian(m, w, body, point, -1, axes == RBD_LINK_AXES ? body : -1, J);
+    const rbd_status status = rbdi_check_body_call(m, w, body, J != NULL);
+    if (status) return status;
+    if (axes == RBD_LINK_AXES || rbdi_mimics(m)) {
+        rbdi_put_jacobian(m, w, body, point, -1, axes == RBD_LINK_AXES ? body : -1, J);
+    } else { /* apart for speed: rows jacobian, body_jacobian have half the instructions in this loop */
+        rbdi_clear(J, 6 * m->nv);
+        rbdi_put_path(m, w, m->frame[body].link, -1, rbdi_point_position(m, w, body, point), NULL, 0, J);
+    }
+    return RBD_OK;
 }
 
 RBDI_API rbd_status rbd_jacobian_transpose(const rbd_model *m, const rbd_work *w, int body,
