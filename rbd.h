@@ -2325,7 +2325,7 @@ RBDI_INLINE rbdi_force rbdi_load_force(const rbd_real *array, ptrdiff_t stride) 
 #endif
 
 /* u = q, shortened if the sum of the n squares would overflow. Returns 1 / (sum of the squares of u), or 0
-   with bad set if that sum is below RBDI_SHORT. */
+   with bad set if that sum is below RBDI_SHORT; of NaN it returns NaN, so that no direction is made up. */
 RBDI_INLINE rbd_real rbdi_inverse_square(const rbd_real *q, int n, rbd_real *u, rbdi_mask *bad) {
     const rbd_real one = rbdi_set(RBD_C(1)), limit = rbdi_set(RBD_C(1e-12) / RBDI_SHORTEN / RBDI_SHORTEN);
     rbd_real sum = q[0] * q[0], factor;
@@ -2337,8 +2337,8 @@ RBDI_INLINE rbd_real rbdi_inverse_square(const rbd_real *q, int n, rbd_real *u, 
     sum = u[0] * u[0];
     RBDI_UNROLL_SIX for (int i = 1; i < n; ++i)
         sum = sum + u[i] * u[i];
-    *bad = rbdi_less(sum, sum);
-    return rbdi_reciprocal(sum, RBDI_SHORT, bad);
+    *bad = rbdi_less(sum, rbdi_set(RBDI_SHORT));
+    return rbdi_select(*bad, rbdi_zero(), one / rbdi_select(*bad, one, sum));
 }
 
 /* E of a quaternion (x, y, z, w) of any length, from joint-frame axes to body axes; zero gives the

@@ -390,6 +390,37 @@ START_TEST(zero_quaternions_and_angles_are_the_identity) {
 }
 END_TEST
 
+/* NaN is not length zero, which would be the identity. */
+START_TEST(quaternion_or_angle_with_nan_is_nan) {
+    const rbd_body b[3] = {
+        {.parent = -1, .type = RBD_FLOATING, .mass = 1, .inertia = {1, 0, 0, 1, 0, 1}},
+        {.type = RBD_SPHERICAL, .mass = 1, .inertia = {1, 0, 0, 1, 0, 1}},
+        {.parent = 1, .type = RBD_CONTINUOUS_CS, .axis = {1, 0, 0}, .mass = 1, .com = {0, 1, 0}}};
+    enum { NQ = 13, NV = 10 };
+    const int first[3] = {3, 7, 11}, length[3] = {4, 4, 2}, dof[3] = {0, 6, 9};
+    const double v[NV] = {0.3, -0.2, 0.1, 1, 2, 3, 0.4, 0.5, -0.6, 0.7}, rates[NQ] = {0};
+    double neutral[NQ], q[NQ], next[NQ], d[NV], tau[NV];
+    robot r = BUILD(b);
+    ck_assert_int_eq(rbd_neutral(r.m, neutral), RBD_OK);
+    for (int joint = 0; joint < 3; joint++)
+        for (int k = 0; k < length[joint]; k++) {
+            memcpy(q, neutral, sizeof q);
+            q[first[joint] + k] = NAN;
+            ck_assert_int_eq(rbd_gravity_torque(r.m, r.w, q, tau), RBD_OK);
+            ck_assert(isnan(tau[NV - 1]));
+            ck_assert_int_eq(rbd_integrate(r.m, q, v, 1, next), RBD_OK);
+            for (int j = 0; j < length[joint]; j++) ck_assert(isnan(next[first[joint] + j]));
+            ck_assert_int_eq(rbd_difference(r.m, q, neutral, d), RBD_OK);
+            ck_assert(isnan(d[dof[joint]]));
+            ck_assert_int_eq(rbd_difference(r.m, neutral, q, d), RBD_OK);
+            ck_assert(isnan(d[dof[joint]]));
+            ck_assert_int_eq(rbd_velocity_from_rates(r.m, q, rates, d), RBD_OK);
+            ck_assert(isnan(d[dof[joint]]));
+        }
+    robot_free(&r);
+}
+END_TEST
+
 /* Uniform orientation: each component of the quaternion has mean 0 and mean square 1/4. */
 START_TEST(random_orientations_are_uniform) {
     const int count = 20000;
@@ -529,6 +560,7 @@ Suite *manifold_suite(void) {
     tcase_add_test(c, random_stays_in_its_ranges_and_fills_them);
     tcase_add_test(c, random_knows_angles_from_lengths);
     tcase_add_test(c, zero_quaternions_and_angles_are_the_identity);
+    tcase_add_test(c, quaternion_or_angle_with_nan_is_nan);
     tcase_add_test(c, random_orientations_are_uniform);
     tcase_add_test(c, random_is_repeatable_from_any_seed);
     tcase_add_test(c, step_of_a_free_body_is_exact);
