@@ -10,8 +10,9 @@ static_assert(MOST_FOURS == 10 && MOST_COLUMNS == 120, "the texts below have roo
 /* s, the row that is made, by fours; those from i on, n of them. By vectors each number of fours has its own
    macros: compilers need not unroll anything. k: where a factor stands; x: where a row does. */
 const char by_vectors[] = R"(
-/* Sums of rows, by fours of columns. */
-#ifdef __GNUC__
+/* Sums of rows, by fours of columns. Compilers that do not optimize would keep a place on the stack for each
+   vector, megabytes for a long chain. */
+#if defined __GNUC__ && defined __OPTIMIZE__
 #define ALIGNED __attribute__((aligned(8 * sizeof(scalar))))
 #define AT(x, i) (((four *)(rows + (x)))[i])
 /* Compilers that know what has been stored would keep it in registers, and spill it: read it again. */
