@@ -102,9 +102,10 @@
      rbd_work and outputs only. Only rbd_add_payload writes to the model, which may be const data in flash.
      Finite input gives finite output, as long as nothing overflows: a singular system is an error that names
      the degree of freedom. Input is not searched for NaN: one that reaches the mass matrix is RBD_ERR_NAN in
-     forward dynamics, any other reaches all results that depend on it, with RBD_OK. From libm only sqrt; sin
-     and cos for __float128 and classes, and with excess precision (x87). The same input gives the same bits
-     on every call of one build; between builds, contraction to FMA and the order of sums change last bits.
+     forward dynamics, one in a gap or limit in rbd_contact_step; any other reaches all results that depend
+     on it, with RBD_OK. From libm only sqrt; sin and cos for __float128 and classes, and with excess
+     precision (x87). The same input gives the same bits on every call of one build; between builds,
+     contraction to FMA and the order of sums change last bits.
      With RBD_REPRODUCIBLE every call gives the same bits in double, and in float, on every machine that
      rounds to nearest as IEEE 754 does and keeps denormals, whatever the compiler, its -O and its SIMD unit.
      Sums have one order, and sine is rbd's own. Compile without -ffast-math and its parts, and with clang
@@ -2695,7 +2696,7 @@ RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *si
 }
 
 /* Computes all quantities of the links first .. end - 1 that depend on q alone: slides, poses of blocks,
-   sines and cosines; rbdi_sincos_array overwrites those of other links from angles that they had last. The
+   sines and cosines. Those of other links are lost: rbdi_sincos_array writes whole batches. The
    angle q + gamma is rounded before its sine is computed: by one more rounding of q, 6e-11 rad at q = 1e6 in
    double, or not at all if gamma is 0, because the joint angle at q = 0 is a multiple of 90 degrees. */
 RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *q) {
@@ -5140,8 +5141,9 @@ static void rbdi_put_jacobian(const rbd_model *m, const rbd_work *w, int body, c
 RBDI_API rbd_status rbd_relative_jacobian(const rbd_model *m, const rbd_work *w, int body,
                                           const rbd_real point[3], int reference, rbd_axes axes,
                                           rbd_real *J) {
-    rbd_status status = rbdi_check_body_call(m, w, body, J != NULL);
+    rbd_status status;
     if (reference == -1) return rbd_jacobian(m, w, body, point, RBD_WORLD_AXES, J);
+    status = rbdi_check_body_call(m, w, body, J != NULL);
     if (!status) status = rbdi_check_body_call(m, w, reference, 1);
     if (status) return status;
     rbdi_put_jacobian(m, w, body, point, reference, axes == RBD_LINK_AXES ? reference : -1, J);
@@ -5154,7 +5156,7 @@ RBDI_API rbd_status rbd_jacobian(const rbd_model *m, const rbd_work *w, int body
     if (status) return status;
     if (axes == RBD_LINK_AXES || rbdi_mimics(m)) {
         rbdi_put_jacobian(m, w, body, point, -1, axes == RBD_LINK_AXES ? body : -1, J);
-    } else { /* apart for speed: rows jacobian, body_jacobian have half the instructions in this loop */
+    } else { /* apart for speed: this loop has half of the instructions */
         rbdi_clear(J, 6 * m->nv);
         rbdi_put_path(m, w, m->frame[body].link, -1, rbdi_point_position(m, w, body, point), NULL, 0, J);
     }

@@ -111,11 +111,11 @@ static void prepare(int n, number padding) {
         }
 }
 
-static void expect_untouched(int from) {
-    for (int i = from; i < ROOM; i++)
+static void expect_untouched(int from, int end) {
+    for (int i = from; i < end; i++)
         for (int lane = 0; lane < LANES; lane++)
             ck_assert_msg(get(sine[i], lane) == 7 && get(cosine[i], lane) == 7,
-                          "entry %d is behind the padding but written", i);
+                          "entry %d is no part of the batches but written", i);
 }
 
 static void compute(int n) {
@@ -134,8 +134,28 @@ static void judge_array(int n, number padding) {
     for (int i = 0; i < n; i++)
         for (int lane = 0; lane < LANES; lane++)
             judge_both(get(angle[i], lane), get(sine[i], lane), get(cosine[i], lane));
-    expect_untouched(padded(n));
+    expect_untouched(padded(n), ROOM);
 }
+
+#ifdef RBDI_POLYNOMIAL_SINCOS
+START_TEST(parts_of_an_array_are_computed_in_whole_batches) {
+    static rbd_real none[ROOM];
+    for (int end = 0; end <= LONGEST; end++)
+        for (int first = 0; first <= end; first++) {
+            for (int i = 0; i < ROOM; i++)
+                for (int lane = 0; lane < LANES; lane++)
+                    put(&angle[i], lane, (number)(0.3 * i + 0.01 * lane));
+            prepare(ROOM, 0);
+            rbdi_sincos_array(angle, none, first, end, sine, cosine);
+            for (int i = first; i < end; i++)
+                for (int lane = 0; lane < LANES; lane++)
+                    judge_both(get(angle[i], lane), get(sine[i], lane), get(cosine[i], lane));
+            expect_untouched(0, first / RBDI_BATCH * RBDI_BATCH);
+            expect_untouched(padded(end), ROOM);
+        }
+}
+END_TEST
+#endif
 
 /* ---- a stream of angles, judged as soon as an array is full ---- */
 
@@ -327,6 +347,9 @@ int main(void) {
     tcase_add_test(c, a_tiny_angle_is_its_own_sine);
     tcase_add_test(c, what_is_no_number_gives_none_and_spoils_no_other_angle);
     tcase_add_test(c, arrays_of_every_length_are_within_the_bound);
+#ifdef RBDI_POLYNOMIAL_SINCOS
+    tcase_add_test(c, parts_of_an_array_are_computed_in_whole_batches);
+#endif
     tcase_add_test(c, right_angles_are_added_exactly);
     tcase_add_test(c, an_angle_beyond_the_limit_changes_no_other);
     tcase_add_test(c, a_single_angle_gives_the_bits_of_an_array);

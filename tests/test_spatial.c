@@ -163,6 +163,8 @@ START_TEST(rotations_turn_as_rodrigues_says) {
         SMALL(of_vecs(rbd_rotate(rbd_rotation_from_quaternion(q), v), expected), BOUND);
     }
     SMALL(of_rotations(rbd_rotation_from_axis_angle(rbdi_vec0(), one), rbd_rotation_identity()), 0);
+    const rbd_vec3 none = rbd_rotate(rbd_rotation_from_axis_angle(rbd_vec3_of(all(NAN), one, one), one), x);
+    ck_assert(!rbdi_any(rbdi_less(rbdi_dot(none, none), all(HUGE_VAL))));
 }
 END_TEST
 

@@ -73,7 +73,7 @@ RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *si
 }
 
 /* Computes all quantities of the links first .. end - 1 that depend on q alone: slides, poses of blocks,
-   sines and cosines; rbdi_sincos_array overwrites those of other links from angles that they had last. The
+   sines and cosines. Those of other links are lost: rbdi_sincos_array writes whole batches. The
    angle q + gamma is rounded before its sine is computed: by one more rounding of q, 6e-11 rad at q = 1e6 in
    double, or not at all if gamma is 0, because the joint angle at q = 0 is a multiple of 90 degrees. */
 RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *q) {

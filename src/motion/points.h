@@ -87,8 +87,9 @@ static void rbdi_put_jacobian(const rbd_model *m, const rbd_work *w, int body, c
 RBDI_API rbd_status rbd_relative_jacobian(const rbd_model *m, const rbd_work *w, int body,
                                           const rbd_real point[3], int reference, rbd_axes axes,
                                           rbd_real *J) {
-    rbd_status status = rbdi_check_body_call(m, w, body, J != NULL);
+    rbd_status status;
     if (reference == -1) return rbd_jacobian(m, w, body, point, RBD_WORLD_AXES, J);
+    status = rbdi_check_body_call(m, w, body, J != NULL);
     if (!status) status = rbdi_check_body_call(m, w, reference, 1);
     if (status) return status;
     rbdi_put_jacobian(m, w, body, point, reference, axes == RBD_LINK_AXES ? reference : -1, J);
@@ -101,7 +102,7 @@ RBDI_API rbd_status rbd_jacobian(const rbd_model *m, const rbd_work *w, int body
     if (status) return status;
     if (axes == RBD_LINK_AXES || rbdi_mimics(m)) {
         rbdi_put_jacobian(m, w, body, point, -1, axes == RBD_LINK_AXES ? body : -1, J);
-    } else { /* apart for speed: rows jacobian, body_jacobian have half the instructions in this loop */
+    } else { /* apart for speed: this loop has half of the instructions */
         rbdi_clear(J, 6 * m->nv);
         rbdi_put_path(m, w, m->frame[body].link, -1, rbdi_point_position(m, w, body, point), NULL, 0, J);
     }

@@ -177,6 +177,8 @@ expect 1 "mm: a constant is not a number: the robot's lengths or masses overflow
     echo "</robot>"
 } >heavy.urdf
 selftest heavy --algorithm minv,fd,fd_derivatives heavy.urdf
+sed "s/000/0000/g" heavy.urdf >heavier.urdf
+expect 1 "minv: this scalar has too few digits for the robot" --scalar float --algorithm minv heavier.urdf
 expect 1 "id: this scalar has too few digits for the robot" --gravity 0,0,-1e30 --scalar float --algorithm id heavy.urdf
 # lengths that are rounding: products of them are no float
 noise=1e-25
