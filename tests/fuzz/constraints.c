@@ -755,17 +755,36 @@ static void check_derivatives(const set *s, const question *k, const answer *fir
 
 /* ---- assembly ---- */
 
-/* Whether the rank is that of the state at another place too, and far from a smaller one at both. */
-static int regular_at(const double *place, const rbd_constraint *list) {
+/* Factors the rows at another place. Returns 0 if M is not positive definite. */
+static int factor_at(const double *place, const rbd_constraint *list, const quad *M_there,
+                     const quad *size_of_M, dense *there) {
     static world moved;
     static dense_rows at;
-    static dense there;
     quad wide[WORLD_COORDINATES];
     widen(place, nq, wide);
     world_move(&moved, now.robot.bodies, now.robot.nb, wide, NULL, NULL);
     dense_rows_of(&moved, list, now.n, NULL, &at);
-    return clear_rank && dense_rank(&exact, 0.01) == rank && dense_factor(&there, &at, M, M_size, nv, 1) &&
+    return dense_factor(there, &at, M_there, size_of_M, nv, 1);
+}
+
+/* Whether the rank is that of the state at another place too, and far from a smaller one at both. */
+static int regular_at(const double *place, const rbd_constraint *list) {
+    static dense there;
+    return clear_rank && dense_rank(&exact, 0.01) == rank && factor_at(place, list, M, M_size, &there) &&
            dense_rank(&there, 0.01) == rank && dense_rank(&there, 1e-12) == rank;
+}
+
+/* Whether a step along x, which the rows leave free at a place, makes one more of them independent: then the
+   place is singular, as where a leg is stretched. Such a row's singular value grows with the step; that of a
+   row that depends on others wherever the constraints hold grows with the step's square. */
+static int singular_along(const quad *x, const double *place, const rbd_constraint *list, const dense *near,
+                          const quad *W, const quad *unit) {
+    static dense beside;
+    const quad length = dense_norm(near, x) + (quad)1e-12L; /* no step where x is rounding */
+    double step[WORLD_DOFS], end[WORLD_COORDINATES];
+    for (int k = 0; k < nv; k++) step[k] = (double)(x[k] / length);
+    rbd_integrate(model, place, step, 1e-6, end);
+    return factor_at(end, list, W, unit, &beside) && dense_rank(&beside, 1e-9) > dense_rank(near, 1e-9);
 }
 
 /* The constraints hold at the state; from a place beside it rbd_assemble must come to one where they hold. */
@@ -839,6 +858,7 @@ static void check_assembly(void) {
     rbd_difference(model, start, q_near, d);
     widen(d, nv, g);
     dense_solve(&near, &at, r, g, none, x, lambda, rest);
+    if (singular_along(x, q_near, list, &near, W, unit)) return;
     record(NEAREST_Q, relative(dense_norm(&near, x), dense_norm(&near, g) + (quad)1e-3L));
 }
 
