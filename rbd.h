@@ -1920,8 +1920,8 @@ RBDI_PART void rbdi_sincos_one(rbd_real x, rbd_real quarters, rbd_real *s, rbd_r
 }
 
 /* Sines and cosines of the angles first .. end - 1 plus right angles, in as few batches as can be, aligned if
-   these are as few. What else they cover is written too: the arrays are padded. The error is below 2.3e-16
-   (double), 1.0e-7 (float) up to the limit, and twice as much beyond it. */
+   these are as few. Entries that share a batch with them are written too; the arrays are padded. The error is
+   below 2.3e-16 (double), 1.0e-7 (float) up to the limit, and twice as much beyond it. */
 RBDI_PART void rbdi_sincos_array(const rbd_real *x, const rbd_real *quarters, int first, int end, rbd_real *s,
                                  rbd_real *c) {
     const int size = (end - first + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH;

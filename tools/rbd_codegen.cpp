@@ -336,6 +336,8 @@ codegen::tested record(const options *o, const std::string &algorithm) {
                                      " rows depend on each other in every state tried, their rank is " +
                                      std::to_string(e.rank) + ": hold fewer axes, or call rbd.h");
         }
+        /* rbd.h and the record round more than once each: a hundred last digits. float rounds constants too;
+           there this finds wrong formulas alone. */
         if (!(error_of<double>(x.f, e) < (is_float ? 0.05 : 1e-9 + 100 * scatter)))
             throw std::runtime_error(
                 is_float ? too_few_digits
