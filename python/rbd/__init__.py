@@ -1000,7 +1000,7 @@ class Body:
     armature: Numbers | float = 0.0     #: per degree of freedom: rotor inertia seen at the joint
     damping: Numbers | float = 0.0      #: per degree of freedom: see Model.passive
     friction: Numbers | float = 0.0     #: per degree of freedom: see Model.passive
-    lower: float = 0.0                  #: limits of a one-dof joint; none if lower >= upper
+    lower: float = 0.0                  #: limits of a revolute, prismatic or helical joint; both 0: none
     upper: float = 0.0
     velocity: float = 0.0               #: limit, 0 = none; carried for the user
     effort: float = 0.0                 #: limit, 0 = none; carried for the user
@@ -1051,7 +1051,7 @@ class ContactOptions:
     bounce: float = 0.0         #: slower impacts do not rebound, m/s [0.05]; choose more than 2 g dt
     tolerance: float = 0.0      #: of the residual, m/s [1e-6, float 1e-5]
     iterations: int = 0         #: at most [40]
-    joint_limits: bool = False      #: limits of one-dof joints push
+    joint_limits: bool = False      #: limits of joints push
     joint_friction: bool = False    #: the description's friction holds, or brakes
     joint_damping: bool = False     #: the description's damping, implicitly
     slip: float = 0.0           #: contacts that stick give way along the plane, m/s per newton [0]
