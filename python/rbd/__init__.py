@@ -1317,22 +1317,24 @@ def _read_urdf(call, text, source, options):
         line = f":{finding.line}" if finding.line else ""
         return f"{source}{line}: {_python_words(finding.text.decode(errors='replace'))}"
 
-    def read():
+    def read(room):
+        findings = (structure("rbd_urdf_finding") * room)()
+        robot.warnings, robot.warnings_max = ctypes.addressof(findings), room
         status = load(*arguments, ctypes.byref(options), ctypes.byref(robot))
+        sentences = [said(finding) for finding in findings[:robot.nwarnings]]
         if status:
+            _warn(sentences)  # they may say where the error comes from
             raise RbdError(UrdfStatus(status), said(robot.error))
+        return sentences
 
-    read()
+    read(20)
     bodies = (structure("rbd_body") * robot.nb)()
     frames = (structure("rbd_urdf_frame") * robot.nframes)()
-    findings = (structure("rbd_urdf_finding") * robot.nwarnings)()
     names = ctypes.create_string_buffer(robot.names_size)
     robot.bodies, robot.bodies_max = ctypes.addressof(bodies), len(bodies)
     robot.frames, robot.frames_max = ctypes.addressof(frames), len(frames)
-    robot.warnings, robot.warnings_max = ctypes.addressof(findings), len(findings)
     robot.names, robot.names_max = ctypes.addressof(names), len(names)
-    read()
-    sentences = [said(finding) for finding in findings]
+    sentences = read(robot.nwarnings)
     _warn(sentences)
     return Urdf(robot.name.decode(), [_from_c(row) for row in bodies],
                 [Frame(frame.link.decode(), frame.joint and frame.joint.decode(), frame.parent, frame.body,
