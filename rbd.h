@@ -391,7 +391,7 @@ typedef struct rbd_body {
                              joint, kg m^2 or kg; in M, rnea, fd */
     double damping[6];   /* per degree of freedom, N m s or N s/m: see rbd_passive */
     double friction[6];  /* per degree of freedom, N m or N: see rbd_passive */
-    double lower, upper; /* limits of a one-dof joint, rad or m; none if lower >= upper */
+    double lower, upper; /* limits of a revolute, prismatic or helical joint, rad or m; both 0 = none */
     double velocity;     /* limit, rad/s or m/s, 0 = none; kept for the user */
     double effort;       /* limit, N m or N, 0 = none; kept for the user */
     const char *mimic;   /* name of the joint that this one follows, NULL = none; one-dof joints only */
@@ -441,7 +441,8 @@ typedef enum rbd_status {
     RBD_WARN_INERTIA_NEGATIVE = 1, /* inertia has a negative eigenvalue */
     RBD_WARN_INERTIA_TRIANGLE = 2, /* one principal moment exceeds the sum of the others */
     RBD_WARN_INERTIA_ZERO = 3,     /* mass, but no inertia about the centre of mass */
-    RBD_WARN_MASS_ZERO = 4         /* inertia, but no mass */
+    RBD_WARN_MASS_ZERO = 4,        /* inertia, but no mass */
+    RBD_WARN_LIMITS = 5            /* lower >= upper, or limits of another type of joint: read as none */
 } rbd_status;
 
 /* One sentence for a status, English, static. */
@@ -785,7 +786,7 @@ RBDI_API const char *rbd_joint_name(const rbd_model *m, int body);
 typedef struct rbd_joint_info {
     rbd_joint_type type;
     int iq, nq, iv, nv;     /* q[iq] .. q[iq + nq - 1], v likewise; mimic, fixed: nq = nv = 0, iq = iv = -1 */
-    rbd_const lower, upper; /* rad or m; none if lower >= upper */
+    rbd_const lower, upper; /* rad or m; both 0: none */
     rbd_const velocity, effort; /* as in rbd_body */
 } rbd_joint_info;
 RBDI_API rbd_status rbd_joint(const rbd_model *m, int body, rbd_joint_info *info);
@@ -5505,7 +5506,7 @@ RBDI_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q) 
         int angles = u->nv, shifts = 0; /* shifts come first, but with cylindrical joints */
         if (u->nv == 0) continue;
         own = &q[u->iq];
-        if (u->nv == 1 && u->lower < u->upper && u->type != RBD_CONTINUOUS_CS) {
+        if (u->nv == 1 && u->lower < u->upper) {
             own[0] = rbdi_draw(seed, u->lower, u->upper);
             continue;
         }
@@ -5682,6 +5683,7 @@ RBDI_MESSAGES RBDI_API const char *rbd_status_string(rbd_status status) {
         return "one principal moment exceeds the sum of the others: no real body is like this";
     case RBD_WARN_INERTIA_ZERO: return "zero for a body with mass: no real body is like this";
     case RBD_WARN_MASS_ZERO: return "zero for a body with inertia: no real body is like this";
+    case RBD_WARN_LIMITS: return "limits that mean none: not below upper, or of a joint that has no limits";
     }
     return "unknown status";
 }
@@ -6010,6 +6012,9 @@ static int rbdi_links_of(int type) {
 static int rbdi_can_mimic(int type) {
     return type == RBD_REVOLUTE || type == RBD_CONTINUOUS || type == RBD_PRISMATIC || type == RBD_HELICAL;
 }
+static int rbdi_has_limits(int type) {
+    return type == RBD_REVOLUTE || type == RBD_PRISMATIC || type == RBD_HELICAL;
+}
 
 /* -- small dense algebra of the build -- */
 
@@ -6082,12 +6087,17 @@ static int rbdi_parallel(const double axis[3], const double axis2[3]) {
 
 static int rbdi_is_axis(const double axis[3]) { return rbdi_finite(axis, 3) && !rbdi_all_zero(axis, 3); }
 
-static void rbdi_warn(rbd_report *report, rbd_status status, int body, const char *name, const char *field) {
+static void rbdi_warn_saying(rbd_report *report, rbd_status status, int body, const char *name,
+                             const char *field, const char *sentence) {
     if (report->warnings < RBD_MAX_WARNINGS) {
         rbd_finding *f = &report->warning[report->warnings];
-        f->status = status, f->body = body, f->name = name, f->field = field, f->text = NULL;
+        f->status = status, f->body = body, f->name = name, f->field = field, f->text = sentence;
     }
     ++report->warnings;
+}
+
+static void rbdi_warn(rbd_report *report, rbd_status status, int body, const char *name, const char *field) {
+    rbdi_warn_saying(report, status, body, name, field, NULL);
 }
 
 /* Warns of an inertia that no real body has. I must be positive semi-definite, and so must Sigma = tr(I)/2 -
@@ -6108,6 +6118,16 @@ static void rbdi_check_inertia(const rbd_body *b, int i, rbd_report *report) {
         rbdi_warn(report, RBD_WARN_INERTIA_NEGATIVE, i, b->name, "inertia");
     else if (!rbdi_semidefinite(Sigma, size))
         rbdi_warn(report, RBD_WARN_INERTIA_TRIANGLE, i, b->name, "inertia");
+}
+
+/* Warns of limits that are set and mean none. */
+static void rbdi_check_limits(const rbd_body *b, int i, rbd_report *report) {
+    const int limited = rbdi_has_limits((int)b->type);
+    if (rbdi_all_zero(&b->lower, 1) && rbdi_all_zero(&b->upper, 1)) return;
+    if (limited && b->lower < b->upper) return;
+    rbdi_warn_saying(report, RBD_WARN_LIMITS, i, b->name, "lower",
+                     limited ? "not below upper: read as no limits"
+                             : "limits of a joint whose type has none: read as none");
 }
 
 /* Index of the body whose joint body i mimics, -1 if there is none that can be followed. */
@@ -6166,6 +6186,7 @@ static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_rep
 #undef RBDI_REQUIRE
 #undef RBDI_REQUIRE_SAYING
     rbdi_check_inertia(b, i, report);
+    rbdi_check_limits(b, i, report);
     return RBD_OK;
 }
 
@@ -6665,7 +6686,9 @@ static rbdi_frame rbdi_emit_frame(const rbdi_build *build, int i) {
     out.mass = RBD_C(b->mass);
     out.com = rbdi_round3(com);
     out.I = rbdi_round6(I);
-    out.lower = RBD_C(b->lower), out.upper = RBD_C(b->upper);
+    const int limited = rbdi_has_limits((int)b->type) && b->lower < b->upper;
+    out.lower = limited ? RBD_C(b->lower) : RBD_C(0);
+    out.upper = limited ? RBD_C(b->upper) : RBD_C(0);
     out.velocity = RBD_C(b->velocity), out.effort = RBD_C(b->effort);
     return out;
 }

@@ -134,7 +134,7 @@ typedef struct rbd_contact_options {
     double bounce;      /* slower impacts do not rebound, m/s [0.05]; choose more than 2 g dt */
     double tolerance;   /* of the residual, m/s [1e-6, float 1e-5] */
     int iterations;     /* at most [40] */
-    int joint_limits;   /* not 0: limits of one-dof joints push */
+    int joint_limits;   /* not 0: limits of joints push */
     int joint_friction; /* not 0: the description's friction of each degree of freedom holds, or brakes */
     int joint_damping;  /* not 0: the description's damping, implicitly */
     double slip;        /* contacts that stick give way along the plane, m/s per newton [0] */
@@ -1112,7 +1112,7 @@ static int rbdi_list_dof_rows(const rbd_model *m, const rbd_contact_options *o, 
     for (int b = 0; o->joint_limits && b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
         rbdi_dof_row *to = row ? &row[n] : &counted;
-        if (u->nv != 1 || !(u->lower < u->upper) || u->type == RBD_CONTINUOUS_CS) continue;
+        if (u->nv != 1 || !(u->lower < u->upper)) continue;
         to->dof = u->iv, to->iq = u->iq, to->lower = u->lower, to->upper = u->upper, ++n;
     }
     for (int k = 0; o->joint_friction && k < m->nv; ++k) {

@@ -330,6 +330,27 @@ START_TEST(rod_lies_on_its_limit) {
 }
 END_TEST
 
+/* A rod on a joint without limits turns on past those that its description names. */
+START_TEST(wheel_has_no_limit) {
+    static const rbd_joint_type types[] = {RBD_CONTINUOUS, RBD_CONTINUOUS_CS};
+    for (int k = 0; k < 2; k++) {
+        const double none[3] = {0, 0, 0};
+        rbd_body body = rod();
+        scene s;
+        body.type = types[k], body.lower = -0.1, body.upper = 0.1;
+        open_scene(&s, "wheel", &body, 1, 1e-3);
+        s.options.joint_limits = 1;
+        begin_scene(&s);
+        rbd_set_gravity(s.r.w, none);
+        s.v[0] = 1;
+        run(&s, 1);
+        ck_assert_double_eq_tol(s.v[0], 1, 1e-12);
+        ck_assert_double_eq_tol(k ? atan2(s.q[1], s.q[0]) : s.q[0], 1, 1e-9);
+        close_scene(&s);
+    }
+}
+END_TEST
+
 START_TEST(dry_friction_holds_and_brakes) {
     for (int k = 0; k < 3; k++) {
         rbd_body body = rod();
@@ -973,6 +994,7 @@ Suite *contact_step_suite(void) {
     tcase_add_test(c, ball_sinks_by_its_stiffness);
     tcase_add_test(c, ball_rebounds_to_a_quarter);
     tcase_add_test(c, rod_lies_on_its_limit);
+    tcase_add_test(c, wheel_has_no_limit);
     tcase_add_test(c, dry_friction_holds_and_brakes);
     tcase_add_test(c, damping_is_implicit);
     tcase_add_test(c, thrown_box_comes_to_rest);

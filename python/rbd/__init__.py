@@ -1000,7 +1000,7 @@ class Body:
     armature: Numbers | float = 0.0     #: per degree of freedom: rotor inertia seen at the joint
     damping: Numbers | float = 0.0      #: per degree of freedom: see Model.passive
     friction: Numbers | float = 0.0     #: per degree of freedom: see Model.passive
-    lower: float = 0.0                  #: limits of a one-dof joint; none if lower >= upper
+    lower: float = 0.0                  #: limits of a revolute, prismatic or helical joint; both 0: none
     upper: float = 0.0
     velocity: float = 0.0               #: limit, 0 = none; carried for the user
     effort: float = 0.0                 #: limit, 0 = none; carried for the user
@@ -1051,7 +1051,7 @@ class ContactOptions:
     bounce: float = 0.0         #: slower impacts do not rebound, m/s [0.05]; choose more than 2 g dt
     tolerance: float = 0.0      #: of the residual, m/s [1e-6, float 1e-5]
     iterations: int = 0         #: at most [40]
-    joint_limits: bool = False      #: limits of one-dof joints push
+    joint_limits: bool = False      #: limits of joints push
     joint_friction: bool = False    #: the description's friction holds, or brakes
     joint_damping: bool = False     #: the description's damping, implicitly
     slip: float = 0.0           #: contacts that stick give way along the plane, m/s per newton [0]
@@ -1317,22 +1317,24 @@ def _read_urdf(call, text, source, options):
         line = f":{finding.line}" if finding.line else ""
         return f"{source}{line}: {_python_words(finding.text.decode(errors='replace'))}"
 
-    def read():
+    def read(room):
+        findings = (structure("rbd_urdf_finding") * room)()
+        robot.warnings, robot.warnings_max = ctypes.addressof(findings), room
         status = load(*arguments, ctypes.byref(options), ctypes.byref(robot))
+        sentences = [said(finding) for finding in findings[:robot.nwarnings]]
         if status:
+            _warn(sentences)  # they may say where the error comes from
             raise RbdError(UrdfStatus(status), said(robot.error))
+        return sentences
 
-    read()
+    read(20)
     bodies = (structure("rbd_body") * robot.nb)()
     frames = (structure("rbd_urdf_frame") * robot.nframes)()
-    findings = (structure("rbd_urdf_finding") * robot.nwarnings)()
     names = ctypes.create_string_buffer(robot.names_size)
     robot.bodies, robot.bodies_max = ctypes.addressof(bodies), len(bodies)
     robot.frames, robot.frames_max = ctypes.addressof(frames), len(frames)
-    robot.warnings, robot.warnings_max = ctypes.addressof(findings), len(findings)
     robot.names, robot.names_max = ctypes.addressof(names), len(names)
-    read()
-    sentences = [said(finding) for finding in findings]
+    sentences = read(robot.nwarnings)
     _warn(sentences)
     return Urdf(robot.name.decode(), [_from_c(row) for row in bodies],
                 [Frame(frame.link.decode(), frame.joint and frame.joint.decode(), frame.parent, frame.body,

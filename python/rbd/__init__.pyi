@@ -74,7 +74,7 @@ class Body:
     armature: Numbers | float = 0.0     #: per degree of freedom: rotor inertia seen at the joint
     damping: Numbers | float = 0.0      #: per degree of freedom: see Model.passive
     friction: Numbers | float = 0.0     #: per degree of freedom: see Model.passive
-    lower: float = 0.0                  #: limits of a one-dof joint; none if lower >= upper
+    lower: float = 0.0                  #: limits of a revolute, prismatic or helical joint; both 0: none
     upper: float = 0.0
     velocity: float = 0.0               #: limit, 0 = none; carried for the user
     effort: float = 0.0                 #: limit, 0 = none; carried for the user
@@ -240,7 +240,7 @@ class ContactOptions:
     bounce: float = 0.0         #: slower impacts do not rebound, m/s [0.05]; choose more than 2 g dt
     tolerance: float = 0.0      #: of the residual, m/s [1e-6, float 1e-5]
     iterations: int = 0         #: at most [40]
-    joint_limits: bool = False      #: limits of one-dof joints push
+    joint_limits: bool = False      #: limits of joints push
     joint_friction: bool = False    #: the description's friction holds, or brakes
     joint_damping: bool = False     #: the description's damping, implicitly
     slip: float = 0.0           #: contacts that stick give way along the plane, m/s per newton [0]
@@ -1409,6 +1409,7 @@ class Status(IntEnum):
     WARN_INERTIA_TRIANGLE = 2
     WARN_INERTIA_ZERO = 3
     WARN_MASS_ZERO = 4
+    WARN_LIMITS = 5
 
 
 @dataclass
@@ -1449,6 +1450,8 @@ class UrdfStatus(IntEnum):
     WARN_MIMIC = 7
     WARN_SINGULAR = 8
     WARN_DEGREES = 9
+    WARN_UNREAD = 10
+    WARN_MASSLESS = 11
 
 
 def load_table(path: str | os.PathLike[str], name: str | None = None) -> list[Body]:

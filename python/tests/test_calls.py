@@ -621,6 +621,23 @@ def test_urdf_options():
         rbd.parse_urdf(text.replace(' name="arm"', ""))
 
 
+def test_names_of_a_urdf_that_are_not_read_are_warned_of():
+    """With the line; before the error that they lead to; and as that error, if warnings are errors."""
+    text = URDF.format(mass=1).replace("</robot>", "<loop_joint/></robot>")
+    told = "URDF:6: <loop_joint> is not read; the loop stays open: constraints can close it"
+    with pytest.warns(rbd.RbdWarning) as caught:
+        robot = rbd.parse_urdf(text)
+    assert robot.warnings == [told] == [str(warning.message) for warning in caught]
+    with pytest.raises(rbd.RbdError) as error:
+        rbd.parse_urdf(text, strict=True)
+    assert error.value.status == rbd.UrdfStatus.WARN_UNREAD and told in str(error.value)
+    misspelt = URDF.format(mass=1).replace('<link name="tool"/>', '<lnk name="tool"/>')
+    with pytest.warns(rbd.RbdWarning, match="URDF:2: <lnk> is not read; did you mean <link>?") as caught:
+        with pytest.raises(rbd.RbdError, match="its child link 'tool' is missing"):
+            rbd.parse_urdf(misspelt)
+    assert len(caught) == 1
+
+
 def test_options_of_urdf_are_in_the_signatures_and_those_of_the_tools():
     """Each option of rbd-model that says how a URDF is read is a keyword of the same name, and none else."""
     tool = (rbd.SOURCES / "tools/robot.c").read_text()

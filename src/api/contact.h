@@ -80,7 +80,7 @@ typedef struct rbd_contact_options {
     double bounce;      /* slower impacts do not rebound, m/s [0.05]; choose more than 2 g dt */
     double tolerance;   /* of the residual, m/s [1e-6, float 1e-5] */
     int iterations;     /* at most [40] */
-    int joint_limits;   /* not 0: limits of one-dof joints push */
+    int joint_limits;   /* not 0: limits of joints push */
     int joint_friction; /* not 0: the description's friction of each degree of freedom holds, or brakes */
     int joint_damping;  /* not 0: the description's damping, implicitly */
     double slip;        /* contacts that stick give way along the plane, m/s per newton [0] */

@@ -68,7 +68,7 @@ static int rbdi_list_dof_rows(const rbd_model *m, const rbd_contact_options *o, 
     for (int b = 0; o->joint_limits && b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
         rbdi_dof_row *to = row ? &row[n] : &counted;
-        if (u->nv != 1 || !(u->lower < u->upper) || u->type == RBD_CONTINUOUS_CS) continue;
+        if (u->nv != 1 || !(u->lower < u->upper)) continue;
         to->dof = u->iv, to->iq = u->iq, to->lower = u->lower, to->upper = u->upper, ++n;
     }
     for (int k = 0; o->joint_friction && k < m->nv; ++k) {

@@ -50,6 +50,9 @@ static int rbdi_links_of(int type) {
 static int rbdi_can_mimic(int type) {
     return type == RBD_REVOLUTE || type == RBD_CONTINUOUS || type == RBD_PRISMATIC || type == RBD_HELICAL;
 }
+static int rbdi_has_limits(int type) {
+    return type == RBD_REVOLUTE || type == RBD_PRISMATIC || type == RBD_HELICAL;
+}
 
 /* -- small dense algebra of the build -- */
 
@@ -122,12 +125,17 @@ static int rbdi_parallel(const double axis[3], const double axis2[3]) {
 
 static int rbdi_is_axis(const double axis[3]) { return rbdi_finite(axis, 3) && !rbdi_all_zero(axis, 3); }
 
-static void rbdi_warn(rbd_report *report, rbd_status status, int body, const char *name, const char *field) {
+static void rbdi_warn_saying(rbd_report *report, rbd_status status, int body, const char *name,
+                             const char *field, const char *sentence) {
     if (report->warnings < RBD_MAX_WARNINGS) {
         rbd_finding *f = &report->warning[report->warnings];
-        f->status = status, f->body = body, f->name = name, f->field = field, f->text = NULL;
+        f->status = status, f->body = body, f->name = name, f->field = field, f->text = sentence;
     }
     ++report->warnings;
+}
+
+static void rbdi_warn(rbd_report *report, rbd_status status, int body, const char *name, const char *field) {
+    rbdi_warn_saying(report, status, body, name, field, NULL);
 }
 
 /* Warns of an inertia that no real body has. I must be positive semi-definite, and so must Sigma = tr(I)/2 -
@@ -148,6 +156,16 @@ static void rbdi_check_inertia(const rbd_body *b, int i, rbd_report *report) {
         rbdi_warn(report, RBD_WARN_INERTIA_NEGATIVE, i, b->name, "inertia");
     else if (!rbdi_semidefinite(Sigma, size))
         rbdi_warn(report, RBD_WARN_INERTIA_TRIANGLE, i, b->name, "inertia");
+}
+
+/* Warns of limits that are set and mean none. */
+static void rbdi_check_limits(const rbd_body *b, int i, rbd_report *report) {
+    const int limited = rbdi_has_limits((int)b->type);
+    if (rbdi_all_zero(&b->lower, 1) && rbdi_all_zero(&b->upper, 1)) return;
+    if (limited && b->lower < b->upper) return;
+    rbdi_warn_saying(report, RBD_WARN_LIMITS, i, b->name, "lower",
+                     limited ? "not below upper: read as no limits"
+                             : "limits of a joint whose type has none: read as none");
 }
 
 /* Index of the body whose joint body i mimics, -1 if there is none that can be followed. */
@@ -206,6 +224,7 @@ static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_rep
 #undef RBDI_REQUIRE
 #undef RBDI_REQUIRE_SAYING
     rbdi_check_inertia(b, i, report);
+    rbdi_check_limits(b, i, report);
     return RBD_OK;
 }
 

@@ -296,7 +296,7 @@ RBDI_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q) 
         int angles = u->nv, shifts = 0; /* shifts come first, but with cylindrical joints */
         if (u->nv == 0) continue;
         own = &q[u->iq];
-        if (u->nv == 1 && u->lower < u->upper && u->type != RBD_CONTINUOUS_CS) {
+        if (u->nv == 1 && u->lower < u->upper) {
             own[0] = rbdi_draw(seed, u->lower, u->upper);
             continue;
         }
