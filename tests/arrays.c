@@ -141,6 +141,13 @@ static void run_derivatives(const rbd_model *m, rbd_derivatives *d) {
     (void)rbd_fd_derivatives(m, d, q, v, v, f, NULL, by_q, by_v, M); /* may be singular */
     CLAIM(rbd_coriolis(m, d, q, v, M) == RBD_OK);
     (void)rbd_id_free_base(m, d, q, v, numbers(nv), numbers(nv), f); /* may be singular */
+    CLAIM(rbd_kinematics(m, d->work, q, v, NULL) == RBD_OK);
+    for (int b = 0; b < nb; b++)
+        for (int axes = RBD_WORLD_AXES; axes <= RBD_LINK_AXES; axes++) {
+            CLAIM(rbd_jacobian_derivative(m, d->work, b, x, (rbd_axes)axes, A) == RBD_OK);
+            CLAIM(rbd_relative_jacobian_derivative(m, d->work, b, x, nb - 1 - b, (rbd_axes)axes, A) ==
+                  RBD_OK);
+        }
     CLAIM(rbd_momentum_matrix(m, d, q, v, A, x) == RBD_OK);
     CLAIM(rbd_com_jacobian(m, d, q, J) == RBD_OK);
 }

@@ -318,6 +318,13 @@ static void check_points(void) {
     COMPARE_OF_BODY("J, relative to the world", J, J_world, 6 * nv, DIRECT);
     RUN(rbd_point_acceleration(model, work, b, NULL, RBD_WORLD_AXES, x));
     COMPARE_OF_BODY("dJ/dt v", x, Jdot_v_world, 6, CANCELLED);
+    RUN(rbd_jacobian_derivative(model, work, b, NULL, RBD_WORLD_AXES, J));
+    EACH_LANE {
+        double rate[6] = {0};
+        for (int i = 0; i < 6; i++)
+            for (int k = 0; k < nv; k++) rate[i] += get(J[i * nv + k], lane) * lane_state[lane]->v[k];
+        if (lane_state[lane]->jac_body == b) compare("dJ/dt v, by dJ/dt", lane, x, rate, 6, CANCELLED);
+    }
     for (int k = 0; k < 3; k++) EACH_LANE put(&point[k], lane, 0.1 * (lane + 1) - 0.3 * k);
     RUN(rbd_jacobian(model, work, b, point, RBD_LINK_AXES, J));
     RUN(rbd_relative_jacobian(model, work, b, point, b, RBD_LINK_AXES, J2));

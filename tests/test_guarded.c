@@ -233,6 +233,16 @@ static void call_derivatives(const robot *r, const robot *f, const state *s, int
          6 * nv);
     BOTH(rbd_momentum_matrix(f->m, d, q, v, A, h), rbd_momentum_matrix(r->m, e, q, v, other, plain), h, 6);
     BOTH(rbd_com_jacobian(f->m, d, q, J), rbd_com_jacobian(r->m, e, q, plain), J, 3 * nv);
+    RUN(rbd_kinematics(f->m, f->w, q, v, NULL));
+    RUN(rbd_kinematics(r->m, r->w, q, v, NULL));
+    for (int b = 0; b < r->nb; b++) {
+        const rbd_axes axes = b % 2 ? RBD_LINK_AXES : RBD_WORLD_AXES;
+        const int from = (b + r->nb / 2) % r->nb;
+        BOTH(rbd_jacobian_derivative(f->m, f->w, b, f_ext, axes, A),
+             rbd_jacobian_derivative(r->m, r->w, b, f_ext, axes, plain), A, 6 * nv);
+        BOTH(rbd_relative_jacobian_derivative(f->m, f->w, b, f_ext, from, axes, A),
+             rbd_relative_jacobian_derivative(r->m, r->w, b, f_ext, from, axes, plain), A, 6 * nv);
+    }
     const double *next = inputs(s->q, r->nq);
     BOTH(rbd_integrate_derivatives(f->m, v, 0.1, x, y), rbd_integrate_derivatives(r->m, v, 0.1, plain, other),
          x, nv * nv);

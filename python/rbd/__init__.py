@@ -507,6 +507,7 @@ point         3        fixed in the body, link axes: m; None = the link's origin
 f             6        wrench (moment about the point; force): N m, N
 row           6        the wrench at the body's origin, in its axes: its row of f_ext
 J             6 nv     row: (omega; v); column: degree of freedom
+J_dot         6 nv     dJ/dt: 1/s times the entries of J
 A             6 nv     centroidal momentum matrix
 A_dot_v       6        dA/dt v
 h             6        momentum (angular about the centre of mass; linear), world axes
@@ -1910,6 +1911,15 @@ class Model(_Owner):
     @_c("derivatives", "J", J="3 nv")
     def com_jacobian(self, q):
         """Jacobian of the centre of mass: J v is its velocity, world axes."""
+
+    @_c("work", "J_dot")
+    def jacobian_derivative(self, body, point=None, axes="world"):
+        """dJ/dt of `jacobian` with the same arguments, after `kinematics` at q and v: J a + dJ/dt v is the rate of
+        the components of J v, in world axes what `point_acceleration` gives."""
+
+    @_c("work", "J_dot")
+    def relative_jacobian_derivative(self, body, point=None, reference=-1, axes="world"):
+        """dJ/dt of `relative_jacobian` with the same arguments, after `kinematics` at q and v."""
 
     @_c("derivatives", "C", batch=True)
     def coriolis(self, q, v):

@@ -968,6 +968,31 @@ class Model:
             J            3 x nv    row: (omega; v); column: degree of freedom
         Axes before these count states, and are broadcast: one call of C for each state."""
 
+    def jacobian_derivative(self, body: int | str, point: ArrayLike | None = None,
+                            axes: Literal["world", "link"] = 'world') -> Array:
+        """dJ/dt of `jacobian` with the same arguments, after `kinematics` at q and v: J a + dJ/dt v is the rate of
+        the components of J v, in world axes what `point_acceleration` gives.
+
+            body                   index, or name of the link
+            point        3         fixed in the body, link axes: m; None = the link's origin
+            axes                   "world" or "link": the axes of the six components
+        gives
+            J_dot        6 x nv    dJ/dt: 1/s times the entries of J
+        Axes before these count states, and are broadcast: one call of C for each state."""
+
+    def relative_jacobian_derivative(self, body: int | str, point: ArrayLike | None = None,
+                                     reference: int | str = -1,
+                                     axes: Literal["world", "link"] = 'world') -> Array:
+        """dJ/dt of `relative_jacobian` with the same arguments, after `kinematics` at q and v.
+
+            body                   index, or name of the link
+            point        3         fixed in the body, link axes: m; None = the link's origin
+            reference              index, or name of the link; -1 = the world
+            axes                   "world" or "link": the axes of the six components
+        gives
+            J_dot        6 x nv    dJ/dt: 1/s times the entries of J
+        Axes before these count states, and are broadcast: one call of C for each state."""
+
     def coriolis(self, q: ArrayLike, v: ArrayLike) -> Array:
         """The matrix C with C v = c - g and dM/dt - 2 C skew, of all such the one without torsion. Echeandia
         and Wensing (2021).

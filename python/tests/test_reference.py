@@ -130,6 +130,11 @@ def check_kinematics(judge, m, s, pi):
     judge("J_world", m.jacobian(s.jac_body), s.J_world)
     judge("J_local", m.jacobian(s.jac_body, axes="link"), s.J_local)
     judge("J_local", m.relative_jacobian(s.jac_body, reference=s.jac_body), 0 * s.J_local)
+    J_dot, body = m.jacobian_derivative(s.jac_body), s.jac_body
+    judge("dJ/dt v", J_dot @ s.v + s.J_world @ s.vdot, m.point_acceleration(body), least=1)
+    judge("dJ/dt", m.relative_jacobian_derivative(body, reference=-1), J_dot)
+    spatial = m.jacobian_derivative(body, axes="link") @ s.v + s.J_local @ s.vdot
+    judge("dJ/dt v, link axes", spatial, s.body_acc[body], least=1)
     judge("h", m.momentum().h, s.h, least=1)
     judge("h_dot", m.momentum().h_dot, s.h_dot, least=10)
     f = s.f_ext[s.jac_body]
