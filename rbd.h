@@ -331,6 +331,8 @@ RBDI_EXTERN_C_BEGIN
 #define rbd_integrate RBDI_SYMBOL(rbd_integrate)
 #define rbd_step RBDI_SYMBOL(rbd_step)
 #define rbd_difference RBDI_SYMBOL(rbd_difference)
+#define rbd_interpolate RBDI_SYMBOL(rbd_interpolate)
+#define rbd_distance RBDI_SYMBOL(rbd_distance)
 #define rbd_random RBDI_SYMBOL(rbd_random)
 #define rbd_rates_from_velocity RBDI_SYMBOL(rbd_rates_from_velocity)
 #define rbd_velocity_from_rates RBDI_SYMBOL(rbd_velocity_from_rates)
@@ -752,6 +754,21 @@ RBDI_API rbd_status rbd_step(const rbd_model *m, const rbd_real *q, const rbd_re
 
 /* The tangent step d, nv, for which rbd_integrate(q0, d, 1) is q1, with the shortest rotation. */
 RBDI_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const rbd_real *q1, rbd_real *d);
+
+/* The part s of the way from q0 to q1: q, nq, is rbd_integrate(q0, rbd_difference(q0, q1), s). It turns by
+   the shortest rotation, at constant velocity. s = 0 gives q0 and s = 1 gives q1 exactly, with quaternions
+   and (cos, sin) made unit. s below 0 or above 1 goes on along the same way. Before s = 1 a quaternion may be
+   near -q1, and a planar angle whole turns from q1. q may be q0 or q1. */
+RBDI_API rbd_status rbd_interpolate(const rbd_model *m, const rbd_real *q0, const rbd_real *q1, rbd_real s,
+                                    rbd_real *q);
+
+/* Distance between two configurations: the square root of the sum of weight_k d_k^2, d =
+   rbd_difference(q0, q1). Pinocchio's distance, if weight is NULL.
+   weight     nv, not below 0; 0: the dof does not count. NULL: 1, that is, a metre counts as much as a radian
+   distance   one number, in radians if lengths have weights of 1 / length^2 (or 0) and angles 1
+   Also RBD_ERR_RANGE, a weight that is below 0 or not a number. */
+RBDI_API rbd_status rbd_distance(const rbd_model *m, const rbd_real *q0, const rbd_real *q1,
+                                 const rbd_const *weight, rbd_real *distance);
 
 /* Rates q' of the coordinates, nq, from the velocity, for filters and ODE solvers: a quaternion's is
    q (omega; 0) / 2, a (cos, sin)'s (-sin, cos) v; their lengths stay. */
@@ -5455,6 +5472,49 @@ RBDI_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const
         const rbdi_frame *u = &m->frame[b];
         if (u->nv > 0) rbdi_difference_joint(u, &q0[u->iq], &q1[u->iq], &d[u->iv]);
     }
+    return RBD_OK;
+}
+
+/* q = q0 (+) s (q1 (-) q0) for one joint. At s = 1 it is q1 (+) 0, without rounding of the difference. */
+static void rbdi_interpolate_joint(const rbdi_frame *u, const rbd_real *q0, const rbd_real *q1, rbd_real s,
+                                   rbd_real *q) {
+    const rbd_real one = rbdi_set(RBD_C(1));
+    const rbdi_mask within = rbdi_or(rbdi_less(s, one), rbdi_less(one, s)); /* neither of NaN */
+    const rbd_real share = rbdi_select(within, s, s - one);
+    rbd_real from[7], d[6];
+
+    rbdi_difference_joint(u, q0, q1, d);
+    for (int k = 0; k < u->nv; ++k) d[k] = d[k] * share;
+    for (int k = 0; k < u->nq; ++k) from[k] = rbdi_select(within, q0[k], q1[k]);
+
+    rbdi_step_joint(u, from, d, 0, q);
+}
+
+RBDI_API rbd_status rbd_interpolate(const rbd_model *m, const rbd_real *q0, const rbd_real *q1, rbd_real s,
+                                    rbd_real *q) {
+    if (!m || !q0 || !q1 || !q) return RBD_ERR_NULL;
+    for (int b = 0; b < m->nb; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        if (u->nv > 0) rbdi_interpolate_joint(u, &q0[u->iq], &q1[u->iq], s, &q[u->iq]);
+    }
+    return RBD_OK;
+}
+
+RBDI_API rbd_status rbd_distance(const rbd_model *m, const rbd_real *q0, const rbd_real *q1,
+                                 const rbd_const *weight, rbd_real *distance) {
+    rbd_real sum = rbdi_zero();
+    if (!m || !q0 || !q1 || !distance) return RBD_ERR_NULL;
+    for (int k = 0; weight && k < m->nv; ++k)
+        if (!(weight[k] >= 0)) return RBD_ERR_RANGE;
+
+    /* the sum of weight_k d_k^2 */
+    for (int b = 0; b < m->nb; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        rbd_real d[6];
+        if (u->nv > 0) rbdi_difference_joint(u, &q0[u->iq], &q1[u->iq], d);
+        for (int k = 0; k < u->nv; ++k) sum = sum + d[k] * d[k] * (weight ? weight[u->iv + k] : RBD_C(1));
+    }
+    *distance = rbdi_sqrt(sum);
     return RBD_OK;
 }
 

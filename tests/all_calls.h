@@ -138,6 +138,9 @@ static void all_calls_kinematics(all_calls *s) {
     ALL_CALLS_RUN(rbd_integrate(s->m, s->q, s->v, (rbd_real)0.5, o), s->nq);
     ALL_CALLS_RUN(rbd_step(s->m, s->q, s->v, s->a, (rbd_real)0.5, o, o + s->nq), s->nq + nv);
     ALL_CALLS_RUN(rbd_difference(s->m, s->q, s->q2, o), nv);
+    for (int i = 0; i < 3; i++)
+        ALL_CALLS_RUN(rbd_interpolate(s->m, s->q, s->q2, (rbd_real)0.5 * (rbd_real)i, o), s->nq);
+    ALL_CALLS_RUN(rbd_distance(s->m, s->q, s->q2, NULL, o), 1);
     ALL_CALLS_RUN(rbd_rates_from_velocity(s->m, s->q, s->v, o), s->nq);
     ALL_CALLS_RUN(
         (rbd_rates_from_velocity(s->m, s->q, s->v, o), rbd_velocity_from_rates(s->m, s->q, o, o + s->nq)),

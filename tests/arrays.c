@@ -95,6 +95,8 @@ static void run_algorithms(const rbd_model *m, rbd_work *w) {
     (void)rbd_com(m, w, &R[0], &R[3], &R[6]); /* may have no mass */
     CLAIM(rbd_integrate(m, q, v, (rbd_real)0.01, next) == RBD_OK);
     CLAIM(rbd_difference(m, q, next, out) == RBD_OK);
+    CLAIM(rbd_distance(m, q, next, v, x) == RBD_OK);
+    CLAIM(rbd_interpolate(m, q, next, (rbd_real)0.5, next) == RBD_OK);
     CLAIM(rbd_rates_from_velocity(m, q, v, next) == RBD_OK);
     CLAIM(rbd_velocity_from_rates(m, q, next, out) == RBD_OK);
     CLAIM(rbd_neutral(m, q) == RBD_OK);

@@ -348,6 +348,25 @@ static void check_points(void) {
 START_TEST(points_match_the_reference) { for_models(check_points); }
 END_TEST
 
+/* Each lane goes a part of its own: none, all of the way, parts. */
+static void check_way(const rbd_real *q1) {
+    static rbd_real way[MAX_Q], expected[MAX_Q], d[MAX_V], s, distance;
+    const int nq = reference->nq, nv = reference->nv;
+    EACH_LANE put(&s, lane, lane % 4 * 0.375 - (lane % 4 == 3 ? 0.125 : 0));
+    RUN(rbd_interpolate(model, q, q1, s, way));
+    RUN(rbd_difference(model, q, q1, d));
+    RUN(rbd_distance(model, q, q1, NULL, &distance));
+    RUN(rbd_integrate(model, q, d, s, expected));
+    EACH_LANE {
+        double of[MAX_Q], sum = 0, length;
+        for (int k = 0; k < nq; k++) of[k] = get(expected[k], lane);
+        compare("interpolate", lane, way, of, nq, DIRECT);
+        for (int k = 0; k < nv; k++) sum += get(d[k], lane) * get(d[k], lane);
+        length = sqrt(sum);
+        compare("distance", lane, &distance, &length, 1, DIRECT);
+    }
+}
+
 static void check_steps(void) {
     static rbd_real next[MAX_Q], step[MAX_V], dt;
     EACH_LANE put(&dt, lane, lane_state[lane]->dt);
@@ -359,6 +378,7 @@ static void check_steps(void) {
         for (int k = 0; k < reference->nv; k++) expected[k] = lane_state[lane]->v[k] * lane_state[lane]->dt;
         compare("difference", lane, step, expected, reference->nv, 10 * DIRECT);
     }
+    check_way(next);
     RUN(rbd_rates_from_velocity(model, q, v, next));
     RUN(rbd_velocity_from_rates(model, q, next, step));
     COMPARE("velocity from rates", step, v, reference->nv, DIRECT);

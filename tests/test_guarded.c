@@ -185,12 +185,17 @@ static void call_points(const robot *r, const robot *f, const state *s, int numb
 
 static void call_manifold(const robot *r, const robot *f, const state *s, int number) {
     const double *q = inputs(s->q, r->nq), *v = inputs(s->v, r->nv);
-    double *next = numbers(r->nq), *d = numbers(r->nv);
+    double *next = numbers(r->nq), *d = numbers(r->nv), *between = numbers(r->nq), squares[MAX_V];
     uint64_t seed = 5, again = 5;
     BOTH(rbd_neutral(f->m, next), rbd_neutral(r->m, plain), next, r->nq);
     BOTH(rbd_random(f->m, &seed, next), rbd_random(r->m, &again, plain), next, r->nq);
     BOTH(rbd_integrate(f->m, q, v, 0.1, next), rbd_integrate(r->m, q, v, 0.1, plain), next, r->nq);
     BOTH(rbd_difference(f->m, q, next, d), rbd_difference(r->m, q, next, plain), d, r->nv);
+    for (int k = 0; k < r->nv; k++) squares[k] = s->v[k] * s->v[k];
+    const double *weight = inputs(squares, r->nv);
+    BOTH(rbd_distance(f->m, q, next, weight, d), rbd_distance(r->m, q, next, weight, plain), d, 1);
+    BOTH(rbd_interpolate(f->m, next, q, 0.25, between), rbd_interpolate(r->m, next, q, 0.25, plain), between,
+         r->nq);
     BOTH(rbd_rates_from_velocity(f->m, q, v, next), rbd_rates_from_velocity(r->m, q, v, plain), next, r->nq);
     BOTH(rbd_velocity_from_rates(f->m, q, next, d), rbd_velocity_from_rates(r->m, q, next, plain), d, r->nv);
 }

@@ -520,7 +520,9 @@ dlambda_dq    rows nv  row: constraint force; column: tangent step of q
 dlambda_dv    rows nv  row: constraint force; column: velocity
 dlambda_dtau  rows nv  row: constraint force; column: torque
 actuated      nv       1 where there is a motor, else 0; None = all but floating joints at the root
-weight        rows     above 0; None = 1
+weight        rows     above 0, of a distance 0 too; None = 1
+distance      -        rad, if lengths have weights of 1 / length^2 or 0
+s             -        part of the way: 0 is q0, 1 is q1
 damping       nv       implicit: tau acts as tau - damping v_next; of a controller kd + dt kp; None = 0
 dt            -        s
 restitution   -        0 (nothing rebounds) to 1
@@ -528,7 +530,7 @@ body          -        index, or name of the link
 reference     -        index, or name of the link; -1 = the world
 axes          -        "world" or "link": the axes of the six components
 """.strip().splitlines())}
-_SCALARS = ["dt", "restitution"]             # are numbers in C
+_SCALARS = ["dt", "restitution", "s"]        # are numbers in C
 _INTEGERS = ["body", "reference", "axes"]    # are whole numbers in C
 _GAINS = ["restitution", "weight", "dt"]     # have a range: ERR_RANGE
 _MASKS = {"given": np.dtype(np.uint8), "actuated": np.dtype(np.uint8)}  # are 0 or 1 in C
@@ -1775,6 +1777,15 @@ class Model(_Owner):
     @_c("", "d")
     def difference(self, q0, q1):
         """The tangent step d for which integrate(q0, d, 1) is q1, the shortest rotation."""
+
+    @_c("", "q")
+    def interpolate(self, q0, q1, s):
+        """The part s of the way from q0 to q1, integrate(q0, difference(q0, q1), s): q0 at 0, q1 at 1."""
+
+    @_c("", "distance", weight="nv")
+    def distance(self, q0, q1, weight=None):
+        """The square root of the sum of weight d^2, d = difference(q0, q1). With None a metre counts as much as a
+        radian."""
 
     @_c("", "rates")
     def rates_from_velocity(self, q, v):

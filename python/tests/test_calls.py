@@ -257,6 +257,7 @@ FAILING = [
     (lambda m: m.body_pose(-1), "ERR_INDEX", "body_pose: "),
     (lambda m: m.relative_jacobian(0, reference=-2), "ERR_INDEX", "and -1 for the world"),
     (lambda m: m.relative_jacobian_derivative(0, reference=-2), "ERR_INDEX", "and -1 for the world"),
+    (lambda m: m.distance(q, q, -np.ones(7)), "ERR_RANGE", "distance: weight: "),
     (lambda m: m.body_pose(2**40), "ERR_INDEX", "body_pose: "),
     (lambda m: m.copy().body_pose(0), "ERR_ORDER", "body_pose: kinematics must be called first"),
     (lambda m: m.joint(7), "ERR_INDEX", "joint: "),

@@ -64,6 +64,8 @@
 #define rbd_integrate RBDI_SYMBOL(rbd_integrate)
 #define rbd_step RBDI_SYMBOL(rbd_step)
 #define rbd_difference RBDI_SYMBOL(rbd_difference)
+#define rbd_interpolate RBDI_SYMBOL(rbd_interpolate)
+#define rbd_distance RBDI_SYMBOL(rbd_distance)
 #define rbd_random RBDI_SYMBOL(rbd_random)
 #define rbd_rates_from_velocity RBDI_SYMBOL(rbd_rates_from_velocity)
 #define rbd_velocity_from_rates RBDI_SYMBOL(rbd_velocity_from_rates)

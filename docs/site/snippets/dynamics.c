@@ -174,6 +174,19 @@ void example_rbd_integrate(void) {
     if (status == RBD_OK) status = rbd_difference(m, q, next, d); /* d = 0.01 v */
 }
 
+void example_rbd_interpolate(void) {
+    double home[HYQ_NQ], between[HYQ_NQ];
+    status = rbd_neutral(m, home);
+    if (status == RBD_OK) status = rbd_interpolate(m, q, home, 0.25, between); /* a quarter of the way */
+}
+
+void example_rbd_distance(void) {
+    double home[HYQ_NQ], weight[HYQ_NV], distance;
+    for (int i = 0; i < HYQ_NV; i++) weight[i] = i >= 6; /* the legs; the trunk may be anywhere */
+    status = rbd_neutral(m, home);
+    if (status == RBD_OK) status = rbd_distance(m, q, home, weight, &distance); /* rad */
+}
+
 void example_rbd_rates_from_velocity(void) {
     double rates[HYQ_NQ];
     status = rbd_rates_from_velocity(m, q, v, rates);
