@@ -160,6 +160,21 @@ static size_t work_bound(const rbd_model *m) {
     return mimics ? RBD_WORK_SIZE_MIMIC(nb, rbd_nv(m)) : RBD_WORK_SIZE(nb, rbd_nv(m));
 }
 
+/* Each joint held alone, in a description of its own length. */
+static void run_lock(void) {
+    rbd_body *rows = own_array((size_t)nb * sizeof *rows);
+    unsigned char *locked = own_array((size_t)nb);
+    int nq = 0;
+    for (int i = 0; i < nb; i++) nq += bodies[i].mimic ? 0 : rbdi_joint_facts((int)bodies[i].type)->nq;
+    double *q = own_array((size_t)nq * sizeof *q);
+    for (int k = 0; k < nq; k++) q[k] = 0.3 + 0.1 * k;
+    for (int held = 0; held < nb; held++) {
+        for (int i = 0; i < nb; i++) locked[i] = i == held;
+        CLAIM(rbd_lock_joints(bodies, nb, locked, q, rows, NULL) == RBD_OK);
+        CLAIM(rows[held].type == RBD_FIXED);
+    }
+}
+
 static void run(void) {
     static unsigned char memory[1]; /* only its address counts */
     const rbd_model *m;
@@ -171,6 +186,7 @@ static void run(void) {
         return free_arrays();
     }
     built++;
+    run_lock();
     CLAIM(size <= RBD_MODEL_SIZE(nb));
     CLAIM(taken + RBDI_ALIGN <= size);
     run_lookup(m);

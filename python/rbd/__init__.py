@@ -1536,6 +1536,28 @@ class Model(_Owner):
                     self._prepare(kind)
             self.bodies[index] = self.library.set_parameters(self.bodies[index], self.body_parameters(index))
 
+    def lock_joints(self, joints: int | str | Iterable[int | str], q: ArrayLike) -> Model:
+        """Another Model of the robot, in which these joints are fixed at their pose in q, and with them those that
+        mimic them. All bodies stay. q and v of the new model are those of the joints that still move, in the same
+        order: see `q_names`.
+
+            joints    names of joints, or the bodies that they carry: indices, or names of links
+            q         nq, of this model
+        """
+        joints = [joints] if isinstance(joints, str) or not hasattr(joints, "__iter__") else joints
+        q = _numbers("lock_joints", "q", q, (self.nq,))
+        locked = np.zeros(self.nb, np.uint8)
+        for joint in joints:
+            locked[self._joint_body(joint, "lock_joints")] = 1
+        rows, held = _rows(self.bodies), (structure("rbd_body") * self.nb)()
+        report = structure("rbd_report", self.library.scalar)()
+        status = self.library.call("lock_joints", rows, self.nb, locked, q, held, report)
+        if status:
+            raise RbdError(Status(status), "lock_joints: " + self.library.finding_text(report.error))
+        bodies = [body if row.type == new.type else _from_c(new)
+                  for body, row, new in zip(self.bodies, rows, held)]
+        return _again(bodies, self.get_gravity(), self.library, self._batch_layout)
+
     def singular_dof(self) -> int:
         """After Status.ERR_SINGULAR or ERR_NAN: the degree of freedom whose pivot is not above its rounding,
         or not a number; else -1."""
@@ -1882,17 +1904,22 @@ class Model(_Owner):
                 names[getattr(joint, first) + k] = name if n == 1 else f"{name}[{k}]"
         return names
 
+    def _joint_body(self, joint, call):
+        """The body that a joint carries: of its name or, if none has it, of that of the link, or of the index."""
+        try:
+            body = self._body(joint, call)
+        except KeyError:
+            body = -1
+        if isinstance(joint, str) and (body < 0 or joint in self.joint_names):
+            body = self._index(call, "joint_index", joint)
+        return body
+
     def joint(self, joint: int | str) -> JointInfo:
         """JointInfo: type, place in q and v, and limits of a joint.
 
             joint        the name of the joint, or the body that it carries: index, or name of the link
         """
-        try:
-            body = self._body(joint, "joint")
-        except KeyError:
-            body = -1
-        if isinstance(joint, str) and (body < 0 or joint in self.joint_names):
-            body = self._index("joint", "joint_index", joint)
+        body = self._joint_body(joint, "joint")
         info = structure("rbd_joint_info", self.library.scalar)()
         status = self.library.call("joint", self._address("model"), body, info)
         if status:

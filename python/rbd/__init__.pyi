@@ -525,6 +525,14 @@ class Model:
             com       3, of the payload, link frame, m
             inertia   xx xy xz yy yz zz about its com, link axes, kg m^2; None = a point"""
 
+    def lock_joints(self, joints: int | str | Iterable[int | str], q: ArrayLike) -> Model:
+        """Another Model of the robot, in which these joints are fixed at their pose in q, and with them those that
+        mimic them. All bodies stay. q and v of the new model are those of the joints that still move, in the same
+        order: see `q_names`.
+
+            joints    names of joints, or the bodies that they carry: indices, or names of links
+            q         nq, of this model"""
+
     def singular_dof(self) -> int:
         """After Status.ERR_SINGULAR or ERR_NAN: the degree of freedom whose pivot is not above its rounding,
         or not a number; else -1."""

@@ -20,6 +20,7 @@
 #define rbd_model_build RBDI_SYMBOL(rbd_model_build)
 #define rbd_model_size RBDI_SYMBOL(rbd_model_size)
 #define rbd_add_payload RBDI_SYMBOL(rbd_add_payload)
+#define rbd_lock_joints RBDI_SYMBOL(rbd_lock_joints)
 #define rbd_work_init RBDI_SYMBOL(rbd_work_init)
 #define rbd_work_size RBDI_SYMBOL(rbd_work_size)
 #define rbd_set_gravity RBDI_SYMBOL(rbd_set_gravity)

@@ -234,6 +234,16 @@ void example_rbd_model_build(void) {
     if (rbd_model_size(rod, 1) > sizeof room || !rbd_status_string(status)) status = RBD_ERR_MEMORY;
 }
 
+void example_rbd_lock_joints(void) {
+    static rbd_body rows[HYQ_NB];
+    static unsigned char room[RBD_MODEL_SIZE(HYQ_NB)];
+    unsigned char locked[HYQ_NB] = {1}; /* the trunk in its place, over a table */
+    const rbd_model *held;
+    for (int i = 0; i < HYQ_NB; i++) rbd_describe(m, i, &rows[i]);
+    status = rbd_lock_joints(rows, HYQ_NB, locked, q, rows, NULL);
+    if (status == RBD_OK) status = rbd_model_build(rows, HYQ_NB, room, sizeof room, &held, NULL);
+}
+
 void example_rbd_work_size(void) {
     if (rbd_work_size(m) > sizeof memory) status = RBD_ERR_MEMORY;
 }
