@@ -507,6 +507,7 @@ point         3        fixed in the body, link axes: m; None = the link's origin
 f             6        wrench (moment about the point; force): N m, N
 row           6        the wrench at the body's origin, in its axes: its row of f_ext
 J             6 nv     row: (omega; v); column: degree of freedom
+J_dot         6 nv     dJ/dt: 1/s times the entries of J
 A             6 nv     centroidal momentum matrix
 A_dot_v       6        dA/dt v
 h             6        momentum (angular about the centre of mass; linear), world axes
@@ -519,7 +520,9 @@ dlambda_dq    rows nv  row: constraint force; column: tangent step of q
 dlambda_dv    rows nv  row: constraint force; column: velocity
 dlambda_dtau  rows nv  row: constraint force; column: torque
 actuated      nv       1 where there is a motor, else 0; None = all but floating joints at the root
-weight        rows     above 0; None = 1
+weight        rows     above 0, of a distance 0 too; None = 1
+distance      -        rad, if lengths have weights of 1 / length^2 or 0
+s             -        part of the way: 0 is q0, 1 is q1
 damping       nv       implicit: tau acts as tau - damping v_next; of a controller kd + dt kp; None = 0
 dt            -        s
 restitution   -        0 (nothing rebounds) to 1
@@ -527,7 +530,7 @@ body          -        index, or name of the link
 reference     -        index, or name of the link; -1 = the world
 axes          -        "world" or "link": the axes of the six components
 """.strip().splitlines())}
-_SCALARS = ["dt", "restitution"]             # are numbers in C
+_SCALARS = ["dt", "restitution", "s"]        # are numbers in C
 _INTEGERS = ["body", "reference", "axes"]    # are whole numbers in C
 _GAINS = ["restitution", "weight", "dt"]     # have a range: ERR_RANGE
 _MASKS = {"given": np.dtype(np.uint8), "actuated": np.dtype(np.uint8)}  # are 0 or 1 in C
@@ -1535,6 +1538,28 @@ class Model(_Owner):
                     self._prepare(kind)
             self.bodies[index] = self.library.set_parameters(self.bodies[index], self.body_parameters(index))
 
+    def lock_joints(self, joints: int | str | Iterable[int | str], q: ArrayLike) -> Model:
+        """Another Model of the robot, in which these joints are fixed at their pose in q, and with them those that
+        mimic them. All bodies stay. q and v of the new model are those of the joints that still move, in the same
+        order: see `q_names`.
+
+            joints    names of joints, or the bodies that they carry: indices, or names of links
+            q         nq, of this model
+        """
+        joints = [joints] if isinstance(joints, str) or not hasattr(joints, "__iter__") else joints
+        q = _numbers("lock_joints", "q", q, (self.nq,))
+        locked = np.zeros(self.nb, np.uint8)
+        for joint in joints:
+            locked[self._joint_body(joint, "lock_joints")] = 1
+        rows, held = _rows(self.bodies), (structure("rbd_body") * self.nb)()
+        report = structure("rbd_report", self.library.scalar)()
+        status = self.library.call("lock_joints", rows, self.nb, locked, q, held, report)
+        if status:
+            raise RbdError(Status(status), "lock_joints: " + self.library.finding_text(report.error))
+        bodies = [body if row.type == new.type else _from_c(new)
+                  for body, row, new in zip(self.bodies, rows, held)]
+        return _again(bodies, self.get_gravity(), self.library, self._batch_layout)
+
     def singular_dof(self) -> int:
         """After Status.ERR_SINGULAR or ERR_NAN: the degree of freedom whose pivot is not above its rounding,
         or not a number; else -1."""
@@ -1777,6 +1802,15 @@ class Model(_Owner):
     def difference(self, q0, q1):
         """The tangent step d for which integrate(q0, d, 1) is q1, the shortest rotation."""
 
+    @_c("", "q")
+    def interpolate(self, q0, q1, s):
+        """The part s of the way from q0 to q1, integrate(q0, difference(q0, q1), s): q0 at 0, q1 at 1."""
+
+    @_c("", "distance", weight="nv")
+    def distance(self, q0, q1, weight=None):
+        """The square root of the sum of weight d^2, d = difference(q0, q1). With None a metre counts as much as a
+        radian."""
+
     @_c("", "rates")
     def rates_from_velocity(self, q, v):
         """Rates dq/dt of the coordinates from the velocity, for filters and ODE solvers."""
@@ -1872,17 +1906,22 @@ class Model(_Owner):
                 names[getattr(joint, first) + k] = name if n == 1 else f"{name}[{k}]"
         return names
 
+    def _joint_body(self, joint, call):
+        """The body that a joint carries: of its name or, if none has it, of that of the link, or of the index."""
+        try:
+            body = self._body(joint, call)
+        except KeyError:
+            body = -1
+        if isinstance(joint, str) and (body < 0 or joint in self.joint_names):
+            body = self._index(call, "joint_index", joint)
+        return body
+
     def joint(self, joint: int | str) -> JointInfo:
         """JointInfo: type, place in q and v, and limits of a joint.
 
             joint        the name of the joint, or the body that it carries: index, or name of the link
         """
-        try:
-            body = self._body(joint, "joint")
-        except KeyError:
-            body = -1
-        if isinstance(joint, str) and (body < 0 or joint in self.joint_names):
-            body = self._index("joint", "joint_index", joint)
+        body = self._joint_body(joint, "joint")
         info = structure("rbd_joint_info", self.library.scalar)()
         status = self.library.call("joint", self._address("model"), body, info)
         if status:
@@ -1912,6 +1951,15 @@ class Model(_Owner):
     @_c("derivatives", "J", J="3 nv")
     def com_jacobian(self, q):
         """Jacobian of the centre of mass: J v is its velocity, world axes."""
+
+    @_c("work", "J_dot")
+    def jacobian_derivative(self, body, point=None, axes="world"):
+        """dJ/dt of `jacobian` with the same arguments, after `kinematics` at q and v: J a + dJ/dt v is the rate of
+        the components of J v, in world axes what `point_acceleration` gives."""
+
+    @_c("work", "J_dot")
+    def relative_jacobian_derivative(self, body, point=None, reference=-1, axes="world"):
+        """dJ/dt of `relative_jacobian` with the same arguments, after `kinematics` at q and v."""
 
     @_c("derivatives", "C", batch=True)
     def coriolis(self, q, v):

@@ -225,6 +225,9 @@ WRONG = [
     (lambda m: m.random("x"), TypeError, "random: seed must be a whole number, not 'x'"),
     (lambda m: m.random(1, -1), ValueError, "random: n must not be negative"),
     (lambda m: m.batch_set_layout("columns"), ValueError, "layout must be 'rows' or 'blocks', not 'columns'"),
+    (lambda m: m.lock_joints("lbr_iiwa_joint_8", q), KeyError, "lock_joints: .*did you mean 'lbr_iiwa_joint_"),
+    (lambda m: m.lock_joints(0, q[:6]), ValueError, r"lock_joints: q must have the shape \(7,\), not \(6,\)"),
+    (lambda m: m.lock_joints(0, q * np.nan), ValueError, r"lock_joints: q\[0\] is nan"),
     (lambda m: m.add_payload(0, "heavy"), TypeError, "add_payload: mass must be a number"),
     (lambda m: m.c_model("two words"), ValueError, "'two words' is not a C identifier"),
     (lambda m: m.constraint_set(["foot"]), TypeError, "constraint 0 must be a Constraint"),
@@ -256,11 +259,14 @@ FAILING = [
     (lambda m: m.body_pose(7), "ERR_INDEX", "body_pose: no such body: 7; the model has 0 to 6"),
     (lambda m: m.body_pose(-1), "ERR_INDEX", "body_pose: "),
     (lambda m: m.relative_jacobian(0, reference=-2), "ERR_INDEX", "and -1 for the world"),
+    (lambda m: m.relative_jacobian_derivative(0, reference=-2), "ERR_INDEX", "and -1 for the world"),
+    (lambda m: m.distance(q, q, -np.ones(7)), "ERR_RANGE", "distance: weight: "),
     (lambda m: m.body_pose(2**40), "ERR_INDEX", "body_pose: "),
     (lambda m: m.copy().body_pose(0), "ERR_ORDER", "body_pose: kinematics must be called first"),
     (lambda m: m.joint(7), "ERR_INDEX", "joint: "),
     (lambda m: m.describe(2**33), "ERR_INDEX", "describe: "),
     (lambda m: m.add_payload(2, -100), "ERR_MASS", "add_payload: "),
+    (lambda m: m.lock_joints([0, 7], q), "ERR_INDEX", "lock_joints: no such body: 7"),
     (lambda m: m.batch_jacobian(np.zeros((2, 7)), 99), "ERR_INDEX", "batch_jacobian: "),
     (lambda m: m.constraint_set([m.point_contact(6)]).impact(q, v, 2), "ERR_RANGE", "impact: restitution: "),
     (lambda m: m.constraint_set([rbd.Constraint("tip", 1, 0)]), "ERR_AXIS", "constraint 0 'tip', field 'axes'"),
@@ -511,6 +517,21 @@ def test_payload_is_that_of_a_new_build(iiwa):
         np.testing.assert_allclose(found, expected, rtol=1e-7, atol=1e-7 * np.abs(expected).max())
     assert abs(iiwa.describe(6).mass - iiwa.bodies[6].mass) < 1e-12
     np.testing.assert_allclose(iiwa.describe(6).inertia, fresh.bodies[6].inertia, atol=1e-12)
+
+
+def test_locked_joints_are_those_of_the_whole_robot_at_rest(hyq):
+    x, names = hyq.random(3), ["root", "lf_lowerleg", 12]
+    hyq.set_gravity([1, 2, -3])
+    held = hyq.lock_joints(names, x)
+    assert held.nb == hyq.nb and held.nv == hyq.nv - 8 and held.body_names == hyq.body_names
+    assert held.bodies[1] is hyq.bodies[1] and held.bodies[0].type == "fixed"
+    stays = [hyq.dof_names.index(name) for name in held.dof_names]
+    left = x[[hyq.q_names.index(name) for name in held.q_names]]
+    np.testing.assert_allclose(held.crba(left), hyq.crba(x)[np.ix_(stays, stays)], rtol=0, atol=1e-12)
+    u, whole = np.arange(1.0, held.nv + 1), np.zeros(hyq.nv)
+    whole[stays] = u
+    np.testing.assert_allclose(held.bias(left, u), hyq.bias(x, whole)[stays], rtol=0, atol=1e-10)
+    assert hyq.lock_joints("root", x).nv == hyq.lock_joints(0, x).nv == hyq.nv - 6 and hyq.lock_joints([], x).nv == hyq.nv
 
 
 def test_names(hyq):

@@ -67,18 +67,27 @@ static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close) {
     if (rbdi_w_abs(*c) <= close) *s = *s > 0 ? 1 : -1, *c = 0;
 }
 
-/* Angle, at most 45 degrees, from its cosine and sine: rbdi_signed_angle in the build's arithmetic. Sine and
-   cosine are sums of their series, which give the same bits everywhere. */
+/* Sine and cosine of an angle of at most 45 degrees: sums of their series, which give the same bits
+   everywhere. */
+static void rbdi_w_series(rbdi_wide x, rbdi_wide *sine, rbdi_wide *cosine) {
+    const rbdi_wide x2 = x * x;
+    rbdi_wide sum_c = 1, sum_s = 1;
+    for (int k = RBDI_TAIL_TERMS; k > 0; --k) {
+        sum_c = 1 - sum_c * x2 / (2 * k * (2 * k - 1));
+        sum_s = 1 - sum_s * x2 / (2 * k * (2 * k + 1));
+    }
+    *sine = x * sum_s;
+    *cosine = sum_c;
+}
+
+/* Angle, at most 45 degrees, from its cosine and sine: rbdi_signed_angle in the build's arithmetic. */
 static rbdi_wide rbdi_w_angle(rbdi_wide c, rbdi_wide s) {
     rbdi_wide sine = rbdi_w_abs(s), t = sine / (1 + c);
     rbdi_wide angle = t * (2 - (rbdi_wide)RBDI_ANGLE_START * t * t);
     for (int i = 0; i < 4; ++i) {
-        rbdi_wide x2 = angle * angle, sum_c = 1, sum_s = 1;
-        for (int k = RBDI_TAIL_TERMS; k > 0; --k) {
-            sum_c = 1 - sum_c * x2 / (2 * k * (2 * k - 1));
-            sum_s = 1 - sum_s * x2 / (2 * k * (2 * k + 1));
-        }
-        angle += sine * sum_c - c * (angle * sum_s);
+        rbdi_wide sine_of, cosine_of;
+        rbdi_w_series(angle, &sine_of, &cosine_of);
+        angle += sine * cosine_of - c * sine_of;
     }
     return s < 0 ? -angle : angle;
 }
