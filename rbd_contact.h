@@ -60,6 +60,7 @@ RBDI_EXTERN_C_BEGIN
 #define rbd_contact_solve RBDI_SYMBOL(rbd_contact_solve)
 #define rbd_contact_set_size RBDI_SYMBOL(rbd_contact_set_size)
 #define rbd_contact_set_init RBDI_SYMBOL(rbd_contact_set_init)
+#define rbd_contact_finding_text RBDI_SYMBOL(rbd_contact_finding_text)
 #define rbd_contact_step RBDI_SYMBOL(rbd_contact_step)
 #define rbd_contact_fd RBDI_SYMBOL(rbd_contact_fd)
 #define rbd_contact_plane RBDI_SYMBOL(rbd_contact_plane)
@@ -112,7 +113,8 @@ RBDI_API rbd_status rbd_contact_solve(const rbd_contact_problem *problem, void *
 /* ---- set [set] ---- */
 
 /* A point of body 1, or a ball about it, that may touch a plane of body 2. Zero is a sensible default for
-   every field but the bodies. */
+   every field but the bodies. body2 = 0 without on_body is refused: it may have been left out where the world
+   was meant. */
 typedef struct rbd_contact {
     const char *name;   /* for findings; NULL = nameless */
     int body1, body2;   /* index in the description, -1 = world */
@@ -124,6 +126,7 @@ typedef struct rbd_contact {
     double restitution; /* 0 (does not rebound) to 1 */
     double stiffness;   /* N/m: p/dt = -(stiffness gap + damping d gap/dt); 0 = rigid */
     double damping;     /* N s/m */
+    int on_body;        /* not 0: the plane is a body's, body2, and not the world's; body 0 needs it */
 } rbd_contact;
 
 /* 0 is the default in brackets. */
@@ -154,12 +157,16 @@ typedef struct rbd_contact_set rbd_contact_set; /* contacts, impulses of the las
    c         receives the set, which lies inside memory: do not move it; NULL after an error
    Errors: RBD_ERR_NULL, _MEMORY, _WORK, _COUNT (more than RBD_MAX_CONSTRAINTS); with the contact in
    report->error.body: _INDEX, _POSITION (point or height), _AXIS (normal), _RANGE; with a constraint, n + its
-   index there: those of rbd_constraint_set_init; _RANGE, an option. rbd_constraint_finding_text has the
+   index there: those of rbd_constraint_set_init; _RANGE, an option. rbd_contact_finding_text has the
    sentence. */
 RBDI_API rbd_status rbd_contact_set_init(const rbd_model *m, rbd_work *w, const rbd_contact *list, int n,
                                          const rbd_constraint *held, int n_held,
                                          const rbd_contact_options *options, void *memory, size_t size,
                                          rbd_contact_set **c, rbd_report *report);
+
+/* As rbd_finding_text, e.g. "contact 3 'left toe', field 'friction': negative, not finite or out of range".
+   n   number of contacts in the list: the constraints behind them are held constraint 0, 1, ... */
+RBDI_API char *rbd_contact_finding_text(const rbd_finding *finding, int n, char *text, size_t size);
 
 /* Bytes that rbd_contact_set_init needs for these; 0 if a number is out of range. */
 RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constraint *held, int n_held,
@@ -1049,6 +1056,15 @@ RBDI_API rbd_status rbd_contact_solve(const rbd_contact_problem *problem, void *
 /* ==== src/contact/set.h ==== */
 /* ---- set code [set code] ---- */
 
+RBDI_API char *rbd_contact_finding_text(const rbd_finding *finding, int n, char *text, size_t size) {
+    rbd_finding held;
+    if (!finding || finding->body < 0 || finding->body < n)
+        return rbdi_write_finding(finding, "contact", text, size);
+    held = *finding;
+    held.body = finding->body - n;
+    return rbdi_write_finding(&held, "held constraint", text, size);
+}
+
 /* Makes the plane of a contact frame 2 of its constraint: x and y are tangents, z is the normal. */
 static void rbdi_place_plane(const rbd_model *m, rbdi_constraint *con, int body2, const double normal[3],
                              double height) {
@@ -1068,14 +1084,32 @@ static rbd_constraint rbdi_constraint_of_contact(const rbd_contact *from) {
     return con;
 }
 
+/* Refuses a body2 that was left out, and one that is the world's where a body's plane is meant. */
+static rbd_status rbdi_check_plane_body(const rbd_contact *from, int i, rbd_report *report) {
+    const char *sentence = NULL;
+    if (from->body2 == 0 && !from->on_body)
+        sentence = "it is 0, or was left out: the world is -1; for body 0 set on_body";
+    if (from->body2 == -1 && from->on_body)
+        sentence = "on_body is set, and it is -1: the world, or a name that no body has";
+    if (!sentence) return RBD_OK;
+
+    rbdi_refuse(report, RBD_ERR_INDEX, i, from->name, "body2");
+    report->error.text = sentence;
+    return RBD_ERR_INDEX;
+}
+
 static rbd_status rbdi_check_contact(const rbd_model *m, const rbd_contact *from, int i, rbd_report *report) {
     const double values[5] = {from->radius, from->friction, from->restitution, from->stiffness,
                               from->damping};
     const char *const names[5] = {"radius", "friction", "restitution", "stiffness", "damping"};
     const rbd_constraint con = rbdi_constraint_of_contact(from);
-    const rbd_status status = rbdi_check_constraint(m, &con, i, report);
+    rbd_status status;
+
+    status = rbdi_check_plane_body(from, i, report);
+    if (!status) status = rbdi_check_constraint(m, &con, i, report);
     if (status == RBD_ERR_POSITION) report->error.field = "point";
     if (status) return status;
+
     if (!rbdi_finite(from->normal, 3)) return rbdi_refuse(report, RBD_ERR_AXIS, i, from->name, "normal");
     if (!rbdi_finite(&from->height, 1)) return rbdi_refuse(report, RBD_ERR_POSITION, i, from->name, "height");
     for (int j = 0; j < 5; ++j)
@@ -1143,7 +1177,10 @@ static rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work *w,
     report->warnings = 0;
     rbdi_refuse(report, RBD_OK, -1, NULL, NULL);
     if (!m || !w || !memory || (!list && n)) return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
-    if (least == 0) return rbdi_refuse(report, RBD_ERR_COUNT, -1, NULL, NULL);
+    if (least == 0) {
+        report->error.text = "a number of contacts or constraints is below 0, or there are more than 1000";
+        return report->error.status = RBD_ERR_COUNT;
+    }
     if (rbdi_check(m, w, 1)) return rbdi_refuse(report, RBD_ERR_WORK, -1, NULL, NULL);
     if (options) status = rbdi_check_options(options, report);
     for (int i = 0; !status && i < n; ++i) status = rbdi_check_contact(m, &list[i], i, report);

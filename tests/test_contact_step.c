@@ -40,7 +40,8 @@ static void open_scene(scene *s, const char *name, const rbd_body *bodies, int n
 static rbd_contact *add_contact(scene *s, int body1, int body2, double x, double y, double z) {
     rbd_contact *a = &s->list[s->n++];
     ck_assert_int_le(s->n, MOST);
-    a->body1 = body1, a->body2 = body2, a->point[0] = x, a->point[1] = y, a->point[2] = z, a->friction = 0.5;
+    a->body1 = body1, a->body2 = body2, a->on_body = body2 >= 0;
+    a->point[0] = x, a->point[1] = y, a->point[2] = z, a->friction = 0.5;
     return a;
 }
 
@@ -61,7 +62,7 @@ static void begin_scene(scene *s) {
     s->memory = memset(malloc(size), 0xff, size); /* NaN: what was never written shows */
     ck_assert_msg(rbd_contact_set_init(s->r.m, s->r.w, s->list, s->n, s->held, s->n_held, &s->options,
                                        s->memory, size, &s->c, &report) == RBD_OK,
-                  "%s: %s", s->r.name, rbd_constraint_finding_text(&report.error, text, sizeof text));
+                  "%s: %s", s->r.name, rbd_contact_finding_text(&report.error, s->n, text, sizeof text));
 }
 
 static void close_scene(scene *s) {
@@ -762,6 +763,7 @@ START_TEST(bad_sets_are_refused_by_name) {
     BAD(body1 = 1, RBD_ERR_INDEX, "body1");
     BAD(body2 = 1, RBD_ERR_INDEX, "body2");
     BAD(body2 = 0, RBD_ERR_INDEX, "body2");
+    BAD(on_body = 1, RBD_ERR_INDEX, "body2");
     BAD(body1 = -1, RBD_ERR_INDEX, "body1");
     BAD(point[1] = NAN, RBD_ERR_POSITION, "point");
     BAD(normal[2] = INFINITY, RBD_ERR_AXIS, "normal");
@@ -783,6 +785,48 @@ START_TEST(bad_sets_are_refused_by_name) {
 #undef BAD
     robot other = r;
     robot_free(&other);
+}
+END_TEST
+
+/* A row that leaves body2 out names body 0: it is refused where body 0 could be meant as well. */
+START_TEST(contacts_without_body2_are_refused) {
+    const rbd_body bodies[2] = {box(1, 1, 1, 1), rod()};
+    robot r = robot_build("box and rod", bodies, 2);
+    const rbd_constraint held = rbd_point_contact(7, NULL, NULL);
+    rbd_contact list[2] = {{.body1 = 0, .body2 = -1}, {.name = "tip", .body1 = 1, .friction = 0.5}};
+    char text[200];
+    void *memory = malloc(20000);
+    rbd_contact_set *c;
+    rbd_report report;
+#define INIT(held, n_held) \
+    rbd_contact_set_init(r.m, r.w, list, 2, held, n_held, NULL, memory, 20000, &c, &report)
+    ck_assert_int_eq(INIT(NULL, 0), RBD_ERR_INDEX);
+    ck_assert_str_eq(
+        rbd_contact_finding_text(&report.error, 2, text, sizeof text),
+        "contact 1 'tip', field 'body2': it is 0, or was left out: the world is -1; for body 0 set "
+        "on_body");
+
+    list[1].on_body = 1; /* body 0 is meant */
+    ck_assert_int_eq(INIT(NULL, 0), RBD_OK);
+
+    list[1].body2 = -1; /* on a body: on which? */
+    ck_assert_int_eq(INIT(NULL, 0), RBD_ERR_INDEX);
+    ck_assert_str_eq(
+        rbd_contact_finding_text(&report.error, 2, text, sizeof text),
+        "contact 1 'tip', field 'body2': on_body is set, and it is -1: the world, or a name that no "
+        "body has");
+
+    list[1].on_body = 0; /* errors of what is held speak of it; errors of numbers of contacts */
+    ck_assert_int_eq(INIT(&held, 1), RBD_ERR_INDEX);
+    ck_assert_str_eq(rbd_contact_finding_text(&report.error, 2, text, sizeof text),
+                     "held constraint 0, field 'body1': no such body");
+    ck_assert_int_eq(INIT(NULL, 1), RBD_ERR_COUNT);
+    ck_assert_str_eq(rbd_contact_finding_text(&report.error, 2, text, sizeof text),
+                     "a number of contacts or constraints is below 0, or there are more than 1000");
+    ck_assert_ptr_eq(rbd_contact_finding_text(NULL, 2, text, sizeof text), text);
+#undef INIT
+    free(memory);
+    robot_free(&r);
 }
 END_TEST
 
@@ -988,6 +1032,7 @@ Suite *contact_step_suite(void) {
     tcase_add_test(c, odd_sets_of_contacts);
     tcase_add_test(c, same_bits_on_each_run);
     tcase_add_test(c, bad_sets_are_refused_by_name);
+    tcase_add_test(c, contacts_without_body2_are_refused);
     tcase_add_test(c, bad_calls_are_refused);
     tcase_add_test(c, errors_are_taken_back);
     tcase_add_test(c, box_rests_on_a_ball_of_the_world);

@@ -5,6 +5,15 @@
 
 /* ---- set code [set code] ---- */
 
+RBDI_API char *rbd_contact_finding_text(const rbd_finding *finding, int n, char *text, size_t size) {
+    rbd_finding held;
+    if (!finding || finding->body < 0 || finding->body < n)
+        return rbdi_write_finding(finding, "contact", text, size);
+    held = *finding;
+    held.body = finding->body - n;
+    return rbdi_write_finding(&held, "held constraint", text, size);
+}
+
 /* Makes the plane of a contact frame 2 of its constraint: x and y are tangents, z is the normal. */
 static void rbdi_place_plane(const rbd_model *m, rbdi_constraint *con, int body2, const double normal[3],
                              double height) {
@@ -24,14 +33,32 @@ static rbd_constraint rbdi_constraint_of_contact(const rbd_contact *from) {
     return con;
 }
 
+/* Refuses a body2 that was left out, and one that is the world's where a body's plane is meant. */
+static rbd_status rbdi_check_plane_body(const rbd_contact *from, int i, rbd_report *report) {
+    const char *sentence = NULL;
+    if (from->body2 == 0 && !from->on_body)
+        sentence = "it is 0, or was left out: the world is -1; for body 0 set on_body";
+    if (from->body2 == -1 && from->on_body)
+        sentence = "on_body is set, and it is -1: the world, or a name that no body has";
+    if (!sentence) return RBD_OK;
+
+    rbdi_refuse(report, RBD_ERR_INDEX, i, from->name, "body2");
+    report->error.text = sentence;
+    return RBD_ERR_INDEX;
+}
+
 static rbd_status rbdi_check_contact(const rbd_model *m, const rbd_contact *from, int i, rbd_report *report) {
     const double values[5] = {from->radius, from->friction, from->restitution, from->stiffness,
                               from->damping};
     const char *const names[5] = {"radius", "friction", "restitution", "stiffness", "damping"};
     const rbd_constraint con = rbdi_constraint_of_contact(from);
-    const rbd_status status = rbdi_check_constraint(m, &con, i, report);
+    rbd_status status;
+
+    status = rbdi_check_plane_body(from, i, report);
+    if (!status) status = rbdi_check_constraint(m, &con, i, report);
     if (status == RBD_ERR_POSITION) report->error.field = "point";
     if (status) return status;
+
     if (!rbdi_finite(from->normal, 3)) return rbdi_refuse(report, RBD_ERR_AXIS, i, from->name, "normal");
     if (!rbdi_finite(&from->height, 1)) return rbdi_refuse(report, RBD_ERR_POSITION, i, from->name, "height");
     for (int j = 0; j < 5; ++j)
@@ -99,7 +126,10 @@ static rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work *w,
     report->warnings = 0;
     rbdi_refuse(report, RBD_OK, -1, NULL, NULL);
     if (!m || !w || !memory || (!list && n)) return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
-    if (least == 0) return rbdi_refuse(report, RBD_ERR_COUNT, -1, NULL, NULL);
+    if (least == 0) {
+        report->error.text = "a number of contacts or constraints is below 0, or there are more than 1000";
+        return report->error.status = RBD_ERR_COUNT;
+    }
     if (rbdi_check(m, w, 1)) return rbdi_refuse(report, RBD_ERR_WORK, -1, NULL, NULL);
     if (options) status = rbdi_check_options(options, report);
     for (int i = 0; !status && i < n; ++i) status = rbdi_check_contact(m, &list[i], i, report);

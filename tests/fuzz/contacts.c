@@ -277,7 +277,7 @@ static rbd_contact *new_contact(scene *s, int body1, int body2) {
     rbd_contact *a = &s->list[s->n];
     if (s->n == MOST_CONTACTS || body1 == body2 || carrier(s, body1) == carrier(s, body2)) return NULL;
     memset(a, 0, sizeof *a);
-    a->body1 = body1, a->body2 = body2;
+    a->body1 = body1, a->body2 = body2, a->on_body = body2 >= 0;
     vector(&s->seed, 0.3, a->point, 3);
     vector(&s->seed, 1, a->normal, 3);
     if (one_in(&s->seed, 3)) a->radius = uniform(&s->seed, 0, 0.2);
@@ -1107,10 +1107,11 @@ static void expect_refused(const rbd_contact_options *o, rbd_status status, cons
     char text[300];
     if (found != status || set || report.error.status != status || report.error.body != body ||
         !report.error.field || strcmp(report.error.field, field) ||
-        !strstr(rbd_constraint_finding_text(&report.error, text, sizeof text), field))
+        !strstr(rbd_contact_finding_text(&report.error, now.n, text, sizeof text), field))
         fail(failure_names[WRONG_ANSWER], found);
     if (show)
-        printf("%s of %d: %s\n", field, body, rbd_constraint_finding_text(&report.error, text, sizeof text));
+        printf("%s of %d: %s\n", field, body,
+               rbd_contact_finding_text(&report.error, now.n, text, sizeof text));
 }
 
 static void break_contact(uint64_t *seed, int i) {
@@ -1126,8 +1127,8 @@ static void break_contact(uint64_t *seed, int i) {
         {"damping", RBD_ERR_RANGE, &a->damping, HUGE_VAL, 0},
     };
     static const int wrong[4] = {-2, 1000000, -1000000, 12};
-    const int which = below(seed, 11);
-    const char *const names[3] = {"body1", "body2", "body2"};
+    const int which = below(seed, 12);
+    const char *const names[4] = {"body1", "body2", "body2", "body2"};
     if (which < 8) {
         break_field(seed, &fields[which]);
         expect_refused(&now.options, fields[which].status, fields[which].name, i);
@@ -1136,6 +1137,7 @@ static void break_contact(uint64_t *seed, int i) {
     if (which == 8) a->body1 = wrong[below(seed, 4)];
     if (which == 9) a->body2 = wrong[below(seed, 4)];
     if (which == 10) a->body2 = a->body1;
+    if (which == 11) a->body2 = 0, a->on_body = 0; /* left out */
     expect_refused(&now.options, RBD_ERR_INDEX, a->body1 == -1 && a->body2 < 0 ? "body1" : names[which - 8],
                    i);
 }
