@@ -227,7 +227,7 @@ RBDI_EXTERN_C_BEGIN
 #define rbd_contact_step_derivatives RBDI_SYMBOL(rbd_contact_step_derivatives)
 
 /* ---- derivatives [step derivatives] ----
-   Declared where rbd_derivatives.h was included before. */
+   Declared where rbd_derivatives.h is included too. */
 
 /* Arrays for the results of rbd_contact_step_derivatives. NULL: not wanted. */
 typedef struct rbd_contact_step_results {
@@ -404,7 +404,7 @@ struct rbd_contact_set {
 /* ==== src/rbd_contact.h ==== */
 #endif /* RBDI_CONTACT_LAYOUT */
 
-#if defined RBD_IMPLEMENTATION && !defined RBDI_CONTACT_IMPLEMENTED
+#if defined RBD_IMPLEMENTATION && !defined RBDI_CONTACT_IMPLEMENTED && !defined RBDI_JOINS_DERIVATIVES
 #define RBDI_CONTACT_IMPLEMENTED
 
 RBDI_CODE_BEGIN
@@ -1655,7 +1655,7 @@ RBDI_CODE_END
 
 #endif /* RBD_IMPLEMENTATION */
 
-#if defined RBD_IMPLEMENTATION && defined RBDI_CONTACT_DERIVATIVES && \
+#if defined RBD_IMPLEMENTATION && defined RBDI_CONTACT_IMPLEMENTED && defined RBDI_CONTACT_DERIVATIVES && \
     !defined RBDI_CONTACT_DERIVATIVES_IMPLEMENTED
 #define RBDI_CONTACT_DERIVATIVES_IMPLEMENTED
 
