@@ -2365,8 +2365,8 @@ RBDI_CODE_END
 #pragma pop_macro("Y")
 
 /* ==== src/rbd_derivatives.h ==== */
-/* Headers that stand before this one declare their derivatives now. They implement them if they themselves are
-   implemented in this file. */
+/* Headers that stand before this one declare their derivatives now. They implement them if they themselves
+   are implemented in this file. */
 #ifndef RBDI_JOINS_DERIVATIVES
 #define RBDI_JOINS_DERIVATIVES
 #if defined RBD_CONTACT_H && !defined RBDI_CONTACT_DERIVATIVES

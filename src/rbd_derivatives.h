@@ -77,8 +77,8 @@ RBDI_CODE_END
 
 #include "base/letters_end.h"
 
-/* Headers that stand before this one declare their derivatives now. They implement them if they themselves are
-   implemented in this file. */
+/* Headers that stand before this one declare their derivatives now. They implement them if they themselves
+   are implemented in this file. */
 #ifndef RBDI_JOINS_DERIVATIVES
 #define RBDI_JOINS_DERIVATIVES
 #if defined RBD_CONTACT_H && !defined RBDI_CONTACT_DERIVATIVES

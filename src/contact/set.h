@@ -2,6 +2,7 @@
 #define RBDI_CONTACT_SET_H
 #include "constraints/set.h"
 #include "contact/solver.h"
+#include "contact/joints.h"
 
 /* ---- set code [set code] ---- */
 
@@ -88,20 +89,37 @@ static rbd_contact_options rbdi_contact_defaults(const rbd_contact_options *give
     return o;
 }
 
+/* Appends the two limits of a joint to the rows, or counts them; a limit of infinity is none. */
+static int rbdi_list_limits(const rbd_model *m, const rbdi_frame *u, rbdi_dof_row *row) {
+    const rbdi_limits limits = rbdi_joint_limits(m, u);
+    int n = 0;
+    for (int upper = 0; upper < 2; ++upper) {
+        if (upper ? limits.upper >= RBDI_UNBOUNDED : limits.lower <= -RBDI_UNBOUNDED) continue;
+        if (row) {
+            row[n].dof = u->iv, row[n].iq = u->iq;
+            row[n].lower = limits.lower, row[n].upper = limits.upper;
+            row[n].side = rbdi_set(RBD_C(upper ? -1 : 1));
+        }
+        ++n;
+    }
+    return n;
+}
+
 /* Lists the rows of single dofs: limits of one-dof joints, then dry friction; NULL: counts them. */
 static int rbdi_list_dof_rows(const rbd_model *m, const rbd_contact_options *o, rbdi_dof_row *row) {
-    rbdi_dof_row counted;
     int n = 0;
-    for (int b = 0; o->joint_limits && b < m->nb; ++b) {
-        const rbdi_frame *u = &m->frame[b];
-        rbdi_dof_row *to = row ? &row[n] : &counted;
-        if (u->nv != 1 || !(u->lower < u->upper) || u->type == RBD_CONTINUOUS_CS) continue;
-        to->dof = u->iv, to->iq = u->iq, to->lower = u->lower, to->upper = u->upper, ++n;
-    }
+    for (int b = 0; o->joint_limits && b < m->nb; ++b)
+        if (m->frame[b].nv == 1) n += rbdi_list_limits(m, &m->frame[b], row ? &row[n] : NULL);
+
     for (int k = 0; o->joint_friction && k < m->nv; ++k) {
-        rbdi_dof_row *to = row ? &row[n] : &counted;
-        if (!(m->dof[k].friction > 0)) continue;
-        to->dof = (int16_t)k, to->iq = -1, to->upper = m->dof[k].friction, to->lower = -to->upper, ++n;
+        const rbd_const friction = rbdi_joint_friction(m, k);
+        if (!(friction > 0)) continue;
+        if (row) {
+            row[n].dof = (int16_t)k, row[n].iq = -1;
+            row[n].lower = -friction, row[n].upper = friction;
+            row[n].side = rbdi_set(RBD_C(1));
+        }
+        ++n;
     }
     return n;
 }

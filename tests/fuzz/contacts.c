@@ -531,9 +531,11 @@ static void add_contact_rows(int i, quad *gap, quad *opening) {
     keep_rows(exact_laws.rows, 3);
 }
 
-/* What the law of an active contact adds to u_n, for velocities; `rebounds` as the library decided. */
-static double bias_of(const rbd_contact *a, double gap, double opening, int rebounds) {
-    if (rebounds) return a->restitution * opening;
+/* What the law of an active contact adds to u_n, for velocities. Whether it `rebounds` the library decided. If
+   `any` other does, one that leaves may return with its speed. */
+static double bias_of(const rbd_contact *a, double gap, double opening, int rebounds, int any) {
+    if (rebounds && opening < 0) return a->restitution * opening;
+    if (any && !(a->stiffness > 0 && gap <= 0) && opening > 0 && opening > gap / now.dt) return opening;
     if (gap > 0) return gap / now.dt;
     return a->stiffness > 0 ? a->stiffness * gap / (now.dt * a->stiffness + a->damping) : 0;
 }
@@ -574,7 +576,8 @@ static void release(void) {
 static int find_rows(int *energy_holds) {
     laws *x = &exact_laws;
     const rbd_real *p = set->rows->lambda;
-    int bounded = 0;
+    int bounded = 0, any = 0;
+    for (int i = 0; i < now.n; i++) any |= set->contact[i].rebounds && set->contact[i].approach < 0;
     x->rows = 0, *energy_holds = 1;
     memset(x->b, 0, sizeof x->b);
     memset(x->delta, 0, sizeof x->delta);
@@ -592,12 +595,8 @@ static int find_rows(int *energy_holds) {
             fabs((double)gap - 0.005) > 1e-9)
             fail(failure_names[NOT_A_ROW], (double)gap);
         if (own->row < 0) continue;
-        const double bias_there = (double)set->b[own->row + 2] + (double)set->rows->b[own->row + 2],
-                     rebound = a->restitution * (double)opening;
-        const int rebounds =
-            a->restitution > 0 && opening < (quad)-0.05L && fabs(bias_there - rebound) < 1e-9 * -rebound;
-        if (rebounds || a->stiffness > 0) *energy_holds = 0;
-        x->b[x->rows + 2] = bias_of(a, (double)gap, (double)opening, rebounds);
+        if (any || a->stiffness > 0) *energy_holds = 0;
+        x->b[x->rows + 2] = bias_of(a, (double)gap, (double)opening, own->rebounds, any);
         if (a->stiffness > 0 && gap <= 0)
             x->delta[x->rows + 2][x->rows + 2] = 1 / ((quad)now.dt * (now.dt * a->stiffness + a->damping));
         x->mu[x->rows / 3] = a->friction;
@@ -614,14 +613,15 @@ static int find_rows(int *energy_holds) {
     for (int i = 0, iq = 0, iv = 0; now.options.joint_limits && i < now.robot.nb; i++) {
         const rbd_body *b = &now.robot.bodies[i];
         const double q = now.state.q[iq], v = now.state.v[iv];
-        const int upper = b->upper - q < q - b->lower;
-        const double distance = upper ? b->upper - q : q - b->lower, side = upper ? -1 : 1;
         if (b->mimic) continue;
-        if (has_one_dof(b) && b->lower < b->upper &&
-            (distance <= 0.02 || distance + 2 * now.dt * side * v <= 0)) {
+        for (int upper = 0; upper < 2 && has_one_dof(b) && b->lower < b->upper; upper++) {
+            const double distance = upper ? b->upper - q : q - b->lower, side = upper ? -1 : 1;
+            if (!(distance <= 0.02 || distance + 2 * now.dt * side * v <= 0)) continue;
             keep_dof(x->rows, iv, side);
             x->lower[x->rows] = 0, x->upper[x->rows] = 1e30;
-            x->b[x->rows++] = distance > 0 ? distance / now.dt : 0;
+            x->b[x->rows] = distance > 0 ? distance / now.dt : 0;
+            if (any && side * v > x->b[x->rows]) x->b[x->rows] = side * v;
+            x->rows++;
         }
         iq += world_nq(b), iv += world_nv(b);
     }
