@@ -48,7 +48,7 @@
      the constraints would make up for it.
 */
 #include "rbd.h"
-#ifdef RBD_DERIVATIVES_H /* implemented with it: [derivatives] */
+#if defined RBD_DERIVATIVES_H && !defined RBDI_JOINS_DERIVATIVES /* implemented with it: [derivatives] */
 #include "rbd_derivatives.h"
 #endif
 
@@ -220,7 +220,7 @@ RBDI_EXTERN_C_BEGIN
 
 /* ==== src/api/constrained_derivatives.h ==== */
 /* ---- derivatives [derivatives] ----
-   Declared where rbd_derivatives.h was included before. */
+   Declared where rbd_derivatives.h is included too. */
 
 /* Arrays for the results of rbd_constrained_fd_derivatives. NULL: not wanted. */
 typedef struct rbd_constrained_fd_results {
@@ -376,7 +376,7 @@ struct rbd_constraint_set {
 /* ==== src/rbd_constraints.h ==== */
 #endif /* RBDI_CONSTRAINTS_LAYOUT */
 
-#if defined RBD_IMPLEMENTATION && !defined RBDI_CONSTRAINTS_IMPLEMENTED
+#if defined RBD_IMPLEMENTATION && !defined RBDI_CONSTRAINTS_IMPLEMENTED && !defined RBDI_JOINS_DERIVATIVES
 #define RBDI_CONSTRAINTS_IMPLEMENTED
 
 /* ---- design [design] ----
@@ -1907,8 +1907,8 @@ RBDI_CODE_END
 
 #endif /* RBD_IMPLEMENTATION */
 
-#if defined RBD_IMPLEMENTATION && defined RBDI_CONSTRAINED_DERIVATIVES && \
-    !defined RBDI_CONSTRAINED_DERIVATIVES_IMPLEMENTED
+#if defined RBD_IMPLEMENTATION && defined RBDI_CONSTRAINTS_IMPLEMENTED && \
+    defined RBDI_CONSTRAINED_DERIVATIVES && !defined RBDI_CONSTRAINED_DERIVATIVES_IMPLEMENTED
 #define RBDI_CONSTRAINED_DERIVATIVES_IMPLEMENTED
 
 RBDI_CODE_BEGIN

@@ -1044,6 +1044,11 @@ class Contact:
     stiffness: float = 0.0              #: N/m; 0 = rigid
     damping: float = 0.0                #: N s/m: p/dt = -(stiffness gap + damping d gap/dt)
 
+    @property
+    def on_body(self) -> bool:
+        """Whether the plane is a body's: body2 of C is left out as 0, here as -1."""
+        return self.body2 != -1
+
 
 @dataclass
 class ContactOptions:

@@ -73,12 +73,18 @@ static void rbdi_constraint_terms(const rbd_model *m, rbd_contact_set *c, const 
             gain[r] = contact ? rbdi_zero() : rbdi_held_bias(c, purpose, s->e[con->row + r]).gain;
         }
         if (contact) gain[2] = rbdi_contact_bias(c, purpose, contact).gain;
-        if (rebounds) (x == 0 ? factor : gain)[2] = rbdi_set(contact->restitution);
+        if (rebounds) (x == 0 ? factor : gain)[2] = rbdi_set(rbdi_rebound_share(contact));
         pair = rbdi_pair_motion_of(s, con);
         if (contact) pair.roll_radius = rbdi_scale(rbdi_set(contact->radius), rbdi_contact_normal(s, con));
         rbdi_row_terms(m, c, d, con, &pair, factor, gain);
         if (!rebounds) rbdi_differentiate_forces(m, d, con, &pair, rho);
     }
+}
+
+/* The derivative of a limit's bias by q (x = 0) or v (x = 1) of its dof. */
+static rbd_real rbdi_limit_gain(const rbd_contact_set *c, int purpose, const rbdi_dof_row *limit, int x) {
+    if (x == 0) return limit->side * rbdi_limit_bias(c, purpose, limit).gain;
+    return purpose == RBDI_FOR_VELOCITIES && limit->rebounds ? limit->side : rbdi_zero();
 }
 
 /* Replaces rho by dnu of (5). Returns 0 if the impulses have no derivative. */
@@ -115,10 +121,9 @@ static int rbdi_differentiate_solution(const rbd_model *m, rbd_contact_set *c, r
         rbdi_clear(c->sigma, c->rows->rows * m->nv);
         if (x < 2 && purpose == RBDI_FOR_VELOCITIES) rbdi_constraint_terms(m, c, d, v, purpose, 1, x, NULL);
         if (x == 0) rbdi_constraint_terms(m, c, d, nu, purpose, 0, x, dnu[0]);
-        for (const rbdi_dof_row *limit = c->dof_row; x == 0 && limit < c->dof_row + c->dof_rows; ++limit)
+        for (const rbdi_dof_row *limit = c->dof_row; x < 2 && limit < c->dof_row + c->dof_rows; ++limit)
             if (limit->row >= 0)
-                c->sigma[limit->row * m->nv + limit->dof] =
-                    limit->side * rbdi_bias_at(c, purpose, limit->distance, 0, 0).gain;
+                c->sigma[limit->row * m->nv + limit->dof] = rbdi_limit_gain(c, purpose, limit, x);
         solved &= rbdi_solve_derivatives(m, c, dnu[x]);
     }
     return solved;

@@ -60,7 +60,7 @@ typedef struct rbdi_contact {
     rbd_real force[3];      /* of the last step, world axes */
     int body2;
     int row;      /* of the step, -1 = none */
-    int rebounds; /* whether the solution for the velocities has its rebound */
+    int rebounds; /* whether the solution for the velocities returns a share of its approach */
     rbd_contact_state state;
 } rbdi_contact;
 
@@ -68,8 +68,10 @@ typedef struct rbdi_contact {
 typedef struct rbdi_dof_row {
     int16_t dof, iq;         /* iq: of the limited coordinate, -1 = dry friction */
     rbd_const lower, upper;  /* limits, rad or m; the largest forces of dry friction, N m or N */
-    rbd_real distance, side; /* to the nearer limit, and the row's sign there */
+    rbd_real distance, side; /* to the limit, and the row's sign: 1 at the lower, -1 at the upper one */
+    rbd_real rate;           /* of the distance, before the step */
     int row;                 /* of the step, -1 = none */
+    int rebounds;            /* as of a contact: a limit does if it leaves */
 } rbdi_dof_row;
 
 /* A set of contacts has a set of constraints, whose rows are listed anew at each step: three of each contact
@@ -112,7 +114,8 @@ struct rbd_contact_set {
 #define RBDI_CONTACT_SIDES(nv, rows) \
     ((rows) * (nv) + (int)RBDI_LARGER((nv) * (nv), (rows) * ((rows) + (nv) + RBDI_CHUNK)))
 
-/* Bytes that suffice for n contacts and so many other rows: held axes, joint limits, dry friction. */
+/* Bytes that suffice for n contacts and so many other rows: held axes, two limits of each joint, dry
+   friction. */
 #define RBD_CONTACT_SET_SIZE(nv, n, bounded) \
     RBDI_CONTACT_SET_BYTES(nv, n, bounded, bounded, 3 * (n) + (bounded) + 4 * RBDI_ROW_BATCH)
 

@@ -41,14 +41,11 @@ RBDI_INLINE int rbdi_may_touch(rbd_real distance, rbd_real rate, rbd_real dt, rb
     return !(distance > margin && distance + 2 * dt * rate > 0);
 }
 
-/* Finds the nearer limit. Returns whether it is near; dry friction always is. */
+/* Computes the distance to the limit. Returns whether it may be reached; dry friction always acts. */
 static int rbdi_find_limit(rbdi_dof_row *limit, const rbd_real *q, const rbd_real *v, rbd_real dt) {
-    rbd_real below, above;
-    limit->distance = rbdi_zero(), limit->side = rbdi_set(RBD_C(1));
+    limit->distance = rbdi_zero();
     if (limit->iq < 0) return 1;
-    below = q[limit->iq] - limit->lower, above = limit->upper - q[limit->iq];
-    if (above < below) limit->side = -limit->side;
-    limit->distance = above < below ? above : below;
+    limit->distance = limit->side > 0 ? q[limit->iq] - limit->lower : limit->upper - q[limit->iq];
     return rbdi_may_touch(limit->distance, limit->side * v[limit->dof], dt, rbdi_set(RBDI_NEAR_LIMIT));
 }
 
@@ -162,6 +159,12 @@ static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
      stiff      k gap / (dt k + d), and 1 / (dt (dt k + d)) on Delta's diagonal: together the implicit spring
                 and damper p_n = -dt (k (gap + dt u_n) + d u_n), stable at every dt
      rebounds   for velocities, restitution times the approach
+     leaves     for velocities, if another contact rebounds: the speed at which it leaves, where that is more
+                than its gap / dt
+
+   Without friction a rebound makes no energy then, whatever the restitutions are: impulses do the work
+   p'(u+ + u-)/2, of approach and end. A contact that pushes has u+ = -e u- if it rebounds or leaves (e = 1),
+   or u+ = -gap / dt; in each case u+ + u- <= 0.
 
    The option `slip` adds a damper along the plane: slip / dt on the diagonal, so that u_t + slip p_t / dt is
    the velocity that sticks or slips. */
@@ -188,10 +191,48 @@ static rbdi_bias rbdi_bias_at(const rbd_contact_set *c, int purpose, rbd_real ga
     return x;
 }
 
+/* The share of the approach that a contact returns with: all of it if it leaves. */
+static rbd_const rbdi_rebound_share(const rbdi_contact *contact) {
+    return contact->approach > 0 ? RBD_C(1) : contact->restitution;
+}
+
 static rbdi_bias rbdi_contact_bias(const rbd_contact_set *c, int purpose, const rbdi_contact *contact) {
-    const rbdi_bias rebound = {contact->approach * contact->restitution, rbdi_zero()};
+    const rbdi_bias rebound = {contact->approach * rbdi_rebound_share(contact), rbdi_zero()};
     if (purpose == RBDI_FOR_VELOCITIES && contact->rebounds) return rebound;
     return rbdi_bias_at(c, purpose, contact->gap, contact->stiffness, contact->damping);
+}
+
+static rbdi_bias rbdi_limit_bias(const rbd_contact_set *c, int purpose, const rbdi_dof_row *limit) {
+    const rbdi_bias rebound = {limit->rate, rbdi_zero()};
+    if (purpose == RBDI_FOR_VELOCITIES && limit->rebounds) return rebound;
+    return rbdi_bias_at(c, purpose, limit->distance, 0, 0);
+}
+
+/* Whether a rigid row leaves, faster than it may close its gap. */
+static int rbdi_leaves(const rbd_contact_set *c, rbd_real gap, rbd_real rate) {
+    return rate > 0 && rate > rbdi_bias_at(c, RBDI_FOR_VELOCITIES, gap, 0, 0).value;
+}
+
+/* Finds the contacts that rebound by the first solution, and then those that leave. */
+static void rbdi_find_rebounds(rbd_contact_set *c) {
+    int any = 0;
+    for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
+        contact->rebounds = contact->row >= 0 && contact->restitution > 0 &&
+                            contact->approach < -RBD_C(c->options.bounce) &&
+                            c->rows->lambda[contact->row + 2] > 0;
+        any |= contact->rebounds;
+    }
+
+    for (rbdi_contact *contact = c->contact; any && contact < c->contact + c->n; ++contact) {
+        const int springs = contact->stiffness > 0 && contact->gap <= 0;
+        if (contact->row >= 0 && !springs && rbdi_leaves(c, contact->gap, contact->approach))
+            contact->rebounds = 1;
+    }
+    for (rbdi_dof_row *limit = c->dof_row; limit < c->dof_row + c->dof_rows; ++limit) {
+        limit->rate = limit->side * c->start[limit->dof];
+        limit->rebounds =
+            any && limit->row >= 0 && limit->iq >= 0 && rbdi_leaves(c, limit->distance, limit->rate);
+    }
 }
 
 /* The bias of a held row with the error e, which counts as a penetration on either side. */
@@ -220,7 +261,7 @@ static int rbdi_write_biases(rbd_contact_set *c, int purpose) {
             changed |= rbdi_write_bias(c, r, rbdi_held_bias(c, purpose, s->e[r]).value);
     for (const rbdi_dof_row *limit = c->dof_row; limit < c->dof_row + c->dof_rows; ++limit)
         if (limit->row >= 0)
-            changed |= rbdi_write_bias(c, limit->row, rbdi_bias_at(c, purpose, limit->distance, 0, 0).value);
+            changed |= rbdi_write_bias(c, limit->row, rbdi_limit_bias(c, purpose, limit).value);
     return changed;
 }
 

@@ -3,6 +3,7 @@
 #include "motion/manifold.h"
 #include "constraints/calls.h"
 #include "contact/solver.h"
+#include "contact/joints.h"
 #include "contact/rows.h"
 
 /* ---- step code [step code] ---- */
@@ -20,7 +21,7 @@ static rbd_status rbdi_contact_free(const rbd_model *m, rbd_contact_set *c, cons
     for (int k = 0; k < m->nv; ++k) {
         rbd_real *diagonal = &w->H[m->dof[k].row + m->dof[k].depth];
         rbd_real d = damping ? damping[k] : rbdi_zero();
-        if (c->options.joint_damping) d = d + m->dof[k].damping;
+        if (c->options.joint_damping) d = d + rbdi_joint_damping(m, k);
         *diagonal = *diagonal + c->dt * d;
         s->x[k] = c->dt * (tau[k] - w->bias[k] - d * c->start[k]);
     }
@@ -89,10 +90,7 @@ static void rbdi_keep_impulses(rbd_contact_set *c) {
 static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
     int finite = rbdi_all_finite(c->b, c->rows->rows);
-    for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact)
-        contact->rebounds = contact->row >= 0 && contact->restitution > 0 &&
-                            contact->approach < -RBD_C(c->options.bounce) &&
-                            c->rows->lambda[contact->row + 2] > 0;
+    rbdi_find_rebounds(c);
     for (int k = 0; k < m->nv; ++k) c->nu[k] = c->moved[k];
     c->differ = rbdi_write_biases(c, RBDI_FOR_VELOCITIES);
     if (c->differ) {
