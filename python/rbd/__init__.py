@@ -32,6 +32,7 @@ of bodies, coordinates and degrees of freedom, which stand in the order of the d
 """
 from __future__ import annotations
 
+import copy
 import ctypes
 import difflib
 import enum
@@ -153,7 +154,7 @@ class RbdError(Exception):
         self.results = results
 
     def __reduce__(self):
-        return RbdError, (self.status, str(self))
+        return RbdError, (self.status, str(self), self.results)
 
 
 class RbdWarning(UserWarning):
@@ -360,11 +361,18 @@ class Library:
 
     def status_string(self, status: int) -> str:
         """The library's sentence for a Status."""
-        text = self.call("status_string", _whole("status_string", "status", status), result=ctypes.c_char_p)
+        number = _int(_whole("status_string", "status", status))
+        text = self.call("status_string", number, result=ctypes.c_char_p)
         return _python_words(text.decode())
 
     def finding_text(self, finding: ctypes.Structure, function: str = "finding_text") -> str:
-        """The library's sentence for a rbd_finding: it names body (or constraint) and field."""
+        """The library's sentence for a rbd_finding: it names body (or constraint) and field. finding: the
+        ctypes structure; function: "finding_text", or "constraint_finding_text" of a set's."""
+        if not isinstance(finding, ctypes.Structure) or type(finding).__name__ != "rbd_finding":
+            raise TypeError(f"finding_text: finding must be a rbd_finding, not {type(finding).__name__}")
+        if function not in ("finding_text", "constraint_finding_text"):
+            raise ValueError("finding_text: function must be 'finding_text' or 'constraint_finding_text', "
+                             f"not {function!r}")
         text = ctypes.create_string_buffer(400)
         self.call(function, finding, text, ctypes.c_size_t(len(text)), result=ctypes.c_void_p)
         return _python_words(text.value.decode(errors="replace"))
@@ -643,6 +651,18 @@ def _finite(call, name, array, error=ValueError):
         if len(bad):
             where = ", ".join(map(str, bad[0]))
             raise error(f"{call}: {name}{f'[{where}]' if where else ''} is {array[tuple(bad[0])]}")
+
+
+def _utf8(text):
+    """A name as C's text. Bytes that are not UTF-8, as C may give them, are those that they were."""
+    if not isinstance(text, str):
+        raise TypeError(f"must be text, not {text!r}")
+    if "\0" in text:
+        raise ValueError(f"{text!r} has a NUL, where text of C ends")
+    try:
+        return text.encode("utf-8", "surrogateescape")
+    except UnicodeEncodeError:
+        raise ValueError(f"{text!r} is not text of Unicode") from None
 
 
 def _int(index):
@@ -1078,7 +1098,7 @@ def _to_c(values, row, where):
             array = _array(f"{where}, field '{member}'", "it", value)
         try:
             if kind is ctypes.c_char_p:
-                value = value.encode() if value is not None else None
+                value = _utf8(value) if value is not None else None
             elif issubclass(kind, ctypes.Array):
                 numbers = array.astype(float).reshape(-1)
                 if member in _PER_DOF and np.ndim(value) == 0:
@@ -1224,7 +1244,10 @@ def _texts(call, what, names):
     for name in names:
         if not isinstance(name, str):
             raise TypeError(f"{call}: {what} must be a name or a list of names, not {name!r}")
-    return [name.encode() for name in names]
+    try:
+        return [_utf8(name) for name in names]
+    except ValueError as error:
+        raise ValueError(f"{call}: {what}: {error}") from None
 
 
 def _urdf_options(call, *, floating: bool = False, root: str | None = None, root_joint: str | None = None,
@@ -1246,9 +1269,10 @@ def _urdf_options(call, *, floating: bool = False, root: str | None = None, root
     """
     names = {"root_link": root, "root_joint": root_joint}
     for name, value in names.items():
+        option = name.replace("_link", "")
         if value is not None and not isinstance(value, str):
-            raise TypeError(f"{call}: {name.replace('_link', '')} must be a name or None, not {value!r}")
-        names[name] = value if value is None else value.encode()
+            raise TypeError(f"{call}: {option} must be a name or None, not {value!r}")
+        names[name] = value if value is None else _texts(call, option, value)[0]
     flags = {"keep_all": keep_all, "lock_massless": lock_massless, "strict": strict, "messages": messages}
     flags = {name: _flag(call, name, value) for name, value in flags.items()}
     flags["show_messages"] = flags.pop("messages")
@@ -1403,7 +1427,7 @@ class Model(_Owner):
             file = isinstance(bodies, (str, os.PathLike))
             raise TypeError("Model: bodies must be a list of Body, or the result of load_urdf, not "
                             f"{type(bodies).__name__}" + "; Model.from_urdf takes the name of a file" * file)
-        self._setup(bodies, gravity, library or _default_library())
+        self._setup(bodies, gravity, _default_library() if library is None else library)
         if urdf and urdf.warnings:
             self.warnings = list(urdf.warnings)
         else:
@@ -1415,8 +1439,9 @@ class Model(_Owner):
             raise TypeError(f"library must be a Library, as Library('float'), not {library!r}")
         super().__init__(library, threading.RLock())
         self._batch_layout = layout
-        self.bodies = list(bodies)
-        self._rows = _rows(self.bodies)
+        bodies = list(bodies)
+        self._rows = _rows(bodies)
+        self.bodies = copy.deepcopy(bodies)  # the caller may change his, and copies are built of these
         self._build()
         self.nb, self.nq, self.nv = (self.library.call(n, self._address("model")) for n in ("nb", "nq", "nv"))
         self._dims = {"nb": self.nb, "nq": self.nq, "nv": self.nv, "nh": self.packed_size()}
@@ -1491,7 +1516,7 @@ class Model(_Owner):
         return _again(*self.__reduce__()[1])
 
     def __reduce__(self):
-        return _again, (self.bodies, self.get_gravity(), self.library, self._batch_layout)
+        return _again, (self.bodies, self.get_gravity(), self.library, self._batch_layout, self.warnings)
 
     def __repr__(self):
         return f"<rbd.Model of {self.nb} bodies, nq = {self.nq}, nv = {self.nv}, {self.library.real}>"
@@ -1841,14 +1866,17 @@ class Model(_Owner):
         """Index of a body by the name of its link or joint; a KeyError says which names there are."""
         if not isinstance(name, str):
             raise TypeError(f"{call}: a name must be text, not {name!r}")
-        index = self.library.call(function, self._address("model"), os.fsencode(name))
+        try:
+            index = self.library.call(function, self._address("model"), _utf8(name))
+        except ValueError:
+            index = -1  # no name of C
         if index >= 0:
             return index
         kind, names, others = "link", self.body_names, self.joint_names
         if function == "joint_index":
             kind, names, others = "joint", others, names
         where = others.index(name) if name in others else None
-        text = f"{call}: no {kind} is called '{name}'"
+        text = f"{call}: no {kind} is called " + (f"'{name}'" if name.isprintable() else repr(name))
         if where is not None and names[where]:
             other = {"link": "joint", "joint": "link"}[kind]
             text += f"; the {other} '{name}' belongs to {kind} '{names[where]}'"
@@ -1872,7 +1900,7 @@ class Model(_Owner):
     def _name(self, function, body):
         body = _int(_whole(function, "body", body))
         name = self.library.call(function, self._address("model"), body, result=ctypes.c_char_p)
-        return None if name is None else os.fsdecode(name)
+        return None if name is None else name.decode("utf-8", "surrogateescape")
 
     def body_name(self, body: int) -> str | None:
         """Name of a body's link; None if nameless or no such body."""
@@ -2079,10 +2107,11 @@ class Model(_Owner):
         return _print_c(self, name, source, built=False)
 
 
-def _again(bodies, gravity, library, layout):
+def _again(bodies, gravity, library, layout, warnings):
     """A Model that was built before, and has warned."""
     model = Model.__new__(Model)
     model._setup(bodies, gravity, library, layout)
+    model.warnings = list(warnings)
     return model
 
 
@@ -2091,7 +2120,7 @@ def _again(bodies, gravity, library, layout):
 def _pairs(model, rows, kind, what):
     """Constraints or contacts as a list, and as an array of the C struct."""
     word = kind.__name__.lower()
-    if isinstance(rows, kind) or not hasattr(rows, "__iter__"):
+    if isinstance(rows, (kind, str, bytes, dict)) or not hasattr(rows, "__iter__"):
         raise TypeError(f"{what} must be a list of {kind.__name__}, not {type(rows).__name__}")
     rows = list(rows)
     array = (structure(f"rbd_{word}") * len(rows))()
@@ -2102,7 +2131,7 @@ def _pairs(model, rows, kind, what):
         bodies = {side: model._body(getattr(row, side), f"{where}, field '{side}'", world=True)
                   for side in ("body1", "body2")}
         _to_c(replace(row, **bodies), array[number], where)
-    return rows, array
+    return copy.deepcopy(rows), array  # the caller may change his, and copies are made of these
 
 
 class ConstraintSet(_Owner):
@@ -2228,7 +2257,8 @@ class ContactSet(_Owner):
         q, v = feet.step(q, v, tau, dt=1e-3)
 
     docs/contact_step.md says what it promises. The set keeps the impulses of the last step, with which the
-    next one begins. It computes in the Model's memory: after a call `kinematics` must be called anew."""
+    next one begins; a copied or pickled set has its planes, and begins as after `reset`. It computes in the
+    Model's memory: after a call `kinematics` must be called anew."""
     model: Model
     list: Sequence[Contact]
     held: Sequence[Constraint]
@@ -2242,9 +2272,11 @@ class ContactSet(_Owner):
         self.model, self.nv, self._dims = model, model.nv, model._dims
         self.list, self._rows = _pairs(model, rows, Contact, "contacts: rows")
         self.held, self._held = _pairs(model, held, Constraint, "contacts: held")
-        self.options = ContactOptions() if options is None else options
-        if not isinstance(self.options, ContactOptions):
+        options = ContactOptions() if options is None else options
+        if not isinstance(options, ContactOptions):
             raise TypeError(f"contacts: options must be ContactOptions, not {type(options).__name__}")
+        self.options = replace(options)
+        self._planes = {}  # those that plane() set: normal and height, by number of the contact
         self._options = structure("rbd_contact_options")()
         _to_c(self.options, self._options, "options")
         self._address("contact_set")
@@ -2271,7 +2303,11 @@ class ContactSet(_Owner):
         return super()._address(kind) if kind == "contact_set" else self.model._address(kind)
 
     def __reduce__(self):
-        return ContactSet, (self.model, list(self.list), list(self.held), self.options)
+        return ContactSet, (self.model, list(self.list), list(self.held), self.options), self._planes
+
+    def __setstate__(self, planes):
+        for contact, (normal, height) in planes.items():
+            self.plane(contact, normal, height)
 
     def _layout(self):
         return self.model._layout()
@@ -2318,11 +2354,14 @@ class ContactSet(_Owner):
             height    along the unit normal, m
         """
         number = self._contact("plane", contact)
-        normal = _numbers("plane", "normal", normal, (3,))
-        height = ctypes.c_double(_number("plane", "height", height))
+        normal = _numbers("plane", "normal", normal, (3,)).copy()
+        height = _number("plane", "height", height)
         with self._lock:
-            self.library.call("contact_plane", self._address("model"), self._address("contact_set"), number,
-                              normal, height)
+            status = self.library.call("contact_plane", self._address("model"), self._address("contact_set"),
+                                       number, normal, ctypes.c_double(height))
+            if status:
+                raise self._error("plane", status)
+            self._planes[number] = normal, height
 
     def reset(self) -> None:
         """Forgets the last impulses, with which a step begins: after a jump of the state."""

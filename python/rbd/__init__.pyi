@@ -266,7 +266,8 @@ class ContactSet:
         q, v = feet.step(q, v, tau, dt=1e-3)
 
     docs/contact_step.md says what it promises. The set keeps the impulses of the last step, with which the
-    next one begins. It computes in the Model's memory: after a call `kinematics` must be called anew."""
+    next one begins; a copied or pickled set has its planes, and begins as after `reset`. It computes in the
+    Model's memory: after a call `kinematics` must be called anew."""
     model: Model
     list: Sequence[Contact]
     held: Sequence[Constraint]
@@ -439,7 +440,8 @@ class Library:
         """The library's sentence for a Status."""
 
     def finding_text(self, finding: ctypes.Structure, function: str = 'finding_text') -> str:
-        """The library's sentence for a rbd_finding: it names body (or constraint) and field."""
+        """The library's sentence for a rbd_finding: it names body (or constraint) and field. finding: the
+        ctypes structure; function: "finding_text", or "constraint_finding_text" of a set's."""
 
     def check_parameters(self, pi: ArrayLike) -> None:
         """Raises RbdError if no body can have these ten inertial parameters: negative mass, a centre of mass

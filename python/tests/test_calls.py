@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: MIT
 """What is wrapped, what is refused and how, memory, threads and processes."""
+import copy
 import ctypes
 import inspect
+import math
 import multiprocessing
 import os
 import pickle
@@ -244,6 +246,20 @@ WRONG = [
     (lambda m: m.library.spatial.placement_inverse(5), TypeError, "x must be a pair"),
     (lambda m: m.constraint_set([rbd.Constraint(body1=1, axes=[0.5] * 6)]), ValueError, "'axes': .* whole"),
     (lambda m: m.ball_loop(0, (0, 0), 1, (0, 0, 0)), ValueError, "ball_loop: point1 must have the shape"),
+    (lambda m: m.library.finding_text(7), TypeError, "finding must be a rbd_finding, not int"),
+    (lambda m: m.library.finding_text(np.ones(5)), TypeError, "finding must be a rbd_finding, not ndarray"),
+    (lambda m: m.library.finding_text(None), TypeError, "finding must be a rbd_finding, not NoneType"),
+    (lambda m: m.library.finding_text(rbd.structure("rbd_body")()), TypeError, "not rbd_body"),
+    (lambda m: m.library.finding_text(rbd.structure("rbd_finding")(), "aba"), ValueError, "not 'aba'"),
+    (lambda m: rbd.Model(m.bodies, library=""), TypeError, "library must be a Library, as .*, not ''"),
+    (lambda m: m.constraint_set(""), TypeError, "rows must be a list of Constraint, not str"),
+    (lambda m: rbd.Model([rbd.Body("rod\0", type="floating", mass=1)]), ValueError, "'name': 'rod.x00' has a NUL"),
+    (lambda m: rbd.Model([rbd.Body("\ud800", type="floating", mass=1)]), ValueError, "'name': .* is not text"),
+    (lambda m: rbd.Model([rbd.Body(5, type="floating", mass=1)]), TypeError, "'name': must be text, not 5"),
+    (lambda m: m.body_index(m.body_names[0] + "\0"), KeyError, "no link is called .*x00"),
+    (lambda m: m.body_pose("\ud800"), KeyError, "no link is called .*ud800"),
+    (lambda m: rbd.parse_urdf(URDF.format(mass=1), keep="rod\0"), ValueError, "parse_urdf: keep: .* has a NUL"),
+    (lambda m: rbd.parse_urdf(URDF.format(mass=1), root="\ud800"), ValueError, "parse_urdf: root: .* is not text"),
 ]
 
 
@@ -708,8 +724,43 @@ def test_warnings_come_once_and_at_the_callers_line(double, tmp_path):
             model.copy(), pickle.loads(pickle.dumps(model))
         assert [w.category for w in caught] == [rbd.RbdWarning] and caught[0].filename == __file__
         assert model.warnings == [str(caught[0].message)] and "inertia" in model.warnings[0]
+        assert pickle.loads(pickle.dumps(model)).warnings == model.copy().warnings == model.warnings
         urdf = "body" not in model.warnings[0]
         assert not urdf or re.match(r".*:\d+: link 'rod'", model.warnings[0])
+
+
+def test_copies_are_of_what_was_built(double):
+    """Not of rows that the caller has changed since, in place or otherwise."""
+    com = np.array([0.0, 0.0, -0.5])
+    row = rbd.Body("rod", "hinge", -1, "revolute", (0, 1, 0), mass=2, com=com, inertia=(1, 0, 0, 1, 0, 1))
+    hold = rbd.Constraint("pin", "rod", axes=[0, 1, 0, 0, 0, 0])
+    model = rbd.Model([row], library=double)
+    held = model.constraint_set([hold])
+    row.mass, com[2], hold.axes[1], hold.axes[0] = 5, -3, 0, 1
+    for other in model.copy(), copy.copy(model), copy.deepcopy(model), pickle.loads(pickle.dumps(model)):
+        assert other.mass() == 2 and abs(abs(other.gravity_torque([math.pi / 2])[0]) - 9.81) < 1e-12
+    for other in held, copy.copy(held), copy.deepcopy(held), pickle.loads(pickle.dumps(held)):
+        assert np.abs(np.abs(other.constraint_jacobian([0.3]).J) - 1).max() < 1e-12
+
+
+def test_errors_are_pickled_whole(double):
+    """With the results that are valid all the same."""
+    gimbals = [rbd.Body("a", "outer", -1, "revolute", (1, 0, 0)), rbd.Body("b", "middle", 0, "revolute", (0, 1, 0)),
+               rbd.Body("c", "inner", 1, "revolute", (1, 0, 0), mass=1, inertia=(1, 0, 0, 1, 0, 1))]
+    model = rbd.Model(gimbals, library=double)
+    states = np.array([[0, 1, 0], [0, 0, 0]], float)
+    with pytest.raises(rbd.RbdError) as caught:
+        model.fd_derivatives(states, 0 * states, np.ones(3))
+    for other in copy.copy(caught.value), pickle.loads(pickle.dumps(caught.value)):
+        assert other.status == rbd.Status.ERR_SINGULAR and str(other) == str(caught.value)
+        assert type(other.results) is type(caught.value.results)
+        np.testing.assert_allclose(other.results.a[0], model.aba(states[0], np.zeros(3), np.ones(3)), rtol=1e-12)
+
+
+def test_a_status_may_be_any_whole_number(double):
+    for number in 10**30, -10**30, 2**31, 7:
+        assert double.status_string(number) == double.status_string(-10**6)
+    assert double.status_string(rbd.Status.ERR_SINGULAR) != double.status_string(7)
 
 
 def test_c_tables_are_those_of_rbd_model(hyq):

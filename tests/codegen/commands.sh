@@ -267,8 +267,8 @@ for options in "" "--scalar float --lanes 4" "--bounded-angles --lanes 2" "--sca
     ${CC:-cc} -O2 -w -march=native -DSAME_SELFTEST -DSAME_SELFTEST_MAIN -o test same_code.c -lm && ./test >out || fail "other bits: $options"
     [ "$(grep -c ' largest error 0.0e+00, 0.0e+00 allowed: right$' out)" -eq 2 ] || { fail "not to the bit: $options"; cat out; }
 done
-for option in -ffast-math -mfpmath=387; do
-    [ $option = -ffast-math ] || [ "$(echo __FLT_EVAL_METHOD__ | ${CC:-cc} $option -E -P - 2>/dev/null)" = 2 ] || continue
+for option in -ffast-math -ffinite-math-only -mfpmath=387; do
+    [ $option != -mfpmath=387 ] || [ "$(echo __FLT_EVAL_METHOD__ | ${CC:-cc} $option -E -P - 2>/dev/null)" = 2 ] || continue
     ${CC:-cc} $option -fsyntax-only same_code.c 2>out && fail "$option is taken"
     grep -q '#error' out || { fail "$option is not refused by name"; cat out; }
 done
