@@ -96,6 +96,7 @@ RBDI_CODE_BEGIN
 #include "contact/solver.h"
 #include "contact/set.h"
 #include "contact/rows.h"
+#include "contact/reduction.h"
 #include "contact/step.h"
 
 RBDI_CODE_END

@@ -4,6 +4,7 @@
 #include "constraints/calls.h"
 #include "contact/solver.h"
 #include "contact/rows.h"
+#include "contact/reduction.h"
 
 /* ---- step code [step code] ---- */
 
