@@ -5,6 +5,7 @@
 #include "contact/solver.h"
 #include "contact/joints.h"
 #include "contact/rows.h"
+#include "contact/reduction.h"
 
 /* ---- step code [step code] ---- */
 
