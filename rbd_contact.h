@@ -273,6 +273,8 @@ RBDI_EXTERN_C_END
 #undef G
 #pragma push_macro("H")
 #undef H
+#pragma push_macro("L")
+#undef L
 #pragma push_macro("M")
 #undef M
 #pragma push_macro("R")
@@ -1615,6 +1617,35 @@ static int rbdi_write_biases(rbd_contact_set *c, int purpose) {
     return changed;
 }
 
+/* ==== src/contact/reduction.h ==== */
+/* ---- reduction [reduction] ----
+   The steps from the rows to Delta lambda = b, and from lambda to x, by the factor M = L'DL. */
+
+/* Y = L^-T Y, b = target - Y' D^-1 x, and the squares of b's terms. Batches may reach beyond a dof's span:
+   entries there are 0. */
+static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
+    rbdi_solve_up(m, c->w, L, c->stride, c->rows, c->Y);
+    for (int r = 0; r < c->rows; r += RBDI_BATCH) {
+        const rbdi_batch b = *(const rbdi_batch *)&c->target[r];
+        *(rbdi_batch *)&c->b[r] = b, *(rbdi_batch *)&c->slack[r] = b * b;
+    }
+    for (int k = 0; k < m->nv; ++k) {
+        const rbd_real z = c->x[k] * c->D_inverse[k];
+        for (int r = c->span[k].first; r < c->span[k].end; r += RBDI_BATCH) {
+            const rbdi_batch term = *(const rbdi_batch *)&c->Y[k * c->stride + r] * z;
+            rbdi_batch *b = (rbdi_batch *)&c->b[r], *squares = (rbdi_batch *)&c->slack[r];
+            *b = *b - term;
+            *squares = *squares + term * term;
+        }
+    }
+}
+
+/* x = L^-1 D^-1 (x + Y lambda). */
+static void rbdi_sweep_down(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
+    for (int k = 0; k < m->nv; ++k) c->x[k] = c->x[k] + rbdi_y_lambda(c, c->lambda, k);
+    rbdi_solve_down(m, c->w, L, 1, 1, 1, c->x);
+}
+
 /* ==== src/contact/step.h ==== */
 /* ---- step code [step code] ---- */
 
@@ -1957,6 +1988,7 @@ RBDI_CODE_END
 #pragma pop_macro("E")
 #pragma pop_macro("G")
 #pragma pop_macro("H")
+#pragma pop_macro("L")
 #pragma pop_macro("M")
 #pragma pop_macro("R")
 #pragma pop_macro("S")

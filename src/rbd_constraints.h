@@ -21,7 +21,7 @@
      --- stop here if you only use it ---
      [layout]
      [design] [tolerances] [kinematics] [rows] [factor] [rank] [solution]
-     [articulated]
+     [refinement] [articulated]
      [call code] [weights] [assembly] [set code] [derivatives code]
 
    [conventions] Beyond those of rbd.h:
@@ -128,6 +128,7 @@ RBDI_CODE_BEGIN
 #include "constraints/factor.h"
 #include "constraints/rank.h"
 #include "constraints/solution.h"
+#include "constraints/refinement.h"
 #include "constraints/articulated.h"
 #include "constraints/calls.h"
 #include "constraints/weights.h"
