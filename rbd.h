@@ -6158,7 +6158,7 @@ static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close) {
     if (rbdi_w_abs(*c) <= close) *s = *s > 0 ? 1 : -1, *c = 0;
 }
 
-/* Sine and cosine of an angle of at most 45 degrees: sums of their series, which give the same bits
+/* Sine and cosine of an angle of at most 90 degrees, to 1e-29: sums of their series, which give the same bits
    everywhere. */
 static void rbdi_w_series(rbdi_wide x, rbdi_wide *sine, rbdi_wide *cosine) {
     const rbdi_wide x2 = x * x;
@@ -7184,8 +7184,8 @@ RBDI_API rbd_status rbd_add_payload(void *memory, int body, double mass, const d
 /* ==== src/model/lock.h ==== */
 /* -- joints held still -- */
 
-/* Sine and cosine of an angle of any size, as if it were rounded once more: of |x| = quarters right angles +
-   rest the rest is found by long division, without a rounding but that of the right angle. */
+/* Sine and cosine of an angle of any size. Long division by the right angle gives the number of right angles
+   and the rest. Only the right angle is rounded, so the error is at most that of one more rounding of x. */
 static void rbdi_w_sincos(rbdi_wide x, rbdi_wide *s, rbdi_wide *c) {
     const rbdi_wide right_angle = RBDI_PI(rbdi_wide) / 2;
     rbdi_wide rest = rbdi_w_abs(x), part = right_angle, sine, cosine;
@@ -7196,10 +7196,6 @@ static void rbdi_w_sincos(rbdi_wide x, rbdi_wide *s, rbdi_wide *c) {
         quarters = 2 * quarters & 3;
         if (rest < part) continue;
         rest -= part;
-        ++quarters;
-    }
-    if (rest > right_angle / 2) {
-        rest -= right_angle;
         ++quarters;
     }
 
@@ -7245,7 +7241,7 @@ static void rbdi_w_quaternion(const double *q, rbdi_wide E[9]) {
     rbdi_w_turn(u, u[3] * u[3] - length * length, 2 * u[3] * length, E);
 }
 
-/* What the coordinates q of a joint do: the pose of its link at q in the link's frame at q = 0. */
+/* Motion of a link by its joint: its pose at q in its frame at q = 0. */
 static rbdi_wide_pose rbdi_axis_motion_at(const rbdi_build_link *l, const double *q) {
     rbdi_wide_pose X;
     rbdi_wide u[2], c, s;
