@@ -882,6 +882,27 @@ static void refuse(const robot *r, rbd_contact a, const rbd_contact_options *o, 
     ck_assert_int_eq(report.error.body, o ? -1 : 0);
 }
 
+/* A heavy lift stands on a tip that light slides carry: its 1/mass is small beside theirs, but no rounding. */
+START_TEST(heavy_lift_on_light_slides_stands) {
+    for (int k = 0; k <= 18; k += 3) {
+        const double light = 1000 * pow(10, -k);
+        const rbd_body bodies[3] = {{.parent = -1, .type = RBD_PRISMATIC, .axis = {0, 0, 1}, .mass = 1000},
+                                    {.parent = 0, .type = RBD_PRISMATIC, .axis = {1, 0, 0}, .mass = light},
+                                    {.parent = 1, .type = RBD_PRISMATIC, .axis = {0, 1, 0}, .mass = light}};
+        scene s;
+        double force[3];
+        open_scene(&s, "lift", bodies, 3, 1e-3);
+        add_contact(&s, 2, -1, 0, 0, 0);
+        begin_scene(&s);
+        run(&s, 0.1);
+        ck_assert_int_eq(rbd_contact_get(s.c, 0, NULL, force), RBD_STICKS);
+        ck_assert_double_eq_tol(force[2], (1000 + 2 * light) * 9.81, 1e-4);
+        ck_assert_double_eq_tol(s.q[0], 0, 1e-9);
+        close_scene(&s);
+    }
+}
+END_TEST
+
 /* A box between two floors that close in on it: each of the step's two solutions keeps to the iterations. */
 START_TEST(iterations_have_their_bound) {
     for (int most = 1; most < 50; most += most) {
@@ -1187,6 +1208,7 @@ Suite *contact_step_suite(void) {
     tcase_add_test(c, planes_may_change);
     tcase_add_test(c, odd_sets_of_contacts);
     tcase_add_test(c, same_bits_on_each_run);
+    tcase_add_test(c, heavy_lift_on_light_slides_stands);
     tcase_add_test(c, iterations_have_their_bound);
     tcase_add_test(c, bad_sets_are_refused_by_name);
     tcase_add_test(c, contacts_without_body2_are_refused);
