@@ -418,11 +418,14 @@ RBDI_CODE_BEGIN
 /* ==== src/contact/tolerances.h ==== */
 /* ---- tolerances [tolerances] ---- */
 
-/* RBDI_UNMOVED: an entry of a block below this share of its trace is rounding: no impulse moves it.
+/* RBDI_UNMOVED: a tangent below this share of its block's trace is rounding: no impulse moves it. A normal
+   is a sum of squares: its rounding is below the square of the share.
    RBDI_PROXIMAL: share of the trace that Newton steps add to the diagonal, [newton].
    RBDI_LEAST_SIZE: squares of smaller impulses (N s) are near the smallest number, or below it.
+   RBDI_SCALE_SPREAD: the scale of RBDI_PROXIMAL is at most so many times the diagonal's entry, of a normal.
    RBDI_SIDES_PROXIMAL: the same for derivatives, whose relative error is that times the condition of G. */
 #define RBDI_UNMOVED (16 * RBDI_EPS)
+#define RBDI_SCALE_SPREAD RBD_C(1e4)
 #define RBDI_SIDES_PROXIMAL (512 * RBDI_EPS)
 #if RBDI_KIND(RBD_CONST) == 2
 #define RBDI_PROXIMAL {1e-4f, 1e-3f, 1e-2f}
@@ -484,7 +487,7 @@ RBDI_PART void rbdi_contact_prepare(rbdi_contact_law *law, const rbd_real *D, in
     law->A[0] = D[0] + trace * RBDI_UNMOVED, law->A[1] = D[1], law->A[2] = y[1] + trace * RBDI_UNMOVED;
     law->c[0] = n[0], law->c[1] = n[1], law->d = n[2];
     law->alpha = law->e[0] = law->e[1] = rbdi_zero();
-    law->state = law->d > trace * RBDI_UNMOVED ? RBD_OPENS : RBD_APART;
+    law->state = law->d > trace * (RBDI_UNMOVED * RBDI_UNMOVED) ? RBD_OPENS : RBD_APART;
     if (law->state != RBD_APART) rbdi_contact_axes(law);
 }
 
@@ -746,6 +749,13 @@ RBDI_INLINE rbdi_contact_unknown *rbdi_new_unknown(rbdi_contact_solver *s, int f
     return x;
 }
 
+/* The scale of a normal: that of the contact, unless its d is far smaller, as under a heavy body on light
+   slides, and `proximal` of it would stop the normal. */
+RBDI_INLINE rbd_real rbdi_normal_scale(const rbdi_contact_law *law) {
+    const rbd_real most = law->d * RBDI_SCALE_SPREAD;
+    return most < law->trace ? most : law->trace;
+}
+
 /* Lists the unknowns (2). The right-hand sides follow G's columns; rows end with a whole batch. */
 RBDI_PART void rbdi_list_unknowns(rbdi_contact_solver *s) {
     s->symmetric = 1, s->unknowns = 0;
@@ -753,10 +763,10 @@ RBDI_PART void rbdi_list_unknowns(rbdi_contact_solver *s) {
         const rbdi_contact_law *law = &s->law[i];
         rbdi_contact_unknown *x;
         for (int j = 0; j < 3 && law->state == RBD_STICKS; ++j)
-            (void)rbdi_new_unknown(s, 3 * i + j, 1, law->trace);
+            (void)rbdi_new_unknown(s, 3 * i + j, 1, j < 2 ? law->trace : rbdi_normal_scale(law));
         if (law->state != RBD_SLIPS) continue;
         s->symmetric = 0;
-        x = rbdi_new_unknown(s, 3 * i, 3, law->trace);
+        x = rbdi_new_unknown(s, 3 * i, 3, rbdi_normal_scale(law));
         x->column[0] = law->friction * law->e[0], x->column[1] = law->friction * law->e[1];
         x->row[0] = rbdi_zero(), x->column[2] = x->row[2] = rbdi_set(RBD_C(1));
         if (!(law->friction > 0)) continue;
