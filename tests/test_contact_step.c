@@ -882,7 +882,7 @@ static void refuse(const robot *r, rbd_contact a, const rbd_contact_options *o, 
     ck_assert_int_eq(report.error.body, o ? -1 : 0);
 }
 
-/* A heavy lift stands on a tip that light slides carry: its 1/mass is small beside theirs, but no rounding. */
+/* A heavy lift stands on a tip that light slides carry: its 1/mass is small beside theirs, not rounding. */
 START_TEST(heavy_lift_on_light_slides_stands) {
     for (int k = 0; k <= 18; k += 3) {
         const double light = 1000 * pow(10, -k);
