@@ -435,7 +435,7 @@ typedef enum rbd_status {
     RBD_ERR_LIMITS = -22,     /* not finite, or a negative velocity or effort limit */
     RBD_ERR_MIMIC = -23,      /* not a one-dof joint, what it follows is missing or follows too, or ratio 0 */
     RBD_ERR_WORK = -24,       /* the work, or batch, is of another model; the set, of another work */
-    RBD_ERR_NAN = -25,        /* NaN where accelerations are solved for: q has one, or something overflowed */
+    RBD_ERR_NAN = -25,        /* NaN in q (rbd_singular_dof says where), v, a force or a gap; or overflow */
     RBD_ERR_RANGE = -26,      /* a gain, weight, restitution, friction, dt, option or q is out of range */
     RBD_ERR_INFEASIBLE = -27, /* constraints contradict each other */
     RBD_ERR_LEFT_OUT = -28,   /* the model needs code that RBD_FEATURES or RBD_NO_CHOLESKY leave out */
@@ -546,7 +546,8 @@ RBDI_API rbd_status rbd_get_gravity(const rbd_work *w, rbd_const gravity[3]);
 /* Returns, after RBD_ERR_SINGULAR or RBD_ERR_NAN, the degree of freedom (index into v) whose pivot is not
    above its rounding, or not a number; of several the last. After RBD_ERR_NAN the cause is q of a joint
    that this dof moves, or of its own joint if that has several dofs, or an overflow there. -1 after a call
-   that factors M and finds it regular; other calls do not change it. With lanes: of all states together. */
+   that factors M and finds it regular: then RBD_ERR_NAN of rbd_contact_step came from v, tau, f_ext, damping or
+   a gap. Other calls do not change it. With lanes: of all states together. */
 RBDI_API int rbd_singular_dof(const rbd_work *w);
 
 /* ==== src/api/dynamics.h ==== */
@@ -5800,7 +5801,7 @@ RBDI_MESSAGES RBDI_API const char *rbd_status_string(rbd_status status) {
         return "ratio 0 or not finite, offset not finite, not a one-dof joint, or it follows a joint that is "
                "missing or mimics too";
     case RBD_ERR_WORK: return "made for another model or another work";
-    case RBD_ERR_NAN: return "NaN where accelerations are solved for: q has one, or something overflowed";
+    case RBD_ERR_NAN: return "NaN in q (rbd_singular_dof says where), v, a force or a gap; or overflow";
     case RBD_ERR_RANGE: return "negative, not finite or out of range";
     case RBD_ERR_INFEASIBLE: return "the constraints contradict each other";
     case RBD_ERR_ARITHMETIC:

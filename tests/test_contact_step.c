@@ -1126,6 +1126,10 @@ START_TEST(overflow_is_an_error) {
     ck_assert_int_eq(rbd_contact_fd(s.r.m, s.c, s.q, s.v, s.tau, NULL, NULL, s.h, &a), RBD_ERR_NAN);
     ck_assert_double_eq(a, 0);
     ck_assert_int_eq(rbd_contact_fd(s.r.m, s.c, s.q, s.v, s.tau, NULL, NULL, 1e-31, &a), RBD_ERR_RANGE);
+    s.tau[0] = NAN; /* says that it is not q */
+    ck_assert_int_eq(rbd_contact_step(s.r.m, s.c, s.q, s.v, s.tau, NULL, NULL, s.h, s.q, s.v), RBD_ERR_NAN);
+    ck_assert_int_eq(rbd_singular_dof(s.r.w), -1);
+    ck_assert_ptr_nonnull(strstr(rbd_status_string(RBD_ERR_NAN), "a force"));
     s.tau[0] = 0; /* not fast, but it would turn by 1e19 rad */
     ck_assert_int_eq(rbd_contact_fd(s.r.m, s.c, s.q, s.v, s.tau, NULL, NULL, 1e9, &a), RBD_ERR_NAN);
     close_scene(&s);
