@@ -1394,7 +1394,7 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
     }
     rbdi_multipliers(m, c, w->H, !restitution); /* an impact's targets, J v, are in the range of J */
     for (int k = 0; k < m->nv; ++k) x[k] = c->x[k];
-    return rbdi_status_of(m, w, doubt, x, m->nv);
+    return rbdi_factor_status(m, w, w->H, doubt, x, m->nv);
 }
 
 /* Computes x and lambda by articulated bodies or, if these are in doubt, by the factor of M. Returns the
