@@ -31,8 +31,8 @@ std::string contract(const program &p, const target &t) {
                       nv + ".") +
              " There call rbd.h, which decides.\n";
     if (p.f.rows_held > 0 && M)
-        s += "   Digits: rows are not refined, as rbd.h does where a constraint holds a link of tiny "
-             "inertia.\n";
+        s += "   Digits: where a constraint holds a link of tiny inertia, rbd.h refines the rows, and this "
+             "does not.\n";
     s += std::string("   Not checked: ") + (p.f.stances > 0 ? "the stance, " : "") +
          "pointers, lengths, overlap; that " + (refuses ? "other " : "") +
          "input is finite: what depends on NaN is NaN";
