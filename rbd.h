@@ -101,14 +101,14 @@
      No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant: calls change the caller's
      rbd_work and outputs only. Only rbd_add_payload writes to the model, which may be const data in flash.
      Finite input gives finite output, as long as nothing overflows: a singular system is an error that names
-     the degree of freedom. Each call decides by its own pivots whether a system is singular. All refuse one whose
-     M is singular but for rounding. Near one they may differ: the armature that makes such a joint sound is for
-     rbd_aba up to 70 times that of the calls by the factor, or any part of it; where rbd_aba computes and they
-     refuse, M has lost its digits, as of float chains of 100 rods. Input is not searched for NaN: one that reaches the mass matrix is RBD_ERR_NAN in
-     forward dynamics, one in a gap or limit in rbd_contact_step; any other reaches all results that depend
-     on it, with RBD_OK. From libm only sqrt; sin and cos for __float128 and classes, and with excess
-     precision (x87). The same input gives the same bits on every call of one build; between builds,
-     contraction to FMA and the order of sums change last bits.
+     the degree of freedom. Each call decides by its own pivots whether a system is singular. All refuse one
+     whose M is singular but for rounding. Near one they may differ: the armature that makes such a joint
+     sound is for rbd_aba up to 70 times that of the calls by the factor, or any part of it; where rbd_aba
+     computes and they refuse, M has lost its digits, as of float chains of 100 rods. Input is not searched
+     for NaN: one that reaches the mass matrix is RBD_ERR_NAN in forward dynamics, one in a gap or limit in
+     rbd_contact_step; any other reaches all results that depend on it, with RBD_OK. From libm only sqrt; sin
+     and cos for __float128 and classes, and with excess precision (x87). The same input gives the same bits
+     on every call of one build; between builds, contraction to FMA and the order of sums change last bits.
      With RBD_REPRODUCIBLE every call gives the same bits in double, and in float, on every machine that
      rounds to nearest as IEEE 754 does and keeps denormals, whatever the compiler, its -O and its SIMD unit.
      Sums have one order, and sine is rbd's own. Compile without -ffast-math and its parts, and with clang
@@ -560,9 +560,9 @@ RBDI_API int rbd_singular_dof(const rbd_work *w);
    friction. Errors: RBD_ERR_NULL, RBD_ERR_WORK, and RBD_ERR_SINGULAR where said; there RBD_ERR_NAN too, and
    after either all results are 0.
 
-   M is singular if one of its pivots is not above the rounding of the description and of the call's own terms:
-   [guarantees]. A pivot below 1e-7 (float: 1e-3) of the largest inertia that its joint can move is in doubt. Then
-   the call bounds its rounding to decide: rbd_aba takes up to six times as long. */
+   M is singular if one of its pivots is not above the rounding of the description and of the call's own
+   terms: [guarantees]. A pivot below 1e-7 (float: 1e-3) of the largest inertia that its joint can move is in
+   doubt. Then the call bounds its rounding to decide: rbd_aba takes up to six times as long. */
 
 /* Inverse dynamics tau = M(q) a + c(q, v) - sum J' f_ext. Recursive Newton-Euler, RBDA table 5.1. */
 RBDI_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
@@ -1381,14 +1381,16 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #endif
 #define RBDI_GCC (RBDI_GNU && !RBDI_CLANG)
 
-/* GCC has no macro for -fsingle-precision-constant, which rounds constants to float. It does no harm to float. */
+/* GCC has no macro for -fsingle-precision-constant, which rounds constants to float. It does no harm to
+   float. */
 #if RBDI_REAL_KIND != 2
 typedef char rbd_needs_no_fsingle_precision_constant[sizeof 1.0 == sizeof(double) ? 1 : -1];
 #endif
 
-/* rbdi_require_ieee() does not compile where sums are reassociated, or NaN or infinity has no meaning. clang has no
-   macro for most of this, and GCC's pragmas set none in C++. A compiler that optimises then knows beforehand what
-   (x + 1) - x is, that x <= x, or that x is not infinite. One that does not optimise changes nothing. */
+/* rbdi_require_ieee() does not compile where sums are reassociated, or NaN or infinity has no meaning. clang
+   has no macro for most of this, and GCC's pragmas set none in C++. A compiler that optimises then knows
+   beforehand what (x + 1) - x is, that x <= x, or that x is not infinite. One that does not optimise changes
+   nothing. */
 #if RBDI_GNU && defined __OPTIMIZE__ && defined __has_attribute
 #if __has_attribute(error)
 #define RBDI_SHOWS_OPTIONS 1
@@ -1560,18 +1562,20 @@ RBDI_CODE_BEGIN
    roundings, because a pivot is a sum of many terms. The largest pivot that was rounding in 20,000 singular
    models had 15 of rbd_aba and 4.3 of the factor (tests/one_word.c). [pivots] derives the rest.
 
-   An exact pivot can be rounding too: an axis that should go through a mass m misses it by L eps, L the distance to
-   the frame that it is described in, and the pivot is m (L eps)^2. dof.scale has RBDI_ROD m L^2 in it. With
-   RBDI_ROD = 16 eps / RBDI_DOUBT a pivot up to 16 eps m L^2 is in doubt, and one up to RBDI_NOISE RBDI_SHARE
-   RBDI_ROD m L^2 is singular: 2.5e-26 m L^2, far above the 5e-32 m L^2 of a rounding, and far below any real
-   robot, whose radius of gyration would be 2e-13 L. In float 1e-21 m L^2, for descriptions are double. The factor
-   has a quarter in place of RBDI_SHARE.
+   An exact pivot can be rounding too: an axis that should go through a mass m misses it by L eps, L the
+   distance to the frame that it is described in, and the pivot is m (L eps)^2. dof.scale has RBDI_ROD m L^2
+   in it. With RBDI_ROD = 16 eps / RBDI_DOUBT a pivot up to 16 eps m L^2 is in doubt, and one up to RBDI_NOISE
+   RBDI_SHARE RBDI_ROD m L^2 is singular: 2.5e-26 m L^2, far above the 5e-32 m L^2 of a rounding, and far
+   below any real robot, whose radius of gyration would be 2e-13 L. In float 1e-21 m L^2, for descriptions are
+   double. The factor has a quarter in place of RBDI_SHARE.
 
-   RBDI_SHARE: of dof.scale in rbd_aba's e. A chain of n rods has a dof.scale of n^3/3 rods: with a much larger
-   share float chains of 200 rods are refused, with a much smaller one the rounding of a description passes.
-   RBDI_TURN: a change of frame rounds by this share of RBDI_NOISE, a third of eps. It compounds along a chain: a
-   larger one refuses float chains of 200 rods.
-   RBDI_FAR: a joint that has slid by more than 4 times the size of what it moves is a doubt, see rbdi_slid_far. */
+   RBDI_SHARE: of dof.scale in rbd_aba's e. A chain of n rods has a dof.scale of n^3/3 rods: with a much
+   larger share float chains of 200 rods are refused, with a much smaller one the rounding of a description
+   passes.
+   RBDI_TURN: a change of frame rounds by this share of RBDI_NOISE, a third of eps. It compounds along a
+   chain: a larger one refuses float chains of 200 rods.
+   RBDI_FAR: a joint that has slid by more than 4 times the size of what it moves is a doubt, see
+   rbdi_slid_far. */
 
 #if RBDI_KIND(RBD_CONST) == 1
 #define RBDI_EPS 2.220446049250313e-16
@@ -3928,8 +3932,8 @@ RBDI_INLINE int rbdi_turns_first(const rbd_model *m, int i) {
     return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->first < 3 : l->rho > 0;
 }
 
-/* Whether a joint has slid so far that dof.scale of the turning joint before it, taken at q = 0, is no bound: the
-   slide squared times the mass that slides is above RBDI_FAR times that. */
+/* Whether a joint has slid so far that dof.scale of the turning joint before it, taken at q = 0, is no bound:
+   the slide squared times the mass that slides is above RBDI_FAR times that. */
 RBDI_PART rbdi_mask rbdi_slid_far(const rbd_model *m, const rbd_work *w) {
     rbdi_mask far = rbdi_less(rbdi_zero(), rbdi_zero());
     if (!(RBDI_FEATURES & m->features & (RBDI_SLIDES | RBDI_OTHER_BLOCKS))) return far;
@@ -4413,31 +4417,33 @@ RBDI_PART void rbdi_invert(const rbd_model *m, rbd_work *w, const rbd_real *L, r
 /* Interface: rbdi_check_factor, rbdi_factor_status, rbdi_pivot_status */
 
 /* ---- pivots [pivots] ----
-   M = L'DL is singular if one of its pivots D is rounding. Each call checks the pivots that it computes, in two
-   steps.
+   M = L'DL is singular if one of its pivots D is rounding. Each call checks the pivots that it computes, in
+   two steps.
 
-   First, in every call: is D > RBDI_DOUBT dof.scale, and > RBDI_DOUBT M_kk where M is there? If all pivots pass, M
-   is regular: a rounding error reaches that size only if it is magnified by more than RBDI_DOUBT / eps, and then
-   an earlier pivot was small beside its own scale; RBDI_DOUBT is at least sqrt(eps), so that one of the two
-   fails. dof.scale is taken at q = 0. A slide farther than that is a doubt as well (rbdi_slid_far).
+   First, in every call: is D > RBDI_DOUBT dof.scale, and > RBDI_DOUBT M_kk where M is there? If all pivots
+   pass, M is regular: a rounding error reaches that size only if it is magnified by more than RBDI_DOUBT /
+   eps, and then an earlier pivot was small beside its own scale; RBDI_DOUBT is at least sqrt(eps), so that
+   one of the two fails. dof.scale is taken at q = 0. A slide farther than that is a doubt as well
+   (rbdi_slid_far).
 
-   Then, if a pivot is in doubt: is D > RBDI_NOISE e + RBDI_TINY, for all pivots? eps e bounds the error of D. With
-   y the motion in which dof k moves by 1 and the dofs behind it give way, column k of L^-1, D_k = y' M y and
+   Then, if a pivot is in doubt: is D > RBDI_NOISE e + RBDI_TINY, for all pivots? eps e bounds the error of D.
+   With y the motion in which dof k moves by 1 and the dofs behind it give way, column k of L^-1, D_k = y' M y
+   and
 
        e_k = sum over j of y_j^2 K_jj + armature
 
-   By the factor K_jj are the terms of M_jj: M_jj, the inertia of each link about its own origin along the dof,
-   and a quarter of dof.scale, the inertia of the stretched robot. Articulated bodies have smaller terms: G_j =
-   D_j + RBDI_SHARE dof.scale + armature, and each link's inertia along its motion in y. So rbd_aba is right in
-   long chains whose M has lost its digits.
+   By the factor K_jj are the terms of M_jj: M_jj, the inertia of each link about its own origin along the
+   dof, and a quarter of dof.scale, the inertia of the stretched robot. Articulated bodies have smaller terms:
+   G_j = D_j + RBDI_SHARE dof.scale + armature, and each link's inertia along its motion in y. So rbd_aba is
+   right in long chains whose M has lost its digits.
 
-   Both have a part of dof.scale, because descriptions round too. An axis is off by eps, a position or a centre of
-   mass by eps of its lever. These errors move a mass m that should stand still by eps L. Its share of D is
-   m (eps L)^2, exactly computed: the error of such a pivot is all of it. dof.scale has RBDI_ROD of m L^2 in it
-   (rbdi_build_scale). */
+   Both have a part of dof.scale, because descriptions round too. An axis is off by eps, a position or a
+   centre of mass by eps of its lever. These errors move a mass m that should stand still by eps L. Its share
+   of D is m (eps L)^2, exactly computed: the error of such a pivot is all of it. dof.scale has RBDI_ROD of m
+   L^2 in it (rbdi_build_scale). */
 
-/* Replaces pivot k by 1 if it is above its noise or no pivot of the state is in doubt, by 0 if not, by -1 if it
-   is not a number. e: the bound of its terms. */
+/* Replaces pivot k by 1 if it is above its noise or no pivot of the state is in doubt, by 0 if not, by -1 if
+   it is not a number. e: the bound of its terms. */
 RBDI_PART void rbdi_check_pivot(rbd_work *w, int k, rbd_real e, rbdi_mask doubt) {
     const rbd_real noise = e * RBDI_NOISE + RBDI_TINY;
     const rbd_real D = w->pivot[k], one = rbdi_set(RBD_C(1));
@@ -4464,9 +4470,9 @@ RBDI_PART rbd_status rbdi_pivot_status(const rbd_model *m, rbd_work *w, rbd_real
     return rbdi_any(rbdi_not(number)) ? RBD_ERR_NAN : RBD_ERR_SINGULAR;
 }
 
-/* The inertia of body b about the origin of its link, along each of the link's axes: moments, then masses. The
-   build's rounding counts as well. It turns a rod on an axis, and is relative to the trace of the inertia about
-   the link's origin and about the user's, which is at r of the joint's body. */
+/* The inertia of body b about the origin of its link, along each of the link's axes: moments, then masses.
+   The build's rounding counts as well. It turns a rod on an axis, and is relative to the trace of the inertia
+   about the link's origin and about the user's, which is at r of the joint's body. */
 RBDI_COLD void rbdi_body_inertia(const rbd_model *m, int b, rbd_real own[6]) {
     const rbdi_frame *u = &m->frame[b];
     const rbdi_mat E = rbdi_mat_c(u->E);
@@ -4549,14 +4555,14 @@ RBDI_INLINE rbd_status rbdi_factor_status(const rbd_model *m, rbd_work *w, const
 
 /* ==== src/dynamics/aba_pivots.h ==== */
 /* -- by articulated bodies --
-   e_k by the recursion of IA, from the leaves to the root. With V = U/D, a link whose joint gives way moves by
-   P = 1 - S V' of its parent's motion:
+   e_k by the recursion of IA, from the leaves to the root. With V = U/D, a link whose joint gives way moves
+   by P = 1 - S V' of its parent's motion:
 
        Ka = P' K P + V G V'                as Ia = P' IA P + V armature V' = IA - U U'/D
        K_p += X' (Ka + rounding) X,   e = S' K S + G
 
-   K begins with the inertias of the link's bodies, G is that of [pivots]. A change of frame rounds each entry by a
-   share of the largest. */
+   K begins with the inertias of the link's bodies, G is that of [pivots]. A change of frame rounds each entry
+   by a share of the largest. */
 
 /* S of dof k of link i, and its V, as pass 2 left it. V_z of a revolute joint without armature is 1; a free
    base has V only for the axes before S. */
