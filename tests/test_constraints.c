@@ -1013,10 +1013,11 @@ START_TEST(sets_of_the_reference_are_assembled) {
 }
 END_TEST
 
-/* A slider crank in space, as the loop tests of RBDL have it: a slide along x; a crank of length 1 about x, over
-   it; on its end, by a ball joint, a rod of length 3; its other end sits on the slide by a universal joint, three
-   linear rows and one angular row, about the axis that is vertical at q = 0. The place is 45 degrees away. ball: the
-   joint's type. height: of the loop's frame on the slide; at 0.1, as RBDL has it, the loop is stretched at q = 0. */
+/* A slider crank in space, as the loop tests of RBDL have it: a slide along x; a crank of length 1 about x,
+   over it; on its end, by a ball joint, a rod of length 3; its other end sits on the slide by a universal
+   joint, three linear rows and one angular row, about the axis that is vertical at q = 0. The place is 45
+   degrees away. ball: the joint's type. height: of the loop's frame on the slide; at 0.1, as RBDL has it, the
+   loop is stretched at q = 0. */
 static robot slider_crank(rbd_body *bodies, rbd_joint_type ball, double height, rbd_constraint *loop) {
     const rbd_body slide = {.parent = -1,
                             .type = RBD_PRISMATIC,
@@ -1047,8 +1048,8 @@ static robot slider_crank(rbd_body *bodies, rbd_joint_type ball, double height, 
     return robot_build("slider crank", bodies, 3);
 }
 
-/* That the distance has no slope along the way that the rows leave free, de/dq by differences. Returns 0 where
-   rows nearly depend on each other, so that no way is clear. */
+/* That the distance has no slope along the way that the rows leave free, de/dq by differences. Returns 0
+   where rows nearly depend on each other, so that no way is clear. */
 static int check_nearest(const robot *r, const set *c, int number, const double *start, const double *near) {
     double A[4][5], d[5], along[5], slope = 0;
     const double h = 1e-5;
@@ -1464,8 +1465,8 @@ START_TEST(straight_legs_cost_no_digits) {
 }
 END_TEST
 
-/* A floating trunk, a leg of two links, and at its end a pad of inertia i, which stands flat: without the ground
-   the pad would turn with torque / i. The legs's dofs have one state and one torque in all of these. */
+/* A floating trunk, a leg of two links, and at its end a pad of inertia i, which stands flat: without the
+   ground the pad would turn with torque / i. */
 static robot robot_with_pad(rbd_body *bodies, double i) {
     const rbd_body trunk = {.parent = -1, .type = RBD_FLOATING, .mass = 20, .inertia = {1, 0, 0, 2, 0, 1.5}},
                    thigh = {.parent = 0,

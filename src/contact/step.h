@@ -28,7 +28,7 @@ static rbd_status rbdi_contact_free(const rbd_model *m, rbd_contact_set *c, cons
     }
     doubt = rbdi_factor(m, w, w->H);
     rbdi_sweep_back(m, s, w->H);
-    return rbdi_status_of(m, w, doubt, s->x, m->nv);
+    return rbdi_factor_status(m, w, w->H, doubt, s->x, m->nv);
 }
 
 /* nu of the impulses by (4). */

@@ -630,7 +630,7 @@ static void check_inverse_dynamics(const set *s, const double *a) {
     for (int i = 0; i < rows; i++) one[i * (rows + 1)] = unit[i] = 1;
     if (!dense_factor(&inverse, &B, one, unit, rows, 0)) return;
     const double most = (double)inverse.sigma[0];
-    /* Clear only if no singular value is near what the library takes for rounding: stretched 53191 has 7e-13. */
+    /* Clear only if no singular value is near rounding, 2e-13 in the library: stretched 53191 has 7e-13. */
     const int r = dense_rank(&inverse, most * 1e-3);
     if (r != dense_rank(&inverse, most * 1e-14) || inverse.least_share < (quad)1e-4L || r == 0) return;
     dense_solve(&inverse, &B, r, x0, wanted, x, unused, rest);
