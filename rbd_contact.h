@@ -23,7 +23,8 @@
      [solver] [set] [step] [step derivatives]
      --- stop here if you only use it ---
      [layout] [tolerances] [one contact] [laws] [newton] [solver code]
-     [joints] [set code] [contact rows] [biases] [step code] [step derivatives code]
+     [joints] [set code] [contact rows] [biases] [row reduction] [step code]
+     [step derivatives code]
 
    [conventions] Beyond those of rbd.h:
      u            velocity of body 1's point of contact less that of body 2's at this place, m/s
@@ -1655,7 +1656,7 @@ static int rbdi_write_biases(rbd_contact_set *c, int purpose) {
 }
 
 /* ==== src/contact/reduction.h ==== */
-/* ---- reduction [reduction] ----
+/* ---- row reduction [row reduction] ----
    The steps from the rows to Delta lambda = b, and from lambda to x, by the factor M = L'DL. */
 
 /* Y = L^-T Y, b = target - Y' D^-1 x, and the squares of b's terms. Batches may reach beyond a dof's span:
