@@ -1183,8 +1183,8 @@ START_TEST(singular_states_are_errors) {
 }
 END_TEST
 
-/* A hip 1e-4 rad from gimbal lock has a pivot in doubt. The damping of the knee, implicit, brakes it all the same:
-   given for the step, or that of the joint. */
+/* A hip 1e-4 rad from gimbal lock has a pivot in doubt. The damping of the knee, implicit, brakes it all the
+   same: given for the step, or that of the joint. */
 START_TEST(damping_is_kept_where_a_pivot_is_in_doubt) {
     const rbd_body leg[2] = {{.parent = -1,
                               .type = RBD_EULER_ZYX,
