@@ -22,8 +22,8 @@
    RBDI_SHARE: of dof.scale in rbd_aba's e. A chain of n rods has a dof.scale of n^3/3 rods: with a much
    larger share float chains of 200 rods are refused, with a much smaller one the rounding of a description
    passes.
-   RBDI_TURN: a change of frame rounds by this share of RBDI_NOISE, a third of eps. It compounds along a chain:
-   a larger one refuses float chains of 200 rods.
+   RBDI_TURN: a change of frame rounds by this share of RBDI_NOISE, a third of eps. It compounds along a
+   chain: a larger one refuses float chains of 200 rods.
    RBDI_FAR: a joint that has slid by more than 4 times the size of what it moves is a doubt, see
    rbdi_slid_far. */
 
