@@ -23,7 +23,8 @@
      [solver] [set] [step] [step derivatives]
      --- stop here if you only use it ---
      [layout] [tolerances] [one contact] [laws] [newton] [solver code]
-     [joints] [set code] [contact rows] [biases] [step code] [step derivatives code]
+     [joints] [set code] [contact rows] [biases] [row reduction] [step code]
+     [step derivatives code]
 
    [conventions] Beyond those of rbd.h:
      u            velocity of body 1's point of contact less that of body 2's at this place, m/s
@@ -178,10 +179,10 @@ RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constr
    name.
    damping    implicit: tau acts as tau - damping v_next. A position controller of gains kp, kd that runs with
               the step has damping = kd + dt kp and tau = kp (q_wanted - q): stable at every dt. NULL: 0
-   Errors: RBD_ERR_NULL, _WORK; _RANGE, dt not between 1e-30 and 1e30; _SINGULAR if M + dt D is, D the damping:
-   damping makes a joint sound that moves no mass; _NAN as rbd_constrained_fd,
-   _NAN also of a gap that is not a number and of speeds above 1e12: then q_next is q and v_next or a is 0. A
-   solution above the tolerance is no error: rbd_contact_last. */
+   Errors: RBD_ERR_NULL, _WORK; _RANGE, dt not between 1e-30 and 1e30; _SINGULAR if M + dt D is, D the
+   damping: damping makes a joint sound that moves no mass; _NAN as rbd_constrained_fd, _NAN also of a gap
+   that is not a number and of speeds above 1e12: then q_next is q and v_next or a is 0. A solution above
+   the tolerance is no error: rbd_contact_last. */
 
 /* One time step dt, semi-implicit: velocities first, by
 
@@ -1657,7 +1658,7 @@ static int rbdi_write_biases(rbd_contact_set *c, int purpose) {
 }
 
 /* ==== src/contact/reduction.h ==== */
-/* ---- reduction [reduction] ----
+/* ---- row reduction [row reduction] ----
    The steps from the rows to Delta lambda = b, and from lambda to x, by the factor M = L'DL. */
 
 /* Y = L^-T Y, b = target - Y' D^-1 x, and the squares of b's terms. Batches may reach beyond a dof's span:

@@ -2,7 +2,7 @@
 #define RBDI_CONTACT_REDUCTION_H
 #include "constraints/solution.h"
 
-/* ---- reduction [reduction] ----
+/* ---- row reduction [row reduction] ----
    The steps from the rows to Delta lambda = b, and from lambda to x, by the factor M = L'DL. */
 
 /* Y = L^-T Y, b = target - Y' D^-1 x, and the squares of b's terms. Batches may reach beyond a dof's span:
