@@ -4125,7 +4125,7 @@ RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
 /* Solves L' y = x, then L x = y / D. One array, by depth on a dof's path, has first the sums that its
    descendants subtract, then the results on the path. It is stored as it is loaded, in batches and then
    scalars: the processor would wait for a batch that was stored as scalars. */
-RBDI_PART void rbdi_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
+RBDI_INLINE void rbdi_vector_up(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
     const rbdi_dof *dof = m->dof;
     rbd_real *path = w->F;
     rbdi_clear(path, m->nv + RBDI_BATCH);
@@ -4146,6 +4146,10 @@ RBDI_PART void rbdi_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, rb
         for (; t < d; ++t) path[t] = path[t] - l[t] * y;
         path[d] = rbdi_zero();
     }
+}
+RBDI_INLINE void rbdi_vector_down(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
+    const rbdi_dof *dof = m->dof;
+    rbd_real *path = w->F;
     for (const rbdi_node *node = m->node, *end = node + m->nv; node < end; ++node) {
         const int d = dof[node->dof].depth;
         const rbd_real *l = L + node->row;
@@ -4154,6 +4158,10 @@ RBDI_PART void rbdi_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, rb
         for (; t + 1 < d; t += 2) even = even - path[t] * l[t], odd = odd - path[t + 1] * l[t + 1];
         path[d] = x[node->dof] = t < d ? even - path[t] * l[t] + odd : even + odd;
     }
+}
+RBDI_PART void rbdi_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
+    rbdi_vector_up(m, w, L, x);
+    rbdi_vector_down(m, w, L, x);
 }
 
 /* X = L'^-1 X, and so Y: n columns of one matrix or two, by so many batches, or (batches = 0) of one by
@@ -5309,6 +5317,29 @@ static void rbdi_turn_velocity(const rbdi_frame *u, const rbd_real *moved, rbd_r
     V = rbdi_joint_motion(u, nu, 1);
     V.omega = rbdi_turn_back(e, turn, V.omega), V.v = rbdi_turn_back(e, turn, V.v);
     rbdi_put_joint_motion(u, V, v_next, 1);
+}
+
+/* The last two parts of all joints, for a scheme of its own: q moved by `moved` for dt, and nu in the axes of
+   its end. An output may be the input of its name. */
+static void rbdi_move_joints(const rbd_model *m, const rbd_real *q, const rbd_real *moved, const rbd_real *nu,
+                             rbd_real dt, rbd_real *q_next, rbd_real *v_next) {
+    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {
+        if (u->nv == 0) continue;
+        rbdi_move_straight(u, &q[u->iq], &moved[u->iv], dt, &q_next[u->iq]);
+        rbdi_turn_velocity(u, &moved[u->iv], dt, &nu[u->iv], &v_next[u->iv]);
+    }
+}
+
+/* a by which origins move straight and turns keep their axis: the linear part is -omega x v, all else 0. */
+static void rbdi_straight_acceleration(const rbd_model *m, const rbd_real *v, rbd_real *a) {
+    for (int k = 0; k < m->nv; ++k) a[k] = rbdi_zero();
+    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {
+        rbdi_motion V;
+        if (!rbdi_joint_turns(u)) continue;
+        V = rbdi_joint_motion(u, &v[u->iv], 1);
+        V.v = rbdi_cross(V.v, V.omega), V.omega = rbdi_vec0();
+        rbdi_put_joint_motion(u, V, &a[u->iv], 1);
+    }
 }
 
 /* The same angle in [-pi, pi], but unchanged, to the bit, if it is there already. */

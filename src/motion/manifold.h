@@ -102,6 +102,29 @@ static void rbdi_turn_velocity(const rbdi_frame *u, const rbd_real *moved, rbd_r
     rbdi_put_joint_motion(u, V, v_next, 1);
 }
 
+/* The last two parts of all joints, for a scheme of its own: q moved by `moved` for dt, and nu in the axes of
+   its end. An output may be the input of its name. */
+static void rbdi_move_joints(const rbd_model *m, const rbd_real *q, const rbd_real *moved, const rbd_real *nu,
+                             rbd_real dt, rbd_real *q_next, rbd_real *v_next) {
+    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {
+        if (u->nv == 0) continue;
+        rbdi_move_straight(u, &q[u->iq], &moved[u->iv], dt, &q_next[u->iq]);
+        rbdi_turn_velocity(u, &moved[u->iv], dt, &nu[u->iv], &v_next[u->iv]);
+    }
+}
+
+/* a by which origins move straight and turns keep their axis: the linear part is -omega x v, all else 0. */
+static void rbdi_straight_acceleration(const rbd_model *m, const rbd_real *v, rbd_real *a) {
+    for (int k = 0; k < m->nv; ++k) a[k] = rbdi_zero();
+    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {
+        rbdi_motion V;
+        if (!rbdi_joint_turns(u)) continue;
+        V = rbdi_joint_motion(u, &v[u->iv], 1);
+        V.v = rbdi_cross(V.v, V.omega), V.omega = rbdi_vec0();
+        rbdi_put_joint_motion(u, V, &a[u->iv], 1);
+    }
+}
+
 /* The same angle in [-pi, pi], but unchanged, to the bit, if it is there already. */
 static rbd_real rbdi_within_half_turn(rbd_real angle) {
     const rbd_real pi2 = rbdi_set(RBDI_PI(rbd_const) * RBDI_PI(rbd_const));
