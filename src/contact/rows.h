@@ -213,8 +213,8 @@ static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
    for which the solution moves q, dt/2, the gap at the end is reach + h u_n:
 
      apart      reach / h: the gap is at least 0 at the end
-     rigid      0 down to the slop; for positions below it, what the first half of the step has added to the
-                depth, over h, and the option `correction` times the depth below the slop before
+     rigid      0; for positions, what the first half of the step has added to the depth, over h (all of the
+                depth, if there was none before), and the option `correction` times the depth below the slop
      stiff      k (min(start, 0) + reach) / (h k + 2 d), and 2 / (dt (h k + 2 d)) on Delta's diagonal: together
                 p_n = -dt (k (min(start, 0) + gap at the end) / 2 + d u_n). The spring has the mean of its ends,
                 so it takes and gives the same energy; the damper is implicit. Stable at every dt
@@ -239,19 +239,19 @@ RBDI_INLINE rbdi_bias rbdi_no_bias(void) {
 
 /* The bias of a rigid row. Dry friction, at 0, has none. */
 RBDI_INLINE rbdi_bias rbdi_rigid_bias(const rbd_contact_set *c, int purpose, const rbdi_gap *gap) {
-    const rbd_real inverse = 1 / c->way, slop = RBD_C(c->options.slop), deeper = gap->start + slop;
+    const rbd_real inverse = 1 / c->way, slop = RBD_C(c->options.slop), least = -slop * RBDI_LEFT_OF_SLOP,
+                   made = gap->reach - gap->start, deeper = gap->start + slop;
     rbdi_bias x = rbdi_no_bias();
-    if (gap->reach > 0 || (purpose == RBDI_FOR_POSITIONS && gap->reach < -slop && gap->start > 0)) {
+    if (!(gap->reach <= 0)) {
         x.value = gap->reach * inverse, x.by_reach = inverse;
-    } else if (purpose == RBDI_FOR_POSITIONS && gap->reach < -slop) {
-        if (gap->reach < gap->start)
-            x.value = (gap->reach - gap->start) * inverse, x.by_reach = inverse, x.by_start = -inverse;
+    } else if (purpose == RBDI_FOR_POSITIONS && gap->start > 0) {
+        if (gap->reach < least) x.value = gap->reach * inverse, x.by_reach = inverse;
+    } else if (purpose == RBDI_FOR_POSITIONS) {
+        if (made < least) x.value = made * inverse, x.by_reach = inverse, x.by_start = -inverse;
         if (deeper < 0) {
             const rbd_real share = RBD_C(c->options.correction) * inverse;
             x.value = x.value + share * deeper, x.by_start = x.by_start + share;
         }
-    } else if (!(gap->reach <= 0)) {
-        x.value = gap->reach; /* not a number */
     }
     return x;
 }
@@ -288,12 +288,12 @@ static rbdi_bias rbdi_contact_bias(const rbd_contact_set *c, int purpose, const 
 static rbdi_bias rbdi_held_bias(const rbd_contact_set *c, int purpose, int row) {
     const rbd_constraint_set *s = c->rows;
     const rbdi_gap gap = rbdi_gap_of(s->e[row], s->velocity[row], s->gamma[row], c->half);
-    const rbd_real inverse = 1 / c->way, slop = RBD_C(c->options.slop), over = rbdi_abs(gap.start) - slop,
-                   share = RBD_C(c->options.correction) * inverse;
+    const rbd_real inverse = 1 / c->way, slop = RBD_C(c->options.slop), made = gap.reach - gap.start,
+                   over = rbdi_abs(gap.start) - slop, share = RBD_C(c->options.correction) * inverse;
     rbdi_bias x = rbdi_no_bias();
-    if (purpose != RBDI_FOR_POSITIONS || rbdi_abs(gap.reach) <= slop) return x;
-    x.value = (gap.reach - gap.start) * inverse;
-    x.by_reach = inverse, x.by_start = -inverse;
+    if (purpose != RBDI_FOR_POSITIONS) return x;
+    if (rbdi_abs(made) > slop * RBDI_LEFT_OF_SLOP)
+        x.value = made * inverse, x.by_reach = inverse, x.by_start = -inverse;
     if (!(over > 0)) return x;
     x.value = x.value + share * (gap.start > 0 ? over : -over);
     x.by_start = x.by_start + share;

@@ -116,6 +116,7 @@ static void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c) {
                       &s->Y[k * s->stride + span.first], span.end - span.first);
         c->x[k] = s->x[k];
     }
+    for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
     (void)rbdi_write_biases(c, RBDI_FOR_POSITIONS);
     rbdi_contact_iterate(&c->solver);
     rbdi_contact_respond(m, c, c->moved);
