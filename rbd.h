@@ -287,6 +287,7 @@ RBDI_EXTERN_C_BEGIN
 #define rbd_model_build RBDI_SYMBOL(rbd_model_build)
 #define rbd_model_size RBDI_SYMBOL(rbd_model_size)
 #define rbd_add_payload RBDI_SYMBOL(rbd_add_payload)
+#define rbd_lock_joints RBDI_SYMBOL(rbd_lock_joints)
 #define rbd_work_init RBDI_SYMBOL(rbd_work_init)
 #define rbd_work_size RBDI_SYMBOL(rbd_work_size)
 #define rbd_set_gravity RBDI_SYMBOL(rbd_set_gravity)
@@ -331,6 +332,8 @@ RBDI_EXTERN_C_BEGIN
 #define rbd_integrate RBDI_SYMBOL(rbd_integrate)
 #define rbd_step RBDI_SYMBOL(rbd_step)
 #define rbd_difference RBDI_SYMBOL(rbd_difference)
+#define rbd_interpolate RBDI_SYMBOL(rbd_interpolate)
+#define rbd_distance RBDI_SYMBOL(rbd_distance)
 #define rbd_random RBDI_SYMBOL(rbd_random)
 #define rbd_rates_from_velocity RBDI_SYMBOL(rbd_rates_from_velocity)
 #define rbd_velocity_from_rates RBDI_SYMBOL(rbd_velocity_from_rates)
@@ -391,7 +394,7 @@ typedef struct rbd_body {
                              joint, kg m^2 or kg; in M, rnea, fd */
     double damping[6];   /* per degree of freedom, N m s or N s/m: see rbd_passive */
     double friction[6];  /* per degree of freedom, N m or N: see rbd_passive */
-    double lower, upper; /* limits of a one-dof joint, rad or m; none if lower >= upper */
+    double lower, upper; /* limits of a revolute, prismatic or helical joint, rad or m; both 0 = none */
     double velocity;     /* limit, rad/s or m/s, 0 = none; kept for the user */
     double effort;       /* limit, N m or N, 0 = none; kept for the user */
     const char *mimic;   /* name of the joint that this one follows, NULL = none; one-dof joints only */
@@ -433,7 +436,7 @@ typedef enum rbd_status {
     RBD_ERR_MIMIC = -23,      /* not a one-dof joint, what it follows is missing or follows too, or ratio 0 */
     RBD_ERR_WORK = -24,       /* the work, or batch, is of another model; the set, of another work */
     RBD_ERR_NAN = -25,        /* NaN where accelerations are solved for: q has one, or something overflowed */
-    RBD_ERR_RANGE = -26,      /* a gain, weight, restitution, friction, dt or option is out of range */
+    RBD_ERR_RANGE = -26,      /* a gain, weight, restitution, friction, dt, option or q is out of range */
     RBD_ERR_INFEASIBLE = -27, /* constraints contradict each other */
     RBD_ERR_LEFT_OUT = -28,   /* the model needs code that RBD_FEATURES or RBD_NO_CHOLESKY leave out */
     RBD_ERR_ARITHMETIC = -29, /* RBD_REPRODUCIBLE, and sums and products are not rounded as in [guarantees] */
@@ -441,7 +444,8 @@ typedef enum rbd_status {
     RBD_WARN_INERTIA_NEGATIVE = 1, /* inertia has a negative eigenvalue */
     RBD_WARN_INERTIA_TRIANGLE = 2, /* one principal moment exceeds the sum of the others */
     RBD_WARN_INERTIA_ZERO = 3,     /* mass, but no inertia about the centre of mass */
-    RBD_WARN_MASS_ZERO = 4         /* inertia, but no mass */
+    RBD_WARN_MASS_ZERO = 4,        /* inertia, but no mass */
+    RBD_WARN_LIMITS = 5            /* lower >= upper, or limits of another type of joint: read as none */
 } rbd_status;
 
 /* One sentence for a status, English, static. */
@@ -501,6 +505,21 @@ RBDI_API size_t rbd_model_size(const rbd_body *bodies, int nb);
    negative eigenvalue. */
 RBDI_API rbd_status rbd_add_payload(void *memory, int body, double mass, const double com[3],
                                     const double inertia[6]);
+
+/* Holds joints of a description still. The row of each joint whose flag is set, and of those that mimic it,
+   becomes a fixed joint at the pose that the joint has at q. All bodies stay, with their names and indices.
+   The new model's q and v are those of the joints that still move, in the same order. Its dynamics is that of
+   the whole model with v = a = 0 of the held joints.
+   bodies   nb rows, as for rbd_model_build; those of a built model come from rbd_describe
+   locked   nb flags: not 0 where the body's joint shall be held; without effect on a fixed one
+   q        nq, of all joints of the description. Only those of held joints, and of joints that these mimic,
+            are read. Limits do not count
+   rows     nb rows, receives the description with fixed joints; may be bodies. An error leaves it as it was
+   report   receives the error and the warnings; may be NULL
+   Errors: RBD_ERR_NULL, _COUNT; RBD_ERR_RANGE, with the body, if a coordinate of a held joint is not finite;
+   all of rbd_model_build that one row can have, with body and field. */
+RBDI_API rbd_status rbd_lock_joints(const rbd_body *bodies, int nb, const unsigned char *locked,
+                                    const double *q, rbd_body *rows, rbd_report *report);
 
 #endif
 
@@ -753,6 +772,21 @@ RBDI_API rbd_status rbd_step(const rbd_model *m, const rbd_real *q, const rbd_re
 /* The tangent step d, nv, for which rbd_integrate(q0, d, 1) is q1, with the shortest rotation. */
 RBDI_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const rbd_real *q1, rbd_real *d);
 
+/* The part s of the way from q0 to q1: q, nq, is rbd_integrate(q0, rbd_difference(q0, q1), s). It turns by
+   the shortest rotation, at constant velocity. s = 0 gives q0 and s = 1 gives q1 exactly, with quaternions
+   and (cos, sin) made unit. s below 0 or above 1 goes on along the same way. Before s = 1 a quaternion may be
+   near -q1, and a planar angle whole turns from q1. q may be q0 or q1. */
+RBDI_API rbd_status rbd_interpolate(const rbd_model *m, const rbd_real *q0, const rbd_real *q1, rbd_real s,
+                                    rbd_real *q);
+
+/* Distance between two configurations: the square root of the sum of weight_k d_k^2, d =
+   rbd_difference(q0, q1). Pinocchio's distance, if weight is NULL.
+   weight     nv, not below 0; 0: the dof does not count. NULL: 1, that is, a metre counts as much as a radian
+   distance   one number, in radians if lengths have weights of 1 / length^2 (or 0) and angles 1
+   Also RBD_ERR_RANGE, a weight that is below 0 or not a number. */
+RBDI_API rbd_status rbd_distance(const rbd_model *m, const rbd_real *q0, const rbd_real *q1,
+                                 const rbd_const *weight, rbd_real *distance);
+
 /* Rates q' of the coordinates, nq, from the velocity, for filters and ODE solvers: a quaternion's is
    q (omega; 0) / 2, a (cos, sin)'s (-sin, cos) v; their lengths stay. */
 RBDI_API rbd_status rbd_rates_from_velocity(const rbd_model *m, const rbd_real *q, const rbd_real *v,
@@ -785,7 +819,7 @@ RBDI_API const char *rbd_joint_name(const rbd_model *m, int body);
 typedef struct rbd_joint_info {
     rbd_joint_type type;
     int iq, nq, iv, nv;     /* q[iq] .. q[iq + nq - 1], v likewise; mimic, fixed: nq = nv = 0, iq = iv = -1 */
-    rbd_const lower, upper; /* rad or m; none if lower >= upper */
+    rbd_const lower, upper; /* rad or m; both 0: none */
     rbd_const velocity, effort; /* as in rbd_body */
 } rbd_joint_info;
 RBDI_API rbd_status rbd_joint(const rbd_model *m, int body, rbd_joint_info *info);
@@ -950,9 +984,9 @@ typedef struct rbdi_pose { /* x_child = E (x_parent - r) */
 } rbdi_pose;
 
 /* ==== src/model/layout.h ==== */
-/* Interface: rbdi_block, rbdi_dof, rbdi_frame, rbdi_link, rbdi_node, rbdi_order, RBDI_ARMATURE, RBDI_BLOCK,
-   RBDI_BRANCH_TURN, RBDI_MASS_KEPT, RBDI_OFF_CHAIN, RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_ROOT, RBDI_SCREW,
-   RBDI_SHAPE, RBDI_SHIFT_R, RBDI_SHIFT_XYZ, RBDI_SHIFT_Z, RBDI_SLIDES */
+/* Interface: rbdi_block, rbdi_dof, rbdi_frame, rbdi_link, rbdi_mimic, rbdi_node, rbdi_order, RBDI_ARMATURE,
+   RBDI_BLOCK, RBDI_BRANCH_TURN, RBDI_MASS_KEPT, RBDI_OFF_CHAIN, RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_ROOT,
+   RBDI_SCREW, RBDI_SHAPE, RBDI_SHIFT_R, RBDI_SHIFT_XYZ, RBDI_SHIFT_Z, RBDI_SLIDES */
 
 /* Pose of a frame B in a frame A: x_B = E (x_A - r), in the build's arithmetic. */
 typedef struct rbdi_wide_pose {
@@ -1319,10 +1353,16 @@ struct rbd_work {
 /* ---- compiler [compiler] ----
    Only this section and [configuration], for vector types and C99, depend on the compiler and its target. */
 
-#if defined __FAST_MATH__ || defined __ASSOCIATIVE_MATH__
+/* Options that void results. Other parts of -ffast-math do no harm: -freciprocal-math, -fno-signed-zeros,
+   -fno-trapping-math, -fno-math-errno. */
+#if defined __FAST_MATH__ || defined __ASSOCIATIVE_MATH__ || defined _M_FP_FAST
 #error \
     "rbd: -ffast-math or -funsafe-math-optimizations reassociates the sine's argument reduction and voids \
 the pivot checks; use -O3 -ffp-contract=fast instead"
+#elif defined __FINITE_MATH_ONLY__ && __FINITE_MATH_ONLY__ > 0
+#error "rbd: -ffinite-math-only removes the checks for NaN and overflow; compile without it"
+#elif RBDI_REPRODUCIBLE && (defined __RECIPROCAL_MATH__ || defined __NO_SIGNED_ZEROS__)
+#error "rbd: RBD_REPRODUCIBLE: -freciprocal-math and -fno-signed-zeros change bits; compile without them"
 #endif
 
 #ifdef __GNUC__ /* GCC's extensions, which clang has too: attributes, vectors, assembly */
@@ -1336,6 +1376,45 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #define RBDI_CLANG 0
 #endif
 #define RBDI_GCC (RBDI_GNU && !RBDI_CLANG)
+
+/* GCC has no macro for -fsingle-precision-constant, which rounds constants to float. It does no harm to float. */
+#if RBDI_REAL_KIND != 2
+typedef char rbd_needs_no_fsingle_precision_constant[sizeof 1.0 == sizeof(double) ? 1 : -1];
+#endif
+
+/* rbdi_require_ieee() does not compile where sums are reassociated, or NaN or infinity has no meaning. clang has no
+   macro for most of this, and GCC's pragmas set none in C++. A compiler that optimises then knows beforehand what
+   (x + 1) - x is, that x <= x, or that x is not infinite. One that does not optimise changes nothing. */
+#if RBDI_GNU && defined __OPTIMIZE__ && defined __has_attribute
+#if __has_attribute(error)
+#define RBDI_SHOWS_OPTIONS 1
+#endif
+#endif
+#ifdef RBDI_SHOWS_OPTIONS
+#if RBDI_CLANG
+#pragma clang diagnostic push
+#pragma clang diagnostic ignored "-Wunknown-warning-option"
+#pragma clang diagnostic ignored "-Wnan-infinity-disabled" /* says the same, but does not stop */
+#endif
+__attribute__((error(
+    "rbd: -fassociative-math, part of -funsafe-math-optimizations, voids the sine and the checks"))) void
+rbdi_sums_are_reassociated(void);
+__attribute__((error(
+    "rbd: -ffinite-math-only, -fno-honor-nans and -fno-honor-infinities remove the checks for NaN"))) void
+rbdi_nan_is_lost(void);
+
+static inline void rbdi_require_ieee(void) {
+    const volatile double unknown = 0;
+    const double x = unknown;
+    if (__builtin_constant_p((x + 1) - x)) rbdi_sums_are_reassociated();
+    if (__builtin_constant_p(x <= x) || __builtin_constant_p(__builtin_isinf_sign(x))) rbdi_nan_is_lost();
+}
+#if RBDI_CLANG
+#pragma clang diagnostic pop
+#endif
+#else
+static inline void rbdi_require_ieee(void) {}
+#endif
 
 #if defined __OPTIMIZE__ && !defined __OPTIMIZE_SIZE__
 #define RBDI_FOR_SPEED 1
@@ -4686,7 +4765,8 @@ RBDI_INLINE void rbdi_axes_block(const rbdi_pose *X, int root, rbdi_axes *p) {
 }
 
 /* ==== src/motion/kinematics.h ==== */
-/* Interface: rbdi_kin_links, rbdi_point_p */
+/* Interface: rbdi_body_kin, rbdi_check_body_call, rbdi_kin_links, rbdi_point_p, rbdi_point_position,
+   rbdi_point_v */
 
 /* ---- kinematics [kinematics code] ---- */
 
@@ -5065,7 +5145,7 @@ RBDI_API rbd_status rbd_joint_wrench(const rbd_model *m, rbd_work *w, const rbd_
 }
 
 /* ==== src/motion/points.h ==== */
-/* Interface: rbdi_column */
+/* Interface: rbdi_axis_motion, rbdi_column, rbdi_common_link, rbdi_unit_axis */
 
 /* ---- points and momentum [points code] ---- */
 
@@ -5131,17 +5211,23 @@ RBDI_ONCE void rbdi_put_path(const rbd_model *m, const rbd_work *w, int i, int e
     }
 }
 
+/* The last link that carries both of two links, -1 if there is none. Its joint moves both alike. */
+static int rbdi_common_link(const rbd_model *m, int link, int other) {
+    int common = other;
+    while (common >= 0 && !rbdi_carries(m, common, link)) common = m->link[common].parent;
+    return common;
+}
+
 /* Jacobian of a point of `body` minus that of the same place fixed in `reference` (-1 = the world), in the
    axes of the body `axes` (-1 = the world's). */
 static void rbdi_put_jacobian(const rbd_model *m, const rbd_work *w, int body, const rbd_real *point,
                               int reference, int axes, rbd_real *J) {
     const rbdi_v3 r = rbdi_point_position(m, w, body, point);
     const int link = m->frame[body].link, other = reference < 0 ? -1 : m->frame[reference].link;
+    const int common = rbdi_common_link(m, link, other);
     rbdi_mat E;
-    int common = other;
     if (axes >= 0) E = rbdi_axes_of(m, w, axes);
     rbdi_clear(J, 6 * m->nv);
-    while (common >= 0 && !rbdi_carries(m, common, link)) common = m->link[common].parent;
     for (int sign = 1; sign >= -1; sign -= 2)
         rbdi_put_path(m, w, sign > 0 ? link : other, common, r, axes >= 0 ? &E : NULL, sign, J);
 }
@@ -5482,6 +5568,49 @@ RBDI_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const
     return RBD_OK;
 }
 
+/* q = q0 (+) s (q1 (-) q0) for one joint. At s = 1 it is q1 (+) 0, without rounding of the difference. */
+static void rbdi_interpolate_joint(const rbdi_frame *u, const rbd_real *q0, const rbd_real *q1, rbd_real s,
+                                   rbd_real *q) {
+    const rbd_real one = rbdi_set(RBD_C(1));
+    const rbdi_mask within = rbdi_or(rbdi_less(s, one), rbdi_less(one, s)); /* neither of NaN */
+    const rbd_real share = rbdi_select(within, s, s - one);
+    rbd_real from[7], d[6];
+
+    rbdi_difference_joint(u, q0, q1, d);
+    for (int k = 0; k < u->nv; ++k) d[k] = d[k] * share;
+    for (int k = 0; k < u->nq; ++k) from[k] = rbdi_select(within, q0[k], q1[k]);
+
+    rbdi_step_joint(u, from, d, 0, q);
+}
+
+RBDI_API rbd_status rbd_interpolate(const rbd_model *m, const rbd_real *q0, const rbd_real *q1, rbd_real s,
+                                    rbd_real *q) {
+    if (!m || !q0 || !q1 || !q) return RBD_ERR_NULL;
+    for (int b = 0; b < m->nb; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        if (u->nv > 0) rbdi_interpolate_joint(u, &q0[u->iq], &q1[u->iq], s, &q[u->iq]);
+    }
+    return RBD_OK;
+}
+
+RBDI_API rbd_status rbd_distance(const rbd_model *m, const rbd_real *q0, const rbd_real *q1,
+                                 const rbd_const *weight, rbd_real *distance) {
+    rbd_real sum = rbdi_zero();
+    if (!m || !q0 || !q1 || !distance) return RBD_ERR_NULL;
+    for (int k = 0; weight && k < m->nv; ++k)
+        if (!(weight[k] >= 0)) return RBD_ERR_RANGE;
+
+    /* the sum of weight_k d_k^2 */
+    for (int b = 0; b < m->nb; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        rbd_real d[6];
+        if (u->nv > 0) rbdi_difference_joint(u, &q0[u->iq], &q1[u->iq], d);
+        for (int k = 0; k < u->nv; ++k) sum = sum + d[k] * d[k] * (weight ? weight[u->iv + k] : RBD_C(1));
+    }
+    *distance = rbdi_sqrt(sum);
+    return RBD_OK;
+}
+
 RBDI_API rbd_status rbd_neutral(const rbd_model *m, rbd_real *q) {
     if (!m || !q) return RBD_ERR_NULL;
     for (int k = 0; k < m->nq; ++k) q[k] = rbdi_zero();
@@ -5536,7 +5665,7 @@ RBDI_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q) 
         int angles = u->nv, shifts = 0; /* shifts come first, but with cylindrical joints */
         if (u->nv == 0) continue;
         own = &q[u->iq];
-        if (u->nv == 1 && u->lower < u->upper && u->type != RBD_CONTINUOUS_CS) {
+        if (u->nv == 1 && u->lower < u->upper) {
             own[0] = rbdi_draw(seed, u->lower, u->upper);
             continue;
         }
@@ -5595,6 +5724,7 @@ RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size,
     w = (rbd_work *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_work)));
     for (int k = 0; k < RBDI_SHAPE; ++k) w->shape[k] = m->shape[k];
     w->gravity = m->gravity;
+    rbdi_require_ieee();
     w->singular = -1;
     w->kinematics_of = RBDI_NO_KINEMATICS;
 #define RBDI_TAKE(type, name, length) w->name = (type *)rbdi_take(&p, (int)(length), sizeof(type));
@@ -5713,6 +5843,7 @@ RBDI_MESSAGES RBDI_API const char *rbd_status_string(rbd_status status) {
         return "one principal moment exceeds the sum of the others: no real body is like this";
     case RBD_WARN_INERTIA_ZERO: return "zero for a body with mass: no real body is like this";
     case RBD_WARN_MASS_ZERO: return "zero for a body with inertia: no real body is like this";
+    case RBD_WARN_LIMITS: return "limits that mean none: not below upper, or of a joint that has no limits";
     }
     return "unknown status";
 }
@@ -6041,6 +6172,9 @@ static int rbdi_links_of(int type) {
 static int rbdi_can_mimic(int type) {
     return type == RBD_REVOLUTE || type == RBD_CONTINUOUS || type == RBD_PRISMATIC || type == RBD_HELICAL;
 }
+static int rbdi_has_limits(int type) {
+    return type == RBD_REVOLUTE || type == RBD_PRISMATIC || type == RBD_HELICAL;
+}
 
 /* -- small dense algebra of the build -- */
 
@@ -6055,18 +6189,27 @@ static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close) {
     if (rbdi_w_abs(*c) <= close) *s = *s > 0 ? 1 : -1, *c = 0;
 }
 
-/* Angle, at most 45 degrees, from its cosine and sine: rbdi_signed_angle in the build's arithmetic. Sine and
-   cosine are sums of their series, which give the same bits everywhere. */
+/* Sine and cosine of an angle of at most 45 degrees: sums of their series, which give the same bits
+   everywhere. */
+static void rbdi_w_series(rbdi_wide x, rbdi_wide *sine, rbdi_wide *cosine) {
+    const rbdi_wide x2 = x * x;
+    rbdi_wide sum_c = 1, sum_s = 1;
+    for (int k = RBDI_TAIL_TERMS; k > 0; --k) {
+        sum_c = 1 - sum_c * x2 / (2 * k * (2 * k - 1));
+        sum_s = 1 - sum_s * x2 / (2 * k * (2 * k + 1));
+    }
+    *sine = x * sum_s;
+    *cosine = sum_c;
+}
+
+/* Angle, at most 45 degrees, from its cosine and sine: rbdi_signed_angle in the build's arithmetic. */
 static rbdi_wide rbdi_w_angle(rbdi_wide c, rbdi_wide s) {
     rbdi_wide sine = rbdi_w_abs(s), t = sine / (1 + c);
     rbdi_wide angle = t * (2 - (rbdi_wide)RBDI_ANGLE_START * t * t);
     for (int i = 0; i < 4; ++i) {
-        rbdi_wide x2 = angle * angle, sum_c = 1, sum_s = 1;
-        for (int k = RBDI_TAIL_TERMS; k > 0; --k) {
-            sum_c = 1 - sum_c * x2 / (2 * k * (2 * k - 1));
-            sum_s = 1 - sum_s * x2 / (2 * k * (2 * k + 1));
-        }
-        angle += sine * sum_c - c * (angle * sum_s);
+        rbdi_wide sine_of, cosine_of;
+        rbdi_w_series(angle, &sine_of, &cosine_of);
+        angle += sine * cosine_of - c * sine_of;
     }
     return s < 0 ? -angle : angle;
 }
@@ -6113,12 +6256,17 @@ static int rbdi_parallel(const double axis[3], const double axis2[3]) {
 
 static int rbdi_is_axis(const double axis[3]) { return rbdi_finite(axis, 3) && !rbdi_all_zero(axis, 3); }
 
-static void rbdi_warn(rbd_report *report, rbd_status status, int body, const char *name, const char *field) {
+static void rbdi_warn_saying(rbd_report *report, rbd_status status, int body, const char *name,
+                             const char *field, const char *sentence) {
     if (report->warnings < RBD_MAX_WARNINGS) {
         rbd_finding *f = &report->warning[report->warnings];
-        f->status = status, f->body = body, f->name = name, f->field = field, f->text = NULL;
+        f->status = status, f->body = body, f->name = name, f->field = field, f->text = sentence;
     }
     ++report->warnings;
+}
+
+static void rbdi_warn(rbd_report *report, rbd_status status, int body, const char *name, const char *field) {
+    rbdi_warn_saying(report, status, body, name, field, NULL);
 }
 
 /* Warns of an inertia that no real body has. I must be positive semi-definite, and so must Sigma = tr(I)/2 -
@@ -6139,6 +6287,16 @@ static void rbdi_check_inertia(const rbd_body *b, int i, rbd_report *report) {
         rbdi_warn(report, RBD_WARN_INERTIA_NEGATIVE, i, b->name, "inertia");
     else if (!rbdi_semidefinite(Sigma, size))
         rbdi_warn(report, RBD_WARN_INERTIA_TRIANGLE, i, b->name, "inertia");
+}
+
+/* Warns of limits that are set and mean none. */
+static void rbdi_check_limits(const rbd_body *b, int i, rbd_report *report) {
+    const int limited = rbdi_has_limits((int)b->type);
+    if (rbdi_all_zero(&b->lower, 1) && rbdi_all_zero(&b->upper, 1)) return;
+    if (limited && b->lower < b->upper) return;
+    rbdi_warn_saying(report, RBD_WARN_LIMITS, i, b->name, "lower",
+                     limited ? "not below upper: read as no limits"
+                             : "limits of a joint whose type has none: read as none");
 }
 
 /* Index of the body whose joint body i mimics, -1 if there is none that can be followed. */
@@ -6197,6 +6355,7 @@ static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_rep
 #undef RBDI_REQUIRE
 #undef RBDI_REQUIRE_SAYING
     rbdi_check_inertia(b, i, report);
+    rbdi_check_limits(b, i, report);
     return RBD_OK;
 }
 
@@ -6696,7 +6855,9 @@ static rbdi_frame rbdi_emit_frame(const rbdi_build *build, int i) {
     out.mass = RBD_C(b->mass);
     out.com = rbdi_round3(com);
     out.I = rbdi_round6(I);
-    out.lower = RBD_C(b->lower), out.upper = RBD_C(b->upper);
+    const int limited = rbdi_has_limits((int)b->type) && b->lower < b->upper;
+    out.lower = limited ? RBD_C(b->lower) : RBD_C(0);
+    out.upper = limited ? RBD_C(b->upper) : RBD_C(0);
     out.velocity = RBD_C(b->velocity), out.effort = RBD_C(b->effort);
     return out;
 }
@@ -7048,6 +7209,201 @@ RBDI_API rbd_status rbd_add_payload(void *memory, int body, double mass, const d
     place.X = rbdi_widen_pose(u->E, u->r);
     rbdi_payload_links(m, u->link, &load, &place);
     rbdi_payload_bounds(m, u->link, load, &place);
+    return RBD_OK;
+}
+
+/* ==== src/model/lock.h ==== */
+/* -- joints held still -- */
+
+/* Sine and cosine of an angle of any size, as if it were rounded once more: of |x| = quarters right angles +
+   rest the rest is found by long division, without a rounding but that of the right angle. */
+static void rbdi_w_sincos(rbdi_wide x, rbdi_wide *s, rbdi_wide *c) {
+    const rbdi_wide right_angle = RBDI_PI(rbdi_wide) / 2;
+    rbdi_wide rest = rbdi_w_abs(x), part = right_angle, sine, cosine;
+    int quarters = 0;
+
+    while (part <= rest / 2) part += part;
+    for (; part >= right_angle; part /= 2) {
+        quarters = 2 * quarters & 3;
+        if (rest < part) continue;
+        rest -= part;
+        ++quarters;
+    }
+    if (rest > right_angle / 2) {
+        rest -= right_angle;
+        ++quarters;
+    }
+
+    rbdi_w_series(rest, &sine, &cosine);
+    *s = quarters & 1 ? cosine : sine;
+    *c = quarters & 1 ? sine : cosine;
+    if (((quarters & 2) != 0) != (x < 0)) *s = -*s;
+    if ((quarters + 1) & 2) *c = -*c;
+}
+
+/* u = q, n numbers, of unit length; if q is shorter than 1e-15, component `one` is 1 and the others are 0. */
+static void rbdi_w_direction(const double *q, int n, int one, rbdi_wide *u) {
+    rbdi_wide largest = 0, sum = 0, length;
+    for (int k = 0; k < n; ++k)
+        if (rbdi_w_abs(q[k]) > largest) largest = rbdi_w_abs(q[k]);
+    for (int k = 0; k < n; ++k) u[k] = largest > 0 ? q[k] / largest : 0;
+    for (int k = 0; k < n; ++k) sum += u[k] * u[k];
+    length = RBDI_WIDE_LIBM(sqrt)(sum);
+
+    if (largest * length < (rbdi_wide)1e-15) {
+        for (int k = 0; k < n; ++k) u[k] = k == one;
+        return;
+    }
+    for (int k = 0; k < n; ++k) u[k] /= length;
+}
+
+/* E of a turn about a unit vector n: c 1 + (1 - c) n n' - s [n]x (Rodrigues, transposed). */
+static void rbdi_w_turn(const rbdi_wide n[3], rbdi_wide c, rbdi_wide s, rbdi_wide E[9]) {
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        E[4 * i] = c + (1 - c) * n[i] * n[i];
+        E[3 * i + j] = (1 - c) * n[i] * n[j] + s * n[k];
+        E[3 * i + k] = (1 - c) * n[i] * n[k] - s * n[j];
+    }
+}
+
+/* E of a quaternion (v; w) of any length: a turn about v with cosine w w - v'v and sine 2 w |v|. */
+static void rbdi_w_quaternion(const double *q, rbdi_wide E[9]) {
+    rbdi_wide u[4], length;
+    rbdi_w_direction(q, 4, 3, u);
+    length = rbdi_w_length(u);
+    for (int k = 0; k < 3 && length > 0; ++k) u[k] /= length;
+    rbdi_w_turn(u, u[3] * u[3] - length * length, 2 * u[3] * length, E);
+}
+
+/* What the coordinates q of a joint do: the pose of its link at q in the link's frame at q = 0. */
+static rbdi_wide_pose rbdi_axis_motion_at(const rbdi_build_link *l, const double *q) {
+    rbdi_wide_pose X;
+    rbdi_wide u[2], c, s;
+    if (l->kind == RBDI_REVOLUTE_CS) {
+        rbdi_w_direction(q, 2, 0, u);
+        c = u[0];
+        s = u[1];
+    } else {
+        rbdi_w_sincos(l->rho * q[l->iq], &s, &c);
+    }
+    rbdi_w_turn(l->axis, c, s, X.E);
+    for (int k = 0; k < 3; ++k) X.r[k] = l->kappa * q[l->iq] * l->axis[k];
+    return X;
+}
+static rbdi_wide_pose rbdi_block_motion_at(int type, const double *q) {
+    rbdi_wide_pose X;
+    rbdi_wide c, s;
+    rbdi_w_identity(X.E);
+    for (int k = 0; k < 3; ++k) X.r[k] = type == RBD_SPHERICAL || (type == RBD_PLANAR && k == 2) ? 0 : q[k];
+    if (type == RBD_SPHERICAL) rbdi_w_quaternion(q, X.E);
+    if (type == RBD_FLOATING) rbdi_w_quaternion(q + 3, X.E);
+    if (type == RBD_PLANAR) {
+        rbdi_w_sincos(q[2], &s, &c);
+        rbdi_w_turn_z(c, s, X.E);
+    }
+    return X;
+}
+
+/* Pose of a body in its parent at the coordinates q of its joint: that at q = 0, then the motion of each link
+   that the joint has in the build. */
+static rbdi_wide_pose rbdi_body_pose_at(const rbd_body *b, const double *q) {
+    rbd_body alone = *b;
+    rbdi_build_link links[3];
+    rbdi_place place;
+    rbdi_build build;
+    rbdi_wide_pose X;
+    int n = 0;
+
+    alone.parent = -1;
+    place.iq = place.iv = 0;
+    build.bodies = &alone;
+    build.links = links;
+    build.place = &place;
+    rbdi_build_joint(&build, 0, &n);
+
+    X = links[0].X;
+    for (int k = 0; k < n; ++k) {
+        const rbdi_wide_pose motion = links[k].kind == RBDI_BLOCK ? rbdi_block_motion_at(links[k].type, q)
+                                                                  : rbdi_axis_motion_at(&links[k], q);
+        X = rbdi_w_compose(&motion, &X);
+    }
+    return X;
+}
+
+/* Where the coordinates of body i begin in q. */
+static int rbdi_first_coordinate(const rbd_body *bodies, int i) {
+    int iq = 0;
+    for (int k = 0; k < i; ++k)
+        if (!bodies[k].mimic) iq += rbdi_joint_facts((int)bodies[k].type)->nq;
+    return iq;
+}
+
+/* The coordinates at q of body i's joint, of one that mimics from those of the joint that it follows; returns
+   their number. */
+static int rbdi_own_coordinates(const rbd_body *bodies, int nb, int i, const double *q, double own[7]) {
+    const rbd_body *b = &bodies[i];
+    const int from = b->mimic ? rbdi_mimic_source(bodies, nb, i) : i,
+              first = rbdi_first_coordinate(bodies, from), n = rbdi_joint_facts((int)b->type)->nq;
+    for (int k = 0; k < n; ++k) own[k] = q[first + k];
+    if (b->mimic) own[0] = b->mimic_ratio * own[0] + b->mimic_offset;
+    return n;
+}
+
+/* Whether body i's joint shall be held: its flag is set, or that of the joint that it mimics. */
+static int rbdi_is_held(const rbd_body *bodies, int nb, int i, const unsigned char *locked) {
+    if (bodies[i].type == RBD_FIXED) return 0;
+    return locked[i] || (bodies[i].mimic && locked[rbdi_mimic_source(bodies, nb, i)]);
+}
+
+/* Makes the joint of a row fixed at its coordinates q. */
+static void rbdi_hold(rbd_body *row, const double *q) {
+    const rbdi_wide_pose X = rbdi_body_pose_at(row, q);
+    rbdi_wide R[9];
+    rbdi_w_transpose(X.E, R);
+    for (int k = 0; k < 9; ++k) row->rotation[k] = (double)R[k];
+    for (int k = 0; k < 3; ++k) {
+        row->position[k] = (double)X.r[k];
+        row->axis[k] = row->axis2[k] = 0;
+    }
+    for (int k = 0; k < 6; ++k) row->armature[k] = row->damping[k] = row->friction[k] = 0;
+    row->type = RBD_FIXED;
+    row->pitch = row->lower = row->upper = row->velocity = row->effort = 0;
+    row->mimic = NULL;
+    row->mimic_ratio = row->mimic_offset = 0;
+}
+
+RBDI_API rbd_status rbd_lock_joints(const rbd_body *bodies, int nb, const unsigned char *locked,
+                                    const double *q, rbd_body *rows, rbd_report *report) {
+    rbd_report own;
+    double x[7];
+    if (!report) report = &own;
+    report->warnings = 0;
+    rbdi_refuse(report, RBD_OK, -1, NULL, NULL);
+
+    if (!bodies || !locked || !q || !rows) return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
+    if (nb < 1 || nb > RBD_MAX_BODIES) return rbdi_refuse(report, RBD_ERR_COUNT, -1, NULL, NULL);
+    for (int i = 0; i < nb; ++i) {
+        const rbd_status status = rbdi_check_body(bodies, nb, i, report);
+        if (status) return status;
+    }
+    for (int i = 0; i < nb; ++i) {
+        if (!rbdi_is_held(bodies, nb, i, locked)) continue;
+        if (rbdi_finite(x, rbdi_own_coordinates(bodies, nb, i, q, x))) continue;
+        rbdi_refuse(report, RBD_ERR_RANGE, i, bodies[i].name, "q");
+        report->error.text = "a coordinate of its joint, which shall be held, is not finite";
+        return RBD_ERR_RANGE;
+    }
+
+    /* Followers first, then from the last to the first: of each row those that it depends on are still as
+       they were, even if rows is bodies. */
+    for (int i = 0; i < nb; ++i) rows[i] = bodies[i];
+    for (int followers = 1; followers >= 0; --followers)
+        for (int i = nb - 1; i >= 0; --i) {
+            if ((rows[i].mimic != NULL) != followers || !rbdi_is_held(rows, nb, i, locked)) continue;
+            (void)rbdi_own_coordinates(rows, nb, i, q, x);
+            rbdi_hold(&rows[i], x);
+        }
     return RBD_OK;
 }
 

@@ -48,7 +48,7 @@
      the constraints would make up for it.
 */
 #include "rbd.h"
-#ifdef RBD_DERIVATIVES_H /* implemented with it: [derivatives] */
+#if defined RBD_DERIVATIVES_H && !defined RBDI_JOINS_DERIVATIVES /* implemented with it: [derivatives] */
 #include "rbd_derivatives.h"
 #endif
 
@@ -220,7 +220,7 @@ RBDI_EXTERN_C_BEGIN
 
 /* ==== src/api/constrained_derivatives.h ==== */
 /* ---- derivatives [derivatives] ----
-   Declared where rbd_derivatives.h was included before. */
+   Declared where rbd_derivatives.h is included too. */
 
 /* Arrays for the results of rbd_constrained_fd_derivatives. NULL: not wanted. */
 typedef struct rbd_constrained_fd_results {
@@ -376,7 +376,7 @@ struct rbd_constraint_set {
 /* ==== src/rbd_constraints.h ==== */
 #endif /* RBDI_CONSTRAINTS_LAYOUT */
 
-#if defined RBD_IMPLEMENTATION && !defined RBDI_CONSTRAINTS_IMPLEMENTED
+#if defined RBD_IMPLEMENTATION && !defined RBDI_CONSTRAINTS_IMPLEMENTED && !defined RBDI_JOINS_DERIVATIVES
 #define RBDI_CONSTRAINTS_IMPLEMENTED
 
 /* ---- design [design] ----
@@ -421,6 +421,11 @@ RBDI_CODE_BEGIN
    is rounding: no joint moves the body along its axis.
    RBDI_FEASIBLE: targets of dependent rows may contradict each other by this share of their terms, because
    positions drift.
+   RBDI_LOST: a sum whose magnitude is below this share of a term's has lost so many digits that [refinement]
+   looks at the rows.
+   RBDI_MISSED: a row that is off by more than this share of its terms is refined, [refinement].
+   RBDI_STILL, m/s^2 or rad/s^2: but not if it is off by less than this. Where constraints hold all joints,
+   accelerations are rounding, and their error is no share of them.
    RBDI_SHORT_STEP, rad or m: assembly ends RBDI_CLOSING_STEPS after a step below this.
    RBDI_CLOSED: after it all entries of e must be below this. */
 #if RBDI_KIND(RBD_CONST) == 1
@@ -428,6 +433,9 @@ RBDI_CODE_BEGIN
 #define RBDI_MOTIONLESS 2e-13
 #define RBDI_RANK 1e-20
 #define RBDI_FEASIBLE 1e-6
+#define RBDI_LOST 1e-6
+#define RBDI_MISSED 1e-12
+#define RBDI_STILL 1e-20
 #define RBDI_SHORT_STEP 1e-12
 #define RBDI_CLOSED 1e-9
 
@@ -436,6 +444,9 @@ RBDI_CODE_BEGIN
 #define RBDI_MOTIONLESS 4e-6f
 #define RBDI_RANK 1e-8f
 #define RBDI_FEASIBLE 1e-2f
+#define RBDI_LOST 1e-3f
+#define RBDI_MISSED 1e-5f
+#define RBDI_STILL 1e-9f
 #define RBDI_SHORT_STEP 1e-5f
 #define RBDI_CLOSED 1e-4f
 
@@ -444,6 +455,9 @@ RBDI_CODE_BEGIN
 #define RBDI_MOTIONLESS RBD_C(2e-31)
 #define RBDI_RANK RBD_C(1e-54)
 #define RBDI_FEASIBLE RBD_C(1e-12)
+#define RBDI_LOST RBD_C(1e-15)
+#define RBDI_MISSED RBD_C(1e-28)
+#define RBDI_STILL RBD_C(1e-40)
 #define RBDI_SHORT_STEP RBD_C(1e-24)
 #define RBDI_CLOSED RBD_C(1e-12)
 
@@ -453,6 +467,7 @@ RBDI_CODE_BEGIN
 #define RBDI_LONGEST_STEP RBD_C(0.5)
 #define RBDI_LEAST_STEP_SIZE RBD_C(1e-3)
 #define RBDI_MOST_STEP_SIZE RBD_C(5)
+#define RBDI_REFINEMENTS 24 /* each gains some digits: enough for all that fit into an exponent */
 #define RBDI_NEARING_STEPS 200
 #define RBDI_CLOSING_STEPS 3
 
@@ -997,7 +1012,7 @@ static rbd_real rbdi_motion_size(const rbd_constraint_set *c, const rbdi_constra
     return turning + moving + v * (w + (RBD_C(1) + con->kd)) + p * con->kp;
 }
 
-/* Makes c->slack the error of b by rounding and drift, and permutes it and c->target. */
+/* Makes c->slack the error of b by rounding and drift, and permutes it. */
 static void rbdi_set_slack(rbd_constraint_set *c) {
     for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con) {
         const rbd_real noise = rbdi_motion_size(c, con) * RBDI_NOISE;
@@ -1005,7 +1020,6 @@ static void rbdi_set_slack(rbd_constraint_set *c) {
             c->slack[r] = rbdi_sqrt(c->slack[r]) * RBDI_FEASIBLE + noise;
     }
     rbdi_permute(c, c->slack, 1, 0);
-    rbdi_permute(c, c->target, 1, 0);
 }
 
 /* Notes the first dropped row, in the caller's order, that contradicts the rows it depends on: the targets
@@ -1014,6 +1028,7 @@ static void rbdi_check_rows(rbd_constraint_set *c) {
     rbd_real *bad = c->inverse_square;
     const rbd_real one = rbdi_set(RBD_C(1));
     rbdi_set_slack(c);
+    rbdi_permute(c, c->target, 1, 0);
     rbdi_clear(bad, c->rows);
     for (int t = 0; t < c->rows; ++t) {
         const rbd_real *null = rbdi_null_vector(c, t);
@@ -1023,6 +1038,7 @@ static void rbdi_check_rows(rbd_constraint_set *c) {
         bad[t] = rbdi_select(rbdi_less(bound, rbdi_abs(rbdi_rows_product(null, c->target, t + 1))), one,
                              rbdi_zero());
     }
+    rbdi_permute(c, c->target, 1, 1);
     rbdi_permute(c, bad, 1, 1);
     for (int r = c->rows - 1; r >= 0; --r)
         if (rbdi_any(rbdi_less(rbdi_zero(), bad[r]))) c->infeasible = r;
@@ -1068,10 +1084,10 @@ static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraint_set
 }
 
 /* ==== src/constraints/solution.h ==== */
-/* Interface: rbdi_reduce_rows, rbdi_sweep_back, rbdi_sweep_down */
+/* Interface: rbdi_sweep_back, rbdi_y_lambda */
 
 /* ---- solution [solution] ----
-   The steps by the factor M = L'DL, before and after [factor] or [rank]. L = NULL: the identity. */
+   The steps by the factor M = L'DL, before and after [factor] or [rank]. */
 
 /* x = L^-T x, and c->D_inverse from the factor. */
 static void rbdi_sweep_back(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
@@ -1079,42 +1095,14 @@ static void rbdi_sweep_back(const rbd_model *m, rbd_constraint_set *c, const rbd
     for (int k = 0; k < m->nv; ++k) c->D_inverse[k] = L[m->dof[k].row + m->dof[k].depth];
 }
 
-/* Y = L^-T Y, b = target - Y' D^-1 x, and the squares of b's terms. Batches may reach beyond a dof's span:
-   entries there are 0. */
-static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
-    if (L) rbdi_solve_up(m, c->w, L, c->stride, c->rows, c->Y);
-    for (int r = 0; r < c->rows; r += RBDI_BATCH) {
-        const rbdi_batch b = *(const rbdi_batch *)&c->target[r];
-        *(rbdi_batch *)&c->b[r] = b, *(rbdi_batch *)&c->slack[r] = b * b;
-    }
-    for (int k = 0; k < m->nv; ++k) {
-        const rbd_real z = c->x[k] * c->D_inverse[k];
-        for (int r = c->span[k].first; r < c->span[k].end; r += RBDI_BATCH) {
-            const rbdi_batch term = *(const rbdi_batch *)&c->Y[k * c->stride + r] * z;
-            rbdi_batch *b = (rbdi_batch *)&c->b[r], *squares = (rbdi_batch *)&c->slack[r];
-            *b = *b - term;
-            *squares = *squares + term * term;
-        }
-    }
-}
-
 /* Entry of dof k of Y lambda. */
-RBDI_INLINE rbd_real rbdi_y_lambda(const rbd_constraint_set *c, int k) {
+RBDI_INLINE rbd_real rbdi_y_lambda(const rbd_constraint_set *c, const rbd_real *lambda, int k) {
     const rbdi_span span = c->span[k];
-    const rbd_real *y = &c->Y[k * c->stride], *lambda = c->lambda;
+    const rbd_real *y = &c->Y[k * c->stride];
     rbdi_sum sum = rbdi_sum_of_none();
     for (int r = span.first; r < span.end; r += RBDI_BATCH)
         sum = rbdi_sum_and(sum, *(const rbdi_batch *)&y[r] * *(const rbdi_batch *)&lambda[r]);
     return rbdi_sum_value(sum);
-}
-
-/* x = L^-1 D^-1 (x + Y lambda). */
-static void rbdi_sweep_down(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
-    for (int k = 0; k < m->nv; ++k) {
-        c->x[k] = c->x[k] + rbdi_y_lambda(c, k);
-        if (!L) c->x[k] = c->x[k] * c->D_inverse[k];
-    }
-    if (L) rbdi_solve_down(m, c->w, L, 1, 1, 1, c->x);
 }
 
 /* ==== src/constraints/articulated.h ==== */
@@ -1128,7 +1116,7 @@ static void rbdi_sweep_down(const rbd_model *m, rbd_constraint_set *c, const rbd
    and the acceleration along the row is K' a' + epsilon + Delta lambda, where Delta = Y' D^-1 Y of the joints
    so far. At the common ancestor of the two links the two wrenches are added. In the world a' is known, and
    [factor] gives lambda from b = target - epsilon - K' a'. Then u/D += D^-1 Y lambda, and pass 3 gives the
-   accelerations. */
+   accelerations. [refinement] needs the targets less all of epsilon but its terms Y u/D. */
 
 #if RBDI_BATCH > 1
 #define rbdi_wrenches_up rbdi_batch_up
@@ -1136,9 +1124,10 @@ static void rbdi_sweep_down(const rbd_model *m, rbd_constraint_set *c, const rbd
 #define rbdi_wrenches_up rbdi_array_up
 #endif
 
-/* K of a batch of rows, in the axes of the link that it was carried to, and b = target - epsilon. */
+/* K of a batch of rows, in the axes of the link that it was carried to; b = target - epsilon, and the target
+   without the terms Y u/D. */
 typedef struct rbdi_row_wrenches {
-    rbdi_batch K[6], b;
+    rbdi_batch K[6], b, target;
 } rbdi_row_wrenches;
 
 /* K on one of the two links, of a batch of rows from row r of the constraint on; 0 if it is the world. p:
@@ -1177,9 +1166,10 @@ RBDI_INLINE void rbdi_rows_axis(const rbd_model *m, const rbd_work *w, int i, in
     K[2] = rbdi_zero_batch(); /* U_z/D = 1 */
     if (flags & (RBDI_SLIDES | RBDI_ARMATURE)) K[2] = z - y * own->U_D.n.z;
     K[3] = K[3] - y * own->U_D.f.x, K[4] = K[4] - y * own->U_D.f.y, K[5] = K[5] - y * own->U_D.f.z;
-    term = y * own->u_D + K[0] * own->c.omega.x + K[1] * own->c.omega.y;
+    term = K[0] * own->c.omega.x + K[1] * own->c.omega.y;
     term = term + K[3] * own->c.v.x + K[4] * own->c.v.y + K[5] * own->c.v.z;
-    rows->b = rows->b - term;
+    rows->target = rows->target - term;
+    rows->b = rows->b - (y * own->u_D + term);
     rbdi_wrenches_up(l, flags, rbdi_trig_of(m, w, i, flags), K);
 }
 
@@ -1207,7 +1197,11 @@ static rbdi_row_wrenches rbdi_rows_block(const rbd_model *m, const rbd_work *w, 
         rbd_real C[6];
         rbdi_store_motion(C, 1, w->scratch[i].c);
         rbdi_rows_dofs(bw, b->first, b->n, 0, &rows, Y, stride);
-        for (int j = 0; j < 6; ++j) rows.b = rows.b - rows.K[j] * C[j];
+        for (int j = 0; j < 6; ++j) {
+            const rbdi_batch term = rows.K[j] * C[j];
+            rows.b = rows.b - term;
+            rows.target = rows.target - term;
+        }
         rbdi_crba_up_block(&bw->X, (rbd_real *)rows.K, RBDI_BATCH, RBDI_BATCH);
     }
     return rows;
@@ -1228,23 +1222,25 @@ static void rbdi_carry_rows(const rbd_model *m, const rbd_constraint_set *c, int
     *carried = rows;
 }
 
-/* Y and b of a batch of rows from row r of the constraint on. h: its axes. p: origin of frame 1. */
+/* Y, b and target of a batch of rows from row r of the constraint on. h: its axes. p: origin of frame 1. */
 static void rbdi_rows_to_world(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *con, int r,
                                const rbdi_axes_held *h, rbdi_v3 p) {
     rbd_real *Y = c->Y + con->row + r;
     rbdi_row_wrenches rows, one;
+    rbdi_batch world;
     for (int j = 0; j < 6; ++j) rows.K[j] = rbdi_zero_batch();
-    rows.b = *(const rbdi_batch *)&c->target[con->row + r];
+    rows.b = rows.target = *(const rbdi_batch *)&c->target[con->row + r];
     for (int side = 0; side < (con->link[1] < 0 ? 1 : 2); ++side) {
         rbdi_start_rows(c, con, h, p, side, r, one.K);
-        one.b = rows.b;
+        one.b = rows.b, one.target = rows.target;
         rbdi_carry_rows(m, c, con->link[side], con->ancestor, &one, Y);
         for (int j = 0; j < 6; ++j) rows.K[j] = rows.K[j] + one.K[j];
-        rows.b = one.b;
+        rows.b = one.b, rows.target = one.target;
     }
     rbdi_carry_rows(m, c, con->ancestor, -1, &rows, Y);
-    rows.b = rows.b - rows.K[3] * c->world.x - rows.K[4] * c->world.y - rows.K[5] * c->world.z;
-    *(rbdi_batch *)&c->b[con->row + r] = rows.b;
+    world = rows.K[3] * c->world.x + rows.K[4] * c->world.y + rows.K[5] * c->world.z;
+    *(rbdi_batch *)&c->b[con->row + r] = rows.b - world;
+    *(rbdi_batch *)&c->target[con->row + r] = rows.target - world;
 }
 
 /* 1/D of the dofs on the paths. */
@@ -1254,13 +1250,29 @@ static void rbdi_path_inverse(const rbd_model *m, rbd_constraint_set *c) {
         if (c->span[k].end > 0) c->D_inverse[k] = rbdi_reciprocal(c->w->pivot[k], RBDI_TINY, &none);
 }
 
-/* u/D += D^-1 Y lambda. */
+/* u/D of a link's dofs. */
+RBDI_INLINE rbd_real *rbdi_u_D_of(const rbd_model *m, const rbd_constraint_set *c, int link) {
+    const rbdi_link *l = &m->link[link];
+    return rbdi_is(l, RBDI_BLOCK) ? c->w->block[l->block].u_D : &c->w->scratch[link].u_D;
+}
+
+/* u/D += D^-1 Y lambda, refined. */
 static void rbdi_add_multipliers(const rbd_model *m, rbd_constraint_set *c) {
+    rbdi_mask lost = rbdi_less(rbdi_zero(), rbdi_zero());
     for (int at = 0; at < c->links; ++at) {
-        const rbdi_link *l = &m->link[c->link[at]];
-        const int block = rbdi_is(l, RBDI_BLOCK), n = rbdi_link_dofs(m, l);
-        rbd_real *u_D = block ? c->w->block[l->block].u_D : &c->w->scratch[c->link[at]].u_D;
-        for (int t = 0; t < n; ++t) u_D[t] = u_D[t] + rbdi_y_lambda(c, l->iv + t) * c->D_inverse[l->iv + t];
+        const int link = c->link[at], first = m->link[link].iv, n = rbdi_link_dofs(m, &m->link[link]);
+        rbd_real *u_D = rbdi_u_D_of(m, c, link);
+        for (int t = 0; t < n; ++t) {
+            lost = rbdi_or(lost, rbdi_add_force(c, c->lambda, first + t, &u_D[t]));
+            c->x[first + t] = u_D[t];
+        }
+    }
+    if (!rbdi_refine(m, c, lost)) return;
+
+    for (int at = 0; at < c->links; ++at) {
+        const int link = c->link[at], first = m->link[link].iv, n = rbdi_link_dofs(m, &m->link[link]);
+        rbd_real *u_D = rbdi_u_D_of(m, c, link);
+        for (int t = 0; t < n; ++t) u_D[t] = c->x[first + t];
     }
 }
 
@@ -1285,6 +1297,7 @@ static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, co
 /* Computes x and lambda from Y and b. Returns 0, x untouched, if a pivot is in doubt. */
 static int rbdi_articulated_solve(const rbd_model *m, rbd_constraint_set *c, rbd_real *x) {
     if (rbdi_any(rbdi_factor_delta(m, c))) return 0;
+    c->pivoted = 0;
     rbdi_back_substitute(c);
     rbdi_add_multipliers(m, c);
     rbdi_aba_pass3(m, c->w, c->world, x);
@@ -1304,10 +1317,10 @@ static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constrain
     return rbdi_check(m, c->w, 1);
 }
 
-/* x = M^-1 (f + J' lambda), lambda of least norm with J x = target, from Y = J' and x = L^-T f. check:
-   whether to note a row that contradicts others. */
-static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L, int check) {
-    rbdi_reduce_rows(m, c, L);
+/* x += D^-1 Y lambda, with lambda of least norm so that Y' x = target. check: whether to note a row that
+   contradicts others. */
+static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, int check) {
+    rbdi_rest_of_rows(c);
     c->pivoted = 0, c->infeasible = -1;
     if (rbdi_any(rbdi_factor_delta(m, c))) {
         RBDI_NOTE_DOUBT(c->w, 1);
@@ -1320,7 +1333,8 @@ static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, const rb
     } else {
         rbdi_back_substitute(c);
     }
-    rbdi_sweep_down(m, c, L);
+
+    (void)rbdi_refine(m, c, rbdi_add_forces(m, c, c->lambda));
 }
 
 /* Targets of a constraint's rows: -gamma - kd J v - kp e; with a restitution, the change of velocity in an
@@ -1394,8 +1408,12 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
         rbdi_constraint_rows(m, c, con, !restitution && con->kp > 0);
         rbdi_set_target(c, con, restitution);
     }
-    rbdi_multipliers(m, c, w->H, !restitution); /* an impact's targets, J v, are in the range of J */
-    for (int k = 0; k < m->nv; ++k) x[k] = c->x[k];
+    rbdi_solve_up(m, w, w->H, c->stride, c->rows, c->Y); /* Y = L^-T J' */
+
+    for (int k = 0; k < m->nv; ++k) c->x[k] = c->x[k] * c->D_inverse[k];
+    rbdi_multipliers(m, c, !restitution); /* an impact's targets, J v, are in the range of J */
+    for (int k = 0; k < m->nv; ++k) x[k] = c->x[k] * w->pivot[k]; /* D x, of which L^-1 D^-1 is the result */
+    rbdi_solve_down(m, w, w->H, 1, 1, 1, x);
     return rbdi_status_of(m, w, doubt, x, m->nv);
 }
 
@@ -1462,8 +1480,8 @@ RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_s
 
 /* ==== src/constraints/weights.h ==== */
 /* ---- weights [weights] ----
-   With a diagonal matrix D in place of M, so that L = 1, [solution] solves least squares: it adds D^-1 J'
-   lambda to x = D^-1 f, of all changes d with J (x + d) = target the one with the least d' D d. */
+   With a diagonal matrix D in place of M, so that L = 1 and Y = J', rbdi_multipliers solves least squares: it
+   adds D^-1 J' lambda to x, of all changes d with J (x + d) = target the one with the least d' D d. */
 
 /* Whether n weights are above 0. NULL: all are 1. */
 static int rbdi_weights_fit(const rbd_const *weight, int n) {
@@ -1499,7 +1517,7 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
         c->D_inverse[k] = rbdi_set(passive ? RBD_C(1) : RBD_C(0));
     }
     rbdi_clear(c->target, c->rows);
-    rbdi_multipliers(m, c, NULL, 0);
+    rbdi_multipliers(m, c, 0);
     for (int k = 0; k < m->nv; ++k)
         tau[k] = tau[k] - rbdi_rows_product(&c->Y[k * c->stride], c->lambda, c->rows);
     for (int r = 0; lambda && r < c->rows; ++r) lambda[r] = c->lambda[r] * root[r];
@@ -1512,16 +1530,6 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
    Newton's method. Of all steps d with J d = -e it takes the one that makes d + rbd_difference(q, q_near),
    the remaining distance from q, shortest. Steps are cut to RBDI_LONGEST_STEP, because J changes. The last
    steps reduce e alone. */
-
-/* Largest magnitude of n numbers. */
-static rbd_real rbdi_largest(const rbd_real *x, int n) {
-    rbd_real largest = rbdi_zero();
-    for (int k = 0; k < n; ++k) {
-        const rbd_real size = rbdi_abs(x[k]);
-        largest = rbdi_select(rbdi_less(largest, size), size, largest);
-    }
-    return largest;
-}
 
 /* The next step size: the share of the distance that a step removes, by Barzilai and Borwein (1988), from
    this step c->x, the step before it, and the sizes of both. 1 is right if J is constant; if J changes, steps
@@ -1548,9 +1556,9 @@ static rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraint_set *c, co
     const rbd_real limit = rbdi_set(RBDI_LONGEST_STEP);
     rbd_real length, cut;
     rbd_difference(m, q, q_near, c->x);
-    for (int i = 0; i < m->nv; ++i) c->x[i] = -size * c->x[i] / c->D_inverse[i];
+    for (int i = 0; i < m->nv; ++i) c->x[i] = -size * c->x[i];
     for (int r = 0; r < c->rows; ++r) c->target[r] = -c->e[r];
-    rbdi_multipliers(m, c, NULL, 0);
+    rbdi_multipliers(m, c, 0);
     length = rbdi_largest(c->x, m->nv);
     cut = rbdi_select(rbdi_less(limit, length), limit / (length + RBDI_TINY), rbdi_set(RBD_C(1)));
     rbd_integrate(m, q_near, c->x, cut, q_near);
@@ -1588,11 +1596,8 @@ RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, cons
     rbdi_assemble_position(m, c, q, q_near);
     if (v) {
         for (int k = 0; k < m->nv; ++k) c->x[k] = v[k];
-        for (int pass = 0; pass < 2; ++pass) { /* the second removes the rounding of large lambda */
-            for (int k = 0; k < m->nv; ++k) c->x[k] = c->x[k] / c->D_inverse[k];
-            rbdi_clear(c->target, c->rows);
-            rbdi_multipliers(m, c, NULL, 0);
-        }
+        rbdi_clear(c->target, c->rows);
+        for (int pass = 0; pass < 2; ++pass) rbdi_multipliers(m, c, 0); /* the second removes rounding */
         for (int k = 0; k < m->nv; ++k) v_near[k] = c->x[k];
     }
     c->infeasible = -1;
@@ -1909,8 +1914,8 @@ RBDI_CODE_END
 
 #endif /* RBD_IMPLEMENTATION */
 
-#if defined RBD_IMPLEMENTATION && defined RBDI_CONSTRAINED_DERIVATIVES && \
-    !defined RBDI_CONSTRAINED_DERIVATIVES_IMPLEMENTED
+#if defined RBD_IMPLEMENTATION && defined RBDI_CONSTRAINTS_IMPLEMENTED && \
+    defined RBDI_CONSTRAINED_DERIVATIVES && !defined RBDI_CONSTRAINED_DERIVATIVES_IMPLEMENTED
 #define RBDI_CONSTRAINED_DERIVATIVES_IMPLEMENTED
 
 RBDI_CODE_BEGIN
@@ -2149,6 +2154,52 @@ static void rbdi_lambda_derivatives(const rbd_model *m, rbd_constraint_set *c, c
     rbdi_delta_solve(c, sigma, n);
 }
 
+/* Replaces rho by da and sigma by dlambda, all columns at once. c->Y: -T. */
+static void rbdi_solve_at_once(const rbd_model *m, rbd_constraint_set *c, rbd_real *rho, rbd_real *sigma) {
+    const int nv = m->nv;
+    rbdi_lambda_derivatives(m, c, rho, sigma);
+    rbdi_solve_columns(m, c->w, c->w->H, -1, nv, nv, rho, NULL);
+    for (int k = 0; k < nv; ++k)
+        rbdi_subtract_product(&c->Y[k * c->stride], sigma, c->rows, nv, &rho[k * nv]);
+}
+
+/* Column j of x = -D^-1 L^-T rho, Y' x = -sigma, by the steps of rbd_constrained_fd. rho: L^-T rho, becomes
+   D (x + D^-1 Y dlambda); sigma becomes dlambda. */
+static void rbdi_solve_column(const rbd_model *m, rbd_constraint_set *c, int j, rbd_real *rho,
+                              rbd_real *sigma) {
+    const int nv = m->nv;
+    for (int k = 0; k < nv; ++k) c->x[k] = -c->D_inverse[k] * rho[k * nv + j];
+    for (int r = 0; r < c->rows; ++r) c->target[r] = -sigma[r * nv + j];
+
+    rbdi_rest_of_rows(c);
+    for (int r = 0; r < c->rows; ++r) c->lambda[r] = c->b[r];
+    rbdi_delta_solve(c, c->lambda, 1);
+    (void)rbdi_refine(m, c, rbdi_add_forces(m, c, c->lambda));
+
+    for (int k = 0; k < nv; ++k) rho[k * nv + j] = c->x[k] * c->w->pivot[k];
+    for (int r = 0; r < c->rows; ++r) sigma[r * nv + j] = c->lambda[r];
+}
+
+/* As rbdi_solve_at_once, column by column with [refinement]. c->Y: L^-T J'. */
+RBDI_COLD void rbdi_solve_by_columns(const rbd_model *m, rbd_constraint_set *c, rbd_real *rho,
+                                     rbd_real *sigma) {
+    const int nv = m->nv;
+    rbdi_solve_up(m, c->w, c->w->H, nv, nv, rho);
+    for (int j = 0; j < nv; ++j) rbdi_solve_column(m, c, j, rho, sigma);
+    rbdi_solve_down(m, c->w, c->w->H, 1, nv, nv, rho);
+}
+
+/* Whether accelerations by a force at each dof, all different, lose so many digits that rows may need
+   [refinement]. This stands for all columns: the loss depends on D and Y, hardly on the forces. */
+static int rbdi_loses_digits(const rbd_model *m, rbd_constraint_set *c) {
+    for (int k = 0; k < m->nv; ++k)
+        c->x[k] = c->D_inverse[k] * (RBD_C(1) + RBD_C(0.618) * (rbd_const)(k % 7));
+    rbdi_clear(c->target, c->rows);
+    rbdi_rest_of_rows(c);
+    rbdi_delta_solve(c, c->b, 1);
+    return rbdi_any(rbdi_add_forces(m, c, c->b));
+}
+
 RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_constraint_set *c,
                                                    rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
                                                    const rbd_real *tau, const rbd_real *f_ext,
@@ -2159,7 +2210,7 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
     rbd_real *const of_a[3] = {to.da_dq, to.da_dv, to.da_dtau};
     rbd_real *const of_lambda[3] = {to.dlambda_dq, to.dlambda_dv, to.dlambda_dtau};
     const int nv = m ? m->nv : 0;
-    int pairs = 1;
+    int pairs = 1, by_columns;
     rbd_status status, solved;
     for (int x = 0; x < 3; ++x) pairs &= !of_a[x] == !of_lambda[x];
     status = rbdi_check_constraints(m, c, d && q && v && tau && out && pairs);
@@ -2174,15 +2225,16 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
     rbdi_constraint_state(m, c, rbdi_expand_v(m, v, c->w->vx), rbdi_expand_v(m, d->a, c->w->ax), none, 0);
     for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con)
         rbdi_differentiate(m, c, d, con, to.da_dq, to.dlambda_dq, to.dlambda_dv);
-    rbdi_solve_down(m, c->w, c->w->H, -1, c->stride, c->rows, c->Y); /* -T = -L^-1 D^-1 Y */
     if (to.da_dtau) rbdi_clear(to.da_dtau, nv * nv);
     for (int k = 0; to.da_dtau && k < nv; ++k) to.da_dtau[k * nv + k] = rbdi_set(RBD_C(-1));
+    by_columns = rbdi_loses_digits(m, c);
+    if (!by_columns) rbdi_solve_down(m, c->w, c->w->H, -1, c->stride, c->rows, c->Y); /* -T = -L^-1 D^-1 Y */
     for (int x = 0; x < 3; ++x) {
         if (!of_a[x]) continue;
-        rbdi_lambda_derivatives(m, c, of_a[x], of_lambda[x]);
-        rbdi_solve_columns(m, c->w, c->w->H, -1, nv, nv, of_a[x], NULL);
-        for (int k = 0; k < nv; ++k)
-            rbdi_subtract_product(&c->Y[k * c->stride], of_lambda[x], c->rows, nv, &of_a[x][k * nv]);
+        if (by_columns)
+            rbdi_solve_by_columns(m, c, of_a[x], of_lambda[x]);
+        else
+            rbdi_solve_at_once(m, c, of_a[x], of_lambda[x]);
         if (solved && solved != RBD_ERR_INFEASIBLE) {
             (void)rbdi_pivot_status(m, c->w, of_a[x], nv * nv);
             (void)rbdi_pivot_status(m, c->w, of_lambda[x], c->rows * nv);

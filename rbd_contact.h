@@ -23,7 +23,7 @@
      [solver] [set] [step] [step derivatives]
      --- stop here if you only use it ---
      [layout] [tolerances] [one contact] [laws] [newton] [solver code]
-     [set code] [contact rows] [biases] [step code] [step derivatives code]
+     [joints] [set code] [contact rows] [biases] [step code] [step derivatives code]
 
    [conventions] Beyond those of rbd.h:
      u            velocity of body 1's point of contact less that of body 2's at this place, m/s
@@ -41,8 +41,8 @@
    [limits]
      No collision detection, no rolling and torsional friction, no batches; planes are infinite. Convergence
      of the solver is not proven, nor is the solution unique where friction is large; the residual says what
-     was reached. Rebounds of several contacts with friction follow Newton's law, which may gain energy in
-     known examples; without restitution a contact only takes energy.
+     was reached. Contacts only take energy, but for rebounds with friction: they follow Newton's law, which
+     may gain energy in known examples.
 */
 #include "rbd_constraints.h"
 
@@ -60,6 +60,7 @@ RBDI_EXTERN_C_BEGIN
 #define rbd_contact_solve RBDI_SYMBOL(rbd_contact_solve)
 #define rbd_contact_set_size RBDI_SYMBOL(rbd_contact_set_size)
 #define rbd_contact_set_init RBDI_SYMBOL(rbd_contact_set_init)
+#define rbd_contact_finding_text RBDI_SYMBOL(rbd_contact_finding_text)
 #define rbd_contact_step RBDI_SYMBOL(rbd_contact_step)
 #define rbd_contact_fd RBDI_SYMBOL(rbd_contact_fd)
 #define rbd_contact_plane RBDI_SYMBOL(rbd_contact_plane)
@@ -112,7 +113,8 @@ RBDI_API rbd_status rbd_contact_solve(const rbd_contact_problem *problem, void *
 /* ---- set [set] ---- */
 
 /* A point of body 1, or a ball about it, that may touch a plane of body 2. Zero is a sensible default for
-   every field but the bodies. */
+   every field but the bodies. body2 = 0 without on_body is refused: it may have been left out where the world
+   was meant. */
 typedef struct rbd_contact {
     const char *name;   /* for findings; NULL = nameless */
     int body1, body2;   /* index in the description, -1 = world */
@@ -124,6 +126,7 @@ typedef struct rbd_contact {
     double restitution; /* 0 (does not rebound) to 1 */
     double stiffness;   /* N/m: p/dt = -(stiffness gap + damping d gap/dt); 0 = rigid */
     double damping;     /* N s/m */
+    int on_body;        /* not 0: the plane is a body's, body2, and not the world's; body 0 needs it */
 } rbd_contact;
 
 /* 0 is the default in brackets. */
@@ -134,7 +137,7 @@ typedef struct rbd_contact_options {
     double bounce;      /* slower impacts do not rebound, m/s [0.05]; choose more than 2 g dt */
     double tolerance;   /* of the residual, m/s [1e-6, float 1e-5] */
     int iterations;     /* at most [40] */
-    int joint_limits;   /* not 0: limits of one-dof joints push */
+    int joint_limits;   /* not 0: limits of joints push, those of their followers too */
     int joint_friction; /* not 0: the description's friction of each degree of freedom holds, or brakes */
     int joint_damping;  /* not 0: the description's damping, implicitly */
     double slip;        /* contacts that stick give way along the plane, m/s per newton [0] */
@@ -149,17 +152,21 @@ typedef struct rbd_contact_set rbd_contact_set; /* contacts, impulses of the las
              have no meaning here; position errors are corrected as penetration is. May be NULL
    options   NULL: all defaults
    memory    size bytes of any alignment; rbd_contact_set_size is exact. For n contacts and `bounded` other
-             rows (held axes, joint limits, dry friction) RBD_CONTACT_SET_SIZE(nv, n, bounded) suffices
-             without the option `derivatives`
+             rows (held axes, two limits of each joint, dry friction) RBD_CONTACT_SET_SIZE(nv, n, bounded)
+             suffices without the option `derivatives`
    c         receives the set, which lies inside memory: do not move it; NULL after an error
    Errors: RBD_ERR_NULL, _MEMORY, _WORK, _COUNT (more than RBD_MAX_CONSTRAINTS); with the contact in
    report->error.body: _INDEX, _POSITION (point or height), _AXIS (normal), _RANGE; with a constraint, n + its
-   index there: those of rbd_constraint_set_init; _RANGE, an option. rbd_constraint_finding_text has the
+   index there: those of rbd_constraint_set_init; _RANGE, an option. rbd_contact_finding_text has the
    sentence. */
 RBDI_API rbd_status rbd_contact_set_init(const rbd_model *m, rbd_work *w, const rbd_contact *list, int n,
                                          const rbd_constraint *held, int n_held,
                                          const rbd_contact_options *options, void *memory, size_t size,
                                          rbd_contact_set **c, rbd_report *report);
+
+/* As rbd_finding_text, e.g. "contact 3 'left toe', field 'friction': negative, not finite or out of range".
+   n   number of contacts in the list: the constraints behind them are held constraint 0, 1, ... */
+RBDI_API char *rbd_contact_finding_text(const rbd_finding *finding, int n, char *text, size_t size);
 
 /* Bytes that rbd_contact_set_init needs for these; 0 if a number is out of range. */
 RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constraint *held, int n_held,
@@ -220,7 +227,7 @@ RBDI_EXTERN_C_BEGIN
 #define rbd_contact_step_derivatives RBDI_SYMBOL(rbd_contact_step_derivatives)
 
 /* ---- derivatives [step derivatives] ----
-   Declared where rbd_derivatives.h was included before. */
+   Declared where rbd_derivatives.h is included too. */
 
 /* Arrays for the results of rbd_contact_step_derivatives. NULL: not wanted. */
 typedef struct rbd_contact_step_results {
@@ -351,7 +358,7 @@ typedef struct rbdi_contact {
     int body2;
     int row;      /* of the step, -1 = none */
     int springs;  /* whether its stiffness acts in the step */
-    int rebounds; /* whether the solution for the velocities has its rebound */
+    int rebounds; /* whether the solution for the velocities returns a share of its approach */
     rbd_contact_state state;
 } rbdi_contact;
 
@@ -359,9 +366,10 @@ typedef struct rbdi_contact {
 typedef struct rbdi_dof_row {
     int16_t dof, iq;        /* iq: of the limited coordinate, -1 = dry friction */
     rbd_const lower, upper; /* limits, rad or m; the largest forces of dry friction, N m or N */
-    rbdi_gap gap;           /* to the nearer limit */
-    rbd_real side;          /* the row's sign there */
+    rbdi_gap gap;           /* to the limit */
+    rbd_real side;          /* the row's sign: 1 at the lower limit, -1 at the upper one */
     int row;                /* of the step, -1 = none */
+    int rebounds;           /* as of a contact: a limit does if it leaves */
 } rbdi_dof_row;
 
 /* A set of contacts has a set of constraints, whose rows are listed anew at each step: three of each contact
@@ -410,7 +418,8 @@ struct rbd_contact_set {
 #define RBDI_CONTACT_SIDES(nv, n, rows) \
     ((rows) * (nv) + RBDI_CONTACT_SHARED(nv, rows) + 4 * (nv) * (nv) + 3 * (n) * (nv))
 
-/* Bytes that suffice for n contacts and so many other rows: held axes, joint limits, dry friction. */
+/* Bytes that suffice for n contacts and so many other rows: held axes, two limits of each joint, dry
+   friction. */
 #define RBD_CONTACT_SET_SIZE(nv, n, bounded) \
     RBDI_CONTACT_SET_BYTES(2 * (size_t)(nv), nv, n, bounded, bounded, \
                            3 * (n) + (bounded) + 4 * RBDI_ROW_BATCH)
@@ -418,7 +427,7 @@ struct rbd_contact_set {
 /* ==== src/rbd_contact.h ==== */
 #endif /* RBDI_CONTACT_LAYOUT */
 
-#if defined RBD_IMPLEMENTATION && !defined RBDI_CONTACT_IMPLEMENTED
+#if defined RBD_IMPLEMENTATION && !defined RBDI_CONTACT_IMPLEMENTED && !defined RBDI_JOINS_DERIVATIVES
 #define RBDI_CONTACT_IMPLEMENTED
 
 RBDI_CODE_BEGIN
@@ -1071,8 +1080,81 @@ RBDI_API rbd_status rbd_contact_solve(const rbd_contact_problem *problem, void *
     return RBD_OK;
 }
 
+/* ==== src/contact/joints.h ==== */
+/* ---- joints [joints] ----
+   Limits, friction and damping of the description along dof k. A joint that mimics it, x = ratio q_k +
+   offset, has no dof of its own: its limits bound q_k, and its torques act on it as rbd_passive has them,
+
+       friction  |ratio| friction_x,   damping  ratio^2 damping_x */
+
+static rbd_const rbdi_joint_friction(const rbd_model *m, int k) {
+    rbd_const sum = m->dof[k].friction;
+    for (int i = 0; i < m->nmimic; ++i) {
+        const rbd_const ratio = m->mimic[i].ratio;
+        if (m->mimic[i].source_v == k) sum = sum + (ratio < 0 ? -ratio : ratio) * m->dof[m->nv + i].friction;
+    }
+    return sum;
+}
+
+static rbd_const rbdi_joint_damping(const rbd_model *m, int k) {
+    rbd_const sum = m->dof[k].damping;
+    for (int i = 0; i < m->nmimic; ++i) {
+        const rbd_const ratio = m->mimic[i].ratio;
+        if (m->mimic[i].source_v == k) sum = sum + ratio * ratio * m->dof[m->nv + i].damping;
+    }
+    return sum;
+}
+
+/* The limits lower <= q <= upper of a coordinate. */
+typedef struct rbdi_limits {
+    rbd_const lower, upper;
+} rbdi_limits;
+
+/* The stricter of two pairs of limits. */
+static rbdi_limits rbdi_both_limits(rbdi_limits x, rbdi_limits y) {
+    rbdi_limits both;
+    both.lower = x.lower > y.lower ? x.lower : y.lower;
+    both.upper = x.upper < y.upper ? x.upper : y.upper;
+    return both;
+}
+
+/* Limits of a body's joint, in its own coordinate; both 0 means none. */
+static rbdi_limits rbdi_limits_of(const rbdi_frame *u) {
+    const rbdi_limits none = {-RBDI_UNBOUNDED, RBDI_UNBOUNDED};
+    rbdi_limits x;
+    x.lower = u->lower, x.upper = u->upper;
+    return x.lower < x.upper ? x : none;
+}
+
+/* Limits of the coordinate of a joint with one dof, those of its followers included. */
+static rbdi_limits rbdi_joint_limits(const rbd_model *m, const rbdi_frame *u) {
+    rbdi_limits all = rbdi_limits_of(u);
+    for (int i = 0; i < m->nmimic; ++i) {
+        const rbdi_mimic *mimic = &m->mimic[i];
+        const rbdi_limits own = rbdi_limits_of(&m->frame[m->dof[m->nv + i].body]);
+        const int turned = mimic->ratio < 0;
+        rbdi_limits led;
+        if (mimic->source_v != u->iv || own.lower <= -RBDI_UNBOUNDED) continue;
+
+        /* q = (x - offset) / ratio */
+        led.lower = ((turned ? own.upper : own.lower) - mimic->offset) / mimic->ratio;
+        led.upper = ((turned ? own.lower : own.upper) - mimic->offset) / mimic->ratio;
+        all = rbdi_both_limits(all, led);
+    }
+    return all;
+}
+
 /* ==== src/contact/set.h ==== */
 /* ---- set code [set code] ---- */
+
+RBDI_API char *rbd_contact_finding_text(const rbd_finding *finding, int n, char *text, size_t size) {
+    rbd_finding held;
+    if (!finding || finding->body < 0 || finding->body < n)
+        return rbdi_write_finding(finding, "contact", text, size);
+    held = *finding;
+    held.body = finding->body - n;
+    return rbdi_write_finding(&held, "held constraint", text, size);
+}
 
 /* Makes the plane of a contact frame 2 of its constraint: x and y are tangents, z is the normal. */
 static void rbdi_place_plane(const rbd_model *m, rbdi_constraint *con, int body2, const double normal[3],
@@ -1093,14 +1175,32 @@ static rbd_constraint rbdi_constraint_of_contact(const rbd_contact *from) {
     return con;
 }
 
+/* Refuses a body2 that was left out, and one that is the world's where a body's plane is meant. */
+static rbd_status rbdi_check_plane_body(const rbd_contact *from, int i, rbd_report *report) {
+    const char *sentence = NULL;
+    if (from->body2 == 0 && !from->on_body)
+        sentence = "it is 0, or was left out: the world is -1; for body 0 set on_body";
+    if (from->body2 == -1 && from->on_body)
+        sentence = "on_body is set, and it is -1: the world, or a name that no body has";
+    if (!sentence) return RBD_OK;
+
+    rbdi_refuse(report, RBD_ERR_INDEX, i, from->name, "body2");
+    report->error.text = sentence;
+    return RBD_ERR_INDEX;
+}
+
 static rbd_status rbdi_check_contact(const rbd_model *m, const rbd_contact *from, int i, rbd_report *report) {
     const double values[5] = {from->radius, from->friction, from->restitution, from->stiffness,
                               from->damping};
     const char *const names[5] = {"radius", "friction", "restitution", "stiffness", "damping"};
     const rbd_constraint con = rbdi_constraint_of_contact(from);
-    const rbd_status status = rbdi_check_constraint(m, &con, i, report);
+    rbd_status status;
+
+    status = rbdi_check_plane_body(from, i, report);
+    if (!status) status = rbdi_check_constraint(m, &con, i, report);
     if (status == RBD_ERR_POSITION) report->error.field = "point";
     if (status) return status;
+
     if (!rbdi_finite(from->normal, 3)) return rbdi_refuse(report, RBD_ERR_AXIS, i, from->name, "normal");
     if (!rbdi_finite(&from->height, 1)) return rbdi_refuse(report, RBD_ERR_POSITION, i, from->name, "height");
     for (int j = 0; j < 5; ++j)
@@ -1130,20 +1230,37 @@ static rbd_contact_options rbdi_contact_defaults(const rbd_contact_options *give
     return o;
 }
 
+/* Appends the two limits of a joint to the rows, or counts them; a limit of infinity is none. */
+static int rbdi_list_limits(const rbd_model *m, const rbdi_frame *u, rbdi_dof_row *row) {
+    const rbdi_limits limits = rbdi_joint_limits(m, u);
+    int n = 0;
+    for (int upper = 0; upper < 2; ++upper) {
+        if (upper ? limits.upper >= RBDI_UNBOUNDED : limits.lower <= -RBDI_UNBOUNDED) continue;
+        if (row) {
+            row[n].dof = u->iv, row[n].iq = u->iq;
+            row[n].lower = limits.lower, row[n].upper = limits.upper;
+            row[n].side = rbdi_set(RBD_C(upper ? -1 : 1));
+        }
+        ++n;
+    }
+    return n;
+}
+
 /* Lists the rows of single dofs: limits of one-dof joints, then dry friction; NULL: counts them. */
 static int rbdi_list_dof_rows(const rbd_model *m, const rbd_contact_options *o, rbdi_dof_row *row) {
-    rbdi_dof_row counted;
     int n = 0;
-    for (int b = 0; o->joint_limits && b < m->nb; ++b) {
-        const rbdi_frame *u = &m->frame[b];
-        rbdi_dof_row *to = row ? &row[n] : &counted;
-        if (u->nv != 1 || !(u->lower < u->upper) || u->type == RBD_CONTINUOUS_CS) continue;
-        to->dof = u->iv, to->iq = u->iq, to->lower = u->lower, to->upper = u->upper, ++n;
-    }
+    for (int b = 0; o->joint_limits && b < m->nb; ++b)
+        if (m->frame[b].nv == 1) n += rbdi_list_limits(m, &m->frame[b], row ? &row[n] : NULL);
+
     for (int k = 0; o->joint_friction && k < m->nv; ++k) {
-        rbdi_dof_row *to = row ? &row[n] : &counted;
-        if (!(m->dof[k].friction > 0)) continue;
-        to->dof = (int16_t)k, to->iq = -1, to->upper = m->dof[k].friction, to->lower = -to->upper, ++n;
+        const rbd_const friction = rbdi_joint_friction(m, k);
+        if (!(friction > 0)) continue;
+        if (row) {
+            row[n].dof = (int16_t)k, row[n].iq = -1;
+            row[n].lower = -friction, row[n].upper = friction;
+            row[n].side = rbdi_set(RBD_C(1));
+        }
+        ++n;
     }
     return n;
 }
@@ -1168,7 +1285,10 @@ static rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work *w,
     report->warnings = 0;
     rbdi_refuse(report, RBD_OK, -1, NULL, NULL);
     if (!m || !w || !memory || (!list && n)) return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
-    if (least == 0) return rbdi_refuse(report, RBD_ERR_COUNT, -1, NULL, NULL);
+    if (least == 0) {
+        report->error.text = "a number of contacts or constraints is below 0, or there are more than 1000";
+        return report->error.status = RBD_ERR_COUNT;
+    }
     if (rbdi_check(m, w, 1)) return rbdi_refuse(report, RBD_ERR_WORK, -1, NULL, NULL);
     if (options) status = rbdi_check_options(options, report);
     for (int i = 0; !status && i < n; ++i) status = rbdi_check_contact(m, &list[i], i, report);
@@ -1318,16 +1438,13 @@ RBDI_INLINE int rbdi_may_touch(rbdi_gap gap, rbd_real dt, rbd_real margin) {
     return !(gap.start > margin && gap.start + 2 * dt * gap.rate > 0);
 }
 
-/* Finds the nearer limit. Returns whether it is near; dry friction always is. */
+/* Computes the gap to the limit. Returns whether it may be reached; dry friction always acts. */
 static int rbdi_find_limit(const rbd_contact_set *c, rbdi_dof_row *limit, const rbd_real *q,
                            const rbd_real *v) {
     rbdi_gap *gap = &limit->gap;
-    rbd_real below, above;
-    gap->start = gap->rate = gap->reach = rbdi_zero(), limit->side = rbdi_set(RBD_C(1));
+    gap->start = gap->rate = gap->reach = rbdi_zero();
     if (limit->iq < 0) return 1;
-    below = q[limit->iq] - limit->lower, above = limit->upper - q[limit->iq];
-    if (above < below) limit->side = -limit->side;
-    gap->start = above < below ? above : below;
+    gap->start = limit->side > 0 ? q[limit->iq] - limit->lower : limit->upper - q[limit->iq];
     gap->rate = limit->side * v[limit->dof];
     gap->reach = gap->start + c->half * gap->rate;
     return rbdi_may_touch(*gap, c->dt, rbdi_set(RBDI_NEAR_LIMIT));
@@ -1379,6 +1496,7 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
     for (int i = 0; i < c->dof_rows; ++i) {
         rbdi_dof_row *limit = &c->dof_row[i];
         const int r = s->rows - 3 * contacts, acts = rbdi_find_limit(c, limit, q, v);
+        limit->rebounds = 0;
         limit->row = acts ? rbdi_open_rows(c, place + i, 1, s->path, rbdi_path_to(m, s, limit->dof)) : -1;
         if (!acts) continue;
         c->lower[r] = limit->iq < 0 ? dt * limit->lower : rbdi_zero();
@@ -1477,6 +1595,12 @@ static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
                 so it takes and gives the same energy; the damper is implicit. Stable at every dt
      rebounds   for velocities, restitution times the speed with which it hits: that of the beginning, and what
                 it still falls until the gap is 0
+     leaves     for velocities, if another contact rebounds: the speed at which it leaves, where that is more
+                than its bias
+
+   Without friction a rebound makes no energy then, whatever the restitutions are: impulses do the work
+   p'(u+ + u-)/2, of approach and end. A contact that pushes has u+ = -e u- if it rebounds or leaves (e = 1),
+   or u+ = -reach / h; in each case u+ + u- <= 0.
 
    The option `slip` adds a damper along the plane: slip / dt on the diagonal, so that u_t + slip p_t / dt is
    the velocity that sticks or slips. */
@@ -1522,12 +1646,20 @@ RBDI_INLINE rbdi_bias rbdi_spring_bias(const rbd_contact_set *c, const rbdi_cont
     return x;
 }
 
+/* Of a row that leaves: its rate. */
+RBDI_INLINE rbdi_bias rbdi_leaving_bias(const rbdi_gap *gap) {
+    rbdi_bias x = rbdi_no_bias();
+    x.value = gap->rate, x.by_rate = rbdi_set(RBD_C(1));
+    return x;
+}
+
 /* -restitution sqrt(rate^2 - 2 start falls / dt) */
 RBDI_INLINE rbdi_bias rbdi_rebound_bias(const rbd_contact_set *c, const rbdi_contact *contact) {
     const rbdi_gap *gap = &contact->gap;
     const int further = gap->start > 0 && contact->falls < 0;
     rbd_real square = gap->rate * gap->rate, share;
     rbdi_bias x = rbdi_no_bias();
+    if (gap->rate > 0) return rbdi_leaving_bias(gap);
     if (further) square = square - 2 * gap->start * contact->falls / c->dt;
     x.value = -contact->restitution * rbdi_sqrt(square);
     share = contact->restitution * contact->restitution / x.value;
@@ -1539,6 +1671,32 @@ RBDI_INLINE rbdi_bias rbdi_rebound_bias(const rbd_contact_set *c, const rbdi_con
 static rbdi_bias rbdi_contact_bias(const rbd_contact_set *c, int purpose, const rbdi_contact *contact) {
     if (purpose == RBDI_FOR_VELOCITIES && contact->rebounds) return rbdi_rebound_bias(c, contact);
     return contact->springs ? rbdi_spring_bias(c, contact) : rbdi_rigid_bias(c, purpose, &contact->gap);
+}
+
+static rbdi_bias rbdi_limit_bias(const rbd_contact_set *c, int purpose, const rbdi_dof_row *limit) {
+    if (purpose == RBDI_FOR_VELOCITIES && limit->rebounds) return rbdi_leaving_bias(&limit->gap);
+    return rbdi_rigid_bias(c, purpose, &limit->gap);
+}
+
+/* Whether a rigid row leaves, faster than it may close its gap. */
+static int rbdi_leaves(const rbd_contact_set *c, const rbdi_gap *gap) {
+    return gap->rate > 0 && gap->rate > rbdi_rigid_bias(c, RBDI_FOR_VELOCITIES, gap).value;
+}
+
+/* Finds the contacts that rebound by the first solution, and then those that leave. */
+static void rbdi_find_rebounds(rbd_contact_set *c) {
+    int any = 0;
+    for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
+        contact->rebounds = contact->row >= 0 && contact->restitution > 0 &&
+                            contact->gap.rate < -RBD_C(c->options.bounce) &&
+                            c->rows->lambda[contact->row + 2] > 0;
+        any |= contact->rebounds;
+    }
+
+    for (rbdi_contact *contact = c->contact; any && contact < c->contact + c->n; ++contact)
+        if (contact->row >= 0 && !contact->springs && rbdi_leaves(c, &contact->gap)) contact->rebounds = 1;
+    for (rbdi_dof_row *limit = c->dof_row; limit < c->dof_row + c->dof_rows; ++limit)
+        limit->rebounds = any && limit->row >= 0 && limit->iq >= 0 && rbdi_leaves(c, &limit->gap);
 }
 
 /* The bias of a held row: its error counts as a penetration on either side. */
@@ -1576,7 +1734,7 @@ static int rbdi_write_biases(rbd_contact_set *c, int purpose) {
             changed |= rbdi_write_bias(c, r, rbdi_held_bias(c, purpose, r).value);
     for (const rbdi_dof_row *limit = c->dof_row; limit < c->dof_row + c->dof_rows; ++limit)
         if (limit->row >= 0)
-            changed |= rbdi_write_bias(c, limit->row, rbdi_rigid_bias(c, purpose, &limit->gap).value);
+            changed |= rbdi_write_bias(c, limit->row, rbdi_limit_bias(c, purpose, limit).value);
     return changed;
 }
 
@@ -1599,7 +1757,7 @@ static void rbdi_free_impulse(const rbd_model *m, rbd_contact_set *c, const rbd_
     rbd_constraint_set *s = c->rows;
     for (int k = 0; k < m->nv; ++k) {
         rbd_real d = damping ? damping[k] : rbdi_zero();
-        if (c->options.joint_damping) d = d + m->dof[k].damping;
+        if (c->options.joint_damping) d = d + rbdi_joint_damping(m, k);
         s->x[k] = c->dt * (tau[k] - s->w->bias[k] - d * c->v_mid[k]);
     }
 }
@@ -1612,7 +1770,7 @@ static rbdi_mask rbdi_factor_damped(const rbd_model *m, rbd_contact_set *c, cons
     for (int k = 0; k < m->nv; ++k) {
         rbd_real *diagonal = &w->H[m->dof[k].row + m->dof[k].depth];
         rbd_real d = damping ? damping[k] : rbdi_zero();
-        if (c->options.joint_damping) d = d + m->dof[k].damping;
+        if (c->options.joint_damping) d = d + rbdi_joint_damping(m, k);
         *diagonal = *diagonal + c->dt * d;
     }
     doubt = rbdi_factor(m, w, w->H);
@@ -1660,7 +1818,7 @@ static void rbdi_correct(const rbd_model *m, rbd_contact_set *c, const rbd_real 
 /* nu of the impulses by (4). */
 static void rbdi_contact_respond(const rbd_model *m, rbd_contact_set *c, rbd_real *nu) {
     rbd_constraint_set *s = c->rows;
-    for (int k = 0; k < m->nv; ++k) nu[k] = c->x[k] + rbdi_y_lambda(s, k);
+    for (int k = 0; k < m->nv; ++k) nu[k] = c->x[k] + rbdi_y_lambda(s, s->lambda, k);
     rbdi_vector_down(m, s->w, s->w->H, nu);
     for (int k = 0; k < m->nv; ++k) nu[k] = c->v_mid[k] + nu[k];
 }
@@ -1738,10 +1896,7 @@ static void rbdi_keep_impulses(rbd_contact_set *c) {
 static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
     int finite = rbdi_all_finite(c->b, c->rows->rows);
-    for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact)
-        contact->rebounds = contact->row >= 0 && contact->restitution > 0 &&
-                            contact->gap.rate < -RBD_C(c->options.bounce) &&
-                            c->rows->lambda[contact->row + 2] > 0;
+    rbdi_find_rebounds(c);
     for (int k = 0; k < m->nv; ++k) c->nu[k] = c->moved[k];
     c->differ = rbdi_write_biases(c, RBDI_FOR_VELOCITIES);
     if (c->differ) {
@@ -1820,7 +1975,7 @@ RBDI_CODE_END
 
 #endif /* RBD_IMPLEMENTATION */
 
-#if defined RBD_IMPLEMENTATION && defined RBDI_CONTACT_DERIVATIVES && \
+#if defined RBD_IMPLEMENTATION && defined RBDI_CONTACT_IMPLEMENTED && defined RBDI_CONTACT_DERIVATIVES && \
     !defined RBDI_CONTACT_DERIVATIVES_IMPLEMENTED
 #define RBDI_CONTACT_DERIVATIVES_IMPLEMENTED
 
@@ -2035,16 +2190,19 @@ static void rbdi_write_falls(const rbd_model *m, rbd_contact_set *c, const rbd_r
 static void rbdi_other_terms(const rbd_model *m, rbd_contact_set *c, int purpose, int x) {
     for (int i = 0; i < c->n; ++i) {
         const rbdi_contact *contact = &c->contact[i];
+        rbd_real by_falls;
         if (contact->row < 0 || !contact->rebounds || purpose != RBDI_FOR_VELOCITIES) continue;
-        rbdi_subtract(&c->sigma[(contact->row + 2) * m->nv], -rbdi_rebound_bias(c, contact).by_falls,
-                      rbdi_fall_columns(m, c, i, x), m->nv);
+        by_falls = rbdi_rebound_bias(c, contact).by_falls;
+        if (by_falls > 0 || by_falls < 0)
+            rbdi_subtract(&c->sigma[(contact->row + 2) * m->nv], -by_falls, rbdi_fall_columns(m, c, i, x),
+                          m->nv);
     }
     for (const rbdi_dof_row *limit = c->dof_row; x < 2 && limit < c->dof_row + c->dof_rows; ++limit) {
         rbdi_bias bias;
         if (limit->row < 0) continue;
-        bias = rbdi_rigid_bias(c, purpose, &limit->gap);
+        bias = rbdi_limit_bias(c, purpose, limit);
         c->sigma[limit->row * m->nv + limit->dof] =
-            limit->side * (x == 0 ? bias.by_start + bias.by_reach : -c->half * bias.by_start);
+            limit->side * (x == 0 ? bias.by_start + bias.by_reach : bias.by_rate - c->half * bias.by_start);
     }
 }
 

@@ -18,7 +18,7 @@
    CONTENTS (search for the tag)
      [reading] [options] [status] [robot] [calls] [lookup]
      --- stop here if you only use it ---
-     [xml] [check] [urdfdom] [description] [result]
+     [xml] [unread] [check] [urdfdom] [description] [result]
 
    [reading] How a URDF becomes a description:
      order        the moving joints in the order of the file, parents before children; q and v follow
@@ -32,14 +32,19 @@
                   Unless the axis is z the link is a fixed body on a nameless one that the joint moves
      mimic        follows another joint, also through others. With multiplier 0, or if it follows a joint of
                   options.lock, it is held still at the value that it then has
-     axis         made a unit vector
-     limits       zero velocity or effort, or lower >= upper: none
+     axis         made a unit vector; one that is missing is x, with a warning
+     limits       zero velocity or effort, or lower >= upper: none. A continuous joint has none; those of less
+                  than a turn give a warning
      angles       rad. Values that look like degrees, as limits of -90 and 90, give a warning
      dynamics     damping and friction, and armature = "..." there (kg m^2, or kg), for each degree of
                   freedom
+     inertial     without it a link has no mass. A warning says so of one between moving joints that has a
+                  shape, or length up to the next joint, if other links have mass
      rotations    roll, pitch, yaw by the quaternion that urdfdom makes of them; entries of the matrix
                   that only rounding keeps from 0, 1 or -1 are that
-     Geometry, materials, sensors, transmissions and everything unknown is left unread.
+     Geometry, materials, sensors, transmissions, and names with a prefix as in <drake:joint> are left unread.
+     Each other element or attribute that is not read gives a warning, because its name may be misspelt: with
+     options.strict an error. Elements that stand twice must be equal.
 
    Called with bodies and names NULL, loading only counts: robot.nb, robot.names_size, robot.nframes and
    robot.nwarnings say how long the arrays must be for the second call.
@@ -105,11 +110,13 @@ typedef enum rbd_urdf_status {
     RBD_URDF_WARN_LIMIT = 2,    /* limits make no sense: read as none; or a joint is held still beyond them */
     RBD_URDF_WARN_ROOT = 3,     /* a floating root link without mass */
     RBD_URDF_WARN_LOCKED = 4,   /* a joint that moves no mass, or mimics one at rest, is held still */
-    RBD_URDF_WARN_AXIS = 5,     /* an axis is not of unit length: made so */
+    RBD_URDF_WARN_AXIS = 5,     /* an axis is not of unit length: made so; or missing: x */
     RBD_URDF_WARN_NAME = 6,     /* the robot has no name: it is called "robot" */
     RBD_URDF_WARN_MIMIC = 7,    /* a fixed joint mimics another: ignored */
     RBD_URDF_WARN_SINGULAR = 8, /* neither a joint nor those that mimic it move mass */
-    RBD_URDF_WARN_DEGREES = 9   /* an angle is taken as rad, and looks like degrees */
+    RBD_URDF_WARN_DEGREES = 9,  /* an angle is taken as rad, and looks like degrees */
+    RBD_URDF_WARN_UNREAD = 10,  /* an element or attribute is not read: its name may be misspelt */
+    RBD_URDF_WARN_MASSLESS = 11 /* a link between moving joints has a shape or length, but no <inertial> */
 } rbd_urdf_status;
 
 /* A status in a few English words; a static string. */
@@ -247,35 +254,51 @@ inline bool looks_like_degrees(double x, double usual) {
     return std::fabs(x) > usual && std::fabs(x) <= 720 && std::fabs(std::remainder(x, ten)) > 0.002;
 }
 const double a_turn = 7, two_turns = 13; /* as rad, rounded up */
+const double whole_turn = 6.28;          /* and down */
 
 inline char lower_case(char c) { return c >= 'A' && c <= 'Z' ? (char)(c | 0x20) : c; }
 
-/* How many characters must be put in, left out or changed to make one name of the other (Levenshtein);
-   upper and lower case are the same. */
+/* How many characters must be put in, left out, changed, or swapped with the next one, to make one name of
+   the other (Damerau, Levenshtein; no character twice); upper and lower case are the same. */
 inline size_t difference(const str &a, const str &b) {
-    std::vector<size_t> row(b.size() + 1);
-    for (size_t k = 0; k <= b.size(); ++k) row[k] = k;
-    for (size_t i = 0; i < a.size(); ++i) {
-        size_t diagonal = row[0]++;
-        for (size_t k = 0; k < b.size(); ++k) {
-            const size_t changed = diagonal + (lower_case(a[i]) != lower_case(b[k]));
-            diagonal = row[k + 1];
-            row[k + 1] = std::min(changed, 1 + std::min(diagonal, row[k]));
+    const size_t width = b.size() + 1;
+    std::vector<size_t> before(width), last(width), row(width); /* of a's characters up to i - 2, i - 1, i */
+    for (size_t k = 0; k < width; ++k) row[k] = k;
+    for (size_t i = 1; i <= a.size(); ++i) {
+        before.swap(last);
+        last.swap(row);
+        row[0] = i;
+        for (size_t k = 1; k < width; ++k) {
+            const bool same = lower_case(a[i - 1]) == lower_case(b[k - 1]);
+            const bool swapped = i > 1 && k > 1 && lower_case(a[i - 1]) == lower_case(b[k - 2]) &&
+                                 lower_case(a[i - 2]) == lower_case(b[k - 1]);
+            row[k] = std::min(last[k - 1] + !same, 1 + std::min(last[k], row[k - 1]));
+            if (swapped) row[k] = std::min(row[k], before[k - 2] + 1);
         }
     }
     return row[b.size()];
 }
 
-/* A hint at the name that one which is missing may stand for: a third of it may differ. */
-inline str nearest(const str &name, const std::map<str, int> &known) {
+typedef std::map<str, int> name_index;
+
+/* The name that one which is missing may stand for, "" if none comes near: a third of it may differ. */
+inline str nearest_name(const str &name, const name_index &known) {
     const size_t longest = 100; /* the time goes with the square */
     size_t least = name.size() / 3 + 1;
     str best;
-    for (std::map<str, int>::const_iterator i = known.begin(); i != known.end(); ++i) {
+    for (name_index::const_iterator i = known.begin(); i != known.end(); ++i) {
         if (name.size() > longest || i->first.size() > longest) continue;
         const size_t d = difference(name, i->first);
-        if (d < least) least = d, best = i->first;
+        if (d >= least) continue;
+        least = d;
+        best = i->first;
     }
+    return best;
+}
+
+/* A hint at that name. */
+inline str nearest(const str &name, const name_index &known) {
+    const str best = nearest_name(name, known);
     return best.empty() ? best : "; did you mean " + quoted(best) + "?";
 }
 
@@ -310,10 +333,19 @@ struct element {
             if (children[i].name == key) return &children[i];
         return NULL;
     }
-    int count(const char *key) const {
-        int n = 0;
-        for (size_t i = 0; i < children.size(); ++i) n += children[i].name == key;
-        return n;
+    /* Attributes in any order, children in the same. Not deeper than the reader goes. */
+    bool says_the_same_as(const element &other) const {
+        if (attributes.size() != other.attributes.size() || children.size() != other.children.size())
+            return false;
+        for (size_t i = 0; i < attributes.size(); ++i) {
+            const str *value = other.attribute(attributes[i].first.c_str());
+            if (!value || *value != attributes[i].second) return false;
+        }
+        for (size_t i = 0; i < children.size(); ++i)
+            if (children[i].name != other.children[i].name ||
+                !children[i].says_the_same_as(other.children[i]))
+                return false;
+        return true;
     }
 };
 
@@ -325,6 +357,8 @@ class reader {
         element top;
         if (p == end) fail("it is empty");
         if (starts("\xef\xbb\xbf")) p += 3;
+        if (starts("\xff\xfe") || starts("\xfe\xff") || (end - p > 1 && (!p[0] || !p[1])))
+            fail("it is text in UTF-16: save it as UTF-8");
         while (between_elements()) {
         }
         if (p == end) fail("the text ends before any element");
@@ -511,6 +545,200 @@ class reader {
     }
 };
 
+/* ---- unread [unread] ----
+   A misspelt name would vanish. So a warning tells all that is neither read nor known to say nothing about
+   dynamics. */
+
+struct warning_list {
+    std::vector<rbd_urdf_finding> list;
+    bool strict;
+    void add(rbd_urdf_status status, int line, const str &text) {
+        rbd_urdf_finding f;
+        if (strict) throw failure(status, line, text);
+        f.status = status;
+        f.line = line;
+        std::snprintf(f.text, sizeof f.text, "%s", text.c_str());
+        list.push_back(f);
+    }
+};
+
+/* An element that is read. Names in a list have spaces between. */
+struct known_element {
+    const char *name, *children, *attributes;            /* of those that are read */
+    const char *harmless_children, *harmless_attributes; /* of those that may stand there unread */
+};
+
+/* Harmless are those of simulators, displays and controllers that were met in published robots, and that say
+   nothing about masses, joints and forces. */
+inline const known_element *known_elements(size_t &n) {
+    static const known_element all[] = {
+        {"robot", "link joint", "name",
+         "material gazebo transmission sensor camera frame group collision_filter_group disable_collisions "
+         "ros2_control mujoco bullet plugin",
+         "version"},
+        {"link", "inertial", "name",
+         "visual collision contact surface material sensor gazebo bullet self_collision_checking "
+         "collision_checking self_filter self_collide audio_source gravity kinematic",
+         "type concave"},
+        {"inertial", "origin mass inertia", "", "", ""},
+        {"mass", "", "value", "", ""},
+        {"inertia", "", "ixx ixy ixz iyy iyz izz", "", "iyx izx izy"},
+        {"joint", "origin parent child axis limit dynamics mimic", "name type",
+         "safety_controller calibration controller_gains hardwareInterface gazebo sensor", "dont_collapse"},
+        {"origin", "", "xyz rpy quat_xyzw", "", ""},
+        {"parent", "", "link", "", ""},
+        {"child", "", "link", "", ""},
+        {"axis", "", "xyz", "", ""},
+        {"limit", "", "lower upper velocity effort", "",
+         "acceleration deceleration jerk command_effort current gear_velocity stepSize twist k_velocity"},
+        {"dynamics", "", "damping friction armature", "", "D K mu_coulomb mu_viscous"},
+        {"mimic", "", "joint multiplier offset", "", ""},
+    };
+    n = sizeof all / sizeof *all;
+    return all;
+}
+
+/* The next name of a list, which then begins behind it; "" at the end. */
+inline str next_name(const char *&list) {
+    const char *start = list, *end = start + std::strcspn(start, " ");
+    list = end + std::strspn(end, " ");
+    return str(start, end);
+}
+
+inline bool has_name(const char *list, const str &name) {
+    while (*list)
+        if (next_name(list) == name) return true;
+    return false;
+}
+
+/* Puts the names of a list into an index. */
+inline void add_names(const char *list, name_index &names) {
+    while (*list) names[next_name(list)] = 0;
+}
+
+class unread_parts {
+  public:
+    unread_parts(const element &robot, warning_list &w) : warnings(w) {
+        look(robot);
+        for (size_t i = 0; i < notices.size(); ++i) tell(notices[i]);
+    }
+
+  private:
+    struct notice {
+        int line, times;
+        str what, hint;
+    };
+    warning_list &warnings;
+    std::vector<notice> notices;
+    name_index first; /* of those that say the same of different links or joints: the index in notices */
+    str who;          /* the link or joint that is looked at */
+
+    /* Looks at what stands in an element that is read. The recursion is not deep, because the table of known
+       elements has no circle. */
+    void look(const element &e) {
+        size_t n, k = 0;
+        const known_element *all = known_elements(n);
+        while (e.name != all[k].name) ++k;
+        for (size_t i = 0; i < e.attributes.size(); ++i) attribute(e, all[k], e.attributes[i]);
+
+        for (size_t i = 0; i < e.children.size(); ++i) {
+            const element &c = e.children[i];
+            if (e.name == "robot") who = label(c);
+            if (has_name(all[k].children, c.name))
+                look(c);
+            else
+                child(e, all[k], c);
+        }
+    }
+    static str label(const element &e) {
+        const str *name = e.attribute("name");
+        return (e.name == "link" || e.name == "joint") && name ? e.name + " " + quoted(*name) + ": " : "";
+    }
+
+    void attribute(const element &e, const known_element &known, const std::pair<str, str> &a) {
+        const str &name = a.first;
+        if (has_name(known.attributes, name) || has_name(known.harmless_attributes, name)) return;
+        if (has_prefix(name) || name == "xmlns") return;
+
+        const str best = nearest_of(name, known.attributes, known.harmless_attributes);
+        const str owner = only_owner(name, &known_element::attributes);
+        if (best.empty() && is_zero(a.second)) return;
+        note(e.line, "<" + e.name + " " + name + ">",
+             !owner.empty()  ? "; it belongs in <" + owner + ">"
+             : !best.empty() ? "; did you mean " + quoted(best) + "?"
+                             : "");
+    }
+
+    void child(const element &e, const known_element &known, const element &c) {
+        if (has_name(known.harmless_children, c.name)) return;
+        const bool xacro = c.name.compare(0, 6, "xacro:") == 0;
+        if (has_prefix(c.name) && !xacro) return;
+
+        const str best = nearest_of(c.name, known.children, known.harmless_children);
+        const str owner = only_owner(c.name, &known_element::children);
+        if (best.empty() && says_only_zero(c)) return;
+        const bool part = e.name == "robot" || e.name == "link" || e.name == "joint";
+        note(c.line, "<" + c.name + ">" + (part ? "" : " in <" + e.name + ">"),
+             xacro                    ? "; xacro left it there: no macro has this name"
+             : c.name == "loop_joint" ? "; the loop stays open: constraints can close it"
+             : !owner.empty()         ? "; it belongs in <" + owner + ">"
+             : !best.empty()          ? "; did you mean <" + best + ">?"
+                                      : "");
+    }
+
+    static str nearest_of(const str &name, const char *read, const char *harmless) {
+        name_index known;
+        add_names(read, known);
+        add_names(harmless, known);
+        return nearest_name(name, known);
+    }
+
+    static bool has_prefix(const str &name) { return name.find(':') != str::npos; }
+
+    /* The element that alone reads this name, "" if none or several do. */
+    static str only_owner(const str &name, const char *known_element::*list) {
+        size_t n, owners = 0;
+        const known_element *all = known_elements(n);
+        str owner;
+        for (size_t k = 0; k < n; ++k) {
+            if (!has_name(all[k].*list, name)) continue;
+            owner = all[k].name;
+            ++owners;
+        }
+        return owners == 1 ? owner : "";
+    }
+
+    /* What is unknown and says 0 changes nothing. */
+    static bool is_zero(const str &numbers) {
+        return numbers.find_first_not_of("0.+- ") == str::npos && numbers.find('0') != str::npos;
+    }
+    static bool says_only_zero(const element &e) {
+        bool zero = e.children.empty() && !e.attributes.empty();
+        for (size_t i = 0; i < e.attributes.size(); ++i) zero = zero && is_zero(e.attributes[i].second);
+        return zero;
+    }
+
+    /* The same of other links or joints is only counted. */
+    void note(int line, const str &what, const str &hint) {
+        const std::pair<name_index::iterator, bool> at =
+            first.insert(std::make_pair(what + hint, (int)notices.size()));
+        if (!at.second) {
+            ++notices[(size_t)at.first->second].times;
+            return;
+        }
+        notice x;
+        x.line = line;
+        x.times = 1;
+        x.what = who + what;
+        x.hint = hint;
+        notices.push_back(x);
+    }
+    void tell(const notice &x) const {
+        const str times = x.times > 1 ? " (" + std::to_string(x.times) + " times in the file)" : "";
+        warnings.add(RBD_URDF_WARN_UNREAD, x.line, x.what + " is not read" + times + x.hint);
+    }
+};
+
 /* ---- check [check] ----
    Everything that urdfdom takes without a word is looked at here; what it gets to see is a text of the
    checked parts alone. */
@@ -519,9 +747,10 @@ struct link_part {
     str name;
     int line;
     bool inertial, massive;    /* has <inertial>; mass or inertia in it is not zero */
+    bool shaped;               /* has <visual> or <collision> */
     int joint;                 /* that carries it, -1: none */
     std::vector<int> children; /* joints, in the file's order */
-    link_part() : line(0), inertial(false), massive(false), joint(-1) {}
+    link_part() : line(0), inertial(false), massive(false), shaped(false), joint(-1) {}
 };
 
 struct joint_part {
@@ -539,19 +768,6 @@ struct joint_part {
     bool held() const { return type != motion; }
 };
 
-struct warning_list {
-    std::vector<rbd_urdf_finding> list;
-    bool strict;
-    void add(rbd_urdf_status status, int line, const str &text) {
-        rbd_urdf_finding f;
-        if (strict) throw failure(status, line, text);
-        f.status = status;
-        f.line = line;
-        std::snprintf(f.text, sizeof f.text, "%s", text.c_str());
-        list.push_back(f);
-    }
-};
-
 inline bool has_joint_axis(rbd_joint_type type) { return type != RBD_FIXED && type != RBD_FLOATING; }
 inline bool has_one_dof(rbd_joint_type type) {
     return type == RBD_REVOLUTE || type == RBD_CONTINUOUS || type == RBD_PRISMATIC;
@@ -566,7 +782,7 @@ inline const str *end_of(const element &joint, const char *which) {
 /* Removes the links outside this one's subtree, and the joints that they carry. An element without a name, or
    that names a missing link, stays: later checks refuse it. */
 inline void take_subtree(element &robot, const str &root) {
-    std::map<str, int> taken; /* all links: whether they hang on the root */
+    name_index taken; /* all links: whether they hang on the root */
     std::multimap<str, str> carries;
     for (size_t i = 0; i < robot.children.size(); ++i) {
         const element &e = robot.children[i];
@@ -605,13 +821,12 @@ class checked {
     int root;
 
     checked(element top, const rbd_urdf_options &o, warning_list &w) : root(-1), options(o), warnings(w) {
-        if (top.name != "robot")
-            fail(RBD_URDF_ERR_ROBOT, top,
-                 "<" + top.name + "> is not a robot: <robot> must be the first element");
+        if (top.name != "robot") refuse_other_format(top);
         refuse_xacro(top);
+        if (options.root_link) take_subtree(top, options.root_link);
+        unread_parts(top, warnings);
         robot = name_of_robot(top);
         text = "<robot name=\"" + escaped(robot) + "\">\n";
-        if (options.root_link) take_subtree(top, options.root_link);
         for (size_t i = 0; i < top.children.size(); ++i)
             if (top.children[i].name == "link") add_link(top.children[i]);
         if (links.empty()) fail(RBD_URDF_ERR_ROBOT, top, "the robot has no link");
@@ -632,12 +847,12 @@ class checked {
   private:
     const rbd_urdf_options &options;
     warning_list &warnings;
-    std::map<str, int> link_index, joint_index;
+    name_index link_index, joint_index;
     std::vector<int> outwards; /* links, parents first */
     str who;                   /* the link or joint that is being checked */
 
-    static int find(const std::map<str, int> &index, const str &name) {
-        std::map<str, int>::const_iterator i = index.find(name);
+    static int find(const name_index &index, const str &name) {
+        name_index::const_iterator i = index.find(name);
         return i == index.end() ? -1 : i->second;
     }
 
@@ -645,9 +860,22 @@ class checked {
         throw failure(status, e.line, who.empty() ? what : who + ": " + what);
     }
 
-    /* Elements of xacro stand for others, which are not there. Not deeper than the reader goes. */
+    void refuse_other_format(const element &e) const {
+        const char *format = e.name == "mujoco" ? "MJCF, the format of MuJoCo"
+                             : e.name == "sdf"  ? "SDF, the format of Gazebo"
+                                                : NULL;
+        if (format)
+            fail(RBD_URDF_ERR_ROBOT, e,
+                 "<" + e.name + "> is not a robot of URDF, but of " + format + ": convert it to URDF first");
+        fail(RBD_URDF_ERR_ROBOT, e, "<" + e.name + "> is not a robot: <robot> must be the first element");
+    }
+
+    /* Elements of xacro's own stand for others, which are not there. A call of a macro may be left in a file
+       that is expanded: unread_parts tells it. Not deeper than the reader goes. */
     void refuse_xacro(const element &e) const {
-        if (e.name.compare(0, 6, "xacro:") == 0)
+        const char *const own = "macro include property arg if unless insert_block element attribute call";
+        const bool xacro = e.name.compare(0, 6, "xacro:") == 0 && has_name(own, e.name.substr(6));
+        if (xacro || e.name == "include" || e.name == "macro")
             fail(RBD_URDF_ERR_ROBOT, e, "<" + e.name + ">: expand the file with xacro first");
         for (size_t i = 0; i < e.children.size(); ++i) refuse_xacro(e.children[i]);
     }
@@ -685,10 +913,17 @@ class checked {
         return "robot";
     }
 
-    /* The child of this name, NULL if there is none; two are an error. */
+    /* The child of this name, NULL if there is none; two that differ are an error. */
     const element *only(const element &e, const char *name) const {
-        if (e.count(name) > 1) fail(RBD_URDF_ERR_XML, e, str("<") + name + "> stands twice");
-        return e.child(name);
+        const element *first = e.child(name);
+        for (size_t i = 0; i < e.children.size(); ++i) {
+            const element &c = e.children[i];
+            if (c.name != name || &c == first) continue;
+            if (!c.says_the_same_as(*first)) fail(RBD_URDF_ERR_XML, e, str("<") + name + "> stands twice");
+            warnings.add(RBD_URDF_WARN_UNREAD, c.line,
+                         who + ": <" + name + "> stands twice; they are the same, and the first is read");
+        }
+        return first;
     }
 
     double number(const element &e, const char *attribute, const str &token) const {
@@ -697,7 +932,8 @@ class checked {
             if (std::isfinite(x)) return x;
         } catch (const std::runtime_error &) {
         }
-        str hint = token.find("${") != str::npos ? "; expand the file with xacro first" : "";
+        const bool xacro = token.find("${") != str::npos || token.find("$(") != str::npos;
+        const str hint = xacro ? "; expand the file with xacro first" : "";
         fail(RBD_URDF_ERR_NUMBER, e,
              "<" + e.name + " " + attribute + ">: " + quoted(token) + " is not a finite number" + hint);
         return 0;
@@ -755,6 +991,7 @@ class checked {
         if (!link_index.insert(std::make_pair(l.name, (int)links.size())).second)
             fail(RBD_URDF_ERR_NAME, e, "the name stands twice");
         text += "<link name=\"" + escaped(l.name) + "\">";
+        l.shaped = e.child("visual") || e.child("collision");
         if (const element *inertial = only(e, "inertial")) {
             l.inertial = true;
             l.massive = add_inertial(*inertial);
@@ -766,6 +1003,7 @@ class checked {
     /* Returns whether anything in it is not zero. */
     bool add_inertial(const element &e) {
         static const char *const entries[] = {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"};
+        static const char *const mirrored[] = {"", "iyx", "izx", "", "izy", ""};
         const element *mass = only(e, "mass"), *inertia = only(e, "inertia");
         double x, largest;
         text += "<inertial>";
@@ -781,6 +1019,11 @@ class checked {
             if (!copy(*inertia, entries[i], 1, &x))
                 fail(RBD_URDF_ERR_INERTIAL, *inertia, str("<inertia> has no ") + entries[i]);
             largest = std::fmax(largest, std::fabs(x));
+            const str *mirror = inertia->attribute(mirrored[i]);
+            if (mirror && number(*inertia, mirrored[i], *mirror) != x)
+                warnings.add(RBD_URDF_WARN_INERTIA, inertia->line,
+                             who + ": <inertia " + mirrored[i] + "> differs from " + entries[i] +
+                                 " and is not read");
         }
         text += "/></inertial>";
         return largest > 0;
@@ -794,7 +1037,7 @@ class checked {
                      {"fixed", RBD_FIXED},       {"floating", RBD_FLOATING},     {"planar", RBD_PLANAR}};
         const str *type = e.attribute("type");
         if (!type) fail(RBD_URDF_ERR_JOINT, e, "it has no type");
-        std::map<str, int> known;
+        name_index known;
         for (size_t i = 0; i < sizeof types / sizeof *types; ++i) {
             if (*type == types[i].name) return types[i].type;
             known[types[i].name] = types[i].type;
@@ -842,7 +1085,10 @@ class checked {
 
     void axis(const element &e, double x[3]) {
         const element *a = only(e, "axis");
-        if (!a) return;
+        if (!a) {
+            warnings.add(RBD_URDF_WARN_AXIS, e.line, who + ": it has no <axis>; read as 1 0 0");
+            return;
+        }
         text += "<axis";
         if (!copy(*a, "xyz", 3, x)) fail(RBD_URDF_ERR_AXIS, *a, "<axis> has no xyz");
         text += "/>";
@@ -865,9 +1111,11 @@ class checked {
         if (!l && needed) no_limit(e, "it has no <limit>");
         for (int i = 0; l && i < 4; ++i)
             finite[i] = read_limit(*l, names[i], needed && i >= 2, needed || i >= 2, x[i]);
-        if (needed && finite[0] && finite[1] && x[0] > x[1])
-            no_limit(*l, "the lower limit exceeds the upper");
-        const bool bounds = needed && finite[0] && finite[1] && x[0] < x[1];
+        const bool both = finite[0] && finite[1], bounds = needed && both && x[0] < x[1];
+        if (needed && both && x[0] > x[1]) no_limit(*l, "the lower limit exceeds the upper");
+        if (needed && both && x[0] == x[1] && x[0] != 0) no_limit(*l, "the lower limit equals the upper");
+        if (!needed && both && x[0] < x[1] && x[1] - x[0] < whole_turn)
+            no_limit(*l, "it is continuous, but has limits, " + text_of(x[0]) + " .. " + text_of(x[1]));
         if (bounds) j.lower = x[0], j.upper = x[1];
         if (j.type == RBD_REVOLUTE &&
             (looks_like_degrees(j.lower, two_turns) || looks_like_degrees(j.upper, two_turns)))
@@ -1137,11 +1385,21 @@ class checked {
         const str &name = joints[follower].mimic;
         const int source = joint(name);
         if (source < 0)
-            refuse_mimic(follower, quoted(name) + ", which is missing" + nearest(name, joint_index));
+            refuse_mimic(follower, quoted(name) + ", which is missing" + nearest(name, joint_index) +
+                                       missing_sources_but(follower));
         const joint_part &j = joints[(size_t)source];
         if (!has_one_dof(j.motion))
             refuse_mimic(follower, quoted(name) + ", which is not revolute, continuous or prismatic");
         return (size_t)source;
+    }
+    /* The missing joints that others mimic, for the same message. */
+    str missing_sources_but(size_t follower) const {
+        str others;
+        for (size_t i = 0; i < joints.size(); ++i)
+            if (i != follower && !joints[i].mimic.empty() && joint(joints[i].mimic) < 0)
+                others += (others.empty() ? "; missing too: " : ", ") + quoted(joints[i].mimic) + " of " +
+                          quoted(joints[i].name);
+        return others;
     }
     void refuse_mimic(size_t follower, const str &what) const {
         const joint_part &j = joints[follower];
@@ -1398,6 +1656,7 @@ class description {
             join(ready, file.joints[(size_t)number].child);
         }
         for (size_t i = 0; i < rows.size(); ++i) give_mass(rows[i]);
+        warn_massless();
         if (rows.empty())
             throw failure(
                 RBD_URDF_ERR_ROBOT, 0,
@@ -1560,6 +1819,49 @@ class description {
         if (!j.mimic.empty()) r.mimic = j.mimic, r.body.mimic_ratio = j.ratio, r.body.mimic_offset = j.offset;
     }
 
+    /* A hint at a joint of the file that makes the base float already. */
+    str floating_hint() const {
+        const std::vector<int> &children = file.links[(size_t)file.root].children;
+        for (size_t i = 0; i < children.size(); ++i)
+            if (file.joints[(size_t)children[i]].type == RBD_FLOATING)
+                return "; joint " + quoted(file.joints[(size_t)children[i]].name) +
+                       " floats already: leave out options.root, rbd-model --floating";
+        return "";
+    }
+
+    /* Warns of a link between moving joints that has a shape, or length up to the next joint, but no mass:
+       its <inertial> may be forgotten. A robot in which no link has mass is meant without. */
+    void warn_massless() {
+        std::vector<bool> heavy(rows.size()), carries(rows.size()); /* with the links that are fixed to it */
+        for (size_t i = rows.size(); i-- > 0;) {
+            const bool fixed = rows[i].body.type == RBD_FIXED;
+            heavy[i] = heavy[i] || !rows[i].parts.empty();
+            if (rows[i].body.parent < 0) continue;
+            const size_t parent = (size_t)rows[i].body.parent;
+            heavy[parent] = heavy[parent] || (fixed && heavy[i]);
+            carries[parent] = carries[parent] || !fixed || carries[i];
+        }
+        if (std::find(heavy.begin(), heavy.end(), true) == heavy.end()) return;
+
+        for (size_t i = 0; i < rows.size(); ++i) {
+            const int joint = rows[i].body.type == RBD_FIXED ? -1 : file.joint(rows[i].joint);
+            if (joint < 0 || heavy[i] || !carries[i]) continue;
+            const link_part &l = file.links[(size_t)file.joints[(size_t)joint].child];
+            if (!l.inertial && (l.shaped || has_length(l)))
+                warnings.add(RBD_URDF_WARN_MASSLESS, l.line,
+                             "link " + quoted(l.name) +
+                                 ": it has no <inertial>, and stands between moving joints; read as no mass");
+        }
+    }
+    bool has_length(const link_part &l) const {
+        for (size_t i = 0; i < l.children.size(); ++i) {
+            const urdf::Vector3 &to =
+                dom.joint(file.joints[(size_t)l.children[i]].name).parent_to_joint_origin_transform.position;
+            if (to.x != 0 || to.y != 0 || to.z != 0) return true;
+        }
+        return false;
+    }
+
     /* That rbd_model_build takes the description is found out by asking it. */
     void check_build() {
         std::vector<rbd_body> bodies;
@@ -1572,7 +1874,8 @@ class description {
         }
         if (options.root == RBD_FLOATING && rows[0].parts.empty())
             warnings.add(RBD_URDF_WARN_ROOT, rows[0].line,
-                         "link " + quoted(rows[0].name) + ": the floating root link has no mass");
+                         "link " + quoted(rows[0].name) + ": the floating root link has no mass" +
+                             floating_hint());
         std::vector<unsigned char> memory(rbd_model_size(bodies.data(), (int)bodies.size()) + 1);
         const rbd_model *model;
         rbd_report report;
@@ -1787,11 +2090,13 @@ const char *rbd_urdf_status_string(rbd_urdf_status status) {
     case RBD_URDF_WARN_LIMIT: return "limits are missing, make no sense or are not kept";
     case RBD_URDF_WARN_ROOT: return "the floating root link has no mass";
     case RBD_URDF_WARN_LOCKED: return "a joint that moves no mass, or mimics one at rest, is held still";
-    case RBD_URDF_WARN_AXIS: return "an axis is not of unit length";
+    case RBD_URDF_WARN_AXIS: return "an axis is missing or not of unit length";
     case RBD_URDF_WARN_NAME: return "the robot has no name";
     case RBD_URDF_WARN_MIMIC: return "a fixed joint mimics another";
     case RBD_URDF_WARN_SINGULAR: return "neither a joint nor those that mimic it move mass";
     case RBD_URDF_WARN_DEGREES: return "an angle looks like degrees";
+    case RBD_URDF_WARN_UNREAD: return "an element or attribute is not read";
+    case RBD_URDF_WARN_MASSLESS: return "a link between moving joints has no inertial";
     }
     return "unknown status";
 }

@@ -32,6 +32,7 @@ struct options {
     bool cold;        /* every call out of cold caches */
     bool no_quad;     /* without the error against quad precision */
     enum count count; /* instead of timing */
+    bool states;      /* the states and results are written instead */
     enum format format;
     const char *output; /* file name, NULL = standard output */
 };
@@ -161,6 +162,14 @@ struct state robot_state(const struct robot *r, int k);
 
 /* Makes random state k of one instance the input of another of the same robot. */
 void instance_take_sample(const struct instance *to, const struct instance *from, int k);
+
+/* ---- robots/states_file.c ---- */
+
+struct row;
+
+/* For another program: the states, and rbd's results of them, of the rows of its run-time model in double. Returns
+   0, or -1 after a message. */
+int write_states(FILE *f, const struct options *o, const struct row *rows, int n);
 
 /* ---- timing/algorithms.c ---- */
 

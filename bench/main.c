@@ -89,6 +89,7 @@ static int make_rows(struct bench *b, const struct options *o) {
 
 /* Measures what has been verified, and reports. */
 static int finish(struct bench *b, const struct options *o) {
+    if (o->states) return report_by(write_states, o, b->rows, b->row_count);
     if (o->count == COUNT_CALLGRIND) return count_by_callgrind(b->rows, b->row_count, o->samples);
     if (o->count == COUNT_PERF) return report_by(count_by_perf, o, b->rows, b->row_count);
     if (measure_accuracy(b->rows, b->row_count, o->no_quad ? 0 : o->samples) != 0 ||

@@ -29,6 +29,7 @@ static const char help[] =
     "  --cold             every call after other data and code have filled the caches up to level 2\n"
     "  --no-quad          without the error against quad precision, which takes most of a short run's time\n"
     "  --count SOURCE     count events instead of timing: perf (CSV), or callgrind (run under it)\n"
+    "  --states           write the states and rbd's results instead of timing: for other programs\n"
     "  --format FORMAT    table, csv or json (default table)\n"
     "  --output FILE      write there instead of standard output\n"
     "  --help             this text\n"
@@ -212,6 +213,10 @@ static int read_argument(struct options *o, char **argv, int *i) {
         o->no_quad = true;
         return -1;
     }
+    if (strcmp(argument, "--states") == 0) {
+        o->states = true;
+        return -1;
+    }
     if (strcmp(argument, "--floating") == 0) {
         o->floating = true;
         return -1;
@@ -242,6 +247,7 @@ int options_read(struct options *o, int argc, char **argv) {
     }
     if (o->model && o->robot != ALL) return usage_error("--model: it stands instead of --robot");
     if (o->cold && o->count != COUNT_NONE) return usage_error("--cold: it belongs to times, not to --count");
+    if (o->states && o->count != COUNT_NONE) return usage_error("--states: it stands instead of --count");
     if (o->fixed_base && o->model) return usage_error("--fixed-base: --model has it so without --floating");
     if (o->floating && !o->model) return usage_error("--floating: it belongs to --model");
     return -1;

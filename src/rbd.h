@@ -296,6 +296,7 @@ RBDI_CODE_END
 #include "model/emit.h"
 #include "model/build.h"
 #include "model/payload.h"
+#include "model/lock.h"
 #endif /* RBD_NO_BUILD */
 
 #endif /* RBD_IMPLEMENTATION */

@@ -47,7 +47,7 @@
      the constraints would make up for it.
 */
 #include "rbd.h"
-#ifdef RBD_DERIVATIVES_H /* implemented with it: [derivatives] */
+#if defined RBD_DERIVATIVES_H && !defined RBDI_JOINS_DERIVATIVES /* implemented with it: [derivatives] */
 #include "rbd_derivatives.h"
 #endif
 
@@ -90,7 +90,7 @@ RBDI_EXTERN_C_END
 
 #endif /* RBDI_CONSTRAINTS_LAYOUT */
 
-#if defined RBD_IMPLEMENTATION && !defined RBDI_CONSTRAINTS_IMPLEMENTED
+#if defined RBD_IMPLEMENTATION && !defined RBDI_CONSTRAINTS_IMPLEMENTED && !defined RBDI_JOINS_DERIVATIVES
 #define RBDI_CONSTRAINTS_IMPLEMENTED
 
 /* ---- design [design] ----
@@ -139,8 +139,8 @@ RBDI_CODE_END
 
 #endif /* RBD_IMPLEMENTATION */
 
-#if defined RBD_IMPLEMENTATION && defined RBDI_CONSTRAINED_DERIVATIVES && \
-    !defined RBDI_CONSTRAINED_DERIVATIVES_IMPLEMENTED
+#if defined RBD_IMPLEMENTATION && defined RBDI_CONSTRAINTS_IMPLEMENTED && \
+    defined RBDI_CONSTRAINED_DERIVATIVES && !defined RBDI_CONSTRAINED_DERIVATIVES_IMPLEMENTED
 #define RBDI_CONSTRAINED_DERIVATIVES_IMPLEMENTED
 
 RBDI_CODE_BEGIN

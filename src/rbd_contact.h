@@ -22,7 +22,7 @@
      [solver] [set] [step] [step derivatives]
      --- stop here if you only use it ---
      [layout] [tolerances] [one contact] [laws] [newton] [solver code]
-     [set code] [contact rows] [biases] [step code] [step derivatives code]
+     [joints] [set code] [contact rows] [biases] [step code] [step derivatives code]
 
    [conventions] Beyond those of rbd.h:
      u            velocity of body 1's point of contact less that of body 2's at this place, m/s
@@ -40,8 +40,8 @@
    [limits]
      No collision detection, no rolling and torsional friction, no batches; planes are infinite. Convergence
      of the solver is not proven, nor is the solution unique where friction is large; the residual says what
-     was reached. Rebounds of several contacts with friction follow Newton's law, which may gain energy in
-     known examples; without restitution a contact only takes energy.
+     was reached. Contacts only take energy, but for rebounds with friction: they follow Newton's law, which
+     may gain energy in known examples.
 */
 #include "rbd_constraints.h"
 
@@ -84,7 +84,7 @@ RBDI_EXTERN_C_END
 
 #endif /* RBDI_CONTACT_LAYOUT */
 
-#if defined RBD_IMPLEMENTATION && !defined RBDI_CONTACT_IMPLEMENTED
+#if defined RBD_IMPLEMENTATION && !defined RBDI_CONTACT_IMPLEMENTED && !defined RBDI_JOINS_DERIVATIVES
 #define RBDI_CONTACT_IMPLEMENTED
 
 RBDI_CODE_BEGIN
@@ -94,6 +94,7 @@ RBDI_CODE_BEGIN
 #include "contact/laws.h"
 #include "contact/newton.h"
 #include "contact/solver.h"
+#include "contact/joints.h"
 #include "contact/set.h"
 #include "contact/rows.h"
 #include "contact/step.h"
@@ -102,7 +103,7 @@ RBDI_CODE_END
 
 #endif /* RBD_IMPLEMENTATION */
 
-#if defined RBD_IMPLEMENTATION && defined RBDI_CONTACT_DERIVATIVES && \
+#if defined RBD_IMPLEMENTATION && defined RBDI_CONTACT_IMPLEMENTED && defined RBDI_CONTACT_DERIVATIVES && \
     !defined RBDI_CONTACT_DERIVATIVES_IMPLEMENTED
 #define RBDI_CONTACT_DERIVATIVES_IMPLEMENTED
 

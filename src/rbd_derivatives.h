@@ -16,12 +16,12 @@
        rbd_id_derivatives(m, d, q, v, a, NULL, dtau_dq, dtau_dv, NULL);
 
    CONTENTS (search for the tag)
-     [memory] [momentum] [coriolis] [free base] [inverse dynamics] [forward dynamics] [identification]
-     [steps]
+     [memory] [momentum] [jacobians] [coriolis] [free base] [inverse dynamics] [forward dynamics]
+     [identification] [steps]
      --- stop here if you only use it ---
      [layout]
-     [common frame] [entries] [memory code] [momentum code] [coriolis code] [free base code]
-     [inverse dynamics code] [forward dynamics code] [identification code] [steps code]
+     [common frame] [entries] [memory code] [momentum code] [coriolis code] [jacobians code]
+     [free base code] [inverse dynamics code] [forward dynamics code] [identification code] [steps code]
 
    The section [common frame] is a layer of its own: motion columns, velocities, accelerations, momenta and
    composite inertias of all links in one frame. Each call is a short loop over its columns.
@@ -66,6 +66,7 @@ RBDI_EXTERN_C_END
 #include "derivatives/entries.h"
 #include "derivatives/memory.h"
 #include "derivatives/momentum.h"
+#include "derivatives/jacobians.h"
 #include "derivatives/free_base.h"
 #include "derivatives/dynamics.h"
 #include "derivatives/regressors.h"

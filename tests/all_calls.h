@@ -138,6 +138,9 @@ static void all_calls_kinematics(all_calls *s) {
     ALL_CALLS_RUN(rbd_integrate(s->m, s->q, s->v, (rbd_real)0.5, o), s->nq);
     ALL_CALLS_RUN(rbd_step(s->m, s->q, s->v, s->a, (rbd_real)0.5, o, o + s->nq), s->nq + nv);
     ALL_CALLS_RUN(rbd_difference(s->m, s->q, s->q2, o), nv);
+    for (int i = 0; i < 3; i++)
+        ALL_CALLS_RUN(rbd_interpolate(s->m, s->q, s->q2, (rbd_real)0.5 * (rbd_real)i, o), s->nq);
+    ALL_CALLS_RUN(rbd_distance(s->m, s->q, s->q2, NULL, o), 1);
     ALL_CALLS_RUN(rbd_rates_from_velocity(s->m, s->q, s->v, o), s->nq);
     ALL_CALLS_RUN(
         (rbd_rates_from_velocity(s->m, s->q, s->v, o), rbd_velocity_from_rates(s->m, s->q, o, o + s->nq)),
@@ -148,9 +151,14 @@ static void all_calls_derivatives(all_calls *s) {
     const int nv = s->nv, n = nv * nv;
     const size_t size = rbd_derivatives_size(s->m);
     void *memory = malloc(size);
+    const rbd_real point[3] = {(rbd_real)0.125, (rbd_real)-0.25, (rbd_real)0.375};
     rbd_derivatives *d;
     rbd_real *o = s->out;
     s->header = "rbd_derivatives.h";
+    ALL_CALLS_RUN(rbd_kinematics(s->m, s->w, s->q, s->v, NULL), 0);
+    ALL_CALLS_RUN(rbd_jacobian_derivative(s->m, s->w, s->nb - 1, point, RBD_WORLD_AXES, o), 6 * nv);
+    ALL_CALLS_RUN(rbd_relative_jacobian_derivative(s->m, s->w, s->nb - 1, point, 0, RBD_LINK_AXES, o),
+                  6 * nv);
     ALL_CALLS_RUN(rbd_derivatives_init(s->m, s->w, memory, size, &d), 0);
     ALL_CALLS_RUN(rbd_id_derivatives(s->m, d, s->q, s->v, s->a, s->f_ext, o, o + n, o + 2 * n), 3 * n);
     ALL_CALLS_RUN(

@@ -95,6 +95,8 @@ static void run_algorithms(const rbd_model *m, rbd_work *w) {
     (void)rbd_com(m, w, &R[0], &R[3], &R[6]); /* may have no mass */
     CLAIM(rbd_integrate(m, q, v, (rbd_real)0.01, next) == RBD_OK);
     CLAIM(rbd_difference(m, q, next, out) == RBD_OK);
+    CLAIM(rbd_distance(m, q, next, v, x) == RBD_OK);
+    CLAIM(rbd_interpolate(m, q, next, (rbd_real)0.5, next) == RBD_OK);
     CLAIM(rbd_rates_from_velocity(m, q, v, next) == RBD_OK);
     CLAIM(rbd_velocity_from_rates(m, q, next, out) == RBD_OK);
     CLAIM(rbd_neutral(m, q) == RBD_OK);
@@ -141,6 +143,13 @@ static void run_derivatives(const rbd_model *m, rbd_derivatives *d) {
     (void)rbd_fd_derivatives(m, d, q, v, v, f, NULL, by_q, by_v, M); /* may be singular */
     CLAIM(rbd_coriolis(m, d, q, v, M) == RBD_OK);
     (void)rbd_id_free_base(m, d, q, v, numbers(nv), numbers(nv), f); /* may be singular */
+    CLAIM(rbd_kinematics(m, d->work, q, v, NULL) == RBD_OK);
+    for (int b = 0; b < nb; b++)
+        for (int axes = RBD_WORLD_AXES; axes <= RBD_LINK_AXES; axes++) {
+            CLAIM(rbd_jacobian_derivative(m, d->work, b, x, (rbd_axes)axes, A) == RBD_OK);
+            CLAIM(rbd_relative_jacobian_derivative(m, d->work, b, x, nb - 1 - b, (rbd_axes)axes, A) ==
+                  RBD_OK);
+        }
     CLAIM(rbd_momentum_matrix(m, d, q, v, A, x) == RBD_OK);
     CLAIM(rbd_com_jacobian(m, d, q, J) == RBD_OK);
 }
@@ -149,6 +158,21 @@ static size_t work_bound(const rbd_model *m) {
     int mimics = 0;
     for (int b = 0; b < nb; b++) mimics += bodies[b].mimic != NULL;
     return mimics ? RBD_WORK_SIZE_MIMIC(nb, rbd_nv(m)) : RBD_WORK_SIZE(nb, rbd_nv(m));
+}
+
+/* Each joint held alone, in a description of its own length. */
+static void run_lock(void) {
+    rbd_body *rows = own_array((size_t)nb * sizeof *rows);
+    unsigned char *locked = own_array((size_t)nb);
+    int nq = 0;
+    for (int i = 0; i < nb; i++) nq += bodies[i].mimic ? 0 : rbdi_joint_facts((int)bodies[i].type)->nq;
+    double *q = own_array((size_t)nq * sizeof *q);
+    for (int k = 0; k < nq; k++) q[k] = 0.3 + 0.1 * k;
+    for (int held = 0; held < nb; held++) {
+        for (int i = 0; i < nb; i++) locked[i] = i == held;
+        CLAIM(rbd_lock_joints(bodies, nb, locked, q, rows, NULL) == RBD_OK);
+        CLAIM(rows[held].type == RBD_FIXED);
+    }
 }
 
 static void run(void) {
@@ -162,6 +186,7 @@ static void run(void) {
         return free_arrays();
     }
     built++;
+    run_lock();
     CLAIM(size <= RBD_MODEL_SIZE(nb));
     CLAIM(taken + RBDI_ALIGN <= size);
     run_lookup(m);

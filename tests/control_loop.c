@@ -37,6 +37,7 @@ static unsigned char given[NV];
     CALL(rbd_cholesky_solve, rbd_cholesky_solve(m, w, L, tau, out)) \
     CALL(rbd_cholesky_solve_many, rbd_cholesky_solve_many(m, w, L, 1, tau, out)) \
     CALL(rbd_jacobian, rbd_jacobian(m, w, NB - 1, point, RBD_WORLD_AXES, out)) \
+    CALL(rbd_jacobian_derivative, rbd_jacobian_derivative(m, w, NB - 1, point, RBD_WORLD_AXES, out)) \
     CALL(rbd_point_position, rbd_point_position(m, w, NB - 1, point, out)) \
     CALL(rbd_com, rbd_com(m, w, out, NULL, NULL)) \
     CALL(rbd_energy, rbd_energy(m, w, out, out + 1)) \

@@ -14,11 +14,13 @@ printf '#define RBD_IMPLEMENTATION\n#include "rbd.h"\n' >"$scratch/file.c"
 
 # says SENTENCE FLAG...: so does each compiler, in its only error; without a sentence there is no message
 prefix='rbd: '
+says_gcc=
 says() {
     sentence=$1
     shift
     for compiler in gcc g++ clang-19 clang++-19; do
         command -v "$compiler" >/dev/null 2>&1 || continue
+        case $says_gcc$compiler in yesclang*) continue ;; esac # which has no macro for it
         language="-x c -std=c99"
         case $compiler,$* in
         *++*,*-std*) continue ;;
@@ -50,6 +52,14 @@ says "needs C99 or later" -std=c90
 says "needs C99 or later" -std=gnu90
 
 says "RBD_REPRODUCIBLE needs RBD_REAL double or float" -DRBD_REPRODUCIBLE -DRBD_REAL=__float128
+case $(gcc -freciprocal-math -dM -E - </dev/null) in
+*__RECIPROCAL_MATH__*)
+    says_gcc=yes
+    says "RBD_REPRODUCIBLE: -freciprocal-math and -fno-signed-zeros change bits" -DRBD_REPRODUCIBLE -freciprocal-math
+    says "RBD_REPRODUCIBLE: -freciprocal-math and -fno-signed-zeros change bits" -DRBD_REPRODUCIBLE -fno-signed-zeros
+    says_gcc=
+    ;;
+esac
 says "RBD_REPRODUCIBLE needs rbd's own sine" -DRBD_REPRODUCIBLE "-DRBD_SIN=sin" "-DRBD_COS=cos"
 
 echo '#include "rbd_batch.h"' >"$scratch/file.c"

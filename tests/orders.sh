@@ -33,10 +33,12 @@ file() {
     case $2 in *d*) echo "#define EXPECTED_DERIVATIVES" ;; esac
     case $2 in *[ck]*) echo "#define EXPECTED_CONSTRAINTS" ;; esac
     case $2 in *k*) echo "#define EXPECTED_CONTACT" ;; esac
-    case $1$2 in *d*[ck]*) echo "#define EXPECTED_BOTH" ;; esac
+    case $1$2 in *d*[ck]* | *[ck]*d*) echo "#define EXPECTED_BOTH" ;; esac
+    case $1$2 in *d*k* | *k*d*) echo "#define EXPECTED_CONTACT_DERIVATIVES" ;; esac
     case $1$2 in *d*b*) echo "#define EXPECTED_BATCH_DERIVATIVES" ;; esac
     case $1$2 in *[ck]*b*) echo "#define EXPECTED_BATCH_CONSTRAINTS" ;; esac
-    case $1:$2 in *:*d*[ck]* | *d*:*[ck]*) echo "#define EXPECTED_BOTH_IMPLEMENTED" ;; esac
+    case $1:$2 in *:*[ck]*d* | *d*:*[ck]* | *:*d*[ck]*) echo "#define EXPECTED_BOTH_IMPLEMENTED" ;; esac
+    case $2 in *[ck]*) ;; *) echo "#define NOT_EXPECTED_CONSTRAINTS" ;; esac
     cat <<'END'
 #if defined EXPECTED != defined RBDI_IMPLEMENTED
 #error "the implementation of rbd.h is missing, or not wanted"
@@ -56,6 +58,14 @@ file() {
 #if defined EXPECTED_BOTH
 void use(void);
 void use(void) { (void)rbd_constrained_fd_derivatives; }
+#endif
+#if defined EXPECTED_CONTACT_DERIVATIVES
+void use_contact(void);
+void use_contact(void) { (void)rbd_contact_step_derivatives; }
+#endif
+#if defined NOT_EXPECTED_CONSTRAINTS && (defined RBDI_CONSTRAINTS_IMPLEMENTED || \
+                                         defined RBDI_CONSTRAINED_DERIVATIVES_IMPLEMENTED)
+#error "an implementation of rbd_constraints.h that is not wanted"
 #endif
 #if defined EXPECTED_BATCH_DERIVATIVES
 void use_derivatives(void);

@@ -106,6 +106,23 @@ static void hash_model(const char *name, const rbd_model *m, int states, hashes 
     all_calls_of(m, states, hash_call, h);
 }
 
+/* Every third joint held at a pose. */
+static void hash_locked(const rbd_body *bodies, int nb, const rbd_model *m, hashes *h) {
+    rbd_body *rows = (rbd_body *)malloc(sizeof *rows * (size_t)nb);
+    unsigned char *locked = (unsigned char *)malloc((size_t)nb);
+    double *q = (double *)malloc(sizeof *q * (size_t)(rbd_nq(m) + 1));
+    rbd_real x[12];
+    for (int i = 0; i < nb; i++) locked[i] = i % 3 == 0;
+    for (int k = 0; k < rbd_nq(m); k++) q[k] = 0.375 * (k % 9 - 4) + 0.0625;
+    const rbd_status status = rbd_lock_joints(bodies, nb, locked, q, rows, NULL);
+    for (int i = 0; i < nb; i++) {
+        for (int k = 0; k < 3; k++) x[k] = (rbd_real)rows[i].position[k];
+        for (int k = 0; k < 9; k++) x[3 + k] = (rbd_real)rows[i].rotation[k];
+        hash_call(h, "rbd.h", "rbd_lock_joints", status, x, 12);
+    }
+    free(rows), free(locked), free(q);
+}
+
 static void hash_description(const char *name, const rbd_body *bodies, int nb, int states, hashes *h) {
     const size_t size = rbd_model_size(bodies, nb);
     void *memory = malloc(size);
@@ -120,6 +137,7 @@ static void hash_description(const char *name, const rbd_body *bodies, int nb, i
         hash_call(h, "rbd.h", "rbd_add_payload", rbd_add_payload(memory, nb - 1, 1.5, com, inertia), NULL, 0);
         hash_described(m, h);
     }
+    if (!status) hash_locked(bodies, nb, m, h);
     free(memory);
 }
 

@@ -318,6 +318,13 @@ static void check_points(void) {
     COMPARE_OF_BODY("J, relative to the world", J, J_world, 6 * nv, DIRECT);
     RUN(rbd_point_acceleration(model, work, b, NULL, RBD_WORLD_AXES, x));
     COMPARE_OF_BODY("dJ/dt v", x, Jdot_v_world, 6, CANCELLED);
+    RUN(rbd_jacobian_derivative(model, work, b, NULL, RBD_WORLD_AXES, J));
+    EACH_LANE {
+        double rate[6] = {0};
+        for (int i = 0; i < 6; i++)
+            for (int k = 0; k < nv; k++) rate[i] += get(J[i * nv + k], lane) * lane_state[lane]->v[k];
+        if (lane_state[lane]->jac_body == b) compare("dJ/dt v, by dJ/dt", lane, x, rate, 6, CANCELLED);
+    }
     for (int k = 0; k < 3; k++) EACH_LANE put(&point[k], lane, 0.1 * (lane + 1) - 0.3 * k);
     RUN(rbd_jacobian(model, work, b, point, RBD_LINK_AXES, J));
     RUN(rbd_relative_jacobian(model, work, b, point, b, RBD_LINK_AXES, J2));
@@ -341,6 +348,25 @@ static void check_points(void) {
 START_TEST(points_match_the_reference) { for_models(check_points); }
 END_TEST
 
+/* Each lane goes a part of its own: none, all of the way, parts. */
+static void check_way(const rbd_real *q1) {
+    static rbd_real way[MAX_Q], expected[MAX_Q], d[MAX_V], s, distance;
+    const int nq = reference->nq, nv = reference->nv;
+    EACH_LANE put(&s, lane, lane % 4 * 0.375 - (lane % 4 == 3 ? 0.125 : 0));
+    RUN(rbd_interpolate(model, q, q1, s, way));
+    RUN(rbd_difference(model, q, q1, d));
+    RUN(rbd_distance(model, q, q1, NULL, &distance));
+    RUN(rbd_integrate(model, q, d, s, expected));
+    EACH_LANE {
+        double of[MAX_Q], sum = 0, length;
+        for (int k = 0; k < nq; k++) of[k] = get(expected[k], lane);
+        compare("interpolate", lane, way, of, nq, DIRECT);
+        for (int k = 0; k < nv; k++) sum += get(d[k], lane) * get(d[k], lane);
+        length = sqrt(sum);
+        compare("distance", lane, &distance, &length, 1, DIRECT);
+    }
+}
+
 static void check_steps(void) {
     static rbd_real next[MAX_Q], step[MAX_V], dt;
     EACH_LANE put(&dt, lane, lane_state[lane]->dt);
@@ -352,6 +378,7 @@ static void check_steps(void) {
         for (int k = 0; k < reference->nv; k++) expected[k] = lane_state[lane]->v[k] * lane_state[lane]->dt;
         compare("difference", lane, step, expected, reference->nv, 10 * DIRECT);
     }
+    check_way(next);
     RUN(rbd_rates_from_velocity(model, q, v, next));
     RUN(rbd_velocity_from_rates(model, q, next, step));
     COMPARE("velocity from rates", step, v, reference->nv, DIRECT);

@@ -406,6 +406,50 @@ START_TEST(impossible_inertias_are_warned_of) {
 }
 END_TEST
 
+#define LIMITS(i, joint, low, high) b[i].type = joint, b[i].lower = low, b[i].upper = high
+
+START_TEST(limits_that_mean_none_are_warned_of) {
+    rbd_report report;
+    rbd_body b[NB];
+    char text[200];
+    WARNS(RBD_WARN_LIMITS, 1, "lower", LIMITS(1, RBD_REVOLUTE, 1, -1)); /* swapped */
+    WARNS(RBD_WARN_LIMITS, 1, "lower", LIMITS(1, RBD_REVOLUTE, 0.5, 0.5));
+    WARNS(RBD_WARN_LIMITS, 3, "lower", LIMITS(3, RBD_HELICAL, 0, -1));
+    WARNS(RBD_WARN_LIMITS, 1, "lower", LIMITS(1, RBD_CONTINUOUS, -1, 1));
+    WARNS(RBD_WARN_LIMITS, 1, "lower", LIMITS(1, RBD_CONTINUOUS_CS, -1, 0));
+    WARNS(RBD_WARN_LIMITS, 1, "lower", LIMITS(1, RBD_CYLINDRICAL, 0, 1));
+    WARNS(RBD_WARN_LIMITS, 0, "lower", LIMITS(0, RBD_FLOATING, 1, 0));
+
+    sound(b);
+    b[1].lower = 2, b[1].upper = 1;
+    ck_assert_int_eq(build(b, NB, &report), RBD_OK);
+    rbd_finding_text(&report.warning[0], text, sizeof text);
+    ck_assert_str_eq(text, "body 1 'arm', field 'lower': not below upper: read as no limits");
+    b[1].type = RBD_CONTINUOUS, b[1].upper = 3;
+    ck_assert_int_eq(build(b, NB, &report), RBD_OK);
+    rbd_finding_text(&report.warning[0], text, sizeof text);
+    ck_assert_str_eq(text,
+                     "body 1 'arm', field 'lower': limits of a joint whose type has none: read as none");
+}
+END_TEST
+
+START_TEST(limits_that_are_some_or_none_are_not_warned_of) {
+    static const rbd_joint_type types[] = {RBD_REVOLUTE, RBD_PRISMATIC, RBD_HELICAL};
+    rbd_report report;
+    rbd_body b[NB];
+    for (int i = 0; i < 3; i++) {
+        sound(b);
+        LIMITS(1, types[i], -2, -1);
+        ck_assert_int_eq(build(b, NB, &report), RBD_OK);
+        ck_assert_int_eq(report.warnings, 0);
+    }
+    sound(b);
+    LIMITS(1, RBD_CONTINUOUS, 0, -0.0);
+    ck_assert_int_eq(build(b, NB, &report), RBD_OK);
+    ck_assert_int_eq(report.warnings, 0);
+}
+END_TEST
+
 /* R diag(moment) R', as six entries. */
 static void turn_moments(const double R[9], const double moment[3], double I[6]) {
     int entry = 0;
@@ -700,6 +744,8 @@ Suite *build_suite(void) {
     tcase_add_test(c, wrong_mimic_joints_are_refused);
     tcase_add_test(c, joint_may_follow_a_later_one);
     tcase_add_test(c, impossible_inertias_are_warned_of);
+    tcase_add_test(c, limits_that_mean_none_are_warned_of);
+    tcase_add_test(c, limits_that_are_some_or_none_are_not_warned_of);
     tcase_add_test(c, warnings_of_inertia_are_those_of_its_principal_moments);
     tcase_add_test(c, borderline_inertias_are_not_warned_of);
     tcase_add_test(c, reference_models_have_no_error);

@@ -1303,6 +1303,101 @@ START_TEST(straight_legs_cost_no_digits) {
 }
 END_TEST
 
+/* A floating trunk, a leg of two links, and at its end a pad of inertia i, which stands flat: without the ground
+   the pad would turn with torque / i. The legs's dofs have one state and one torque in all of these. */
+static robot robot_with_pad(rbd_body *bodies, double i) {
+    const rbd_body trunk = {.parent = -1, .type = RBD_FLOATING, .mass = 20, .inertia = {1, 0, 0, 2, 0, 1.5}},
+                   thigh = {.parent = 0,
+                            .type = RBD_UNIVERSAL,
+                            .axis = {1, 0, 0},
+                            .axis2 = {0, 1, 0},
+                            .position = {0.2, -0.1, 0},
+                            .mass = 2,
+                            .com = {0.01, 0.02, -0.1},
+                            .inertia = {0.02, 0, 0, 0.03, 0, 0.01}},
+                   shank = {.parent = 1,
+                            .type = RBD_REVOLUTE,
+                            .axis = {0, 1, 0},
+                            .position = {0, 0, -0.4},
+                            .mass = 1,
+                            .com = {-0.02, 0.01, -0.1},
+                            .inertia = {0.01, 0, 0, 0.01, 0, 0.002}},
+                   pad = {.parent = 2,
+                          .type = RBD_SPHERICAL,
+                          .position = {0, 0, -0.3},
+                          .inertia = {i, 0, 0, i, 0, i}};
+    bodies[0] = trunk, bodies[1] = thigh, bodies[2] = shank, bodies[3] = pad;
+    return robot_build("robot with a pad", bodies, 4);
+}
+
+/* Both equations in terms of their parts. */
+static void check_terms(const robot *r, const set *c, int number, const double *q, const double *v,
+                        const double *tau, const double *a, const double *lambda) {
+    double M[MAX_V * MAX_V], J[MAX_ROWS * MAX_V], gamma[MAX_ROWS], bias[MAX_V];
+    RUN(rbd_constraint_jacobian(r->m, c->c, q, v, J, gamma, NULL));
+    RUN(rbd_crba(r->m, r->w, q, M));
+    RUN(rbd_bias(r->m, r->w, q, v, NULL, bias));
+    for (int k = 0; k < r->nv; k++) {
+        double left = bias[k] - tau[k], terms = fabs(bias[k]) + fabs(tau[k]);
+        for (int j = 0; j < r->nv; j++)
+            left += M[k * r->nv + j] * a[j], terms += fabs(M[k * r->nv + j] * a[j]);
+        for (int row = 0; row < c->rows; row++)
+            left -= J[row * r->nv + k] * lambda[row], terms += fabs(J[row * r->nv + k] * lambda[row]);
+        expect_small("M a + c = tau + J' lambda, of its terms", r, number, fabs(left) / terms, 1e-11);
+    }
+    for (int row = 0; row < c->rows; row++) {
+        double left = gamma[row], terms = fabs(gamma[row]);
+        for (int j = 0; j < r->nv; j++)
+            left += J[row * r->nv + j] * a[j], terms += fabs(J[row * r->nv + j] * a[j]);
+        expect_small("J a + gamma = 0, of its terms", r, number, fabs(left) / terms, 1e-11);
+    }
+}
+
+/* The pad's inertia decides nothing, not even in the last digits: the rows hold for any. */
+static void check_pad(const robot *r, int number, uint64_t *seed) {
+    const double point[3] = {0, 0, 0}, none[6] = {0};
+    const rbd_constraint pad = rbd_flat_contact(3, point, NULL);
+    static slopes found;
+    double step[MAX_V], neutral[MAX_Q], q[MAX_Q], v[MAX_V], tau[MAX_V], a[MAX_V], lambda[6], J[6 * MAX_V],
+        u[6];
+    set c = set_of(r, &pad, 1);
+    if (number % 2) c.c->factored = 1;
+    for (int k = 0; k < r->nv; k++)
+        step[k] = uniform(seed, -1, 1), v[k] = uniform(seed, -1, 1), tau[k] = uniform(seed, -9, 9);
+    RUN(rbd_neutral(r->m, neutral));
+    RUN(rbd_integrate(r->m, neutral, step, 1, q));
+
+    RUN(rbd_constrained_fd(r->m, c.c, q, v, tau, NULL, a, lambda));
+    check_terms(r, &c, number, q, v, tau, a, lambda);
+
+    RUN(differentiate(r, &c, q, v, tau, NULL, a, lambda, &found));
+    check_terms(r, &c, number, q, v, tau, a, lambda);
+    RUN(rbd_constraint_jacobian(r->m, c.c, q, v, J, NULL, NULL));
+    for (int k = 0; k < r->nv; k++) {
+        double column[MAX_V];
+        for (int i = 0; i < r->nv; i++) column[i] = found.a[2][i * r->nv + k];
+        multiply(J, column, c.rows, r->nv, u);
+        expect_close_to_one("J da/dtau = 0", r, number, u, none, c.rows);
+    }
+
+    RUN(rbd_impact(r->m, c.c, q, v, 0, a, lambda));
+    multiply(J, a, c.rows, r->nv, u);
+    expect_close_to_one("J v_plus = 0", r, number, u, none, c.rows);
+    free(c.memory);
+}
+
+START_TEST(links_without_inertia_cost_no_digits) {
+    const double inertia[] = {1e-2, 1e-6, 1e-9, 1e-12, 1e-16, 1e-18, 1e-20};
+    uint64_t seed = 21;
+    for (int number = 0; number < 280; number++) {
+        rbd_body bodies[4];
+        robot r = robot_with_pad(bodies, inertia[number % LENGTH(inertia)]);
+        check_pad(&r, number, &seed);
+        robot_free(&r);
+    }
+}
+END_TEST
+
 /* Two rows of a foot, the third as another constraint, on this body. Returns how many there are. */
 static int split_foot(rbd_constraint *foot, int first, int body) {
     int rows = 0;
@@ -1841,6 +1936,7 @@ Suite *constraints_suite(void) {
     tcase_add_test(c, empty_set_is_forward_dynamics);
     tcase_add_test(c, sets_with_too_many_rows_use_the_factor);
     tcase_add_test(c, straight_legs_cost_no_digits);
+    tcase_add_test(c, links_without_inertia_cost_no_digits);
     tcase_add_test(c, legs_of_any_make_stand);
     tcase_add_test(c, legs_do_not_hide_a_singular_joint);
     tcase_add_test(c, singular_mass_matrix_is_an_error);

@@ -43,7 +43,8 @@ static void open_scene(scene *s, const char *name, const rbd_body *bodies, int n
 static rbd_contact *add_contact(scene *s, int body1, int body2, double x, double y, double z) {
     rbd_contact *a = &s->list[s->n++];
     ck_assert_int_le(s->n, MOST);
-    a->body1 = body1, a->body2 = body2, a->point[0] = x, a->point[1] = y, a->point[2] = z, a->friction = 0.5;
+    a->body1 = body1, a->body2 = body2, a->on_body = body2 >= 0;
+    a->point[0] = x, a->point[1] = y, a->point[2] = z, a->friction = 0.5;
     return a;
 }
 

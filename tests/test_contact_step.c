@@ -40,7 +40,8 @@ static void open_scene(scene *s, const char *name, const rbd_body *bodies, int n
 static rbd_contact *add_contact(scene *s, int body1, int body2, double x, double y, double z) {
     rbd_contact *a = &s->list[s->n++];
     ck_assert_int_le(s->n, MOST);
-    a->body1 = body1, a->body2 = body2, a->point[0] = x, a->point[1] = y, a->point[2] = z, a->friction = 0.5;
+    a->body1 = body1, a->body2 = body2, a->on_body = body2 >= 0;
+    a->point[0] = x, a->point[1] = y, a->point[2] = z, a->friction = 0.5;
     return a;
 }
 
@@ -54,14 +55,14 @@ static void begin_scene(scene *s) {
     const size_t size = rbd_contact_set_size(s->r.m, s->n, s->held, s->n_held, &s->options);
     const rbd_contact_options *o = &s->options;
     const int others = s->n_held || o->joint_limits || o->joint_friction;
-    const int bounded = others ? 6 * s->n_held + 2 * s->r.nv : 0;
+    const int bounded = others ? 6 * s->n_held + 3 * s->r.nv : 0;
     rbd_report report;
     char text[200];
     ck_assert_uint_le(size, RBD_CONTACT_SET_SIZE(s->r.nv, s->n, bounded));
     s->memory = memset(malloc(size), 0xff, size); /* NaN: what was never written shows */
     ck_assert_msg(rbd_contact_set_init(s->r.m, s->r.w, s->list, s->n, s->held, s->n_held, &s->options,
                                        s->memory, size, &s->c, &report) == RBD_OK,
-                  "%s: %s", s->r.name, rbd_constraint_finding_text(&report.error, text, sizeof text));
+                  "%s: %s", s->r.name, rbd_contact_finding_text(&report.error, s->n, text, sizeof text));
 }
 
 static void close_scene(scene *s) {
@@ -326,6 +327,134 @@ START_TEST(rod_lies_on_its_limit) {
             ck_assert_double_eq_tol(a, 0, 1e-9);
             close_scene(&s);
         }
+}
+END_TEST
+
+/* A rod on a joint without limits turns on past those that its description names. */
+START_TEST(wheel_has_no_limit) {
+    static const rbd_joint_type types[] = {RBD_CONTINUOUS, RBD_CONTINUOUS_CS};
+    for (int k = 0; k < 2; k++) {
+        const double none[3] = {0, 0, 0};
+        rbd_body body = rod();
+        scene s;
+        body.type = types[k], body.lower = -0.1, body.upper = 0.1;
+        open_scene(&s, "wheel", &body, 1, 1e-3);
+        s.options.joint_limits = 1;
+        begin_scene(&s);
+        rbd_set_gravity(s.r.w, none);
+        s.v[0] = 1;
+        run(&s, 1);
+        ck_assert_double_eq_tol(s.v[0], 1, 1e-12);
+        ck_assert_double_eq_tol(k ? atan2(s.q[1], s.q[0]) : s.q[0], 1, 1e-9);
+        close_scene(&s);
+    }
+}
+END_TEST
+
+/* In one step a joint may reach either of its limits, the farther one too: by its speed, or by its motor. */
+START_TEST(joint_stops_at_both_limits) {
+    static const double starts[4][4] = {/* half of the range, q, v, tau */
+                                        {1e-3, 4e-4, 2, 0},
+                                        {1e-3, -4e-4, 2, 0},
+                                        {1e-3, -1e-4, 0, 300},
+                                        {0.05, -0.01, 20, 0}};
+    for (int k = 0; k < 8; k++) {
+        const double *start = starts[k / 2], sign = k % 2 ? -1 : 1;
+        rbd_body arm = rod();
+        scene s;
+        arm.lower = -start[0], arm.upper = start[0];
+        open_scene(&s, "arm", &arm, 1, 1e-2);
+        s.options.joint_limits = 1;
+        begin_scene(&s);
+        s.q[0] = sign * start[1], s.v[0] = sign * start[2], s.tau[0] = sign * start[3];
+        step(&s);
+        ck_assert_double_eq_tol(s.q[0], sign * start[0], 1e-10);
+        ck_assert_double_le(s.worst, 1e-8);
+        close_scene(&s);
+    }
+}
+END_TEST
+
+/* A slide and two that follow it, one of them backwards: passive torques are those of rbd_passive, and each
+   limit stops all three. */
+START_TEST(followers_are_braked_and_stopped) {
+    const rbd_body bodies[3] = {
+        {.joint = "x", .parent = -1, .type = RBD_PRISMATIC, .axis = {1, 0, 0}, .mass = 1, .friction = {1}},
+        {.parent = -1,
+         .type = RBD_PRISMATIC,
+         .axis = {1, 0, 0},
+         .mass = 1,
+         .mimic = "x",
+         .mimic_ratio = -2,
+         .mimic_offset = 0.5,
+         .damping = {3},
+         .friction = {5},
+         .lower = 0.1,
+         .upper = 0.7},
+        {.parent = 1,
+         .type = RBD_PRISMATIC,
+         .axis = {0, 1, 0},
+         .mass = 1,
+         .mimic = "x",
+         .mimic_ratio = 0.5,
+         .damping = {2},
+         .lower = -1,
+         .upper = 0.05}};
+    static const double ends[2] = {-0.1, 0.1}; /* (0.7 - 0.5) / -2, 0.05 / 0.5 */
+    for (int k = 0; k < 2; k++) {
+        double passive, a, step_a, v = k ? 1 : -1;
+        scene s;
+        open_scene(&s, "followers", bodies, 3, 1e-3);
+        s.options.joint_limits = s.options.joint_friction = s.options.joint_damping = 1;
+        begin_scene(&s);
+        ck_assert_int_eq(rbd_passive(s.r.m, s.r.w, &v, &passive), RBD_OK);
+        ck_assert_int_eq(rbd_aba(s.r.m, s.r.w, s.q, &v, &passive, NULL, &a), RBD_OK);
+        ck_assert_int_eq(rbd_contact_fd(s.r.m, s.c, s.q, &v, s.tau, NULL, NULL, 1e-9, &step_a), RBD_OK);
+        ck_assert_double_eq_tol(step_a, a, 1e-6 * fabs(a));
+        s.tau[0] = k ? 50 : -50;
+        run(&s, 1);
+        ck_assert_double_eq_tol(s.q[0], ends[k], 1e-6);
+        close_scene(&s);
+    }
+}
+END_TEST
+
+/* Without friction no rebound makes energy, whatever the restitutions: a box with a hinged rod hits planes
+   with some corners, leaves others, and the rod is at its limit. */
+START_TEST(rebounds_without_friction_take_energy) {
+    int solved = 0;
+    for (uint64_t number = 0; number < 400; number++) {
+        rbd_body bodies[2] = {box(0.6, 0.4, 0.3, 2), rod()};
+        const double none[3] = {0, 0, 0};
+        double before, after;
+        uint64_t seed = number;
+        scene s;
+        bodies[1].parent = 0, bodies[1].lower = 0, bodies[1].upper = 1;
+        open_scene(&s, "box and rod", bodies, 2, 1e-7);
+        s.options.joint_limits = 1;
+        for (int i = 0; i < 6; i++) {
+            rbd_contact *a =
+                add_contact(&s, 0, -1, i & 1 ? 0.3 : -0.3, i & 2 ? 0.2 : -0.2, i & 4 ? 0.15 : -0.15);
+            double length = 0;
+            for (int j = 0; j < 3; j++) a->normal[j] = uniform(&seed, -1, 1) - 3 * a->point[j];
+            for (int j = 0; j < 3; j++) length += a->normal[j] * a->normal[j];
+            for (int j = 0; j < 3; j++) a->height += a->normal[j] * a->point[j] / sqrt(length); /* gap 0 */
+            a->friction = 0;
+            a->restitution = number % 2 ? 1 : uniform(&seed, 0, 1);
+        }
+        begin_scene(&s);
+        rbd_set_gravity(s.r.w, none);
+        for (int k = 0; k < s.r.nv; k++) s.v[k] = uniform(&seed, -1, 1);
+        energy(&s, &before);
+        step(&s);
+        energy(&s, &after);
+        if (s.worst <= 1e-8) { /* planes from all sides: not each problem has a solution */
+            ck_assert_msg(after <= before * (1 + 1e-6), "%d: %g J after %g J", (int)number, after, before);
+            solved++;
+        }
+        close_scene(&s);
+    }
+    ck_assert_int_ge(solved, 300);
 }
 END_TEST
 
@@ -773,6 +902,7 @@ START_TEST(bad_sets_are_refused_by_name) {
     BAD(body1 = 1, RBD_ERR_INDEX, "body1");
     BAD(body2 = 1, RBD_ERR_INDEX, "body2");
     BAD(body2 = 0, RBD_ERR_INDEX, "body2");
+    BAD(on_body = 1, RBD_ERR_INDEX, "body2");
     BAD(body1 = -1, RBD_ERR_INDEX, "body1");
     BAD(point[1] = NAN, RBD_ERR_POSITION, "point");
     BAD(normal[2] = INFINITY, RBD_ERR_AXIS, "normal");
@@ -794,6 +924,48 @@ START_TEST(bad_sets_are_refused_by_name) {
 #undef BAD
     robot other = r;
     robot_free(&other);
+}
+END_TEST
+
+/* A row that leaves body2 out names body 0: it is refused where body 0 could be meant as well. */
+START_TEST(contacts_without_body2_are_refused) {
+    const rbd_body bodies[2] = {box(1, 1, 1, 1), rod()};
+    robot r = robot_build("box and rod", bodies, 2);
+    const rbd_constraint held = rbd_point_contact(7, NULL, NULL);
+    rbd_contact list[2] = {{.body1 = 0, .body2 = -1}, {.name = "tip", .body1 = 1, .friction = 0.5}};
+    char text[200];
+    void *memory = malloc(20000);
+    rbd_contact_set *c;
+    rbd_report report;
+#define INIT(held, n_held) \
+    rbd_contact_set_init(r.m, r.w, list, 2, held, n_held, NULL, memory, 20000, &c, &report)
+    ck_assert_int_eq(INIT(NULL, 0), RBD_ERR_INDEX);
+    ck_assert_str_eq(
+        rbd_contact_finding_text(&report.error, 2, text, sizeof text),
+        "contact 1 'tip', field 'body2': it is 0, or was left out: the world is -1; for body 0 set "
+        "on_body");
+
+    list[1].on_body = 1; /* body 0 is meant */
+    ck_assert_int_eq(INIT(NULL, 0), RBD_OK);
+
+    list[1].body2 = -1; /* on a body: on which? */
+    ck_assert_int_eq(INIT(NULL, 0), RBD_ERR_INDEX);
+    ck_assert_str_eq(
+        rbd_contact_finding_text(&report.error, 2, text, sizeof text),
+        "contact 1 'tip', field 'body2': on_body is set, and it is -1: the world, or a name that no "
+        "body has");
+
+    list[1].on_body = 0; /* errors of what is held speak of it; errors of numbers of contacts */
+    ck_assert_int_eq(INIT(&held, 1), RBD_ERR_INDEX);
+    ck_assert_str_eq(rbd_contact_finding_text(&report.error, 2, text, sizeof text),
+                     "held constraint 0, field 'body1': no such body");
+    ck_assert_int_eq(INIT(NULL, 1), RBD_ERR_COUNT);
+    ck_assert_str_eq(rbd_contact_finding_text(&report.error, 2, text, sizeof text),
+                     "a number of contacts or constraints is below 0, or there are more than 1000");
+    ck_assert_ptr_eq(rbd_contact_finding_text(NULL, 2, text, sizeof text), text);
+#undef INIT
+    free(memory);
+    robot_free(&r);
 }
 END_TEST
 
@@ -984,6 +1156,10 @@ Suite *contact_step_suite(void) {
     tcase_add_test(c, ball_sinks_by_its_stiffness);
     tcase_add_test(c, ball_rebounds_to_a_quarter);
     tcase_add_test(c, rod_lies_on_its_limit);
+    tcase_add_test(c, wheel_has_no_limit);
+    tcase_add_test(c, joint_stops_at_both_limits);
+    tcase_add_test(c, followers_are_braked_and_stopped);
+    tcase_add_test(c, rebounds_without_friction_take_energy);
     tcase_add_test(c, dry_friction_holds_and_brakes);
     tcase_add_test(c, damping_is_implicit);
     tcase_add_test(c, thrown_box_comes_to_rest);
@@ -999,6 +1175,7 @@ Suite *contact_step_suite(void) {
     tcase_add_test(c, odd_sets_of_contacts);
     tcase_add_test(c, same_bits_on_each_run);
     tcase_add_test(c, bad_sets_are_refused_by_name);
+    tcase_add_test(c, contacts_without_body2_are_refused);
     tcase_add_test(c, bad_calls_are_refused);
     tcase_add_test(c, errors_are_taken_back);
     tcase_add_test(c, box_rests_on_a_ball_of_the_world);

@@ -185,12 +185,17 @@ static void call_points(const robot *r, const robot *f, const state *s, int numb
 
 static void call_manifold(const robot *r, const robot *f, const state *s, int number) {
     const double *q = inputs(s->q, r->nq), *v = inputs(s->v, r->nv);
-    double *next = numbers(r->nq), *d = numbers(r->nv);
+    double *next = numbers(r->nq), *d = numbers(r->nv), *between = numbers(r->nq), squares[MAX_V];
     uint64_t seed = 5, again = 5;
     BOTH(rbd_neutral(f->m, next), rbd_neutral(r->m, plain), next, r->nq);
     BOTH(rbd_random(f->m, &seed, next), rbd_random(r->m, &again, plain), next, r->nq);
     BOTH(rbd_integrate(f->m, q, v, 0.1, next), rbd_integrate(r->m, q, v, 0.1, plain), next, r->nq);
     BOTH(rbd_difference(f->m, q, next, d), rbd_difference(r->m, q, next, plain), d, r->nv);
+    for (int k = 0; k < r->nv; k++) squares[k] = s->v[k] * s->v[k];
+    const double *weight = inputs(squares, r->nv);
+    BOTH(rbd_distance(f->m, q, next, weight, d), rbd_distance(r->m, q, next, weight, plain), d, 1);
+    BOTH(rbd_interpolate(f->m, next, q, 0.25, between), rbd_interpolate(r->m, next, q, 0.25, plain), between,
+         r->nq);
     BOTH(rbd_rates_from_velocity(f->m, q, v, next), rbd_rates_from_velocity(r->m, q, v, plain), next, r->nq);
     BOTH(rbd_velocity_from_rates(f->m, q, next, d), rbd_velocity_from_rates(r->m, q, next, plain), d, r->nv);
 }
@@ -233,6 +238,16 @@ static void call_derivatives(const robot *r, const robot *f, const state *s, int
          6 * nv);
     BOTH(rbd_momentum_matrix(f->m, d, q, v, A, h), rbd_momentum_matrix(r->m, e, q, v, other, plain), h, 6);
     BOTH(rbd_com_jacobian(f->m, d, q, J), rbd_com_jacobian(r->m, e, q, plain), J, 3 * nv);
+    RUN(rbd_kinematics(f->m, f->w, q, v, NULL));
+    RUN(rbd_kinematics(r->m, r->w, q, v, NULL));
+    for (int b = 0; b < r->nb; b++) {
+        const rbd_axes axes = b % 2 ? RBD_LINK_AXES : RBD_WORLD_AXES;
+        const int from = (b + r->nb / 2) % r->nb;
+        BOTH(rbd_jacobian_derivative(f->m, f->w, b, f_ext, axes, A),
+             rbd_jacobian_derivative(r->m, r->w, b, f_ext, axes, plain), A, 6 * nv);
+        BOTH(rbd_relative_jacobian_derivative(f->m, f->w, b, f_ext, from, axes, A),
+             rbd_relative_jacobian_derivative(r->m, r->w, b, f_ext, from, axes, plain), A, 6 * nv);
+    }
     const double *next = inputs(s->q, r->nq);
     BOTH(rbd_integrate_derivatives(f->m, v, 0.1, x, y), rbd_integrate_derivatives(r->m, v, 0.1, plain, other),
          x, nv * nv);

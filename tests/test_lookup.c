@@ -130,6 +130,35 @@ START_TEST(joints_know_their_place_and_limits) {
 }
 END_TEST
 
+/* What a description says of limits means the same in every call: of these joints, and swapped, none. */
+START_TEST(limits_that_mean_none_are_none_everywhere) {
+    for (int i = RBD_FIXED + 1; i < RBD_JOINT_TYPES; i++) {
+        const rbd_joint_type type = (rbd_joint_type)i;
+        const int has = type == RBD_REVOLUTE || type == RBD_PRISMATIC || type == RBD_HELICAL;
+        rbd_body body = {.parent = -1, .type = type, .mass = 1, .inertia = {1, 0, 0, 1, 0, 1}};
+        rbd_joint_info info;
+        rbd_body row;
+        body.axis[2] = body.axis2[0] = 1;
+        body.lower = has ? 0.001 : -0.001, body.upper = has ? -0.001 : 0.001;
+        robot r = robot_build("one joint", &body, 1);
+        ck_assert_int_eq(rbd_joint(r.m, 0, &info), RBD_OK);
+        ck_assert_int_eq(rbd_describe(r.m, 0, &row), RBD_OK);
+        ck_assert(!(fabs(info.lower) + fabs(info.upper) > 0));
+        ck_assert(!(fabs(row.lower) + fabs(row.upper) > 0));
+
+        int beyond = 0;
+        uint64_t seed = 1;
+        double q[7];
+        for (int k = 0; k < 10; k++) {
+            ck_assert_int_eq(rbd_random(r.m, &seed, q), RBD_OK);
+            beyond += fabs(q[0]) > 0.01;
+        }
+        ck_assert_int_gt(beyond, 5);
+        robot_free(&r);
+    }
+}
+END_TEST
+
 START_TEST(degrees_of_freedom_lead_to_bodies) {
     const int body[ARM_NV] = {0, 0, 0, 0, 0, 0, 1, 3, 5, 5};
     robot r = BUILD(arm);
@@ -278,6 +307,7 @@ Suite *lookup_suite(void) {
     tcase_add_test(c, counts_are_those_of_the_description);
     tcase_add_test(c, names_lead_to_bodies_and_back);
     tcase_add_test(c, joints_know_their_place_and_limits);
+    tcase_add_test(c, limits_that_mean_none_are_none_everywhere);
     tcase_add_test(c, degrees_of_freedom_lead_to_bodies);
     tcase_add_test(c, joints_lie_where_the_reference_has_them);
     tcase_add_test(c, bodies_are_read_back);

@@ -489,6 +489,145 @@ START_TEST(null_arguments_are_refused) {
 }
 END_TEST
 
+/* ---- rbd_interpolate, rbd_distance ---- */
+
+/* The ends are reached to the bit; between them the way is that of rbd_integrate, at constant velocity, and
+   the parts of the distance add up. */
+static void check_way(const robot *r, const state *s, int number) {
+    const double shares[4] = {0.25, 0.75, -0.5, 1.5};
+    uint64_t seed = 91 + (uint64_t)number;
+    state other;
+    double q[MAX_Q], expected[MAX_Q], d[MAX_V], weight[MAX_V], zero[MAX_V] = {0}, whole, part, rest, sum = 0;
+    draw_state(r, &seed, &other);
+    for (int end = 0; end < 2; end++) {
+        RUN(rbd_interpolate(r->m, s->q, other.q, end, q));
+        RUN(rbd_integrate(r->m, end ? other.q : s->q, zero, 1, expected));
+        ck_assert_msg(memcmp(q, expected, sizeof *q * (size_t)r->nq) == 0, "%s, %d: end %d", r->name, number,
+                      end);
+    }
+    RUN(rbd_difference(r->m, s->q, other.q, d));
+    for (int k = 0; k < r->nv; k++) weight[k] = uniform(&seed, 0, 3), sum += weight[k] * d[k] * d[k];
+    RUN(rbd_distance(r->m, s->q, other.q, weight, &whole));
+    expect_small("weighted distance", r, number, fabs(whole - sqrt(sum)) / (1 + whole), 1e-14);
+    RUN(rbd_distance(r->m, s->q, other.q, NULL, &whole));
+    expect_small("distance", r, number, fabs(whole - sqrt(dot(d, d, r->nv))) / (1 + whole), 1e-14);
+    RUN(rbd_distance(r->m, other.q, s->q, NULL, &part));
+    expect_small("distance back", r, number, fabs(whole - part) / (1 + whole), 1e-13);
+    for (int i = 0; i < 4; i++) {
+        RUN(rbd_interpolate(r->m, s->q, other.q, shares[i], q));
+        RUN(rbd_integrate(r->m, s->q, d, shares[i], expected));
+        expect_same_place("a part of the way", r, number, q, expected);
+        if (shares[i] < 0 || shares[i] > 1) continue; /* farther than half a turn another way is shorter */
+        RUN(rbd_distance(r->m, s->q, q, NULL, &part));
+        RUN(rbd_distance(r->m, q, other.q, NULL, &rest));
+        expect_small("share of the distance", r, number, fabs(part - shares[i] * whole) / (1 + whole), 1e-13);
+        expect_small("rest of the distance", r, number, fabs(part + rest - whole) / (1 + whole), 1e-13);
+    }
+    for (int from = 0; from < 2; from++) { /* in place */
+        RUN(rbd_interpolate(r->m, s->q, other.q, 0.25, expected));
+        memcpy(q, from ? other.q : s->q, sizeof q);
+        RUN(rbd_interpolate(r->m, from ? s->q : q, from ? q : other.q, 0.25, q));
+        ck_assert(memcmp(q, expected, sizeof *q * (size_t)r->nq) == 0);
+    }
+}
+
+START_TEST(ways_lead_from_end_to_end) {
+    for_random_states(10, check_way);
+    for_random_trees(100, check_way);
+}
+END_TEST
+
+/* Shoemake's slerp, of quaternions of any length and sign. */
+START_TEST(orientations_take_the_great_circle) {
+    const rbd_body ball[1] = {
+        {.parent = -1, .type = RBD_SPHERICAL, .mass = 1, .inertia = {1, 0, 0, 1, 0, 1}}};
+    robot r = BUILD(ball);
+    uint64_t seed = 17;
+    for (int i = 0; i < 100; i++) {
+        double a[4], b[4], long_a[4], q[4], distance;
+        const double s = i % 11 / 10.;
+        expect_ok("ball", &r, i, rbd_random(r.m, &seed, a));
+        expect_ok("ball", &r, i, rbd_random(r.m, &seed, b));
+        const double cosine = dot(a, b, 4), sign = cosine < 0 ? -1 : 1, angle = acos(fabs(cosine));
+        const double from = sin((1 - s) * angle) / sin(angle), to = sign * sin(s * angle) / sin(angle);
+        for (int k = 0; k < 4; k++) long_a[k] = a[k] * (i % 3 ? 1 : 40);
+        expect_ok("ball", &r, i, rbd_interpolate(r.m, long_a, b, s, q));
+        const double side = s < 1 ? 1 : sign; /* at the end it is b itself */
+        for (int k = 0; k < 4; k++)
+            ck_assert_msg(fabs(q[k] - side * (from * a[k] + to * b[k])) < 1e-12, "%d: component %d", i, k);
+        expect_ok("ball", &r, i, rbd_distance(r.m, a, b, NULL, &distance));
+        ck_assert_msg(fabs(distance - 2 * angle) < 1e-12, "%d: distance %g", i, distance);
+    }
+    robot_free(&r);
+}
+END_TEST
+
+/* An unbounded angle does not know of turns, (cos, sin) takes the short way, and a planar joint too. */
+START_TEST(angles_take_the_way_of_their_joint) {
+    const rbd_body rows[3] = {
+        {.parent = -1, .type = RBD_CONTINUOUS, .axis = {0, 0, 1}, .mass = 1, .com = {1, 0, 0}},
+        {.parent = -1, .type = RBD_CONTINUOUS_CS, .axis = {0, 0, 1}, .mass = 1, .com = {1, 0, 0}},
+        {.parent = -1, .type = RBD_PLANAR, .mass = 1, .inertia = {1, 0, 0, 1, 0, 1}}};
+    const double turn = 2 * pi, q0[6] = {0.25, cos(0.25), sin(0.25), 0, 0, 0.25},
+                 q1[6] = {0.25 + turn - 1, cos(-0.75), sin(-0.75), 0, 0, 0.25 + turn - 1};
+    const double half[6] = {0.25 + (turn - 1) / 2, cos(-0.25), sin(-0.25), 0, 0, -0.25};
+    const double weights[5] = {0, 1, 4, 0, 0}; /* of v: continuous; (cos, sin); planar omega, vx, vy */
+    double q[6], distance;
+    robot r = BUILD(rows);
+    ck_assert_int_eq(rbd_interpolate(r.m, q0, q1, 0.5, q), RBD_OK);
+    expect_close("half way", &r, 0, q, half, 6, 1e-14);
+    ck_assert_int_eq(rbd_interpolate(r.m, q0, q1, 1, q), RBD_OK);
+    ck_assert(!(fabs(q[0] - q1[0]) > 0) && !(fabs(q[5] - q1[5]) > 0));
+    ck_assert_int_eq(rbd_distance(r.m, q0, q1, NULL, &distance), RBD_OK);
+    ck_assert(fabs(distance - sqrt(2 + (turn - 1) * (turn - 1))) < 1e-13);
+    ck_assert_int_eq(rbd_distance(r.m, q0, q1, weights, &distance), RBD_OK);
+    ck_assert(fabs(distance - sqrt(1 + 4)) < 1e-13);
+    robot_free(&r);
+}
+END_TEST
+
+START_TEST(bad_shares_and_weights_are_seen) {
+    const double bad[2] = {-1e-300, NAN};
+    double q0[EACH_NQ], q1[EACH_NQ], q[EACH_NQ], weight[15], distance = 5;
+    uint64_t seed = 3;
+    robot r = BUILD(one_of_each);
+    ck_assert_int_eq(rbd_random(r.m, &seed, q0), RBD_OK);
+    ck_assert_int_eq(rbd_random(r.m, &seed, q1), RBD_OK);
+    ck_assert_int_eq(rbd_interpolate(r.m, q0, q1, NAN, q), RBD_OK);
+    for (int k = 0; k < EACH_NQ; k++) ck_assert(isnan(q[k]));
+    for (int end = 0; end < 2; end++)
+        for (int k = 0; k < EACH_NQ; k++) { /* a coordinate that is NaN reaches its joint, at both ends too */
+            const double was = q0[k];
+            int found = 0;
+            q0[k] = NAN;
+            ck_assert_int_eq(rbd_interpolate(r.m, q0, q1, end, q), RBD_OK);
+            for (int j = 0; j < EACH_NQ; j++) found += isnan(q[j]) != 0;
+            ck_assert(found > 0);
+            ck_assert_int_eq(rbd_distance(r.m, q0, q1, NULL, &distance), RBD_OK);
+            ck_assert(isnan(distance));
+            q0[k] = was;
+        }
+    for (int k = 0; k < 15; k++) weight[k] = 0;
+    ck_assert_int_eq(rbd_distance(r.m, q0, q1, weight, &distance), RBD_OK);
+    ck_assert(!(fabs(distance) > 0));
+    for (int i = 0; i < 2; i++)
+        for (int k = 0; k < 15; k++) {
+            weight[k] = bad[i];
+            ck_assert_int_eq(rbd_distance(r.m, q0, q1, weight, &distance), RBD_ERR_RANGE);
+            weight[k] = 0;
+        }
+    ck_assert_int_eq(rbd_interpolate(NULL, q0, q1, 0, q), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_interpolate(r.m, NULL, q1, 0, q), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_interpolate(r.m, q0, NULL, 0, q), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_interpolate(r.m, q0, q1, 0, NULL), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_distance(NULL, q0, q1, NULL, &distance), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_distance(r.m, NULL, q1, NULL, &distance), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_distance(r.m, q0, NULL, NULL, &distance), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_distance(r.m, q0, q1, NULL, NULL), RBD_ERR_NULL);
+    robot_free(&r);
+}
+END_TEST
+
 /* ---- rbd_step ---- */
 
 /* A body that turns about its centre of mass, without forces: its velocity in the world stays at any dt. */
@@ -563,6 +702,10 @@ Suite *manifold_suite(void) {
     tcase_add_test(c, quaternion_or_angle_with_nan_is_nan);
     tcase_add_test(c, random_orientations_are_uniform);
     tcase_add_test(c, random_is_repeatable_from_any_seed);
+    tcase_add_test(c, ways_lead_from_end_to_end);
+    tcase_add_test(c, orientations_take_the_great_circle);
+    tcase_add_test(c, angles_take_the_way_of_their_joint);
+    tcase_add_test(c, bad_shares_and_weights_are_seen);
     tcase_add_test(c, step_of_a_free_body_is_exact);
     tcase_add_test(c, step_is_first_order);
     tcase_add_test(c, null_arguments_are_refused);

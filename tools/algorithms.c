@@ -186,8 +186,8 @@ static const char *const others[][2] = {
 enum { OTHERS = sizeof others / sizeof *others };
 
 void see_algorithms(nearest *n) {
-    for (int i = 0; i < ALGORITHMS; i++) nearest_see(n, algorithms[i].name, strlen(algorithms[i].name));
-    for (int i = 0; i < OTHERS; i++) nearest_see(n, others[i][0], strlen(others[i][0]));
+    for (int i = 0; i < ALGORITHMS; i++) nearest_see_words(n, algorithms[i].name, strlen(algorithms[i].name));
+    for (int i = 0; i < OTHERS; i++) nearest_see_words(n, others[i][0], strlen(others[i][0]));
 }
 
 const algorithm *find_algorithm(const char *name) {

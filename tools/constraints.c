@@ -125,7 +125,9 @@ static int read_contact(const csv *row, const int where[COLUMNS], const robot *r
     for (int j = 0; j < 6; j++)
         if (read_number(row, &contacts, where, NUMBERS + j, numbers[j]) != 0) return -1;
     if (read_link(row, where, BODY1, r, &a->body1) != 0) return -1;
-    return read_link(row, where, BODY2, r, &a->body2);
+    if (read_link(row, where, BODY2, r, &a->body2) != 0) return -1;
+    a->on_body = a->body2 >= 0;
+    return 0;
 }
 
 /* A table of either kind: its items, of this size; names, of contacts; rows[i]: where item i stands. */

@@ -11,18 +11,25 @@ nearest nearest_to(const char *name) {
     return n;
 }
 
-/* How many characters must be put in, left out or changed to make one of the other (Levenshtein); upper and
-   lower case are the same. */
+static int alike(char a, char b) { return tolower((unsigned char)a) == tolower((unsigned char)b); }
+
+/* How many characters must be put in, left out, changed, or swapped with the next one, to make one of the
+   other (Damerau, Levenshtein; no character twice); upper and lower case are the same. */
 static size_t difference(const char *a, const char *b, size_t length) {
-    size_t row[LONGEST + 1];
+    size_t rows[3][LONGEST + 1], *before = rows[0], *last = rows[1], *row = rows[2];
     for (size_t k = 0; k <= length; k++) row[k] = k;
-    for (; *a; a++) {
-        size_t diagonal = row[0]++;
-        for (size_t k = 0; k < length; k++) {
-            const size_t changed = diagonal + (tolower((unsigned char)*a) != tolower((unsigned char)b[k]));
-            const size_t shorter = row[k] < row[k + 1] ? row[k] : row[k + 1];
-            diagonal = row[k + 1];
-            row[k + 1] = changed < shorter + 1 ? changed : shorter + 1;
+    for (size_t i = 1; a[i - 1]; i++) {
+        size_t *free_row = before;
+        before = last;
+        last = row;
+        row = free_row;
+        row[0] = i;
+        for (size_t k = 1; k <= length; k++) {
+            const size_t changed = last[k - 1] + !alike(a[i - 1], b[k - 1]);
+            const size_t shorter = last[k] < row[k - 1] ? last[k] : row[k - 1];
+            const int swapped = i > 1 && k > 1 && alike(a[i - 1], b[k - 2]) && alike(a[i - 2], b[k - 1]);
+            row[k] = changed < shorter + 1 ? changed : shorter + 1;
+            if (swapped && before[k - 2] + 1 < row[k]) row[k] = before[k - 2] + 1;
         }
     }
     return row[length];
@@ -38,6 +45,13 @@ static void take(nearest *n, const char *known, size_t length, size_t d) {
 void nearest_see(nearest *n, const char *known, size_t length) {
     if (length <= LONGEST && strlen(n->name) <= LONGEST)
         take(n, known, length, difference(n->name, known, length));
+}
+
+void nearest_see_words(nearest *n, const char *known, size_t length) {
+    nearest_see(n, known, length);
+    if (length > LONGEST || strlen(n->name) > LONGEST) return;
+    for (size_t k = 1; k < length; k++)
+        if (known[k] == '_') take(n, known, length, 1 + difference(n->name, known, k));
 }
 
 void nearest_see_options(nearest *n, const char *help) {

@@ -16,6 +16,9 @@ nearest nearest_to(const char *name);
 /* Compares one that is there: its first `length` characters. */
 void nearest_see(nearest *n, const char *known, size_t length);
 
+/* The same, and its beginnings up to each '_', which count as one character further away. */
+void nearest_see_words(nearest *n, const char *known, size_t length);
+
 /* All options "  --NAME" of a help text: those that begin with the name come near, too. */
 void nearest_see_options(nearest *n, const char *help);
 

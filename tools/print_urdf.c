@@ -24,17 +24,15 @@ static void attribute(const char *name, const double *x, int n) {
     putchar('"');
 }
 
-/* URDF's angles, R = Rz(yaw) Ry(pitch) Rx(roll); at pitch = +-pi/2 with yaw = 0. */
+/* URDF's angles, R = Rz(yaw) Ry(pitch) Rx(roll); at pitch = +-pi/2 with yaw = 0. Near there yaw is found to
+   few digits. So roll and pitch are those of R turned back by that yaw: Rz(-yaw) R = Ry(pitch) Rx(roll), whose
+   second row is (0, cos roll, -sin roll), and whose first column is (cos pitch, 0, -sin pitch). */
 static void roll_pitch_yaw(const double R[9], double rpy[3]) {
-    const double cosine = hypot(R[0], R[3]);
-    rpy[1] = atan2(-R[6], cosine);
-    if (cosine > 1e-9) {
-        rpy[0] = atan2(R[7], R[8]);
-        rpy[2] = atan2(R[3], R[0]);
-    } else {
-        rpy[0] = R[6] < 0 ? atan2(R[1], R[4]) : atan2(-R[1], R[4]);
-        rpy[2] = 0;
-    }
+    const double yaw = hypot(R[0], R[3]) > 1e-15 ? atan2(R[3], R[0]) : 0;
+    const double c = cos(yaw), s = sin(yaw);
+    rpy[0] = atan2(s * R[2] - c * R[5], c * R[4] - s * R[1]);
+    rpy[1] = atan2(-R[6], c * R[0] + s * R[3]);
+    rpy[2] = yaw;
 }
 
 static void origin(const char *indent, const double position[3], const double R[9]) {
@@ -91,7 +89,8 @@ static void print_link(const robot *r, const rbd_body *b) {
     const double zero[6] = {0, 0, 0, 0, 0, 0};
     printf("\n  <link name=\"");
     link_name(r, b);
-    if (b->mass == 0 && memcmp(b->inertia, zero, sizeof zero) == 0) {
+    const int massless = b->mass == 0 && memcmp(b->inertia, zero, sizeof zero) == 0;
+    if (massless && b->type == RBD_FIXED) { /* of others it is said, or the reader would ask */
         printf("\"/>\n");
         return;
     }

@@ -89,7 +89,7 @@ int check_algorithm(const std::string &given) {
     bool is_known = false;
     for (const std::string &x : codegen::algorithm_names()) {
         const std::string known = x.substr(0, x.find(':'));
-        nearest_see(&n, known.c_str(), known.size());
+        nearest_see_words(&n, known.c_str(), known.size());
         is_known = is_known || name == known;
         if (name != known || has_link == (known != x)) continue;
         return has_link ? usage_error("--algorithm: '%s' takes no link", name.c_str())

@@ -218,9 +218,22 @@ static char *read_file(const char *path, size_t *length) {
     return text;
 }
 
+/* Warnings before an error may say where it comes from. */
+static void print_first_warnings(const char *path, const rbd_urdf *u) {
+    for (int i = 0; i < u->nwarnings && i < u->warnings_max; i++)
+        print_finding(path, "warning", &u->warnings[i]);
+}
+
 /* Loads twice: to count, and to fill. */
-static int load_text(rbd_urdf *u, const char *text, size_t length, const settings *s) {
-    if (rbd_urdf_parse(text, length, &s->urdf, u) != RBD_URDF_OK) return EXIT_BAD;
+static int load_text(const char *path, rbd_urdf *u, const char *text, size_t length, const settings *s) {
+    rbd_urdf_finding first[20];
+    u->warnings = first;
+    u->warnings_max = sizeof first / sizeof *first;
+    const rbd_urdf_status counted = rbd_urdf_parse(text, length, &s->urdf, u);
+    if (counted != RBD_URDF_OK) print_first_warnings(path, u);
+    u->warnings = NULL;
+    if (counted != RBD_URDF_OK) return EXIT_BAD;
+
     u->bodies = allocate((size_t)(u->bodies_max = u->nb), sizeof *u->bodies);
     u->names = allocate(u->names_max = u->names_size, 1);
     u->frames = allocate((size_t)(u->frames_max = u->nframes), sizeof *u->frames);
@@ -236,7 +249,7 @@ static int load(robot *r, const settings *s) {
         fprintf(stderr, "%s: error: it cannot be read: %s\n", r->path, strerror(errno));
         return EXIT_BAD;
     }
-    status = load_text(&r->urdf, text, length, s);
+    status = load_text(r->path, &r->urdf, text, length, s);
     if (status != 0) print_finding(r->path, "error", &r->urdf.error);
     free(text);
     return status;

@@ -1,6 +1,6 @@
 // contact.cpp - a step with contacts in rbd and in MuJoCo: verifies that both simulate the same, then
-// times, counts and judges them. usage: contact [--verify | --count | --rounds N]   prints CSV; --count is
-// for callgrind. SPDX-License-Identifier: MIT
+// times, counts and judges them. usage: contact [--verify | --count | --rounds N | --results-of COMMAND]   prints
+// CSV; --count is for callgrind; --results-of has no times: COMMAND simulates, as mujoco.mjs does. SPDX-License-Identifier: MIT
 #include <cstring>
 #include <ctime>
 #include <functional>
@@ -44,11 +44,12 @@ struct outcome {
     double iterations = 0;   // a step
     // Force of the ground less weight and rate of momentum, over the weight, the same mean.
     double balance = 0;
+    double unsolved = 0; // of that what the solver left of its equations
 };
 
 // The centre of mass, and what the ground has pushed since a time.
 struct instant {
-    double p[3], v[3], pushed;
+    double p[3], v[3], pushed, unsolved;
 };
 
 double gap_of(const robot &r, const rbd_contact &c) {
@@ -85,12 +86,14 @@ outcome judge(const scene &s, const setting &o, double h) {
         if (i < 0) return;
         x->step();
         now.pushed += h * x->ground_force();
+        now.unsolved -= h * x->unsolved();
         out.iterations += x->iterations() / (double)all;
     });
     const double time = (all - half) * h, mass = rbd_mass(r.m), weight = mass * g * std::cos(s.slope);
     out.creep = (now.p[0] - then.p[0]) / time;
     out.acceleration = (now.v[0] - then.v[0]) / time;
     out.balance = ((now.pushed - then.pushed - mass * (now.v[2] - then.v[2])) / time - weight) / weight;
+    out.unsolved = (now.unsolved - then.unsolved) / time / weight;
     return out;
 }
 
@@ -131,13 +134,14 @@ bool holds(const scene &s, const setting &o, const char *what, double error, dou
 }
 
 // The impulse of the ground is that of weight and momentum, whatever the law of contact; up to what moving
-// the robot for a step changes of the momentum.
+// the robot for a step changes of the momentum, and to what a solver that gives up early left.
 bool verify(const std::vector<scene> &scenes) {
     bool right = true;
     for (const scene &s : scenes)
         for (const setting &o : settings) {
             right &= holds(s, o, "flies otherwise than rbd", flight_difference(s, o), 1e-9);
-            right &= holds(s, o, "balance of forces", judge(s, o, usual_step).balance, 1e-4);
+            const outcome x = judge(s, o, usual_step);
+            right &= holds(s, o, "balance of forces", x.balance - x.unsolved, 1e-4);
         }
     return right;
 }
@@ -193,15 +197,37 @@ std::vector<row> make_rows(const std::vector<scene> &scenes) {
     return rows;
 }
 
+const char *library_of(const setting &o) {
+    if (is_rbd(o)) return "rbd";
+    return other_process() ? other_process()->version.c_str() : "MuJoCo " PEER_VERSION;
+}
+
+void print_head() {
+    std::puts("scene,library,setting,step_ms,ns,disturbed,iterations,deepest_m,creep_m_s,acceleration_error,"
+              "hover_m,energy_made_J,balance");
+}
+
+// times: its two columns.
+void print_row(const scene &s, const setting &o, double h, const char *times, const outcome &x) {
+    std::printf("\"%s\",%s,\"%s\",%g,%s,%.2f,%.3e,%.3e,%.3e,%.3e,%.3e,%.3e\n", s.name.c_str(), library_of(o),
+                o.name, 1e3 * h, times, x.iterations, x.deepest, s.slope > 0 ? x.creep : 0,
+                s.slope > 0 ? x.acceleration - exact_acceleration(s) : 0, x.hover, x.made, x.balance);
+}
+
 void print(const row &r, double clock) {
-    const outcome &x = r.result;
+    char times[40];
     least sum = {0, 0};
     for (const least &t : r.times) sum.first += t.first - clock, sum.second += t.second - clock;
-    std::printf("\"%s\",%s,\"%s\",%g,%.1f,%d,%.2f,%.3e,%.3e,%.3e,%.3e,%.3e,%.3e\n", r.s->name.c_str(),
-                is_rbd(*r.o) ? "rbd" : "MuJoCo " PEER_VERSION, r.o->name, 1e3 * r.h,
-                sum.first / (double)r.times.size(), !least_repeats(sum), x.iterations, x.deepest,
-                r.s->slope > 0 ? x.creep : 0, r.s->slope > 0 ? x.acceleration - exact_acceleration(*r.s) : 0,
-                x.hover, x.made, x.balance);
+    std::snprintf(times, sizeof times, "%.1f,%d", sum.first / (double)r.times.size(), !least_repeats(sum));
+    print_row(*r.s, *r.o, r.h, times, r.result);
+}
+
+// Without times, with steps of one size.
+void print_results(const std::vector<scene> &scenes) {
+    print_head();
+    for (const scene &s : scenes)
+        for (const setting &o : settings)
+            if (!is_rbd(o)) print_row(s, o, usual_step, ",", judge(s, o, usual_step));
 }
 
 void measure(const std::vector<scene> &scenes, int rounds) {
@@ -209,8 +235,7 @@ void measure(const std::vector<scene> &scenes, int rounds) {
     const double clock = cost_of_clock();
     for (int i = 0; i < rounds; i++)
         for (row &r : rows) r.time_once();
-    std::puts("scene,library,setting,step_ms,ns,disturbed,iterations,deepest_m,creep_m_s,acceleration_error,"
-              "hover_m,energy_made_J,balance");
+    print_head();
     for (const row &r : rows) print(r, clock);
 }
 
@@ -250,13 +275,17 @@ int main(int argc, char **argv) {
     const std::vector<scene> scenes = all_scenes();
     mju_user_warning = [](const char *) {}; // of a line search that rounding ends; it would write a file
     const int rounds = what == "--rounds" && argc == 3 ? std::atoi(argv[2]) : 20;
-    if ((what == "--rounds") != (argc == 3) || rounds < 1 || argc > 3 ||
+    if ((what == "--rounds" || what == "--results-of") != (argc == 3) || rounds < 1 || argc > 3 ||
         (argc == 2 && what != "--verify" && what != "--count")) {
-        std::fputs("usage: contact [--verify | --count | --rounds N]\n", stderr);
+        std::fputs("usage: contact [--verify | --count | --rounds N | --results-of COMMAND]\n", stderr);
         return 2;
     }
     if (what == "--count") return !count(scenes);
+    if (what == "--results-of") other_process() = std::make_unique<pipes>(argv[2]);
     if (!verify(scenes)) return 1;
-    if (what != "--verify") measure(scenes, rounds);
+    if (what == "--results-of")
+        print_results(scenes);
+    else if (what != "--verify")
+        measure(scenes, rounds);
     return 0;
 }

@@ -9,6 +9,7 @@ import csv
 import datetime
 import os
 import re
+import shlex
 import subprocess
 import sys
 
@@ -53,11 +54,25 @@ def measure(programs, folder):
         writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
         writer.writeheader()
         writer.writerows(rows)
+    measure_npm(programs, folder)
+
+
+def measure_npm(programs, folder):
+    """Results, without times, of MuJoCo's WebAssembly build, where the environment says which folder has it."""
+    packages, path = os.environ.get("MUJOCO_NPM"), os.path.join(folder, "contact-npm.csv")
+    if not packages:
+        if os.path.exists(path):
+            os.remove(path)
+        return
+    script = os.path.join(ROOT, "bench", "contact", "mujoco.mjs")
+    with open(path, "w") as file:
+        subprocess.run([os.path.join(programs, "contact"), "--results-of", "node %s %s" % (
+            shlex.quote(script), shlex.quote(packages))], stdout=file, check=True)
 
 
 class Results:
-    def __init__(self, folder):
-        with open(os.path.join(folder, "contact.csv"), newline="") as file:
+    def __init__(self, folder, name="contact.csv"):
+        with open(os.path.join(folder, name), newline="") as file:
             self.rows = list(csv.DictReader(file))
         self.mujoco = next(r["library"] for r in self.rows if r["library"] != "rbd")
 
@@ -122,6 +137,16 @@ def errors(results, step="1"):
                  rows, 6)
 
 
+def versions(results, other):
+    """The errors of another MuJoCo in the same settings."""
+    rows = []
+    for scene, words, column, unit in ERRORS:
+        setting = results.most_exact(scene, column)
+        cells = [error(r.row(scene, setting), column) for r in (results, other)]
+        rows.append(["%s: %s, %s" % (scene, words, unit)] + [shortly(x) for x in cells] + [setting])
+    return table(["", results.mujoco, other.mujoco, "setting: the most exact of the first"], rows, 3)
+
+
 def document_tables(results):
     return costs(results) + "\n" + errors(results)
 
@@ -176,7 +201,15 @@ def processor():
         return next((line.split(": ", 1)[1].strip() for line in file if line.startswith("model name")), "unknown")
 
 
-def page(results):
+def npm_section(results, folder):
+    if not os.path.exists(os.path.join(folder, "contact-npm.csv")):
+        return ""
+    other = Results(folder, "contact-npm.csv")
+    return "\n## Another version\n\n%s is the WebAssembly build of npm: results alone, no times.\n\n%s" % (
+        other.mujoco, versions(results, other))
+
+
+def page(results, folder):
     steps = list(dict.fromkeys(r["step_ms"] for r in results.rows))
     return """# A step with contacts, beside MuJoCo
 
@@ -191,9 +224,10 @@ has the method. A star: the least time did not come twice to 3 %%.
 %s
 ## Errors with steps of 1 ms
 
-%s%s""" % (datetime.date.today(), processor(), first_line("cc", "--version"), os.getloadavg()[0], results.mujoco,
+%s%s%s""" % (datetime.date.today(), processor(), first_line("cc", "--version"), os.getloadavg()[0], results.mujoco,
            costs(results), errors(results), "".join(
-               "\n## With steps of %s ms\n\n%s" % (h, errors(results, h)) for h in steps if h != "1"))
+               "\n## With steps of %s ms\n\n%s" % (h, errors(results, h)) for h in steps if h != "1"),
+           npm_section(results, folder))
 
 
 def document(write):
@@ -229,7 +263,7 @@ def main(arguments):
     results = Results(folder)
     draw(results, folder)
     with open(os.path.join(folder, "contact.md"), "w") as file:
-        file.write(page(results))
+        file.write(page(results, folder))
     print(os.path.join(folder, "contact.md"))
 
 

@@ -92,7 +92,7 @@ inline rbd_body box(double lx, double ly, double lz, double mass) {
 
 inline rbd_contact ball(int body1, int body2, double x, double y, double z, double radius, double friction) {
     rbd_contact c = {};
-    c.body1 = body1, c.body2 = body2, c.point[0] = x, c.point[1] = y, c.point[2] = z;
+    c.body1 = body1, c.body2 = body2, c.on_body = body2 >= 0, c.point[0] = x, c.point[1] = y, c.point[2] = z;
     c.radius = radius, c.friction = friction;
     return c;
 }

@@ -3,6 +3,8 @@
 #define CONTACT_SIMULATIONS_HPP
 
 #include <memory>
+#include <sys/wait.h>
+#include <unistd.h>
 #include "../peers/mjcf.hpp"
 #include "scenes.hpp"
 
@@ -18,6 +20,8 @@ class simulation {
     virtual void step() = 0;                                  // what is timed and counted
     virtual void state(double *q, double *v) const = 0;       // as rbd has it
     virtual double ground_force() const = 0;                  // of the last step, along the normal, N
+    // The same in the acceleration of the last step, but in no contact: what a solver left of its equations.
+    virtual double unsolved() const { return 0; }
     virtual int iterations() const = 0; // Newton steps, or sweeps of PGS, of the last step
 };
 
@@ -131,15 +135,59 @@ inline std::string mjcf_scene(const scene &s, const setting &o, double h) {
            mjcf_children(bodies, -1, [&](int body) { return mjcf_geoms(s, body); }) + "</worldbody></mujoco>";
 }
 
-class mujoco_simulation : public simulation {
-    std::unique_ptr<mjModel, void (*)(mjModel *)> m{nullptr, mj_deleteModel};
-    std::unique_ptr<mjData, void (*)(mjData *)> d{nullptr, mj_deleteData};
+// The state in its conventions, wherever it computes.
+class mujoco_state : public simulation {
+  protected:
     robot r;
-    std::vector<int> qpos, dof; // MuJoCo's places of each body's joint, -1: fixed
+    std::vector<int> qpos, dof; // its places of each body's joint, -1: fixed
     double damping;
+    double *positions = nullptr, *velocities = nullptr, *applied = nullptr;
+
+    mujoco_state(const scene &s, double h) : r(s.bodies), damping(s.kd + h * s.kp) {}
+
+    // Degrees of freedom that lift all that a floating base carries.
+    std::vector<int> vertical() const {
+        std::vector<int> found;
+        for (size_t i = 0; i < dof.size(); i++)
+            if (r.joints[i].nv == 6) found.push_back(dof[i] + 2);
+        return found;
+    }
 
   public:
-    mujoco_simulation(const scene &s, const setting &o, double h) : r(s.bodies), damping(s.kd + h * s.kp) {
+    void begin(const double *q, const double *v) override {
+        for (size_t i = 0; i < qpos.size(); i++) {
+            const rbd_joint_info &j = r.joints[i];
+            const double *own = q + j.iq, *rate = v + j.iv;
+            double *position = positions + qpos[i], *velocity = velocities + dof[i];
+            if (j.nv == 1) *position = *own, *velocity = *rate;
+            if (j.nv != 6) continue;
+            put(position, get(own)), put(position + 4, get(own + 3)), position[3] = own[6];
+            put(velocity, rotation_of(own + 3) * get(rate + 3)), put(velocity + 3, get(rate));
+        }
+    }
+    void apply(const double *tau) override {
+        for (size_t i = 0; i < qpos.size(); i++)
+            if (r.joints[i].nv == 1) applied[dof[i]] = tau[r.joints[i].iv] - damping * velocities[dof[i]];
+    }
+    void state(double *q, double *v) const override {
+        for (size_t i = 0; i < qpos.size(); i++) {
+            const rbd_joint_info &j = r.joints[i];
+            const double *position = positions + qpos[i], *velocity = velocities + dof[i];
+            double *own = q + j.iq, *rate = v + j.iv;
+            if (j.nv == 1) *own = *position, *rate = *velocity;
+            if (j.nv != 6) continue;
+            put(own, get(position)), put(own + 3, get(position + 4)), own[6] = position[3];
+            put(rate, get(velocity + 3)), put(rate + 3, transpose(rotation_of(own + 3)) * get(velocity));
+        }
+    }
+};
+
+class mujoco_simulation : public mujoco_state {
+    std::unique_ptr<mjModel, void (*)(mjModel *)> m{nullptr, mj_deleteModel};
+    std::unique_ptr<mjData, void (*)(mjData *)> d{nullptr, mj_deleteData};
+
+  public:
+    mujoco_simulation(const scene &s, const setting &o, double h) : mujoco_state(s, h) {
         char text[160] = "";
         m.reset(mjcf_compile(mjcf_scene(s, o, h), text));
         if (!m) {
@@ -152,6 +200,7 @@ class mujoco_simulation : public simulation {
         m->opt.disableflags |=
             mjDSBL_EQUALITY | mjDSBL_FRICTIONLOSS | mjDSBL_LIMIT | mjDSBL_ACTUATION | mjDSBL_SENSOR;
         d.reset(mj_makeData(m.get()));
+        positions = d->qpos, velocities = d->qvel, applied = d->qfrc_applied;
         for (size_t i = 0; i < s.bodies.size(); i++) {
             const int j = mj_name2id(m.get(), mjOBJ_JOINT, ("j" + std::to_string(i)).c_str());
             qpos.push_back(j < 0 ? -1 : m->jnt_qposadr[j]), dof.push_back(j < 0 ? -1 : m->jnt_dofadr[j]);
@@ -159,33 +208,9 @@ class mujoco_simulation : public simulation {
     }
     void begin(const double *q, const double *v) override {
         mj_resetData(m.get(), d.get());
-        for (size_t i = 0; i < qpos.size(); i++) {
-            const rbd_joint_info &j = r.joints[i];
-            const double *own = q + j.iq, *rate = v + j.iv;
-            double *position = d->qpos + qpos[i], *velocity = d->qvel + dof[i];
-            if (j.nv == 1) *position = *own, *velocity = *rate;
-            if (j.nv != 6) continue;
-            put(position, get(own)), put(position + 4, get(own + 3)), position[3] = own[6];
-            put(velocity, rotation_of(own + 3) * get(rate + 3)), put(velocity + 3, get(rate));
-        }
-    }
-    void apply(const double *tau) override {
-        for (size_t i = 0; i < qpos.size(); i++)
-            if (r.joints[i].nv == 1)
-                d->qfrc_applied[dof[i]] = tau[r.joints[i].iv] - damping * d->qvel[dof[i]];
+        mujoco_state::begin(q, v);
     }
     void step() override { mj_step(m.get(), d.get()); }
-    void state(double *q, double *v) const override {
-        for (size_t i = 0; i < qpos.size(); i++) {
-            const rbd_joint_info &j = r.joints[i];
-            const double *position = d->qpos + qpos[i], *velocity = d->qvel + dof[i];
-            double *own = q + j.iq, *rate = v + j.iv;
-            if (j.nv == 1) *own = *position, *rate = *velocity;
-            if (j.nv != 6) continue;
-            put(own, get(position)), put(own + 3, get(position + 4)), own[6] = position[3];
-            put(rate, get(velocity + 3)), put(rate + 3, transpose(rotation_of(own + 3)) * get(velocity));
-        }
-    }
     double ground_force() const override {
         double sum = 0, force[6];
         for (int i = 0; i < d->ncon; i++) {
@@ -195,6 +220,13 @@ class mujoco_simulation : public simulation {
         }
         return sum;
     }
+    double unsolved() const override {
+        vector inertia((size_t)m->nv); // times the acceleration
+        double sum = 0;
+        mj_mulM(m.get(), d.get(), inertia.data(), d->qacc);
+        for (const int z : vertical()) sum += inertia[(size_t)z] - d->qfrc_smooth[z] - d->qfrc_constraint[z];
+        return sum;
+    }
 #if mjVERSION_HEADER < 300
     int iterations() const override { return d->solver_iter; }
 #else
@@ -202,8 +234,96 @@ class mujoco_simulation : public simulation {
 #endif
 };
 
+// ---- MuJoCo in another process: mujoco.mjs has its messages ----
+
+class pipes {
+    FILE *to = nullptr, *from = nullptr;
+    pid_t child = -1;
+
+    [[noreturn]] static void fail(const char *what) {
+        std::fprintf(stderr, "contact: the other process: %s\n", what);
+        std::exit(1);
+    }
+
+  public:
+    std::string version;
+
+    explicit pipes(const char *command) {
+        int in[2], out[2];
+        char text[64];
+        if (pipe(in) != 0 || pipe(out) != 0) fail("no pipe");
+        child = fork();
+        if (child < 0) fail("cannot be started");
+        if (child == 0) {
+            dup2(in[0], 0), dup2(out[1], 1);
+            for (int end : {in[0], in[1], out[0], out[1]}) close(end);
+            execl("/bin/sh", "sh", "-c", command, nullptr);
+            _exit(127);
+        }
+        close(in[0]), close(out[1]);
+        to = fdopen(in[1], "w"), from = fdopen(out[0], "r");
+        if (std::fscanf(from, "%63[^\n]", text) != 1 || std::fgetc(from) != '\n') fail("does not begin");
+        version = text;
+    }
+    pipes(const pipes &) = delete;
+    pipes &operator=(const pipes &) = delete;
+    ~pipes() {
+        fclose(to), fclose(from);
+        waitpid(child, nullptr, 0);
+    }
+    void write(const std::string &text) { std::fwrite(text.data(), 1, text.size(), to); }
+    void write(const vector &x) { std::fwrite(x.data(), sizeof(double), x.size(), to); }
+    void read(vector *x) {
+        std::fflush(to);
+        if (std::fread(x->data(), sizeof(double), x->size(), from) != x->size()) fail("does not answer");
+    }
+};
+
+// There is one model at a time, the last one that was made.
+class remote_mujoco : public mujoco_state {
+    pipes &other;
+    vector q, v, tau, rest, last{0, 0}; // rest: unsolved; last: force of the ground, iterations
+
+  public:
+    remote_mujoco(pipes &p, const scene &s, const setting &o, double h) : mujoco_state(s, h), other(p) {
+        const std::string text = mjcf_scene(s, o, h);
+        vector numbers = {(double)text.size(),  (double)s.bodies.size(), (double)o.solver, (double)o.cone,
+                          (double)o.iterations, (double)o.noslip,        o.tolerance};
+        other.write("m"), other.write(numbers), other.write(text);
+
+        vector places(2 + 2 * s.bodies.size());
+        other.read(&places);
+        q.resize((size_t)places[0]), v.resize((size_t)places[1]), tau.resize(v.size()), rest.resize(v.size());
+        for (size_t i = 2; i < places.size(); i += 2)
+            qpos.push_back((int)places[i]), dof.push_back((int)places[i + 1]);
+        positions = q.data(), velocities = v.data(), applied = tau.data();
+    }
+    void begin(const double *start, const double *velocity) override {
+        mujoco_state::begin(start, velocity);
+        other.write("b"), other.write(q), other.write(v);
+    }
+    void step() override {
+        other.write("s"), other.write(tau);
+        other.read(&q), other.read(&v), other.read(&rest), other.read(&last);
+    }
+    double ground_force() const override { return last[0]; }
+    double unsolved() const override {
+        double sum = 0;
+        for (const int z : vertical()) sum += rest[(size_t)z];
+        return sum;
+    }
+    int iterations() const override { return (int)last[1]; }
+};
+
+// The process that stands in MuJoCo's place, or nullptr.
+inline std::unique_ptr<pipes> &other_process() {
+    static std::unique_ptr<pipes> process;
+    return process;
+}
+
 inline std::unique_ptr<simulation> simulate(const scene &s, const setting &o, double h) {
     if (is_rbd(o)) return std::make_unique<rbd_simulation>(s, o, h);
+    if (other_process()) return std::make_unique<remote_mujoco>(*other_process(), s, o, h);
     return std::make_unique<mujoco_simulation>(s, o, h);
 }
 

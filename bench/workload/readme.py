@@ -18,7 +18,7 @@ from data import GENERATED, PEERS, ROBOTS, RUN_TIME, Bar, Data  # noqa: E402
 DOCUMENTS = ("README.md", "docs/performance.md")
 MARK = re.compile(r"(<!-- (\S+) of (\S+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
-# A row: its title, rbd's algorithm, and that of Pinocchio, whose mass matrix is one triangle.
+# A row: its title, rbd's algorithm, and that of libraries whose mass matrix is one triangle.
 ROWS = [("inverse dynamics", "id", "id"), ("mass matrix", "mm", None), ("mass matrix, one triangle", "mm_packed", "mm"),
         ("forward dynamics", "fd", "fd"), ("M⁻¹", "minv", "minv"), ("Jacobian of the last body", "jacobian", "jacobian"),
         ("derivatives of inverse dynamics, and M", "id_derivatives_mm", "id_derivatives_mm"),
@@ -42,10 +42,13 @@ def is_ours(bar):
     return bar.library == "rbd"
 
 
+ONE_TRIANGLE = ("Pinocchio", "RigidBodyDynamics.jl")
+
+
 def algorithm_of(bar, row):
     """The bar's algorithm for a row, or None."""
-    _, ours, pinocchio = row
-    return pinocchio if bar.library == "Pinocchio" else ours
+    _, ours, one_triangle = row
+    return one_triangle if bar.library in ONE_TRIANGLE else ours
 
 
 def cell(values):

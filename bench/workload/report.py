@@ -6,6 +6,7 @@ SPDX-License-Identifier: MIT
 import argparse
 import csv
 import datetime
+import functools
 import hashlib
 import itertools
 import json
@@ -22,7 +23,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import callgrind  # noqa: E402
 import page  # noqa: E402
 import sizes  # noqa: E402
-from data import Data, read  # noqa: E402
+from data import ALGORITHMS, Data, read  # noqa: E402
 
 CALLGRIND = ["valgrind", "--command-line-only=yes", "--tool=callgrind", "--cache-sim=yes", "--branch-sim=yes",
              "--dump-instr=yes", "--compress-pos=no", "--compress-strings=no", "--collect-atstart=no",
@@ -222,28 +223,45 @@ ROUNDS = 2
 def times(o, compiler, march, path, *more):
     """Each library in a process of its own, in turns: a round for a part of the experiments. Accuracy is of the first."""
     rounds = []
+    states = julia_states(o, compiler) if march == "native" and julia_package() else []
     for i in range(min(ROUNDS, o.experiments)):
-        share = o.experiments * (i + 1) // ROUNDS - o.experiments * i // ROUNDS
+        share = max(o.experiments * (i + 1) // ROUNDS - o.experiments * i // ROUNDS, 1)
         rounds.append([])
         for library in libraries(o, compiler):
             part = "%s.%s" % (path, library)
             progress_of([bench(o, compiler, march), "--library", library, "--samples", str(o.samples), "--experiments",
-                         str(max(share, 1)), "--format", "csv", "--output", part, *more,
+                         str(share), "--format", "csv", "--output", part, *more,
                          *([] if i == 0 and march == "native" else ["--no-quad"])])
             rounds[-1] += read(part)
             os.remove(part)
-    write_rows(path, least_of(rounds) + (julia_rows(o) if march == "native" else []))
+        if states:
+            call_to(path + ".julia", JULIA + [os.path.join(ROOT, "models"), str(share), *states])
+            rounds[-1] += read(path + ".julia")
+            os.remove(path + ".julia")
+    for name in states:
+        os.remove(name)
+    write_rows(path, least_of(rounds))
 
 
-def julia_rows(o):
-    """Of RigidBodyDynamics.jl, where Julia and the package are."""
-    package = ["julia", "--startup-file=no", "-e", "using RigidBodyDynamics"]
-    if not shutil.which("julia") or subprocess.run(package, capture_output=True).returncode != 0:
-        return []
-    done = subprocess.run(["julia", "--startup-file=no", "-O3", "--check-bounds=no",
-                           os.path.join(ROOT, "bench", "peers", "rigid_body_dynamics.jl"), os.path.join(ROOT, "models"),
-                           str(o.samples), str(o.experiments)], capture_output=True, text=True)
-    return rows_of(done) if done.returncode == 0 else die("failed: rigid_body_dynamics.jl: " + done.stderr)
+JULIA = ["julia", "--startup-file=no", "-O3", "--check-bounds=no",
+         os.path.join(ROOT, "bench", "peers", "rigid_body_dynamics.jl")]
+
+
+@functools.lru_cache()
+def julia_package():
+    """The version of RigidBodyDynamics.jl and Julia, empty where they are not."""
+    done = shutil.which("julia") and subprocess.run(JULIA + ["--version"], capture_output=True, text=True)
+    return done.stdout.strip() if done and done.returncode == 0 else ""
+
+
+def julia_states(o, compiler):
+    """Files of the states and what rbd computes of them, one for each algorithm of RigidBodyDynamics.jl."""
+    names = []
+    for algorithm, _ in ALGORITHMS:
+        names.append(os.path.join(o.output, "states-" + algorithm))
+        call([bench(o, compiler, "native"), "--library", "rbd", "--variant", "run-time", "--algorithm", algorithm,
+              "--samples", str(o.samples), "--states", "--output", names[-1]])
+    return names
 
 
 def least_of(rounds):
@@ -323,7 +341,8 @@ def machine_of(o, compiler):
     counted = short_run(o, compiler, "--count", "perf", "--library", "rbd", "--variant", "run-time")
     if timed.returncode or counted.returncode:
         die((timed.stderr or counted.stderr).strip())
-    return {"cpu": cpu(), "libraries": sorted({"%s %s" % (r["library"], r["version"]) for r in rows_of(timed)}),
+    libraries = {"%s %s" % (r["library"], r["version"]) for r in rows_of(timed)}
+    return {"cpu": cpu(), "libraries": sorted(libraries | ({julia_package()} - {""})),
             "compiler": sorted({r["compiler"] for r in rows_of(timed)}),
             "counters": sorted({r["counter"] for r in rows_of(counted)}),
             "message": counted.stderr.strip().replace("rbd-bench: ", "")}

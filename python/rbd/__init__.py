@@ -32,6 +32,7 @@ of bodies, coordinates and degrees of freedom, which stand in the order of the d
 """
 from __future__ import annotations
 
+import copy
 import ctypes
 import difflib
 import enum
@@ -153,7 +154,7 @@ class RbdError(Exception):
         self.results = results
 
     def __reduce__(self):
-        return RbdError, (self.status, str(self))
+        return RbdError, (self.status, str(self), self.results)
 
 
 class RbdWarning(UserWarning):
@@ -360,11 +361,18 @@ class Library:
 
     def status_string(self, status: int) -> str:
         """The library's sentence for a Status."""
-        text = self.call("status_string", _whole("status_string", "status", status), result=ctypes.c_char_p)
+        number = _int(_whole("status_string", "status", status))
+        text = self.call("status_string", number, result=ctypes.c_char_p)
         return _python_words(text.decode())
 
     def finding_text(self, finding: ctypes.Structure, function: str = "finding_text") -> str:
-        """The library's sentence for a rbd_finding: it names body (or constraint) and field."""
+        """The library's sentence for a rbd_finding: it names body (or constraint) and field. finding: the
+        ctypes structure; function: "finding_text", or "constraint_finding_text" of a set's."""
+        if not isinstance(finding, ctypes.Structure) or type(finding).__name__ != "rbd_finding":
+            raise TypeError(f"finding_text: finding must be a rbd_finding, not {type(finding).__name__}")
+        if function not in ("finding_text", "constraint_finding_text"):
+            raise ValueError("finding_text: function must be 'finding_text' or 'constraint_finding_text', "
+                             f"not {function!r}")
         text = ctypes.create_string_buffer(400)
         self.call(function, finding, text, ctypes.c_size_t(len(text)), result=ctypes.c_void_p)
         return _python_words(text.value.decode(errors="replace"))
@@ -507,6 +515,7 @@ point         3        fixed in the body, link axes: m; None = the link's origin
 f             6        wrench (moment about the point; force): N m, N
 row           6        the wrench at the body's origin, in its axes: its row of f_ext
 J             6 nv     row: (omega; v); column: degree of freedom
+J_dot         6 nv     dJ/dt: 1/s times the entries of J
 A             6 nv     centroidal momentum matrix
 A_dot_v       6        dA/dt v
 h             6        momentum (angular about the centre of mass; linear), world axes
@@ -519,7 +528,9 @@ dlambda_dq    rows nv  row: constraint force; column: tangent step of q
 dlambda_dv    rows nv  row: constraint force; column: velocity
 dlambda_dtau  rows nv  row: constraint force; column: torque
 actuated      nv       1 where there is a motor, else 0; None = all but floating joints at the root
-weight        rows     above 0; None = 1
+weight        rows     above 0, of a distance 0 too; None = 1
+distance      -        rad, if lengths have weights of 1 / length^2 or 0
+s             -        part of the way: 0 is q0, 1 is q1
 damping       nv       implicit: tau acts as tau - damping v_next; of a controller kd + dt kp; None = 0
 dt            -        s
 restitution   -        0 (nothing rebounds) to 1
@@ -527,7 +538,7 @@ body          -        index, or name of the link
 reference     -        index, or name of the link; -1 = the world
 axes          -        "world" or "link": the axes of the six components
 """.strip().splitlines())}
-_SCALARS = ["dt", "restitution"]             # are numbers in C
+_SCALARS = ["dt", "restitution", "s"]        # are numbers in C
 _INTEGERS = ["body", "reference", "axes"]    # are whole numbers in C
 _GAINS = ["restitution", "weight", "dt"]     # have a range: ERR_RANGE
 _MASKS = {"given": np.dtype(np.uint8), "actuated": np.dtype(np.uint8)}  # are 0 or 1 in C
@@ -640,6 +651,18 @@ def _finite(call, name, array, error=ValueError):
         if len(bad):
             where = ", ".join(map(str, bad[0]))
             raise error(f"{call}: {name}{f'[{where}]' if where else ''} is {array[tuple(bad[0])]}")
+
+
+def _utf8(text):
+    """A name as C's text. Bytes that are not UTF-8, as C may give them, are those that they were."""
+    if not isinstance(text, str):
+        raise TypeError(f"must be text, not {text!r}")
+    if "\0" in text:
+        raise ValueError(f"{text!r} has a NUL, where text of C ends")
+    try:
+        return text.encode("utf-8", "surrogateescape")
+    except UnicodeEncodeError:
+        raise ValueError(f"{text!r} is not text of Unicode") from None
 
 
 def _int(index):
@@ -1000,7 +1023,7 @@ class Body:
     armature: Numbers | float = 0.0     #: per degree of freedom: rotor inertia seen at the joint
     damping: Numbers | float = 0.0      #: per degree of freedom: see Model.passive
     friction: Numbers | float = 0.0     #: per degree of freedom: see Model.passive
-    lower: float = 0.0                  #: limits of a one-dof joint; none if lower >= upper
+    lower: float = 0.0                  #: limits of a revolute, prismatic or helical joint; both 0: none
     upper: float = 0.0
     velocity: float = 0.0               #: limit, 0 = none; carried for the user
     effort: float = 0.0                 #: limit, 0 = none; carried for the user
@@ -1041,6 +1064,11 @@ class Contact:
     stiffness: float = 0.0              #: N/m; 0 = rigid
     damping: float = 0.0                #: N s/m: p/dt = -(stiffness gap + damping d gap/dt)
 
+    @property
+    def on_body(self) -> bool:
+        """Whether the plane is a body's: body2 of C is left out as 0, here as -1."""
+        return self.body2 != -1
+
 
 @dataclass
 class ContactOptions:
@@ -1051,7 +1079,7 @@ class ContactOptions:
     bounce: float = 0.0         #: slower impacts do not rebound, m/s [0.05]; choose more than 2 g dt
     tolerance: float = 0.0      #: of the residual, m/s [1e-6, float 1e-5]
     iterations: int = 0         #: at most [40]
-    joint_limits: bool = False      #: limits of one-dof joints push
+    joint_limits: bool = False      #: limits of joints push
     joint_friction: bool = False    #: the description's friction holds, or brakes
     joint_damping: bool = False     #: the description's damping, implicitly
     slip: float = 0.0           #: contacts that stick give way along the plane, m/s per newton [0]
@@ -1070,7 +1098,7 @@ def _to_c(values, row, where):
             array = _array(f"{where}, field '{member}'", "it", value)
         try:
             if kind is ctypes.c_char_p:
-                value = value.encode() if value is not None else None
+                value = _utf8(value) if value is not None else None
             elif issubclass(kind, ctypes.Array):
                 numbers = array.astype(float).reshape(-1)
                 if member in _PER_DOF and np.ndim(value) == 0:
@@ -1216,7 +1244,10 @@ def _texts(call, what, names):
     for name in names:
         if not isinstance(name, str):
             raise TypeError(f"{call}: {what} must be a name or a list of names, not {name!r}")
-    return [name.encode() for name in names]
+    try:
+        return [_utf8(name) for name in names]
+    except ValueError as error:
+        raise ValueError(f"{call}: {what}: {error}") from None
 
 
 def _urdf_options(call, *, floating: bool = False, root: str | None = None, root_joint: str | None = None,
@@ -1238,9 +1269,10 @@ def _urdf_options(call, *, floating: bool = False, root: str | None = None, root
     """
     names = {"root_link": root, "root_joint": root_joint}
     for name, value in names.items():
+        option = name.replace("_link", "")
         if value is not None and not isinstance(value, str):
-            raise TypeError(f"{call}: {name.replace('_link', '')} must be a name or None, not {value!r}")
-        names[name] = value if value is None else value.encode()
+            raise TypeError(f"{call}: {option} must be a name or None, not {value!r}")
+        names[name] = value if value is None else _texts(call, option, value)[0]
     flags = {"keep_all": keep_all, "lock_massless": lock_massless, "strict": strict, "messages": messages}
     flags = {name: _flag(call, name, value) for name, value in flags.items()}
     flags["show_messages"] = flags.pop("messages")
@@ -1317,22 +1349,24 @@ def _read_urdf(call, text, source, options):
         line = f":{finding.line}" if finding.line else ""
         return f"{source}{line}: {_python_words(finding.text.decode(errors='replace'))}"
 
-    def read():
+    def read(room):
+        findings = (structure("rbd_urdf_finding") * room)()
+        robot.warnings, robot.warnings_max = ctypes.addressof(findings), room
         status = load(*arguments, ctypes.byref(options), ctypes.byref(robot))
+        sentences = [said(finding) for finding in findings[:robot.nwarnings]]
         if status:
+            _warn(sentences)  # they may say where the error comes from
             raise RbdError(UrdfStatus(status), said(robot.error))
+        return sentences
 
-    read()
+    read(20)
     bodies = (structure("rbd_body") * robot.nb)()
     frames = (structure("rbd_urdf_frame") * robot.nframes)()
-    findings = (structure("rbd_urdf_finding") * robot.nwarnings)()
     names = ctypes.create_string_buffer(robot.names_size)
     robot.bodies, robot.bodies_max = ctypes.addressof(bodies), len(bodies)
     robot.frames, robot.frames_max = ctypes.addressof(frames), len(frames)
-    robot.warnings, robot.warnings_max = ctypes.addressof(findings), len(findings)
     robot.names, robot.names_max = ctypes.addressof(names), len(names)
-    read()
-    sentences = [said(finding) for finding in findings]
+    sentences = read(robot.nwarnings)
     _warn(sentences)
     return Urdf(robot.name.decode(), [_from_c(row) for row in bodies],
                 [Frame(frame.link.decode(), frame.joint and frame.joint.decode(), frame.parent, frame.body,
@@ -1393,7 +1427,7 @@ class Model(_Owner):
             file = isinstance(bodies, (str, os.PathLike))
             raise TypeError("Model: bodies must be a list of Body, or the result of load_urdf, not "
                             f"{type(bodies).__name__}" + "; Model.from_urdf takes the name of a file" * file)
-        self._setup(bodies, gravity, library or _default_library())
+        self._setup(bodies, gravity, _default_library() if library is None else library)
         if urdf and urdf.warnings:
             self.warnings = list(urdf.warnings)
         else:
@@ -1405,8 +1439,9 @@ class Model(_Owner):
             raise TypeError(f"library must be a Library, as Library('float'), not {library!r}")
         super().__init__(library, threading.RLock())
         self._batch_layout = layout
-        self.bodies = list(bodies)
-        self._rows = _rows(self.bodies)
+        bodies = list(bodies)
+        self._rows = _rows(bodies)
+        self.bodies = copy.deepcopy(bodies)  # the caller may change his, and copies are built of these
         self._build()
         self.nb, self.nq, self.nv = (self.library.call(n, self._address("model")) for n in ("nb", "nq", "nv"))
         self._dims = {"nb": self.nb, "nq": self.nq, "nv": self.nv, "nh": self.packed_size()}
@@ -1481,7 +1516,7 @@ class Model(_Owner):
         return _again(*self.__reduce__()[1])
 
     def __reduce__(self):
-        return _again, (self.bodies, self.get_gravity(), self.library, self._batch_layout)
+        return _again, (self.bodies, self.get_gravity(), self.library, self._batch_layout, self.warnings)
 
     def __repr__(self):
         return f"<rbd.Model of {self.nb} bodies, nq = {self.nq}, nv = {self.nv}, {self.library.real}>"
@@ -1532,6 +1567,28 @@ class Model(_Owner):
                 if kind in self._addresses:
                     self._prepare(kind)
             self.bodies[index] = self.library.set_parameters(self.bodies[index], self.body_parameters(index))
+
+    def lock_joints(self, joints: int | str | Iterable[int | str], q: ArrayLike) -> Model:
+        """Another Model of the robot, in which these joints are fixed at their pose in q, and with them those that
+        mimic them. All bodies stay. q and v of the new model are those of the joints that still move, in the same
+        order: see `q_names`.
+
+            joints    names of joints, or the bodies that they carry: indices, or names of links
+            q         nq, of this model
+        """
+        joints = [joints] if isinstance(joints, str) or not hasattr(joints, "__iter__") else joints
+        q = _numbers("lock_joints", "q", q, (self.nq,))
+        locked = np.zeros(self.nb, np.uint8)
+        for joint in joints:
+            locked[self._joint_body(joint, "lock_joints")] = 1
+        rows, held = _rows(self.bodies), (structure("rbd_body") * self.nb)()
+        report = structure("rbd_report", self.library.scalar)()
+        status = self.library.call("lock_joints", rows, self.nb, locked, q, held, report)
+        if status:
+            raise RbdError(Status(status), "lock_joints: " + self.library.finding_text(report.error))
+        bodies = [body if row.type == new.type else _from_c(new)
+                  for body, row, new in zip(self.bodies, rows, held)]
+        return _again(bodies, self.get_gravity(), self.library, self._batch_layout)
 
     def singular_dof(self) -> int:
         """After Status.ERR_SINGULAR or ERR_NAN: the degree of freedom whose pivot is not above its rounding,
@@ -1775,6 +1832,15 @@ class Model(_Owner):
     def difference(self, q0, q1):
         """The tangent step d for which integrate(q0, d, 1) is q1, the shortest rotation."""
 
+    @_c("", "q")
+    def interpolate(self, q0, q1, s):
+        """The part s of the way from q0 to q1, integrate(q0, difference(q0, q1), s): q0 at 0, q1 at 1."""
+
+    @_c("", "distance", weight="nv")
+    def distance(self, q0, q1, weight=None):
+        """The square root of the sum of weight d^2, d = difference(q0, q1). With None a metre counts as much as a
+        radian."""
+
     @_c("", "rates")
     def rates_from_velocity(self, q, v):
         """Rates dq/dt of the coordinates from the velocity, for filters and ODE solvers."""
@@ -1800,14 +1866,17 @@ class Model(_Owner):
         """Index of a body by the name of its link or joint; a KeyError says which names there are."""
         if not isinstance(name, str):
             raise TypeError(f"{call}: a name must be text, not {name!r}")
-        index = self.library.call(function, self._address("model"), os.fsencode(name))
+        try:
+            index = self.library.call(function, self._address("model"), _utf8(name))
+        except ValueError:
+            index = -1  # no name of C
         if index >= 0:
             return index
         kind, names, others = "link", self.body_names, self.joint_names
         if function == "joint_index":
             kind, names, others = "joint", others, names
         where = others.index(name) if name in others else None
-        text = f"{call}: no {kind} is called '{name}'"
+        text = f"{call}: no {kind} is called " + (f"'{name}'" if name.isprintable() else repr(name))
         if where is not None and names[where]:
             other = {"link": "joint", "joint": "link"}[kind]
             text += f"; the {other} '{name}' belongs to {kind} '{names[where]}'"
@@ -1831,7 +1900,7 @@ class Model(_Owner):
     def _name(self, function, body):
         body = _int(_whole(function, "body", body))
         name = self.library.call(function, self._address("model"), body, result=ctypes.c_char_p)
-        return None if name is None else os.fsdecode(name)
+        return None if name is None else name.decode("utf-8", "surrogateescape")
 
     def body_name(self, body: int) -> str | None:
         """Name of a body's link; None if nameless or no such body."""
@@ -1870,17 +1939,22 @@ class Model(_Owner):
                 names[getattr(joint, first) + k] = name if n == 1 else f"{name}[{k}]"
         return names
 
+    def _joint_body(self, joint, call):
+        """The body that a joint carries: of its name or, if none has it, of that of the link, or of the index."""
+        try:
+            body = self._body(joint, call)
+        except KeyError:
+            body = -1
+        if isinstance(joint, str) and (body < 0 or joint in self.joint_names):
+            body = self._index(call, "joint_index", joint)
+        return body
+
     def joint(self, joint: int | str) -> JointInfo:
         """JointInfo: type, place in q and v, and limits of a joint.
 
             joint        the name of the joint, or the body that it carries: index, or name of the link
         """
-        try:
-            body = self._body(joint, "joint")
-        except KeyError:
-            body = -1
-        if isinstance(joint, str) and (body < 0 or joint in self.joint_names):
-            body = self._index("joint", "joint_index", joint)
+        body = self._joint_body(joint, "joint")
         info = structure("rbd_joint_info", self.library.scalar)()
         status = self.library.call("joint", self._address("model"), body, info)
         if status:
@@ -1910,6 +1984,15 @@ class Model(_Owner):
     @_c("derivatives", "J", J="3 nv")
     def com_jacobian(self, q):
         """Jacobian of the centre of mass: J v is its velocity, world axes."""
+
+    @_c("work", "J_dot")
+    def jacobian_derivative(self, body, point=None, axes="world"):
+        """dJ/dt of `jacobian` with the same arguments, after `kinematics` at q and v: J a + dJ/dt v is the rate of
+        the components of J v, in world axes what `point_acceleration` gives."""
+
+    @_c("work", "J_dot")
+    def relative_jacobian_derivative(self, body, point=None, reference=-1, axes="world"):
+        """dJ/dt of `relative_jacobian` with the same arguments, after `kinematics` at q and v."""
 
     @_c("derivatives", "C", batch=True)
     def coriolis(self, q, v):
@@ -2024,10 +2107,11 @@ class Model(_Owner):
         return _print_c(self, name, source, built=False)
 
 
-def _again(bodies, gravity, library, layout):
+def _again(bodies, gravity, library, layout, warnings):
     """A Model that was built before, and has warned."""
     model = Model.__new__(Model)
     model._setup(bodies, gravity, library, layout)
+    model.warnings = list(warnings)
     return model
 
 
@@ -2036,7 +2120,7 @@ def _again(bodies, gravity, library, layout):
 def _pairs(model, rows, kind, what):
     """Constraints or contacts as a list, and as an array of the C struct."""
     word = kind.__name__.lower()
-    if isinstance(rows, kind) or not hasattr(rows, "__iter__"):
+    if isinstance(rows, (kind, str, bytes, dict)) or not hasattr(rows, "__iter__"):
         raise TypeError(f"{what} must be a list of {kind.__name__}, not {type(rows).__name__}")
     rows = list(rows)
     array = (structure(f"rbd_{word}") * len(rows))()
@@ -2047,7 +2131,7 @@ def _pairs(model, rows, kind, what):
         bodies = {side: model._body(getattr(row, side), f"{where}, field '{side}'", world=True)
                   for side in ("body1", "body2")}
         _to_c(replace(row, **bodies), array[number], where)
-    return rows, array
+    return copy.deepcopy(rows), array  # the caller may change his, and copies are made of these
 
 
 class ConstraintSet(_Owner):
@@ -2173,7 +2257,8 @@ class ContactSet(_Owner):
         q, v = feet.step(q, v, tau, dt=1e-3)
 
     docs/contact_step.md says what it promises. The set keeps the impulses of the last step, with which the
-    next one begins. It computes in the Model's memory: after a call `kinematics` must be called anew."""
+    next one begins; a copied or pickled set has its planes, and begins as after `reset`. It computes in the
+    Model's memory: after a call `kinematics` must be called anew."""
     model: Model
     list: Sequence[Contact]
     held: Sequence[Constraint]
@@ -2187,9 +2272,11 @@ class ContactSet(_Owner):
         self.model, self.nv, self._dims = model, model.nv, model._dims
         self.list, self._rows = _pairs(model, rows, Contact, "contacts: rows")
         self.held, self._held = _pairs(model, held, Constraint, "contacts: held")
-        self.options = ContactOptions() if options is None else options
-        if not isinstance(self.options, ContactOptions):
+        options = ContactOptions() if options is None else options
+        if not isinstance(options, ContactOptions):
             raise TypeError(f"contacts: options must be ContactOptions, not {type(options).__name__}")
+        self.options = replace(options)
+        self._planes = {}  # those that plane() set: normal and height, by number of the contact
         self._options = structure("rbd_contact_options")()
         _to_c(self.options, self._options, "options")
         self._address("contact_set")
@@ -2216,7 +2303,11 @@ class ContactSet(_Owner):
         return super()._address(kind) if kind == "contact_set" else self.model._address(kind)
 
     def __reduce__(self):
-        return ContactSet, (self.model, list(self.list), list(self.held), self.options)
+        return ContactSet, (self.model, list(self.list), list(self.held), self.options), self._planes
+
+    def __setstate__(self, planes):
+        for contact, (normal, height) in planes.items():
+            self.plane(contact, normal, height)
 
     def _layout(self):
         return self.model._layout()
@@ -2263,11 +2354,14 @@ class ContactSet(_Owner):
             height    along the unit normal, m
         """
         number = self._contact("plane", contact)
-        normal = _numbers("plane", "normal", normal, (3,))
-        height = ctypes.c_double(_number("plane", "height", height))
+        normal = _numbers("plane", "normal", normal, (3,)).copy()
+        height = _number("plane", "height", height)
         with self._lock:
-            self.library.call("contact_plane", self._address("model"), self._address("contact_set"), number,
-                              normal, height)
+            status = self.library.call("contact_plane", self._address("model"), self._address("contact_set"),
+                                       number, normal, ctypes.c_double(height))
+            if status:
+                raise self._error("plane", status)
+            self._planes[number] = normal, height
 
     def reset(self) -> None:
         """Forgets the last impulses, with which a step begins: after a jump of the state."""

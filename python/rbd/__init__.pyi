@@ -74,7 +74,7 @@ class Body:
     armature: Numbers | float = 0.0     #: per degree of freedom: rotor inertia seen at the joint
     damping: Numbers | float = 0.0      #: per degree of freedom: see Model.passive
     friction: Numbers | float = 0.0     #: per degree of freedom: see Model.passive
-    lower: float = 0.0                  #: limits of a one-dof joint; none if lower >= upper
+    lower: float = 0.0                  #: limits of a revolute, prismatic or helical joint; both 0: none
     upper: float = 0.0
     velocity: float = 0.0               #: limit, 0 = none; carried for the user
     effort: float = 0.0                 #: limit, 0 = none; carried for the user
@@ -172,7 +172,7 @@ class ConstraintSet:
             a            nv        acceleration dv/dt: rad/s^2, m/s^2
             f_ext        nb x 6    wrench (moment; force) on each body, in its axes, at its origin: N m, N; None = none
             actuated     nv        1 where there is a motor, else 0; None = all but floating joints at the root
-            weight       rows      above 0; None = 1
+            weight       rows      above 0, of a distance 0 too; None = 1
         gives
             tau          nv        torque or force of each degree of freedom: N m, N
             lambda_      rows      (moment about frame 1's origin; force) of body 2 on body 1, axes of frame 2: N m, N
@@ -186,7 +186,7 @@ class ConstraintSet:
 
             q            nq        configuration: rad, m, quaternions (x, y, z, w)
             v            nv        velocity: rad/s, m/s; of a free base (omega; v) in body axes
-            weight       nv        above 0; None = 1
+            weight       nv        above 0, of a distance 0 too; None = 1
         gives
             q_near       nq        configuration
             v_near       nv        velocity
@@ -230,6 +230,11 @@ class Contact:
     stiffness: float = 0.0              #: N/m; 0 = rigid
     damping: float = 0.0                #: N s/m: p/dt = -(stiffness gap + damping d gap/dt)
 
+    @property
+    def on_body(self) -> bool:
+        """Whether the plane is a body's: body2 of C is left out as 0, here as -1."""
+        return self.body2 != -1
+
 
 @dataclass
 class ContactOptions:
@@ -240,7 +245,7 @@ class ContactOptions:
     bounce: float = 0.0         #: slower impacts do not rebound, m/s [0.05]; choose more than 2 g dt
     tolerance: float = 0.0      #: of the residual, m/s [1e-6, float 1e-5]
     iterations: int = 0         #: at most [40]
-    joint_limits: bool = False      #: limits of one-dof joints push
+    joint_limits: bool = False      #: limits of joints push
     joint_friction: bool = False    #: the description's friction holds, or brakes
     joint_damping: bool = False     #: the description's damping, implicitly
     slip: float = 0.0           #: contacts that stick give way along the plane, m/s per newton [0]
@@ -261,7 +266,8 @@ class ContactSet:
         q, v = feet.step(q, v, tau, dt=1e-3)
 
     docs/contact_step.md says what it promises. The set keeps the impulses of the last step, with which the
-    next one begins. It computes in the Model's memory: after a call `kinematics` must be called anew."""
+    next one begins; a copied or pickled set has its planes, and begins as after `reset`. It computes in the
+    Model's memory: after a call `kinematics` must be called anew."""
     model: Model
     list: Sequence[Contact]
     held: Sequence[Constraint]
@@ -434,7 +440,8 @@ class Library:
         """The library's sentence for a Status."""
 
     def finding_text(self, finding: ctypes.Structure, function: str = 'finding_text') -> str:
-        """The library's sentence for a rbd_finding: it names body (or constraint) and field."""
+        """The library's sentence for a rbd_finding: it names body (or constraint) and field. finding: the
+        ctypes structure; function: "finding_text", or "constraint_finding_text" of a set's."""
 
     def check_parameters(self, pi: ArrayLike) -> None:
         """Raises RbdError if no body can have these ten inertial parameters: negative mass, a centre of mass
@@ -524,6 +531,14 @@ class Model:
             mass      kg, may be negative
             com       3, of the payload, link frame, m
             inertia   xx xy xz yy yz zz about its com, link axes, kg m^2; None = a point"""
+
+    def lock_joints(self, joints: int | str | Iterable[int | str], q: ArrayLike) -> Model:
+        """Another Model of the robot, in which these joints are fixed at their pose in q, and with them those that
+        mimic them. All bodies stay. q and v of the new model are those of the joints that still move, in the same
+        order: see `q_names`.
+
+            joints    names of joints, or the bodies that they carry: indices, or names of links
+            q         nq, of this model"""
 
     def singular_dof(self) -> int:
         """After Status.ERR_SINGULAR or ERR_NAN: the degree of freedom whose pivot is not above its rounding,
@@ -887,6 +902,27 @@ class Model:
             d            nv        tangent step: rad, m
         Axes before these count states, and are broadcast: one call of C for each state."""
 
+    def interpolate(self, q0: ArrayLike, q1: ArrayLike, s: ArrayLike) -> Array:
+        """The part s of the way from q0 to q1, integrate(q0, difference(q0, q1), s): q0 at 0, q1 at 1.
+
+            q0           nq        configuration
+            q1           nq        configuration
+            s                      part of the way: 0 is q0, 1 is q1
+        gives
+            q            nq        configuration: rad, m, quaternions (x, y, z, w)
+        Axes before these count states, and are broadcast: one call of C for each state."""
+
+    def distance(self, q0: ArrayLike, q1: ArrayLike, weight: ArrayLike | None = None) -> float:
+        """The square root of the sum of weight d^2, d = difference(q0, q1). With None a metre counts as much as a
+        radian.
+
+            q0           nq        configuration
+            q1           nq        configuration
+            weight       nv        above 0, of a distance 0 too; None = 1
+        gives
+            distance               rad, if lengths have weights of 1 / length^2 or 0
+        Axes before these count states, and are broadcast: one call of C for each state."""
+
     def rates_from_velocity(self, q: ArrayLike, v: ArrayLike) -> Array:
         """Rates dq/dt of the coordinates from the velocity, for filters and ODE solvers.
 
@@ -966,6 +1002,31 @@ class Model:
             q            nq        configuration: rad, m, quaternions (x, y, z, w)
         gives
             J            3 x nv    row: (omega; v); column: degree of freedom
+        Axes before these count states, and are broadcast: one call of C for each state."""
+
+    def jacobian_derivative(self, body: int | str, point: ArrayLike | None = None,
+                            axes: Literal["world", "link"] = 'world') -> Array:
+        """dJ/dt of `jacobian` with the same arguments, after `kinematics` at q and v: J a + dJ/dt v is the rate of
+        the components of J v, in world axes what `point_acceleration` gives.
+
+            body                   index, or name of the link
+            point        3         fixed in the body, link axes: m; None = the link's origin
+            axes                   "world" or "link": the axes of the six components
+        gives
+            J_dot        6 x nv    dJ/dt: 1/s times the entries of J
+        Axes before these count states, and are broadcast: one call of C for each state."""
+
+    def relative_jacobian_derivative(self, body: int | str, point: ArrayLike | None = None,
+                                     reference: int | str = -1,
+                                     axes: Literal["world", "link"] = 'world') -> Array:
+        """dJ/dt of `relative_jacobian` with the same arguments, after `kinematics` at q and v.
+
+            body                   index, or name of the link
+            point        3         fixed in the body, link axes: m; None = the link's origin
+            reference              index, or name of the link; -1 = the world
+            axes                   "world" or "link": the axes of the six components
+        gives
+            J_dot        6 x nv    dJ/dt: 1/s times the entries of J
         Axes before these count states, and are broadcast: one call of C for each state."""
 
     def coriolis(self, q: ArrayLike, v: ArrayLike) -> Array:
@@ -1409,6 +1470,7 @@ class Status(IntEnum):
     WARN_INERTIA_TRIANGLE = 2
     WARN_INERTIA_ZERO = 3
     WARN_MASS_ZERO = 4
+    WARN_LIMITS = 5
 
 
 @dataclass
@@ -1449,6 +1511,8 @@ class UrdfStatus(IntEnum):
     WARN_MIMIC = 7
     WARN_SINGULAR = 8
     WARN_DEGREES = 9
+    WARN_UNREAD = 10
+    WARN_MASSLESS = 11
 
 
 def load_table(path: str | os.PathLike[str], name: str | None = None) -> list[Body]:

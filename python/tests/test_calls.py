@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: MIT
 """What is wrapped, what is refused and how, memory, threads and processes."""
+import copy
 import ctypes
 import inspect
+import math
 import multiprocessing
 import os
 import pickle
@@ -55,7 +57,7 @@ ELSEWHERE = {
     "rbd_batch_lanes": "Library.lanes", "rbd_batch_set_gravity": "Model.set_gravity",
     "rbd_constraint_finding_text": "ConstraintSet",
     "rbd_contact_set_init": "ContactSet", "rbd_contact_set_size": "ContactSet",
-    "rbd_contact_solve_size": "Library.contact_solve",
+    "rbd_contact_finding_text": "ContactSet", "rbd_contact_solve_size": "Library.contact_solve",
     **{f"rbd_contact_{name}": f"ContactSet.{name}" for name in ("step", "fd", "plane", "reset", "get", "last")},
     "rbd_contact_step_derivatives": "ContactSet.step_derivatives",
     "rbd_urdf_load": "load_urdf", "rbd_urdf_parse": "parse_urdf",
@@ -132,7 +134,8 @@ def test_structures_are_those_of_the_header(double):
     assert {f.name for f in fields(rbd.Body)} == {name for name, _ in rbd.structure("rbd_body")._fields_}
     for kind, name in ((rbd.Constraint, "rbd_constraint"), (rbd.Contact, "rbd_contact"),
                        (rbd.ContactOptions, "rbd_contact_options")):
-        assert [f.name for f in fields(kind)] == [name for name, _ in rbd.structure(name)._fields_]
+        assert [f.name for f in fields(kind)] == [member for member, _ in rbd.structure(name)._fields_
+                                                  if member != "on_body"]  # which follows from body2
     assert rbd.ContactSolution._fields == tuple(n for n, _ in rbd.structure("rbd_contact_solution")._fields_)
     assert rbd.JointInfo._fields == tuple(name for name, _ in rbd.structure("rbd_joint_info")._fields_)
     names = ["rbd_body", "rbd_finding", "rbd_report", "rbd_joint_info", "rbd_constraint",
@@ -225,6 +228,9 @@ WRONG = [
     (lambda m: m.random("x"), TypeError, "random: seed must be a whole number, not 'x'"),
     (lambda m: m.random(1, -1), ValueError, "random: n must not be negative"),
     (lambda m: m.batch_set_layout("columns"), ValueError, "layout must be 'rows' or 'blocks', not 'columns'"),
+    (lambda m: m.lock_joints("lbr_iiwa_joint_8", q), KeyError, "lock_joints: .*did you mean 'lbr_iiwa_joint_"),
+    (lambda m: m.lock_joints(0, q[:6]), ValueError, r"lock_joints: q must have the shape \(7,\), not \(6,\)"),
+    (lambda m: m.lock_joints(0, q * np.nan), ValueError, r"lock_joints: q\[0\] is nan"),
     (lambda m: m.add_payload(0, "heavy"), TypeError, "add_payload: mass must be a number"),
     (lambda m: m.c_model("two words"), ValueError, "'two words' is not a C identifier"),
     (lambda m: m.constraint_set(["foot"]), TypeError, "constraint 0 must be a Constraint"),
@@ -240,6 +246,20 @@ WRONG = [
     (lambda m: m.library.spatial.placement_inverse(5), TypeError, "x must be a pair"),
     (lambda m: m.constraint_set([rbd.Constraint(body1=1, axes=[0.5] * 6)]), ValueError, "'axes': .* whole"),
     (lambda m: m.ball_loop(0, (0, 0), 1, (0, 0, 0)), ValueError, "ball_loop: point1 must have the shape"),
+    (lambda m: m.library.finding_text(7), TypeError, "finding must be a rbd_finding, not int"),
+    (lambda m: m.library.finding_text(np.ones(5)), TypeError, "finding must be a rbd_finding, not ndarray"),
+    (lambda m: m.library.finding_text(None), TypeError, "finding must be a rbd_finding, not NoneType"),
+    (lambda m: m.library.finding_text(rbd.structure("rbd_body")()), TypeError, "not rbd_body"),
+    (lambda m: m.library.finding_text(rbd.structure("rbd_finding")(), "aba"), ValueError, "not 'aba'"),
+    (lambda m: rbd.Model(m.bodies, library=""), TypeError, "library must be a Library, as .*, not ''"),
+    (lambda m: m.constraint_set(""), TypeError, "rows must be a list of Constraint, not str"),
+    (lambda m: rbd.Model([rbd.Body("rod\0", type="floating", mass=1)]), ValueError, "'name': 'rod.x00' has a NUL"),
+    (lambda m: rbd.Model([rbd.Body("\ud800", type="floating", mass=1)]), ValueError, "'name': .* is not text"),
+    (lambda m: rbd.Model([rbd.Body(5, type="floating", mass=1)]), TypeError, "'name': must be text, not 5"),
+    (lambda m: m.body_index(m.body_names[0] + "\0"), KeyError, "no link is called .*x00"),
+    (lambda m: m.body_pose("\ud800"), KeyError, "no link is called .*ud800"),
+    (lambda m: rbd.parse_urdf(URDF.format(mass=1), keep="rod\0"), ValueError, "parse_urdf: keep: .* has a NUL"),
+    (lambda m: rbd.parse_urdf(URDF.format(mass=1), root="\ud800"), ValueError, "parse_urdf: root: .* is not text"),
 ]
 
 
@@ -256,11 +276,14 @@ FAILING = [
     (lambda m: m.body_pose(7), "ERR_INDEX", "body_pose: no such body: 7; the model has 0 to 6"),
     (lambda m: m.body_pose(-1), "ERR_INDEX", "body_pose: "),
     (lambda m: m.relative_jacobian(0, reference=-2), "ERR_INDEX", "and -1 for the world"),
+    (lambda m: m.relative_jacobian_derivative(0, reference=-2), "ERR_INDEX", "and -1 for the world"),
+    (lambda m: m.distance(q, q, -np.ones(7)), "ERR_RANGE", "distance: weight: "),
     (lambda m: m.body_pose(2**40), "ERR_INDEX", "body_pose: "),
     (lambda m: m.copy().body_pose(0), "ERR_ORDER", "body_pose: kinematics must be called first"),
     (lambda m: m.joint(7), "ERR_INDEX", "joint: "),
     (lambda m: m.describe(2**33), "ERR_INDEX", "describe: "),
     (lambda m: m.add_payload(2, -100), "ERR_MASS", "add_payload: "),
+    (lambda m: m.lock_joints([0, 7], q), "ERR_INDEX", "lock_joints: no such body: 7"),
     (lambda m: m.batch_jacobian(np.zeros((2, 7)), 99), "ERR_INDEX", "batch_jacobian: "),
     (lambda m: m.constraint_set([m.point_contact(6)]).impact(q, v, 2), "ERR_RANGE", "impact: restitution: "),
     (lambda m: m.constraint_set([rbd.Constraint("tip", 1, 0)]), "ERR_AXIS", "constraint 0 'tip', field 'axes'"),
@@ -513,6 +536,21 @@ def test_payload_is_that_of_a_new_build(iiwa):
     np.testing.assert_allclose(iiwa.describe(6).inertia, fresh.bodies[6].inertia, atol=1e-12)
 
 
+def test_locked_joints_are_those_of_the_whole_robot_at_rest(hyq):
+    x, names = hyq.random(3), ["root", "lf_lowerleg", 12]
+    hyq.set_gravity([1, 2, -3])
+    held = hyq.lock_joints(names, x)
+    assert held.nb == hyq.nb and held.nv == hyq.nv - 8 and held.body_names == hyq.body_names
+    assert held.bodies[1] is hyq.bodies[1] and held.bodies[0].type == "fixed"
+    stays = [hyq.dof_names.index(name) for name in held.dof_names]
+    left = x[[hyq.q_names.index(name) for name in held.q_names]]
+    np.testing.assert_allclose(held.crba(left), hyq.crba(x)[np.ix_(stays, stays)], rtol=0, atol=1e-12)
+    u, whole = np.arange(1.0, held.nv + 1), np.zeros(hyq.nv)
+    whole[stays] = u
+    np.testing.assert_allclose(held.bias(left, u), hyq.bias(x, whole)[stays], rtol=0, atol=1e-10)
+    assert hyq.lock_joints("root", x).nv == hyq.lock_joints(0, x).nv == hyq.nv - 6 and hyq.lock_joints([], x).nv == hyq.nv
+
+
 def test_names(hyq):
     assert hyq.body_names[0] == "base_link_0" and hyq.joint_names[0] == "root"
     assert hyq.dof_names[:7] == [f"root[{k}]" for k in range(6)] + ["lf_haa_joint"]
@@ -621,6 +659,23 @@ def test_urdf_options():
         rbd.parse_urdf(text.replace(' name="arm"', ""))
 
 
+def test_names_of_a_urdf_that_are_not_read_are_warned_of():
+    """With the line; before the error that they lead to; and as that error, if warnings are errors."""
+    text = URDF.format(mass=1).replace("</robot>", "<loop_joint/></robot>")
+    told = "URDF:6: <loop_joint> is not read; the loop stays open: constraints can close it"
+    with pytest.warns(rbd.RbdWarning) as caught:
+        robot = rbd.parse_urdf(text)
+    assert robot.warnings == [told] == [str(warning.message) for warning in caught]
+    with pytest.raises(rbd.RbdError) as error:
+        rbd.parse_urdf(text, strict=True)
+    assert error.value.status == rbd.UrdfStatus.WARN_UNREAD and told in str(error.value)
+    misspelt = URDF.format(mass=1).replace('<link name="tool"/>', '<lnk name="tool"/>')
+    with pytest.warns(rbd.RbdWarning, match="URDF:2: <lnk> is not read; did you mean <link>?") as caught:
+        with pytest.raises(rbd.RbdError, match="its child link 'tool' is missing"):
+            rbd.parse_urdf(misspelt)
+    assert len(caught) == 1
+
+
 def test_options_of_urdf_are_in_the_signatures_and_those_of_the_tools():
     """Each option of rbd-model that says how a URDF is read is a keyword of the same name, and none else."""
     tool = (rbd.SOURCES / "tools/robot.c").read_text()
@@ -669,8 +724,43 @@ def test_warnings_come_once_and_at_the_callers_line(double, tmp_path):
             model.copy(), pickle.loads(pickle.dumps(model))
         assert [w.category for w in caught] == [rbd.RbdWarning] and caught[0].filename == __file__
         assert model.warnings == [str(caught[0].message)] and "inertia" in model.warnings[0]
+        assert pickle.loads(pickle.dumps(model)).warnings == model.copy().warnings == model.warnings
         urdf = "body" not in model.warnings[0]
         assert not urdf or re.match(r".*:\d+: link 'rod'", model.warnings[0])
+
+
+def test_copies_are_of_what_was_built(double):
+    """Not of rows that the caller has changed since, in place or otherwise."""
+    com = np.array([0.0, 0.0, -0.5])
+    row = rbd.Body("rod", "hinge", -1, "revolute", (0, 1, 0), mass=2, com=com, inertia=(1, 0, 0, 1, 0, 1))
+    hold = rbd.Constraint("pin", "rod", axes=[0, 1, 0, 0, 0, 0])
+    model = rbd.Model([row], library=double)
+    held = model.constraint_set([hold])
+    row.mass, com[2], hold.axes[1], hold.axes[0] = 5, -3, 0, 1
+    for other in model.copy(), copy.copy(model), copy.deepcopy(model), pickle.loads(pickle.dumps(model)):
+        assert other.mass() == 2 and abs(abs(other.gravity_torque([math.pi / 2])[0]) - 9.81) < 1e-12
+    for other in held, copy.copy(held), copy.deepcopy(held), pickle.loads(pickle.dumps(held)):
+        assert np.abs(np.abs(other.constraint_jacobian([0.3]).J) - 1).max() < 1e-12
+
+
+def test_errors_are_pickled_whole(double):
+    """With the results that are valid all the same."""
+    gimbals = [rbd.Body("a", "outer", -1, "revolute", (1, 0, 0)), rbd.Body("b", "middle", 0, "revolute", (0, 1, 0)),
+               rbd.Body("c", "inner", 1, "revolute", (1, 0, 0), mass=1, inertia=(1, 0, 0, 1, 0, 1))]
+    model = rbd.Model(gimbals, library=double)
+    states = np.array([[0, 1, 0], [0, 0, 0]], float)
+    with pytest.raises(rbd.RbdError) as caught:
+        model.fd_derivatives(states, 0 * states, np.ones(3))
+    for other in copy.copy(caught.value), pickle.loads(pickle.dumps(caught.value)):
+        assert other.status == rbd.Status.ERR_SINGULAR and str(other) == str(caught.value)
+        assert type(other.results) is type(caught.value.results)
+        np.testing.assert_allclose(other.results.a[0], model.aba(states[0], np.zeros(3), np.ones(3)), rtol=1e-12)
+
+
+def test_a_status_may_be_any_whole_number(double):
+    for number in 10**30, -10**30, 2**31, 7:
+        assert double.status_string(number) == double.status_string(-10**6)
+    assert double.status_string(rbd.Status.ERR_SINGULAR) != double.status_string(7)
 
 
 def test_c_tables_are_those_of_rbd_model(hyq):

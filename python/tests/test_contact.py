@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Contacts that open and slip: rbd_contact.h."""
+import copy
 import gc
 import math
 import pickle
@@ -80,6 +81,20 @@ def test_a_quadruped_stands_and_the_acceleration_is_that_of_the_step(hyq):
         q, v = feet.step(q, v, tau, DT, wrench, damping)
     assert v[5] > 1 and not feet.forces().any()
     assert all(feet.get(k).state in (rbd.ContactState.OPENS, rbd.ContactState.APART) for k in range(4))
+
+
+def test_a_copied_set_has_its_planes(block):
+    """And what it was made of, whatever became of the caller's rows and arrays since."""
+    normal, row, options = np.array([0.0, 0, 2]), rbd.Contact("ground", "block", friction=0.5), rbd.ContactOptions()
+    ground = block.contacts([row], options=options)
+    ground.plane("ground", normal, -0.05)
+    normal[:], row.radius, options.margin = (1, 0, 0), 1, 1e-6
+    q, v, tau = block.neutral(), np.zeros(3), np.zeros(3)
+    for which in (ground, copy.copy(ground), copy.deepcopy(ground), pickle.loads(pickle.dumps(ground)),
+                  pickle.loads(pickle.dumps(copy.deepcopy(ground)))):
+        q[2] = -0.05 + 1e-3  # within the margin of 5 mm
+        which.step(q, v, tau, DT)
+        assert which.get(0).state != rbd.ContactState.APART and abs(which.get(0).gap - 1e-3) < 1e-7
 
 
 def test_options_and_held_constraints_count(double):

@@ -130,6 +130,11 @@ def check_kinematics(judge, m, s, pi):
     judge("J_world", m.jacobian(s.jac_body), s.J_world)
     judge("J_local", m.jacobian(s.jac_body, axes="link"), s.J_local)
     judge("J_local", m.relative_jacobian(s.jac_body, reference=s.jac_body), 0 * s.J_local)
+    J_dot, body = m.jacobian_derivative(s.jac_body), s.jac_body
+    judge("dJ/dt v", J_dot @ s.v + s.J_world @ s.vdot, m.point_acceleration(body), least=1)
+    judge("dJ/dt", m.relative_jacobian_derivative(body, reference=-1), J_dot)
+    spatial = m.jacobian_derivative(body, axes="link") @ s.v + s.J_local @ s.vdot
+    judge("dJ/dt v, link axes", spatial, s.body_acc[body], least=1)
     judge("h", m.momentum().h, s.h, least=1)
     judge("h_dot", m.momentum().h_dot, s.h_dot, least=10)
     f = s.f_ext[s.jac_body]
@@ -237,6 +242,13 @@ def check_control(judge, m, s, armature):
     step = m.integrate_derivatives(s.integrate_d, 1)
     judge("d_dq", step.dnext_dq, s.integrate_d_dq)
     judge("d_dd", step.dnext_dv, s.integrate_d_dd)
+    half = m.integrate(s.q, s.difference_d / 2, 1)
+    judge("half way", m.interpolate(s.q, s.difference_q1, 0.5), half)
+    judge("way", m.interpolate(s.q, s.difference_q1, 1), m.integrate(s.difference_q1, 0 * s.v, 1))
+    judge("distance", m.distance(s.q, s.difference_q1), np.linalg.norm(s.difference_d.astype(float)), least=1)
+    weight = np.arange(m.nv) % 3
+    weighted = np.sqrt(weight @ s.difference_d.astype(float) ** 2)
+    judge("weighted distance", m.distance(s.q, s.difference_q1, weight), weighted, least=1)
     difference = m.difference_derivatives(s.q, s.difference_q1)
     judge("d_dq0", difference.dd_dq0, s.difference_d_dq0)
     judge("d_dq1", difference.dd_dq1, s.difference_d_dq1)

@@ -4,7 +4,7 @@
 #include "api/constraints.h"
 
 /* ---- derivatives [derivatives] ----
-   Declared where rbd_derivatives.h was included before. */
+   Declared where rbd_derivatives.h is included too. */
 
 /* Arrays for the results of rbd_constrained_fd_derivatives. NULL: not wanted. */
 typedef struct rbd_constrained_fd_results {

@@ -6,6 +6,7 @@
 #define rbd_contact_solve RBDI_SYMBOL(rbd_contact_solve)
 #define rbd_contact_set_size RBDI_SYMBOL(rbd_contact_set_size)
 #define rbd_contact_set_init RBDI_SYMBOL(rbd_contact_set_init)
+#define rbd_contact_finding_text RBDI_SYMBOL(rbd_contact_finding_text)
 #define rbd_contact_step RBDI_SYMBOL(rbd_contact_step)
 #define rbd_contact_fd RBDI_SYMBOL(rbd_contact_fd)
 #define rbd_contact_plane RBDI_SYMBOL(rbd_contact_plane)
@@ -58,7 +59,8 @@ RBDI_API rbd_status rbd_contact_solve(const rbd_contact_problem *problem, void *
 /* ---- set [set] ---- */
 
 /* A point of body 1, or a ball about it, that may touch a plane of body 2. Zero is a sensible default for
-   every field but the bodies. */
+   every field but the bodies. body2 = 0 without on_body is refused: it may have been left out where the world
+   was meant. */
 typedef struct rbd_contact {
     const char *name;   /* for findings; NULL = nameless */
     int body1, body2;   /* index in the description, -1 = world */
@@ -70,6 +72,7 @@ typedef struct rbd_contact {
     double restitution; /* 0 (does not rebound) to 1 */
     double stiffness;   /* N/m: p/dt = -(stiffness gap + damping d gap/dt); 0 = rigid */
     double damping;     /* N s/m */
+    int on_body;        /* not 0: the plane is a body's, body2, and not the world's; body 0 needs it */
 } rbd_contact;
 
 /* 0 is the default in brackets. */
@@ -80,7 +83,7 @@ typedef struct rbd_contact_options {
     double bounce;      /* slower impacts do not rebound, m/s [0.05]; choose more than 2 g dt */
     double tolerance;   /* of the residual, m/s [1e-6, float 1e-5] */
     int iterations;     /* at most [40] */
-    int joint_limits;   /* not 0: limits of one-dof joints push */
+    int joint_limits;   /* not 0: limits of joints push, those of their followers too */
     int joint_friction; /* not 0: the description's friction of each degree of freedom holds, or brakes */
     int joint_damping;  /* not 0: the description's damping, implicitly */
     double slip;        /* contacts that stick give way along the plane, m/s per newton [0] */
@@ -95,17 +98,21 @@ typedef struct rbd_contact_set rbd_contact_set; /* contacts, impulses of the las
              have no meaning here; position errors are corrected as penetration is. May be NULL
    options   NULL: all defaults
    memory    size bytes of any alignment; rbd_contact_set_size is exact. For n contacts and `bounded` other
-             rows (held axes, joint limits, dry friction) RBD_CONTACT_SET_SIZE(nv, n, bounded) suffices
-             without the option `derivatives`
+             rows (held axes, two limits of each joint, dry friction) RBD_CONTACT_SET_SIZE(nv, n, bounded)
+             suffices without the option `derivatives`
    c         receives the set, which lies inside memory: do not move it; NULL after an error
    Errors: RBD_ERR_NULL, _MEMORY, _WORK, _COUNT (more than RBD_MAX_CONSTRAINTS); with the contact in
    report->error.body: _INDEX, _POSITION (point or height), _AXIS (normal), _RANGE; with a constraint, n + its
-   index there: those of rbd_constraint_set_init; _RANGE, an option. rbd_constraint_finding_text has the
+   index there: those of rbd_constraint_set_init; _RANGE, an option. rbd_contact_finding_text has the
    sentence. */
 RBDI_API rbd_status rbd_contact_set_init(const rbd_model *m, rbd_work *w, const rbd_contact *list, int n,
                                          const rbd_constraint *held, int n_held,
                                          const rbd_contact_options *options, void *memory, size_t size,
                                          rbd_contact_set **c, rbd_report *report);
+
+/* As rbd_finding_text, e.g. "contact 3 'left toe', field 'friction': negative, not finite or out of range".
+   n   number of contacts in the list: the constraints behind them are held constraint 0, 1, ... */
+RBDI_API char *rbd_contact_finding_text(const rbd_finding *finding, int n, char *text, size_t size);
 
 /* Bytes that rbd_contact_set_init needs for these; 0 if a number is out of range. */
 RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constraint *held, int n_held,

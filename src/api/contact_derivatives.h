@@ -6,7 +6,7 @@
 #define rbd_contact_step_derivatives RBDI_SYMBOL(rbd_contact_step_derivatives)
 
 /* ---- derivatives [step derivatives] ----
-   Declared where rbd_derivatives.h was included before. */
+   Declared where rbd_derivatives.h is included too. */
 
 /* Arrays for the results of rbd_contact_step_derivatives. NULL: not wanted. */
 typedef struct rbd_contact_step_results {

@@ -1,13 +1,13 @@
 #ifndef RBDI_API_DERIVATIVES_H
 #define RBDI_API_DERIVATIVES_H
-#include "api/symbols.h"
-#include "api/types.h"
-#include "api/status.h"
+#include "api/points.h"
 
 #define rbd_derivatives_size RBDI_SYMBOL(rbd_derivatives_size)
 #define rbd_derivatives_init RBDI_SYMBOL(rbd_derivatives_init)
 #define rbd_momentum_matrix RBDI_SYMBOL(rbd_momentum_matrix)
 #define rbd_com_jacobian RBDI_SYMBOL(rbd_com_jacobian)
+#define rbd_jacobian_derivative RBDI_SYMBOL(rbd_jacobian_derivative)
+#define rbd_relative_jacobian_derivative RBDI_SYMBOL(rbd_relative_jacobian_derivative)
 #define rbd_coriolis RBDI_SYMBOL(rbd_coriolis)
 #define rbd_id_free_base RBDI_SYMBOL(rbd_id_free_base)
 #define rbd_id_derivatives RBDI_SYMBOL(rbd_id_derivatives)
@@ -55,6 +55,23 @@ RBDI_API rbd_status rbd_momentum_matrix(const rbd_model *m, rbd_derivatives *d, 
    axes. Zero if there is no mass. */
 RBDI_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                      rbd_real *jacobian);
+
+/* ---- derivatives of Jacobians [jacobians] ----
+   After rbd_kinematics or, for its bodies, rbd_body_kinematics, at its q and v, in the same work; without a
+   call of rbd_derivatives_init. v = NULL there is v = 0, and the derivative is 0.
+   Errors: RBD_ERR_NULL, _WORK, _INDEX, _ORDER. */
+
+/* dJ/dt of the matrix J that rbd_jacobian gives with the same arguments, 6 x nv: J a + dJ/dt v is the rate of
+   the components of the point's motion J v. In world axes it is the (domega/dt; classical acceleration) of
+   rbd_point_acceleration; in link axes, which turn with omega, the acceleration lacks omega x velocity: of
+   the link's origin it is rbd_body_acceleration. */
+RBDI_API rbd_status rbd_jacobian_derivative(const rbd_model *m, const rbd_work *w, int body,
+                                            const rbd_real point[3], rbd_axes axes, rbd_real *J_dot);
+
+/* dJ/dt of the matrix J that rbd_relative_jacobian gives with the same arguments, 6 x nv. */
+RBDI_API rbd_status rbd_relative_jacobian_derivative(const rbd_model *m, const rbd_work *w, int body,
+                                                     const rbd_real point[3], int reference, rbd_axes axes,
+                                                     rbd_real *J_dot);
 
 /* ---- Coriolis matrix [coriolis] ---- */
 

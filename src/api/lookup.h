@@ -22,7 +22,7 @@ RBDI_API const char *rbd_joint_name(const rbd_model *m, int body);
 typedef struct rbd_joint_info {
     rbd_joint_type type;
     int iq, nq, iv, nv;     /* q[iq] .. q[iq + nq - 1], v likewise; mimic, fixed: nq = nv = 0, iq = iv = -1 */
-    rbd_const lower, upper; /* rad or m; none if lower >= upper */
+    rbd_const lower, upper; /* rad or m; both 0: none */
     rbd_const velocity, effort; /* as in rbd_body */
 } rbd_joint_info;
 RBDI_API rbd_status rbd_joint(const rbd_model *m, int body, rbd_joint_info *info);

@@ -26,6 +26,21 @@ RBDI_API rbd_status rbd_step(const rbd_model *m, const rbd_real *q, const rbd_re
 /* The tangent step d, nv, for which rbd_integrate(q0, d, 1) is q1, with the shortest rotation. */
 RBDI_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const rbd_real *q1, rbd_real *d);
 
+/* The part s of the way from q0 to q1: q, nq, is rbd_integrate(q0, rbd_difference(q0, q1), s). It turns by
+   the shortest rotation, at constant velocity. s = 0 gives q0 and s = 1 gives q1 exactly, with quaternions
+   and (cos, sin) made unit. s below 0 or above 1 goes on along the same way. Before s = 1 a quaternion may be
+   near -q1, and a planar angle whole turns from q1. q may be q0 or q1. */
+RBDI_API rbd_status rbd_interpolate(const rbd_model *m, const rbd_real *q0, const rbd_real *q1, rbd_real s,
+                                    rbd_real *q);
+
+/* Distance between two configurations: the square root of the sum of weight_k d_k^2, d =
+   rbd_difference(q0, q1). Pinocchio's distance, if weight is NULL.
+   weight     nv, not below 0; 0: the dof does not count. NULL: 1, that is, a metre counts as much as a radian
+   distance   one number, in radians if lengths have weights of 1 / length^2 (or 0) and angles 1
+   Also RBD_ERR_RANGE, a weight that is below 0 or not a number. */
+RBDI_API rbd_status rbd_distance(const rbd_model *m, const rbd_real *q0, const rbd_real *q1,
+                                 const rbd_const *weight, rbd_real *distance);
+
 /* Rates q' of the coordinates, nq, from the velocity, for filters and ODE solvers: a quaternion's is
    q (omega; 0) / 2, a (cos, sin)'s (-sin, cos) v; their lengths stay. */
 RBDI_API rbd_status rbd_rates_from_velocity(const rbd_model *m, const rbd_real *q, const rbd_real *v,

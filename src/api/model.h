@@ -37,6 +37,21 @@ RBDI_API size_t rbd_model_size(const rbd_body *bodies, int nb);
 RBDI_API rbd_status rbd_add_payload(void *memory, int body, double mass, const double com[3],
                                     const double inertia[6]);
 
+/* Holds joints of a description still. The row of each joint whose flag is set, and of those that mimic it,
+   becomes a fixed joint at the pose that the joint has at q. All bodies stay, with their names and indices.
+   The new model's q and v are those of the joints that still move, in the same order. Its dynamics is that of
+   the whole model with v = a = 0 of the held joints.
+   bodies   nb rows, as for rbd_model_build; those of a built model come from rbd_describe
+   locked   nb flags: not 0 where the body's joint shall be held; without effect on a fixed one
+   q        nq, of all joints of the description. Only those of held joints, and of joints that these mimic,
+            are read. Limits do not count
+   rows     nb rows, receives the description with fixed joints; may be bodies. An error leaves it as it was
+   report   receives the error and the warnings; may be NULL
+   Errors: RBD_ERR_NULL, _COUNT; RBD_ERR_RANGE, with the body, if a coordinate of a held joint is not finite;
+   all of rbd_model_build that one row can have, with body and field. */
+RBDI_API rbd_status rbd_lock_joints(const rbd_body *bodies, int nb, const unsigned char *locked,
+                                    const double *q, rbd_body *rows, rbd_report *report);
+
 #endif
 
 /* ---- work [work] ---- */

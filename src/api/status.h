@@ -32,7 +32,7 @@ typedef enum rbd_status {
     RBD_ERR_MIMIC = -23,      /* not a one-dof joint, what it follows is missing or follows too, or ratio 0 */
     RBD_ERR_WORK = -24,       /* the work, or batch, is of another model; the set, of another work */
     RBD_ERR_NAN = -25,        /* NaN where accelerations are solved for: q has one, or something overflowed */
-    RBD_ERR_RANGE = -26,      /* a gain, weight, restitution, friction, dt or option is out of range */
+    RBD_ERR_RANGE = -26,      /* a gain, weight, restitution, friction, dt, option or q is out of range */
     RBD_ERR_INFEASIBLE = -27, /* constraints contradict each other */
     RBD_ERR_LEFT_OUT = -28,   /* the model needs code that RBD_FEATURES or RBD_NO_CHOLESKY leave out */
     RBD_ERR_ARITHMETIC = -29, /* RBD_REPRODUCIBLE, and sums and products are not rounded as in [guarantees] */
@@ -40,7 +40,8 @@ typedef enum rbd_status {
     RBD_WARN_INERTIA_NEGATIVE = 1, /* inertia has a negative eigenvalue */
     RBD_WARN_INERTIA_TRIANGLE = 2, /* one principal moment exceeds the sum of the others */
     RBD_WARN_INERTIA_ZERO = 3,     /* mass, but no inertia about the centre of mass */
-    RBD_WARN_MASS_ZERO = 4         /* inertia, but no mass */
+    RBD_WARN_MASS_ZERO = 4,        /* inertia, but no mass */
+    RBD_WARN_LIMITS = 5            /* lower >= upper, or limits of another type of joint: read as none */
 } rbd_status;
 
 /* One sentence for a status, English, static. */

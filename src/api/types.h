@@ -47,7 +47,7 @@ typedef struct rbd_body {
                              joint, kg m^2 or kg; in M, rnea, fd */
     double damping[6];   /* per degree of freedom, N m s or N s/m: see rbd_passive */
     double friction[6];  /* per degree of freedom, N m or N: see rbd_passive */
-    double lower, upper; /* limits of a one-dof joint, rad or m; none if lower >= upper */
+    double lower, upper; /* limits of a revolute, prismatic or helical joint, rad or m; both 0 = none */
     double velocity;     /* limit, rad/s or m/s, 0 = none; kept for the user */
     double effort;       /* limit, N m or N, 0 = none; kept for the user */
     const char *mimic;   /* name of the joint that this one follows, NULL = none; one-dof joints only */

@@ -6,10 +6,16 @@
 /* ---- compiler [compiler] ----
    Only this section and [configuration], for vector types and C99, depend on the compiler and its target. */
 
-#if defined __FAST_MATH__ || defined __ASSOCIATIVE_MATH__
+/* Options that void results. Other parts of -ffast-math do no harm: -freciprocal-math, -fno-signed-zeros,
+   -fno-trapping-math, -fno-math-errno. */
+#if defined __FAST_MATH__ || defined __ASSOCIATIVE_MATH__ || defined _M_FP_FAST
 #error \
     "rbd: -ffast-math or -funsafe-math-optimizations reassociates the sine's argument reduction and voids \
 the pivot checks; use -O3 -ffp-contract=fast instead"
+#elif defined __FINITE_MATH_ONLY__ && __FINITE_MATH_ONLY__ > 0
+#error "rbd: -ffinite-math-only removes the checks for NaN and overflow; compile without it"
+#elif RBDI_REPRODUCIBLE && (defined __RECIPROCAL_MATH__ || defined __NO_SIGNED_ZEROS__)
+#error "rbd: RBD_REPRODUCIBLE: -freciprocal-math and -fno-signed-zeros change bits; compile without them"
 #endif
 
 #ifdef __GNUC__ /* GCC's extensions, which clang has too: attributes, vectors, assembly */
@@ -23,6 +29,45 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #define RBDI_CLANG 0
 #endif
 #define RBDI_GCC (RBDI_GNU && !RBDI_CLANG)
+
+/* GCC has no macro for -fsingle-precision-constant, which rounds constants to float. It does no harm to float. */
+#if RBDI_REAL_KIND != 2
+typedef char rbd_needs_no_fsingle_precision_constant[sizeof 1.0 == sizeof(double) ? 1 : -1];
+#endif
+
+/* rbdi_require_ieee() does not compile where sums are reassociated, or NaN or infinity has no meaning. clang has no
+   macro for most of this, and GCC's pragmas set none in C++. A compiler that optimises then knows beforehand what
+   (x + 1) - x is, that x <= x, or that x is not infinite. One that does not optimise changes nothing. */
+#if RBDI_GNU && defined __OPTIMIZE__ && defined __has_attribute
+#if __has_attribute(error)
+#define RBDI_SHOWS_OPTIONS 1
+#endif
+#endif
+#ifdef RBDI_SHOWS_OPTIONS
+#if RBDI_CLANG
+#pragma clang diagnostic push
+#pragma clang diagnostic ignored "-Wunknown-warning-option"
+#pragma clang diagnostic ignored "-Wnan-infinity-disabled" /* says the same, but does not stop */
+#endif
+__attribute__((error(
+    "rbd: -fassociative-math, part of -funsafe-math-optimizations, voids the sine and the checks"))) void
+rbdi_sums_are_reassociated(void);
+__attribute__((error(
+    "rbd: -ffinite-math-only, -fno-honor-nans and -fno-honor-infinities remove the checks for NaN"))) void
+rbdi_nan_is_lost(void);
+
+static inline void rbdi_require_ieee(void) {
+    const volatile double unknown = 0;
+    const double x = unknown;
+    if (__builtin_constant_p((x + 1) - x)) rbdi_sums_are_reassociated();
+    if (__builtin_constant_p(x <= x) || __builtin_constant_p(__builtin_isinf_sign(x))) rbdi_nan_is_lost();
+}
+#if RBDI_CLANG
+#pragma clang diagnostic pop
+#endif
+#else
+static inline void rbdi_require_ieee(void) {}
+#endif
 
 #if defined __OPTIMIZE__ && !defined __OPTIMIZE_SIZE__
 #define RBDI_FOR_SPEED 1

@@ -2,8 +2,7 @@
 #define RBDI_CONSTRAINTS_ARTICULATED_H
 #include "dynamics/aba.h"
 #include "constraints/rows.h"
-#include "constraints/factor.h"
-#include "constraints/solution.h"
+#include "constraints/refinement.h"
 
 /* ---- articulated bodies [articulated] ----
    The Popov-Vereshchagin algorithm. A unit force (moment) of a row acts on both bodies, with opposite
@@ -15,7 +14,7 @@
    and the acceleration along the row is K' a' + epsilon + Delta lambda, where Delta = Y' D^-1 Y of the joints
    so far. At the common ancestor of the two links the two wrenches are added. In the world a' is known, and
    [factor] gives lambda from b = target - epsilon - K' a'. Then u/D += D^-1 Y lambda, and pass 3 gives the
-   accelerations. */
+   accelerations. [refinement] needs the targets less all of epsilon but its terms Y u/D. */
 
 #if RBDI_BATCH > 1
 #define rbdi_wrenches_up rbdi_batch_up
@@ -23,9 +22,10 @@
 #define rbdi_wrenches_up rbdi_array_up
 #endif
 
-/* K of a batch of rows, in the axes of the link that it was carried to, and b = target - epsilon. */
+/* K of a batch of rows, in the axes of the link that it was carried to; b = target - epsilon, and the target
+   without the terms Y u/D. */
 typedef struct rbdi_row_wrenches {
-    rbdi_batch K[6], b;
+    rbdi_batch K[6], b, target;
 } rbdi_row_wrenches;
 
 /* K on one of the two links, of a batch of rows from row r of the constraint on; 0 if it is the world. p:
@@ -64,9 +64,10 @@ RBDI_INLINE void rbdi_rows_axis(const rbd_model *m, const rbd_work *w, int i, in
     K[2] = rbdi_zero_batch(); /* U_z/D = 1 */
     if (flags & (RBDI_SLIDES | RBDI_ARMATURE)) K[2] = z - y * own->U_D.n.z;
     K[3] = K[3] - y * own->U_D.f.x, K[4] = K[4] - y * own->U_D.f.y, K[5] = K[5] - y * own->U_D.f.z;
-    term = y * own->u_D + K[0] * own->c.omega.x + K[1] * own->c.omega.y;
+    term = K[0] * own->c.omega.x + K[1] * own->c.omega.y;
     term = term + K[3] * own->c.v.x + K[4] * own->c.v.y + K[5] * own->c.v.z;
-    rows->b = rows->b - term;
+    rows->target = rows->target - term;
+    rows->b = rows->b - (y * own->u_D + term);
     rbdi_wrenches_up(l, flags, rbdi_trig_of(m, w, i, flags), K);
 }
 
@@ -94,7 +95,11 @@ static rbdi_row_wrenches rbdi_rows_block(const rbd_model *m, const rbd_work *w, 
         rbd_real C[6];
         rbdi_store_motion(C, 1, w->scratch[i].c);
         rbdi_rows_dofs(bw, b->first, b->n, 0, &rows, Y, stride);
-        for (int j = 0; j < 6; ++j) rows.b = rows.b - rows.K[j] * C[j];
+        for (int j = 0; j < 6; ++j) {
+            const rbdi_batch term = rows.K[j] * C[j];
+            rows.b = rows.b - term;
+            rows.target = rows.target - term;
+        }
         rbdi_crba_up_block(&bw->X, (rbd_real *)rows.K, RBDI_BATCH, RBDI_BATCH);
     }
     return rows;
@@ -115,23 +120,25 @@ static void rbdi_carry_rows(const rbd_model *m, const rbd_constraint_set *c, int
     *carried = rows;
 }
 
-/* Y and b of a batch of rows from row r of the constraint on. h: its axes. p: origin of frame 1. */
+/* Y, b and target of a batch of rows from row r of the constraint on. h: its axes. p: origin of frame 1. */
 static void rbdi_rows_to_world(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *con, int r,
                                const rbdi_axes_held *h, rbdi_v3 p) {
     rbd_real *Y = c->Y + con->row + r;
     rbdi_row_wrenches rows, one;
+    rbdi_batch world;
     for (int j = 0; j < 6; ++j) rows.K[j] = rbdi_zero_batch();
-    rows.b = *(const rbdi_batch *)&c->target[con->row + r];
+    rows.b = rows.target = *(const rbdi_batch *)&c->target[con->row + r];
     for (int side = 0; side < (con->link[1] < 0 ? 1 : 2); ++side) {
         rbdi_start_rows(c, con, h, p, side, r, one.K);
-        one.b = rows.b;
+        one.b = rows.b, one.target = rows.target;
         rbdi_carry_rows(m, c, con->link[side], con->ancestor, &one, Y);
         for (int j = 0; j < 6; ++j) rows.K[j] = rows.K[j] + one.K[j];
-        rows.b = one.b;
+        rows.b = one.b, rows.target = one.target;
     }
     rbdi_carry_rows(m, c, con->ancestor, -1, &rows, Y);
-    rows.b = rows.b - rows.K[3] * c->world.x - rows.K[4] * c->world.y - rows.K[5] * c->world.z;
-    *(rbdi_batch *)&c->b[con->row + r] = rows.b;
+    world = rows.K[3] * c->world.x + rows.K[4] * c->world.y + rows.K[5] * c->world.z;
+    *(rbdi_batch *)&c->b[con->row + r] = rows.b - world;
+    *(rbdi_batch *)&c->target[con->row + r] = rows.target - world;
 }
 
 /* 1/D of the dofs on the paths. */
@@ -141,13 +148,29 @@ static void rbdi_path_inverse(const rbd_model *m, rbd_constraint_set *c) {
         if (c->span[k].end > 0) c->D_inverse[k] = rbdi_reciprocal(c->w->pivot[k], RBDI_TINY, &none);
 }
 
-/* u/D += D^-1 Y lambda. */
+/* u/D of a link's dofs. */
+RBDI_INLINE rbd_real *rbdi_u_D_of(const rbd_model *m, const rbd_constraint_set *c, int link) {
+    const rbdi_link *l = &m->link[link];
+    return rbdi_is(l, RBDI_BLOCK) ? c->w->block[l->block].u_D : &c->w->scratch[link].u_D;
+}
+
+/* u/D += D^-1 Y lambda, refined. */
 static void rbdi_add_multipliers(const rbd_model *m, rbd_constraint_set *c) {
+    rbdi_mask lost = rbdi_less(rbdi_zero(), rbdi_zero());
     for (int at = 0; at < c->links; ++at) {
-        const rbdi_link *l = &m->link[c->link[at]];
-        const int block = rbdi_is(l, RBDI_BLOCK), n = rbdi_link_dofs(m, l);
-        rbd_real *u_D = block ? c->w->block[l->block].u_D : &c->w->scratch[c->link[at]].u_D;
-        for (int t = 0; t < n; ++t) u_D[t] = u_D[t] + rbdi_y_lambda(c, l->iv + t) * c->D_inverse[l->iv + t];
+        const int link = c->link[at], first = m->link[link].iv, n = rbdi_link_dofs(m, &m->link[link]);
+        rbd_real *u_D = rbdi_u_D_of(m, c, link);
+        for (int t = 0; t < n; ++t) {
+            lost = rbdi_or(lost, rbdi_add_force(c, c->lambda, first + t, &u_D[t]));
+            c->x[first + t] = u_D[t];
+        }
+    }
+    if (!rbdi_refine(m, c, lost)) return;
+
+    for (int at = 0; at < c->links; ++at) {
+        const int link = c->link[at], first = m->link[link].iv, n = rbdi_link_dofs(m, &m->link[link]);
+        rbd_real *u_D = rbdi_u_D_of(m, c, link);
+        for (int t = 0; t < n; ++t) u_D[t] = c->x[first + t];
     }
 }
 
@@ -172,6 +195,7 @@ static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, co
 /* Computes x and lambda from Y and b. Returns 0, x untouched, if a pivot is in doubt. */
 static int rbdi_articulated_solve(const rbd_model *m, rbd_constraint_set *c, rbd_real *x) {
     if (rbdi_any(rbdi_factor_delta(m, c))) return 0;
+    c->pivoted = 0;
     rbdi_back_substitute(c);
     rbdi_add_multipliers(m, c);
     rbdi_aba_pass3(m, c->w, c->world, x);

@@ -8,16 +8,6 @@
    the remaining distance from q, shortest. Steps are cut to RBDI_LONGEST_STEP, because J changes. The last
    steps reduce e alone. */
 
-/* Largest magnitude of n numbers. */
-static rbd_real rbdi_largest(const rbd_real *x, int n) {
-    rbd_real largest = rbdi_zero();
-    for (int k = 0; k < n; ++k) {
-        const rbd_real size = rbdi_abs(x[k]);
-        largest = rbdi_select(rbdi_less(largest, size), size, largest);
-    }
-    return largest;
-}
-
 /* The next step size: the share of the distance that a step removes, by Barzilai and Borwein (1988), from
    this step c->x, the step before it, and the sizes of both. 1 is right if J is constant; if J changes, steps
    of size 1 converge slowly or never. */
@@ -43,9 +33,9 @@ static rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraint_set *c, co
     const rbd_real limit = rbdi_set(RBDI_LONGEST_STEP);
     rbd_real length, cut;
     rbd_difference(m, q, q_near, c->x);
-    for (int i = 0; i < m->nv; ++i) c->x[i] = -size * c->x[i] / c->D_inverse[i];
+    for (int i = 0; i < m->nv; ++i) c->x[i] = -size * c->x[i];
     for (int r = 0; r < c->rows; ++r) c->target[r] = -c->e[r];
-    rbdi_multipliers(m, c, NULL, 0);
+    rbdi_multipliers(m, c, 0);
     length = rbdi_largest(c->x, m->nv);
     cut = rbdi_select(rbdi_less(limit, length), limit / (length + RBDI_TINY), rbdi_set(RBD_C(1)));
     rbd_integrate(m, q_near, c->x, cut, q_near);
@@ -83,11 +73,8 @@ RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, cons
     rbdi_assemble_position(m, c, q, q_near);
     if (v) {
         for (int k = 0; k < m->nv; ++k) c->x[k] = v[k];
-        for (int pass = 0; pass < 2; ++pass) { /* the second removes the rounding of large lambda */
-            for (int k = 0; k < m->nv; ++k) c->x[k] = c->x[k] / c->D_inverse[k];
-            rbdi_clear(c->target, c->rows);
-            rbdi_multipliers(m, c, NULL, 0);
-        }
+        rbdi_clear(c->target, c->rows);
+        for (int pass = 0; pass < 2; ++pass) rbdi_multipliers(m, c, 0); /* the second removes rounding */
         for (int k = 0; k < m->nv; ++k) v_near[k] = c->x[k];
     }
     c->infeasible = -1;

@@ -1,7 +1,6 @@
 #ifndef RBDI_CONSTRAINTS_CALLS_H
 #define RBDI_CONSTRAINTS_CALLS_H
 #include "dynamics/rnea.h"
-#include "constraints/rank.h"
 #include "constraints/articulated.h"
 
 /* Interface: rbdi_check_constraints, rbdi_constraint_bias */
@@ -15,10 +14,10 @@ static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constrain
     return rbdi_check(m, c->w, 1);
 }
 
-/* x = M^-1 (f + J' lambda), lambda of least norm with J x = target, from Y = J' and x = L^-T f. check:
-   whether to note a row that contradicts others. */
-static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L, int check) {
-    rbdi_reduce_rows(m, c, L);
+/* x += D^-1 Y lambda, with lambda of least norm so that Y' x = target. check: whether to note a row that
+   contradicts others. */
+static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, int check) {
+    rbdi_rest_of_rows(c);
     c->pivoted = 0, c->infeasible = -1;
     if (rbdi_any(rbdi_factor_delta(m, c))) {
         RBDI_NOTE_DOUBT(c->w, 1);
@@ -31,7 +30,8 @@ static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, const rb
     } else {
         rbdi_back_substitute(c);
     }
-    rbdi_sweep_down(m, c, L);
+
+    (void)rbdi_refine(m, c, rbdi_add_forces(m, c, c->lambda));
 }
 
 /* Targets of a constraint's rows: -gamma - kd J v - kp e; with a restitution, the change of velocity in an
@@ -105,8 +105,12 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
         rbdi_constraint_rows(m, c, con, !restitution && con->kp > 0);
         rbdi_set_target(c, con, restitution);
     }
-    rbdi_multipliers(m, c, w->H, !restitution); /* an impact's targets, J v, are in the range of J */
-    for (int k = 0; k < m->nv; ++k) x[k] = c->x[k];
+    rbdi_solve_up(m, w, w->H, c->stride, c->rows, c->Y); /* Y = L^-T J' */
+
+    for (int k = 0; k < m->nv; ++k) c->x[k] = c->x[k] * c->D_inverse[k];
+    rbdi_multipliers(m, c, !restitution); /* an impact's targets, J v, are in the range of J */
+    for (int k = 0; k < m->nv; ++k) x[k] = c->x[k] * w->pivot[k]; /* D x, of which L^-1 D^-1 is the result */
+    rbdi_solve_down(m, w, w->H, 1, 1, 1, x);
     return rbdi_status_of(m, w, doubt, x, m->nv);
 }
 

@@ -239,6 +239,52 @@ static void rbdi_lambda_derivatives(const rbd_model *m, rbd_constraint_set *c, c
     rbdi_delta_solve(c, sigma, n);
 }
 
+/* Replaces rho by da and sigma by dlambda, all columns at once. c->Y: -T. */
+static void rbdi_solve_at_once(const rbd_model *m, rbd_constraint_set *c, rbd_real *rho, rbd_real *sigma) {
+    const int nv = m->nv;
+    rbdi_lambda_derivatives(m, c, rho, sigma);
+    rbdi_solve_columns(m, c->w, c->w->H, -1, nv, nv, rho, NULL);
+    for (int k = 0; k < nv; ++k)
+        rbdi_subtract_product(&c->Y[k * c->stride], sigma, c->rows, nv, &rho[k * nv]);
+}
+
+/* Column j of x = -D^-1 L^-T rho, Y' x = -sigma, by the steps of rbd_constrained_fd. rho: L^-T rho, becomes
+   D (x + D^-1 Y dlambda); sigma becomes dlambda. */
+static void rbdi_solve_column(const rbd_model *m, rbd_constraint_set *c, int j, rbd_real *rho,
+                              rbd_real *sigma) {
+    const int nv = m->nv;
+    for (int k = 0; k < nv; ++k) c->x[k] = -c->D_inverse[k] * rho[k * nv + j];
+    for (int r = 0; r < c->rows; ++r) c->target[r] = -sigma[r * nv + j];
+
+    rbdi_rest_of_rows(c);
+    for (int r = 0; r < c->rows; ++r) c->lambda[r] = c->b[r];
+    rbdi_delta_solve(c, c->lambda, 1);
+    (void)rbdi_refine(m, c, rbdi_add_forces(m, c, c->lambda));
+
+    for (int k = 0; k < nv; ++k) rho[k * nv + j] = c->x[k] * c->w->pivot[k];
+    for (int r = 0; r < c->rows; ++r) sigma[r * nv + j] = c->lambda[r];
+}
+
+/* As rbdi_solve_at_once, column by column with [refinement]. c->Y: L^-T J'. */
+RBDI_COLD void rbdi_solve_by_columns(const rbd_model *m, rbd_constraint_set *c, rbd_real *rho,
+                                     rbd_real *sigma) {
+    const int nv = m->nv;
+    rbdi_solve_up(m, c->w, c->w->H, nv, nv, rho);
+    for (int j = 0; j < nv; ++j) rbdi_solve_column(m, c, j, rho, sigma);
+    rbdi_solve_down(m, c->w, c->w->H, 1, nv, nv, rho);
+}
+
+/* Whether accelerations by a force at each dof, all different, lose so many digits that rows may need
+   [refinement]. This stands for all columns: the loss depends on D and Y, hardly on the forces. */
+static int rbdi_loses_digits(const rbd_model *m, rbd_constraint_set *c) {
+    for (int k = 0; k < m->nv; ++k)
+        c->x[k] = c->D_inverse[k] * (RBD_C(1) + RBD_C(0.618) * (rbd_const)(k % 7));
+    rbdi_clear(c->target, c->rows);
+    rbdi_rest_of_rows(c);
+    rbdi_delta_solve(c, c->b, 1);
+    return rbdi_any(rbdi_add_forces(m, c, c->b));
+}
+
 RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_constraint_set *c,
                                                    rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
                                                    const rbd_real *tau, const rbd_real *f_ext,
@@ -249,7 +295,7 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
     rbd_real *const of_a[3] = {to.da_dq, to.da_dv, to.da_dtau};
     rbd_real *const of_lambda[3] = {to.dlambda_dq, to.dlambda_dv, to.dlambda_dtau};
     const int nv = m ? m->nv : 0;
-    int pairs = 1;
+    int pairs = 1, by_columns;
     rbd_status status, solved;
     for (int x = 0; x < 3; ++x) pairs &= !of_a[x] == !of_lambda[x];
     status = rbdi_check_constraints(m, c, d && q && v && tau && out && pairs);
@@ -264,15 +310,16 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
     rbdi_constraint_state(m, c, rbdi_expand_v(m, v, c->w->vx), rbdi_expand_v(m, d->a, c->w->ax), none, 0);
     for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con)
         rbdi_differentiate(m, c, d, con, to.da_dq, to.dlambda_dq, to.dlambda_dv);
-    rbdi_solve_down(m, c->w, c->w->H, -1, c->stride, c->rows, c->Y); /* -T = -L^-1 D^-1 Y */
     if (to.da_dtau) rbdi_clear(to.da_dtau, nv * nv);
     for (int k = 0; to.da_dtau && k < nv; ++k) to.da_dtau[k * nv + k] = rbdi_set(RBD_C(-1));
+    by_columns = rbdi_loses_digits(m, c);
+    if (!by_columns) rbdi_solve_down(m, c->w, c->w->H, -1, c->stride, c->rows, c->Y); /* -T = -L^-1 D^-1 Y */
     for (int x = 0; x < 3; ++x) {
         if (!of_a[x]) continue;
-        rbdi_lambda_derivatives(m, c, of_a[x], of_lambda[x]);
-        rbdi_solve_columns(m, c->w, c->w->H, -1, nv, nv, of_a[x], NULL);
-        for (int k = 0; k < nv; ++k)
-            rbdi_subtract_product(&c->Y[k * c->stride], of_lambda[x], c->rows, nv, &of_a[x][k * nv]);
+        if (by_columns)
+            rbdi_solve_by_columns(m, c, of_a[x], of_lambda[x]);
+        else
+            rbdi_solve_at_once(m, c, of_a[x], of_lambda[x]);
         if (solved && solved != RBD_ERR_INFEASIBLE) {
             (void)rbdi_pivot_status(m, c->w, of_a[x], nv * nv);
             (void)rbdi_pivot_status(m, c->w, of_lambda[x], c->rows * nv);

@@ -174,7 +174,7 @@ static rbd_real rbdi_motion_size(const rbd_constraint_set *c, const rbdi_constra
     return turning + moving + v * (w + (RBD_C(1) + con->kd)) + p * con->kp;
 }
 
-/* Makes c->slack the error of b by rounding and drift, and permutes it and c->target. */
+/* Makes c->slack the error of b by rounding and drift, and permutes it. */
 static void rbdi_set_slack(rbd_constraint_set *c) {
     for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con) {
         const rbd_real noise = rbdi_motion_size(c, con) * RBDI_NOISE;
@@ -182,7 +182,6 @@ static void rbdi_set_slack(rbd_constraint_set *c) {
             c->slack[r] = rbdi_sqrt(c->slack[r]) * RBDI_FEASIBLE + noise;
     }
     rbdi_permute(c, c->slack, 1, 0);
-    rbdi_permute(c, c->target, 1, 0);
 }
 
 /* Notes the first dropped row, in the caller's order, that contradicts the rows it depends on: the targets
@@ -191,6 +190,7 @@ static void rbdi_check_rows(rbd_constraint_set *c) {
     rbd_real *bad = c->inverse_square;
     const rbd_real one = rbdi_set(RBD_C(1));
     rbdi_set_slack(c);
+    rbdi_permute(c, c->target, 1, 0);
     rbdi_clear(bad, c->rows);
     for (int t = 0; t < c->rows; ++t) {
         const rbd_real *null = rbdi_null_vector(c, t);
@@ -200,6 +200,7 @@ static void rbdi_check_rows(rbd_constraint_set *c) {
         bad[t] = rbdi_select(rbdi_less(bound, rbdi_abs(rbdi_rows_product(null, c->target, t + 1))), one,
                              rbdi_zero());
     }
+    rbdi_permute(c, c->target, 1, 1);
     rbdi_permute(c, bad, 1, 1);
     for (int r = c->rows - 1; r >= 0; --r)
         if (rbdi_any(rbdi_less(rbdi_zero(), bad[r]))) c->infeasible = r;

@@ -14,6 +14,11 @@
    is rounding: no joint moves the body along its axis.
    RBDI_FEASIBLE: targets of dependent rows may contradict each other by this share of their terms, because
    positions drift.
+   RBDI_LOST: a sum whose magnitude is below this share of a term's has lost so many digits that [refinement]
+   looks at the rows.
+   RBDI_MISSED: a row that is off by more than this share of its terms is refined, [refinement].
+   RBDI_STILL, m/s^2 or rad/s^2: but not if it is off by less than this. Where constraints hold all joints,
+   accelerations are rounding, and their error is no share of them.
    RBDI_SHORT_STEP, rad or m: assembly ends RBDI_CLOSING_STEPS after a step below this.
    RBDI_CLOSED: after it all entries of e must be below this. */
 #if RBDI_KIND(RBD_CONST) == 1
@@ -21,6 +26,9 @@
 #define RBDI_MOTIONLESS 2e-13
 #define RBDI_RANK 1e-20
 #define RBDI_FEASIBLE 1e-6
+#define RBDI_LOST 1e-6
+#define RBDI_MISSED 1e-12
+#define RBDI_STILL 1e-20
 #define RBDI_SHORT_STEP 1e-12
 #define RBDI_CLOSED 1e-9
 
@@ -29,6 +37,9 @@
 #define RBDI_MOTIONLESS 4e-6f
 #define RBDI_RANK 1e-8f
 #define RBDI_FEASIBLE 1e-2f
+#define RBDI_LOST 1e-3f
+#define RBDI_MISSED 1e-5f
+#define RBDI_STILL 1e-9f
 #define RBDI_SHORT_STEP 1e-5f
 #define RBDI_CLOSED 1e-4f
 
@@ -37,6 +48,9 @@
 #define RBDI_MOTIONLESS RBD_C(2e-31)
 #define RBDI_RANK RBD_C(1e-54)
 #define RBDI_FEASIBLE RBD_C(1e-12)
+#define RBDI_LOST RBD_C(1e-15)
+#define RBDI_MISSED RBD_C(1e-28)
+#define RBDI_STILL RBD_C(1e-40)
 #define RBDI_SHORT_STEP RBD_C(1e-24)
 #define RBDI_CLOSED RBD_C(1e-12)
 
@@ -46,6 +60,7 @@
 #define RBDI_LONGEST_STEP RBD_C(0.5)
 #define RBDI_LEAST_STEP_SIZE RBD_C(1e-3)
 #define RBDI_MOST_STEP_SIZE RBD_C(5)
+#define RBDI_REFINEMENTS 24 /* each gains some digits: enough for all that fit into an exponent */
 #define RBDI_NEARING_STEPS 200
 #define RBDI_CLOSING_STEPS 3
 

@@ -3,8 +3,8 @@
 #include "constraints/calls.h"
 
 /* ---- weights [weights] ----
-   With a diagonal matrix D in place of M, so that L = 1, [solution] solves least squares: it adds D^-1 J'
-   lambda to x = D^-1 f, of all changes d with J (x + d) = target the one with the least d' D d. */
+   With a diagonal matrix D in place of M, so that L = 1 and Y = J', rbdi_multipliers solves least squares: it
+   adds D^-1 J' lambda to x, of all changes d with J (x + d) = target the one with the least d' D d. */
 
 /* Whether n weights are above 0. NULL: all are 1. */
 static int rbdi_weights_fit(const rbd_const *weight, int n) {
@@ -40,7 +40,7 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
         c->D_inverse[k] = rbdi_set(passive ? RBD_C(1) : RBD_C(0));
     }
     rbdi_clear(c->target, c->rows);
-    rbdi_multipliers(m, c, NULL, 0);
+    rbdi_multipliers(m, c, 0);
     for (int k = 0; k < m->nv; ++k)
         tau[k] = tau[k] - rbdi_rows_product(&c->Y[k * c->stride], c->lambda, c->rows);
     for (int r = 0; lambda && r < c->rows; ++r) lambda[r] = c->lambda[r] * root[r];

@@ -212,16 +212,19 @@ static void rbdi_write_falls(const rbd_model *m, rbd_contact_set *c, const rbd_r
 static void rbdi_other_terms(const rbd_model *m, rbd_contact_set *c, int purpose, int x) {
     for (int i = 0; i < c->n; ++i) {
         const rbdi_contact *contact = &c->contact[i];
+        rbd_real by_falls;
         if (contact->row < 0 || !contact->rebounds || purpose != RBDI_FOR_VELOCITIES) continue;
-        rbdi_subtract(&c->sigma[(contact->row + 2) * m->nv], -rbdi_rebound_bias(c, contact).by_falls,
-                      rbdi_fall_columns(m, c, i, x), m->nv);
+        by_falls = rbdi_rebound_bias(c, contact).by_falls;
+        if (by_falls > 0 || by_falls < 0)
+            rbdi_subtract(&c->sigma[(contact->row + 2) * m->nv], -by_falls, rbdi_fall_columns(m, c, i, x),
+                          m->nv);
     }
     for (const rbdi_dof_row *limit = c->dof_row; x < 2 && limit < c->dof_row + c->dof_rows; ++limit) {
         rbdi_bias bias;
         if (limit->row < 0) continue;
-        bias = rbdi_rigid_bias(c, purpose, &limit->gap);
+        bias = rbdi_limit_bias(c, purpose, limit);
         c->sigma[limit->row * m->nv + limit->dof] =
-            limit->side * (x == 0 ? bias.by_start + bias.by_reach : -c->half * bias.by_start);
+            limit->side * (x == 0 ? bias.by_start + bias.by_reach : bias.by_rate - c->half * bias.by_start);
     }
 }
 

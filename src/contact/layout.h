@@ -69,7 +69,7 @@ typedef struct rbdi_contact {
     int body2;
     int row;      /* of the step, -1 = none */
     int springs;  /* whether its stiffness acts in the step */
-    int rebounds; /* whether the solution for the velocities has its rebound */
+    int rebounds; /* whether the solution for the velocities returns a share of its approach */
     rbd_contact_state state;
 } rbdi_contact;
 
@@ -77,9 +77,10 @@ typedef struct rbdi_contact {
 typedef struct rbdi_dof_row {
     int16_t dof, iq;        /* iq: of the limited coordinate, -1 = dry friction */
     rbd_const lower, upper; /* limits, rad or m; the largest forces of dry friction, N m or N */
-    rbdi_gap gap;           /* to the nearer limit */
-    rbd_real side;          /* the row's sign there */
+    rbdi_gap gap;           /* to the limit */
+    rbd_real side;          /* the row's sign: 1 at the lower limit, -1 at the upper one */
     int row;                /* of the step, -1 = none */
+    int rebounds;           /* as of a contact: a limit does if it leaves */
 } rbdi_dof_row;
 
 /* A set of contacts has a set of constraints, whose rows are listed anew at each step: three of each contact
@@ -128,7 +129,8 @@ struct rbd_contact_set {
 #define RBDI_CONTACT_SIDES(nv, n, rows) \
     ((rows) * (nv) + RBDI_CONTACT_SHARED(nv, rows) + 4 * (nv) * (nv) + 3 * (n) * (nv))
 
-/* Bytes that suffice for n contacts and so many other rows: held axes, joint limits, dry friction. */
+/* Bytes that suffice for n contacts and so many other rows: held axes, two limits of each joint, dry
+   friction. */
 #define RBD_CONTACT_SET_SIZE(nv, n, bounded) \
     RBDI_CONTACT_SET_BYTES(2 * (size_t)(nv), nv, n, bounded, bounded, \
                            3 * (n) + (bounded) + 4 * RBDI_ROW_BATCH)

@@ -61,16 +61,13 @@ RBDI_INLINE int rbdi_may_touch(rbdi_gap gap, rbd_real dt, rbd_real margin) {
     return !(gap.start > margin && gap.start + 2 * dt * gap.rate > 0);
 }
 
-/* Finds the nearer limit. Returns whether it is near; dry friction always is. */
+/* Computes the gap to the limit. Returns whether it may be reached; dry friction always acts. */
 static int rbdi_find_limit(const rbd_contact_set *c, rbdi_dof_row *limit, const rbd_real *q,
                            const rbd_real *v) {
     rbdi_gap *gap = &limit->gap;
-    rbd_real below, above;
-    gap->start = gap->rate = gap->reach = rbdi_zero(), limit->side = rbdi_set(RBD_C(1));
+    gap->start = gap->rate = gap->reach = rbdi_zero();
     if (limit->iq < 0) return 1;
-    below = q[limit->iq] - limit->lower, above = limit->upper - q[limit->iq];
-    if (above < below) limit->side = -limit->side;
-    gap->start = above < below ? above : below;
+    gap->start = limit->side > 0 ? q[limit->iq] - limit->lower : limit->upper - q[limit->iq];
     gap->rate = limit->side * v[limit->dof];
     gap->reach = gap->start + c->half * gap->rate;
     return rbdi_may_touch(*gap, c->dt, rbdi_set(RBDI_NEAR_LIMIT));
@@ -122,6 +119,7 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
     for (int i = 0; i < c->dof_rows; ++i) {
         rbdi_dof_row *limit = &c->dof_row[i];
         const int r = s->rows - 3 * contacts, acts = rbdi_find_limit(c, limit, q, v);
+        limit->rebounds = 0;
         limit->row = acts ? rbdi_open_rows(c, place + i, 1, s->path, rbdi_path_to(m, s, limit->dof)) : -1;
         if (!acts) continue;
         c->lower[r] = limit->iq < 0 ? dt * limit->lower : rbdi_zero();
@@ -220,6 +218,12 @@ static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
                 so it takes and gives the same energy; the damper is implicit. Stable at every dt
      rebounds   for velocities, restitution times the speed with which it hits: that of the beginning, and what
                 it still falls until the gap is 0
+     leaves     for velocities, if another contact rebounds: the speed at which it leaves, where that is more
+                than its bias
+
+   Without friction a rebound makes no energy then, whatever the restitutions are: impulses do the work
+   p'(u+ + u-)/2, of approach and end. A contact that pushes has u+ = -e u- if it rebounds or leaves (e = 1),
+   or u+ = -reach / h; in each case u+ + u- <= 0.
 
    The option `slip` adds a damper along the plane: slip / dt on the diagonal, so that u_t + slip p_t / dt is
    the velocity that sticks or slips. */
@@ -265,12 +269,20 @@ RBDI_INLINE rbdi_bias rbdi_spring_bias(const rbd_contact_set *c, const rbdi_cont
     return x;
 }
 
+/* Of a row that leaves: its rate. */
+RBDI_INLINE rbdi_bias rbdi_leaving_bias(const rbdi_gap *gap) {
+    rbdi_bias x = rbdi_no_bias();
+    x.value = gap->rate, x.by_rate = rbdi_set(RBD_C(1));
+    return x;
+}
+
 /* -restitution sqrt(rate^2 - 2 start falls / dt) */
 RBDI_INLINE rbdi_bias rbdi_rebound_bias(const rbd_contact_set *c, const rbdi_contact *contact) {
     const rbdi_gap *gap = &contact->gap;
     const int further = gap->start > 0 && contact->falls < 0;
     rbd_real square = gap->rate * gap->rate, share;
     rbdi_bias x = rbdi_no_bias();
+    if (gap->rate > 0) return rbdi_leaving_bias(gap);
     if (further) square = square - 2 * gap->start * contact->falls / c->dt;
     x.value = -contact->restitution * rbdi_sqrt(square);
     share = contact->restitution * contact->restitution / x.value;
@@ -282,6 +294,32 @@ RBDI_INLINE rbdi_bias rbdi_rebound_bias(const rbd_contact_set *c, const rbdi_con
 static rbdi_bias rbdi_contact_bias(const rbd_contact_set *c, int purpose, const rbdi_contact *contact) {
     if (purpose == RBDI_FOR_VELOCITIES && contact->rebounds) return rbdi_rebound_bias(c, contact);
     return contact->springs ? rbdi_spring_bias(c, contact) : rbdi_rigid_bias(c, purpose, &contact->gap);
+}
+
+static rbdi_bias rbdi_limit_bias(const rbd_contact_set *c, int purpose, const rbdi_dof_row *limit) {
+    if (purpose == RBDI_FOR_VELOCITIES && limit->rebounds) return rbdi_leaving_bias(&limit->gap);
+    return rbdi_rigid_bias(c, purpose, &limit->gap);
+}
+
+/* Whether a rigid row leaves, faster than it may close its gap. */
+static int rbdi_leaves(const rbd_contact_set *c, const rbdi_gap *gap) {
+    return gap->rate > 0 && gap->rate > rbdi_rigid_bias(c, RBDI_FOR_VELOCITIES, gap).value;
+}
+
+/* Finds the contacts that rebound by the first solution, and then those that leave. */
+static void rbdi_find_rebounds(rbd_contact_set *c) {
+    int any = 0;
+    for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
+        contact->rebounds = contact->row >= 0 && contact->restitution > 0 &&
+                            contact->gap.rate < -RBD_C(c->options.bounce) &&
+                            c->rows->lambda[contact->row + 2] > 0;
+        any |= contact->rebounds;
+    }
+
+    for (rbdi_contact *contact = c->contact; any && contact < c->contact + c->n; ++contact)
+        if (contact->row >= 0 && !contact->springs && rbdi_leaves(c, &contact->gap)) contact->rebounds = 1;
+    for (rbdi_dof_row *limit = c->dof_row; limit < c->dof_row + c->dof_rows; ++limit)
+        limit->rebounds = any && limit->row >= 0 && limit->iq >= 0 && rbdi_leaves(c, &limit->gap);
 }
 
 /* The bias of a held row: its error counts as a penetration on either side. */
@@ -319,7 +357,7 @@ static int rbdi_write_biases(rbd_contact_set *c, int purpose) {
             changed |= rbdi_write_bias(c, r, rbdi_held_bias(c, purpose, r).value);
     for (const rbdi_dof_row *limit = c->dof_row; limit < c->dof_row + c->dof_rows; ++limit)
         if (limit->row >= 0)
-            changed |= rbdi_write_bias(c, limit->row, rbdi_rigid_bias(c, purpose, &limit->gap).value);
+            changed |= rbdi_write_bias(c, limit->row, rbdi_limit_bias(c, purpose, limit).value);
     return changed;
 }
 

@@ -2,8 +2,18 @@
 #define RBDI_CONTACT_SET_H
 #include "constraints/set.h"
 #include "contact/solver.h"
+#include "contact/joints.h"
 
 /* ---- set code [set code] ---- */
+
+RBDI_API char *rbd_contact_finding_text(const rbd_finding *finding, int n, char *text, size_t size) {
+    rbd_finding held;
+    if (!finding || finding->body < 0 || finding->body < n)
+        return rbdi_write_finding(finding, "contact", text, size);
+    held = *finding;
+    held.body = finding->body - n;
+    return rbdi_write_finding(&held, "held constraint", text, size);
+}
 
 /* Makes the plane of a contact frame 2 of its constraint: x and y are tangents, z is the normal. */
 static void rbdi_place_plane(const rbd_model *m, rbdi_constraint *con, int body2, const double normal[3],
@@ -24,14 +34,32 @@ static rbd_constraint rbdi_constraint_of_contact(const rbd_contact *from) {
     return con;
 }
 
+/* Refuses a body2 that was left out, and one that is the world's where a body's plane is meant. */
+static rbd_status rbdi_check_plane_body(const rbd_contact *from, int i, rbd_report *report) {
+    const char *sentence = NULL;
+    if (from->body2 == 0 && !from->on_body)
+        sentence = "it is 0, or was left out: the world is -1; for body 0 set on_body";
+    if (from->body2 == -1 && from->on_body)
+        sentence = "on_body is set, and it is -1: the world, or a name that no body has";
+    if (!sentence) return RBD_OK;
+
+    rbdi_refuse(report, RBD_ERR_INDEX, i, from->name, "body2");
+    report->error.text = sentence;
+    return RBD_ERR_INDEX;
+}
+
 static rbd_status rbdi_check_contact(const rbd_model *m, const rbd_contact *from, int i, rbd_report *report) {
     const double values[5] = {from->radius, from->friction, from->restitution, from->stiffness,
                               from->damping};
     const char *const names[5] = {"radius", "friction", "restitution", "stiffness", "damping"};
     const rbd_constraint con = rbdi_constraint_of_contact(from);
-    const rbd_status status = rbdi_check_constraint(m, &con, i, report);
+    rbd_status status;
+
+    status = rbdi_check_plane_body(from, i, report);
+    if (!status) status = rbdi_check_constraint(m, &con, i, report);
     if (status == RBD_ERR_POSITION) report->error.field = "point";
     if (status) return status;
+
     if (!rbdi_finite(from->normal, 3)) return rbdi_refuse(report, RBD_ERR_AXIS, i, from->name, "normal");
     if (!rbdi_finite(&from->height, 1)) return rbdi_refuse(report, RBD_ERR_POSITION, i, from->name, "height");
     for (int j = 0; j < 5; ++j)
@@ -61,20 +89,37 @@ static rbd_contact_options rbdi_contact_defaults(const rbd_contact_options *give
     return o;
 }
 
+/* Appends the two limits of a joint to the rows, or counts them; a limit of infinity is none. */
+static int rbdi_list_limits(const rbd_model *m, const rbdi_frame *u, rbdi_dof_row *row) {
+    const rbdi_limits limits = rbdi_joint_limits(m, u);
+    int n = 0;
+    for (int upper = 0; upper < 2; ++upper) {
+        if (upper ? limits.upper >= RBDI_UNBOUNDED : limits.lower <= -RBDI_UNBOUNDED) continue;
+        if (row) {
+            row[n].dof = u->iv, row[n].iq = u->iq;
+            row[n].lower = limits.lower, row[n].upper = limits.upper;
+            row[n].side = rbdi_set(RBD_C(upper ? -1 : 1));
+        }
+        ++n;
+    }
+    return n;
+}
+
 /* Lists the rows of single dofs: limits of one-dof joints, then dry friction; NULL: counts them. */
 static int rbdi_list_dof_rows(const rbd_model *m, const rbd_contact_options *o, rbdi_dof_row *row) {
-    rbdi_dof_row counted;
     int n = 0;
-    for (int b = 0; o->joint_limits && b < m->nb; ++b) {
-        const rbdi_frame *u = &m->frame[b];
-        rbdi_dof_row *to = row ? &row[n] : &counted;
-        if (u->nv != 1 || !(u->lower < u->upper) || u->type == RBD_CONTINUOUS_CS) continue;
-        to->dof = u->iv, to->iq = u->iq, to->lower = u->lower, to->upper = u->upper, ++n;
-    }
+    for (int b = 0; o->joint_limits && b < m->nb; ++b)
+        if (m->frame[b].nv == 1) n += rbdi_list_limits(m, &m->frame[b], row ? &row[n] : NULL);
+
     for (int k = 0; o->joint_friction && k < m->nv; ++k) {
-        rbdi_dof_row *to = row ? &row[n] : &counted;
-        if (!(m->dof[k].friction > 0)) continue;
-        to->dof = (int16_t)k, to->iq = -1, to->upper = m->dof[k].friction, to->lower = -to->upper, ++n;
+        const rbd_const friction = rbdi_joint_friction(m, k);
+        if (!(friction > 0)) continue;
+        if (row) {
+            row[n].dof = (int16_t)k, row[n].iq = -1;
+            row[n].lower = -friction, row[n].upper = friction;
+            row[n].side = rbdi_set(RBD_C(1));
+        }
+        ++n;
     }
     return n;
 }
@@ -99,7 +144,10 @@ static rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work *w,
     report->warnings = 0;
     rbdi_refuse(report, RBD_OK, -1, NULL, NULL);
     if (!m || !w || !memory || (!list && n)) return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
-    if (least == 0) return rbdi_refuse(report, RBD_ERR_COUNT, -1, NULL, NULL);
+    if (least == 0) {
+        report->error.text = "a number of contacts or constraints is below 0, or there are more than 1000";
+        return report->error.status = RBD_ERR_COUNT;
+    }
     if (rbdi_check(m, w, 1)) return rbdi_refuse(report, RBD_ERR_WORK, -1, NULL, NULL);
     if (options) status = rbdi_check_options(options, report);
     for (int i = 0; !status && i < n; ++i) status = rbdi_check_contact(m, &list[i], i, report);

@@ -3,7 +3,9 @@
 #include "motion/manifold.h"
 #include "constraints/calls.h"
 #include "contact/solver.h"
+#include "contact/joints.h"
 #include "contact/rows.h"
+#include "contact/reduction.h"
 
 /* ---- step code [step code] ----
    The midpoint scheme of Moreau (1999), with two corrections of the velocity terms. Half of the way is made by
@@ -23,7 +25,7 @@ static void rbdi_free_impulse(const rbd_model *m, rbd_contact_set *c, const rbd_
     rbd_constraint_set *s = c->rows;
     for (int k = 0; k < m->nv; ++k) {
         rbd_real d = damping ? damping[k] : rbdi_zero();
-        if (c->options.joint_damping) d = d + m->dof[k].damping;
+        if (c->options.joint_damping) d = d + rbdi_joint_damping(m, k);
         s->x[k] = c->dt * (tau[k] - s->w->bias[k] - d * c->v_mid[k]);
     }
 }
@@ -36,7 +38,7 @@ static rbdi_mask rbdi_factor_damped(const rbd_model *m, rbd_contact_set *c, cons
     for (int k = 0; k < m->nv; ++k) {
         rbd_real *diagonal = &w->H[m->dof[k].row + m->dof[k].depth];
         rbd_real d = damping ? damping[k] : rbdi_zero();
-        if (c->options.joint_damping) d = d + m->dof[k].damping;
+        if (c->options.joint_damping) d = d + rbdi_joint_damping(m, k);
         *diagonal = *diagonal + c->dt * d;
     }
     doubt = rbdi_factor(m, w, w->H);
@@ -84,7 +86,7 @@ static void rbdi_correct(const rbd_model *m, rbd_contact_set *c, const rbd_real 
 /* nu of the impulses by (4). */
 static void rbdi_contact_respond(const rbd_model *m, rbd_contact_set *c, rbd_real *nu) {
     rbd_constraint_set *s = c->rows;
-    for (int k = 0; k < m->nv; ++k) nu[k] = c->x[k] + rbdi_y_lambda(s, k);
+    for (int k = 0; k < m->nv; ++k) nu[k] = c->x[k] + rbdi_y_lambda(s, s->lambda, k);
     rbdi_vector_down(m, s->w, s->w->H, nu);
     for (int k = 0; k < m->nv; ++k) nu[k] = c->v_mid[k] + nu[k];
 }
@@ -162,10 +164,7 @@ static void rbdi_keep_impulses(rbd_contact_set *c) {
 static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
     int finite = rbdi_all_finite(c->b, c->rows->rows);
-    for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact)
-        contact->rebounds = contact->row >= 0 && contact->restitution > 0 &&
-                            contact->gap.rate < -RBD_C(c->options.bounce) &&
-                            c->rows->lambda[contact->row + 2] > 0;
+    rbdi_find_rebounds(c);
     for (int k = 0; k < m->nv; ++k) c->nu[k] = c->moved[k];
     c->differ = rbdi_write_biases(c, RBDI_FOR_VELOCITIES);
     if (c->differ) {

@@ -50,6 +50,9 @@ static int rbdi_links_of(int type) {
 static int rbdi_can_mimic(int type) {
     return type == RBD_REVOLUTE || type == RBD_CONTINUOUS || type == RBD_PRISMATIC || type == RBD_HELICAL;
 }
+static int rbdi_has_limits(int type) {
+    return type == RBD_REVOLUTE || type == RBD_PRISMATIC || type == RBD_HELICAL;
+}
 
 /* -- small dense algebra of the build -- */
 
@@ -64,18 +67,27 @@ static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close) {
     if (rbdi_w_abs(*c) <= close) *s = *s > 0 ? 1 : -1, *c = 0;
 }
 
-/* Angle, at most 45 degrees, from its cosine and sine: rbdi_signed_angle in the build's arithmetic. Sine and
-   cosine are sums of their series, which give the same bits everywhere. */
+/* Sine and cosine of an angle of at most 45 degrees: sums of their series, which give the same bits
+   everywhere. */
+static void rbdi_w_series(rbdi_wide x, rbdi_wide *sine, rbdi_wide *cosine) {
+    const rbdi_wide x2 = x * x;
+    rbdi_wide sum_c = 1, sum_s = 1;
+    for (int k = RBDI_TAIL_TERMS; k > 0; --k) {
+        sum_c = 1 - sum_c * x2 / (2 * k * (2 * k - 1));
+        sum_s = 1 - sum_s * x2 / (2 * k * (2 * k + 1));
+    }
+    *sine = x * sum_s;
+    *cosine = sum_c;
+}
+
+/* Angle, at most 45 degrees, from its cosine and sine: rbdi_signed_angle in the build's arithmetic. */
 static rbdi_wide rbdi_w_angle(rbdi_wide c, rbdi_wide s) {
     rbdi_wide sine = rbdi_w_abs(s), t = sine / (1 + c);
     rbdi_wide angle = t * (2 - (rbdi_wide)RBDI_ANGLE_START * t * t);
     for (int i = 0; i < 4; ++i) {
-        rbdi_wide x2 = angle * angle, sum_c = 1, sum_s = 1;
-        for (int k = RBDI_TAIL_TERMS; k > 0; --k) {
-            sum_c = 1 - sum_c * x2 / (2 * k * (2 * k - 1));
-            sum_s = 1 - sum_s * x2 / (2 * k * (2 * k + 1));
-        }
-        angle += sine * sum_c - c * (angle * sum_s);
+        rbdi_wide sine_of, cosine_of;
+        rbdi_w_series(angle, &sine_of, &cosine_of);
+        angle += sine * cosine_of - c * sine_of;
     }
     return s < 0 ? -angle : angle;
 }
@@ -122,12 +134,17 @@ static int rbdi_parallel(const double axis[3], const double axis2[3]) {
 
 static int rbdi_is_axis(const double axis[3]) { return rbdi_finite(axis, 3) && !rbdi_all_zero(axis, 3); }
 
-static void rbdi_warn(rbd_report *report, rbd_status status, int body, const char *name, const char *field) {
+static void rbdi_warn_saying(rbd_report *report, rbd_status status, int body, const char *name,
+                             const char *field, const char *sentence) {
     if (report->warnings < RBD_MAX_WARNINGS) {
         rbd_finding *f = &report->warning[report->warnings];
-        f->status = status, f->body = body, f->name = name, f->field = field, f->text = NULL;
+        f->status = status, f->body = body, f->name = name, f->field = field, f->text = sentence;
     }
     ++report->warnings;
+}
+
+static void rbdi_warn(rbd_report *report, rbd_status status, int body, const char *name, const char *field) {
+    rbdi_warn_saying(report, status, body, name, field, NULL);
 }
 
 /* Warns of an inertia that no real body has. I must be positive semi-definite, and so must Sigma = tr(I)/2 -
@@ -148,6 +165,16 @@ static void rbdi_check_inertia(const rbd_body *b, int i, rbd_report *report) {
         rbdi_warn(report, RBD_WARN_INERTIA_NEGATIVE, i, b->name, "inertia");
     else if (!rbdi_semidefinite(Sigma, size))
         rbdi_warn(report, RBD_WARN_INERTIA_TRIANGLE, i, b->name, "inertia");
+}
+
+/* Warns of limits that are set and mean none. */
+static void rbdi_check_limits(const rbd_body *b, int i, rbd_report *report) {
+    const int limited = rbdi_has_limits((int)b->type);
+    if (rbdi_all_zero(&b->lower, 1) && rbdi_all_zero(&b->upper, 1)) return;
+    if (limited && b->lower < b->upper) return;
+    rbdi_warn_saying(report, RBD_WARN_LIMITS, i, b->name, "lower",
+                     limited ? "not below upper: read as no limits"
+                             : "limits of a joint whose type has none: read as none");
 }
 
 /* Index of the body whose joint body i mimics, -1 if there is none that can be followed. */
@@ -206,6 +233,7 @@ static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_rep
 #undef RBDI_REQUIRE
 #undef RBDI_REQUIRE_SAYING
     rbdi_check_inertia(b, i, report);
+    rbdi_check_limits(b, i, report);
     return RBD_OK;
 }
 

@@ -50,6 +50,7 @@ RBDI_MESSAGES RBDI_API const char *rbd_status_string(rbd_status status) {
         return "one principal moment exceeds the sum of the others: no real body is like this";
     case RBD_WARN_INERTIA_ZERO: return "zero for a body with mass: no real body is like this";
     case RBD_WARN_MASS_ZERO: return "zero for a body with inertia: no real body is like this";
+    case RBD_WARN_LIMITS: return "limits that mean none: not below upper, or of a joint that has no limits";
     }
     return "unknown status";
 }

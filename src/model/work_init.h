@@ -43,6 +43,7 @@ RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size,
     w = (rbd_work *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_work)));
     for (int k = 0; k < RBDI_SHAPE; ++k) w->shape[k] = m->shape[k];
     w->gravity = m->gravity;
+    rbdi_require_ieee();
     w->singular = -1;
     w->kinematics_of = RBDI_NO_KINEMATICS;
 #define RBDI_TAKE(type, name, length) w->name = (type *)rbdi_take(&p, (int)(length), sizeof(type));

@@ -265,6 +265,49 @@ RBDI_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const
     return RBD_OK;
 }
 
+/* q = q0 (+) s (q1 (-) q0) for one joint. At s = 1 it is q1 (+) 0, without rounding of the difference. */
+static void rbdi_interpolate_joint(const rbdi_frame *u, const rbd_real *q0, const rbd_real *q1, rbd_real s,
+                                   rbd_real *q) {
+    const rbd_real one = rbdi_set(RBD_C(1));
+    const rbdi_mask within = rbdi_or(rbdi_less(s, one), rbdi_less(one, s)); /* neither of NaN */
+    const rbd_real share = rbdi_select(within, s, s - one);
+    rbd_real from[7], d[6];
+
+    rbdi_difference_joint(u, q0, q1, d);
+    for (int k = 0; k < u->nv; ++k) d[k] = d[k] * share;
+    for (int k = 0; k < u->nq; ++k) from[k] = rbdi_select(within, q0[k], q1[k]);
+
+    rbdi_step_joint(u, from, d, 0, q);
+}
+
+RBDI_API rbd_status rbd_interpolate(const rbd_model *m, const rbd_real *q0, const rbd_real *q1, rbd_real s,
+                                    rbd_real *q) {
+    if (!m || !q0 || !q1 || !q) return RBD_ERR_NULL;
+    for (int b = 0; b < m->nb; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        if (u->nv > 0) rbdi_interpolate_joint(u, &q0[u->iq], &q1[u->iq], s, &q[u->iq]);
+    }
+    return RBD_OK;
+}
+
+RBDI_API rbd_status rbd_distance(const rbd_model *m, const rbd_real *q0, const rbd_real *q1,
+                                 const rbd_const *weight, rbd_real *distance) {
+    rbd_real sum = rbdi_zero();
+    if (!m || !q0 || !q1 || !distance) return RBD_ERR_NULL;
+    for (int k = 0; weight && k < m->nv; ++k)
+        if (!(weight[k] >= 0)) return RBD_ERR_RANGE;
+
+    /* the sum of weight_k d_k^2 */
+    for (int b = 0; b < m->nb; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        rbd_real d[6];
+        if (u->nv > 0) rbdi_difference_joint(u, &q0[u->iq], &q1[u->iq], d);
+        for (int k = 0; k < u->nv; ++k) sum = sum + d[k] * d[k] * (weight ? weight[u->iv + k] : RBD_C(1));
+    }
+    *distance = rbdi_sqrt(sum);
+    return RBD_OK;
+}
+
 RBDI_API rbd_status rbd_neutral(const rbd_model *m, rbd_real *q) {
     if (!m || !q) return RBD_ERR_NULL;
     for (int k = 0; k < m->nq; ++k) q[k] = rbdi_zero();
@@ -319,7 +362,7 @@ RBDI_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q) 
         int angles = u->nv, shifts = 0; /* shifts come first, but with cylindrical joints */
         if (u->nv == 0) continue;
         own = &q[u->iq];
-        if (u->nv == 1 && u->lower < u->upper && u->type != RBD_CONTINUOUS_CS) {
+        if (u->nv == 1 && u->lower < u->upper) {
             own[0] = rbdi_draw(seed, u->lower, u->upper);
             continue;
         }

@@ -3,7 +3,7 @@
 #include "dynamics/crba.h"
 #include "motion/kinematics.h"
 
-/* Interface: rbdi_column */
+/* Interface: rbdi_axis_motion, rbdi_column, rbdi_common_link, rbdi_unit_axis */
 
 /* ---- points and momentum [points code] ---- */
 
@@ -69,17 +69,23 @@ RBDI_ONCE void rbdi_put_path(const rbd_model *m, const rbd_work *w, int i, int e
     }
 }
 
+/* The last link that carries both of two links, -1 if there is none. Its joint moves both alike. */
+static int rbdi_common_link(const rbd_model *m, int link, int other) {
+    int common = other;
+    while (common >= 0 && !rbdi_carries(m, common, link)) common = m->link[common].parent;
+    return common;
+}
+
 /* Jacobian of a point of `body` minus that of the same place fixed in `reference` (-1 = the world), in the
    axes of the body `axes` (-1 = the world's). */
 static void rbdi_put_jacobian(const rbd_model *m, const rbd_work *w, int body, const rbd_real *point,
                               int reference, int axes, rbd_real *J) {
     const rbdi_v3 r = rbdi_point_position(m, w, body, point);
     const int link = m->frame[body].link, other = reference < 0 ? -1 : m->frame[reference].link;
+    const int common = rbdi_common_link(m, link, other);
     rbdi_mat E;
-    int common = other;
     if (axes >= 0) E = rbdi_axes_of(m, w, axes);
     rbdi_clear(J, 6 * m->nv);
-    while (common >= 0 && !rbdi_carries(m, common, link)) common = m->link[common].parent;
     for (int sign = 1; sign >= -1; sign -= 2)
         rbdi_put_path(m, w, sign > 0 ? link : other, common, r, axes >= 0 ? &E : NULL, sign, J);
 }

@@ -277,7 +277,7 @@ static rbd_contact *new_contact(scene *s, int body1, int body2) {
     rbd_contact *a = &s->list[s->n];
     if (s->n == MOST_CONTACTS || body1 == body2 || carrier(s, body1) == carrier(s, body2)) return NULL;
     memset(a, 0, sizeof *a);
-    a->body1 = body1, a->body2 = body2;
+    a->body1 = body1, a->body2 = body2, a->on_body = body2 >= 0;
     vector(&s->seed, 0.3, a->point, 3);
     vector(&s->seed, 1, a->normal, 3);
     if (one_in(&s->seed, 3)) a->radius = uniform(&s->seed, 0, 0.2);
@@ -531,9 +531,11 @@ static void add_contact_rows(int i, quad *gap, quad *opening) {
     keep_rows(exact_laws.rows, 3);
 }
 
-/* What the law of an active contact adds to u_n, for velocities; `rebounds` as the library decided. */
-static double bias_of(const rbd_contact *a, double gap, double opening, int rebounds) {
-    if (rebounds) return a->restitution * opening;
+/* What the law of an active contact adds to u_n, for velocities. Whether it `rebounds` the library decided. If
+   `any` other does, one that leaves may return with its speed. */
+static double bias_of(const rbd_contact *a, double gap, double opening, int rebounds, int any) {
+    if (rebounds && opening < 0) return a->restitution * opening;
+    if (any && !(a->stiffness > 0 && gap <= 0) && opening > 0 && opening > gap / now.dt) return opening;
     if (gap > 0) return gap / now.dt;
     return a->stiffness > 0 ? a->stiffness * gap / (now.dt * a->stiffness + a->damping) : 0;
 }
@@ -574,7 +576,8 @@ static void release(void) {
 static int find_rows(int *energy_holds) {
     laws *x = &exact_laws;
     const rbd_real *p = set->rows->lambda;
-    int bounded = 0;
+    int bounded = 0, any = 0;
+    for (int i = 0; i < now.n; i++) any |= set->contact[i].rebounds && set->contact[i].approach < 0;
     x->rows = 0, *energy_holds = 1;
     memset(x->b, 0, sizeof x->b);
     memset(x->delta, 0, sizeof x->delta);
@@ -592,12 +595,8 @@ static int find_rows(int *energy_holds) {
             fabs((double)gap - 0.005) > 1e-9)
             fail(failure_names[NOT_A_ROW], (double)gap);
         if (own->row < 0) continue;
-        const double bias_there = (double)set->b[own->row + 2] + (double)set->rows->b[own->row + 2],
-                     rebound = a->restitution * (double)opening;
-        const int rebounds =
-            a->restitution > 0 && opening < (quad)-0.05L && fabs(bias_there - rebound) < 1e-9 * -rebound;
-        if (rebounds || a->stiffness > 0) *energy_holds = 0;
-        x->b[x->rows + 2] = bias_of(a, (double)gap, (double)opening, rebounds);
+        if (any || a->stiffness > 0) *energy_holds = 0;
+        x->b[x->rows + 2] = bias_of(a, (double)gap, (double)opening, own->rebounds, any);
         if (a->stiffness > 0 && gap <= 0)
             x->delta[x->rows + 2][x->rows + 2] = 1 / ((quad)now.dt * (now.dt * a->stiffness + a->damping));
         x->mu[x->rows / 3] = a->friction;
@@ -614,14 +613,15 @@ static int find_rows(int *energy_holds) {
     for (int i = 0, iq = 0, iv = 0; now.options.joint_limits && i < now.robot.nb; i++) {
         const rbd_body *b = &now.robot.bodies[i];
         const double q = now.state.q[iq], v = now.state.v[iv];
-        const int upper = b->upper - q < q - b->lower;
-        const double distance = upper ? b->upper - q : q - b->lower, side = upper ? -1 : 1;
         if (b->mimic) continue;
-        if (has_one_dof(b) && b->lower < b->upper &&
-            (distance <= 0.02 || distance + 2 * now.dt * side * v <= 0)) {
+        for (int upper = 0; upper < 2 && has_one_dof(b) && b->lower < b->upper; upper++) {
+            const double distance = upper ? b->upper - q : q - b->lower, side = upper ? -1 : 1;
+            if (!(distance <= 0.02 || distance + 2 * now.dt * side * v <= 0)) continue;
             keep_dof(x->rows, iv, side);
             x->lower[x->rows] = 0, x->upper[x->rows] = 1e30;
-            x->b[x->rows++] = distance > 0 ? distance / now.dt : 0;
+            x->b[x->rows] = distance > 0 ? distance / now.dt : 0;
+            if (any && side * v > x->b[x->rows]) x->b[x->rows] = side * v;
+            x->rows++;
         }
         iq += world_nq(b), iv += world_nv(b);
     }
@@ -1107,10 +1107,11 @@ static void expect_refused(const rbd_contact_options *o, rbd_status status, cons
     char text[300];
     if (found != status || set || report.error.status != status || report.error.body != body ||
         !report.error.field || strcmp(report.error.field, field) ||
-        !strstr(rbd_constraint_finding_text(&report.error, text, sizeof text), field))
+        !strstr(rbd_contact_finding_text(&report.error, now.n, text, sizeof text), field))
         fail(failure_names[WRONG_ANSWER], found);
     if (show)
-        printf("%s of %d: %s\n", field, body, rbd_constraint_finding_text(&report.error, text, sizeof text));
+        printf("%s of %d: %s\n", field, body,
+               rbd_contact_finding_text(&report.error, now.n, text, sizeof text));
 }
 
 static void break_contact(uint64_t *seed, int i) {
@@ -1126,8 +1127,8 @@ static void break_contact(uint64_t *seed, int i) {
         {"damping", RBD_ERR_RANGE, &a->damping, HUGE_VAL, 0},
     };
     static const int wrong[4] = {-2, 1000000, -1000000, 12};
-    const int which = below(seed, 11);
-    const char *const names[3] = {"body1", "body2", "body2"};
+    const int which = below(seed, 12);
+    const char *const names[4] = {"body1", "body2", "body2", "body2"};
     if (which < 8) {
         break_field(seed, &fields[which]);
         expect_refused(&now.options, fields[which].status, fields[which].name, i);
@@ -1136,6 +1137,7 @@ static void break_contact(uint64_t *seed, int i) {
     if (which == 8) a->body1 = wrong[below(seed, 4)];
     if (which == 9) a->body2 = wrong[below(seed, 4)];
     if (which == 10) a->body2 = a->body1;
+    if (which == 11) a->body2 = 0, a->on_body = 0; /* left out */
     expect_refused(&now.options, RBD_ERR_INDEX, a->body1 == -1 && a->body2 < 0 ? "body1" : names[which - 8],
                    i);
 }

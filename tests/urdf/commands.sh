@@ -84,6 +84,10 @@ expect 2 "rbd-eval: --algorithm: there is no 'ABA'; did you mean 'aba'? See rbd-
 expect 2 "rbd-eval: --algorithm: there is no 'fdderivatives'; did you mean 'fd_derivatives'? See rbd-eval --help" \
     "$rbd_eval" --algorithm fdderivatives
 expect 2 "rbd-eval: --algorithm: there is no 'kinematics'; see rbd-eval --help" "$rbd_eval" --algorithm kinematics
+for name in gravty gravity garvity; do
+    expect 2 "rbd-eval: --algorithm: there is no '$name'; did you mean 'gravity_torque'? See rbd-eval --help" \
+        "$rbd_eval" --algorithm $name
+done
 expect 2 "rbd-eval: '-': standard input has the table, so it cannot have the robot; see rbd-eval --help" \
     "$rbd_eval" --model - --algorithm id
 for output in "--c x" --urdf --dot; do
@@ -117,6 +121,17 @@ expect 1 "odd.urdf:3: error: link 'a*/??/\"\\é', $triangle" "$rbd_model" --chec
 expect 0 "" "$rbd_model" odd.urdf
 grep -qxF "line 5: link 'b', $triangle" out || fail "the summary does not have the warnings"
 
+# what is not read is told by both, before the error that it leads to; with --strict it is the error
+cp "$root/tests/urdf/odd/mimic_misspelt.urdf" misspelt.urdf
+told="misspelt.urdf:7: warning: joint 'k': <mimc> is not read; did you mean <mimic>?"
+expect 0 "$told" "$rbd_model" --check misspelt.urdf
+expect 0 "$told" "$rbd_eval" misspelt.urdf --algorithm mm --layout
+expect 1 "misspelt.urdf:7: error: joint 'k': <mimc> is not read; did you mean <mimic>?" \
+    "$rbd_eval" misspelt.urdf --algorithm mm --layout --strict
+sed 's/<link name="hand">/<lnk name="hand">/; s,^<lnk.*</link>$,&</lnk>,; s,</link></lnk>,</lnk>,' misspelt.urdf >missing.urdf
+expect 1 "missing.urdf:6: error: joint 'k': its child link 'hand' is missing" "$rbd_model" --check missing.urdf
+grep -qxF "missing.urdf:4: warning: <lnk> is not read; did you mean <link>?" err || fail "no warning before the error"
+
 # ---- rbd-model: joints held still, a part of the robot ----
 
 expect 1 "cart_pole.urdf: error: there is no joint 'hinges' to hold still; did you mean 'hinge'?" \
@@ -139,8 +154,8 @@ awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == "p.pole.x") column = i } 
 cat >massless.urdf <<'END'
 <robot name="massless"><link name="a"/><link name="c"/><link name="b"><inertial><mass value="1"/>
 <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
-<joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint>
-<joint name="k" type="continuous"><parent link="b"/><child link="c"/></joint></robot>
+<joint name="j" type="continuous"><parent link="a"/><child link="b"/><axis xyz="1 0 0"/></joint>
+<joint name="k" type="continuous"><parent link="b"/><child link="c"/><axis xyz="1 0 0"/></joint></robot>
 END
 expect 1 "massless.urdf:4: error: link 'c', joint 'k', mass: a movable leaf needs mass, inertia or armature: forward \
 dynamics would be singular; to hold it still: options.lock, rbd-model --lock 'k', or --lock-massless for all such" \
@@ -239,10 +254,10 @@ cat >names.urdf <<'END'
 <robot name="names"><link name="base"/><link name="Left-arm"/><link name="left arm"/><link name="left_arm_2"/>
 <link name="腕"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
 <joint name="a" type="floating"><parent link="base"/><child link="Left-arm"/></joint>
-<joint name="a.qx" type="continuous"><parent link="Left-arm"/><child link="left arm"/></joint>
-<joint name="3rd" type="continuous"><parent link="left arm"/><child link="left_arm_2"/></joint>
-<joint name="-" type="continuous"><parent link="left_arm_2"/><child link="腕"/></joint>
-<link name="finger"/><joint name="follow" type="continuous"><parent link="base"/><child link="finger"/>
+<joint name="a.qx" type="continuous"><parent link="Left-arm"/><child link="left arm"/><axis xyz="1 0 0"/></joint>
+<joint name="3rd" type="continuous"><parent link="left arm"/><child link="left_arm_2"/><axis xyz="1 0 0"/></joint>
+<joint name="-" type="continuous"><parent link="left_arm_2"/><child link="腕"/><axis xyz="1 0 0"/></joint>
+<link name="finger"/><joint name="follow" type="continuous"><parent link="base"/><child link="finger"/><axis xyz="1 0 0"/>
 <mimic joint="3rd"/></joint></robot>
 END
 expect 0 "" "$rbd_model" names.urdf --c names && cp out names.h
@@ -390,6 +405,20 @@ done
 printf 'x,y\n1,nan\n' >other.csv
 same_numbers other.csv other.csv && fail "same_numbers takes nan for a number"
 
+# near a pitch of 90 degrees roll and yaw are nearly one angle
+printf "q.j\n0.3\n" >table
+for pitch in 1.5707963 1.570796325 -1.5707963267 1.57079632679 1.5707963267948966 -1.5707963267948966 1.2; do
+    sed "s/<axis/<origin rpy=\"0.3 $pitch 0.7\"\/><axis/" \
+        "$root/tests/urdf/odd/axis_not_unit.urdf" >pitch.urdf
+    "$rbd_model" pitch.urdf --urdf >turned.urdf 2>err || fail "--urdf at a pitch of $pitch"
+    for file in pitch turned; do "$rbd_eval" $file.urdf --algorithm pose <table >$file.csv 2>err; done
+    same_numbers pitch.csv turned.csv || { fail "--urdf at a pitch of $pitch"; cat pitch.csv turned.csv; }
+done
+
+# a link that is to have no mass says so when it is written anew
+"$rbd_model" "$root/tests/urdf/odd/link_without_inertial.urdf" --urdf >massless.urdf 2>err
+expect 0 "" "$rbd_model" --check --strict massless.urdf
+
 # names that --urdf makes up are new: the links j_plane and j_plane_, the joint b_upright are there
 cat >taken.urdf <<'END'
 <robot name="taken"><link name="j_plane"/>
@@ -397,7 +426,7 @@ cat >taken.urdf <<'END'
 <link name="j_plane_"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
 </link>
 <joint name="j" type="planar"><parent link="j_plane"/><child link="b"/><axis xyz="0 1 0"/></joint>
-<joint name="b_upright" type="continuous"><parent link="j_plane"/><child link="j_plane_"/></joint></robot>
+<joint name="b_upright" type="continuous"><parent link="j_plane"/><child link="j_plane_"/><axis xyz="1 0 0"/></joint></robot>
 END
 expect 0 "" "$rbd_model" taken.urdf --urdf && cp out back/taken.urdf
 expect 0 "" "$rbd_model" --check back/taken.urdf
@@ -594,7 +623,7 @@ ${CC:-cc} -std=c99 -pedantic -Wall -Wextra -Werror $unforced -I"$root" -I. held.
 cat >fixed.urdf <<'END'
 <robot name="fixed"><link name="base"/><link name="arm"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0"
 iyy="1" iyz="0" izz="1"/></inertial></link><link name="tip"/>
-<joint name="j" type="continuous"><parent link="base"/><child link="arm"/></joint>
+<joint name="j" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="1 0 0"/></joint>
 <joint name="k" type="fixed"><parent link="arm"/><child link="tip"/></joint></robot>
 END
 printf 'body1,axes\ntip,000111\n' >constraints
@@ -617,8 +646,8 @@ expect 1 "mass_negative.urdf:4: error: link 'arm': the mass is negative" \
 cat >singular.urdf <<'END'
 <robot name="singular"><link name="a"/><link name="b"/><link name="c"><inertial><mass value="1"/>
 <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
-<joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint>
-<joint name="k" type="continuous"><parent link="b"/><child link="c"/></joint></robot>
+<joint name="j" type="continuous"><parent link="a"/><child link="b"/><axis xyz="1 0 0"/></joint>
+<joint name="k" type="continuous"><parent link="b"/><child link="c"/><axis xyz="1 0 0"/></joint></robot>
 END
 printf 'q.j,q.k,v.j,v.k,tau.j,tau.k\n1,2,3,4,5,6\n' >table
 "$rbd_eval" --model singular.urdf --algorithm fd <table >out 2>err && fail "a singular system gave a result"
@@ -631,6 +660,8 @@ expect 2 "rbd-eval: --point: '1,2,3,' is not three numbers X,Y,Z; see rbd-eval -
     "$rbd_eval" --model cart_pole.urdf --algorithm jacobian --body pole --point 1,2,3,
 expect 1 "rbd-eval: --body: the robot has no link 'pole2'; did you mean 'pole'?" \
     "$rbd_eval" --model cart_pole.urdf --algorithm jacobian --body pole2
+expect 1 "rbd-eval: --body: the robot has no link 'ploe'; did you mean 'pole'?" \
+    "$rbd_eval" --model cart_pole.urdf --algorithm jacobian --body ploe
 expect 1 "rbd-eval: --body: the robot has no link 'arm'" \
     "$rbd_eval" --model cart_pole.urdf --algorithm jacobian --body arm
 printf 'q.rail,q.hinge\n5,0\n' |

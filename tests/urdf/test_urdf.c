@@ -64,9 +64,11 @@ static const char *path_of(const char *folder, const char *name, const char *suf
 #define UNIT_LINK(name) \
     "<link name='" name "'><inertial><mass value='1'/>" \
     "<inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link>"
-#define JOINT(name, type, parent, child, inside) \
+#define BARE_JOINT(name, type, parent, child, inside) \
     "<joint name='" name "' type='" type "'><parent link='" parent "'/><child link='" child "'/>" inside \
     "</joint>"
+#define JOINT(name, type, parent, child, inside) \
+    BARE_JOINT(name, type, parent, child, "<axis xyz='1 0 0'/>" inside)
 #define LIMIT "<limit lower='-1' upper='2' velocity='3' effort='4'/>"
 #define ROBOT(inside) "<robot name='r'>" inside "</robot>"
 
@@ -216,9 +218,9 @@ static const struct {
     {ROBOT(LINK("a") LINK("b")), RBD_URDF_ERR_TREE},
     {ROBOT(LINK("a") LINK("b") JOINT("j", "knee", "a", "b", "")), RBD_URDF_ERR_JOINT},
     {ROBOT("<link name='a'><inertial/></link>"), RBD_URDF_ERR_INERTIAL},
-    {ROBOT(LINK("a") UNIT_LINK("b") JOINT("j", "continuous", "a", "b", "<axis xyz='0 0 0'/>")),
+    {ROBOT(LINK("a") UNIT_LINK("b") BARE_JOINT("j", "continuous", "a", "b", "<axis xyz='0 0 0'/>")),
      RBD_URDF_ERR_AXIS},
-    {ROBOT(LINK("a") UNIT_LINK("b") JOINT("j", "continuous", "a", "b", "<axis xyz='0 0 x'/>")),
+    {ROBOT(LINK("a") UNIT_LINK("b") BARE_JOINT("j", "continuous", "a", "b", "<axis xyz='0 0 x'/>")),
      RBD_URDF_ERR_NUMBER},
     {ROBOT(LINK("a") UNIT_LINK("b") JOINT("j", "continuous", "a", "b", "<mimic joint='k'/>")),
      RBD_URDF_ERR_MIMIC},
@@ -468,15 +470,15 @@ END_TEST
 
 START_TEST(joints_keep_type_axis_limits_and_dynamics) {
     static room x;
-    rbd_urdf robot = parsed(
-        &x,
-        ROBOT(LINK("a") UNIT_LINK("b") UNIT_LINK("c") UNIT_LINK("d") UNIT_LINK("e")
-                  JOINT("r", "revolute", "a", "b",
-                        "<axis xyz='0 1 0'/>" LIMIT "<dynamics damping='0.5' friction='0.25' armature='2'/>")
-                      JOINT("c", "continuous", "b", "c", LIMIT "<dynamics armature='3'/>")
-                          JOINT("p", "prismatic", "c", "d", "<axis xyz='0 0 -1'/>" LIMIT)
-                              JOINT("f", "floating", "d", "e", "<origin xyz='1 2 3'/>")),
-        NULL);
+    rbd_urdf robot =
+        parsed(&x,
+               ROBOT(LINK("a") UNIT_LINK("b") UNIT_LINK("c") UNIT_LINK("d") UNIT_LINK("e") BARE_JOINT(
+                   "r", "revolute", "a", "b",
+                   "<axis xyz='0 1 0'/>" LIMIT "<dynamics damping='0.5' friction='0.25' armature='2'/>")
+                         BARE_JOINT("c", "continuous", "b", "c", LIMIT "<dynamics armature='3'/>")
+                             BARE_JOINT("p", "prismatic", "c", "d", "<axis xyz='0 0 -1'/>" LIMIT)
+                                 JOINT("f", "floating", "d", "e", "<origin xyz='1 2 3'/>")),
+               NULL);
     const rbd_body *b = robot.bodies;
     ck_assert_int_eq(b[0].type, RBD_REVOLUTE);
     ck_assert(b[0].axis[0] == 0 && b[0].axis[1] == 1 && b[0].axis[2] == 0);
@@ -490,7 +492,10 @@ START_TEST(joints_keep_type_axis_limits_and_dynamics) {
     ck_assert(b[2].axis[2] == -1 && b[2].lower == -1 && b[2].upper == 2);
     ck_assert_int_eq(b[3].type, RBD_FLOATING);
     ck_assert(b[3].position[0] == 1 && b[3].position[1] == 2 && b[3].position[2] == 3);
-    ck_assert_int_eq(robot.nwarnings, 0);
+    ck_assert_int_eq(robot.nwarnings, 2);
+    ck_assert_str_eq(robot.warnings[0].text, "joint 'c': it has no <axis>; read as 1 0 0");
+    ck_assert_str_eq(robot.warnings[1].text,
+                     "joint 'c': it is continuous, but has limits, -1 .. 2; read as none");
 }
 END_TEST
 
@@ -520,10 +525,10 @@ END_TEST
 static const char fixed_links[] = ROBOT(
     HEAVY("base", "5", "0 0 0", "0 0 0") HEAVY("arm", "2", "0.1 0.2 0.3", "0.4 0.5 0.6") HEAVY(
         "plate", "3", "-0.2 0.1 0", "1 -1 2") LINK("bracket") HEAVY("tool", "0.5", "0 0 0.1", "0 0 0")
-        HEAVY("hand", "1", "0 0.1 0", "0 1 0") HEAVY("pedestal", "7", "0 0 0", "0 0 0") JOINT(
+        HEAVY("hand", "1", "0 0.1 0", "0 1 0") HEAVY("pedestal", "7", "0 0 0", "0 0 0") BARE_JOINT(
             "b", "fixed", "plate", "bracket", "<origin xyz='0.1 0 0' rpy='0.3 0.2 0.1'/><axis xyz='0 0 0'/>")
             JOINT("t", "fixed", "bracket", "tool", "<origin xyz='0 0.2 0' rpy='1 0 0'/>")
-                JOINT("s", "revolute", "pedestal", "arm", "<axis xyz='0 1 0'/>" LIMIT)
+                BARE_JOINT("s", "revolute", "pedestal", "arm", "<axis xyz='0 1 0'/>" LIMIT)
                     JOINT("p", "fixed", "arm", "plate", "<origin xyz='0 0 1' rpy='0 1.5707963267948966 0'/>")
                         JOINT("h", "prismatic", "tool", "hand", "<origin xyz='1 1 1'/>" LIMIT)
                             JOINT("w", "fixed", "base", "pedestal", "<origin xyz='0 0 0.5'/>"));
@@ -587,7 +592,7 @@ static void planar_pose(const char *axis, double R[9], double p[3]) {
     const rbd_model *m;
     rbd_work *w;
     snprintf(text, sizeof text,
-             ROBOT(LINK("a") UNIT_LINK("b") JOINT("j", "planar", "a", "b", "<axis xyz='%s'/>")), axis);
+             ROBOT(LINK("a") UNIT_LINK("b") BARE_JOINT("j", "planar", "a", "b", "<axis xyz='%s'/>")), axis);
     rbd_urdf robot = parsed(&x, text, NULL);
     ck_assert_int_eq(rbd_model_build(robot.bodies, robot.nb, memory, sizeof memory, &m, NULL), RBD_OK);
     ck_assert_int_eq(rbd_nq(m), 3);
@@ -651,6 +656,14 @@ START_TEST(a_floating_root_link_is_body_zero) {
     ck_assert_int_eq(robot.nwarnings, 1);
     ck_assert_int_eq(robot.warnings[0].status, RBD_URDF_WARN_ROOT);
     ck_assert_str_eq(robot.warnings[0].text, "link 'world': the floating root link has no mass");
+    ck_assert_int_eq(parse(&robot,
+                           ROBOT(LINK("world") UNIT_LINK("b") JOINT("free", "floating", "world", "b", "")),
+                           &options),
+                     RBD_URDF_OK);
+    ck_assert_int_eq(robot.nwarnings, 1);
+    ck_assert_str_eq(robot.warnings[0].text,
+                     "link 'world': the floating root link has no mass; joint 'free' floats already: leave "
+                     "out options.root, rbd-model --floating");
 }
 END_TEST
 
@@ -673,6 +686,150 @@ START_TEST(geometry_and_extensions_are_left_unread) {
     ck_assert(robot.bodies[0].position[0] == 1 && robot.bodies[0].position[1] == 2 &&
               robot.bodies[0].position[2] == 3);
     ck_assert_double_eq(robot.bodies[0].mass, 1);
+}
+END_TEST
+
+/* Elements and attributes that others read, that have a prefix, or say 0: none gives a warning. */
+START_TEST(what_is_known_to_say_nothing_of_dynamics_gives_no_warning) {
+    static room x;
+    rbd_urdf robot = parsed(
+        &x,
+        "<robot name='r' version='1.0' xmlns='x' xmlns:drake='y'>"
+        "<material name='m'/><gazebo><plugin/></gazebo><transmission/><sensor/><ros2_control/><mujoco/>"
+        "<frame/><drake:joint/>"
+        "<link name='a' type='camera' drake:x='1'><visual><orgin/></visual><collision/><contact/><sensor/>"
+        "<self_collision_checking/><origin xyz='0 0 0' rpy='0.0 -0 0'/><drake:inertial/></link>" UNIT_LINK(
+            "b") JOINT("j", "revolute", "a", "b",
+                       "<limit lower='-1' upper='2' velocity='3' effort='4' drake:acceleration='5' jerk='6'/>"
+                       "<safety_controller k_velocity='1'/><calibration rising='1'/><anchor xyz='0 0 0'/>"
+                       "<joint_properties damping='0.0' friction='0'/>") "</robot>",
+        NULL);
+    ck_assert_int_eq(robot.nwarnings, 0);
+}
+END_TEST
+
+/* The same slip in many places is told once, another hint or another name apart. */
+START_TEST(slips_are_told_once_each_with_their_first_line) {
+    static room x;
+    rbd_urdf robot = parsed(
+        &x,
+        "<robot name='r'>" LINK("a") UNIT_LINK("b") UNIT_LINK("c")
+            UNIT_LINK("d") "\n" JOINT("j", "continuous", "a", "b", "<dynamcs damping='1'/>") "\n" JOINT(
+                "k", "continuous", "b", "c",
+                "<dynamcs damping='2'/><orgin xyz='0 0 1'/>") "\n" JOINT("l", "continuous", "c", "d",
+                                                                         "<dynamcs/><Origin xyz='0 0 "
+                                                                         "1'/>") "</robot>",
+        NULL);
+    static const struct {
+        int line;
+        const char *text;
+    } expected[] = {{2, "joint 'j': <dynamcs> is not read (3 times in the file); did you mean <dynamics>?"},
+                    {3, "joint 'k': <orgin> is not read; did you mean <origin>?"},
+                    {4, "joint 'l': <Origin> is not read; did you mean <origin>?"}};
+    ck_assert_int_eq(robot.nwarnings, 3);
+    for (int i = 0; i < 3; i++) {
+        ck_assert_int_eq(robot.warnings[i].status, RBD_URDF_WARN_UNREAD);
+        ck_assert_int_eq(robot.warnings[i].line, expected[i].line);
+        ck_assert_str_eq(robot.warnings[i].text, expected[i].text);
+    }
+}
+END_TEST
+
+/* A whole robot, and each of its names. */
+static const char all_names[] =
+    "<robot name='r'><link name='a'/><link name='b'><inertial><origin xyz='0 0 1' rpy='1 0 0'/><mass "
+    "value='1'/>"
+    "<inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link>" UNIT_LINK("c") UNIT_LINK(
+        "d") "<joint name='j' type='revolute'><parent link='a'/><child link='c'/><axis xyz='0 0 1'/>" LIMIT
+             "</joint>"
+             "<joint name='k' type='revolute'><parent link='a'/><child link='d'/><axis xyz='0 0 1'/>" LIMIT
+             "</joint>"
+             "<joint type='revolute' name='l'><origin xyz='0 1 0' rpy='0 1 0'/><parent link='a'/><child "
+             "link='b'/>"
+             "<axis xyz='0 1 0'/><limit lower='-1' upper='2' velocity='3' effort='4'/>"
+             "<dynamics damping='1' friction='2' armature='3'/><mimic joint='j' multiplier='2' "
+             "offset='1'/></joint>"
+             "</robot>";
+static const char *const names_read[] = {
+    " name=",   " type=",       "<origin ",   "<mass ",   "<inertia ", " xyz=",      " rpy=",
+    " value=",  " ixx=",        " ixy=",      " ixz=",    " iyy=",     " iyz=",      " izz=",
+    "<parent ", "<child ",      " link=",     "<axis ",   "<limit ",   "<dynamics ", "<mimic ",
+    " lower=",  " upper=",      " velocity=", " effort=", " damping=", " friction=", " armature=",
+    " joint=",  " multiplier=", " offset=",
+};
+
+/* Misspelt by a letter more, anywhere in the file, each name is told by a hint at the right one, whatever
+   error follows. */
+START_TEST(no_slip_is_dropped) {
+    static room x;
+    const char *name = names_read[_i];
+    const int length = (int)strlen(name);
+    int places = 0;
+    for (const char *at = all_names; (at = strstr(at, name)) != NULL; at++, places++) {
+        char text[2000], hint[60];
+        rbd_urdf robot = with_room(&x);
+        const int end = (int)(at - all_names) + length - 1; /* of the name */
+        snprintf(text, sizeof text, "%.*ss%s", end, all_names, all_names + end);
+        snprintf(hint, sizeof hint, *name == '<' ? "; did you mean <%.*s>?" : "; did you mean '%.*s'?",
+                 length - 2, name + 1);
+        parse(&robot, text, NULL);
+        ck_assert_msg(robot.nwarnings >= 1, "%s", text);
+        ck_assert_int_eq(robot.warnings[0].status, RBD_URDF_WARN_UNREAD);
+        ck_assert_msg(strstr(robot.warnings[0].text, hint) != NULL, "%s: %s", name, robot.warnings[0].text);
+    }
+    ck_assert_int_gt(places, 0);
+}
+END_TEST
+
+/* Said before the error that follows, and instead of it if warnings are errors. */
+START_TEST(a_misspelt_link_is_told_before_it_is_missing) {
+    static room x;
+    static const char text[] =
+        ROBOT(LINK("a") "<lnk name='b'/><jont name='k'/>" JOINT("j", "continuous", "a", "b", ""));
+    static const char told[] = "<lnk> is not read; did you mean <link>?";
+    const rbd_urdf_options strict = {.strict = 1};
+    rbd_urdf robot = with_room(&x);
+    ck_assert_int_eq(parse(&robot, text, NULL), RBD_URDF_ERR_JOINT);
+    ck_assert_str_eq(robot.error.text, "joint 'j': its child link 'b' is missing");
+    ck_assert_int_eq(robot.nwarnings, 2);
+    ck_assert_str_eq(robot.warnings[0].text, told);
+    ck_assert_str_eq(robot.warnings[1].text, "<jont> is not read; did you mean <joint>?");
+    ck_assert_int_eq(parse(&robot, text, &strict), RBD_URDF_WARN_UNREAD);
+    ck_assert_str_eq(robot.error.text, told);
+}
+END_TEST
+
+/* A link without mass between joints at one place, as those of a universal joint, is meant so. */
+START_TEST(crosses_and_robots_without_mass_give_no_warning) {
+    static room x;
+    static const char armature[] = "<dynamics armature='1'/>";
+    char text[900];
+    rbd_urdf robot = parsed(&x,
+                            ROBOT(LINK("a") LINK("b") UNIT_LINK("c") JOINT("j", "continuous", "a", "b", "")
+                                      JOINT("k", "continuous", "b", "c", "<origin rpy='1 0 0'/>")),
+                            NULL);
+    ck_assert_int_eq(robot.nwarnings, 0);
+    snprintf(text, sizeof text,
+             ROBOT(LINK("a") LINK("b") LINK("c") JOINT("j", "continuous", "a", "b", "%s")
+                       JOINT("k", "continuous", "b", "c", "<origin xyz='0 0 1'/>%s")),
+             armature, armature);
+    robot = parsed(&x, text, NULL);
+    ck_assert_int_eq(robot.nwarnings, 0);
+    /* the mass that is fixed to a link is its own, and what is written is meant */
+    robot = parsed(&x,
+                   ROBOT(LINK("a") LINK("b") UNIT_LINK("m") UNIT_LINK("c")
+                             JOINT("j", "continuous", "a", "b", "") JOINT("f", "fixed", "b", "m", "")
+                                 JOINT("k", "continuous", "b", "c", "<origin xyz='0 0 1'/>")),
+                   NULL);
+    ck_assert_int_eq(robot.nwarnings, 0);
+    robot =
+        parsed(&x,
+               ROBOT(LINK("a") "<link name='b'><inertial><mass value='0'/><inertia ixx='0' ixy='0' ixz='0' "
+                               "iyy='0' iyz='0' izz='0'/></inertial></link>" UNIT_LINK("c")
+                                   JOINT("j", "continuous", "a", "b", "")
+                                       JOINT("k", "continuous", "b", "c", "<origin xyz='0 0 1'/>")),
+               NULL);
+    ck_assert_int_eq(robot.nwarnings, 0);
 }
 END_TEST
 
@@ -930,7 +1087,8 @@ START_TEST(axes_of_any_length_are_made_unit_vectors) {
             rbd_urdf robot[2];
             for (int k = 0; k < 2; k++) {
                 snprintf(text, sizeof text,
-                         ROBOT(LINK("a") UNIT_LINK("b") JOINT("j", "%s", "a", "b", "<axis xyz='%s'/>" LIMIT)),
+                         ROBOT(LINK("a") UNIT_LINK("b") BARE_JOINT(
+                             "j", "%s", "a", "b", "<axis xyz='%s'/><limit velocity='3' effort='4'/>")),
                          types[type], k ? axes[i] : unit);
                 robot[k] = parsed(k ? &x : &y, text, NULL);
             }
@@ -941,9 +1099,10 @@ START_TEST(axes_of_any_length_are_made_unit_vectors) {
             ck_assert_mem_eq(robot[1].bodies[0].rotation, robot[0].bodies[0].rotation, 9 * sizeof(double));
         }
     /* one that is rounded stays as it is written */
-    rbd_urdf rounded = parsed(
-        &x, ROBOT(LINK("a") UNIT_LINK("b") JOINT("j", "continuous", "a", "b", "<axis xyz='0.707 0.707 0'/>")),
-        NULL);
+    rbd_urdf rounded = parsed(&x,
+                              ROBOT(LINK("a") UNIT_LINK("b") BARE_JOINT("j", "continuous", "a", "b",
+                                                                        "<axis xyz='0.707 0.707 0'/>")),
+                              NULL);
     ck_assert_int_eq(rounded.nwarnings, 0);
     ck_assert_double_eq(rounded.bodies[0].axis[0], 0.707);
 }
@@ -956,9 +1115,9 @@ START_TEST(fixed_joints_have_no_axis) {
     const rbd_urdf_options options = {.keep_all = 1, .lock = lock};
     rbd_urdf robot = parsed(&x,
                             ROBOT(LINK("a") UNIT_LINK("b") UNIT_LINK("c") UNIT_LINK("d")
-                                      JOINT("j", "fixed", "a", "b", "<axis xyz='0 1 0'/>")
-                                          JOINT("k", "continuous", "b", "c", "<axis xyz='0 1 0'/>")
-                                              JOINT("l", "continuous", "c", "d", "<axis xyz='0 1 0'/>")),
+                                      BARE_JOINT("j", "fixed", "a", "b", "<axis xyz='0 1 0'/>")
+                                          BARE_JOINT("k", "continuous", "b", "c", "<axis xyz='0 1 0'/>")
+                                              BARE_JOINT("l", "continuous", "c", "d", "<axis xyz='0 1 0'/>")),
                             &options);
     ck_assert_int_eq(robot.nb, 4);
     for (int i = 0; i < 4; i++)
@@ -993,13 +1152,14 @@ END_TEST
 /* ---- joints held still by name ---- */
 
 #define MASSIVE(name) HEAVY(name, "2", "0.1 0.2 0.3", "0.4 0.5 0.6")
-#define PLACED(axis) "<origin xyz='0.3 -0.2 0.5' rpy='0.4 -0.3 0.2'/><axis xyz='" axis "'/>" LIMIT
-static const char lockable[] = ROBOT(LINK("base") MASSIVE("a") MASSIVE("b") MASSIVE("c") MASSIVE("d")
-                                         MASSIVE("e") JOINT("ja", "revolute", "base", "a", PLACED("0 1 0"))
-                                             JOINT("turn", "revolute", "a", "b", PLACED("3 -2 6"))
-                                                 JOINT("slide", "prismatic", "b", "c", PLACED("0.6 0 0.805"))
-                                                     JOINT("jd", "continuous", "c", "d", PLACED("1 0 0"))
-                                                         JOINT("je", "revolute", "b", "e", PLACED("0 0 1")));
+#define PLACED(axis) "<origin xyz='0.3 -0.2 0.5' rpy='0.4 -0.3 0.2'/><axis xyz='" axis "'/>"
+static const char lockable[] =
+    ROBOT(LINK("base") MASSIVE("a") MASSIVE("b") MASSIVE("c") MASSIVE("d") MASSIVE("e")
+              BARE_JOINT("ja", "revolute", "base", "a", PLACED("0 1 0") LIMIT)
+                  BARE_JOINT("turn", "revolute", "a", "b", PLACED("3 -2 6") LIMIT)
+                      BARE_JOINT("slide", "prismatic", "b", "c", PLACED("0.6 0 0.805") LIMIT)
+                          BARE_JOINT("jd", "continuous", "c", "d", PLACED("1 0 0"))
+                              BARE_JOINT("je", "revolute", "b", "e", PLACED("0 0 1") LIMIT));
 
 /* Inverse dynamics, and where link d is. */
 typedef struct held_results {
@@ -1046,7 +1206,7 @@ START_TEST(a_quarter_turn_is_exact) {
     rbd_urdf robot =
         parsed(&x,
                ROBOT(LINK("a") UNIT_LINK("b") UNIT_LINK("c") JOINT("j", "continuous", "a", "b", "")
-                         JOINT("k", "continuous", "b", "c", "<axis xyz='0 0 3'/>")),
+                         BARE_JOINT("k", "continuous", "b", "c", "<axis xyz='0 0 3'/>")),
                &options);
     ck_assert_int_eq(robot.nb, 1);
     for (int i = 0; i < 9; i++) ck_assert_double_eq(robot.frames[2].rotation[i], turned[i]);
@@ -1060,9 +1220,9 @@ START_TEST(joints_of_several_degrees_of_freedom_are_held_at_neutral) {
     const rbd_urdf_options options = {.lock = lock}, bad = {.lock = elsewhere};
     char text[1200];
     for (int i = 0; i < 2; i++) {
-        const char *const format =
-            ROBOT(LINK("a") MASSIVE("b") MASSIVE("c") JOINT("j", "continuous", "a", "b", "")
-                      JOINT("k", "%s", "b", "c", "<origin xyz='1 2 3' rpy='1 2 3'/><axis xyz='0 0.6 0.8'/>"));
+        const char *const format = ROBOT(
+            LINK("a") MASSIVE("b") MASSIVE("c") JOINT("j", "continuous", "a", "b", "")
+                BARE_JOINT("k", "%s", "b", "c", "<origin xyz='1 2 3' rpy='1 2 3'/><axis xyz='0 0.6 0.8'/>"));
         snprintf(text, sizeof text, format, "fixed");
         rbd_urdf fixed = parsed(&x, text, NULL);
         snprintf(text, sizeof text, format, types[i]);
@@ -1250,7 +1410,7 @@ START_TEST(parts_that_cannot_be_are_errors_by_name) {
          {0},
          {{0}},
          RBD_URDF_ERR_ROBOT,
-         "<sdf> is not a robot: <robot> must be the first element"},
+         "<sdf> is not a robot of URDF, but of SDF, the format of Gazebo: convert it to URDF first"},
         /* it leads itself; on a part, what stands outside is not there */
         {ROBOT(UNIT_LINK("a") UNIT_LINK("b") JOINT("j", "continuous", "a", "b", "")
                    JOINT("k", "continuous", "b", "a", "")),
@@ -1386,6 +1546,11 @@ int main(void) {
     tcase_add_test(c, inertias_are_turned_by_their_origin);
     tcase_add_test(c, a_floating_root_link_is_body_zero);
     tcase_add_test(c, geometry_and_extensions_are_left_unread);
+    tcase_add_test(c, what_is_known_to_say_nothing_of_dynamics_gives_no_warning);
+    tcase_add_test(c, slips_are_told_once_each_with_their_first_line);
+    tcase_add_loop_test(c, no_slip_is_dropped, 0, sizeof names_read / sizeof *names_read);
+    tcase_add_test(c, a_misspelt_link_is_told_before_it_is_missing);
+    tcase_add_test(c, crosses_and_robots_without_mass_give_no_warning);
     tcase_add_test(c, links_that_no_real_body_is_like_give_warnings_by_name);
     tcase_add_test(c, limits_that_make_no_sense_are_none_with_a_warning);
     tcase_add_test(c, limits_that_are_not_used_give_no_warning_about_their_order);

@@ -16,6 +16,8 @@ const char compiler_text[] = R"(
 #endif
 #if defined __FAST_MATH__ || defined __ASSOCIATIVE_MATH__
 #error "reassociation voids the sine's argument reduction: compile without -ffast-math"
+#elif defined __FINITE_MATH_ONLY__ && __FINITE_MATH_ONLY__ > 0
+#error "-ffinite-math-only removes the checks for NaN: compile without it"
 #endif
 
 /* GCC's vectoriser packs scalars and loses time by it, as do its first scheduler on Arm, which spills, and

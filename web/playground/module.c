@@ -86,7 +86,11 @@ static double *array(const char *name, int n) {
 
 /* ---- loading ---- */
 
+/* After an error r has the first warnings, which may say where it comes from. */
 static rbd_urdf_status parse(const char *xml, size_t length, const rbd_urdf_options *o, rbd_urdf *r) {
+    static rbd_urdf_finding first[20];
+    r->warnings = first;
+    r->warnings_max = sizeof first / sizeof *first;
     const rbd_urdf_status status = rbd_urdf_parse(xml, length, o, r);
     if (status) return status;
     r->bodies_max = r->nb, r->names_max = r->names_size, r->frames_max = r->nframes;
@@ -157,7 +161,7 @@ EXPORT int web_load(const char *xml, size_t length, int floating, int lock_massl
     text("{\"status\":"), number(status), key("errors"), text("[");
     if (status) finding(&r.error);
     text("]"), key("warnings"), text("[");
-    for (int i = 0; i < r.nwarnings && r.warnings; i++) text(i ? "," : ""), finding(&r.warnings[i]);
+    for (int i = 0; i < r.nwarnings && i < r.warnings_max; i++) text(i ? "," : ""), finding(&r.warnings[i]);
     text("]");
     if (!status && (status = build(&r, &report)) != 0) named_string("build", rbd_status_string(status));
     if (!status) tell_robot(&r), tell_arrays(), rbd_neutral(m, q);

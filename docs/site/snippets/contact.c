@@ -32,8 +32,11 @@ void example_rbd_contact_set_init(void) {
     if (status == RBD_OK) status = rbd_neutral(m, q);
     q[2] = 0.5;
     if (rbd_contact_set_size(m, 2, NULL, 0, &options) > sizeof memory) status = RBD_ERR_MEMORY;
+    rbd_report report;
+    char text[200];
     if (status == RBD_OK)
-        status = rbd_contact_set_init(m, w, feet, 2, NULL, 0, &options, memory, sizeof memory, &c, NULL);
+        status = rbd_contact_set_init(m, w, feet, 2, NULL, 0, &options, memory, sizeof memory, &c, &report);
+    if (status != RBD_OK) rbd_contact_finding_text(&report.error, 2, text, sizeof text);
 }
 
 void example_rbd_contact_step(void) {

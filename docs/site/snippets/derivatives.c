@@ -27,6 +27,15 @@ void example_rbd_com_jacobian(void) {
     status = rbd_com_jacobian(m, d, q, J);
 }
 
+void example_rbd_jacobian_derivative(void) {
+    static double J_dot[6 * HYQ_NV];
+    const int foot = rbd_body_index(m, "lf_lowerleg"), trunk = 0;
+    status = rbd_kinematics(m, w, q, v, NULL); /* no rbd_derivatives is needed */
+    if (status == RBD_OK) status = rbd_jacobian_derivative(m, w, foot, NULL, RBD_WORLD_AXES, J_dot);
+    if (status == RBD_OK)
+        status = rbd_relative_jacobian_derivative(m, w, foot, NULL, trunk, RBD_LINK_AXES, J_dot);
+}
+
 void example_rbd_coriolis(void) { status = rbd_coriolis(m, d, q, v, x_v); }
 
 void example_rbd_id_free_base(void) {

@@ -174,6 +174,19 @@ void example_rbd_integrate(void) {
     if (status == RBD_OK) status = rbd_difference(m, q, next, d); /* d = 0.01 v */
 }
 
+void example_rbd_interpolate(void) {
+    double home[HYQ_NQ], between[HYQ_NQ];
+    status = rbd_neutral(m, home);
+    if (status == RBD_OK) status = rbd_interpolate(m, q, home, 0.25, between); /* a quarter of the way */
+}
+
+void example_rbd_distance(void) {
+    double home[HYQ_NQ], weight[HYQ_NV], distance;
+    for (int i = 0; i < HYQ_NV; i++) weight[i] = i >= 6; /* the legs; the trunk may be anywhere */
+    status = rbd_neutral(m, home);
+    if (status == RBD_OK) status = rbd_distance(m, q, home, weight, &distance); /* rad */
+}
+
 void example_rbd_rates_from_velocity(void) {
     double rates[HYQ_NQ];
     status = rbd_rates_from_velocity(m, q, v, rates);
@@ -219,6 +232,16 @@ void example_rbd_model_build(void) {
     if (status == RBD_OK) status = rbd_add_payload(room, 0, 0.5, end, NULL);
     if (status == RBD_OK) status = rbd_describe(pendulum, 0, &row);
     if (rbd_model_size(rod, 1) > sizeof room || !rbd_status_string(status)) status = RBD_ERR_MEMORY;
+}
+
+void example_rbd_lock_joints(void) {
+    static rbd_body rows[HYQ_NB];
+    static unsigned char room[RBD_MODEL_SIZE(HYQ_NB)];
+    unsigned char locked[HYQ_NB] = {1}; /* the trunk in its place, over a table */
+    const rbd_model *held;
+    for (int i = 0; i < HYQ_NB; i++) rbd_describe(m, i, &rows[i]);
+    status = rbd_lock_joints(rows, HYQ_NB, locked, q, rows, NULL);
+    if (status == RBD_OK) status = rbd_model_build(rows, HYQ_NB, room, sizeof room, &held, NULL);
 }
 
 void example_rbd_work_size(void) {

@@ -211,11 +211,13 @@ const remedies = {
   2: "Write lower below upper, or leave the limits out.",
   3: "Give the root link mass, or fix it to the world.",
   4: "Nothing to do, if that is meant.",
-  5: "Write the axis with length 1.",
+  5: "Write <axis xyz=\"...\">, of length 1.",
   6: "Write <robot name=\"...\">.",
   7: "Take <mimic> out, or make the joint one that moves.",
   8: "Give the links that it moves mass.",
   9: "Angles are in rad: 90 degrees are 1.5708.",
+  10: "Mend the name, or take it out: what is not read changes nothing.",
+  11: "Give the link its <inertial>, or write one of mass 0 if none is meant.",
 };
 
 export function showProblems(findings, go) {
