@@ -287,7 +287,9 @@ inline str nearest_name(const str &name, const name_index &known) {
     size_t least = name.size() / 3 + 1;
     str best;
     for (name_index::const_iterator i = known.begin(); i != known.end(); ++i) {
-        if (name.size() > longest || i->first.size() > longest) continue;
+        const size_t length = i->first.size();
+        if (name.size() > longest || length > longest) continue;
+        if (std::max(name.size(), length) - std::min(name.size(), length) >= least) continue;
         const size_t d = difference(name, i->first);
         if (d >= least) continue;
         least = d;
@@ -568,8 +570,8 @@ struct known_element {
     const char *harmless_children, *harmless_attributes; /* of those that may stand there unread */
 };
 
-/* Harmless are those of simulators, displays and controllers that were met in published robots, and that say
-   nothing about masses, joints and forces. */
+/* The harmless names are of simulators, displays and controllers. Published robots have them, and they say
+   nothing about masses, joints and forces that any reader of URDF would take from there. */
 inline const known_element *known_elements(size_t &n) {
     static const known_element all[] = {
         {"robot", "link joint", "name",

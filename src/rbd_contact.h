@@ -97,6 +97,7 @@ RBDI_CODE_BEGIN
 #include "contact/joints.h"
 #include "contact/set.h"
 #include "contact/rows.h"
+#include "contact/reduction.h"
 #include "contact/step.h"
 
 RBDI_CODE_END

@@ -77,3 +77,15 @@ RBDI_CODE_END
 #endif /* RBD_IMPLEMENTATION */
 
 #include "base/letters_end.h"
+
+/* Headers that stand before this one declare their derivatives now. They implement them if they themselves
+   are implemented in this file. */
+#ifndef RBDI_JOINS_DERIVATIVES
+#define RBDI_JOINS_DERIVATIVES
+#if defined RBD_CONTACT_H && !defined RBDI_CONTACT_DERIVATIVES
+#include "rbd_contact.h"
+#elif defined RBD_CONSTRAINTS_H && !defined RBDI_CONSTRAINED_DERIVATIVES
+#include "rbd_constraints.h"
+#endif
+#undef RBDI_JOINS_DERIVATIVES
+#endif

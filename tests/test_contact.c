@@ -1,5 +1,6 @@
 /* test_contact.c - rbd_contact.h: the solver alone. The step is in test_contact_step.c. */
 #include <float.h>
+#include <limits.h>
 #include <math.h>
 #include <string.h>
 
@@ -468,6 +469,19 @@ START_TEST(row_that_is_rounding_is_apart) {
 }
 END_TEST
 
+/* Impulses whose squares vanish, or are not normal, are within their cones all the same. */
+START_TEST(tiny_impulses_are_within_their_cones) {
+    for (int k = 100; k <= 300; k += 20) {
+        const double tiny = pow(10, -k);
+        problem x = {
+            .n = 1, .mu = {0.5}, .b = {3 * tiny, -tiny, -tiny}, .delta = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+        ck_assert_int_eq(solve(&x), RBD_OK);
+        ck_assert_double_ge(x.p[2], 0);
+        ck_assert_double_le(hypot(x.p[0] / tiny, x.p[1] / tiny), 0.5 * x.p[2] / tiny * (1 + 1e-12));
+    }
+}
+END_TEST
+
 START_TEST(same_bits_on_each_run) {
     uint64_t seed = 7;
     problem x = {.n = 12, .bounded = 6}, y;
@@ -494,11 +508,19 @@ START_TEST(bad_problems_are_refused) {
     ck_assert_int_eq(rbd_contact_solve(&given, memory, size, NULL, NULL, NULL), RBD_ERR_NULL);
     ck_assert_uint_eq(rbd_contact_solve_size(-1, 0), 0);
     ck_assert_uint_eq(rbd_contact_solve_size(0, -1), 0);
+    ck_assert_uint_eq(rbd_contact_solve_size(15500, 0), 0);
+    ck_assert_uint_eq(rbd_contact_solve_size(1, INT_MAX), 0);
+    ck_assert_uint_eq(rbd_contact_solve_size(INT_MAX, 1), 0);
+    ck_assert_uint_gt(rbd_contact_solve_size(15000, 0), 8u * 45000 * 45000);
 #define REFUSED(change, status) \
     bad = given, bad.change; \
     ck_assert_int_eq(rbd_contact_solve(&bad, memory, size, x.p, NULL, NULL), status)
     REFUSED(contacts = -1, RBD_ERR_COUNT);
     REFUSED(bounded = -1, RBD_ERR_COUNT);
+    REFUSED(contacts = 15500, RBD_ERR_COUNT); /* 46,500 rows: their matrix has no int for an index */
+    REFUSED(bounded = 46500, RBD_ERR_COUNT);
+    REFUSED(contacts = INT_MAX, RBD_ERR_COUNT);
+    REFUSED(bounded = INT_MAX, RBD_ERR_COUNT);
     REFUSED(delta = NULL, RBD_ERR_NULL);
     REFUSED(b = NULL, RBD_ERR_NULL);
     REFUSED(friction = NULL, RBD_ERR_NULL);
@@ -548,6 +570,7 @@ Suite *contact_suite(void) {
     tcase_add_test(c, jammed_contact_has_a_bounded_answer);
     tcase_add_test(c, indefinite_matrix_is_survived);
     tcase_add_test(c, row_that_is_rounding_is_apart);
+    tcase_add_test(c, tiny_impulses_are_within_their_cones);
     tcase_add_test(c, same_bits_on_each_run);
     tcase_add_test(c, bad_problems_are_refused);
     suite_add_tcase(suite, c);

@@ -893,6 +893,30 @@ static void refuse(const robot *r, rbd_contact a, const rbd_contact_options *o, 
     ck_assert_int_eq(report.error.body, o ? -1 : 0);
 }
 
+/* A box between two floors that close in on it: each of the step's two solutions keeps to the iterations. */
+START_TEST(iterations_have_their_bound) {
+    for (int most = 1; most < 50; most += most) {
+        const rbd_body body = box(0.2, 0.2, 0.2, 1);
+        scene s;
+        open_scene(&s, "squeezed box", &body, 1, 1e-3);
+        s.options.iterations = most;
+        for (int i = 0; i < 8; i++) {
+            rbd_contact *a =
+                add_contact(&s, 0, -1, i & 1 ? 0.1 : -0.1, i & 2 ? 0.1 : -0.1, i & 4 ? 0.1 : -0.1);
+            a->normal[0] = 0.1 * (i & 1), a->normal[2] = i & 4 ? -1 : 1, a->height = -0.098;
+        }
+        begin_scene(&s);
+        for (int k = 0; k < 6; k++) s.v[k] = k % 2 ? -1 : 2;
+        for (int k = 0; k < 50; k++) {
+            step(&s);
+            const rbd_contact_solution x = rbd_contact_last(s.c);
+            ck_assert_int_le(x.sweeps + x.newton_steps, 2 * most);
+        }
+        close_scene(&s);
+    }
+}
+END_TEST
+
 START_TEST(bad_sets_are_refused_by_name) {
     const rbd_body body = box(1, 1, 1, 1);
     const robot r = robot_build("box", &body, 1);
@@ -1174,6 +1198,7 @@ Suite *contact_step_suite(void) {
     tcase_add_test(c, planes_may_change);
     tcase_add_test(c, odd_sets_of_contacts);
     tcase_add_test(c, same_bits_on_each_run);
+    tcase_add_test(c, iterations_have_their_bound);
     tcase_add_test(c, bad_sets_are_refused_by_name);
     tcase_add_test(c, contacts_without_body2_are_refused);
     tcase_add_test(c, bad_calls_are_refused);

@@ -25,8 +25,8 @@ static void attribute(const char *name, const double *x, int n) {
 }
 
 /* URDF's angles, R = Rz(yaw) Ry(pitch) Rx(roll); at pitch = +-pi/2 with yaw = 0. Near there yaw is found to
-   few digits. So roll and pitch are those of R turned back by that yaw: Rz(-yaw) R = Ry(pitch) Rx(roll), whose
-   second row is (0, cos roll, -sin roll), and whose first column is (cos pitch, 0, -sin pitch). */
+   few digits. So roll and pitch are those of R turned back by that yaw: Rz(-yaw) R = Ry(pitch) Rx(roll), with
+   second row (0, cos roll, -sin roll) and first column (cos pitch, 0, -sin pitch). */
 static void roll_pitch_yaw(const double R[9], double rpy[3]) {
     const double yaw = hypot(R[0], R[3]) > 1e-15 ? atan2(R[3], R[0]) : 0;
     const double c = cos(yaw), s = sin(yaw);

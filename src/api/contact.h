@@ -42,16 +42,17 @@ typedef struct rbd_contact_solution {
     int newton_steps;  /* each with one factorisation at least */
 } rbd_contact_solution;
 
-/* Bytes of memory that rbd_contact_solve needs for such a problem. */
+/* Bytes of memory that rbd_contact_solve needs for such a problem; 0 if a number is out of range. */
 RBDI_API size_t rbd_contact_solve_size(int contacts, int bounded);
 
 /* Solves the problem. One that is not solved is no error: the residual is above the tolerance then. p is
-   finite and within cones and bounds in any case.
+   finite and, to rounding, within cones and bounds in any case.
    memory     size bytes of any alignment, scratch
    p          rows: where to begin (0, or the solution before), then the solution, N s
    state      contacts: what each does; may be NULL
    solution   may be NULL
-   Errors: RBD_ERR_NULL, _MEMORY; _COUNT, a number below 0; _RANGE, a friction, tolerance or number of
+   Errors: RBD_ERR_NULL, _MEMORY; _COUNT, a number below 0, or 46,000 rows and more: their
+   matrix has no int for an index; _RANGE, a friction, tolerance or number of
    iterations below 0, or a lower bound above the upper one; _NAN, an entry of b or p is not finite: p = 0. */
 RBDI_API rbd_status rbd_contact_solve(const rbd_contact_problem *problem, void *memory, size_t size,
                                       rbd_real *p, rbd_contact_state *state, rbd_contact_solution *solution);
@@ -79,11 +80,11 @@ typedef struct rbd_contact {
 typedef struct rbd_contact_options {
     double margin; /* closer contacts are rows, m [0.005]; others where they may arrive within two steps */
     double slop;   /* penetration that is left, m [1e-5] */
-    double correction;  /* share of the rest that a step corrects [0.2] */
-    double bounce;      /* slower impacts do not rebound, m/s [0.05]; choose more than 2 g dt */
-    double tolerance;   /* of the residual, m/s [1e-6, float 1e-5] */
-    int iterations;     /* at most [40] */
-    int joint_limits;   /* not 0: limits of joints push, those of their followers too */
+    double correction; /* share of the rest that a step corrects [0.2] */
+    double bounce;     /* slower impacts do not rebound, m/s [0.05]; choose more than 2 g dt */
+    double tolerance;  /* of the residual, m/s [1e-6, float 1e-5] */
+    int iterations;    /* of each solution at most [40]; a step has two if something penetrates or rebounds */
+    int joint_limits;  /* not 0: limits of joints push, those of their followers too */
     int joint_friction; /* not 0: the description's friction of each degree of freedom holds, or brakes */
     int joint_damping;  /* not 0: the description's damping, implicitly */
     double slip;        /* contacts that stick give way along the plane, m/s per newton [0] */
@@ -157,7 +158,7 @@ RBDI_API void rbd_contact_reset(rbd_contact_set *c);
    force      p/dt on body 1, world axes, N; may be NULL */
 RBDI_API rbd_contact_state rbd_contact_get(const rbd_contact_set *c, int i, rbd_real *gap, rbd_real force[3]);
 
-/* Residual and iterations of the last step; all 0 without a set or a step. */
+/* Residual and iterations of the last step, of both solutions if it has two; all 0 without a set or step. */
 RBDI_API rbd_contact_solution rbd_contact_last(const rbd_contact_set *c);
 
 #endif

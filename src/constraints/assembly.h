@@ -4,9 +4,11 @@
 #include "constraints/weights.h"
 
 /* ---- assembly [assembly] ----
-   Newton's method. Of all steps d with J d = -e it takes the one that makes d + rbd_difference(q, q_near),
-   the remaining distance from q, shortest. Steps are cut to RBDI_LONGEST_STEP, because J changes. The last
-   steps reduce e alone. */
+   Newton's method. Of all steps d with de/dq d = -e it takes the one that makes d + rbd_difference(q, q_near),
+   the remaining distance from q, shortest. J takes the place of de/dq, except where a single angular axis is
+   held: J d = -e would not come nearer there at large turns. Two axes are better off with J: de/dq vanishes
+   where they are 90 degrees off. Steps are cut to RBDI_LONGEST_STEP, because the rows change. The last steps
+   reduce e alone. */
 
 /* The next step size: the share of the distance that a step removes, by Barzilai and Borwein (1988), from
    this step c->x, the step before it, and the sizes of both. 1 is right if J is constant; if J changes, steps
@@ -50,9 +52,9 @@ static void rbdi_assemble_position(const rbd_model *m, rbd_constraint_set *c, co
     rbdi_clear(c->last_step, m->nv);
     for (int step = 0, close = 0; close < RBDI_CLOSING_STEPS; ++step) {
         rbd_real length, next;
-        rbdi_constraint_rows_at(m, c, q_near, NULL, 1);
+        rbdi_constraint_rows_at(m, c, q_near, NULL, RBDI_SLOPES);
         length = rbdi_assembly_step(m, c, q, q_near, close ? rbdi_zero() : size);
-        if (close || step > RBDI_NEARING_STEPS || !rbdi_any(rbdi_less(rbdi_set(RBDI_SHORT_STEP), length)))
+        if (close || step > RBDI_NEARING_STEPS || !rbdi_any(rbdi_less(size * RBDI_SHORT_STEP, length)))
             ++close;
         if (close) continue;
         next = rbdi_next_size(c, m->nv, size, last_size);
@@ -67,9 +69,11 @@ RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, cons
                                  rbd_real *v_near) {
     const rbd_status status = rbdi_check_constraints(m, c, q && q_near && q != q_near && (!v == !v_near));
     rbd_real open;
+    rbd_const free;
     if (status) return status;
     if (!rbdi_weights_fit(weight, m->nv)) return RBD_ERR_RANGE;
-    for (int k = 0; k < m->nv; ++k) c->D_inverse[k] = rbdi_set(weight ? RBD_C(1) / weight[k] : RBD_C(1));
+    free = rbdi_free_weight(weight, m->nv);
+    for (int k = 0; k < m->nv; ++k) c->D_inverse[k] = rbdi_set(rbdi_inverse_weight(weight, k, free));
     rbdi_assemble_position(m, c, q, q_near);
     if (v) {
         for (int k = 0; k < m->nv; ++k) c->x[k] = v[k];

@@ -151,7 +151,8 @@ RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const 
     return status;
 }
 
-/* Computes J, J v, gamma and, if `errors`, e, and the motion of all links without gravity. v: NULL = 0. */
+/* Computes J, J v, gamma and, if `errors`, e as rbdi_constraint_rows, and the motion of all links without
+   gravity. v: NULL = 0. */
 static void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                     const rbd_real *v, int errors) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};

@@ -2,7 +2,6 @@
 #define RBDI_CONSTRAINTS_DERIVATIVES_H
 #include "motion/points.h"
 #include "derivatives/memory.h"
-#include "derivatives/steps.h"
 #include "api/constrained_derivatives.h"
 #include "constraints/calls.h"
 
@@ -50,7 +49,7 @@ typedef struct rbdi_pair_motion {
     rbdi_force force;            /* of lambda */
     rbdi_axes_held h;
     rbdi_v3 log_R;       /* world axes */
-    rbd_real log_square; /* the derivative of log R is z - log_R x z / 2 + this times log_R x (log_R x z) */
+    rbd_real log_square; /* rbdi_log_square of it */
     rbdi_v3 free[2];     /* the free axis if two angular ones are held: of frame 2, of frame 1 */
     rbdi_v3 roll_radius; /* a turn z of body 1 moves the place of contact over it by z x this; 0 if no ball */
 } rbdi_pair_motion;
@@ -87,11 +86,10 @@ static rbdi_pair_motion rbdi_pair_motion_of(const rbd_constraint_set *c, const r
     if (con->kp > 0 && con->angular) {
         const rbdi_mat R_1 = rbdi_frame_axes(c, con, 0), R_2 = rbdi_frame_axes(c, con, 1);
         const int i = con->angular == 2 ? 3 - con->axis[0] - con->axis[1] : 0;
-        rbd_real tails[7], axis[3] = {rbdi_zero(), rbdi_zero(), rbdi_zero()};
+        rbd_real axis[3] = {rbdi_zero(), rbdi_zero(), rbdi_zero()};
         pair.log_R = rbdi_log_rotation(rbdi_mul_mat(rbdi_transpose(R_2), R_1));
-        rbdi_tails(pair.log_R, tails);
+        pair.log_square = rbdi_log_square(pair.log_R);
         pair.log_R = rbdi_mul(R_2, pair.log_R);
-        pair.log_square = rbdi_ad_function_of(RBDI_J_R_INVERSE, tails).c;
         axis[i] = rbdi_set(RBD_C(1));
         pair.free[0] = rbdi_mul(R_2, rbdi_load_vec(axis, 1));
         pair.free[1] = rbdi_mul(R_1, rbdi_load_vec(axis, 1));

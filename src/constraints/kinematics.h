@@ -91,6 +91,16 @@ static rbdi_v3 rbdi_log_rotation(rbdi_mat R) {
     return rbdi_quaternion_difference(identity, q);
 }
 
+/* The derivative of w = log R by the turn z of body 1, in the axes of z, is z - w x z / 2 + this times
+   w x (w x z): (1 - |w|/2 cot(|w|/2)) / |w|^2, from the tails of sine and cosine in [steps code]. */
+static rbd_real rbdi_log_square(rbdi_v3 w) {
+    const rbdi_exp e = rbdi_exp_of(w);
+    const rbdi_mask near_zero = rbdi_less(e.x, rbdi_set(RBD_C(1)));
+    const rbd_real c4 = rbdi_select(near_zero, rbdi_tail(rbdi_select(near_zero, e.x, rbdi_zero()), 4),
+                                    (RBD_C(0.5) - e.B) / e.x);
+    return (e.C - (c4 + c4)) / (e.B + e.B);
+}
+
 /* Angular part of the position error e, axes of frame 2: [conventions]. R: frame 1 seen from frame 2. */
 static rbdi_v3 rbdi_angular_error(const rbdi_constraint *con, rbdi_mat R) {
     const rbd_real o = rbdi_zero();
@@ -119,6 +129,19 @@ RBDI_ONCE void rbdi_set_axes(const rbd_constraint_set *c, const rbdi_constraint 
         if (con->link[1] >= 0) axis = rbdi_mul_t(c->w->kin[con->link[1]].X.E, axis);
         h->axis[first][r] = axis.x, h->axis[first + 1][r] = axis.y, h->axis[first + 2][r] = axis.z;
     }
+}
+
+/* Makes the axis a of a single angular row the one whose product with a turn z of body 1 is the derivative of
+   a . w, w = log R in world axes: a + w x a / 2 + [rbdi_log_square] w x (w x a). */
+static void rbdi_bend_axis(const rbd_constraint_set *c, const rbdi_constraint *con, rbdi_axes_held *h) {
+    const rbdi_mat R = rbdi_frame_axes(c, con, 1);
+    const rbdi_v3 log_R = rbdi_log_rotation(rbdi_mul_mat(rbdi_transpose(R), rbdi_frame_axes(c, con, 0))),
+                  w = rbdi_mul(R, log_R), a = rbdi_vec(h->axis[0][0], h->axis[1][0], h->axis[2][0]),
+                  across = rbdi_cross(w, a), more = rbdi_scale(rbdi_log_square(log_R), rbdi_cross(w, across)),
+                  bent = rbdi_add(rbdi_add(a, rbdi_scale(rbdi_set(RBD_C(0.5)), across)), more);
+    h->axis[0][0] = bent.x;
+    h->axis[1][0] = bent.y;
+    h->axis[2][0] = bent.z;
 }
 
 /* Adds the components of (angular; linear), world axes, along the axes that a constraint holds. */

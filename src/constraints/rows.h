@@ -75,13 +75,16 @@ static void rbdi_clear_rows(const rbd_model *m, rbd_constraint_set *c) {
     c->dirty = 1;
 }
 
-/* Adds Y = J', gamma and J v of a constraint and, if `errors`, e. */
+/* Adds Y = J', gamma and J v of a constraint and, if `errors`, e. errors = RBDI_SLOPES: Y = (de/dq)', which is
+   another row than that of J where a single angular axis is held. */
+enum { RBDI_SLOPES = 2 };
 static void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *con,
                                  int errors) {
     rbdi_axes_held h;
     rbdi_v3 p;
     rbdi_set_axes(c, con, &h);
     p = rbdi_constraint_motion(c, con, &h, errors);
+    if (errors == RBDI_SLOPES && con->angular == 1) rbdi_bend_axis(c, con, &h);
     RBDI_FOR_PATHS(m, con, link, sign) rbdi_constraint_link(m, c, con, &h, p, link, sign);
 }
 

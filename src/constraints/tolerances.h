@@ -19,7 +19,8 @@
    RBDI_MISSED: a row that is off by more than this share of its terms is refined, [refinement].
    RBDI_STILL, m/s^2 or rad/s^2: but not if it is off by less than this. Where constraints hold all joints,
    accelerations are rounding, and their error is no share of them.
-   RBDI_SHORT_STEP, rad or m: assembly ends RBDI_CLOSING_STEPS after a step below this.
+   RBDI_FREE: the share of the least weight that stands for a weight of 0.
+   RBDI_SHORT_STEP, rad or m: assembly ends RBDI_CLOSING_STEPS after a step below this times its size.
    RBDI_CLOSED: after it all entries of e must be below this. */
 #if RBDI_KIND(RBD_CONST) == 1
 #define RBDI_CLEAR 1e-5
@@ -29,6 +30,7 @@
 #define RBDI_LOST 1e-6
 #define RBDI_MISSED 1e-12
 #define RBDI_STILL 1e-20
+#define RBDI_FREE 1e-13
 #define RBDI_SHORT_STEP 1e-12
 #define RBDI_CLOSED 1e-9
 
@@ -40,6 +42,7 @@
 #define RBDI_LOST 1e-3f
 #define RBDI_MISSED 1e-5f
 #define RBDI_STILL 1e-9f
+#define RBDI_FREE 1e-6f
 #define RBDI_SHORT_STEP 1e-5f
 #define RBDI_CLOSED 1e-4f
 
@@ -51,12 +54,14 @@
 #define RBDI_LOST RBD_C(1e-15)
 #define RBDI_MISSED RBD_C(1e-28)
 #define RBDI_STILL RBD_C(1e-40)
+#define RBDI_FREE RBD_C(1e-26)
 #define RBDI_SHORT_STEP RBD_C(1e-24)
 #define RBDI_CLOSED RBD_C(1e-12)
 
 #endif
 
 #define RBDI_CLEARLY_MORE RBD_C(1.001) /* of shares that differ by rounding alone the first is taken */
+#define RBDI_MOST_WEIGHT RBD_C(1e30)
 #define RBDI_LONGEST_STEP RBD_C(0.5)
 #define RBDI_LEAST_STEP_SIZE RBD_C(1e-3)
 #define RBDI_MOST_STEP_SIZE RBD_C(5)

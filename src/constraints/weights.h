@@ -6,11 +6,24 @@
    With a diagonal matrix D in place of M, so that L = 1 and Y = J', rbdi_multipliers solves least squares: it
    adds D^-1 J' lambda to x, of all changes d with J (x + d) = target the one with the least d' D d. */
 
-/* Whether n weights are above 0. NULL: all are 1. */
+/* Whether n weights are from 0 to RBDI_MOST_WEIGHT. NULL: all are 1. */
 static int rbdi_weights_fit(const rbd_const *weight, int n) {
     for (int k = 0; weight && k < n; ++k)
-        if (!(weight[k] > 0)) return 0;
+        if (!(weight[k] >= 0 && weight[k] <= RBDI_MOST_WEIGHT)) return 0;
     return 1;
+}
+
+/* The weight that stands for 0: so small a share of the least of the others that these alone count. */
+static rbd_const rbdi_free_weight(const rbd_const *weight, int n) {
+    rbd_const least = 0;
+    for (int k = 0; weight && k < n; ++k)
+        if (weight[k] > 0 && !(least > 0 && least < weight[k])) least = weight[k];
+    return least > 0 ? least * RBDI_FREE : RBD_C(1);
+}
+
+/* 1 / weight k. free: the weight that stands for 0. */
+static rbd_const rbdi_inverse_weight(const rbd_const *weight, int k, rbd_const free) {
+    return weight ? RBD_C(1) / (weight[k] > 0 ? weight[k] : free) : RBD_C(1);
 }
 
 /* Whether dof k has no motor: its flag is 0 or, without flags, its joint is a floating one at a root. */
@@ -25,13 +38,14 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
                                        rbd_real *lambda) {
     const rbd_status status = rbdi_check_constraints(m, c, q && v && a && tau);
     rbd_real *root; /* of 1 / weight */
+    rbd_const free;
     if (status) return status;
     if (!rbdi_weights_fit(weight, c->rows)) return RBD_ERR_RANGE;
+    free = rbdi_free_weight(weight, c->rows);
     rbd_rnea(m, c->w, q, v, a, f_ext, c->x);
     rbdi_constraint_rows_at(m, c, q, NULL, 0);
     root = c->velocity; /* J v is not needed */
-    for (int r = 0; r < c->rows; ++r)
-        root[r] = rbdi_sqrt(rbdi_set(RBD_C(1) / (weight ? weight[r] : RBD_C(1))));
+    for (int r = 0; r < c->rows; ++r) root[r] = rbdi_sqrt(rbdi_set(rbdi_inverse_weight(weight, r, free)));
     for (int k = 0; k < m->nv; ++k) {
         const int passive = rbdi_is_passive(m, actuated, k);
         for (int r = 0; r < c->rows; ++r) c->Y[k * c->stride + r] = c->Y[k * c->stride + r] * root[r];

@@ -1,5 +1,6 @@
 #ifndef RBDI_CONTACT_DERIVATIVES_H
 #define RBDI_CONTACT_DERIVATIVES_H
+#include "derivatives/steps.h"
 #include "constraints/derivatives.h"
 #include "api/contact_derivatives.h"
 #include "contact/step.h"

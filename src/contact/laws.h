@@ -120,13 +120,24 @@ RBDI_PART void rbdi_contact_residual(rbdi_contact_solver *s) {
     rbdi_project_laws(s);
 }
 
+/* |p_t|. Below RBDI_LEAST_SIZE squares would lose digits, or vanish. */
+RBDI_INLINE rbd_real rbdi_tangent_size(const rbd_real *p) {
+    const rbd_real x = rbdi_abs(p[0]), y = rbdi_abs(p[1]), most = x > y ? x : y;
+    rbd_real ratio;
+    if (most > RBDI_LEAST_SIZE) return rbdi_sqrt(x * x + y * y);
+    if (!(most > 0)) return x + y;
+
+    ratio = (x > y ? y : x) / most;
+    return most * rbdi_sqrt(1 + ratio * ratio);
+}
+
 /* Moves p into cones and bounds, because iterations leave it outside by the tolerance. If `at_end`, contacts
    that open get 0. Returns whether p changed. */
 RBDI_PART int rbdi_into_cones(rbdi_contact_solver *s, int at_end) {
     int changed = 0;
     for (int i = 0; i < s->given.contacts; ++i) {
         rbd_real *p = &s->p[3 * i];
-        const rbd_real size = rbdi_sqrt(p[0] * p[0] + p[1] * p[1]), most = s->law[i].friction * p[2];
+        const rbd_real size = rbdi_tangent_size(p), most = s->law[i].friction * p[2];
         const rbd_contact_state state = s->law[i].state;
         const int none = state == RBD_APART || !(p[2] > 0) || (at_end && state == RBD_OPENS);
         if (none ? size <= 0 && p[2] <= 0 && p[2] >= 0 : !(size > most)) continue; /* not so of NaN */

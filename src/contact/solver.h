@@ -101,10 +101,20 @@ RBDI_PART int rbdi_all_finite(const rbd_real *x, int n) {
     return 1;
 }
 
+/* Whether an index into G, the largest array, would not fit an int. */
+RBDI_INLINE int rbdi_too_large(int contacts, int bounded) {
+    const int most = (int)((unsigned)-1 >> 1);
+    int rows;
+    if (contacts > most / 3 || bounded > most - 3 * contacts) return 1;
+    rows = 3 * contacts + bounded;
+    return rows > 0 && (rows > most - 5 - RBDI_CHUNK || rows + 5 + RBDI_CHUNK > most / rows);
+}
+
 RBDI_PART rbd_status rbdi_check_problem(const rbd_contact_problem *given, const void *memory, size_t size,
                                         const rbd_real *p) {
     if (!given) return RBD_ERR_NULL;
     if (given->contacts < 0 || given->bounded < 0) return RBD_ERR_COUNT;
+    if (rbdi_too_large(given->contacts, given->bounded)) return RBD_ERR_COUNT;
     if (!memory || (given->contacts && !given->friction) ||
         (given->bounded && (!given->lower || !given->upper)))
         return RBD_ERR_NULL;
@@ -119,7 +129,8 @@ RBDI_PART rbd_status rbdi_check_problem(const rbd_contact_problem *given, const 
 }
 
 RBDI_API size_t rbd_contact_solve_size(int contacts, int bounded) {
-    return contacts < 0 || bounded < 0 ? 0 : RBDI_CONTACT_SOLVER_BYTES(contacts, bounded);
+    if (contacts < 0 || bounded < 0 || rbdi_too_large(contacts, bounded)) return 0;
+    return RBDI_CONTACT_SOLVER_BYTES(contacts, bounded);
 }
 
 RBDI_API rbd_status rbd_contact_solve(const rbd_contact_problem *problem, void *memory, size_t size,

@@ -8,6 +8,7 @@
    RBDI_ON_CONE: a contact at rest counts as sticking up to this times its largest friction.
    RBDI_LEFT_OF_SLOP: depths of this share of the slop that the first half of a step makes are left.
    RBDI_PROXIMAL: share of the trace that Newton steps add to the diagonal, [newton].
+   RBDI_LEAST_SIZE: squares of smaller impulses (N s) are near the smallest number, or below it.
    RBDI_SIDES_PROXIMAL: the same for derivatives, whose relative error is that times the condition of G. */
 #define RBDI_UNMOVED (16 * RBDI_EPS)
 #define RBDI_ON_CONE (1 + 16 * RBDI_EPS)
@@ -16,9 +17,11 @@
 #if RBDI_KIND(RBD_CONST) == 2
 #define RBDI_PROXIMAL {1e-4f, 1e-3f, 1e-2f}
 #define RBDI_CONTACT_TOLERANCE 1e-5f
+#define RBDI_LEAST_SIZE 1e-15f
 #else
 #define RBDI_PROXIMAL {RBD_C(1e-7), RBD_C(1e-4), RBD_C(1e-2)}
 #define RBDI_CONTACT_TOLERANCE RBD_C(1e-6)
+#define RBDI_LEAST_SIZE RBD_C(1e-140)
 #endif
 #define RBDI_CONTACT_ITERATIONS 40
 #define RBDI_NEAR_LIMIT RBD_C(0.02) /* rad or m: nearer limits are rows */

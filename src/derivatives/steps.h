@@ -4,7 +4,7 @@
 #include "motion/manifold.h"
 #include "api/derivatives.h"
 
-/* Interface: rbdi_ad_function_of, rbdi_move_columns, rbdi_tails, rbdi_unforced_columns, RBDI_J_R_INVERSE */
+/* Interface: rbdi_move_columns, rbdi_unforced_columns */
 
 /* ---- derivatives of steps on the configuration manifold [steps code] ----
    Of spherical, planar and floating joints; the coordinates of others add up, so their derivatives are 1 and

@@ -856,6 +856,8 @@ static void check_assembly(void) {
     const quad least = near.sigma[r - 1] * near.least_share;
     record(NEAREST_V, relative(dense_norm(&near, x) * least * least, dense_norm(&near, v)));
     if (r < rank) return; /* a singular place: no forces of constraints hold the distance there */
+    dense_slopes_of(&moved, list, now.n, &at);
+    if (!dense_factor(&near, &at, W, unit, nv, 1)) return;
     rbd_difference(model, start, q_near, d);
     widen(d, nv, g);
     dense_solve(&near, &at, r, g, none, x, lambda, rest);

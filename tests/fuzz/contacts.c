@@ -531,8 +531,8 @@ static void add_contact_rows(int i, quad *gap, quad *opening) {
     keep_rows(exact_laws.rows, 3);
 }
 
-/* What the law of an active contact adds to u_n, for velocities. Whether it `rebounds` the library decided. If
-   `any` other does, one that leaves may return with its speed. */
+/* What the law of an active contact adds to u_n, for velocities. The library decided whether it `rebounds`. If
+   `any` does, one that leaves may return with its speed. */
 static double bias_of(const rbd_contact *a, double gap, double opening, int rebounds, int any) {
     if (rebounds && opening < 0) return a->restitution * opening;
     if (any && !(a->stiffness > 0 && gap <= 0) && opening > 0 && opening > gap / now.dt) return opening;
@@ -1136,7 +1136,7 @@ static void break_contact(uint64_t *seed, int i) {
     }
     if (which == 8) a->body1 = wrong[below(seed, 4)];
     if (which == 9) a->body2 = wrong[below(seed, 4)];
-    if (which == 10) a->body2 = a->body1;
+    if (which == 10) a->body2 = a->body1, a->on_body = a->body2 >= 0;
     if (which == 11) a->body2 = 0, a->on_body = 0; /* left out */
     expect_refused(&now.options, RBD_ERR_INDEX, a->body1 == -1 && a->body2 < 0 ? "body1" : names[which - 8],
                    i);

@@ -179,6 +179,34 @@ void dense_rows_of(const world *s, const rbd_constraint *list, int n, const quad
     out->rows = r;
 }
 
+/* Row a of de/dq by those of J, for e = component a of w = log R: a . (z - w x z / 2 + c w x (w x z)). */
+static void bend_row(const all_rows *all, const quad w[3], int a, int nv, quad *row) {
+    const quad x = dot(w, w, 3), half = world_sqrt(x) / 2,
+               c = x < (quad)1e-6L
+                       ? 1 / (quad)12 + x / 720 + x * x / 30240
+                       : (1 - half * (quad)cosl((long double)half) / (quad)sinl((long double)half)) / x;
+    for (int k = 0; k < nv; k++) {
+        const quad z[3] = {all->J[0][k], all->J[1][k], all->J[2][k]};
+        quad once[3], twice[3];
+        cross(w, z, once);
+        cross(w, once, twice);
+        row[k] = z[a] - once[a] / 2 + c * twice[a];
+    }
+}
+
+void dense_slopes_of(const world *s, const rbd_constraint *list, int n, dense_rows *out) {
+    static all_rows all;
+    dense_rows_of(s, list, n, NULL, out);
+    for (int i = 0, r = 0; i < n; i++) {
+        const int *axes = list[i].axes;
+        if (axes[0] + axes[1] + axes[2] == 1) {
+            constraint_rows(s, &list[i], &all);
+            bend_row(&all, all.e, axes[0] ? 0 : axes[1] ? 1 : 2, s->nv, out->J[r]);
+        }
+        for (int j = 0; j < 6; j++) r += axes[j];
+    }
+}
+
 void dense_close(const world *s, rbd_constraint *k) {
     static const double zero[9] = {0};
     const place one = place_of(s, k->body1, k->rotation1, k->position1),

@@ -24,6 +24,9 @@ typedef struct dense_rows {
 /* world_move has been called without accelerations. */
 void dense_rows_of(const world *s, const rbd_constraint *list, int n, const quad *v, dense_rows *out);
 
+/* The same, with de/dq in place of J for single angular axes. */
+void dense_slopes_of(const world *s, const rbd_constraint *list, int n, dense_rows *out);
+
 /* Puts frame 2 where frame 1 is: e = 0. */
 void dense_close(const world *s, rbd_constraint *k);
 
