@@ -3159,7 +3159,7 @@ RBDI_PART void rbdi_external(const rbd_model *m, rbd_work *w, const rbd_real *f_
 }
 
 /* ==== src/dynamics/rnea.h ==== */
-/* Interface: rbdi_rnea_sweep */
+/* Interface: rbdi_rnea, rbdi_rnea_sweep */
 
 /* ---- rnea [rnea] ----
    RBDA table 5.1. Down: v_i, a_i ([state]), and f_i = I_i a_i + v_i x* I_i v_i - X* f_ext from them, here
@@ -4012,7 +4012,7 @@ RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbdi_v3 world, rb
 
 /* ==== src/dynamics/packed.h ==== */
 /* Interface: rbdi_factor, rbdi_invert, rbdi_multiply, rbdi_solve, rbdi_solve_columns, rbdi_solve_down,
-   rbdi_solve_up, rbdi_subtract, rbdi_subtract_product */
+   rbdi_solve_up, rbdi_subtract, rbdi_subtract_product, rbdi_vector_down, rbdi_vector_up */
 
 /* ---- packed matrix of a tree [packed matrix] ----
    M is symmetric, and entry (i, j) is zero unless one dof is on the path of the other to the root. Row k is
@@ -5306,8 +5306,8 @@ RBDI_API rbd_status rbd_point_position(const rbd_model *m, const rbd_work *w, in
 }
 
 /* ==== src/motion/manifold.h ==== */
-/* Interface: rbdi_difference_joint, rbdi_joint_motion, rbdi_joint_turns, rbdi_move_straight,
-   rbdi_put_joint_motion, rbdi_turn_back, rbdi_turn_velocity, rbdi_unforced_velocity */
+/* Interface: rbdi_difference_joint, rbdi_joint_motion, rbdi_joint_turns, rbdi_move_joints,
+   rbdi_put_joint_motion, rbdi_straight_acceleration, rbdi_turn_back */
 
 /* ---- configuration manifold [manifold code] ---- */
 

@@ -22,7 +22,7 @@
      --- stop here if you only use it ---
      [layout]
      [design] [tolerances] [kinematics] [rows] [factor] [rank] [solution]
-     [articulated]
+     [refinement] [articulated]
      [call code] [weights] [assembly] [set code] [derivatives code]
 
    [conventions] Beyond those of rbd.h:
@@ -92,7 +92,8 @@ typedef struct rbd_constraint {
     double rotation2[9]; /* the same of frame 2 in body 2 */
     double position2[3];
     int axes[6];   /* 1 = held: omega_x omega_y omega_z v_x v_y v_z, along the axes of frame 2 */
-    double kp, kd; /* 1/s^2, 1/s: Baumgarte's stabilisation, J a + gamma = -kd J v - kp e */
+    double kp, kd; /* 1/s^2, 1/s: Baumgarte's stabilisation, J a + gamma = -kd J v - kp e. A time step dt
+                      sets bounds: [calls] */
 } rbd_constraint;
 
 /* Common constraints. Every field may be changed afterwards. Holds a point of a body at a place: 3 rows,
@@ -163,6 +164,8 @@ RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_s
    kp e, RBDA section 8.4 and, for kp and kd, 8.3. If rows depend on others (rbd_constraint_rank), a is
    unique and lambda is the solution of least norm.
    lambda   rows; may be NULL
+   gains    with steps v += dt a, q += dt v, errors die out only if kd dt < 2 and kp dt^2 + 2 kd dt < 4, and grow
+            without bound beyond: [design]. kd = 2 sqrt(kp), kp dt^2 up to 0.1 is a good choice
    Errors: also RBD_ERR_SINGULAR and _NAN of M: rbd_singular_dof says where, and the results are 0;
    RBD_ERR_INFEASIBLE if dependent rows contradict each other (rbd_infeasible_row): then the first equation
    holds, and the second in the sense of least squares. A state in which rows depend on each other
@@ -186,8 +189,8 @@ RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const 
    a          nv, wanted, with J a + gamma = 0: for example the result of rbd_constrained_fd with another set,
               in which rows with gains describe the task, too
    actuated   nv flags: not 0 where there is a motor; NULL: everywhere but in floating joints at the root
-   weight     rows, above 0; NULL: 1
-   Errors: also RBD_ERR_RANGE, a weight that is not above 0. Mistry, Buchli and Schaal (2010). */
+   weight     rows, from 0 (lambda costs nothing) to 1e30; NULL: 1
+   Errors: also RBD_ERR_RANGE, a weight out of its range. Mistry, Buchli and Schaal (2010). */
 RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                        const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
                                        const unsigned char *actuated, const rbd_const *weight, rbd_real *tau,
@@ -196,14 +199,15 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
 /* Closes loops, or puts feet in their places: computes q_near near q, with e = 0, and v_near with J v_near
    = 0 there, the one with the least sum of weight (v_near - v)^2.
    q_near is a stationary point of the distance: with d = rbd_difference(q, q_near), the vector weight d is a
-   combination of the rows of J. If all joints have one degree of freedom, it is the nearest place, or nearer
+   combination of the rows of de/dq, which are those of J but for single angular axes. If all joints have one degree of freedom, it is the nearest place, or nearer
    than all places around it; with other joints nearly so, the more the smaller d is. Newton's method finds it
    from q. Far from any solution it may find none, or another one. In a singular place, where rows lose their
    rank, q_near may only be close.
    q_near   another array than q
    v        may be NULL, v_near then too
-   weight   nv, above 0; NULL: 1, that is, a metre counts as much as a radian
-   Errors: also RBD_ERR_RANGE, a weight that is not above 0; RBD_ERR_INFEASIBLE if an entry of e is not below
+   weight   nv, from 0 (a free dof: its motion costs nothing) to 1e30; NULL: 1, that is, a metre counts as much
+            as a radian
+   Errors: also RBD_ERR_RANGE, a weight out of its range; RBD_ERR_INFEASIBLE if an entry of e is not below
    1e-9 (float: 1e-4), the largest in rbd_infeasible_row. */
 RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                  const rbd_real *v, const rbd_const *weight, rbd_real *q_near,
@@ -256,6 +260,8 @@ RBDI_EXTERN_C_END
 /* ==== src/base/letters_begin.h ==== */
 #pragma push_macro("A")
 #undef A
+#pragma push_macro("B")
+#undef B
 #pragma push_macro("C")
 #undef C
 #pragma push_macro("E")
@@ -400,7 +406,14 @@ struct rbd_constraint_set {
 
    Row k of Y is that of dof k, its columns are the rows of the constraints, so that the entries of one dof
    are contiguous and loops run over batches of rows. A dof has entries only in rows of constraints on a body
-   that it moves: its span. */
+   that it moves: its span.
+
+   Gains in time steps. Along a row, de/dt = u = J v and du/dt = -kd u - kp e. Semi-implicit steps make of it
+
+       u+ = (1 - kd dt) u - kp dt e,   e+ = e + dt u+
+
+   whose eigenvalues z solve z^2 - (2 - kd dt - kp dt^2) z + 1 - kd dt = 0. By Jury's test both lie within the unit
+   circle if kd dt < 2, kp > 0, kd > 0 and, at z = -1, 4 - 2 kd dt - kp dt^2 > 0. */
 
 RBDI_CODE_BEGIN
 
@@ -426,7 +439,8 @@ RBDI_CODE_BEGIN
    RBDI_MISSED: a row that is off by more than this share of its terms is refined, [refinement].
    RBDI_STILL, m/s^2 or rad/s^2: but not if it is off by less than this. Where constraints hold all joints,
    accelerations are rounding, and their error is no share of them.
-   RBDI_SHORT_STEP, rad or m: assembly ends RBDI_CLOSING_STEPS after a step below this.
+   RBDI_FREE: the share of the least weight that stands for a weight of 0.
+   RBDI_SHORT_STEP, rad or m: assembly ends RBDI_CLOSING_STEPS after a step below this times its size.
    RBDI_CLOSED: after it all entries of e must be below this. */
 #if RBDI_KIND(RBD_CONST) == 1
 #define RBDI_CLEAR 1e-5
@@ -436,6 +450,7 @@ RBDI_CODE_BEGIN
 #define RBDI_LOST 1e-6
 #define RBDI_MISSED 1e-12
 #define RBDI_STILL 1e-20
+#define RBDI_FREE 1e-13
 #define RBDI_SHORT_STEP 1e-12
 #define RBDI_CLOSED 1e-9
 
@@ -447,6 +462,7 @@ RBDI_CODE_BEGIN
 #define RBDI_LOST 1e-3f
 #define RBDI_MISSED 1e-5f
 #define RBDI_STILL 1e-9f
+#define RBDI_FREE 1e-6f
 #define RBDI_SHORT_STEP 1e-5f
 #define RBDI_CLOSED 1e-4f
 
@@ -458,12 +474,14 @@ RBDI_CODE_BEGIN
 #define RBDI_LOST RBD_C(1e-15)
 #define RBDI_MISSED RBD_C(1e-28)
 #define RBDI_STILL RBD_C(1e-40)
+#define RBDI_FREE RBD_C(1e-26)
 #define RBDI_SHORT_STEP RBD_C(1e-24)
 #define RBDI_CLOSED RBD_C(1e-12)
 
 #endif
 
 #define RBDI_CLEARLY_MORE RBD_C(1.001) /* of shares that differ by rounding alone the first is taken */
+#define RBDI_MOST_WEIGHT RBD_C(1e30)
 #define RBDI_LONGEST_STEP RBD_C(0.5)
 #define RBDI_LEAST_STEP_SIZE RBD_C(1e-3)
 #define RBDI_MOST_STEP_SIZE RBD_C(5)
@@ -560,6 +578,16 @@ static rbdi_v3 rbdi_log_rotation(rbdi_mat R) {
     return rbdi_quaternion_difference(identity, q);
 }
 
+/* The derivative of w = log R by the turn z of body 1, in the axes of z, is z - w x z / 2 + this times
+   w x (w x z): (1 - |w|/2 cot(|w|/2)) / |w|^2, from the tails of sine and cosine in [steps code]. */
+static rbd_real rbdi_log_square(rbdi_v3 w) {
+    const rbdi_exp e = rbdi_exp_of(w);
+    const rbdi_mask near_zero = rbdi_less(e.x, rbdi_set(RBD_C(1)));
+    const rbd_real c4 = rbdi_select(near_zero, rbdi_tail(rbdi_select(near_zero, e.x, rbdi_zero()), 4),
+                                    (RBD_C(0.5) - e.B) / e.x);
+    return (e.C - (c4 + c4)) / (e.B + e.B);
+}
+
 /* Angular part of the position error e, axes of frame 2: [conventions]. R: frame 1 seen from frame 2. */
 static rbdi_v3 rbdi_angular_error(const rbdi_constraint *con, rbdi_mat R) {
     const rbd_real o = rbdi_zero();
@@ -588,6 +616,19 @@ RBDI_ONCE void rbdi_set_axes(const rbd_constraint_set *c, const rbdi_constraint 
         if (con->link[1] >= 0) axis = rbdi_mul_t(c->w->kin[con->link[1]].X.E, axis);
         h->axis[first][r] = axis.x, h->axis[first + 1][r] = axis.y, h->axis[first + 2][r] = axis.z;
     }
+}
+
+/* Makes the axis a of a single angular row the one whose product with a turn z of body 1 is the derivative of
+   a . w, w = log R in world axes: a + w x a / 2 + [rbdi_log_square] w x (w x a). */
+static void rbdi_bend_axis(const rbd_constraint_set *c, const rbdi_constraint *con, rbdi_axes_held *h) {
+    const rbdi_mat R = rbdi_frame_axes(c, con, 1);
+    const rbdi_v3 log_R = rbdi_log_rotation(rbdi_mul_mat(rbdi_transpose(R), rbdi_frame_axes(c, con, 0))),
+                  w = rbdi_mul(R, log_R), a = rbdi_vec(h->axis[0][0], h->axis[1][0], h->axis[2][0]),
+                  across = rbdi_cross(w, a), more = rbdi_scale(rbdi_log_square(log_R), rbdi_cross(w, across)),
+                  bent = rbdi_add(rbdi_add(a, rbdi_scale(rbdi_set(RBD_C(0.5)), across)), more);
+    h->axis[0][0] = bent.x;
+    h->axis[1][0] = bent.y;
+    h->axis[2][0] = bent.z;
 }
 
 /* Adds the components of (angular; linear), world axes, along the axes that a constraint holds. */
@@ -697,13 +738,16 @@ static void rbdi_clear_rows(const rbd_model *m, rbd_constraint_set *c) {
     c->dirty = 1;
 }
 
-/* Adds Y = J', gamma and J v of a constraint and, if `errors`, e. */
+/* Adds Y = J', gamma and J v of a constraint and, if `errors`, e. errors = RBDI_SLOPES: Y = (de/dq)', which is
+   another row than that of J where a single angular axis is held. */
+enum { RBDI_SLOPES = 2 };
 static void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *con,
                                  int errors) {
     rbdi_axes_held h;
     rbdi_v3 p;
     rbdi_set_axes(c, con, &h);
     p = rbdi_constraint_motion(c, con, &h, errors);
+    if (errors == RBDI_SLOPES && con->angular == 1) rbdi_bend_axis(c, con, &h);
     RBDI_FOR_PATHS(m, con, link, sign) rbdi_constraint_link(m, c, con, &h, p, link, sign);
 }
 
@@ -1084,7 +1128,7 @@ static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraint_set
 }
 
 /* ==== src/constraints/solution.h ==== */
-/* Interface: rbdi_sweep_back, rbdi_y_lambda */
+/* Interface: rbdi_y_lambda */
 
 /* ---- solution [solution] ----
    The steps by the factor M = L'DL, before and after [factor] or [rank]. */
@@ -1103,6 +1147,122 @@ RBDI_INLINE rbd_real rbdi_y_lambda(const rbd_constraint_set *c, const rbd_real *
     for (int r = span.first; r < span.end; r += RBDI_BATCH)
         sum = rbdi_sum_and(sum, *(const rbdi_batch *)&y[r] * *(const rbdi_batch *)&lambda[r]);
     return rbdi_sum_value(sum);
+}
+
+/* ==== src/constraints/refinement.h ==== */
+/* ---- refinement [refinement] ----
+   Accelerations x = D^-1 (f + Y lambda) lose digits where both terms are larger by far than their sum. So it
+   is for a link of tiny inertia that a constraint holds: without the constraint its acceleration would be
+   torque / inertia. The rows then miss their targets by rounding of these terms. Iterative refinement
+   (Higham, Accuracy and Stability of Numerical Algorithms, chapter 12) finds the digits:
+
+       b = target - Y' x,   Delta delta = b,   x += D^-1 Y delta,   lambda += delta
+
+   until b is small beside its own terms. In most states it is so from the start. A step that does not halve b
+   is taken back. Dependent rows can only meet what of b has no component along their null vectors. */
+
+/* Largest magnitude of n numbers. */
+static rbd_real rbdi_largest(const rbd_real *x, int n) {
+    rbd_real largest = rbdi_zero();
+    for (int k = 0; k < n; ++k) {
+        const rbd_real size = rbdi_abs(x[k]);
+        largest = rbdi_select(rbdi_less(largest, size), size, largest);
+    }
+    return largest;
+}
+
+/* b = target - Y' x, and the squares of its terms. A batch may reach into the rows of the next constraint,
+   which come after, or behind the last row, where all is 0. */
+static void rbdi_rest_of_rows(rbd_constraint_set *c) {
+    for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con)
+        for (int r = con->row; r < con->row + con->rows; r += RBDI_BATCH) {
+            const rbd_real *Y = &c->Y[r];
+            rbdi_batch b = *(const rbdi_batch *)&c->target[r], squares = b * b;
+            for (int t = 0; t < con->dofs; ++t) {
+                const int k = con->dof[t];
+                const rbdi_batch term = *(const rbdi_batch *)&Y[k * c->stride] * c->x[k];
+                b = b - term;
+                squares = squares + term * term;
+            }
+            *(rbdi_batch *)&c->b[r] = b;
+            *(rbdi_batch *)&c->slack[r] = squares;
+        }
+}
+
+/* Computes b and whether an entry of it is more than rounding of its terms. */
+static rbdi_mask rbdi_rows_miss(rbd_constraint_set *c) {
+    rbdi_mask miss = rbdi_less(rbdi_zero(), rbdi_zero());
+    rbdi_rest_of_rows(c);
+    if (c->pivoted) {
+        rbdi_permute(c, c->b, 1, 0);
+        rbdi_project_columns(c, c->b, 1);
+        rbdi_permute(c, c->b, 1, 1);
+    }
+
+    for (int r = 0; r < c->rows; ++r) {
+        const rbd_real least = c->slack[r] * (RBDI_MISSED * RBDI_MISSED) + RBDI_STILL * RBDI_STILL;
+        miss = rbdi_or(miss, rbdi_not(rbdi_less(c->b[r] * c->b[r], least)));
+    }
+    return miss;
+}
+
+/* Adds entry k of D^-1 Y lambda to x. Returns whether the sum lost so many digits that rows may miss. */
+RBDI_INLINE rbdi_mask rbdi_add_force(const rbd_constraint_set *c, const rbd_real *lambda, int k,
+                                     rbd_real *x) {
+    const rbd_real change = rbdi_y_lambda(c, lambda, k) * c->D_inverse[k], sum = *x + change;
+    *x = sum;
+    return rbdi_less(rbdi_abs(sum) * (1 / RBDI_LOST), rbdi_abs(change));
+}
+
+/* The same for all dofs, in c->x. */
+static rbdi_mask rbdi_add_forces(const rbd_model *m, rbd_constraint_set *c, const rbd_real *lambda) {
+    rbdi_mask lost = rbdi_less(rbdi_zero(), rbdi_zero());
+    for (int k = 0; k < m->nv; ++k)
+        if (c->span[k].end > 0) lost = rbdi_or(lost, rbdi_add_force(c, lambda, k, &c->x[k]));
+    return lost;
+}
+
+/* y = x where `mask`. */
+static void rbdi_copy_where(rbdi_mask mask, const rbd_real *x, int n, rbd_real *y) {
+    for (int k = 0; k < n; ++k) y[k] = rbdi_select(mask, x[k], y[k]);
+}
+
+/* Refines x and lambda where `miss` says so, which rbdi_rows_miss returned. */
+RBDI_COLD void rbdi_refine_steps(const rbd_model *m, rbd_constraint_set *c, rbdi_mask miss) {
+    rbd_real *old_x = c->householder, *old_lambda = c->inverse_square;
+    rbd_real size = rbdi_largest(c->b, c->rows);
+    for (int step = 0; step < RBDI_REFINEMENTS && rbdi_any(miss); ++step) {
+        const rbd_real last = size;
+        rbdi_mask worse;
+        for (int k = 0; k < m->nv; ++k) old_x[k] = c->x[k];
+        for (int r = 0; r < c->rows; ++r) old_lambda[r] = c->lambda[r];
+
+        rbdi_delta_solve(c, c->b, 1);
+        for (int r = 0; r < c->rows; ++r) {
+            c->b[r] = rbdi_select(miss, c->b[r], rbdi_zero());
+            c->lambda[r] = c->lambda[r] + c->b[r];
+        }
+        (void)rbdi_add_forces(m, c, c->b);
+
+        miss = rbdi_and(miss, rbdi_rows_miss(c));
+        size = rbdi_largest(c->b, c->rows);
+        worse = rbdi_and(miss, rbdi_not(rbdi_less(size + size, last)));
+        rbdi_copy_where(worse, old_x, m->nv, c->x);
+        rbdi_copy_where(worse, old_lambda, c->rows, c->lambda);
+        miss = rbdi_and(miss, rbdi_not(worse));
+    }
+}
+
+/* Refines x and lambda where rows miss their targets. lost: what the additions to x returned. Returns whether
+   any row missed. */
+static int rbdi_refine(const rbd_model *m, rbd_constraint_set *c, rbdi_mask lost) {
+    rbdi_mask miss;
+    if (!c->pivoted && !rbdi_any(lost)) return 0;
+
+    miss = rbdi_rows_miss(c);
+    if (!rbdi_any(miss)) return 0;
+    rbdi_refine_steps(m, c, miss);
+    return 1;
 }
 
 /* ==== src/constraints/articulated.h ==== */
@@ -1454,7 +1614,8 @@ RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const 
     return status;
 }
 
-/* Computes J, J v, gamma and, if `errors`, e, and the motion of all links without gravity. v: NULL = 0. */
+/* Computes J, J v, gamma and, if `errors`, e as rbdi_constraint_rows, and the motion of all links without
+   gravity. v: NULL = 0. */
 static void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                     const rbd_real *v, int errors) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
@@ -1483,11 +1644,24 @@ RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_s
    With a diagonal matrix D in place of M, so that L = 1 and Y = J', rbdi_multipliers solves least squares: it
    adds D^-1 J' lambda to x, of all changes d with J (x + d) = target the one with the least d' D d. */
 
-/* Whether n weights are above 0. NULL: all are 1. */
+/* Whether n weights are from 0 to RBDI_MOST_WEIGHT. NULL: all are 1. */
 static int rbdi_weights_fit(const rbd_const *weight, int n) {
     for (int k = 0; weight && k < n; ++k)
-        if (!(weight[k] > 0)) return 0;
+        if (!(weight[k] >= 0 && weight[k] <= RBDI_MOST_WEIGHT)) return 0;
     return 1;
+}
+
+/* The weight that stands for 0: so small a share of the least of the others that these alone count. */
+static rbd_const rbdi_free_weight(const rbd_const *weight, int n) {
+    rbd_const least = 0;
+    for (int k = 0; weight && k < n; ++k)
+        if (weight[k] > 0 && !(least > 0 && least < weight[k])) least = weight[k];
+    return least > 0 ? least * RBDI_FREE : RBD_C(1);
+}
+
+/* 1 / weight k. free: the weight that stands for 0. */
+static rbd_const rbdi_inverse_weight(const rbd_const *weight, int k, rbd_const free) {
+    return weight ? RBD_C(1) / (weight[k] > 0 ? weight[k] : free) : RBD_C(1);
 }
 
 /* Whether dof k has no motor: its flag is 0 or, without flags, its joint is a floating one at a root. */
@@ -1502,13 +1676,14 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
                                        rbd_real *lambda) {
     const rbd_status status = rbdi_check_constraints(m, c, q && v && a && tau);
     rbd_real *root; /* of 1 / weight */
+    rbd_const free;
     if (status) return status;
     if (!rbdi_weights_fit(weight, c->rows)) return RBD_ERR_RANGE;
+    free = rbdi_free_weight(weight, c->rows);
     rbd_rnea(m, c->w, q, v, a, f_ext, c->x);
     rbdi_constraint_rows_at(m, c, q, NULL, 0);
     root = c->velocity; /* J v is not needed */
-    for (int r = 0; r < c->rows; ++r)
-        root[r] = rbdi_sqrt(rbdi_set(RBD_C(1) / (weight ? weight[r] : RBD_C(1))));
+    for (int r = 0; r < c->rows; ++r) root[r] = rbdi_sqrt(rbdi_set(rbdi_inverse_weight(weight, r, free)));
     for (int k = 0; k < m->nv; ++k) {
         const int passive = rbdi_is_passive(m, actuated, k);
         for (int r = 0; r < c->rows; ++r) c->Y[k * c->stride + r] = c->Y[k * c->stride + r] * root[r];
@@ -1527,9 +1702,11 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
 
 /* ==== src/constraints/assembly.h ==== */
 /* ---- assembly [assembly] ----
-   Newton's method. Of all steps d with J d = -e it takes the one that makes d + rbd_difference(q, q_near),
-   the remaining distance from q, shortest. Steps are cut to RBDI_LONGEST_STEP, because J changes. The last
-   steps reduce e alone. */
+   Newton's method. Of all steps d with de/dq d = -e it takes the one that makes d + rbd_difference(q, q_near),
+   the remaining distance from q, shortest. J takes the place of de/dq, except where a single angular axis is
+   held: J d = -e would not come nearer there at large turns. Two axes are better off with J: de/dq vanishes
+   where they are 90 degrees off. Steps are cut to RBDI_LONGEST_STEP, because the rows change. The last steps
+   reduce e alone. */
 
 /* The next step size: the share of the distance that a step removes, by Barzilai and Borwein (1988), from
    this step c->x, the step before it, and the sizes of both. 1 is right if J is constant; if J changes, steps
@@ -1573,9 +1750,9 @@ static void rbdi_assemble_position(const rbd_model *m, rbd_constraint_set *c, co
     rbdi_clear(c->last_step, m->nv);
     for (int step = 0, close = 0; close < RBDI_CLOSING_STEPS; ++step) {
         rbd_real length, next;
-        rbdi_constraint_rows_at(m, c, q_near, NULL, 1);
+        rbdi_constraint_rows_at(m, c, q_near, NULL, RBDI_SLOPES);
         length = rbdi_assembly_step(m, c, q, q_near, close ? rbdi_zero() : size);
-        if (close || step > RBDI_NEARING_STEPS || !rbdi_any(rbdi_less(rbdi_set(RBDI_SHORT_STEP), length)))
+        if (close || step > RBDI_NEARING_STEPS || !rbdi_any(rbdi_less(size * RBDI_SHORT_STEP, length)))
             ++close;
         if (close) continue;
         next = rbdi_next_size(c, m->nv, size, last_size);
@@ -1590,9 +1767,11 @@ RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, cons
                                  rbd_real *v_near) {
     const rbd_status status = rbdi_check_constraints(m, c, q && q_near && q != q_near && (!v == !v_near));
     rbd_real open;
+    rbd_const free;
     if (status) return status;
     if (!rbdi_weights_fit(weight, m->nv)) return RBD_ERR_RANGE;
-    for (int k = 0; k < m->nv; ++k) c->D_inverse[k] = rbdi_set(weight ? RBD_C(1) / weight[k] : RBD_C(1));
+    free = rbdi_free_weight(weight, m->nv);
+    for (int k = 0; k < m->nv; ++k) c->D_inverse[k] = rbdi_set(rbdi_inverse_weight(weight, k, free));
     rbdi_assemble_position(m, c, q, q_near);
     if (v) {
         for (int k = 0; k < m->nv; ++k) c->x[k] = v[k];
@@ -1921,7 +2100,7 @@ RBDI_CODE_END
 RBDI_CODE_BEGIN
 
 /* ==== src/constraints/derivatives.h ==== */
-/* Interface: rbdi_differentiate_error, rbdi_differentiate_forces, rbdi_differentiate_motion,
+/* Interface: rbdi_cross_add, rbdi_differentiate_error, rbdi_differentiate_forces, rbdi_differentiate_motion,
    rbdi_motion_derivatives, rbdi_pair_motion, rbdi_pair_motion_of */
 
 /* ---- derivatives [derivatives code] ----
@@ -1965,7 +2144,7 @@ typedef struct rbdi_pair_motion {
     rbdi_force force;            /* of lambda */
     rbdi_axes_held h;
     rbdi_v3 log_R;       /* world axes */
-    rbd_real log_square; /* the derivative of log R is z - log_R x z / 2 + this times log_R x (log_R x z) */
+    rbd_real log_square; /* rbdi_log_square of it */
     rbdi_v3 free[2];     /* the free axis if two angular ones are held: of frame 2, of frame 1 */
     rbdi_v3 roll_radius; /* a turn z of body 1 moves the place of contact over it by z x this; 0 if no ball */
 } rbdi_pair_motion;
@@ -2002,11 +2181,10 @@ static rbdi_pair_motion rbdi_pair_motion_of(const rbd_constraint_set *c, const r
     if (con->kp > 0 && con->angular) {
         const rbdi_mat R_1 = rbdi_frame_axes(c, con, 0), R_2 = rbdi_frame_axes(c, con, 1);
         const int i = con->angular == 2 ? 3 - con->axis[0] - con->axis[1] : 0;
-        rbd_real tails[7], axis[3] = {rbdi_zero(), rbdi_zero(), rbdi_zero()};
+        rbd_real axis[3] = {rbdi_zero(), rbdi_zero(), rbdi_zero()};
         pair.log_R = rbdi_log_rotation(rbdi_mul_mat(rbdi_transpose(R_2), R_1));
-        rbdi_tails(pair.log_R, tails);
+        pair.log_square = rbdi_log_square(pair.log_R);
         pair.log_R = rbdi_mul(R_2, pair.log_R);
-        pair.log_square = rbdi_ad_function_of(RBDI_J_R_INVERSE, tails).c;
         axis[i] = rbdi_set(RBD_C(1));
         pair.free[0] = rbdi_mul(R_2, rbdi_load_vec(axis, 1));
         pair.free[1] = rbdi_mul(R_1, rbdi_load_vec(axis, 1));
@@ -2251,6 +2429,7 @@ RBDI_CODE_END
 
 /* ==== src/base/letters_end.h ==== */
 #pragma pop_macro("A")
+#pragma pop_macro("B")
 #pragma pop_macro("C")
 #pragma pop_macro("E")
 #pragma pop_macro("H")

@@ -96,16 +96,17 @@ typedef struct rbd_contact_solution {
     int newton_steps;  /* each with one factorisation at least */
 } rbd_contact_solution;
 
-/* Bytes of memory that rbd_contact_solve needs for such a problem. */
+/* Bytes of memory that rbd_contact_solve needs for such a problem; 0 if a number is out of range. */
 RBDI_API size_t rbd_contact_solve_size(int contacts, int bounded);
 
 /* Solves the problem. One that is not solved is no error: the residual is above the tolerance then. p is
-   finite and within cones and bounds in any case.
+   finite and, to rounding, within cones and bounds in any case.
    memory     size bytes of any alignment, scratch
    p          rows: where to begin (0, or the solution before), then the solution, N s
    state      contacts: what each does; may be NULL
    solution   may be NULL
-   Errors: RBD_ERR_NULL, _MEMORY; _COUNT, a number below 0; _RANGE, a friction, tolerance or number of
+   Errors: RBD_ERR_NULL, _MEMORY; _COUNT, a number below 0, or 46,000 rows and more: their
+   matrix has no int for an index; _RANGE, a friction, tolerance or number of
    iterations below 0, or a lower bound above the upper one; _NAN, an entry of b or p is not finite: p = 0. */
 RBDI_API rbd_status rbd_contact_solve(const rbd_contact_problem *problem, void *memory, size_t size,
                                       rbd_real *p, rbd_contact_state *state, rbd_contact_solution *solution);
@@ -133,11 +134,11 @@ typedef struct rbd_contact {
 typedef struct rbd_contact_options {
     double margin; /* closer contacts are rows, m [0.005]; others where they may arrive within two steps */
     double slop;   /* penetration that is left, m [1e-5] */
-    double correction;  /* share of the rest that a step corrects [0.2] */
-    double bounce;      /* slower impacts do not rebound, m/s [0.05]; choose more than 2 g dt */
-    double tolerance;   /* of the residual, m/s [1e-6, float 1e-5] */
-    int iterations;     /* at most [40] */
-    int joint_limits;   /* not 0: limits of joints push, those of their followers too */
+    double correction; /* share of the rest that a step corrects [0.2] */
+    double bounce;     /* slower impacts do not rebound, m/s [0.05]; choose more than 2 g dt */
+    double tolerance;  /* of the residual, m/s [1e-6, float 1e-5] */
+    int iterations;    /* of each solution at most [40]; a step has two if something penetrates or rebounds */
+    int joint_limits;  /* not 0: limits of joints push, those of their followers too */
     int joint_friction; /* not 0: the description's friction of each degree of freedom holds, or brakes */
     int joint_damping;  /* not 0: the description's damping, implicitly */
     double slip;        /* contacts that stick give way along the plane, m/s per newton [0] */
@@ -211,7 +212,7 @@ RBDI_API void rbd_contact_reset(rbd_contact_set *c);
    force      p/dt on body 1, world axes, N; may be NULL */
 RBDI_API rbd_contact_state rbd_contact_get(const rbd_contact_set *c, int i, rbd_real *gap, rbd_real force[3]);
 
-/* Residual and iterations of the last step; all 0 without a set or a step. */
+/* Residual and iterations of the last step, of both solutions if it has two; all 0 without a set or step. */
 RBDI_API rbd_contact_solution rbd_contact_last(const rbd_contact_set *c);
 
 /* ==== src/rbd_contact.h ==== */
@@ -275,6 +276,8 @@ RBDI_EXTERN_C_END
 #undef G
 #pragma push_macro("H")
 #undef H
+#pragma push_macro("L")
+#undef L
 #pragma push_macro("M")
 #undef M
 #pragma push_macro("Q")
@@ -439,6 +442,7 @@ RBDI_CODE_BEGIN
    RBDI_ON_CONE: a contact at rest counts as sticking up to this times its largest friction.
    RBDI_LEFT_OF_SLOP: depths of this share of the slop that the first half of a step makes are left.
    RBDI_PROXIMAL: share of the trace that Newton steps add to the diagonal, [newton].
+   RBDI_LEAST_SIZE: squares of smaller impulses (N s) are near the smallest number, or below it.
    RBDI_SIDES_PROXIMAL: the same for derivatives, whose relative error is that times the condition of G. */
 #define RBDI_UNMOVED (16 * RBDI_EPS)
 #define RBDI_ON_CONE (1 + 16 * RBDI_EPS)
@@ -447,9 +451,11 @@ RBDI_CODE_BEGIN
 #if RBDI_KIND(RBD_CONST) == 2
 #define RBDI_PROXIMAL {1e-4f, 1e-3f, 1e-2f}
 #define RBDI_CONTACT_TOLERANCE 1e-5f
+#define RBDI_LEAST_SIZE 1e-15f
 #else
 #define RBDI_PROXIMAL {RBD_C(1e-7), RBD_C(1e-4), RBD_C(1e-2)}
 #define RBDI_CONTACT_TOLERANCE RBD_C(1e-6)
+#define RBDI_LEAST_SIZE RBD_C(1e-140)
 #endif
 #define RBDI_CONTACT_ITERATIONS 40
 #define RBDI_NEAR_LIMIT RBD_C(0.02) /* rad or m: nearer limits are rows */
@@ -704,13 +710,24 @@ RBDI_PART void rbdi_contact_residual(rbdi_contact_solver *s) {
     rbdi_project_laws(s);
 }
 
+/* |p_t|. Below RBDI_LEAST_SIZE squares would lose digits, or vanish. */
+RBDI_INLINE rbd_real rbdi_tangent_size(const rbd_real *p) {
+    const rbd_real x = rbdi_abs(p[0]), y = rbdi_abs(p[1]), most = x > y ? x : y;
+    rbd_real ratio;
+    if (most > RBDI_LEAST_SIZE) return rbdi_sqrt(x * x + y * y);
+    if (!(most > 0)) return x + y;
+
+    ratio = (x > y ? y : x) / most;
+    return most * rbdi_sqrt(1 + ratio * ratio);
+}
+
 /* Moves p into cones and bounds, because iterations leave it outside by the tolerance. If `at_end`, contacts
    that open get 0. Returns whether p changed. */
 RBDI_PART int rbdi_into_cones(rbdi_contact_solver *s, int at_end) {
     int changed = 0;
     for (int i = 0; i < s->given.contacts; ++i) {
         rbd_real *p = &s->p[3 * i];
-        const rbd_real size = rbdi_sqrt(p[0] * p[0] + p[1] * p[1]), most = s->law[i].friction * p[2];
+        const rbd_real size = rbdi_tangent_size(p), most = s->law[i].friction * p[2];
         const rbd_contact_state state = s->law[i].state;
         const int none = state == RBD_APART || !(p[2] > 0) || (at_end && state == RBD_OPENS);
         if (none ? size <= 0 && p[2] <= 0 && p[2] >= 0 : !(size > most)) continue; /* not so of NaN */
@@ -1041,10 +1058,20 @@ RBDI_PART int rbdi_all_finite(const rbd_real *x, int n) {
     return 1;
 }
 
+/* Whether an index into G, the largest array, would not fit an int. */
+RBDI_INLINE int rbdi_too_large(int contacts, int bounded) {
+    const int most = (int)((unsigned)-1 >> 1);
+    int rows;
+    if (contacts > most / 3 || bounded > most - 3 * contacts) return 1;
+    rows = 3 * contacts + bounded;
+    return rows > 0 && (rows > most - 5 - RBDI_CHUNK || rows + 5 + RBDI_CHUNK > most / rows);
+}
+
 RBDI_PART rbd_status rbdi_check_problem(const rbd_contact_problem *given, const void *memory, size_t size,
                                         const rbd_real *p) {
     if (!given) return RBD_ERR_NULL;
     if (given->contacts < 0 || given->bounded < 0) return RBD_ERR_COUNT;
+    if (rbdi_too_large(given->contacts, given->bounded)) return RBD_ERR_COUNT;
     if (!memory || (given->contacts && !given->friction) ||
         (given->bounded && (!given->lower || !given->upper)))
         return RBD_ERR_NULL;
@@ -1059,7 +1086,8 @@ RBDI_PART rbd_status rbdi_check_problem(const rbd_contact_problem *given, const 
 }
 
 RBDI_API size_t rbd_contact_solve_size(int contacts, int bounded) {
-    return contacts < 0 || bounded < 0 ? 0 : RBDI_CONTACT_SOLVER_BYTES(contacts, bounded);
+    if (contacts < 0 || bounded < 0 || rbdi_too_large(contacts, bounded)) return 0;
+    return RBDI_CONTACT_SOLVER_BYTES(contacts, bounded);
 }
 
 RBDI_API rbd_status rbd_contact_solve(const rbd_contact_problem *problem, void *memory, size_t size,
@@ -1738,6 +1766,29 @@ static int rbdi_write_biases(rbd_contact_set *c, int purpose) {
     return changed;
 }
 
+/* ==== src/contact/reduction.h ==== */
+/* ---- reduction [reduction] ----
+   The steps from the rows to Delta lambda = b by the factor M = L'DL. */
+
+/* Y = L^-T Y, b = target - Y' D^-1 x, and the squares of b's terms. Batches may reach beyond a dof's span:
+   entries there are 0. */
+static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
+    rbdi_solve_up(m, c->w, L, c->stride, c->rows, c->Y);
+    for (int r = 0; r < c->rows; r += RBDI_BATCH) {
+        const rbdi_batch b = *(const rbdi_batch *)&c->target[r];
+        *(rbdi_batch *)&c->b[r] = b, *(rbdi_batch *)&c->slack[r] = b * b;
+    }
+    for (int k = 0; k < m->nv; ++k) {
+        const rbd_real z = c->x[k] * c->D_inverse[k];
+        for (int r = c->span[k].first; r < c->span[k].end; r += RBDI_BATCH) {
+            const rbdi_batch term = *(const rbdi_batch *)&c->Y[k * c->stride + r] * z;
+            rbdi_batch *b = (rbdi_batch *)&c->b[r], *squares = (rbdi_batch *)&c->slack[r];
+            *b = *b - term;
+            *squares = *squares + term * term;
+        }
+    }
+}
+
 /* ==== src/contact/step.h ==== */
 /* ---- step code [step code] ----
    The midpoint scheme of Moreau (1999), with two corrections of the velocity terms. Half of the way is made by
@@ -2325,6 +2376,7 @@ RBDI_CODE_END
 #pragma pop_macro("E")
 #pragma pop_macro("G")
 #pragma pop_macro("H")
+#pragma pop_macro("L")
 #pragma pop_macro("M")
 #pragma pop_macro("Q")
 #pragma pop_macro("R")

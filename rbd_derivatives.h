@@ -2262,7 +2262,7 @@ RBDI_API rbd_status rbd_check_parameters(const rbd_const pi[10]) {
 #endif
 
 /* ==== src/derivatives/steps.h ==== */
-/* Interface: rbdi_ad_function_of, rbdi_move_columns, rbdi_tails, rbdi_unforced_columns, RBDI_J_R_INVERSE */
+/* Interface: rbdi_columns_before, rbdi_move_columns, rbdi_unforced_columns */
 
 /* ---- derivatives of steps on the configuration manifold [steps code] ----
    Of spherical, planar and floating joints; the coordinates of others add up, so their derivatives are 1 and
@@ -2537,3 +2537,16 @@ RBDI_CODE_END
 #pragma pop_macro("V")
 #pragma pop_macro("X")
 #pragma pop_macro("Y")
+
+/* ==== src/rbd_derivatives.h ==== */
+/* Headers that stand before this one declare their derivatives now. They implement them if they themselves
+   are implemented in this file. */
+#ifndef RBDI_JOINS_DERIVATIVES
+#define RBDI_JOINS_DERIVATIVES
+#if defined RBD_CONTACT_H && !defined RBDI_CONTACT_DERIVATIVES
+#include "rbd_contact.h"
+#elif defined RBD_CONSTRAINTS_H && !defined RBDI_CONSTRAINED_DERIVATIVES
+#include "rbd_constraints.h"
+#endif
+#undef RBDI_JOINS_DERIVATIVES
+#endif

@@ -1,6 +1,7 @@
 #ifndef RBDI_CONTACT_REDUCTION_H
 #define RBDI_CONTACT_REDUCTION_H
-#include "constraints/solution.h"
+#include "dynamics/packed.h"
+#include "constraints/layout.h"
 
 /* ---- reduction [reduction] ----
    The steps from the rows to Delta lambda = b by the factor M = L'DL. */

@@ -4,7 +4,7 @@
 #include "motion/manifold.h"
 #include "api/derivatives.h"
 
-/* Interface: rbdi_move_columns, rbdi_unforced_columns */
+/* Interface: rbdi_columns_before, rbdi_move_columns, rbdi_unforced_columns */
 
 /* ---- derivatives of steps on the configuration manifold [steps code] ----
    Of spherical, planar and floating joints; the coordinates of others add up, so their derivatives are 1 and

@@ -4,7 +4,7 @@
 #include "base/memory.h"
 
 /* Interface: rbdi_factor, rbdi_invert, rbdi_multiply, rbdi_solve, rbdi_solve_columns, rbdi_solve_down,
-   rbdi_solve_up, rbdi_subtract, rbdi_subtract_product */
+   rbdi_solve_up, rbdi_subtract, rbdi_subtract_product, rbdi_vector_down, rbdi_vector_up */
 
 /* ---- packed matrix of a tree [packed matrix] ----
    M is symmetric, and entry (i, j) is zero unless one dof is on the path of the other to the root. Row k is

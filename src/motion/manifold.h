@@ -3,8 +3,8 @@
 #include "api/manifold.h"
 #include "model/joints.h"
 
-/* Interface: rbdi_difference_joint, rbdi_joint_motion, rbdi_joint_turns, rbdi_move_straight,
-   rbdi_put_joint_motion, rbdi_turn_back, rbdi_turn_velocity, rbdi_unforced_velocity */
+/* Interface: rbdi_difference_joint, rbdi_joint_motion, rbdi_joint_turns, rbdi_move_joints,
+   rbdi_put_joint_motion, rbdi_straight_acceleration, rbdi_turn_back */
 
 /* ---- configuration manifold [manifold code] ---- */
 
