@@ -395,6 +395,7 @@ struct rbd_contact_set {
     rbd_real *q_mid, *v_mid; /* nq, nv: the state after half of the step, by v alone */
     rbd_real *at, *straight; /* nv each: velocities of the velocity terms; accelerations by which, at
                                      these velocities, origins move straight */
+    rbd_real *damping;       /* nv: all of it that is implicit */
     rbd_real *nu, *moved;    /* nv each: velocities of the end; of the positions */
     rbd_real *x;             /* nv: L^-T dt (tau - c - damping v_mid) */
     rbd_real dt, last_dt;    /* of this step; of the last one, 1 = none */
@@ -412,7 +413,7 @@ struct rbd_contact_set {
      RBDI_ROUND((size_t)(bounded) * sizeof(rbdi_dof_row)) + \
      RBDI_ROUND(RBDI_CONTACT_ROWS(n, bounded) * sizeof(int16_t)) + \
      RBDI_ROUND(sizeof(rbd_real) * ((size_t)(n) + 2 * (size_t)(bounded) + \
-                                    2 * RBDI_CONTACT_ROWS(n, bounded) + (size_t)(nq) + 6 * (size_t)(nv))) + \
+                                    2 * RBDI_CONTACT_ROWS(n, bounded) + (size_t)(nq) + 7 * (size_t)(nv))) + \
      RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded)) + \
      RBDI_CONSTRAINTS_BYTES(nv, (n) + (constraints), RBDI_CONTACT_ROWS(n, bounded), stride))
 
@@ -1335,12 +1336,12 @@ static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held,
     c->contact = RBDI_CUT(rbdi_contact, n);
     c->dof_row = RBDI_CUT(rbdi_dof_row, bounded);
     c->place = RBDI_CUT(int16_t, c->max_rows);
-    c->friction = RBDI_CUT(rbd_real, n + 2 * bounded + 2 * c->max_rows + m->nq + 6 * nv);
+    c->friction = RBDI_CUT(rbd_real, n + 2 * bounded + 2 * c->max_rows + m->nq + 7 * nv);
     c->lower = c->friction + n, c->upper = c->lower + bounded;
     c->b = c->upper + bounded, c->impulse = c->b + c->max_rows;
     c->q_mid = c->impulse + c->max_rows, c->v_mid = c->q_mid + m->nq;
     c->at = c->v_mid + nv, c->straight = c->at + nv;
-    c->nu = c->straight + nv, c->moved = c->nu + nv, c->x = c->moved + nv;
+    c->damping = c->straight + nv, c->nu = c->damping + nv, c->moved = c->nu + nv, c->x = c->moved + nv;
     rbdi_lay_solver(&c->solver, n, bounded, at);
     at += RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded));
     c->sigma = o->derivatives ? RBDI_CUT(rbd_real, RBDI_CONTACT_SIDES(nv, n, c->max_rows)) : NULL;
@@ -1394,6 +1395,7 @@ RBDI_API rbd_status rbd_contact_set_init(const rbd_model *m, rbd_work *w, const 
         c->rows->constraint[i].kp = 1; /* any value above 0: derivatives need the position error */
     }
     rbdi_list_dof_rows(m, &o, c->dof_row);
+    rbdi_clear(c->straight, m->nv);
     rbdi_begin_set(m, w, c->rows);
     rbd_contact_reset(c);
     *contacts = c;
@@ -1803,14 +1805,10 @@ static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rb
    without, and falls in that order with the second of these. Energy then changes by p'(u before + u after) / 2. */
 
 /* s->x = dt (tau - w->bias - damping v_mid). */
-static void rbdi_free_impulse(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
-                              const rbd_real *damping) {
-    rbd_constraint_set *s = c->rows;
-    for (int k = 0; k < m->nv; ++k) {
-        rbd_real d = damping ? damping[k] : rbdi_zero();
-        if (c->options.joint_damping) d = d + rbdi_joint_damping(m, k);
-        s->x[k] = c->dt * (tau[k] - s->w->bias[k] - d * c->v_mid[k]);
-    }
+static void rbdi_free_impulse(const rbd_model *m, const rbd_contact_set *c, const rbd_real *tau) {
+    rbd_real *x = c->rows->x;
+    const rbd_real *bias = c->rows->w->bias;
+    for (int k = 0; k < m->nv; ++k) x[k] = c->dt * (tau[k] - bias[k] - c->damping[k] * c->v_mid[k]);
 }
 
 /* Adds dt damping to M, and factors it. */
@@ -1820,9 +1818,9 @@ static rbdi_mask rbdi_factor_damped(const rbd_model *m, rbd_contact_set *c, cons
     rbdi_mask doubt;
     for (int k = 0; k < m->nv; ++k) {
         rbd_real *diagonal = &w->H[m->dof[k].row + m->dof[k].depth];
-        rbd_real d = damping ? damping[k] : rbdi_zero();
-        if (c->options.joint_damping) d = d + rbdi_joint_damping(m, k);
-        *diagonal = *diagonal + c->dt * d;
+        c->damping[k] = damping ? damping[k] : rbdi_zero();
+        if (c->options.joint_damping) c->damping[k] = c->damping[k] + rbdi_joint_damping(m, k);
+        *diagonal = *diagonal + c->dt * c->damping[k];
     }
     doubt = rbdi_factor(m, w, w->H);
     for (int k = 0; k < m->nv; ++k) s->D_inverse[k] = w->H[m->dof[k].row + m->dof[k].depth];
@@ -1843,8 +1841,8 @@ static rbd_status rbdi_begin_step(const rbd_model *m, rbd_contact_set *c, const 
     rbdi_constraint_bias(m, s, c->q_mid, c->at, rbdi_expand_v(m, c->straight, w->ax), f_ext, w->gravity);
     c->contacts = rbdi_list_rows(m, c, q, v);
     rbdi_write_rows(m, c);
-    rbdi_free_impulse(m, c, tau, damping);
     doubt = rbdi_factor_damped(m, c, damping);
+    rbdi_free_impulse(m, c, tau);
     for (int k = 0; k < m->nv; ++k) c->nu[k] = s->x[k];
     rbdi_solve(m, w, w->H, c->nu);
     for (int k = 0; k < m->nv; ++k) c->nu[k] = c->v_mid[k] + c->nu[k];
@@ -1854,7 +1852,7 @@ static rbd_status rbdi_begin_step(const rbd_model *m, rbd_contact_set *c, const 
 
 /* s->x = L^-T dt (tau - c(w) - d v_mid), of w = (v_mid + nu) / 2 in c->at. */
 static void rbdi_correct(const rbd_model *m, rbd_contact_set *c, const rbd_real *nu, const rbd_real *tau,
-                         const rbd_real *f_ext, const rbd_real *damping) {
+                         const rbd_real *f_ext) {
     rbd_constraint_set *s = c->rows;
     rbd_work *w = s->w;
     for (int k = 0; k < m->nv; ++k) c->at[k] = (c->v_mid[k] + nu[k]) / 2;
@@ -1862,7 +1860,7 @@ static void rbdi_correct(const rbd_model *m, rbd_contact_set *c, const rbd_real 
     rbdi_rnea(m, w, rbdi_expand_v(m, c->at, w->vx), rbdi_expand_v(m, c->straight, w->ax), f_ext,
               rbdi_mimics(m) ? w->tx : w->bias);
     rbdi_reduce_tau(m, w->tx, w->bias);
-    rbdi_free_impulse(m, c, tau, damping);
+    rbdi_free_impulse(m, c, tau);
     rbdi_vector_up(m, w, w->H, s->x);
 }
 
@@ -1915,9 +1913,9 @@ static rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *c, c
     c->dt = dt, c->half = c->way = dt / 2;
     status = rbdi_begin_step(m, c, q, v, tau, f_ext, damping);
     if (status) return status;
-    rbdi_correct(m, c, c->nu, tau, f_ext, damping);
+    rbdi_correct(m, c, c->nu, tau, f_ext);
     rbdi_solve_first(m, c, RBDI_FOR_VELOCITIES);
-    rbdi_correct(m, c, c->moved, tau, f_ext, damping);
+    rbdi_correct(m, c, c->moved, tau, f_ext);
     rbdi_solve_again(m, c);
     return RBD_OK;
 }
@@ -2300,8 +2298,8 @@ static int rbdi_differentiate_solution(const rbd_model *m, rbd_contact_set *c, r
 
 /* Makes the step, and writes derivatives of c->moved and c->nu. Returns whether they exist. */
 static int rbdi_differentiate_step(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
-                                   const rbd_real *tau, const rbd_real *f_ext, const rbd_real *damping,
-                                   const rbdi_step_columns *to, rbd_status *status) {
+                                   const rbd_real *tau, const rbd_real *f_ext, const rbdi_step_columns *to,
+                                   rbd_status *status) {
     const int size = m->nv * m->nv;
     rbd_work *w = c->rows->w;
     int solved;
@@ -2310,11 +2308,11 @@ static int rbdi_differentiate_step(const rbd_model *m, rbd_contact_set *c, rbd_d
     for (int x = 0; x < 3; ++x)
         if (to->dq[x]) rbdi_solve_columns(m, w, w->H, -1, m->nv, m->nv, to->dq[x], NULL);
     rbdi_write_falls(m, c, c->nu, to->dq);
-    rbdi_correct(m, c, c->nu, tau, f_ext, damping);
+    rbdi_correct(m, c, c->nu, tau, f_ext);
     rbdi_solve_first(m, c, RBDI_FOR_VELOCITIES);
     rbdi_write_rho(m, c, d, c->moved, f_ext, to->dq, to->dv);
     solved = rbdi_differentiate_solution(m, c, d, c->moved, RBDI_FOR_VELOCITIES, to->dv);
-    rbdi_correct(m, c, c->moved, tau, f_ext, damping);
+    rbdi_correct(m, c, c->moved, tau, f_ext);
     rbdi_solve_again(m, c);
     rbdi_write_rho(m, c, d, c->moved, f_ext, to->dv, to->dq);
     for (int x = 0; x < 3; ++x)
@@ -2348,7 +2346,7 @@ RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact
     if (by.dq[1] && !by.dq[0]) by.dq[0] = rbdi_side(m, c, 3), by.dv[0] = rbdi_side(m, c, 4);
     c->dt = dt, c->half = c->way = dt / 2;
     status = rbdi_begin_step(m, c, q, v, tau, f_ext, damping);
-    if (!status) solved = rbdi_differentiate_step(m, c, d, tau, f_ext, damping, &by, &status);
+    if (!status) solved = rbdi_differentiate_step(m, c, d, tau, f_ext, &by, &status);
     for (int x = 0; x < 3 && !status; ++x)
         if (by.dq[x]) rbdi_move_columns(m, c->moved, c->nu, c->way, x == 0, by.dq[x], by.dv[x]);
     if (by.dq[0] && !status) {

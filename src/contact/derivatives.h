@@ -272,8 +272,8 @@ static int rbdi_differentiate_solution(const rbd_model *m, rbd_contact_set *c, r
 
 /* Makes the step, and writes derivatives of c->moved and c->nu. Returns whether they exist. */
 static int rbdi_differentiate_step(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
-                                   const rbd_real *tau, const rbd_real *f_ext, const rbd_real *damping,
-                                   const rbdi_step_columns *to, rbd_status *status) {
+                                   const rbd_real *tau, const rbd_real *f_ext, const rbdi_step_columns *to,
+                                   rbd_status *status) {
     const int size = m->nv * m->nv;
     rbd_work *w = c->rows->w;
     int solved;
@@ -282,11 +282,11 @@ static int rbdi_differentiate_step(const rbd_model *m, rbd_contact_set *c, rbd_d
     for (int x = 0; x < 3; ++x)
         if (to->dq[x]) rbdi_solve_columns(m, w, w->H, -1, m->nv, m->nv, to->dq[x], NULL);
     rbdi_write_falls(m, c, c->nu, to->dq);
-    rbdi_correct(m, c, c->nu, tau, f_ext, damping);
+    rbdi_correct(m, c, c->nu, tau, f_ext);
     rbdi_solve_first(m, c, RBDI_FOR_VELOCITIES);
     rbdi_write_rho(m, c, d, c->moved, f_ext, to->dq, to->dv);
     solved = rbdi_differentiate_solution(m, c, d, c->moved, RBDI_FOR_VELOCITIES, to->dv);
-    rbdi_correct(m, c, c->moved, tau, f_ext, damping);
+    rbdi_correct(m, c, c->moved, tau, f_ext);
     rbdi_solve_again(m, c);
     rbdi_write_rho(m, c, d, c->moved, f_ext, to->dv, to->dq);
     for (int x = 0; x < 3; ++x)
@@ -320,7 +320,7 @@ RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact
     if (by.dq[1] && !by.dq[0]) by.dq[0] = rbdi_side(m, c, 3), by.dv[0] = rbdi_side(m, c, 4);
     c->dt = dt, c->half = c->way = dt / 2;
     status = rbdi_begin_step(m, c, q, v, tau, f_ext, damping);
-    if (!status) solved = rbdi_differentiate_step(m, c, d, tau, f_ext, damping, &by, &status);
+    if (!status) solved = rbdi_differentiate_step(m, c, d, tau, f_ext, &by, &status);
     for (int x = 0; x < 3 && !status; ++x)
         if (by.dq[x]) rbdi_move_columns(m, c->moved, c->nu, c->way, x == 0, by.dq[x], by.dv[x]);
     if (by.dq[0] && !status) {

@@ -103,6 +103,7 @@ struct rbd_contact_set {
     rbd_real *q_mid, *v_mid; /* nq, nv: the state after half of the step, by v alone */
     rbd_real *at, *straight; /* nv each: velocities of the velocity terms; accelerations by which, at
                                      these velocities, origins move straight */
+    rbd_real *damping;       /* nv: all of it that is implicit */
     rbd_real *nu, *moved;    /* nv each: velocities of the end; of the positions */
     rbd_real *x;             /* nv: L^-T dt (tau - c - damping v_mid) */
     rbd_real dt, last_dt;    /* of this step; of the last one, 1 = none */
@@ -120,7 +121,7 @@ struct rbd_contact_set {
      RBDI_ROUND((size_t)(bounded) * sizeof(rbdi_dof_row)) + \
      RBDI_ROUND(RBDI_CONTACT_ROWS(n, bounded) * sizeof(int16_t)) + \
      RBDI_ROUND(sizeof(rbd_real) * ((size_t)(n) + 2 * (size_t)(bounded) + \
-                                    2 * RBDI_CONTACT_ROWS(n, bounded) + (size_t)(nq) + 6 * (size_t)(nv))) + \
+                                    2 * RBDI_CONTACT_ROWS(n, bounded) + (size_t)(nq) + 7 * (size_t)(nv))) + \
      RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded)) + \
      RBDI_CONSTRAINTS_BYTES(nv, (n) + (constraints), RBDI_CONTACT_ROWS(n, bounded), stride))
 

@@ -166,12 +166,12 @@ static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held,
     c->contact = RBDI_CUT(rbdi_contact, n);
     c->dof_row = RBDI_CUT(rbdi_dof_row, bounded);
     c->place = RBDI_CUT(int16_t, c->max_rows);
-    c->friction = RBDI_CUT(rbd_real, n + 2 * bounded + 2 * c->max_rows + m->nq + 6 * nv);
+    c->friction = RBDI_CUT(rbd_real, n + 2 * bounded + 2 * c->max_rows + m->nq + 7 * nv);
     c->lower = c->friction + n, c->upper = c->lower + bounded;
     c->b = c->upper + bounded, c->impulse = c->b + c->max_rows;
     c->q_mid = c->impulse + c->max_rows, c->v_mid = c->q_mid + m->nq;
     c->at = c->v_mid + nv, c->straight = c->at + nv;
-    c->nu = c->straight + nv, c->moved = c->nu + nv, c->x = c->moved + nv;
+    c->damping = c->straight + nv, c->nu = c->damping + nv, c->moved = c->nu + nv, c->x = c->moved + nv;
     rbdi_lay_solver(&c->solver, n, bounded, at);
     at += RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded));
     c->sigma = o->derivatives ? RBDI_CUT(rbd_real, RBDI_CONTACT_SIDES(nv, n, c->max_rows)) : NULL;
@@ -225,6 +225,7 @@ RBDI_API rbd_status rbd_contact_set_init(const rbd_model *m, rbd_work *w, const 
         c->rows->constraint[i].kp = 1; /* any value above 0: derivatives need the position error */
     }
     rbdi_list_dof_rows(m, &o, c->dof_row);
+    rbdi_clear(c->straight, m->nv);
     rbdi_begin_set(m, w, c->rows);
     rbd_contact_reset(c);
     *contacts = c;

@@ -20,14 +20,10 @@
    without, and falls in that order with the second of these. Energy then changes by p'(u before + u after) / 2. */
 
 /* s->x = dt (tau - w->bias - damping v_mid). */
-static void rbdi_free_impulse(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
-                              const rbd_real *damping) {
-    rbd_constraint_set *s = c->rows;
-    for (int k = 0; k < m->nv; ++k) {
-        rbd_real d = damping ? damping[k] : rbdi_zero();
-        if (c->options.joint_damping) d = d + rbdi_joint_damping(m, k);
-        s->x[k] = c->dt * (tau[k] - s->w->bias[k] - d * c->v_mid[k]);
-    }
+static void rbdi_free_impulse(const rbd_model *m, const rbd_contact_set *c, const rbd_real *tau) {
+    rbd_real *x = c->rows->x;
+    const rbd_real *bias = c->rows->w->bias;
+    for (int k = 0; k < m->nv; ++k) x[k] = c->dt * (tau[k] - bias[k] - c->damping[k] * c->v_mid[k]);
 }
 
 /* Adds dt damping to M, and factors it. */
@@ -37,9 +33,9 @@ static rbdi_mask rbdi_factor_damped(const rbd_model *m, rbd_contact_set *c, cons
     rbdi_mask doubt;
     for (int k = 0; k < m->nv; ++k) {
         rbd_real *diagonal = &w->H[m->dof[k].row + m->dof[k].depth];
-        rbd_real d = damping ? damping[k] : rbdi_zero();
-        if (c->options.joint_damping) d = d + rbdi_joint_damping(m, k);
-        *diagonal = *diagonal + c->dt * d;
+        c->damping[k] = damping ? damping[k] : rbdi_zero();
+        if (c->options.joint_damping) c->damping[k] = c->damping[k] + rbdi_joint_damping(m, k);
+        *diagonal = *diagonal + c->dt * c->damping[k];
     }
     doubt = rbdi_factor(m, w, w->H);
     for (int k = 0; k < m->nv; ++k) s->D_inverse[k] = w->H[m->dof[k].row + m->dof[k].depth];
@@ -60,8 +56,8 @@ static rbd_status rbdi_begin_step(const rbd_model *m, rbd_contact_set *c, const 
     rbdi_constraint_bias(m, s, c->q_mid, c->at, rbdi_expand_v(m, c->straight, w->ax), f_ext, w->gravity);
     c->contacts = rbdi_list_rows(m, c, q, v);
     rbdi_write_rows(m, c);
-    rbdi_free_impulse(m, c, tau, damping);
     doubt = rbdi_factor_damped(m, c, damping);
+    rbdi_free_impulse(m, c, tau);
     for (int k = 0; k < m->nv; ++k) c->nu[k] = s->x[k];
     rbdi_solve(m, w, w->H, c->nu);
     for (int k = 0; k < m->nv; ++k) c->nu[k] = c->v_mid[k] + c->nu[k];
@@ -71,7 +67,7 @@ static rbd_status rbdi_begin_step(const rbd_model *m, rbd_contact_set *c, const 
 
 /* s->x = L^-T dt (tau - c(w) - d v_mid), of w = (v_mid + nu) / 2 in c->at. */
 static void rbdi_correct(const rbd_model *m, rbd_contact_set *c, const rbd_real *nu, const rbd_real *tau,
-                         const rbd_real *f_ext, const rbd_real *damping) {
+                         const rbd_real *f_ext) {
     rbd_constraint_set *s = c->rows;
     rbd_work *w = s->w;
     for (int k = 0; k < m->nv; ++k) c->at[k] = (c->v_mid[k] + nu[k]) / 2;
@@ -79,7 +75,7 @@ static void rbdi_correct(const rbd_model *m, rbd_contact_set *c, const rbd_real 
     rbdi_rnea(m, w, rbdi_expand_v(m, c->at, w->vx), rbdi_expand_v(m, c->straight, w->ax), f_ext,
               rbdi_mimics(m) ? w->tx : w->bias);
     rbdi_reduce_tau(m, w->tx, w->bias);
-    rbdi_free_impulse(m, c, tau, damping);
+    rbdi_free_impulse(m, c, tau);
     rbdi_vector_up(m, w, w->H, s->x);
 }
 
@@ -132,9 +128,9 @@ static rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *c, c
     c->dt = dt, c->half = c->way = dt / 2;
     status = rbdi_begin_step(m, c, q, v, tau, f_ext, damping);
     if (status) return status;
-    rbdi_correct(m, c, c->nu, tau, f_ext, damping);
+    rbdi_correct(m, c, c->nu, tau, f_ext);
     rbdi_solve_first(m, c, RBDI_FOR_VELOCITIES);
-    rbdi_correct(m, c, c->moved, tau, f_ext, damping);
+    rbdi_correct(m, c, c->moved, tau, f_ext);
     rbdi_solve_again(m, c);
     return RBD_OK;
 }

@@ -107,15 +107,19 @@ static void rbdi_turn_velocity(const rbdi_frame *u, const rbd_real *moved, rbd_r
 static void rbdi_move_joints(const rbd_model *m, const rbd_real *q, const rbd_real *moved, const rbd_real *nu,
                              rbd_real dt, rbd_real *q_next, rbd_real *v_next) {
     for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {
-        if (u->nv == 0) continue;
-        rbdi_move_straight(u, &q[u->iq], &moved[u->iv], dt, &q_next[u->iq]);
-        rbdi_turn_velocity(u, &moved[u->iv], dt, &nu[u->iv], &v_next[u->iv]);
+        if (u->nv == 1 && u->nq == 1) { /* the most, and all that a straight step needs */
+            q_next[u->iq] = q[u->iq] + moved[u->iv] * dt;
+            v_next[u->iv] = nu[u->iv];
+        } else if (u->nv > 0) {
+            rbdi_move_straight(u, &q[u->iq], &moved[u->iv], dt, &q_next[u->iq]);
+            rbdi_turn_velocity(u, &moved[u->iv], dt, &nu[u->iv], &v_next[u->iv]);
+        }
     }
 }
 
-/* a by which origins move straight and turns keep their axis: the linear part is -omega x v, all else 0. */
+/* a by which origins move straight and turns keep their axis: the linear part is -omega x v, all else 0. a:
+   0 before, but where this call writes. */
 static void rbdi_straight_acceleration(const rbd_model *m, const rbd_real *v, rbd_real *a) {
-    for (int k = 0; k < m->nv; ++k) a[k] = rbdi_zero();
     for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {
         rbdi_motion V;
         if (!rbdi_joint_turns(u)) continue;
