@@ -41,8 +41,9 @@
    [limits]
      No collision detection, no rolling and torsional friction, no batches; planes are infinite. Convergence
      of the solver is not proven, nor is the solution unique where friction is large; the residual says what
-     was reached. Contacts only take energy, but for rebounds with friction: they follow Newton's law, which
-     may gain energy in known examples.
+     was reached. The step is of second order between impacts, of first order in impacts, in dampers and in
+     what a controller samples. Energy is made by O(dt^2) at most, some 1e-6 of it at 1 ms, but for rebounds
+     with friction: they follow Newton's law, which may gain energy in known examples.
 */
 #include "rbd_constraints.h"
 
@@ -143,6 +144,7 @@ typedef struct rbd_contact_options {
     int joint_damping;  /* not 0: the description's damping, implicitly */
     double slip;        /* contacts that stick give way along the plane, m/s per newton [0] */
     int derivatives;    /* not 0: memory for rbd_contact_step_derivatives */
+    int first_order;    /* not 0: steps of semi-implicit Euler, q_next is q moved by v_next: for planners */
 } rbd_contact_options;
 
 typedef struct rbd_contact_set rbd_contact_set; /* contacts, impulses of the last step, scratch */
@@ -177,24 +179,29 @@ RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constr
    q: nq, v, tau, damping: nv, f_ext: nb x 6 or NULL. An output may be the same array as the input of its
    name.
    damping    implicit: tau acts as tau - damping v_next. A position controller of gains kp, kd that runs with
-              the step has damping = kd + dt kp and tau = kp (q_wanted - q): stable at every dt. NULL: 0
+              the step has tau = kp (q_wanted - q) and damping = kd + dt kp / 2, which is neutral: it neither
+              adds nor takes energy beyond kd. kd + dt kp is stable at every dt, and brakes. NULL: 0
    Errors: RBD_ERR_NULL, _WORK; _RANGE, dt not between 1e-30 and 1e30; _SINGULAR, _NAN as rbd_constrained_fd,
    _NAN also of a gap that is not a number and of speeds above 1e12: then q_next is q and v_next or a is 0. A
    solution above the tolerance is no error: rbd_contact_last. */
 
-/* One time step dt, semi-implicit: velocities first, by
+/* One time step dt by the midpoint scheme of Moreau (1999), of second order: half of the way by v, to q_mid;
+   there, with v in its axes,
 
-       M (nu - v) = dt (tau - c + sum J_b' f_ext) + J' p,   u = J nu,   laws of u + bias and p
+       M (nu - v) = dt (tau - c(w) + sum J_b' f_ext - damping nu) + J' p,   w = (v + nu) / 2,   laws of u + bias, p
 
-   then q_next by nu, and v_next, which is nu in the axes of the end. The bias lets contacts close their gap,
-   makes stiff ones springs and dampers, and reverses approaches that rebound. Penetration is corrected in
-   positions alone, by a second solution with the same Delta, so that it gives no velocity. */
+   where u is the velocity of the end along the rows; the other half by nu; v_next is nu in the axes of the end.
+   f_ext acts in the axes that bodies have in the middle. The bias lets contacts close their gap, makes stiff
+   ones springs and dampers, and reverses approaches that rebound. Penetration is corrected in positions alone,
+   by a second solution with the same Delta, so that it gives no velocity.
+   Energy is kept to second order in dt: docs/contact_step.md says when it is made or taken, and how much. */
 RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
                                      const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                      const rbd_real *damping, rbd_real dt, rbd_real *q_next,
                                      rbd_real *v_next);
 
-/* Its acceleration. By it rbd_step gives q_next and v_next, unless something penetrates or rebounds. */
+/* The acceleration at q and v with which a step of first order, rbd_step, obeys the laws at its end; for
+   schemes of your own. rbd_contact_step differs from that step by O(dt^2). */
 RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
                                    const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                    const rbd_real *damping, rbd_real dt, rbd_real *a);
@@ -208,11 +215,12 @@ RBDI_API rbd_status rbd_contact_plane(const rbd_model *m, rbd_contact_set *c, in
 RBDI_API void rbd_contact_reset(rbd_contact_set *c);
 
 /* Returns the state of contact i in the last step; RBD_APART without such a contact.
-   gap        before the step, m; may be NULL
+   gap        before the step, m, to third order in dt where the contact moves; may be NULL
    force      p/dt on body 1, world axes, N; may be NULL */
 RBDI_API rbd_contact_state rbd_contact_get(const rbd_contact_set *c, int i, rbd_real *gap, rbd_real force[3]);
 
-/* Residual and iterations of the last step, of both solutions if it has two; all 0 without a set or step. */
+/* Residual and iterations of the last step: the residual is that of positions and velocities, iterations
+   are all; all 0 without a set or step. */
 RBDI_API rbd_contact_solution rbd_contact_last(const rbd_contact_set *c);
 
 /* ==== src/rbd_contact.h ==== */
@@ -1250,7 +1258,7 @@ static rbd_status rbdi_check_options(const rbd_contact_options *o, rbd_report *r
 }
 
 static rbd_contact_options rbdi_contact_defaults(const rbd_contact_options *given) {
-    const rbd_contact_options none = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+    const rbd_contact_options none = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
     rbd_contact_options o = given ? *given : none;
     if (!(o.margin > 0)) o.margin = 0.005;
     if (!(o.slop > 0)) o.slop = 1e-5;
@@ -1892,6 +1900,7 @@ static void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int purpose
 
 /* Solves again, with the s->x of rbdi_correct and the biases of positions. Computes c->moved. */
 static void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c) {
+    const rbd_contact_solution first = c->solver.solution;
     rbd_constraint_set *s = c->rows;
     for (int k = 0; k < m->nv; ++k) {
         const rbdi_span span = s->span[k];
@@ -1902,17 +1911,34 @@ static void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c) {
     for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
     (void)rbdi_write_biases(c, RBDI_FOR_POSITIONS);
     rbdi_contact_iterate(&c->solver);
+    c->solver.solution.sweeps += first.sweeps;
+    c->solver.solution.newton_steps += first.newton_steps;
     rbdi_contact_respond(m, c, c->moved);
+}
+
+/* Of which scheme the step is: half of the way by v, or all of it by the solution. */
+static void rbdi_choose_scheme(rbd_contact_set *c, rbd_real dt, int first_order) {
+    c->dt = dt;
+    c->way = first_order ? dt : dt / 2;
+    c->half = first_order ? rbdi_zero() : c->way;
+}
+
+/* The only solution of a step of first order: with velocity terms of the beginning. */
+static void rbdi_solve_only(const rbd_model *m, rbd_contact_set *c) {
+    rbdi_vector_up(m, c->rows->w, c->rows->w->H, c->rows->x);
+    rbdi_solve_first(m, c, RBDI_FOR_POSITIONS);
 }
 
 /* Computes c->moved, the velocities by which positions change. */
 static rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
                                        const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
-                                       const rbd_real *damping, rbd_real dt) {
-    rbd_status status;
-    c->dt = dt, c->half = c->way = dt / 2;
-    status = rbdi_begin_step(m, c, q, v, tau, f_ext, damping);
+                                       const rbd_real *damping) {
+    const rbd_status status = rbdi_begin_step(m, c, q, v, tau, f_ext, damping);
     if (status) return status;
+    if (!(c->half > 0)) {
+        rbdi_solve_only(m, c);
+        return RBD_OK;
+    }
     rbdi_correct(m, c, c->nu, tau, f_ext);
     rbdi_solve_first(m, c, RBDI_FOR_VELOCITIES);
     rbdi_correct(m, c, c->moved, tau, f_ext);
@@ -1983,7 +2009,8 @@ RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, con
                                      rbd_real *v_next) {
     rbd_status status = rbdi_check_step(m, c, q && v && tau && q_next && v_next, dt);
     if (status) return status;
-    status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping, dt);
+    rbdi_choose_scheme(c, dt, c->options.first_order);
+    status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping);
     if (!status) status = rbdi_solve_velocities(m, c);
     rbdi_contact_move(m, c, status, q, q_next, v_next);
     return status;
@@ -1994,13 +2021,9 @@ RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const
                                    const rbd_real *damping, rbd_real dt, rbd_real *a) {
     rbd_status status = rbdi_check_step(m, c, q && v && tau && a, dt);
     if (status) return status;
-    c->dt = c->way = dt, c->half = rbdi_zero();
-    status = rbdi_begin_step(m, c, q, v, tau, f_ext, damping);
-    if (!status) {
-        rbdi_vector_up(m, c->rows->w, c->rows->w->H, c->rows->x);
-        rbdi_solve_first(m, c, RBDI_FOR_POSITIONS);
-        status = rbdi_solve_velocities(m, c);
-    }
+    rbdi_choose_scheme(c, dt, 1);
+    status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping);
+    if (!status) status = rbdi_solve_velocities(m, c);
     for (int k = 0; k < m->nv; ++k)
         a[k] = status ? rbdi_zero() : (c->nu[k] - c->v_mid[k]) / dt + c->straight[k];
     return status;
@@ -2296,34 +2319,61 @@ static int rbdi_differentiate_solution(const rbd_model *m, rbd_contact_set *c, r
     return solved;
 }
 
-/* Makes the step, and writes derivatives of c->moved and c->nu. Returns whether they exist. */
-static int rbdi_differentiate_step(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
-                                   const rbd_real *tau, const rbd_real *f_ext, const rbdi_step_columns *to,
-                                   rbd_status *status) {
-    const int size = m->nv * m->nv;
-    rbd_work *w = c->rows->w;
-    int solved;
-    rbdi_write_rho(m, c, d, c->nu, f_ext, NULL, to->dq);
-    if (to->dq[0]) rbdi_subtract(to->dq[0], -rbdi_set(RBD_C(1)), rbdi_side(m, c, 2), size);
+static void rbdi_copy_columns(const rbd_model *m, rbd_real *const from[3], rbd_real *const to[3]) {
     for (int x = 0; x < 3; ++x)
-        if (to->dq[x]) rbdi_solve_columns(m, w, w->H, -1, m->nv, m->nv, to->dq[x], NULL);
-    rbdi_write_falls(m, c, c->nu, to->dq);
+        for (int k = 0; from[x] && k < m->nv * m->nv; ++k) to[x][k] = from[x][k];
+}
+
+/* Solves for the corrections of the velocity terms. to->dv becomes dnu of the last but one. Returns whether it
+   exists. */
+static int rbdi_differentiate_corrections(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
+                                          const rbd_real *tau, const rbd_real *f_ext,
+                                          const rbdi_step_columns *to) {
+    int solved;
     rbdi_correct(m, c, c->nu, tau, f_ext);
     rbdi_solve_first(m, c, RBDI_FOR_VELOCITIES);
     rbdi_write_rho(m, c, d, c->moved, f_ext, to->dq, to->dv);
     solved = rbdi_differentiate_solution(m, c, d, c->moved, RBDI_FOR_VELOCITIES, to->dv);
     rbdi_correct(m, c, c->moved, tau, f_ext);
     rbdi_solve_again(m, c);
-    rbdi_write_rho(m, c, d, c->moved, f_ext, to->dv, to->dq);
+    return solved;
+}
+
+/* dnu of the velocities without contacts, and of what contacts that may rebound fall by them. */
+static void rbdi_differentiate_free(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
+                                    const rbd_real *f_ext, rbd_real *const dnu[3]) {
+    const int n = m->nv;
+    rbd_work *w = c->rows->w;
+    rbdi_write_rho(m, c, d, c->nu, f_ext, NULL, dnu);
+    if (dnu[0]) rbdi_subtract(dnu[0], -rbdi_set(RBD_C(1)), rbdi_side(m, c, 2), n * n);
     for (int x = 0; x < 3; ++x)
-        for (int k = 0; to->dq[x] && k < size; ++k) to->dv[x][k] = to->dq[x][k];
+        if (dnu[x]) rbdi_solve_columns(m, w, w->H, -1, n, n, dnu[x], NULL);
+    rbdi_write_falls(m, c, c->nu, dnu);
+}
+
+/* Makes the step, and writes derivatives of c->moved and c->nu. Returns whether they exist. */
+static int rbdi_differentiate_step(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
+                                   const rbd_real *tau, const rbd_real *f_ext, const rbdi_step_columns *to,
+                                   rbd_status *status) {
+    rbd_real *const *last = NULL;
+    int solved = 1;
+    rbdi_differentiate_free(m, c, d, f_ext, to->dq);
+    if (c->half > 0) {
+        solved = rbdi_differentiate_corrections(m, c, d, tau, f_ext, to);
+        last = to->dv;
+    } else {
+        rbdi_solve_only(m, c);
+    }
+    rbdi_write_rho(m, c, d, c->moved, f_ext, last, to->dq);
+    rbdi_copy_columns(m, to->dq, to->dv);
     solved &= rbdi_differentiate_solution(m, c, d, c->moved, RBDI_FOR_POSITIONS, to->dq);
     *status = rbdi_solve_velocities(m, c);
-    if (c->differ && to->dv[0]) rbdi_write_sides(m, c, d, c->nu, f_ext, rbdi_side(m, c, 2), NULL, NULL);
-    if (c->differ) solved &= rbdi_differentiate_solution(m, c, d, c->nu, RBDI_FOR_VELOCITIES, to->dv);
-    for (int x = 0; x < 3; ++x)
-        for (int k = 0; !c->differ && to->dq[x] && k < size; ++k) to->dv[x][k] = to->dq[x][k];
-    return solved;
+    if (!c->differ) {
+        rbdi_copy_columns(m, to->dq, to->dv);
+        return solved;
+    }
+    if (to->dv[0]) rbdi_write_sides(m, c, d, c->nu, f_ext, rbdi_side(m, c, 2), NULL, NULL);
+    return solved & rbdi_differentiate_solution(m, c, d, c->nu, RBDI_FOR_VELOCITIES, to->dv);
 }
 
 RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
@@ -2344,7 +2394,7 @@ RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact
     if (!c->sigma) return RBD_ERR_MEMORY;
     size = m->nv * m->nv;
     if (by.dq[1] && !by.dq[0]) by.dq[0] = rbdi_side(m, c, 3), by.dv[0] = rbdi_side(m, c, 4);
-    c->dt = dt, c->half = c->way = dt / 2;
+    rbdi_choose_scheme(c, dt, c->options.first_order);
     status = rbdi_begin_step(m, c, q, v, tau, f_ext, damping);
     if (!status) solved = rbdi_differentiate_step(m, c, d, tau, f_ext, &by, &status);
     for (int x = 0; x < 3 && !status; ++x)

@@ -465,6 +465,7 @@ static void check_tree(uint64_t *seed, int number) {
     snprintf(name, sizeof name, "tree %d", number);
     open_scene(&s, name, bodies, nb, below(seed, 2) ? 1e-3 : 1e-2);
     s.options.joint_limits = s.options.joint_friction = s.options.joint_damping = 1;
+    s.options.first_order = number % 4 == 3;
     if (below(seed, 2)) s.options.slip = 1e-5;
     if (nb > 1 && below(seed, 2)) s.held[s.n_held++] = rbd_point_contact(nb - 1, NULL, NULL);
     if (s.n_held) s.held[0].axes[0] = (unsigned char)below(seed, 2), s.held[0].axes[1] = 1;

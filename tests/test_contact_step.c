@@ -699,7 +699,7 @@ START_TEST(hyq_drops_stands_and_trots) {
                 newton += rbd_contact_last(s.c).newton_steps;
             }
             expect_figure(10, "HyQ stands and trots, 0.5 to 10 ms: residual, m/s", s.worst, 0, 1e-8);
-            expect_figure(10, "HyQ stands and trots: Newton steps per step", newton * s.h / 2, 0, 2);
+            expect_figure(10, "HyQ stands and trots: Newton steps per step", newton * s.h / 2, 0, 4);
             ck_assert_double_ge(s.q[2], 0.4);
             for (int i = 0; i < 4; i++) rbd_contact_get(s.c, i, NULL, f), sum += f[2];
             if (!trots) ck_assert_double_eq_tol(sum, rbd_mass(s.r.m) * 9.81, 1);
@@ -893,7 +893,7 @@ static void refuse(const robot *r, rbd_contact a, const rbd_contact_options *o, 
     ck_assert_int_eq(report.error.body, o ? -1 : 0);
 }
 
-/* A box between two floors that close in on it: each of the step's two solutions keeps to the iterations. */
+/* A box between two floors that close in on it: each of the step's three solutions keeps to the iterations. */
 START_TEST(iterations_have_their_bound) {
     for (int most = 1; most < 50; most += most) {
         const rbd_body body = box(0.2, 0.2, 0.2, 1);
@@ -910,7 +910,7 @@ START_TEST(iterations_have_their_bound) {
         for (int k = 0; k < 50; k++) {
             step(&s);
             const rbd_contact_solution x = rbd_contact_last(s.c);
-            ck_assert_int_le(x.sweeps + x.newton_steps, 2 * most);
+            ck_assert_int_le(x.sweeps + x.newton_steps, 3 * most);
         }
         close_scene(&s);
     }

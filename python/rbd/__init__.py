@@ -1084,6 +1084,7 @@ class ContactOptions:
     joint_damping: bool = False     #: the description's damping, implicitly
     slip: float = 0.0           #: contacts that stick give way along the plane, m/s per newton [0]
     derivatives: bool = False       #: memory for step_derivatives
+    first_order: bool = False       #: semi-implicit Euler: q_next is q moved by v_next, for planners
 
 
 _PER_DOF = ("armature", "damping", "friction")

@@ -19,7 +19,9 @@ RBDI_API rbd_status rbd_integrate(const rbd_model *m, const rbd_real *q, const r
    by nu dt. The velocities of floating, planar and spherical joints have body axes; their step is made in
    the axes of its beginning: the origin has its classical acceleration and moves straight, and v_next is nu
    in the axes of the end. So a free body keeps its linear momentum, and a rolling ball its energy, at any
-   dt; v + dt a by components and rbd_integrate gain some. q_next may be q, v_next may be v or a. */
+   dt; v + dt a by components and rbd_integrate gain some. It is of first order: it takes a as it is at q and
+   v, so bodies and robots that turn fast gain energy by their velocity terms, a box at 30 rad/s two thirds
+   in ten seconds at 1 ms. rbd_contact_step does not. q_next may be q, v_next may be v or a. */
 RBDI_API rbd_status rbd_step(const rbd_model *m, const rbd_real *q, const rbd_real *v, const rbd_real *a,
                              rbd_real dt, rbd_real *q_next, rbd_real *v_next);
 

@@ -270,34 +270,61 @@ static int rbdi_differentiate_solution(const rbd_model *m, rbd_contact_set *c, r
     return solved;
 }
 
-/* Makes the step, and writes derivatives of c->moved and c->nu. Returns whether they exist. */
-static int rbdi_differentiate_step(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
-                                   const rbd_real *tau, const rbd_real *f_ext, const rbdi_step_columns *to,
-                                   rbd_status *status) {
-    const int size = m->nv * m->nv;
-    rbd_work *w = c->rows->w;
-    int solved;
-    rbdi_write_rho(m, c, d, c->nu, f_ext, NULL, to->dq);
-    if (to->dq[0]) rbdi_subtract(to->dq[0], -rbdi_set(RBD_C(1)), rbdi_side(m, c, 2), size);
+static void rbdi_copy_columns(const rbd_model *m, rbd_real *const from[3], rbd_real *const to[3]) {
     for (int x = 0; x < 3; ++x)
-        if (to->dq[x]) rbdi_solve_columns(m, w, w->H, -1, m->nv, m->nv, to->dq[x], NULL);
-    rbdi_write_falls(m, c, c->nu, to->dq);
+        for (int k = 0; from[x] && k < m->nv * m->nv; ++k) to[x][k] = from[x][k];
+}
+
+/* Solves for the corrections of the velocity terms. to->dv becomes dnu of the last but one. Returns whether it
+   exists. */
+static int rbdi_differentiate_corrections(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
+                                          const rbd_real *tau, const rbd_real *f_ext,
+                                          const rbdi_step_columns *to) {
+    int solved;
     rbdi_correct(m, c, c->nu, tau, f_ext);
     rbdi_solve_first(m, c, RBDI_FOR_VELOCITIES);
     rbdi_write_rho(m, c, d, c->moved, f_ext, to->dq, to->dv);
     solved = rbdi_differentiate_solution(m, c, d, c->moved, RBDI_FOR_VELOCITIES, to->dv);
     rbdi_correct(m, c, c->moved, tau, f_ext);
     rbdi_solve_again(m, c);
-    rbdi_write_rho(m, c, d, c->moved, f_ext, to->dv, to->dq);
+    return solved;
+}
+
+/* dnu of the velocities without contacts, and of what contacts that may rebound fall by them. */
+static void rbdi_differentiate_free(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
+                                    const rbd_real *f_ext, rbd_real *const dnu[3]) {
+    const int n = m->nv;
+    rbd_work *w = c->rows->w;
+    rbdi_write_rho(m, c, d, c->nu, f_ext, NULL, dnu);
+    if (dnu[0]) rbdi_subtract(dnu[0], -rbdi_set(RBD_C(1)), rbdi_side(m, c, 2), n * n);
     for (int x = 0; x < 3; ++x)
-        for (int k = 0; to->dq[x] && k < size; ++k) to->dv[x][k] = to->dq[x][k];
+        if (dnu[x]) rbdi_solve_columns(m, w, w->H, -1, n, n, dnu[x], NULL);
+    rbdi_write_falls(m, c, c->nu, dnu);
+}
+
+/* Makes the step, and writes derivatives of c->moved and c->nu. Returns whether they exist. */
+static int rbdi_differentiate_step(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
+                                   const rbd_real *tau, const rbd_real *f_ext, const rbdi_step_columns *to,
+                                   rbd_status *status) {
+    rbd_real *const *last = NULL;
+    int solved = 1;
+    rbdi_differentiate_free(m, c, d, f_ext, to->dq);
+    if (c->half > 0) {
+        solved = rbdi_differentiate_corrections(m, c, d, tau, f_ext, to);
+        last = to->dv;
+    } else {
+        rbdi_solve_only(m, c);
+    }
+    rbdi_write_rho(m, c, d, c->moved, f_ext, last, to->dq);
+    rbdi_copy_columns(m, to->dq, to->dv);
     solved &= rbdi_differentiate_solution(m, c, d, c->moved, RBDI_FOR_POSITIONS, to->dq);
     *status = rbdi_solve_velocities(m, c);
-    if (c->differ && to->dv[0]) rbdi_write_sides(m, c, d, c->nu, f_ext, rbdi_side(m, c, 2), NULL, NULL);
-    if (c->differ) solved &= rbdi_differentiate_solution(m, c, d, c->nu, RBDI_FOR_VELOCITIES, to->dv);
-    for (int x = 0; x < 3; ++x)
-        for (int k = 0; !c->differ && to->dq[x] && k < size; ++k) to->dv[x][k] = to->dq[x][k];
-    return solved;
+    if (!c->differ) {
+        rbdi_copy_columns(m, to->dq, to->dv);
+        return solved;
+    }
+    if (to->dv[0]) rbdi_write_sides(m, c, d, c->nu, f_ext, rbdi_side(m, c, 2), NULL, NULL);
+    return solved & rbdi_differentiate_solution(m, c, d, c->nu, RBDI_FOR_VELOCITIES, to->dv);
 }
 
 RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
@@ -318,7 +345,7 @@ RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact
     if (!c->sigma) return RBD_ERR_MEMORY;
     size = m->nv * m->nv;
     if (by.dq[1] && !by.dq[0]) by.dq[0] = rbdi_side(m, c, 3), by.dv[0] = rbdi_side(m, c, 4);
-    c->dt = dt, c->half = c->way = dt / 2;
+    rbdi_choose_scheme(c, dt, c->options.first_order);
     status = rbdi_begin_step(m, c, q, v, tau, f_ext, damping);
     if (!status) solved = rbdi_differentiate_step(m, c, d, tau, f_ext, &by, &status);
     for (int x = 0; x < 3 && !status; ++x)

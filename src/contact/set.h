@@ -80,7 +80,7 @@ static rbd_status rbdi_check_options(const rbd_contact_options *o, rbd_report *r
 }
 
 static rbd_contact_options rbdi_contact_defaults(const rbd_contact_options *given) {
-    const rbd_contact_options none = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+    const rbd_contact_options none = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
     rbd_contact_options o = given ? *given : none;
     if (!(o.margin > 0)) o.margin = 0.005;
     if (!(o.slop > 0)) o.slop = 1e-5;

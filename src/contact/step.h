@@ -107,6 +107,7 @@ static void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int purpose
 
 /* Solves again, with the s->x of rbdi_correct and the biases of positions. Computes c->moved. */
 static void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c) {
+    const rbd_contact_solution first = c->solver.solution;
     rbd_constraint_set *s = c->rows;
     for (int k = 0; k < m->nv; ++k) {
         const rbdi_span span = s->span[k];
@@ -117,17 +118,34 @@ static void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c) {
     for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
     (void)rbdi_write_biases(c, RBDI_FOR_POSITIONS);
     rbdi_contact_iterate(&c->solver);
+    c->solver.solution.sweeps += first.sweeps;
+    c->solver.solution.newton_steps += first.newton_steps;
     rbdi_contact_respond(m, c, c->moved);
+}
+
+/* Of which scheme the step is: half of the way by v, or all of it by the solution. */
+static void rbdi_choose_scheme(rbd_contact_set *c, rbd_real dt, int first_order) {
+    c->dt = dt;
+    c->way = first_order ? dt : dt / 2;
+    c->half = first_order ? rbdi_zero() : c->way;
+}
+
+/* The only solution of a step of first order: with velocity terms of the beginning. */
+static void rbdi_solve_only(const rbd_model *m, rbd_contact_set *c) {
+    rbdi_vector_up(m, c->rows->w, c->rows->w->H, c->rows->x);
+    rbdi_solve_first(m, c, RBDI_FOR_POSITIONS);
 }
 
 /* Computes c->moved, the velocities by which positions change. */
 static rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
                                        const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
-                                       const rbd_real *damping, rbd_real dt) {
-    rbd_status status;
-    c->dt = dt, c->half = c->way = dt / 2;
-    status = rbdi_begin_step(m, c, q, v, tau, f_ext, damping);
+                                       const rbd_real *damping) {
+    const rbd_status status = rbdi_begin_step(m, c, q, v, tau, f_ext, damping);
     if (status) return status;
+    if (!(c->half > 0)) {
+        rbdi_solve_only(m, c);
+        return RBD_OK;
+    }
     rbdi_correct(m, c, c->nu, tau, f_ext);
     rbdi_solve_first(m, c, RBDI_FOR_VELOCITIES);
     rbdi_correct(m, c, c->moved, tau, f_ext);
@@ -198,7 +216,8 @@ RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, con
                                      rbd_real *v_next) {
     rbd_status status = rbdi_check_step(m, c, q && v && tau && q_next && v_next, dt);
     if (status) return status;
-    status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping, dt);
+    rbdi_choose_scheme(c, dt, c->options.first_order);
+    status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping);
     if (!status) status = rbdi_solve_velocities(m, c);
     rbdi_contact_move(m, c, status, q, q_next, v_next);
     return status;
@@ -209,13 +228,9 @@ RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const
                                    const rbd_real *damping, rbd_real dt, rbd_real *a) {
     rbd_status status = rbdi_check_step(m, c, q && v && tau && a, dt);
     if (status) return status;
-    c->dt = c->way = dt, c->half = rbdi_zero();
-    status = rbdi_begin_step(m, c, q, v, tau, f_ext, damping);
-    if (!status) {
-        rbdi_vector_up(m, c->rows->w, c->rows->w->H, c->rows->x);
-        rbdi_solve_first(m, c, RBDI_FOR_POSITIONS);
-        status = rbdi_solve_velocities(m, c);
-    }
+    rbdi_choose_scheme(c, dt, 1);
+    status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping);
+    if (!status) status = rbdi_solve_velocities(m, c);
     for (int k = 0; k < m->nv; ++k)
         a[k] = status ? rbdi_zero() : (c->nu[k] - c->v_mid[k]) / dt + c->straight[k];
     return status;
