@@ -92,8 +92,8 @@
                       models come from generated tables only. Constraints are set up in RBD_CONST instead of
                       double. The file compiles in less time
      RBD_NO_CHOLESKY  leaves out cholesky_..., minverse, fd_cholesky, hybrid, id_free_base and fd_derivatives.
-                      rbd_aba, which uses the factor for models with mimic joints and for states in doubt,
-                      then takes less flash: rbd_work_init refuses such models, RBD_ERR_LEFT_OUT
+                      rbd_aba, which uses the factor for models with mimic joints, then takes less flash:
+                      rbd_work_init refuses such models, RBD_ERR_LEFT_OUT
                       The linker leaves out all other calls that are not used: compile with
                       -ffunction-sections, link with --gc-sections
 
@@ -101,7 +101,10 @@
      No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant: calls change the caller's
      rbd_work and outputs only. Only rbd_add_payload writes to the model, which may be const data in flash.
      Finite input gives finite output, as long as nothing overflows: a singular system is an error that names
-     the degree of freedom. Input is not searched for NaN: one that reaches the mass matrix is RBD_ERR_NAN in
+     the degree of freedom. Each call decides by its own pivots whether a system is singular. All refuse one whose
+     M is singular but for rounding. Near one they may differ: the armature that makes such a joint sound is for
+     rbd_aba up to 70 times that of the calls by the factor, or any part of it; where rbd_aba computes and they
+     refuse, M has lost its digits, as of float chains of 100 rods. Input is not searched for NaN: one that reaches the mass matrix is RBD_ERR_NAN in
      forward dynamics, one in a gap or limit in rbd_contact_step; any other reaches all results that depend
      on it, with RBD_OK. From libm only sqrt; sin and cos for __float128 and classes, and with excess
      precision (x87). The same input gives the same bits on every call of one build; between builds,
@@ -435,7 +438,7 @@ typedef enum rbd_status {
     RBD_ERR_LIMITS = -22,     /* not finite, or a negative velocity or effort limit */
     RBD_ERR_MIMIC = -23,      /* not a one-dof joint, what it follows is missing or follows too, or ratio 0 */
     RBD_ERR_WORK = -24,       /* the work, or batch, is of another model; the set, of another work */
-    RBD_ERR_NAN = -25,        /* NaN where accelerations are solved for: q has one, or something overflowed */
+    RBD_ERR_NAN = -25,        /* NaN in q (rbd_singular_dof says where), v, a force or a gap; or overflow */
     RBD_ERR_RANGE = -26,      /* a gain, weight, restitution, friction, dt, option or q is out of range */
     RBD_ERR_INFEASIBLE = -27, /* constraints contradict each other */
     RBD_ERR_LEFT_OUT = -28,   /* the model needs code that RBD_FEATURES or RBD_NO_CHOLESKY leave out */
@@ -546,7 +549,8 @@ RBDI_API rbd_status rbd_get_gravity(const rbd_work *w, rbd_const gravity[3]);
 /* Returns, after RBD_ERR_SINGULAR or RBD_ERR_NAN, the degree of freedom (index into v) whose pivot is not
    above its rounding, or not a number; of several the last. After RBD_ERR_NAN the cause is q of a joint
    that this dof moves, or of its own joint if that has several dofs, or an overflow there. -1 after a call
-   that factors M and finds it regular; other calls do not change it. With lanes: of all states together. */
+   that factors M and finds it regular: then RBD_ERR_NAN of rbd_contact_step came from v, tau, f_ext, damping
+   or a gap. Other calls do not change it. With lanes: of all states together. */
 RBDI_API int rbd_singular_dof(const rbd_work *w);
 
 /* ==== src/api/dynamics.h ==== */
@@ -556,11 +560,9 @@ RBDI_API int rbd_singular_dof(const rbd_work *w);
    friction. Errors: RBD_ERR_NULL, RBD_ERR_WORK, and RBD_ERR_SINGULAR where said; there RBD_ERR_NAN too, and
    after either all results are 0.
 
-   All calls say the same of a state: M is singular if one of its pivots is not above the rounding of the
-   description and of M itself. A pivot below 1e-7 (float: 1e-3) of the largest inertia that its joint can
-   move is in doubt. Then the call computes and factors M to decide: rbd_aba takes up to three (7 degrees of
-   freedom) or six times as long (36).
-   With RBD_NO_CHOLESKY each state in doubt is RBD_ERR_SINGULAR. */
+   M is singular if one of its pivots is not above the rounding of the description and of the call's own terms:
+   [guarantees]. A pivot below 1e-7 (float: 1e-3) of the largest inertia that its joint can move is in doubt. Then
+   the call bounds its rounding to decide: rbd_aba takes up to six times as long. */
 
 /* Inverse dynamics tau = M(q) a + c(q, v) - sum J' f_ext. Recursive Newton-Euler, RBDA table 5.1. */
 RBDI_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
@@ -861,6 +863,8 @@ RBDI_EXTERN_C_END
 #undef E
 #pragma push_macro("F")
 #undef F
+#pragma push_macro("G")
+#undef G
 #pragma push_macro("H")
 #undef H
 #pragma push_macro("I")
@@ -1553,32 +1557,48 @@ RBDI_CODE_BEGIN
    RBDI_EPS is one rounding of the scalar, RBDI_TINY the least pivot whose inverse is finite;
    RBDI_LEAST_SCALE is so large that every pivot up to RBDI_TINY is in doubt.
 
-   A pivot in doubt is below RBDI_DOUBT times dof.scale, the largest inertia that its joint can move. Such a
-   pivot must exceed RBDI_NOISE times the terms whose difference it is, or it is singular: 32
-   roundings, because a pivot is a sum of many terms. An exact pivot can be rounding too: an axis that
-   should go through a mass m misses it by L eps, L the distance to the frame that it is described in, and
-   the pivot is m (L eps)^2. dof.scale has RBDI_ROD m L^2 in it. With RBDI_ROD = 16 eps / RBDI_DOUBT a pivot
-   up to 16 eps m L^2 is in doubt, and one up to RBDI_NOISE RBDI_ROD m L^2 / 4 is singular: 6e-23 m L^2, far
-   above the 5e-32 m L^2 of a rounding, and as far below any real robot, whose radius of gyration would be
-   1e-11 L. In float 3e-18 m L^2, for descriptions are double. [pivots] derives the rest. */
+   A pivot below RBDI_DOUBT times dof.scale, the largest inertia that its joint can move, is in doubt. Such a
+   pivot must exceed RBDI_NOISE times e, a bound of the terms whose difference it is, or it is singular: 32
+   roundings, because a pivot is a sum of many terms. The largest pivot that was rounding in 20,000 singular
+   models had 15 of rbd_aba and 4.3 of the factor (tests/one_word.c). [pivots] derives the rest.
+
+   An exact pivot can be rounding too: an axis that should go through a mass m misses it by L eps, L the distance to
+   the frame that it is described in, and the pivot is m (L eps)^2. dof.scale has RBDI_ROD m L^2 in it. With
+   RBDI_ROD = 16 eps / RBDI_DOUBT a pivot up to 16 eps m L^2 is in doubt, and one up to RBDI_NOISE RBDI_SHARE
+   RBDI_ROD m L^2 is singular: 2.5e-26 m L^2, far above the 5e-32 m L^2 of a rounding, and far below any real
+   robot, whose radius of gyration would be 2e-13 L. In float 1e-21 m L^2, for descriptions are double. The factor
+   has a quarter in place of RBDI_SHARE.
+
+   RBDI_SHARE: of dof.scale in rbd_aba's e. A chain of n rods has a dof.scale of n^3/3 rods: with a much larger
+   share float chains of 200 rods are refused, with a much smaller one the rounding of a description passes.
+   RBDI_TURN: a change of frame rounds by this share of RBDI_NOISE, a third of eps. It compounds along a chain: a
+   larger one refuses float chains of 200 rods.
+   RBDI_FAR: a joint that has slid by more than 4 times the size of what it moves is a doubt, see rbdi_slid_far. */
 
 #if RBDI_KIND(RBD_CONST) == 1
 #define RBDI_EPS 2.220446049250313e-16
 #define RBDI_DOUBT 1e-7
+#define RBDI_SHARE 1e-4
 #define RBDI_TINY 2.2250738585072014e-308
 #elif RBDI_KIND(RBD_CONST) == 2
 #define RBDI_EPS 1.1920929e-7f
 #define RBDI_DOUBT 1e-3f
+#define RBDI_SHARE 1e-4f
 #define RBDI_TINY 1.17549435e-38f
 #else
 #define RBDI_EPS RBD_C(1.925929944387236e-34)
 #define RBDI_DOUBT RBD_C(1.4e-17)
+#define RBDI_SHARE RBD_C(0.25) /* descriptions are double, their rounding is far above eps */
 #define RBDI_TINY RBD_C(2.2250738585072014e-308)
 #endif
 #define RBDI_LEAST_SCALE (RBDI_TINY / RBDI_DOUBT)
 #ifndef RBDI_NOISE                 /* tests/fuzz/pivots.c sets it to 0 */
 #define RBDI_NOISE (32 * RBDI_EPS) /* of its bound a pivot must exceed this */
 #endif
+#ifndef RBDI_TURN /* tests/test_bounds.c sets it to 0 */
+#define RBDI_TURN RBD_C(0.01)
+#endif
+#define RBDI_FAR RBD_C(16) /* a square */
 #define RBDI_BUILD \
     RBD_C(2.220446049250313e-16 / (double)RBDI_EPS) /* the build's rounding: descriptions are double */
 #define RBDI_ROD (16 * (rbdi_wide)2.220446049250313e-16 / (rbdi_wide)RBDI_DOUBT) /* see rbdi_build_scale */
@@ -2618,7 +2638,8 @@ RBDI_PART unsigned char *rbdi_aligned(void *memory) {
 }
 
 /* ==== src/model/features.h ==== */
-/* Interface: rbdi_block_of, rbdi_flags, rbdi_is, rbdi_mimics, rbdi_on_world */
+/* Interface: rbdi_block_of, rbdi_flags, rbdi_is, rbdi_mimics, rbdi_on_world, RBDI_FEATURES, RBDI_OTHER_BLOCKS
+   */
 
 /* ---- features [features] ----
    The features of a model, as bits: flags that some link has, flags that some link has not, kinds of links,
@@ -3307,7 +3328,7 @@ RBDI_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real 
 }
 
 /* ==== src/dynamics/crba.h ==== */
-/* Interface: rbdi_crba_up_block, rbdi_ratio, rbdi_source */
+/* Interface: rbdi_crba_of_joints, rbdi_crba_up_block, rbdi_ratio, rbdi_source */
 
 /* ---- crba [crba] ----
    RBDA table 6.2: I^c_i = I_i + sum over the children of X' I^c X; F = I^c_i S_i; H_ii = S_i' F; and for
@@ -3903,11 +3924,39 @@ RBDI_INLINE void rbdi_aba_pass2_step(const rbd_model *m, rbd_work *w, int i, int
     if (off_chain) rbdi_aba_to_parent(m, w, i, IA, pA);
 }
 
+/* Whether the first dof of link i turns. */
+RBDI_INLINE int rbdi_turns_first(const rbd_model *m, int i) {
+    const rbdi_link *l = &m->link[i];
+    return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->first < 3 : l->rho > 0;
+}
+
+/* Whether a joint has slid so far that dof.scale of the turning joint before it, taken at q = 0, is no bound: the
+   slide squared times the mass that slides is above RBDI_FAR times that. */
+RBDI_PART rbdi_mask rbdi_slid_far(const rbd_model *m, const rbd_work *w) {
+    rbdi_mask far = rbdi_less(rbdi_zero(), rbdi_zero());
+    if (!(RBDI_FEATURES & m->features & (RBDI_SLIDES | RBDI_OTHER_BLOCKS))) return far;
+
+    for (int i = 0; i < m->nl; ++i) {
+        const rbdi_link *l = &m->link[i];
+        const int block = rbdi_is(l, RBDI_BLOCK);
+        rbd_real square;
+        int turn = l->parent;
+        if (!block && !(rbdi_flags(l) & RBDI_SLIDES)) continue;
+        while (turn >= 0 && !rbdi_turns_first(m, turn)) turn = m->link[turn].parent;
+        if (turn < 0) continue;
+
+        square = block ? rbdi_dot(w->block[l->block].X.r, w->block[l->block].X.r) : w->d[i] * w->d[i];
+        far = rbdi_or(
+            far, rbdi_less(rbdi_set(m->dof[m->link[turn].iv].scale * RBDI_FAR), square * l->subtree_mass));
+    }
+    return far;
+}
+
 /* Pass 2, leaves first. Returns whether a pivot is in doubt. */
 RBDI_PART rbdi_mask rbdi_aba_pass2(const rbd_model *m, rbd_work *w, const rbd_real *tau) {
     rbdi_abi IA = rbdi_abi_zero();
     rbdi_force pA = rbdi_force0();
-    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
+    rbdi_mask doubt = rbdi_slid_far(m, w);
     for (int i = m->nl - 1; i >= 0; --i) {
         RBDI_BY_FLAGS(flags, &m->link[i], rbdi_aba_pass2_step(m, w, i, flags, tau, &IA, &pA, &doubt));
     }
@@ -4191,10 +4240,12 @@ RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
 #endif
     for (int s = m->nv - 1; s >= 0; --s) {
         const rbdi_dof *dof = &m->dof[node[s].dof];
-        rbd_real *row = &H[node[s].row];
+        rbd_real *row = &H[node[s].row], whole; /* M_kk */
         rbdi_terms g;
         g.X = H, g.x = inverse + s + 1, g.node = node + s + 1, g.n = node[s].descendants, g.d = dof->depth;
+        whole = row[dof->depth];
         if (g.n > 0) rbdi_subtract_columns(g, RBDI_OWN, dof->depth + 1, row);
+        doubt = rbdi_or(doubt, rbdi_less(row[dof->depth], whole * RBDI_DOUBT));
         w->pivot[node[s].dof] = row[dof->depth];
         inverse[s] = row[dof->depth] = rbdi_pivot_inverse(row[dof->depth], dof->scale, &doubt);
     }
@@ -4369,36 +4420,36 @@ RBDI_PART void rbdi_invert(const rbd_model *m, rbd_work *w, const rbd_real *L, r
 }
 
 /* ==== src/dynamics/pivots.h ==== */
-/* Interface: rbdi_check_state, rbdi_pivot_status, rbdi_status_of */
+/* Interface: rbdi_check_factor, rbdi_factor_status, rbdi_pivot_status */
 
 /* ---- pivots [pivots] ----
-   One function decides for all calls whether M is singular: rbdi_check_pivots, from the pivots D of M = L'DL.
+   M = L'DL is singular if one of its pivots D is rounding. Each call checks the pivots that it computes, in two
+   steps.
 
-   D_k = y' M y for the motion y in which dof k moves by 1 and the dofs behind it give way: column k of L^-1.
-   Two kinds of rounding reach it.
+   First, in every call: is D > RBDI_DOUBT dof.scale, and > RBDI_DOUBT M_kk where M is there? If all pivots pass, M
+   is regular: a rounding error reaches that size only if it is magnified by more than RBDI_DOUBT / eps, and then
+   an earlier pivot was small beside its own scale; RBDI_DOUBT is at least sqrt(eps), so that one of the two
+   fails. dof.scale is taken at q = 0. A slide farther than that is a doubt as well (rbdi_slid_far).
 
-   Arithmetic. Entry M_jj is a sum of terms as large as K_jj, and is off by eps K_jj. So D_k is off by eps e,
-   e = sum over j of y_j^2 K_jj, where K_jj is M_jj, the inertia of each link about its own origin along the
-   dof, and a quarter of dof.scale, the inertia of the stretched robot.
+   Then, if a pivot is in doubt: is D > RBDI_NOISE e + RBDI_TINY, for all pivots? eps e bounds the error of D. With
+   y the motion in which dof k moves by 1 and the dofs behind it give way, column k of L^-1, D_k = y' M y and
 
-   Description. An axis is off by eps, and so is a position or a centre of mass by eps of its lever. These
-   errors move a mass m that should stand still by eps L. Its share of D is m (eps L)^2, exactly computed: the
-   error of such a pivot is all of it. dof.scale has a part RBDI_ROD of m L^2 in it (rbdi_build_scale), so
-   that K_jj covers it.
+       e_k = sum over j of y_j^2 K_jj + armature
 
-   A pivot counts as zero unless D > RBDI_NOISE (e + armature) + RBDI_TINY.
+   By the factor K_jj are the terms of M_jj: M_jj, the inertia of each link about its own origin along the dof,
+   and a quarter of dof.scale, the inertia of the stretched robot. Articulated bodies have smaller terms: G_j =
+   D_j + RBDI_SHARE dof.scale + armature, and each link's inertia along its motion in y. So rbd_aba is right in
+   long chains whose M has lost its digits.
 
-   Calls that compute pivots only test D > RBDI_DOUBT dof.scale. If all pivots pass, M is regular: a
-   rounding error reaches that size only if it is magnified by more than RBDI_DOUBT / eps, and then an
-   earlier pivot was small beside its own scale; RBDI_DOUBT is at least sqrt(eps), so that one of the two
-   fails the test. Otherwise the state is in doubt: rbdi_check_state computes M from the joints' transforms,
-   factors it and checks its pivots. If M is regular, the call's results are kept.
+   Both have a part of dof.scale, because descriptions round too. An axis is off by eps, a position or a centre of
+   mass by eps of its lever. These errors move a mass m that should stand still by eps L. Its share of D is
+   m (eps L)^2, exactly computed: the error of such a pivot is all of it. dof.scale has RBDI_ROD of m L^2 in it
+   (rbdi_build_scale). */
 
-   With RBD_NO_CHOLESKY there is no factor to check, and a state in doubt is singular. */
-
-/* Replaces a pivot by 1 if it is above its noise or no pivot of the state is in doubt, by 0 if not, by -1 if
-   it is not a number. */
-RBDI_PART void rbdi_check_pivot(rbd_work *w, int k, rbd_real noise, rbdi_mask doubt) {
+/* Replaces pivot k by 1 if it is above its noise or no pivot of the state is in doubt, by 0 if not, by -1 if it
+   is not a number. e: the bound of its terms. */
+RBDI_PART void rbdi_check_pivot(rbd_work *w, int k, rbd_real e, rbdi_mask doubt) {
+    const rbd_real noise = e * RBDI_NOISE + RBDI_TINY;
     const rbd_real D = w->pivot[k], one = rbdi_set(RBD_C(1));
     const rbdi_mask number = rbdi_or(rbdi_less(D, one), rbdi_less(rbdi_zero(), D));
     const rbd_real bad = rbdi_select(number, rbdi_zero(), -one);
@@ -4423,41 +4474,56 @@ RBDI_PART rbd_status rbdi_pivot_status(const rbd_model *m, rbd_work *w, rbd_real
     return rbdi_any(rbdi_not(number)) ? RBD_ERR_NAN : RBD_ERR_SINGULAR;
 }
 
-/* Adds to K, for each dof, the inertia of the bodies of its own link about the link's origin. The build's
-   rounding counts as well. It turns a rod on an axis, and is relative to the trace of the inertia about the
-   link's origin and about the user's, which is at r of the joint's body. */
-static void rbdi_add_links(const rbd_model *m, rbd_real *K) {
+/* The inertia of body b about the origin of its link, along each of the link's axes: moments, then masses. The
+   build's rounding counts as well. It turns a rod on an axis, and is relative to the trace of the inertia about
+   the link's origin and about the user's, which is at r of the joint's body. */
+RBDI_COLD void rbdi_body_inertia(const rbd_model *m, int b, rbd_real own[6]) {
+    const rbdi_frame *u = &m->frame[b];
+    const rbdi_mat E = rbdi_mat_c(u->E);
+    const rbdi_v3 user = rbdi_vec_c(m->frame[m->dof[m->link[u->link].iv].body].r), r = rbdi_vec_c(u->r),
+                  c = rbdi_mul_t(E, rbdi_vec_c(u->com)), p = rbdi_add(r, c);
+    const rbd_real mass = rbdi_set(u->mass);
+    const rbd_real levers = rbdi_dot(r, r) + rbdi_dot(c, c) + rbdi_dot(user, user);
+
+    const rbdi_sym S = rbdi_sym_up(E, rbdi_sym_c(u->I));
+    const rbd_real xx = rbdi_abs(S.xx), yy = rbdi_abs(S.yy), zz = rbdi_abs(S.zz);
+    const rbd_real rounding = (xx + yy + zz + mass * levers) * RBDI_BUILD;
+
+    own[0] = xx + mass * (p.y * p.y + p.z * p.z) + rounding;
+    own[1] = yy + mass * (p.x * p.x + p.z * p.z) + rounding;
+    own[2] = zz + mass * (p.x * p.x + p.y * p.y) + rounding;
+    own[3] = own[4] = own[5] = mass;
+}
+
+#ifndef RBD_NO_CHOLESKY
+/* -- by the factor -- */
+
+/* Adds to K, for each dof, the inertia of the bodies of its own link about the link's origin. */
+RBDI_COLD void rbdi_add_links(const rbd_model *m, rbd_real *K) {
     for (int b = 0; b < m->nb; ++b) {
-        const rbdi_frame *u = &m->frame[b];
-        if (u->link < 0) continue;
-        const rbdi_link *l = &m->link[u->link];
-        const rbdi_mat E = rbdi_mat_c(u->E);
-        const rbdi_v3 user = rbdi_vec_c(m->frame[m->dof[l->iv].body].r), r = rbdi_vec_c(u->r),
-                      c = rbdi_mul_t(E, rbdi_vec_c(u->com)), p = rbdi_add(r, c);
-        const rbd_real mass = rbdi_set(u->mass), xx = p.x * p.x * mass, yy = p.y * p.y * mass,
-                       zz = p.z * p.z * mass;
-        const rbdi_sym S = rbdi_sym_up(E, rbdi_sym_c(u->I));
-        const rbdi_v3 I = rbdi_vec(rbdi_abs(S.xx), rbdi_abs(S.yy), rbdi_abs(S.zz));
-        const rbd_real trace =
-                           I.x + I.y + I.z + mass * (rbdi_dot(r, r) + rbdi_dot(c, c) + rbdi_dot(user, user)),
-                       rounding = trace * RBDI_BUILD;
-        const rbd_real own[6] = {
-            I.x + yy + zz + rounding, I.y + xx + zz + rounding, I.z + xx + yy + rounding, mass, mass, mass};
+        const int i = m->frame[b].link;
+        const rbdi_link *l = &m->link[i < 0 ? 0 : i];
         const int iv = rbdi_source(m, l->iv);
         const rbd_real ratio = rbdi_ratio(m, l->iv);
-        if (!rbdi_is(l, RBDI_BLOCK))
-            K[iv] = K[iv] + (own[2] * l->rho + mass * (l->kappa * l->kappa)) * (ratio * ratio);
-        else
-            for (int k = 0, s = rbdi_block_of(m, l)->first; k < rbdi_link_dofs(m, l); ++k)
-                K[iv + k] = K[iv + k] + own[s + k];
+        rbd_real own[6];
+        if (i < 0) continue;
+        rbdi_body_inertia(m, b, own);
+
+        if (!rbdi_is(l, RBDI_BLOCK)) {
+            K[iv] = K[iv] + (own[2] * l->rho + own[5] * (l->kappa * l->kappa)) * (ratio * ratio);
+            continue;
+        }
+        for (int k = 0, s = rbdi_block_of(m, l)->first; k < rbdi_link_dofs(m, l); ++k)
+            K[iv + k] = K[iv + k] + own[s + k];
     }
 }
 
-/* Checks the pivots of M. L is its packed factor, doubt what rbdi_factor returned. M_jj = sum of L_kj^2
-   D_k; column k of L^-1, zero but for k and what is behind it, by substitution. */
-RBDI_COLD void rbdi_check_pivots(const rbd_model *m, rbd_work *w, const rbd_real *L, rbdi_mask doubt) {
+/* Checks the pivots of the matrix whose packed factor is L. M_jj = sum of L_kj^2 D_k; column k of L^-1, zero
+   but for k and what is behind it, by substitution. */
+RBDI_COLD void rbdi_check_factor(const rbd_model *m, rbd_work *w, const rbd_real *L, rbdi_mask doubt) {
     const int n = m->nv;
     rbd_real *K = w->F, *y = w->F + n; /* the scratch of crba */
+
     for (int k = 0; k < n; ++k) K[k] = rbdi_abs(w->pivot[k]) + RBD_C(0.25) * m->dof[k].scale;
     for (int k = 0; k < n; ++k)
         for (int t = m->dof[k].depth - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda) {
@@ -4465,6 +4531,7 @@ RBDI_COLD void rbdi_check_pivots(const rbd_model *m, rbd_work *w, const rbd_real
             K[i] = K[i] + factor * factor * rbdi_abs(w->pivot[k]);
         }
     rbdi_add_links(m, K);
+
     for (int k = 0; k < n; ++k) {
         rbd_real e = K[k] + m->dof[k].armature;
         y[k] = rbdi_set(RBD_C(1));
@@ -4475,29 +4542,161 @@ RBDI_COLD void rbdi_check_pivots(const rbd_model *m, rbd_work *w, const rbd_real
                 y[j] = y[j] - row[t] * y[i];
             e = e + y[j] * y[j] * K[j];
         }
-        rbdi_check_pivot(w, k, e * RBDI_NOISE + RBDI_TINY, doubt);
+        rbdi_check_pivot(w, k, e, doubt);
     }
 }
 
-/* Checks the pivots of M at the state of the last rbdi_joints. The factor is left in w->H. */
-RBDI_COLD void rbdi_check_state(const rbd_model *m, rbd_work *w) {
-    RBDI_NOTE_DOUBT(w, 1);
-#ifndef RBD_NO_CHOLESKY
-    rbdi_crba_of_joints(m, w, w->H);
-    rbdi_check_pivots(m, w, w->H, rbdi_factor(m, w, w->H));
-#else
-    for (int k = 0; k < m->nv; ++k)
-        rbdi_check_pivot(w, k, rbdi_set(m->dof[k].scale * RBDI_DOUBT),
-                         rbdi_less(rbdi_zero(), rbdi_set(RBD_C(1))));
-#endif
-}
-
-/* The status of a call with pivots. doubt: whether any is in doubt; x: the n results. */
-RBDI_INLINE rbd_status rbdi_status_of(const rbd_model *m, rbd_work *w, rbdi_mask doubt, rbd_real *x, int n) {
+/* The status of a call that factored a matrix, L packed. doubt: whether a pivot is in doubt; x: the n
+   results. */
+RBDI_INLINE rbd_status rbdi_factor_status(const rbd_model *m, rbd_work *w, const rbd_real *L, rbdi_mask doubt,
+                                          rbd_real *x, int n) {
     w->singular = -1;
     if (!rbdi_any(doubt)) return RBD_OK;
-    rbdi_check_state(m, w);
+    rbdi_check_factor(m, w, L, doubt);
     return rbdi_pivot_status(m, w, x, n);
+}
+#endif
+
+/* ==== src/dynamics/aba_pivots.h ==== */
+/* -- by articulated bodies --
+   e_k by the recursion of IA, from the leaves to the root. With V = U/D, a link whose joint gives way moves by
+   P = 1 - S V' of its parent's motion:
+
+       Ka = P' K P + V G V'                as Ia = P' IA P + V armature V' = IA - U U'/D
+       K_p += X' (Ka + rounding) X,   e = S' K S + G
+
+   K begins with the inertias of the link's bodies, G is that of [pivots]. A change of frame rounds each entry by a
+   share of the largest. */
+
+/* S of dof k of link i, and its V, as pass 2 left it. V_z of a revolute joint without armature is 1; a free
+   base has V only for the axes before S. */
+RBDI_COLD void rbdi_pivot_axis(const rbd_model *m, const rbd_work *w, int i, int k, rbd_real S[6],
+                               rbd_real V[6]) {
+    const rbdi_link *l = &m->link[i];
+    for (int j = 0; j < 6; ++j) S[j] = rbdi_zero();
+
+    if (rbdi_is(l, RBDI_BLOCK)) {
+        const rbdi_block *b = rbdi_block_of(m, l);
+        const int s = b->first + k, end = rbdi_free_base(l, b) ? s : 6;
+        S[s] = rbdi_set(RBD_C(1));
+        for (int j = 0; j < 6; ++j) V[j] = j < end ? w->block[l->block].U_D[k][j] : S[j];
+        return;
+    }
+    S[2] = rbdi_set(l->rho);
+    S[5] = rbdi_set(l->kappa);
+    rbdi_store_force(V, 1, w->scratch[i].U_D);
+    if (!(rbdi_flags(l) & (RBDI_SLIDES | RBDI_ARMATURE))) V[2] = rbdi_set(RBD_C(1));
+}
+
+/* K becomes P' K P + V G V'. Returns S' K S. */
+RBDI_COLD rbd_real rbdi_give_way(rbd_real K[6][6], const rbd_real S[6], const rbd_real V[6], rbd_real G) {
+    rbd_real KS[6], e = rbdi_zero();
+    for (int i = 0; i < 6; ++i) {
+        KS[i] = rbdi_zero();
+        for (int j = 0; j < 6; ++j) KS[i] = KS[i] + K[i][j] * S[j];
+        e = e + S[i] * KS[i];
+    }
+
+    for (int i = 0; i < 6; ++i)
+        for (int j = 0; j < 6; ++j) K[i][j] = K[i][j] + ((e + G) * V[i] - KS[i]) * V[j] - V[i] * KS[j];
+    return e;
+}
+
+/* Adds to three diagonal entries the share of the largest that a change of frame rounds. */
+RBDI_COLD void rbdi_add_rounding(rbd_real K[6][6], int first) {
+    rbd_real most = rbdi_zero();
+    for (int j = first; j < first + 3; ++j) most = rbdi_select(rbdi_less(most, K[j][j]), K[j][j], most);
+    for (int j = first; j < first + 3; ++j) K[j][j] = K[j][j] + most * RBDI_TURN;
+}
+
+/* Pose of a link in its parent. */
+RBDI_COLD rbdi_pose rbdi_pose_in_parent(const rbd_model *m, const rbd_work *w, int i) {
+    const rbdi_link *l = &m->link[i];
+    const int flags = rbdi_flags(l);
+    rbd_real column[3][3];
+    rbdi_trig t;
+    rbdi_pose X;
+    if (rbdi_is(l, RBDI_BLOCK)) return w->block[l->block].X;
+
+    t = rbdi_trig_of(m, w, i, flags);
+    for (int j = 0; j < 3; ++j) {
+        rbd_real axis[3] = {rbdi_zero(), rbdi_zero(), rbdi_zero()};
+        axis[j] = rbdi_set(RBD_C(1));
+        rbdi_store_vec(column[j], 1, rbdi_down(l, flags, t, rbdi_load_vec(axis, 1)));
+    }
+    X.E.xx = column[0][0], X.E.xy = column[1][0], X.E.xz = column[2][0];
+    X.E.yx = column[0][1], X.E.yy = column[1][1], X.E.yz = column[2][1];
+    X.E.zx = column[0][2], X.E.zy = column[1][2], X.E.zz = column[2][2];
+    X.r = rbdi_add(rbdi_vec_c(l->r), rbdi_scale(t.d, rbdi_vec(X.E.zx, X.E.zy, X.E.zz)));
+    return X;
+}
+
+/* K becomes X' K X: each of its columns is a wrench, and then each of the rows. */
+RBDI_COLD void rbdi_carry_up(const rbdi_pose *X, rbd_real K[6][6]) {
+    for (int j = 0; j < 12; ++j) {
+        rbd_real *wrench = j < 6 ? &K[0][j] : K[j - 6];
+        const int stride = j < 6 ? 6 : 1;
+        rbdi_store_force(wrench, stride, rbdi_force_up_block(X, rbdi_load_force(wrench, stride)));
+    }
+}
+
+/* K of link i, the sum of its children's shares, becomes its share in the parent's K. */
+RBDI_COLD void rbdi_check_link(const rbd_model *m, rbd_work *w, int i, rbdi_mask doubt, rbd_real K[6][6]) {
+    const rbdi_link *l = &m->link[i];
+    rbd_real own[6], S[6], V[6];
+    rbdi_pose X;
+    for (int b = 0; b < m->nb; ++b) {
+        if (m->frame[b].link != i) continue;
+        rbdi_body_inertia(m, b, own);
+        for (int j = 0; j < 6; ++j) K[j][j] = K[j][j] + own[j];
+    }
+
+    for (int k = rbdi_link_dofs(m, l) - 1; k >= 0; --k) {
+        const rbdi_dof *dof = &m->dof[l->iv + k];
+        const rbd_real G = rbdi_abs(w->pivot[l->iv + k]) + dof->scale * RBDI_SHARE + dof->armature;
+        rbd_real e;
+        rbdi_pivot_axis(m, w, i, k, S, V);
+        e = rbdi_give_way(K, S, V, G) + G;
+        rbdi_check_pivot(w, l->iv + k, e, doubt);
+    }
+
+    if (l->parent < 0) return;
+    X = rbdi_pose_in_parent(m, w, i);
+    rbdi_add_rounding(K, 0);
+    rbdi_add_rounding(K, 3);
+    rbdi_carry_up(&X, K);
+}
+
+/* Checks the pivots of the last pass 2. */
+RBDI_COLD void rbdi_check_bodies(const rbd_model *m, rbd_work *w, rbdi_mask doubt) {
+    rbd_real K[6][6];
+    for (int k = 0; k < m->nbranch; ++k) w->branch[k].I = rbdi_abi_zero();
+    rbdi_clear(K[0], 36);
+
+    for (int i = m->nl - 1; i >= 0; --i) {
+        const rbdi_link *l = &m->link[i];
+        if (l->branch >= 0) {
+            rbd_real L[6][6];
+            rbdi_abi_to_array(w->branch[l->branch].I, L);
+            for (int r = 0; r < 6; ++r)
+                for (int c = 0; c < 6; ++c) K[r][c] = K[r][c] + L[r > c ? r : c][r > c ? c : r];
+        }
+        rbdi_check_link(m, w, i, doubt, K);
+        if (l->parent == i - 1) continue;
+        if (l->parent >= 0) {
+            rbdi_branch *branch = &w->branch[m->link[l->parent].branch];
+            branch->I = rbdi_abi_add(branch->I, rbdi_abi_from_array(K));
+        }
+        rbdi_clear(K[0], 36);
+    }
+}
+
+/* The status of rbd_aba. doubt: whether a pivot is in doubt; a: the results. */
+RBDI_INLINE rbd_status rbdi_aba_status(const rbd_model *m, rbd_work *w, rbdi_mask doubt, rbd_real *a) {
+    w->singular = -1;
+    if (!rbdi_any(doubt)) return RBD_OK;
+    rbdi_check_bodies(m, w, doubt);
+    return rbdi_pivot_status(m, w, a, m->nv);
 }
 
 /* ==== src/dynamics/hybrid.h ==== */
@@ -4562,7 +4761,7 @@ RBDI_COLD rbd_status rbdi_check_free(const rbd_model *m, rbd_work *w, const unsi
         for (int t = m->dof[k].depth - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
             if (prescribed[k] || prescribed[i]) row[t] = rbdi_zero();
     }
-    rbdi_check_pivots(m, w, w->H, doubt);
+    rbdi_check_factor(m, w, w->H, doubt);
     for (int k = 0; k < m->nv; ++k)
         if (prescribed[k]) w->pivot[k] = rbdi_set(RBD_C(1)); /* good */
     (void)rbdi_pivot_status(m, w, tau, m->nv);
@@ -4607,7 +4806,7 @@ RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
     rbdi_external(m, w, f_ext);
     doubt = rbdi_aba_pass2(m, w, tau);
     rbdi_aba_pass3(m, w, rbdi_world_state(w->gravity).acc, a);
-    return rbdi_status_of(m, w, doubt, a, m->nv);
+    return rbdi_aba_status(m, w, doubt, a);
 }
 
 #ifndef RBD_NO_CHOLESKY
@@ -4622,7 +4821,7 @@ RBDI_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_r
     rbdi_reduce_tau(m, w->tx, w->bias);
     for (int k = 0; k < m->nv; ++k) a[k] = tau[k] - w->bias[k];
     rbdi_solve(m, w, w->H, a);
-    return rbdi_status_of(m, w, doubt, a, m->nv);
+    return rbdi_factor_status(m, w, w->H, doubt, a, m->nv);
 }
 
 RBDI_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, rbd_real *H) {
@@ -4630,10 +4829,7 @@ RBDI_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, 
     const rbd_status status = rbdi_check(m, w, H != NULL);
     if (status) return status;
     doubt = rbdi_factor(m, w, H);
-    w->singular = -1;
-    if (!rbdi_any(doubt)) return RBD_OK;
-    rbdi_check_pivots(m, w, H, doubt);
-    return rbdi_pivot_status(m, w, H, rbd_packed_size(m));
+    return rbdi_factor_status(m, w, H, doubt, H, rbd_packed_size(m));
 }
 
 RBDI_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *M, rbd_real *L) {
@@ -4674,7 +4870,7 @@ RBDI_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real
     rbd_crba_packed(m, w, q, w->H);
     doubt = rbdi_factor(m, w, w->H);
     rbdi_invert(m, w, w->H, Minv);
-    return rbdi_status_of(m, w, doubt, Minv, m->nv * m->nv);
+    return rbdi_factor_status(m, w, w->H, doubt, Minv, m->nv * m->nv);
 }
 #endif
 
@@ -5837,7 +6033,7 @@ RBDI_MESSAGES RBDI_API const char *rbd_status_string(rbd_status status) {
         return "ratio 0 or not finite, offset not finite, not a one-dof joint, or it follows a joint that is "
                "missing or mimics too";
     case RBD_ERR_WORK: return "made for another model or another work";
-    case RBD_ERR_NAN: return "NaN where accelerations are solved for: q has one, or something overflowed";
+    case RBD_ERR_NAN: return "NaN in q (rbd_singular_dof says where), v, a force or a gap; or overflow";
     case RBD_ERR_RANGE: return "negative, not finite or out of range";
     case RBD_ERR_INFEASIBLE: return "the constraints contradict each other";
     case RBD_ERR_ARITHMETIC:
@@ -6195,7 +6391,7 @@ static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close) {
     if (rbdi_w_abs(*c) <= close) *s = *s > 0 ? 1 : -1, *c = 0;
 }
 
-/* Sine and cosine of an angle of at most 45 degrees: sums of their series, which give the same bits
+/* Sine and cosine of an angle of at most 90 degrees, to 1e-29: sums of their series, which give the same bits
    everywhere. */
 static void rbdi_w_series(rbdi_wide x, rbdi_wide *sine, rbdi_wide *cosine) {
     const rbdi_wide x2 = x * x;
@@ -7221,8 +7417,8 @@ RBDI_API rbd_status rbd_add_payload(void *memory, int body, double mass, const d
 /* ==== src/model/lock.h ==== */
 /* -- joints held still -- */
 
-/* Sine and cosine of an angle of any size, as if it were rounded once more: of |x| = quarters right angles +
-   rest the rest is found by long division, without a rounding but that of the right angle. */
+/* Sine and cosine of an angle of any size. Long division by the right angle gives the number of right angles
+   and the rest. Only the right angle is rounded, so the error is at most that of one more rounding of x. */
 static void rbdi_w_sincos(rbdi_wide x, rbdi_wide *s, rbdi_wide *c) {
     const rbdi_wide right_angle = RBDI_PI(rbdi_wide) / 2;
     rbdi_wide rest = rbdi_w_abs(x), part = right_angle, sine, cosine;
@@ -7233,10 +7429,6 @@ static void rbdi_w_sincos(rbdi_wide x, rbdi_wide *s, rbdi_wide *c) {
         quarters = 2 * quarters & 3;
         if (rest < part) continue;
         rest -= part;
-        ++quarters;
-    }
-    if (rest > right_angle / 2) {
-        rest -= right_angle;
         ++quarters;
     }
 
@@ -7282,7 +7474,7 @@ static void rbdi_w_quaternion(const double *q, rbdi_wide E[9]) {
     rbdi_w_turn(u, u[3] * u[3] - length * length, 2 * u[3] * length, E);
 }
 
-/* What the coordinates q of a joint do: the pose of its link at q in the link's frame at q = 0. */
+/* Motion of a link by its joint: its pose at q in its frame at q = 0. */
 static rbdi_wide_pose rbdi_axis_motion_at(const rbdi_build_link *l, const double *q) {
     rbdi_wide_pose X;
     rbdi_wide u[2], c, s;
@@ -7425,6 +7617,7 @@ RBDI_API rbd_status rbd_lock_joints(const rbd_body *bodies, int nb, const unsign
 #pragma pop_macro("D")
 #pragma pop_macro("E")
 #pragma pop_macro("F")
+#pragma pop_macro("G")
 #pragma pop_macro("H")
 #pragma pop_macro("I")
 #pragma pop_macro("J")

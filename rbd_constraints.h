@@ -164,8 +164,8 @@ RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_s
    kp e, RBDA section 8.4 and, for kp and kd, 8.3. If rows depend on others (rbd_constraint_rank), a is
    unique and lambda is the solution of least norm.
    lambda   rows; may be NULL
-   gains    with steps v += dt a, q += dt v, errors die out only if kd dt < 2 and kp dt^2 + 2 kd dt < 4, and grow
-            without bound beyond: [design]. kd = 2 sqrt(kp), kp dt^2 up to 0.1 is a good choice
+   gains    with steps v += dt a, q += dt v, errors die out only if kd dt < 2 and kp dt^2 + 2 kd dt < 4, and
+            grow without bound beyond: [design]. kd = 2 sqrt(kp), kp dt^2 up to 0.1 is a good choice
    Errors: also RBD_ERR_SINGULAR and _NAN of M: rbd_singular_dof says where, and the results are 0;
    RBD_ERR_INFEASIBLE if dependent rows contradict each other (rbd_infeasible_row): then the first equation
    holds, and the second in the sense of least squares. A state in which rows depend on each other
@@ -199,14 +199,14 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
 /* Closes loops, or puts feet in their places: computes q_near near q, with e = 0, and v_near with J v_near
    = 0 there, the one with the least sum of weight (v_near - v)^2.
    q_near is a stationary point of the distance: with d = rbd_difference(q, q_near), the vector weight d is a
-   combination of the rows of de/dq, which are those of J but for single angular axes. If all joints have one degree of freedom, it is the nearest place, or nearer
-   than all places around it; with other joints nearly so, the more the smaller d is. Newton's method finds it
-   from q. Far from any solution it may find none, or another one. In a singular place, where rows lose their
-   rank, q_near may only be close.
+   combination of the rows of de/dq, which are those of J but for single angular axes. If all joints have one
+   degree of freedom, it is the nearest place, or nearer than all places around it; with other joints nearly
+   so, the more the smaller d is. Newton's method finds it from q. Far from any solution it may find none, or
+   another one. In a singular place, where rows lose their rank, q_near may only be close.
    q_near   another array than q
    v        may be NULL, v_near then too
-   weight   nv, from 0 (a free dof: its motion costs nothing) to 1e30; NULL: 1, that is, a metre counts as much
-            as a radian
+   weight   nv, from 0 (a free dof: its motion costs nothing) to 1e30; NULL: 1, that is, a metre counts as
+            much as a radian
    Errors: also RBD_ERR_RANGE, a weight out of its range; RBD_ERR_INFEASIBLE if an entry of e is not below
    1e-9 (float: 1e-4), the largest in rbd_infeasible_row. */
 RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
@@ -412,8 +412,8 @@ struct rbd_constraint_set {
 
        u+ = (1 - kd dt) u - kp dt e,   e+ = e + dt u+
 
-   whose eigenvalues z solve z^2 - (2 - kd dt - kp dt^2) z + 1 - kd dt = 0. By Jury's test both lie within the unit
-   circle if kd dt < 2, kp > 0, kd > 0 and, at z = -1, 4 - 2 kd dt - kp dt^2 > 0. */
+   whose eigenvalues z solve z^2 - (2 - kd dt - kp dt^2) z + 1 - kd dt = 0. By Jury's test both lie within the
+   unit circle if kd dt < 2, kp > 0, kd > 0 and, at z = -1, 4 - 2 kd dt - kp dt^2 > 0. */
 
 RBDI_CODE_BEGIN
 
@@ -738,8 +738,8 @@ static void rbdi_clear_rows(const rbd_model *m, rbd_constraint_set *c) {
     c->dirty = 1;
 }
 
-/* Adds Y = J', gamma and J v of a constraint and, if `errors`, e. errors = RBDI_SLOPES: Y = (de/dq)', which is
-   another row than that of J where a single angular axis is held. */
+/* Adds Y = J', gamma and J v of a constraint and, if `errors`, e. errors = RBDI_SLOPES: Y = (de/dq)', which
+   is another row than that of J where a single angular axis is held. */
 enum { RBDI_SLOPES = 2 };
 static void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *con,
                                  int errors) {
@@ -1574,7 +1574,7 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
     rbdi_multipliers(m, c, !restitution); /* an impact's targets, J v, are in the range of J */
     for (int k = 0; k < m->nv; ++k) x[k] = c->x[k] * w->pivot[k]; /* D x, of which L^-1 D^-1 is the result */
     rbdi_solve_down(m, w, w->H, 1, 1, 1, x);
-    return rbdi_status_of(m, w, doubt, x, m->nv);
+    return rbdi_factor_status(m, w, w->H, doubt, x, m->nv);
 }
 
 /* Computes x and lambda by articulated bodies or, if these are in doubt, by the factor of M. Returns the
@@ -1702,11 +1702,11 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
 
 /* ==== src/constraints/assembly.h ==== */
 /* ---- assembly [assembly] ----
-   Newton's method. Of all steps d with de/dq d = -e it takes the one that makes d + rbd_difference(q, q_near),
-   the remaining distance from q, shortest. J takes the place of de/dq, except where a single angular axis is
-   held: J d = -e would not come nearer there at large turns. Two axes are better off with J: de/dq vanishes
-   where they are 90 degrees off. Steps are cut to RBDI_LONGEST_STEP, because the rows change. The last steps
-   reduce e alone. */
+   Newton's method. Of all steps d with de/dq d = -e it takes the one that makes d + rbd_difference(q,
+   q_near), the remaining distance from q, shortest. J takes the place of de/dq, except where a single angular
+   axis is held: J d = -e would not come nearer there at large turns. Two axes are better off with J: de/dq
+   vanishes where they are 90 degrees off. Steps are cut to RBDI_LONGEST_STEP, because the rows change. The
+   last steps reduce e alone. */
 
 /* The next step size: the share of the distance that a step removes, by Barzilai and Borwein (1988), from
    this step c->x, the step before it, and the sizes of both. 1 is right if J is constant; if J changes, steps

@@ -181,7 +181,8 @@ RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constr
    damping    implicit: tau acts as tau - damping v_next. A position controller of gains kp, kd that runs with
               the step has tau = kp (q_wanted - q) and damping = kd + dt kp / 2, which is neutral: it neither
               adds nor takes energy beyond kd. kd + dt kp is stable at every dt, and brakes. NULL: 0
-   Errors: RBD_ERR_NULL, _WORK; _RANGE, dt not between 1e-30 and 1e30; _SINGULAR, _NAN as rbd_constrained_fd,
+   Errors: RBD_ERR_NULL, _WORK; _RANGE, dt not between 1e-30 and 1e30; _SINGULAR if M + dt D is, D the damping:
+   damping makes a joint sound that moves no mass; _NAN as rbd_constrained_fd,
    _NAN also of a gap that is not a number and of speeds above 1e12: then q_next is q and v_next or a is 0. A
    solution above the tolerance is no error: rbd_contact_last. */
 
@@ -447,15 +448,18 @@ RBDI_CODE_BEGIN
 /* ==== src/contact/tolerances.h ==== */
 /* ---- tolerances [tolerances] ---- */
 
-/* RBDI_UNMOVED: an entry of a block below this share of its trace is rounding: no impulse moves it.
+/* RBDI_UNMOVED: a tangent below this share of its block's trace is rounding: no impulse moves it. A normal
+   is a sum of squares: its rounding is below the square of the share.
    RBDI_ON_CONE: a contact at rest counts as sticking up to this times its largest friction.
    RBDI_LEFT_OF_SLOP: depths of this share of the slop that the first half of a step makes are left.
    RBDI_PROXIMAL: share of the trace that Newton steps add to the diagonal, [newton].
    RBDI_LEAST_SIZE: squares of smaller impulses (N s) are near the smallest number, or below it.
+   RBDI_SCALE_SPREAD: the scale of RBDI_PROXIMAL is at most so many times the diagonal's entry, of a normal.
    RBDI_SIDES_PROXIMAL: the same for derivatives, whose relative error is that times the condition of G. */
 #define RBDI_UNMOVED (16 * RBDI_EPS)
 #define RBDI_ON_CONE (1 + 16 * RBDI_EPS)
 #define RBDI_LEFT_OF_SLOP RBD_C(0.01)
+#define RBDI_SCALE_SPREAD RBD_C(1e4)
 #define RBDI_SIDES_PROXIMAL (512 * RBDI_EPS)
 #if RBDI_KIND(RBD_CONST) == 2
 #define RBDI_PROXIMAL {1e-4f, 1e-3f, 1e-2f}
@@ -517,7 +521,7 @@ RBDI_PART void rbdi_contact_prepare(rbdi_contact_law *law, const rbd_real *D, in
     law->A[0] = D[0] + trace * RBDI_UNMOVED, law->A[1] = D[1], law->A[2] = y[1] + trace * RBDI_UNMOVED;
     law->c[0] = n[0], law->c[1] = n[1], law->d = n[2];
     law->alpha = law->e[0] = law->e[1] = rbdi_zero();
-    law->state = law->d > trace * RBDI_UNMOVED ? RBD_OPENS : RBD_APART;
+    law->state = law->d > trace * (RBDI_UNMOVED * RBDI_UNMOVED) ? RBD_OPENS : RBD_APART;
     if (law->state != RBD_APART) rbdi_contact_axes(law);
 }
 
@@ -779,6 +783,13 @@ RBDI_INLINE rbdi_contact_unknown *rbdi_new_unknown(rbdi_contact_solver *s, int f
     return x;
 }
 
+/* The scale of a normal: that of the contact, unless its d is far smaller, as under a heavy body on light
+   slides, and `proximal` of it would stop the normal. */
+RBDI_INLINE rbd_real rbdi_normal_scale(const rbdi_contact_law *law) {
+    const rbd_real most = law->d * RBDI_SCALE_SPREAD;
+    return most < law->trace ? most : law->trace;
+}
+
 /* Lists the unknowns (2). The right-hand sides follow G's columns; rows end with a whole batch. */
 RBDI_PART void rbdi_list_unknowns(rbdi_contact_solver *s) {
     s->symmetric = 1, s->unknowns = 0;
@@ -786,10 +797,10 @@ RBDI_PART void rbdi_list_unknowns(rbdi_contact_solver *s) {
         const rbdi_contact_law *law = &s->law[i];
         rbdi_contact_unknown *x;
         for (int j = 0; j < 3 && law->state == RBD_STICKS; ++j)
-            (void)rbdi_new_unknown(s, 3 * i + j, 1, law->trace);
+            (void)rbdi_new_unknown(s, 3 * i + j, 1, j < 2 ? law->trace : rbdi_normal_scale(law));
         if (law->state != RBD_SLIPS) continue;
         s->symmetric = 0;
-        x = rbdi_new_unknown(s, 3 * i, 3, law->trace);
+        x = rbdi_new_unknown(s, 3 * i, 3, rbdi_normal_scale(law));
         x->column[0] = law->friction * law->e[0], x->column[1] = law->friction * law->e[1];
         x->row[0] = rbdi_zero(), x->column[2] = x->row[2] = rbdi_set(RBD_C(1));
         if (!(law->friction > 0)) continue;
@@ -1855,7 +1866,7 @@ static rbd_status rbdi_begin_step(const rbd_model *m, rbd_contact_set *c, const 
     rbdi_solve(m, w, w->H, c->nu);
     for (int k = 0; k < m->nv; ++k) c->nu[k] = c->v_mid[k] + c->nu[k];
     rbdi_find_falls(m, c, c->nu);
-    return rbdi_status_of(m, w, doubt, s->x, m->nv);
+    return rbdi_factor_status(m, w, w->H, doubt, s->x, m->nv);
 }
 
 /* s->x = L^-T dt (tau - c(w) - d v_mid), of w = (v_mid + nu) / 2 in c->at. */

@@ -1915,6 +1915,15 @@ RBDI_PART rbdi_mask rbdi_far_pivots(const rbd_derivatives *d) {
     return doubt;
 }
 
+/* Factors M anew, computed in the links' frames, and checks its pivots. */
+RBDI_COLD void rbdi_factor_again(const rbd_model *m, rbd_work *w) {
+    rbdi_mask doubt;
+    RBDI_NOTE_DOUBT(w, 1);
+    rbdi_crba_of_joints(m, w, w->H);
+    doubt = rbdi_factor(m, w, w->H);
+    rbdi_check_factor(m, w, w->H, doubt);
+}
+
 /* x = tau - c. */
 RBDI_PART void rbdi_net_torque(const rbd_model *m, rbd_derivatives *d, const rbd_real *tau, rbd_real *x) {
     rbd_real *bias = rbdi_mimics(m) ? d->work->tx : x;
@@ -1998,7 +2007,7 @@ RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, c
     doubt = rbdi_factor(m, d->work, d->work->H);
     if (!rbdi_mimics(m)) doubt = rbdi_or(doubt, rbdi_far_pivots(d));
     d->work->singular = -1;
-    if (rbdi_any(doubt)) rbdi_check_state(m, d->work);
+    if (rbdi_any(doubt)) rbdi_factor_again(m, d->work);
     if (Minv) rbdi_invert(m, d->work, d->work->H, Minv);
     rbdi_solve(m, d->work, d->work->H, d->a);
     if (rbdi_any(doubt)) status = rbdi_pivot_status(m, d->work, d->a, nv);

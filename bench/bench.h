@@ -167,8 +167,8 @@ void instance_take_sample(const struct instance *to, const struct instance *from
 
 struct row;
 
-/* For another program: the states, and rbd's results of them, of the rows of its run-time model in double. Returns
-   0, or -1 after a message. */
+/* For another program: the states, and rbd's results of them, of the rows of its run-time model in double.
+   Returns 0, or -1 after a message. */
 int write_states(FILE *f, const struct options *o, const struct row *rows, int n);
 
 /* ---- timing/algorithms.c ---- */

@@ -177,6 +177,16 @@ static bool is_by_gcc(const struct row *row) {
     return !library_is_ours(l) && l->variant == RUN_TIME && strncmp(build_of(l), "gcc ", 4) == 0;
 }
 
+/* Explains the columns. */
+static void write_legend(FILE *f) {
+    fputs("\nmin, mean, std dev: ns per state, over the experiments; compare by min\n"
+          "speed-up: times as fast as rbd's run-time model\n"
+          "max error: largest difference to another method, relative to the largest entry\n"
+          "quad error: the same to the result in quad precision\n"
+          "variant: run-time takes any robot; generated is code for this one; lanes and blocks: N states at once\n",
+          f);
+}
+
 /* Explains the marks that the table has. */
 static void write_table_notes(FILE *f, const struct row *rows, int n) {
     bool waited = false, disturbed = false, by_gcc = false;
@@ -214,6 +224,7 @@ static void write_table(FILE *f, const struct options *o, const struct row *rows
     fprintf(f, " %9s %9s %9s %9s %10s %10s\n", "min", "speed-up", "mean", "std dev", "max error",
             "quad error");
     for (int i = 0; i < n; i++) write_table_row(f, w, rows, n, i);
+    write_legend(f);
     write_table_notes(f, rows, n);
 }
 

@@ -17,6 +17,6 @@ awk -F, 'NR == 1 { if (NF != 9) fail = "columns"; next }
                if (fail) print "wrong " fail
                exit fail != "" }' "$scratch/fall.csv"
 
-command -v gnuplot >/dev/null || exit 77
+command -v gnuplot >/dev/null || { echo "skipped: there is no gnuplot: ./run deps test"; exit 77; }
 gnuplot -e "csv = '$scratch/fall.csv'; png = '$scratch/fall.png'" "$2"
 [ "$(dd if="$scratch/fall.png" bs=1 skip=1 count=3 2>/dev/null)" = PNG ] || { echo "no picture"; exit 1; }

@@ -91,8 +91,8 @@
                       models come from generated tables only. Constraints are set up in RBD_CONST instead of
                       double. The file compiles in less time
      RBD_NO_CHOLESKY  leaves out cholesky_..., minverse, fd_cholesky, hybrid, id_free_base and fd_derivatives.
-                      rbd_aba, which uses the factor for models with mimic joints and for states in doubt,
-                      then takes less flash: rbd_work_init refuses such models, RBD_ERR_LEFT_OUT
+                      rbd_aba, which uses the factor for models with mimic joints, then takes less flash:
+                      rbd_work_init refuses such models, RBD_ERR_LEFT_OUT
                       The linker leaves out all other calls that are not used: compile with
                       -ffunction-sections, link with --gc-sections
 
@@ -100,7 +100,10 @@
      No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant: calls change the caller's
      rbd_work and outputs only. Only rbd_add_payload writes to the model, which may be const data in flash.
      Finite input gives finite output, as long as nothing overflows: a singular system is an error that names
-     the degree of freedom. Input is not searched for NaN: one that reaches the mass matrix is RBD_ERR_NAN in
+     the degree of freedom. Each call decides by its own pivots whether a system is singular. All refuse one whose
+     M is singular but for rounding. Near one they may differ: the armature that makes such a joint sound is for
+     rbd_aba up to 70 times that of the calls by the factor, or any part of it; where rbd_aba computes and they
+     refuse, M has lost its digits, as of float chains of 100 rods. Input is not searched for NaN: one that reaches the mass matrix is RBD_ERR_NAN in
      forward dynamics, one in a gap or limit in rbd_contact_step; any other reaches all results that depend
      on it, with RBD_OK. From libm only sqrt; sin and cos for __float128 and classes, and with excess
      precision (x87). The same input gives the same bits on every call of one build; between builds,
@@ -270,6 +273,7 @@ RBDI_DYNAMICS_BEGIN
 #include "dynamics/aba.h"
 #include "dynamics/packed.h"
 #include "dynamics/pivots.h"
+#include "dynamics/aba_pivots.h"
 #include "dynamics/hybrid.h"
 #include "dynamics/forward.h"
 

@@ -120,8 +120,8 @@ RBDI_EXTERN_C_END
 
        u+ = (1 - kd dt) u - kp dt e,   e+ = e + dt u+
 
-   whose eigenvalues z solve z^2 - (2 - kd dt - kp dt^2) z + 1 - kd dt = 0. By Jury's test both lie within the unit
-   circle if kd dt < 2, kp > 0, kd > 0 and, at z = -1, 4 - 2 kd dt - kp dt^2 > 0. */
+   whose eigenvalues z solve z^2 - (2 - kd dt - kp dt^2) z + 1 - kd dt = 0. By Jury's test both lie within the
+   unit circle if kd dt < 2, kp > 0, kd > 0 and, at z = -1, 4 - 2 kd dt - kp dt^2 > 0. */
 
 RBDI_CODE_BEGIN
 

@@ -126,7 +126,29 @@ static void differentiate(const char *what, float speed, rbd_contact_state state
     printf("13 float, %s: derivatives off by %.1e of a row's largest, allowed %.0e\n", what, worst, bound);
 }
 
+/* A lift of a tonne stands on a tip that slides of a gram carry. */
+static void lift(void) {
+    const rbd_body bodies[3] = {{.parent = -1, .type = RBD_PRISMATIC, .axis = {0, 0, 1}, .mass = 1000},
+                                {.parent = 0, .type = RBD_PRISMATIC, .axis = {1, 0, 0}, .mass = 1e-3},
+                                {.parent = 1, .type = RBD_PRISMATIC, .axis = {0, 1, 0}, .mass = 1e-3}};
+    const rbd_contact tip = {.body1 = 2, .body2 = -1, .friction = 0.5};
+    static unsigned char model_memory[RBD_MODEL_SIZE(3)], work_memory[RBD_WORK_SIZE(3, 3)], memory[20000];
+    float force[3], at[3] = {0, 0, 0}, speed[3] = {0, 0, 0};
+    const float none[3] = {0, 0, 0};
+    if (rbd_model_build(bodies, 3, model_memory, sizeof model_memory, &model, NULL) != RBD_OK ||
+        rbd_work_init(model, work_memory, sizeof work_memory, &work) != RBD_OK ||
+        rbd_contact_set_init(model, work, &tip, 1, NULL, 0, NULL, memory, sizeof memory, &set, NULL) !=
+            RBD_OK)
+        exit(2);
+    for (int k = 0; k < 100; k++)
+        (void)rbd_contact_step(model, set, at, speed, none, NULL, NULL, 1e-3f, at, speed);
+    expect(rbd_contact_get(set, 0, NULL, force) == RBD_STICKS, "the lift's tip sticks", 0);
+    expect(fabsf(force[2] - 9810.02f) < 1, "its force, N", force[2]);
+    expect(fabsf(at[0]) < 1e-6f, "the lift's height, m", at[0]);
+}
+
 int main(void) {
+    lift();
     drop(5e-4f), drop(1e-3f), drop(1e-2f);
     differentiate("HyQ stands", 0, RBD_STICKS, 1e-3);
     differentiate("HyQ slips", 1, RBD_SLIPS, 1e-3);

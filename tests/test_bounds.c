@@ -8,6 +8,7 @@
 
 static double test_noise;
 #define RBDI_NOISE ((rbd_real)test_noise)
+#define RBDI_TURN 0
 #define RBD_STATIC
 #define RBD_IMPLEMENTATION
 #include "rbd.h"
@@ -101,6 +102,62 @@ static void factor_bounds(const rbd_model *m, double M[MAX_DOFS][MAX_DOFS], doub
     }
 }
 
+/* The link's axes and origin in the world. */
+static void pose_of(const rbd_work *w, int i, double E[3][3], double r[3]) {
+    const rbdi_pose *X = &w->kin[i].X;
+    const rbdi_mat *A = &X->E;
+    const double rows[3][3] = {{A->xx, A->xy, A->xz}, {A->yx, A->yy, A->yz}, {A->zx, A->zy, A->zz}};
+    memcpy(E, rows, sizeof rows);
+    r[0] = X->r.x, r[1] = X->r.y, r[2] = X->r.z;
+}
+
+/* The same of articulated bodies, but for the rounding of frames: e = sum of y_j^2 (D_j + share of scale) and of each
+   link's inertia along its motion with y. Those behind dof k move by the column of L^-1. */
+static void body_bounds(const rbd_model *m, const rbd_work *w, double M[MAX_DOFS][MAX_DOFS], double *e) {
+    static double motion[MAX_LINKS][6]; /* world axes, at the world's origin */
+    const int n = m->nv;
+    double y[MAX_DOFS];
+    for (int j = n - 1; j >= 0; j--)
+        for (int a = 0; a < j; a++) {
+            const double l = M[j][a] / M[j][j];
+            for (int b = 0; b <= a; b++) M[a][b] -= l * M[j][b];
+        }
+    for (int k = 0; k < n; k++) {
+        memset(y, 0, sizeof y);
+        y[k] = 1;
+        for (int j = k + 1; j < n; j++) y[j] = -product(&M[j][k], &y[k], j - k) / M[j][j];
+        e[k] = 0;
+        for (int j = k; j < n; j++)
+            e[k] += y[j] * y[j] *
+                    (M[j][j] + (double)m->dof[j].scale * (double)RBDI_SHARE + (double)m->dof[j].armature);
+        for (int i = 0; i < m->nl; i++) {
+            const rbdi_link *l = &m->link[i];
+            double E[3][3], r[3], own[6] = {0}, omega[3], v[3];
+            pose_of(w, i, E, r);
+            memset(motion[i], 0, sizeof motion[i]);
+            if (l->parent >= 0) memcpy(motion[i], motion[l->parent], sizeof motion[i]);
+            for (int a = 0; a < links[i].n; a++)
+                for (int c = 0; c < 6; c++) own[c] += links[i].S[a][c] * y[l->iv + a];
+            for (int c = 0; c < 3; c++) {
+                omega[c] = E[0][c] * own[0] + E[1][c] * own[1] + E[2][c] * own[2];
+                v[c] = E[0][c] * own[3] + E[1][c] * own[4] + E[2][c] * own[5];
+            }
+            for (int c = 0; c < 3; c++) { /* v at the world's origin: v - omega x r */
+                motion[i][c] += omega[c];
+                motion[i][3 + c] +=
+                    v[c] - omega[(c + 1) % 3] * r[(c + 2) % 3] + omega[(c + 2) % 3] * r[(c + 1) % 3];
+            }
+            for (int c = 0; c < 3; c++)
+                v[c] = motion[i][3 + c] + motion[i][(c + 1) % 3] * r[(c + 2) % 3] -
+                       motion[i][(c + 2) % 3] * r[(c + 1) % 3];
+            for (int c = 0; c < 3; c++) {
+                const double turn = product(E[c], motion[i], 3), shift = product(E[c], v, 3);
+                e[k] += links[i].own[c] * turn * turn + links[i].own[3 + c] * shift * shift;
+            }
+        }
+    }
+}
+
 /* ---- the verdicts ---- */
 
 /* Makes the rows and columns of held dofs those of a diagonal matrix, as in dense below. */
@@ -136,12 +193,37 @@ static void expect_bounds(const rbd_model *m, rbd_work *w, const rbd_real *q, co
             const double away = 1e-6, limit = (double)D[k] / (e[k] + (double)m->dof[k].armature);
             test_noise = limit * (1 + side * away);
             memcpy(w->pivot, D, (size_t)n * sizeof *D);
-            rbdi_check_pivots(m, w, L, doubt);
+            rbdi_check_factor(m, w, L, doubt);
             ck_assert_msg((w->pivot[k] > 0) == (side < 0), "dof %d of %d: %s at %.9g of the noise", k, n,
                           side < 0 ? "not sound" : "sound", 1 + side * away);
             memcpy(w->pivot, D, (size_t)n * sizeof *D);
-            rbdi_check_pivots(m, w, L, !doubt);
+            rbdi_check_factor(m, w, L, !doubt);
             ck_assert_msg(w->pivot[k] > 0, "dof %d of %d: not sound without doubt", k, n);
+        }
+}
+
+/* The pivots of articulated bodies: the same. */
+static void expect_body_bounds(const rbd_model *m, rbd_work *w, const rbd_real *q) {
+    static rbd_real M[MAX_DOFS * MAX_DOFS], zero[MAX_DOFS], a[MAX_DOFS], D[MAX_DOFS];
+    static double dense[MAX_DOFS][MAX_DOFS];
+    const int n = m->nv, doubt = 1;
+    double e[MAX_DOFS];
+    ck_assert_int_eq(rbd_kinematics(m, w, q, NULL, NULL), RBD_OK);
+    ck_assert_int_eq(rbd_crba(m, w, q, M), RBD_OK);
+    look_at(m);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) dense[i][j] = (double)M[i * n + j];
+    body_bounds(m, w, dense, e);
+    ck_assert_int_eq(rbd_aba(m, w, q, zero, zero, NULL, a), RBD_OK);
+    memcpy(D, w->pivot, (size_t)n * sizeof *D);
+    for (int k = 0; k < n; k++)
+        for (int side = -1; side <= 1; side += 2) {
+            test_noise = (double)D[k] / e[k] * (1 + side * 1e-6);
+            memcpy(w->pivot, D, (size_t)n * sizeof *D);
+            rbdi_check_bodies(m, w, doubt);
+            ck_assert_msg((w->pivot[k] > 0) == (side < 0),
+                          "articulated, dof %d of %d: %s at %.9g of the noise", k, n,
+                          side < 0 ? "not sound" : "sound", 1 + side * 1e-6);
         }
 }
 
@@ -169,6 +251,8 @@ static void for_robots(int class_number, int count, int hold) {
         for (int k = 0; k < m->nv && hold; k++) held[k] = (k * 5 + number) % (2 + number % 3) == 0;
         test_noise = 0;
         expect_bounds(m, w, q, held);
+        test_noise = 0;
+        if (!hold && m->nmimic == 0) expect_body_bounds(m, w, q);
     }
 }
 

@@ -1013,6 +1013,168 @@ START_TEST(sets_of_the_reference_are_assembled) {
 }
 END_TEST
 
+/* A slider crank in space, as the loop tests of RBDL have it: a slide along x; a crank of length 1 about x,
+   over it; on its end, by a ball joint, a rod of length 3; its other end sits on the slide by a universal
+   joint, three linear rows and one angular row, about the axis that is vertical at q = 0. The place is 45
+   degrees away. ball: the joint's type. height: of the loop's frame on the slide; at 0.1, as RBDL has it, the
+   loop is stretched at q = 0. */
+static robot slider_crank(rbd_body *bodies, rbd_joint_type ball, double height, rbd_constraint *loop) {
+    const rbd_body slide = {.parent = -1,
+                            .type = RBD_PRISMATIC,
+                            .axis = {1, 0, 0},
+                            .mass = 5,
+                            .inertia = {1, 0, 0, 1, 0, 1}},
+                   crank_row = {.parent = -1,
+                                .type = RBD_REVOLUTE,
+                                .axis = {0, 0, 1},
+                                .mass = 3,
+                                .com = {0.5, 0, 0},
+                                .inertia = {0, 0, 0, 0, 0, 1},
+                                .position = {0, 0, 2.1},
+                                .rotation = {0, 0, -1, 0, 1, 0, 1, 0, 0}},
+                   rod = {.parent = 1,
+                          .type = ball,
+                          .mass = 1,
+                          .com = {1.5, 0, 0},
+                          .inertia = {0.02, 0, 0, 0.76, 0, 0.76},
+                          .position = {1, 0, 0},
+                          .rotation = {-1, 0, 0, 0, 1, 0, 0, 0, -1}};
+    memset(loop, 0, sizeof *loop);
+    loop->body1 = 2, loop->body2 = 0;
+    loop->position1[0] = 3, loop->position2[2] = height;
+    loop->rotation1[2] = loop->rotation1[4] = 1, loop->rotation1[6] = -1;
+    loop->axes[2] = loop->axes[3] = loop->axes[4] = loop->axes[5] = 1;
+    bodies[0] = slide, bodies[1] = crank_row, bodies[2] = rod;
+    return robot_build("slider crank", bodies, 3);
+}
+
+/* That the distance has no slope along the way that the rows leave free, de/dq by differences. Returns 0
+   where rows nearly depend on each other, so that no way is clear. */
+static int check_nearest(const robot *r, const set *c, int number, const double *start, const double *near) {
+    double A[4][5], d[5], along[5], slope = 0;
+    const double h = 1e-5;
+    RUN(rbd_difference(r->m, start, near, d));
+    for (int k = 0; k < 5; k++) {
+        double step[5] = {0}, q[2][MAX_Q], e[2][4];
+        for (int side = 0; side < 2; side++) {
+            step[k] = side ? h : -h;
+            RUN(rbd_integrate(r->m, near, step, 1, q[side]));
+            RUN(rbd_constraint_jacobian(r->m, c->c, q[side], NULL, NULL, NULL, e[side]));
+        }
+        for (int row = 0; row < 4; row++) A[row][k] = (e[1][row] - e[0][row]) / (2 * h);
+    }
+
+    /* The way that the four rows leave free: the signed minors of A. */
+    for (int k = 0; k < 5; k++) {
+        double B[4][4], minor = k % 2 ? -1 : 1;
+        for (int row = 0; row < 4; row++)
+            for (int j = 0; j < 4; j++) B[row][j] = A[row][j + (j >= k)];
+        for (int i = 0; i < 4; i++) {
+            int most = i;
+            for (int row = i + 1; row < 4; row++)
+                if (fabs(B[row][i]) > fabs(B[most][i])) most = row;
+            for (int j = 0; j < 4 && most != i; j++) {
+                const double other = B[i][j];
+                B[i][j] = B[most][j], B[most][j] = -other;
+            }
+            minor *= B[i][i];
+            for (int row = i + 1; row < 4; row++)
+                for (int j = 3; j >= i; j--) B[row][j] -= B[row][i] / B[i][i] * B[i][j];
+        }
+        along[k] = minor;
+    }
+    if (largest(along, 5) < 0.01) return 0;
+    for (int k = 0; k < 5; k++) slope += along[k] * d[k];
+    expect_small("nearest place", r, number, fabs(slope) / (largest(along, 5) * largest(d, 5)), 1e-7);
+    return 1;
+}
+
+START_TEST(slider_cranks_close_from_far) {
+    const double pi = 3.14159265358979323846, angles[5] = {0.4, pi / 4, -pi / 4, 0.1, 0.1};
+    const rbd_joint_type types[2] = {RBD_EULER_ZYX, RBD_SPHERICAL};
+    int nearest = 0;
+    uint64_t seed = 5;
+    for (int number = 0; number < 200; number++) {
+        rbd_body bodies[3];
+        rbd_constraint loop;
+        double step[5], q[MAX_Q] = {0}, near[MAX_Q], e[4], zero[MAX_Q];
+        robot r = slider_crank(bodies, types[number % 2], number < 4 ? 0.1 : 0.4, &loop);
+        set c = set_of(&r, &loop, 1);
+        ck_assert_int_eq(rbd_neutral(r.m, zero), RBD_OK);
+        ck_assert_int_eq(rbd_constraint_jacobian(r.m, c.c, zero, NULL, NULL, NULL, e), RBD_OK);
+        if (number < 4) expect_small("closed at q = 0", &r, number, largest(e, 4), 1e-12);
+
+        for (int k = 0; k < 5; k++) step[k] = angles[k] + (number < 4 ? 0 : uniform(&seed, -0.3, 0.3));
+        ck_assert_int_eq(rbd_integrate(r.m, zero, step, 1, q), RBD_OK);
+        ck_assert_int_eq(rbd_assemble(r.m, c.c, q, NULL, NULL, near, NULL), RBD_OK);
+        ck_assert_int_eq(rbd_constraint_jacobian(r.m, c.c, near, NULL, NULL, NULL, e), RBD_OK);
+        expect_small("assembled: e", &r, number, largest(e, 4), 1e-9); /* singular, some */
+        if (number % 2 == 0) nearest += check_nearest(&r, &c, number, q, near);
+        free(c.memory);
+        robot_free(&r);
+    }
+    ck_assert_int_ge(nearest, 50);
+}
+END_TEST
+
+/* Weights of 0: the first dof alone counts, so it keeps its place and its rate; the others follow. */
+START_TEST(dofs_of_weight_0_are_free) {
+    const double only_first[5] = {1, 0, 0, 0, 0}, nothing[5] = {0}, v[5] = {-0.2, 0.3, -0.3, 0, 0.3};
+    uint64_t seed = 6;
+    for (int number = 0; number < 50; number++) {
+        rbd_body bodies[3];
+        rbd_constraint loop;
+        double q[5], near[5], rate[5], e[4], J[20], u[4];
+        robot r = slider_crank(bodies, RBD_EULER_ZYX, 0.4, &loop);
+        set c = set_of(&r, &loop, 1);
+        for (int k = 0; k < 5; k++) q[k] = uniform(&seed, -0.4, 0.4);
+        ck_assert_int_eq(rbd_assemble(r.m, c.c, q, NULL, NULL, near, NULL), RBD_OK);
+        q[0] = 1.03 * near[0]; /* away from where the loop is stretched */
+        for (int k = 1; k < 5; k++) q[k] = near[k];
+
+        ck_assert_int_eq(rbd_assemble(r.m, c.c, q, v, only_first, near, rate), RBD_OK);
+        ck_assert_int_eq(rbd_constraint_jacobian(r.m, c.c, near, NULL, J, NULL, e), RBD_OK);
+        expect_small("free dofs: e", &r, number, largest(e, 4), 1e-12);
+        expect_small("the slide stays", &r, number, fabs(near[0] - q[0]), 1e-9);
+        multiply(J, rate, 4, 5, u);
+        expect_small("free dofs: J v", &r, number, largest(u, 4) / largest(rate, 5), 1e-12);
+        expect_small("the slide keeps its rate", &r, number, fabs(rate[0] - v[0]) / largest(rate, 5), 1e-9);
+
+        ck_assert_int_eq(rbd_assemble(r.m, c.c, q, NULL, nothing, near, NULL), RBD_OK);
+        free(c.memory);
+        robot_free(&r);
+    }
+}
+END_TEST
+
+/* Semi-implicit steps: a slide that is held off its place comes back within the bounds of its gains, and only
+   within them. */
+START_TEST(gains_have_the_bounds_that_are_documented) {
+    const double h[][3] = {{1.99, 0.01, 1}, {2.01, 0.01, 0}, {1, 1.99, 1},    {1, 2.01, 0},
+                           {0.01, 3.97, 1}, {0.01, 3.99, 0}, {1.65, 0.68, 1}, {1.66, 0.6889, 0},
+                           {0.2, 0.01, 1},  {4, 4, 0}};
+    const rbd_body slide = {.parent = -1, .type = RBD_PRISMATIC, .axis = {1, 0, 0}, .mass = 2};
+    const double dt = 0.01;
+    robot r = robot_build("slide", &slide, 1);
+    for (int i = 0; i < LENGTH(h); i++) { /* kd dt, kp dt^2, whether stable */
+        rbd_constraint k = rbd_point_contact(0, NULL, NULL);
+        double q = 0.1, v = 0, tau = 3, a;
+        k.axes[4] = k.axes[5] = 0;
+        k.kd = h[i][0] / dt, k.kp = h[i][1] / (dt * dt);
+        set c = set_of(&r, &k, 1);
+        for (int step = 0; step < 4000; step++) {
+            ck_assert_int_eq(rbd_constrained_fd(r.m, c.c, &q, &v, &tau, NULL, &a, NULL), RBD_OK);
+            v += dt * a, q += dt * v;
+            if (!(fabs(q) < 1e3)) break;
+        }
+        ck_assert_msg(h[i][2] > 0 ? fabs(q) < 0.01 : !(fabs(q) < 1), "kd dt %g, kp dt^2 %g: q %g", h[i][0],
+                      h[i][1], q);
+        free(c.memory);
+    }
+    robot_free(&r);
+}
+END_TEST
+
 START_TEST(out_of_reach_names_a_row) {
     const ref_control *iiwa = control_named("control_iiwa");
     robot r = robot_build(iiwa->model->name, iiwa->model->bodies, iiwa->model->nb);
@@ -1303,8 +1465,8 @@ START_TEST(straight_legs_cost_no_digits) {
 }
 END_TEST
 
-/* A floating trunk, a leg of two links, and at its end a pad of inertia i, which stands flat: without the ground
-   the pad would turn with torque / i. The legs's dofs have one state and one torque in all of these. */
+/* A floating trunk, a leg of two links, and at its end a pad of inertia i, which stands flat: without the
+   ground the pad would turn with torque / i. */
 static robot robot_with_pad(rbd_body *bodies, double i) {
     const rbd_body trunk = {.parent = -1, .type = RBD_FLOATING, .mass = 20, .inertia = {1, 0, 0, 2, 0, 1.5}},
                    thigh = {.parent = 0,
@@ -1827,7 +1989,7 @@ START_TEST(bad_calls_are_refused) {
     ck_assert_int_eq(rbd_impact(r.m, c, q, q, -1e-3, x, lambda), RBD_ERR_RANGE);
     ck_assert_int_eq(rbd_impact(r.m, c, q, q, 1.001, x, lambda), RBD_ERR_RANGE);
     ck_assert_int_eq(rbd_impact(r.m, c, q, q, NAN, x, lambda), RBD_ERR_RANGE);
-    const double bad[7] = {1, 1, 0, 1, 1, 1, 1};
+    const double bad[7] = {1, 1, -1, 1, 1, 1, 1}, endless[7] = {1, HUGE_VAL, 1, 1, 1, 1, 1};
     double near[MAX_Q];
     ck_assert_int_eq(rbd_constrained_id(r.m, c, NULL, q, q, NULL, NULL, NULL, x, lambda), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_constrained_id(r.m, c, q, NULL, q, NULL, NULL, NULL, x, lambda), RBD_ERR_NULL);
@@ -1841,6 +2003,7 @@ START_TEST(bad_calls_are_refused) {
     ck_assert_int_eq(rbd_assemble(r.m, c, q, q, NULL, near, NULL), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_assemble(r.m, c, q, NULL, NULL, near, x), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_assemble(r.m, c, q, NULL, bad, near, NULL), RBD_ERR_RANGE);
+    ck_assert_int_eq(rbd_assemble(r.m, c, q, NULL, endless, near, NULL), RBD_ERR_RANGE);
     ck_assert_int_eq(rbd_assemble(other.m, c, q, NULL, NULL, near, NULL), RBD_ERR_WORK);
     ck_assert_int_eq(rbd_constraint_jacobian(r.m, c, NULL, q, NULL, NULL, NULL), RBD_ERR_NULL);
     static double da[7 * 7], dlambda[3 * 7];
@@ -1926,6 +2089,9 @@ Suite *constraints_suite(void) {
     tcase_add_test(c, what_contacts_cannot_give_stands_in_tau);
     tcase_add_test(c, four_bar_is_closed_nearby);
     tcase_add_test(c, sets_of_the_reference_are_assembled);
+    tcase_add_test(c, slider_cranks_close_from_far);
+    tcase_add_test(c, dofs_of_weight_0_are_free);
+    tcase_add_test(c, gains_have_the_bounds_that_are_documented);
     tcase_add_test(c, out_of_reach_names_a_row);
     tcase_add_test(c, angular_error_is_the_turn);
     tcase_add_test(c, linkage_keeps_its_energy);

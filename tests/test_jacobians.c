@@ -133,6 +133,12 @@ static void check_path(const robot *r, const state *s, int number) {
         RUN(rbd_relative_jacobian_derivative(r->m, r->w, at.body, at.point, at.body, (rbd_axes)axes, path));
         ck_assert(!(largest(path, 6 * r->nv) > 0));
     }
+    RUN(rbd_kinematics(r->m, r->w, s->q, NULL, NULL)); /* at rest, in a work that has velocities of before */
+    for (int way = 0; way < WAYS; way++) {
+        RUN(derivative_of(r, &at, way, path));
+        ck_assert(!(largest(path, 6 * r->nv) > 0));
+    }
+    RUN(rbd_kinematics(r->m, r->w, s->q, s->v, NULL));
     RUN(rbd_relative_jacobian_derivative(r->m, r->w, at.body, at.point, -1, RBD_LINK_AXES, path));
     RUN(rbd_jacobian_derivative(r->m, r->w, at.body, at.point, RBD_WORLD_AXES, whole));
     ck_assert(memcmp(path, whole, 6 * (size_t)r->nv * sizeof *path) == 0);

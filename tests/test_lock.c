@@ -114,7 +114,7 @@ START_TEST(every_joint_type_can_be_held) {
             for (int b = 0; b < 2; b++) random_mass(&seed, &bodies[b]);
             bodies[1].parent = 0;
             robot r = robot_build("one joint", bodies, 2);
-            for (int k = 0; k < r.nq; k++) q[k] = uniform(&seed, -4, 4) * (i == 0 ? 0 : i == 1 ? 1e150 : 1);
+            for (int k = 0; k < r.nq; k++) q[k] = uniform(&seed, -4, 4) * (i == 0 ? 0 : i == 1 ? 1e200 : 1);
             if (i == 1 && type != RBD_SPHERICAL && type != RBD_CONTINUOUS_CS) q[0] = q[1] = q[2] = 0.5;
             if (i == 1 && type == RBD_FLOATING) q[2] = 0.25;
             if (i == 1) q[r.nq - 1] = 0.5;

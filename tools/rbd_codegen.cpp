@@ -437,10 +437,23 @@ void print_source(const options *o, const robot *r, const std::vector<codegen::t
     end();
 }
 
-/* Of the first function, in the neutral configuration. */
+/* A bent pose, since a straight one has little to show: each joint is 0.5 from the neutral configuration, but a free base
+   stands in it. */
+std::vector<double> bent_pose(const rbd_model *model) {
+    std::vector<double> q(size_t(rbd_nq(model))), turn(size_t(rbd_nv(model)), 0.5);
+    for (int body = 0; body < rbd_nb(model); body++) {
+        rbd_joint_info joint;
+        rbd_joint(model, body, &joint);
+        if (joint.type == RBD_FLOATING) std::fill_n(turn.begin() + joint.iv, joint.nv, 0.);
+    }
+    rbd_neutral(model, q.data());
+    rbd_integrate(model, std::vector<double>(q).data(), turn.data(), 1, q.data());
+    return q;
+}
+
+/* Of the first function, in a bent pose. */
 void print_example(const options *o, const robot *r, const codegen::function &f) {
-    std::vector<double> q(size_t(rbd_nq(r->model)));
-    rbd_neutral(r->model, q.data());
+    const std::vector<double> q = bent_pose(r->model);
     begin(o, r, "example.c", "calls the first function and prints what it gives.");
     printf("       %s */\n%s", codegen::example_command(o->target.name).c_str(),
            codegen::example_text(f, o->target, q, {o->robot.gravity, o->robot.gravity + 3}).c_str());

@@ -1,6 +1,8 @@
 // contact.cpp - a step with contacts in rbd and in MuJoCo: verifies that both simulate the same, then
-// times, counts and judges them. usage: contact [--verify | --count | --rounds N | --results-of COMMAND]   prints
-// CSV; --count is for callgrind; --results-of has no times: COMMAND simulates, as mujoco.mjs does. SPDX-License-Identifier: MIT
+// times, counts and judges them. usage:
+//     contact [--verify | --count | --rounds N | --results-of COMMAND]
+// prints CSV; --count is for callgrind; --results-of has no times: COMMAND simulates, as mujoco.mjs does.
+// SPDX-License-Identifier: MIT
 #include <cstring>
 #include <ctime>
 #include <functional>

@@ -12,7 +12,8 @@ using LinearAlgebra, RigidBodyDynamics, Statistics
 const CHUNK_NS, WARM_UP_CALLS, BOUND, MORE, REPEATS = 200_000, 1000, 1e-10, 2, 1.03
 const COLUMNS = "library,version,compiler,scalar,robot,algorithm,samples,experiments,mean_ns,stddev_ns,min_ns," *
                 "max_error,quad_error,variant,disturbed"
-const FLAGS = "julia $VERSION -O3 --check-bounds=no"
+const TARGET = unsafe_string(Base.JLOptions().cpu_target)
+const FLAGS = "julia $VERSION -O3 --check-bounds=no -C $TARGET"
 const PROJECT = read(joinpath(dirname(dirname(pathof(RigidBodyDynamics))), "Project.toml"), String)
 const PACKAGE_VERSION = match(r"^version *= *\"(.*)\""m, PROJECT)[1] # Julia 1.5 has no pkgversion
 

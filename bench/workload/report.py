@@ -243,7 +243,16 @@ def times(o, compiler, march, path, *more):
     write_rows(path, least_of(rounds))
 
 
-JULIA = ["julia", "--startup-file=no", "-O3", "--check-bounds=no",
+def has_avx512():
+    try:
+        with open("/proc/cpuinfo") as f:
+            return " avx512f " in f.read()
+    except OSError:
+        return False
+
+
+# Julia's code is faster without AVX-512: bench/peers/README.md.
+JULIA = ["julia", "--startup-file=no", "-O3", "--check-bounds=no", *(["-Chaswell"] if has_avx512() else []),
          os.path.join(ROOT, "bench", "peers", "rigid_body_dynamics.jl")]
 
 

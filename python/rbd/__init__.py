@@ -528,10 +528,10 @@ dlambda_dq    rows nv  row: constraint force; column: tangent step of q
 dlambda_dv    rows nv  row: constraint force; column: velocity
 dlambda_dtau  rows nv  row: constraint force; column: torque
 actuated      nv       1 where there is a motor, else 0; None = all but floating joints at the root
-weight        rows     above 0, of a distance 0 too; None = 1
+weight        rows     from 0; None = 1
 distance      -        rad, if lengths have weights of 1 / length^2 or 0
 s             -        part of the way: 0 is q0, 1 is q1
-damping       nv       implicit: tau acts as tau - damping v_next; of a controller kd + dt kp; None = 0
+damping       nv       implicit: tau acts as tau - damping v_next; of a controller kd + dt kp / 2; None = 0
 dt            -        s
 restitution   -        0 (nothing rebounds) to 1
 body          -        index, or name of the link

@@ -172,7 +172,7 @@ class ConstraintSet:
             a            nv        acceleration dv/dt: rad/s^2, m/s^2
             f_ext        nb x 6    wrench (moment; force) on each body, in its axes, at its origin: N m, N; None = none
             actuated     nv        1 where there is a motor, else 0; None = all but floating joints at the root
-            weight       rows      above 0, of a distance 0 too; None = 1
+            weight       rows      from 0; None = 1
         gives
             tau          nv        torque or force of each degree of freedom: N m, N
             lambda_      rows      (moment about frame 1's origin; force) of body 2 on body 1, axes of frame 2: N m, N
@@ -186,7 +186,7 @@ class ConstraintSet:
 
             q            nq        configuration: rad, m, quaternions (x, y, z, w)
             v            nv        velocity: rad/s, m/s; of a free base (omega; v) in body axes
-            weight       nv        above 0, of a distance 0 too; None = 1
+            weight       nv        from 0; None = 1
         gives
             q_near       nq        configuration
             v_near       nv        velocity
@@ -250,6 +250,7 @@ class ContactOptions:
     joint_damping: bool = False     #: the description's damping, implicitly
     slip: float = 0.0           #: contacts that stick give way along the plane, m/s per newton [0]
     derivatives: bool = False       #: memory for step_derivatives
+    first_order: bool = False       #: semi-implicit Euler: q_next is q moved by v_next, for planners
 
 
 class ContactResult(NamedTuple):
@@ -289,7 +290,7 @@ class ContactSet:
             tau          nv        torque or force of each degree of freedom: N m, N
             dt                     s
             f_ext        nb x 6    wrench (moment; force) on each body, in its axes, at its origin: N m, N; None = none
-            damping      nv        implicit: tau acts as tau - damping v_next; of a controller kd + dt kp; None = 0
+            damping      nv        implicit: tau acts as tau - damping v_next; of a controller kd + dt kp / 2; None = 0
         gives
             q_next       nq        configuration
             v_next       nv        velocity
@@ -305,7 +306,7 @@ class ContactSet:
             tau          nv        torque or force of each degree of freedom: N m, N
             dt                     s
             f_ext        nb x 6    wrench (moment; force) on each body, in its axes, at its origin: N m, N; None = none
-            damping      nv        implicit: tau acts as tau - damping v_next; of a controller kd + dt kp; None = 0
+            damping      nv        implicit: tau acts as tau - damping v_next; of a controller kd + dt kp / 2; None = 0
         gives
             a            nv        acceleration dv/dt: rad/s^2, m/s^2
         Axes before these count states, and are broadcast: one call of C for each state."""
@@ -322,7 +323,7 @@ class ContactSet:
             tau          nv        torque or force of each degree of freedom: N m, N
             dt                     s
             f_ext        nb x 6    wrench (moment; force) on each body, in its axes, at its origin: N m, N; None = none
-            damping      nv        implicit: tau acts as tau - damping v_next; of a controller kd + dt kp; None = 0
+            damping      nv        implicit: tau acts as tau - damping v_next; of a controller kd + dt kp / 2; None = 0
         gives
             q_next       nq        configuration
             v_next       nv        velocity
@@ -918,7 +919,7 @@ class Model:
 
             q0           nq        configuration
             q1           nq        configuration
-            weight       nv        above 0, of a distance 0 too; None = 1
+            weight       nv        from 0; None = 1
         gives
             distance               rad, if lengths have weights of 1 / length^2 or 0
         Axes before these count states, and are broadcast: one call of C for each state."""

@@ -106,8 +106,8 @@ RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_s
    kp e, RBDA section 8.4 and, for kp and kd, 8.3. If rows depend on others (rbd_constraint_rank), a is
    unique and lambda is the solution of least norm.
    lambda   rows; may be NULL
-   gains    with steps v += dt a, q += dt v, errors die out only if kd dt < 2 and kp dt^2 + 2 kd dt < 4, and grow
-            without bound beyond: [design]. kd = 2 sqrt(kp), kp dt^2 up to 0.1 is a good choice
+   gains    with steps v += dt a, q += dt v, errors die out only if kd dt < 2 and kp dt^2 + 2 kd dt < 4, and
+            grow without bound beyond: [design]. kd = 2 sqrt(kp), kp dt^2 up to 0.1 is a good choice
    Errors: also RBD_ERR_SINGULAR and _NAN of M: rbd_singular_dof says where, and the results are 0;
    RBD_ERR_INFEASIBLE if dependent rows contradict each other (rbd_infeasible_row): then the first equation
    holds, and the second in the sense of least squares. A state in which rows depend on each other
@@ -141,14 +141,14 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
 /* Closes loops, or puts feet in their places: computes q_near near q, with e = 0, and v_near with J v_near
    = 0 there, the one with the least sum of weight (v_near - v)^2.
    q_near is a stationary point of the distance: with d = rbd_difference(q, q_near), the vector weight d is a
-   combination of the rows of de/dq, which are those of J but for single angular axes. If all joints have one degree of freedom, it is the nearest place, or nearer
-   than all places around it; with other joints nearly so, the more the smaller d is. Newton's method finds it
-   from q. Far from any solution it may find none, or another one. In a singular place, where rows lose their
-   rank, q_near may only be close.
+   combination of the rows of de/dq, which are those of J but for single angular axes. If all joints have one
+   degree of freedom, it is the nearest place, or nearer than all places around it; with other joints nearly
+   so, the more the smaller d is. Newton's method finds it from q. Far from any solution it may find none, or
+   another one. In a singular place, where rows lose their rank, q_near may only be close.
    q_near   another array than q
    v        may be NULL, v_near then too
-   weight   nv, from 0 (a free dof: its motion costs nothing) to 1e30; NULL: 1, that is, a metre counts as much
-            as a radian
+   weight   nv, from 0 (a free dof: its motion costs nothing) to 1e30; NULL: 1, that is, a metre counts as
+            much as a radian
    Errors: also RBD_ERR_RANGE, a weight out of its range; RBD_ERR_INFEASIBLE if an entry of e is not below
    1e-9 (float: 1e-4), the largest in rbd_infeasible_row. */
 RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,

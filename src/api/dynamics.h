@@ -10,11 +10,9 @@
    friction. Errors: RBD_ERR_NULL, RBD_ERR_WORK, and RBD_ERR_SINGULAR where said; there RBD_ERR_NAN too, and
    after either all results are 0.
 
-   All calls say the same of a state: M is singular if one of its pivots is not above the rounding of the
-   description and of M itself. A pivot below 1e-7 (float: 1e-3) of the largest inertia that its joint can
-   move is in doubt. Then the call computes and factors M to decide: rbd_aba takes up to three (7 degrees of
-   freedom) or six times as long (36).
-   With RBD_NO_CHOLESKY each state in doubt is RBD_ERR_SINGULAR. */
+   M is singular if one of its pivots is not above the rounding of the description and of the call's own terms:
+   [guarantees]. A pivot below 1e-7 (float: 1e-3) of the largest inertia that its joint can move is in doubt. Then
+   the call bounds its rounding to decide: rbd_aba takes up to six times as long. */
 
 /* Inverse dynamics tau = M(q) a + c(q, v) - sum J' f_ext. Recursive Newton-Euler, RBDA table 5.1. */
 RBDI_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,

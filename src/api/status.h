@@ -31,7 +31,7 @@ typedef enum rbd_status {
     RBD_ERR_LIMITS = -22,     /* not finite, or a negative velocity or effort limit */
     RBD_ERR_MIMIC = -23,      /* not a one-dof joint, what it follows is missing or follows too, or ratio 0 */
     RBD_ERR_WORK = -24,       /* the work, or batch, is of another model; the set, of another work */
-    RBD_ERR_NAN = -25,        /* NaN where accelerations are solved for: q has one, or something overflowed */
+    RBD_ERR_NAN = -25,        /* NaN in q (rbd_singular_dof says where), v, a force or a gap; or overflow */
     RBD_ERR_RANGE = -26,      /* a gain, weight, restitution, friction, dt, option or q is out of range */
     RBD_ERR_INFEASIBLE = -27, /* constraints contradict each other */
     RBD_ERR_LEFT_OUT = -28,   /* the model needs code that RBD_FEATURES or RBD_NO_CHOLESKY leave out */

@@ -4,11 +4,11 @@
 #include "constraints/weights.h"
 
 /* ---- assembly [assembly] ----
-   Newton's method. Of all steps d with de/dq d = -e it takes the one that makes d + rbd_difference(q, q_near),
-   the remaining distance from q, shortest. J takes the place of de/dq, except where a single angular axis is
-   held: J d = -e would not come nearer there at large turns. Two axes are better off with J: de/dq vanishes
-   where they are 90 degrees off. Steps are cut to RBDI_LONGEST_STEP, because the rows change. The last steps
-   reduce e alone. */
+   Newton's method. Of all steps d with de/dq d = -e it takes the one that makes d + rbd_difference(q,
+   q_near), the remaining distance from q, shortest. J takes the place of de/dq, except where a single angular
+   axis is held: J d = -e would not come nearer there at large turns. Two axes are better off with J: de/dq
+   vanishes where they are 90 degrees off. Steps are cut to RBDI_LONGEST_STEP, because the rows change. The
+   last steps reduce e alone. */
 
 /* The next step size: the share of the distance that a step removes, by Barzilai and Borwein (1988), from
    this step c->x, the step before it, and the sizes of both. 1 is right if J is constant; if J changes, steps

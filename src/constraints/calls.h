@@ -111,7 +111,7 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
     rbdi_multipliers(m, c, !restitution); /* an impact's targets, J v, are in the range of J */
     for (int k = 0; k < m->nv; ++k) x[k] = c->x[k] * w->pivot[k]; /* D x, of which L^-1 D^-1 is the result */
     rbdi_solve_down(m, w, w->H, 1, 1, 1, x);
-    return rbdi_status_of(m, w, doubt, x, m->nv);
+    return rbdi_factor_status(m, w, w->H, doubt, x, m->nv);
 }
 
 /* Computes x and lambda by articulated bodies or, if these are in doubt, by the factor of M. Returns the

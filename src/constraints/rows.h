@@ -75,8 +75,8 @@ static void rbdi_clear_rows(const rbd_model *m, rbd_constraint_set *c) {
     c->dirty = 1;
 }
 
-/* Adds Y = J', gamma and J v of a constraint and, if `errors`, e. errors = RBDI_SLOPES: Y = (de/dq)', which is
-   another row than that of J where a single angular axis is held. */
+/* Adds Y = J', gamma and J v of a constraint and, if `errors`, e. errors = RBDI_SLOPES: Y = (de/dq)', which
+   is another row than that of J where a single angular axis is held. */
 enum { RBDI_SLOPES = 2 };
 static void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *con,
                                  int errors) {

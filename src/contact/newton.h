@@ -29,6 +29,13 @@ RBDI_INLINE rbdi_contact_unknown *rbdi_new_unknown(rbdi_contact_solver *s, int f
     return x;
 }
 
+/* The scale of a normal: that of the contact, unless its d is far smaller, as under a heavy body on light
+   slides, and `proximal` of it would stop the normal. */
+RBDI_INLINE rbd_real rbdi_normal_scale(const rbdi_contact_law *law) {
+    const rbd_real most = law->d * RBDI_SCALE_SPREAD;
+    return most < law->trace ? most : law->trace;
+}
+
 /* Lists the unknowns (2). The right-hand sides follow G's columns; rows end with a whole batch. */
 RBDI_PART void rbdi_list_unknowns(rbdi_contact_solver *s) {
     s->symmetric = 1, s->unknowns = 0;
@@ -36,10 +43,10 @@ RBDI_PART void rbdi_list_unknowns(rbdi_contact_solver *s) {
         const rbdi_contact_law *law = &s->law[i];
         rbdi_contact_unknown *x;
         for (int j = 0; j < 3 && law->state == RBD_STICKS; ++j)
-            (void)rbdi_new_unknown(s, 3 * i + j, 1, law->trace);
+            (void)rbdi_new_unknown(s, 3 * i + j, 1, j < 2 ? law->trace : rbdi_normal_scale(law));
         if (law->state != RBD_SLIPS) continue;
         s->symmetric = 0;
-        x = rbdi_new_unknown(s, 3 * i, 3, law->trace);
+        x = rbdi_new_unknown(s, 3 * i, 3, rbdi_normal_scale(law));
         x->column[0] = law->friction * law->e[0], x->column[1] = law->friction * law->e[1];
         x->row[0] = rbdi_zero(), x->column[2] = x->row[2] = rbdi_set(RBD_C(1));
         if (!(law->friction > 0)) continue;

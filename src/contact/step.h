@@ -62,7 +62,7 @@ static rbd_status rbdi_begin_step(const rbd_model *m, rbd_contact_set *c, const 
     rbdi_solve(m, w, w->H, c->nu);
     for (int k = 0; k < m->nv; ++k) c->nu[k] = c->v_mid[k] + c->nu[k];
     rbdi_find_falls(m, c, c->nu);
-    return rbdi_status_of(m, w, doubt, s->x, m->nv);
+    return rbdi_factor_status(m, w, w->H, doubt, s->x, m->nv);
 }
 
 /* s->x = L^-T dt (tau - c(w) - d v_mid), of w = (v_mid + nu) / 2 in c->at. */

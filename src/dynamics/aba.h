@@ -287,11 +287,39 @@ RBDI_INLINE void rbdi_aba_pass2_step(const rbd_model *m, rbd_work *w, int i, int
     if (off_chain) rbdi_aba_to_parent(m, w, i, IA, pA);
 }
 
+/* Whether the first dof of link i turns. */
+RBDI_INLINE int rbdi_turns_first(const rbd_model *m, int i) {
+    const rbdi_link *l = &m->link[i];
+    return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->first < 3 : l->rho > 0;
+}
+
+/* Whether a joint has slid so far that dof.scale of the turning joint before it, taken at q = 0, is no bound: the
+   slide squared times the mass that slides is above RBDI_FAR times that. */
+RBDI_PART rbdi_mask rbdi_slid_far(const rbd_model *m, const rbd_work *w) {
+    rbdi_mask far = rbdi_less(rbdi_zero(), rbdi_zero());
+    if (!(RBDI_FEATURES & m->features & (RBDI_SLIDES | RBDI_OTHER_BLOCKS))) return far;
+
+    for (int i = 0; i < m->nl; ++i) {
+        const rbdi_link *l = &m->link[i];
+        const int block = rbdi_is(l, RBDI_BLOCK);
+        rbd_real square;
+        int turn = l->parent;
+        if (!block && !(rbdi_flags(l) & RBDI_SLIDES)) continue;
+        while (turn >= 0 && !rbdi_turns_first(m, turn)) turn = m->link[turn].parent;
+        if (turn < 0) continue;
+
+        square = block ? rbdi_dot(w->block[l->block].X.r, w->block[l->block].X.r) : w->d[i] * w->d[i];
+        far = rbdi_or(
+            far, rbdi_less(rbdi_set(m->dof[m->link[turn].iv].scale * RBDI_FAR), square * l->subtree_mass));
+    }
+    return far;
+}
+
 /* Pass 2, leaves first. Returns whether a pivot is in doubt. */
 RBDI_PART rbdi_mask rbdi_aba_pass2(const rbd_model *m, rbd_work *w, const rbd_real *tau) {
     rbdi_abi IA = rbdi_abi_zero();
     rbdi_force pA = rbdi_force0();
-    rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
+    rbdi_mask doubt = rbdi_slid_far(m, w);
     for (int i = m->nl - 1; i >= 0; --i) {
         RBDI_BY_FLAGS(flags, &m->link[i], rbdi_aba_pass2_step(m, w, i, flags, tau, &IA, &pA, &doubt));
     }

@@ -5,7 +5,7 @@
 #include "model/calls.h"
 #include "dynamics/state.h"
 
-/* Interface: rbdi_crba_up_block, rbdi_ratio, rbdi_source */
+/* Interface: rbdi_crba_of_joints, rbdi_crba_up_block, rbdi_ratio, rbdi_source */
 
 /* ---- crba [crba] ----
    RBDA table 6.2: I^c_i = I_i + sum over the children of X' I^c X; F = I^c_i S_i; H_ii = S_i' F; and for

@@ -2,8 +2,8 @@
 #define RBDI_DYNAMICS_FORWARD_H
 #include "api/model.h"
 #include "dynamics/rnea.h"
-#include "dynamics/aba.h"
-#include "dynamics/pivots.h"
+#include "dynamics/packed.h"
+#include "dynamics/aba_pivots.h"
 
 /* ---- forward dynamics [forward dynamics code] ---- */
 
@@ -20,7 +20,7 @@ RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
     rbdi_external(m, w, f_ext);
     doubt = rbdi_aba_pass2(m, w, tau);
     rbdi_aba_pass3(m, w, rbdi_world_state(w->gravity).acc, a);
-    return rbdi_status_of(m, w, doubt, a, m->nv);
+    return rbdi_aba_status(m, w, doubt, a);
 }
 
 #ifndef RBD_NO_CHOLESKY
@@ -35,7 +35,7 @@ RBDI_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_r
     rbdi_reduce_tau(m, w->tx, w->bias);
     for (int k = 0; k < m->nv; ++k) a[k] = tau[k] - w->bias[k];
     rbdi_solve(m, w, w->H, a);
-    return rbdi_status_of(m, w, doubt, a, m->nv);
+    return rbdi_factor_status(m, w, w->H, doubt, a, m->nv);
 }
 
 RBDI_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, rbd_real *H) {
@@ -43,10 +43,7 @@ RBDI_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, 
     const rbd_status status = rbdi_check(m, w, H != NULL);
     if (status) return status;
     doubt = rbdi_factor(m, w, H);
-    w->singular = -1;
-    if (!rbdi_any(doubt)) return RBD_OK;
-    rbdi_check_pivots(m, w, H, doubt);
-    return rbdi_pivot_status(m, w, H, rbd_packed_size(m));
+    return rbdi_factor_status(m, w, H, doubt, H, rbd_packed_size(m));
 }
 
 RBDI_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *M, rbd_real *L) {
@@ -87,7 +84,7 @@ RBDI_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real
     rbd_crba_packed(m, w, q, w->H);
     doubt = rbdi_factor(m, w, w->H);
     rbdi_invert(m, w, w->H, Minv);
-    return rbdi_status_of(m, w, doubt, Minv, m->nv * m->nv);
+    return rbdi_factor_status(m, w, w->H, doubt, Minv, m->nv * m->nv);
 }
 #endif
 

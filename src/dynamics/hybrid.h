@@ -64,7 +64,7 @@ RBDI_COLD rbd_status rbdi_check_free(const rbd_model *m, rbd_work *w, const unsi
         for (int t = m->dof[k].depth - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
             if (prescribed[k] || prescribed[i]) row[t] = rbdi_zero();
     }
-    rbdi_check_pivots(m, w, w->H, doubt);
+    rbdi_check_factor(m, w, w->H, doubt);
     for (int k = 0; k < m->nv; ++k)
         if (prescribed[k]) w->pivot[k] = rbdi_set(RBD_C(1)); /* good */
     (void)rbdi_pivot_status(m, w, tau, m->nv);

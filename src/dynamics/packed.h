@@ -181,10 +181,12 @@ RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
 #endif
     for (int s = m->nv - 1; s >= 0; --s) {
         const rbdi_dof *dof = &m->dof[node[s].dof];
-        rbd_real *row = &H[node[s].row];
+        rbd_real *row = &H[node[s].row], whole; /* M_kk */
         rbdi_terms g;
         g.X = H, g.x = inverse + s + 1, g.node = node + s + 1, g.n = node[s].descendants, g.d = dof->depth;
+        whole = row[dof->depth];
         if (g.n > 0) rbdi_subtract_columns(g, RBDI_OWN, dof->depth + 1, row);
+        doubt = rbdi_or(doubt, rbdi_less(row[dof->depth], whole * RBDI_DOUBT));
         w->pivot[node[s].dof] = row[dof->depth];
         inverse[s] = row[dof->depth] = rbdi_pivot_inverse(row[dof->depth], dof->scale, &doubt);
     }

@@ -67,7 +67,7 @@ static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close) {
     if (rbdi_w_abs(*c) <= close) *s = *s > 0 ? 1 : -1, *c = 0;
 }
 
-/* Sine and cosine of an angle of at most 45 degrees: sums of their series, which give the same bits
+/* Sine and cosine of an angle of at most 90 degrees, to 1e-29: sums of their series, which give the same bits
    everywhere. */
 static void rbdi_w_series(rbdi_wide x, rbdi_wide *sine, rbdi_wide *cosine) {
     const rbdi_wide x2 = x * x;

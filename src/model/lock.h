@@ -5,8 +5,8 @@
 
 /* -- joints held still -- */
 
-/* Sine and cosine of an angle of any size, as if it were rounded once more: of |x| = quarters right angles +
-   rest the rest is found by long division, without a rounding but that of the right angle. */
+/* Sine and cosine of an angle of any size. Long division by the right angle gives the number of right angles
+   and the rest. Only the right angle is rounded, so the error is at most that of one more rounding of x. */
 static void rbdi_w_sincos(rbdi_wide x, rbdi_wide *s, rbdi_wide *c) {
     const rbdi_wide right_angle = RBDI_PI(rbdi_wide) / 2;
     rbdi_wide rest = rbdi_w_abs(x), part = right_angle, sine, cosine;
@@ -17,10 +17,6 @@ static void rbdi_w_sincos(rbdi_wide x, rbdi_wide *s, rbdi_wide *c) {
         quarters = 2 * quarters & 3;
         if (rest < part) continue;
         rest -= part;
-        ++quarters;
-    }
-    if (rest > right_angle / 2) {
-        rest -= right_angle;
         ++quarters;
     }
 
@@ -66,7 +62,7 @@ static void rbdi_w_quaternion(const double *q, rbdi_wide E[9]) {
     rbdi_w_turn(u, u[3] * u[3] - length * length, 2 * u[3] * length, E);
 }
 
-/* What the coordinates q of a joint do: the pose of its link at q in the link's frame at q = 0. */
+/* Motion of a link by its joint: its pose at q in its frame at q = 0. */
 static rbdi_wide_pose rbdi_axis_motion_at(const rbdi_build_link *l, const double *q) {
     rbdi_wide_pose X;
     rbdi_wide u[2], c, s;

@@ -38,7 +38,7 @@ RBDI_MESSAGES RBDI_API const char *rbd_status_string(rbd_status status) {
         return "ratio 0 or not finite, offset not finite, not a one-dof joint, or it follows a joint that is "
                "missing or mimics too";
     case RBD_ERR_WORK: return "made for another model or another work";
-    case RBD_ERR_NAN: return "NaN where accelerations are solved for: q has one, or something overflowed";
+    case RBD_ERR_NAN: return "NaN in q (rbd_singular_dof says where), v, a force or a gap; or overflow";
     case RBD_ERR_RANGE: return "negative, not finite or out of range";
     case RBD_ERR_INFEASIBLE: return "the constraints contradict each other";
     case RBD_ERR_ARITHMETIC:

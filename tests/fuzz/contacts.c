@@ -531,7 +531,7 @@ static void add_contact_rows(int i, quad *gap, quad *opening) {
     keep_rows(exact_laws.rows, 3);
 }
 
-/* What the law of an active contact adds to u_n, for velocities. The library decided whether it `rebounds`. If
+/* What the law of an active contact adds to u_n, for velocities. The library decided if it `rebounds`. If
    `any` does, one that leaves may return with its speed. */
 static double bias_of(const rbd_contact *a, double gap, double opening, int rebounds, int any) {
     if (rebounds && opening < 0) return a->restitution * opening;

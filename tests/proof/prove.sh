@@ -7,7 +7,7 @@ set -u
 here=$(CDPATH='' cd -- "$(dirname -- "$0")" && pwd) || exit 1
 folder=${1:?usage: prove.sh FOLDER [quick | all | two]}
 which=${2-all}
-command -v frama-c >/dev/null 2>&1 || { echo "left out: no frama-c"; exit 77; }
+command -v frama-c >/dev/null 2>&1 || { echo "skipped: there is no frama-c: ./run deps prove"; exit 77; }
 mkdir -p "$folder" || exit 1
 failures=0
 

@@ -1,0 +1,147 @@
+#ifndef RBDI_DYNAMICS_ABA_PIVOTS_H
+#define RBDI_DYNAMICS_ABA_PIVOTS_H
+#include "dynamics/aba.h"
+#include "dynamics/pivots.h"
+
+/* -- by articulated bodies --
+   e_k by the recursion of IA, from the leaves to the root. With V = U/D, a link whose joint gives way moves by
+   P = 1 - S V' of its parent's motion:
+
+       Ka = P' K P + V G V'                as Ia = P' IA P + V armature V' = IA - U U'/D
+       K_p += X' (Ka + rounding) X,   e = S' K S + G
+
+   K begins with the inertias of the link's bodies, G is that of [pivots]. A change of frame rounds each entry by a
+   share of the largest. */
+
+/* S of dof k of link i, and its V, as pass 2 left it. V_z of a revolute joint without armature is 1; a free
+   base has V only for the axes before S. */
+RBDI_COLD void rbdi_pivot_axis(const rbd_model *m, const rbd_work *w, int i, int k, rbd_real S[6],
+                               rbd_real V[6]) {
+    const rbdi_link *l = &m->link[i];
+    for (int j = 0; j < 6; ++j) S[j] = rbdi_zero();
+
+    if (rbdi_is(l, RBDI_BLOCK)) {
+        const rbdi_block *b = rbdi_block_of(m, l);
+        const int s = b->first + k, end = rbdi_free_base(l, b) ? s : 6;
+        S[s] = rbdi_set(RBD_C(1));
+        for (int j = 0; j < 6; ++j) V[j] = j < end ? w->block[l->block].U_D[k][j] : S[j];
+        return;
+    }
+    S[2] = rbdi_set(l->rho);
+    S[5] = rbdi_set(l->kappa);
+    rbdi_store_force(V, 1, w->scratch[i].U_D);
+    if (!(rbdi_flags(l) & (RBDI_SLIDES | RBDI_ARMATURE))) V[2] = rbdi_set(RBD_C(1));
+}
+
+/* K becomes P' K P + V G V'. Returns S' K S. */
+RBDI_COLD rbd_real rbdi_give_way(rbd_real K[6][6], const rbd_real S[6], const rbd_real V[6], rbd_real G) {
+    rbd_real KS[6], e = rbdi_zero();
+    for (int i = 0; i < 6; ++i) {
+        KS[i] = rbdi_zero();
+        for (int j = 0; j < 6; ++j) KS[i] = KS[i] + K[i][j] * S[j];
+        e = e + S[i] * KS[i];
+    }
+
+    for (int i = 0; i < 6; ++i)
+        for (int j = 0; j < 6; ++j) K[i][j] = K[i][j] + ((e + G) * V[i] - KS[i]) * V[j] - V[i] * KS[j];
+    return e;
+}
+
+/* Adds to three diagonal entries the share of the largest that a change of frame rounds. */
+RBDI_COLD void rbdi_add_rounding(rbd_real K[6][6], int first) {
+    rbd_real most = rbdi_zero();
+    for (int j = first; j < first + 3; ++j) most = rbdi_select(rbdi_less(most, K[j][j]), K[j][j], most);
+    for (int j = first; j < first + 3; ++j) K[j][j] = K[j][j] + most * RBDI_TURN;
+}
+
+/* Pose of a link in its parent. */
+RBDI_COLD rbdi_pose rbdi_pose_in_parent(const rbd_model *m, const rbd_work *w, int i) {
+    const rbdi_link *l = &m->link[i];
+    const int flags = rbdi_flags(l);
+    rbd_real column[3][3];
+    rbdi_trig t;
+    rbdi_pose X;
+    if (rbdi_is(l, RBDI_BLOCK)) return w->block[l->block].X;
+
+    t = rbdi_trig_of(m, w, i, flags);
+    for (int j = 0; j < 3; ++j) {
+        rbd_real axis[3] = {rbdi_zero(), rbdi_zero(), rbdi_zero()};
+        axis[j] = rbdi_set(RBD_C(1));
+        rbdi_store_vec(column[j], 1, rbdi_down(l, flags, t, rbdi_load_vec(axis, 1)));
+    }
+    X.E.xx = column[0][0], X.E.xy = column[1][0], X.E.xz = column[2][0];
+    X.E.yx = column[0][1], X.E.yy = column[1][1], X.E.yz = column[2][1];
+    X.E.zx = column[0][2], X.E.zy = column[1][2], X.E.zz = column[2][2];
+    X.r = rbdi_add(rbdi_vec_c(l->r), rbdi_scale(t.d, rbdi_vec(X.E.zx, X.E.zy, X.E.zz)));
+    return X;
+}
+
+/* K becomes X' K X: each of its columns is a wrench, and then each of the rows. */
+RBDI_COLD void rbdi_carry_up(const rbdi_pose *X, rbd_real K[6][6]) {
+    for (int j = 0; j < 12; ++j) {
+        rbd_real *wrench = j < 6 ? &K[0][j] : K[j - 6];
+        const int stride = j < 6 ? 6 : 1;
+        rbdi_store_force(wrench, stride, rbdi_force_up_block(X, rbdi_load_force(wrench, stride)));
+    }
+}
+
+/* K of link i, the sum of its children's shares, becomes its share in the parent's K. */
+RBDI_COLD void rbdi_check_link(const rbd_model *m, rbd_work *w, int i, rbdi_mask doubt, rbd_real K[6][6]) {
+    const rbdi_link *l = &m->link[i];
+    rbd_real own[6], S[6], V[6];
+    rbdi_pose X;
+    for (int b = 0; b < m->nb; ++b) {
+        if (m->frame[b].link != i) continue;
+        rbdi_body_inertia(m, b, own);
+        for (int j = 0; j < 6; ++j) K[j][j] = K[j][j] + own[j];
+    }
+
+    for (int k = rbdi_link_dofs(m, l) - 1; k >= 0; --k) {
+        const rbdi_dof *dof = &m->dof[l->iv + k];
+        const rbd_real G = rbdi_abs(w->pivot[l->iv + k]) + dof->scale * RBDI_SHARE + dof->armature;
+        rbd_real e;
+        rbdi_pivot_axis(m, w, i, k, S, V);
+        e = rbdi_give_way(K, S, V, G) + G;
+        rbdi_check_pivot(w, l->iv + k, e, doubt);
+    }
+
+    if (l->parent < 0) return;
+    X = rbdi_pose_in_parent(m, w, i);
+    rbdi_add_rounding(K, 0);
+    rbdi_add_rounding(K, 3);
+    rbdi_carry_up(&X, K);
+}
+
+/* Checks the pivots of the last pass 2. */
+RBDI_COLD void rbdi_check_bodies(const rbd_model *m, rbd_work *w, rbdi_mask doubt) {
+    rbd_real K[6][6];
+    for (int k = 0; k < m->nbranch; ++k) w->branch[k].I = rbdi_abi_zero();
+    rbdi_clear(K[0], 36);
+
+    for (int i = m->nl - 1; i >= 0; --i) {
+        const rbdi_link *l = &m->link[i];
+        if (l->branch >= 0) {
+            rbd_real L[6][6];
+            rbdi_abi_to_array(w->branch[l->branch].I, L);
+            for (int r = 0; r < 6; ++r)
+                for (int c = 0; c < 6; ++c) K[r][c] = K[r][c] + L[r > c ? r : c][r > c ? c : r];
+        }
+        rbdi_check_link(m, w, i, doubt, K);
+        if (l->parent == i - 1) continue;
+        if (l->parent >= 0) {
+            rbdi_branch *branch = &w->branch[m->link[l->parent].branch];
+            branch->I = rbdi_abi_add(branch->I, rbdi_abi_from_array(K));
+        }
+        rbdi_clear(K[0], 36);
+    }
+}
+
+/* The status of rbd_aba. doubt: whether a pivot is in doubt; a: the results. */
+RBDI_INLINE rbd_status rbdi_aba_status(const rbd_model *m, rbd_work *w, rbdi_mask doubt, rbd_real *a) {
+    w->singular = -1;
+    if (!rbdi_any(doubt)) return RBD_OK;
+    rbdi_check_bodies(m, w, doubt);
+    return rbdi_pivot_status(m, w, a, m->nv);
+}
+
+#endif
