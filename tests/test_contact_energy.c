@@ -144,6 +144,47 @@ START_TEST(iiwa_swings) {
 }
 END_TEST
 
+/* rbd_free_step is rbd_contact_step without contacts: of all joints, mimic ones too, with wrenches and damping. */
+static void check_free_step(const robot *r, const state *s, int number) {
+    const size_t size = rbd_contact_set_size(r->m, 0, NULL, 0, NULL);
+    void *memory = malloc(size);
+    double damping[MAX_V], q[MAX_Q], v[MAX_V], expected_q[MAX_Q], expected_v[MAX_V];
+    rbd_contact_set *c;
+    for (int k = 0; k < r->nv; k++) damping[k] = 0.1 * (k % 4);
+    RUN(rbd_contact_set_init(r->m, r->w, NULL, 0, NULL, 0, NULL, memory, size, &c, NULL));
+    const rbd_status status =
+        rbd_contact_step(r->m, c, s->q, s->v, s->tau, s->f_ext, damping, 1e-3, expected_q, expected_v);
+    memcpy(q, s->q, sizeof q), memcpy(v, s->v, sizeof v);
+    ck_assert_int_eq(rbd_free_step(r->m, r->w, q, v, s->tau, s->f_ext, damping, 1e-3, q, v), status);
+    if (status == RBD_OK) {
+        expect_close("free step: q", r, number, q, expected_q, r->nq, 1e-9); /* M may be ill-conditioned */
+        expect_close("free step: v", r, number, v, expected_v, r->nv, 1e-7);
+    }
+    free(memory);
+}
+START_TEST(free_step_is_the_step_without_contacts) { for_random_trees(60, check_free_step); }
+END_TEST
+
+START_TEST(free_step_keeps_energy) {
+    robot r = robot_build("box", &tumbler, 1);
+    double q[7] = {0, 0, 0, 0, 0, 0, 1}, v[6] = {0.1, 30, 0.1, 1, 0, 0}, tau[6] = {0}, K = 0;
+    rbd_set_gravity(r.w, none);
+    for (int n = 0; n < 10000; n++)
+        ck_assert_int_eq(rbd_free_step(r.m, r.w, q, v, tau, NULL, NULL, 1e-3, q, v), RBD_OK);
+    for (int k = 0; k < 3; k++) K += 0.5 * (k + 1) * v[k] * v[k];
+    ck_assert_double_eq_tol(K / 900, 1, 1e-4);
+    ck_assert_double_eq_tol(hypot(hypot(v[3], v[4]), v[5]), 1, 1e-12);
+    ck_assert_int_eq(rbd_free_step(NULL, r.w, q, v, tau, NULL, NULL, 1e-3, q, v), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_free_step(r.m, NULL, q, v, tau, NULL, NULL, 1e-3, q, v), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_free_step(r.m, r.w, NULL, v, tau, NULL, NULL, 1e-3, q, v), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_free_step(r.m, r.w, q, NULL, tau, NULL, NULL, 1e-3, q, v), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_free_step(r.m, r.w, q, v, NULL, NULL, NULL, 1e-3, q, v), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_free_step(r.m, r.w, q, v, tau, NULL, NULL, 1e-3, NULL, v), RBD_ERR_NULL);
+    ck_assert_int_eq(rbd_free_step(r.m, r.w, q, v, tau, NULL, NULL, 1e-3, q, NULL), RBD_ERR_NULL);
+    robot_free(&r);
+}
+END_TEST
+
 /* ---- order ---- */
 
 static double distance(const scene *a, const scene *b) {
@@ -368,6 +409,8 @@ Suite *contact_energy_suite(void) {
     tcase_add_test(c, hyq_flies);
     tcase_add_test(c, rotor_in_a_gimbal);
     tcase_add_test(c, iiwa_swings);
+    tcase_add_test(c, free_step_is_the_step_without_contacts);
+    tcase_add_test(c, free_step_keeps_energy);
     tcase_add_test(c, second_order);
     tcase_add_test(c, arm_on_a_trunk_that_sticks);
     tcase_add_test(c, bounces_keep_their_share);

@@ -1824,6 +1824,10 @@ class Model(_Owner):
         """q moved by the tangent step v dt: exponentials in body axes for spherical, planar and floating
         joints, addition for the others."""
 
+    @_c("work", "q_next v_next", c_inputs="q v tau f_ext damping dt")
+    def free_step(self, q, v, tau, dt, f_ext=None, damping=None):
+        """A step of second order from torques, without contacts, which keeps the energy of what turns."""
+
     @_c("", "q_next v_next")
     def step(self, q, v, a, dt):
         """One step of semi-implicit Euler from the accelerations a of forward dynamics: v + dt a, then q moved by

@@ -104,8 +104,8 @@ static void rbdi_turn_velocity(const rbdi_frame *u, const rbd_real *moved, rbd_r
 
 /* The last two parts of all joints, for a scheme of its own: q moved by `moved` for dt, and nu in the axes of
    its end. An output may be the input of its name. */
-static void rbdi_move_joints(const rbd_model *m, const rbd_real *q, const rbd_real *moved, const rbd_real *nu,
-                             rbd_real dt, rbd_real *q_next, rbd_real *v_next) {
+RBDI_PART void rbdi_move_joints(const rbd_model *m, const rbd_real *q, const rbd_real *moved,
+                                const rbd_real *nu, rbd_real dt, rbd_real *q_next, rbd_real *v_next) {
     for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {
         if (u->nv == 1 && u->nq == 1) { /* the most, and all that a straight step needs */
             q_next[u->iq] = q[u->iq] + moved[u->iv] * dt;
@@ -119,7 +119,7 @@ static void rbdi_move_joints(const rbd_model *m, const rbd_real *q, const rbd_re
 
 /* a by which origins move straight and turns keep their axis: the linear part is -omega x v, all else 0. a:
    0 before, but where this call writes. */
-static void rbdi_straight_acceleration(const rbd_model *m, const rbd_real *v, rbd_real *a) {
+RBDI_PART void rbdi_straight_acceleration(const rbd_model *m, const rbd_real *v, rbd_real *a) {
     for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {
         rbdi_motion V;
         if (!rbdi_joint_turns(u)) continue;
