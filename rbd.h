@@ -11,13 +11,14 @@
    and plain #include "rbd.h" everywhere else. Quick start, a pendulum:
 
        static const rbd_body bodies[1] = {{.name = "rod", .joint = "hinge", .parent = -1,
-           .type = RBD_REVOLUTE, .axis = {0, 1, 0}, .mass = 1, .com = {0, 0, -0.5}}};
+           .type = RBD_REVOLUTE, .axis = {0, 1, 0}, .mass = 1, .com = {0, 0, -0.5},
+           .inertia = {1. / 12, 0, 0, 1. / 12, 0, 0}}};
        unsigned char model_memory[RBD_MODEL_SIZE(1)], work_memory[RBD_WORK_SIZE(1, 1)];
        const rbd_model *m; rbd_work *w;
        rbd_model_build(bodies, 1, model_memory, sizeof model_memory, &m, NULL);
        rbd_work_init(m, work_memory, sizeof work_memory, &w);
        double q[1] = {0.5}, v[1] = {0}, tau[1] = {0}, a[1];
-       rbd_aba(m, w, q, v, tau, NULL, a);          // a[0] = -g sin(q) / 0.5
+       rbd_aba(m, w, q, v, tau, NULL, a);          // a[0] = -1.5 g sin(q)
 
    CONTENTS (search for the tag)
      [conventions] [configuration] [guarantees] [limits]
@@ -101,14 +102,15 @@
      No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant: calls change the caller's
      rbd_work and outputs only. Only rbd_add_payload writes to the model, which may be const data in flash.
      Finite input gives finite output, as long as nothing overflows: a singular system is an error that names
-     the degree of freedom. Each call decides by its own pivots whether a system is singular. All refuse one whose
-     M is singular but for rounding. Near one they may differ: the armature that makes such a joint sound is for
-     rbd_aba up to 70 times that of the calls by the factor, or any part of it; where rbd_aba computes and they
-     refuse, M has lost its digits, as of float chains of 100 rods. Input is not searched for NaN: one that reaches the mass matrix is RBD_ERR_NAN in
-     forward dynamics, one in a gap or limit in rbd_contact_step; any other reaches all results that depend
-     on it, with RBD_OK. From libm only sqrt; sin and cos for __float128 and classes, and with excess
-     precision (x87). The same input gives the same bits on every call of one build; between builds,
-     contraction to FMA and the order of sums change last bits.
+     the degree of freedom. Each call decides by its own pivots whether a system is singular. All refuse one
+     whose M is singular but for rounding. Near one they may differ: the armature that makes such a joint
+     sound is for rbd_aba up to 70 times that of the calls by the factor, or any part of it; where rbd_aba
+     computes and they refuse, M has lost its digits, as of float chains of 100 rods.
+     Input is not searched for NaN: one that reaches the mass matrix is RBD_ERR_NAN in forward dynamics, one
+     in a gap or limit in rbd_contact_step; any other reaches all results that depend on it, with RBD_OK. From
+     libm only sqrt; sin and cos for __float128 and classes, and with excess precision (x87). The same input
+     gives the same bits on every call of one build; between builds, contraction to FMA and the order of sums
+     change last bits.
      With RBD_REPRODUCIBLE every call gives the same bits in double, and in float, on every machine that
      rounds to nearest as IEEE 754 does and keeps denormals, whatever the compiler, its -O and its SIMD unit.
      Sums have one order, and sine is rbd's own. Compile without -ffast-math and its parts, and with clang
@@ -561,19 +563,20 @@ RBDI_API int rbd_singular_dof(const rbd_work *w);
    friction. Errors: RBD_ERR_NULL, RBD_ERR_WORK, and RBD_ERR_SINGULAR where said; there RBD_ERR_NAN too, and
    after either all results are 0.
 
-   M is singular if one of its pivots is not above the rounding of the description and of the call's own terms:
-   [guarantees]. A pivot below 1e-7 (float: 1e-3) of the largest inertia that its joint can move is in doubt. Then
-   the call bounds its rounding to decide: rbd_aba takes up to six times as long. */
+   M is singular if one of its pivots is not above the rounding of the description and of the call's own
+   terms: [guarantees]. A pivot below 1e-7 (float: 1e-3) of the largest inertia that its joint can move is
+   in doubt. Then the call bounds its rounding to decide: rbd_aba takes up to six times as long. */
 
 /* Inverse dynamics tau = M(q) a + c(q, v) - sum J' f_ext. Recursive Newton-Euler, RBDA table 5.1. */
 RBDI_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                              const rbd_real *a, const rbd_real *f_ext, rbd_real *tau);
 
-/* Bias force c = tau at a = 0: velocity terms, gravity, minus external wrenches. */
+/* Bias force c, the part of inverse dynamics that does not depend on a: velocity terms, gravity, minus
+   external wrenches. rbd_rnea gives it at a = 0. */
 RBDI_API rbd_status rbd_bias(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                              const rbd_real *f_ext, rbd_real *c);
 
-/* Gravity torque g = tau at v = a = 0: it holds the robot still. */
+/* Gravity torque g, which holds the robot still. rbd_rnea gives it at v = a = 0, without f_ext. */
 RBDI_API rbd_status rbd_gravity_torque(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *g);
 
 /* Generalized momentum p = M v and C' v, for a momentum observer, which detects contacts by dp/dt = tau +
@@ -657,8 +660,9 @@ RBDI_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real 
 RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                    const rbd_real *a);
 
-/* The same of one body and of the bodies between it and the world only. For bodies that other joints move,
-   and for sums over all bodies, the functions below then return RBD_ERR_ORDER.
+/* Computes poses, velocities and accelerations of one body, and of the bodies between it and the world, as
+   rbd_kinematics does of all. For other bodies, and for sums over all bodies, the functions below then return
+   RBD_ERR_ORDER. q: nq; v, a: nv, or NULL for zero.
    Errors: RBD_ERR_NULL, _WORK, _INDEX. */
 RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int body, const rbd_real *q,
                                         const rbd_real *v, const rbd_real *a);
@@ -668,15 +672,15 @@ RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int bod
 RBDI_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body, rbd_real rotation[9],
                                   rbd_real p[3]);
 
-/* Spatial velocity (omega; v of the link origin), link axes. */
+/* Spatial velocity of a body (omega; v of the link origin), link axes. */
 RBDI_API rbd_status rbd_body_velocity(const rbd_model *m, const rbd_work *w, int body, rbd_real velocity[6]);
 
-/* Spatial acceleration, link axes, without gravity: d/dt of the components of the velocity. */
+/* Spatial acceleration of a body, link axes, without gravity: d/dt of the components of the velocity. */
 RBDI_API rbd_status rbd_body_acceleration(const rbd_model *m, const rbd_work *w, int body,
                                           rbd_real acceleration[6]);
 
-/* Classical acceleration (domega/dt; acceleration of the link origin), link axes, without gravity: an
-   accelerometer at the origin measures it minus gravity. */
+/* Classical acceleration of a body (domega/dt; acceleration of the link origin), link axes, without gravity:
+   an accelerometer at the origin measures it minus gravity. */
 RBDI_API rbd_status rbd_body_acceleration_classical(const rbd_model *m, const rbd_work *w, int body,
                                                     rbd_real acceleration[6]);
 
@@ -685,8 +689,8 @@ RBDI_API rbd_status rbd_body_acceleration_classical(const rbd_model *m, const rb
    _WORK, _ORDER. */
 RBDI_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *kinetic, rbd_real *potential);
 
-/* Centre of mass of those bodies, its velocity and acceleration, world frame; after rbd_kinematics.
-   Each may be NULL. Zero if there is no mass. */
+/* Centre of mass of all bodies that a joint moves, its velocity and acceleration, world frame; after
+   rbd_kinematics. Each may be NULL. Zero if there is no mass. */
 RBDI_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real position[3], rbd_real velocity[3],
                             rbd_real acceleration[3]);
 
@@ -1398,14 +1402,16 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #endif
 #define RBDI_GCC (RBDI_GNU && !RBDI_CLANG)
 
-/* GCC has no macro for -fsingle-precision-constant, which rounds constants to float. It does no harm to float. */
+/* GCC has no macro for -fsingle-precision-constant, which rounds constants to float. It does no harm if
+   rbd_real is float. */
 #if RBDI_REAL_KIND != 2
 typedef char rbd_needs_no_fsingle_precision_constant[sizeof 1.0 == sizeof(double) ? 1 : -1];
 #endif
 
-/* rbdi_require_ieee() does not compile where sums are reassociated, or NaN or infinity has no meaning. clang has no
-   macro for most of this, and GCC's pragmas set none in C++. A compiler that optimises then knows beforehand what
-   (x + 1) - x is, that x <= x, or that x is not infinite. One that does not optimise changes nothing. */
+/* rbdi_require_ieee() does not compile where sums are reassociated, or NaN or infinity has no meaning. clang
+   has no macro for most of this, and GCC's pragmas set none in C++. A compiler that optimises then knows
+   beforehand what (x + 1) - x is, that x <= x, or that x is not infinite. One that does not optimise changes
+   nothing. */
 #if RBDI_GNU && defined __OPTIMIZE__ && defined __has_attribute
 #if __has_attribute(error)
 #define RBDI_SHOWS_OPTIONS 1
@@ -1577,18 +1583,20 @@ RBDI_CODE_BEGIN
    roundings, because a pivot is a sum of many terms. The largest pivot that was rounding in 20,000 singular
    models had 15 of rbd_aba and 4.3 of the factor (tests/one_word.c). [pivots] derives the rest.
 
-   An exact pivot can be rounding too: an axis that should go through a mass m misses it by L eps, L the distance to
-   the frame that it is described in, and the pivot is m (L eps)^2. dof.scale has RBDI_ROD m L^2 in it. With
-   RBDI_ROD = 16 eps / RBDI_DOUBT a pivot up to 16 eps m L^2 is in doubt, and one up to RBDI_NOISE RBDI_SHARE
-   RBDI_ROD m L^2 is singular: 2.5e-26 m L^2, far above the 5e-32 m L^2 of a rounding, and far below any real
-   robot, whose radius of gyration would be 2e-13 L. In float 1e-21 m L^2, for descriptions are double. The factor
-   has a quarter in place of RBDI_SHARE.
+   An exact pivot can be rounding too: an axis that should go through a mass m misses it by L eps, L the
+   distance to the frame that it is described in, and the pivot is m (L eps)^2. dof.scale has RBDI_ROD m L^2
+   in it. With RBDI_ROD = 16 eps / RBDI_DOUBT a pivot up to 16 eps m L^2 is in doubt, and one up to
+   RBDI_NOISE RBDI_SHARE RBDI_ROD m L^2 is singular: 2.5e-26 m L^2, far above the 5e-32 m L^2 of a rounding,
+   and far below any real robot, whose radius of gyration would be 2e-13 L. In float 1e-21 m L^2, for
+   descriptions are double. The factor has a quarter in place of RBDI_SHARE.
 
-   RBDI_SHARE: of dof.scale in rbd_aba's e. A chain of n rods has a dof.scale of n^3/3 rods: with a much larger
-   share float chains of 200 rods are refused, with a much smaller one the rounding of a description passes.
-   RBDI_TURN: a change of frame rounds by this share of RBDI_NOISE, a third of eps. It compounds along a chain: a
-   larger one refuses float chains of 200 rods.
-   RBDI_FAR: a joint that has slid by more than 4 times the size of what it moves is a doubt, see rbdi_slid_far. */
+   RBDI_SHARE: of dof.scale in rbd_aba's e. A chain of n rods has a dof.scale of n^3/3 rods: with a much
+   larger share float chains of 200 rods are refused, with a much smaller one the rounding of a description
+   passes.
+   RBDI_TURN: a change of frame rounds by this share of RBDI_NOISE, a third of eps. It compounds along a
+   chain: a larger one refuses float chains of 200 rods.
+   RBDI_FAR: a joint that has slid by more than 4 times the size of what it moves is a doubt, see
+   rbdi_slid_far. */
 
 #if RBDI_KIND(RBD_CONST) == 1
 #define RBDI_EPS 2.220446049250313e-16
@@ -3945,11 +3953,11 @@ RBDI_INLINE int rbdi_turns_first(const rbd_model *m, int i) {
     return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->first < 3 : l->rho > 0;
 }
 
-/* Whether a joint has slid so far that dof.scale of the turning joint before it, taken at q = 0, is no bound: the
-   slide squared times the mass that slides is above RBDI_FAR times that. */
+/* Whether a joint has slid so far that dof.scale of the turning joint before it, taken at q = 0, is no
+   bound: the slide squared times the mass that slides is above RBDI_FAR times that. */
 RBDI_PART rbdi_mask rbdi_slid_far(const rbd_model *m, const rbd_work *w) {
-    rbdi_mask far = rbdi_less(rbdi_zero(), rbdi_zero());
-    if (!(RBDI_FEATURES & m->features & (RBDI_SLIDES | RBDI_OTHER_BLOCKS))) return far;
+    rbdi_mask slid = rbdi_less(rbdi_zero(), rbdi_zero());
+    if (!(RBDI_FEATURES & m->features & (RBDI_SLIDES | RBDI_OTHER_BLOCKS))) return slid;
 
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
@@ -3961,10 +3969,10 @@ RBDI_PART rbdi_mask rbdi_slid_far(const rbd_model *m, const rbd_work *w) {
         if (turn < 0) continue;
 
         square = block ? rbdi_dot(w->block[l->block].X.r, w->block[l->block].X.r) : w->d[i] * w->d[i];
-        far = rbdi_or(
-            far, rbdi_less(rbdi_set(m->dof[m->link[turn].iv].scale * RBDI_FAR), square * l->subtree_mass));
+        slid = rbdi_or(
+            slid, rbdi_less(rbdi_set(m->dof[m->link[turn].iv].scale * RBDI_FAR), square * l->subtree_mass));
     }
-    return far;
+    return slid;
 }
 
 /* Pass 2, leaves first. Returns whether a pivot is in doubt. */
@@ -4438,31 +4446,33 @@ RBDI_PART void rbdi_invert(const rbd_model *m, rbd_work *w, const rbd_real *L, r
 /* Interface: rbdi_check_factor, rbdi_factor_status, rbdi_pivot_status */
 
 /* ---- pivots [pivots] ----
-   M = L'DL is singular if one of its pivots D is rounding. Each call checks the pivots that it computes, in two
-   steps.
+   M = L'DL is singular if one of its pivots D is rounding. Each call checks the pivots that it computes, in
+   two steps.
 
-   First, in every call: is D > RBDI_DOUBT dof.scale, and > RBDI_DOUBT M_kk where M is there? If all pivots pass, M
-   is regular: a rounding error reaches that size only if it is magnified by more than RBDI_DOUBT / eps, and then
-   an earlier pivot was small beside its own scale; RBDI_DOUBT is at least sqrt(eps), so that one of the two
-   fails. dof.scale is taken at q = 0. A slide farther than that is a doubt as well (rbdi_slid_far).
+   First, in every call: is D > RBDI_DOUBT dof.scale, and > RBDI_DOUBT M_kk where M is there? If all pivots
+   pass, M is regular: a rounding error reaches that size only if it is magnified by more than RBDI_DOUBT /
+   eps, and then an earlier pivot was small beside its own scale; RBDI_DOUBT is at least sqrt(eps), so that
+   one of the two fails. dof.scale is taken at q = 0. A slide farther than that is a doubt as well
+   (rbdi_slid_far).
 
-   Then, if a pivot is in doubt: is D > RBDI_NOISE e + RBDI_TINY, for all pivots? eps e bounds the error of D. With
-   y the motion in which dof k moves by 1 and the dofs behind it give way, column k of L^-1, D_k = y' M y and
+   Then, if a pivot is in doubt: is D > RBDI_NOISE e + RBDI_TINY, for all pivots? eps e bounds the error of
+   D. With y the motion in which dof k moves by 1 and the dofs behind it give way, column k of L^-1, D_k =
+   y' M y and
 
        e_k = sum over j of y_j^2 K_jj + armature
 
-   By the factor K_jj are the terms of M_jj: M_jj, the inertia of each link about its own origin along the dof,
-   and a quarter of dof.scale, the inertia of the stretched robot. Articulated bodies have smaller terms: G_j =
-   D_j + RBDI_SHARE dof.scale + armature, and each link's inertia along its motion in y. So rbd_aba is right in
-   long chains whose M has lost its digits.
+   By the factor K_jj are the terms of M_jj: M_jj, the inertia of each link about its own origin along the
+   dof, and a quarter of dof.scale, the inertia of the stretched robot. Articulated bodies have smaller
+   terms: G_j = D_j + RBDI_SHARE dof.scale + armature, and each link's inertia along its motion in y. So
+   rbd_aba is right in long chains whose M has lost its digits.
 
-   Both have a part of dof.scale, because descriptions round too. An axis is off by eps, a position or a centre of
-   mass by eps of its lever. These errors move a mass m that should stand still by eps L. Its share of D is
-   m (eps L)^2, exactly computed: the error of such a pivot is all of it. dof.scale has RBDI_ROD of m L^2 in it
-   (rbdi_build_scale). */
+   Both have a part of dof.scale, because descriptions round too. An axis is off by eps, a position or a
+   centre of mass by eps of its lever. These errors move a mass m that should stand still by eps L. Its
+   share of D is m (eps L)^2, exactly computed: the error of such a pivot is all of it. dof.scale has
+   RBDI_ROD of m L^2 in it (rbdi_build_scale). */
 
-/* Replaces pivot k by 1 if it is above its noise or no pivot of the state is in doubt, by 0 if not, by -1 if it
-   is not a number. e: the bound of its terms. */
+/* Replaces pivot k by 1 if it is above its noise or no pivot of the state is in doubt, by 0 if not, by -1
+   if it is not a number. e: the bound of its terms. */
 RBDI_PART void rbdi_check_pivot(rbd_work *w, int k, rbd_real e, rbdi_mask doubt) {
     const rbd_real noise = e * RBDI_NOISE + RBDI_TINY;
     const rbd_real D = w->pivot[k], one = rbdi_set(RBD_C(1));
@@ -4489,9 +4499,9 @@ RBDI_PART rbd_status rbdi_pivot_status(const rbd_model *m, rbd_work *w, rbd_real
     return rbdi_any(rbdi_not(number)) ? RBD_ERR_NAN : RBD_ERR_SINGULAR;
 }
 
-/* The inertia of body b about the origin of its link, along each of the link's axes: moments, then masses. The
-   build's rounding counts as well. It turns a rod on an axis, and is relative to the trace of the inertia about
-   the link's origin and about the user's, which is at r of the joint's body. */
+/* The inertia of body b about the origin of its link, along each of the link's axes: moments, then masses.
+   The build's rounding counts as well. It turns a rod on an axis, and is relative to the trace of the
+   inertia about the link's origin and about the user's, which is at r of the joint's body. */
 RBDI_COLD void rbdi_body_inertia(const rbd_model *m, int b, rbd_real own[6]) {
     const rbdi_frame *u = &m->frame[b];
     const rbdi_mat E = rbdi_mat_c(u->E);
@@ -4574,14 +4584,14 @@ RBDI_INLINE rbd_status rbdi_factor_status(const rbd_model *m, rbd_work *w, const
 
 /* ==== src/dynamics/aba_pivots.h ==== */
 /* -- by articulated bodies --
-   e_k by the recursion of IA, from the leaves to the root. With V = U/D, a link whose joint gives way moves by
-   P = 1 - S V' of its parent's motion:
+   e_k by the recursion of IA, from the leaves to the root. With V = U/D, a link whose joint gives way moves
+   by P = 1 - S V' of its parent's motion:
 
        Ka = P' K P + V G V'                as Ia = P' IA P + V armature V' = IA - U U'/D
        K_p += X' (Ka + rounding) X,   e = S' K S + G
 
-   K begins with the inertias of the link's bodies, G is that of [pivots]. A change of frame rounds each entry by a
-   share of the largest. */
+   K begins with the inertias of the link's bodies, G is that of [pivots]. A change of frame rounds each
+   entry by a share of the largest. */
 
 /* S of dof k of link i, and its V, as pass 2 left it. V_z of a revolute joint without armature is 1; a free
    base has V only for the axes before S. */

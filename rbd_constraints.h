@@ -189,7 +189,7 @@ RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const 
    a          nv, wanted, with J a + gamma = 0: for example the result of rbd_constrained_fd with another set,
               in which rows with gains describe the task, too
    actuated   nv flags: not 0 where there is a motor; NULL: everywhere but in floating joints at the root
-   weight     rows, from 0 (lambda costs nothing) to 1e30; NULL: 1
+   weight     rows, 0 (lambda costs nothing) or 1e-20 to 1e30; NULL: 1
    Errors: also RBD_ERR_RANGE, a weight out of its range. Mistry, Buchli and Schaal (2010). */
 RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                        const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
@@ -205,8 +205,8 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
    another one. In a singular place, where rows lose their rank, q_near may only be close.
    q_near   another array than q
    v        may be NULL, v_near then too
-   weight   nv, from 0 (a free dof: its motion costs nothing) to 1e30; NULL: 1, that is, a metre counts as
-            much as a radian
+   weight   nv, 0 (a free dof: its motion costs nothing) or 1e-20 to 1e30; NULL: 1, that is, a metre counts
+            as much as a radian
    Errors: also RBD_ERR_RANGE, a weight out of its range; RBD_ERR_INFEASIBLE if an entry of e is not below
    1e-9 (float: 1e-4), the largest in rbd_infeasible_row. */
 RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
@@ -481,6 +481,7 @@ RBDI_CODE_BEGIN
 #endif
 
 #define RBDI_CLEARLY_MORE RBD_C(1.001) /* of shares that differ by rounding alone the first is taken */
+#define RBDI_LEAST_WEIGHT RBD_C(1e-20) /* 1 / (this RBDI_FREE), times squares of lengths, is no overflow */
 #define RBDI_MOST_WEIGHT RBD_C(1e30)
 #define RBDI_LONGEST_STEP RBD_C(0.5)
 #define RBDI_LEAST_STEP_SIZE RBD_C(1e-3)
@@ -1644,10 +1645,12 @@ RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_s
    With a diagonal matrix D in place of M, so that L = 1 and Y = J', rbdi_multipliers solves least squares: it
    adds D^-1 J' lambda to x, of all changes d with J (x + d) = target the one with the least d' D d. */
 
-/* Whether n weights are from 0 to RBDI_MOST_WEIGHT. NULL: all are 1. */
+/* Whether n weights are 0, or from RBDI_LEAST_WEIGHT to RBDI_MOST_WEIGHT. NULL: all are 1. */
 static int rbdi_weights_fit(const rbd_const *weight, int n) {
-    for (int k = 0; weight && k < n; ++k)
-        if (!(weight[k] >= 0 && weight[k] <= RBDI_MOST_WEIGHT)) return 0;
+    for (int k = 0; weight && k < n; ++k) {
+        const int none = weight[k] >= 0 && weight[k] <= 0;
+        if (!none && !(weight[k] >= RBDI_LEAST_WEIGHT && weight[k] <= RBDI_MOST_WEIGHT)) return 0;
+    }
     return 1;
 }
 

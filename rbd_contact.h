@@ -23,7 +23,8 @@
      [solver] [set] [step] [step derivatives]
      --- stop here if you only use it ---
      [layout] [tolerances] [one contact] [laws] [newton] [solver code]
-     [joints] [set code] [contact rows] [biases] [step code] [step derivatives code]
+     [joints] [set code] [contact rows] [biases] [row reduction] [step code]
+     [step derivatives code]
 
    [conventions] Beyond those of rbd.h:
      u            velocity of body 1's point of contact less that of body 2's at this place, m/s
@@ -181,10 +182,10 @@ RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constr
    damping    implicit: tau acts as tau - damping v_next. A position controller of gains kp, kd that runs with
               the step has tau = kp (q_wanted - q) and damping = kd + dt kp / 2, which is neutral: it neither
               adds nor takes energy beyond kd. kd + dt kp is stable at every dt, and brakes. NULL: 0
-   Errors: RBD_ERR_NULL, _WORK; _RANGE, dt not between 1e-30 and 1e30; _SINGULAR if M + dt D is, D the damping:
-   damping makes a joint sound that moves no mass; _NAN as rbd_constrained_fd,
-   _NAN also of a gap that is not a number and of speeds above 1e12: then q_next is q and v_next or a is 0. A
-   solution above the tolerance is no error: rbd_contact_last. */
+   Errors: RBD_ERR_NULL, _WORK; _RANGE, dt not between 1e-30 and 1e30; _SINGULAR if M + dt D is, D the
+   damping: damping makes a joint sound that moves no mass; _NAN as rbd_constrained_fd, _NAN also of a gap
+   that is not a number and of speeds above 1e12: then q_next is q and v_next or a is 0. A solution above
+   the tolerance is no error: rbd_contact_last. */
 
 /* One time step dt by the midpoint scheme of Moreau (1999), of second order: half of the way by v, to q_mid;
    there, with v in its axes,
@@ -1332,10 +1333,12 @@ static rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work *w,
     rbd_status status = RBD_OK;
     report->warnings = 0;
     rbdi_refuse(report, RBD_OK, -1, NULL, NULL);
-    if (!m || !w || !memory || (!list && n)) return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
+    if (!m || !w || !memory || (!list && n) || (!held && n_held))
+        return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
     if (least == 0) {
+        rbdi_refuse(report, RBD_ERR_COUNT, -1, NULL, NULL);
         report->error.text = "a number of contacts or constraints is below 0, or there are more than 1000";
-        return report->error.status = RBD_ERR_COUNT;
+        return RBD_ERR_COUNT;
     }
     if (rbdi_check(m, w, 1)) return rbdi_refuse(report, RBD_ERR_WORK, -1, NULL, NULL);
     if (options) status = rbdi_check_options(options, report);
@@ -1788,7 +1791,7 @@ static int rbdi_write_biases(rbd_contact_set *c, int purpose) {
 }
 
 /* ==== src/contact/reduction.h ==== */
-/* ---- reduction [reduction] ----
+/* ---- row reduction [row reduction] ----
    The steps from the rows to Delta lambda = b by the factor M = L'DL. */
 
 /* Y = L^-T Y, b = target - Y' D^-1 x, and the squares of b's terms. Batches may reach beyond a dof's span:

@@ -1,13 +1,13 @@
-/* one_word.c - what the calls say of singular states, RBD_OK or RBD_ERR_SINGULAR, and which degree of freedom they
-   name. Each model is a random tree with a singular end: blocks, screws, massless chains, planar joints, bodies
-   that turn about no mass, all placed by axes and positions that rounding cannot hold. Three of each:
+/* one_word.c - what the calls say of singular states, RBD_OK or RBD_ERR_SINGULAR, and which degree of freedom
+   they name. Each model is a random tree with a singular end: blocks, screws, massless chains, planar joints,
+   bodies that turn about no mass, all placed by axes and positions that rounding cannot hold. Three of each:
 
        singular   exactly, but for the rounding of the description: no call says RBD_OK
        sound      the same with an armature in each joint of the end: all say RBD_OK
        near       the same with an armature of any size, 1e-24 of that or more
 
-   Calls by the factor of M say the same of all three and name the same degree of freedom. rbd_aba has pivots of its
-   own: of the near ones it may say another word.
+   Calls by the factor of M say the same of all three and name the same degree of freedom. rbd_aba has pivots
+   of its own: of the near ones it may say another word.
 
        one_word [MODELS]    by default 10,000; one build for each scalar. SPDX-License-Identifier: MIT */
 #define RBD_IMPLEMENTATION

@@ -190,6 +190,14 @@ prints_not 'built'
 run 0 test --light 'scalar*' --repeat 3 rbd:suites
 prints 'built 20 of 20$'
 
+# A name may be new in a meson.build: the list of tests is made anew before a name is refused.
+touch "$scratch/tree/build/build.ninja"
+touch -d '1 minute' "$scratch/tree/tests/meson.build"
+run 1 test --light suitse
+prints "no test is called 'suitse'"
+prints 'built'
+rm "$scratch/tree/tests/meson.build" "$scratch/tree/build/build.ninja"
+
 run 0 test
 asked 'install -y .* cmake$'
 asked 'install -y .*clang-19.* clang-format-19.* gcc-arm-none-eabi'

@@ -1990,12 +1990,15 @@ START_TEST(bad_calls_are_refused) {
     ck_assert_int_eq(rbd_impact(r.m, c, q, q, 1.001, x, lambda), RBD_ERR_RANGE);
     ck_assert_int_eq(rbd_impact(r.m, c, q, q, NAN, x, lambda), RBD_ERR_RANGE);
     const double bad[7] = {1, 1, -1, 1, 1, 1, 1}, endless[7] = {1, HUGE_VAL, 1, 1, 1, 1, 1};
+    const double minute[7] = {1, 1, 1e-21, 1, 1, 1, 1}, least[7] = {1, 1, 1e-20, 1, 1, 1, 1};
     double near[MAX_Q];
     ck_assert_int_eq(rbd_constrained_id(r.m, c, NULL, q, q, NULL, NULL, NULL, x, lambda), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_constrained_id(r.m, c, q, NULL, q, NULL, NULL, NULL, x, lambda), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_constrained_id(r.m, c, q, q, NULL, NULL, NULL, NULL, x, lambda), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_constrained_id(r.m, c, q, q, q, NULL, NULL, NULL, NULL, lambda), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_constrained_id(r.m, c, q, q, q, NULL, NULL, bad, x, lambda), RBD_ERR_RANGE);
+    ck_assert_int_eq(rbd_constrained_id(r.m, c, q, q, q, NULL, NULL, minute, x, lambda), RBD_ERR_RANGE);
+    ck_assert_int_eq(rbd_constrained_id(r.m, c, q, q, q, NULL, NULL, least, x, lambda), RBD_OK);
     ck_assert_int_eq(rbd_constrained_id(other.m, c, q, q, q, NULL, NULL, NULL, x, lambda), RBD_ERR_WORK);
     ck_assert_int_eq(rbd_assemble(r.m, c, NULL, NULL, NULL, near, NULL), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_assemble(r.m, c, q, NULL, NULL, NULL, NULL), RBD_ERR_NULL);
@@ -2004,6 +2007,7 @@ START_TEST(bad_calls_are_refused) {
     ck_assert_int_eq(rbd_assemble(r.m, c, q, NULL, NULL, near, x), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_assemble(r.m, c, q, NULL, bad, near, NULL), RBD_ERR_RANGE);
     ck_assert_int_eq(rbd_assemble(r.m, c, q, NULL, endless, near, NULL), RBD_ERR_RANGE);
+    ck_assert_int_eq(rbd_assemble(r.m, c, q, NULL, minute, near, NULL), RBD_ERR_RANGE);
     ck_assert_int_eq(rbd_assemble(other.m, c, q, NULL, NULL, near, NULL), RBD_ERR_WORK);
     ck_assert_int_eq(rbd_constraint_jacobian(r.m, c, NULL, q, NULL, NULL, NULL), RBD_ERR_NULL);
     static double da[7 * 7], dlambda[3 * 7];

@@ -1004,7 +1004,7 @@ START_TEST(contacts_without_body2_are_refused) {
     ck_assert_int_eq(INIT(&held, 1), RBD_ERR_INDEX);
     ck_assert_str_eq(rbd_contact_finding_text(&report.error, 2, text, sizeof text),
                      "held constraint 0, field 'body1': no such body");
-    ck_assert_int_eq(INIT(NULL, 1), RBD_ERR_COUNT);
+    ck_assert_int_eq(INIT(&held, -1), RBD_ERR_COUNT);
     ck_assert_str_eq(rbd_contact_finding_text(&report.error, 2, text, sizeof text),
                      "a number of contacts or constraints is below 0, or there are more than 1000");
     ck_assert_ptr_eq(rbd_contact_finding_text(NULL, 2, text, sizeof text), text);
@@ -1038,7 +1038,7 @@ START_TEST(bad_calls_are_refused) {
     ck_assert_int_eq(INIT(r.m, r.w, list, 1, NULL, 0, NULL, size, &c), RBD_ERR_NULL);
     ck_assert_int_eq(INIT(r.m, r.w, list, 1, NULL, 0, memory, size, NULL), RBD_ERR_NULL);
     ck_assert_int_eq(INIT(r.m, r.w, list, -1, NULL, 0, memory, size, &c), RBD_ERR_COUNT);
-    ck_assert_int_eq(INIT(r.m, r.w, list, 1, NULL, 1, memory, size, &c), RBD_ERR_COUNT);
+    ck_assert_int_eq(INIT(r.m, r.w, list, 1, NULL, 1, memory, size, &c), RBD_ERR_NULL);
     ck_assert_int_eq(INIT(r.m, other.w, list, 1, NULL, 0, memory, size, &c), RBD_ERR_WORK);
     ck_assert_int_eq(INIT(r.m, r.w, list, 1, NULL, 0, memory, size - 1, &c), RBD_ERR_MEMORY);
     ck_assert_int_eq(INIT(r.m, r.w, list, 1, held, 1, memory, size, &c), RBD_ERR_INDEX);
@@ -1194,8 +1194,8 @@ START_TEST(singular_states_are_errors) {
 }
 END_TEST
 
-/* A hip 1e-4 rad from gimbal lock has a pivot in doubt. The damping of the knee, implicit, brakes it all the same:
-   given for the step, or that of the joint. */
+/* A hip 1e-4 rad from gimbal lock has a pivot in doubt. The damping of the knee, implicit, brakes it all the
+   same: given for the step, or that of the joint. */
 START_TEST(damping_is_kept_where_a_pivot_is_in_doubt) {
     const rbd_body leg[2] = {{.parent = -1,
                               .type = RBD_EULER_ZYX,

@@ -1609,11 +1609,12 @@ class Model(_Owner):
 
     @_c("work", "c", batch=True)
     def bias(self, q, v, f_ext=None):
-        """Bias force c = tau at a = 0: velocity terms, gravity, minus external wrenches."""
+        """Bias force c, the part of inverse dynamics that does not depend on a: velocity terms, gravity, minus
+        external wrenches."""
 
     @_c("work", "g")
     def gravity_torque(self, q):
-        """Gravity torque g = tau at v = a = 0: what holds the robot still."""
+        """Gravity torque g, which holds the robot still: inverse dynamics at v = a = 0, without f_ext."""
 
     @_c("work", "p? ctv?")
     def generalized_momentum(self, q, v, *, p=True, ctv=True):

@@ -560,7 +560,8 @@ class Model:
         Axes before these count states, and are broadcast: C computes them together."""
 
     def bias(self, q: ArrayLike, v: ArrayLike, f_ext: ArrayLike | None = None) -> Array:
-        """Bias force c = tau at a = 0: velocity terms, gravity, minus external wrenches.
+        """Bias force c, the part of inverse dynamics that does not depend on a: velocity terms, gravity, minus
+        external wrenches.
 
             q            nq        configuration: rad, m, quaternions (x, y, z, w)
             v            nv        velocity: rad/s, m/s; of a free base (omega; v) in body axes
@@ -570,7 +571,7 @@ class Model:
         Axes before these count states, and are broadcast: C computes them together."""
 
     def gravity_torque(self, q: ArrayLike) -> Array:
-        """Gravity torque g = tau at v = a = 0: what holds the robot still.
+        """Gravity torque g, which holds the robot still: inverse dynamics at v = a = 0, without f_ext.
 
             q            nq        configuration: rad, m, quaternions (x, y, z, w)
         gives

@@ -131,7 +131,7 @@ RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const 
    a          nv, wanted, with J a + gamma = 0: for example the result of rbd_constrained_fd with another set,
               in which rows with gains describe the task, too
    actuated   nv flags: not 0 where there is a motor; NULL: everywhere but in floating joints at the root
-   weight     rows, from 0 (lambda costs nothing) to 1e30; NULL: 1
+   weight     rows, 0 (lambda costs nothing) or 1e-20 to 1e30; NULL: 1
    Errors: also RBD_ERR_RANGE, a weight out of its range. Mistry, Buchli and Schaal (2010). */
 RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                        const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
@@ -147,8 +147,8 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
    another one. In a singular place, where rows lose their rank, q_near may only be close.
    q_near   another array than q
    v        may be NULL, v_near then too
-   weight   nv, from 0 (a free dof: its motion costs nothing) to 1e30; NULL: 1, that is, a metre counts as
-            much as a radian
+   weight   nv, 0 (a free dof: its motion costs nothing) or 1e-20 to 1e30; NULL: 1, that is, a metre counts
+            as much as a radian
    Errors: also RBD_ERR_RANGE, a weight out of its range; RBD_ERR_INFEASIBLE if an entry of e is not below
    1e-9 (float: 1e-4), the largest in rbd_infeasible_row. */
 RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,

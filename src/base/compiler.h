@@ -30,14 +30,16 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #endif
 #define RBDI_GCC (RBDI_GNU && !RBDI_CLANG)
 
-/* GCC has no macro for -fsingle-precision-constant, which rounds constants to float. It does no harm to float. */
+/* GCC has no macro for -fsingle-precision-constant, which rounds constants to float. It does no harm if
+   rbd_real is float. */
 #if RBDI_REAL_KIND != 2
 typedef char rbd_needs_no_fsingle_precision_constant[sizeof 1.0 == sizeof(double) ? 1 : -1];
 #endif
 
-/* rbdi_require_ieee() does not compile where sums are reassociated, or NaN or infinity has no meaning. clang has no
-   macro for most of this, and GCC's pragmas set none in C++. A compiler that optimises then knows beforehand what
-   (x + 1) - x is, that x <= x, or that x is not infinite. One that does not optimise changes nothing. */
+/* rbdi_require_ieee() does not compile where sums are reassociated, or NaN or infinity has no meaning. clang
+   has no macro for most of this, and GCC's pragmas set none in C++. A compiler that optimises then knows
+   beforehand what (x + 1) - x is, that x <= x, or that x is not infinite. One that does not optimise changes
+   nothing. */
 #if RBDI_GNU && defined __OPTIMIZE__ && defined __has_attribute
 #if __has_attribute(error)
 #define RBDI_SHOWS_OPTIONS 1

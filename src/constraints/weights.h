@@ -6,10 +6,12 @@
    With a diagonal matrix D in place of M, so that L = 1 and Y = J', rbdi_multipliers solves least squares: it
    adds D^-1 J' lambda to x, of all changes d with J (x + d) = target the one with the least d' D d. */
 
-/* Whether n weights are from 0 to RBDI_MOST_WEIGHT. NULL: all are 1. */
+/* Whether n weights are 0, or from RBDI_LEAST_WEIGHT to RBDI_MOST_WEIGHT. NULL: all are 1. */
 static int rbdi_weights_fit(const rbd_const *weight, int n) {
-    for (int k = 0; weight && k < n; ++k)
-        if (!(weight[k] >= 0 && weight[k] <= RBDI_MOST_WEIGHT)) return 0;
+    for (int k = 0; weight && k < n; ++k) {
+        const int none = weight[k] >= 0 && weight[k] <= 0;
+        if (!none && !(weight[k] >= RBDI_LEAST_WEIGHT && weight[k] <= RBDI_MOST_WEIGHT)) return 0;
+    }
     return 1;
 }
 

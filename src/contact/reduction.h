@@ -3,7 +3,7 @@
 #include "dynamics/packed.h"
 #include "constraints/layout.h"
 
-/* ---- reduction [reduction] ----
+/* ---- row reduction [row reduction] ----
    The steps from the rows to Delta lambda = b by the factor M = L'DL. */
 
 /* Y = L^-T Y, b = target - Y' D^-1 x, and the squares of b's terms. Batches may reach beyond a dof's span:

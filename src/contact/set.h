@@ -143,10 +143,12 @@ static rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work *w,
     rbd_status status = RBD_OK;
     report->warnings = 0;
     rbdi_refuse(report, RBD_OK, -1, NULL, NULL);
-    if (!m || !w || !memory || (!list && n)) return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
+    if (!m || !w || !memory || (!list && n) || (!held && n_held))
+        return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
     if (least == 0) {
+        rbdi_refuse(report, RBD_ERR_COUNT, -1, NULL, NULL);
         report->error.text = "a number of contacts or constraints is below 0, or there are more than 1000";
-        return report->error.status = RBD_ERR_COUNT;
+        return RBD_ERR_COUNT;
     }
     if (rbdi_check(m, w, 1)) return rbdi_refuse(report, RBD_ERR_WORK, -1, NULL, NULL);
     if (options) status = rbdi_check_options(options, report);

@@ -12,10 +12,10 @@
    false alarm is one refused although the result would have had three. What is right says the same header in
    quad precision, which takes any positive pivot; what the result would have been, the same build doing so.
    And there are chains of 200 links, regular, however small their pivots are beside the inertia of the
-   whole. In float only fd_cholesky refuses these: their mass matrix is singular to its digits, but no pivot of
-   the articulated bodies is. Exit status 1 after a miss of an exactly singular system, more than four in 10,000
-   near or slid ones, a regular one that is refused in double, more than five in 1000 in float, and a chain that
-   is refused or wrong. SPDX-License-Identifier: MIT */
+   whole. In float only fd_cholesky refuses these: their mass matrix is singular to its digits, but no pivot
+   of the articulated bodies is. Exit status 1 after a miss of an exactly singular system, more than four in
+   10,000 near or slid ones, a regular one that is refused in double, more than five in 1000 in float, and a
+   chain that is refused or wrong. SPDX-License-Identifier: MIT */
 #include "pivots.h"
 #include "textbook.h"
 

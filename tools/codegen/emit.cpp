@@ -30,6 +30,9 @@ std::string contract(const program &p, const target &t) {
                       "written, it returns\n      more than " +
                       nv + ".") +
              " There call rbd.h, which decides.\n";
+    if (p.f.rows_held > 0 && M)
+        s += "   Digits: where a constraint holds a link of tiny inertia, rbd.h refines the rows, and this "
+             "does not.\n";
     s += std::string("   Not checked: ") + (p.f.stances > 0 ? "the stance, " : "") +
          "pointers, lengths, overlap; that " + (refuses ? "other " : "") +
          "input is finite: what depends on NaN is NaN";
