@@ -26,7 +26,7 @@
      [layout]
      [design] [compiler] [tolerances] [scalar] [reduction] [spatial algebra] [common] [features] [joints]
      [state] [rnea] [crba] [aba] [packed matrix] [pivots] [hybrid] [forward dynamics code]
-     [axes] [kinematics code] [points code] [manifold code] [work code] [lookup code] [text code]
+     [axes] [kinematics code] [points code] [manifold code] [free step] [work code] [lookup code] [text code]
      [descriptions] [model build]
      [licence]
 
@@ -286,6 +286,7 @@ RBDI_CODE_BEGIN
 #include "motion/kinematics.h"
 #include "motion/points.h"
 #include "motion/manifold.h"
+#include "motion/free_step.h"
 #include "model/work_init.h"
 #include "model/lookup.h"
 #include "model/text.h"
