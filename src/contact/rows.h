@@ -159,8 +159,8 @@ static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     }
 }
 
-/* How a contact falls without impulses, and whether its spring acts: where it is in the plane, or would be. nu:
-   velocities without impulses. Y is J'. */
+/* How a contact falls without impulses, and whether its spring acts: where it is in the plane, or would be.
+   nu: velocities without impulses. Y is J'. */
 static void rbdi_find_falls(const rbd_model *m, rbd_contact_set *c, const rbd_real *nu) {
     const rbd_constraint_set *s = c->rows;
     for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
@@ -213,11 +213,12 @@ static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
      apart      reach / h: the gap is at least 0 at the end
      rigid      0; for positions, what the first half of the step has added to the depth, over h (all of the
                 depth, if there was none before), and the option `correction` times the depth below the slop
-     stiff      k (min(start, 0) + reach) / (h k + 2 d), and 2 / (dt (h k + 2 d)) on Delta's diagonal: together
-                p_n = -dt (k (min(start, 0) + gap at the end) / 2 + d u_n). The spring has the mean of its ends,
-                so it takes and gives the same energy; the damper is implicit. Stable at every dt
-     rebounds   for velocities, restitution times the speed with which it hits: that of the beginning, and what
-                it still falls until the gap is 0
+     stiff      k (min(start, 0) + reach) / (h k + 2 d), and 2 / (dt (h k + 2 d)) on Delta's diagonal:
+                together p_n = -dt (k (min(start, 0) + gap at the end) / 2 + d u_n). The spring has the mean
+                of its ends, so it takes and gives the same energy; the damper is implicit. Stable at every
+                dt
+     rebounds   for velocities, restitution times the speed with which it hits: that of the beginning, and
+                what it still falls until the gap is 0
      leaves     for velocities, if another contact rebounds: the speed at which it leaves, where that is more
                 than its bias
 

@@ -8,16 +8,17 @@
 #include "contact/reduction.h"
 
 /* ---- step code [step code] ----
-   The midpoint scheme of Moreau (1999), with two corrections of the velocity terms. Half of the way is made by
-   v: to q_mid, and v_mid is v in its axes. There all matrices are made, once. Then nu is solved for, and makes
-   the other half of the way:
+   The midpoint scheme of Moreau (1999), with two corrections of the velocity terms. Half of the way is made
+   by v: to q_mid, and v_mid is v in its axes. There all matrices are made, once. Then nu is solved for, and
+   makes the other half of the way:
 
        K = M + dt d,   nu = v_mid + K^-1 (dt (tau - c(w) - d v_mid) + J' p),   c(w) = ID(q_mid, w, a(w))
 
    with the damping d, and the classical accelerations a(w) = 0 of [manifold code]. The velocity terms are
    those of the mean velocity: first w = v_mid, without contacts; then w = (v_mid + nu) / 2 of that nu, with
    contacts; then the same with that nu. For a vector that turns by x a step the length grows in order x^4 / 8
-   without, and falls in that order with the second of these. Energy then changes by p'(u before + u after) / 2. */
+   without, and falls in that order with the second of these. Energy then changes by half of
+   p'(u before + u after). */
 
 /* s->x = dt (tau - w->bias - damping v_mid). */
 static void rbdi_free_impulse(const rbd_model *m, const rbd_contact_set *c, const rbd_real *tau) {
