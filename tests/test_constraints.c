@@ -1560,8 +1560,8 @@ START_TEST(links_without_inertia_cost_no_digits) {
 }
 END_TEST
 
-/* An arm of nine joints in general position, welded to the world at its end. The last link is tiny, and a motor
-   turns it: the accelerations without the weld are 1e15 times those with it. */
+/* An arm of nine joints in general position, welded to the world at its end. The last link is tiny, and a
+   motor turns it: the accelerations without the weld are 1e15 times those with it. */
 START_TEST(motors_on_tiny_links_cost_no_digits) {
     uint64_t seed = 31;
     for (int number = 0; number < 300; number++) {
