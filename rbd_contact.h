@@ -23,7 +23,7 @@
      [solver] [set] [step] [step derivatives]
      --- stop here if you only use it ---
      [layout] [tolerances] [one contact] [laws] [newton] [solver code]
-     [joints] [set code] [contact rows] [biases] [reduction] [step code]
+     [joints] [set code] [contact rows] [biases] [row reduction] [step code]
      [step derivatives code]
 
    [conventions] Beyond those of rbd.h:
@@ -42,8 +42,9 @@
    [limits]
      No collision detection, no rolling and torsional friction, no batches; planes are infinite. Convergence
      of the solver is not proven, nor is the solution unique where friction is large; the residual says what
-     was reached. Contacts only take energy, but for rebounds with friction: they follow Newton's law, which
-     may gain energy in known examples.
+     was reached. The step is of second order between impacts, of first order in impacts, in dampers and in
+     what a controller samples. Energy is made by O(dt^2) at most, some 1e-6 of it at 1 ms, but for rebounds
+     with friction: they follow Newton's law, which may gain energy in known examples.
 */
 #include "rbd_constraints.h"
 
@@ -144,6 +145,7 @@ typedef struct rbd_contact_options {
     int joint_damping;  /* not 0: the description's damping, implicitly */
     double slip;        /* contacts that stick give way along the plane, m/s per newton [0] */
     int derivatives;    /* not 0: memory for rbd_contact_step_derivatives */
+    int first_order;    /* not 0: steps of semi-implicit Euler, q_next is q moved by v_next: for planners */
 } rbd_contact_options;
 
 typedef struct rbd_contact_set rbd_contact_set; /* contacts, impulses of the last step, scratch */
@@ -178,25 +180,30 @@ RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constr
    q: nq, v, tau, damping: nv, f_ext: nb x 6 or NULL. An output may be the same array as the input of its
    name.
    damping    implicit: tau acts as tau - damping v_next. A position controller of gains kp, kd that runs with
-              the step has damping = kd + dt kp and tau = kp (q_wanted - q): stable at every dt. NULL: 0
-   Errors: RBD_ERR_NULL, _WORK; _RANGE, dt not between 1e-30 and 1e30; _SINGULAR if M + dt D is, D the damping:
-   damping makes a joint sound that moves no mass; _NAN as rbd_constrained_fd,
-   _NAN also of a gap that is not a number and of speeds above 1e12: then q_next is q and v_next or a is 0. A
-   solution above the tolerance is no error: rbd_contact_last. */
+              the step has tau = kp (q_wanted - q) and damping = kd + dt kp / 2, which is neutral: it neither
+              adds nor takes energy beyond kd. kd + dt kp is stable at every dt, and brakes. NULL: 0
+   Errors: RBD_ERR_NULL, _WORK; _RANGE, dt not between 1e-30 and 1e30; _SINGULAR if M + dt D is, D the
+   damping: damping makes a joint sound that moves no mass; _NAN as rbd_constrained_fd, _NAN also of a gap
+   that is not a number and of speeds above 1e12: then q_next is q and v_next or a is 0. A solution above
+   the tolerance is no error: rbd_contact_last. */
 
-/* One time step dt, semi-implicit: velocities first, by
+/* One time step dt by the midpoint scheme of Moreau (1999), of second order: half of the way by v, to q_mid;
+   there, with v in its axes,
 
-       M (nu - v) = dt (tau - c + sum J_b' f_ext) + J' p,   u = J nu,   laws of u + bias and p
+       M (nu - v) = dt (tau - c(w) + sum J_b' f_ext - damping nu) + J' p,   w = (v + nu) / 2,   laws of u + bias, p
 
-   then q_next by nu, and v_next, which is nu in the axes of the end. The bias lets contacts close their gap,
-   makes stiff ones springs and dampers, and reverses approaches that rebound. Penetration is corrected in
-   positions alone, by a second solution with the same Delta, so that it gives no velocity. */
+   where u is the velocity of the end along the rows; the other half by nu; v_next is nu in the axes of the end.
+   f_ext acts in the axes that bodies have in the middle. The bias lets contacts close their gap, makes stiff
+   ones springs and dampers, and reverses approaches that rebound. Penetration is corrected in positions alone,
+   by a second solution with the same Delta, so that it gives no velocity.
+   Energy is kept to second order in dt: docs/contact_step.md says when it is made or taken, and how much. */
 RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
                                      const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                      const rbd_real *damping, rbd_real dt, rbd_real *q_next,
                                      rbd_real *v_next);
 
-/* Its acceleration. By it rbd_step gives q_next and v_next, unless something penetrates or rebounds. */
+/* The acceleration at q and v with which a step of first order, rbd_step, obeys the laws at its end; for
+   schemes of your own. rbd_contact_step differs from that step by O(dt^2). */
 RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
                                    const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                    const rbd_real *damping, rbd_real dt, rbd_real *a);
@@ -210,11 +217,12 @@ RBDI_API rbd_status rbd_contact_plane(const rbd_model *m, rbd_contact_set *c, in
 RBDI_API void rbd_contact_reset(rbd_contact_set *c);
 
 /* Returns the state of contact i in the last step; RBD_APART without such a contact.
-   gap        before the step, m; may be NULL
+   gap        before the step, m, to third order in dt where the contact moves; may be NULL
    force      p/dt on body 1, world axes, N; may be NULL */
 RBDI_API rbd_contact_state rbd_contact_get(const rbd_contact_set *c, int i, rbd_real *gap, rbd_real force[3]);
 
-/* Residual and iterations of the last step, of both solutions if it has two; all 0 without a set or step. */
+/* Residual and iterations of the last step: the residual is that of positions and velocities, iterations
+   are all; all 0 without a set or step. */
 RBDI_API rbd_contact_solution rbd_contact_last(const rbd_contact_set *c);
 
 /* ==== src/rbd_contact.h ==== */
@@ -268,6 +276,8 @@ RBDI_EXTERN_C_END
 /* ==== src/base/letters_begin.h ==== */
 #pragma push_macro("A")
 #undef A
+#pragma push_macro("B")
+#undef B
 #pragma push_macro("D")
 #undef D
 #pragma push_macro("E")
@@ -280,6 +290,8 @@ RBDI_EXTERN_C_END
 #undef L
 #pragma push_macro("M")
 #undef M
+#pragma push_macro("Q")
+#undef Q
 #pragma push_macro("R")
 #undef R
 #pragma push_macro("S")
@@ -342,26 +354,35 @@ typedef struct rbdi_contact_solver {
          (5 + RBDI_CHUNK + RBDI_CONTACT_ROWS(contacts, bounded)))
 #define RBDI_CONTACT_ROWS(contacts, bounded) (3 * (size_t)(contacts) + (size_t)(bounded))
 
+/* A distance that a row keeps from being negative, m or rad: at the step's beginning, its rate there, and what
+   it would be at the end if the velocity of the end were 0. */
+typedef struct rbdi_gap {
+    rbd_real start, rate, reach;
+} rbdi_gap;
+
 /* A contact of a set. */
 typedef struct rbdi_contact {
     rbdi_c3 point; /* link axes */
     rbd_const radius, friction, restitution, stiffness, damping;
-    rbd_real gap, approach; /* m; u_n before the step, m/s */
-    rbd_real force[3];      /* of the last step, world axes */
+    rbdi_gap gap;
+    rbd_real falls;    /* u_n that forces would add in the step without impulses, m/s */
+    rbdi_v3 roll;      /* acceleration of the place of contact over the ball, world axes, m/s^2 */
+    rbd_real force[3]; /* of the last step, world axes */
     int body2;
     int row;      /* of the step, -1 = none */
+    int springs;  /* whether its stiffness acts in the step */
     int rebounds; /* whether the solution for the velocities returns a share of its approach */
     rbd_contact_state state;
 } rbdi_contact;
 
 /* A row of one degree of freedom: a limit of its joint or its dry friction. */
 typedef struct rbdi_dof_row {
-    int16_t dof, iq;         /* iq: of the limited coordinate, -1 = dry friction */
-    rbd_const lower, upper;  /* limits, rad or m; the largest forces of dry friction, N m or N */
-    rbd_real distance, side; /* to the limit, and the row's sign: 1 at the lower, -1 at the upper one */
-    rbd_real rate;           /* of the distance, before the step */
-    int row;                 /* of the step, -1 = none */
-    int rebounds;            /* as of a contact: a limit does if it leaves */
+    int16_t dof, iq;        /* iq: of the limited coordinate, -1 = dry friction */
+    rbd_const lower, upper; /* limits, rad or m; the largest forces of dry friction, N m or N */
+    rbdi_gap gap;           /* to the limit */
+    rbd_real side;          /* the row's sign: 1 at the lower limit, -1 at the upper one */
+    int row;                /* of the step, -1 = none */
+    int rebounds;           /* as of a contact: a limit does if it leaves */
 } rbdi_dof_row;
 
 /* A set of contacts has a set of constraints, whose rows are listed anew at each step: three of each contact
@@ -370,44 +391,52 @@ typedef struct rbdi_dof_row {
 struct rbd_contact_set {
     rbd_constraint_set *rows;
     rbd_contact_options options;
-    int n, dof_rows;              /* numbers of contacts and, at most, of rows of dofs */
-    int max_rows;                 /* rows at most */
-    int differ;                   /* whether `nu` and `moved` differ */
-    rbdi_contact *contact;        /* n */
-    rbdi_dof_row *dof_row;        /* dof_rows */
-    int16_t *place;               /* max_rows: of each row of the step */
-    rbd_real *impulse;            /* max_rows: of the last step, by place; 0 where it had no row */
-    rbd_real *friction;           /* of the step's contacts */
-    rbd_real *lower, *upper;      /* of its other rows */
-    rbd_real *b;                  /* max_rows: u without impulses, with the bias */
-    rbd_real *start, *nu, *moved; /* nv each: velocities without forces; of the end; of the positions */
-    rbd_real *x;                  /* nv: L^-T dt (tau - c - damping v) */
-    rbd_real dt, last_dt;         /* of this step; of the last one, 1 = none */
-    rbd_real *sigma;              /* of derivatives: max_rows x nv; then nv x nv, or rows of G; NULL = none */
+    int n, dof_rows;         /* numbers of contacts and, at most, of rows of dofs */
+    int max_rows;            /* rows at most */
+    int contacts;            /* that are rows of the step */
+    int differ;              /* whether `nu` and `moved` differ */
+    rbdi_contact *contact;   /* n */
+    rbdi_dof_row *dof_row;   /* dof_rows */
+    int16_t *place;          /* max_rows: of each row of the step */
+    rbd_real *impulse;       /* max_rows: of the last step, by place; 0 where it had no row */
+    rbd_real *friction;      /* of the step's contacts */
+    rbd_real *lower, *upper; /* of its other rows */
+    rbd_real *b;             /* max_rows: u without impulses, with the bias */
+    rbd_real *q_mid, *v_mid; /* nq, nv: the state after half of the step, by v alone */
+    rbd_real *at, *straight; /* nv each: velocities of the velocity terms; accelerations by which, at
+                                     these velocities, origins move straight */
+    rbd_real *damping;       /* nv: all of it that is implicit */
+    rbd_real *nu, *moved;    /* nv each: velocities of the end; of the positions */
+    rbd_real *x;             /* nv: L^-T dt (tau - c - damping v_mid) */
+    rbd_real dt, last_dt;    /* of this step; of the last one, 1 = none */
+    rbd_real half, way;      /* times for which v moves q, and then the solution does: dt/2 each */
+    rbd_real *sigma;         /* of derivatives: max_rows x nv, then [step derivatives code]; NULL = none */
     rbdi_contact_solver solver;
 };
 
 /* Takes n objects from the memory at `at`, a variable of the caller. */
 #define RBDI_CUT(type, n) ((type *)rbdi_take(&at, 1, RBDI_ROUND((size_t)(n) * sizeof(type))))
 
-/* Bytes for n contacts, so many held constraints and, at most, `bounded` other rows. */
-#define RBDI_CONTACT_SET_BYTES(nv, n, constraints, bounded, stride) \
+/* Bytes for n contacts, so many held constraints and, at most, `bounded` other rows. nq <= 2 nv. */
+#define RBDI_CONTACT_SET_BYTES(nq, nv, n, constraints, bounded, stride) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_contact_set)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_contact)) + \
      RBDI_ROUND((size_t)(bounded) * sizeof(rbdi_dof_row)) + \
      RBDI_ROUND(RBDI_CONTACT_ROWS(n, bounded) * sizeof(int16_t)) + \
      RBDI_ROUND(sizeof(rbd_real) * ((size_t)(n) + 2 * (size_t)(bounded) + \
-                                    2 * RBDI_CONTACT_ROWS(n, bounded) + 4 * (size_t)(nv))) + \
+                                    2 * RBDI_CONTACT_ROWS(n, bounded) + (size_t)(nq) + 7 * (size_t)(nv))) + \
      RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded)) + \
      RBDI_CONSTRAINTS_BYTES(nv, (n) + (constraints), RBDI_CONTACT_ROWS(n, bounded), stride))
 
-/* Scalars for the option `derivatives`: sigma, then M or G. */
-#define RBDI_CONTACT_SIDES(nv, rows) \
-    ((rows) * (nv) + (int)RBDI_LARGER((nv) * (nv), (rows) * ((rows) + (nv) + RBDI_CHUNK)))
+/* Scalars for the option `derivatives`: sigma; M or G; four matrices; three rows for each of n contacts. */
+#define RBDI_CONTACT_SHARED(nv, rows) ((int)RBDI_LARGER((nv) * (nv), (rows) * ((rows) + (nv) + RBDI_CHUNK)))
+#define RBDI_CONTACT_SIDES(nv, n, rows) \
+    ((rows) * (nv) + RBDI_CONTACT_SHARED(nv, rows) + 4 * (nv) * (nv) + 3 * (n) * (nv))
 
 /* Bytes that suffice for n contacts and so many other rows: held axes, two limits of each joint, dry
    friction. */
 #define RBD_CONTACT_SET_SIZE(nv, n, bounded) \
-    RBDI_CONTACT_SET_BYTES(nv, n, bounded, bounded, 3 * (n) + (bounded) + 4 * RBDI_ROW_BATCH)
+    RBDI_CONTACT_SET_BYTES(2 * (size_t)(nv), nv, n, bounded, bounded, \
+                           3 * (n) + (bounded) + 4 * RBDI_ROW_BATCH)
 
 /* ==== src/rbd_contact.h ==== */
 #endif /* RBDI_CONTACT_LAYOUT */
@@ -422,11 +451,15 @@ RBDI_CODE_BEGIN
 
 /* RBDI_UNMOVED: a tangent below this share of its block's trace is rounding: no impulse moves it. A normal
    is a sum of squares: its rounding is below the square of the share.
+   RBDI_ON_CONE: a contact at rest counts as sticking up to this times its largest friction.
+   RBDI_LEFT_OF_SLOP: depths of this share of the slop that the first half of a step makes are left.
    RBDI_PROXIMAL: share of the trace that Newton steps add to the diagonal, [newton].
    RBDI_LEAST_SIZE: squares of smaller impulses (N s) are near the smallest number, or below it.
    RBDI_SCALE_SPREAD: the scale of RBDI_PROXIMAL is at most so many times the diagonal's entry, of a normal.
    RBDI_SIDES_PROXIMAL: the same for derivatives, whose relative error is that times the condition of G. */
 #define RBDI_UNMOVED (16 * RBDI_EPS)
+#define RBDI_ON_CONE (1 + 16 * RBDI_EPS)
+#define RBDI_LEFT_OF_SLOP RBD_C(0.01)
 #define RBDI_SCALE_SPREAD RBD_C(1e4)
 #define RBDI_SIDES_PROXIMAL (512 * RBDI_EPS)
 #if RBDI_KIND(RBD_CONST) == 2
@@ -650,7 +683,7 @@ RBDI_PART void rbdi_project_contact(rbdi_contact_law *law, const rbd_real *p, co
     if (!(n > 0)) return;
     to[0] = x, to[1] = y, to[2] = n;
     law->state = RBD_STICKS;
-    if (size <= most && law->friction > 0) return;
+    if (size <= most * RBDI_ON_CONE && law->friction > 0) return;
     law->state = RBD_SLIPS;
     law->e[0] = size > 0 ? x / size : rbdi_zero(), law->e[1] = size > 0 ? y / size : rbdi_zero();
     law->alpha = law->d * (size > RBDI_FASTEST_SLIP * most ? RBDI_FASTEST_SLIP : (size - most) / most);
@@ -1237,7 +1270,7 @@ static rbd_status rbdi_check_options(const rbd_contact_options *o, rbd_report *r
 }
 
 static rbd_contact_options rbdi_contact_defaults(const rbd_contact_options *given) {
-    const rbd_contact_options none = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+    const rbd_contact_options none = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
     rbd_contact_options o = given ? *given : none;
     if (!(o.margin > 0)) o.margin = 0.005;
     if (!(o.slop > 0)) o.slop = 1e-5;
@@ -1288,8 +1321,8 @@ RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constr
     if (!m || n < 0 || n_held < 0 || n > RBD_MAX_CONSTRAINTS || n_held > RBD_MAX_CONSTRAINTS - n) return 0;
     if (!held && n_held > 0) return 0;
     bounded = rbdi_rows_of(held, n_held) + rbdi_list_dof_rows(m, &o, NULL), most = 3 * n + bounded;
-    return RBDI_CONTACT_SET_BYTES(m->nv, n, n_held, bounded, rbdi_row_stride(most)) +
-           (o.derivatives ? RBDI_ROUND(sizeof(rbd_real) * (size_t)RBDI_CONTACT_SIDES(m->nv, most)) : 0);
+    return RBDI_CONTACT_SET_BYTES(m->nq, m->nv, n, n_held, bounded, rbdi_row_stride(most)) +
+           (o.derivatives ? RBDI_ROUND(sizeof(rbd_real) * (size_t)RBDI_CONTACT_SIDES(m->nv, n, most)) : 0);
 }
 
 static rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work *w, const rbd_contact *list,
@@ -1325,12 +1358,15 @@ static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held,
     c->contact = RBDI_CUT(rbdi_contact, n);
     c->dof_row = RBDI_CUT(rbdi_dof_row, bounded);
     c->place = RBDI_CUT(int16_t, c->max_rows);
-    c->friction = RBDI_CUT(rbd_real, n + 2 * bounded + 2 * c->max_rows + 4 * nv), c->lower = c->friction + n;
-    c->upper = c->lower + bounded, c->b = c->upper + bounded, c->impulse = c->b + c->max_rows;
-    c->start = c->impulse + c->max_rows, c->nu = c->start + nv, c->moved = c->nu + nv, c->x = c->moved + nv;
+    c->friction = RBDI_CUT(rbd_real, n + 2 * bounded + 2 * c->max_rows + m->nq + 7 * nv);
+    c->lower = c->friction + n, c->upper = c->lower + bounded;
+    c->b = c->upper + bounded, c->impulse = c->b + c->max_rows;
+    c->q_mid = c->impulse + c->max_rows, c->v_mid = c->q_mid + m->nq;
+    c->at = c->v_mid + nv, c->straight = c->at + nv;
+    c->damping = c->straight + nv, c->nu = c->damping + nv, c->moved = c->nu + nv, c->x = c->moved + nv;
     rbdi_lay_solver(&c->solver, n, bounded, at);
     at += RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded));
-    c->sigma = o->derivatives ? RBDI_CUT(rbd_real, RBDI_CONTACT_SIDES(nv, c->max_rows)) : NULL;
+    c->sigma = o->derivatives ? RBDI_CUT(rbd_real, RBDI_CONTACT_SIDES(nv, n, c->max_rows)) : NULL;
     c->rows = rbdi_lay_constraints(nv, n + n_held, c->max_rows, at);
     return c;
 }
@@ -1356,7 +1392,7 @@ RBDI_API void rbd_contact_reset(rbd_contact_set *c) {
     rbdi_clear(c->impulse, c->max_rows);
     for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
         rbdi_clear(contact->force, 3);
-        contact->state = RBD_APART, contact->gap = rbdi_zero(), contact->row = -1;
+        contact->state = RBD_APART, contact->gap.start = rbdi_zero(), contact->row = -1;
     }
 }
 
@@ -1381,6 +1417,7 @@ RBDI_API rbd_status rbd_contact_set_init(const rbd_model *m, rbd_work *w, const 
         c->rows->constraint[i].kp = 1; /* any value above 0: derivatives need the position error */
     }
     rbdi_list_dof_rows(m, &o, c->dof_row);
+    rbdi_clear(c->straight, m->nv);
     rbdi_begin_set(m, w, c->rows);
     rbd_contact_reset(c);
     *contacts = c;
@@ -1404,9 +1441,13 @@ RBDI_API rbd_status rbd_contact_plane(const rbd_model *m, rbd_contact_set *c, in
 
        Delta = Y' D^-1 Y,   J nu_0 = J v + Y' D^-1 x,   nu = v + L^-1 D^-1 (x + Y p)                      (4)
 
-   where v is in the axes of the step's beginning, [manifold code]. J is that of the place of contact at q.
-   The place moves over a ball, so dJ/dt of a point fixed in it has no part in this: the point of a wheel
-   accelerates upward, its gap does not. */
+   where v, M and J are those of the middle of the step, [step code], J of the place of contact. The laws hold
+   for the velocity of the end
+
+       u = J nu + dt/2 gamma,   gamma = dJ/dt v with classical accelerations 0
+
+   The place moves over a ball of radius R about c, so its gamma is that of c less R domega/dt x n: the point
+   of a wheel accelerates upward, its gap does not. */
 
 /* World axes of the normal of a constraint. */
 RBDI_INLINE rbdi_v3 rbdi_contact_normal(const rbd_constraint_set *s, const rbdi_constraint *con) {
@@ -1415,30 +1456,50 @@ RBDI_INLINE rbdi_v3 rbdi_contact_normal(const rbd_constraint_set *s, const rbdi_
     return con->link[1] < 0 ? normal : rbdi_mul_t(s->w->kin[con->link[1]].X.E, normal);
 }
 
-/* Computes gap and velocity of approach, and moves frame 1 of the constraint to the place of contact. */
-static void rbdi_contact_gap(const rbd_constraint_set *s, rbdi_constraint *con, rbdi_contact *contact) {
+/* A gap from that of the middle, with its first and second rate there. If the velocity then was u - half
+   gamma, and u = 0 at the end, second order gives its way back and onward. */
+RBDI_INLINE rbdi_gap rbdi_gap_of(rbd_real middle, rbd_real rate, rbd_real gamma, rbd_real half) {
+    rbdi_gap gap;
+    gap.rate = rate - half * gamma;
+    gap.reach = middle - half * half / 2 * gamma;
+    gap.start = gap.reach - half * gap.rate;
+    return gap;
+}
+
+/* Computes the gap, and moves frame 1 of the constraint to the place of contact. */
+static void rbdi_contact_gap(const rbd_contact_set *c, rbdi_constraint *con, rbdi_contact *contact) {
+    const rbd_constraint_set *s = c->rows;
     const rbdi_v3 normal = rbdi_contact_normal(s, con),
                   local = con->link[0] < 0 ? normal : rbdi_mul(s->w->kin[con->link[0]].X.E, normal);
     rbdi_relative_motion relative;
+    rbdi_v3 omega;
+    rbd_real middle;
     con->position[0].x = contact->point.x - contact->radius * (rbd_const)local.x;
     con->position[0].y = contact->point.y - contact->radius * (rbd_const)local.y;
     con->position[0].z = contact->point.z - contact->radius * (rbd_const)local.z;
     relative = rbdi_relative_motion_of(s, con);
-    contact->gap = rbdi_dot(normal, rbdi_sub(relative.body[0].p, rbdi_frame_origin(s, con, 1)));
-    contact->approach = rbdi_dot(normal, relative.velocity.v);
+    omega = relative.velocity.omega;
+    contact->roll = rbdi_scale(rbdi_set(contact->radius), rbdi_cross(omega, rbdi_cross(omega, normal)));
+    middle = rbdi_dot(normal, rbdi_sub(relative.body[0].p, rbdi_frame_origin(s, con, 1)));
+    contact->gap = rbdi_gap_of(middle, rbdi_dot(normal, relative.velocity.v),
+                               rbdi_dot(normal, rbdi_add(relative.rate.v, contact->roll)), c->half);
 }
 
-/* Whether this distance may become 0 within two steps, or is at most the margin, or not a number. */
-RBDI_INLINE int rbdi_may_touch(rbd_real distance, rbd_real rate, rbd_real dt, rbd_real margin) {
-    return !(distance > margin && distance + 2 * dt * rate > 0);
+/* Whether this gap may become 0 within two steps, or is at most the margin, or not a number. */
+RBDI_INLINE int rbdi_may_touch(rbdi_gap gap, rbd_real dt, rbd_real margin) {
+    return !(gap.start > margin && gap.start + 2 * dt * gap.rate > 0);
 }
 
-/* Computes the distance to the limit. Returns whether it may be reached; dry friction always acts. */
-static int rbdi_find_limit(rbdi_dof_row *limit, const rbd_real *q, const rbd_real *v, rbd_real dt) {
-    limit->distance = rbdi_zero();
+/* Computes the gap to the limit. Returns whether it may be reached; dry friction always acts. */
+static int rbdi_find_limit(const rbd_contact_set *c, rbdi_dof_row *limit, const rbd_real *q,
+                           const rbd_real *v) {
+    rbdi_gap *gap = &limit->gap;
+    gap->start = gap->rate = gap->reach = rbdi_zero();
     if (limit->iq < 0) return 1;
-    limit->distance = limit->side > 0 ? q[limit->iq] - limit->lower : limit->upper - q[limit->iq];
-    return rbdi_may_touch(limit->distance, limit->side * v[limit->dof], dt, rbdi_set(RBDI_NEAR_LIMIT));
+    gap->start = limit->side > 0 ? q[limit->iq] - limit->lower : limit->upper - q[limit->iq];
+    gap->rate = limit->side * v[limit->dof];
+    gap->reach = gap->start + c->half * gap->rate;
+    return rbdi_may_touch(*gap, c->dt, rbdi_set(RBDI_NEAR_LIMIT));
 }
 
 /* Writes a dof and its ancestors, ascending, to s->path. Returns how many. */
@@ -1472,9 +1533,9 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
     for (int i = 0; i < c->n; ++i, place += 3) {
         rbdi_constraint *con = &s->constraint[i];
         rbdi_contact *contact = &c->contact[i];
-        rbdi_contact_gap(s, con, contact);
-        contact->row = con->row = -1, contact->state = RBD_APART;
-        if (!rbdi_may_touch(contact->gap, contact->approach, dt, RBD_C(c->options.margin))) continue;
+        rbdi_contact_gap(c, con, contact);
+        contact->row = con->row = -1, contact->rebounds = 0, contact->state = RBD_APART;
+        if (!rbdi_may_touch(contact->gap, dt, RBD_C(c->options.margin))) continue;
         c->friction[s->rows / 3] = rbdi_set(contact->friction);
         contact->row = con->row = (int16_t)rbdi_open_rows(c, place, 3, con->dof, con->dofs);
     }
@@ -1486,7 +1547,8 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
     }
     for (int i = 0; i < c->dof_rows; ++i) {
         rbdi_dof_row *limit = &c->dof_row[i];
-        const int r = s->rows - 3 * contacts, acts = rbdi_find_limit(limit, q, v, dt);
+        const int r = s->rows - 3 * contacts, acts = rbdi_find_limit(c, limit, q, v);
+        limit->rebounds = 0;
         limit->row = acts ? rbdi_open_rows(c, place + i, 1, s->path, rbdi_path_to(m, s, limit->dof)) : -1;
         if (!acts) continue;
         c->lower[r] = limit->iq < 0 ? dt * limit->lower : rbdi_zero();
@@ -1498,7 +1560,15 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
     return contacts;
 }
 
-/* Y = J', and target = -J c->start. */
+/* Adds the part of gamma by which the place of contact rolls over a ball. */
+static void rbdi_add_roll(rbd_constraint_set *s, const rbdi_constraint *con, const rbdi_contact *contact) {
+    rbdi_axes_held h;
+    if (!(contact->radius > 0)) return;
+    rbdi_set_axes(s, con, &h);
+    rbdi_add_held(con, &h, rbdi_vec0(), contact->roll, &s->gamma[con->row]);
+}
+
+/* Y = J', and target = -J v_mid - dt/2 gamma. */
 static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     rbdi_clear(s->Y, m->nv * s->stride);
@@ -1508,10 +1578,32 @@ static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     for (int i = 0; i < c->dof_rows; ++i)
         if (c->dof_row[i].row >= 0)
             s->Y[c->dof_row[i].dof * s->stride + c->dof_row[i].row] = c->dof_row[i].side;
+    for (int i = 0; i < c->n; ++i)
+        if (c->contact[i].row >= 0) rbdi_add_roll(s, &s->constraint[i], &c->contact[i]);
+    rbdi_subtract(s->target, c->half, s->gamma, s->rows);
     for (int k = 0; k < m->nv; ++k) {
         const rbdi_span span = s->span[k];
-        rbdi_subtract(&s->target[span.first], c->start[k], &s->Y[k * s->stride + span.first],
+        rbdi_subtract(&s->target[span.first], c->v_mid[k], &s->Y[k * s->stride + span.first],
                       span.end - span.first);
+    }
+}
+
+/* How a contact falls without impulses, and whether its spring acts: where it is in the plane, or would be. nu:
+   velocities without impulses. Y is J'. */
+static void rbdi_find_falls(const rbd_model *m, rbd_contact_set *c, const rbd_real *nu) {
+    const rbd_constraint_set *s = c->rows;
+    for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
+        const int normal = contact->row + 2;
+        rbd_real u;
+        contact->springs = 0, contact->falls = rbdi_zero();
+        if (contact->row < 0 || !(contact->stiffness > 0 || contact->restitution > 0)) continue;
+        u = c->half * s->gamma[normal];
+        for (int k = 0; k < m->nv; ++k)
+            if (s->span[k].first <= normal && normal < s->span[k].end)
+                u = u + s->Y[k * s->stride + normal] * nu[k];
+        contact->falls = u - contact->gap.rate;
+        contact->springs =
+            contact->stiffness > 0 && (contact->gap.reach <= 0 || contact->gap.reach + c->way * u < 0);
     }
 }
 
@@ -1538,71 +1630,109 @@ static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
             rbd_real *d = &delta[(contact->row + j) * (n + 1)];
             if (j < 2)
                 *d = *d + RBD_C(c->options.slip) / c->dt;
-            else if (contact->stiffness > 0 && contact->gap <= 0)
-                *d = *d + 1 / (c->dt * (c->dt * contact->stiffness + contact->damping));
+            else if (contact->springs)
+                *d = *d + 2 / (c->dt * (c->way * contact->stiffness + 2 * contact->damping));
         }
 }
 
 /* ---- biases [biases] ----
-   The bias is added to u_n, so that p_n >= 0, u_n >= 0, p_n u_n = 0 is the law in each case:
+   The bias is added to u_n, so that p_n >= 0, u_n >= 0, p_n u_n = 0 is the law in each case. With h the time
+   for which the solution moves q, dt/2, the gap at the end is reach + h u_n:
 
-     apart      gap / dt: the gap is at least 0 at the end
-     rigid      0; for positions, below the slop, the option `correction` times the depth below it over dt
-     stiff      k gap / (dt k + d), and 1 / (dt (dt k + d)) on Delta's diagonal: together the implicit spring
-                and damper p_n = -dt (k (gap + dt u_n) + d u_n), stable at every dt
-     rebounds   for velocities, restitution times the approach
+     apart      reach / h: the gap is at least 0 at the end
+     rigid      0; for positions, what the first half of the step has added to the depth, over h (all of the
+                depth, if there was none before), and the option `correction` times the depth below the slop
+     stiff      k (min(start, 0) + reach) / (h k + 2 d), and 2 / (dt (h k + 2 d)) on Delta's diagonal: together
+                p_n = -dt (k (min(start, 0) + gap at the end) / 2 + d u_n). The spring has the mean of its ends,
+                so it takes and gives the same energy; the damper is implicit. Stable at every dt
+     rebounds   for velocities, restitution times the speed with which it hits: that of the beginning, and what
+                it still falls until the gap is 0
      leaves     for velocities, if another contact rebounds: the speed at which it leaves, where that is more
-                than its gap / dt
+                than its bias
 
    Without friction a rebound makes no energy then, whatever the restitutions are: impulses do the work
    p'(u+ + u-)/2, of approach and end. A contact that pushes has u+ = -e u- if it rebounds or leaves (e = 1),
-   or u+ = -gap / dt; in each case u+ + u- <= 0.
+   or u+ = -reach / h; in each case u+ + u- <= 0.
 
    The option `slip` adds a damper along the plane: slip / dt on the diagonal, so that u_t + slip p_t / dt is
    the velocity that sticks or slips. */
 
 enum { RBDI_FOR_POSITIONS, RBDI_FOR_VELOCITIES };
 
-/* A bias, m/s, and its derivative by the gap. */
+/* A bias, m/s, and its derivatives by the gap's start, rate and reach, and by how it falls. */
 typedef struct rbdi_bias {
-    rbd_real value, gain;
+    rbd_real value, by_start, by_rate, by_reach, by_falls;
 } rbdi_bias;
 
-/* The bias at this gap of a contact, or distance of a limit. Dry friction, at 0, has none. */
-static rbdi_bias rbdi_bias_at(const rbd_contact_set *c, int purpose, rbd_real gap, rbd_const stiffness,
-                              rbd_const damping) {
-    const rbd_real dt = c->dt, deeper = gap + RBD_C(c->options.slop);
-    rbdi_bias x = {gap, rbdi_zero()};
-    if (gap > 0)
-        x.gain = 1 / dt;
-    else if (stiffness > 0)
-        x.gain = stiffness / (dt * stiffness + damping);
-    else if (purpose == RBDI_FOR_POSITIONS && deeper < 0)
-        x.value = deeper, x.gain = RBD_C(c->options.correction) / dt;
-    x.value = x.value * x.gain;
+RBDI_INLINE rbdi_bias rbdi_no_bias(void) {
+    rbdi_bias x;
+    x.value = x.by_start = x.by_rate = x.by_reach = x.by_falls = rbdi_zero();
     return x;
 }
 
-/* The share of the approach that a contact returns with: all of it if it leaves. */
-static rbd_const rbdi_rebound_share(const rbdi_contact *contact) {
-    return contact->approach > 0 ? RBD_C(1) : contact->restitution;
+/* The bias of a rigid row. Dry friction, at 0, has none. */
+RBDI_INLINE rbdi_bias rbdi_rigid_bias(const rbd_contact_set *c, int purpose, const rbdi_gap *gap) {
+    const rbd_real inverse = 1 / c->way, slop = RBD_C(c->options.slop), least = -slop * RBDI_LEFT_OF_SLOP,
+                   made = gap->reach - gap->start, deeper = gap->start + slop;
+    rbdi_bias x = rbdi_no_bias();
+    if (!(gap->reach <= 0)) {
+        x.value = gap->reach * inverse, x.by_reach = inverse;
+    } else if (purpose == RBDI_FOR_POSITIONS && gap->start > 0) {
+        if (gap->reach < least) x.value = gap->reach * inverse, x.by_reach = inverse;
+    } else if (purpose == RBDI_FOR_POSITIONS) {
+        if (made < least) x.value = made * inverse, x.by_reach = inverse, x.by_start = -inverse;
+        if (deeper < 0) {
+            const rbd_real share = RBD_C(c->options.correction) * inverse;
+            x.value = x.value + share * deeper, x.by_start = x.by_start + share;
+        }
+    }
+    return x;
+}
+
+RBDI_INLINE rbdi_bias rbdi_spring_bias(const rbd_contact_set *c, const rbdi_contact *contact) {
+    const rbdi_gap *gap = &contact->gap;
+    rbdi_bias x = rbdi_no_bias();
+    x.by_reach = contact->stiffness / (c->way * contact->stiffness + 2 * contact->damping);
+    if (gap->start < 0) x.by_start = x.by_reach;
+    x.value = gap->reach * x.by_reach + gap->start * x.by_start;
+    return x;
+}
+
+/* Of a row that leaves: its rate. */
+RBDI_INLINE rbdi_bias rbdi_leaving_bias(const rbdi_gap *gap) {
+    rbdi_bias x = rbdi_no_bias();
+    x.value = gap->rate, x.by_rate = rbdi_set(RBD_C(1));
+    return x;
+}
+
+/* -restitution sqrt(rate^2 - 2 start falls / dt) */
+RBDI_INLINE rbdi_bias rbdi_rebound_bias(const rbd_contact_set *c, const rbdi_contact *contact) {
+    const rbdi_gap *gap = &contact->gap;
+    const int further = gap->start > 0 && contact->falls < 0;
+    rbd_real square = gap->rate * gap->rate, share;
+    rbdi_bias x = rbdi_no_bias();
+    if (gap->rate > 0) return rbdi_leaving_bias(gap);
+    if (further) square = square - 2 * gap->start * contact->falls / c->dt;
+    x.value = -contact->restitution * rbdi_sqrt(square);
+    share = contact->restitution * contact->restitution / x.value;
+    x.by_rate = share * gap->rate;
+    if (further) x.by_start = -share * contact->falls / c->dt, x.by_falls = -share * gap->start / c->dt;
+    return x;
 }
 
 static rbdi_bias rbdi_contact_bias(const rbd_contact_set *c, int purpose, const rbdi_contact *contact) {
-    const rbdi_bias rebound = {contact->approach * rbdi_rebound_share(contact), rbdi_zero()};
-    if (purpose == RBDI_FOR_VELOCITIES && contact->rebounds) return rebound;
-    return rbdi_bias_at(c, purpose, contact->gap, contact->stiffness, contact->damping);
+    if (purpose == RBDI_FOR_VELOCITIES && contact->rebounds) return rbdi_rebound_bias(c, contact);
+    return contact->springs ? rbdi_spring_bias(c, contact) : rbdi_rigid_bias(c, purpose, &contact->gap);
 }
 
 static rbdi_bias rbdi_limit_bias(const rbd_contact_set *c, int purpose, const rbdi_dof_row *limit) {
-    const rbdi_bias rebound = {limit->rate, rbdi_zero()};
-    if (purpose == RBDI_FOR_VELOCITIES && limit->rebounds) return rebound;
-    return rbdi_bias_at(c, purpose, limit->distance, 0, 0);
+    if (purpose == RBDI_FOR_VELOCITIES && limit->rebounds) return rbdi_leaving_bias(&limit->gap);
+    return rbdi_rigid_bias(c, purpose, &limit->gap);
 }
 
 /* Whether a rigid row leaves, faster than it may close its gap. */
-static int rbdi_leaves(const rbd_contact_set *c, rbd_real gap, rbd_real rate) {
-    return rate > 0 && rate > rbdi_bias_at(c, RBDI_FOR_VELOCITIES, gap, 0, 0).value;
+static int rbdi_leaves(const rbd_contact_set *c, const rbdi_gap *gap) {
+    return gap->rate > 0 && gap->rate > rbdi_rigid_bias(c, RBDI_FOR_VELOCITIES, gap).value;
 }
 
 /* Finds the contacts that rebound by the first solution, and then those that leave. */
@@ -1610,27 +1740,30 @@ static void rbdi_find_rebounds(rbd_contact_set *c) {
     int any = 0;
     for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
         contact->rebounds = contact->row >= 0 && contact->restitution > 0 &&
-                            contact->approach < -RBD_C(c->options.bounce) &&
+                            contact->gap.rate < -RBD_C(c->options.bounce) &&
                             c->rows->lambda[contact->row + 2] > 0;
         any |= contact->rebounds;
     }
 
-    for (rbdi_contact *contact = c->contact; any && contact < c->contact + c->n; ++contact) {
-        const int springs = contact->stiffness > 0 && contact->gap <= 0;
-        if (contact->row >= 0 && !springs && rbdi_leaves(c, contact->gap, contact->approach))
-            contact->rebounds = 1;
-    }
-    for (rbdi_dof_row *limit = c->dof_row; limit < c->dof_row + c->dof_rows; ++limit) {
-        limit->rate = limit->side * c->start[limit->dof];
-        limit->rebounds =
-            any && limit->row >= 0 && limit->iq >= 0 && rbdi_leaves(c, limit->distance, limit->rate);
-    }
+    for (rbdi_contact *contact = c->contact; any && contact < c->contact + c->n; ++contact)
+        if (contact->row >= 0 && !contact->springs && rbdi_leaves(c, &contact->gap)) contact->rebounds = 1;
+    for (rbdi_dof_row *limit = c->dof_row; limit < c->dof_row + c->dof_rows; ++limit)
+        limit->rebounds = any && limit->row >= 0 && limit->iq >= 0 && rbdi_leaves(c, &limit->gap);
 }
 
-/* The bias of a held row with the error e, which counts as a penetration on either side. */
-static rbdi_bias rbdi_held_bias(const rbd_contact_set *c, int purpose, rbd_real e) {
-    rbdi_bias x = rbdi_bias_at(c, purpose, -rbdi_abs(e), 0, 0);
-    if (e > 0) x.value = -x.value;
+/* The bias of a held row: its error counts as a penetration on either side. */
+static rbdi_bias rbdi_held_bias(const rbd_contact_set *c, int purpose, int row) {
+    const rbd_constraint_set *s = c->rows;
+    const rbdi_gap gap = rbdi_gap_of(s->e[row], s->velocity[row], s->gamma[row], c->half);
+    const rbd_real inverse = 1 / c->way, slop = RBD_C(c->options.slop), made = gap.reach - gap.start,
+                   over = rbdi_abs(gap.start) - slop, share = RBD_C(c->options.correction) * inverse;
+    rbdi_bias x = rbdi_no_bias();
+    if (purpose != RBDI_FOR_POSITIONS) return x;
+    if (rbdi_abs(made) > slop * RBDI_LEFT_OF_SLOP)
+        x.value = made * inverse, x.by_reach = inverse, x.by_start = -inverse;
+    if (!(over > 0)) return x;
+    x.value = x.value + share * (gap.start > 0 ? over : -over);
+    x.by_start = x.by_start + share;
     return x;
 }
 
@@ -1650,7 +1783,7 @@ static int rbdi_write_biases(rbd_contact_set *c, int purpose) {
             changed |= rbdi_write_bias(c, contact->row + 2, rbdi_contact_bias(c, purpose, contact).value);
     for (const rbdi_constraint *con = s->constraint + c->n; con < s->constraint + s->n; ++con)
         for (int r = con->row; r < con->row + con->rows; ++r)
-            changed |= rbdi_write_bias(c, r, rbdi_held_bias(c, purpose, s->e[r]).value);
+            changed |= rbdi_write_bias(c, r, rbdi_held_bias(c, purpose, r).value);
     for (const rbdi_dof_row *limit = c->dof_row; limit < c->dof_row + c->dof_rows; ++limit)
         if (limit->row >= 0)
             changed |= rbdi_write_bias(c, limit->row, rbdi_limit_bias(c, purpose, limit).value);
@@ -1658,8 +1791,8 @@ static int rbdi_write_biases(rbd_contact_set *c, int purpose) {
 }
 
 /* ==== src/contact/reduction.h ==== */
-/* ---- reduction [reduction] ----
-   The steps from the rows to Delta lambda = b, and from lambda to x, by the factor M = L'DL. */
+/* ---- row reduction [row reduction] ----
+   The steps from the rows to Delta lambda = b by the factor M = L'DL. */
 
 /* Y = L^-T Y, b = target - Y' D^-1 x, and the squares of b's terms. Batches may reach beyond a dof's span:
    entries there are 0. */
@@ -1680,69 +1813,150 @@ static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rb
     }
 }
 
-/* x = L^-1 D^-1 (x + Y lambda). */
-static void rbdi_sweep_down(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
-    for (int k = 0; k < m->nv; ++k) c->x[k] = c->x[k] + rbdi_y_lambda(c, c->lambda, k);
-    rbdi_solve_down(m, c->w, L, 1, 1, 1, c->x);
+/* ==== src/contact/step.h ==== */
+/* ---- step code [step code] ----
+   The midpoint scheme of Moreau (1999), with two corrections of the velocity terms. Half of the way is made by
+   v: to q_mid, and v_mid is v in its axes. There all matrices are made, once. Then nu is solved for, and makes
+   the other half of the way:
+
+       K = M + dt d,   nu = v_mid + K^-1 (dt (tau - c(w) - d v_mid) + J' p),   c(w) = ID(q_mid, w, a(w))
+
+   with the damping d, and the classical accelerations a(w) = 0 of [manifold code]. The velocity terms are
+   those of the mean velocity: first w = v_mid, without contacts; then w = (v_mid + nu) / 2 of that nu, with
+   contacts; then the same with that nu. For a vector that turns by x a step the length grows in order x^4 / 8
+   without, and falls in that order with the second of these. Energy then changes by p'(u before + u after) / 2. */
+
+/* s->x = dt (tau - w->bias - damping v_mid). */
+static void rbdi_free_impulse(const rbd_model *m, const rbd_contact_set *c, const rbd_real *tau) {
+    rbd_real *x = c->rows->x;
+    const rbd_real *bias = c->rows->w->bias;
+    for (int k = 0; k < m->nv; ++k) x[k] = c->dt * (tau[k] - bias[k] - c->damping[k] * c->v_mid[k]);
 }
 
-/* ==== src/contact/step.h ==== */
-/* ---- step code [step code] ---- */
-
-/* Computes the state, the factor w->H of M + dt damping, and s->x = L^-T dt (tau - c - damping v). */
-static rbd_status rbdi_contact_free(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
-                                    const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
-                                    const rbd_real *damping) {
+/* Adds dt damping to M, and factors it. */
+static rbdi_mask rbdi_factor_damped(const rbd_model *m, rbd_contact_set *c, const rbd_real *damping) {
     rbd_constraint_set *s = c->rows;
     rbd_work *w = s->w;
     rbdi_mask doubt;
-    rbdi_constraint_bias(m, s, q, v, f_ext, w->gravity);
-    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
-        if (u->nv > 0) rbdi_unforced_velocity(u, &v[u->iv], c->dt, &c->start[u->iv]);
     for (int k = 0; k < m->nv; ++k) {
         rbd_real *diagonal = &w->H[m->dof[k].row + m->dof[k].depth];
-        rbd_real d = damping ? damping[k] : rbdi_zero();
-        if (c->options.joint_damping) d = d + rbdi_joint_damping(m, k);
-        *diagonal = *diagonal + c->dt * d;
-        s->x[k] = c->dt * (tau[k] - w->bias[k] - d * c->start[k]);
+        c->damping[k] = damping ? damping[k] : rbdi_zero();
+        if (c->options.joint_damping) c->damping[k] = c->damping[k] + rbdi_joint_damping(m, k);
+        *diagonal = *diagonal + c->dt * c->damping[k];
     }
     doubt = rbdi_factor(m, w, w->H);
-    rbdi_sweep_back(m, s, w->H);
+    for (int k = 0; k < m->nv; ++k) s->D_inverse[k] = w->H[m->dof[k].row + m->dof[k].depth];
+    return doubt;
+}
+
+/* The middle of the step (or, with c->half = 0, its beginning): state, rows, factor, and c->nu without
+   contacts. */
+static rbd_status rbdi_begin_step(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
+                                  const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                  const rbd_real *damping) {
+    rbd_constraint_set *s = c->rows;
+    rbd_work *w = s->w;
+    rbdi_mask doubt;
+    rbdi_move_joints(m, q, v, v, c->half, c->q_mid, c->v_mid);
+    for (int k = 0; k < m->nv; ++k) c->at[k] = c->v_mid[k];
+    rbdi_straight_acceleration(m, c->at, c->straight);
+    rbdi_constraint_bias(m, s, c->q_mid, c->at, rbdi_expand_v(m, c->straight, w->ax), f_ext, w->gravity);
+    c->contacts = rbdi_list_rows(m, c, q, v);
+    rbdi_write_rows(m, c);
+    doubt = rbdi_factor_damped(m, c, damping);
+    rbdi_free_impulse(m, c, tau);
+    for (int k = 0; k < m->nv; ++k) c->nu[k] = s->x[k];
+    rbdi_solve(m, w, w->H, c->nu);
+    for (int k = 0; k < m->nv; ++k) c->nu[k] = c->v_mid[k] + c->nu[k];
+    rbdi_find_falls(m, c, c->nu);
     return rbdi_factor_status(m, w, w->H, doubt, s->x, m->nv);
+}
+
+/* s->x = L^-T dt (tau - c(w) - d v_mid), of w = (v_mid + nu) / 2 in c->at. */
+static void rbdi_correct(const rbd_model *m, rbd_contact_set *c, const rbd_real *nu, const rbd_real *tau,
+                         const rbd_real *f_ext) {
+    rbd_constraint_set *s = c->rows;
+    rbd_work *w = s->w;
+    for (int k = 0; k < m->nv; ++k) c->at[k] = (c->v_mid[k] + nu[k]) / 2;
+    rbdi_straight_acceleration(m, c->at, c->straight);
+    rbdi_rnea(m, w, rbdi_expand_v(m, c->at, w->vx), rbdi_expand_v(m, c->straight, w->ax), f_ext,
+              rbdi_mimics(m) ? w->tx : w->bias);
+    rbdi_reduce_tau(m, w->tx, w->bias);
+    rbdi_free_impulse(m, c, tau);
+    rbdi_vector_up(m, w, w->H, s->x);
 }
 
 /* nu of the impulses by (4). */
 static void rbdi_contact_respond(const rbd_model *m, rbd_contact_set *c, rbd_real *nu) {
     rbd_constraint_set *s = c->rows;
-    for (int k = 0; k < m->nv; ++k) s->x[k] = c->x[k];
-    rbdi_sweep_down(m, s, s->w->H);
-    for (int k = 0; k < m->nv; ++k) nu[k] = c->start[k] + s->x[k];
+    for (int k = 0; k < m->nv; ++k) nu[k] = c->x[k] + rbdi_y_lambda(s, s->lambda, k);
+    rbdi_vector_down(m, s->w, s->w->H, nu);
+    for (int k = 0; k < m->nv; ++k) nu[k] = c->v_mid[k] + nu[k];
 }
 
-/* Computes c->moved, the velocities by which positions change. */
-static rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
-                                       const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
-                                       const rbd_real *damping, rbd_real dt) {
+/* Solves for the first time, with these biases. Computes c->moved. */
+static void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int purpose) {
     rbd_constraint_set *s = c->rows;
     rbd_contact_problem given;
-    rbd_status status;
-    c->dt = dt;
-    status = rbdi_contact_free(m, c, q, v, tau, f_ext, damping);
-    if (status) return status;
-    given.contacts = rbdi_list_rows(m, c, q, v);
-    given.bounded = s->rows - 3 * given.contacts;
-    rbdi_write_rows(m, c);
     rbdi_reduce_rows(m, s, s->w->H);
     rbdi_write_delta(m, c);
     for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
-    (void)rbdi_write_biases(c, RBDI_FOR_POSITIONS);
+    (void)rbdi_write_biases(c, purpose);
     for (int k = 0; k < m->nv; ++k) c->x[k] = s->x[k];
+    given.contacts = c->contacts, given.bounded = s->rows - 3 * c->contacts;
     given.delta = s->R, given.b = c->b, given.friction = c->friction;
     given.lower = c->lower, given.upper = c->upper;
     given.tolerance = RBD_C(c->options.tolerance), given.iterations = c->options.iterations;
     rbdi_contact_begin(&c->solver, &given, s->lambda);
     rbdi_contact_iterate(&c->solver);
     rbdi_contact_respond(m, c, c->moved);
+}
+
+/* Solves again, with the s->x of rbdi_correct and the biases of positions. Computes c->moved. */
+static void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c) {
+    const rbd_contact_solution first = c->solver.solution;
+    rbd_constraint_set *s = c->rows;
+    for (int k = 0; k < m->nv; ++k) {
+        const rbdi_span span = s->span[k];
+        rbdi_subtract(&s->b[span.first], (s->x[k] - c->x[k]) * s->D_inverse[k],
+                      &s->Y[k * s->stride + span.first], span.end - span.first);
+        c->x[k] = s->x[k];
+    }
+    for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
+    (void)rbdi_write_biases(c, RBDI_FOR_POSITIONS);
+    rbdi_contact_iterate(&c->solver);
+    c->solver.solution.sweeps += first.sweeps;
+    c->solver.solution.newton_steps += first.newton_steps;
+    rbdi_contact_respond(m, c, c->moved);
+}
+
+/* Of which scheme the step is: half of the way by v, or all of it by the solution. */
+static void rbdi_choose_scheme(rbd_contact_set *c, rbd_real dt, int first_order) {
+    c->dt = dt;
+    c->way = first_order ? dt : dt / 2;
+    c->half = first_order ? rbdi_zero() : c->way;
+}
+
+/* The only solution of a step of first order: with velocity terms of the beginning. */
+static void rbdi_solve_only(const rbd_model *m, rbd_contact_set *c) {
+    rbdi_vector_up(m, c->rows->w, c->rows->w->H, c->rows->x);
+    rbdi_solve_first(m, c, RBDI_FOR_POSITIONS);
+}
+
+/* Computes c->moved, the velocities by which positions change. */
+static rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
+                                       const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                       const rbd_real *damping) {
+    const rbd_status status = rbdi_begin_step(m, c, q, v, tau, f_ext, damping);
+    if (status) return status;
+    if (!(c->half > 0)) {
+        rbdi_solve_only(m, c);
+        return RBD_OK;
+    }
+    rbdi_correct(m, c, c->nu, tau, f_ext);
+    rbdi_solve_first(m, c, RBDI_FOR_VELOCITIES);
+    rbdi_correct(m, c, c->moved, tau, f_ext);
+    rbdi_solve_again(m, c);
     return RBD_OK;
 }
 
@@ -1792,11 +2006,7 @@ static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) 
 /* Writes the state after the step; after an error, q and v = 0. */
 static void rbdi_contact_move(const rbd_model *m, const rbd_contact_set *c, rbd_status status,
                               const rbd_real *q, rbd_real *q_next, rbd_real *v_next) {
-    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb && !status; ++u) {
-        if (u->nv == 0) continue;
-        rbdi_move_straight(u, &q[u->iq], &c->moved[u->iv], c->dt, &q_next[u->iq]);
-        rbdi_turn_velocity(u, &c->moved[u->iv], c->dt, &c->nu[u->iv], &v_next[u->iv]);
-    }
+    if (!status) rbdi_move_joints(m, c->q_mid, c->moved, c->nu, c->way, q_next, v_next);
     for (int k = 0; status && k < m->nq; ++k) q_next[k] = q[k];
     if (status) rbdi_clear(v_next, m->nv);
 }
@@ -1813,7 +2023,8 @@ RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, con
                                      rbd_real *v_next) {
     rbd_status status = rbdi_check_step(m, c, q && v && tau && q_next && v_next, dt);
     if (status) return status;
-    status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping, dt);
+    rbdi_choose_scheme(c, dt, c->options.first_order);
+    status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping);
     if (!status) status = rbdi_solve_velocities(m, c);
     rbdi_contact_move(m, c, status, q, q_next, v_next);
     return status;
@@ -1824,16 +2035,18 @@ RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const
                                    const rbd_real *damping, rbd_real dt, rbd_real *a) {
     rbd_status status = rbdi_check_step(m, c, q && v && tau && a, dt);
     if (status) return status;
-    status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping, dt);
+    rbdi_choose_scheme(c, dt, 1);
+    status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping);
     if (!status) status = rbdi_solve_velocities(m, c);
-    for (int k = 0; k < m->nv; ++k) a[k] = status ? rbdi_zero() : (c->nu[k] - c->start[k]) / dt;
+    for (int k = 0; k < m->nv; ++k)
+        a[k] = status ? rbdi_zero() : (c->nu[k] - c->v_mid[k]) / dt + c->straight[k];
     return status;
 }
 
 RBDI_API rbd_contact_state rbd_contact_get(const rbd_contact_set *c, int i, rbd_real *gap,
                                            rbd_real force[3]) {
     const int there = c && i >= 0 && i < c->n;
-    if (gap) *gap = there ? c->contact[i].gap : rbdi_zero();
+    if (gap) *gap = there ? c->contact[i].gap.start : rbdi_zero();
     for (int j = 0; force && j < 3; ++j) force[j] = there ? c->contact[i].force[j] : rbdi_zero();
     return there ? c->contact[i].state : RBD_APART;
 }
@@ -1856,86 +2069,227 @@ RBDI_CODE_BEGIN
 
 /* ==== src/contact/derivatives.h ==== */
 /* ---- derivatives [step derivatives code] ----
-   Derivatives of (4), with the states of the solution held. x is a component of q, v or tau, v~ = c->start,
-   a = (nu - v~) / dt, and M has dt damping on its diagonal:
+   Derivatives of [step code], with the states of each solution held. x is a component of q_mid, v_mid or tau,
+   a = (nu - v_mid) / dt + a(w), w = (v_mid + nu before) / 2, M without damping:
 
-       M dnu/dx = J' dp/dx - rho,     rho = dt dID/dx - d(J' p)/dx at fixed a and p; by v also -M dv~/dv
-       du/dx = J dnu/dx + sigma,      sigma = d(J nu + bias)/dx at fixed nu
+       K dnu/dx = J' dp/dx - rho,     rho = dt dID(q_mid, w, a)/dx - d(J' p)/dx at fixed nu and p
+       du/dx = J dnu/dx + sigma,      sigma = d(J nu + dt/2 gamma + bias)/dx at fixed nu
 
-   and rho = -dt by tau. rbd_id_derivatives gives d ID; d(J nu) and d(J' p) are as in [derivatives code] but
-   for balls, over which the place of contact rolls. With Z = L^-T rho and the S, T and G of [newton]
+   where dID has, by w, also a(w); by v_mid, -M of a; by tau, rho = -dt. Each solution's dnu enters the next by
+   w. rbd_id_derivatives gives d ID; d(J nu), d gamma and d(J' p) are as in [derivatives code] but for balls,
+   over which the place of contact rolls. With Z = L^-T rho and the S, T and G of [newton]
 
-       G y = -T' (sigma - Y' D^-1 Z),   dp = S y,   dnu = -L^-1 D^-1 (Z - Y dp)                         (5) */
+       G y = -T' (sigma - Y' D^-1 Z),   dp = S y,   dnu = -L^-1 D^-1 (Z - Y dp)                         (5)
 
-/* Writes rho without d(J' p) for each of the three that is not NULL. */
-static void rbdi_write_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d, const rbd_real *q,
-                           const rbd_real *v, const rbd_real *nu, const rbd_real *f_ext,
-                           rbd_real *const rho[3]) {
-    const int n = m->nv;
-    rbd_real *M = c->sigma + c->max_rows * n;
-    for (int k = 0; k < n; ++k) d->a[k] = (nu[k] - c->start[k]) / c->dt;
-    for (int x = 0; x < 3; ++x) /* rbd_keep_zeros leaves entries out */
-        if (rho[x]) rbdi_clear(rho[x], n * n);
-    rbdi_clear(M, n * n);
-    (void)rbd_id_derivatives(m, d, q, v, d->a, f_ext, rho[0], rho[1], rho[1] ? M : NULL);
-    rbdi_unforced_columns(m, v, c->dt, M);
-    for (int k = 0; k < n * n; ++k) {
-        if (rho[0]) rho[0][k] = rho[0][k] * c->dt;
-        if (rho[1]) rho[1][k] = rho[1][k] * c->dt - M[k];
-        if (rho[2] && k % (n + 1) == 0) rho[2][k] = -c->dt;
-    }
+   Last, the half of the step before takes derivatives by q_mid and v_mid to those by q and v. */
+
+/* Arrays for derivatives by q_mid, v_mid and tau, nv x nv each, in turns of one solution and the next. NULL: not
+   wanted. In the end: of c->moved and c->nu. */
+typedef struct rbdi_step_columns {
+    rbd_real *dq[3], *dv[3];
+} rbdi_step_columns;
+
+/* Parts of the memory for derivatives, behind c->sigma: M, later G; two matrices; two for columns that the
+   caller does not want; derivatives of J nu without impulses, a row for each contact, by three x. */
+static rbd_real *rbdi_side(const rbd_model *m, const rbd_contact_set *c, int k) {
+    const int nv = m->nv, shared = RBDI_CONTACT_SHARED(nv, c->max_rows);
+    return c->sigma + c->max_rows * nv + (k > 0 ? shared + (k - 1) * nv * nv : 0);
 }
 
-/* Adds to sigma, for each row of a constraint, `factor` times the derivative of J nu by q and `gain` times
-   the derivative of the gap or error, which is J. Leaves the S of the dofs in d. */
+/* B = dt dID(q_mid, w, a(w))/dw and M, both without contacts; if Q is not NULL, dt dID/dq_mid. */
+static void rbdi_write_sides(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d, const rbd_real *nu,
+                             const rbd_real *f_ext, rbd_real *Q, rbd_real *B, rbd_real *M) {
+    const int size = m->nv * m->nv;
+    rbdi_straight_acceleration(m, c->at, c->straight);
+    for (int k = 0; k < m->nv; ++k) d->a[k] = (nu[k] - c->v_mid[k]) / c->dt + c->straight[k];
+    if (Q) rbdi_clear(Q, size); /* rbd_keep_zeros leaves entries out */
+    if (B) rbdi_clear(B, size), rbdi_clear(M, size);
+    (void)rbd_id_derivatives(m, d, c->q_mid, c->at, d->a, f_ext, Q, B, M);
+    if (Q) rbdi_multiply(Q, c->dt, size);
+}
+
+/* Writes rho without the terms by q_mid at fixed w, which come into Q, and without d(J' p). last: dnu of the
+   solution before, NULL = w is v_mid. */
+static void rbdi_write_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d, const rbd_real *nu,
+                           const rbd_real *f_ext, rbd_real *const *last, rbd_real *const rho[3]) {
+    const rbd_real half = rbdi_set(RBD_C(0.5));
+    const int n = m->nv;
+    rbd_real *M = rbdi_side(m, c, 0), *B = rbdi_side(m, c, 1), *Q = rho[0] ? rbdi_side(m, c, 2) : NULL;
+    rbdi_write_sides(m, c, d, nu, f_ext, Q, B, M);
+    for (int x = 0; x < 3; ++x)
+        if (rho[x]) rbdi_clear(rho[x], n * n);
+    for (int k = 0; k < n * n; ++k) {
+        B[k] = B[k] * c->dt + M[k];
+        if (rho[1]) rho[1][k] = -M[k];
+        if (rho[2] && k % (n + 1) == 0) rho[2][k] = -c->dt;
+    }
+    rbdi_unforced_columns(m, c->at, c->dt, n, M);
+    for (int k = 0; k < n * n; ++k) {
+        B[k] = last ? (B[k] - M[k]) * half : B[k] - M[k];
+        if (rho[1]) rho[1][k] = rho[1][k] + B[k];
+    }
+    rbdi_multiply(B, -rbdi_set(RBD_C(1)), n * n);
+    for (int x = 0; last && x < 3; ++x)
+        for (int k = 0; rho[x] && k < n; ++k) rbdi_subtract_product(&B[k * n], last[x], n, n, &rho[x][k * n]);
+}
+
+/* Factors of a row in sigma: of derivatives of J nu and, of the middle of the step, of the gap or error, its
+   rate and its gamma. */
+typedef struct rbdi_row_factors {
+    rbd_real velocity[6], gap[6], rate[6];
+} rbdi_row_factors;
+
+/* Adds to the derivatives of gamma by a dof of a ball's body those of the place that rolls: of roll_radius R n,
+   gamma has omega x (omega x R n) beyond the acceleration of the point of the body. */
+static void rbdi_roll_rates(const rbdi_pair_motion *pair, rbdi_motion_derivatives *by) {
+    const rbdi_v3 omega = pair->motion.velocity.omega, r = pair->roll_radius, z = by->S.omega,
+                  dw = by->velocity_q.omega, across = rbdi_cross(omega, r), shift = rbdi_cross(z, r);
+    by->rate_q.v = rbdi_cross_add(rbdi_cross_add(by->rate_q.v, pair->motion.rate.omega, shift), dw, across);
+    by->rate_q.v = rbdi_cross_add(by->rate_q.v, omega, rbdi_add(rbdi_cross(dw, r), rbdi_cross(omega, shift)));
+    by->rate_v.v = rbdi_cross_add(rbdi_cross_add(by->rate_v.v, z, across), omega, shift);
+}
+
+/* Adds a constraint's terms to sigma, by q_mid or v_mid (x = 0, 1). With f->velocity by v_mid, J takes the place
+   of the derivative of J nu. Leaves the S of the dofs in d. */
 static void rbdi_row_terms(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
-                           const rbdi_constraint *con, const rbdi_pair_motion *pair, const rbd_real *factor,
-                           const rbd_real *gain) {
+                           const rbdi_constraint *con, const rbdi_pair_motion *pair,
+                           const rbdi_row_factors *f, int x) {
     RBDI_FOR_PATHS(m, con, link, sign) {
         const rbdi_link *l = &m->link[link];
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
-            const rbdi_motion_derivatives by = rbdi_differentiate_motion(m, c->rows, pair, sign < 0, link, j);
-            rbd_real sum[2][RBDI_SIX_ROWS], *to = &c->sigma[con->row * m->nv + rbdi_source(m, l->iv + j)];
+            rbdi_motion_derivatives by = rbdi_differentiate_motion(m, c->rows, pair, sign < 0, link, j);
+            rbd_real sum[3][RBDI_SIX_ROWS], *to = &c->sigma[con->row * m->nv + rbdi_source(m, l->iv + j)];
+            rbdi_motion velocity, rate;
             rbdi_store_motion(RBDI_OF(d, l->first + j, Phi), RBDI_BATCH, by.S);
-            rbdi_clear(sum[0], 2 * RBDI_SIX_ROWS);
-            rbdi_add_held(con, &pair->h, by.velocity_q.omega, by.velocity_q.v, sum[0]);
+            rbdi_roll_rates(pair, &by);
+            velocity = x == 0 ? by.velocity_q : by.S, rate = x == 0 ? by.rate_q : by.rate_v;
+            rbdi_clear(sum[0], 3 * RBDI_SIX_ROWS);
+            rbdi_add_held(con, &pair->h, velocity.omega, velocity.v, sum[0]);
             rbdi_add_held(con, &pair->h, rbdi_differentiate_error(con, pair, by.S.omega), by.S.v, sum[1]);
+            rbdi_add_held(con, &pair->h, rate.omega, rate.v, sum[2]);
             for (int r = 0; r < con->rows; ++r, to += m->nv)
-                *to = *to + factor[r] * sum[0][r] + gain[r] * sum[1][r];
+                *to = *to + f->velocity[r] * sum[0][r] + f->gap[r] * sum[1][r] + f->rate[r] * sum[2][r];
         }
     }
 }
 
-/* Adds the terms of contacts and held constraints by q: to sigma, and -d(J' p) to rho. Or, if `rebounds`,
-   those of rebounds, by q (x = 0) or v (x = 1), to sigma: restitution J nu, of nu before the step. */
-static void rbdi_constraint_terms(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
-                                  const rbd_real *nu, int purpose, int rebounds, int x, rbd_real *rho) {
+static rbdi_pair_motion rbdi_contact_pair(const rbd_contact_set *c, int i) {
+    const rbdi_constraint *con = &c->rows->constraint[i];
+    rbdi_pair_motion pair = rbdi_pair_motion_of(c->rows, con);
+    if (i < c->n)
+        pair.roll_radius = rbdi_scale(rbdi_set(c->contact[i].radius), rbdi_contact_normal(c->rows, con));
+    return pair;
+}
+
+/* The bias of row r of a constraint. */
+static rbdi_bias rbdi_bias_of(const rbd_contact_set *c, int i, int purpose, int r) {
+    if (i >= c->n) return rbdi_held_bias(c, purpose, c->rows->constraint[i].row + r);
+    return r == 2 ? rbdi_contact_bias(c, purpose, &c->contact[i]) : rbdi_no_bias();
+}
+
+/* Adds the terms by q_mid at the velocity nu: of J nu and of the gap to sigma, -d(J' p) to rho. */
+static void rbdi_velocity_terms(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
+                                const rbd_real *nu, int purpose, rbd_real *rho) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbd_constraint_set *s = c->rows;
     rbdi_constraint_state(m, s, rbdi_expand_v(m, nu, s->w->vx), s->w->zero, none, 0);
     for (int i = 0; i < s->n; ++i) {
         const rbdi_constraint *con = &s->constraint[i];
-        const rbdi_contact *contact = i < c->n ? &c->contact[i] : NULL;
-        rbd_real factor[6], gain[6];
+        rbdi_row_factors f;
         rbdi_pair_motion pair;
-        if (con->row < 0 || (rebounds && !(contact && contact->rebounds))) continue;
+        if (con->row < 0) continue;
         for (int r = 0; r < con->rows; ++r) {
-            factor[r] = rbdi_set(RBD_C(!rebounds));
-            gain[r] = contact ? rbdi_zero() : rbdi_held_bias(c, purpose, s->e[con->row + r]).gain;
+            const rbdi_bias bias = rbdi_bias_of(c, i, purpose, r);
+            f.velocity[r] = rbdi_set(RBD_C(1)), f.rate[r] = rbdi_zero();
+            f.gap[r] = bias.by_start + bias.by_reach;
         }
-        if (contact) gain[2] = rbdi_contact_bias(c, purpose, contact).gain;
-        if (rebounds) (x == 0 ? factor : gain)[2] = rbdi_set(rbdi_rebound_share(contact));
-        pair = rbdi_pair_motion_of(s, con);
-        if (contact) pair.roll_radius = rbdi_scale(rbdi_set(contact->radius), rbdi_contact_normal(s, con));
-        rbdi_row_terms(m, c, d, con, &pair, factor, gain);
-        if (!rebounds) rbdi_differentiate_forces(m, d, con, &pair, rho);
+        pair = rbdi_contact_pair(c, i);
+        rbdi_row_terms(m, c, d, con, &pair, &f, 0);
+        rbdi_differentiate_forces(m, d, con, &pair, rho);
     }
 }
 
-/* The derivative of a limit's bias by q (x = 0) or v (x = 1) of its dof. */
-static rbd_real rbdi_limit_gain(const rbd_contact_set *c, int purpose, const rbdi_dof_row *limit, int x) {
-    if (x == 0) return limit->side * rbdi_limit_bias(c, purpose, limit).gain;
-    return purpose == RBDI_FOR_VELOCITIES && limit->rebounds ? limit->side : rbdi_zero();
+/* Adds to sigma the terms of gamma and, in the bias, of the rate in the middle of the step, by q_mid or v_mid
+   (x = 0, 1). gamma holds the classical accelerations by v, so by v_mid it has J da/dv beyond the rate. */
+static void rbdi_middle_terms(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d, int purpose,
+                              int x) {
+    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
+    const rbd_real half = c->half;
+    rbd_constraint_set *s = c->rows;
+    rbdi_straight_acceleration(m, c->v_mid, c->straight);
+    rbdi_constraint_state(m, s, rbdi_expand_v(m, c->v_mid, s->w->vx), rbdi_expand_v(m, c->straight, s->w->ax),
+                          none, 0);
+    for (int pass = x == 0; pass < 2; ++pass) { /* 0: -J, which becomes -J - J dW/dv */
+        for (int i = 0; i < s->n; ++i) {
+            const rbdi_constraint *con = &s->constraint[i];
+            rbdi_row_factors f;
+            rbdi_pair_motion pair;
+            if (con->row < 0) continue;
+            for (int r = 0; r < con->rows; ++r) {
+                const rbdi_bias bias = rbdi_bias_of(c, i, purpose, r);
+                const rbd_real gamma = half + half * half / 2 * (bias.by_start - bias.by_reach) -
+                                       half * bias.by_rate + 2 * half * bias.by_falls;
+                f.gap[r] = rbdi_zero(), f.rate[r] = pass ? gamma : rbdi_zero();
+                f.velocity[r] = pass ? bias.by_rate - half * bias.by_start - bias.by_falls : -gamma;
+                if (pass && x == 1) f.velocity[r] = f.velocity[r] + gamma;
+            }
+            pair = rbdi_contact_pair(c, i);
+            rbdi_row_terms(m, c, d, con, &pair, &f, x);
+        }
+        if (pass == 0) rbdi_unforced_columns(m, c->v_mid, rbdi_set(RBD_C(1)), s->rows, c->sigma);
+    }
+}
+
+/* Where the derivatives of J nu by x are, nu without impulses, of contact i. */
+static rbd_real *rbdi_fall_columns(const rbd_model *m, const rbd_contact_set *c, int i, int x) {
+    return rbdi_side(m, c, 5) + (x * c->n + i) * m->nv;
+}
+
+/* Writes them, of contacts that may rebound. dnu: of nu without impulses, by x. */
+static void rbdi_write_falls(const rbd_model *m, rbd_contact_set *c, const rbd_real *nu,
+                             rbd_real *const dnu[3]) {
+    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
+    rbd_constraint_set *s = c->rows;
+    rbdi_constraint_state(m, s, rbdi_expand_v(m, nu, s->w->vx), s->w->zero, none, 0);
+    for (int i = 0; i < c->n; ++i) {
+        const rbdi_constraint *con = &s->constraint[i];
+        rbdi_pair_motion pair;
+        if (con->row < 0 || !(c->contact[i].restitution > 0)) continue;
+        pair = rbdi_contact_pair(c, i);
+        for (int x = 0; x < 3; ++x) rbdi_clear(rbdi_fall_columns(m, c, i, x), m->nv);
+        RBDI_FOR_PATHS(m, con, link, sign)
+        for (int j = 0; j < rbdi_link_dofs(m, &m->link[link]); ++j) {
+            const rbdi_motion_derivatives by = rbdi_differentiate_motion(m, s, &pair, sign < 0, link, j);
+            const int k = rbdi_source(m, m->link[link].iv + j);
+            const rbdi_v3 normal = rbdi_contact_normal(s, con);
+            rbd_real *own = &rbdi_fall_columns(m, c, i, 0)[k];
+            *own = *own + rbdi_dot(normal, by.velocity_q.v);
+            for (int x = 0; x < 3; ++x)
+                if (dnu[x])
+                    rbdi_subtract(rbdi_fall_columns(m, c, i, x), -rbdi_dot(normal, by.S.v),
+                                  &dnu[x][k * m->nv], m->nv);
+        }
+    }
+}
+
+/* Adds the terms of what contacts that rebound fall, by any x, and of limits, by q_mid and v_mid. */
+static void rbdi_other_terms(const rbd_model *m, rbd_contact_set *c, int purpose, int x) {
+    for (int i = 0; i < c->n; ++i) {
+        const rbdi_contact *contact = &c->contact[i];
+        rbd_real by_falls;
+        if (contact->row < 0 || !contact->rebounds || purpose != RBDI_FOR_VELOCITIES) continue;
+        by_falls = rbdi_rebound_bias(c, contact).by_falls;
+        if (by_falls > 0 || by_falls < 0)
+            rbdi_subtract(&c->sigma[(contact->row + 2) * m->nv], -by_falls, rbdi_fall_columns(m, c, i, x),
+                          m->nv);
+    }
+    for (const rbdi_dof_row *limit = c->dof_row; x < 2 && limit < c->dof_row + c->dof_rows; ++limit) {
+        rbdi_bias bias;
+        if (limit->row < 0) continue;
+        bias = rbdi_limit_bias(c, purpose, limit);
+        c->sigma[limit->row * m->nv + limit->dof] =
+            limit->side * (x == 0 ? bias.by_start + bias.by_reach : bias.by_rate - c->half * bias.by_start);
+    }
 }
 
 /* Replaces rho by dnu of (5). Returns 0 if the impulses have no derivative. */
@@ -1961,23 +2315,79 @@ static int rbdi_solve_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_re
     return solved;
 }
 
-/* Writes the derivatives of the solution nu by q, v and tau, unless NULL. Returns 0 if one does not exist. */
+/* Replaces rho, without d(J' p), by dnu of the solution that has just been found. Returns 0 if one does not
+   exist. */
 static int rbdi_differentiate_solution(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
-                                       const rbd_real *q, const rbd_real *v, const rbd_real *nu,
-                                       const rbd_real *f_ext, int purpose, rbd_real *const dnu[3]) {
+                                       const rbd_real *nu, int purpose, rbd_real *const rho[3]) {
+    const int size = m->nv * m->nv;
     int solved = 1;
-    rbdi_write_rho(m, c, d, q, v, nu, f_ext, dnu);
     for (int x = 0; x < 3; ++x) {
-        if (!dnu[x]) continue;
+        if (!rho[x]) continue;
+        if (x == 0) rbdi_subtract(rho[0], -rbdi_set(RBD_C(1)), rbdi_side(m, c, 2), size);
         rbdi_clear(c->sigma, c->rows->rows * m->nv);
-        if (x < 2 && purpose == RBDI_FOR_VELOCITIES) rbdi_constraint_terms(m, c, d, v, purpose, 1, x, NULL);
-        if (x == 0) rbdi_constraint_terms(m, c, d, nu, purpose, 0, x, dnu[0]);
-        for (const rbdi_dof_row *limit = c->dof_row; x < 2 && limit < c->dof_row + c->dof_rows; ++limit)
-            if (limit->row >= 0)
-                c->sigma[limit->row * m->nv + limit->dof] = rbdi_limit_gain(c, purpose, limit, x);
-        solved &= rbdi_solve_derivatives(m, c, dnu[x]);
+        if (x < 2) rbdi_middle_terms(m, c, d, purpose, x);
+        if (x == 0) rbdi_velocity_terms(m, c, d, nu, purpose, rho[0]);
+        rbdi_other_terms(m, c, purpose, x);
+        solved &= rbdi_solve_derivatives(m, c, rho[x]);
     }
     return solved;
+}
+
+static void rbdi_copy_columns(const rbd_model *m, rbd_real *const from[3], rbd_real *const to[3]) {
+    for (int x = 0; x < 3; ++x)
+        for (int k = 0; from[x] && k < m->nv * m->nv; ++k) to[x][k] = from[x][k];
+}
+
+/* Solves for the corrections of the velocity terms. to->dv becomes dnu of the last but one. Returns whether it
+   exists. */
+static int rbdi_differentiate_corrections(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
+                                          const rbd_real *tau, const rbd_real *f_ext,
+                                          const rbdi_step_columns *to) {
+    int solved;
+    rbdi_correct(m, c, c->nu, tau, f_ext);
+    rbdi_solve_first(m, c, RBDI_FOR_VELOCITIES);
+    rbdi_write_rho(m, c, d, c->moved, f_ext, to->dq, to->dv);
+    solved = rbdi_differentiate_solution(m, c, d, c->moved, RBDI_FOR_VELOCITIES, to->dv);
+    rbdi_correct(m, c, c->moved, tau, f_ext);
+    rbdi_solve_again(m, c);
+    return solved;
+}
+
+/* dnu of the velocities without contacts, and of what contacts that may rebound fall by them. */
+static void rbdi_differentiate_free(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
+                                    const rbd_real *f_ext, rbd_real *const dnu[3]) {
+    const int n = m->nv;
+    rbd_work *w = c->rows->w;
+    rbdi_write_rho(m, c, d, c->nu, f_ext, NULL, dnu);
+    if (dnu[0]) rbdi_subtract(dnu[0], -rbdi_set(RBD_C(1)), rbdi_side(m, c, 2), n * n);
+    for (int x = 0; x < 3; ++x)
+        if (dnu[x]) rbdi_solve_columns(m, w, w->H, -1, n, n, dnu[x], NULL);
+    rbdi_write_falls(m, c, c->nu, dnu);
+}
+
+/* Makes the step, and writes derivatives of c->moved and c->nu. Returns whether they exist. */
+static int rbdi_differentiate_step(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
+                                   const rbd_real *tau, const rbd_real *f_ext, const rbdi_step_columns *to,
+                                   rbd_status *status) {
+    rbd_real *const *last = NULL;
+    int solved = 1;
+    rbdi_differentiate_free(m, c, d, f_ext, to->dq);
+    if (c->half > 0) {
+        solved = rbdi_differentiate_corrections(m, c, d, tau, f_ext, to);
+        last = to->dv;
+    } else {
+        rbdi_solve_only(m, c);
+    }
+    rbdi_write_rho(m, c, d, c->moved, f_ext, last, to->dq);
+    rbdi_copy_columns(m, to->dq, to->dv);
+    solved &= rbdi_differentiate_solution(m, c, d, c->moved, RBDI_FOR_POSITIONS, to->dq);
+    *status = rbdi_solve_velocities(m, c);
+    if (!c->differ) {
+        rbdi_copy_columns(m, to->dq, to->dv);
+        return solved;
+    }
+    if (to->dv[0]) rbdi_write_sides(m, c, d, c->nu, f_ext, rbdi_side(m, c, 2), NULL, NULL);
+    return solved & rbdi_differentiate_solution(m, c, d, c->nu, RBDI_FOR_VELOCITIES, to->dv);
 }
 
 RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
@@ -1986,33 +2396,32 @@ RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact
                                                  const rbd_contact_step_results *out) {
     const rbd_contact_step_results none_wanted = {NULL, NULL, NULL, NULL, NULL, NULL, NULL, NULL};
     const rbd_contact_step_results to = out ? *out : none_wanted;
-    rbd_real *const dq[3] = {to.dq_next_dq, to.dq_next_dv, to.dq_next_dtau};
-    rbd_real *const dv[3] = {to.dv_next_dq, to.dv_next_dv, to.dv_next_dtau};
-    int pairs = !to.q_next == !to.v_next, solved, size;
+    rbdi_step_columns by = {{to.dq_next_dq, to.dq_next_dv, to.dq_next_dtau},
+                            {to.dv_next_dq, to.dv_next_dv, to.dv_next_dtau}};
+    int pairs = !to.q_next == !to.v_next, solved = 1, size;
     rbd_status status;
-    for (int x = 0; x < 3; ++x) pairs &= !dq[x] == !dv[x];
+    for (int x = 0; x < 3; ++x) pairs &= !by.dq[x] == !by.dv[x];
     status = rbdi_check_step(m, c, d && q && v && tau && out && pairs, dt);
     if (!status) status = rbdi_check_derivatives(m, d, 1);
     if (status) return status;
     if (d->work != c->rows->w) return RBD_ERR_WORK;
     if (!c->sigma) return RBD_ERR_MEMORY;
     size = m->nv * m->nv;
-    status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping, dt);
-    if (!status) {
-        solved = rbdi_differentiate_solution(m, c, d, q, v, c->moved, f_ext, RBDI_FOR_POSITIONS, dq);
-        status = rbdi_solve_velocities(m, c);
-        if (c->differ)
-            solved &= rbdi_differentiate_solution(m, c, d, q, v, c->nu, f_ext, RBDI_FOR_VELOCITIES, dv);
-        for (int x = 0; x < 3; ++x) {
-            if (!dq[x]) continue;
-            for (int k = 0; !c->differ && k < size; ++k) dv[x][k] = dq[x][k];
-            rbdi_move_columns(m, c->moved, c->nu, dt, x == 0, dq[x], dv[x]);
-            solved &= rbdi_all_finite(dq[x], size) & rbdi_all_finite(dv[x], size);
-        }
-        if (!status && !solved) status = RBD_ERR_SINGULAR;
+    if (by.dq[1] && !by.dq[0]) by.dq[0] = rbdi_side(m, c, 3), by.dv[0] = rbdi_side(m, c, 4);
+    rbdi_choose_scheme(c, dt, c->options.first_order);
+    status = rbdi_begin_step(m, c, q, v, tau, f_ext, damping);
+    if (!status) solved = rbdi_differentiate_step(m, c, d, tau, f_ext, &by, &status);
+    for (int x = 0; x < 3 && !status; ++x)
+        if (by.dq[x]) rbdi_move_columns(m, c->moved, c->nu, c->way, x == 0, by.dq[x], by.dv[x]);
+    if (by.dq[0] && !status) {
+        rbdi_columns_before(m, v, c->half, by.dq[0], by.dq[1]);
+        rbdi_columns_before(m, v, c->half, by.dv[0], by.dv[1]);
     }
+    for (int x = 0; x < 3; ++x)
+        if (by.dq[x]) solved &= rbdi_all_finite(by.dq[x], size) & rbdi_all_finite(by.dv[x], size);
+    if (!status && !solved) status = RBD_ERR_SINGULAR;
     for (int x = 0; status && x < 3; ++x)
-        if (dq[x]) rbdi_clear(dq[x], size), rbdi_clear(dv[x], size);
+        if (by.dq[x]) rbdi_clear(by.dq[x], size), rbdi_clear(by.dv[x], size);
     if (to.q_next) rbdi_contact_move(m, c, status, q, to.q_next, to.v_next);
     return status;
 }
@@ -2024,12 +2433,14 @@ RBDI_CODE_END
 
 /* ==== src/base/letters_end.h ==== */
 #pragma pop_macro("A")
+#pragma pop_macro("B")
 #pragma pop_macro("D")
 #pragma pop_macro("E")
 #pragma pop_macro("G")
 #pragma pop_macro("H")
 #pragma pop_macro("L")
 #pragma pop_macro("M")
+#pragma pop_macro("Q")
 #pragma pop_macro("R")
 #pragma pop_macro("S")
 #pragma pop_macro("X")

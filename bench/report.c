@@ -183,8 +183,7 @@ static void write_legend(FILE *f) {
           "speed-up: times as fast as rbd's run-time model\n"
           "max error: largest difference to another method, relative to the largest entry\n"
           "quad error: the same to the result in quad precision\n"
-          "variant: run-time takes any robot; generated is code for this one\n"
-          "lanes and blocks: N states at once\n",
+          "variant: run-time: any robot; generated: code for this one; lanes, blocks: many states at once\n",
           f);
 }
 

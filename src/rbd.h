@@ -10,13 +10,14 @@
    and plain #include "rbd.h" everywhere else. Quick start, a pendulum:
 
        static const rbd_body bodies[1] = {{.name = "rod", .joint = "hinge", .parent = -1,
-           .type = RBD_REVOLUTE, .axis = {0, 1, 0}, .mass = 1, .com = {0, 0, -0.5}}};
+           .type = RBD_REVOLUTE, .axis = {0, 1, 0}, .mass = 1, .com = {0, 0, -0.5},
+           .inertia = {1. / 12, 0, 0, 1. / 12, 0, 0}}};
        unsigned char model_memory[RBD_MODEL_SIZE(1)], work_memory[RBD_WORK_SIZE(1, 1)];
        const rbd_model *m; rbd_work *w;
        rbd_model_build(bodies, 1, model_memory, sizeof model_memory, &m, NULL);
        rbd_work_init(m, work_memory, sizeof work_memory, &w);
        double q[1] = {0.5}, v[1] = {0}, tau[1] = {0}, a[1];
-       rbd_aba(m, w, q, v, tau, NULL, a);          // a[0] = -g sin(q) / 0.5
+       rbd_aba(m, w, q, v, tau, NULL, a);          // a[0] = -1.5 g sin(q)
 
    CONTENTS (search for the tag)
      [conventions] [configuration] [guarantees] [limits]
@@ -25,7 +26,7 @@
      [layout]
      [design] [compiler] [tolerances] [scalar] [reduction] [spatial algebra] [common] [features] [joints]
      [state] [rnea] [crba] [aba] [packed matrix] [pivots] [hybrid] [forward dynamics code]
-     [axes] [kinematics code] [points code] [manifold code] [work code] [lookup code] [text code]
+     [axes] [kinematics code] [points code] [manifold code] [free step] [work code] [lookup code] [text code]
      [descriptions] [model build]
      [licence]
 
@@ -103,11 +104,12 @@
      the degree of freedom. Each call decides by its own pivots whether a system is singular. All refuse one
      whose M is singular but for rounding. Near one they may differ: the armature that makes such a joint
      sound is for rbd_aba up to 70 times that of the calls by the factor, or any part of it; where rbd_aba
-     computes and they refuse, M has lost its digits, as of float chains of 100 rods. Input is not searched
-     for NaN: one that reaches the mass matrix is RBD_ERR_NAN in forward dynamics, one in a gap or limit in
-     rbd_contact_step; any other reaches all results that depend on it, with RBD_OK. From libm only sqrt; sin
-     and cos for __float128 and classes, and with excess precision (x87). The same input gives the same bits
-     on every call of one build; between builds, contraction to FMA and the order of sums change last bits.
+     computes and they refuse, M has lost its digits, as of float chains of 100 rods.
+     Input is not searched for NaN: one that reaches the mass matrix is RBD_ERR_NAN in forward dynamics, one
+     in a gap or limit in rbd_contact_step; any other reaches all results that depend on it, with RBD_OK. From
+     libm only sqrt; sin and cos for __float128 and classes, and with excess precision (x87). The same input
+     gives the same bits on every call of one build; between builds, contraction to FMA and the order of sums
+     change last bits.
      With RBD_REPRODUCIBLE every call gives the same bits in double, and in float, on every machine that
      rounds to nearest as IEEE 754 does and keeps denormals, whatever the compiler, its -O and its SIMD unit.
      Sums have one order, and sine is rbd's own. Compile without -ffast-math and its parts, and with clang
@@ -284,6 +286,7 @@ RBDI_CODE_BEGIN
 #include "motion/kinematics.h"
 #include "motion/points.h"
 #include "motion/manifold.h"
+#include "motion/free_step.h"
 #include "model/work_init.h"
 #include "model/lookup.h"
 #include "model/text.h"

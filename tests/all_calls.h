@@ -137,6 +137,9 @@ static void all_calls_kinematics(all_calls *s) {
     ALL_CALLS_RUN(rbd_point_acceleration(s->m, s->w, last, point, RBD_LINK_AXES, o), 6);
     ALL_CALLS_RUN(rbd_integrate(s->m, s->q, s->v, (rbd_real)0.5, o), s->nq);
     ALL_CALLS_RUN(rbd_step(s->m, s->q, s->v, s->a, (rbd_real)0.5, o, o + s->nq), s->nq + nv);
+    ALL_CALLS_RUN(
+        rbd_free_step(s->m, s->w, s->q, s->v, s->tau, s->f_ext, s->v, (rbd_real)0.0078125, o, o + s->nq),
+        s->nq + nv);
     ALL_CALLS_RUN(rbd_difference(s->m, s->q, s->q2, o), nv);
     for (int i = 0; i < 3; i++)
         ALL_CALLS_RUN(rbd_interpolate(s->m, s->q, s->q2, (rbd_real)0.5 * (rbd_real)i, o), s->nq);

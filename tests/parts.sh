@@ -65,7 +65,7 @@ leave_out
 cp "$scratch/defined" "$scratch/all"
 holds BUILD rbd_model_build rbd_model_size rbd_add_payload rbd_lock_joints rbd_describe
 factor="rbd_cholesky_factor rbd_cholesky_factor_packed rbd_cholesky_solve rbd_cholesky_solve_many rbd_fd_cholesky rbd_minverse
-    rbd_hybrid"
+    rbd_hybrid rbd_free_step"
 # shellcheck disable=SC2086 # words wanted
 holds CHOLESKY $factor
 leave_out BUILD CHOLESKY

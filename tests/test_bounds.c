@@ -111,8 +111,8 @@ static void pose_of(const rbd_work *w, int i, double E[3][3], double r[3]) {
     r[0] = X->r.x, r[1] = X->r.y, r[2] = X->r.z;
 }
 
-/* The same of articulated bodies, but for the rounding of frames: e = sum of y_j^2 (D_j + share of scale) and
-   of each link's inertia along its motion with y. Those behind dof k move by the column of L^-1. */
+/* The same of articulated bodies, except for the rounding of frames: e = sum of y_j^2 (D_j + share of scale)
+   and of each link's inertia along its motion with y. Those behind dof k move by the column of L^-1. */
 static void body_bounds(const rbd_model *m, const rbd_work *w, double M[MAX_DOFS][MAX_DOFS], double *e) {
     static double motion[MAX_LINKS][6]; /* world axes, at the world's origin */
     const int n = m->nv;

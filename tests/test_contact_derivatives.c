@@ -215,7 +215,7 @@ static void spin(scene *s, double factor) {
 
 /* Gaps that are taken for 0, corrected, and closed in the step. */
 static const double gaps[3] = {-5e-4, -2e-3, 5e-4};
-static const double presses[3] = {0, 0, -2000}; /* as gravity */
+static const double presses[3] = {0, 0, -4000}; /* as gravity */
 
 /* A ball about a point beside the centre of mass, which rolls or slides on a plane that leans. */
 START_TEST(ball_rolls_and_slides) {
@@ -227,11 +227,11 @@ START_TEST(ball_rolls_and_slides) {
                 scene s;
                 open_scene(&s, "ball", &body, 1, 1e-3);
                 add_contact(&s, 0, -1, 0.02, 0.01, 0)->radius = 0.1;
-                s.list[0].friction = slides ? 0.2 : 3;
+                s.list[0].friction = slides ? 0.1 : 3;
                 if (stiff) s.list[0].stiffness = 1e4, s.list[0].damping = 50;
                 begin_scene(&s);
                 ck_assert_int_eq(rbd_contact_plane(s.r.m, s.c, 0, normal, 0.1), RBD_OK);
-                spin(&s, slides ? 2 : 0.02);
+                spin(&s, slides ? 1.5 : 0.02);
                 rbd_set_gravity(s.r.w, presses);
                 s.q[3] = 0.5, s.q[4] = 0.5, s.q[5] = -0.5, s.q[6] = 0.5;
                 put_at(&s, 0, 2, gaps[k]);
@@ -396,7 +396,7 @@ START_TEST(hyq_at_its_limits) {
     for (int k = 8; k < 12; k++) {
         const double side = hyq_stance[k] > 0 ? 1 : -1;
         s.q[7 + k] = side * (k == 8 ? 1.4005 : k == 9 ? 1.404 : k == 10 ? 1.398 : 1.3);
-        s.tau[6 + k] = side * 60, s.v[6 + k] = side * (k == 10 ? 4 : 1), at_limit += k < 11;
+        s.tau[6 + k] = side * 60, s.v[6 + k] = side * (k == 10 ? 3 : 0.9), at_limit += k < 11;
     }
     s.v[6] = 1, s.v[7] = -1;
     expect(&s, "HyQ at its limits", 0, 1, 1e-5);
@@ -465,6 +465,7 @@ static void check_tree(uint64_t *seed, int number) {
     snprintf(name, sizeof name, "tree %d", number);
     open_scene(&s, name, bodies, nb, below(seed, 2) ? 1e-3 : 1e-2);
     s.options.joint_limits = s.options.joint_friction = s.options.joint_damping = 1;
+    s.options.first_order = number % 4 == 3;
     if (below(seed, 2)) s.options.slip = 1e-5;
     if (nb > 1 && below(seed, 2)) s.held[s.n_held++] = rbd_point_contact(nb - 1, NULL, NULL);
     if (s.n_held) s.held[0].axes[0] = (unsigned char)below(seed, 2), s.held[0].axes[1] = 1;
@@ -499,7 +500,7 @@ START_TEST(random_trees) {
         check_tree(&seed, i);
     }
     ck_assert_int_ge(agreed, 5800 / PART_OF_TREES);
-    ck_assert_int_ge(sticking, 30 / PART_OF_TREES);
+    ck_assert_int_ge(sticking, 15 / PART_OF_TREES);
     ck_assert_int_ge(slipping, 200 / PART_OF_TREES);
     ck_assert_int_le(unsolved, 60 / PART_OF_TREES);
 }
@@ -523,16 +524,23 @@ static rbd_body rod(void) {
    rbd_keep_zeros leaves out are written. */
 START_TEST(parts_are_as_the_whole) {
     const rbd_body bodies[2] = {box(0.4, 0.3, 0.2, 3), rod()};
+    const double rest[MAX_V] = {0}, gravity[3] = {0, 0, -9.81};
     static columns part;
-    double q[MAX_Q], v[MAX_V], a[MAX_V], Minv[MAX_V * MAX_V];
+    double q[MAX_Q], v[MAX_V], tau[MAX_V], f_ext[6 * MAX_BODIES], a[MAX_V], Minv[MAX_V * MAX_V];
     scene s;
     open_rod(&s, bodies);
     begin_scene(&s);
     spin(&s, 1);
     expect(&s, "a rod in the air", 0, 0, 1e-7);
-    ck_assert_int_eq(rbd_fd_derivatives(s.r.m, s.d, s.q, s.v, s.tau, s.f_ext, a, NULL, NULL, Minv), RBD_OK);
-    for (int k = 0; k < 7; k++) /* of the rod, whose step is a sum */
+    rbd_set_gravity(s.r.w, rest);
+    ck_assert_int_eq(rbd_fd_derivatives(s.r.m, s.d, s.q, rest, rest, NULL, a, NULL, NULL, Minv), RBD_OK);
+    memcpy(v, s.v, sizeof v), memcpy(tau, s.tau, sizeof tau), memcpy(f_ext, s.f_ext, sizeof f_ext);
+    memset(s.v, 0, sizeof s.v), memset(s.tau, 0, sizeof s.tau), memset(s.f_ext, 0, sizeof s.f_ext);
+    ck_assert_int_eq(differentiate(&s, &found, NULL, NULL), RBD_OK);
+    for (int k = 0; k < 7; k++) /* of the rod, whose step is a sum, at rest */
         ck_assert_double_eq_tol(found.by[5][6 * 7 + k], s.h * Minv[6 * 7 + k], 1e-12);
+    memcpy(s.v, v, sizeof v), memcpy(s.tau, tau, sizeof tau), memcpy(s.f_ext, f_ext, sizeof f_ext);
+    rbd_set_gravity(s.r.w, gravity);
     put_at(&s, 0, 2, -5e-4);
     for (int keep = 0; keep < 2; keep++) {
         ck_assert_int_eq(rbd_keep_zeros(s.d, keep), RBD_OK);

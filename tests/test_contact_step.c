@@ -272,7 +272,6 @@ START_TEST(ball_sinks_by_its_stiffness) {
 END_TEST
 
 START_TEST(ball_rebounds_to_a_quarter) {
-    const double expected[3] = {0.24887, 0.24832, 0.22661};
     for (int k = 0; k < 3; k++) {
         const rbd_body body = ball(3, 0.012);
         scene s;
@@ -291,7 +290,7 @@ START_TEST(ball_rebounds_to_a_quarter) {
         static const char *const words[3] = {"ball, restitution 0.5, from 1 m: rebounds to, m, at 0.5 ms",
                                              "ball, restitution 0.5, from 1 m: rebounds to, m, at 1 ms",
                                              "ball, restitution 0.5, from 1 m: rebounds to, m, at 10 ms"};
-        expect_figure(6, words[k], top, expected[k], 1e-5); /* 1/4 as h goes to 0 */
+        expect_figure(6, words[k], top, 0.25, 9.81 * s.h * s.h / 8 + 1e-12); /* seen up to h/2 from the top */
         close_scene(&s);
     }
 }
@@ -582,8 +581,8 @@ START_TEST(painleves_rod_jams) {
                 double now;
                 step(&s);
                 now = energy(&s, NULL);
-                expect_figure(9, "Painleve's rod: energy gained in a step, J", fmax(now - before, 0), 0,
-                              1e-12);
+                expect_figure(9, "Painleve's rod: energy gained in a step over dt squared, J/s^2",
+                              fmax(now - before, 0) / (s.h * s.h), 0, 2);
                 before = now;
                 rbd_contact_get(s.c, 0, NULL, force);
                 impulse = fmax(impulse, force[2] * s.h);
@@ -675,7 +674,7 @@ static void check_contacts(const scene *s) {
     for (int i = 0; i < s->n; i++) {
         double gap, f[3];
         const rbd_contact_state state = rbd_contact_get(s->c, i, &gap, f);
-        expect_figure(10, "HyQ and Atlas: penetration, m", fmax(-gap, 0), 0, 2e-5);
+        expect_figure(10, "HyQ and Atlas: penetration, m", fmax(-gap, 0), 0, 2e-5 + 0.5 * s->h * s->h);
         ck_assert_double_ge(f[2], 0);
         if (!(f[2] > 0))
             ck_assert_double_eq(hypot(f[0], f[1]), 0);
@@ -700,7 +699,7 @@ START_TEST(hyq_drops_stands_and_trots) {
                 newton += rbd_contact_last(s.c).newton_steps;
             }
             expect_figure(10, "HyQ stands and trots, 0.5 to 10 ms: residual, m/s", s.worst, 0, 1e-8);
-            expect_figure(10, "HyQ stands and trots: Newton steps per step", newton * s.h / 2, 0, 2);
+            expect_figure(10, "HyQ stands and trots: Newton steps per step", newton * s.h / 2, 0, 4);
             ck_assert_double_ge(s.q[2], 0.4);
             for (int i = 0; i < 4; i++) rbd_contact_get(s.c, i, NULL, f), sum += f[2];
             if (!trots) ck_assert_double_eq_tol(sum, rbd_mass(s.r.m) * 9.81, 1);
@@ -759,23 +758,35 @@ END_TEST
 
 /* ---- the calls ---- */
 
-/* rbd_contact_fd and rbd_step are rbd_contact_step where nothing penetrates; and u = J v of the end obeys the
-   laws: the gap afterwards is not below 0. */
+/* rbd_contact_fd and rbd_step are a step of first order, rbd_contact_step one of second: between contacts they
+   differ by the square of dt. */
 START_TEST(acceleration_and_step_agree) {
-    scene s;
-    double a[MAX_V], q[MAX_Q], v[MAX_V];
-    open_hyq(&s, 1e-3, 0.002);
-    for (int n = 0; n < 200; n++) {
-        hyq_controller(&s, 1);
+    double worst[2][2] = {{0, 0}, {0, 0}};
+    for (int half = 0; half < 2; half++) {
+        scene s;
+        double a[MAX_V], q[MAX_Q], v[MAX_V], d[MAX_V], q0[MAX_Q], v0[MAX_V];
+        open_hyq(&s, 1e-3, 0.5);
+        for (int n = 0; n < 200; n++) {
+            hyq_controller(&s, 1);
+            memcpy(q0, s.q, sizeof q0), memcpy(v0, s.v, sizeof v0);
+            step(&s);
+        }
+        s.h /= 1 + half;
         rbd_contact_reset(s.c);
-        ck_assert_int_eq(rbd_contact_fd(s.r.m, s.c, s.q, s.v, s.tau, NULL, s.damping, s.h, a), RBD_OK);
-        ck_assert_int_eq(rbd_step(s.r.m, s.q, s.v, a, s.h, q, v), RBD_OK);
+        ck_assert_int_eq(rbd_contact_fd(s.r.m, s.c, q0, v0, s.tau, NULL, s.damping, s.h, a), RBD_OK);
+        ck_assert_int_eq(rbd_step(s.r.m, q0, v0, a, s.h, q, v), RBD_OK);
         rbd_contact_reset(s.c);
+        memcpy(s.q, q0, sizeof q0), memcpy(s.v, v0, sizeof v0);
         step(&s);
-        for (int k = 0; k < s.r.nv; k++) ck_assert_double_eq_tol(s.v[k], v[k], 1e-10);
-        for (int k = 0; k < s.r.nq; k++) ck_assert_double_eq_tol(s.q[k], q[k], 1e-7); /* the slop */
+        ck_assert_int_eq(rbd_difference(s.r.m, s.q, q, d), RBD_OK);
+        worst[half][0] = largest(d, s.r.nv);
+        for (int k = 0; k < s.r.nv; k++) d[k] = s.v[k] - v[k];
+        worst[half][1] = largest(d, s.r.nv);
+        close_scene(&s);
     }
-    close_scene(&s);
+    ck_assert_double_le(worst[0][0], 1e-4);
+    ck_assert_double_le(worst[0][1], 1e-2);
+    for (int k = 0; k < 2; k++) ck_assert_double_ge(worst[0][k] / worst[1][k], 3);
 }
 END_TEST
 
@@ -903,7 +914,7 @@ START_TEST(heavy_lift_on_light_slides_stands) {
 }
 END_TEST
 
-/* A box between two floors that close in on it: each of the step's two solutions keeps to the iterations. */
+/* A box between two floors that close in on it: each of the step's three solutions keeps to the iterations. */
 START_TEST(iterations_have_their_bound) {
     for (int most = 1; most < 50; most += most) {
         const rbd_body body = box(0.2, 0.2, 0.2, 1);
@@ -920,7 +931,7 @@ START_TEST(iterations_have_their_bound) {
         for (int k = 0; k < 50; k++) {
             step(&s);
             const rbd_contact_solution x = rbd_contact_last(s.c);
-            ck_assert_int_le(x.sweeps + x.newton_steps, 2 * most);
+            ck_assert_int_le(x.sweeps + x.newton_steps, 3 * most);
         }
         close_scene(&s);
     }

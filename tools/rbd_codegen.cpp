@@ -437,8 +437,8 @@ void print_source(const options *o, const robot *r, const std::vector<codegen::t
     end();
 }
 
-/* A bent pose, since a straight one has little to show: each joint is 0.5 from the neutral configuration. A
-   free base stays in it. */
+/* A bent pose, since a straight one has little to show: each joint is 0.5 from the neutral configuration,
+   except a free base. */
 std::vector<double> bent_pose(const rbd_model *model) {
     std::vector<double> q(size_t(rbd_nq(model))), turn(size_t(rbd_nv(model)), 0.5);
     for (int body = 0; body < rbd_nb(model); body++) {

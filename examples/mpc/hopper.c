@@ -114,7 +114,8 @@ static void prepare(void) {
                              .derivatives = derivatives,
                              .cost = cost};
     /* A row of every step: in one tick the motor may push the foot down by more than the default margin. */
-    const rbd_contact_options options = {.margin = 1, .tolerance = 1e-10, .derivatives = 1};
+    /* The planner moves q by v_next: first order. */
+    const rbd_contact_options options = {.margin = 1, .tolerance = 1e-10, .derivatives = 1, .first_order = 1};
     check(rbd_model_build(bodies, NB, model_memory, sizeof model_memory, &m, NULL));
     check(rbd_work_init(m, work_memory, sizeof work_memory, &w));
     check(rbd_derivatives_init(m, w, derivatives_memory, sizeof derivatives_memory, &d));

@@ -531,7 +531,7 @@ actuated      nv       1 where there is a motor, else 0; None = all but floating
 weight        rows     from 0; None = 1
 distance      -        rad, if lengths have weights of 1 / length^2 or 0
 s             -        part of the way: 0 is q0, 1 is q1
-damping       nv       implicit: tau acts as tau - damping v_next; of a controller kd + dt kp; None = 0
+damping       nv       implicit: tau acts as tau - damping v_next; of a controller kd + dt kp / 2; None = 0
 dt            -        s
 restitution   -        0 (nothing rebounds) to 1
 body          -        index, or name of the link
@@ -1084,6 +1084,7 @@ class ContactOptions:
     joint_damping: bool = False     #: the description's damping, implicitly
     slip: float = 0.0           #: contacts that stick give way along the plane, m/s per newton [0]
     derivatives: bool = False       #: memory for step_derivatives
+    first_order: bool = False       #: semi-implicit Euler: q_next is q moved by v_next, for planners
 
 
 _PER_DOF = ("armature", "damping", "friction")
@@ -1608,11 +1609,12 @@ class Model(_Owner):
 
     @_c("work", "c", batch=True)
     def bias(self, q, v, f_ext=None):
-        """Bias force c = tau at a = 0: velocity terms, gravity, minus external wrenches."""
+        """Bias force c, the part of inverse dynamics that does not depend on a: velocity terms, gravity, minus
+        external wrenches."""
 
     @_c("work", "g")
     def gravity_torque(self, q):
-        """Gravity torque g = tau at v = a = 0: what holds the robot still."""
+        """Gravity torque g, which holds the robot still: inverse dynamics at v = a = 0, without f_ext."""
 
     @_c("work", "p? ctv?")
     def generalized_momentum(self, q, v, *, p=True, ctv=True):
@@ -1822,6 +1824,10 @@ class Model(_Owner):
     def integrate(self, q, v, dt):
         """q moved by the tangent step v dt: exponentials in body axes for spherical, planar and floating
         joints, addition for the others."""
+
+    @_c("work", "q_next v_next", c_inputs="q v tau f_ext damping dt")
+    def free_step(self, q, v, tau, dt, f_ext=None, damping=None):
+        """A step of second order from torques, without contacts, which keeps the energy of what turns."""
 
     @_c("", "q_next v_next")
     def step(self, q, v, a, dt):

@@ -250,6 +250,7 @@ class ContactOptions:
     joint_damping: bool = False     #: the description's damping, implicitly
     slip: float = 0.0           #: contacts that stick give way along the plane, m/s per newton [0]
     derivatives: bool = False       #: memory for step_derivatives
+    first_order: bool = False       #: semi-implicit Euler: q_next is q moved by v_next, for planners
 
 
 class ContactResult(NamedTuple):
@@ -289,7 +290,7 @@ class ContactSet:
             tau          nv        torque or force of each degree of freedom: N m, N
             dt                     s
             f_ext        nb x 6    wrench (moment; force) on each body, in its axes, at its origin: N m, N; None = none
-            damping      nv        implicit: tau acts as tau - damping v_next; of a controller kd + dt kp; None = 0
+            damping      nv        implicit: tau acts as tau - damping v_next; of a controller kd + dt kp / 2; None = 0
         gives
             q_next       nq        configuration
             v_next       nv        velocity
@@ -305,7 +306,7 @@ class ContactSet:
             tau          nv        torque or force of each degree of freedom: N m, N
             dt                     s
             f_ext        nb x 6    wrench (moment; force) on each body, in its axes, at its origin: N m, N; None = none
-            damping      nv        implicit: tau acts as tau - damping v_next; of a controller kd + dt kp; None = 0
+            damping      nv        implicit: tau acts as tau - damping v_next; of a controller kd + dt kp / 2; None = 0
         gives
             a            nv        acceleration dv/dt: rad/s^2, m/s^2
         Axes before these count states, and are broadcast: one call of C for each state."""
@@ -322,7 +323,7 @@ class ContactSet:
             tau          nv        torque or force of each degree of freedom: N m, N
             dt                     s
             f_ext        nb x 6    wrench (moment; force) on each body, in its axes, at its origin: N m, N; None = none
-            damping      nv        implicit: tau acts as tau - damping v_next; of a controller kd + dt kp; None = 0
+            damping      nv        implicit: tau acts as tau - damping v_next; of a controller kd + dt kp / 2; None = 0
         gives
             q_next       nq        configuration
             v_next       nv        velocity
@@ -559,7 +560,8 @@ class Model:
         Axes before these count states, and are broadcast: C computes them together."""
 
     def bias(self, q: ArrayLike, v: ArrayLike, f_ext: ArrayLike | None = None) -> Array:
-        """Bias force c = tau at a = 0: velocity terms, gravity, minus external wrenches.
+        """Bias force c, the part of inverse dynamics that does not depend on a: velocity terms, gravity, minus
+        external wrenches.
 
             q            nq        configuration: rad, m, quaternions (x, y, z, w)
             v            nv        velocity: rad/s, m/s; of a free base (omega; v) in body axes
@@ -569,7 +571,7 @@ class Model:
         Axes before these count states, and are broadcast: C computes them together."""
 
     def gravity_torque(self, q: ArrayLike) -> Array:
-        """Gravity torque g = tau at v = a = 0: what holds the robot still.
+        """Gravity torque g, which holds the robot still: inverse dynamics at v = a = 0, without f_ext.
 
             q            nq        configuration: rad, m, quaternions (x, y, z, w)
         gives
@@ -878,6 +880,21 @@ class Model:
             dt                     s
         gives
             q_next       nq        configuration
+        Axes before these count states, and are broadcast: one call of C for each state."""
+
+    def free_step(self, q: ArrayLike, v: ArrayLike, tau: ArrayLike, dt: ArrayLike,
+                  f_ext: ArrayLike | None = None, damping: ArrayLike | None = None) -> free_step_results:
+        """A step of second order from torques, without contacts, which keeps the energy of what turns.
+
+            q            nq        configuration: rad, m, quaternions (x, y, z, w)
+            v            nv        velocity: rad/s, m/s; of a free base (omega; v) in body axes
+            tau          nv        torque or force of each degree of freedom: N m, N
+            dt                     s
+            f_ext        nb x 6    wrench (moment; force) on each body, in its axes, at its origin: N m, N; None = none
+            damping      nv        implicit: tau acts as tau - damping v_next; of a controller kd + dt kp / 2; None = 0
+        gives
+            q_next       nq        configuration
+            v_next       nv        velocity
         Axes before these count states, and are broadcast: one call of C for each state."""
 
     def step(self, q: ArrayLike, v: ArrayLike, a: ArrayLike, dt: ArrayLike) -> step_results:
@@ -1589,6 +1606,11 @@ class com_results(NamedTuple):
 class momentum_results(NamedTuple):
     h: Array
     h_dot: Array
+
+
+class free_step_results(NamedTuple):
+    q_next: Array
+    v_next: Array
 
 
 class step_results(NamedTuple):

@@ -89,6 +89,7 @@ typedef struct rbd_contact_options {
     int joint_damping;  /* not 0: the description's damping, implicitly */
     double slip;        /* contacts that stick give way along the plane, m/s per newton [0] */
     int derivatives;    /* not 0: memory for rbd_contact_step_derivatives */
+    int first_order;    /* not 0: steps of semi-implicit Euler, q_next is q moved by v_next: for planners */
 } rbd_contact_options;
 
 typedef struct rbd_contact_set rbd_contact_set; /* contacts, impulses of the last step, scratch */
@@ -123,25 +124,30 @@ RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constr
    q: nq, v, tau, damping: nv, f_ext: nb x 6 or NULL. An output may be the same array as the input of its
    name.
    damping    implicit: tau acts as tau - damping v_next. A position controller of gains kp, kd that runs with
-              the step has damping = kd + dt kp and tau = kp (q_wanted - q): stable at every dt. NULL: 0
-   Errors: RBD_ERR_NULL, _WORK; _RANGE, dt not between 1e-30 and 1e30; _SINGULAR if M + dt D is, D the damping:
-   damping makes a joint sound that moves no mass; _NAN as rbd_constrained_fd,
-   _NAN also of a gap that is not a number and of speeds above 1e12: then q_next is q and v_next or a is 0. A
-   solution above the tolerance is no error: rbd_contact_last. */
+              the step has tau = kp (q_wanted - q) and damping = kd + dt kp / 2, which is neutral: it neither
+              adds nor takes energy beyond kd. kd + dt kp is stable at every dt, and brakes. NULL: 0
+   Errors: RBD_ERR_NULL, _WORK; _RANGE, dt not between 1e-30 and 1e30; _SINGULAR if M + dt D is, D the
+   damping: damping makes a joint sound that moves no mass; _NAN as rbd_constrained_fd, _NAN also of a gap
+   that is not a number and of speeds above 1e12: then q_next is q and v_next or a is 0. A solution above
+   the tolerance is no error: rbd_contact_last. */
 
-/* One time step dt, semi-implicit: velocities first, by
+/* One time step dt by the midpoint scheme of Moreau (1999), of second order: half of the way by v, to q_mid;
+   there, with v in its axes,
 
-       M (nu - v) = dt (tau - c + sum J_b' f_ext) + J' p,   u = J nu,   laws of u + bias and p
+       M (nu - v) = dt (tau - c(w) + sum J_b' f_ext - damping nu) + J' p,   w = (v + nu) / 2,   laws of u + bias, p
 
-   then q_next by nu, and v_next, which is nu in the axes of the end. The bias lets contacts close their gap,
-   makes stiff ones springs and dampers, and reverses approaches that rebound. Penetration is corrected in
-   positions alone, by a second solution with the same Delta, so that it gives no velocity. */
+   where u is the velocity of the end along the rows; the other half by nu; v_next is nu in the axes of the end.
+   f_ext acts in the axes that bodies have in the middle. The bias lets contacts close their gap, makes stiff
+   ones springs and dampers, and reverses approaches that rebound. Penetration is corrected in positions alone,
+   by a second solution with the same Delta, so that it gives no velocity.
+   Energy is kept to second order in dt: docs/contact_step.md says when it is made or taken, and how much. */
 RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
                                      const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                      const rbd_real *damping, rbd_real dt, rbd_real *q_next,
                                      rbd_real *v_next);
 
-/* Its acceleration. By it rbd_step gives q_next and v_next, unless something penetrates or rebounds. */
+/* The acceleration at q and v with which a step of first order, rbd_step, obeys the laws at its end; for
+   schemes of your own. rbd_contact_step differs from that step by O(dt^2). */
 RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
                                    const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                    const rbd_real *damping, rbd_real dt, rbd_real *a);
@@ -155,11 +161,12 @@ RBDI_API rbd_status rbd_contact_plane(const rbd_model *m, rbd_contact_set *c, in
 RBDI_API void rbd_contact_reset(rbd_contact_set *c);
 
 /* Returns the state of contact i in the last step; RBD_APART without such a contact.
-   gap        before the step, m; may be NULL
+   gap        before the step, m, to third order in dt where the contact moves; may be NULL
    force      p/dt on body 1, world axes, N; may be NULL */
 RBDI_API rbd_contact_state rbd_contact_get(const rbd_contact_set *c, int i, rbd_real *gap, rbd_real force[3]);
 
-/* Residual and iterations of the last step, of both solutions if it has two; all 0 without a set or step. */
+/* Residual and iterations of the last step: the residual is that of positions and velocities, iterations
+   are all; all 0 without a set or step. */
 RBDI_API rbd_contact_solution rbd_contact_last(const rbd_contact_set *c);
 
 #endif

@@ -11,18 +11,19 @@
    after either all results are 0.
 
    M is singular if one of its pivots is not above the rounding of the description and of the call's own
-   terms: [guarantees]. A pivot below 1e-7 (float: 1e-3) of the largest inertia that its joint can move is in
-   doubt. Then the call bounds its rounding to decide: rbd_aba takes up to six times as long. */
+   terms: [guarantees]. A pivot below 1e-7 (float: 1e-3) of the largest inertia that its joint can move is
+   in doubt. Then the call bounds its rounding to decide: rbd_aba takes up to six times as long. */
 
 /* Inverse dynamics tau = M(q) a + c(q, v) - sum J' f_ext. Recursive Newton-Euler, RBDA table 5.1. */
 RBDI_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                              const rbd_real *a, const rbd_real *f_ext, rbd_real *tau);
 
-/* Bias force c = tau at a = 0: velocity terms, gravity, minus external wrenches. */
+/* Bias force c, the part of inverse dynamics that does not depend on a: velocity terms, gravity, minus
+   external wrenches. rbd_rnea gives it at a = 0. */
 RBDI_API rbd_status rbd_bias(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                              const rbd_real *f_ext, rbd_real *c);
 
-/* Gravity torque g = tau at v = a = 0: it holds the robot still. */
+/* Gravity torque g, which holds the robot still. rbd_rnea gives it at v = a = 0, without f_ext. */
 RBDI_API rbd_status rbd_gravity_torque(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *g);
 
 /* Generalized momentum p = M v and C' v, for a momentum observer, which detects contacts by dp/dt = tau +

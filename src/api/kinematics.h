@@ -13,8 +13,9 @@
 RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                    const rbd_real *a);
 
-/* The same of one body and of the bodies between it and the world only. For bodies that other joints move,
-   and for sums over all bodies, the functions below then return RBD_ERR_ORDER.
+/* Computes poses, velocities and accelerations of one body, and of the bodies between it and the world, as
+   rbd_kinematics does of all. For other bodies, and for sums over all bodies, the functions below then return
+   RBD_ERR_ORDER. q: nq; v, a: nv, or NULL for zero.
    Errors: RBD_ERR_NULL, _WORK, _INDEX. */
 RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int body, const rbd_real *q,
                                         const rbd_real *v, const rbd_real *a);
@@ -24,15 +25,15 @@ RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int bod
 RBDI_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int body, rbd_real rotation[9],
                                   rbd_real p[3]);
 
-/* Spatial velocity (omega; v of the link origin), link axes. */
+/* Spatial velocity of a body (omega; v of the link origin), link axes. */
 RBDI_API rbd_status rbd_body_velocity(const rbd_model *m, const rbd_work *w, int body, rbd_real velocity[6]);
 
-/* Spatial acceleration, link axes, without gravity: d/dt of the components of the velocity. */
+/* Spatial acceleration of a body, link axes, without gravity: d/dt of the components of the velocity. */
 RBDI_API rbd_status rbd_body_acceleration(const rbd_model *m, const rbd_work *w, int body,
                                           rbd_real acceleration[6]);
 
-/* Classical acceleration (domega/dt; acceleration of the link origin), link axes, without gravity: an
-   accelerometer at the origin measures it minus gravity. */
+/* Classical acceleration of a body (domega/dt; acceleration of the link origin), link axes, without gravity:
+   an accelerometer at the origin measures it minus gravity. */
 RBDI_API rbd_status rbd_body_acceleration_classical(const rbd_model *m, const rbd_work *w, int body,
                                                     rbd_real acceleration[6]);
 
@@ -41,8 +42,8 @@ RBDI_API rbd_status rbd_body_acceleration_classical(const rbd_model *m, const rb
    _WORK, _ORDER. */
 RBDI_API rbd_status rbd_energy(const rbd_model *m, const rbd_work *w, rbd_real *kinetic, rbd_real *potential);
 
-/* Centre of mass of those bodies, its velocity and acceleration, world frame; after rbd_kinematics.
-   Each may be NULL. Zero if there is no mass. */
+/* Centre of mass of all bodies that a joint moves, its velocity and acceleration, world frame; after
+   rbd_kinematics. Each may be NULL. Zero if there is no mass. */
 RBDI_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real position[3], rbd_real velocity[3],
                             rbd_real acceleration[3]);
 

@@ -64,6 +64,7 @@
 #define rbd_neutral RBDI_SYMBOL(rbd_neutral)
 #define rbd_integrate RBDI_SYMBOL(rbd_integrate)
 #define rbd_step RBDI_SYMBOL(rbd_step)
+#define rbd_free_step RBDI_SYMBOL(rbd_free_step)
 #define rbd_difference RBDI_SYMBOL(rbd_difference)
 #define rbd_interpolate RBDI_SYMBOL(rbd_interpolate)
 #define rbd_distance RBDI_SYMBOL(rbd_distance)

@@ -30,8 +30,8 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #endif
 #define RBDI_GCC (RBDI_GNU && !RBDI_CLANG)
 
-/* GCC has no macro for -fsingle-precision-constant, which rounds constants to float. It does no harm to
-   float. */
+/* GCC has no macro for -fsingle-precision-constant, which rounds constants to float. It does no harm if
+   rbd_real is float. */
 #if RBDI_REAL_KIND != 2
 typedef char rbd_needs_no_fsingle_precision_constant[sizeof 1.0 == sizeof(double) ? 1 : -1];
 #endif

@@ -14,10 +14,10 @@
 
    An exact pivot can be rounding too: an axis that should go through a mass m misses it by L eps, L the
    distance to the frame that it is described in, and the pivot is m (L eps)^2. dof.scale has RBDI_ROD m L^2
-   in it. With RBDI_ROD = 16 eps / RBDI_DOUBT a pivot up to 16 eps m L^2 is in doubt, and one up to RBDI_NOISE
-   RBDI_SHARE RBDI_ROD m L^2 is singular: 2.5e-26 m L^2, far above the 5e-32 m L^2 of a rounding, and far
-   below any real robot, whose radius of gyration would be 2e-13 L. In float 1e-21 m L^2, for descriptions are
-   double. The factor has a quarter in place of RBDI_SHARE.
+   in it. With RBDI_ROD = 16 eps / RBDI_DOUBT a pivot up to 16 eps m L^2 is in doubt, and one up to
+   RBDI_NOISE RBDI_SHARE RBDI_ROD m L^2 is singular: 2.5e-26 m L^2, far above the 5e-32 m L^2 of a rounding,
+   and far below any real robot, whose radius of gyration would be 2e-13 L. In float 1e-21 m L^2, for
+   descriptions are double. The factor has a quarter in place of RBDI_SHARE.
 
    RBDI_SHARE: of dof.scale in rbd_aba's e. A chain of n rods has a dof.scale of n^3/3 rods: with a much
    larger share float chains of 200 rods are refused, with a much smaller one the rounding of a description

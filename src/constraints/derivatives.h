@@ -5,7 +5,7 @@
 #include "api/constrained_derivatives.h"
 #include "constraints/calls.h"
 
-/* Interface: rbdi_differentiate_error, rbdi_differentiate_forces, rbdi_differentiate_motion,
+/* Interface: rbdi_cross_add, rbdi_differentiate_error, rbdi_differentiate_forces, rbdi_differentiate_motion,
    rbdi_motion_derivatives, rbdi_pair_motion, rbdi_pair_motion_of */
 
 /* ---- derivatives [derivatives code] ----

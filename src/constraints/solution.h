@@ -3,7 +3,7 @@
 #include "dynamics/packed.h"
 #include "constraints/layout.h"
 
-/* Interface: rbdi_sweep_back, rbdi_y_lambda */
+/* Interface: rbdi_y_lambda */
 
 /* ---- solution [solution] ----
    The steps by the factor M = L'DL, before and after [factor] or [rank]. */

@@ -79,7 +79,7 @@ RBDI_PART void rbdi_project_contact(rbdi_contact_law *law, const rbd_real *p, co
     if (!(n > 0)) return;
     to[0] = x, to[1] = y, to[2] = n;
     law->state = RBD_STICKS;
-    if (size <= most && law->friction > 0) return;
+    if (size <= most * RBDI_ON_CONE && law->friction > 0) return;
     law->state = RBD_SLIPS;
     law->e[0] = size > 0 ? x / size : rbdi_zero(), law->e[1] = size > 0 ? y / size : rbdi_zero();
     law->alpha = law->d * (size > RBDI_FASTEST_SLIP * most ? RBDI_FASTEST_SLIP : (size - most) / most);

@@ -52,26 +52,35 @@ typedef struct rbdi_contact_solver {
          (5 + RBDI_CHUNK + RBDI_CONTACT_ROWS(contacts, bounded)))
 #define RBDI_CONTACT_ROWS(contacts, bounded) (3 * (size_t)(contacts) + (size_t)(bounded))
 
+/* A distance that a row keeps from being negative, m or rad: at the step's beginning, its rate there, and what
+   it would be at the end if the velocity of the end were 0. */
+typedef struct rbdi_gap {
+    rbd_real start, rate, reach;
+} rbdi_gap;
+
 /* A contact of a set. */
 typedef struct rbdi_contact {
     rbdi_c3 point; /* link axes */
     rbd_const radius, friction, restitution, stiffness, damping;
-    rbd_real gap, approach; /* m; u_n before the step, m/s */
-    rbd_real force[3];      /* of the last step, world axes */
+    rbdi_gap gap;
+    rbd_real falls;    /* u_n that forces would add in the step without impulses, m/s */
+    rbdi_v3 roll;      /* acceleration of the place of contact over the ball, world axes, m/s^2 */
+    rbd_real force[3]; /* of the last step, world axes */
     int body2;
     int row;      /* of the step, -1 = none */
+    int springs;  /* whether its stiffness acts in the step */
     int rebounds; /* whether the solution for the velocities returns a share of its approach */
     rbd_contact_state state;
 } rbdi_contact;
 
 /* A row of one degree of freedom: a limit of its joint or its dry friction. */
 typedef struct rbdi_dof_row {
-    int16_t dof, iq;         /* iq: of the limited coordinate, -1 = dry friction */
-    rbd_const lower, upper;  /* limits, rad or m; the largest forces of dry friction, N m or N */
-    rbd_real distance, side; /* to the limit, and the row's sign: 1 at the lower, -1 at the upper one */
-    rbd_real rate;           /* of the distance, before the step */
-    int row;                 /* of the step, -1 = none */
-    int rebounds;            /* as of a contact: a limit does if it leaves */
+    int16_t dof, iq;        /* iq: of the limited coordinate, -1 = dry friction */
+    rbd_const lower, upper; /* limits, rad or m; the largest forces of dry friction, N m or N */
+    rbdi_gap gap;           /* to the limit */
+    rbd_real side;          /* the row's sign: 1 at the lower limit, -1 at the upper one */
+    int row;                /* of the step, -1 = none */
+    int rebounds;           /* as of a contact: a limit does if it leaves */
 } rbdi_dof_row;
 
 /* A set of contacts has a set of constraints, whose rows are listed anew at each step: three of each contact
@@ -80,43 +89,51 @@ typedef struct rbdi_dof_row {
 struct rbd_contact_set {
     rbd_constraint_set *rows;
     rbd_contact_options options;
-    int n, dof_rows;              /* numbers of contacts and, at most, of rows of dofs */
-    int max_rows;                 /* rows at most */
-    int differ;                   /* whether `nu` and `moved` differ */
-    rbdi_contact *contact;        /* n */
-    rbdi_dof_row *dof_row;        /* dof_rows */
-    int16_t *place;               /* max_rows: of each row of the step */
-    rbd_real *impulse;            /* max_rows: of the last step, by place; 0 where it had no row */
-    rbd_real *friction;           /* of the step's contacts */
-    rbd_real *lower, *upper;      /* of its other rows */
-    rbd_real *b;                  /* max_rows: u without impulses, with the bias */
-    rbd_real *start, *nu, *moved; /* nv each: velocities without forces; of the end; of the positions */
-    rbd_real *x;                  /* nv: L^-T dt (tau - c - damping v) */
-    rbd_real dt, last_dt;         /* of this step; of the last one, 1 = none */
-    rbd_real *sigma;              /* of derivatives: max_rows x nv; then nv x nv, or rows of G; NULL = none */
+    int n, dof_rows;         /* numbers of contacts and, at most, of rows of dofs */
+    int max_rows;            /* rows at most */
+    int contacts;            /* that are rows of the step */
+    int differ;              /* whether `nu` and `moved` differ */
+    rbdi_contact *contact;   /* n */
+    rbdi_dof_row *dof_row;   /* dof_rows */
+    int16_t *place;          /* max_rows: of each row of the step */
+    rbd_real *impulse;       /* max_rows: of the last step, by place; 0 where it had no row */
+    rbd_real *friction;      /* of the step's contacts */
+    rbd_real *lower, *upper; /* of its other rows */
+    rbd_real *b;             /* max_rows: u without impulses, with the bias */
+    rbd_real *q_mid, *v_mid; /* nq, nv: the state after half of the step, by v alone */
+    rbd_real *at, *straight; /* nv each: velocities of the velocity terms; accelerations by which, at
+                                     these velocities, origins move straight */
+    rbd_real *damping;       /* nv: all of it that is implicit */
+    rbd_real *nu, *moved;    /* nv each: velocities of the end; of the positions */
+    rbd_real *x;             /* nv: L^-T dt (tau - c - damping v_mid) */
+    rbd_real dt, last_dt;    /* of this step; of the last one, 1 = none */
+    rbd_real half, way;      /* times for which v moves q, and then the solution does: dt/2 each */
+    rbd_real *sigma;         /* of derivatives: max_rows x nv, then [step derivatives code]; NULL = none */
     rbdi_contact_solver solver;
 };
 
 /* Takes n objects from the memory at `at`, a variable of the caller. */
 #define RBDI_CUT(type, n) ((type *)rbdi_take(&at, 1, RBDI_ROUND((size_t)(n) * sizeof(type))))
 
-/* Bytes for n contacts, so many held constraints and, at most, `bounded` other rows. */
-#define RBDI_CONTACT_SET_BYTES(nv, n, constraints, bounded, stride) \
+/* Bytes for n contacts, so many held constraints and, at most, `bounded` other rows. nq <= 2 nv. */
+#define RBDI_CONTACT_SET_BYTES(nq, nv, n, constraints, bounded, stride) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_contact_set)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_contact)) + \
      RBDI_ROUND((size_t)(bounded) * sizeof(rbdi_dof_row)) + \
      RBDI_ROUND(RBDI_CONTACT_ROWS(n, bounded) * sizeof(int16_t)) + \
      RBDI_ROUND(sizeof(rbd_real) * ((size_t)(n) + 2 * (size_t)(bounded) + \
-                                    2 * RBDI_CONTACT_ROWS(n, bounded) + 4 * (size_t)(nv))) + \
+                                    2 * RBDI_CONTACT_ROWS(n, bounded) + (size_t)(nq) + 7 * (size_t)(nv))) + \
      RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded)) + \
      RBDI_CONSTRAINTS_BYTES(nv, (n) + (constraints), RBDI_CONTACT_ROWS(n, bounded), stride))
 
-/* Scalars for the option `derivatives`: sigma, then M or G. */
-#define RBDI_CONTACT_SIDES(nv, rows) \
-    ((rows) * (nv) + (int)RBDI_LARGER((nv) * (nv), (rows) * ((rows) + (nv) + RBDI_CHUNK)))
+/* Scalars for the option `derivatives`: sigma; M or G; four matrices; three rows for each of n contacts. */
+#define RBDI_CONTACT_SHARED(nv, rows) ((int)RBDI_LARGER((nv) * (nv), (rows) * ((rows) + (nv) + RBDI_CHUNK)))
+#define RBDI_CONTACT_SIDES(nv, n, rows) \
+    ((rows) * (nv) + RBDI_CONTACT_SHARED(nv, rows) + 4 * (nv) * (nv) + 3 * (n) * (nv))
 
 /* Bytes that suffice for n contacts and so many other rows: held axes, two limits of each joint, dry
    friction. */
 #define RBD_CONTACT_SET_SIZE(nv, n, bounded) \
-    RBDI_CONTACT_SET_BYTES(nv, n, bounded, bounded, 3 * (n) + (bounded) + 4 * RBDI_ROW_BATCH)
+    RBDI_CONTACT_SET_BYTES(2 * (size_t)(nv), nv, n, bounded, bounded, \
+                           3 * (n) + (bounded) + 4 * RBDI_ROW_BATCH)
 
 #endif

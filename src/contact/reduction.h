@@ -1,9 +1,10 @@
 #ifndef RBDI_CONTACT_REDUCTION_H
 #define RBDI_CONTACT_REDUCTION_H
-#include "constraints/solution.h"
+#include "dynamics/packed.h"
+#include "constraints/layout.h"
 
-/* ---- reduction [reduction] ----
-   The steps from the rows to Delta lambda = b, and from lambda to x, by the factor M = L'DL. */
+/* ---- row reduction [row reduction] ----
+   The steps from the rows to Delta lambda = b by the factor M = L'DL. */
 
 /* Y = L^-T Y, b = target - Y' D^-1 x, and the squares of b's terms. Batches may reach beyond a dof's span:
    entries there are 0. */
@@ -22,12 +23,6 @@ static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rb
             *squares = *squares + term * term;
         }
     }
-}
-
-/* x = L^-1 D^-1 (x + Y lambda). */
-static void rbdi_sweep_down(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
-    for (int k = 0; k < m->nv; ++k) c->x[k] = c->x[k] + rbdi_y_lambda(c, c->lambda, k);
-    rbdi_solve_down(m, c->w, L, 1, 1, 1, c->x);
 }
 
 #endif

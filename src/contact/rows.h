@@ -12,9 +12,13 @@
 
        Delta = Y' D^-1 Y,   J nu_0 = J v + Y' D^-1 x,   nu = v + L^-1 D^-1 (x + Y p)                      (4)
 
-   where v is in the axes of the step's beginning, [manifold code]. J is that of the place of contact at q.
-   The place moves over a ball, so dJ/dt of a point fixed in it has no part in this: the point of a wheel
-   accelerates upward, its gap does not. */
+   where v, M and J are those of the middle of the step, [step code], J of the place of contact. The laws hold
+   for the velocity of the end
+
+       u = J nu + dt/2 gamma,   gamma = dJ/dt v with classical accelerations 0
+
+   The place moves over a ball of radius R about c, so its gamma is that of c less R domega/dt x n: the point
+   of a wheel accelerates upward, its gap does not. */
 
 /* World axes of the normal of a constraint. */
 RBDI_INLINE rbdi_v3 rbdi_contact_normal(const rbd_constraint_set *s, const rbdi_constraint *con) {
@@ -23,30 +27,50 @@ RBDI_INLINE rbdi_v3 rbdi_contact_normal(const rbd_constraint_set *s, const rbdi_
     return con->link[1] < 0 ? normal : rbdi_mul_t(s->w->kin[con->link[1]].X.E, normal);
 }
 
-/* Computes gap and velocity of approach, and moves frame 1 of the constraint to the place of contact. */
-static void rbdi_contact_gap(const rbd_constraint_set *s, rbdi_constraint *con, rbdi_contact *contact) {
+/* A gap from that of the middle, with its first and second rate there. If the velocity then was u - half
+   gamma, and u = 0 at the end, second order gives its way back and onward. */
+RBDI_INLINE rbdi_gap rbdi_gap_of(rbd_real middle, rbd_real rate, rbd_real gamma, rbd_real half) {
+    rbdi_gap gap;
+    gap.rate = rate - half * gamma;
+    gap.reach = middle - half * half / 2 * gamma;
+    gap.start = gap.reach - half * gap.rate;
+    return gap;
+}
+
+/* Computes the gap, and moves frame 1 of the constraint to the place of contact. */
+static void rbdi_contact_gap(const rbd_contact_set *c, rbdi_constraint *con, rbdi_contact *contact) {
+    const rbd_constraint_set *s = c->rows;
     const rbdi_v3 normal = rbdi_contact_normal(s, con),
                   local = con->link[0] < 0 ? normal : rbdi_mul(s->w->kin[con->link[0]].X.E, normal);
     rbdi_relative_motion relative;
+    rbdi_v3 omega;
+    rbd_real middle;
     con->position[0].x = contact->point.x - contact->radius * (rbd_const)local.x;
     con->position[0].y = contact->point.y - contact->radius * (rbd_const)local.y;
     con->position[0].z = contact->point.z - contact->radius * (rbd_const)local.z;
     relative = rbdi_relative_motion_of(s, con);
-    contact->gap = rbdi_dot(normal, rbdi_sub(relative.body[0].p, rbdi_frame_origin(s, con, 1)));
-    contact->approach = rbdi_dot(normal, relative.velocity.v);
+    omega = relative.velocity.omega;
+    contact->roll = rbdi_scale(rbdi_set(contact->radius), rbdi_cross(omega, rbdi_cross(omega, normal)));
+    middle = rbdi_dot(normal, rbdi_sub(relative.body[0].p, rbdi_frame_origin(s, con, 1)));
+    contact->gap = rbdi_gap_of(middle, rbdi_dot(normal, relative.velocity.v),
+                               rbdi_dot(normal, rbdi_add(relative.rate.v, contact->roll)), c->half);
 }
 
-/* Whether this distance may become 0 within two steps, or is at most the margin, or not a number. */
-RBDI_INLINE int rbdi_may_touch(rbd_real distance, rbd_real rate, rbd_real dt, rbd_real margin) {
-    return !(distance > margin && distance + 2 * dt * rate > 0);
+/* Whether this gap may become 0 within two steps, or is at most the margin, or not a number. */
+RBDI_INLINE int rbdi_may_touch(rbdi_gap gap, rbd_real dt, rbd_real margin) {
+    return !(gap.start > margin && gap.start + 2 * dt * gap.rate > 0);
 }
 
-/* Computes the distance to the limit. Returns whether it may be reached; dry friction always acts. */
-static int rbdi_find_limit(rbdi_dof_row *limit, const rbd_real *q, const rbd_real *v, rbd_real dt) {
-    limit->distance = rbdi_zero();
+/* Computes the gap to the limit. Returns whether it may be reached; dry friction always acts. */
+static int rbdi_find_limit(const rbd_contact_set *c, rbdi_dof_row *limit, const rbd_real *q,
+                           const rbd_real *v) {
+    rbdi_gap *gap = &limit->gap;
+    gap->start = gap->rate = gap->reach = rbdi_zero();
     if (limit->iq < 0) return 1;
-    limit->distance = limit->side > 0 ? q[limit->iq] - limit->lower : limit->upper - q[limit->iq];
-    return rbdi_may_touch(limit->distance, limit->side * v[limit->dof], dt, rbdi_set(RBDI_NEAR_LIMIT));
+    gap->start = limit->side > 0 ? q[limit->iq] - limit->lower : limit->upper - q[limit->iq];
+    gap->rate = limit->side * v[limit->dof];
+    gap->reach = gap->start + c->half * gap->rate;
+    return rbdi_may_touch(*gap, c->dt, rbdi_set(RBDI_NEAR_LIMIT));
 }
 
 /* Writes a dof and its ancestors, ascending, to s->path. Returns how many. */
@@ -80,9 +104,9 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
     for (int i = 0; i < c->n; ++i, place += 3) {
         rbdi_constraint *con = &s->constraint[i];
         rbdi_contact *contact = &c->contact[i];
-        rbdi_contact_gap(s, con, contact);
-        contact->row = con->row = -1, contact->state = RBD_APART;
-        if (!rbdi_may_touch(contact->gap, contact->approach, dt, RBD_C(c->options.margin))) continue;
+        rbdi_contact_gap(c, con, contact);
+        contact->row = con->row = -1, contact->rebounds = 0, contact->state = RBD_APART;
+        if (!rbdi_may_touch(contact->gap, dt, RBD_C(c->options.margin))) continue;
         c->friction[s->rows / 3] = rbdi_set(contact->friction);
         contact->row = con->row = (int16_t)rbdi_open_rows(c, place, 3, con->dof, con->dofs);
     }
@@ -94,7 +118,8 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
     }
     for (int i = 0; i < c->dof_rows; ++i) {
         rbdi_dof_row *limit = &c->dof_row[i];
-        const int r = s->rows - 3 * contacts, acts = rbdi_find_limit(limit, q, v, dt);
+        const int r = s->rows - 3 * contacts, acts = rbdi_find_limit(c, limit, q, v);
+        limit->rebounds = 0;
         limit->row = acts ? rbdi_open_rows(c, place + i, 1, s->path, rbdi_path_to(m, s, limit->dof)) : -1;
         if (!acts) continue;
         c->lower[r] = limit->iq < 0 ? dt * limit->lower : rbdi_zero();
@@ -106,7 +131,15 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
     return contacts;
 }
 
-/* Y = J', and target = -J c->start. */
+/* Adds the part of gamma by which the place of contact rolls over a ball. */
+static void rbdi_add_roll(rbd_constraint_set *s, const rbdi_constraint *con, const rbdi_contact *contact) {
+    rbdi_axes_held h;
+    if (!(contact->radius > 0)) return;
+    rbdi_set_axes(s, con, &h);
+    rbdi_add_held(con, &h, rbdi_vec0(), contact->roll, &s->gamma[con->row]);
+}
+
+/* Y = J', and target = -J v_mid - dt/2 gamma. */
 static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     rbdi_clear(s->Y, m->nv * s->stride);
@@ -116,10 +149,32 @@ static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     for (int i = 0; i < c->dof_rows; ++i)
         if (c->dof_row[i].row >= 0)
             s->Y[c->dof_row[i].dof * s->stride + c->dof_row[i].row] = c->dof_row[i].side;
+    for (int i = 0; i < c->n; ++i)
+        if (c->contact[i].row >= 0) rbdi_add_roll(s, &s->constraint[i], &c->contact[i]);
+    rbdi_subtract(s->target, c->half, s->gamma, s->rows);
     for (int k = 0; k < m->nv; ++k) {
         const rbdi_span span = s->span[k];
-        rbdi_subtract(&s->target[span.first], c->start[k], &s->Y[k * s->stride + span.first],
+        rbdi_subtract(&s->target[span.first], c->v_mid[k], &s->Y[k * s->stride + span.first],
                       span.end - span.first);
+    }
+}
+
+/* How a contact falls without impulses, and whether its spring acts: where it is in the plane, or would be. nu:
+   velocities without impulses. Y is J'. */
+static void rbdi_find_falls(const rbd_model *m, rbd_contact_set *c, const rbd_real *nu) {
+    const rbd_constraint_set *s = c->rows;
+    for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
+        const int normal = contact->row + 2;
+        rbd_real u;
+        contact->springs = 0, contact->falls = rbdi_zero();
+        if (contact->row < 0 || !(contact->stiffness > 0 || contact->restitution > 0)) continue;
+        u = c->half * s->gamma[normal];
+        for (int k = 0; k < m->nv; ++k)
+            if (s->span[k].first <= normal && normal < s->span[k].end)
+                u = u + s->Y[k * s->stride + normal] * nu[k];
+        contact->falls = u - contact->gap.rate;
+        contact->springs =
+            contact->stiffness > 0 && (contact->gap.reach <= 0 || contact->gap.reach + c->way * u < 0);
     }
 }
 
@@ -146,71 +201,109 @@ static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
             rbd_real *d = &delta[(contact->row + j) * (n + 1)];
             if (j < 2)
                 *d = *d + RBD_C(c->options.slip) / c->dt;
-            else if (contact->stiffness > 0 && contact->gap <= 0)
-                *d = *d + 1 / (c->dt * (c->dt * contact->stiffness + contact->damping));
+            else if (contact->springs)
+                *d = *d + 2 / (c->dt * (c->way * contact->stiffness + 2 * contact->damping));
         }
 }
 
 /* ---- biases [biases] ----
-   The bias is added to u_n, so that p_n >= 0, u_n >= 0, p_n u_n = 0 is the law in each case:
+   The bias is added to u_n, so that p_n >= 0, u_n >= 0, p_n u_n = 0 is the law in each case. With h the time
+   for which the solution moves q, dt/2, the gap at the end is reach + h u_n:
 
-     apart      gap / dt: the gap is at least 0 at the end
-     rigid      0; for positions, below the slop, the option `correction` times the depth below it over dt
-     stiff      k gap / (dt k + d), and 1 / (dt (dt k + d)) on Delta's diagonal: together the implicit spring
-                and damper p_n = -dt (k (gap + dt u_n) + d u_n), stable at every dt
-     rebounds   for velocities, restitution times the approach
+     apart      reach / h: the gap is at least 0 at the end
+     rigid      0; for positions, what the first half of the step has added to the depth, over h (all of the
+                depth, if there was none before), and the option `correction` times the depth below the slop
+     stiff      k (min(start, 0) + reach) / (h k + 2 d), and 2 / (dt (h k + 2 d)) on Delta's diagonal: together
+                p_n = -dt (k (min(start, 0) + gap at the end) / 2 + d u_n). The spring has the mean of its ends,
+                so it takes and gives the same energy; the damper is implicit. Stable at every dt
+     rebounds   for velocities, restitution times the speed with which it hits: that of the beginning, and what
+                it still falls until the gap is 0
      leaves     for velocities, if another contact rebounds: the speed at which it leaves, where that is more
-                than its gap / dt
+                than its bias
 
    Without friction a rebound makes no energy then, whatever the restitutions are: impulses do the work
    p'(u+ + u-)/2, of approach and end. A contact that pushes has u+ = -e u- if it rebounds or leaves (e = 1),
-   or u+ = -gap / dt; in each case u+ + u- <= 0.
+   or u+ = -reach / h; in each case u+ + u- <= 0.
 
    The option `slip` adds a damper along the plane: slip / dt on the diagonal, so that u_t + slip p_t / dt is
    the velocity that sticks or slips. */
 
 enum { RBDI_FOR_POSITIONS, RBDI_FOR_VELOCITIES };
 
-/* A bias, m/s, and its derivative by the gap. */
+/* A bias, m/s, and its derivatives by the gap's start, rate and reach, and by how it falls. */
 typedef struct rbdi_bias {
-    rbd_real value, gain;
+    rbd_real value, by_start, by_rate, by_reach, by_falls;
 } rbdi_bias;
 
-/* The bias at this gap of a contact, or distance of a limit. Dry friction, at 0, has none. */
-static rbdi_bias rbdi_bias_at(const rbd_contact_set *c, int purpose, rbd_real gap, rbd_const stiffness,
-                              rbd_const damping) {
-    const rbd_real dt = c->dt, deeper = gap + RBD_C(c->options.slop);
-    rbdi_bias x = {gap, rbdi_zero()};
-    if (gap > 0)
-        x.gain = 1 / dt;
-    else if (stiffness > 0)
-        x.gain = stiffness / (dt * stiffness + damping);
-    else if (purpose == RBDI_FOR_POSITIONS && deeper < 0)
-        x.value = deeper, x.gain = RBD_C(c->options.correction) / dt;
-    x.value = x.value * x.gain;
+RBDI_INLINE rbdi_bias rbdi_no_bias(void) {
+    rbdi_bias x;
+    x.value = x.by_start = x.by_rate = x.by_reach = x.by_falls = rbdi_zero();
     return x;
 }
 
-/* The share of the approach that a contact returns with: all of it if it leaves. */
-static rbd_const rbdi_rebound_share(const rbdi_contact *contact) {
-    return contact->approach > 0 ? RBD_C(1) : contact->restitution;
+/* The bias of a rigid row. Dry friction, at 0, has none. */
+RBDI_INLINE rbdi_bias rbdi_rigid_bias(const rbd_contact_set *c, int purpose, const rbdi_gap *gap) {
+    const rbd_real inverse = 1 / c->way, slop = RBD_C(c->options.slop), least = -slop * RBDI_LEFT_OF_SLOP,
+                   made = gap->reach - gap->start, deeper = gap->start + slop;
+    rbdi_bias x = rbdi_no_bias();
+    if (!(gap->reach <= 0)) {
+        x.value = gap->reach * inverse, x.by_reach = inverse;
+    } else if (purpose == RBDI_FOR_POSITIONS && gap->start > 0) {
+        if (gap->reach < least) x.value = gap->reach * inverse, x.by_reach = inverse;
+    } else if (purpose == RBDI_FOR_POSITIONS) {
+        if (made < least) x.value = made * inverse, x.by_reach = inverse, x.by_start = -inverse;
+        if (deeper < 0) {
+            const rbd_real share = RBD_C(c->options.correction) * inverse;
+            x.value = x.value + share * deeper, x.by_start = x.by_start + share;
+        }
+    }
+    return x;
+}
+
+RBDI_INLINE rbdi_bias rbdi_spring_bias(const rbd_contact_set *c, const rbdi_contact *contact) {
+    const rbdi_gap *gap = &contact->gap;
+    rbdi_bias x = rbdi_no_bias();
+    x.by_reach = contact->stiffness / (c->way * contact->stiffness + 2 * contact->damping);
+    if (gap->start < 0) x.by_start = x.by_reach;
+    x.value = gap->reach * x.by_reach + gap->start * x.by_start;
+    return x;
+}
+
+/* Of a row that leaves: its rate. */
+RBDI_INLINE rbdi_bias rbdi_leaving_bias(const rbdi_gap *gap) {
+    rbdi_bias x = rbdi_no_bias();
+    x.value = gap->rate, x.by_rate = rbdi_set(RBD_C(1));
+    return x;
+}
+
+/* -restitution sqrt(rate^2 - 2 start falls / dt) */
+RBDI_INLINE rbdi_bias rbdi_rebound_bias(const rbd_contact_set *c, const rbdi_contact *contact) {
+    const rbdi_gap *gap = &contact->gap;
+    const int further = gap->start > 0 && contact->falls < 0;
+    rbd_real square = gap->rate * gap->rate, share;
+    rbdi_bias x = rbdi_no_bias();
+    if (gap->rate > 0) return rbdi_leaving_bias(gap);
+    if (further) square = square - 2 * gap->start * contact->falls / c->dt;
+    x.value = -contact->restitution * rbdi_sqrt(square);
+    share = contact->restitution * contact->restitution / x.value;
+    x.by_rate = share * gap->rate;
+    if (further) x.by_start = -share * contact->falls / c->dt, x.by_falls = -share * gap->start / c->dt;
+    return x;
 }
 
 static rbdi_bias rbdi_contact_bias(const rbd_contact_set *c, int purpose, const rbdi_contact *contact) {
-    const rbdi_bias rebound = {contact->approach * rbdi_rebound_share(contact), rbdi_zero()};
-    if (purpose == RBDI_FOR_VELOCITIES && contact->rebounds) return rebound;
-    return rbdi_bias_at(c, purpose, contact->gap, contact->stiffness, contact->damping);
+    if (purpose == RBDI_FOR_VELOCITIES && contact->rebounds) return rbdi_rebound_bias(c, contact);
+    return contact->springs ? rbdi_spring_bias(c, contact) : rbdi_rigid_bias(c, purpose, &contact->gap);
 }
 
 static rbdi_bias rbdi_limit_bias(const rbd_contact_set *c, int purpose, const rbdi_dof_row *limit) {
-    const rbdi_bias rebound = {limit->rate, rbdi_zero()};
-    if (purpose == RBDI_FOR_VELOCITIES && limit->rebounds) return rebound;
-    return rbdi_bias_at(c, purpose, limit->distance, 0, 0);
+    if (purpose == RBDI_FOR_VELOCITIES && limit->rebounds) return rbdi_leaving_bias(&limit->gap);
+    return rbdi_rigid_bias(c, purpose, &limit->gap);
 }
 
 /* Whether a rigid row leaves, faster than it may close its gap. */
-static int rbdi_leaves(const rbd_contact_set *c, rbd_real gap, rbd_real rate) {
-    return rate > 0 && rate > rbdi_bias_at(c, RBDI_FOR_VELOCITIES, gap, 0, 0).value;
+static int rbdi_leaves(const rbd_contact_set *c, const rbdi_gap *gap) {
+    return gap->rate > 0 && gap->rate > rbdi_rigid_bias(c, RBDI_FOR_VELOCITIES, gap).value;
 }
 
 /* Finds the contacts that rebound by the first solution, and then those that leave. */
@@ -218,27 +311,30 @@ static void rbdi_find_rebounds(rbd_contact_set *c) {
     int any = 0;
     for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
         contact->rebounds = contact->row >= 0 && contact->restitution > 0 &&
-                            contact->approach < -RBD_C(c->options.bounce) &&
+                            contact->gap.rate < -RBD_C(c->options.bounce) &&
                             c->rows->lambda[contact->row + 2] > 0;
         any |= contact->rebounds;
     }
 
-    for (rbdi_contact *contact = c->contact; any && contact < c->contact + c->n; ++contact) {
-        const int springs = contact->stiffness > 0 && contact->gap <= 0;
-        if (contact->row >= 0 && !springs && rbdi_leaves(c, contact->gap, contact->approach))
-            contact->rebounds = 1;
-    }
-    for (rbdi_dof_row *limit = c->dof_row; limit < c->dof_row + c->dof_rows; ++limit) {
-        limit->rate = limit->side * c->start[limit->dof];
-        limit->rebounds =
-            any && limit->row >= 0 && limit->iq >= 0 && rbdi_leaves(c, limit->distance, limit->rate);
-    }
+    for (rbdi_contact *contact = c->contact; any && contact < c->contact + c->n; ++contact)
+        if (contact->row >= 0 && !contact->springs && rbdi_leaves(c, &contact->gap)) contact->rebounds = 1;
+    for (rbdi_dof_row *limit = c->dof_row; limit < c->dof_row + c->dof_rows; ++limit)
+        limit->rebounds = any && limit->row >= 0 && limit->iq >= 0 && rbdi_leaves(c, &limit->gap);
 }
 
-/* The bias of a held row with the error e, which counts as a penetration on either side. */
-static rbdi_bias rbdi_held_bias(const rbd_contact_set *c, int purpose, rbd_real e) {
-    rbdi_bias x = rbdi_bias_at(c, purpose, -rbdi_abs(e), 0, 0);
-    if (e > 0) x.value = -x.value;
+/* The bias of a held row: its error counts as a penetration on either side. */
+static rbdi_bias rbdi_held_bias(const rbd_contact_set *c, int purpose, int row) {
+    const rbd_constraint_set *s = c->rows;
+    const rbdi_gap gap = rbdi_gap_of(s->e[row], s->velocity[row], s->gamma[row], c->half);
+    const rbd_real inverse = 1 / c->way, slop = RBD_C(c->options.slop), made = gap.reach - gap.start,
+                   over = rbdi_abs(gap.start) - slop, share = RBD_C(c->options.correction) * inverse;
+    rbdi_bias x = rbdi_no_bias();
+    if (purpose != RBDI_FOR_POSITIONS) return x;
+    if (rbdi_abs(made) > slop * RBDI_LEFT_OF_SLOP)
+        x.value = made * inverse, x.by_reach = inverse, x.by_start = -inverse;
+    if (!(over > 0)) return x;
+    x.value = x.value + share * (gap.start > 0 ? over : -over);
+    x.by_start = x.by_start + share;
     return x;
 }
 
@@ -258,7 +354,7 @@ static int rbdi_write_biases(rbd_contact_set *c, int purpose) {
             changed |= rbdi_write_bias(c, contact->row + 2, rbdi_contact_bias(c, purpose, contact).value);
     for (const rbdi_constraint *con = s->constraint + c->n; con < s->constraint + s->n; ++con)
         for (int r = con->row; r < con->row + con->rows; ++r)
-            changed |= rbdi_write_bias(c, r, rbdi_held_bias(c, purpose, s->e[r]).value);
+            changed |= rbdi_write_bias(c, r, rbdi_held_bias(c, purpose, r).value);
     for (const rbdi_dof_row *limit = c->dof_row; limit < c->dof_row + c->dof_rows; ++limit)
         if (limit->row >= 0)
             changed |= rbdi_write_bias(c, limit->row, rbdi_limit_bias(c, purpose, limit).value);

@@ -80,7 +80,7 @@ static rbd_status rbdi_check_options(const rbd_contact_options *o, rbd_report *r
 }
 
 static rbd_contact_options rbdi_contact_defaults(const rbd_contact_options *given) {
-    const rbd_contact_options none = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+    const rbd_contact_options none = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
     rbd_contact_options o = given ? *given : none;
     if (!(o.margin > 0)) o.margin = 0.005;
     if (!(o.slop > 0)) o.slop = 1e-5;
@@ -131,8 +131,8 @@ RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constr
     if (!m || n < 0 || n_held < 0 || n > RBD_MAX_CONSTRAINTS || n_held > RBD_MAX_CONSTRAINTS - n) return 0;
     if (!held && n_held > 0) return 0;
     bounded = rbdi_rows_of(held, n_held) + rbdi_list_dof_rows(m, &o, NULL), most = 3 * n + bounded;
-    return RBDI_CONTACT_SET_BYTES(m->nv, n, n_held, bounded, rbdi_row_stride(most)) +
-           (o.derivatives ? RBDI_ROUND(sizeof(rbd_real) * (size_t)RBDI_CONTACT_SIDES(m->nv, most)) : 0);
+    return RBDI_CONTACT_SET_BYTES(m->nq, m->nv, n, n_held, bounded, rbdi_row_stride(most)) +
+           (o.derivatives ? RBDI_ROUND(sizeof(rbd_real) * (size_t)RBDI_CONTACT_SIDES(m->nv, n, most)) : 0);
 }
 
 static rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work *w, const rbd_contact *list,
@@ -168,12 +168,15 @@ static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held,
     c->contact = RBDI_CUT(rbdi_contact, n);
     c->dof_row = RBDI_CUT(rbdi_dof_row, bounded);
     c->place = RBDI_CUT(int16_t, c->max_rows);
-    c->friction = RBDI_CUT(rbd_real, n + 2 * bounded + 2 * c->max_rows + 4 * nv), c->lower = c->friction + n;
-    c->upper = c->lower + bounded, c->b = c->upper + bounded, c->impulse = c->b + c->max_rows;
-    c->start = c->impulse + c->max_rows, c->nu = c->start + nv, c->moved = c->nu + nv, c->x = c->moved + nv;
+    c->friction = RBDI_CUT(rbd_real, n + 2 * bounded + 2 * c->max_rows + m->nq + 7 * nv);
+    c->lower = c->friction + n, c->upper = c->lower + bounded;
+    c->b = c->upper + bounded, c->impulse = c->b + c->max_rows;
+    c->q_mid = c->impulse + c->max_rows, c->v_mid = c->q_mid + m->nq;
+    c->at = c->v_mid + nv, c->straight = c->at + nv;
+    c->damping = c->straight + nv, c->nu = c->damping + nv, c->moved = c->nu + nv, c->x = c->moved + nv;
     rbdi_lay_solver(&c->solver, n, bounded, at);
     at += RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded));
-    c->sigma = o->derivatives ? RBDI_CUT(rbd_real, RBDI_CONTACT_SIDES(nv, c->max_rows)) : NULL;
+    c->sigma = o->derivatives ? RBDI_CUT(rbd_real, RBDI_CONTACT_SIDES(nv, n, c->max_rows)) : NULL;
     c->rows = rbdi_lay_constraints(nv, n + n_held, c->max_rows, at);
     return c;
 }
@@ -199,7 +202,7 @@ RBDI_API void rbd_contact_reset(rbd_contact_set *c) {
     rbdi_clear(c->impulse, c->max_rows);
     for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
         rbdi_clear(contact->force, 3);
-        contact->state = RBD_APART, contact->gap = rbdi_zero(), contact->row = -1;
+        contact->state = RBD_APART, contact->gap.start = rbdi_zero(), contact->row = -1;
     }
 }
 
@@ -224,6 +227,7 @@ RBDI_API rbd_status rbd_contact_set_init(const rbd_model *m, rbd_work *w, const 
         c->rows->constraint[i].kp = 1; /* any value above 0: derivatives need the position error */
     }
     rbdi_list_dof_rows(m, &o, c->dof_row);
+    rbdi_clear(c->straight, m->nv);
     rbdi_begin_set(m, w, c->rows);
     rbd_contact_reset(c);
     *contacts = c;

@@ -14,12 +14,12 @@ RBDI_CODE_BEGIN
 #endif
 
 /* ---- common frame [common frame] ----
-   All spatial quantities of a tree are in one frame. Its axes are the world's, its origin is that of the
-   first rotating link from the root, and at this instant it moves with that origin. Any frame that moves
-   uniformly gives the same matrices; this one keeps the place and velocity of a root out of the differences
-   that give small inertias. The world moves with -v of that origin. Every recursion is a sum over ancestors
-   or over a subtree. All else is computed for each dof alone: the dofs, in the caller's order, are the SIMD
-   lanes.
+   All spatial quantities of a tree are in one frame with the axes of the world. Its origin is the origin of
+   the first rotating link from the root, and it moves with that link's origin at this instant. Any frame that
+   moves uniformly gives the same matrices. This one keeps the place and velocity of a root out of the
+   differences that give small inertias. Seen from it, the world moves with -v of that origin. Every
+   recursion is a sum over ancestors or over a subtree. All else is computed for each dof alone: the dofs,
+   in the caller's order, are the SIMD lanes.
 
    A joint of several dofs is a chain of dofs without mass between; all of them see the same parent and link.
    R = (ex ey ez): axes of the dof's link, its own axis on ez; x: origin. V_p, A_p: parent's, V, A: link's.

@@ -4,7 +4,7 @@
 #include "motion/manifold.h"
 #include "api/derivatives.h"
 
-/* Interface: rbdi_move_columns, rbdi_unforced_columns */
+/* Interface: rbdi_columns_before, rbdi_move_columns, rbdi_unforced_columns */
 
 /* ---- derivatives of steps on the configuration manifold [steps code] ----
    Of spherical, planar and floating joints; the coordinates of others add up, so their derivatives are 1 and
@@ -119,15 +119,16 @@ RBDI_API rbd_status rbd_integrate_derivatives(const rbd_model *m, const rbd_real
     return RBD_OK;
 }
 
-/* Replaces M by M dv~/dv, where v~ is the result of rbdi_unforced_velocity for v, for steps whose origins
-   move straight. */
-RBDI_PART void rbdi_unforced_columns(const rbd_model *m, const rbd_real *v, rbd_real dt, rbd_real *M) {
+/* Replaces the rows of M by M dv~/dv, where v~ is the result of rbdi_unforced_velocity for v, for steps whose
+   origins move straight. */
+RBDI_PART void rbdi_unforced_columns(const rbd_model *m, const rbd_real *v, rbd_real dt, int rows,
+                                     rbd_real *M) {
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *body = &m->frame[b];
         rbdi_motion V;
         if (!rbdi_joint_turns(body)) continue;
         V = rbdi_joint_motion(body, &v[body->iv], 1);
-        for (rbd_real *row = M + body->iv; row < M + m->nv * m->nv; row += m->nv) {
+        for (rbd_real *row = M + body->iv; row < M + rows * m->nv; row += m->nv) {
             rbdi_motion part = rbdi_joint_motion(body, row, 1);
             part.omega = rbdi_add(part.omega, rbdi_scale(dt, rbdi_cross(V.v, part.v)));
             part.v = rbdi_add(part.v, rbdi_scale(dt, rbdi_cross(part.v, V.omega)));
@@ -141,9 +142,11 @@ RBDI_PART void rbdi_unforced_columns(const rbd_model *m, const rbd_real *v, rbd_
    column is by:
 
        turn = dt J_r(dt w) dw,   dq_next = (E e + turn; E (s + dt e x v + dt dv)),
-       dv_next = E dnu + v_next x turn */
+       dv_next = E dnu + v_next x turn
+
+   own: the first column by the joint's own q, -1 = none */
 static void rbdi_turn_columns(const rbdi_frame *body, int n, const rbd_real *moved, const rbd_real *nu,
-                              rbd_real dt, int by_q, rbd_real *dq, rbd_real *dv) {
+                              rbd_real dt, int own, rbd_real *dq, rbd_real *dv) {
     const rbdi_motion V = rbdi_joint_motion(body, moved, 1), end = rbdi_joint_motion(body, nu, 1);
     const rbdi_v3 w = rbdi_scale(dt, V.omega), back = rbdi_scale(-dt, V.omega);
     const rbdi_exp e = rbdi_exp_of(w);
@@ -152,10 +155,10 @@ static void rbdi_turn_columns(const rbdi_frame *body, int n, const rbd_real *mov
         rbdi_motion position = rbdi_joint_motion(body, dq, n), velocity = rbdi_joint_motion(body, dv, n);
         const rbdi_v3 turn = rbdi_scale(dt, rbdi_exp_shift(e, back, position.omega));
         position.omega = turn, position.v = rbdi_scale(dt, position.v);
-        if (by_q && k >= body->iv && k < body->iv + body->nv) {
+        if (own >= 0 && k >= own && k < own + body->nv) {
             rbd_real unit[6] = {rbdi_zero(), rbdi_zero(), rbdi_zero(), rbdi_zero(), rbdi_zero(), rbdi_zero()};
             rbdi_motion step;
-            unit[k - body->iv] = rbdi_set(RBD_C(1));
+            unit[k - own] = rbdi_set(RBD_C(1));
             step = rbdi_joint_motion(body, unit, 1);
             position.omega = rbdi_add(turn, rbdi_turn_back(e, w, step.omega));
             position.v = rbdi_add(rbdi_add(position.v, step.v), rbdi_scale(dt, rbdi_cross(step.omega, V.v)));
@@ -174,13 +177,61 @@ RBDI_PART void rbdi_move_columns(const rbd_model *m, const rbd_real *moved, cons
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *body = &m->frame[b];
         if (rbdi_joint_turns(body)) {
-            rbdi_turn_columns(body, m->nv, &moved[body->iv], &nu[body->iv], dt, by_q, &dq[body->iv * n],
-                              &dv[body->iv * n]);
+            rbdi_turn_columns(body, m->nv, &moved[body->iv], &nu[body->iv], dt, by_q ? body->iv : -1,
+                              &dq[body->iv * n], &dv[body->iv * n]);
             continue;
         }
         for (int k = body->iv; k < body->iv + body->nv; ++k) {
             for (int j = 0; j < n; ++j) dq[k * n + j] = dq[k * n + j] * dt;
             if (by_q) dq[k * n + k] = dq[k * n + k] + rbdi_set(RBD_C(1));
+        }
+    }
+}
+
+/* Derivatives of the q and v of one joint, moved by v dt with its origin straight, v in the axes of the end:
+   nv x nv each, of q by q and by v, of v by v. */
+typedef struct rbdi_moved_joint {
+    rbd_real q_q[36], q_v[36], v_v[36];
+} rbdi_moved_joint;
+
+static rbdi_moved_joint rbdi_differentiate_move(const rbdi_frame *body, const rbd_real *v, rbd_real dt) {
+    const int n = body->nv;
+    rbd_real none[36];
+    rbdi_moved_joint by;
+    for (int k = 0; k < 36; ++k) by.q_q[k] = by.q_v[k] = by.v_v[k] = none[k] = rbdi_zero();
+    for (int k = 0; k < n; ++k) by.q_v[k * (n + 1)] = by.v_v[k * (n + 1)] = rbdi_set(RBD_C(1));
+    if (rbdi_joint_turns(body)) {
+        rbdi_turn_columns(body, n, v, v, dt, 0, by.q_q, none);
+        rbdi_turn_columns(body, n, v, v, dt, -1, by.q_v, by.v_v);
+        return by;
+    }
+    for (int k = 0; k < n; ++k) by.q_q[k * (n + 1)] = rbdi_set(RBD_C(1)), by.q_v[k * (n + 1)] = dt;
+    return by;
+}
+
+/* Replaces rows of derivatives by a state, F_q and F_v, by those by the state from which v moved it for dt:
+   F_v = F_q dq/dv + F_v dv/dv, F_q = F_q dq/dq. F_v: NULL = not wanted. */
+RBDI_PART void rbdi_columns_before(const rbd_model *m, const rbd_real *v, rbd_real dt, rbd_real *F_q,
+                                   rbd_real *F_v) {
+    for (const rbdi_frame *body = m->frame; body < m->frame + m->nb; ++body) {
+        const int n = body->nv;
+        rbdi_moved_joint by;
+        if (n == 0) continue;
+        by = rbdi_differentiate_move(body, &v[body->iv], dt);
+        for (int r = 0; r < m->nv; ++r) {
+            rbd_real *q = &F_q[r * m->nv + body->iv], new_q[6], new_v[6];
+            for (int j = 0; j < n; ++j) {
+                new_q[j] = new_v[j] = rbdi_zero();
+                for (int i = 0; i < n; ++i) {
+                    new_q[j] = new_q[j] + q[i] * by.q_q[i * n + j];
+                    new_v[j] = new_v[j] + q[i] * by.q_v[i * n + j];
+                    if (F_v) new_v[j] = new_v[j] + F_v[r * m->nv + body->iv + i] * by.v_v[i * n + j];
+                }
+            }
+            for (int j = 0; j < n; ++j) {
+                q[j] = new_q[j];
+                if (F_v) F_v[r * m->nv + body->iv + j] = new_v[j];
+            }
         }
     }
 }

@@ -293,11 +293,11 @@ RBDI_INLINE int rbdi_turns_first(const rbd_model *m, int i) {
     return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->first < 3 : l->rho > 0;
 }
 
-/* Whether a joint has slid so far that dof.scale of the turning joint before it, taken at q = 0, is no bound:
-   the slide squared times the mass that slides is above RBDI_FAR times that. */
+/* Whether a joint has slid so far that dof.scale of the turning joint before it, taken at q = 0, is no
+   bound: the slide squared times the mass that slides is above RBDI_FAR times that. */
 RBDI_PART rbdi_mask rbdi_slid_far(const rbd_model *m, const rbd_work *w) {
-    rbdi_mask beyond = rbdi_less(rbdi_zero(), rbdi_zero());
-    if (!(RBDI_FEATURES & m->features & (RBDI_SLIDES | RBDI_OTHER_BLOCKS))) return beyond;
+    rbdi_mask slid = rbdi_less(rbdi_zero(), rbdi_zero());
+    if (!(RBDI_FEATURES & m->features & (RBDI_SLIDES | RBDI_OTHER_BLOCKS))) return slid;
 
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
@@ -309,10 +309,10 @@ RBDI_PART rbdi_mask rbdi_slid_far(const rbd_model *m, const rbd_work *w) {
         if (turn < 0) continue;
 
         square = block ? rbdi_dot(w->block[l->block].X.r, w->block[l->block].X.r) : w->d[i] * w->d[i];
-        beyond = rbdi_or(
-            beyond, rbdi_less(rbdi_set(m->dof[m->link[turn].iv].scale * RBDI_FAR), square * l->subtree_mass));
+        slid = rbdi_or(
+            slid, rbdi_less(rbdi_set(m->dof[m->link[turn].iv].scale * RBDI_FAR), square * l->subtree_mass));
     }
-    return beyond;
+    return slid;
 }
 
 /* Pass 2, leaves first. Returns whether a pivot is in doubt. */

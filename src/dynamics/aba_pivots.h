@@ -10,8 +10,8 @@
        Ka = P' K P + V G V'                as Ia = P' IA P + V armature V' = IA - U U'/D
        K_p += X' (Ka + rounding) X,   e = S' K S + G
 
-   K begins with the inertias of the link's bodies, G is that of [pivots]. A change of frame rounds each entry
-   by a share of the largest. */
+   K begins with the inertias of the link's bodies, G is that of [pivots]. A change of frame rounds each
+   entry by a share of the largest. */
 
 /* S of dof k of link i, and its V, as pass 2 left it. V_z of a revolute joint without armature is 1; a free
    base has V only for the axes before S. */

@@ -4,7 +4,7 @@
 #include "base/memory.h"
 
 /* Interface: rbdi_factor, rbdi_invert, rbdi_multiply, rbdi_solve, rbdi_solve_columns, rbdi_solve_down,
-   rbdi_solve_up, rbdi_subtract, rbdi_subtract_product */
+   rbdi_solve_up, rbdi_subtract, rbdi_subtract_product, rbdi_vector_down, rbdi_vector_up */
 
 /* ---- packed matrix of a tree [packed matrix] ----
    M is symmetric, and entry (i, j) is zero unless one dof is on the path of the other to the root. Row k is
@@ -198,7 +198,7 @@ RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
 /* Solves L' y = x, then L x = y / D. One array, by depth on a dof's path, has first the sums that its
    descendants subtract, then the results on the path. It is stored as it is loaded, in batches and then
    scalars: the processor would wait for a batch that was stored as scalars. */
-RBDI_PART void rbdi_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
+RBDI_INLINE void rbdi_vector_up(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
     const rbdi_dof *dof = m->dof;
     rbd_real *path = w->F;
     rbdi_clear(path, m->nv + RBDI_BATCH);
@@ -219,6 +219,10 @@ RBDI_PART void rbdi_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, rb
         for (; t < d; ++t) path[t] = path[t] - l[t] * y;
         path[d] = rbdi_zero();
     }
+}
+RBDI_INLINE void rbdi_vector_down(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
+    const rbdi_dof *dof = m->dof;
+    rbd_real *path = w->F;
     for (const rbdi_node *node = m->node, *end = node + m->nv; node < end; ++node) {
         const int d = dof[node->dof].depth;
         const rbd_real *l = L + node->row;
@@ -227,6 +231,10 @@ RBDI_PART void rbdi_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, rb
         for (; t + 1 < d; t += 2) even = even - path[t] * l[t], odd = odd - path[t + 1] * l[t + 1];
         path[d] = x[node->dof] = t < d ? even - path[t] * l[t] + odd : even + odd;
     }
+}
+RBDI_PART void rbdi_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
+    rbdi_vector_up(m, w, L, x);
+    rbdi_vector_down(m, w, L, x);
 }
 
 /* X = L'^-1 X, and so Y: n columns of one matrix or two, by so many batches, or (batches = 0) of one by

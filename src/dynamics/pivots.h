@@ -14,24 +14,24 @@
    one of the two fails. dof.scale is taken at q = 0. A slide farther than that is a doubt as well
    (rbdi_slid_far).
 
-   Then, if a pivot is in doubt: is D > RBDI_NOISE e + RBDI_TINY, for all pivots? eps e bounds the error of D.
-   With y the motion in which dof k moves by 1 and the dofs behind it give way, column k of L^-1, D_k = y' M y
-   and
+   Then, if a pivot is in doubt: is D > RBDI_NOISE e + RBDI_TINY, for all pivots? eps e bounds the error of
+   D. With y the motion in which dof k moves by 1 and the dofs behind it give way, column k of L^-1, D_k =
+   y' M y and
 
        e_k = sum over j of y_j^2 K_jj + armature
 
    By the factor K_jj are the terms of M_jj: M_jj, the inertia of each link about its own origin along the
-   dof, and a quarter of dof.scale, the inertia of the stretched robot. Articulated bodies have smaller terms:
-   G_j = D_j + RBDI_SHARE dof.scale + armature, and each link's inertia along its motion in y. So rbd_aba is
-   right in long chains whose M has lost its digits.
+   dof, and a quarter of dof.scale, the inertia of the stretched robot. Articulated bodies have smaller
+   terms: G_j = D_j + RBDI_SHARE dof.scale + armature, and each link's inertia along its motion in y. So
+   rbd_aba is right in long chains whose M has lost its digits.
 
    Both have a part of dof.scale, because descriptions round too. An axis is off by eps, a position or a
-   centre of mass by eps of its lever. These errors move a mass m that should stand still by eps L. Its share
-   of D is m (eps L)^2, exactly computed: the error of such a pivot is all of it. dof.scale has RBDI_ROD of m
-   L^2 in it (rbdi_build_scale). */
+   centre of mass by eps of its lever. These errors move a mass m that should stand still by eps L. Its
+   share of D is m (eps L)^2, exactly computed: the error of such a pivot is all of it. dof.scale has
+   RBDI_ROD of m L^2 in it (rbdi_build_scale). */
 
-/* Replaces pivot k by 1 if it is above its noise or no pivot of the state is in doubt, by 0 if not, by -1 if
-   it is not a number. e: the bound of its terms. */
+/* Replaces pivot k by 1 if it is above its noise or no pivot of the state is in doubt, by 0 if not, by -1
+   if it is not a number. e: the bound of its terms. */
 RBDI_PART void rbdi_check_pivot(rbd_work *w, int k, rbd_real e, rbdi_mask doubt) {
     const rbd_real noise = e * RBDI_NOISE + RBDI_TINY;
     const rbd_real D = w->pivot[k], one = rbdi_set(RBD_C(1));
@@ -59,8 +59,8 @@ RBDI_PART rbd_status rbdi_pivot_status(const rbd_model *m, rbd_work *w, rbd_real
 }
 
 /* The inertia of body b about the origin of its link, along each of the link's axes: moments, then masses.
-   The build's rounding counts as well. It turns a rod on an axis, and is relative to the trace of the inertia
-   about the link's origin and about the user's, which is at r of the joint's body. */
+   The build's rounding counts as well. It turns a rod on an axis, and is relative to the trace of the
+   inertia about the link's origin and about the user's, which is at r of the joint's body. */
 RBDI_COLD void rbdi_body_inertia(const rbd_model *m, int b, rbd_real own[6]) {
     const rbdi_frame *u = &m->frame[b];
     const rbdi_mat E = rbdi_mat_c(u->E);

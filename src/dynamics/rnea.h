@@ -4,7 +4,7 @@
 #include "model/calls.h"
 #include "dynamics/state.h"
 
-/* Interface: rbdi_rnea_sweep */
+/* Interface: rbdi_rnea, rbdi_rnea_sweep */
 
 /* ---- rnea [rnea] ----
    RBDA table 5.1. Down: v_i, a_i ([state]), and f_i = I_i a_i + v_i x* I_i v_i - X* f_ext from them, here

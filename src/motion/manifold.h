@@ -3,8 +3,8 @@
 #include "api/manifold.h"
 #include "model/joints.h"
 
-/* Interface: rbdi_difference_joint, rbdi_joint_motion, rbdi_joint_turns, rbdi_move_straight,
-   rbdi_put_joint_motion, rbdi_turn_back, rbdi_turn_velocity, rbdi_unforced_velocity */
+/* Interface: rbdi_difference_joint, rbdi_joint_motion, rbdi_joint_turns, rbdi_move_joints,
+   rbdi_put_joint_motion, rbdi_straight_acceleration, rbdi_turn_back */
 
 /* ---- configuration manifold [manifold code] ---- */
 
@@ -100,6 +100,33 @@ static void rbdi_turn_velocity(const rbdi_frame *u, const rbd_real *moved, rbd_r
     V = rbdi_joint_motion(u, nu, 1);
     V.omega = rbdi_turn_back(e, turn, V.omega), V.v = rbdi_turn_back(e, turn, V.v);
     rbdi_put_joint_motion(u, V, v_next, 1);
+}
+
+/* The last two parts of all joints, for a scheme of its own: q moved by `moved` for dt, and nu in the axes of
+   its end. An output may be the input of its name. */
+RBDI_PART void rbdi_move_joints(const rbd_model *m, const rbd_real *q, const rbd_real *moved,
+                                const rbd_real *nu, rbd_real dt, rbd_real *q_next, rbd_real *v_next) {
+    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {
+        if (u->nv == 1 && u->nq == 1) { /* the most, and all that a straight step needs */
+            q_next[u->iq] = q[u->iq] + moved[u->iv] * dt;
+            v_next[u->iv] = nu[u->iv];
+        } else if (u->nv > 0) {
+            rbdi_move_straight(u, &q[u->iq], &moved[u->iv], dt, &q_next[u->iq]);
+            rbdi_turn_velocity(u, &moved[u->iv], dt, &nu[u->iv], &v_next[u->iv]);
+        }
+    }
+}
+
+/* a by which origins move straight and turns keep their axis: the linear part is -omega x v, all else 0. a:
+   0 before, but where this call writes. */
+RBDI_PART void rbdi_straight_acceleration(const rbd_model *m, const rbd_real *v, rbd_real *a) {
+    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {
+        rbdi_motion V;
+        if (!rbdi_joint_turns(u)) continue;
+        V = rbdi_joint_motion(u, &v[u->iv], 1);
+        V.v = rbdi_cross(V.v, V.omega), V.omega = rbdi_vec0();
+        rbdi_put_joint_motion(u, V, &a[u->iv], 1);
+    }
 }
 
 /* The same angle in [-pi, pi], but unchanged, to the bit, if it is there already. */

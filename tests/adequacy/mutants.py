@@ -214,7 +214,7 @@ APART = "-Dalways_inline=unused"  # compiles in a fraction of the time
 SANITIZE = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-O1", APART)
 BATCHED = "rbd.h|rbd_derivatives.h|rbd_constraints.h|rbd_batch.h"
 # tcc 0.9.27 returns the struct of rbd_contact_last, a real and two ints, in other registers than GCC reads.
-NOT_BY_TCC = ("contact_step", "contact_derivatives")
+NOT_BY_TCC = ("contact_step", "contact_energy", "contact_derivatives")
 BATCHES = "batch|gather|scatter|transpose|EXCHANGE|task|lanes|_output|note_singular"
 
 

@@ -531,13 +531,15 @@ static void add_contact_rows(int i, quad *gap, quad *opening) {
     keep_rows(exact_laws.rows, 3);
 }
 
-/* What the law of an active contact adds to u_n, for velocities. The library decided if it `rebounds`. If
-   `any` does, one that leaves may return with its speed. */
-static double bias_of(const rbd_contact *a, double gap, double opening, int rebounds, int any) {
-    if (rebounds && opening < 0) return a->restitution * opening;
-    if (any && !(a->stiffness > 0 && gap <= 0) && opening > 0 && opening > gap / now.dt) return opening;
-    if (gap > 0) return gap / now.dt;
-    return a->stiffness > 0 ? a->stiffness * gap / (now.dt * a->stiffness + a->damping) : 0;
+/* What the law of an active contact adds to u_n, for velocities, in a step of first order. The library decided
+   if it `rebounds` and `springs`, and says how it falls. If `any` rebounds, one that leaves may return with its
+   speed. */
+static double bias_of(const rbd_contact *a, const rbdi_contact *own, double gap, double opening, int any) {
+    const double falls = (double)own->falls, further = gap > 0 && falls < 0 ? 2 * gap * falls / now.dt : 0;
+    if (own->rebounds && opening < 0) return -a->restitution * sqrt(opening * opening - further);
+    if (any && !own->springs && opening > 0 && opening > gap / now.dt) return opening;
+    if (own->springs) return a->stiffness * (gap + fmin(gap, 0)) / (now.dt * a->stiffness + 2 * a->damping);
+    return gap > 0 ? gap / now.dt : 0;
 }
 
 /* ---- a problem in the library ---- */
@@ -577,7 +579,7 @@ static int find_rows(int *energy_holds) {
     laws *x = &exact_laws;
     const rbd_real *p = set->rows->lambda;
     int bounded = 0, any = 0;
-    for (int i = 0; i < now.n; i++) any |= set->contact[i].rebounds && set->contact[i].approach < 0;
+    for (int i = 0; i < now.n; i++) any |= set->contact[i].rebounds && set->contact[i].gap.rate < 0;
     x->rows = 0, *energy_holds = 1;
     memset(x->b, 0, sizeof x->b);
     memset(x->delta, 0, sizeof x->delta);
@@ -596,9 +598,10 @@ static int find_rows(int *energy_holds) {
             fail(failure_names[NOT_A_ROW], (double)gap);
         if (own->row < 0) continue;
         if (any || a->stiffness > 0) *energy_holds = 0;
-        x->b[x->rows + 2] = bias_of(a, (double)gap, (double)opening, own->rebounds, any);
-        if (a->stiffness > 0 && gap <= 0)
-            x->delta[x->rows + 2][x->rows + 2] = 1 / ((quad)now.dt * (now.dt * a->stiffness + a->damping));
+        x->b[x->rows + 2] = bias_of(a, own, (double)gap, (double)opening, any);
+        if (own->springs)
+            x->delta[x->rows + 2][x->rows + 2] =
+                2 / ((quad)now.dt * (now.dt * a->stiffness + 2 * a->damping));
         x->mu[x->rows / 3] = a->friction;
         x->rows += 3;
     }

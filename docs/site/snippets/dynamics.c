@@ -168,6 +168,11 @@ void example_rbd_step(void) {
     if (status == RBD_OK) status = rbd_step(m, q, v, a, dt, q, v);
 }
 
+void example_rbd_free_step(void) {
+    for (int k = 0; k < 1000 && status == RBD_OK; k++)
+        status = rbd_free_step(m, w, q, v, tau, NULL, NULL, 1e-3, q, v);
+}
+
 void example_rbd_integrate(void) {
     double next[HYQ_NQ], d[HYQ_NV];
     status = rbd_integrate(m, q, v, 0.01, next);

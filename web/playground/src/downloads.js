@@ -33,7 +33,8 @@ function firmwareMain(robot) {
   const more = [["f-ext", "f_ext", "[6 * ROBOT_NB]"], ["gravity-argument", "gravity", `[3] = {0, 0, ${real(-9.81)}}`]].filter(([id]) => $(id).checked);
   const pose = [...robot.q()].map((x) => real(Number(x.toPrecision(6)))).join(", ");
   return template.replace(/RBD_REAL float(.*\n)/, (all, rest) => `RBD_REAL ${scalar}${rest}${$("reproducible").checked ? "#define RBD_REPRODUCIBLE\n" : ""}`)
-    .replace("{0}", () => `{${pose}}`)
+    .replace(", half[ROBOT_NV];", ";").replace(/ *\/\* The pose:[^]*?rbd_integrate.*\n\n/, "")
+    .replace("static rbd_real q[ROBOT_NQ]", (found) => `static const ${found.slice(7)} = {${pose}}`)
     .replace("still[ROBOT_NV];", (found) => `${found}${more.map(([, n, length]) => `\nstatic const rbd_real ${n}${length};`).join("")}`)
     .replace("still, by_code", () => ["still", ...more.map(([, n]) => n), "by_code"].join(", "))
     .replaceAll("robot_", () => `${name}_`).replaceAll("ROBOT_", () => `${name.toUpperCase()}_`);
