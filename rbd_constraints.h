@@ -1130,7 +1130,7 @@ static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraint_set
 }
 
 /* ==== src/constraints/solution.h ==== */
-/* Interface: rbdi_sweep_back, rbdi_y_lambda */
+/* Interface: rbdi_y_lambda */
 
 /* ---- solution [solution] ----
    The steps by the factor M = L'DL, before and after [factor] or [rank]. */
@@ -1553,14 +1553,16 @@ static int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const 
     return rbdi_articulated_solve(m, c, x);
 }
 
-/* Writes M to w->H, c - sum J_b' f_ext to w->bias, and the state of all links. */
+/* Writes M to w->H, M a + c - sum J_b' f_ext to w->bias, and the state of all links. a: of the model with
+   mimics. */
 static void rbdi_constraint_bias(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                                 const rbd_real *v, const rbd_real *f_ext, rbdi_c3 gravity) {
+                                 const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
+                                 rbdi_c3 gravity) {
     rbd_work *w = c->w;
     rbd_crba_packed(m, w, q, w->H);
-    rbdi_constraint_state(m, c, rbdi_expand_v(m, v, w->vx), w->zero, gravity, 1);
+    rbdi_constraint_state(m, c, rbdi_expand_v(m, v, w->vx), a, gravity, 1);
     rbdi_external(m, w, f_ext);
-    rbdi_rnea_sweep(m, w, w->zero, rbdi_mimics(m) ? w->tx : w->bias);
+    rbdi_rnea_sweep(m, w, a, rbdi_mimics(m) ? w->tx : w->bias);
     rbdi_reduce_tau(m, w->tx, w->bias);
 }
 
@@ -1571,7 +1573,7 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbd_work *w = c->w;
     rbdi_mask doubt;
-    rbdi_constraint_bias(m, c, q, v, f_ext, restitution ? none : w->gravity);
+    rbdi_constraint_bias(m, c, q, v, w->zero, f_ext, restitution ? none : w->gravity);
     for (int k = 0; k < m->nv; ++k) c->x[k] = restitution ? rbdi_zero() : tau[k] - w->bias[k];
     doubt = rbdi_factor(m, w, w->H);
     rbdi_sweep_back(m, c, w->H);
@@ -2114,7 +2116,7 @@ RBDI_CODE_END
 RBDI_CODE_BEGIN
 
 /* ==== src/constraints/derivatives.h ==== */
-/* Interface: rbdi_differentiate_error, rbdi_differentiate_forces, rbdi_differentiate_motion,
+/* Interface: rbdi_cross_add, rbdi_differentiate_error, rbdi_differentiate_forces, rbdi_differentiate_motion,
    rbdi_motion_derivatives, rbdi_pair_motion, rbdi_pair_motion_of */
 
 /* ---- derivatives [derivatives code] ----
