@@ -134,12 +134,13 @@ RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constr
 /* One time step dt by the midpoint scheme of Moreau (1999), of second order: half of the way by v, to q_mid;
    there, with v in its axes,
 
-       M (nu - v) = dt (tau - c(w) + sum J_b' f_ext - damping nu) + J' p,   w = (v + nu) / 2,   laws of u + bias, p
+       M (nu - v) = dt (tau - c(w) + sum J_b' f_ext - damping nu) + J' p,   w = (v + nu) / 2,
+       laws of u + bias, p
 
-   where u is the velocity of the end along the rows; the other half by nu; v_next is nu in the axes of the end.
-   f_ext acts in the axes that bodies have in the middle. The bias lets contacts close their gap, makes stiff
-   ones springs and dampers, and reverses approaches that rebound. Penetration is corrected in positions alone,
-   by a second solution with the same Delta, so that it gives no velocity.
+   where u is the velocity of the end along the rows; the other half by nu; v_next is nu in the axes of the
+   end. f_ext acts in the axes that bodies have in the middle. The bias lets contacts close their gap, makes
+   stiff ones springs and dampers, and reverses approaches that rebound. Penetration is corrected in positions
+   alone, by a second solution with the same Delta, so that it gives no velocity.
    Energy is kept to second order in dt: docs/contact_step.md says when it is made or taken, and how much. */
 RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
                                      const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,

@@ -52,8 +52,8 @@ typedef struct rbdi_contact_solver {
          (5 + RBDI_CHUNK + RBDI_CONTACT_ROWS(contacts, bounded)))
 #define RBDI_CONTACT_ROWS(contacts, bounded) (3 * (size_t)(contacts) + (size_t)(bounded))
 
-/* A distance that a row keeps from being negative, m or rad: at the step's beginning, its rate there, and what
-   it would be at the end if the velocity of the end were 0. */
+/* A distance that a row keeps from being negative, m or rad: at the step's beginning, its rate there, and
+   what it would be at the end if the velocity of the end were 0. */
 typedef struct rbdi_gap {
     rbd_real start, rate, reach;
 } rbdi_gap;

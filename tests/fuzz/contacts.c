@@ -531,9 +531,9 @@ static void add_contact_rows(int i, quad *gap, quad *opening) {
     keep_rows(exact_laws.rows, 3);
 }
 
-/* What the law of an active contact adds to u_n, for velocities, in a step of first order. The library decided
-   if it `rebounds` and `springs`, and says how it falls. If `any` rebounds, one that leaves may return with its
-   speed. */
+/* What the law of an active contact adds to u_n, for velocities, in a step of first order. The library
+   decided if it `rebounds` and `springs`, and says how it falls. If `any` rebounds, one that leaves may
+   return with its speed. */
 static double bias_of(const rbd_contact *a, const rbdi_contact *own, double gap, double opening, int any) {
     const double falls = (double)own->falls, further = gap > 0 && falls < 0 ? 2 * gap * falls / now.dt : 0;
     if (own->rebounds && opening < 0) return -a->restitution * sqrt(opening * opening - further);
