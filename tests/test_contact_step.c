@@ -1171,6 +1171,33 @@ START_TEST(distances_that_are_not_a_number_are_errors) {
 }
 END_TEST
 
+/* A velocity that is not a number, after a step in which the contact pushed: nothing of both is left. */
+START_TEST(an_error_leaves_no_forces_and_gaps) {
+    for (int call = 0; call < 2; call++) {
+        const rbd_body body = {.name = "body", .parent = -1, .type = RBD_TRANSLATION, .mass = 1};
+        double gap, force[3];
+        scene s;
+        open_scene(&s, "body", &body, 1, 1e-3);
+        add_contact(&s, 0, -1, 0, 0, 0);
+        begin_scene(&s);
+        ck_assert_int_eq(rbd_contact_step(s.r.m, s.c, s.q, s.v, s.tau, NULL, NULL, s.h, s.q, s.v), RBD_OK);
+        ck_assert_int_eq(rbd_contact_get(s.c, 0, NULL, force), RBD_STICKS);
+        ck_assert_double_eq_tol(force[2], 9.81, 1e-9);
+
+        s.v[2] = NAN;
+        const rbd_status status =
+            call ? rbd_contact_fd(s.r.m, s.c, s.q, s.v, s.tau, NULL, NULL, s.h, s.v)
+                 : rbd_contact_step(s.r.m, s.c, s.q, s.v, s.tau, NULL, NULL, s.h, s.q, s.v);
+        ck_assert_int_eq(status, RBD_ERR_NAN);
+        ck_assert_int_eq(rbd_contact_get(s.c, 0, &gap, force), RBD_APART);
+        ck_assert_double_eq(gap, 0);
+        for (int j = 0; j < 3; j++) ck_assert_double_eq(force[j], 0);
+        ck_assert_double_eq(rbd_contact_last(s.c).residual, 0);
+        close_scene(&s);
+    }
+}
+END_TEST
+
 START_TEST(singular_states_are_errors) {
     rbd_body body[2] = {rod(), rod()};
     scene s;
@@ -1266,6 +1293,7 @@ Suite *contact_step_suite(void) {
     tcase_add_test(c, box_rests_on_a_ball_of_the_world);
     tcase_add_test(c, overflow_is_an_error);
     tcase_add_test(c, distances_that_are_not_a_number_are_errors);
+    tcase_add_test(c, an_error_leaves_no_forces_and_gaps);
     tcase_add_test(c, singular_states_are_errors);
     tcase_add_test(c, damping_is_kept_where_a_pivot_is_in_doubt);
     suite_add_tcase(suite, c);

@@ -357,6 +357,7 @@ RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact
     for (int x = 0; x < 3; ++x)
         if (by.dq[x]) solved &= rbdi_all_finite(by.dq[x], size) & rbdi_all_finite(by.dv[x], size);
     if (!status && !solved) status = RBD_ERR_SINGULAR;
+    if (status) rbd_contact_reset(c);
     for (int x = 0; status && x < 3; ++x)
         if (by.dq[x]) rbdi_clear(by.dq[x], size), rbdi_clear(by.dv[x], size);
     if (to.q_next) rbdi_contact_move(m, c, status, q, to.q_next, to.v_next);

@@ -175,7 +175,7 @@ static void rbdi_keep_impulses(rbd_contact_set *c) {
 }
 
 /* Computes c->nu, the velocities at the end, in the axes of the beginning. They differ from c->moved if
-   penetration was corrected, or a contact that pushed rebounds. Overflow and NaN clear the set's impulses. */
+   penetration was corrected, or a contact that pushed rebounds. */
 static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
     int finite = rbdi_all_finite(c->b, c->rows->rows);
@@ -193,8 +193,17 @@ static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) 
     for (int k = 0; k < m->nv; ++k)
         finite &= rbdi_abs(c->nu[k]) < RBDI_FASTEST && rbdi_abs(c->dt * c->moved[k]) < RBDI_FASTEST;
     for (int i = 0; i < c->n; ++i) finite &= rbdi_all_finite(c->contact[i].force, 3);
-    if (!finite) rbd_contact_reset(c);
     return finite ? RBD_OK : RBD_ERR_NAN;
+}
+
+/* Computes c->moved and c->nu. After an error the set has no impulses, and all gaps are 0. */
+static rbd_status rbdi_solve_step(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
+                                  const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                  const rbd_real *damping) {
+    rbd_status status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping);
+    if (!status) status = rbdi_solve_velocities(m, c);
+    if (status) rbd_contact_reset(c);
+    return status;
 }
 
 /* Writes the state after the step; after an error, q and v = 0. */
@@ -218,8 +227,7 @@ RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, con
     rbd_status status = rbdi_check_step(m, c, q && v && tau && q_next && v_next, dt);
     if (status) return status;
     rbdi_choose_scheme(c, dt, c->options.first_order);
-    status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping);
-    if (!status) status = rbdi_solve_velocities(m, c);
+    status = rbdi_solve_step(m, c, q, v, tau, f_ext, damping);
     rbdi_contact_move(m, c, status, q, q_next, v_next);
     return status;
 }
@@ -230,8 +238,7 @@ RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const
     rbd_status status = rbdi_check_step(m, c, q && v && tau && a, dt);
     if (status) return status;
     rbdi_choose_scheme(c, dt, 1);
-    status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping);
-    if (!status) status = rbdi_solve_velocities(m, c);
+    status = rbdi_solve_step(m, c, q, v, tau, f_ext, damping);
     for (int k = 0; k < m->nv; ++k)
         a[k] = status ? rbdi_zero() : (c->nu[k] - c->v_mid[k]) / dt + c->straight[k];
     return status;
