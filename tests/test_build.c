@@ -210,6 +210,29 @@ START_TEST(axes_of_any_length_are_welcome) {
 }
 END_TEST
 
+/* Of products of rows 4e-6 passes: six decimals in a file will do. */
+START_TEST(matrices_that_rotate_to_six_decimals_are_welcome) {
+    const double shear[9] = {1, 3e-6, 0, 0, 1, 0, 0, 0, 1}, more[9] = {1, 6e-6, 0, 0, 1, 0, 0, 0, 1};
+    rbd_body b[NB];
+    sound(b);
+    memcpy(b[1].rotation, shear, sizeof shear);
+    ck_assert_int_eq(build(b, NB, NULL), RBD_OK);
+    REFUSES(RBD_ERR_ROTATION, 1, "rotation", memcpy(b[1].rotation, more, sizeof more));
+}
+END_TEST
+
+/* Two axes are parallel below an angle of 1e-6 rad. */
+START_TEST(axes_of_a_universal_joint_are_parallel_below_a_millionth) {
+    rbd_body b[NB];
+    REFUSES(RBD_ERR_AXIS, 1, "axis2", b[1].type = RBD_UNIVERSAL; b[1].axis2[0] = 6e-7; b[1].axis2[2] = 1);
+    sound(b);
+    b[1].type = RBD_UNIVERSAL;
+    b[1].axis2[0] = 2e-6;
+    b[1].axis2[2] = 1;
+    ck_assert_int_eq(build(b, NB, NULL), RBD_OK);
+}
+END_TEST
+
 START_TEST(nonfinite_pitch_and_position_are_refused) {
     REFUSES_NONFINITE(RBD_ERR_PITCH, 3, "pitch", b[3].pitch);
     for (int k = 0; k < 3; k++) {
@@ -403,6 +426,18 @@ START_TEST(impossible_inertias_are_warned_of) {
     WARNS(RBD_WARN_INERTIA_TRIANGLE, 1, "inertia", INERTIA(1, 0, 0, 0, 0, 0, 1));
     WARNS(RBD_WARN_INERTIA_ZERO, 1, "inertia", INERTIA(1, 0, 0, 0, 0, 0, 0));
     WARNS(RBD_WARN_MASS_ZERO, 1, "mass", b[1].mass = 0);
+}
+END_TEST
+
+/* A moment that is negative by 1e-9 of the inertia's entries is rounding. */
+START_TEST(moments_that_rounding_made_negative_are_not_warned_of) {
+    rbd_report report;
+    rbd_body b[NB];
+    sound(b);
+    INERTIA(1, 1, 0, 0, 1, 0, -1e-9); /* of the sum of the entries half of it */
+    ck_assert_int_eq(build(b, NB, &report), RBD_OK);
+    ck_assert_int_eq(report.warnings, 0);
+    WARNS(RBD_WARN_INERTIA_NEGATIVE, 1, "inertia", INERTIA(1, 1, 0, 0, 1, 0, -4e-9));
 }
 END_TEST
 
@@ -729,6 +764,8 @@ Suite *build_suite(void) {
     tcase_add_test(c, sentences_tell_causes_apart);
     tcase_add_test(c, zero_and_nonfinite_axes_are_refused);
     tcase_add_test(c, second_axes_zero_parallel_or_nonfinite_are_refused);
+    tcase_add_test(c, axes_of_a_universal_joint_are_parallel_below_a_millionth);
+    tcase_add_test(c, matrices_that_rotate_to_six_decimals_are_welcome);
     tcase_add_test(c, axes_of_any_length_are_welcome);
     tcase_add_test(c, nonfinite_pitch_and_position_are_refused);
     tcase_add_test(c, matrices_that_do_not_rotate_are_refused);
@@ -744,6 +781,7 @@ Suite *build_suite(void) {
     tcase_add_test(c, wrong_mimic_joints_are_refused);
     tcase_add_test(c, joint_may_follow_a_later_one);
     tcase_add_test(c, impossible_inertias_are_warned_of);
+    tcase_add_test(c, moments_that_rounding_made_negative_are_not_warned_of);
     tcase_add_test(c, limits_that_mean_none_are_warned_of);
     tcase_add_test(c, limits_that_are_some_or_none_are_not_warned_of);
     tcase_add_test(c, warnings_of_inertia_are_those_of_its_principal_moments);

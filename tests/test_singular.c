@@ -1,4 +1,5 @@
 /* test_singular.c - systems without an acceleration: an error that names the degree of freedom. */
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -497,6 +498,60 @@ START_TEST(light_link_on_a_heavy_one_is_not_singular) {
 }
 END_TEST
 
+/* A point mass beside its axis, by a share of the lever L of a frame that its body carries. Of its inertia m (share L)^2
+   rounding of the description leaves all or nothing, see [tolerances]: it counts from 2.5e-26 m L^2 on, by the factor
+   from 6.3e-23 m L^2. */
+static void expect_beside_axis(double share, double L, rbd_status by_bodies, rbd_status by_factor) {
+    const rbd_body bead[2] = {
+        {.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 0, 1}, .mass = 2, .com = {share * L, 0, 0}},
+        {.parent = 0, .type = RBD_FIXED, .position = {L, 0, 0}}};
+    robot r = BUILD(bead);
+    const double q[1] = {0.2}, v[1] = {0}, inertia = 2 * share * share * L * L, tau[1] = {3 * inertia};
+    double a[2];
+    ck_assert_int_eq(rbd_aba(r.m, r.w, q, v, tau, NULL, &a[0]), by_bodies);
+    ck_assert_int_eq(rbd_fd_cholesky(r.m, r.w, q, v, tau, NULL, &a[1]), by_factor);
+    const double expected[2] = {by_bodies == RBD_OK ? 3 : 0, by_factor == RBD_OK ? 3 : 0};
+    expect_close("beside its axis", &r, 0, a, expected, 2, 1e-12);
+    robot_free(&r);
+}
+
+START_TEST(point_mass_beside_its_axis_counts_above_the_rounding_of_its_description) {
+    const double levers[3] = {0.01, 1, 100};
+    for (int i = 0; i < 3; i++) {
+        expect_beside_axis(sqrt(1.2e-26), levers[i], RBD_ERR_SINGULAR, RBD_ERR_SINGULAR);
+        expect_beside_axis(sqrt(5e-26), levers[i], RBD_OK, RBD_ERR_SINGULAR);
+        expect_beside_axis(sqrt(3e-23), levers[i], RBD_OK, RBD_ERR_SINGULAR);
+        expect_beside_axis(sqrt(1.3e-22), levers[i], RBD_OK, RBD_OK);
+    }
+}
+END_TEST
+
+/* The same behind two slides that lead there and back: by rbd_aba each change of frame rounds by a third of eps, of m
+   L^2. */
+START_TEST(point_mass_beside_its_axis_counts_above_the_rounding_of_frames) {
+    const double squares[2] = {0.5 * DBL_EPSILON / 3, 5 * DBL_EPSILON / 3};
+    for (int i = 0; i < 2; i++) {
+        const double beside = sqrt(squares[i]), L = 3;
+        const rbd_body bead[3] = {
+            {.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 0, 1}},
+            {.parent = 0, .type = RBD_PRISMATIC, .axis = {0, 0, 1}, .position = {L, 0, 0}},
+            {.parent = 1,
+             .type = RBD_PRISMATIC,
+             .axis = {1, 0, 0},
+             .position = {-L, 0, 0},
+             .mass = 1,
+             .com = {beside * L, 0, 0}}};
+        robot r = BUILD(bead);
+        const double q[3] = {0}, v[3] = {0}, expected[3] = {i ? 3 : 0, 0, i ? 2 : 0};
+        const double tau[3] = {expected[0] * squares[i] * L * L, 9.81, expected[2]};
+        double a[3];
+        ck_assert_int_eq(rbd_aba(r.m, r.w, q, v, tau, NULL, a), i ? RBD_OK : RBD_ERR_SINGULAR);
+        expect_close("beside its axis, slides", &r, i, a, expected, 3, 1e-6);
+        robot_free(&r);
+    }
+}
+END_TEST
+
 Suite *singular_suite(void) {
     Suite *suite = suite_create("singular");
     TCase *c = tcase_create("singular");
@@ -518,6 +573,8 @@ Suite *singular_suite(void) {
     tcase_add_test(c, regular_call_after_a_singular_one_is_clean);
     tcase_add_test(c, small_and_large_robots_are_not_singular);
     tcase_add_test(c, light_link_on_a_heavy_one_is_not_singular);
+    tcase_add_test(c, point_mass_beside_its_axis_counts_above_the_rounding_of_its_description);
+    tcase_add_test(c, point_mass_beside_its_axis_counts_above_the_rounding_of_frames);
     suite_add_tcase(suite, c);
     return suite;
 }
