@@ -184,8 +184,8 @@ RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constr
               adds nor takes energy beyond kd. kd + dt kp is stable at every dt, and brakes. NULL: 0
    Errors: RBD_ERR_NULL, _WORK; _RANGE, dt not between 1e-30 and 1e30; _SINGULAR if M + dt D is, D the
    damping: damping makes a joint sound that moves no mass; _NAN as rbd_constrained_fd, _NAN also of a gap
-   that is not a number and of speeds above 1e12: then q_next is q and v_next or a is 0. A solution above
-   the tolerance is no error: rbd_contact_last. */
+   that is not a number and of speeds above 1e12: then q_next is q, v_next or a is 0, and the set is as after
+   rbd_contact_reset. A solution above the tolerance is no error: rbd_contact_last. */
 
 /* One time step dt by the midpoint scheme of Moreau (1999), of second order: half of the way by v, to q_mid;
    there, with v in its axes,
@@ -214,7 +214,8 @@ RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const
 RBDI_API rbd_status rbd_contact_plane(const rbd_model *m, rbd_contact_set *c, int i, const double normal[3],
                                       double height);
 
-/* Clears the last impulses, with which a step begins. Call it after a jump of the state. */
+/* Clears the last impulses, with which a step begins; rbd_contact_get then returns RBD_APART, gaps of 0 and
+   no force. Call it after a jump of the state. */
 RBDI_API void rbd_contact_reset(rbd_contact_set *c);
 
 /* Returns the state of contact i in the last step; RBD_APART without such a contact.
@@ -1984,7 +1985,7 @@ static void rbdi_keep_impulses(rbd_contact_set *c) {
 }
 
 /* Computes c->nu, the velocities at the end, in the axes of the beginning. They differ from c->moved if
-   penetration was corrected, or a contact that pushed rebounds. Overflow and NaN clear the set's impulses. */
+   penetration was corrected, or a contact that pushed rebounds. */
 static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
     int finite = rbdi_all_finite(c->b, c->rows->rows);
@@ -2002,8 +2003,17 @@ static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) 
     for (int k = 0; k < m->nv; ++k)
         finite &= rbdi_abs(c->nu[k]) < RBDI_FASTEST && rbdi_abs(c->dt * c->moved[k]) < RBDI_FASTEST;
     for (int i = 0; i < c->n; ++i) finite &= rbdi_all_finite(c->contact[i].force, 3);
-    if (!finite) rbd_contact_reset(c);
     return finite ? RBD_OK : RBD_ERR_NAN;
+}
+
+/* Computes c->moved and c->nu. After an error the set has no impulses, and all gaps are 0. */
+static rbd_status rbdi_solve_step(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
+                                  const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                  const rbd_real *damping) {
+    rbd_status status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping);
+    if (!status) status = rbdi_solve_velocities(m, c);
+    if (status) rbd_contact_reset(c);
+    return status;
 }
 
 /* Writes the state after the step; after an error, q and v = 0. */
@@ -2027,8 +2037,7 @@ RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, con
     rbd_status status = rbdi_check_step(m, c, q && v && tau && q_next && v_next, dt);
     if (status) return status;
     rbdi_choose_scheme(c, dt, c->options.first_order);
-    status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping);
-    if (!status) status = rbdi_solve_velocities(m, c);
+    status = rbdi_solve_step(m, c, q, v, tau, f_ext, damping);
     rbdi_contact_move(m, c, status, q, q_next, v_next);
     return status;
 }
@@ -2039,8 +2048,7 @@ RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const
     rbd_status status = rbdi_check_step(m, c, q && v && tau && a, dt);
     if (status) return status;
     rbdi_choose_scheme(c, dt, 1);
-    status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping);
-    if (!status) status = rbdi_solve_velocities(m, c);
+    status = rbdi_solve_step(m, c, q, v, tau, f_ext, damping);
     for (int k = 0; k < m->nv; ++k)
         a[k] = status ? rbdi_zero() : (c->nu[k] - c->v_mid[k]) / dt + c->straight[k];
     return status;
@@ -2423,6 +2431,7 @@ RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact
     for (int x = 0; x < 3; ++x)
         if (by.dq[x]) solved &= rbdi_all_finite(by.dq[x], size) & rbdi_all_finite(by.dv[x], size);
     if (!status && !solved) status = RBD_ERR_SINGULAR;
+    if (status) rbd_contact_reset(c);
     for (int x = 0; status && x < 3; ++x)
         if (by.dq[x]) rbdi_clear(by.dq[x], size), rbdi_clear(by.dv[x], size);
     if (to.q_next) rbdi_contact_move(m, c, status, q, to.q_next, to.v_next);
