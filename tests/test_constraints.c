@@ -2250,6 +2250,27 @@ START_TEST(rows_at_a_small_angle_cost_digits_once) {
 }
 END_TEST
 
+/* A light body whose acceleration would be some million times the one that its row wants: each row is met to 1e-12 of
+   its terms, which are two here, though rounding is a hundred times that. */
+START_TEST(rows_that_lost_digits_are_met) {
+    const rbd_body slide[1] = {{.parent = -1, .type = RBD_PRISMATIC, .axis = {1, 0, 0}, .mass = 1e-3}};
+    robot r = BUILD(slide);
+    rbd_constraint row = row_along(0, 1, 0, 0);
+    uint64_t seed = 72;
+    row.kp = 1;
+    set c = set_of(&r, &row, 1);
+    for (int i = 0; i < 1000; i++) {
+        const double q[1] = {uniform(&seed, 1, 2)}, v[1] = {0};
+        const double tau[1] = {1e-3 * uniform(&seed, 3e6, 5e6)};
+        double a[1], lambda[1];
+        ck_assert_int_eq(rbd_constrained_fd(r.m, c.c, q, v, tau, NULL, a, lambda), RBD_OK);
+        expect_small("row that lost digits", &r, i, fabs(a[0] + q[0]), 1.01e-12 * sqrt(2) * q[0]);
+    }
+    free(c.memory);
+    robot_free(&r);
+}
+END_TEST
+
 Suite *constraints_suite(void) {
     Suite *suite = suite_create("constraints");
     TCase *c = tcase_create("constraints"), *tolerances = tcase_create("tolerances");
@@ -2301,6 +2322,7 @@ Suite *constraints_suite(void) {
     tcase_add_test(tolerances, loops_are_closed_to_a_nanometre);
     tcase_add_test(tolerances, weight_of_0_stands_for_a_share);
     tcase_add_test(tolerances, rows_at_a_small_angle_cost_digits_once);
+    tcase_add_test(tolerances, rows_that_lost_digits_are_met);
     suite_add_tcase(suite, c);
     suite_add_tcase(suite, tolerances);
     return suite;
