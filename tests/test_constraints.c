@@ -2112,9 +2112,205 @@ static void check_fences(const robot *r, const state *s, int number) {
 START_TEST(memory_is_the_sets_alone) { for_random_trees(100, check_fences); }
 END_TEST
 
+/* ---- tolerances ---- */
+
+/* Holds one axis of a body at a place: (cosine, -sine, 0), or for rows of no model's plane any unit vector. */
+static rbd_constraint row_along(int body, double cosine, double sine, double y) {
+    const double point[3] = {0}, place[3] = {0, y, 0}, turn[9] = {cosine, -sine, 0, sine, cosine, 0, 0, 0, 1};
+    rbd_constraint k = rbd_point_contact(body, point, place);
+    memcpy(k.rotation2, turn, sizeof turn);
+    for (int axis = 0; axis < 6; axis++) k.axes[axis] = axis == 3;
+    return k;
+}
+
+/* The rank that rbd_constrained_fd finds. */
+static int rank_of(const robot *r, const rbd_constraint *list, int n) {
+    const double q[3] = {0}, v[3] = {0}, tau[3] = {1, 2, 3};
+    double a[3], lambda[3];
+    set c = set_of(r, list, n);
+    ck_assert_int_eq(rbd_constrained_fd(r->m, c.c, q, v, tau, NULL, a, lambda), RBD_OK);
+    const int rank = rbd_constraint_rank(c.c);
+    free(c.memory);
+    return rank;
+}
+
+/* Slides along x, y and z. */
+static const rbd_body slides[3] = {{.parent = -1, .type = RBD_PRISMATIC, .axis = {1, 0, 0}},
+                                   {.parent = 0, .type = RBD_PRISMATIC, .axis = {0, 1, 0}},
+                                   {.parent = 1, .type = RBD_PRISMATIC, .axis = {0, 0, 1}, .mass = 1}};
+
+/* Two rows at an angle of 1e-10 rad are independent or not: a share of 1e-20 of the square. */
+START_TEST(rows_at_an_angle_of_rounding_are_dependent) {
+    robot r = BUILD(slides);
+    rbd_constraint list[2] = {row_along(2, 1, 0, 0), row_along(2, 1, 2e-10, 0)};
+    ck_assert_int_eq(rank_of(&r, list, 2), 2);
+    list[1] = row_along(2, 1, 5e-11, 0);
+    ck_assert_int_eq(rank_of(&r, list, 2), 1);
+    robot_free(&r);
+}
+END_TEST
+
+/* A row at a right angle to all that moves: its share of a lever arm, here 1 m, is rounding below 2e-13. */
+START_TEST(row_that_no_joint_moves_is_no_rank) {
+    const rbd_body slide[1] = {{.parent = -1, .type = RBD_PRISMATIC, .axis = {1, 0, 0}, .mass = 1}};
+    robot r = BUILD(slide);
+    rbd_constraint row = row_along(0, 4e-13, 1, 0);
+    ck_assert_int_eq(rank_of(&r, &row, 1), 1);
+    row = row_along(0, 1e-13, 1, 0);
+    ck_assert_int_eq(rank_of(&r, &row, 1), 0);
+    robot_free(&r);
+}
+END_TEST
+
+/* Twins that are asked for 1 m/s^2 each may contradict each other by 1e-6 of that, each. */
+START_TEST(contradictions_of_drift_are_no_error) {
+    static const double off[2] = {1.2e-6, 4e-6};
+    const rbd_body slide[1] = {{.parent = -1, .type = RBD_PRISMATIC, .axis = {1, 0, 0}, .mass = 1}};
+    robot r = BUILD(slide);
+    const double q[1] = {1}, v[1] = {0}, tau[1] = {0};
+    for (int i = 0; i < 2; i++) {
+        const double point[3] = {0}, place[3] = {-off[i], 0, 0};
+        rbd_constraint list[2] = {row_along(0, 1, 0, 0), rbd_point_contact(0, point, place)};
+        double a[1], lambda[2];
+        memcpy(list[1].axes, list[0].axes, sizeof list[0].axes);
+        list[0].kp = list[1].kp = 1;
+        set c = set_of(&r, list, 2);
+        ck_assert_int_eq(rbd_constrained_fd(r.m, c.c, q, v, tau, NULL, a, lambda),
+                         i ? RBD_ERR_INFEASIBLE : RBD_OK);
+        ck_assert_int_eq(rbd_infeasible_row(c.c) >= 0, i);
+        expect_small("half way", &r, i, fabs(a[0] + 1 + off[i] / 2), 1e-14);
+        free(c.memory);
+    }
+    robot_free(&r);
+}
+END_TEST
+
+/* What no joint closes may be open by 1e-9. */
+START_TEST(loops_are_closed_to_a_nanometre) {
+    robot r = BUILD(slides);
+    const double q[3] = {0.5, 0, 0}, open[2] = {5e-10, 2e-9};
+    for (int i = 0; i < 2; i++) {
+        const double point[3] = {0}, place[3] = {0.2, open[i], 0};
+        rbd_constraint k = rbd_point_contact(0, point, place); /* y of the body on the first slide */
+        double near[3];
+        k.axes[0] = k.axes[1] = k.axes[2] = 0;
+        set c = set_of(&r, &k, 1);
+        ck_assert_int_eq(rbd_assemble(r.m, c.c, q, NULL, NULL, near, NULL), i ? RBD_ERR_INFEASIBLE : RBD_OK);
+        ck_assert_int_eq(rbd_infeasible_row(c.c), i ? 1 : -1);
+        free(c.memory);
+    }
+    robot_free(&r);
+}
+END_TEST
+
+/* A weight of 0 stands for 1e-13 of the least: so much of the motion the others keep. */
+START_TEST(weight_of_0_stands_for_a_share) {
+    const rbd_body two[2] = {{.parent = -1, .type = RBD_PRISMATIC, .axis = {1, 0, 0}},
+                             {.parent = 0, .type = RBD_PRISMATIC, .axis = {1, 0, 0}, .mass = 1}};
+    robot r = BUILD(two);
+    const rbd_constraint k = row_along(1, 1, 0, 0);
+    const double q[2] = {0, 0}, v[2] = {1, 0}, weight[2] = {1, 0};
+    double near[2], rate[2];
+    set c = set_of(&r, &k, 1);
+    ck_assert_int_eq(rbd_assemble(r.m, c.c, q, v, weight, near, rate), RBD_OK);
+    expect_small("J v", &r, 0, fabs(rate[0] + rate[1]), 1e-15);
+    ck_assert_double_gt(1 - rate[0], 3e-14);
+    ck_assert_double_lt(1 - rate[0], 3e-13);
+    free(c.memory);
+    robot_free(&r);
+}
+END_TEST
+
+static void vector_product(const double a[3], const double b[3], double c[3]) {
+    for (int k = 0; k < 3; k++) c[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+}
+
+/* Two unit vectors at a right angle. */
+static void unit_and_normal(uint64_t *seed, double x[3], double n[3]) {
+    double other[3];
+    for (int k = 0; k < 3; k++) x[k] = uniform(seed, -1, 1), other[k] = uniform(seed, -1, 1);
+    vector_product(x, other, n);
+    const double size = sqrt(dot(x, x, 3)), height = sqrt(dot(n, n, 3));
+    for (int k = 0; k < 3; k++) x[k] /= size, n[k] /= height;
+}
+
+/* Holds a body along x, which is not n. */
+static rbd_constraint row_of(int body, const double x[3], const double n[3]) {
+    rbd_constraint k = row_along(body, 1, 0, 0);
+    double y[3], z[3];
+    vector_product(n, x, y);
+    const double size = sqrt(dot(y, y, 3));
+    for (int i = 0; i < 3; i++) y[i] /= size;
+    vector_product(x, y, z);
+    for (int i = 0; i < 3; i++) {
+        k.rotation2[3 * i] = x[i];
+        k.rotation2[3 * i + 1] = y[i];
+        k.rotation2[3 * i + 2] = z[i];
+    }
+    return k;
+}
+
+static long double product(const double a[3], const double b[3]) {
+    return (long double)a[0] * b[0] + (long double)a[1] * b[1] + (long double)a[2] * b[2];
+}
+
+/* Two rows at a small angle, and lambda by Cramer's rule in long double. The condition of the rows costs digits,
+   here three, its square none: eps / 0.0015 is 1.5e-13. */
+START_TEST(rows_at_a_small_angle_cost_digits_once) {
+    const double zero[3] = {0}, angle = 0.0015;
+    uint64_t seed = 71;
+    double worst = 0;
+    robot r = BUILD(slides);
+    ck_assert_int_eq(rbd_set_gravity(r.w, zero), RBD_OK);
+    for (int i = 0; i < 100; i++) {
+        double J[2][3], tau[3], a[3], lambda[2], x[2][3], y[3], n[3];
+        unit_and_normal(&seed, x[0], n);
+        vector_product(n, x[0], y);
+        for (int k = 0; k < 3; k++) {
+            x[1][k] = cos(angle) * x[0][k] + sin(angle) * y[k];
+            tau[k] = uniform(&seed, -1, 1);
+        }
+        const rbd_constraint list[2] = {row_of(2, x[0], n), row_of(2, x[1], n)};
+        set c = set_of(&r, list, 2);
+        ck_assert_int_eq(rbd_constraint_jacobian(r.m, c.c, zero, NULL, J[0], NULL, NULL), RBD_OK);
+        ck_assert_int_eq(rbd_constrained_fd(r.m, c.c, zero, zero, tau, NULL, a, lambda), RBD_OK);
+        const long double b = product(J[0], J[1]), d[2] = {product(J[0], J[0]), product(J[1], J[1])};
+        for (int k = 0; k < 2; k++) { /* J J' lambda = -J tau */
+            const double expected = (double)((b * product(J[1 - k], tau) - d[1 - k] * product(J[k], tau)) /
+                                             (d[0] * d[1] - b * b));
+            worst = fmax(worst, fabs(lambda[k] - expected) * angle); /* |lambda| is up to 1 / angle */
+        }
+        free(c.memory);
+    }
+    expect_small("lambda of rows at a small angle", &r, 0, worst, 3e-12);
+    robot_free(&r);
+}
+END_TEST
+
+/* A light body whose acceleration would be some million times the one that its row wants: each row is met to 1e-12 of
+   its terms, which are two here, though rounding is a hundred times that. */
+START_TEST(rows_that_lost_digits_are_met) {
+    const rbd_body slide[1] = {{.parent = -1, .type = RBD_PRISMATIC, .axis = {1, 0, 0}, .mass = 1e-3}};
+    robot r = BUILD(slide);
+    rbd_constraint row = row_along(0, 1, 0, 0);
+    uint64_t seed = 72;
+    row.kp = 1;
+    set c = set_of(&r, &row, 1);
+    for (int i = 0; i < 1000; i++) {
+        const double q[1] = {uniform(&seed, 1, 2)}, v[1] = {0};
+        const double tau[1] = {1e-3 * uniform(&seed, 3e6, 5e6)};
+        double a[1], lambda[1];
+        ck_assert_int_eq(rbd_constrained_fd(r.m, c.c, q, v, tau, NULL, a, lambda), RBD_OK);
+        expect_small("row that lost digits", &r, i, fabs(a[0] + q[0]), 1.01e-12 * sqrt(2) * q[0]);
+    }
+    free(c.memory);
+    robot_free(&r);
+}
+END_TEST
+
 Suite *constraints_suite(void) {
     Suite *suite = suite_create("constraints");
-    TCase *c = tcase_create("constraints");
+    TCase *c = tcase_create("constraints"), *tolerances = tcase_create("tolerances");
     tcase_set_timeout(c, 60);
     tcase_add_test(c, every_set_of_the_reference);
     tcase_add_test(c, long_chains_by_both_ways);
@@ -2158,6 +2354,14 @@ Suite *constraints_suite(void) {
     tcase_add_test(c, bad_rows_are_refused_by_name);
     tcase_add_test(c, bad_calls_are_refused);
     tcase_add_test(c, memory_is_the_sets_alone);
+    tcase_add_test(tolerances, rows_at_an_angle_of_rounding_are_dependent);
+    tcase_add_test(tolerances, row_that_no_joint_moves_is_no_rank);
+    tcase_add_test(tolerances, contradictions_of_drift_are_no_error);
+    tcase_add_test(tolerances, loops_are_closed_to_a_nanometre);
+    tcase_add_test(tolerances, weight_of_0_stands_for_a_share);
+    tcase_add_test(tolerances, rows_at_a_small_angle_cost_digits_once);
+    tcase_add_test(tolerances, rows_that_lost_digits_are_met);
     suite_add_tcase(suite, c);
+    suite_add_tcase(suite, tolerances);
     return suite;
 }

@@ -550,6 +550,43 @@ START_TEST(bad_problems_are_refused) {
 }
 END_TEST
 
+/* A normal that tangents' rounding moves, 16 eps of them, is moved by nothing. */
+START_TEST(normal_that_rounding_moves_is_apart) {
+    const double share = 16 * DBL_EPSILON, trace = 2;
+    problem x = {.n = 1, .mu = {0.5}, .b = {0, 0, -1}, .delta = {1, 0, 0, 0, 1, 0, 0, 0, 0}};
+    x.delta[8] = trace * share * share / 4;
+    ck_assert_int_eq(solve(&x), RBD_OK);
+    ck_assert_int_eq(x.state[0], RBD_APART);
+    x.delta[8] = trace * share * share * 4;
+    ck_assert_int_eq(solve(&x), RBD_OK);
+    ck_assert_int_ne(x.state[0], RBD_APART);
+}
+END_TEST
+
+/* A tolerance of 0 is that of 1e-6, to the bit, and no other; 0 iterations are 40. */
+START_TEST(defaults_are_those_that_are_documented) {
+    int others = 0;
+    uint64_t seed = 8;
+    for (int i = 0; i < 100; i++) {
+        problem x = {.n = 6, .bounded = 3}, y;
+        draw_delta(&seed, &x, 20, 0.5);
+        draw_laws(&seed, &x, 1);
+        x.tolerance = 0, x.iterations = 0;
+        y = x;
+        ck_assert_int_eq(solve(&x), RBD_OK);
+        static const double tolerances[3] = {1e-6, 3e-6, 3e-7};
+        for (int k = 0; k < 3; k++) {
+            problem z = y;
+            z.tolerance = tolerances[k], z.iterations = 40;
+            ck_assert_int_eq(solve(&z), RBD_OK);
+            if (k == 0) ck_assert_int_eq(memcmp(z.p, x.p, sizeof x.p), 0);
+            others += memcmp(z.p, x.p, sizeof x.p) != 0;
+        }
+    }
+    ck_assert_int_gt(others, 0);
+}
+END_TEST
+
 Suite *contact_suite(void) {
     Suite *suite = suite_create("contact");
     TCase *c = tcase_create("solver");
@@ -573,6 +610,8 @@ Suite *contact_suite(void) {
     tcase_add_test(c, tiny_impulses_are_within_their_cones);
     tcase_add_test(c, same_bits_on_each_run);
     tcase_add_test(c, bad_problems_are_refused);
+    tcase_add_test(c, normal_that_rounding_moves_is_apart);
+    tcase_add_test(c, defaults_are_those_that_are_documented);
     suite_add_tcase(suite, c);
     return suite;
 }

@@ -1255,9 +1255,75 @@ START_TEST(damping_is_kept_where_a_pivot_is_in_doubt) {
 }
 END_TEST
 
+/* ---- tolerances ---- */
+
+/* A mass on a slide along z, without gravity. */
+static void open_slide(scene *s, double h) {
+    const rbd_body slide = {.parent = -1, .type = RBD_PRISMATIC, .axis = {0, 0, 1}, .mass = 1};
+    const double none[3] = {0};
+    open_scene(s, "slide", &slide, 1, h);
+    ck_assert_int_eq(rbd_set_gravity(s->r.w, none), RBD_OK);
+}
+
+static rbd_status step_of(scene *s, double dt) {
+    return rbd_contact_step(s->r.m, s->c, s->q, s->v, s->tau, NULL, NULL, dt, s->q, s->v);
+}
+
+/* Speeds are refused from 1e12 on, steps below 1e-30 s and above 1e30 s. */
+START_TEST(speeds_and_steps_have_the_bounds_that_are_documented) {
+    scene s;
+    open_slide(&s, 1e-3);
+    begin_scene(&s);
+    s.v[0] = 5e11;
+    ck_assert_int_eq(step_of(&s, 1e-3), RBD_OK);
+    s.v[0] = 2e12;
+    ck_assert_int_eq(step_of(&s, 1e-3), RBD_ERR_NAN);
+    ck_assert_double_eq(s.v[0], 0);
+    ck_assert_int_eq(step_of(&s, 2e-30), RBD_OK);
+    ck_assert_int_eq(step_of(&s, 5e-31), RBD_ERR_RANGE);
+    ck_assert_int_eq(step_of(&s, 5e29), RBD_OK);
+    ck_assert_int_eq(step_of(&s, 2e30), RBD_ERR_RANGE);
+    close_scene(&s);
+}
+END_TEST
+
+/* What the first half of a step goes too deep is left, up to a hundredth of the slop, and taken back beyond. */
+START_TEST(depth_of_half_a_step_is_left_up_to_a_hundredth_of_the_slop) {
+    const double depth[2] = {5e-5, 2e-4}, dt = 1e-2, start = 1e-5;
+    for (int i = 0; i < 2; i++) {
+        scene s;
+        open_slide(&s, dt);
+        add_contact(&s, 0, -1, 0, 0, 0);
+        s.options.slop = 1e-2, s.options.tolerance = 1e-12;
+        begin_scene(&s);
+        s.q[0] = start, s.v[0] = -(start + depth[i]) / (dt / 2);
+        step(&s);
+        ck_assert_double_eq_tol(s.q[0], i ? 0 : -depth[i], 1e-9);
+        close_scene(&s);
+    }
+}
+END_TEST
+
+/* A limit that is nearer than 0.02 m is a row before anything moves. */
+START_TEST(near_limits_stop_what_is_pushed_from_rest) {
+    scene s;
+    open_slide(&s, 1e-2);
+    robot_free(&s.r);
+    const rbd_body slide = {
+        .parent = -1, .type = RBD_PRISMATIC, .axis = {0, 0, 1}, .mass = 1, .lower = -1, .upper = 0.015};
+    s.r = robot_build("slide", &slide, 1);
+    s.options.joint_limits = 1;
+    begin_scene(&s);
+    s.tau[0] = 1000; /* moves it by 0.05 m */
+    step(&s);
+    ck_assert_double_eq_tol(s.q[0], 0.015, 1e-9);
+    close_scene(&s);
+}
+END_TEST
+
 Suite *contact_step_suite(void) {
     Suite *suite = suite_create("contact_step");
-    TCase *c = tcase_create("contact_step");
+    TCase *c = tcase_create("contact_step"), *tolerances = tcase_create("tolerances");
     tcase_set_timeout(c, 60);
     tcase_add_test(c, block_sticks_and_slides);
     tcase_add_test(c, tripod_rests_and_slides);
@@ -1296,6 +1362,10 @@ Suite *contact_step_suite(void) {
     tcase_add_test(c, an_error_leaves_no_forces_and_gaps);
     tcase_add_test(c, singular_states_are_errors);
     tcase_add_test(c, damping_is_kept_where_a_pivot_is_in_doubt);
+    tcase_add_test(tolerances, speeds_and_steps_have_the_bounds_that_are_documented);
+    tcase_add_test(tolerances, depth_of_half_a_step_is_left_up_to_a_hundredth_of_the_slop);
+    tcase_add_test(tolerances, near_limits_stop_what_is_pushed_from_rest);
     suite_add_tcase(suite, c);
+    suite_add_tcase(suite, tolerances);
     return suite;
 }

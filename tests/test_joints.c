@@ -650,6 +650,48 @@ START_TEST(quaternion_with_one_long_component_counts_by_direction) {
 }
 END_TEST
 
+/* ---- tolerances ---- */
+
+/* An angle between axes that is 1e-12 rad off a multiple of 90 degrees is taken as that; a larger one is kept. */
+START_TEST(angles_of_rounding_are_right_angles) {
+    const double off[2] = {6e-13, 3e-12};
+    for (int i = 0; i < 4; i++) {
+        const double given = off[i / 2], kept = i / 2 ? given : 0;
+        const double c = i % 2 ? -given : 1, s = i % 2 ? 1 : given; /* of 0 or 90 degrees and `given` */
+        const rbd_body arm[2] = {{.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 0, 1}, BOX},
+                                 {.parent = 0,
+                                  .type = RBD_REVOLUTE,
+                                  .axis = {0, 0, 1},
+                                  .rotation = {1, 0, 0, 0, c, -s, 0, s, c},
+                                  BOX}};
+        const double q[2] = {0, 0};
+        double R[9];
+        robot r = BUILD(arm);
+        ck_assert_int_eq(rbd_kinematics(r.m, r.w, q, NULL, NULL), RBD_OK);
+        ck_assert_int_eq(rbd_body_pose(r.m, r.w, 1, R, NULL), RBD_OK);
+        expect_small("beside a right angle", &r, i, fabs(fabs(i % 2 ? R[4] : R[7]) - kept), 1e-15);
+        robot_free(&r);
+    }
+}
+END_TEST
+
+/* A quaternion of 1e-15 has a direction, a shorter one is none: the identity. */
+START_TEST(shortest_quaternion_has_a_direction) {
+    const rbd_body ball[1] = {{.parent = -1, .type = RBD_SPHERICAL, BOX}};
+    const double lengths[2] = {2e-15, 7e-16};
+    robot r = BUILD(ball);
+    for (int i = 0; i < 2; i++) {
+        const double q[4] = {lengths[i], 0, 0, 0}; /* half a turn about x */
+        const double expected[9] = {1, 0, 0, 0, i ? 1 : -1, 0, 0, 0, i ? 1 : -1};
+        double R[9];
+        ck_assert_int_eq(rbd_kinematics(r.m, r.w, q, NULL, NULL), RBD_OK);
+        ck_assert_int_eq(rbd_body_pose(r.m, r.w, 0, R, NULL), RBD_OK);
+        expect_close("short quaternion", &r, i, R, expected, 9, 1e-15);
+    }
+    robot_free(&r);
+}
+END_TEST
+
 Suite *joints_suite(void) {
     Suite *suite = suite_create("joints");
     TCase *c = tcase_create("joints");
@@ -676,6 +718,8 @@ Suite *joints_suite(void) {
     tcase_add_test(c, only_the_direction_of_a_quaternion_counts);
     tcase_add_test(c, zero_quaternion_is_the_identity);
     tcase_add_test(c, quaternion_with_one_long_component_counts_by_direction);
+    tcase_add_test(c, angles_of_rounding_are_right_angles);
+    tcase_add_test(c, shortest_quaternion_has_a_direction);
     suite_add_tcase(suite, c);
     return suite;
 }
