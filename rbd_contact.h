@@ -1916,10 +1916,12 @@ static void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int purpose
     rbdi_contact_respond(m, c, c->moved);
 }
 
-/* Solves again, with the s->x of rbdi_correct and the biases of positions. Computes c->moved. */
+/* Solves again, with the s->x of rbdi_correct and the biases of positions. Computes c->moved. Keeps the impulses
+   of the first solution in c->impulse, by row. */
 static void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
     rbd_constraint_set *s = c->rows;
+    for (int r = 0; r < s->rows; ++r) c->impulse[r] = s->lambda[r];
     for (int k = 0; k < m->nv; ++k) {
         const rbdi_span span = s->span[k];
         rbdi_subtract(&s->b[span.first], (s->x[k] - c->x[k]) * s->D_inverse[k],
@@ -1985,7 +1987,8 @@ static void rbdi_keep_impulses(rbd_contact_set *c) {
 }
 
 /* Computes c->nu, the velocities at the end, in the axes of the beginning. They differ from c->moved if
-   penetration was corrected, or a contact that pushed rebounds. */
+   penetration was corrected, or a contact that pushed rebounds. If positions had no solution, their impulses may be
+   huge: then those of rbdi_solve_first are the better beginning. */
 static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
     int finite = rbdi_all_finite(c->b, c->rows->rows);
@@ -1993,6 +1996,8 @@ static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) 
     for (int k = 0; k < m->nv; ++k) c->nu[k] = c->moved[k];
     c->differ = rbdi_write_biases(c, RBDI_FOR_VELOCITIES);
     if (c->differ) {
+        const int again = c->half > 0 && first.residual > c->solver.given.tolerance;
+        for (int r = 0; again && r < c->rows->rows; ++r) c->rows->lambda[r] = c->impulse[r];
         rbdi_contact_iterate(&c->solver);
         rbdi_contact_respond(m, c, c->nu);
         c->solver.solution.residual = rbdi_worse(first.residual, c->solver.solution.residual);
