@@ -1087,7 +1087,7 @@ RBDI_INLINE int rbdi_too_large(int contacts, int bounded) {
     int rows;
     if (contacts > most / 3 || bounded > most - 3 * contacts) return 1;
     rows = 3 * contacts + bounded;
-    return rows > 0 && (rows > most - 5 - RBDI_CHUNK || rows + 5 + RBDI_CHUNK > most / rows);
+    return rows > 0 && rows > most / rows - 5 - RBDI_CHUNK;
 }
 
 RBDI_PART rbd_status rbdi_check_problem(const rbd_contact_problem *given, const void *memory, size_t size,
@@ -2293,9 +2293,9 @@ static void rbdi_other_terms(const rbd_model *m, rbd_contact_set *c, int purpose
     for (int i = 0; i < c->n; ++i) {
         const rbdi_contact *contact = &c->contact[i];
         rbd_real by_falls;
-        if (contact->row < 0 || !contact->rebounds || purpose != RBDI_FOR_VELOCITIES) continue;
+        if (contact->row < 0 || !contact->rebounds) continue;
         by_falls = rbdi_rebound_bias(c, contact).by_falls;
-        if (by_falls > 0 || by_falls < 0)
+        if (by_falls > 0)
             rbdi_subtract(&c->sigma[(contact->row + 2) * m->nv], -by_falls, rbdi_fall_columns(m, c, i, x),
                           m->nv);
     }

@@ -378,7 +378,7 @@ END_TEST
 /* A slide and two that follow it, one of them backwards: passive torques are those of rbd_passive, and each
    limit stops all three. */
 START_TEST(followers_are_braked_and_stopped) {
-    const rbd_body bodies[3] = {
+    rbd_body bodies[3] = {
         {.joint = "x", .parent = -1, .type = RBD_PRISMATIC, .axis = {1, 0, 0}, .mass = 1, .friction = {1}},
         {.parent = -1,
          .type = RBD_PRISMATIC,
@@ -400,10 +400,11 @@ START_TEST(followers_are_braked_and_stopped) {
          .damping = {2},
          .lower = -1,
          .upper = 0.05}};
-    static const double ends[2] = {-0.1, 0.1}; /* (0.7 - 0.5) / -2, 0.05 / 0.5 */
-    for (int k = 0; k < 2; k++) {
+    static const double ends[3] = {-0.1, 0.1, 0.08}; /* (0.7 - 0.5) / -2, 0.05 / 0.5, its own */
+    for (int k = 0; k < 3; k++) {
         double passive, a, step_a, v = k ? 1 : -1;
         scene s;
+        bodies[0].lower = k == 2 ? -1 : 0, bodies[0].upper = k == 2 ? 0.08 : 0;
         open_scene(&s, "followers", bodies, 3, 1e-3);
         s.options.joint_limits = s.options.joint_friction = s.options.joint_damping = 1;
         begin_scene(&s);

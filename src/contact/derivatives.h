@@ -214,9 +214,9 @@ static void rbdi_other_terms(const rbd_model *m, rbd_contact_set *c, int purpose
     for (int i = 0; i < c->n; ++i) {
         const rbdi_contact *contact = &c->contact[i];
         rbd_real by_falls;
-        if (contact->row < 0 || !contact->rebounds || purpose != RBDI_FOR_VELOCITIES) continue;
+        if (contact->row < 0 || !contact->rebounds) continue;
         by_falls = rbdi_rebound_bias(c, contact).by_falls;
-        if (by_falls > 0 || by_falls < 0)
+        if (by_falls > 0)
             rbdi_subtract(&c->sigma[(contact->row + 2) * m->nv], -by_falls, rbdi_fall_columns(m, c, i, x),
                           m->nv);
     }
