@@ -102,6 +102,7 @@ static void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int purpose
     given.lower = c->lower, given.upper = c->upper;
     given.tolerance = RBD_C(c->options.tolerance), given.iterations = c->options.iterations;
     rbdi_contact_begin(&c->solver, &given, s->lambda);
+    rbdi_add_springs(c);
     rbdi_contact_iterate(&c->solver);
     rbdi_contact_respond(m, c, c->moved);
 }
