@@ -1171,8 +1171,8 @@ START_TEST(distances_that_are_not_a_number_are_errors) {
 }
 END_TEST
 
-/* A spring that is much softer than its mass is hard to move: 100 kg on 10 N/m, at 0.1 ms. What it adds to Delta
-   is no mass, so friction is as exact as on a rigid plane. */
+/* 100 kg on 10 N/m, at 0.1 ms. What so soft a spring adds to Delta is large, but no mass: friction is as exact
+   as on a rigid plane. */
 START_TEST(friction_over_a_soft_spring_is_exact) {
     const rbd_body body = {.name = "body", .parent = -1, .type = RBD_TRANSLATION, .mass = 100};
     double force[3];

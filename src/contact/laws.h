@@ -14,8 +14,8 @@
 
    The residual is the largest |p - P(z)| d: of an open contact d |p|, of one that sticks |u|, of one that
    slips |u_n| and d times the error of friction. It is in m/s, and 0 only if all laws hold. It includes the
-   rounding of u; if it did not, impulses of contacts that jam could have any size. What a spring adds to d counts
-   in z_n alone: it moves nothing, and only p_n/d of a soft one is large. */
+   rounding of u; if it did not, impulses of contacts that jam could have any size. What a spring adds to d
+   counts in z_n alone: it is no mass. */
 
 /* u = b + Delta p. */
 RBDI_PART void rbdi_contact_velocities(rbdi_contact_solver *s) {
