@@ -1172,6 +1172,30 @@ START_TEST(distances_that_are_not_a_number_are_errors) {
 }
 END_TEST
 
+/* 100 kg on 10 N/m, at 0.1 ms. What so soft a spring adds to Delta is large, but no mass: friction is as exact
+   as on a rigid plane. */
+START_TEST(friction_over_a_soft_spring_is_exact) {
+    const rbd_body body = {.name = "body", .parent = -1, .type = RBD_TRANSLATION, .mass = 100};
+    double force[3];
+    scene s;
+    open_scene(&s, "body", &body, 1, 1e-4);
+    rbd_contact *a = add_contact(&s, 0, -1, 0, 0, 0);
+    a->friction = 0.7, a->stiffness = 10;
+    begin_scene(&s);
+    s.q[2] = -981 / 10.0;
+    s.tau[0] = 500;
+    for (int i = 0; i < 100; i++) {
+        ck_assert_int_eq(rbd_contact_step(s.r.m, s.c, s.q, s.v, s.tau, NULL, NULL, s.h, s.q, s.v), RBD_OK);
+        ck_assert_int_eq(rbd_contact_get(s.c, 0, NULL, force), RBD_STICKS);
+        ck_assert_double_eq_tol(force[0], -500, 1e-10);
+        ck_assert_double_eq_tol(force[2], 981, 1e-9);
+        ck_assert_double_le(rbd_contact_last(s.c).residual, 1e-15);
+    }
+    ck_assert_double_eq_tol(s.q[0], 0, 1e-19);
+    close_scene(&s);
+}
+END_TEST
+
 /* A velocity that is not a number, after a step in which the contact pushed: nothing of both is left. */
 START_TEST(an_error_leaves_no_forces_and_gaps) {
     for (int call = 0; call < 2; call++) {
@@ -1361,6 +1385,7 @@ Suite *contact_step_suite(void) {
     tcase_add_test(c, overflow_is_an_error);
     tcase_add_test(c, distances_that_are_not_a_number_are_errors);
     tcase_add_test(c, an_error_leaves_no_forces_and_gaps);
+    tcase_add_test(c, friction_over_a_soft_spring_is_exact);
     tcase_add_test(c, singular_states_are_errors);
     tcase_add_test(c, damping_is_kept_where_a_pivot_is_in_doubt);
     tcase_add_test(tolerances, speeds_and_steps_have_the_bounds_that_are_documented);

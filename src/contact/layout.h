@@ -9,7 +9,7 @@
 /* One contact of a problem: its block of Delta, D = [A c; c' d], and quantities of [one contact]. */
 typedef struct rbdi_contact_law {
     rbd_real A[3], c[2], d; /* A: xx xy yy */
-    rbd_real trace;         /* of D */
+    rbd_real rigid, trace;  /* d and D's trace without the spring of a set's contact: rounding is of these */
     rbd_real l[2], axis[2]; /* of S = A - c c'/d: eigenvalues, and the eigenvector of the first */
     rbd_real k[2];          /* components of c/d along the eigenvectors of S */
     rbd_real friction;      /* mu */

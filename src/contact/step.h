@@ -102,12 +102,13 @@ static void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int purpose
     given.lower = c->lower, given.upper = c->upper;
     given.tolerance = RBD_C(c->options.tolerance), given.iterations = c->options.iterations;
     rbdi_contact_begin(&c->solver, &given, s->lambda);
+    rbdi_add_springs(c);
     rbdi_contact_iterate(&c->solver);
     rbdi_contact_respond(m, c, c->moved);
 }
 
-/* Solves again, with the s->x of rbdi_correct and the biases of positions. Computes c->moved. Keeps the impulses
-   of the first solution in c->impulse, by row. */
+/* Solves again, with the s->x of rbdi_correct and the biases of positions. Computes c->moved. Keeps the
+   impulses of the first solution in c->impulse, by row. */
 static void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
     rbd_constraint_set *s = c->rows;
@@ -177,8 +178,8 @@ static void rbdi_keep_impulses(rbd_contact_set *c) {
 }
 
 /* Computes c->nu, the velocities at the end, in the axes of the beginning. They differ from c->moved if
-   penetration was corrected, or a contact that pushed rebounds. If positions had no solution, their impulses may be
-   huge: then those of rbdi_solve_first are the better beginning. */
+   penetration was corrected, or a contact that pushed rebounds. If positions had no solution, their impulses
+   may be huge: then those of rbdi_solve_first are the better beginning. */
 static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
     int finite = rbdi_all_finite(c->b, c->rows->rows);
