@@ -313,7 +313,7 @@ RBDI_EXTERN_C_END
 /* One contact of a problem: its block of Delta, D = [A c; c' d], and quantities of [one contact]. */
 typedef struct rbdi_contact_law {
     rbd_real A[3], c[2], d; /* A: xx xy yy */
-    rbd_real trace;         /* of D */
+    rbd_real rigid, trace;  /* d and D's trace without the spring of a set's contact: rounding is of these */
     rbd_real l[2], axis[2]; /* of S = A - c c'/d: eigenvalues, and the eigenvector of the first */
     rbd_real k[2];          /* components of c/d along the eigenvectors of S */
     rbd_real friction;      /* mu */
@@ -522,7 +522,7 @@ RBDI_PART void rbdi_contact_prepare(rbdi_contact_law *law, const rbd_real *D, in
     const rbd_real *y = D + stride, *n = y + stride, trace = D[0] + y[1] + n[2];
     law->trace = trace, law->friction = friction;
     law->A[0] = D[0] + trace * RBDI_UNMOVED, law->A[1] = D[1], law->A[2] = y[1] + trace * RBDI_UNMOVED;
-    law->c[0] = n[0], law->c[1] = n[1], law->d = n[2];
+    law->c[0] = n[0], law->c[1] = n[1], law->d = law->rigid = n[2];
     law->alpha = law->e[0] = law->e[1] = rbdi_zero();
     law->state = law->d > trace * (RBDI_UNMOVED * RBDI_UNMOVED) ? RBD_OPENS : RBD_APART;
     if (law->state != RBD_APART) rbdi_contact_axes(law);
@@ -620,7 +620,8 @@ RBDI_PART void rbdi_contact_impulse(rbdi_contact_law *law, const rbd_real w[3], 
 
    The residual is the largest |p - P(z)| d: of an open contact d |p|, of one that sticks |u|, of one that
    slips |u_n| and d times the error of friction. It is in m/s, and 0 only if all laws hold. It includes the
-   rounding of u; if it did not, impulses of contacts that jam could have any size. */
+   rounding of u; if it did not, impulses of contacts that jam could have any size. What a spring adds to d
+   counts in z_n alone: it is no mass. */
 
 /* u = b + Delta p. */
 RBDI_PART void rbdi_contact_velocities(rbdi_contact_solver *s) {
@@ -678,7 +679,7 @@ RBDI_PART void rbdi_sweep_laws(rbdi_contact_solver *s, int back) {
 /* P(z) of a contact; its state, direction and alpha are those of z. */
 RBDI_PART void rbdi_project_contact(rbdi_contact_law *law, const rbd_real *p, const rbd_real *u,
                                     rbd_real to[3]) {
-    const rbd_real x = p[0] - u[0] / law->d, y = p[1] - u[1] / law->d, n = p[2] - u[2] / law->d,
+    const rbd_real x = p[0] - u[0] / law->rigid, y = p[1] - u[1] / law->rigid, n = p[2] - u[2] / law->d,
                    size = rbdi_sqrt(x * x + y * y), most = law->friction * n;
     to[0] = to[1] = to[2] = rbdi_zero();
     law->state = RBD_OPENS;
@@ -688,7 +689,7 @@ RBDI_PART void rbdi_project_contact(rbdi_contact_law *law, const rbd_real *p, co
     if (size <= most * RBDI_ON_CONE && law->friction > 0) return;
     law->state = RBD_SLIPS;
     law->e[0] = size > 0 ? x / size : rbdi_zero(), law->e[1] = size > 0 ? y / size : rbdi_zero();
-    law->alpha = law->d * (size > RBDI_FASTEST_SLIP * most ? RBDI_FASTEST_SLIP : (size - most) / most);
+    law->alpha = law->rigid * (size > RBDI_FASTEST_SLIP * most ? RBDI_FASTEST_SLIP : (size - most) / most);
     to[0] = most * law->e[0], to[1] = most * law->e[1];
 }
 
@@ -709,7 +710,7 @@ RBDI_PART void rbdi_project_laws(rbdi_contact_solver *s) {
         rbdi_project_contact(law, p, &s->u[3 * i], to);
         for (int j = 0; j < 3; ++j) to[j] = to[j] - p[j];
         worst = rbdi_worse(
-            worst, law->d * (rbdi_sqrt(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]) + RBDI_EPS * p[2]));
+            worst, law->rigid * (rbdi_sqrt(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]) + RBDI_EPS * p[2]));
     }
     for (int i = 0; i < s->given.bounded; ++i) {
         const int r = 3 * s->given.contacts + i;
@@ -1610,7 +1611,7 @@ static void rbdi_find_falls(const rbd_model *m, rbd_contact_set *c, const rbd_re
 }
 
 /* Delta of (4), rows x rows, in s->R; first the upper triangle, in rows of s->stride. Rows that rounding
-   alone moves get 0 on the diagonal: no impulse changes their velocity. Slip and stiffness are added last. */
+   alone moves get 0 on the diagonal: no impulse changes their velocity. Slip is added last. */
 static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     const int n = s->rows;
@@ -1628,13 +1629,24 @@ static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
         if (delta[r * n + r] <= s->noise) delta[r * n + r] = rbdi_zero();
     }
     for (const rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact)
-        for (int j = 0; j < 3 && contact->row >= 0; ++j) {
+        for (int j = 0; j < 2 && contact->row >= 0; ++j) {
             rbd_real *d = &delta[(contact->row + j) * (n + 1)];
-            if (j < 2)
-                *d = *d + RBD_C(c->options.slip) / c->dt;
-            else if (contact->springs)
-                *d = *d + 2 / (c->dt * (c->way * contact->stiffness + 2 * contact->damping));
+            *d = *d + RBD_C(c->options.slip) / c->dt;
         }
+}
+
+/* Adds springs to the normals of Delta and of the solver's laws. */
+static void rbdi_add_springs(rbd_contact_set *c) {
+    const int n = c->rows->rows;
+    for (const rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
+        const int normal = contact->row + 2;
+        rbdi_contact_law *law;
+        if (contact->row < 0 || !contact->springs) continue;
+        law = &c->solver.law[contact->row / 3];
+        law->d = law->d + 2 / (c->dt * (c->way * contact->stiffness + 2 * contact->damping));
+        c->rows->R[normal * (n + 1)] = law->d;
+        if (law->state != RBD_APART) rbdi_contact_axes(law);
+    }
 }
 
 /* ---- biases [biases] ----
@@ -1912,12 +1924,13 @@ static void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int purpose
     given.lower = c->lower, given.upper = c->upper;
     given.tolerance = RBD_C(c->options.tolerance), given.iterations = c->options.iterations;
     rbdi_contact_begin(&c->solver, &given, s->lambda);
+    rbdi_add_springs(c);
     rbdi_contact_iterate(&c->solver);
     rbdi_contact_respond(m, c, c->moved);
 }
 
-/* Solves again, with the s->x of rbdi_correct and the biases of positions. Computes c->moved. Keeps the impulses
-   of the first solution in c->impulse, by row. */
+/* Solves again, with the s->x of rbdi_correct and the biases of positions. Computes c->moved. Keeps the
+   impulses of the first solution in c->impulse, by row. */
 static void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
     rbd_constraint_set *s = c->rows;
@@ -1987,8 +2000,8 @@ static void rbdi_keep_impulses(rbd_contact_set *c) {
 }
 
 /* Computes c->nu, the velocities at the end, in the axes of the beginning. They differ from c->moved if
-   penetration was corrected, or a contact that pushed rebounds. If positions had no solution, their impulses may be
-   huge: then those of rbdi_solve_first are the better beginning. */
+   penetration was corrected, or a contact that pushed rebounds. If positions had no solution, their impulses
+   may be huge: then those of rbdi_solve_first are the better beginning. */
 static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
     int finite = rbdi_all_finite(c->b, c->rows->rows);
