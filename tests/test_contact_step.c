@@ -1172,8 +1172,8 @@ START_TEST(distances_that_are_not_a_number_are_errors) {
 }
 END_TEST
 
-/* 100 kg on 10 N/m, at 0.1 ms. What so soft a spring adds to Delta is large, but no mass: friction is as exact
-   as on a rigid plane. */
+/* 100 kg on 10 N/m, at 0.1 ms. What so soft a spring adds to Delta is large, but no mass: friction is as
+   exact as on a rigid plane. */
 START_TEST(friction_over_a_soft_spring_is_exact) {
     const rbd_body body = {.name = "body", .parent = -1, .type = RBD_TRANSLATION, .mass = 100};
     double force[3];
@@ -1312,7 +1312,8 @@ START_TEST(speeds_and_steps_have_the_bounds_that_are_documented) {
 }
 END_TEST
 
-/* What the first half of a step goes too deep is left, up to a hundredth of the slop, and taken back beyond. */
+/* What the first half of a step goes too deep is left, up to a hundredth of the slop, and taken back
+   beyond. */
 START_TEST(depth_of_half_a_step_is_left_up_to_a_hundredth_of_the_slop) {
     const double depth[2] = {5e-5, 2e-4}, dt = 1e-2, start = 1e-5;
     for (int i = 0; i < 2; i++) {
