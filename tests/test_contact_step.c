@@ -758,8 +758,8 @@ END_TEST
 
 /* ---- the calls ---- */
 
-/* rbd_contact_fd and rbd_step are a step of first order, rbd_contact_step one of second: between contacts they
-   differ by the square of dt. */
+/* rbd_contact_fd and rbd_step are a step of first order, rbd_contact_step one of second: between contacts
+   they differ by the square of dt. */
 START_TEST(acceleration_and_step_agree) {
     double worst[2][2] = {{0, 0}, {0, 0}};
     for (int half = 0; half < 2; half++) {
@@ -914,7 +914,8 @@ START_TEST(heavy_lift_on_light_slides_stands) {
 }
 END_TEST
 
-/* A box between two floors that close in on it: each of the step's three solutions keeps to the iterations. */
+/* A box between two floors that close in on it: each of the step's three solutions keeps to the iterations.
+   */
 START_TEST(iterations_have_their_bound) {
     for (int most = 1; most < 50; most += most) {
         const rbd_body body = box(0.2, 0.2, 0.2, 1);
