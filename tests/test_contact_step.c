@@ -758,8 +758,8 @@ END_TEST
 
 /* ---- the calls ---- */
 
-/* rbd_contact_fd and rbd_step are a step of first order, rbd_contact_step one of second: between contacts
-   they differ by the square of dt. */
+/* rbd_contact_fd and rbd_step are a step of first order, rbd_contact_step one of second: between contacts they
+   differ by the square of dt. */
 START_TEST(acceleration_and_step_agree) {
     double worst[2][2] = {{0, 0}, {0, 0}};
     for (int half = 0; half < 2; half++) {
@@ -914,8 +914,7 @@ START_TEST(heavy_lift_on_light_slides_stands) {
 }
 END_TEST
 
-/* A box between two floors that close in on it: each of the step's three solutions keeps to the iterations.
-   */
+/* A box between two floors that close in on it: each of the step's three solutions keeps to the iterations. */
 START_TEST(iterations_have_their_bound) {
     for (int most = 1; most < 50; most += most) {
         const rbd_body body = box(0.2, 0.2, 0.2, 1);
@@ -1260,7 +1259,7 @@ START_TEST(speeds_and_steps_have_the_bounds_that_are_documented) {
 }
 END_TEST
 
-/* What the first half of a step goes too deep is left, up to a hundredth of the slop, and taken back beyond. */
+/* What the first half of a step goes too deep is left up to a hundredth of the slop, and else taken back. */
 START_TEST(depth_of_half_a_step_is_left_up_to_a_hundredth_of_the_slop) {
     const double depth[2] = {5e-5, 2e-4}, dt = 1e-2, start = 1e-5;
     for (int i = 0; i < 2; i++) {
