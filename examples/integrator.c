@@ -78,8 +78,8 @@ static double error_of(int steps, int naive, const double *true_q, const double 
     return sqrt(error);
 }
 
-/* The energy gained in two seconds of a space without gravity, as a share, by steps of a millisecond: of first
-   order by rbd_aba and rbd_step, or of second by rbd_free_step. */
+/* The energy gained in two seconds of a space without gravity, as a share, by steps of a millisecond: of
+   first order by rbd_aba and rbd_step, or of second by rbd_free_step. */
 static double energy(const double *q, const double *v) {
     double kinetic, potential;
     check(rbd_kinematics(&hyq_model, w, q, v, NULL));

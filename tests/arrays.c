@@ -92,7 +92,7 @@ static void run_algorithms(const rbd_model *m, rbd_work *w) {
     CLAIM(rbd_momentum(m, w, x, x) == RBD_OK);
     CLAIM(rbd_energy(m, w, &R[0], &R[1]) == RBD_OK);
     CLAIM(rbd_joint_wrench(m, w, q, v, v, f, numbers(6 * nb)) == RBD_OK);
-    (void)rbd_com(m, w, &R[0], &R[3], &R[6]); /* may have no mass */
+    (void)rbd_com(m, w, &R[0], &R[3], &R[6]);                            /* may have no mass */
     (void)rbd_free_step(m, w, q, v, v, f, v, (rbd_real)0.01, next, out); /* may be singular */
     CLAIM(rbd_integrate(m, q, v, (rbd_real)0.01, next) == RBD_OK);
     CLAIM(rbd_difference(m, q, next, out) == RBD_OK);

@@ -1560,6 +1560,43 @@ START_TEST(links_without_inertia_cost_no_digits) {
 }
 END_TEST
 
+/* An arm of nine joints in general position, welded to the world at its end. The last link is tiny, and a
+   motor turns it: the accelerations without the weld are 1e15 times those with it. */
+START_TEST(motors_on_tiny_links_cost_no_digits) {
+    uint64_t seed = 31;
+    for (int number = 0; number < 300; number++) {
+        const double tiny = pow(10, -10 - number % 5);
+        rbd_body arm[9];
+        rbd_constraint weld = {.body1 = 8, .body2 = -1, .axes = {1, 1, 1, 1, 1, 1}};
+        double q[9], v[9], tau[9], a[9], lambda[6];
+        memset(arm, 0, sizeof arm);
+        for (int i = 0; i < 9; i++) {
+            const double mass = i < 8 ? 1 : tiny;
+            arm[i].parent = i - 1;
+            arm[i].type = RBD_REVOLUTE;
+            arm[i].mass = mass;
+            for (int k = 0; k < 3; k++) {
+                arm[i].axis[k] = uniform(&seed, -1, 1);
+                arm[i].position[k] = uniform(&seed, -1, 1);
+                arm[i].com[k] = uniform(&seed, -0.3, 0.3);
+            }
+            arm[i].inertia[0] = arm[i].inertia[3] = arm[i].inertia[5] = 0.1 * mass;
+        }
+        robot r = robot_build("welded arm", arm, 9);
+        set c = set_of(&r, &weld, 1);
+        for (int k = 0; k < 9; k++) {
+            q[k] = uniform(&seed, -1, 1);
+            v[k] = uniform(&seed, -1, 1);
+            tau[k] = uniform(&seed, -10, 10);
+        }
+        expect_ok("welded arm", &r, number, rbd_constrained_fd(r.m, c.c, q, v, tau, NULL, a, lambda));
+        check_terms(&r, &c, number, q, v, tau, a, lambda);
+        free(c.memory);
+        robot_free(&r);
+    }
+}
+END_TEST
+
 /* Two rows of a foot, the third as another constraint, on this body. Returns how many there are. */
 static int split_foot(rbd_constraint *foot, int first, int body) {
     int rows = 0;
@@ -2305,6 +2342,7 @@ Suite *constraints_suite(void) {
     tcase_add_test(c, sets_with_too_many_rows_use_the_factor);
     tcase_add_test(c, straight_legs_cost_no_digits);
     tcase_add_test(c, links_without_inertia_cost_no_digits);
+    tcase_add_test(c, motors_on_tiny_links_cost_no_digits);
     tcase_add_test(c, legs_of_any_make_stand);
     tcase_add_test(c, legs_do_not_hide_a_singular_joint);
     tcase_add_test(c, singular_mass_matrix_is_an_error);

@@ -144,7 +144,8 @@ START_TEST(iiwa_swings) {
 }
 END_TEST
 
-/* rbd_free_step is rbd_contact_step without contacts: of all joints, mimic ones too, with wrenches and damping. */
+/* rbd_free_step is rbd_contact_step without contacts: of all joints, mimic ones too, with wrenches and
+   damping. */
 static void check_free_step(const robot *r, const state *s, int number) {
     const size_t size = rbd_contact_set_size(r->m, 0, NULL, 0, NULL);
     void *memory = malloc(size);
@@ -353,8 +354,8 @@ START_TEST(block_rides_a_turntable) {
 }
 END_TEST
 
-/* A mass on a contact with stiffness and no damping: it gives back what it took, but for what the steps lose in
-   which it comes and goes. */
+/* A mass on a contact with stiffness and no damping: it gives back what it took, but for what the steps
+   lose in which it comes and goes. */
 START_TEST(spring_gives_its_energy_back) {
     const rbd_body body = {.parent = -1, .type = RBD_PRISMATIC, .axis = {0, 0, 1}, .mass = 1};
     const rbd_contact ground = {.body1 = 0, .body2 = -1, .stiffness = 1e4};

@@ -378,7 +378,7 @@ END_TEST
 /* A slide and two that follow it, one of them backwards: passive torques are those of rbd_passive, and each
    limit stops all three. */
 START_TEST(followers_are_braked_and_stopped) {
-    const rbd_body bodies[3] = {
+    rbd_body bodies[3] = {
         {.joint = "x", .parent = -1, .type = RBD_PRISMATIC, .axis = {1, 0, 0}, .mass = 1, .friction = {1}},
         {.parent = -1,
          .type = RBD_PRISMATIC,
@@ -400,10 +400,11 @@ START_TEST(followers_are_braked_and_stopped) {
          .damping = {2},
          .lower = -1,
          .upper = 0.05}};
-    static const double ends[2] = {-0.1, 0.1}; /* (0.7 - 0.5) / -2, 0.05 / 0.5 */
-    for (int k = 0; k < 2; k++) {
+    static const double ends[3] = {-0.1, 0.1, 0.08}; /* (0.7 - 0.5) / -2, 0.05 / 0.5, its own */
+    for (int k = 0; k < 3; k++) {
         double passive, a, step_a, v = k ? 1 : -1;
         scene s;
+        bodies[0].lower = k == 2 ? -1 : 0, bodies[0].upper = k == 2 ? 0.08 : 0;
         open_scene(&s, "followers", bodies, 3, 1e-3);
         s.options.joint_limits = s.options.joint_friction = s.options.joint_damping = 1;
         begin_scene(&s);
@@ -758,8 +759,8 @@ END_TEST
 
 /* ---- the calls ---- */
 
-/* rbd_contact_fd and rbd_step are a step of first order, rbd_contact_step one of second: between contacts they
-   differ by the square of dt. */
+/* rbd_contact_fd and rbd_step are a step of first order, rbd_contact_step one of second: between contacts
+   they differ by the square of dt. */
 START_TEST(acceleration_and_step_agree) {
     double worst[2][2] = {{0, 0}, {0, 0}};
     for (int half = 0; half < 2; half++) {
@@ -914,7 +915,8 @@ START_TEST(heavy_lift_on_light_slides_stands) {
 }
 END_TEST
 
-/* A box between two floors that close in on it: each of the step's three solutions keeps to the iterations. */
+/* A box between two floors that close in on it: each of the step's three solutions keeps to the
+   iterations. */
 START_TEST(iterations_have_their_bound) {
     for (int most = 1; most < 50; most += most) {
         const rbd_body body = box(0.2, 0.2, 0.2, 1);
@@ -1170,6 +1172,57 @@ START_TEST(distances_that_are_not_a_number_are_errors) {
 }
 END_TEST
 
+/* 100 kg on 10 N/m, at 0.1 ms. What so soft a spring adds to Delta is large, but no mass: friction is as exact
+   as on a rigid plane. */
+START_TEST(friction_over_a_soft_spring_is_exact) {
+    const rbd_body body = {.name = "body", .parent = -1, .type = RBD_TRANSLATION, .mass = 100};
+    double force[3];
+    scene s;
+    open_scene(&s, "body", &body, 1, 1e-4);
+    rbd_contact *a = add_contact(&s, 0, -1, 0, 0, 0);
+    a->friction = 0.7, a->stiffness = 10;
+    begin_scene(&s);
+    s.q[2] = -981 / 10.0;
+    s.tau[0] = 500;
+    for (int i = 0; i < 100; i++) {
+        ck_assert_int_eq(rbd_contact_step(s.r.m, s.c, s.q, s.v, s.tau, NULL, NULL, s.h, s.q, s.v), RBD_OK);
+        ck_assert_int_eq(rbd_contact_get(s.c, 0, NULL, force), RBD_STICKS);
+        ck_assert_double_eq_tol(force[0], -500, 1e-10);
+        ck_assert_double_eq_tol(force[2], 981, 1e-9);
+        ck_assert_double_le(rbd_contact_last(s.c).residual, 1e-15);
+    }
+    ck_assert_double_eq_tol(s.q[0], 0, 1e-19);
+    close_scene(&s);
+}
+END_TEST
+
+/* A velocity that is not a number, after a step in which the contact pushed: nothing of both is left. */
+START_TEST(an_error_leaves_no_forces_and_gaps) {
+    for (int call = 0; call < 2; call++) {
+        const rbd_body body = {.name = "body", .parent = -1, .type = RBD_TRANSLATION, .mass = 1};
+        double gap, force[3];
+        scene s;
+        open_scene(&s, "body", &body, 1, 1e-3);
+        add_contact(&s, 0, -1, 0, 0, 0);
+        begin_scene(&s);
+        ck_assert_int_eq(rbd_contact_step(s.r.m, s.c, s.q, s.v, s.tau, NULL, NULL, s.h, s.q, s.v), RBD_OK);
+        ck_assert_int_eq(rbd_contact_get(s.c, 0, NULL, force), RBD_STICKS);
+        ck_assert_double_eq_tol(force[2], 9.81, 1e-9);
+
+        s.v[2] = NAN;
+        const rbd_status status =
+            call ? rbd_contact_fd(s.r.m, s.c, s.q, s.v, s.tau, NULL, NULL, s.h, s.v)
+                 : rbd_contact_step(s.r.m, s.c, s.q, s.v, s.tau, NULL, NULL, s.h, s.q, s.v);
+        ck_assert_int_eq(status, RBD_ERR_NAN);
+        ck_assert_int_eq(rbd_contact_get(s.c, 0, &gap, force), RBD_APART);
+        ck_assert_double_eq(gap, 0);
+        for (int j = 0; j < 3; j++) ck_assert_double_eq(force[j], 0);
+        ck_assert_double_eq(rbd_contact_last(s.c).residual, 0);
+        close_scene(&s);
+    }
+}
+END_TEST
+
 START_TEST(singular_states_are_errors) {
     rbd_body body[2] = {rod(), rod()};
     scene s;
@@ -1331,6 +1384,8 @@ Suite *contact_step_suite(void) {
     tcase_add_test(c, box_rests_on_a_ball_of_the_world);
     tcase_add_test(c, overflow_is_an_error);
     tcase_add_test(c, distances_that_are_not_a_number_are_errors);
+    tcase_add_test(c, an_error_leaves_no_forces_and_gaps);
+    tcase_add_test(c, friction_over_a_soft_spring_is_exact);
     tcase_add_test(c, singular_states_are_errors);
     tcase_add_test(c, damping_is_kept_where_a_pivot_is_in_doubt);
     tcase_add_test(tolerances, speeds_and_steps_have_the_bounds_that_are_documented);

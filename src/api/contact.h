@@ -128,19 +128,20 @@ RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constr
               adds nor takes energy beyond kd. kd + dt kp is stable at every dt, and brakes. NULL: 0
    Errors: RBD_ERR_NULL, _WORK; _RANGE, dt not between 1e-30 and 1e30; _SINGULAR if M + dt D is, D the
    damping: damping makes a joint sound that moves no mass; _NAN as rbd_constrained_fd, _NAN also of a gap
-   that is not a number and of speeds above 1e12: then q_next is q and v_next or a is 0. A solution above
-   the tolerance is no error: rbd_contact_last. */
+   that is not a number and of speeds above 1e12: then q_next is q, v_next or a is 0, and the set is as after
+   rbd_contact_reset. A solution above the tolerance is no error: rbd_contact_last. */
 
 /* One time step dt by the midpoint scheme of Moreau (1999), of second order: half of the way by v, to q_mid;
    there, with v in its axes,
 
-       M (nu - v) = dt (tau - c(w) + sum J_b' f_ext - damping nu) + J' p,   w = (v + nu) / 2,   laws of u + bias, p
+       M (nu - v) = dt (tau - c(w) + sum J_b' f_ext - damping nu) + J' p,   w = (v + nu) / 2,
+       laws of contact between u + bias and p
 
-   where u is the velocity of the end along the rows; the other half by nu; v_next is nu in the axes of the end.
-   f_ext acts in the axes that bodies have in the middle. The bias lets contacts close their gap, makes stiff
-   ones springs and dampers, and reverses approaches that rebound. Penetration is corrected in positions alone,
-   by a second solution with the same Delta, so that it gives no velocity.
-   Energy is kept to second order in dt: docs/contact_step.md says when it is made or taken, and how much. */
+   where u is the velocity of the end along the rows; the other half by nu; v_next is nu in the axes of the
+   end. f_ext acts in the axes that bodies have in the middle. The bias lets contacts close their gap, makes
+   stiff ones springs and dampers, and reverses approaches that rebound. Penetration is corrected in
+   positions alone, by a second solution with the same Delta, so that it gives no velocity. Energy is kept
+   to second order in dt: docs/contact_step.md says when it is made or taken, and how much. */
 RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
                                      const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                      const rbd_real *damping, rbd_real dt, rbd_real *q_next,
@@ -157,7 +158,8 @@ RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const
 RBDI_API rbd_status rbd_contact_plane(const rbd_model *m, rbd_contact_set *c, int i, const double normal[3],
                                       double height);
 
-/* Clears the last impulses, with which a step begins. Call it after a jump of the state. */
+/* Clears the last impulses, with which a step begins; rbd_contact_get then returns RBD_APART, gaps of 0 and
+   no force. Call it after a jump of the state. */
 RBDI_API void rbd_contact_reset(rbd_contact_set *c);
 
 /* Returns the state of contact i in the last step; RBD_APART without such a contact.

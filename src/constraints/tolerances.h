@@ -68,7 +68,8 @@
 #define RBDI_LONGEST_STEP RBD_C(0.5)
 #define RBDI_LEAST_STEP_SIZE RBD_C(1e-3)
 #define RBDI_MOST_STEP_SIZE RBD_C(5)
-#define RBDI_REFINEMENTS 24 /* each gains some digits: enough for all that fit into an exponent */
+#define RBDI_FIRST_GROWTH 16 /* the first step of [refinement] may make b half of this times as large */
+#define RBDI_REFINEMENTS 24  /* each gains some digits: enough for all that fit into an exponent */
 #define RBDI_NEARING_STEPS 200
 #define RBDI_CLOSING_STEPS 3
 

@@ -12,16 +12,16 @@
        K dnu/dx = J' dp/dx - rho,     rho = dt dID(q_mid, w, a)/dx - d(J' p)/dx at fixed nu and p
        du/dx = J dnu/dx + sigma,      sigma = d(J nu + dt/2 gamma + bias)/dx at fixed nu
 
-   where dID has, by w, also a(w); by v_mid, -M of a; by tau, rho = -dt. Each solution's dnu enters the next by
-   w. rbd_id_derivatives gives d ID; d(J nu), d gamma and d(J' p) are as in [derivatives code] but for balls,
-   over which the place of contact rolls. With Z = L^-T rho and the S, T and G of [newton]
+   where dID has, by w, also a(w); by v_mid, -M of a; by tau, rho = -dt. Each solution's dnu enters the next
+   by w. rbd_id_derivatives gives d ID; d(J nu), d gamma and d(J' p) are as in [derivatives code] but for
+   balls, over which the place of contact rolls. With Z = L^-T rho and the S, T and G of [newton]
 
        G y = -T' (sigma - Y' D^-1 Z),   dp = S y,   dnu = -L^-1 D^-1 (Z - Y dp)                         (5)
 
    Last, the half of the step before takes derivatives by q_mid and v_mid to those by q and v. */
 
-/* Arrays for derivatives by q_mid, v_mid and tau, nv x nv each, in turns of one solution and the next. NULL: not
-   wanted. In the end: of c->moved and c->nu. */
+/* Arrays for derivatives by q_mid, v_mid and tau, nv x nv each, in turns of one solution and the next.
+   NULL: not wanted. In the end: of c->moved and c->nu. */
 typedef struct rbdi_step_columns {
     rbd_real *dq[3], *dv[3];
 } rbdi_step_columns;
@@ -76,8 +76,8 @@ typedef struct rbdi_row_factors {
     rbd_real velocity[6], gap[6], rate[6];
 } rbdi_row_factors;
 
-/* Adds to the derivatives of gamma by a dof of a ball's body those of the place that rolls: of roll_radius R n,
-   gamma has omega x (omega x R n) beyond the acceleration of the point of the body. */
+/* Adds to the derivatives of gamma by a dof of a ball's body those of the place that rolls: of roll_radius
+   R n, gamma has omega x (omega x R n) beyond the acceleration of the point of the body. */
 static void rbdi_roll_rates(const rbdi_pair_motion *pair, rbdi_motion_derivatives *by) {
     const rbdi_v3 omega = pair->motion.velocity.omega, r = pair->roll_radius, z = by->S.omega,
                   dw = by->velocity_q.omega, across = rbdi_cross(omega, r), shift = rbdi_cross(z, r);
@@ -86,8 +86,8 @@ static void rbdi_roll_rates(const rbdi_pair_motion *pair, rbdi_motion_derivative
     by->rate_v.v = rbdi_cross_add(rbdi_cross_add(by->rate_v.v, z, across), omega, shift);
 }
 
-/* Adds a constraint's terms to sigma, by q_mid or v_mid (x = 0, 1). With f->velocity by v_mid, J takes the place
-   of the derivative of J nu. Leaves the S of the dofs in d. */
+/* Adds a constraint's terms to sigma, by q_mid or v_mid (x = 0, 1). With f->velocity by v_mid, J takes the
+   place of the derivative of J nu. Leaves the S of the dofs in d. */
 static void rbdi_row_terms(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
                            const rbdi_constraint *con, const rbdi_pair_motion *pair,
                            const rbdi_row_factors *f, int x) {
@@ -214,9 +214,9 @@ static void rbdi_other_terms(const rbd_model *m, rbd_contact_set *c, int purpose
     for (int i = 0; i < c->n; ++i) {
         const rbdi_contact *contact = &c->contact[i];
         rbd_real by_falls;
-        if (contact->row < 0 || !contact->rebounds || purpose != RBDI_FOR_VELOCITIES) continue;
+        if (contact->row < 0 || !contact->rebounds) continue;
         by_falls = rbdi_rebound_bias(c, contact).by_falls;
-        if (by_falls > 0 || by_falls < 0)
+        if (by_falls > 0)
             rbdi_subtract(&c->sigma[(contact->row + 2) * m->nv], -by_falls, rbdi_fall_columns(m, c, i, x),
                           m->nv);
     }
@@ -275,8 +275,8 @@ static void rbdi_copy_columns(const rbd_model *m, rbd_real *const from[3], rbd_r
         for (int k = 0; from[x] && k < m->nv * m->nv; ++k) to[x][k] = from[x][k];
 }
 
-/* Solves for the corrections of the velocity terms. to->dv becomes dnu of the last but one. Returns whether it
-   exists. */
+/* Solves for the corrections of the velocity terms. to->dv becomes dnu of the last but one. Returns whether
+   it exists. */
 static int rbdi_differentiate_corrections(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
                                           const rbd_real *tau, const rbd_real *f_ext,
                                           const rbdi_step_columns *to) {
@@ -357,6 +357,7 @@ RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact
     for (int x = 0; x < 3; ++x)
         if (by.dq[x]) solved &= rbdi_all_finite(by.dq[x], size) & rbdi_all_finite(by.dv[x], size);
     if (!status && !solved) status = RBD_ERR_SINGULAR;
+    if (status) rbd_contact_reset(c);
     for (int x = 0; status && x < 3; ++x)
         if (by.dq[x]) rbdi_clear(by.dq[x], size), rbdi_clear(by.dv[x], size);
     if (to.q_next) rbdi_contact_move(m, c, status, q, to.q_next, to.v_next);

@@ -14,7 +14,8 @@
 
    The residual is the largest |p - P(z)| d: of an open contact d |p|, of one that sticks |u|, of one that
    slips |u_n| and d times the error of friction. It is in m/s, and 0 only if all laws hold. It includes the
-   rounding of u; if it did not, impulses of contacts that jam could have any size. */
+   rounding of u; if it did not, impulses of contacts that jam could have any size. What a spring adds to d
+   counts in z_n alone: it is no mass. */
 
 /* u = b + Delta p. */
 RBDI_PART void rbdi_contact_velocities(rbdi_contact_solver *s) {
@@ -72,7 +73,7 @@ RBDI_PART void rbdi_sweep_laws(rbdi_contact_solver *s, int back) {
 /* P(z) of a contact; its state, direction and alpha are those of z. */
 RBDI_PART void rbdi_project_contact(rbdi_contact_law *law, const rbd_real *p, const rbd_real *u,
                                     rbd_real to[3]) {
-    const rbd_real x = p[0] - u[0] / law->d, y = p[1] - u[1] / law->d, n = p[2] - u[2] / law->d,
+    const rbd_real x = p[0] - u[0] / law->rigid, y = p[1] - u[1] / law->rigid, n = p[2] - u[2] / law->d,
                    size = rbdi_sqrt(x * x + y * y), most = law->friction * n;
     to[0] = to[1] = to[2] = rbdi_zero();
     law->state = RBD_OPENS;
@@ -82,7 +83,7 @@ RBDI_PART void rbdi_project_contact(rbdi_contact_law *law, const rbd_real *p, co
     if (size <= most * RBDI_ON_CONE && law->friction > 0) return;
     law->state = RBD_SLIPS;
     law->e[0] = size > 0 ? x / size : rbdi_zero(), law->e[1] = size > 0 ? y / size : rbdi_zero();
-    law->alpha = law->d * (size > RBDI_FASTEST_SLIP * most ? RBDI_FASTEST_SLIP : (size - most) / most);
+    law->alpha = law->rigid * (size > RBDI_FASTEST_SLIP * most ? RBDI_FASTEST_SLIP : (size - most) / most);
     to[0] = most * law->e[0], to[1] = most * law->e[1];
 }
 
@@ -103,7 +104,7 @@ RBDI_PART void rbdi_project_laws(rbdi_contact_solver *s) {
         rbdi_project_contact(law, p, &s->u[3 * i], to);
         for (int j = 0; j < 3; ++j) to[j] = to[j] - p[j];
         worst = rbdi_worse(
-            worst, law->d * (rbdi_sqrt(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]) + RBDI_EPS * p[2]));
+            worst, law->rigid * (rbdi_sqrt(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]) + RBDI_EPS * p[2]));
     }
     for (int i = 0; i < s->given.bounded; ++i) {
         const int r = 3 * s->given.contacts + i;

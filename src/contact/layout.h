@@ -9,7 +9,7 @@
 /* One contact of a problem: its block of Delta, D = [A c; c' d], and quantities of [one contact]. */
 typedef struct rbdi_contact_law {
     rbd_real A[3], c[2], d; /* A: xx xy yy */
-    rbd_real trace;         /* of D */
+    rbd_real rigid, trace;  /* d and D's trace without the spring of a set's contact: rounding is of these */
     rbd_real l[2], axis[2]; /* of S = A - c c'/d: eigenvalues, and the eigenvector of the first */
     rbd_real k[2];          /* components of c/d along the eigenvectors of S */
     rbd_real friction;      /* mu */
@@ -52,8 +52,8 @@ typedef struct rbdi_contact_solver {
          (5 + RBDI_CHUNK + RBDI_CONTACT_ROWS(contacts, bounded)))
 #define RBDI_CONTACT_ROWS(contacts, bounded) (3 * (size_t)(contacts) + (size_t)(bounded))
 
-/* A distance that a row keeps from being negative, m or rad: at the step's beginning, its rate there, and what
-   it would be at the end if the velocity of the end were 0. */
+/* A distance that a row keeps from being negative, m or rad: at the step's beginning, its rate there, and
+   what it would be at the end if the velocity of the end were 0. */
 typedef struct rbdi_gap {
     rbd_real start, rate, reach;
 } rbdi_gap;

@@ -3,8 +3,7 @@
 #include "dynamics/packed.h"
 #include "constraints/factor.h"
 #include "constraints/set.h"
-#include "contact/layout.h"
-#include "contact/tolerances.h"
+#include "contact/one_contact.h"
 
 /* ---- contact rows [contact rows] ----
    The rows of a step: contacts first, three each, then held constraints, then single dofs. By the factor
@@ -159,8 +158,8 @@ static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     }
 }
 
-/* How a contact falls without impulses, and whether its spring acts: where it is in the plane, or would be. nu:
-   velocities without impulses. Y is J'. */
+/* How a contact falls without impulses, and whether its spring acts: where it is in the plane, or would be.
+   nu: velocities without impulses. Y is J'. */
 static void rbdi_find_falls(const rbd_model *m, rbd_contact_set *c, const rbd_real *nu) {
     const rbd_constraint_set *s = c->rows;
     for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
@@ -179,7 +178,7 @@ static void rbdi_find_falls(const rbd_model *m, rbd_contact_set *c, const rbd_re
 }
 
 /* Delta of (4), rows x rows, in s->R; first the upper triangle, in rows of s->stride. Rows that rounding
-   alone moves get 0 on the diagonal: no impulse changes their velocity. Slip and stiffness are added last. */
+   alone moves get 0 on the diagonal: no impulse changes their velocity. Slip is added last. */
 static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     const int n = s->rows;
@@ -197,13 +196,24 @@ static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
         if (delta[r * n + r] <= s->noise) delta[r * n + r] = rbdi_zero();
     }
     for (const rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact)
-        for (int j = 0; j < 3 && contact->row >= 0; ++j) {
+        for (int j = 0; j < 2 && contact->row >= 0; ++j) {
             rbd_real *d = &delta[(contact->row + j) * (n + 1)];
-            if (j < 2)
-                *d = *d + RBD_C(c->options.slip) / c->dt;
-            else if (contact->springs)
-                *d = *d + 2 / (c->dt * (c->way * contact->stiffness + 2 * contact->damping));
+            *d = *d + RBD_C(c->options.slip) / c->dt;
         }
+}
+
+/* Adds springs to the normals of Delta and of the solver's laws. */
+static void rbdi_add_springs(rbd_contact_set *c) {
+    const int n = c->rows->rows;
+    for (const rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
+        const int normal = contact->row + 2;
+        rbdi_contact_law *law;
+        if (contact->row < 0 || !contact->springs) continue;
+        law = &c->solver.law[contact->row / 3];
+        law->d = law->d + 2 / (c->dt * (c->way * contact->stiffness + 2 * contact->damping));
+        c->rows->R[normal * (n + 1)] = law->d;
+        if (law->state != RBD_APART) rbdi_contact_axes(law);
+    }
 }
 
 /* ---- biases [biases] ----
@@ -213,11 +223,12 @@ static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
      apart      reach / h: the gap is at least 0 at the end
      rigid      0; for positions, what the first half of the step has added to the depth, over h (all of the
                 depth, if there was none before), and the option `correction` times the depth below the slop
-     stiff      k (min(start, 0) + reach) / (h k + 2 d), and 2 / (dt (h k + 2 d)) on Delta's diagonal: together
-                p_n = -dt (k (min(start, 0) + gap at the end) / 2 + d u_n). The spring has the mean of its ends,
-                so it takes and gives the same energy; the damper is implicit. Stable at every dt
-     rebounds   for velocities, restitution times the speed with which it hits: that of the beginning, and what
-                it still falls until the gap is 0
+     stiff      k (min(start, 0) + reach) / (h k + 2 d), and 2 / (dt (h k + 2 d)) on Delta's diagonal:
+                together p_n = -dt (k (min(start, 0) + gap at the end) / 2 + d u_n). The spring has the mean
+                of its ends, so it takes and gives the same energy; the damper is implicit. Stable at every
+                dt
+     rebounds   for velocities, restitution times the speed with which it hits: that of the beginning, and
+                what it still falls until the gap is 0
      leaves     for velocities, if another contact rebounds: the speed at which it leaves, where that is more
                 than its bias
 

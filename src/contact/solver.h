@@ -107,7 +107,7 @@ RBDI_INLINE int rbdi_too_large(int contacts, int bounded) {
     int rows;
     if (contacts > most / 3 || bounded > most - 3 * contacts) return 1;
     rows = 3 * contacts + bounded;
-    return rows > 0 && (rows > most - 5 - RBDI_CHUNK || rows + 5 + RBDI_CHUNK > most / rows);
+    return rows > 0 && rows > most / rows - 5 - RBDI_CHUNK;
 }
 
 RBDI_PART rbd_status rbdi_check_problem(const rbd_contact_problem *given, const void *memory, size_t size,

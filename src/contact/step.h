@@ -8,16 +8,17 @@
 #include "contact/reduction.h"
 
 /* ---- step code [step code] ----
-   The midpoint scheme of Moreau (1999), with two corrections of the velocity terms. Half of the way is made by
-   v: to q_mid, and v_mid is v in its axes. There all matrices are made, once. Then nu is solved for, and makes
-   the other half of the way:
+   The midpoint scheme of Moreau (1999), with two corrections of the velocity terms. Half of the way is made
+   by v: to q_mid, and v_mid is v in its axes. There all matrices are made, once. Then nu is solved for, and
+   makes the other half of the way:
 
        K = M + dt d,   nu = v_mid + K^-1 (dt (tau - c(w) - d v_mid) + J' p),   c(w) = ID(q_mid, w, a(w))
 
    with the damping d, and the classical accelerations a(w) = 0 of [manifold code]. The velocity terms are
    those of the mean velocity: first w = v_mid, without contacts; then w = (v_mid + nu) / 2 of that nu, with
    contacts; then the same with that nu. For a vector that turns by x a step the length grows in order x^4 / 8
-   without, and falls in that order with the second of these. Energy then changes by p'(u before + u after) / 2. */
+   without, and falls in that order with the second of these. Energy then changes by half of
+   p'(u before + u after). */
 
 /* s->x = dt (tau - w->bias - damping v_mid). */
 static void rbdi_free_impulse(const rbd_model *m, const rbd_contact_set *c, const rbd_real *tau) {
@@ -101,14 +102,17 @@ static void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int purpose
     given.lower = c->lower, given.upper = c->upper;
     given.tolerance = RBD_C(c->options.tolerance), given.iterations = c->options.iterations;
     rbdi_contact_begin(&c->solver, &given, s->lambda);
+    rbdi_add_springs(c);
     rbdi_contact_iterate(&c->solver);
     rbdi_contact_respond(m, c, c->moved);
 }
 
-/* Solves again, with the s->x of rbdi_correct and the biases of positions. Computes c->moved. */
+/* Solves again, with the s->x of rbdi_correct and the biases of positions. Computes c->moved. Keeps the
+   impulses of the first solution in c->impulse, by row. */
 static void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
     rbd_constraint_set *s = c->rows;
+    for (int r = 0; r < s->rows; ++r) c->impulse[r] = s->lambda[r];
     for (int k = 0; k < m->nv; ++k) {
         const rbdi_span span = s->span[k];
         rbdi_subtract(&s->b[span.first], (s->x[k] - c->x[k]) * s->D_inverse[k],
@@ -174,7 +178,8 @@ static void rbdi_keep_impulses(rbd_contact_set *c) {
 }
 
 /* Computes c->nu, the velocities at the end, in the axes of the beginning. They differ from c->moved if
-   penetration was corrected, or a contact that pushed rebounds. Overflow and NaN clear the set's impulses. */
+   penetration was corrected, or a contact that pushed rebounds. If positions had no solution, their impulses
+   may be huge: then those of rbdi_solve_first are the better beginning. */
 static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
     int finite = rbdi_all_finite(c->b, c->rows->rows);
@@ -182,6 +187,8 @@ static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) 
     for (int k = 0; k < m->nv; ++k) c->nu[k] = c->moved[k];
     c->differ = rbdi_write_biases(c, RBDI_FOR_VELOCITIES);
     if (c->differ) {
+        const int again = c->half > 0 && first.residual > c->solver.given.tolerance;
+        for (int r = 0; again && r < c->rows->rows; ++r) c->rows->lambda[r] = c->impulse[r];
         rbdi_contact_iterate(&c->solver);
         rbdi_contact_respond(m, c, c->nu);
         c->solver.solution.residual = rbdi_worse(first.residual, c->solver.solution.residual);
@@ -192,8 +199,17 @@ static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) 
     for (int k = 0; k < m->nv; ++k)
         finite &= rbdi_abs(c->nu[k]) < RBDI_FASTEST && rbdi_abs(c->dt * c->moved[k]) < RBDI_FASTEST;
     for (int i = 0; i < c->n; ++i) finite &= rbdi_all_finite(c->contact[i].force, 3);
-    if (!finite) rbd_contact_reset(c);
     return finite ? RBD_OK : RBD_ERR_NAN;
+}
+
+/* Computes c->moved and c->nu. After an error the set has no impulses, and all gaps are 0. */
+static rbd_status rbdi_solve_step(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
+                                  const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                  const rbd_real *damping) {
+    rbd_status status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping);
+    if (!status) status = rbdi_solve_velocities(m, c);
+    if (status) rbd_contact_reset(c);
+    return status;
 }
 
 /* Writes the state after the step; after an error, q and v = 0. */
@@ -217,8 +233,7 @@ RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, con
     rbd_status status = rbdi_check_step(m, c, q && v && tau && q_next && v_next, dt);
     if (status) return status;
     rbdi_choose_scheme(c, dt, c->options.first_order);
-    status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping);
-    if (!status) status = rbdi_solve_velocities(m, c);
+    status = rbdi_solve_step(m, c, q, v, tau, f_ext, damping);
     rbdi_contact_move(m, c, status, q, q_next, v_next);
     return status;
 }
@@ -229,8 +244,7 @@ RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const
     rbd_status status = rbdi_check_step(m, c, q && v && tau && a, dt);
     if (status) return status;
     rbdi_choose_scheme(c, dt, 1);
-    status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping);
-    if (!status) status = rbdi_solve_velocities(m, c);
+    status = rbdi_solve_step(m, c, q, v, tau, f_ext, damping);
     for (int k = 0; k < m->nv; ++k)
         a[k] = status ? rbdi_zero() : (c->nu[k] - c->v_mid[k]) / dt + c->straight[k];
     return status;

@@ -328,7 +328,9 @@ static void draw_held(scene *s) {
     }
 }
 
-static int has_one_dof(const rbd_body *b) { return world_nv(b) == 1 && b->type != RBD_CONTINUOUS_CS; }
+static int has_limits(const rbd_body *b) {
+    return b->type == RBD_REVOLUTE || b->type == RBD_PRISMATIC || b->type == RBD_HELICAL;
+}
 
 /* Limits near the state's coordinates, and dry friction. */
 static void draw_limits(scene *s) {
@@ -338,7 +340,7 @@ static void draw_limits(scene *s) {
         rbd_body *b = &s->robot.bodies[i];
         const int upper = one_in(&s->seed, 2);
         const double q = s->state.q[iq], near = room[below(&s->seed, kind_now == ANY ? 6 : 5)];
-        if (has_one_dof(b) && !b->mimic && one_in(&s->seed, 2))
+        if (has_limits(b) && !b->mimic && one_in(&s->seed, 2))
             b->lower = upper ? q - 1 : q - near, b->upper = upper ? q + near : q + 1;
         if (!b->mimic && one_in(&s->seed, 3))
             for (int k = 0; k < world_nv(b); k++) b->friction[k] = power(&s->seed, -2, 2);
@@ -531,9 +533,9 @@ static void add_contact_rows(int i, quad *gap, quad *opening) {
     keep_rows(exact_laws.rows, 3);
 }
 
-/* What the law of an active contact adds to u_n, for velocities, in a step of first order. The library decided
-   if it `rebounds` and `springs`, and says how it falls. If `any` rebounds, one that leaves may return with its
-   speed. */
+/* What the law of an active contact adds to u_n, for velocities, in a step of first order. The library
+   decided if it `rebounds` and `springs`, and says how it falls. If `any` rebounds, one that leaves may
+   return with its speed. */
 static double bias_of(const rbd_contact *a, const rbdi_contact *own, double gap, double opening, int any) {
     const double falls = (double)own->falls, further = gap > 0 && falls < 0 ? 2 * gap * falls / now.dt : 0;
     if (own->rebounds && opening < 0) return -a->restitution * sqrt(opening * opening - further);
@@ -617,7 +619,7 @@ static int find_rows(int *energy_holds) {
         const rbd_body *b = &now.robot.bodies[i];
         const double q = now.state.q[iq], v = now.state.v[iv];
         if (b->mimic) continue;
-        for (int upper = 0; upper < 2 && has_one_dof(b) && b->lower < b->upper; upper++) {
+        for (int upper = 0; upper < 2 && has_limits(b) && b->lower < b->upper; upper++) {
             const double distance = upper ? b->upper - q : q - b->lower, side = upper ? -1 : 1;
             if (!(distance <= 0.02 || distance + 2 * now.dt * side * v <= 0)) continue;
             keep_dof(x->rows, iv, side);
