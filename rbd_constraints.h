@@ -488,7 +488,8 @@ RBDI_CODE_BEGIN
 #define RBDI_LONGEST_STEP RBD_C(0.5)
 #define RBDI_LEAST_STEP_SIZE RBD_C(1e-3)
 #define RBDI_MOST_STEP_SIZE RBD_C(5)
-#define RBDI_REFINEMENTS 24 /* each gains some digits: enough for all that fit into an exponent */
+#define RBDI_FIRST_GROWTH 16 /* the first step of [refinement] may make b half of this times as large */
+#define RBDI_REFINEMENTS 24  /* each gains some digits: enough for all that fit into an exponent */
 #define RBDI_NEARING_STEPS 200
 #define RBDI_CLOSING_STEPS 3
 
@@ -1161,8 +1162,8 @@ RBDI_INLINE rbd_real rbdi_y_lambda(const rbd_constraint_set *c, const rbd_real *
 
        b = target - Y' x,   Delta delta = b,   x += D^-1 Y delta,   lambda += delta
 
-   until b is small beside its own terms. In most states it is so from the start. A step that does not halve b
-   is taken back. Dependent rows can only meet what of b has no component along their null vectors. */
+   until b is small beside its own terms. In most states it is so from the start. Dependent rows can only meet
+   what of b has no component along their null vectors. */
 
 /* Largest magnitude of n numbers. */
 static rbd_real rbdi_largest(const rbd_real *x, int n) {
@@ -1230,15 +1231,20 @@ static void rbdi_copy_where(rbdi_mask mask, const rbd_real *x, int n, rbd_real *
     for (int k = 0; k < n; ++k) y[k] = rbdi_select(mask, x[k], y[k]);
 }
 
-/* Refines x and lambda where `miss` says so, which rbdi_rows_miss returned. */
+/* Refines x and lambda where `miss` says so, which rbdi_rows_miss returned. A step may exchange an error for
+   one along other rows that is as large, and the next one removes that. So a step must halve b of two steps
+   before, or the best x and lambda so far are the result. */
 RBDI_COLD void rbdi_refine_steps(const rbd_model *m, rbd_constraint_set *c, rbdi_mask miss) {
-    rbd_real *old_x = c->householder, *old_lambda = c->inverse_square;
-    rbd_real size = rbdi_largest(c->b, c->rows);
+    rbd_real *best_x = c->householder, *best_lambda = c->inverse_square;
+    rbd_real size = rbdi_largest(c->b, c->rows), best = size, last = size * RBDI_FIRST_GROWTH;
+    rbdi_mask stalled = rbdi_less(rbdi_zero(), rbdi_zero());
+    rbdi_copy_where(miss, c->x, m->nv, best_x);
+    rbdi_copy_where(miss, c->lambda, c->rows, best_lambda);
+
     for (int step = 0; step < RBDI_REFINEMENTS && rbdi_any(miss); ++step) {
-        const rbd_real last = size;
-        rbdi_mask worse;
-        for (int k = 0; k < m->nv; ++k) old_x[k] = c->x[k];
-        for (int r = 0; r < c->rows; ++r) old_lambda[r] = c->lambda[r];
+        const rbd_real before = last;
+        rbdi_mask better;
+        last = size;
 
         rbdi_delta_solve(c, c->b, 1);
         for (int r = 0; r < c->rows; ++r) {
@@ -1249,11 +1255,18 @@ RBDI_COLD void rbdi_refine_steps(const rbd_model *m, rbd_constraint_set *c, rbdi
 
         miss = rbdi_and(miss, rbdi_rows_miss(c));
         size = rbdi_largest(c->b, c->rows);
-        worse = rbdi_and(miss, rbdi_not(rbdi_less(size + size, last)));
-        rbdi_copy_where(worse, old_x, m->nv, c->x);
-        rbdi_copy_where(worse, old_lambda, c->rows, c->lambda);
-        miss = rbdi_and(miss, rbdi_not(worse));
+        better = rbdi_and(miss, rbdi_less(size, best));
+        best = rbdi_select(better, size, best);
+        rbdi_copy_where(better, c->x, m->nv, best_x);
+        rbdi_copy_where(better, c->lambda, c->rows, best_lambda);
+
+        stalled = rbdi_or(stalled, rbdi_and(miss, rbdi_not(rbdi_less(size + size, before))));
+        miss = rbdi_and(miss, rbdi_not(stalled));
     }
+
+    stalled = rbdi_or(stalled, miss);
+    rbdi_copy_where(stalled, best_x, m->nv, c->x);
+    rbdi_copy_where(stalled, best_lambda, c->rows, c->lambda);
 }
 
 /* Refines x and lambda where rows miss their targets. lost: what the additions to x returned. Returns whether

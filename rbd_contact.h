@@ -184,19 +184,20 @@ RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constr
               adds nor takes energy beyond kd. kd + dt kp is stable at every dt, and brakes. NULL: 0
    Errors: RBD_ERR_NULL, _WORK; _RANGE, dt not between 1e-30 and 1e30; _SINGULAR if M + dt D is, D the
    damping: damping makes a joint sound that moves no mass; _NAN as rbd_constrained_fd, _NAN also of a gap
-   that is not a number and of speeds above 1e12: then q_next is q and v_next or a is 0. A solution above
-   the tolerance is no error: rbd_contact_last. */
+   that is not a number and of speeds above 1e12: then q_next is q, v_next or a is 0, and the set is as after
+   rbd_contact_reset. A solution above the tolerance is no error: rbd_contact_last. */
 
 /* One time step dt by the midpoint scheme of Moreau (1999), of second order: half of the way by v, to q_mid;
    there, with v in its axes,
 
-       M (nu - v) = dt (tau - c(w) + sum J_b' f_ext - damping nu) + J' p,   w = (v + nu) / 2,   laws of u + bias, p
+       M (nu - v) = dt (tau - c(w) + sum J_b' f_ext - damping nu) + J' p,   w = (v + nu) / 2,
+       laws of contact between u + bias and p
 
-   where u is the velocity of the end along the rows; the other half by nu; v_next is nu in the axes of the end.
-   f_ext acts in the axes that bodies have in the middle. The bias lets contacts close their gap, makes stiff
-   ones springs and dampers, and reverses approaches that rebound. Penetration is corrected in positions alone,
-   by a second solution with the same Delta, so that it gives no velocity.
-   Energy is kept to second order in dt: docs/contact_step.md says when it is made or taken, and how much. */
+   where u is the velocity of the end along the rows; the other half by nu; v_next is nu in the axes of the
+   end. f_ext acts in the axes that bodies have in the middle. The bias lets contacts close their gap, makes
+   stiff ones springs and dampers, and reverses approaches that rebound. Penetration is corrected in
+   positions alone, by a second solution with the same Delta, so that it gives no velocity. Energy is kept
+   to second order in dt: docs/contact_step.md says when it is made or taken, and how much. */
 RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
                                      const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                      const rbd_real *damping, rbd_real dt, rbd_real *q_next,
@@ -213,7 +214,8 @@ RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const
 RBDI_API rbd_status rbd_contact_plane(const rbd_model *m, rbd_contact_set *c, int i, const double normal[3],
                                       double height);
 
-/* Clears the last impulses, with which a step begins. Call it after a jump of the state. */
+/* Clears the last impulses, with which a step begins; rbd_contact_get then returns RBD_APART, gaps of 0 and
+   no force. Call it after a jump of the state. */
 RBDI_API void rbd_contact_reset(rbd_contact_set *c);
 
 /* Returns the state of contact i in the last step; RBD_APART without such a contact.
@@ -311,7 +313,7 @@ RBDI_EXTERN_C_END
 /* One contact of a problem: its block of Delta, D = [A c; c' d], and quantities of [one contact]. */
 typedef struct rbdi_contact_law {
     rbd_real A[3], c[2], d; /* A: xx xy yy */
-    rbd_real trace;         /* of D */
+    rbd_real rigid, trace;  /* d and D's trace without the spring of a set's contact: rounding is of these */
     rbd_real l[2], axis[2]; /* of S = A - c c'/d: eigenvalues, and the eigenvector of the first */
     rbd_real k[2];          /* components of c/d along the eigenvectors of S */
     rbd_real friction;      /* mu */
@@ -354,8 +356,8 @@ typedef struct rbdi_contact_solver {
          (5 + RBDI_CHUNK + RBDI_CONTACT_ROWS(contacts, bounded)))
 #define RBDI_CONTACT_ROWS(contacts, bounded) (3 * (size_t)(contacts) + (size_t)(bounded))
 
-/* A distance that a row keeps from being negative, m or rad: at the step's beginning, its rate there, and what
-   it would be at the end if the velocity of the end were 0. */
+/* A distance that a row keeps from being negative, m or rad: at the step's beginning, its rate there, and
+   what it would be at the end if the velocity of the end were 0. */
 typedef struct rbdi_gap {
     rbd_real start, rate, reach;
 } rbdi_gap;
@@ -520,7 +522,7 @@ RBDI_PART void rbdi_contact_prepare(rbdi_contact_law *law, const rbd_real *D, in
     const rbd_real *y = D + stride, *n = y + stride, trace = D[0] + y[1] + n[2];
     law->trace = trace, law->friction = friction;
     law->A[0] = D[0] + trace * RBDI_UNMOVED, law->A[1] = D[1], law->A[2] = y[1] + trace * RBDI_UNMOVED;
-    law->c[0] = n[0], law->c[1] = n[1], law->d = n[2];
+    law->c[0] = n[0], law->c[1] = n[1], law->d = law->rigid = n[2];
     law->alpha = law->e[0] = law->e[1] = rbdi_zero();
     law->state = law->d > trace * (RBDI_UNMOVED * RBDI_UNMOVED) ? RBD_OPENS : RBD_APART;
     if (law->state != RBD_APART) rbdi_contact_axes(law);
@@ -618,7 +620,8 @@ RBDI_PART void rbdi_contact_impulse(rbdi_contact_law *law, const rbd_real w[3], 
 
    The residual is the largest |p - P(z)| d: of an open contact d |p|, of one that sticks |u|, of one that
    slips |u_n| and d times the error of friction. It is in m/s, and 0 only if all laws hold. It includes the
-   rounding of u; if it did not, impulses of contacts that jam could have any size. */
+   rounding of u; if it did not, impulses of contacts that jam could have any size. What a spring adds to d
+   counts in z_n alone: it is no mass. */
 
 /* u = b + Delta p. */
 RBDI_PART void rbdi_contact_velocities(rbdi_contact_solver *s) {
@@ -676,7 +679,7 @@ RBDI_PART void rbdi_sweep_laws(rbdi_contact_solver *s, int back) {
 /* P(z) of a contact; its state, direction and alpha are those of z. */
 RBDI_PART void rbdi_project_contact(rbdi_contact_law *law, const rbd_real *p, const rbd_real *u,
                                     rbd_real to[3]) {
-    const rbd_real x = p[0] - u[0] / law->d, y = p[1] - u[1] / law->d, n = p[2] - u[2] / law->d,
+    const rbd_real x = p[0] - u[0] / law->rigid, y = p[1] - u[1] / law->rigid, n = p[2] - u[2] / law->d,
                    size = rbdi_sqrt(x * x + y * y), most = law->friction * n;
     to[0] = to[1] = to[2] = rbdi_zero();
     law->state = RBD_OPENS;
@@ -686,7 +689,7 @@ RBDI_PART void rbdi_project_contact(rbdi_contact_law *law, const rbd_real *p, co
     if (size <= most * RBDI_ON_CONE && law->friction > 0) return;
     law->state = RBD_SLIPS;
     law->e[0] = size > 0 ? x / size : rbdi_zero(), law->e[1] = size > 0 ? y / size : rbdi_zero();
-    law->alpha = law->d * (size > RBDI_FASTEST_SLIP * most ? RBDI_FASTEST_SLIP : (size - most) / most);
+    law->alpha = law->rigid * (size > RBDI_FASTEST_SLIP * most ? RBDI_FASTEST_SLIP : (size - most) / most);
     to[0] = most * law->e[0], to[1] = most * law->e[1];
 }
 
@@ -707,7 +710,7 @@ RBDI_PART void rbdi_project_laws(rbdi_contact_solver *s) {
         rbdi_project_contact(law, p, &s->u[3 * i], to);
         for (int j = 0; j < 3; ++j) to[j] = to[j] - p[j];
         worst = rbdi_worse(
-            worst, law->d * (rbdi_sqrt(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]) + RBDI_EPS * p[2]));
+            worst, law->rigid * (rbdi_sqrt(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]) + RBDI_EPS * p[2]));
     }
     for (int i = 0; i < s->given.bounded; ++i) {
         const int r = 3 * s->given.contacts + i;
@@ -1085,7 +1088,7 @@ RBDI_INLINE int rbdi_too_large(int contacts, int bounded) {
     int rows;
     if (contacts > most / 3 || bounded > most - 3 * contacts) return 1;
     rows = 3 * contacts + bounded;
-    return rows > 0 && (rows > most - 5 - RBDI_CHUNK || rows + 5 + RBDI_CHUNK > most / rows);
+    return rows > 0 && rows > most / rows - 5 - RBDI_CHUNK;
 }
 
 RBDI_PART rbd_status rbdi_check_problem(const rbd_contact_problem *given, const void *memory, size_t size,
@@ -1588,8 +1591,8 @@ static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     }
 }
 
-/* How a contact falls without impulses, and whether its spring acts: where it is in the plane, or would be. nu:
-   velocities without impulses. Y is J'. */
+/* How a contact falls without impulses, and whether its spring acts: where it is in the plane, or would be.
+   nu: velocities without impulses. Y is J'. */
 static void rbdi_find_falls(const rbd_model *m, rbd_contact_set *c, const rbd_real *nu) {
     const rbd_constraint_set *s = c->rows;
     for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
@@ -1608,7 +1611,7 @@ static void rbdi_find_falls(const rbd_model *m, rbd_contact_set *c, const rbd_re
 }
 
 /* Delta of (4), rows x rows, in s->R; first the upper triangle, in rows of s->stride. Rows that rounding
-   alone moves get 0 on the diagonal: no impulse changes their velocity. Slip and stiffness are added last. */
+   alone moves get 0 on the diagonal: no impulse changes their velocity. Slip is added last. */
 static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     const int n = s->rows;
@@ -1626,13 +1629,24 @@ static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
         if (delta[r * n + r] <= s->noise) delta[r * n + r] = rbdi_zero();
     }
     for (const rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact)
-        for (int j = 0; j < 3 && contact->row >= 0; ++j) {
+        for (int j = 0; j < 2 && contact->row >= 0; ++j) {
             rbd_real *d = &delta[(contact->row + j) * (n + 1)];
-            if (j < 2)
-                *d = *d + RBD_C(c->options.slip) / c->dt;
-            else if (contact->springs)
-                *d = *d + 2 / (c->dt * (c->way * contact->stiffness + 2 * contact->damping));
+            *d = *d + RBD_C(c->options.slip) / c->dt;
         }
+}
+
+/* Adds springs to the normals of Delta and of the solver's laws. */
+static void rbdi_add_springs(rbd_contact_set *c) {
+    const int n = c->rows->rows;
+    for (const rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
+        const int normal = contact->row + 2;
+        rbdi_contact_law *law;
+        if (contact->row < 0 || !contact->springs) continue;
+        law = &c->solver.law[contact->row / 3];
+        law->d = law->d + 2 / (c->dt * (c->way * contact->stiffness + 2 * contact->damping));
+        c->rows->R[normal * (n + 1)] = law->d;
+        if (law->state != RBD_APART) rbdi_contact_axes(law);
+    }
 }
 
 /* ---- biases [biases] ----
@@ -1642,11 +1656,12 @@ static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
      apart      reach / h: the gap is at least 0 at the end
      rigid      0; for positions, what the first half of the step has added to the depth, over h (all of the
                 depth, if there was none before), and the option `correction` times the depth below the slop
-     stiff      k (min(start, 0) + reach) / (h k + 2 d), and 2 / (dt (h k + 2 d)) on Delta's diagonal: together
-                p_n = -dt (k (min(start, 0) + gap at the end) / 2 + d u_n). The spring has the mean of its ends,
-                so it takes and gives the same energy; the damper is implicit. Stable at every dt
-     rebounds   for velocities, restitution times the speed with which it hits: that of the beginning, and what
-                it still falls until the gap is 0
+     stiff      k (min(start, 0) + reach) / (h k + 2 d), and 2 / (dt (h k + 2 d)) on Delta's diagonal:
+                together p_n = -dt (k (min(start, 0) + gap at the end) / 2 + d u_n). The spring has the mean
+                of its ends, so it takes and gives the same energy; the damper is implicit. Stable at every
+                dt
+     rebounds   for velocities, restitution times the speed with which it hits: that of the beginning, and
+                what it still falls until the gap is 0
      leaves     for velocities, if another contact rebounds: the speed at which it leaves, where that is more
                 than its bias
 
@@ -1815,16 +1830,17 @@ static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rb
 
 /* ==== src/contact/step.h ==== */
 /* ---- step code [step code] ----
-   The midpoint scheme of Moreau (1999), with two corrections of the velocity terms. Half of the way is made by
-   v: to q_mid, and v_mid is v in its axes. There all matrices are made, once. Then nu is solved for, and makes
-   the other half of the way:
+   The midpoint scheme of Moreau (1999), with two corrections of the velocity terms. Half of the way is made
+   by v: to q_mid, and v_mid is v in its axes. There all matrices are made, once. Then nu is solved for, and
+   makes the other half of the way:
 
        K = M + dt d,   nu = v_mid + K^-1 (dt (tau - c(w) - d v_mid) + J' p),   c(w) = ID(q_mid, w, a(w))
 
    with the damping d, and the classical accelerations a(w) = 0 of [manifold code]. The velocity terms are
    those of the mean velocity: first w = v_mid, without contacts; then w = (v_mid + nu) / 2 of that nu, with
    contacts; then the same with that nu. For a vector that turns by x a step the length grows in order x^4 / 8
-   without, and falls in that order with the second of these. Energy then changes by p'(u before + u after) / 2. */
+   without, and falls in that order with the second of these. Energy then changes by half of
+   p'(u before + u after). */
 
 /* s->x = dt (tau - w->bias - damping v_mid). */
 static void rbdi_free_impulse(const rbd_model *m, const rbd_contact_set *c, const rbd_real *tau) {
@@ -1908,14 +1924,17 @@ static void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int purpose
     given.lower = c->lower, given.upper = c->upper;
     given.tolerance = RBD_C(c->options.tolerance), given.iterations = c->options.iterations;
     rbdi_contact_begin(&c->solver, &given, s->lambda);
+    rbdi_add_springs(c);
     rbdi_contact_iterate(&c->solver);
     rbdi_contact_respond(m, c, c->moved);
 }
 
-/* Solves again, with the s->x of rbdi_correct and the biases of positions. Computes c->moved. */
+/* Solves again, with the s->x of rbdi_correct and the biases of positions. Computes c->moved. Keeps the
+   impulses of the first solution in c->impulse, by row. */
 static void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
     rbd_constraint_set *s = c->rows;
+    for (int r = 0; r < s->rows; ++r) c->impulse[r] = s->lambda[r];
     for (int k = 0; k < m->nv; ++k) {
         const rbdi_span span = s->span[k];
         rbdi_subtract(&s->b[span.first], (s->x[k] - c->x[k]) * s->D_inverse[k],
@@ -1981,7 +2000,8 @@ static void rbdi_keep_impulses(rbd_contact_set *c) {
 }
 
 /* Computes c->nu, the velocities at the end, in the axes of the beginning. They differ from c->moved if
-   penetration was corrected, or a contact that pushed rebounds. Overflow and NaN clear the set's impulses. */
+   penetration was corrected, or a contact that pushed rebounds. If positions had no solution, their impulses
+   may be huge: then those of rbdi_solve_first are the better beginning. */
 static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
     int finite = rbdi_all_finite(c->b, c->rows->rows);
@@ -1989,6 +2009,8 @@ static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) 
     for (int k = 0; k < m->nv; ++k) c->nu[k] = c->moved[k];
     c->differ = rbdi_write_biases(c, RBDI_FOR_VELOCITIES);
     if (c->differ) {
+        const int again = c->half > 0 && first.residual > c->solver.given.tolerance;
+        for (int r = 0; again && r < c->rows->rows; ++r) c->rows->lambda[r] = c->impulse[r];
         rbdi_contact_iterate(&c->solver);
         rbdi_contact_respond(m, c, c->nu);
         c->solver.solution.residual = rbdi_worse(first.residual, c->solver.solution.residual);
@@ -1999,8 +2021,17 @@ static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) 
     for (int k = 0; k < m->nv; ++k)
         finite &= rbdi_abs(c->nu[k]) < RBDI_FASTEST && rbdi_abs(c->dt * c->moved[k]) < RBDI_FASTEST;
     for (int i = 0; i < c->n; ++i) finite &= rbdi_all_finite(c->contact[i].force, 3);
-    if (!finite) rbd_contact_reset(c);
     return finite ? RBD_OK : RBD_ERR_NAN;
+}
+
+/* Computes c->moved and c->nu. After an error the set has no impulses, and all gaps are 0. */
+static rbd_status rbdi_solve_step(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
+                                  const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                  const rbd_real *damping) {
+    rbd_status status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping);
+    if (!status) status = rbdi_solve_velocities(m, c);
+    if (status) rbd_contact_reset(c);
+    return status;
 }
 
 /* Writes the state after the step; after an error, q and v = 0. */
@@ -2024,8 +2055,7 @@ RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, con
     rbd_status status = rbdi_check_step(m, c, q && v && tau && q_next && v_next, dt);
     if (status) return status;
     rbdi_choose_scheme(c, dt, c->options.first_order);
-    status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping);
-    if (!status) status = rbdi_solve_velocities(m, c);
+    status = rbdi_solve_step(m, c, q, v, tau, f_ext, damping);
     rbdi_contact_move(m, c, status, q, q_next, v_next);
     return status;
 }
@@ -2036,8 +2066,7 @@ RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const
     rbd_status status = rbdi_check_step(m, c, q && v && tau && a, dt);
     if (status) return status;
     rbdi_choose_scheme(c, dt, 1);
-    status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping);
-    if (!status) status = rbdi_solve_velocities(m, c);
+    status = rbdi_solve_step(m, c, q, v, tau, f_ext, damping);
     for (int k = 0; k < m->nv; ++k)
         a[k] = status ? rbdi_zero() : (c->nu[k] - c->v_mid[k]) / dt + c->straight[k];
     return status;
@@ -2075,16 +2104,16 @@ RBDI_CODE_BEGIN
        K dnu/dx = J' dp/dx - rho,     rho = dt dID(q_mid, w, a)/dx - d(J' p)/dx at fixed nu and p
        du/dx = J dnu/dx + sigma,      sigma = d(J nu + dt/2 gamma + bias)/dx at fixed nu
 
-   where dID has, by w, also a(w); by v_mid, -M of a; by tau, rho = -dt. Each solution's dnu enters the next by
-   w. rbd_id_derivatives gives d ID; d(J nu), d gamma and d(J' p) are as in [derivatives code] but for balls,
-   over which the place of contact rolls. With Z = L^-T rho and the S, T and G of [newton]
+   where dID has, by w, also a(w); by v_mid, -M of a; by tau, rho = -dt. Each solution's dnu enters the next
+   by w. rbd_id_derivatives gives d ID; d(J nu), d gamma and d(J' p) are as in [derivatives code] but for
+   balls, over which the place of contact rolls. With Z = L^-T rho and the S, T and G of [newton]
 
        G y = -T' (sigma - Y' D^-1 Z),   dp = S y,   dnu = -L^-1 D^-1 (Z - Y dp)                         (5)
 
    Last, the half of the step before takes derivatives by q_mid and v_mid to those by q and v. */
 
-/* Arrays for derivatives by q_mid, v_mid and tau, nv x nv each, in turns of one solution and the next. NULL: not
-   wanted. In the end: of c->moved and c->nu. */
+/* Arrays for derivatives by q_mid, v_mid and tau, nv x nv each, in turns of one solution and the next.
+   NULL: not wanted. In the end: of c->moved and c->nu. */
 typedef struct rbdi_step_columns {
     rbd_real *dq[3], *dv[3];
 } rbdi_step_columns;
@@ -2139,8 +2168,8 @@ typedef struct rbdi_row_factors {
     rbd_real velocity[6], gap[6], rate[6];
 } rbdi_row_factors;
 
-/* Adds to the derivatives of gamma by a dof of a ball's body those of the place that rolls: of roll_radius R n,
-   gamma has omega x (omega x R n) beyond the acceleration of the point of the body. */
+/* Adds to the derivatives of gamma by a dof of a ball's body those of the place that rolls: of roll_radius
+   R n, gamma has omega x (omega x R n) beyond the acceleration of the point of the body. */
 static void rbdi_roll_rates(const rbdi_pair_motion *pair, rbdi_motion_derivatives *by) {
     const rbdi_v3 omega = pair->motion.velocity.omega, r = pair->roll_radius, z = by->S.omega,
                   dw = by->velocity_q.omega, across = rbdi_cross(omega, r), shift = rbdi_cross(z, r);
@@ -2149,8 +2178,8 @@ static void rbdi_roll_rates(const rbdi_pair_motion *pair, rbdi_motion_derivative
     by->rate_v.v = rbdi_cross_add(rbdi_cross_add(by->rate_v.v, z, across), omega, shift);
 }
 
-/* Adds a constraint's terms to sigma, by q_mid or v_mid (x = 0, 1). With f->velocity by v_mid, J takes the place
-   of the derivative of J nu. Leaves the S of the dofs in d. */
+/* Adds a constraint's terms to sigma, by q_mid or v_mid (x = 0, 1). With f->velocity by v_mid, J takes the
+   place of the derivative of J nu. Leaves the S of the dofs in d. */
 static void rbdi_row_terms(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
                            const rbdi_constraint *con, const rbdi_pair_motion *pair,
                            const rbdi_row_factors *f, int x) {
@@ -2277,9 +2306,9 @@ static void rbdi_other_terms(const rbd_model *m, rbd_contact_set *c, int purpose
     for (int i = 0; i < c->n; ++i) {
         const rbdi_contact *contact = &c->contact[i];
         rbd_real by_falls;
-        if (contact->row < 0 || !contact->rebounds || purpose != RBDI_FOR_VELOCITIES) continue;
+        if (contact->row < 0 || !contact->rebounds) continue;
         by_falls = rbdi_rebound_bias(c, contact).by_falls;
-        if (by_falls > 0 || by_falls < 0)
+        if (by_falls > 0)
             rbdi_subtract(&c->sigma[(contact->row + 2) * m->nv], -by_falls, rbdi_fall_columns(m, c, i, x),
                           m->nv);
     }
@@ -2338,8 +2367,8 @@ static void rbdi_copy_columns(const rbd_model *m, rbd_real *const from[3], rbd_r
         for (int k = 0; from[x] && k < m->nv * m->nv; ++k) to[x][k] = from[x][k];
 }
 
-/* Solves for the corrections of the velocity terms. to->dv becomes dnu of the last but one. Returns whether it
-   exists. */
+/* Solves for the corrections of the velocity terms. to->dv becomes dnu of the last but one. Returns whether
+   it exists. */
 static int rbdi_differentiate_corrections(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
                                           const rbd_real *tau, const rbd_real *f_ext,
                                           const rbdi_step_columns *to) {
@@ -2420,6 +2449,7 @@ RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact
     for (int x = 0; x < 3; ++x)
         if (by.dq[x]) solved &= rbdi_all_finite(by.dq[x], size) & rbdi_all_finite(by.dv[x], size);
     if (!status && !solved) status = RBD_ERR_SINGULAR;
+    if (status) rbd_contact_reset(c);
     for (int x = 0; status && x < 3; ++x)
         if (by.dq[x]) rbdi_clear(by.dq[x], size), rbdi_clear(by.dv[x], size);
     if (to.q_next) rbdi_contact_move(m, c, status, q, to.q_next, to.v_next);
