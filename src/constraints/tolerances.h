@@ -6,7 +6,8 @@
 
 /* RBDI_CLEAR: each pivot of Delta must exceed this share of Delta's diagonal entry, or the state is in doubt.
    Both equations then hold to 1e-11 of their terms. The error of lambda is up to 1 / sqrt(RBDI_CLEAR) times
-   the one that its condition explains, because Delta squares the condition of the rows.
+   the one that its condition explains, because Delta squares the condition of the rows. A larger one costs
+   time alone.
    RBDI_RANK: a row counts as independent if the square of its part that is independent of the rows before it
    exceeds this share of the row's square. Rounding leaves some 1e-31, more in ill-conditioned models; a leg
    1e-7 rad from straight has 1e-14.
@@ -15,8 +16,9 @@
    RBDI_FEASIBLE: targets of dependent rows may contradict each other by this share of their terms, because
    positions drift.
    RBDI_LOST: a sum whose magnitude is below this share of a term's has lost so many digits that [refinement]
-   looks at the rows.
-   RBDI_MISSED: a row that is off by more than this share of its terms is refined, [refinement].
+   looks at the rows. A larger one costs time alone.
+   RBDI_MISSED: a row that is off by more than this share of its terms is refined, [refinement]. A
+   smaller one costs time alone.
    RBDI_STILL, m/s^2 or rad/s^2: but not if it is off by less than this. Where constraints hold all joints,
    accelerations are rounding, and their error is no share of them.
    RBDI_FREE: the share of the least weight that stands for a weight of 0.
