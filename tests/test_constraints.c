@@ -2114,12 +2114,8 @@ END_TEST
 
 /* ---- tolerances ---- */
 
-<<<<<<< HEAD
 /* Holds one axis of a body at a place: (cosine, -sine, 0), or for rows of no model's plane any unit vector.
    */
-=======
-/* Holds one axis of a body, (cosine, sine, 0), at a place. */
->>>>>>> h-tol
 static rbd_constraint row_along(int body, double cosine, double sine, double y) {
     const double point[3] = {0}, place[3] = {0, y, 0}, turn[9] = {cosine, -sine, 0, sine, cosine, 0, 0, 0, 1};
     rbd_constraint k = rbd_point_contact(body, point, place);
@@ -2260,12 +2256,7 @@ static long double product(const double a[3], const double b[3]) {
 }
 
 /* Two rows at a small angle, and lambda by Cramer's rule in long double. The condition of the rows costs
-<<<<<<< HEAD
    digits, here three, its square none: eps / 0.0015 is 1.5e-13. */
-=======
-   digits,
-   here three, its square none: eps / 0.0015 is 1.5e-13. */
->>>>>>> h-tol
 START_TEST(rows_at_a_small_angle_cost_digits_once) {
     const double zero[3] = {0}, angle = 0.0015;
     uint64_t seed = 71;
@@ -2297,14 +2288,8 @@ START_TEST(rows_at_a_small_angle_cost_digits_once) {
 }
 END_TEST
 
-<<<<<<< HEAD
 /* A light body whose acceleration would be some million times the one that its row wants: each row is met
    to 1e-12 of its terms, which are two here, though rounding is a hundred times that. */
-=======
-/* A light body whose acceleration would be some million times the one that its row wants: each row is met to
-   1e-12 of
-   its terms, which are two here, though rounding is a hundred times that. */
->>>>>>> h-tol
 START_TEST(rows_that_lost_digits_are_met) {
     const rbd_body slide[1] = {{.parent = -1, .type = RBD_PRISMATIC, .axis = {1, 0, 0}, .mass = 1e-3}};
     robot r = BUILD(slide);

@@ -1312,12 +1312,8 @@ START_TEST(speeds_and_steps_have_the_bounds_that_are_documented) {
 }
 END_TEST
 
-<<<<<<< HEAD
 /* What the first half of a step goes too deep is left, up to a hundredth of the slop, and taken back
    beyond. */
-=======
-/* What the first half of a step goes too deep is left up to a hundredth of the slop, and else taken back. */
->>>>>>> h-tol
 START_TEST(depth_of_half_a_step_is_left_up_to_a_hundredth_of_the_slop) {
     const double depth[2] = {5e-5, 2e-4}, dt = 1e-2, start = 1e-5;
     for (int i = 0; i < 2; i++) {

@@ -652,12 +652,8 @@ END_TEST
 
 /* ---- tolerances ---- */
 
-<<<<<<< HEAD
 /* An angle between axes that is 1e-12 rad off a multiple of 90 degrees is taken as that; a larger one is
    kept. */
-=======
-/* An angle between axes within 1e-12 rad of a multiple of 90 degrees is taken as that; others are kept. */
->>>>>>> h-tol
 START_TEST(angles_of_rounding_are_right_angles) {
     const double off[2] = {6e-13, 3e-12};
     for (int i = 0; i < 4; i++) {

@@ -498,16 +498,9 @@ START_TEST(light_link_on_a_heavy_one_is_not_singular) {
 }
 END_TEST
 
-<<<<<<< HEAD
 /* A point mass beside its axis, by a share of the lever L of a frame that its body carries. Of its inertia
    m (share L)^2 rounding of the description leaves all or nothing, see [tolerances]: it counts from 2.5e-26
    m L^2 on, by the factor from 6.3e-23 m L^2. */
-=======
-/* A point mass beside its axis, by a share of the lever L of a frame that its body carries. Its inertia m
-   (share L)^2 may be rounding of the description, see [tolerances]: it counts from 2.5e-26 m L^2 on, by the
-   factor
-   from 6.3e-23 m L^2. */
->>>>>>> h-tol
 static void expect_beside_axis(double share, double L, rbd_status by_bodies, rbd_status by_factor) {
     const rbd_body bead[2] = {
         {.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 0, 1}, .mass = 2, .com = {share * L, 0, 0}},
@@ -534,12 +527,7 @@ START_TEST(point_mass_beside_its_axis_counts_above_the_rounding_of_its_descripti
 END_TEST
 
 /* The same behind two slides that lead there and back: by rbd_aba each change of frame rounds by a third of
-<<<<<<< HEAD
    eps, of m L^2. */
-=======
-   eps, of m
-   L^2. */
->>>>>>> h-tol
 START_TEST(point_mass_beside_its_axis_counts_above_the_rounding_of_frames) {
     const double squares[2] = {0.5 * DBL_EPSILON / 3, 5 * DBL_EPSILON / 3};
     for (int i = 0; i < 2; i++) {
