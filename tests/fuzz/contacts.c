@@ -136,6 +136,7 @@ typedef struct laws {
     int contacts, rows;
     quad delta[MOST_ROWS][MOST_ROWS], b[MOST_ROWS], p[MOST_ROWS], u[MOST_ROWS];
     double mu[MOST_CONTACTS], lower[MOST_ROWS], upper[MOST_ROWS]; /* by row */
+    double spring[MOST_CONTACTS]; /* what a spring adds to Delta's normal: it is no mass */
     double speed;   /* what velocities are measured by: the largest b, or p moved by its own row */
     double unmoved; /* a row's own 1/mass below is rounding */
 } laws;
@@ -163,7 +164,10 @@ static void judge_contact(const laws *x, int i, double *cone, double *signorini,
     for (int j = 0; j < 2; j++) trace += (double)x->delta[3 * i + j][3 * i + j];
     if (pn > 0 || pt > 0) *cone = larger(*cone, larger(pt / pn - x->mu[i], -pn) / (1 + x->mu[i]));
     if (!(d > 64 * unit_of_real * trace)) return;
-    *signorini = larger(*signorini, larger(-un, d * pn * un / (s + d * pn)) / s);
+
+    /* the error of p_n, by the velocity that it moves */
+    const double error = un * (d - x->spring[i]) / d;
+    *signorini = larger(*signorini, larger(-error, d * pn * error / (s + d * pn)) / s);
     *dissipation = larger(*dissipation, d * fabs(along + x->mu[i] * pn * ut) / (s * (s + d * (pt + pn))));
 }
 
@@ -601,9 +605,8 @@ static int find_rows(int *energy_holds) {
         if (own->row < 0) continue;
         if (any || a->stiffness > 0) *energy_holds = 0;
         x->b[x->rows + 2] = bias_of(a, own, (double)gap, (double)opening, any);
-        if (own->springs)
-            x->delta[x->rows + 2][x->rows + 2] =
-                2 / ((quad)now.dt * (now.dt * a->stiffness + 2 * a->damping));
+        x->spring[x->rows / 3] = own->springs ? 2 / (now.dt * (now.dt * a->stiffness + 2 * a->damping)) : 0;
+        x->delta[x->rows + 2][x->rows + 2] = x->spring[x->rows / 3];
         x->mu[x->rows / 3] = a->friction;
         x->rows += 3;
     }
