@@ -1196,6 +1196,30 @@ START_TEST(friction_over_a_soft_spring_is_exact) {
 }
 END_TEST
 
+/* A slide that is guided 1 cm deep in a plane of 10 kN/m: nothing moves along the normal, and the spring's
+   100 N give friction, up to 50 N. */
+START_TEST(a_guided_slide_rubs_on_a_soft_plane) {
+    static const double pull[2] = {20, 80}, friction[2] = {20, 50};
+    for (int k = 0; k < 2; k++) {
+        const rbd_body body = {
+            .name = "slide", .parent = -1, .type = RBD_PRISMATIC, .axis = {1, 0, 0}, .mass = 2};
+        double force[3];
+        scene s;
+        open_scene(&s, "slide", &body, 1, 1e-3);
+        rbd_contact *a = add_contact(&s, 0, -1, 0, 0, -0.01);
+        a->friction = 0.5, a->stiffness = 1e4;
+        begin_scene(&s);
+        s.tau[0] = pull[k];
+        for (int i = 0; i < 10; i++) step(&s);
+        ck_assert_int_eq(rbd_contact_get(s.c, 0, NULL, force), k ? RBD_SLIPS : RBD_STICKS);
+        ck_assert_double_eq_tol(force[0], -friction[k], 1e-9);
+        ck_assert_double_eq_tol(force[2], 100, 1e-9);
+        ck_assert_double_eq_tol(s.v[0], (pull[k] - friction[k]) / 2 * 0.01, 1e-12);
+        close_scene(&s);
+    }
+}
+END_TEST
+
 /* A velocity that is not a number, after a step in which the contact pushed: nothing of both is left. */
 START_TEST(an_error_leaves_no_forces_and_gaps) {
     for (int call = 0; call < 2; call++) {
@@ -1387,6 +1411,7 @@ Suite *contact_step_suite(void) {
     tcase_add_test(c, distances_that_are_not_a_number_are_errors);
     tcase_add_test(c, an_error_leaves_no_forces_and_gaps);
     tcase_add_test(c, friction_over_a_soft_spring_is_exact);
+    tcase_add_test(c, a_guided_slide_rubs_on_a_soft_plane);
     tcase_add_test(c, singular_states_are_errors);
     tcase_add_test(c, damping_is_kept_where_a_pivot_is_in_doubt);
     tcase_add_test(tolerances, speeds_and_steps_have_the_bounds_that_are_documented);

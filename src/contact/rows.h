@@ -202,7 +202,8 @@ static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
         }
 }
 
-/* Adds springs to the normals of Delta and of the solver's laws. */
+/* Adds springs to the normals of Delta and of the solver's laws. Where nothing moves along the normal, the
+   spring alone has the force. */
 static void rbdi_add_springs(rbd_contact_set *c) {
     const int n = c->rows->rows;
     for (const rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
@@ -212,7 +213,9 @@ static void rbdi_add_springs(rbd_contact_set *c) {
         law = &c->solver.law[contact->row / 3];
         law->d = law->d + 2 / (c->dt * (c->way * contact->stiffness + 2 * contact->damping));
         c->rows->R[normal * (n + 1)] = law->d;
-        if (law->state != RBD_APART) rbdi_contact_axes(law);
+        if (law->state == RBD_APART) law->rigid = law->d;
+        law->state = RBD_OPENS;
+        rbdi_contact_axes(law);
     }
 }
 
