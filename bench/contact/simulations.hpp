@@ -61,12 +61,13 @@ class rbd_simulation : public simulation {
     double h;
 
   public:
-    rbd_simulation(const scene &s, const setting &o, double step)
+    rbd_simulation(const scene &s, const setting &o, double step, bool first_order)
         : r(s.bodies), contacts(s.contacts), q((size_t)r.nq), v((size_t)r.nv), tau((size_t)r.nv),
           damping((size_t)r.nv), h(step) {
         rbd_contact_options options = {};
         const int n = (int)contacts.size();
         options.tolerance = o.tolerance;
+        options.first_order = first_order;
         memory.resize(rbd_contact_set_size(r.m, n, nullptr, 0, &options));
         must(rbd_contact_set_init(r.m, r.w, contacts.data(), n, nullptr, 0, &options, memory.data(),
                                   memory.size(), &c, nullptr),
@@ -321,8 +322,10 @@ inline std::unique_ptr<pipes> &other_process() {
     return process;
 }
 
-inline std::unique_ptr<simulation> simulate(const scene &s, const setting &o, double h) {
-    if (is_rbd(o)) return std::make_unique<rbd_simulation>(s, o, h);
+// first_order: rbd's step is semi-implicit Euler, as MuJoCo's is.
+inline std::unique_ptr<simulation> simulate(const scene &s, const setting &o, double h,
+                                            bool first_order = false) {
+    if (is_rbd(o)) return std::make_unique<rbd_simulation>(s, o, h, first_order);
     if (other_process()) return std::make_unique<remote_mujoco>(*other_process(), s, o, h);
     return std::make_unique<mujoco_simulation>(s, o, h);
 }

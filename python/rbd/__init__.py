@@ -1589,7 +1589,7 @@ class Model(_Owner):
             raise RbdError(Status(status), "lock_joints: " + self.library.finding_text(report.error))
         bodies = [body if row.type == new.type else _from_c(new)
                   for body, row, new in zip(self.bodies, rows, held)]
-        return _again(bodies, self.get_gravity(), self.library, self._batch_layout)
+        return _again(bodies, self.get_gravity(), self.library, self._batch_layout, self.warnings)
 
     def singular_dof(self) -> int:
         """After Status.ERR_SINGULAR or ERR_NAN: the degree of freedom whose pivot is not above its rounding,
