@@ -105,7 +105,8 @@ double exact_acceleration(const scene &s) {
 
 // ---- whether both simulate the same ----
 
-// Far above the ground, all joints moving: the largest difference of the states after 50 steps of first order.
+// Far above the ground, all joints moving: the largest difference of the states after 50 steps of first
+// order.
 double flight_difference(scene s, const setting &o) {
     robot r(s.bodies);
     vector end[2];
