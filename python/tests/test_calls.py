@@ -541,7 +541,7 @@ def test_locked_joints_are_those_of_the_whole_robot_at_rest(hyq):
     hyq.set_gravity([1, 2, -3])
     held = hyq.lock_joints(names, x)
     assert held.nb == hyq.nb and held.nv == hyq.nv - 8 and held.body_names == hyq.body_names
-    assert held.bodies[1] is hyq.bodies[1] and held.bodies[0].type == "fixed"
+    assert held.bodies[1] == hyq.bodies[1] and held.bodies[0].type == "fixed"
     stays = [hyq.dof_names.index(name) for name in held.dof_names]
     left = x[[hyq.q_names.index(name) for name in held.q_names]]
     np.testing.assert_allclose(held.crba(left), hyq.crba(x)[np.ix_(stays, stays)], rtol=0, atol=1e-12)
