@@ -1191,6 +1191,9 @@ static void rbdi_rest_of_rows(rbd_constraint_set *c) {
             *(rbdi_batch *)&c->b[r] = b;
             *(rbdi_batch *)&c->slack[r] = squares;
         }
+
+    /* behind the last row nothing is left of a call before, which may have had NaN */
+    rbdi_clear(&c->b[c->rows], c->stride - c->rows);
 }
 
 /* Computes b and whether an entry of it is more than rounding of its terms. */
