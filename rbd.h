@@ -4652,9 +4652,15 @@ RBDI_COLD rbdi_pose rbdi_pose_in_parent(const rbd_model *m, const rbd_work *w, i
         axis[j] = rbdi_set(RBD_C(1));
         rbdi_store_vec(column[j], 1, rbdi_down(l, flags, t, rbdi_load_vec(axis, 1)));
     }
-    X.E.xx = column[0][0], X.E.xy = column[1][0], X.E.xz = column[2][0];
-    X.E.yx = column[0][1], X.E.yy = column[1][1], X.E.yz = column[2][1];
-    X.E.zx = column[0][2], X.E.zy = column[1][2], X.E.zz = column[2][2];
+    X.E.xx = column[0][0];
+    X.E.xy = column[1][0];
+    X.E.xz = column[2][0];
+    X.E.yx = column[0][1];
+    X.E.yy = column[1][1];
+    X.E.yz = column[2][1];
+    X.E.zx = column[0][2];
+    X.E.zy = column[1][2];
+    X.E.zz = column[2][2];
     X.r = rbdi_add(rbdi_vec_c(l->r), rbdi_scale(t.d, rbdi_vec(X.E.zx, X.E.zy, X.E.zz)));
     return X;
 }
@@ -5653,7 +5659,8 @@ RBDI_PART void rbdi_straight_acceleration(const rbd_model *m, const rbd_real *v,
         rbdi_motion V;
         if (!rbdi_joint_turns(u)) continue;
         V = rbdi_joint_motion(u, &v[u->iv], 1);
-        V.v = rbdi_cross(V.v, V.omega), V.omega = rbdi_vec0();
+        V.v = rbdi_cross(V.v, V.omega);
+        V.omega = rbdi_vec0();
         rbdi_put_joint_motion(u, V, &a[u->iv], 1);
     }
 }
@@ -5974,7 +5981,9 @@ RBDI_API rbd_status rbd_free_step(const rbd_model *m, rbd_work *w, const rbd_rea
     rbdi_mask doubt;
     rbd_status status = rbdi_check(m, w, q && v && tau && q_next && v_next);
     if (status) return status;
-    at = rbdi_free_vector(m, w, 0), v_mid = rbdi_free_vector(m, w, 2), x = w->bias;
+    at = rbdi_free_vector(m, w, 0);
+    v_mid = rbdi_free_vector(m, w, 2);
+    x = w->bias;
 
     for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
         if (u->nv > 0) rbdi_move_straight(u, &q[u->iq], &v[u->iv], half, &at[u->iq]);
@@ -6575,7 +6584,11 @@ static void rbdi_warn_saying(rbd_report *report, rbd_status status, int body, co
                              const char *field, const char *sentence) {
     if (report->warnings < RBD_MAX_WARNINGS) {
         rbd_finding *f = &report->warning[report->warnings];
-        f->status = status, f->body = body, f->name = name, f->field = field, f->text = sentence;
+        f->status = status;
+        f->body = body;
+        f->name = name;
+        f->field = field;
+        f->text = sentence;
     }
     ++report->warnings;
 }

@@ -522,7 +522,9 @@ RBDI_PART void rbdi_contact_prepare(rbdi_contact_law *law, const rbd_real *D, in
     const rbd_real *y = D + stride, *n = y + stride, trace = D[0] + y[1] + n[2];
     law->trace = trace, law->friction = friction;
     law->A[0] = D[0] + trace * RBDI_UNMOVED, law->A[1] = D[1], law->A[2] = y[1] + trace * RBDI_UNMOVED;
-    law->c[0] = n[0], law->c[1] = n[1], law->d = law->rigid = n[2];
+    law->c[0] = n[0];
+    law->c[1] = n[1];
+    law->d = law->rigid = n[2];
     law->alpha = law->e[0] = law->e[1] = rbdi_zero();
     law->state = law->d > trace * (RBDI_UNMOVED * RBDI_UNMOVED) ? RBD_OPENS : RBD_APART;
     if (law->state != RBD_APART) rbdi_contact_axes(law);
@@ -1174,7 +1176,8 @@ static rbdi_limits rbdi_both_limits(rbdi_limits x, rbdi_limits y) {
 static rbdi_limits rbdi_limits_of(const rbdi_frame *u) {
     const rbdi_limits none = {-RBDI_UNBOUNDED, RBDI_UNBOUNDED};
     rbdi_limits x;
-    x.lower = u->lower, x.upper = u->upper;
+    x.lower = u->lower;
+    x.upper = u->upper;
     return x.lower < x.upper ? x : none;
 }
 
@@ -1289,8 +1292,10 @@ static int rbdi_list_limits(const rbd_model *m, const rbdi_frame *u, rbdi_dof_ro
     for (int upper = 0; upper < 2; ++upper) {
         if (upper ? limits.upper >= RBDI_UNBOUNDED : limits.lower <= -RBDI_UNBOUNDED) continue;
         if (row) {
-            row[n].dof = u->iv, row[n].iq = u->iq;
-            row[n].lower = limits.lower, row[n].upper = limits.upper;
+            row[n].dof = u->iv;
+            row[n].iq = u->iq;
+            row[n].lower = limits.lower;
+            row[n].upper = limits.upper;
             row[n].side = rbdi_set(RBD_C(upper ? -1 : 1));
         }
         ++n;
@@ -1308,8 +1313,10 @@ static int rbdi_list_dof_rows(const rbd_model *m, const rbd_contact_options *o, 
         const rbd_const friction = rbdi_joint_friction(m, k);
         if (!(friction > 0)) continue;
         if (row) {
-            row[n].dof = (int16_t)k, row[n].iq = -1;
-            row[n].lower = -friction, row[n].upper = friction;
+            row[n].dof = (int16_t)k;
+            row[n].iq = -1;
+            row[n].lower = -friction;
+            row[n].upper = friction;
             row[n].side = rbdi_set(RBD_C(1));
         }
         ++n;
@@ -1362,11 +1369,18 @@ static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held,
     c->dof_row = RBDI_CUT(rbdi_dof_row, bounded);
     c->place = RBDI_CUT(int16_t, c->max_rows);
     c->friction = RBDI_CUT(rbd_real, n + 2 * bounded + 2 * c->max_rows + m->nq + 7 * nv);
-    c->lower = c->friction + n, c->upper = c->lower + bounded;
-    c->b = c->upper + bounded, c->impulse = c->b + c->max_rows;
-    c->q_mid = c->impulse + c->max_rows, c->v_mid = c->q_mid + m->nq;
-    c->at = c->v_mid + nv, c->straight = c->at + nv;
-    c->damping = c->straight + nv, c->nu = c->damping + nv, c->moved = c->nu + nv, c->x = c->moved + nv;
+    c->lower = c->friction + n;
+    c->upper = c->lower + bounded;
+    c->b = c->upper + bounded;
+    c->impulse = c->b + c->max_rows;
+    c->q_mid = c->impulse + c->max_rows;
+    c->v_mid = c->q_mid + m->nq;
+    c->at = c->v_mid + nv;
+    c->straight = c->at + nv;
+    c->damping = c->straight + nv;
+    c->nu = c->damping + nv;
+    c->moved = c->nu + nv;
+    c->x = c->moved + nv;
     rbdi_lay_solver(&c->solver, n, bounded, at);
     at += RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded));
     c->sigma = o->derivatives ? RBDI_CUT(rbd_real, RBDI_CONTACT_SIDES(nv, n, c->max_rows)) : NULL;
@@ -1395,7 +1409,9 @@ RBDI_API void rbd_contact_reset(rbd_contact_set *c) {
     rbdi_clear(c->impulse, c->max_rows);
     for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
         rbdi_clear(contact->force, 3);
-        contact->state = RBD_APART, contact->gap.start = rbdi_zero(), contact->row = -1;
+        contact->state = RBD_APART;
+        contact->gap.start = rbdi_zero();
+        contact->row = -1;
     }
 }
 
@@ -1537,7 +1553,9 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
         rbdi_constraint *con = &s->constraint[i];
         rbdi_contact *contact = &c->contact[i];
         rbdi_contact_gap(c, con, contact);
-        contact->row = con->row = -1, contact->rebounds = 0, contact->state = RBD_APART;
+        contact->row = con->row = -1;
+        contact->rebounds = 0;
+        contact->state = RBD_APART;
         if (!rbdi_may_touch(contact->gap, dt, RBD_C(c->options.margin))) continue;
         c->friction[s->rows / 3] = rbdi_set(contact->friction);
         contact->row = con->row = (int16_t)rbdi_open_rows(c, place, 3, con->dof, con->dofs);
@@ -1598,7 +1616,8 @@ static void rbdi_find_falls(const rbd_model *m, rbd_contact_set *c, const rbd_re
     for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
         const int normal = contact->row + 2;
         rbd_real u;
-        contact->springs = 0, contact->falls = rbdi_zero();
+        contact->springs = 0;
+        contact->falls = rbdi_zero();
         if (contact->row < 0 || !(contact->stiffness > 0 || contact->restitution > 0)) continue;
         u = c->half * s->gamma[normal];
         for (int k = 0; k < m->nv; ++k)
@@ -1694,14 +1713,16 @@ RBDI_INLINE rbdi_bias rbdi_rigid_bias(const rbd_contact_set *c, int purpose, con
                    made = gap->reach - gap->start, deeper = gap->start + slop;
     rbdi_bias x = rbdi_no_bias();
     if (!(gap->reach <= 0)) {
-        x.value = gap->reach * inverse, x.by_reach = inverse;
+        x.value = gap->reach * inverse;
+        x.by_reach = inverse;
     } else if (purpose == RBDI_FOR_POSITIONS && gap->start > 0) {
         if (gap->reach < least) x.value = gap->reach * inverse, x.by_reach = inverse;
     } else if (purpose == RBDI_FOR_POSITIONS) {
         if (made < least) x.value = made * inverse, x.by_reach = inverse, x.by_start = -inverse;
         if (deeper < 0) {
             const rbd_real share = RBD_C(c->options.correction) * inverse;
-            x.value = x.value + share * deeper, x.by_start = x.by_start + share;
+            x.value = x.value + share * deeper;
+            x.by_start = x.by_start + share;
         }
     }
     return x;
@@ -1719,7 +1740,8 @@ RBDI_INLINE rbdi_bias rbdi_spring_bias(const rbd_contact_set *c, const rbdi_cont
 /* Of a row that leaves: its rate. */
 RBDI_INLINE rbdi_bias rbdi_leaving_bias(const rbdi_gap *gap) {
     rbdi_bias x = rbdi_no_bias();
-    x.value = gap->rate, x.by_rate = rbdi_set(RBD_C(1));
+    x.value = gap->rate;
+    x.by_rate = rbdi_set(RBD_C(1));
     return x;
 }
 
@@ -1818,7 +1840,8 @@ static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rb
     rbdi_solve_up(m, c->w, L, c->stride, c->rows, c->Y);
     for (int r = 0; r < c->rows; r += RBDI_BATCH) {
         const rbdi_batch b = *(const rbdi_batch *)&c->target[r];
-        *(rbdi_batch *)&c->b[r] = b, *(rbdi_batch *)&c->slack[r] = b * b;
+        *(rbdi_batch *)&c->b[r] = b;
+        *(rbdi_batch *)&c->slack[r] = b * b;
     }
     for (int k = 0; k < m->nv; ++k) {
         const rbd_real z = c->x[k] * c->D_inverse[k];
@@ -1922,7 +1945,8 @@ static void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int purpose
     for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
     (void)rbdi_write_biases(c, purpose);
     for (int k = 0; k < m->nv; ++k) c->x[k] = s->x[k];
-    given.contacts = c->contacts, given.bounded = s->rows - 3 * c->contacts;
+    given.contacts = c->contacts;
+    given.bounded = s->rows - 3 * c->contacts;
     given.delta = s->R, given.b = c->b, given.friction = c->friction;
     given.lower = c->lower, given.upper = c->upper;
     given.tolerance = RBD_C(c->options.tolerance), given.iterations = c->options.iterations;
@@ -1952,7 +1976,7 @@ static void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c) {
     rbdi_contact_respond(m, c, c->moved);
 }
 
-/* Of which scheme the step is: half of the way by v, or all of it by the solution. */
+/* Chooses the scheme: half of the way by v, or all of it by the solution. */
 static void rbdi_choose_scheme(rbd_contact_set *c, rbd_real dt, int first_order) {
     c->dt = dt;
     c->way = first_order ? dt : dt / 2;
@@ -2194,7 +2218,8 @@ static void rbdi_row_terms(const rbd_model *m, rbd_contact_set *c, const rbd_der
             rbdi_motion velocity, rate;
             rbdi_store_motion(RBDI_OF(d, l->first + j, Phi), RBDI_BATCH, by.S);
             rbdi_roll_rates(pair, &by);
-            velocity = x == 0 ? by.velocity_q : by.S, rate = x == 0 ? by.rate_q : by.rate_v;
+            velocity = x == 0 ? by.velocity_q : by.S;
+            rate = x == 0 ? by.rate_q : by.rate_v;
             rbdi_clear(sum[0], 3 * RBDI_SIX_ROWS);
             rbdi_add_held(con, &pair->h, velocity.omega, velocity.v, sum[0]);
             rbdi_add_held(con, &pair->h, rbdi_differentiate_error(con, pair, by.S.omega), by.S.v, sum[1]);
@@ -2232,7 +2257,8 @@ static void rbdi_velocity_terms(const rbd_model *m, rbd_contact_set *c, const rb
         if (con->row < 0) continue;
         for (int r = 0; r < con->rows; ++r) {
             const rbdi_bias bias = rbdi_bias_of(c, i, purpose, r);
-            f.velocity[r] = rbdi_set(RBD_C(1)), f.rate[r] = rbdi_zero();
+            f.velocity[r] = rbdi_set(RBD_C(1));
+            f.rate[r] = rbdi_zero();
             f.gap[r] = bias.by_start + bias.by_reach;
         }
         pair = rbdi_contact_pair(c, i);
@@ -2261,7 +2287,8 @@ static void rbdi_middle_terms(const rbd_model *m, rbd_contact_set *c, const rbd_
                 const rbdi_bias bias = rbdi_bias_of(c, i, purpose, r);
                 const rbd_real gamma = half + half * half / 2 * (bias.by_start - bias.by_reach) -
                                        half * bias.by_rate + 2 * half * bias.by_falls;
-                f.gap[r] = rbdi_zero(), f.rate[r] = pass ? gamma : rbdi_zero();
+                f.gap[r] = rbdi_zero();
+                f.rate[r] = pass ? gamma : rbdi_zero();
                 f.velocity[r] = pass ? bias.by_rate - half * bias.by_start - bias.by_falls : -gamma;
                 if (pass && x == 1) f.velocity[r] = f.velocity[r] + gamma;
             }

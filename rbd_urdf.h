@@ -710,7 +710,7 @@ class unread_parts {
         return owners == 1 ? owner : "";
     }
 
-    /* What is unknown and says 0 changes nothing. */
+    /* An unknown element whose numbers are all 0 changes nothing. */
     static bool is_zero(const str &numbers) {
         return numbers.find_first_not_of("0.+- ") == str::npos && numbers.find('0') != str::npos;
     }

@@ -130,10 +130,12 @@ static void rbdi_rows_to_world(const rbd_model *m, rbd_constraint_set *c, const 
     rows.b = rows.target = *(const rbdi_batch *)&c->target[con->row + r];
     for (int side = 0; side < (con->link[1] < 0 ? 1 : 2); ++side) {
         rbdi_start_rows(c, con, h, p, side, r, one.K);
-        one.b = rows.b, one.target = rows.target;
+        one.b = rows.b;
+        one.target = rows.target;
         rbdi_carry_rows(m, c, con->link[side], con->ancestor, &one, Y);
         for (int j = 0; j < 6; ++j) rows.K[j] = rows.K[j] + one.K[j];
-        rows.b = one.b, rows.target = one.target;
+        rows.b = one.b;
+        rows.target = one.target;
     }
     rbdi_carry_rows(m, c, con->ancestor, -1, &rows, Y);
     world = rows.K[3] * c->world.x + rows.K[4] * c->world.y + rows.K[5] * c->world.z;

@@ -99,7 +99,8 @@ static void rbdi_row_terms(const rbd_model *m, rbd_contact_set *c, const rbd_der
             rbdi_motion velocity, rate;
             rbdi_store_motion(RBDI_OF(d, l->first + j, Phi), RBDI_BATCH, by.S);
             rbdi_roll_rates(pair, &by);
-            velocity = x == 0 ? by.velocity_q : by.S, rate = x == 0 ? by.rate_q : by.rate_v;
+            velocity = x == 0 ? by.velocity_q : by.S;
+            rate = x == 0 ? by.rate_q : by.rate_v;
             rbdi_clear(sum[0], 3 * RBDI_SIX_ROWS);
             rbdi_add_held(con, &pair->h, velocity.omega, velocity.v, sum[0]);
             rbdi_add_held(con, &pair->h, rbdi_differentiate_error(con, pair, by.S.omega), by.S.v, sum[1]);
@@ -137,7 +138,8 @@ static void rbdi_velocity_terms(const rbd_model *m, rbd_contact_set *c, const rb
         if (con->row < 0) continue;
         for (int r = 0; r < con->rows; ++r) {
             const rbdi_bias bias = rbdi_bias_of(c, i, purpose, r);
-            f.velocity[r] = rbdi_set(RBD_C(1)), f.rate[r] = rbdi_zero();
+            f.velocity[r] = rbdi_set(RBD_C(1));
+            f.rate[r] = rbdi_zero();
             f.gap[r] = bias.by_start + bias.by_reach;
         }
         pair = rbdi_contact_pair(c, i);
@@ -166,7 +168,8 @@ static void rbdi_middle_terms(const rbd_model *m, rbd_contact_set *c, const rbd_
                 const rbdi_bias bias = rbdi_bias_of(c, i, purpose, r);
                 const rbd_real gamma = half + half * half / 2 * (bias.by_start - bias.by_reach) -
                                        half * bias.by_rate + 2 * half * bias.by_falls;
-                f.gap[r] = rbdi_zero(), f.rate[r] = pass ? gamma : rbdi_zero();
+                f.gap[r] = rbdi_zero();
+                f.rate[r] = pass ? gamma : rbdi_zero();
                 f.velocity[r] = pass ? bias.by_rate - half * bias.by_start - bias.by_falls : -gamma;
                 if (pass && x == 1) f.velocity[r] = f.velocity[r] + gamma;
             }

@@ -44,7 +44,8 @@ static rbdi_limits rbdi_both_limits(rbdi_limits x, rbdi_limits y) {
 static rbdi_limits rbdi_limits_of(const rbdi_frame *u) {
     const rbdi_limits none = {-RBDI_UNBOUNDED, RBDI_UNBOUNDED};
     rbdi_limits x;
-    x.lower = u->lower, x.upper = u->upper;
+    x.lower = u->lower;
+    x.upper = u->upper;
     return x.lower < x.upper ? x : none;
 }
 

@@ -42,7 +42,9 @@ RBDI_PART void rbdi_contact_prepare(rbdi_contact_law *law, const rbd_real *D, in
     const rbd_real *y = D + stride, *n = y + stride, trace = D[0] + y[1] + n[2];
     law->trace = trace, law->friction = friction;
     law->A[0] = D[0] + trace * RBDI_UNMOVED, law->A[1] = D[1], law->A[2] = y[1] + trace * RBDI_UNMOVED;
-    law->c[0] = n[0], law->c[1] = n[1], law->d = law->rigid = n[2];
+    law->c[0] = n[0];
+    law->c[1] = n[1];
+    law->d = law->rigid = n[2];
     law->alpha = law->e[0] = law->e[1] = rbdi_zero();
     law->state = law->d > trace * (RBDI_UNMOVED * RBDI_UNMOVED) ? RBD_OPENS : RBD_APART;
     if (law->state != RBD_APART) rbdi_contact_axes(law);

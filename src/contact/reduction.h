@@ -12,7 +12,8 @@ static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rb
     rbdi_solve_up(m, c->w, L, c->stride, c->rows, c->Y);
     for (int r = 0; r < c->rows; r += RBDI_BATCH) {
         const rbdi_batch b = *(const rbdi_batch *)&c->target[r];
-        *(rbdi_batch *)&c->b[r] = b, *(rbdi_batch *)&c->slack[r] = b * b;
+        *(rbdi_batch *)&c->b[r] = b;
+        *(rbdi_batch *)&c->slack[r] = b * b;
     }
     for (int k = 0; k < m->nv; ++k) {
         const rbd_real z = c->x[k] * c->D_inverse[k];

@@ -104,7 +104,9 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
         rbdi_constraint *con = &s->constraint[i];
         rbdi_contact *contact = &c->contact[i];
         rbdi_contact_gap(c, con, contact);
-        contact->row = con->row = -1, contact->rebounds = 0, contact->state = RBD_APART;
+        contact->row = con->row = -1;
+        contact->rebounds = 0;
+        contact->state = RBD_APART;
         if (!rbdi_may_touch(contact->gap, dt, RBD_C(c->options.margin))) continue;
         c->friction[s->rows / 3] = rbdi_set(contact->friction);
         contact->row = con->row = (int16_t)rbdi_open_rows(c, place, 3, con->dof, con->dofs);
@@ -165,7 +167,8 @@ static void rbdi_find_falls(const rbd_model *m, rbd_contact_set *c, const rbd_re
     for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
         const int normal = contact->row + 2;
         rbd_real u;
-        contact->springs = 0, contact->falls = rbdi_zero();
+        contact->springs = 0;
+        contact->falls = rbdi_zero();
         if (contact->row < 0 || !(contact->stiffness > 0 || contact->restitution > 0)) continue;
         u = c->half * s->gamma[normal];
         for (int k = 0; k < m->nv; ++k)
@@ -261,14 +264,16 @@ RBDI_INLINE rbdi_bias rbdi_rigid_bias(const rbd_contact_set *c, int purpose, con
                    made = gap->reach - gap->start, deeper = gap->start + slop;
     rbdi_bias x = rbdi_no_bias();
     if (!(gap->reach <= 0)) {
-        x.value = gap->reach * inverse, x.by_reach = inverse;
+        x.value = gap->reach * inverse;
+        x.by_reach = inverse;
     } else if (purpose == RBDI_FOR_POSITIONS && gap->start > 0) {
         if (gap->reach < least) x.value = gap->reach * inverse, x.by_reach = inverse;
     } else if (purpose == RBDI_FOR_POSITIONS) {
         if (made < least) x.value = made * inverse, x.by_reach = inverse, x.by_start = -inverse;
         if (deeper < 0) {
             const rbd_real share = RBD_C(c->options.correction) * inverse;
-            x.value = x.value + share * deeper, x.by_start = x.by_start + share;
+            x.value = x.value + share * deeper;
+            x.by_start = x.by_start + share;
         }
     }
     return x;
@@ -286,7 +291,8 @@ RBDI_INLINE rbdi_bias rbdi_spring_bias(const rbd_contact_set *c, const rbdi_cont
 /* Of a row that leaves: its rate. */
 RBDI_INLINE rbdi_bias rbdi_leaving_bias(const rbdi_gap *gap) {
     rbdi_bias x = rbdi_no_bias();
-    x.value = gap->rate, x.by_rate = rbdi_set(RBD_C(1));
+    x.value = gap->rate;
+    x.by_rate = rbdi_set(RBD_C(1));
     return x;
 }
 

@@ -96,8 +96,10 @@ static int rbdi_list_limits(const rbd_model *m, const rbdi_frame *u, rbdi_dof_ro
     for (int upper = 0; upper < 2; ++upper) {
         if (upper ? limits.upper >= RBDI_UNBOUNDED : limits.lower <= -RBDI_UNBOUNDED) continue;
         if (row) {
-            row[n].dof = u->iv, row[n].iq = u->iq;
-            row[n].lower = limits.lower, row[n].upper = limits.upper;
+            row[n].dof = u->iv;
+            row[n].iq = u->iq;
+            row[n].lower = limits.lower;
+            row[n].upper = limits.upper;
             row[n].side = rbdi_set(RBD_C(upper ? -1 : 1));
         }
         ++n;
@@ -115,8 +117,10 @@ static int rbdi_list_dof_rows(const rbd_model *m, const rbd_contact_options *o, 
         const rbd_const friction = rbdi_joint_friction(m, k);
         if (!(friction > 0)) continue;
         if (row) {
-            row[n].dof = (int16_t)k, row[n].iq = -1;
-            row[n].lower = -friction, row[n].upper = friction;
+            row[n].dof = (int16_t)k;
+            row[n].iq = -1;
+            row[n].lower = -friction;
+            row[n].upper = friction;
             row[n].side = rbdi_set(RBD_C(1));
         }
         ++n;
@@ -169,11 +173,18 @@ static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held,
     c->dof_row = RBDI_CUT(rbdi_dof_row, bounded);
     c->place = RBDI_CUT(int16_t, c->max_rows);
     c->friction = RBDI_CUT(rbd_real, n + 2 * bounded + 2 * c->max_rows + m->nq + 7 * nv);
-    c->lower = c->friction + n, c->upper = c->lower + bounded;
-    c->b = c->upper + bounded, c->impulse = c->b + c->max_rows;
-    c->q_mid = c->impulse + c->max_rows, c->v_mid = c->q_mid + m->nq;
-    c->at = c->v_mid + nv, c->straight = c->at + nv;
-    c->damping = c->straight + nv, c->nu = c->damping + nv, c->moved = c->nu + nv, c->x = c->moved + nv;
+    c->lower = c->friction + n;
+    c->upper = c->lower + bounded;
+    c->b = c->upper + bounded;
+    c->impulse = c->b + c->max_rows;
+    c->q_mid = c->impulse + c->max_rows;
+    c->v_mid = c->q_mid + m->nq;
+    c->at = c->v_mid + nv;
+    c->straight = c->at + nv;
+    c->damping = c->straight + nv;
+    c->nu = c->damping + nv;
+    c->moved = c->nu + nv;
+    c->x = c->moved + nv;
     rbdi_lay_solver(&c->solver, n, bounded, at);
     at += RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded));
     c->sigma = o->derivatives ? RBDI_CUT(rbd_real, RBDI_CONTACT_SIDES(nv, n, c->max_rows)) : NULL;
@@ -202,7 +213,9 @@ RBDI_API void rbd_contact_reset(rbd_contact_set *c) {
     rbdi_clear(c->impulse, c->max_rows);
     for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
         rbdi_clear(contact->force, 3);
-        contact->state = RBD_APART, contact->gap.start = rbdi_zero(), contact->row = -1;
+        contact->state = RBD_APART;
+        contact->gap.start = rbdi_zero();
+        contact->row = -1;
     }
 }
 

@@ -97,7 +97,8 @@ static void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int purpose
     for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
     (void)rbdi_write_biases(c, purpose);
     for (int k = 0; k < m->nv; ++k) c->x[k] = s->x[k];
-    given.contacts = c->contacts, given.bounded = s->rows - 3 * c->contacts;
+    given.contacts = c->contacts;
+    given.bounded = s->rows - 3 * c->contacts;
     given.delta = s->R, given.b = c->b, given.friction = c->friction;
     given.lower = c->lower, given.upper = c->upper;
     given.tolerance = RBD_C(c->options.tolerance), given.iterations = c->options.iterations;
@@ -127,7 +128,7 @@ static void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c) {
     rbdi_contact_respond(m, c, c->moved);
 }
 
-/* Of which scheme the step is: half of the way by v, or all of it by the solution. */
+/* Chooses the scheme: half of the way by v, or all of it by the solution. */
 static void rbdi_choose_scheme(rbd_contact_set *c, rbd_real dt, int first_order) {
     c->dt = dt;
     c->way = first_order ? dt : dt / 2;

@@ -69,9 +69,15 @@ RBDI_COLD rbdi_pose rbdi_pose_in_parent(const rbd_model *m, const rbd_work *w, i
         axis[j] = rbdi_set(RBD_C(1));
         rbdi_store_vec(column[j], 1, rbdi_down(l, flags, t, rbdi_load_vec(axis, 1)));
     }
-    X.E.xx = column[0][0], X.E.xy = column[1][0], X.E.xz = column[2][0];
-    X.E.yx = column[0][1], X.E.yy = column[1][1], X.E.yz = column[2][1];
-    X.E.zx = column[0][2], X.E.zy = column[1][2], X.E.zz = column[2][2];
+    X.E.xx = column[0][0];
+    X.E.xy = column[1][0];
+    X.E.xz = column[2][0];
+    X.E.yx = column[0][1];
+    X.E.yy = column[1][1];
+    X.E.yz = column[2][1];
+    X.E.zx = column[0][2];
+    X.E.zy = column[1][2];
+    X.E.zz = column[2][2];
     X.r = rbdi_add(rbdi_vec_c(l->r), rbdi_scale(t.d, rbdi_vec(X.E.zx, X.E.zy, X.E.zz)));
     return X;
 }

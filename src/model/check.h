@@ -138,7 +138,11 @@ static void rbdi_warn_saying(rbd_report *report, rbd_status status, int body, co
                              const char *field, const char *sentence) {
     if (report->warnings < RBD_MAX_WARNINGS) {
         rbd_finding *f = &report->warning[report->warnings];
-        f->status = status, f->body = body, f->name = name, f->field = field, f->text = sentence;
+        f->status = status;
+        f->body = body;
+        f->name = name;
+        f->field = field;
+        f->text = sentence;
     }
     ++report->warnings;
 }

@@ -63,7 +63,9 @@ RBDI_API rbd_status rbd_free_step(const rbd_model *m, rbd_work *w, const rbd_rea
     rbdi_mask doubt;
     rbd_status status = rbdi_check(m, w, q && v && tau && q_next && v_next);
     if (status) return status;
-    at = rbdi_free_vector(m, w, 0), v_mid = rbdi_free_vector(m, w, 2), x = w->bias;
+    at = rbdi_free_vector(m, w, 0);
+    v_mid = rbdi_free_vector(m, w, 2);
+    x = w->bias;
 
     for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
         if (u->nv > 0) rbdi_move_straight(u, &q[u->iq], &v[u->iv], half, &at[u->iq]);

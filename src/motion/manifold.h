@@ -124,7 +124,8 @@ RBDI_PART void rbdi_straight_acceleration(const rbd_model *m, const rbd_real *v,
         rbdi_motion V;
         if (!rbdi_joint_turns(u)) continue;
         V = rbdi_joint_motion(u, &v[u->iv], 1);
-        V.v = rbdi_cross(V.v, V.omega), V.omega = rbdi_vec0();
+        V.v = rbdi_cross(V.v, V.omega);
+        V.omega = rbdi_vec0();
         rbdi_put_joint_motion(u, V, &a[u->iv], 1);
     }
 }
