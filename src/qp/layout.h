@@ -1,0 +1,158 @@
+#ifndef RBDI_QP_LAYOUT_H
+#define RBDI_QP_LAYOUT_H
+#include "api/qp.h"
+#include "base/compiler.h"
+#include "base/memory.h"
+#include "base/tolerances.h"
+
+/* ---- method [method] ----
+   Minimise x'Hx/2 + f'x with n_i'x >= b_i, where the normal n_i of a row points into what is allowed: the row
+   itself at its lower side, its negative at its upper one.
+
+   H + rho 1 = L L', where rho is 0 or that of the proximal method. Equalities are eliminated first: their
+   normals, L^-1 n, are reflected one by one onto the first axes. With Q the product of these reflections,
+
+       J = L^-T Q [0; 1],   so that J'(H + rho 1) J = 1
+
+   spans the space in which all equalities hold. The dual method of Goldfarb and Idnani (1983) works on J and on
+   the normals N of the active rows, with R from J'N = [R; 0], as Powell (1985) gives it: x is always the
+   optimum for the active rows alone, and each step takes in a row that x misses. Then with d = J'n, split
+   behind the q active rows in d1 and d2, J = [J1 J2]:
+
+       z = J2 d2        the way of x
+       r = R^-1 d1      how fast the multipliers u of the active rows fall on that way
+
+   A row joins by one reflection of d2 onto its first axis, which turns J2 too; it leaves by plane rotations.
+
+   A soft row n'x + e >= b has a slack e, with the cost w e^2/2. It brings a column of its own to J, 0 in x and
+   1/sqrt(w) in e. Nothing of e is stored: e = u/w. */
+
+/* Tolerances. None depends on the units of x or of a row.
+   RBDI_QP_DEPENDENT: sine of the angle, in the metric of H^-1, between a row and the active ones, below which
+   it depends on them. RBDI_QP_ACCURACY: share of a row's terms that may be rounding. RBDI_QP_KEEP: share of the
+   largest x so far that still counts in those terms after a refinement. RBDI_QP_PIVOT: share of a diagonal entry of H
+   that its pivot must have. RBDI_QP_PROXIMAL: rho as a share of the largest diagonal entry of H. */
+#if RBDI_REAL_KIND == 2
+#define RBDI_QP_DEPENDENT 3e-5f
+#define RBDI_QP_ACCURACY 1e-5f
+#define RBDI_QP_KEEP 3e-2f
+#define RBDI_QP_PIVOT 1e-5f
+#define RBDI_QP_PROXIMAL 1e-3f
+#else
+#define RBDI_QP_DEPENDENT 1e-10
+#define RBDI_QP_ACCURACY 1e-10
+#define RBDI_QP_KEEP 1e-3
+#define RBDI_QP_PIVOT 1e-12
+#define RBDI_QP_PROXIMAL 1e-6
+#endif
+#define RBDI_QP_NONE ((rbd_real)RBD_QP_NONE)
+
+/* What the parts of the solver share. A row is counted with the bounds. Matrices without padding. */
+typedef struct rbdi_qp {
+    rbd_qp_problem given;
+    rbd_qp_options options; /* all set */
+    rbd_qp_result result;
+    signed char *side; /* of each row: -1, 0 or 1; 1 for an equality that is eliminated */
+    int n, all, soft;  /* variables, rows with bounds, soft rows */
+    int equalities;    /* eliminated: the first reflections */
+    int columns;       /* of J: n - equalities, and the slacks of active soft rows */
+    int q;             /* active rows that are not eliminated */
+    rbd_real rho;      /* added to H's diagonal */
+    rbd_real own;      /* length of the last row that wanted to join, in the metric of H^-1 */
+    rbd_real accuracy; /* of rows: that of the options, and tenfold each time after `loosen` steps */
+    int loosen;        /* the number of steps at which accuracy grows next */
+
+    rbd_real *L; /* packed rows, its diagonal inverted */
+    rbd_real
+        *V; /* equalities x n: vectors of the reflections from the diagonal on; R of the equalities above */
+    rbd_real *J; /* columns x n: each column of J is a row here */
+    rbd_real *R; /* packed columns, its diagonal inverted */
+
+    rbd_real *d, *r;    /* n + soft: see [method] */
+    rbd_real *u;        /* q: multipliers, not negative but for equalities */
+    rbd_real *length;   /* q: of active rows, in the metric of H^-1 */
+    rbd_real *leaving;  /* n + soft: column of R that leaves */
+    rbd_real *x0;       /* n: optimum on the equalities alone */
+    rbd_real *z;        /* n: way of x; scratch */
+    rbd_real *reach;    /* n: largest |x| so far, which says how much has cancelled */
+    rbd_real *centre;   /* n: of the proximal round */
+    rbd_real *g;        /* n: f - rho centre */
+    rbd_real *t;        /* n: scratch */
+    rbd_real *beta;     /* equalities: 2/|v|^2 of each reflection */
+    rbd_real *diagonal; /* equalities: of their R */
+    rbd_real *u_equal;  /* equalities: multipliers */
+    rbd_real *norm;     /* of each row; 1 if it is 0 */
+
+    int *active;    /* q: rows */
+    int *from, *to; /* of each row: where it is not 0 */
+    int *equality;  /* equalities: rows */
+    int *first;     /* of each row of L: where it begins */
+    int *end;       /* of each reflection: behind its last component */
+} rbdi_qp;
+
+RBDI_PART rbd_real *rbdi_qp_scalars(unsigned char **at, int count) {
+    return (rbd_real *)rbdi_take(at, count, sizeof(rbd_real));
+}
+RBDI_PART int *rbdi_qp_ints(unsigned char **at, int count) {
+    return (int *)rbdi_take(at, count, sizeof(int));
+}
+
+/* Gives each array its place in the memory. V and J lie in one: what is eliminated is no column of J. */
+RBDI_PART void rbdi_qp_place(rbdi_qp *s, void *memory) {
+    const int n = s->n, most = n + s->soft;
+    const uintptr_t misaligned = (uintptr_t)memory % sizeof(rbd_real);
+    unsigned char *at = (unsigned char *)memory + (misaligned ? sizeof(rbd_real) - misaligned : 0);
+
+    s->V = rbdi_qp_scalars(&at, most * n);
+    s->L = rbdi_qp_scalars(&at, n * (n + 1) / 2);
+    s->R = rbdi_qp_scalars(&at, most * (most + 1) / 2);
+
+    s->d = rbdi_qp_scalars(&at, most);
+    s->r = rbdi_qp_scalars(&at, most);
+    s->u = rbdi_qp_scalars(&at, most);
+    s->length = rbdi_qp_scalars(&at, most);
+    s->leaving = rbdi_qp_scalars(&at, most);
+
+    s->x0 = rbdi_qp_scalars(&at, n);
+    s->z = rbdi_qp_scalars(&at, n);
+    s->reach = rbdi_qp_scalars(&at, n);
+    s->centre = rbdi_qp_scalars(&at, n);
+    s->g = rbdi_qp_scalars(&at, n);
+    s->t = rbdi_qp_scalars(&at, n);
+    s->beta = rbdi_qp_scalars(&at, n);
+    s->diagonal = rbdi_qp_scalars(&at, n);
+    s->u_equal = rbdi_qp_scalars(&at, n);
+    s->norm = rbdi_qp_scalars(&at, s->all);
+
+    s->active = rbdi_qp_ints(&at, most);
+    s->from = rbdi_qp_ints(&at, s->all);
+    s->to = rbdi_qp_ints(&at, s->all);
+    s->equality = rbdi_qp_ints(&at, n);
+    s->first = rbdi_qp_ints(&at, n);
+    s->end = rbdi_qp_ints(&at, n);
+}
+
+RBDI_INLINE rbd_real rbdi_qp_larger(rbd_real a, rbd_real b) { return a > b ? a : b; }
+
+/* The weight of a row, 0 if it is hard. */
+RBDI_INLINE rbd_real rbdi_qp_weight(const rbdi_qp *s, int row) {
+    return s->given.soft ? s->given.soft[row] : 0;
+}
+RBDI_INLINE int rbdi_qp_is_equality(const rbdi_qp *s, int row) {
+    return s->given.lower[row] == s->given.upper[row];
+}
+/* The sign of the normal: 1 at the lower side, -1 at the upper one. */
+RBDI_INLINE rbd_real rbdi_qp_sign(int side) { return side > 0 ? -1 : 1; }
+
+/* The side at which an active row holds. */
+RBDI_INLINE rbd_real rbdi_qp_side(const rbdi_qp *s, int row) {
+    return s->side[row] > 0 ? s->given.upper[row] : s->given.lower[row];
+}
+/* Row of C, from where it is not 0; not for a bound. */
+RBDI_INLINE const rbd_real *rbdi_qp_c(const rbdi_qp *s, int row) {
+    return s->given.C + (row - s->given.bounds) * s->n + s->from[row];
+}
+RBDI_INLINE rbd_real *rbdi_qp_column(const rbdi_qp *s, int k) { return s->R + k * (k + 1) / 2; }
+RBDI_INLINE rbd_real *rbdi_qp_j(const rbdi_qp *s, int k) { return s->J + k * s->n; }
+
+#endif

@@ -1,0 +1,105 @@
+#ifndef RBDI_QP_SEARCH_H
+#define RBDI_QP_SEARCH_H
+#include "qp/active.h"
+
+/* ---- search [search] ---- */
+
+/* A row that x misses. */
+typedef struct rbdi_qp_miss {
+    int row, side;
+    rbd_real by, share; /* in the row's units; of its terms */
+} rbdi_qp_miss;
+
+RBDI_PART void rbdi_qp_reached(rbdi_qp *s, const rbd_real *x) {
+    for (int k = 0; k < s->n; ++k) s->reach[k] = rbdi_qp_larger(s->reach[k], rbdi_abs(x[k]));
+}
+
+/* The inactive row that x misses most, in lengths of the row, beyond what rounding explains: row -1 if there is
+   none. result.primal becomes the largest share that was missed. */
+RBDI_PART rbdi_qp_miss rbdi_qp_most_missed(rbdi_qp *s, const rbd_real *x, rbd_real accuracy) {
+    rbdi_qp_miss worst = {-1, 0, 0, 0};
+    rbd_real most = 0;
+
+    s->result.primal = 0;
+    for (int row = 0; row < s->all; ++row) {
+        rbd_real value, below, above, by, terms;
+        if (s->side[row]) continue;
+        value = rbdi_qp_row_times(s, row, x);
+        below = s->given.lower[row] - value;
+        above = value - s->given.upper[row];
+        by = rbdi_qp_larger(below, above);
+        if (!(by > most * s->norm[row])) continue;
+
+        terms = rbdi_qp_terms(s, row, below > above ? s->given.lower[row] : s->given.upper[row]);
+        s->result.primal = rbdi_qp_larger(s->result.primal, by / terms);
+        if (!(by > accuracy * terms)) continue;
+        worst.row = row;
+        worst.side = below > above ? -1 : 1;
+        worst.by = by;
+        worst.share = by / terms;
+        most = by / s->norm[row];
+    }
+    return worst;
+}
+
+/* The active inequality whose multiplier falls to 0 first on the way r, or -1; *step: where. */
+RBDI_PART int rbdi_qp_first_to_leave(const rbdi_qp *s, rbd_real *step) {
+    int first = -1;
+
+    *step = RBDI_QP_NONE;
+    for (int j = 0; j < s->q; ++j) {
+        if (!(s->r[j] * s->length[j] > RBDI_QP_DEPENDENT * s->own)) continue;
+        if (rbdi_qp_is_equality(s, s->active[j]) || !(s->u[j] < *step * s->r[j])) continue;
+        *step = rbdi_qp_larger(s->u[j], 0) / s->r[j];
+        first = j;
+    }
+    return first;
+}
+
+/* Takes in a row that is missed. Each turn goes as far as the multipliers of the active rows stay positive, at
+   most until the row holds:
+
+       x += step z,   u -= step r,   the row's multiplier += step,   the miss -= step |d2|^2
+
+   and then a row leaves, or the row joins. A row that depends on the active ones, and with which none can leave,
+   contradicts them. */
+RBDI_PART rbd_qp_status rbdi_qp_take_in(rbdi_qp *s, rbd_real *x, rbdi_qp_miss miss) {
+    const int hard = !(rbdi_qp_weight(s, miss.row) > 0);
+    rbd_real u = 0;
+
+    s->own = rbdi_qp_enter(s, miss.row, miss.side);
+    while (s->result.steps < s->options.steps) {
+        const rbd_real square = rbdi_qp_free_part(s);
+        const rbd_real least = RBDI_QP_DEPENDENT * s->own;
+        const int dependent = hard && square <= least * least;
+        rbd_real step;
+        int leaves;
+
+        rbdi_qp_copy(s->d, s->r, s->q);
+        rbdi_qp_solve_r(s, s->r);
+        leaves = rbdi_qp_first_to_leave(s, &step);
+        if (dependent && leaves < 0) return RBD_QP_INFEASIBLE;
+
+        if (!dependent) {
+            rbdi_qp_way(s);
+            if (miss.by <= step * square) {
+                step = miss.by / square;
+                leaves = -1;
+            }
+            rbdi_qp_add(step, s->z, x, s->n);
+            miss.by = miss.by - step * square;
+        }
+        rbdi_qp_add(-step, s->r, s->u, s->q);
+        u = u + step;
+
+        if (leaves < 0) {
+            s->result.steps++;
+            rbdi_qp_join(s, miss.row, miss.side, u, square);
+            return RBD_QP_OK;
+        }
+        rbdi_qp_leave(s, leaves);
+    }
+    return RBD_QP_ITERATIONS;
+}
+
+#endif

@@ -1,0 +1,220 @@
+#ifndef RBDI_QP_SOLVE_H
+#define RBDI_QP_SOLVE_H
+#include "qp/rounds.h"
+
+/* ---- solve [solve code] ---- */
+
+#define RBDI_QP_MOST 20000 /* variables, rows: their matrices have ints for an index */
+#if RBDI_REAL_KIND == 2
+#define RBDI_QP_ASYMMETRY 1e-4f
+#else
+#define RBDI_QP_ASYMMETRY 1e-8 /* of H, as a share of its diagonal */
+#endif
+
+RBDI_PART rbd_qp_status rbdi_qp_refuse(rbdi_qp *s, rbd_qp_status status, int at, const char *field) {
+    s->result.at = at;
+    s->result.field = field;
+    return status;
+}
+
+RBDI_INLINE int rbdi_qp_finite(rbd_real x) { return rbdi_abs(x) < RBDI_QP_NONE; }
+
+/* Whether numbers, pointers and options make sense; completes the options. */
+RBDI_PART rbd_qp_status rbdi_qp_check_problem(rbdi_qp *s) {
+    const rbd_qp_problem *p = &s->given;
+    rbd_qp_options *o = &s->options;
+
+    if (p->n < 1 || p->n > RBDI_QP_MOST) return rbdi_qp_refuse(s, RBD_QP_RANGE, -1, "n");
+    if (p->bounds < 0 || p->bounds > p->n) return rbdi_qp_refuse(s, RBD_QP_RANGE, -1, "bounds");
+    if (p->rows < 0 || p->rows > RBDI_QP_MOST) return rbdi_qp_refuse(s, RBD_QP_RANGE, -1, "rows");
+    s->n = p->n;
+    s->all = p->bounds + p->rows;
+
+    if (!p->H) return rbdi_qp_refuse(s, RBD_QP_NULL, -1, "H");
+    if (!p->f) return rbdi_qp_refuse(s, RBD_QP_NULL, -1, "f");
+    if (p->rows && !p->C) return rbdi_qp_refuse(s, RBD_QP_NULL, -1, "C");
+    if (s->all && !p->lower) return rbdi_qp_refuse(s, RBD_QP_NULL, -1, "lower");
+    if (s->all && !p->upper) return rbdi_qp_refuse(s, RBD_QP_NULL, -1, "upper");
+
+    if (o->steps < 0) return rbdi_qp_refuse(s, RBD_QP_RANGE, -1, "steps");
+    if (o->rounds < 0) return rbdi_qp_refuse(s, RBD_QP_RANGE, -1, "rounds");
+    if (!(o->accuracy >= 0 && o->accuracy < 1)) return rbdi_qp_refuse(s, RBD_QP_RANGE, -1, "accuracy");
+    if (!o->steps) o->steps = 10 * (s->n + s->all);
+    if (!o->rounds) o->rounds = 50;
+    if (!(o->accuracy > 0)) o->accuracy = RBDI_QP_ACCURACY;
+
+    for (int row = 0; row < s->all && p->soft; ++row) {
+        if (!(p->soft[row] >= 0 && rbdi_qp_finite(p->soft[row])))
+            return rbdi_qp_refuse(s, RBD_QP_RANGE, row, "soft");
+        s->soft += p->soft[row] > 0;
+    }
+    return RBD_QP_OK;
+}
+
+/* H and f: finite, symmetric. */
+RBDI_PART rbd_qp_status rbdi_qp_check_value(rbdi_qp *s) {
+    const rbd_real *H = s->given.H;
+    const int n = s->n;
+
+    for (int i = 0; i < n; ++i) {
+        if (!rbdi_qp_finite(s->given.f[i])) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "f");
+        if (!rbdi_qp_finite(H[i * n + i])) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "H");
+        for (int j = 0; j < i; ++j) {
+            const rbd_real differ = rbdi_abs(H[i * n + j] - H[j * n + i]);
+            const rbd_real scale = rbdi_abs(H[i * n + i]) + rbdi_abs(H[j * n + j]);
+            if (differ <= RBDI_QP_ASYMMETRY * scale) continue;
+            if (!rbdi_qp_finite(H[i * n + j])) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "H");
+            if (!rbdi_qp_finite(H[j * n + i])) return rbdi_qp_refuse(s, RBD_QP_NAN, j, "H");
+            return rbdi_qp_refuse(s, RBD_QP_SYMMETRIC, i, "H");
+        }
+    }
+    return RBD_QP_OK;
+}
+
+/* The rows: finite, lower <= upper; and where each begins and ends, and its norm. */
+RBDI_PART rbd_qp_status rbdi_qp_check_rows(rbdi_qp *s) {
+    const rbd_qp_problem *p = &s->given;
+    const int n = s->n;
+
+    for (int row = 0; row < s->all; ++row) {
+        const rbd_real lower = p->lower[row], upper = p->upper[row];
+        int from = row, to = row + 1;
+        rbd_real square = 1;
+
+        if (lower != lower || lower >= RBDI_QP_NONE) return rbdi_qp_refuse(s, RBD_QP_NAN, row, "lower");
+        if (upper != upper || upper <= -RBDI_QP_NONE) return rbdi_qp_refuse(s, RBD_QP_NAN, row, "upper");
+        if (row >= p->bounds) {
+            const rbd_real *c = p->C + (row - p->bounds) * n;
+            to = n;
+            from = 0;
+            while (to > from && c[to - 1] == 0) --to;
+            while (from < to && c[from] == 0) ++from;
+            square = rbdi_qp_dot(c + from, c + from, to - from);
+            if (!(square - square == 0)) return rbdi_qp_refuse(s, RBD_QP_NAN, row, "C");
+        }
+        s->from[row] = from;
+        s->to[row] = to;
+        s->norm[row] = square > 0 ? rbdi_sqrt(square) : 1;
+        if (lower > upper) return rbdi_qp_refuse(s, RBD_QP_INFEASIBLE, row, "lower");
+    }
+    return RBD_QP_OK;
+}
+
+/* Factors H; if it is semidefinite, H + rho 1. */
+RBDI_PART rbd_qp_status rbdi_qp_factor_any(rbdi_qp *s) {
+    rbd_real diagonal = 0, slope = 0;
+    int at = rbdi_qp_factor(s);
+    if (at == s->n) return RBD_QP_OK;
+
+    for (int i = 0; i < s->n; ++i) {
+        diagonal = rbdi_qp_larger(diagonal, s->given.H[i * s->n + i]);
+        slope = rbdi_qp_larger(slope, rbdi_abs(s->given.f[i]));
+    }
+    s->rho = diagonal > 0 ? (rbd_real)RBDI_QP_PROXIMAL * diagonal : slope > 0 ? slope / 1000 : 1;
+    at = rbdi_qp_factor(s);
+    return at == s->n ? RBD_QP_OK : rbdi_qp_refuse(s, RBD_QP_CONVEX, at, "H");
+}
+
+/* Multipliers of what holds. */
+RBDI_PART void rbdi_qp_multipliers(const rbdi_qp *s, rbd_real *lambda) {
+    for (int j = 0; j < s->q; ++j) {
+        const int row = s->active[j];
+        const rbd_real u = rbdi_qp_is_equality(s, row) ? s->u[j] : rbdi_qp_larger(s->u[j], 0);
+        lambda[row] = s->side[row] > 0 ? u : -u;
+    }
+    for (int e = 0; e < s->equalities; ++e) lambda[s->equality[e]] = -s->u_equal[e];
+}
+
+/* The proof that the last row contradicts active ones: n = N r + A'u. */
+RBDI_PART void rbdi_qp_contradiction(rbdi_qp *s, rbdi_qp_miss miss, rbd_real *lambda) {
+    lambda[miss.row] = (rbd_real)miss.side;
+    for (int j = 0; j < s->q; ++j) {
+        const int row = s->active[j];
+        if (rbdi_abs(s->r[j]) * s->length[j] > RBDI_QP_DEPENDENT * s->own)
+            lambda[row] = s->side[row] > 0 ? -s->r[j] : s->r[j];
+    }
+    rbdi_qp_clear(s->t, s->n);
+    for (int row = 0; row < s->all; ++row)
+        if (lambda[row] != 0) rbdi_qp_add_row(s, row, -lambda[row], s->t);
+    rbdi_qp_balance(s, s->t, s->z);
+    for (int e = 0; e < s->equalities; ++e) lambda[s->equality[e]] = -s->u_equal[e];
+    rbdi_qp_refuse(s, RBD_QP_INFEASIBLE, miss.row, miss.side < 0 ? "lower" : "upper");
+}
+
+RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
+    rbdi_qp_miss miss = {-1, 0, 0, 0};
+    rbd_qp_status status = rbdi_qp_check_value(s);
+    if (status == RBD_QP_OK) status = rbdi_qp_check_rows(s);
+    if (status == RBD_QP_OK) status = rbdi_qp_factor_any(s);
+    if (status != RBD_QP_OK) return status;
+
+    for (int row = 0; row < s->all; ++row) {
+        if (!rbdi_qp_is_equality(s, row)) continue;
+        s->side[row] = 0;
+        if (!(rbdi_qp_weight(s, row) > 0)) rbdi_qp_eliminate(s, row);
+    }
+    rbdi_qp_basis(s);
+    for (int k = 0; k < s->n; ++k) {
+        s->reach[k] = 0;
+        s->centre[k] = s->options.warm && s->rho > 0 ? x[k] : 0;
+        s->g[k] = s->given.f[k] - s->rho * s->centre[k];
+    }
+
+    s->accuracy = s->options.accuracy;
+    s->loosen = 2 * (s->n + s->all);
+    status = rbdi_qp_rounds(s, x, &miss);
+    if (status == RBD_QP_INFEASIBLE)
+        rbdi_qp_contradiction(s, miss, lambda);
+    else
+        rbdi_qp_multipliers(s, lambda);
+    if (status == RBD_QP_OK && s->result.primal > s->options.accuracy) status = RBD_QP_INACCURATE;
+    s->result.active = s->q + s->equalities;
+    return status;
+}
+
+RBDI_API rbd_qp_status rbd_qp_solve(const rbd_qp_problem *problem, const rbd_qp_options *options,
+                                    void *memory, size_t size, rbd_real *x, rbd_real *lambda,
+                                    signed char *side, rbd_qp_result *result) {
+    static const rbd_qp_options defaults = {0, 0, 0, 0};
+    static const rbd_qp_result none = {0, 0, 0, 0, 0, -1, NULL};
+    rbdi_qp s;
+    rbd_qp_status status;
+    int warm;
+
+    rbdi_require_ieee();
+    s.result = none;
+    if (result) *result = none;
+    if (!problem || !memory || !x) return RBD_QP_NULL;
+    s.given = *problem;
+    s.options = options ? *options : defaults;
+    s.side = side;
+    s.soft = 0;
+    s.q = 0;
+    s.equalities = 0;
+    s.rho = 0;
+    status = rbdi_qp_check_problem(&s);
+    if (status == RBD_QP_OK && s.all && (!lambda || !side)) status = RBD_QP_NULL;
+    if (status == RBD_QP_OK && size < RBD_QP_SIZE(s.n, problem->bounds, problem->rows, s.soft))
+        status = RBD_QP_MEMORY;
+
+    if (status == RBD_QP_OK) {
+        warm = s.options.warm;
+        for (int k = 0; k < s.n; ++k)
+            if (!warm || !rbdi_qp_finite(x[k])) x[k] = 0;
+        for (int row = 0; row < s.all; ++row) {
+            lambda[row] = 0;
+            if (!warm) side[row] = 0;
+        }
+        rbdi_qp_place(&s, memory);
+        status = rbdi_qp_run(&s, x, lambda);
+        for (int k = 0; k < s.n; ++k) {
+            if (rbdi_qp_finite(x[k])) continue;
+            x[k] = 0;
+            status = rbdi_qp_refuse(&s, RBD_QP_NAN, k, NULL);
+        }
+    }
+    if (result) *result = s.result;
+    return status;
+}
+
+#endif
