@@ -127,6 +127,8 @@
 #define RBD_H
 
 /* ==== src/api/configuration.h ==== */
+#ifndef RBDI_API_CONFIGURATION_H
+#define RBDI_API_CONFIGURATION_H
 #ifdef RBD_BATCH_IMPLEMENTATION /* all but the calls of rbd_batch.h is static: another file implements it */
 #define RBD_IMPLEMENTATION
 #define RBD_STATIC
@@ -255,7 +257,11 @@ __asm__(".ifndef " RBDI_SCALAR "\n"
         ".endif\n");
 #endif
 
+#define RBDI_PASTE_OF(a, b) a##_##b
+#define RBDI_PASTE(a, b) RBDI_PASTE_OF(a, b)
+
 RBDI_EXTENSION typedef RBD_CONST rbd_const; /* constants of the model */
+#define RBD_C(x) ((rbd_const)(x)) /* a literal as a constant of the model, without a warning */
 #ifdef RBD_LANES
 typedef RBD_REAL rbd_real __attribute__((vector_size(RBD_LANES * sizeof(RBD_REAL))));
 #else
@@ -269,6 +275,7 @@ RBDI_EXTENSION typedef RBD_REAL rbd_real; /* states and results */
 #define RBDI_EXTERN_C_BEGIN
 #define RBDI_EXTERN_C_END
 #endif
+#endif
 
 /* ==== src/rbd.h ==== */
 RBDI_EXTERN_C_BEGIN
@@ -277,8 +284,6 @@ RBDI_EXTERN_C_BEGIN
 /* The symbols name the scalar and the lanes, which determine the layout of arguments, so that files which
    differ in them do not link: rbd_rnea is rbd_rnea_double, or rbd_rnea_double_8 with 8 lanes. The batch
    calls, which take ordinary arrays, do not name the lanes. The mangled names of C++ tell classes apart. */
-#define RBDI_PASTE_OF(a, b) a##_##b
-#define RBDI_PASTE(a, b) RBDI_PASTE_OF(a, b)
 #if RBDI_REAL_KIND == 3 && RBDI_KIND(RBD_CONST) != 3
 #define RBDI_OF_SCALAR(name) RBDI_PASTE(RBDI_PASTE(name, RBD_REAL), RBD_CONST)
 #else
@@ -355,8 +360,6 @@ RBDI_EXTERN_C_BEGIN
 #define rbd_describe RBDI_SYMBOL(rbd_describe)
 
 /* ==== src/api/types.h ==== */
-#define RBD_C(x) ((rbd_const)(x)) /* a literal as a constant of the model, without a warning */
-
 /* ---- types [types] ---- */
 
 /* Joint types; [conventions] has their coordinates. All but fixed may stand anywhere in the tree. */
@@ -924,6 +927,8 @@ RBDI_EXTERN_C_END
 #define RBDI_LAYOUT
 
 /* ==== src/base/types.h ==== */
+#ifndef RBDI_BASE_TYPES_H
+#define RBDI_BASE_TYPES_H
 /* ---- layout [layout] ----
    The built model and the work, laid open for sizes at compile time and for generated tables only. */
 
@@ -947,6 +952,7 @@ RBDI_EXTENSION typedef RBDI_WIDE rbdi_wide;
 #endif
 #define RBDI_ALIGN ((size_t)(sizeof(rbd_real) > 64 ? sizeof(rbd_real) : 64))
 #define RBDI_ROUND(bytes) (((size_t)(bytes) + RBDI_ALIGN - 1) / RBDI_ALIGN * RBDI_ALIGN)
+#endif
 
 /* ==== src/algebra/types.h ==== */
 /* Flags of a link whose twist has a known angle. Macros, because C++20 warns where enumerators of two
@@ -1373,6 +1379,8 @@ struct rbd_work {
    the transpose. */
 
 /* ==== src/base/compiler.h ==== */
+#ifndef RBDI_BASE_COMPILER_H
+#define RBDI_BASE_COMPILER_H
 #include <float.h>
 
 /* ---- compiler [compiler] ----
@@ -1569,11 +1577,14 @@ static inline void rbdi_require_ieee(void) {}
 #else
 #define RBDI_ONE_INDEX(row) (void)(row)
 #endif
+#endif
 
 /* ==== src/rbd.h ==== */
 RBDI_CODE_BEGIN
 
 /* ==== src/base/tolerances.h ==== */
+#ifndef RBDI_BASE_TOLERANCES_H
+#define RBDI_BASE_TOLERANCES_H
 /* ---- tolerances [tolerances] ----
    RBDI_EPS is one rounding of the scalar, RBDI_TINY the least pivot whose inverse is finite;
    RBDI_LEAST_SCALE is so large that every pivot up to RBDI_TINY is in doubt.
@@ -1639,8 +1650,11 @@ RBDI_CODE_BEGIN
     ((rbdi_wide)1e-6)          /* sine of the angle below which axes of a universal joint are parallel */
 #define RBDI_ORTHONORMAL 4e-6  /* of products of the rows of a rotation: six decimals in a file will do */
 #define RBDI_SEMIDEFINITE 1e-9 /* share of an inertia by which a principal moment may seem negative */
+#endif
 
 /* ==== src/base/scalar.h ==== */
+#ifndef RBDI_BASE_SCALAR_H
+#define RBDI_BASE_SCALAR_H
 /* ---- scalar [scalar] ---- */
 
 #if RBDI_REAL_KIND == 3 || RBDI_KIND(RBD_CONST) == 3
@@ -1746,6 +1760,7 @@ RBDI_INLINE rbd_real rbdi_pivot_inverse(rbd_real D, rbd_const scale, rbdi_mask *
     *doubt = rbdi_or(*doubt, rbdi_not(rbdi_less(rbdi_set(scale * RBDI_DOUBT), D)));
     return rbdi_reciprocal(D, RBDI_TINY, &none);
 }
+#endif
 
 /* ==== src/base/simd.h ==== */
 /* A batch has as many scalars as one SIMD instruction takes: one if there is no SIMD, or if the scalar is a

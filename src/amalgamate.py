@@ -13,8 +13,8 @@ A room is a file
     #endif
 
 or, without a guard, text alone, which is put wherever it is named. In the shipped header the text stands in place
-of the #include, under a line that names the file. Of the letters whose macros are set aside it has only those that it
-uses.
+of the #include, under a line that names the file. It keeps its guard there if a header that stands alone has it too. Of
+the letters whose macros are set aside it has only those that it uses.
 
 usage: amalgamate.py --write | --check        writes the shipped headers, or fails if they differ
 """
@@ -23,7 +23,8 @@ import sys
 from pathlib import Path
 
 SRC = Path(__file__).resolve().parent
-HEADERS = ["rbd.h", "rbd_derivatives.h", "rbd_constraints.h", "rbd_contact.h", "rbd_batch.h", "rbd_spatial.h"]
+HEADERS = ["rbd.h", "rbd_derivatives.h", "rbd_constraints.h", "rbd_contact.h", "rbd_batch.h", "rbd_spatial.h", "rbd_qp.h"]
+ALONE = ["rbd_qp.h"]  # without rbd.h, though a file may have both, in any order
 INCLUDE = re.compile(r'#include "(\w+/\w+\.h)"')
 LETTER = re.compile(r'#(?:pragma (?:push|pop)_macro\("(\w)"\)|undef (\w))')
 MADE = "   Made by src/amalgamate.py from src/{} and the files that it includes: edit those."
@@ -61,9 +62,26 @@ def read_room(room, src=SRC):
     return includes, trim(lines)
 
 
+def named_in(header, src=SRC):
+    """The rooms that a header names."""
+    return INCLUDE.findall((src / header).read_text(encoding="utf-8"))
+
+
+def shared(src=SRC):
+    """The rooms with a guard that a header which stands alone has, and another one too."""
+    out = set()
+    for alone in (src / header for header in ALONE if (src / header).exists()):
+        others = {room for header in HEADERS if header != alone.name and (src / header).exists()
+                  for room in named_in(header, src)}
+        out |= {room for room in named_in(alone.name, src)
+                if room in others and (src / room).read_text(encoding="utf-8").startswith("#ifndef RBDI_")}
+    return out
+
+
 def read_header(header, src=SRC):
     """A header of src/ in pieces: (None, its own text) or (room, the room's text), in order."""
     pieces, own = [], []
+    guarded = shared(src)
     for line in (src / header).read_text(encoding="utf-8").rstrip("\n").split("\n"):
         room = INCLUDE.fullmatch(line)
         if not room:
@@ -72,7 +90,10 @@ def read_header(header, src=SRC):
         if trim(own):
             pieces.append((None, trim(own)))
         own = []
-        pieces.append((room[1], read_room(room[1], src)[1]))
+        text = read_room(room[1], src)[1]
+        if room[1] in guarded:
+            text = [f"#ifndef {guard(room[1])}", f"#define {guard(room[1])}", *text, "#endif"]
+        pieces.append((room[1], text))
     return pieces + [(None, trim(own))] if trim(own) else pieces
 
 
@@ -89,8 +110,9 @@ def lines_of(header, src=SRC):
     for room, text in pieces:
         name = room or header
         lines = (src / name).read_text(encoding="utf-8").split("\n")
-        first = next(i for i in range(at.get(name, 0), len(lines)) if lines[i:i + len(text)] == text)
-        at[name] = first + len(text)
+        body = text if not room or text[0] != f"#ifndef {guard(room)}" else text[2:-1]
+        first = next(i for i in range(at.get(name, 0), len(lines)) if lines[i:i + len(body)] == body)
+        at[name] = first + len(body)
         if at == {header: len(text)}:
             yield text[0], (name, 1)
             yield MADE.format(header), None
@@ -98,10 +120,14 @@ def lines_of(header, src=SRC):
             continue
         yield "", None
         yield marker(name), None
-        for i, line in enumerate(text, 1):
+        for line in text[:text.index(body[0])]:
+            yield line, (name, 1)
+        for i, line in enumerate(body, 1):
             letter = LETTER.fullmatch(line)
             if not letter or (letter[1] or letter[2]) in letters:
                 yield line, (name, first + i)
+        if body is not text:
+            yield text[-1], (name, len(lines) - 1)
 
 
 def shipped(header, src=SRC):

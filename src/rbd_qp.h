@@ -1,12 +1,96 @@
-/* rbd_qp.h - small convex quadratic programs, for control. SPDX-License-Identifier: MIT, see rbd.h. */
+/* rbd_qp.h - small convex quadratic programs, for control, in one C99 header. Version 0.4.0.
+   SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end of rbd.h.
+
+   Minimises x'Hx/2 + f'x within bounds of x and of C x, without allocation, dependency, global or NaN. It stands
+   alone; rbd.h may stand beside it. In ONE file of the program:
+
+       #define RBD_IMPLEMENTATION
+       #include "rbd_qp.h"
+
+   and plain #include "rbd_qp.h" everywhere else. The nearest point to (1, 0.5) with x + y <= 1 and x >= 0:
+
+       const double H[4] = {1, 0, 0, 1}, f[2] = {-1, -0.5}, C[2] = {1, 1};
+       const double lower[2] = {0, -RBD_QP_NONE}, upper[2] = {RBD_QP_NONE, 1};
+       const rbd_qp_problem p = {.n = 2, .bounds = 1, .rows = 1, .H = H, .f = f, .C = C,
+                                 .lower = lower, .upper = upper};
+       unsigned char memory[RBD_QP_SIZE(2, 1, 1, 0)];
+       double x[2], lambda[2];
+       signed char side[2];
+       rbd_qp_solve(&p, NULL, memory, sizeof memory, x, lambda, side, NULL);   // x = (0.75, 0.25)
+
+   CONTENTS (search for the tag)
+     [conventions] [configuration] [guarantees] [limits]
+     [problem] [solve]
+     --- stop here if you only use it ---
+     [compiler] [tolerances] [scalar]
+     [method] [vectors] [factor] [active rows] [search] [refinement] [rounds] [solve code]
+
+   [conventions]
+     rows         first the bounds of x, then the rows of C; an equality has lower = upper
+     soft         a row with a weight w may be missed by e, at a cost of w e^2/2
+     lambda       Hx + f + C'lambda = 0; above 0 where the upper side holds. Arrays and signs are those of DAQP
+     matrices     row-major
+
+   [configuration] That of rbd.h. RBD_REAL is double or float; RBD_LANES and RBD_REAL_CUSTOM do not go with it.
+
+   [guarantees]
+     No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant. From libm only sqrt. The number of
+     steps is bounded: options->steps. A result with RBD_QP_OK satisfies the conditions of Karush, Kuhn and Tucker
+     to the shares that result->primal and ->dual state, at most options->accuracy. x is finite in any case. With
+     RBD_REPRODUCIBLE the bits are the same on every machine, as of rbd.h.
+
+   [limits]
+     Dense matrices, of up to some hundred variables: a step costs about 3 n^2 products, and one of the rows as
+     many as they have entries. H must be convex. If it is only semidefinite, a proximal method takes some rounds,
+     and the optimum is exact to the accuracy, not to rounding.
+*/
+
 #include "api/configuration.h"
+
 #ifndef RBD_QP_H
 #define RBD_QP_H
+
+#if defined RBD_LANES || RBDI_REAL_KIND % 3 == 0
+#error "rbd: rbd_qp.h needs RBD_REAL double or float, without RBD_LANES and RBD_REAL_CUSTOM"
+#endif
+
+RBDI_EXTERN_C_BEGIN
+
 #include "api/qp.h"
-#endif
-#ifdef RBD_IMPLEMENTATION
+
+RBDI_EXTERN_C_END
+
+#endif /* RBD_QP_H */
+
+/* ====================================================================================================
+   Stop here if you only use it.
+   ================================================================================================= */
+
+/* The caller's macros of single letters, such as I of complex.h, come back at the end. */
+
+#include "base/letters_begin.h"
+
+#if defined RBD_IMPLEMENTATION && !defined RBDI_QP_IMPLEMENTED
+#define RBDI_QP_IMPLEMENTED
+
+#include "base/types.h"
 #include "base/compiler.h"
+
 RBDI_CODE_BEGIN
+
+#include "base/tolerances.h"
+#include "base/scalar.h"
+#include "qp/layout.h"
+#include "qp/vectors.h"
+#include "qp/factor.h"
+#include "qp/active.h"
+#include "qp/search.h"
+#include "qp/refine.h"
+#include "qp/rounds.h"
 #include "qp/solve.h"
+
 RBDI_CODE_END
-#endif
+
+#endif /* RBD_IMPLEMENTATION */
+
+#include "base/letters_end.h"

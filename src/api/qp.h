@@ -3,9 +3,7 @@
 #include "api/configuration.h"
 
 /* The symbols name the scalar, so that files which differ in it do not link. */
-#define RBDI_QP_PASTE_OF(a, b) a##_##b
-#define RBDI_QP_PASTE(a, b) RBDI_QP_PASTE_OF(a, b)
-#define RBDI_QP_SYMBOL(name) RBDI_QP_PASTE(name, RBD_REAL)
+#define RBDI_QP_SYMBOL(name) RBDI_PASTE(name, RBD_REAL)
 #define rbd_qp_solve RBDI_QP_SYMBOL(rbd_qp_solve)
 #define rbd_qp_text RBDI_QP_SYMBOL(rbd_qp_text)
 

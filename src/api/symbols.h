@@ -5,8 +5,6 @@
 /* The symbols name the scalar and the lanes, which determine the layout of arguments, so that files which
    differ in them do not link: rbd_rnea is rbd_rnea_double, or rbd_rnea_double_8 with 8 lanes. The batch
    calls, which take ordinary arrays, do not name the lanes. The mangled names of C++ tell classes apart. */
-#define RBDI_PASTE_OF(a, b) a##_##b
-#define RBDI_PASTE(a, b) RBDI_PASTE_OF(a, b)
 #if RBDI_REAL_KIND == 3 && RBDI_KIND(RBD_CONST) != 3
 #define RBDI_OF_SCALAR(name) RBDI_PASTE(RBDI_PASTE(name, RBD_REAL), RBD_CONST)
 #else

@@ -1,8 +1,5 @@
 #ifndef RBDI_API_TYPES_H
 #define RBDI_API_TYPES_H
-#include "api/configuration.h"
-
-#define RBD_C(x) ((rbd_const)(x)) /* a literal as a constant of the model, without a warning */
 
 /* ---- types [types] ---- */
 

@@ -1,6 +1,5 @@
 #ifndef RBDI_BASE_TOLERANCES_H
 #define RBDI_BASE_TOLERANCES_H
-#include "api/types.h"
 #include "base/types.h"
 
 /* ---- tolerances [tolerances] ----

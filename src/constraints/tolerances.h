@@ -1,6 +1,6 @@
 #ifndef RBDI_CONSTRAINTS_TOLERANCES_H
 #define RBDI_CONSTRAINTS_TOLERANCES_H
-#include "api/types.h"
+#include "api/configuration.h"
 
 /* ---- tolerances [tolerances] ---- */
 

@@ -1,6 +1,5 @@
 #ifndef RBDI_MODEL_LAYOUT_H
 #define RBDI_MODEL_LAYOUT_H
-#include "api/symbols.h"
 #include "api/types.h"
 #include "base/types.h"
 #include "algebra/types.h"

@@ -1,6 +1,6 @@
 #ifndef RBDI_QP_REFINE_H
 #define RBDI_QP_REFINE_H
-#include "qp/search.h"
+#include "qp/active.h"
 
 /* ---- refinement [refinement] ----
    The residuals of the optimum on the active rows,

@@ -1,5 +1,6 @@
 #ifndef RBDI_QP_ROUNDS_H
 #define RBDI_QP_ROUNDS_H
+#include "qp/search.h"
 #include "qp/refine.h"
 
 /* ---- rounds [rounds] ----

@@ -1,6 +1,5 @@
 #ifndef RBDI_QP_VECTORS_H
 #define RBDI_QP_VECTORS_H
-#include "base/compiler.h"
 #include "qp/layout.h"
 
 /* ---- vectors [vectors] ----

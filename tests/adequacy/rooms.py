@@ -18,7 +18,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "src"))
 import amalgamate  # noqa: E402
 
-STOREYS = ["api", "base", "algebra", "spatial", "model", "dynamics", "motion", "derivatives", "constraints", "contact", "batch"]
+STOREYS = ["api", "base", "qp", "algebra", "spatial", "model", "dynamics", "motion", "derivatives", "constraints", "contact", "batch"]
 OPEN = ["api", "base", "algebra"]
 OPAQUE = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'', re.S)
 NAME = r"(?:rbdi?|RBDI?)_\w+"

@@ -1,0 +1,1952 @@
+/* rbd_qp.h - small convex quadratic programs, for control, in one C99 header. Version 0.4.0.
+   Made by src/amalgamate.py from src/rbd_qp.h and the files that it includes: edit those.
+   SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end of rbd.h.
+
+   Minimises x'Hx/2 + f'x within bounds of x and of C x, without allocation, dependency, global or NaN. It stands
+   alone; rbd.h may stand beside it. In ONE file of the program:
+
+       #define RBD_IMPLEMENTATION
+       #include "rbd_qp.h"
+
+   and plain #include "rbd_qp.h" everywhere else. The nearest point to (1, 0.5) with x + y <= 1 and x >= 0:
+
+       const double H[4] = {1, 0, 0, 1}, f[2] = {-1, -0.5}, C[2] = {1, 1};
+       const double lower[2] = {0, -RBD_QP_NONE}, upper[2] = {RBD_QP_NONE, 1};
+       const rbd_qp_problem p = {.n = 2, .bounds = 1, .rows = 1, .H = H, .f = f, .C = C,
+                                 .lower = lower, .upper = upper};
+       unsigned char memory[RBD_QP_SIZE(2, 1, 1, 0)];
+       double x[2], lambda[2];
+       signed char side[2];
+       rbd_qp_solve(&p, NULL, memory, sizeof memory, x, lambda, side, NULL);   // x = (0.75, 0.25)
+
+   CONTENTS (search for the tag)
+     [conventions] [configuration] [guarantees] [limits]
+     [problem] [solve]
+     --- stop here if you only use it ---
+     [compiler] [tolerances] [scalar]
+     [method] [vectors] [factor] [active rows] [search] [refinement] [rounds] [solve code]
+
+   [conventions]
+     rows         first the bounds of x, then the rows of C; an equality has lower = upper
+     soft         a row with a weight w may be missed by e, at a cost of w e^2/2
+     lambda       Hx + f + C'lambda = 0; above 0 where the upper side holds. Arrays and signs are those of DAQP
+     matrices     row-major
+
+   [configuration] That of rbd.h. RBD_REAL is double or float; RBD_LANES and RBD_REAL_CUSTOM do not go with it.
+
+   [guarantees]
+     No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant. From libm only sqrt. The number of
+     steps is bounded: options->steps. A result with RBD_QP_OK satisfies the conditions of Karush, Kuhn and Tucker
+     to the shares that result->primal and ->dual state, at most options->accuracy. x is finite in any case. With
+     RBD_REPRODUCIBLE the bits are the same on every machine, as of rbd.h.
+
+   [limits]
+     Dense matrices, of up to some hundred variables: a step costs about 3 n^2 products, and one of the rows as
+     many as they have entries. H must be convex. If it is only semidefinite, a proximal method takes some rounds,
+     and the optimum is exact to the accuracy, not to rounding.
+*/
+
+/* ==== src/api/configuration.h ==== */
+#ifndef RBDI_API_CONFIGURATION_H
+#define RBDI_API_CONFIGURATION_H
+#ifdef RBD_BATCH_IMPLEMENTATION /* all but the calls of rbd_batch.h is static: another file implements it */
+#define RBD_IMPLEMENTATION
+#define RBD_STATIC
+#endif
+
+#include <stddef.h>
+#include <stdint.h>
+
+#define RBD_VERSION "0.3.0"
+#define RBD_VERSION_NUMBER 300 /* 10000 major + 100 minor + patch: for headers that build on this one */
+#define RBD_MODEL_VERSION 6    /* layout of the built model; generated tables check it */
+
+/* The macros of [configuration], checked and completed. */
+
+/* A wrong macro gives one #error. It is then replaced by a value that works, so that no other message
+   follows. */
+#if !defined __cplusplus && (!defined __STDC_VERSION__ || __STDC_VERSION__ < 199901L)
+#error "rbd: needs C99 or later: compile with -std=c99, c11, c17 or a gnu dialect of them"
+#undef RBD_IMPLEMENTATION
+#endif
+
+#ifndef RBD_REAL
+#define RBD_REAL double
+#endif
+#if !defined RBD_CONST && defined RBD_REAL_CUSTOM
+#define RBD_CONST double
+#elif !defined RBD_CONST
+#define RBD_CONST RBD_REAL
+#endif
+
+#define RBDI_KIND_double 1
+#define RBDI_KIND_float 2
+#define RBDI_KIND___float128 3
+#define RBDI_KIND_long 0 && /* long double, that the words behind it count as 0 */
+#define RBDI_KIND_OF(type) RBDI_KIND_##type
+#define RBDI_KIND(type) RBDI_KIND_OF(type)
+#ifdef RBD_REAL_CUSTOM
+#define RBDI_REAL_KIND 0
+#elif (RBDI_KIND(RBD_REAL)) /* RBD_REAL: double, float or __float128; a class needs RBD_REAL_CUSTOM too */
+#define RBDI_REAL_KIND RBDI_KIND(RBD_REAL)
+#else
+#error "rbd: RBD_REAL must be double, float or __float128 (for a C++ class define RBD_REAL_CUSTOM as well)"
+#undef RBD_REAL
+#undef RBD_CONST
+#define RBD_REAL double
+#define RBD_CONST double
+#define RBDI_REAL_KIND 1
+#endif
+#if !(RBDI_KIND(RBD_CONST)) || (RBDI_REAL_KIND != RBDI_KIND(RBD_CONST) && RBDI_REAL_KIND % 3 != 0)
+#error "rbd: RBD_CONST must be RBD_REAL; where that is __float128 or a class: double, float or __float128"
+#undef RBD_CONST
+#define RBD_CONST RBD_REAL
+#endif
+
+#if defined RBD_LANES && (RBD_LANES + 0 < 2 || (RBD_LANES + 0 & RBD_LANES + -1) != 0)
+#error "rbd: RBD_LANES must be 2, 4, 8 or another power of two; leave it undefined for one state at a time"
+#undef RBD_LANES
+#define RBD_LANES 2
+#endif
+#if defined RBD_LANES && (!defined __GNUC__ || RBDI_REAL_KIND % 3 == 0)
+#error "rbd: RBD_LANES needs GCC or clang, and RBD_REAL double or float"
+#undef RBD_LANES
+#endif
+
+/* From here to the end of the file, also in functions that are inlined. clang obeys unless
+   -ffp-contract=fast is on its command line. */
+#ifdef RBD_REPRODUCIBLE
+#if RBDI_REAL_KIND % 3 == 0
+#error "rbd: RBD_REPRODUCIBLE needs RBD_REAL double or float"
+#undef RBD_REPRODUCIBLE
+#elif defined __clang__
+#pragma clang fp contract(off)
+#elif defined __GNUC__
+#pragma GCC optimize("fp-contract=off")
+#else
+#pragma STDC FP_CONTRACT OFF
+#endif
+#endif
+#ifdef RBD_REPRODUCIBLE
+#define RBDI_REPRODUCIBLE 1
+#else
+#define RBDI_REPRODUCIBLE 0
+#endif
+
+#ifdef RBD_STATIC
+#define RBDI_API static RBDI_UNUSED
+#else
+#define RBDI_API extern
+#endif
+#ifdef __GNUC__
+#define RBDI_UNUSED __attribute__((unused))
+#define RBDI_EXTENSION __extension__
+#else
+#define RBDI_UNUSED
+#define RBDI_EXTENSION
+#endif
+
+/* Every file has a symbol whose value encodes the scalar. The linker accepts it several times if all values
+   are equal, else it refuses; in link-time optimisation the assembler does. It has no section, so that it
+   takes no memory and is never removed. clang's link-time optimisation would refuse equal values too. */
+#ifndef RBD_CHECK_SCALAR
+#if defined __GNUC__ && !defined __clang__ && defined __ELF__ && !defined RBD_STATIC && \
+    !defined RBD_REAL_CUSTOM
+#define RBD_CHECK_SCALAR 1
+#else
+#define RBD_CHECK_SCALAR 0
+#endif
+#endif
+#if RBD_CHECK_SCALAR
+#define RBDI_QUOTE_OF(x) #x
+#define RBDI_QUOTE(x) RBDI_QUOTE_OF(x)
+#ifdef RBD_LANES
+#define RBDI_SCALAR_LANES RBD_LANES
+#else
+#define RBDI_SCALAR_LANES 1
+#endif
+#define RBDI_SCALAR "rbd_files_differ_in_RBD_REAL_RBD_CONST_RBD_LANES_or_RBD_REPRODUCIBLE"
+#define RBDI_SCALAR_VALUE \
+    "(" RBDI_QUOTE(RBDI_KIND(RBD_REAL)) "+4*" RBDI_QUOTE(RBDI_KIND(RBD_CONST)) "+16*" RBDI_QUOTE( \
+        RBDI_REPRODUCIBLE) "+32*" RBDI_QUOTE(RBDI_SCALAR_LANES) ")"
+__asm__(".ifndef " RBDI_SCALAR "\n"
+        ".globl " RBDI_SCALAR "\n"
+        ".hidden " RBDI_SCALAR "\n" RBDI_SCALAR " = " RBDI_SCALAR_VALUE "\n"
+        ".elseif " RBDI_SCALAR " - " RBDI_SCALAR_VALUE "\n"
+        ".error \"" RBDI_SCALAR "\"\n"
+        ".endif\n");
+#endif
+
+#define RBDI_PASTE_OF(a, b) a##_##b
+#define RBDI_PASTE(a, b) RBDI_PASTE_OF(a, b)
+
+RBDI_EXTENSION typedef RBD_CONST rbd_const; /* constants of the model */
+#define RBD_C(x) ((rbd_const)(x)) /* a literal as a constant of the model, without a warning */
+#ifdef RBD_LANES
+typedef RBD_REAL rbd_real __attribute__((vector_size(RBD_LANES * sizeof(RBD_REAL))));
+#else
+RBDI_EXTENSION typedef RBD_REAL rbd_real; /* states and results */
+#endif
+
+#if defined __cplusplus && !defined RBD_REAL_CUSTOM && !defined RBD_STATIC
+#define RBDI_EXTERN_C_BEGIN extern "C" {
+#define RBDI_EXTERN_C_END }
+#else
+#define RBDI_EXTERN_C_BEGIN
+#define RBDI_EXTERN_C_END
+#endif
+#endif
+
+/* ==== src/rbd_qp.h ==== */
+#ifndef RBD_QP_H
+#define RBD_QP_H
+
+#if defined RBD_LANES || RBDI_REAL_KIND % 3 == 0
+#error "rbd: rbd_qp.h needs RBD_REAL double or float, without RBD_LANES and RBD_REAL_CUSTOM"
+#endif
+
+RBDI_EXTERN_C_BEGIN
+
+/* ==== src/api/qp.h ==== */
+/* The symbols name the scalar, so that files which differ in it do not link. */
+#define RBDI_QP_SYMBOL(name) RBDI_PASTE(name, RBD_REAL)
+#define rbd_qp_solve RBDI_QP_SYMBOL(rbd_qp_solve)
+#define rbd_qp_text RBDI_QP_SYMBOL(rbd_qp_text)
+
+/* ---- problem [problem] ---- */
+
+#define RBD_QP_NONE 1e30 /* a bound of this size and more is none */
+
+/* The result of rbd_qp_solve: 0, or a negative reason. x is finite with each of them. */
+typedef enum rbd_qp_status {
+    RBD_QP_OK = 0,
+    RBD_QP_INFEASIBLE = -1, /* hard rows contradict each other: lambda says which */
+    RBD_QP_UNBOUNDED = -2,  /* the value has no least one: H is singular, and f leads away for ever */
+    RBD_QP_ITERATIONS = -3, /* more steps would be needed: x is as good as it got */
+    RBD_QP_INACCURATE = -4, /* solved, but to a residual above the tolerance */
+    RBD_QP_CONVEX = -5,     /* H has a negative eigenvalue */
+    RBD_QP_SYMMETRIC = -6,  /* H is not symmetric */
+    RBD_QP_NAN = -7,        /* an input is not a number or not finite, or the result is too large */
+    RBD_QP_RANGE = -8,      /* a number of the problem, a weight or an option is out of range */
+    RBD_QP_MEMORY = -9,     /* the memory is too small */
+    RBD_QP_NULL = -10       /* a required pointer is NULL */
+} rbd_qp_status;
+
+/* Minimise x'Hx/2 + f'x, where each row r has lower <= row x <= upper. The first rows are bounds of x[0],
+   x[1], ...; the others are rows of C. */
+typedef struct rbd_qp_problem {
+    int n;                 /* variables */
+    int bounds;            /* of x[0] to x[bounds - 1], 0 to n */
+    int rows;              /* of C */
+    const rbd_real *H;     /* n x n, symmetric, positive definite or semidefinite */
+    const rbd_real *f;     /* n */
+    const rbd_real *C;     /* rows x n; may be NULL without rows */
+    const rbd_real *lower; /* bounds + rows, -RBD_QP_NONE: none; equal to upper: an equality */
+    const rbd_real *upper; /* bounds + rows, RBD_QP_NONE: none */
+    const rbd_real
+        *soft; /* bounds + rows, weights w > 0: a row that is missed by e costs w e^2 / 2; 0: a hard
+                              row. NULL: all are hard */
+} rbd_qp_problem;
+
+/* 0 is the default in brackets. */
+typedef struct rbd_qp_options {
+    int steps;         /* rows that join or leave, at most [10 (n + bounds + rows)] */
+    int warm;          /* not 0: side is a guess, such as the result for a similar problem */
+    int rounds;        /* of the proximal method, if H is semidefinite, at most [50] */
+    rbd_real accuracy; /* of the rows and the optimum, relative [1e-10, float 1e-5] */
+} rbd_qp_options;
+
+typedef struct rbd_qp_result {
+    int steps;         /* rows that joined or left */
+    int rounds;        /* of the proximal method: 0 if H is definite */
+    int active;        /* rows that hold, equalities too */
+    rbd_real primal;   /* the largest miss of a row, as a share of its terms */
+    rbd_real dual;     /* the largest component of Hx + f + C'lambda, as a share of the largest term */
+    int at;            /* after an error the row, counted with the bounds, or the variable; -1: none */
+    const char *field; /* after an error: of rbd_qp_problem or rbd_qp_options; NULL: none */
+} rbd_qp_result;
+
+/* ---- solve [solve] ---- */
+
+/* Bytes of memory for n variables and this many bounds, rows of C and soft rows; a constant. */
+#define RBD_QP_SIZE(n, bounds, rows, soft) \
+    (sizeof(rbd_real) * \
+         (((size_t)(n) + (size_t)(soft)) * (size_t)(n) + (size_t)(n) * ((size_t)(n) + 1) / 2 + \
+          ((size_t)(n) + (size_t)(soft)) * ((size_t)(n) + (size_t)(soft) + 1) / 2 + 9 * (size_t)(n) + \
+          5 * ((size_t)(n) + (size_t)(soft)) + (size_t)(bounds) + (size_t)(rows)) + \
+     sizeof(int) * (4 * (size_t)(n) + (size_t)(soft) + 2 * ((size_t)(bounds) + (size_t)(rows))) + \
+     2 * sizeof(rbd_real))
+
+/* Solves the problem by the dual active-set method of Goldfarb and Idnani (1983).
+   options   NULL: all defaults
+   memory    size bytes of any alignment, scratch: RBD_QP_SIZE
+   x         n: the solution. With `warm` and a semidefinite H also where to begin
+   lambda    bounds + rows: multipliers, Hx + f + C'lambda = 0 (a bound is a row of the identity): above 0
+             where the upper side holds, below 0 at the lower one. After RBD_QP_INFEASIBLE a proof, after
+             Farkas: lambda' rows = 0, but the sum of lambda times the side that it names is below 0; the
+             rows with lambda != 0 contradict each other
+   side      bounds + rows: -1 where the lower side holds, 1 the upper one, 0 neither; with `warm` the guess.
+             Any guess will do
+   result    may be NULL
+   Errors: rbd_qp_status; result->at and ->field say where. */
+RBDI_API rbd_qp_status rbd_qp_solve(const rbd_qp_problem *problem, const rbd_qp_options *options,
+                                    void *memory, size_t size, rbd_real *x, rbd_real *lambda,
+                                    signed char *side, rbd_qp_result *result);
+
+/* Writes what a status and result say as a sentence, e.g. "row 3, field 'lower': above upper", cut to fit,
+   always terminated. text: size bytes. Returns text. */
+RBDI_API char *rbd_qp_text(rbd_qp_status status, const rbd_qp_result *result, char *text, size_t size);
+
+/* ==== src/rbd_qp.h ==== */
+RBDI_EXTERN_C_END
+
+#endif /* RBD_QP_H */
+
+/* ====================================================================================================
+   Stop here if you only use it.
+   ================================================================================================= */
+
+/* The caller's macros of single letters, such as I of complex.h, come back at the end. */
+
+/* ==== src/base/letters_begin.h ==== */
+#pragma push_macro("C")
+#undef C
+#pragma push_macro("D")
+#undef D
+#pragma push_macro("H")
+#undef H
+#pragma push_macro("J")
+#undef J
+#pragma push_macro("L")
+#undef L
+#pragma push_macro("R")
+#undef R
+#pragma push_macro("V")
+#undef V
+
+/* ==== src/rbd_qp.h ==== */
+#if defined RBD_IMPLEMENTATION && !defined RBDI_QP_IMPLEMENTED
+#define RBDI_QP_IMPLEMENTED
+
+/* ==== src/base/types.h ==== */
+#ifndef RBDI_BASE_TYPES_H
+#define RBDI_BASE_TYPES_H
+/* ---- layout [layout] ----
+   The built model and the work, laid open for sizes at compile time and for generated tables only. */
+
+/* Arithmetic of the build: double at least, whatever the model's scalar. Firmware, which does not build, sets
+   constraints up in its own scalar. */
+#if RBDI_KIND(RBD_CONST) == 3 || (defined RBD_NO_BUILD && !RBDI_REPRODUCIBLE)
+#define RBDI_WIDE RBD_CONST
+#else
+#define RBDI_WIDE double
+#endif
+RBDI_EXTENSION typedef RBDI_WIDE rbdi_wide;
+
+#define RBDI_CHUNK 16 /* padding of rows: at least a batch */
+
+/* Doubles in the widest SIMD register for which any file of a program may be compiled, 0 without. Memory is
+   sized for it: the file with the implementation may have other options than the file that gives memory. */
+#if defined __x86_64__ || defined __i386__ || defined __aarch64__ || defined _M_X64 || defined __wasm__
+#define RBDI_WIDEST_SIMD 8
+#else
+#define RBDI_WIDEST_SIMD 0
+#endif
+#define RBDI_ALIGN ((size_t)(sizeof(rbd_real) > 64 ? sizeof(rbd_real) : 64))
+#define RBDI_ROUND(bytes) (((size_t)(bytes) + RBDI_ALIGN - 1) / RBDI_ALIGN * RBDI_ALIGN)
+#endif
+
+/* ==== src/base/compiler.h ==== */
+#ifndef RBDI_BASE_COMPILER_H
+#define RBDI_BASE_COMPILER_H
+#include <float.h>
+
+/* ---- compiler [compiler] ----
+   Only this section and [configuration], for vector types and C99, depend on the compiler and its target. */
+
+/* Options that void results. Other parts of -ffast-math do no harm: -freciprocal-math, -fno-signed-zeros,
+   -fno-trapping-math, -fno-math-errno. */
+#if defined __FAST_MATH__ || defined __ASSOCIATIVE_MATH__ || defined _M_FP_FAST
+#error \
+    "rbd: -ffast-math or -funsafe-math-optimizations reassociates the sine's argument reduction and voids \
+the pivot checks; use -O3 -ffp-contract=fast instead"
+#elif defined __FINITE_MATH_ONLY__ && __FINITE_MATH_ONLY__ > 0
+#error "rbd: -ffinite-math-only removes the checks for NaN and overflow; compile without it"
+#elif RBDI_REPRODUCIBLE && (defined __RECIPROCAL_MATH__ || defined __NO_SIGNED_ZEROS__)
+#error "rbd: RBD_REPRODUCIBLE: -freciprocal-math and -fno-signed-zeros change bits; compile without them"
+#endif
+
+#ifdef __GNUC__ /* GCC's extensions, which clang has too: attributes, vectors, assembly */
+#define RBDI_GNU 1
+#else
+#define RBDI_GNU 0
+#endif
+#ifdef __clang__
+#define RBDI_CLANG 1
+#else
+#define RBDI_CLANG 0
+#endif
+#define RBDI_GCC (RBDI_GNU && !RBDI_CLANG)
+
+/* GCC has no macro for -fsingle-precision-constant, which rounds constants to float. It does no harm if
+   rbd_real is float. */
+#if RBDI_REAL_KIND != 2
+typedef char rbd_needs_no_fsingle_precision_constant[sizeof 1.0 == sizeof(double) ? 1 : -1];
+#endif
+
+/* rbdi_require_ieee() does not compile where sums are reassociated, or NaN or infinity has no meaning. clang
+   has no macro for most of this, and GCC's pragmas set none in C++. A compiler that optimises then knows
+   beforehand what (x + 1) - x is, that x <= x, or that x is not infinite. One that does not optimise changes
+   nothing. */
+#if RBDI_GNU && defined __OPTIMIZE__ && defined __has_attribute
+#if __has_attribute(error)
+#define RBDI_SHOWS_OPTIONS 1
+#endif
+#endif
+#ifdef RBDI_SHOWS_OPTIONS
+#if RBDI_CLANG
+#pragma clang diagnostic push
+#pragma clang diagnostic ignored "-Wunknown-warning-option"
+#pragma clang diagnostic ignored "-Wnan-infinity-disabled" /* says the same, but does not stop */
+#endif
+__attribute__((error(
+    "rbd: -fassociative-math, part of -funsafe-math-optimizations, voids the sine and the checks"))) void
+rbdi_sums_are_reassociated(void);
+__attribute__((error(
+    "rbd: -ffinite-math-only, -fno-honor-nans and -fno-honor-infinities remove the checks for NaN"))) void
+rbdi_nan_is_lost(void);
+
+static inline void rbdi_require_ieee(void) {
+    const volatile double unknown = 0;
+    const double x = unknown;
+    if (__builtin_constant_p((x + 1) - x)) rbdi_sums_are_reassociated();
+    if (__builtin_constant_p(x <= x) || __builtin_constant_p(__builtin_isinf_sign(x))) rbdi_nan_is_lost();
+}
+#if RBDI_CLANG
+#pragma clang diagnostic pop
+#endif
+#else
+static inline void rbdi_require_ieee(void) {}
+#endif
+
+#if defined __OPTIMIZE__ && !defined __OPTIMIZE_SIZE__
+#define RBDI_FOR_SPEED 1
+#else
+#define RBDI_FOR_SPEED 0
+#endif
+#ifdef __SOFTFP__ /* without a floating-point unit each operation is a call */
+#define RBDI_HARD_FLOAT 0
+#else
+#define RBDI_HARD_FLOAT 1
+#endif
+
+/* Doubles in one SIMD register, 0 without SIMD. With AVX-512 half a register: the rows of one state are
+   short, and whole registers made single calls slower (Intel, Cholesky of Atlas by a third). Lanes may be
+   longer: RBD_LANES. */
+#ifdef __AVX__
+#define RBDI_SIMD 4
+#elif defined __SSE2__ || (defined __ARM_NEON && defined __aarch64__) || defined __wasm_simd128__
+#define RBDI_SIMD 2
+#else
+#define RBDI_SIMD 0
+#endif
+#if RBDI_SIMD > RBDI_WIDEST_SIMD
+#error "rbd: RBDI_WIDEST_SIMD, for which memory is sized, must be at least RBDI_SIMD"
+#endif
+#ifdef __has_builtin
+#if __has_builtin(__builtin_shufflevector)
+#define RBDI_HAS_SHUFFLE 1
+#endif
+#endif
+#ifndef RBDI_HAS_SHUFFLE
+#define RBDI_HAS_SHUFFLE 0
+#endif
+
+/* Whether products and sums are rounded to the scalar. FLT_EVAL_METHOD -1 and 2 keep more digits, 1 rounds
+   double alone. Other values concern types that are not used here, such as 16 in GCC's default dialects for a
+   half precision unit. tcc does not define it. */
+#ifdef __FLT_EVAL_METHOD__
+#define RBDI_EVALUATION __FLT_EVAL_METHOD__
+#elif defined FLT_EVAL_METHOD
+#define RBDI_EVALUATION FLT_EVAL_METHOD
+#elif defined __TINYC__ && !defined __i386__
+#define RBDI_EVALUATION 0
+#else
+#define RBDI_EVALUATION -1
+#endif
+#if RBDI_EVALUATION == 0 || RBDI_EVALUATION > 2 || (RBDI_EVALUATION == 1 && RBDI_REAL_KIND == 1)
+#define RBDI_ROUNDS 1
+#else
+#define RBDI_ROUNDS 0
+#if RBDI_REPRODUCIBLE
+#error "rbd: RBD_REPRODUCIBLE: x87 keeps more digits (use SSE2), and s390x those of double (use -std=gnu99)"
+#endif
+#endif
+
+#if RBDI_REPRODUCIBLE
+#define RBDI_CONTRACTION "fp-contract=off"
+#else
+#define RBDI_CONTRACTION "fp-contract=fast"
+#endif
+/* GCC's vectoriser packs the scalars of 3-vectors, which costs time. GCC turns loops that clear a few numbers
+   into calls of memset, and its ISO modes switch contraction to FMA off. clang needs none of this. */
+#if RBDI_GCC && defined __OPTIMIZE__
+#define RBDI_PRAGMA(text) _Pragma(#text)
+#define RBDI_OPTIMIZE_WITH(level, contraction) \
+    RBDI_PRAGMA(GCC optimize(level "no-tree-slp-vectorize,no-tree-vectorize," \
+                                   "no-tree-loop-distribute-patterns," contraction))
+#define RBDI_OPTIMIZE(level) RBDI_OPTIMIZE_WITH(level, RBDI_CONTRACTION)
+#define RBDI_CODE_BEGIN _Pragma("GCC push_options") RBDI_OPTIMIZE("")
+#define RBDI_CODE_END _Pragma("GCC pop_options")
+#else
+#define RBDI_CODE_BEGIN
+#define RBDI_CODE_END
+#endif
+
+/* Dynamics at -Os: no code is compiled for special cases (RBDI_FOR_SPEED), which halves it. GCC's level 2
+   then makes it 6 % larger and saves a fifth of the instructions. All options stand in one list, because a
+   level undoes earlier ones. */
+#if RBDI_GCC && defined __OPTIMIZE_SIZE__
+#define RBDI_DYNAMICS_BEGIN _Pragma("GCC push_options") RBDI_OPTIMIZE("O2,")
+#else
+#define RBDI_DYNAMICS_BEGIN RBDI_CODE_BEGIN
+#endif
+
+/* RBDI_INLINE: vector algebra, and the steps that are compiled once for each common set of link flags. Where
+   the compiler optimises it always inlines them: to pass vectors in memory would take ten times as long at
+   -Os, and save a fifth of the code. RBDI_PART: all others; a build may leave them unused. */
+#if RBDI_GNU && defined __OPTIMIZE__
+#define RBDI_INLINE static inline __attribute__((always_inline, unused))
+#else
+#define RBDI_INLINE static inline RBDI_UNUSED
+#endif
+/* RBDI_ONCE: inlined where the compiler optimises for speed; at -Os there is one copy for all callers. */
+#if RBDI_FOR_SPEED
+#define RBDI_ONCE RBDI_INLINE
+#else
+#define RBDI_ONCE RBDI_PART
+#endif
+#if RBDI_GNU
+#define RBDI_COLD static __attribute__((noinline, cold, unused)) /* hardly ever called */
+#else
+#define RBDI_COLD static RBDI_UNUSED
+#endif
+#define RBDI_PART static RBDI_UNUSED
+/* For a function that returns one of many texts. GCC would keep them in an array, which is linked even if
+   nothing calls the function, as soon as the file has any other text, such as a model's names. */
+#if RBDI_GCC
+#define RBDI_MESSAGES __attribute__((optimize("no-tree-switch-conversion")))
+#else
+#define RBDI_MESSAGES
+#endif
+/* Unrolls short loops, such as those over six components; clang does so by itself. */
+#if RBDI_GCC && RBDI_FOR_SPEED
+#define RBDI_UNROLL_SIX _Pragma("GCC unroll 6")
+#define RBDI_UNROLL_ROW _Pragma("GCC unroll 8")
+#define RBDI_UNROLL_TWO _Pragma("GCC unroll 2")
+#else
+#define RBDI_UNROLL_SIX
+#define RBDI_UNROLL_ROW
+#define RBDI_UNROLL_TWO
+#endif
+/* Keeps one address for all columns of a row. Without it the compiler computes one for each column. */
+#if RBDI_GNU
+#define RBDI_ONE_INDEX(row) __asm__("" : "+r"(row))
+#else
+#define RBDI_ONE_INDEX(row) (void)(row)
+#endif
+#endif
+
+/* ==== src/rbd_qp.h ==== */
+RBDI_CODE_BEGIN
+
+/* ==== src/base/tolerances.h ==== */
+#ifndef RBDI_BASE_TOLERANCES_H
+#define RBDI_BASE_TOLERANCES_H
+/* ---- tolerances [tolerances] ----
+   RBDI_EPS is one rounding of the scalar, RBDI_TINY the least pivot whose inverse is finite;
+   RBDI_LEAST_SCALE is so large that every pivot up to RBDI_TINY is in doubt.
+
+   A pivot below RBDI_DOUBT times dof.scale, the largest inertia that its joint can move, is in doubt. Such a
+   pivot must exceed RBDI_NOISE times e, a bound of the terms whose difference it is, or it is singular: 32
+   roundings, because a pivot is a sum of many terms. The largest pivot that was rounding in 20,000 singular
+   models had 15 of rbd_aba and 4.3 of the factor (tests/one_word.c). [pivots] derives the rest.
+
+   An exact pivot can be rounding too: an axis that should go through a mass m misses it by L eps, L the
+   distance to the frame that it is described in, and the pivot is m (L eps)^2. dof.scale has RBDI_ROD m L^2
+   in it. With RBDI_ROD = 16 eps / RBDI_DOUBT a pivot up to 16 eps m L^2 is in doubt, and one up to
+   RBDI_NOISE RBDI_SHARE RBDI_ROD m L^2 is singular: 2.5e-26 m L^2, far above the 5e-32 m L^2 of a rounding,
+   and far below any real robot, whose radius of gyration would be 2e-13 L. In float 1e-21 m L^2, for
+   descriptions are double. The factor has a quarter in place of RBDI_SHARE.
+
+   RBDI_SHARE: of dof.scale in rbd_aba's e. A chain of n rods has a dof.scale of n^3/3 rods: with a much
+   larger share float chains of 200 rods are refused, with a much smaller one the rounding of a description
+   passes.
+   RBDI_TURN: a change of frame rounds by this share of RBDI_NOISE, a third of eps. It compounds along a
+   chain: a larger one refuses float chains of 200 rods.
+   RBDI_FAR: a joint that has slid by more than 4 times the size of what it moves is a doubt, see
+   rbdi_slid_far. Ten times more lets rounding of 160 eps dof.scale pass, far below RBDI_DOUBT dof.scale; ten
+   times less costs time alone.
+
+   Tests see RBDI_DOUBT by the verdicts of RBDI_ROD. A larger one costs time alone otherwise. */
+
+#if RBDI_KIND(RBD_CONST) == 1
+#define RBDI_EPS 2.220446049250313e-16
+#define RBDI_DOUBT 1e-7
+#define RBDI_SHARE 1e-4
+#define RBDI_TINY 2.2250738585072014e-308
+#elif RBDI_KIND(RBD_CONST) == 2
+#define RBDI_EPS 1.1920929e-7f
+#define RBDI_DOUBT 1e-3f
+#define RBDI_SHARE 1e-4f
+#define RBDI_TINY 1.17549435e-38f
+#else
+#define RBDI_EPS RBD_C(1.925929944387236e-34)
+#define RBDI_DOUBT RBD_C(1.4e-17)
+#define RBDI_SHARE RBD_C(0.25) /* descriptions are double, their rounding is far above eps */
+#define RBDI_TINY RBD_C(2.2250738585072014e-308)
+#endif
+#define RBDI_LEAST_SCALE (RBDI_TINY / RBDI_DOUBT)
+#ifndef RBDI_NOISE                 /* tests/fuzz/pivots.c sets it to 0 */
+#define RBDI_NOISE (32 * RBDI_EPS) /* of its bound a pivot must exceed this */
+#endif
+#ifndef RBDI_TURN /* tests/test_bounds.c sets it to 0 */
+#define RBDI_TURN RBD_C(0.01)
+#endif
+#define RBDI_FAR RBD_C(16) /* a square */
+#define RBDI_BUILD \
+    RBD_C(2.220446049250313e-16 / (double)RBDI_EPS) /* the build's rounding: descriptions are double */
+#define RBDI_ROD (16 * (rbdi_wide)2.220446049250313e-16 / (rbdi_wide)RBDI_DOUBT) /* see rbdi_build_scale */
+
+#define RBDI_SHORT RBD_C(1e-30)    /* square of the shortest quaternion or (cos, sin) that has a direction */
+#define RBDI_NO_ANGLE RBD_C(1e-30) /* added to squares of angles: quotients stay finite, no digit changes */
+#define RBDI_TAIL_TERMS 15         /* of the series of sine and cosine for |x| < 1: 1/33! is below 1e-36 */
+#define RBDI_ANGLE_START 0.43 /* t (2 - 0.43 t^2) for 2 atan(t), |t| < 1: within 0.02, cubed four times */
+#define RBDI_SNAP \
+    ((rbdi_wide)1e-12) /* rad: angles this close to a multiple of 90 degrees are taken as that */
+#define RBDI_PARALLEL \
+    ((rbdi_wide)1e-6)          /* sine of the angle below which axes of a universal joint are parallel */
+#define RBDI_ORTHONORMAL 4e-6  /* of products of the rows of a rotation: six decimals in a file will do */
+#define RBDI_SEMIDEFINITE 1e-9 /* share of an inertia by which a principal moment may seem negative */
+#endif
+
+/* ==== src/base/scalar.h ==== */
+#ifndef RBDI_BASE_SCALAR_H
+#define RBDI_BASE_SCALAR_H
+/* ---- scalar [scalar] ---- */
+
+#if RBDI_REAL_KIND == 3 || RBDI_KIND(RBD_CONST) == 3
+#ifdef __cplusplus
+extern "C" {
+#endif
+RBDI_EXTENSION __float128 sinq(__float128 x);
+RBDI_EXTENSION __float128 cosq(__float128 x);
+RBDI_EXTENSION __float128 sqrtq(__float128 x);
+#ifdef __cplusplus
+}
+#endif
+#endif
+#include <math.h>
+
+#if RBDI_REAL_KIND == 2
+#define RBDI_LIBM(name) name##f
+#elif RBDI_REAL_KIND == 3
+#define RBDI_LIBM(name) name##q
+#else
+#define RBDI_LIBM(name) name
+#endif
+#ifdef RBD_SIN
+#define RBDI_OWN_SINCOS
+#if RBDI_REPRODUCIBLE
+#error "rbd: RBD_REPRODUCIBLE needs rbd's own sine: leave RBD_SIN and RBD_COS undefined"
+#endif
+#else
+#define RBD_SIN(x) RBDI_LIBM(sin)(x)
+#define RBD_COS(x) RBDI_LIBM(cos)(x)
+#endif
+#ifndef RBD_SQRT
+#define RBD_SQRT(x) RBDI_LIBM(sqrt)(x)
+#endif
+
+/* pi to quad precision, as a sum of doubles: a longer literal would be rounded to double. */
+#define RBDI_PI(type) \
+    ((type)3.141592653589793116 + (type)1.2246467991473532e-16 + (type) - 2.9947698097183397e-33)
+
+/* A scalar is one number or, with RBD_LANES, a vector with a number for each state. A mask is the result of a
+   comparison; with lanes it holds in some and not in others. */
+#ifdef RBD_LANES
+#if RBDI_REAL_KIND == 2
+typedef int32_t rbdi_int;
+#else
+typedef int64_t rbdi_int;
+#endif
+typedef rbdi_int rbdi_mask __attribute__((vector_size(sizeof(rbd_real)))); /* per lane 0 or -1 */
+
+RBDI_INLINE rbd_real rbdi_set(rbd_const c) {
+    rbd_real zero = {0};
+    return zero + c;
+}
+RBDI_INLINE rbdi_mask rbdi_less(rbd_real a, rbd_real b) { return (rbdi_mask)(a < b); }
+RBDI_INLINE rbdi_mask rbdi_not(rbdi_mask a) { return ~a; }
+RBDI_INLINE rbdi_mask rbdi_or(rbdi_mask a, rbdi_mask b) { return a | b; }
+RBDI_INLINE rbdi_mask rbdi_and(rbdi_mask a, rbdi_mask b) { return a & b; }
+RBDI_INLINE rbd_real rbdi_select(rbdi_mask mask, rbd_real a, rbd_real b) {
+    return (rbd_real)(((rbdi_mask)a & mask) | ((rbdi_mask)b & ~mask));
+}
+RBDI_INLINE int rbdi_any(rbdi_mask mask) {
+    rbdi_int any = 0;
+    for (int i = 0; i < RBD_LANES; ++i) any |= mask[i];
+    return any != 0;
+}
+RBDI_INLINE rbd_real rbdi_sqrt(rbd_real x) {
+    for (int i = 0; i < RBD_LANES; ++i) x[i] = RBD_SQRT(x[i]);
+    return x;
+}
+#else
+#ifdef RBD_MASK
+typedef RBD_MASK rbdi_mask;
+#else
+typedef int rbdi_mask;
+#endif
+RBDI_INLINE rbd_real rbdi_set(rbd_const c) { return (rbd_real)(c); }
+RBDI_INLINE rbdi_mask rbdi_less(rbd_real a, rbd_real b) { return a < b; }
+RBDI_INLINE rbdi_mask rbdi_not(rbdi_mask a) { return !a; }
+RBDI_INLINE rbdi_mask rbdi_or(rbdi_mask a, rbdi_mask b) { return a | b; }
+RBDI_INLINE rbdi_mask rbdi_and(rbdi_mask a, rbdi_mask b) { return a & b; }
+#ifdef RBD_MASK
+RBDI_INLINE rbd_real rbdi_select(rbdi_mask mask, rbd_real a, rbd_real b) { return select(mask, a, b); }
+#else
+RBDI_INLINE rbd_real rbdi_select(rbdi_mask mask, rbd_real a, rbd_real b) { return mask ? a : b; }
+#endif
+RBDI_INLINE int rbdi_any(rbdi_mask mask) { return mask; }
+RBDI_INLINE rbd_real rbdi_sqrt(rbd_real x) { return RBD_SQRT(x); }
+#endif
+RBDI_INLINE rbd_real rbdi_zero(void) { return rbdi_set(RBD_C(0)); }
+RBDI_INLINE rbd_real rbdi_abs(rbd_real x) { return rbdi_select(rbdi_less(x, rbdi_zero()), -x, x); }
+
+/* 1 / D if D > threshold, else 0, and bad is set: no division gives infinity. */
+RBDI_INLINE rbd_real rbdi_reciprocal(rbd_real D, rbd_const threshold, rbdi_mask *bad) {
+    rbdi_mask good = rbdi_less(rbdi_set(threshold), D);
+    *bad = rbdi_or(*bad, rbdi_not(good));
+    return rbdi_select(good, rbdi_set(RBD_C(1)) / rbdi_select(good, D, rbdi_set(RBD_C(1))), rbdi_zero());
+}
+
+/* 1 / D of a pivot, 0 where that would overflow. The pivot is in doubt if it is small beside scale, the
+   inertia that it came from: see [tolerances]. */
+RBDI_INLINE rbd_real rbdi_pivot_inverse(rbd_real D, rbd_const scale, rbdi_mask *doubt) {
+    rbdi_mask none = rbdi_less(D, D);
+    *doubt = rbdi_or(*doubt, rbdi_not(rbdi_less(rbdi_set(scale * RBDI_DOUBT), D)));
+    return rbdi_reciprocal(D, RBDI_TINY, &none);
+}
+#endif
+
+/* ==== src/qp/layout.h ==== */
+/* ---- method [method] ----
+   Minimise x'Hx/2 + f'x with n_i'x >= b_i, where the normal n_i of a row points into what is allowed: the row
+   itself at its lower side, its negative at its upper one.
+
+   H + rho 1 = L L', where rho is 0 or that of the proximal method. Equalities are eliminated first: their
+   normals, L^-1 n, are reflected one by one onto the first axes. With Q the product of these reflections,
+
+       J = L^-T Q [0; 1],   so that J'(H + rho 1) J = 1
+
+   spans the space in which all equalities hold. The dual method of Goldfarb and Idnani (1983) works on J and on
+   the normals N of the active rows, with R from J'N = [R; 0], as Powell (1985) gives it: x is always the
+   optimum for the active rows alone, and each step takes in a row that x misses. Then with d = J'n, split
+   behind the q active rows in d1 and d2, J = [J1 J2]:
+
+       z = J2 d2        the way of x
+       r = R^-1 d1      how fast the multipliers u of the active rows fall on that way
+
+   A row joins by one reflection of d2 onto its first axis, which turns J2 too; it leaves by plane rotations.
+
+   A soft row n'x + e >= b has a slack e, with the cost w e^2/2. It brings a column of its own to J, 0 in x and
+   1/sqrt(w) in e. Nothing of e is stored: e = u/w. */
+
+/* Tolerances. None depends on the units of x or of a row.
+   RBDI_QP_DEPENDENT: sine of the angle, in the metric of H^-1, between a row and the active ones, below which
+   it depends on them. RBDI_QP_ACCURACY: share of a row's terms that may be rounding. RBDI_QP_KEEP: share of the
+   largest x so far that still counts in those terms after a refinement. RBDI_QP_PIVOT: share of a diagonal entry of H
+   that its pivot must have. RBDI_QP_PROXIMAL: rho as a share of the largest diagonal entry of H. */
+#if RBDI_REAL_KIND == 2
+#define RBDI_QP_DEPENDENT 3e-5f
+#define RBDI_QP_ACCURACY 1e-5f
+#define RBDI_QP_KEEP 3e-2f
+#define RBDI_QP_PIVOT 1e-5f
+#define RBDI_QP_PROXIMAL 1e-3f
+#else
+#define RBDI_QP_DEPENDENT 1e-10
+#define RBDI_QP_ACCURACY 1e-10
+#define RBDI_QP_KEEP 1e-3
+#define RBDI_QP_PIVOT 1e-12
+#define RBDI_QP_PROXIMAL 1e-6
+#endif
+#define RBDI_QP_NONE ((rbd_real)RBD_QP_NONE)
+
+/* What the parts of the solver share. A row is counted with the bounds. Matrices without padding. */
+typedef struct rbdi_qp {
+    rbd_qp_problem given;
+    rbd_qp_options options; /* all set */
+    rbd_qp_result result;
+    signed char *side; /* of each row: -1, 0 or 1; 1 for an equality that is eliminated */
+    int n, all, soft;  /* variables, rows with bounds, soft rows */
+    int equalities;    /* eliminated: the first reflections */
+    int columns;       /* of J: n - equalities, and the slacks of active soft rows */
+    int q;             /* active rows that are not eliminated */
+    rbd_real rho;      /* added to H's diagonal */
+    rbd_real own;      /* length of the last row that wanted to join, in the metric of H^-1 */
+    rbd_real accuracy; /* of rows: that of the options, and tenfold each time after `loosen` steps */
+    int loosen;        /* the number of steps at which accuracy grows next */
+
+    rbd_real *L; /* packed rows, its diagonal inverted */
+    rbd_real
+        *V; /* equalities x n: vectors of the reflections from the diagonal on; R of the equalities above */
+    rbd_real *J; /* columns x n: each column of J is a row here */
+    rbd_real *R; /* packed columns, its diagonal inverted */
+
+    rbd_real *d, *r;    /* n + soft: see [method] */
+    rbd_real *u;        /* q: multipliers, not negative but for equalities */
+    rbd_real *length;   /* q: of active rows, in the metric of H^-1 */
+    rbd_real *leaving;  /* n + soft: column of R that leaves */
+    rbd_real *x0;       /* n: optimum on the equalities alone */
+    rbd_real *z;        /* n: way of x; scratch */
+    rbd_real *reach;    /* n: largest |x| so far, which says how much has cancelled */
+    rbd_real *centre;   /* n: of the proximal round */
+    rbd_real *g;        /* n: f - rho centre */
+    rbd_real *t;        /* n: scratch */
+    rbd_real *beta;     /* equalities: 2/|v|^2 of each reflection */
+    rbd_real *diagonal; /* equalities: of their R */
+    rbd_real *u_equal;  /* equalities: multipliers */
+    rbd_real *norm;     /* of each row; 1 if it is 0 */
+
+    int *active;    /* q: rows */
+    int *from, *to; /* of each row: where it is not 0 */
+    int *equality;  /* equalities: rows */
+    int *first;     /* of each row of L: where it begins */
+    int *end;       /* of each reflection: behind its last component */
+} rbdi_qp;
+
+/* Takes count objects of size bytes from the front of the memory. */
+RBDI_PART void *rbdi_qp_take(unsigned char **memory, int count, size_t size) {
+    unsigned char *taken = *memory;
+    *memory += (size_t)count * size;
+    return taken;
+}
+RBDI_PART rbd_real *rbdi_qp_scalars(unsigned char **at, int count) {
+    return (rbd_real *)rbdi_qp_take(at, count, sizeof(rbd_real));
+}
+RBDI_PART int *rbdi_qp_ints(unsigned char **at, int count) {
+    return (int *)rbdi_qp_take(at, count, sizeof(int));
+}
+
+/* Gives each array its place in the memory. V and J lie in one: what is eliminated is no column of J. */
+RBDI_PART void rbdi_qp_place(rbdi_qp *s, void *memory) {
+    const int n = s->n, most = n + s->soft;
+    const uintptr_t misaligned = (uintptr_t)memory % sizeof(rbd_real);
+    unsigned char *at = (unsigned char *)memory + (misaligned ? sizeof(rbd_real) - misaligned : 0);
+
+    s->V = rbdi_qp_scalars(&at, most * n);
+    s->L = rbdi_qp_scalars(&at, n * (n + 1) / 2);
+    s->R = rbdi_qp_scalars(&at, most * (most + 1) / 2);
+
+    s->d = rbdi_qp_scalars(&at, most);
+    s->r = rbdi_qp_scalars(&at, most);
+    s->u = rbdi_qp_scalars(&at, most);
+    s->length = rbdi_qp_scalars(&at, most);
+    s->leaving = rbdi_qp_scalars(&at, most);
+
+    s->x0 = rbdi_qp_scalars(&at, n);
+    s->z = rbdi_qp_scalars(&at, n);
+    s->reach = rbdi_qp_scalars(&at, n);
+    s->centre = rbdi_qp_scalars(&at, n);
+    s->g = rbdi_qp_scalars(&at, n);
+    s->t = rbdi_qp_scalars(&at, n);
+    s->beta = rbdi_qp_scalars(&at, n);
+    s->diagonal = rbdi_qp_scalars(&at, n);
+    s->u_equal = rbdi_qp_scalars(&at, n);
+    s->norm = rbdi_qp_scalars(&at, s->all);
+
+    s->active = rbdi_qp_ints(&at, most);
+    s->from = rbdi_qp_ints(&at, s->all);
+    s->to = rbdi_qp_ints(&at, s->all);
+    s->equality = rbdi_qp_ints(&at, n);
+    s->first = rbdi_qp_ints(&at, n);
+    s->end = rbdi_qp_ints(&at, n);
+}
+
+RBDI_INLINE rbd_real rbdi_qp_larger(rbd_real a, rbd_real b) { return a > b ? a : b; }
+
+/* The weight of a row, 0 if it is hard. */
+RBDI_INLINE rbd_real rbdi_qp_weight(const rbdi_qp *s, int row) {
+    return s->given.soft ? s->given.soft[row] : 0;
+}
+RBDI_INLINE int rbdi_qp_is_equality(const rbdi_qp *s, int row) {
+    return s->given.lower[row] == s->given.upper[row];
+}
+/* The sign of the normal: 1 at the lower side, -1 at the upper one. */
+RBDI_INLINE rbd_real rbdi_qp_sign(int side) { return side > 0 ? -1 : 1; }
+
+/* The side at which an active row holds. */
+RBDI_INLINE rbd_real rbdi_qp_side(const rbdi_qp *s, int row) {
+    return s->side[row] > 0 ? s->given.upper[row] : s->given.lower[row];
+}
+/* Row of C, from where it is not 0; not for a bound. */
+RBDI_INLINE const rbd_real *rbdi_qp_c(const rbdi_qp *s, int row) {
+    return s->given.C + (row - s->given.bounds) * s->n + s->from[row];
+}
+RBDI_INLINE rbd_real *rbdi_qp_column(const rbdi_qp *s, int k) { return s->R + k * (k + 1) / 2; }
+RBDI_INLINE rbd_real *rbdi_qp_j(const rbdi_qp *s, int k) { return s->J + k * s->n; }
+
+/* ==== src/qp/vectors.h ==== */
+/* ---- vectors [vectors] ----
+   Loops over rows of n scalars, four at a time. A dot product has four sums and one for the rest, which are
+   added in one order everywhere, so that RBD_REPRODUCIBLE holds with every SIMD unit. */
+
+#if RBDI_GNU && RBDI_SIMD > 0
+typedef rbd_real rbdi_quad
+    __attribute__((vector_size(4 * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
+
+/* sum of a_i b_i */
+RBDI_INLINE rbd_real rbdi_qp_dot(const rbd_real *a, const rbd_real *b, int n) {
+    rbdi_quad sum = {0};
+    rbd_real rest = 0;
+    int i = 0;
+
+    for (; i + 4 <= n; i += 4) sum = sum + *(const rbdi_quad *)(a + i) * *(const rbdi_quad *)(b + i);
+    for (; i < n; ++i) rest = rest + a[i] * b[i];
+    return ((sum[0] + sum[2]) + (sum[1] + sum[3])) + rest;
+}
+
+/* b += k a */
+RBDI_INLINE void rbdi_qp_add(rbd_real k, const rbd_real *a, rbd_real *b, int n) {
+    const rbdi_quad zero = {0}, all = k - zero;
+    int i = 0;
+
+    for (; i + 4 <= n; i += 4)
+        *(rbdi_quad *)(b + i) = *(const rbdi_quad *)(b + i) + all * *(const rbdi_quad *)(a + i);
+    for (; i < n; ++i) b[i] = b[i] + k * a[i];
+}
+
+/* (a, b) becomes (cosine a + sine b, cosine b - sine a). */
+RBDI_INLINE void rbdi_qp_rotate(rbd_real *a, rbd_real *b, int n, rbd_real cosine, rbd_real sine) {
+    const rbdi_quad zero = {0}, c = cosine - zero, s = sine - zero, minus = -sine - zero;
+    const rbd_real less = -sine;
+    int i = 0;
+
+    for (; i + 4 <= n; i += 4) {
+        const rbdi_quad x = *(const rbdi_quad *)(a + i);
+        const rbdi_quad y = *(const rbdi_quad *)(b + i);
+        *(rbdi_quad *)(a + i) = c * x + s * y;
+        *(rbdi_quad *)(b + i) = c * y + minus * x;
+    }
+    for (; i < n; ++i) {
+        const rbd_real x = a[i];
+        const rbd_real y = b[i];
+        a[i] = cosine * x + sine * y;
+        b[i] = cosine * y + less * x; /* GCC 12 fuses a sum and a difference even without contraction */
+    }
+}
+#else
+RBDI_INLINE rbd_real rbdi_qp_dot(const rbd_real *a, const rbd_real *b, int n) {
+    rbd_real s0 = 0, s1 = 0, s2 = 0, s3 = 0, rest = 0;
+    int i = 0;
+
+    for (; i + 4 <= n; i += 4) {
+        s0 = s0 + a[i] * b[i];
+        s1 = s1 + a[i + 1] * b[i + 1];
+        s2 = s2 + a[i + 2] * b[i + 2];
+        s3 = s3 + a[i + 3] * b[i + 3];
+    }
+    for (; i < n; ++i) rest = rest + a[i] * b[i];
+    return ((s0 + s2) + (s1 + s3)) + rest;
+}
+RBDI_INLINE void rbdi_qp_add(rbd_real k, const rbd_real *a, rbd_real *b, int n) {
+    int i = 0;
+
+    for (; i + 4 <= n; i += 4) {
+        b[i] = b[i] + k * a[i];
+        b[i + 1] = b[i + 1] + k * a[i + 1];
+        b[i + 2] = b[i + 2] + k * a[i + 2];
+        b[i + 3] = b[i + 3] + k * a[i + 3];
+    }
+    for (; i < n; ++i) b[i] = b[i] + k * a[i];
+}
+RBDI_INLINE void rbdi_qp_rotate(rbd_real *a, rbd_real *b, int n, rbd_real cosine, rbd_real sine) {
+    const rbd_real less = -sine;
+
+    for (int i = 0; i < n; ++i) {
+        const rbd_real x = a[i];
+        const rbd_real y = b[i];
+        a[i] = cosine * x + sine * y;
+        b[i] = cosine * y + less * x;
+    }
+}
+#endif
+
+/* A group: like components of RBDI_QP_GROUP vectors side by side. A loop over its components has no sum across
+   lanes, so that each vector comes out as if it were alone. */
+#if RBDI_GNU && RBDI_SIMD > 0
+#define RBDI_QP_GROUP 4
+typedef rbdi_quad rbdi_qp_group;
+#else
+#define RBDI_QP_GROUP 1
+typedef rbd_real rbdi_qp_group;
+#endif
+
+RBDI_INLINE void rbdi_qp_clear(rbd_real *a, int n) {
+    for (int i = 0; i < n; ++i) a[i] = 0;
+}
+RBDI_INLINE void rbdi_qp_copy(const rbd_real *from, rbd_real *to, int n) {
+    for (int i = 0; i < n; ++i) to[i] = from[i];
+}
+
+/* A row times x. */
+RBDI_INLINE rbd_real rbdi_qp_row_times(const rbdi_qp *s, int row, const rbd_real *x) {
+    if (row < s->given.bounds) return x[row];
+    return rbdi_qp_dot(rbdi_qp_c(s, row), x + s->from[row], s->to[row] - s->from[row]);
+}
+/* y += k row' */
+RBDI_INLINE void rbdi_qp_add_row(const rbdi_qp *s, int row, rbd_real k, rbd_real *y) {
+    if (row < s->given.bounds)
+        y[row] = y[row] + k;
+    else
+        rbdi_qp_add(k, rbdi_qp_c(s, row), y + s->from[row], s->to[row] - s->from[row]);
+}
+
+/* ==== src/qp/factor.h ==== */
+/* ---- factor and equalities [factor] ----
+   L is kept in the envelope of H, each row from its first entry that is not 0 on: a diagonal H, or one of
+   blocks, costs next to nothing. */
+
+/* L L' = H + rho 1. Returns the first variable whose pivot is too small, or n. */
+RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
+    const int n = s->n;
+
+    for (int i = 0; i < n; ++i) {
+        const rbd_real *h = s->given.H + i * n;
+        const rbd_real diagonal = h[i] + s->rho;
+        rbd_real *l = s->L + i * (i + 1) / 2;
+        rbd_real pivot;
+        int start = 0;
+
+        while (start < i && h[start] == 0) l[start++] = 0;
+        s->first[i] = start;
+
+        /* L_ij = (H_ij - sum_k L_ik L_jk) / L_jj */
+        for (int j = start; j < i; ++j) {
+            const int k = s->first[j] > start ? s->first[j] : start;
+            const rbd_real *lj = s->L + j * (j + 1) / 2;
+            l[j] = (h[j] - rbdi_qp_dot(l + k, lj + k, j - k)) * lj[j];
+        }
+
+        pivot = diagonal - rbdi_qp_dot(l + start, l + start, i - start);
+        if (!(pivot > RBDI_QP_PIVOT * diagonal && diagonal > 0)) return i;
+        l[i] = 1 / rbdi_sqrt(pivot);
+    }
+    return n;
+}
+
+/* t := L^-1 t, where t is 0 before `from`. */
+RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, rbd_real *t, int from) {
+    for (int i = from; i < s->n; ++i) {
+        const rbd_real *l = s->L + i * (i + 1) / 2;
+        const int k = s->first[i] > from ? s->first[i] : from;
+        t[i] = (t[i] - rbdi_qp_dot(l + k, t + k, i - k)) * l[i];
+    }
+}
+
+/* t := L'^-1 t */
+RBDI_PART void rbdi_qp_solve_upper(const rbdi_qp *s, rbd_real *t) {
+    for (int i = s->n - 1; i >= 0; --i) {
+        const rbd_real *l = s->L + i * (i + 1) / 2;
+        const int k = s->first[i];
+        if (t[i] == 0) continue;
+        t[i] = t[i] * l[i];
+        rbdi_qp_add(-t[i], l + k, t + k, i - k);
+    }
+}
+
+/* t := L^-1 row' */
+RBDI_PART void rbdi_qp_spread(const rbdi_qp *s, int row, rbd_real *t) {
+    rbdi_qp_clear(t, s->n);
+    if (row < s->given.bounds)
+        t[row] = 1;
+    else
+        rbdi_qp_copy(rbdi_qp_c(s, row), t + s->from[row], s->to[row] - s->from[row]);
+    rbdi_qp_solve_lower(s, t, s->from[row]);
+}
+
+/* t := (1 - beta v v') t, of reflection e. */
+RBDI_PART void rbdi_qp_reflect(const rbdi_qp *s, int e, rbd_real *t) {
+    const rbd_real *v = s->V + e * s->n + e;
+    const int length = s->end[e] - e;
+    const rbd_real a = s->beta[e] * rbdi_qp_dot(v, t + e, length);
+
+    if (a != 0) rbdi_qp_add(-a, v, t + e, length);
+}
+RBDI_PART void rbdi_qp_reflect_all(const rbdi_qp *s, rbd_real *t) {
+    for (int e = 0; e < s->equalities; ++e) rbdi_qp_reflect(s, e, t);
+}
+RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, rbd_real *t) {
+    for (int e = s->equalities - 1; e >= 0; --e) rbdi_qp_reflect(s, e, t);
+}
+
+/* Eliminates an equality by a reflection (Householder 1958): L^-1 row', behind the earlier reflections, goes onto
+   axis e. One that depends on the earlier ones is set aside; whether it agrees with them is seen later, like
+   any row. Sparse rows first make the vectors short. */
+RBDI_PART void rbdi_qp_eliminate(rbdi_qp *s, int row) {
+    const int n = s->n, e = s->equalities;
+    rbd_real *v = s->V + e * n;
+    rbd_real whole, rest, length;
+    if (e == n) return;
+
+    rbdi_qp_spread(s, row, v);
+    whole = rbdi_qp_dot(v, v, n);
+    rbdi_qp_reflect_all(s, v);
+    rest = rbdi_qp_dot(v + e, v + e, n - e);
+    if (rest <= RBDI_QP_DEPENDENT * RBDI_QP_DEPENDENT * whole || !(rest > 0)) return;
+
+    /* v - (-+|v|) on axis e: no difference of like numbers. */
+    length = rbdi_sqrt(rest);
+    s->beta[e] = 1 / (length * (length + rbdi_abs(v[e])));
+    s->diagonal[e] = v[e] > 0 ? -length : length;
+    v[e] = v[e] - s->diagonal[e];
+
+    s->end[e] = n;
+    while (s->end[e] > e + 1 && v[s->end[e] - 1] == 0) s->end[e]--;
+    s->equality[e] = row;
+    s->side[row] = 1;
+    s->equalities = e + 1;
+}
+
+/* t := L'^-1 Q t of a group, which is 0 behind component `to`. */
+RBDI_PART void rbdi_qp_basis_of(const rbdi_qp *s, rbdi_qp_group *t, int to) {
+    /* t -= v (beta v't) */
+    for (int e = s->equalities - 1; e >= 0; --e) {
+        const rbd_real *v = s->V + e * s->n;
+        rbdi_qp_group sum = v[e] * t[e];
+        for (int k = e + 1; k < s->end[e]; ++k) sum = sum + v[k] * t[k];
+        sum = s->beta[e] * sum;
+        for (int k = e; k < s->end[e]; ++k) t[k] = t[k] - v[k] * sum;
+    }
+    for (int i = to - 1; i >= 0; --i) {
+        const rbd_real *l = s->L + i * (i + 1) / 2;
+        t[i] = l[i] * t[i];
+        for (int k = s->first[i]; k < i; ++k) t[k] = t[k] - l[k] * t[i];
+    }
+}
+
+/* J = L'^-1 Q [0; 1], for no active row. The memory of R and what follows is not in use yet: a group lies there. */
+RBDI_PART void rbdi_qp_basis(rbdi_qp *s) {
+    const int n = s->n, k = s->equalities;
+    rbdi_qp_group *t = (rbdi_qp_group *)s->R;
+
+    s->J = s->V + k * n;
+    s->columns = n - k;
+    s->q = 0;
+    for (int j = 0; j < s->columns; j += RBDI_QP_GROUP) {
+        const int left = s->columns - j, lanes = left < RBDI_QP_GROUP ? left : RBDI_QP_GROUP;
+        const int to = k ? n : j + lanes;
+
+        rbdi_qp_clear((rbd_real *)t, n * RBDI_QP_GROUP);
+        for (int lane = 0; lane < lanes; ++lane) ((rbd_real *)t)[(k + j + lane) * RBDI_QP_GROUP + lane] = 1;
+        rbdi_qp_basis_of(s, t, to);
+        for (int lane = 0; lane < lanes; ++lane)
+            for (int i = 0; i < n; ++i)
+                rbdi_qp_j(s, j + lane)[i] = ((const rbd_real *)t)[i * RBDI_QP_GROUP + lane];
+    }
+}
+
+/* t := L'^-1 Q (y; t2), R' y = b - A x, for the equalities A x = b; x NULL: 0. t2: t from there on. */
+RBDI_PART void rbdi_qp_onto_equalities(const rbdi_qp *s, const rbd_real *x, rbd_real *t) {
+    for (int e = 0; e < s->equalities; ++e) {
+        const int row = s->equality[e];
+        rbd_real b = s->given.upper[row];
+        if (x) b = b - rbdi_qp_row_times(s, row, x);
+        t[e] = (b - rbdi_qp_dot(s->V + e * s->n, t, e)) / s->diagonal[e];
+    }
+    rbdi_qp_reflect_back(s, t);
+    rbdi_qp_solve_upper(s, t);
+}
+
+/* Multipliers u_equal of the equalities that balance y best; y += A' u_equal. t: scratch, n. */
+RBDI_PART void rbdi_qp_balance(rbdi_qp *s, rbd_real *y, rbd_real *t) {
+    if (!s->equalities) return;
+    rbdi_qp_copy(y, t, s->n);
+    rbdi_qp_solve_lower(s, t, 0);
+    rbdi_qp_reflect_all(s, t);
+
+    /* R u = -t */
+    for (int e = s->equalities - 1; e >= 0; --e) {
+        t[e] = t[e] / s->diagonal[e];
+        s->u_equal[e] = -t[e];
+        rbdi_qp_add(-t[e], s->V + e * s->n, t, e);
+    }
+    for (int e = 0; e < s->equalities; ++e) rbdi_qp_add_row(s, s->equality[e], s->u_equal[e], y);
+}
+
+/* ==== src/qp/active.h ==== */
+/* ---- active rows [active rows] ---- */
+
+/* d = J'n of a row that wants to join at this side. A soft row brings its slack as a column. Returns the
+   length of the row in the metric of H^-1. */
+RBDI_PART rbd_real rbdi_qp_enter(rbdi_qp *s, int row, int side) {
+    const rbd_real weight = rbdi_qp_weight(s, row), sign = rbdi_qp_sign(side);
+
+    if (row < s->given.bounds) {
+        for (int j = 0; j < s->columns; ++j) s->d[j] = sign * rbdi_qp_j(s, j)[row];
+    } else {
+        const rbd_real *c = rbdi_qp_c(s, row);
+        const int from = s->from[row], length = s->to[row] - from;
+        for (int j = 0; j < s->columns; ++j) s->d[j] = sign * rbdi_qp_dot(rbdi_qp_j(s, j) + from, c, length);
+    }
+
+    if (weight > 0) {
+        rbdi_qp_clear(rbdi_qp_j(s, s->columns), s->n);
+        s->d[s->columns] = 1 / rbdi_sqrt(weight);
+        s->columns++;
+    }
+    if (!s->equalities) return rbdi_sqrt(rbdi_qp_dot(s->d, s->d, s->columns));
+    rbdi_qp_spread(s, row, s->z);
+    return rbdi_sqrt(rbdi_qp_dot(s->z, s->z, s->n));
+}
+
+/* |d2|^2 */
+RBDI_INLINE rbd_real rbdi_qp_free_part(const rbdi_qp *s) {
+    return rbdi_qp_dot(s->d + s->q, s->d + s->q, s->columns - s->q);
+}
+
+/* z = J2 d2, two columns at a time. */
+RBDI_PART void rbdi_qp_way(rbdi_qp *s) {
+    rbdi_qp_clear(s->z, s->n);
+    for (int j = s->q; j < s->columns; ++j) rbdi_qp_add(s->d[j], rbdi_qp_j(s, j), s->z, s->n);
+}
+
+/* The row joins, with d and z = J2 d2 as they are; square: |d2|^2. A reflection turns d2 onto its first axis, a:
+   with y = (z - a J_q) / (|d2| (|d2| + |d_q|)),
+
+       J_j -= d_j y for j > q,   J_q -= (d_q - a) y,   the new column of R is (d1, a). */
+RBDI_PART void rbdi_qp_join(rbdi_qp *s, int row, int side, rbd_real u, rbd_real square) {
+    const int n = s->n, q = s->q;
+    rbd_real *column = rbdi_qp_column(s, q), *J_q = rbdi_qp_j(s, q);
+    rbd_real a = s->d[q];
+
+    if (q < s->columns - 1) {
+        const rbd_real length = rbdi_sqrt(square);
+        const rbd_real scale = 1 / (length * (length + rbdi_abs(a)));
+        const rbd_real onto = a > 0 ? -length : length;
+
+        for (int k = 0; k < n; ++k) s->z[k] = scale * (s->z[k] - onto * J_q[k]);
+        rbdi_qp_add(onto - a, s->z, J_q, n);
+        for (int j = q + 1; j < s->columns; ++j) rbdi_qp_add(-s->d[j], s->z, rbdi_qp_j(s, j), n);
+        a = onto;
+    }
+
+    rbdi_qp_copy(s->d, column, q);
+    column[q] = 1 / a;
+    s->active[q] = row;
+    s->u[q] = u;
+    s->length[q] = s->own;
+    s->side[row] = (signed char)side;
+    s->q = q + 1;
+}
+
+/* The slack of a soft row that has left goes: its components in the columns of J2, (leaving, 0, ...) - J2'n, are
+   reflected into the last column, with J2 and d, and that is deleted. */
+RBDI_PART void rbdi_qp_drop_slack(rbdi_qp *s, int row, rbd_real sign) {
+    const int n = s->n, q = s->q, last = s->columns - 1;
+    rbd_real *slack = s->leaving, square = 0;
+
+    for (int j = q; j <= last; ++j) {
+        const rbd_real carried = j == q ? slack[j] : 0;
+        slack[j] = carried - sign * rbdi_qp_row_times(s, row, rbdi_qp_j(s, j));
+        square = square + slack[j] * slack[j];
+    }
+    s->columns = last;
+    if (q >= last || !(square > 0)) return;
+
+    const rbd_real length = rbdi_sqrt(square);
+    const rbd_real scale = 1 / (length * (length + rbdi_abs(slack[last])));
+    rbd_real along = 0;
+
+    slack[last] = slack[last] + (slack[last] > 0 ? length : -length);
+    rbdi_qp_clear(s->z, n);
+    for (int j = q; j <= last; ++j) {
+        rbdi_qp_add(slack[j], rbdi_qp_j(s, j), s->z, n);
+        along = along + slack[j] * s->d[j];
+    }
+    for (int j = q; j < last; ++j) {
+        rbdi_qp_add(-scale * slack[j], s->z, rbdi_qp_j(s, j), n);
+        s->d[j] = s->d[j] - scale * along * slack[j];
+    }
+}
+
+/* Active row l leaves. R's columns behind it move one place to the left; plane rotations of its rows k and k + 1
+   make it triangular again. They turn the columns of J and d with it. */
+RBDI_PART void rbdi_qp_leave(rbdi_qp *s, int l) {
+    const int n = s->n, row = s->active[l];
+    const rbd_real *gone = rbdi_qp_column(s, l);
+    const rbd_real sign = rbdi_qp_sign(s->side[row]);
+
+    for (int k = 0; k < l; ++k) s->leaving[k] = gone[k];
+    s->leaving[l] = 1 / gone[l];
+    for (int k = l + 1; k < s->q; ++k) s->leaving[k] = 0;
+
+    for (int k = l; k < s->q - 1; ++k) {
+        const rbd_real *from = rbdi_qp_column(s, k + 1);
+        rbd_real *to = rbdi_qp_column(s, k);
+        const rbd_real x = from[k], y = 1 / from[k + 1];
+        const rbd_real inverse = 1 / rbdi_sqrt(x * x + y * y);
+        const rbd_real cosine = x * inverse, sine = y * inverse;
+
+        rbdi_qp_copy(from, to, k);
+        to[k] = inverse;
+        for (int j = k + 2; j < s->q; ++j) {
+            rbd_real *column = rbdi_qp_column(s, j);
+            rbdi_qp_rotate(column + k, column + k + 1, 1, cosine, sine);
+        }
+        rbdi_qp_rotate(rbdi_qp_j(s, k), rbdi_qp_j(s, k + 1), n, cosine, sine);
+        rbdi_qp_rotate(s->d + k, s->d + k + 1, 1, cosine, sine);
+        rbdi_qp_rotate(s->leaving + k, s->leaving + k + 1, 1, cosine, sine);
+        s->active[k] = s->active[k + 1];
+        s->u[k] = s->u[k + 1];
+        s->length[k] = s->length[k + 1];
+    }
+    s->side[row] = 0;
+    s->q = s->q - 1;
+    s->result.steps++;
+    if (rbdi_qp_weight(s, row) > 0) rbdi_qp_drop_slack(s, row, sign);
+}
+
+/* y := R^-1 y */
+RBDI_PART void rbdi_qp_solve_r(const rbdi_qp *s, rbd_real *y) {
+    for (int k = s->q - 1; k >= 0; --k) {
+        const rbd_real *column = rbdi_qp_column(s, k);
+        y[k] = y[k] * column[k];
+        rbdi_qp_add(-y[k], column, y, k);
+    }
+}
+/* y := R'^-1 y */
+RBDI_PART void rbdi_qp_solve_r_transposed(const rbdi_qp *s, rbd_real *y) {
+    for (int k = 0; k < s->q; ++k) {
+        const rbd_real *column = rbdi_qp_column(s, k);
+        y[k] = (y[k] - rbdi_qp_dot(column, y, k)) * column[k];
+    }
+}
+
+/* x and u of the active rows: R' y = b - N'x0, x = x0 + J1 y, u = R^-1 y. */
+RBDI_PART void rbdi_qp_point(rbdi_qp *s, rbd_real *x) {
+    for (int j = 0; j < s->q; ++j) {
+        const int row = s->active[j];
+        const rbd_real missed = rbdi_qp_side(s, row) - rbdi_qp_row_times(s, row, s->x0);
+        s->u[j] = rbdi_qp_sign(s->side[row]) * missed;
+    }
+    rbdi_qp_solve_r_transposed(s, s->u);
+    rbdi_qp_copy(s->x0, x, s->n);
+    for (int j = 0; j < s->q; ++j) rbdi_qp_add(s->u[j], rbdi_qp_j(s, j), x, s->n);
+    rbdi_qp_solve_r(s, s->u);
+}
+
+/* What a miss of row is compared with: its side, and its terms with the largest x so far. */
+RBDI_PART rbd_real rbdi_qp_terms(const rbdi_qp *s, int row, rbd_real side) {
+    rbd_real sum = rbdi_abs(side);
+    const rbd_real *c;
+
+    if (row < s->given.bounds) return sum + s->reach[row];
+    c = rbdi_qp_c(s, row);
+    for (int k = s->from[row]; k < s->to[row]; ++k, ++c) sum = sum + rbdi_abs(*c) * s->reach[k];
+    return sum;
+}
+
+/* How far u < 0 of active row j may be rounding, in its length: a share of the largest multiplier; of a soft row
+   also such a share of its terms that e = u/w misses. */
+RBDI_PART rbd_real rbdi_qp_slight(const rbdi_qp *s, int j, rbd_real share, rbd_real largest) {
+    const int row = s->active[j];
+    const rbd_real weight = rbdi_qp_weight(s, row), slight = share * largest;
+    rbd_real of_terms;
+
+    if (!(weight > 0)) return slight;
+    of_terms = share * rbdi_qp_terms(s, row, rbdi_qp_side(s, row)) * weight * s->length[j];
+    return of_terms < slight ? of_terms : slight;
+}
+
+/* The active inequality that pulls most, u < 0 by more than what share may be rounding, leaves. Returns whether
+   one does. */
+RBDI_PART int rbdi_qp_release(rbdi_qp *s, rbd_real share) {
+    rbd_real least = 0, largest = 0;
+    int worst = -1;
+
+    for (int j = 0; j < s->q; ++j) largest = rbdi_qp_larger(largest, rbdi_abs(s->u[j] * s->length[j]));
+    for (int j = 0; j < s->q; ++j) {
+        const rbd_real u = s->u[j] * s->length[j];
+        if (!(u < least) || rbdi_qp_is_equality(s, s->active[j])) continue;
+        if (-u <= rbdi_qp_slight(s, j, share, largest)) continue;
+        least = u;
+        worst = j;
+    }
+    if (worst < 0) return 0;
+    rbdi_qp_leave(s, worst);
+    return 1;
+}
+
+/* ==== src/qp/search.h ==== */
+/* ---- search [search] ---- */
+
+/* A row that x misses. */
+typedef struct rbdi_qp_miss {
+    int row, side;
+    rbd_real by, share; /* in the row's units; of its terms */
+} rbdi_qp_miss;
+
+RBDI_PART void rbdi_qp_reached(rbdi_qp *s, const rbd_real *x) {
+    for (int k = 0; k < s->n; ++k) s->reach[k] = rbdi_qp_larger(s->reach[k], rbdi_abs(x[k]));
+}
+
+/* The inactive row that x misses most, in lengths of the row, beyond what rounding explains: row -1 if there is
+   none. result.primal becomes the largest share that was missed. */
+RBDI_PART rbdi_qp_miss rbdi_qp_most_missed(rbdi_qp *s, const rbd_real *x, rbd_real accuracy) {
+    rbdi_qp_miss worst = {-1, 0, 0, 0};
+    rbd_real most = 0;
+
+    s->result.primal = 0;
+    for (int row = 0; row < s->all; ++row) {
+        rbd_real value, below, above, by, terms;
+        if (s->side[row]) continue;
+        value = rbdi_qp_row_times(s, row, x);
+        below = s->given.lower[row] - value;
+        above = value - s->given.upper[row];
+        by = rbdi_qp_larger(below, above);
+        if (!(by > most * s->norm[row])) continue;
+
+        terms = rbdi_qp_terms(s, row, below > above ? s->given.lower[row] : s->given.upper[row]);
+        s->result.primal = rbdi_qp_larger(s->result.primal, by / terms);
+        if (!(by > accuracy * terms)) continue;
+        worst.row = row;
+        worst.side = below > above ? -1 : 1;
+        worst.by = by;
+        worst.share = by / terms;
+        most = by / s->norm[row];
+    }
+    return worst;
+}
+
+/* The active inequality whose multiplier falls to 0 first on the way r, or -1; *step: where. */
+RBDI_PART int rbdi_qp_first_to_leave(const rbdi_qp *s, rbd_real *step) {
+    int first = -1;
+
+    *step = RBDI_QP_NONE;
+    for (int j = 0; j < s->q; ++j) {
+        if (!(s->r[j] * s->length[j] > RBDI_QP_DEPENDENT * s->own)) continue;
+        if (rbdi_qp_is_equality(s, s->active[j]) || !(s->u[j] < *step * s->r[j])) continue;
+        *step = rbdi_qp_larger(s->u[j], 0) / s->r[j];
+        first = j;
+    }
+    return first;
+}
+
+/* Takes in a row that is missed. Each turn goes as far as the multipliers of the active rows stay positive, at
+   most until the row holds:
+
+       x += step z,   u -= step r,   the row's multiplier += step,   the miss -= step |d2|^2
+
+   and then a row leaves, or the row joins. A row that depends on the active ones, and with which none can leave,
+   contradicts them. */
+RBDI_PART rbd_qp_status rbdi_qp_take_in(rbdi_qp *s, rbd_real *x, rbdi_qp_miss miss) {
+    const int hard = !(rbdi_qp_weight(s, miss.row) > 0);
+    rbd_real u = 0;
+
+    s->own = rbdi_qp_enter(s, miss.row, miss.side);
+    while (s->result.steps < s->options.steps) {
+        const rbd_real square = rbdi_qp_free_part(s);
+        const rbd_real least = RBDI_QP_DEPENDENT * s->own;
+        const int dependent = hard && square <= least * least;
+        rbd_real step;
+        int leaves;
+
+        rbdi_qp_copy(s->d, s->r, s->q);
+        rbdi_qp_solve_r(s, s->r);
+        leaves = rbdi_qp_first_to_leave(s, &step);
+        if (dependent && leaves < 0) return RBD_QP_INFEASIBLE;
+
+        if (!dependent) {
+            rbdi_qp_way(s);
+            if (miss.by <= step * square) {
+                step = miss.by / square;
+                leaves = -1;
+            }
+            rbdi_qp_add(step, s->z, x, s->n);
+            miss.by = miss.by - step * square;
+        }
+        rbdi_qp_add(-step, s->r, s->u, s->q);
+        u = u + step;
+
+        if (leaves < 0) {
+            s->result.steps++;
+            rbdi_qp_join(s, miss.row, miss.side, u, square);
+            return RBD_QP_OK;
+        }
+        rbdi_qp_leave(s, leaves);
+    }
+    return RBD_QP_ITERATIONS;
+}
+
+/* ==== src/qp/refine.h ==== */
+/* ---- refinement [refinement] ----
+   The residuals of the optimum on the active rows,
+
+       r1 = -(H x + rho x + g) + N u + A'u_equal,   r2 = b - N'x - u/w   (0 for a hard row's u/w)
+
+   and their correction by the factors at hand:
+
+       x_E = L'^-1 Q (R_E'^-1 r2_E; 0),   y1 = R'^-1 (r2 - N'x_E),   y2 = J2'r1,
+       x += x_E + J (y1; y2),   u += R^-1 (y1 - J1'r1) */
+
+#define RBDI_QP_REFINED (16 * RBDI_EPS) /* shares below this are rounding */
+#define RBDI_QP_REFINEMENTS 2
+
+/* t = r1 without the equalities' part, r = r2. Returns the largest |r2|, as a share of its row's length; *size:
+   the largest term of r1. */
+RBDI_PART rbd_real rbdi_qp_residuals(rbdi_qp *s, const rbd_real *x, rbd_real *size) {
+    const int n = s->n;
+    rbd_real missed = 0;
+
+    *size = 0;
+    for (int i = 0; i < n; ++i) {
+        const rbd_real h = rbdi_qp_dot(s->given.H + i * n, x, n);
+        s->t[i] = -(h + s->rho * x[i] + s->g[i]);
+        *size = rbdi_qp_larger(*size, rbdi_qp_larger(rbdi_abs(h), rbdi_abs(s->g[i])));
+    }
+    for (int j = 0; j < s->q; ++j) {
+        const int row = s->active[j];
+        const rbd_real sign = rbdi_qp_sign(s->side[row]), weight = rbdi_qp_weight(s, row);
+
+        s->r[j] = sign * (rbdi_qp_side(s, row) - rbdi_qp_row_times(s, row, x));
+        if (weight > 0) s->r[j] = s->r[j] - s->u[j] / weight;
+        missed = rbdi_qp_larger(missed, rbdi_abs(s->r[j]) / s->norm[row]);
+        *size = rbdi_qp_larger(*size, rbdi_abs(s->u[j]) * s->norm[row]);
+        rbdi_qp_add_row(s, row, sign * s->u[j], s->t);
+    }
+    for (int e = 0; e < s->equalities; ++e) {
+        const int row = s->equality[e];
+        const rbd_real by = rbdi_qp_row_times(s, row, x) - s->given.upper[row];
+        missed = rbdi_qp_larger(missed, rbdi_abs(by) / s->norm[row]);
+    }
+    return missed;
+}
+
+/* One correction, from t = r1 and r = r2. */
+RBDI_PART void rbdi_qp_correct(rbdi_qp *s, rbd_real *x) {
+    const int n = s->n;
+
+    rbdi_qp_clear(s->z, n);
+    if (s->equalities) rbdi_qp_onto_equalities(s, x, s->z);
+    for (int j = 0; j < s->q; ++j) {
+        const int row = s->active[j];
+        s->r[j] = s->r[j] - rbdi_qp_sign(s->side[row]) * rbdi_qp_row_times(s, row, s->z);
+    }
+
+    /* d = (y1; y2), r = R^-1 (y1 - J1'r1) */
+    for (int j = 0; j < s->columns; ++j) s->d[j] = rbdi_qp_dot(rbdi_qp_j(s, j), s->t, n);
+    rbdi_qp_solve_r_transposed(s, s->r);
+    for (int j = 0; j < s->q; ++j) {
+        const rbd_real y = s->r[j];
+        s->r[j] = y - s->d[j];
+        s->d[j] = y;
+    }
+    rbdi_qp_solve_r(s, s->r);
+
+    for (int k = 0; k < n; ++k) x[k] = x[k] + s->z[k];
+    for (int j = 0; j < s->columns; ++j) rbdi_qp_add(s->d[j], rbdi_qp_j(s, j), x, n);
+    for (int j = 0; j < s->q; ++j) s->u[j] = s->u[j] + s->r[j];
+}
+
+/* The multipliers of the equalities; result.dual; and corrections where the residuals exceed rounding. */
+RBDI_PART void rbdi_qp_refine(rbdi_qp *s, rbd_real *x) {
+    rbd_real far = 0;
+    for (int k = 0; k < s->n; ++k) far = rbdi_qp_larger(far, s->reach[k]);
+
+    for (int corrections = 0;; ++corrections) {
+        rbd_real size, worst = 0;
+        const rbd_real missed = rbdi_qp_residuals(s, x, &size);
+
+        rbdi_qp_balance(s, s->t, s->z);
+        for (int k = 0; k < s->n; ++k) worst = rbdi_qp_larger(worst, rbdi_abs(s->t[k]));
+        s->result.dual = size > 0 ? worst / size : worst;
+
+        if (s->result.dual <= RBDI_QP_REFINED && missed <= RBDI_QP_REFINED * far) return;
+        if (corrections == RBDI_QP_REFINEMENTS) return;
+        rbdi_qp_correct(s, x);
+    }
+}
+
+/* ==== src/qp/rounds.h ==== */
+/* ---- rounds [rounds] ----
+   If H is semidefinite, each round of the proximal method (Rockafellar 1976) has the cost
+   rho |x - centre|^2 / 2 beside it, and the next one is centred at its solution. J, R and the active rows stay. */
+
+/* x0: optimum on the equalities alone. */
+RBDI_PART void rbdi_qp_optimum_on_equalities(rbdi_qp *s) {
+    for (int k = 0; k < s->n; ++k) s->x0[k] = -s->g[k];
+    rbdi_qp_solve_lower(s, s->x0, 0);
+    rbdi_qp_reflect_all(s, s->x0);
+    rbdi_qp_onto_equalities(s, NULL, s->x0);
+}
+
+/* Joins a row without a step, if it is independent of the active ones. */
+RBDI_PART void rbdi_qp_guess(rbdi_qp *s, int row, int side) {
+    const int hard = !(rbdi_qp_weight(s, row) > 0);
+    const rbd_real bound = side > 0 ? s->given.upper[row] : s->given.lower[row];
+    rbd_real square, least;
+
+    if (rbdi_abs(bound) >= RBDI_QP_NONE || (hard && s->q >= s->columns)) return;
+    s->own = rbdi_qp_enter(s, row, side);
+    square = rbdi_qp_free_part(s);
+    least = RBDI_QP_DEPENDENT * s->own;
+    if (hard && square <= least * least) return;
+    rbdi_qp_way(s);
+    rbdi_qp_join(s, row, side, 0, square);
+}
+
+/* The soft equalities, and with `warm` the rows of the guess. Those that pull leave, so that the dual method may
+   begin here. */
+RBDI_PART void rbdi_qp_first_rows(rbdi_qp *s) {
+    for (int row = 0; row < s->all; ++row) {
+        const int equal = rbdi_qp_is_equality(s, row), soft = rbdi_qp_weight(s, row) > 0;
+        const int side = equal || s->options.warm ? s->side[row] : 0;
+        if (equal && !soft) continue;
+        s->side[row] = 0;
+        if (equal || side) rbdi_qp_guess(s, row, equal || side > 0 ? 1 : -1);
+    }
+}
+
+/* The solution for this centre. */
+RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *miss) {
+    int refined = 0;
+
+    rbdi_qp_reached(s, s->x0);
+    rbdi_qp_point(s, x);
+    while (rbdi_qp_release(s, 0)) rbdi_qp_point(s, x);
+    rbdi_qp_reached(s, x);
+
+    for (;;) {
+        rbd_qp_status status;
+        *miss = rbdi_qp_most_missed(s, x, s->accuracy);
+        if (miss->row < 0 && refined) return RBD_QP_OK;
+        if (s->result.steps >= s->options.steps) return RBD_QP_ITERATIONS;
+
+        if (miss->row < 0) {
+            rbdi_qp_refine(s, x);
+            refined = 1;
+            if (rbdi_qp_release(s, s->accuracy)) {
+                rbdi_qp_point(s, x);
+                refined = 0;
+            }
+            /* x is exact now: less of what has cancelled before still counts. */
+            for (int k = 0; k < s->n; ++k)
+                s->reach[k] = rbdi_qp_larger(rbdi_abs(x[k]), RBDI_QP_KEEP * s->reach[k]);
+            continue;
+        }
+
+        if (s->result.steps >= s->loosen) {
+            s->accuracy = 10 * s->accuracy;
+            s->loosen = s->loosen + 2 * (s->n + s->all);
+        }
+        status = rbdi_qp_take_in(s, x, *miss);
+        rbdi_qp_reached(s, x);
+        refined = 0;
+        if (status == RBD_QP_INFEASIBLE && miss->share <= 10 * s->options.accuracy) {
+            s->accuracy = 10 * s->accuracy; /* may be rounding: no proof */
+            continue;
+        }
+        if (status != RBD_QP_OK) return status;
+    }
+}
+
+/* z = x - centre; whether the value falls on this way, and H does not bend it. */
+RBDI_PART int rbdi_qp_straight(rbdi_qp *s, const rbd_real *x, rbd_real size) {
+    rbd_real down = 0, curvature = 0;
+
+    for (int k = 0; k < s->n; ++k) {
+        s->z[k] = x[k] - s->centre[k];
+        down = down + s->given.f[k] * s->z[k];
+    }
+    for (int k = 0; k < s->n; ++k)
+        curvature = rbdi_qp_larger(curvature, rbdi_abs(rbdi_qp_dot(s->given.H + k * s->n, s->z, s->n)));
+    return down < 0 && curvature <= s->options.accuracy * size;
+}
+
+/* Whether no row ends the way z. */
+RBDI_PART int rbdi_qp_endless(const rbdi_qp *s) {
+    rbd_real length = 0;
+    for (int k = 0; k < s->n; ++k) length = rbdi_qp_larger(length, rbdi_abs(s->z[k]));
+
+    for (int row = 0; row < s->all; ++row) {
+        const rbd_real by = rbdi_qp_row_times(s, row, s->z);
+        const rbd_real side = by < 0 ? s->given.lower[row] : s->given.upper[row];
+        if (rbdi_abs(side) < RBDI_QP_NONE && rbdi_abs(by) > s->options.accuracy * s->norm[row] * length)
+            return 0;
+    }
+    return 1;
+}
+
+/* Rounds until x stays where it is: rho |x - centre| within the accuracy of H x and f. On a straight way each
+   centre lies twice as far ahead as the one before. */
+RBDI_PART rbd_qp_status rbdi_qp_rounds(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *miss) {
+    rbd_real ahead = 1;
+
+    for (;; s->result.rounds++) {
+        rbd_real moved = 0, size = 0;
+        rbd_qp_status status;
+
+        rbdi_qp_optimum_on_equalities(s);
+        if (s->result.rounds == 0) rbdi_qp_first_rows(s);
+        status = rbdi_qp_round(s, x, miss);
+        if (status != RBD_QP_OK || !(s->rho > 0)) return status;
+
+        for (int k = 0; k < s->n; ++k) {
+            const rbd_real h = rbdi_qp_dot(s->given.H + k * s->n, x, s->n);
+            moved = rbdi_qp_larger(moved, s->rho * rbdi_abs(x[k] - s->centre[k]));
+            size = rbdi_qp_larger(size, rbdi_qp_larger(rbdi_abs(h), rbdi_abs(s->given.f[k])));
+        }
+        if (size > 0) s->result.dual = rbdi_qp_larger(s->result.dual, moved / size);
+        if (moved <= s->options.accuracy * size) return RBD_QP_OK;
+        if (s->result.rounds >= s->options.rounds) return RBD_QP_ITERATIONS;
+
+        ahead = rbdi_qp_straight(s, x, size) ? 2 * ahead : 1;
+        if (ahead > 4 && rbdi_qp_endless(s)) return RBD_QP_UNBOUNDED;
+        for (int k = 0; k < s->n; ++k) {
+            s->centre[k] = s->centre[k] + ahead * (x[k] - s->centre[k]);
+            s->g[k] = s->given.f[k] - s->rho * s->centre[k];
+        }
+    }
+}
+
+/* ==== src/qp/solve.h ==== */
+/* ---- solve [solve code] ---- */
+
+#define RBDI_QP_MOST 20000 /* variables, rows: their matrices have ints for an index */
+#if RBDI_REAL_KIND == 2
+#define RBDI_QP_ASYMMETRY 1e-4f
+#else
+#define RBDI_QP_ASYMMETRY 1e-8 /* of H, as a share of its diagonal */
+#endif
+
+RBDI_PART rbd_qp_status rbdi_qp_refuse(rbdi_qp *s, rbd_qp_status status, int at, const char *field) {
+    s->result.at = at;
+    s->result.field = field;
+    return status;
+}
+
+RBDI_INLINE int rbdi_qp_finite(rbd_real x) { return rbdi_abs(x) < RBDI_QP_NONE; }
+
+/* Whether numbers, pointers and options make sense; completes the options. */
+RBDI_PART rbd_qp_status rbdi_qp_check_problem(rbdi_qp *s) {
+    const rbd_qp_problem *p = &s->given;
+    rbd_qp_options *o = &s->options;
+
+    if (p->n < 1 || p->n > RBDI_QP_MOST) return rbdi_qp_refuse(s, RBD_QP_RANGE, -1, "n");
+    if (p->bounds < 0 || p->bounds > p->n) return rbdi_qp_refuse(s, RBD_QP_RANGE, -1, "bounds");
+    if (p->rows < 0 || p->rows > RBDI_QP_MOST) return rbdi_qp_refuse(s, RBD_QP_RANGE, -1, "rows");
+    s->n = p->n;
+    s->all = p->bounds + p->rows;
+
+    if (!p->H) return rbdi_qp_refuse(s, RBD_QP_NULL, -1, "H");
+    if (!p->f) return rbdi_qp_refuse(s, RBD_QP_NULL, -1, "f");
+    if (p->rows && !p->C) return rbdi_qp_refuse(s, RBD_QP_NULL, -1, "C");
+    if (s->all && !p->lower) return rbdi_qp_refuse(s, RBD_QP_NULL, -1, "lower");
+    if (s->all && !p->upper) return rbdi_qp_refuse(s, RBD_QP_NULL, -1, "upper");
+
+    if (o->steps < 0) return rbdi_qp_refuse(s, RBD_QP_RANGE, -1, "steps");
+    if (o->rounds < 0) return rbdi_qp_refuse(s, RBD_QP_RANGE, -1, "rounds");
+    if (!(o->accuracy >= 0 && o->accuracy < 1)) return rbdi_qp_refuse(s, RBD_QP_RANGE, -1, "accuracy");
+    if (!o->steps) o->steps = 10 * (s->n + s->all);
+    if (!o->rounds) o->rounds = 50;
+    if (!(o->accuracy > 0)) o->accuracy = RBDI_QP_ACCURACY;
+
+    for (int row = 0; row < s->all && p->soft; ++row) {
+        if (!(p->soft[row] >= 0 && rbdi_qp_finite(p->soft[row])))
+            return rbdi_qp_refuse(s, RBD_QP_RANGE, row, "soft");
+        s->soft += p->soft[row] > 0;
+    }
+    return RBD_QP_OK;
+}
+
+/* H and f: finite, symmetric. */
+RBDI_PART rbd_qp_status rbdi_qp_check_value(rbdi_qp *s) {
+    const rbd_real *H = s->given.H;
+    const int n = s->n;
+
+    for (int i = 0; i < n; ++i) {
+        if (!rbdi_qp_finite(s->given.f[i])) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "f");
+        if (!rbdi_qp_finite(H[i * n + i])) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "H");
+        for (int j = 0; j < i; ++j) {
+            const rbd_real differ = rbdi_abs(H[i * n + j] - H[j * n + i]);
+            const rbd_real scale = rbdi_abs(H[i * n + i]) + rbdi_abs(H[j * n + j]);
+            if (differ <= RBDI_QP_ASYMMETRY * scale) continue;
+            if (!rbdi_qp_finite(H[i * n + j])) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "H");
+            if (!rbdi_qp_finite(H[j * n + i])) return rbdi_qp_refuse(s, RBD_QP_NAN, j, "H");
+            return rbdi_qp_refuse(s, RBD_QP_SYMMETRIC, i, "H");
+        }
+    }
+    return RBD_QP_OK;
+}
+
+/* The rows: finite, lower <= upper; and where each begins and ends, and its norm. */
+RBDI_PART rbd_qp_status rbdi_qp_check_rows(rbdi_qp *s) {
+    const rbd_qp_problem *p = &s->given;
+    const int n = s->n;
+
+    for (int row = 0; row < s->all; ++row) {
+        const rbd_real lower = p->lower[row], upper = p->upper[row];
+        int from = row, to = row + 1;
+        rbd_real square = 1;
+
+        if (lower != lower || lower >= RBDI_QP_NONE) return rbdi_qp_refuse(s, RBD_QP_NAN, row, "lower");
+        if (upper != upper || upper <= -RBDI_QP_NONE) return rbdi_qp_refuse(s, RBD_QP_NAN, row, "upper");
+        if (row >= p->bounds) {
+            const rbd_real *c = p->C + (row - p->bounds) * n;
+            to = n;
+            from = 0;
+            while (to > from && c[to - 1] == 0) --to;
+            while (from < to && c[from] == 0) ++from;
+            square = rbdi_qp_dot(c + from, c + from, to - from);
+            if (!(square - square == 0)) return rbdi_qp_refuse(s, RBD_QP_NAN, row, "C");
+        }
+        s->from[row] = from;
+        s->to[row] = to;
+        s->norm[row] = square > 0 ? rbdi_sqrt(square) : 1;
+        if (lower > upper) return rbdi_qp_refuse(s, RBD_QP_INFEASIBLE, row, "lower");
+    }
+    return RBD_QP_OK;
+}
+
+/* Factors H; if it is semidefinite, H + rho 1. */
+RBDI_PART rbd_qp_status rbdi_qp_factor_any(rbdi_qp *s) {
+    rbd_real diagonal = 0, slope = 0;
+    int at = rbdi_qp_factor(s);
+    if (at == s->n) return RBD_QP_OK;
+
+    for (int i = 0; i < s->n; ++i) {
+        diagonal = rbdi_qp_larger(diagonal, s->given.H[i * s->n + i]);
+        slope = rbdi_qp_larger(slope, rbdi_abs(s->given.f[i]));
+    }
+    s->rho = diagonal > 0 ? (rbd_real)RBDI_QP_PROXIMAL * diagonal : slope > 0 ? slope / 1000 : 1;
+    at = rbdi_qp_factor(s);
+    return at == s->n ? RBD_QP_OK : rbdi_qp_refuse(s, RBD_QP_CONVEX, at, "H");
+}
+
+/* Multipliers of what holds. */
+RBDI_PART void rbdi_qp_multipliers(const rbdi_qp *s, rbd_real *lambda) {
+    for (int j = 0; j < s->q; ++j) {
+        const int row = s->active[j];
+        const rbd_real u = rbdi_qp_is_equality(s, row) ? s->u[j] : rbdi_qp_larger(s->u[j], 0);
+        lambda[row] = s->side[row] > 0 ? u : -u;
+    }
+    for (int e = 0; e < s->equalities; ++e) lambda[s->equality[e]] = -s->u_equal[e];
+}
+
+/* The proof that the last row contradicts active ones: n = N r + A'u. */
+RBDI_PART void rbdi_qp_contradiction(rbdi_qp *s, rbdi_qp_miss miss, rbd_real *lambda) {
+    lambda[miss.row] = (rbd_real)miss.side;
+    for (int j = 0; j < s->q; ++j) {
+        const int row = s->active[j];
+        if (rbdi_abs(s->r[j]) * s->length[j] > RBDI_QP_DEPENDENT * s->own)
+            lambda[row] = s->side[row] > 0 ? -s->r[j] : s->r[j];
+    }
+    rbdi_qp_clear(s->t, s->n);
+    for (int row = 0; row < s->all; ++row)
+        if (lambda[row] != 0) rbdi_qp_add_row(s, row, -lambda[row], s->t);
+    rbdi_qp_balance(s, s->t, s->z);
+    for (int e = 0; e < s->equalities; ++e) lambda[s->equality[e]] = -s->u_equal[e];
+    rbdi_qp_refuse(s, RBD_QP_INFEASIBLE, miss.row, miss.side < 0 ? "lower" : "upper");
+}
+
+RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
+    rbdi_qp_miss miss = {-1, 0, 0, 0};
+    rbd_qp_status status = rbdi_qp_check_value(s);
+    if (status == RBD_QP_OK) status = rbdi_qp_check_rows(s);
+    if (status == RBD_QP_OK) status = rbdi_qp_factor_any(s);
+    if (status != RBD_QP_OK) return status;
+
+    for (int row = 0; row < s->all; ++row) {
+        if (!rbdi_qp_is_equality(s, row)) continue;
+        s->side[row] = 0;
+        if (!(rbdi_qp_weight(s, row) > 0)) rbdi_qp_eliminate(s, row);
+    }
+    rbdi_qp_basis(s);
+    for (int k = 0; k < s->n; ++k) {
+        s->reach[k] = 0;
+        s->centre[k] = s->options.warm && s->rho > 0 ? x[k] : 0;
+        s->g[k] = s->given.f[k] - s->rho * s->centre[k];
+    }
+
+    s->accuracy = s->options.accuracy;
+    s->loosen = 2 * (s->n + s->all);
+    status = rbdi_qp_rounds(s, x, &miss);
+    if (status == RBD_QP_INFEASIBLE)
+        rbdi_qp_contradiction(s, miss, lambda);
+    else
+        rbdi_qp_multipliers(s, lambda);
+    if (status == RBD_QP_OK && s->result.primal > s->options.accuracy) status = RBD_QP_INACCURATE;
+    s->result.active = s->q + s->equalities;
+    return status;
+}
+
+RBDI_API rbd_qp_status rbd_qp_solve(const rbd_qp_problem *problem, const rbd_qp_options *options,
+                                    void *memory, size_t size, rbd_real *x, rbd_real *lambda,
+                                    signed char *side, rbd_qp_result *result) {
+    static const rbd_qp_options defaults = {0, 0, 0, 0};
+    static const rbd_qp_result none = {0, 0, 0, 0, 0, -1, NULL};
+    rbdi_qp s;
+    rbd_qp_status status;
+    int warm;
+
+    rbdi_require_ieee();
+    s.result = none;
+    if (result) *result = none;
+    if (!problem || !memory || !x) return RBD_QP_NULL;
+    s.given = *problem;
+    s.options = options ? *options : defaults;
+    s.side = side;
+    s.soft = 0;
+    s.q = 0;
+    s.equalities = 0;
+    s.rho = 0;
+    status = rbdi_qp_check_problem(&s);
+    if (status == RBD_QP_OK && s.all && (!lambda || !side)) status = RBD_QP_NULL;
+    if (status == RBD_QP_OK && size < RBD_QP_SIZE(s.n, problem->bounds, problem->rows, s.soft))
+        status = RBD_QP_MEMORY;
+
+    if (status == RBD_QP_OK) {
+        warm = s.options.warm;
+        for (int k = 0; k < s.n; ++k)
+            if (!warm || !rbdi_qp_finite(x[k])) x[k] = 0;
+        for (int row = 0; row < s.all; ++row) {
+            lambda[row] = 0;
+            if (!warm) side[row] = 0;
+        }
+        rbdi_qp_place(&s, memory);
+        status = rbdi_qp_run(&s, x, lambda);
+        for (int k = 0; k < s.n; ++k) {
+            if (rbdi_qp_finite(x[k])) continue;
+            x[k] = 0;
+            status = rbdi_qp_refuse(&s, RBD_QP_NAN, k, NULL);
+        }
+    }
+    if (result) *result = s.result;
+    return status;
+}
+
+/* ==== src/rbd_qp.h ==== */
+RBDI_CODE_END
+
+#endif /* RBD_IMPLEMENTATION */
+
+/* ==== src/base/letters_end.h ==== */
+#pragma pop_macro("C")
+#pragma pop_macro("D")
+#pragma pop_macro("H")
+#pragma pop_macro("J")
+#pragma pop_macro("L")
+#pragma pop_macro("R")
+#pragma pop_macro("V")
