@@ -24,7 +24,7 @@
      [problem] [solve]
      --- stop here if you only use it ---
      [compiler] [tolerances] [scalar]
-     [method] [vectors] [factor] [active rows] [search] [refinement] [rounds] [solve code]
+     [method] [vectors] [factor] [active rows] [search] [refinement] [rounds] [solve code] [text code]
 
    [conventions]
      rows         first the bounds of x, then the rows of C; an equality has lower = upper
@@ -37,7 +37,7 @@
    [guarantees]
      No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant. From libm only sqrt. The number of
      steps is bounded: options->steps. A result with RBD_QP_OK satisfies the conditions of Karush, Kuhn and Tucker
-     to the shares that result->primal and ->dual state, at most options->accuracy. x is finite in any case. With
+     to the shares that result->primal and ->dual state, at most ten times options->accuracy. x is finite in any case. With
      RBD_REPRODUCIBLE the bits are the same on every machine, as of rbd.h.
 
    [limits]
@@ -223,7 +223,7 @@ typedef enum rbd_qp_status {
     RBD_QP_INFEASIBLE = -1, /* hard rows contradict each other: lambda says which */
     RBD_QP_UNBOUNDED = -2,  /* the value has no least one: H is singular, and f leads away for ever */
     RBD_QP_ITERATIONS = -3, /* more steps would be needed: x is as good as it got */
-    RBD_QP_INACCURATE = -4, /* solved, but to a residual above the tolerance */
+    RBD_QP_INACCURATE = -4, /* solved, but primal or dual is above ten times the accuracy */
     RBD_QP_CONVEX = -5,     /* H has a negative eigenvalue */
     RBD_QP_SYMMETRIC = -6,  /* H is not symmetric */
     RBD_QP_NAN = -7,        /* an input is not a number or not finite, or the result is too large */
@@ -253,7 +253,7 @@ typedef struct rbd_qp_options {
     int steps;         /* rows that join or leave, at most [10 (n + bounds + rows)] */
     int warm;          /* not 0: side is a guess, such as the result for a similar problem */
     int rounds;        /* of the proximal method, if H is semidefinite, at most [50] */
-    rbd_real accuracy; /* of the rows and the optimum, relative [1e-10, float 1e-5] */
+    rbd_real accuracy; /* of rows and optimum, a share of their terms [1e-10, float 1e-5] */
 } rbd_qp_options;
 
 typedef struct rbd_qp_result {
@@ -796,6 +796,7 @@ typedef struct rbdi_qp {
     rbd_real rho;      /* added to H's diagonal */
     rbd_real own;      /* length of the last row that wanted to join, in the metric of H^-1 */
     rbd_real accuracy; /* of rows: that of the options, and tenfold each time after `loosen` steps */
+    int doubtful;      /* rows contradicted each other by what may be rounding */
     int loosen;        /* the number of steps at which accuracy grows next */
 
     rbd_real *L; /* packed rows, its diagonal inverted */
@@ -1403,12 +1404,11 @@ RBDI_PART void rbdi_qp_reached(rbdi_qp *s, const rbd_real *x) {
 }
 
 /* The inactive row that x misses most, in lengths of the row, beyond what rounding explains: row -1 if there is
-   none. result.primal becomes the largest share that was missed. */
+   none. */
 RBDI_PART rbdi_qp_miss rbdi_qp_most_missed(rbdi_qp *s, const rbd_real *x, rbd_real accuracy) {
     rbdi_qp_miss worst = {-1, 0, 0, 0};
     rbd_real most = 0;
 
-    s->result.primal = 0;
     for (int row = 0; row < s->all; ++row) {
         rbd_real value, below, above, by, terms;
         if (s->side[row]) continue;
@@ -1419,7 +1419,6 @@ RBDI_PART rbdi_qp_miss rbdi_qp_most_missed(rbdi_qp *s, const rbd_real *x, rbd_re
         if (!(by > most * s->norm[row])) continue;
 
         terms = rbdi_qp_terms(s, row, below > above ? s->given.lower[row] : s->given.upper[row]);
-        s->result.primal = rbdi_qp_larger(s->result.primal, by / terms);
         if (!(by > accuracy * terms)) continue;
         worst.row = row;
         worst.side = below > above ? -1 : 1;
@@ -1584,6 +1583,8 @@ RBDI_PART void rbdi_qp_refine(rbdi_qp *s, rbd_real *x) {
    If H is semidefinite, each round of the proximal method (Rockafellar 1976) has the cost
    rho |x - centre|^2 / 2 beside it, and the next one is centred at its solution. J, R and the active rows stay. */
 
+#define RBDI_QP_STILL (64 * RBDI_EPS) /* x that moves by a smaller share of itself moves by rounding */
+
 /* x0: optimum on the equalities alone. */
 RBDI_PART void rbdi_qp_optimum_on_equalities(rbdi_qp *s) {
     for (int k = 0; k < s->n; ++k) s->x0[k] = -s->g[k];
@@ -1656,6 +1657,7 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
         refined = 0;
         if (status == RBD_QP_INFEASIBLE && miss->share <= 10 * s->options.accuracy) {
             s->accuracy = 10 * s->accuracy; /* may be rounding: no proof */
+            s->doubtful = 1;
             continue;
         }
         if (status != RBD_QP_OK) return status;
@@ -1695,7 +1697,7 @@ RBDI_PART rbd_qp_status rbdi_qp_rounds(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mi
     rbd_real ahead = 1;
 
     for (;; s->result.rounds++) {
-        rbd_real moved = 0, size = 0;
+        rbd_real moved = 0, size = 0, far = 0;
         rbd_qp_status status;
 
         rbdi_qp_optimum_on_equalities(s);
@@ -1706,10 +1708,11 @@ RBDI_PART rbd_qp_status rbdi_qp_rounds(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mi
         for (int k = 0; k < s->n; ++k) {
             const rbd_real h = rbdi_qp_dot(s->given.H + k * s->n, x, s->n);
             moved = rbdi_qp_larger(moved, s->rho * rbdi_abs(x[k] - s->centre[k]));
+            far = rbdi_qp_larger(far, s->rho * rbdi_abs(x[k]));
             size = rbdi_qp_larger(size, rbdi_qp_larger(rbdi_abs(h), rbdi_abs(s->given.f[k])));
         }
         if (size > 0) s->result.dual = rbdi_qp_larger(s->result.dual, moved / size);
-        if (moved <= s->options.accuracy * size) return RBD_QP_OK;
+        if (moved <= s->options.accuracy * size || moved <= RBDI_QP_STILL * far) return RBD_QP_OK;
         if (s->result.rounds >= s->options.rounds) return RBD_QP_ITERATIONS;
 
         ahead = rbdi_qp_straight(s, x, size) ? 2 * ahead : 1;
@@ -1845,6 +1848,38 @@ RBDI_PART void rbdi_qp_multipliers(const rbdi_qp *s, rbd_real *lambda) {
     for (int e = 0; e < s->equalities; ++e) lambda[s->equality[e]] = -s->u_equal[e];
 }
 
+/* result.primal and result.dual of x and lambda, whatever they came from: of each row, the miss, or where it
+   pushes the distance from the side, as a share of its terms; and Hx + f + C'lambda, as a share of the largest
+   term. */
+RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
+    rbd_real worst = 0, size = 0;
+
+    s->result.primal = 0;
+    for (int k = 0; k < s->n; ++k) {
+        const rbd_real h = rbdi_qp_dot(s->given.H + k * s->n, x, s->n);
+        s->t[k] = h + s->given.f[k];
+        size = rbdi_qp_larger(size, rbdi_qp_larger(rbdi_abs(h), rbdi_abs(s->given.f[k])));
+    }
+    for (int row = 0; row < s->all; ++row) {
+        const rbd_real weight = rbdi_qp_weight(s, row), miss = weight > 0 ? lambda[row] / weight : 0;
+        const rbd_real value = rbdi_qp_row_times(s, row, x) - miss;
+        const rbd_real below = s->given.lower[row] - value, above = value - s->given.upper[row];
+        const int at_upper = lambda[row] > 0 || (!(lambda[row] < 0) && above > below);
+        const rbd_real by = lambda[row] != 0 ? rbdi_abs(at_upper ? above : below) : at_upper ? above : below;
+
+        if (lambda[row] != 0) {
+            rbdi_qp_add_row(s, row, lambda[row], s->t);
+            size = rbdi_qp_larger(size, rbdi_abs(lambda[row]) * s->norm[row]);
+        }
+        if (!(by > 0)) continue;
+        const rbd_real side = at_upper ? s->given.upper[row] : s->given.lower[row];
+        s->result.primal =
+            rbdi_qp_larger(s->result.primal, by / (rbdi_qp_terms(s, row, side) + rbdi_abs(miss)));
+    }
+    for (int k = 0; k < s->n; ++k) worst = rbdi_qp_larger(worst, rbdi_abs(s->t[k]));
+    s->result.dual = size > 0 ? worst / size : worst;
+}
+
 /* The proof that the last row contradicts active ones: n = N r + A'u. */
 RBDI_PART void rbdi_qp_contradiction(rbdi_qp *s, rbdi_qp_miss miss, rbd_real *lambda) {
     lambda[miss.row] = (rbd_real)miss.side;
@@ -1883,11 +1918,15 @@ RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
     s->accuracy = s->options.accuracy;
     s->loosen = 2 * (s->n + s->all);
     status = rbdi_qp_rounds(s, x, &miss);
-    if (status == RBD_QP_INFEASIBLE)
+    if (status == RBD_QP_INFEASIBLE) {
         rbdi_qp_contradiction(s, miss, lambda);
-    else
+    } else {
         rbdi_qp_multipliers(s, lambda);
-    if (status == RBD_QP_OK && s->result.primal > s->options.accuracy) status = RBD_QP_INACCURATE;
+        rbdi_qp_verify(s, x, lambda);
+    }
+    if (status == RBD_QP_OK &&
+        (s->doubtful || rbdi_qp_larger(s->result.primal, s->result.dual) > 10 * s->options.accuracy))
+        status = RBD_QP_INACCURATE;
     s->result.active = s->q + s->equalities;
     return status;
 }
@@ -1912,6 +1951,7 @@ RBDI_API rbd_qp_status rbd_qp_solve(const rbd_qp_problem *problem, const rbd_qp_
     s.q = 0;
     s.equalities = 0;
     s.rho = 0;
+    s.doubtful = 0;
     status = rbdi_qp_check_problem(&s);
     if (status == RBD_QP_OK && s.all && (!lambda || !side)) status = RBD_QP_NULL;
     if (status == RBD_QP_OK && size < RBD_QP_SIZE(s.n, problem->bounds, problem->rows, s.soft))
@@ -1935,6 +1975,57 @@ RBDI_API rbd_qp_status rbd_qp_solve(const rbd_qp_problem *problem, const rbd_qp_
     }
     if (result) *result = s.result;
     return status;
+}
+
+/* ==== src/qp/text.h ==== */
+/* ---- text [text code] ---- */
+
+RBDI_MESSAGES RBDI_PART const char *rbdi_qp_sentence(rbd_qp_status status) {
+    switch (status) {
+    case RBD_QP_OK: return "no error";
+    case RBD_QP_INFEASIBLE:
+        return "contradicts other rows: lambda is not 0 for those; or lower is above upper";
+    case RBD_QP_UNBOUNDED: return "the value has no least one: H is singular, and f leads away for ever";
+    case RBD_QP_ITERATIONS: return "more steps or rounds would be needed";
+    case RBD_QP_INACCURATE: return "solved, but not to the accuracy that the options ask for";
+    case RBD_QP_CONVEX: return "H has a negative eigenvalue";
+    case RBD_QP_SYMMETRIC: return "H is not symmetric";
+    case RBD_QP_NAN: return "not a number, not finite, or too large";
+    case RBD_QP_RANGE: return "negative or out of range";
+    case RBD_QP_MEMORY: return "the memory is too small: RBD_QP_SIZE has the figure";
+    case RBD_QP_NULL: return "a required pointer is NULL";
+    }
+    return "unknown status";
+}
+
+RBDI_API char *rbd_qp_text(rbd_qp_status status, const rbd_qp_result *result, char *text, size_t size) {
+    const char *parts[8];
+    char number[12];
+    size_t at = 0;
+    int n = 0;
+    if (!text || size == 0) return text;
+
+    if (result && result->at >= 0) {
+        const int variable = !result->field || result->field[0] == 'H' || result->field[0] == 'f';
+        int rest = result->at, digit = 11;
+        number[digit] = 0;
+        do number[--digit] = (char)('0' + rest % 10);
+        while (rest /= 10);
+        parts[n++] = variable ? "variable " : "row ";
+        parts[n++] = &number[digit];
+        parts[n++] = ", ";
+    }
+    if (result && result->field) {
+        parts[n++] = "field '";
+        parts[n++] = result->field;
+        parts[n++] = "': ";
+    }
+    parts[n++] = rbdi_qp_sentence(status);
+
+    for (int k = 0; k < n; ++k)
+        for (const char *c = parts[k]; *c && at + 1 < size; ++c) text[at++] = *c;
+    text[at] = 0;
+    return text;
 }
 
 /* ==== src/rbd_qp.h ==== */

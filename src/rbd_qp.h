@@ -23,7 +23,7 @@
      [problem] [solve]
      --- stop here if you only use it ---
      [compiler] [tolerances] [scalar]
-     [method] [vectors] [factor] [active rows] [search] [refinement] [rounds] [solve code]
+     [method] [vectors] [factor] [active rows] [search] [refinement] [rounds] [solve code] [text code]
 
    [conventions]
      rows         first the bounds of x, then the rows of C; an equality has lower = upper
@@ -36,7 +36,7 @@
    [guarantees]
      No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant. From libm only sqrt. The number of
      steps is bounded: options->steps. A result with RBD_QP_OK satisfies the conditions of Karush, Kuhn and Tucker
-     to the shares that result->primal and ->dual state, at most options->accuracy. x is finite in any case. With
+     to the shares that result->primal and ->dual state, at most ten times options->accuracy. x is finite in any case. With
      RBD_REPRODUCIBLE the bits are the same on every machine, as of rbd.h.
 
    [limits]
@@ -88,6 +88,7 @@ RBDI_CODE_BEGIN
 #include "qp/refine.h"
 #include "qp/rounds.h"
 #include "qp/solve.h"
+#include "qp/text.h"
 
 RBDI_CODE_END
 

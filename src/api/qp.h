@@ -17,7 +17,7 @@ typedef enum rbd_qp_status {
     RBD_QP_INFEASIBLE = -1, /* hard rows contradict each other: lambda says which */
     RBD_QP_UNBOUNDED = -2,  /* the value has no least one: H is singular, and f leads away for ever */
     RBD_QP_ITERATIONS = -3, /* more steps would be needed: x is as good as it got */
-    RBD_QP_INACCURATE = -4, /* solved, but to a residual above the tolerance */
+    RBD_QP_INACCURATE = -4, /* solved, but primal or dual is above ten times the accuracy */
     RBD_QP_CONVEX = -5,     /* H has a negative eigenvalue */
     RBD_QP_SYMMETRIC = -6,  /* H is not symmetric */
     RBD_QP_NAN = -7,        /* an input is not a number or not finite, or the result is too large */
@@ -47,7 +47,7 @@ typedef struct rbd_qp_options {
     int steps;         /* rows that join or leave, at most [10 (n + bounds + rows)] */
     int warm;          /* not 0: side is a guess, such as the result for a similar problem */
     int rounds;        /* of the proximal method, if H is semidefinite, at most [50] */
-    rbd_real accuracy; /* of the rows and the optimum, relative [1e-10, float 1e-5] */
+    rbd_real accuracy; /* of rows and optimum, a share of their terms [1e-10, float 1e-5] */
 } rbd_qp_options;
 
 typedef struct rbd_qp_result {

@@ -1,6 +1,6 @@
 #ifndef RBDI_QP_LAYOUT_H
 #define RBDI_QP_LAYOUT_H
-#include "base/memory.h"
+#include "base/compiler.h"
 #include "api/qp.h"
 
 /* ---- method [method] ----
@@ -58,6 +58,7 @@ typedef struct rbdi_qp {
     rbd_real rho;      /* added to H's diagonal */
     rbd_real own;      /* length of the last row that wanted to join, in the metric of H^-1 */
     rbd_real accuracy; /* of rows: that of the options, and tenfold each time after `loosen` steps */
+    int doubtful;      /* rows contradicted each other by what may be rounding */
     int loosen;        /* the number of steps at which accuracy grows next */
 
     rbd_real *L; /* packed rows, its diagonal inverted */

@@ -7,6 +7,8 @@
    If H is semidefinite, each round of the proximal method (Rockafellar 1976) has the cost
    rho |x - centre|^2 / 2 beside it, and the next one is centred at its solution. J, R and the active rows stay. */
 
+#define RBDI_QP_STILL (64 * RBDI_EPS) /* x that moves by a smaller share of itself moves by rounding */
+
 /* x0: optimum on the equalities alone. */
 RBDI_PART void rbdi_qp_optimum_on_equalities(rbdi_qp *s) {
     for (int k = 0; k < s->n; ++k) s->x0[k] = -s->g[k];
@@ -79,6 +81,7 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
         refined = 0;
         if (status == RBD_QP_INFEASIBLE && miss->share <= 10 * s->options.accuracy) {
             s->accuracy = 10 * s->accuracy; /* may be rounding: no proof */
+            s->doubtful = 1;
             continue;
         }
         if (status != RBD_QP_OK) return status;
@@ -118,7 +121,7 @@ RBDI_PART rbd_qp_status rbdi_qp_rounds(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mi
     rbd_real ahead = 1;
 
     for (;; s->result.rounds++) {
-        rbd_real moved = 0, size = 0;
+        rbd_real moved = 0, size = 0, far = 0;
         rbd_qp_status status;
 
         rbdi_qp_optimum_on_equalities(s);
@@ -129,10 +132,11 @@ RBDI_PART rbd_qp_status rbdi_qp_rounds(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mi
         for (int k = 0; k < s->n; ++k) {
             const rbd_real h = rbdi_qp_dot(s->given.H + k * s->n, x, s->n);
             moved = rbdi_qp_larger(moved, s->rho * rbdi_abs(x[k] - s->centre[k]));
+            far = rbdi_qp_larger(far, s->rho * rbdi_abs(x[k]));
             size = rbdi_qp_larger(size, rbdi_qp_larger(rbdi_abs(h), rbdi_abs(s->given.f[k])));
         }
         if (size > 0) s->result.dual = rbdi_qp_larger(s->result.dual, moved / size);
-        if (moved <= s->options.accuracy * size) return RBD_QP_OK;
+        if (moved <= s->options.accuracy * size || moved <= RBDI_QP_STILL * far) return RBD_QP_OK;
         if (s->result.rounds >= s->options.rounds) return RBD_QP_ITERATIONS;
 
         ahead = rbdi_qp_straight(s, x, size) ? 2 * ahead : 1;

@@ -15,12 +15,11 @@ RBDI_PART void rbdi_qp_reached(rbdi_qp *s, const rbd_real *x) {
 }
 
 /* The inactive row that x misses most, in lengths of the row, beyond what rounding explains: row -1 if there is
-   none. result.primal becomes the largest share that was missed. */
+   none. */
 RBDI_PART rbdi_qp_miss rbdi_qp_most_missed(rbdi_qp *s, const rbd_real *x, rbd_real accuracy) {
     rbdi_qp_miss worst = {-1, 0, 0, 0};
     rbd_real most = 0;
 
-    s->result.primal = 0;
     for (int row = 0; row < s->all; ++row) {
         rbd_real value, below, above, by, terms;
         if (s->side[row]) continue;
@@ -31,7 +30,6 @@ RBDI_PART rbdi_qp_miss rbdi_qp_most_missed(rbdi_qp *s, const rbd_real *x, rbd_re
         if (!(by > most * s->norm[row])) continue;
 
         terms = rbdi_qp_terms(s, row, below > above ? s->given.lower[row] : s->given.upper[row]);
-        s->result.primal = rbdi_qp_larger(s->result.primal, by / terms);
         if (!(by > accuracy * terms)) continue;
         worst.row = row;
         worst.side = below > above ? -1 : 1;

@@ -125,6 +125,38 @@ RBDI_PART void rbdi_qp_multipliers(const rbdi_qp *s, rbd_real *lambda) {
     for (int e = 0; e < s->equalities; ++e) lambda[s->equality[e]] = -s->u_equal[e];
 }
 
+/* result.primal and result.dual of x and lambda, whatever they came from: of each row, the miss, or where it
+   pushes the distance from the side, as a share of its terms; and Hx + f + C'lambda, as a share of the largest
+   term. */
+RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
+    rbd_real worst = 0, size = 0;
+
+    s->result.primal = 0;
+    for (int k = 0; k < s->n; ++k) {
+        const rbd_real h = rbdi_qp_dot(s->given.H + k * s->n, x, s->n);
+        s->t[k] = h + s->given.f[k];
+        size = rbdi_qp_larger(size, rbdi_qp_larger(rbdi_abs(h), rbdi_abs(s->given.f[k])));
+    }
+    for (int row = 0; row < s->all; ++row) {
+        const rbd_real weight = rbdi_qp_weight(s, row), miss = weight > 0 ? lambda[row] / weight : 0;
+        const rbd_real value = rbdi_qp_row_times(s, row, x) - miss;
+        const rbd_real below = s->given.lower[row] - value, above = value - s->given.upper[row];
+        const int at_upper = lambda[row] > 0 || (!(lambda[row] < 0) && above > below);
+        const rbd_real by = lambda[row] != 0 ? rbdi_abs(at_upper ? above : below) : at_upper ? above : below;
+
+        if (lambda[row] != 0) {
+            rbdi_qp_add_row(s, row, lambda[row], s->t);
+            size = rbdi_qp_larger(size, rbdi_abs(lambda[row]) * s->norm[row]);
+        }
+        if (!(by > 0)) continue;
+        const rbd_real side = at_upper ? s->given.upper[row] : s->given.lower[row];
+        s->result.primal =
+            rbdi_qp_larger(s->result.primal, by / (rbdi_qp_terms(s, row, side) + rbdi_abs(miss)));
+    }
+    for (int k = 0; k < s->n; ++k) worst = rbdi_qp_larger(worst, rbdi_abs(s->t[k]));
+    s->result.dual = size > 0 ? worst / size : worst;
+}
+
 /* The proof that the last row contradicts active ones: n = N r + A'u. */
 RBDI_PART void rbdi_qp_contradiction(rbdi_qp *s, rbdi_qp_miss miss, rbd_real *lambda) {
     lambda[miss.row] = (rbd_real)miss.side;
@@ -163,11 +195,15 @@ RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
     s->accuracy = s->options.accuracy;
     s->loosen = 2 * (s->n + s->all);
     status = rbdi_qp_rounds(s, x, &miss);
-    if (status == RBD_QP_INFEASIBLE)
+    if (status == RBD_QP_INFEASIBLE) {
         rbdi_qp_contradiction(s, miss, lambda);
-    else
+    } else {
         rbdi_qp_multipliers(s, lambda);
-    if (status == RBD_QP_OK && s->result.primal > s->options.accuracy) status = RBD_QP_INACCURATE;
+        rbdi_qp_verify(s, x, lambda);
+    }
+    if (status == RBD_QP_OK &&
+        (s->doubtful || rbdi_qp_larger(s->result.primal, s->result.dual) > 10 * s->options.accuracy))
+        status = RBD_QP_INACCURATE;
     s->result.active = s->q + s->equalities;
     return status;
 }
@@ -192,6 +228,7 @@ RBDI_API rbd_qp_status rbd_qp_solve(const rbd_qp_problem *problem, const rbd_qp_
     s.q = 0;
     s.equalities = 0;
     s.rho = 0;
+    s.doubtful = 0;
     status = rbdi_qp_check_problem(&s);
     if (status == RBD_QP_OK && s.all && (!lambda || !side)) status = RBD_QP_NULL;
     if (status == RBD_QP_OK && size < RBD_QP_SIZE(s.n, problem->bounds, problem->rows, s.soft))

@@ -1,0 +1,56 @@
+#ifndef RBDI_QP_TEXT_H
+#define RBDI_QP_TEXT_H
+#include "base/compiler.h"
+#include "api/qp.h"
+
+/* ---- text [text code] ---- */
+
+RBDI_MESSAGES RBDI_PART const char *rbdi_qp_sentence(rbd_qp_status status) {
+    switch (status) {
+    case RBD_QP_OK: return "no error";
+    case RBD_QP_INFEASIBLE:
+        return "contradicts other rows: lambda is not 0 for those; or lower is above upper";
+    case RBD_QP_UNBOUNDED: return "the value has no least one: H is singular, and f leads away for ever";
+    case RBD_QP_ITERATIONS: return "more steps or rounds would be needed";
+    case RBD_QP_INACCURATE: return "solved, but not to the accuracy that the options ask for";
+    case RBD_QP_CONVEX: return "H has a negative eigenvalue";
+    case RBD_QP_SYMMETRIC: return "H is not symmetric";
+    case RBD_QP_NAN: return "not a number, not finite, or too large";
+    case RBD_QP_RANGE: return "negative or out of range";
+    case RBD_QP_MEMORY: return "the memory is too small: RBD_QP_SIZE has the figure";
+    case RBD_QP_NULL: return "a required pointer is NULL";
+    }
+    return "unknown status";
+}
+
+RBDI_API char *rbd_qp_text(rbd_qp_status status, const rbd_qp_result *result, char *text, size_t size) {
+    const char *parts[8];
+    char number[12];
+    size_t at = 0;
+    int n = 0;
+    if (!text || size == 0) return text;
+
+    if (result && result->at >= 0) {
+        const int variable = !result->field || result->field[0] == 'H' || result->field[0] == 'f';
+        int rest = result->at, digit = 11;
+        number[digit] = 0;
+        do number[--digit] = (char)('0' + rest % 10);
+        while (rest /= 10);
+        parts[n++] = variable ? "variable " : "row ";
+        parts[n++] = &number[digit];
+        parts[n++] = ", ";
+    }
+    if (result && result->field) {
+        parts[n++] = "field '";
+        parts[n++] = result->field;
+        parts[n++] = "': ";
+    }
+    parts[n++] = rbdi_qp_sentence(status);
+
+    for (int k = 0; k < n; ++k)
+        for (const char *c = parts[k]; *c && at + 1 < size; ++c) text[at++] = *c;
+    text[at] = 0;
+    return text;
+}
+
+#endif

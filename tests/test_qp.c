@@ -1,0 +1,993 @@
+/* test_qp.c - rbd_qp.h: known answers, the conditions of Karush, Kuhn and Tucker on random problems, a second
+   method on small ones, proofs of contradiction, and every slip by its name. A program of its own, for double and
+   float: RBD_REAL. */
+#define RBD_IMPLEMENTATION
+#include "rbd_qp.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "quiet_check.h"
+
+#define LENGTH(array) ((int)(sizeof(array) / sizeof((array)[0])))
+#define NONE ((rbd_real)RBD_QP_NONE)
+
+/* What a relative residual may be: a thousand roundings in the small, and the accuracy where H is singular. */
+static const double tight = sizeof(rbd_real) == 4 ? 3e-4 : 1e-11;
+static const double loose = sizeof(rbd_real) == 4 ? 1e-3 : 1e-9;
+
+enum { MOST_N = 40, MOST_ROWS = 140 };
+
+static rbd_real H[MOST_N * MOST_N], f[MOST_N], C[MOST_ROWS * MOST_N], lower[MOST_ROWS], upper[MOST_ROWS],
+    soft[MOST_ROWS];
+static rbd_real x[MOST_N], lambda[MOST_ROWS];
+static signed char side[MOST_ROWS];
+static unsigned char memory[RBD_QP_SIZE(MOST_N, MOST_N, MOST_ROWS, MOST_ROWS)];
+static rbd_qp_result result;
+
+/* ---- random numbers ---- */
+
+static uint64_t seed;
+
+static uint64_t draw(void) {
+    seed = seed * 6364136223846793005u + 1442695040888963407u;
+    return seed >> 11;
+}
+static double uniform(void) { return (double)draw() * 0x1p-52 - 1; }
+static double normal(void) {
+    double sum = 0;
+    for (int i = 0; i < 12; i++) sum += uniform();
+    return sum / 2;
+}
+static int between(int low, int high) { return low + (int)(draw() % (uint64_t)(high - low + 1)); }
+
+/* ---- solving and judging ---- */
+
+static rbd_qp_problem problem_of(int n, int bounds, int rows) {
+    rbd_qp_problem p;
+    p.n = n;
+    p.bounds = bounds;
+    p.rows = rows;
+    p.H = H;
+    p.f = f;
+    p.C = C;
+    p.lower = lower;
+    p.upper = upper;
+    p.soft = NULL;
+    return p;
+}
+
+static rbd_qp_status solve(const rbd_qp_problem *p) {
+    return rbd_qp_solve(p, NULL, memory, sizeof memory, x, lambda, side, &result);
+}
+
+static double entry(const rbd_qp_problem *p, int row, int j) {
+    return row < p->bounds ? row == j : (double)p->C[(row - p->bounds) * p->n + j];
+}
+static double largest_of(const rbd_real *v, int n) {
+    double largest = 0;
+    for (int i = 0; i < n; i++) largest = fabs((double)v[i]) > largest ? fabs((double)v[i]) : largest;
+    return largest;
+}
+
+/* Fails unless the conditions hold at x and lambda within share of their terms. */
+static void check_kkt(const rbd_qp_problem *p, double share, const char *what, int number) {
+    const int n = p->n, all = p->bounds + p->rows;
+    const double far = largest_of(x, n), pull = largest_of(lambda, all);
+
+    for (int i = 0; i < n; i++) {
+        double sum = (double)p->f[i], terms = fabs(sum);
+        for (int j = 0; j < n; j++) {
+            sum += (double)p->H[i * n + j] * (double)x[j];
+            terms += fabs((double)p->H[i * n + j] * (double)x[j]);
+        }
+        for (int row = 0; row < all; row++) {
+            sum += entry(p, row, i) * (double)lambda[row];
+            terms += fabs(entry(p, row, i) * (double)lambda[row]);
+        }
+        ck_assert_msg(fabs(sum) <= share * terms, "%s %d: component %d of the gradient is %g, terms %g", what,
+                      number, i, sum, terms);
+    }
+    for (int row = 0; row < all; row++) {
+        const double weight = p->soft ? (double)p->soft[row] : 0,
+                     miss = weight > 0 ? (double)lambda[row] / weight : 0;
+        double value = -miss, terms = fabs(miss), excess;
+        for (int j = 0; j < n; j++) {
+            value += entry(p, row, j) * (double)x[j];
+            terms += fabs(entry(p, row, j)) * far;
+        }
+        terms += lambda[row] > 0   ? fabs((double)p->upper[row])
+                 : lambda[row] < 0 ? fabs((double)p->lower[row])
+                                   : 0;
+        excess = fmax((double)p->lower[row] - value, value - (double)p->upper[row]);
+        ck_assert_msg(excess <= share * terms, "%s %d: row %d is missed by %g, terms %g", what, number, row,
+                      excess, terms);
+        if (lambda[row] > 0)
+            ck_assert_msg(fabs(value - (double)p->upper[row]) <= share * terms,
+                          "%s %d: row %d pushes, but is %g from its upper side", what, number, row,
+                          value - (double)p->upper[row]);
+        if (lambda[row] < 0)
+            ck_assert_msg(fabs(value - (double)p->lower[row]) <= share * terms,
+                          "%s %d: row %d pushes, but is %g from its lower side", what, number, row,
+                          value - (double)p->lower[row]);
+        if (p->lower[row] < p->upper[row])
+            ck_assert_msg(side[row] * (double)lambda[row] >= 0, "%s %d: row %d pulls by %g of %g", what,
+                          number, row, (double)lambda[row], pull);
+    }
+}
+
+/* Fails unless lambda proves a contradiction: lambda' rows = 0, and lambda' sides < 0. */
+static void check_proof(const rbd_qp_problem *p, double share, const char *what, int number) {
+    const int n = p->n, all = p->bounds + p->rows;
+    double sides = 0, largest = 0, worst = 0;
+
+    for (int j = 0; j < n; j++) {
+        double sum = 0, terms = 0;
+        for (int row = 0; row < all; row++) {
+            sum += entry(p, row, j) * (double)lambda[row];
+            terms += fabs(entry(p, row, j) * (double)lambda[row]);
+        }
+        worst = fmax(worst, fabs(sum));
+        largest = fmax(largest, terms);
+    }
+    for (int row = 0; row < all; row++)
+        if (lambda[row] != 0)
+            sides += (double)lambda[row] * (double)(lambda[row] > 0 ? p->upper[row] : p->lower[row]);
+    ck_assert_msg(worst <= share * largest, "%s %d: the rows of the proof add up to %g of %g", what, number,
+                  worst, largest);
+    ck_assert_msg(sides < 0, "%s %d: the sides of the proof add up to %g", what, number, sides);
+}
+
+static void set(rbd_real *to, const double *from, int n) {
+    for (int i = 0; i < n; i++) to[i] = (rbd_real)from[i];
+}
+
+/* ---- known answers ---- */
+
+typedef struct known {
+    const char *name;
+    int n, bounds, rows;
+    double H[9], f[3], C[15], lower[8], upper[8], soft[8];
+    rbd_qp_status status;
+    double x[3], lambda[8];
+} known;
+
+#define I2 {1, 0, 0, 1}
+#define I3 {1, 0, 0, 0, 1, 0, 0, 0, 1}
+#define INF RBD_QP_NONE
+
+static const known answers[] = {
+    {"clip (3, 0.5) to the unit square",
+     2,
+     2,
+     0,
+     I2,
+     {-3, -.5},
+     {0},
+     {0, 0},
+     {1, 1},
+     {0},
+     RBD_QP_OK,
+     {1, .5},
+     {2, 0}},
+    {"(1, 0.5, -0.5) onto the simplex",
+     3,
+     3,
+     1,
+     I3,
+     {-1, -.5, .5},
+     {1, 1, 1},
+     {0, 0, 0, 1},
+     {INF, INF, INF, 1},
+     {0},
+     RBD_QP_OK,
+     {.75, .25, 0},
+     {0, 0, -.75, .25}},
+    {"x + y = 1, once, doubled, and again",
+     2,
+     0,
+     3,
+     I2,
+     {0, 0},
+     {1, 1, 2, 2, 1, 1},
+     {1, 2, 1},
+     {1, 2, 1},
+     {0},
+     RBD_QP_OK,
+     {.5, .5},
+     {-.5, 0, 0}},
+    {"five rows through (1, 1)",
+     2,
+     0,
+     5,
+     I2,
+     {0, 0},
+     {1, 0, 1, 0, 0, 1, 1, 1, 2, 1},
+     {1, 1, 1, 2, 3},
+     {INF, INF, INF, INF, INF},
+     {0},
+     RBD_QP_OK,
+     {1, 1},
+     {0, 0, 0, -1, 0}},
+    {"x >= 1 and x <= 0",
+     2,
+     0,
+     2,
+     I2,
+     {0, 0},
+     {1, 0, 1, 0},
+     {1, -INF},
+     {INF, 0},
+     {0},
+     RBD_QP_INFEASIBLE,
+     {0},
+     {-1, 1}},
+    {"x + y = 1 and x + y = 2",
+     2,
+     0,
+     2,
+     I2,
+     {0, 0},
+     {1, 1, 1, 1},
+     {1, 2},
+     {1, 2},
+     {0},
+     RBD_QP_INFEASIBLE,
+     {0},
+     {1, -1}},
+    {"x <= 1, y <= 2, x + y >= 4",
+     2,
+     0,
+     3,
+     I2,
+     {0, 0},
+     {1, 0, 0, 1, 1, 1},
+     {-INF, -INF, 4},
+     {1, 2, INF},
+     {0},
+     RBD_QP_INFEASIBLE,
+     {0},
+     {1, 1, -1}},
+    {"0 x >= 1", 2, 0, 1, I2, {0, 0}, {0, 0}, {1}, {INF}, {0}, RBD_QP_INFEASIBLE, {0}, {-1}},
+    {"a linear program",
+     2,
+     2,
+     2,
+     {0},
+     {-1, -1},
+     {1, 2, 4, 2},
+     {0, 0, -INF, -INF},
+     {INF, INF, 4, 12},
+     {0},
+     RBD_QP_OK,
+     {8. / 3, 2. / 3},
+     {0, 0, 1. / 3, 1. / 6}},
+    {"y is free and costs nothing",
+     2,
+     0,
+     0,
+     {1, 0, 0, 0},
+     {-1, 0},
+     {0},
+     {0},
+     {0},
+     {0},
+     RBD_QP_OK,
+     {1, 0},
+     {0}},
+    {"y falls for ever", 2, 0, 0, {1, 0, 0, 0}, {0, -1}, {0}, {0}, {0}, {0}, RBD_QP_UNBOUNDED, {0}, {0}},
+    {"y falls, to 5",
+     2,
+     2,
+     0,
+     {1, 0, 0, 0},
+     {0, -1},
+     {0},
+     {-INF, -INF},
+     {INF, 5},
+     {0},
+     RBD_QP_OK,
+     {0, 5},
+     {0, 1}},
+    {"x >= 1, weight 3",
+     2,
+     2,
+     0,
+     I2,
+     {0, 0},
+     {0},
+     {1, -INF},
+     {INF, INF},
+     {3, 0},
+     RBD_QP_OK,
+     {.75, 0},
+     {-.75, 0}},
+    {"x >= 1, weight 3, and x <= 0, weight 1",
+     2,
+     0,
+     2,
+     I2,
+     {0, 0},
+     {1, 0, 1, 0},
+     {1, -INF},
+     {INF, 0},
+     {3, 1},
+     RBD_QP_OK,
+     {.6, 0},
+     {-1.2, .6}},
+    {"x = 1, weight 1", 1, 1, 0, {1}, {0}, {0}, {1}, {1}, {1}, RBD_QP_OK, {.5}, {-.5}},
+    {"(8, 0, 10) into the cone |fx| <= fz / 2",
+     3,
+     0,
+     2,
+     I3,
+     {-8, 0, -10},
+     {1, 0, -.5, -1, 0, -.5},
+     {-INF, -INF},
+     {0, 0},
+     {0},
+     RBD_QP_OK,
+     {5.6, 0, 11.2},
+     {2.4, 0}},
+    {"a saddle", 2, 0, 0, {1, 2, 2, 1}, {0, 0}, {0}, {0}, {0}, {0}, RBD_QP_CONVEX, {0}, {0}},
+    {"any point will do", 2, 0, 1, {0}, {0, 0}, {1, 1}, {2}, {INF}, {0}, RBD_QP_OK, {1, 1}, {0}},
+    {"without rows", 2, 0, 0, {2, 1, 1, 2}, {-3, -3}, {0}, {0}, {0}, {0}, RBD_QP_OK, {1, 1}, {0}},
+};
+
+START_TEST(known_answers_come_out) {
+    const known *k = &answers[_i];
+    rbd_qp_problem p = problem_of(k->n, k->bounds, k->rows);
+    const int all = k->bounds + k->rows;
+    int is_soft = 0;
+
+    set(H, k->H, k->n * k->n);
+    set(f, k->f, k->n);
+    set(C, k->C, k->rows * k->n);
+    set(lower, k->lower, all);
+    set(upper, k->upper, all);
+    set(soft, k->soft, all);
+    for (int row = 0; row < all; row++) is_soft |= k->soft[row] > 0;
+    if (is_soft) p.soft = soft;
+
+    ck_assert_msg(solve(&p) == k->status, "%s", k->name);
+    if (k->status == RBD_QP_OK)
+        for (int i = 0; i < k->n; i++)
+            ck_assert_msg(fabs((double)x[i] - k->x[i]) <= tight * 10, "%s: x[%d] = %.17g", k->name, i,
+                          (double)x[i]);
+    if (k->status == RBD_QP_OK || k->status == RBD_QP_INFEASIBLE)
+        for (int row = 0; row < all; row++)
+            ck_assert_msg(fabs((double)lambda[row] - k->lambda[row]) <= tight * 10, "%s: lambda[%d] = %.17g",
+                          k->name, row, (double)lambda[row]);
+    if (k->status == RBD_QP_INFEASIBLE) check_proof(&p, tight, k->name, 0);
+}
+END_TEST
+
+/* ---- random problems ---- */
+
+typedef enum kind { CONVEX, DEGENERATE, SEMIDEFINITE, SCALED, SOFT, LINEAR, KINDS } kind;
+static const char *const kind_names[] = {"convex", "degenerate", "semidefinite", "scaled", "soft", "linear"};
+
+/* Rows of C: two thirds of the entries are random; of a degenerate problem many are multiples and sums of others. */
+static void random_rows(kind of, int n, int rows) {
+    for (int i = 0; i < rows * n; i++) C[i] = between(0, 2) ? (rbd_real)normal() : 0;
+    for (int i = 1; i < rows && of == DEGENERATE; i++) {
+        const int a = between(0, i - 1), b = between(0, i - 1);
+        const rbd_real share = between(0, 1)   ? 1
+                               : between(0, 1) ? -2
+                                               : (rbd_real)0.5,
+                       other = (rbd_real)between(0, 1);
+        if (between(0, 2)) continue;
+        for (int j = 0; j < n; j++) C[i * n + j] = share * C[a * n + j] + other * C[b * n + j];
+    }
+}
+
+/* H of this rank, f, and sides about a point that keeps them all. */
+static rbd_qp_problem random_problem(kind of) {
+    const int n = between(1, MOST_N), rows = between(1, 100), bounds = of == LINEAR || between(0, 1) ? n : 0;
+    const int rank = of == SEMIDEFINITE ? between(1, n) : n;
+    int equalities = between(0, of == SEMIDEFINITE ? n / 3 : n / 2);
+    rbd_qp_problem p = problem_of(n, bounds, rows);
+    static double B[MOST_N * MOST_N];
+    double inside[MOST_N], centre[MOST_N];
+
+    for (int i = 0; i < n * n; i++) B[i] = normal();
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            double sum = of == SEMIDEFINITE || i != j ? 0 : 1e-3;
+            for (int r = 0; r < rank; r++) sum += B[r * n + i] * B[r * n + j];
+            H[i * n + j] = of == LINEAR ? 0 : (rbd_real)sum;
+        }
+    for (int i = 0; i < n; i++) {
+        inside[i] = normal();
+        centre[i] = normal();
+        f[i] = (rbd_real)(3 * normal());
+    }
+    for (int i = 0; i < n && of == SEMIDEFINITE; i++) { /* an optimum without rows, so that none is needed */
+        double sum = 0;
+        for (int j = 0; j < n; j++) sum += (double)H[i * n + j] * centre[j];
+        f[i] = (rbd_real)sum;
+    }
+
+    random_rows(of, n, rows);
+    if (equalities > rows) equalities = rows;
+    for (int i = 0; i < bounds + rows; i++) {
+        double value = 0, below;
+        for (int j = 0; j < n; j++) value += entry(&p, i, j) * inside[j];
+        below = of == DEGENERATE && between(0, 1) ? 0 : fabs(normal()) * .3;
+        lower[i] = between(0, 1) ? -NONE : (rbd_real)(value - below);
+        upper[i] = between(0, 1) ? NONE : (rbd_real)(value + fabs(normal()) * .3);
+        if (of == LINEAR && i < bounds) {
+            lower[i] = (rbd_real)(value - 2);
+            upper[i] = (rbd_real)(value + 2);
+        }
+        if (i >= bounds && i < bounds + equalities && of != LINEAR) lower[i] = upper[i] = (rbd_real)value;
+        soft[i] = 0;
+        if (of == SOFT && lower[i] < upper[i] && between(0, 1)) {
+            const rbd_real shift = (rbd_real)(2 * normal());
+            soft[i] = (rbd_real)pow(10, between(-2, 4));
+            if (lower[i] > -NONE) lower[i] += shift;
+            if (upper[i] < NONE) upper[i] += shift;
+        }
+    }
+    if (of == SOFT) p.soft = soft;
+    return p;
+}
+
+/* x by 10^+-3, rows by 10^+-4. */
+static void scale(const rbd_qp_problem *p) {
+    const int n = p->n;
+    double by[MOST_N];
+
+    for (int i = 0; i < n; i++) by[i] = pow(10, 3 * uniform());
+    for (int i = 0; i < n; i++) {
+        f[i] *= (rbd_real)by[i];
+        for (int j = 0; j < n; j++)
+            H[i * n + j] = (rbd_real)((double)H[i * n + j] * (i < j ? by[i] * by[j] : by[j] * by[i]));
+        if (i >= p->bounds) continue;
+        if (lower[i] > -NONE) lower[i] /= (rbd_real)by[i];
+        if (upper[i] < NONE) upper[i] /= (rbd_real)by[i];
+    }
+    for (int i = 0; i < p->rows; i++) {
+        const int row = p->bounds + i;
+        const double s = pow(10, 4 * uniform());
+        const int equal = lower[row] == upper[row];
+        for (int j = 0; j < n; j++) C[i * n + j] *= (rbd_real)(s * by[j]);
+        if (lower[row] > -NONE) lower[row] *= (rbd_real)s;
+        if (equal)
+            upper[row] = lower[row];
+        else if (upper[row] < NONE)
+            upper[row] *= (rbd_real)s;
+    }
+}
+
+START_TEST(random_problems_satisfy_their_conditions) {
+    const kind of = (kind)_i;
+    const int is_float = sizeof(rbd_real) == 4;
+    int solved = 0;
+
+    seed = 100 + (uint64_t)_i;
+    for (int k = 0; k < 300; k++) {
+        rbd_qp_problem p = random_problem(of);
+        rbd_qp_status status;
+        if (of == SCALED) scale(&p);
+        status = solve(&p);
+        /* In float a row may depend on others to rounding: then INACCURATE says so. */
+        if (!is_float) ck_assert_msg(status == RBD_QP_OK, "%s %d: status %d", kind_names[of], k, status);
+        if (status != RBD_QP_OK) continue;
+        solved++;
+        check_kkt(&p, of == SEMIDEFINITE || of == LINEAR ? loose : tight, kind_names[of], k);
+        ck_assert(result.primal <= 10 * RBDI_QP_ACCURACY && result.dual <= 10 * RBDI_QP_ACCURACY);
+    }
+    ck_assert_int_ge(solved, 290);
+}
+END_TEST
+
+/* A row that is the sum of others is asked for more than they allow. */
+START_TEST(contradictions_are_found_and_proven) {
+    seed = 7;
+    for (int k = 0; k < 300; k++) {
+        rbd_qp_problem p = random_problem(CONVEX);
+        const int n = p.n, last = p.bounds + p.rows - 1;
+        int others = p.rows - 2 < n - 1 ? p.rows - 2 : n - 1;
+        double sum = 0;
+        if (others < 1) continue;
+        others = between(1, others);
+        for (int j = 0; j < n; j++) C[(p.rows - 1) * n + j] = 0;
+        for (int i = 0; i < others; i++) {
+            const int row = p.bounds + i;
+            const double share = fabs(normal()) + .01;
+            if (upper[row] >= NONE) {
+                double value = 1;
+                if (lower[row] > -NONE) value += (double)lower[row];
+                upper[row] = (rbd_real)value;
+            }
+            for (int j = 0; j < n; j++) C[(p.rows - 1) * n + j] += (rbd_real)share * C[i * n + j];
+            sum += share * (double)upper[row];
+        }
+        lower[last] = (rbd_real)(sum + (sizeof(rbd_real) == 4 ? .1 : 1e-3) * (1 + fabs(sum)));
+        upper[last] = NONE;
+        ck_assert_msg(solve(&p) == RBD_QP_INFEASIBLE, "problem %d", k);
+        ck_assert(result.at >= 0 && result.field && lambda[result.at] != 0);
+        check_proof(&p, tight, "contradiction", k);
+    }
+}
+END_TEST
+
+/* ---- a second method ---- */
+
+/* Solves A y = b in place with column pivots; 0 if it is singular. */
+static int gauss(double *A, double *b, int n) {
+    for (int k = 0; k < n; k++) {
+        int pivot = k;
+        for (int i = k + 1; i < n; i++)
+            if (fabs(A[i * n + k]) > fabs(A[pivot * n + k])) pivot = i;
+        if (fabs(A[pivot * n + k]) < 1e-9) return 0;
+        for (int j = 0; j < n; j++) {
+            const double swap = A[k * n + j];
+            A[k * n + j] = A[pivot * n + j];
+            A[pivot * n + j] = swap;
+        }
+        const double swap = b[k];
+        b[k] = b[pivot];
+        b[pivot] = swap;
+        for (int i = 0; i < n; i++) {
+            const double share = A[i * n + k] / A[k * n + k];
+            if (i == k) continue;
+            for (int j = k; j < n; j++) A[i * n + j] -= share * A[k * n + j];
+            b[i] -= share * b[k];
+        }
+    }
+    for (int k = 0; k < n; k++) b[k] /= A[k * n + k];
+    return 1;
+}
+
+static double value_of(const rbd_qp_problem *p, const double *at) {
+    double value = 0;
+    for (int i = 0; i < p->n; i++) {
+        value += (double)p->f[i] * at[i];
+        for (int j = 0; j < p->n; j++) value += at[i] * (double)p->H[i * p->n + j] * at[j] / 2;
+    }
+    return value;
+}
+
+static int keeps_rows(const rbd_qp_problem *p, const double *at) {
+    for (int row = 0; row < p->bounds + p->rows; row++) {
+        double value = 0;
+        for (int j = 0; j < p->n; j++) value += entry(p, row, j) * at[j];
+        if (value < (double)p->lower[row] - 1e-9 || value > (double)p->upper[row] + 1e-9) return 0;
+    }
+    return 1;
+}
+
+/* The least value over all choices of a side for each row, 3^rows of them; 1e300 if none keeps all rows. */
+static double least_by_choice(const rbd_qp_problem *p, double *best) {
+    const int n = p->n, all = p->bounds + p->rows;
+    int choices = 1;
+    double least = 1e300;
+
+    for (int row = 0; row < all; row++) choices *= 3;
+    for (int choice = 0; choice < choices; choice++) {
+        int active[8], q = 0, usable = 1;
+        double A[121], b[11];
+        for (int row = 0, rest = choice; row < all; row++, rest /= 3) {
+            const int at = rest % 3;
+            if (at == 0) continue;
+            usable &= fabs((double)(at == 1 ? p->lower[row] : p->upper[row])) < RBD_QP_NONE && q < n;
+            if (usable) {
+                active[q] = row;
+                b[n + q] = (double)(at == 1 ? p->lower[row] : p->upper[row]);
+                q++;
+            }
+        }
+        if (!usable) continue;
+        for (int i = 0; i < n + q; i++)
+            for (int j = 0; j < n + q; j++)
+                A[i * (n + q) + j] = i < n && j < n ? (double)p->H[i * n + j]
+                                     : i < n        ? entry(p, active[j - n], i)
+                                     : j < n        ? entry(p, active[i - n], j)
+                                                    : 0;
+        for (int i = 0; i < n; i++) b[i] = -(double)p->f[i];
+        if (!gauss(A, b, n + q) || !keeps_rows(p, b) || !(value_of(p, b) < least)) continue;
+        least = value_of(p, b);
+        memcpy(best, b, (size_t)n * sizeof *best);
+    }
+    return least;
+}
+
+START_TEST(small_problems_agree_with_all_choices_of_sides) {
+    seed = 11;
+    for (int k = 0; k < 400; k++) {
+        const int n = between(1, 3), rows = between(1, 4), bounds = between(0, n);
+        const rbd_qp_problem p = problem_of(n, bounds, rows);
+        double best[11], least;
+        rbd_qp_status status;
+
+        for (int i = 0; i < n; i++)
+            for (int j = 0; j <= i; j++)
+                H[i * n + j] = H[j * n + i] = i == j ? (rbd_real)(3 + uniform()) : (rbd_real)uniform();
+        for (int i = 0; i < n; i++) f[i] = (rbd_real)(4 * uniform());
+        for (int i = 0; i < rows * n; i++) C[i] = (rbd_real)between(-2, 2);
+        for (int row = 0; row < bounds + rows; row++) {
+            const rbd_real middle = (rbd_real)uniform(), half = (rbd_real)(.1 + fabs(uniform()));
+            lower[row] = between(0, 3) ? middle - half : -NONE;
+            upper[row] = between(0, 3) ? middle + half : NONE;
+        }
+        if (bounds + rows > 7) continue;
+        status = solve(&p);
+        least = least_by_choice(&p, best);
+        if (least > 1e299) {
+            ck_assert_msg(status == RBD_QP_INFEASIBLE, "problem %d: status %d", k, status);
+            continue;
+        }
+        if (sizeof(rbd_real) == 4 && status != RBD_QP_OK) continue;
+        ck_assert_msg(status == RBD_QP_OK, "problem %d: status %d", k, status);
+        for (int i = 0; i < n; i++)
+            ck_assert_msg(fabs((double)x[i] - best[i]) <= 100 * tight * (1 + fabs(best[i])),
+                          "problem %d: x[%d] = %g, not %g", k, i, (double)x[i], best[i]);
+    }
+}
+END_TEST
+
+/* A soft row is a hard one with a variable more. */
+START_TEST(soft_rows_are_slacks) {
+    static rbd_real H2[MOST_N * MOST_N], f2[MOST_N], C2[MOST_ROWS * MOST_N], x1[MOST_N], lambda1[MOST_ROWS];
+    seed = 13;
+    for (int k = 0; k < 200; k++) {
+        const int n = between(1, 8), rows = between(1, 12), wide = n + rows;
+        rbd_qp_problem p = problem_of(n, 0, rows), q;
+
+        for (int i = 0; i < n; i++)
+            for (int j = 0; j <= i; j++)
+                H[i * n + j] = H[j * n + i] = i == j ? (rbd_real)(n + uniform()) : (rbd_real)uniform();
+        for (int i = 0; i < n; i++) f[i] = (rbd_real)(4 * uniform());
+        memset(H2, 0, sizeof H2);
+        memset(f2, 0, sizeof f2);
+        memset(C2, 0, sizeof C2);
+        for (int i = 0; i < rows * n; i++) C[i] = (rbd_real)normal();
+        for (int row = 0; row < rows; row++) {
+            const rbd_real middle = (rbd_real)(2 * normal());
+            lower[row] = middle;
+            upper[row] = between(0, 3) ? middle + (rbd_real)fabs(uniform()) : middle;
+            soft[row] = (rbd_real)pow(10, between(-1, 3));
+        }
+        p.soft = soft;
+        ck_assert_int_eq(solve(&p), RBD_QP_OK);
+        memcpy(x1, x, sizeof x1);
+        memcpy(lambda1, lambda, sizeof lambda1);
+
+        /* C x - e within the sides, e a variable of weight w */
+        for (int i = 0; i < n; i++) {
+            f2[i] = f[i];
+            for (int j = 0; j < n; j++) H2[i * wide + j] = H[i * n + j];
+        }
+        for (int row = 0; row < rows; row++) {
+            H2[(n + row) * wide + n + row] = soft[row];
+            for (int j = 0; j < n; j++) C2[row * wide + j] = C[row * n + j];
+            C2[row * wide + n + row] = -1;
+        }
+        q = problem_of(wide, 0, rows);
+        q.H = H2;
+        q.f = f2;
+        q.C = C2;
+        ck_assert_int_eq(solve(&q), RBD_QP_OK);
+        for (int i = 0; i < n; i++)
+            ck_assert_msg(fabs((double)(x[i] - x1[i])) <= 100 * tight * (1 + largest_of(x1, n)),
+                          "problem %d, x[%d]", k, i);
+        for (int row = 0; row < rows; row++)
+            ck_assert_msg(
+                fabs((double)(lambda[row] - lambda1[row])) <= 100 * tight * (1 + largest_of(lambda1, rows)),
+                "problem %d, lambda[%d]: %g, %g", k, row, (double)lambda[row], (double)lambda1[row]);
+    }
+}
+END_TEST
+
+/* ---- starts and forms ---- */
+
+START_TEST(any_guess_leads_to_the_same_solution) {
+    rbd_qp_options warm = {0, 0, 0, 0};
+    rbd_real x1[MOST_N];
+    warm.warm = 1;
+    seed = 17;
+    for (int k = 0; k < 200; k++) {
+        rbd_qp_problem p = random_problem(k % 2 ? CONVEX : SOFT);
+        int steps;
+        if (solve(&p) != RBD_QP_OK) continue;
+        memcpy(x1, x, sizeof x1);
+        steps = result.steps;
+
+        /* its own solution: nothing is left to do */
+        ck_assert_int_eq(rbd_qp_solve(&p, &warm, memory, sizeof memory, x, lambda, side, &result), RBD_QP_OK);
+        ck_assert_int_le(result.steps, sizeof(rbd_real) == 4 ? steps : 2);
+        for (int guess = 0; guess < 2; guess++) {
+            for (int row = 0; row < p.bounds + p.rows; row++) side[row] = (signed char)between(-1, 1);
+            ck_assert_int_eq(rbd_qp_solve(&p, &warm, memory, sizeof memory, x, lambda, side, &result),
+                             RBD_QP_OK);
+            check_kkt(&p, tight, "guess", k);
+            for (int i = 0; i < p.n; i++)
+                ck_assert(fabs((double)(x[i] - x1[i])) <= 1e5 * tight * (1 + largest_of(x1, p.n)));
+        }
+    }
+}
+END_TEST
+
+START_TEST(a_problem_that_drifts_is_solved_ten_thousand_times) {
+    rbd_qp_options warm = {0, 0, 0, 0};
+    rbd_qp_problem p;
+    rbd_real f0[MOST_N];
+    warm.warm = 1;
+    seed = 19;
+    do p = random_problem(CONVEX);
+    while (p.n < 8 || p.n > 14 || p.rows < 10);
+    memcpy(f0, f, sizeof f0);
+    memset(side, 0, sizeof side);
+    for (int k = 0; k < 10000; k++) {
+        for (int i = 0; i < p.n; i++) f[i] = f0[i] + (rbd_real)(4 * sin(1e-2 * k + i));
+        ck_assert_int_eq(rbd_qp_solve(&p, &warm, memory, sizeof memory, x, lambda, side, &result), RBD_QP_OK);
+        if (k % 50 == 0) check_kkt(&p, tight, "tick", k);
+    }
+}
+END_TEST
+
+START_TEST(order_and_units_do_not_matter) {
+    seed = 23;
+    for (int k = 0; k < 100; k++) {
+        rbd_qp_problem p = random_problem(CONVEX);
+        rbd_real x1[MOST_N], row[MOST_N];
+        const int n = p.n, bounds = p.bounds;
+        if (solve(&p) != RBD_QP_OK) continue;
+        memcpy(x1, x, sizeof x1);
+
+        /* the rows of C the other way round, each by a power of two */
+        for (int i = 0; i < p.rows / 2; i++) {
+            const int a = i, b = p.rows - 1 - i;
+            rbd_real swap;
+            memcpy(row, C + a * n, (size_t)n * sizeof *row);
+            memcpy(C + a * n, C + b * n, (size_t)n * sizeof *row);
+            memcpy(C + b * n, row, (size_t)n * sizeof *row);
+            swap = lower[bounds + a];
+            lower[bounds + a] = lower[bounds + b];
+            lower[bounds + b] = swap;
+            swap = upper[bounds + a];
+            upper[bounds + a] = upper[bounds + b];
+            upper[bounds + b] = swap;
+        }
+        for (int i = 0; i < p.rows; i++) {
+            const rbd_real by = (rbd_real)ldexp(1, between(-6, 6));
+            for (int j = 0; j < n; j++) C[i * n + j] *= by;
+            if (lower[bounds + i] > -NONE) lower[bounds + i] *= by;
+            if (upper[bounds + i] < NONE) upper[bounds + i] *= by;
+        }
+        ck_assert_int_eq(solve(&p), RBD_QP_OK);
+        for (int i = 0; i < n; i++)
+            ck_assert(fabs((double)(x[i] - x1[i])) <= 1e4 * tight * (1 + largest_of(x1, n)));
+    }
+}
+END_TEST
+
+/* ---- slips ---- */
+
+static rbd_qp_problem small_problem(void) {
+    static const double H0[] = {2, .5, .5, 1}, f0[] = {-1, 1}, C0[] = {1, 1, 1, -1},
+                        lower0[] = {-1, -1, 0, -2}, upper0[] = {1, 1, 1, 2};
+    rbd_qp_problem p = problem_of(2, 2, 2);
+    set(H, H0, 4);
+    set(f, f0, 2);
+    set(C, C0, 4);
+    set(lower, lower0, 4);
+    set(upper, upper0, 4);
+    set(soft, (const double[]){0, 0, 0, 0}, 4);
+    p.soft = soft;
+    return p;
+}
+
+static void check_refused(const rbd_qp_problem *p, rbd_qp_status status, int at, const char *field) {
+    const rbd_qp_status found = solve(p);
+    ck_assert_msg(found == status, "%s: status %d, not %d", field, found, status);
+    ck_assert_msg(result.at == at, "%s: at %d, not %d", field, result.at, at);
+    ck_assert_str_eq(result.field, field);
+    if (status != RBD_QP_NULL && status != RBD_QP_RANGE)
+        for (int i = 0; i < p->n; i++) ck_assert(fabs((double)x[i]) < RBD_QP_NONE);
+}
+
+START_TEST(not_a_number_is_named) {
+    const rbd_real bad[3] = {(rbd_real)NAN, (rbd_real)INFINITY, (rbd_real)-INFINITY};
+    rbd_qp_problem p = small_problem();
+    ck_assert_int_eq(solve(&p), RBD_QP_OK);
+    for (int k = 0; k < 3; k++) {
+        for (int i = 0; i < 4; i++) {
+            small_problem();
+            H[i] = bad[k];
+            check_refused(&p, RBD_QP_NAN, i / 2, "H");
+            small_problem();
+            C[i] = bad[k];
+            check_refused(&p, RBD_QP_NAN, 2 + i / 2, "C");
+            small_problem();
+            soft[i] = bad[k];
+            check_refused(&p, RBD_QP_RANGE, i, "soft");
+        }
+        for (int i = 0; i < 2; i++) {
+            small_problem();
+            f[i] = bad[k];
+            check_refused(&p, RBD_QP_NAN, i, "f");
+        }
+    }
+    for (int i = 0; i < 4; i++) {
+        small_problem();
+        lower[i] = (rbd_real)NAN;
+        check_refused(&p, RBD_QP_NAN, i, "lower");
+        small_problem();
+        upper[i] = (rbd_real)NAN;
+        check_refused(&p, RBD_QP_NAN, i, "upper");
+        small_problem();
+        lower[i] = NONE;
+        check_refused(&p, RBD_QP_NAN, i, "lower");
+        small_problem();
+        upper[i] = -NONE;
+        check_refused(&p, RBD_QP_NAN, i, "upper");
+        small_problem();
+        lower[i] = (rbd_real)-INFINITY; /* none */
+        upper[i] = (rbd_real)INFINITY;
+        ck_assert_int_eq(solve(&p), RBD_QP_OK);
+    }
+}
+END_TEST
+
+START_TEST(slips_are_named) {
+    rbd_qp_problem p = small_problem(), q = p;
+    rbd_qp_options o = {0, 0, 0, 0};
+
+    lower[2] = 3;
+    check_refused(&p, RBD_QP_INFEASIBLE, 2, "lower");
+    small_problem();
+    H[1] = (rbd_real)0.25;
+    check_refused(&p, RBD_QP_SYMMETRIC, 1, "H");
+    small_problem();
+    H[3] = -1;
+    check_refused(&p, RBD_QP_CONVEX, 1, "H");
+    small_problem();
+    soft[3] = -1;
+    check_refused(&p, RBD_QP_RANGE, 3, "soft");
+    small_problem();
+
+    q = p;
+    q.n = 0;
+    check_refused(&q, RBD_QP_RANGE, -1, "n");
+    q = p;
+    q.n = 1 << 20;
+    check_refused(&q, RBD_QP_RANGE, -1, "n");
+    q = p;
+    q.bounds = 3;
+    check_refused(&q, RBD_QP_RANGE, -1, "bounds");
+    q = p;
+    q.bounds = -1;
+    check_refused(&q, RBD_QP_RANGE, -1, "bounds");
+    q = p;
+    q.rows = -1;
+    check_refused(&q, RBD_QP_RANGE, -1, "rows");
+    q = p;
+    q.H = NULL;
+    check_refused(&q, RBD_QP_NULL, -1, "H");
+    q = p;
+    q.f = NULL;
+    check_refused(&q, RBD_QP_NULL, -1, "f");
+    q = p;
+    q.C = NULL;
+    check_refused(&q, RBD_QP_NULL, -1, "C");
+    q = p;
+    q.lower = NULL;
+    check_refused(&q, RBD_QP_NULL, -1, "lower");
+    q = p;
+    q.upper = NULL;
+    check_refused(&q, RBD_QP_NULL, -1, "upper");
+
+    o.steps = -1;
+    ck_assert_int_eq(rbd_qp_solve(&p, &o, memory, sizeof memory, x, lambda, side, &result), RBD_QP_RANGE);
+    ck_assert_str_eq(result.field, "steps");
+    o.steps = 0;
+    o.rounds = -1;
+    ck_assert_int_eq(rbd_qp_solve(&p, &o, memory, sizeof memory, x, lambda, side, &result), RBD_QP_RANGE);
+    ck_assert_str_eq(result.field, "rounds");
+    o.rounds = 0;
+    o.accuracy = (rbd_real)NAN;
+    ck_assert_int_eq(rbd_qp_solve(&p, &o, memory, sizeof memory, x, lambda, side, &result), RBD_QP_RANGE);
+    ck_assert_str_eq(result.field, "accuracy");
+
+    ck_assert_int_eq(rbd_qp_solve(NULL, NULL, memory, sizeof memory, x, lambda, side, &result), RBD_QP_NULL);
+    ck_assert_int_eq(rbd_qp_solve(&p, NULL, NULL, sizeof memory, x, lambda, side, &result), RBD_QP_NULL);
+    ck_assert_int_eq(rbd_qp_solve(&p, NULL, memory, sizeof memory, NULL, lambda, side, &result), RBD_QP_NULL);
+    ck_assert_int_eq(rbd_qp_solve(&p, NULL, memory, sizeof memory, x, NULL, side, &result), RBD_QP_NULL);
+    ck_assert_int_eq(rbd_qp_solve(&p, NULL, memory, sizeof memory, x, lambda, NULL, &result), RBD_QP_NULL);
+    ck_assert_int_eq(rbd_qp_solve(&p, NULL, memory, sizeof memory, x, lambda, side, NULL), RBD_QP_OK);
+}
+END_TEST
+
+START_TEST(steps_and_rounds_are_bounded) {
+    rbd_qp_problem p;
+    rbd_qp_options o = {0, 0, 0, 0};
+    int stopped = 0;
+    seed = 29;
+    for (int k = 0; k < 50; k++) {
+        p = random_problem(CONVEX);
+        o.steps = 1;
+        if (rbd_qp_solve(&p, &o, memory, sizeof memory, x, lambda, side, &result) != RBD_QP_ITERATIONS)
+            continue;
+        stopped++;
+        ck_assert_int_le(result.steps, 1);
+        for (int i = 0; i < p.n; i++) ck_assert(fabs((double)x[i]) < RBD_QP_NONE);
+    }
+    ck_assert_int_gt(stopped, 25);
+}
+END_TEST
+
+/* RBD_QP_SIZE is enough at every alignment, and no byte behind it is touched; one byte less is refused. */
+START_TEST(the_memory_is_enough) {
+    static unsigned char bytes[sizeof memory + 64];
+    seed = 31;
+    for (int k = 0; k < 100; k++) {
+        rbd_qp_problem p = random_problem(k % 2 ? SOFT : DEGENERATE);
+        int softs = 0;
+        for (int row = 0; row < p.bounds + p.rows && p.soft; row++) softs += soft[row] > 0;
+        const size_t size = RBD_QP_SIZE(p.n, p.bounds, p.rows, softs);
+        unsigned char *at = bytes + k % 17;
+        memset(bytes, 0x5a, sizeof bytes);
+        if (sizeof(rbd_real) == 8)
+            ck_assert_int_eq(rbd_qp_solve(&p, NULL, at, size, x, lambda, side, &result), RBD_QP_OK);
+        else
+            (void)rbd_qp_solve(&p, NULL, at, size, x, lambda, side, &result);
+        for (unsigned char *b = bytes; b < at; b++) ck_assert_int_eq(*b, 0x5a);
+        for (unsigned char *b = at + size; b < bytes + sizeof bytes; b++) ck_assert_int_eq(*b, 0x5a);
+        ck_assert_int_eq(rbd_qp_solve(&p, NULL, at, size - 1, x, lambda, side, &result), RBD_QP_MEMORY);
+    }
+}
+END_TEST
+
+START_TEST(what_was_found_is_a_sentence) {
+    rbd_qp_problem p = small_problem();
+    char text[120], cut[10];
+
+    lower[2] = 3;
+    ck_assert_ptr_eq(rbd_qp_text(solve(&p), &result, text, sizeof text), text);
+    ck_assert_msg(strstr(text, "row 2, field 'lower': ") == text, "%s", text);
+    small_problem();
+    f[1] = (rbd_real)NAN;
+    rbd_qp_text(solve(&p), &result, text, sizeof text);
+    ck_assert_msg(strstr(text, "variable 1, field 'f': not a number") == text, "%s", text);
+
+    rbd_qp_text(RBD_QP_MEMORY, NULL, cut, sizeof cut);
+    ck_assert_str_eq(cut, "the memor");
+    ck_assert_ptr_null(rbd_qp_text(RBD_QP_OK, NULL, NULL, 10));
+    for (int status = RBD_QP_NULL; status <= RBD_QP_OK; status++) {
+        rbd_qp_text((rbd_qp_status)status, NULL, text, sizeof text);
+        ck_assert_msg(strcmp(text, "unknown status") != 0 && strlen(text) > 5, "status %d", status);
+    }
+    rbd_qp_text((rbd_qp_status)5, NULL, text, sizeof text);
+    ck_assert_str_eq(text, "unknown status");
+}
+END_TEST
+
+int main(void) {
+    Suite *suite = suite_create("qp");
+    TCase *c = tcase_create("qp");
+    SRunner *runner = srunner_create(suite);
+    int failed;
+
+    tcase_set_timeout(c, 0);
+    tcase_add_loop_test(c, known_answers_come_out, 0, LENGTH(answers));
+    tcase_add_loop_test(c, random_problems_satisfy_their_conditions, 0, KINDS);
+    tcase_add_test(c, contradictions_are_found_and_proven);
+    tcase_add_test(c, small_problems_agree_with_all_choices_of_sides);
+    tcase_add_test(c, soft_rows_are_slacks);
+    tcase_add_test(c, any_guess_leads_to_the_same_solution);
+    tcase_add_test(c, a_problem_that_drifts_is_solved_ten_thousand_times);
+    tcase_add_test(c, order_and_units_do_not_matter);
+    tcase_add_test(c, not_a_number_is_named);
+    tcase_add_test(c, slips_are_named);
+    tcase_add_test(c, steps_and_rounds_are_bounded);
+    tcase_add_test(c, the_memory_is_enough);
+    tcase_add_test(c, what_was_found_is_a_sentence);
+    suite_add_tcase(suite, c);
+    srunner_run_all(runner, CK_NORMAL);
+    failed = srunner_ntests_failed(runner);
+    srunner_free(runner);
+    return failed != 0;
+}
