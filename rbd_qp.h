@@ -257,12 +257,13 @@ typedef struct rbd_qp_options {
 } rbd_qp_options;
 
 typedef struct rbd_qp_result {
-    int steps;         /* rows that joined or left */
-    int rounds;        /* of the proximal method: 0 if H is definite */
-    int active;        /* rows that hold, equalities too */
-    rbd_real primal;   /* the largest miss of a row, as a share of its terms */
-    rbd_real dual;     /* the largest component of Hx + f + C'lambda, as a share of the largest term */
-    int at;            /* after an error the row, counted with the bounds, or the variable; -1: none */
+    int steps;       /* rows that joined or left */
+    int rounds;      /* of the proximal method: 0 if H is definite */
+    int active;      /* rows that hold, equalities too */
+    rbd_real primal; /* the largest miss of a row, or distance of one that pushes from its side, as a share of
+                        its terms: the side, and its entries times the largest x */
+    rbd_real dual;   /* the largest component of Hx + f + C'lambda, as a share of the largest term */
+    int at;          /* after an error the row, counted with the bounds, or the variable; -1: none */
     const char *field; /* after an error: of rbd_qp_problem or rbd_qp_options; NULL: none */
 } rbd_qp_result;
 
@@ -1852,12 +1853,14 @@ RBDI_PART void rbdi_qp_multipliers(const rbdi_qp *s, rbd_real *lambda) {
    pushes the distance from the side, as a share of its terms; and Hx + f + C'lambda, as a share of the largest
    term. */
 RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
-    rbd_real worst = 0, size = 0;
+    rbd_real worst = 0, size = 0, far = 0;
 
     s->result.primal = 0;
+    for (int k = 0; k < s->n; ++k) far = rbdi_qp_larger(far, rbdi_abs(x[k]));
     for (int k = 0; k < s->n; ++k) {
         const rbd_real h = rbdi_qp_dot(s->given.H + k * s->n, x, s->n);
         s->t[k] = h + s->given.f[k];
+        s->reach[k] = far;
         size = rbdi_qp_larger(size, rbdi_qp_larger(rbdi_abs(h), rbdi_abs(s->given.f[k])));
     }
     for (int row = 0; row < s->all; ++row) {

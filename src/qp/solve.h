@@ -129,12 +129,14 @@ RBDI_PART void rbdi_qp_multipliers(const rbdi_qp *s, rbd_real *lambda) {
    pushes the distance from the side, as a share of its terms; and Hx + f + C'lambda, as a share of the largest
    term. */
 RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
-    rbd_real worst = 0, size = 0;
+    rbd_real worst = 0, size = 0, far = 0;
 
     s->result.primal = 0;
+    for (int k = 0; k < s->n; ++k) far = rbdi_qp_larger(far, rbdi_abs(x[k]));
     for (int k = 0; k < s->n; ++k) {
         const rbd_real h = rbdi_qp_dot(s->given.H + k * s->n, x, s->n);
         s->t[k] = h + s->given.f[k];
+        s->reach[k] = far;
         size = rbdi_qp_larger(size, rbdi_qp_larger(rbdi_abs(h), rbdi_abs(s->given.f[k])));
     }
     for (int row = 0; row < s->all; ++row) {
