@@ -8,8 +8,7 @@
 RBDI_MESSAGES RBDI_PART const char *rbdi_qp_sentence(rbd_qp_status status) {
     switch (status) {
     case RBD_QP_OK: return "no error";
-    case RBD_QP_INFEASIBLE:
-        return "contradicts other rows: lambda is not 0 for those; or lower is above upper";
+    case RBD_QP_INFEASIBLE: return "contradicts the other rows with lambda != 0; or lower is above upper";
     case RBD_QP_UNBOUNDED: return "the value has no least one: H is singular, and f leads away for ever";
     case RBD_QP_ITERATIONS: return "more steps or rounds would be needed";
     case RBD_QP_INACCURATE: return "solved, but not to the accuracy that the options ask for";
