@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""The reference results of tests/data, which are C: compiled, and read by what reference.h says."""
+"""The reference results of tests/data: unpacked as C, compiled, and read by what reference.h says."""
 import ctypes
 import functools
-import hashlib
 import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,7 +15,6 @@ import rbd
 
 TESTS = rbd.SOURCES / "tests"
 _HEADER = (TESTS / "data/reference.h").read_text()
-_UNIT = '#include "tests/{}.c"\n/* {} */\n'
 
 
 @functools.lru_cache(maxsize=None)
@@ -60,10 +62,13 @@ def _pointed(address, declared, shape, numbers):
 
 @functools.lru_cache(maxsize=None)
 def _library():
-    digest = hashlib.sha256()
-    for path in sorted((TESTS / "data").glob("*.*[ch]")):
-        digest.update(path.read_bytes())
-    units = [_UNIT.format(name, digest.hexdigest()) for name in ("reference", "control")]
+    units = []
+    with tempfile.TemporaryDirectory() as folder:
+        subprocess.run([sys.executable, str(TESTS / "data/unpack.py"), folder], check=True)
+        for name in "reference", "control":
+            data = Path(folder, f"{name}_models.h").read_text()
+            source = (TESTS / f"{name}.c").read_text()
+            units.append(source.replace(f'#include "{name}_models.h"', data))
     return rbd._compile(units, ["cc", "-O0", f"-I{TESTS}"])
 
 
@@ -76,11 +81,11 @@ def _all(struct, count, get):
 
 @functools.lru_cache(maxsize=None)
 def models():
-    """All of reference_models.h: each with its bodies and states."""
+    """All that are not of control: each with its bodies and states."""
     return _all("ref_model", "reference_count", "reference_model")
 
 
 @functools.lru_cache(maxsize=None)
 def controls():
-    """All of control_models.h: what controllers ask, and constraints."""
+    """What controllers ask, and constraints."""
     return _all("ref_control", "control_count", "reference_control")
