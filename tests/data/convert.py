@@ -106,7 +106,8 @@ def converted(model):
     nb, nv = model["nb"], model["nv"]
     bodies = model["bodies"]
     record = {"name": model["name"], "about": model["about"], "nb": nb, "nq": model["nq"], "nv": nv,
-              "pi": [b["pi"] for b in bodies], **{f"body_{key}": [b[key] for b in bodies] for key in ("iq", "nq", "iv", "nv")}}
+              "pi": [b["pi"] for b in bodies]}
+    record.update({f"body_{key}": [b[key] for b in bodies] for key in ("iq", "nq", "iv", "nv")})
     states = model["states"]
     for state in states:
         state["f_ext"] = dense_wrenches(state, nb)

@@ -52,7 +52,7 @@ def root(name):
 
 
 def replaced(kind, record, replace):
-    """The record, a structure of this kind as a dict; each array of doubles replaced by what `replace` gives for it."""
+    """The record, a structure of this kind as a dict, with what `replace` gives in place of each array of doubles."""
     out = {}
     members = {member.name: member for member in STRUCTURES.get(kind, [])}  # rbd_body has none: it stays as it is
     for key, value in record.items():
@@ -95,8 +95,8 @@ def _bits(numbers):
 
 
 def _codes(bits):
-    """The different numbers, and a code for each number. One that was there before is coded by the step from the place
-    after the one that was repeated last: 0, -1, 1, -2, ... as BEFORE, BEFORE + 1, ... Copied rows have steps of 0."""
+    """The different numbers, and a code for each number. One that was there before is coded by the step to its place
+    from that after the number repeated last: 0, -1, 1, -2, ... as BEFORE, BEFORE + 1, ... Copied rows have steps of 0."""
     different, codes, next_place = {}, [], 0
     for number in bits:
         if number == 0:

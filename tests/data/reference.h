@@ -1,5 +1,5 @@
-/* reference.h - layout of the reference results; README.md has their origin. Include rbd.h before. packed.py reads
-   this file: a comment begins with the shape, or is NULL's if a model may lack the member.
+/* reference.h - layout of the reference results; README.md has their origin. Include rbd.h before.
+   packed.py reads this file: a comment begins with the shape, and has the word NULL where a member may lack.
    SPDX-License-Identifier: MIT */
 #ifndef REFERENCE_H
 #define REFERENCE_H

@@ -109,7 +109,8 @@ class Text:
 def c_model(name):
     """The definition of ref_NAME."""
     text, kind = Text(name), root(name)
-    text.parts.append(f"static const {kind} ref_{name} = {text.record(kind, f'ref_{name}', unpack(HERE / f'{name}{SUFFIX}'), {})};\n")
+    record = text.record(kind, f"ref_{name}", unpack(HERE / (name + SUFFIX)), {})
+    text.parts.append(f"static const {kind} ref_{name} = {record};\n")
     return "".join(text.parts)
 
 
