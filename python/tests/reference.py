@@ -12,6 +12,9 @@ from types import SimpleNamespace
 import numpy as np
 
 import rbd
+from rbd._compiling import _compile
+from rbd._descriptions import _from_c
+from rbd._headers import _TEXT
 
 TESTS = rbd.SOURCES / "tests"
 _HEADER = (TESTS / "data/reference.h").read_text()
@@ -26,7 +29,7 @@ def _pointers(struct):
 
 
 def _structure(name):
-    return rbd.structure(name, text=rbd._TEXT + _HEADER)
+    return rbd.structure(name, text=_TEXT + _HEADER)
 
 
 def _read(name, row, dims):
@@ -56,7 +59,7 @@ def _pointed(address, declared, shape, numbers):
         return np.ctypeslib.as_array(ctypes.cast(address, ctypes.POINTER(c_type)), shape=shape).copy()
     rows = ctypes.cast(address, ctypes.POINTER(_structure(declared)))
     if declared == "rbd_body":
-        return [rbd._from_c(rows[k]) for k in range(shape[0])]
+        return [_from_c(rows[k]) for k in range(shape[0])]
     return [_read(declared, rows[k], numbers) for k in range(shape[0])]
 
 
@@ -69,7 +72,7 @@ def _library():
             data = Path(folder, f"{name}_models.h").read_text()
             source = (TESTS / f"{name}.c").read_text()
             units.append(source.replace(f'#include "{name}_models.h"', data))
-    return rbd._compile(units, ["cc", "-O0", f"-I{TESTS}"])
+    return _compile(units, ["cc", "-O0", f"-I{TESTS}"])
 
 
 def _all(struct, count, get):
