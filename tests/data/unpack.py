@@ -16,8 +16,9 @@ WIDTH = 110
 
 
 def number(x):
-    """The shortest text that reads back as this double."""
-    return repr(x)[:-2] if repr(x).endswith(".0") else repr(x)
+    """The shortest text that reads back as this double; -0 would be the whole number 0."""
+    text = repr(x)
+    return text[:-2] if text.endswith(".0") and text != "-0.0" else text
 
 
 def value(x):
