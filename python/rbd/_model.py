@@ -19,6 +19,7 @@ from ._constraints import ConstraintSet
 from ._contacts import ContactSet
 from ._derivatives import Derivatives
 from ._descriptions import Body, Constraint, Contact, ContactOptions, _from_c, _rows
+from ._dynamics import Dynamics
 from ._headers import Array, RbdError, Status, _warn, structure
 from ._kinematics import Kinematics
 from ._library import Library, _default_library
@@ -291,6 +292,12 @@ class Model(Derivatives, Kinematics, Names):
     def c_table(self, name: str, source: str = "a Model in Python") -> str:
         """The description as a C table, for a file NAME.h: the same as rbd-model --c NAME writes."""
         return _print_c(self, name, source, built=False)
+
+
+# Messages of Python's and help say Model.rnea, whichever part has it.
+for _part in (Dynamics, Derivatives, Kinematics, Names):
+    for _member in filter(inspect.isfunction, vars(_part).values()):
+        _member.__qualname__ = f"Model.{_member.__name__}"
 
 
 def _again(bodies, gravity, library, layout, warnings):

@@ -974,6 +974,8 @@ def test_names_are_those_of_python():
     assert {name for name in dir(rbd) if not name.startswith("__")} == set(rbd.__all__)
     public = [getattr(rbd, name) for name in rbd.__all__ if name != "SOURCES"]
     assert {thing.__module__ for thing in public} == {"rbd"}
+    for name, method in inspect.getmembers(rbd.Model, inspect.isfunction):
+        assert method.__qualname__ == f"Model.{name}" or name.startswith("_"), name
     for sentence, expected in (
             ("rbd_kinematics must be called first", "kinematics must be called first"),
             ("RBD_URDF_ERR_FILE rbd_urdf_load RBD_NO_CHOLESKY", "ERR_FILE load RBD_NO_CHOLESKY"),
