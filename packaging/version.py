@@ -20,6 +20,7 @@ def places(version, number):
     for header in COMPANIONS:
         if "RBD_VERSION_NUMBER" in (ROOT / "src" / header).read_text():
             yield f"src/{header}", r"(RBD_VERSION_NUMBER < )\d+", rf"\g<1>{number}"
+    yield "docs/install.md", r"(find_package\(rbd )\d+\.\d+", rf"\g<1>{version.rpartition('.')[0]}"
     yield "meson.build", r"(\n  version: )'[^']*'", rf"\1'{version}'"
     yield "library.json", r'("version": )"[^"]*"', rf'\1"{version}"'
     yield "library.properties", r"(\nversion=)\S+", rf"\g<1>{version}"
