@@ -2,8 +2,8 @@
    Made by src/amalgamate.py from src/rbd_qp.h and the files that it includes: edit those.
    SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end of rbd.h.
 
-   Minimises x'Hx/2 + f'x within bounds of x and of C x, without allocation, dependency, global or NaN. It stands
-   alone; rbd.h may stand beside it. In ONE file of the program:
+   Minimises x'Hx/2 + f'x within bounds of x and of C x, without allocation, dependency, global or NaN. It
+   stands alone; rbd.h may stand beside it. In ONE file of the program:
 
        #define RBD_IMPLEMENTATION
        #include "rbd_qp.h"
@@ -23,27 +23,28 @@
      [conventions] [configuration] [guarantees] [limits]
      [problem] [solve]
      --- stop here if you only use it ---
-     [compiler] [tolerances] [scalar]
+     [layout] [compiler] [tolerances] [scalar]
      [method] [vectors] [factor] [active rows] [search] [refinement] [rounds] [solve code] [text code]
 
    [conventions]
      rows         first the bounds of x, then the rows of C; an equality has lower = upper
      soft         a row with a weight w may be missed by e, at a cost of w e^2/2
-     lambda       Hx + f + C'lambda = 0; above 0 where the upper side holds. Arrays and signs are those of DAQP
+     lambda       Hx + f + C'lambda = 0; above 0 where the upper side holds. Arrays and signs are DAQP's
      matrices     row-major
 
-   [configuration] That of rbd.h. RBD_REAL is double or float; RBD_LANES and RBD_REAL_CUSTOM do not go with it.
+   [configuration] That of rbd.h. RBD_REAL is double or float; RBD_LANES and RBD_REAL_CUSTOM do not go with
+   it.
 
    [guarantees]
-     No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant. From libm only sqrt. The number of
-     steps is bounded: options->steps. A result with RBD_QP_OK satisfies the conditions of Karush, Kuhn and Tucker
-     to the shares that result->primal and ->dual state, at most ten times options->accuracy. x is finite in any case. With
-     RBD_REPRODUCIBLE the bits are the same on every machine, as of rbd.h.
+     No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant. From libm only sqrt. The number
+     of steps is bounded: options->steps. A result with RBD_QP_OK satisfies the conditions of Karush, Kuhn and
+     Tucker to the shares that result->primal and ->dual state, at most ten times options->accuracy. x is
+     finite in any case. With RBD_REPRODUCIBLE the bits are the same on every machine, as of rbd.h.
 
    [limits]
-     Dense matrices, of up to some hundred variables: a step costs about 3 n^2 products, and one of the rows as
-     many as they have entries. H must be convex. If it is only semidefinite, a proximal method takes some rounds,
-     and the optimum is exact to the accuracy, not to rounding.
+     Dense matrices, of up to some hundred variables: a step costs about 3 n^2 products, and one for each
+     entry of C. H must be convex. If it is only semidefinite, a proximal method takes some rounds, and the
+     optimum is exact to the accuracy, not to rounding.
 */
 
 /* ==== src/api/configuration.h ==== */
@@ -57,8 +58,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define RBD_VERSION "0.3.0"
-#define RBD_VERSION_NUMBER 300 /* 10000 major + 100 minor + patch: for headers that build on this one */
+#define RBD_VERSION "0.4.0"
+#define RBD_VERSION_NUMBER 400 /* 10000 major + 100 minor + patch: for headers that build on this one */
 #define RBD_MODEL_VERSION 6    /* layout of the built model; generated tables check it */
 
 /* The macros of [configuration], checked and completed. */
@@ -181,7 +182,7 @@ __asm__(".ifndef " RBDI_SCALAR "\n"
 #define RBDI_PASTE(a, b) RBDI_PASTE_OF(a, b)
 
 RBDI_EXTENSION typedef RBD_CONST rbd_const; /* constants of the model */
-#define RBD_C(x) ((rbd_const)(x)) /* a literal as a constant of the model, without a warning */
+#define RBD_C(x) ((rbd_const)(x))           /* a literal as a constant of the model, without a warning */
 #ifdef RBD_LANES
 typedef RBD_REAL rbd_real __attribute__((vector_size(RBD_LANES * sizeof(RBD_REAL))));
 #else
@@ -743,16 +744,16 @@ RBDI_INLINE rbd_real rbdi_pivot_inverse(rbd_real D, rbd_const scale, rbdi_mask *
 
 /* ==== src/qp/layout.h ==== */
 /* ---- method [method] ----
-   Minimise x'Hx/2 + f'x with n_i'x >= b_i, where the normal n_i of a row points into what is allowed: the row
-   itself at its lower side, its negative at its upper one.
+   Minimise x'Hx/2 + f'x with n_i'x >= b_i, where the normal n_i of a row points into what is allowed: the
+   row itself at its lower side, its negative at its upper one.
 
    H + rho 1 = L L', where rho is 0 or that of the proximal method. Equalities are eliminated first: their
    normals, L^-1 n, are reflected one by one onto the first axes. With Q the product of these reflections,
 
        J = L^-T Q [0; 1],   so that J'(H + rho 1) J = 1
 
-   spans the space in which all equalities hold. The dual method of Goldfarb and Idnani (1983) works on J and on
-   the normals N of the active rows, with R from J'N = [R; 0], as Powell (1985) gives it: x is always the
+   spans the space in which all equalities hold. The dual method of Goldfarb and Idnani (1983) works on J and
+   on the normals N of the active rows, with R from J'N = [R; 0], as Powell (1985) gives it: x is always the
    optimum for the active rows alone, and each step takes in a row that x misses. Then with d = J'n, split
    behind the q active rows in d1 and d2, J = [J1 J2]:
 
@@ -761,14 +762,15 @@ RBDI_INLINE rbd_real rbdi_pivot_inverse(rbd_real D, rbd_const scale, rbdi_mask *
 
    A row joins by one reflection of d2 onto its first axis, which turns J2 too; it leaves by plane rotations.
 
-   A soft row n'x + e >= b has a slack e, with the cost w e^2/2. It brings a column of its own to J, 0 in x and
-   1/sqrt(w) in e. Nothing of e is stored: e = u/w. */
+   A soft row n'x + e >= b has a slack e, with the cost w e^2/2. It brings a column of its own to J, 0 in x
+   and 1/sqrt(w) in e. Nothing of e is stored: e = u/w. */
 
 /* Tolerances. None depends on the units of x or of a row.
-   RBDI_QP_DEPENDENT: sine of the angle, in the metric of H^-1, between a row and the active ones, below which
-   it depends on them. RBDI_QP_ACCURACY: share of a row's terms that may be rounding. RBDI_QP_KEEP: share of the
-   largest x so far that still counts in those terms after a refinement. RBDI_QP_PIVOT: share of a diagonal entry of H
-   that its pivot must have. RBDI_QP_PROXIMAL: rho as a share of the largest diagonal entry of H. */
+   RBDI_QP_DEPENDENT: sine of the angle, in the metric of H^-1, between a row and the active ones, below
+   which it depends on them. RBDI_QP_ACCURACY: share of a row's terms that may be rounding. RBDI_QP_KEEP:
+   share of the largest x so far that still counts in those terms after a refinement. RBDI_QP_PIVOT: share of
+   a diagonal entry of H that its pivot must have. RBDI_QP_PROXIMAL: rho as a share of the largest diagonal
+   entry of H. */
 #if RBDI_REAL_KIND == 2
 #define RBDI_QP_DEPENDENT 3e-5f
 #define RBDI_QP_ACCURACY 1e-5f
@@ -985,8 +987,8 @@ RBDI_INLINE void rbdi_qp_rotate(rbd_real *a, rbd_real *b, int n, rbd_real cosine
 }
 #endif
 
-/* A group: like components of RBDI_QP_GROUP vectors side by side. A loop over its components has no sum across
-   lanes, so that each vector comes out as if it were alone. */
+/* A group: like components of RBDI_QP_GROUP vectors side by side. A loop over its components has no sum
+   across lanes, so that each vector comes out as if it were alone. */
 #if RBDI_GNU && RBDI_SIMD > 0
 #define RBDI_QP_GROUP 4
 typedef rbdi_quad rbdi_qp_group;
@@ -1093,9 +1095,9 @@ RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, rbd_real *t) {
     for (int e = s->equalities - 1; e >= 0; --e) rbdi_qp_reflect(s, e, t);
 }
 
-/* Eliminates an equality by a reflection (Householder 1958): L^-1 row', behind the earlier reflections, goes onto
-   axis e. One that depends on the earlier ones is set aside; whether it agrees with them is seen later, like
-   any row. Sparse rows first make the vectors short. */
+/* Eliminates an equality by a reflection (Householder 1958): L^-1 row', behind the earlier reflections, goes
+   onto axis e. One that depends on the earlier ones is set aside; whether it agrees with them is seen later,
+   like any row. Sparse rows first make the vectors short. */
 RBDI_PART void rbdi_qp_eliminate(rbdi_qp *s, int row) {
     const int n = s->n, e = s->equalities;
     rbd_real *v = s->V + e * n;
@@ -1138,7 +1140,8 @@ RBDI_PART void rbdi_qp_basis_of(const rbdi_qp *s, rbdi_qp_group *t, int to) {
     }
 }
 
-/* J = L'^-1 Q [0; 1], for no active row. The memory of R and what follows is not in use yet: a group lies there. */
+/* J = L'^-1 Q [0; 1], for no active row. The memory of R and what follows is not in use yet: a group lies
+   there. */
 RBDI_PART void rbdi_qp_basis(rbdi_qp *s) {
     const int n = s->n, k = s->equalities;
     rbdi_qp_group *t = (rbdi_qp_group *)s->R;
@@ -1224,8 +1227,8 @@ RBDI_PART void rbdi_qp_way(rbdi_qp *s) {
     for (int j = s->q; j < s->columns; ++j) rbdi_qp_add(s->d[j], rbdi_qp_j(s, j), s->z, s->n);
 }
 
-/* The row joins, with d and z = J2 d2 as they are; square: |d2|^2. A reflection turns d2 onto its first axis, a:
-   with y = (z - a J_q) / (|d2| (|d2| + |d_q|)),
+/* The row joins, with d and z = J2 d2 as they are; square: |d2|^2. A reflection turns d2 onto its first
+   axis, a: with y = (z - a J_q) / (|d2| (|d2| + |d_q|)),
 
        J_j -= d_j y for j > q,   J_q -= (d_q - a) y,   the new column of R is (d1, a). */
 RBDI_PART void rbdi_qp_join(rbdi_qp *s, int row, int side, rbd_real u, rbd_real square) {
@@ -1253,8 +1256,8 @@ RBDI_PART void rbdi_qp_join(rbdi_qp *s, int row, int side, rbd_real u, rbd_real 
     s->q = q + 1;
 }
 
-/* The slack of a soft row that has left goes: its components in the columns of J2, (leaving, 0, ...) - J2'n, are
-   reflected into the last column, with J2 and d, and that is deleted. */
+/* The slack of a soft row that has left goes: its components in the columns of J2, (leaving, 0, ...) - J2'n,
+   are reflected into the last column, with J2 and d, and that is deleted. */
 RBDI_PART void rbdi_qp_drop_slack(rbdi_qp *s, int row, rbd_real sign) {
     const int n = s->n, q = s->q, last = s->columns - 1;
     rbd_real *slack = s->leaving, square = 0;
@@ -1283,8 +1286,8 @@ RBDI_PART void rbdi_qp_drop_slack(rbdi_qp *s, int row, rbd_real sign) {
     }
 }
 
-/* Active row l leaves. R's columns behind it move one place to the left; plane rotations of its rows k and k + 1
-   make it triangular again. They turn the columns of J and d with it. */
+/* Active row l leaves. R's columns behind it move one place to the left; plane rotations of its rows k and k
+   + 1 make it triangular again. They turn the columns of J and d with it. */
 RBDI_PART void rbdi_qp_leave(rbdi_qp *s, int l) {
     const int n = s->n, row = s->active[l];
     const rbd_real *gone = rbdi_qp_column(s, l);
@@ -1360,8 +1363,8 @@ RBDI_PART rbd_real rbdi_qp_terms(const rbdi_qp *s, int row, rbd_real side) {
     return sum;
 }
 
-/* How far u < 0 of active row j may be rounding, in its length: a share of the largest multiplier; of a soft row
-   also such a share of its terms that e = u/w misses. */
+/* How far u < 0 of active row j may be rounding, in its length: a share of the largest multiplier; of a soft
+   row also such a share of its terms that e = u/w misses. */
 RBDI_PART rbd_real rbdi_qp_slight(const rbdi_qp *s, int j, rbd_real share, rbd_real largest) {
     const int row = s->active[j];
     const rbd_real weight = rbdi_qp_weight(s, row), slight = share * largest;
@@ -1372,8 +1375,8 @@ RBDI_PART rbd_real rbdi_qp_slight(const rbdi_qp *s, int j, rbd_real share, rbd_r
     return of_terms < slight ? of_terms : slight;
 }
 
-/* The active inequality that pulls most, u < 0 by more than what share may be rounding, leaves. Returns whether
-   one does. */
+/* The active inequality that pulls most, u < 0 by more than what share may be rounding, leaves. Returns
+   whether one does. */
 RBDI_PART int rbdi_qp_release(rbdi_qp *s, rbd_real share) {
     rbd_real least = 0, largest = 0;
     int worst = -1;
@@ -1404,8 +1407,8 @@ RBDI_PART void rbdi_qp_reached(rbdi_qp *s, const rbd_real *x) {
     for (int k = 0; k < s->n; ++k) s->reach[k] = rbdi_qp_larger(s->reach[k], rbdi_abs(x[k]));
 }
 
-/* The inactive row that x misses most, in lengths of the row, beyond what rounding explains: row -1 if there is
-   none. */
+/* The inactive row that x misses most, in lengths of the row, beyond what rounding explains: row -1 if there
+   is none. */
 RBDI_PART rbdi_qp_miss rbdi_qp_most_missed(rbdi_qp *s, const rbd_real *x, rbd_real accuracy) {
     rbdi_qp_miss worst = {-1, 0, 0, 0};
     rbd_real most = 0;
@@ -1444,13 +1447,13 @@ RBDI_PART int rbdi_qp_first_to_leave(const rbdi_qp *s, rbd_real *step) {
     return first;
 }
 
-/* Takes in a row that is missed. Each turn goes as far as the multipliers of the active rows stay positive, at
-   most until the row holds:
+/* Takes in a row that is missed. Each turn goes as far as the multipliers of the active rows stay positive,
+   at most until the row holds:
 
        x += step z,   u -= step r,   the row's multiplier += step,   the miss -= step |d2|^2
 
-   and then a row leaves, or the row joins. A row that depends on the active ones, and with which none can leave,
-   contradicts them. */
+   and then a row leaves, or the row joins. A row that depends on the active ones, and with which none can
+   leave, contradicts them. */
 RBDI_PART rbd_qp_status rbdi_qp_take_in(rbdi_qp *s, rbd_real *x, rbdi_qp_miss miss) {
     const int hard = !(rbdi_qp_weight(s, miss.row) > 0);
     rbd_real u = 0;
@@ -1504,8 +1507,8 @@ RBDI_PART rbd_qp_status rbdi_qp_take_in(rbdi_qp *s, rbd_real *x, rbdi_qp_miss mi
 #define RBDI_QP_REFINED (16 * RBDI_EPS) /* shares below this are rounding */
 #define RBDI_QP_REFINEMENTS 2
 
-/* t = r1 without the equalities' part, r = r2. Returns the largest |r2|, as a share of its row's length; *size:
-   the largest term of r1. */
+/* t = r1 without the equalities' part, r = r2. Returns the largest |r2|, as a share of its row's length;
+   *size: the largest term of r1. */
 RBDI_PART rbd_real rbdi_qp_residuals(rbdi_qp *s, const rbd_real *x, rbd_real *size) {
     const int n = s->n;
     rbd_real missed = 0;
@@ -1581,8 +1584,8 @@ RBDI_PART void rbdi_qp_refine(rbdi_qp *s, rbd_real *x) {
 
 /* ==== src/qp/rounds.h ==== */
 /* ---- rounds [rounds] ----
-   If H is semidefinite, each round of the proximal method (Rockafellar 1976) has the cost
-   rho |x - centre|^2 / 2 beside it, and the next one is centred at its solution. J, R and the active rows stay. */
+   If H is semidefinite, each round of the proximal method (Rockafellar 1976) has the cost rho |x - centre|^2
+   / 2 beside it, and the next one is centred at its solution. J, R and the active rows stay. */
 
 #define RBDI_QP_STILL (64 * RBDI_EPS) /* x that moves by a smaller share of itself moves by rounding */
 
@@ -1609,8 +1612,8 @@ RBDI_PART void rbdi_qp_guess(rbdi_qp *s, int row, int side) {
     rbdi_qp_join(s, row, side, 0, square);
 }
 
-/* The soft equalities, and with `warm` the rows of the guess. Those that pull leave, so that the dual method may
-   begin here. */
+/* The soft equalities, and with `warm` the rows of the guess. Those that pull leave, so that the dual method
+   may begin here. */
 RBDI_PART void rbdi_qp_first_rows(rbdi_qp *s) {
     for (int row = 0; row < s->all; ++row) {
         const int equal = rbdi_qp_is_equality(s, row), soft = rbdi_qp_weight(s, row) > 0;
@@ -1850,8 +1853,8 @@ RBDI_PART void rbdi_qp_multipliers(const rbdi_qp *s, rbd_real *lambda) {
 }
 
 /* result.primal and result.dual of x and lambda, whatever they came from: of each row, the miss, or where it
-   pushes the distance from the side, as a share of its terms; and Hx + f + C'lambda, as a share of the largest
-   term. */
+   pushes the distance from the side, as a share of its terms; and Hx + f + C'lambda, as a share of the
+   largest term. */
 RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
     rbd_real worst = 0, size = 0, far = 0;
 

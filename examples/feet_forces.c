@@ -1,6 +1,6 @@
-/* feet_forces.c - a quadruped's trunk is to be pushed sideways, and its feet must neither slip nor pull: which forces do it?
-   The least ones that do, without and with the limits of friction, by rbd_qp.h alone; then a push that no forces can
-   give. */
+/* feet_forces.c - a quadruped's trunk is to be pushed sideways, and its feet must neither slip nor pull:
+   which forces do it? The least ones that do, without and with the limits of friction, by rbd_qp.h alone;
+   then a push that no forces can give. */
 #define RBD_IMPLEMENTATION
 #include "rbd_qp.h"
 

@@ -16,6 +16,7 @@ def places(version, number):
     """File, what stands there, and what shall."""
     yield "src/api/configuration.h", r'(#define RBD_VERSION )"[^"]*"', rf'\1"{version}"'
     yield "src/api/configuration.h", r"(#define RBD_VERSION_NUMBER )\d+", rf"\g<1>{number}"
+    yield "src/rbd_qp.h", r"(in one C99 header\. Version )[\d.]*\d\.", rf"\g<1>{version}."
     yield "src/rbd.h", r"(in one C99 header\. Version )[\d.]*\d\.", rf"\g<1>{version}."
     for header in COMPANIONS:
         if "RBD_VERSION_NUMBER" in (ROOT / "src" / header).read_text():

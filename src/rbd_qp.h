@@ -1,8 +1,8 @@
 /* rbd_qp.h - small convex quadratic programs, for control, in one C99 header. Version 0.4.0.
    SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end of rbd.h.
 
-   Minimises x'Hx/2 + f'x within bounds of x and of C x, without allocation, dependency, global or NaN. It stands
-   alone; rbd.h may stand beside it. In ONE file of the program:
+   Minimises x'Hx/2 + f'x within bounds of x and of C x, without allocation, dependency, global or NaN. It
+   stands alone; rbd.h may stand beside it. In ONE file of the program:
 
        #define RBD_IMPLEMENTATION
        #include "rbd_qp.h"
@@ -22,27 +22,28 @@
      [conventions] [configuration] [guarantees] [limits]
      [problem] [solve]
      --- stop here if you only use it ---
-     [compiler] [tolerances] [scalar]
+     [layout] [compiler] [tolerances] [scalar]
      [method] [vectors] [factor] [active rows] [search] [refinement] [rounds] [solve code] [text code]
 
    [conventions]
      rows         first the bounds of x, then the rows of C; an equality has lower = upper
      soft         a row with a weight w may be missed by e, at a cost of w e^2/2
-     lambda       Hx + f + C'lambda = 0; above 0 where the upper side holds. Arrays and signs are those of DAQP
+     lambda       Hx + f + C'lambda = 0; above 0 where the upper side holds. Arrays and signs are DAQP's
      matrices     row-major
 
-   [configuration] That of rbd.h. RBD_REAL is double or float; RBD_LANES and RBD_REAL_CUSTOM do not go with it.
+   [configuration] That of rbd.h. RBD_REAL is double or float; RBD_LANES and RBD_REAL_CUSTOM do not go with
+   it.
 
    [guarantees]
-     No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant. From libm only sqrt. The number of
-     steps is bounded: options->steps. A result with RBD_QP_OK satisfies the conditions of Karush, Kuhn and Tucker
-     to the shares that result->primal and ->dual state, at most ten times options->accuracy. x is finite in any case. With
-     RBD_REPRODUCIBLE the bits are the same on every machine, as of rbd.h.
+     No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant. From libm only sqrt. The number
+     of steps is bounded: options->steps. A result with RBD_QP_OK satisfies the conditions of Karush, Kuhn and
+     Tucker to the shares that result->primal and ->dual state, at most ten times options->accuracy. x is
+     finite in any case. With RBD_REPRODUCIBLE the bits are the same on every machine, as of rbd.h.
 
    [limits]
-     Dense matrices, of up to some hundred variables: a step costs about 3 n^2 products, and one of the rows as
-     many as they have entries. H must be convex. If it is only semidefinite, a proximal method takes some rounds,
-     and the optimum is exact to the accuracy, not to rounding.
+     Dense matrices, of up to some hundred variables: a step costs about 3 n^2 products, and one for each
+     entry of C. H must be convex. If it is only semidefinite, a proximal method takes some rounds, and the
+     optimum is exact to the accuracy, not to rounding.
 */
 
 #include "api/configuration.h"

@@ -20,10 +20,10 @@ combinations=0
 
 # The three ways to include, as C and as C++ file.
 for suffix in c cpp; do
-    printf '#include "rbd_derivatives.h"\n#include "rbd_batch.h"\n' >"$scratch/declarations.$suffix"
+    printf '#include "rbd_qp.h"\n#include "rbd_derivatives.h"\n#include "rbd_batch.h"\n' >"$scratch/declarations.$suffix"
     echo '#include "rbd_urdf.h"' >"$scratch/urdf.$suffix"
-    printf '#define RBD_IMPLEMENTATION\n#include "rbd_derivatives.h"\n#include "rbd_contact.h"\n' >"$scratch/implementation.$suffix"
-    printf '#define RBD_STATIC\n#define RBD_IMPLEMENTATION\n#include "rbd_derivatives.h"\n#include "rbd_contact.h"\n' >"$scratch/static.$suffix"
+    printf '#define RBD_IMPLEMENTATION\n#include "rbd_derivatives.h"\n#include "rbd_contact.h"\n#include "rbd_qp.h"\n' >"$scratch/implementation.$suffix"
+    printf '#define RBD_STATIC\n#define RBD_IMPLEMENTATION\n#include "rbd_qp.h"\n#include "rbd_derivatives.h"\n#include "rbd_contact.h"\n' >"$scratch/static.$suffix"
     for lanes in 2 4 8; do
         printf '#define RBD_LANES %s\n#define RBD_BATCH_IMPLEMENTATION\n#include "rbd_derivatives.h"\n#include "rbd_constraints.h"\n#include "rbd_batch.h"\n' "$lanes" \
             >"$scratch/batch-$lanes.$suffix"

@@ -1,5 +1,5 @@
-/* qp_problems.h - random quadratic programs for rbd_qp.h, and judges of what it answers, which compute in double from
-   the problem alone. For files that implement rbd_qp.h, of either scalar. */
+/* qp_problems.h - random quadratic programs for rbd_qp.h, and judges of what it answers, which compute in
+   double from the problem alone. For files that implement rbd_qp.h, of either scalar. */
 #ifndef QP_PROBLEMS_H
 #define QP_PROBLEMS_H
 
@@ -147,7 +147,8 @@ static judgement judge_proof(const rbd_qp_problem *p) {
 typedef enum kind { CONVEX, DEGENERATE, SEMIDEFINITE, SCALED, SOFT, LINEAR, KINDS } kind;
 static const char *const kind_names[] = {"convex", "degenerate", "semidefinite", "scaled", "soft", "linear"};
 
-/* Rows of C: two thirds of the entries are random; of a degenerate problem many are multiples and sums of others. */
+/* Rows of C: two thirds of the entries are random; of a degenerate problem many are multiples and sums of
+   others. */
 static void random_rows(kind of, int n, int rows) {
     for (int i = 0; i < rows * n; i++) C[i] = between(0, 2) ? (rbd_real)normal() : 0;
     for (int i = 1; i < rows && of == DEGENERATE; i++) {

@@ -12,6 +12,8 @@
 
 #include "rbd_spatial.h"
 
+#include "rbd_qp.h"
+
 #include "rbd_derivatives.h"
 
 #include "rbd_contact.h"
@@ -57,9 +59,9 @@ static void hash_number(uint64_t *hash, rbd_real x) {
     hash_word(hash, bits, (int)sizeof bits);
 }
 
-enum { HEADERS = 5 };
-static const char *const headers[HEADERS] = {"rbd.h", "rbd_derivatives.h", "rbd_constraints.h",
-                                             "rbd_contact.h", "rbd_spatial.h"};
+enum { HEADERS = 6 };
+static const char *const headers[HEADERS] = {"rbd.h",         "rbd_derivatives.h", "rbd_constraints.h",
+                                             "rbd_contact.h", "rbd_spatial.h",     "rbd_qp.h"};
 
 typedef struct hashes {
     uint64_t of[HEADERS];
@@ -214,6 +216,42 @@ static void hash_spatial(hashes *h) {
     }
 }
 
+/* Quadratic programs of 7 variables: definite and not, with equalities, soft rows, and rows that contradict
+   each other; each solved again, warm, with another f. */
+static void hash_qp(hashes *h) {
+    enum { QP_N = 7, QP_ROWS = 9, QP_ALL = QP_N + QP_ROWS };
+    static unsigned char memory[RBD_QP_SIZE(QP_N, QP_N, QP_ROWS, QP_ALL)];
+    uint64_t seed = 11;
+    h->robot = "qp";
+    for (int n = 0; n < 60; n++) {
+        rbd_real B[QP_N * QP_N], H[QP_N * QP_N] = {0}, f[2 * QP_N], C[QP_ROWS * QP_N];
+        rbd_real ends[2 * QP_ALL], lower[QP_ALL], upper[QP_ALL], soft[QP_ALL], out[QP_N + QP_ALL];
+        signed char side[QP_ALL];
+        rbd_qp_problem p = {QP_N, QP_N, QP_ROWS, H, f, C, lower, upper, soft};
+        rbd_qp_options o = {0, 0, 0, 0};
+        all_calls_numbers(&seed, 2, B, QP_N * QP_N);
+        all_calls_numbers(&seed, 2, f, 2 * QP_N);
+        all_calls_numbers(&seed, 2, C, QP_ROWS * QP_N);
+        all_calls_numbers(&seed, 1, ends, 2 * QP_ALL);
+        for (int i = 0; i < QP_N; i++)
+            for (int j = 0; j < QP_N; j++)
+                for (int k = 0; k < QP_N - n % 3; k++) H[i * QP_N + j] += B[k * QP_N + i] * B[k * QP_N + j];
+        for (int i = 0; i < QP_ALL; i++) {
+            const rbd_real a = ends[2 * i], b = ends[2 * i + 1];
+            lower[i] = i % 5 == 0 && n % 4 ? -(rbd_real)RBD_QP_NONE : a < b ? a : b;
+            upper[i] = i == QP_N + n % 2 ? lower[i] : a < b ? b : a;
+            soft[i] = i % 4 == n % 5 ? (rbd_real)(1 + i) : 0;
+        }
+        for (int warm = 0; warm < 2; warm++) {
+            rbd_qp_status status;
+            o.warm = warm;
+            p.f = f + warm * QP_N;
+            status = rbd_qp_solve(&p, &o, memory, sizeof memory, out, out + QP_N, side, NULL);
+            hash_call(h, "rbd_qp.h", "rbd_qp_solve", (rbd_status)status, out, QP_N + QP_ALL);
+        }
+    }
+}
+
 int main(void) {
     static hashes h;
 #ifdef EACH_CALL
@@ -230,6 +268,7 @@ int main(void) {
     hash_description("atlas", atlas_bodies, ATLAS_NB, 2, &h);
     hash_random(3, &h);
     hash_spatial(&h);
+    hash_qp(&h);
 #endif
     for (int k = 0; !h.each && k < HEADERS; k++)
         printf("%s %s %08lx%08lx\n", QUOTE(RBD_REAL), headers[k], (unsigned long)(h.of[k] >> 32),

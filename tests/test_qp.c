@@ -1,6 +1,6 @@
-/* test_qp.c - rbd_qp.h: known answers, the conditions of Karush, Kuhn and Tucker on random problems, a second
-   method on small ones, proofs of contradiction, and every slip by its name. A program of its own, for double and
-   float: RBD_REAL. */
+/* test_qp.c - rbd_qp.h: known answers, the conditions of Karush, Kuhn and Tucker on random problems, a
+   second method on small ones, proofs of contradiction, and every slip by its name. A program of its own,
+   for double and float: RBD_REAL. */
 #define RBD_IMPLEMENTATION
 #include "rbd_qp.h"
 
@@ -12,7 +12,8 @@
 
 #define LENGTH(array) ((int)(sizeof(array) / sizeof((array)[0])))
 
-/* What a relative residual may be: a thousand roundings in the small, and the accuracy where H is singular. */
+/* What a relative residual may be: a thousand roundings in the small, and the accuracy where H is singular.
+   */
 static const double tight = sizeof(rbd_real) == 4 ? 3e-4 : 1e-11;
 static const double loose = sizeof(rbd_real) == 4 ? 1e-3 : 1e-9;
 

@@ -133,7 +133,7 @@ __asm__(".ifndef " RBDI_SCALAR "\n"
 #define RBDI_PASTE(a, b) RBDI_PASTE_OF(a, b)
 
 RBDI_EXTENSION typedef RBD_CONST rbd_const; /* constants of the model */
-#define RBD_C(x) ((rbd_const)(x)) /* a literal as a constant of the model, without a warning */
+#define RBD_C(x) ((rbd_const)(x))           /* a literal as a constant of the model, without a warning */
 #ifdef RBD_LANES
 typedef RBD_REAL rbd_real __attribute__((vector_size(RBD_LANES * sizeof(RBD_REAL))));
 #else

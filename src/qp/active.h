@@ -38,8 +38,8 @@ RBDI_PART void rbdi_qp_way(rbdi_qp *s) {
     for (int j = s->q; j < s->columns; ++j) rbdi_qp_add(s->d[j], rbdi_qp_j(s, j), s->z, s->n);
 }
 
-/* The row joins, with d and z = J2 d2 as they are; square: |d2|^2. A reflection turns d2 onto its first axis, a:
-   with y = (z - a J_q) / (|d2| (|d2| + |d_q|)),
+/* The row joins, with d and z = J2 d2 as they are; square: |d2|^2. A reflection turns d2 onto its first
+   axis, a: with y = (z - a J_q) / (|d2| (|d2| + |d_q|)),
 
        J_j -= d_j y for j > q,   J_q -= (d_q - a) y,   the new column of R is (d1, a). */
 RBDI_PART void rbdi_qp_join(rbdi_qp *s, int row, int side, rbd_real u, rbd_real square) {
@@ -67,8 +67,8 @@ RBDI_PART void rbdi_qp_join(rbdi_qp *s, int row, int side, rbd_real u, rbd_real 
     s->q = q + 1;
 }
 
-/* The slack of a soft row that has left goes: its components in the columns of J2, (leaving, 0, ...) - J2'n, are
-   reflected into the last column, with J2 and d, and that is deleted. */
+/* The slack of a soft row that has left goes: its components in the columns of J2, (leaving, 0, ...) - J2'n,
+   are reflected into the last column, with J2 and d, and that is deleted. */
 RBDI_PART void rbdi_qp_drop_slack(rbdi_qp *s, int row, rbd_real sign) {
     const int n = s->n, q = s->q, last = s->columns - 1;
     rbd_real *slack = s->leaving, square = 0;
@@ -97,8 +97,8 @@ RBDI_PART void rbdi_qp_drop_slack(rbdi_qp *s, int row, rbd_real sign) {
     }
 }
 
-/* Active row l leaves. R's columns behind it move one place to the left; plane rotations of its rows k and k + 1
-   make it triangular again. They turn the columns of J and d with it. */
+/* Active row l leaves. R's columns behind it move one place to the left; plane rotations of its rows k and k
+   + 1 make it triangular again. They turn the columns of J and d with it. */
 RBDI_PART void rbdi_qp_leave(rbdi_qp *s, int l) {
     const int n = s->n, row = s->active[l];
     const rbd_real *gone = rbdi_qp_column(s, l);
@@ -174,8 +174,8 @@ RBDI_PART rbd_real rbdi_qp_terms(const rbdi_qp *s, int row, rbd_real side) {
     return sum;
 }
 
-/* How far u < 0 of active row j may be rounding, in its length: a share of the largest multiplier; of a soft row
-   also such a share of its terms that e = u/w misses. */
+/* How far u < 0 of active row j may be rounding, in its length: a share of the largest multiplier; of a soft
+   row also such a share of its terms that e = u/w misses. */
 RBDI_PART rbd_real rbdi_qp_slight(const rbdi_qp *s, int j, rbd_real share, rbd_real largest) {
     const int row = s->active[j];
     const rbd_real weight = rbdi_qp_weight(s, row), slight = share * largest;
@@ -186,8 +186,8 @@ RBDI_PART rbd_real rbdi_qp_slight(const rbdi_qp *s, int j, rbd_real share, rbd_r
     return of_terms < slight ? of_terms : slight;
 }
 
-/* The active inequality that pulls most, u < 0 by more than what share may be rounding, leaves. Returns whether
-   one does. */
+/* The active inequality that pulls most, u < 0 by more than what share may be rounding, leaves. Returns
+   whether one does. */
 RBDI_PART int rbdi_qp_release(rbdi_qp *s, rbd_real share) {
     rbd_real least = 0, largest = 0;
     int worst = -1;

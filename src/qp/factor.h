@@ -80,9 +80,9 @@ RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, rbd_real *t) {
     for (int e = s->equalities - 1; e >= 0; --e) rbdi_qp_reflect(s, e, t);
 }
 
-/* Eliminates an equality by a reflection (Householder 1958): L^-1 row', behind the earlier reflections, goes onto
-   axis e. One that depends on the earlier ones is set aside; whether it agrees with them is seen later, like
-   any row. Sparse rows first make the vectors short. */
+/* Eliminates an equality by a reflection (Householder 1958): L^-1 row', behind the earlier reflections, goes
+   onto axis e. One that depends on the earlier ones is set aside; whether it agrees with them is seen later,
+   like any row. Sparse rows first make the vectors short. */
 RBDI_PART void rbdi_qp_eliminate(rbdi_qp *s, int row) {
     const int n = s->n, e = s->equalities;
     rbd_real *v = s->V + e * n;
@@ -125,7 +125,8 @@ RBDI_PART void rbdi_qp_basis_of(const rbdi_qp *s, rbdi_qp_group *t, int to) {
     }
 }
 
-/* J = L'^-1 Q [0; 1], for no active row. The memory of R and what follows is not in use yet: a group lies there. */
+/* J = L'^-1 Q [0; 1], for no active row. The memory of R and what follows is not in use yet: a group lies
+   there. */
 RBDI_PART void rbdi_qp_basis(rbdi_qp *s) {
     const int n = s->n, k = s->equalities;
     rbdi_qp_group *t = (rbdi_qp_group *)s->R;

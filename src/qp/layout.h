@@ -4,16 +4,16 @@
 #include "api/qp.h"
 
 /* ---- method [method] ----
-   Minimise x'Hx/2 + f'x with n_i'x >= b_i, where the normal n_i of a row points into what is allowed: the row
-   itself at its lower side, its negative at its upper one.
+   Minimise x'Hx/2 + f'x with n_i'x >= b_i, where the normal n_i of a row points into what is allowed: the
+   row itself at its lower side, its negative at its upper one.
 
    H + rho 1 = L L', where rho is 0 or that of the proximal method. Equalities are eliminated first: their
    normals, L^-1 n, are reflected one by one onto the first axes. With Q the product of these reflections,
 
        J = L^-T Q [0; 1],   so that J'(H + rho 1) J = 1
 
-   spans the space in which all equalities hold. The dual method of Goldfarb and Idnani (1983) works on J and on
-   the normals N of the active rows, with R from J'N = [R; 0], as Powell (1985) gives it: x is always the
+   spans the space in which all equalities hold. The dual method of Goldfarb and Idnani (1983) works on J and
+   on the normals N of the active rows, with R from J'N = [R; 0], as Powell (1985) gives it: x is always the
    optimum for the active rows alone, and each step takes in a row that x misses. Then with d = J'n, split
    behind the q active rows in d1 and d2, J = [J1 J2]:
 
@@ -22,14 +22,15 @@
 
    A row joins by one reflection of d2 onto its first axis, which turns J2 too; it leaves by plane rotations.
 
-   A soft row n'x + e >= b has a slack e, with the cost w e^2/2. It brings a column of its own to J, 0 in x and
-   1/sqrt(w) in e. Nothing of e is stored: e = u/w. */
+   A soft row n'x + e >= b has a slack e, with the cost w e^2/2. It brings a column of its own to J, 0 in x
+   and 1/sqrt(w) in e. Nothing of e is stored: e = u/w. */
 
 /* Tolerances. None depends on the units of x or of a row.
-   RBDI_QP_DEPENDENT: sine of the angle, in the metric of H^-1, between a row and the active ones, below which
-   it depends on them. RBDI_QP_ACCURACY: share of a row's terms that may be rounding. RBDI_QP_KEEP: share of the
-   largest x so far that still counts in those terms after a refinement. RBDI_QP_PIVOT: share of a diagonal entry of H
-   that its pivot must have. RBDI_QP_PROXIMAL: rho as a share of the largest diagonal entry of H. */
+   RBDI_QP_DEPENDENT: sine of the angle, in the metric of H^-1, between a row and the active ones, below
+   which it depends on them. RBDI_QP_ACCURACY: share of a row's terms that may be rounding. RBDI_QP_KEEP:
+   share of the largest x so far that still counts in those terms after a refinement. RBDI_QP_PIVOT: share of
+   a diagonal entry of H that its pivot must have. RBDI_QP_PROXIMAL: rho as a share of the largest diagonal
+   entry of H. */
 #if RBDI_REAL_KIND == 2
 #define RBDI_QP_DEPENDENT 3e-5f
 #define RBDI_QP_ACCURACY 1e-5f

@@ -15,8 +15,8 @@
 #define RBDI_QP_REFINED (16 * RBDI_EPS) /* shares below this are rounding */
 #define RBDI_QP_REFINEMENTS 2
 
-/* t = r1 without the equalities' part, r = r2. Returns the largest |r2|, as a share of its row's length; *size:
-   the largest term of r1. */
+/* t = r1 without the equalities' part, r = r2. Returns the largest |r2|, as a share of its row's length;
+   *size: the largest term of r1. */
 RBDI_PART rbd_real rbdi_qp_residuals(rbdi_qp *s, const rbd_real *x, rbd_real *size) {
     const int n = s->n;
     rbd_real missed = 0;

@@ -4,8 +4,8 @@
 #include "qp/refine.h"
 
 /* ---- rounds [rounds] ----
-   If H is semidefinite, each round of the proximal method (Rockafellar 1976) has the cost
-   rho |x - centre|^2 / 2 beside it, and the next one is centred at its solution. J, R and the active rows stay. */
+   If H is semidefinite, each round of the proximal method (Rockafellar 1976) has the cost rho |x - centre|^2
+   / 2 beside it, and the next one is centred at its solution. J, R and the active rows stay. */
 
 #define RBDI_QP_STILL (64 * RBDI_EPS) /* x that moves by a smaller share of itself moves by rounding */
 
@@ -32,8 +32,8 @@ RBDI_PART void rbdi_qp_guess(rbdi_qp *s, int row, int side) {
     rbdi_qp_join(s, row, side, 0, square);
 }
 
-/* The soft equalities, and with `warm` the rows of the guess. Those that pull leave, so that the dual method may
-   begin here. */
+/* The soft equalities, and with `warm` the rows of the guess. Those that pull leave, so that the dual method
+   may begin here. */
 RBDI_PART void rbdi_qp_first_rows(rbdi_qp *s) {
     for (int row = 0; row < s->all; ++row) {
         const int equal = rbdi_qp_is_equality(s, row), soft = rbdi_qp_weight(s, row) > 0;

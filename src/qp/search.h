@@ -14,8 +14,8 @@ RBDI_PART void rbdi_qp_reached(rbdi_qp *s, const rbd_real *x) {
     for (int k = 0; k < s->n; ++k) s->reach[k] = rbdi_qp_larger(s->reach[k], rbdi_abs(x[k]));
 }
 
-/* The inactive row that x misses most, in lengths of the row, beyond what rounding explains: row -1 if there is
-   none. */
+/* The inactive row that x misses most, in lengths of the row, beyond what rounding explains: row -1 if there
+   is none. */
 RBDI_PART rbdi_qp_miss rbdi_qp_most_missed(rbdi_qp *s, const rbd_real *x, rbd_real accuracy) {
     rbdi_qp_miss worst = {-1, 0, 0, 0};
     rbd_real most = 0;
@@ -54,13 +54,13 @@ RBDI_PART int rbdi_qp_first_to_leave(const rbdi_qp *s, rbd_real *step) {
     return first;
 }
 
-/* Takes in a row that is missed. Each turn goes as far as the multipliers of the active rows stay positive, at
-   most until the row holds:
+/* Takes in a row that is missed. Each turn goes as far as the multipliers of the active rows stay positive,
+   at most until the row holds:
 
        x += step z,   u -= step r,   the row's multiplier += step,   the miss -= step |d2|^2
 
-   and then a row leaves, or the row joins. A row that depends on the active ones, and with which none can leave,
-   contradicts them. */
+   and then a row leaves, or the row joins. A row that depends on the active ones, and with which none can
+   leave, contradicts them. */
 RBDI_PART rbd_qp_status rbdi_qp_take_in(rbdi_qp *s, rbd_real *x, rbdi_qp_miss miss) {
     const int hard = !(rbdi_qp_weight(s, miss.row) > 0);
     rbd_real u = 0;

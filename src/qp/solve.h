@@ -126,8 +126,8 @@ RBDI_PART void rbdi_qp_multipliers(const rbdi_qp *s, rbd_real *lambda) {
 }
 
 /* result.primal and result.dual of x and lambda, whatever they came from: of each row, the miss, or where it
-   pushes the distance from the side, as a share of its terms; and Hx + f + C'lambda, as a share of the largest
-   term. */
+   pushes the distance from the side, as a share of its terms; and Hx + f + C'lambda, as a share of the
+   largest term. */
 RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
     rbd_real worst = 0, size = 0, far = 0;
 

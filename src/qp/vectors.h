@@ -87,8 +87,8 @@ RBDI_INLINE void rbdi_qp_rotate(rbd_real *a, rbd_real *b, int n, rbd_real cosine
 }
 #endif
 
-/* A group: like components of RBDI_QP_GROUP vectors side by side. A loop over its components has no sum across
-   lanes, so that each vector comes out as if it were alone. */
+/* A group: like components of RBDI_QP_GROUP vectors side by side. A loop over its components has no sum
+   across lanes, so that each vector comes out as if it were alone. */
 #if RBDI_GNU && RBDI_SIMD > 0
 #define RBDI_QP_GROUP 4
 typedef rbdi_quad rbdi_qp_group;
