@@ -358,10 +358,11 @@ struct rbd_derivatives {
 #if defined RBD_IMPLEMENTATION && !defined RBDI_DERIVATIVES_IMPLEMENTED
 #define RBDI_DERIVATIVES_IMPLEMENTED
 
+RBDI_CODE_BEGIN
+
 /* ==== src/derivatives/common_frame.h ==== */
 /* Interface: RBDI_OF */
 
-RBDI_CODE_BEGIN
 #if RBDI_GCC && RBDI_FOR_SPEED
 #define RBDI_UNROLL_SUMS _Pragma("GCC unroll 14")
 #else

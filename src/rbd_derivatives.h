@@ -61,6 +61,8 @@ RBDI_EXTERN_C_END
 #if defined RBD_IMPLEMENTATION && !defined RBDI_DERIVATIVES_IMPLEMENTED
 #define RBDI_DERIVATIVES_IMPLEMENTED
 
+RBDI_CODE_BEGIN
+
 #include "derivatives/common_frame.h"
 #include "derivatives/subtrees.h"
 #include "derivatives/entries.h"

@@ -6,7 +6,6 @@
 
 /* Interface: RBDI_OF */
 
-RBDI_CODE_BEGIN
 #if RBDI_GCC && RBDI_FOR_SPEED
 #define RBDI_UNROLL_SUMS _Pragma("GCC unroll 14")
 #else
