@@ -293,14 +293,14 @@ typedef struct rbdi_entry {
     int16_t parent; /* -1 = none */
     int16_t batch, lane;
     int16_t of_source; /* inverse of source: the dof whose source is this index */
-    int32_t at;        /* index of its scalar in the first component of rbdi_columns */
+    int32_t at;        /* index of its scalar in the first field of rbdi_columns, counted from d->columns */
     int32_t row;       /* index of its row in a square matrix */
 } rbdi_entry;
 
 /* A batch in which dofs are ancestors of a dof or in its subtree, with a bit for each such lane. */
 typedef struct rbdi_relatives {
-    int32_t at;     /* index of the batch in scalars; -1 ends a list */
-    int16_t row;    /* index of the batch in a row of entries */
+    int32_t batch;  /* -1 ends a list */
+    int16_t row;    /* index of the batch's first scalar in a row of entries */
     int16_t whole;  /* in the first of a list: the list has all batches but those of a free base */
     uint64_t lanes; /* as wide as a lane of doubles, with which it is compared */
 } rbdi_relatives;
@@ -319,16 +319,18 @@ struct rbd_derivatives {
     rbdi_v3 up;            /* -gravity, likewise */
     rbdi_columns *columns; /* batches */
     rbdi_constants *constants;
-    rbd_real *a;           /* n: acceleration of forward dynamics */
+    rbd_real *a;           /* n, forward dynamics: tau less the bias force, then the acceleration */
     rbdi_entry *entry;     /* n */
     rbdi_segment *segment; /* segments */
     int16_t *origin;       /* nl: root of the tree that has the common origin in this link, else -1 */
     rbdi_relatives
-        *relatives; /* n x 3 lists: batches with dofs on the path only, with both, in the subtree */
-    rbd_const mass; /* of all bodies that a joint moves */
+        *relatives;       /* n x 3 lists: batches with dofs on the path only, with both, in the subtree */
+    uint64_t *lanes;      /* batches: bits as in rbdi_relatives, of one dof, while the lists are made */
+    unsigned char *given; /* n: argument of rbd_hybrid in rbd_id_free_base */
+    rbd_const mass;       /* of all bodies that a joint moves */
 };
 
-#define RBDI_COLUMN_SIZE 110 /* scalars of a dof in rbdi_columns */
+#define RBDI_COLUMN_SIZE 116 /* scalars of a dof in rbdi_columns */
 #define RBDI_CONSTANT 17     /* in rbdi_constants */
 #if defined RBD_LANES || RBDI_WIDEST_SIMD == 0
 #define RBDI_SURPLUS 0
@@ -336,14 +338,15 @@ struct rbd_derivatives {
 #else
 #define RBDI_SURPLUS (2 * RBDI_CHUNK - 2) /* those of a free base and the others to whole batches */
 #define RBDI_RELATIVES(n, padded) \
-    ((size_t)(n) * ((size_t)(padded) / 2 + 3) * sizeof(rbdi_relatives)) /* from 2 lanes on */
+    ((size_t)(n) * ((size_t)(padded) / 2 + 3) * sizeof(rbdi_relatives) + \
+     (size_t)(padded) / 2 * sizeof(uint64_t)) /* from 2 lanes on */
 #endif
 
 /* Bytes for nl links and n dofs, padded. */
 #define RBDI_DERIVATIVES_BYTES(nl, n, padded) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_derivatives)) + \
      (size_t)(padded) * (RBDI_COLUMN_SIZE * sizeof(rbd_real) + RBDI_CONSTANT * sizeof(rbd_const)) + \
-     (size_t)(n) * (sizeof(rbd_real) + sizeof(rbdi_entry)) + \
+     (size_t)(n) * (sizeof(rbd_real) + sizeof(rbdi_entry) + 1) + \
      (size_t)(nl) * (sizeof(rbdi_segment) + sizeof(int16_t)) + RBDI_RELATIVES(n, padded))
 
 /* Bytes that suffice for any model with nb bodies and nv degrees of freedom, without or with mimic joints
@@ -419,6 +422,10 @@ typedef struct rbdi_b3 {
     rbdi_batch x, y, z;
 } rbdi_b3;
 
+typedef struct rbdi_b33 { /* rows of a matrix */
+    rbdi_b3 x, y, z;
+} rbdi_b33;
+
 typedef struct rbdi_bmotion {
     rbdi_b3 omega, v;
 } rbdi_bmotion;
@@ -436,14 +443,51 @@ typedef struct rbdi_sums {
     rbdi_bforce f;
 } rbdi_sums;
 
+/* A motion that is summed over ancestors. */
+typedef struct rbdi_carried {
+    rbdi_bmotion p;     /* of the parent link */
+    rbdi_bmotion joint; /* the joint's part: p + joint is the motion of the link */
+} rbdi_carried;
+
+/* The columns that only derivatives by q need. */
+typedef struct rbdi_by_q {
+    rbdi_bmotion Phi;
+    rbdi_bforce E;
+} rbdi_by_q;
+
+/* The effect of joint accelerations alone, at rest and without gravity. */
+typedef struct rbdi_response {
+    rbdi_carried A;
+    rbdi_bforce F_qdd; /* F qdd, then its sum over the subtree */
+} rbdi_response;
+
+/* Motion of a dof's link, from which the unit wrenches of its bodies follow. */
+typedef struct rbdi_link_motion {
+    rbdi_b3 omega, omega_dot, acc; /* acc of the link-fixed point at the common origin */
+    rbdi_b33 Omega;
+} rbdi_link_motion;
+
 struct rbdi_columns {
-    rbdi_b3 ex, ey, ez, x;
-    rbdi_bmotion S, Vp, dV, Psi, U, Ap, dA, Phi; /* dV = V - V_p, dA = A - A_p; rbdi_sum_ancestors needs
-                                                    this order */
-    rbdi_sums sum;
-    rbdi_bforce F, D, E;
-    rbdi_b3 T;
-    rbdi_batch qd, qdd;
+    rbdi_b3 ex, ey, ez; /* axes of the dof's link, cycled so that the dof's own is ez */
+    rbdi_b3 x;          /* origin of the link */
+    rbdi_bmotion S;     /* motion of the link for a unit velocity of the dof; a free base's are constants */
+    rbdi_carried V;     /* velocity */
+    rbdi_bmotion Psi;   /* rate of S as if the parent alone carried it */
+    rbdi_bmotion U;     /* the motion that I multiplies in D */
+    rbdi_carried A;     /* acceleration, with that of gravity */
+    rbdi_sums sum;      /* of the dof's subtree; rbdi_sum_subtrees makes it from those of the links */
+    rbdi_bforce F;      /* column of M */
+    rbdi_bforce D;      /* column of the derivative by v or, for rbd_coriolis, of C */
+    rbdi_b3 T;          /* moment that gives rows of the same matrix */
+    rbdi_batch qd, qdd; /* velocity and acceleration of the dof */
+    union {             /* a call has each of these only from its own step on */
+        rbdi_by_q by_q; /* rbdi_columns_by_q and what follows */
+        rbdi_response response; /* rbdi_add_acceleration, before by_q */
+        rbdi_link_motion link;  /* rbd_regressor */
+        rbdi_bforce momentum;   /* rbdi_put_momenta: F in world axes, moments about the centre of mass */
+        rbdi_bmotion mover;     /* derivatives of constraints, after by_q: (z; s), world axes, of [derivatives
+                                   code] in rbd_constraints.h */
+    } stage;
 };
 
 struct rbdi_constants {
@@ -502,8 +546,11 @@ RBDI_INLINE rbdi_bmotion rbdi_b_motion_cross(rbdi_bmotion V, rbdi_bmotion S) {
     return c;
 }
 
-/* The first component of a field of dof k. The next components follow RBDI_BATCH scalars apart. */
-#define RBDI_OF(d, k, field) ((rbd_real *)&(d)->columns->field + (d)->entry[k].at)
+/* Index of a field in the scalars of rbdi_columns; the field of the first batch; that of dof k. The components
+   of a field are RBDI_BATCH scalars apart. */
+#define RBDI_PLACE(field) (offsetof(rbdi_columns, field) / sizeof(rbd_real))
+#define RBDI_FIELD(d, field) ((rbd_real *)(d)->columns + RBDI_PLACE(field))
+#define RBDI_OF(d, k, field) (RBDI_FIELD(d, field) + (d)->entry[k].at)
 
 RBDI_INLINE int rbdi_last_dof(const rbd_model *m, int link) {
     return m->link[link].first + rbdi_link_dofs(m, &m->link[link]) - 1;
@@ -593,12 +640,13 @@ RBDI_PART void rbdi_motion_columns(rbd_derivatives *d, int b) {
     }
 }
 
-/* Sums over ancestors: Vp from dV, or Ap from dA, which begins `apart` scalars behind. world: V or A of the
-   roots' parent or, with a base, of the base. moves: whether the frame moves with its origin, so that the
-   velocity of that is subtracted. */
-RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, ptrdiff_t apart,
-                                    rbdi_motion world, int moves) {
+/* Sums over ancestors: p of an rbdi_carried, whose first scalar is V, from the parts of the joints. world: the
+   motion of the roots' parent or, with a base, of the base. moves: whether the frame moves with its origin, so
+   that the velocity of that is subtracted. */
+RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, rbdi_motion world,
+                                    int moves) {
     const rbdi_entry *entry = d->entry;
+    const ptrdiff_t apart = offsetof(rbdi_carried, joint) / sizeof(rbd_real);
     if (base) {
         rbdi_store_motion(Vp + entry[base - 1].at, RBDI_BATCH, world);
         rbdi_store_motion(Vp + entry[base - 1].at + apart, RBDI_BATCH, rbdi_motion0());
@@ -660,15 +708,16 @@ RBDI_INLINE void rbdi_velocities(const rbd_model *m, rbd_derivatives *d, int bas
     const int first = base ? d->behind : 0;
     rbdi_motion world = rbdi_motion0();
     if (base) world.omega = d->V.omega;
-    rbdi_spread(d, base, rbdi_expand_v(m, v, d->work->vx), (rbd_real *)&d->columns->qd);
+    rbdi_spread(d, base, rbdi_expand_v(m, v, d->work->vx), RBDI_FIELD(d, qd));
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
-        c->dV = rbdi_b_motion_scale(c->qd, c->S);
+        c->V.joint = rbdi_b_motion_scale(c->qd, c->S);
     }
-    rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Vp, 6 * RBDI_BATCH, world, 1);
+    rbdi_sum_ancestors(d, base, RBDI_FIELD(d, V), world, 1);
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
-        const rbdi_bmotion V = rbdi_b_motion_add(c->Vp, c->dV), S = c->S, Psi = rbdi_b_motion_cross(c->Vp, S);
+        const rbdi_bmotion V = rbdi_b_motion_add(c->V.p, c->V.joint), S = c->S,
+                           Psi = rbdi_b_motion_cross(c->V.p, S);
         c->Psi = Psi;
         if (need & RBDI_NEED_CORIOLIS)
             c->U = rbdi_b_motion_cross(V, S);
@@ -687,12 +736,12 @@ RBDI_INLINE void rbdi_accelerations(const rbd_model *m, rbd_derivatives *d, int 
         A = rbdi_load_motion(a, 1);
         A.v = rbdi_add(rbdi_add(A.v, d->up), rbdi_cross(d->V.omega, d->V.v));
     }
-    rbdi_spread(d, base, rbdi_expand_v(m, a, d->work->ax), (rbd_real *)&d->columns->qdd);
+    rbdi_spread(d, base, rbdi_expand_v(m, a, d->work->ax), RBDI_FIELD(d, qdd));
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
-        c->dA = rbdi_b_motion_add(rbdi_b_motion_scale(c->qd, c->Psi), rbdi_b_motion_scale(c->qdd, c->S));
+        c->A.joint = rbdi_b_motion_add(rbdi_b_motion_scale(c->qd, c->Psi), rbdi_b_motion_scale(c->qdd, c->S));
     }
-    rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Ap, 6 * RBDI_BATCH, A, 0);
+    rbdi_sum_ancestors(d, base, RBDI_FIELD(d, A), A, 0);
 }
 
 /* R (x; y; z) of constants in the axes of the links. */
@@ -732,9 +781,6 @@ RBDI_INLINE void rbdi_own_momentum(rbdi_bmotion V, const rbdi_constants *own, rb
 }
 
 /* The rows of Omega. */
-typedef struct rbdi_b33 {
-    rbdi_b3 x, y, z;
-} rbdi_b33;
 RBDI_INLINE rbdi_b33 rbdi_b_omega(rbdi_b3 w, rbdi_b3 alpha) {
     rbdi_b33 O;
     O.x = rbdi_b_vec(-(w.y * w.y + w.z * w.z), w.x * w.y - alpha.z, w.x * w.z + alpha.y);
@@ -812,7 +858,7 @@ RBDI_INLINE void rbdi_sum_components(rbd_derivatives *d, const rbdi_segment *roo
     }
 }
 RBDI_INLINE void rbdi_sum_subtrees(rbd_derivatives *d, const rbdi_segment *root, int need) {
-    rbd_real *x = (rbd_real *)&d->columns->sum;
+    rbd_real *x = RBDI_FIELD(d, sum);
     if (!(need & RBDI_NEED_V)) {
         rbdi_sum_components(d, root, x, 9);
         if (need & RBDI_NEED_WRENCH) rbdi_sum_components(d, root, x + 21 * RBDI_BATCH, 6);
@@ -862,13 +908,13 @@ RBDI_PART void rbdi_columns_by_q(rbd_derivatives *d) {
         rbdi_columns *c = &d->columns[b];
         const rbdi_sums *s = &c->sum;
         const rbdi_bmotion S = c->S,
-                           Phi = rbdi_b_motion_cross_add(rbdi_b_motion_cross(c->Ap, S), c->Vp, c->Psi);
+                           Phi = rbdi_b_motion_cross_add(rbdi_b_motion_cross(c->A.p, S), c->V.p, c->Psi);
         const rbdi_bforce f = s->f;
         rbdi_bforce E =
             rbdi_subtree_B_add(rbdi_inertia_times(s, d->constants[b].subtree, Phi), s, c->Psi.omega);
         E.n = rbdi_b_cross_add(rbdi_b_cross_add(E.n, S.omega, f.n), S.v, f.f);
         E.f = rbdi_b_cross_add(E.f, S.omega, f.f);
-        c->Phi = Phi, c->E = E;
+        c->stage.by_q.Phi = Phi, c->stage.by_q.E = E;
     }
 }
 /* F and, if needed, D and T of a batch of dofs. */
@@ -910,8 +956,8 @@ RBDI_INLINE void rbdi_own_sums(const rbd_model *m, rbd_derivatives *d, int base,
         rbdi_bmotion V;
         rbdi_sums s; /* not in place: what lies in memory is read again after every store */
         rbdi_own_inertia(c, own, &s);
-        if (need) V = rbdi_b_motion_add(c->Vp, c->dV);
-        if (need & RBDI_NEED_WRENCH) rbdi_own_wrench(V, rbdi_b_motion_add(c->Ap, c->dA), own, &s);
+        if (need) V = rbdi_b_motion_add(c->V.p, c->V.joint);
+        if (need & RBDI_NEED_WRENCH) rbdi_own_wrench(V, rbdi_b_motion_add(c->A.p, c->A.joint), own, &s);
         if (need & RBDI_NEED_V)
             rbdi_own_momentum(need & RBDI_NEED_CORIOLIS ? V : rbdi_b_motion_add(V, V), own, &s);
         rbdi_store_sums(&s, need, &c->sum);
@@ -989,14 +1035,15 @@ RBDI_INLINE rbdi_batch rbdi_b_force_dot(rbdi_bforce F, rbdi_motion S) {
 /* Entries of a dof, whose columns are F and T, with a batch of dofs on its path. */
 RBDI_INLINE void rbdi_entries_before(const rbdi_columns *c, int want, rbdi_force F, rbdi_v3 T,
                                      rbdi_batch y[RBDI_RESULTS]) {
-    if (want & RBDI_WANT_Q) y[RBDI_BY_Q] = rbdi_b_dot(c->Psi.omega, T) + rbdi_b_motion_dot(c->Phi, F);
+    if (want & RBDI_WANT_Q)
+        y[RBDI_BY_Q] = rbdi_b_dot(c->Psi.omega, T) + rbdi_b_motion_dot(c->stage.by_q.Phi, F);
     if (want & RBDI_WANT_V) y[RBDI_BY_V] = rbdi_b_dot(c->S.omega, T) + rbdi_b_motion_dot(c->U, F);
     if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_motion_dot(c->S, F);
 }
 /* Entries of a dof, whose column is S, with a batch of dofs in its subtree. */
 RBDI_INLINE void rbdi_entries_behind(const rbdi_columns *c, int want, rbdi_motion S,
                                      rbdi_batch y[RBDI_RESULTS]) {
-    if (want & RBDI_WANT_Q) y[RBDI_BY_Q] = rbdi_b_force_dot(c->E, S);
+    if (want & RBDI_WANT_Q) y[RBDI_BY_Q] = rbdi_b_force_dot(c->stage.by_q.E, S);
     if (want & RBDI_WANT_V) y[RBDI_BY_V] = rbdi_b_force_dot(c->D, S);
     if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_force_dot(c->F, S);
 }
@@ -1036,23 +1083,22 @@ RBDI_INLINE void rbdi_put_lanes(const rbdi_batch *y, rbdi_bits lanes, int want, 
 /* The row of the dof at e, from the columns behind a free base on: the batches of its relatives. */
 RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, const rbdi_relatives *rel,
                               int want, rbdi_wanted row) {
-    const rbd_real *x = (const rbd_real *)columns;
-    const rbdi_columns *own = (const rbdi_columns *)(const void *)(x + e->at);
+    const rbd_real *own = (const rbd_real *)columns + e->at;
     const rbdi_batch zero = rbdi_zero_batch();
     rbdi_batch y[RBDI_RESULTS] = {zero, zero, zero}, z[RBDI_RESULTS] = {zero, zero, zero};
-    if (rel->at >= 0) {
-        const rbdi_force F = rbdi_load_force((const rbd_real *)&own->F, RBDI_BATCH);
-        const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T, RBDI_BATCH);
+    if (rel->batch >= 0) {
+        const rbdi_force F = rbdi_load_force(own + RBDI_PLACE(F), RBDI_BATCH);
+        const rbdi_v3 T = rbdi_load_vec(own + RBDI_PLACE(T), RBDI_BATCH);
         do {
-            rbdi_entries_before((const rbdi_columns *)(const void *)(x + rel->at), want, F, T, y);
+            rbdi_entries_before(columns + rel->batch, want, F, T, y);
             rbdi_put_lanes(y, rbdi_lanes_of(rel, RBDI_ON_PATH), want, row, rel->row);
-        } while ((++rel)->at >= 0);
+        } while ((++rel)->batch >= 0);
     }
-    for (++rel; rel->at >= 0; ++rel) {
-        const rbdi_columns *c = (const rbdi_columns *)(const void *)(x + rel->at);
-        const rbdi_force F = rbdi_load_force((const rbd_real *)&own->F, RBDI_BATCH);
-        const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T, RBDI_BATCH);
-        const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S, RBDI_BATCH);
+    for (++rel; rel->batch >= 0; ++rel) {
+        const rbdi_columns *c = columns + rel->batch;
+        const rbdi_force F = rbdi_load_force(own + RBDI_PLACE(F), RBDI_BATCH);
+        const rbdi_v3 T = rbdi_load_vec(own + RBDI_PLACE(T), RBDI_BATCH);
+        const rbdi_motion S = rbdi_load_motion(own + RBDI_PLACE(S), RBDI_BATCH);
         const rbdi_bits before = rbdi_lanes_of(rel, RBDI_ON_PATH),
                         behind = rbdi_lanes_of(rel, RBDI_IN_SUBTREE);
         rbdi_entries_before(c, want, F, T, y);
@@ -1062,12 +1108,12 @@ RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, 
             if (want >> r & 1) *(rbdi_batch *)(row.at[r] + rel->row) = y[r];
         }
     }
-    if ((++rel)->at >= 0) {
-        const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S, RBDI_BATCH);
+    if ((++rel)->batch >= 0) {
+        const rbdi_motion S = rbdi_load_motion(own + RBDI_PLACE(S), RBDI_BATCH);
         do {
-            rbdi_entries_behind((const rbdi_columns *)(const void *)(x + rel->at), want, S, y);
+            rbdi_entries_behind(columns + rel->batch, want, S, y);
             rbdi_put_lanes(y, rbdi_lanes_of(rel, RBDI_IN_SUBTREE), want, row, rel->row);
-        } while ((++rel)->at >= 0);
+        } while ((++rel)->batch >= 0);
     }
 }
 RBDI_INLINE void rbdi_clear_row(int n, int want, rbdi_wanted row) {
@@ -1080,19 +1126,22 @@ RBDI_INLINE void rbdi_clear_row(int n, int want, rbdi_wanted row) {
 /* Stores the rows of all dofs behind a free base. The last batch of a row may overwrite the beginning of
    the next row, which is stored later, as are the columns of a base. A row whose last batch would pass the
    end of the matrix is computed in scratch memory and copied. */
-RBDI_INLINE void rbdi_put_rows_in_place(const rbd_derivatives d, int want, int zeros, rbdi_wanted out) {
-    const int n = d.n - d.base, last = d.n * d.n - (d.batches - d.behind) * RBDI_BATCH;
-    const ptrdiff_t length = rbdi_relatives_length(&d);
-    const rbdi_relatives *list = d.relatives + d.base * length;
-    for (const rbdi_entry *p = d.entry + d.base, *end = d.entry + d.n; p < end; ++p, list += length) {
-        const rbdi_entry *e = d.entry + p->of_source;
-        const int at = e->row + d.base, fits = at <= last;
+RBDI_INLINE void rbdi_put_rows_in_place(const rbd_derivatives *d, int want, int zeros, rbdi_wanted out) {
+    const int base = d->base, n = d->n - base, last = d->n * d->n - (d->batches - d->behind) * RBDI_BATCH;
+    const ptrdiff_t length = rbdi_relatives_length(d), stride = rbdi_stride(d->model);
+    const rbdi_columns *columns = d->columns; /* copies: the compiler cannot know that no store changes d */
+    const rbdi_entry *entry = d->entry;
+    const rbdi_relatives *list = d->relatives + base * length;
+    rbd_real *spare = d->work->F;
+    for (const rbdi_entry *p = entry + base, *end = entry + d->n; p < end; ++p, list += length) {
+        const rbdi_entry *e = entry + p->of_source;
+        const int at = e->row + base, fits = at <= last;
         rbdi_wanted row = out;
         RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
-            if (want >> r & 1) row.at[r] = fits ? out.at[r] + at : d.work->F + r * rbdi_stride(d.model);
+            if (want >> r & 1) row.at[r] = fits ? out.at[r] + at : spare + r * stride;
         }
         if (!list->whole && (zeros || !fits)) rbdi_clear_row(n, want, row);
-        rbdi_put_row(d.columns, e, list, want, row);
+        rbdi_put_row(columns, e, list, want, row);
         if (fits) continue;
         RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
             if (want >> r & 1) rbdi_copy(row.at[r], n, out.at[r] + at);
@@ -1118,7 +1167,7 @@ RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rb
     if (rbdi_mimics(d->model))
         rbdi_add_rows(d, want, out);
     else
-        rbdi_put_rows_in_place(*d, want, zeros, out); /* a copy: no store into a result can change it */
+        rbdi_put_rows_in_place(d, want, zeros, out);
 }
 #else
 /* Stores or, with mimic joints, adds the entries y of two dofs. */
@@ -1179,7 +1228,8 @@ RBDI_INLINE void rbdi_base_columns(const rbd_derivatives *d, int want) {
         if (want & RBDI_WANT_V)
             c->D = rbdi_subtree_B_add(rbdi_inertia_times(&s, mass, rbdi_b_motion_cross(V, S)), &s, S.omega);
         if (want & RBDI_WANT_Q)
-            c->E.n = rbdi_b_cross(s.h, a), c->E.f = rbdi_b_vec(a.x * mass, a.y * mass, a.z * mass);
+            c->stage.by_q.E.n = rbdi_b_cross(s.h, a),
+            c->stage.by_q.E.f = rbdi_b_vec(a.x * mass, a.y * mass, a.z * mass);
     }
 }
 /* Stores n components of all dofs, from x on, as rows of a matrix. A batch may overwrite the beginning of
@@ -1261,7 +1311,7 @@ RBDI_PART void rbdi_put_block_entries(const rbd_derivatives *d, rbd_real *by_q) 
             for (int j = i + 1; j < seg->end; ++j)
                 by_q[d->entry[i].row + d->entry[j].user] =
                     rbdi_dot(T, rbdi_load_vec(RBDI_OF(d, j, Psi.omega), RBDI_BATCH)) +
-                    rbdi_power(rbdi_load_motion(RBDI_OF(d, j, Phi), RBDI_BATCH), F);
+                    rbdi_power(rbdi_load_motion(RBDI_OF(d, j, stage.by_q.Phi), RBDI_BATCH), F);
         }
 }
 /* Adds the rotors' inertias to the diagonal of M. */
@@ -1285,9 +1335,9 @@ RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rb
             if (out.at[r]) rbdi_clear(out.at[r], m->nv * m->nv);
     if (d->base) {
         rbdi_base_columns(d, want);
-        if (by_q) rbdi_put_components(d, (const rbd_real *)&d->columns->E, 6, PTRDIFF_MAX, by_q);
-        if (by_v) rbdi_put_components(d, (const rbd_real *)&d->columns->D, 6, PTRDIFF_MAX, by_v);
-        if (M) rbdi_put_components(d, (const rbd_real *)&d->columns->F, 6, PTRDIFF_MAX, M);
+        if (by_q) rbdi_put_components(d, RBDI_FIELD(d, stage.by_q.E), 6, PTRDIFF_MAX, by_q);
+        if (by_v) rbdi_put_components(d, RBDI_FIELD(d, D), 6, PTRDIFF_MAX, by_v);
+        if (M) rbdi_put_components(d, RBDI_FIELD(d, F), 6, PTRDIFF_MAX, M);
     }
     if (RBDI_FOR_SPEED && want == (RBDI_WANT_Q | RBDI_WANT_V)) /* the most common ones, as constants */
         rbdi_put_rows(d, RBDI_WANT_Q | RBDI_WANT_V, zeros, out);
@@ -1428,7 +1478,7 @@ RBDI_PART void rbdi_assign_lanes(const rbd_model *m, rbd_derivatives *d) {
 #if RBDI_BATCH > 1
 /* The lists of all dofs behind a free base: batches on the path only, both, in the subtree only. */
 RBDI_PART void rbdi_init_relatives(rbd_derivatives *d) {
-    uint64_t *lanes = (uint64_t *)(void *)d->columns; /* of each batch: they are not in use yet */
+    uint64_t *lanes = d->lanes;
     for (int i = d->base; i < d->n; ++i) {
         rbdi_relatives *list = rbdi_relatives_of(d, i), *rel = list;
         for (int b = 0; b < d->batches; ++b) lanes[b] = 0;
@@ -1441,11 +1491,11 @@ RBDI_PART void rbdi_init_relatives(rbd_derivatives *d) {
                 const int subtree = lanes[b] >> RBDI_IN_SUBTREE != 0,
                           path = lanes[b] % ((uint64_t)1 << RBDI_IN_SUBTREE) != 0;
                 if (path + subtree == 0 || subtree + (subtree && !path) != which) continue;
-                rel->at = b * RBDI_COLUMN_SIZE * RBDI_BATCH,
+                rel->batch = b;
                 rel->row = (int16_t)((b - d->behind) * RBDI_BATCH);
                 (rel++)->lanes = lanes[b];
             }
-            rel->at = -1;
+            rel->batch = -1;
         }
         list->whole = rel - list == rbdi_relatives_length(d);
     }
@@ -1482,12 +1532,14 @@ RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *
     d->columns = (rbdi_columns *)rbdi_take(&p, d->batches, sizeof(rbdi_columns));
 #if RBDI_BATCH > 1
     d->relatives = (rbdi_relatives *)rbdi_take(&p, d->n * rbdi_relatives_length(d), sizeof(rbdi_relatives));
+    d->lanes = (uint64_t *)rbdi_take(&p, d->batches, sizeof(uint64_t));
 #endif
     d->a = (rbd_real *)rbdi_take(&p, d->n, sizeof(rbd_real));
     d->constants = (rbdi_constants *)rbdi_take(&p, d->batches, sizeof(rbdi_constants));
     d->entry = (rbdi_entry *)rbdi_take(&p, d->n, sizeof(rbdi_entry));
     d->segment = (rbdi_segment *)rbdi_take(&p, m->nl, sizeof(rbdi_segment));
     d->origin = (int16_t *)rbdi_take(&p, m->nl, sizeof(int16_t));
+    d->given = (unsigned char *)rbdi_take(&p, d->n, 1);
     constants = (rbd_const *)d->constants;
     for (int k = 0; k < RBDI_CONSTANT * padded; ++k) constants[k] = RBD_C(0);
     d->segments = 0, d->mass = RBD_C(0), d->keep_zeros = 0;
@@ -1575,14 +1627,14 @@ RBDI_INLINE void rbdi_put_momenta(const rbd_derivatives *d, rbdi_v3 com, rbd_rea
                                   rbd_real *out) {
     const rbd_model *m = d->model;
     const rbdi_mat *E = &d->work->block->X.E; /* if there is a base */
-    const rbd_real *x = (const rbd_real *)(rows == 3 ? &d->columns->E.f : &d->columns->E.n);
+    const rbd_real *x = rows == 3 ? RBDI_FIELD(d, stage.momentum.f) : RBDI_FIELD(d, stage.momentum);
     if (d->base) rbdi_base_columns(d, RBDI_WANT_M);
     for (int b = 0; b < d->batches; ++b) {
         rbdi_bforce F = d->columns[b].F;
         F.n = rbdi_b_cross_add(F.n, F.f, rbdi_b_all(com));
         if (d->base) F.n = rbdi_b_mul_t(*E, F.n), F.f = rbdi_b_mul_t(*E, F.f);
         F.f = rbdi_b_vec(F.f.x * scale, F.f.y * scale, F.f.z * scale);
-        d->columns[b].E = F;
+        d->columns[b].stage.momentum = F;
     }
     if (!rbdi_mimics(m) && 2 * m->nv >= RBDI_BATCH) {
         rbdi_put_components(d, x, rows, rows * m->nv, out);
@@ -1807,7 +1859,7 @@ RBDI_PART void rbdi_put_torques(const rbd_model *m, const rbd_derivatives *d, rb
 RBDI_COLD rbd_status rbdi_hybrid_free_base(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                            const rbd_real *v, const rbd_real *f_ext, rbd_real *a,
                                            rbd_real *tau) {
-    unsigned char *given = (unsigned char *)d->a; /* not needed otherwise */
+    unsigned char *given = d->given;
     int bases = 0;
     for (int k = 0; k < m->nv; ++k) given[k] = 1;
     for (int i = 0; i < m->nl; ++i) {
@@ -1928,12 +1980,12 @@ RBDI_COLD void rbdi_factor_again(const rbd_model *m, rbd_work *w) {
 /* x = tau - c. */
 RBDI_PART void rbdi_net_torque(const rbd_model *m, rbd_derivatives *d, const rbd_real *tau, rbd_real *x) {
     rbd_real *bias = rbdi_mimics(m) ? d->work->tx : x;
-    for (int b = d->base ? d->behind : 0; b < d->batches; ++b) {
-        rbdi_columns *c = &d->columns[b];
-        c->qdd = rbdi_b_power(c->S, c->sum.f);
+    for (int b = d->behind, k = d->base; b < d->batches; ++b, k += RBDI_BATCH) {
+        const rbdi_columns *c = &d->columns[b];
+        const rbdi_batch torque = rbdi_b_power(c->S, c->sum.f);
+        rbdi_copy((const rbd_real *)&torque, d->n - k < RBDI_BATCH ? d->n - k : RBDI_BATCH, bias + k);
     }
     if (d->base) rbdi_store_force(bias, 1, rbdi_load_force(RBDI_OF(d, d->base - 1, sum.f), RBDI_BATCH));
-    for (int k = d->base; k < d->n; ++k) bias[d->entry[k].source] = *RBDI_OF(d, k, qdd);
     rbdi_reduce_tau(m, d->work->tx, x);
     for (int k = 0; k < m->nv; ++k) x[k] = tau[k] - x[k];
 }
@@ -1941,21 +1993,23 @@ RBDI_PART void rbdi_net_torque(const rbd_model *m, rbd_derivatives *d, const rbd
 /* Adds the effect of a to A_p and f of all dofs. */
 RBDI_PART void rbdi_add_acceleration(const rbd_model *m, rbd_derivatives *d, const rbd_real *a) {
     const int base = d->base, first = base ? d->behind : 0;
-    rbdi_spread(d, base, rbdi_expand_v(m, a, d->work->ax), (rbd_real *)&d->columns->qdd);
+    rbdi_spread(d, base, rbdi_expand_v(m, a, d->work->ax), RBDI_FIELD(d, qdd));
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
-        c->dA = rbdi_b_motion_scale(c->qdd, c->S);
-        c->E.n = rbdi_b_scale(c->qdd, c->F.n), c->E.f = rbdi_b_scale(c->qdd, c->F.f);
+        c->stage.response.A.joint = rbdi_b_motion_scale(c->qdd, c->S);
+        c->stage.response.F_qdd.n = rbdi_b_scale(c->qdd, c->F.n);
+        c->stage.response.F_qdd.f = rbdi_b_scale(c->qdd, c->F.f);
     }
-    rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Phi, -6 * RBDI_BATCH,
+    rbdi_sum_ancestors(d, base, RBDI_FIELD(d, stage.response.A),
                        base ? rbdi_load_motion(a, 1) : rbdi_motion0(), 0);
-    rbdi_sum_components(d, d->segment, (rbd_real *)&d->columns->E, 6);
+    rbdi_sum_components(d, d->segment, RBDI_FIELD(d, stage.response.F_qdd), 6);
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
-        const rbdi_bforce f =
-            rbdi_b_force_add(rbdi_inertia_times(&c->sum, d->constants[b].subtree, c->Phi), c->E);
+        const rbdi_bmotion A_p = c->stage.response.A.p;
+        const rbdi_bforce f = rbdi_b_force_add(rbdi_inertia_times(&c->sum, d->constants[b].subtree, A_p),
+                                               c->stage.response.F_qdd);
         c->sum.f = rbdi_b_force_add(c->sum.f, f);
-        c->Ap = rbdi_b_motion_add(c->Ap, c->Phi);
+        c->A.p = rbdi_b_motion_add(c->A.p, A_p);
     }
     rbdi_columns_by_q(d);
 }
@@ -2075,16 +2129,16 @@ RBDI_INLINE rbdi_v3 rbdi_origin_of(const rbdi_placement *p) {
     return rbdi_vec(rbdi_one_of(&p->row[0], 0), rbdi_one_of(&p->row[1], 0), rbdi_one_of(&p->row[2], 0));
 }
 
-/* Stores the motion of all links, for the unit wrenches of their bodies, in unused fields: Omega in the
-   rows of X, acc in P, omega and omega_dot in U. */
-RBDI_PART void rbdi_link_motion(rbd_derivatives *d, int base) {
+/* The motion of all links, for the unit wrenches of their bodies. */
+RBDI_PART void rbdi_link_motions(rbd_derivatives *d, int base) {
     for (int b = rbdi_first_inertia(d, base); b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
-        const rbdi_bmotion V = rbdi_b_motion_add(c->Vp, c->dV), A = rbdi_b_motion_add(c->Ap, c->dA);
-        const rbdi_b33 O = rbdi_b_omega(V.omega, A.omega);
-        c->sum.Xx = O.x, c->sum.Xy = O.y, c->sum.Xz = O.z;
-        c->sum.P = rbdi_b_cross_add(A.v, V.omega, V.v);
-        c->U.omega = V.omega, c->U.v = A.omega;
+        const rbdi_bmotion V = rbdi_b_motion_add(c->V.p, c->V.joint),
+                           A = rbdi_b_motion_add(c->A.p, c->A.joint);
+        c->stage.link.Omega = rbdi_b_omega(V.omega, A.omega);
+        c->stage.link.acc = rbdi_b_cross_add(A.v, V.omega, V.v);
+        c->stage.link.omega = V.omega;
+        c->stage.link.omega_dot = A.omega;
     }
 }
 
@@ -2093,9 +2147,11 @@ RBDI_PART void rbdi_link_motion(rbd_derivatives *d, int base) {
    inertia: I omega_dot + omega x I omega, in body axes. Its forces are zero and not written. */
 RBDI_PART void rbdi_unit_wrenches(const rbd_derivatives *d, int last, const rbdi_placement *p, rbd_real *K,
                                   ptrdiff_t stride) {
-    const rbdi_v3 omega = rbdi_to_body(p, rbdi_load_vec(RBDI_OF(d, last, U.omega), RBDI_BATCH)),
-                  omega_dot = rbdi_to_body(p, rbdi_load_vec(RBDI_OF(d, last, U.v), RBDI_BATCH));
-    const rbd_real *Omega = RBDI_OF(d, last, sum.Xx), *acc = RBDI_OF(d, last, sum.P), o = rbdi_zero();
+    const rbdi_v3 omega = rbdi_to_body(p, rbdi_load_vec(RBDI_OF(d, last, stage.link.omega), RBDI_BATCH)),
+                  omega_dot =
+                      rbdi_to_body(p, rbdi_load_vec(RBDI_OF(d, last, stage.link.omega_dot), RBDI_BATCH));
+    const rbd_real *Omega = RBDI_OF(d, last, stage.link.Omega), *acc = RBDI_OF(d, last, stage.link.acc),
+                   o = rbdi_zero();
     const rbd_real x = omega_dot.x, y = omega_dot.y, z = omega_dot.z;
     const rbd_real xy = omega.x * omega.y, xz = omega.x * omega.z, yz = omega.y * omega.z,
                    xx = omega.x * omega.x, yy = omega.y * omega.y, zz = omega.z * omega.z;
@@ -2154,9 +2210,9 @@ RBDI_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const 
     rbd_real own[60], *K = own;
     int base;
     if (status) return status;
-    entry = d->entry, S = (const rbd_real *)&d->columns->S, base = d->base; /* no store can change them */
+    entry = d->entry, S = RBDI_FIELD(d, S), base = d->base; /* no store can change them */
     rbdi_common_motion(m, d, base, q, v, a, d->work->gravity, RBDI_NEED_WRENCH | RBDI_NEED_WHOLE);
-    rbdi_link_motion(d, base);
+    rbdi_link_motions(d, base);
     if (!d->keep_zeros || rbdi_mimics(m)) rbdi_clear(Y, m->nv * 10 * m->nb);
     for (int i = 0; i < m->nb; ++i, Y += 10) {
         const rbdi_frame *u = &m->frame[i];
@@ -2200,9 +2256,9 @@ RBDI_API rbd_status rbd_energy_regressors(const rbd_model *m, rbd_derivatives *d
         rbdi_place_body(m, d, u, &p);
         if (Y_kinetic) { /* the frame moves with minus the world's velocity in it */
             const int last = rbdi_last_dof(m, u->link);
-            const rbdi_motion world = rbdi_load_motion(RBDI_OF(d, m->link[root].first, Vp), RBDI_BATCH),
-                              V = rbdi_motion_add(rbdi_load_motion(RBDI_OF(d, last, Vp), RBDI_BATCH),
-                                                  rbdi_load_motion(RBDI_OF(d, last, dV), RBDI_BATCH));
+            const rbdi_motion world = rbdi_load_motion(RBDI_OF(d, m->link[root].first, V.p), RBDI_BATCH),
+                              V = rbdi_motion_add(rbdi_load_motion(RBDI_OF(d, last, V.p), RBDI_BATCH),
+                                                  rbdi_load_motion(RBDI_OF(d, last, V.joint), RBDI_BATCH));
             const rbdi_v3 omega = rbdi_to_body(&p, V.omega),
                           v_o = rbdi_to_body(
                               &p, rbdi_add(rbdi_sub(V.v, world.v), rbdi_cross(V.omega, rbdi_origin_of(&p))));

@@ -62,6 +62,10 @@ typedef struct rbdi_b3 {
     rbdi_batch x, y, z;
 } rbdi_b3;
 
+typedef struct rbdi_b33 { /* rows of a matrix */
+    rbdi_b3 x, y, z;
+} rbdi_b33;
+
 typedef struct rbdi_bmotion {
     rbdi_b3 omega, v;
 } rbdi_bmotion;
@@ -79,14 +83,51 @@ typedef struct rbdi_sums {
     rbdi_bforce f;
 } rbdi_sums;
 
+/* A motion that is summed over ancestors. */
+typedef struct rbdi_carried {
+    rbdi_bmotion p;     /* of the parent link */
+    rbdi_bmotion joint; /* the joint's part: p + joint is the motion of the link */
+} rbdi_carried;
+
+/* The columns that only derivatives by q need. */
+typedef struct rbdi_by_q {
+    rbdi_bmotion Phi;
+    rbdi_bforce E;
+} rbdi_by_q;
+
+/* The effect of joint accelerations alone, at rest and without gravity. */
+typedef struct rbdi_response {
+    rbdi_carried A;
+    rbdi_bforce F_qdd; /* F qdd, then its sum over the subtree */
+} rbdi_response;
+
+/* Motion of a dof's link, from which the unit wrenches of its bodies follow. */
+typedef struct rbdi_link_motion {
+    rbdi_b3 omega, omega_dot, acc; /* acc of the link-fixed point at the common origin */
+    rbdi_b33 Omega;
+} rbdi_link_motion;
+
 struct rbdi_columns {
-    rbdi_b3 ex, ey, ez, x;
-    rbdi_bmotion S, Vp, dV, Psi, U, Ap, dA, Phi; /* dV = V - V_p, dA = A - A_p; rbdi_sum_ancestors needs
-                                                    this order */
-    rbdi_sums sum;
-    rbdi_bforce F, D, E;
-    rbdi_b3 T;
-    rbdi_batch qd, qdd;
+    rbdi_b3 ex, ey, ez; /* axes of the dof's link, cycled so that the dof's own is ez */
+    rbdi_b3 x;          /* origin of the link */
+    rbdi_bmotion S;     /* motion of the link for a unit velocity of the dof; a free base's are constants */
+    rbdi_carried V;     /* velocity */
+    rbdi_bmotion Psi;   /* rate of S as if the parent alone carried it */
+    rbdi_bmotion U;     /* the motion that I multiplies in D */
+    rbdi_carried A;     /* acceleration, with that of gravity */
+    rbdi_sums sum;      /* of the dof's subtree; rbdi_sum_subtrees makes it from those of the links */
+    rbdi_bforce F;      /* column of M */
+    rbdi_bforce D;      /* column of the derivative by v or, for rbd_coriolis, of C */
+    rbdi_b3 T;          /* moment that gives rows of the same matrix */
+    rbdi_batch qd, qdd; /* velocity and acceleration of the dof */
+    union {             /* a call has each of these only from its own step on */
+        rbdi_by_q by_q; /* rbdi_columns_by_q and what follows */
+        rbdi_response response; /* rbdi_add_acceleration, before by_q */
+        rbdi_link_motion link;  /* rbd_regressor */
+        rbdi_bforce momentum;   /* rbdi_put_momenta: F in world axes, moments about the centre of mass */
+        rbdi_bmotion mover;     /* derivatives of constraints, after by_q: (z; s), world axes, of [derivatives
+                                   code] in rbd_constraints.h */
+    } stage;
 };
 
 struct rbdi_constants {
@@ -145,8 +186,11 @@ RBDI_INLINE rbdi_bmotion rbdi_b_motion_cross(rbdi_bmotion V, rbdi_bmotion S) {
     return c;
 }
 
-/* The first component of a field of dof k. The next components follow RBDI_BATCH scalars apart. */
-#define RBDI_OF(d, k, field) ((rbd_real *)&(d)->columns->field + (d)->entry[k].at)
+/* Index of a field in the scalars of rbdi_columns; the field of the first batch; that of dof k. The components
+   of a field are RBDI_BATCH scalars apart. */
+#define RBDI_PLACE(field) (offsetof(rbdi_columns, field) / sizeof(rbd_real))
+#define RBDI_FIELD(d, field) ((rbd_real *)(d)->columns + RBDI_PLACE(field))
+#define RBDI_OF(d, k, field) (RBDI_FIELD(d, field) + (d)->entry[k].at)
 
 RBDI_INLINE int rbdi_last_dof(const rbd_model *m, int link) {
     return m->link[link].first + rbdi_link_dofs(m, &m->link[link]) - 1;
@@ -236,12 +280,13 @@ RBDI_PART void rbdi_motion_columns(rbd_derivatives *d, int b) {
     }
 }
 
-/* Sums over ancestors: Vp from dV, or Ap from dA, which begins `apart` scalars behind. world: V or A of the
-   roots' parent or, with a base, of the base. moves: whether the frame moves with its origin, so that the
-   velocity of that is subtracted. */
-RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, ptrdiff_t apart,
-                                    rbdi_motion world, int moves) {
+/* Sums over ancestors: p of an rbdi_carried, whose first scalar is V, from the parts of the joints. world: the
+   motion of the roots' parent or, with a base, of the base. moves: whether the frame moves with its origin, so
+   that the velocity of that is subtracted. */
+RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, rbdi_motion world,
+                                    int moves) {
     const rbdi_entry *entry = d->entry;
+    const ptrdiff_t apart = offsetof(rbdi_carried, joint) / sizeof(rbd_real);
     if (base) {
         rbdi_store_motion(Vp + entry[base - 1].at, RBDI_BATCH, world);
         rbdi_store_motion(Vp + entry[base - 1].at + apart, RBDI_BATCH, rbdi_motion0());
@@ -303,15 +348,16 @@ RBDI_INLINE void rbdi_velocities(const rbd_model *m, rbd_derivatives *d, int bas
     const int first = base ? d->behind : 0;
     rbdi_motion world = rbdi_motion0();
     if (base) world.omega = d->V.omega;
-    rbdi_spread(d, base, rbdi_expand_v(m, v, d->work->vx), (rbd_real *)&d->columns->qd);
+    rbdi_spread(d, base, rbdi_expand_v(m, v, d->work->vx), RBDI_FIELD(d, qd));
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
-        c->dV = rbdi_b_motion_scale(c->qd, c->S);
+        c->V.joint = rbdi_b_motion_scale(c->qd, c->S);
     }
-    rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Vp, 6 * RBDI_BATCH, world, 1);
+    rbdi_sum_ancestors(d, base, RBDI_FIELD(d, V), world, 1);
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
-        const rbdi_bmotion V = rbdi_b_motion_add(c->Vp, c->dV), S = c->S, Psi = rbdi_b_motion_cross(c->Vp, S);
+        const rbdi_bmotion V = rbdi_b_motion_add(c->V.p, c->V.joint), S = c->S,
+                           Psi = rbdi_b_motion_cross(c->V.p, S);
         c->Psi = Psi;
         if (need & RBDI_NEED_CORIOLIS)
             c->U = rbdi_b_motion_cross(V, S);
@@ -330,12 +376,12 @@ RBDI_INLINE void rbdi_accelerations(const rbd_model *m, rbd_derivatives *d, int 
         A = rbdi_load_motion(a, 1);
         A.v = rbdi_add(rbdi_add(A.v, d->up), rbdi_cross(d->V.omega, d->V.v));
     }
-    rbdi_spread(d, base, rbdi_expand_v(m, a, d->work->ax), (rbd_real *)&d->columns->qdd);
+    rbdi_spread(d, base, rbdi_expand_v(m, a, d->work->ax), RBDI_FIELD(d, qdd));
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
-        c->dA = rbdi_b_motion_add(rbdi_b_motion_scale(c->qd, c->Psi), rbdi_b_motion_scale(c->qdd, c->S));
+        c->A.joint = rbdi_b_motion_add(rbdi_b_motion_scale(c->qd, c->Psi), rbdi_b_motion_scale(c->qdd, c->S));
     }
-    rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Ap, 6 * RBDI_BATCH, A, 0);
+    rbdi_sum_ancestors(d, base, RBDI_FIELD(d, A), A, 0);
 }
 
 /* R (x; y; z) of constants in the axes of the links. */
@@ -375,9 +421,6 @@ RBDI_INLINE void rbdi_own_momentum(rbdi_bmotion V, const rbdi_constants *own, rb
 }
 
 /* The rows of Omega. */
-typedef struct rbdi_b33 {
-    rbdi_b3 x, y, z;
-} rbdi_b33;
 RBDI_INLINE rbdi_b33 rbdi_b_omega(rbdi_b3 w, rbdi_b3 alpha) {
     rbdi_b33 O;
     O.x = rbdi_b_vec(-(w.y * w.y + w.z * w.z), w.x * w.y - alpha.z, w.x * w.z + alpha.y);

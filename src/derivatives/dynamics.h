@@ -88,12 +88,12 @@ RBDI_COLD void rbdi_factor_again(const rbd_model *m, rbd_work *w) {
 /* x = tau - c. */
 RBDI_PART void rbdi_net_torque(const rbd_model *m, rbd_derivatives *d, const rbd_real *tau, rbd_real *x) {
     rbd_real *bias = rbdi_mimics(m) ? d->work->tx : x;
-    for (int b = d->base ? d->behind : 0; b < d->batches; ++b) {
-        rbdi_columns *c = &d->columns[b];
-        c->qdd = rbdi_b_power(c->S, c->sum.f);
+    for (int b = d->behind, k = d->base; b < d->batches; ++b, k += RBDI_BATCH) {
+        const rbdi_columns *c = &d->columns[b];
+        const rbdi_batch torque = rbdi_b_power(c->S, c->sum.f);
+        rbdi_copy((const rbd_real *)&torque, d->n - k < RBDI_BATCH ? d->n - k : RBDI_BATCH, bias + k);
     }
     if (d->base) rbdi_store_force(bias, 1, rbdi_load_force(RBDI_OF(d, d->base - 1, sum.f), RBDI_BATCH));
-    for (int k = d->base; k < d->n; ++k) bias[d->entry[k].source] = *RBDI_OF(d, k, qdd);
     rbdi_reduce_tau(m, d->work->tx, x);
     for (int k = 0; k < m->nv; ++k) x[k] = tau[k] - x[k];
 }
@@ -101,21 +101,23 @@ RBDI_PART void rbdi_net_torque(const rbd_model *m, rbd_derivatives *d, const rbd
 /* Adds the effect of a to A_p and f of all dofs. */
 RBDI_PART void rbdi_add_acceleration(const rbd_model *m, rbd_derivatives *d, const rbd_real *a) {
     const int base = d->base, first = base ? d->behind : 0;
-    rbdi_spread(d, base, rbdi_expand_v(m, a, d->work->ax), (rbd_real *)&d->columns->qdd);
+    rbdi_spread(d, base, rbdi_expand_v(m, a, d->work->ax), RBDI_FIELD(d, qdd));
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
-        c->dA = rbdi_b_motion_scale(c->qdd, c->S);
-        c->E.n = rbdi_b_scale(c->qdd, c->F.n), c->E.f = rbdi_b_scale(c->qdd, c->F.f);
+        c->stage.response.A.joint = rbdi_b_motion_scale(c->qdd, c->S);
+        c->stage.response.F_qdd.n = rbdi_b_scale(c->qdd, c->F.n);
+        c->stage.response.F_qdd.f = rbdi_b_scale(c->qdd, c->F.f);
     }
-    rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Phi, -6 * RBDI_BATCH,
+    rbdi_sum_ancestors(d, base, RBDI_FIELD(d, stage.response.A),
                        base ? rbdi_load_motion(a, 1) : rbdi_motion0(), 0);
-    rbdi_sum_components(d, d->segment, (rbd_real *)&d->columns->E, 6);
+    rbdi_sum_components(d, d->segment, RBDI_FIELD(d, stage.response.F_qdd), 6);
     for (int b = first; b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
-        const rbdi_bforce f =
-            rbdi_b_force_add(rbdi_inertia_times(&c->sum, d->constants[b].subtree, c->Phi), c->E);
+        const rbdi_bmotion A_p = c->stage.response.A.p;
+        const rbdi_bforce f = rbdi_b_force_add(rbdi_inertia_times(&c->sum, d->constants[b].subtree, A_p),
+                                               c->stage.response.F_qdd);
         c->sum.f = rbdi_b_force_add(c->sum.f, f);
-        c->Ap = rbdi_b_motion_add(c->Ap, c->Phi);
+        c->A.p = rbdi_b_motion_add(c->A.p, A_p);
     }
     rbdi_columns_by_q(d);
 }

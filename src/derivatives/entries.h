@@ -43,14 +43,15 @@ RBDI_INLINE rbdi_batch rbdi_b_force_dot(rbdi_bforce F, rbdi_motion S) {
 /* Entries of a dof, whose columns are F and T, with a batch of dofs on its path. */
 RBDI_INLINE void rbdi_entries_before(const rbdi_columns *c, int want, rbdi_force F, rbdi_v3 T,
                                      rbdi_batch y[RBDI_RESULTS]) {
-    if (want & RBDI_WANT_Q) y[RBDI_BY_Q] = rbdi_b_dot(c->Psi.omega, T) + rbdi_b_motion_dot(c->Phi, F);
+    if (want & RBDI_WANT_Q)
+        y[RBDI_BY_Q] = rbdi_b_dot(c->Psi.omega, T) + rbdi_b_motion_dot(c->stage.by_q.Phi, F);
     if (want & RBDI_WANT_V) y[RBDI_BY_V] = rbdi_b_dot(c->S.omega, T) + rbdi_b_motion_dot(c->U, F);
     if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_motion_dot(c->S, F);
 }
 /* Entries of a dof, whose column is S, with a batch of dofs in its subtree. */
 RBDI_INLINE void rbdi_entries_behind(const rbdi_columns *c, int want, rbdi_motion S,
                                      rbdi_batch y[RBDI_RESULTS]) {
-    if (want & RBDI_WANT_Q) y[RBDI_BY_Q] = rbdi_b_force_dot(c->E, S);
+    if (want & RBDI_WANT_Q) y[RBDI_BY_Q] = rbdi_b_force_dot(c->stage.by_q.E, S);
     if (want & RBDI_WANT_V) y[RBDI_BY_V] = rbdi_b_force_dot(c->D, S);
     if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_force_dot(c->F, S);
 }
@@ -90,23 +91,22 @@ RBDI_INLINE void rbdi_put_lanes(const rbdi_batch *y, rbdi_bits lanes, int want, 
 /* The row of the dof at e, from the columns behind a free base on: the batches of its relatives. */
 RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, const rbdi_relatives *rel,
                               int want, rbdi_wanted row) {
-    const rbd_real *x = (const rbd_real *)columns;
-    const rbdi_columns *own = (const rbdi_columns *)(const void *)(x + e->at);
+    const rbd_real *own = (const rbd_real *)columns + e->at;
     const rbdi_batch zero = rbdi_zero_batch();
     rbdi_batch y[RBDI_RESULTS] = {zero, zero, zero}, z[RBDI_RESULTS] = {zero, zero, zero};
-    if (rel->at >= 0) {
-        const rbdi_force F = rbdi_load_force((const rbd_real *)&own->F, RBDI_BATCH);
-        const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T, RBDI_BATCH);
+    if (rel->batch >= 0) {
+        const rbdi_force F = rbdi_load_force(own + RBDI_PLACE(F), RBDI_BATCH);
+        const rbdi_v3 T = rbdi_load_vec(own + RBDI_PLACE(T), RBDI_BATCH);
         do {
-            rbdi_entries_before((const rbdi_columns *)(const void *)(x + rel->at), want, F, T, y);
+            rbdi_entries_before(columns + rel->batch, want, F, T, y);
             rbdi_put_lanes(y, rbdi_lanes_of(rel, RBDI_ON_PATH), want, row, rel->row);
-        } while ((++rel)->at >= 0);
+        } while ((++rel)->batch >= 0);
     }
-    for (++rel; rel->at >= 0; ++rel) {
-        const rbdi_columns *c = (const rbdi_columns *)(const void *)(x + rel->at);
-        const rbdi_force F = rbdi_load_force((const rbd_real *)&own->F, RBDI_BATCH);
-        const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T, RBDI_BATCH);
-        const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S, RBDI_BATCH);
+    for (++rel; rel->batch >= 0; ++rel) {
+        const rbdi_columns *c = columns + rel->batch;
+        const rbdi_force F = rbdi_load_force(own + RBDI_PLACE(F), RBDI_BATCH);
+        const rbdi_v3 T = rbdi_load_vec(own + RBDI_PLACE(T), RBDI_BATCH);
+        const rbdi_motion S = rbdi_load_motion(own + RBDI_PLACE(S), RBDI_BATCH);
         const rbdi_bits before = rbdi_lanes_of(rel, RBDI_ON_PATH),
                         behind = rbdi_lanes_of(rel, RBDI_IN_SUBTREE);
         rbdi_entries_before(c, want, F, T, y);
@@ -116,12 +116,12 @@ RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, 
             if (want >> r & 1) *(rbdi_batch *)(row.at[r] + rel->row) = y[r];
         }
     }
-    if ((++rel)->at >= 0) {
-        const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S, RBDI_BATCH);
+    if ((++rel)->batch >= 0) {
+        const rbdi_motion S = rbdi_load_motion(own + RBDI_PLACE(S), RBDI_BATCH);
         do {
-            rbdi_entries_behind((const rbdi_columns *)(const void *)(x + rel->at), want, S, y);
+            rbdi_entries_behind(columns + rel->batch, want, S, y);
             rbdi_put_lanes(y, rbdi_lanes_of(rel, RBDI_IN_SUBTREE), want, row, rel->row);
-        } while ((++rel)->at >= 0);
+        } while ((++rel)->batch >= 0);
     }
 }
 RBDI_INLINE void rbdi_clear_row(int n, int want, rbdi_wanted row) {
@@ -134,19 +134,22 @@ RBDI_INLINE void rbdi_clear_row(int n, int want, rbdi_wanted row) {
 /* Stores the rows of all dofs behind a free base. The last batch of a row may overwrite the beginning of
    the next row, which is stored later, as are the columns of a base. A row whose last batch would pass the
    end of the matrix is computed in scratch memory and copied. */
-RBDI_INLINE void rbdi_put_rows_in_place(const rbd_derivatives d, int want, int zeros, rbdi_wanted out) {
-    const int n = d.n - d.base, last = d.n * d.n - (d.batches - d.behind) * RBDI_BATCH;
-    const ptrdiff_t length = rbdi_relatives_length(&d);
-    const rbdi_relatives *list = d.relatives + d.base * length;
-    for (const rbdi_entry *p = d.entry + d.base, *end = d.entry + d.n; p < end; ++p, list += length) {
-        const rbdi_entry *e = d.entry + p->of_source;
-        const int at = e->row + d.base, fits = at <= last;
+RBDI_INLINE void rbdi_put_rows_in_place(const rbd_derivatives *d, int want, int zeros, rbdi_wanted out) {
+    const int base = d->base, n = d->n - base, last = d->n * d->n - (d->batches - d->behind) * RBDI_BATCH;
+    const ptrdiff_t length = rbdi_relatives_length(d), stride = rbdi_stride(d->model);
+    const rbdi_columns *columns = d->columns; /* copies: the compiler cannot know that no store changes d */
+    const rbdi_entry *entry = d->entry;
+    const rbdi_relatives *list = d->relatives + base * length;
+    rbd_real *spare = d->work->F;
+    for (const rbdi_entry *p = entry + base, *end = entry + d->n; p < end; ++p, list += length) {
+        const rbdi_entry *e = entry + p->of_source;
+        const int at = e->row + base, fits = at <= last;
         rbdi_wanted row = out;
         RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
-            if (want >> r & 1) row.at[r] = fits ? out.at[r] + at : d.work->F + r * rbdi_stride(d.model);
+            if (want >> r & 1) row.at[r] = fits ? out.at[r] + at : spare + r * stride;
         }
         if (!list->whole && (zeros || !fits)) rbdi_clear_row(n, want, row);
-        rbdi_put_row(d.columns, e, list, want, row);
+        rbdi_put_row(columns, e, list, want, row);
         if (fits) continue;
         RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
             if (want >> r & 1) rbdi_copy(row.at[r], n, out.at[r] + at);
@@ -172,7 +175,7 @@ RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rb
     if (rbdi_mimics(d->model))
         rbdi_add_rows(d, want, out);
     else
-        rbdi_put_rows_in_place(*d, want, zeros, out); /* a copy: no store into a result can change it */
+        rbdi_put_rows_in_place(d, want, zeros, out);
 }
 #else
 /* Stores or, with mimic joints, adds the entries y of two dofs. */
@@ -233,7 +236,8 @@ RBDI_INLINE void rbdi_base_columns(const rbd_derivatives *d, int want) {
         if (want & RBDI_WANT_V)
             c->D = rbdi_subtree_B_add(rbdi_inertia_times(&s, mass, rbdi_b_motion_cross(V, S)), &s, S.omega);
         if (want & RBDI_WANT_Q)
-            c->E.n = rbdi_b_cross(s.h, a), c->E.f = rbdi_b_vec(a.x * mass, a.y * mass, a.z * mass);
+            c->stage.by_q.E.n = rbdi_b_cross(s.h, a),
+            c->stage.by_q.E.f = rbdi_b_vec(a.x * mass, a.y * mass, a.z * mass);
     }
 }
 /* Stores n components of all dofs, from x on, as rows of a matrix. A batch may overwrite the beginning of
@@ -315,7 +319,7 @@ RBDI_PART void rbdi_put_block_entries(const rbd_derivatives *d, rbd_real *by_q) 
             for (int j = i + 1; j < seg->end; ++j)
                 by_q[d->entry[i].row + d->entry[j].user] =
                     rbdi_dot(T, rbdi_load_vec(RBDI_OF(d, j, Psi.omega), RBDI_BATCH)) +
-                    rbdi_power(rbdi_load_motion(RBDI_OF(d, j, Phi), RBDI_BATCH), F);
+                    rbdi_power(rbdi_load_motion(RBDI_OF(d, j, stage.by_q.Phi), RBDI_BATCH), F);
         }
 }
 /* Adds the rotors' inertias to the diagonal of M. */
@@ -339,9 +343,9 @@ RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rb
             if (out.at[r]) rbdi_clear(out.at[r], m->nv * m->nv);
     if (d->base) {
         rbdi_base_columns(d, want);
-        if (by_q) rbdi_put_components(d, (const rbd_real *)&d->columns->E, 6, PTRDIFF_MAX, by_q);
-        if (by_v) rbdi_put_components(d, (const rbd_real *)&d->columns->D, 6, PTRDIFF_MAX, by_v);
-        if (M) rbdi_put_components(d, (const rbd_real *)&d->columns->F, 6, PTRDIFF_MAX, M);
+        if (by_q) rbdi_put_components(d, RBDI_FIELD(d, stage.by_q.E), 6, PTRDIFF_MAX, by_q);
+        if (by_v) rbdi_put_components(d, RBDI_FIELD(d, D), 6, PTRDIFF_MAX, by_v);
+        if (M) rbdi_put_components(d, RBDI_FIELD(d, F), 6, PTRDIFF_MAX, M);
     }
     if (RBDI_FOR_SPEED && want == (RBDI_WANT_Q | RBDI_WANT_V)) /* the most common ones, as constants */
         rbdi_put_rows(d, RBDI_WANT_Q | RBDI_WANT_V, zeros, out);

@@ -57,7 +57,7 @@ RBDI_PART void rbdi_put_torques(const rbd_model *m, const rbd_derivatives *d, rb
 RBDI_COLD rbd_status rbdi_hybrid_free_base(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                            const rbd_real *v, const rbd_real *f_ext, rbd_real *a,
                                            rbd_real *tau) {
-    unsigned char *given = (unsigned char *)d->a; /* not needed otherwise */
+    unsigned char *given = d->given;
     int bases = 0;
     for (int k = 0; k < m->nv; ++k) given[k] = 1;
     for (int i = 0; i < m->nl; ++i) {

@@ -125,7 +125,7 @@ RBDI_PART void rbdi_assign_lanes(const rbd_model *m, rbd_derivatives *d) {
 #if RBDI_BATCH > 1
 /* The lists of all dofs behind a free base: batches on the path only, both, in the subtree only. */
 RBDI_PART void rbdi_init_relatives(rbd_derivatives *d) {
-    uint64_t *lanes = (uint64_t *)(void *)d->columns; /* of each batch: they are not in use yet */
+    uint64_t *lanes = d->lanes;
     for (int i = d->base; i < d->n; ++i) {
         rbdi_relatives *list = rbdi_relatives_of(d, i), *rel = list;
         for (int b = 0; b < d->batches; ++b) lanes[b] = 0;
@@ -138,11 +138,11 @@ RBDI_PART void rbdi_init_relatives(rbd_derivatives *d) {
                 const int subtree = lanes[b] >> RBDI_IN_SUBTREE != 0,
                           path = lanes[b] % ((uint64_t)1 << RBDI_IN_SUBTREE) != 0;
                 if (path + subtree == 0 || subtree + (subtree && !path) != which) continue;
-                rel->at = b * RBDI_COLUMN_SIZE * RBDI_BATCH,
+                rel->batch = b;
                 rel->row = (int16_t)((b - d->behind) * RBDI_BATCH);
                 (rel++)->lanes = lanes[b];
             }
-            rel->at = -1;
+            rel->batch = -1;
         }
         list->whole = rel - list == rbdi_relatives_length(d);
     }
@@ -179,12 +179,14 @@ RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *
     d->columns = (rbdi_columns *)rbdi_take(&p, d->batches, sizeof(rbdi_columns));
 #if RBDI_BATCH > 1
     d->relatives = (rbdi_relatives *)rbdi_take(&p, d->n * rbdi_relatives_length(d), sizeof(rbdi_relatives));
+    d->lanes = (uint64_t *)rbdi_take(&p, d->batches, sizeof(uint64_t));
 #endif
     d->a = (rbd_real *)rbdi_take(&p, d->n, sizeof(rbd_real));
     d->constants = (rbdi_constants *)rbdi_take(&p, d->batches, sizeof(rbdi_constants));
     d->entry = (rbdi_entry *)rbdi_take(&p, d->n, sizeof(rbdi_entry));
     d->segment = (rbdi_segment *)rbdi_take(&p, m->nl, sizeof(rbdi_segment));
     d->origin = (int16_t *)rbdi_take(&p, m->nl, sizeof(int16_t));
+    d->given = (unsigned char *)rbdi_take(&p, d->n, 1);
     constants = (rbd_const *)d->constants;
     for (int k = 0; k < RBDI_CONSTANT * padded; ++k) constants[k] = RBD_C(0);
     d->segments = 0, d->mass = RBD_C(0), d->keep_zeros = 0;

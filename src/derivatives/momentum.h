@@ -64,14 +64,14 @@ RBDI_INLINE void rbdi_put_momenta(const rbd_derivatives *d, rbdi_v3 com, rbd_rea
                                   rbd_real *out) {
     const rbd_model *m = d->model;
     const rbdi_mat *E = &d->work->block->X.E; /* if there is a base */
-    const rbd_real *x = (const rbd_real *)(rows == 3 ? &d->columns->E.f : &d->columns->E.n);
+    const rbd_real *x = rows == 3 ? RBDI_FIELD(d, stage.momentum.f) : RBDI_FIELD(d, stage.momentum);
     if (d->base) rbdi_base_columns(d, RBDI_WANT_M);
     for (int b = 0; b < d->batches; ++b) {
         rbdi_bforce F = d->columns[b].F;
         F.n = rbdi_b_cross_add(F.n, F.f, rbdi_b_all(com));
         if (d->base) F.n = rbdi_b_mul_t(*E, F.n), F.f = rbdi_b_mul_t(*E, F.f);
         F.f = rbdi_b_vec(F.f.x * scale, F.f.y * scale, F.f.z * scale);
-        d->columns[b].E = F;
+        d->columns[b].stage.momentum = F;
     }
     if (!rbdi_mimics(m) && 2 * m->nv >= RBDI_BATCH) {
         rbdi_put_components(d, x, rows, rows * m->nv, out);

@@ -47,16 +47,16 @@ RBDI_INLINE rbdi_v3 rbdi_origin_of(const rbdi_placement *p) {
     return rbdi_vec(rbdi_one_of(&p->row[0], 0), rbdi_one_of(&p->row[1], 0), rbdi_one_of(&p->row[2], 0));
 }
 
-/* Stores the motion of all links, for the unit wrenches of their bodies, in unused fields: Omega in the
-   rows of X, acc in P, omega and omega_dot in U. */
-RBDI_PART void rbdi_link_motion(rbd_derivatives *d, int base) {
+/* The motion of all links, for the unit wrenches of their bodies. */
+RBDI_PART void rbdi_link_motions(rbd_derivatives *d, int base) {
     for (int b = rbdi_first_inertia(d, base); b < d->batches; ++b) {
         rbdi_columns *c = &d->columns[b];
-        const rbdi_bmotion V = rbdi_b_motion_add(c->Vp, c->dV), A = rbdi_b_motion_add(c->Ap, c->dA);
-        const rbdi_b33 O = rbdi_b_omega(V.omega, A.omega);
-        c->sum.Xx = O.x, c->sum.Xy = O.y, c->sum.Xz = O.z;
-        c->sum.P = rbdi_b_cross_add(A.v, V.omega, V.v);
-        c->U.omega = V.omega, c->U.v = A.omega;
+        const rbdi_bmotion V = rbdi_b_motion_add(c->V.p, c->V.joint),
+                           A = rbdi_b_motion_add(c->A.p, c->A.joint);
+        c->stage.link.Omega = rbdi_b_omega(V.omega, A.omega);
+        c->stage.link.acc = rbdi_b_cross_add(A.v, V.omega, V.v);
+        c->stage.link.omega = V.omega;
+        c->stage.link.omega_dot = A.omega;
     }
 }
 
@@ -65,9 +65,11 @@ RBDI_PART void rbdi_link_motion(rbd_derivatives *d, int base) {
    inertia: I omega_dot + omega x I omega, in body axes. Its forces are zero and not written. */
 RBDI_PART void rbdi_unit_wrenches(const rbd_derivatives *d, int last, const rbdi_placement *p, rbd_real *K,
                                   ptrdiff_t stride) {
-    const rbdi_v3 omega = rbdi_to_body(p, rbdi_load_vec(RBDI_OF(d, last, U.omega), RBDI_BATCH)),
-                  omega_dot = rbdi_to_body(p, rbdi_load_vec(RBDI_OF(d, last, U.v), RBDI_BATCH));
-    const rbd_real *Omega = RBDI_OF(d, last, sum.Xx), *acc = RBDI_OF(d, last, sum.P), o = rbdi_zero();
+    const rbdi_v3 omega = rbdi_to_body(p, rbdi_load_vec(RBDI_OF(d, last, stage.link.omega), RBDI_BATCH)),
+                  omega_dot =
+                      rbdi_to_body(p, rbdi_load_vec(RBDI_OF(d, last, stage.link.omega_dot), RBDI_BATCH));
+    const rbd_real *Omega = RBDI_OF(d, last, stage.link.Omega), *acc = RBDI_OF(d, last, stage.link.acc),
+                   o = rbdi_zero();
     const rbd_real x = omega_dot.x, y = omega_dot.y, z = omega_dot.z;
     const rbd_real xy = omega.x * omega.y, xz = omega.x * omega.z, yz = omega.y * omega.z,
                    xx = omega.x * omega.x, yy = omega.y * omega.y, zz = omega.z * omega.z;
@@ -126,9 +128,9 @@ RBDI_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const 
     rbd_real own[60], *K = own;
     int base;
     if (status) return status;
-    entry = d->entry, S = (const rbd_real *)&d->columns->S, base = d->base; /* no store can change them */
+    entry = d->entry, S = RBDI_FIELD(d, S), base = d->base; /* no store can change them */
     rbdi_common_motion(m, d, base, q, v, a, d->work->gravity, RBDI_NEED_WRENCH | RBDI_NEED_WHOLE);
-    rbdi_link_motion(d, base);
+    rbdi_link_motions(d, base);
     if (!d->keep_zeros || rbdi_mimics(m)) rbdi_clear(Y, m->nv * 10 * m->nb);
     for (int i = 0; i < m->nb; ++i, Y += 10) {
         const rbdi_frame *u = &m->frame[i];
@@ -172,9 +174,9 @@ RBDI_API rbd_status rbd_energy_regressors(const rbd_model *m, rbd_derivatives *d
         rbdi_place_body(m, d, u, &p);
         if (Y_kinetic) { /* the frame moves with minus the world's velocity in it */
             const int last = rbdi_last_dof(m, u->link);
-            const rbdi_motion world = rbdi_load_motion(RBDI_OF(d, m->link[root].first, Vp), RBDI_BATCH),
-                              V = rbdi_motion_add(rbdi_load_motion(RBDI_OF(d, last, Vp), RBDI_BATCH),
-                                                  rbdi_load_motion(RBDI_OF(d, last, dV), RBDI_BATCH));
+            const rbdi_motion world = rbdi_load_motion(RBDI_OF(d, m->link[root].first, V.p), RBDI_BATCH),
+                              V = rbdi_motion_add(rbdi_load_motion(RBDI_OF(d, last, V.p), RBDI_BATCH),
+                                                  rbdi_load_motion(RBDI_OF(d, last, V.joint), RBDI_BATCH));
             const rbdi_v3 omega = rbdi_to_body(&p, V.omega),
                           v_o = rbdi_to_body(
                               &p, rbdi_add(rbdi_sub(V.v, world.v), rbdi_cross(V.omega, rbdi_origin_of(&p))));

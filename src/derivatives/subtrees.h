@@ -29,7 +29,7 @@ RBDI_INLINE void rbdi_sum_components(rbd_derivatives *d, const rbdi_segment *roo
     }
 }
 RBDI_INLINE void rbdi_sum_subtrees(rbd_derivatives *d, const rbdi_segment *root, int need) {
-    rbd_real *x = (rbd_real *)&d->columns->sum;
+    rbd_real *x = RBDI_FIELD(d, sum);
     if (!(need & RBDI_NEED_V)) {
         rbdi_sum_components(d, root, x, 9);
         if (need & RBDI_NEED_WRENCH) rbdi_sum_components(d, root, x + 21 * RBDI_BATCH, 6);
@@ -79,13 +79,13 @@ RBDI_PART void rbdi_columns_by_q(rbd_derivatives *d) {
         rbdi_columns *c = &d->columns[b];
         const rbdi_sums *s = &c->sum;
         const rbdi_bmotion S = c->S,
-                           Phi = rbdi_b_motion_cross_add(rbdi_b_motion_cross(c->Ap, S), c->Vp, c->Psi);
+                           Phi = rbdi_b_motion_cross_add(rbdi_b_motion_cross(c->A.p, S), c->V.p, c->Psi);
         const rbdi_bforce f = s->f;
         rbdi_bforce E =
             rbdi_subtree_B_add(rbdi_inertia_times(s, d->constants[b].subtree, Phi), s, c->Psi.omega);
         E.n = rbdi_b_cross_add(rbdi_b_cross_add(E.n, S.omega, f.n), S.v, f.f);
         E.f = rbdi_b_cross_add(E.f, S.omega, f.f);
-        c->Phi = Phi, c->E = E;
+        c->stage.by_q.Phi = Phi, c->stage.by_q.E = E;
     }
 }
 /* F and, if needed, D and T of a batch of dofs. */
@@ -127,8 +127,8 @@ RBDI_INLINE void rbdi_own_sums(const rbd_model *m, rbd_derivatives *d, int base,
         rbdi_bmotion V;
         rbdi_sums s; /* not in place: what lies in memory is read again after every store */
         rbdi_own_inertia(c, own, &s);
-        if (need) V = rbdi_b_motion_add(c->Vp, c->dV);
-        if (need & RBDI_NEED_WRENCH) rbdi_own_wrench(V, rbdi_b_motion_add(c->Ap, c->dA), own, &s);
+        if (need) V = rbdi_b_motion_add(c->V.p, c->V.joint);
+        if (need & RBDI_NEED_WRENCH) rbdi_own_wrench(V, rbdi_b_motion_add(c->A.p, c->A.joint), own, &s);
         if (need & RBDI_NEED_V)
             rbdi_own_momentum(need & RBDI_NEED_CORIOLIS ? V : rbdi_b_motion_add(V, V), own, &s);
         rbdi_store_sums(&s, need, &c->sum);
