@@ -4,7 +4,7 @@
 #include "api/derivatives.h"
 
 /* ---- layout [layout] ----
-   Open for sizes at compile time only. */
+   Users see it because RBD_DERIVATIVES_SIZE needs its sizes; they need no more of it. */
 
 typedef struct rbdi_columns rbdi_columns;     /* of a batch of dofs: quantities that depend on the state */
 typedef struct rbdi_constants rbdi_constants; /* of a batch of dofs: constants */
@@ -50,8 +50,8 @@ struct rbd_derivatives {
     int keep_zeros;        /* rbd_keep_zeros */
     int base;              /* dofs of a free base: 6 or 0 */
     int behind;            /* first batch of the dofs behind the base */
-    rbdi_motion V;         /* velocity of the base, in its axes */
-    rbdi_v3 up;            /* -gravity, likewise */
+    rbdi_motion V;         /* velocity of the base, in its axes; linear 0 where a call leaves it out */
+    rbdi_v3 minus_g;       /* -gravity, in the base's axes; 0 where a call leaves it out */
     rbdi_columns *columns; /* batches */
     rbdi_constants *constants;
     rbd_real *a;           /* n, forward dynamics: tau less the bias force, then the acceleration */
