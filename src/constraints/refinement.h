@@ -87,7 +87,7 @@ static void rbdi_copy_where(rbdi_mask mask, const rbd_real *x, int n, rbd_real *
    one along other rows that is as large, and the next one removes that. So a step must halve b of two steps
    before, or the best x and lambda so far are the result. */
 RBDI_COLD void rbdi_refine_steps(const rbd_model *m, rbd_constraint_set *c, rbdi_mask miss) {
-    rbd_real *best_x = c->householder, *best_lambda = c->inverse_square;
+    rbd_real *best_x = c->of_dofs.best_x, *best_lambda = c->of_rows.best_lambda;
     rbd_real size = rbdi_largest(c->b, c->rows), best = size, last = size * RBDI_FIRST_GROWTH;
     rbdi_mask stalled = rbdi_less(rbdi_zero(), rbdi_zero());
     rbdi_copy_where(miss, c->x, m->nv, best_x);
