@@ -144,9 +144,9 @@ RBDI_API int rbd_constraint_first(const rbd_constraint_set *c, int constraint);
    (rbd_constrained_id). rbd_constraint_jacobian does not change it. */
 RBDI_API int rbd_constraint_rank(const rbd_constraint_set *c);
 
-/* After RBD_ERR_INFEASIBLE: a row that depends on others and contradicts them; else -1. If rows depend on
-   each other, the state decides which of them are left out, not their order. If several of these contradict
-   the others, this is the first. */
+/* After RBD_ERR_INFEASIBLE: a row that depends on others and contradicts them, or that rounding hides; else
+   -1. If rows depend on each other, the state decides which of them are left out, not their order. If several
+   of these contradict the others, this is the first. */
 RBDI_API int rbd_infeasible_row(const rbd_constraint_set *c);
 
 /* ---- calls [calls] ----
@@ -167,9 +167,12 @@ RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_s
    gains    with steps v += dt a, q += dt v, errors die out only if kd dt < 2 and kp dt^2 + 2 kd dt < 4, and
             grow without bound beyond: [design]. kd = 2 sqrt(kp), kp dt^2 up to 0.1 is a good choice
    Errors: also RBD_ERR_SINGULAR and _NAN of M: rbd_singular_dof says where, and the results are 0;
-   RBD_ERR_INFEASIBLE if dependent rows contradict each other (rbd_infeasible_row): then the first equation
-   holds, and the second in the sense of least squares. A state in which rows depend on each other
-   takes up to four times as long as one in which they do not. */
+   RBD_ERR_INFEASIBLE if dependent rows contradict each other, or if rounding hides a row, as an inertia of
+   1e-20 kg m^2 on its path may (rbd_infeasible_row): then the first equation holds, and the second in the
+   sense of least squares. After RBD_OK each row is met to 1e-9 (float: 1e-3) of what its length times that of
+   a allows; only rows that depend on each other may contradict each other by 1e-6 (float: 1e-2), because
+   positions drift. A state in which rows depend on each other takes up to four times as long as one in which
+   they do not. */
 RBDI_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                        const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                        rbd_real *a, rbd_real *lambda);
@@ -177,8 +180,8 @@ RBDI_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraint_set *c
 /* Velocity after an impact: M (v_plus - v) = J' impulse, J v_plus = -restitution J v, RBDA section 11.7.
    restitution   0 (nothing rebounds) to 1, of all rows
    impulse       rows; may be NULL
-   Errors: RBD_ERR_SINGULAR, _NAN as rbd_constrained_fd; RBD_ERR_RANGE, a restitution that is not from 0 to 1.
-   Dependent rows never contradict each other here. */
+   Errors: RBD_ERR_SINGULAR, _NAN as rbd_constrained_fd; RBD_ERR_RANGE, a restitution that is not from 0 to 1;
+   RBD_ERR_INFEASIBLE only if rounding hides a row: dependent rows never contradict each other here. */
 RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                const rbd_real *v, rbd_real restitution, rbd_real *v_plus, rbd_real *impulse);
 
@@ -207,8 +210,9 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
    v        may be NULL, v_near then too
    weight   nv, 0 (a free dof: its motion costs nothing) or 1e-20 to 1e30; NULL: 1, that is, a metre counts
             as much as a radian
-   Errors: also RBD_ERR_RANGE, a weight out of its range; RBD_ERR_INFEASIBLE if an entry of e is not below
-   1e-9 (float: 1e-4), the largest in rbd_infeasible_row. */
+   Errors: also RBD_ERR_RANGE, a weight out of its range, or weights so far apart (1e20; float: 1e8) that a
+   row is lost beside others; RBD_ERR_INFEASIBLE if an entry of e is not below 1e-9 (float: 1e-4), the largest
+   in rbd_infeasible_row, or if v_near does not meet a row. */
 RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                  const rbd_real *v, const rbd_const *weight, rbd_real *q_near,
                                  rbd_real *v_near);
@@ -342,6 +346,7 @@ typedef union rbdi_row_scratch {
     rbd_real *inverse_square; /* [rank]: 1 / the square of the whole row */
     rbd_real *contradicts;    /* [rank]: 1 if a dropped row contradicts those before it */
     rbd_real *best_lambda;    /* [refinement] */
+    rbd_real *length;         /* [refinement]: of rows, of J L^-1 */
 } rbdi_row_scratch;
 
 struct rbd_constraint_set {
@@ -368,9 +373,8 @@ struct rbd_constraint_set {
     rbd_real *velocity, *gamma;  /* stride each: J v; gamma */
     rbd_real *e;                 /* stride: position error */
     rbd_real *target;            /* stride: wanted J x */
-    rbd_real *slack; /* stride: sum of the squares of b's terms; [rank] makes it a tolerance of b */
-    rbd_real *
-        square; /* stride, [rank]: of a row's part that is independent of the rows taken; in solves a column */
+    rbd_real *slack;          /* stride: sum of the squares of b's terms; [rank] makes it a tolerance of b */
+    rbd_real *square;         /* stride: of a row's part that is independent of those before; a column */
     rbdi_row_scratch of_rows; /* stride */
     rbd_real *pivot_row;      /* stride, [rank]: the row with which row t was exchanged */
     rbd_real *R_inverse;      /* stride: 1 / R_tt, 0 where a row depends on those before it */
@@ -454,6 +458,10 @@ RBDI_CODE_BEGIN
    smaller one costs time alone.
    RBDI_STILL, m/s^2 or rad/s^2: but not if it is off by less than this. Where constraints hold all joints,
    accelerations are rounding, and their error is no share of them.
+   RBDI_HELD: and the result must have no row that is off by more than this share of the terms that its length
+   and that of the accelerations allow.
+   RBDI_DEPENDENT: J' n of the null vector n of rows that truly depend on each other is below this share of
+   its terms.
    RBDI_FREE: the share of the least weight that stands for a weight of 0.
    RBDI_SHORT_STEP, rad or m: assembly ends RBDI_CLOSING_STEPS after a step below this times its size.
    RBDI_CLOSED: after it all entries of e must be below this. */
@@ -465,6 +473,8 @@ RBDI_CODE_BEGIN
 #define RBDI_LOST 1e-6
 #define RBDI_MISSED 1e-12
 #define RBDI_STILL 1e-20
+#define RBDI_HELD 1e-9
+#define RBDI_DEPENDENT 1e-12
 #define RBDI_FREE 1e-13
 #define RBDI_SHORT_STEP 1e-12
 #define RBDI_CLOSED 1e-9
@@ -477,6 +487,8 @@ RBDI_CODE_BEGIN
 #define RBDI_LOST 1e-3f
 #define RBDI_MISSED 1e-5f
 #define RBDI_STILL 1e-9f
+#define RBDI_HELD 1e-3f
+#define RBDI_DEPENDENT 1e-5f
 #define RBDI_FREE 1e-6f
 #define RBDI_SHORT_STEP 1e-5f
 #define RBDI_CLOSED 1e-4f
@@ -489,6 +501,8 @@ RBDI_CODE_BEGIN
 #define RBDI_LOST RBD_C(1e-15)
 #define RBDI_MISSED RBD_C(1e-28)
 #define RBDI_STILL RBD_C(1e-40)
+#define RBDI_HELD RBD_C(1e-24)
+#define RBDI_DEPENDENT RBD_C(1e-29)
 #define RBDI_FREE RBD_C(1e-26)
 #define RBDI_SHORT_STEP RBD_C(1e-24)
 #define RBDI_CLOSED RBD_C(1e-12)
@@ -501,8 +515,8 @@ RBDI_CODE_BEGIN
 #define RBDI_LONGEST_STEP RBD_C(0.5)
 #define RBDI_LEAST_STEP_SIZE RBD_C(1e-3)
 #define RBDI_MOST_STEP_SIZE RBD_C(5)
-#define RBDI_FIRST_GROWTH 16 /* the first step of [refinement] may make b half of this times as large */
-#define RBDI_REFINEMENTS 24  /* each gains some digits: enough for all that fit into an exponent */
+
+#define RBDI_REFINEMENTS 24 /* each gains some digits: enough for all that fit into an exponent */
 #define RBDI_NEARING_STEPS 200
 #define RBDI_CLOSING_STEPS 3
 
@@ -757,12 +771,23 @@ RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraint_set *c,
     }
 }
 
-/* Runs the statement behind it for each link that moves only one of the two bodies. sign: 1 for body 1, -1
-   for body 2. The motions of links on both paths cancel. */
+/* Steps to the next link that moves only one of two bodies: of the two in `ends` the one with the larger
+   index, which its parent replaces. sign: 1 for body 1, -1 for body 2. Returns 0 at the common ancestor. */
+RBDI_INLINE int rbdi_next_of_paths(const rbd_model *m, int ends[2], int *link, int *sign) {
+    const int side = ends[0] > ends[1] ? 0 : 1;
+    if (ends[0] == ends[1]) return 0;
+
+    *link = ends[side];
+    *sign = side ? -1 : 1;
+    ends[side] = m->link[*link].parent;
+    return 1;
+}
+
+/* Runs the statement behind it for each link that moves only one of the two bodies. Declares `link` and
+   `sign`, 1 for body 1, -1 for body 2. The motions of links on both paths cancel. */
 #define RBDI_FOR_PATHS(m, con, link, sign) \
-    for (int link1_ = (con)->link[0], link2_ = (con)->link[1], link, sign; \
-         link1_ != link2_ && (sign = link1_ > link2_ ? 1 : -1, link = sign > 0 ? link1_ : link2_, 1); \
-         sign > 0 ? (link1_ = (m)->link[link].parent) : (link2_ = (m)->link[link].parent))
+    for (int ends_[2] = {(con)->link[0], (con)->link[1]}, link, sign; \
+         rbdi_next_of_paths(m, ends_, &link, &sign);)
 
 /* Poses of the links on a path and, if `moving`, velocities of their origins, from the angular velocities. */
 static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v, int moving) {
@@ -1133,17 +1158,22 @@ static void rbdi_orthogonalise(const rbd_model *m, rbd_constraint_set *c) {
    up to the diagonal, which is no longer needed. */
 static rbd_real *rbdi_null_vector(const rbd_constraint_set *c, int t) { return &c->R[t * c->stride]; }
 
-/* x -= n (n'x) / n'n for the null vectors n of the rows before row `end`. */
+/* x -= n (n'x) / n'n where `mask`, n the null vector of dropped row t. */
+static void rbdi_project_along(const rbd_constraint_set *c, int t, rbdi_mask mask, rbd_real *x) {
+    const rbd_real *null = rbdi_null_vector(c, t);
+    rbdi_mask none = rbdi_less(null[0], null[0]); /* its length is 0, or at least 1 */
+    rbd_real factor = rbdi_rows_product(null, x, t + 1) *
+                      rbdi_reciprocal(rbdi_rows_product(null, null, t + 1), RBD_C(0.5), &none);
+
+    factor = rbdi_select(mask, factor, rbdi_zero());
+    for (int i = 0; i <= t; ++i) x[i] = x[i] - factor * null[i];
+}
+
+/* x loses its components along the null vectors of the rows before row `end`. */
 static void rbdi_project(const rbd_constraint_set *c, int end, rbd_real *x) {
     for (int t = 0; t < end; ++t) {
-        const rbd_real *null = rbdi_null_vector(c, t);
-        rbdi_mask none = rbdi_less(null[0], null[0]); /* its length is 0, or at least 1 */
-        rbd_real factor;
-        if (!rbdi_any(rbdi_dropped(c, t))) continue;
-
-        factor = rbdi_rows_product(null, x, t + 1) *
-                 rbdi_reciprocal(rbdi_rows_product(null, null, t + 1), RBD_C(0.5), &none);
-        for (int i = 0; i <= t; ++i) x[i] = x[i] - factor * null[i];
+        const rbdi_mask dropped = rbdi_dropped(c, t);
+        if (rbdi_any(dropped)) rbdi_project_along(c, t, dropped, x);
     }
 }
 
@@ -1250,7 +1280,10 @@ static void rbdi_delta_solve(const rbd_constraint_set *c, rbd_real *X, int colum
 /* Gives lambda to the caller. Returns the status of a call from that of the pivots of M. */
 static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraint_set *c, rbd_status status,
                                           rbd_real *lambda) {
-    if (status) (void)rbdi_pivot_status(m, c->w, c->lambda, c->rows);
+    if (status) {
+        (void)rbdi_pivot_status(m, c->w, c->lambda, c->rows);
+        c->infeasible = -1;
+    }
     for (int r = 0; lambda && r < c->rows; ++r) lambda[r] = c->lambda[r];
     if (status) return status;
     return c->infeasible < 0 ? RBD_OK : RBD_ERR_INFEASIBLE;
@@ -1288,7 +1321,13 @@ RBDI_INLINE rbd_real rbdi_y_lambda(const rbd_constraint_set *c, const rbd_real *
        b = target - Y' x,   Delta delta = b,   x += D^-1 Y delta,   lambda += delta
 
    until b is small beside its own terms. In most states it is so from the start. Dependent rows can only meet
-   what of b has no component along their null vectors. */
+   the part of b that has no component along their null vectors.
+
+   At the end all rows must hold: b is at most RBDI_HELD of the terms that the row's length and that of x
+   allow. Only rows that truly depend on each other may contradict each other by more, because positions
+   drift: their null vectors n have J' n = 0. Rounding can hide a row, too. If a link of tiny inertia is on
+   its path, its part along the other joints is lost beside the huge terms 1/D of that link. [rank] drops the
+   row, but J' n is not 0. In this case, or if refinement stalls, the call is an error that names the row. */
 
 /* Largest magnitude of n numbers. */
 static rbd_real rbdi_largest(const rbd_real *x, int n) {
@@ -1360,11 +1399,12 @@ static void rbdi_copy_where(rbdi_mask mask, const rbd_real *x, int n, rbd_real *
 }
 
 /* Refines x and lambda where `miss` says so, which rbdi_rows_miss returned. A step may exchange an error for
-   one along other rows that is as large, and the next one removes that. So a step must halve b of two steps
-   before, or the best x and lambda so far are the result. */
+   one along other rows that is larger, by eps / inertia of a tiny link, and the next one removes that. So
+   from the second step on a step must halve b of two steps before, or the best x and lambda so far are the
+   result. */
 RBDI_COLD void rbdi_refine_steps(const rbd_model *m, rbd_constraint_set *c, rbdi_mask miss) {
     rbd_real *best_x = c->of_dofs.best_x, *best_lambda = c->of_rows.best_lambda;
-    rbd_real size = rbdi_largest(c->b, c->rows), best = size, last = size * RBDI_FIRST_GROWTH;
+    rbd_real size = rbdi_largest(c->b, c->rows), best = size, last = size;
     rbdi_mask stalled = rbdi_less(rbdi_zero(), rbdi_zero());
     rbdi_copy_where(miss, c->x, m->nv, best_x);
     rbdi_copy_where(miss, c->lambda, c->rows, best_lambda);
@@ -1388,7 +1428,7 @@ RBDI_COLD void rbdi_refine_steps(const rbd_model *m, rbd_constraint_set *c, rbdi
         rbdi_copy_where(better, c->x, m->nv, best_x);
         rbdi_copy_where(better, c->lambda, c->rows, best_lambda);
 
-        stalled = rbdi_or(stalled, rbdi_and(miss, rbdi_not(rbdi_less(size + size, before))));
+        if (step > 0) stalled = rbdi_or(stalled, rbdi_and(miss, rbdi_not(rbdi_less(size + size, before))));
         miss = rbdi_and(miss, rbdi_not(stalled));
     }
 
@@ -1412,6 +1452,77 @@ static int rbdi_refine(const rbd_model *m, rbd_constraint_set *c, rbdi_mask lost
     RBDI_NOTE_REFINED();
     rbdi_refine_steps(m, c, miss);
     return 1;
+}
+
+/* -- do all rows hold? -- */
+
+/* Lengths of the rows of J L^-1: the root of the sum of Y_kr^2. */
+static void rbdi_row_lengths(const rbd_model *m, const rbd_constraint_set *c, rbd_real *length) {
+    rbdi_clear(length, c->stride);
+
+    for (int k = 0; k < m->nv; ++k)
+        for (int r = c->span[k].first; r < c->span[k].end; ++r) {
+            const rbd_real y = c->Y[k * c->stride + r];
+            length[r] = length[r] + y * y;
+        }
+
+    for (int r = 0; r < c->rows; ++r) length[r] = rbdi_sqrt(length[r]);
+}
+
+/* Whether dropped row t depends on the rows taken whatever D is: each entry of Y n, n its null vector, is
+   rounding of sum |n_j| length_j. */
+static rbdi_mask rbdi_row_depends(const rbd_model *m, const rbd_constraint_set *c, int t,
+                                  const rbd_real *length) {
+    const rbd_real *null = rbdi_null_vector(c, t);
+    rbd_real *n = c->square, bound = rbdi_zero();
+    rbdi_mask depends = rbdi_dropped(c, t);
+
+    /* n in the caller's order */
+    rbdi_clear(n, c->stride);
+    for (int i = 0; i <= t; ++i) n[i] = null[i];
+    rbdi_permute(c, n, 1, 1);
+
+    for (int r = 0; r < c->rows; ++r) bound = bound + rbdi_abs(n[r]) * (length[r] + RBD_C(1));
+    bound = bound * RBDI_DEPENDENT;
+    for (int k = 0; k < m->nv; ++k)
+        depends = rbdi_and(depends, rbdi_less(rbdi_abs(rbdi_y_lambda(c, n, k)), bound));
+
+    return depends;
+}
+
+/* b = target - Y' x, less what rows that depend on each other contradict each other by. */
+static void rbdi_rest_to_meet(const rbd_model *m, rbd_constraint_set *c, const rbd_real *length) {
+    rbdi_rest_of_rows(c);
+    if (!c->pivoted) return;
+
+    rbdi_permute(c, c->b, 1, 0);
+    for (int t = 0; t < c->rows; ++t)
+        if (rbdi_any(rbdi_dropped(c, t))) rbdi_project_along(c, t, rbdi_row_depends(m, c, t, length), c->b);
+    rbdi_permute(c, c->b, 1, 1);
+}
+
+/* Notes the first row that x, the solution, does not meet, unless a row is noted already:
+
+       |b_r| > RBDI_HELD (|target_r| + length_r |x|) + noise of the target */
+RBDI_COLD void rbdi_check_held(const rbd_model *m, rbd_constraint_set *c) {
+    rbd_real *length = c->of_rows.length, size = rbdi_zero();
+    if (c->infeasible >= 0) return;
+
+    rbdi_row_lengths(m, c, length);
+    rbdi_rest_to_meet(m, c, length);
+
+    for (int k = 0; k < m->nv; ++k)
+        if (c->span[k].end > 0) size = size + c->x[k] * c->x[k];
+    size = rbdi_sqrt(size);
+
+    for (const rbdi_constraint *con = c->constraint + c->n; con-- > c->constraint;) {
+        const rbd_real noise = rbdi_motion_size(c, con) * RBDI_NOISE;
+        for (int r = con->row + con->rows; r-- > con->row;) {
+            const rbd_real terms = rbdi_abs(c->target[r]) + length[r] * size;
+            const rbd_real most = terms * RBDI_HELD + noise + RBDI_STILL;
+            if (rbdi_any(rbdi_not(rbdi_less(rbdi_abs(c->b[r]), most)))) c->infeasible = r;
+        }
+    }
 }
 
 /* ==== src/constraints/articulated.h ==== */
@@ -1609,6 +1720,7 @@ static void rbdi_add_multipliers(const rbd_model *m, rbd_constraint_set *c) {
         }
     }
     if (!rbdi_refine(m, c, lost)) return;
+    rbdi_check_held(m, c);
 
     /* the refined ones */
     for (int at = 0; at < c->links; ++at) {
@@ -1643,11 +1755,12 @@ static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, co
 static int rbdi_articulated_solve(const rbd_model *m, rbd_constraint_set *c, rbd_real *x) {
     if (rbdi_any(rbdi_factor_delta(m, c))) return 0;
     c->pivoted = 0;
+    c->infeasible = -1;
     rbdi_back_substitute(c);
     rbdi_add_multipliers(m, c);
 
     rbdi_aba_pass3(m, c->w, c->world, x);
-    c->infeasible = c->w->singular = -1;
+    c->w->singular = -1;
     return 1;
 }
 
@@ -1664,10 +1777,10 @@ static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constrain
 }
 
 /* x += D^-1 Y lambda, with lambda of least norm so that Y' x = target. check: whether to note a row that
-   contradicts others.
+   contradicts others. Returns whether rows may not hold yet, so that rbdi_check_held must look at them.
 
        b = target - Y' x,   Delta lambda = b */
-static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, int check) {
+static int rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, int check) {
     rbdi_rest_of_rows(c);
     c->pivoted = 0;
     c->infeasible = -1;
@@ -1684,7 +1797,7 @@ static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, int chec
         rbdi_back_substitute(c);
     }
 
-    (void)rbdi_refine(m, c, rbdi_add_forces(m, c, c->lambda));
+    return rbdi_refine(m, c, rbdi_add_forces(m, c, c->lambda)) || c->pivoted;
 }
 
 /* Targets of a constraint's rows: -gamma - kd J v - kp e; with a restitution, the change of velocity in an
@@ -1779,7 +1892,8 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
 
     /* L a = D^-1 (f + Y lambda) */
     for (int k = 0; k < m->nv; ++k) c->x[k] = c->x[k] * c->D_inverse[k];
-    rbdi_multipliers(m, c, !restitution); /* an impact's targets, J v, are in the range of J */
+    if (rbdi_multipliers(m, c, !restitution)) /* an impact's targets, J v, are in the range of J */
+        rbdi_check_held(m, c);
 
     /* a, from D L a */
     for (int k = 0; k < m->nv; ++k) x[k] = c->x[k] * w->pivot[k];
@@ -1826,7 +1940,7 @@ RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const 
     status = rbdi_constrained(m, c, q, v, c->w->zero, NULL, &restitution, c->x, impulse);
     for (int k = 0; k < m->nv; ++k) v_plus[k] = v[k] + c->x[k];
 
-    if (status) (void)rbdi_pivot_status(m, c->w, v_plus, m->nv);
+    if (status && status != RBD_ERR_INFEASIBLE) (void)rbdi_pivot_status(m, c->w, v_plus, m->nv);
     return status;
 }
 
@@ -1930,7 +2044,7 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
         c->D_inverse[k] = rbdi_set(passive ? RBD_C(1) : RBD_C(0));
     }
     rbdi_clear(c->target, c->rows);
-    rbdi_multipliers(m, c, 0);
+    (void)rbdi_multipliers(m, c, 0);
 
     /* tau - J' lambda */
     for (int k = 0; k < m->nv; ++k)
@@ -1986,7 +2100,7 @@ static rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraint_set *c, co
     rbd_difference(m, q, q_near, c->x);
     for (int i = 0; i < m->nv; ++i) c->x[i] = -size * c->x[i];
     for (int r = 0; r < c->rows; ++r) c->target[r] = -c->e[r];
-    rbdi_multipliers(m, c, 0);
+    (void)rbdi_multipliers(m, c, 0);
 
     length = rbdi_largest(c->x, m->nv);
     cut = rbdi_select(rbdi_less(limit, length), limit / (length + RBDI_TINY), rbdi_set(RBD_C(1)));
@@ -2020,25 +2134,35 @@ static void rbdi_assemble_position(const rbd_model *m, rbd_constraint_set *c, co
     rbdi_constraint_rows_at(m, c, q_near, NULL, 1);
 }
 
-/* Computes v_near from v with the rows at q_near: J v_near = 0. */
+/* Computes v_near from v with the rows at q_near: J v_near = 0. Notes a row that this does not hold. */
 static void rbdi_assemble_velocity(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v,
                                    rbd_real *v_near) {
     for (int k = 0; k < m->nv; ++k) c->x[k] = v[k];
     rbdi_clear(c->target, c->rows);
-    for (int pass = 0; pass < 2; ++pass) rbdi_multipliers(m, c, 0); /* the second removes rounding */
+    (void)rbdi_multipliers(m, c, 0);
+    if (rbdi_multipliers(m, c, 0)) rbdi_check_held(m, c); /* the second removes rounding */
     for (int k = 0; k < m->nv; ++k) v_near[k] = c->x[k];
 }
 
 /* Notes the row with the largest error e, if that is not below RBDI_CLOSED. */
 static void rbdi_note_open_row(rbd_constraint_set *c) {
     rbd_real open = rbdi_set(RBDI_CLOSED);
-    c->infeasible = -1;
     for (int r = 0; r < c->rows; ++r) {
         const rbdi_mask worse = rbdi_not(rbdi_less(rbdi_abs(c->e[r]), open));
         if (!rbdi_any(worse)) continue;
         c->infeasible = r;
         open = rbdi_select(worse, rbdi_abs(c->e[r]), open);
     }
+}
+
+/* Whether weights hide rows: J alone has a higher rank. */
+RBDI_COLD int rbdi_weights_hide(const rbd_model *m, rbd_constraint_set *c) {
+    const int rank = rbd_constraint_rank(c);
+    for (int k = 0; k < m->nv; ++k) c->D_inverse[k] = rbdi_set(RBD_C(1));
+
+    c->pivoted = rbdi_any(rbdi_factor_delta(m, c));
+    if (c->pivoted) rbdi_orthogonalise(m, c);
+    return rbd_constraint_rank(c) > rank;
 }
 
 RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
@@ -2052,10 +2176,15 @@ RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, cons
     free = rbdi_free_weight(weight, m->nv);
     for (int k = 0; k < m->nv; ++k) c->D_inverse[k] = rbdi_set(rbdi_inverse_weight(weight, k, free));
     rbdi_assemble_position(m, c, q, q_near);
+    c->infeasible = -1;
     if (v) rbdi_assemble_velocity(m, c, v, v_near);
 
     rbdi_note_open_row(c);
-    return c->infeasible < 0 ? RBD_OK : RBD_ERR_INFEASIBLE;
+    if (c->infeasible < 0) return RBD_OK;
+    if (!rbdi_weights_hide(m, c)) return RBD_ERR_INFEASIBLE;
+
+    c->infeasible = -1;
+    return RBD_ERR_RANGE;
 }
 
 RBDI_API int rbd_constraint_rows(const rbd_constraint_set *c) { return c ? c->rows : 0; }

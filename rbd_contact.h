@@ -730,8 +730,8 @@ RBDI_PART void rbdi_sweep_laws(rbdi_contact_solver *s, int back) {
    gives alpha = d (|z_t| - mu z_n) / (mu z_n). */
 RBDI_PART void rbdi_project_contact(rbdi_contact_law *law, const rbd_real *p, const rbd_real *u,
                                     rbd_real to[3]) {
-    const rbd_real x = p[0] - u[0] / law->rigid, y = p[1] - u[1] / law->rigid, n = p[2] - u[2] / law->d,
-                   size = rbdi_sqrt(x * x + y * y), most = law->friction * n;
+    const rbd_real x = p[0] - u[0] / law->rigid, y = p[1] - u[1] / law->rigid, n = p[2] - u[2] / law->d;
+    const rbd_real size = rbdi_sqrt(x * x + y * y), most = law->friction * n;
 
     to[0] = to[1] = to[2] = rbdi_zero();
     law->state = RBD_OPENS;

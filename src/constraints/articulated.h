@@ -198,6 +198,7 @@ static void rbdi_add_multipliers(const rbd_model *m, rbd_constraint_set *c) {
         }
     }
     if (!rbdi_refine(m, c, lost)) return;
+    rbdi_check_held(m, c);
 
     /* the refined ones */
     for (int at = 0; at < c->links; ++at) {
@@ -232,11 +233,12 @@ static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, co
 static int rbdi_articulated_solve(const rbd_model *m, rbd_constraint_set *c, rbd_real *x) {
     if (rbdi_any(rbdi_factor_delta(m, c))) return 0;
     c->pivoted = 0;
+    c->infeasible = -1;
     rbdi_back_substitute(c);
     rbdi_add_multipliers(m, c);
 
     rbdi_aba_pass3(m, c->w, c->world, x);
-    c->infeasible = c->w->singular = -1;
+    c->w->singular = -1;
     return 1;
 }
 

@@ -47,7 +47,7 @@ static rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraint_set *c, co
     rbd_difference(m, q, q_near, c->x);
     for (int i = 0; i < m->nv; ++i) c->x[i] = -size * c->x[i];
     for (int r = 0; r < c->rows; ++r) c->target[r] = -c->e[r];
-    rbdi_multipliers(m, c, 0);
+    (void)rbdi_multipliers(m, c, 0);
 
     length = rbdi_largest(c->x, m->nv);
     cut = rbdi_select(rbdi_less(limit, length), limit / (length + RBDI_TINY), rbdi_set(RBD_C(1)));
@@ -81,25 +81,35 @@ static void rbdi_assemble_position(const rbd_model *m, rbd_constraint_set *c, co
     rbdi_constraint_rows_at(m, c, q_near, NULL, 1);
 }
 
-/* Computes v_near from v with the rows at q_near: J v_near = 0. */
+/* Computes v_near from v with the rows at q_near: J v_near = 0. Notes a row that this does not hold. */
 static void rbdi_assemble_velocity(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v,
                                    rbd_real *v_near) {
     for (int k = 0; k < m->nv; ++k) c->x[k] = v[k];
     rbdi_clear(c->target, c->rows);
-    for (int pass = 0; pass < 2; ++pass) rbdi_multipliers(m, c, 0); /* the second removes rounding */
+    (void)rbdi_multipliers(m, c, 0);
+    if (rbdi_multipliers(m, c, 0)) rbdi_check_held(m, c); /* the second removes rounding */
     for (int k = 0; k < m->nv; ++k) v_near[k] = c->x[k];
 }
 
 /* Notes the row with the largest error e, if that is not below RBDI_CLOSED. */
 static void rbdi_note_open_row(rbd_constraint_set *c) {
     rbd_real open = rbdi_set(RBDI_CLOSED);
-    c->infeasible = -1;
     for (int r = 0; r < c->rows; ++r) {
         const rbdi_mask worse = rbdi_not(rbdi_less(rbdi_abs(c->e[r]), open));
         if (!rbdi_any(worse)) continue;
         c->infeasible = r;
         open = rbdi_select(worse, rbdi_abs(c->e[r]), open);
     }
+}
+
+/* Whether weights hide rows: J alone has a higher rank. */
+RBDI_COLD int rbdi_weights_hide(const rbd_model *m, rbd_constraint_set *c) {
+    const int rank = rbd_constraint_rank(c);
+    for (int k = 0; k < m->nv; ++k) c->D_inverse[k] = rbdi_set(RBD_C(1));
+
+    c->pivoted = rbdi_any(rbdi_factor_delta(m, c));
+    if (c->pivoted) rbdi_orthogonalise(m, c);
+    return rbd_constraint_rank(c) > rank;
 }
 
 RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
@@ -113,10 +123,15 @@ RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, cons
     free = rbdi_free_weight(weight, m->nv);
     for (int k = 0; k < m->nv; ++k) c->D_inverse[k] = rbdi_set(rbdi_inverse_weight(weight, k, free));
     rbdi_assemble_position(m, c, q, q_near);
+    c->infeasible = -1;
     if (v) rbdi_assemble_velocity(m, c, v, v_near);
 
     rbdi_note_open_row(c);
-    return c->infeasible < 0 ? RBD_OK : RBD_ERR_INFEASIBLE;
+    if (c->infeasible < 0) return RBD_OK;
+    if (!rbdi_weights_hide(m, c)) return RBD_ERR_INFEASIBLE;
+
+    c->infeasible = -1;
+    return RBD_ERR_RANGE;
 }
 
 RBDI_API int rbd_constraint_rows(const rbd_constraint_set *c) { return c ? c->rows : 0; }

@@ -15,10 +15,10 @@ static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constrain
 }
 
 /* x += D^-1 Y lambda, with lambda of least norm so that Y' x = target. check: whether to note a row that
-   contradicts others.
+   contradicts others. Returns whether rows may not hold yet, so that rbdi_check_held must look at them.
 
        b = target - Y' x,   Delta lambda = b */
-static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, int check) {
+static int rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, int check) {
     rbdi_rest_of_rows(c);
     c->pivoted = 0;
     c->infeasible = -1;
@@ -35,7 +35,7 @@ static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, int chec
         rbdi_back_substitute(c);
     }
 
-    (void)rbdi_refine(m, c, rbdi_add_forces(m, c, c->lambda));
+    return rbdi_refine(m, c, rbdi_add_forces(m, c, c->lambda)) || c->pivoted;
 }
 
 /* Targets of a constraint's rows: -gamma - kd J v - kp e; with a restitution, the change of velocity in an
@@ -130,7 +130,8 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
 
     /* L a = D^-1 (f + Y lambda) */
     for (int k = 0; k < m->nv; ++k) c->x[k] = c->x[k] * c->D_inverse[k];
-    rbdi_multipliers(m, c, !restitution); /* an impact's targets, J v, are in the range of J */
+    if (rbdi_multipliers(m, c, !restitution)) /* an impact's targets, J v, are in the range of J */
+        rbdi_check_held(m, c);
 
     /* a, from D L a */
     for (int k = 0; k < m->nv; ++k) x[k] = c->x[k] * w->pivot[k];
@@ -177,7 +178,7 @@ RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const 
     status = rbdi_constrained(m, c, q, v, c->w->zero, NULL, &restitution, c->x, impulse);
     for (int k = 0; k < m->nv; ++k) v_plus[k] = v[k] + c->x[k];
 
-    if (status) (void)rbdi_pivot_status(m, c->w, v_plus, m->nv);
+    if (status && status != RBD_ERR_INFEASIBLE) (void)rbdi_pivot_status(m, c->w, v_plus, m->nv);
     return status;
 }
 

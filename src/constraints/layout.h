@@ -47,6 +47,7 @@ typedef union rbdi_row_scratch {
     rbd_real *inverse_square; /* [rank]: 1 / the square of the whole row */
     rbd_real *contradicts;    /* [rank]: 1 if a dropped row contradicts those before it */
     rbd_real *best_lambda;    /* [refinement] */
+    rbd_real *length;         /* [refinement]: of rows, of J L^-1 */
 } rbdi_row_scratch;
 
 struct rbd_constraint_set {
@@ -73,9 +74,8 @@ struct rbd_constraint_set {
     rbd_real *velocity, *gamma;  /* stride each: J v; gamma */
     rbd_real *e;                 /* stride: position error */
     rbd_real *target;            /* stride: wanted J x */
-    rbd_real *slack; /* stride: sum of the squares of b's terms; [rank] makes it a tolerance of b */
-    rbd_real *
-        square; /* stride, [rank]: of a row's part that is independent of the rows taken; in solves a column */
+    rbd_real *slack;          /* stride: sum of the squares of b's terms; [rank] makes it a tolerance of b */
+    rbd_real *square;         /* stride: of a row's part that is independent of those before; a column */
     rbdi_row_scratch of_rows; /* stride */
     rbd_real *pivot_row;      /* stride, [rank]: the row with which row t was exchanged */
     rbd_real *R_inverse;      /* stride: 1 / R_tt, 0 where a row depends on those before it */

@@ -159,17 +159,22 @@ static void rbdi_orthogonalise(const rbd_model *m, rbd_constraint_set *c) {
    up to the diagonal, which is no longer needed. */
 static rbd_real *rbdi_null_vector(const rbd_constraint_set *c, int t) { return &c->R[t * c->stride]; }
 
-/* x -= n (n'x) / n'n for the null vectors n of the rows before row `end`. */
+/* x -= n (n'x) / n'n where `mask`, n the null vector of dropped row t. */
+static void rbdi_project_along(const rbd_constraint_set *c, int t, rbdi_mask mask, rbd_real *x) {
+    const rbd_real *null = rbdi_null_vector(c, t);
+    rbdi_mask none = rbdi_less(null[0], null[0]); /* its length is 0, or at least 1 */
+    rbd_real factor = rbdi_rows_product(null, x, t + 1) *
+                      rbdi_reciprocal(rbdi_rows_product(null, null, t + 1), RBD_C(0.5), &none);
+
+    factor = rbdi_select(mask, factor, rbdi_zero());
+    for (int i = 0; i <= t; ++i) x[i] = x[i] - factor * null[i];
+}
+
+/* x loses its components along the null vectors of the rows before row `end`. */
 static void rbdi_project(const rbd_constraint_set *c, int end, rbd_real *x) {
     for (int t = 0; t < end; ++t) {
-        const rbd_real *null = rbdi_null_vector(c, t);
-        rbdi_mask none = rbdi_less(null[0], null[0]); /* its length is 0, or at least 1 */
-        rbd_real factor;
-        if (!rbdi_any(rbdi_dropped(c, t))) continue;
-
-        factor = rbdi_rows_product(null, x, t + 1) *
-                 rbdi_reciprocal(rbdi_rows_product(null, null, t + 1), RBD_C(0.5), &none);
-        for (int i = 0; i <= t; ++i) x[i] = x[i] - factor * null[i];
+        const rbdi_mask dropped = rbdi_dropped(c, t);
+        if (rbdi_any(dropped)) rbdi_project_along(c, t, dropped, x);
     }
 }
 
@@ -276,7 +281,10 @@ static void rbdi_delta_solve(const rbd_constraint_set *c, rbd_real *X, int colum
 /* Gives lambda to the caller. Returns the status of a call from that of the pivots of M. */
 static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraint_set *c, rbd_status status,
                                           rbd_real *lambda) {
-    if (status) (void)rbdi_pivot_status(m, c->w, c->lambda, c->rows);
+    if (status) {
+        (void)rbdi_pivot_status(m, c->w, c->lambda, c->rows);
+        c->infeasible = -1;
+    }
     for (int r = 0; lambda && r < c->rows; ++r) lambda[r] = c->lambda[r];
     if (status) return status;
     return c->infeasible < 0 ? RBD_OK : RBD_ERR_INFEASIBLE;

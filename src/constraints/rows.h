@@ -50,12 +50,23 @@ RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraint_set *c,
     }
 }
 
-/* Runs the statement behind it for each link that moves only one of the two bodies. sign: 1 for body 1, -1
-   for body 2. The motions of links on both paths cancel. */
+/* Steps to the next link that moves only one of two bodies: of the two in `ends` the one with the larger
+   index, which its parent replaces. sign: 1 for body 1, -1 for body 2. Returns 0 at the common ancestor. */
+RBDI_INLINE int rbdi_next_of_paths(const rbd_model *m, int ends[2], int *link, int *sign) {
+    const int side = ends[0] > ends[1] ? 0 : 1;
+    if (ends[0] == ends[1]) return 0;
+
+    *link = ends[side];
+    *sign = side ? -1 : 1;
+    ends[side] = m->link[*link].parent;
+    return 1;
+}
+
+/* Runs the statement behind it for each link that moves only one of the two bodies. Declares `link` and
+   `sign`, 1 for body 1, -1 for body 2. The motions of links on both paths cancel. */
 #define RBDI_FOR_PATHS(m, con, link, sign) \
-    for (int link1_ = (con)->link[0], link2_ = (con)->link[1], link, sign; \
-         link1_ != link2_ && (sign = link1_ > link2_ ? 1 : -1, link = sign > 0 ? link1_ : link2_, 1); \
-         sign > 0 ? (link1_ = (m)->link[link].parent) : (link2_ = (m)->link[link].parent))
+    for (int ends_[2] = {(con)->link[0], (con)->link[1]}, link, sign; \
+         rbdi_next_of_paths(m, ends_, &link, &sign);)
 
 /* Poses of the links on a path and, if `moving`, velocities of their origins, from the angular velocities. */
 static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v, int moving) {

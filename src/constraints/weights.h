@@ -74,7 +74,7 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
         c->D_inverse[k] = rbdi_set(passive ? RBD_C(1) : RBD_C(0));
     }
     rbdi_clear(c->target, c->rows);
-    rbdi_multipliers(m, c, 0);
+    (void)rbdi_multipliers(m, c, 0);
 
     /* tau - J' lambda */
     for (int k = 0; k < m->nv; ++k)
