@@ -724,7 +724,7 @@ RBDI_ONCE rbdi_v3 rbdi_constraint_motion(rbd_constraint_set *c, const rbdi_const
 }
 
 /* ==== src/constraints/rows.h ==== */
-/* Interface: rbdi_constraint_rows, rbdi_constraint_state, RBDI_FOR_PATHS */
+/* Interface: rbdi_constraint_rows, rbdi_constraint_state, rbdi_next_link, rbdi_walk, rbdi_walk_of */
 
 /* ---- rows [rows] ---- */
 
@@ -771,23 +771,29 @@ RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraint_set *c,
     }
 }
 
-/* Steps to the next link that moves only one of two bodies: of the two in `ends` the one with the larger
-   index, which its parent replaces. sign: 1 for body 1, -1 for body 2. Returns 0 at the common ancestor. */
-RBDI_INLINE int rbdi_next_of_paths(const rbd_model *m, int ends[2], int *link, int *sign) {
-    const int side = ends[0] > ends[1] ? 0 : 1;
-    if (ends[0] == ends[1]) return 0;
+/* A walk over the links that move only one of a constraint's two bodies, from the bodies to their common
+   ancestor. The motions of links on both paths cancel. */
+typedef struct rbdi_walk {
+    int end[2]; /* the next link on the path of body 1 and of body 2 */
+    int link;   /* the link that the walk is at */
+    int side;   /* 0 if it moves body 1, 1 if body 2 */
+} rbdi_walk;
 
-    *link = ends[side];
-    *sign = side ? -1 : 1;
-    ends[side] = m->link[*link].parent;
-    return 1;
+RBDI_INLINE rbdi_walk rbdi_walk_of(const rbdi_constraint *con) {
+    const rbdi_walk walk = {{con->link[0], con->link[1]}, -1, 0};
+    return walk;
 }
 
-/* Runs the statement behind it for each link that moves only one of the two bodies. Declares `link` and
-   `sign`, 1 for body 1, -1 for body 2. The motions of links on both paths cancel. */
-#define RBDI_FOR_PATHS(m, con, link, sign) \
-    for (int ends_[2] = {(con)->link[0], (con)->link[1]}, link, sign; \
-         rbdi_next_of_paths(m, ends_, &link, &sign);)
+/* Steps to the next link: of the two ends the one with the larger index, which its parent replaces. Returns 0 at
+   the common ancestor. */
+RBDI_INLINE int rbdi_next_link(const rbd_model *m, rbdi_walk *walk) {
+    if (walk->end[0] == walk->end[1]) return 0;
+
+    walk->side = walk->end[0] < walk->end[1];
+    walk->link = walk->end[walk->side];
+    walk->end[walk->side] = m->link[walk->link].parent;
+    return 1;
+}
 
 /* Poses of the links on a path and, if `moving`, velocities of their origins, from the angular velocities. */
 static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v, int moving) {
@@ -838,7 +844,8 @@ static void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, cons
     p = rbdi_constraint_motion(c, con, &h, errors);
 
     if (errors == RBDI_SLOPES && con->angular == 1) rbdi_bend_axis(c, con, &h);
-    RBDI_FOR_PATHS(m, con, link, sign) rbdi_constraint_link(m, c, con, &h, p, link, sign);
+    for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);)
+        rbdi_constraint_link(m, c, con, &h, p, walk.link, walk.side ? -1 : 1);
 }
 
 /* ==== src/constraints/factor.h ==== */
@@ -2438,10 +2445,8 @@ static int rbdi_too_many_rows(const rbd_model *m, const rbd_constraint_set *c) {
                 (o->link[0] == con->link[1] && o->link[1] == con->link[0]))
                 rows += o->rows;
 
-        RBDI_FOR_PATHS(m, con, link, sign) {
-            (void)sign;
-            dofs += rbdi_link_dofs(m, &m->link[link]);
-        }
+        for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);)
+            dofs += rbdi_link_dofs(m, &m->link[walk.link]);
         too_many |= rows > 6 || rows > dofs;
     }
     return too_many;
@@ -2779,10 +2784,10 @@ static void rbdi_subtract_force_derivative(const rbd_model *m, const rbd_derivat
                   fz = rbdi_cross(pair->force.f, S.omega), sf = rbdi_cross(S.v, pair->force.f),
                   roll = rbdi_cross(rbdi_cross(S.omega, pair->roll_radius), pair->force.f);
 
-    RBDI_FOR_PATHS(m, con, link, sign) {
-        const rbdi_link *l = &m->link[link];
-        const int other = sign < 0,
-                  moved = other == side && l->first >= m->link[mover].first; /* on the same path: behind it */
+    for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);) {
+        const rbdi_link *l = &m->link[walk.link];
+        const int moved =
+            walk.side == side && l->first >= m->link[mover].first; /* on the same path: behind it */
         const rbdi_v3 moment = rbdi_add(roll, moved == side ? sf : nz), force = moved == side ? o : fz;
 
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
@@ -2797,12 +2802,13 @@ static void rbdi_subtract_force_derivative(const rbd_model *m, const rbd_derivat
 static void rbdi_differentiate_forces(const rbd_model *m, const rbd_derivatives *d,
                                       const rbdi_constraint *con, const rbdi_pair_motion *pair,
                                       rbd_real *rho) {
-    RBDI_FOR_PATHS(m, con, link, sign) {
-        const rbdi_link *l = &m->link[link];
+    for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);) {
+        const rbdi_link *l = &m->link[walk.link];
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j)
-            rbdi_subtract_force_derivative(m, d, con, pair, sign < 0, link,
-                                           rbdi_load_motion(RBDI_OF(d, l->first + j, stage.mover), RBDI_BATCH),
-                                           rho + rbdi_source(m, l->iv + j));
+            rbdi_subtract_force_derivative(
+                m, d, con, pair, walk.side, walk.link,
+                rbdi_load_motion(RBDI_OF(d, l->first + j, stage.mover), RBDI_BATCH),
+                rho + rbdi_source(m, l->iv + j));
     }
 }
 
@@ -2812,10 +2818,11 @@ static void rbdi_differentiate(const rbd_model *m, const rbd_constraint_set *c, 
                                rbd_real *sigma_v) {
     const rbdi_pair_motion pair = rbdi_pair_motion_of(c, con);
 
-    RBDI_FOR_PATHS(m, con, link, sign) {
-        const rbdi_link *l = &m->link[link];
+    for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);) {
+        const rbdi_link *l = &m->link[walk.link];
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
-            const rbdi_motion_derivatives by = rbdi_differentiate_motion(m, c, &pair, sign < 0, link, j);
+            const rbdi_motion_derivatives by =
+                rbdi_differentiate_motion(m, c, &pair, walk.side, walk.link, j);
             const int column = rbdi_source(m, l->iv + j);
 
             rbdi_store_motion(RBDI_OF(d, l->first + j, stage.mover), RBDI_BATCH, by.S);

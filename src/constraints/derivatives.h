@@ -230,10 +230,10 @@ static void rbdi_subtract_force_derivative(const rbd_model *m, const rbd_derivat
                   fz = rbdi_cross(pair->force.f, S.omega), sf = rbdi_cross(S.v, pair->force.f),
                   roll = rbdi_cross(rbdi_cross(S.omega, pair->roll_radius), pair->force.f);
 
-    RBDI_FOR_PATHS(m, con, link, sign) {
-        const rbdi_link *l = &m->link[link];
-        const int other = sign < 0,
-                  moved = other == side && l->first >= m->link[mover].first; /* on the same path: behind it */
+    for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);) {
+        const rbdi_link *l = &m->link[walk.link];
+        const int moved =
+            walk.side == side && l->first >= m->link[mover].first; /* on the same path: behind it */
         const rbdi_v3 moment = rbdi_add(roll, moved == side ? sf : nz), force = moved == side ? o : fz;
 
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
@@ -248,12 +248,13 @@ static void rbdi_subtract_force_derivative(const rbd_model *m, const rbd_derivat
 static void rbdi_differentiate_forces(const rbd_model *m, const rbd_derivatives *d,
                                       const rbdi_constraint *con, const rbdi_pair_motion *pair,
                                       rbd_real *rho) {
-    RBDI_FOR_PATHS(m, con, link, sign) {
-        const rbdi_link *l = &m->link[link];
+    for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);) {
+        const rbdi_link *l = &m->link[walk.link];
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j)
-            rbdi_subtract_force_derivative(m, d, con, pair, sign < 0, link,
-                                           rbdi_load_motion(RBDI_OF(d, l->first + j, stage.mover), RBDI_BATCH),
-                                           rho + rbdi_source(m, l->iv + j));
+            rbdi_subtract_force_derivative(
+                m, d, con, pair, walk.side, walk.link,
+                rbdi_load_motion(RBDI_OF(d, l->first + j, stage.mover), RBDI_BATCH),
+                rho + rbdi_source(m, l->iv + j));
     }
 }
 
@@ -263,10 +264,11 @@ static void rbdi_differentiate(const rbd_model *m, const rbd_constraint_set *c, 
                                rbd_real *sigma_v) {
     const rbdi_pair_motion pair = rbdi_pair_motion_of(c, con);
 
-    RBDI_FOR_PATHS(m, con, link, sign) {
-        const rbdi_link *l = &m->link[link];
+    for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);) {
+        const rbdi_link *l = &m->link[walk.link];
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
-            const rbdi_motion_derivatives by = rbdi_differentiate_motion(m, c, &pair, sign < 0, link, j);
+            const rbdi_motion_derivatives by =
+                rbdi_differentiate_motion(m, c, &pair, walk.side, walk.link, j);
             const int column = rbdi_source(m, l->iv + j);
 
             rbdi_store_motion(RBDI_OF(d, l->first + j, stage.mover), RBDI_BATCH, by.S);

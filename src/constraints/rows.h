@@ -3,7 +3,7 @@
 #include "dynamics/crba.h"
 #include "constraints/kinematics.h"
 
-/* Interface: rbdi_constraint_rows, rbdi_constraint_state, RBDI_FOR_PATHS */
+/* Interface: rbdi_constraint_rows, rbdi_constraint_state, rbdi_next_link, rbdi_walk, rbdi_walk_of */
 
 /* ---- rows [rows] ---- */
 
@@ -50,23 +50,29 @@ RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraint_set *c,
     }
 }
 
-/* Steps to the next link that moves only one of two bodies: of the two in `ends` the one with the larger
-   index, which its parent replaces. sign: 1 for body 1, -1 for body 2. Returns 0 at the common ancestor. */
-RBDI_INLINE int rbdi_next_of_paths(const rbd_model *m, int ends[2], int *link, int *sign) {
-    const int side = ends[0] > ends[1] ? 0 : 1;
-    if (ends[0] == ends[1]) return 0;
+/* A walk over the links that move only one of a constraint's two bodies, from the bodies to their common
+   ancestor. The motions of links on both paths cancel. */
+typedef struct rbdi_walk {
+    int end[2]; /* the next link on the path of body 1 and of body 2 */
+    int link;   /* the link that the walk is at */
+    int side;   /* 0 if it moves body 1, 1 if body 2 */
+} rbdi_walk;
 
-    *link = ends[side];
-    *sign = side ? -1 : 1;
-    ends[side] = m->link[*link].parent;
-    return 1;
+RBDI_INLINE rbdi_walk rbdi_walk_of(const rbdi_constraint *con) {
+    const rbdi_walk walk = {{con->link[0], con->link[1]}, -1, 0};
+    return walk;
 }
 
-/* Runs the statement behind it for each link that moves only one of the two bodies. Declares `link` and
-   `sign`, 1 for body 1, -1 for body 2. The motions of links on both paths cancel. */
-#define RBDI_FOR_PATHS(m, con, link, sign) \
-    for (int ends_[2] = {(con)->link[0], (con)->link[1]}, link, sign; \
-         rbdi_next_of_paths(m, ends_, &link, &sign);)
+/* Steps to the next link: of the two ends the one with the larger index, which its parent replaces. Returns 0 at
+   the common ancestor. */
+RBDI_INLINE int rbdi_next_link(const rbd_model *m, rbdi_walk *walk) {
+    if (walk->end[0] == walk->end[1]) return 0;
+
+    walk->side = walk->end[0] < walk->end[1];
+    walk->link = walk->end[walk->side];
+    walk->end[walk->side] = m->link[walk->link].parent;
+    return 1;
+}
 
 /* Poses of the links on a path and, if `moving`, velocities of their origins, from the angular velocities. */
 static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v, int moving) {
@@ -117,7 +123,8 @@ static void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, cons
     p = rbdi_constraint_motion(c, con, &h, errors);
 
     if (errors == RBDI_SLOPES && con->angular == 1) rbdi_bend_axis(c, con, &h);
-    RBDI_FOR_PATHS(m, con, link, sign) rbdi_constraint_link(m, c, con, &h, p, link, sign);
+    for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);)
+        rbdi_constraint_link(m, c, con, &h, p, walk.link, walk.side ? -1 : 1);
 }
 
 #endif

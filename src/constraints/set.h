@@ -237,10 +237,8 @@ static int rbdi_too_many_rows(const rbd_model *m, const rbd_constraint_set *c) {
                 (o->link[0] == con->link[1] && o->link[1] == con->link[0]))
                 rows += o->rows;
 
-        RBDI_FOR_PATHS(m, con, link, sign) {
-            (void)sign;
-            dofs += rbdi_link_dofs(m, &m->link[link]);
-        }
+        for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);)
+            dofs += rbdi_link_dofs(m, &m->link[walk.link]);
         too_many |= rows > 6 || rows > dofs;
     }
     return too_many;
