@@ -21,10 +21,9 @@
    By tau, rho = -1 and sigma = 0. rbd_id_derivatives gives d ID. The rest depends only on the relative motion
    of the two bodies, so only on dofs that move one of them. All quantities are in world axes; motions are
    those of the link-fixed points at p, the origin of frame 1. Such a dof k moves body b; S = (z; s), negated
-   if b is body 2; V and A are spatial velocities and accelerations, of the joint's parent link P and of its
-   own link; x between spatial vectors is the spatial cross product:
+   if b is body 2. Psi, Phi and U are those of [common frame] in rbd_derivatives.h, about p instead of the
+   common origin:
 
-       Psi = V_P x S    Phi = A_P x S + V_P x Psi    U = Psi + V_link x S
        by q   dw = z x omega_b + Psi_omega
               du = z x v_b + Psi_v - omega_2 x s
               dalpha = z x alpha_b + Psi_omega x omega_b + Phi_omega - omega_2 x dw

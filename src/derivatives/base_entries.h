@@ -20,20 +20,26 @@
 
        F = I S,   D = 2 B S + I U,   E = I Phi = (h x Phi_v; m Phi_v) */
 RBDI_INLINE void rbdi_base_columns(const rbd_derivatives *d, int want) {
-    const rbd_real *whole = RBDI_OF(d, d->base - 1, sum);
-    const int inertia = RBDI_INERTIA_SUMS, momentum = inertia + RBDI_MOMENTUM_SUMS;
+    const int last = d->base - 1;
     const rbdi_b3 minus_g = rbdi_b_all(d->minus_g);
     rbdi_bmotion V;
     rbdi_sums s;
-    rbdi_batch *x = (rbdi_batch *)&s;
     V.omega = rbdi_b_all(d->V.omega);
     V.v = rbdi_b_all(rbdi_sub(rbdi_vec0(), d->V.v));
 
     /* the sums in all lanes */
-    RBDI_UNROLL_SUMS for (int j = 0; j < inertia; ++j) x[j] = rbdi_all_lanes(whole[j * RBDI_BATCH]);
+    s.xx = rbdi_all_lanes(*RBDI_OF(d, last, sum.xx));
+    s.xy = rbdi_all_lanes(*RBDI_OF(d, last, sum.xy));
+    s.xz = rbdi_all_lanes(*RBDI_OF(d, last, sum.xz));
+    s.yy = rbdi_all_lanes(*RBDI_OF(d, last, sum.yy));
+    s.yz = rbdi_all_lanes(*RBDI_OF(d, last, sum.yz));
+    s.zz = rbdi_all_lanes(*RBDI_OF(d, last, sum.zz));
+    s.h = rbdi_b_all(rbdi_load_vec(RBDI_OF(d, last, sum.h), RBDI_BATCH));
     if (want & RBDI_WANT_V) {
-        RBDI_UNROLL_SUMS for (int j = inertia; j < momentum; ++j) x[j] =
-            rbdi_all_lanes(whole[j * RBDI_BATCH]);
+        s.Xx = rbdi_b_all(rbdi_load_vec(RBDI_OF(d, last, sum.Xx), RBDI_BATCH));
+        s.Xy = rbdi_b_all(rbdi_load_vec(RBDI_OF(d, last, sum.Xy), RBDI_BATCH));
+        s.Xz = rbdi_b_all(rbdi_load_vec(RBDI_OF(d, last, sum.Xz), RBDI_BATCH));
+        s.P = rbdi_b_all(rbdi_load_vec(RBDI_OF(d, last, sum.P), RBDI_BATCH));
     }
 
     for (int b = 0; b < d->behind; ++b) {
