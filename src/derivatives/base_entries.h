@@ -122,13 +122,25 @@ RBDI_INLINE void rbdi_put_base(const rbd_derivatives *d, int want, rbdi_wanted o
     }
 }
 
-/* For rbd_fd_derivatives, at v = 0 and without gravity: only the base's columns by w are needed. They take
-   the places of its other columns, so that both matrices have the same number of columns to solve for.
+/* For rbd_fd_derivatives, which leaves out v of the base and gravity: of the base's columns only the three
+   by w are not 0. They take places of the others, so that both matrices are solved from the same column on:
+
+       both matrices   by_v[4], by_v[5], by_q[5]   solved from column 4 on, by_q[4] for nothing
+       by_v alone      by_v[3], by_v[4], by_v[5]   from column 3 on
+       by_q alone      none                        from column 6 on
+
    turn: where the three columns begin. */
 RBDI_INLINE void rbdi_place_turns(rbd_real *by_q, rbd_real *by_v, rbd_real *turn[3]) {
     turn[0] = by_v + (by_q ? 4 : 3);
     turn[1] = turn[0] + 1;
     turn[2] = by_q ? by_q + 5 : by_v + 5;
+}
+
+/* The first column to solve for; without a base all are. */
+RBDI_INLINE int rbdi_first_solved(const rbd_derivatives *d, const rbd_real *by_q, const rbd_real *by_v) {
+    if (!d->base) return 0;
+    if (!by_v) return 6;
+    return by_q ? 4 : 3;
 }
 
 /* Stores them: of the base's rows D, of the others T + n x w. */
