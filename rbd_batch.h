@@ -841,7 +841,7 @@ RBDI_BATCH_API rbd_status rbd_batch_regressor(const rbd_model *m, rbd_batch_deri
 
 struct rbd_batch_constraint_set {
     rbd_batch *b;
-    rbd_constraint_set *c;
+    rbd_constraint_set *set;
     rbd_real *y; /* outputs of RBD_LANES states */
 };
 
@@ -879,7 +879,7 @@ RBDI_BATCH_API rbd_status rbd_batch_constraint_set_init(const rbd_model *m, rbd_
 
     c = (rbd_batch_constraint_set *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_batch_constraint_set)));
     c->b = b;
-    c->c = inner;
+    c->set = inner;
     c->y = (rbd_real *)rbdi_take(&p, m->nv + rows, sizeof(rbd_real));
     *constraints = c;
     return RBD_OK;
@@ -897,8 +897,8 @@ RBDI_BATCH_API rbd_status rbd_batch_constrained_fd(const rbd_model *m, rbd_batch
     if (!m || !c || !v || !tau || !a) return RBD_ERR_NULL;
 
     rbdi_task_output(&t, 0, a, rbd_nv(m));
-    rbdi_task_output(&t, 1, lambda, c->c->rows);
-    t.more = c->c;
+    rbdi_task_output(&t, 1, lambda, c->set->rows);
+    t.more = c->set;
     return rbdi_batch_run(rbdi_lanes_constrained_fd, m, c->b, n, c->y, &t);
 }
 
