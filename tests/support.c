@@ -260,6 +260,8 @@ void for_random_states(int count, state_check *check) {
 }
 
 void for_random_trees(int trees, state_check *check) {
+    trees = (trees + PART_OF_TREES - 1) / PART_OF_TREES;
+
     for (int i = 0; i < trees; i++) {
         uint64_t seed = 1000 + (uint64_t)i; /* of its own, so that one tree can be looked at alone */
         rbd_body bodies[MAX_BODIES];

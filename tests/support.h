@@ -66,7 +66,16 @@ typedef void control_check(const robot *r, const ref_control_state *s, int numbe
 
 /* On every reference model, `count` random states. */
 void for_random_states(int count, state_check *check);
-/* On `trees` random trees of 1 to 25 bodies, two random states each. */
+/* Under the sanitizers, counted, and by ./run quick a part of the random trees is enough: the first of them. */
+#ifndef PART_OF_TREES
+#define PART_OF_TREES 1
+#endif
+
+/* At least n of all random trees do something: of a part of them, which are no average, half of their share. */
+enum { LEAST_SHARE = PART_OF_TREES == 1 ? 1 : 2 * PART_OF_TREES };
+#define OF_TREES(n) ((n) / LEAST_SHARE)
+
+/* On `trees` random trees of 1 to 25 bodies, two random states each; on a part of them as above. */
 void for_random_trees(int trees, state_check *check);
 /* On every state of every reference model, with its gravity set; on those of what controllers ask. */
 void for_reference_states(reference_check *check);

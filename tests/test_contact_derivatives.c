@@ -507,11 +507,6 @@ static void check_tree(uint64_t *seed, int number) {
     close_scene(&s);
 }
 
-/* Under the sanitizers and counted, where a step takes five times as long, a part of them is enough. */
-#ifndef PART_OF_TREES
-#define PART_OF_TREES 1
-#endif
-
 START_TEST(random_trees) {
     agreed = sticking = slipping = unsolved = 0;
     for (int i = 0; i < 240 / PART_OF_TREES; i++) {

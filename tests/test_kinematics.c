@@ -415,7 +415,7 @@ static void check_path(const robot *r, const state *s, int number) {
 START_TEST(kinematics_of_one_body_are_those_of_all) {
     refused = checked = 0;
     for_random_trees(100, check_path);
-    ck_assert_int_gt(refused, 1000);
+    ck_assert_int_gt(refused, OF_TREES(1000));
 }
 END_TEST
 
