@@ -64,6 +64,9 @@ typedef void state_check(const robot *r, const state *s, int number);
 typedef void reference_check(const robot *r, const ref_model *model, const ref_state *s, int number);
 typedef void control_check(const robot *r, const ref_control_state *s, int number);
 
+/* A case for the tests of a suite that take a third of a second and more at -Og: ./run quick leaves them out. */
+TCase *slow_tests(Suite *suite);
+
 /* On every reference model, `count` random states. */
 void for_random_states(int count, state_check *check);
 /* Under the sanitizers, counted, and by ./run quick a part of the random trees is enough: the first of them. */
@@ -71,7 +74,8 @@ void for_random_states(int count, state_check *check);
 #define PART_OF_TREES 1
 #endif
 
-/* At least n of all random trees do something: of a part of them, which are no average, half of their share. */
+/* How many of n events on all random trees a part of them must have at least: half of its share, for it is no
+   average. */
 enum { LEAST_SHARE = PART_OF_TREES == 1 ? 1 : 2 * PART_OF_TREES };
 #define OF_TREES(n) ((n) / LEAST_SHARE)
 

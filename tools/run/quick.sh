@@ -27,18 +27,20 @@ configure_quick() {
     printf '%s\n' "$root" >"$stamp"
 }
 
-# run_programs: each line of standard input is a program of the build folder and its arguments
+# run_programs: each line of standard input is a program of the build folder and its arguments. Tests with the tag
+# $left_out are.
 run_programs() {
     failed=0
     while read -r program arguments; do
         # shellcheck disable=SC2086 # words wanted
-        CK_TIMEOUT_MULTIPLIER=100 "$build/$program" $arguments </dev/null || failed=1
+        CK_TIMEOUT_MULTIPLIER=100 CK_EXCLUDE_TAGS=$left_out "$build/$program" $arguments </dev/null || failed=1
     done
     return $failed
 }
 
 #+ quick [SUITE...]            after an edit: formats what changed, makes the headers, builds at -Og in build-quick/ and
-#+                             runs these suites, or those of what changed since the last commit; all: every suite
+#+                             runs these suites, or those of what changed since the last commit, without their slow tests; all:
+#+                             every suite, and the slow tests
 #+ quick --map                 the suites of each room
 cmd_quick() {
     [ "${1-}" != --map ] || { "$parts/suites.py" --map; return; }
@@ -52,5 +54,7 @@ cmd_quick() {
     configure_quick
     # shellcheck disable=SC2046 # words wanted
     compile $(printf '%s\n' "$programs" | sed 's/ .*//')
+    left_out=slow
+    [ "${1-}" != all ] || left_out=
     printf '%s\n' "$programs" | run_programs
 }
