@@ -13,6 +13,7 @@ The suites of a room follow from names. A room src/STOREY/NAME.h has the first o
 4. the suites of STOREYS below;
 5. all."""
 import difflib
+import functools
 import re
 import subprocess
 import sys
@@ -37,13 +38,17 @@ def rooms():
     return sorted(str(path.relative_to(ROOT / "src")) for path in (ROOT / "src").glob("*/*.h"))
 
 
+@functools.lru_cache(None)
+def text_of(suite):
+    return (ROOT / f"tests/test_{suite}.c").read_text()
+
+
 def calling(room, suites):
     """The suites that call the public functions of a room most."""
     functions = re.findall(r"^RBDI_(?:BATCH_)?API[^;{(]*?\b(rbd_\w+)\(", (ROOT / "src" / room).read_text(), re.M)
     counts = {}
     for suite in suites if functions else []:
-        text = (ROOT / f"tests/test_{suite}.c").read_text()
-        counts[suite] = len(re.findall(rf"\b(?:{'|'.join(functions)})\(", text))
+        counts[suite] = len(re.findall(rf"\b(?:{'|'.join(functions)})\(", text_of(suite)))
     most = sorted((s for s in counts if counts[s]), key=lambda s: -counts[s])[:3]
     return [s for s in suites if s in most]
 
@@ -80,7 +85,7 @@ def suites_of_changes(files, suites):
             found.update(suites_of(room[1], suites))
         elif test and test[1] in suites:
             found.add(test[1])
-        elif re.fullmatch(r"tests/(\w+\.h|support\.c|textbook\.c|reference\.c|control\.c|tests\.c)", file):
+        elif re.fullmatch(r"tests/(tests\.c|suites\.h|(support|textbook|reference|control)\.[ch])", file):
             found.update(suites)
     return [s for s in suites if s in found]
 
