@@ -64,12 +64,14 @@ typedef void state_check(const robot *r, const state *s, int number);
 typedef void reference_check(const robot *r, const ref_model *model, const ref_state *s, int number);
 typedef void control_check(const robot *r, const ref_control_state *s, int number);
 
-/* A case for the tests of a suite that take a third of a second and more at -Og: ./run quick leaves them out. */
+/* A case for tests that take a third of a second and more at -Og: ./run quick leaves them out. */
 TCase *slow_tests(Suite *suite);
 
 /* On every reference model, `count` random states. */
 void for_random_states(int count, state_check *check);
-/* Under the sanitizers, counted, and by ./run quick a part of the random trees is enough: the first of them. */
+
+/* A part of the random trees, the first of them, is enough under the sanitizers, for coverage, and for ./run
+   quick. */
 #ifndef PART_OF_TREES
 #define PART_OF_TREES 1
 #endif

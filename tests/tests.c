@@ -1,5 +1,5 @@
-/* tests.c - runs all suites, or those named: tests [SUITE...]. `tests --errors` also prints the largest error of every
-   quantity; `tests --contacts` runs those of rbd_contact.h and prints their figures. */
+/* tests.c - runs all suites, or those named: tests [SUITE...]. `tests --errors` also prints the largest error
+   of every quantity; `tests --contacts` runs those of rbd_contact.h and prints their figures. */
 #include <stdio.h>
 #include <string.h>
 

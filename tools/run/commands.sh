@@ -147,10 +147,11 @@ cmd_budgets() {
 }
 
 #+ rooms [OPTION]              whether src/ is in order, its includes and interfaces; --mend, --interfaces and --draw
-#+                             write them, and docs/rooms.svg; then it makes the shipped headers
+#+                             write them, and docs/rooms.svg; then it makes what follows from rooms and declarations:
+#+                             symbols, shipped headers, tests/plain_calls.h, rows of docs/interface.md
 cmd_rooms() {
     "$root/tests/adequacy/rooms.py" "$@" || exit
-    "$root/src/amalgamate.py" --write
+    "$root/src/amalgamate.py" --write && python3 -B "$root/tests/interface.py" --write
 }
 
 #+ reproducible [REGEX]        whether RBD_REPRODUCIBLE and generated code give the same bits with all compilers, options and
