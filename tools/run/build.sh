@@ -9,7 +9,8 @@ use_folder() {
     lock=$build/.lock # a folder while a command builds and uses what it built; holder: its process and name
 }
 use_folder build
-bench_optimization=3 # of a new build/
+# Of a new build/: for measuring. ./run test verifies alone, and without the peers.
+bench_optimization=3 bench_peers=auto report_tests=false
 
 # Groups that meson.build looks for: if one comes or goes, build/ is configured anew.
 meson_groups='build test packages compilers peers'
@@ -85,7 +86,8 @@ configure_afresh() {
     say "run: configuring build/"
     cxx=$(cxx)
     quietly env ${cxx:+"CXX=$cxx"} meson setup "$build" "$root" --buildtype=release -Dtests=enabled -Dbench=enabled \
-        -Durdf=enabled -Dbench_optimization="$bench_optimization"
+        -Durdf=enabled -Dbench_optimization="$bench_optimization" -Dpeers="$bench_peers" \
+        -Dreport_tests="$report_tests"
 }
 
 # The same build/ once more, where something has been installed or removed since: what is built there stays.
@@ -108,7 +110,7 @@ configure() {
 # The bench for measuring, where ./run test has configured it for verifying alone.
 bench_for_measuring() {
     ! grep -q '^bench_optimization = g' "$build/meson-private/cmd_line.txt" ||
-        quietly meson configure "$build" -Dbench_optimization=3
+        quietly meson configure "$build" -Dbench_optimization=3 -Dpeers=auto
 }
 
 # Waits until no other command works in build/; the lock of one that is no more does not count.

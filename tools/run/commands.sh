@@ -46,13 +46,16 @@ cmd_instructions() {
     "$root/bench/counters/instructions.sh" "$build" "$@"
 }
 
-#+ report [OPTION...]          measure, count and draw all of it: a page of figures
+#+ report [OPTION...]          measure, count and draw all of it: a page of figures; first the tests of the peers and of
+#+                             the report
 cmd_report() {
     prepare
     install build report
     install_optional peers
     takes "five to ten minutes on two cores, most of them to compile; with Pinocchio twice as long, with its code thrice"
     bring_up tools/rbd-codegen # whose configure drops the report's builds if something has come
+    quietly meson configure "$build" -Dpeers=auto -Dreport_tests=true
+    meson test -C "$build" --suite report --print-errorlogs || die "a test of the report fails"
     python3 "$root/bench/workload/report.py" "$@"
 }
 

@@ -120,7 +120,7 @@ cmd_test() {
     if [ $kind = light ]; then
         for suite in $heavy_suites; do set -- --no-suite "$suite" "$@"; done
     fi
-    bench_optimization=g
+    bench_optimization=g bench_peers=disabled
     take_lock
     configure
     ! tests_may_be_new || compile build.ninja
