@@ -92,8 +92,7 @@ static void expect_same(const char *what, const robot *r, int number, const doub
 
 enum { MOST_COPIES = 64, MOST_RESULTS = 4 * MAX_V * MAX_V + 10 * MAX_BODIES * MAX_V };
 
-/* One side of a comparison. The inputs are fenced copies, or the numbers themselves; the results are where the
-   call put them. */
+/* One side of a comparison. Its inputs are fenced copies, or the numbers themselves. */
 typedef struct guarded {
     const robot *r;
     const state *s;
