@@ -22,10 +22,12 @@ prepare() {
     mkdir "$build" && : >"$stamp" || exit 1
 }
 
-# Shows the log, of a long one the beginning, where the first error is.
+# Shows the log from the first failure on, and of a long one the beginning.
 show_log() {
-    sed -n 1,80p "$log" >&2
-    [ "$(wc -l <"$log")" -le 80 ] || say "run: and so on: ${log#"$root"/}"
+    awk '/^FAILED: / && !shown { shown = 1; for (i in early) delete early[i]; n = 0 }
+         { early[++n] = $0 }
+         END { for (i = 1; i <= n && i <= 60; i++) print early[i]
+               if (n > 60) print "and so on: " name }' name="${log#"$root"/}" "$log" >&2
 }
 
 # Runs a command and shows what it printed only if it fails.
