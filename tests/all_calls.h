@@ -35,12 +35,13 @@ typedef struct all_calls {
     const char *header;
 } all_calls;
 
-#define ALL_CALLS_RUN(call, n) \
+#define ALL_CALLS_RUN(call, n) ALL_CALLS_NAMED(#call, call, n)
+#define ALL_CALLS_NAMED(name, call, n) \
     do { \
         const int n_ = (n); \
         memset(s->out, 0, sizeof(rbd_real) * (size_t)s->room); \
         const rbd_status status_ = call; \
-        s->sink(s->to, s->header, #call, status_, s->out, n_); \
+        s->sink(s->to, s->header, name, status_, s->out, n_); \
     } while (0)
 
 static void all_calls_put(rbd_real *to, const rbd_const *x, int n) {
@@ -100,10 +101,11 @@ static void all_calls_gravity(all_calls *s) {
 #define OUT(at, n) (s->out + (at))
 #define RUN_OF_BODY(of, name, may_fail, arguments, n) \
     s->header = of; \
-    ALL_CALLS_RUN(name arguments, n);
+    ALL_CALLS_NAMED(#name, name arguments, n);
 #define RUN_PLAIN(of, name, may_fail, arguments, n) \
+    s->header = of; \
     (void)rbd_kinematics(s->m, s->w, s->q, s->v, s->a); \
-    RUN_OF_BODY(of, name, may_fail, arguments, n)
+    ALL_CALLS_NAMED(#name, name arguments, n);
 
 /* The calls of which the declarations say all. */
 static void all_calls_plain(all_calls *s) {
