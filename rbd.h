@@ -1,4 +1,4 @@
-/* rbd.h - rigid-body dynamics of robots, in one C99 header. Version 0.3.0.
+/* rbd.h - rigid-body dynamics of robots, in one C99 header. Version 0.4.0.
    Made by src/amalgamate.py from src/rbd.h and the files that it includes: edit those.
    SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end.
 
@@ -135,8 +135,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define RBD_VERSION "0.3.0"
-#define RBD_VERSION_NUMBER 300 /* 10000 major + 100 minor + patch: for headers that build on this one */
+#define RBD_VERSION "0.4.0"
+#define RBD_VERSION_NUMBER 400 /* 10000 major + 100 minor + patch: for headers that build on this one */
 #define RBD_MODEL_VERSION 6    /* layout of the built model; generated tables check it */
 
 /* The macros of [configuration], checked and completed. */

@@ -140,8 +140,8 @@ cmd_site() {
     printf '%s\n' "$build/site/index.html"
 }
 
-#+ budgets [--accept]          lines, text and compile time of the headers, functions behind calls, beside their
-#+                             budgets; --accept keeps them in bench/results/budgets.csv
+#+ budgets [--accept]          text and compile time of the headers beside their budgets, and how the rooms read;
+#+                             --accept keeps the figures in bench/results/budgets.csv
 cmd_budgets() {
     prepare
     install count
