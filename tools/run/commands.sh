@@ -219,8 +219,8 @@ cmd_deps() {
 cmd_help() {
     echo "usage: ./run COMMAND"
     printf '\nTo use rbd:\n\n'
-    cat "$parts"/*.sh | sed -n 's/^#: /  /p'
+    cat "$parts/test.sh" "$parts/quick.sh" "$parts/commands.sh" | sed -n 's/^#: /  /p'
     printf '\nTo work on rbd (CONTRIBUTING.md):\n\n'
-    cat "$parts"/*.sh | sed -n 's/^#+ /  /p'
+    cat "$parts/test.sh" "$parts/quick.sh" "$parts/commands.sh" | sed -n 's/^#+ /  /p'
     printf '\n./run COMMAND --help: the options\n'
 }

@@ -102,7 +102,7 @@ install_for_tests() {
 #: test [--light] [OPTION...]  build and run all the tests, of the microcontrollers three (all: firmware);
 #:                             --light: without the cross compilers and packages, which take gigabytes of
 #:                             disk; further options are meson test's
-#: test --quick                the suites alone, in double, in a minute: quick all
+#: test --quick                the suites alone, in double, in a minute
 cmd_test() {
     kind=all
     for argument; do
