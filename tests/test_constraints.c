@@ -521,7 +521,8 @@ static void check_residuals(const robot *r, const state *s, int number) {
 START_TEST(both_equations_hold_on_random_trees) {
     solved = dependent = 0;
     for_random_trees(500, check_residuals);
-    ck_assert_msg(solved > 500 && dependent > 100, "%d solved, %d of dependent rows", solved, dependent);
+    ck_assert_msg(solved > OF_TREES(500) && dependent > OF_TREES(100), "%d solved, %d of dependent rows",
+                  solved, dependent);
 }
 END_TEST
 
@@ -596,7 +597,8 @@ static void check_differences(const robot *r, const state *s, int number) {
 START_TEST(derivatives_are_those_of_differences) {
     differentiated = redundantly = 0;
     for_random_trees(150, check_differences);
-    ck_assert_msg(differentiated > 200 && redundantly > 30, "%d, %d redundant", differentiated, redundantly);
+    ck_assert_msg(differentiated > OF_TREES(200) && redundantly > OF_TREES(30), "%d, %d redundant",
+                  differentiated, redundantly);
 }
 END_TEST
 
