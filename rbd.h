@@ -312,8 +312,8 @@ RBDI_EXTERN_C_BEGIN
 #define rbd_packed_size RBDI_SYMBOL(rbd_packed_size)
 #define rbd_packed_index RBDI_SYMBOL(rbd_packed_index)
 #define rbd_aba RBDI_SYMBOL(rbd_aba)
-#define rbd_hybrid RBDI_SYMBOL(rbd_hybrid)
 #define rbd_fd_cholesky RBDI_SYMBOL(rbd_fd_cholesky)
+#define rbd_hybrid RBDI_SYMBOL(rbd_hybrid)
 #define rbd_cholesky_factor RBDI_SYMBOL(rbd_cholesky_factor)
 #define rbd_cholesky_factor_packed RBDI_SYMBOL(rbd_cholesky_factor_packed)
 #define rbd_cholesky_solve RBDI_SYMBOL(rbd_cholesky_solve)
@@ -326,10 +326,10 @@ RBDI_EXTERN_C_BEGIN
 #define rbd_body_velocity RBDI_SYMBOL(rbd_body_velocity)
 #define rbd_body_acceleration RBDI_SYMBOL(rbd_body_acceleration)
 #define rbd_body_acceleration_classical RBDI_SYMBOL(rbd_body_acceleration_classical)
-#define rbd_joint_wrench RBDI_SYMBOL(rbd_joint_wrench)
 #define rbd_energy RBDI_SYMBOL(rbd_energy)
 #define rbd_com RBDI_SYMBOL(rbd_com)
 #define rbd_mass RBDI_SYMBOL(rbd_mass)
+#define rbd_joint_wrench RBDI_SYMBOL(rbd_joint_wrench)
 #define rbd_jacobian RBDI_SYMBOL(rbd_jacobian)
 #define rbd_relative_jacobian RBDI_SYMBOL(rbd_relative_jacobian)
 #define rbd_jacobian_transpose RBDI_SYMBOL(rbd_jacobian_transpose)
@@ -345,9 +345,9 @@ RBDI_EXTERN_C_BEGIN
 #define rbd_difference RBDI_SYMBOL(rbd_difference)
 #define rbd_interpolate RBDI_SYMBOL(rbd_interpolate)
 #define rbd_distance RBDI_SYMBOL(rbd_distance)
-#define rbd_random RBDI_SYMBOL(rbd_random)
 #define rbd_rates_from_velocity RBDI_SYMBOL(rbd_rates_from_velocity)
 #define rbd_velocity_from_rates RBDI_SYMBOL(rbd_velocity_from_rates)
+#define rbd_random RBDI_SYMBOL(rbd_random)
 #define rbd_nb RBDI_SYMBOL(rbd_nb)
 #define rbd_nq RBDI_SYMBOL(rbd_nq)
 #define rbd_nv RBDI_SYMBOL(rbd_nv)
@@ -454,7 +454,8 @@ typedef enum rbd_status {
     RBD_WARN_INERTIA_TRIANGLE = 2, /* one principal moment exceeds the sum of the others */
     RBD_WARN_INERTIA_ZERO = 3,     /* mass, but no inertia about the centre of mass */
     RBD_WARN_MASS_ZERO = 4,        /* inertia, but no mass */
-    RBD_WARN_LIMITS = 5            /* lower >= upper, or limits of another type of joint: read as none */
+    RBD_WARN_LIMITS = 5 /* lower >= upper, or limits of another type of joint: read as none; or a joint that
+                           mimics another has limits that contradict the other's */
 } rbd_status;
 
 /* One sentence for a status, English, static. */
@@ -1210,10 +1211,11 @@ typedef struct rbdi_kin { /* per link, kept for the calls after rbd_kinematics *
    nqx coordinates with those of mimic joints (nqx = 0 without mimic joints), nv dofs without them; nh
    packed entries. */
 #define RBDI_WORK_ARRAYS(ARRAY, nl, nblock, nbranch, ndof, nqx, nv, nh) \
-    ARRAY(rbd_real, angle, RBDI_PADDED(nl))    /* joint angles less these right angles */ \
-    ARRAY(rbd_real, quarters, RBDI_PADDED(nl)) /* right angles */ \
-    ARRAY(rbd_real, c, RBDI_PADDED(nl))        /* cosines of the whole angles */ \
-    ARRAY(rbd_real, s, RBDI_PADDED(nl))        /* sines */ \
+    ARRAY(rbd_real, angle, RBDI_PADDED(nl))         /* joint angles less these right angles */ \
+    ARRAY(rbd_real, quarters, RBDI_PADDED(nl))      /* right angles */ \
+    ARRAY(rbd_real, c, RBDI_PADDED(nl))             /* cosines of the whole angles */ \
+    ARRAY(rbd_real, s, RBDI_PADDED(nl))             /* sines */ \
+    ARRAY(ptrdiff_t, start, RBDI_PADDED_STARTS(nv)) /* [packed matrix]: where rows of a matrix begin */ \
     ARRAY(rbdi_branch, branch, nbranch) \
     ARRAY(rbdi_block_work, block, nblock) \
     ARRAY(rbd_real, d, nl) /* slides of screw links */ \
@@ -1223,13 +1225,14 @@ typedef struct rbdi_kin { /* per link, kept for the calls after rbd_kinematics *
     ARRAY(rbd_real, zero, ndof)  /* zeros */ \
     ARRAY(rbd_real, pivot, ndof) /* pivots of the last factorisation */ \
     ARRAY(rbd_real, bias, nv) \
-    ARRAY(rbd_real, F, 6 * RBDI_STRIDE(ndof)) /* crba: wrenches by component, behind RBDI_CHUNK zeros */ \
+    ARRAY(rbd_real, F, 6 * RBDI_STRIDE(ndof)) /* scratch of a call, behind RBDI_CHUNK zeros */ \
     ARRAY(rbd_real, H, nh) \
     ARRAY(rbd_real, qx, nqx) /* coordinates with the mimics' appended */ \
     ARRAY(rbd_real, vx, (nqx) > 0 ? (ndof) : 0) \
     ARRAY(rbd_real, ax, (nqx) > 0 ? (ndof) : 0) \
     ARRAY(rbd_real, tx, (nqx) > 0 ? (ndof) : 0)
 #define RBDI_PADDED(n) (RBDI_ROUND((size_t)(n) * sizeof(rbd_real)) / sizeof(rbd_real))
+#define RBDI_PADDED_STARTS(n) (RBDI_ROUND((size_t)(n) * sizeof(ptrdiff_t)) / sizeof(ptrdiff_t))
 #define RBDI_ARRAY_FIELD(type, name, length) type *name;
 #define RBDI_ARRAY_BYTES(type, name, length) +(size_t)(length) * sizeof(type)
 
@@ -4119,7 +4122,7 @@ RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbdi_v3 world, rb
      rbdi_subtract_product  y -= X' x
      rbdi_subtract        y -= factor x
      rbdi_multiply        y *= factor
-   Their scratch is w->F.
+   Their scratch is w->F and, for places of rows, w->start.
 
    In depth-first order, m->node, the descendants of a dof follow it. Every result is a row less a sum of
    other rows times factors: the rows of the descendants (factor, first half of a solution) or of the path
@@ -4186,17 +4189,10 @@ RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real factor, const rbd_real *x, 
      RBDI_EQUIDISTANT  at X + t stride; factor x[t]
    Y: a second matrix with its rows at the same places. */
 enum { RBDI_OWN, RBDI_DESCENDANTS, RBDI_PATH, RBDI_FRESH, RBDI_EQUIDISTANT };
-/* Where a row starts. These stand in memory of scalars, which may be aligned to four bytes only. */
-#if RBDI_GNU
-typedef ptrdiff_t rbdi_start
-    __attribute__((may_alias, aligned(sizeof(RBD_REAL) % sizeof(ptrdiff_t) ? 4 : sizeof(ptrdiff_t))));
-#else
-typedef ptrdiff_t rbdi_start;
-#endif
 typedef struct rbdi_terms {
     const rbd_real *X, *Y, *x;
     const rbdi_node *node;
-    const rbdi_start *start;
+    const ptrdiff_t *start; /* where rows start */
     ptrdiff_t stride;
     rbd_real scale;
     int n, d;
@@ -4341,7 +4337,7 @@ RBDI_PART void rbdi_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, rb
    scalars. */
 RBDI_INLINE void rbdi_columns_up(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride,
                                  int matrices, int batches, int n, rbd_real *X, rbd_real *Y) {
-    rbdi_start *start = (rbdi_start *)w->F; /* rows of nodes */
+    ptrdiff_t *start = w->start; /* by node */
     rbdi_terms g;
     g.X = X, g.Y = Y;
     for (int s = m->nv - 1; s >= 0; --s) {
@@ -4361,7 +4357,7 @@ RBDI_INLINE void rbdi_columns_up(const rbd_model *m, rbd_work *w, const rbd_real
 RBDI_INLINE void rbdi_columns_down(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign,
                                    ptrdiff_t stride, int matrices, int batches, int n, rbd_real *X,
                                    rbd_real *Y) {
-    rbdi_start *path = (rbdi_start *)w->F; /* rows of a dof's path, by depth */
+    ptrdiff_t *path = w->start; /* of a dof's path, by depth */
     rbdi_terms g;
     g.X = X, g.Y = Y, g.start = path;
     for (int s = 0; s < m->nv; ++s) {
@@ -4437,7 +4433,7 @@ RBDI_INLINE void rbdi_mirror(const rbd_real *row, ptrdiff_t n, int k, rbd_real *
    a sum over the rows i of the path: Z_kj = - sum L_ki Z_ij for j < k, Z_kk = 1/D_k - sum L_ki Z_ik. */
 RBDI_PART void rbdi_invert(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *Z) {
     const int n = m->nv;
-    rbdi_start *path = (rbdi_start *)w->F; /* where its rows begin, root first */
+    ptrdiff_t *path = w->start; /* of a dof's path, root first */
     rbd_real *row = Z;
     int before = 0;
 #ifdef RBDI_ROWS
@@ -4953,9 +4949,11 @@ RBDI_INLINE void rbdi_load_axes(rbdi_axes *p, const rbdi_pose *X) {
     rbdi_set_axis(&p->origin, X->r);
 }
 RBDI_INLINE void rbdi_store_axes(rbdi_pose *X, const rbdi_axes *p) {
-    rbdi_put_four(&X->E.xx, &p->x);
+    rbdi_put_four(&X->E.xx, &p->x); /* the fourth goes to the next row, which is stored next */
     rbdi_put_four(&X->E.yx, &p->y);
-    rbdi_put_four(&X->E.zx, &p->z);
+    X->E.zx = rbdi_one_of(&p->z, 0);
+    X->E.zy = rbdi_one_of(&p->z, 1);
+    X->E.zz = rbdi_one_of(&p->z, 2);
     X->r = rbdi_axis_vec(&p->origin);
 }
 /* The world's own axes, with its origin. */
@@ -6632,14 +6630,60 @@ static void rbdi_check_inertia(const rbd_body *b, int i, rbd_report *report) {
         rbdi_warn(report, RBD_WARN_INERTIA_TRIANGLE, i, b->name, "inertia");
 }
 
+/* Whether a joint has limits as the model stores them: in float they may be equal. */
+static int rbdi_is_limited(const rbd_body *b) {
+    return rbdi_has_limits((int)b->type) && RBD_C(b->lower) < RBD_C(b->upper);
+}
+
 /* Warns of limits that are set and mean none. */
 static void rbdi_check_limits(const rbd_body *b, int i, rbd_report *report) {
-    const int limited = rbdi_has_limits((int)b->type);
+    const char *sentence = "not below upper: read as no limits";
     if (rbdi_all_zero(&b->lower, 1) && rbdi_all_zero(&b->upper, 1)) return;
-    if (limited && b->lower < b->upper) return;
-    rbdi_warn_saying(report, RBD_WARN_LIMITS, i, b->name, "lower",
-                     limited ? "not below upper: read as no limits"
-                             : "limits of a joint whose type has none: read as none");
+    if (rbdi_is_limited(b)) return;
+
+    if (b->lower < b->upper) sentence = "as near to upper as rounding: read as no limits";
+    if (!rbdi_has_limits((int)b->type)) sentence = "limits of a joint whose type has none: read as none";
+    rbdi_warn_saying(report, RBD_WARN_LIMITS, i, b->name, "lower", sentence);
+}
+
+/* A limit x of a body's joint as a limit of the joint that it mimics, if any: x = ratio q + offset. */
+static rbd_const rbdi_source_limit(const rbd_body *b, double x) {
+    return b->mimic ? (RBD_C(x) - RBD_C(b->mimic_offset)) / RBD_C(b->mimic_ratio) : RBD_C(x);
+}
+
+/* Whether two joints with limits, of which one mimics the other or both mimic a third one, cannot both be
+   within their limits. */
+static int rbdi_limits_contradict(const rbd_body *one, const rbd_body *two) {
+    const rbd_body *of[2] = {one, two};
+    rbd_const lower[2], upper[2];
+    if (!rbdi_is_limited(one) || !rbdi_is_limited(two)) return 0;
+
+    for (int k = 0; k < 2; ++k) {
+        const int turned = of[k]->mimic && of[k]->mimic_ratio < 0;
+        lower[k] = rbdi_source_limit(of[k], turned ? of[k]->upper : of[k]->lower);
+        upper[k] = rbdi_source_limit(of[k], turned ? of[k]->lower : of[k]->upper);
+    }
+
+    return upper[0] < lower[1] || upper[1] < lower[0];
+}
+
+/* Warns of each joint that mimics another if its limits contradict those of that joint, or of a joint before
+   it that mimics the same one. Ranges of one coordinate have a place in common if each two of them have. */
+static void rbdi_check_followers(const rbd_body *bodies, int nb, rbd_report *report) {
+    for (int i = 0; i < nb; ++i) {
+        const rbd_body *b = &bodies[i];
+        int contradicts = 0;
+
+        for (int j = 0; b->mimic && j < nb; ++j) {
+            const int source = j != i && rbdi_same(bodies[j].joint, b->mimic);
+            const int beside = j < i && rbdi_same(bodies[j].mimic, b->mimic);
+            if (source || beside) contradicts |= rbdi_limits_contradict(b, &bodies[j]);
+        }
+
+        if (contradicts)
+            rbdi_warn_saying(report, RBD_WARN_LIMITS, i, b->name, "lower",
+                             "no place of the joint that it mimics is within the limits of all");
+    }
 }
 
 /* Index of the body whose joint body i mimics, -1 if there is none that can be followed. */
@@ -7198,7 +7242,7 @@ static rbdi_frame rbdi_emit_frame(const rbdi_build *build, int i) {
     out.mass = RBD_C(b->mass);
     out.com = rbdi_round3(com);
     out.I = rbdi_round6(I);
-    const int limited = rbdi_has_limits((int)b->type) && b->lower < b->upper;
+    const int limited = rbdi_is_limited(b);
     out.lower = limited ? RBD_C(b->lower) : RBD_C(0);
     out.upper = limited ? RBD_C(b->upper) : RBD_C(0);
     out.velocity = RBD_C(b->velocity), out.effort = RBD_C(b->effort);
@@ -7403,6 +7447,7 @@ RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory
         const rbd_status status = rbdi_check_body(bodies, nb, i, report);
         if (status) return status;
     }
+    rbdi_check_followers(bodies, nb, report);
     rbdi_build b;
     b.bodies = bodies, b.nb = nb, b.n = rbdi_count(bodies, nb);
     if (size < rbd_model_size(bodies, nb)) return rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL);

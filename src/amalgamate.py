@@ -16,6 +16,9 @@ or, without a guard, text alone, which is put wherever it is named. In the shipp
 of the #include, under a line that names the file. It keeps its guard there if a header that stands alone has it too. Of
 the letters whose macros are set aside it has only those that it uses.
 
+The lines #define rbd_x RBDI_SYMBOL(rbd_x), which put the scalar into the symbols, follow from the declarations of src/api:
+--write makes them first.
+
 usage: amalgamate.py --write | --check        writes the shipped headers, or fails if they differ
 """
 import re
@@ -27,6 +30,9 @@ HEADERS = ["rbd.h", "rbd_derivatives.h", "rbd_constraints.h", "rbd_contact.h", "
 ALONE = ["rbd_qp.h"]  # without rbd.h, though a file may have both, in any order
 INCLUDE = re.compile(r'#include "(\w+/\w+\.h)"')
 LETTER = re.compile(r'#(?:pragma (?:push|pop)_macro\("(\w)"\)|undef (\w))')
+SYMBOL = re.compile(r"#define rbd_\w+ (RBDI_SYMBOL|RBDI_OF_SCALAR)\(rbd_\w+\)")
+DECLARED = re.compile(r"^RBDI_(?:BATCH_)?API\b[^;({]*?\b(rbd_\w+)\(", re.M)
+NO_SCALAR = ["rbd_status_string", "rbd_finding_text"]  # one function for all scalars
 MADE = "   Made by src/amalgamate.py from src/{} and the files that it includes: edit those."
 
 
@@ -97,6 +103,31 @@ def read_header(header, src=SRC):
     return pieces + [(None, trim(own))] if trim(own) else pieces
 
 
+def symbols(header, src=SRC):
+    """{room: its text with the symbols that it should have}, of the rooms of a header that have symbols: those of what it
+    declares, and of what the rooms behind it do up to the next one with symbols."""
+    texts, names, last = {}, {}, None
+    for room, _ in read_header(header, src):
+        if not room or not room.startswith("api/"):
+            continue
+        text = (src / room).read_text(encoding="utf-8")
+        if any(SYMBOL.fullmatch(line) for line in text.split("\n")):
+            last, texts[room], names[room] = room, text, []
+        declared = DECLARED.findall(re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL))
+        if last:
+            names[last] += [name for name in declared if name not in NO_SCALAR + names[last]]
+    return {room: with_symbols(text, names[room]) for room, text in texts.items()}
+
+
+def with_symbols(text, names):
+    """The text of a room whose symbols are of these names."""
+    lines = text.split("\n")
+    at = [i for i, line in enumerate(lines) if SYMBOL.fullmatch(line)]
+    macro = SYMBOL.fullmatch(lines[at[0]])[1]
+    lines[at[0]:at[-1] + 1] = [f"#define {name} {macro}({name})" for name in names]
+    return "\n".join(lines)
+
+
 def letters_of(pieces):
     """The single letters that the code of these pieces uses as names."""
     code = "\n".join(line for _, text in pieces for line in text if not LETTER.fullmatch(line))
@@ -150,6 +181,14 @@ def main(arguments):
     if arguments not in (["--write"], ["--check"]):
         raise SystemExit(__doc__)
     status = 0
+    for room, text in [pair for header in HEADERS for pair in symbols(header).items()]:
+        if (SRC / room).read_text(encoding="utf-8") == text:
+            continue
+        if arguments == ["--write"]:
+            (SRC / room).write_text(text, encoding="utf-8")
+            continue
+        print(f"src/{room} has not the symbols of what src/api declares: python3 src/amalgamate.py --write")
+        status = 1
     for header in HEADERS:
         path, text = SRC.parent / header, shipped(header)
         if path.exists() and path.read_text(encoding="utf-8") == text:

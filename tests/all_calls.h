@@ -4,6 +4,7 @@
 #ifndef TESTS_ALL_CALLS_H
 #define TESTS_ALL_CALLS_H
 
+#include "plain_calls.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -24,20 +25,23 @@ static void all_calls_numbers(uint64_t *seed, rbd_real size, rbd_real *x, int n)
 typedef struct all_calls {
     const rbd_model *m;
     rbd_work *w;
-    int nb, nq, nv, room;
-    rbd_real *q, *v, *a, *tau, *f_ext, *out, *q2;
+    rbd_derivatives *d;
+    int nb, nq, nv, nh, room;
+    rbd_real *q, *v, *a, *tau, *f_ext, *out, *q2; /* v, a, tau and f_ext one behind the other */
+    rbd_const *weights;
     unsigned char *given;
     all_calls_sink *sink;
     void *to;
     const char *header;
 } all_calls;
 
-#define ALL_CALLS_RUN(call, n) \
+#define ALL_CALLS_RUN(call, n) ALL_CALLS_NAMED(#call, call, n)
+#define ALL_CALLS_NAMED(name, call, n) \
     do { \
         const int n_ = (n); \
         memset(s->out, 0, sizeof(rbd_real) * (size_t)s->room); \
         const rbd_status status_ = call; \
-        s->sink(s->to, s->header, #call, status_, s->out, n_); \
+        s->sink(s->to, s->header, name, status_, s->out, n_); \
     } while (0)
 
 static void all_calls_put(rbd_real *to, const rbd_const *x, int n) {
@@ -80,33 +84,73 @@ static void all_calls_gravity(all_calls *s) {
     ALL_CALLS_RUN((all_calls_put(o, before, 3), rbd_set_gravity(s->w, before)), 3);
 }
 
+#define MODEL s->m
+#define WORK s->w
+#define DERIVATIVES s->d
+#define BODY body
+#define OTHER_BODY (s->nb - 1 - body)
+#define AXES (body % 2 ? RBD_LINK_AXES : RBD_WORLD_AXES)
+#define NUMBER (rbd_real)0.0078125
+#define NQ s->nq
+#define NV s->nv
+#define NB s->nb
+#define NH s->nh
+#define Q(k) (k ? s->q2 : s->q)
+#define IN(k, n) (s->v + k * s->nv)
+#define WEIGHTS(n) s->weights
+#define OUT(at, n) (s->out + (at))
+#define RUN_OF_BODY(of, name, may_fail, arguments, n) \
+    s->header = of; \
+    ALL_CALLS_NAMED(#name, name arguments, n);
+#define RUN_PLAIN(of, name, may_fail, arguments, n) \
+    s->header = of; \
+    (void)rbd_kinematics(s->m, s->w, s->q, s->v, s->a); \
+    ALL_CALLS_NAMED(#name, name arguments, n);
+
+/* The calls of which the declarations say all. */
+static void all_calls_plain(all_calls *s) {
+    PLAIN_CALLS(RUN_PLAIN)
+    (void)rbd_kinematics(s->m, s->w, s->q, s->v, s->a);
+    for (int body = 0; body < s->nb; body++) {
+        BODY_CALLS(RUN_OF_BODY)
+    }
+}
+
+#undef MODEL
+#undef WORK
+#undef DERIVATIVES
+#undef BODY
+#undef OTHER_BODY
+#undef AXES
+#undef NUMBER
+#undef NQ
+#undef NV
+#undef NB
+#undef NH
+#undef Q
+#undef IN
+#undef WEIGHTS
+#undef OUT
+#undef RUN_OF_BODY
+#undef RUN_PLAIN
+
+/* The other calls of rbd.h, and what the plain ones do with other arguments. */
 static void all_calls_dynamics(all_calls *s) {
     const int nv = s->nv;
     rbd_real *o = s->out;
     s->header = "rbd.h";
-    ALL_CALLS_RUN(rbd_rnea(s->m, s->w, s->q, s->v, s->a, s->f_ext, o), nv);
     ALL_CALLS_RUN(rbd_bias(s->m, s->w, s->q, s->v, NULL, o), nv);
-    ALL_CALLS_RUN(rbd_gravity_torque(s->m, s->w, s->q, o), nv);
-    ALL_CALLS_RUN(rbd_generalized_momentum(s->m, s->w, s->q, s->v, o, o + nv), 2 * nv);
-    ALL_CALLS_RUN(rbd_crba(s->m, s->w, s->q, o), nv * nv);
-    ALL_CALLS_RUN(rbd_crba_packed(s->m, s->w, s->q, o), rbd_packed_size(s->m));
-    ALL_CALLS_RUN(rbd_aba(s->m, s->w, s->q, s->v, s->tau, s->f_ext, o), nv);
-    ALL_CALLS_RUN(rbd_fd_cholesky(s->m, s->w, s->q, s->v, s->tau, s->f_ext, o), nv);
-    ALL_CALLS_RUN(rbd_minverse(s->m, s->w, s->q, o), nv * nv);
     ALL_CALLS_RUN((memcpy(o, s->a, sizeof *o * (size_t)nv), memcpy(o + nv, s->tau, sizeof *o * (size_t)nv),
                    rbd_hybrid(s->m, s->w, s->q, s->v, s->given, o, o + nv, s->f_ext)),
                   2 * nv);
-    ALL_CALLS_RUN((rbd_crba(s->m, s->w, s->q, o), rbd_cholesky_factor(s->m, s->w, o, o)),
-                  rbd_packed_size(s->m));
-    ALL_CALLS_RUN((rbd_crba_packed(s->m, s->w, s->q, o), rbd_cholesky_factor_packed(s->m, s->w, o)),
-                  rbd_packed_size(s->m));
+    ALL_CALLS_RUN((rbd_crba(s->m, s->w, s->q, o), rbd_cholesky_factor(s->m, s->w, o, o)), s->nh);
+    ALL_CALLS_RUN((rbd_crba_packed(s->m, s->w, s->q, o), rbd_cholesky_factor_packed(s->m, s->w, o)), s->nh);
     rbd_real *factor = (rbd_real *)malloc(sizeof *factor * (size_t)(nv * nv + 1));
-    memcpy(factor, o, sizeof *o * (size_t)rbd_packed_size(s->m));
+    memcpy(factor, o, sizeof *o * (size_t)s->nh);
     ALL_CALLS_RUN(rbd_cholesky_solve(s->m, s->w, factor, s->tau, o), nv);
     ALL_CALLS_RUN(rbd_cholesky_solve_many(s->m, s->w, factor, 2, s->v, o), 2 * nv); /* of v and a */
     free(factor);
     ALL_CALLS_RUN((o[0] = (rbd_real)rbd_singular_dof(s->w), RBD_OK), 1);
-    ALL_CALLS_RUN(rbd_passive(s->m, s->w, s->v, o), nv);
 }
 
 static void all_calls_kinematics(all_calls *s) {
@@ -114,69 +158,29 @@ static void all_calls_kinematics(all_calls *s) {
     const rbd_real point[3] = {(rbd_real)0.125, (rbd_real)-0.25, (rbd_real)0.375};
     rbd_real *o = s->out;
     s->header = "rbd.h";
-    ALL_CALLS_RUN(rbd_joint_wrench(s->m, s->w, s->q, s->v, s->a, s->f_ext, o), 6 * s->nb);
     ALL_CALLS_RUN(rbd_kinematics(s->m, s->w, s->q, s->v, s->a), 0);
-    for (int i = 0; i < s->nb; i++) {
-        ALL_CALLS_RUN(rbd_body_pose(s->m, s->w, i, o, o + 9), 12);
-        ALL_CALLS_RUN(rbd_body_velocity(s->m, s->w, i, o), 6);
-        ALL_CALLS_RUN(rbd_body_acceleration(s->m, s->w, i, o), 6);
-        ALL_CALLS_RUN(rbd_body_acceleration_classical(s->m, s->w, i, o), 6);
-        ALL_CALLS_RUN(rbd_point_position(s->m, s->w, i, point, o), 3);
-        ALL_CALLS_RUN(rbd_point_velocity(s->m, s->w, i, point, RBD_LINK_AXES, o), 6);
-        ALL_CALLS_RUN(rbd_point_acceleration(s->m, s->w, i, point, RBD_WORLD_AXES, o), 6);
-        ALL_CALLS_RUN(rbd_point_wrench(s->m, s->w, i, point, RBD_WORLD_AXES, s->f_ext, o), 6);
-    }
     ALL_CALLS_RUN(rbd_jacobian(s->m, s->w, last, point, RBD_WORLD_AXES, o), 6 * nv);
     ALL_CALLS_RUN(rbd_jacobian(s->m, s->w, last, point, RBD_LINK_AXES, o), 6 * nv);
-    ALL_CALLS_RUN(rbd_relative_jacobian(s->m, s->w, last, point, 0, RBD_LINK_AXES, o), 6 * nv);
-    ALL_CALLS_RUN(rbd_jacobian_transpose(s->m, s->w, last, point, RBD_WORLD_AXES, s->f_ext, o), nv);
-    ALL_CALLS_RUN(rbd_energy(s->m, s->w, o, o + 1), 2);
-    ALL_CALLS_RUN(rbd_com(s->m, s->w, o, o + 3, o + 6), 9);
-    ALL_CALLS_RUN(rbd_momentum(s->m, s->w, o, o + 6), 12);
     ALL_CALLS_RUN(rbd_body_kinematics(s->m, s->w, last, s->q, s->v, NULL), 0);
     ALL_CALLS_RUN(rbd_point_acceleration(s->m, s->w, last, point, RBD_LINK_AXES, o), 6);
     ALL_CALLS_RUN(rbd_integrate(s->m, s->q, s->v, (rbd_real)0.5, o), s->nq);
     ALL_CALLS_RUN(rbd_step(s->m, s->q, s->v, s->a, (rbd_real)0.5, o, o + s->nq), s->nq + nv);
-    ALL_CALLS_RUN(
-        rbd_free_step(s->m, s->w, s->q, s->v, s->tau, s->f_ext, s->v, (rbd_real)0.0078125, o, o + s->nq),
-        s->nq + nv);
-    ALL_CALLS_RUN(rbd_difference(s->m, s->q, s->q2, o), nv);
     for (int i = 0; i < 3; i++)
         ALL_CALLS_RUN(rbd_interpolate(s->m, s->q, s->q2, (rbd_real)0.5 * (rbd_real)i, o), s->nq);
     ALL_CALLS_RUN(rbd_distance(s->m, s->q, s->q2, NULL, o), 1);
-    ALL_CALLS_RUN(rbd_rates_from_velocity(s->m, s->q, s->v, o), s->nq);
     ALL_CALLS_RUN(
         (rbd_rates_from_velocity(s->m, s->q, s->v, o), rbd_velocity_from_rates(s->m, s->q, o, o + s->nq)),
         s->nq + nv);
 }
 
+/* The other calls of rbd_derivatives.h. */
 static void all_calls_derivatives(all_calls *s) {
     const int nv = s->nv, n = nv * nv;
-    const size_t size = rbd_derivatives_size(s->m);
-    void *memory = malloc(size);
-    const rbd_real point[3] = {(rbd_real)0.125, (rbd_real)-0.25, (rbd_real)0.375};
-    rbd_derivatives *d;
     rbd_real *o = s->out;
     s->header = "rbd_derivatives.h";
-    ALL_CALLS_RUN(rbd_kinematics(s->m, s->w, s->q, s->v, NULL), 0);
-    ALL_CALLS_RUN(rbd_jacobian_derivative(s->m, s->w, s->nb - 1, point, RBD_WORLD_AXES, o), 6 * nv);
-    ALL_CALLS_RUN(rbd_relative_jacobian_derivative(s->m, s->w, s->nb - 1, point, 0, RBD_LINK_AXES, o),
-                  6 * nv);
-    ALL_CALLS_RUN(rbd_derivatives_init(s->m, s->w, memory, size, &d), 0);
-    ALL_CALLS_RUN(rbd_id_derivatives(s->m, d, s->q, s->v, s->a, s->f_ext, o, o + n, o + 2 * n), 3 * n);
-    ALL_CALLS_RUN(
-        rbd_fd_derivatives(s->m, d, s->q, s->v, s->tau, s->f_ext, o, o + nv, o + nv + n, o + nv + 2 * n),
-        nv + 3 * n);
-    ALL_CALLS_RUN(rbd_gravity_torque_derivatives(s->m, d, s->q, o), n);
-    ALL_CALLS_RUN(rbd_coriolis(s->m, d, s->q, s->v, o), n);
-    ALL_CALLS_RUN(rbd_momentum_matrix(s->m, d, s->q, s->v, o, o + 6 * nv), 6 * nv + 6);
-    ALL_CALLS_RUN(rbd_com_jacobian(s->m, d, s->q, o), 3 * nv);
-    ALL_CALLS_RUN(rbd_regressor(s->m, d, s->q, s->v, s->a, o), 10 * s->nb * nv);
-    ALL_CALLS_RUN(rbd_energy_regressors(s->m, d, s->q, s->v, o, o + 10 * s->nb), 20 * s->nb);
     ALL_CALLS_RUN(rbd_integrate_derivatives(s->m, s->v, (rbd_real)0.5, o, o + n), 2 * n);
-    ALL_CALLS_RUN(rbd_difference_derivatives(s->m, s->q, s->q2, o, o + n), 2 * n);
     ALL_CALLS_RUN(
-        (memcpy(o, s->a, sizeof *o * (size_t)nv), rbd_id_free_base(s->m, d, s->q, s->v, o, o + nv, NULL)),
+        (memcpy(o, s->a, sizeof *o * (size_t)nv), rbd_id_free_base(s->m, s->d, s->q, s->v, o, o + nv, NULL)),
         2 * nv);
     for (int i = 0; i < s->nb; i++) {
         rbd_const pi[10];
@@ -189,9 +193,9 @@ static void all_calls_derivatives(all_calls *s) {
         for (int k = 0; k < 6; k++) o[3 + k] = (rbd_real)body.inertia[k];
         s->sink(s->to, s->header, "what rbd_set_parameters set", RBD_OK, o, 9);
     }
-    ALL_CALLS_RUN(rbd_keep_zeros(d, 1), 0);
-    ALL_CALLS_RUN(rbd_id_derivatives(s->m, d, s->q, s->v, s->a, s->f_ext, o, o + n, NULL), 2 * n);
-    free(memory);
+    ALL_CALLS_RUN(rbd_keep_zeros(s->d, 1), 0);
+    ALL_CALLS_RUN(rbd_id_derivatives(s->m, s->d, s->q, s->v, s->a, s->f_ext, o, o + n, NULL), 2 * n);
+    ALL_CALLS_RUN(rbd_keep_zeros(s->d, 0), 0);
 }
 
 static void all_calls_constraint_set(all_calls *s, const rbd_constraint *list, int constraints) {
@@ -230,6 +234,7 @@ static void all_calls_constraint_set(all_calls *s, const rbd_constraint *list, i
 }
 
 /* The last body is held at a point, and another in all axes; or the same two as by a ball and a hinge. */
+
 static void all_calls_constraints(all_calls *s) {
     const double place[3] = {0.125, 0, 0.25}, axis[3] = {0.25, 1, -0.5};
     const rbd_constraint contacts[2] = {rbd_point_contact(s->nb - 1, place, NULL),
@@ -317,8 +322,8 @@ static void all_calls_contact(all_calls *s) {
 static void all_calls_of(const rbd_model *m, int states, all_calls_sink *sink, void *to) {
     uint64_t seed = 1;
     all_calls all = {.m = m, .sink = sink, .to = to}, *s = &all;
-    const size_t size = rbd_work_size(m);
-    void *memory = malloc(size);
+    const size_t size = rbd_work_size(m), d_size = rbd_derivatives_size(m);
+    void *memory = malloc(size), *d_memory = malloc(d_size);
     const int nb = s->nb = rbd_nb(m), nq = s->nq = rbd_nq(m), nv = s->nv = rbd_nv(m);
     rbd_real *x;
     s->room = 6 * nv * nv + 24 * (nv + nb) + 10 * nb * nv + 64 * nv + 64;
@@ -326,9 +331,14 @@ static void all_calls_of(const rbd_model *m, int states, all_calls_sink *sink, v
     s->q = x, s->q2 = s->q + nq, s->v = s->q2 + nq, s->a = s->v + nv, s->tau = s->a + nv,
     s->f_ext = s->tau + nv;
     s->out = s->f_ext + 6 * nb;
+    s->nh = rbd_packed_size(m);
     s->given = (unsigned char *)calloc((size_t)nv + 1, 1);
+    s->weights = (rbd_const *)malloc(sizeof *s->weights * (size_t)(nv + 1));
+    for (int k = 0; k < nv; k++) s->weights[k] = (rbd_const)0.25 * (rbd_const)(k % 4);
     s->header = "rbd.h";
     ALL_CALLS_RUN(rbd_work_init(m, memory, size, &s->w), 0);
+    s->header = "rbd_derivatives.h";
+    if (s->w) ALL_CALLS_RUN(rbd_derivatives_init(m, s->w, d_memory, d_size, &s->d), 0);
     all_calls_model(s);
     for (int i = 0; i < states && s->w; i++) {
         s->header = "rbd.h";
@@ -343,6 +353,7 @@ static void all_calls_of(const rbd_model *m, int states, all_calls_sink *sink, v
         all_calls_numbers(&seed, 50, s->tau, nv);
         all_calls_numbers(&seed, 30, s->f_ext, 6 * nb);
         for (int k = 0; k < nv; k++) s->given[k] = (unsigned char)(k % 3 == 0);
+        all_calls_plain(s);
         all_calls_dynamics(s);
         all_calls_gravity(s);
         all_calls_kinematics(s);
@@ -351,7 +362,7 @@ static void all_calls_of(const rbd_model *m, int states, all_calls_sink *sink, v
         all_calls_contact(s);
         all_calls_contact_problem(s, &seed);
     }
-    free(memory), free(x), free(s->given);
+    free(memory), free(d_memory), free(x), free(s->given), free(s->weights);
 }
 
 #endif

@@ -97,8 +97,9 @@ if [ "$target" = wasm-suites ]; then
     exit
 fi
 scalar double $optimised
-# tcc 0.9.27 overwrites an argument that is a structure of three floats while it computes the next one.
-[ "$target" = tcc ] || scalar float $optimised -DSCALAR_FLOAT
+# tcc 0.9.27 overwrites an argument that is a structure of three floats while it computes the next one; on RISC-V the
+# firmware's reference tests are in float.
+case $target in tcc | riscv64) ;; *) scalar float $optimised -DSCALAR_FLOAT ;; esac
 case $target in
 aarch64)
     expect_path PRESENT RBDI_POLYNOMIAL_SINCOS

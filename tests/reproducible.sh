@@ -326,7 +326,7 @@ board() {
     [ -e /usr/lib/picolibc/$cross ] || { missing="$missing picolibc"; return 0; }
     semihosting='-semihosting-config enable=on,target=native,chardev=con'
     [ "$board" != virt ] || board='virt -bios none'
-    emulator="timeout 600 $emulator_of -M $board -display none -monitor none -serial none -chardev stdio,id=con $semihosting -kernel"
+    emulator="timeout 3600 $emulator_of -M $board -display none -monitor none -serial none -chardev stdio,id=con $semihosting -kernel"
     machine="$* $more --specs=picolibc.specs --crt0=semihost --oslib=semihost"
     link="-Wl,--gc-sections -Wl,--defsym=__stack_size=0x10000 $memory -Wl,--defsym=__flash_size=0x400000 -Wl,--defsym=__ram_size=0x400000 -lm"
     # shellcheck disable=SC2086 # words wanted

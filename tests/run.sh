@@ -1,6 +1,6 @@
 #!/bin/sh
-# `run` installs what it says, says what it leaves out, and shows how far it is: with stand-ins for apt-get, meson
-# and the compilers, in a folder of its own.
+# `run` installs what it says, says what it leaves out, shows how far it is, and runs the suites of what changed: with
+# stand-ins for apt-get, git, meson and the compilers, in a folder of its own.
 # usage: run.sh DIRECTORY_OF_RUN
 set -eu
 
@@ -11,7 +11,8 @@ bin=$scratch/bin
 mkdir "$bin" "$scratch/tree" "$scratch/tree/tests" "$scratch/tree/tests/urdf" "$scratch/tree/tests/urdf/fuzz" \
     "$scratch/tree/tests/fuzz"
 cp "$root/run" "$scratch/tree"
-mkdir "$scratch/tree/bench"
+mkdir "$scratch/tree/bench" "$scratch/tree/tools"
+cp -R "$root/tools/run" "$scratch/tree/tools"
 cp "$root/bench/options.c" "$scratch/tree/bench"
 
 fail() {
@@ -25,7 +26,7 @@ stub() { { echo '#!/bin/sh'; cat; } >"$bin/$1" && chmod +x "$bin/$1"; }
 
 # ---- a machine with nothing but a shell and a compiler ----
 
-for tool in sh dirname env awk sed grep tr cat rm mkdir find date uname ls sleep chmod; do
+for tool in sh dirname env awk sed grep tr cat rm mkdir find date uname ls sleep chmod getconf wc; do
     ln -s "$(command -v "$tool")" "$bin/$tool"
 done
 for tool in cc c++ gcc python3; do stub "$tool" </dev/null; done
@@ -168,7 +169,7 @@ a line
 END
 : >"$scratch/apt"
 run 0 test --light suites -v
-prints '^run: test takes ten minutes'
+prints "^run: test takes .* min .* or so: [0-9]* min of a fast processor on $(getconf _NPROCESSORS_ONLN) cores\$"
 prints '^3 passed, 0 failed$'
 prints '^left out: plot: there is no gnuplot$'
 prints '^left out: counters: its last line$'
@@ -189,6 +190,12 @@ prints "no test is called 'suitse'"
 prints_not 'built'
 run 0 test --light 'scalar*' --repeat 3 rbd:suites
 prints 'built 20 of 20$'
+
+# The time of named tests is not that of all. It says how long all took when they ran here.
+[ ! -e "$scratch/tree/build/.took-light" ] || fail "the time of some tests was kept"
+run 0 test --light
+run 0 test --light
+prints '^run: test takes [0-9]* s, as the last time here$'
 
 # A name may be new in a meson.build: the list of tests is made anew before a name is refused.
 touch "$scratch/tree/build/build.ninja"
@@ -268,3 +275,65 @@ mkdir "$scratch/tree/build/.lock"
 echo "$first test" >"$scratch/tree/build/.lock/holder"
 run 0 tools
 prints_not 'waiting'
+
+# ---- quick: the suites of what changed ----
+
+mkdir -p "$scratch/tree/src/dynamics" "$scratch/tree/src/contact"
+: >"$scratch/tree/src/dynamics/aba.h"
+: >"$scratch/tree/src/contact/rows.h"
+printf '#define SUITES(x) x(aba) x(crba) x(contact) x(contact_step)\n' >"$scratch/tree/tests/suites.h"
+for suite in aba crba contact contact_step batch sincos spatial; do : >"$scratch/tree/tests/test_$suite.c"; done
+ln -sf "$(python3 -c "import sys; print(sys.executable)")" "$bin/python3"
+stub clang-format-19 <<END
+echo "formatted \$*" >>"$scratch/order"
+END
+stub git <<END
+case \$* in diff*) cat "$scratch/changed" ;; esac
+END
+stub meson <<END
+echo "configured \$*" >>"$scratch/order"
+mkdir -p "$scratch/tree/build-quick/tests"
+: >"$scratch/tree/build-quick/build.ninja"
+printf '#!/bin/sh\necho "ran \$*"\n[ ! -e "$scratch/wrong" ]\n' >"$scratch/tree/build-quick/tests/tests"
+for other in batch_double__2_lanes sincos_double spatial_double; do
+    printf '#!/bin/sh\necho "ran %s"\n' \$other >"$scratch/tree/build-quick/tests/\$other"
+done
+chmod +x "$scratch/tree/build-quick/tests/"*
+END
+stub ninja <<END
+echo "built \$3" >>"$scratch/order"
+END
+printf '#!/bin/sh\necho amalgamated >>"%s"\n' "$scratch/order" >"$scratch/tree/src/amalgamate.py"
+chmod +x "$scratch/tree/src/amalgamate.py"
+
+# A misspelt suite is refused at once.
+run 1 quick abba
+prints "no suite is called 'abba'; did you mean 'aba'?"
+[ ! -e "$scratch/tree/build-quick" ] || fail "something has been built for no suite"
+
+# Nothing changed, or git does not know.
+: >"$scratch/changed"
+run 1 quick
+prints 'nothing in src/ or tests/ changed since the last commit'
+
+# The room's own suite; its storey's. What changed is formatted before the headers are made, the headers themselves not.
+printf 'src/dynamics/aba.h\nrbd.h\ndocs/tools.md\n' >"$scratch/changed"
+run 0 quick
+prints '^ran aba$'
+printf 'formatted -i src/dynamics/aba.h\namalgamated\n' >"$scratch/expected"
+sed -n 1,2p "$scratch/order" | cmp -s - "$scratch/expected" || { cat "$scratch/order"; fail "formatting comes after"; }
+grep -q '^configured setup .*/build-quick .*-Doptimization=g' "$scratch/order" || fail "wrong configuration"
+prints 'run: quick took .* of processor time'
+echo src/contact/rows.h >"$scratch/changed"
+run 0 quick
+prints 'ran contact contact_step$'
+
+# Named suites, all, and one that fails. It is configured once.
+run 0 quick crba
+prints 'ran crba$'
+run 0 test --quick
+prints 'ran aba crba contact contact_step$'
+prints 'ran spatial_double$'
+[ "$(grep -c configured "$scratch/order")" -eq 1 ] || fail "configured more than once"
+: >"$scratch/wrong"
+run 1 quick crba

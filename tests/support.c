@@ -259,7 +259,17 @@ void for_random_states(int count, state_check *check) {
     }
 }
 
+TCase *slow_tests(Suite *suite) {
+    TCase *slow = tcase_create("slow");
+    tcase_set_tags(slow, "slow");
+    tcase_set_timeout(slow, 60);
+    suite_add_tcase(suite, slow);
+    return slow;
+}
+
 void for_random_trees(int trees, state_check *check) {
+    trees = (trees + PART_OF_TREES - 1) / PART_OF_TREES;
+
     for (int i = 0; i < trees; i++) {
         uint64_t seed = 1000 + (uint64_t)i; /* of its own, so that one tree can be looked at alone */
         rbd_body bodies[MAX_BODIES];

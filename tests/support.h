@@ -64,9 +64,24 @@ typedef void state_check(const robot *r, const state *s, int number);
 typedef void reference_check(const robot *r, const ref_model *model, const ref_state *s, int number);
 typedef void control_check(const robot *r, const ref_control_state *s, int number);
 
+/* A case for tests that take a third of a second and more at -Og: ./run quick leaves them out. */
+TCase *slow_tests(Suite *suite);
+
 /* On every reference model, `count` random states. */
 void for_random_states(int count, state_check *check);
-/* On `trees` random trees of 1 to 25 bodies, two random states each. */
+
+/* A part of the random trees, the first of them, is enough under the sanitizers, for coverage, and for ./run
+   quick. */
+#ifndef PART_OF_TREES
+#define PART_OF_TREES 1
+#endif
+
+/* How many of n events on all random trees a part of them must have at least: half of its share, for it is no
+   average. */
+enum { LEAST_SHARE = PART_OF_TREES == 1 ? 1 : 2 * PART_OF_TREES };
+#define OF_TREES(n) ((n) / LEAST_SHARE)
+
+/* On `trees` random trees of 1 to 25 bodies, two random states each; on a part of them as above. */
 void for_random_trees(int trees, state_check *check);
 /* On every state of every reference model, with its gravity set; on those of what controllers ask. */
 void for_reference_states(reference_check *check);

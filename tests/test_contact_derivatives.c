@@ -507,11 +507,6 @@ static void check_tree(uint64_t *seed, int number) {
     close_scene(&s);
 }
 
-/* Under the sanitizers and counted, where a step takes five times as long, a part of them is enough. */
-#ifndef PART_OF_TREES
-#define PART_OF_TREES 1
-#endif
-
 START_TEST(random_trees) {
     agreed = sticking = slipping = unsolved = 0;
     for (int i = 0; i < 240 / PART_OF_TREES; i++) {
@@ -643,7 +638,7 @@ END_TEST
 
 Suite *contact_derivatives_suite(void) {
     Suite *suite = suite_create("contact_derivatives");
-    TCase *c = tcase_create("contact_derivatives");
+    TCase *c = tcase_create("contact_derivatives"), *slow = slow_tests(suite);
     tcase_set_timeout(c, 60);
     suite_add_tcase(suite, c);
     tcase_add_test(c, ball_rolls_and_slides);
@@ -651,10 +646,10 @@ Suite *contact_derivatives_suite(void) {
     tcase_add_test(c, corner_rebounds);
     tcase_add_test(c, bodies_touch_each_other);
     tcase_add_test(c, slip_lets_contacts_creep);
-    tcase_add_test(c, hyq_stands_trots_and_slips);
-    tcase_add_test(c, hyq_at_its_limits);
-    tcase_add_test(c, atlas_stands);
-    tcase_add_test(c, random_trees);
+    tcase_add_test(slow, hyq_stands_trots_and_slips);
+    tcase_add_test(slow, hyq_at_its_limits);
+    tcase_add_test(slow, atlas_stands);
+    tcase_add_test(slow, random_trees);
     tcase_add_test(c, parts_are_as_the_whole);
     tcase_add_test(c, bad_calls_are_refused);
     return suite;

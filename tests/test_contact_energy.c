@@ -404,15 +404,15 @@ END_TEST
 
 Suite *contact_energy_suite(void) {
     Suite *suite = suite_create("contact_energy");
-    TCase *c = tcase_create("contact_energy");
+    TCase *c = tcase_create("contact_energy"), *slow = slow_tests(suite);
     tcase_set_timeout(c, 60);
     tcase_add_test(c, box_tumbles);
-    tcase_add_test(c, hyq_flies);
+    tcase_add_test(slow, hyq_flies);
     tcase_add_test(c, rotor_in_a_gimbal);
-    tcase_add_test(c, iiwa_swings);
+    tcase_add_test(slow, iiwa_swings);
     tcase_add_test(c, free_step_is_the_step_without_contacts);
     tcase_add_test(c, free_step_keeps_energy);
-    tcase_add_test(c, second_order);
+    tcase_add_test(slow, second_order);
     tcase_add_test(c, arm_on_a_trunk_that_sticks);
     tcase_add_test(c, bounces_keep_their_share);
     tcase_add_test(c, block_slides_exactly);

@@ -1373,10 +1373,11 @@ END_TEST
 
 Suite *contact_step_suite(void) {
     Suite *suite = suite_create("contact_step");
-    TCase *c = tcase_create("contact_step"), *tolerances = tcase_create("tolerances");
+    TCase *c = tcase_create("contact_step"), *tolerances = tcase_create("tolerances"),
+          *slow = slow_tests(suite);
     tcase_set_timeout(c, 60);
-    tcase_add_test(c, block_sticks_and_slides);
-    tcase_add_test(c, tripod_rests_and_slides);
+    tcase_add_test(slow, block_sticks_and_slides);
+    tcase_add_test(slow, tripod_rests_and_slides);
     tcase_add_test(c, far_point_meets_the_ground);
     tcase_add_test(c, ball_rolls_without_gain);
     tcase_add_test(c, ball_sinks_by_its_stiffness);
@@ -1388,13 +1389,13 @@ Suite *contact_step_suite(void) {
     tcase_add_test(c, rebounds_without_friction_take_energy);
     tcase_add_test(c, dry_friction_holds_and_brakes);
     tcase_add_test(c, damping_is_implicit);
-    tcase_add_test(c, thrown_box_comes_to_rest);
+    tcase_add_test(slow, thrown_box_comes_to_rest);
     tcase_add_test(c, stack_carries_its_weight);
     tcase_add_test(c, painleves_rod_jams);
     tcase_add_test(c, held_constraints_stay_closed);
     tcase_add_test(c, held_rows_that_nothing_moves_are_idle);
-    tcase_add_test(c, hyq_drops_stands_and_trots);
-    tcase_add_test(c, atlas_stands);
+    tcase_add_test(slow, hyq_drops_stands_and_trots);
+    tcase_add_test(slow, atlas_stands);
     tcase_add_test(c, acceleration_and_step_agree);
     tcase_add_test(c, empty_set_is_forward_dynamics);
     tcase_add_test(c, planes_may_change);

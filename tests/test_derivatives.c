@@ -507,6 +507,24 @@ static void check_identification(const robot *r, const state *s, int number) {
 START_TEST(torques_and_energies_are_linear_in_the_parameters) { for_random_trees(100, check_identification); }
 END_TEST
 
+/* Also with a body that is fixed to the world. */
+START_TEST(energies_with_a_body_on_the_world) {
+    static const rbd_body bodies[] = {
+        {.parent = -1,
+         .position = {0.1, 0.2, 0.3},
+         .mass = 2,
+         .com = {0, 0.1, 0},
+         .inertia = {1, 0, 0, 1, 0, 1}},
+        {.parent = 0, .type = RBD_REVOLUTE, .axis = {0, 1, 0}, .mass = 1, .com = {0, 0, -1}}};
+    robot r = BUILD(bodies);
+    uint64_t seed = 3;
+    state s;
+    draw_state(&r, &seed, &s);
+    check_identification(&r, &s, 0);
+    robot_free(&r);
+}
+END_TEST
+
 /* ---- steps ---- */
 
 /* A step along v of any length, and back: by the chain rule, d(q, q (+) d) = d is the same for all d and q.
@@ -976,6 +994,7 @@ Suite *derivatives_suite(void) {
     tcase_add_test(c, a_free_base_may_be_singular);
     tcase_add_test(c, momentum_is_that_of_the_bodies);
     tcase_add_test(c, torques_and_energies_are_linear_in_the_parameters);
+    tcase_add_test(c, energies_with_a_body_on_the_world);
     tcase_add_test(c, steps_come_back);
     tcase_add_test(c, step_derivatives_match_differences);
     tcase_add_test(c, parameters_and_back);

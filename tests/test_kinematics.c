@@ -415,7 +415,25 @@ static void check_path(const robot *r, const state *s, int number) {
 START_TEST(kinematics_of_one_body_are_those_of_all) {
     refused = checked = 0;
     for_random_trees(100, check_path);
-    ck_assert_int_gt(refused, 1000);
+    ck_assert_int_gt(refused, OF_TREES(1000));
+}
+END_TEST
+
+/* Also of one that is fixed to the world. */
+START_TEST(kinematics_of_a_body_on_the_world) {
+    static const rbd_body bodies[] = {
+        {.parent = -1,
+         .position = {0.1, 0.2, 0.3},
+         .mass = 2,
+         .com = {0, 0.1, 0},
+         .inertia = {1, 0, 0, 1, 0, 1}},
+        {.parent = 0, .type = RBD_REVOLUTE, .axis = {0, 1, 0}, .mass = 1, .com = {0, 0, -1}}};
+    robot r = BUILD(bodies);
+    uint64_t seed = 3;
+    state s;
+    draw_state(&r, &seed, &s);
+    check_path(&r, &s, 0);
+    robot_free(&r);
 }
 END_TEST
 
@@ -535,6 +553,7 @@ Suite *kinematics_suite(void) {
     tcase_add_test(c, results_stay_until_the_next_kinematics);
     tcase_add_test(c, reading_before_kinematics_is_refused);
     tcase_add_test(c, kinematics_of_one_body_are_those_of_all);
+    tcase_add_test(c, kinematics_of_a_body_on_the_world);
     tcase_add_test(c, kinematics_of_one_body_refuse_bad_arguments);
     tcase_add_test(c, bodies_out_of_range_are_refused);
     tcase_add_test(c, null_arguments_are_refused);

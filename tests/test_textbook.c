@@ -82,7 +82,7 @@ START_TEST(articulated_bodies_of_the_textbook_agree) {
     articulated_trees = 0;
     for_random_trees(300, check_articulated);
     for_random_states(5, check_articulated);
-    ck_assert_int_gt(articulated_trees, 300);
+    ck_assert_int_gt(articulated_trees, OF_TREES(300));
 }
 END_TEST
 

@@ -4,9 +4,9 @@
 
 #define rbd_contact_solve_size RBDI_SYMBOL(rbd_contact_solve_size)
 #define rbd_contact_solve RBDI_SYMBOL(rbd_contact_solve)
-#define rbd_contact_set_size RBDI_SYMBOL(rbd_contact_set_size)
 #define rbd_contact_set_init RBDI_SYMBOL(rbd_contact_set_init)
 #define rbd_contact_finding_text RBDI_SYMBOL(rbd_contact_finding_text)
+#define rbd_contact_set_size RBDI_SYMBOL(rbd_contact_set_size)
 #define rbd_contact_step RBDI_SYMBOL(rbd_contact_step)
 #define rbd_contact_fd RBDI_SYMBOL(rbd_contact_fd)
 #define rbd_contact_plane RBDI_SYMBOL(rbd_contact_plane)

@@ -2,8 +2,8 @@
 #define RBDI_API_DERIVATIVES_H
 #include "api/points.h"
 
-#define rbd_derivatives_size RBDI_SYMBOL(rbd_derivatives_size)
 #define rbd_derivatives_init RBDI_SYMBOL(rbd_derivatives_init)
+#define rbd_derivatives_size RBDI_SYMBOL(rbd_derivatives_size)
 #define rbd_momentum_matrix RBDI_SYMBOL(rbd_momentum_matrix)
 #define rbd_com_jacobian RBDI_SYMBOL(rbd_com_jacobian)
 #define rbd_jacobian_derivative RBDI_SYMBOL(rbd_jacobian_derivative)
@@ -15,12 +15,12 @@
 #define rbd_keep_zeros RBDI_SYMBOL(rbd_keep_zeros)
 #define rbd_fd_derivatives RBDI_SYMBOL(rbd_fd_derivatives)
 #define rbd_regressor RBDI_SYMBOL(rbd_regressor)
-#define rbd_integrate_derivatives RBDI_SYMBOL(rbd_integrate_derivatives)
-#define rbd_difference_derivatives RBDI_SYMBOL(rbd_difference_derivatives)
 #define rbd_energy_regressors RBDI_SYMBOL(rbd_energy_regressors)
 #define rbd_body_parameters RBDI_SYMBOL(rbd_body_parameters)
 #define rbd_set_parameters RBDI_SYMBOL(rbd_set_parameters)
 #define rbd_check_parameters RBDI_SYMBOL(rbd_check_parameters)
+#define rbd_integrate_derivatives RBDI_SYMBOL(rbd_integrate_derivatives)
+#define rbd_difference_derivatives RBDI_SYMBOL(rbd_difference_derivatives)
 
 /* ---- memory [memory] ---- */
 

@@ -19,7 +19,7 @@
      rbdi_subtract_product  y -= X' x
      rbdi_subtract        y -= factor x
      rbdi_multiply        y *= factor
-   Their scratch is w->F.
+   Their scratch is w->F and, for places of rows, w->start.
 
    In depth-first order, m->node, the descendants of a dof follow it. Every result is a row less a sum of
    other rows times factors: the rows of the descendants (factor, first half of a solution) or of the path
@@ -86,17 +86,10 @@ RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real factor, const rbd_real *x, 
      RBDI_EQUIDISTANT  at X + t stride; factor x[t]
    Y: a second matrix with its rows at the same places. */
 enum { RBDI_OWN, RBDI_DESCENDANTS, RBDI_PATH, RBDI_FRESH, RBDI_EQUIDISTANT };
-/* Where a row starts. These stand in memory of scalars, which may be aligned to four bytes only. */
-#if RBDI_GNU
-typedef ptrdiff_t rbdi_start
-    __attribute__((may_alias, aligned(sizeof(RBD_REAL) % sizeof(ptrdiff_t) ? 4 : sizeof(ptrdiff_t))));
-#else
-typedef ptrdiff_t rbdi_start;
-#endif
 typedef struct rbdi_terms {
     const rbd_real *X, *Y, *x;
     const rbdi_node *node;
-    const rbdi_start *start;
+    const ptrdiff_t *start; /* where rows start */
     ptrdiff_t stride;
     rbd_real scale;
     int n, d;
@@ -241,7 +234,7 @@ RBDI_PART void rbdi_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, rb
    scalars. */
 RBDI_INLINE void rbdi_columns_up(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride,
                                  int matrices, int batches, int n, rbd_real *X, rbd_real *Y) {
-    rbdi_start *start = (rbdi_start *)w->F; /* rows of nodes */
+    ptrdiff_t *start = w->start; /* by node */
     rbdi_terms g;
     g.X = X, g.Y = Y;
     for (int s = m->nv - 1; s >= 0; --s) {
@@ -261,7 +254,7 @@ RBDI_INLINE void rbdi_columns_up(const rbd_model *m, rbd_work *w, const rbd_real
 RBDI_INLINE void rbdi_columns_down(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign,
                                    ptrdiff_t stride, int matrices, int batches, int n, rbd_real *X,
                                    rbd_real *Y) {
-    rbdi_start *path = (rbdi_start *)w->F; /* rows of a dof's path, by depth */
+    ptrdiff_t *path = w->start; /* of a dof's path, by depth */
     rbdi_terms g;
     g.X = X, g.Y = Y, g.start = path;
     for (int s = 0; s < m->nv; ++s) {
@@ -337,7 +330,7 @@ RBDI_INLINE void rbdi_mirror(const rbd_real *row, ptrdiff_t n, int k, rbd_real *
    a sum over the rows i of the path: Z_kj = - sum L_ki Z_ij for j < k, Z_kk = 1/D_k - sum L_ki Z_ik. */
 RBDI_PART void rbdi_invert(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *Z) {
     const int n = m->nv;
-    rbdi_start *path = (rbdi_start *)w->F; /* where its rows begin, root first */
+    ptrdiff_t *path = w->start; /* of a dof's path, root first */
     rbd_real *row = Z;
     int before = 0;
 #ifdef RBDI_ROWS

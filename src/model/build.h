@@ -33,6 +33,7 @@ RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory
         const rbd_status status = rbdi_check_body(bodies, nb, i, report);
         if (status) return status;
     }
+    rbdi_check_followers(bodies, nb, report);
     rbdi_build b;
     b.bodies = bodies, b.nb = nb, b.n = rbdi_count(bodies, nb);
     if (size < rbd_model_size(bodies, nb)) return rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL);

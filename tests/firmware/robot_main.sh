@@ -12,7 +12,7 @@ done
 # The guide's lines, for files of this name.
 run() {
     lines=$(sed -n '/^    arm-none-eabi-gcc/,/^$/p' "$root/docs/first_minutes.md" | sed "s/robot_/$1_/g")
-    RBD=$root timeout 60 sh -eu -c "$lines"
+    RBD=$root timeout 3600 sh -eu -c "$lines"
 }
 if [ "$2" = --run ]; then
     run "$3"

@@ -34,14 +34,14 @@ async function visit(address) {
   const client = await page.createCDPSession();
   await client.send("Browser.setDownloadBehavior", { behavior: "allow", downloadPath: scratch });
   await page.goto(address);
-  await page.waitForFunction("window.playground?.ready", { timeout: 30000 });
+  await page.waitForFunction("window.playground?.ready", { timeout: 600000 });
 }
 
 const text = (id) => page.$eval(`#${id}`, (e) => e.textContent);
 const numbers = (expression) => page.evaluate(`Array.from(${expression})`);
 const gravity = () => numbers("playground.current().robot.gravity");
 const q = () => numbers("playground.current().robot.q()");
-const until = (condition) => page.waitForFunction(condition, { timeout: 30000 });
+const until = (condition) => page.waitForFunction(condition, { timeout: 600000 });
 // To look at, if pictures are asked for: as large as on a desk, or as on a phone.
 async function picture(name, width = 1360, height = 860) {
   if (!pictures) return;
