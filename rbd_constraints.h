@@ -2129,7 +2129,7 @@ RBDI_CODE_BEGIN
 
 /* ==== src/constraints/derivatives.h ==== */
 /* Interface: rbdi_cross_add, rbdi_differentiate_error, rbdi_differentiate_forces, rbdi_differentiate_motion,
-   rbdi_motion_derivatives, rbdi_pair_motion, rbdi_pair_motion_of */
+   rbdi_motion_derivatives, rbdi_pair_motion, rbdi_pair_motion_of, rbdi_roll */
 
 /* ---- derivatives [derivatives code] ----
    Where x is a component of q, v or tau,
@@ -2174,7 +2174,8 @@ typedef struct rbdi_pair_motion {
     rbdi_v3 log_R;       /* world axes */
     rbd_real log_square; /* rbdi_log_square of it */
     rbdi_v3 free[2];     /* the free axis if two angular ones are held: of frame 2, of frame 1 */
-    rbdi_v3 roll_radius; /* a turn z of body 1 moves the place of contact over it by z x this; 0 if no ball */
+    rbdi_v3 roll_radius; /* of a contact, from its place to the centre of its ball; else 0 */
+    rbdi_v3 normal;      /* of the plane on which the place of a contact stays; else 0 */
 } rbdi_pair_motion;
 
 /* S of a dof, and derivatives by it: of (w; u) by q, of (alpha; acc) by q and by v. */
@@ -2205,7 +2206,9 @@ static rbdi_pair_motion rbdi_pair_motion_of(const rbd_constraint_set *c, const r
         rbdi_v3 *to = angular ? &pair.force.n : &pair.force.f;
         *to = rbdi_add(*to, rbdi_scale(c->lambda[con->row + r], e));
     }
-    pair.log_R = pair.free[0] = pair.free[1] = pair.roll_radius = rbdi_vec0(), pair.log_square = rbdi_zero();
+    pair.log_R = pair.free[0] = pair.free[1] = rbdi_vec0();
+    pair.roll_radius = pair.normal = rbdi_vec0();
+    pair.log_square = rbdi_zero();
     if (con->kp > 0 && con->angular) {
         const rbdi_mat R_1 = rbdi_frame_axes(c, con, 0), R_2 = rbdi_frame_axes(c, con, 1);
         const int i = con->angular == 2 ? 3 - con->axis[0] - con->axis[1] : 0;
@@ -2220,6 +2223,13 @@ static rbdi_pair_motion rbdi_pair_motion_of(const rbd_constraint_set *c, const r
     return pair;
 }
 
+/* How far the place of a contact moves over body 1 if that moves by S relative to body 2: its centre moves by
+   S, and the place stays below it; on a plane that moves neither up nor down. */
+RBDI_INLINE rbdi_v3 rbdi_roll(const rbdi_pair_motion *pair, rbdi_motion S) {
+    const rbdi_v3 up = rbdi_scale(rbdi_dot(pair->normal, S.v), pair->normal);
+    return rbdi_sub(rbdi_cross(S.omega, pair->roll_radius), up);
+}
+
 /* Derivatives by dof j of a link on the path of body `side`. */
 static rbdi_motion_derivatives rbdi_differentiate_motion(const rbd_model *m, const rbd_constraint_set *c,
                                                          const rbdi_pair_motion *pair, int side, int link,
@@ -2232,25 +2242,36 @@ static rbdi_motion_derivatives rbdi_differentiate_motion(const rbd_model *m, con
     rbdi_motion_derivatives by;
     rbdi_v3 z, s, omega2_s;
     by.S = rbdi_column(m, c->w, link, j, b->p);
-    z = by.S.omega = rbdi_scale(scale, by.S.omega), s = by.S.v = rbdi_scale(scale, by.S.v);
-    V.omega = own.omega, V.v = own.v;
+    by.S.omega = rbdi_scale(scale, by.S.omega);
+    by.S.v = rbdi_scale(scale, by.S.v);
+    z = by.S.omega;
+    s = by.S.v;
+
+    V.omega = own.omega;
+    V.v = own.v;
     U = rbdi_motion_cross(V, by.S);
-    V.omega = P.omega, V.v = P.v;
-    A.omega = P.omega_dot, A.v = rbdi_cross_sub(P.acc, P.omega, P.v);
+    V.omega = P.omega;
+    V.v = P.v;
+    A.omega = P.omega_dot;
+    A.v = rbdi_cross_sub(P.acc, P.omega, P.v);
     Psi = rbdi_motion_cross(V, by.S);
     Phi = rbdi_motion_add(rbdi_motion_cross(A, by.S), rbdi_motion_cross(V, Psi));
     U = rbdi_motion_add(U, Psi);
     omega2_s = rbdi_cross(omega2, s);
+
     by.velocity_q.omega = rbdi_cross_add(Psi.omega, z, b->omega);
     by.velocity_q.v = rbdi_sub(rbdi_cross_add(Psi.v, z, b->v), omega2_s);
+
     by.rate_q.omega = rbdi_cross_add(rbdi_cross_add(Phi.omega, z, b->omega_dot), Psi.omega, b->omega);
     by.rate_q.omega = rbdi_cross_sub(by.rate_q.omega, omega2, by.velocity_q.omega);
     by.rate_q.v = rbdi_cross_add(rbdi_cross_add(Phi.v, z, b->acc), rbdi_twice(Psi.omega), b->v);
     by.rate_q.v =
         rbdi_cross_sub(rbdi_cross_sub(by.rate_q.v, pair->motion.body[1].omega_dot, s), omega2, omega2_s);
     by.rate_q.v = rbdi_cross_sub(by.rate_q.v, omega2, rbdi_twice(by.velocity_q.v));
+
     by.rate_v.omega = rbdi_cross_sub(rbdi_cross_add(U.omega, z, b->omega), omega2, z);
     by.rate_v.v = rbdi_sub(rbdi_cross_add(U.v, z, rbdi_twice(b->v)), rbdi_twice(omega2_s));
+
     if (side) {
         by.rate_q.omega =
             rbdi_cross_add(rbdi_cross_add(by.rate_q.omega, by.velocity_q.omega, pair->motion.velocity.omega),
@@ -2263,8 +2284,7 @@ static rbdi_motion_derivatives rbdi_differentiate_motion(const rbd_model *m, con
         by.rate_v.omega = rbdi_cross_add(by.rate_v.omega, z, pair->motion.velocity.omega);
         by.rate_v.v = rbdi_cross_add(by.rate_v.v, z, rbdi_twice(pair->motion.velocity.v));
     }
-    by.velocity_q.v =
-        rbdi_cross_add(by.velocity_q.v, pair->motion.velocity.omega, rbdi_cross(z, pair->roll_radius));
+    by.velocity_q.v = rbdi_cross_add(by.velocity_q.v, pair->motion.velocity.omega, rbdi_roll(pair, by.S));
     return by;
 }
 
@@ -2305,7 +2325,7 @@ static void rbdi_subtract_force_derivative(const rbd_model *m, const rbd_derivat
                                            int mover, rbdi_motion S, rbd_real *rho) {
     const rbdi_v3 o = rbdi_vec0(), nz = rbdi_cross(pair->force.n, S.omega),
                   fz = rbdi_cross(pair->force.f, S.omega), sf = rbdi_cross(S.v, pair->force.f),
-                  roll = rbdi_cross(rbdi_cross(S.omega, pair->roll_radius), pair->force.f);
+                  roll = rbdi_cross(rbdi_roll(pair, S), pair->force.f);
     RBDI_FOR_PATHS(m, con, link, sign) {
         const rbdi_link *l = &m->link[link];
         const int other = sign < 0,
