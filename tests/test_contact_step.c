@@ -1125,6 +1125,33 @@ START_TEST(box_rests_on_a_ball_of_the_world) {
 }
 END_TEST
 
+/* A ball falls on a spring of any stiffness, whose period may be a thousandth of the step: its energy, the
+   spring's included, never grows. */
+START_TEST(springs_make_no_energy_at_any_stiffness) {
+    const double stiffness[3] = {1e4, 1e9, 1e12}, dt[2] = {1e-3, 1e-2};
+    for (int k = 0; k < 6; k++) {
+        const rbd_body body = ball(1, 0.004);
+        double before, most = 0;
+        scene s;
+        open_scene(&s, "ball on a spring", &body, 1, dt[k % 2]);
+        add_contact(&s, 0, -1, 0, 0, 0)->radius = 0.1;
+        s.list[0].stiffness = stiffness[k / 2];
+        begin_scene(&s);
+        s.q[2] = 0.6;
+        before = energy(&s, NULL);
+        while (s.t < 2) {
+            const double depth = fmax(0, 0.1 - s.q[2]);
+            const double now = energy(&s, NULL) + stiffness[k / 2] * depth * depth / 2;
+            most = fmax(most, now - before);
+            before = now;
+            step(&s);
+        }
+        expect_figure(9, "springs of 1e4 to 1e12 N/m: energy made in a step, J", most, 0, 1e-12);
+        close_scene(&s);
+    }
+}
+END_TEST
+
 /* ---- contacts that are in the ground ---- */
 
 /* The velocity along a ground at height 0 of the place below a corner, which is at the height z. */
@@ -1488,6 +1515,7 @@ Suite *contact_step_suite(void) {
     tcase_add_test(c, bad_calls_are_refused);
     tcase_add_test(c, errors_are_taken_back);
     tcase_add_test(c, box_rests_on_a_ball_of_the_world);
+    tcase_add_test(c, springs_make_no_energy_at_any_stiffness);
     tcase_add_test(c, box_turns_about_places_on_the_ground);
     tcase_add_test(c, box_stands_on_a_floor_that_moves);
     tcase_add_test(c, overflow_is_an_error);

@@ -293,8 +293,9 @@ static void rbdi_add_springs(rbd_contact_set *c) {
                 depth, if there was none before), and the option `correction` times the depth below the slop
      stiff      k (min(start, 0) + reach) / (h k + 2 d), and 2 / (dt (h k + 2 d)) on Delta's diagonal:
                 together p_n = -dt (k (min(start, 0) + gap at the end) / 2 + d u_n). The spring has the mean
-                of its ends, so it takes and gives the same energy; the damper is implicit. Stable at every
-                dt
+                of its ends: along a straight way, where the gap changes by dt times the mean of u, it gives
+                what it took, whatever k and dt are. Where a body turns, the end is off by up to
+                r (omega dt)^2 / 8. The damper is implicit. Stable at every dt
      rebounds   for velocities, restitution times the speed with which it hits: that of the beginning, and
                 what it still falls until the gap is 0
      leaves     for velocities, if another contact rebounds: the speed at which it leaves, where that is more
