@@ -109,11 +109,13 @@ static int rbdi_touch_widely(const rbd_contact_set *c, int i) {
     return n >= 3;
 }
 
-/* Computes gaps and places of contact. */
+/* Computes all gaps, and the places of contacts that may be rows. */
 static void rbdi_find_places(const rbd_contact_set *c) {
     for (int i = 0; i < c->n; ++i) rbdi_contact_gap(c, &c->rows->constraint[i], &c->contact[i]);
-    for (int i = 0; i < c->n; ++i)
+    for (int i = 0; i < c->n; ++i) {
+        if (!rbdi_may_touch(c->contact[i].gap, c->dt, RBD_C(c->options.margin))) continue;
         if (rbdi_touch_widely(c, i)) rbdi_place_on_plane(c->rows, &c->rows->constraint[i], &c->contact[i]);
+    }
 }
 
 /* Computes the gap to the limit. Returns whether it may be reached; dry friction always acts. */
