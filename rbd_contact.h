@@ -28,6 +28,8 @@
 
    [conventions] Beyond those of rbd.h:
      u            velocity of body 1's point of contact less that of body 2's at this place, m/s
+     place        of contact: the point, or that of the ball next to the plane; where three contacts or more
+                  of the same two bodies touch, its foot on the plane
      p            impulse on body 1 at this place, N s; the opposite acts on body 2
      rows         of a contact: two tangents, then the normal, out of body 2 into body 1
      gap          distance of point or ball from the plane, m; below 0 in penetration
@@ -368,10 +370,12 @@ typedef struct rbdi_contact {
     rbd_const radius, friction, restitution, stiffness, damping;
     rbdi_gap gap;
     rbd_real falls;    /* u_n that forces would add in the step without impulses, m/s */
-    rbdi_v3 roll;      /* acceleration of the place of contact over the ball, world axes, m/s^2 */
+    rbd_real below;    /* the place of contact is so far below the centre, m: l of [contact rows] */
+    rbdi_v3 roll;      /* acceleration of the place of contact over the body, world axes, m/s^2 */
     rbd_real force[3]; /* of the last step, world axes */
     int body2;
     int row;      /* of the step, -1 = none */
+    int on_plane; /* whether the place of contact is the foot of the centre on the plane */
     int springs;  /* whether its stiffness acts in the step */
     int rebounds; /* whether the solution for the velocities returns a share of its approach */
     rbd_contact_state state;
@@ -1563,13 +1567,21 @@ RBDI_API rbd_status rbd_contact_plane(const rbd_model *m, rbd_contact_set *c, in
 
        Delta = Y' D^-1 Y,   J nu_0 = J v + Y' D^-1 x,   nu = v + L^-1 D^-1 (x + Y p)                      (4)
 
-   where v, M and J are those of the middle of the step, [step code], J of the place of contact. The laws hold
-   for the velocity of the end
+   where v, M and J are those of the middle of the step, [step code], J of the place of contact. The laws
+   hold for the velocity of the end
 
        u = J nu + dt/2 gamma,   gamma = dJ/dt v with classical accelerations 0
 
-   The place moves over a ball of radius R about c, so its gamma is that of c less R domega/dt x n: the point
-   of a wheel accelerates upward, its gap does not. */
+   The place of contact is l below the centre c of a ball, against the normal n, and moves over the body. With
+   the motion of the body relative to the plane, c has velocity v_c and acceleration a_c, and
+
+       u = v_c - l omega x n,   gamma = a_c - l domega/dt x n - l' omega x n
+
+   Of a ball, or of a point, l is the radius, and l' = 0: the point of a wheel accelerates upward, its gap
+   does not. This is where an impact acts. But places of one body at different heights over a plane have
+   different velocities along it when the body turns: three of them could not all stick. So where three
+   contacts or more of two bodies touch, the place of each is the foot of its centre on the plane: l is the
+   radius plus the gap, l' the rate of the gap. */
 
 /* World axes of the normal of a constraint. */
 RBDI_INLINE rbdi_v3 rbdi_contact_normal(const rbd_constraint_set *s, const rbdi_constraint *con) {
@@ -1588,28 +1600,78 @@ RBDI_INLINE rbdi_gap rbdi_gap_of(rbd_real middle, rbd_real rate, rbd_real gamma,
     return gap;
 }
 
-/* Computes the gap, and moves frame 1 of the constraint to the place of contact. */
+/* Moves frame 1 of the constraint to the place of contact, l below the centre. normal: world axes. */
+static void rbdi_place_below(const rbd_constraint_set *s, rbdi_constraint *con, const rbdi_contact *contact,
+                             rbdi_v3 normal) {
+    const rbdi_v3 local = con->link[0] < 0 ? normal : rbdi_mul(s->w->kin[con->link[0]].X.E, normal);
+    con->position[0].x = contact->point.x - (rbd_const)(contact->below * local.x);
+    con->position[0].y = contact->point.y - (rbd_const)(contact->below * local.y);
+    con->position[0].z = contact->point.z - (rbd_const)(contact->below * local.z);
+}
+
+/* What gamma has beyond the acceleration of the body's point at the place: l omega x (omega x n) - l' omega x
+   n. */
+RBDI_INLINE rbdi_v3 rbdi_roll_of(rbdi_v3 omega, rbdi_v3 normal, rbd_real below, rbd_real rate) {
+    const rbdi_v3 turn = rbdi_cross(omega, normal);
+    return rbdi_sub(rbdi_scale(below, rbdi_cross(omega, turn)), rbdi_scale(rate, turn));
+}
+
+/* Computes the gap, with the place of contact on the ball. */
 static void rbdi_contact_gap(const rbd_contact_set *c, rbdi_constraint *con, rbdi_contact *contact) {
     const rbd_constraint_set *s = c->rows;
-    const rbdi_v3 normal = rbdi_contact_normal(s, con),
-                  local = con->link[0] < 0 ? normal : rbdi_mul(s->w->kin[con->link[0]].X.E, normal);
+    const rbdi_v3 normal = rbdi_contact_normal(s, con);
     rbdi_relative_motion relative;
-    rbdi_v3 omega;
-    rbd_real middle;
-    con->position[0].x = contact->point.x - contact->radius * (rbd_const)local.x;
-    con->position[0].y = contact->point.y - contact->radius * (rbd_const)local.y;
-    con->position[0].z = contact->point.z - contact->radius * (rbd_const)local.z;
+    rbd_real middle, rate, gamma;
+
+    contact->on_plane = 0;
+    contact->below = rbdi_set(contact->radius);
+    rbdi_place_below(s, con, contact, normal);
     relative = rbdi_relative_motion_of(s, con);
-    omega = relative.velocity.omega;
-    contact->roll = rbdi_scale(rbdi_set(contact->radius), rbdi_cross(omega, rbdi_cross(omega, normal)));
+    contact->roll = rbdi_roll_of(relative.velocity.omega, normal, contact->below, rbdi_zero());
+
     middle = rbdi_dot(normal, rbdi_sub(relative.body[0].p, rbdi_frame_origin(s, con, 1)));
-    contact->gap = rbdi_gap_of(middle, rbdi_dot(normal, relative.velocity.v),
-                               rbdi_dot(normal, rbdi_add(relative.rate.v, contact->roll)), c->half);
+    rate = rbdi_dot(normal, relative.velocity.v);
+    gamma = rbdi_dot(normal, rbdi_add(relative.rate.v, contact->roll));
+    contact->gap = rbdi_gap_of(middle, rate, gamma, c->half);
+}
+
+/* Moves the place of contact from the ball to the plane. */
+static void rbdi_place_on_plane(const rbd_constraint_set *s, rbdi_constraint *con, rbdi_contact *contact) {
+    const rbdi_v3 normal = rbdi_contact_normal(s, con);
+    const rbdi_relative_motion relative = rbdi_relative_motion_of(s, con);
+    const rbd_real middle = rbdi_dot(normal, rbdi_sub(relative.body[0].p, rbdi_frame_origin(s, con, 1))),
+                   rate = rbdi_dot(normal, relative.velocity.v);
+
+    contact->on_plane = 1;
+    contact->below = contact->below + middle;
+    rbdi_place_below(s, con, contact, normal);
+    contact->roll = rbdi_roll_of(relative.velocity.omega, normal, contact->below, rate);
 }
 
 /* Whether this gap may become 0 within two steps, or is at most the margin, or not a number. */
 RBDI_INLINE int rbdi_may_touch(rbdi_gap gap, rbd_real dt, rbd_real margin) {
     return !(gap.start > margin && gap.start + 2 * dt * gap.rate > 0);
+}
+
+/* Whether three contacts or more of the bodies of contact i touch in the step, or arrive at their speed. */
+static int rbdi_touch_widely(const rbd_contact_set *c, int i) {
+    const rbdi_constraint *own = &c->rows->constraint[i];
+    int n = 0;
+    for (int j = 0; j < c->n; ++j) {
+        const rbdi_constraint *con = &c->rows->constraint[j];
+        if (con->link[0] != own->link[0] || con->link[1] != own->link[1]) continue;
+        n += rbdi_may_touch(c->contact[j].gap, c->dt, RBD_C(c->options.slop));
+    }
+    return n >= 3;
+}
+
+/* Computes all gaps, and the places of contacts that may be rows. */
+static void rbdi_find_places(const rbd_contact_set *c) {
+    for (int i = 0; i < c->n; ++i) rbdi_contact_gap(c, &c->rows->constraint[i], &c->contact[i]);
+    for (int i = 0; i < c->n; ++i) {
+        if (!rbdi_may_touch(c->contact[i].gap, c->dt, RBD_C(c->options.margin))) continue;
+        if (rbdi_touch_widely(c, i)) rbdi_place_on_plane(c->rows, &c->rows->constraint[i], &c->contact[i]);
+    }
 }
 
 /* Computes the gap to the limit. Returns whether it may be reached; dry friction always acts. */
@@ -1652,10 +1714,11 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
     int place = 0, contacts;
     for (int k = 0; k < m->nv; ++k) s->span[k].first = s->span[k].end = 0;
     s->rows = 0;
+
+    rbdi_find_places(c);
     for (int i = 0; i < c->n; ++i, place += 3) {
         rbdi_constraint *con = &s->constraint[i];
         rbdi_contact *contact = &c->contact[i];
-        rbdi_contact_gap(c, con, contact);
         contact->row = con->row = -1;
         contact->rebounds = 0;
         contact->state = RBD_APART;
@@ -1664,11 +1727,15 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
         contact->row = con->row = (int16_t)rbdi_open_rows(c, place, 3, con->dof, con->dofs);
     }
     contacts = s->rows / 3;
+
     for (rbdi_constraint *con = s->constraint + c->n; con < s->constraint + s->n; place += con++->rows) {
         con->row = (int16_t)rbdi_open_rows(c, place, con->rows, con->dof, con->dofs);
-        for (int r = con->row - 3 * contacts; r < s->rows - 3 * contacts; ++r)
-            c->upper[r] = rbdi_set(RBDI_UNBOUNDED), c->lower[r] = -c->upper[r];
+        for (int r = con->row - 3 * contacts; r < s->rows - 3 * contacts; ++r) {
+            c->upper[r] = rbdi_set(RBDI_UNBOUNDED);
+            c->lower[r] = -c->upper[r];
+        }
     }
+
     for (int i = 0; i < c->dof_rows; ++i) {
         rbdi_dof_row *limit = &c->dof_row[i];
         const int r = s->rows - 3 * contacts, acts = rbdi_find_limit(c, limit, q, v);
@@ -1678,16 +1745,17 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
         c->lower[r] = limit->iq < 0 ? dt * limit->lower : rbdi_zero();
         c->upper[r] = limit->iq < 0 ? dt * limit->upper : rbdi_set(RBDI_UNBOUNDED);
     }
+
     s->stride = rbdi_row_stride(s->rows);
     rbdi_clear(s->lambda, s->stride);
     for (int r = 0; r < s->rows; ++r) s->lambda[r] = c->impulse[c->place[r]] * ratio;
     return contacts;
 }
 
-/* Adds the part of gamma by which the place of contact rolls over a ball. */
+/* Adds the part of gamma by which the place of contact moves over the body. */
 static void rbdi_add_roll(rbd_constraint_set *s, const rbdi_constraint *con, const rbdi_contact *contact) {
     rbdi_axes_held h;
-    if (!(contact->radius > 0)) return;
+    if (!(contact->radius > 0) && !contact->on_plane) return;
     rbdi_set_axes(s, con, &h);
     rbdi_add_held(con, &h, rbdi_vec0(), contact->roll, &s->gamma[con->row]);
 }
@@ -1783,8 +1851,9 @@ static void rbdi_add_springs(rbd_contact_set *c) {
                 depth, if there was none before), and the option `correction` times the depth below the slop
      stiff      k (min(start, 0) + reach) / (h k + 2 d), and 2 / (dt (h k + 2 d)) on Delta's diagonal:
                 together p_n = -dt (k (min(start, 0) + gap at the end) / 2 + d u_n). The spring has the mean
-                of its ends, so it takes and gives the same energy; the damper is implicit. Stable at every
-                dt
+                of its ends: along a straight way, where the gap changes by dt times the mean of u, it gives
+                what it took, whatever k and dt are. Where a body turns, the end is off by up to
+                r (omega dt)^2 / 8. The damper is implicit. Stable at every dt
      rebounds   for velocities, restitution times the speed with which it hits: that of the beginning, and
                 what it still falls until the gap is 0
      leaves     for velocities, if another contact rebounds: the speed at which it leaves, where that is more
@@ -2301,14 +2370,28 @@ typedef struct rbdi_row_factors {
     rbd_real velocity[6], gap[6], rate[6];
 } rbdi_row_factors;
 
-/* Adds to the derivatives of gamma by a dof of a ball's body those of the place that rolls: of roll_radius
-   R n, gamma has omega x (omega x R n) beyond the acceleration of the point of the body. */
+/* Adds to the derivatives of gamma by a dof what the place of contact has beyond the point of the body: with
+   r = roll_radius and the normal n of the plane on which the place stays, if it does,
+
+       gamma = acc + omega x (omega x r) - rate (omega x n),   rate = n . velocity
+
+   By q the place moves over the body by its roll, and r by n (n . s): together by z x r. */
 static void rbdi_roll_rates(const rbdi_pair_motion *pair, rbdi_motion_derivatives *by) {
-    const rbdi_v3 omega = pair->motion.velocity.omega, r = pair->roll_radius, z = by->S.omega,
-                  dw = by->velocity_q.omega, across = rbdi_cross(omega, r), shift = rbdi_cross(z, r);
-    by->rate_q.v = rbdi_cross_add(rbdi_cross_add(by->rate_q.v, pair->motion.rate.omega, shift), dw, across);
+    const rbdi_v3 omega = pair->motion.velocity.omega, r = pair->roll_radius, n = pair->normal;
+    const rbdi_v3 z = by->S.omega, dw = by->velocity_q.omega;
+    const rbdi_v3 across = rbdi_cross(omega, r), shift = rbdi_cross(z, r), turn = rbdi_cross(omega, n);
+    const rbd_real rate = rbdi_dot(n, pair->motion.velocity.v), rate_q = rbdi_dot(n, by->velocity_q.v),
+                   rate_v = rbdi_dot(n, by->S.v);
+
+    by->rate_q.v = rbdi_cross_add(by->rate_q.v, pair->motion.rate.omega, rbdi_roll(pair, by->S));
+    by->rate_q.v = rbdi_cross_add(by->rate_q.v, dw, across);
     by->rate_q.v = rbdi_cross_add(by->rate_q.v, omega, rbdi_add(rbdi_cross(dw, r), rbdi_cross(omega, shift)));
+    by->rate_q.v = rbdi_sub(by->rate_q.v, rbdi_scale(rate_q, turn));
+    by->rate_q.v = rbdi_sub(by->rate_q.v, rbdi_scale(rate, rbdi_cross(dw, n)));
+
     by->rate_v.v = rbdi_cross_add(rbdi_cross_add(by->rate_v.v, z, across), omega, shift);
+    by->rate_v.v = rbdi_sub(by->rate_v.v, rbdi_scale(rate_v, turn));
+    by->rate_v.v = rbdi_sub(by->rate_v.v, rbdi_scale(rate, rbdi_cross(z, n)));
 }
 
 /* Adds a constraint's terms to sigma, by q_mid or v_mid (x = 0, 1). With f->velocity by v_mid, J takes the
@@ -2339,8 +2422,11 @@ static void rbdi_row_terms(const rbd_model *m, rbd_contact_set *c, const rbd_der
 static rbdi_pair_motion rbdi_contact_pair(const rbd_contact_set *c, int i) {
     const rbdi_constraint *con = &c->rows->constraint[i];
     rbdi_pair_motion pair = rbdi_pair_motion_of(c->rows, con);
-    if (i < c->n)
-        pair.roll_radius = rbdi_scale(rbdi_set(c->contact[i].radius), rbdi_contact_normal(c->rows, con));
+    if (i < c->n) {
+        const rbdi_v3 normal = rbdi_contact_normal(c->rows, con);
+        pair.roll_radius = rbdi_scale(c->contact[i].below, normal);
+        if (c->contact[i].on_plane) pair.normal = normal;
+    }
     return pair;
 }
 

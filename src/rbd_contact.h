@@ -27,6 +27,8 @@
 
    [conventions] Beyond those of rbd.h:
      u            velocity of body 1's point of contact less that of body 2's at this place, m/s
+     place        of contact: the point, or that of the ball next to the plane; where three contacts or more
+                  of the same two bodies touch, its foot on the plane
      p            impulse on body 1 at this place, N s; the opposite acts on body 2
      rows         of a contact: two tangents, then the normal, out of body 2 into body 1
      gap          distance of point or ball from the plane, m; below 0 in penetration

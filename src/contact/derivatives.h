@@ -76,14 +76,28 @@ typedef struct rbdi_row_factors {
     rbd_real velocity[6], gap[6], rate[6];
 } rbdi_row_factors;
 
-/* Adds to the derivatives of gamma by a dof of a ball's body those of the place that rolls: of roll_radius
-   R n, gamma has omega x (omega x R n) beyond the acceleration of the point of the body. */
+/* Adds to the derivatives of gamma by a dof what the place of contact has beyond the point of the body: with
+   r = roll_radius and the normal n of the plane on which the place stays, if it does,
+
+       gamma = acc + omega x (omega x r) - rate (omega x n),   rate = n . velocity
+
+   By q the place moves over the body by its roll, and r by n (n . s): together by z x r. */
 static void rbdi_roll_rates(const rbdi_pair_motion *pair, rbdi_motion_derivatives *by) {
-    const rbdi_v3 omega = pair->motion.velocity.omega, r = pair->roll_radius, z = by->S.omega,
-                  dw = by->velocity_q.omega, across = rbdi_cross(omega, r), shift = rbdi_cross(z, r);
-    by->rate_q.v = rbdi_cross_add(rbdi_cross_add(by->rate_q.v, pair->motion.rate.omega, shift), dw, across);
+    const rbdi_v3 omega = pair->motion.velocity.omega, r = pair->roll_radius, n = pair->normal;
+    const rbdi_v3 z = by->S.omega, dw = by->velocity_q.omega;
+    const rbdi_v3 across = rbdi_cross(omega, r), shift = rbdi_cross(z, r), turn = rbdi_cross(omega, n);
+    const rbd_real rate = rbdi_dot(n, pair->motion.velocity.v), rate_q = rbdi_dot(n, by->velocity_q.v),
+                   rate_v = rbdi_dot(n, by->S.v);
+
+    by->rate_q.v = rbdi_cross_add(by->rate_q.v, pair->motion.rate.omega, rbdi_roll(pair, by->S));
+    by->rate_q.v = rbdi_cross_add(by->rate_q.v, dw, across);
     by->rate_q.v = rbdi_cross_add(by->rate_q.v, omega, rbdi_add(rbdi_cross(dw, r), rbdi_cross(omega, shift)));
+    by->rate_q.v = rbdi_sub(by->rate_q.v, rbdi_scale(rate_q, turn));
+    by->rate_q.v = rbdi_sub(by->rate_q.v, rbdi_scale(rate, rbdi_cross(dw, n)));
+
     by->rate_v.v = rbdi_cross_add(rbdi_cross_add(by->rate_v.v, z, across), omega, shift);
+    by->rate_v.v = rbdi_sub(by->rate_v.v, rbdi_scale(rate_v, turn));
+    by->rate_v.v = rbdi_sub(by->rate_v.v, rbdi_scale(rate, rbdi_cross(z, n)));
 }
 
 /* Adds a constraint's terms to sigma, by q_mid or v_mid (x = 0, 1). With f->velocity by v_mid, J takes the
@@ -114,8 +128,11 @@ static void rbdi_row_terms(const rbd_model *m, rbd_contact_set *c, const rbd_der
 static rbdi_pair_motion rbdi_contact_pair(const rbd_contact_set *c, int i) {
     const rbdi_constraint *con = &c->rows->constraint[i];
     rbdi_pair_motion pair = rbdi_pair_motion_of(c->rows, con);
-    if (i < c->n)
-        pair.roll_radius = rbdi_scale(rbdi_set(c->contact[i].radius), rbdi_contact_normal(c->rows, con));
+    if (i < c->n) {
+        const rbdi_v3 normal = rbdi_contact_normal(c->rows, con);
+        pair.roll_radius = rbdi_scale(c->contact[i].below, normal);
+        if (c->contact[i].on_plane) pair.normal = normal;
+    }
     return pair;
 }
 

@@ -64,10 +64,12 @@ typedef struct rbdi_contact {
     rbd_const radius, friction, restitution, stiffness, damping;
     rbdi_gap gap;
     rbd_real falls;    /* u_n that forces would add in the step without impulses, m/s */
-    rbdi_v3 roll;      /* acceleration of the place of contact over the ball, world axes, m/s^2 */
+    rbd_real below;    /* the place of contact is so far below the centre, m: l of [contact rows] */
+    rbdi_v3 roll;      /* acceleration of the place of contact over the body, world axes, m/s^2 */
     rbd_real force[3]; /* of the last step, world axes */
     int body2;
     int row;      /* of the step, -1 = none */
+    int on_plane; /* whether the place of contact is the foot of the centre on the plane */
     int springs;  /* whether its stiffness acts in the step */
     int rebounds; /* whether the solution for the velocities returns a share of its approach */
     rbd_contact_state state;

@@ -429,8 +429,8 @@ static void into_body(int body, const quad *x, double *out) {
 }
 
 /* The contact's gap for height 0, and the constraint whose linear rows are its: it holds the places where the
-   two bodies touch, in the axes of the plane. */
-static quad contact_constraint(const rbd_contact *a, rbd_constraint *k) {
+   two bodies touch, in the axes of the plane; on the ball, or on the plane. */
+static quad contact_constraint(const rbd_contact *a, int on_plane, rbd_constraint *k) {
     quad n[3], n_world[3], p[3], origin[3], gap = 0;
     double up[3] = {0, 0, 1};
     const double zero[3] = {0, 0, 0};
@@ -445,7 +445,9 @@ static quad contact_constraint(const rbd_contact *a, rbd_constraint *k) {
     turn_to_world(a->body2, n, n_world);
     point_in_world(a->body1, a->point, p);
     point_in_world(a->body2, zero, origin);
-    for (int i = 0; i < 3; i++) gap += n_world[i] * (p[i] - origin[i]), p[i] -= a->radius * n_world[i];
+    for (int i = 0; i < 3; i++) gap += n_world[i] * (p[i] - origin[i]);
+    const quad below = on_plane ? gap - a->height : (quad)a->radius;
+    for (int i = 0; i < 3; i++) p[i] -= below * n_world[i];
     into_body(a->body1, p, k->position1);
     into_body(a->body2, p, k->position2);
     return gap - a->radius;
@@ -459,7 +461,7 @@ static void place_contacts(void) {
     widen(now.state.v, nv, v);
     world_move(&truth, now.robot.bodies, now.robot.nb, q, v, NULL);
     for (int i = 0; i < now.n; i++)
-        now.list[i].height = (double)(contact_constraint(&now.list[i], &k))-now.gap[i];
+        now.list[i].height = (double)(contact_constraint(&now.list[i], 0, &k))-now.gap[i];
     for (int i = 0; i < now.n_held; i++) dense_close(&truth, &now.held[i]);
 }
 
@@ -527,10 +529,10 @@ static void keep_dof(int row, int dof, double side) {
 }
 
 /* The rows of a contact, its gap, and how fast it is opening. */
-static void add_contact_rows(int i, quad *gap, quad *opening) {
+static void add_contact_rows(int i, int on_plane, quad *gap, quad *opening) {
     rbd_constraint k;
     quad v[WORLD_DOFS];
-    *gap = contact_constraint(&now.list[i], &k) - now.list[i].height;
+    *gap = contact_constraint(&now.list[i], on_plane, &k) - now.list[i].height;
     dense_rows_of(&truth, &k, 1, NULL, &found_rows);
     widen(now.state.v, nv, v);
     *opening = along(found_rows.J[2], v);
@@ -594,7 +596,7 @@ static int find_rows(int *energy_holds) {
         const rbdi_contact *own = &set->contact[i];
         quad gap, opening;
         rbd_real told;
-        add_contact_rows(i, &gap, &opening);
+        add_contact_rows(i, own->on_plane, &gap, &opening);
         rbd_contact_get(set, i, &told, NULL);
         record(GAP, fabs((double)told - (double)gap) / (1 + (double)truth.reach[0] + fabs(a->height)));
         gap = (quad)told; /* whose sign decides */
