@@ -565,7 +565,8 @@ RBDI_PART void rbdi_poses(const rbd_model *m, rbd_derivatives *d, int base) {
             rbdi_load_axes(&p, &parent);
         }
         if (!rbdi_is(l, RBDI_BLOCK))
-            RBDI_BY_FLAGS(flags, l, rbdi_axes_step(l, flags, rbdi_trig_of(m, d->work, i, flags), &p));
+            RBDI_BY_FLAGS(const int flags, l,
+                          rbdi_axes_step(l, flags, rbdi_trig_of(m, d->work, i, flags), &p));
         else if (i > 0 || !base)
             rbdi_axes_block(&d->work->block[l->block].X, rbdi_on_world(l), &p);
         if (d->origin[i] >= 0) {
@@ -2355,7 +2356,7 @@ static void rbdi_fill_ad(rbdi_ad_function f, rbdi_motion d, rbd_real scale, rbd_
 static void rbdi_put_step(const rbd_model *m, const rbdi_frame *body, int which, const rbd_real *d,
                           rbd_real sign, rbd_real scale, rbd_real *out) {
     const ptrdiff_t nv = m->nv;
-    const int first = body->type == RBD_PLANAR ? 2 : 0;
+    const int first = rbdi_first_axis(body->type);
     rbd_real c[7], J[6][6];
     rbdi_motion step;
     out += body->iv * nv + body->iv;

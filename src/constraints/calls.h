@@ -105,12 +105,12 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
         rbdi_constraint_rows(m, c, con, !restitution && con->kp > 0);
         rbdi_set_target(c, con, restitution);
     }
-    rbdi_solve_up(m, w, w->H, c->stride, c->rows, c->Y); /* Y = L^-T J' */
+    rbdi_solve_transposed(m, w, w->H, c->stride, c->rows, c->Y); /* Y = L^-T J' */
 
     for (int k = 0; k < m->nv; ++k) c->x[k] = c->x[k] * c->D_inverse[k];
     rbdi_multipliers(m, c, !restitution); /* an impact's targets, J v, are in the range of J */
     for (int k = 0; k < m->nv; ++k) x[k] = c->x[k] * w->pivot[k]; /* D x, of which L^-1 D^-1 is the result */
-    rbdi_solve_down(m, w, w->H, 1, 1, 1, x);
+    rbdi_solve_forward(m, w, w->H, 1, 1, 1, x);
     return rbdi_factor_status(m, w, w->H, doubt, x, m->nv);
 }
 

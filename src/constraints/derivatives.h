@@ -267,9 +267,9 @@ static void rbdi_solve_column(const rbd_model *m, rbd_constraint_set *c, int j, 
 RBDI_COLD void rbdi_solve_by_columns(const rbd_model *m, rbd_constraint_set *c, rbd_real *rho,
                                      rbd_real *sigma) {
     const int nv = m->nv;
-    rbdi_solve_up(m, c->w, c->w->H, nv, nv, rho);
+    rbdi_solve_transposed(m, c->w, c->w->H, nv, nv, rho);
     for (int j = 0; j < nv; ++j) rbdi_solve_column(m, c, j, rho, sigma);
-    rbdi_solve_down(m, c->w, c->w->H, 1, nv, nv, rho);
+    rbdi_solve_forward(m, c->w, c->w->H, 1, nv, nv, rho);
 }
 
 /* Whether accelerations by a force at each dof, all different, lose so many digits that rows may need
@@ -311,7 +311,8 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
     if (to.da_dtau) rbdi_clear(to.da_dtau, nv * nv);
     for (int k = 0; to.da_dtau && k < nv; ++k) to.da_dtau[k * nv + k] = rbdi_set(RBD_C(-1));
     by_columns = rbdi_loses_digits(m, c);
-    if (!by_columns) rbdi_solve_down(m, c->w, c->w->H, -1, c->stride, c->rows, c->Y); /* -T = -L^-1 D^-1 Y */
+    if (!by_columns)
+        rbdi_solve_forward(m, c->w, c->w->H, -1, c->stride, c->rows, c->Y); /* -T = -L^-1 D^-1 Y */
     for (int x = 0; x < 3; ++x) {
         if (!of_a[x]) continue;
         if (by_columns)

@@ -238,7 +238,7 @@ static int rbdi_solve_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_re
     rbdi_contact_solver solver = c->solver;
     const int n = m->nv;
     int solved;
-    rbdi_solve_up(m, s->w, s->w->H, n, n, rho);
+    rbdi_solve_transposed(m, s->w, s->w->H, n, n, rho);
     for (int r = 0; r < s->rows; ++r) {
         for (int k = 0; k < n; ++k) s->x[k] = s->Y[k * s->stride + r] * s->D_inverse[k];
         rbdi_subtract_product(s->x, rho, n, n, &c->sigma[r * n]);
@@ -251,7 +251,7 @@ static int rbdi_solve_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_re
     rbdi_add_increments(&solver, c->sigma);
     for (int k = 0; k < n; ++k)
         rbdi_subtract_product(&s->Y[k * s->stride], c->sigma, s->rows, n, &rho[k * n]);
-    rbdi_solve_down(m, s->w, s->w->H, -1, n, n, rho);
+    rbdi_solve_forward(m, s->w, s->w->H, -1, n, n, rho);
     return solved;
 }
 

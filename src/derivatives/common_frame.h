@@ -210,7 +210,8 @@ RBDI_PART void rbdi_poses(const rbd_model *m, rbd_derivatives *d, int base) {
             rbdi_load_axes(&p, &parent);
         }
         if (!rbdi_is(l, RBDI_BLOCK))
-            RBDI_BY_FLAGS(flags, l, rbdi_axes_step(l, flags, rbdi_trig_of(m, d->work, i, flags), &p));
+            RBDI_BY_FLAGS(const int flags, l,
+                          rbdi_axes_step(l, flags, rbdi_trig_of(m, d->work, i, flags), &p));
         else if (i > 0 || !base)
             rbdi_axes_block(&d->work->block[l->block].X, rbdi_on_world(l), &p);
         if (d->origin[i] >= 0) {

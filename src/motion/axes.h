@@ -26,12 +26,14 @@ RBDI_INLINE void rbdi_load_axes(rbdi_axes *p, const rbdi_pose *X) {
     rbdi_set_axis(&p->z, rbdi_vec(X->E.zx, X->E.zy, X->E.zz));
     rbdi_set_axis(&p->origin, X->r);
 }
+
 RBDI_INLINE void rbdi_store_axes(rbdi_pose *X, const rbdi_axes *p) {
     rbdi_put_four(&X->E.xx, &p->x);
     rbdi_put_four(&X->E.yx, &p->y);
     rbdi_put_four(&X->E.zx, &p->z);
     X->r = rbdi_axis_vec(&p->origin);
 }
+
 /* The world's own axes, with its origin. */
 RBDI_INLINE void rbdi_world_axes(rbdi_axes *p) {
     const rbd_real one = rbdi_set(RBD_C(1)), o = rbdi_zero();
@@ -45,11 +47,13 @@ RBDI_INLINE void rbdi_world_axes(rbdi_axes *p) {
 RBDI_INLINE void rbdi_turn_axes(int flags, rbd_real c, rbd_real s, rbdi_four *a, rbdi_four *b) {
     const rbdi_four from = *a;
     if (flags & RBDI_TWIST_0) return;
+
     if (flags & RBDI_TWIST_90) {
         *a = *b;
         rbdi_scale_four(b, rbdi_set(RBD_C(-1)), &from);
         return;
     }
+
     rbdi_scale_four(a, c, a);
     rbdi_add_four(a, s, b);
     rbdi_scale_four(b, c, b);
@@ -65,6 +69,7 @@ RBDI_INLINE void rbdi_axes_step(const rbdi_link *l, int flags, rbdi_trig t, rbdi
             rbdi_add_four(&p->origin, rbdi_set(l->r.z), &p->z);
         }
     }
+
     if (flags & RBDI_BRANCH_TURN) rbdi_turn_axes(0, rbdi_set(l->cb), rbdi_set(l->sb), &p->x, &p->y);
     rbdi_turn_axes(flags, rbdi_set(l->ca), rbdi_set(l->sa), &p->y, &p->z);
     rbdi_turn_axes(0, t.c, t.s, &p->x, &p->y);
@@ -74,12 +79,16 @@ RBDI_INLINE void rbdi_axes_step(const rbdi_link *l, int flags, rbdi_trig t, rbdi
 /* The same of a block. */
 RBDI_INLINE void rbdi_axes_block(const rbdi_pose *X, int root, rbdi_axes *p) {
     const rbdi_four x = p->x, y = p->y, z = p->z;
+
     if (!root) rbdi_add_four(&p->origin, X->r.x, &x);
     if (!root) rbdi_add_four(&p->origin, X->r.y, &y);
     if (!root) rbdi_add_four(&p->origin, X->r.z, &z);
-    rbdi_scale_four(&p->x, X->E.xx, &x), rbdi_add_four(&p->x, X->E.xy, &y);
-    rbdi_scale_four(&p->y, X->E.yx, &x), rbdi_add_four(&p->y, X->E.yy, &y);
-    rbdi_scale_four(&p->z, X->E.zx, &x), rbdi_add_four(&p->z, X->E.zy, &y);
+    rbdi_scale_four(&p->x, X->E.xx, &x);
+    rbdi_add_four(&p->x, X->E.xy, &y);
+    rbdi_scale_four(&p->y, X->E.yx, &x);
+    rbdi_add_four(&p->y, X->E.yy, &y);
+    rbdi_scale_four(&p->z, X->E.zx, &x);
+    rbdi_add_four(&p->z, X->E.zy, &y);
     rbdi_add_four(&p->x, X->E.xz, &z);
     rbdi_add_four(&p->y, X->E.yz, &z);
     rbdi_add_four(&p->z, X->E.zz, &z);
