@@ -2160,27 +2160,38 @@ RBDI_INLINE rbdi_v3 rbdi_cross(rbdi_v3 a, rbdi_v3 b) {
 RBDI_INLINE rbdi_v3 rbdi_cycle(rbdi_v3 v) { return rbdi_vec(v.y, v.z, v.x); }
 RBDI_INLINE rbdi_v3 rbdi_uncycle(rbdi_v3 v) { return rbdi_vec(v.z, v.x, v.y); }
 
-/* Matrices by rows: all nine entries, or the upper triangle of a symmetric one. */
+/* A matrix by rows. */
 RBDI_INLINE rbdi_mat rbdi_mat_of(rbd_real xx, rbd_real xy, rbd_real xz, rbd_real yx, rbd_real yy, rbd_real yz,
                                  rbd_real zx, rbd_real zy, rbd_real zz) {
     const rbdi_mat A = {xx, xy, xz, yx, yy, yz, zx, zy, zz};
     return A;
 }
 
-RBDI_INLINE rbdi_sym rbdi_sym_of(rbd_real xx, rbd_real xy, rbd_real xz, rbd_real yy, rbd_real yz,
-                                 rbd_real zz) {
-    const rbdi_sym A = {xx, xy, xz, yy, yz, zz};
-    return A;
-}
-
 RBDI_INLINE rbdi_mat rbdi_mat_c(const rbd_const A[9]) {
-    return rbdi_mat_of(rbdi_set(A[0]), rbdi_set(A[1]), rbdi_set(A[2]), rbdi_set(A[3]), rbdi_set(A[4]),
-                       rbdi_set(A[5]), rbdi_set(A[6]), rbdi_set(A[7]), rbdi_set(A[8]));
+    rbdi_mat B;
+
+    B.xx = rbdi_set(A[0]);
+    B.xy = rbdi_set(A[1]);
+    B.xz = rbdi_set(A[2]);
+    B.yx = rbdi_set(A[3]);
+    B.yy = rbdi_set(A[4]);
+    B.yz = rbdi_set(A[5]);
+    B.zx = rbdi_set(A[6]);
+    B.zy = rbdi_set(A[7]);
+    B.zz = rbdi_set(A[8]);
+    return B;
 }
 
 RBDI_INLINE rbdi_sym rbdi_sym_c(rbdi_csym A) {
-    return rbdi_sym_of(rbdi_set(A.xx), rbdi_set(A.xy), rbdi_set(A.xz), rbdi_set(A.yy), rbdi_set(A.yz),
-                       rbdi_set(A.zz));
+    rbdi_sym B;
+
+    B.xx = rbdi_set(A.xx);
+    B.xy = rbdi_set(A.xy);
+    B.xz = rbdi_set(A.xz);
+    B.yy = rbdi_set(A.yy);
+    B.yz = rbdi_set(A.yz);
+    B.zz = rbdi_set(A.zz);
+    return B;
 }
 
 /* A v, A' v, A B, and A v of a symmetric matrix. */
@@ -2195,10 +2206,20 @@ RBDI_INLINE rbdi_mat rbdi_transpose(rbdi_mat A) {
 
 RBDI_INLINE rbdi_v3 rbdi_mul_t(rbdi_mat A, rbdi_v3 v) { return rbdi_mul(rbdi_transpose(A), v); }
 RBDI_INLINE rbdi_mat rbdi_mul_mat(rbdi_mat A, rbdi_mat B) {
-    const rbdi_v3 x = rbdi_mul(A, rbdi_vec(B.xx, B.yx, B.zx)); /* the columns of A B */
-    const rbdi_v3 y = rbdi_mul(A, rbdi_vec(B.xy, B.yy, B.zy));
-    const rbdi_v3 z = rbdi_mul(A, rbdi_vec(B.xz, B.yz, B.zz));
-    return rbdi_mat_of(x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z);
+    rbdi_v3 x = rbdi_mul(A, rbdi_vec(B.xx, B.yx, B.zx)), y = rbdi_mul(A, rbdi_vec(B.xy, B.yy, B.zy)),
+            z = rbdi_mul(A, rbdi_vec(B.xz, B.yz, B.zz));
+    rbdi_mat C;
+
+    C.xx = x.x;
+    C.xy = y.x;
+    C.xz = z.x;
+    C.yx = x.y;
+    C.yy = y.y;
+    C.yz = z.y;
+    C.zx = x.z;
+    C.zy = y.z;
+    C.zz = z.z;
+    return C;
 }
 
 RBDI_INLINE rbdi_v3 rbdi_mul_sym(rbdi_sym A, rbdi_v3 v) {
@@ -2225,42 +2246,97 @@ RBDI_INLINE rbdi_v3 rbdi_turn_up_z(int flags, rbd_real c, rbd_real s, rbdi_v3 v)
    (x, y) takes four multiplications, the plain product twelve. */
 RBDI_INLINE rbdi_sym rbdi_sym_up_z(int flags, rbd_real c, rbd_real s, rbdi_sym A) {
     rbd_real t;
+    rbdi_sym B;
     if (flags & RBDI_TWIST_0) return A;
-    if (flags & RBDI_TWIST_90) return rbdi_sym_of(A.yy, -A.xy, -A.yz, A.xx, A.xz, A.zz);
+
+    B.zz = A.zz;
+    if (flags & RBDI_TWIST_90) {
+        B.xx = A.yy;
+        B.yy = A.xx;
+        B.xy = -A.xy;
+        B.xz = -A.yz;
+        B.yz = A.xz;
+        return B;
+    }
 
     /* t = s (A_yy - A_xx) - 2 c A_xy:  xx += s t,  yy -= s t,  xy = -c t - A_xy */
     t = s * (A.yy - A.xx) - (c + c) * A.xy;
-    return rbdi_sym_of(A.xx + s * t, -(c * t) - A.xy, c * A.xz - s * A.yz, A.yy - s * t, s * A.xz + c * A.yz,
-                       A.zz);
+    B.xx = A.xx + s * t;
+    B.yy = A.yy - s * t;
+    B.xy = -(c * t) - A.xy;
+    B.xz = c * A.xz - s * A.yz;
+    B.yz = s * A.xz + c * A.yz;
+    return B;
 }
 
-RBDI_INLINE rbdi_sym rbdi_sym_cycle(rbdi_sym A) { return rbdi_sym_of(A.yy, A.yz, A.xy, A.zz, A.xz, A.xx); }
+RBDI_INLINE rbdi_sym rbdi_sym_cycle(rbdi_sym A) {
+    rbdi_sym B;
+
+    B.xx = A.yy;
+    B.xy = A.yz;
+    B.xz = A.xy;
+    B.yy = A.zz;
+    B.yz = A.xz;
+    B.zz = A.xx;
+    return B;
+}
 
 /* The same of any matrix. */
 RBDI_INLINE rbdi_mat rbdi_mat_up_z(int flags, rbd_real c, rbd_real s, rbdi_mat A) {
     rbd_real t;
+    rbdi_mat B;
     if (flags & RBDI_TWIST_0) return A;
-    if (flags & RBDI_TWIST_90) return rbdi_mat_of(A.yy, -A.yx, -A.yz, -A.xy, A.xx, A.xz, -A.zy, A.zx, A.zz);
+
+    B.zz = A.zz;
+    if (flags & RBDI_TWIST_90) {
+        B.xx = A.yy;
+        B.yy = A.xx;
+        B.xy = -A.yx;
+        B.yx = -A.xy;
+        B.xz = -A.yz;
+        B.yz = A.xz;
+        B.zx = -A.zy;
+        B.zy = A.zx;
+        return B;
+    }
 
     /* t = s (A_yy - A_xx) - c (A_xy + A_yx):  xx += s t,  yy -= s t,  xy = -c t - A_yx,  yx = -c t - A_xy */
     t = s * (A.yy - A.xx) - c * (A.xy + A.yx);
-    return rbdi_mat_of(A.xx + s * t, -(c * t) - A.yx, c * A.xz - s * A.yz, /* row x */
-                       -(c * t) - A.xy, A.yy - s * t, s * A.xz + c * A.yz, /* row y */
-                       c * A.zx - s * A.zy, s * A.zx + c * A.zy, A.zz);
+    B.xx = A.xx + s * t;
+    B.yy = A.yy - s * t;
+    B.xy = -(c * t) - A.yx;
+    B.yx = -(c * t) - A.xy;
+    B.xz = c * A.xz - s * A.yz;
+    B.yz = s * A.xz + c * A.yz;
+    B.zx = c * A.zx - s * A.zy;
+    B.zy = s * A.zx + c * A.zy;
+    return B;
 }
 
 RBDI_INLINE rbdi_mat rbdi_mat_cycle(rbdi_mat A) {
-    return rbdi_mat_of(A.yy, A.yz, A.yx, A.zy, A.zz, A.zx, A.xy, A.xz, A.xx);
+    rbdi_mat B;
+
+    B.xx = A.yy;
+    B.xy = A.yz;
+    B.xz = A.yx;
+    B.yx = A.zy;
+    B.yy = A.zz;
+    B.yz = A.zx;
+    B.zx = A.xy;
+    B.zy = A.xz;
+    B.zz = A.xx;
+    return B;
 }
 
 /* ==== src/algebra/spatial.h ==== */
 RBDI_INLINE rbdi_sym rbdi_sym_add(rbdi_sym A, rbdi_sym B) {
-    return rbdi_sym_of(A.xx + B.xx, A.xy + B.xy, A.xz + B.xz, A.yy + B.yy, A.yz + B.yz, A.zz + B.zz);
-}
-
-RBDI_INLINE rbdi_mat rbdi_mat_add(rbdi_mat A, rbdi_mat B) {
-    return rbdi_mat_of(A.xx + B.xx, A.xy + B.xy, A.xz + B.xz, A.yx + B.yx, A.yy + B.yy, A.yz + B.yz,
-                       A.zx + B.zx, A.zy + B.zy, A.zz + B.zz);
+    A.xx = A.xx + B.xx;
+    A.xy = A.xy + B.xy;
+    A.xz = A.xz + B.xz;
+    A.yy = A.yy + B.yy;
+    A.yz = A.yz + B.yz;
+    A.zz = A.zz + B.zz;
+    return A;
 }
 
 /* E' A E: to the parent's axes, for E from these to the child's. */
@@ -2269,22 +2345,53 @@ RBDI_INLINE rbdi_mat rbdi_mat_up(rbdi_mat E, rbdi_mat A) {
 }
 
 RBDI_INLINE rbdi_sym rbdi_sym_up(rbdi_mat E, rbdi_sym A) {
-    const rbdi_mat B = rbdi_mat_up(E, rbdi_mat_of(A.xx, A.xy, A.xz, A.xy, A.yy, A.yz, A.xz, A.yz, A.zz));
-    return rbdi_sym_of(B.xx, B.xy, B.xz, B.yy, B.yz, B.zz);
+    rbdi_mat full;
+    rbdi_sym B;
+
+    full.xx = A.xx;
+    full.xy = A.xy;
+    full.xz = A.xz;
+    full.yx = A.xy;
+    full.yy = A.yy;
+    full.yz = A.yz;
+    full.zx = A.xz;
+    full.zy = A.yz;
+    full.zz = A.zz;
+    full = rbdi_mat_up(E, full);
+    B.xx = full.xx;
+    B.xy = full.xy;
+    B.xz = full.xz;
+    B.yy = full.yy;
+    B.yz = full.yz;
+    B.zz = full.zz;
+    return B;
 }
 
 /* [omega]x [omega]x = omega omega' - omega'omega 1. */
 RBDI_INLINE rbdi_mat rbdi_omega_steady(rbdi_v3 omega) {
-    const rbd_real xx = omega.x * omega.x, yy = omega.y * omega.y, zz = omega.z * omega.z;
-    const rbd_real xy = omega.x * omega.y, xz = omega.x * omega.z, yz = omega.y * omega.z;
-    return rbdi_mat_of(-(yy + zz), xy, xz, xy, -(xx + zz), yz, xz, yz, -(xx + yy));
+    rbd_real xx = omega.x * omega.x, yy = omega.y * omega.y, zz = omega.z * omega.z;
+    rbdi_mat O;
+
+    O.xx = -(yy + zz);
+    O.yy = -(xx + zz);
+    O.zz = -(xx + yy);
+    O.xy = O.yx = omega.x * omega.y;
+    O.xz = O.zx = omega.x * omega.z;
+    O.yz = O.zy = omega.y * omega.z;
+    return O;
 }
 
 /* Omega = [omega_dot]x + [omega]x [omega]x: a point x of the body has the acceleration acc + Omega x. */
 RBDI_INLINE rbdi_mat rbdi_omega(rbdi_v3 omega, rbdi_v3 omega_dot) {
-    const rbdi_mat O = rbdi_omega_steady(omega);
-    return rbdi_mat_of(O.xx, O.xy - omega_dot.z, O.xz + omega_dot.y, O.yx + omega_dot.z, O.yy,
-                       O.yz - omega_dot.x, O.zx - omega_dot.y, O.zy + omega_dot.x, O.zz);
+    rbdi_mat O = rbdi_omega_steady(omega);
+
+    O.xy = O.xy - omega_dot.z;
+    O.yx = O.yx + omega_dot.z;
+    O.xz = O.xz + omega_dot.y;
+    O.zx = O.zx - omega_dot.y;
+    O.yz = O.yz - omega_dot.x;
+    O.zy = O.zy + omega_dot.x;
+    return O;
 }
 
 RBDI_INLINE rbdi_force rbdi_force_add(rbdi_force A, rbdi_force B) {
@@ -2351,7 +2458,7 @@ RBDI_INLINE rbdi_rbi rbdi_rbi_add(rbdi_rbi A, rbdi_rbi B) {
 RBDI_INLINE rbdi_rbi rbdi_rbi_zero(void) {
     const rbd_real o = rbdi_zero();
     rbdi_rbi C;
-    C.Sigma = rbdi_sym_of(o, o, o, o, o, o);
+    C.Sigma.xx = C.Sigma.xy = C.Sigma.xz = C.Sigma.yy = C.Sigma.yz = C.Sigma.zz = o;
     C.h = rbdi_vec0();
     return C;
 }
@@ -2406,17 +2513,25 @@ RBDI_INLINE rbdi_abi rbdi_abi_cycle(rbdi_abi IA) {
 RBDI_INLINE rbdi_abi rbdi_abi_uncycle(rbdi_abi IA) { return rbdi_abi_cycle(rbdi_abi_cycle(IA)); }
 RBDI_INLINE rbdi_abi rbdi_abi_add(rbdi_abi A, rbdi_abi B) {
     A.I = rbdi_sym_add(A.I, B.I);
-    A.H = rbdi_mat_add(A.H, B.H);
     A.M = rbdi_sym_add(A.M, B.M);
+    A.H.xx = A.H.xx + B.H.xx;
+    A.H.xy = A.H.xy + B.H.xy;
+    A.H.xz = A.H.xz + B.H.xz;
+    A.H.yx = A.H.yx + B.H.yx;
+    A.H.yy = A.H.yy + B.H.yy;
+    A.H.yz = A.H.yz + B.H.yz;
+    A.H.zx = A.H.zx + B.H.zx;
+    A.H.zy = A.H.zy + B.H.zy;
+    A.H.zz = A.H.zz + B.H.zz;
     return A;
 }
 
 RBDI_INLINE rbdi_abi rbdi_abi_zero(void) {
     const rbd_real o = rbdi_zero();
     rbdi_abi IA;
-    IA.I = rbdi_sym_of(o, o, o, o, o, o);
-    IA.H = rbdi_mat_of(o, o, o, o, o, o, o, o, o);
-    IA.M = IA.I;
+    IA.I.xx = IA.I.xy = IA.I.xz = IA.I.yy = IA.I.yz = IA.I.zz = o;
+    IA.H.xx = IA.H.xy = IA.H.xz = IA.H.yx = IA.H.yy = IA.H.yz = IA.H.zx = IA.H.zy = IA.H.zz = o;
+    IA.M.xx = IA.M.xy = IA.M.xz = IA.M.yy = IA.M.yz = IA.M.zz = o;
     return IA;
 }
 
@@ -2428,15 +2543,23 @@ RBDI_INLINE rbdi_abi rbdi_abi_shift(rbdi_v3 r, rbdi_abi IA) {
 }
 
 /* IA of a composite body of mass m: I = tr(Sigma) 1 - Sigma, H = [h]x, M = m 1. */
-RBDI_INLINE rbdi_abi rbdi_abi_of_rbi(rbdi_rbi C, rbd_const mass) {
-    const rbd_real o = rbdi_zero(), m = rbdi_set(mass);
+RBDI_INLINE rbdi_abi rbdi_abi_of_rbi(rbdi_rbi C, rbd_const m) {
     const rbd_real trace = C.Sigma.xx + C.Sigma.yy + C.Sigma.zz;
-    rbdi_abi IA;
+    rbdi_abi IA = rbdi_abi_zero();
 
-    IA.I = rbdi_sym_of(trace - C.Sigma.xx, -C.Sigma.xy, -C.Sigma.xz, trace - C.Sigma.yy, -C.Sigma.yz,
-                       trace - C.Sigma.zz);
-    IA.H = rbdi_mat_of(o, -C.h.z, C.h.y, C.h.z, o, -C.h.x, -C.h.y, C.h.x, o);
-    IA.M = rbdi_sym_of(m, o, o, m, o, m);
+    IA.I.xx = trace - C.Sigma.xx;
+    IA.I.xy = -C.Sigma.xy;
+    IA.I.xz = -C.Sigma.xz;
+    IA.I.yy = trace - C.Sigma.yy;
+    IA.I.yz = -C.Sigma.yz;
+    IA.I.zz = trace - C.Sigma.zz;
+    IA.H.xy = -C.h.z;
+    IA.H.xz = C.h.y;
+    IA.H.yz = -C.h.x;
+    IA.H.yx = C.h.z;
+    IA.H.zx = -C.h.y;
+    IA.H.zy = C.h.x;
+    IA.M.xx = IA.M.yy = IA.M.zz = rbdi_set(m);
     return IA;
 }
 
@@ -2554,17 +2677,25 @@ RBDI_INLINE rbd_real rbdi_inverse_square(const rbd_real *q, int n, rbd_real *u, 
    identity. */
 RBDI_INLINE rbdi_mat rbdi_quaternion_down(const rbd_real *q) {
     rbdi_mask bad;
-    const rbd_real one = rbdi_set(RBD_C(1));
     rbd_real u[4], twice = rbdi_inverse_square(q, 4, u, &bad), x, y, z;
+    rbdi_mat E;
 
     /* E = 1 - 2 (v'v 1 - v v' + w [v]x) / q'q, for q = (v; w) */
     twice = twice + twice;
     x = twice * u[0];
     y = twice * u[1];
     z = twice * u[2];
-    return rbdi_mat_of(one - (y * u[1] + z * u[2]), x * u[1] + z * u[3], x * u[2] - y * u[3],
-                       x * u[1] - z * u[3], one - (x * u[0] + z * u[2]), y * u[2] + x * u[3],
-                       x * u[2] + y * u[3], y * u[2] - x * u[3], one - (x * u[0] + y * u[1]));
+
+    E.xx = rbdi_set(RBD_C(1)) - (y * u[1] + z * u[2]);
+    E.yy = rbdi_set(RBD_C(1)) - (x * u[0] + z * u[2]);
+    E.zz = rbdi_set(RBD_C(1)) - (x * u[0] + y * u[1]);
+    E.xy = x * u[1] + z * u[3];
+    E.yx = x * u[1] - z * u[3];
+    E.xz = x * u[2] - y * u[3];
+    E.zx = x * u[2] + y * u[3];
+    E.yz = y * u[2] + x * u[3];
+    E.zy = y * u[2] - x * u[3];
+    return E;
 }
 
 /* (cos, sin) scaled to unit length, (1, 0) if both vanish. */
@@ -3945,10 +4076,9 @@ RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_rea
     rbdi_rbi carried = rbdi_rbi_zero(), any = carried; /* an address of carried would keep it in memory */
 
     for (int i = 0; i < m->nbranch; ++i) w->branch[i].C = carried;
-    if (RBDI_FIXED_STRIDE && stride != RBDI_FIXED_STRIDE) {
-        for (int i = m->nl - 1; i >= 0; --i) rbdi_crba_link(&model, &work, i, stride, &any, H, M);
-        return;
-    }
+    for (int i = m->nl - 1; RBDI_FIXED_STRIDE && stride != RBDI_FIXED_STRIDE && i >= 0; --i)
+        rbdi_crba_link(&model, &work, i, stride, &any, H, M);
+    if (RBDI_FIXED_STRIDE && stride != RBDI_FIXED_STRIDE) return;
 
     for (int i = m->nl - 1; i >= 0; --i)
         if (RBDI_FOR_SPEED || full)
@@ -4141,22 +4271,20 @@ RBDI_INLINE void rbdi_aba_subtract(rbdi_force U, rbdi_force U_D, rbdi_abi *IA) {
 /* pA becomes pa = pA + Ia c + U u/D, but for its moment about z. u_D = u/D. c.omega.z is always 0. */
 RBDI_INLINE void rbdi_aba_add_bias(const rbdi_abi *Ia, const rbdi_motion *c, rbdi_force U, rbd_real u_D,
                                    rbdi_force *pA) {
-    const rbdi_v3 w = c->omega, v = c->v;
-    pA->n.x = pA->n.x + (Ia->I.xx * w.x + Ia->I.xy * w.y) + U.n.x * u_D;
-    pA->n.y = pA->n.y + (Ia->I.xy * w.x + Ia->I.yy * w.y) + U.n.y * u_D;
-    pA->n.x = pA->n.x + (Ia->H.xx * v.x + Ia->H.xy * v.y + Ia->H.xz * v.z);
-    pA->n.y = pA->n.y + (Ia->H.yx * v.x + Ia->H.yy * v.y + Ia->H.yz * v.z);
+    pA->n.x = pA->n.x + (Ia->I.xx * c->omega.x + Ia->I.xy * c->omega.y) + U.n.x * u_D;
+    pA->n.y = pA->n.y + (Ia->I.xy * c->omega.x + Ia->I.yy * c->omega.y) + U.n.y * u_D;
+    pA->n.x = pA->n.x + (Ia->H.xx * c->v.x + Ia->H.xy * c->v.y + Ia->H.xz * c->v.z);
+    pA->n.y = pA->n.y + (Ia->H.yx * c->v.x + Ia->H.yy * c->v.y + Ia->H.yz * c->v.z);
 
-    pA->f.x = pA->f.x + (Ia->H.xx * w.x + Ia->H.yx * w.y) + U.f.x * u_D;
-    pA->f.y = pA->f.y + (Ia->H.xy * w.x + Ia->H.yy * w.y) + U.f.y * u_D;
-    pA->f.z = pA->f.z + (Ia->H.xz * w.x + Ia->H.yz * w.y) + U.f.z * u_D;
-    pA->f = rbdi_add(pA->f, rbdi_mul_sym(Ia->M, v));
+    pA->f.x = pA->f.x + (Ia->H.xx * c->omega.x + Ia->H.yx * c->omega.y) + U.f.x * u_D;
+    pA->f.y = pA->f.y + (Ia->H.xy * c->omega.x + Ia->H.yy * c->omega.y) + U.f.y * u_D;
+    pA->f.z = pA->f.z + (Ia->H.xz * c->omega.x + Ia->H.yz * c->omega.y) + U.f.z * u_D;
+    pA->f = rbdi_add(pA->f, rbdi_mul_sym(Ia->M, c->v));
 }
 
 /* What the two leave out: row z of I and H, and the moment of pa about z. */
 RBDI_INLINE void rbdi_aba_row_z(const rbdi_motion *c, rbdi_force U, rbdi_force U_D, rbd_real u_D,
                                 rbdi_abi *IA, rbdi_force *pA) {
-    const rbdi_v3 w = c->omega, v = c->v;
     IA->I.xz = IA->I.xz - U.n.x * U_D.n.z;
     IA->I.yz = IA->I.yz - U.n.y * U_D.n.z;
     IA->I.zz = IA->I.zz - U.n.z * U_D.n.z;
@@ -4164,8 +4292,8 @@ RBDI_INLINE void rbdi_aba_row_z(const rbdi_motion *c, rbdi_force U, rbdi_force U
     IA->H.zy = IA->H.zy - U.n.z * U_D.f.y;
     IA->H.zz = IA->H.zz - U.n.z * U_D.f.z;
 
-    pA->n.z = pA->n.z + (IA->I.xz * w.x + IA->I.yz * w.y) + U.n.z * u_D;
-    pA->n.z = pA->n.z + (IA->H.zx * v.x + IA->H.zy * v.y + IA->H.zz * v.z);
+    pA->n.z = pA->n.z + (IA->I.xz * c->omega.x + IA->I.yz * c->omega.y) + U.n.z * u_D;
+    pA->n.z = pA->n.z + (IA->H.zx * c->v.x + IA->H.zy * c->v.y + IA->H.zz * c->v.z);
 }
 
 /* Pass 2, one-axis link: eliminates the joint's force. IA becomes Ia, pA becomes pa. */
@@ -4228,51 +4356,46 @@ RBDI_INLINE int rbdi_free_base(const rbdi_link *l, const rbdi_block *b) {
     return rbdi_on_world(l) && b->n == 6 && !(rbdi_flags(l) & RBDI_ARMATURE);
 }
 
-/* Eliminates axis k of a block: A becomes A - U U'/D, P becomes P + U u/D. A: lower triangle of IA; P: pA. */
-RBDI_INLINE void rbdi_aba_eliminate_axis(const rbd_model *m, rbd_work *w, const rbdi_link *l, int k,
-                                         rbd_real tau, rbd_real A[6][6], rbd_real P[6], rbdi_mask *doubt) {
-    const rbdi_block *b = rbdi_block_of(m, l);
-    const rbdi_dof *dof = &m->dof[l->iv + k];
-    const int s = b->first + k, end = rbdi_free_base(l, b) ? s : 6;
-    rbdi_block_work *bw = &w->block[l->block];
-    rbd_real *U_D = bw->U_D[k], D = A[s][s] + dof->armature;
-    const rbd_real inverse = rbdi_pivot_inverse(D, dof->scale, doubt);
-
-    w->pivot[l->iv + k] = D;
-    bw->u_D[k] = (tau - P[s]) * inverse;
-    for (int i = 0; i < end; ++i) {
-        const rbd_real U = i < s ? A[s][i] : A[i][s];
-        U_D[i] = U * inverse;
-        for (int j = 0; j <= i; ++j) A[i][j] = A[i][j] - U * U_D[j];
-        P[i] = P[i] + U * bw->u_D[k];
-    }
-}
-
 /* Pass 2, block link: eliminates its axes one by one, the last first, so that the pivots are those of M =
    L'DL. Only the lower triangle is kept; for a free base, which has no parent, only the part for the axes
    before. */
-RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i, const rbd_real *tau, rbdi_abi *IA,
-                                 rbdi_force *pA, rbdi_mask *doubt) {
-    const rbdi_link *l = &m->link[i];
-    const rbdi_motion c = w->scratch[i].c;
-    const rbdi_pose *X = &w->block[l->block].X;
+RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, const rbd_real *tau,
+                                 rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
+    const rbdi_link *l = &m->link[i_link];
+    const rbdi_block *b = rbdi_block_of(m, l);
+    const rbdi_motion c = w->scratch[i_link].c;
+    rbdi_block_work *bw = &w->block[l->block];
     rbd_real A[6][6], P[6];
     rbdi_abi Ia;
     rbdi_force pa;
 
+    /* axis by axis, s: A = IA - U U'/D,  P = pA + U u/D */
     rbdi_abi_to_array(rbdi_abi_add_link(l, RBDI_MASS_KEPT, *IA), A);
     rbdi_store_force(P, 1, *pA);
-    for (int k = rbdi_link_dofs(m, l) - 1; k >= 0; --k)
-        rbdi_aba_eliminate_axis(m, w, l, k, tau[l->iv + k], A, P, doubt);
+    for (int k = b->n - 1; k >= 0; --k) {
+        const rbdi_dof *dof = &m->dof[l->iv + k];
+        const int s = b->first + k, end = rbdi_free_base(l, b) ? s : 6;
+        rbd_real *U_D = bw->U_D[k], D = A[s][s] + dof->armature;
+        const rbd_real inverse = rbdi_pivot_inverse(D, dof->scale, doubt);
+
+        w->pivot[l->iv + k] = D;
+        bw->u_D[k] = (tau[l->iv + k] - P[s]) * inverse;
+        for (int i = 0; i < end; ++i) {
+            const rbd_real U = i < s ? A[s][i] : A[i][s];
+            U_D[i] = U * inverse;
+            for (int j = 0; j <= i; ++j) A[i][j] = A[i][j] - U * U_D[j];
+            P[i] = P[i] + U * bw->u_D[k];
+        }
+    }
     if (rbdi_on_world(l)) return;
 
-    /* pa += Ia c,  then Ia and pa to the parent */
+    /* pa = P + Ia c,  then Ia and pa to the parent */
     Ia = rbdi_abi_from_array(A);
     pa = rbdi_load_force(P, 1);
     pa.n = rbdi_add(pa.n, rbdi_add(rbdi_mul_sym(Ia.I, c.omega), rbdi_mul(Ia.H, c.v)));
     pa.f = rbdi_add(pa.f, rbdi_add(rbdi_mul_t(Ia.H, c.omega), rbdi_mul_sym(Ia.M, c.v)));
-    *IA = rbdi_abi_up_block(X, Ia);
-    *pA = rbdi_force_up_block(X, pa);
+    *IA = rbdi_abi_up_block(&bw->X, Ia);
+    *pA = rbdi_force_up_block(&bw->X, pa);
 }
 
 /* ==== src/dynamics/aba.h ==== */
@@ -4570,7 +4693,7 @@ RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbdi_v3 world, rb
 }
 
 /* ==== src/dynamics/row_sums.h ==== */
-/* Interface: rbdi_multiply, rbdi_subtract, rbdi_subtract_product */
+/* Interface: rbdi_multiply, rbdi_subtract, rbdi_subtract_product, RBDI_ROW */
 
 /* ---- packed matrix of a tree [packed matrix] ----
    M is symmetric, and entry (i, j) is zero unless one dof is on the path of the other to the root. Row k is
@@ -4580,7 +4703,7 @@ RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbdi_v3 world, rb
 
      rbdi_factor            M = L'DL, in place; the pivots D go to w->pivot
      rbdi_solve             x = M^-1 x
-     rbdi_solve_columns     X = M^-1 X or -M^-1 X, n columns of one matrix or of two
+     rbdi_solve_columns     X = M^-1 X or -M^-1 X, n columns
      rbdi_invert            Z = M^-1, full
      rbdi_subtract_product  y -= X' x
      rbdi_subtract          y -= factor x
@@ -4766,7 +4889,7 @@ RBDI_PART void rbdi_subtract_product(const rbd_real *x, const rbd_real *X, int c
 }
 
 /* ==== src/dynamics/packed.h ==== */
-/* Interface: rbdi_factor, rbdi_invert, rbdi_solve, rbdi_solve_columns, rbdi_solve_forward,
+/* Interface: rbdi_factor, rbdi_invert, rbdi_solve, rbdi_solve_columns, rbdi_solve_forward, rbdi_solve_half,
    rbdi_solve_transposed, rbdi_vector_forward, rbdi_vector_transposed */
 
 /* -- the factor, and what it solves -- */
@@ -4929,62 +5052,46 @@ RBDI_INLINE void rbdi_columns_half(const rbd_model *m, rbd_work *w, const rbd_re
         rbdi_columns_forward(m, w, L, sign, stride, matrices, batches, n, X, Y);
 }
 
-/* The same of any number of columns of one matrix or, unless Y is NULL, of at most half of RBDI_ROW batches
-   of columns of two. */
+/* The same of any number of columns of one matrix, or of at most half of RBDI_ROW batches of columns of two. */
 RBDI_INLINE void rbdi_solve_half(const rbd_model *m, rbd_work *w, const rbd_real *L, int transposed, int sign,
-                                 ptrdiff_t stride, int n, rbd_real *X, rbd_real *Y) {
+                                 ptrdiff_t stride, int matrices, int n, rbd_real *X, rbd_real *Y) {
     while (n > 0) {
         const int columns = n < RBDI_ROW * RBDI_BATCH ? n : RBDI_ROW * RBDI_BATCH;
-        const int count = (columns + RBDI_BATCH - 1) / RBDI_BATCH;
-        if (Y)
-            RBDI_BY_NUMBER(const int batches, RBDI_ROW / 2, count,
-                           rbdi_columns_half(m, w, L, transposed, sign, stride, 2, batches, columns, X, Y))
-        else if (columns >= RBDI_BATCH)
-            RBDI_BY_NUMBER(const int batches, RBDI_ROW, count,
-                           rbdi_columns_half(m, w, L, transposed, sign, stride, 1, batches, columns, X, X))
+
+        if (matrices > 1 || columns >= RBDI_BATCH)
+            RBDI_BY_NUMBER(
+                const int batches, RBDI_ROW / matrices, (columns + RBDI_BATCH - 1) / RBDI_BATCH,
+                rbdi_columns_half(m, w, L, transposed, sign, stride, matrices, batches, columns, X, Y))
         else
             RBDI_BY_NUMBER(const int scalars, RBDI_BATCH - 1, columns,
                            rbdi_columns_half(m, w, L, transposed, sign, stride, 1, 0, scalars, X, X))
         n -= columns;
         X += columns;
+        Y += columns;
     }
 }
 
 /* X = L'^-1 X: n columns, with rows a stride apart. */
 RBDI_PART void rbdi_solve_transposed(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride,
                                      int n, rbd_real *X) {
-    rbdi_solve_half(m, w, L, 1, 1, stride, n, X, NULL);
+    rbdi_solve_half(m, w, L, 1, 1, stride, 1, n, X, X);
 }
 
 /* X = sign L^-1 D^-1 X. */
 RBDI_PART void rbdi_solve_forward(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign,
                                   ptrdiff_t stride, int n, rbd_real *X) {
-    rbdi_solve_half(m, w, L, 0, sign, stride, n, X, NULL);
+    rbdi_solve_half(m, w, L, 0, sign, stride, 1, n, X, X);
 }
 
-/* Both of two matrices with at most half of RBDI_ROW batches of columns. */
-RBDI_PART void rbdi_solve_two(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign, ptrdiff_t stride,
-                              int n, rbd_real *X, rbd_real *Y) {
-    rbdi_solve_half(m, w, L, 1, 1, stride, n, X, Y);
-    rbdi_solve_half(m, w, L, 0, sign, stride, n, X, Y);
-}
-
-/* X = sign M^-1 X, and Y likewise unless it is NULL: n columns, with rows a stride apart. */
+/* X = sign M^-1 X: n columns, with rows a stride apart. */
 RBDI_PART void rbdi_solve_columns(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign,
-                                  ptrdiff_t stride, int n, rbd_real *X, rbd_real *Y) {
+                                  ptrdiff_t stride, int n, rbd_real *X) {
 #ifdef RBDI_ROWS
-    if (RBDI_ROWS(solve)(m, L, sign, stride, n, X, Y)) return;
+    if (RBDI_ROWS(solve)(m, L, sign, stride, n, X, NULL)) return;
 #endif
-
-    if (Y && n >= RBDI_BATCH && 2 * n <= RBDI_ROW * RBDI_BATCH) {
-        rbdi_solve_two(m, w, L, sign, stride, n, X, Y);
-        return;
-    }
 
     rbdi_solve_transposed(m, w, L, stride, n, X);
     rbdi_solve_forward(m, w, L, sign, stride, n, X);
-    if (Y) rbdi_solve_transposed(m, w, L, stride, n, Y);
-    if (Y) rbdi_solve_forward(m, w, L, sign, stride, n, Y);
 }
 
 /* Copies k entries of a row into a column of a matrix with n columns. */
@@ -5525,7 +5632,7 @@ RBDI_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, con
     if (status) return status;
     if (n <= 0) return RBD_OK;
     for (ptrdiff_t k = 0; X != B && k < (ptrdiff_t)m->nv * n; ++k) X[k] = B[k];
-    rbdi_solve_columns(m, w, L, 1, n, n, X, NULL);
+    rbdi_solve_columns(m, w, L, 1, n, n, X);
     return RBD_OK;
 }
 

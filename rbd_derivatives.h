@@ -242,6 +242,8 @@ RBDI_EXTERN_C_END
 #undef J
 #pragma push_macro("K")
 #undef K
+#pragma push_macro("L")
+#undef L
 #pragma push_macro("M")
 #undef M
 #pragma push_macro("O")
@@ -1843,6 +1845,24 @@ RBDI_API rbd_status rbd_id_free_base(const rbd_model *m, rbd_derivatives *d, con
 }
 #endif
 
+/* ==== src/derivatives/solve_two.h ==== */
+/* X = sign M^-1 X and Y = sign M^-1 Y: n columns each, with rows a stride apart. Both in one pass, as long as
+   their rows fit into registers: each entry of L is loaded once, and the two do not wait for each other. */
+RBDI_PART void rbdi_solve_two(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign, ptrdiff_t stride,
+                              int n, rbd_real *X, rbd_real *Y) {
+#ifdef RBDI_ROWS
+    if (RBDI_ROWS(solve)(m, L, sign, stride, n, X, Y)) return;
+#endif
+
+    if (n < RBDI_BATCH || 2 * n > RBDI_ROW * RBDI_BATCH) {
+        rbdi_solve_columns(m, w, L, sign, stride, n, X);
+        rbdi_solve_columns(m, w, L, sign, stride, n, Y);
+        return;
+    }
+    rbdi_solve_half(m, w, L, 1, 1, stride, 2, n, X, Y);
+    rbdi_solve_half(m, w, L, 0, sign, stride, 2, n, X, Y);
+}
+
 /* ==== src/derivatives/dynamics.h ==== */
 /* ---- derivatives of inverse dynamics [inverse dynamics code] ---- */
 
@@ -2018,9 +2038,8 @@ RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, c
     if (d->base) unsolved = !da_dv ? 6 : da_dq ? 4 : 3;
     if (da_dq) sides[count++] = da_dq + unsolved;
     if (da_dv) sides[count++] = da_dv + unsolved;
-    if (count > 0)
-        rbdi_solve_columns(m, d->work, d->work->H, -1, nv, nv - unsolved, sides[0],
-                           count > 1 ? sides[1] : NULL);
+    if (count == 1) rbdi_solve_columns(m, d->work, d->work->H, -1, nv, nv - unsolved, sides[0]);
+    if (count == 2) rbdi_solve_two(m, d->work, d->work->H, -1, nv, nv - unsolved, sides[0], sides[1]);
     if (d->base) rbdi_from_base(m, d, v, da_dq, da_dv);
     for (int k = 0; a && k < nv; ++k) a[k] = d->a[k];
     if (status && a) (void)rbdi_pivot_status(m, d->work, a, nv);
@@ -2537,6 +2556,7 @@ RBDI_CODE_END
 #pragma pop_macro("I")
 #pragma pop_macro("J")
 #pragma pop_macro("K")
+#pragma pop_macro("L")
 #pragma pop_macro("M")
 #pragma pop_macro("O")
 #pragma pop_macro("P")

@@ -68,6 +68,7 @@ RBDI_EXTERN_C_END
 #include "derivatives/momentum.h"
 #include "derivatives/jacobians.h"
 #include "derivatives/free_base.h"
+#include "derivatives/solve_two.h"
 #include "derivatives/dynamics.h"
 #include "derivatives/regressors.h"
 #include "derivatives/steps.h"

@@ -39,17 +39,25 @@ RBDI_INLINE rbd_real rbdi_inverse_square(const rbd_real *q, int n, rbd_real *u, 
    identity. */
 RBDI_INLINE rbdi_mat rbdi_quaternion_down(const rbd_real *q) {
     rbdi_mask bad;
-    const rbd_real one = rbdi_set(RBD_C(1));
     rbd_real u[4], twice = rbdi_inverse_square(q, 4, u, &bad), x, y, z;
+    rbdi_mat E;
 
     /* E = 1 - 2 (v'v 1 - v v' + w [v]x) / q'q, for q = (v; w) */
     twice = twice + twice;
     x = twice * u[0];
     y = twice * u[1];
     z = twice * u[2];
-    return rbdi_mat_of(one - (y * u[1] + z * u[2]), x * u[1] + z * u[3], x * u[2] - y * u[3],
-                       x * u[1] - z * u[3], one - (x * u[0] + z * u[2]), y * u[2] + x * u[3],
-                       x * u[2] + y * u[3], y * u[2] - x * u[3], one - (x * u[0] + y * u[1]));
+
+    E.xx = rbdi_set(RBD_C(1)) - (y * u[1] + z * u[2]);
+    E.yy = rbdi_set(RBD_C(1)) - (x * u[0] + z * u[2]);
+    E.zz = rbdi_set(RBD_C(1)) - (x * u[0] + y * u[1]);
+    E.xy = x * u[1] + z * u[3];
+    E.yx = x * u[1] - z * u[3];
+    E.xz = x * u[2] - y * u[3];
+    E.zx = x * u[2] + y * u[3];
+    E.yz = y * u[2] + x * u[3];
+    E.zy = y * u[2] - x * u[3];
+    return E;
 }
 
 /* (cos, sin) scaled to unit length, (1, 0) if both vanish. */

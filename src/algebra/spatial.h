@@ -3,12 +3,13 @@
 #include "algebra/vectors.h"
 
 RBDI_INLINE rbdi_sym rbdi_sym_add(rbdi_sym A, rbdi_sym B) {
-    return rbdi_sym_of(A.xx + B.xx, A.xy + B.xy, A.xz + B.xz, A.yy + B.yy, A.yz + B.yz, A.zz + B.zz);
-}
-
-RBDI_INLINE rbdi_mat rbdi_mat_add(rbdi_mat A, rbdi_mat B) {
-    return rbdi_mat_of(A.xx + B.xx, A.xy + B.xy, A.xz + B.xz, A.yx + B.yx, A.yy + B.yy, A.yz + B.yz,
-                       A.zx + B.zx, A.zy + B.zy, A.zz + B.zz);
+    A.xx = A.xx + B.xx;
+    A.xy = A.xy + B.xy;
+    A.xz = A.xz + B.xz;
+    A.yy = A.yy + B.yy;
+    A.yz = A.yz + B.yz;
+    A.zz = A.zz + B.zz;
+    return A;
 }
 
 /* E' A E: to the parent's axes, for E from these to the child's. */
@@ -17,22 +18,53 @@ RBDI_INLINE rbdi_mat rbdi_mat_up(rbdi_mat E, rbdi_mat A) {
 }
 
 RBDI_INLINE rbdi_sym rbdi_sym_up(rbdi_mat E, rbdi_sym A) {
-    const rbdi_mat B = rbdi_mat_up(E, rbdi_mat_of(A.xx, A.xy, A.xz, A.xy, A.yy, A.yz, A.xz, A.yz, A.zz));
-    return rbdi_sym_of(B.xx, B.xy, B.xz, B.yy, B.yz, B.zz);
+    rbdi_mat full;
+    rbdi_sym B;
+
+    full.xx = A.xx;
+    full.xy = A.xy;
+    full.xz = A.xz;
+    full.yx = A.xy;
+    full.yy = A.yy;
+    full.yz = A.yz;
+    full.zx = A.xz;
+    full.zy = A.yz;
+    full.zz = A.zz;
+    full = rbdi_mat_up(E, full);
+    B.xx = full.xx;
+    B.xy = full.xy;
+    B.xz = full.xz;
+    B.yy = full.yy;
+    B.yz = full.yz;
+    B.zz = full.zz;
+    return B;
 }
 
 /* [omega]x [omega]x = omega omega' - omega'omega 1. */
 RBDI_INLINE rbdi_mat rbdi_omega_steady(rbdi_v3 omega) {
-    const rbd_real xx = omega.x * omega.x, yy = omega.y * omega.y, zz = omega.z * omega.z;
-    const rbd_real xy = omega.x * omega.y, xz = omega.x * omega.z, yz = omega.y * omega.z;
-    return rbdi_mat_of(-(yy + zz), xy, xz, xy, -(xx + zz), yz, xz, yz, -(xx + yy));
+    rbd_real xx = omega.x * omega.x, yy = omega.y * omega.y, zz = omega.z * omega.z;
+    rbdi_mat O;
+
+    O.xx = -(yy + zz);
+    O.yy = -(xx + zz);
+    O.zz = -(xx + yy);
+    O.xy = O.yx = omega.x * omega.y;
+    O.xz = O.zx = omega.x * omega.z;
+    O.yz = O.zy = omega.y * omega.z;
+    return O;
 }
 
 /* Omega = [omega_dot]x + [omega]x [omega]x: a point x of the body has the acceleration acc + Omega x. */
 RBDI_INLINE rbdi_mat rbdi_omega(rbdi_v3 omega, rbdi_v3 omega_dot) {
-    const rbdi_mat O = rbdi_omega_steady(omega);
-    return rbdi_mat_of(O.xx, O.xy - omega_dot.z, O.xz + omega_dot.y, O.yx + omega_dot.z, O.yy,
-                       O.yz - omega_dot.x, O.zx - omega_dot.y, O.zy + omega_dot.x, O.zz);
+    rbdi_mat O = rbdi_omega_steady(omega);
+
+    O.xy = O.xy - omega_dot.z;
+    O.yx = O.yx + omega_dot.z;
+    O.xz = O.xz + omega_dot.y;
+    O.zx = O.zx - omega_dot.y;
+    O.yz = O.yz - omega_dot.x;
+    O.zy = O.zy + omega_dot.x;
+    return O;
 }
 
 RBDI_INLINE rbdi_force rbdi_force_add(rbdi_force A, rbdi_force B) {
@@ -99,7 +131,7 @@ RBDI_INLINE rbdi_rbi rbdi_rbi_add(rbdi_rbi A, rbdi_rbi B) {
 RBDI_INLINE rbdi_rbi rbdi_rbi_zero(void) {
     const rbd_real o = rbdi_zero();
     rbdi_rbi C;
-    C.Sigma = rbdi_sym_of(o, o, o, o, o, o);
+    C.Sigma.xx = C.Sigma.xy = C.Sigma.xz = C.Sigma.yy = C.Sigma.yz = C.Sigma.zz = o;
     C.h = rbdi_vec0();
     return C;
 }
@@ -154,17 +186,25 @@ RBDI_INLINE rbdi_abi rbdi_abi_cycle(rbdi_abi IA) {
 RBDI_INLINE rbdi_abi rbdi_abi_uncycle(rbdi_abi IA) { return rbdi_abi_cycle(rbdi_abi_cycle(IA)); }
 RBDI_INLINE rbdi_abi rbdi_abi_add(rbdi_abi A, rbdi_abi B) {
     A.I = rbdi_sym_add(A.I, B.I);
-    A.H = rbdi_mat_add(A.H, B.H);
     A.M = rbdi_sym_add(A.M, B.M);
+    A.H.xx = A.H.xx + B.H.xx;
+    A.H.xy = A.H.xy + B.H.xy;
+    A.H.xz = A.H.xz + B.H.xz;
+    A.H.yx = A.H.yx + B.H.yx;
+    A.H.yy = A.H.yy + B.H.yy;
+    A.H.yz = A.H.yz + B.H.yz;
+    A.H.zx = A.H.zx + B.H.zx;
+    A.H.zy = A.H.zy + B.H.zy;
+    A.H.zz = A.H.zz + B.H.zz;
     return A;
 }
 
 RBDI_INLINE rbdi_abi rbdi_abi_zero(void) {
     const rbd_real o = rbdi_zero();
     rbdi_abi IA;
-    IA.I = rbdi_sym_of(o, o, o, o, o, o);
-    IA.H = rbdi_mat_of(o, o, o, o, o, o, o, o, o);
-    IA.M = IA.I;
+    IA.I.xx = IA.I.xy = IA.I.xz = IA.I.yy = IA.I.yz = IA.I.zz = o;
+    IA.H.xx = IA.H.xy = IA.H.xz = IA.H.yx = IA.H.yy = IA.H.yz = IA.H.zx = IA.H.zy = IA.H.zz = o;
+    IA.M.xx = IA.M.xy = IA.M.xz = IA.M.yy = IA.M.yz = IA.M.zz = o;
     return IA;
 }
 
@@ -176,15 +216,23 @@ RBDI_INLINE rbdi_abi rbdi_abi_shift(rbdi_v3 r, rbdi_abi IA) {
 }
 
 /* IA of a composite body of mass m: I = tr(Sigma) 1 - Sigma, H = [h]x, M = m 1. */
-RBDI_INLINE rbdi_abi rbdi_abi_of_rbi(rbdi_rbi C, rbd_const mass) {
-    const rbd_real o = rbdi_zero(), m = rbdi_set(mass);
+RBDI_INLINE rbdi_abi rbdi_abi_of_rbi(rbdi_rbi C, rbd_const m) {
     const rbd_real trace = C.Sigma.xx + C.Sigma.yy + C.Sigma.zz;
-    rbdi_abi IA;
+    rbdi_abi IA = rbdi_abi_zero();
 
-    IA.I = rbdi_sym_of(trace - C.Sigma.xx, -C.Sigma.xy, -C.Sigma.xz, trace - C.Sigma.yy, -C.Sigma.yz,
-                       trace - C.Sigma.zz);
-    IA.H = rbdi_mat_of(o, -C.h.z, C.h.y, C.h.z, o, -C.h.x, -C.h.y, C.h.x, o);
-    IA.M = rbdi_sym_of(m, o, o, m, o, m);
+    IA.I.xx = trace - C.Sigma.xx;
+    IA.I.xy = -C.Sigma.xy;
+    IA.I.xz = -C.Sigma.xz;
+    IA.I.yy = trace - C.Sigma.yy;
+    IA.I.yz = -C.Sigma.yz;
+    IA.I.zz = trace - C.Sigma.zz;
+    IA.H.xy = -C.h.z;
+    IA.H.xz = C.h.y;
+    IA.H.yz = -C.h.x;
+    IA.H.yx = C.h.z;
+    IA.H.zx = -C.h.y;
+    IA.H.zy = C.h.x;
+    IA.M.xx = IA.M.yy = IA.M.zz = rbdi_set(m);
     return IA;
 }
 

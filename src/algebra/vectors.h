@@ -38,27 +38,38 @@ RBDI_INLINE rbdi_v3 rbdi_cross(rbdi_v3 a, rbdi_v3 b) {
 RBDI_INLINE rbdi_v3 rbdi_cycle(rbdi_v3 v) { return rbdi_vec(v.y, v.z, v.x); }
 RBDI_INLINE rbdi_v3 rbdi_uncycle(rbdi_v3 v) { return rbdi_vec(v.z, v.x, v.y); }
 
-/* Matrices by rows: all nine entries, or the upper triangle of a symmetric one. */
+/* A matrix by rows. */
 RBDI_INLINE rbdi_mat rbdi_mat_of(rbd_real xx, rbd_real xy, rbd_real xz, rbd_real yx, rbd_real yy, rbd_real yz,
                                  rbd_real zx, rbd_real zy, rbd_real zz) {
     const rbdi_mat A = {xx, xy, xz, yx, yy, yz, zx, zy, zz};
     return A;
 }
 
-RBDI_INLINE rbdi_sym rbdi_sym_of(rbd_real xx, rbd_real xy, rbd_real xz, rbd_real yy, rbd_real yz,
-                                 rbd_real zz) {
-    const rbdi_sym A = {xx, xy, xz, yy, yz, zz};
-    return A;
-}
-
 RBDI_INLINE rbdi_mat rbdi_mat_c(const rbd_const A[9]) {
-    return rbdi_mat_of(rbdi_set(A[0]), rbdi_set(A[1]), rbdi_set(A[2]), rbdi_set(A[3]), rbdi_set(A[4]),
-                       rbdi_set(A[5]), rbdi_set(A[6]), rbdi_set(A[7]), rbdi_set(A[8]));
+    rbdi_mat B;
+
+    B.xx = rbdi_set(A[0]);
+    B.xy = rbdi_set(A[1]);
+    B.xz = rbdi_set(A[2]);
+    B.yx = rbdi_set(A[3]);
+    B.yy = rbdi_set(A[4]);
+    B.yz = rbdi_set(A[5]);
+    B.zx = rbdi_set(A[6]);
+    B.zy = rbdi_set(A[7]);
+    B.zz = rbdi_set(A[8]);
+    return B;
 }
 
 RBDI_INLINE rbdi_sym rbdi_sym_c(rbdi_csym A) {
-    return rbdi_sym_of(rbdi_set(A.xx), rbdi_set(A.xy), rbdi_set(A.xz), rbdi_set(A.yy), rbdi_set(A.yz),
-                       rbdi_set(A.zz));
+    rbdi_sym B;
+
+    B.xx = rbdi_set(A.xx);
+    B.xy = rbdi_set(A.xy);
+    B.xz = rbdi_set(A.xz);
+    B.yy = rbdi_set(A.yy);
+    B.yz = rbdi_set(A.yz);
+    B.zz = rbdi_set(A.zz);
+    return B;
 }
 
 /* A v, A' v, A B, and A v of a symmetric matrix. */
@@ -73,10 +84,20 @@ RBDI_INLINE rbdi_mat rbdi_transpose(rbdi_mat A) {
 
 RBDI_INLINE rbdi_v3 rbdi_mul_t(rbdi_mat A, rbdi_v3 v) { return rbdi_mul(rbdi_transpose(A), v); }
 RBDI_INLINE rbdi_mat rbdi_mul_mat(rbdi_mat A, rbdi_mat B) {
-    const rbdi_v3 x = rbdi_mul(A, rbdi_vec(B.xx, B.yx, B.zx)); /* the columns of A B */
-    const rbdi_v3 y = rbdi_mul(A, rbdi_vec(B.xy, B.yy, B.zy));
-    const rbdi_v3 z = rbdi_mul(A, rbdi_vec(B.xz, B.yz, B.zz));
-    return rbdi_mat_of(x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z);
+    rbdi_v3 x = rbdi_mul(A, rbdi_vec(B.xx, B.yx, B.zx)), y = rbdi_mul(A, rbdi_vec(B.xy, B.yy, B.zy)),
+            z = rbdi_mul(A, rbdi_vec(B.xz, B.yz, B.zz));
+    rbdi_mat C;
+
+    C.xx = x.x;
+    C.xy = y.x;
+    C.xz = z.x;
+    C.yx = x.y;
+    C.yy = y.y;
+    C.yz = z.y;
+    C.zx = x.z;
+    C.zy = y.z;
+    C.zz = z.z;
+    return C;
 }
 
 RBDI_INLINE rbdi_v3 rbdi_mul_sym(rbdi_sym A, rbdi_v3 v) {
@@ -103,32 +124,86 @@ RBDI_INLINE rbdi_v3 rbdi_turn_up_z(int flags, rbd_real c, rbd_real s, rbdi_v3 v)
    (x, y) takes four multiplications, the plain product twelve. */
 RBDI_INLINE rbdi_sym rbdi_sym_up_z(int flags, rbd_real c, rbd_real s, rbdi_sym A) {
     rbd_real t;
+    rbdi_sym B;
     if (flags & RBDI_TWIST_0) return A;
-    if (flags & RBDI_TWIST_90) return rbdi_sym_of(A.yy, -A.xy, -A.yz, A.xx, A.xz, A.zz);
+
+    B.zz = A.zz;
+    if (flags & RBDI_TWIST_90) {
+        B.xx = A.yy;
+        B.yy = A.xx;
+        B.xy = -A.xy;
+        B.xz = -A.yz;
+        B.yz = A.xz;
+        return B;
+    }
 
     /* t = s (A_yy - A_xx) - 2 c A_xy:  xx += s t,  yy -= s t,  xy = -c t - A_xy */
     t = s * (A.yy - A.xx) - (c + c) * A.xy;
-    return rbdi_sym_of(A.xx + s * t, -(c * t) - A.xy, c * A.xz - s * A.yz, A.yy - s * t, s * A.xz + c * A.yz,
-                       A.zz);
+    B.xx = A.xx + s * t;
+    B.yy = A.yy - s * t;
+    B.xy = -(c * t) - A.xy;
+    B.xz = c * A.xz - s * A.yz;
+    B.yz = s * A.xz + c * A.yz;
+    return B;
 }
 
-RBDI_INLINE rbdi_sym rbdi_sym_cycle(rbdi_sym A) { return rbdi_sym_of(A.yy, A.yz, A.xy, A.zz, A.xz, A.xx); }
+RBDI_INLINE rbdi_sym rbdi_sym_cycle(rbdi_sym A) {
+    rbdi_sym B;
+
+    B.xx = A.yy;
+    B.xy = A.yz;
+    B.xz = A.xy;
+    B.yy = A.zz;
+    B.yz = A.xz;
+    B.zz = A.xx;
+    return B;
+}
 
 /* The same of any matrix. */
 RBDI_INLINE rbdi_mat rbdi_mat_up_z(int flags, rbd_real c, rbd_real s, rbdi_mat A) {
     rbd_real t;
+    rbdi_mat B;
     if (flags & RBDI_TWIST_0) return A;
-    if (flags & RBDI_TWIST_90) return rbdi_mat_of(A.yy, -A.yx, -A.yz, -A.xy, A.xx, A.xz, -A.zy, A.zx, A.zz);
+
+    B.zz = A.zz;
+    if (flags & RBDI_TWIST_90) {
+        B.xx = A.yy;
+        B.yy = A.xx;
+        B.xy = -A.yx;
+        B.yx = -A.xy;
+        B.xz = -A.yz;
+        B.yz = A.xz;
+        B.zx = -A.zy;
+        B.zy = A.zx;
+        return B;
+    }
 
     /* t = s (A_yy - A_xx) - c (A_xy + A_yx):  xx += s t,  yy -= s t,  xy = -c t - A_yx,  yx = -c t - A_xy */
     t = s * (A.yy - A.xx) - c * (A.xy + A.yx);
-    return rbdi_mat_of(A.xx + s * t, -(c * t) - A.yx, c * A.xz - s * A.yz, /* row x */
-                       -(c * t) - A.xy, A.yy - s * t, s * A.xz + c * A.yz, /* row y */
-                       c * A.zx - s * A.zy, s * A.zx + c * A.zy, A.zz);
+    B.xx = A.xx + s * t;
+    B.yy = A.yy - s * t;
+    B.xy = -(c * t) - A.yx;
+    B.yx = -(c * t) - A.xy;
+    B.xz = c * A.xz - s * A.yz;
+    B.yz = s * A.xz + c * A.yz;
+    B.zx = c * A.zx - s * A.zy;
+    B.zy = s * A.zx + c * A.zy;
+    return B;
 }
 
 RBDI_INLINE rbdi_mat rbdi_mat_cycle(rbdi_mat A) {
-    return rbdi_mat_of(A.yy, A.yz, A.yx, A.zy, A.zz, A.zx, A.xy, A.xz, A.xx);
+    rbdi_mat B;
+
+    B.xx = A.yy;
+    B.xy = A.yz;
+    B.xz = A.yx;
+    B.yx = A.zy;
+    B.yy = A.zz;
+    B.yz = A.zx;
+    B.zx = A.xy;
+    B.zy = A.xz;
+    B.zz = A.xx;
+    return B;
 }
 
 #endif

@@ -241,7 +241,7 @@ static void rbdi_lambda_derivatives(const rbd_model *m, rbd_constraint_set *c, c
 static void rbdi_solve_at_once(const rbd_model *m, rbd_constraint_set *c, rbd_real *rho, rbd_real *sigma) {
     const int nv = m->nv;
     rbdi_lambda_derivatives(m, c, rho, sigma);
-    rbdi_solve_columns(m, c->w, c->w->H, -1, nv, nv, rho, NULL);
+    rbdi_solve_columns(m, c->w, c->w->H, -1, nv, nv, rho);
     for (int k = 0; k < nv; ++k)
         rbdi_subtract_product(&c->Y[k * c->stride], sigma, c->rows, nv, &rho[k * nv]);
 }

@@ -301,7 +301,7 @@ static void rbdi_differentiate_free(const rbd_model *m, rbd_contact_set *c, rbd_
     rbdi_write_rho(m, c, d, c->nu, f_ext, NULL, dnu);
     if (dnu[0]) rbdi_subtract(dnu[0], -rbdi_set(RBD_C(1)), rbdi_side(m, c, 2), n * n);
     for (int x = 0; x < 3; ++x)
-        if (dnu[x]) rbdi_solve_columns(m, w, w->H, -1, n, n, dnu[x], NULL);
+        if (dnu[x]) rbdi_solve_columns(m, w, w->H, -1, n, n, dnu[x]);
     rbdi_write_falls(m, c, c->nu, dnu);
 }
 

@@ -1,8 +1,8 @@
 #ifndef RBDI_DERIVATIVES_DYNAMICS_H
 #define RBDI_DERIVATIVES_DYNAMICS_H
-#include "dynamics/packed.h"
 #include "dynamics/pivots.h"
 #include "derivatives/memory.h"
+#include "derivatives/solve_two.h"
 
 /* ---- derivatives of inverse dynamics [inverse dynamics code] ---- */
 
@@ -178,9 +178,8 @@ RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, c
     if (d->base) unsolved = !da_dv ? 6 : da_dq ? 4 : 3;
     if (da_dq) sides[count++] = da_dq + unsolved;
     if (da_dv) sides[count++] = da_dv + unsolved;
-    if (count > 0)
-        rbdi_solve_columns(m, d->work, d->work->H, -1, nv, nv - unsolved, sides[0],
-                           count > 1 ? sides[1] : NULL);
+    if (count == 1) rbdi_solve_columns(m, d->work, d->work->H, -1, nv, nv - unsolved, sides[0]);
+    if (count == 2) rbdi_solve_two(m, d->work, d->work->H, -1, nv, nv - unsolved, sides[0], sides[1]);
     if (d->base) rbdi_from_base(m, d, v, da_dq, da_dv);
     for (int k = 0; a && k < nv; ++k) a[k] = d->a[k];
     if (status && a) (void)rbdi_pivot_status(m, d->work, a, nv);

@@ -108,22 +108,20 @@ RBDI_INLINE void rbdi_aba_subtract(rbdi_force U, rbdi_force U_D, rbdi_abi *IA) {
 /* pA becomes pa = pA + Ia c + U u/D, but for its moment about z. u_D = u/D. c.omega.z is always 0. */
 RBDI_INLINE void rbdi_aba_add_bias(const rbdi_abi *Ia, const rbdi_motion *c, rbdi_force U, rbd_real u_D,
                                    rbdi_force *pA) {
-    const rbdi_v3 w = c->omega, v = c->v;
-    pA->n.x = pA->n.x + (Ia->I.xx * w.x + Ia->I.xy * w.y) + U.n.x * u_D;
-    pA->n.y = pA->n.y + (Ia->I.xy * w.x + Ia->I.yy * w.y) + U.n.y * u_D;
-    pA->n.x = pA->n.x + (Ia->H.xx * v.x + Ia->H.xy * v.y + Ia->H.xz * v.z);
-    pA->n.y = pA->n.y + (Ia->H.yx * v.x + Ia->H.yy * v.y + Ia->H.yz * v.z);
+    pA->n.x = pA->n.x + (Ia->I.xx * c->omega.x + Ia->I.xy * c->omega.y) + U.n.x * u_D;
+    pA->n.y = pA->n.y + (Ia->I.xy * c->omega.x + Ia->I.yy * c->omega.y) + U.n.y * u_D;
+    pA->n.x = pA->n.x + (Ia->H.xx * c->v.x + Ia->H.xy * c->v.y + Ia->H.xz * c->v.z);
+    pA->n.y = pA->n.y + (Ia->H.yx * c->v.x + Ia->H.yy * c->v.y + Ia->H.yz * c->v.z);
 
-    pA->f.x = pA->f.x + (Ia->H.xx * w.x + Ia->H.yx * w.y) + U.f.x * u_D;
-    pA->f.y = pA->f.y + (Ia->H.xy * w.x + Ia->H.yy * w.y) + U.f.y * u_D;
-    pA->f.z = pA->f.z + (Ia->H.xz * w.x + Ia->H.yz * w.y) + U.f.z * u_D;
-    pA->f = rbdi_add(pA->f, rbdi_mul_sym(Ia->M, v));
+    pA->f.x = pA->f.x + (Ia->H.xx * c->omega.x + Ia->H.yx * c->omega.y) + U.f.x * u_D;
+    pA->f.y = pA->f.y + (Ia->H.xy * c->omega.x + Ia->H.yy * c->omega.y) + U.f.y * u_D;
+    pA->f.z = pA->f.z + (Ia->H.xz * c->omega.x + Ia->H.yz * c->omega.y) + U.f.z * u_D;
+    pA->f = rbdi_add(pA->f, rbdi_mul_sym(Ia->M, c->v));
 }
 
 /* What the two leave out: row z of I and H, and the moment of pa about z. */
 RBDI_INLINE void rbdi_aba_row_z(const rbdi_motion *c, rbdi_force U, rbdi_force U_D, rbd_real u_D,
                                 rbdi_abi *IA, rbdi_force *pA) {
-    const rbdi_v3 w = c->omega, v = c->v;
     IA->I.xz = IA->I.xz - U.n.x * U_D.n.z;
     IA->I.yz = IA->I.yz - U.n.y * U_D.n.z;
     IA->I.zz = IA->I.zz - U.n.z * U_D.n.z;
@@ -131,8 +129,8 @@ RBDI_INLINE void rbdi_aba_row_z(const rbdi_motion *c, rbdi_force U, rbdi_force U
     IA->H.zy = IA->H.zy - U.n.z * U_D.f.y;
     IA->H.zz = IA->H.zz - U.n.z * U_D.f.z;
 
-    pA->n.z = pA->n.z + (IA->I.xz * w.x + IA->I.yz * w.y) + U.n.z * u_D;
-    pA->n.z = pA->n.z + (IA->H.zx * v.x + IA->H.zy * v.y + IA->H.zz * v.z);
+    pA->n.z = pA->n.z + (IA->I.xz * c->omega.x + IA->I.yz * c->omega.y) + U.n.z * u_D;
+    pA->n.z = pA->n.z + (IA->H.zx * c->v.x + IA->H.zy * c->v.y + IA->H.zz * c->v.z);
 }
 
 /* Pass 2, one-axis link: eliminates the joint's force. IA becomes Ia, pA becomes pa. */
@@ -195,51 +193,46 @@ RBDI_INLINE int rbdi_free_base(const rbdi_link *l, const rbdi_block *b) {
     return rbdi_on_world(l) && b->n == 6 && !(rbdi_flags(l) & RBDI_ARMATURE);
 }
 
-/* Eliminates axis k of a block: A becomes A - U U'/D, P becomes P + U u/D. A: lower triangle of IA; P: pA. */
-RBDI_INLINE void rbdi_aba_eliminate_axis(const rbd_model *m, rbd_work *w, const rbdi_link *l, int k,
-                                         rbd_real tau, rbd_real A[6][6], rbd_real P[6], rbdi_mask *doubt) {
-    const rbdi_block *b = rbdi_block_of(m, l);
-    const rbdi_dof *dof = &m->dof[l->iv + k];
-    const int s = b->first + k, end = rbdi_free_base(l, b) ? s : 6;
-    rbdi_block_work *bw = &w->block[l->block];
-    rbd_real *U_D = bw->U_D[k], D = A[s][s] + dof->armature;
-    const rbd_real inverse = rbdi_pivot_inverse(D, dof->scale, doubt);
-
-    w->pivot[l->iv + k] = D;
-    bw->u_D[k] = (tau - P[s]) * inverse;
-    for (int i = 0; i < end; ++i) {
-        const rbd_real U = i < s ? A[s][i] : A[i][s];
-        U_D[i] = U * inverse;
-        for (int j = 0; j <= i; ++j) A[i][j] = A[i][j] - U * U_D[j];
-        P[i] = P[i] + U * bw->u_D[k];
-    }
-}
-
 /* Pass 2, block link: eliminates its axes one by one, the last first, so that the pivots are those of M =
    L'DL. Only the lower triangle is kept; for a free base, which has no parent, only the part for the axes
    before. */
-RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i, const rbd_real *tau, rbdi_abi *IA,
-                                 rbdi_force *pA, rbdi_mask *doubt) {
-    const rbdi_link *l = &m->link[i];
-    const rbdi_motion c = w->scratch[i].c;
-    const rbdi_pose *X = &w->block[l->block].X;
+RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, const rbd_real *tau,
+                                 rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
+    const rbdi_link *l = &m->link[i_link];
+    const rbdi_block *b = rbdi_block_of(m, l);
+    const rbdi_motion c = w->scratch[i_link].c;
+    rbdi_block_work *bw = &w->block[l->block];
     rbd_real A[6][6], P[6];
     rbdi_abi Ia;
     rbdi_force pa;
 
+    /* axis by axis, s: A = IA - U U'/D,  P = pA + U u/D */
     rbdi_abi_to_array(rbdi_abi_add_link(l, RBDI_MASS_KEPT, *IA), A);
     rbdi_store_force(P, 1, *pA);
-    for (int k = rbdi_link_dofs(m, l) - 1; k >= 0; --k)
-        rbdi_aba_eliminate_axis(m, w, l, k, tau[l->iv + k], A, P, doubt);
+    for (int k = b->n - 1; k >= 0; --k) {
+        const rbdi_dof *dof = &m->dof[l->iv + k];
+        const int s = b->first + k, end = rbdi_free_base(l, b) ? s : 6;
+        rbd_real *U_D = bw->U_D[k], D = A[s][s] + dof->armature;
+        const rbd_real inverse = rbdi_pivot_inverse(D, dof->scale, doubt);
+
+        w->pivot[l->iv + k] = D;
+        bw->u_D[k] = (tau[l->iv + k] - P[s]) * inverse;
+        for (int i = 0; i < end; ++i) {
+            const rbd_real U = i < s ? A[s][i] : A[i][s];
+            U_D[i] = U * inverse;
+            for (int j = 0; j <= i; ++j) A[i][j] = A[i][j] - U * U_D[j];
+            P[i] = P[i] + U * bw->u_D[k];
+        }
+    }
     if (rbdi_on_world(l)) return;
 
-    /* pa += Ia c,  then Ia and pa to the parent */
+    /* pa = P + Ia c,  then Ia and pa to the parent */
     Ia = rbdi_abi_from_array(A);
     pa = rbdi_load_force(P, 1);
     pa.n = rbdi_add(pa.n, rbdi_add(rbdi_mul_sym(Ia.I, c.omega), rbdi_mul(Ia.H, c.v)));
     pa.f = rbdi_add(pa.f, rbdi_add(rbdi_mul_t(Ia.H, c.omega), rbdi_mul_sym(Ia.M, c.v)));
-    *IA = rbdi_abi_up_block(X, Ia);
-    *pA = rbdi_force_up_block(X, pa);
+    *IA = rbdi_abi_up_block(&bw->X, Ia);
+    *pA = rbdi_force_up_block(&bw->X, pa);
 }
 
 #endif

@@ -276,10 +276,9 @@ RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_rea
     rbdi_rbi carried = rbdi_rbi_zero(), any = carried; /* an address of carried would keep it in memory */
 
     for (int i = 0; i < m->nbranch; ++i) w->branch[i].C = carried;
-    if (RBDI_FIXED_STRIDE && stride != RBDI_FIXED_STRIDE) {
-        for (int i = m->nl - 1; i >= 0; --i) rbdi_crba_link(&model, &work, i, stride, &any, H, M);
-        return;
-    }
+    for (int i = m->nl - 1; RBDI_FIXED_STRIDE && stride != RBDI_FIXED_STRIDE && i >= 0; --i)
+        rbdi_crba_link(&model, &work, i, stride, &any, H, M);
+    if (RBDI_FIXED_STRIDE && stride != RBDI_FIXED_STRIDE) return;
 
     for (int i = m->nl - 1; i >= 0; --i)
         if (RBDI_FOR_SPEED || full)

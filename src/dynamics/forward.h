@@ -78,7 +78,7 @@ RBDI_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, con
     if (status) return status;
     if (n <= 0) return RBD_OK;
     for (ptrdiff_t k = 0; X != B && k < (ptrdiff_t)m->nv * n; ++k) X[k] = B[k];
-    rbdi_solve_columns(m, w, L, 1, n, n, X, NULL);
+    rbdi_solve_columns(m, w, L, 1, n, n, X);
     return RBD_OK;
 }
 

@@ -4,7 +4,7 @@
 #include "base/memory.h"
 #include "dynamics/row_sums.h"
 
-/* Interface: rbdi_factor, rbdi_invert, rbdi_solve, rbdi_solve_columns, rbdi_solve_forward,
+/* Interface: rbdi_factor, rbdi_invert, rbdi_solve, rbdi_solve_columns, rbdi_solve_forward, rbdi_solve_half,
    rbdi_solve_transposed, rbdi_vector_forward, rbdi_vector_transposed */
 
 /* -- the factor, and what it solves -- */
@@ -167,62 +167,46 @@ RBDI_INLINE void rbdi_columns_half(const rbd_model *m, rbd_work *w, const rbd_re
         rbdi_columns_forward(m, w, L, sign, stride, matrices, batches, n, X, Y);
 }
 
-/* The same of any number of columns of one matrix or, unless Y is NULL, of at most half of RBDI_ROW batches
-   of columns of two. */
+/* The same of any number of columns of one matrix, or of at most half of RBDI_ROW batches of columns of two. */
 RBDI_INLINE void rbdi_solve_half(const rbd_model *m, rbd_work *w, const rbd_real *L, int transposed, int sign,
-                                 ptrdiff_t stride, int n, rbd_real *X, rbd_real *Y) {
+                                 ptrdiff_t stride, int matrices, int n, rbd_real *X, rbd_real *Y) {
     while (n > 0) {
         const int columns = n < RBDI_ROW * RBDI_BATCH ? n : RBDI_ROW * RBDI_BATCH;
-        const int count = (columns + RBDI_BATCH - 1) / RBDI_BATCH;
-        if (Y)
-            RBDI_BY_NUMBER(const int batches, RBDI_ROW / 2, count,
-                           rbdi_columns_half(m, w, L, transposed, sign, stride, 2, batches, columns, X, Y))
-        else if (columns >= RBDI_BATCH)
-            RBDI_BY_NUMBER(const int batches, RBDI_ROW, count,
-                           rbdi_columns_half(m, w, L, transposed, sign, stride, 1, batches, columns, X, X))
+
+        if (matrices > 1 || columns >= RBDI_BATCH)
+            RBDI_BY_NUMBER(
+                const int batches, RBDI_ROW / matrices, (columns + RBDI_BATCH - 1) / RBDI_BATCH,
+                rbdi_columns_half(m, w, L, transposed, sign, stride, matrices, batches, columns, X, Y))
         else
             RBDI_BY_NUMBER(const int scalars, RBDI_BATCH - 1, columns,
                            rbdi_columns_half(m, w, L, transposed, sign, stride, 1, 0, scalars, X, X))
         n -= columns;
         X += columns;
+        Y += columns;
     }
 }
 
 /* X = L'^-1 X: n columns, with rows a stride apart. */
 RBDI_PART void rbdi_solve_transposed(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride,
                                      int n, rbd_real *X) {
-    rbdi_solve_half(m, w, L, 1, 1, stride, n, X, NULL);
+    rbdi_solve_half(m, w, L, 1, 1, stride, 1, n, X, X);
 }
 
 /* X = sign L^-1 D^-1 X. */
 RBDI_PART void rbdi_solve_forward(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign,
                                   ptrdiff_t stride, int n, rbd_real *X) {
-    rbdi_solve_half(m, w, L, 0, sign, stride, n, X, NULL);
+    rbdi_solve_half(m, w, L, 0, sign, stride, 1, n, X, X);
 }
 
-/* Both of two matrices with at most half of RBDI_ROW batches of columns. */
-RBDI_PART void rbdi_solve_two(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign, ptrdiff_t stride,
-                              int n, rbd_real *X, rbd_real *Y) {
-    rbdi_solve_half(m, w, L, 1, 1, stride, n, X, Y);
-    rbdi_solve_half(m, w, L, 0, sign, stride, n, X, Y);
-}
-
-/* X = sign M^-1 X, and Y likewise unless it is NULL: n columns, with rows a stride apart. */
+/* X = sign M^-1 X: n columns, with rows a stride apart. */
 RBDI_PART void rbdi_solve_columns(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign,
-                                  ptrdiff_t stride, int n, rbd_real *X, rbd_real *Y) {
+                                  ptrdiff_t stride, int n, rbd_real *X) {
 #ifdef RBDI_ROWS
-    if (RBDI_ROWS(solve)(m, L, sign, stride, n, X, Y)) return;
+    if (RBDI_ROWS(solve)(m, L, sign, stride, n, X, NULL)) return;
 #endif
-
-    if (Y && n >= RBDI_BATCH && 2 * n <= RBDI_ROW * RBDI_BATCH) {
-        rbdi_solve_two(m, w, L, sign, stride, n, X, Y);
-        return;
-    }
 
     rbdi_solve_transposed(m, w, L, stride, n, X);
     rbdi_solve_forward(m, w, L, sign, stride, n, X);
-    if (Y) rbdi_solve_transposed(m, w, L, stride, n, Y);
-    if (Y) rbdi_solve_forward(m, w, L, sign, stride, n, Y);
 }
 
 /* Copies k entries of a row into a column of a matrix with n columns. */

@@ -3,7 +3,7 @@
 #include "model/layout.h"
 #include "base/simd.h"
 
-/* Interface: rbdi_multiply, rbdi_subtract, rbdi_subtract_product */
+/* Interface: rbdi_multiply, rbdi_subtract, rbdi_subtract_product, RBDI_ROW */
 
 /* ---- packed matrix of a tree [packed matrix] ----
    M is symmetric, and entry (i, j) is zero unless one dof is on the path of the other to the root. Row k is
@@ -13,7 +13,7 @@
 
      rbdi_factor            M = L'DL, in place; the pivots D go to w->pivot
      rbdi_solve             x = M^-1 x
-     rbdi_solve_columns     X = M^-1 X or -M^-1 X, n columns of one matrix or of two
+     rbdi_solve_columns     X = M^-1 X or -M^-1 X, n columns
      rbdi_invert            Z = M^-1, full
      rbdi_subtract_product  y -= X' x
      rbdi_subtract          y -= factor x
