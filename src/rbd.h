@@ -295,6 +295,7 @@ RBDI_CODE_BEGIN
 #include "model/text.h"
 
 RBDI_CODE_END
+RBDI_BUILD_BEGIN
 
 #include "model/wide.h"
 
@@ -308,6 +309,8 @@ RBDI_CODE_END
 #include "model/payload.h"
 #include "model/lock.h"
 #endif /* RBD_NO_BUILD */
+
+RBDI_CODE_END
 
 #endif /* RBD_IMPLEMENTATION */
 
