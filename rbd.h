@@ -1204,10 +1204,11 @@ typedef struct rbdi_kin { /* per link, kept for the calls after rbd_kinematics *
    nqx coordinates with those of mimic joints (nqx = 0 without mimic joints), nv dofs without them; nh
    packed entries. */
 #define RBDI_WORK_ARRAYS(ARRAY, nl, nblock, nbranch, ndof, nqx, nv, nh) \
-    ARRAY(rbd_real, angle, RBDI_PADDED(nl))    /* joint angles less these right angles */ \
-    ARRAY(rbd_real, quarters, RBDI_PADDED(nl)) /* right angles */ \
-    ARRAY(rbd_real, c, RBDI_PADDED(nl))        /* cosines of the whole angles */ \
-    ARRAY(rbd_real, s, RBDI_PADDED(nl))        /* sines */ \
+    ARRAY(rbd_real, angle, RBDI_PADDED(nl))         /* joint angles less these right angles */ \
+    ARRAY(rbd_real, quarters, RBDI_PADDED(nl))      /* right angles */ \
+    ARRAY(rbd_real, c, RBDI_PADDED(nl))             /* cosines of the whole angles */ \
+    ARRAY(rbd_real, s, RBDI_PADDED(nl))             /* sines */ \
+    ARRAY(ptrdiff_t, start, RBDI_PADDED_STARTS(nv)) /* [packed matrix]: where rows of a matrix begin */ \
     ARRAY(rbdi_branch, branch, nbranch) \
     ARRAY(rbdi_block_work, block, nblock) \
     ARRAY(rbd_real, d, nl) /* slides of screw links */ \
@@ -1217,13 +1218,14 @@ typedef struct rbdi_kin { /* per link, kept for the calls after rbd_kinematics *
     ARRAY(rbd_real, zero, ndof)  /* zeros */ \
     ARRAY(rbd_real, pivot, ndof) /* pivots of the last factorisation */ \
     ARRAY(rbd_real, bias, nv) \
-    ARRAY(rbd_real, F, 6 * RBDI_STRIDE(ndof)) /* crba: wrenches by component, behind RBDI_CHUNK zeros */ \
+    ARRAY(rbd_real, F, 6 * RBDI_STRIDE(ndof)) /* scratch of a call, behind RBDI_CHUNK zeros */ \
     ARRAY(rbd_real, H, nh) \
     ARRAY(rbd_real, qx, nqx) /* coordinates with the mimics' appended */ \
     ARRAY(rbd_real, vx, (nqx) > 0 ? (ndof) : 0) \
     ARRAY(rbd_real, ax, (nqx) > 0 ? (ndof) : 0) \
     ARRAY(rbd_real, tx, (nqx) > 0 ? (ndof) : 0)
 #define RBDI_PADDED(n) (RBDI_ROUND((size_t)(n) * sizeof(rbd_real)) / sizeof(rbd_real))
+#define RBDI_PADDED_STARTS(n) (RBDI_ROUND((size_t)(n) * sizeof(ptrdiff_t)) / sizeof(ptrdiff_t))
 #define RBDI_ARRAY_FIELD(type, name, length) type *name;
 #define RBDI_ARRAY_BYTES(type, name, length) +(size_t)(length) * sizeof(type)
 
@@ -4722,7 +4724,7 @@ RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbdi_v3 world, rb
      rbdi_multiply          y *= factor
 
    A solution has two halves: _transposed, L' y = x from the leaves to the root, then _forward, L x = y / D
-   from the root to the leaves. The scratch is w->F.
+   from the root to the leaves. The scratch is w->F and, for places of rows, w->start.
 
    In depth-first order, m->node, the descendants of a dof follow it. Every result is a row less a sum of
    other rows times factors: the rows of the descendants (factor, first half of a solution) or of the path
@@ -4794,18 +4796,11 @@ RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real factor, const rbd_real *x, 
    Y: a second matrix with its rows at the same places. */
 enum { RBDI_OWN, RBDI_DESCENDANTS, RBDI_PATH, RBDI_FRESH, RBDI_EQUIDISTANT };
 
-/* Where a row starts. These stand in memory of scalars, which may be aligned to four bytes only. */
-#if RBDI_GNU
-typedef ptrdiff_t rbdi_start
-    __attribute__((may_alias, aligned(sizeof(RBD_REAL) % sizeof(ptrdiff_t) ? 4 : sizeof(ptrdiff_t))));
-#else
-typedef ptrdiff_t rbdi_start;
-#endif
 typedef struct rbdi_terms {
     const rbd_real *X, *Y; /* the matrices with the rows */
     const rbd_real *x;     /* factors */
     const rbdi_node *node;
-    const rbdi_start *start;
+    const ptrdiff_t *start; /* where rows start */
     ptrdiff_t stride;
     rbd_real scale;
     int n, d;
@@ -5003,7 +4998,7 @@ RBDI_PART void rbdi_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, rb
    scalars. */
 RBDI_INLINE void rbdi_columns_transposed(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride,
                                          int matrices, int batches, int n, rbd_real *X, rbd_real *Y) {
-    rbdi_start *start = (rbdi_start *)w->F; /* rows of nodes */
+    ptrdiff_t *start = w->start; /* by node */
     rbdi_terms g;
 
     g.X = X;
@@ -5031,7 +5026,7 @@ RBDI_INLINE void rbdi_columns_transposed(const rbd_model *m, rbd_work *w, const 
 RBDI_INLINE void rbdi_columns_forward(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign,
                                       ptrdiff_t stride, int matrices, int batches, int n, rbd_real *X,
                                       rbd_real *Y) {
-    rbdi_start *path = (rbdi_start *)w->F; /* rows of a dof's path, by depth */
+    ptrdiff_t *path = w->start; /* of a dof's path, by depth */
     rbdi_terms g;
 
     g.X = X;
@@ -5125,7 +5120,7 @@ RBDI_INLINE void rbdi_mirror(const rbd_real *row, ptrdiff_t n, int k, rbd_real *
    a sum over the rows i of the path: Z_kj = - sum L_ki Z_ij for j < k, Z_kk = 1/D_k - sum L_ki Z_ik. */
 RBDI_PART void rbdi_invert(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *Z) {
     const int n = m->nv;
-    rbdi_start *path = (rbdi_start *)w->F; /* where its rows begin, root first */
+    ptrdiff_t *path = w->start; /* of a dof's path, root first */
     rbd_real *row = Z;
     int before = 0;
 #ifdef RBDI_ROWS
@@ -5691,9 +5686,11 @@ RBDI_INLINE void rbdi_load_axes(rbdi_axes *p, const rbdi_pose *X) {
 }
 
 RBDI_INLINE void rbdi_store_axes(rbdi_pose *X, const rbdi_axes *p) {
-    rbdi_put_four(&X->E.xx, &p->x);
+    rbdi_put_four(&X->E.xx, &p->x); /* the fourth goes to the next row, which is stored next */
     rbdi_put_four(&X->E.yx, &p->y);
-    rbdi_put_four(&X->E.zx, &p->z);
+    X->E.zx = rbdi_one_of(&p->z, 0);
+    X->E.zy = rbdi_one_of(&p->z, 1);
+    X->E.zz = rbdi_one_of(&p->z, 2);
     X->r = rbdi_axis_vec(&p->origin);
 }
 

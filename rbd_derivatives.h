@@ -21,11 +21,13 @@
      [identification] [steps]
      --- stop here if you only use it ---
      [layout]
-     [common frame] [entries] [memory code] [momentum code] [coriolis code] [jacobians code]
+     [common frame] [batches] [common motion] [subtrees] [entries] [base entries] [matrices] [memory code]
+     [momentum code] [coriolis code] [jacobians code]
      [free base code] [inverse dynamics code] [forward dynamics code] [identification code] [steps code]
 
-   The section [common frame] is a layer of its own: motion columns, velocities, accelerations, momenta and
-   composite inertias of all links in one frame. Each call is a short loop over its columns.
+   Begin with [common frame]: it has the formulas, and the fields of rbdi_columns are their numbers. Two
+   sweeps fill these for every call: [common motion] from the roots to the leaves, [subtrees] back. Each
+   call is then a loop over the columns.
 */
 #include "rbd.h"
 
@@ -271,7 +273,7 @@ RBDI_EXTERN_C_END
 
 /* ==== src/derivatives/layout.h ==== */
 /* ---- layout [layout] ----
-   Open for sizes at compile time only. */
+   Users see it because RBD_DERIVATIVES_SIZE needs its sizes; they need no more of it. */
 
 typedef struct rbdi_columns rbdi_columns;     /* of a batch of dofs: quantities that depend on the state */
 typedef struct rbdi_constants rbdi_constants; /* of a batch of dofs: constants */
@@ -295,14 +297,14 @@ typedef struct rbdi_entry {
     int16_t parent; /* -1 = none */
     int16_t batch, lane;
     int16_t of_source; /* inverse of source: the dof whose source is this index */
-    int32_t at;        /* index of its scalar in the first component of rbdi_columns */
+    int32_t at;        /* index of its scalar in the first field of rbdi_columns, counted from d->columns */
     int32_t row;       /* index of its row in a square matrix */
 } rbdi_entry;
 
 /* A batch in which dofs are ancestors of a dof or in its subtree, with a bit for each such lane. */
 typedef struct rbdi_relatives {
-    int32_t at;     /* index of the batch in scalars; -1 ends a list */
-    int16_t row;    /* index of the batch in a row of entries */
+    int32_t batch;  /* -1 ends a list */
+    int16_t row;    /* index of the batch's first scalar in a row of entries */
     int16_t whole;  /* in the first of a list: the list has all batches but those of a free base */
     uint64_t lanes; /* as wide as a lane of doubles, with which it is compared */
 } rbdi_relatives;
@@ -317,20 +319,22 @@ struct rbd_derivatives {
     int keep_zeros;        /* rbd_keep_zeros */
     int base;              /* dofs of a free base: 6 or 0 */
     int behind;            /* first batch of the dofs behind the base */
-    rbdi_motion V;         /* velocity of the base, in its axes */
-    rbdi_v3 up;            /* -gravity, likewise */
+    rbdi_motion V;         /* velocity of the base, in its axes; linear 0 where a call leaves it out */
+    rbdi_v3 minus_g;       /* -gravity, in the base's axes; 0 where a call leaves it out */
     rbdi_columns *columns; /* batches */
     rbdi_constants *constants;
-    rbd_real *a;           /* n: acceleration of forward dynamics */
+    rbd_real *a;           /* n, forward dynamics: tau less the bias force, then the acceleration */
     rbdi_entry *entry;     /* n */
     rbdi_segment *segment; /* segments */
     int16_t *origin;       /* nl: root of the tree that has the common origin in this link, else -1 */
     rbdi_relatives
-        *relatives; /* n x 3 lists: batches with dofs on the path only, with both, in the subtree */
-    rbd_const mass; /* of all bodies that a joint moves */
+        *relatives;       /* n x 3 lists: batches with dofs on the path only, with both, in the subtree */
+    uint64_t *lanes;      /* batches: bits as in rbdi_relatives, of one dof, while the lists are made */
+    unsigned char *given; /* n: argument of rbd_hybrid in rbd_id_free_base */
+    rbd_const mass;       /* of all bodies that a joint moves */
 };
 
-#define RBDI_COLUMN_SIZE 110 /* scalars of a dof in rbdi_columns */
+#define RBDI_COLUMN_SIZE 116 /* scalars of a dof in rbdi_columns */
 #define RBDI_CONSTANT 17     /* in rbdi_constants */
 #if defined RBD_LANES || RBDI_WIDEST_SIMD == 0
 #define RBDI_SURPLUS 0
@@ -338,14 +342,15 @@ struct rbd_derivatives {
 #else
 #define RBDI_SURPLUS (2 * RBDI_CHUNK - 2) /* those of a free base and the others to whole batches */
 #define RBDI_RELATIVES(n, padded) \
-    ((size_t)(n) * ((size_t)(padded) / 2 + 3) * sizeof(rbdi_relatives)) /* from 2 lanes on */
+    ((size_t)(n) * ((size_t)(padded) / 2 + 3) * sizeof(rbdi_relatives) + \
+     (size_t)(padded) / 2 * sizeof(uint64_t)) /* from 2 lanes on */
 #endif
 
 /* Bytes for nl links and n dofs, padded. */
 #define RBDI_DERIVATIVES_BYTES(nl, n, padded) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_derivatives)) + \
      (size_t)(padded) * (RBDI_COLUMN_SIZE * sizeof(rbd_real) + RBDI_CONSTANT * sizeof(rbd_const)) + \
-     (size_t)(n) * (sizeof(rbd_real) + sizeof(rbdi_entry)) + \
+     (size_t)(n) * (sizeof(rbd_real) + sizeof(rbdi_entry) + 1) + \
      (size_t)(nl) * (sizeof(rbdi_segment) + sizeof(int16_t)) + RBDI_RELATIVES(n, padded))
 
 /* Bytes that suffice for any model with nb bodies and nv degrees of freedom, without or with mimic joints
@@ -360,55 +365,69 @@ struct rbd_derivatives {
 #if defined RBD_IMPLEMENTATION && !defined RBDI_DERIVATIVES_IMPLEMENTED
 #define RBDI_DERIVATIVES_IMPLEMENTED
 
-/* ==== src/derivatives/common_frame.h ==== */
+RBDI_CODE_BEGIN
+
+/* ==== src/derivatives/columns.h ==== */
 /* Interface: RBDI_OF */
 
-RBDI_CODE_BEGIN
-#if RBDI_GCC && RBDI_FOR_SPEED
-#define RBDI_UNROLL_SUMS _Pragma("GCC unroll 14")
-#else
-#define RBDI_UNROLL_SUMS
-#endif
-
 /* ---- common frame [common frame] ----
-   All spatial quantities of a tree are in one frame with the axes of the world. Its origin is the origin of
-   the first rotating link from the root, and it moves with that link's origin at this instant. Any frame that
-   moves uniformly gives the same matrices. This one keeps the place and velocity of a root out of the
-   differences that give small inertias. Seen from it, the world moves with -v of that origin. Every
-   recursion is a sum over ancestors or over a subtree. All else is computed for each dof alone: the dofs,
-   in the caller's order, are the SIMD lanes.
+   All quantities of a tree are in one frame. Its axes are those of the world. Its origin is the origin of
+   the tree's first link that rotates, and it moves with the velocity that this point has now. Every frame
+   that moves uniformly gives the same matrices. In this one the numbers do not grow with the distance and
+   the speed of the robot, so their differences keep their digits. Seen from this frame the world moves with
+   -v of that point.
 
-   A joint of several dofs is a chain of dofs without mass between; all of them see the same parent and link.
-   R = (ex ey ez): axes of the dof's link, its own axis on ez; x: origin. V_p, A_p: parent's, V, A: link's.
+   In one frame a recursion over the links is a sum: over the ancestors of a link or over its subtree. All
+   else is computed for each dof alone. SIMD lanes are dofs, in the caller's order.
 
-       S = (rho ez; rho x x ez + kappa ez)         revolute: rho, kappa = 1, 0; sliding 0, 1; screw 1, pitch
-       Psi = V_p x S                               V = V_p + sum over the joint of S qd
-       U = Psi + V x S                             (one dof: 2 Psi)
-       Phi = A_p x S + V_p x Psi                   A = A_p + sum over the joint of Psi qd + S qdd
-                                                   A of the world: (0; -gravity)
+   A joint of several dofs is a chain of dofs without mass between them. All its dofs have the same link and
+   the same parent. R = (ex ey ez) has the axes of the link, cycled so that the dof's own axis is ez; x is
+   the link's origin. V and A are velocity and acceleration of the link, V_p and A_p those of its parent.
+   (omega; v) and (omega_dot; a) are their two halves.
 
-   A body: second moment Sigma = R Sigma_b R' + x (R h_b)' + h x', first h = R h_b + m x. The model's
-   regrouped constants give the same sums: bodies that move alike have the same momentum and force. With acc
-   = a + omega x v and Omega = [omega_dot]x + [omega]x [omega]x
+       S = (rho ez; rho x x ez + kappa ez)      rho, kappa = 1, 0 turns; 0, 1 slides; 1, pitch: a screw
+       V = V_p + sum over the joint of S qd
+       Psi = V_p x S                            rate of S, carried by the parent
+       U = Psi + V x S                          with one dof 2 Psi
+       A = A_p + sum over the joint of Psi qd + S qdd,   A of the world = (0; -gravity)
+       Phi = A_p x S + V_p x Psi                rate of Psi, carried by the parent
 
-       X = [omega]x Sigma + v h'    the integral of x_dot x' dm
-       P = m v + omega x h          linear momentum
-       f = wrench (n; f) of rbd.h's [state], less the external ones
+   A link has mass m, first moment h_b and second moment Sigma_b, constants in its axes. They are the model's
+   regrouped constants; bodies that move alike have the same momentum and wrench. About the common origin:
 
-   These 27 numbers and m are summed over subtrees. With I = [tr(Sigma) - Sigma, [h]x; -[h]x, m] and
-   2 B = [G, 0; -2 [P]x, 0], G = 2 (tr(X) - X), of the subtree of its link each dof has the columns
+       h = R h_b + m x
+       Sigma = R Sigma_b R' + x (R h_b)' + h x'
+       X = [omega]x Sigma + v h'                the integral of x_dot x' dm
+       P = m v + omega x h                      linear momentum
+       f: the wrench (n; f) of rbd.h's [state] less the external ones, of
+          Omega = [omega_dot]x + [omega]x [omega]x and acc = a + omega x v
 
-       F = I S     D = 2 B S + I U     E = 2 B Psi + I Phi + S x* f     T = 2 B' S: a moment without force
+   These 27 numbers and m are summed over the subtree of each link. The sums make two matrices:
 
-   and the entries of [entries] are products of two columns, one of a dof and one of an ancestor.
+       I = [tr(Sigma) - Sigma, [h]x; -[h]x, m]
+       B = [tr(X) - X, 0; -[P]x, 0]
 
-   With a free base, whose subtree has all other dofs (d->base), the frame can have the base's axes. There
-   its S are unit vectors e and its V = (w; 0), its velocity v being that of the frame; A = (w_dot; v_dot +
-   w x v - gravity). Its dofs then have
+   and these make the columns of each dof. Products of two columns are the entries of the results: [entries].
 
-       turns   U = (w x e; e x v), Phi = (0; -gravity x e)      shifts   U = (0; w x e), Phi = 0
-   Featherstone's book, sections 2.9, 2.10 and 5.3, has the two cross products; Echeandia and Wensing (2021)
-   B. */
+       F = I S
+       D = 2 B S + I U
+       E = 2 B Psi + I Phi + S x* f
+       T = 2 B' S                               a moment; its force is 0
+
+   rbd_coriolis takes B in place of 2 B, and V x S for U. The fields X and P are those of the velocity 2 V, or
+   for rbd_coriolis of V: so the sums make 2 B or B.
+
+   With a free base whose subtree has all other dofs (d->base) the frame has the axes of the base too. The S
+   of the base's dofs are unit vectors e there. With its velocity (w; v), V = (w; 0) in this frame, and
+
+       A = (w_dot; v_dot + w x v - gravity)
+
+   Its dofs have
+
+       turns     U = (w x e; e x v)   Phi = (0; -gravity x e)
+       shifts    U = (0; w x e)       Phi = 0
+
+   RBDA 2.9, 2.10 and 5.3 has the two cross products, Echeandia and Wensing (2021) the matrix B. */
 
 #if RBDI_BATCH > 1
 typedef rbdi_batch rbdi_cbatch; /* a batch of constants */
@@ -420,6 +439,10 @@ typedef struct rbdi_b3 {
     rbdi_batch x, y, z;
 } rbdi_b3;
 
+typedef struct rbdi_b33 { /* rows of a matrix */
+    rbdi_b3 x, y, z;
+} rbdi_b33;
+
 typedef struct rbdi_bmotion {
     rbdi_b3 omega, v;
 } rbdi_bmotion;
@@ -428,30 +451,76 @@ typedef struct rbdi_bforce {
     rbdi_b3 n, f;
 } rbdi_bforce;
 
-/* Quantities that are summed over subtrees. */
+#if RBDI_GCC && RBDI_FOR_SPEED
+#define RBDI_UNROLL_SUMS _Pragma("GCC unroll 14")
+#else
+#define RBDI_UNROLL_SUMS
+#endif
+
+/* Quantities that are summed over subtrees, in three groups of components. */
+enum { RBDI_INERTIA_SUMS = 9, RBDI_MOMENTUM_SUMS = 12, RBDI_WRENCH_SUMS = 6 };
 typedef struct rbdi_sums {
-    rbdi_batch xx, xy, xz, yy, yz, zz; /* Sigma */
+    rbdi_batch xx, xy, xz, yy, yz, zz; /* Sigma; with h the inertia */
     rbdi_b3 h;
-    rbdi_b3 Xx, Xy, Xz; /* rows of X */
+    rbdi_b3 Xx, Xy, Xz; /* rows of X; with P the momentum */
     rbdi_b3 P;
-    rbdi_bforce f;
+    rbdi_bforce f; /* the wrench */
 } rbdi_sums;
 
+/* A motion that is summed over ancestors. That of the link is p + joint. */
+typedef struct rbdi_carried {
+    rbdi_bmotion p;     /* of the parent link */
+    rbdi_bmotion joint; /* the part of the joint */
+} rbdi_carried;
+
+/* Columns that only derivatives by q need. */
+typedef struct rbdi_by_q {
+    rbdi_bmotion Phi;
+    rbdi_bforce E;
+} rbdi_by_q;
+
+/* The effect of accelerations qdd alone, at rest and without gravity. */
+typedef struct rbdi_response {
+    rbdi_carried A;
+    rbdi_bforce F_qdd; /* of the dof, then summed over its subtree */
+} rbdi_response;
+
+/* The motion of a link. It gives the unit wrenches of the link's bodies. */
+typedef struct rbdi_link_motion {
+    rbdi_b3 omega, omega_dot, acc; /* acc: of the link-fixed point at the common origin */
+    rbdi_b33 Omega;
+} rbdi_link_motion;
+
 struct rbdi_columns {
-    rbdi_b3 ex, ey, ez, x;
-    rbdi_bmotion S, Vp, dV, Psi, U, Ap, dA, Phi; /* dV = V - V_p, dA = A - A_p; rbdi_sum_ancestors needs
-                                                    this order */
-    rbdi_sums sum;
-    rbdi_bforce F, D, E;
-    rbdi_b3 T;
-    rbdi_batch qd, qdd;
+    rbdi_b3 ex, ey, ez; /* axes of the link */
+    rbdi_b3 x;          /* its origin */
+    rbdi_bmotion S;     /* motion of the link for a unit velocity of the dof; of a free base constants */
+    rbdi_carried V;     /* velocity */
+    rbdi_bmotion Psi;   /* rate of S, carried by the parent */
+    rbdi_bmotion U;     /* acceleration for a unit velocity of the dof, which I multiplies in D */
+    rbdi_carried A;     /* acceleration, with -gravity of the world */
+    rbdi_sums sum;      /* of the subtree; rbdi_sum_subtrees sums in place what each link has */
+    rbdi_bforce F;      /* column of M */
+    rbdi_bforce D;      /* column of the derivatives by v or, in rbd_coriolis, of C */
+    rbdi_b3 T;          /* moment that gives entries of rows of the same matrix */
+    rbdi_batch qd, qdd; /* velocity and acceleration of the dof, as given to the sweep */
+
+    /* Memory of one step each. A call that takes two takes them one after the other. */
+    union {
+        rbdi_by_q by_q;         /* from rbdi_columns_by_q to the entries */
+        rbdi_response response; /* rbdi_add_acceleration, before by_q */
+        rbdi_link_motion link;  /* rbd_regressor */
+        rbdi_bforce momentum;   /* rbdi_put_momenta: F in world axes, its moment about the centre of mass */
+        rbdi_bmotion mover;     /* derivatives of constraints, after by_q: motion of a body by this dof, world
+                                   axes, at the constraint's point */
+    } stage;
 };
 
 struct rbdi_constants {
-    rbdi_cbatch xx, xy, xz, yy, yz, zz, hx, hy, hz, m; /* regrouped: of a link's last dof, else 0 */
+    rbdi_cbatch xx, xy, xz, yy, yz, zz, hx, hy, hz, m; /* Sigma_b, h_b, m: of a link's last dof, else 0 */
     rbdi_cbatch subtree;                               /* mass of the subtree */
     rbdi_cbatch rho, kappa;
-    rbdi_cbatch all_hx, all_hy, all_hz, all_m; /* of the bodies as described, no mass moved between links */
+    rbdi_cbatch all_hx, all_hy, all_hz, all_m; /* h and m of the bodies as described, before regrouping */
 };
 
 typedef char
@@ -459,52 +528,130 @@ typedef char
 typedef char
     rbdi_constants_check[sizeof(rbdi_constants) == RBDI_CONSTANT * RBDI_BATCH * sizeof(rbd_const) ? 1 : -1];
 
+/* Index of a field in the scalars of rbdi_columns. */
+#define RBDI_PLACE(field) (offsetof(rbdi_columns, field) / sizeof(rbd_real))
+
+/* First component of a field of the first dof. Those of dof k are d->entry[k].at further. */
+#define RBDI_FIELD(d, field) ((rbd_real *)(d)->columns + RBDI_PLACE(field))
+
+/* First component of a field of dof k. The next components follow RBDI_BATCH scalars apart. */
+#define RBDI_OF(d, k, field) (RBDI_FIELD(d, field) + (d)->entry[k].at)
+
+/* The same of a constant of dof k. */
+#define RBDI_CONSTANT_OF(d, k, field) \
+    ((rbd_const *)&(d)->constants[(d)->entry[k].batch] + \
+     offsetof(rbdi_constants, field) / sizeof(rbd_const) + (d)->entry[k].lane)
+
+/* ---- vectors of batches [batches] ---- */
+
 RBDI_INLINE rbdi_b3 rbdi_b_vec(rbdi_batch x, rbdi_batch y, rbdi_batch z) {
     const rbdi_b3 v = {x, y, z};
     return v;
 }
+
 /* The vector in all lanes. */
 RBDI_INLINE rbdi_b3 rbdi_b_all(rbdi_v3 a) {
     return rbdi_b_vec(rbdi_all_lanes(a.x), rbdi_all_lanes(a.y), rbdi_all_lanes(a.z));
 }
+
 RBDI_INLINE rbdi_b3 rbdi_b_add(rbdi_b3 a, rbdi_b3 b) { return rbdi_b_vec(a.x + b.x, a.y + b.y, a.z + b.z); }
+
 RBDI_INLINE rbdi_b3 rbdi_b_scale(rbdi_batch k, rbdi_b3 a) { return rbdi_b_vec(k * a.x, k * a.y, k * a.z); }
-/* c + a x b: sums before products are contracted to FMA best. */
-RBDI_INLINE rbdi_b3 rbdi_b_cross_add(rbdi_b3 c, rbdi_b3 a, rbdi_b3 b) {
-    return rbdi_b_vec(c.x + a.y * b.z - a.z * b.y, c.y + a.z * b.x - a.x * b.z, c.z + a.x * b.y - a.y * b.x);
-}
+
+/* a x b, and with a sum added: sums before products are contracted to FMA best. */
 RBDI_INLINE rbdi_b3 rbdi_b_cross(rbdi_b3 a, rbdi_b3 b) {
     return rbdi_b_vec(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
 }
+
+RBDI_INLINE rbdi_b3 rbdi_b_cross_add(rbdi_b3 sum, rbdi_b3 a, rbdi_b3 b) {
+    return rbdi_b_vec(sum.x + a.y * b.z - a.z * b.y, sum.y + a.z * b.x - a.x * b.z,
+                      sum.z + a.x * b.y - a.y * b.x);
+}
+
+/* a' x of a batch of vectors a and one vector x, and with a sum added. */
+RBDI_INLINE rbdi_batch rbdi_b_dot(rbdi_b3 a, rbdi_v3 x) { return a.x * x.x + a.y * x.y + a.z * x.z; }
+
+RBDI_INLINE rbdi_batch rbdi_b_dot_add(rbdi_batch sum, rbdi_b3 a, rbdi_v3 x) {
+    return sum + a.x * x.x + a.y * x.y + a.z * x.z;
+}
+
 RBDI_INLINE rbdi_bmotion rbdi_b_motion_add(rbdi_bmotion a, rbdi_bmotion b) {
     a.omega = rbdi_b_add(a.omega, b.omega);
     a.v = rbdi_b_add(a.v, b.v);
     return a;
 }
-/* S' f. */
-RBDI_INLINE rbdi_batch rbdi_b_power(rbdi_bmotion S, rbdi_bforce f) {
-    return (f.n.x * S.omega.x + f.n.y * S.omega.y + f.n.z * S.omega.z) +
-           (f.f.x * S.v.x + f.f.y * S.v.y + f.f.z * S.v.z);
-}
+
 RBDI_INLINE rbdi_bmotion rbdi_b_motion_scale(rbdi_batch k, rbdi_bmotion a) {
     const rbdi_bmotion b = {rbdi_b_scale(k, a.omega), rbdi_b_scale(k, a.v)};
     return b;
 }
-/* V x S, and with c added. */
-RBDI_INLINE rbdi_bmotion rbdi_b_motion_cross_add(rbdi_bmotion c, rbdi_bmotion V, rbdi_bmotion S) {
-    c.omega = rbdi_b_cross_add(c.omega, V.omega, S.omega);
-    c.v = rbdi_b_cross_add(rbdi_b_cross_add(c.v, V.v, S.omega), V.omega, S.v);
-    return c;
-}
-RBDI_INLINE rbdi_bmotion rbdi_b_motion_cross(rbdi_bmotion V, rbdi_bmotion S) {
-    rbdi_bmotion c;
-    c.omega = rbdi_b_cross(V.omega, S.omega);
-    c.v = rbdi_b_cross_add(rbdi_b_cross(V.v, S.omega), V.omega, S.v);
-    return c;
+
+RBDI_INLINE rbdi_bforce rbdi_b_force_add(rbdi_bforce a, rbdi_bforce b) {
+    a.n = rbdi_b_add(a.n, b.n);
+    a.f = rbdi_b_add(a.f, b.f);
+    return a;
 }
 
-/* The first component of a field of dof k. The next components follow RBDI_BATCH scalars apart. */
-#define RBDI_OF(d, k, field) ((rbd_real *)&(d)->columns->field + (d)->entry[k].at)
+/* V x S = (omega x S_omega; v x S_omega + omega x S_v), and with a sum added. */
+RBDI_INLINE rbdi_bmotion rbdi_b_motion_cross(rbdi_bmotion V, rbdi_bmotion S) {
+    rbdi_bmotion product;
+    product.omega = rbdi_b_cross(V.omega, S.omega);
+    product.v = rbdi_b_cross_add(rbdi_b_cross(V.v, S.omega), V.omega, S.v);
+    return product;
+}
+
+RBDI_INLINE rbdi_bmotion rbdi_b_motion_cross_add(rbdi_bmotion sum, rbdi_bmotion V, rbdi_bmotion S) {
+    sum.omega = rbdi_b_cross_add(sum.omega, V.omega, S.omega);
+    sum.v = rbdi_b_cross_add(rbdi_b_cross_add(sum.v, V.v, S.omega), V.omega, S.v);
+    return sum;
+}
+
+/* S' f of motions and forces: two batches; a batch of motions and one force; a batch of forces and one
+   motion; one of each. */
+RBDI_INLINE rbdi_batch rbdi_b_power(rbdi_bmotion S, rbdi_bforce f) {
+    return (f.n.x * S.omega.x + f.n.y * S.omega.y + f.n.z * S.omega.z) +
+           (f.f.x * S.v.x + f.f.y * S.v.y + f.f.z * S.v.z);
+}
+
+RBDI_INLINE rbdi_batch rbdi_b_motion_dot(rbdi_bmotion S, rbdi_force F) {
+    return rbdi_b_dot_add(rbdi_b_dot(S.omega, F.n), S.v, F.f);
+}
+
+RBDI_INLINE rbdi_batch rbdi_b_force_dot(rbdi_bforce F, rbdi_motion S) {
+    return rbdi_b_dot_add(rbdi_b_dot(F.n, S.omega), F.f, S.v);
+}
+
+RBDI_INLINE rbd_real rbdi_power(rbdi_motion S, rbdi_force F) {
+    return rbdi_dot(S.omega, F.n) + rbdi_dot(S.v, F.f);
+}
+
+/* R (x; y; z) of constants in the axes of the links. */
+RBDI_INLINE rbdi_b3 rbdi_b_rotate(const rbdi_columns *cols, rbdi_cbatch x, rbdi_cbatch y, rbdi_cbatch z) {
+    const rbdi_b3 ex = cols->ex, ey = cols->ey, ez = cols->ez;
+    return rbdi_b_vec(ex.x * x + ey.x * y + ez.x * z, ex.y * x + ey.y * y + ez.y * z,
+                      ex.z * x + ey.z * y + ez.z * z);
+}
+
+/* E' a, of one matrix. */
+RBDI_INLINE rbdi_b3 rbdi_b_mul_t(rbdi_mat E, rbdi_b3 a) {
+    return rbdi_b_vec(a.x * E.xx + a.y * E.yx + a.z * E.zx, a.x * E.xy + a.y * E.yy + a.z * E.zy,
+                      a.x * E.xz + a.y * E.yz + a.z * E.zz);
+}
+
+/* Copies so many scalars, a batch at a time. */
+RBDI_INLINE void rbdi_copy(const rbd_real *x, int count, rbd_real *y) {
+    int k = 0;
+    for (; k + RBDI_BATCH <= count; k += RBDI_BATCH) *(rbdi_batch *)&y[k] = *(const rbdi_batch *)&x[k];
+    for (; k < count; ++k) y[k] = x[k];
+}
+
+/* Copies the scalars of a batch that are left in an array: all or, of its last batch, the first ones. */
+RBDI_INLINE void rbdi_copy_batch(const rbd_real *batch, int left, rbd_real *y) {
+    rbdi_copy(batch, left < RBDI_BATCH ? left : RBDI_BATCH, y);
+}
+
+/* ==== src/derivatives/common_frame.h ==== */
+/* ---- motion in the common frame [common motion] ---- */
 
 RBDI_INLINE int rbdi_last_dof(const rbd_model *m, int link) {
     return m->link[link].first + rbdi_link_dofs(m, &m->link[link]) - 1;
@@ -515,34 +662,46 @@ RBDI_INLINE int rbdi_dof_axis(const rbd_model *m, const rbdi_link *l, int k) {
     return rbdi_is(l, RBDI_BLOCK) ? (rbdi_block_of(m, l)->first + k - l->first) % 3 : 2;
 }
 
-/* Stores axes and origin of a link for one of its dofs. The axes are cycled so that z is the dof's own. */
-RBDI_INLINE void rbdi_put_axes(rbd_real *out, const rbdi_four *ex, const rbdi_four *ey, const rbdi_four *ez,
-                               const rbdi_four *origin) {
-    rbdi_store_vec(out, RBDI_BATCH, rbdi_axis_vec(ex));
-    rbdi_store_vec(out + 3 * RBDI_BATCH, RBDI_BATCH, rbdi_axis_vec(ey));
-    rbdi_store_vec(out + 6 * RBDI_BATCH, RBDI_BATCH, rbdi_axis_vec(ez));
-    rbdi_store_vec(out + 9 * RBDI_BATCH, RBDI_BATCH, rbdi_axis_vec(origin));
+/* Stores axes and origin of a link for dof k. e: the axes, cycled so that the last is the dof's own. */
+RBDI_INLINE void rbdi_put_axes(rbd_derivatives *d, int k, const rbdi_four *ex, const rbdi_four *ey,
+                               const rbdi_four *ez, const rbdi_four *origin) {
+    rbdi_store_vec(RBDI_OF(d, k, ex), RBDI_BATCH, rbdi_axis_vec(ex));
+    rbdi_store_vec(RBDI_OF(d, k, ey), RBDI_BATCH, rbdi_axis_vec(ey));
+    rbdi_store_vec(RBDI_OF(d, k, ez), RBDI_BATCH, rbdi_axis_vec(ez));
+    rbdi_store_vec(RBDI_OF(d, k, x), RBDI_BATCH, rbdi_axis_vec(origin));
 }
+
 /* The same for the dofs of a block from k on. */
 RBDI_PART void rbdi_put_block_axes(const rbd_model *m, rbd_derivatives *d, const rbdi_link *l, int k,
                                    const rbdi_axes *p) {
     const rbdi_four *const e[3] = {&p->x, &p->y, &p->z};
+
     for (; k < d->entry[l->first].joint; ++k) {
         const int axis = rbdi_dof_axis(m, l, k);
-        rbdi_put_axes(RBDI_OF(d, k, ex), e[(axis + 1) % 3], e[(axis + 2) % 3], e[axis], &p->origin);
+        rbdi_put_axes(d, k, e[(axis + 1) % 3], e[(axis + 2) % 3], e[axis], &p->origin);
     }
 }
+
 /* Pose of a link in the common frame, x_link = E (x - r), from its last dof. */
 RBDI_INLINE rbdi_pose rbdi_common_pose(const rbd_model *m, const rbd_derivatives *d, int link) {
     const int last = rbdi_last_dof(m, link), axis = rbdi_dof_axis(m, &m->link[link], last);
-    const rbd_real *in = RBDI_OF(d, last, ex);
     rbdi_v3 e[3];
     rbdi_pose pose;
-    for (int k = 0; k < 3; ++k) e[(axis + 1 + k) % 3] = rbdi_load_vec(in + 3 * k * RBDI_BATCH, RBDI_BATCH);
-    pose.E.xx = e[0].x, pose.E.xy = e[0].y, pose.E.xz = e[0].z;
-    pose.E.yx = e[1].x, pose.E.yy = e[1].y, pose.E.yz = e[1].z;
-    pose.E.zx = e[2].x, pose.E.zy = e[2].y, pose.E.zz = e[2].z;
-    pose.r = rbdi_load_vec(in + 9 * RBDI_BATCH, RBDI_BATCH);
+
+    e[(axis + 1) % 3] = rbdi_load_vec(RBDI_OF(d, last, ex), RBDI_BATCH);
+    e[(axis + 2) % 3] = rbdi_load_vec(RBDI_OF(d, last, ey), RBDI_BATCH);
+    e[axis] = rbdi_load_vec(RBDI_OF(d, last, ez), RBDI_BATCH);
+
+    pose.E.xx = e[0].x;
+    pose.E.xy = e[0].y;
+    pose.E.xz = e[0].z;
+    pose.E.yx = e[1].x;
+    pose.E.yy = e[1].y;
+    pose.E.yz = e[1].z;
+    pose.E.zx = e[2].x;
+    pose.E.zy = e[2].y;
+    pose.E.zz = e[2].z;
+    pose.r = rbdi_load_vec(RBDI_OF(d, last, x), RBDI_BATCH);
     return pose;
 }
 
@@ -555,65 +714,80 @@ RBDI_PART void rbdi_move_origin(const rbd_model *m, rbd_derivatives *d, int i, r
 
 /* Axes and origins of all links. base: dofs of a free base whose axes the frame has, or 0. */
 RBDI_PART void rbdi_poses(const rbd_model *m, rbd_derivatives *d, int base) {
-    const int known = base ? 0 : -1; /* the last link that is where the root is */
-    rbdi_axes p;
+    const int known = base ? 0 : -1; /* the last link that is where the frame is */
+    rbdi_axes p;                     /* of the link before, then of link i */
     rbdi_world_axes(&p);
+
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
+
         if (l->parent <= known) {
             rbdi_world_axes(&p);
         } else if (l->parent != i - 1) {
             const rbdi_pose parent = rbdi_common_pose(m, d, l->parent);
             rbdi_load_axes(&p, &parent);
         }
+
         if (!rbdi_is(l, RBDI_BLOCK))
             RBDI_BY_FLAGS(const int flags, l,
                           rbdi_axes_step(l, flags, rbdi_trig_of(m, d->work, i, flags), &p));
         else if (i > 0 || !base)
             rbdi_axes_block(&d->work->block[l->block].X, rbdi_on_world(l), &p);
+
         if (d->origin[i] >= 0) {
             if (d->origin[i] < i) rbdi_move_origin(m, d, i, rbdi_axis_vec(&p.origin));
             rbdi_set_axis(&p.origin, rbdi_vec0());
         }
+
         if (rbdi_is(l, RBDI_BLOCK)) {
             const rbdi_axes own = p; /* an address of p would keep it in memory */
             rbdi_put_block_axes(m, d, l, i == 0 && base ? base - 1 : l->first, &own);
         } else
-            rbdi_put_axes(RBDI_OF(d, l->first, ex), &p.x, &p.y, &p.z, &p.origin);
+            rbdi_put_axes(d, l->first, &p.x, &p.y, &p.z, &p.origin);
     }
 }
 
-/* S of the dofs from a batch on. */
+/* S = (rho ez; kappa ez + x x rho ez) of the dofs from batch b on. */
 RBDI_PART void rbdi_motion_columns(rbd_derivatives *d, int b) {
     for (; b < d->batches; ++b) {
-        rbdi_columns *c = &d->columns[b];
+        rbdi_columns *cols = &d->columns[b];
         const rbdi_constants *own = &d->constants[b];
-        const rbdi_b3 turn = rbdi_b_vec(c->ez.x * own->rho, c->ez.y * own->rho, c->ez.z * own->rho);
-        const rbdi_b3 slide = rbdi_b_vec(c->ez.x * own->kappa, c->ez.y * own->kappa, c->ez.z * own->kappa);
-        c->S.omega = turn;
-        c->S.v = rbdi_b_cross_add(slide, c->x, turn);
+        const rbdi_b3 ez = cols->ez;
+        const rbdi_b3 turn = rbdi_b_vec(ez.x * own->rho, ez.y * own->rho, ez.z * own->rho);
+        const rbdi_b3 slide = rbdi_b_vec(ez.x * own->kappa, ez.y * own->kappa, ez.z * own->kappa);
+
+        cols->S.omega = turn;
+        cols->S.v = rbdi_b_cross_add(slide, cols->x, turn);
     }
 }
 
-/* Sums over ancestors: Vp from dV, or Ap from dA, which begins `apart` scalars behind. world: V or A of the
-   roots' parent or, with a base, of the base. moves: whether the frame moves with its origin, so that the
-   velocity of that is subtracted. */
-RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, ptrdiff_t apart,
-                                    rbdi_motion world, int moves) {
+/* Sums over ancestors: p of an rbdi_carried from the joints' parts. Vp: its first scalar in d->columns.
+   world: the motion of the roots' parent or, with a base, of the base
+   moves: whether the motion is a velocity, which is taken relative to that of the common origin */
+RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, rbdi_motion world,
+                                    int moves) {
+    const ptrdiff_t apart = offsetof(rbdi_carried, joint) / sizeof(rbd_real); /* from p to joint */
     const rbdi_entry *entry = d->entry;
+    const rbdi_segment *seg = d->segment + (base > 0), *end = d->segment + d->segments;
+
     if (base) {
         rbdi_store_motion(Vp + entry[base - 1].at, RBDI_BATCH, world);
         rbdi_store_motion(Vp + entry[base - 1].at + apart, RBDI_BATCH, rbdi_motion0());
     }
-    for (const rbdi_segment *seg = d->segment + (base > 0), *last = d->segment + d->segments; seg < last;
-         ++seg) {
+
+    for (; seg < end; ++seg) {
         rbdi_motion V = world;
+
+        /* the motion of the parent, the last dof of another segment */
         if (seg->parent >= base) {
             const rbd_real *in = Vp + entry[seg->parent].at;
             V = rbdi_motion_add(rbdi_load_motion(in, RBDI_BATCH), rbdi_load_motion(in + apart, RBDI_BATCH));
         }
+
+        /* of a root: that of the world, -v of the common origin */
         for (int k = seg->first; moves && k < seg->origin; ++k)
             V.v = rbdi_sub(V.v, rbdi_load_vec(Vp + entry[k].at + apart + 3 * RBDI_BATCH, RBDI_BATCH));
+
         if (seg->block) {
             rbdi_motion all = rbdi_motion0();
             for (int k = seg->first; k < seg->end; ++k)
@@ -624,6 +798,7 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
             }
             continue;
         }
+
         for (int k = seg->first; k < seg->end; ++k) {
             rbd_real *out = Vp + entry[k].at;
             RBDI_ONE_INDEX(out);
@@ -633,53 +808,55 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
     }
 }
 
-/* Copies so many scalars, a batch at a time. */
-RBDI_INLINE void rbdi_copy(const rbd_real *x, int count, rbd_real *y) {
-    int k = 0;
-    for (; k + RBDI_BATCH <= count; k += RBDI_BATCH) *(rbdi_batch *)&y[k] = *(const rbdi_batch *)&x[k];
-    for (; k < count; ++k) y[k] = x[k];
-}
-/* Copies v or a into the lanes, which have the same order, from dof k on: 0 or the first behind a base. */
+/* Copies v or a into the lanes, which have the same order, from dof k on: 0 or the first behind a base.
+   out: the field's first scalar in d->columns. */
 RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v, rbd_real *out) {
     const int n = d->n;
+
     for (; k < d->base; ++k) out[d->entry[k].at] = v[k];
+
     out += d->behind * RBDI_COLUMN_SIZE * RBDI_BATCH;
-    for (; k < n; k += RBDI_BATCH, out += RBDI_COLUMN_SIZE * RBDI_BATCH)
-        rbdi_copy(v + k, n - k < RBDI_BATCH ? n - k : RBDI_BATCH, out);
+    for (; k < n; k += RBDI_BATCH, out += RBDI_COLUMN_SIZE * RBDI_BATCH) rbdi_copy_batch(v + k, n - k, out);
 }
 
 /* Quantities that a call needs beyond F. F depends on q only. */
 enum {
     RBDI_NEED_V = 1,        /* D and T, from v */
-    RBDI_NEED_WRENCH = 2,   /* sums of f, from v and a; Phi and E by rbdi_columns_by_q */
+    RBDI_NEED_WRENCH = 2,   /* sums of f, from v and a; then rbdi_columns_by_q gives Phi and E */
     RBDI_NEED_CORIOLIS = 4, /* B instead of 2 B: X and P from V, not from 2 V, and U = V x S */
-    RBDI_NEED_WHOLE = 16    /* with the linear velocity of a free base and gravity */
+    RBDI_NEED_WHOLE = 16    /* with the linear velocity of a free base and gravity, else both are 0 */
 };
 
-/* V_p, dV, Psi and, if needed, U. */
+/* V_p, the joints' S qd, Psi = V_p x S and, if needed, U. */
 RBDI_INLINE void rbdi_velocities(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *v,
                                  int need) {
     const int first = base ? d->behind : 0;
     rbdi_motion world = rbdi_motion0();
     if (base) world.omega = d->V.omega;
-    rbdi_spread(d, base, rbdi_expand_v(m, v, d->work->vx), (rbd_real *)&d->columns->qd);
+
+    rbdi_spread(d, base, rbdi_expand_v(m, v, d->work->vx), RBDI_FIELD(d, qd));
     for (int b = first; b < d->batches; ++b) {
-        rbdi_columns *c = &d->columns[b];
-        c->dV = rbdi_b_motion_scale(c->qd, c->S);
+        rbdi_columns *cols = &d->columns[b];
+        cols->V.joint = rbdi_b_motion_scale(cols->qd, cols->S);
     }
-    rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Vp, 6 * RBDI_BATCH, world, 1);
+
+    rbdi_sum_ancestors(d, base, RBDI_FIELD(d, V), world, 1);
+
     for (int b = first; b < d->batches; ++b) {
-        rbdi_columns *c = &d->columns[b];
-        const rbdi_bmotion V = rbdi_b_motion_add(c->Vp, c->dV), S = c->S, Psi = rbdi_b_motion_cross(c->Vp, S);
-        c->Psi = Psi;
+        rbdi_columns *cols = &d->columns[b];
+        const rbdi_bmotion V = rbdi_b_motion_add(cols->V.p, cols->V.joint), S = cols->S,
+                           Psi = rbdi_b_motion_cross(cols->V.p, S);
+        cols->Psi = Psi;
+
         if (need & RBDI_NEED_CORIOLIS)
-            c->U = rbdi_b_motion_cross(V, S);
+            cols->U = rbdi_b_motion_cross(V, S);
         else if (need & RBDI_NEED_V)
-            c->U = rbdi_b_motion_cross_add(Psi, V, S);
+            cols->U = rbdi_b_motion_cross_add(Psi, V, S);
     }
 }
 
-/* A_p and dA. The world accelerates by -gravity. */
+/* A_p and the joints' Psi qd + S qdd. The world accelerates by -gravity, a free base by
+   (w_dot; v_dot + w x v - gravity). */
 RBDI_INLINE void rbdi_accelerations(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *a,
                                     rbdi_c3 gravity) {
     const int first = base ? d->behind : 0;
@@ -687,30 +864,54 @@ RBDI_INLINE void rbdi_accelerations(const rbd_model *m, rbd_derivatives *d, int 
     A.v = rbdi_sub(A.v, rbdi_vec_c(gravity));
     if (base) {
         A = rbdi_load_motion(a, 1);
-        A.v = rbdi_add(rbdi_add(A.v, d->up), rbdi_cross(d->V.omega, d->V.v));
+        A.v = rbdi_add(rbdi_add(A.v, d->minus_g), rbdi_cross(d->V.omega, d->V.v));
     }
-    rbdi_spread(d, base, rbdi_expand_v(m, a, d->work->ax), (rbd_real *)&d->columns->qdd);
+
+    rbdi_spread(d, base, rbdi_expand_v(m, a, d->work->ax), RBDI_FIELD(d, qdd));
     for (int b = first; b < d->batches; ++b) {
-        rbdi_columns *c = &d->columns[b];
-        c->dA = rbdi_b_motion_add(rbdi_b_motion_scale(c->qd, c->Psi), rbdi_b_motion_scale(c->qdd, c->S));
+        rbdi_columns *cols = &d->columns[b];
+        cols->A.joint = rbdi_b_motion_add(rbdi_b_motion_scale(cols->qd, cols->Psi),
+                                          rbdi_b_motion_scale(cols->qdd, cols->S));
     }
-    rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Ap, 6 * RBDI_BATCH, A, 0);
+
+    rbdi_sum_ancestors(d, base, RBDI_FIELD(d, A), A, 0);
 }
 
-/* R (x; y; z) of constants in the axes of the links. */
-RBDI_INLINE rbdi_b3 rbdi_b_rotate(const rbdi_columns *c, rbdi_cbatch x, rbdi_cbatch y, rbdi_cbatch z) {
-    const rbdi_b3 ex = c->ex, ey = c->ey, ez = c->ez;
-    return rbdi_b_vec(ex.x * x + ey.x * y + ez.x * z, ex.y * x + ey.y * y + ez.y * z,
-                      ex.z * x + ey.z * y + ez.z * z);
+/* The sweep towards the leaves: the motion of all dofs. Reads v, a and gravity only if need asks for them. */
+RBDI_INLINE void rbdi_common_motion(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *q,
+                                    const rbd_real *v, const rbd_real *a, rbdi_c3 gravity, int need) {
+    rbdi_joints(m, d->work, rbdi_expand_q(m, d->work, q));
+
+    if (base && need) {
+        d->V.omega = rbdi_load_vec(v, 1);
+        d->V.v = d->minus_g = rbdi_vec0();
+    }
+    if (base && need & RBDI_NEED_WHOLE) {
+        d->V.v = rbdi_load_vec(v + 3, 1);
+        d->minus_g = rbdi_sub(d->minus_g, rbdi_mul(d->work->block[0].X.E, rbdi_vec_c(gravity)));
+    }
+
+    rbdi_poses(m, d, base);
+    rbdi_motion_columns(d, base ? d->behind : 0);
+    if (need) rbdi_velocities(m, d, base, v, need);
+    if (need & RBDI_NEED_WRENCH) rbdi_accelerations(m, d, base, a, gravity);
 }
-/* Sigma and h of the links, from R h_b and the columns of R Sigma_b. */
-RBDI_INLINE void rbdi_own_inertia(const rbdi_columns *c, const rbdi_constants *own, rbdi_sums *s) {
-    const rbdi_b3 ex = c->ex, ey = c->ey, ez = c->ez, x = c->x;
-    const rbdi_b3 h = rbdi_b_rotate(c, own->hx, own->hy, own->hz),
-                  col_x = rbdi_b_rotate(c, own->xx, own->xy, own->xz),
-                  col_y = rbdi_b_rotate(c, own->xy, own->yy, own->yz),
-                  col_z = rbdi_b_rotate(c, own->xz, own->yz, own->zz);
+
+/* ==== src/derivatives/subtrees.h ==== */
+/* ---- links, subtrees, columns [subtrees] ----
+   From the motion of all dofs to their columns F, D, T, E: the inertia, momentum and wrench of each link,
+   their sums over subtrees, and products of these with S, U, Psi, Phi. */
+
+/* h = R h_b + m x, Sigma = R Sigma_b R' + x (R h_b)' + h x' of the links. col_x, col_y, col_z: R Sigma_b. */
+RBDI_INLINE void rbdi_own_inertia(const rbdi_columns *cols, const rbdi_constants *own, rbdi_sums *s) {
+    const rbdi_b3 ex = cols->ex, ey = cols->ey, ez = cols->ez, x = cols->x;
+    const rbdi_b3 h = rbdi_b_rotate(cols, own->hx, own->hy, own->hz),
+                  col_x = rbdi_b_rotate(cols, own->xx, own->xy, own->xz),
+                  col_y = rbdi_b_rotate(cols, own->xy, own->yy, own->yz),
+                  col_z = rbdi_b_rotate(cols, own->xz, own->yz, own->zz);
+
     s->h = rbdi_b_vec(h.x + x.x * own->m, h.y + x.y * own->m, h.z + x.z * own->m);
+
     s->xx = col_x.x * ex.x + col_y.x * ey.x + col_z.x * ez.x + x.x * h.x + s->h.x * x.x;
     s->xy = col_x.x * ex.y + col_y.x * ey.y + col_z.x * ez.y + x.x * h.y + s->h.x * x.y;
     s->xz = col_x.x * ex.z + col_y.x * ey.z + col_z.x * ez.z + x.x * h.z + s->h.x * x.z;
@@ -719,40 +920,48 @@ RBDI_INLINE void rbdi_own_inertia(const rbdi_columns *c, const rbdi_constants *o
     s->zz = col_x.z * ex.z + col_y.z * ey.z + col_z.z * ez.z + x.z * h.z + s->h.z * x.z;
 }
 
-/* X and P of the links. V is their velocity or, for 2 B in place of B, twice that. */
+/* X = [omega]x Sigma + v h', P = m v + omega x h of the links. V: their velocity or, for 2 B in place of B,
+   twice that. */
 RBDI_INLINE void rbdi_own_momentum(rbdi_bmotion V, const rbdi_constants *own, rbdi_sums *s) {
     const rbdi_b3 w = V.omega, v = V.v, h = s->h;
     const rbdi_b3 sx = rbdi_b_vec(s->xx, s->xy, s->xz), sy = rbdi_b_vec(s->xy, s->yy, s->yz),
                   sz = rbdi_b_vec(s->xz, s->yz, s->zz);
+
     s->Xx = rbdi_b_vec(w.y * sz.x - w.z * sy.x + v.x * h.x, w.y * sz.y - w.z * sy.y + v.x * h.y,
                        w.y * sz.z - w.z * sy.z + v.x * h.z);
     s->Xy = rbdi_b_vec(w.z * sx.x - w.x * sz.x + v.y * h.x, w.z * sx.y - w.x * sz.y + v.y * h.y,
                        w.z * sx.z - w.x * sz.z + v.y * h.z);
     s->Xz = rbdi_b_vec(w.x * sy.x - w.y * sx.x + v.z * h.x, w.x * sy.y - w.y * sx.y + v.z * h.y,
                        w.x * sy.z - w.y * sx.z + v.z * h.z);
+
     s->P = rbdi_b_cross_add(rbdi_b_vec(v.x * own->m, v.y * own->m, v.z * own->m), w, h);
 }
 
-/* The rows of Omega. */
-typedef struct rbdi_b33 {
-    rbdi_b3 x, y, z;
-} rbdi_b33;
-RBDI_INLINE rbdi_b33 rbdi_b_omega(rbdi_b3 w, rbdi_b3 alpha) {
+/* Omega = [omega_dot]x + [omega]x [omega]x. */
+RBDI_INLINE rbdi_b33 rbdi_b_omega(rbdi_b3 w, rbdi_b3 w_dot) {
     rbdi_b33 O;
-    O.x = rbdi_b_vec(-(w.y * w.y + w.z * w.z), w.x * w.y - alpha.z, w.x * w.z + alpha.y);
-    O.y = rbdi_b_vec(w.x * w.y + alpha.z, -(w.x * w.x + w.z * w.z), w.y * w.z - alpha.x);
-    O.z = rbdi_b_vec(w.x * w.z - alpha.y, w.y * w.z + alpha.x, -(w.x * w.x + w.y * w.y));
+    O.x = rbdi_b_vec(-(w.y * w.y + w.z * w.z), w.x * w.y - w_dot.z, w.x * w.z + w_dot.y);
+    O.y = rbdi_b_vec(w.x * w.y + w_dot.z, -(w.x * w.x + w.z * w.z), w.y * w.z - w_dot.x);
+    O.z = rbdi_b_vec(w.x * w.z - w_dot.y, w.y * w.z + w_dot.x, -(w.x * w.x + w.y * w.y));
     return O;
 }
 
-/* The wrench that moves each link: n_x = K_zy - K_yz of K = Omega Sigma + acc h', as in rbdi_wrench. */
+/* acc = a + omega x v. */
+RBDI_INLINE rbdi_b3 rbdi_b_classical(rbdi_bmotion V, rbdi_bmotion A) {
+    return rbdi_b_cross_add(A.v, V.omega, V.v);
+}
+
+/* The wrench that moves each link, as in rbdi_wrench:
+
+       f = Omega h + m acc,   n = (K_zy - K_yz; K_xz - K_zx; K_yx - K_xy),   K = Omega Sigma + acc h' */
 RBDI_INLINE void rbdi_own_wrench(rbdi_bmotion V, rbdi_bmotion A, const rbdi_constants *own, rbdi_sums *s) {
-    const rbdi_b3 h = s->h, acc = rbdi_b_cross_add(A.v, V.omega, V.v);
+    const rbdi_b3 h = s->h, acc = rbdi_b_classical(V, A);
     const rbdi_b33 O = rbdi_b_omega(V.omega, A.omega);
     const rbdi_b3 n =
         rbdi_b_vec(O.z.x * s->xy + O.z.y * s->yy + (O.z.z - O.y.y) * s->yz - O.y.x * s->xz - O.y.z * s->zz,
                    O.x.y * s->yz + (O.x.x - O.z.z) * s->xz + O.x.z * s->zz - O.z.x * s->xx - O.z.y * s->xy,
                    O.y.x * s->xx + (O.y.y - O.x.x) * s->xy + O.y.z * s->xz - O.x.y * s->yy - O.x.z * s->yz);
+
     s->f.n = rbdi_b_cross_add(n, h, acc);
     s->f.f = rbdi_b_vec(O.x.x * h.x + O.x.y * h.y + O.x.z * h.z + acc.x * own->m,
                         O.y.x * h.x + O.y.y * h.y + O.y.z * h.z + acc.y * own->m,
@@ -761,73 +970,129 @@ RBDI_INLINE void rbdi_own_wrench(rbdi_bmotion V, rbdi_bmotion A, const rbdi_cons
 
 /* Stores the sums that need asks for. */
 RBDI_INLINE void rbdi_store_sums(const rbdi_sums *s, int need, rbdi_sums *out) {
-    out->xx = s->xx, out->xy = s->xy, out->xz = s->xz, out->yy = s->yy, out->yz = s->yz, out->zz = s->zz;
+    out->xx = s->xx;
+    out->xy = s->xy;
+    out->xz = s->xz;
+    out->yy = s->yy;
+    out->yz = s->yz;
+    out->zz = s->zz;
     out->h = s->h;
-    if (need & RBDI_NEED_V) out->Xx = s->Xx, out->Xy = s->Xy, out->Xz = s->Xz, out->P = s->P;
+
+    if (need & RBDI_NEED_V) {
+        out->Xx = s->Xx;
+        out->Xy = s->Xy;
+        out->Xz = s->Xz;
+        out->P = s->P;
+    }
+
     if (need & RBDI_NEED_WRENCH) out->f = s->f;
 }
 
 /* Subtracts external wrenches from those of the links. */
 RBDI_PART void rbdi_common_external(const rbd_model *m, rbd_derivatives *d, const rbd_real *f_ext) {
     const int bodies = f_ext ? m->nb : 0;
+
     for (int body = 0; body < bodies; ++body) {
         const rbdi_frame *u = &m->frame[body];
         rbdi_pose pose;
         rbdi_force F;
         rbd_real *out;
         if (u->link < 0) continue;
+
+        /* from the body to its link, then to the common frame */
         pose.E = rbdi_mat_c(u->E);
         pose.r = rbdi_vec_c(u->r);
-        F = rbdi_force_up_block(&pose, rbdi_load_force(f_ext + 6 * body, 1)); /* to the link */
+        F = rbdi_force_up_block(&pose, rbdi_load_force(f_ext + 6 * body, 1));
         pose = rbdi_common_pose(m, d, u->link);
         F = rbdi_force_up_block(&pose, F);
+
         out = RBDI_OF(d, rbdi_last_dof(m, u->link), sum.f);
         rbdi_store_force(out, RBDI_BATCH, rbdi_force_sub(rbdi_load_force(out, RBDI_BATCH), F));
     }
 }
 
-/* ==== src/derivatives/subtrees.h ==== */
-/* Sums so many components, from x on, over subtrees, for the segments from root on: at most 14 of the 27, for
-   which there are registers. All dofs of a block get the sum of the block. Segments are taken one after the
-   other: equal limbs as lanes, such as HyQ's legs, took more time. */
+/* The first batch with a link's inertia, which the link's last dof has. */
+RBDI_INLINE int rbdi_first_inertia(const rbd_derivatives *d, int base) {
+    return base ? d->entry[base - 1].batch : 0;
+}
+
+/* Inertias, momenta and wrenches of the links, each alone. */
+RBDI_INLINE void rbdi_own_sums(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *f_ext,
+                               int need) {
+    for (int b = rbdi_first_inertia(d, base); b < d->batches; ++b) {
+        rbdi_columns *cols = &d->columns[b];
+        const rbdi_constants *own = &d->constants[b];
+        rbdi_bmotion V;
+        rbdi_sums s; /* not in place: what lies in memory is read again after every store */
+
+        rbdi_own_inertia(cols, own, &s);
+        if (need) V = rbdi_b_motion_add(cols->V.p, cols->V.joint);
+        if (need & RBDI_NEED_WRENCH) rbdi_own_wrench(V, rbdi_b_motion_add(cols->A.p, cols->A.joint), own, &s);
+        if (need & RBDI_NEED_V)
+            rbdi_own_momentum(need & RBDI_NEED_CORIOLIS ? V : rbdi_b_motion_add(V, V), own, &s);
+        rbdi_store_sums(&s, need, &cols->sum);
+    }
+
+    if (need & RBDI_NEED_WRENCH) rbdi_common_external(m, d, f_ext);
+}
+
+/* Sums so many components of a field over subtrees, for the segments from root on: at most 14, for which
+   there are registers. x: the field's first scalar in d->columns. All dofs of a block get the sum of the
+   block. Segments are taken one after the other: equal limbs as lanes, such as HyQ's legs, took more time.
+   */
 RBDI_INLINE void rbdi_sum_components(rbd_derivatives *d, const rbdi_segment *root, rbd_real *x, int count) {
     for (const rbdi_segment *seg = d->segment + d->segments - 1; seg >= root; --seg) {
         const rbdi_entry *e = d->entry + seg->end - 1, *first = d->entry + seg->first;
         const rbd_real *last = x + e->at;
         rbd_real sum[14], *out;
+
+        /* up the segment: each dof adds what it has */
         RBDI_ONE_INDEX(last);
         RBDI_UNROLL_SUMS for (int j = 0; j < count; ++j) sum[j] = last[j * RBDI_BATCH];
         while (e > first) {
             out = x + (--e)->at;
             RBDI_ONE_INDEX(out);
-            RBDI_UNROLL_SUMS for (int j = 0; j < count; ++j) out[j * RBDI_BATCH] = sum[j] =
-                sum[j] + out[j * RBDI_BATCH];
+            RBDI_UNROLL_SUMS for (int j = 0; j < count; ++j) {
+                sum[j] = sum[j] + out[j * RBDI_BATCH];
+                out[j * RBDI_BATCH] = sum[j];
+            }
         }
+
         for (e = first + 1; seg->block && e < d->entry + seg->end; ++e) {
             out = x + e->at;
             RBDI_UNROLL_SUMS for (int j = 0; j < count; ++j) out[j * RBDI_BATCH] = sum[j];
         }
+
         if (seg->parent < 0) continue;
         out = x + d->entry[seg->parent].at;
         RBDI_ONE_INDEX(out);
         RBDI_UNROLL_SUMS for (int j = 0; j < count; ++j) out[j * RBDI_BATCH] = out[j * RBDI_BATCH] + sum[j];
     }
 }
+
+/* Sums all that need asks for. With all of it the 27 components go in two halves. */
 RBDI_INLINE void rbdi_sum_subtrees(rbd_derivatives *d, const rbdi_segment *root, int need) {
-    rbd_real *x = (rbd_real *)&d->columns->sum;
-    if (!(need & RBDI_NEED_V)) {
-        rbdi_sum_components(d, root, x, 9);
-        if (need & RBDI_NEED_WRENCH) rbdi_sum_components(d, root, x + 21 * RBDI_BATCH, 6);
+    enum { ALL = RBDI_INERTIA_SUMS + RBDI_MOMENTUM_SUMS + RBDI_WRENCH_SUMS, HALF = 14 };
+    const int wrench = need & RBDI_NEED_WRENCH;
+    rbd_real *x = RBDI_FIELD(d, sum);
+
+    if (need & RBDI_NEED_V) {
+        rbdi_sum_components(d, root, x, HALF);
+        rbdi_sum_components(d, root, x + HALF * RBDI_BATCH, ALL - HALF - (wrench ? 0 : RBDI_WRENCH_SUMS));
         return;
     }
-    rbdi_sum_components(d, root, x, 14);
-    rbdi_sum_components(d, root, x + 14 * RBDI_BATCH, need & RBDI_NEED_WRENCH ? 13 : 7);
+
+    rbdi_sum_components(d, root, x, RBDI_INERTIA_SUMS);
+    if (wrench) rbdi_sum_components(d, root, RBDI_FIELD(d, sum.f), RBDI_WRENCH_SUMS);
 }
 
-/* I V of a subtree. */
+/* I V of a subtree, with V = (w; v) and tr(Sigma) - Sigma in I:
+
+       n = (tr(Sigma) - Sigma) w + h x v,   f = m v + w x h */
 RBDI_INLINE rbdi_bforce rbdi_inertia_times(const rbdi_sums *s, rbdi_cbatch mass, rbdi_bmotion V) {
     const rbdi_b3 w = V.omega, v = V.v;
     rbdi_bforce F;
+
     F.n = rbdi_b_vec((s->yy + s->zz) * w.x - s->xy * w.y - s->xz * w.z,
                      (s->xx + s->zz) * w.y - s->xy * w.x - s->yz * w.z,
                      (s->xx + s->yy) * w.z - s->xz * w.x - s->yz * w.y);
@@ -835,119 +1100,96 @@ RBDI_INLINE rbdi_bforce rbdi_inertia_times(const rbdi_sums *s, rbdi_cbatch mass,
     F.f = rbdi_b_cross_add(rbdi_b_vec(v.x * mass, v.y * mass, v.z * mass), w, s->h);
     return F;
 }
-/* F + B (w; any) = F + (G w / 2; w x P). */
+
+/* F + B (w; any): n + (tr(X) - X) w and f + w x P. */
 RBDI_INLINE rbdi_bforce rbdi_subtree_B_add(rbdi_bforce F, const rbdi_sums *s, rbdi_b3 w) {
     const rbdi_b3 x = s->Xx, y = s->Xy, z = s->Xz;
+
     F.n = rbdi_b_vec(F.n.x + (y.y + z.z) * w.x - x.y * w.y - x.z * w.z,
                      F.n.y + (x.x + z.z) * w.y - y.x * w.x - y.z * w.z,
                      F.n.z + (x.x + y.y) * w.z - z.x * w.x - z.y * w.y);
     F.f = rbdi_b_cross_add(F.f, w, s->P);
     return F;
 }
-/* Moment of B' S. */
+
+/* The moment of B' S: (tr(X) - X)' w + P x v of S = (w; v). */
 RBDI_INLINE rbdi_b3 rbdi_subtree_B_t(const rbdi_sums *s, rbdi_bmotion S) {
     const rbdi_b3 x = s->Xx, y = s->Xy, z = s->Xz, w = S.omega;
     const rbdi_b3 n =
         rbdi_b_vec((y.y + z.z) * w.x - y.x * w.y - z.x * w.z, (x.x + z.z) * w.y - x.y * w.x - z.y * w.z,
                    (x.x + y.y) * w.z - x.z * w.x - y.z * w.y);
+
     return rbdi_b_cross_add(n, s->P, S.v);
 }
-RBDI_INLINE rbdi_bforce rbdi_b_force_add(rbdi_bforce a, rbdi_bforce b) {
-    a.n = rbdi_b_add(a.n, b.n);
-    a.f = rbdi_b_add(a.f, b.f);
-    return a;
+
+/* F = I S and, if needed, T = 2 B' S and D = 2 B S + I U of a batch of dofs. */
+RBDI_INLINE void rbdi_force_columns(rbdi_columns *cols, const rbdi_constants *own, int need) {
+    const rbdi_sums *s = &cols->sum;
+    const rbdi_bmotion S = cols->S;
+
+    if (need & RBDI_NEED_V) {
+        cols->T = rbdi_subtree_B_t(s, S);
+        cols->D = rbdi_subtree_B_add(rbdi_inertia_times(s, own->subtree, cols->U), s, S.omega);
+    }
+
+    cols->F = rbdi_inertia_times(s, own->subtree, S);
 }
 
-/* Phi and E of the dofs behind a free base, from A_p and f. */
+/* Phi = A_p x S + V_p x Psi and E = 2 B Psi + I Phi + S x* f of the dofs behind a free base, where
+   S x* f = (S_omega x n + S_v x f; S_omega x f). */
 RBDI_PART void rbdi_columns_by_q(rbd_derivatives *d) {
     for (int b = d->base ? d->behind : 0; b < d->batches; ++b) {
-        rbdi_columns *c = &d->columns[b];
-        const rbdi_sums *s = &c->sum;
-        const rbdi_bmotion S = c->S,
-                           Phi = rbdi_b_motion_cross_add(rbdi_b_motion_cross(c->Ap, S), c->Vp, c->Psi);
+        rbdi_columns *cols = &d->columns[b];
+        const rbdi_sums *s = &cols->sum;
+        const rbdi_bmotion S = cols->S, Phi = rbdi_b_motion_cross_add(rbdi_b_motion_cross(cols->A.p, S),
+                                                                      cols->V.p, cols->Psi);
         const rbdi_bforce f = s->f;
         rbdi_bforce E =
-            rbdi_subtree_B_add(rbdi_inertia_times(s, d->constants[b].subtree, Phi), s, c->Psi.omega);
+            rbdi_subtree_B_add(rbdi_inertia_times(s, d->constants[b].subtree, Phi), s, cols->Psi.omega);
+
         E.n = rbdi_b_cross_add(rbdi_b_cross_add(E.n, S.omega, f.n), S.v, f.f);
         E.f = rbdi_b_cross_add(E.f, S.omega, f.f);
-        c->Phi = Phi, c->E = E;
-    }
-}
-/* F and, if needed, D and T of a batch of dofs. */
-RBDI_INLINE void rbdi_force_columns(rbdi_columns *c, const rbdi_constants *own, int need) {
-    const rbdi_sums *s = &c->sum;
-    const rbdi_bmotion S = c->S;
-    if (need & RBDI_NEED_V) {
-        c->T = rbdi_subtree_B_t(s, S);
-        c->D = rbdi_subtree_B_add(rbdi_inertia_times(s, own->subtree, c->U), s, S.omega);
-    }
-    c->F = rbdi_inertia_times(s, own->subtree, S);
-}
 
-/* Sweep towards the leaves: the motion of all dofs. Reads v, a and gravity only if need asks for them. */
-RBDI_INLINE void rbdi_common_motion(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *q,
-                                    const rbd_real *v, const rbd_real *a, rbdi_c3 gravity, int need) {
-    rbdi_joints(m, d->work, rbdi_expand_q(m, d->work, q));
-    if (base && need) d->V.omega = rbdi_load_vec(v, 1), d->V.v = d->up = rbdi_vec0();
-    if (base && need & RBDI_NEED_WHOLE) {
-        d->V.v = rbdi_load_vec(v + 3, 1);
-        d->up = rbdi_sub(d->up, rbdi_mul(d->work->block[0].X.E, rbdi_vec_c(gravity)));
+        cols->stage.by_q.Phi = Phi;
+        cols->stage.by_q.E = E;
     }
-    rbdi_poses(m, d, base);
-    rbdi_motion_columns(d, base ? d->behind : 0);
-    if (need) rbdi_velocities(m, d, base, v, need);
-    if (need & RBDI_NEED_WRENCH) rbdi_accelerations(m, d, base, a, gravity);
-}
-
-/* The first batch with a link's inertia, which the link's last dof has. */
-RBDI_INLINE int rbdi_first_inertia(const rbd_derivatives *d, int base) {
-    return base ? d->entry[base - 1].batch : 0;
-}
-/* Inertias, momenta and wrenches of the links, each alone. */
-RBDI_INLINE void rbdi_own_sums(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *f_ext,
-                               int need) {
-    for (int b = rbdi_first_inertia(d, base); b < d->batches; ++b) {
-        rbdi_columns *c = &d->columns[b];
-        const rbdi_constants *own = &d->constants[b];
-        rbdi_bmotion V;
-        rbdi_sums s; /* not in place: what lies in memory is read again after every store */
-        rbdi_own_inertia(c, own, &s);
-        if (need) V = rbdi_b_motion_add(c->Vp, c->dV);
-        if (need & RBDI_NEED_WRENCH) rbdi_own_wrench(V, rbdi_b_motion_add(c->Ap, c->dA), own, &s);
-        if (need & RBDI_NEED_V)
-            rbdi_own_momentum(need & RBDI_NEED_CORIOLIS ? V : rbdi_b_motion_add(V, V), own, &s);
-        rbdi_store_sums(&s, need, &c->sum);
-    }
-    if (need & RBDI_NEED_WRENCH) rbdi_common_external(m, d, f_ext);
 }
 
 /* The whole computation for one need, a constant unless at -Os: motion, then inertias, momenta and wrenches,
    their sums over subtrees, and the columns F, D and T. */
 RBDI_INLINE void rbdi_common_of(const rbd_model *m, rbd_derivatives *d, int base, const rbd_real *q,
                                 const rbd_real *v, const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext,
-                                int need, int more) {
-    rbdi_common_motion(m, d, base, q, v, a, gravity, need | more);
+                                int need, int whole) {
+    rbdi_common_motion(m, d, base, q, v, a, gravity, need | whole);
     rbdi_own_sums(m, d, base, f_ext, need);
     rbdi_sum_subtrees(d, d->segment + (base > 0), need);
+
     for (int b = base ? d->behind : 0; b < d->batches; ++b)
         rbdi_force_columns(&d->columns[b], &d->constants[b], need);
 }
 
-/* The same for any need: q alone, C, the wrench alone, or all. With a free base all is in the base's axes
-   and, unless need has RBDI_NEED_WHOLE, at v = 0 of the base and without gravity. */
+/* The same for any need: q alone, C, the wrench alone, or all. With a free base the frame has its axes.
+   Unless need has RBDI_NEED_WHOLE, the base's linear velocity and gravity are left out. */
 RBDI_PART void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
                            const rbd_real *a, rbdi_c3 gravity, const rbd_real *f_ext, int need) {
     const int coriolis = RBDI_NEED_V | RBDI_NEED_CORIOLIS, all = RBDI_NEED_V | RBDI_NEED_WRENCH;
-    const int base = d->base, more = need & RBDI_NEED_WHOLE;
-    need &= ~more;
+    const int base = d->base, whole = need & RBDI_NEED_WHOLE;
+    need &= ~whole;
+
     if (RBDI_FOR_SPEED && !need)
         rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, 0, 0);
     else if (RBDI_FOR_SPEED && need == coriolis)
         rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, coriolis, 0);
     else if (RBDI_FOR_SPEED && need == RBDI_NEED_WRENCH)
-        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, RBDI_NEED_WRENCH, more);
+        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, RBDI_NEED_WRENCH, whole);
     else
-        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, RBDI_FOR_SPEED ? all : need, more);
+        rbdi_common_of(m, d, base, q, v, a, gravity, f_ext, RBDI_FOR_SPEED ? all : need, whole);
+}
+
+/* The call's argument gravity without any. */
+RBDI_INLINE rbdi_c3 rbdi_no_gravity(void) {
+    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
+    return none;
 }
 
 /* ==== src/derivatives/entries.h ==== */
@@ -959,14 +1201,11 @@ RBDI_PART void rbdi_common(const rbd_model *m, rbd_derivatives *d, const rbd_rea
        dtau_i/dq_j = S_i' E_j         dtau_j/dq_i = T_j' Psi_i + F_j' Phi_i
 
    and 0 for dofs of different branches. Within a joint the axes of i do not turn with those of j: there
-   dtau_i/dq_j is the second formula of the last line with i and j exchanged. C is as dtau/dv, from halved
-   columns. Rows are computed one at a time, with dofs as lanes: the entries of dofs on the path to dof i by
-   the formulas on the right, those of dofs in its subtree by the formulas on the left. */
+   dtau_i/dq_j is the second formula of the last line with i and j exchanged (rbdi_put_block_entries). C has
+   the formulas of dtau/dv, with the columns of B for those of 2 B.
 
-/* S' F. */
-RBDI_INLINE rbd_real rbdi_power(rbdi_motion S, rbdi_force F) {
-    return rbdi_dot(S.omega, F.n) + rbdi_dot(S.v, F.f);
-}
+   Rows are computed one at a time, with dofs as lanes. The entries of row i with dofs on the path from i to
+   the root have the formulas on the right, those with dofs in i's subtree the formulas on the left. */
 
 /* The caller's matrices: derivatives by q and by v (or C), and M. Bits for those that are wanted. */
 enum { RBDI_BY_Q, RBDI_BY_V, RBDI_MASS, RBDI_RESULTS };
@@ -975,32 +1214,23 @@ typedef struct rbdi_wanted {
     rbd_real *at[RBDI_RESULTS];
 } rbdi_wanted;
 
-/* a' x of a batch of vectors a and one vector x, and with c added. */
-RBDI_INLINE rbdi_batch rbdi_b_dot(rbdi_b3 a, rbdi_v3 x) { return a.x * x.x + a.y * x.y + a.z * x.z; }
-RBDI_INLINE rbdi_batch rbdi_b_dot_add(rbdi_batch c, rbdi_b3 a, rbdi_v3 x) {
-    return c + a.x * x.x + a.y * x.y + a.z * x.z;
-}
-/* S' F of a batch of motions and one force, and of a batch of forces and one motion. */
-RBDI_INLINE rbdi_batch rbdi_b_motion_dot(rbdi_bmotion S, rbdi_force F) {
-    return rbdi_b_dot_add(rbdi_b_dot(S.omega, F.n), S.v, F.f);
-}
-RBDI_INLINE rbdi_batch rbdi_b_force_dot(rbdi_bforce F, rbdi_motion S) {
-    return rbdi_b_dot_add(rbdi_b_dot(F.n, S.omega), F.f, S.v);
+/* Entries of a dof, whose columns are F and T, with a batch of dofs on its path. */
+RBDI_INLINE void rbdi_entries_before(const rbdi_columns *cols, int want, rbdi_force F, rbdi_v3 T,
+                                     rbdi_batch y[RBDI_RESULTS]) {
+    if (want & RBDI_WANT_Q) {
+        const rbdi_by_q *by_q = &cols->stage.by_q;
+        y[RBDI_BY_Q] = rbdi_b_dot(cols->Psi.omega, T) + rbdi_b_motion_dot(by_q->Phi, F);
+    }
+    if (want & RBDI_WANT_V) y[RBDI_BY_V] = rbdi_b_dot(cols->S.omega, T) + rbdi_b_motion_dot(cols->U, F);
+    if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_motion_dot(cols->S, F);
 }
 
-/* Entries of a dof, whose columns are F and T, with a batch of dofs on its path. */
-RBDI_INLINE void rbdi_entries_before(const rbdi_columns *c, int want, rbdi_force F, rbdi_v3 T,
-                                     rbdi_batch y[RBDI_RESULTS]) {
-    if (want & RBDI_WANT_Q) y[RBDI_BY_Q] = rbdi_b_dot(c->Psi.omega, T) + rbdi_b_motion_dot(c->Phi, F);
-    if (want & RBDI_WANT_V) y[RBDI_BY_V] = rbdi_b_dot(c->S.omega, T) + rbdi_b_motion_dot(c->U, F);
-    if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_motion_dot(c->S, F);
-}
 /* Entries of a dof, whose column is S, with a batch of dofs in its subtree. */
-RBDI_INLINE void rbdi_entries_behind(const rbdi_columns *c, int want, rbdi_motion S,
+RBDI_INLINE void rbdi_entries_behind(const rbdi_columns *cols, int want, rbdi_motion S,
                                      rbdi_batch y[RBDI_RESULTS]) {
-    if (want & RBDI_WANT_Q) y[RBDI_BY_Q] = rbdi_b_force_dot(c->E, S);
-    if (want & RBDI_WANT_V) y[RBDI_BY_V] = rbdi_b_force_dot(c->D, S);
-    if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_force_dot(c->F, S);
+    if (want & RBDI_WANT_Q) y[RBDI_BY_Q] = rbdi_b_force_dot(cols->stage.by_q.E, S);
+    if (want & RBDI_WANT_V) y[RBDI_BY_V] = rbdi_b_force_dot(cols->D, S);
+    if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_force_dot(cols->F, S);
 }
 
 /* Adds the entries y of two dofs, which are `stride` apart, to those of the joints that they follow: with
@@ -1008,15 +1238,40 @@ RBDI_INLINE void rbdi_entries_behind(const rbdi_columns *c, int want, rbdi_motio
 RBDI_PART void rbdi_add_entry(const rbd_model *m, const rbdi_entry *row, const rbdi_entry *column,
                               const rbd_real *y, ptrdiff_t stride, rbdi_wanted out) {
     const rbd_real ratio = rbdi_ratio(m, row->source) * rbdi_ratio(m, column->source);
+
     for (int r = 0; r < RBDI_RESULTS; ++r) {
         rbd_real *to = out.at[r] ? out.at[r] + row->row + column->user : NULL;
         if (to) *to = *to + y[r * stride] * ratio;
     }
 }
 
+/* dtau_i/dq_j = T_i' Psi_j + F_i' Phi_j of dofs i before j of one block, over what the rows have there. */
+RBDI_PART void rbdi_put_block_entries(const rbd_derivatives *d, rbd_real *by_q) {
+    for (const rbdi_segment *seg = d->segment + (d->base > 0); seg < d->segment + d->segments; ++seg)
+        for (int i = seg->first; seg->block && i < seg->end; ++i) {
+            const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), RBDI_BATCH);
+            const rbdi_v3 T = rbdi_load_vec(RBDI_OF(d, i, T), RBDI_BATCH);
+
+            for (int j = i + 1; j < seg->end; ++j)
+                by_q[d->entry[i].row + d->entry[j].user] =
+                    rbdi_dot(T, rbdi_load_vec(RBDI_OF(d, j, Psi.omega), RBDI_BATCH)) +
+                    rbdi_power(rbdi_load_motion(RBDI_OF(d, j, stage.by_q.Phi), RBDI_BATCH), F);
+        }
+}
+
+/* Adds the rotors' inertias to the diagonal of M. */
+RBDI_PART void rbdi_add_armature(const rbd_derivatives *d, rbd_real *M) {
+    for (int k = d->base; k < d->n; ++k) {
+        const rbdi_entry *e = &d->entry[k];
+        const rbd_real ratio = rbdi_ratio(d->model, e->source);
+        M[e->row + e->user] = M[e->row + e->user] + ratio * ratio * d->model->dof[e->source].armature;
+    }
+}
+
 #if RBDI_BATCH > 1
 /* Length of a dof's three lists, which follow one another. */
 RBDI_INLINE int rbdi_relatives_length(const rbd_derivatives *d) { return d->batches - d->behind + 3; }
+
 RBDI_INLINE rbdi_relatives *rbdi_relatives_of(const rbd_derivatives *d, int i) {
     return d->relatives + d->entry[i].source * rbdi_relatives_length(d);
 }
@@ -1027,6 +1282,7 @@ RBDI_INLINE rbdi_bits rbdi_lanes_of(const rbdi_relatives *rel, int first) {
     for (int j = 0; j < RBDI_BATCH; ++j) lanes[j] = (rbdi_bit)1 << (first + j);
     return (rbdi_bits)((lanes & (rbdi_bit)rel->lanes) == lanes); /* no table: loads take the time here */
 }
+
 /* Stores the wanted entries of a batch into a row, 0 in the other lanes. */
 RBDI_INLINE void rbdi_put_lanes(const rbdi_batch *y, rbdi_bits lanes, int want, rbdi_wanted row,
                                 ptrdiff_t at) {
@@ -1035,112 +1291,148 @@ RBDI_INLINE void rbdi_put_lanes(const rbdi_batch *y, rbdi_bits lanes, int want, 
     }
 }
 
+/* The same of a batch in which some lanes are on the path, with entries y, others in the subtree, with z. */
+RBDI_INLINE void rbdi_put_both(const rbdi_batch *y, const rbdi_batch *z, const rbdi_relatives *rel, int want,
+                               rbdi_wanted row) {
+    const rbdi_bits before = rbdi_lanes_of(rel, RBDI_ON_PATH), behind = rbdi_lanes_of(rel, RBDI_IN_SUBTREE);
+
+    RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
+        if (want >> r & 1)
+            *(rbdi_batch *)(row.at[r] + rel->row) =
+                (rbdi_batch)(((rbdi_bits)y[r] & before) | ((rbdi_bits)z[r] & behind));
+    }
+}
+
 /* The row of the dof at e, from the columns behind a free base on: the batches of its relatives. */
 RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, const rbdi_relatives *rel,
                               int want, rbdi_wanted row) {
-    const rbd_real *x = (const rbd_real *)columns;
-    const rbdi_columns *own = (const rbdi_columns *)(const void *)(x + e->at);
+    const rbd_real *own = (const rbd_real *)columns + e->at;
     const rbdi_batch zero = rbdi_zero_batch();
     rbdi_batch y[RBDI_RESULTS] = {zero, zero, zero}, z[RBDI_RESULTS] = {zero, zero, zero};
-    if (rel->at >= 0) {
-        const rbdi_force F = rbdi_load_force((const rbd_real *)&own->F, RBDI_BATCH);
-        const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T, RBDI_BATCH);
+
+    /* batches with dofs on the path only */
+    if (rel->batch >= 0) {
+        const rbdi_force F = rbdi_load_force(own + RBDI_PLACE(F), RBDI_BATCH);
+        const rbdi_v3 T = rbdi_load_vec(own + RBDI_PLACE(T), RBDI_BATCH);
         do {
-            rbdi_entries_before((const rbdi_columns *)(const void *)(x + rel->at), want, F, T, y);
+            rbdi_entries_before(columns + rel->batch, want, F, T, y);
             rbdi_put_lanes(y, rbdi_lanes_of(rel, RBDI_ON_PATH), want, row, rel->row);
-        } while ((++rel)->at >= 0);
+        } while ((++rel)->batch >= 0);
     }
-    for (++rel; rel->at >= 0; ++rel) {
-        const rbdi_columns *c = (const rbdi_columns *)(const void *)(x + rel->at);
-        const rbdi_force F = rbdi_load_force((const rbd_real *)&own->F, RBDI_BATCH);
-        const rbdi_v3 T = rbdi_load_vec((const rbd_real *)&own->T, RBDI_BATCH);
-        const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S, RBDI_BATCH);
-        const rbdi_bits before = rbdi_lanes_of(rel, RBDI_ON_PATH),
-                        behind = rbdi_lanes_of(rel, RBDI_IN_SUBTREE);
-        rbdi_entries_before(c, want, F, T, y);
-        rbdi_entries_behind(c, want, S, z);
-        RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
-            if (want >> r & 1) y[r] = (rbdi_batch)(((rbdi_bits)y[r] & before) | ((rbdi_bits)z[r] & behind));
-            if (want >> r & 1) *(rbdi_batch *)(row.at[r] + rel->row) = y[r];
-        }
+
+    /* with both */
+    for (++rel; rel->batch >= 0; ++rel) {
+        const rbdi_force F = rbdi_load_force(own + RBDI_PLACE(F), RBDI_BATCH);
+        const rbdi_v3 T = rbdi_load_vec(own + RBDI_PLACE(T), RBDI_BATCH);
+        const rbdi_motion S = rbdi_load_motion(own + RBDI_PLACE(S), RBDI_BATCH);
+        rbdi_entries_before(columns + rel->batch, want, F, T, y);
+        rbdi_entries_behind(columns + rel->batch, want, S, z);
+        rbdi_put_both(y, z, rel, want, row);
     }
-    if ((++rel)->at >= 0) {
-        const rbdi_motion S = rbdi_load_motion((const rbd_real *)&own->S, RBDI_BATCH);
+
+    /* with dofs in the subtree only */
+    if ((++rel)->batch >= 0) {
+        const rbdi_motion S = rbdi_load_motion(own + RBDI_PLACE(S), RBDI_BATCH);
         do {
-            rbdi_entries_behind((const rbdi_columns *)(const void *)(x + rel->at), want, S, y);
+            rbdi_entries_behind(columns + rel->batch, want, S, y);
             rbdi_put_lanes(y, rbdi_lanes_of(rel, RBDI_IN_SUBTREE), want, row, rel->row);
-        } while ((++rel)->at >= 0);
+        } while ((++rel)->batch >= 0);
     }
-}
-RBDI_INLINE void rbdi_clear_row(int n, int want, rbdi_wanted row) {
-    const rbdi_batch zero = rbdi_zero_batch();
-    for (int k = 0; k < n; k += RBDI_BATCH) RBDI_UNROLL_SIX
-        for (int r = 0; r < RBDI_RESULTS; ++r)
-            if (want >> r & 1) *(rbdi_batch *)(row.at[r] + k) = zero;
 }
 
-/* Stores the rows of all dofs behind a free base. The last batch of a row may overwrite the beginning of
-   the next row, which is stored later, as are the columns of a base. A row whose last batch would pass the
-   end of the matrix is computed in scratch memory and copied. */
-RBDI_INLINE void rbdi_put_rows_in_place(const rbd_derivatives d, int want, int zeros, rbdi_wanted out) {
-    const int n = d.n - d.base, last = d.n * d.n - (d.batches - d.behind) * RBDI_BATCH;
-    const ptrdiff_t length = rbdi_relatives_length(&d);
-    const rbdi_relatives *list = d.relatives + d.base * length;
-    for (const rbdi_entry *p = d.entry + d.base, *end = d.entry + d.n; p < end; ++p, list += length) {
-        const rbdi_entry *e = d.entry + p->of_source;
-        const int at = e->row + d.base, fits = at <= last;
-        rbdi_wanted row = out;
+/* 0 in n entries of a row, up to whole batches. */
+RBDI_INLINE void rbdi_clear_row(int n, int want, rbdi_wanted row) {
+    const rbdi_batch zero = rbdi_zero_batch();
+
+    for (int k = 0; k < n; k += RBDI_BATCH) {
         RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
-            if (want >> r & 1) row.at[r] = fits ? out.at[r] + at : d.work->F + r * rbdi_stride(d.model);
+            if (want >> r & 1) *(rbdi_batch *)(row.at[r] + k) = zero;
         }
+    }
+}
+
+/* Stores the rows of all dofs behind a free base, in the caller's order. The last batch of a row may
+   overwrite the beginning of the next row, which is stored later, as are the columns of a base. A row whose
+   last batch would pass the end of the matrix is computed in scratch memory and copied. */
+RBDI_INLINE void rbdi_put_rows_in_place(const rbd_derivatives *d, int want, int zeros, rbdi_wanted out) {
+    const int base = d->base, n = d->n - base, last = d->n * d->n - (d->batches - d->behind) * RBDI_BATCH;
+    const ptrdiff_t length = rbdi_relatives_length(d), stride = rbdi_stride(d->model);
+    const rbdi_columns *columns = d->columns; /* copies: the compiler cannot know that no store changes d */
+    const rbdi_entry *entry = d->entry;
+    const rbdi_relatives *list = d->relatives + base * length;
+    rbd_real *spare = d->work->F;
+
+    for (const rbdi_entry *p = entry + base, *end = entry + d->n; p < end; ++p, list += length) {
+        const rbdi_entry *e = entry + p->of_source;
+        const int at = e->row + base, fits = at <= last;
+        rbdi_wanted row = out;
+
+        RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
+            if (want >> r & 1) row.at[r] = fits ? out.at[r] + at : spare + r * stride;
+        }
+
         if (!list->whole && (zeros || !fits)) rbdi_clear_row(n, want, row);
-        rbdi_put_row(d.columns, e, list, want, row);
+        rbdi_put_row(columns, e, list, want, row);
+
         if (fits) continue;
         RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
             if (want >> r & 1) rbdi_copy(row.at[r], n, out.at[r] + at);
         }
     }
 }
+
 /* The same with mimic joints: entries are added to those of the sources. */
 RBDI_PART void rbdi_add_rows(const rbd_derivatives *d, int want, rbdi_wanted out) {
     const ptrdiff_t stride = rbdi_stride(d->model);
     const rbd_real *x = d->work->F;
     rbdi_wanted row = out;
     for (int r = 0; r < RBDI_RESULTS; ++r) row.at[r] = d->work->F + r * stride;
+
     for (int i = 0; i < d->n; ++i) {
         const rbdi_entry *e = d->entry + i;
         rbdi_put_row(d->columns, e, rbdi_relatives_of(d, i), want, row);
+
         for (int k = e->parent; k >= 0; k = d->entry[k].parent)
             rbdi_add_entry(d->model, e, d->entry + k, x + d->entry[k].source, stride, out);
         for (int k = i; k < e->end; ++k)
             rbdi_add_entry(d->model, e, d->entry + k, x + d->entry[k].source, stride, out);
     }
 }
+
+/* Stores the rows of all dofs behind a free base. zeros: also the entries of dofs on different branches,
+   which are 0. */
 RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rbdi_wanted out) {
     if (rbdi_mimics(d->model))
         rbdi_add_rows(d, want, out);
     else
-        rbdi_put_rows_in_place(*d, want, zeros, out); /* a copy: no store into a result can change it */
+        rbdi_put_rows_in_place(d, want, zeros, out);
 }
 #else
 /* Stores or, with mimic joints, adds the entries y of two dofs. */
 RBDI_INLINE void rbdi_put_entry(const rbd_model *m, const rbdi_entry *row, const rbdi_entry *column, int want,
                                 const rbd_real *y, rbdi_wanted out) {
-    if (rbdi_mimics(m))
+    if (rbdi_mimics(m)) {
         rbdi_add_entry(m, row, column, y, 1, out);
-    else RBDI_UNROLL_SIX
-        for (int r = 0; r < RBDI_RESULTS; ++r)
-            if (want >> r & 1) (out.at[r] + row->row)[column->user] = y[r];
+        return;
+    }
+
+    RBDI_UNROLL_SIX for (int r = 0; r < RBDI_RESULTS; ++r) {
+        if (want >> r & 1) (out.at[r] + row->row)[column->user] = y[r];
+    }
 }
+
+/* Stores the rows of all dofs behind a free base. The other entries are 0 already. */
 RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rbdi_wanted out) {
     const rbdi_entry *e = d->entry;
     const rbd_real o = rbdi_zero();
-    (void)zeros; /* they are there */
+    (void)zeros;
+
     for (int i = d->base; i < d->n; ++i) {
-        const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), 1);
+        const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), RBDI_BATCH);
         const rbdi_v3 T = rbdi_load_vec(RBDI_OF(d, i, T), RBDI_BATCH);
         const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, i, S), RBDI_BATCH);
         rbd_real y[RBDI_RESULTS] = {o, o, o};
+
         for (int k = e[i].parent; k >= d->base; k = e[k].parent) {
             rbdi_entries_before(&d->columns[e[k].batch], want, F, T, y);
             rbdi_put_entry(d->model, e + i, e + k, want, y, out);
@@ -1153,46 +1445,69 @@ RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rb
 }
 #endif
 
-/* A free base. The frame has its axes, and its S are unit vectors, so the entries of its rows are components
-   of F_j, D_j, E_j. The columns by its velocity (w; v) and its turn theta are, with (n; f) = F_j,
+/* ==== src/derivatives/base_entries.h ==== */
+/* ---- entries of a free base [base entries] ----
+   The frame has the axes of the base, and the S of its dofs are unit vectors. So the entries of its rows are
+   components of F_j, D_j, E_j. The base's columns by its velocity (w; v) and its turn theta are, with
+   (n; f) = F_j and the world's acceleration minus_g,
 
-       dtau_j/dw = T_j + n_j x w - f_j x v      dtau_j/dv = f_j x w      dtau_j/dtheta = f_j x up
+       dtau_j/dw = T_j + n_j x w - f_j x v
+       dtau_j/dv = f_j x w
+       dtau_j/dtheta = f_j x minus_g
 
    Its position has no effect. Without this, derivatives of inverse dynamics take 50 % more instructions for
    HyQ, 17 % for Atlas. */
-/* The wanted columns F, D, E of a free base's dofs, with the sums of the whole tree. */
+
+/* The wanted columns F, D, E of a free base's dofs, with the sums of the whole tree, where
+   U = (w; -v) x S and Phi = (0; minus_g x S_omega):
+
+       F = I S,   D = 2 B S + I U,   E = I Phi = (h x Phi_v; m Phi_v) */
 RBDI_INLINE void rbdi_base_columns(const rbd_derivatives *d, int want) {
     const rbd_real *whole = RBDI_OF(d, d->base - 1, sum);
-    const rbdi_b3 up = rbdi_b_all(d->up);
-    rbdi_bmotion V; /* U = (w; -v) x S */
+    const int inertia = RBDI_INERTIA_SUMS, momentum = inertia + RBDI_MOMENTUM_SUMS;
+    const rbdi_b3 minus_g = rbdi_b_all(d->minus_g);
+    rbdi_bmotion V;
     rbdi_sums s;
     rbdi_batch *x = (rbdi_batch *)&s;
-    V.omega = rbdi_b_all(d->V.omega), V.v = rbdi_b_all(rbdi_sub(rbdi_vec0(), d->V.v));
-    RBDI_UNROLL_SUMS for (int j = 0; j < 9; ++j) x[j] = rbdi_all_lanes(whole[j * RBDI_BATCH]);
+    V.omega = rbdi_b_all(d->V.omega);
+    V.v = rbdi_b_all(rbdi_sub(rbdi_vec0(), d->V.v));
+
+    /* the sums in all lanes */
+    RBDI_UNROLL_SUMS for (int j = 0; j < inertia; ++j) x[j] = rbdi_all_lanes(whole[j * RBDI_BATCH]);
     if (want & RBDI_WANT_V) {
-        RBDI_UNROLL_SUMS for (int j = 9; j < 21; ++j) x[j] = rbdi_all_lanes(whole[j * RBDI_BATCH]);
+        RBDI_UNROLL_SUMS for (int j = inertia; j < momentum; ++j) x[j] =
+            rbdi_all_lanes(whole[j * RBDI_BATCH]);
     }
+
     for (int b = 0; b < d->behind; ++b) {
         const rbdi_cbatch mass = d->constants[b].subtree;
-        rbdi_columns *c = &d->columns[b];
-        const rbdi_bmotion S = c->S;
-        const rbdi_b3 a = rbdi_b_cross(up, S.omega); /* Phi = (0; a) */
-        if (want & RBDI_WANT_M) c->F = rbdi_inertia_times(&s, mass, S);
+        rbdi_columns *cols = &d->columns[b];
+        const rbdi_bmotion S = cols->S;
+        const rbdi_b3 Phi_v = rbdi_b_cross(minus_g, S.omega);
+
+        if (want & RBDI_WANT_M) cols->F = rbdi_inertia_times(&s, mass, S);
         if (want & RBDI_WANT_V)
-            c->D = rbdi_subtree_B_add(rbdi_inertia_times(&s, mass, rbdi_b_motion_cross(V, S)), &s, S.omega);
-        if (want & RBDI_WANT_Q)
-            c->E.n = rbdi_b_cross(s.h, a), c->E.f = rbdi_b_vec(a.x * mass, a.y * mass, a.z * mass);
+            cols->D =
+                rbdi_subtree_B_add(rbdi_inertia_times(&s, mass, rbdi_b_motion_cross(V, S)), &s, S.omega);
+        if (want & RBDI_WANT_Q) {
+            cols->stage.by_q.E.n = rbdi_b_cross(s.h, Phi_v);
+            cols->stage.by_q.E.f = rbdi_b_vec(Phi_v.x * mass, Phi_v.y * mass, Phi_v.z * mass);
+        }
     }
 }
-/* Stores n components of all dofs, from x on, as rows of a matrix. A batch may overwrite the beginning of
-   the next row, which is stored later, but does not pass end, the number of the matrix's entries. Only the
-   last row asks for it: two rows must be as long as a batch. */
+
+/* Stores n components of a field of all dofs as rows of a matrix. x: the field's first scalar in
+   d->columns. A batch may overwrite the beginning of the next row, which is stored later, but does not pass
+   end, the number of the matrix's entries. Only the last row asks for it: two rows must be as long as a
+   batch. */
 RBDI_INLINE void rbdi_put_components(const rbd_derivatives *d, const rbd_real *x, int n, ptrdiff_t end,
                                      rbd_real *out) {
     const ptrdiff_t nv = d->model->nv, base = d->base, behind = d->behind;
+
     for (ptrdiff_t b = d->batches - 1; b >= behind; --b) {
         const rbdi_batch *in = (const rbdi_batch *)x + b * RBDI_COLUMN_SIZE;
         rbd_real *to = out + base + (b - behind) * RBDI_BATCH;
+
         RBDI_UNROLL_SIX for (int k = 0; k < n; ++k, to += nv) {
             if (RBDI_BATCH == 1 || k < n - 1 || to - out <= end - RBDI_BATCH)
                 *(rbdi_batch *)to = in[k];
@@ -1200,52 +1515,70 @@ RBDI_INLINE void rbdi_put_components(const rbd_derivatives *d, const rbd_real *x
                 rbdi_copy((const rbd_real *)&in[k], (int)(end - (to - out)), to);
         }
     }
+
     for (int k = 0; base && k < n; ++k, x += RBDI_BATCH, out += nv) {
         RBDI_UNROLL_SIX for (int j = 0; j < 6; j += RBDI_BATCH)
-            rbdi_copy(&x[j * RBDI_COLUMN_SIZE], 6 - j < RBDI_BATCH ? 6 - j : RBDI_BATCH, &out[j]);
+            rbdi_copy_batch(&x[j * RBDI_COLUMN_SIZE], 6 - j, &out[j]);
     }
 }
+
 /* Stores (n; f) of a batch of dofs as the base's columns of their rows. */
 RBDI_INLINE void rbdi_put_base_columns(const rbd_derivatives *d, int b, rbdi_b3 n, rbdi_b3 f, rbd_real *out) {
     const rbdi_batch x[6] = {n.x, n.y, n.z, f.x, f.y, f.z};
     const ptrdiff_t nv = d->model->nv, first = d->base + (b - d->behind) * RBDI_BATCH;
     rbdi_four row[2][RBDI_BATCH]; /* components 0 to 3 and 2 to 5 */
-    rbdi_fours_of_lanes(x, row[0]), rbdi_fours_of_lanes(x + 2, row[1]);
+
+    rbdi_fours_of_lanes(x, row[0]);
+    rbdi_fours_of_lanes(x + 2, row[1]);
+
     out += first * nv;
-    RBDI_UNROLL_SIX for (int k = 0; k < RBDI_BATCH; ++k)
-        if (k < nv - first)
-            *(rbdi_four *)&out[k * nv] = row[0][k], *(rbdi_four *)&out[k * nv + 2] = row[1][k];
+    RBDI_UNROLL_SIX for (int k = 0; k < RBDI_BATCH; ++k) {
+        if (k < nv - first) {
+            *(rbdi_four *)&out[k * nv] = row[0][k];
+            *(rbdi_four *)&out[k * nv + 2] = row[1][k];
+        }
+    }
 }
+
+/* The base's columns of the rows of all other dofs. */
 RBDI_INLINE void rbdi_put_base(const rbd_derivatives *d, int want, rbdi_wanted out) {
     const rbdi_b3 w = rbdi_b_all(d->V.omega), minus_v = rbdi_b_all(rbdi_sub(rbdi_vec0(), d->V.v)),
-                  up = rbdi_b_all(d->up);
+                  minus_g = rbdi_b_all(d->minus_g);
+
     for (int b = d->behind; b < d->batches; ++b) {
         const rbdi_b3 T = d->columns[b].T;
         const rbdi_bforce F = d->columns[b].F;
+
         if (want & RBDI_WANT_M) rbdi_put_base_columns(d, b, F.n, F.f, out.at[RBDI_MASS]);
         if (want & RBDI_WANT_V)
             rbdi_put_base_columns(d, b, rbdi_b_cross_add(rbdi_b_cross_add(T, F.n, w), F.f, minus_v),
                                   rbdi_b_cross(F.f, w), out.at[RBDI_BY_V]);
         if (want & RBDI_WANT_Q)
-            rbdi_put_base_columns(d, b, rbdi_b_cross(F.f, up), rbdi_b_all(rbdi_vec0()), out.at[RBDI_BY_Q]);
+            rbdi_put_base_columns(d, b, rbdi_b_cross(F.f, minus_g), rbdi_b_all(rbdi_vec0()),
+                                  out.at[RBDI_BY_Q]);
     }
 }
 
 /* For rbd_fd_derivatives, at v = 0 and without gravity: only the base's columns by w are needed. They take
-   the places of its other columns, so that both matrices have the same number of columns to solve for. */
+   the places of its other columns, so that both matrices have the same number of columns to solve for.
+   turn: where the three columns begin. */
 RBDI_INLINE void rbdi_place_turns(rbd_real *by_q, rbd_real *by_v, rbd_real *turn[3]) {
     turn[0] = by_v + (by_q ? 4 : 3);
     turn[1] = turn[0] + 1;
     turn[2] = by_q ? by_q + 5 : by_v + 5;
 }
+
+/* Stores them: of the base's rows D, of the others T + n x w. */
 RBDI_PART void rbdi_put_turns(const rbd_derivatives *d, rbd_real *by_q, rbd_real *by_v) {
     const ptrdiff_t nv = d->model->nv;
     const rbdi_b3 w = rbdi_b_all(d->V.omega);
     ptrdiff_t row = d->base * nv;
     rbd_real *turn[3];
     if (!by_v) return;
+
     rbdi_place_turns(by_q, by_v, turn);
     for (int j = 0; j < 3; ++j) rbdi_store_force(turn[j], nv, rbdi_load_force(RBDI_OF(d, j, D), RBDI_BATCH));
+
     for (int b = d->behind; b < d->batches; ++b) {
         const rbdi_b3 column = rbdi_b_cross_add(d->columns[b].T, d->columns[b].F.n, w);
         const rbd_real *x = (const rbd_real *)&column;
@@ -1254,44 +1587,34 @@ RBDI_PART void rbdi_put_turns(const rbd_derivatives *d, rbd_real *by_q, rbd_real
     }
 }
 
-/* dtau_i/dq_j of dofs i before j of one block. */
-RBDI_PART void rbdi_put_block_entries(const rbd_derivatives *d, rbd_real *by_q) {
-    for (const rbdi_segment *seg = d->segment + (d->base > 0); seg < d->segment + d->segments; ++seg)
-        for (int i = seg->first; seg->block && i < seg->end; ++i) {
-            const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), RBDI_BATCH);
-            const rbdi_v3 T = rbdi_load_vec(RBDI_OF(d, i, T), RBDI_BATCH);
-            for (int j = i + 1; j < seg->end; ++j)
-                by_q[d->entry[i].row + d->entry[j].user] =
-                    rbdi_dot(T, rbdi_load_vec(RBDI_OF(d, j, Psi.omega), RBDI_BATCH)) +
-                    rbdi_power(rbdi_load_motion(RBDI_OF(d, j, Phi), RBDI_BATCH), F);
-        }
-}
-/* Adds the rotors' inertias to the diagonal of M. */
-RBDI_PART void rbdi_add_armature(const rbd_derivatives *d, rbd_real *M) {
-    for (int k = d->base; k < d->n; ++k) {
-        const rbdi_entry *e = &d->entry[k];
-        const rbd_real ratio = rbdi_ratio(d->model, e->source);
-        M[e->row + e->user] = M[e->row + e->user] + ratio * ratio * d->model->dof[e->source].armature;
-    }
-}
+/* ---- matrices [matrices] ---- */
 
 /* All entries of the wanted matrices: results, or right-hand sides in rbd_fd_derivatives. */
 RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rbd_real *by_q, rbd_real *by_v,
                                 rbd_real *M, int results) {
     const int want = (by_q ? RBDI_WANT_Q : 0) | (by_v ? RBDI_WANT_V : 0) | (M ? RBDI_WANT_M : 0);
     const int zeros = !results || !d->keep_zeros;
+    const int branched = m->nh < m->nv * (m->nv + 1) / 2;
     rbdi_wanted out;
-    out.at[RBDI_BY_Q] = by_q, out.at[RBDI_BY_V] = by_v, out.at[RBDI_MASS] = M;
-    if (rbdi_mimics(m) || (RBDI_BATCH == 1 && zeros && (m->nblock || m->nh < m->nv * (m->nv + 1) / 2)))
-        for (int r = 0; r < RBDI_RESULTS; ++r) /* unless every entry is written: batches go into whole rows */
+    out.at[RBDI_BY_Q] = by_q;
+    out.at[RBDI_BY_V] = by_v;
+    out.at[RBDI_MASS] = M;
+
+    /* unless every entry is written: batches go into whole rows */
+    if (rbdi_mimics(m) || (RBDI_BATCH == 1 && zeros && (m->nblock || branched)))
+        for (int r = 0; r < RBDI_RESULTS; ++r)
             if (out.at[r]) rbdi_clear(out.at[r], m->nv * m->nv);
+
+    /* the rows of a free base */
     if (d->base) {
         rbdi_base_columns(d, want);
-        if (by_q) rbdi_put_components(d, (const rbd_real *)&d->columns->E, 6, PTRDIFF_MAX, by_q);
-        if (by_v) rbdi_put_components(d, (const rbd_real *)&d->columns->D, 6, PTRDIFF_MAX, by_v);
-        if (M) rbdi_put_components(d, (const rbd_real *)&d->columns->F, 6, PTRDIFF_MAX, M);
+        if (by_q) rbdi_put_components(d, RBDI_FIELD(d, stage.by_q.E), 6, PTRDIFF_MAX, by_q);
+        if (by_v) rbdi_put_components(d, RBDI_FIELD(d, D), 6, PTRDIFF_MAX, by_v);
+        if (M) rbdi_put_components(d, RBDI_FIELD(d, F), 6, PTRDIFF_MAX, M);
     }
-    if (RBDI_FOR_SPEED && want == (RBDI_WANT_Q | RBDI_WANT_V)) /* the most common ones, as constants */
+
+    /* the other rows: the most common of `want` as constants */
+    if (RBDI_FOR_SPEED && want == (RBDI_WANT_Q | RBDI_WANT_V))
         rbdi_put_rows(d, RBDI_WANT_Q | RBDI_WANT_V, zeros, out);
     else if (RBDI_FOR_SPEED && want == RBDI_WANT_V)
         rbdi_put_rows(d, RBDI_WANT_V, zeros, out);
@@ -1301,6 +1624,7 @@ RBDI_PART void rbdi_put_entries(const rbd_model *m, const rbd_derivatives *d, rb
 #endif
     else
         rbdi_put_rows(d, want, zeros, out);
+
     if (d->base && results) rbdi_put_base(d, want, out);
     if (by_q) rbdi_put_block_entries(d, by_q);
     if (M) rbdi_add_armature(d, M);
@@ -1320,6 +1644,7 @@ RBDI_INLINE int rbdi_free_dofs(const rbd_model *m) {
                ? 6
                : 0;
 }
+
 /* Lanes left out behind a free base, so that the next dof begins a batch. */
 RBDI_INLINE int rbdi_surplus_lanes(const rbd_model *m) {
     return (RBDI_BATCH - rbdi_free_dofs(m) % RBDI_BATCH) % RBDI_BATCH;
@@ -1332,11 +1657,6 @@ RBDI_INLINE int rbdi_batches_of(const rbd_model *m) {
 
 RBDI_API size_t rbd_derivatives_size(const rbd_model *m) {
     return m ? RBDI_DERIVATIVES_BYTES(m->nl, m->nv + rbdi_mimics(m), rbdi_batches_of(m) * RBDI_BATCH) : 0;
-}
-
-/* The constants of dof k, component by component. */
-RBDI_INLINE rbd_const *rbdi_constants_of(const rbd_derivatives *d, int k) {
-    return (rbd_const *)&d->constants[d->entry[k].batch] + d->entry[k].lane;
 }
 
 /* Whether dof k of a link only slides. */
@@ -1356,37 +1676,45 @@ RBDI_PART void rbdi_init_constants(const rbd_model *m, rbd_derivatives *d, int i
     const int x = (z + 1) % 3, y = (z + 2) % 3;
     const rbd_const own[10] = {S[x][x], S[x][y], S[x][z], S[y][y], S[y][z],
                                S[z][z], h[x],    h[y],    h[z],    l->mass};
-    for (int j = 0; j < 10; ++j) rbdi_constants_of(d, last)[j * RBDI_BATCH] = own[j];
+
+    for (int j = 0; j < 10; ++j) RBDI_CONSTANT_OF(d, last, xx)[j * RBDI_BATCH] = own[j];
+
     for (int k = l->first; k <= last; ++k) {
         const int slides = rbdi_slides(m, l, k), screw = rbdi_is(l, RBDI_SCREW);
-        const rbd_const rest[3] = {l->subtree_mass, screw ? l->rho : RBD_C(!slides),
-                                   screw ? l->kappa : RBD_C(slides)};
-        for (int j = 0; j < 3; ++j) rbdi_constants_of(d, k)[(10 + j) * RBDI_BATCH] = rest[j];
+        *RBDI_CONSTANT_OF(d, k, subtree) = l->subtree_mass;
+        *RBDI_CONSTANT_OF(d, k, rho) = screw ? l->rho : RBD_C(!slides);
+        *RBDI_CONSTANT_OF(d, k, kappa) = screw ? l->kappa : RBD_C(slides);
     }
 }
 
-/* Adds mass and first moment of a body as described to those of its link. */
+/* Adds mass and first moment m (E' com + r) of a body as described to those of its link, in axes cycled so
+   that z is the last dof's. */
 RBDI_PART void rbdi_init_body(const rbd_model *m, rbd_derivatives *d, const rbdi_frame *u) {
     const int last = rbdi_last_dof(m, u->link), z = rbdi_dof_axis(m, &m->link[u->link], last);
-    const rbd_const *E = u->E, c[3] = {u->com.x, u->com.y, u->com.z}, r[3] = {u->r.x, u->r.y, u->r.z};
-    rbd_const *out = rbdi_constants_of(d, last) + 13 * RBDI_BATCH;
+    const rbd_const *E = u->E, com[3] = {u->com.x, u->com.y, u->com.z}, r[3] = {u->r.x, u->r.y, u->r.z};
+    rbd_const *out = RBDI_CONSTANT_OF(d, last, all_hx); /* and the three fields behind it */
+
     for (int j = 0; j < 3; ++j) {
         const int k = (z + 1 + j) % 3;
-        out[j * RBDI_BATCH] += u->mass * (E[k] * c[0] + E[3 + k] * c[1] + E[6 + k] * c[2] + r[k]);
+        out[j * RBDI_BATCH] += u->mass * (E[k] * com[0] + E[3 + k] * com[1] + E[6 + k] * com[2] + r[k]);
     }
+
     out[3 * RBDI_BATCH] += u->mass;
     d->mass += u->mass;
+}
+
+/* Whether a link only slides. */
+RBDI_PART int rbdi_only_slides(const rbd_model *m, const rbdi_link *l) {
+    if (rbdi_is(l, RBDI_SCREW)) return !(l->rho > 0);
+    return rbdi_is(l, RBDI_BLOCK) && rbdi_block_of(m, l)->type == RBD_TRANSLATION;
 }
 
 /* Chooses the link whose origin is the common origin of a root's tree: the first that rotates or, in a chain
    of links that only slide, the last. */
 RBDI_PART void rbdi_init_origin(const rbd_model *m, rbd_derivatives *d, int root, rbdi_segment *seg) {
     int i = root;
-    while (i + 1 < m->nl && m->link[i + 1].parent == i &&
-           (rbdi_is(&m->link[i], RBDI_SCREW)
-                ? !(m->link[i].rho > 0)
-                : rbdi_is(&m->link[i], RBDI_BLOCK) && rbdi_block_of(m, &m->link[i])->type == RBD_TRANSLATION))
-        ++i;
+    while (i + 1 < m->nl && m->link[i + 1].parent == i && rbdi_only_slides(m, &m->link[i])) ++i;
+
     d->origin[i] = (int16_t)root;
     seg->origin = (int16_t)(rbdi_last_dof(m, i) + 1);
 }
@@ -1397,6 +1725,7 @@ RBDI_PART void rbdi_init_link(const rbd_model *m, rbd_derivatives *d, int i) {
     const int n = rbdi_link_dofs(m, l), block = rbdi_is(l, RBDI_BLOCK);
     const int parent = l->parent < 0 ? -1 : rbdi_last_dof(m, l->parent);
     rbdi_segment *seg = &d->segment[d->segments > 0 ? d->segments - 1 : 0];
+
     for (int k = l->first; k < l->first + n; ++k) {
         rbdi_entry *e = &d->entry[k];
         e->source = m->order[k].dof;
@@ -1406,10 +1735,15 @@ RBDI_PART void rbdi_init_link(const rbd_model *m, rbd_derivatives *d, int i) {
         e->parent = (int16_t)(k > l->first ? k - 1 : parent);
         e->row = e->user * m->nv;
     }
+
+    /* a new segment, unless the link goes on with the last one */
     if (d->segments == 0 || block || seg->block || parent != l->first - 1) {
         seg = &d->segment[d->segments++];
-        seg->first = l->first, seg->parent = (int16_t)parent, seg->block = (int16_t)block;
-        seg->link = (int16_t)i, seg->origin = 0;
+        seg->first = l->first;
+        seg->parent = (int16_t)parent;
+        seg->block = (int16_t)block;
+        seg->link = (int16_t)i;
+        seg->origin = 0;
         if (parent < 0) rbdi_init_origin(m, d, i, seg);
     }
     seg->end = (int16_t)(l->first + n);
@@ -1420,6 +1754,7 @@ RBDI_PART void rbdi_assign_lanes(const rbd_model *m, rbd_derivatives *d) {
     for (int k = 0; k < d->n; ++k) {
         rbdi_entry *e = &d->entry[k];
         const int from = e->source + (e->source < d->base ? 0 : rbdi_surplus_lanes(m));
+
         d->entry[e->source].of_source = (int16_t)k;
         e->batch = (int16_t)(from / RBDI_BATCH);
         e->lane = (int16_t)(from % RBDI_BATCH);
@@ -1428,33 +1763,46 @@ RBDI_PART void rbdi_assign_lanes(const rbd_model *m, rbd_derivatives *d) {
 }
 
 #if RBDI_BATCH > 1
-/* The lists of all dofs behind a free base: batches on the path only, both, in the subtree only. */
+/* Which of a dof's three lists has a batch with these lanes: 0 those on the path only, 1 those with both, 2
+   those in the subtree only; -1 = none. */
+RBDI_PART int rbdi_list_of(uint64_t lanes) {
+    const int subtree = lanes >> RBDI_IN_SUBTREE != 0, path = lanes % ((uint64_t)1 << RBDI_IN_SUBTREE) != 0;
+    if (path && subtree) return 1;
+    return subtree ? 2 : path - 1;
+}
+
+/* The lists of all dofs behind a free base. */
 RBDI_PART void rbdi_init_relatives(rbd_derivatives *d) {
-    uint64_t *lanes = (uint64_t *)(void *)d->columns; /* of each batch: they are not in use yet */
+    uint64_t *lanes = d->lanes;
+
     for (int i = d->base; i < d->n; ++i) {
         rbdi_relatives *list = rbdi_relatives_of(d, i), *rel = list;
+
         for (int b = 0; b < d->batches; ++b) lanes[b] = 0;
         for (int j = d->entry[i].parent; j >= d->base; j = d->entry[j].parent)
             lanes[d->entry[j].batch] |= (uint64_t)1 << (RBDI_ON_PATH + d->entry[j].lane);
         for (int j = i; j < d->entry[i].end; ++j)
             lanes[d->entry[j].batch] |= (uint64_t)1 << (RBDI_IN_SUBTREE + d->entry[j].lane);
-        for (int which = 0; which < 3; ++which, ++rel) {
+
+        for (int which = 0; which < 3; ++which) {
             for (int b = d->behind; b < d->batches; ++b) {
-                const int subtree = lanes[b] >> RBDI_IN_SUBTREE != 0,
-                          path = lanes[b] % ((uint64_t)1 << RBDI_IN_SUBTREE) != 0;
-                if (path + subtree == 0 || subtree + (subtree && !path) != which) continue;
-                rel->at = b * RBDI_COLUMN_SIZE * RBDI_BATCH,
+                if (rbdi_list_of(lanes[b]) != which) continue;
+                rel->batch = b;
                 rel->row = (int16_t)((b - d->behind) * RBDI_BATCH);
-                (rel++)->lanes = lanes[b];
+                rel->lanes = lanes[b];
+                ++rel;
             }
-            rel->at = -1;
+            rel->batch = -1;
+            ++rel;
         }
+
         list->whole = rel - list == rbdi_relatives_length(d);
     }
 }
 #endif
 
-/* The columns S of a free base's dofs, unit vectors. No call computes them anew. */
+/* The columns S of a free base's dofs, unit vectors. No call computes them anew, except for
+   rbd_energy_regressors, which then restores them. */
 RBDI_PART void rbdi_init_base(const rbd_derivatives *d) {
     for (int k = 0; k < d->base; ++k) {
         rbdi_store_motion(RBDI_OF(d, k, S), RBDI_BATCH, rbdi_motion0());
@@ -1462,48 +1810,73 @@ RBDI_PART void rbdi_init_base(const rbd_derivatives *d) {
     }
 }
 
-RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *memory, size_t size,
-                                         rbd_derivatives **derivatives) {
-    const rbd_status status = rbdi_check(m, w, memory && derivatives);
-    unsigned char *p;
-    rbd_derivatives *d;
-    rbd_const *constants;
-    int padded;
-    if (derivatives) *derivatives = NULL;
-    if (status) return status;
-    if (size < rbd_derivatives_size(m)) return RBD_ERR_MEMORY;
-    p = rbdi_aligned(memory);
-    d = (rbd_derivatives *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_derivatives)));
-    for (int k = 0; k < RBDI_SHAPE; ++k) d->shape[k] = m->shape[k];
-    d->model = m, d->work = w;
+/* Lays out the memory as RBDI_DERIVATIVES_BYTES says. */
+RBDI_PART rbd_derivatives *rbdi_lay_derivatives(const rbd_model *m, void *memory) {
+    unsigned char *p = rbdi_aligned(memory);
+    rbd_derivatives *d = (rbd_derivatives *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_derivatives)));
+
     d->n = m->nv + rbdi_mimics(m);
     d->base = rbdi_free_dofs(m);
     d->batches = rbdi_batches_of(m);
     d->behind = (d->base + rbdi_surplus_lanes(m)) / RBDI_BATCH;
-    padded = d->batches * RBDI_BATCH;
+
     d->columns = (rbdi_columns *)rbdi_take(&p, d->batches, sizeof(rbdi_columns));
 #if RBDI_BATCH > 1
     d->relatives = (rbdi_relatives *)rbdi_take(&p, d->n * rbdi_relatives_length(d), sizeof(rbdi_relatives));
+    d->lanes = (uint64_t *)rbdi_take(&p, d->batches, sizeof(uint64_t));
 #endif
     d->a = (rbd_real *)rbdi_take(&p, d->n, sizeof(rbd_real));
     d->constants = (rbdi_constants *)rbdi_take(&p, d->batches, sizeof(rbdi_constants));
     d->entry = (rbdi_entry *)rbdi_take(&p, d->n, sizeof(rbdi_entry));
     d->segment = (rbdi_segment *)rbdi_take(&p, m->nl, sizeof(rbdi_segment));
     d->origin = (int16_t *)rbdi_take(&p, m->nl, sizeof(int16_t));
-    constants = (rbd_const *)d->constants;
-    for (int k = 0; k < RBDI_CONSTANT * padded; ++k) constants[k] = RBD_C(0);
-    d->segments = 0, d->mass = RBD_C(0), d->keep_zeros = 0;
+    d->given = (unsigned char *)rbdi_take(&p, d->n, 1);
+    return d;
+}
+
+/* Dofs, segments and lists. */
+RBDI_PART void rbdi_init_order(const rbd_model *m, rbd_derivatives *d) {
+    d->segments = 0;
     for (int i = 0; i < m->nl; ++i) d->origin[i] = -1;
     for (int i = 0; i < m->nl; ++i) rbdi_init_link(m, d, i);
+
     rbdi_assign_lanes(m, d);
 #if RBDI_BATCH > 1
     rbdi_init_relatives(d);
 #endif
-    rbdi_clear((rbd_real *)d->columns, RBDI_COLUMN_SIZE * padded); /* surplus lanes stay finite */
+}
+
+/* Columns and constants. Surplus lanes stay finite. */
+RBDI_PART void rbdi_init_numbers(const rbd_model *m, rbd_derivatives *d) {
+    const int padded = d->batches * RBDI_BATCH;
+    rbd_const *constants = (rbd_const *)d->constants;
+
+    rbdi_clear((rbd_real *)d->columns, RBDI_COLUMN_SIZE * padded);
+    for (int k = 0; k < RBDI_CONSTANT * padded; ++k) constants[k] = RBD_C(0);
+
+    d->mass = RBD_C(0);
     for (int i = 0; i < m->nl; ++i) rbdi_init_constants(m, d, i);
     for (int b = 0; b < m->nb; ++b)
         if (m->frame[b].link >= 0) rbdi_init_body(m, d, &m->frame[b]);
     rbdi_init_base(d);
+}
+
+RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *memory, size_t size,
+                                         rbd_derivatives **derivatives) {
+    const rbd_status status = rbdi_check(m, w, memory && derivatives);
+    rbd_derivatives *d;
+    if (derivatives) *derivatives = NULL;
+    if (status) return status;
+    if (size < rbd_derivatives_size(m)) return RBD_ERR_MEMORY;
+
+    d = rbdi_lay_derivatives(m, memory);
+    for (int k = 0; k < RBDI_SHAPE; ++k) d->shape[k] = m->shape[k];
+    d->model = m;
+    d->work = w;
+    d->keep_zeros = 0;
+
+    rbdi_init_order(m, d);
+    rbdi_init_numbers(m, d);
     *derivatives = d;
     return RBD_OK;
 }
@@ -1518,57 +1891,61 @@ RBDI_INLINE rbd_status rbdi_check_derivatives(const rbd_model *m, const rbd_deri
 /* ---- momentum [momentum code] ----
    A (Orin, Goswami and Lee 2013) has the columns F_i of RBDA table 6.2 about the centre of mass. */
 
-/* Position in the world of the common origin of a root's tree. */
+/* Position in the world of the common origin of a root's tree: the root's position in the world less that
+   in the common frame. */
 RBDI_INLINE rbdi_v3 rbdi_place_of(const rbd_model *m, const rbd_derivatives *d, int root) {
     const rbdi_link *l = &m->link[root];
     const rbdi_pose X = rbdi_common_pose(m, d, root);
+
     if (rbdi_is(l, RBDI_BLOCK)) return rbdi_sub(d->work->block[l->block].X.r, X.r);
     return rbdi_sub(rbdi_add(rbdi_vec_c(l->r), rbdi_scale(rbdi_trig_of(m, d->work, root, rbdi_flags(l)).d,
                                                           rbdi_vec(X.E.zx, X.E.zy, X.E.zz))),
                     X.r);
 }
 
+/* n += offset x f of a force in the lanes. */
+RBDI_INLINE void rbdi_shift_moment(rbd_real *in, rbdi_v3 offset) {
+    rbdi_force F = rbdi_load_force(in, RBDI_BATCH);
+    F.n = rbdi_add(F.n, rbdi_cross(offset, F.f));
+    rbdi_store_force(in, RBDI_BATCH, F);
+}
+
 /* Moves positions, F and wrenches of the other roots' trees to the first root's origin: A is in one frame. */
 RBDI_PART void rbdi_join_origins(const rbd_model *m, rbd_derivatives *d) {
     rbdi_v3 offset = rbdi_vec0();
-    int others = 0;
+    int others = 0; /* whether the first root's tree is behind */
+
     for (const rbdi_segment *r = d->segment + 1; r < d->segment + d->segments; ++r) {
         if (r->parent < 0) offset = rbdi_sub(rbdi_place_of(m, d, r->link), rbdi_place_of(m, d, 0));
         others |= r->parent < 0;
+
         for (int k = r->first; others && k < r->end; ++k) {
-            rbd_real *x = RBDI_OF(d, k, x), *in[2];
+            rbd_real *x = RBDI_OF(d, k, x);
             rbdi_store_vec(x, RBDI_BATCH, rbdi_add(rbdi_load_vec(x, RBDI_BATCH), offset));
-            in[0] = RBDI_OF(d, k, F), in[1] = RBDI_OF(d, k, sum.f);
-            for (int j = 0; j < 2; ++j) {
-                rbdi_force F = rbdi_load_force(in[j], RBDI_BATCH);
-                F.n = rbdi_add(F.n, rbdi_cross(offset, F.f));
-                rbdi_store_force(in[j], RBDI_BATCH, F);
-            }
+            rbdi_shift_moment(RBDI_OF(d, k, F), offset);
+            rbdi_shift_moment(RBDI_OF(d, k, sum.f), offset);
         }
     }
 }
 
-/* The centre of mass relative to that origin; 0 without mass. With a free base h of the whole tree gives
-   it, for no mass was moved past the base. Otherwise it comes from the bodies as described. */
+/* The centre of mass relative to that origin, h / mass of all bodies; 0 without mass. With a free base h of
+   the whole tree is that, for no mass was moved past the base. Otherwise it is summed over the bodies as
+   described. */
 RBDI_PART rbdi_v3 rbdi_common_com(const rbd_derivatives *d) {
     const rbd_real share = rbdi_set(d->mass > 0 ? RBD_C(1) / d->mass : RBD_C(0));
     rbdi_sum x = rbdi_sum_of_none(), y = x, z = x;
+
     if (d->base) return rbdi_scale(share, rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h), RBDI_BATCH));
     for (int b = 0; b < d->batches; ++b) {
-        const rbdi_columns *c = &d->columns[b];
-        const rbdi_constants *k = &d->constants[b];
-        const rbdi_b3 own = rbdi_b_rotate(c, k->all_hx, k->all_hy, k->all_hz);
-        x = rbdi_sum_and(x, own.x + c->x.x * k->all_m);
-        y = rbdi_sum_and(y, own.y + c->x.y * k->all_m);
-        z = rbdi_sum_and(z, own.z + c->x.z * k->all_m);
+        const rbdi_columns *cols = &d->columns[b];
+        const rbdi_constants *own = &d->constants[b];
+        const rbdi_b3 h = rbdi_b_rotate(cols, own->all_hx, own->all_hy, own->all_hz);
+        x = rbdi_sum_and(x, h.x + cols->x.x * own->all_m);
+        y = rbdi_sum_and(y, h.y + cols->x.y * own->all_m);
+        z = rbdi_sum_and(z, h.z + cols->x.z * own->all_m);
     }
-    return rbdi_scale(share, rbdi_vec(rbdi_sum_value(x), rbdi_sum_value(y), rbdi_sum_value(z)));
-}
 
-/* E' a, from a free base's axes to the world's. */
-RBDI_INLINE rbdi_b3 rbdi_b_mul_t(rbdi_mat E, rbdi_b3 a) {
-    return rbdi_b_vec(a.x * E.xx + a.y * E.yx + a.z * E.zx, a.x * E.xy + a.y * E.yy + a.z * E.zy,
-                      a.x * E.xz + a.y * E.yz + a.z * E.zz);
+    return rbdi_scale(share, rbdi_vec(rbdi_sum_value(x), rbdi_sum_value(y), rbdi_sum_value(z)));
 }
 
 /* Stores F of all dofs as a matrix, in world axes, with moments about the centre of mass. With three rows:
@@ -1577,19 +1954,27 @@ RBDI_INLINE void rbdi_put_momenta(const rbd_derivatives *d, rbdi_v3 com, rbd_rea
                                   rbd_real *out) {
     const rbd_model *m = d->model;
     const rbdi_mat *E = &d->work->block->X.E; /* if there is a base */
-    const rbd_real *x = (const rbd_real *)(rows == 3 ? &d->columns->E.f : &d->columns->E.n);
+    const rbd_real *x = rows == 3 ? RBDI_FIELD(d, stage.momentum.f) : RBDI_FIELD(d, stage.momentum);
     if (d->base) rbdi_base_columns(d, RBDI_WANT_M);
+
+    /* n - com x f, from a free base's axes to the world's */
     for (int b = 0; b < d->batches; ++b) {
         rbdi_bforce F = d->columns[b].F;
         F.n = rbdi_b_cross_add(F.n, F.f, rbdi_b_all(com));
-        if (d->base) F.n = rbdi_b_mul_t(*E, F.n), F.f = rbdi_b_mul_t(*E, F.f);
+        if (d->base) {
+            F.n = rbdi_b_mul_t(*E, F.n);
+            F.f = rbdi_b_mul_t(*E, F.f);
+        }
         F.f = rbdi_b_vec(F.f.x * scale, F.f.y * scale, F.f.z * scale);
-        d->columns[b].E = F;
+        d->columns[b].stage.momentum = F;
     }
+
     if (!rbdi_mimics(m) && 2 * m->nv >= RBDI_BATCH) {
         rbdi_put_components(d, x, rows, rows * m->nv, out);
         return;
     }
+
+    /* the columns of mimic joints are added to those of the joints that they follow */
     rbdi_clear(out, rows * m->nv);
     for (int i = 0; i < d->n; ++i) {
         const rbdi_entry *e = &d->entry[i];
@@ -1605,22 +1990,27 @@ RBDI_INLINE void rbdi_put_momenta(const rbd_derivatives *d, rbdi_v3 com, rbd_rea
 RBDI_PART void rbdi_put_momentum_bias(const rbd_model *m, const rbd_derivatives *d, rbdi_v3 com,
                                       rbd_real *A_dot_v) {
     rbdi_force F = rbdi_force0();
+
     for (const rbdi_segment *r = d->segment; r < d->segment + d->segments; ++r) {
         const rbd_real *in = RBDI_OF(d, rbdi_last_dof(m, r->link), sum.f);
         if (r->parent < 0) F = rbdi_force_add(F, rbdi_load_force(in, RBDI_BATCH));
     }
     F.n = rbdi_sub(F.n, rbdi_cross(com, F.f));
-    if (d->base) F.n = rbdi_mul_t(d->work->block[0].X.E, F.n), F.f = rbdi_mul_t(d->work->block[0].X.E, F.f);
+    if (d->base) {
+        F.n = rbdi_mul_t(d->work->block[0].X.E, F.n);
+        F.f = rbdi_mul_t(d->work->block[0].X.E, F.f);
+    }
     rbdi_store_force(A_dot_v, 1, F);
 }
 
 RBDI_API rbd_status rbd_momentum_matrix(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                         const rbd_real *v, rbd_real *A, rbd_real A_dot_v[6]) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && A && (v || !A_dot_v));
-    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
+    const int need = A_dot_v ? RBDI_NEED_WRENCH | RBDI_NEED_WHOLE : 0;
     rbdi_v3 com;
     if (status) return status;
-    rbdi_common(m, d, q, v, d->work->zero, none, NULL, A_dot_v ? RBDI_NEED_WRENCH | RBDI_NEED_WHOLE : 0);
+
+    rbdi_common(m, d, q, v, d->work->zero, rbdi_no_gravity(), NULL, need);
     rbdi_join_origins(m, d);
     com = rbdi_common_com(d);
     if (A_dot_v) rbdi_put_momentum_bias(m, d, com, A_dot_v);
@@ -1630,10 +2020,11 @@ RBDI_API rbd_status rbd_momentum_matrix(const rbd_model *m, rbd_derivatives *d, 
 
 RBDI_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, rbd_real *J) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && J);
-    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
+    const rbd_const share = !status && d->mass > 0 ? RBD_C(1) / d->mass : RBD_C(0);
     if (status) return status;
-    rbdi_common(m, d, q, NULL, NULL, none, NULL, 0);
-    rbdi_put_momenta(d, rbdi_vec0(), rbdi_set(d->mass > 0 ? RBD_C(1) / d->mass : RBD_C(0)), 3, J);
+
+    rbdi_common(m, d, q, NULL, NULL, rbdi_no_gravity(), NULL, 0);
+    rbdi_put_momenta(d, rbdi_vec0(), rbdi_set(share), 3, J);
     return RBD_OK;
 }
 
@@ -1642,9 +2033,9 @@ RBDI_API rbd_status rbd_com_jacobian(const rbd_model *m, rbd_derivatives *d, con
 RBDI_API rbd_status rbd_coriolis(const rbd_model *m, rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
                                  rbd_real *C) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && v && C);
-    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     if (status) return status;
-    rbdi_common(m, d, q, v, NULL, none, NULL, RBDI_NEED_V | RBDI_NEED_CORIOLIS);
+
+    rbdi_common(m, d, q, v, NULL, rbdi_no_gravity(), NULL, RBDI_NEED_V | RBDI_NEED_CORIOLIS);
     rbdi_put_entries(m, d, NULL, C, NULL, 1);
     return RBD_OK;
 }
@@ -1688,8 +2079,7 @@ static rbdi_motion rbdi_column_rate(const rbdi_link *l, const rbdi_kin *k, int a
     return rate;
 }
 
-/* Adds sign times the rates of the columns of link i and of its ancestors up to link `end`, which has no
-   part. */
+/* Adds sign times the rates of the columns of link i and of its ancestors up to link `end`, without `end`. */
 static void rbdi_add_rates(const rbd_model *m, const rbd_work *w, int i, int end, const rbdi_observer *o,
                            int sign, rbd_real *J_dot) {
     for (; i != end; i = m->link[i].parent) {
@@ -1757,51 +2147,63 @@ RBDI_API rbd_status rbd_relative_jacobian_derivative(const rbd_model *m, const r
 /* ---- inverse dynamics with a free base [free base code] ----
    If A = 0 at the base, the wrenches of the links add up to f. The missing wrench tau - f gives A = y of the
    base: I y = tau - f, with I the inertia of the whole tree, by Newton's and Euler's laws about the centre of
-   mass c. In the common frame the A of all links increases by y. The torques are S' f + F' y, with f of the
-   subtree and F = I S. v and gravity are in y only: v_dot = y - w x v - up. rbd_hybrid serves other models,
-   and a y in doubt. */
+   mass. In the common frame the A of all links increases by y. The torques are S' f + F' y, with f of the
+   subtree and F = I S. Gravity and the base's linear velocity are in y only: v_dot = y - w x v + gravity.
+   rbd_hybrid serves other models, and a y in doubt. */
 
 #ifndef RBD_NO_CHOLESKY
-/* M^-1 x of turns, by pivots from the end, as in [packed matrix]. */
+/* M^-1 x of turns, by pivots from the end, as in [packed matrix]: M = L'DL. z, y: 1/D of these rows. */
 RBDI_INLINE rbdi_v3 rbdi_solve_turns(const rbd_model *m, rbdi_sym M, rbdi_v3 x, rbdi_mask *doubt) {
-    const rbd_real z = rbdi_pivot_inverse(M.zz, m->dof[2].scale, doubt), yz = M.yz * z, xz = M.xz * z,
-                   xy = M.xy - xz * M.yz, y = rbdi_pivot_inverse(M.yy - yz * M.yz, m->dof[1].scale, doubt),
-                   l = xy * y;
+    const rbd_real z = rbdi_pivot_inverse(M.zz, m->dof[2].scale, doubt);
+    const rbd_real L_zy = M.yz * z;
+    const rbd_real L_zx = M.xz * z;
+    const rbd_real xy = M.xy - L_zx * M.yz;
+    const rbd_real y = rbdi_pivot_inverse(M.yy - L_zy * M.yz, m->dof[1].scale, doubt);
+    const rbd_real L_yx = xy * y;
     rbdi_v3 s;
-    x.y = x.y - yz * x.z;
-    x.x = x.x - xz * x.z - l * x.y;
-    s.x = x.x * rbdi_pivot_inverse(M.xx - xz * M.xz - l * xy, m->dof[0].scale, doubt);
-    s.y = x.y * y - l * s.x;
-    s.z = x.z * z - xz * s.x - yz * s.y;
+
+    x.y = x.y - L_zy * x.z;
+    x.x = x.x - L_zx * x.z - L_yx * x.y;
+
+    s.x = x.x * rbdi_pivot_inverse(M.xx - L_zx * M.xz - L_yx * xy, m->dof[0].scale, doubt);
+    s.y = x.y * y - L_yx * s.x;
+    s.z = x.z * z - L_zx * s.x - L_zy * s.y;
     return s;
 }
 
-/* y from the missing wrench F. */
+/* y = (omega_dot; y_v) from the missing wrench F = (n; f):
+
+       com = h / mass,   I_com omega_dot = n - com x f,   mass y_v = f - omega_dot x h */
 RBDI_PART rbdi_motion rbdi_base_motion(const rbd_model *m, const rbd_derivatives *d, rbdi_force F,
                                        rbdi_mask *doubt) {
     const rbd_real mass_inverse = rbdi_pivot_inverse(rbdi_set(d->mass), m->dof[3].scale, doubt);
-    const rbd_real *Sigma = RBDI_OF(d, d->base - 1, sum);
-    const rbdi_v3 h = rbdi_load_vec(RBDI_OF(d, d->base - 1, sum.h), RBDI_BATCH),
-                  com = rbdi_scale(mass_inverse, h);
-    rbdi_rbi C; /* Sigma about c, h about the base's origin */
+    const int last = d->base - 1;
+    const rbdi_v3 h = rbdi_load_vec(RBDI_OF(d, last, sum.h), RBDI_BATCH), com = rbdi_scale(mass_inverse, h);
+    rbdi_rbi C; /* Sigma - com h' about the centre of mass, h about the base's origin */
     rbdi_motion y;
+
     C.h = h;
-    C.Sigma.xx = Sigma[0] - com.x * h.x, C.Sigma.xy = Sigma[RBDI_BATCH] - com.x * h.y;
-    C.Sigma.xz = Sigma[2 * RBDI_BATCH] - com.x * h.z, C.Sigma.yy = Sigma[3 * RBDI_BATCH] - com.y * h.y;
-    C.Sigma.yz = Sigma[4 * RBDI_BATCH] - com.y * h.z, C.Sigma.zz = Sigma[5 * RBDI_BATCH] - com.z * h.z;
+    C.Sigma.xx = *RBDI_OF(d, last, sum.xx) - com.x * h.x;
+    C.Sigma.xy = *RBDI_OF(d, last, sum.xy) - com.x * h.y;
+    C.Sigma.xz = *RBDI_OF(d, last, sum.xz) - com.x * h.z;
+    C.Sigma.yy = *RBDI_OF(d, last, sum.yy) - com.y * h.y;
+    C.Sigma.yz = *RBDI_OF(d, last, sum.yz) - com.y * h.z;
+    C.Sigma.zz = *RBDI_OF(d, last, sum.zz) - com.z * h.z;
+
     y.omega = rbdi_solve_turns(m, rbdi_abi_of_rbi(C, d->mass).I, rbdi_sub(F.n, rbdi_cross(com, F.f)), doubt);
     y.v = rbdi_scale(mass_inverse, rbdi_sub(F.f, rbdi_cross(y.omega, h)));
     return y;
 }
 
-/* Torques of the joints at A = y of the base. */
+/* Torques of the joints at A = y of the base: S' f + F' y + armature a. */
 RBDI_PART void rbdi_put_torques(const rbd_model *m, const rbd_derivatives *d, rbdi_motion y,
                                 const rbd_real *a, rbd_real *tau) {
     for (int b = d->behind, k = d->base; b < d->batches; ++b, k += RBDI_BATCH) {
-        const rbdi_columns *c = &d->columns[b];
-        const rbdi_batch x = rbdi_b_power(c->S, c->sum.f) + rbdi_b_force_dot(c->F, y);
-        rbdi_copy((const rbd_real *)&x, m->nv - k < RBDI_BATCH ? m->nv - k : RBDI_BATCH, tau + k);
+        const rbdi_columns *cols = &d->columns[b];
+        const rbdi_batch x = rbdi_b_power(cols->S, cols->sum.f) + rbdi_b_force_dot(cols->F, y);
+        rbdi_copy_batch((const rbd_real *)&x, m->nv - k, tau + k);
     }
+
     for (int k = d->base; k < m->nv; ++k) tau[k] = tau[k] + a[k] * m->dof[k].armature;
 }
 
@@ -1809,8 +2211,9 @@ RBDI_PART void rbdi_put_torques(const rbd_model *m, const rbd_derivatives *d, rb
 RBDI_COLD rbd_status rbdi_hybrid_free_base(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                            const rbd_real *v, const rbd_real *f_ext, rbd_real *a,
                                            rbd_real *tau) {
-    unsigned char *given = (unsigned char *)d->a; /* not needed otherwise */
+    unsigned char *given = d->given;
     int bases = 0;
+
     for (int k = 0; k < m->nv; ++k) given[k] = 1;
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
@@ -1818,6 +2221,7 @@ RBDI_COLD rbd_status rbdi_hybrid_free_base(const rbd_model *m, rbd_derivatives *
         for (int k = 0; base && k < 6; ++k) given[l->iv + k] = 0;
         bases += base;
     }
+
     if (bases == 0) return rbd_rnea(m, d->work, q, v, a, f_ext, tau);
     return rbd_hybrid(m, d->work, q, v, given, a, tau, f_ext);
 }
@@ -1825,18 +2229,20 @@ RBDI_COLD rbd_status rbdi_hybrid_free_base(const rbd_model *m, rbd_derivatives *
 RBDI_API rbd_status rbd_id_free_base(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                      const rbd_real *v, rbd_real *a, rbd_real *tau, const rbd_real *f_ext) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && v && a && tau);
-    const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbdi_force f;
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
     rbdi_motion y;
     if (status) return status;
     if (!d->base) return rbdi_hybrid_free_base(m, d, q, v, f_ext, a, tau);
+
     rbdi_clear(a, 6);
-    rbdi_common(m, d, q, v, a, none, f_ext, RBDI_NEED_WRENCH);
+    rbdi_common(m, d, q, v, a, rbdi_no_gravity(), f_ext, RBDI_NEED_WRENCH);
     f = rbdi_load_force(RBDI_OF(d, d->base - 1, sum.f), RBDI_BATCH);
     y = rbdi_base_motion(m, d, rbdi_force_sub(rbdi_load_force(tau, 1), f), &doubt);
     if (rbdi_any(doubt)) return rbdi_hybrid_free_base(m, d, q, v, f_ext, a, tau);
     rbdi_put_torques(m, d, y, a, tau);
+
+    /* v_dot = y - w x v + gravity */
     y.v = rbdi_add(y.v, rbdi_mul(d->work->block[0].X.E, rbdi_vec_c(d->work->gravity)));
     y.v = rbdi_sub(y.v, rbdi_cross(d->V.omega, rbdi_load_vec(v + 3, 1)));
     rbdi_store_motion(a, 1, y);
@@ -1871,6 +2277,7 @@ RBDI_API rbd_status rbd_id_derivatives(const rbd_model *m, rbd_derivatives *d, c
                                        rbd_real *dtau_dq, rbd_real *dtau_dv, rbd_real *M) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && v && a);
     if (status) return status;
+
     rbdi_common(m, d, q, v, a, d->work->gravity, f_ext, RBDI_NEED_V | RBDI_NEED_WRENCH | RBDI_NEED_WHOLE);
     if (dtau_dq) rbdi_columns_by_q(d);
     rbdi_put_entries(m, d, dtau_dq, dtau_dv, M, 1);
@@ -1891,31 +2298,47 @@ RBDI_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep) {
 }
 
 /* ---- derivatives of forward dynamics [forward dynamics code] ----
-   The columns are computed at a = 0. They give the bias c, c_i = S_i' f_i, and M, and these give a. Then the
-   effect of a is added, which is linear: dA to the accelerations, and I dA_p + (sum over the subtree of F_j
-   a_j) to the wrench of dof i's subtree, with dA_p of the parent.
+   With the acceleration a of M a = tau - c, where c is the bias force,
+
+       da/dx = -M^-1 dtau/dx,   dtau/dx: of inverse dynamics, at a.
+
+   rbd_fd_derivatives computes, in this order:
+
+     1. the columns at a = 0. They give M, and the bias force c_i = S_i' f_i of the subtree's wrench f
+     2. M = L'DL and a
+     3. the effect of a on A_p and f, which is linear: of dof i's parent
+
+            A_p' = sum over its ancestors of S_j a_j
+            f' = I A_p' + sum over the subtree of F_j a_j
+
+     4. Phi and E from A_p + A_p' and f + f', and with them dtau/dq and dtau/dv
+     5. the solution of M X = -dtau/dx
 
    a is computed from the factor even if M^-1 is requested. The product M^-1 (tau - c) takes 5 % fewer
    instructions but loses digits: in chains of 48 links the error of M a is 80 times as large, of da/dq 20
    times. If each of 24 links is twice as heavy as its parent, da/dq has no correct digit; by the factor it
    has six.
 
-   With a free base, v and gravity enter only the base's A. The unknowns are y = (w_dot; v_dot + w x v -
-   gravity; accelerations of the joints), at v = 0 and without gravity. y does not depend on the position,
-   attitude and linear velocity of the base. From y follows a:
+   With a free base, gravity and the base's linear velocity enter the dynamics only by the A of the base.
+   The call leaves both out. Its unknowns are y = (A of the base; accelerations of the joints). y does not
+   depend on position, attitude and linear velocity of the base. At the end v_dot and its derivatives follow
+   from y and those of y:
 
-       v_dot = y - w x v - up      by w: dy - e x v      by v: -w x e      by theta: e x up                */
+       v_dot = y - w x v + gravity
+       by w: dy - e x v      by v: -w x e      by the turn theta: e x minus_g */
 
 #ifndef RBD_NO_CHOLESKY
-/* Writes M as a packed matrix. The model has no mimic joints. */
+/* Writes M as a packed matrix, M_ik = S_k' F_i on the path of i. The model has no mimic joints. */
 RBDI_PART void rbdi_put_packed(const rbd_model *m, const rbd_derivatives *d, rbd_real *H) {
     const rbdi_order *o = m->order;
     const rbdi_entry *e = d->entry;
     if (d->base) rbdi_base_columns(d, RBDI_WANT_M);
+
     for (int i = 0; i < d->n; ++i) {
         const rbdi_force F = rbdi_load_force(RBDI_OF(d, i, F), RBDI_BATCH);
         const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, i, S), RBDI_BATCH);
         rbd_real *row = H + o[i].row, *pivot = row + m->dof[o[i].dof].depth, *to = pivot;
+
         if (d->base) rbdi_store_force(row, 1, F); /* over the end of a base's row goes the next row */
         for (int k = e[i].parent; k >= d->base; k = e[k].parent)
             *--to = rbdi_power(rbdi_load_motion(RBDI_OF(d, k, S), RBDI_BATCH), F);
@@ -1927,11 +2350,11 @@ RBDI_PART void rbdi_put_packed(const rbd_model *m, const rbd_derivatives *d, rbd
    common origin, as large as the subtree's tr(Sigma), and its error is eps times that. */
 RBDI_PART rbdi_mask rbdi_far_pivots(const rbd_derivatives *d) {
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
+
     for (int k = d->base; k < d->n; ++k) {
-        const rbdi_entry *e = &d->entry[k];
-        const rbd_real *sum = RBDI_OF(d, k, sum), trace = sum[0] + sum[3 * RBDI_BATCH] + sum[5 * RBDI_BATCH];
-        const rbd_const rho = ((const rbd_const *)&d->constants[e->batch].rho)[e->lane];
-        doubt = rbdi_or(doubt, rbdi_less(d->work->pivot[e->source], trace * (rho * RBDI_DOUBT)));
+        const rbd_real trace = *RBDI_OF(d, k, sum.xx) + *RBDI_OF(d, k, sum.yy) + *RBDI_OF(d, k, sum.zz);
+        const rbd_const rho = *RBDI_CONSTANT_OF(d, k, rho);
+        doubt = rbdi_or(doubt, rbdi_less(d->work->pivot[d->entry[k].source], trace * (rho * RBDI_DOUBT)));
     }
     return doubt;
 }
@@ -1945,51 +2368,65 @@ RBDI_COLD void rbdi_factor_again(const rbd_model *m, rbd_work *w) {
     rbdi_check_factor(m, w, w->H, doubt);
 }
 
-/* x = tau - c. */
+/* x = tau - c, with c_i = S_i' f_i; of a free base c = f. Lanes have the order of c. */
 RBDI_PART void rbdi_net_torque(const rbd_model *m, rbd_derivatives *d, const rbd_real *tau, rbd_real *x) {
     rbd_real *bias = rbdi_mimics(m) ? d->work->tx : x;
-    for (int b = d->base ? d->behind : 0; b < d->batches; ++b) {
-        rbdi_columns *c = &d->columns[b];
-        c->qdd = rbdi_b_power(c->S, c->sum.f);
+
+    for (int b = d->behind, k = d->base; b < d->batches; ++b, k += RBDI_BATCH) {
+        const rbdi_columns *cols = &d->columns[b];
+        const rbdi_batch bias_b = rbdi_b_power(cols->S, cols->sum.f);
+        rbdi_copy_batch((const rbd_real *)&bias_b, d->n - k, bias + k);
     }
     if (d->base) rbdi_store_force(bias, 1, rbdi_load_force(RBDI_OF(d, d->base - 1, sum.f), RBDI_BATCH));
-    for (int k = d->base; k < d->n; ++k) bias[d->entry[k].source] = *RBDI_OF(d, k, qdd);
+
     rbdi_reduce_tau(m, d->work->tx, x);
     for (int k = 0; k < m->nv; ++k) x[k] = tau[k] - x[k];
 }
 
-/* Adds the effect of a to A_p and f of all dofs. */
+/* Adds the effect of a to A_p and f of all dofs; then Phi and E. */
 RBDI_PART void rbdi_add_acceleration(const rbd_model *m, rbd_derivatives *d, const rbd_real *a) {
     const int base = d->base, first = base ? d->behind : 0;
-    rbdi_spread(d, base, rbdi_expand_v(m, a, d->work->ax), (rbd_real *)&d->columns->qdd);
+    const rbdi_motion A = base ? rbdi_load_motion(a, 1) : rbdi_motion0();
+
+    rbdi_spread(d, base, rbdi_expand_v(m, a, d->work->ax), RBDI_FIELD(d, qdd));
     for (int b = first; b < d->batches; ++b) {
-        rbdi_columns *c = &d->columns[b];
-        c->dA = rbdi_b_motion_scale(c->qdd, c->S);
-        c->E.n = rbdi_b_scale(c->qdd, c->F.n), c->E.f = rbdi_b_scale(c->qdd, c->F.f);
+        rbdi_columns *cols = &d->columns[b];
+        cols->stage.response.A.joint = rbdi_b_motion_scale(cols->qdd, cols->S);
+        cols->stage.response.F_qdd.n = rbdi_b_scale(cols->qdd, cols->F.n);
+        cols->stage.response.F_qdd.f = rbdi_b_scale(cols->qdd, cols->F.f);
     }
-    rbdi_sum_ancestors(d, base, (rbd_real *)&d->columns->Phi, -6 * RBDI_BATCH,
-                       base ? rbdi_load_motion(a, 1) : rbdi_motion0(), 0);
-    rbdi_sum_components(d, d->segment, (rbd_real *)&d->columns->E, 6);
+
+    rbdi_sum_ancestors(d, base, RBDI_FIELD(d, stage.response.A), A, 0);
+    rbdi_sum_components(d, d->segment, RBDI_FIELD(d, stage.response.F_qdd), RBDI_WRENCH_SUMS);
+
+    /* A_p += A_p',  f += I A_p' + sum of F a */
     for (int b = first; b < d->batches; ++b) {
-        rbdi_columns *c = &d->columns[b];
-        const rbdi_bforce f =
-            rbdi_b_force_add(rbdi_inertia_times(&c->sum, d->constants[b].subtree, c->Phi), c->E);
-        c->sum.f = rbdi_b_force_add(c->sum.f, f);
-        c->Ap = rbdi_b_motion_add(c->Ap, c->Phi);
+        rbdi_columns *cols = &d->columns[b];
+        const rbdi_bmotion A_p = cols->stage.response.A.p;
+        const rbdi_bforce I_A_p = rbdi_inertia_times(&cols->sum, d->constants[b].subtree, A_p);
+
+        cols->sum.f = rbdi_b_force_add(cols->sum.f, rbdi_b_force_add(I_A_p, cols->stage.response.F_qdd));
+        cols->A.p = rbdi_b_motion_add(cols->A.p, A_p);
     }
+
     rbdi_columns_by_q(d);
 }
 
 /* Adds [s]x to three rows and columns of a matrix that has nv columns. */
 RBDI_INLINE void rbdi_add_skew(rbd_real *out, ptrdiff_t nv, rbdi_v3 s) {
     const rbd_real x[3] = {s.x, s.y, s.z};
+
     for (int i = 0; i < 3; ++i, out += nv) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
-        out[j] = out[j] - x[k], out[k] = out[k] + x[j];
+        out[j] = out[j] - x[k];
+        out[k] = out[k] + x[j];
     }
 }
+
 /* Replaces y, in d->a, by a, and the derivatives of y by those of a. Either may be NULL. v: velocity of the
-   base. */
+   base, (w; u). The rows of v_dot are those of y and
+
+       by theta: [gravity]x      by w: [u]x      by u: -[w]x */
 RBDI_PART void rbdi_from_base(const rbd_model *m, const rbd_derivatives *d, const rbd_real *v, rbd_real *by_q,
                               rbd_real *by_v) {
     const ptrdiff_t nv = m->nv;
@@ -1997,6 +2434,8 @@ RBDI_PART void rbdi_from_base(const rbd_model *m, const rbd_derivatives *d, cons
                   g = rbdi_mul(d->work->block[0].X.E, rbdi_vec_c(d->work->gravity)),
                   y = rbdi_load_vec(d->a + 3, 1);
     rbd_real *turn[3];
+
+    /* the columns by w from the places of rbdi_place_turns to their own; the base's others are 0 */
     if (by_v) rbdi_place_turns(by_q, by_v, turn);
     for (ptrdiff_t r = 0; r < nv * nv; r += nv) {
         if (by_v) {
@@ -2005,10 +2444,53 @@ RBDI_PART void rbdi_from_base(const rbd_model *m, const rbd_derivatives *d, cons
         }
         if (by_q) rbdi_clear(by_q + r, 6);
     }
+
     rbdi_store_vec(d->a + 3, 1, rbdi_add(rbdi_sub(y, rbdi_cross(w, u)), g));
     if (by_q) rbdi_add_skew(by_q + 3 * nv, nv, g);
-    if (by_v)
-        rbdi_add_skew(by_v + 3 * nv, nv, u), rbdi_add_skew(by_v + 3 * nv + 3, nv, rbdi_sub(rbdi_vec0(), w));
+    if (by_v) {
+        rbdi_add_skew(by_v + 3 * nv, nv, u);
+        rbdi_add_skew(by_v + 3 * nv + 3, nv, rbdi_sub(rbdi_vec0(), w));
+    }
+}
+
+/* Steps 1 and 2: the columns, the factor of M in w->H, and a (of a free base y) in d->a. need: what of the
+   columns is needed. Returns whether a pivot is in doubt. */
+RBDI_INLINE rbdi_mask rbdi_solve_acceleration(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                              const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                              int need, rbd_real *Minv) {
+    rbd_work *w = d->work;
+    rbdi_mask doubt;
+
+    /* columns, M and tau - c */
+    if (rbdi_mimics(m)) rbd_crba_packed(m, w, q, w->H);
+    rbdi_common(m, d, q, v, w->zero, w->gravity, f_ext, need);
+    if (!rbdi_mimics(m)) rbdi_put_packed(m, d, w->H);
+    rbdi_net_torque(m, d, tau, d->a);
+
+    doubt = rbdi_factor(m, w, w->H);
+    if (!rbdi_mimics(m)) doubt = rbdi_or(doubt, rbdi_far_pivots(d));
+    w->singular = -1;
+    if (rbdi_any(doubt)) rbdi_factor_again(m, w);
+
+    if (Minv) rbdi_invert(m, w, w->H, Minv);
+    rbdi_solve(m, w, w->H, d->a);
+    return doubt;
+}
+
+/* Steps 4 and 5: da/dq and da/dv, one of them or both, of a free base those of y. */
+RBDI_INLINE void rbdi_acceleration_derivatives(const rbd_model *m, rbd_derivatives *d, rbd_real *da_dq,
+                                               rbd_real *da_dv) {
+    rbd_real *sides[2];
+    int count = 0, unsolved = 0; /* unsolved: number of first columns, see rbdi_place_turns */
+
+    rbdi_put_entries(m, d, da_dq, da_dv, NULL, 0);
+    if (d->base) rbdi_put_turns(d, da_dq, da_dv);
+
+    if (d->base) unsolved = !da_dv ? 6 : da_dq ? 4 : 3;
+    if (da_dq) sides[count++] = da_dq + unsolved;
+    if (da_dv) sides[count++] = da_dv + unsolved;
+    if (count == 1) rbdi_solve_columns(m, d->work, d->work->H, -1, m->nv, m->nv - unsolved, sides[0]);
+    if (count == 2) rbdi_solve_two(m, d->work, d->work->H, -1, m->nv, m->nv - unsolved, sides[0], sides[1]);
 }
 
 RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
@@ -2016,32 +2498,20 @@ RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, c
                                        rbd_real *a, rbd_real *da_dq, rbd_real *da_dv, rbd_real *Minv) {
     const int nv = m ? m->nv : 0, need = RBDI_NEED_WRENCH | (da_dq || da_dv ? RBDI_NEED_V : 0);
     rbd_real *const result[3] = {da_dq, da_dv, Minv};
-    rbd_real *sides[2];
     rbdi_mask doubt;
-    int count = 0, unsolved = 0; /* unsolved: number of first columns, see rbdi_place_turns */
     rbd_status status = rbdi_check_derivatives(m, d, q && v && tau);
     if (status) return status;
-    if (rbdi_mimics(m)) rbd_crba_packed(m, d->work, q, d->work->H);
-    rbdi_common(m, d, q, v, d->work->zero, d->work->gravity, f_ext, need);
-    if (!rbdi_mimics(m)) rbdi_put_packed(m, d, d->work->H);
-    rbdi_net_torque(m, d, tau, d->a);
-    doubt = rbdi_factor(m, d->work, d->work->H);
-    if (!rbdi_mimics(m)) doubt = rbdi_or(doubt, rbdi_far_pivots(d));
-    d->work->singular = -1;
-    if (rbdi_any(doubt)) rbdi_factor_again(m, d->work);
-    if (Minv) rbdi_invert(m, d->work, d->work->H, Minv);
-    rbdi_solve(m, d->work, d->work->H, d->a);
+
+    doubt = rbdi_solve_acceleration(m, d, q, v, tau, f_ext, need, Minv);
     if (rbdi_any(doubt)) status = rbdi_pivot_status(m, d->work, d->a, nv);
+
     if (da_dq) rbdi_add_acceleration(m, d, d->a);
-    if (da_dq || da_dv) rbdi_put_entries(m, d, da_dq, da_dv, NULL, 0);
-    if (d->base) rbdi_put_turns(d, da_dq, da_dv);
-    if (d->base) unsolved = !da_dv ? 6 : da_dq ? 4 : 3;
-    if (da_dq) sides[count++] = da_dq + unsolved;
-    if (da_dv) sides[count++] = da_dv + unsolved;
-    if (count == 1) rbdi_solve_columns(m, d->work, d->work->H, -1, nv, nv - unsolved, sides[0]);
-    if (count == 2) rbdi_solve_two(m, d->work, d->work->H, -1, nv, nv - unsolved, sides[0], sides[1]);
+    if (da_dq || da_dv) rbdi_acceleration_derivatives(m, d, da_dq, da_dv);
+
     if (d->base) rbdi_from_base(m, d, v, da_dq, da_dv);
     for (int k = 0; a && k < nv; ++k) a[k] = d->a[k];
+
+    /* after an error the results are 0 */
     if (status && a) (void)rbdi_pivot_status(m, d->work, a, nv);
     for (int k = 0; status && k < 3; ++k)
         if (result[k]) (void)rbdi_pivot_status(m, d->work, result[k], nv * nv);
@@ -2053,13 +2523,17 @@ RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, c
 /* ---- regressors and inertial parameters [identification code] ----
    f = I a + v x* I v (RBDA table 5.1) is linear in a body's parameters, f = K pi: row i of Y is S_i' K. */
 
-/* a_1 x_1 + a_2 x_2 + a_3 x_3, and with y added. */
+/* y += a_1 x_1 + a_2 x_2 + a_3 x_3; and y = this sum. */
 RBDI_INLINE void rbdi_add_fours(rbdi_four *y, rbdi_v3 a, const rbdi_four x[3]) {
-    rbdi_add_four(y, a.x, &x[0]), rbdi_add_four(y, a.y, &x[1]), rbdi_add_four(y, a.z, &x[2]);
+    rbdi_add_four(y, a.x, &x[0]);
+    rbdi_add_four(y, a.y, &x[1]);
+    rbdi_add_four(y, a.z, &x[2]);
 }
+
 RBDI_INLINE void rbdi_combine_fours(rbdi_four *y, rbdi_v3 a, const rbdi_four x[3]) {
     rbdi_scale_four(y, a.x, &x[0]);
-    rbdi_add_four(y, a.y, &x[1]), rbdi_add_four(y, a.z, &x[2]);
+    rbdi_add_four(y, a.y, &x[1]);
+    rbdi_add_four(y, a.z, &x[2]);
 }
 
 /* (x R) of a body as described: its origin and axes in the common frame. A row is four scalars, for the
@@ -2068,63 +2542,88 @@ typedef struct rbdi_placement {
     rbdi_four row[3];
 } rbdi_placement;
 
-RBDI_INLINE void rbdi_place_body(const rbd_model *m, const rbd_derivatives *d, const rbdi_frame *u,
+/* (x R) = (r 0) + E' (r_b E_b'), with the pose (E, r) of the link, and r_b and E_b of the body on it. */
+RBDI_INLINE void rbdi_place_body(const rbd_model *m, const rbd_derivatives *d, const rbdi_frame *body,
                                  rbdi_placement *p) {
-    const rbdi_pose X = rbdi_common_pose(m, d, u->link);
+    const rbdi_pose X = rbdi_common_pose(m, d, body->link);
     const rbd_real o = rbdi_zero();
-    const rbd_const *E = u->E;
-    rbdi_four own[3]; /* the same in the link's axes */
-    rbdi_set_four(&own[0], rbdi_set(u->r.x), rbdi_set(E[0]), rbdi_set(E[3]), rbdi_set(E[6]));
-    rbdi_set_four(&own[1], rbdi_set(u->r.y), rbdi_set(E[1]), rbdi_set(E[4]), rbdi_set(E[7]));
-    rbdi_set_four(&own[2], rbdi_set(u->r.z), rbdi_set(E[2]), rbdi_set(E[5]), rbdi_set(E[8]));
+    const rbd_const *E = body->E;
+    rbdi_four own[3]; /* (r_b E_b') */
+
+    rbdi_set_four(&own[0], rbdi_set(body->r.x), rbdi_set(E[0]), rbdi_set(E[3]), rbdi_set(E[6]));
+    rbdi_set_four(&own[1], rbdi_set(body->r.y), rbdi_set(E[1]), rbdi_set(E[4]), rbdi_set(E[7]));
+    rbdi_set_four(&own[2], rbdi_set(body->r.z), rbdi_set(E[2]), rbdi_set(E[5]), rbdi_set(E[8]));
+
     rbdi_set_four(&p->row[0], X.r.x, o, o, o);
     rbdi_set_four(&p->row[1], X.r.y, o, o, o);
     rbdi_set_four(&p->row[2], X.r.z, o, o, o);
+
     rbdi_add_fours(&p->row[0], rbdi_vec(X.E.xx, X.E.yx, X.E.zx), own);
     rbdi_add_fours(&p->row[1], rbdi_vec(X.E.xy, X.E.yy, X.E.zy), own);
     rbdi_add_fours(&p->row[2], rbdi_vec(X.E.xz, X.E.yz, X.E.zz), own);
 }
+
 /* R' a, and the origin x. */
 RBDI_INLINE rbdi_v3 rbdi_to_body(const rbdi_placement *p, rbdi_v3 a) {
     rbdi_four y;
     rbdi_combine_fours(&y, a, p->row);
     return rbdi_vec(rbdi_one_of(&y, 1), rbdi_one_of(&y, 2), rbdi_one_of(&y, 3));
 }
+
 RBDI_INLINE rbdi_v3 rbdi_origin_of(const rbdi_placement *p) {
     return rbdi_vec(rbdi_one_of(&p->row[0], 0), rbdi_one_of(&p->row[1], 0), rbdi_one_of(&p->row[2], 0));
 }
 
-/* Stores the motion of all links, for the unit wrenches of their bodies, in unused fields: Omega in the
-   rows of X, acc in P, omega and omega_dot in U. */
-RBDI_PART void rbdi_link_motion(rbd_derivatives *d, int base) {
+/* The motion of all links. base: dofs of a free base whose axes the frame has, or 0. */
+RBDI_PART void rbdi_link_motions(rbd_derivatives *d, int base) {
     for (int b = rbdi_first_inertia(d, base); b < d->batches; ++b) {
-        rbdi_columns *c = &d->columns[b];
-        const rbdi_bmotion V = rbdi_b_motion_add(c->Vp, c->dV), A = rbdi_b_motion_add(c->Ap, c->dA);
-        const rbdi_b33 O = rbdi_b_omega(V.omega, A.omega);
-        c->sum.Xx = O.x, c->sum.Xy = O.y, c->sum.Xz = O.z;
-        c->sum.P = rbdi_b_cross_add(A.v, V.omega, V.v);
-        c->U.omega = V.omega, c->U.v = A.omega;
+        rbdi_columns *cols = &d->columns[b];
+        const rbdi_bmotion V = rbdi_b_motion_add(cols->V.p, cols->V.joint),
+                           A = rbdi_b_motion_add(cols->A.p, cols->A.joint);
+
+        cols->stage.link.Omega = rbdi_b_omega(V.omega, A.omega);
+        cols->stage.link.acc = rbdi_b_classical(V, A);
+        cols->stage.link.omega = V.omega;
+        cols->stage.link.omega_dot = A.omega;
     }
 }
 
-/* Wrenches of a body's unit parameters, in the common frame: six rows of ten in K, moments and forces. With
-   acc of the body's origin and body axes e, of m: (x x acc; acc); m c: (e x acc + x x Omega e; Omega e);
-   inertia: I omega_dot + omega x I omega, in body axes. Its forces are zero and not written. */
-RBDI_PART void rbdi_unit_wrenches(const rbd_derivatives *d, int last, const rbdi_placement *p, rbd_real *K,
-                                  ptrdiff_t stride) {
-    const rbdi_v3 omega = rbdi_to_body(p, rbdi_load_vec(RBDI_OF(d, last, U.omega), RBDI_BATCH)),
-                  omega_dot = rbdi_to_body(p, rbdi_load_vec(RBDI_OF(d, last, U.v), RBDI_BATCH));
-    const rbd_real *Omega = RBDI_OF(d, last, sum.Xx), *acc = RBDI_OF(d, last, sum.P), o = rbdi_zero();
-    const rbd_real x = omega_dot.x, y = omega_dot.y, z = omega_dot.z;
-    const rbd_real xy = omega.x * omega.y, xz = omega.x * omega.z, yz = omega.y * omega.z,
-                   xx = omega.x * omega.x, yy = omega.y * omega.y, zz = omega.z * omega.z;
-    rbdi_four f[3], some[3], rest[3];
-    rbdi_set_four(&some[0], x, y - xz, z + xy, -yz); /* xx xy xz yy */
+/* The columns of I w_dot + w x I w by xx xy xz yy yz zz of I, three rows: `some` has xx xy xz yy, `rest`
+   has xz yy yz zz. */
+RBDI_INLINE void rbdi_unit_moments(rbdi_v3 w, rbdi_v3 w_dot, rbdi_four some[3], rbdi_four rest[3]) {
+    const rbd_real x = w_dot.x, y = w_dot.y, z = w_dot.z;
+    const rbd_real xy = w.x * w.y, xz = w.x * w.z, yz = w.y * w.z, xx = w.x * w.x, yy = w.y * w.y,
+                   zz = w.z * w.z;
+
+    rbdi_set_four(&some[0], x, y - xz, z + xy, -yz);
     rbdi_set_four(&some[1], xz, x + yz, zz - xx, y);
     rbdi_set_four(&some[2], -xy, xx - yy, x - yz, xy);
-    rbdi_set_four(&rest[0], z + xy, -yz, yy - zz, yz); /* xz yy yz zz */
+
+    rbdi_set_four(&rest[0], z + xy, -yz, yy - zz, yz);
     rbdi_set_four(&rest[1], zz - xx, y, z - xy, -xz);
     rbdi_set_four(&rest[2], x - yz, xy, y + xz, z);
+}
+
+/* K of a body, its wrenches for unit parameters in the common frame: six rows of ten, moments and forces.
+   last: the last dof of its link. With its origin x and its axes e, and acc of the link-fixed point there,
+
+       m         (x x acc; acc)
+       m c       (e x acc + x x Omega e; Omega e)
+       inertia   (I omega_dot + omega x I omega, in body axes; 0), where the zeros are not written */
+RBDI_PART void rbdi_unit_wrenches(const rbd_derivatives *d, int last, const rbdi_placement *p, rbd_real *K,
+                                  ptrdiff_t stride) {
+    const rbd_real *w_in = RBDI_OF(d, last, stage.link.omega),
+                   *w_dot_in = RBDI_OF(d, last, stage.link.omega_dot);
+    const rbdi_v3 w = rbdi_to_body(p, rbdi_load_vec(w_in, RBDI_BATCH)),
+                  w_dot = rbdi_to_body(p, rbdi_load_vec(w_dot_in, RBDI_BATCH));
+    const rbd_real *Omega = RBDI_OF(d, last, stage.link.Omega), *acc = RBDI_OF(d, last, stage.link.acc),
+                   o = rbdi_zero();
+    rbdi_four f[3], some[3], rest[3];
+
+    rbdi_unit_moments(w, w_dot, some, rest);
+
+    /* row i of the forces: (acc_i 0 0 0) + Omega_i (x R); of the moments of inertia: R_i times those in
+       body axes */
     RBDI_UNROLL_SIX for (int i = 0; i < 3; ++i) {
         const rbdi_v3 R =
             rbdi_vec(rbdi_one_of(&p->row[i], 1), rbdi_one_of(&p->row[i], 2), rbdi_one_of(&p->row[i], 3));
@@ -2134,7 +2633,9 @@ RBDI_PART void rbdi_unit_wrenches(const rbd_derivatives *d, int last, const rbdi
         rbdi_combine_fours((rbdi_four *)&K[i * stride + 4], R, some);
         rbdi_combine_fours((rbdi_four *)&K[i * stride + 6], R, rest);
     }
-    RBDI_UNROLL_SIX for (int i = 0; i < 3; ++i) { /* the first of the two sums has x x acc twice */
+
+    /* row i of the moments of m and m c: (x R) x acc + x x f. The first has x x acc twice */
+    RBDI_UNROLL_SIX for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
         rbdi_four n;
         rbdi_scale_four(&n, rbdi_one_of(&f[k], 0), &p->row[j]);
@@ -2146,21 +2647,23 @@ RBDI_PART void rbdi_unit_wrenches(const rbd_derivatives *d, int last, const rbdi
     }
 }
 
-/* y = S' K, ten scalars. */
+/* y = S' K, ten scalars: 0 to 3, 4 to 7 and 6 to 9, where the last two overlap. */
 RBDI_INLINE void rbdi_regress(const rbd_real *K, ptrdiff_t stride, rbdi_motion S, rbd_real *y) {
-    static const int at[3] = {0, 4, 6}; /* the last two go over one another */
+    static const int at[3] = {0, 4, 6};
     rbdi_four sum[3];
+
     RBDI_UNROLL_SIX for (int j = 0; j < 3; ++j) {
         const rbd_real *k = K + at[j];
         rbdi_scale_four(&sum[j], S.omega.x, (const rbdi_four *)k);
         rbdi_add_four(&sum[j], S.omega.y, (const rbdi_four *)(k + stride));
         rbdi_add_four(&sum[j], S.omega.z, (const rbdi_four *)(k + 2 * stride));
     }
+
     rbdi_add_four(&sum[0], S.v.x, (const rbdi_four *)(K + 3 * stride));
     rbdi_add_four(&sum[0], S.v.y, (const rbdi_four *)(K + 4 * stride));
     rbdi_add_four(&sum[0], S.v.z, (const rbdi_four *)(K + 5 * stride));
-    RBDI_UNROLL_SIX for (int j = 0; j < 3; ++j)
-        *(rbdi_four *)&y[at[j]] = sum[j];
+
+    RBDI_UNROLL_SIX for (int j = 0; j < 3; ++j) { *(rbdi_four *)&y[at[j]] = sum[j]; }
 }
 
 /* A free base's six rows are the unit wrenches themselves. */
@@ -2173,23 +2676,32 @@ RBDI_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const 
     rbd_real own[60], *K = own;
     int base;
     if (status) return status;
-    entry = d->entry, S = (const rbd_real *)&d->columns->S, base = d->base; /* no store can change them */
+
+    /* copies, which no store can change */
+    entry = d->entry;
+    S = RBDI_FIELD(d, S);
+    base = d->base;
+
     rbdi_common_motion(m, d, base, q, v, a, d->work->gravity, RBDI_NEED_WRENCH | RBDI_NEED_WHOLE);
-    rbdi_link_motion(d, base);
+    rbdi_link_motions(d, base);
     if (!d->keep_zeros || rbdi_mimics(m)) rbdi_clear(Y, m->nv * 10 * m->nb);
+
     for (int i = 0; i < m->nb; ++i, Y += 10) {
-        const rbdi_frame *u = &m->frame[i];
+        const rbdi_frame *body = &m->frame[i];
         const ptrdiff_t stride = base ? columns : 10;
         rbdi_placement p;
         int k;
-        if (u->link < 0) continue;
+        if (body->link < 0) continue;
+
         if (base) K = Y;
-        rbdi_place_body(m, d, u, &p);
-        k = rbdi_last_dof(m, u->link);
+        rbdi_place_body(m, d, body, &p);
+        k = rbdi_last_dof(m, body->link);
         rbdi_unit_wrenches(d, k, &p, K, stride);
+
         for (; k >= base; k = entry[k].parent) {
             rbd_real *y = Y + entry[k].user * columns;
             const rbdi_motion S_k = rbdi_load_motion(S + entry[k].at, RBDI_BATCH);
+
             if (rbdi_mimics(m)) {
                 const rbd_real ratio = rbdi_ratio(m, entry[k].source);
                 rbd_real part[10];
@@ -2202,86 +2714,130 @@ RBDI_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const 
     return RBD_OK;
 }
 
+/* v' I v / 2 = y pi of a body on a link, with velocity omega and v_o of the body's origin in its axes:
+
+       y = (v_o' v_o / 2; v_o x omega; omega_x^2 / 2, omega_x omega_y, omega_x omega_z, omega_y^2 / 2,
+            omega_y omega_z, omega_z^2 / 2)
+
+   The common frame moves: the world has the velocity `world` in it. */
+RBDI_PART void rbdi_put_kinetic(const rbd_model *m, const rbd_derivatives *d, int link, rbdi_motion world,
+                                const rbdi_placement *p, rbd_real *y) {
+    const int last = rbdi_last_dof(m, link);
+    const rbd_const half = RBD_C(0.5);
+    const rbdi_motion V = rbdi_motion_add(rbdi_load_motion(RBDI_OF(d, last, V.p), RBDI_BATCH),
+                                          rbdi_load_motion(RBDI_OF(d, last, V.joint), RBDI_BATCH));
+    const rbdi_v3 v = rbdi_add(rbdi_sub(V.v, world.v), rbdi_cross(V.omega, rbdi_origin_of(p)));
+    const rbdi_v3 omega = rbdi_to_body(p, V.omega), v_o = rbdi_to_body(p, v);
+
+    y[0] = rbdi_dot(v_o, v_o) * half;
+    rbdi_store_vec(y + 1, 1, rbdi_cross(v_o, omega));
+    y[4] = omega.x * omega.x * half;
+    y[5] = omega.x * omega.y;
+    y[6] = omega.x * omega.z;
+    y[7] = omega.y * omega.y * half;
+    y[8] = omega.y * omega.z;
+    y[9] = omega.z * omega.z * half;
+}
+
+/* m minus_g' (place of c) = y pi: y = (minus_g' (place + x); R' minus_g), with the place of the common
+   origin. */
+RBDI_PART void rbdi_put_potential(const rbd_derivatives *d, rbdi_v3 place, const rbdi_placement *p,
+                                  rbd_real *Y) {
+    const rbdi_v3 minus_g = rbdi_sub(rbdi_vec0(), rbdi_vec_c(d->work->gravity));
+    rbdi_four *y = (rbdi_four *)Y;
+    rbdi_set_four(y, rbdi_dot(minus_g, place), rbdi_zero(), rbdi_zero(), rbdi_zero());
+    rbdi_add_fours(y, minus_g, p->row);
+}
+
+/* The frame has the axes of the world here, with a free base too. Its dofs then have columns S like all
+   others; at the end they get back their unit vectors. */
 RBDI_API rbd_status rbd_energy_regressors(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                           const rbd_real *v, rbd_real *Y_kinetic, rbd_real *Y_potential) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && (v || !Y_kinetic));
     if (status) return status;
+
     rbdi_common_motion(m, d, 0, q, v, NULL, d->work->gravity, Y_kinetic ? RBDI_NEED_V : 0);
     if (Y_kinetic) rbdi_clear(Y_kinetic, 10 * m->nb);
     if (Y_potential) rbdi_clear(Y_potential, 10 * m->nb);
+
     for (int i = 0; i < m->nb; ++i) {
-        const rbdi_frame *u = &m->frame[i];
-        const rbd_const half = RBD_C(0.5);
-        int root = u->link;
+        const rbdi_frame *body = &m->frame[i];
+        int root = body->link;
         rbdi_placement p;
         if (root < 0) continue;
+
         while (m->link[root].parent >= 0) root = m->link[root].parent;
-        rbdi_place_body(m, d, u, &p);
-        if (Y_kinetic) { /* the frame moves with minus the world's velocity in it */
-            const int last = rbdi_last_dof(m, u->link);
-            const rbdi_motion world = rbdi_load_motion(RBDI_OF(d, m->link[root].first, Vp), RBDI_BATCH),
-                              V = rbdi_motion_add(rbdi_load_motion(RBDI_OF(d, last, Vp), RBDI_BATCH),
-                                                  rbdi_load_motion(RBDI_OF(d, last, dV), RBDI_BATCH));
-            const rbdi_v3 omega = rbdi_to_body(&p, V.omega),
-                          v_o = rbdi_to_body(
-                              &p, rbdi_add(rbdi_sub(V.v, world.v), rbdi_cross(V.omega, rbdi_origin_of(&p))));
-            rbd_real *y = Y_kinetic + 10 * i; /* v' I v / 2 = y pi */
-            y[0] = rbdi_dot(v_o, v_o) * half;
-            rbdi_store_vec(y + 1, 1, rbdi_cross(v_o, omega));
-            y[4] = omega.x * omega.x * half, y[5] = omega.x * omega.y, y[6] = omega.x * omega.z;
-            y[7] = omega.y * omega.y * half, y[8] = omega.y * omega.z, y[9] = omega.z * omega.z * half;
+        rbdi_place_body(m, d, body, &p);
+
+        if (Y_kinetic) {
+            const rbd_real *world = RBDI_OF(d, m->link[root].first, V.p);
+            rbdi_put_kinetic(m, d, body->link, rbdi_load_motion(world, RBDI_BATCH), &p, Y_kinetic + 10 * i);
         }
-        if (Y_potential) {
-            const rbdi_v3 up = rbdi_sub(rbdi_vec0(), rbdi_vec_c(d->work->gravity));
-            rbdi_four *y = (rbdi_four *)&Y_potential[10 * i];
-            rbdi_set_four(y, rbdi_dot(up, rbdi_place_of(m, d, root)), rbdi_zero(), rbdi_zero(), rbdi_zero());
-            rbdi_add_fours(y, up, p.row);
-        }
+        if (Y_potential) rbdi_put_potential(d, rbdi_place_of(m, d, root), &p, &Y_potential[10 * i]);
     }
+
     rbdi_init_base(d);
     return RBD_OK;
 }
 
+/* RBDA 2.63: the inertia about the origin is that about the centre of mass + m (c'c - c c'). */
 RBDI_API rbd_status rbd_body_parameters(const rbd_model *m, int body, rbd_const pi[10]) {
     const rbdi_frame *u;
     rbd_const mass, x, y, z;
     if (!m || !pi) return RBD_ERR_NULL;
     if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
+
     u = &m->frame[body];
-    mass = u->mass, x = u->com.x, y = u->com.y, z = u->com.z;
-    pi[0] = mass, pi[1] = mass * x, pi[2] = mass * y, pi[3] = mass * z; /* RBDA 2.63 */
-    pi[4] = u->I.xx + mass * (y * y + z * z), pi[5] = u->I.xy - mass * x * y;
-    pi[6] = u->I.xz - mass * x * z, pi[7] = u->I.yy + mass * (x * x + z * z);
-    pi[8] = u->I.yz - mass * y * z, pi[9] = u->I.zz + mass * (x * x + y * y);
+    mass = u->mass;
+    x = u->com.x;
+    y = u->com.y;
+    z = u->com.z;
+
+    pi[0] = mass;
+    pi[1] = mass * x;
+    pi[2] = mass * y;
+    pi[3] = mass * z;
+    pi[4] = u->I.xx + mass * (y * y + z * z);
+    pi[5] = u->I.xy - mass * x * y;
+    pi[6] = u->I.xz - mass * x * z;
+    pi[7] = u->I.yy + mass * (x * x + z * z);
+    pi[8] = u->I.yz - mass * y * z;
+    pi[9] = u->I.zz + mass * (x * x + y * y);
     return RBD_OK;
 }
 
 #ifndef RBD_NO_BUILD
+/* The reverse: com = pi[1 .. 3] / m, and the inertia about it. */
 RBDI_API rbd_status rbd_set_parameters(rbd_body *body, const rbd_const pi[10]) {
-    double c[3], mass;
+    double com[3], mass;
     if (!body || !pi) return RBD_ERR_NULL;
+
     mass = (double)pi[0];
-    for (int k = 0; k < 3; ++k) c[k] = mass > 0 || mass < 0 ? (double)pi[1 + k] / mass : 0;
+    for (int k = 0; k < 3; ++k) com[k] = mass > 0 || mass < 0 ? (double)pi[1 + k] / mass : 0;
     body->mass = mass;
-    for (int k = 0; k < 3; ++k) body->com[k] = c[k];
-    body->inertia[0] = (double)pi[4] - mass * (c[1] * c[1] + c[2] * c[2]);
-    body->inertia[1] = (double)pi[5] + mass * c[0] * c[1];
-    body->inertia[2] = (double)pi[6] + mass * c[0] * c[2];
-    body->inertia[3] = (double)pi[7] - mass * (c[0] * c[0] + c[2] * c[2]);
-    body->inertia[4] = (double)pi[8] + mass * c[1] * c[2];
-    body->inertia[5] = (double)pi[9] - mass * (c[0] * c[0] + c[1] * c[1]);
+    for (int k = 0; k < 3; ++k) body->com[k] = com[k];
+
+    body->inertia[0] = (double)pi[4] - mass * (com[1] * com[1] + com[2] * com[2]);
+    body->inertia[1] = (double)pi[5] + mass * com[0] * com[1];
+    body->inertia[2] = (double)pi[6] + mass * com[0] * com[2];
+    body->inertia[3] = (double)pi[7] - mass * (com[0] * com[0] + com[2] * com[2]);
+    body->inertia[4] = (double)pi[8] + mass * com[1] * com[2];
+    body->inertia[5] = (double)pi[9] - mass * (com[0] * com[0] + com[1] * com[1]);
     return RBD_OK;
 }
 
+/* Sigma = tr(I)/2 - I about the centre of mass must be semidefinite up to the rounding of pi. */
 RBDI_API rbd_status rbd_check_parameters(const rbd_const pi[10]) {
     rbd_body b;
-    double trace, size = 0, Sigma[6]; /* trace: about the centre of mass; size: of the figures as given */
+    double trace, size = 0, Sigma[6];
     if (!pi) return RBD_ERR_NULL;
     if (!(pi[0] >= 0 && pi[0] - pi[0] <= 0)) return RBD_ERR_MASS;
     for (int k = 1; k < 4; ++k)
         if (!(pi[k] - pi[k] <= 0) || (!(pi[0] > 0) && (pi[k] < 0 || pi[k] > 0))) return RBD_ERR_COM;
+
     for (int k = 4; k < 10; ++k) size += (double)(pi[k] < 0 ? -pi[k] : pi[k]);
     if (size <= 0) return RBD_OK;
+
     rbd_set_parameters(&b, pi);
     trace = b.inertia[0] + b.inertia[3] + b.inertia[5];
     for (int k = 0; k < 6; ++k) Sigma[k] = (k == 0 || k == 3 || k == 5 ? trace / 2 : 0) - b.inertia[k];
@@ -2315,53 +2871,76 @@ typedef struct rbdi_ad_function {
     rbd_real b, c, db, dc;
 } rbdi_ad_function;
 
-/* c_0 .. c_6 of a turn w. */
+/* c_0 .. c_6 of a turn w: c_0 = cos, c_1 = sin / angle; from the series where x < 1, else
+   c_n = (1 / (n - 2)! - c_n-2) / x. */
 static void rbdi_tails(rbdi_v3 w, rbd_real c[7]) {
     const rbdi_exp e = rbdi_exp_of(w);
     const rbd_real one = rbdi_set(RBD_C(1));
     const rbdi_mask near_zero = rbdi_less(e.x, one);
     const rbd_real x = rbdi_select(near_zero, e.x, rbdi_zero());
+
     c[0] = one - e.x * e.B;
-    c[1] = (e.half_sine + e.half_sine) * e.half_cosine, c[2] = e.B, c[3] = e.C;
+    c[1] = (e.half_sine + e.half_sine) * e.half_cosine;
+    c[2] = e.B;
+    c[3] = e.C;
+
     for (int n = 4; n < 7; ++n) {
         const rbd_real inverse_factorial = rbdi_set(RBD_C(1) / (rbd_const)(n == 4 ? 2 : n == 5 ? 6 : 24));
         c[n] = rbdi_select(near_zero, rbdi_tail(x, n), (inverse_factorial - c[n - 2]) / e.x);
     }
 }
 
-/* Derivative of c_n by x. */
+/* dc_n/dx = (n c_n+2 - c_n+1) / 2. */
 RBDI_INLINE rbd_real rbdi_tail_slope(const rbd_real c[7], int n) {
     return (c[n + 2] * (rbd_const)n - c[n + 1]) * RBD_C(0.5);
 }
 
 enum { RBDI_EXP_MINUS_AD, RBDI_J_R, RBDI_J_R_INVERSE };
 
+/* b and c of the table above, and their derivatives. */
 static rbdi_ad_function rbdi_ad_function_of(int which, const rbd_real c[7]) {
     const int n = which == RBDI_EXP_MINUS_AD ? 1 : 2;
     rbdi_ad_function f;
+
     if (which == RBDI_J_R_INVERSE) {
         const rbd_real half = rbdi_set(RBD_C(0.5)), factor = half / c[2], slope = rbdi_tail_slope(c, 4);
-        f.b = half, f.db = rbdi_zero();
+        f.b = half;
+        f.db = rbdi_zero();
         f.c = (c[3] - (c[4] + c[4])) * factor;
         f.dc = (rbdi_tail_slope(c, 3) - (slope + slope) - (f.c + f.c) * rbdi_tail_slope(c, 2)) * factor;
         return f;
     }
-    f.b = -c[n], f.db = -rbdi_tail_slope(c, n);
-    f.c = c[n + 1], f.dc = rbdi_tail_slope(c, n + 1);
+
+    f.b = -c[n];
+    f.db = -rbdi_tail_slope(c, n);
+    f.c = c[n + 1];
+    f.dc = rbdi_tail_slope(c, n + 1);
     return f;
 }
 
-/* J = scale f(ad) of the step d. */
+/* J = scale f(ad) of the step d = (w; u):
+
+       diagonal   1 + b [w]x + c [w]x^2                                   [w]x^2 = w w' - x
+       below it   b [u]x + c (w u' + u w' - slope) + slope (db [w]x + dc [w]x^2)
+
+   with slope = 2 w'u, the derivative of x along u. */
 static void rbdi_fill_ad(rbdi_ad_function f, rbdi_motion d, rbd_real scale, rbd_real J[6][6]) {
     const rbd_real w[3] = {d.omega.x, d.omega.y, d.omega.z}, u[3] = {d.v.x, d.v.y, d.v.z};
     const rbd_real x = rbdi_dot(d.omega, d.omega), slope = rbdi_dot(d.omega, d.v) + rbdi_dot(d.omega, d.v);
+
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) {
             const int k = 3 - i - j, even = (j - i + 3) % 3 == 2; /* [w]x_ij = w_k, or -w_k */
             rbd_real turn = rbdi_zero(), shift = rbdi_zero(), ww = w[i] * w[j],
                      wu = w[i] * u[j] + u[i] * w[j];
-            if (i == j) ww = ww - x, wu = wu - slope;
-            if (i != j) turn = even ? w[k] : -w[k], shift = even ? u[k] : -u[k];
+            if (i == j) {
+                ww = ww - x;
+                wu = wu - slope;
+            } else {
+                turn = even ? w[k] : -w[k];
+                shift = even ? u[k] : -u[k];
+            }
+
             J[i][j] = f.b * turn + f.c * ww;
             if (i == j) J[i][j] = J[i][j] + rbdi_set(RBD_C(1));
             J[i][j] = J[3 + i][3 + j] = J[i][j] * scale;
@@ -2378,13 +2957,17 @@ static void rbdi_put_step(const rbd_model *m, const rbdi_frame *body, int which,
     const int first = rbdi_first_axis(body->type);
     rbd_real c[7], J[6][6];
     rbdi_motion step;
+
     out += body->iv * nv + body->iv;
     if (!rbdi_joint_turns(body)) {
         for (int k = 0; k < body->nv; ++k) out[k * nv + k] = scale;
         return;
     }
+
     step = rbdi_joint_motion(body, d, 1);
-    step.omega = rbdi_scale(sign, step.omega), step.v = rbdi_scale(sign, step.v);
+    step.omega = rbdi_scale(sign, step.omega);
+    step.v = rbdi_scale(sign, step.v);
+
     rbdi_tails(step.omega, c);
     rbdi_fill_ad(rbdi_ad_function_of(which, c), step, scale, J);
     for (int i = 0; i < body->nv; ++i)
@@ -2395,8 +2978,10 @@ RBDI_API rbd_status rbd_integrate_derivatives(const rbd_model *m, const rbd_real
                                               rbd_real *dnext_dq, rbd_real *dnext_dv) {
     const rbd_real one = rbdi_set(RBD_C(1));
     if (!m || !v) return RBD_ERR_NULL;
+
     if (dnext_dq) rbdi_clear(dnext_dq, m->nv * m->nv);
     if (dnext_dv) rbdi_clear(dnext_dv, m->nv * m->nv);
+
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *body = &m->frame[b];
         const rbd_real *d = body->nv > 0 ? &v[body->iv] : v;
@@ -2407,13 +2992,16 @@ RBDI_API rbd_status rbd_integrate_derivatives(const rbd_model *m, const rbd_real
 }
 
 /* Replaces the rows of M by M dv~/dv, where v~ is the result of rbdi_unforced_velocity for v, for steps whose
-   origins move straight. */
+   origins move straight. With the velocity (w; u) of a joint that turns, a row (n; f) becomes
+
+       n + dt u x f,   f + dt f x w */
 RBDI_PART void rbdi_unforced_columns(const rbd_model *m, const rbd_real *v, rbd_real dt, int rows,
                                      rbd_real *M) {
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *body = &m->frame[b];
         rbdi_motion V;
         if (!rbdi_joint_turns(body)) continue;
+
         V = rbdi_joint_motion(body, &v[body->iv], 1);
         for (rbd_real *row = M + body->iv; row < M + rows * m->nv; row += m->nv) {
             rbdi_motion part = rbdi_joint_motion(body, row, 1);
@@ -2424,24 +3012,29 @@ RBDI_PART void rbdi_unforced_columns(const rbd_model *m, const rbd_real *v, rbd_
     }
 }
 
-/* Replaces rows of a joint that turns: derivatives of `moved` by those of rbdi_move_straight, of nu by those
-   of rbdi_turn_velocity. n: columns. With moved = (w; v), E = exp(-dt [w]x), and the step (e; s) of q that a
-   column is by:
+/* Replaces rows of a joint that turns: the derivatives dq of `moved` = (w; v) by those of the q that it
+   reaches in dt with its origin straight (rbdi_move_straight), the derivatives dv of `nu` by those of its
+   components in the axes there (rbdi_turn_velocity). With E = exp(-dt [w]x), E nu = (end_w; end_v), and the
+   step (e; s) of the joint's own q that a column is by:
 
-       turn = dt J_r(dt w) dw,   dq_next = (E e + turn; E (s + dt e x v + dt dv)),
-       dv_next = E dnu + v_next x turn
+       turn = dt J_r(dt w) dw
+       dq_next = (E e + turn; E (s + dt e x v + dt dv))
+       dv_next = E dnu + (end_w x turn; end_v x turn)
 
-   own: the first column by the joint's own q, -1 = none */
+   n: number of columns; own: the first column by the joint's own q, -1 = none */
 static void rbdi_turn_columns(const rbdi_frame *body, int n, const rbd_real *moved, const rbd_real *nu,
                               rbd_real dt, int own, rbd_real *dq, rbd_real *dv) {
     const rbdi_motion V = rbdi_joint_motion(body, moved, 1), end = rbdi_joint_motion(body, nu, 1);
     const rbdi_v3 w = rbdi_scale(dt, V.omega), back = rbdi_scale(-dt, V.omega);
     const rbdi_exp e = rbdi_exp_of(w);
     const rbdi_v3 end_w = rbdi_turn_back(e, w, end.omega), end_v = rbdi_turn_back(e, w, end.v);
+
     for (int k = 0; k < n; ++k, ++dq, ++dv) {
         rbdi_motion position = rbdi_joint_motion(body, dq, n), velocity = rbdi_joint_motion(body, dv, n);
         const rbdi_v3 turn = rbdi_scale(dt, rbdi_exp_shift(e, back, position.omega));
-        position.omega = turn, position.v = rbdi_scale(dt, position.v);
+
+        position.omega = turn;
+        position.v = rbdi_scale(dt, position.v);
         if (own >= 0 && k >= own && k < own + body->nv) {
             rbd_real unit[6] = {rbdi_zero(), rbdi_zero(), rbdi_zero(), rbdi_zero(), rbdi_zero(), rbdi_zero()};
             rbdi_motion step;
@@ -2451,23 +3044,29 @@ static void rbdi_turn_columns(const rbdi_frame *body, int n, const rbd_real *mov
             position.v = rbdi_add(rbdi_add(position.v, step.v), rbdi_scale(dt, rbdi_cross(step.omega, V.v)));
         }
         position.v = rbdi_turn_back(e, w, position.v);
+
         velocity.omega = rbdi_add(rbdi_turn_back(e, w, velocity.omega), rbdi_cross(end_w, turn));
         velocity.v = rbdi_add(rbdi_turn_back(e, w, velocity.v), rbdi_cross(end_v, turn));
-        rbdi_put_joint_motion(body, position, dq, n), rbdi_put_joint_motion(body, velocity, dv, n);
+
+        rbdi_put_joint_motion(body, position, dq, n);
+        rbdi_put_joint_motion(body, velocity, dv, n);
     }
 }
 
-/* The same for all joints. */
+/* The same for all joints. Where coordinates add up, dq_next = e + dt dq and dv_next = dv. */
 RBDI_PART void rbdi_move_columns(const rbd_model *m, const rbd_real *moved, const rbd_real *nu, rbd_real dt,
                                  int by_q, rbd_real *dq, rbd_real *dv) {
     const ptrdiff_t n = m->nv;
+
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *body = &m->frame[b];
+
         if (rbdi_joint_turns(body)) {
             rbdi_turn_columns(body, m->nv, &moved[body->iv], &nu[body->iv], dt, by_q ? body->iv : -1,
                               &dq[body->iv * n], &dv[body->iv * n]);
             continue;
         }
+
         for (int k = body->iv; k < body->iv + body->nv; ++k) {
             for (int j = 0; j < n; ++j) dq[k * n + j] = dq[k * n + j] * dt;
             if (by_q) dq[k * n + k] = dq[k * n + k] + rbdi_set(RBD_C(1));
@@ -2485,6 +3084,7 @@ static rbdi_moved_joint rbdi_differentiate_move(const rbdi_frame *body, const rb
     const int n = body->nv;
     rbd_real none[36];
     rbdi_moved_joint by;
+
     for (int k = 0; k < 36; ++k) by.q_q[k] = by.q_v[k] = by.v_v[k] = none[k] = rbdi_zero();
     for (int k = 0; k < n; ++k) by.q_v[k * (n + 1)] = by.v_v[k * (n + 1)] = rbdi_set(RBD_C(1));
     if (rbdi_joint_turns(body)) {
@@ -2492,7 +3092,11 @@ static rbdi_moved_joint rbdi_differentiate_move(const rbdi_frame *body, const rb
         rbdi_turn_columns(body, n, v, v, dt, -1, by.q_v, by.v_v);
         return by;
     }
-    for (int k = 0; k < n; ++k) by.q_q[k * (n + 1)] = rbdi_set(RBD_C(1)), by.q_v[k * (n + 1)] = dt;
+
+    for (int k = 0; k < n; ++k) {
+        by.q_q[k * (n + 1)] = rbdi_set(RBD_C(1));
+        by.q_v[k * (n + 1)] = dt;
+    }
     return by;
 }
 
@@ -2504,9 +3108,11 @@ RBDI_PART void rbdi_columns_before(const rbd_model *m, const rbd_real *v, rbd_re
         const int n = body->nv;
         rbdi_moved_joint by;
         if (n == 0) continue;
+
         by = rbdi_differentiate_move(body, &v[body->iv], dt);
         for (int r = 0; r < m->nv; ++r) {
             rbd_real *q = &F_q[r * m->nv + body->iv], new_q[6], new_v[6];
+
             for (int j = 0; j < n; ++j) {
                 new_q[j] = new_v[j] = rbdi_zero();
                 for (int i = 0; i < n; ++i) {
@@ -2515,6 +3121,7 @@ RBDI_PART void rbdi_columns_before(const rbd_model *m, const rbd_real *v, rbd_re
                     if (F_v) new_v[j] = new_v[j] + F_v[r * m->nv + body->iv + i] * by.v_v[i * n + j];
                 }
             }
+
             for (int j = 0; j < n; ++j) {
                 q[j] = new_q[j];
                 if (F_v) F_v[r * m->nv + body->iv + j] = new_v[j];
@@ -2527,12 +3134,15 @@ RBDI_API rbd_status rbd_difference_derivatives(const rbd_model *m, const rbd_rea
                                                rbd_real *dd_dq0, rbd_real *dd_dq1) {
     const rbd_real one = rbdi_set(RBD_C(1));
     if (!m || !q0 || !q1) return RBD_ERR_NULL;
+
     if (dd_dq0) rbdi_clear(dd_dq0, m->nv * m->nv);
     if (dd_dq1) rbdi_clear(dd_dq1, m->nv * m->nv);
+
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *body = &m->frame[b];
         rbd_real d[6];
         if (body->nv == 0) continue;
+
         rbdi_difference_joint(body, &q0[body->iq], &q1[body->iq], d);
         if (dd_dq0) rbdi_put_step(m, body, RBDI_J_R_INVERSE, d, -one, -one, dd_dq0);
         if (dd_dq1) rbdi_put_step(m, body, RBDI_J_R_INVERSE, d, one, one, dd_dq1);

@@ -20,11 +20,13 @@
      [identification] [steps]
      --- stop here if you only use it ---
      [layout]
-     [common frame] [entries] [memory code] [momentum code] [coriolis code] [jacobians code]
+     [common frame] [batches] [common motion] [subtrees] [entries] [base entries] [matrices] [memory code]
+     [momentum code] [coriolis code] [jacobians code]
      [free base code] [inverse dynamics code] [forward dynamics code] [identification code] [steps code]
 
-   The section [common frame] is a layer of its own: motion columns, velocities, accelerations, momenta and
-   composite inertias of all links in one frame. Each call is a short loop over its columns.
+   Begin with [common frame]: it has the formulas, and the fields of rbdi_columns are their numbers. Two
+   sweeps fill these for every call: [common motion] from the roots to the leaves, [subtrees] back. Each
+   call is then a loop over the columns.
 */
 #include "rbd.h"
 
@@ -61,9 +63,13 @@ RBDI_EXTERN_C_END
 #if defined RBD_IMPLEMENTATION && !defined RBDI_DERIVATIVES_IMPLEMENTED
 #define RBDI_DERIVATIVES_IMPLEMENTED
 
+RBDI_CODE_BEGIN
+
+#include "derivatives/columns.h"
 #include "derivatives/common_frame.h"
 #include "derivatives/subtrees.h"
 #include "derivatives/entries.h"
+#include "derivatives/base_entries.h"
 #include "derivatives/memory.h"
 #include "derivatives/momentum.h"
 #include "derivatives/jacobians.h"

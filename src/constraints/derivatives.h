@@ -176,7 +176,7 @@ static void rbdi_add_sigma(const rbdi_constraint *con, const rbdi_pair_motion *p
 }
 
 /* Subtracts the derivative of J' lambda by a dof of the link `mover`, with this S, from a column of rho. S of
-   the others stand in the columns Phi of d, no longer needed; its columns S keep those of a free base. */
+   the others are stage.mover in the columns of d. */
 static void rbdi_subtract_force_derivative(const rbd_model *m, const rbd_derivatives *d,
                                            const rbdi_constraint *con, const rbdi_pair_motion *pair, int side,
                                            int mover, rbdi_motion S, rbd_real *rho) {
@@ -189,7 +189,7 @@ static void rbdi_subtract_force_derivative(const rbd_model *m, const rbd_derivat
                   moved = other == side && l->first >= m->link[mover].first; /* on the same path: behind it */
         const rbdi_v3 moment = rbdi_add(roll, moved == side ? sf : nz), force = moved == side ? o : fz;
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
-            const rbdi_motion C = rbdi_load_motion(RBDI_OF(d, l->first + j, Phi), RBDI_BATCH);
+            const rbdi_motion C = rbdi_load_motion(RBDI_OF(d, l->first + j, stage.mover), RBDI_BATCH);
             rbd_real *to = &rho[rbdi_source(m, l->iv + j) * m->nv];
             *to = *to - rbdi_dot(C.omega, moment) - rbdi_dot(C.v, force);
         }
@@ -203,7 +203,7 @@ static void rbdi_differentiate_forces(const rbd_model *m, const rbd_derivatives 
     RBDI_FOR_PATHS(m, con, link, sign)
     for (int j = 0, first = m->link[link].first; j < rbdi_link_dofs(m, &m->link[link]); ++j)
         rbdi_subtract_force_derivative(m, d, con, pair, sign < 0, link,
-                                       rbdi_load_motion(RBDI_OF(d, first + j, Phi), RBDI_BATCH),
+                                       rbdi_load_motion(RBDI_OF(d, first + j, stage.mover), RBDI_BATCH),
                                        rho + rbdi_source(m, m->link[link].iv + j));
 }
 
@@ -217,7 +217,7 @@ static void rbdi_differentiate(const rbd_model *m, const rbd_constraint_set *c, 
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
             const rbdi_motion_derivatives by = rbdi_differentiate_motion(m, c, &pair, sign < 0, link, j);
             const int column = rbdi_source(m, l->iv + j);
-            rbdi_store_motion(RBDI_OF(d, l->first + j, Phi), RBDI_BATCH, by.S);
+            rbdi_store_motion(RBDI_OF(d, l->first + j, stage.mover), RBDI_BATCH, by.S);
             rbdi_add_sigma(con, &pair, &by, m->nv, sigma_q ? sigma_q + column : NULL,
                            sigma_v ? sigma_v + column : NULL);
         }

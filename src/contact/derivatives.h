@@ -97,7 +97,7 @@ static void rbdi_row_terms(const rbd_model *m, rbd_contact_set *c, const rbd_der
             rbdi_motion_derivatives by = rbdi_differentiate_motion(m, c->rows, pair, sign < 0, link, j);
             rbd_real sum[3][RBDI_SIX_ROWS], *to = &c->sigma[con->row * m->nv + rbdi_source(m, l->iv + j)];
             rbdi_motion velocity, rate;
-            rbdi_store_motion(RBDI_OF(d, l->first + j, Phi), RBDI_BATCH, by.S);
+            rbdi_store_motion(RBDI_OF(d, l->first + j, stage.mover), RBDI_BATCH, by.S);
             rbdi_roll_rates(pair, &by);
             velocity = x == 0 ? by.velocity_q : by.S;
             rate = x == 0 ? by.rate_q : by.rate_v;

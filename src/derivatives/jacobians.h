@@ -41,8 +41,7 @@ static rbdi_motion rbdi_column_rate(const rbdi_link *l, const rbdi_kin *k, int a
     return rate;
 }
 
-/* Adds sign times the rates of the columns of link i and of its ancestors up to link `end`, which has no
-   part. */
+/* Adds sign times the rates of the columns of link i and of its ancestors up to link `end`, without `end`. */
 static void rbdi_add_rates(const rbd_model *m, const rbd_work *w, int i, int end, const rbdi_observer *o,
                            int sign, rbd_real *J_dot) {
     for (; i != end; i = m->link[i].parent) {

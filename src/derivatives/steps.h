@@ -28,53 +28,76 @@ typedef struct rbdi_ad_function {
     rbd_real b, c, db, dc;
 } rbdi_ad_function;
 
-/* c_0 .. c_6 of a turn w. */
+/* c_0 .. c_6 of a turn w: c_0 = cos, c_1 = sin / angle; from the series where x < 1, else
+   c_n = (1 / (n - 2)! - c_n-2) / x. */
 static void rbdi_tails(rbdi_v3 w, rbd_real c[7]) {
     const rbdi_exp e = rbdi_exp_of(w);
     const rbd_real one = rbdi_set(RBD_C(1));
     const rbdi_mask near_zero = rbdi_less(e.x, one);
     const rbd_real x = rbdi_select(near_zero, e.x, rbdi_zero());
+
     c[0] = one - e.x * e.B;
-    c[1] = (e.half_sine + e.half_sine) * e.half_cosine, c[2] = e.B, c[3] = e.C;
+    c[1] = (e.half_sine + e.half_sine) * e.half_cosine;
+    c[2] = e.B;
+    c[3] = e.C;
+
     for (int n = 4; n < 7; ++n) {
         const rbd_real inverse_factorial = rbdi_set(RBD_C(1) / (rbd_const)(n == 4 ? 2 : n == 5 ? 6 : 24));
         c[n] = rbdi_select(near_zero, rbdi_tail(x, n), (inverse_factorial - c[n - 2]) / e.x);
     }
 }
 
-/* Derivative of c_n by x. */
+/* dc_n/dx = (n c_n+2 - c_n+1) / 2. */
 RBDI_INLINE rbd_real rbdi_tail_slope(const rbd_real c[7], int n) {
     return (c[n + 2] * (rbd_const)n - c[n + 1]) * RBD_C(0.5);
 }
 
 enum { RBDI_EXP_MINUS_AD, RBDI_J_R, RBDI_J_R_INVERSE };
 
+/* b and c of the table above, and their derivatives. */
 static rbdi_ad_function rbdi_ad_function_of(int which, const rbd_real c[7]) {
     const int n = which == RBDI_EXP_MINUS_AD ? 1 : 2;
     rbdi_ad_function f;
+
     if (which == RBDI_J_R_INVERSE) {
         const rbd_real half = rbdi_set(RBD_C(0.5)), factor = half / c[2], slope = rbdi_tail_slope(c, 4);
-        f.b = half, f.db = rbdi_zero();
+        f.b = half;
+        f.db = rbdi_zero();
         f.c = (c[3] - (c[4] + c[4])) * factor;
         f.dc = (rbdi_tail_slope(c, 3) - (slope + slope) - (f.c + f.c) * rbdi_tail_slope(c, 2)) * factor;
         return f;
     }
-    f.b = -c[n], f.db = -rbdi_tail_slope(c, n);
-    f.c = c[n + 1], f.dc = rbdi_tail_slope(c, n + 1);
+
+    f.b = -c[n];
+    f.db = -rbdi_tail_slope(c, n);
+    f.c = c[n + 1];
+    f.dc = rbdi_tail_slope(c, n + 1);
     return f;
 }
 
-/* J = scale f(ad) of the step d. */
+/* J = scale f(ad) of the step d = (w; u):
+
+       diagonal   1 + b [w]x + c [w]x^2                                   [w]x^2 = w w' - x
+       below it   b [u]x + c (w u' + u w' - slope) + slope (db [w]x + dc [w]x^2)
+
+   with slope = 2 w'u, the derivative of x along u. */
 static void rbdi_fill_ad(rbdi_ad_function f, rbdi_motion d, rbd_real scale, rbd_real J[6][6]) {
     const rbd_real w[3] = {d.omega.x, d.omega.y, d.omega.z}, u[3] = {d.v.x, d.v.y, d.v.z};
     const rbd_real x = rbdi_dot(d.omega, d.omega), slope = rbdi_dot(d.omega, d.v) + rbdi_dot(d.omega, d.v);
+
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) {
             const int k = 3 - i - j, even = (j - i + 3) % 3 == 2; /* [w]x_ij = w_k, or -w_k */
             rbd_real turn = rbdi_zero(), shift = rbdi_zero(), ww = w[i] * w[j],
                      wu = w[i] * u[j] + u[i] * w[j];
-            if (i == j) ww = ww - x, wu = wu - slope;
-            if (i != j) turn = even ? w[k] : -w[k], shift = even ? u[k] : -u[k];
+            if (i == j) {
+                ww = ww - x;
+                wu = wu - slope;
+            } else {
+                turn = even ? w[k] : -w[k];
+                shift = even ? u[k] : -u[k];
+            }
+
             J[i][j] = f.b * turn + f.c * ww;
             if (i == j) J[i][j] = J[i][j] + rbdi_set(RBD_C(1));
             J[i][j] = J[3 + i][3 + j] = J[i][j] * scale;
@@ -91,13 +114,17 @@ static void rbdi_put_step(const rbd_model *m, const rbdi_frame *body, int which,
     const int first = rbdi_first_axis(body->type);
     rbd_real c[7], J[6][6];
     rbdi_motion step;
+
     out += body->iv * nv + body->iv;
     if (!rbdi_joint_turns(body)) {
         for (int k = 0; k < body->nv; ++k) out[k * nv + k] = scale;
         return;
     }
+
     step = rbdi_joint_motion(body, d, 1);
-    step.omega = rbdi_scale(sign, step.omega), step.v = rbdi_scale(sign, step.v);
+    step.omega = rbdi_scale(sign, step.omega);
+    step.v = rbdi_scale(sign, step.v);
+
     rbdi_tails(step.omega, c);
     rbdi_fill_ad(rbdi_ad_function_of(which, c), step, scale, J);
     for (int i = 0; i < body->nv; ++i)
@@ -108,8 +135,10 @@ RBDI_API rbd_status rbd_integrate_derivatives(const rbd_model *m, const rbd_real
                                               rbd_real *dnext_dq, rbd_real *dnext_dv) {
     const rbd_real one = rbdi_set(RBD_C(1));
     if (!m || !v) return RBD_ERR_NULL;
+
     if (dnext_dq) rbdi_clear(dnext_dq, m->nv * m->nv);
     if (dnext_dv) rbdi_clear(dnext_dv, m->nv * m->nv);
+
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *body = &m->frame[b];
         const rbd_real *d = body->nv > 0 ? &v[body->iv] : v;
@@ -120,13 +149,16 @@ RBDI_API rbd_status rbd_integrate_derivatives(const rbd_model *m, const rbd_real
 }
 
 /* Replaces the rows of M by M dv~/dv, where v~ is the result of rbdi_unforced_velocity for v, for steps whose
-   origins move straight. */
+   origins move straight. With the velocity (w; u) of a joint that turns, a row (n; f) becomes
+
+       n + dt u x f,   f + dt f x w */
 RBDI_PART void rbdi_unforced_columns(const rbd_model *m, const rbd_real *v, rbd_real dt, int rows,
                                      rbd_real *M) {
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *body = &m->frame[b];
         rbdi_motion V;
         if (!rbdi_joint_turns(body)) continue;
+
         V = rbdi_joint_motion(body, &v[body->iv], 1);
         for (rbd_real *row = M + body->iv; row < M + rows * m->nv; row += m->nv) {
             rbdi_motion part = rbdi_joint_motion(body, row, 1);
@@ -137,24 +169,29 @@ RBDI_PART void rbdi_unforced_columns(const rbd_model *m, const rbd_real *v, rbd_
     }
 }
 
-/* Replaces rows of a joint that turns: derivatives of `moved` by those of rbdi_move_straight, of nu by those
-   of rbdi_turn_velocity. n: columns. With moved = (w; v), E = exp(-dt [w]x), and the step (e; s) of q that a
-   column is by:
+/* Replaces rows of a joint that turns: the derivatives dq of `moved` = (w; v) by those of the q that it
+   reaches in dt with its origin straight (rbdi_move_straight), the derivatives dv of `nu` by those of its
+   components in the axes there (rbdi_turn_velocity). With E = exp(-dt [w]x), E nu = (end_w; end_v), and the
+   step (e; s) of the joint's own q that a column is by:
 
-       turn = dt J_r(dt w) dw,   dq_next = (E e + turn; E (s + dt e x v + dt dv)),
-       dv_next = E dnu + v_next x turn
+       turn = dt J_r(dt w) dw
+       dq_next = (E e + turn; E (s + dt e x v + dt dv))
+       dv_next = E dnu + (end_w x turn; end_v x turn)
 
-   own: the first column by the joint's own q, -1 = none */
+   n: number of columns; own: the first column by the joint's own q, -1 = none */
 static void rbdi_turn_columns(const rbdi_frame *body, int n, const rbd_real *moved, const rbd_real *nu,
                               rbd_real dt, int own, rbd_real *dq, rbd_real *dv) {
     const rbdi_motion V = rbdi_joint_motion(body, moved, 1), end = rbdi_joint_motion(body, nu, 1);
     const rbdi_v3 w = rbdi_scale(dt, V.omega), back = rbdi_scale(-dt, V.omega);
     const rbdi_exp e = rbdi_exp_of(w);
     const rbdi_v3 end_w = rbdi_turn_back(e, w, end.omega), end_v = rbdi_turn_back(e, w, end.v);
+
     for (int k = 0; k < n; ++k, ++dq, ++dv) {
         rbdi_motion position = rbdi_joint_motion(body, dq, n), velocity = rbdi_joint_motion(body, dv, n);
         const rbdi_v3 turn = rbdi_scale(dt, rbdi_exp_shift(e, back, position.omega));
-        position.omega = turn, position.v = rbdi_scale(dt, position.v);
+
+        position.omega = turn;
+        position.v = rbdi_scale(dt, position.v);
         if (own >= 0 && k >= own && k < own + body->nv) {
             rbd_real unit[6] = {rbdi_zero(), rbdi_zero(), rbdi_zero(), rbdi_zero(), rbdi_zero(), rbdi_zero()};
             rbdi_motion step;
@@ -164,23 +201,29 @@ static void rbdi_turn_columns(const rbdi_frame *body, int n, const rbd_real *mov
             position.v = rbdi_add(rbdi_add(position.v, step.v), rbdi_scale(dt, rbdi_cross(step.omega, V.v)));
         }
         position.v = rbdi_turn_back(e, w, position.v);
+
         velocity.omega = rbdi_add(rbdi_turn_back(e, w, velocity.omega), rbdi_cross(end_w, turn));
         velocity.v = rbdi_add(rbdi_turn_back(e, w, velocity.v), rbdi_cross(end_v, turn));
-        rbdi_put_joint_motion(body, position, dq, n), rbdi_put_joint_motion(body, velocity, dv, n);
+
+        rbdi_put_joint_motion(body, position, dq, n);
+        rbdi_put_joint_motion(body, velocity, dv, n);
     }
 }
 
-/* The same for all joints. */
+/* The same for all joints. Where coordinates add up, dq_next = e + dt dq and dv_next = dv. */
 RBDI_PART void rbdi_move_columns(const rbd_model *m, const rbd_real *moved, const rbd_real *nu, rbd_real dt,
                                  int by_q, rbd_real *dq, rbd_real *dv) {
     const ptrdiff_t n = m->nv;
+
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *body = &m->frame[b];
+
         if (rbdi_joint_turns(body)) {
             rbdi_turn_columns(body, m->nv, &moved[body->iv], &nu[body->iv], dt, by_q ? body->iv : -1,
                               &dq[body->iv * n], &dv[body->iv * n]);
             continue;
         }
+
         for (int k = body->iv; k < body->iv + body->nv; ++k) {
             for (int j = 0; j < n; ++j) dq[k * n + j] = dq[k * n + j] * dt;
             if (by_q) dq[k * n + k] = dq[k * n + k] + rbdi_set(RBD_C(1));
@@ -198,6 +241,7 @@ static rbdi_moved_joint rbdi_differentiate_move(const rbdi_frame *body, const rb
     const int n = body->nv;
     rbd_real none[36];
     rbdi_moved_joint by;
+
     for (int k = 0; k < 36; ++k) by.q_q[k] = by.q_v[k] = by.v_v[k] = none[k] = rbdi_zero();
     for (int k = 0; k < n; ++k) by.q_v[k * (n + 1)] = by.v_v[k * (n + 1)] = rbdi_set(RBD_C(1));
     if (rbdi_joint_turns(body)) {
@@ -205,7 +249,11 @@ static rbdi_moved_joint rbdi_differentiate_move(const rbdi_frame *body, const rb
         rbdi_turn_columns(body, n, v, v, dt, -1, by.q_v, by.v_v);
         return by;
     }
-    for (int k = 0; k < n; ++k) by.q_q[k * (n + 1)] = rbdi_set(RBD_C(1)), by.q_v[k * (n + 1)] = dt;
+
+    for (int k = 0; k < n; ++k) {
+        by.q_q[k * (n + 1)] = rbdi_set(RBD_C(1));
+        by.q_v[k * (n + 1)] = dt;
+    }
     return by;
 }
 
@@ -217,9 +265,11 @@ RBDI_PART void rbdi_columns_before(const rbd_model *m, const rbd_real *v, rbd_re
         const int n = body->nv;
         rbdi_moved_joint by;
         if (n == 0) continue;
+
         by = rbdi_differentiate_move(body, &v[body->iv], dt);
         for (int r = 0; r < m->nv; ++r) {
             rbd_real *q = &F_q[r * m->nv + body->iv], new_q[6], new_v[6];
+
             for (int j = 0; j < n; ++j) {
                 new_q[j] = new_v[j] = rbdi_zero();
                 for (int i = 0; i < n; ++i) {
@@ -228,6 +278,7 @@ RBDI_PART void rbdi_columns_before(const rbd_model *m, const rbd_real *v, rbd_re
                     if (F_v) new_v[j] = new_v[j] + F_v[r * m->nv + body->iv + i] * by.v_v[i * n + j];
                 }
             }
+
             for (int j = 0; j < n; ++j) {
                 q[j] = new_q[j];
                 if (F_v) F_v[r * m->nv + body->iv + j] = new_v[j];
@@ -240,12 +291,15 @@ RBDI_API rbd_status rbd_difference_derivatives(const rbd_model *m, const rbd_rea
                                                rbd_real *dd_dq0, rbd_real *dd_dq1) {
     const rbd_real one = rbdi_set(RBD_C(1));
     if (!m || !q0 || !q1) return RBD_ERR_NULL;
+
     if (dd_dq0) rbdi_clear(dd_dq0, m->nv * m->nv);
     if (dd_dq1) rbdi_clear(dd_dq1, m->nv * m->nv);
+
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *body = &m->frame[b];
         rbd_real d[6];
         if (body->nv == 0) continue;
+
         rbdi_difference_joint(body, &q0[body->iq], &q1[body->iq], d);
         if (dd_dq0) rbdi_put_step(m, body, RBDI_J_R_INVERSE, d, -one, -one, dd_dq0);
         if (dd_dq1) rbdi_put_step(m, body, RBDI_J_R_INVERSE, d, one, one, dd_dq1);

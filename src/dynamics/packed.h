@@ -106,7 +106,7 @@ RBDI_PART void rbdi_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, rb
    scalars. */
 RBDI_INLINE void rbdi_columns_transposed(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride,
                                          int matrices, int batches, int n, rbd_real *X, rbd_real *Y) {
-    rbdi_start *start = (rbdi_start *)w->F; /* rows of nodes */
+    ptrdiff_t *start = w->start; /* by node */
     rbdi_terms g;
 
     g.X = X;
@@ -134,7 +134,7 @@ RBDI_INLINE void rbdi_columns_transposed(const rbd_model *m, rbd_work *w, const 
 RBDI_INLINE void rbdi_columns_forward(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign,
                                       ptrdiff_t stride, int matrices, int batches, int n, rbd_real *X,
                                       rbd_real *Y) {
-    rbdi_start *path = (rbdi_start *)w->F; /* rows of a dof's path, by depth */
+    ptrdiff_t *path = w->start; /* of a dof's path, by depth */
     rbdi_terms g;
 
     g.X = X;
@@ -228,7 +228,7 @@ RBDI_INLINE void rbdi_mirror(const rbd_real *row, ptrdiff_t n, int k, rbd_real *
    a sum over the rows i of the path: Z_kj = - sum L_ki Z_ij for j < k, Z_kk = 1/D_k - sum L_ki Z_ik. */
 RBDI_PART void rbdi_invert(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *Z) {
     const int n = m->nv;
-    rbdi_start *path = (rbdi_start *)w->F; /* where its rows begin, root first */
+    ptrdiff_t *path = w->start; /* of a dof's path, root first */
     rbd_real *row = Z;
     int before = 0;
 #ifdef RBDI_ROWS

@@ -20,7 +20,7 @@
      rbdi_multiply          y *= factor
 
    A solution has two halves: _transposed, L' y = x from the leaves to the root, then _forward, L x = y / D
-   from the root to the leaves. The scratch is w->F.
+   from the root to the leaves. The scratch is w->F and, for places of rows, w->start.
 
    In depth-first order, m->node, the descendants of a dof follow it. Every result is a row less a sum of
    other rows times factors: the rows of the descendants (factor, first half of a solution) or of the path
@@ -92,18 +92,11 @@ RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real factor, const rbd_real *x, 
    Y: a second matrix with its rows at the same places. */
 enum { RBDI_OWN, RBDI_DESCENDANTS, RBDI_PATH, RBDI_FRESH, RBDI_EQUIDISTANT };
 
-/* Where a row starts. These stand in memory of scalars, which may be aligned to four bytes only. */
-#if RBDI_GNU
-typedef ptrdiff_t rbdi_start
-    __attribute__((may_alias, aligned(sizeof(RBD_REAL) % sizeof(ptrdiff_t) ? 4 : sizeof(ptrdiff_t))));
-#else
-typedef ptrdiff_t rbdi_start;
-#endif
 typedef struct rbdi_terms {
     const rbd_real *X, *Y; /* the matrices with the rows */
     const rbd_real *x;     /* factors */
     const rbdi_node *node;
-    const rbdi_start *start;
+    const ptrdiff_t *start; /* where rows start */
     ptrdiff_t stride;
     rbd_real scale;
     int n, d;

@@ -34,10 +34,11 @@ typedef struct rbdi_kin { /* per link, kept for the calls after rbd_kinematics *
    nqx coordinates with those of mimic joints (nqx = 0 without mimic joints), nv dofs without them; nh
    packed entries. */
 #define RBDI_WORK_ARRAYS(ARRAY, nl, nblock, nbranch, ndof, nqx, nv, nh) \
-    ARRAY(rbd_real, angle, RBDI_PADDED(nl))    /* joint angles less these right angles */ \
-    ARRAY(rbd_real, quarters, RBDI_PADDED(nl)) /* right angles */ \
-    ARRAY(rbd_real, c, RBDI_PADDED(nl))        /* cosines of the whole angles */ \
-    ARRAY(rbd_real, s, RBDI_PADDED(nl))        /* sines */ \
+    ARRAY(rbd_real, angle, RBDI_PADDED(nl))         /* joint angles less these right angles */ \
+    ARRAY(rbd_real, quarters, RBDI_PADDED(nl))      /* right angles */ \
+    ARRAY(rbd_real, c, RBDI_PADDED(nl))             /* cosines of the whole angles */ \
+    ARRAY(rbd_real, s, RBDI_PADDED(nl))             /* sines */ \
+    ARRAY(ptrdiff_t, start, RBDI_PADDED_STARTS(nv)) /* [packed matrix]: where rows of a matrix begin */ \
     ARRAY(rbdi_branch, branch, nbranch) \
     ARRAY(rbdi_block_work, block, nblock) \
     ARRAY(rbd_real, d, nl) /* slides of screw links */ \
@@ -47,13 +48,14 @@ typedef struct rbdi_kin { /* per link, kept for the calls after rbd_kinematics *
     ARRAY(rbd_real, zero, ndof)  /* zeros */ \
     ARRAY(rbd_real, pivot, ndof) /* pivots of the last factorisation */ \
     ARRAY(rbd_real, bias, nv) \
-    ARRAY(rbd_real, F, 6 * RBDI_STRIDE(ndof)) /* crba: wrenches by component, behind RBDI_CHUNK zeros */ \
+    ARRAY(rbd_real, F, 6 * RBDI_STRIDE(ndof)) /* scratch of a call, behind RBDI_CHUNK zeros */ \
     ARRAY(rbd_real, H, nh) \
     ARRAY(rbd_real, qx, nqx) /* coordinates with the mimics' appended */ \
     ARRAY(rbd_real, vx, (nqx) > 0 ? (ndof) : 0) \
     ARRAY(rbd_real, ax, (nqx) > 0 ? (ndof) : 0) \
     ARRAY(rbd_real, tx, (nqx) > 0 ? (ndof) : 0)
 #define RBDI_PADDED(n) (RBDI_ROUND((size_t)(n) * sizeof(rbd_real)) / sizeof(rbd_real))
+#define RBDI_PADDED_STARTS(n) (RBDI_ROUND((size_t)(n) * sizeof(ptrdiff_t)) / sizeof(ptrdiff_t))
 #define RBDI_ARRAY_FIELD(type, name, length) type *name;
 #define RBDI_ARRAY_BYTES(type, name, length) +(size_t)(length) * sizeof(type)
 

@@ -28,9 +28,11 @@ RBDI_INLINE void rbdi_load_axes(rbdi_axes *p, const rbdi_pose *X) {
 }
 
 RBDI_INLINE void rbdi_store_axes(rbdi_pose *X, const rbdi_axes *p) {
-    rbdi_put_four(&X->E.xx, &p->x);
+    rbdi_put_four(&X->E.xx, &p->x); /* the fourth goes to the next row, which is stored next */
     rbdi_put_four(&X->E.yx, &p->y);
-    rbdi_put_four(&X->E.zx, &p->z);
+    X->E.zx = rbdi_one_of(&p->z, 0);
+    X->E.zy = rbdi_one_of(&p->z, 1);
+    X->E.zz = rbdi_one_of(&p->z, 2);
     X->r = rbdi_axis_vec(&p->origin);
 }
 
