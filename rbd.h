@@ -1853,71 +1853,6 @@ RBDI_INLINE rbd_real rbdi_sum_value(rbdi_sum x) {
 }
 #endif
 
-/* Four scalars that go together: an axis or origin with a fourth that is not used, or parameters of a body.
-   They are passed by address, because clang without AVX warns of vectors of four doubles as values. GCC would
-   move a vector that is wider than a batch through memory. put: y[0] .. y[2] = x, where y[3] may become
-   anything; scale: y = factor x; add: y += factor x. */
-#if RBDI_BATCH >= 4 || (RBDI_BATCH > 1 && RBDI_CLANG)
-typedef rbd_real rbdi_four
-    __attribute__((vector_size(4 * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
-RBDI_INLINE rbd_real rbdi_one_of(const rbdi_four *x, int k) { return (*x)[k]; }
-RBDI_INLINE void rbdi_set_four(rbdi_four *y, rbd_real a, rbd_real b, rbd_real c, rbd_real d) {
-    const rbdi_four x = {a, b, c, d};
-    *y = x;
-}
-
-RBDI_INLINE void rbdi_put_four(rbd_real *y, const rbdi_four *x) { *(rbdi_four *)y = *x; }
-RBDI_INLINE void rbdi_scale_four(rbdi_four *y, rbd_real factor, const rbdi_four *x) { *y = *x * factor; }
-RBDI_INLINE void rbdi_add_four(rbdi_four *y, rbd_real factor, const rbdi_four *x) { *y = *y + *x * factor; }
-#else
-typedef struct rbdi_four {
-    rbd_real x, y, z, w;
-} rbdi_four;
-RBDI_INLINE rbd_real rbdi_one_of(const rbdi_four *x, int k) {
-    return k == 0 ? x->x : k == 1 ? x->y : k == 2 ? x->z : x->w;
-}
-
-RBDI_INLINE void rbdi_set_four(rbdi_four *y, rbd_real a, rbd_real b, rbd_real c, rbd_real d) {
-    y->x = a;
-    y->y = b;
-    y->z = c;
-    y->w = d;
-}
-
-RBDI_INLINE void rbdi_put_four(rbd_real *y, const rbdi_four *x) {
-    y[0] = x->x;
-    y[1] = x->y;
-    y[2] = x->z;
-}
-
-RBDI_INLINE void rbdi_scale_four(rbdi_four *y, rbd_real factor, const rbdi_four *x) {
-    rbdi_set_four(y, x->x * factor, x->y * factor, x->z * factor, x->w * factor);
-}
-
-RBDI_INLINE void rbdi_add_four(rbdi_four *y, rbd_real factor, const rbdi_four *x) {
-    rbdi_set_four(y, y->x + x->x * factor, y->y + x->y * factor, y->z + x->z * factor, y->w + x->w * factor);
-}
-#endif
-/* Transposes: four batches, a component each, become one four for each lane. */
-#if RBDI_BATCH == 4 && RBDI_HAS_SHUFFLE
-RBDI_INLINE void rbdi_fours_of_lanes(const rbdi_batch x[4], rbdi_four y[RBDI_BATCH]) {
-    const rbdi_batch a = __builtin_shufflevector(x[0], x[1], 0, 4, 2, 6),
-                     b = __builtin_shufflevector(x[0], x[1], 1, 5, 3, 7),
-                     c = __builtin_shufflevector(x[2], x[3], 0, 4, 2, 6),
-                     d = __builtin_shufflevector(x[2], x[3], 1, 5, 3, 7);
-
-    y[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5);
-    y[1] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
-    y[2] = __builtin_shufflevector(a, c, 2, 3, 6, 7);
-    y[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
-}
-#else
-RBDI_INLINE void rbdi_fours_of_lanes(const rbdi_batch x[4], rbdi_four y[RBDI_BATCH]) {
-    for (int k = 0; k < RBDI_BATCH; ++k)
-        for (int j = 0; j < 4; ++j) ((rbd_real *)&y[k])[j] = ((const rbd_real *)&x[j])[k];
-}
-#endif
-
 /* ==== src/base/reduction.h ==== */
 /* ---- reduction [reduction] ----
    Angles of any size: x = n pi/2 + r with |r| <= pi/4, after Payne and Hanek (1983). |x| is N 2^(32 a), N a
@@ -5662,96 +5597,51 @@ RBDI_CODE_END
 RBDI_CODE_BEGIN
 
 /* ==== src/motion/axes.h ==== */
-/* Interface: rbdi_axes, rbdi_axes_block, rbdi_axes_step, rbdi_axis_vec, rbdi_load_axes, rbdi_set_axis,
-   rbdi_world_axes */
+/* Interface: rbdi_pose_block, rbdi_pose_step, rbdi_world_pose */
 
-/* ---- axes and origins of links [axes] ---- */
+/* ---- axes and origins of links [axes] ----
+   Poses of links in one frame, that of the world or of a base: the rows of E are a link's axes, r is its
+   origin. */
 
-/* Axes and origin of a link, in the axes of the world or of a base. */
-typedef struct rbdi_axes {
-    rbdi_four x, y, z, origin;
-} rbdi_axes;
-/* A vector to and from a rbdi_four; the fourth is not used. */
-RBDI_INLINE void rbdi_set_axis(rbdi_four *a, rbdi_v3 v) { rbdi_set_four(a, v.x, v.y, v.z, v.z); }
-RBDI_INLINE rbdi_v3 rbdi_axis_vec(const rbdi_four *a) {
-    return rbdi_vec(rbdi_one_of(a, 0), rbdi_one_of(a, 1), rbdi_one_of(a, 2));
+/* The pose of that frame itself. */
+RBDI_INLINE rbdi_pose rbdi_world_pose(void) {
+    const rbd_real o = rbdi_zero(), one = rbdi_set(RBD_C(1));
+    rbdi_pose p;
+    p.E = rbdi_mat_of(one, o, o, o, one, o, o, o, one);
+    p.r = rbdi_vec0();
+    return p;
 }
 
-/* From a pose, and back. */
-RBDI_INLINE void rbdi_load_axes(rbdi_axes *p, const rbdi_pose *X) {
-    rbdi_set_axis(&p->x, rbdi_vec(X->E.xx, X->E.xy, X->E.xz));
-    rbdi_set_axis(&p->y, rbdi_vec(X->E.yx, X->E.yy, X->E.yz));
-    rbdi_set_axis(&p->z, rbdi_vec(X->E.zx, X->E.zy, X->E.zz));
-    rbdi_set_axis(&p->origin, X->r);
-}
+/* The pose of a one-axis link from its parent's, p: E = turns E_p, r = r_p + E_p' r_l + E' d z. A root keeps
+   the origin. */
+RBDI_INLINE rbdi_pose rbdi_pose_step(const rbdi_link *l, int flags, rbdi_trig t, rbdi_pose p) {
+    rbdi_v3 x = rbdi_vec(p.E.xx, p.E.yx, p.E.zx); /* the columns of E: the frame's axes in the link's */
+    rbdi_v3 y = rbdi_vec(p.E.xy, p.E.yy, p.E.zy);
+    rbdi_v3 z = rbdi_vec(p.E.xz, p.E.yz, p.E.zz);
 
-RBDI_INLINE void rbdi_store_axes(rbdi_pose *X, const rbdi_axes *p) {
-    rbdi_put_four(&X->E.xx, &p->x); /* the fourth goes to the next row, which is stored next */
-    rbdi_put_four(&X->E.yx, &p->y);
-    X->E.zx = rbdi_one_of(&p->z, 0);
-    X->E.zy = rbdi_one_of(&p->z, 1);
-    X->E.zz = rbdi_one_of(&p->z, 2);
-    X->r = rbdi_axis_vec(&p->origin);
-}
-
-/* The world's own axes, with its origin. */
-RBDI_INLINE void rbdi_world_axes(rbdi_axes *p) {
-    const rbd_real one = rbdi_set(RBD_C(1)), o = rbdi_zero();
-    rbdi_set_axis(&p->x, rbdi_vec(one, o, o));
-    rbdi_set_axis(&p->y, rbdi_vec(o, one, o));
-    rbdi_set_axis(&p->z, rbdi_vec(o, o, one));
-    rbdi_set_axis(&p->origin, rbdi_vec(o, o, o));
-}
-
-/* Turns the axes a, b in their plane, as rbdi_turn_z turns x, y. */
-RBDI_INLINE void rbdi_turn_axes(int flags, rbd_real c, rbd_real s, rbdi_four *a, rbdi_four *b) {
-    const rbdi_four from = *a;
-    if (flags & RBDI_TWIST_0) return;
-
-    if (flags & RBDI_TWIST_90) {
-        *a = *b;
-        rbdi_scale_four(b, rbdi_set(RBD_C(-1)), &from);
-        return;
-    }
-
-    rbdi_scale_four(a, c, a);
-    rbdi_add_four(a, s, b);
-    rbdi_scale_four(b, c, b);
-    rbdi_add_four(b, -s, &from);
-}
-
-/* The parent's axes and origin become those of a one-axis link; a root keeps the origin. */
-RBDI_INLINE void rbdi_axes_step(const rbdi_link *l, int flags, rbdi_trig t, rbdi_axes *p) {
     if ((flags & RBDI_SHIFT_R) && !(flags & RBDI_ROOT)) {
-        rbdi_add_four(&p->origin, rbdi_set(l->r.x), &p->x);
+        p.r = rbdi_add(p.r, rbdi_scale(rbdi_set(l->r.x), rbdi_vec(p.E.xx, p.E.xy, p.E.xz)));
         if (flags & RBDI_SHIFT_XYZ) {
-            rbdi_add_four(&p->origin, rbdi_set(l->r.y), &p->y);
-            rbdi_add_four(&p->origin, rbdi_set(l->r.z), &p->z);
+            p.r = rbdi_add(p.r, rbdi_scale(rbdi_set(l->r.y), rbdi_vec(p.E.yx, p.E.yy, p.E.yz)));
+            p.r = rbdi_add(p.r, rbdi_scale(rbdi_set(l->r.z), rbdi_vec(p.E.zx, p.E.zy, p.E.zz)));
         }
     }
 
-    if (flags & RBDI_BRANCH_TURN) rbdi_turn_axes(0, rbdi_set(l->cb), rbdi_set(l->sb), &p->x, &p->y);
-    rbdi_turn_axes(flags, rbdi_set(l->ca), rbdi_set(l->sa), &p->y, &p->z);
-    rbdi_turn_axes(0, t.c, t.s, &p->x, &p->y);
-    if ((flags & RBDI_SHIFT_Z) && !(flags & RBDI_ROOT)) rbdi_add_four(&p->origin, t.d, &p->z);
+    x = rbdi_down(l, flags, t, x);
+    y = rbdi_down(l, flags, t, y);
+    z = rbdi_down(l, flags, t, z);
+    p.E = rbdi_mat_of(x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z);
+
+    if ((flags & RBDI_SHIFT_Z) && !(flags & RBDI_ROOT))
+        p.r = rbdi_add(p.r, rbdi_scale(t.d, rbdi_vec(p.E.zx, p.E.zy, p.E.zz)));
+    return p;
 }
 
-/* The same of a block. */
-RBDI_INLINE void rbdi_axes_block(const rbdi_pose *X, int root, rbdi_axes *p) {
-    const rbdi_four x = p->x, y = p->y, z = p->z;
-
-    if (!root) rbdi_add_four(&p->origin, X->r.x, &x);
-    if (!root) rbdi_add_four(&p->origin, X->r.y, &y);
-    if (!root) rbdi_add_four(&p->origin, X->r.z, &z);
-    rbdi_scale_four(&p->x, X->E.xx, &x);
-    rbdi_add_four(&p->x, X->E.xy, &y);
-    rbdi_scale_four(&p->y, X->E.yx, &x);
-    rbdi_add_four(&p->y, X->E.yy, &y);
-    rbdi_scale_four(&p->z, X->E.zx, &x);
-    rbdi_add_four(&p->z, X->E.zy, &y);
-    rbdi_add_four(&p->x, X->E.xz, &z);
-    rbdi_add_four(&p->y, X->E.yz, &z);
-    rbdi_add_four(&p->z, X->E.zz, &z);
+/* The same of a block with the pose X in its parent. */
+RBDI_INLINE rbdi_pose rbdi_pose_block(const rbdi_pose *X, rbdi_pose p) {
+    p.r = rbdi_add(p.r, rbdi_mul_t(p.E, X->r));
+    p.E = rbdi_mul_mat(X->E, p.E);
+    return p;
 }
 
 /* ==== src/motion/kinematics.h ==== */
@@ -5771,50 +5661,48 @@ RBDI_INLINE rbdi_v3 rbdi_parent_velocity(const rbd_work *w, const rbdi_link *l, 
     return l->parent < 0 ? rbdi_vec0() : rbdi_add(parent->v, rbdi_cross(parent->state.omega, r));
 }
 
-/* World pose of link i and, if moving, velocity of its origin; its angular velocity is known. axes: the
-   parent's axes and origin, which become the link's. */
-RBDI_INLINE void rbdi_kin_axis(const rbd_work *w, const rbdi_link *l, rbdi_kin *k, int flags, rbdi_trig t,
-                               const rbd_real *v, int moving, rbdi_axes *axes) {
-    rbdi_axes_step(l, flags & ~RBDI_ROOT, t, axes);
-    rbdi_store_axes(&k->X, axes);
-    if (!moving) return;
+/* World pose of link i, from its parent's, p; if moving, the velocity of its origin too. Its angular velocity
+   is known. */
+RBDI_INLINE rbdi_pose rbdi_kin_axis(const rbd_work *w, const rbdi_link *l, rbdi_kin *k, int flags,
+                                    rbdi_trig t, const rbd_real *v, int moving, rbdi_pose p) {
+    p = rbdi_pose_step(l, flags & ~RBDI_ROOT, t, p);
+    k->X = p;
+    if (!moving) return p;
 
     k->v = rbdi_down(l, flags, t, rbdi_parent_velocity(w, l, rbdi_vec_c(l->r)));
     if (flags & RBDI_SHIFT_Z) {
         k->v.x = k->v.x + t.d * k->state.omega.y;
         k->v.y = k->v.y - t.d * k->state.omega.x;
     }
-
     if (flags & RBDI_SLIDES) k->v.z = k->v.z + v[l->iv] * l->kappa;
+    return p;
 }
 
 /* The same of the links first .. end - 1. */
 static void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *v,
                            int moving) {
-    const rbdi_link *const link = m->link; /* stores of vectors would make the compiler load them anew */
-    rbdi_kin *const kin = w->kin;
-    rbdi_axes axes;
+    rbdi_pose p = rbdi_world_pose();
 
-    rbdi_world_axes(&axes);
     for (int i = first; i < end; ++i) {
-        const rbdi_link *l = &link[i];
-        rbdi_kin *k = &kin[i];
+        const rbdi_link *l = &m->link[i];
+        rbdi_kin *k = &w->kin[i];
 
         if (l->parent < 0)
-            rbdi_world_axes(&axes);
+            p = rbdi_world_pose();
         else if (l->parent != i - 1)
-            rbdi_load_axes(&axes, &kin[l->parent].X);
+            p = w->kin[l->parent].X;
 
         if (rbdi_is(l, RBDI_BLOCK)) {
             const rbdi_pose *X = &w->block[l->block].X;
-            rbdi_axes_block(X, 0, &axes);
-            rbdi_store_axes(&k->X, &axes);
+            p = rbdi_on_world(l) ? *X : rbdi_pose_block(X, p);
+            k->X = p;
             if (moving)
                 k->v = rbdi_add(rbdi_mul(X->E, rbdi_parent_velocity(w, l, X->r)),
                                 rbdi_block_motion(rbdi_block_of(m, l), &v[l->iv]).v);
-        } else
+        } else {
             RBDI_BY_FLAGS(const int flags, l,
-                          rbdi_kin_axis(w, l, k, flags, rbdi_trig_of(m, w, i, flags), v, moving, &axes));
+                          p = rbdi_kin_axis(w, l, k, flags, rbdi_trig_of(m, w, i, flags), v, moving, p));
+        }
     }
 }
 

@@ -663,22 +663,23 @@ RBDI_INLINE int rbdi_dof_axis(const rbd_model *m, const rbdi_link *l, int k) {
 }
 
 /* Stores axes and origin of a link for dof k. e: the axes, cycled so that the last is the dof's own. */
-RBDI_INLINE void rbdi_put_axes(rbd_derivatives *d, int k, const rbdi_four *ex, const rbdi_four *ey,
-                               const rbdi_four *ez, const rbdi_four *origin) {
-    rbdi_store_vec(RBDI_OF(d, k, ex), RBDI_BATCH, rbdi_axis_vec(ex));
-    rbdi_store_vec(RBDI_OF(d, k, ey), RBDI_BATCH, rbdi_axis_vec(ey));
-    rbdi_store_vec(RBDI_OF(d, k, ez), RBDI_BATCH, rbdi_axis_vec(ez));
-    rbdi_store_vec(RBDI_OF(d, k, x), RBDI_BATCH, rbdi_axis_vec(origin));
+RBDI_INLINE void rbdi_put_axes(rbd_derivatives *d, int k, rbdi_v3 ex, rbdi_v3 ey, rbdi_v3 ez,
+                               rbdi_v3 origin) {
+    rbdi_store_vec(RBDI_OF(d, k, ex), RBDI_BATCH, ex);
+    rbdi_store_vec(RBDI_OF(d, k, ey), RBDI_BATCH, ey);
+    rbdi_store_vec(RBDI_OF(d, k, ez), RBDI_BATCH, ez);
+    rbdi_store_vec(RBDI_OF(d, k, x), RBDI_BATCH, origin);
 }
 
 /* The same for the dofs of a block from k on. */
 RBDI_PART void rbdi_put_block_axes(const rbd_model *m, rbd_derivatives *d, const rbdi_link *l, int k,
-                                   const rbdi_axes *p) {
-    const rbdi_four *const e[3] = {&p->x, &p->y, &p->z};
+                                   const rbdi_pose *p) {
+    const rbdi_v3 e[3] = {rbdi_vec(p->E.xx, p->E.xy, p->E.xz), rbdi_vec(p->E.yx, p->E.yy, p->E.yz),
+                          rbdi_vec(p->E.zx, p->E.zy, p->E.zz)};
 
     for (; k < d->entry[l->first].joint; ++k) {
         const int axis = rbdi_dof_axis(m, l, k);
-        rbdi_put_axes(d, k, e[(axis + 1) % 3], e[(axis + 2) % 3], e[axis], &p->origin);
+        rbdi_put_axes(d, k, e[(axis + 1) % 3], e[(axis + 2) % 3], e[axis], p->r);
     }
 }
 
@@ -715,35 +716,36 @@ RBDI_PART void rbdi_move_origin(const rbd_model *m, rbd_derivatives *d, int i, r
 /* Axes and origins of all links. base: dofs of a free base whose axes the frame has, or 0. */
 RBDI_PART void rbdi_poses(const rbd_model *m, rbd_derivatives *d, int base) {
     const int known = base ? 0 : -1; /* the last link that is where the frame is */
-    rbdi_axes p;                     /* of the link before, then of link i */
-    rbdi_world_axes(&p);
+    rbdi_pose p = rbdi_world_pose(); /* of the link before, then of link i */
 
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
 
         if (l->parent <= known) {
-            rbdi_world_axes(&p);
+            p = rbdi_world_pose();
         } else if (l->parent != i - 1) {
-            const rbdi_pose parent = rbdi_common_pose(m, d, l->parent);
-            rbdi_load_axes(&p, &parent);
+            p = rbdi_common_pose(m, d, l->parent);
         }
 
         if (!rbdi_is(l, RBDI_BLOCK))
             RBDI_BY_FLAGS(const int flags, l,
-                          rbdi_axes_step(l, flags, rbdi_trig_of(m, d->work, i, flags), &p));
-        else if (i > 0 || !base)
-            rbdi_axes_block(&d->work->block[l->block].X, rbdi_on_world(l), &p);
+                          p = rbdi_pose_step(l, flags, rbdi_trig_of(m, d->work, i, flags), p));
+        else if (!rbdi_on_world(l))
+            p = rbdi_pose_block(&d->work->block[l->block].X, p);
+        else if (!base || i > 0)
+            p.E = d->work->block[l->block].X.E; /* the origin stays 0 */
 
         if (d->origin[i] >= 0) {
-            if (d->origin[i] < i) rbdi_move_origin(m, d, i, rbdi_axis_vec(&p.origin));
-            rbdi_set_axis(&p.origin, rbdi_vec0());
+            if (d->origin[i] < i) rbdi_move_origin(m, d, i, p.r);
+            p.r = rbdi_vec0();
         }
 
         if (rbdi_is(l, RBDI_BLOCK)) {
-            const rbdi_axes own = p; /* an address of p would keep it in memory */
+            const rbdi_pose own = p; /* an address of p would keep it in memory */
             rbdi_put_block_axes(m, d, l, i == 0 && base ? base - 1 : l->first, &own);
         } else
-            rbdi_put_axes(d, l->first, &p.x, &p.y, &p.z, &p.origin);
+            rbdi_put_axes(d, l->first, rbdi_vec(p.E.xx, p.E.xy, p.E.xz), rbdi_vec(p.E.yx, p.E.yy, p.E.yz),
+                          rbdi_vec(p.E.zx, p.E.zy, p.E.zz), p.r);
     }
 }
 
@@ -1526,17 +1528,11 @@ RBDI_INLINE void rbdi_put_components(const rbd_derivatives *d, const rbd_real *x
 RBDI_INLINE void rbdi_put_base_columns(const rbd_derivatives *d, int b, rbdi_b3 n, rbdi_b3 f, rbd_real *out) {
     const rbdi_batch x[6] = {n.x, n.y, n.z, f.x, f.y, f.z};
     const ptrdiff_t nv = d->model->nv, first = d->base + (b - d->behind) * RBDI_BATCH;
-    rbdi_four row[2][RBDI_BATCH]; /* components 0 to 3 and 2 to 5 */
-
-    rbdi_fours_of_lanes(x, row[0]);
-    rbdi_fours_of_lanes(x + 2, row[1]);
 
     out += first * nv;
     RBDI_UNROLL_SIX for (int k = 0; k < RBDI_BATCH; ++k) {
-        if (k < nv - first) {
-            *(rbdi_four *)&out[k * nv] = row[0][k];
-            *(rbdi_four *)&out[k * nv + 2] = row[1][k];
-        }
+        if (k < nv - first) RBDI_UNROLL_SIX
+            for (int j = 0; j < 6; ++j) out[k * nv + j] = ((const rbd_real *)&x[j])[k];
     }
 }
 
@@ -2523,6 +2519,26 @@ RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, c
 /* ---- regressors and inertial parameters [identification code] ----
    f = I a + v x* I v (RBDA table 5.1) is linear in a body's parameters, f = K pi: row i of Y is S_i' K. */
 
+/* Four parameters of a body, or their factors. add: y += factor x; scale: y = factor x. */
+typedef struct rbdi_four {
+    rbd_real x, y, z, w;
+} rbdi_four;
+
+RBDI_INLINE void rbdi_set_four(rbdi_four *y, rbd_real a, rbd_real b, rbd_real c, rbd_real d) {
+    y->x = a;
+    y->y = b;
+    y->z = c;
+    y->w = d;
+}
+
+RBDI_INLINE void rbdi_scale_four(rbdi_four *y, rbd_real factor, const rbdi_four *x) {
+    rbdi_set_four(y, x->x * factor, x->y * factor, x->z * factor, x->w * factor);
+}
+
+RBDI_INLINE void rbdi_add_four(rbdi_four *y, rbd_real factor, const rbdi_four *x) {
+    rbdi_set_four(y, y->x + x->x * factor, y->y + x->y * factor, y->z + x->z * factor, y->w + x->w * factor);
+}
+
 /* y += a_1 x_1 + a_2 x_2 + a_3 x_3; and y = this sum. */
 RBDI_INLINE void rbdi_add_fours(rbdi_four *y, rbdi_v3 a, const rbdi_four x[3]) {
     rbdi_add_four(y, a.x, &x[0]);
@@ -2567,11 +2583,11 @@ RBDI_INLINE void rbdi_place_body(const rbd_model *m, const rbd_derivatives *d, c
 RBDI_INLINE rbdi_v3 rbdi_to_body(const rbdi_placement *p, rbdi_v3 a) {
     rbdi_four y;
     rbdi_combine_fours(&y, a, p->row);
-    return rbdi_vec(rbdi_one_of(&y, 1), rbdi_one_of(&y, 2), rbdi_one_of(&y, 3));
+    return rbdi_vec(y.y, y.z, y.w);
 }
 
 RBDI_INLINE rbdi_v3 rbdi_origin_of(const rbdi_placement *p) {
-    return rbdi_vec(rbdi_one_of(&p->row[0], 0), rbdi_one_of(&p->row[1], 0), rbdi_one_of(&p->row[2], 0));
+    return rbdi_vec(p->row[0].x, p->row[1].x, p->row[2].x);
 }
 
 /* The motion of all links. base: dofs of a free base whose axes the frame has, or 0. */
@@ -2625,8 +2641,7 @@ RBDI_PART void rbdi_unit_wrenches(const rbd_derivatives *d, int last, const rbdi
     /* row i of the forces: (acc_i 0 0 0) + Omega_i (x R); of the moments of inertia: R_i times those in
        body axes */
     RBDI_UNROLL_SIX for (int i = 0; i < 3; ++i) {
-        const rbdi_v3 R =
-            rbdi_vec(rbdi_one_of(&p->row[i], 1), rbdi_one_of(&p->row[i], 2), rbdi_one_of(&p->row[i], 3));
+        const rbdi_v3 R = rbdi_vec(p->row[i].y, p->row[i].z, p->row[i].w);
         rbdi_set_four(&f[i], acc[i * RBDI_BATCH], o, o, o);
         rbdi_add_fours(&f[i], rbdi_load_vec(Omega + 3 * i * RBDI_BATCH, RBDI_BATCH), p->row);
         *(rbdi_four *)&K[(3 + i) * stride] = f[i];
@@ -2638,10 +2653,10 @@ RBDI_PART void rbdi_unit_wrenches(const rbd_derivatives *d, int last, const rbdi
     RBDI_UNROLL_SIX for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
         rbdi_four n;
-        rbdi_scale_four(&n, rbdi_one_of(&f[k], 0), &p->row[j]);
-        rbdi_add_four(&n, -rbdi_one_of(&f[j], 0), &p->row[k]);
-        rbdi_add_four(&n, rbdi_one_of(&p->row[j], 0), &f[k]);
-        rbdi_add_four(&n, -rbdi_one_of(&p->row[k], 0), &f[j]);
+        rbdi_scale_four(&n, f[k].x, &p->row[j]);
+        rbdi_add_four(&n, -f[j].x, &p->row[k]);
+        rbdi_add_four(&n, p->row[j].x, &f[k]);
+        rbdi_add_four(&n, -p->row[k].x, &f[j]);
         *(rbdi_four *)&K[i * stride] = n;
         K[i * stride] = K[i * stride] * RBD_C(0.5);
     }

@@ -22,50 +22,48 @@ RBDI_INLINE rbdi_v3 rbdi_parent_velocity(const rbd_work *w, const rbdi_link *l, 
     return l->parent < 0 ? rbdi_vec0() : rbdi_add(parent->v, rbdi_cross(parent->state.omega, r));
 }
 
-/* World pose of link i and, if moving, velocity of its origin; its angular velocity is known. axes: the
-   parent's axes and origin, which become the link's. */
-RBDI_INLINE void rbdi_kin_axis(const rbd_work *w, const rbdi_link *l, rbdi_kin *k, int flags, rbdi_trig t,
-                               const rbd_real *v, int moving, rbdi_axes *axes) {
-    rbdi_axes_step(l, flags & ~RBDI_ROOT, t, axes);
-    rbdi_store_axes(&k->X, axes);
-    if (!moving) return;
+/* World pose of link i, from its parent's, p; if moving, the velocity of its origin too. Its angular velocity
+   is known. */
+RBDI_INLINE rbdi_pose rbdi_kin_axis(const rbd_work *w, const rbdi_link *l, rbdi_kin *k, int flags,
+                                    rbdi_trig t, const rbd_real *v, int moving, rbdi_pose p) {
+    p = rbdi_pose_step(l, flags & ~RBDI_ROOT, t, p);
+    k->X = p;
+    if (!moving) return p;
 
     k->v = rbdi_down(l, flags, t, rbdi_parent_velocity(w, l, rbdi_vec_c(l->r)));
     if (flags & RBDI_SHIFT_Z) {
         k->v.x = k->v.x + t.d * k->state.omega.y;
         k->v.y = k->v.y - t.d * k->state.omega.x;
     }
-
     if (flags & RBDI_SLIDES) k->v.z = k->v.z + v[l->iv] * l->kappa;
+    return p;
 }
 
 /* The same of the links first .. end - 1. */
 static void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *v,
                            int moving) {
-    const rbdi_link *const link = m->link; /* stores of vectors would make the compiler load them anew */
-    rbdi_kin *const kin = w->kin;
-    rbdi_axes axes;
+    rbdi_pose p = rbdi_world_pose();
 
-    rbdi_world_axes(&axes);
     for (int i = first; i < end; ++i) {
-        const rbdi_link *l = &link[i];
-        rbdi_kin *k = &kin[i];
+        const rbdi_link *l = &m->link[i];
+        rbdi_kin *k = &w->kin[i];
 
         if (l->parent < 0)
-            rbdi_world_axes(&axes);
+            p = rbdi_world_pose();
         else if (l->parent != i - 1)
-            rbdi_load_axes(&axes, &kin[l->parent].X);
+            p = w->kin[l->parent].X;
 
         if (rbdi_is(l, RBDI_BLOCK)) {
             const rbdi_pose *X = &w->block[l->block].X;
-            rbdi_axes_block(X, 0, &axes);
-            rbdi_store_axes(&k->X, &axes);
+            p = rbdi_on_world(l) ? *X : rbdi_pose_block(X, p);
+            k->X = p;
             if (moving)
                 k->v = rbdi_add(rbdi_mul(X->E, rbdi_parent_velocity(w, l, X->r)),
                                 rbdi_block_motion(rbdi_block_of(m, l), &v[l->iv]).v);
-        } else
+        } else {
             RBDI_BY_FLAGS(const int flags, l,
-                          rbdi_kin_axis(w, l, k, flags, rbdi_trig_of(m, w, i, flags), v, moving, &axes));
+                          p = rbdi_kin_axis(w, l, k, flags, rbdi_trig_of(m, w, i, flags), v, moving, p));
+        }
     }
 }
 
