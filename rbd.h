@@ -2079,10 +2079,37 @@ RBDI_INLINE void rbdi_sincos(rbd_real x, rbd_real *s, rbd_real *c) {
    turn about z and the shift along z; those about and along x are the same after the cyclic change
    of axes (x, y, z) -> (y, z, x). */
 
-RBDI_INLINE rbdi_v3 rbdi_vec(rbd_real x, rbd_real y, rbd_real z) {
+/* Vectors, motions and forces; algebra/batch_vectors.h has the same of batches. */
+#define RBDI_T rbd_real
+RBDI_INLINE rbdi_v3 rbdi_vec(RBDI_T x, RBDI_T y, RBDI_T z) {
     const rbdi_v3 v = {x, y, z};
     return v;
 }
+
+RBDI_INLINE rbdi_v3 rbdi_add(rbdi_v3 a, rbdi_v3 b) { return rbdi_vec(a.x + b.x, a.y + b.y, a.z + b.z); }
+RBDI_INLINE rbdi_v3 rbdi_scale(RBDI_T k, rbdi_v3 a) { return rbdi_vec(k * a.x, k * a.y, k * a.z); }
+RBDI_INLINE rbdi_v3 rbdi_cross(rbdi_v3 a, rbdi_v3 b) {
+    return rbdi_vec(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+
+RBDI_INLINE rbdi_motion rbdi_motion_add(rbdi_motion a, rbdi_motion b) {
+    a.omega = rbdi_add(a.omega, b.omega);
+    a.v = rbdi_add(a.v, b.v);
+    return a;
+}
+
+RBDI_INLINE rbdi_force rbdi_force_add(rbdi_force a, rbdi_force b) {
+    a.n = rbdi_add(a.n, b.n);
+    a.f = rbdi_add(a.f, b.f);
+    return a;
+}
+
+/* S' f. */
+RBDI_INLINE RBDI_T rbdi_power(rbdi_motion S, rbdi_force f) {
+    return (f.n.x * S.omega.x + f.n.y * S.omega.y + f.n.z * S.omega.z) +
+           (f.f.x * S.v.x + f.f.y * S.v.y + f.f.z * S.v.z);
+}
+#undef RBDI_T
 
 /* A vector to and from an array, whose components are a stride apart. */
 RBDI_INLINE void rbdi_store_vec(rbd_real *array, ptrdiff_t stride, rbdi_v3 v) {
@@ -2098,13 +2125,8 @@ RBDI_INLINE rbdi_v3 rbdi_load_vec(const rbd_real *array, ptrdiff_t stride) {
 /* _c: from constants of the model. */
 RBDI_INLINE rbdi_v3 rbdi_vec_c(rbdi_c3 a) { return rbdi_vec(rbdi_set(a.x), rbdi_set(a.y), rbdi_set(a.z)); }
 RBDI_INLINE rbdi_v3 rbdi_vec0(void) { return rbdi_vec(rbdi_zero(), rbdi_zero(), rbdi_zero()); }
-RBDI_INLINE rbdi_v3 rbdi_add(rbdi_v3 a, rbdi_v3 b) { return rbdi_vec(a.x + b.x, a.y + b.y, a.z + b.z); }
 RBDI_INLINE rbdi_v3 rbdi_sub(rbdi_v3 a, rbdi_v3 b) { return rbdi_vec(a.x - b.x, a.y - b.y, a.z - b.z); }
-RBDI_INLINE rbdi_v3 rbdi_scale(rbd_real k, rbdi_v3 a) { return rbdi_vec(k * a.x, k * a.y, k * a.z); }
 RBDI_INLINE rbd_real rbdi_dot(rbdi_v3 a, rbdi_v3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-RBDI_INLINE rbdi_v3 rbdi_cross(rbdi_v3 a, rbdi_v3 b) {
-    return rbdi_vec(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
-}
 
 RBDI_INLINE rbdi_v3 rbdi_cycle(rbdi_v3 v) { return rbdi_vec(v.y, v.z, v.x); }
 RBDI_INLINE rbdi_v3 rbdi_uncycle(rbdi_v3 v) { return rbdi_vec(v.z, v.x, v.y); }
@@ -2343,12 +2365,6 @@ RBDI_INLINE rbdi_mat rbdi_omega(rbdi_v3 omega, rbdi_v3 omega_dot) {
     return O;
 }
 
-RBDI_INLINE rbdi_force rbdi_force_add(rbdi_force A, rbdi_force B) {
-    A.n = rbdi_add(A.n, B.n);
-    A.f = rbdi_add(A.f, B.f);
-    return A;
-}
-
 RBDI_INLINE rbdi_force rbdi_force_sub(rbdi_force A, rbdi_force B) {
     A.n = rbdi_sub(A.n, B.n);
     A.f = rbdi_sub(A.f, B.f);
@@ -2365,12 +2381,6 @@ RBDI_INLINE rbdi_motion rbdi_motion0(void) {
     rbdi_motion V;
     V.omega = V.v = rbdi_vec0();
     return V;
-}
-
-RBDI_INLINE rbdi_motion rbdi_motion_add(rbdi_motion A, rbdi_motion B) {
-    A.omega = rbdi_add(A.omega, B.omega);
-    A.v = rbdi_add(A.v, B.v);
-    return A;
 }
 
 /* -- composite bodies: (Sigma, h) and a mass m -- */

@@ -65,6 +65,7 @@ RBDI_EXTERN_C_END
 
 RBDI_CODE_BEGIN
 
+#include "algebra/batch_vectors.h"
 #include "derivatives/columns.h"
 #include "derivatives/common_frame.h"
 #include "derivatives/subtrees.h"

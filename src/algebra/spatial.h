@@ -67,12 +67,6 @@ RBDI_INLINE rbdi_mat rbdi_omega(rbdi_v3 omega, rbdi_v3 omega_dot) {
     return O;
 }
 
-RBDI_INLINE rbdi_force rbdi_force_add(rbdi_force A, rbdi_force B) {
-    A.n = rbdi_add(A.n, B.n);
-    A.f = rbdi_add(A.f, B.f);
-    return A;
-}
-
 RBDI_INLINE rbdi_force rbdi_force_sub(rbdi_force A, rbdi_force B) {
     A.n = rbdi_sub(A.n, B.n);
     A.f = rbdi_sub(A.f, B.f);
@@ -89,12 +83,6 @@ RBDI_INLINE rbdi_motion rbdi_motion0(void) {
     rbdi_motion V;
     V.omega = V.v = rbdi_vec0();
     return V;
-}
-
-RBDI_INLINE rbdi_motion rbdi_motion_add(rbdi_motion A, rbdi_motion B) {
-    A.omega = rbdi_add(A.omega, B.omega);
-    A.v = rbdi_add(A.v, B.v);
-    return A;
 }
 
 /* -- composite bodies: (Sigma, h) and a mass m -- */

@@ -8,10 +8,10 @@
    turn about z and the shift along z; those about and along x are the same after the cyclic change
    of axes (x, y, z) -> (y, z, x). */
 
-RBDI_INLINE rbdi_v3 rbdi_vec(rbd_real x, rbd_real y, rbd_real z) {
-    const rbdi_v3 v = {x, y, z};
-    return v;
-}
+/* Vectors, motions and forces; algebra/batch_vectors.h has the same of batches. */
+#define RBDI_T rbd_real
+#include "algebra/vectors_of.h"
+#undef RBDI_T
 
 /* A vector to and from an array, whose components are a stride apart. */
 RBDI_INLINE void rbdi_store_vec(rbd_real *array, ptrdiff_t stride, rbdi_v3 v) {
@@ -27,13 +27,8 @@ RBDI_INLINE rbdi_v3 rbdi_load_vec(const rbd_real *array, ptrdiff_t stride) {
 /* _c: from constants of the model. */
 RBDI_INLINE rbdi_v3 rbdi_vec_c(rbdi_c3 a) { return rbdi_vec(rbdi_set(a.x), rbdi_set(a.y), rbdi_set(a.z)); }
 RBDI_INLINE rbdi_v3 rbdi_vec0(void) { return rbdi_vec(rbdi_zero(), rbdi_zero(), rbdi_zero()); }
-RBDI_INLINE rbdi_v3 rbdi_add(rbdi_v3 a, rbdi_v3 b) { return rbdi_vec(a.x + b.x, a.y + b.y, a.z + b.z); }
 RBDI_INLINE rbdi_v3 rbdi_sub(rbdi_v3 a, rbdi_v3 b) { return rbdi_vec(a.x - b.x, a.y - b.y, a.z - b.z); }
-RBDI_INLINE rbdi_v3 rbdi_scale(rbd_real k, rbdi_v3 a) { return rbdi_vec(k * a.x, k * a.y, k * a.z); }
 RBDI_INLINE rbd_real rbdi_dot(rbdi_v3 a, rbdi_v3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-RBDI_INLINE rbdi_v3 rbdi_cross(rbdi_v3 a, rbdi_v3 b) {
-    return rbdi_vec(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
-}
 
 RBDI_INLINE rbdi_v3 rbdi_cycle(rbdi_v3 v) { return rbdi_vec(v.y, v.z, v.x); }
 RBDI_INLINE rbdi_v3 rbdi_uncycle(rbdi_v3 v) { return rbdi_vec(v.z, v.x, v.y); }
