@@ -144,7 +144,7 @@ RBDI_ONCE rbdi_v3 rbdi_point_position(const rbd_model *m, const rbd_work *w, int
 }
 
 /* E of a body: from world axes to its own. */
-RBDI_ONCE rbdi_mat rbdi_axes_of(const rbd_model *m, const rbd_work *w, int body) {
+RBDI_PART rbdi_mat rbdi_axes_of(const rbd_model *m, const rbd_work *w, int body) {
     const rbdi_frame *u = &m->frame[body];
     const rbdi_mat E = rbdi_mat_c(u->E);
     return u->link < 0 ? E : rbdi_mul_mat(E, w->kin[u->link].X.E);
