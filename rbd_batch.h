@@ -34,7 +34,7 @@
 #include "rbd.h"
 
 #ifndef RBD_BATCH_H
-#if RBD_VERSION_NUMBER < 300 || RBD_MODEL_VERSION != 6
+#if RBD_VERSION_NUMBER < 400 || RBD_MODEL_VERSION != 6
 #error "rbd_batch.h: belongs to another version of rbd.h"
 #endif
 #ifdef RBD_BATCH_IMPLEMENTATION

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""The module rbd with the headers that it compiles, which are copied from the repository's root."""
+"""The package rbd with its type stubs and the headers that it compiles, copied from the repository's root."""
 import re
 import shutil
+import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
@@ -19,6 +21,8 @@ class BuildWithSources(build_py):
             target = Path(self.build_lib, "rbd/sources", path.relative_to(ROOT))
             target.parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(path, target)
+        stubs = Path(self.build_lib, "rbd/__init__.pyi")
+        subprocess.run([sys.executable, str(ROOT / "python/stubs.py"), str(stubs)], check=True)
 
 
 if not (ROOT / "rbd.h").is_file():

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Writes rbd/__init__.pyi, from which editors and mypy know the calls, their arguments and results:
+"""Writes the type stubs, from which editors and mypy know the calls, their arguments and results.
 
-    python3 python/stubs.py
+    usage: stubs.py [FILE]      FILE: rbd/__init__.pyi beside this script, where git ignores it
 
-The module itself is the source: its tables of calls and quantities, its annotations and its docstrings. A
-test compares the file with the module."""
+The package itself is the source: its tables of calls and quantities, its annotations and its docstrings. setup.py
+puts the stubs into what is installed."""
+import ast
 import enum
 import inspect
 import re
@@ -15,9 +16,12 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 import rbd  # noqa: E402
+from rbd import _spatial  # noqa: E402
+
+SOURCES = [path.read_text() for path in sorted((HERE / "rbd").glob("*.py"))]
 
 HEAD = '''# SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors.
-# Made by stubs.py from __init__.py: do not edit.
+# Made by stubs.py: do not edit.
 import ctypes
 import os
 from dataclasses import dataclass
@@ -35,6 +39,22 @@ _MaybeNone = Any  # None where a keyword leaves the result out
 
 '''
 INPUTS = {"body": "int | str", "reference": "int | str", "axes": 'Literal["world", "link"]'}
+
+
+def source(name):
+    """The text of a class, wherever the package has it."""
+    for text in SOURCES:
+        for node in ast.parse(text).body:
+            if isinstance(node, ast.ClassDef) and node.name == name:
+                first = min(node.lineno, *(d.lineno for d in node.decorator_list or [node]))
+                return "\n".join(text.split("\n")[first - 1:node.end_lineno]) + "\n"
+    raise KeyError(name)
+
+
+def members(cls):
+    """What a class and the parts that it inherits define, by name."""
+    return {name: member for part in reversed(cls.__mro__) if part.__module__.split(".")[0] == "rbd"
+            for name, member in vars(part).items()}
 
 
 def docstring(text):
@@ -91,10 +111,10 @@ def output(call, name, flag):
 def result_tuples():
     """The named tuples of the calls."""
     calls = [method._rbd_call for owner in (rbd.Model, rbd.ConstraintSet, rbd.ContactSet)
-             for method in vars(owner).values() if hasattr(method, "_rbd_call")]
+             for method in members(owner).values() if hasattr(method, "_rbd_call")]
     fields = {call.tuple: [output(call, *x) for x in zip(call.outputs, call.flags)]
               for call in calls if call.tuple}
-    for kind in rbd._HYBRID, rbd._MOMENTA:
+    for kind in rbd.hybrid_results, rbd.batch_momentum_results:
         fields[kind] = ["Array"] * len(kind._fields)
     for kind, types in fields.items():
         lines = "".join(f"    {name}: {of}\n" for name, of in zip(kind._fields, types))
@@ -105,7 +125,7 @@ def spatial_methods():
     """The methods of Spatial, from its table."""
     kinds = {"placement": "tuple[ArrayLike, ArrayLike]"}
     results = {"number": "float", "placement": "Placement", "axis_angle": "AxisAngle"}
-    for name, (parameters, result, _, _) in rbd._SPATIAL.items():
+    for name, (parameters, result, _, _) in _spatial._SPATIAL.items():
         place = inspect.Parameter.POSITIONAL_OR_KEYWORD
         arguments = [inspect.Parameter("self", place)] + [
             inspect.Parameter(p, place, annotation=kinds.get(kind, "ArrayLike")) for p, kind in parameters]
@@ -115,14 +135,14 @@ def spatial_methods():
 
 def attributes(cls):
     """The annotated attributes of a class, with their comments."""
-    source = inspect.getsource(cls).partition("    def ")[0]
-    return "".join(re.findall(r"^    (\w+: .*\n)", re.sub(r'""".*?"""', "", source, flags=re.S), re.M))
+    head = source(cls.__name__).partition("    def ")[0]
+    return "".join(re.findall(r"^    (\w+: .*\n)", re.sub(r'""".*?"""', "", head, flags=re.S), re.M))
 
 
 def methods(cls):
     """The public methods of a class."""
-    for name, member in vars(cls).items():
-        if name.startswith("_") and name != "__init__" or name in rbd._SPATIAL and cls is rbd.Spatial:
+    for name, member in members(cls).items():
+        if name.startswith("_") and name != "__init__" or name in _spatial._SPATIAL and cls is rbd.Spatial:
             continue
         if isinstance(member, property):
             yield function(name, inspect.signature(member.fget), member.__doc__, "@property\n")
@@ -145,7 +165,7 @@ def definition(name):
         members = "".join(f"    {member.name} = {member.value}\n" for member in thing)
         return f"class {name}(IntEnum):\n{members}"
     if issubclass(thing, tuple) or hasattr(thing, "__dataclass_fields__"):
-        return inspect.getsource(thing)
+        return source(name)
     bases = f"({thing.__base__.__name__})" if issubclass(thing, Exception) else ""
     inside = [docstring(thing.__doc__) + attributes(thing), *methods(thing)]
     if thing is rbd.Spatial:
@@ -161,4 +181,4 @@ def text():
 
 
 if __name__ == "__main__":
-    (HERE / "rbd/__init__.pyi").write_text(text())
+    Path(*sys.argv[1:2] or [HERE / "rbd/__init__.pyi"]).write_text(text())

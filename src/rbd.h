@@ -1,4 +1,4 @@
-/* rbd.h - rigid-body dynamics of robots, in one C99 header. Version 0.3.0.
+/* rbd.h - rigid-body dynamics of robots, in one C99 header. Version 0.4.0.
    SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end.
 
    Inverse dynamics (RNEA), mass matrix (CRBA) and forward dynamics (ABA, or Cholesky) of any

@@ -54,7 +54,7 @@
 #ifndef RBD_CONSTRAINTS_H
 #define RBD_CONSTRAINTS_H
 
-#if RBD_VERSION_NUMBER < 300 || RBD_MODEL_VERSION != 6
+#if RBD_VERSION_NUMBER < 400 || RBD_MODEL_VERSION != 6
 #error "rbd: rbd_constraints.h is of another version than rbd.h"
 #endif
 

@@ -33,7 +33,7 @@
 #ifndef RBD_DERIVATIVES_H
 #define RBD_DERIVATIVES_H
 
-#if RBD_VERSION_NUMBER < 300 || RBD_MODEL_VERSION != 6
+#if RBD_VERSION_NUMBER < 400 || RBD_MODEL_VERSION != 6
 #error "rbd_derivatives.h: belongs to another version of rbd.h"
 #endif
 

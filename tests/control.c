@@ -4,15 +4,10 @@
 
 #include "reference.h"
 
-#ifdef CONTROL_SMALL /* what goes into a microcontroller's flash beside the other data */
-#include "data/control_iiwa.inc"
-#include "data/control_tree03.inc"
-static const ref_control *const ref_controls[] = {&ref_control_iiwa, &ref_control_tree03};
-#define REF_CONTROLS ((int)(sizeof ref_controls / sizeof *ref_controls))
-#else
-#include "data/control_models.h"
-#endif
+#include "control_models.h" /* written by data/unpack.py */
 
-const int control_count = REF_CONTROLS;
+static const ref_control *const controls[] = {CONTROL_MODELS};
 
-const ref_control *reference_control(int index) { return ref_controls[index]; }
+const int control_count = (int)(sizeof controls / sizeof *controls);
+
+const ref_control *reference_control(int index) { return controls[index]; }

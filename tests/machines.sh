@@ -56,7 +56,7 @@ object() {
     source=$1
     shift
     # shellcheck disable=SC2086 # words wanted
-    $compiler $dialect -Wall -Wextra -Werror "$@" -I"$root/tests/firmware" -I"$root" \
+    $compiler $dialect -Wall -Wextra -Werror "$@" -I"$root/tests/firmware" -I"$root" -I"$scratch" \
         -c "$root/tests/$source.c" -o "$scratch/$source.o"
 }
 
@@ -88,8 +88,10 @@ suites() {
     run_linked rbd reference control "$@"
 }
 
+"$root/tests/data/unpack.py" "$scratch"
+"$root/tests/data/unpack.py" "$scratch/control_models.h" control_iiwa control_tree03 # as on a microcontroller
 object reference -O0
-object control -O0 -DCONTROL_SMALL
+object control -O0
 if [ "$target" = wasm-suites ]; then
     suites
     exit

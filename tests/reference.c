@@ -4,8 +4,10 @@
 
 #include "reference.h"
 
-#include "data/reference_models.h"
+#include "reference_models.h" /* written by data/unpack.py */
 
-const int reference_count = REF_MODELS;
+static const ref_model *const models[] = {REFERENCE_MODELS};
 
-const ref_model *reference_model(int index) { return ref_models[index]; }
+const int reference_count = (int)(sizeof models / sizeof *models);
+
+const ref_model *reference_model(int index) { return models[index]; }

@@ -6,9 +6,7 @@
 #include "../../models/iiwa.h"
 #include "../../models/hyq.h"
 #include "../../models/atlas.h"
-#include "../../tests/data/iiwa.inc"
-#include "../../tests/data/hyq.inc"
-#include "../../tests/data/atlas.inc"
+#include "robots_models.h" /* written by tests/data/unpack.py */
 
 struct description {
     const char *title;

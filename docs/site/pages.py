@@ -3,7 +3,7 @@
 writes a program that calls the snippets of a family.
 
 The reference comes from the headers' comments (extract.py); the short line of each name from docs/interface.md; shapes
-of arguments from python/rbd/__init__.py; costs from bench/instructions.csv; formulas, arguments of C alone and snippets
+of arguments from python/rbd/_arguments.py; costs from bench/instructions.csv; formulas, arguments of C alone and snippets
 from this folder. Guides are docs/*.md and the README files, with their links made fit. SPDX-License-Identifier: MIT"""
 import csv
 import functools
@@ -32,7 +32,7 @@ GUIDES = [
 # Shorter names in the list of guides.
 TITLES = {"docs/control_loop.md": "Control loop", "docs/gradients.md": "Gradients and predictive control",
           "docs/firmware.md": "Firmware: what it costs", "docs/porting.md": "Firmware: your board",
-          "examples/firmware/README.md": "Firmware: examples", "bench/results/2026-11-26-zen5/report.md": "Measurements, in pictures",
+          "examples/firmware/README.md": "Firmware: examples", "bench/results/2026-11-26-zen5/report.md": "Measurements",
           "bench/results/2026-11-25-contact/contact.md": "Measurements of contacts"}
 # Rows of bench/instructions.csv, and the call that each is of.
 COSTS = {"id": "rbd_rnea", "mm": "rbd_crba", "mm_packed": "rbd_crba_packed", "fd": "rbd_aba",
@@ -81,7 +81,7 @@ def summaries():
 @functools.lru_cache(None)
 def quantities():
     """Name, shape and meaning, of the Python module's table."""
-    text = (ROOT / "python/rbd/__init__.py").read_text()
+    text = (ROOT / "python/rbd/_arguments.py").read_text()
     rows = re.search(r'_QUANTITIES = \{.*?"""\n(.*?)\n"""', text, re.S)[1].splitlines()
     return {row[0]: (row[1], row[2].replace("None", "NULL")) for row in (re.split(r"\s{2,}", line) for line in rows)}
 

@@ -10,7 +10,7 @@
    When something went wrong: recorder_dump(&r, putchar), or a function that puts a byte on a UART. No push
    may run meanwhile. replay.c reads the dump. Each line ends with a checksum. Other lines are skipped:
 
-       rbd-recording 01 rbd 0.3.0 scalar 04 model HASH configuration HASH (the same line goes on)
+       rbd-recording 01 rbd VERSION scalar 04 model HASH configuration HASH (the same line goes on)
            inputs 001c states 0007 outputs 0007 first NUMBER ticks NUMBER CHECKSUM
        tick NUMBER INPUTS STATES OUTPUTS CHECKSUM   (the oldest tick first)
 

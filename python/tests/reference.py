@@ -1,18 +1,23 @@
 # SPDX-License-Identifier: MIT
-"""The reference results of tests/data, which are C: compiled, and read by what reference.h says."""
+"""The reference results of tests/data: unpacked as C, compiled, and read by what reference.h says."""
 import ctypes
 import functools
-import hashlib
 import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 
 import rbd
+from rbd._compiling import _compile
+from rbd._descriptions import _from_c
+from rbd._headers import _TEXT
 
 TESTS = rbd.SOURCES / "tests"
 _HEADER = (TESTS / "data/reference.h").read_text()
-_UNIT = '#include "tests/{}.c"\n/* {} */\n'
 
 
 @functools.lru_cache(maxsize=None)
@@ -24,7 +29,7 @@ def _pointers(struct):
 
 
 def _structure(name):
-    return rbd.structure(name, text=rbd._TEXT + _HEADER)
+    return rbd.structure(name, text=_TEXT + _HEADER)
 
 
 def _read(name, row, dims):
@@ -54,17 +59,20 @@ def _pointed(address, declared, shape, numbers):
         return np.ctypeslib.as_array(ctypes.cast(address, ctypes.POINTER(c_type)), shape=shape).copy()
     rows = ctypes.cast(address, ctypes.POINTER(_structure(declared)))
     if declared == "rbd_body":
-        return [rbd._from_c(rows[k]) for k in range(shape[0])]
+        return [_from_c(rows[k]) for k in range(shape[0])]
     return [_read(declared, rows[k], numbers) for k in range(shape[0])]
 
 
 @functools.lru_cache(maxsize=None)
 def _library():
-    digest = hashlib.sha256()
-    for path in sorted((TESTS / "data").glob("*.*[ch]")):
-        digest.update(path.read_bytes())
-    units = [_UNIT.format(name, digest.hexdigest()) for name in ("reference", "control")]
-    return rbd._compile(units, ["cc", "-O0", f"-I{TESTS}"])
+    units = []
+    with tempfile.TemporaryDirectory() as folder:
+        subprocess.run([sys.executable, str(TESTS / "data/unpack.py"), folder], check=True)
+        for name in "reference", "control":
+            data = Path(folder, f"{name}_models.h").read_text()
+            source = (TESTS / f"{name}.c").read_text()
+            units.append(source.replace(f'#include "{name}_models.h"', data))
+    return _compile(units, ["cc", "-O0", f"-I{TESTS}"])
 
 
 def _all(struct, count, get):
@@ -76,11 +84,11 @@ def _all(struct, count, get):
 
 @functools.lru_cache(maxsize=None)
 def models():
-    """All of reference_models.h: each with its bodies and states."""
+    """All that are not of control: each with its bodies and states."""
     return _all("ref_model", "reference_count", "reference_model")
 
 
 @functools.lru_cache(maxsize=None)
 def controls():
-    """All of control_models.h: what controllers ask, and constraints."""
+    """What controllers ask, and constraints."""
     return _all("ref_control", "control_count", "reference_control")

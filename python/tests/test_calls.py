@@ -13,13 +13,17 @@ import sys
 import threading
 import warnings
 from dataclasses import fields, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import rbd
+from rbd._compiling import _compile
+from rbd._headers import _HEADERS, _TEXT, _python_words
+from rbd._urdf import _urdf_library
 
-HERE = rbd.Path(rbd.__file__).resolve().parent
+HERE = Path(rbd.__file__).resolve().parent
 
 # Public functions of the headers that Python has no call of, and why.
 NOT_WRAPPED = {
@@ -67,13 +71,13 @@ ELSEWHERE = {
 def public_functions():
     """Declared in the public parts of the headers."""
     found = set()
-    for name, text in rbd._HEADERS.items():
+    for name, text in _HEADERS.items():
         text = re.sub(r"/\*.*?\*/", "", text.partition("Stop here if you only use it.")[0], flags=re.S)
         if name == "rbd_spatial.h":
             found |= set(re.findall(r"^(?:RBDI_INLINE|static RBDI_UNUSED) \w+ (rbd_\w+)\(", text, re.M))
         elif name == "rbd_urdf.h":
             text = text.partition("#endif")[0] + text.partition("calls [calls]")[2]
-            text = rbd._HEADERS[name].partition("Implementation\n")[0]
+            text = _HEADERS[name].partition("Implementation\n")[0]
             found |= set(re.findall(r"^(?:const char \*|int |rbd_urdf_status )(rbd_urdf_\w+)\(", text, re.M))
         else:
             found |= set(re.findall(r"^RBDI_(?:BATCH_)?API [\w ]*?\*?(rbd_\w+)\(", text, re.M))
@@ -97,7 +101,7 @@ def test_every_public_function_is_wrapped_or_excused():
 def table_calls():
     """The calls that the decorator made."""
     return [method._rbd_call for owner in (rbd.Model, rbd.ConstraintSet, rbd.ContactSet)
-            for method in vars(owner).values() if hasattr(method, "_rbd_call")]
+            for _, method in inspect.getmembers(owner) if hasattr(method, "_rbd_call")]
 
 
 # Names of one letter are spelled out in C, where a macro may have that name; "lambda" is a keyword of Python.
@@ -107,7 +111,7 @@ IN_C = {"lambda_": "lambda", "M": "mass_matrix", "H": "packed", "L": "factor", "
 
 def test_arguments_are_those_of_the_header():
     """Inputs and results of each call stand in C's order: its last arguments, but for what it computes in."""
-    text = re.sub(r"/\*.*?\*/", "", rbd._TEXT, flags=re.S)
+    text = re.sub(r"/\*.*?\*/", "", _TEXT, flags=re.S)
     assert len(table_calls()) >= 50
     for call in table_calls():
         expected = [IN_C.get(x, x) for x in call.c_inputs + (["out"] if call.struct else call.outputs)]
@@ -143,7 +147,7 @@ def test_structures_are_those_of_the_header(double):
              "rbd_urdf_options", "rbd_urdf_lock", "rbd_urdf_frame", "rbd_urdf_finding", "rbd_urdf"]
     unit = '#include "rbd_contact.h"\n#include "rbd_urdf.h"\nconst size_t sizes[] = {%s};' % ", ".join(
         f"sizeof({name})" for name in names)
-    sizes = (ctypes.c_size_t * len(names)).in_dll(rbd._compile([unit], ["cc"]), "sizes")
+    sizes = (ctypes.c_size_t * len(names)).in_dll(_compile([unit], ["cc"]), "sizes")
     assert list(sizes) == [ctypes.sizeof(rbd.structure(name)) for name in names]
     assert rbd.Status.ERR_SINGULAR == -6 and rbd.JointType.FLOATING == 15 and rbd.UrdfStatus.ERR_XML == -6
 
@@ -737,6 +741,7 @@ def test_copies_are_of_what_was_built(double):
     model = rbd.Model([row], library=double)
     held = model.constraint_set([hold])
     row.mass, com[2], hold.axes[1], hold.axes[0] = 5, -3, 0, 1
+    assert b"rbd._" not in pickle.dumps([model, held], 0)  # the files of the package may change
     for other in model.copy(), copy.copy(model), copy.deepcopy(model), pickle.loads(pickle.dumps(model)):
         assert other.mass() == 2 and abs(abs(other.gravity_torque([math.pi / 2])[0]) - 9.81) < 1e-12
     for other in held, copy.copy(held), copy.deepcopy(held), pickle.loads(pickle.dumps(held)):
@@ -797,7 +802,7 @@ rbd_status from_table(const double *q, const double *v, const double *tau, doubl
     rbd_status status = rbd_work_init(&all_model, memory, sizeof memory, &w);
     return status ? status : rbd_aba(&all_model, w, q, v, tau, NULL, a);
 }}"""
-    call = rbd._compile([unit], ["cc", "-O0"], ["-lm"]).from_table
+    call = _compile([unit], ["cc", "-O0"], ["-lm"]).from_table
     x, u, found = m.random(1), np.linspace(-1, 1, m.nv), np.zeros(m.nv)
     assert call(*(ctypes.c_void_p(array.ctypes.data) for array in (x, u, u, found))) == 0
     expected = m.aba(x, u, u)
@@ -918,7 +923,7 @@ def test_processes_may_compile_at_once(tmp_path):
     """Four with an empty cache: all get the same file, and nothing else stays."""
     program = ("import sys; sys.path.insert(0, sys.argv[1]); import rbd; "
                "print(len(rbd.load_table(rbd.SOURCES / 'models/pendulum.h')))")
-    environment = {**rbd.os.environ, "RBD_CACHE": str(tmp_path / "cache")}
+    environment = {**os.environ, "RBD_CACHE": str(tmp_path / "cache")}
     jobs = [subprocess.Popen([sys.executable, "-c", program, str(HERE.parent)], env=environment,
                              stdout=subprocess.PIPE, text=True) for _ in range(4)]
     assert [job.communicate()[0] for job in jobs] == ["1\n"] * 4
@@ -955,18 +960,22 @@ def test_compilers_and_folders_that_are_not_there(tmp_path, monkeypatch):
 def test_a_long_compile_is_announced_once(tmp_path, monkeypatch, capfd):
     monkeypatch.setenv("RBD_CACHE", str(tmp_path / "cache"))
     monkeypatch.delenv("RBD_QUIET", raising=False)
-    rbd._compile(["int x;"], ["cc"], what="x, which takes a minute")
+    _compile(["int x;"], ["cc"], what="x, which takes a minute")
     assert re.fullmatch(r"rbd: compiling x, which takes a minute; .*RBD_QUIET.*\n", capfd.readouterr().err)
-    rbd._compile(["int x;"], ["cc"], what="x, which takes a minute")
+    _compile(["int x;"], ["cc"], what="x, which takes a minute")
     assert capfd.readouterr().err == ""
     monkeypatch.setenv("RBD_QUIET", "1")
-    rbd._compile(["int y;"], ["cc"], what="y")
+    _compile(["int y;"], ["cc"], what="y")
     assert capfd.readouterr().err == ""
 
 
 def test_names_are_those_of_python():
     assert set(rbd.__all__) <= set(dir(rbd)) and dir(rbd.Model)
     assert {name for name in dir(rbd) if not name.startswith("__")} == set(rbd.__all__)
+    public = [getattr(rbd, name) for name in rbd.__all__ if name != "SOURCES"]
+    assert {thing.__module__ for thing in public} == {"rbd"}
+    for name, method in inspect.getmembers(rbd.Model, inspect.isfunction):
+        assert method.__qualname__ == f"Model.{name}" or name.startswith("_"), name
     for sentence, expected in (
             ("rbd_kinematics must be called first", "kinematics must be called first"),
             ("RBD_URDF_ERR_FILE rbd_urdf_load RBD_NO_CHOLESKY", "ERR_FILE load RBD_NO_CHOLESKY"),
@@ -975,15 +984,15 @@ def test_names_are_those_of_python():
              "still: lock='a b', or lock_massless=True for all"),
             ("float (options.root, rbd-model --floating)", "float (floating=True)"),
             ("otherwise: options.root_joint, rbd-model --root-joint", "otherwise: root_joint")):
-        assert rbd._python_words(sentence) == expected
+        assert _python_words(sentence) == expected
 
 
 def test_without_urdfdom_the_error_says_what_to_do(monkeypatch):
     monkeypatch.setenv("PKG_CONFIG_LIBDIR", "/nowhere")
     monkeypatch.delenv("PKG_CONFIG_PATH", raising=False)
-    rbd._urdf_library.cache_clear()
+    _urdf_library.cache_clear()
     try:
         with pytest.raises(RuntimeError, match="liburdfdom-dev.*load_table"):
             rbd.parse_urdf(URDF.format(mass=1))
     finally:
-        rbd._urdf_library.cache_clear()
+        _urdf_library.cache_clear()

@@ -1,16 +1,19 @@
 # SPDX-License-Identifier: MIT
-"""The type stubs are made from the module, agree with it, and find a user's mistakes."""
+"""The type stubs are made from the package, agree with it, and find a user's mistakes."""
+import ast
+import enum
 import importlib.util
 import os
 import re
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 import rbd
 
-PYTHON = rbd.Path(rbd.__file__).resolve().parents[1]
+PYTHON = Path(rbd.__file__).resolve().parents[1]
 
 RIGHT = '''
 import numpy as np
@@ -52,20 +55,38 @@ rbd.Path                                                # attr-defined
 '''
 
 
-def test_stubs_are_made_from_the_module():
-    spec = importlib.util.spec_from_file_location("stubs", PYTHON / "stubs.py")
-    stubs = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(stubs)
-    assert (PYTHON / "rbd/__init__.pyi").read_text() == stubs.text(), "run python3 python/stubs.py"
+@pytest.fixture
+def stubs(tmp_path):
+    """A folder for mypy's path with the stubs of the package."""
+    folder = tmp_path / "stubs/rbd"
+    folder.mkdir(parents=True)
+    subprocess.run([sys.executable, str(PYTHON / "stubs.py"), str(folder / "__init__.pyi")], check=True)
+    (folder / "py.typed").touch()
+    return folder.parent
+
+
+def test_stubs_have_every_public_name(stubs):
+    """They are Python, and define each public name, and each method that a user can see."""
+    tree = ast.parse((stubs / "rbd/__init__.pyi").read_text())
+    found = {node.name: node for node in tree.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
+    assert set(rbd.__all__) - {"SOURCES"} <= set(found)
+    for name in rbd.__all__:
+        thing = getattr(rbd, name)
+        if not isinstance(thing, type) or issubclass(thing, (tuple, enum.Enum, Warning)):
+            continue
+        methods = {node.name for node in found[name].body if isinstance(node, ast.FunctionDef)}
+        methods |= {node.target.id for node in found[name].body if isinstance(node, ast.AnnAssign)}
+        seen = {member for member in dir(thing) if not member.startswith("_")} - set(dir(Exception))
+        assert seen <= methods, f"{name}: {seen - methods}"
     assert (PYTHON / "rbd/py.typed").is_file()
 
 
 @pytest.mark.skipif(not importlib.util.find_spec("mypy"), reason="mypy is not installed")
-def test_stubs_pass_mypy(tmp_path):
+def test_stubs_pass_mypy(tmp_path, stubs):
     """mypy --strict accepts the right program and finds each wrong line; stubtest compares them with rbd."""
     (tmp_path / "right.py").write_text(RIGHT)
     (tmp_path / "wrong.py").write_text(WRONG)
-    environment = {**os.environ, "MYPYPATH": str(PYTHON), "PYTHONPATH": str(PYTHON)}
+    environment = {**os.environ, "MYPYPATH": str(stubs), "PYTHONPATH": str(PYTHON)}
 
     def run(*command):
         return subprocess.run([sys.executable, "-m", *command], cwd=tmp_path, env=environment, text=True,

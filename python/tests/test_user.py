@@ -4,6 +4,7 @@ import os
 import re
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 
@@ -82,5 +83,6 @@ def test_package_installs_without_network(tmp_path, quick):
     where = run(python, "-c", "import rbd; print(rbd.__file__, rbd.__version__)", cwd=tmp_path,
                 env=environment)
     assert str(tmp_path / "venv") in where and where.split()[1] == rbd.__version__
+    assert "def rnea(" in Path(where.split()[0]).with_suffix(".pyi").read_text()
     run(python, "-c", readme_program(), cwd=tmp_path, env=environment)
     assert (tmp_path / "iiwa_model.h").stat().st_size > 1000

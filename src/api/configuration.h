@@ -9,8 +9,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define RBD_VERSION "0.3.0"
-#define RBD_VERSION_NUMBER 300 /* 10000 major + 100 minor + patch: for headers that build on this one */
+#define RBD_VERSION "0.4.0"
+#define RBD_VERSION_NUMBER 400 /* 10000 major + 100 minor + patch: for headers that build on this one */
 #define RBD_MODEL_VERSION 6    /* layout of the built model; generated tables check it */
 
 /* The macros of [configuration], checked and completed. */

@@ -84,13 +84,14 @@ class Build:
     def compile(self, source, flags, out):
         cpp = source.endswith(".cpp")
         self.command([self.compiler.replace("clang", "clang++") if cpp else self.compiler,
-                      "-std=c++17" if cpp else "-std=c99", "-w", *flags, f"-I{ROOT}", "-c", str(TESTS / source),
-                      "-o", str(out)])
+                      "-std=c++17" if cpp else "-std=c99", "-w", *flags, f"-I{ROOT}", f"-I{self.folder}", "-c",
+                      str(TESTS / source), "-o", str(out)])
         return str(out)
 
     def compile_plain(self, pool):
         """The sources without the implementation, each once for the programs that have it with the same flags."""
         self.folder.mkdir(parents=True, exist_ok=True)
+        self.command([str(TESTS / "data/unpack.py"), str(self.folder)])
         wanted = sorted({(s, plain(s, flags)) for _, _, others, flags, _ in programs() for s in others})
         out = pool.map(lambda k: self.compile(*wanted[k], self.folder / f"{k}_{wanted[k][0]}.o"), range(len(wanted)))
         self.plain = dict(zip(wanted, out))

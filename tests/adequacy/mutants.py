@@ -329,7 +329,8 @@ class Bench:
         self.header = source.name
         self.stages = [stage for stage in stages(source.name) if re.search(stage.headers, source.name)]
         # what an object without the implementation depends on
-        self.seen = digest_of(*sorted(TESTS.rglob("*.[ch]*"))) + "".join(
+        subprocess.run([str(TESTS / "data/unpack.py"), str(folder)], check=True)
+        self.seen = digest_of(*sources_of_tests()) + "".join(
             "".join(header.lines[:header.first]) for header in (Source(ROOT / name) for name in HEADERS[:5]))
         self.check = subprocess.run(["pkg-config", "--cflags", "--libs", "check"], capture_output=True, text=True,
                                     check=True).stdout.split()
@@ -339,7 +340,8 @@ class Bench:
         self.preparing = {stage.name: threading.Lock() for stage in self.stages}
 
     def compile(self, compiler, name, flags, include, out):
-        command = [compiler, "-std=c99", *flags, *WARN_NOT, f"-I{include}", f"-I{ROOT}", f"-I{TESTS}", "-c",
+        command = [compiler, "-std=c99", *flags, *WARN_NOT, f"-I{include}", f"-I{ROOT}", f"-I{TESTS}",
+                   f"-I{self.folder}", "-c",
                    str(TESTS / name if not name.startswith("/") else name), "-o", str(out)]
         return subprocess.run(command, capture_output=True, text=True)
 
@@ -446,6 +448,11 @@ class Bench:
 
 # ---- the run ----
 
+def sources_of_tests():
+    """What the tests are compiled from: C and the reference results."""
+    return sorted([*TESTS.rglob("*.[ch]*"), *TESTS.glob("data/*.bin"), *TESTS.glob("data/*.py")])
+
+
 def digest_of(*paths):
     total = hashlib.sha256()
     for path in paths:
@@ -459,7 +466,7 @@ class Results:
     def __init__(self, path, header, fresh):
         self.path = path
         self.header = digest_of(header)
-        self.tests = digest_of(*sorted(TESTS.rglob("*.[ch]*")), Path(__file__))
+        self.tests = digest_of(*sources_of_tests(), Path(__file__))
         self.verdicts = {}
         if fresh and path.exists():
             path.unlink()

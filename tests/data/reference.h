@@ -1,5 +1,6 @@
 /* reference.h - layout of the reference results; README.md has their origin. Include rbd.h before.
-   SPDX-License-Identifier: MIT. Written by convert.py: change that instead. */
+   packed.py reads this file: a comment begins with the shape, and has the word NULL where a member may lack.
+   SPDX-License-Identifier: MIT */
 #ifndef REFERENCE_H
 #define REFERENCE_H
 
@@ -50,7 +51,7 @@ typedef struct ref_state {
 
 /* A model with its states. */
 typedef struct ref_model {
-    const char *name;        /* as in the name of the .inc file */
+    const char *name;        /* as in the name of the .bin file */
     const char *about;       /* for a person */
     int nb;                  /* bodies */
     int nq;                  /* length of q */
@@ -61,7 +62,7 @@ typedef struct ref_model {
     const int *body_nq;      /* nb: how much of q it has */
     const int *body_iv;      /* nb: where it lies in v */
     const int *body_nv;      /* nb: how much of v it has */
-    int nstates;             /* 5 to 10; a control model's states are elsewhere: 0 */
+    int nstates;             /* 3; a control model's states are elsewhere: 0 */
     const ref_state *states; /* nstates; NULL */
 } ref_model;
 
@@ -114,15 +115,15 @@ typedef struct ref_constraint_set {
     const double *v_plus_r;            /* nv: the same with J_c v_plus = -restitution J_c v_minus */
     const double *impulse_r;           /* rows */
     const double *dqdd_c_dq;           /* nv x nv: derivatives; NULL where rank < rows */
-    const double *dqdd_c_dv;           /* nv x nv */
-    const double *dqdd_c_dtau;         /* nv x nv */
-    const double *dlambda_dq;          /* rows x nv */
-    const double *dlambda_dv;          /* rows x nv */
-    const double *dlambda_dtau;        /* rows x nv */
-    const double *dqdd_b_dq;           /* nv x nv */
-    const double *dqdd_b_dv;           /* nv x nv */
-    const double *dlambda_b_dq;        /* rows x nv */
-    const double *dlambda_b_dv;        /* rows x nv */
+    const double *dqdd_c_dv;           /* nv x nv; NULL likewise */
+    const double *dqdd_c_dtau;         /* nv x nv; NULL likewise */
+    const double *dlambda_dq;          /* rows x nv; NULL likewise */
+    const double *dlambda_dv;          /* rows x nv; NULL likewise */
+    const double *dlambda_dtau;        /* rows x nv; NULL likewise */
+    const double *dqdd_b_dq;           /* nv x nv; NULL likewise */
+    const double *dqdd_b_dv;           /* nv x nv; NULL likewise */
+    const double *dlambda_b_dq;        /* rows x nv; NULL likewise */
+    const double *dlambda_b_dv;        /* rows x nv; NULL likewise */
 } ref_constraint_set;
 
 /* One state: inputs and results. */

@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors.
+"""Sets of contacts: rbd_contact.h."""
+from __future__ import annotations
+
+import ctypes
+import difflib
+from dataclasses import replace
+from typing import Iterable, NamedTuple, Sequence, TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ._arguments import _number, _numbers, _whole
+from ._calls import _Owner, _c
+from ._constraints import _pairs
+from ._descriptions import Constraint, Contact, ContactOptions, _to_c
+from ._headers import Array, ContactState, RbdError, Status, structure
+
+if TYPE_CHECKING:
+    from ._library import Library
+    from ._model import Model
+
+
+class ContactResult(NamedTuple):
+    """What a contact did in the last step."""
+    state: ContactState     #: APART, OPENS, STICKS or SLIPS
+    gap: float              #: before the step, m
+    force: Array            #: 3, on body 1, world axes, N
+
+
+class ContactSolution(NamedTuple):
+    """How well and how fast contacts were solved."""
+    residual: float         #: m/s: 0 where all laws hold
+    sweeps: int             #: Gauss-Seidel's
+    newton_steps: int
+
+
+class ContactSet(_Owner):
+    """Contacts that push only, slip and open, rbd_contact_set of a Model; made by Model.contacts(rows):
+
+        feet = model.contacts([rbd.Contact("left", "l_foot", friction=0.7), ...])
+        q, v = feet.step(q, v, tau, dt=1e-3)
+
+    docs/contact_step.md says what it promises. The set keeps the impulses of the last step, with which the
+    next one begins; a copied or pickled set has its planes, and begins as after `reset`. It computes in the
+    Model's memory: after a call `kinematics` must be called anew."""
+    model: Model
+    list: Sequence[Contact]
+    held: Sequence[Constraint]
+    options: ContactOptions
+    nv: int                     #: number of degrees of freedom
+    library: Library
+
+    def __init__(self, model: Model, rows: Iterable[Contact], held: Iterable[Constraint] = (),
+                 options: ContactOptions | None = None):
+        super().__init__(model.library, model._lock)
+        self.model, self.nv, self._dims = model, model.nv, model._dims
+        self.list, self._rows = _pairs(model, rows, Contact, "contacts: rows")
+        self.held, self._held = _pairs(model, held, Constraint, "contacts: held")
+        options = ContactOptions() if options is None else options
+        if not isinstance(options, ContactOptions):
+            raise TypeError(f"contacts: options must be ContactOptions, not {type(options).__name__}")
+        self.options = replace(options)
+        self._planes = {}  # those that plane() set: normal and height, by number of the contact
+        self._options = structure("rbd_contact_options")()
+        _to_c(self.options, self._options, "options")
+        self._address("contact_set")
+
+    def _prepare(self, kind):
+        """Makes the memory of the set."""
+        call, model, work = self.library.call, self.model._address("model"), self.model._address("work")
+        given = len(self.list), self._held, len(self.held), self._options
+        size = call("contact_set_size", model, *given, result=ctypes.c_size_t)
+        memory, address = ctypes.create_string_buffer(max(size, 1)), ctypes.c_void_p()
+        report = structure("rbd_report", self.library.scalar)()
+        status = call("contact_set_init", model, work, self._rows, *given, memory, ctypes.c_size_t(size),
+                      ctypes.byref(address), report)
+        if status:
+            text = self.library.finding_text(report.error, "constraint_finding_text")
+            number, first_held = report.error.body, len(self.list)
+            if number >= 0:
+                text = text.replace(f"constraint {number}", f"contact {number}" if number < first_held else
+                                    f"held constraint {number - first_held}", 1)
+            raise RbdError(Status(status), f"contacts: {text}")
+        self._memories[kind], self._addresses[kind] = memory, address
+
+    def _address(self, kind):
+        return super()._address(kind) if kind == "contact_set" else self.model._address(kind)
+
+    def __reduce__(self):
+        return ContactSet, (self.model, list(self.list), list(self.held), self.options), self._planes
+
+    def __setstate__(self, planes):
+        for contact, (normal, height) in planes.items():
+            self.plane(contact, normal, height)
+
+    def _layout(self):
+        return self.model._layout()
+
+    def _error(self, call, status, results=None, states=None):
+        return self.model._error(call, status, results, states)
+
+    def _contact(self, call, contact):
+        """The number of a contact, from its name too."""
+        names = [row.name for row in self.list]
+        if isinstance(contact, str):
+            if contact in names:
+                return names.index(contact)
+            near = difflib.get_close_matches(contact, filter(None, names), 1)
+            raise KeyError(f"{call}: no contact is called '{contact}'" +
+                           (f"; did you mean '{near[0]}'?" if near else ""))
+        number = _whole(call, "contact", contact)
+        if not 0 <= number < len(names):
+            raise IndexError(f"{call}: no such contact: {number}; the set has {len(names)}")
+        return number
+
+    @_c("contact_set", "q_next v_next", c_name="contact_step", c_inputs="q v tau f_ext damping dt")
+    def step(self, q, v, tau, dt, f_ext=None, damping=None):
+        """A time step with contacts: q and v after dt. States and forces: get, forces; how well it is solved:
+        last. Of many states each begins with the impulses of the one before."""
+
+    @_c("contact_set", "a", c_name="contact_fd", c_inputs="q v tau f_ext damping dt")
+    def fd(self, q, v, tau, dt, f_ext=None, damping=None):
+        """The step's acceleration alone: Model.step with it gives the step's v_next, and q_next where nothing
+        penetrates."""
+
+    @_c("contact_set derivatives", "q_next v_next dq_next_dq?dq dq_next_dv?dv dq_next_dtau?dtau "
+        "dv_next_dq?dq dv_next_dv?dv dv_next_dtau?dtau", struct=True, c_name="contact_step_derivatives",
+        c_inputs="q v tau f_ext damping dt")
+    def step_derivatives(self, q, v, tau, dt, f_ext=None, damping=None, *, dq=True, dv=True, dtau=True):
+        """The step, and its derivatives by q, v and tau, while no contact changes its state; by those for which
+        the keyword is True. Needs ContactOptions(derivatives=True)."""
+
+    def plane(self, contact: int | str, normal: ArrayLike = (0, 0, 1), height: float = 0.0) -> None:
+        """Another plane under a contact from the next step on: the tangent plane of terrain.
+
+            contact   index, or name
+            normal    3, axes of body 2, towards body 1
+            height    along the unit normal, m
+        """
+        number = self._contact("plane", contact)
+        normal = _numbers("plane", "normal", normal, (3,)).copy()
+        height = _number("plane", "height", height)
+        with self._lock:
+            status = self.library.call("contact_plane", self._address("model"), self._address("contact_set"),
+                                       number, normal, ctypes.c_double(height))
+            if status:
+                raise self._error("plane", status)
+            self._planes[number] = normal, height
+
+    def reset(self) -> None:
+        """Forgets the last impulses, with which a step begins: after a jump of the state."""
+        with self._lock:
+            self.library.call("contact_reset", self._address("contact_set"), result=None)
+
+    def get(self, contact: int | str) -> ContactResult:
+        """What a contact, index or name, did in the last step."""
+        number, gap = self._contact("get", contact), self.library.scalar()
+        force = np.zeros(3, self.library.dtype)
+        with self._lock:
+            state = self.library.call("contact_get", self._address("contact_set"), number,
+                                      ctypes.byref(gap), force)
+        return ContactResult(ContactState(state), gap.value, force)
+
+    def forces(self) -> Array:
+        """Forces of all contacts in the last step: one row each, world axes, N."""
+        return np.array([self.get(k).force for k in range(len(self.list))],
+                        self.library.dtype).reshape(-1, 3)
+
+    def last(self) -> ContactSolution:
+        """Residual and iterations of the last step; a residual above options.tolerance is not solved."""
+        kind = structure("rbd_contact_solution", self.library.scalar)
+        with self._lock:
+            found = self.library.call("contact_last", self._address("contact_set"), result=kind)
+        return ContactSolution(*(getattr(found, name) for name in ContactSolution._fields))
+
+    def __repr__(self):
+        return f"<rbd.ContactSet, {len(self.list)} contacts>"

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors.
+"""What the headers say: version, enumerations, structures, errors; and how it is said in Python."""
+from __future__ import annotations
+
+import ctypes
+import enum
+import functools
+import re
+import sys
+import warnings
+from pathlib import Path
+from typing import Any, Sequence, Union
+
+from numpy.typing import NDArray
+
+Array = NDArray[Any]                                # of the library's scalar
+Numbers = Union[Sequence[float], Array]             # in a description
+Matrix = Sequence[Sequence[float]]
+
+
+def _find_sources():
+    """The folder of rbd.h: beside this file where it is installed, above it in the repository."""
+    here = Path(__file__).resolve().parent
+    places = here / "sources", here.parents[1]
+    for folder in places:
+        if (folder / "rbd.h").is_file():
+            return folder
+    raise ImportError("rbd.h is neither in {} nor in {}".format(*places))
+
+
+SOURCES: Path = _find_sources()  #: folder of rbd.h and of models/
+_HEADERS = {name: (SOURCES / name).read_text() for name in (
+    "rbd.h", "rbd_derivatives.h", "rbd_constraints.h", "rbd_contact.h", "rbd_batch.h", "rbd_spatial.h", "rbd_urdf.h")}
+_TEXT = "\n".join(_HEADERS.values())
+__version__: str = re.search(r'#define RBD_VERSION "(.*)"', _TEXT)[1]
+
+
+def _enumerators(name, text):
+    """The enumerators of a C enum, {name: value}."""
+    body = re.search(rf"typedef enum {name} \{{(.*?)\}} {name};", text, re.S)[1]
+    value, found = -1, {}
+    for item in re.sub(r"/\*.*?\*/", "", body, flags=re.S).split(","):
+        key, _, number = item.partition("=")
+        value = int(number) if number else value + 1
+        found[key.strip()] = value
+    return found
+
+
+def _enum(python_name, c_name, prefix):
+    """A C enum as one of Python, without the prefix of its names."""
+    members = {key[len(prefix):]: value for key, value in _enumerators(c_name, _TEXT).items()}
+    return enum.IntEnum(python_name, members, module=__package__)
+
+
+Status = _enum("Status", "rbd_status", "RBD_")
+UrdfStatus = _enum("UrdfStatus", "rbd_urdf_status", "RBD_URDF_")
+JointType = _enum("JointType", "rbd_joint_type", "RBD_")
+ContactState = _enum("ContactState", "rbd_contact_state", "RBD_")
+
+
+@functools.lru_cache(maxsize=None)
+def structure(name, real=ctypes.c_double, text=_TEXT):
+    """A C struct of a header as a ctypes.Structure of the same layout; `real` is rbd_real and rbd_const."""
+    known = {"double": ctypes.c_double, "int": ctypes.c_int, "size_t": ctypes.c_size_t, "char": ctypes.c_char,
+             "rbd_const": real, "rbd_real": real, "rbd_status": ctypes.c_int, "rbd_urdf_status": ctypes.c_int,
+             "rbd_joint_type": ctypes.c_int}
+    body = re.search(rf"typedef struct {name} \{{(.*?)\n\}} {name};", text, re.S)[1]
+    members = []
+    for declaration in re.sub(r"/\*.*?\*/", "", body, flags=re.S).split(";")[:-1]:
+        base, rest = re.fullmatch(r"\s*(?:const )?(\w+)\s*(.*)", declaration, re.S).groups()
+        for declarator in rest.split(","):
+            member, length = re.search(r"(\w+)\s*(?:\[(\w+)\])?$", declarator.strip()).groups()
+            if declarator.count("*") == 1 and base == "char":
+                kind = ctypes.c_char_p
+            elif "*" in declarator:
+                kind = ctypes.c_void_p
+            else:
+                kind = known.get(base) or structure(base, real, text)
+            if length:
+                kind *= int(length if length.isdigit() else re.search(rf"#define {length} (\d+)", text)[1])
+            members.append((member, kind))
+    return type(name, (ctypes.Structure,), {"_fields_": members})
+
+
+class RbdError(Exception):
+    """An error of the library.
+
+    status   a Status, or a UrdfStatus where a URDF is read
+    results  the results of the call that are valid all the same: of n states those that have no error
+    """
+    status: Status | UrdfStatus
+    results: Any
+
+    def __init__(self, status: Status | UrdfStatus, text: str, results: Any = None):
+        super().__init__(text)
+        self.status = status
+        self.results = results
+
+    def __reduce__(self):
+        return RbdError, (self.status, str(self), self.results)
+
+
+class RbdWarning(UserWarning):
+    """Something in a description or a URDF file is odd, but rbd can compute with it."""
+
+
+def _warn(sentences):
+    """Warns, at the line that called this package."""
+    level, frame = 2, sys._getframe(1)
+    while frame and frame.f_globals.get("__package__") == __package__:
+        level, frame = level + 1, frame.f_back
+    for sentence in sentences:
+        warnings.warn(sentence, RbdWarning, stacklevel=level)
+
+
+def _python_words(text):
+    """A sentence of the library with Python's names: no prefix, options as keywords. Names of bodies and
+    joints, in quotes, stay as they are, and so do macros."""
+    def word(found):
+        option, value = found.groups()
+        if not option:
+            return found[0] if found[0].startswith("'") else ""
+        option = option.replace("-", "_")
+        flags = "floating", "keep_all", "lock_massless", "strict", "messages"
+        return f"{option}={value}" if value else f"{option}=True" if option in flags else option
+
+    return re.sub(r"'[^']*'|(?:options\.\w+, )?(?:rbd-\w+ )?(?<![\w-])--([a-z][a-z-]*)(?: ('[^']*'))?|"
+                  r"\b(?:RBD_(?!NO_)(?:URDF_)?|rbd_(?:urdf_)?)(?=\w)", word, text)
