@@ -242,7 +242,9 @@ RBDI_BATCH_API rbd_status rbd_batch_constrained_fd(const rbd_model *m, rbd_batch
 /* ==== src/batch/lanes.h ==== */
 /* ---- lanes [lanes] ---- */
 
-/* Transposes RBD_LANES vectors in place by exchanging ever larger blocks off the diagonal. */
+/* Transposes RBD_LANES vectors in place. Of each two vectors that are 1, 2, 4 apart it exchanges the blocks
+   of as many lanes that are off the diagonal: with lanes a b of the one and c d of the other these become a
+   c and b d. */
 #if RBDI_HAS_SHUFFLE && (RBD_LANES == 2 || RBD_LANES == 4 || RBD_LANES == 8)
 #if RBD_LANES == 2
 #define RBDI_EACH_LANE(f, step) f(0, step), f(1, step)
@@ -252,31 +254,50 @@ RBDI_BATCH_API rbd_status rbd_batch_constrained_fd(const rbd_model *m, rbd_batch
 #define RBDI_EACH_LANE(f, step) \
     f(0, step), f(1, step), f(2, step), f(3, step), f(4, step), f(5, step), f(6, step), f(7, step)
 #endif
+
+/* Lane i of the new vectors: a lane of the first one, or RBD_LANES + a lane of the second one. */
 #define RBDI_LOW_BLOCKS(i, step) ((i) & (step) ? RBD_LANES + (i) - (step) : (i))
 #define RBDI_HIGH_BLOCKS(i, step) ((i) & (step) ? RBD_LANES + (i) : (i) + (step))
-#define RBDI_EXCHANGE(x, step) \
-    for (int i = 0; i < RBD_LANES; ++i) \
-        if (!(i & (step))) { \
-            const rbd_real a = x[i], b = x[i + (step)]; \
-            x[i] = __builtin_shufflevector(a, b, RBDI_EACH_LANE(RBDI_LOW_BLOCKS, step)); \
-            x[i + (step)] = __builtin_shufflevector(a, b, RBDI_EACH_LANE(RBDI_HIGH_BLOCKS, step)); \
-        }
-RBDI_INLINE void rbdi_transpose_lanes(rbd_real x[RBD_LANES]) {
-    RBDI_EXCHANGE(x, 1)
+
+RBDI_INLINE void rbdi_exchange_lanes(rbd_real *x, rbd_real *y) {
+    const rbd_real a = *x, b = *y;
+    *x = __builtin_shufflevector(a, b, RBDI_EACH_LANE(RBDI_LOW_BLOCKS, 1));
+    *y = __builtin_shufflevector(a, b, RBDI_EACH_LANE(RBDI_HIGH_BLOCKS, 1));
+}
+
 #if RBD_LANES >= 4
-    RBDI_EXCHANGE(x, 2)
+RBDI_INLINE void rbdi_exchange_pairs(rbd_real *x, rbd_real *y) {
+    const rbd_real a = *x, b = *y;
+    *x = __builtin_shufflevector(a, b, RBDI_EACH_LANE(RBDI_LOW_BLOCKS, 2));
+    *y = __builtin_shufflevector(a, b, RBDI_EACH_LANE(RBDI_HIGH_BLOCKS, 2));
+}
+#endif
+
+#if RBD_LANES >= 8
+RBDI_INLINE void rbdi_exchange_fours(rbd_real *x, rbd_real *y) {
+    const rbd_real a = *x, b = *y;
+    *x = __builtin_shufflevector(a, b, RBDI_EACH_LANE(RBDI_LOW_BLOCKS, 4));
+    *y = __builtin_shufflevector(a, b, RBDI_EACH_LANE(RBDI_HIGH_BLOCKS, 4));
+}
+#endif
+
+RBDI_INLINE void rbdi_transpose_lanes(rbd_real x[RBD_LANES]) {
+    for (int i = 0; i < RBD_LANES; i += 2) rbdi_exchange_lanes(&x[i], &x[i + 1]);
+#if RBD_LANES >= 4
+    for (int i = 0; i < RBD_LANES; ++i)
+        if (!(i & 2)) rbdi_exchange_pairs(&x[i], &x[i + 2]);
 #endif
 #if RBD_LANES >= 8
-    RBDI_EXCHANGE(x, 4)
+    for (int i = 0; i < 4; ++i) rbdi_exchange_fours(&x[i], &x[i + 4]);
 #endif
 }
 #else
 RBDI_INLINE void rbdi_transpose_lanes(rbd_real x[RBD_LANES]) {
     for (int i = 0; i < RBD_LANES; ++i)
         for (int j = 0; j < i; ++j) {
-            const RBD_REAL t = x[i][j];
+            const RBD_REAL old = x[i][j];
             x[i][j] = x[j][i];
-            x[j][i] = t;
+            x[j][i] = old;
         }
 }
 #endif
@@ -284,14 +305,17 @@ RBDI_INLINE void rbdi_transpose_lanes(rbd_real x[RBD_LANES]) {
 typedef RBD_REAL rbdi_lane_row
     __attribute__((vector_size(sizeof(rbd_real)), aligned(sizeof(RBD_REAL)), may_alias));
 
-/* Lane s of x[k] becomes component k of state s, of `width` components; of `rest` states in all. Lanes
-   beyond these repeat the last one. Rows are transposed RBD_LANES columns at a time; the last columns may
-   overlap those before. The rows of the next states are prefetched, because the processor does not predict
-   so many streams. */
+/* Lane s of x[k] becomes component k of state s. A state has `width` components, and `rest` states are in the
+   array; lanes beyond these repeat the last one. blocks: whether the layout is RBD_BLOCKS.
+
+   In rows, RBD_LANES components of RBD_LANES states are transposed at a time; the last components may overlap
+   those before. The rows of the next states are prefetched, because the processor does not predict so many
+   streams. */
 static void rbdi_gather(const RBD_REAL *in, int width, int blocks, int rest, rbd_real *x) {
     const int last = (rest < RBD_LANES ? rest : RBD_LANES) - 1;
     const int across = blocks ? 1 : width, along = blocks ? RBD_LANES : 1;
     const RBD_REAL *next = rest < 2 * RBD_LANES ? in : in + RBD_LANES * width;
+
     if (blocks || width < RBD_LANES) {
         for (int k = 0; k < width; ++k)
             if (blocks && rest >= RBD_LANES)
@@ -300,13 +324,16 @@ static void rbdi_gather(const RBD_REAL *in, int width, int blocks, int rest, rbd
                 for (int s = 0; s < RBD_LANES; ++s) x[k][s] = in[k * along + (s < last ? s : last) * across];
         return;
     }
+
     for (int k = 0; k < width; k += RBD_LANES) {
         const int at = k + RBD_LANES <= width ? k : width - RBD_LANES;
         rbd_real block[RBD_LANES];
+
         for (int s = 0; s < RBD_LANES; ++s)
             block[s] = *(const rbdi_lane_row *)&in[(s < last ? s : last) * width + at];
         for (int s = 0; s < RBD_LANES; ++s)
             if (s <= last) __builtin_prefetch(&next[s * width + at]);
+
         rbdi_transpose_lanes(block);
         for (int s = 0; s < RBD_LANES; ++s) x[at + s] = block[s];
     }
@@ -315,6 +342,7 @@ static void rbdi_gather(const RBD_REAL *in, int width, int blocks, int rest, rbd
 /* The reverse, for the first count states. */
 static void rbdi_scatter(const rbd_real *x, int width, int blocks, int count, RBD_REAL *out) {
     const int across = blocks ? 1 : width, along = blocks ? RBD_LANES : 1;
+
     if (blocks || width < RBD_LANES) {
         for (int k = 0; k < width; ++k)
             if (blocks && count == RBD_LANES)
@@ -323,9 +351,11 @@ static void rbdi_scatter(const rbd_real *x, int width, int blocks, int count, RB
                 for (int s = 0; s < count; ++s) out[k * along + s * across] = x[k][s];
         return;
     }
+
     for (int k = 0; k < width; k += RBD_LANES) {
         const int at = k + RBD_LANES <= width ? k : width - RBD_LANES;
         rbd_real block[RBD_LANES];
+
         for (int s = 0; s < RBD_LANES; ++s) block[s] = x[at + s];
         rbdi_transpose_lanes(block);
         for (int s = 0; s < RBD_LANES; ++s)
@@ -340,19 +370,19 @@ enum { RBDI_ARGUMENTS = 4 };
 
 struct rbd_batch {
     rbd_work *w;
-    rbd_real *x[RBDI_ARGUMENTS], *y; /* inputs and outputs of RBD_LANES states, a lane each */
-    int state, dof;                  /* first singular state of the last call and its dof, -1 = none */
+    rbd_real *x[RBDI_ARGUMENTS]; /* inputs of RBD_LANES states, a lane each */
+    rbd_real *y;                 /* outputs likewise */
+    int state, dof;              /* first singular state of the last call and its dof, -1 = none */
     rbd_layout layout;
 };
 
-/* A batch call: its inputs q, v, a (or tau) and f_ext and its outputs of all states; x and y are those of
-   RBD_LANES states. NULL = none. */
+/* A batch call. NULL = none. */
 typedef struct rbdi_task {
-    const RBD_REAL *in[RBDI_ARGUMENTS];
-    RBD_REAL *out[RBDI_ARGUMENTS];
-    int width[RBDI_ARGUMENTS]; /* components of each output */
-    const rbd_real *x[RBDI_ARGUMENTS];
-    rbd_real *y[RBDI_ARGUMENTS];
+    const RBD_REAL *in[RBDI_ARGUMENTS]; /* q, v, a (or tau) and f_ext of all states */
+    RBD_REAL *out[RBDI_ARGUMENTS];      /* outputs of all states */
+    int width[RBDI_ARGUMENTS];          /* components of each output */
+    const rbd_real *x[RBDI_ARGUMENTS];  /* inputs of RBD_LANES states */
+    rbd_real *y[RBDI_ARGUMENTS];        /* outputs of RBD_LANES states */
     rbd_work *w;
     void *more; /* other arguments of the call */
 } rbdi_task;
@@ -360,6 +390,7 @@ typedef rbd_status rbdi_lane_call(const rbd_model *m, const rbdi_task *t);
 
 /* Components of an input. */
 static int rbdi_batch_width(const rbd_model *m, int k) { return k == 0 ? m->nq : k < 3 ? m->nv : 6 * m->nb; }
+
 /* Largest outputs of a call: M, or a Jacobian, or a momentum and its rate. */
 static int rbdi_batch_output(const rbd_model *m) { return (m->nv > 6 ? m->nv : 6) * m->nv + 12; }
 
@@ -374,6 +405,7 @@ static void rbdi_task_gather(const rbd_model *m, rbdi_task *t, const rbd_batch *
         const int width = rbdi_batch_width(m, k);
         const RBD_REAL *x = t->in[k] ? t->in[k] + (size_t)s * (size_t)width : NULL;
         const int usable = !x || rbdi_usable(b, x, rest);
+
         t->x[k] = usable ? (const rbd_real *)x : b->x[k];
         if (!usable) rbdi_gather(x, width, b->layout == RBD_BLOCKS, rest, b->x[k]);
     }
@@ -383,11 +415,14 @@ static void rbdi_task_gather(const rbd_model *m, rbdi_task *t, const rbd_batch *
    With RBD_REPRODUCIBLE it is y, because rbdi_batch_singly reads the inputs again, which may be the
    same arrays. */
 static void rbdi_task_targets(rbdi_task *t, const rbd_batch *b, rbd_real *y, int s, int rest) {
-    for (int k = 0; k < RBDI_ARGUMENTS; y += t->width[k++]) {
+    for (int k = 0; k < RBDI_ARGUMENTS; ++k) {
         RBD_REAL *out = t->out[k] ? t->out[k] + (size_t)s * (size_t)t->width[k] : NULL;
         t->y[k] = !out || (!RBDI_REPRODUCIBLE && rbdi_usable(b, out, rest)) ? (rbd_real *)out : y;
+        y += t->width[k];
     }
 }
+
+/* Writes those of the first count states that are not in the caller's arrays. */
 static void rbdi_task_scatter(const rbdi_task *t, const rbd_batch *b, int s, int count) {
     for (int k = 0; k < RBDI_ARGUMENTS; ++k) {
         RBD_REAL *out = t->out[k] ? t->out[k] + (size_t)s * (size_t)t->width[k] : NULL;
@@ -396,23 +431,28 @@ static void rbdi_task_scatter(const rbdi_task *t, const rbd_batch *b, int s, int
     }
 }
 
-/* Notes the first of these states that is singular. */
+/* Notes the first of these states that is singular: one of its pivots is not 1, after rbdi_check_pivots. */
 static void rbdi_note_singular(const rbd_model *m, rbd_batch *b, int first, int count) {
     for (int i = 0; i < count && b->state < 0; ++i)
         for (int k = m->nv - 1; k >= 0 && b->state < 0; --k)
-            if (!(b->w->pivot[k][i] > 0)) b->state = first + i, b->dof = k; /* after rbdi_check_pivots */
+            if (!(b->w->pivot[k][i] > 0)) {
+                b->state = first + i;
+                b->dof = k;
+            }
 }
 
 #if RBDI_REPRODUCIBLE
-/* One state at a time, in all lanes: if a pivot is in doubt, all lanes take the path that one of them
-   needs. */
+/* The states s to s + count - 1, each alone in all lanes. If a pivot is in doubt, all lanes take the path
+   that one of them needs; so a state's bits would depend on the states beside it. */
 static rbd_status rbdi_batch_singly(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int s, int count,
                                     rbd_real *y, rbdi_task *t) {
     const int blocks = b->layout == RBD_BLOCKS;
     rbd_status result = RBD_OK;
+
     for (int i = 0; i < count; ++i) {
         rbd_real *to = y;
         rbd_status status;
+
         for (int k = 0; k < RBDI_ARGUMENTS; ++k) {
             const int width = rbdi_batch_width(m, k);
             const size_t at = (size_t)s * (size_t)width + (size_t)(blocks ? i : i * width);
@@ -421,8 +461,13 @@ static rbd_status rbdi_batch_singly(rbdi_lane_call *call, const rbd_model *m, rb
             t->y[k] = t->out[k] ? to : NULL;
             to += t->width[k];
         }
+
         status = call(m, t);
-        if (status) rbdi_note_singular(m, b, s + i, 1), result = status;
+        if (status) {
+            rbdi_note_singular(m, b, s + i, 1);
+            result = status;
+        }
+
         for (int k = 0; k < RBDI_ARGUMENTS; ++k) {
             const int width = t->width[k];
             const size_t at = (size_t)s * (size_t)width + (size_t)(blocks ? i : i * width);
@@ -438,11 +483,13 @@ static rbd_status rbdi_batch_run(rbdi_lane_call *call, const rbd_model *m, rbd_b
                                  rbdi_task *t) {
     rbd_status result = b ? rbdi_check(m, b->w, t->in[0] != NULL) : RBD_ERR_NULL;
     if (result) return result;
+
     t->w = b->w;
     b->state = b->dof = -1;
     for (int s = 0; s < n; s += RBD_LANES) {
         const int count = n - s < RBD_LANES ? n - s : RBD_LANES;
         rbd_status status;
+
         rbdi_task_gather(m, t, b, s, n - s);
         rbdi_task_targets(t, b, y, s, n - s);
         RBDI_NOTE_DOUBT(b->w, 0);
@@ -454,24 +501,39 @@ static rbd_status rbdi_batch_run(rbdi_lane_call *call, const rbd_model *m, rbd_b
             continue;
         }
 #endif
+
+        /* other states are computed after an error of one of them, but not after one of the arguments */
         if (status && status != RBD_ERR_SINGULAR && status != RBD_ERR_NAN && status != RBD_ERR_INFEASIBLE)
             return status;
-        if (status) rbdi_note_singular(m, b, s, count), result = status;
+        if (status) {
+            rbdi_note_singular(m, b, s, count);
+            result = status;
+        }
         rbdi_task_scatter(t, b, s, count);
     }
     return result;
 }
 
+/* A call with these inputs and, so far, no outputs. */
 static rbdi_task rbdi_task_of(const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
                               const RBD_REAL *f_ext) {
     rbdi_task t;
-    t.in[0] = q, t.in[1] = v, t.in[2] = a, t.in[3] = f_ext;
-    for (int k = 0; k < RBDI_ARGUMENTS; ++k) t.out[k] = NULL, t.width[k] = 0;
-    t.w = NULL, t.more = NULL;
+    t.in[0] = q;
+    t.in[1] = v;
+    t.in[2] = a;
+    t.in[3] = f_ext;
+    for (int k = 0; k < RBDI_ARGUMENTS; ++k) {
+        t.out[k] = NULL;
+        t.width[k] = 0;
+    }
+    t.w = NULL;
+    t.more = NULL;
     return t;
 }
+
 static void rbdi_task_output(rbdi_task *t, int k, RBD_REAL *out, int width) {
-    t->out[k] = out, t->width[k] = width;
+    t->out[k] = out;
+    t->width[k] = width;
 }
 
 /* ==== src/batch/calls.h ==== */
@@ -490,6 +552,7 @@ RBDI_BATCH_API int rbd_batch_lanes(void) { return RBD_LANES; }
 
 RBDI_BATCH_API size_t rbd_batch_size(const rbd_model *m) {
     if (!m) return 0;
+
     return RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_batch)) + RBDI_ROUND(rbd_work_size(m)) +
            sizeof(rbd_real) * (size_t)(m->nq + 2 * m->nv + 6 * m->nb + rbdi_batch_output(m));
 }
@@ -501,11 +564,13 @@ RBDI_BATCH_API rbd_status rbd_batch_init(const rbd_model *m, void *memory, size_
     if (batch) *batch = NULL;
     if (!m || !memory || !batch) return RBD_ERR_NULL;
     if (size < rbd_batch_size(m)) return RBD_ERR_MEMORY;
+
     p = rbdi_aligned(memory);
     b = (rbd_batch *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_batch)));
     for (int k = 0; k < RBDI_ARGUMENTS; ++k)
         b->x[k] = (rbd_real *)rbdi_take(&p, rbdi_batch_width(m, k), sizeof(rbd_real));
     b->y = (rbd_real *)rbdi_take(&p, rbdi_batch_output(m), sizeof(rbd_real));
+
     b->state = b->dof = -1;
     b->layout = RBD_ROWS;
     status = rbd_work_init(m, p, rbd_work_size(m), &b->w);
@@ -523,16 +588,31 @@ RBDI_BATCH_API rbd_status rbd_batch_set_layout(rbd_batch *b, rbd_layout layout) 
     return RBD_OK;
 }
 
-#define RBDI_DEFINE_LANES(name, ...) \
-    static rbd_status rbdi_lanes_##name(const rbd_model *m, const rbdi_task *t) { \
-        return rbd_##name(m, t->w, t->x[0], __VA_ARGS__); \
-    }
-RBDI_DEFINE_LANES(rnea, t->x[1], t->x[2] ? t->x[2] : t->w->zero, t->x[3], t->y[0])
-RBDI_DEFINE_LANES(aba, t->x[1], t->x[2], t->x[3], t->y[0])
-RBDI_DEFINE_LANES(fd_cholesky, t->x[1], t->x[2], t->x[3], t->y[0])
-RBDI_DEFINE_LANES(crba, t->y[0])
-RBDI_DEFINE_LANES(crba_packed, t->y[0])
-RBDI_DEFINE_LANES(minverse, t->y[0])
+/* The calls in lanes. x: q, v, a or tau, f_ext. */
+static rbd_status rbdi_lanes_rnea(const rbd_model *m, const rbdi_task *t) {
+    const rbd_real *a = t->x[2] ? t->x[2] : t->w->zero;
+    return rbd_rnea(m, t->w, t->x[0], t->x[1], a, t->x[3], t->y[0]);
+}
+
+static rbd_status rbdi_lanes_aba(const rbd_model *m, const rbdi_task *t) {
+    return rbd_aba(m, t->w, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0]);
+}
+
+static rbd_status rbdi_lanes_fd_cholesky(const rbd_model *m, const rbdi_task *t) {
+    return rbd_fd_cholesky(m, t->w, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0]);
+}
+
+static rbd_status rbdi_lanes_crba(const rbd_model *m, const rbdi_task *t) {
+    return rbd_crba(m, t->w, t->x[0], t->y[0]);
+}
+
+static rbd_status rbdi_lanes_crba_packed(const rbd_model *m, const rbdi_task *t) {
+    return rbd_crba_packed(m, t->w, t->x[0], t->y[0]);
+}
+
+static rbd_status rbdi_lanes_minverse(const rbd_model *m, const rbdi_task *t) {
+    return rbd_minverse(m, t->w, t->x[0], t->y[0]);
+}
 
 RBDI_BATCH_API rbd_status rbd_batch_rnea(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                          const RBD_REAL *v, const RBD_REAL *a, const RBD_REAL *f_ext,
@@ -540,6 +620,7 @@ RBDI_BATCH_API rbd_status rbd_batch_rnea(const rbd_model *m, rbd_batch *b, int n
     if (!v || !a) return RBD_ERR_NULL;
     return rbdi_batch_one(rbdi_lanes_rnea, m, b, n, q, v, a, f_ext, tau, rbd_nv(m));
 }
+
 RBDI_BATCH_API rbd_status rbd_batch_bias(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                          const RBD_REAL *v, const RBD_REAL *f_ext, RBD_REAL *c) {
     if (!v) return RBD_ERR_NULL;
@@ -575,6 +656,7 @@ RBDI_BATCH_API rbd_status rbd_batch_minverse(const rbd_model *m, rbd_batch *b, i
     return rbdi_batch_one(rbdi_lanes_minverse, m, b, n, q, NULL, NULL, NULL, Minv, rbd_nv(m) * rbd_nv(m));
 }
 
+/* Arguments of rbd_jacobian beside q. */
 typedef struct rbdi_lane_point {
     int body;
     rbd_axes axes;
@@ -582,18 +664,23 @@ typedef struct rbdi_lane_point {
 } rbdi_lane_point;
 
 static rbd_status rbdi_lanes_jacobian(const rbd_model *m, const rbdi_task *t) {
-    const rbdi_lane_point *point = (const rbdi_lane_point *)t->more;
+    const rbdi_lane_point *at = (const rbdi_lane_point *)t->more;
     (void)rbd_kinematics(m, t->w, t->x[0], NULL, NULL); /* arguments are checked */
-    return rbd_jacobian(m, t->w, point->body, point->point, point->axes, t->y[0]);
+    return rbd_jacobian(m, t->w, at->body, at->point, at->axes, t->y[0]);
 }
+
 RBDI_BATCH_API rbd_status rbd_batch_jacobian(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                              int body, const RBD_REAL point[3], rbd_axes axes, RBD_REAL *J) {
     rbdi_task t = rbdi_task_of(q, NULL, NULL, NULL);
-    rbdi_lane_point in_lanes;
+    rbdi_lane_point at;
     rbd_real lanes[3];
+
     for (int k = 0; k < 3; ++k) lanes[k] = rbdi_set(point ? point[k] : RBD_C(0));
-    in_lanes.body = body, in_lanes.axes = axes, in_lanes.point = lanes;
-    t.more = &in_lanes;
+    at.body = body;
+    at.axes = axes;
+    at.point = lanes;
+    t.more = &at;
+
     rbdi_task_output(&t, 0, J, 6 * rbd_nv(m));
     return J ? rbdi_batch_run(rbdi_lanes_jacobian, m, b, n, b ? b->y : NULL, &t) : RBD_ERR_NULL;
 }
@@ -602,6 +689,7 @@ static rbd_status rbdi_lanes_momentum(const rbd_model *m, const rbdi_task *t) {
     (void)rbd_kinematics(m, t->w, t->x[0], t->x[1], t->x[2]);
     return rbd_momentum(m, t->w, t->y[0], t->y[1]);
 }
+
 RBDI_BATCH_API rbd_status rbd_batch_momentum(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                              const RBD_REAL *v, const RBD_REAL *a, RBD_REAL *h,
                                              RBD_REAL *h_dot) {
@@ -642,6 +730,7 @@ static int rbdi_derivatives_output(const rbd_model *m) {
 
 RBDI_BATCH_API size_t rbd_batch_derivatives_size(const rbd_model *m) {
     if (!m) return 0;
+
     return RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_batch_derivatives)) + rbd_derivatives_size(m) +
            sizeof(rbd_real) * (size_t)rbdi_derivatives_output(m);
 }
@@ -654,6 +743,7 @@ RBDI_BATCH_API rbd_status rbd_batch_derivatives_init(const rbd_model *m, rbd_bat
     if (derivatives) *derivatives = NULL;
     if (!m || !b || !memory || !derivatives) return RBD_ERR_NULL;
     if (size < rbd_batch_derivatives_size(m)) return RBD_ERR_MEMORY;
+
     p = rbdi_aligned(memory);
     d = (rbd_batch_derivatives *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_batch_derivatives)));
     d->b = b;
@@ -673,6 +763,7 @@ static rbd_status rbdi_batch_derivatives_run(rbdi_lane_call *call, const rbd_mod
 static rbd_status rbdi_lanes_momentum_matrix(const rbd_model *m, const rbdi_task *t) {
     return rbd_momentum_matrix(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->y[0], t->y[1]);
 }
+
 RBDI_BATCH_API rbd_status rbd_batch_momentum_matrix(const rbd_model *m, rbd_batch_derivatives *d, int n,
                                                     const RBD_REAL *q, const RBD_REAL *v, RBD_REAL *A,
                                                     RBD_REAL *A_dot_v) {
@@ -685,6 +776,7 @@ RBDI_BATCH_API rbd_status rbd_batch_momentum_matrix(const rbd_model *m, rbd_batc
 static rbd_status rbdi_lanes_coriolis(const rbd_model *m, const rbdi_task *t) {
     return rbd_coriolis(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->y[0]);
 }
+
 RBDI_BATCH_API rbd_status rbd_batch_coriolis(const rbd_model *m, rbd_batch_derivatives *d, int n,
                                              const RBD_REAL *q, const RBD_REAL *v, RBD_REAL *C) {
     rbdi_task t = rbdi_task_of(q, v, NULL, NULL);
@@ -696,6 +788,7 @@ static rbd_status rbdi_lanes_id_derivatives(const rbd_model *m, const rbdi_task 
     return rbd_id_derivatives(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0],
                               t->y[1], t->y[2]);
 }
+
 RBDI_BATCH_API rbd_status rbd_batch_id_derivatives(const rbd_model *m, rbd_batch_derivatives *d, int n,
                                                    const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
                                                    const RBD_REAL *f_ext, RBD_REAL *dtau_dq,
@@ -711,6 +804,7 @@ static rbd_status rbdi_lanes_fd_derivatives(const rbd_model *m, const rbdi_task 
     return rbd_fd_derivatives(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0],
                               t->y[1], t->y[2], t->y[3]);
 }
+
 RBDI_BATCH_API rbd_status rbd_batch_fd_derivatives(const rbd_model *m, rbd_batch_derivatives *d, int n,
                                                    const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *tau,
                                                    const RBD_REAL *f_ext, RBD_REAL *a, RBD_REAL *da_dq,
@@ -726,6 +820,7 @@ RBDI_BATCH_API rbd_status rbd_batch_fd_derivatives(const rbd_model *m, rbd_batch
 static rbd_status rbdi_lanes_regressor(const rbd_model *m, const rbdi_task *t) {
     return rbd_regressor(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->x[2], t->y[0]);
 }
+
 RBDI_BATCH_API rbd_status rbd_batch_regressor(const rbd_model *m, rbd_batch_derivatives *d, int n,
                                               const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
                                               RBD_REAL *Y) {
@@ -746,7 +841,7 @@ RBDI_BATCH_API rbd_status rbd_batch_regressor(const rbd_model *m, rbd_batch_deri
 
 struct rbd_batch_constraint_set {
     rbd_batch *b;
-    rbd_constraint_set *c;
+    rbd_constraint_set *set;
     rbd_real *y; /* outputs of RBD_LANES states */
 };
 
@@ -772,14 +867,19 @@ RBDI_BATCH_API rbd_status rbd_batch_constraint_set_init(const rbd_model *m, rbd_
     rbd_status status;
     int rows = 0;
     if (constraints) *constraints = NULL;
+
+    /* The set lies behind the struct and its outputs. Without room its init finds the error. */
     if (room) rows = rbdi_rows_of(list, n);
     p = at = room ? rbdi_aligned(memory) : (unsigned char *)memory;
     if (room) at += rbdi_batch_constraints_own(m, rows) - RBDI_ALIGN;
+
     status = rbd_constraint_set_init(m, b && constraints ? b->w : NULL, list, n, at,
                                      room ? rbd_constraint_set_size(m, list, n) : 0, &inner, report);
     if (status) return status;
+
     c = (rbd_batch_constraint_set *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_batch_constraint_set)));
-    c->b = b, c->c = inner;
+    c->b = b;
+    c->set = inner;
     c->y = (rbd_real *)rbdi_take(&p, m->nv + rows, sizeof(rbd_real));
     *constraints = c;
     return RBD_OK;
@@ -789,14 +889,16 @@ static rbd_status rbdi_lanes_constrained_fd(const rbd_model *m, const rbdi_task 
     return rbd_constrained_fd(m, (rbd_constraint_set *)t->more, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0],
                               t->y[1]);
 }
+
 RBDI_BATCH_API rbd_status rbd_batch_constrained_fd(const rbd_model *m, rbd_batch_constraint_set *c, int n,
                                                    const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *tau,
                                                    const RBD_REAL *f_ext, RBD_REAL *a, RBD_REAL *lambda) {
     rbdi_task t = rbdi_task_of(q, v, tau, f_ext);
     if (!m || !c || !v || !tau || !a) return RBD_ERR_NULL;
+
     rbdi_task_output(&t, 0, a, rbd_nv(m));
-    rbdi_task_output(&t, 1, lambda, c->c->rows);
-    t.more = c->c;
+    rbdi_task_output(&t, 1, lambda, c->set->rows);
+    t.more = c->set;
     return rbdi_batch_run(rbdi_lanes_constrained_fd, m, c->b, n, c->y, &t);
 }
 

@@ -55,7 +55,7 @@
 #ifndef RBD_CONSTRAINTS_H
 #define RBD_CONSTRAINTS_H
 
-#if RBD_VERSION_NUMBER < 300 || RBD_MODEL_VERSION != 6
+#if RBD_VERSION_NUMBER < 400 || RBD_MODEL_VERSION != 6
 #error "rbd: rbd_constraints.h is of another version than rbd.h"
 #endif
 
@@ -144,9 +144,9 @@ RBDI_API int rbd_constraint_first(const rbd_constraint_set *c, int constraint);
    (rbd_constrained_id). rbd_constraint_jacobian does not change it. */
 RBDI_API int rbd_constraint_rank(const rbd_constraint_set *c);
 
-/* After RBD_ERR_INFEASIBLE: a row that depends on others and contradicts them; else -1. If rows depend on
-   each other, the state decides which of them are left out, not their order. If several of these contradict
-   the others, this is the first. */
+/* After RBD_ERR_INFEASIBLE: a row that depends on others and contradicts them, or that rounding hides; else
+   -1. If rows depend on each other, the state decides which of them are left out, not their order. If several
+   of these contradict the others, this is the first. */
 RBDI_API int rbd_infeasible_row(const rbd_constraint_set *c);
 
 /* ---- calls [calls] ----
@@ -167,9 +167,12 @@ RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_s
    gains    with steps v += dt a, q += dt v, errors die out only if kd dt < 2 and kp dt^2 + 2 kd dt < 4, and
             grow without bound beyond: [design]. kd = 2 sqrt(kp), kp dt^2 up to 0.1 is a good choice
    Errors: also RBD_ERR_SINGULAR and _NAN of M: rbd_singular_dof says where, and the results are 0;
-   RBD_ERR_INFEASIBLE if dependent rows contradict each other (rbd_infeasible_row): then the first equation
-   holds, and the second in the sense of least squares. A state in which rows depend on each other
-   takes up to four times as long as one in which they do not. */
+   RBD_ERR_INFEASIBLE if dependent rows contradict each other, or if rounding hides a row, as an inertia of
+   1e-20 kg m^2 on its path may (rbd_infeasible_row): then the first equation holds, and the second in the
+   sense of least squares. After RBD_OK each row is met to 1e-9 (float: 1e-3) of what its length times that of
+   a allows; only rows that depend on each other may contradict each other by 1e-6 (float: 1e-2), because
+   positions drift. A state in which rows depend on each other takes up to four times as long as one in which
+   they do not. */
 RBDI_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                        const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                        rbd_real *a, rbd_real *lambda);
@@ -177,8 +180,8 @@ RBDI_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraint_set *c
 /* Velocity after an impact: M (v_plus - v) = J' impulse, J v_plus = -restitution J v, RBDA section 11.7.
    restitution   0 (nothing rebounds) to 1, of all rows
    impulse       rows; may be NULL
-   Errors: RBD_ERR_SINGULAR, _NAN as rbd_constrained_fd; RBD_ERR_RANGE, a restitution that is not from 0 to 1.
-   Dependent rows never contradict each other here. */
+   Errors: RBD_ERR_SINGULAR, _NAN as rbd_constrained_fd; RBD_ERR_RANGE, a restitution that is not from 0 to 1;
+   RBD_ERR_INFEASIBLE only if rounding hides a row: dependent rows never contradict each other here. */
 RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                const rbd_real *v, rbd_real restitution, rbd_real *v_plus, rbd_real *impulse);
 
@@ -207,8 +210,9 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
    v        may be NULL, v_near then too
    weight   nv, 0 (a free dof: its motion costs nothing) or 1e-20 to 1e30; NULL: 1, that is, a metre counts
             as much as a radian
-   Errors: also RBD_ERR_RANGE, a weight out of its range; RBD_ERR_INFEASIBLE if an entry of e is not below
-   1e-9 (float: 1e-4), the largest in rbd_infeasible_row. */
+   Errors: also RBD_ERR_RANGE, a weight out of its range, or weights so far apart (1e20; float: 1e8) that a
+   row is lost beside others; RBD_ERR_INFEASIBLE if an entry of e is not below 1e-9 (float: 1e-4), the largest
+   in rbd_infeasible_row, or if v_near does not meet a row. */
 RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                  const rbd_real *v, const rbd_const *weight, rbd_real *q_near,
                                  rbd_real *v_near);
@@ -332,6 +336,19 @@ typedef struct rbdi_span {
     int16_t first, end;
 } rbdi_span;
 
+/* Scratch with an entry for each dof, and for each row. Its users never need it at the same time. */
+typedef union rbdi_dof_scratch {
+    rbd_real *reflection; /* [rank]: Householder's vector */
+    rbd_real *best_x;     /* [refinement] */
+} rbdi_dof_scratch;
+
+typedef union rbdi_row_scratch {
+    rbd_real *inverse_square; /* [rank]: 1 / the square of the whole row */
+    rbd_real *contradicts;    /* [rank]: 1 if a dropped row contradicts those before it */
+    rbd_real *best_lambda;    /* [refinement] */
+    rbd_real *length;         /* [refinement]: of rows, of J L^-1 */
+} rbdi_row_scratch;
+
 struct rbd_constraint_set {
     uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
     rbd_work *w;
@@ -349,7 +366,7 @@ struct rbd_constraint_set {
     rbd_real *Y;                 /* nv x stride: J' by dofs, then L^-T J'; or S' K of [articulated] */
     rbd_real *R;                 /* Cholesky factor of Delta, rows x stride; in [rank] first Z, nv x stride */
     rbd_real *x;                 /* nv: right-hand side, then solution */
-    rbd_real *householder;       /* nv: vector of a reflection */
+    rbdi_dof_scratch of_dofs;    /* nv */
     rbd_real *last_step;         /* nv: of assembly */
     rbd_real *D_inverse;         /* nv: 1/D of M = L'DL */
     rbd_real *b, *lambda;        /* stride each: right-hand side and solution of Delta lambda = b */
@@ -357,8 +374,8 @@ struct rbd_constraint_set {
     rbd_real *e;                 /* stride: position error */
     rbd_real *target;            /* stride: wanted J x */
     rbd_real *slack;          /* stride: sum of the squares of b's terms; [rank] makes it a tolerance of b */
-    rbd_real *square;         /* stride, [rank]: of a row's part that is independent of the rows taken */
-    rbd_real *inverse_square; /* stride, [rank]: 1 / the square of the whole row */
+    rbd_real *square;         /* stride: of a row's part that is independent of those before; a column */
+    rbdi_row_scratch of_rows; /* stride */
     rbd_real *pivot_row;      /* stride, [rank]: the row with which row t was exchanged */
     rbd_real *R_inverse;      /* stride: 1 / R_tt, 0 where a row depends on those before it */
     rbd_real noise;           /* a square below which a row's entries may be rounding of J's */
@@ -441,6 +458,10 @@ RBDI_CODE_BEGIN
    smaller one costs time alone.
    RBDI_STILL, m/s^2 or rad/s^2: but not if it is off by less than this. Where constraints hold all joints,
    accelerations are rounding, and their error is no share of them.
+   RBDI_HELD: and the result must have no row that is off by more than this share of the terms that its length
+   and that of the accelerations allow.
+   RBDI_DEPENDENT: J' n of the null vector n of rows that truly depend on each other is below this share of
+   its terms.
    RBDI_FREE: the share of the least weight that stands for a weight of 0.
    RBDI_SHORT_STEP, rad or m: assembly ends RBDI_CLOSING_STEPS after a step below this times its size.
    RBDI_CLOSED: after it all entries of e must be below this. */
@@ -452,6 +473,8 @@ RBDI_CODE_BEGIN
 #define RBDI_LOST 1e-6
 #define RBDI_MISSED 1e-12
 #define RBDI_STILL 1e-20
+#define RBDI_HELD 1e-9
+#define RBDI_DEPENDENT 1e-12
 #define RBDI_FREE 1e-13
 #define RBDI_SHORT_STEP 1e-12
 #define RBDI_CLOSED 1e-9
@@ -464,6 +487,8 @@ RBDI_CODE_BEGIN
 #define RBDI_LOST 1e-3f
 #define RBDI_MISSED 1e-5f
 #define RBDI_STILL 1e-9f
+#define RBDI_HELD 1e-3f
+#define RBDI_DEPENDENT 1e-5f
 #define RBDI_FREE 1e-6f
 #define RBDI_SHORT_STEP 1e-5f
 #define RBDI_CLOSED 1e-4f
@@ -476,6 +501,8 @@ RBDI_CODE_BEGIN
 #define RBDI_LOST RBD_C(1e-15)
 #define RBDI_MISSED RBD_C(1e-28)
 #define RBDI_STILL RBD_C(1e-40)
+#define RBDI_HELD RBD_C(1e-24)
+#define RBDI_DEPENDENT RBD_C(1e-29)
 #define RBDI_FREE RBD_C(1e-26)
 #define RBDI_SHORT_STEP RBD_C(1e-24)
 #define RBDI_CLOSED RBD_C(1e-12)
@@ -488,8 +515,8 @@ RBDI_CODE_BEGIN
 #define RBDI_LONGEST_STEP RBD_C(0.5)
 #define RBDI_LEAST_STEP_SIZE RBD_C(1e-3)
 #define RBDI_MOST_STEP_SIZE RBD_C(5)
-#define RBDI_FIRST_GROWTH 16 /* the first step of [refinement] may make b half of this times as large */
-#define RBDI_REFINEMENTS 24  /* each gains some digits: enough for all that fit into an exponent */
+
+#define RBDI_REFINEMENTS 24 /* each gains some digits: enough for all that fit into an exponent */
 #define RBDI_NEARING_STEPS 200
 #define RBDI_CLOSING_STEPS 3
 
@@ -511,14 +538,19 @@ RBDI_INLINE rbdi_station rbdi_station_at(const rbd_constraint_set *c, int link, 
     at.p = p;
     at.omega = at.v = at.omega_dot = rbdi_vec0();
     at.acc = c->world;
+
     if (link >= 0) {
         const rbdi_kin *kin = &c->w->kin[link];
         const rbdi_mat E = kin->X.E;
         const rbdi_v3 arm = rbdi_sub(p, kin->X.r);
         rbdi_v3 turn;
+
+        /* v + omega x arm */
         at.omega = rbdi_mul_t(E, kin->state.omega);
         turn = rbdi_cross(at.omega, arm);
         at.v = rbdi_add(rbdi_mul_t(E, kin->v), turn);
+
+        /* acc + omega_dot x arm + omega x (omega x arm) */
         at.omega_dot = rbdi_mul_t(E, kin->state.omega_dot);
         at.acc = rbdi_add(rbdi_mul_t(E, kin->state.acc), rbdi_cross(at.omega_dot, arm));
         at.acc = rbdi_add(at.acc, rbdi_cross(at.omega, turn));
@@ -541,12 +573,17 @@ typedef struct rbdi_relative_motion {
 RBDI_ONCE rbdi_relative_motion rbdi_relative_motion_of(const rbd_constraint_set *c,
                                                        const rbdi_constraint *con) {
     const rbdi_v3 p = rbdi_frame_origin(c, con, 0);
-    const rbdi_station one = rbdi_station_at(c, con->link[0], p), two = rbdi_station_at(c, con->link[1], p);
+    const rbdi_station one = rbdi_station_at(c, con->link[0], p);
+    const rbdi_station two = rbdi_station_at(c, con->link[1], p);
     rbdi_relative_motion relative;
-    relative.body[0] = one, relative.body[1] = two;
-    relative.velocity.omega = rbdi_sub(one.omega, two.omega), relative.velocity.v = rbdi_sub(one.v, two.v);
-    relative.rate.omega = rbdi_sub(one.omega_dot, two.omega_dot),
+    relative.body[0] = one;
+    relative.body[1] = two;
+    relative.velocity.omega = rbdi_sub(one.omega, two.omega);
+    relative.velocity.v = rbdi_sub(one.v, two.v);
+    relative.rate.omega = rbdi_sub(one.omega_dot, two.omega_dot);
     relative.rate.v = rbdi_sub(one.acc, two.acc);
+
+    /* axes that turn with body 2: alpha - omega_2 x w, acc - omega_2 x 2 u */
     if (con->link[1] >= 0) {
         relative.rate.omega = rbdi_sub(relative.rate.omega, rbdi_cross(two.omega, relative.velocity.omega));
         relative.rate.v = rbdi_sub(relative.rate.v,
@@ -561,8 +598,11 @@ static rbdi_mat rbdi_frame_axes(const rbd_constraint_set *c, const rbdi_constrai
     return con->link[side] < 0 ? R : rbdi_mul_mat(rbdi_transpose(c->w->kin[con->link[side]].X.E), R);
 }
 
-/* The derivative of w = log R by the turn z of body 1, in the axes of z, is z - w x z / 2 + this times
-   w x (w x z): (1 - |w|/2 cot(|w|/2)) / |w|^2, from the tails of sine and cosine in [steps code]. */
+/* The factor in the derivative of w = log R by the turn z of body 1, in the axes of z:
+
+       z - w x z / 2 + factor w x (w x z),   factor = (1 - |w|/2 cot(|w|/2)) / |w|^2
+
+   from the tails of sine and cosine in [steps code]. */
 static rbd_real rbdi_log_square(rbdi_v3 w) {
     const rbdi_exp e = rbdi_exp_of(w);
     const rbdi_mask near_zero = rbdi_less(e.x, rbdi_set(RBD_C(1)));
@@ -571,11 +611,13 @@ static rbd_real rbdi_log_square(rbdi_v3 w) {
     return (e.C - (c4 + c4)) / (e.B + e.B);
 }
 
-/* Angular part of the position error e, axes of frame 2: [conventions]. R: frame 1 seen from frame 2. */
+/* Angular part of the position error e, axes of frame 2: [conventions]. If two axes are held, it is f x R f
+   with the free axis f. R: frame 1 seen from frame 2. */
 static rbdi_v3 rbdi_angular_error(const rbdi_constraint *con, rbdi_mat R) {
     const rbd_real o = rbdi_zero();
     int free;
     if (con->angular != 2) return rbdi_log_rotation(R);
+
     free = 3 - con->axis[0] - con->axis[1];
     if (free == 0) return rbdi_vec(o, -R.zx, R.yx);
     if (free == 1) return rbdi_vec(R.zy, o, -R.xy);
@@ -592,23 +634,30 @@ RBDI_ONCE void rbdi_set_axes(const rbd_constraint_set *c, const rbdi_constraint 
     const rbdi_batch zero = rbdi_zero_batch();
     for (int r = 0; r < con->rows; r += RBDI_BATCH)
         for (int i = con->angular ? 0 : 3; i < 6; ++i) *(rbdi_batch *)&h->axis[i][r] = zero;
+
     for (int r = 0; r < con->rows; ++r) {
         const int first = r < con->angular ? 0 : 3;
         rbdi_v3 axis =
             rbdi_vec(rbdi_set(con->held[0][r]), rbdi_set(con->held[1][r]), rbdi_set(con->held[2][r]));
         if (con->link[1] >= 0) axis = rbdi_mul_t(c->w->kin[con->link[1]].X.E, axis);
-        h->axis[first][r] = axis.x, h->axis[first + 1][r] = axis.y, h->axis[first + 2][r] = axis.z;
+
+        h->axis[first][r] = axis.x;
+        h->axis[first + 1][r] = axis.y;
+        h->axis[first + 2][r] = axis.z;
     }
 }
 
 /* Makes the axis a of a single angular row the one whose product with a turn z of body 1 is the derivative of
-   a . w, w = log R in world axes: a + w x a / 2 + [rbdi_log_square] w x (w x a). */
+   a . w, w = log R in world axes: a + w x a / 2 + factor w x (w x a), with the factor of rbdi_log_square. */
 static void rbdi_bend_axis(const rbd_constraint_set *c, const rbdi_constraint *con, rbdi_axes_held *h) {
     const rbdi_mat R = rbdi_frame_axes(c, con, 1);
-    const rbdi_v3 log_R = rbdi_log_rotation(rbdi_mul_mat(rbdi_transpose(R), rbdi_frame_axes(c, con, 0))),
-                  w = rbdi_mul(R, log_R), a = rbdi_vec(h->axis[0][0], h->axis[1][0], h->axis[2][0]),
-                  across = rbdi_cross(w, a), more = rbdi_scale(rbdi_log_square(log_R), rbdi_cross(w, across)),
-                  bent = rbdi_add(rbdi_add(a, rbdi_scale(rbdi_set(RBD_C(0.5)), across)), more);
+    const rbdi_v3 log_R = rbdi_log_rotation(rbdi_mul_mat(rbdi_transpose(R), rbdi_frame_axes(c, con, 0)));
+    const rbdi_v3 w = rbdi_mul(R, log_R);
+    const rbdi_v3 a = rbdi_vec(h->axis[0][0], h->axis[1][0], h->axis[2][0]);
+    const rbdi_v3 across = rbdi_cross(w, a);
+    const rbdi_v3 more = rbdi_scale(rbdi_log_square(log_R), rbdi_cross(w, across));
+    const rbdi_v3 bent = rbdi_add(rbdi_add(a, rbdi_scale(rbdi_set(RBD_C(0.5)), across)), more);
+
     h->axis[0][0] = bent.x;
     h->axis[1][0] = bent.y;
     h->axis[2][0] = bent.z;
@@ -619,12 +668,14 @@ RBDI_ONCE void rbdi_add_held(const rbdi_constraint *con, const rbdi_axes_held *h
                              rbdi_v3 linear, rbd_real *out) {
     for (int r = 0; r < con->rows; r += RBDI_BATCH) {
         rbdi_batch sum = *(const rbdi_batch *)&out[r];
+
         sum = sum + *(const rbdi_batch *)&h->axis[3][r] * linear.x +
               *(const rbdi_batch *)&h->axis[4][r] * linear.y + *(const rbdi_batch *)&h->axis[5][r] * linear.z;
         if (con->angular)
             sum = sum + *(const rbdi_batch *)&h->axis[0][r] * angular.x +
                   *(const rbdi_batch *)&h->axis[1][r] * angular.y +
                   *(const rbdi_batch *)&h->axis[2][r] * angular.z;
+
         *(rbdi_batch *)&out[r] = sum;
     }
 }
@@ -636,20 +687,23 @@ RBDI_ONCE rbdi_v3 rbdi_constraint_motion(rbd_constraint_set *c, const rbdi_const
     const rbdi_v3 p = relative.body[0].p;
     rbdi_add_held(con, h, relative.rate.omega, relative.rate.v, &c->gamma[con->row]);
     rbdi_add_held(con, h, relative.velocity.omega, relative.velocity.v, &c->velocity[con->row]);
+
     if (errors) {
         rbdi_v3 turn = rbdi_vec0();
+
         if (con->angular) {
             const rbdi_mat R = rbdi_frame_axes(c, con, 1);
             turn = rbdi_angular_error(con, rbdi_mul_mat(rbdi_transpose(R), rbdi_frame_axes(c, con, 0)));
             turn = rbdi_mul(R, turn);
         }
+
         rbdi_add_held(con, h, turn, rbdi_sub(p, rbdi_frame_origin(c, con, 1)), &c->e[con->row]);
     }
     return p;
 }
 
 /* ==== src/constraints/rows.h ==== */
-/* Interface: rbdi_constraint_rows, rbdi_constraint_state, RBDI_FOR_PATHS */
+/* Interface: rbdi_constraint_rows, rbdi_constraint_state, rbdi_next_link, rbdi_walk, rbdi_walk_of */
 
 /* ---- rows [rows] ---- */
 
@@ -660,17 +714,26 @@ RBDI_ONCE void rbdi_constraint_column(const rbd_model *m, rbd_constraint_set *c,
                                       rbdi_v3 linear) {
     if (sign < 0 || dof >= m->nv) {
         const rbd_real ratio = sign < 0 ? -rbdi_ratio(m, dof) : rbdi_ratio(m, dof);
-        angular = rbdi_scale(ratio, angular), linear = rbdi_scale(ratio, linear);
+        angular = rbdi_scale(ratio, angular);
+        linear = rbdi_scale(ratio, linear);
     }
+
     rbdi_add_held(con, h, angular, linear, &c->Y[rbdi_source(m, dof) * c->stride + con->row]);
 }
 
-/* Columns of the dofs of a link on a path. p: origin of frame 1. */
+/* Columns of the dofs of a link on a path. p: origin of frame 1, arm = p less the link's origin.
+
+       turn about z         (z; z x arm)
+       slide along z        (0; z)
+       screw                (rho z; kappa z + rho z x arm)
+
+   A block has turns about x, y, z and slides along them, in this order, from its first axis on. */
 RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *con,
                                       const rbdi_axes_held *h, rbdi_v3 p, int link, int sign) {
     const rbdi_link *l = &m->link[link];
     const rbdi_pose X = c->w->kin[link].X;
     const rbdi_v3 arm = rbdi_sub(p, X.r), z = rbdi_vec(X.E.zx, X.E.zy, X.E.zz), o = rbdi_vec0();
+
     if (rbdi_is(l, RBDI_REVOLUTE) || rbdi_is(l, RBDI_REVOLUTE_CS)) {
         rbdi_constraint_column(m, c, con, h, l->iv, sign, z, rbdi_cross(z, arm));
     } else if (rbdi_is(l, RBDI_SCREW)) {
@@ -678,37 +741,63 @@ RBDI_INLINE void rbdi_constraint_link(const rbd_model *m, rbd_constraint_set *c,
         rbdi_constraint_column(m, c, con, h, l->iv, sign, turn, rbdi_add(slide, rbdi_cross(turn, arm)));
     } else {
         const rbdi_v3 axis[3] = {rbdi_vec(X.E.xx, X.E.xy, X.E.xz), rbdi_vec(X.E.yx, X.E.yy, X.E.yz), z};
-        for (int j = 0, at = rbdi_block_of(m, l)->first; j < rbdi_link_dofs(m, l); ++j, ++at)
+        const int first = rbdi_block_of(m, l)->first;
+        for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
+            const int at = first + j;
             rbdi_constraint_column(m, c, con, h, l->iv + j, sign, at < 3 ? axis[at] : o,
                                    at < 3 ? rbdi_cross(axis[at], arm) : axis[at - 3]);
+        }
     }
 }
 
-/* Runs the statement behind it for each link that moves only one of the two bodies. sign: 1 for body 1, -1
-   for body 2. The motions of links on both paths cancel. */
-#define RBDI_FOR_PATHS(m, con, link, sign) \
-    for (int link1_ = (con)->link[0], link2_ = (con)->link[1], link, sign; \
-         link1_ != link2_ && (sign = link1_ > link2_ ? 1 : -1, link = sign > 0 ? link1_ : link2_, 1); \
-         sign > 0 ? (link1_ = (m)->link[link].parent) : (link2_ = (m)->link[link].parent))
+/* A walk over the links that move only one of a constraint's two bodies, from the bodies to their common
+   ancestor. The motions of links on both paths cancel. */
+typedef struct rbdi_walk {
+    int end[2]; /* the next link on the path of body 1 and of body 2 */
+    int link;   /* the link that the walk is at */
+    int side;   /* 0 if it moves body 1, 1 if body 2 */
+} rbdi_walk;
+
+RBDI_INLINE rbdi_walk rbdi_walk_of(const rbdi_constraint *con) {
+    const rbdi_walk walk = {{con->link[0], con->link[1]}, -1, 0};
+    return walk;
+}
+
+/* Steps to the next link: of the two ends the one with the larger index, which its parent replaces. Returns 0 at
+   the common ancestor. */
+RBDI_INLINE int rbdi_next_link(const rbd_model *m, rbdi_walk *walk) {
+    if (walk->end[0] == walk->end[1]) return 0;
+
+    walk->side = walk->end[0] < walk->end[1];
+    walk->link = walk->end[walk->side];
+    walk->end[walk->side] = m->link[walk->link].parent;
+    return 1;
+}
 
 /* Poses of the links on a path and, if `moving`, velocities of their origins, from the angular velocities. */
 static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v, int moving) {
-    for (int n = 0, first, end; n < c->links;) {
-        for (end = first = c->link[n]; n < c->links && c->link[n] == end; ++n) ++end;
+    for (int n = 0; n < c->links;) {
+        const int first = c->link[n];
+        int end = first;
+
+        /* consecutive links in one call */
+        for (; n < c->links && c->link[n] == end; ++n) ++end;
         rbdi_kin_links(m, c->w, first, end, v, moving);
     }
+
     if (rbdi_mimics(m)) rbdi_kin_links(m, c->w, 0, m->nl, v, moving);
 }
 
 /* Writes the motion of all links and the poses of those on a path into the work, over the results of
    rbd_kinematics; if `wrench`, also the wrenches of inverse dynamics. Gravity is an acceleration of the
-   world. rbdi_joints must have been called. */
+   world. Call rbdi_joints before. */
 RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v,
                                        const rbd_real *a, rbdi_c3 gravity, int wrench) {
     rbd_work *w = c->w;
     const rbdi_state world = rbdi_world_state(gravity);
     c->world = world.acc;
     w->kinematics_of = RBDI_NO_KINEMATICS;
+
     rbdi_forward(m, w, 0, m->nl, &world, v, a, wrench, 1);
     rbdi_kin_of_paths(m, c, v, 1);
 }
@@ -721,17 +810,21 @@ static void rbdi_clear_rows(const rbd_model *m, rbd_constraint_set *c) {
     c->dirty = 1;
 }
 
-/* Adds Y = J', gamma and J v of a constraint and, if `errors`, e. errors = RBDI_SLOPES: Y = (de/dq)', which
-   is another row than that of J where a single angular axis is held. */
 enum { RBDI_SLOPES = 2 };
+
+/* Adds Y = J', gamma and J v of a constraint and, if `errors`, e. With errors = RBDI_SLOPES, Y = (de/dq)',
+   which differs from J' in the row of a single angular axis. */
 static void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *con,
                                  int errors) {
     rbdi_axes_held h;
     rbdi_v3 p;
+
     rbdi_set_axes(c, con, &h);
     p = rbdi_constraint_motion(c, con, &h, errors);
+
     if (errors == RBDI_SLOPES && con->angular == 1) rbdi_bend_axis(c, con, &h);
-    RBDI_FOR_PATHS(m, con, link, sign) rbdi_constraint_link(m, c, con, &h, p, link, sign);
+    for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);)
+        rbdi_constraint_link(m, c, con, &h, p, walk.link, walk.side ? -1 : 1);
 }
 
 /* ==== src/constraints/factor.h ==== */
@@ -749,23 +842,30 @@ RBDI_INLINE rbd_real rbdi_rows_product(const rbd_real *x, const rbd_real *y, int
     rbdi_sum batches = rbdi_sum_of_none();
     rbd_real sum;
     int k = 0;
+
     for (; k + RBDI_BATCH <= n; k += RBDI_BATCH)
         batches = rbdi_sum_and(batches, *(const rbdi_batch *)&x[k] * *(const rbdi_batch *)&y[k]);
+
     sum = rbdi_sum_value(batches);
     for (; k < n; ++k) sum = sum + x[k] * y[k];
     return sum;
 }
 
-/* Computes c->noise. Rounding in an entry of J is a share of its lever arm, here the distance of a link from
-   the world's origin; Delta has its square times 1/D. */
+/* Computes c->noise. Rounding in an entry of J is a share of its lever arm, here the distance r of a link
+   from the world's origin; Delta has its square times 1/D:
+
+       noise = RBDI_MOTIONLESS^2 (1 + sum r^2) sum 1/D */
 static void rbdi_bound_noise(const rbd_model *m, rbd_constraint_set *c) {
     rbd_real levers = rbdi_set(RBD_C(1)), inverse = rbdi_zero();
+
     for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con)
         for (int side = 0; side < 2; ++side)
             if (con->link[side] >= 0)
                 levers = levers + rbdi_dot(c->w->kin[con->link[side]].X.r, c->w->kin[con->link[side]].X.r);
+
     for (int k = 0; k < m->nv; ++k)
         if (c->span[k].end > 0) inverse = inverse + c->D_inverse[k];
+
     c->noise = levers * inverse * (RBDI_MOTIONLESS * RBDI_MOTIONLESS);
 }
 
@@ -774,34 +874,41 @@ typedef struct rbdi_batches {
     rbdi_batch first, second;
 } rbdi_batches;
 
-/* Rows i .. i + n - 1 of Delta from the diagonal on, and b behind them. dof: where they have entries. */
+/* Rows i .. i + n - 1 of Delta = Y' D^-1 Y from the diagonal on, and b behind them. dof: where they have
+   entries. */
 RBDI_INLINE void rbdi_delta_rows(const rbd_constraint_set *c, const int16_t *dof, int dofs, int i, int n) {
     const int stride = c->stride;
     rbd_real *R = c->R + i * stride;
     for (int j = i; j <= c->rows; j += 2 * RBDI_BATCH) {
         rbdi_batches sum[6];
         RBDI_UNROLL_SIX for (int r = 0; r < n; ++r) { sum[r].first = sum[r].second = rbdi_zero_batch(); }
+
         while (dofs > 0 && c->span[dof[dofs - 1]].end <= j) --dofs; /* its rows of Y end there */
         for (int t = 0; t < dofs; ++t) {
             const rbd_real *own = c->Y + dof[t] * stride, inverse = c->D_inverse[dof[t]];
             const rbdi_batch first = *(const rbdi_batch *)&own[j] * inverse,
                              second = *(const rbdi_batch *)&own[j + RBDI_BATCH] * inverse;
+
             RBDI_UNROLL_SIX for (int r = 0; r < n; ++r) {
                 sum[r].first = sum[r].first + first * own[i + r];
                 sum[r].second = sum[r].second + second * own[i + r];
             }
         }
+
         RBDI_UNROLL_SIX for (int r = 0; r < n; ++r) {
             *(rbdi_batch *)&R[r * stride + j] = sum[r].first;
             *(rbdi_batch *)&R[r * stride + j + RBDI_BATCH] = sum[r].second;
         }
     }
+
     for (int r = 0; r < n; ++r) R[r * stride + c->rows] = c->b[i + r];
 }
+
 /* The same for any number of rows, in blocks of 6 and 3 as constants for the compiler. dof: ascending. */
 static void rbdi_delta(const rbd_constraint_set *c, const int16_t *dof, int dofs, int row, int rows) {
     for (int i = row, n; i < row + rows; i += n) {
         n = row + rows - i >= 6 ? 6 : row + rows - i >= 3 ? 3 : 1;
+
         if (RBDI_FOR_SPEED && n == 6)
             rbdi_delta_rows(c, dof, dofs, i, 6);
         else if (RBDI_FOR_SPEED && n == 3)
@@ -811,15 +918,19 @@ static void rbdi_delta(const rbd_constraint_set *c, const int16_t *dof, int dofs
     }
 }
 
-/* Two batches of row t of Delta from column j on, minus the products of the rows of R before it. */
+/* Two batches of row t of Delta from column j on, minus the products of the rows of R before it:
+
+       Delta_tj - sum_(i < t) R_it R_ij */
 RBDI_INLINE rbdi_batches rbdi_less_rows(const rbd_constraint_set *c, int t, int j) {
     const int stride = c->stride;
     const rbd_real *row = &c->R[t * stride];
     rbdi_batches two = {*(const rbdi_batch *)&row[j], *(const rbdi_batch *)&row[j + RBDI_BATCH]};
+
     for (const rbd_real *before = c->R; before < row; before += stride) {
         two.first = two.first - *(const rbdi_batch *)&before[j] * before[t];
         two.second = two.second - *(const rbdi_batch *)&before[j + RBDI_BATCH] * before[t];
     }
+
     return two;
 }
 
@@ -830,20 +941,28 @@ RBDI_INLINE rbdi_mask rbdi_factor_row(rbd_constraint_set *c, int t, rbd_real noi
     const rbd_real least = (R[t] + noise) * RBDI_CLEAR;
     rbdi_mask none = rbdi_less(least, least), doubt;
     rbdi_batches two = rbdi_less_rows(c, t, t);
+
+    /* the pivot R_tt^2 beside Delta_tt */
     *(rbdi_batch *)&R[t] = two.first;
     doubt = rbdi_not(rbdi_less(least, R[t]));
 #ifdef RBDI_ROWS /* rbd-codegen: the verdict comes behind what is recorded */
     RBDI_ROWS(pivot)(R[t], least);
 #endif
-    c->R_inverse[t] = inverse = rbdi_sqrt(rbdi_reciprocal(R[t], RBDI_TINY, &none));
+
+    /* the row over its root, and beta_t in its column `rows` */
+    inverse = rbdi_sqrt(rbdi_reciprocal(R[t], RBDI_TINY, &none));
+    c->R_inverse[t] = inverse;
     for (int j = t;;) {
-        *(rbdi_batch *)&R[j] = two.first * inverse, *(rbdi_batch *)&R[j + RBDI_BATCH] = two.second * inverse;
-        if ((j += 2 * RBDI_BATCH) > c->rows) return doubt;
+        *(rbdi_batch *)&R[j] = two.first * inverse;
+        *(rbdi_batch *)&R[j + RBDI_BATCH] = two.second * inverse;
+        j += 2 * RBDI_BATCH;
+        if (j > c->rows) return doubt;
         two = rbdi_less_rows(c, t, j);
     }
 }
 
-/* Solves R lambda = beta. Entries of lambda behind the last row are 0. */
+/* Solves R lambda = beta: lambda_t = (beta_t - sum_(j > t) R_tj lambda_j) / R_tt. Entries of lambda behind
+   the last row are 0. */
 static void rbdi_back_substitute(rbd_constraint_set *c) {
     for (int t = c->rows - 1; t >= 0; --t) {
         const rbd_real *R = &c->R[t * c->stride];
@@ -860,17 +979,19 @@ static rbdi_mask rbdi_factor_delta(const rbd_model *m, rbd_constraint_set *c) {
     rbd_real noise;
     rbdi_bound_noise(m, c);
     noise = c->noise * (1 / RBDI_CLEAR);
+
     for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con) {
         rbdi_delta(c, con->dof, con->dofs, con->row, con->rows);
         for (int t = con->row; t < con->row + con->rows; ++t)
             doubt = rbdi_or(doubt, rbdi_factor_row(c, t, noise));
     }
+
     return doubt;
 }
 
 /* ==== src/constraints/rank.h ==== */
 /* ---- rank [rank] ----
-   If a pivot of Delta = Z'Z, Z = D^-1/2 Y, is in doubt, Z is factored instead, whose condition number is the
+   If a pivot of Delta = Z'Z, Z = D^-1/2 Y, is in doubt, Z is factored instead. Its condition number is the
    square root of Delta's:
 
        Z P = Q R,    Delta = P R' R P'
@@ -902,9 +1023,10 @@ static rbdi_mask rbdi_dropped(const rbd_constraint_set *c, int t) {
 static void rbdi_exchange(const rbd_constraint_set *c, int t, rbd_real *x, int step, int count, int next) {
     for (int j = t + 1; j < c->rows; ++j) {
         const rbdi_mask here = rbdi_is_index(c->pivot_row[t], j);
-        rbd_real *one = x + t * step, *two = x + j * step;
         if (!rbdi_any(here)) continue;
-        for (int i = 0; i < count; ++i, one += next, two += next) {
+
+        for (int i = 0; i < count; ++i) {
+            rbd_real *one = x + t * step + i * next, *two = x + j * step + i * next;
             const rbd_real old = *one;
             *one = rbdi_select(here, *two, old);
             *two = rbdi_select(here, old, *two);
@@ -918,77 +1040,100 @@ static void rbdi_permute(const rbd_constraint_set *c, rbd_real *X, int columns, 
         rbdi_exchange(c, back ? c->rows - 1 - t : t, X, columns, columns, 1);
 }
 
-/* c->square of the rows from t on. */
+/* c->square of the rows from t on: of column j of Z, after t reflections, the sum of Z_kj^2 from k = t on. */
 static void rbdi_independent_squares(const rbd_constraint_set *c, int nv, int t) {
     for (int j = t; j < c->rows; j += RBDI_BATCH) {
         rbdi_batch sum = rbdi_zero_batch();
+
         for (int k = t; k < nv; ++k) {
             const rbdi_batch z = *(const rbdi_batch *)&c->R[k * c->stride + j];
             sum = sum + z * z;
         }
+
         *(rbdi_batch *)&c->square[j] = sum;
     }
 }
 
 /* Exchanges row t with the row that has the largest independent share. */
 static void rbdi_choose_row(rbd_constraint_set *c, int nv, int t) {
-    rbd_real best = c->square[t] * c->inverse_square[t], at = rbdi_set(RBD_C(t));
+    rbd_real best = c->square[t] * c->of_rows.inverse_square[t], at = rbdi_set(RBD_C(t));
+
     for (int j = t + 1; j < c->rows; ++j) {
-        const rbd_real share = c->square[j] * c->inverse_square[j];
+        const rbd_real share = c->square[j] * c->of_rows.inverse_square[j];
         const rbdi_mask more = rbdi_less(best * RBDI_CLEARLY_MORE, share);
-        best = rbdi_select(more, share, best), at = rbdi_select(more, rbdi_set(RBD_C(j)), at);
+        best = rbdi_select(more, share, best);
+        at = rbdi_select(more, rbdi_set(RBD_C(j)), at);
     }
+
     c->pivot_row[t] = at;
     rbdi_exchange(c, t, c->R, 1, nv, c->stride);
     rbdi_exchange(c, t, c->square, 1, 1, 0);
-    rbdi_exchange(c, t, c->inverse_square, 1, 1, 0);
+    rbdi_exchange(c, t, c->of_rows.inverse_square, 1, 1, 0);
 }
 
-/* Householder's reflection that leaves R_tt as the last entry of column t other than 0. */
+/* Householder's reflection that leaves R_tt as the last entry of column t other than 0. For each column z
+   from row t on, with x that of column t:
+
+       h = x - R e_1,   R = -sign(x_1) |x|,   z -= h (h'z) / (|x| (|x| + |x_1|)) */
 static void rbdi_reflect(rbd_constraint_set *c, int nv, int t) {
     const int stride = c->stride;
-    rbd_real *Z = c->R, *h = c->householder;
+    rbd_real *Z = c->R, *h = c->of_dofs.reflection;
     rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
     const rbd_real head = Z[t * stride + t], length = rbdi_sqrt(c->square[t]),
                    R = rbdi_select(rbdi_less(head, rbdi_zero()), length, -length),
                    scale = rbdi_reciprocal(length * (length + rbdi_abs(head)), RBDI_TINY, &none);
+
     for (int k = t; k < nv; ++k) h[k] = Z[k * stride + t];
     h[t] = head - R;
+
     for (int j = t + 1; j < c->rows; j += RBDI_BATCH) {
         rbdi_batch sum = rbdi_zero_batch();
         for (int k = t; k < nv; ++k) sum = sum + *(const rbdi_batch *)&Z[k * stride + j] * h[k];
+
         sum = sum * scale;
         for (int k = t; k < nv; ++k) {
             rbdi_batch *z = (rbdi_batch *)&Z[k * stride + j];
             *z = *z - sum * h[k];
         }
     }
+
     Z[t * stride + t] = R;
 }
 
-/* R of all rows, and 1/R_tt, which is 0 if row t depends on those before it. */
-static void rbdi_orthogonalise(const rbd_model *m, rbd_constraint_set *c) {
+/* Writes Z = D^-1/2 Y to c->R, and the squares of its columns. No row is taken yet. */
+static void rbdi_start_ranking(rbd_constraint_set *c, int nv) {
     const rbd_real noise = c->noise * (1 / RBDI_RANK), one = rbdi_set(RBD_C(1));
-    const int nv = m->nv, steps = c->rows < nv ? c->rows : nv;
-    rbdi_mask taken = rbdi_less(rbdi_zero(), one);
+
     for (int k = 0; k < nv; ++k) {
         const rbd_real root = rbdi_sqrt(c->D_inverse[k]);
         for (int j = 0; j < c->stride; j += RBDI_BATCH)
             *(rbdi_batch *)&c->R[k * c->stride + j] = *(const rbdi_batch *)&c->Y[k * c->stride + j] * root;
     }
     if (c->rows > nv) rbdi_clear(&c->R[nv * c->stride], (c->rows - nv) * c->stride);
+
     rbdi_independent_squares(c, nv, 0);
     for (int r = 0; r < c->rows; ++r) {
         rbdi_mask none = rbdi_less(one, rbdi_zero());
-        c->inverse_square[r] = rbdi_reciprocal(c->square[r] + noise, RBDI_TINY, &none);
-        c->R_inverse[r] = rbdi_zero(), c->pivot_row[r] = rbdi_set(RBD_C(r));
+        c->of_rows.inverse_square[r] = rbdi_reciprocal(c->square[r] + noise, RBDI_TINY, &none);
+        c->R_inverse[r] = rbdi_zero();
+        c->pivot_row[r] = rbdi_set(RBD_C(r));
     }
+}
+
+/* R of all rows, and 1/R_tt, which is 0 if row t depends on those before it. */
+static void rbdi_orthogonalise(const rbd_model *m, rbd_constraint_set *c) {
+    const rbd_real one = rbdi_set(RBD_C(1));
+    const int nv = m->nv, steps = c->rows < nv ? c->rows : nv;
+    rbdi_mask taken = rbdi_less(rbdi_zero(), one);
+
+    rbdi_start_ranking(c, nv);
     for (int t = 0; t < steps; ++t) {
         if (t > 0) rbdi_independent_squares(c, nv, t);
         rbdi_choose_row(c, nv, t);
-        taken =
-            rbdi_and(taken, rbdi_not(rbdi_less(c->square[t] * c->inverse_square[t], rbdi_set(RBDI_RANK))));
+        taken = rbdi_and(
+            taken, rbdi_not(rbdi_less(c->square[t] * c->of_rows.inverse_square[t], rbdi_set(RBDI_RANK))));
         if (!rbdi_any(taken)) return;
+
         rbdi_reflect(c, nv, t);
         c->R_inverse[t] =
             rbdi_select(taken, one / rbdi_select(taken, c->R[t * c->stride + t], one), rbdi_zero());
@@ -999,24 +1144,31 @@ static void rbdi_orthogonalise(const rbd_model *m, rbd_constraint_set *c) {
    up to the diagonal, which is no longer needed. */
 static rbd_real *rbdi_null_vector(const rbd_constraint_set *c, int t) { return &c->R[t * c->stride]; }
 
+/* x -= n (n'x) / n'n where `mask`, n the null vector of dropped row t. */
+static void rbdi_project_along(const rbd_constraint_set *c, int t, rbdi_mask mask, rbd_real *x) {
+    const rbd_real *null = rbdi_null_vector(c, t);
+    rbdi_mask none = rbdi_less(null[0], null[0]); /* its length is 0, or at least 1 */
+    rbd_real factor = rbdi_rows_product(null, x, t + 1) *
+                      rbdi_reciprocal(rbdi_rows_product(null, null, t + 1), RBD_C(0.5), &none);
+
+    factor = rbdi_select(mask, factor, rbdi_zero());
+    for (int i = 0; i <= t; ++i) x[i] = x[i] - factor * null[i];
+}
+
 /* x loses its components along the null vectors of the rows before row `end`. */
 static void rbdi_project(const rbd_constraint_set *c, int end, rbd_real *x) {
     for (int t = 0; t < end; ++t) {
-        const rbd_real *null = rbdi_null_vector(c, t);
-        rbdi_mask none = rbdi_less(null[0], null[0]); /* its length is 0, or at least 1 */
-        rbd_real factor;
-        if (!rbdi_any(rbdi_dropped(c, t))) continue;
-        factor = rbdi_rows_product(null, x, t + 1) *
-                 rbdi_reciprocal(rbdi_rows_product(null, null, t + 1), RBD_C(0.5), &none);
-        for (int i = 0; i <= t; ++i) x[i] = x[i] - factor * null[i];
+        const rbdi_mask dropped = rbdi_dropped(c, t);
+        if (rbdi_any(dropped)) rbdi_project_along(c, t, dropped, x);
     }
 }
 
-/* The null vectors of all dropped rows, orthogonal to each other. */
+/* The null vectors of all dropped rows, orthogonal to each other: R n = 0, n_t = 1. */
 static void rbdi_null_space(const rbd_constraint_set *c) {
     for (int t = 0; t < c->rows; ++t) {
         rbd_real *null = rbdi_null_vector(c, t);
         if (!rbdi_any(rbdi_dropped(c, t))) continue;
+
         null[t] = rbdi_select(rbdi_dropped(c, t), rbdi_set(RBD_C(1)), rbdi_zero());
         for (int i = t - 1; i >= 0; --i)
             null[i] = -c->R_inverse[i] * rbdi_rows_product(&c->R[i * c->stride + i + 1], &null[i + 1], t - i);
@@ -1036,6 +1188,7 @@ static rbd_real rbdi_motion_size(const rbd_constraint_set *c, const rbdi_constra
                    p = rbdi_sum_abs(one.p) + rbdi_sum_abs(rbdi_frame_origin(c, con, 1)) + RBD_C(1);
     const rbd_real turning = rbdi_sum_abs(one.omega_dot) + rbdi_sum_abs(two.omega_dot),
                    moving = rbdi_sum_abs(one.acc) + rbdi_sum_abs(two.acc);
+
     return turning + moving + v * (w + (RBD_C(1) + con->kd)) + p * con->kp;
 }
 
@@ -1046,14 +1199,16 @@ static void rbdi_set_slack(rbd_constraint_set *c) {
         for (int r = con->row; r < con->row + con->rows; ++r)
             c->slack[r] = rbdi_sqrt(c->slack[r]) * RBDI_FEASIBLE + noise;
     }
+
     rbdi_permute(c, c->slack, 1, 0);
 }
 
 /* Notes the first dropped row, in the caller's order, that contradicts the rows it depends on: the targets
-   have a component along its null vector. (J x of any x has none.) */
+   have a component along its null vector n, |n' target| > |n|' slack. (J x of any x has none.) */
 static void rbdi_check_rows(rbd_constraint_set *c) {
-    rbd_real *bad = c->inverse_square;
+    rbd_real *bad = c->of_rows.contradicts;
     const rbd_real one = rbdi_set(RBD_C(1));
+
     rbdi_set_slack(c);
     rbdi_permute(c, c->target, 1, 0);
     rbdi_clear(bad, c->rows);
@@ -1061,10 +1216,12 @@ static void rbdi_check_rows(rbd_constraint_set *c) {
         const rbd_real *null = rbdi_null_vector(c, t);
         rbd_real bound = rbdi_zero();
         if (!rbdi_any(rbdi_dropped(c, t))) continue;
+
         for (int j = 0; j <= t; ++j) bound = bound + rbdi_abs(null[j]) * c->slack[j];
         bad[t] = rbdi_select(rbdi_less(bound, rbdi_abs(rbdi_rows_product(null, c->target, t + 1))), one,
                              rbdi_zero());
     }
+
     rbdi_permute(c, c->target, 1, 1);
     rbdi_permute(c, bad, 1, 1);
     for (int r = c->rows - 1; r >= 0; --r)
@@ -1084,19 +1241,24 @@ static void rbdi_project_columns(const rbd_constraint_set *c, rbd_real *X, int c
 /* X = Delta^-1 X, of least norm. X: rows x columns. If rows depend on each other, the right-hand sides lose
    their components along the null vectors, too: with them the equations would contradict each other. */
 static void rbdi_delta_solve(const rbd_constraint_set *c, rbd_real *X, int columns) {
-    rbd_real *x = c->square;
+    rbd_real *x = c->square; /* a column of R */
     rbdi_permute(c, X, columns, 0);
     rbdi_project_columns(c, X, columns);
+
+    /* R' beta = X */
     for (int t = 0; t < c->rows; ++t) {
         for (int i = 0; i < t; ++i) x[i] = c->R[i * c->stride + t];
         rbdi_subtract_product(x, X, t, columns, &X[t * columns]);
         rbdi_multiply(&X[t * columns], c->R_inverse[t], columns);
     }
+
+    /* R X = beta */
     for (int t = c->rows - 1; t >= 0; --t) {
         rbdi_subtract_product(&c->R[t * c->stride + t + 1], &X[(t + 1) * columns], c->rows - t - 1, columns,
                               &X[t * columns]);
         rbdi_multiply(&X[t * columns], c->R_inverse[t], columns);
     }
+
     rbdi_project_columns(c, X, columns);
     rbdi_permute(c, X, columns, 1);
 }
@@ -1104,7 +1266,10 @@ static void rbdi_delta_solve(const rbd_constraint_set *c, rbd_real *X, int colum
 /* Gives lambda to the caller. Returns the status of a call from that of the pivots of M. */
 static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraint_set *c, rbd_status status,
                                           rbd_real *lambda) {
-    if (status) (void)rbdi_pivot_status(m, c->w, c->lambda, c->rows);
+    if (status) {
+        (void)rbdi_pivot_status(m, c->w, c->lambda, c->rows);
+        c->infeasible = -1;
+    }
     for (int r = 0; lambda && r < c->rows; ++r) lambda[r] = c->lambda[r];
     if (status) return status;
     return c->infeasible < 0 ? RBD_OK : RBD_ERR_INFEASIBLE;
@@ -1142,7 +1307,13 @@ RBDI_INLINE rbd_real rbdi_y_lambda(const rbd_constraint_set *c, const rbd_real *
        b = target - Y' x,   Delta delta = b,   x += D^-1 Y delta,   lambda += delta
 
    until b is small beside its own terms. In most states it is so from the start. Dependent rows can only meet
-   what of b has no component along their null vectors. */
+   the part of b that has no component along their null vectors.
+
+   At the end all rows must hold: b is at most RBDI_HELD of the terms that the row's length and that of x
+   allow. Only rows that truly depend on each other may contradict each other by more, because positions
+   drift: their null vectors n have J' n = 0. Rounding can hide a row, too. If a link of tiny inertia is on
+   its path, its part along the other joints is lost beside the huge terms 1/D of that link. [rank] drops the
+   row, but J' n is not 0. In this case, or if refinement stalls, the call is an error that names the row. */
 
 /* Largest magnitude of n numbers. */
 static rbd_real rbdi_largest(const rbd_real *x, int n) {
@@ -1214,11 +1385,12 @@ static void rbdi_copy_where(rbdi_mask mask, const rbd_real *x, int n, rbd_real *
 }
 
 /* Refines x and lambda where `miss` says so, which rbdi_rows_miss returned. A step may exchange an error for
-   one along other rows that is as large, and the next one removes that. So a step must halve b of two steps
-   before, or the best x and lambda so far are the result. */
+   one along other rows that is larger, by eps / inertia of a tiny link, and the next one removes that. So
+   from the second step on a step must halve b of two steps before, or the best x and lambda so far are the
+   result. */
 RBDI_COLD void rbdi_refine_steps(const rbd_model *m, rbd_constraint_set *c, rbdi_mask miss) {
-    rbd_real *best_x = c->householder, *best_lambda = c->inverse_square;
-    rbd_real size = rbdi_largest(c->b, c->rows), best = size, last = size * RBDI_FIRST_GROWTH;
+    rbd_real *best_x = c->of_dofs.best_x, *best_lambda = c->of_rows.best_lambda;
+    rbd_real size = rbdi_largest(c->b, c->rows), best = size, last = size;
     rbdi_mask stalled = rbdi_less(rbdi_zero(), rbdi_zero());
     rbdi_copy_where(miss, c->x, m->nv, best_x);
     rbdi_copy_where(miss, c->lambda, c->rows, best_lambda);
@@ -1242,7 +1414,7 @@ RBDI_COLD void rbdi_refine_steps(const rbd_model *m, rbd_constraint_set *c, rbdi
         rbdi_copy_where(better, c->x, m->nv, best_x);
         rbdi_copy_where(better, c->lambda, c->rows, best_lambda);
 
-        stalled = rbdi_or(stalled, rbdi_and(miss, rbdi_not(rbdi_less(size + size, before))));
+        if (step > 0) stalled = rbdi_or(stalled, rbdi_and(miss, rbdi_not(rbdi_less(size + size, before))));
         miss = rbdi_and(miss, rbdi_not(stalled));
     }
 
@@ -1268,23 +1440,96 @@ static int rbdi_refine(const rbd_model *m, rbd_constraint_set *c, rbdi_mask lost
     return 1;
 }
 
+/* -- do all rows hold? -- */
+
+/* Lengths of the rows of J L^-1: the root of the sum of Y_kr^2. */
+static void rbdi_row_lengths(const rbd_model *m, const rbd_constraint_set *c, rbd_real *length) {
+    rbdi_clear(length, c->stride);
+
+    for (int k = 0; k < m->nv; ++k)
+        for (int r = c->span[k].first; r < c->span[k].end; ++r) {
+            const rbd_real y = c->Y[k * c->stride + r];
+            length[r] = length[r] + y * y;
+        }
+
+    for (int r = 0; r < c->rows; ++r) length[r] = rbdi_sqrt(length[r]);
+}
+
+/* Whether dropped row t depends on the rows taken whatever D is: each entry of Y n, n its null vector, is
+   rounding of sum |n_j| length_j. */
+static rbdi_mask rbdi_row_depends(const rbd_model *m, const rbd_constraint_set *c, int t,
+                                  const rbd_real *length) {
+    const rbd_real *null = rbdi_null_vector(c, t);
+    rbd_real *n = c->square, bound = rbdi_zero();
+    rbdi_mask depends = rbdi_dropped(c, t);
+
+    /* n in the caller's order */
+    rbdi_clear(n, c->stride);
+    for (int i = 0; i <= t; ++i) n[i] = null[i];
+    rbdi_permute(c, n, 1, 1);
+
+    for (int r = 0; r < c->rows; ++r) bound = bound + rbdi_abs(n[r]) * (length[r] + RBD_C(1));
+    bound = bound * RBDI_DEPENDENT;
+    for (int k = 0; k < m->nv; ++k)
+        depends = rbdi_and(depends, rbdi_less(rbdi_abs(rbdi_y_lambda(c, n, k)), bound));
+
+    return depends;
+}
+
+/* b = target - Y' x, less what rows that depend on each other contradict each other by. */
+static void rbdi_rest_to_meet(const rbd_model *m, rbd_constraint_set *c, const rbd_real *length) {
+    rbdi_rest_of_rows(c);
+    if (!c->pivoted) return;
+
+    rbdi_permute(c, c->b, 1, 0);
+    for (int t = 0; t < c->rows; ++t)
+        if (rbdi_any(rbdi_dropped(c, t))) rbdi_project_along(c, t, rbdi_row_depends(m, c, t, length), c->b);
+    rbdi_permute(c, c->b, 1, 1);
+}
+
+/* Notes the first row that x, the solution, does not meet, unless a row is noted already:
+
+       |b_r| > RBDI_HELD (|target_r| + length_r |x|) + noise of the target */
+RBDI_COLD void rbdi_check_held(const rbd_model *m, rbd_constraint_set *c) {
+    rbd_real *length = c->of_rows.length, size = rbdi_zero();
+    if (c->infeasible >= 0) return;
+
+    rbdi_row_lengths(m, c, length);
+    rbdi_rest_to_meet(m, c, length);
+
+    for (int k = 0; k < m->nv; ++k)
+        if (c->span[k].end > 0) size = size + c->x[k] * c->x[k];
+    size = rbdi_sqrt(size);
+
+    for (const rbdi_constraint *con = c->constraint + c->n; con-- > c->constraint;) {
+        const rbd_real noise = rbdi_motion_size(c, con) * RBDI_NOISE;
+        for (int r = con->row + con->rows; r-- > con->row;) {
+            const rbd_real terms = rbdi_abs(c->target[r]) + length[r] * size;
+            const rbd_real most = terms * RBDI_HELD + noise + RBDI_STILL;
+            if (rbdi_any(rbdi_not(rbdi_less(rbdi_abs(c->b[r]), most)))) c->infeasible = r;
+        }
+    }
+}
+
 /* ==== src/constraints/articulated.h ==== */
 /* ---- articulated bodies [articulated] ----
    The Popov-Vereshchagin algorithm. A unit force (moment) of a row acts on both bodies, with opposite
    signs, as wrenches K on their links. Pass 2 of [aba] has eliminated the joints; K is carried past each of
-   them to the world. a' = X a_p + c is the acceleration of a joint's link without S qdd. At each joint
+   them to the world. a' = X a_p + zeta is the acceleration of a joint's link without S qdd, zeta its velocity
+   product. At each joint
 
-       Y = S' K,   K -= U/D Y,   epsilon += Y u/D + K' c,   K_p = X' K
+       Y = S' K,   K -= U/D Y,   epsilon += Y u/D + K' zeta,   K_p = X' K
 
    and the acceleration along the row is K' a' + epsilon + Delta lambda, where Delta = Y' D^-1 Y of the joints
    so far. At the common ancestor of the two links the two wrenches are added. In the world a' is known, and
    [factor] gives lambda from b = target - epsilon - K' a'. Then u/D += D^-1 Y lambda, and pass 3 gives the
    accelerations. [refinement] needs the targets less all of epsilon but its terms Y u/D. */
 
+/* K_p = X' K of a batch of rows. */
 #if RBDI_BATCH > 1
-#define rbdi_wrenches_up rbdi_batch_up
+#define rbdi_wrenches_to_parent rbdi_batch_up
 #else
-#define rbdi_wrenches_up rbdi_array_up
+#define rbdi_wrenches_to_parent rbdi_array_up
 #endif
 
 /* K of a batch of rows, in the axes of the link that it was carried to; b = target - epsilon, and the target
@@ -1294,7 +1539,9 @@ typedef struct rbdi_row_wrenches {
 } rbdi_row_wrenches;
 
 /* K on one of the two links, of a batch of rows from row r of the constraint on; 0 if it is the world. p:
-   origin of frame 1, where the forces act. */
+   origin of frame 1, where the forces act. With a row's axes e in link axes, of angular and linear rows:
+
+       K = (e_angular + arm x e_linear; e_linear) */
 RBDI_INLINE void rbdi_start_rows(const rbd_constraint_set *c, const rbdi_constraint *con,
                                  const rbdi_axes_held *h, rbdi_v3 p, int side, int r, rbdi_batch K[6]) {
     const int link = con->link[con->link[side] < 0 ? 1 : side];
@@ -1304,13 +1551,16 @@ RBDI_INLINE void rbdi_start_rows(const rbd_constraint_set *c, const rbdi_constra
     const rbdi_v3 axis[3] = {rbdi_scale(sign, rbdi_vec(X.E.xx, X.E.xy, X.E.xz)),
                              rbdi_scale(sign, rbdi_vec(X.E.yx, X.E.yy, X.E.yz)),
                              rbdi_scale(sign, rbdi_vec(X.E.zx, X.E.zy, X.E.zz))};
+
     for (int j = 0; j < 3; ++j)
         K[3 + j] = *(const rbdi_batch *)&h->axis[3][r] * axis[j].x +
                    *(const rbdi_batch *)&h->axis[4][r] * axis[j].y +
                    *(const rbdi_batch *)&h->axis[5][r] * axis[j].z;
+
     K[0] = K[5] * arm.y - K[4] * arm.z;
     K[1] = K[3] * arm.z - K[5] * arm.x;
     K[2] = K[4] * arm.x - K[3] * arm.y;
+
     for (int j = 0; con->angular && j < 3; ++j)
         K[j] = K[j] + *(const rbdi_batch *)&h->axis[0][r] * axis[j].x +
                *(const rbdi_batch *)&h->axis[1][r] * axis[j].y +
@@ -1323,17 +1573,27 @@ RBDI_INLINE void rbdi_rows_axis(const rbd_model *m, const rbd_work *w, int i, in
     const rbdi_link *l = &m->link[i];
     const rbdi_scratch *own = &w->scratch[i];
     rbdi_batch *K = rows->K, y = K[2], z = K[2], term;
+
+    /* Y = S' K */
     if (flags & RBDI_SLIDES) y = K[2] * l->rho + K[5] * l->kappa;
     *Y = y;
-    K[0] = K[0] - y * own->U_D.n.x, K[1] = K[1] - y * own->U_D.n.y;
+
+    /* K -= U/D Y */
+    K[0] = K[0] - y * own->U_D.n.x;
+    K[1] = K[1] - y * own->U_D.n.y;
     K[2] = rbdi_zero_batch(); /* U_z/D = 1 */
     if (flags & (RBDI_SLIDES | RBDI_ARMATURE)) K[2] = z - y * own->U_D.n.z;
-    K[3] = K[3] - y * own->U_D.f.x, K[4] = K[4] - y * own->U_D.f.y, K[5] = K[5] - y * own->U_D.f.z;
+    K[3] = K[3] - y * own->U_D.f.x;
+    K[4] = K[4] - y * own->U_D.f.y;
+    K[5] = K[5] - y * own->U_D.f.z;
+
+    /* epsilon += Y u/D + K' zeta */
     term = K[0] * own->c.omega.x + K[1] * own->c.omega.y;
     term = term + K[3] * own->c.v.x + K[4] * own->c.v.y + K[5] * own->c.v.z;
     rows->target = rows->target - term;
     rows->b = rows->b - (y * own->u_D + term);
-    rbdi_wrenches_up(l, flags, rbdi_trig_of(m, w, i, flags), K);
+
+    rbdi_wrenches_to_parent(l, flags, rbdi_trig_of(m, w, i, flags), K);
 }
 
 /* Carries K past the n dofs of a block, whose rows of Y are `stride` apart. At a free base all of K is
@@ -1343,30 +1603,37 @@ RBDI_INLINE void rbdi_rows_dofs(const rbdi_block_work *bw, int first, int n, int
     RBDI_UNROLL_SIX for (int d = n - 1; d >= 0; --d) {
         const rbdi_batch y = rows->K[first + d];
         const int end = free_base ? d : 6;
+
         *(rbdi_batch *)&Y[d * stride] = y;
         rows->b = rows->b - y * bw->u_D[d];
         RBDI_UNROLL_SIX for (int j = 0; j < end; ++j) { rows->K[j] = rows->K[j] - y * bw->U_D[d][j]; }
     }
 }
+
+/* Carries K past the joint of block i, into the parent's axes. Writes Y. */
 static rbdi_row_wrenches rbdi_rows_block(const rbd_model *m, const rbd_work *w, int i, rbdi_row_wrenches rows,
                                          rbd_real *Y, int stride) {
     const rbdi_link *l = &m->link[i];
     const rbdi_block *b = rbdi_block_of(m, l);
     const rbdi_block_work *bw = &w->block[l->block];
+
     if (rbdi_free_base(l, b)) {
         rbdi_rows_dofs(bw, 0, 6, 1, &rows, Y, stride);
         for (int j = 0; j < 6; ++j) rows.K[j] = rbdi_zero_batch();
     } else {
-        rbd_real C[6];
-        rbdi_store_motion(C, 1, w->scratch[i].c);
+        rbd_real zeta[6];
+        rbdi_store_motion(zeta, 1, w->scratch[i].c);
         rbdi_rows_dofs(bw, b->first, b->n, 0, &rows, Y, stride);
+
         for (int j = 0; j < 6; ++j) {
-            const rbdi_batch term = rows.K[j] * C[j];
+            const rbdi_batch term = rows.K[j] * zeta[j];
             rows.b = rows.b - term;
             rows.target = rows.target - term;
         }
+
         rbdi_crba_up_block(&bw->X, (rbd_real *)rows.K, RBDI_BATCH, RBDI_BATCH);
     }
+
     return rows;
 }
 
@@ -1393,16 +1660,21 @@ static void rbdi_rows_to_world(const rbd_model *m, rbd_constraint_set *c, const 
     rbdi_batch world;
     for (int j = 0; j < 6; ++j) rows.K[j] = rbdi_zero_batch();
     rows.b = rows.target = *(const rbdi_batch *)&c->target[con->row + r];
+
+    /* from both links to their common ancestor, and on */
     for (int side = 0; side < (con->link[1] < 0 ? 1 : 2); ++side) {
         rbdi_start_rows(c, con, h, p, side, r, one.K);
         one.b = rows.b;
         one.target = rows.target;
         rbdi_carry_rows(m, c, con->link[side], con->ancestor, &one, Y);
+
         for (int j = 0; j < 6; ++j) rows.K[j] = rows.K[j] + one.K[j];
         rows.b = one.b;
         rows.target = one.target;
     }
     rbdi_carry_rows(m, c, con->ancestor, -1, &rows, Y);
+
+    /* K' a' of the world */
     world = rows.K[3] * c->world.x + rows.K[4] * c->world.y + rows.K[5] * c->world.z;
     *(rbdi_batch *)&c->b[con->row + r] = rows.b - world;
     *(rbdi_batch *)&c->target[con->row + r] = rows.target - world;
@@ -1427,13 +1699,16 @@ static void rbdi_add_multipliers(const rbd_model *m, rbd_constraint_set *c) {
     for (int at = 0; at < c->links; ++at) {
         const int link = c->link[at], first = m->link[link].iv, n = rbdi_link_dofs(m, &m->link[link]);
         rbd_real *u_D = rbdi_u_D_of(m, c, link);
+
         for (int t = 0; t < n; ++t) {
             lost = rbdi_or(lost, rbdi_add_force(c, c->lambda, first + t, &u_D[t]));
             c->x[first + t] = u_D[t];
         }
     }
     if (!rbdi_refine(m, c, lost)) return;
+    rbdi_check_held(m, c);
 
+    /* the refined ones */
     for (int at = 0; at < c->links; ++at) {
         const int link = c->link[at], first = m->link[link].iv, n = rbdi_link_dofs(m, &m->link[link]);
         rbd_real *u_D = rbdi_u_D_of(m, c, link);
@@ -1441,19 +1716,22 @@ static void rbdi_add_multipliers(const rbd_model *m, rbd_constraint_set *c) {
     }
 }
 
-/* Velocities, poses and bias wrenches of the links. epsilon has gamma's terms of the links' accelerations, so
-   these are 0 here. */
+/* Velocities, poses and bias wrenches of the links. Accelerations of the links are 0 here: epsilon has their
+   terms of gamma. */
 static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, rbdi_c3 gravity, int moving) {
     rbd_work *w = c->w;
     w->kinematics_of = RBDI_NO_KINEMATICS;
     c->world = rbdi_world_state(gravity).acc;
+
     rbdi_joints(m, w, q);
     rbdi_aba_velocities(m, w, v, 1);
     rbdi_kin_of_paths(m, c, v, moving);
+
     for (int i = 0; i < 2 * c->n; ++i) {
         const int link = c->constraint[i / 2].link[i % 2];
         if (link < 0) continue;
+
         w->kin[link].state.omega_dot = w->kin[link].state.acc = rbdi_vec0();
         if (!moving) w->kin[link].v = rbdi_vec0(); /* not used, but it must not be a NaN */
     }
@@ -1463,10 +1741,12 @@ static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, co
 static int rbdi_articulated_solve(const rbd_model *m, rbd_constraint_set *c, rbd_real *x) {
     if (rbdi_any(rbdi_factor_delta(m, c))) return 0;
     c->pivoted = 0;
+    c->infeasible = -1;
     rbdi_back_substitute(c);
     rbdi_add_multipliers(m, c);
+
     rbdi_aba_pass3(m, c->w, c->world, x);
-    c->infeasible = c->w->singular = -1;
+    c->w->singular = -1;
     return 1;
 }
 
@@ -1483,10 +1763,14 @@ static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constrain
 }
 
 /* x += D^-1 Y lambda, with lambda of least norm so that Y' x = target. check: whether to note a row that
-   contradicts others. */
-static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, int check) {
+   contradicts others. Returns whether rows may not hold yet, so that rbdi_check_held must look at them.
+
+       b = target - Y' x,   Delta lambda = b */
+static int rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, int check) {
     rbdi_rest_of_rows(c);
-    c->pivoted = 0, c->infeasible = -1;
+    c->pivoted = 0;
+    c->infeasible = -1;
+
     if (rbdi_any(rbdi_factor_delta(m, c))) {
         RBDI_NOTE_DOUBT(c->w, 1);
         c->pivoted = 1;
@@ -1499,18 +1783,20 @@ static void rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, int chec
         rbdi_back_substitute(c);
     }
 
-    (void)rbdi_refine(m, c, rbdi_add_forces(m, c, c->lambda));
+    return rbdi_refine(m, c, rbdi_add_forces(m, c, c->lambda)) || c->pivoted;
 }
 
 /* Targets of a constraint's rows: -gamma - kd J v - kp e; with a restitution, the change of velocity in an
-   impact, -(1 + restitution) J v. */
+   impact, -J v - restitution J v. */
 static void rbdi_set_target(rbd_constraint_set *c, const rbdi_constraint *con, const rbd_real *restitution) {
     for (int r = con->row; r < con->row + con->rows; r += RBDI_BATCH) {
         const rbdi_batch v = *(const rbdi_batch *)&c->velocity[r];
         rbdi_batch target = rbdi_zero_batch() - (restitution ? v : *(const rbdi_batch *)&c->gamma[r]);
+
         if (restitution) target = target - v * *restitution;
         if (!restitution && con->kd > 0) target = target - v * con->kd;
         if (!restitution && con->kp > 0) target = target - *(const rbdi_batch *)&c->e[r] * con->kp;
+
         *(rbdi_batch *)&c->target[r] = target;
     }
 }
@@ -1524,15 +1810,22 @@ static int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const 
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbd_work *w = c->w;
     if (c->factored) return 0;
+
+    /* the articulated bodies; in an impact without velocity products */
     rbdi_articulated_start(m, c, q, v, restitution ? none : w->gravity, c->moving || restitution);
-    for (int i = 0; restitution && i < m->nl; ++i)
-        w->scratch[i].f = rbdi_force0(), w->scratch[i].c = rbdi_motion0();
+    for (int i = 0; restitution && i < m->nl; ++i) {
+        w->scratch[i].f = rbdi_force0();
+        w->scratch[i].c = rbdi_motion0();
+    }
     rbdi_external(m, w, f_ext);
     if (rbdi_any(rbdi_aba_pass2(m, w, tau))) return 0;
+
     rbdi_path_inverse(m, c);
     if (c->dirty) rbdi_clear_rows(m, c);
     c->dirty = 0;
     rbdi_clear(c->velocity, 3 * c->stride); /* gamma and e are behind it */
+
+    /* the rows */
     for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con) {
         rbdi_axes_held h;
         rbdi_v3 p;
@@ -1541,43 +1834,55 @@ static int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const 
         rbdi_set_target(c, con, restitution);
         for (int r = 0; r < con->rows; r += RBDI_BATCH) rbdi_rows_to_world(m, c, con, r, &h, p);
     }
+
     return rbdi_articulated_solve(m, c, x);
 }
 
-/* Writes M to w->H, M a + c - sum J_b' f_ext to w->bias, and the state of all links. a: of the model with
-   mimics. */
+/* Writes M to w->H, M a + bias - sum J_b' f_ext to w->bias, and the state of all links. a: with the joints
+   that mimic. */
 static void rbdi_constraint_bias(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                  const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
                                  rbdi_c3 gravity) {
     rbd_work *w = c->w;
     rbd_crba_packed(m, w, q, w->H);
     rbdi_constraint_state(m, c, rbdi_expand_v(m, v, w->vx), a, gravity, 1);
+
     rbdi_external(m, w, f_ext);
     rbdi_rnea_sweep(m, w, a, rbdi_mimics(m) ? w->tx : w->bias);
     rbdi_reduce_tau(m, w->tx, w->bias);
 }
 
-/* As rbdi_articulated_fd, by the factor of M, in every state. Returns the status of M's pivots. */
+/* As rbdi_articulated_fd, by the factor M = L'DL, in every state. Returns the status of M's pivots.
+
+       f = L^-T (tau - bias),   Y = L^-T J',   L a = D^-1 (f + Y lambda) */
 static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                    const rbd_real *restitution, rbd_real *x) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbd_work *w = c->w;
     rbdi_mask doubt;
+
+    /* f */
     rbdi_constraint_bias(m, c, q, v, w->zero, f_ext, restitution ? none : w->gravity);
     for (int k = 0; k < m->nv; ++k) c->x[k] = restitution ? rbdi_zero() : tau[k] - w->bias[k];
     doubt = rbdi_factor(m, w, w->H);
     rbdi_sweep_back(m, c, w->H);
+
+    /* Y */
     rbdi_clear_rows(m, c);
     for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con) {
         rbdi_constraint_rows(m, c, con, !restitution && con->kp > 0);
         rbdi_set_target(c, con, restitution);
     }
-    rbdi_solve_transposed(m, w, w->H, c->stride, c->rows, c->Y); /* Y = L^-T J' */
+    rbdi_solve_transposed(m, w, w->H, c->stride, c->rows, c->Y);
 
+    /* L a = D^-1 (f + Y lambda) */
     for (int k = 0; k < m->nv; ++k) c->x[k] = c->x[k] * c->D_inverse[k];
-    rbdi_multipliers(m, c, !restitution); /* an impact's targets, J v, are in the range of J */
-    for (int k = 0; k < m->nv; ++k) x[k] = c->x[k] * w->pivot[k]; /* D x, of which L^-1 D^-1 is the result */
+    if (rbdi_multipliers(m, c, !restitution)) /* an impact's targets, J v, are in the range of J */
+        rbdi_check_held(m, c);
+
+    /* a, from D L a */
+    for (int k = 0; k < m->nv; ++k) x[k] = c->x[k] * w->pivot[k];
     rbdi_solve_forward(m, w, w->H, 1, 1, 1, x);
     return rbdi_factor_status(m, w, w->H, doubt, x, m->nv);
 }
@@ -1588,10 +1893,12 @@ static rbd_status rbdi_constrained(const rbd_model *m, rbd_constraint_set *c, co
                                    const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                    const rbd_real *restitution, rbd_real *x, rbd_real *lambda) {
     rbd_status status = RBD_OK;
+
     if (!rbdi_articulated_fd(m, c, q, v, tau, f_ext, restitution, x)) {
         if (!c->factored) RBDI_NOTE_DOUBT(c->w, 1);
         status = rbdi_factored_fd(m, c, q, v, tau, f_ext, restitution, x);
     }
+
     return rbdi_constrained_status(m, c, status, lambda);
 }
 
@@ -1602,9 +1909,11 @@ RBDI_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraint_set *c
     return status ? status : rbdi_constrained(m, c, q, v, tau, f_ext, NULL, a, lambda);
 }
 
+/* Whether 0 <= restitution <= 1. */
 static int rbdi_restitution_fits(rbd_real restitution) {
     const rbd_real one = rbdi_set(RBD_C(1)), two = one + one; /* to refuse NaN, which is not below it */
     const rbdi_mask above = rbdi_or(rbdi_less(one, restitution), rbdi_not(rbdi_less(restitution, two)));
+
     return !rbdi_any(rbdi_or(above, rbdi_less(restitution, rbdi_zero())));
 }
 
@@ -1613,9 +1922,11 @@ RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const 
     rbd_status status = rbdi_check_constraints(m, c, q && v && v_plus);
     if (status) return status;
     if (!rbdi_restitution_fits(restitution)) return RBD_ERR_RANGE;
+
     status = rbdi_constrained(m, c, q, v, c->w->zero, NULL, &restitution, c->x, impulse);
     for (int k = 0; k < m->nv; ++k) v_plus[k] = v[k] + c->x[k];
-    if (status) (void)rbdi_pivot_status(m, c->w, v_plus, m->nv);
+
+    if (status && status != RBD_ERR_INFEASIBLE) (void)rbdi_pivot_status(m, c->w, v_plus, m->nv);
     return status;
 }
 
@@ -1626,6 +1937,7 @@ static void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraint_set *c, c
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbdi_joints(m, c->w, rbdi_expand_q(m, c->w, q));
     rbdi_constraint_state(m, c, v ? rbdi_expand_v(m, v, c->w->vx) : c->w->zero, c->w->zero, none, 0);
+
     rbdi_clear_rows(m, c);
     for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con)
         rbdi_constraint_rows(m, c, con, errors);
@@ -1635,6 +1947,7 @@ RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_s
                                             const rbd_real *v, rbd_real *J, rbd_real *gamma, rbd_real *e) {
     const rbd_status status = rbdi_check_constraints(m, c, q != NULL);
     if (status) return status;
+
     rbdi_constraint_rows_at(m, c, q, v, e != NULL);
     for (int r = 0; r < c->rows; ++r) {
         for (int k = 0; J && k < m->nv; ++k) J[r * m->nv + k] = c->Y[k * c->stride + r];
@@ -1646,19 +1959,34 @@ RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_s
 
 /* ==== src/constraints/weights.h ==== */
 /* ---- weights [weights] ----
-   With a diagonal matrix D in place of M, so that L = 1 and Y = J', rbdi_multipliers solves least squares: it
-   adds D^-1 J' lambda to x, of all changes d with J (x + d) = target the one with the least d' D d. */
+   rbdi_multipliers solves weighted least squares, too. With a diagonal matrix D in place of M, so that L = 1
+   and Y = J',
+
+       J (x + d) = target,   d' D d least:   d = D^-1 J' lambda
+
+   rbd_constrained_id looks for lambda of least lambda' W lambda with
+
+       J_p' lambda = tau_p
+
+   p: the joints without motors, tau: the torques without contacts. It sets Y = J' W^-1/2, x_p = -tau_p, other
+   entries of x to 0, and D^-1 to 1 for these joints and to 0 for others. Then the equations of
+   rbdi_multipliers
+
+       Y' D^-1 Y mu = -Y' D^-1 x,   mu = W^1/2 lambda
+
+   are the normal equations of the least squares problem, and mu has the least norm. */
 
 /* Whether n weights are 0, or from RBDI_LEAST_WEIGHT to RBDI_MOST_WEIGHT. NULL: all are 1. */
 static int rbdi_weights_fit(const rbd_const *weight, int n) {
     for (int k = 0; weight && k < n; ++k) {
         const int none = weight[k] >= 0 && weight[k] <= 0;
+
         if (!none && !(weight[k] >= RBDI_LEAST_WEIGHT && weight[k] <= RBDI_MOST_WEIGHT)) return 0;
     }
     return 1;
 }
 
-/* The weight that stands for 0: so small a share of the least of the others that these alone count. */
+/* The weight that stands for 0: the share RBDI_FREE of the least of the others. */
 static rbd_const rbdi_free_weight(const rbd_const *weight, int n) {
     rbd_const least = 0;
     for (int k = 0; weight && k < n; ++k)
@@ -1687,8 +2015,11 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
     if (status) return status;
     if (!rbdi_weights_fit(weight, c->rows)) return RBD_ERR_RANGE;
     free = rbdi_free_weight(weight, c->rows);
+
     rbd_rnea(m, c->w, q, v, a, f_ext, c->x);
     rbdi_constraint_rows_at(m, c, q, NULL, 0);
+
+    /* Y = J' W^-1/2, x, D^-1 */
     root = c->velocity; /* J v is not needed */
     for (int r = 0; r < c->rows; ++r) root[r] = rbdi_sqrt(rbdi_set(rbdi_inverse_weight(weight, r, free)));
     for (int k = 0; k < m->nv; ++k) {
@@ -1699,35 +2030,46 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
         c->D_inverse[k] = rbdi_set(passive ? RBD_C(1) : RBD_C(0));
     }
     rbdi_clear(c->target, c->rows);
-    rbdi_multipliers(m, c, 0);
+    (void)rbdi_multipliers(m, c, 0);
+
+    /* tau - J' lambda */
     for (int k = 0; k < m->nv; ++k)
         tau[k] = tau[k] - rbdi_rows_product(&c->Y[k * c->stride], c->lambda, c->rows);
     for (int r = 0; lambda && r < c->rows; ++r) lambda[r] = c->lambda[r] * root[r];
+
     c->infeasible = -1; /* least squares always have a solution */
     return RBD_OK;
 }
 
 /* ==== src/constraints/assembly.h ==== */
 /* ---- assembly [assembly] ----
-   Newton's method. Of all steps d with de/dq d = -e it takes the one that makes d + rbd_difference(q,
-   q_near), the remaining distance from q, shortest. J takes the place of de/dq, except where a single angular
-   axis is held: J d = -e would not come nearer there at large turns. Two axes are better off with J: de/dq
-   vanishes where they are 90 degrees off. Steps are cut to RBDI_LONGEST_STEP, because the rows change. The
-   last steps reduce e alone. */
+   Newton's method. x is the distance of q_near from q. A step removes a share `size` of it and closes e:
 
-/* The next step size: the share of the distance that a step removes, by Barzilai and Borwein (1988), from
-   this step c->x, the step before it, and the sizes of both. 1 is right if J is constant; if J changes, steps
-   of size 1 converge slowly or never. */
+       d = D^-1 J' lambda - size x,   J d = -e,   x = rbd_difference(q, q_near)
+
+   The last steps have size 0: they reduce e alone. D: the weights. J stands for de/dq. Only if a constraint
+   holds a single angular axis is de/dq itself used: J d = -e would not come nearer there at large turns. For
+   two axes J is better: de/dq vanishes where they are 90 degrees off. Steps are cut to RBDI_LONGEST_STEP,
+   because the rows change. */
+
+/* The next step size, by Barzilai and Borwein (1988), from this step d = c->x and the one before it, d_0 =
+   c->last_step, of sizes s and s_0:
+
+       d_0' D d_0 / d_0' D (d_0 / s_0 - d / s)
+
+   1 is right if J is constant; if J changes, steps of size 1 converge slowly or never. */
 static rbd_real rbdi_next_size(const rbd_constraint_set *c, int nv, rbd_real size, rbd_real last_size) {
     const rbd_real one = rbdi_set(RBD_C(1)), least = rbdi_set(RBDI_LEAST_STEP_SIZE),
                    most = rbdi_set(RBDI_MOST_STEP_SIZE);
     rbdi_mask none = rbdi_less(one, rbdi_zero());
     rbd_real square = rbdi_zero(), change = rbdi_zero(), next;
+
     for (int k = 0; k < nv; ++k) {
         const rbd_real weighted = c->last_step[k] / c->D_inverse[k];
         square = square + weighted * c->last_step[k];
         change = change + weighted * (c->last_step[k] / last_size - c->x[k] / size);
     }
+
     next = square * rbdi_reciprocal(change, RBDI_TINY, &none);
     next = rbdi_select(none, one, next); /* no step before this */
     next = rbdi_select(rbdi_less(most, next), most, next);
@@ -1739,10 +2081,13 @@ static rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraint_set *c, co
                                    rbd_real *q_near, rbd_real size) {
     const rbd_real limit = rbdi_set(RBDI_LONGEST_STEP);
     rbd_real length, cut;
+
+    /* d = D^-1 J' lambda - size x, J d = -e */
     rbd_difference(m, q, q_near, c->x);
     for (int i = 0; i < m->nv; ++i) c->x[i] = -size * c->x[i];
     for (int r = 0; r < c->rows; ++r) c->target[r] = -c->e[r];
-    rbdi_multipliers(m, c, 0);
+    (void)rbdi_multipliers(m, c, 0);
+
     length = rbdi_largest(c->x, m->nv);
     cut = rbdi_select(rbdi_less(limit, length), limit / (length + RBDI_TINY), rbdi_set(RBD_C(1)));
     rbd_integrate(m, q_near, c->x, cut, q_near);
@@ -1753,46 +2098,79 @@ static rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraint_set *c, co
 static void rbdi_assemble_position(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                    rbd_real *q_near) {
     rbd_real size = rbdi_set(RBD_C(1)), last_size = size;
+    int close = 0; /* the last steps that were taken */
     for (int k = 0; k < m->nq; ++k) q_near[k] = q[k];
     rbdi_clear(c->last_step, m->nv);
-    for (int step = 0, close = 0; close < RBDI_CLOSING_STEPS; ++step) {
+
+    for (int step = 0; close < RBDI_CLOSING_STEPS; ++step) {
         rbd_real length, next;
+
         rbdi_constraint_rows_at(m, c, q_near, NULL, RBDI_SLOPES);
         length = rbdi_assembly_step(m, c, q, q_near, close ? rbdi_zero() : size);
         if (close || step > RBDI_NEARING_STEPS || !rbdi_any(rbdi_less(size * RBDI_SHORT_STEP, length)))
             ++close;
         if (close) continue;
+
         next = rbdi_next_size(c, m->nv, size, last_size);
-        last_size = size, size = next;
+        last_size = size;
+        size = next;
         for (int k = 0; k < m->nv; ++k) c->last_step[k] = c->x[k];
     }
+
     rbdi_constraint_rows_at(m, c, q_near, NULL, 1);
+}
+
+/* Computes v_near from v with the rows at q_near: J v_near = 0. Notes a row that this does not hold. */
+static void rbdi_assemble_velocity(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v,
+                                   rbd_real *v_near) {
+    for (int k = 0; k < m->nv; ++k) c->x[k] = v[k];
+    rbdi_clear(c->target, c->rows);
+    (void)rbdi_multipliers(m, c, 0);
+    if (rbdi_multipliers(m, c, 0)) rbdi_check_held(m, c); /* the second removes rounding */
+    for (int k = 0; k < m->nv; ++k) v_near[k] = c->x[k];
+}
+
+/* Notes the row with the largest error e, if that is not below RBDI_CLOSED. */
+static void rbdi_note_open_row(rbd_constraint_set *c) {
+    rbd_real open = rbdi_set(RBDI_CLOSED);
+    for (int r = 0; r < c->rows; ++r) {
+        const rbdi_mask worse = rbdi_not(rbdi_less(rbdi_abs(c->e[r]), open));
+        if (!rbdi_any(worse)) continue;
+        c->infeasible = r;
+        open = rbdi_select(worse, rbdi_abs(c->e[r]), open);
+    }
+}
+
+/* Whether weights hide rows: J alone has a higher rank. */
+RBDI_COLD int rbdi_weights_hide(const rbd_model *m, rbd_constraint_set *c) {
+    const int rank = rbd_constraint_rank(c);
+    for (int k = 0; k < m->nv; ++k) c->D_inverse[k] = rbdi_set(RBD_C(1));
+
+    c->pivoted = rbdi_any(rbdi_factor_delta(m, c));
+    if (c->pivoted) rbdi_orthogonalise(m, c);
+    return rbd_constraint_rank(c) > rank;
 }
 
 RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                  const rbd_real *v, const rbd_const *weight, rbd_real *q_near,
                                  rbd_real *v_near) {
     const rbd_status status = rbdi_check_constraints(m, c, q && q_near && q != q_near && (!v == !v_near));
-    rbd_real open;
     rbd_const free;
     if (status) return status;
     if (!rbdi_weights_fit(weight, m->nv)) return RBD_ERR_RANGE;
+
     free = rbdi_free_weight(weight, m->nv);
     for (int k = 0; k < m->nv; ++k) c->D_inverse[k] = rbdi_set(rbdi_inverse_weight(weight, k, free));
     rbdi_assemble_position(m, c, q, q_near);
-    if (v) {
-        for (int k = 0; k < m->nv; ++k) c->x[k] = v[k];
-        rbdi_clear(c->target, c->rows);
-        for (int pass = 0; pass < 2; ++pass) rbdi_multipliers(m, c, 0); /* the second removes rounding */
-        for (int k = 0; k < m->nv; ++k) v_near[k] = c->x[k];
-    }
     c->infeasible = -1;
-    open = rbdi_set(RBDI_CLOSED);
-    for (int r = 0; r < c->rows; ++r) {
-        const rbdi_mask worse = rbdi_not(rbdi_less(rbdi_abs(c->e[r]), open));
-        if (rbdi_any(worse)) c->infeasible = r, open = rbdi_select(worse, rbdi_abs(c->e[r]), open);
-    }
-    return c->infeasible < 0 ? RBD_OK : RBD_ERR_INFEASIBLE;
+    if (v) rbdi_assemble_velocity(m, c, v, v_near);
+
+    rbdi_note_open_row(c);
+    if (c->infeasible < 0) return RBD_OK;
+    if (!rbdi_weights_hide(m, c)) return RBD_ERR_INFEASIBLE;
+
+    c->infeasible = -1;
+    return RBD_ERR_RANGE;
 }
 
 RBDI_API int rbd_constraint_rows(const rbd_constraint_set *c) { return c ? c->rows : 0; }
@@ -1818,11 +2196,13 @@ RBDI_API int rbd_infeasible_row(const rbd_constraint_set *c) { return c ? c->inf
 
 /* ---- set code [set code] ---- */
 
+/* Holds a point of body 1 at a point of body 2, and the first `angular` angular axes. */
 static rbd_constraint rbdi_constraint_of(int body1, const double *p1, int body2, const double *p2,
                                          int angular) {
     rbd_constraint con;
     con.name = NULL;
-    con.body1 = body1, con.body2 = body2;
+    con.body1 = body1;
+    con.body2 = body2;
     for (int i = 0; i < 9; ++i) con.rotation1[i] = con.rotation2[i] = i % 4 == 0;
     for (int i = 0; i < 3; ++i) {
         con.position1[i] = p1 ? p1[i] : 0;
@@ -1886,6 +2266,7 @@ static int rbdi_rows_of(const rbd_constraint *list, int n) {
 RBDI_API size_t rbd_constraint_set_size(const rbd_model *m, const rbd_constraint *list, int n) {
     int rows;
     if (!m || (!list && n) || n < 0 || n > RBD_MAX_CONSTRAINTS) return 0;
+
     rows = rbdi_rows_of(list, n);
     return RBDI_CONSTRAINTS_BYTES(m->nv, n, rows, rbdi_row_stride(rows));
 }
@@ -1934,16 +2315,24 @@ static int rbdi_place_frame(const rbd_model *m, int body, const double rotation[
     rbdi_widen(position, 3, x);
     if (rbdi_all_zero(rotation, 9)) rbdi_w_identity(A);
     rbdi_orthonormalise(A);
+
+    /* the body's frame on its link */
     if (body >= 0) {
         const rbdi_frame *u = &m->frame[body];
         for (int k = 0; k < 9; ++k) E[k] = (rbdi_wide)u->E[k / 3 + k % 3 * 3]; /* transposed */
-        r[0] = (rbdi_wide)u->r.x, r[1] = (rbdi_wide)u->r.y, r[2] = (rbdi_wide)u->r.z;
+        r[0] = (rbdi_wide)u->r.x;
+        r[1] = (rbdi_wide)u->r.y;
+        r[2] = (rbdi_wide)u->r.z;
     }
+
+    /* E A, r + E x */
     rbdi_w_product(E, A, A);
     rbdi_w_apply(E, x, x);
     for (int k = 0; k < 9; ++k) R_link[k] = (rbd_const)A[k];
-    p_link->x = (rbd_const)(r[0] + x[0]), p_link->y = (rbd_const)(r[1] + x[1]),
+    p_link->x = (rbd_const)(r[0] + x[0]);
+    p_link->y = (rbd_const)(r[1] + x[1]);
     p_link->z = (rbd_const)(r[2] + x[2]);
+
     return rbdi_link_of_body(m, body);
 }
 
@@ -1963,32 +2352,42 @@ static void rbdi_place_constraint(const rbd_model *m, const rbd_constraint *from
     to->link[1] = (int16_t)rbdi_place_frame(m, from->body2, from->rotation2, from->position2, to->rotation[1],
                                             &to->position[1]);
     to->ancestor = (int16_t)rbdi_common_ancestor(m, to->link[0], to->link[1]);
-    to->kp = RBD_C(from->kp), to->kd = RBD_C(from->kd);
+    to->kp = RBD_C(from->kp);
+    to->kd = RBD_C(from->kd);
+
+    /* each held axis is a row: column j of rotation 2 */
     to->row = (int16_t)row;
     to->rows = to->angular = 0;
     for (int r = 0; r < RBDI_SIX_ROWS; ++r) to->held[0][r] = to->held[1][r] = to->held[2][r] = 0;
     for (int j = 0; j < 6; ++j) {
         if (!from->axes[j]) continue;
+
         for (int i = 0; i < 3; ++i) to->held[i][to->rows] = to->rotation[1][3 * i + j % 3];
         to->axis[to->rows++] = (int16_t)j;
         to->angular = (int16_t)(to->angular + (j < 3));
     }
 }
 
+/* Marks a dof and all before it on the way to the world. */
+static void rbdi_mark_path(const rbd_model *m, int dof, int16_t *reached) {
+    for (int i = dof; i >= 0 && !reached[i]; i = m->dof[i].lambda) reached[i] = 1;
+}
+
 /* Finds the dofs of the paths to a constraint's bodies, and extends their spans by its rows. */
 static void rbdi_reach_dofs(const rbd_model *m, rbd_constraint_set *c, rbdi_constraint *con) {
     int16_t *reached = c->path;
     for (int i = 0; i < m->nv; ++i) reached[i] = 0;
+
     for (int side = 0; side < 2; ++side)
         for (int link = con->link[side]; link >= 0; link = m->link[link].parent)
             for (int j = 0; j < rbdi_link_dofs(m, &m->link[link]); ++j)
-                for (int i = rbdi_source(m, m->link[link].iv + j); i >= 0 && !reached[i];
-                     i = m->dof[i].lambda)
-                    reached[i] = 1;
+                rbdi_mark_path(m, rbdi_source(m, m->link[link].iv + j), reached);
+
     con->dofs = 0;
     for (int i = 0; i < m->nv; ++i) {
         rbdi_span *s = &c->span[i];
         if (!reached[i]) continue;
+
         if (s->end == 0) s->first = con->row;
         s->end = (int16_t)(con->row + con->rows);
         con->dof[con->dofs++] = (int16_t)i;
@@ -1999,28 +2398,33 @@ static void rbdi_reach_dofs(const rbd_model *m, rbd_constraint_set *c, rbdi_cons
    on all paths. */
 static void rbdi_begin_set(const rbd_model *m, rbd_work *w, rbd_constraint_set *c) {
     for (int k = 0; k < RBDI_SHAPE; ++k) c->shape[k] = m->shape[k];
-    c->w = w, c->infeasible = -1, c->links = 0;
+    c->w = w;
+    c->infeasible = -1;
+
     for (int k = 0; k < m->nv; ++k) c->span[k].first = c->span[k].end = 0;
     for (int i = 0; i < c->n; ++i) rbdi_reach_dofs(m, c, &c->constraint[i]);
+
+    c->links = 0;
     for (int i = 0; i < m->nl && !rbdi_mimics(m); ++i)
         if (c->span[m->link[i].iv].end > 0) c->link[c->links++] = (int16_t)i;
 }
 
-/* Whether rows depend on each other in every state, so that articulated bodies would always fail: there are
+/* Whether rows depend on each other in every state. Articulated bodies would fail in all of them. There are
    more rows than dofs, or between two links more than six, or more than the dofs that move one of them. */
 static int rbdi_too_many_rows(const rbd_model *m, const rbd_constraint_set *c) {
     const rbdi_constraint *stop = c->constraint + c->n;
     int too_many = c->rows > m->nv;
     for (const rbdi_constraint *con = c->constraint; con < stop; ++con) {
         int rows = 0, dofs = 0;
+
+        /* rows of all constraints between these two links */
         for (const rbdi_constraint *o = c->constraint; o < stop; ++o)
             if ((o->link[0] == con->link[0] && o->link[1] == con->link[1]) ||
                 (o->link[0] == con->link[1] && o->link[1] == con->link[0]))
                 rows += o->rows;
-        RBDI_FOR_PATHS(m, con, link, sign) {
-            (void)sign;
-            dofs += rbdi_link_dofs(m, &m->link[link]);
-        }
+
+        for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);)
+            dofs += rbdi_link_dofs(m, &m->link[walk.link]);
         too_many |= rows > 6 || rows > dofs;
     }
     return too_many;
@@ -2031,6 +2435,7 @@ static rbd_status rbdi_check_list(const rbd_model *m, const rbd_work *w, const r
                                   const void *memory, size_t size, rbd_report *report) {
     report->warnings = 0;
     rbdi_refuse(report, RBD_OK, -1, NULL, NULL);
+
     if (!m || !w || (!list && n) || !memory) return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
     if (rbdi_check(m, w, 1)) return rbdi_refuse(report, RBD_ERR_WORK, -1, NULL, NULL);
     if (n < 0 || n > RBD_MAX_CONSTRAINTS) {
@@ -2038,10 +2443,12 @@ static rbd_status rbdi_check_list(const rbd_model *m, const rbd_work *w, const r
         report->error.text = "the number of constraints is below 0 or above RBD_MAX_CONSTRAINTS";
         return RBD_ERR_COUNT;
     }
+
     for (int i = 0; i < n; ++i) {
         const rbd_status status = rbdi_check_constraint(m, &list[i], i, report);
         if (status) return status;
     }
+
     if (size < rbd_constraint_set_size(m, list, n))
         return rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL);
     return RBD_OK;
@@ -2053,7 +2460,10 @@ static rbd_constraint_set *rbdi_lay_constraints(int nv, int n, int rows, void *m
     unsigned char *p = rbdi_aligned(memory);
     rbd_constraint_set *c = (rbd_constraint_set *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_constraint_set)));
     rbd_real *x;
-    c->n = n, c->rows = rows, c->stride = stride;
+    c->n = n;
+    c->rows = rows;
+    c->stride = stride;
+
     c->constraint = (rbdi_constraint *)rbdi_take(&p, 1, RBDI_ROUND((size_t)n * sizeof(rbdi_constraint)));
     c->link = (int16_t *)rbdi_take(&p, 1, RBDI_ROUND((size_t)nv * ((size_t)n + 1) * sizeof(int16_t)));
     for (int i = 0; i < n; ++i) c->constraint[i].dof = c->link + (i + 1) * nv;
@@ -2061,13 +2471,29 @@ static rbd_constraint_set *rbdi_lay_constraints(int nv, int n, int rows, void *m
     c->path = (int16_t *)rbdi_take(&p, 1, RBDI_ROUND((size_t)nv * sizeof(int16_t)));
     c->Y = (rbd_real *)rbdi_take(&p, nv * stride, sizeof(rbd_real));
     c->R = (rbd_real *)rbdi_take(&p, (rows > nv ? rows : nv) * stride, sizeof(rbd_real));
+
+    /* an entry for each dof */
     x = (rbd_real *)rbdi_take(&p, 4 * nv, sizeof(rbd_real));
-    c->x = x, c->householder = x + nv, c->last_step = x + 2 * nv, c->D_inverse = x + 3 * nv;
+    c->x = x;
+    c->of_dofs.reflection = x + nv;
+    c->last_step = x + 2 * nv;
+    c->D_inverse = x + 3 * nv;
+
+    /* an entry for each row; velocity, gamma and e are cleared together */
     x = (rbd_real *)rbdi_take(&p, 11 * stride, sizeof(rbd_real));
     rbdi_clear(x, 11 * stride);
-    c->b = x, c->lambda = x + stride, c->target = x + 2 * stride, c->velocity = x + 3 * stride;
-    c->gamma = x + 4 * stride, c->e = x + 5 * stride, c->slack = x + 6 * stride, c->square = x + 7 * stride;
-    c->inverse_square = x + 8 * stride, c->pivot_row = x + 9 * stride, c->R_inverse = x + 10 * stride;
+    c->b = x;
+    c->lambda = x + stride;
+    c->target = x + 2 * stride;
+    c->velocity = x + 3 * stride;
+    c->gamma = x + 4 * stride;
+    c->e = x + 5 * stride;
+    c->slack = x + 6 * stride;
+    c->square = x + 7 * stride;
+    c->of_rows.inverse_square = x + 8 * stride;
+    c->pivot_row = x + 9 * stride;
+    c->R_inverse = x + 10 * stride;
+
     return c;
 }
 
@@ -2082,12 +2508,17 @@ RBDI_API rbd_status rbd_constraint_set_init(const rbd_model *m, rbd_work *w, con
     status = rbdi_check_list(m, w, list, n, constraints ? memory : NULL, size, report);
     if (constraints) *constraints = NULL;
     if (status) return status;
+
     c = rbdi_lay_constraints(m->nv, n, rbdi_rows_of(list, n), memory);
-    c->dirty = 1, c->pivoted = c->moving = 0;
-    for (int i = 0; i < n; row += c->constraint[i++].rows) {
+    c->dirty = 1;
+    c->pivoted = 0;
+    c->moving = 0;
+    for (int i = 0; i < n; ++i) {
         rbdi_place_constraint(m, &list[i], row, &c->constraint[i]);
         c->moving |= list[i].kp > 0 || list[i].kd > 0 || c->constraint[i].link[1] >= 0;
+        row += c->constraint[i].rows;
     }
+
     rbdi_begin_set(m, w, c);
     c->factored = rbdi_mimics(m) > 0 || rbdi_too_many_rows(m, c);
     *constraints = c;
@@ -2122,10 +2553,9 @@ RBDI_CODE_BEGIN
    By tau, rho = -1 and sigma = 0. rbd_id_derivatives gives d ID. The rest depends only on the relative motion
    of the two bodies, so only on dofs that move one of them. All quantities are in world axes; motions are
    those of the link-fixed points at p, the origin of frame 1. Such a dof k moves body b; S = (z; s), negated
-   if b is body 2; V and A are spatial velocities and accelerations, of the joint's parent link P and of its
-   own link; x between spatial vectors is the spatial cross product:
+   if b is body 2. Psi, Phi and U are those of [common frame] in rbd_derivatives.h, about p instead of the
+   common origin:
 
-       Psi = V_P x S    Phi = A_P x S + V_P x Psi    U = Psi + V_link x S
        by q   dw = z x omega_b + Psi_omega
               du = z x v_b + Psi_v - omega_2 x s
               dalpha = z x alpha_b + Psi_omega x omega_b + Phi_omega - omega_2 x dw
@@ -2167,15 +2597,21 @@ RBDI_INLINE rbdi_motion rbdi_motion_cross(rbdi_motion V, rbdi_motion S) {
     return C;
 }
 
-/* 2 a; c + a x b; c - a x b. */
+/* 2 a */
 RBDI_INLINE rbdi_v3 rbdi_twice(rbdi_v3 a) { return rbdi_add(a, a); }
-RBDI_INLINE rbdi_v3 rbdi_cross_add(rbdi_v3 c, rbdi_v3 a, rbdi_v3 b) { return rbdi_add(c, rbdi_cross(a, b)); }
-RBDI_INLINE rbdi_v3 rbdi_cross_sub(rbdi_v3 c, rbdi_v3 a, rbdi_v3 b) { return rbdi_add(c, rbdi_cross(b, a)); }
+
+/* x + a x b */
+RBDI_INLINE rbdi_v3 rbdi_cross_add(rbdi_v3 x, rbdi_v3 a, rbdi_v3 b) { return rbdi_add(x, rbdi_cross(a, b)); }
+
+/* x - a x b */
+RBDI_INLINE rbdi_v3 rbdi_cross_sub(rbdi_v3 x, rbdi_v3 a, rbdi_v3 b) { return rbdi_add(x, rbdi_cross(b, a)); }
 
 static rbdi_pair_motion rbdi_pair_motion_of(const rbd_constraint_set *c, const rbdi_constraint *con) {
     rbdi_pair_motion pair;
     pair.motion = rbdi_relative_motion_of(c, con);
     rbdi_set_axes(c, con, &pair.h);
+
+    /* n and f: the sum of lambda times the row's axis */
     pair.force.n = pair.force.f = rbdi_vec0();
     for (int r = 0; r < con->rows; ++r) {
         const int angular = r < con->angular, i = angular ? 0 : 3;
@@ -2183,19 +2619,40 @@ static rbdi_pair_motion rbdi_pair_motion_of(const rbd_constraint_set *c, const r
         rbdi_v3 *to = angular ? &pair.force.n : &pair.force.f;
         *to = rbdi_add(*to, rbdi_scale(c->lambda[con->row + r], e));
     }
-    pair.log_R = pair.free[0] = pair.free[1] = pair.roll_radius = rbdi_vec0(), pair.log_square = rbdi_zero();
+
+    /* the angular part of e */
+    pair.log_R = pair.free[0] = pair.free[1] = pair.roll_radius = rbdi_vec0();
+    pair.log_square = rbdi_zero();
     if (con->kp > 0 && con->angular) {
         const rbdi_mat R_1 = rbdi_frame_axes(c, con, 0), R_2 = rbdi_frame_axes(c, con, 1);
         const int i = con->angular == 2 ? 3 - con->axis[0] - con->axis[1] : 0;
         rbd_real axis[3] = {rbdi_zero(), rbdi_zero(), rbdi_zero()};
+
         pair.log_R = rbdi_log_rotation(rbdi_mul_mat(rbdi_transpose(R_2), R_1));
         pair.log_square = rbdi_log_square(pair.log_R);
         pair.log_R = rbdi_mul(R_2, pair.log_R);
+
         axis[i] = rbdi_set(RBD_C(1));
         pair.free[0] = rbdi_mul(R_2, rbdi_load_vec(axis, 1));
         pair.free[1] = rbdi_mul(R_1, rbdi_load_vec(axis, 1));
     }
     return pair;
+}
+
+/* The terms in the axes of body 2 that turn with it: by q (z x w; z x u) and (dw x w + z x alpha; 2 dw x u +
+   z x acc), by v (z x w; 2 z x u). */
+RBDI_INLINE void rbdi_turn_with_body2(rbdi_motion velocity, rbdi_motion rate, rbdi_v3 z,
+                                      rbdi_motion_derivatives *by) {
+    const rbdi_v3 dw = by->velocity_q.omega;
+
+    by->rate_q.omega = rbdi_cross_add(rbdi_cross_add(by->rate_q.omega, dw, velocity.omega), z, rate.omega);
+    by->rate_q.v = rbdi_cross_add(rbdi_cross_add(by->rate_q.v, dw, rbdi_twice(velocity.v)), z, rate.v);
+
+    by->velocity_q.omega = rbdi_cross_add(dw, z, velocity.omega);
+    by->velocity_q.v = rbdi_cross_add(by->velocity_q.v, z, velocity.v);
+
+    by->rate_v.omega = rbdi_cross_add(by->rate_v.omega, z, velocity.omega);
+    by->rate_v.v = rbdi_cross_add(by->rate_v.v, z, rbdi_twice(velocity.v));
 }
 
 /* Derivatives by dof j of a link on the path of body `side`. */
@@ -2209,47 +2666,57 @@ static rbdi_motion_derivatives rbdi_differentiate_motion(const rbd_model *m, con
     rbdi_motion V, A, Psi, Phi, U;
     rbdi_motion_derivatives by;
     rbdi_v3 z, s, omega2_s;
+
     by.S = rbdi_column(m, c->w, link, j, b->p);
-    z = by.S.omega = rbdi_scale(scale, by.S.omega), s = by.S.v = rbdi_scale(scale, by.S.v);
-    V.omega = own.omega, V.v = own.v;
+    by.S.omega = rbdi_scale(scale, by.S.omega);
+    by.S.v = rbdi_scale(scale, by.S.v);
+    z = by.S.omega;
+    s = by.S.v;
+
+    /* Psi = V_P x S, Phi = A_P x S + V_P x Psi, U = Psi + V_link x S */
+    V.omega = own.omega;
+    V.v = own.v;
     U = rbdi_motion_cross(V, by.S);
-    V.omega = P.omega, V.v = P.v;
-    A.omega = P.omega_dot, A.v = rbdi_cross_sub(P.acc, P.omega, P.v);
+    V.omega = P.omega;
+    V.v = P.v;
+    A.omega = P.omega_dot;
+    A.v = rbdi_cross_sub(P.acc, P.omega, P.v);
     Psi = rbdi_motion_cross(V, by.S);
     Phi = rbdi_motion_add(rbdi_motion_cross(A, by.S), rbdi_motion_cross(V, Psi));
     U = rbdi_motion_add(U, Psi);
+
+    /* dw, du by q */
     omega2_s = rbdi_cross(omega2, s);
     by.velocity_q.omega = rbdi_cross_add(Psi.omega, z, b->omega);
     by.velocity_q.v = rbdi_sub(rbdi_cross_add(Psi.v, z, b->v), omega2_s);
+
+    /* dalpha, dacc by q */
     by.rate_q.omega = rbdi_cross_add(rbdi_cross_add(Phi.omega, z, b->omega_dot), Psi.omega, b->omega);
     by.rate_q.omega = rbdi_cross_sub(by.rate_q.omega, omega2, by.velocity_q.omega);
     by.rate_q.v = rbdi_cross_add(rbdi_cross_add(Phi.v, z, b->acc), rbdi_twice(Psi.omega), b->v);
     by.rate_q.v =
         rbdi_cross_sub(rbdi_cross_sub(by.rate_q.v, pair->motion.body[1].omega_dot, s), omega2, omega2_s);
     by.rate_q.v = rbdi_cross_sub(by.rate_q.v, omega2, rbdi_twice(by.velocity_q.v));
+
+    /* dalpha, dacc by v */
     by.rate_v.omega = rbdi_cross_sub(rbdi_cross_add(U.omega, z, b->omega), omega2, z);
     by.rate_v.v = rbdi_sub(rbdi_cross_add(U.v, z, rbdi_twice(b->v)), rbdi_twice(omega2_s));
-    if (side) {
-        by.rate_q.omega =
-            rbdi_cross_add(rbdi_cross_add(by.rate_q.omega, by.velocity_q.omega, pair->motion.velocity.omega),
-                           z, pair->motion.rate.omega);
-        by.rate_q.v = rbdi_cross_add(
-            rbdi_cross_add(by.rate_q.v, by.velocity_q.omega, rbdi_twice(pair->motion.velocity.v)), z,
-            pair->motion.rate.v);
-        by.velocity_q.omega = rbdi_cross_add(by.velocity_q.omega, z, pair->motion.velocity.omega);
-        by.velocity_q.v = rbdi_cross_add(by.velocity_q.v, z, pair->motion.velocity.v);
-        by.rate_v.omega = rbdi_cross_add(by.rate_v.omega, z, pair->motion.velocity.omega);
-        by.rate_v.v = rbdi_cross_add(by.rate_v.v, z, rbdi_twice(pair->motion.velocity.v));
-    }
+
+    if (side) rbdi_turn_with_body2(pair->motion.velocity, pair->motion.rate, z, &by);
+
+    /* a ball: the place of contact moves over it by z x roll_radius */
     by.velocity_q.v =
         rbdi_cross_add(by.velocity_q.v, pair->motion.velocity.omega, rbdi_cross(z, pair->roll_radius));
     return by;
 }
 
-/* Derivative of the angular part of e, world axes, by a dof that turns body 1 by z relative to body 2. */
+/* Derivative of the angular part of e, world axes, by a dof that turns body 1 by z relative to body 2. With w
+   = log R: z - w x z / 2 + factor w x (w x z), [rbdi_log_square]. If two axes are held: f_2 x (z x f_1), f
+   the free axis. */
 static rbdi_v3 rbdi_differentiate_error(const rbdi_constraint *con, const rbdi_pair_motion *pair, rbdi_v3 z) {
     const rbdi_v3 bent = rbdi_cross(pair->log_R, z),
                   more = rbdi_scale(pair->log_square, rbdi_cross(pair->log_R, bent));
+
     if (con->angular == 2) return rbdi_cross(pair->free[0], rbdi_cross(z, pair->free[1]));
     return rbdi_add(rbdi_add(z, rbdi_scale(rbdi_set(RBD_C(-0.5)), bent)), more);
 }
@@ -2257,19 +2724,25 @@ static rbdi_v3 rbdi_differentiate_error(const rbdi_constraint *con, const rbdi_p
 /* Adds a dof's column of sigma. */
 static void rbdi_add_sigma(const rbdi_constraint *con, const rbdi_pair_motion *pair,
                            const rbdi_motion_derivatives *by, int nv, rbd_real *sigma_q, rbd_real *sigma_v) {
-    rbd_real sum[2][RBDI_SIX_ROWS], also[RBDI_SIX_ROWS];
+    rbd_real sum[2][RBDI_SIX_ROWS], also[RBDI_SIX_ROWS]; /* by q, by v */
+
+    /* J a + gamma */
     rbdi_clear(sum[0], 2 * RBDI_SIX_ROWS);
     rbdi_add_held(con, &pair->h, by->rate_q.omega, by->rate_q.v, sum[0]);
     rbdi_add_held(con, &pair->h, by->rate_v.omega, by->rate_v.v, sum[1]);
-    for (int part = 0; part < 3; ++part) { /* J v by q, by v; e by q */
+
+    /* kd J v by q, by v; kp e by q */
+    for (int part = 0; part < 3; ++part) {
         rbdi_v3 turn = part == 0 ? by->velocity_q.omega : by->S.omega;
         const rbd_const gain = part < 2 ? con->kd : con->kp;
         if (!(gain > 0)) continue;
+
         if (part == 2) turn = rbdi_differentiate_error(con, pair, turn);
         rbdi_clear(also, RBDI_SIX_ROWS);
         rbdi_add_held(con, &pair->h, turn, part == 0 ? by->velocity_q.v : by->S.v, also);
         for (int r = 0; r < con->rows; ++r) sum[part == 1][r] = sum[part == 1][r] + also[r] * gain;
     }
+
     for (int r = 0; r < con->rows; ++r) {
         if (sigma_q) sigma_q[(con->row + r) * nv] = sigma_q[(con->row + r) * nv] + sum[0][r];
         if (sigma_v) sigma_v[(con->row + r) * nv] = sigma_v[(con->row + r) * nv] + sum[1][r];
@@ -2277,18 +2750,23 @@ static void rbdi_add_sigma(const rbdi_constraint *con, const rbdi_pair_motion *p
 }
 
 /* Subtracts the derivative of J' lambda by a dof of the link `mover`, with this S, from a column of rho. S of
-   the others are stage.mover in the columns of d. */
+   all dofs is stage.mover in the columns of d.
+
+       S_i . (n x z; f x z)   if k is on the path of body 1 and moves i, or on that of body 2 and does not
+       S_i . (s x f; 0)       else */
 static void rbdi_subtract_force_derivative(const rbd_model *m, const rbd_derivatives *d,
                                            const rbdi_constraint *con, const rbdi_pair_motion *pair, int side,
                                            int mover, rbdi_motion S, rbd_real *rho) {
     const rbdi_v3 o = rbdi_vec0(), nz = rbdi_cross(pair->force.n, S.omega),
                   fz = rbdi_cross(pair->force.f, S.omega), sf = rbdi_cross(S.v, pair->force.f),
                   roll = rbdi_cross(rbdi_cross(S.omega, pair->roll_radius), pair->force.f);
-    RBDI_FOR_PATHS(m, con, link, sign) {
-        const rbdi_link *l = &m->link[link];
-        const int other = sign < 0,
-                  moved = other == side && l->first >= m->link[mover].first; /* on the same path: behind it */
+
+    for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);) {
+        const rbdi_link *l = &m->link[walk.link];
+        const int moved =
+            walk.side == side && l->first >= m->link[mover].first; /* on the same path: behind it */
         const rbdi_v3 moment = rbdi_add(roll, moved == side ? sf : nz), force = moved == side ? o : fz;
+
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
             const rbdi_motion C = rbdi_load_motion(RBDI_OF(d, l->first + j, stage.mover), RBDI_BATCH);
             rbd_real *to = &rho[rbdi_source(m, l->iv + j) * m->nv];
@@ -2301,11 +2779,14 @@ static void rbdi_subtract_force_derivative(const rbd_model *m, const rbd_derivat
 static void rbdi_differentiate_forces(const rbd_model *m, const rbd_derivatives *d,
                                       const rbdi_constraint *con, const rbdi_pair_motion *pair,
                                       rbd_real *rho) {
-    RBDI_FOR_PATHS(m, con, link, sign)
-    for (int j = 0, first = m->link[link].first; j < rbdi_link_dofs(m, &m->link[link]); ++j)
-        rbdi_subtract_force_derivative(m, d, con, pair, sign < 0, link,
-                                       rbdi_load_motion(RBDI_OF(d, first + j, stage.mover), RBDI_BATCH),
-                                       rho + rbdi_source(m, m->link[link].iv + j));
+    for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);) {
+        const rbdi_link *l = &m->link[walk.link];
+        for (int j = 0; j < rbdi_link_dofs(m, l); ++j)
+            rbdi_subtract_force_derivative(
+                m, d, con, pair, walk.side, walk.link,
+                rbdi_load_motion(RBDI_OF(d, l->first + j, stage.mover), RBDI_BATCH),
+                rho + rbdi_source(m, l->iv + j));
+    }
 }
 
 /* The same, and += sigma by q and by v. NULL: not wanted. */
@@ -2313,16 +2794,20 @@ static void rbdi_differentiate(const rbd_model *m, const rbd_constraint_set *c, 
                                const rbdi_constraint *con, rbd_real *rho_q, rbd_real *sigma_q,
                                rbd_real *sigma_v) {
     const rbdi_pair_motion pair = rbdi_pair_motion_of(c, con);
-    RBDI_FOR_PATHS(m, con, link, sign) {
-        const rbdi_link *l = &m->link[link];
+
+    for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);) {
+        const rbdi_link *l = &m->link[walk.link];
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
-            const rbdi_motion_derivatives by = rbdi_differentiate_motion(m, c, &pair, sign < 0, link, j);
+            const rbdi_motion_derivatives by =
+                rbdi_differentiate_motion(m, c, &pair, walk.side, walk.link, j);
             const int column = rbdi_source(m, l->iv + j);
+
             rbdi_store_motion(RBDI_OF(d, l->first + j, stage.mover), RBDI_BATCH, by.S);
             rbdi_add_sigma(con, &pair, &by, m->nv, sigma_q ? sigma_q + column : NULL,
                            sigma_v ? sigma_v + column : NULL);
         }
     }
+
     if (rho_q) rbdi_differentiate_forces(m, d, con, &pair, rho_q);
 }
 
@@ -2332,13 +2817,17 @@ static void rbdi_lambda_derivatives(const rbd_model *m, rbd_constraint_set *c, c
     const int n = m->nv;
     for (int r = 0; r < c->rows; ++r) {
         rbd_real *to = &sigma[r * n];
-        for (int k = 0; k < n; ++k) to[k] = -to[k], c->x[k] = c->Y[k * c->stride + r];
+        for (int k = 0; k < n; ++k) {
+            to[k] = -to[k];
+            c->x[k] = c->Y[k * c->stride + r];
+        }
         rbdi_subtract_product(c->x, rho, n, n, to);
     }
+
     rbdi_delta_solve(c, sigma, n);
 }
 
-/* Replaces rho by da and sigma by dlambda, all columns at once. c->Y: -T. */
+/* Replaces rho by da = -M^-1 rho + T dlambda and sigma by dlambda, all columns at once. c->Y: -T. */
 static void rbdi_solve_at_once(const rbd_model *m, rbd_constraint_set *c, rbd_real *rho, rbd_real *sigma) {
     const int nv = m->nv;
     rbdi_lambda_derivatives(m, c, rho, sigma);
@@ -2373,13 +2862,14 @@ RBDI_COLD void rbdi_solve_by_columns(const rbd_model *m, rbd_constraint_set *c, 
     rbdi_solve_forward(m, c->w, c->w->H, 1, nv, nv, rho);
 }
 
-/* Whether accelerations by a force at each dof, all different, lose so many digits that rows may need
-   [refinement]. This stands for all columns: the loss depends on D and Y, hardly on the forces. */
+/* Whether accelerations by a force at each dof lose so many digits that rows may need [refinement]. One set
+   of forces, all different, stands for all columns: the loss depends on D and Y, hardly on the forces. */
 static int rbdi_loses_digits(const rbd_model *m, rbd_constraint_set *c) {
     for (int k = 0; k < m->nv; ++k)
         c->x[k] = c->D_inverse[k] * (RBD_C(1) + RBD_C(0.618) * (rbd_const)(k % 7));
     rbdi_clear(c->target, c->rows);
     rbdi_rest_of_rows(c);
+
     rbdi_delta_solve(c, c->b, 1);
     return rbdi_any(rbdi_add_forces(m, c, c->b));
 }
@@ -2396,21 +2886,32 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
     const int nv = m ? m->nv : 0;
     int pairs = 1, by_columns;
     rbd_status status, solved;
+
     for (int x = 0; x < 3; ++x) pairs &= !of_a[x] == !of_lambda[x];
     status = rbdi_check_constraints(m, c, d && q && v && tau && out && pairs);
     if (!status) status = rbdi_check_derivatives(m, d, 1);
     if (status) return status;
     if (d->work != c->w) return RBD_ERR_WORK;
+
+    /* a and lambda */
     solved = rbdi_factored_fd(m, c, q, v, tau, f_ext, NULL, d->a);
     solved = rbdi_constrained_status(m, c, solved, to.lambda);
+
+    /* rho by q and v without lambda */
     if (to.da_dq || to.da_dv) (void)rbd_id_derivatives(m, d, q, v, d->a, f_ext, to.da_dq, to.da_dv, NULL);
+
+    /* sigma, and lambda's part of rho */
     for (int x = 0; x < 3; ++x)
         if (of_lambda[x]) rbdi_clear(of_lambda[x], c->rows * nv);
     rbdi_constraint_state(m, c, rbdi_expand_v(m, v, c->w->vx), rbdi_expand_v(m, d->a, c->w->ax), none, 0);
     for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con)
         rbdi_differentiate(m, c, d, con, to.da_dq, to.dlambda_dq, to.dlambda_dv);
+
+    /* by tau, rho = -1 */
     if (to.da_dtau) rbdi_clear(to.da_dtau, nv * nv);
     for (int k = 0; to.da_dtau && k < nv; ++k) to.da_dtau[k * nv + k] = rbdi_set(RBD_C(-1));
+
+    /* da and dlambda */
     by_columns = rbdi_loses_digits(m, c);
     if (!by_columns)
         rbdi_solve_forward(m, c->w, c->w->H, -1, c->stride, c->rows, c->Y); /* -T = -L^-1 D^-1 Y */
@@ -2420,11 +2921,13 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
             rbdi_solve_by_columns(m, c, of_a[x], of_lambda[x]);
         else
             rbdi_solve_at_once(m, c, of_a[x], of_lambda[x]);
+
         if (solved && solved != RBD_ERR_INFEASIBLE) {
             (void)rbdi_pivot_status(m, c->w, of_a[x], nv * nv);
             (void)rbdi_pivot_status(m, c->w, of_lambda[x], c->rows * nv);
         }
     }
+
     for (int k = 0; to.a && k < nv; ++k) to.a[k] = d->a[k];
     return solved;
 }

@@ -495,36 +495,51 @@ RBDI_CODE_BEGIN
      stick                the same with alpha = 0, where p is within the cone
 
    Along the eigenvectors of S, p_t takes two divisions. g(alpha) = |p_t| - mu p_n is above 0 at alpha = 0,
-   as stick was refused, and not above 0 at |s| (1 + mu (|k_1| + |k_2|)) / (mu p0), k = c/d along the
-   eigenvectors: a root is between. Newton's method finds it, as that of 1/|p_t| - 1/(mu p_n), which is linear
-   in alpha if S has equal eigenvalues and c = 0; a step out of the bracket becomes a halving. With strong
+   because stick was refused, and not above 0 at |s| (1 + mu (|k_1| + |k_2|)) / (mu p0), k = c/d along the
+   eigenvectors: a root is between. Newton's method finds it as a root of 1/|p_t| - 1/(mu p_n). This is linear
+   in alpha if S has equal eigenvalues and c = 0. A step out of the bracket becomes a halving. With strong
    coupling there may be more roots (Painleve); each obeys the laws, and the bracket decides. */
 
-/* Eigenvalues and eigenvectors of S = A - c c'/d. */
+/* Eigenvalues l and eigenvectors of S = A - c c'/d, and k. With S = [xx xy; xy yy] and
+
+       mean = (xx + yy)/2,   half = (xx - yy)/2,   radius = sqrt(half^2 + xy^2)
+
+   l = mean +- radius. The first eigenvector is (half + radius, xy) or (xy, radius - half), the longer one. */
 RBDI_PART void rbdi_contact_axes(rbdi_contact_law *law) {
     const rbd_real x = law->c[0] / law->d, y = law->c[1] / law->d, least = law->trace * RBDI_UNMOVED;
     const rbd_real xx = law->A[0] - x * law->c[0], xy = law->A[1] - x * law->c[1],
                    yy = law->A[2] - y * law->c[1];
     const rbd_real mean = (xx + yy) / 2, half = (xx - yy) / 2, radius = rbdi_sqrt(half * half + xy * xy);
-    law->axis[0] = rbdi_set(RBD_C(1)), law->axis[1] = rbdi_zero();
+
+    law->axis[0] = rbdi_set(RBD_C(1));
+    law->axis[1] = rbdi_zero();
     if (radius > 4 * RBDI_EPS * mean) {
         const rbd_real ax = half >= 0 ? half + radius : xy, ay = half >= 0 ? xy : radius - half;
         const rbd_real length = rbdi_sqrt(ax * ax + ay * ay);
-        law->axis[0] = ax / length, law->axis[1] = ay / length;
+        law->axis[0] = ax / length;
+        law->axis[1] = ay / length;
     }
+
     law->l[0] = mean + radius > least ? mean + radius : least;
     law->l[1] = mean - radius > least ? mean - radius : least;
-    law->k[0] = law->axis[0] * x + law->axis[1] * y, law->k[1] = law->axis[0] * y - law->axis[1] * x;
+    law->k[0] = law->axis[0] * x + law->axis[1] * y;
+    law->k[1] = law->axis[0] * y - law->axis[1] * x;
 }
 
 /* Prepares a contact whose block of Delta begins at D, with rows that are `stride` apart. */
 RBDI_PART void rbdi_contact_prepare(rbdi_contact_law *law, const rbd_real *D, int stride, rbd_real friction) {
     const rbd_real *y = D + stride, *n = y + stride, trace = D[0] + y[1] + n[2];
-    law->trace = trace, law->friction = friction;
-    law->A[0] = D[0] + trace * RBDI_UNMOVED, law->A[1] = D[1], law->A[2] = y[1] + trace * RBDI_UNMOVED;
+    law->trace = trace;
+    law->friction = friction;
+
+    /* D = [A c; c' d] */
+    law->A[0] = D[0] + trace * RBDI_UNMOVED;
+    law->A[1] = D[1];
+    law->A[2] = y[1] + trace * RBDI_UNMOVED;
     law->c[0] = n[0];
     law->c[1] = n[1];
     law->d = law->rigid = n[2];
+
     law->alpha = law->e[0] = law->e[1] = rbdi_zero();
     law->state = law->d > trace * (RBDI_UNMOVED * RBDI_UNMOVED) ? RBD_OPENS : RBD_APART;
     if (law->state != RBD_APART) rbdi_contact_axes(law);
@@ -545,19 +560,23 @@ typedef struct rbdi_contact_trial {
 RBDI_INLINE rbdi_contact_trial rbdi_contact_try(const rbdi_contact_law *law, const rbd_real s[2], rbd_real p0,
                                                 rbd_real alpha) {
     rbdi_contact_trial trial;
-    trial.t[0] = -s[0] / (law->l[0] + alpha), trial.t[1] = -s[1] / (law->l[1] + alpha);
+    trial.t[0] = -s[0] / (law->l[0] + alpha);
+    trial.t[1] = -s[1] / (law->l[1] + alpha);
     trial.normal = p0 - law->k[0] * trial.t[0] - law->k[1] * trial.t[1];
     trial.size = rbdi_sqrt(trial.t[0] * trial.t[0] + trial.t[1] * trial.t[1]);
     return trial;
 }
 
-/* Newton increment of alpha for 1/|p_t| - 1/(mu p_n) = 0. */
+/* Newton increment of alpha for 1/|p_t| - 1/(mu p_n) = 0. Rates are derivatives by alpha, r = -p_t':
+
+       r_i = t_i / (l_i + alpha),   |p_t|' = -t'r / |p_t|,   (mu p_n)' = mu k'r */
 RBDI_INLINE rbd_real rbdi_slip_newton(const rbdi_contact_law *law, const rbdi_contact_trial *trial,
                                       rbd_real alpha) {
-    const rbd_real size = trial->size, bound = law->friction * trial->normal,
-                   r0 = trial->t[0] / (law->l[0] + alpha), r1 = trial->t[1] / (law->l[1] + alpha);
-    const rbd_real size_rate = -(trial->t[0] * r0 + trial->t[1] * r1) / size,
-                   bound_rate = law->friction * (law->k[0] * r0 + law->k[1] * r1);
+    const rbd_real size = trial->size, bound = law->friction * trial->normal;
+    const rbd_real r0 = trial->t[0] / (law->l[0] + alpha), r1 = trial->t[1] / (law->l[1] + alpha);
+    const rbd_real size_rate = -(trial->t[0] * r0 + trial->t[1] * r1) / size;
+    const rbd_real bound_rate = law->friction * (law->k[0] * r0 + law->k[1] * r1);
+
     return (1 / size - 1 / bound) / (size_rate / (size * size) - bound_rate / (bound * bound));
 }
 
@@ -567,44 +586,62 @@ RBDI_PART rbdi_contact_trial rbdi_slip_root(rbdi_contact_law *law, const rbd_rea
     rbd_real low = rbdi_zero(), alpha = law->alpha,
              high = size * (1 + mu * (rbdi_abs(law->k[0]) + rbdi_abs(law->k[1]))) / (mu * p0);
     rbdi_contact_trial trial;
-    if (!(alpha > 0 && alpha < high)) alpha = size / (mu * p0) - law->l[0]; /* as without coupling */
+
+    /* the first guess; else the root without coupling */
+    if (!(alpha > 0 && alpha < high)) alpha = size / (mu * p0) - law->l[0];
     if (!(alpha > 0 && alpha < high)) alpha = rbdi_zero();
     trial = rbdi_contact_try(law, s, p0, alpha);
     for (int i = 0; i < RBDI_ROOT_STEPS; ++i) {
         const rbd_real excess = trial.size - mu * trial.normal;
         rbd_real next = alpha;
-        low = excess > 0 ? alpha : low, high = excess > 0 ? high : alpha;
+
+        /* the bracket */
+        low = excess > 0 ? alpha : low;
+        high = excess > 0 ? high : alpha;
         if (rbdi_abs(excess) <= 8 * RBDI_EPS * trial.size || high - low <= 2 * RBDI_EPS * high) break;
+
+        /* Newton's step; out of the bracket, its middle */
         if (trial.normal > 0) next = alpha + rbdi_slip_newton(law, &trial, alpha);
         if (!(next > low && next < high))
             next = low > 0 && high > 16 * low ? rbdi_sqrt(low) * rbdi_sqrt(high) : (low + high) / 2;
+
         alpha = next;
         trial = rbdi_contact_try(law, s, p0, alpha);
     }
+
     law->alpha = alpha;
     return trial;
 }
 
 /* The impulse of a contact from w, and its state. */
 RBDI_PART void rbdi_contact_impulse(rbdi_contact_law *law, const rbd_real w[3], rbd_real p[3]) {
-    const rbd_real mu = law->friction, p0 = -w[2] / law->d, x = w[0] + law->c[0] * p0,
-                   y = w[1] + law->c[1] * p0,
-                   s[2] = {law->axis[0] * x + law->axis[1] * y, law->axis[0] * y - law->axis[1] * x};
+    const rbd_real mu = law->friction, p0 = -w[2] / law->d;
+
+    /* s = w_t + c p0, along the eigenvectors */
+    const rbd_real x = w[0] + law->c[0] * p0, y = w[1] + law->c[1] * p0;
+    const rbd_real s[2] = {law->axis[0] * x + law->axis[1] * y, law->axis[0] * y - law->axis[1] * x};
     rbdi_contact_trial best;
+
     p[0] = p[1] = p[2] = rbdi_zero();
     law->state = RBD_OPENS;
     if (!(w[2] < 0)) return;
+
     best = rbdi_contact_try(law, s, p0, rbdi_zero());
     law->state = best.normal > 0 && best.size <= mu * best.normal ? RBD_STICKS : RBD_SLIPS;
     if (law->state == RBD_SLIPS) {
         rbd_real share;
+
         p[2] = p0;
         if (!(mu > 0)) return;
+
         best = rbdi_slip_root(law, s, p0);
         if (!(best.normal > 0)) best.normal = rbdi_zero();
+
         share = best.size > 0 ? mu * best.normal / best.size : rbdi_zero(); /* onto the cone exactly */
-        best.t[0] = best.t[0] * share, best.t[1] = best.t[1] * share;
+        best.t[0] = best.t[0] * share;
+        best.t[1] = best.t[1] * share;
     }
+
     p[0] = law->axis[0] * best.t[0] - law->axis[1] * best.t[1];
     p[1] = law->axis[1] * best.t[0] + law->axis[0] * best.t[1];
     p[2] = best.normal;
@@ -622,12 +659,15 @@ RBDI_PART void rbdi_contact_impulse(rbdi_contact_law *law, const rbd_real w[3], 
 
    The residual is the largest |p - P(z)| d: of an open contact d |p|, of one that sticks |u|, of one that
    slips |u_n| and d times the error of friction. It is in m/s, and 0 only if all laws hold. It includes the
-   rounding of u; if it did not, impulses of contacts that jam could have any size. What a spring adds to d
+   rounding of u; if it did not, impulses of contacts that jam could have any size. A spring's share of d
    counts in z_n alone: it is no mass. */
 
 /* u = b + Delta p. */
 RBDI_PART void rbdi_contact_velocities(rbdi_contact_solver *s) {
-    for (int r = 0; r < s->rows; ++r) s->u[r] = s->given.b[r], s->scratch[r] = -s->p[r];
+    for (int r = 0; r < s->rows; ++r) {
+        s->u[r] = s->given.b[r];
+        s->scratch[r] = -s->p[r];
+    }
     rbdi_subtract_product(s->scratch, s->given.delta, s->rows, s->rows, s->u);
 }
 
@@ -636,17 +676,22 @@ RBDI_INLINE void rbdi_change_impulse(rbdi_contact_solver *s, int first, int n, c
     for (int r = first; r < first + n; ++r) {
         const rbd_real less = s->p[r] - x[r - first];
         if (!(less < 0 || less > 0)) continue;
+
         s->p[r] = x[r - first];
         rbdi_subtract(s->u, less, &s->given.delta[r * s->rows], s->rows);
     }
 }
 
+/* Solves contact i with all other impulses held. */
 RBDI_PART void rbdi_sweep_contact(rbdi_contact_solver *s, int i) {
     rbdi_contact_law *law = &s->law[i];
     rbd_real w[3], x[3];
     if (law->state == RBD_APART) return;
+
+    /* w = u - D p */
     rbdi_own_velocity(law, &s->p[3 * i], w);
     for (int j = 0; j < 3; ++j) w[j] = s->u[3 * i + j] - w[j];
+
     rbdi_contact_impulse(law, w, x);
     rbdi_change_impulse(s, 3 * i, 3, x);
 }
@@ -656,9 +701,11 @@ RBDI_INLINE rbd_real rbdi_project_bounded(const rbdi_contact_solver *s, int i, r
     const int r = 3 * s->given.contacts + i;
     const rbd_real d = s->given.delta[r * s->rows + r],
                    z = d > s->unmoved ? s->p[r] - s->u[r] / d : rbdi_zero();
+
     *state = RBD_OPENS;
     if (z <= s->given.lower[i]) return s->given.lower[i];
     if (z >= s->given.upper[i]) return s->given.upper[i];
+
     *state = d > s->unmoved ? RBD_STICKS : RBD_APART;
     return z;
 }
@@ -668,6 +715,7 @@ RBDI_PART void rbdi_sweep_laws(rbdi_contact_solver *s, int back) {
     const int n = s->given.contacts, all = n + s->given.bounded;
     for (int t = 0; t < all; ++t) {
         const int i = back ? all - 1 - t : t;
+
         if (i < n) {
             rbdi_sweep_contact(s, i);
         } else {
@@ -678,21 +726,29 @@ RBDI_PART void rbdi_sweep_laws(rbdi_contact_solver *s, int back) {
     ++s->solution.sweeps;
 }
 
-/* P(z) of a contact; its state, direction and alpha are those of z. */
+/* P(z) of a contact; its state, direction e and alpha are those of z. u_t = -alpha p_t with p_t = mu z_n e
+   gives alpha = d (|z_t| - mu z_n) / (mu z_n). */
 RBDI_PART void rbdi_project_contact(rbdi_contact_law *law, const rbd_real *p, const rbd_real *u,
                                     rbd_real to[3]) {
-    const rbd_real x = p[0] - u[0] / law->rigid, y = p[1] - u[1] / law->rigid, n = p[2] - u[2] / law->d,
-                   size = rbdi_sqrt(x * x + y * y), most = law->friction * n;
+    const rbd_real x = p[0] - u[0] / law->rigid, y = p[1] - u[1] / law->rigid, n = p[2] - u[2] / law->d;
+    const rbd_real size = rbdi_sqrt(x * x + y * y), most = law->friction * n;
+
     to[0] = to[1] = to[2] = rbdi_zero();
     law->state = RBD_OPENS;
     if (!(n > 0)) return;
-    to[0] = x, to[1] = y, to[2] = n;
+
+    to[0] = x;
+    to[1] = y;
+    to[2] = n;
     law->state = RBD_STICKS;
     if (size <= most * RBDI_ON_CONE && law->friction > 0) return;
+
     law->state = RBD_SLIPS;
-    law->e[0] = size > 0 ? x / size : rbdi_zero(), law->e[1] = size > 0 ? y / size : rbdi_zero();
+    law->e[0] = size > 0 ? x / size : rbdi_zero();
+    law->e[1] = size > 0 ? y / size : rbdi_zero();
     law->alpha = law->rigid * (size > RBDI_FASTEST_SLIP * most ? RBDI_FASTEST_SLIP : (size - most) / most);
-    to[0] = most * law->e[0], to[1] = most * law->e[1];
+    to[0] = most * law->e[0];
+    to[1] = most * law->e[1];
 }
 
 /* The larger of two residuals. NaN counts as RBDI_UNBOUNDED. */
@@ -701,25 +757,30 @@ RBDI_INLINE rbd_real rbdi_worse(rbd_real worst, rbd_real error) {
     return error > worst ? error : worst;
 }
 
-/* The states of z, and the residual. */
+/* The states of z, and the residual: the largest d (|P(z) - p| + eps p_n), with d and eps |p| of bounded rows
+   alike. */
 RBDI_PART void rbdi_project_laws(rbdi_contact_solver *s) {
     rbd_real worst = rbdi_zero();
+
     for (int i = 0; i < s->given.contacts; ++i) {
         const rbd_real *p = &s->p[3 * i];
         rbdi_contact_law *law = &s->law[i];
         rbd_real to[3];
         if (law->state == RBD_APART) continue;
+
         rbdi_project_contact(law, p, &s->u[3 * i], to);
         for (int j = 0; j < 3; ++j) to[j] = to[j] - p[j];
         worst = rbdi_worse(
             worst, law->rigid * (rbdi_sqrt(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]) + RBDI_EPS * p[2]));
     }
+
     for (int i = 0; i < s->given.bounded; ++i) {
         const int r = 3 * s->given.contacts + i;
         const rbd_real x = rbdi_project_bounded(s, i, &s->bound[i]);
         worst = rbdi_worse(worst, s->given.delta[r * s->rows + r] *
                                       (rbdi_abs(x - s->p[r]) + RBDI_EPS * rbdi_abs(x)));
     }
+
     s->solution.residual = worst;
 }
 
@@ -744,20 +805,27 @@ RBDI_INLINE rbd_real rbdi_tangent_size(const rbd_real *p) {
    that open get 0. Returns whether p changed. */
 RBDI_PART int rbdi_into_cones(rbdi_contact_solver *s, int at_end) {
     int changed = 0;
+
     for (int i = 0; i < s->given.contacts; ++i) {
         rbd_real *p = &s->p[3 * i];
         const rbd_real size = rbdi_tangent_size(p), most = s->law[i].friction * p[2];
         const rbd_contact_state state = s->law[i].state;
         const int none = state == RBD_APART || !(p[2] > 0) || (at_end && state == RBD_OPENS);
         if (none ? size <= 0 && p[2] <= 0 && p[2] >= 0 : !(size > most)) continue; /* not so of NaN */
+
         for (int j = 0; j < 2 + none; ++j) p[j] = none ? rbdi_zero() : p[j] * (most / size);
         changed = 1;
     }
+
     for (int i = 0; i < s->given.bounded; ++i) {
         rbd_real *p = &s->p[3 * s->given.contacts + i];
-        if (*p < s->given.lower[i]) *p = s->given.lower[i], changed = 1;
-        if (*p > s->given.upper[i]) *p = s->given.upper[i], changed = 1;
+        const rbd_real lower = s->given.lower[i], upper = s->given.upper[i];
+        if (!(*p < lower) && !(*p > upper)) continue;
+
+        *p = *p < lower ? lower : upper;
+        changed = 1;
     }
+
     return changed;
 }
 
@@ -989,6 +1057,7 @@ RBDI_PART int rbdi_newton_step(rbdi_contact_solver *s, rbd_const proximal) {
    The first sweep is enough if contacts hardly affect each other. Newton steps follow. If none reduces the
    residual, some sweeps follow, twice as many each time. The best p of all is kept. */
 
+/* Sweeps and Newton steps that are left. */
 RBDI_PART int rbdi_iterations_left(const rbdi_contact_solver *s) {
     return s->given.iterations - s->solution.sweeps - s->solution.newton_steps;
 }
@@ -997,6 +1066,7 @@ RBDI_PART int rbdi_iterations_left(const rbdi_contact_solver *s) {
    before a small residual counts. */
 RBDI_PART void rbdi_sweep_back_and_forth(rbdi_contact_solver *s, int n) {
     while (n-- > 0 && rbdi_iterations_left(s) > 0) rbdi_sweep_laws(s, n & 1);
+
     rbdi_project_laws(s);
     if (s->solution.residual <= s->given.tolerance) rbdi_contact_residual(s);
 }
@@ -1005,8 +1075,10 @@ RBDI_PART void rbdi_sweep_back_and_forth(rbdi_contact_solver *s, int n) {
    by less than the tolerance, counts as sticking. Returns whether the problem is solved. */
 RBDI_PART int rbdi_contact_end(rbdi_contact_solver *s) {
     if (rbdi_into_cones(s, 1)) rbdi_contact_residual(s);
+
     for (int i = 0; i < s->given.contacts; ++i)
         if (s->law[i].state == RBD_OPENS && s->p[3 * i + 2] > 0) s->law[i].state = RBD_STICKS;
+
     return s->solution.residual <= s->given.tolerance;
 }
 
@@ -1024,6 +1096,7 @@ RBDI_PART void rbdi_contact_give_up(rbdi_contact_solver *s) {
     rbdi_clear(s->start, s->rows);
     rbdi_set_impulses(s, s->start);
     least = s->solution.residual / 2;
+
     rbdi_set_impulses(s, s->best);
     if (!(s->solution.residual < least)) rbdi_set_impulses(s, s->start);
     (void)rbdi_contact_end(s);
@@ -1033,19 +1106,29 @@ RBDI_PART void rbdi_contact_give_up(rbdi_contact_solver *s) {
 RBDI_PART void rbdi_contact_iterate(rbdi_contact_solver *s) {
     const rbd_const proximal[3] = RBDI_PROXIMAL;
     rbd_real least = rbdi_set(RBDI_UNBOUNDED);
+    int sweeps = 2;
     s->solution.sweeps = s->solution.newton_steps = 0;
     rbdi_clear(s->best, s->rows);
+
     rbdi_contact_velocities(s);
     rbdi_sweep_back_and_forth(s, 1);
-    for (int sweeps = 2, tried; s->solution.residual > s->given.tolerance || !rbdi_contact_end(s);) {
-        if (s->solution.residual < least) least = s->solution.residual, rbdi_copy_rows(s, s->p, s->best);
+
+    while (s->solution.residual > s->given.tolerance || !rbdi_contact_end(s)) {
+        int tried = 0;
+
+        if (s->solution.residual < least) {
+            least = s->solution.residual;
+            rbdi_copy_rows(s, s->p, s->best);
+        }
         if (rbdi_iterations_left(s) <= 0) {
             rbdi_contact_give_up(s);
             return;
         }
-        for (tried = 0; tried < 3 && !rbdi_newton_step(s, proximal[tried]);) ++tried;
+
+        while (tried < 3 && !rbdi_newton_step(s, proximal[tried])) ++tried;
         ++s->solution.newton_steps;
         if (tried < 3) continue;
+
         rbdi_sweep_back_and_forth(s, sweeps);
         if (sweeps < RBDI_MOST_SWEEPS) sweeps *= 2;
     }
@@ -1057,23 +1140,30 @@ RBDI_PART void rbdi_lay_solver(rbdi_contact_solver *s, int contacts, int bounded
     s->law = RBDI_CUT(rbdi_contact_law, contacts);
     s->bound = RBDI_CUT(rbd_contact_state, bounded);
     s->unknown = RBDI_CUT(rbdi_contact_unknown, rows);
-    s->u = RBDI_CUT(rbd_real, rows * (rows + 5 + RBDI_CHUNK)), s->start = s->u + rows;
-    s->full = s->start + rows, s->best = s->full + rows, s->scratch = s->best + rows;
+
+    s->u = RBDI_CUT(rbd_real, rows * (rows + 5 + RBDI_CHUNK));
+    s->start = s->u + rows;
+    s->full = s->start + rows;
+    s->best = s->full + rows;
+    s->scratch = s->best + rows;
     s->G = s->scratch + rows;
 }
 
-/* Takes a problem, sets its defaults, and computes all that does not change between iterations. */
+/* Takes a problem, sets its defaults, and prepares its contacts. */
 RBDI_PART void rbdi_contact_begin(rbdi_contact_solver *s, const rbd_contact_problem *given, rbd_real *p) {
     s->given = *given;
     s->rows = 3 * given->contacts + given->bounded;
-    s->p = p, s->sides = 1;
+    s->p = p;
+    s->sides = 1;
     if (!(given->tolerance > 0)) s->given.tolerance = rbdi_set(RBDI_CONTACT_TOLERANCE);
     if (given->iterations == 0) s->given.iterations = RBDI_CONTACT_ITERATIONS;
+
     s->unmoved = rbdi_zero();
     for (int r = 0; r < s->rows; ++r) {
         const rbd_real least = given->delta[r * (s->rows + 1)] * RBDI_UNMOVED * RBDI_UNMOVED;
         if (least > s->unmoved) s->unmoved = least;
     }
+
     for (int i = 0; i < given->contacts; ++i)
         rbdi_contact_prepare(&s->law[i], &given->delta[3 * i * (s->rows + 1)], s->rows, given->friction[i]);
 }
@@ -1089,6 +1179,7 @@ RBDI_INLINE int rbdi_too_large(int contacts, int bounded) {
     const int most = (int)((unsigned)-1 >> 1);
     int rows;
     if (contacts > most / 3 || bounded > most - 3 * contacts) return 1;
+
     rows = 3 * contacts + bounded;
     return rows > 0 && rows > most / rows - 5 - RBDI_CHUNK;
 }
@@ -1098,16 +1189,19 @@ RBDI_PART rbd_status rbdi_check_problem(const rbd_contact_problem *given, const 
     if (!given) return RBD_ERR_NULL;
     if (given->contacts < 0 || given->bounded < 0) return RBD_ERR_COUNT;
     if (rbdi_too_large(given->contacts, given->bounded)) return RBD_ERR_COUNT;
+
     if (!memory || (given->contacts && !given->friction) ||
         (given->bounded && (!given->lower || !given->upper)))
         return RBD_ERR_NULL;
     if (given->contacts + given->bounded > 0 && (!given->delta || !given->b || !p)) return RBD_ERR_NULL;
     if (size < rbd_contact_solve_size(given->contacts, given->bounded)) return RBD_ERR_MEMORY;
+
     if (!(given->tolerance >= 0) || given->iterations < 0) return RBD_ERR_RANGE;
     for (int i = 0; i < given->contacts; ++i)
         if (!(given->friction[i] >= 0)) return RBD_ERR_RANGE;
     for (int i = 0; i < given->bounded; ++i)
         if (!(given->lower[i] <= given->upper[i])) return RBD_ERR_RANGE;
+
     return RBD_OK;
 }
 
@@ -1121,14 +1215,17 @@ RBDI_API rbd_status rbd_contact_solve(const rbd_contact_problem *problem, void *
     const rbd_status status = rbdi_check_problem(problem, memory, size, p);
     rbdi_contact_solver s;
     if (status) return status;
+
     s.rows = 3 * problem->contacts + problem->bounded;
     if (!rbdi_all_finite(problem->b, s.rows) || !rbdi_all_finite(p, s.rows)) {
         rbdi_clear(p, s.rows);
         return RBD_ERR_NAN;
     }
+
     rbdi_lay_solver(&s, problem->contacts, problem->bounded, rbdi_aligned(memory));
     rbdi_contact_begin(&s, problem, p);
     rbdi_contact_iterate(&s);
+
     for (int i = 0; state && i < problem->contacts; ++i) state[i] = s.law[i].state;
     if (solution) *solution = s.solution;
     return RBD_OK;
@@ -1143,19 +1240,23 @@ RBDI_API rbd_status rbd_contact_solve(const rbd_contact_problem *problem, void *
 
 static rbd_const rbdi_joint_friction(const rbd_model *m, int k) {
     rbd_const sum = m->dof[k].friction;
+
     for (int i = 0; i < m->nmimic; ++i) {
         const rbd_const ratio = m->mimic[i].ratio;
         if (m->mimic[i].source_v == k) sum = sum + (ratio < 0 ? -ratio : ratio) * m->dof[m->nv + i].friction;
     }
+
     return sum;
 }
 
 static rbd_const rbdi_joint_damping(const rbd_model *m, int k) {
     rbd_const sum = m->dof[k].damping;
+
     for (int i = 0; i < m->nmimic; ++i) {
         const rbd_const ratio = m->mimic[i].ratio;
         if (m->mimic[i].source_v == k) sum = sum + ratio * ratio * m->dof[m->nv + i].damping;
     }
+
     return sum;
 }
 
@@ -1184,6 +1285,7 @@ static rbdi_limits rbdi_limits_of(const rbdi_frame *u) {
 /* Limits of the coordinate of a joint with one dof, those of its followers included. */
 static rbdi_limits rbdi_joint_limits(const rbd_model *m, const rbdi_frame *u) {
     rbdi_limits all = rbdi_limits_of(u);
+
     for (int i = 0; i < m->nmimic; ++i) {
         const rbdi_mimic *mimic = &m->mimic[i];
         const rbdi_limits own = rbdi_limits_of(&m->frame[m->dof[m->nv + i].body]);
@@ -1196,6 +1298,7 @@ static rbdi_limits rbdi_joint_limits(const rbd_model *m, const rbdi_frame *u) {
         led.upper = ((turned ? own.lower : own.upper) - mimic->offset) / mimic->ratio;
         all = rbdi_both_limits(all, led);
     }
+
     return all;
 }
 
@@ -1838,16 +1941,19 @@ static int rbdi_write_biases(rbd_contact_set *c, int purpose) {
    entries there are 0. */
 static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
     rbdi_solve_transposed(m, c->w, L, c->stride, c->rows, c->Y);
+
     for (int r = 0; r < c->rows; r += RBDI_BATCH) {
         const rbdi_batch b = *(const rbdi_batch *)&c->target[r];
         *(rbdi_batch *)&c->b[r] = b;
         *(rbdi_batch *)&c->slack[r] = b * b;
     }
+
     for (int k = 0; k < m->nv; ++k) {
         const rbd_real z = c->x[k] * c->D_inverse[k];
         for (int r = c->span[k].first; r < c->span[k].end; r += RBDI_BATCH) {
             const rbdi_batch term = *(const rbdi_batch *)&c->Y[k * c->stride + r] * z;
             rbdi_batch *b = (rbdi_batch *)&c->b[r], *squares = (rbdi_batch *)&c->slack[r];
+
             *b = *b - term;
             *squares = *squares + term * term;
         }
@@ -2210,10 +2316,10 @@ static void rbdi_roll_rates(const rbdi_pair_motion *pair, rbdi_motion_derivative
 static void rbdi_row_terms(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
                            const rbdi_constraint *con, const rbdi_pair_motion *pair,
                            const rbdi_row_factors *f, int x) {
-    RBDI_FOR_PATHS(m, con, link, sign) {
-        const rbdi_link *l = &m->link[link];
+    for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);) {
+        const rbdi_link *l = &m->link[walk.link];
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
-            rbdi_motion_derivatives by = rbdi_differentiate_motion(m, c->rows, pair, sign < 0, link, j);
+            rbdi_motion_derivatives by = rbdi_differentiate_motion(m, c->rows, pair, walk.side, walk.link, j);
             rbd_real sum[3][RBDI_SIX_ROWS], *to = &c->sigma[con->row * m->nv + rbdi_source(m, l->iv + j)];
             rbdi_motion velocity, rate;
             rbdi_store_motion(RBDI_OF(d, l->first + j, stage.mover), RBDI_BATCH, by.S);
@@ -2316,18 +2422,19 @@ static void rbdi_write_falls(const rbd_model *m, rbd_contact_set *c, const rbd_r
         if (con->row < 0 || !(c->contact[i].restitution > 0)) continue;
         pair = rbdi_contact_pair(c, i);
         for (int x = 0; x < 3; ++x) rbdi_clear(rbdi_fall_columns(m, c, i, x), m->nv);
-        RBDI_FOR_PATHS(m, con, link, sign)
-        for (int j = 0; j < rbdi_link_dofs(m, &m->link[link]); ++j) {
-            const rbdi_motion_derivatives by = rbdi_differentiate_motion(m, s, &pair, sign < 0, link, j);
-            const int k = rbdi_source(m, m->link[link].iv + j);
-            const rbdi_v3 normal = rbdi_contact_normal(s, con);
-            rbd_real *own = &rbdi_fall_columns(m, c, i, 0)[k];
-            *own = *own + rbdi_dot(normal, by.velocity_q.v);
-            for (int x = 0; x < 3; ++x)
-                if (dnu[x])
-                    rbdi_subtract(rbdi_fall_columns(m, c, i, x), -rbdi_dot(normal, by.S.v),
-                                  &dnu[x][k * m->nv], m->nv);
-        }
+        for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);)
+            for (int j = 0; j < rbdi_link_dofs(m, &m->link[walk.link]); ++j) {
+                const rbdi_motion_derivatives by =
+                    rbdi_differentiate_motion(m, s, &pair, walk.side, walk.link, j);
+                const int k = rbdi_source(m, m->link[walk.link].iv + j);
+                const rbdi_v3 normal = rbdi_contact_normal(s, con);
+                rbd_real *own = &rbdi_fall_columns(m, c, i, 0)[k];
+                *own = *own + rbdi_dot(normal, by.velocity_q.v);
+                for (int x = 0; x < 3; ++x)
+                    if (dnu[x])
+                        rbdi_subtract(rbdi_fall_columns(m, c, i, x), -rbdi_dot(normal, by.S.v),
+                                      &dnu[x][k * m->nv], m->nv);
+            }
     }
 }
 

@@ -34,7 +34,7 @@
 #ifndef RBD_DERIVATIVES_H
 #define RBD_DERIVATIVES_H
 
-#if RBD_VERSION_NUMBER < 300 || RBD_MODEL_VERSION != 6
+#if RBD_VERSION_NUMBER < 400 || RBD_MODEL_VERSION != 6
 #error "rbd_derivatives.h: belongs to another version of rbd.h"
 #endif
 
@@ -452,7 +452,7 @@ RBDI_INLINE RBDI_T rbdi_power(rbdi_motion S, rbdi_force f) {
    the link's origin. V and A are velocity and acceleration of the link, V_p and A_p those of its parent.
    (omega; v) and (omega_dot; a) are their two halves.
 
-       S = (rho ez; rho x x ez + kappa ez)      rho, kappa = 1, 0 turns; 0, 1 slides; 1, pitch: a screw
+       S = (rho ez; x x rho ez + kappa ez)      rho, kappa = 1, 0 turns; 0, 1 slides; 1, pitch: a screw
        V = V_p + sum over the joint of S qd
        Psi = V_p x S                            rate of S, carried by the parent
        U = Psi + V x S                          with one dof 2 Psi
@@ -494,7 +494,7 @@ RBDI_INLINE RBDI_T rbdi_power(rbdi_motion S, rbdi_force f) {
        turns     U = (w x e; e x v)   Phi = (0; -gravity x e)
        shifts    U = (0; w x e)       Phi = 0
 
-   RBDA 2.9, 2.10 and 5.3 has the two cross products, Echeandia and Wensing (2021) the matrix B. */
+   RBDA 2.9, 2.10 and 5.3 have the two cross products, Echeandia and Wensing (2021) the matrix B. */
 
 #if RBDI_BATCH > 1
 typedef rbdi_batch rbdi_cbatch; /* a batch of constants */
@@ -1485,20 +1485,26 @@ RBDI_INLINE void rbdi_put_rows(const rbd_derivatives *d, int want, int zeros, rb
 
        F = I S,   D = 2 B S + I U,   E = I Phi = (h x Phi_v; m Phi_v) */
 RBDI_INLINE void rbdi_base_columns(const rbd_derivatives *d, int want) {
-    const rbd_real *whole = RBDI_OF(d, d->base - 1, sum);
-    const int inertia = RBDI_INERTIA_SUMS, momentum = inertia + RBDI_MOMENTUM_SUMS;
+    const int last = d->base - 1;
     const rbdi_b3 minus_g = rbdi_b_all(d->minus_g);
     rbdi_bmotion V;
     rbdi_sums s;
-    rbdi_batch *x = (rbdi_batch *)&s;
     V.omega = rbdi_b_all(d->V.omega);
     V.v = rbdi_b_all(rbdi_sub(rbdi_vec0(), d->V.v));
 
     /* the sums in all lanes */
-    RBDI_UNROLL_SUMS for (int j = 0; j < inertia; ++j) x[j] = rbdi_all_lanes(whole[j * RBDI_BATCH]);
+    s.xx = rbdi_all_lanes(*RBDI_OF(d, last, sum.xx));
+    s.xy = rbdi_all_lanes(*RBDI_OF(d, last, sum.xy));
+    s.xz = rbdi_all_lanes(*RBDI_OF(d, last, sum.xz));
+    s.yy = rbdi_all_lanes(*RBDI_OF(d, last, sum.yy));
+    s.yz = rbdi_all_lanes(*RBDI_OF(d, last, sum.yz));
+    s.zz = rbdi_all_lanes(*RBDI_OF(d, last, sum.zz));
+    s.h = rbdi_b_all(rbdi_load_vec(RBDI_OF(d, last, sum.h), RBDI_BATCH));
     if (want & RBDI_WANT_V) {
-        RBDI_UNROLL_SUMS for (int j = inertia; j < momentum; ++j) x[j] =
-            rbdi_all_lanes(whole[j * RBDI_BATCH]);
+        s.Xx = rbdi_b_all(rbdi_load_vec(RBDI_OF(d, last, sum.Xx), RBDI_BATCH));
+        s.Xy = rbdi_b_all(rbdi_load_vec(RBDI_OF(d, last, sum.Xy), RBDI_BATCH));
+        s.Xz = rbdi_b_all(rbdi_load_vec(RBDI_OF(d, last, sum.Xz), RBDI_BATCH));
+        s.P = rbdi_b_all(rbdi_load_vec(RBDI_OF(d, last, sum.P), RBDI_BATCH));
     }
 
     for (int b = 0; b < d->behind; ++b) {
@@ -1575,13 +1581,25 @@ RBDI_INLINE void rbdi_put_base(const rbd_derivatives *d, int want, rbdi_wanted o
     }
 }
 
-/* For rbd_fd_derivatives, at v = 0 and without gravity: only the base's columns by w are needed. They take
-   the places of its other columns, so that both matrices have the same number of columns to solve for.
+/* For rbd_fd_derivatives, which leaves out v of the base and gravity: of the base's columns only the three
+   by w are not 0. They take places of the others, so that both matrices are solved from the same column on:
+
+       both matrices   by_v[4], by_v[5], by_q[5]   solved from column 4 on, by_q[4] for nothing
+       by_v alone      by_v[3], by_v[4], by_v[5]   from column 3 on
+       by_q alone      none                        from column 6 on
+
    turn: where the three columns begin. */
 RBDI_INLINE void rbdi_place_turns(rbd_real *by_q, rbd_real *by_v, rbd_real *turn[3]) {
     turn[0] = by_v + (by_q ? 4 : 3);
     turn[1] = turn[0] + 1;
     turn[2] = by_q ? by_q + 5 : by_v + 5;
+}
+
+/* The first column to solve for; without a base all are. */
+RBDI_INLINE int rbdi_first_solved(const rbd_derivatives *d, const rbd_real *by_q, const rbd_real *by_v) {
+    if (!d->base) return 0;
+    if (!by_v) return 6;
+    return by_q ? 4 : 3;
 }
 
 /* Stores them: of the base's rows D, of the others T + n x w. */
@@ -2477,7 +2495,7 @@ RBDI_INLINE rbdi_mask rbdi_solve_acceleration(const rbd_model *m, rbd_derivative
     rbd_work *w = d->work;
     rbdi_mask doubt;
 
-    /* columns, M and tau - c */
+    /* columns, M and tau - c; with mimic joints M is not that of the columns' dofs */
     if (rbdi_mimics(m)) rbd_crba_packed(m, w, q, w->H);
     rbdi_common(m, d, q, v, w->zero, w->gravity, f_ext, need);
     if (!rbdi_mimics(m)) rbdi_put_packed(m, d, w->H);
@@ -2485,6 +2503,8 @@ RBDI_INLINE rbdi_mask rbdi_solve_acceleration(const rbd_model *m, rbd_derivative
 
     doubt = rbdi_factor(m, w, w->H);
     if (!rbdi_mimics(m)) doubt = rbdi_or(doubt, rbdi_far_pivots(d));
+
+    /* in doubt, M anew from the links' frames; then w->pivot has the verdicts for rbdi_pivot_status */
     w->singular = -1;
     if (rbdi_any(doubt)) rbdi_factor_again(m, w);
 
@@ -2493,20 +2513,19 @@ RBDI_INLINE rbdi_mask rbdi_solve_acceleration(const rbd_model *m, rbd_derivative
     return doubt;
 }
 
-/* Steps 4 and 5: da/dq and da/dv, one of them or both, of a free base those of y. */
+/* Steps 4 and 5: da/dq and da/dv, one of them or both; of a free base those of y. */
 RBDI_INLINE void rbdi_acceleration_derivatives(const rbd_model *m, rbd_derivatives *d, rbd_real *da_dq,
                                                rbd_real *da_dv) {
-    rbd_real *sides[2];
-    int count = 0, unsolved = 0; /* unsolved: number of first columns, see rbdi_place_turns */
+    const int first = rbdi_first_solved(d, da_dq, da_dv);
+    rbd_real *one = da_dq ? da_dq + first : da_dv + first, *other = da_dq && da_dv ? da_dv + first : NULL;
 
     rbdi_put_entries(m, d, da_dq, da_dv, NULL, 0);
     if (d->base) rbdi_put_turns(d, da_dq, da_dv);
 
-    if (d->base) unsolved = !da_dv ? 6 : da_dq ? 4 : 3;
-    if (da_dq) sides[count++] = da_dq + unsolved;
-    if (da_dv) sides[count++] = da_dv + unsolved;
-    if (count == 1) rbdi_solve_columns(m, d->work, d->work->H, -1, m->nv, m->nv - unsolved, sides[0]);
-    if (count == 2) rbdi_solve_two(m, d->work, d->work->H, -1, m->nv, m->nv - unsolved, sides[0], sides[1]);
+    if (other)
+        rbdi_solve_two(m, d->work, d->work->H, -1, m->nv, m->nv - first, one, other);
+    else
+        rbdi_solve_columns(m, d->work, d->work->H, -1, m->nv, m->nv - first, one);
 }
 
 RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
@@ -2518,16 +2537,18 @@ RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, c
     rbd_status status = rbdi_check_derivatives(m, d, q && v && tau);
     if (status) return status;
 
+    /* d->a = a, or y of a free base */
     doubt = rbdi_solve_acceleration(m, d, q, v, tau, f_ext, need, Minv);
     if (rbdi_any(doubt)) status = rbdi_pivot_status(m, d->work, d->a, nv);
 
     if (da_dq) rbdi_add_acceleration(m, d, d->a);
     if (da_dq || da_dv) rbdi_acceleration_derivatives(m, d, da_dq, da_dv);
 
+    /* from y to a */
     if (d->base) rbdi_from_base(m, d, v, da_dq, da_dv);
     for (int k = 0; a && k < nv; ++k) a[k] = d->a[k];
 
-    /* after an error the results are 0 */
+    /* the results become 0 in the lanes that have an error */
     if (status && a) (void)rbdi_pivot_status(m, d->work, a, nv);
     for (int k = 0; status && k < 3; ++k)
         if (result[k]) (void)rbdi_pivot_status(m, d->work, result[k], nv * nv);
@@ -2892,12 +2913,12 @@ RBDI_API rbd_status rbd_check_parameters(const rbd_const pi[10]) {
        difference    by q0 -J_r^-1(-d)      by q1  J_r^-1(d)
 
    ad is the dual number [w]x + eps [u]x: a function f(ad) has f([w]x) = 1 + b [w]x + c [w]x^2 on the diagonal
-   and the derivative of f([w]x) along u below it. b and c are functions of x = w'w. With c_n = sum over k of
-   (-x)^k / (n + 2k)!, where 2 dc_n/dx = n c_n+2 - c_n+1, they are
+   and the derivative of f([w]x) along u below it. b and c are functions of x = w'w. With t_n = sum over k of
+   (-x)^k / (n + 2k)!, where 2 dt_n/dx = n t_n+2 - t_n+1, they are
 
-       exp(-ad)   b = -c_1, c = c_2
-       J_r        b = -c_2, c = c_3
-       J_r^-1     b = 1/2,  c = (c_3 - 2 c_4) / (2 c_2)
+       exp(-ad)   b = -t_1, c = t_2
+       J_r        b = -t_2, c = t_3
+       J_r^-1     b = 1/2,  c = (t_3 - 2 t_4) / (2 t_2)
 
    Sola, Deray and Atchuthan (2018) for J_r; Barfoot, State Estimation for Robotics (2017), 7.1.5. */
 
@@ -2906,50 +2927,50 @@ typedef struct rbdi_ad_function {
     rbd_real b, c, db, dc;
 } rbdi_ad_function;
 
-/* c_0 .. c_6 of a turn w: c_0 = cos, c_1 = sin / angle; from the series where x < 1, else
-   c_n = (1 / (n - 2)! - c_n-2) / x. */
-static void rbdi_tails(rbdi_v3 w, rbd_real c[7]) {
+/* t_0 .. t_6 of a turn w: t_0 = cos, t_1 = sin / angle; from the series where x < 1, else
+   t_n = (1 / (n - 2)! - t_n-2) / x. */
+static void rbdi_tails(rbdi_v3 w, rbd_real t[7]) {
     const rbdi_exp e = rbdi_exp_of(w);
     const rbd_real one = rbdi_set(RBD_C(1));
     const rbdi_mask near_zero = rbdi_less(e.x, one);
     const rbd_real x = rbdi_select(near_zero, e.x, rbdi_zero());
 
-    c[0] = one - e.x * e.B;
-    c[1] = (e.half_sine + e.half_sine) * e.half_cosine;
-    c[2] = e.B;
-    c[3] = e.C;
+    t[0] = one - e.x * e.B;
+    t[1] = (e.half_sine + e.half_sine) * e.half_cosine;
+    t[2] = e.B;
+    t[3] = e.C;
 
     for (int n = 4; n < 7; ++n) {
         const rbd_real inverse_factorial = rbdi_set(RBD_C(1) / (rbd_const)(n == 4 ? 2 : n == 5 ? 6 : 24));
-        c[n] = rbdi_select(near_zero, rbdi_tail(x, n), (inverse_factorial - c[n - 2]) / e.x);
+        t[n] = rbdi_select(near_zero, rbdi_tail(x, n), (inverse_factorial - t[n - 2]) / e.x);
     }
 }
 
-/* dc_n/dx = (n c_n+2 - c_n+1) / 2. */
-RBDI_INLINE rbd_real rbdi_tail_slope(const rbd_real c[7], int n) {
-    return (c[n + 2] * (rbd_const)n - c[n + 1]) * RBD_C(0.5);
+/* dt_n/dx = (n t_n+2 - t_n+1) / 2. */
+RBDI_INLINE rbd_real rbdi_tail_slope(const rbd_real t[7], int n) {
+    return (t[n + 2] * (rbd_const)n - t[n + 1]) * RBD_C(0.5);
 }
 
 enum { RBDI_EXP_MINUS_AD, RBDI_J_R, RBDI_J_R_INVERSE };
 
 /* b and c of the table above, and their derivatives. */
-static rbdi_ad_function rbdi_ad_function_of(int which, const rbd_real c[7]) {
+static rbdi_ad_function rbdi_ad_function_of(int which, const rbd_real t[7]) {
     const int n = which == RBDI_EXP_MINUS_AD ? 1 : 2;
     rbdi_ad_function f;
 
     if (which == RBDI_J_R_INVERSE) {
-        const rbd_real half = rbdi_set(RBD_C(0.5)), factor = half / c[2], slope = rbdi_tail_slope(c, 4);
+        const rbd_real half = rbdi_set(RBD_C(0.5)), factor = half / t[2], slope = rbdi_tail_slope(t, 4);
         f.b = half;
         f.db = rbdi_zero();
-        f.c = (c[3] - (c[4] + c[4])) * factor;
-        f.dc = (rbdi_tail_slope(c, 3) - (slope + slope) - (f.c + f.c) * rbdi_tail_slope(c, 2)) * factor;
+        f.c = (t[3] - (t[4] + t[4])) * factor;
+        f.dc = (rbdi_tail_slope(t, 3) - (slope + slope) - (f.c + f.c) * rbdi_tail_slope(t, 2)) * factor;
         return f;
     }
 
-    f.b = -c[n];
-    f.db = -rbdi_tail_slope(c, n);
-    f.c = c[n + 1];
-    f.dc = rbdi_tail_slope(c, n + 1);
+    f.b = -t[n];
+    f.db = -rbdi_tail_slope(t, n);
+    f.c = t[n + 1];
+    f.dc = rbdi_tail_slope(t, n + 1);
     return f;
 }
 
@@ -2990,7 +3011,7 @@ static void rbdi_put_step(const rbd_model *m, const rbdi_frame *body, int which,
                           rbd_real sign, rbd_real scale, rbd_real *out) {
     const ptrdiff_t nv = m->nv;
     const int first = rbdi_first_axis(body->type);
-    rbd_real c[7], J[6][6];
+    rbd_real t[7], J[6][6];
     rbdi_motion step;
 
     out += body->iv * nv + body->iv;
@@ -3003,8 +3024,8 @@ static void rbdi_put_step(const rbd_model *m, const rbdi_frame *body, int which,
     step.omega = rbdi_scale(sign, step.omega);
     step.v = rbdi_scale(sign, step.v);
 
-    rbdi_tails(step.omega, c);
-    rbdi_fill_ad(rbdi_ad_function_of(which, c), step, scale, J);
+    rbdi_tails(step.omega, t);
+    rbdi_fill_ad(rbdi_ad_function_of(which, t), step, scale, J);
     for (int i = 0; i < body->nv; ++i)
         for (int j = 0; j < body->nv; ++j) out[i * nv + j] = J[first + i][first + j];
 }

@@ -43,7 +43,7 @@
 #ifndef RBD_SPATIAL_H
 #define RBD_SPATIAL_H
 
-#if RBD_VERSION_NUMBER < 300
+#if RBD_VERSION_NUMBER < 400
 #error "rbd_spatial.h: needs a newer rbd.h"
 #endif
 

@@ -147,8 +147,28 @@ static void lift(void) {
     expect(fabsf(at[0]) < 1e-6f, "the lift's height, m", at[0]);
 }
 
+/* Limits that are equal in float mean none, which is a warning. */
+static void narrow(void) {
+    const rbd_body slide = {.parent = -1,
+                            .type = RBD_PRISMATIC,
+                            .axis = {1, 0, 0},
+                            .mass = 1,
+                            .inertia = {1, 0, 0, 1, 0, 1},
+                            .lower = 1,
+                            .upper = 1 + 1e-9};
+    static unsigned char memory[RBD_MODEL_SIZE(1)];
+    const rbd_model *m;
+    rbd_report report;
+    rbd_joint_info info;
+    expect(rbd_model_build(&slide, 1, memory, sizeof memory, &m, &report) == RBD_OK, "a narrow slide", 0);
+    expect(report.warnings == 1 && report.warning[0].status == RBD_WARN_LIMITS, "its warning",
+           report.warnings);
+    expect(rbd_joint(m, 0, &info) == RBD_OK && !(info.lower < 0) && !(info.upper > 0), "its limits", 0);
+}
+
 int main(void) {
     lift();
+    narrow();
     drop(5e-4f), drop(1e-3f), drop(1e-2f);
     differentiate("HyQ stands", 0, RBD_STICKS, 1e-3);
     differentiate("HyQ slips", 1, RBD_SLIPS, 1e-3);

@@ -468,6 +468,41 @@ START_TEST(limits_that_mean_none_are_warned_of) {
 }
 END_TEST
 
+#define FOLLOWS(i, leader, ratio, offset, low, high) \
+    LIMITS(i, RBD_REVOLUTE, low, high), b[i].mimic = leader, b[i].mimic_ratio = ratio, \
+                                        b[i].mimic_offset = offset
+
+/* x = ratio q + offset cannot be within its limits while q is within its own, or while another follower is. */
+START_TEST(limits_of_followers_that_contradict_are_warned_of) {
+    rbd_report report;
+    rbd_body b[NB];
+    char text[200];
+    WARNS(RBD_WARN_LIMITS, 3, "lower", (LIMITS(1, RBD_REVOLUTE, -1, 1), FOLLOWS(3, "elbow", 1, 0, 2, 3)));
+    WARNS(RBD_WARN_LIMITS, 3, "lower", (LIMITS(1, RBD_REVOLUTE, -1, 1), FOLLOWS(3, "elbow", -2, 1, 3.5, 4)));
+    WARNS(RBD_WARN_LIMITS, 1, "lower", (LIMITS(3, RBD_REVOLUTE, -1, 1), FOLLOWS(1, "lead", 1, 2, -2, 0.5)));
+
+    sound(b);
+    LIMITS(1, RBD_REVOLUTE, -1, 1);
+    FOLLOWS(3, "elbow", -2, 1, 2.5, 4); /* q <= -0.75 */
+    ck_assert_int_eq(build(b, NB, &report), RBD_OK);
+    ck_assert_int_eq(report.warnings, 0);
+    b[1].type = RBD_CONTINUOUS, b[1].lower = b[1].upper = 0;
+    FOLLOWS(3, "elbow", 1, 0, 2, 3);
+    ck_assert_int_eq(build(b, NB, &report), RBD_OK);
+    ck_assert_int_eq(report.warnings, 0);
+
+    /* two that follow the same joint: q in 2 .. 3 and in 4 .. 5 */
+    b[2].type = RBD_REVOLUTE, b[2].axis[0] = 1;
+    FOLLOWS(2, "elbow", 1, 0, 4, 5);
+    ck_assert_int_eq(build(b, NB, &report), RBD_OK);
+    ck_assert_int_eq(report.warnings, 1);
+    rbd_finding_text(&report.warning[0], text, sizeof text);
+    ck_assert_str_eq(text,
+                     "body 3 'screw', field 'lower': no place of the joint that it mimics is within the "
+                     "limits of all");
+}
+END_TEST
+
 START_TEST(limits_that_are_some_or_none_are_not_warned_of) {
     static const rbd_joint_type types[] = {RBD_REVOLUTE, RBD_PRISMATIC, RBD_HELICAL};
     rbd_report report;
@@ -783,6 +818,7 @@ Suite *build_suite(void) {
     tcase_add_test(c, impossible_inertias_are_warned_of);
     tcase_add_test(c, moments_that_rounding_made_negative_are_not_warned_of);
     tcase_add_test(c, limits_that_mean_none_are_warned_of);
+    tcase_add_test(c, limits_of_followers_that_contradict_are_warned_of);
     tcase_add_test(c, limits_that_are_some_or_none_are_not_warned_of);
     tcase_add_test(c, warnings_of_inertia_are_those_of_its_principal_moments);
     tcase_add_test(c, borderline_inertias_are_not_warned_of);

@@ -95,7 +95,7 @@ class ConstraintSet(_Owner):
         return self.library.call("constraint_rank", self._addresses["constraint_set"])
 
     def infeasible_row(self) -> int:
-        """After Status.ERR_INFEASIBLE: the first row that contradicts those behind it, else -1."""
+        """After Status.ERR_INFEASIBLE: a row that contradicts others or that rounding hides, else -1."""
         return self.library.call("infeasible_row", self._addresses["constraint_set"])
 
     @_c("constraint_set", "J? gamma? e?", J="rows nv")

@@ -86,9 +86,9 @@ RBDI_API int rbd_constraint_first(const rbd_constraint_set *c, int constraint);
    (rbd_constrained_id). rbd_constraint_jacobian does not change it. */
 RBDI_API int rbd_constraint_rank(const rbd_constraint_set *c);
 
-/* After RBD_ERR_INFEASIBLE: a row that depends on others and contradicts them; else -1. If rows depend on
-   each other, the state decides which of them are left out, not their order. If several of these contradict
-   the others, this is the first. */
+/* After RBD_ERR_INFEASIBLE: a row that depends on others and contradicts them, or that rounding hides; else
+   -1. If rows depend on each other, the state decides which of them are left out, not their order. If several
+   of these contradict the others, this is the first. */
 RBDI_API int rbd_infeasible_row(const rbd_constraint_set *c);
 
 /* ---- calls [calls] ----
@@ -109,9 +109,12 @@ RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_s
    gains    with steps v += dt a, q += dt v, errors die out only if kd dt < 2 and kp dt^2 + 2 kd dt < 4, and
             grow without bound beyond: [design]. kd = 2 sqrt(kp), kp dt^2 up to 0.1 is a good choice
    Errors: also RBD_ERR_SINGULAR and _NAN of M: rbd_singular_dof says where, and the results are 0;
-   RBD_ERR_INFEASIBLE if dependent rows contradict each other (rbd_infeasible_row): then the first equation
-   holds, and the second in the sense of least squares. A state in which rows depend on each other
-   takes up to four times as long as one in which they do not. */
+   RBD_ERR_INFEASIBLE if dependent rows contradict each other, or if rounding hides a row, as an inertia of
+   1e-20 kg m^2 on its path may (rbd_infeasible_row): then the first equation holds, and the second in the
+   sense of least squares. After RBD_OK each row is met to 1e-9 (float: 1e-3) of what its length times that of
+   a allows; only rows that depend on each other may contradict each other by 1e-6 (float: 1e-2), because
+   positions drift. A state in which rows depend on each other takes up to four times as long as one in which
+   they do not. */
 RBDI_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                        const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                        rbd_real *a, rbd_real *lambda);
@@ -119,8 +122,8 @@ RBDI_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraint_set *c
 /* Velocity after an impact: M (v_plus - v) = J' impulse, J v_plus = -restitution J v, RBDA section 11.7.
    restitution   0 (nothing rebounds) to 1, of all rows
    impulse       rows; may be NULL
-   Errors: RBD_ERR_SINGULAR, _NAN as rbd_constrained_fd; RBD_ERR_RANGE, a restitution that is not from 0 to 1.
-   Dependent rows never contradict each other here. */
+   Errors: RBD_ERR_SINGULAR, _NAN as rbd_constrained_fd; RBD_ERR_RANGE, a restitution that is not from 0 to 1;
+   RBD_ERR_INFEASIBLE only if rounding hides a row: dependent rows never contradict each other here. */
 RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                const rbd_real *v, rbd_real restitution, rbd_real *v_plus, rbd_real *impulse);
 
@@ -149,8 +152,9 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
    v        may be NULL, v_near then too
    weight   nv, 0 (a free dof: its motion costs nothing) or 1e-20 to 1e30; NULL: 1, that is, a metre counts
             as much as a radian
-   Errors: also RBD_ERR_RANGE, a weight out of its range; RBD_ERR_INFEASIBLE if an entry of e is not below
-   1e-9 (float: 1e-4), the largest in rbd_infeasible_row. */
+   Errors: also RBD_ERR_RANGE, a weight out of its range, or weights so far apart (1e20; float: 1e8) that a
+   row is lost beside others; RBD_ERR_INFEASIBLE if an entry of e is not below 1e-9 (float: 1e-4), the largest
+   in rbd_infeasible_row, or if v_near does not meet a row. */
 RBDI_API rbd_status rbd_assemble(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                  const rbd_real *v, const rbd_const *weight, rbd_real *q_near,
                                  rbd_real *v_near);

@@ -41,7 +41,8 @@ typedef enum rbd_status {
     RBD_WARN_INERTIA_TRIANGLE = 2, /* one principal moment exceeds the sum of the others */
     RBD_WARN_INERTIA_ZERO = 3,     /* mass, but no inertia about the centre of mass */
     RBD_WARN_MASS_ZERO = 4,        /* inertia, but no mass */
-    RBD_WARN_LIMITS = 5            /* lower >= upper, or limits of another type of joint: read as none */
+    RBD_WARN_LIMITS = 5 /* lower >= upper, or limits of another type of joint: read as none; or a joint that
+                           mimics another has limits that contradict the other's */
 } rbd_status;
 
 /* One sentence for a status, English, static. */

@@ -22,6 +22,7 @@ RBDI_BATCH_API int rbd_batch_lanes(void) { return RBD_LANES; }
 
 RBDI_BATCH_API size_t rbd_batch_size(const rbd_model *m) {
     if (!m) return 0;
+
     return RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_batch)) + RBDI_ROUND(rbd_work_size(m)) +
            sizeof(rbd_real) * (size_t)(m->nq + 2 * m->nv + 6 * m->nb + rbdi_batch_output(m));
 }
@@ -33,11 +34,13 @@ RBDI_BATCH_API rbd_status rbd_batch_init(const rbd_model *m, void *memory, size_
     if (batch) *batch = NULL;
     if (!m || !memory || !batch) return RBD_ERR_NULL;
     if (size < rbd_batch_size(m)) return RBD_ERR_MEMORY;
+
     p = rbdi_aligned(memory);
     b = (rbd_batch *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_batch)));
     for (int k = 0; k < RBDI_ARGUMENTS; ++k)
         b->x[k] = (rbd_real *)rbdi_take(&p, rbdi_batch_width(m, k), sizeof(rbd_real));
     b->y = (rbd_real *)rbdi_take(&p, rbdi_batch_output(m), sizeof(rbd_real));
+
     b->state = b->dof = -1;
     b->layout = RBD_ROWS;
     status = rbd_work_init(m, p, rbd_work_size(m), &b->w);
@@ -55,16 +58,31 @@ RBDI_BATCH_API rbd_status rbd_batch_set_layout(rbd_batch *b, rbd_layout layout) 
     return RBD_OK;
 }
 
-#define RBDI_DEFINE_LANES(name, ...) \
-    static rbd_status rbdi_lanes_##name(const rbd_model *m, const rbdi_task *t) { \
-        return rbd_##name(m, t->w, t->x[0], __VA_ARGS__); \
-    }
-RBDI_DEFINE_LANES(rnea, t->x[1], t->x[2] ? t->x[2] : t->w->zero, t->x[3], t->y[0])
-RBDI_DEFINE_LANES(aba, t->x[1], t->x[2], t->x[3], t->y[0])
-RBDI_DEFINE_LANES(fd_cholesky, t->x[1], t->x[2], t->x[3], t->y[0])
-RBDI_DEFINE_LANES(crba, t->y[0])
-RBDI_DEFINE_LANES(crba_packed, t->y[0])
-RBDI_DEFINE_LANES(minverse, t->y[0])
+/* The calls in lanes. x: q, v, a or tau, f_ext. */
+static rbd_status rbdi_lanes_rnea(const rbd_model *m, const rbdi_task *t) {
+    const rbd_real *a = t->x[2] ? t->x[2] : t->w->zero;
+    return rbd_rnea(m, t->w, t->x[0], t->x[1], a, t->x[3], t->y[0]);
+}
+
+static rbd_status rbdi_lanes_aba(const rbd_model *m, const rbdi_task *t) {
+    return rbd_aba(m, t->w, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0]);
+}
+
+static rbd_status rbdi_lanes_fd_cholesky(const rbd_model *m, const rbdi_task *t) {
+    return rbd_fd_cholesky(m, t->w, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0]);
+}
+
+static rbd_status rbdi_lanes_crba(const rbd_model *m, const rbdi_task *t) {
+    return rbd_crba(m, t->w, t->x[0], t->y[0]);
+}
+
+static rbd_status rbdi_lanes_crba_packed(const rbd_model *m, const rbdi_task *t) {
+    return rbd_crba_packed(m, t->w, t->x[0], t->y[0]);
+}
+
+static rbd_status rbdi_lanes_minverse(const rbd_model *m, const rbdi_task *t) {
+    return rbd_minverse(m, t->w, t->x[0], t->y[0]);
+}
 
 RBDI_BATCH_API rbd_status rbd_batch_rnea(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                          const RBD_REAL *v, const RBD_REAL *a, const RBD_REAL *f_ext,
@@ -72,6 +90,7 @@ RBDI_BATCH_API rbd_status rbd_batch_rnea(const rbd_model *m, rbd_batch *b, int n
     if (!v || !a) return RBD_ERR_NULL;
     return rbdi_batch_one(rbdi_lanes_rnea, m, b, n, q, v, a, f_ext, tau, rbd_nv(m));
 }
+
 RBDI_BATCH_API rbd_status rbd_batch_bias(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                          const RBD_REAL *v, const RBD_REAL *f_ext, RBD_REAL *c) {
     if (!v) return RBD_ERR_NULL;
@@ -107,6 +126,7 @@ RBDI_BATCH_API rbd_status rbd_batch_minverse(const rbd_model *m, rbd_batch *b, i
     return rbdi_batch_one(rbdi_lanes_minverse, m, b, n, q, NULL, NULL, NULL, Minv, rbd_nv(m) * rbd_nv(m));
 }
 
+/* Arguments of rbd_jacobian beside q. */
 typedef struct rbdi_lane_point {
     int body;
     rbd_axes axes;
@@ -114,18 +134,23 @@ typedef struct rbdi_lane_point {
 } rbdi_lane_point;
 
 static rbd_status rbdi_lanes_jacobian(const rbd_model *m, const rbdi_task *t) {
-    const rbdi_lane_point *point = (const rbdi_lane_point *)t->more;
+    const rbdi_lane_point *at = (const rbdi_lane_point *)t->more;
     (void)rbd_kinematics(m, t->w, t->x[0], NULL, NULL); /* arguments are checked */
-    return rbd_jacobian(m, t->w, point->body, point->point, point->axes, t->y[0]);
+    return rbd_jacobian(m, t->w, at->body, at->point, at->axes, t->y[0]);
 }
+
 RBDI_BATCH_API rbd_status rbd_batch_jacobian(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                              int body, const RBD_REAL point[3], rbd_axes axes, RBD_REAL *J) {
     rbdi_task t = rbdi_task_of(q, NULL, NULL, NULL);
-    rbdi_lane_point in_lanes;
+    rbdi_lane_point at;
     rbd_real lanes[3];
+
     for (int k = 0; k < 3; ++k) lanes[k] = rbdi_set(point ? point[k] : RBD_C(0));
-    in_lanes.body = body, in_lanes.axes = axes, in_lanes.point = lanes;
-    t.more = &in_lanes;
+    at.body = body;
+    at.axes = axes;
+    at.point = lanes;
+    t.more = &at;
+
     rbdi_task_output(&t, 0, J, 6 * rbd_nv(m));
     return J ? rbdi_batch_run(rbdi_lanes_jacobian, m, b, n, b ? b->y : NULL, &t) : RBD_ERR_NULL;
 }
@@ -134,6 +159,7 @@ static rbd_status rbdi_lanes_momentum(const rbd_model *m, const rbdi_task *t) {
     (void)rbd_kinematics(m, t->w, t->x[0], t->x[1], t->x[2]);
     return rbd_momentum(m, t->w, t->y[0], t->y[1]);
 }
+
 RBDI_BATCH_API rbd_status rbd_batch_momentum(const rbd_model *m, rbd_batch *b, int n, const RBD_REAL *q,
                                              const RBD_REAL *v, const RBD_REAL *a, RBD_REAL *h,
                                              RBD_REAL *h_dot) {

@@ -9,7 +9,7 @@
 
 struct rbd_batch_constraint_set {
     rbd_batch *b;
-    rbd_constraint_set *c;
+    rbd_constraint_set *set;
     rbd_real *y; /* outputs of RBD_LANES states */
 };
 
@@ -35,14 +35,19 @@ RBDI_BATCH_API rbd_status rbd_batch_constraint_set_init(const rbd_model *m, rbd_
     rbd_status status;
     int rows = 0;
     if (constraints) *constraints = NULL;
+
+    /* The set lies behind the struct and its outputs. Without room its init finds the error. */
     if (room) rows = rbdi_rows_of(list, n);
     p = at = room ? rbdi_aligned(memory) : (unsigned char *)memory;
     if (room) at += rbdi_batch_constraints_own(m, rows) - RBDI_ALIGN;
+
     status = rbd_constraint_set_init(m, b && constraints ? b->w : NULL, list, n, at,
                                      room ? rbd_constraint_set_size(m, list, n) : 0, &inner, report);
     if (status) return status;
+
     c = (rbd_batch_constraint_set *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_batch_constraint_set)));
-    c->b = b, c->c = inner;
+    c->b = b;
+    c->set = inner;
     c->y = (rbd_real *)rbdi_take(&p, m->nv + rows, sizeof(rbd_real));
     *constraints = c;
     return RBD_OK;
@@ -52,14 +57,16 @@ static rbd_status rbdi_lanes_constrained_fd(const rbd_model *m, const rbdi_task 
     return rbd_constrained_fd(m, (rbd_constraint_set *)t->more, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0],
                               t->y[1]);
 }
+
 RBDI_BATCH_API rbd_status rbd_batch_constrained_fd(const rbd_model *m, rbd_batch_constraint_set *c, int n,
                                                    const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *tau,
                                                    const RBD_REAL *f_ext, RBD_REAL *a, RBD_REAL *lambda) {
     rbdi_task t = rbdi_task_of(q, v, tau, f_ext);
     if (!m || !c || !v || !tau || !a) return RBD_ERR_NULL;
+
     rbdi_task_output(&t, 0, a, rbd_nv(m));
-    rbdi_task_output(&t, 1, lambda, c->c->rows);
-    t.more = c->c;
+    rbdi_task_output(&t, 1, lambda, c->set->rows);
+    t.more = c->set;
     return rbdi_batch_run(rbdi_lanes_constrained_fd, m, c->b, n, c->y, &t);
 }
 

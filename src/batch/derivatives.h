@@ -24,6 +24,7 @@ static int rbdi_derivatives_output(const rbd_model *m) {
 
 RBDI_BATCH_API size_t rbd_batch_derivatives_size(const rbd_model *m) {
     if (!m) return 0;
+
     return RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_batch_derivatives)) + rbd_derivatives_size(m) +
            sizeof(rbd_real) * (size_t)rbdi_derivatives_output(m);
 }
@@ -36,6 +37,7 @@ RBDI_BATCH_API rbd_status rbd_batch_derivatives_init(const rbd_model *m, rbd_bat
     if (derivatives) *derivatives = NULL;
     if (!m || !b || !memory || !derivatives) return RBD_ERR_NULL;
     if (size < rbd_batch_derivatives_size(m)) return RBD_ERR_MEMORY;
+
     p = rbdi_aligned(memory);
     d = (rbd_batch_derivatives *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_batch_derivatives)));
     d->b = b;
@@ -55,6 +57,7 @@ static rbd_status rbdi_batch_derivatives_run(rbdi_lane_call *call, const rbd_mod
 static rbd_status rbdi_lanes_momentum_matrix(const rbd_model *m, const rbdi_task *t) {
     return rbd_momentum_matrix(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->y[0], t->y[1]);
 }
+
 RBDI_BATCH_API rbd_status rbd_batch_momentum_matrix(const rbd_model *m, rbd_batch_derivatives *d, int n,
                                                     const RBD_REAL *q, const RBD_REAL *v, RBD_REAL *A,
                                                     RBD_REAL *A_dot_v) {
@@ -67,6 +70,7 @@ RBDI_BATCH_API rbd_status rbd_batch_momentum_matrix(const rbd_model *m, rbd_batc
 static rbd_status rbdi_lanes_coriolis(const rbd_model *m, const rbdi_task *t) {
     return rbd_coriolis(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->y[0]);
 }
+
 RBDI_BATCH_API rbd_status rbd_batch_coriolis(const rbd_model *m, rbd_batch_derivatives *d, int n,
                                              const RBD_REAL *q, const RBD_REAL *v, RBD_REAL *C) {
     rbdi_task t = rbdi_task_of(q, v, NULL, NULL);
@@ -78,6 +82,7 @@ static rbd_status rbdi_lanes_id_derivatives(const rbd_model *m, const rbdi_task 
     return rbd_id_derivatives(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0],
                               t->y[1], t->y[2]);
 }
+
 RBDI_BATCH_API rbd_status rbd_batch_id_derivatives(const rbd_model *m, rbd_batch_derivatives *d, int n,
                                                    const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
                                                    const RBD_REAL *f_ext, RBD_REAL *dtau_dq,
@@ -93,6 +98,7 @@ static rbd_status rbdi_lanes_fd_derivatives(const rbd_model *m, const rbdi_task 
     return rbd_fd_derivatives(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0],
                               t->y[1], t->y[2], t->y[3]);
 }
+
 RBDI_BATCH_API rbd_status rbd_batch_fd_derivatives(const rbd_model *m, rbd_batch_derivatives *d, int n,
                                                    const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *tau,
                                                    const RBD_REAL *f_ext, RBD_REAL *a, RBD_REAL *da_dq,
@@ -108,6 +114,7 @@ RBDI_BATCH_API rbd_status rbd_batch_fd_derivatives(const rbd_model *m, rbd_batch
 static rbd_status rbdi_lanes_regressor(const rbd_model *m, const rbdi_task *t) {
     return rbd_regressor(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->x[2], t->y[0]);
 }
+
 RBDI_BATCH_API rbd_status rbd_batch_regressor(const rbd_model *m, rbd_batch_derivatives *d, int n,
                                               const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
                                               RBD_REAL *Y) {

@@ -21,10 +21,9 @@
    By tau, rho = -1 and sigma = 0. rbd_id_derivatives gives d ID. The rest depends only on the relative motion
    of the two bodies, so only on dofs that move one of them. All quantities are in world axes; motions are
    those of the link-fixed points at p, the origin of frame 1. Such a dof k moves body b; S = (z; s), negated
-   if b is body 2; V and A are spatial velocities and accelerations, of the joint's parent link P and of its
-   own link; x between spatial vectors is the spatial cross product:
+   if b is body 2. Psi, Phi and U are those of [common frame] in rbd_derivatives.h, about p instead of the
+   common origin:
 
-       Psi = V_P x S    Phi = A_P x S + V_P x Psi    U = Psi + V_link x S
        by q   dw = z x omega_b + Psi_omega
               du = z x v_b + Psi_v - omega_2 x s
               dalpha = z x alpha_b + Psi_omega x omega_b + Phi_omega - omega_2 x dw
@@ -66,15 +65,21 @@ RBDI_INLINE rbdi_motion rbdi_motion_cross(rbdi_motion V, rbdi_motion S) {
     return C;
 }
 
-/* 2 a; c + a x b; c - a x b. */
+/* 2 a */
 RBDI_INLINE rbdi_v3 rbdi_twice(rbdi_v3 a) { return rbdi_add(a, a); }
-RBDI_INLINE rbdi_v3 rbdi_cross_add(rbdi_v3 c, rbdi_v3 a, rbdi_v3 b) { return rbdi_add(c, rbdi_cross(a, b)); }
-RBDI_INLINE rbdi_v3 rbdi_cross_sub(rbdi_v3 c, rbdi_v3 a, rbdi_v3 b) { return rbdi_add(c, rbdi_cross(b, a)); }
+
+/* x + a x b */
+RBDI_INLINE rbdi_v3 rbdi_cross_add(rbdi_v3 x, rbdi_v3 a, rbdi_v3 b) { return rbdi_add(x, rbdi_cross(a, b)); }
+
+/* x - a x b */
+RBDI_INLINE rbdi_v3 rbdi_cross_sub(rbdi_v3 x, rbdi_v3 a, rbdi_v3 b) { return rbdi_add(x, rbdi_cross(b, a)); }
 
 static rbdi_pair_motion rbdi_pair_motion_of(const rbd_constraint_set *c, const rbdi_constraint *con) {
     rbdi_pair_motion pair;
     pair.motion = rbdi_relative_motion_of(c, con);
     rbdi_set_axes(c, con, &pair.h);
+
+    /* n and f: the sum of lambda times the row's axis */
     pair.force.n = pair.force.f = rbdi_vec0();
     for (int r = 0; r < con->rows; ++r) {
         const int angular = r < con->angular, i = angular ? 0 : 3;
@@ -82,19 +87,40 @@ static rbdi_pair_motion rbdi_pair_motion_of(const rbd_constraint_set *c, const r
         rbdi_v3 *to = angular ? &pair.force.n : &pair.force.f;
         *to = rbdi_add(*to, rbdi_scale(c->lambda[con->row + r], e));
     }
-    pair.log_R = pair.free[0] = pair.free[1] = pair.roll_radius = rbdi_vec0(), pair.log_square = rbdi_zero();
+
+    /* the angular part of e */
+    pair.log_R = pair.free[0] = pair.free[1] = pair.roll_radius = rbdi_vec0();
+    pair.log_square = rbdi_zero();
     if (con->kp > 0 && con->angular) {
         const rbdi_mat R_1 = rbdi_frame_axes(c, con, 0), R_2 = rbdi_frame_axes(c, con, 1);
         const int i = con->angular == 2 ? 3 - con->axis[0] - con->axis[1] : 0;
         rbd_real axis[3] = {rbdi_zero(), rbdi_zero(), rbdi_zero()};
+
         pair.log_R = rbdi_log_rotation(rbdi_mul_mat(rbdi_transpose(R_2), R_1));
         pair.log_square = rbdi_log_square(pair.log_R);
         pair.log_R = rbdi_mul(R_2, pair.log_R);
+
         axis[i] = rbdi_set(RBD_C(1));
         pair.free[0] = rbdi_mul(R_2, rbdi_load_vec(axis, 1));
         pair.free[1] = rbdi_mul(R_1, rbdi_load_vec(axis, 1));
     }
     return pair;
+}
+
+/* The terms in the axes of body 2 that turn with it: by q (z x w; z x u) and (dw x w + z x alpha; 2 dw x u +
+   z x acc), by v (z x w; 2 z x u). */
+RBDI_INLINE void rbdi_turn_with_body2(rbdi_motion velocity, rbdi_motion rate, rbdi_v3 z,
+                                      rbdi_motion_derivatives *by) {
+    const rbdi_v3 dw = by->velocity_q.omega;
+
+    by->rate_q.omega = rbdi_cross_add(rbdi_cross_add(by->rate_q.omega, dw, velocity.omega), z, rate.omega);
+    by->rate_q.v = rbdi_cross_add(rbdi_cross_add(by->rate_q.v, dw, rbdi_twice(velocity.v)), z, rate.v);
+
+    by->velocity_q.omega = rbdi_cross_add(dw, z, velocity.omega);
+    by->velocity_q.v = rbdi_cross_add(by->velocity_q.v, z, velocity.v);
+
+    by->rate_v.omega = rbdi_cross_add(by->rate_v.omega, z, velocity.omega);
+    by->rate_v.v = rbdi_cross_add(by->rate_v.v, z, rbdi_twice(velocity.v));
 }
 
 /* Derivatives by dof j of a link on the path of body `side`. */
@@ -108,47 +134,57 @@ static rbdi_motion_derivatives rbdi_differentiate_motion(const rbd_model *m, con
     rbdi_motion V, A, Psi, Phi, U;
     rbdi_motion_derivatives by;
     rbdi_v3 z, s, omega2_s;
+
     by.S = rbdi_column(m, c->w, link, j, b->p);
-    z = by.S.omega = rbdi_scale(scale, by.S.omega), s = by.S.v = rbdi_scale(scale, by.S.v);
-    V.omega = own.omega, V.v = own.v;
+    by.S.omega = rbdi_scale(scale, by.S.omega);
+    by.S.v = rbdi_scale(scale, by.S.v);
+    z = by.S.omega;
+    s = by.S.v;
+
+    /* Psi = V_P x S, Phi = A_P x S + V_P x Psi, U = Psi + V_link x S */
+    V.omega = own.omega;
+    V.v = own.v;
     U = rbdi_motion_cross(V, by.S);
-    V.omega = P.omega, V.v = P.v;
-    A.omega = P.omega_dot, A.v = rbdi_cross_sub(P.acc, P.omega, P.v);
+    V.omega = P.omega;
+    V.v = P.v;
+    A.omega = P.omega_dot;
+    A.v = rbdi_cross_sub(P.acc, P.omega, P.v);
     Psi = rbdi_motion_cross(V, by.S);
     Phi = rbdi_motion_add(rbdi_motion_cross(A, by.S), rbdi_motion_cross(V, Psi));
     U = rbdi_motion_add(U, Psi);
+
+    /* dw, du by q */
     omega2_s = rbdi_cross(omega2, s);
     by.velocity_q.omega = rbdi_cross_add(Psi.omega, z, b->omega);
     by.velocity_q.v = rbdi_sub(rbdi_cross_add(Psi.v, z, b->v), omega2_s);
+
+    /* dalpha, dacc by q */
     by.rate_q.omega = rbdi_cross_add(rbdi_cross_add(Phi.omega, z, b->omega_dot), Psi.omega, b->omega);
     by.rate_q.omega = rbdi_cross_sub(by.rate_q.omega, omega2, by.velocity_q.omega);
     by.rate_q.v = rbdi_cross_add(rbdi_cross_add(Phi.v, z, b->acc), rbdi_twice(Psi.omega), b->v);
     by.rate_q.v =
         rbdi_cross_sub(rbdi_cross_sub(by.rate_q.v, pair->motion.body[1].omega_dot, s), omega2, omega2_s);
     by.rate_q.v = rbdi_cross_sub(by.rate_q.v, omega2, rbdi_twice(by.velocity_q.v));
+
+    /* dalpha, dacc by v */
     by.rate_v.omega = rbdi_cross_sub(rbdi_cross_add(U.omega, z, b->omega), omega2, z);
     by.rate_v.v = rbdi_sub(rbdi_cross_add(U.v, z, rbdi_twice(b->v)), rbdi_twice(omega2_s));
-    if (side) {
-        by.rate_q.omega =
-            rbdi_cross_add(rbdi_cross_add(by.rate_q.omega, by.velocity_q.omega, pair->motion.velocity.omega),
-                           z, pair->motion.rate.omega);
-        by.rate_q.v = rbdi_cross_add(
-            rbdi_cross_add(by.rate_q.v, by.velocity_q.omega, rbdi_twice(pair->motion.velocity.v)), z,
-            pair->motion.rate.v);
-        by.velocity_q.omega = rbdi_cross_add(by.velocity_q.omega, z, pair->motion.velocity.omega);
-        by.velocity_q.v = rbdi_cross_add(by.velocity_q.v, z, pair->motion.velocity.v);
-        by.rate_v.omega = rbdi_cross_add(by.rate_v.omega, z, pair->motion.velocity.omega);
-        by.rate_v.v = rbdi_cross_add(by.rate_v.v, z, rbdi_twice(pair->motion.velocity.v));
-    }
+
+    if (side) rbdi_turn_with_body2(pair->motion.velocity, pair->motion.rate, z, &by);
+
+    /* a ball: the place of contact moves over it by z x roll_radius */
     by.velocity_q.v =
         rbdi_cross_add(by.velocity_q.v, pair->motion.velocity.omega, rbdi_cross(z, pair->roll_radius));
     return by;
 }
 
-/* Derivative of the angular part of e, world axes, by a dof that turns body 1 by z relative to body 2. */
+/* Derivative of the angular part of e, world axes, by a dof that turns body 1 by z relative to body 2. With w
+   = log R: z - w x z / 2 + factor w x (w x z), [rbdi_log_square]. If two axes are held: f_2 x (z x f_1), f
+   the free axis. */
 static rbdi_v3 rbdi_differentiate_error(const rbdi_constraint *con, const rbdi_pair_motion *pair, rbdi_v3 z) {
     const rbdi_v3 bent = rbdi_cross(pair->log_R, z),
                   more = rbdi_scale(pair->log_square, rbdi_cross(pair->log_R, bent));
+
     if (con->angular == 2) return rbdi_cross(pair->free[0], rbdi_cross(z, pair->free[1]));
     return rbdi_add(rbdi_add(z, rbdi_scale(rbdi_set(RBD_C(-0.5)), bent)), more);
 }
@@ -156,19 +192,25 @@ static rbdi_v3 rbdi_differentiate_error(const rbdi_constraint *con, const rbdi_p
 /* Adds a dof's column of sigma. */
 static void rbdi_add_sigma(const rbdi_constraint *con, const rbdi_pair_motion *pair,
                            const rbdi_motion_derivatives *by, int nv, rbd_real *sigma_q, rbd_real *sigma_v) {
-    rbd_real sum[2][RBDI_SIX_ROWS], also[RBDI_SIX_ROWS];
+    rbd_real sum[2][RBDI_SIX_ROWS], also[RBDI_SIX_ROWS]; /* by q, by v */
+
+    /* J a + gamma */
     rbdi_clear(sum[0], 2 * RBDI_SIX_ROWS);
     rbdi_add_held(con, &pair->h, by->rate_q.omega, by->rate_q.v, sum[0]);
     rbdi_add_held(con, &pair->h, by->rate_v.omega, by->rate_v.v, sum[1]);
-    for (int part = 0; part < 3; ++part) { /* J v by q, by v; e by q */
+
+    /* kd J v by q, by v; kp e by q */
+    for (int part = 0; part < 3; ++part) {
         rbdi_v3 turn = part == 0 ? by->velocity_q.omega : by->S.omega;
         const rbd_const gain = part < 2 ? con->kd : con->kp;
         if (!(gain > 0)) continue;
+
         if (part == 2) turn = rbdi_differentiate_error(con, pair, turn);
         rbdi_clear(also, RBDI_SIX_ROWS);
         rbdi_add_held(con, &pair->h, turn, part == 0 ? by->velocity_q.v : by->S.v, also);
         for (int r = 0; r < con->rows; ++r) sum[part == 1][r] = sum[part == 1][r] + also[r] * gain;
     }
+
     for (int r = 0; r < con->rows; ++r) {
         if (sigma_q) sigma_q[(con->row + r) * nv] = sigma_q[(con->row + r) * nv] + sum[0][r];
         if (sigma_v) sigma_v[(con->row + r) * nv] = sigma_v[(con->row + r) * nv] + sum[1][r];
@@ -176,18 +218,23 @@ static void rbdi_add_sigma(const rbdi_constraint *con, const rbdi_pair_motion *p
 }
 
 /* Subtracts the derivative of J' lambda by a dof of the link `mover`, with this S, from a column of rho. S of
-   the others are stage.mover in the columns of d. */
+   all dofs is stage.mover in the columns of d.
+
+       S_i . (n x z; f x z)   if k is on the path of body 1 and moves i, or on that of body 2 and does not
+       S_i . (s x f; 0)       else */
 static void rbdi_subtract_force_derivative(const rbd_model *m, const rbd_derivatives *d,
                                            const rbdi_constraint *con, const rbdi_pair_motion *pair, int side,
                                            int mover, rbdi_motion S, rbd_real *rho) {
     const rbdi_v3 o = rbdi_vec0(), nz = rbdi_cross(pair->force.n, S.omega),
                   fz = rbdi_cross(pair->force.f, S.omega), sf = rbdi_cross(S.v, pair->force.f),
                   roll = rbdi_cross(rbdi_cross(S.omega, pair->roll_radius), pair->force.f);
-    RBDI_FOR_PATHS(m, con, link, sign) {
-        const rbdi_link *l = &m->link[link];
-        const int other = sign < 0,
-                  moved = other == side && l->first >= m->link[mover].first; /* on the same path: behind it */
+
+    for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);) {
+        const rbdi_link *l = &m->link[walk.link];
+        const int moved =
+            walk.side == side && l->first >= m->link[mover].first; /* on the same path: behind it */
         const rbdi_v3 moment = rbdi_add(roll, moved == side ? sf : nz), force = moved == side ? o : fz;
+
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
             const rbdi_motion C = rbdi_load_motion(RBDI_OF(d, l->first + j, stage.mover), RBDI_BATCH);
             rbd_real *to = &rho[rbdi_source(m, l->iv + j) * m->nv];
@@ -200,11 +247,14 @@ static void rbdi_subtract_force_derivative(const rbd_model *m, const rbd_derivat
 static void rbdi_differentiate_forces(const rbd_model *m, const rbd_derivatives *d,
                                       const rbdi_constraint *con, const rbdi_pair_motion *pair,
                                       rbd_real *rho) {
-    RBDI_FOR_PATHS(m, con, link, sign)
-    for (int j = 0, first = m->link[link].first; j < rbdi_link_dofs(m, &m->link[link]); ++j)
-        rbdi_subtract_force_derivative(m, d, con, pair, sign < 0, link,
-                                       rbdi_load_motion(RBDI_OF(d, first + j, stage.mover), RBDI_BATCH),
-                                       rho + rbdi_source(m, m->link[link].iv + j));
+    for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);) {
+        const rbdi_link *l = &m->link[walk.link];
+        for (int j = 0; j < rbdi_link_dofs(m, l); ++j)
+            rbdi_subtract_force_derivative(
+                m, d, con, pair, walk.side, walk.link,
+                rbdi_load_motion(RBDI_OF(d, l->first + j, stage.mover), RBDI_BATCH),
+                rho + rbdi_source(m, l->iv + j));
+    }
 }
 
 /* The same, and += sigma by q and by v. NULL: not wanted. */
@@ -212,16 +262,20 @@ static void rbdi_differentiate(const rbd_model *m, const rbd_constraint_set *c, 
                                const rbdi_constraint *con, rbd_real *rho_q, rbd_real *sigma_q,
                                rbd_real *sigma_v) {
     const rbdi_pair_motion pair = rbdi_pair_motion_of(c, con);
-    RBDI_FOR_PATHS(m, con, link, sign) {
-        const rbdi_link *l = &m->link[link];
+
+    for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);) {
+        const rbdi_link *l = &m->link[walk.link];
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
-            const rbdi_motion_derivatives by = rbdi_differentiate_motion(m, c, &pair, sign < 0, link, j);
+            const rbdi_motion_derivatives by =
+                rbdi_differentiate_motion(m, c, &pair, walk.side, walk.link, j);
             const int column = rbdi_source(m, l->iv + j);
+
             rbdi_store_motion(RBDI_OF(d, l->first + j, stage.mover), RBDI_BATCH, by.S);
             rbdi_add_sigma(con, &pair, &by, m->nv, sigma_q ? sigma_q + column : NULL,
                            sigma_v ? sigma_v + column : NULL);
         }
     }
+
     if (rho_q) rbdi_differentiate_forces(m, d, con, &pair, rho_q);
 }
 
@@ -231,13 +285,17 @@ static void rbdi_lambda_derivatives(const rbd_model *m, rbd_constraint_set *c, c
     const int n = m->nv;
     for (int r = 0; r < c->rows; ++r) {
         rbd_real *to = &sigma[r * n];
-        for (int k = 0; k < n; ++k) to[k] = -to[k], c->x[k] = c->Y[k * c->stride + r];
+        for (int k = 0; k < n; ++k) {
+            to[k] = -to[k];
+            c->x[k] = c->Y[k * c->stride + r];
+        }
         rbdi_subtract_product(c->x, rho, n, n, to);
     }
+
     rbdi_delta_solve(c, sigma, n);
 }
 
-/* Replaces rho by da and sigma by dlambda, all columns at once. c->Y: -T. */
+/* Replaces rho by da = -M^-1 rho + T dlambda and sigma by dlambda, all columns at once. c->Y: -T. */
 static void rbdi_solve_at_once(const rbd_model *m, rbd_constraint_set *c, rbd_real *rho, rbd_real *sigma) {
     const int nv = m->nv;
     rbdi_lambda_derivatives(m, c, rho, sigma);
@@ -272,13 +330,14 @@ RBDI_COLD void rbdi_solve_by_columns(const rbd_model *m, rbd_constraint_set *c, 
     rbdi_solve_forward(m, c->w, c->w->H, 1, nv, nv, rho);
 }
 
-/* Whether accelerations by a force at each dof, all different, lose so many digits that rows may need
-   [refinement]. This stands for all columns: the loss depends on D and Y, hardly on the forces. */
+/* Whether accelerations by a force at each dof lose so many digits that rows may need [refinement]. One set
+   of forces, all different, stands for all columns: the loss depends on D and Y, hardly on the forces. */
 static int rbdi_loses_digits(const rbd_model *m, rbd_constraint_set *c) {
     for (int k = 0; k < m->nv; ++k)
         c->x[k] = c->D_inverse[k] * (RBD_C(1) + RBD_C(0.618) * (rbd_const)(k % 7));
     rbdi_clear(c->target, c->rows);
     rbdi_rest_of_rows(c);
+
     rbdi_delta_solve(c, c->b, 1);
     return rbdi_any(rbdi_add_forces(m, c, c->b));
 }
@@ -295,21 +354,32 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
     const int nv = m ? m->nv : 0;
     int pairs = 1, by_columns;
     rbd_status status, solved;
+
     for (int x = 0; x < 3; ++x) pairs &= !of_a[x] == !of_lambda[x];
     status = rbdi_check_constraints(m, c, d && q && v && tau && out && pairs);
     if (!status) status = rbdi_check_derivatives(m, d, 1);
     if (status) return status;
     if (d->work != c->w) return RBD_ERR_WORK;
+
+    /* a and lambda */
     solved = rbdi_factored_fd(m, c, q, v, tau, f_ext, NULL, d->a);
     solved = rbdi_constrained_status(m, c, solved, to.lambda);
+
+    /* rho by q and v without lambda */
     if (to.da_dq || to.da_dv) (void)rbd_id_derivatives(m, d, q, v, d->a, f_ext, to.da_dq, to.da_dv, NULL);
+
+    /* sigma, and lambda's part of rho */
     for (int x = 0; x < 3; ++x)
         if (of_lambda[x]) rbdi_clear(of_lambda[x], c->rows * nv);
     rbdi_constraint_state(m, c, rbdi_expand_v(m, v, c->w->vx), rbdi_expand_v(m, d->a, c->w->ax), none, 0);
     for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con)
         rbdi_differentiate(m, c, d, con, to.da_dq, to.dlambda_dq, to.dlambda_dv);
+
+    /* by tau, rho = -1 */
     if (to.da_dtau) rbdi_clear(to.da_dtau, nv * nv);
     for (int k = 0; to.da_dtau && k < nv; ++k) to.da_dtau[k * nv + k] = rbdi_set(RBD_C(-1));
+
+    /* da and dlambda */
     by_columns = rbdi_loses_digits(m, c);
     if (!by_columns)
         rbdi_solve_forward(m, c->w, c->w->H, -1, c->stride, c->rows, c->Y); /* -T = -L^-1 D^-1 Y */
@@ -319,11 +389,13 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
             rbdi_solve_by_columns(m, c, of_a[x], of_lambda[x]);
         else
             rbdi_solve_at_once(m, c, of_a[x], of_lambda[x]);
+
         if (solved && solved != RBD_ERR_INFEASIBLE) {
             (void)rbdi_pivot_status(m, c->w, of_a[x], nv * nv);
             (void)rbdi_pivot_status(m, c->w, of_lambda[x], c->rows * nv);
         }
     }
+
     for (int k = 0; to.a && k < nv; ++k) to.a[k] = d->a[k];
     return solved;
 }

@@ -37,6 +37,19 @@ typedef struct rbdi_span {
     int16_t first, end;
 } rbdi_span;
 
+/* Scratch with an entry for each dof, and for each row. Its users never need it at the same time. */
+typedef union rbdi_dof_scratch {
+    rbd_real *reflection; /* [rank]: Householder's vector */
+    rbd_real *best_x;     /* [refinement] */
+} rbdi_dof_scratch;
+
+typedef union rbdi_row_scratch {
+    rbd_real *inverse_square; /* [rank]: 1 / the square of the whole row */
+    rbd_real *contradicts;    /* [rank]: 1 if a dropped row contradicts those before it */
+    rbd_real *best_lambda;    /* [refinement] */
+    rbd_real *length;         /* [refinement]: of rows, of J L^-1 */
+} rbdi_row_scratch;
+
 struct rbd_constraint_set {
     uint64_t shape[RBDI_SHAPE]; /* of the model that it was made for */
     rbd_work *w;
@@ -54,7 +67,7 @@ struct rbd_constraint_set {
     rbd_real *Y;                 /* nv x stride: J' by dofs, then L^-T J'; or S' K of [articulated] */
     rbd_real *R;                 /* Cholesky factor of Delta, rows x stride; in [rank] first Z, nv x stride */
     rbd_real *x;                 /* nv: right-hand side, then solution */
-    rbd_real *householder;       /* nv: vector of a reflection */
+    rbdi_dof_scratch of_dofs;    /* nv */
     rbd_real *last_step;         /* nv: of assembly */
     rbd_real *D_inverse;         /* nv: 1/D of M = L'DL */
     rbd_real *b, *lambda;        /* stride each: right-hand side and solution of Delta lambda = b */
@@ -62,8 +75,8 @@ struct rbd_constraint_set {
     rbd_real *e;                 /* stride: position error */
     rbd_real *target;            /* stride: wanted J x */
     rbd_real *slack;          /* stride: sum of the squares of b's terms; [rank] makes it a tolerance of b */
-    rbd_real *square;         /* stride, [rank]: of a row's part that is independent of the rows taken */
-    rbd_real *inverse_square; /* stride, [rank]: 1 / the square of the whole row */
+    rbd_real *square;         /* stride: of a row's part that is independent of those before; a column */
+    rbdi_row_scratch of_rows; /* stride */
     rbd_real *pivot_row;      /* stride, [rank]: the row with which row t was exchanged */
     rbd_real *R_inverse;      /* stride: 1 / R_tt, 0 where a row depends on those before it */
     rbd_real noise;           /* a square below which a row's entries may be rounding of J's */

@@ -12,7 +12,13 @@
        b = target - Y' x,   Delta delta = b,   x += D^-1 Y delta,   lambda += delta
 
    until b is small beside its own terms. In most states it is so from the start. Dependent rows can only meet
-   what of b has no component along their null vectors. */
+   the part of b that has no component along their null vectors.
+
+   At the end all rows must hold: b is at most RBDI_HELD of the terms that the row's length and that of x
+   allow. Only rows that truly depend on each other may contradict each other by more, because positions
+   drift: their null vectors n have J' n = 0. Rounding can hide a row, too. If a link of tiny inertia is on
+   its path, its part along the other joints is lost beside the huge terms 1/D of that link. [rank] drops the
+   row, but J' n is not 0. In this case, or if refinement stalls, the call is an error that names the row. */
 
 /* Largest magnitude of n numbers. */
 static rbd_real rbdi_largest(const rbd_real *x, int n) {
@@ -84,11 +90,12 @@ static void rbdi_copy_where(rbdi_mask mask, const rbd_real *x, int n, rbd_real *
 }
 
 /* Refines x and lambda where `miss` says so, which rbdi_rows_miss returned. A step may exchange an error for
-   one along other rows that is as large, and the next one removes that. So a step must halve b of two steps
-   before, or the best x and lambda so far are the result. */
+   one along other rows that is larger, by eps / inertia of a tiny link, and the next one removes that. So
+   from the second step on a step must halve b of two steps before, or the best x and lambda so far are the
+   result. */
 RBDI_COLD void rbdi_refine_steps(const rbd_model *m, rbd_constraint_set *c, rbdi_mask miss) {
-    rbd_real *best_x = c->householder, *best_lambda = c->inverse_square;
-    rbd_real size = rbdi_largest(c->b, c->rows), best = size, last = size * RBDI_FIRST_GROWTH;
+    rbd_real *best_x = c->of_dofs.best_x, *best_lambda = c->of_rows.best_lambda;
+    rbd_real size = rbdi_largest(c->b, c->rows), best = size, last = size;
     rbdi_mask stalled = rbdi_less(rbdi_zero(), rbdi_zero());
     rbdi_copy_where(miss, c->x, m->nv, best_x);
     rbdi_copy_where(miss, c->lambda, c->rows, best_lambda);
@@ -112,7 +119,7 @@ RBDI_COLD void rbdi_refine_steps(const rbd_model *m, rbd_constraint_set *c, rbdi
         rbdi_copy_where(better, c->x, m->nv, best_x);
         rbdi_copy_where(better, c->lambda, c->rows, best_lambda);
 
-        stalled = rbdi_or(stalled, rbdi_and(miss, rbdi_not(rbdi_less(size + size, before))));
+        if (step > 0) stalled = rbdi_or(stalled, rbdi_and(miss, rbdi_not(rbdi_less(size + size, before))));
         miss = rbdi_and(miss, rbdi_not(stalled));
     }
 
@@ -136,6 +143,77 @@ static int rbdi_refine(const rbd_model *m, rbd_constraint_set *c, rbdi_mask lost
     RBDI_NOTE_REFINED();
     rbdi_refine_steps(m, c, miss);
     return 1;
+}
+
+/* -- do all rows hold? -- */
+
+/* Lengths of the rows of J L^-1: the root of the sum of Y_kr^2. */
+static void rbdi_row_lengths(const rbd_model *m, const rbd_constraint_set *c, rbd_real *length) {
+    rbdi_clear(length, c->stride);
+
+    for (int k = 0; k < m->nv; ++k)
+        for (int r = c->span[k].first; r < c->span[k].end; ++r) {
+            const rbd_real y = c->Y[k * c->stride + r];
+            length[r] = length[r] + y * y;
+        }
+
+    for (int r = 0; r < c->rows; ++r) length[r] = rbdi_sqrt(length[r]);
+}
+
+/* Whether dropped row t depends on the rows taken whatever D is: each entry of Y n, n its null vector, is
+   rounding of sum |n_j| length_j. */
+static rbdi_mask rbdi_row_depends(const rbd_model *m, const rbd_constraint_set *c, int t,
+                                  const rbd_real *length) {
+    const rbd_real *null = rbdi_null_vector(c, t);
+    rbd_real *n = c->square, bound = rbdi_zero();
+    rbdi_mask depends = rbdi_dropped(c, t);
+
+    /* n in the caller's order */
+    rbdi_clear(n, c->stride);
+    for (int i = 0; i <= t; ++i) n[i] = null[i];
+    rbdi_permute(c, n, 1, 1);
+
+    for (int r = 0; r < c->rows; ++r) bound = bound + rbdi_abs(n[r]) * (length[r] + RBD_C(1));
+    bound = bound * RBDI_DEPENDENT;
+    for (int k = 0; k < m->nv; ++k)
+        depends = rbdi_and(depends, rbdi_less(rbdi_abs(rbdi_y_lambda(c, n, k)), bound));
+
+    return depends;
+}
+
+/* b = target - Y' x, less what rows that depend on each other contradict each other by. */
+static void rbdi_rest_to_meet(const rbd_model *m, rbd_constraint_set *c, const rbd_real *length) {
+    rbdi_rest_of_rows(c);
+    if (!c->pivoted) return;
+
+    rbdi_permute(c, c->b, 1, 0);
+    for (int t = 0; t < c->rows; ++t)
+        if (rbdi_any(rbdi_dropped(c, t))) rbdi_project_along(c, t, rbdi_row_depends(m, c, t, length), c->b);
+    rbdi_permute(c, c->b, 1, 1);
+}
+
+/* Notes the first row that x, the solution, does not meet, unless a row is noted already:
+
+       |b_r| > RBDI_HELD (|target_r| + length_r |x|) + noise of the target */
+RBDI_COLD void rbdi_check_held(const rbd_model *m, rbd_constraint_set *c) {
+    rbd_real *length = c->of_rows.length, size = rbdi_zero();
+    if (c->infeasible >= 0) return;
+
+    rbdi_row_lengths(m, c, length);
+    rbdi_rest_to_meet(m, c, length);
+
+    for (int k = 0; k < m->nv; ++k)
+        if (c->span[k].end > 0) size = size + c->x[k] * c->x[k];
+    size = rbdi_sqrt(size);
+
+    for (const rbdi_constraint *con = c->constraint + c->n; con-- > c->constraint;) {
+        const rbd_real noise = rbdi_motion_size(c, con) * RBDI_NOISE;
+        for (int r = con->row + con->rows; r-- > con->row;) {
+            const rbd_real terms = rbdi_abs(c->target[r]) + length[r] * size;
+            const rbd_real most = terms * RBDI_HELD + noise + RBDI_STILL;
+            if (rbdi_any(rbdi_not(rbdi_less(rbdi_abs(c->b[r]), most)))) c->infeasible = r;
+        }
+    }
 }
 
 #endif

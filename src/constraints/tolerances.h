@@ -21,6 +21,10 @@
    smaller one costs time alone.
    RBDI_STILL, m/s^2 or rad/s^2: but not if it is off by less than this. Where constraints hold all joints,
    accelerations are rounding, and their error is no share of them.
+   RBDI_HELD: and the result must have no row that is off by more than this share of the terms that its length
+   and that of the accelerations allow.
+   RBDI_DEPENDENT: J' n of the null vector n of rows that truly depend on each other is below this share of
+   its terms.
    RBDI_FREE: the share of the least weight that stands for a weight of 0.
    RBDI_SHORT_STEP, rad or m: assembly ends RBDI_CLOSING_STEPS after a step below this times its size.
    RBDI_CLOSED: after it all entries of e must be below this. */
@@ -32,6 +36,8 @@
 #define RBDI_LOST 1e-6
 #define RBDI_MISSED 1e-12
 #define RBDI_STILL 1e-20
+#define RBDI_HELD 1e-9
+#define RBDI_DEPENDENT 1e-12
 #define RBDI_FREE 1e-13
 #define RBDI_SHORT_STEP 1e-12
 #define RBDI_CLOSED 1e-9
@@ -44,6 +50,8 @@
 #define RBDI_LOST 1e-3f
 #define RBDI_MISSED 1e-5f
 #define RBDI_STILL 1e-9f
+#define RBDI_HELD 1e-3f
+#define RBDI_DEPENDENT 1e-5f
 #define RBDI_FREE 1e-6f
 #define RBDI_SHORT_STEP 1e-5f
 #define RBDI_CLOSED 1e-4f
@@ -56,6 +64,8 @@
 #define RBDI_LOST RBD_C(1e-15)
 #define RBDI_MISSED RBD_C(1e-28)
 #define RBDI_STILL RBD_C(1e-40)
+#define RBDI_HELD RBD_C(1e-24)
+#define RBDI_DEPENDENT RBD_C(1e-29)
 #define RBDI_FREE RBD_C(1e-26)
 #define RBDI_SHORT_STEP RBD_C(1e-24)
 #define RBDI_CLOSED RBD_C(1e-12)
@@ -68,8 +78,8 @@
 #define RBDI_LONGEST_STEP RBD_C(0.5)
 #define RBDI_LEAST_STEP_SIZE RBD_C(1e-3)
 #define RBDI_MOST_STEP_SIZE RBD_C(5)
-#define RBDI_FIRST_GROWTH 16 /* the first step of [refinement] may make b half of this times as large */
-#define RBDI_REFINEMENTS 24  /* each gains some digits: enough for all that fit into an exponent */
+
+#define RBDI_REFINEMENTS 24 /* each gains some digits: enough for all that fit into an exponent */
 #define RBDI_NEARING_STEPS 200
 #define RBDI_CLOSING_STEPS 3
 

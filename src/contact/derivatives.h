@@ -91,10 +91,10 @@ static void rbdi_roll_rates(const rbdi_pair_motion *pair, rbdi_motion_derivative
 static void rbdi_row_terms(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
                            const rbdi_constraint *con, const rbdi_pair_motion *pair,
                            const rbdi_row_factors *f, int x) {
-    RBDI_FOR_PATHS(m, con, link, sign) {
-        const rbdi_link *l = &m->link[link];
+    for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);) {
+        const rbdi_link *l = &m->link[walk.link];
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
-            rbdi_motion_derivatives by = rbdi_differentiate_motion(m, c->rows, pair, sign < 0, link, j);
+            rbdi_motion_derivatives by = rbdi_differentiate_motion(m, c->rows, pair, walk.side, walk.link, j);
             rbd_real sum[3][RBDI_SIX_ROWS], *to = &c->sigma[con->row * m->nv + rbdi_source(m, l->iv + j)];
             rbdi_motion velocity, rate;
             rbdi_store_motion(RBDI_OF(d, l->first + j, stage.mover), RBDI_BATCH, by.S);
@@ -197,18 +197,19 @@ static void rbdi_write_falls(const rbd_model *m, rbd_contact_set *c, const rbd_r
         if (con->row < 0 || !(c->contact[i].restitution > 0)) continue;
         pair = rbdi_contact_pair(c, i);
         for (int x = 0; x < 3; ++x) rbdi_clear(rbdi_fall_columns(m, c, i, x), m->nv);
-        RBDI_FOR_PATHS(m, con, link, sign)
-        for (int j = 0; j < rbdi_link_dofs(m, &m->link[link]); ++j) {
-            const rbdi_motion_derivatives by = rbdi_differentiate_motion(m, s, &pair, sign < 0, link, j);
-            const int k = rbdi_source(m, m->link[link].iv + j);
-            const rbdi_v3 normal = rbdi_contact_normal(s, con);
-            rbd_real *own = &rbdi_fall_columns(m, c, i, 0)[k];
-            *own = *own + rbdi_dot(normal, by.velocity_q.v);
-            for (int x = 0; x < 3; ++x)
-                if (dnu[x])
-                    rbdi_subtract(rbdi_fall_columns(m, c, i, x), -rbdi_dot(normal, by.S.v),
-                                  &dnu[x][k * m->nv], m->nv);
-        }
+        for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);)
+            for (int j = 0; j < rbdi_link_dofs(m, &m->link[walk.link]); ++j) {
+                const rbdi_motion_derivatives by =
+                    rbdi_differentiate_motion(m, s, &pair, walk.side, walk.link, j);
+                const int k = rbdi_source(m, m->link[walk.link].iv + j);
+                const rbdi_v3 normal = rbdi_contact_normal(s, con);
+                rbd_real *own = &rbdi_fall_columns(m, c, i, 0)[k];
+                *own = *own + rbdi_dot(normal, by.velocity_q.v);
+                for (int x = 0; x < 3; ++x)
+                    if (dnu[x])
+                        rbdi_subtract(rbdi_fall_columns(m, c, i, x), -rbdi_dot(normal, by.S.v),
+                                      &dnu[x][k * m->nv], m->nv);
+            }
     }
 }
 

@@ -11,19 +11,23 @@
 
 static rbd_const rbdi_joint_friction(const rbd_model *m, int k) {
     rbd_const sum = m->dof[k].friction;
+
     for (int i = 0; i < m->nmimic; ++i) {
         const rbd_const ratio = m->mimic[i].ratio;
         if (m->mimic[i].source_v == k) sum = sum + (ratio < 0 ? -ratio : ratio) * m->dof[m->nv + i].friction;
     }
+
     return sum;
 }
 
 static rbd_const rbdi_joint_damping(const rbd_model *m, int k) {
     rbd_const sum = m->dof[k].damping;
+
     for (int i = 0; i < m->nmimic; ++i) {
         const rbd_const ratio = m->mimic[i].ratio;
         if (m->mimic[i].source_v == k) sum = sum + ratio * ratio * m->dof[m->nv + i].damping;
     }
+
     return sum;
 }
 
@@ -52,6 +56,7 @@ static rbdi_limits rbdi_limits_of(const rbdi_frame *u) {
 /* Limits of the coordinate of a joint with one dof, those of its followers included. */
 static rbdi_limits rbdi_joint_limits(const rbd_model *m, const rbdi_frame *u) {
     rbdi_limits all = rbdi_limits_of(u);
+
     for (int i = 0; i < m->nmimic; ++i) {
         const rbdi_mimic *mimic = &m->mimic[i];
         const rbdi_limits own = rbdi_limits_of(&m->frame[m->dof[m->nv + i].body]);
@@ -64,6 +69,7 @@ static rbdi_limits rbdi_joint_limits(const rbd_model *m, const rbdi_frame *u) {
         led.upper = ((turned ? own.lower : own.upper) - mimic->offset) / mimic->ratio;
         all = rbdi_both_limits(all, led);
     }
+
     return all;
 }
 

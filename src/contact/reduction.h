@@ -10,16 +10,19 @@
    entries there are 0. */
 static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
     rbdi_solve_transposed(m, c->w, L, c->stride, c->rows, c->Y);
+
     for (int r = 0; r < c->rows; r += RBDI_BATCH) {
         const rbdi_batch b = *(const rbdi_batch *)&c->target[r];
         *(rbdi_batch *)&c->b[r] = b;
         *(rbdi_batch *)&c->slack[r] = b * b;
     }
+
     for (int k = 0; k < m->nv; ++k) {
         const rbd_real z = c->x[k] * c->D_inverse[k];
         for (int r = c->span[k].first; r < c->span[k].end; r += RBDI_BATCH) {
             const rbdi_batch term = *(const rbdi_batch *)&c->Y[k * c->stride + r] * z;
             rbdi_batch *b = (rbdi_batch *)&c->b[r], *squares = (rbdi_batch *)&c->slack[r];
+
             *b = *b - term;
             *squares = *squares + term * term;
         }

@@ -6,6 +6,7 @@
    The first sweep is enough if contacts hardly affect each other. Newton steps follow. If none reduces the
    residual, some sweeps follow, twice as many each time. The best p of all is kept. */
 
+/* Sweeps and Newton steps that are left. */
 RBDI_PART int rbdi_iterations_left(const rbdi_contact_solver *s) {
     return s->given.iterations - s->solution.sweeps - s->solution.newton_steps;
 }
@@ -14,6 +15,7 @@ RBDI_PART int rbdi_iterations_left(const rbdi_contact_solver *s) {
    before a small residual counts. */
 RBDI_PART void rbdi_sweep_back_and_forth(rbdi_contact_solver *s, int n) {
     while (n-- > 0 && rbdi_iterations_left(s) > 0) rbdi_sweep_laws(s, n & 1);
+
     rbdi_project_laws(s);
     if (s->solution.residual <= s->given.tolerance) rbdi_contact_residual(s);
 }
@@ -22,8 +24,10 @@ RBDI_PART void rbdi_sweep_back_and_forth(rbdi_contact_solver *s, int n) {
    by less than the tolerance, counts as sticking. Returns whether the problem is solved. */
 RBDI_PART int rbdi_contact_end(rbdi_contact_solver *s) {
     if (rbdi_into_cones(s, 1)) rbdi_contact_residual(s);
+
     for (int i = 0; i < s->given.contacts; ++i)
         if (s->law[i].state == RBD_OPENS && s->p[3 * i + 2] > 0) s->law[i].state = RBD_STICKS;
+
     return s->solution.residual <= s->given.tolerance;
 }
 
@@ -41,6 +45,7 @@ RBDI_PART void rbdi_contact_give_up(rbdi_contact_solver *s) {
     rbdi_clear(s->start, s->rows);
     rbdi_set_impulses(s, s->start);
     least = s->solution.residual / 2;
+
     rbdi_set_impulses(s, s->best);
     if (!(s->solution.residual < least)) rbdi_set_impulses(s, s->start);
     (void)rbdi_contact_end(s);
@@ -50,19 +55,29 @@ RBDI_PART void rbdi_contact_give_up(rbdi_contact_solver *s) {
 RBDI_PART void rbdi_contact_iterate(rbdi_contact_solver *s) {
     const rbd_const proximal[3] = RBDI_PROXIMAL;
     rbd_real least = rbdi_set(RBDI_UNBOUNDED);
+    int sweeps = 2;
     s->solution.sweeps = s->solution.newton_steps = 0;
     rbdi_clear(s->best, s->rows);
+
     rbdi_contact_velocities(s);
     rbdi_sweep_back_and_forth(s, 1);
-    for (int sweeps = 2, tried; s->solution.residual > s->given.tolerance || !rbdi_contact_end(s);) {
-        if (s->solution.residual < least) least = s->solution.residual, rbdi_copy_rows(s, s->p, s->best);
+
+    while (s->solution.residual > s->given.tolerance || !rbdi_contact_end(s)) {
+        int tried = 0;
+
+        if (s->solution.residual < least) {
+            least = s->solution.residual;
+            rbdi_copy_rows(s, s->p, s->best);
+        }
         if (rbdi_iterations_left(s) <= 0) {
             rbdi_contact_give_up(s);
             return;
         }
-        for (tried = 0; tried < 3 && !rbdi_newton_step(s, proximal[tried]);) ++tried;
+
+        while (tried < 3 && !rbdi_newton_step(s, proximal[tried])) ++tried;
         ++s->solution.newton_steps;
         if (tried < 3) continue;
+
         rbdi_sweep_back_and_forth(s, sweeps);
         if (sweeps < RBDI_MOST_SWEEPS) sweeps *= 2;
     }
@@ -74,23 +89,30 @@ RBDI_PART void rbdi_lay_solver(rbdi_contact_solver *s, int contacts, int bounded
     s->law = RBDI_CUT(rbdi_contact_law, contacts);
     s->bound = RBDI_CUT(rbd_contact_state, bounded);
     s->unknown = RBDI_CUT(rbdi_contact_unknown, rows);
-    s->u = RBDI_CUT(rbd_real, rows * (rows + 5 + RBDI_CHUNK)), s->start = s->u + rows;
-    s->full = s->start + rows, s->best = s->full + rows, s->scratch = s->best + rows;
+
+    s->u = RBDI_CUT(rbd_real, rows * (rows + 5 + RBDI_CHUNK));
+    s->start = s->u + rows;
+    s->full = s->start + rows;
+    s->best = s->full + rows;
+    s->scratch = s->best + rows;
     s->G = s->scratch + rows;
 }
 
-/* Takes a problem, sets its defaults, and computes all that does not change between iterations. */
+/* Takes a problem, sets its defaults, and prepares its contacts. */
 RBDI_PART void rbdi_contact_begin(rbdi_contact_solver *s, const rbd_contact_problem *given, rbd_real *p) {
     s->given = *given;
     s->rows = 3 * given->contacts + given->bounded;
-    s->p = p, s->sides = 1;
+    s->p = p;
+    s->sides = 1;
     if (!(given->tolerance > 0)) s->given.tolerance = rbdi_set(RBDI_CONTACT_TOLERANCE);
     if (given->iterations == 0) s->given.iterations = RBDI_CONTACT_ITERATIONS;
+
     s->unmoved = rbdi_zero();
     for (int r = 0; r < s->rows; ++r) {
         const rbd_real least = given->delta[r * (s->rows + 1)] * RBDI_UNMOVED * RBDI_UNMOVED;
         if (least > s->unmoved) s->unmoved = least;
     }
+
     for (int i = 0; i < given->contacts; ++i)
         rbdi_contact_prepare(&s->law[i], &given->delta[3 * i * (s->rows + 1)], s->rows, given->friction[i]);
 }
@@ -106,6 +128,7 @@ RBDI_INLINE int rbdi_too_large(int contacts, int bounded) {
     const int most = (int)((unsigned)-1 >> 1);
     int rows;
     if (contacts > most / 3 || bounded > most - 3 * contacts) return 1;
+
     rows = 3 * contacts + bounded;
     return rows > 0 && rows > most / rows - 5 - RBDI_CHUNK;
 }
@@ -115,16 +138,19 @@ RBDI_PART rbd_status rbdi_check_problem(const rbd_contact_problem *given, const 
     if (!given) return RBD_ERR_NULL;
     if (given->contacts < 0 || given->bounded < 0) return RBD_ERR_COUNT;
     if (rbdi_too_large(given->contacts, given->bounded)) return RBD_ERR_COUNT;
+
     if (!memory || (given->contacts && !given->friction) ||
         (given->bounded && (!given->lower || !given->upper)))
         return RBD_ERR_NULL;
     if (given->contacts + given->bounded > 0 && (!given->delta || !given->b || !p)) return RBD_ERR_NULL;
     if (size < rbd_contact_solve_size(given->contacts, given->bounded)) return RBD_ERR_MEMORY;
+
     if (!(given->tolerance >= 0) || given->iterations < 0) return RBD_ERR_RANGE;
     for (int i = 0; i < given->contacts; ++i)
         if (!(given->friction[i] >= 0)) return RBD_ERR_RANGE;
     for (int i = 0; i < given->bounded; ++i)
         if (!(given->lower[i] <= given->upper[i])) return RBD_ERR_RANGE;
+
     return RBD_OK;
 }
 
@@ -138,14 +164,17 @@ RBDI_API rbd_status rbd_contact_solve(const rbd_contact_problem *problem, void *
     const rbd_status status = rbdi_check_problem(problem, memory, size, p);
     rbdi_contact_solver s;
     if (status) return status;
+
     s.rows = 3 * problem->contacts + problem->bounded;
     if (!rbdi_all_finite(problem->b, s.rows) || !rbdi_all_finite(p, s.rows)) {
         rbdi_clear(p, s.rows);
         return RBD_ERR_NAN;
     }
+
     rbdi_lay_solver(&s, problem->contacts, problem->bounded, rbdi_aligned(memory));
     rbdi_contact_begin(&s, problem, p);
     rbdi_contact_iterate(&s);
+
     for (int i = 0; state && i < problem->contacts; ++i) state[i] = s.law[i].state;
     if (solution) *solution = s.solution;
     return RBD_OK;

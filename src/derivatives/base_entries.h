@@ -20,20 +20,26 @@
 
        F = I S,   D = 2 B S + I U,   E = I Phi = (h x Phi_v; m Phi_v) */
 RBDI_INLINE void rbdi_base_columns(const rbd_derivatives *d, int want) {
-    const rbd_real *whole = RBDI_OF(d, d->base - 1, sum);
-    const int inertia = RBDI_INERTIA_SUMS, momentum = inertia + RBDI_MOMENTUM_SUMS;
+    const int last = d->base - 1;
     const rbdi_b3 minus_g = rbdi_b_all(d->minus_g);
     rbdi_bmotion V;
     rbdi_sums s;
-    rbdi_batch *x = (rbdi_batch *)&s;
     V.omega = rbdi_b_all(d->V.omega);
     V.v = rbdi_b_all(rbdi_sub(rbdi_vec0(), d->V.v));
 
     /* the sums in all lanes */
-    RBDI_UNROLL_SUMS for (int j = 0; j < inertia; ++j) x[j] = rbdi_all_lanes(whole[j * RBDI_BATCH]);
+    s.xx = rbdi_all_lanes(*RBDI_OF(d, last, sum.xx));
+    s.xy = rbdi_all_lanes(*RBDI_OF(d, last, sum.xy));
+    s.xz = rbdi_all_lanes(*RBDI_OF(d, last, sum.xz));
+    s.yy = rbdi_all_lanes(*RBDI_OF(d, last, sum.yy));
+    s.yz = rbdi_all_lanes(*RBDI_OF(d, last, sum.yz));
+    s.zz = rbdi_all_lanes(*RBDI_OF(d, last, sum.zz));
+    s.h = rbdi_b_all(rbdi_load_vec(RBDI_OF(d, last, sum.h), RBDI_BATCH));
     if (want & RBDI_WANT_V) {
-        RBDI_UNROLL_SUMS for (int j = inertia; j < momentum; ++j) x[j] =
-            rbdi_all_lanes(whole[j * RBDI_BATCH]);
+        s.Xx = rbdi_b_all(rbdi_load_vec(RBDI_OF(d, last, sum.Xx), RBDI_BATCH));
+        s.Xy = rbdi_b_all(rbdi_load_vec(RBDI_OF(d, last, sum.Xy), RBDI_BATCH));
+        s.Xz = rbdi_b_all(rbdi_load_vec(RBDI_OF(d, last, sum.Xz), RBDI_BATCH));
+        s.P = rbdi_b_all(rbdi_load_vec(RBDI_OF(d, last, sum.P), RBDI_BATCH));
     }
 
     for (int b = 0; b < d->behind; ++b) {
@@ -110,13 +116,25 @@ RBDI_INLINE void rbdi_put_base(const rbd_derivatives *d, int want, rbdi_wanted o
     }
 }
 
-/* For rbd_fd_derivatives, at v = 0 and without gravity: only the base's columns by w are needed. They take
-   the places of its other columns, so that both matrices have the same number of columns to solve for.
+/* For rbd_fd_derivatives, which leaves out v of the base and gravity: of the base's columns only the three
+   by w are not 0. They take places of the others, so that both matrices are solved from the same column on:
+
+       both matrices   by_v[4], by_v[5], by_q[5]   solved from column 4 on, by_q[4] for nothing
+       by_v alone      by_v[3], by_v[4], by_v[5]   from column 3 on
+       by_q alone      none                        from column 6 on
+
    turn: where the three columns begin. */
 RBDI_INLINE void rbdi_place_turns(rbd_real *by_q, rbd_real *by_v, rbd_real *turn[3]) {
     turn[0] = by_v + (by_q ? 4 : 3);
     turn[1] = turn[0] + 1;
     turn[2] = by_q ? by_q + 5 : by_v + 5;
+}
+
+/* The first column to solve for; without a base all are. */
+RBDI_INLINE int rbdi_first_solved(const rbd_derivatives *d, const rbd_real *by_q, const rbd_real *by_v) {
+    if (!d->base) return 0;
+    if (!by_v) return 6;
+    return by_q ? 4 : 3;
 }
 
 /* Stores them: of the base's rows D, of the others T + n x w. */

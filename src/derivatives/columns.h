@@ -20,7 +20,7 @@
    the link's origin. V and A are velocity and acceleration of the link, V_p and A_p those of its parent.
    (omega; v) and (omega_dot; a) are their two halves.
 
-       S = (rho ez; rho x x ez + kappa ez)      rho, kappa = 1, 0 turns; 0, 1 slides; 1, pitch: a screw
+       S = (rho ez; x x rho ez + kappa ez)      rho, kappa = 1, 0 turns; 0, 1 slides; 1, pitch: a screw
        V = V_p + sum over the joint of S qd
        Psi = V_p x S                            rate of S, carried by the parent
        U = Psi + V x S                          with one dof 2 Psi
@@ -62,7 +62,7 @@
        turns     U = (w x e; e x v)   Phi = (0; -gravity x e)
        shifts    U = (0; w x e)       Phi = 0
 
-   RBDA 2.9, 2.10 and 5.3 has the two cross products, Echeandia and Wensing (2021) the matrix B. */
+   RBDA 2.9, 2.10 and 5.3 have the two cross products, Echeandia and Wensing (2021) the matrix B. */
 
 #if RBDI_BATCH > 1
 typedef rbdi_batch rbdi_cbatch; /* a batch of constants */

@@ -196,7 +196,7 @@ RBDI_INLINE rbdi_mask rbdi_solve_acceleration(const rbd_model *m, rbd_derivative
     rbd_work *w = d->work;
     rbdi_mask doubt;
 
-    /* columns, M and tau - c */
+    /* columns, M and tau - c; with mimic joints M is not that of the columns' dofs */
     if (rbdi_mimics(m)) rbd_crba_packed(m, w, q, w->H);
     rbdi_common(m, d, q, v, w->zero, w->gravity, f_ext, need);
     if (!rbdi_mimics(m)) rbdi_put_packed(m, d, w->H);
@@ -204,6 +204,8 @@ RBDI_INLINE rbdi_mask rbdi_solve_acceleration(const rbd_model *m, rbd_derivative
 
     doubt = rbdi_factor(m, w, w->H);
     if (!rbdi_mimics(m)) doubt = rbdi_or(doubt, rbdi_far_pivots(d));
+
+    /* in doubt, M anew from the links' frames; then w->pivot has the verdicts for rbdi_pivot_status */
     w->singular = -1;
     if (rbdi_any(doubt)) rbdi_factor_again(m, w);
 
@@ -212,20 +214,19 @@ RBDI_INLINE rbdi_mask rbdi_solve_acceleration(const rbd_model *m, rbd_derivative
     return doubt;
 }
 
-/* Steps 4 and 5: da/dq and da/dv, one of them or both, of a free base those of y. */
+/* Steps 4 and 5: da/dq and da/dv, one of them or both; of a free base those of y. */
 RBDI_INLINE void rbdi_acceleration_derivatives(const rbd_model *m, rbd_derivatives *d, rbd_real *da_dq,
                                                rbd_real *da_dv) {
-    rbd_real *sides[2];
-    int count = 0, unsolved = 0; /* unsolved: number of first columns, see rbdi_place_turns */
+    const int first = rbdi_first_solved(d, da_dq, da_dv);
+    rbd_real *one = da_dq ? da_dq + first : da_dv + first, *other = da_dq && da_dv ? da_dv + first : NULL;
 
     rbdi_put_entries(m, d, da_dq, da_dv, NULL, 0);
     if (d->base) rbdi_put_turns(d, da_dq, da_dv);
 
-    if (d->base) unsolved = !da_dv ? 6 : da_dq ? 4 : 3;
-    if (da_dq) sides[count++] = da_dq + unsolved;
-    if (da_dv) sides[count++] = da_dv + unsolved;
-    if (count == 1) rbdi_solve_columns(m, d->work, d->work->H, -1, m->nv, m->nv - unsolved, sides[0]);
-    if (count == 2) rbdi_solve_two(m, d->work, d->work->H, -1, m->nv, m->nv - unsolved, sides[0], sides[1]);
+    if (other)
+        rbdi_solve_two(m, d->work, d->work->H, -1, m->nv, m->nv - first, one, other);
+    else
+        rbdi_solve_columns(m, d->work, d->work->H, -1, m->nv, m->nv - first, one);
 }
 
 RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
@@ -237,16 +238,18 @@ RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, c
     rbd_status status = rbdi_check_derivatives(m, d, q && v && tau);
     if (status) return status;
 
+    /* d->a = a, or y of a free base */
     doubt = rbdi_solve_acceleration(m, d, q, v, tau, f_ext, need, Minv);
     if (rbdi_any(doubt)) status = rbdi_pivot_status(m, d->work, d->a, nv);
 
     if (da_dq) rbdi_add_acceleration(m, d, d->a);
     if (da_dq || da_dv) rbdi_acceleration_derivatives(m, d, da_dq, da_dv);
 
+    /* from y to a */
     if (d->base) rbdi_from_base(m, d, v, da_dq, da_dv);
     for (int k = 0; a && k < nv; ++k) a[k] = d->a[k];
 
-    /* after an error the results are 0 */
+    /* the results become 0 in the lanes that have an error */
     if (status && a) (void)rbdi_pivot_status(m, d->work, a, nv);
     for (int k = 0; status && k < 3; ++k)
         if (result[k]) (void)rbdi_pivot_status(m, d->work, result[k], nv * nv);

@@ -14,12 +14,12 @@
        difference    by q0 -J_r^-1(-d)      by q1  J_r^-1(d)
 
    ad is the dual number [w]x + eps [u]x: a function f(ad) has f([w]x) = 1 + b [w]x + c [w]x^2 on the diagonal
-   and the derivative of f([w]x) along u below it. b and c are functions of x = w'w. With c_n = sum over k of
-   (-x)^k / (n + 2k)!, where 2 dc_n/dx = n c_n+2 - c_n+1, they are
+   and the derivative of f([w]x) along u below it. b and c are functions of x = w'w. With t_n = sum over k of
+   (-x)^k / (n + 2k)!, where 2 dt_n/dx = n t_n+2 - t_n+1, they are
 
-       exp(-ad)   b = -c_1, c = c_2
-       J_r        b = -c_2, c = c_3
-       J_r^-1     b = 1/2,  c = (c_3 - 2 c_4) / (2 c_2)
+       exp(-ad)   b = -t_1, c = t_2
+       J_r        b = -t_2, c = t_3
+       J_r^-1     b = 1/2,  c = (t_3 - 2 t_4) / (2 t_2)
 
    Sola, Deray and Atchuthan (2018) for J_r; Barfoot, State Estimation for Robotics (2017), 7.1.5. */
 
@@ -28,50 +28,50 @@ typedef struct rbdi_ad_function {
     rbd_real b, c, db, dc;
 } rbdi_ad_function;
 
-/* c_0 .. c_6 of a turn w: c_0 = cos, c_1 = sin / angle; from the series where x < 1, else
-   c_n = (1 / (n - 2)! - c_n-2) / x. */
-static void rbdi_tails(rbdi_v3 w, rbd_real c[7]) {
+/* t_0 .. t_6 of a turn w: t_0 = cos, t_1 = sin / angle; from the series where x < 1, else
+   t_n = (1 / (n - 2)! - t_n-2) / x. */
+static void rbdi_tails(rbdi_v3 w, rbd_real t[7]) {
     const rbdi_exp e = rbdi_exp_of(w);
     const rbd_real one = rbdi_set(RBD_C(1));
     const rbdi_mask near_zero = rbdi_less(e.x, one);
     const rbd_real x = rbdi_select(near_zero, e.x, rbdi_zero());
 
-    c[0] = one - e.x * e.B;
-    c[1] = (e.half_sine + e.half_sine) * e.half_cosine;
-    c[2] = e.B;
-    c[3] = e.C;
+    t[0] = one - e.x * e.B;
+    t[1] = (e.half_sine + e.half_sine) * e.half_cosine;
+    t[2] = e.B;
+    t[3] = e.C;
 
     for (int n = 4; n < 7; ++n) {
         const rbd_real inverse_factorial = rbdi_set(RBD_C(1) / (rbd_const)(n == 4 ? 2 : n == 5 ? 6 : 24));
-        c[n] = rbdi_select(near_zero, rbdi_tail(x, n), (inverse_factorial - c[n - 2]) / e.x);
+        t[n] = rbdi_select(near_zero, rbdi_tail(x, n), (inverse_factorial - t[n - 2]) / e.x);
     }
 }
 
-/* dc_n/dx = (n c_n+2 - c_n+1) / 2. */
-RBDI_INLINE rbd_real rbdi_tail_slope(const rbd_real c[7], int n) {
-    return (c[n + 2] * (rbd_const)n - c[n + 1]) * RBD_C(0.5);
+/* dt_n/dx = (n t_n+2 - t_n+1) / 2. */
+RBDI_INLINE rbd_real rbdi_tail_slope(const rbd_real t[7], int n) {
+    return (t[n + 2] * (rbd_const)n - t[n + 1]) * RBD_C(0.5);
 }
 
 enum { RBDI_EXP_MINUS_AD, RBDI_J_R, RBDI_J_R_INVERSE };
 
 /* b and c of the table above, and their derivatives. */
-static rbdi_ad_function rbdi_ad_function_of(int which, const rbd_real c[7]) {
+static rbdi_ad_function rbdi_ad_function_of(int which, const rbd_real t[7]) {
     const int n = which == RBDI_EXP_MINUS_AD ? 1 : 2;
     rbdi_ad_function f;
 
     if (which == RBDI_J_R_INVERSE) {
-        const rbd_real half = rbdi_set(RBD_C(0.5)), factor = half / c[2], slope = rbdi_tail_slope(c, 4);
+        const rbd_real half = rbdi_set(RBD_C(0.5)), factor = half / t[2], slope = rbdi_tail_slope(t, 4);
         f.b = half;
         f.db = rbdi_zero();
-        f.c = (c[3] - (c[4] + c[4])) * factor;
-        f.dc = (rbdi_tail_slope(c, 3) - (slope + slope) - (f.c + f.c) * rbdi_tail_slope(c, 2)) * factor;
+        f.c = (t[3] - (t[4] + t[4])) * factor;
+        f.dc = (rbdi_tail_slope(t, 3) - (slope + slope) - (f.c + f.c) * rbdi_tail_slope(t, 2)) * factor;
         return f;
     }
 
-    f.b = -c[n];
-    f.db = -rbdi_tail_slope(c, n);
-    f.c = c[n + 1];
-    f.dc = rbdi_tail_slope(c, n + 1);
+    f.b = -t[n];
+    f.db = -rbdi_tail_slope(t, n);
+    f.c = t[n + 1];
+    f.dc = rbdi_tail_slope(t, n + 1);
     return f;
 }
 
@@ -112,7 +112,7 @@ static void rbdi_put_step(const rbd_model *m, const rbdi_frame *body, int which,
                           rbd_real sign, rbd_real scale, rbd_real *out) {
     const ptrdiff_t nv = m->nv;
     const int first = rbdi_first_axis(body->type);
-    rbd_real c[7], J[6][6];
+    rbd_real t[7], J[6][6];
     rbdi_motion step;
 
     out += body->iv * nv + body->iv;
@@ -125,8 +125,8 @@ static void rbdi_put_step(const rbd_model *m, const rbdi_frame *body, int which,
     step.omega = rbdi_scale(sign, step.omega);
     step.v = rbdi_scale(sign, step.v);
 
-    rbdi_tails(step.omega, c);
-    rbdi_fill_ad(rbdi_ad_function_of(which, c), step, scale, J);
+    rbdi_tails(step.omega, t);
+    rbdi_fill_ad(rbdi_ad_function_of(which, t), step, scale, J);
     for (int i = 0; i < body->nv; ++i)
         for (int j = 0; j < body->nv; ++j) out[i * nv + j] = J[first + i][first + j];
 }

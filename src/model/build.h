@@ -35,9 +35,9 @@ RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory
         const rbd_status status = rbdi_check_body(bodies, nb, i, report);
         if (status) return status;
     }
+    rbdi_check_followers(bodies, nb, report);
 
     rbdi_build b;
-
     b.bodies = bodies;
     b.nb = nb;
     b.n = rbdi_count(bodies, nb);

@@ -153,14 +153,60 @@ static void rbdi_check_inertia(const rbd_body *b, int i, rbd_report *report) {
         rbdi_warn(report, RBD_WARN_INERTIA_TRIANGLE, i, b->name, "inertia");
 }
 
+/* Whether a joint has limits as the model stores them: in float they may be equal. */
+static int rbdi_is_limited(const rbd_body *b) {
+    return rbdi_has_limits((int)b->type) && RBD_C(b->lower) < RBD_C(b->upper);
+}
+
 /* Warns of limits that are set and mean none. */
 static void rbdi_check_limits(const rbd_body *b, int i, rbd_report *report) {
-    const int limited = rbdi_has_limits((int)b->type);
+    const char *sentence = "not below upper: read as no limits";
     if (rbdi_all_zero(&b->lower, 1) && rbdi_all_zero(&b->upper, 1)) return;
-    if (limited && b->lower < b->upper) return;
-    rbdi_warn_saying(report, RBD_WARN_LIMITS, i, b->name, "lower",
-                     limited ? "not below upper: read as no limits"
-                             : "limits of a joint whose type has none: read as none");
+    if (rbdi_is_limited(b)) return;
+
+    if (b->lower < b->upper) sentence = "as near to upper as rounding: read as no limits";
+    if (!rbdi_has_limits((int)b->type)) sentence = "limits of a joint whose type has none: read as none";
+    rbdi_warn_saying(report, RBD_WARN_LIMITS, i, b->name, "lower", sentence);
+}
+
+/* A limit x of a body's joint as a limit of the joint that it mimics, if any: x = ratio q + offset. */
+static rbd_const rbdi_source_limit(const rbd_body *b, double x) {
+    return b->mimic ? (RBD_C(x) - RBD_C(b->mimic_offset)) / RBD_C(b->mimic_ratio) : RBD_C(x);
+}
+
+/* Whether two joints with limits, of which one mimics the other or both mimic a third one, cannot both be
+   within their limits. */
+static int rbdi_limits_contradict(const rbd_body *one, const rbd_body *two) {
+    const rbd_body *of[2] = {one, two};
+    rbd_const lower[2], upper[2];
+    if (!rbdi_is_limited(one) || !rbdi_is_limited(two)) return 0;
+
+    for (int k = 0; k < 2; ++k) {
+        const int turned = of[k]->mimic && of[k]->mimic_ratio < 0;
+        lower[k] = rbdi_source_limit(of[k], turned ? of[k]->upper : of[k]->lower);
+        upper[k] = rbdi_source_limit(of[k], turned ? of[k]->lower : of[k]->upper);
+    }
+
+    return upper[0] < lower[1] || upper[1] < lower[0];
+}
+
+/* Warns of each joint that mimics another if its limits contradict those of that joint, or of a joint before
+   it that mimics the same one. Ranges of one coordinate have a place in common if each two of them have. */
+static void rbdi_check_followers(const rbd_body *bodies, int nb, rbd_report *report) {
+    for (int i = 0; i < nb; ++i) {
+        const rbd_body *b = &bodies[i];
+        int contradicts = 0;
+
+        for (int j = 0; b->mimic && j < nb; ++j) {
+            const int source = j != i && rbdi_same(bodies[j].joint, b->mimic);
+            const int beside = j < i && rbdi_same(bodies[j].mimic, b->mimic);
+            if (source || beside) contradicts |= rbdi_limits_contradict(b, &bodies[j]);
+        }
+
+        if (contradicts)
+            rbdi_warn_saying(report, RBD_WARN_LIMITS, i, b->name, "lower",
+                             "no place of the joint that it mimics is within the limits of all");
+    }
 }
 
 /* Index of the body whose joint body i mimics, -1 if there is none that can be followed. */

@@ -179,8 +179,7 @@ static rbdi_frame rbdi_emit_frame(const rbdi_build *build, int i) {
     out.mass = RBD_C(b->mass);
     out.com = rbdi_round3(com);
     out.I = rbdi_round6(I);
-    const int limited = rbdi_has_limits((int)b->type) && b->lower < b->upper;
-
+    const int limited = rbdi_is_limited(b);
     out.lower = limited ? RBD_C(b->lower) : RBD_C(0);
     out.upper = limited ? RBD_C(b->upper) : RBD_C(0);
     out.velocity = RBD_C(b->velocity);
