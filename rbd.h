@@ -2950,9 +2950,9 @@ RBDI_PART uint32_t rbdi_features(const rbd_model *m) {
 /* ==== src/model/joint_types.h ==== */
 /* Interface: rbdi_first_axis, rbdi_has_quaternion, rbdi_type_turns */
 
-/* ---- joint types [joint types] ----
-   What differs between joint types. A type is a chain of one-axis links, one for each letter of its axes, or,
-   if it has none, a block: a joint with several axes through one point. To add a type:
+/* ---- joint types [joint types] ---- The differences between joint types. A type is a chain of one-axis
+   links, one for each letter of its axes, or, if it has none, a block: a joint with several axes through one
+   point. To add a type:
 
      always      its name in api/types.h, its q and v in [conventions], its row in rbdi_joint_facts
      a chain     model/links.h: rbdi_build_joint turns each letter into a link that turns or slides. Such a
@@ -4242,7 +4242,7 @@ RBDI_INLINE void rbdi_aba_add_bias(const rbdi_abi *Ia, const rbdi_motion *c, rbd
     pA->f = rbdi_add(pA->f, rbdi_mul_sym(Ia->M, c->v));
 }
 
-/* What the two leave out: row z of I and H, and the moment of pa about z. */
+/* The rest of both: row z of I and H, and the moment of pa about z. */
 RBDI_INLINE void rbdi_aba_row_z(const rbdi_motion *c, rbdi_force U, rbdi_force U_D, rbd_real u_D,
                                 rbdi_abi *IA, rbdi_force *pA) {
     IA->I.xz = IA->I.xz - U.n.x * U_D.n.z;

@@ -119,7 +119,7 @@ RBDI_INLINE void rbdi_aba_add_bias(const rbdi_abi *Ia, const rbdi_motion *c, rbd
     pA->f = rbdi_add(pA->f, rbdi_mul_sym(Ia->M, c->v));
 }
 
-/* What the two leave out: row z of I and H, and the moment of pa about z. */
+/* The rest of both: row z of I and H, and the moment of pa about z. */
 RBDI_INLINE void rbdi_aba_row_z(const rbdi_motion *c, rbdi_force U, rbdi_force U_D, rbd_real u_D,
                                 rbdi_abi *IA, rbdi_force *pA) {
     IA->I.xz = IA->I.xz - U.n.x * U_D.n.z;
