@@ -5,9 +5,9 @@
 
 /* Interface: rbdi_first_axis, rbdi_has_quaternion, rbdi_type_turns */
 
-/* ---- joint types [joint types] ---- The differences between joint types. A type is a chain of one-axis
-   links, one for each letter of its axes, or, if it has none, a block: a joint with several axes through one
-   point. To add a type:
+/* ---- joint types [joint types] ----
+   The differences between joint types. A type is a chain of one-axis links, one for each letter of its axes,
+   or, if it has none, a block: a joint with several axes through one point. To add a type:
 
      always      its name in api/types.h, its q and v in [conventions], its row in rbdi_joint_facts
      a chain     model/links.h: rbdi_build_joint turns each letter into a link that turns or slides. Such a
