@@ -472,7 +472,7 @@ END_TEST
     LIMITS(i, RBD_REVOLUTE, low, high), b[i].mimic = leader, b[i].mimic_ratio = ratio, \
                                         b[i].mimic_offset = offset
 
-/* x = ratio q + offset cannot be within its limits while q is within its own, or while another follower is. */
+/* x = ratio q + offset cannot be within its limits while q is within its own, or another follower is. */
 START_TEST(limits_of_followers_that_contradict_are_warned_of) {
     rbd_report report;
     rbd_body b[NB];

@@ -1583,7 +1583,7 @@ static robot arm_with_tiny_links(uint64_t *seed, rbd_body *arm, int links, doubl
     return robot_build("welded arm", arm, 9);
 }
 
-/* Welded to the world at its end, and motors turn all links: the accelerations without the weld are 1e15 times
+/* Welded to the world at its end. Motors turn all links: the accelerations without the weld are 1e15 times
    those with it. */
 START_TEST(motors_on_tiny_links_cost_no_digits) {
     const rbd_constraint weld = {.body1 = 8, .body2 = -1, .axes = {1, 1, 1, 1, 1, 1}};
@@ -1606,8 +1606,9 @@ START_TEST(motors_on_tiny_links_cost_no_digits) {
 }
 END_TEST
 
-/* Inertias of any size: down to 1e-17 of the others both equations hold. Below, the weld's rows are lost beside
-   the tiny links' 1/D in ever more states, which is an error with a row's name: what is RBD_OK holds. */
+/* Inertias of any size: down to 1e-17 of the others both equations hold. Below, the weld's rows are lost
+   beside the tiny links' 1/D in ever more states, which is an error with a row's name. After RBD_OK they
+   hold. */
 START_TEST(rows_of_tiny_links_hold_or_are_an_error) {
     const rbd_constraint weld = {.body1 = 8, .body2 = -1, .axes = {1, 1, 1, 1, 1, 1}};
     uint64_t seed = 32;
@@ -2235,8 +2236,8 @@ START_TEST(contradictions_of_drift_are_no_error) {
 }
 END_TEST
 
-/* Two rows 5e-11 rad apart are not dependent, but too close to be met both: where their targets differ by 5e-7,
-   only an acceleration of 1e4 m/s^2 across meets them. That is an error, as of true twins it is drift. */
+/* Two rows 5e-11 rad apart are not dependent, but too close to be met both. If their targets differ by 5e-7,
+   only an acceleration of 1e4 m/s^2 across meets them: an error. True twins may differ so much by drift. */
 START_TEST(rows_of_unclear_rank_hold_or_are_an_error) {
     robot r = BUILD(slides);
     const double q[3] = {1, 0, 0}, v[3] = {0}, tau[3] = {0}, angle[3] = {0, 5e-11, 5e-11},

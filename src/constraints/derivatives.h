@@ -83,9 +83,9 @@ static rbdi_pair_motion rbdi_pair_motion_of(const rbd_constraint_set *c, const r
     pair.force.n = pair.force.f = rbdi_vec0();
     for (int r = 0; r < con->rows; ++r) {
         const int angular = r < con->angular, i = angular ? 0 : 3;
-        const rbdi_v3 e = rbdi_vec(pair.h.axis[i][r], pair.h.axis[i + 1][r], pair.h.axis[i + 2][r]);
+        const rbdi_v3 axis = rbdi_vec(pair.h.axis[i][r], pair.h.axis[i + 1][r], pair.h.axis[i + 2][r]);
         rbdi_v3 *to = angular ? &pair.force.n : &pair.force.f;
-        *to = rbdi_add(*to, rbdi_scale(c->lambda[con->row + r], e));
+        *to = rbdi_add(*to, rbdi_scale(c->lambda[con->row + r], axis));
     }
 
     /* the angular part of e */

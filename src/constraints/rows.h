@@ -63,8 +63,8 @@ RBDI_INLINE rbdi_walk rbdi_walk_of(const rbdi_constraint *con) {
     return walk;
 }
 
-/* Steps to the next link: of the two ends the one with the larger index, which its parent replaces. Returns 0 at
-   the common ancestor. */
+/* Steps to the next link: of the two ends the one with the larger index, which its parent replaces. Returns
+   0 at the common ancestor. */
 RBDI_INLINE int rbdi_next_link(const rbd_model *m, rbdi_walk *walk) {
     if (walk->end[0] == walk->end[1]) return 0;
 
