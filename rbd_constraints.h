@@ -763,8 +763,8 @@ RBDI_INLINE rbdi_walk rbdi_walk_of(const rbdi_constraint *con) {
     return walk;
 }
 
-/* Steps to the next link: of the two ends the one with the larger index, which its parent replaces. Returns 0 at
-   the common ancestor. */
+/* Steps to the next link: of the two ends the one with the larger index, which its parent replaces. Returns
+   0 at the common ancestor. */
 RBDI_INLINE int rbdi_next_link(const rbd_model *m, rbdi_walk *walk) {
     if (walk->end[0] == walk->end[1]) return 0;
 
@@ -1444,13 +1444,16 @@ static int rbdi_refine(const rbd_model *m, rbd_constraint_set *c, rbdi_mask lost
 
 /* Lengths of the rows of J L^-1: the root of the sum of Y_kr^2. */
 static void rbdi_row_lengths(const rbd_model *m, const rbd_constraint_set *c, rbd_real *length) {
-    rbdi_clear(length, c->stride);
+    for (int r = 0; r < c->rows; r += RBDI_BATCH) {
+        rbdi_batch sum = rbdi_zero_batch();
 
-    for (int k = 0; k < m->nv; ++k)
-        for (int r = c->span[k].first; r < c->span[k].end; ++r) {
-            const rbd_real y = c->Y[k * c->stride + r];
-            length[r] = length[r] + y * y;
+        for (int k = 0; k < m->nv; ++k) {
+            const rbdi_batch y = *(const rbdi_batch *)&c->Y[k * c->stride + r];
+            sum = sum + y * y;
         }
+
+        *(rbdi_batch *)&length[r] = sum;
+    }
 
     for (int r = 0; r < c->rows; ++r) length[r] = rbdi_sqrt(length[r]);
 }
@@ -1476,39 +1479,46 @@ static rbdi_mask rbdi_row_depends(const rbd_model *m, const rbd_constraint_set *
     return depends;
 }
 
-/* b = target - Y' x, less what rows that depend on each other contradict each other by. */
-static void rbdi_rest_to_meet(const rbd_model *m, rbd_constraint_set *c, const rbd_real *length) {
-    rbdi_rest_of_rows(c);
-    if (!c->pivoted) return;
-
+/* b loses the part by which rows that depend on each other contradict each other. */
+static void rbdi_forgive_drift(const rbd_model *m, const rbd_constraint_set *c, const rbd_real *length) {
     rbdi_permute(c, c->b, 1, 0);
     for (int t = 0; t < c->rows; ++t)
         if (rbdi_any(rbdi_dropped(c, t))) rbdi_project_along(c, t, rbdi_row_depends(m, c, t, length), c->b);
     rbdi_permute(c, c->b, 1, 1);
 }
 
-/* Notes the first row that x, the solution, does not meet, unless a row is noted already:
+/* The first row that x, of this length, misses by b; -1 = none:
 
-       |b_r| > RBDI_HELD (|target_r| + length_r |x|) + noise of the target */
+       |b_r| > RBDI_HELD (|target_r| + length_r |x|) + noise of the target
+
+   A NaN is no miss: these calls only look for NaN in M. */
+static int rbdi_first_missed(const rbd_constraint_set *c, const rbd_real *length, rbd_real size) {
+    for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con) {
+        const rbd_real noise = rbdi_motion_size(c, con) * RBDI_NOISE + RBDI_STILL;
+        for (int r = con->row; r < con->row + con->rows; ++r) {
+            const rbd_real terms = rbdi_abs(c->target[r]) + length[r] * size;
+            if (rbdi_any(rbdi_less(terms * RBDI_HELD + noise, rbdi_abs(c->b[r])))) return r;
+        }
+    }
+    return -1;
+}
+
+/* Notes a row that x, the solution, does not meet, unless a row is noted already. */
 RBDI_COLD void rbdi_check_held(const rbd_model *m, rbd_constraint_set *c) {
     rbd_real *length = c->of_rows.length, size = rbdi_zero();
     if (c->infeasible >= 0) return;
 
+    rbdi_rest_of_rows(c);
     rbdi_row_lengths(m, c, length);
-    rbdi_rest_to_meet(m, c, length);
-
     for (int k = 0; k < m->nv; ++k)
         if (c->span[k].end > 0) size = size + c->x[k] * c->x[k];
     size = rbdi_sqrt(size);
 
-    for (const rbdi_constraint *con = c->constraint + c->n; con-- > c->constraint;) {
-        const rbd_real noise = rbdi_motion_size(c, con) * RBDI_NOISE;
-        for (int r = con->row + con->rows; r-- > con->row;) {
-            const rbd_real terms = rbdi_abs(c->target[r]) + length[r] * size;
-            const rbd_real most = terms * RBDI_HELD + noise + RBDI_STILL;
-            if (rbdi_any(rbdi_not(rbdi_less(rbdi_abs(c->b[r]), most)))) c->infeasible = r;
-        }
-    }
+    c->infeasible = rbdi_first_missed(c, length, size);
+    if (c->infeasible < 0 || !c->pivoted) return;
+
+    rbdi_forgive_drift(m, c, length);
+    c->infeasible = rbdi_first_missed(c, length, size);
 }
 
 /* ==== src/constraints/articulated.h ==== */
@@ -2615,9 +2625,9 @@ static rbdi_pair_motion rbdi_pair_motion_of(const rbd_constraint_set *c, const r
     pair.force.n = pair.force.f = rbdi_vec0();
     for (int r = 0; r < con->rows; ++r) {
         const int angular = r < con->angular, i = angular ? 0 : 3;
-        const rbdi_v3 e = rbdi_vec(pair.h.axis[i][r], pair.h.axis[i + 1][r], pair.h.axis[i + 2][r]);
+        const rbdi_v3 axis = rbdi_vec(pair.h.axis[i][r], pair.h.axis[i + 1][r], pair.h.axis[i + 2][r]);
         rbdi_v3 *to = angular ? &pair.force.n : &pair.force.f;
-        *to = rbdi_add(*to, rbdi_scale(c->lambda[con->row + r], e));
+        *to = rbdi_add(*to, rbdi_scale(c->lambda[con->row + r], axis));
     }
 
     /* the angular part of e */
