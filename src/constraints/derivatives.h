@@ -308,7 +308,7 @@ static void rbdi_lambda_derivatives(const rbd_model *m, rbd_constraint_set *c, c
 static void rbdi_solve_at_once(const rbd_model *m, rbd_constraint_set *c, rbd_real *rho, rbd_real *sigma) {
     const int nv = m->nv;
     rbdi_lambda_derivatives(m, c, rho, sigma);
-    rbdi_solve_columns(m, c->w, c->w->H, -1, nv, nv, rho, NULL);
+    rbdi_solve_columns(m, c->w, c->w->H, -1, nv, nv, rho);
     for (int k = 0; k < nv; ++k)
         rbdi_subtract_product(&c->Y[k * c->stride], sigma, c->rows, nv, &rho[k * nv]);
 }
@@ -334,9 +334,9 @@ static void rbdi_solve_column(const rbd_model *m, rbd_constraint_set *c, int j, 
 RBDI_COLD void rbdi_solve_by_columns(const rbd_model *m, rbd_constraint_set *c, rbd_real *rho,
                                      rbd_real *sigma) {
     const int nv = m->nv;
-    rbdi_solve_up(m, c->w, c->w->H, nv, nv, rho);
+    rbdi_solve_transposed(m, c->w, c->w->H, nv, nv, rho);
     for (int j = 0; j < nv; ++j) rbdi_solve_column(m, c, j, rho, sigma);
-    rbdi_solve_down(m, c->w, c->w->H, 1, nv, nv, rho);
+    rbdi_solve_forward(m, c->w, c->w->H, 1, nv, nv, rho);
 }
 
 /* Whether accelerations by a force at each dof lose so many digits that rows may need [refinement]. One set
@@ -390,7 +390,8 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
 
     /* da and dlambda */
     by_columns = rbdi_loses_digits(m, c);
-    if (!by_columns) rbdi_solve_down(m, c->w, c->w->H, -1, c->stride, c->rows, c->Y); /* -T = -L^-1 D^-1 Y */
+    if (!by_columns)
+        rbdi_solve_forward(m, c->w, c->w->H, -1, c->stride, c->rows, c->Y); /* -T = -L^-1 D^-1 Y */
     for (int x = 0; x < 3; ++x) {
         if (!of_a[x]) continue;
         if (by_columns)

@@ -256,7 +256,7 @@ static int rbdi_solve_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_re
     rbdi_contact_solver solver = c->solver;
     const int n = m->nv;
     int solved;
-    rbdi_solve_up(m, s->w, s->w->H, n, n, rho);
+    rbdi_solve_transposed(m, s->w, s->w->H, n, n, rho);
     for (int r = 0; r < s->rows; ++r) {
         for (int k = 0; k < n; ++k) s->x[k] = s->Y[k * s->stride + r] * s->D_inverse[k];
         rbdi_subtract_product(s->x, rho, n, n, &c->sigma[r * n]);
@@ -269,7 +269,7 @@ static int rbdi_solve_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_re
     rbdi_add_increments(&solver, c->sigma);
     for (int k = 0; k < n; ++k)
         rbdi_subtract_product(&s->Y[k * s->stride], c->sigma, s->rows, n, &rho[k * n]);
-    rbdi_solve_down(m, s->w, s->w->H, -1, n, n, rho);
+    rbdi_solve_forward(m, s->w, s->w->H, -1, n, n, rho);
     return solved;
 }
 
@@ -319,7 +319,7 @@ static void rbdi_differentiate_free(const rbd_model *m, rbd_contact_set *c, rbd_
     rbdi_write_rho(m, c, d, c->nu, f_ext, NULL, dnu);
     if (dnu[0]) rbdi_subtract(dnu[0], -rbdi_set(RBD_C(1)), rbdi_side(m, c, 2), n * n);
     for (int x = 0; x < 3; ++x)
-        if (dnu[x]) rbdi_solve_columns(m, w, w->H, -1, n, n, dnu[x], NULL);
+        if (dnu[x]) rbdi_solve_columns(m, w, w->H, -1, n, n, dnu[x]);
     rbdi_write_falls(m, c, c->nu, dnu);
 }
 

@@ -9,7 +9,7 @@
 /* Y = L^-T Y, b = target - Y' D^-1 x, and the squares of b's terms. Batches may reach beyond a dof's span:
    entries there are 0. */
 static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
-    rbdi_solve_up(m, c->w, L, c->stride, c->rows, c->Y);
+    rbdi_solve_transposed(m, c->w, L, c->stride, c->rows, c->Y);
 
     for (int r = 0; r < c->rows; r += RBDI_BATCH) {
         const rbdi_batch b = *(const rbdi_batch *)&c->target[r];

@@ -1,6 +1,6 @@
 #ifndef RBDI_CONTACT_ROWS_H
 #define RBDI_CONTACT_ROWS_H
-#include "dynamics/packed.h"
+#include "dynamics/row_sums.h"
 #include "constraints/factor.h"
 #include "constraints/set.h"
 #include "contact/one_contact.h"

@@ -77,14 +77,14 @@ static void rbdi_correct(const rbd_model *m, rbd_contact_set *c, const rbd_real 
               rbdi_mimics(m) ? w->tx : w->bias);
     rbdi_reduce_tau(m, w->tx, w->bias);
     rbdi_free_impulse(m, c, tau);
-    rbdi_vector_up(m, w, w->H, s->x);
+    rbdi_vector_transposed(m, w, w->H, s->x);
 }
 
 /* nu of the impulses by (4). */
 static void rbdi_contact_respond(const rbd_model *m, rbd_contact_set *c, rbd_real *nu) {
     rbd_constraint_set *s = c->rows;
     for (int k = 0; k < m->nv; ++k) nu[k] = c->x[k] + rbdi_y_lambda(s, s->lambda, k);
-    rbdi_vector_down(m, s->w, s->w->H, nu);
+    rbdi_vector_forward(m, s->w, s->w->H, nu);
     for (int k = 0; k < m->nv; ++k) nu[k] = c->v_mid[k] + nu[k];
 }
 
@@ -137,7 +137,7 @@ static void rbdi_choose_scheme(rbd_contact_set *c, rbd_real dt, int first_order)
 
 /* The only solution of a step of first order: with velocity terms of the beginning. */
 static void rbdi_solve_only(const rbd_model *m, rbd_contact_set *c) {
-    rbdi_vector_up(m, c->rows->w, c->rows->w->H, c->rows->x);
+    rbdi_vector_transposed(m, c->rows->w, c->rows->w->H, c->rows->x);
     rbdi_solve_first(m, c, RBDI_FOR_POSITIONS);
 }
 

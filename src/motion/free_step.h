@@ -32,15 +32,18 @@ static void rbdi_free_change(const rbd_model *m, rbd_work *w, const rbd_real *ta
                              const rbd_real *damping, rbd_real dt, rbd_real *x) {
     const rbd_real *v_mid = rbdi_free_vector(m, w, 2);
     rbd_real *at = rbdi_free_vector(m, w, 0), *a = rbdi_free_vector(m, w, 1);
+
     rbdi_clear(a, m->nv);
     rbdi_straight_acceleration(m, at, a);
     rbdi_rnea(m, w, rbdi_expand_v(m, at, w->vx), rbdi_expand_v(m, a, w->ax), f_ext,
               rbdi_mimics(m) ? w->tx : x);
     rbdi_reduce_tau(m, w->tx, x);
+
     for (int k = 0; k < m->nv; ++k) {
         const rbd_real d = damping ? damping[k] : rbdi_zero();
         x[k] = dt * (tau[k] - x[k] - d * v_mid[k]);
     }
+
     rbdi_solve(m, w, w->H, x);
 }
 
@@ -63,6 +66,7 @@ RBDI_API rbd_status rbd_free_step(const rbd_model *m, rbd_work *w, const rbd_rea
     rbdi_mask doubt;
     rbd_status status = rbdi_check(m, w, q && v && tau && q_next && v_next);
     if (status) return status;
+
     at = rbdi_free_vector(m, w, 0);
     v_mid = rbdi_free_vector(m, w, 2);
     x = w->bias;
@@ -70,18 +74,22 @@ RBDI_API rbd_status rbd_free_step(const rbd_model *m, rbd_work *w, const rbd_rea
     for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
         if (u->nv > 0) rbdi_move_straight(u, &q[u->iq], &v[u->iv], half, &at[u->iq]);
     rbd_crba_packed(m, w, at, w->H);
+
     for (int k = 0; damping && k < m->nv; ++k) {
         rbd_real *diagonal = &w->H[m->dof[k].row + m->dof[k].depth];
         *diagonal = *diagonal + dt * damping[k];
     }
+
     doubt = rbdi_factor(m, w, w->H);
 
     rbdi_middle_velocity(m, v, half, v_mid);
     for (int k = 0; k < m->nv; ++k) at[k] = v_mid[k];
+
     for (int i = 0; i < 3; ++i) {
         rbdi_free_change(m, w, tau, f_ext, damping, dt, x);
         for (int k = 0; k < m->nv; ++k) at[k] = v_mid[k] + x[k] * RBD_C(0.5);
     }
+
     status = rbdi_factor_status(m, w, w->H, doubt, x, m->nv);
 
     for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
