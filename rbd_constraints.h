@@ -598,27 +598,6 @@ static rbdi_mat rbdi_frame_axes(const rbd_constraint_set *c, const rbdi_constrai
     return con->link[side] < 0 ? R : rbdi_mul_mat(rbdi_transpose(c->w->kin[con->link[side]].X.E), R);
 }
 
-/* log R, the rotation vector. Sums of R's entries give four times the products of its quaternion with each of
-   its components. The product with the largest component is the accurate one. */
-static rbdi_v3 rbdi_log_rotation(rbdi_mat R) {
-    const rbd_real one = rbdi_set(RBD_C(1)), o = rbdi_zero();
-    const rbd_real x = R.zy - R.yz, y = R.xz - R.zx, z = R.yx - R.xy, xy = R.xy + R.yx, xz = R.xz + R.zx,
-                   yz = R.yz + R.zy;
-    const rbd_real multiple[4][4] = {{x, y, z, one + R.xx + R.yy + R.zz},
-                                     {one + R.xx - R.yy - R.zz, xy, xz, x},
-                                     {xy, one - R.xx + R.yy - R.zz, yz, y},
-                                     {xz, yz, one - R.xx - R.yy + R.zz, z}};
-    const rbd_real identity[4] = {o, o, o, one};
-    rbd_real q[4], largest = multiple[0][3];
-    for (int i = 0; i < 4; ++i) q[i] = multiple[0][i];
-    for (int k = 1; k < 4; ++k) {
-        const rbdi_mask more = rbdi_less(largest, multiple[k][k - 1]);
-        largest = rbdi_select(more, multiple[k][k - 1], largest);
-        for (int i = 0; i < 4; ++i) q[i] = rbdi_select(more, multiple[k][i], q[i]);
-    }
-    return rbdi_quaternion_difference(identity, q);
-}
-
 /* The factor in the derivative of w = log R by the turn z of body 1, in the axes of z:
 
        z - w x z / 2 + factor w x (w x z),   factor = (1 - |w|/2 cot(|w|/2)) / |w|^2
@@ -1304,7 +1283,7 @@ static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraint_set
 
 /* x = L^-T x, and c->D_inverse from the factor. */
 static void rbdi_sweep_back(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
-    rbdi_solve_up(m, c->w, L, 1, 1, c->x);
+    rbdi_solve_transposed(m, c->w, L, 1, 1, c->x);
     for (int k = 0; k < m->nv; ++k) c->D_inverse[k] = L[m->dof[k].row + m->dof[k].depth];
 }
 
@@ -1678,7 +1657,7 @@ static void rbdi_carry_rows(const rbd_model *m, const rbd_constraint_set *c, int
         if (rbdi_is(l, RBDI_BLOCK))
             rows = rbdi_rows_block(m, c->w, i, rows, to, c->stride);
         else
-            RBDI_BY_FLAGS(flags, l, rbdi_rows_axis(m, c->w, i, flags, &rows, (rbdi_batch *)to));
+            RBDI_BY_FLAGS(const int flags, l, rbdi_rows_axis(m, c->w, i, flags, &rows, (rbdi_batch *)to));
     }
     *carried = rows;
 }
@@ -1905,7 +1884,7 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
         rbdi_constraint_rows(m, c, con, !restitution && con->kp > 0);
         rbdi_set_target(c, con, restitution);
     }
-    rbdi_solve_up(m, w, w->H, c->stride, c->rows, c->Y);
+    rbdi_solve_transposed(m, w, w->H, c->stride, c->rows, c->Y);
 
     /* L a = D^-1 (f + Y lambda) */
     for (int k = 0; k < m->nv; ++k) c->x[k] = c->x[k] * c->D_inverse[k];
@@ -1914,7 +1893,7 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
 
     /* a, from D L a */
     for (int k = 0; k < m->nv; ++k) x[k] = c->x[k] * w->pivot[k];
-    rbdi_solve_down(m, w, w->H, 1, 1, 1, x);
+    rbdi_solve_forward(m, w, w->H, 1, 1, 1, x);
     return rbdi_factor_status(m, w, w->H, doubt, x, m->nv);
 }
 
@@ -2247,16 +2226,12 @@ static rbd_constraint rbdi_constraint_of(int body1, const double *p1, int body2,
 
 /* A rotation whose z axis is this axis. */
 static void rbdi_frame_along(const double axis[3], double R[9]) {
-    rbdi_wide A[9], T[9];
-    int least = 0;
-    rbdi_widen(axis, 3, A);
-    rbdi_unit(A, A);
-    for (int k = 1; k < 3; ++k)
-        if (rbdi_w_abs(A[k]) < rbdi_w_abs(A[least])) least = k;
-    for (int k = 0; k < 3; ++k) A[3 + k] = k == least;
-    rbdi_orthonormalise(A); /* rows z, x, y: an even order */
-    rbdi_w_transpose(A, T);
-    for (int k = 0; k < 9; ++k) R[k] = (double)T[k / 3 * 3 + (k % 3 + 1) % 3];
+    rbdi_wide z[3], E[9], T[9];
+    rbdi_widen(axis, 3, z);
+    rbdi_unit(z, z);
+    rbdi_w_basis(z, E);
+    rbdi_w_transpose(E, T);
+    for (int k = 0; k < 9; ++k) R[k] = (double)T[k];
 }
 
 RBDI_API rbd_constraint rbd_point_contact(int body, const double point[3], const double place[3]) {
@@ -2313,28 +2288,31 @@ static rbd_status rbdi_check_constraint(const rbd_model *m, const rbd_constraint
                                         rbd_report *report) {
     int strange = rbdi_held_axes(con) == 0;
     for (int j = 0; j < 6; ++j) strange |= con->axes[j] != 0 && con->axes[j] != 1;
-#define RBDI_REQUIRE(condition, status, field, sentence) \
-    do { \
-        if (!(condition)) { \
-            rbdi_refuse(report, status, i, con->name, field); \
-            report->error.text = sentence; \
-            return status; \
-        } \
-    } while (0)
-    RBDI_REQUIRE(con->body1 >= -1 && con->body1 < m->nb, RBD_ERR_INDEX, "body1", NULL);
-    RBDI_REQUIRE(con->body1 >= 0 || con->body2 >= 0, RBD_ERR_INDEX, "body1",
-                 "both bodies are -1: the world, or a name that no body has");
-    RBDI_REQUIRE(con->body2 >= -1 && con->body2 < m->nb, RBD_ERR_INDEX, "body2", NULL);
-    RBDI_REQUIRE(rbdi_link_of_body(m, con->body1) != rbdi_link_of_body(m, con->body2), RBD_ERR_INDEX, "body2",
-                 "no joint moves it relative to body1");
-    RBDI_REQUIRE(rbdi_is_rotation(con->rotation1), RBD_ERR_ROTATION, "rotation1", NULL);
-    RBDI_REQUIRE(rbdi_finite(con->position1, 3), RBD_ERR_POSITION, "position1", NULL);
-    RBDI_REQUIRE(rbdi_is_rotation(con->rotation2), RBD_ERR_ROTATION, "rotation2", NULL);
-    RBDI_REQUIRE(rbdi_finite(con->position2, 3), RBD_ERR_POSITION, "position2", NULL);
-    RBDI_REQUIRE(!strange, RBD_ERR_AXIS, "axes", "none is held, or one is neither 0 nor 1");
-    RBDI_REQUIRE(rbdi_finite_positive(&con->kp, 1), RBD_ERR_RANGE, "kp", NULL);
-    RBDI_REQUIRE(rbdi_finite_positive(&con->kd, 1), RBD_ERR_RANGE, "kd", NULL);
-#undef RBDI_REQUIRE
+    if (con->body1 < -1 || con->body1 >= m->nb)
+        return rbdi_refuse(report, RBD_ERR_INDEX, i, con->name, "body1");
+    if (con->body1 < 0 && con->body2 < 0)
+        return rbdi_refuse_saying(report, RBD_ERR_INDEX, i, con->name, "body1",
+                                  "both bodies are -1: the world, or a name that no body has");
+    if (con->body2 < -1 || con->body2 >= m->nb)
+        return rbdi_refuse(report, RBD_ERR_INDEX, i, con->name, "body2");
+    if (rbdi_link_of_body(m, con->body1) == rbdi_link_of_body(m, con->body2))
+        return rbdi_refuse_saying(report, RBD_ERR_INDEX, i, con->name, "body2",
+                                  "no joint moves it relative to body1");
+
+    if (!rbdi_is_rotation(con->rotation1))
+        return rbdi_refuse(report, RBD_ERR_ROTATION, i, con->name, "rotation1");
+    if (!rbdi_finite(con->position1, 3))
+        return rbdi_refuse(report, RBD_ERR_POSITION, i, con->name, "position1");
+    if (!rbdi_is_rotation(con->rotation2))
+        return rbdi_refuse(report, RBD_ERR_ROTATION, i, con->name, "rotation2");
+    if (!rbdi_finite(con->position2, 3))
+        return rbdi_refuse(report, RBD_ERR_POSITION, i, con->name, "position2");
+
+    if (strange)
+        return rbdi_refuse_saying(report, RBD_ERR_AXIS, i, con->name, "axes",
+                                  "none is held, or one is neither 0 nor 1");
+    if (!rbdi_finite_positive(&con->kp, 1)) return rbdi_refuse(report, RBD_ERR_RANGE, i, con->name, "kp");
+    if (!rbdi_finite_positive(&con->kd, 1)) return rbdi_refuse(report, RBD_ERR_RANGE, i, con->name, "kd");
     return RBD_OK;
 }
 
@@ -2872,7 +2850,7 @@ static void rbdi_lambda_derivatives(const rbd_model *m, rbd_constraint_set *c, c
 static void rbdi_solve_at_once(const rbd_model *m, rbd_constraint_set *c, rbd_real *rho, rbd_real *sigma) {
     const int nv = m->nv;
     rbdi_lambda_derivatives(m, c, rho, sigma);
-    rbdi_solve_columns(m, c->w, c->w->H, -1, nv, nv, rho, NULL);
+    rbdi_solve_columns(m, c->w, c->w->H, -1, nv, nv, rho);
     for (int k = 0; k < nv; ++k)
         rbdi_subtract_product(&c->Y[k * c->stride], sigma, c->rows, nv, &rho[k * nv]);
 }
@@ -2898,9 +2876,9 @@ static void rbdi_solve_column(const rbd_model *m, rbd_constraint_set *c, int j, 
 RBDI_COLD void rbdi_solve_by_columns(const rbd_model *m, rbd_constraint_set *c, rbd_real *rho,
                                      rbd_real *sigma) {
     const int nv = m->nv;
-    rbdi_solve_up(m, c->w, c->w->H, nv, nv, rho);
+    rbdi_solve_transposed(m, c->w, c->w->H, nv, nv, rho);
     for (int j = 0; j < nv; ++j) rbdi_solve_column(m, c, j, rho, sigma);
-    rbdi_solve_down(m, c->w, c->w->H, 1, nv, nv, rho);
+    rbdi_solve_forward(m, c->w, c->w->H, 1, nv, nv, rho);
 }
 
 /* Whether accelerations by a force at each dof lose so many digits that rows may need [refinement]. One set
@@ -2954,7 +2932,8 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
 
     /* da and dlambda */
     by_columns = rbdi_loses_digits(m, c);
-    if (!by_columns) rbdi_solve_down(m, c->w, c->w->H, -1, c->stride, c->rows, c->Y); /* -T = -L^-1 D^-1 Y */
+    if (!by_columns)
+        rbdi_solve_forward(m, c->w, c->w->H, -1, c->stride, c->rows, c->Y); /* -T = -L^-1 D^-1 Y */
     for (int x = 0; x < 3; ++x) {
         if (!of_a[x]) continue;
         if (by_columns)

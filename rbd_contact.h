@@ -2009,7 +2009,7 @@ static int rbdi_write_biases(rbd_contact_set *c, int purpose) {
 /* Y = L^-T Y, b = target - Y' D^-1 x, and the squares of b's terms. Batches may reach beyond a dof's span:
    entries there are 0. */
 static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
-    rbdi_solve_up(m, c->w, L, c->stride, c->rows, c->Y);
+    rbdi_solve_transposed(m, c->w, L, c->stride, c->rows, c->Y);
 
     for (int r = 0; r < c->rows; r += RBDI_BATCH) {
         const rbdi_batch b = *(const rbdi_batch *)&c->target[r];
@@ -2100,14 +2100,14 @@ static void rbdi_correct(const rbd_model *m, rbd_contact_set *c, const rbd_real 
               rbdi_mimics(m) ? w->tx : w->bias);
     rbdi_reduce_tau(m, w->tx, w->bias);
     rbdi_free_impulse(m, c, tau);
-    rbdi_vector_up(m, w, w->H, s->x);
+    rbdi_vector_transposed(m, w, w->H, s->x);
 }
 
 /* nu of the impulses by (4). */
 static void rbdi_contact_respond(const rbd_model *m, rbd_contact_set *c, rbd_real *nu) {
     rbd_constraint_set *s = c->rows;
     for (int k = 0; k < m->nv; ++k) nu[k] = c->x[k] + rbdi_y_lambda(s, s->lambda, k);
-    rbdi_vector_down(m, s->w, s->w->H, nu);
+    rbdi_vector_forward(m, s->w, s->w->H, nu);
     for (int k = 0; k < m->nv; ++k) nu[k] = c->v_mid[k] + nu[k];
 }
 
@@ -2160,7 +2160,7 @@ static void rbdi_choose_scheme(rbd_contact_set *c, rbd_real dt, int first_order)
 
 /* The only solution of a step of first order: with velocity terms of the beginning. */
 static void rbdi_solve_only(const rbd_model *m, rbd_contact_set *c) {
-    rbdi_vector_up(m, c->rows->w, c->rows->w->H, c->rows->x);
+    rbdi_vector_transposed(m, c->rows->w, c->rows->w->H, c->rows->x);
     rbdi_solve_first(m, c, RBDI_FOR_POSITIONS);
 }
 
@@ -2550,7 +2550,7 @@ static int rbdi_solve_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_re
     rbdi_contact_solver solver = c->solver;
     const int n = m->nv;
     int solved;
-    rbdi_solve_up(m, s->w, s->w->H, n, n, rho);
+    rbdi_solve_transposed(m, s->w, s->w->H, n, n, rho);
     for (int r = 0; r < s->rows; ++r) {
         for (int k = 0; k < n; ++k) s->x[k] = s->Y[k * s->stride + r] * s->D_inverse[k];
         rbdi_subtract_product(s->x, rho, n, n, &c->sigma[r * n]);
@@ -2563,7 +2563,7 @@ static int rbdi_solve_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_re
     rbdi_add_increments(&solver, c->sigma);
     for (int k = 0; k < n; ++k)
         rbdi_subtract_product(&s->Y[k * s->stride], c->sigma, s->rows, n, &rho[k * n]);
-    rbdi_solve_down(m, s->w, s->w->H, -1, n, n, rho);
+    rbdi_solve_forward(m, s->w, s->w->H, -1, n, n, rho);
     return solved;
 }
 
@@ -2613,7 +2613,7 @@ static void rbdi_differentiate_free(const rbd_model *m, rbd_contact_set *c, rbd_
     rbdi_write_rho(m, c, d, c->nu, f_ext, NULL, dnu);
     if (dnu[0]) rbdi_subtract(dnu[0], -rbdi_set(RBD_C(1)), rbdi_side(m, c, 2), n * n);
     for (int x = 0; x < 3; ++x)
-        if (dnu[x]) rbdi_solve_columns(m, w, w->H, -1, n, n, dnu[x], NULL);
+        if (dnu[x]) rbdi_solve_columns(m, w, w->H, -1, n, n, dnu[x]);
     rbdi_write_falls(m, c, c->nu, dnu);
 }
 
