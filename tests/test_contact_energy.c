@@ -108,7 +108,8 @@ START_TEST(hyq_flies) {
 }
 END_TEST
 
-/* A rotor of 1000 rad/s in a gimbal, which holds 50 J: one radian a step. */
+/* A rotor of 1000 rad/s in a gimbal, which holds 50 J: one radian a step, and five, where the solutions for
+   the velocity terms diverge. */
 START_TEST(rotor_in_a_gimbal) {
     const rbd_body bodies[3] = {{.parent = -1,
                                  .type = RBD_REVOLUTE,
@@ -125,12 +126,18 @@ START_TEST(rotor_in_a_gimbal) {
                                  .axis = {0, 0, 1},
                                  .mass = 0.1,
                                  .inertia = {6e-5, 0, 0, 6e-5, 0, 1e-4}}};
-    scene s;
-    open_scene(&s, "gimbal", bodies, 3, NULL, 0, NULL);
-    rbd_set_gravity(s.r.w, none);
-    s.q[1] = 0.3, s.v[0] = 1, s.v[1] = 0.5, s.v[2] = 1000;
-    ck_assert_double_le(run(&s, 1e-3, 10) / 0.05, 3e-3); /* of what the rings hold */
-    close_scene(&s);
+    static const double dt[2] = {1e-3, 5e-3}, bound[2] = {3e-3, 2e-2}; /* of what the rings hold */
+    for (int k = 0; k < 2; k++) {
+        scene s;
+        open_scene(&s, "gimbal", bodies, 3, NULL, 0, NULL);
+        rbd_set_gravity(s.r.w, none);
+        s.q[1] = 0.3;
+        s.v[0] = 1;
+        s.v[1] = 0.5;
+        s.v[2] = 1000;
+        ck_assert_double_le(run(&s, dt[k], 10) / 0.05, bound[k]);
+        close_scene(&s);
+    }
 }
 END_TEST
 
@@ -248,6 +255,40 @@ START_TEST(arm_on_a_trunk_that_sticks) {
     open_trunk(&s, 2);
     ck_assert_double_le(run(&s, 1e-3, 0.5), 2e-3);
     ck_assert_double_le(hypot(s.q[0], s.q[1]), 1e-9); /* the feet stay where they are */
+    close_scene(&s);
+}
+END_TEST
+
+/* An arm of links of one gram on a trunk of 20 kg presses its tip on the ground, and nothing moves. Without
+   the ground it would turn by tens of radians within the step. */
+START_TEST(ground_holds_a_light_arm) {
+    const double knee = asin(0.5), shoulder = 0; /* the tip is at the height 0 */
+    const rbd_contact_options o = {.tolerance = 1e-9};
+    rbd_body bodies[3] = {{.parent = -1, .type = RBD_FLOATING, .mass = 20, .inertia = {1, 0, 0, 1, 0, 1}}};
+    rbd_contact points[4];
+    scene s;
+    for (int i = 1; i < 3; i++)
+        bodies[i] = (rbd_body){.parent = i - 1,
+                               .type = RBD_REVOLUTE,
+                               .axis = {0, 1, 0},
+                               .position = {i == 1 ? 0.3 : 0.2, 0, i == 1 ? 0.1 : 0},
+                               .mass = 1e-3,
+                               .com = {0.1, 0, 0},
+                               .inertia = {1e-6, 0, 0, 5e-6, 0, 5e-6}};
+    for (int i = 0; i < 3; i++)
+        points[i] = (rbd_contact){
+            .body1 = 0, .body2 = -1, .point = {0.4 * cos(2.1 * i), 0.4 * sin(2.1 * i), 0}, .friction = 1};
+    points[3] = (rbd_contact){.body1 = 2, .body2 = -1, .point = {0.2, 0, 0}, .friction = 1};
+
+    open_scene(&s, "light arm", bodies, 3, points, 4, &o);
+    s.q[7] = shoulder;
+    s.q[8] = knee;
+    s.tau[6] = 8;
+    s.tau[7] = 4;
+    for (int n = 0; n < 20; n++) {
+        step(&s, 1e-2);
+        for (int k = 0; k < s.r.nv; k++) ck_assert_double_le(fabs(s.v[k]), 1e-8);
+    }
     close_scene(&s);
 }
 END_TEST
@@ -414,6 +455,7 @@ Suite *contact_energy_suite(void) {
     tcase_add_test(c, free_step_keeps_energy);
     tcase_add_test(slow, second_order);
     tcase_add_test(c, arm_on_a_trunk_that_sticks);
+    tcase_add_test(c, ground_holds_a_light_arm);
     tcase_add_test(c, bounces_keep_their_share);
     tcase_add_test(c, block_slides_exactly);
     tcase_add_test(c, box_tips_over_its_edge);

@@ -191,7 +191,7 @@ RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
 /* Solves L' y = x, then L x = y / D. One array, by depth on a dof's path, has first the sums that its
    descendants subtract, then the results on the path. It is stored as it is loaded, in batches and then
    scalars: the processor would wait for a batch that was stored as scalars. */
-RBDI_INLINE void rbdi_vector_up(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
+RBDI_PART void rbdi_vector_up(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
     const rbdi_dof *dof = m->dof;
     rbd_real *path = w->F;
     rbdi_clear(path, m->nv + RBDI_BATCH);
@@ -213,7 +213,7 @@ RBDI_INLINE void rbdi_vector_up(const rbd_model *m, rbd_work *w, const rbd_real 
         path[d] = rbdi_zero();
     }
 }
-RBDI_INLINE void rbdi_vector_down(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
+RBDI_PART void rbdi_vector_down(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
     const rbdi_dof *dof = m->dof;
     rbd_real *path = w->F;
     for (const rbdi_node *node = m->node, *end = node + m->nv; node < end; ++node) {
