@@ -23,7 +23,8 @@
      [solver] [set] [step] [step derivatives]
      --- stop here if you only use it ---
      [layout] [tolerances] [one contact] [laws] [newton] [solver code]
-     [joints] [set code] [contact rows] [biases] [row reduction] [step code]
+     [joints] [set code] [contact rows] [biases] [row reduction]
+     [momentum code] [step code]
      [step derivatives code]
 
    [conventions] Beyond those of rbd.h:
@@ -146,6 +147,7 @@ typedef struct rbd_contact_options {
     double slip;        /* contacts that stick give way along the plane, m/s per newton [0] */
     int derivatives;    /* not 0: memory for rbd_contact_step_derivatives */
     int first_order;    /* not 0: steps of semi-implicit Euler, q_next is q moved by v_next: for planners */
+    int momentum;       /* not 0: robots that float keep their momentum to rounding while nothing touches */
 } rbd_contact_options;
 
 typedef struct rbd_contact_set rbd_contact_set; /* contacts, impulses of the last step, scratch */
@@ -256,6 +258,8 @@ typedef struct rbd_contact_step_results {
    c            with the option `derivatives`
    d            of the same work
    out          dq_next_... each with its dv_next_..., both or neither NULL; no two the same array
+   The step and its derivatives are those without the option `momentum`. Beyond two radians a step, where the
+   corrections of velocity terms diverge, derivatives are those without the sum of their series.
    If redundant points slip and turn at once, the motion depends on shares of force that are not unique: these
    are derivatives for one choice.
    Errors: as rbd_contact_step; RBD_ERR_WORK also if d has another work; RBD_ERR_MEMORY without the option;
@@ -284,6 +288,8 @@ RBDI_EXTERN_C_END
 #undef D
 #pragma push_macro("E")
 #undef E
+#pragma push_macro("F")
+#undef F
 #pragma push_macro("G")
 #undef G
 #pragma push_macro("H")
@@ -372,6 +378,7 @@ typedef struct rbdi_contact {
     rbd_real force[3]; /* of the last step, world axes */
     int body2;
     int row;      /* of the step, -1 = none */
+    int pushes;   /* whether it does in a solution of the step */
     int springs;  /* whether its stiffness acts in the step */
     int rebounds; /* whether the solution for the velocities returns a share of its approach */
     rbd_contact_state state;
@@ -409,6 +416,7 @@ struct rbd_contact_set {
                                      these velocities, origins move straight */
     rbd_real *damping;       /* nv: all of it that is implicit */
     rbd_real *nu, *moved;    /* nv each: velocities of the end; of the positions */
+    rbd_real *momentum;      /* nv: wanted at the end, of roots; before, their centres of mass at q_mid */
     rbd_real *x[3];          /* nv each: L^-T dt (tau - c - damping v_mid), c corrected so many times */
     rbd_real dt, last_dt;    /* of this step; of the last one, 1 = none */
     rbd_real half, way;      /* times for which v moves q, and then the solution does: dt/2 each */
@@ -425,7 +433,7 @@ struct rbd_contact_set {
      RBDI_ROUND((size_t)(bounded) * sizeof(rbdi_dof_row)) + \
      RBDI_ROUND(RBDI_CONTACT_ROWS(n, bounded) * sizeof(int16_t)) + \
      RBDI_ROUND(sizeof(rbd_real) * ((size_t)(n) + 2 * (size_t)(bounded) + \
-                                    2 * RBDI_CONTACT_ROWS(n, bounded) + (size_t)(nq) + 9 * (size_t)(nv))) + \
+                                    2 * RBDI_CONTACT_ROWS(n, bounded) + (size_t)(nq) + 10 * (size_t)(nv))) + \
      RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded)) + \
      RBDI_CONSTRAINTS_BYTES(nv, (n) + (constraints), RBDI_CONTACT_ROWS(n, bounded), stride))
 
@@ -1382,7 +1390,7 @@ static rbd_status rbdi_check_options(const rbd_contact_options *o, rbd_report *r
 }
 
 static rbd_contact_options rbdi_contact_defaults(const rbd_contact_options *given) {
-    const rbd_contact_options none = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+    const rbd_contact_options none = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
     rbd_contact_options o = given ? *given : none;
     if (!(o.margin > 0)) o.margin = 0.005;
     if (!(o.slop > 0)) o.slop = 1e-5;
@@ -1474,7 +1482,7 @@ static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held,
     c->contact = RBDI_CUT(rbdi_contact, n);
     c->dof_row = RBDI_CUT(rbdi_dof_row, bounded);
     c->place = RBDI_CUT(int16_t, c->max_rows);
-    c->friction = RBDI_CUT(rbd_real, n + 2 * bounded + 2 * c->max_rows + m->nq + 9 * nv);
+    c->friction = RBDI_CUT(rbd_real, n + 2 * bounded + 2 * c->max_rows + m->nq + 10 * nv);
     c->lower = c->friction + n;
     c->upper = c->lower + bounded;
     c->b = c->upper + bounded;
@@ -1486,7 +1494,8 @@ static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held,
     c->damping = c->straight + nv;
     c->nu = c->damping + nv;
     c->moved = c->nu + nv;
-    for (int i = 0; i < 3; ++i) c->x[i] = c->moved + (1 + i) * nv;
+    c->momentum = c->moved + nv;
+    for (int i = 0; i < 3; ++i) c->x[i] = c->momentum + (1 + i) * nv;
     rbdi_lay_solver(&c->solver, n, bounded, at);
     at += RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded));
     c->sigma = o->derivatives ? RBDI_CUT(rbd_real, RBDI_CONTACT_SIDES(nv, n, c->max_rows)) : NULL;
@@ -1880,9 +1889,9 @@ static int rbdi_leaves(const rbd_contact_set *c, const rbdi_gap *gap) {
 static void rbdi_find_rebounds(rbd_contact_set *c) {
     int any = 0;
     for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
-        contact->rebounds = contact->row >= 0 && contact->restitution > 0 &&
-                            contact->gap.rate < -RBD_C(c->options.bounce) &&
-                            c->rows->lambda[contact->row + 2] > 0;
+        contact->pushes = contact->row >= 0 && c->rows->lambda[contact->row + 2] > 0;
+        contact->rebounds =
+            contact->pushes && contact->restitution > 0 && contact->gap.rate < -RBD_C(c->options.bounce);
         any |= contact->rebounds;
     }
 
@@ -1952,6 +1961,166 @@ static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rb
     }
 }
 
+/* ==== src/contact/momentum.h ==== */
+/* ---- momentum [momentum code] ----
+   The option `momentum`. A body that floats has, with all that it carries, the momentum h: the root's six
+   rows of M v. About the centre of mass, and in the axes of the root's joint, which stand in the world, h
+   changes within a step by
+
+       F = dt (tau - d nu - ID(q_mid, 0, 0))    of the root, at q_mid
+
+   the impulse of torques, damping, gravity and all wrenches on bodies. The step misses that by O(dt^3). Here
+   a change of the root's velocity alone makes it exact, to rounding:
+
+       v_next += Ic^-1 (h(q, v) + F - h(q_next, v_next)),    Ic = rows and columns of the root in M(q_next)
+
+   Ic = [I [mc]x; -[mc]x m] has the centre of mass c. About a fixed point the spin would change with the error
+   of the place, times linear momentum: the result would depend on the speed of the world. */
+
+/* The first link of the tree that carries a link, -1 = the world. */
+static int rbdi_root_of(const rbd_model *m, int link) {
+    while (link >= 0 && m->link[link].parent >= 0) link = m->link[link].parent;
+    return link;
+}
+
+/* Whether a body floats over the world, and nothing outside has pushed what it carries: neither contacts nor
+   constraints, nor dry friction of its own joint. Armature there is no momentum. */
+static int rbdi_flies(const rbd_model *m, const rbd_contact_set *c, const rbdi_frame *u) {
+    if (u->type != RBD_FLOATING || u->link < 0 || m->link[u->link].parent >= 0) return 0;
+    for (int k = u->iv; k < u->iv + 6; ++k)
+        if (m->dof[k].armature > 0) return 0;
+
+    for (int i = 0; i < c->rows->n; ++i) {
+        const rbdi_constraint *con = &c->rows->constraint[i];
+        const int one = rbdi_root_of(m, con->link[0]), two = rbdi_root_of(m, con->link[1]);
+        if (con->row < 0 || one == two) continue;
+        if (i < c->n && !c->contact[i].pushes) continue;
+        if (one == u->link || two == u->link) return 0;
+    }
+
+    for (int i = 0; i < c->dof_rows; ++i) {
+        const rbdi_dof_row *own = &c->dof_row[i];
+        if (own->row >= 0 && own->dof >= u->iv && own->dof < u->iv + 6) return 0;
+    }
+    return 1;
+}
+
+/* Whether any body does. */
+static int rbdi_any_flies(const rbd_model *m, const rbd_contact_set *c) {
+    for (int b = 0; b < m->nb; ++b)
+        if (rbdi_flies(m, c, &m->frame[b])) return 1;
+    return 0;
+}
+
+/* The centre of mass of the tree whose root has the first dof iv, by M, packed. Axes and origin of the
+   root. */
+static rbdi_v3 rbdi_centre_of(const rbd_model *m, const rbd_real *M, int iv) {
+    const rbdi_dof *dof = &m->dof[iv];
+    const rbd_real *x = &M[dof[3].row + dof[0].depth], *y = &M[dof[4].row + dof[0].depth],
+                   *z = &M[dof[5].row + dof[0].depth], mass = x[3];
+    if (!(mass > 0)) return rbdi_vec0();
+    return rbdi_vec(y[2] / mass, z[0] / mass, x[1] / mass);
+}
+
+/* Notes the centres of mass at q_mid, where M is w->H, in c->momentum at the first dofs of roots. */
+static void rbdi_note_centres(const rbd_model *m, rbd_contact_set *c) {
+    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
+        if (u->type == RBD_FLOATING && u->link >= 0)
+            rbdi_store_vec(&c->momentum[u->iv], 1, rbdi_centre_of(m, c->rows->w->H, u->iv));
+}
+
+/* The root's six rows of M v, M packed: about the root's origin, in its axes. */
+static rbdi_force rbdi_root_momentum(const rbd_model *m, const rbd_real *M, int iv, const rbd_real *v) {
+    rbd_real h[6];
+    rbdi_clear(h, 6);
+    for (int j = iv; j < m->nv; ++j) {
+        const rbd_real *row = &M[m->dof[j].row + m->dof[iv].depth];
+        int root = j;
+        while (root > iv + 5) root = m->dof[root].lambda;
+        if (root < iv) continue;
+
+        for (int i = 0; i < 6 && iv + i <= j; ++i) h[i] = h[i] + row[i] * v[j];
+        for (int i = 0; j < iv + 6 && iv + i < j; ++i) h[j - iv] = h[j - iv] + row[i] * v[iv + i];
+    }
+    return rbdi_load_force(h, 1);
+}
+
+/* A wrench, or a momentum, from the root's axes and origin to the joint's axes and the centre of mass. */
+static rbdi_force rbdi_about_centre(const rbd_real *q, rbdi_v3 centre, rbdi_force F) {
+    const rbdi_mat E = rbdi_joint_attitude(RBD_FLOATING, q);
+    F.n = rbdi_mul_t(E, rbdi_sub(F.n, rbdi_cross(centre, F.f)));
+    F.f = rbdi_mul_t(E, F.f);
+    return F;
+}
+
+/* Wanted momenta, h(q, v) + F, into c->momentum at the dofs of roots that fly. */
+static void rbdi_wanted_momentum(const rbd_model *m, rbd_contact_set *c, const rbd_real *q, const rbd_real *v,
+                                 const rbd_real *tau, const rbd_real *f_ext) {
+    rbd_work *w = c->rows->w;
+    rbd_real *impulse = c->rows->x;
+    (void)rbd_bias(m, w, c->q_mid, w->zero, f_ext, impulse);
+    for (int k = 0; k < m->nv; ++k) impulse[k] = c->dt * (tau[k] - c->damping[k] * c->nu[k] - impulse[k]);
+    (void)rbd_crba_packed(m, w, q, w->H);
+
+    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {
+        const int iv = u->iv;
+        rbdi_force h, F;
+        if (!rbdi_flies(m, c, u)) continue;
+        h = rbdi_root_momentum(m, w->H, iv, v);
+        h = rbdi_about_centre(&q[u->iq], rbdi_centre_of(m, w->H, iv), h);
+        F = rbdi_load_force(&impulse[iv], 1);
+        F = rbdi_about_centre(&c->q_mid[u->iq], rbdi_load_vec(&c->momentum[iv], 1), F);
+        rbdi_store_force(&c->momentum[iv], 1, rbdi_force_add(h, F));
+    }
+}
+
+/* x = Ic^-1 x, 6, of the root whose first dof this is. Ic = L'DL stands in the packed M, and L and 1/D
+   replace it. A direction in which the inertia may be rounding gets 0. */
+static void rbdi_solve_root(const rbdi_dof *dof, rbd_real *M, rbd_real *x) {
+    rbd_real *row[6];
+    for (int k = 0; k < 6; ++k) row[k] = &M[dof[k].row + dof[k].depth - k];
+
+    for (int k = 5; k >= 0; --k) {
+        rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
+        const rbd_real inverse = rbdi_pivot_inverse(row[k][k], dof[k].scale, &doubt);
+        row[k][k] = rbdi_select(doubt, rbdi_zero(), inverse);
+        for (int i = 0; i < k; ++i) {
+            const rbd_real factor = row[k][i] * row[k][k];
+            for (int j = 0; j <= i; ++j) row[i][j] = row[i][j] - factor * row[k][j];
+            x[i] = x[i] - factor * x[k];
+        }
+    }
+
+    for (int k = 0; k < 6; ++k) {
+        for (int i = 0; i < k; ++i) x[k] = x[k] - row[k][i] * x[i];
+        x[k] = x[k] * row[k][k];
+    }
+}
+
+/* Gives the roots that fly the wanted momenta. */
+static void rbdi_restore_momentum(const rbd_model *m, const rbd_contact_set *c, const rbd_real *q_next,
+                                  rbd_real *v_next) {
+    rbd_work *w = c->rows->w;
+    (void)rbd_crba_packed(m, w, q_next, w->H);
+    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {
+        rbdi_mat E;
+        rbdi_force h;
+        rbd_real change[6];
+        if (!rbdi_flies(m, c, u)) continue;
+
+        /* about the root's origin, in its axes */
+        E = rbdi_joint_attitude(RBD_FLOATING, &q_next[u->iq]);
+        h = rbdi_load_force(&c->momentum[u->iv], 1);
+        h.f = rbdi_mul(E, h.f);
+        h.n = rbdi_add(rbdi_mul(E, h.n), rbdi_cross(rbdi_centre_of(m, w->H, u->iv), h.f));
+
+        h = rbdi_force_sub(h, rbdi_root_momentum(m, w->H, u->iv, v_next));
+        rbdi_store_force(change, 1, h);
+        rbdi_solve_root(&m->dof[u->iv], w->H, change);
+        for (int k = 0; k < 6; ++k) v_next[u->iv + k] = v_next[u->iv + k] + change[k];
+    }
+}
+
 /* ==== src/contact/step.h ==== */
 /* ---- step code [step code] ----
    The midpoint scheme of Moreau (1999), with two corrections of the velocity terms. Half of the way is made
@@ -2009,6 +2178,7 @@ static rbd_status rbdi_begin_step(const rbd_model *m, rbd_contact_set *c, const 
     c->contacts = rbdi_list_rows(m, c, q, v);
     rbdi_write_rows(m, c);
 
+    if (c->options.momentum) rbdi_note_centres(m, c);
     doubt = rbdi_factor_damped(m, c, damping);
     rbdi_free_impulse(m, c, tau, c->x[0]);
     return rbdi_factor_status(m, w, w->H, doubt, c->x[0], m->nv);
@@ -2129,6 +2299,7 @@ static void rbdi_keep_impulses(rbd_contact_set *c) {
         for (int j = 0; j < 3; ++j) contact->force[j] = rbdi_zero();
         if (contact->row < 0) continue;
         contact->state = c->solver.law[contact->row / 3].state;
+        contact->pushes |= s->lambda[contact->row + 2] > 0;
         rbdi_set_axes(s, &s->constraint[i], &h);
         for (int r = 0; r < 3; ++r)
             for (int j = 0; j < 3; ++j)
@@ -2191,10 +2362,15 @@ RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, con
                                      const rbd_real *damping, rbd_real dt, rbd_real *q_next,
                                      rbd_real *v_next) {
     rbd_status status = rbdi_check_step(m, c, q && v && tau && q_next && v_next, dt);
+    int flies;
     if (status) return status;
     rbdi_choose_scheme(c, dt, c->options.first_order);
     status = rbdi_solve_step(m, c, q, v, tau, f_ext, damping);
+
+    flies = !status && c->options.momentum && c->half > 0 && rbdi_any_flies(m, c);
+    if (flies) rbdi_wanted_momentum(m, c, q, v, tau, f_ext);
     rbdi_contact_move(m, c, status, q, q_next, v_next);
+    if (flies) rbdi_restore_momentum(m, c, q_next, v_next);
     return status;
 }
 
@@ -2639,6 +2815,7 @@ RBDI_CODE_END
 #pragma pop_macro("B")
 #pragma pop_macro("D")
 #pragma pop_macro("E")
+#pragma pop_macro("F")
 #pragma pop_macro("G")
 #pragma pop_macro("H")
 #pragma pop_macro("L")

@@ -324,9 +324,9 @@ static int rbdi_leaves(const rbd_contact_set *c, const rbdi_gap *gap) {
 static void rbdi_find_rebounds(rbd_contact_set *c) {
     int any = 0;
     for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
-        contact->rebounds = contact->row >= 0 && contact->restitution > 0 &&
-                            contact->gap.rate < -RBD_C(c->options.bounce) &&
-                            c->rows->lambda[contact->row + 2] > 0;
+        contact->pushes = contact->row >= 0 && c->rows->lambda[contact->row + 2] > 0;
+        contact->rebounds =
+            contact->pushes && contact->restitution > 0 && contact->gap.rate < -RBD_C(c->options.bounce);
         any |= contact->rebounds;
     }
 

@@ -6,6 +6,7 @@
 #include "contact/joints.h"
 #include "contact/rows.h"
 #include "contact/reduction.h"
+#include "contact/momentum.h"
 
 /* ---- step code [step code] ----
    The midpoint scheme of Moreau (1999), with two corrections of the velocity terms. Half of the way is made
@@ -63,6 +64,7 @@ static rbd_status rbdi_begin_step(const rbd_model *m, rbd_contact_set *c, const 
     c->contacts = rbdi_list_rows(m, c, q, v);
     rbdi_write_rows(m, c);
 
+    if (c->options.momentum) rbdi_note_centres(m, c);
     doubt = rbdi_factor_damped(m, c, damping);
     rbdi_free_impulse(m, c, tau, c->x[0]);
     return rbdi_factor_status(m, w, w->H, doubt, c->x[0], m->nv);
@@ -183,6 +185,7 @@ static void rbdi_keep_impulses(rbd_contact_set *c) {
         for (int j = 0; j < 3; ++j) contact->force[j] = rbdi_zero();
         if (contact->row < 0) continue;
         contact->state = c->solver.law[contact->row / 3].state;
+        contact->pushes |= s->lambda[contact->row + 2] > 0;
         rbdi_set_axes(s, &s->constraint[i], &h);
         for (int r = 0; r < 3; ++r)
             for (int j = 0; j < 3; ++j)
@@ -245,10 +248,15 @@ RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, con
                                      const rbd_real *damping, rbd_real dt, rbd_real *q_next,
                                      rbd_real *v_next) {
     rbd_status status = rbdi_check_step(m, c, q && v && tau && q_next && v_next, dt);
+    int flies;
     if (status) return status;
     rbdi_choose_scheme(c, dt, c->options.first_order);
     status = rbdi_solve_step(m, c, q, v, tau, f_ext, damping);
+
+    flies = !status && c->options.momentum && c->half > 0 && rbdi_any_flies(m, c);
+    if (flies) rbdi_wanted_momentum(m, c, q, v, tau, f_ext);
     rbdi_contact_move(m, c, status, q, q_next, v_next);
+    if (flies) rbdi_restore_momentum(m, c, q_next, v_next);
     return status;
 }
 
