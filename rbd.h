@@ -781,8 +781,10 @@ RBDI_API rbd_status rbd_step(const rbd_model *m, const rbd_real *q, const rbd_re
 
 #ifndef RBD_NO_CHOLESKY
 /* One step of second order from torques, without contacts: the midpoint scheme of rbd_contact_step, which
-   keeps the energy of what turns to second order in dt, and takes some where a body turns by more than a
-   quarter of a radian a step; stable up to two radians. Some three times the work of rbd_aba and rbd_step.
+   keeps energy and momentum of what turns to second order in dt, and takes some where a body turns by more
+   than a quarter of a radian a step; stable up to two radians. The option `momentum` of rbd_contact_step,
+   also of a set without contacts, keeps momentum to rounding. Some three times the work of rbd_aba and
+   rbd_step.
    tau, damping   nv. damping is implicit: tau acts as tau - damping v_next. NULL: 0
    f_ext          nb x 6 or NULL: in the axes that bodies have in the middle of the step
    dt             s; any finite number
@@ -2954,19 +2956,20 @@ RBDI_PART uint32_t rbdi_features(const rbd_model *m) {
    The differences between joint types. A type is a chain of one-axis links, one for each letter of its axes,
    or, if it has none, a block: a joint with several axes through one point. To add a type:
 
-     always      its name in api/types.h, its q and v in [conventions], its row in rbdi_joint_facts
-     a chain     model/links.h: rbdi_build_joint turns each letter into a link that turns or slides. Such a
+     always      its name in api/types.h, its q and v in [conventions], its row in rbdi_joint_facts a chain
+     model/links.h: rbdi_build_joint turns each letter into a link that turns or slides. Such a
                  chain needs no more. Coordinates other than angles and lengths are a new kind of link
      a block     rbdi_first_axis, below; model/joints.h: rbdi_joint_attitude, rbdi_joint_origin,
                  rbdi_block_pose; model/regroup.h: moments of mass that its motion leaves, and whether it
                  slides; model/lock.h: rbdi_block_motion_at; derivatives/memory.h: whether it only slides
-     v is not    rbdi_type_turns, below, if its step is an exponential of a motion in body axes, and
-     the rate    rbdi_has_quaternion; else motion/manifold.h: rbdi_step_joint, rbdi_difference_joint,
-     of q        rbdi_joint_rates, rbdi_joint_velocity, rbdi_neutral_joint, rbdi_random_joint
-     its fields  model/describe.h: rbdi_describe_joint, if a description has axes or a pitch
+     v is not    rbdi_type_turns, below, if its step is an exponential of a motion in body axes, and the rate
+     rbdi_has_quaternion; else motion/manifold.h: rbdi_step_joint, rbdi_difference_joint, of q
+     rbdi_joint_rates, rbdi_joint_velocity, rbdi_neutral_joint, rbdi_random_joint its fields
+     model/describe.h: rbdi_describe_joint, if a description has axes or a pitch
 
-   Floating joints are known in two more places, as bases of robots: model/features.h, constraints/weights.h.
-   model/check.h asks whether a joint is fixed. No other room names a type: the test `rooms` compares. */
+   Floating joints are known in three more places, as bases of robots: model/features.h,
+   constraints/weights.h, contact/momentum.h. model/check.h asks whether a joint is fixed. No other room
+   names a type: the test `rooms` compares. */
 
 /* Numbers of coordinates and dofs, and the axes of one-axis links, in order: 'a' axis, 'b' axis2, 'x' 'y' 'z'
    those of the joint frame. A type without axes is a block. */
@@ -4885,7 +4888,7 @@ RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
 /* Solves L' y = x, in place, from the leaves: y_i = x_i - sum over the descendants k of L_ki y_k. `path`, by
    depth on a dof's path, has the sums that its descendants subtract. It is stored as it is loaded, in batches
    and then scalars: the processor would wait for a batch that was stored as scalars. */
-RBDI_INLINE void rbdi_vector_transposed(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
+RBDI_PART void rbdi_vector_transposed(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
     const rbdi_dof *dof = m->dof;
     rbd_real *path = w->F;
 
@@ -4914,7 +4917,7 @@ RBDI_INLINE void rbdi_vector_transposed(const rbd_model *m, rbd_work *w, const r
 
 /* Solves L x = y / D, in place, from the root: x_i = y_i / D_i - sum over the path of L_ij x_j. `path` has
    the results on the path. */
-RBDI_INLINE void rbdi_vector_forward(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
+RBDI_PART void rbdi_vector_forward(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
     const rbdi_dof *dof = m->dof;
     rbd_real *path = w->F;
 
@@ -6519,11 +6522,9 @@ RBDI_API rbd_status rbd_step(const rbd_model *m, const rbd_real *q, const rbd_re
         rbd_real nu[6];
         if (u->nv == 0) continue;
         rbdi_unforced_velocity(u, &v[u->iv], dt, nu);
-        for (int k = 0; k < u->nv; ++k) nu[k] = nu[k] + dt * a[u->iv + k];
-        rbdi_move_straight(u, &q[u->iq], nu, dt, &q_next[u->iq]);
-        rbdi_turn_velocity(u, nu, dt, nu, &v_next[u->iv]);
+        for (int k = 0; k < u->nv; ++k) v_next[u->iv + k] = nu[k] + dt * a[u->iv + k];
     }
-
+    rbdi_move_joints(m, q, v_next, v_next, dt, q_next, v_next);
     return RBD_OK;
 }
 
@@ -6672,6 +6673,8 @@ RBDI_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q) 
 }
 
 /* ==== src/motion/free_step.h ==== */
+/* Interface: rbdi_guard_solution */
+
 /* ---- free step [free step] ----
    Half of the way by v, to q_mid, where v_mid is v in its axes. There, with damping d, K = M + dt d and the
    classical accelerations a(w) = 0 of [manifold code],
@@ -6680,68 +6683,85 @@ RBDI_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q) 
 
    by three solutions, the first with w = v_mid; then the other half by nu. For a vector that turns by x in a
    step, the square of the length is magnified by 1 + x^2 with one solution, by 1 + x^4/4 with two, by
-   1 - x^4/4 + x^6/16 with three: the least number that is stable, up to x = 2. Vectors stand in w->F. */
+   1 - x^4/4 + x^6/16 with three: the least number that is stable, up to x = 2. Beyond, the solutions
+   diverge: rbdi_guard_solution. */
 
 #ifndef RBD_NO_CHOLESKY
-/* Columns of w->F, behind what the factor's calls use: w, a(w), v_mid. */
+/* Of three solutions y = L^-T K (nu - v_mid), K = L'DL, changes the third if the second change is larger than
+   the first, measured by D^-1, which makes it twice a kinetic energy:
+
+       y_3 -= s (y_3 - y_1),   s = r / (1 + r),   r = |y_3 - y_2|^2 / |y_2 - y_1|^2 > 1
+
+   If the changes are a series of one frequency, with the ratio i x/2, that is its sum, r = x^2/4: the
+   implicit midpoint, which keeps energy at any x. */
+RBDI_PART void rbdi_guard_solution(const rbd_model *m, const rbd_real *L, const rbd_real *first,
+                                   const rbd_real *second, rbd_real *third) {
+    const rbd_real one = rbdi_set(RBD_C(1));
+    rbd_real before = rbdi_zero(), after = before, share;
+    rbdi_mask diverges;
+    for (int k = 0; k < m->nv; ++k) {
+        const rbd_real inverse = L[m->dof[k].row + m->dof[k].depth], old = second[k] - first[k],
+                       change = third[k] - second[k];
+        before = before + old * old * inverse;
+        after = after + change * change * inverse;
+    }
+
+    diverges = rbdi_less(before, after);
+    if (!rbdi_any(diverges)) return;
+    share = rbdi_select(diverges, one / (one + before / after), rbdi_zero());
+    for (int k = 0; k < m->nv; ++k) third[k] = third[k] - share * (third[k] - first[k]);
+}
+
+/* Columns of w->F, behind the scratch of a solution: three solutions, velocities, and accelerations. */
 static rbd_real *rbdi_free_vector(const rbd_model *m, rbd_work *w, int k) {
-    return w->F + (2 + k) * rbdi_stride(m);
+    return w->F + (1 + k) * rbdi_stride(m);
 }
 
-/* v in the axes of q_mid. */
-static void rbdi_middle_velocity(const rbd_model *m, const rbd_real *v, rbd_real half, rbd_real *v_mid) {
-    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
-        if (u->nv > 0) rbdi_turn_velocity(u, &v[u->iv], half, &v[u->iv], &v_mid[u->iv]);
-}
-
-/* x = K^-1 dt (tau - c(at) - d v_mid). */
-static void rbdi_free_change(const rbd_model *m, rbd_work *w, const rbd_real *tau, const rbd_real *f_ext,
-                             const rbd_real *damping, rbd_real dt, rbd_real *x) {
-    const rbd_real *v_mid = rbdi_free_vector(m, w, 2);
-    rbd_real *at = rbdi_free_vector(m, w, 0), *a = rbdi_free_vector(m, w, 1);
-
+/* y = L^-T dt (tau - c(at) - d v_mid). */
+static void rbdi_free_solution(const rbd_model *m, rbd_work *w, const rbd_real *v_mid, const rbd_real *at,
+                               const rbd_real *tau, const rbd_real *f_ext, const rbd_real *damping,
+                               rbd_real dt, rbd_real *y) {
+    rbd_real *a = rbdi_free_vector(m, w, 4);
     rbdi_clear(a, m->nv);
     rbdi_straight_acceleration(m, at, a);
     rbdi_rnea(m, w, rbdi_expand_v(m, at, w->vx), rbdi_expand_v(m, a, w->ax), f_ext,
-              rbdi_mimics(m) ? w->tx : x);
-    rbdi_reduce_tau(m, w->tx, x);
-
+              rbdi_mimics(m) ? w->tx : y);
+    rbdi_reduce_tau(m, w->tx, y);
     for (int k = 0; k < m->nv; ++k) {
         const rbd_real d = damping ? damping[k] : rbdi_zero();
-        x[k] = dt * (tau[k] - x[k] - d * v_mid[k]);
+        y[k] = dt * (tau[k] - y[k] - d * v_mid[k]);
     }
-
-    rbdi_solve(m, w, w->H, x);
+    rbdi_vector_transposed(m, w, w->H, y);
 }
 
-/* q and v of one joint moved by v for half, then by v in the new axes plus x. */
-static void rbdi_finish_joint(const rbdi_frame *u, const rbd_real *q, const rbd_real *v, const rbd_real *x,
-                              rbd_real half, rbd_real *q_next, rbd_real *v_next) {
-    rbd_real middle[7], nu[6];
-    rbdi_move_straight(u, q, v, half, middle);
-    rbdi_turn_velocity(u, v, half, v, nu);
-    for (int k = 0; k < u->nv; ++k) nu[k] = nu[k] + x[k];
-    rbdi_move_straight(u, middle, nu, half, q_next);
-    rbdi_turn_velocity(u, nu, half, nu, v_next);
+/* x = nu - v_mid, by three solutions. */
+static void rbdi_free_change(const rbd_model *m, rbd_work *w, const rbd_real *v_mid, const rbd_real *tau,
+                             const rbd_real *f_ext, const rbd_real *damping, rbd_real dt, rbd_real *x) {
+    const rbd_real half = rbdi_set(RBD_C(0.5));
+    rbd_real *at = rbdi_free_vector(m, w, 3);
+    rbdi_clear(x, m->nv);
+    for (int i = 0; i < 3; ++i) {
+        rbd_real *y = rbdi_free_vector(m, w, i);
+        for (int k = 0; k < m->nv; ++k) at[k] = v_mid[k] + half * x[k];
+        rbdi_free_solution(m, w, v_mid, at, tau, f_ext, damping, dt, y);
+        if (i == 2) rbdi_guard_solution(m, w->H, rbdi_free_vector(m, w, 0), rbdi_free_vector(m, w, 1), y);
+        for (int k = 0; k < m->nv; ++k) x[k] = y[k];
+        rbdi_vector_forward(m, w, w->H, x);
+    }
 }
 
 RBDI_API rbd_status rbd_free_step(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                   const rbd_real *tau, const rbd_real *f_ext, const rbd_real *damping,
                                   rbd_real dt, rbd_real *q_next, rbd_real *v_next) {
     const rbd_real half = dt * RBD_C(0.5);
-    rbd_real *at, *v_mid, *x;
+    rbd_real *nu;
     rbdi_mask doubt;
     rbd_status status = rbdi_check(m, w, q && v && tau && q_next && v_next);
     if (status) return status;
 
-    at = rbdi_free_vector(m, w, 0);
-    v_mid = rbdi_free_vector(m, w, 2);
-    x = w->bias;
-
-    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
-        if (u->nv > 0) rbdi_move_straight(u, &q[u->iq], &v[u->iv], half, &at[u->iq]);
-    rbd_crba_packed(m, w, at, w->H);
-
+    /* q_mid and v_mid, and K there */
+    rbdi_move_joints(m, q, v, v, half, q_next, v_next);
+    rbd_crba_packed(m, w, q_next, w->H);
     for (int k = 0; damping && k < m->nv; ++k) {
         rbd_real *diagonal = &w->H[m->dof[k].row + m->dof[k].depth];
         *diagonal = *diagonal + dt * damping[k];
@@ -6749,19 +6769,12 @@ RBDI_API rbd_status rbd_free_step(const rbd_model *m, rbd_work *w, const rbd_rea
 
     doubt = rbdi_factor(m, w, w->H);
 
-    rbdi_middle_velocity(m, v, half, v_mid);
-    for (int k = 0; k < m->nv; ++k) at[k] = v_mid[k];
+    nu = w->bias;
+    rbdi_free_change(m, w, v_next, tau, f_ext, damping, dt, nu);
+    status = rbdi_factor_status(m, w, w->H, doubt, nu, m->nv);
+    for (int k = 0; k < m->nv; ++k) nu[k] = v_next[k] + nu[k];
 
-    for (int i = 0; i < 3; ++i) {
-        rbdi_free_change(m, w, tau, f_ext, damping, dt, x);
-        for (int k = 0; k < m->nv; ++k) at[k] = v_mid[k] + x[k] * RBD_C(0.5);
-    }
-
-    status = rbdi_factor_status(m, w, w->H, doubt, x, m->nv);
-
-    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
-        if (u->nv > 0)
-            rbdi_finish_joint(u, &q[u->iq], &v[u->iv], &x[u->iv], half, &q_next[u->iq], &v_next[u->iv]);
+    rbdi_move_joints(m, q_next, nu, nu, half, q_next, v_next);
     return status;
 }
 #endif

@@ -22,7 +22,8 @@
      [solver] [set] [step] [step derivatives]
      --- stop here if you only use it ---
      [layout] [tolerances] [one contact] [laws] [newton] [solver code]
-     [joints] [set code] [contact rows] [biases] [row reduction] [step code]
+     [joints] [set code] [contact rows] [biases] [row reduction]
+     [momentum code] [step code]
      [step derivatives code]
 
    [conventions] Beyond those of rbd.h:
@@ -102,6 +103,7 @@ RBDI_CODE_BEGIN
 #include "contact/set.h"
 #include "contact/rows.h"
 #include "contact/reduction.h"
+#include "contact/momentum.h"
 #include "contact/step.h"
 
 RBDI_CODE_END

@@ -86,13 +86,15 @@ START_TEST(box_tumbles) {
 }
 END_TEST
 
-static void throw_hyq(scene *s) {
+static void throw_hyq_with(scene *s, const rbd_contact_options *o) {
     static const double base[6] = {3, 2, -4, 1, 0.5, 2};
-    open_scene(s, "hyq", hyq_bodies, HYQ_NB, NULL, 0, NULL);
+    open_scene(s, "hyq", hyq_bodies, HYQ_NB, NULL, 0, o);
     rbd_set_gravity(s->r.w, none);
     for (int k = 0; k < s->r.nv; k++) s->v[k] = k < 6 ? base[k] : k % 2 ? -10 : 10;
     for (int k = 7; k < s->r.nq; k++) s->q[k] = k % 3 == 2 ? 0.7 : -0.4;
 }
+
+static void throw_hyq(scene *s) { throw_hyq_with(s, NULL); }
 
 START_TEST(hyq_flies) {
     scene s;
@@ -108,7 +110,8 @@ START_TEST(hyq_flies) {
 }
 END_TEST
 
-/* A rotor of 1000 rad/s in a gimbal, which holds 50 J: one radian a step. */
+/* A rotor of 1000 rad/s in a gimbal, which holds 50 J: one radian a step, and five, where the solutions for
+   the velocity terms diverge. */
 START_TEST(rotor_in_a_gimbal) {
     const rbd_body bodies[3] = {{.parent = -1,
                                  .type = RBD_REVOLUTE,
@@ -125,12 +128,18 @@ START_TEST(rotor_in_a_gimbal) {
                                  .axis = {0, 0, 1},
                                  .mass = 0.1,
                                  .inertia = {6e-5, 0, 0, 6e-5, 0, 1e-4}}};
-    scene s;
-    open_scene(&s, "gimbal", bodies, 3, NULL, 0, NULL);
-    rbd_set_gravity(s.r.w, none);
-    s.q[1] = 0.3, s.v[0] = 1, s.v[1] = 0.5, s.v[2] = 1000;
-    ck_assert_double_le(run(&s, 1e-3, 10) / 0.05, 3e-3); /* of what the rings hold */
-    close_scene(&s);
+    static const double dt[2] = {1e-3, 5e-3}, bound[2] = {3e-3, 2e-2}; /* of what the rings hold */
+    for (int k = 0; k < 2; k++) {
+        scene s;
+        open_scene(&s, "gimbal", bodies, 3, NULL, 0, NULL);
+        rbd_set_gravity(s.r.w, none);
+        s.q[1] = 0.3;
+        s.v[0] = 1;
+        s.v[1] = 0.5;
+        s.v[2] = 1000;
+        ck_assert_double_le(run(&s, dt[k], 10) / 0.05, bound[k]);
+        close_scene(&s);
+    }
 }
 END_TEST
 
@@ -183,6 +192,168 @@ START_TEST(free_step_keeps_energy) {
     ck_assert_int_eq(rbd_free_step(r.m, r.w, q, v, tau, NULL, NULL, 1e-3, NULL, v), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_free_step(r.m, r.w, q, v, tau, NULL, NULL, 1e-3, q, NULL), RBD_ERR_NULL);
     robot_free(&r);
+}
+END_TEST
+
+/* ---- momentum ---- */
+
+static const rbd_contact_options exact = {.momentum = 1};
+
+/* Momentum, angular about the centre of mass, then linear. */
+static void momentum_of(const scene *s, double h[6]) {
+    ck_assert_int_eq(rbd_kinematics(s->r.m, s->r.w, s->q, s->v, NULL), RBD_OK);
+    ck_assert_int_eq(rbd_momentum(s->r.m, s->r.w, h, NULL), RBD_OK);
+}
+
+static double largest_of(const double *x, int n) {
+    double most = 0;
+    for (int k = 0; k < n; k++) most = fmax(most, fabs(x[k]));
+    return most;
+}
+
+/* The largest difference of momenta, of angular and linear ones relative to their sizes. */
+static double momentum_error(const double *h, const double *expected) {
+    double worst = 0;
+    for (int k = 0; k < 6; k++) {
+        const double size = largest_of(expected + (k < 3 ? 0 : 3), 3);
+        ck_assert_double_finite(h[k]);
+        worst = fmax(worst, fabs(h[k] - expected[k]) / size);
+    }
+    return worst;
+}
+
+/* q after half of a step: origins move straight. */
+static void move_half(const scene *s, double dt, double *middle) {
+    double a[MAX_V] = {0}, v[MAX_V];
+    for (int k = 0; k < 3; k++) { /* a classical acceleration of 0 */
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        a[3 + k] = -(s->v[i] * s->v[3 + j] - s->v[j] * s->v[3 + i]);
+    }
+    ck_assert_int_eq(rbd_step(s->r.m, s->q, s->v, a, dt / 2, middle, v), RBD_OK);
+}
+
+/* Adds the impulse of a moment and a force at p, about the centre of mass. */
+static void add_impulse_at(double dt, const double *com, const double *p, const double *moment,
+                           const double *force, double impulse[6]) {
+    for (int k = 0; k < 3; k++) {
+        const int a = (k + 1) % 3, b = (k + 2) % 3;
+        impulse[k] += dt * ((p[a] - com[a]) * force[b] - (p[b] - com[b]) * force[a]);
+        if (moment) impulse[k] += dt * moment[k];
+        impulse[3 + k] += dt * force[k];
+    }
+}
+
+START_TEST(hyq_keeps_its_momentum) {
+    static const double dt[3] = {1e-3, 5e-3, 1e-2};
+    for (int k = 0; k < 3; k++) {
+        scene s;
+        double start[6], end[6];
+        throw_hyq_with(&s, &exact);
+        momentum_of(&s, start);
+        (void)run(&s, dt[k], 20);
+        momentum_of(&s, end);
+        ck_assert_double_le(momentum_error(end, start), 4e-12); /* a rounding in each of up to 20,000 steps */
+        close_scene(&s);
+    }
+}
+END_TEST
+
+/* A box at 300 rad/s, three radians a step at 10 ms: its energy stays within L^2 / 2I. */
+START_TEST(box_at_any_speed) {
+    static const double dt[3] = {1e-3, 5e-3, 1e-2};
+    for (int k = 0; k < 3; k++) {
+        scene s;
+        double start[6], end[6], size = 0;
+        open_scene(&s, "box", &tumbler, 1, NULL, 0, &exact);
+        rbd_set_gravity(s.r.w, none);
+        s.v[0] = s.v[2] = 1;
+        s.v[1] = 300;
+        s.v[3] = 0.3;
+        momentum_of(&s, start);
+        (void)run(&s, dt[k], 10);
+        momentum_of(&s, end);
+        ck_assert_double_le(momentum_error(end, start), 1e-12);
+        for (int j = 0; j < 3; j++) size += start[j] * start[j];
+        ck_assert_double_le(energy(&s), size / 2 + 1);
+        close_scene(&s);
+    }
+}
+END_TEST
+
+/* With gravity, wrenches on a foot and the base, torques and damping of the base, a step changes the momentum
+   by the impulse of these, at the configuration of the middle of the step. */
+START_TEST(momentum_changes_by_the_impulse) {
+    scene s;
+    double before[6], after[6], middle[MAX_Q], damping[MAX_V] = {0}, f_ext[6 * HYQ_NB] = {0}, E[9], p[3],
+                                               com[3], impulse[6], v[MAX_V], largest = 0;
+    const double dt = 5e-3, gravity[3] = {1, -2, -9.81}, force[3] = {30, -20, 10}, moment[3] = {3, 5, -4};
+    const int foot = HYQ_BODY_LF_LOWERLEG;
+    throw_hyq_with(&s, &exact);
+    rbd_set_gravity(s.r.w, gravity);
+    s.tau[0] = 4;
+    s.tau[3] = 50;
+    for (int k = 6; k < s.r.nv; k++) damping[k] = 0.5; /* of joints: inner, without an effect */
+    for (int n = 0; n < 20; n++) {
+        momentum_of(&s, before);
+        memcpy(v, s.v, sizeof v);
+        move_half(&s, dt, middle);
+        ck_assert_int_eq(rbd_kinematics(s.r.m, s.r.w, middle, NULL, NULL), RBD_OK);
+
+        /* gravity at the centre of mass; the base's torque and force; the wrench at the foot's origin */
+        memset(impulse, 0, sizeof impulse);
+        ck_assert_int_eq(rbd_com(s.r.m, s.r.w, com, NULL, NULL), RBD_OK);
+        for (int k = 0; k < 3; k++) p[k] = rbd_mass(s.r.m) * gravity[k];
+        add_impulse_at(dt, com, com, NULL, p, impulse);
+        for (int part = 0; part < 2; part++) {
+            const int body = part ? foot : 0;
+            double world_force[3], world_moment[3];
+            ck_assert_int_eq(rbd_body_pose(s.r.m, s.r.w, body, E, p), RBD_OK);
+            for (int i = 0; i < 3; i++) {
+                world_force[i] = world_moment[i] = 0;
+                for (int j = 0; j < 3; j++) {
+                    world_force[i] += E[3 * i + j] * (part ? force[j] : s.tau[3 + j]);
+                    world_moment[i] += E[3 * i + j] * (part ? moment[j] : s.tau[j]);
+                }
+            }
+            add_impulse_at(dt, com, p, world_moment, world_force, impulse);
+        }
+        for (int j = 0; j < 3; j++) {
+            f_ext[6 * foot + j] = moment[j];
+            f_ext[6 * foot + 3 + j] = force[j];
+        }
+
+        ck_assert_int_eq(rbd_contact_step(s.r.m, s.c, s.q, s.v, s.tau, f_ext, damping, dt, s.q, s.v), RBD_OK);
+        momentum_of(&s, after);
+        for (int k = 0; k < 6; k++) {
+            largest = fmax(largest, fabs(after[k]));
+            ck_assert_double_eq_tol(after[k], before[k] + impulse[k], 1e-12 * largest);
+        }
+    }
+    close_scene(&s);
+}
+END_TEST
+
+/* What touches does not keep its momentum: there the option changes nothing. A body beside it that flies
+   keeps its own. */
+START_TEST(momentum_of_what_touches_is_left_alone) {
+    const rbd_body two[2] = {tumbler, tumbler};
+    const rbd_contact on = {.body1 = 0, .body2 = -1, .friction = 0.5};
+    double end[2][MAX_V];
+    for (int k = 0; k < 2; k++) {
+        const rbd_contact_options o = {.momentum = k};
+        scene s;
+        open_scene(&s, "two boxes", two, 2, &on, 1, &o);
+        s.v[0] = s.v[6] = 3;
+        s.v[1] = s.v[7] = 30;
+        s.v[3] = 1;
+        s.q[9] = 5;
+        for (int n = 0; n < 100; n++) step(&s, 1e-3);
+        ck_assert_int_eq(rbd_contact_get(s.c, 0, NULL, NULL), RBD_SLIPS);
+        memcpy(end[k], s.v, sizeof end[k]);
+        close_scene(&s);
+    }
+    for (int j = 0; j < 6; j++) ck_assert_double_eq_tol(end[0][j], end[1][j], 1e-13 * 30);
+    ck_assert_double_ge(fabs(end[0][6] - end[1][6]) + fabs(end[0][8] - end[1][8]), 1e-9);
 }
 END_TEST
 
@@ -248,6 +419,40 @@ START_TEST(arm_on_a_trunk_that_sticks) {
     open_trunk(&s, 2);
     ck_assert_double_le(run(&s, 1e-3, 0.5), 2e-3);
     ck_assert_double_le(hypot(s.q[0], s.q[1]), 1e-9); /* the feet stay where they are */
+    close_scene(&s);
+}
+END_TEST
+
+/* An arm of links of one gram on a trunk of 20 kg presses its tip on the ground, and nothing moves. Without
+   the ground it would turn by tens of radians within the step. */
+START_TEST(ground_holds_a_light_arm) {
+    const double knee = asin(0.5), shoulder = 0; /* the tip is at the height 0 */
+    const rbd_contact_options o = {.tolerance = 1e-9};
+    rbd_body bodies[3] = {{.parent = -1, .type = RBD_FLOATING, .mass = 20, .inertia = {1, 0, 0, 1, 0, 1}}};
+    rbd_contact points[4];
+    scene s;
+    for (int i = 1; i < 3; i++)
+        bodies[i] = (rbd_body){.parent = i - 1,
+                               .type = RBD_REVOLUTE,
+                               .axis = {0, 1, 0},
+                               .position = {i == 1 ? 0.3 : 0.2, 0, i == 1 ? 0.1 : 0},
+                               .mass = 1e-3,
+                               .com = {0.1, 0, 0},
+                               .inertia = {1e-6, 0, 0, 5e-6, 0, 5e-6}};
+    for (int i = 0; i < 3; i++)
+        points[i] = (rbd_contact){
+            .body1 = 0, .body2 = -1, .point = {0.4 * cos(2.1 * i), 0.4 * sin(2.1 * i), 0}, .friction = 1};
+    points[3] = (rbd_contact){.body1 = 2, .body2 = -1, .point = {0.2, 0, 0}, .friction = 1};
+
+    open_scene(&s, "light arm", bodies, 3, points, 4, &o);
+    s.q[7] = shoulder;
+    s.q[8] = knee;
+    s.tau[6] = 8;
+    s.tau[7] = 4;
+    for (int n = 0; n < 20; n++) {
+        step(&s, 1e-2);
+        for (int k = 0; k < s.r.nv; k++) ck_assert_double_le(fabs(s.v[k]), 1e-8);
+    }
     close_scene(&s);
 }
 END_TEST
@@ -412,8 +617,13 @@ Suite *contact_energy_suite(void) {
     tcase_add_test(slow, iiwa_swings);
     tcase_add_test(c, free_step_is_the_step_without_contacts);
     tcase_add_test(c, free_step_keeps_energy);
+    tcase_add_test(slow, hyq_keeps_its_momentum);
+    tcase_add_test(c, box_at_any_speed);
+    tcase_add_test(c, momentum_changes_by_the_impulse);
+    tcase_add_test(c, momentum_of_what_touches_is_left_alone);
     tcase_add_test(slow, second_order);
     tcase_add_test(c, arm_on_a_trunk_that_sticks);
+    tcase_add_test(c, ground_holds_a_light_arm);
     tcase_add_test(c, bounces_keep_their_share);
     tcase_add_test(c, block_slides_exactly);
     tcase_add_test(c, box_tips_over_its_edge);

@@ -1,6 +1,5 @@
 #ifndef RBDI_CONTACT_ROWS_H
 #define RBDI_CONTACT_ROWS_H
-#include "dynamics/row_sums.h"
 #include "constraints/factor.h"
 #include "constraints/set.h"
 #include "contact/one_contact.h"
@@ -208,36 +207,31 @@ static void rbdi_add_roll(rbd_constraint_set *s, const rbdi_constraint *con, con
 static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     rbdi_clear(s->Y, m->nv * s->stride);
-    rbdi_clear(s->target, (int)(s->e - s->target) + s->stride); /* u and gamma too */
+    rbdi_clear(s->target, (int)(s->e - s->target) + s->stride); /* J v and gamma too */
     for (int i = 0; i < s->n; ++i)
         if (s->constraint[i].row >= 0) rbdi_constraint_rows(m, s, &s->constraint[i], i >= c->n);
-    for (int i = 0; i < c->dof_rows; ++i)
-        if (c->dof_row[i].row >= 0)
-            s->Y[c->dof_row[i].dof * s->stride + c->dof_row[i].row] = c->dof_row[i].side;
     for (int i = 0; i < c->n; ++i)
         if (c->contact[i].row >= 0) rbdi_add_roll(s, &s->constraint[i], &c->contact[i]);
-    rbdi_subtract(s->target, c->half, s->gamma, s->rows);
-    for (int k = 0; k < m->nv; ++k) {
-        const rbdi_span span = s->span[k];
-        rbdi_subtract(&s->target[span.first], c->v_mid[k], &s->Y[k * s->stride + span.first],
-                      span.end - span.first);
+
+    for (int i = 0; i < c->dof_rows; ++i) {
+        const rbdi_dof_row *limit = &c->dof_row[i];
+        if (limit->row < 0) continue;
+        s->Y[limit->dof * s->stride + limit->row] = limit->side;
+        s->velocity[limit->row] = limit->side * c->v_mid[limit->dof];
     }
+
+    for (int r = 0; r < s->rows; ++r) s->target[r] = -s->velocity[r] - c->half * s->gamma[r];
 }
 
-/* How a contact falls without impulses, and whether its spring acts: where it is in the plane, or would be.
-   nu: velocities without impulses. Y is J'. */
-static void rbdi_find_falls(const rbd_model *m, rbd_contact_set *c, const rbd_real *nu) {
-    const rbd_constraint_set *s = c->rows;
+/* How a contact falls without impulses, and whether its spring acts: where it is in the plane, or would
+   be. */
+static void rbdi_find_falls(rbd_contact_set *c) {
     for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
-        const int normal = contact->row + 2;
         rbd_real u;
         contact->springs = 0;
         contact->falls = rbdi_zero();
-        if (contact->row < 0 || !(contact->stiffness > 0 || contact->restitution > 0)) continue;
-        u = c->half * s->gamma[normal];
-        for (int k = 0; k < m->nv; ++k)
-            if (s->span[k].first <= normal && normal < s->span[k].end)
-                u = u + s->Y[k * s->stride + normal] * nu[k];
+        if (contact->row < 0) continue;
+        u = -c->rows->b[contact->row + 2];
         contact->falls = u - contact->gap.rate;
         contact->springs =
             contact->stiffness > 0 && (contact->gap.reach <= 0 || contact->gap.reach + c->way * u < 0);
@@ -395,9 +389,9 @@ static int rbdi_leaves(const rbd_contact_set *c, const rbdi_gap *gap) {
 static void rbdi_find_rebounds(rbd_contact_set *c) {
     int any = 0;
     for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
-        contact->rebounds = contact->row >= 0 && contact->restitution > 0 &&
-                            contact->gap.rate < -RBD_C(c->options.bounce) &&
-                            c->rows->lambda[contact->row + 2] > 0;
+        contact->pushes = contact->row >= 0 && c->rows->lambda[contact->row + 2] > 0;
+        contact->rebounds =
+            contact->pushes && contact->restitution > 0 && contact->gap.rate < -RBD_C(c->options.bounce);
         any |= contact->rebounds;
     }
 

@@ -8,6 +8,8 @@
    is a sum of squares: its rounding is below the square of the share.
    RBDI_ON_CONE: a contact at rest counts as sticking up to this times its largest friction.
    RBDI_LEFT_OF_SLOP: depths of this share of the slop that the first half of a step makes are left.
+   RBDI_LOOSE: of the first solution the residual may be so many times larger: its velocities enter those of
+   the end times dt and the velocity of what turns.
    RBDI_PROXIMAL: share of the trace that Newton steps add to the diagonal, [newton].
    RBDI_LEAST_SIZE: squares of smaller impulses (N s) are near the smallest number, or below it.
    RBDI_SCALE_SPREAD: the scale of RBDI_PROXIMAL is at most so many times the diagonal's entry, of a normal.
@@ -15,6 +17,7 @@
 #define RBDI_UNMOVED (16 * RBDI_EPS)
 #define RBDI_ON_CONE (1 + 16 * RBDI_EPS)
 #define RBDI_LEFT_OF_SLOP RBD_C(0.01)
+#define RBDI_LOOSE RBD_C(10)
 #define RBDI_SCALE_SPREAD RBD_C(1e4)
 #define RBDI_SIDES_PROXIMAL (512 * RBDI_EPS)
 #if RBDI_KIND(RBD_CONST) == 2

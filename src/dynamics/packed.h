@@ -47,7 +47,7 @@ RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
 /* Solves L' y = x, in place, from the leaves: y_i = x_i - sum over the descendants k of L_ki y_k. `path`, by
    depth on a dof's path, has the sums that its descendants subtract. It is stored as it is loaded, in batches
    and then scalars: the processor would wait for a batch that was stored as scalars. */
-RBDI_INLINE void rbdi_vector_transposed(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
+RBDI_PART void rbdi_vector_transposed(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
     const rbdi_dof *dof = m->dof;
     rbd_real *path = w->F;
 
@@ -76,7 +76,7 @@ RBDI_INLINE void rbdi_vector_transposed(const rbd_model *m, rbd_work *w, const r
 
 /* Solves L x = y / D, in place, from the root: x_i = y_i / D_i - sum over the path of L_ij x_j. `path` has
    the results on the path. */
-RBDI_INLINE void rbdi_vector_forward(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
+RBDI_PART void rbdi_vector_forward(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
     const rbdi_dof *dof = m->dof;
     rbd_real *path = w->F;
 

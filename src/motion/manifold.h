@@ -271,11 +271,9 @@ RBDI_API rbd_status rbd_step(const rbd_model *m, const rbd_real *q, const rbd_re
         rbd_real nu[6];
         if (u->nv == 0) continue;
         rbdi_unforced_velocity(u, &v[u->iv], dt, nu);
-        for (int k = 0; k < u->nv; ++k) nu[k] = nu[k] + dt * a[u->iv + k];
-        rbdi_move_straight(u, &q[u->iq], nu, dt, &q_next[u->iq]);
-        rbdi_turn_velocity(u, nu, dt, nu, &v_next[u->iv]);
+        for (int k = 0; k < u->nv; ++k) v_next[u->iv + k] = nu[k] + dt * a[u->iv + k];
     }
-
+    rbdi_move_joints(m, q, v_next, v_next, dt, q_next, v_next);
     return RBD_OK;
 }
 
