@@ -107,10 +107,10 @@ START_TEST(box_tumbles) {
 }
 END_TEST
 
-/* 0.3, 1.5 and 3 radians a step. The promise ends at two; beyond it is a number, but any. */
+/* 0.3 and 1.5 radians a step: the step takes energy then. */
 START_TEST(box_tumbles_faster_than_steps_see) {
-    static const double dt[3] = {1e-3, 5e-3, 1e-2}, most[3] = {1.01, 2, 1e12};
-    for (int k = 0; k < 3; k++) {
+    static const double dt[2] = {1e-3, 5e-3}, most[2] = {1.01, 1.2};
+    for (int k = 0; k < 2; k++) {
         scene s;
         double start;
         open_tumbler(&s, 300);
@@ -798,8 +798,8 @@ static double swing(double share) {
     return size;
 }
 
-/* A spring whose torque is sampled makes energy by dt kp / 2 of negative damping: that much is neutral, twice as
-   much brakes as strongly. */
+/* A spring whose torque is sampled acts as dt kp / 2 of negative damping: that much is neutral, and twice as
+   much brakes as strongly as none makes. */
 START_TEST(damping_of_half_dt_kp_is_neutral) {
     ck_assert_double_eq_tol(swing(0.5), 1, 1e-2);
     ck_assert_double_eq_tol(swing(0), exp(0.25), 2e-2);
