@@ -356,8 +356,8 @@ static void open_all_joints(scene *s) {
     for (int k = 0; k < s->r.nv; k++) s->v[k] = 2 * cos(3 * k);
 }
 
-/* The crank's end of four bars, 0.2 m from its hinge, and the rocker's, 0.3 m from its own at (0.45, 0), are 0.4 m
-   apart: angles of coupler and rocker, each relative to the bar before. Turns about -y go up from x. */
+/* The crank's end of four bars, 0.2 m from its hinge, and the rocker's, 0.3 m from its own at (0.45, 0), are
+   0.4 m apart: angles of coupler and rocker, each relative to the bar before. Turns about -y go up from x. */
 static void close_four_bars(double q[3]) {
     const double x = 0.45 - 0.2 * cos(q[0]), z = -0.2 * sin(q[0]), way = hypot(x, z), toward = atan2(z, x),
                  coupler = toward + acos((0.16 + way * way - 0.09) / (2 * 0.4 * way)),

@@ -1,4 +1,4 @@
-/* energy_mujoco.c - the scenes of examples/contact/energy.c by MuJoCo's integrators: two tables for energy.gp.
+/* energy_mujoco.c - the scenes of examples/contact/energy.c by MuJoCo's integrators: tables for energy.gp.
        energy_mujoco FOLDER      with tumbling_box.xml and swinging_arm.xml */
 #include <mujoco/mujoco.h>
 
