@@ -5,6 +5,7 @@
                 [--seconds S]    as many of these as there is time for, ten thousand by ten thousand
                 [--kind NAME]    of this kind only: single, a class of trees, runs or broken
                 [--from N]       begins with problem N of each kind
+                [--long N]       two runs of N steps instead, HyQ in space and Atlas that falls: their energy
                 [--publish FOLDER]   writes contact_accuracy.csv and contact_runs.csv there, of float
                                      contact_accuracy_float.csv and so on: tables of docs/accuracy.md
        contacts --one CLASS N    shows one problem of a class of trees
@@ -1361,6 +1362,14 @@ typedef struct robot_run {
     uint64_t seed;
 } robot_run;
 
+static void find_coordinates(robot_run *r) {
+    for (int b = 0; b < rbd_nb(model); b++) {
+        rbd_joint_info joint;
+        rbd_joint(model, b, &joint);
+        if (joint.nv == 1) r->q_of[joint.iv] = joint.iq;
+    }
+}
+
 static rbd_contact *touch(int body, double x, double y, double z, double radius, double friction) {
     rbd_contact *a = &now.list[now.n++];
     memset(a, 0, sizeof *a);
@@ -1502,11 +1511,7 @@ static uint64_t run_robot(int scene_number, int size, long steps, run_figures *f
         list_hyq(scene_number <= HYQ_FALLS_LIMITS);
     if (!build() || !build_set()) fail(failure_names[NOT_BUILT], 0);
     nv = rbd_nv(model);
-    for (int b = 0; b < rbd_nb(model); b++) {
-        rbd_joint_info joint;
-        rbd_joint(model, b, &joint);
-        if (joint.nv == 1) r.q_of[joint.iv] = joint.iq;
-    }
+    find_coordinates(&r);
     r.scene = scene_number, r.dt = (rbd_real)step_sizes[size],
     r.seed = (uint64_t)(scene_number * STEP_SIZES + size + 1);
     r.kp = atlas                        ? 100
@@ -1544,6 +1549,72 @@ static void run_robots(long steps) {
             counts[RUNS][ITERATIONS] += runs[k][size].iterations;
             worst_unsolved[RUNS] = larger(worst_unsolved[RUNS], runs[k][size].worst);
         }
+}
+
+/* ---- long runs: no motor, no new beginning ---- */
+
+enum { HYQ_IN_SPACE, ATLAS_LIES, LONG_SCENES };
+static const char *const long_names[LONG_SCENES] = {"HyQ in space", "Atlas falls, limp"};
+
+static double energy_of(const robot_run *r) {
+    rbd_real kinetic = 0, potential = 0;
+    rbd_kinematics(model, work, r->q, r->v, NULL);
+    rbd_energy(model, work, &kinetic, &potential);
+    return (double)kinetic + (double)potential;
+}
+
+/* HyQ turns with its legs swinging; Atlas falls onto the floor, as a run of it begins. */
+static void begin_long(robot_run *r, int in_space) {
+    static const double base[6] = {3, 2, -4, 1, 0.5, 2};
+    begin_run(r);
+    if (in_space) rbd_neutral(model, r->q);
+    for (int k = 0; in_space && k < nv; k++) r->v[k] = (rbd_real)(k < 6 ? base[k] : k % 2 ? -10 : 10);
+    for (int k = 7; in_space && k < rbd_nq(model); k++) r->q[k] = k % 3 == 2 ? (rbd_real)0.7 : (rbd_real)-0.4;
+}
+
+/* So many steps of a millisecond. In space energy may change by a thousandth in each 20 s; on the floor it is
+   never more than at the beginning. */
+static void run_long(int scene_number, long steps) {
+    static robot_run r;
+    const int in_space = scene_number == HYQ_IN_SPACE;
+    memset(&now, 0, sizeof now);
+    memset(&r, 0, sizeof r);
+    now.robot.nb = in_space ? HYQ_NB : ATLAS_NB;
+    memcpy(now.robot.bodies, in_space ? hyq_bodies : atlas_bodies, (size_t)now.robot.nb * sizeof(rbd_body));
+    now.state.gravity[2] = in_space ? 0 : -9.81;
+    now.options.tolerance = IN_FLOAT ? 1e-5 : 1e-6;
+    now.options.joint_limits = !in_space;
+    if (!in_space) list_atlas();
+    if (!build() || !build_set()) fail(failure_names[NOT_BUILT], 0);
+    nv = rbd_nv(model);
+    find_coordinates(&r);
+    r.scene = in_space ? HYQ_FALLS : ATLAS_FALLS, r.dt = (rbd_real)1e-3, r.seed = 1;
+    begin_long(&r, in_space);
+
+    const double start = energy_of(&r);
+    double least = start, most = start, made = 0, before = start, residual = 0;
+    for (long n = 0; n < steps; n++) {
+        number_now = (int)n;
+        if (rbd_contact_step(model, set, r.q, r.v, r.tau, NULL, NULL, r.dt, r.q, r.v) != RBD_OK) {
+            fail(failure_names[STATUS], (double)n);
+            break;
+        }
+        if (!finite(r.q, rbd_nq(model)) || !finite(r.v, nv)) fail(failure_names[NOT_FINITE], (double)n);
+        const double energy = energy_of(&r);
+        least = fmin(least, energy), most = fmax(most, energy), made = fmax(made, energy - before);
+        residual = larger(residual, (double)rbd_contact_last(set).residual);
+        before = energy;
+    }
+    printf("%-20s %ld steps: energy %.1f J at the start, %.6f to %.6f of it, at the end %.6f; most in a step "
+           "%.1e J; "
+           "residual %.1e m/s\n",
+           long_names[scene_number], steps, start, least / start, most / start, before / start, made,
+           residual);
+    const double drift = 1e-3 * (1 + (double)steps / 20000), rounding = IN_FLOAT ? 1e-4 : 1e-6;
+    if (!(most <= start * (1 + (in_space ? drift : rounding)))) fail("energy made", most / start);
+    if (in_space && !(least >= start * (1 - drift))) fail("energy lost", least / start);
+    if (!(made <= 1e-4 * start)) fail("energy made in a step", made / start);
+    release();
 }
 
 /* ---- broken descriptions ---- */
@@ -1850,7 +1921,13 @@ int main(int argc, char **argv) {
             publish = argv[++i];
         else if (more > 0 && strcmp(argv[i], "--kind") == 0)
             only = kind_of(argv[++i]);
-        else if (more > 1 && strcmp(argv[i], "--one") == 0) {
+        else if (more > 0 && strcmp(argv[i], "--long") == 0) {
+            const long steps = atol(argv[++i]);
+            kind_now = RUNS;
+            for (int k = 0; k < LONG_SCENES; k++) run_long(k, steps);
+            printf("%ld failures\n", failures);
+            return failures > 0;
+        } else if (more > 1 && strcmp(argv[i], "--one") == 0) {
             const int kind = kind_of(argv[i + 1]), number = atoi(argv[i + 2]);
             shown = 1000, show = 1;
             if (kind == SINGLE) run_single(number);
