@@ -8,8 +8,8 @@
    is a sum of squares: its rounding is below the square of the share.
    RBDI_ON_CONE: a contact at rest counts as sticking up to this times its largest friction.
    RBDI_LEFT_OF_SLOP: depths of this share of the slop that the first half of a step makes are left.
-   RBDI_PROXIMAL: share of the trace that Newton steps add to the diagonal, [newton]. Steps with other
-   shares end at the same p, within the tolerance, after other numbers of steps: no test sees ten times more.
+   RBDI_PROXIMAL: share of the trace that Newton steps add to the diagonal, [newton]. Ten times more costs
+   iterations, which a test sees; with a tenth p is the same within the tolerance.
    RBDI_LEAST_SIZE: squares of smaller impulses (N s) are near the smallest number, or below it. For sizes up
    to a million times away both ways of computing agree to rounding, so no test sees ten times more or less.
    RBDI_SCALE_SPREAD: the scale of RBDI_PROXIMAL is at most so many times the diagonal's entry, of a normal.
