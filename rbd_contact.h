@@ -461,8 +461,8 @@ RBDI_CODE_BEGIN
    to a million times away both ways of computing agree to rounding, so no test sees ten times more or less.
    RBDI_SCALE_SPREAD: the scale of RBDI_PROXIMAL is at most so many times the diagonal's entry, of a normal.
    As there, no test sees ten times more or less.
-   RBDI_SIDES_PROXIMAL: the same for derivatives, whose relative error is that times the condition of G. It is
-   near rounding: tests compare with differences, which are a thousand times less exact. */
+   RBDI_SIDES_PROXIMAL: the same for derivatives, whose relative error is that times the condition of G. Ten
+   times more is an error that random trees see; a tenth is near rounding, and no test sees it. */
 #define RBDI_UNMOVED (16 * RBDI_EPS)
 #define RBDI_ON_CONE (1 + 16 * RBDI_EPS)
 #define RBDI_LEFT_OF_SLOP RBD_C(0.01)
