@@ -525,6 +525,7 @@ static void check_tree(uint64_t *seed, int number) {
     if (nb > 1 && below(seed, 2)) s.held[s.n_held++] = rbd_point_contact(nb - 1, NULL, NULL);
     if (s.n_held) s.held[0].axes[0] = (unsigned char)below(seed, 2), s.held[0].axes[1] = 1;
     for (int k = 0; k < 3; k++) random_contact(&s, seed);
+    for (int k = 0; k < s.n && number % 3 == 0; k++) s.list[k].friction *= 20; /* so that more stick */
     if (!try_scene(&s)) { /* two bodies that are fixed to each other */
         close_scene(&s);
         return;
@@ -549,9 +550,9 @@ START_TEST(random_trees) {
         uint64_t seed = 500 + (uint64_t)i;
         check_tree(&seed, i);
     }
-    ck_assert_int_ge(agreed, 5800 / PART_OF_TREES);
-    ck_assert_int_ge(sticking, 15 / PART_OF_TREES);
-    ck_assert_int_ge(slipping, 200 / PART_OF_TREES);
+    ck_assert_int_ge(agreed, 5700 / PART_OF_TREES);
+    ck_assert_int_ge(sticking, 25 / PART_OF_TREES);
+    ck_assert_int_ge(slipping, 190 / PART_OF_TREES);
     ck_assert_int_le(unsolved, 60 / PART_OF_TREES);
 }
 END_TEST

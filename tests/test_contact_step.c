@@ -583,7 +583,7 @@ START_TEST(painleves_rod_jams) {
                 step(&s);
                 now = energy(&s, NULL);
                 expect_figure(9, "Painleve's rod: energy gained in a step over dt squared, J/s^2",
-                              fmax(now - before, 0) / (s.h * s.h), 0, 2);
+                              fmax(now - before, 0) / (s.h * s.h), 0, 0.2); /* second order: it turns */
                 before = now;
                 rbd_contact_get(s.c, 0, NULL, force);
                 impulse = fmax(impulse, force[2] * s.h);
@@ -700,7 +700,8 @@ START_TEST(hyq_drops_stands_and_trots) {
                 newton += rbd_contact_last(s.c).newton_steps;
             }
             expect_figure(10, "HyQ stands and trots, 0.5 to 10 ms: residual, m/s", s.worst, 0, 1e-8);
-            expect_figure(10, "HyQ stands and trots: Newton steps per step", newton * s.h / 2, 0, 4);
+            expect_figure(10, "HyQ stands and trots: Newton steps per step", newton * s.h / 2, 0,
+                          3.5); /* of two or three solutions */
             ck_assert_double_ge(s.q[2], 0.4);
             for (int i = 0; i < 4; i++) rbd_contact_get(s.c, i, NULL, f), sum += f[2];
             if (!trots) ck_assert_double_eq_tol(sum, rbd_mass(s.r.m) * 9.81, 1);
