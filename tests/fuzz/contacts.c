@@ -475,7 +475,7 @@ static void into_body(int body, const quad *x, double *out) {
 
 /* The contact's gap for height 0, and the constraint whose linear rows are its: it holds the places where the
    two bodies touch, in the axes of the plane. */
-static quad contact_constraint(const rbd_contact *a, rbd_constraint *k) {
+static quad contact_constraint(const rbd_contact *a, int on_foot, rbd_constraint *k) {
     quad n[3], n_world[3], p[3], origin[3], gap = 0;
     double up[3] = {0, 0, 1};
     const double zero[3] = {0, 0, 0};
@@ -490,7 +490,8 @@ static quad contact_constraint(const rbd_contact *a, rbd_constraint *k) {
     turn_to_world(a->body2, n, n_world);
     point_in_world(a->body1, a->point, p);
     point_in_world(a->body2, zero, origin);
-    for (int i = 0; i < 3; i++) gap += n_world[i] * (p[i] - origin[i]), p[i] -= a->radius * n_world[i];
+    for (int i = 0; i < 3; i++) gap += n_world[i] * (p[i] - origin[i]);
+    for (int i = 0; i < 3; i++) p[i] -= (on_foot ? gap - a->height : a->radius) * n_world[i];
     into_body(a->body1, p, k->position1);
     into_body(a->body2, p, k->position2);
     return gap - a->radius;
@@ -504,7 +505,7 @@ static void place_contacts(void) {
     widen(now.state.v, nv, v);
     world_move(&truth, now.robot.bodies, now.robot.nb, q, v, NULL);
     for (int i = 0; i < now.n; i++)
-        now.list[i].height = (double)(contact_constraint(&now.list[i], &k))-now.gap[i];
+        now.list[i].height = (double)(contact_constraint(&now.list[i], 0, &k))-now.gap[i];
     for (int i = 0; i < now.n_held; i++) dense_close(&truth, &now.held[i]);
 }
 
@@ -630,6 +631,9 @@ static quad along(const quad *row, const quad *x) {
     return sum;
 }
 
+/* Whether the place of a contact is the foot of its centre on the plane: see find_places. */
+static int on_plane[MOST_CONTACTS];
+
 /* J v of all contacts and held rows, a time t from the middle on its straight way. */
 static void speeds_of_rows(quad t, quad *speed) {
     quad q[WORLD_COORDINATES], v[WORLD_DOFS];
@@ -637,7 +641,7 @@ static void speeds_of_rows(quad t, quad *speed) {
     move(middle, begin, begin, t, q, v);
     world_move(&truth, now.robot.bodies, now.robot.nb, q, v, NULL);
     for (int i = 0; i < now.n; i++) {
-        contact_constraint(&now.list[i], &k);
+        contact_constraint(&now.list[i], on_plane[i], &k);
         dense_rows_of(&truth, &k, 1, NULL, &found_rows);
         for (int r = 0; r < 3; r++) *speed++ = along(found_rows.J[r], v);
     }
@@ -810,6 +814,32 @@ static double fastest_of_bodies(void) {
     return most;
 }
 
+/* Gaps and gamma. A contact is a place on its ball; but where three of the same bodies touch, or arrive within
+   two steps, each is the foot of its centre on the plane. */
+static void find_places(void) {
+    int any = 0;
+    memset(on_plane, 0, sizeof on_plane);
+    find_gamma();
+    for (int i = 0; i < now.n; i++) {
+        rbd_constraint k;
+        const quad gap = contact_constraint(&now.list[i], 0, &k) - now.list[i].height;
+        dense_rows_of(&truth, &k, 1, NULL, &found_rows);
+        gaps[i] = gap_from_middle(gap, along(found_rows.J[2], begin), gamma[3 * i + 2]);
+    }
+    for (int i = 0; i < now.n; i++) {
+        int n = 0, doubt = 0;
+        for (int j = 0; j < now.n; j++) {
+            const rbd_contact *a = &now.list[i], *b = &now.list[j];
+            if (carrier(&now, a->body1) != carrier(&now, b->body1)) continue;
+            if (carrier(&now, a->body2) != carrier(&now, b->body2)) continue;
+            n += is_row(&gaps[j], 1e-5), doubt |= may_be_either(&gaps[j], 1e-5);
+        }
+        on_plane[i] = doubt ? set->contact[i].on_plane : n >= 3;
+        any |= on_plane[i];
+    }
+    if (any) find_gamma();
+}
+
 /* The rows of contact i, if it is near: J, and what is added to u of them. Returns 0 if the library has
    another opinion. */
 static int add_contact_rows(int i) {
@@ -818,9 +848,8 @@ static int add_contact_rows(int i) {
     const rbdi_contact *own = &set->contact[i];
     rbd_constraint k;
     rbd_real told;
-    const quad gap = contact_constraint(a, &k) - a->height;
+    contact_constraint(a, on_plane[i], &k);
     dense_rows_of(&truth, &k, 1, NULL, &found_rows);
-    gaps[i] = gap_from_middle(gap, along(found_rows.J[2], begin), gamma[3 * i + 2]);
     springs_of[i] = rebounds_of[i] = 0;
     rbd_contact_get(set, i, &told, NULL);
     const double moves = (double)half * fastest_of_bodies();
@@ -1274,7 +1303,7 @@ static void run_acceleration(void) {
     else if (!finite(a, nv))
         fail(failure_names[NOT_FINITE], 0);
     else
-        check_answer(nu);
+        find_places(), check_answer(nu);
     rbd_contact_reset(set);
     rbd_contact_fd(model, set, given.q, given.v, given.tau, given.wrench, given.damping, given.dt, again);
     if (memcmp(a, again, (size_t)nv * sizeof *a)) fail(failure_names[NOT_REPEATED], 0);
@@ -1294,7 +1323,7 @@ static void run_step(void) {
     } else if (!finite(q, now.robot.nq) || !finite(v, nv)) {
         fail(failure_names[NOT_FINITE], 0);
     } else if (!wild) {
-        find_gamma();
+        find_places();
         find_last_motion();
         for (int k = 0; k < nv; k++) nu[k] = (quad)set->nu[k];
         check_move(q, v);
@@ -1329,7 +1358,6 @@ static void run_tree(int kind, int number) {
     if (!build() || !build_set()) {
         fail(failure_names[NOT_BUILT], 0);
     } else {
-        memset(gamma, 0, sizeof gamma);
         if (!IN_FLOAT) run_acceleration();
         if (find_motion(0)) run_step();
     }
