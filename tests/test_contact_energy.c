@@ -222,7 +222,8 @@ START_TEST(rotor_in_a_gimbal) {
                                  .axis = {0, 0, 1},
                                  .mass = 0.1,
                                  .inertia = {6e-5, 0, 0, 6e-5, 0, 1e-4}}};
-    static const double dt[3] = {1e-4, 1e-3, 5e-3}, bound[3] = {3e-3, 3e-3, 2e-2}; /* of what the rings hold */
+    static const double dt[3] = {1e-4, 1e-3, 5e-3},
+                        bound[3] = {3e-3, 3e-3, 2e-2}; /* of what the rings hold */
 
     for (int k = 0; k < 3; k++) {
         scene s;
@@ -586,22 +587,24 @@ START_TEST(second_order) {
 }
 END_TEST
 
-/* A minute: it stays closed, and keeps its energy. */
+/* A minute: it stays closed, loses a quarter of a percent of its energy, and never gains any. */
 START_TEST(four_bars_turn_for_a_minute) {
     scene s;
-    double start, worst = 0;
+    double start, least, most = 0;
     open_four_bars(&s);
-    start = energy(&s);
+    start = least = energy(&s);
     for (int i = 0; i < 60; i++) {
         double tip[3];
         const double end[3] = {0.3, 0, 0};
         (void)run(&s, 1e-3, 1);
-        worst = fmax(worst, fabs(energy(&s) - start));
+        least = fmin(least, energy(&s));
+        most = fmax(most, energy(&s));
         ck_assert_int_eq(rbd_point_position(s.r.m, s.r.w, 2, end, tip), RBD_OK);
         ck_assert_double_eq_tol(tip[0], 0.45, 2e-5);
         ck_assert_double_eq_tol(tip[2], 0, 2e-5);
     }
-    ck_assert_double_le(worst / start, 1e-3);
+    ck_assert_double_ge(least / start, 1 - 4e-3);
+    ck_assert_double_le(most / start, 1 + 1e-5);
     close_scene(&s);
 }
 END_TEST
