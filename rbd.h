@@ -25,8 +25,8 @@
      [types] [status] [build] [work] [dynamics] [kinematics] [points] [manifold] [lookup]
      --- stop here if you only use it ---
      [layout]
-     [design] [compiler] [tolerances] [scalar] [reduction] [spatial algebra] [common] [features] [joints]
-     [state] [rnea] [crba] [aba] [packed matrix] [pivots] [hybrid] [forward dynamics code]
+     [design] [compiler] [tolerances] [scalar] [reduction] [spatial algebra] [common] [features] [joint types]
+     [joints]     [state] [rnea] [crba] [aba] [packed matrix] [pivots] [hybrid] [forward dynamics code]
      [axes] [kinematics code] [points code] [manifold code] [free step] [work code] [lookup code] [text code]
      [descriptions] [model build]
      [licence]
@@ -784,8 +784,10 @@ RBDI_API rbd_status rbd_step(const rbd_model *m, const rbd_real *q, const rbd_re
 
 #ifndef RBD_NO_CHOLESKY
 /* One step of second order from torques, without contacts: the midpoint scheme of rbd_contact_step, which
-   keeps the energy of what turns to second order in dt, and takes some where a body turns by more than a
-   quarter of a radian a step; stable up to two radians. Some three times the work of rbd_aba and rbd_step.
+   keeps energy and momentum of what turns to second order in dt, and takes some where a body turns by more
+   than a quarter of a radian a step; stable up to two radians. The option `momentum` of rbd_contact_step,
+   also of a set without contacts, keeps momentum to rounding. Some three times the work of rbd_aba and
+   rbd_step.
    tau, damping   nv. damping is implicit: tau acts as tau - damping v_next. NULL: 0
    f_ext          nb x 6 or NULL: in the axes that bodies have in the middle of the step
    dt             s; any finite number
@@ -1537,6 +1539,18 @@ static inline void rbdi_require_ieee(void) {}
 #define RBDI_DYNAMICS_BEGIN RBDI_CODE_BEGIN
 #endif
 
+/* The build of a model, which runs once: at GCC's -Os it is a third smaller. It has the contraction of the
+   command line. */
+#if RBDI_GCC && RBDI_FOR_SPEED && RBDI_REPRODUCIBLE
+#define RBDI_BUILD_BEGIN _Pragma("GCC push_options") RBDI_PRAGMA(GCC optimize("Os,fp-contract=off"))
+#elif RBDI_GCC && RBDI_FOR_SPEED
+#define RBDI_BUILD_BEGIN _Pragma("GCC push_options") RBDI_PRAGMA(GCC optimize("Os"))
+#elif RBDI_GCC && defined __OPTIMIZE__
+#define RBDI_BUILD_BEGIN _Pragma("GCC push_options")
+#else
+#define RBDI_BUILD_BEGIN
+#endif
+
 /* RBDI_INLINE: vector algebra, and the steps that are compiled once for each common set of link flags. Where
    the compiler optimises it always inlines them: to pass vectors in memory would take ten times as long at
    -Os, and save a fifth of the code. RBDI_PART: all others; a build may leave them unused. */
@@ -1711,6 +1725,7 @@ RBDI_INLINE rbd_real rbdi_set(rbd_const c) {
     rbd_real zero = {0};
     return zero + c;
 }
+
 RBDI_INLINE rbdi_mask rbdi_less(rbd_real a, rbd_real b) { return (rbdi_mask)(a < b); }
 RBDI_INLINE rbdi_mask rbdi_not(rbdi_mask a) { return ~a; }
 RBDI_INLINE rbdi_mask rbdi_or(rbdi_mask a, rbdi_mask b) { return a | b; }
@@ -1718,11 +1733,13 @@ RBDI_INLINE rbdi_mask rbdi_and(rbdi_mask a, rbdi_mask b) { return a & b; }
 RBDI_INLINE rbd_real rbdi_select(rbdi_mask mask, rbd_real a, rbd_real b) {
     return (rbd_real)(((rbdi_mask)a & mask) | ((rbdi_mask)b & ~mask));
 }
+
 RBDI_INLINE int rbdi_any(rbdi_mask mask) {
     rbdi_int any = 0;
     for (int i = 0; i < RBD_LANES; ++i) any |= mask[i];
     return any != 0;
 }
+
 RBDI_INLINE rbd_real rbdi_sqrt(rbd_real x) {
     for (int i = 0; i < RBD_LANES; ++i) x[i] = RBD_SQRT(x[i]);
     return x;
@@ -1797,6 +1814,7 @@ RBDI_INLINE rbdi_batch rbdi_all_lanes(rbd_real x) {
     return x;
 #endif
 }
+
 RBDI_INLINE rbdi_batch rbdi_zero_batch(void) { return rbdi_all_lanes(rbdi_zero()); }
 
 #if RBDI_BATCH > 1
@@ -1810,6 +1828,7 @@ RBDI_INLINE rbdi_batch rbdi_insert(rbdi_batch batch, int k, rbd_real x) {
     lane = (rbdi_bits)(lane == (rbdi_bit)k);
     return (rbdi_batch)(((rbdi_bits)batch & ~lane) | ((rbdi_bits)all & lane));
 }
+
 /* The first n scalars of the batch, and zeros. */
 RBDI_INLINE rbdi_batch rbdi_first_lanes(rbdi_batch batch, int n) {
     rbdi_batch lane;
@@ -1839,6 +1858,7 @@ RBDI_INLINE rbdi_sum rbdi_sum_and(rbdi_sum sum, rbdi_batch x) {
     return sum + x;
 #endif
 }
+
 RBDI_INLINE rbd_real rbdi_sum_value(rbdi_sum sum) { return sum; }
 #else
 typedef rbdi_batch rbdi_sum;
@@ -1848,56 +1868,6 @@ RBDI_INLINE rbd_real rbdi_sum_value(rbdi_sum x) {
     rbd_real sum = x[0];
     for (int j = 1; j < RBDI_BATCH; ++j) sum = sum + x[j];
     return sum;
-}
-#endif
-
-/* Four scalars that go together: an axis or origin with a fourth that is not used, or parameters of a body.
-   They are passed by address, because clang without AVX warns of vectors of four doubles as values. GCC would
-   move a vector that is wider than a batch through memory. put: y[0] .. y[2] = x, where y[3] may become
-   anything; scale: y = factor x; add: y += factor x. */
-#if RBDI_BATCH >= 4 || (RBDI_BATCH > 1 && RBDI_CLANG)
-typedef rbd_real rbdi_four
-    __attribute__((vector_size(4 * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
-RBDI_INLINE rbd_real rbdi_one_of(const rbdi_four *x, int k) { return (*x)[k]; }
-RBDI_INLINE void rbdi_set_four(rbdi_four *y, rbd_real a, rbd_real b, rbd_real c, rbd_real d) {
-    const rbdi_four x = {a, b, c, d};
-    *y = x;
-}
-RBDI_INLINE void rbdi_put_four(rbd_real *y, const rbdi_four *x) { *(rbdi_four *)y = *x; }
-RBDI_INLINE void rbdi_scale_four(rbdi_four *y, rbd_real factor, const rbdi_four *x) { *y = *x * factor; }
-RBDI_INLINE void rbdi_add_four(rbdi_four *y, rbd_real factor, const rbdi_four *x) { *y = *y + *x * factor; }
-#else
-typedef struct rbdi_four {
-    rbd_real x, y, z, w;
-} rbdi_four;
-RBDI_INLINE rbd_real rbdi_one_of(const rbdi_four *x, int k) {
-    return k == 0 ? x->x : k == 1 ? x->y : k == 2 ? x->z : x->w;
-}
-RBDI_INLINE void rbdi_set_four(rbdi_four *y, rbd_real a, rbd_real b, rbd_real c, rbd_real d) {
-    y->x = a, y->y = b, y->z = c, y->w = d;
-}
-RBDI_INLINE void rbdi_put_four(rbd_real *y, const rbdi_four *x) { y[0] = x->x, y[1] = x->y, y[2] = x->z; }
-RBDI_INLINE void rbdi_scale_four(rbdi_four *y, rbd_real factor, const rbdi_four *x) {
-    rbdi_set_four(y, x->x * factor, x->y * factor, x->z * factor, x->w * factor);
-}
-RBDI_INLINE void rbdi_add_four(rbdi_four *y, rbd_real factor, const rbdi_four *x) {
-    rbdi_set_four(y, y->x + x->x * factor, y->y + x->y * factor, y->z + x->z * factor, y->w + x->w * factor);
-}
-#endif
-/* Transposes: four batches, a component each, become one four for each lane. */
-#if RBDI_BATCH == 4 && RBDI_HAS_SHUFFLE
-RBDI_INLINE void rbdi_fours_of_lanes(const rbdi_batch x[4], rbdi_four y[RBDI_BATCH]) {
-    const rbdi_batch a = __builtin_shufflevector(x[0], x[1], 0, 4, 2, 6),
-                     b = __builtin_shufflevector(x[0], x[1], 1, 5, 3, 7),
-                     c = __builtin_shufflevector(x[2], x[3], 0, 4, 2, 6),
-                     d = __builtin_shufflevector(x[2], x[3], 1, 5, 3, 7);
-    y[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5), y[1] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
-    y[2] = __builtin_shufflevector(a, c, 2, 3, 6, 7), y[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
-}
-#else
-RBDI_INLINE void rbdi_fours_of_lanes(const rbdi_batch x[4], rbdi_four y[RBDI_BATCH]) {
-    for (int k = 0; k < RBDI_BATCH; ++k)
-        for (int j = 0; j < 4; ++j) ((rbd_real *)&y[k])[j] = ((const rbd_real *)&x[j])[k];
 }
 #endif
 
@@ -1942,10 +1912,15 @@ RBDI_COLD void rbdi_turns(RBD_REAL x, uint32_t part[RBDI_REDUCTION + 2]) {
     } u = {x < 0 ? -x : x};
     const rbdi_bit one = (rbdi_bit)1 << RBDI_MANTISSA;
     const uint64_t mantissa = (u.bits & (one - 1)) | one;
-    const int bias = (1 << (8 * (int)sizeof(x) - 2 - RBDI_MANTISSA)) - 1, /* of the exponent */
-        e = (int)(u.bits >> RBDI_MANTISSA) - bias - RBDI_MANTISSA + 64, a = e / 32 - 2, shift = e % 32;
+    const int bias = (1 << (8 * (int)sizeof(x) - 2 - RBDI_MANTISSA)) - 1; /* of the exponent */
+
+    /* |x| = N 2^(32 a) */
+    const int e = (int)(u.bits >> RBDI_MANTISSA) - bias - RBDI_MANTISSA + 64;
+    const int a = e / 32 - 2, shift = e % 32;
     const uint64_t low = (mantissa & UINT32_MAX) << shift, high = ((mantissa >> 32) << shift) + (low >> 32);
     const uint32_t N[3] = {(uint32_t)low, (uint32_t)high, (uint32_t)(high >> 32)};
+
+    /* part += b_k N_i 2^(32 (a + i - k)), with carries */
     for (int j = 0; j <= RBDI_REDUCTION + 1; ++j) part[j] = 0;
     for (int k = a > 1 ? a : 1; k <= a + RBDI_REDUCTION + 3; ++k)
         for (int i = 0; i < 3; ++i) {
@@ -1964,10 +1939,13 @@ RBDI_COLD RBD_REAL rbdi_reduce_angle(RBD_REAL x, RBD_REAL *quarters) {
     uint32_t part[RBDI_REDUCTION + 2], flip;
     RBD_REAL r = 0;
     if (!(x - x == 0)) return x - x; /* not a number */
+
+    /* |x| 2/pi = part[0] + fraction; r = (fraction, less 1 if above a half) pi/2 */
     rbdi_turns(x, part);
     flip = part[1] >> 31 ? UINT32_MAX : 0; /* a fraction over a half counts from the next multiple */
     for (int j = RBDI_REDUCTION + 1; j > 0; --j) r = (r + (RBD_REAL)(part[j] ^ flip)) * word;
     r = r * (flip ? -right_angle : right_angle);
+
     part[0] = (part[0] + (flip & 1)) & 3;
     *quarters = *quarters + (RBD_REAL)(x < 0 ? 4 - part[0] : part[0]);
     return x < 0 ? -r : r;
@@ -1987,11 +1965,13 @@ RBDI_INLINE rbdi_bits rbdi_to_bits(rbdi_batch x) {
     u.x = x;
     return u.bits;
 }
+
 RBDI_INLINE rbdi_batch rbdi_from_bits(rbdi_bits bits) {
     rbdi_pun u;
     u.bits = bits;
     return u.x;
 }
+
 RBDI_INLINE rbdi_bits rbdi_beyond(rbdi_batch x, rbd_const limit) { return !(x < limit); }
 #else
 #if RBDI_BATCH == 1 /* lanes */
@@ -2010,6 +1990,8 @@ RBDI_INLINE void rbdi_sincos_batch(rbdi_batch x, rbdi_batch quarters, rbdi_batch
 #if RBDI_CLANG /* which does not tell by a macro that it may reassociate */
 #pragma clang fp reassociate(off)
 #endif
+
+    /* n, r, and the polynomials ps = (sin r / r - 1) / z, pc = (cos r - 1 + z/2) / z^2 */
 #if RBDI_REAL_KIND == 1
     const rbdi_batch magic = quarters + 6755399441055744.0;
     rbdi_batch shifted = x * 0.63661977236758134308 + magic, n = shifted - magic;
@@ -2040,10 +2022,13 @@ RBDI_INLINE void rbdi_sincos_batch(rbdi_batch x, rbdi_batch quarters, rbdi_batch
     rbdi_batch pc = (z * 2.44394104e-5f + -0.00138873773f) * z + 0.0416666471f;
     const int top = 30;
 #endif
+
+    /* sine and cosine of r, swapped and with the signs of the quadrant */
     rbdi_batch sine = z * r * ps + r;
     rbdi_batch cosine = z * z * pc + (RBD_C(1) - RBD_C(0.5) * z);
     rbdi_bits quadrant = rbdi_to_bits(shifted), bs = rbdi_to_bits(sine), bc = rbdi_to_bits(cosine);
     rbdi_bits swap = (bs ^ bc) & (0u - (quadrant & 1u));
+
     *s = rbdi_from_bits((bs ^ swap) ^ ((quadrant & 2u) << top));
     *c = rbdi_from_bits((bc ^ swap) ^ (((quadrant + 1u) & 2u) << top));
 }
@@ -2060,8 +2045,10 @@ RBDI_PART void rbdi_sincos_one(rbd_real x, rbd_real quarters, rbd_real *s, rbd_r
 #else
     if (!(x * x < RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT)) x = rbdi_reduce_angle(x, &quarters);
 #endif
+
     rbdi_sincos_batch(rbdi_all_lanes(x), rbdi_all_lanes(quarters), &sine, &cosine);
-    *s = rbdi_first_lane(sine), *c = rbdi_first_lane(cosine);
+    *s = rbdi_first_lane(sine);
+    *c = rbdi_first_lane(cosine);
 }
 
 /* Sines and cosines of the angles first .. end - 1 plus right angles, in as few batches as can be, aligned if
@@ -2073,6 +2060,7 @@ RBDI_PART void rbdi_sincos_array(const rbd_real *x, const rbd_real *quarters, in
     int start = first / RBDI_BATCH * RBDI_BATCH;
     rbdi_bits beyond = rbdi_to_bits(rbdi_zero_batch());
     rbdi_bit any = 0;
+
     if (start + size < end) start = end - size;
     for (int i = start; i < end; i += RBDI_BATCH) {
         const rbdi_batch angle = *(const rbdi_batch *)&x[i];
@@ -2109,92 +2097,158 @@ RBDI_INLINE void rbdi_sincos(rbd_real x, rbd_real *s, rbd_real *c) {
    turn about z and the shift along z; those about and along x are the same after the cyclic change
    of axes (x, y, z) -> (y, z, x). */
 
-RBDI_INLINE rbdi_v3 rbdi_vec(rbd_real x, rbd_real y, rbd_real z) {
+/* Vectors, motions and forces; algebra/batch_vectors.h has the same of batches. */
+#define RBDI_T rbd_real
+RBDI_INLINE rbdi_v3 rbdi_vec(RBDI_T x, RBDI_T y, RBDI_T z) {
     const rbdi_v3 v = {x, y, z};
     return v;
 }
-/* A vector to and from an array, whose components are a stride apart. */
-RBDI_INLINE void rbdi_store_vec(rbd_real *array, ptrdiff_t stride, rbdi_v3 v) {
-    array[0] = v.x, array[stride] = v.y, array[2 * stride] = v.z;
-}
-RBDI_INLINE rbdi_v3 rbdi_load_vec(const rbd_real *array, ptrdiff_t stride) {
-    return rbdi_vec(array[0], array[stride], array[2 * stride]);
-}
-/* _c: from constants of the model. */
-RBDI_INLINE rbdi_v3 rbdi_vec_c(rbdi_c3 a) { return rbdi_vec(rbdi_set(a.x), rbdi_set(a.y), rbdi_set(a.z)); }
-RBDI_INLINE rbdi_v3 rbdi_vec0(void) { return rbdi_vec(rbdi_zero(), rbdi_zero(), rbdi_zero()); }
+
 RBDI_INLINE rbdi_v3 rbdi_add(rbdi_v3 a, rbdi_v3 b) { return rbdi_vec(a.x + b.x, a.y + b.y, a.z + b.z); }
-RBDI_INLINE rbdi_v3 rbdi_sub(rbdi_v3 a, rbdi_v3 b) { return rbdi_vec(a.x - b.x, a.y - b.y, a.z - b.z); }
-RBDI_INLINE rbdi_v3 rbdi_scale(rbd_real k, rbdi_v3 a) { return rbdi_vec(k * a.x, k * a.y, k * a.z); }
-RBDI_INLINE rbd_real rbdi_dot(rbdi_v3 a, rbdi_v3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+RBDI_INLINE rbdi_v3 rbdi_scale(RBDI_T k, rbdi_v3 a) { return rbdi_vec(k * a.x, k * a.y, k * a.z); }
 RBDI_INLINE rbdi_v3 rbdi_cross(rbdi_v3 a, rbdi_v3 b) {
     return rbdi_vec(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
 }
+
+RBDI_INLINE rbdi_motion rbdi_motion_add(rbdi_motion a, rbdi_motion b) {
+    a.omega = rbdi_add(a.omega, b.omega);
+    a.v = rbdi_add(a.v, b.v);
+    return a;
+}
+
+RBDI_INLINE rbdi_force rbdi_force_add(rbdi_force a, rbdi_force b) {
+    a.n = rbdi_add(a.n, b.n);
+    a.f = rbdi_add(a.f, b.f);
+    return a;
+}
+
+/* S' f. */
+RBDI_INLINE RBDI_T rbdi_power(rbdi_motion S, rbdi_force f) {
+    return (f.n.x * S.omega.x + f.n.y * S.omega.y + f.n.z * S.omega.z) +
+           (f.f.x * S.v.x + f.f.y * S.v.y + f.f.z * S.v.z);
+}
+#undef RBDI_T
+
+/* A vector to and from an array, whose components are a stride apart. */
+RBDI_INLINE void rbdi_store_vec(rbd_real *array, ptrdiff_t stride, rbdi_v3 v) {
+    array[0] = v.x;
+    array[stride] = v.y;
+    array[2 * stride] = v.z;
+}
+
+RBDI_INLINE rbdi_v3 rbdi_load_vec(const rbd_real *array, ptrdiff_t stride) {
+    return rbdi_vec(array[0], array[stride], array[2 * stride]);
+}
+
+/* _c: from constants of the model. */
+RBDI_INLINE rbdi_v3 rbdi_vec_c(rbdi_c3 a) { return rbdi_vec(rbdi_set(a.x), rbdi_set(a.y), rbdi_set(a.z)); }
+RBDI_INLINE rbdi_v3 rbdi_vec0(void) { return rbdi_vec(rbdi_zero(), rbdi_zero(), rbdi_zero()); }
+RBDI_INLINE rbdi_v3 rbdi_sub(rbdi_v3 a, rbdi_v3 b) { return rbdi_vec(a.x - b.x, a.y - b.y, a.z - b.z); }
+RBDI_INLINE rbd_real rbdi_dot(rbdi_v3 a, rbdi_v3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
 RBDI_INLINE rbdi_v3 rbdi_cycle(rbdi_v3 v) { return rbdi_vec(v.y, v.z, v.x); }
 RBDI_INLINE rbdi_v3 rbdi_uncycle(rbdi_v3 v) { return rbdi_vec(v.z, v.x, v.y); }
 
+/* A matrix by rows. */
+RBDI_INLINE rbdi_mat rbdi_mat_of(rbd_real xx, rbd_real xy, rbd_real xz, rbd_real yx, rbd_real yy, rbd_real yz,
+                                 rbd_real zx, rbd_real zy, rbd_real zz) {
+    const rbdi_mat A = {xx, xy, xz, yx, yy, yz, zx, zy, zz};
+    return A;
+}
+
+RBDI_INLINE rbdi_mat rbdi_mat_c(const rbd_const A[9]) {
+    rbdi_mat B;
+
+    B.xx = rbdi_set(A[0]);
+    B.xy = rbdi_set(A[1]);
+    B.xz = rbdi_set(A[2]);
+    B.yx = rbdi_set(A[3]);
+    B.yy = rbdi_set(A[4]);
+    B.yz = rbdi_set(A[5]);
+    B.zx = rbdi_set(A[6]);
+    B.zy = rbdi_set(A[7]);
+    B.zz = rbdi_set(A[8]);
+    return B;
+}
+
+RBDI_INLINE rbdi_sym rbdi_sym_c(rbdi_csym A) {
+    rbdi_sym B;
+
+    B.xx = rbdi_set(A.xx);
+    B.xy = rbdi_set(A.xy);
+    B.xz = rbdi_set(A.xz);
+    B.yy = rbdi_set(A.yy);
+    B.yz = rbdi_set(A.yz);
+    B.zz = rbdi_set(A.zz);
+    return B;
+}
+
+/* A v, A' v, A B, and A v of a symmetric matrix. */
 RBDI_INLINE rbdi_v3 rbdi_mul(rbdi_mat A, rbdi_v3 v) {
     return rbdi_vec(A.xx * v.x + A.xy * v.y + A.xz * v.z, A.yx * v.x + A.yy * v.y + A.yz * v.z,
                     A.zx * v.x + A.zy * v.y + A.zz * v.z);
 }
+
 RBDI_INLINE rbdi_mat rbdi_transpose(rbdi_mat A) {
-    const rbdi_mat B = {A.xx, A.yx, A.zx, A.xy, A.yy, A.zy, A.xz, A.yz, A.zz};
-    return B;
+    return rbdi_mat_of(A.xx, A.yx, A.zx, A.xy, A.yy, A.zy, A.xz, A.yz, A.zz);
 }
+
 RBDI_INLINE rbdi_v3 rbdi_mul_t(rbdi_mat A, rbdi_v3 v) { return rbdi_mul(rbdi_transpose(A), v); }
 RBDI_INLINE rbdi_mat rbdi_mul_mat(rbdi_mat A, rbdi_mat B) {
     rbdi_v3 x = rbdi_mul(A, rbdi_vec(B.xx, B.yx, B.zx)), y = rbdi_mul(A, rbdi_vec(B.xy, B.yy, B.zy)),
             z = rbdi_mul(A, rbdi_vec(B.xz, B.yz, B.zz));
     rbdi_mat C;
-    C.xx = x.x, C.xy = y.x, C.xz = z.x;
-    C.yx = x.y, C.yy = y.y, C.yz = z.y;
-    C.zx = x.z, C.zy = y.z, C.zz = z.z;
+
+    C.xx = x.x;
+    C.xy = y.x;
+    C.xz = z.x;
+    C.yx = x.y;
+    C.yy = y.y;
+    C.yz = z.y;
+    C.zx = x.z;
+    C.zy = y.z;
+    C.zz = z.z;
     return C;
 }
-RBDI_INLINE rbdi_mat rbdi_mat_c(const rbd_const A[9]) {
-    rbdi_mat B;
-    B.xx = rbdi_set(A[0]), B.xy = rbdi_set(A[1]), B.xz = rbdi_set(A[2]);
-    B.yx = rbdi_set(A[3]), B.yy = rbdi_set(A[4]), B.yz = rbdi_set(A[5]);
-    B.zx = rbdi_set(A[6]), B.zy = rbdi_set(A[7]), B.zz = rbdi_set(A[8]);
-    return B;
-}
+
 RBDI_INLINE rbdi_v3 rbdi_mul_sym(rbdi_sym A, rbdi_v3 v) {
     return rbdi_vec(A.xx * v.x + A.xy * v.y + A.xz * v.z, A.xy * v.x + A.yy * v.y + A.yz * v.z,
                     A.xz * v.x + A.yz * v.y + A.zz * v.z);
 }
-RBDI_INLINE rbdi_sym rbdi_sym_c(rbdi_csym A) {
-    rbdi_sym B;
-    B.xx = rbdi_set(A.xx), B.xy = rbdi_set(A.xy), B.xz = rbdi_set(A.xz);
-    B.yy = rbdi_set(A.yy), B.yz = rbdi_set(A.yz), B.zz = rbdi_set(A.zz);
-    return B;
-}
 
-/* Change of axes by a turn about z with cosine c and sine s. rbdi_turn_z, down: from the axes before the turn
-   to those after it; _up: back. flags: RBDI_TWIST_0 if (c, s) is (1, 0), RBDI_TWIST_90 if (0, 1), else
-   neither. */
+/* Change of axes by a turn about z with cosine c and sine s. rbdi_turn_z: from the axes before the turn to
+   those after it, as from a parent's to its child's; rbdi_turn_up_z: back. flags: RBDI_TWIST_0 if (c, s) is
+   (1, 0), RBDI_TWIST_90 if (0, 1), else neither. */
 RBDI_INLINE rbdi_v3 rbdi_turn_z(int flags, rbd_real c, rbd_real s, rbdi_v3 v) {
     if (flags & RBDI_TWIST_0) return v;
     if (flags & RBDI_TWIST_90) return rbdi_vec(v.y, -v.x, v.z);
     return rbdi_vec(c * v.x + s * v.y, c * v.y - s * v.x, v.z);
 }
+
 RBDI_INLINE rbdi_v3 rbdi_turn_up_z(int flags, rbd_real c, rbd_real s, rbdi_v3 v) {
     if (flags & RBDI_TWIST_0) return v;
     if (flags & RBDI_TWIST_90) return rbdi_vec(-v.y, v.x, v.z);
     return rbdi_vec(c * v.x - s * v.y, c * v.y + s * v.x, v.z);
 }
 
-/* The same of a symmetric matrix, up: E' A E for the turn E. The block (x, y) takes four multiplications, the
-   plain product twelve. */
+/* E' A E of a symmetric matrix A, for the turn E: from the axes after the turn to those before it. The block
+   (x, y) takes four multiplications, the plain product twelve. */
 RBDI_INLINE rbdi_sym rbdi_sym_up_z(int flags, rbd_real c, rbd_real s, rbdi_sym A) {
     rbd_real t;
     rbdi_sym B;
     if (flags & RBDI_TWIST_0) return A;
+
     B.zz = A.zz;
     if (flags & RBDI_TWIST_90) {
-        B.xx = A.yy, B.yy = A.xx, B.xy = -A.xy;
-        B.xz = -A.yz, B.yz = A.xz;
+        B.xx = A.yy;
+        B.yy = A.xx;
+        B.xy = -A.xy;
+        B.xz = -A.yz;
+        B.yz = A.xz;
         return B;
     }
+
+    /* t = s (A_yy - A_xx) - 2 c A_xy:  xx += s t,  yy -= s t,  xy = -c t - A_xy */
     t = s * (A.yy - A.xx) - (c + c) * A.xy;
     B.xx = A.xx + s * t;
     B.yy = A.yy - s * t;
@@ -2203,24 +2257,39 @@ RBDI_INLINE rbdi_sym rbdi_sym_up_z(int flags, rbd_real c, rbd_real s, rbdi_sym A
     B.yz = s * A.xz + c * A.yz;
     return B;
 }
+
 RBDI_INLINE rbdi_sym rbdi_sym_cycle(rbdi_sym A) {
     rbdi_sym B;
-    B.xx = A.yy, B.xy = A.yz, B.xz = A.xy, B.yy = A.zz, B.yz = A.xz, B.zz = A.xx;
+
+    B.xx = A.yy;
+    B.xy = A.yz;
+    B.xz = A.xy;
+    B.yy = A.zz;
+    B.yz = A.xz;
+    B.zz = A.xx;
     return B;
 }
 
-/* The same of a general matrix. */
+/* The same of any matrix. */
 RBDI_INLINE rbdi_mat rbdi_mat_up_z(int flags, rbd_real c, rbd_real s, rbdi_mat A) {
     rbd_real t;
     rbdi_mat B;
     if (flags & RBDI_TWIST_0) return A;
+
     B.zz = A.zz;
     if (flags & RBDI_TWIST_90) {
-        B.xx = A.yy, B.yy = A.xx, B.xy = -A.yx, B.yx = -A.xy;
-        B.xz = -A.yz, B.yz = A.xz;
-        B.zx = -A.zy, B.zy = A.zx;
+        B.xx = A.yy;
+        B.yy = A.xx;
+        B.xy = -A.yx;
+        B.yx = -A.xy;
+        B.xz = -A.yz;
+        B.yz = A.xz;
+        B.zx = -A.zy;
+        B.zy = A.zx;
         return B;
     }
+
+    /* t = s (A_yy - A_xx) - c (A_xy + A_yx):  xx += s t,  yy -= s t,  xy = -c t - A_yx,  yx = -c t - A_xy */
     t = s * (A.yy - A.xx) - c * (A.xy + A.yx);
     B.xx = A.xx + s * t;
     B.yy = A.yy - s * t;
@@ -2232,21 +2301,34 @@ RBDI_INLINE rbdi_mat rbdi_mat_up_z(int flags, rbd_real c, rbd_real s, rbdi_mat A
     B.zy = s * A.zx + c * A.zy;
     return B;
 }
+
 RBDI_INLINE rbdi_mat rbdi_mat_cycle(rbdi_mat A) {
     rbdi_mat B;
-    B.xx = A.yy, B.xy = A.yz, B.xz = A.yx;
-    B.yx = A.zy, B.yy = A.zz, B.yz = A.zx;
-    B.zx = A.xy, B.zy = A.xz, B.zz = A.xx;
+
+    B.xx = A.yy;
+    B.xy = A.yz;
+    B.xz = A.yx;
+    B.yx = A.zy;
+    B.yy = A.zz;
+    B.yz = A.zx;
+    B.zx = A.xy;
+    B.zy = A.xz;
+    B.zz = A.xx;
     return B;
 }
 
 /* ==== src/algebra/spatial.h ==== */
 RBDI_INLINE rbdi_sym rbdi_sym_add(rbdi_sym A, rbdi_sym B) {
-    A.xx = A.xx + B.xx, A.xy = A.xy + B.xy, A.xz = A.xz + B.xz;
-    A.yy = A.yy + B.yy, A.yz = A.yz + B.yz, A.zz = A.zz + B.zz;
+    A.xx = A.xx + B.xx;
+    A.xy = A.xy + B.xy;
+    A.xz = A.xz + B.xz;
+    A.yy = A.yy + B.yy;
+    A.yz = A.yz + B.yz;
+    A.zz = A.zz + B.zz;
     return A;
 }
-/* E' A E: up, for E from the parent's axes to the child's. */
+
+/* E' A E: to the parent's axes, for E from these to the child's. */
 RBDI_INLINE rbdi_mat rbdi_mat_up(rbdi_mat E, rbdi_mat A) {
     return rbdi_mul_mat(rbdi_transpose(E), rbdi_mul_mat(A, E));
 }
@@ -2254,61 +2336,74 @@ RBDI_INLINE rbdi_mat rbdi_mat_up(rbdi_mat E, rbdi_mat A) {
 RBDI_INLINE rbdi_sym rbdi_sym_up(rbdi_mat E, rbdi_sym A) {
     rbdi_mat full;
     rbdi_sym B;
-    full.xx = A.xx, full.xy = A.xy, full.xz = A.xz;
-    full.yx = A.xy, full.yy = A.yy, full.yz = A.yz;
-    full.zx = A.xz, full.zy = A.yz, full.zz = A.zz;
+
+    full.xx = A.xx;
+    full.xy = A.xy;
+    full.xz = A.xz;
+    full.yx = A.xy;
+    full.yy = A.yy;
+    full.yz = A.yz;
+    full.zx = A.xz;
+    full.zy = A.yz;
+    full.zz = A.zz;
     full = rbdi_mat_up(E, full);
-    B.xx = full.xx, B.xy = full.xy, B.xz = full.xz, B.yy = full.yy, B.yz = full.yz, B.zz = full.zz;
+    B.xx = full.xx;
+    B.xy = full.xy;
+    B.xz = full.xz;
+    B.yy = full.yy;
+    B.yz = full.yz;
+    B.zz = full.zz;
     return B;
 }
 
-/* [omega]x [omega]x. */
+/* [omega]x [omega]x = omega omega' - omega'omega 1. */
 RBDI_INLINE rbdi_mat rbdi_omega_steady(rbdi_v3 omega) {
     rbd_real xx = omega.x * omega.x, yy = omega.y * omega.y, zz = omega.z * omega.z;
     rbdi_mat O;
-    O.xx = -(yy + zz), O.yy = -(xx + zz), O.zz = -(xx + yy);
+
+    O.xx = -(yy + zz);
+    O.yy = -(xx + zz);
+    O.zz = -(xx + yy);
     O.xy = O.yx = omega.x * omega.y;
     O.xz = O.zx = omega.x * omega.z;
     O.yz = O.zy = omega.y * omega.z;
     return O;
 }
+
 /* Omega = [omega_dot]x + [omega]x [omega]x: a point x of the body has the acceleration acc + Omega x. */
 RBDI_INLINE rbdi_mat rbdi_omega(rbdi_v3 omega, rbdi_v3 omega_dot) {
     rbdi_mat O = rbdi_omega_steady(omega);
-    O.xy = O.xy - omega_dot.z, O.yx = O.yx + omega_dot.z;
-    O.xz = O.xz + omega_dot.y, O.zx = O.zx - omega_dot.y;
-    O.yz = O.yz - omega_dot.x, O.zy = O.zy + omega_dot.x;
+
+    O.xy = O.xy - omega_dot.z;
+    O.yx = O.yx + omega_dot.z;
+    O.xz = O.xz + omega_dot.y;
+    O.zx = O.zx - omega_dot.y;
+    O.yz = O.yz - omega_dot.x;
+    O.zy = O.zy + omega_dot.x;
     return O;
 }
 
-RBDI_INLINE rbdi_force rbdi_force_add(rbdi_force A, rbdi_force B) {
-    A.n = rbdi_add(A.n, B.n);
-    A.f = rbdi_add(A.f, B.f);
-    return A;
-}
 RBDI_INLINE rbdi_force rbdi_force_sub(rbdi_force A, rbdi_force B) {
     A.n = rbdi_sub(A.n, B.n);
     A.f = rbdi_sub(A.f, B.f);
     return A;
 }
+
 RBDI_INLINE rbdi_force rbdi_force0(void) {
     rbdi_force F;
     F.n = F.f = rbdi_vec0();
     return F;
 }
+
 RBDI_INLINE rbdi_motion rbdi_motion0(void) {
     rbdi_motion V;
     V.omega = V.v = rbdi_vec0();
     return V;
 }
-RBDI_INLINE rbdi_motion rbdi_motion_add(rbdi_motion A, rbdi_motion B) {
-    A.omega = rbdi_add(A.omega, B.omega);
-    A.v = rbdi_add(A.v, B.v);
-    return A;
-}
 
-/* Composite body (Sigma, h, m), moved up by a shift r = d z: Sigma_new = Sigma + r h' + h_new r', h_new = h +
-   m r, and by a turn. */
+/* -- composite bodies: (Sigma, h) and a mass m -- */
+
+/* To a frame whose origin is at -r, r = d z: h_new = h + m r, Sigma_new = Sigma + r h' + h_new r'. */
 RBDI_INLINE rbdi_rbi rbdi_rbi_shift_z(rbd_real d, rbd_const m, rbdi_rbi C) {
     rbd_real h_new = C.h.z + d * m;
     C.Sigma.xz = C.Sigma.xz + d * C.h.x;
@@ -2317,22 +2412,26 @@ RBDI_INLINE rbdi_rbi rbdi_rbi_shift_z(rbd_real d, rbd_const m, rbdi_rbi C) {
     C.h.z = h_new;
     return C;
 }
+
 RBDI_INLINE rbdi_rbi rbdi_rbi_up_z(int flags, rbd_real c, rbd_real s, rbdi_rbi C) {
     C.Sigma = rbdi_sym_up_z(flags, c, s, C.Sigma);
     C.h = rbdi_turn_up_z(flags, c, s, C.h);
     return C;
 }
+
 RBDI_INLINE rbdi_rbi rbdi_rbi_cycle(rbdi_rbi C) {
     C.Sigma = rbdi_sym_cycle(C.Sigma);
     C.h = rbdi_cycle(C.h);
     return C;
 }
+
 RBDI_INLINE rbdi_rbi rbdi_rbi_uncycle(rbdi_rbi C) { return rbdi_rbi_cycle(rbdi_rbi_cycle(C)); }
 RBDI_INLINE rbdi_rbi rbdi_rbi_add(rbdi_rbi A, rbdi_rbi B) {
     A.Sigma = rbdi_sym_add(A.Sigma, B.Sigma);
     A.h = rbdi_add(A.h, B.h);
     return A;
 }
+
 RBDI_INLINE rbdi_rbi rbdi_rbi_zero(void) {
     const rbd_real o = rbdi_zero();
     rbdi_rbi C;
@@ -2340,53 +2439,70 @@ RBDI_INLINE rbdi_rbi rbdi_rbi_zero(void) {
     C.h = rbdi_vec0();
     return C;
 }
-/* By any shift r. */
+
+/* By any shift r, an axis after the other. */
 RBDI_INLINE rbdi_rbi rbdi_rbi_shift(rbdi_v3 r, rbd_const m, rbdi_rbi C) {
     C = rbdi_rbi_shift_z(r.x, m, rbdi_rbi_cycle(C));
     C = rbdi_rbi_shift_z(r.y, m, rbdi_rbi_cycle(C));
     return rbdi_rbi_shift_z(r.z, m, rbdi_rbi_cycle(C));
 }
 
-/* Articulated-body inertia [I H; H' M], up, for r = d z: H_new = H + [r]x M, I_new = I - H [r]x + [r]x
-   H_new'. full = 0: row z of I and H is zero, and stays zero. */
+/* -- articulated-body inertias [I H; H' M] -- */
+
+/* To a frame whose origin is at -r, r = d z: H_new = H + [r]x M, I_new = I - H [r]x + [r]x H_new'. full = 0:
+   row z of I and H is zero, and stays zero. */
 RBDI_INLINE rbdi_abi rbdi_abi_shift_z(rbd_real d, int full, rbdi_abi IA) {
-    rbdi_abi up = IA;
-    up.H.xx = IA.H.xx - d * IA.M.xy;
-    up.H.xy = IA.H.xy - d * IA.M.yy;
-    up.H.xz = IA.H.xz - d * IA.M.yz;
-    up.H.yx = IA.H.yx + d * IA.M.xx;
-    up.H.yy = IA.H.yy + d * IA.M.xy;
-    up.H.yz = IA.H.yz + d * IA.M.xz;
-    up.I.xx = IA.I.xx - d * (IA.H.xy + up.H.xy);
-    up.I.xy = IA.I.xy + d * (IA.H.xx - up.H.yy);
-    up.I.yy = IA.I.yy + d * (IA.H.yx + up.H.yx);
+    rbdi_abi shifted = IA;
+
+    shifted.H.xx = IA.H.xx - d * IA.M.xy;
+    shifted.H.xy = IA.H.xy - d * IA.M.yy;
+    shifted.H.xz = IA.H.xz - d * IA.M.yz;
+    shifted.H.yx = IA.H.yx + d * IA.M.xx;
+    shifted.H.yy = IA.H.yy + d * IA.M.xy;
+    shifted.H.yz = IA.H.yz + d * IA.M.xz;
+
+    shifted.I.xx = IA.I.xx - d * (IA.H.xy + shifted.H.xy);
+    shifted.I.xy = IA.I.xy + d * (IA.H.xx - shifted.H.yy);
+    shifted.I.yy = IA.I.yy + d * (IA.H.yx + shifted.H.yx);
+
     if (full) {
-        up.I.xz = IA.I.xz - d * IA.H.zy;
-        up.I.yz = IA.I.yz + d * IA.H.zx;
+        shifted.I.xz = IA.I.xz - d * IA.H.zy;
+        shifted.I.yz = IA.I.yz + d * IA.H.zx;
     }
-    return up;
+
+    return shifted;
 }
+
 RBDI_INLINE rbdi_abi rbdi_abi_up_z(int flags, rbd_real c, rbd_real s, rbdi_abi IA) {
     IA.I = rbdi_sym_up_z(flags, c, s, IA.I);
     IA.H = rbdi_mat_up_z(flags, c, s, IA.H);
     IA.M = rbdi_sym_up_z(flags, c, s, IA.M);
     return IA;
 }
+
 RBDI_INLINE rbdi_abi rbdi_abi_cycle(rbdi_abi IA) {
     IA.I = rbdi_sym_cycle(IA.I);
     IA.H = rbdi_mat_cycle(IA.H);
     IA.M = rbdi_sym_cycle(IA.M);
     return IA;
 }
+
 RBDI_INLINE rbdi_abi rbdi_abi_uncycle(rbdi_abi IA) { return rbdi_abi_cycle(rbdi_abi_cycle(IA)); }
 RBDI_INLINE rbdi_abi rbdi_abi_add(rbdi_abi A, rbdi_abi B) {
     A.I = rbdi_sym_add(A.I, B.I);
     A.M = rbdi_sym_add(A.M, B.M);
-    A.H.xx = A.H.xx + B.H.xx, A.H.xy = A.H.xy + B.H.xy, A.H.xz = A.H.xz + B.H.xz;
-    A.H.yx = A.H.yx + B.H.yx, A.H.yy = A.H.yy + B.H.yy, A.H.yz = A.H.yz + B.H.yz;
-    A.H.zx = A.H.zx + B.H.zx, A.H.zy = A.H.zy + B.H.zy, A.H.zz = A.H.zz + B.H.zz;
+    A.H.xx = A.H.xx + B.H.xx;
+    A.H.xy = A.H.xy + B.H.xy;
+    A.H.xz = A.H.xz + B.H.xz;
+    A.H.yx = A.H.yx + B.H.yx;
+    A.H.yy = A.H.yy + B.H.yy;
+    A.H.yz = A.H.yz + B.H.yz;
+    A.H.zx = A.H.zx + B.H.zx;
+    A.H.zy = A.H.zy + B.H.zy;
+    A.H.zz = A.H.zz + B.H.zz;
     return A;
 }
+
 RBDI_INLINE rbdi_abi rbdi_abi_zero(void) {
     const rbd_real o = rbdi_zero();
     rbdi_abi IA;
@@ -2395,6 +2511,8 @@ RBDI_INLINE rbdi_abi rbdi_abi_zero(void) {
     IA.M.xx = IA.M.xy = IA.M.xz = IA.M.yy = IA.M.yz = IA.M.zz = o;
     return IA;
 }
+
+/* By any shift r, an axis after the other. */
 RBDI_INLINE rbdi_abi rbdi_abi_shift(rbdi_v3 r, rbdi_abi IA) {
     IA = rbdi_abi_shift_z(r.x, 1, rbdi_abi_cycle(IA));
     IA = rbdi_abi_shift_z(r.y, 1, rbdi_abi_cycle(IA));
@@ -2405,10 +2523,19 @@ RBDI_INLINE rbdi_abi rbdi_abi_shift(rbdi_v3 r, rbdi_abi IA) {
 RBDI_INLINE rbdi_abi rbdi_abi_of_rbi(rbdi_rbi C, rbd_const m) {
     const rbd_real trace = C.Sigma.xx + C.Sigma.yy + C.Sigma.zz;
     rbdi_abi IA = rbdi_abi_zero();
-    IA.I.xx = trace - C.Sigma.xx, IA.I.xy = -C.Sigma.xy, IA.I.xz = -C.Sigma.xz;
-    IA.I.yy = trace - C.Sigma.yy, IA.I.yz = -C.Sigma.yz, IA.I.zz = trace - C.Sigma.zz;
-    IA.H.xy = -C.h.z, IA.H.xz = C.h.y, IA.H.yz = -C.h.x;
-    IA.H.yx = C.h.z, IA.H.zx = -C.h.y, IA.H.zy = C.h.x;
+
+    IA.I.xx = trace - C.Sigma.xx;
+    IA.I.xy = -C.Sigma.xy;
+    IA.I.xz = -C.Sigma.xz;
+    IA.I.yy = trace - C.Sigma.yy;
+    IA.I.yz = -C.Sigma.yz;
+    IA.I.zz = trace - C.Sigma.zz;
+    IA.H.xy = -C.h.z;
+    IA.H.xz = C.h.y;
+    IA.H.yz = -C.h.x;
+    IA.H.yx = C.h.z;
+    IA.H.zx = -C.h.y;
+    IA.H.zy = C.h.x;
     IA.M.xx = IA.M.yy = IA.M.zz = rbdi_set(m);
     return IA;
 }
@@ -2416,23 +2543,52 @@ RBDI_INLINE rbdi_abi rbdi_abi_of_rbi(rbdi_rbi C, rbd_const m) {
 /* The lower triangle of [I H; H' M]. */
 RBDI_INLINE void rbdi_abi_to_array(rbdi_abi IA, rbd_real A[6][6]) {
     A[0][0] = IA.I.xx;
-    A[1][0] = IA.I.xy, A[1][1] = IA.I.yy;
-    A[2][0] = IA.I.xz, A[2][1] = IA.I.yz, A[2][2] = IA.I.zz;
-    A[3][0] = IA.H.xx, A[3][1] = IA.H.yx, A[3][2] = IA.H.zx, A[3][3] = IA.M.xx;
-    A[4][0] = IA.H.xy, A[4][1] = IA.H.yy, A[4][2] = IA.H.zy, A[4][3] = IA.M.xy, A[4][4] = IA.M.yy;
-    A[5][0] = IA.H.xz, A[5][1] = IA.H.yz, A[5][2] = IA.H.zz;
-    A[5][3] = IA.M.xz, A[5][4] = IA.M.yz, A[5][5] = IA.M.zz;
+    A[1][0] = IA.I.xy;
+    A[1][1] = IA.I.yy;
+    A[2][0] = IA.I.xz;
+    A[2][1] = IA.I.yz;
+    A[2][2] = IA.I.zz;
+    A[3][0] = IA.H.xx;
+    A[3][1] = IA.H.yx;
+    A[3][2] = IA.H.zx;
+    A[3][3] = IA.M.xx;
+    A[4][0] = IA.H.xy;
+    A[4][1] = IA.H.yy;
+    A[4][2] = IA.H.zy;
+    A[4][3] = IA.M.xy;
+    A[4][4] = IA.M.yy;
+    A[5][0] = IA.H.xz;
+    A[5][1] = IA.H.yz;
+    A[5][2] = IA.H.zz;
+    A[5][3] = IA.M.xz;
+    A[5][4] = IA.M.yz;
+    A[5][5] = IA.M.zz;
 }
 
 RBDI_INLINE rbdi_abi rbdi_abi_from_array(rbd_real A[6][6]) {
     rbdi_abi IA;
+
     IA.I.xx = A[0][0];
-    IA.I.xy = A[1][0], IA.I.yy = A[1][1];
-    IA.I.xz = A[2][0], IA.I.yz = A[2][1], IA.I.zz = A[2][2];
-    IA.H.xx = A[3][0], IA.H.yx = A[3][1], IA.H.zx = A[3][2], IA.M.xx = A[3][3];
-    IA.H.xy = A[4][0], IA.H.yy = A[4][1], IA.H.zy = A[4][2], IA.M.xy = A[4][3], IA.M.yy = A[4][4];
-    IA.H.xz = A[5][0], IA.H.yz = A[5][1], IA.H.zz = A[5][2];
-    IA.M.xz = A[5][3], IA.M.yz = A[5][4], IA.M.zz = A[5][5];
+    IA.I.xy = A[1][0];
+    IA.I.yy = A[1][1];
+    IA.I.xz = A[2][0];
+    IA.I.yz = A[2][1];
+    IA.I.zz = A[2][2];
+    IA.H.xx = A[3][0];
+    IA.H.yx = A[3][1];
+    IA.H.zx = A[3][2];
+    IA.M.xx = A[3][3];
+    IA.H.xy = A[4][0];
+    IA.H.yy = A[4][1];
+    IA.H.zy = A[4][2];
+    IA.M.xy = A[4][3];
+    IA.M.yy = A[4][4];
+    IA.H.xz = A[5][0];
+    IA.H.yz = A[5][1];
+    IA.H.zz = A[5][2];
+    IA.M.xz = A[5][3];
+    IA.M.yz = A[5][4];
+    IA.M.zz = A[5][5];
     return IA;
 }
 
@@ -2441,18 +2597,23 @@ RBDI_INLINE void rbdi_store_motion(rbd_real *array, ptrdiff_t stride, rbdi_motio
     rbdi_store_vec(array, stride, V.omega);
     rbdi_store_vec(array + 3 * stride, stride, V.v);
 }
+
 RBDI_INLINE rbdi_motion rbdi_load_motion(const rbd_real *array, ptrdiff_t stride) {
     rbdi_motion V;
-    V.omega = rbdi_load_vec(array, stride), V.v = rbdi_load_vec(array + 3 * stride, stride);
+    V.omega = rbdi_load_vec(array, stride);
+    V.v = rbdi_load_vec(array + 3 * stride, stride);
     return V;
 }
+
 RBDI_INLINE void rbdi_store_force(rbd_real *array, ptrdiff_t stride, rbdi_force F) {
     rbdi_store_vec(array, stride, F.n);
     rbdi_store_vec(array + 3 * stride, stride, F.f);
 }
+
 RBDI_INLINE rbdi_force rbdi_load_force(const rbd_real *array, ptrdiff_t stride) {
     rbdi_force F;
-    F.n = rbdi_load_vec(array, stride), F.f = rbdi_load_vec(array + 3 * stride, stride);
+    F.n = rbdi_load_vec(array, stride);
+    F.f = rbdi_load_vec(array + 3 * stride, stride);
     return F;
 }
 
@@ -2476,6 +2637,7 @@ RBDI_INLINE rbdi_force rbdi_load_force(const rbd_real *array, ptrdiff_t stride) 
 RBDI_INLINE rbd_real rbdi_inverse_square(const rbd_real *q, int n, rbd_real *u, rbdi_mask *bad) {
     const rbd_real one = rbdi_set(RBD_C(1)), limit = rbdi_set(RBD_C(1e-12) / RBDI_SHORTEN / RBDI_SHORTEN);
     rbd_real sum = q[0] * q[0], factor;
+
     RBDI_UNROLL_SIX for (int i = 1; i < n; ++i)
         sum = sum + q[i] * q[i];
     factor = rbdi_select(rbdi_less(limit, sum), rbdi_set(RBDI_SHORTEN), one);
@@ -2494,14 +2656,22 @@ RBDI_INLINE rbdi_mat rbdi_quaternion_down(const rbd_real *q) {
     rbdi_mask bad;
     rbd_real u[4], twice = rbdi_inverse_square(q, 4, u, &bad), x, y, z;
     rbdi_mat E;
+
+    /* E = 1 - 2 (v'v 1 - v v' + w [v]x) / q'q, for q = (v; w) */
     twice = twice + twice;
-    x = twice * u[0], y = twice * u[1], z = twice * u[2];
+    x = twice * u[0];
+    y = twice * u[1];
+    z = twice * u[2];
+
     E.xx = rbdi_set(RBD_C(1)) - (y * u[1] + z * u[2]);
     E.yy = rbdi_set(RBD_C(1)) - (x * u[0] + z * u[2]);
     E.zz = rbdi_set(RBD_C(1)) - (x * u[0] + y * u[1]);
-    E.xy = x * u[1] + z * u[3], E.yx = x * u[1] - z * u[3];
-    E.xz = x * u[2] - y * u[3], E.zx = x * u[2] + y * u[3];
-    E.yz = y * u[2] + x * u[3], E.zy = y * u[2] - x * u[3];
+    E.xy = x * u[1] + z * u[3];
+    E.yx = x * u[1] - z * u[3];
+    E.xz = x * u[2] - y * u[3];
+    E.zx = x * u[2] + y * u[3];
+    E.yz = y * u[2] + x * u[3];
+    E.zy = y * u[2] - x * u[3];
     return E;
 }
 
@@ -2535,6 +2705,7 @@ RBDI_PART rbdi_exp rbdi_exp_of(rbdi_v3 turn) {
     rbdi_exp e;
     rbd_real theta, sine, A;
     rbdi_mask near_zero;
+
     e.x = rbdi_dot(turn, turn) + RBDI_NO_ANGLE;
     theta = rbdi_sqrt(e.x);
     rbdi_sincos(theta * RBD_C(0.5), &sine, &e.half_cosine);
@@ -2561,6 +2732,7 @@ RBDI_PART rbdi_v3 rbdi_log_shift(rbdi_exp e, rbdi_v3 omega, rbdi_v3 p) {
     rbd_real x = rbdi_select(near_zero, e.x, rbdi_zero()), tail = rbdi_tail(x, 4);
     rbd_real D =
         rbdi_select(near_zero, (rbdi_tail(x, 3) - (tail + tail)) / twice_B, (one - A / twice_B) / e.x);
+
     p = rbdi_add(p, rbdi_scale(D, rbdi_cross(omega, across)));
     return rbdi_sub(p, rbdi_scale(rbdi_set(RBD_C(0.5)), across));
 }
@@ -2571,12 +2743,15 @@ RBDI_PART rbd_real rbdi_angle(rbd_real s, rbd_real c) {
     rbd_real one = rbdi_set(RBD_C(1)), t, angle, sine, cosine;
     rbdi_mask obtuse = rbdi_less(c, rbdi_zero());
     rbd_real positive = rbdi_select(obtuse, -c, c);
+
     t = s / (positive + one); /* tan(angle / 2) in [0, 1] */
     angle = t * (rbdi_set(RBD_C(2)) - t * t * RBD_C(RBDI_ANGLE_START));
+
     for (int k = 0; k < 4; ++k) {
         rbdi_sincos(angle, &sine, &cosine);
         angle = angle + (s * cosine - positive * sine);
     }
+
     return rbdi_select(obtuse, rbdi_set(RBDI_PI(rbd_const)) - angle, angle);
 }
 
@@ -2614,11 +2789,31 @@ RBDI_PART void rbdi_quaternion_step(const rbd_real *q, rbdi_exp e, rbdi_v3 turn,
     rbdi_unit_quaternion(unit, out);
 }
 
+/* A quaternion, of any length, of the rotation R: the row of 4 q q' with the largest diagonal entry, whose
+   entries are sums of those of R (Shepperd 1978), without a branch. */
+RBDI_PART void rbdi_quaternion_of(rbdi_mat R, rbd_real q[4]) {
+    const rbd_real one = rbdi_set(RBD_C(1)), x = R.zy - R.yz, y = R.xz - R.zx, z = R.yx - R.xy;
+    const rbd_real xy = R.xy + R.yx, yz = R.yz + R.zy, xz = R.xz + R.zx;
+    const rbd_real rows[4][4] = {{one + R.xx - R.yy - R.zz, xy, xz, x},
+                                 {xy, one - R.xx + R.yy - R.zz, yz, y},
+                                 {xz, yz, one - R.xx - R.yy + R.zz, z},
+                                 {x, y, z, one + R.xx + R.yy + R.zz}};
+    rbd_real best = rows[3][3];
+
+    for (int k = 0; k < 4; ++k) q[k] = rows[3][k];
+    for (int i = 0; i < 3; ++i) {
+        const rbdi_mask more = rbdi_less(best, rows[i][i]);
+        best = rbdi_select(more, rows[i][i], best);
+        for (int k = 0; k < 4; ++k) q[k] = rbdi_select(more, rows[i][k], q[k]);
+    }
+}
+
 /* The turn (body axes, at most pi) that leads from q0 to q1. */
 RBDI_PART rbdi_v3 rbdi_quaternion_difference(const rbd_real *q0, const rbd_real *q1) {
     rbd_real a[4], b[4], step[4], sine, cosine, angle;
     rbdi_v3 v;
     rbdi_mask back;
+
     rbdi_unit_quaternion(q0, a);
     rbdi_unit_quaternion(q1, b);
     for (int i = 0; i < 3; ++i) a[i] = -a[i];
@@ -2630,6 +2825,15 @@ RBDI_PART rbdi_v3 rbdi_quaternion_difference(const rbd_real *q0, const rbd_real 
     angle = rbdi_angle(sine, cosine);
     angle = (angle + angle) / sine;
     return rbdi_scale(rbdi_select(back, -angle, angle), v);
+}
+
+/* log R: the shortest turn, of length at most pi, whose exponential is R. */
+RBDI_PART rbdi_v3 rbdi_log_rotation(rbdi_mat R) {
+    const rbd_real o = rbdi_zero();
+    const rbd_real identity[4] = {o, o, o, rbdi_set(RBD_C(1))};
+    rbd_real q[4];
+    rbdi_quaternion_of(R, q);
+    return rbdi_quaternion_difference(identity, q);
 }
 
 /* ==== src/rbd.h ==== */
@@ -2649,23 +2853,29 @@ RBDI_CODE_BEGIN
 RBDI_PART void rbdi_clear(rbd_real *x, int n) {
 #if RBDI_BATCH > 1 || defined RBD_LANES
     const rbdi_batch zero = rbdi_zero_batch();
+
     for (rbdi_batch *p; n >= 8 * RBDI_BATCH; n -= 8 * RBDI_BATCH, x += 8 * RBDI_BATCH) {
         RBDI_ONE_INDEX(x); /* without it the compiler calls memset all the same */
         p = (rbdi_batch *)x;
         p[0] = p[1] = p[2] = p[3] = p[4] = p[5] = p[6] = p[7] = zero;
     }
+
     for (; n >= RBDI_BATCH; n -= RBDI_BATCH, x += RBDI_BATCH) {
         RBDI_ONE_INDEX(x);
         *(rbdi_batch *)x = zero;
     }
 #endif
+
     for (; n > 0; --n, ++x) *x = rbdi_zero();
 }
 
 /* Whether two names are equal; NULL equals none. */
 RBDI_PART int rbdi_same(const char *a, const char *b) {
     if (!a || !b) return 0;
-    while (*a && *a == *b) ++a, ++b;
+    while (*a && *a == *b) {
+        ++a;
+        ++b;
+    }
     return *a == *b;
 }
 
@@ -2722,6 +2932,7 @@ RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link 
     static const rbdi_block floating = {RBD_FLOATING, 0, 6, 1, {0}};
     return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? &m->block[l->block] : &floating;
 }
+
 /* Whether the parent of a block is the world. */
 RBDI_INLINE int rbdi_on_world(const rbdi_link *block) {
     return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? block->parent < 0 : 1;
@@ -2741,6 +2952,7 @@ RBDI_INLINE int rbdi_mimics(const rbd_model *m) { return RBDI_FEATURES & RBDI_MI
 /* The features of a model. */
 RBDI_PART uint32_t rbdi_features(const rbd_model *m) {
     uint32_t features = m->nmimic ? RBDI_MIMICS : 0;
+
     for (int i = 0; i < m->nblock; ++i)
         if (m->block[i].type != RBD_FLOATING || !m->block[i].identity) features |= RBDI_OTHER_BLOCKS;
     for (int i = 0; i < m->nl; ++i) {
@@ -2748,7 +2960,91 @@ RBDI_PART uint32_t rbdi_features(const rbd_model *m) {
         features |= flags | RBDI_LACKS(~flags & RBDI_FLAGS) | RBDI_KIND_BIT(m->link[i].kind);
         if (m->link[i].kind == RBDI_BLOCK && m->link[i].parent >= 0) features |= RBDI_OTHER_BLOCKS;
     }
+
     return features;
+}
+
+/* ==== src/model/joint_types.h ==== */
+/* Interface: rbdi_first_axis, rbdi_has_quaternion, rbdi_type_turns */
+
+/* ---- joint types [joint types] ----
+   The differences between joint types. A type is a chain of one-axis links, one for each letter of its axes,
+   or, if it has none, a block: a joint with several axes through one point. To add a type:
+
+     always      its name in api/types.h, its q and v in [conventions], its row in rbdi_joint_facts a chain
+     model/links.h: rbdi_build_joint turns each letter into a link that turns or slides. Such a
+                 chain needs no more. Coordinates other than angles and lengths are a new kind of link
+     a block     rbdi_first_axis, below; model/joints.h: rbdi_joint_attitude, rbdi_joint_origin,
+                 rbdi_block_pose; model/regroup.h: moments of mass that its motion leaves, and whether it
+                 slides; model/lock.h: rbdi_block_motion_at; derivatives/memory.h: whether it only slides
+     v is not    rbdi_type_turns, below, if its step is an exponential of a motion in body axes, and the rate
+     rbdi_has_quaternion; else motion/manifold.h: rbdi_step_joint, rbdi_difference_joint, of q
+     rbdi_joint_rates, rbdi_joint_velocity, rbdi_neutral_joint, rbdi_random_joint its fields
+     model/describe.h: rbdi_describe_joint, if a description has axes or a pitch
+
+   Floating joints are known in three more places, as bases of robots: model/features.h,
+   constraints/weights.h, contact/momentum.h. model/check.h asks whether a joint is fixed. No other room
+   names a type: the test `rooms` compares. */
+
+/* Numbers of coordinates and dofs, and the axes of one-axis links, in order: 'a' axis, 'b' axis2, 'x' 'y' 'z'
+   those of the joint frame. A type without axes is a block. */
+typedef struct rbdi_joint_fact {
+    int nq, nv;
+    char axes[4];
+} rbdi_joint_fact;
+
+RBDI_PART const rbdi_joint_fact *rbdi_joint_facts(int type) {
+    static const rbdi_joint_fact facts[RBD_JOINT_TYPES] = {
+        {0, 0, ""},    /* fixed */
+        {1, 1, "a"},   /* revolute */
+        {1, 1, "a"},   /* continuous */
+        {2, 1, "a"},   /* continuous_cs */
+        {1, 1, "a"},   /* prismatic */
+        {1, 1, "a"},   /* helical */
+        {2, 2, "aa"},  /* cylindrical */
+        {2, 2, "ab"},  /* universal */
+        {4, 3, ""},    /* spherical */
+        {3, 3, "zyx"}, /* Euler zyx */
+        {3, 3, "xyz"}, /* xyz */
+        {3, 3, "yxz"}, /* yxz */
+        {3, 3, "zxy"}, /* zxy */
+        {3, 3, ""},    /* planar */
+        {3, 3, ""},    /* translation */
+        {7, 6, ""},    /* floating */
+    };
+
+    return &facts[type > RBD_FIXED && type < RBD_JOINT_TYPES ? type : RBD_FIXED];
+}
+
+/* The first spatial unit axis, omega_x .. omega_z, v_x .. v_z, of a block's dofs. The others follow it. */
+RBDI_INLINE int rbdi_first_axis(int type) {
+    if (type == RBD_PLANAR) return 2;
+    return type == RBD_TRANSLATION ? 3 : 0;
+}
+
+/* Whether v has components of a motion in body axes, and a step is its exponential. Coordinates of other
+   joints add up. */
+RBDI_INLINE int rbdi_type_turns(int type) {
+    return type == RBD_SPHERICAL || type == RBD_PLANAR || type == RBD_FLOATING;
+}
+
+/* Whether the last four coordinates are a quaternion. */
+RBDI_INLINE int rbdi_has_quaternion(int type) { return type == RBD_SPHERICAL || type == RBD_FLOATING; }
+
+/* Number of links of a joint. */
+RBDI_PART int rbdi_links_of(int type) {
+    const rbdi_joint_fact *fact = rbdi_joint_facts(type);
+    int n = 0;
+    while (fact->axes[n]) ++n;
+    return n == 0 && fact->nv > 0 ? 1 : n;
+}
+
+RBDI_PART int rbdi_can_mimic(int type) {
+    return type == RBD_REVOLUTE || type == RBD_CONTINUOUS || type == RBD_PRISMATIC || type == RBD_HELICAL;
+}
+
+RBDI_PART int rbdi_has_limits(int type) {
+    return type == RBD_REVOLUTE || type == RBD_PRISMATIC || type == RBD_HELICAL;
 }
 
 /* ==== src/model/calls.h ==== */
@@ -2774,21 +3070,20 @@ RBDI_CODE_END
 RBDI_DYNAMICS_BEGIN
 
 /* ==== src/model/joints.h ==== */
-/* Interface: rbdi_along_axis, rbdi_block_link, rbdi_block_motion, rbdi_cross_shift, rbdi_down,
-   rbdi_force_up_block, rbdi_joint_attitude, rbdi_joint_origin, rbdi_joints, rbdi_link_dofs,
-   rbdi_range_joints, rbdi_trig_of, RBDI_BY_FLAGS, RBDI_BY_FLAGS_OF, RBDI_CASES, RBDI_NO_CASES */
+/* Interface: rbdi_along_axis, rbdi_array_up, rbdi_batch_up, rbdi_block_link, rbdi_block_motion,
+   rbdi_cross_shift, rbdi_down, rbdi_force_up, rbdi_force_up_block, rbdi_joint_attitude, rbdi_joint_origin,
+   rbdi_joints, rbdi_link_dofs, rbdi_range_joints, rbdi_trig_of, RBDI_BY_FLAGS, RBDI_BY_FLAGS_OF, RBDI_CASES,
+   RBDI_NO_CASES */
 
 /* ---- joints [joints] ----
-   Code that depends on the joint type. In the build: rbdi_joint_facts, rbdi_build_joint, rbdi_build_scale,
-   rbdi_build_regroup, rbdi_can_mimic, rbdi_describe_joint. Here: rbdi_joint_attitude, rbdi_joint_origin,
-   rbdi_block_pose. In manifold: rbdi_joint_turns, rbdi_joint_motion and back, rbdi_put_origin,
-   rbdi_step_joint, rbdi_difference_joint, rbdi_joint_rates, rbdi_joint_velocity, and rbd_neutral and
-   rbd_random if zero or an angle will not do. One-axis types mostly need the first two only. */
+   Transforms of joints at q, and what the algorithms do with them. [joint types] lists the places where joint
+   types differ. */
 
 /* Whether a link is a block. All have RBDI_MASS_KEPT, so that with the common flags this is a constant. */
 RBDI_INLINE int rbdi_block_link(const rbdi_link *l, int flags) {
     return (flags & RBDI_MASS_KEPT) && rbdi_is(l, RBDI_BLOCK);
 }
+
 /* Number of dofs of a link. */
 RBDI_INLINE int rbdi_link_dofs(const rbd_model *m, const rbdi_link *l) {
     return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->n : 1;
@@ -2798,14 +3093,11 @@ RBDI_INLINE int rbdi_link_dofs(const rbd_model *m, const rbdi_link *l) {
 RBDI_INLINE rbdi_mat rbdi_joint_attitude(int type, const rbd_real *q) {
     const rbd_real o = rbdi_zero();
     rbd_real c, s;
-    rbdi_mat E;
     if (type == RBD_SPHERICAL) return rbdi_quaternion_down(q);
     if (type != RBD_PLANAR) return rbdi_quaternion_down(q + 3);
+
     rbdi_sincos(q[2], &s, &c);
-    E.xx = c, E.xy = s, E.xz = o;
-    E.yx = -s, E.yy = c, E.yz = o;
-    E.zx = E.zy = o, E.zz = rbdi_set(RBD_C(1));
-    return E;
+    return rbdi_mat_of(c, s, o, -s, c, o, o, o, rbdi_set(RBD_C(1)));
 }
 
 /* The body's origin in the joint frame of a block, or its rates if q are the rates of the coordinates. */
@@ -2818,13 +3110,16 @@ RBDI_INLINE rbdi_v3 rbdi_joint_origin(int type, const rbd_real *q) {
 RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, const rbd_real *q) {
     const int slides = b->type == RBD_TRANSLATION;
     rbdi_pose X;
+
     X.r = rbdi_joint_origin(b->type, q);
     X.E = slides ? rbdi_mat_c(b->E) : rbdi_joint_attitude(b->type, q);
+
     if (!b->identity) {
         const rbdi_mat joint = rbdi_mat_c(b->E);
         if (!slides) X.E = rbdi_mul_mat(X.E, joint);
         X.r = rbdi_mul_t(joint, X.r);
     }
+
     X.r = rbdi_add(rbdi_vec_c(l->r), X.r);
     return X;
 }
@@ -2832,12 +3127,25 @@ RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, c
 /* Sine and cosine of a link's joint angle, where rbdi_sincos_array is not there. */
 RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *sine, rbd_real *cosine) {
     rbd_real s, c;
+
     rbdi_sincos(angle, &s, &c);
     switch ((int)l->quarters) {
-    case 1: *sine = c, *cosine = -s; break;
-    case 2: *sine = -s, *cosine = -c; break;
-    case 3: *sine = -c, *cosine = s; break;
-    default: *sine = s, *cosine = c; break;
+    case 1:
+        *sine = c;
+        *cosine = -s;
+        break;
+    case 2:
+        *sine = -s;
+        *cosine = -c;
+        break;
+    case 3:
+        *sine = -c;
+        *cosine = s;
+        break;
+    default:
+        *sine = s;
+        *cosine = c;
+        break;
     }
 }
 
@@ -2847,9 +3155,12 @@ RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *si
    double, or not at all if gamma is 0, because the joint angle at q = 0 is a multiple of 90 degrees. */
 RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *q) {
     int all_done = 1, from = first;
+
+    /* angles of turning links, slides, poses of blocks */
     for (int i = first; i < end; ++i) {
         const rbdi_link *l = &m->link[i];
         w->quarters[i] = rbdi_set(l->quarters);
+
         if (rbdi_is(l, RBDI_REVOLUTE)) {
             w->angle[i] = q[l->iq] + l->gamma;
         } else if (rbdi_is(l, RBDI_BLOCK)) {
@@ -2863,6 +3174,7 @@ RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int
             if (rbdi_is(l, RBDI_SCREW)) w->d[i] = q[l->iq] * l->kappa + l->d;
         }
     }
+
 #ifdef RBDI_POLYNOMIAL_SINCOS
     rbdi_sincos_array(w->angle, w->quarters, from, end, w->s, w->c);
 #elif defined RBDI_SINCOS /* rbd-codegen records the two for itself */
@@ -2871,8 +3183,11 @@ RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int
     for (int i = from; i < end; ++i) rbdi_sincos_link(&m->link[i], w->angle[i], &w->s[i], &w->c[i]);
 #endif
     if (all_done) return;
+
+    /* joints whose q is (cos, sin), and links that only slide */
     for (int i = from; i < end; ++i) {
         const rbdi_link *l = &m->link[i];
+
         if (rbdi_is(l, RBDI_REVOLUTE_CS)) {
             rbd_real c, s;
             rbdi_unit_cs(&q[l->iq], &c, &s);
@@ -2893,62 +3208,65 @@ RBDI_INLINE void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q)
 /* The state of a one-axis joint after rbdi_joints or rbdi_range_joints. */
 RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i, int flags) {
     rbdi_trig t;
-    t.c = w->c[i], t.s = w->s[i];
+    t.c = w->c[i];
+    t.s = w->s[i];
     t.d = flags & RBDI_SLIDES ? w->d[i] : rbdi_set(m->link[i].d);
     return t;
 }
 
-/* Dispatches on the link's flags, so that the most common ones compile with constant flags: revolute links
-   without armature in Denavit and Hartenberg's form, parallel to their parent or at a right angle, and the
-   first links of a branch at such an angle. Each case is a copy of the code. Targets without SIMD, such as
-   microcontrollers, have one case for right angles, which tests the shifts. Its empty assembly hides from
-   clang that shifts_ equals flags_: clang would replace it, and lose the constants. Targets without a
-   floating-point unit have no case, which would save two per cent there. */
-#define RBDI_CASE(known, name, call) \
+/* RBDI_BY_FLAGS(const int flags, link, call) makes the call with the link's flags in a constant that it
+   declares, here `flags`. It dispatches on them, so that the most common ones are known to the compiler:
+   revolute links without armature in Denavit and Hartenberg's form, parallel to their parent or at a right
+   angle, and the first links of a branch at such an angle. Each case is a copy of the code. Targets without
+   SIMD, such as microcontrollers, have one case for right angles, which tests the shifts. Its empty assembly
+   hides from clang that shifts_ equals flags_: clang would replace it, and lose the constants. Targets
+   without a floating-point unit have no case, which would save two per cent there. */
+#define RBDI_CASE(known, constant, call) \
     case known: { \
-        const int name = known; \
+        constant = known; \
         call; \
     } break;
 #if !defined __OPTIMIZE__ || !RBDI_HARD_FLOAT || RBDI_REAL_KIND % 3 == 0
-#define RBDI_CASES(name, call)
+#define RBDI_CASES(constant, call)
 #elif RBDI_SIMD > 0 && RBDI_FOR_SPEED
-#define RBDI_CASES(name, call) \
-    RBDI_CASE(RBDI_TWIST_90, name, call) \
-    RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_Z, name, call) \
-    RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_R, name, call) \
-    RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_Z, name, call) \
-    RBDI_CASE(RBDI_TWIST_0 | RBDI_SHIFT_R, name, call) \
-    RBDI_CASE(RBDI_OFF_CHAIN | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_XYZ | RBDI_BRANCH_TURN, name, call) \
-    RBDI_CASE(RBDI_OFF_CHAIN | RBDI_TWIST_0 | RBDI_SHIFT_R | RBDI_SHIFT_XYZ, name, call)
+#define RBDI_CASES(constant, call) \
+    RBDI_CASE(RBDI_TWIST_90, constant, call) \
+    RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_Z, constant, call) \
+    RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_R, constant, call) \
+    RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_Z, constant, call) \
+    RBDI_CASE(RBDI_TWIST_0 | RBDI_SHIFT_R, constant, call) \
+    RBDI_CASE(RBDI_OFF_CHAIN | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_XYZ | RBDI_BRANCH_TURN, constant, \
+              call) \
+    RBDI_CASE(RBDI_OFF_CHAIN | RBDI_TWIST_0 | RBDI_SHIFT_R | RBDI_SHIFT_XYZ, constant, call)
 #else
-#define RBDI_CASES(name, call) \
+#define RBDI_CASES(constant, call) \
     case RBDI_TWIST_90: \
     case RBDI_TWIST_90 | RBDI_SHIFT_Z: \
     case RBDI_TWIST_90 | RBDI_SHIFT_R: \
     case RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_Z: { \
         int shifts_ = flags_; \
         __asm__("" : "+r"(shifts_)); \
-        const int name = RBDI_TWIST_90 | (shifts_ & (RBDI_SHIFT_R | RBDI_SHIFT_Z)); \
+        constant = RBDI_TWIST_90 | (shifts_ & (RBDI_SHIFT_R | RBDI_SHIFT_Z)); \
         call; \
     } break; \
-        RBDI_CASE(RBDI_TWIST_0 | RBDI_SHIFT_R, name, call)
+        RBDI_CASE(RBDI_TWIST_0 | RBDI_SHIFT_R, constant, call)
 #endif
-#define RBDI_NO_CASES(name, call)
-#define RBDI_BY_FLAGS_OF(cases, name, link, call) \
+#define RBDI_NO_CASES(constant, call)
+#define RBDI_BY_FLAGS_OF(cases, constant, link, call) \
     do { \
         const int flags_ = rbdi_flags(link); \
         switch (flags_) { \
         default: { \
-            const int name = flags_; \
+            constant = flags_; \
             call; \
         } break; \
-            cases(name, call) \
+            cases(constant, call) \
         } \
     } while (0)
 #if RBDI_FOR_SPEED
-#define RBDI_BY_FLAGS(name, link, call) RBDI_BY_FLAGS_OF(RBDI_CASES, name, link, call)
+#define RBDI_BY_FLAGS(constant, link, call) RBDI_BY_FLAGS_OF(RBDI_CASES, constant, link, call)
 #else
-#define RBDI_BY_FLAGS(name, link, call) RBDI_BY_FLAGS_OF(RBDI_NO_CASES, name, link, call)
+#define RBDI_BY_FLAGS(constant, link, call) RBDI_BY_FLAGS_OF(RBDI_NO_CASES, constant, link, call)
 #endif
 
 /* The vector x from the parent's axes to those of a one-axis link. */
@@ -2969,39 +3287,89 @@ RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, int flags, rbdi_v3 omeg
     return x;
 }
 
-/* The force F = (n; f) of a one-axis link to the parent's axes and origin: slide, turn, twist, branch turn,
-   shift. Written once for T = one scalar and T = a batch of them. */
-#define RBDI_DEFINE_FORCE_UP(name, T) \
-    RBDI_INLINE void name##_turn(int flags, rbd_real c, rbd_real s, T *x, T *y) { \
-        const T x0 = *x, y0 = *y; \
-        if (flags & RBDI_TWIST_0) return; \
-        *x = -y0, *y = x0; \
-        if (flags & RBDI_TWIST_90) return; \
-        *x = x0 * c - y0 * s, *y = x0 * s + y0 * c; \
-    } \
-    RBDI_INLINE void name(const rbdi_link *l, int flags, rbdi_trig t, T *F) { \
-        if (flags & RBDI_SHIFT_Z) { \
-            F[0] = F[0] - F[4] * t.d; \
-            F[1] = F[1] + F[3] * t.d; \
-        } \
-        RBDI_UNROLL_SIX for (int k = 0; k < 6; k += 3) { \
-            name##_turn(0, t.c, t.s, &F[k], &F[k + 1]); \
-            name##_turn(flags, rbdi_set(l->ca), rbdi_set(l->sa), &F[k + 1], &F[k + 2]); \
-            if (flags & RBDI_BRANCH_TURN) \
-                name##_turn(0, rbdi_set(l->cb), rbdi_set(l->sb), &F[k], &F[k + 1]); \
-        } \
-        if (!(flags & RBDI_SHIFT_R)) return; \
-        F[1] = F[1] - F[5] * l->r.x; \
-        F[2] = F[2] + F[4] * l->r.x; \
-        if (flags & RBDI_SHIFT_XYZ) { \
-            F[0] = F[0] + (F[5] * l->r.y - F[4] * l->r.z); \
-            F[1] = F[1] + F[3] * l->r.z; \
-            F[2] = F[2] - F[3] * l->r.y; \
-        } \
+/* The force F of a one-axis link to the parent's axes and origin: rbdi_array_up of six scalars, rbdi_batch_up
+   of six batches. */
+#define RBDI_T rbd_real
+/* Turns (x, y) back by an angle with cosine c and sine s, or as the flags say: see rbdi_turn_up_z. */
+RBDI_INLINE void rbdi_array_turn(int flags, rbd_real c, rbd_real s, RBDI_T *x, RBDI_T *y) {
+    const RBDI_T x0 = *x, y0 = *y;
+    if (flags & RBDI_TWIST_0) return;
+
+    *x = -y0;
+    *y = x0;
+    if (flags & RBDI_TWIST_90) return;
+
+    *x = x0 * c - y0 * s;
+    *y = x0 * s + y0 * c;
+}
+
+/* F = (n; f), each of its six components an RBDI_T: the moment of the slide d, the turns by q, alpha and
+   beta, the moment of the shift r. n += r x f. */
+RBDI_INLINE void rbdi_array_up(const rbdi_link *l, int flags, rbdi_trig t, RBDI_T *F) {
+    if (flags & RBDI_SHIFT_Z) {
+        F[0] = F[0] - F[4] * t.d;
+        F[1] = F[1] + F[3] * t.d;
     }
-RBDI_DEFINE_FORCE_UP(rbdi_array_up, rbd_real)
+
+    RBDI_UNROLL_SIX for (int k = 0; k < 6; k += 3) {
+        rbdi_array_turn(0, t.c, t.s, &F[k], &F[k + 1]);
+        rbdi_array_turn(flags, rbdi_set(l->ca), rbdi_set(l->sa), &F[k + 1], &F[k + 2]);
+        if (flags & RBDI_BRANCH_TURN) rbdi_array_turn(0, rbdi_set(l->cb), rbdi_set(l->sb), &F[k], &F[k + 1]);
+    }
+    if (!(flags & RBDI_SHIFT_R)) return;
+
+    F[1] = F[1] - F[5] * l->r.x;
+    F[2] = F[2] + F[4] * l->r.x;
+    if (flags & RBDI_SHIFT_XYZ) {
+        F[0] = F[0] + (F[5] * l->r.y - F[4] * l->r.z);
+        F[1] = F[1] + F[3] * l->r.z;
+        F[2] = F[2] - F[3] * l->r.y;
+    }
+}
+#undef RBDI_T
 #if RBDI_BATCH > 1
-RBDI_DEFINE_FORCE_UP(rbdi_batch_up, rbdi_batch)
+#define RBDI_T rbdi_batch
+#define rbdi_array_turn rbdi_batch_turn
+#define rbdi_array_up rbdi_batch_up
+/* Turns (x, y) back by an angle with cosine c and sine s, or as the flags say: see rbdi_turn_up_z. */
+RBDI_INLINE void rbdi_array_turn(int flags, rbd_real c, rbd_real s, RBDI_T *x, RBDI_T *y) {
+    const RBDI_T x0 = *x, y0 = *y;
+    if (flags & RBDI_TWIST_0) return;
+
+    *x = -y0;
+    *y = x0;
+    if (flags & RBDI_TWIST_90) return;
+
+    *x = x0 * c - y0 * s;
+    *y = x0 * s + y0 * c;
+}
+
+/* F = (n; f), each of its six components an RBDI_T: the moment of the slide d, the turns by q, alpha and
+   beta, the moment of the shift r. n += r x f. */
+RBDI_INLINE void rbdi_array_up(const rbdi_link *l, int flags, rbdi_trig t, RBDI_T *F) {
+    if (flags & RBDI_SHIFT_Z) {
+        F[0] = F[0] - F[4] * t.d;
+        F[1] = F[1] + F[3] * t.d;
+    }
+
+    RBDI_UNROLL_SIX for (int k = 0; k < 6; k += 3) {
+        rbdi_array_turn(0, t.c, t.s, &F[k], &F[k + 1]);
+        rbdi_array_turn(flags, rbdi_set(l->ca), rbdi_set(l->sa), &F[k + 1], &F[k + 2]);
+        if (flags & RBDI_BRANCH_TURN) rbdi_array_turn(0, rbdi_set(l->cb), rbdi_set(l->sb), &F[k], &F[k + 1]);
+    }
+    if (!(flags & RBDI_SHIFT_R)) return;
+
+    F[1] = F[1] - F[5] * l->r.x;
+    F[2] = F[2] + F[4] * l->r.x;
+    if (flags & RBDI_SHIFT_XYZ) {
+        F[0] = F[0] + (F[5] * l->r.y - F[4] * l->r.z);
+        F[1] = F[1] + F[3] * l->r.z;
+        F[2] = F[2] - F[3] * l->r.y;
+    }
+}
+#undef rbdi_array_up
+#undef rbdi_array_turn
+#undef RBDI_T
 #endif
 
 RBDI_INLINE rbdi_force rbdi_force_up(const rbdi_link *l, int flags, rbdi_trig t, rbdi_force F) {
@@ -3062,14 +3430,16 @@ RBDI_INLINE rbdi_v3 rbdi_shift_acceleration(const rbdi_link *l, int flags, rbdi_
     return rbdi_vec(O.xx * l->r.x, O.yx * l->r.x, O.zx * l->r.x);
 }
 
-/* Velocity and acceleration of a link from its parent's, p. Classical accelerations: the linear velocity
-   never appears. */
+/* Velocity and acceleration of a one-axis link from its parent's, p, by the formulas of [state]. The linear
+   velocity never appears. */
 RBDI_INLINE rbdi_state rbdi_forward_axis(const rbdi_link *l, int flags, rbdi_trig t, rbdi_state p,
                                          rbd_real qd, rbd_real qdd) {
     const int screw = flags & RBDI_SLIDES;
     rbd_real turn = screw ? qd * l->rho : qd, turn_rate = screw ? qdd * l->rho : qdd;
     rbdi_v3 omega = rbdi_vec0();
     rbdi_state s;
+
+    /* omega, omega_dot, acc_p + Omega_p r */
     if (flags & RBDI_ROOT) {
         s.omega = rbdi_vec(rbdi_zero(), rbdi_zero(), turn);
         s.omega_dot = rbdi_vec(rbdi_zero(), rbdi_zero(), turn_rate);
@@ -3081,6 +3451,8 @@ RBDI_INLINE rbdi_state rbdi_forward_axis(const rbdi_link *l, int flags, rbdi_tri
         s.omega = rbdi_vec(omega.x, omega.y, omega.z + turn);
         if (flags & RBDI_SHIFT_R) p.acc = rbdi_add(p.acc, rbdi_shift_acceleration(l, flags, p));
     }
+
+    /* acc = E (acc_p + Omega_p r) + Omega d z + 2 (E omega_p) x z slide + z slide_dot */
     s.acc = rbdi_down(l, flags, t, p.acc);
     if (flags & RBDI_SHIFT_Z) { /* points of the axis belong to both bodies */
         const rbdi_mat O = rbdi_omega(s.omega, s.omega_dot);
@@ -3088,12 +3460,14 @@ RBDI_INLINE rbdi_state rbdi_forward_axis(const rbdi_link *l, int flags, rbdi_tri
         s.acc.y = s.acc.y + t.d * O.yz;
         s.acc.z = s.acc.z + t.d * O.zz;
     }
+
     if (screw) {
         rbd_real k = (qd + qd) * l->kappa;
         s.acc.x = s.acc.x + k * omega.y;
         s.acc.y = s.acc.y - k * omega.x;
         s.acc.z = s.acc.z + qdd * l->kappa;
     }
+
     return s;
 }
 
@@ -3105,11 +3479,13 @@ RBDI_PART void rbdi_forward_block(const rbd_model *m, const rbd_work *w, const r
     const rbdi_motion J = rbdi_block_motion(b, &v[l->iv]), Jd = rbdi_block_motion(b, &a[l->iv]);
     rbdi_motion c;
     rbdi_v3 omega = rbdi_vec0(), omega_dot = omega, acc = s->acc;
+
     if (!rbdi_on_world(l)) {
         omega = rbdi_mul(X->E, s->omega);
         omega_dot = rbdi_mul(X->E, s->omega_dot);
         acc = rbdi_add(acc, rbdi_mul(rbdi_omega(s->omega, s->omega_dot), X->r));
     }
+
     c = rbdi_joint_product(omega, J);
     s->omega = rbdi_add(omega, J.omega);
     s->omega_dot = rbdi_add(omega_dot, rbdi_add(c.omega, Jd.omega));
@@ -3130,23 +3506,30 @@ RBDI_INLINE rbdi_force rbdi_wrench(const rbdi_link *l, int flags, rbdi_mat O, co
     const rbdi_csym Sigma = l->Sigma;
     const rbdi_c3 h = l->h;
     rbdi_force F;
+
+    /* Omega h and Omega Sigma, without h_z and Sigma_zz */
     F.f.x = O.xx * h.x + O.xy * h.y;
     F.f.y = O.yx * h.x + O.yy * h.y;
     F.f.z = O.zx * h.x + O.zy * h.y;
     F.n.x = O.zx * Sigma.xy + O.zy * Sigma.yy + (O.zz - O.yy) * Sigma.yz - O.yx * Sigma.xz;
     F.n.y = O.xy * Sigma.yz + (O.xx - O.zz) * Sigma.xz - O.zx * Sigma.xx - O.zy * Sigma.xy;
     F.n.z = O.yx * Sigma.xx + (O.yy - O.xx) * Sigma.xy + O.yz * Sigma.xz - O.xy * Sigma.yy - O.xz * Sigma.yz;
+
+    /* acc h', without h_z */
     if (acc) {
         F.n.x = F.n.x + acc->z * h.y;
         F.n.y = F.n.y - acc->z * h.x;
         F.n.z = F.n.z + (acc->y * h.x - acc->x * h.y);
     }
+
+    /* the terms of m, h_z and Sigma_zz */
     if (flags & RBDI_MASS_KEPT) {
         F.f.x = F.f.x + O.xz * h.z;
         F.f.y = F.f.y + O.yz * h.z;
         F.f.z = F.f.z + O.zz * h.z;
         F.n.x = F.n.x - O.yz * Sigma.zz;
         F.n.y = F.n.y + O.xz * Sigma.zz;
+
         if (acc) {
             F.f.x = F.f.x + acc->x * l->mass;
             F.f.y = F.f.y + acc->y * l->mass;
@@ -3155,6 +3538,7 @@ RBDI_INLINE rbdi_force rbdi_wrench(const rbdi_link *l, int flags, rbdi_mat O, co
             F.n.y = F.n.y + acc->x * h.z;
         }
     }
+
     return F;
 }
 
@@ -3165,25 +3549,30 @@ RBDI_INLINE rbdi_state rbdi_forward_step(const rbd_model *m, rbd_work *w, int i,
                                          rbdi_state s, int wrench) {
     const rbdi_link *l = &m->link[i];
     const int off_chain = flags & RBDI_OFF_CHAIN;
+
     if (off_chain && l->parent != i - 1)
         s = l->parent < 0 ? *world : w->branch[m->link[l->parent].branch].state;
     if (rbdi_block_link(l, flags)) {
         rbdi_state block = s; /* an address of s would keep it in memory */
         rbdi_forward_block(m, w, l, v, a, &block);
         s = block;
-    } else
+    } else {
         s = rbdi_forward_axis(l, flags, rbdi_trig_of(m, w, i, flags), s, v[l->iv], a[l->iv]);
+    }
+
     if (wrench) w->scratch[i].f = rbdi_wrench(l, flags, rbdi_omega(s.omega, s.omega_dot), &s.acc);
     if (off_chain && l->branch >= 0) w->branch[l->branch].state = s;
     return s;
 }
+
 /* The states of the links first .. end - 1, after those of their ancestors, with the wrenches if wanted;
    keep: stored in kin as well. */
 RBDI_INLINE void rbdi_forward(const rbd_model *m, rbd_work *w, int first, int end, const rbdi_state *world,
                               const rbd_real *v, const rbd_real *a, int wrench, int keep) {
     rbdi_state s = *world;
     for (int i = first; i < end; ++i) {
-        RBDI_BY_FLAGS(flags, &m->link[i], s = rbdi_forward_step(m, w, i, flags, world, v, a, s, wrench));
+        RBDI_BY_FLAGS(const int flags, &m->link[i],
+                      s = rbdi_forward_step(m, w, i, flags, world, v, a, s, wrench));
         if (keep) w->kin[i].state = s;
     }
 }
@@ -3197,12 +3586,14 @@ RBDI_PART const rbd_real *rbdi_expand_q(const rbd_model *m, rbd_work *w, const r
         w->qx[m->nq + k] = q[m->mimic[k].source_q] * m->mimic[k].ratio + m->mimic[k].offset;
     return w->qx;
 }
+
 RBDI_PART const rbd_real *rbdi_expand_v(const rbd_model *m, const rbd_real *v, rbd_real *vx) {
     if (rbdi_mimics(m) == 0) return v;
     for (int k = 0; k < m->nv; ++k) vx[k] = v[k];
     for (int k = 0; k < rbdi_mimics(m); ++k) vx[m->nv + k] = v[m->mimic[k].source_v] * m->mimic[k].ratio;
     return vx;
 }
+
 /* tau = G' tau_x, for v_x = G v. */
 RBDI_PART void rbdi_reduce_tau(const rbd_model *m, const rbd_real *tx, rbd_real *tau) {
     if (rbdi_mimics(m) == 0) return;
@@ -3214,6 +3605,7 @@ RBDI_PART void rbdi_reduce_tau(const rbd_model *m, const rbd_real *tx, rbd_real 
 /* Subtracts the external wrenches, given in the user's frames, from those of the links. */
 RBDI_PART void rbdi_external(const rbd_model *m, rbd_work *w, const rbd_real *f_ext) {
     const int bodies = f_ext ? m->nb : 0;
+
     for (int body = 0; body < bodies; ++body) {
         const rbdi_frame *u = &m->frame[body];
         rbdi_pose X;
@@ -3243,17 +3635,20 @@ RBDI_INLINE rbdi_force rbdi_rnea_up(const rbd_model *m, const rbd_work *w, int i
     tau[l->iv] = torque; /* which may be a */
     return flags & RBDI_ROOT ? F : rbdi_force_up(l, flags, rbdi_trig_of(m, w, i, flags), F);
 }
+
 /* The same of a block; F becomes the parent's. */
 RBDI_PART void rbdi_rnea_up_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l,
                                   const rbd_real *a, rbd_real *tau, rbdi_force *F) {
     const rbdi_block *b = rbdi_block_of(m, l);
     rbd_real array[6];
+
     rbdi_store_force(array, 1, *F);
     for (int k = 0; k < b->n; ++k) {
         rbd_real torque = array[b->first + k];
         if (rbdi_flags(l) & RBDI_ARMATURE) torque = torque + a[l->iv + k] * m->dof[l->iv + k].armature;
         tau[l->iv + k] = torque;
     }
+
     if (!rbdi_on_world(l)) *F = rbdi_force_up_block(&w->block[l->block].X, *F);
 }
 
@@ -3262,13 +3657,16 @@ RBDI_INLINE rbdi_force rbdi_rnea_step(const rbd_model *m, const rbd_work *w, int
                                       rbdi_force carried, const rbd_real *a, rbd_real *tau) {
     const rbdi_link *l = &m->link[i];
     rbdi_force F = rbdi_force_add(w->scratch[i].f, carried);
+
     if (rbdi_block_link(l, flags)) {
         rbdi_force block = F; /* an address of F would keep it in memory */
         rbdi_rnea_up_block(m, w, l, a, tau, &block);
         F = block;
-    } else
+    } else {
         F = rbdi_rnea_up(m, w, i, flags, F, a, tau);
+    }
     if (!(flags & RBDI_OFF_CHAIN) || l->parent == i - 1) return F;
+
     if (l->parent >= 0) w->scratch[l->parent].f = rbdi_force_add(w->scratch[l->parent].f, F);
     return rbdi_force0();
 }
@@ -3277,7 +3675,8 @@ RBDI_INLINE rbdi_force rbdi_rnea_step(const rbd_model *m, const rbd_work *w, int
 RBDI_PART void rbdi_rnea_sweep(const rbd_model *m, const rbd_work *w, const rbd_real *a, rbd_real *tau) {
     rbdi_force carried = rbdi_force0();
     for (int i = m->nl - 1; i >= 0; --i)
-        RBDI_BY_FLAGS(flags, &m->link[i], carried = rbdi_rnea_step(m, w, i, flags, carried, a, tau));
+        RBDI_BY_FLAGS(const int flags, &m->link[i],
+                      carried = rbdi_rnea_step(m, w, i, flags, carried, a, tau));
 }
 
 /* RBDA table 5.1 in classical accelerations, after rbdi_joints. */
@@ -3293,6 +3692,7 @@ RBDI_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q,
                              const rbd_real *a, const rbd_real *f_ext, rbd_real *tau) {
     const rbd_status status = rbdi_check(m, w, q && v && a && tau);
     if (status) return status;
+
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
     v = rbdi_expand_v(m, v, w->vx);
     a = rbdi_expand_v(m, a, w->ax);
@@ -3320,17 +3720,23 @@ RBDI_PART void rbdi_momenta(const rbd_model *m, rbd_work *w, const rbd_real *v, 
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     const rbdi_state world = rbdi_world_state(none);
     rbdi_state s = world;
+
+    /* down: V_i, and the momenta of the links */
     for (int i = 0; i < m->nl; ++i) {
         s = rbdi_forward_step(m, w, i, rbdi_flags(&m->link[i]), &world, w->zero, v, s, 1);
         w->scratch[i].c.omega = s.omega_dot;
         w->scratch[i].c.v = s.acc;
     }
+
+    /* up: p_i = S_i' h_i, (C' v)_i = -S_i' (V_i x* h_i) */
     for (int i = m->nl - 1; i >= 0; --i) {
         const rbdi_link *l = &m->link[i];
         const rbdi_motion V = w->scratch[i].c;
         rbdi_force h = w->scratch[i].f, h_x_V; /* -V x* h */
+
         h_x_V.n = rbdi_add(rbdi_cross(h.n, V.omega), rbdi_cross(h.f, V.v));
         h_x_V.f = rbdi_cross(h.f, V.omega);
+
         if (rbdi_is(l, RBDI_BLOCK)) {
             rbdi_rnea_up_block(m, w, l, v, p, &h);
             rbdi_rnea_up_block(m, w, l, w->zero, ctv, &h_x_V);
@@ -3338,6 +3744,7 @@ RBDI_PART void rbdi_momenta(const rbd_model *m, rbd_work *w, const rbd_real *v, 
             h = rbdi_rnea_up(m, w, i, rbdi_flags(l), h, v, p);
             rbdi_rnea_up(m, w, i, rbdi_flags(l) | RBDI_ROOT, h_x_V, w->zero, ctv);
         }
+
         if (l->parent >= 0) w->scratch[l->parent].f = rbdi_force_add(w->scratch[l->parent].f, h);
     }
 }
@@ -3346,6 +3753,7 @@ RBDI_API rbd_status rbd_generalized_momentum(const rbd_model *m, rbd_work *w, co
                                              const rbd_real *v, rbd_real *p, rbd_real *ctv) {
     const rbd_status status = rbdi_check(m, w, q && v);
     if (status) return status;
+
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
     if (!p) p = w->bias;
     if (!ctv) ctv = w->bias;
@@ -3360,6 +3768,8 @@ RBDI_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real 
     rbd_real *tx;
     const rbd_status status = rbdi_check(m, w, v && tau);
     if (status) return status;
+
+    /* tau = -damping v - friction sign(v) */
     vx = rbdi_expand_v(m, v, w->vx);
     tx = rbdi_mimics(m) ? w->tx : tau;
     for (int k = 0; k < m->nv + rbdi_mimics(m); ++k) {
@@ -3367,6 +3777,7 @@ RBDI_API rbd_status rbd_passive(const rbd_model *m, rbd_work *w, const rbd_real 
         rbd_real sign = rbdi_select(rbdi_less(x, o), f, rbdi_select(rbdi_less(o, x), -f, o));
         tx[k] = sign - x * m->dof[k].damping;
     }
+
     rbdi_reduce_tau(m, tx, tau);
     return RBD_OK;
 }
@@ -3389,10 +3800,12 @@ RBDI_INLINE rbdi_rbi rbdi_rbi_up(const rbdi_link *l, int flags, rbdi_trig t, rbd
     if (!(flags & RBDI_SHIFT_R)) return rbdi_rbi_uncycle(C);
     if (!(flags & RBDI_SHIFT_XYZ))
         return rbdi_rbi_uncycle(rbdi_rbi_shift_z(rbdi_set(l->r.x), l->subtree_mass, C));
+
     C = rbdi_rbi_uncycle(C);
     if (flags & RBDI_BRANCH_TURN) C = rbdi_rbi_up_z(0, rbdi_set(l->cb), rbdi_set(l->sb), C);
     return rbdi_rbi_shift(rbdi_vec_c(l->r), l->subtree_mass, C);
 }
+
 RBDI_INLINE rbdi_rbi rbdi_rbi_up_block(const rbdi_pose *X, rbd_const mass, rbdi_rbi C) {
     C.Sigma = rbdi_sym_up(X->E, C.Sigma);
     C.h = rbdi_mul_t(X->E, C.h);
@@ -3411,20 +3824,34 @@ RBDI_INLINE rbdi_rbi rbdi_rbi_add_link(const rbdi_link *l, rbdi_rbi C) {
 RBDI_INLINE rbdi_force rbdi_rbi_column(rbdi_rbi C, rbd_const subtree_mass, int k) {
     const rbd_real o = rbdi_zero(), mass = rbdi_set(subtree_mass);
     rbdi_force F;
+
     switch (k) {
     case 0:
-        F.n = rbdi_vec(C.Sigma.yy + C.Sigma.zz, -C.Sigma.xy, -C.Sigma.xz), F.f = rbdi_vec(o, -C.h.z, C.h.y);
+        F.n = rbdi_vec(C.Sigma.yy + C.Sigma.zz, -C.Sigma.xy, -C.Sigma.xz);
+        F.f = rbdi_vec(o, -C.h.z, C.h.y);
         break;
     case 1:
-        F.n = rbdi_vec(-C.Sigma.xy, C.Sigma.xx + C.Sigma.zz, -C.Sigma.yz), F.f = rbdi_vec(C.h.z, o, -C.h.x);
+        F.n = rbdi_vec(-C.Sigma.xy, C.Sigma.xx + C.Sigma.zz, -C.Sigma.yz);
+        F.f = rbdi_vec(C.h.z, o, -C.h.x);
         break;
     case 2:
-        F.n = rbdi_vec(-C.Sigma.xz, -C.Sigma.yz, C.Sigma.xx + C.Sigma.yy), F.f = rbdi_vec(-C.h.y, C.h.x, o);
+        F.n = rbdi_vec(-C.Sigma.xz, -C.Sigma.yz, C.Sigma.xx + C.Sigma.yy);
+        F.f = rbdi_vec(-C.h.y, C.h.x, o);
         break;
-    case 3: F.n = rbdi_vec(o, C.h.z, -C.h.y), F.f = rbdi_vec(mass, o, o); break;
-    case 4: F.n = rbdi_vec(-C.h.z, o, C.h.x), F.f = rbdi_vec(o, mass, o); break;
-    default: F.n = rbdi_vec(C.h.y, -C.h.x, o), F.f = rbdi_vec(o, o, mass); break;
+    case 3:
+        F.n = rbdi_vec(o, C.h.z, -C.h.y);
+        F.f = rbdi_vec(mass, o, o);
+        break;
+    case 4:
+        F.n = rbdi_vec(-C.h.z, o, C.h.x);
+        F.f = rbdi_vec(o, mass, o);
+        break;
+    default:
+        F.n = rbdi_vec(C.h.y, -C.h.x, o);
+        F.f = rbdi_vec(o, o, mass);
+        break;
     }
+
     return F;
 }
 
@@ -3449,18 +3876,22 @@ RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int 
     const rbdi_trig t = rbdi_trig_of(m, w, i, flags);
 #if RBDI_BATCH > 1
     rbd_real F[6];
+
     rbdi_store_force(F, 1, own);
     for (int k = l->end - RBDI_BATCH; k > l->first - RBDI_BATCH; k -= RBDI_BATCH) {
         rbdi_batch x[6];
         rbd_real *moment = &w->F[k], *force = moment + 3 * stride;
+
         RBDI_UNROLL_SIX for (int j = 0; j < 3; ++j) {
             x[j] = *(const rbdi_batch *)&moment[j * stride];
             x[j + 3] = *(const rbdi_batch *)&force[j * stride];
         }
+
         if (k <= l->first) {
             RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j)
                 x[j] = rbdi_insert(x[j], l->first - k, F[j]);
         }
+
         rbdi_batch_up(l, flags, t, x);
         RBDI_UNROLL_SIX for (int j = 0; j < 3; ++j) {
             *(rbdi_batch *)&moment[j * stride] = x[j];
@@ -3473,12 +3904,13 @@ RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int 
         rbdi_store_force(&w->F[k], stride, rbdi_force_up(l, flags, t, rbdi_load_force(&w->F[k], stride)));
 #endif
 }
+
 RBDI_PART void rbdi_crba_up_block(const rbdi_pose *X, rbd_real *F, ptrdiff_t stride, int n) {
     for (int k = 0; k < n; ++k)
         rbdi_store_force(&F[k], stride, rbdi_force_up_block(X, rbdi_load_force(&F[k], stride)));
 }
 
-/* Where the entries of an ancestor dof c go: the column of packed rows at its depth, or row and column c of
+/* Where the entries of an ancestor dof k go: the column of packed rows at its depth, or row and column k of
    the full matrix. */
 typedef struct rbdi_entries {
     int full, nv;
@@ -3486,30 +3918,35 @@ typedef struct rbdi_entries {
     const rbdi_order *order;
 } rbdi_entries;
 
-RBDI_INLINE rbdi_entries rbdi_crba_column(const rbd_model *m, int c, int depth, rbd_real *H, rbd_real *M) {
+RBDI_INLINE rbdi_entries rbdi_crba_column(const rbd_model *m, int k, int depth, rbd_real *H, rbd_real *M) {
     rbdi_entries e;
+
     e.full = M != NULL;
     e.H = M ? NULL : H + depth;
-    e.row = M ? M + (ptrdiff_t)c * m->nv : NULL;
-    e.column = M ? M + c : NULL;
+    e.row = M ? M + (ptrdiff_t)k * m->nv : NULL;
+    e.column = M ? M + k : NULL;
     e.order = m->order;
     e.nv = m->nv;
     return e;
 }
+
 /* The entry of solver's dof j. */
 RBDI_INLINE void rbdi_crba_put(rbdi_entries e, int j, rbd_real x) {
-    if (e.full)
-        e.row[e.order[j].dof] = e.column[(ptrdiff_t)e.order[j].dof * e.nv] = x;
-    else
+    if (!e.full) {
         e.H[e.order[j].row] = x;
+        return;
+    }
+    e.column[(ptrdiff_t)e.order[j].dof * e.nv] = x;
+    e.row[e.order[j].dof] = x;
 }
 
-/* Wrenches that unit accelerations of link i's own dofs take, and the entries that the link's dofs and
-   those of its subtree make: S' F. */
+/* Block link: the wrenches F that unit accelerations of its own n dofs take, and the entries S' F of these
+   and of all dofs of its subtree. */
 RBDI_INLINE void rbdi_crba_entries_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l, int first,
                                          int n, ptrdiff_t stride, rbdi_rbi C, rbd_real *H, rbd_real *M) {
     const int iv = l->iv, depth = m->dof[iv].level;
     const rbd_real *F = &w->F[stride * first];
+
     RBDI_UNROLL_SIX for (int k = 0; k < n; ++k) {
         const rbdi_force own = rbdi_rbi_column(C, l->subtree_mass, first + k);
         rbd_real all[6];
@@ -3519,22 +3956,28 @@ RBDI_INLINE void rbdi_crba_entries_block(const rbd_model *m, const rbd_work *w, 
         RBDI_UNROLL_SIX for (int j = 0; j <= k; ++j)
             rbdi_crba_put(rbdi_crba_column(m, iv + j, depth + j, H, M), l->first + k, all[first + j]);
     }
-    for (int j = l->first + n; j < l->end; ++j) RBDI_UNROLL_SIX
-        for (int k = 0; k < n; ++k)
+
+    for (int j = l->first + n; j < l->end; ++j) {
+        RBDI_UNROLL_SIX for (int k = 0; k < n; ++k)
             rbdi_crba_put(rbdi_crba_column(m, iv + k, depth + k, H, M), j, F[stride * k + j]);
+    }
 }
+
+/* One-axis link: the entries of its own dof, whose wrench is `own`, and of all others of its subtree. */
 RBDI_INLINE void rbdi_crba_entries(const rbd_model *m, const rbd_work *w, int i, int flags, ptrdiff_t stride,
                                    rbdi_force own, rbd_real *H, rbd_real *M) {
     const rbdi_link *l = &m->link[i];
     const rbdi_dof *dof = &m->dof[l->iv];
     const rbdi_entries e = rbdi_crba_column(m, l->iv, dof->level, H, M);
-    const rbd_real *N = &w->F[2 * stride], *F = &w->F[5 * stride];
+    const rbd_real *n_z = &w->F[2 * stride], *f_z = &w->F[5 * stride];
     rbd_real D = rbdi_along_axis(l, flags, own);
+
     if (flags & (RBDI_SLIDES | RBDI_ARMATURE)) D = D + dof->armature;
     rbdi_crba_put(e, l->first, D);
+
     for (int j = l->first + 1; j < l->end; ++j) {
-        rbd_real x = N[j];
-        if (flags & RBDI_SLIDES) x = x * l->rho + F[j] * l->kappa;
+        rbd_real x = n_z[j];
+        if (flags & RBDI_SLIDES) x = x * l->rho + f_z[j] * l->kappa;
         rbdi_crba_put(e, j, x);
     }
 }
@@ -3550,18 +3993,22 @@ RBDI_INLINE rbdi_rbi rbdi_crba_axis(const rbd_model *m, const rbd_work *w, int i
     rbdi_crba_up(m, w, i, flags, stride, own);
     return rbdi_rbi_up(l, flags, rbdi_trig_of(m, w, i, flags), C);
 }
+
 RBDI_PART void rbdi_crba_block(const rbd_model *m, const rbd_work *w, int i, ptrdiff_t stride, rbdi_rbi *C,
                                rbd_real *H, rbd_real *M) {
     const rbdi_link *l = &m->link[i];
     const rbdi_block *b = rbdi_block_of(m, l);
     const ptrdiff_t usual = RBDI_FIXED_STRIDE ? RBDI_FIXED_STRIDE : stride; /* known to the compiler */
+
     if (b->n < 6 || stride != usual)
         rbdi_crba_entries_block(m, w, l, b->first, b->n, stride, *C, H, M);
     else if (M)
         rbdi_crba_entries_block(m, w, l, 0, 6, usual, *C, NULL, M);
     else
         rbdi_crba_entries_block(m, w, l, 0, 6, usual, *C, H, NULL);
+
     if (rbdi_on_world(l)) return;
+
     rbdi_crba_up_block(&w->block[l->block].X, &w->F[l->first], stride, l->end - l->first);
     *C = rbdi_rbi_up_block(&w->block[l->block].X, l->subtree_mass, *C);
 }
@@ -3573,14 +4020,17 @@ RBDI_INLINE rbdi_rbi rbdi_crba_step(const rbd_model *m, const rbd_work *w, int i
     const rbdi_link *l = &m->link[i];
     const int off_chain = flags & RBDI_OFF_CHAIN;
     rbdi_rbi C = rbdi_rbi_add_link(l, carried);
+
     if (off_chain && l->branch >= 0) C = rbdi_rbi_add(C, w->branch[l->branch].C);
     if (rbdi_block_link(l, flags)) {
         rbdi_rbi block = C; /* an address of C would keep it in memory */
         rbdi_crba_block(m, w, i, stride, &block, H, M);
         C = block;
-    } else
+    } else {
         C = rbdi_crba_axis(m, w, i, flags, stride, C, H, M);
+    }
     if (!off_chain || l->parent == i - 1) return C;
+
     if (l->parent >= 0) {
         rbdi_branch *branch = &w->branch[m->link[l->parent].branch];
         branch->C = rbdi_rbi_add(branch->C, C);
@@ -3602,16 +4052,18 @@ RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_rea
     const rbd_work work = *w;
     const ptrdiff_t stride = rbdi_stride(m), usual = RBDI_FIXED_STRIDE ? RBDI_FIXED_STRIDE : stride;
     rbdi_rbi carried = rbdi_rbi_zero(), any = carried; /* an address of carried would keep it in memory */
+
     for (int i = 0; i < m->nbranch; ++i) w->branch[i].C = carried;
     for (int i = m->nl - 1; RBDI_FIXED_STRIDE && stride != RBDI_FIXED_STRIDE && i >= 0; --i)
         rbdi_crba_link(&model, &work, i, stride, &any, H, M);
     if (RBDI_FIXED_STRIDE && stride != RBDI_FIXED_STRIDE) return;
+
     for (int i = m->nl - 1; i >= 0; --i)
         if (RBDI_FOR_SPEED || full)
-            RBDI_BY_FLAGS_OF(RBDI_CASES, flags, &model.link[i],
+            RBDI_BY_FLAGS_OF(RBDI_CASES, const int flags, &model.link[i],
                              carried = rbdi_crba_step(&model, &work, i, flags, usual, carried, H, M));
         else
-            RBDI_BY_FLAGS_OF(RBDI_NO_CASES, flags, &model.link[i],
+            RBDI_BY_FLAGS_OF(RBDI_NO_CASES, const int flags, &model.link[i],
                              carried = rbdi_crba_step(&model, &work, i, flags, usual, carried, H, M));
 }
 
@@ -3619,6 +4071,7 @@ RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_rea
 RBDI_INLINE int rbdi_source(const rbd_model *m, int k) {
     return k < m->nv ? k : m->mimic[k - m->nv].source_v;
 }
+
 RBDI_INLINE rbd_real rbdi_ratio(const rbd_model *m, int k) {
     return rbdi_set(k < m->nv ? RBD_C(1) : m->mimic[k - m->nv].ratio);
 }
@@ -3629,10 +4082,15 @@ RBDI_PART void rbdi_reduce_H(const rbd_model *m, rbd_real *H) {
     for (int s = 0; s < m->nv + rbdi_mimics(m); ++s) {
         const int i = m->order[s].dof, a = rbdi_source(m, i);
         const rbd_real *h = &H[m->order[s].row + m->dof[i].level], k = rbdi_ratio(m, i);
-        H[m->dof[a].row + m->dof[a].depth] = H[m->dof[a].row + m->dof[a].depth] + *h * k * k;
+
+        rbd_real *diagonal = &H[m->dof[a].row + m->dof[a].depth];
+
+        *diagonal = *diagonal + *h * k * k;
         for (int j = m->dof[i].before; j >= 0; j = m->dof[j].before) {
             const int b = rbdi_source(m, j);
-            rbd_real *entry = &H[m->dof[a > b ? a : b].row + m->dof[a > b ? b : a].depth], x = *--h * k;
+            rbd_real *entry = &H[m->dof[a > b ? a : b].row + m->dof[a > b ? b : a].depth], x;
+            --h;
+            x = *h * k;
             if (j >= m->nv) x = x * rbdi_ratio(m, j);
             *entry = *entry + (a == b ? x + x : x);
         }
@@ -3658,6 +4116,7 @@ RBDI_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_r
 RBDI_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *M) {
     const rbd_status status = rbdi_check(m, w, q && M);
     if (status) return status;
+
     if (m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear(M, m->nv * m->nv);
     if (rbdi_mimics(m)) {
         rbd_crba_packed(m, w, q, w->H);
@@ -3666,6 +4125,7 @@ RBDI_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q,
                 M[i * m->nv + j] = M[j * m->nv + i] = w->H[k];
         return RBD_OK;
     }
+
     rbdi_joints(m, w, q);
     rbdi_crba(m, w, NULL, M, 1);
     return RBD_OK;
@@ -3682,8 +4142,8 @@ RBDI_API int rbd_packed_index(const rbd_model *m, int i, int j) {
     return -1;
 }
 
-/* ==== src/dynamics/aba.h ==== */
-/* Interface: rbdi_aba_pass2, rbdi_aba_pass3, rbdi_aba_velocities, rbdi_free_base */
+/* ==== src/dynamics/aba_elimination.h ==== */
+/* Interface: rbdi_free_base */
 
 /* ---- aba [aba] ----
    RBDA table 7.1, its c, pA and a classical ([design]):
@@ -3691,14 +4151,16 @@ RBDI_API int rbd_packed_index(const rbd_model *m, int i, int j) {
        pass 1   omega_i, c_i,  pA_i = wrench with omega_dot = acc = 0   rbdi_aba_velocity, rbdi_wrench
                 pA_i -= X* f_ext                                    rbdi_external
        pass 2   U = IA S,  D = S' U,  u = tau - S' pA               rbdi_aba_eliminate
-                Ia = IA - U U'/D,  pa = pA + Ia c + U u/D
+                Ia = IA - U U'/D,  pa = pA + Ia c + U u/D           rbdi_aba_subtract, rbdi_aba_add_bias
                 IA_p += X' Ia X,  pA_p += X' pa                     rbdi_abi_up, rbdi_force_up
-       pass 3   y = X y_p + c,  qdd = (u - U' y)/D,  y += S qdd     rbdi_aba_down
+       pass 3   y = X y_p + c,  qdd = (u - U' y)/D,  y += S qdd     rbdi_aba_carry, rbdi_aba_down
 
    IA = [I H; H' M]. A revolute joint without armature leaves S' Ia = U' - (D/D) U' = 0: row z of I and H is
-   zero and stays zero through the shift along z and the turn about it: rbdi_aba_eliminate and
-   rbdi_abi_shift_z rely on that. Also S' pa = S' pA + S' Ia c + (S' U/D) u = S' pA + u = tau: the moment on
-   the parent about the joint's axis is the torque. */
+   zero and stays zero through the shift along z and the turn about it: rbdi_aba_row_z and rbdi_abi_shift_z
+   rely on that. Also S' pa = S' pA + S' Ia c + (S' U/D) u = S' pA + u = tau: the moment on the parent about
+   the joint's axis is the torque.
+
+   This room has what pass 2 does with one link, aba.h the three passes. */
 
 /* Articulated-body inertia of a one-axis link, to the parent's axes and origin. */
 RBDI_INLINE rbdi_abi rbdi_abi_up(const rbdi_link *l, int flags, rbdi_trig t, rbdi_abi IA) {
@@ -3707,10 +4169,12 @@ RBDI_INLINE rbdi_abi rbdi_abi_up(const rbdi_link *l, int flags, rbdi_trig t, rbd
     IA = rbdi_abi_up_z(flags, rbdi_set(l->ca), rbdi_set(l->sa), rbdi_abi_cycle(IA));
     if (!(flags & RBDI_SHIFT_R)) return rbdi_abi_uncycle(IA);
     if (!(flags & RBDI_SHIFT_XYZ)) return rbdi_abi_uncycle(rbdi_abi_shift_z(rbdi_set(l->r.x), 1, IA));
+
     IA = rbdi_abi_uncycle(IA);
     if (flags & RBDI_BRANCH_TURN) IA = rbdi_abi_up_z(0, rbdi_set(l->cb), rbdi_set(l->sb), IA);
     return rbdi_abi_shift(rbdi_vec_c(l->r), IA);
 }
+
 RBDI_INLINE rbdi_abi rbdi_abi_up_block(const rbdi_pose *X, rbdi_abi IA) {
     IA.I = rbdi_sym_up(X->E, IA.I);
     IA.H = rbdi_mat_up(X->E, IA.H);
@@ -3721,117 +4185,106 @@ RBDI_INLINE rbdi_abi rbdi_abi_up_block(const rbdi_pose *X, rbdi_abi IA) {
 /* IA plus the link's own inertia [tr(Sigma) - Sigma, [h]x; ., m]. */
 RBDI_INLINE rbdi_abi rbdi_abi_add_link(const rbdi_link *l, int flags, rbdi_abi IA) {
     const rbdi_csym Sigma = l->Sigma;
-    IA.I.xx = IA.I.xx + (Sigma.yy + Sigma.zz), IA.I.xy = IA.I.xy - Sigma.xy, IA.I.xz = IA.I.xz - Sigma.xz;
-    IA.I.yy = IA.I.yy + (Sigma.xx + Sigma.zz), IA.I.yz = IA.I.yz - Sigma.yz,
+    const rbdi_c3 h = l->h;
+
+    IA.I.xx = IA.I.xx + (Sigma.yy + Sigma.zz);
+    IA.I.xy = IA.I.xy - Sigma.xy;
+    IA.I.xz = IA.I.xz - Sigma.xz;
+    IA.I.yy = IA.I.yy + (Sigma.xx + Sigma.zz);
+    IA.I.yz = IA.I.yz - Sigma.yz;
     IA.I.zz = IA.I.zz + (Sigma.xx + Sigma.yy);
-    IA.H.xz = IA.H.xz + l->h.y, IA.H.zx = IA.H.zx - l->h.y;
-    IA.H.yz = IA.H.yz - l->h.x, IA.H.zy = IA.H.zy + l->h.x;
-    if (flags & RBDI_MASS_KEPT) {
-        IA.H.xy = IA.H.xy - l->h.z, IA.H.yx = IA.H.yx + l->h.z;
-        IA.M.xx = IA.M.xx + l->mass, IA.M.yy = IA.M.yy + l->mass, IA.M.zz = IA.M.zz + l->mass;
-    }
+
+    IA.H.xz = IA.H.xz + h.y;
+    IA.H.zx = IA.H.zx - h.y;
+    IA.H.yz = IA.H.yz - h.x;
+    IA.H.zy = IA.H.zy + h.x;
+    if (!(flags & RBDI_MASS_KEPT)) return IA;
+
+    IA.H.xy = IA.H.xy - h.z;
+    IA.H.yx = IA.H.yx + h.z;
+    IA.M.xx = IA.M.xx + l->mass;
+    IA.M.yy = IA.M.yy + l->mass;
+    IA.M.zz = IA.M.zz + l->mass;
     return IA;
-}
-
-/* Pass 1, one-axis link: velocity omega (in: the parent's) and velocity-product acceleration c. */
-RBDI_INLINE rbdi_motion rbdi_aba_velocity(const rbdi_link *l, int flags, rbdi_trig t, rbd_real qd,
-                                          rbdi_v3 *omega) {
-    const int screw = flags & RBDI_SLIDES;
-    rbd_real turn = screw ? qd * l->rho : qd;
-    rbdi_motion c = rbdi_motion0();
-    if (flags & RBDI_ROOT) {
-        *omega = rbdi_vec(rbdi_zero(), rbdi_zero(), turn);
-        return c;
-    }
-    if (flags & RBDI_SHIFT_R)
-        c.v = rbdi_down(l, flags, t, rbdi_cross(*omega, rbdi_cross_shift(l, flags, *omega)));
-    *omega = rbdi_down(l, flags, t, *omega);
-    c.omega.x = turn * omega->y;
-    c.omega.y = -(turn * omega->x);
-    if (flags & RBDI_SHIFT_Z) {
-        c.v.x = c.v.x + t.d * (omega->x * omega->z);
-        c.v.y = c.v.y + t.d * (omega->y * omega->z);
-        c.v.z = c.v.z - t.d * (omega->x * omega->x + omega->y * omega->y);
-    }
-    if (screw) {
-        rbd_real k = (qd + qd) * l->kappa;
-        c.v.x = c.v.x + k * omega->y;
-        c.v.y = c.v.y - k * omega->x;
-    }
-    omega->z = omega->z + turn;
-    return c;
-}
-RBDI_INLINE rbdi_motion rbdi_aba_velocity_block(const rbdi_link *l, const rbdi_block *b, const rbdi_pose *X,
-                                                const rbd_real *v, rbdi_v3 *omega) {
-    rbdi_motion J = rbdi_block_motion(b, v), c = rbdi_motion0();
-    rbdi_v3 turned;
-    if (rbdi_on_world(l)) { /* the world does not turn */
-        *omega = J.omega;
-        c.v = rbdi_cross(J.omega, J.v);
-        return c;
-    }
-    turned = rbdi_mul(X->E, *omega);
-    c = rbdi_joint_product(turned, J);
-    c.v = rbdi_add(c.v, rbdi_mul(X->E, rbdi_cross(*omega, rbdi_cross(*omega, X->r))));
-    *omega = rbdi_add(turned, J.omega);
-    return c;
-}
-
-/* Pass 1, link i, with the wrench that the velocity takes; omega: that of link i - 1 becomes link i's. */
-RBDI_INLINE rbdi_v3 rbdi_aba_pass1_step(const rbd_model *m, rbd_work *w, int i, int flags, const rbd_real *v,
-                                        rbdi_v3 omega) {
-    const rbdi_link *l = &m->link[i];
-    const int off_chain = flags & RBDI_OFF_CHAIN;
-    rbdi_motion *c = &w->scratch[i].c;
-    if (off_chain && l->parent != i - 1 && l->parent >= 0)
-        omega = w->branch[m->link[l->parent].branch].state.omega;
-    if (rbdi_block_link(l, flags))
-        *c = rbdi_aba_velocity_block(l, rbdi_block_of(m, l), &w->block[l->block].X, &v[l->iv], &omega);
-    else
-        *c = rbdi_aba_velocity(l, flags, rbdi_trig_of(m, w, i, flags), v[l->iv], &omega);
-    w->scratch[i].f = rbdi_wrench(l, flags, rbdi_omega_steady(omega), NULL);
-    if (off_chain && l->branch >= 0) {
-        w->branch[l->branch].state.omega = omega;
-        w->branch[l->branch].I = rbdi_abi_zero();
-    }
-    return omega;
-}
-
-/* keep: stores omega in each link's kin. */
-RBDI_INLINE void rbdi_aba_velocities(const rbd_model *m, rbd_work *w, const rbd_real *v, int keep) {
-    rbdi_v3 omega = rbdi_vec0();
-    for (int i = 0; i < m->nl; ++i) {
-        RBDI_BY_FLAGS(flags, &m->link[i], omega = rbdi_aba_pass1_step(m, w, i, flags, v, omega));
-        if (keep) w->kin[i].state.omega = omega;
-    }
 }
 
 /* U = IA S. */
 RBDI_INLINE rbdi_force rbdi_abi_axis(const rbdi_link *l, int flags, const rbdi_abi *IA) {
     rbdi_force U;
+
     U.n = rbdi_vec(IA->I.xz, IA->I.yz, IA->I.zz);
     U.f = rbdi_vec(IA->H.zx, IA->H.zy, IA->H.zz);
+
     if (flags & RBDI_SLIDES) {
         U.n = rbdi_add(rbdi_scale(rbdi_set(l->rho), U.n),
                        rbdi_scale(rbdi_set(l->kappa), rbdi_vec(IA->H.xz, IA->H.yz, IA->H.zz)));
         U.f = rbdi_add(rbdi_scale(rbdi_set(l->rho), U.f),
                        rbdi_scale(rbdi_set(l->kappa), rbdi_vec(IA->M.xz, IA->M.yz, IA->M.zz)));
     }
+
     return U;
 }
 
-/* Pass 2, one-axis link: eliminates the joint's force. IA becomes Ia = IA - U U'/D, pA becomes pa = pA + Ia c
-   + U u/D. For a revolute joint without armature (full = 0) row z of Ia is zero and the moment of pa about z
-   is tau, see [aba]. c.omega.z is always 0. */
+/* IA becomes Ia = IA - U U'/D, but for row z of I and H. U_D = U/D. */
+RBDI_INLINE void rbdi_aba_subtract(rbdi_force U, rbdi_force U_D, rbdi_abi *IA) {
+    IA->I.xx = IA->I.xx - U.n.x * U_D.n.x;
+    IA->I.xy = IA->I.xy - U.n.x * U_D.n.y;
+    IA->I.yy = IA->I.yy - U.n.y * U_D.n.y;
+
+    IA->H.xx = IA->H.xx - U.n.x * U_D.f.x;
+    IA->H.xy = IA->H.xy - U.n.x * U_D.f.y;
+    IA->H.xz = IA->H.xz - U.n.x * U_D.f.z;
+    IA->H.yx = IA->H.yx - U.n.y * U_D.f.x;
+    IA->H.yy = IA->H.yy - U.n.y * U_D.f.y;
+    IA->H.yz = IA->H.yz - U.n.y * U_D.f.z;
+
+    IA->M.xx = IA->M.xx - U.f.x * U_D.f.x;
+    IA->M.xy = IA->M.xy - U.f.x * U_D.f.y;
+    IA->M.xz = IA->M.xz - U.f.x * U_D.f.z;
+    IA->M.yy = IA->M.yy - U.f.y * U_D.f.y;
+    IA->M.yz = IA->M.yz - U.f.y * U_D.f.z;
+    IA->M.zz = IA->M.zz - U.f.z * U_D.f.z;
+}
+
+/* pA becomes pa = pA + Ia c + U u/D, but for its moment about z. u_D = u/D. c.omega.z is always 0. */
+RBDI_INLINE void rbdi_aba_add_bias(const rbdi_abi *Ia, const rbdi_motion *c, rbdi_force U, rbd_real u_D,
+                                   rbdi_force *pA) {
+    pA->n.x = pA->n.x + (Ia->I.xx * c->omega.x + Ia->I.xy * c->omega.y) + U.n.x * u_D;
+    pA->n.y = pA->n.y + (Ia->I.xy * c->omega.x + Ia->I.yy * c->omega.y) + U.n.y * u_D;
+    pA->n.x = pA->n.x + (Ia->H.xx * c->v.x + Ia->H.xy * c->v.y + Ia->H.xz * c->v.z);
+    pA->n.y = pA->n.y + (Ia->H.yx * c->v.x + Ia->H.yy * c->v.y + Ia->H.yz * c->v.z);
+
+    pA->f.x = pA->f.x + (Ia->H.xx * c->omega.x + Ia->H.yx * c->omega.y) + U.f.x * u_D;
+    pA->f.y = pA->f.y + (Ia->H.xy * c->omega.x + Ia->H.yy * c->omega.y) + U.f.y * u_D;
+    pA->f.z = pA->f.z + (Ia->H.xz * c->omega.x + Ia->H.yz * c->omega.y) + U.f.z * u_D;
+    pA->f = rbdi_add(pA->f, rbdi_mul_sym(Ia->M, c->v));
+}
+
+/* The rest of both: row z of I and H, and the moment of pa about z. */
+RBDI_INLINE void rbdi_aba_row_z(const rbdi_motion *c, rbdi_force U, rbdi_force U_D, rbd_real u_D,
+                                rbdi_abi *IA, rbdi_force *pA) {
+    IA->I.xz = IA->I.xz - U.n.x * U_D.n.z;
+    IA->I.yz = IA->I.yz - U.n.y * U_D.n.z;
+    IA->I.zz = IA->I.zz - U.n.z * U_D.n.z;
+    IA->H.zx = IA->H.zx - U.n.z * U_D.f.x;
+    IA->H.zy = IA->H.zy - U.n.z * U_D.f.y;
+    IA->H.zz = IA->H.zz - U.n.z * U_D.f.z;
+
+    pA->n.z = pA->n.z + (IA->I.xz * c->omega.x + IA->I.yz * c->omega.y) + U.n.z * u_D;
+    pA->n.z = pA->n.z + (IA->H.zx * c->v.x + IA->H.zy * c->v.y + IA->H.zz * c->v.z);
+}
+
+/* Pass 2, one-axis link: eliminates the joint's force. IA becomes Ia, pA becomes pa. */
 RBDI_INLINE void rbdi_aba_eliminate(const rbd_model *m, rbd_work *w, int i, int flags, rbd_real tau,
                                     rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
     const int full = flags & (RBDI_SLIDES | RBDI_ARMATURE);
     const rbdi_link *l = &m->link[i];
     const rbdi_dof *dof = &m->dof[l->iv];
     rbdi_scratch *own = &w->scratch[i];
-    const rbdi_motion *c = &own->c;
     rbdi_force U, U_D;
     rbd_real D, inverse, u_D;
+
+    /* U = IA S,  D = S' U + armature,  u = tau - S' pA */
     U = rbdi_abi_axis(l, flags, IA);
     D = rbdi_along_axis(l, flags, U);
     if (full) D = D + dof->armature;
@@ -3841,99 +4294,27 @@ RBDI_INLINE void rbdi_aba_eliminate(const rbd_model *m, rbd_work *w, int i, int 
     U_D.n.x = inverse * U.n.x;
     U_D.n.y = inverse * U.n.y;
     U_D.f = rbdi_scale(inverse, U.f);
+
+    /* kept for pass 3 */
     own->U_D.n.x = U_D.n.x;
     own->U_D.n.y = U_D.n.y;
     own->U_D.f = U_D.f;
     own->u_D = u_D;
 
-    IA->I.xx = IA->I.xx - U.n.x * U_D.n.x;
-    IA->I.xy = IA->I.xy - U.n.x * U_D.n.y;
-    IA->I.yy = IA->I.yy - U.n.y * U_D.n.y;
-    IA->H.xx = IA->H.xx - U.n.x * U_D.f.x, IA->H.xy = IA->H.xy - U.n.x * U_D.f.y,
-    IA->H.xz = IA->H.xz - U.n.x * U_D.f.z;
-    IA->H.yx = IA->H.yx - U.n.y * U_D.f.x, IA->H.yy = IA->H.yy - U.n.y * U_D.f.y,
-    IA->H.yz = IA->H.yz - U.n.y * U_D.f.z;
-    IA->M.xx = IA->M.xx - U.f.x * U_D.f.x, IA->M.xy = IA->M.xy - U.f.x * U_D.f.y,
-    IA->M.xz = IA->M.xz - U.f.x * U_D.f.z;
-    IA->M.yy = IA->M.yy - U.f.y * U_D.f.y, IA->M.yz = IA->M.yz - U.f.y * U_D.f.z,
-    IA->M.zz = IA->M.zz - U.f.z * U_D.f.z;
-    pA->n.x = pA->n.x + (IA->I.xx * c->omega.x + IA->I.xy * c->omega.y) + U.n.x * u_D;
-    pA->n.y = pA->n.y + (IA->I.xy * c->omega.x + IA->I.yy * c->omega.y) + U.n.y * u_D;
-    pA->n.x = pA->n.x + (IA->H.xx * c->v.x + IA->H.xy * c->v.y + IA->H.xz * c->v.z);
-    pA->n.y = pA->n.y + (IA->H.yx * c->v.x + IA->H.yy * c->v.y + IA->H.yz * c->v.z);
-    pA->f.x = pA->f.x + (IA->H.xx * c->omega.x + IA->H.yx * c->omega.y) + U.f.x * u_D;
-    pA->f.y = pA->f.y + (IA->H.xy * c->omega.x + IA->H.yy * c->omega.y) + U.f.y * u_D;
-    pA->f.z = pA->f.z + (IA->H.xz * c->omega.x + IA->H.yz * c->omega.y) + U.f.z * u_D;
-    pA->f = rbdi_add(pA->f, rbdi_mul_sym(IA->M, c->v));
+    /* Ia = IA - U U'/D,  pa = pA + Ia c + U u/D */
+    rbdi_aba_subtract(U, U_D, IA);
+    rbdi_aba_add_bias(IA, &own->c, U, u_D, pA);
     if (full) {
-        own->U_D.n.z = U_D.n.z = inverse * U.n.z;
-        IA->I.xz = IA->I.xz - U.n.x * U_D.n.z;
-        IA->I.yz = IA->I.yz - U.n.y * U_D.n.z;
-        IA->I.zz = IA->I.zz - U.n.z * U_D.n.z;
-        IA->H.zx = IA->H.zx - U.n.z * U_D.f.x;
-        IA->H.zy = IA->H.zy - U.n.z * U_D.f.y;
-        IA->H.zz = IA->H.zz - U.n.z * U_D.f.z;
-        pA->n.z = pA->n.z + (IA->I.xz * c->omega.x + IA->I.yz * c->omega.y) + U.n.z * u_D;
-        pA->n.z = pA->n.z + (IA->H.zx * c->v.x + IA->H.zy * c->v.y + IA->H.zz * c->v.z);
-    } else {
-        IA->I.xz = IA->I.yz = IA->I.zz = IA->H.zx = IA->H.zy = IA->H.zz = rbdi_zero();
-        pA->n.z = tau;
+        U_D.n.z = inverse * U.n.z;
+        own->U_D.n.z = U_D.n.z;
+        rbdi_aba_row_z(&own->c, U, U_D, u_D, IA, pA);
+        return;
     }
-}
 
-/* Adds IA and pA to the sums of the parent, a branch point, unless it is link i - 1, which takes them from
-   registers. */
-RBDI_INLINE void rbdi_aba_to_parent(const rbd_model *m, rbd_work *w, int i, rbdi_abi *IA, rbdi_force *pA) {
-    const int parent = m->link[i].parent;
-    if (parent == i - 1) return;
-    if (parent >= 0) {
-        rbdi_branch *branch = &w->branch[m->link[parent].branch];
-        branch->I = rbdi_abi_add(branch->I, *IA);
-        w->scratch[parent].f = rbdi_force_add(w->scratch[parent].f, *pA);
-    }
-    *IA = rbdi_abi_zero();
-    *pA = rbdi_force0();
-}
-
-/* A floating base on the world, without armature. */
-RBDI_INLINE int rbdi_free_base(const rbdi_link *l, const rbdi_block *b) {
-    return rbdi_on_world(l) && b->n == 6 && !(rbdi_flags(l) & RBDI_ARMATURE);
-}
-/* Pass 2, block link: eliminates its axes one by one, the last first, so that the pivots are those of M =
-   L'DL. Only the lower triangle is kept; for a free base, which has no parent, only the part for the axes
-   before. */
-RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, const rbd_real *tau,
-                                 rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
-    const rbdi_link *l = &m->link[i_link];
-    const rbdi_block *b = rbdi_block_of(m, l);
-    const rbdi_motion c = w->scratch[i_link].c;
-    rbdi_block_work *bw = &w->block[l->block];
-    rbd_real A[6][6], P[6];
-    rbdi_abi Ia;
-    rbdi_force pa;
-    rbdi_abi_to_array(rbdi_abi_add_link(l, RBDI_MASS_KEPT, *IA), A);
-    rbdi_store_force(P, 1, *pA);
-    for (int k = b->n - 1; k >= 0; --k) {
-        const rbdi_dof *dof = &m->dof[l->iv + k];
-        const int s = b->first + k, end = rbdi_free_base(l, b) ? s : 6;
-        rbd_real *U_D = bw->U_D[k], D = A[s][s] + dof->armature,
-                 inverse = rbdi_pivot_inverse(D, dof->scale, doubt);
-        w->pivot[l->iv + k] = D;
-        bw->u_D[k] = (tau[l->iv + k] - P[s]) * inverse;
-        for (int i = 0; i < end; ++i) {
-            const rbd_real U = i < s ? A[s][i] : A[i][s];
-            U_D[i] = U * inverse;
-            for (int j = 0; j <= i; ++j) A[i][j] = A[i][j] - U * U_D[j];
-            P[i] = P[i] + U * bw->u_D[k];
-        }
-    }
-    if (rbdi_on_world(l)) return;
-    Ia = rbdi_abi_from_array(A);
-    pa = rbdi_load_force(P, 1);
-    pa.n = rbdi_add(pa.n, rbdi_add(rbdi_mul_sym(Ia.I, c.omega), rbdi_mul(Ia.H, c.v)));
-    pa.f = rbdi_add(pa.f, rbdi_add(rbdi_mul_t(Ia.H, c.omega), rbdi_mul_sym(Ia.M, c.v)));
-    *IA = rbdi_abi_up_block(&bw->X, Ia);
-    *pA = rbdi_force_up_block(&bw->X, pa);
+    /* row z of I and H is 0, the moment about z is tau: see [aba] */
+    IA->I.xz = IA->I.yz = IA->I.zz = rbdi_zero();
+    IA->H.zx = IA->H.zy = IA->H.zz = rbdi_zero();
+    pA->n.z = tau;
 }
 
 /* Pass 2, one-axis link: IA and pA, summed over the children, become the contribution to the parent. */
@@ -3948,23 +4329,187 @@ RBDI_INLINE void rbdi_aba_up(const rbd_model *m, rbd_work *w, int i, int flags, 
     *pA = rbdi_force_up(l, flags, t, *pA);
 }
 
-/* Pass 2, link i: IA and pA, the contribution of link i + 1, become that of link i. */
+/* A floating base on the world, without armature. */
+RBDI_INLINE int rbdi_free_base(const rbdi_link *l, const rbdi_block *b) {
+    return rbdi_on_world(l) && b->n == 6 && !(rbdi_flags(l) & RBDI_ARMATURE);
+}
+
+/* Pass 2, block link: eliminates its axes one by one, the last first, so that the pivots are those of M =
+   L'DL. Only the lower triangle is kept; for a free base, which has no parent, only the part for the axes
+   before. */
+RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int i_link, const rbd_real *tau,
+                                 rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
+    const rbdi_link *l = &m->link[i_link];
+    const rbdi_block *b = rbdi_block_of(m, l);
+    const rbdi_motion c = w->scratch[i_link].c;
+    rbdi_block_work *bw = &w->block[l->block];
+    rbd_real A[6][6], P[6];
+    rbdi_abi Ia;
+    rbdi_force pa;
+
+    /* axis by axis, s: A = IA - U U'/D,  P = pA + U u/D */
+    rbdi_abi_to_array(rbdi_abi_add_link(l, RBDI_MASS_KEPT, *IA), A);
+    rbdi_store_force(P, 1, *pA);
+    for (int k = b->n - 1; k >= 0; --k) {
+        const rbdi_dof *dof = &m->dof[l->iv + k];
+        const int s = b->first + k, end = rbdi_free_base(l, b) ? s : 6;
+        rbd_real *U_D = bw->U_D[k], D = A[s][s] + dof->armature;
+        const rbd_real inverse = rbdi_pivot_inverse(D, dof->scale, doubt);
+
+        w->pivot[l->iv + k] = D;
+        bw->u_D[k] = (tau[l->iv + k] - P[s]) * inverse;
+        for (int i = 0; i < end; ++i) {
+            const rbd_real U = i < s ? A[s][i] : A[i][s];
+            U_D[i] = U * inverse;
+            for (int j = 0; j <= i; ++j) A[i][j] = A[i][j] - U * U_D[j];
+            P[i] = P[i] + U * bw->u_D[k];
+        }
+    }
+    if (rbdi_on_world(l)) return;
+
+    /* pa = P + Ia c,  then Ia and pa to the parent */
+    Ia = rbdi_abi_from_array(A);
+    pa = rbdi_load_force(P, 1);
+    pa.n = rbdi_add(pa.n, rbdi_add(rbdi_mul_sym(Ia.I, c.omega), rbdi_mul(Ia.H, c.v)));
+    pa.f = rbdi_add(pa.f, rbdi_add(rbdi_mul_t(Ia.H, c.omega), rbdi_mul_sym(Ia.M, c.v)));
+    *IA = rbdi_abi_up_block(&bw->X, Ia);
+    *pA = rbdi_force_up_block(&bw->X, pa);
+}
+
+/* ==== src/dynamics/aba.h ==== */
+/* Interface: rbdi_aba_pass2, rbdi_aba_pass3, rbdi_aba_velocities */
+
+/* -- the three passes -- */
+
+/* Pass 1, one-axis link: omega, which is the parent's before, and the velocity-product acceleration c. With E
+   and z as in [state], omega_p of the parent and omega_E = E omega_p:
+
+       c_omega = omega_E x z turn
+       c_v     = E (omega_p x (omega_p x r)) + omega_E x (omega_E x d z) + 2 omega_E x z slide
+       omega   = omega_E + z turn */
+RBDI_INLINE rbdi_motion rbdi_aba_velocity(const rbdi_link *l, int flags, rbdi_trig t, rbd_real qd,
+                                          rbdi_v3 *omega) {
+    const int screw = flags & RBDI_SLIDES;
+    rbd_real turn = screw ? qd * l->rho : qd;
+    rbdi_motion c = rbdi_motion0();
+
+    if (flags & RBDI_ROOT) {
+        *omega = rbdi_vec(rbdi_zero(), rbdi_zero(), turn);
+        return c;
+    }
+
+    if (flags & RBDI_SHIFT_R)
+        c.v = rbdi_down(l, flags, t, rbdi_cross(*omega, rbdi_cross_shift(l, flags, *omega)));
+    *omega = rbdi_down(l, flags, t, *omega); /* omega_E, up to the last step */
+    c.omega.x = turn * omega->y;
+    c.omega.y = -(turn * omega->x);
+
+    if (flags & RBDI_SHIFT_Z) {
+        c.v.x = c.v.x + t.d * (omega->x * omega->z);
+        c.v.y = c.v.y + t.d * (omega->y * omega->z);
+        c.v.z = c.v.z - t.d * (omega->x * omega->x + omega->y * omega->y);
+    }
+
+    if (screw) {
+        rbd_real k = (qd + qd) * l->kappa;
+        c.v.x = c.v.x + k * omega->y;
+        c.v.y = c.v.y - k * omega->x;
+    }
+
+    omega->z = omega->z + turn;
+    return c;
+}
+
+/* The same of a block, whose joint has the velocity J. */
+RBDI_INLINE rbdi_motion rbdi_aba_velocity_block(const rbdi_link *l, const rbdi_block *b, const rbdi_pose *X,
+                                                const rbd_real *v, rbdi_v3 *omega) {
+    rbdi_motion J = rbdi_block_motion(b, v), c = rbdi_motion0();
+    rbdi_v3 turned;
+
+    if (rbdi_on_world(l)) { /* the world does not turn */
+        *omega = J.omega;
+        c.v = rbdi_cross(J.omega, J.v);
+        return c;
+    }
+
+    turned = rbdi_mul(X->E, *omega);
+    c = rbdi_joint_product(turned, J);
+    c.v = rbdi_add(c.v, rbdi_mul(X->E, rbdi_cross(*omega, rbdi_cross(*omega, X->r))));
+    *omega = rbdi_add(turned, J.omega);
+    return c;
+}
+
+/* Pass 1, link i, with the wrench that the velocity takes; omega: that of link i - 1 becomes link i's. */
+RBDI_INLINE rbdi_v3 rbdi_aba_pass1_step(const rbd_model *m, rbd_work *w, int i, int flags, const rbd_real *v,
+                                        rbdi_v3 omega) {
+    const rbdi_link *l = &m->link[i];
+    const int off_chain = flags & RBDI_OFF_CHAIN;
+    rbdi_motion *c = &w->scratch[i].c;
+
+    if (off_chain && l->parent != i - 1 && l->parent >= 0)
+        omega = w->branch[m->link[l->parent].branch].state.omega;
+    if (rbdi_block_link(l, flags))
+        *c = rbdi_aba_velocity_block(l, rbdi_block_of(m, l), &w->block[l->block].X, &v[l->iv], &omega);
+    else
+        *c = rbdi_aba_velocity(l, flags, rbdi_trig_of(m, w, i, flags), v[l->iv], &omega);
+
+    w->scratch[i].f = rbdi_wrench(l, flags, rbdi_omega_steady(omega), NULL);
+    if (off_chain && l->branch >= 0) {
+        w->branch[l->branch].state.omega = omega;
+        w->branch[l->branch].I = rbdi_abi_zero();
+    }
+
+    return omega;
+}
+
+/* Pass 1, root to leaves. keep: stores omega in each link's kin. */
+RBDI_INLINE void rbdi_aba_velocities(const rbd_model *m, rbd_work *w, const rbd_real *v, int keep) {
+    rbdi_v3 omega = rbdi_vec0();
+    for (int i = 0; i < m->nl; ++i) {
+        RBDI_BY_FLAGS(const int flags, &m->link[i], omega = rbdi_aba_pass1_step(m, w, i, flags, v, omega));
+        if (keep) w->kin[i].state.omega = omega;
+    }
+}
+
+/* Adds IA and pA to the sums of the parent, a branch point, unless it is link i - 1, which takes them from
+   registers. */
+RBDI_INLINE void rbdi_aba_to_parent(const rbd_model *m, rbd_work *w, int i, rbdi_abi *IA, rbdi_force *pA) {
+    const int parent = m->link[i].parent;
+    if (parent == i - 1) return;
+
+    if (parent >= 0) {
+        rbdi_branch *branch = &w->branch[m->link[parent].branch];
+        branch->I = rbdi_abi_add(branch->I, *IA);
+        w->scratch[parent].f = rbdi_force_add(w->scratch[parent].f, *pA);
+    }
+
+    *IA = rbdi_abi_zero();
+    *pA = rbdi_force0();
+}
+
+/* Pass 2, link i: IA and pA, the contribution of link i + 1, become that of link i. The link's own pA stands
+   in scratch.f, with the contributions of its other children. */
 RBDI_INLINE void rbdi_aba_pass2_step(const rbd_model *m, rbd_work *w, int i, int flags, const rbd_real *tau,
                                      rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
     const rbdi_link *l = &m->link[i];
     const int off_chain = flags & RBDI_OFF_CHAIN;
+
     if (off_chain && l->branch >= 0) *IA = rbdi_abi_add(*IA, w->branch[l->branch].I);
     *pA = rbdi_force_add(*pA, w->scratch[i].f);
-    if (rbdi_block_link(
-            l, flags)) { /* copies: without an address taken IA and pA of other links stay in registers */
+
+    if (rbdi_block_link(l, flags)) {
+        /* copies: without an address taken IA and pA of other links stay in registers */
         rbdi_abi copy_IA = *IA;
         rbdi_force copy_pA = *pA;
         rbdi_mask copy_doubt = *doubt;
         rbdi_aba_up_block(m, w, i, tau, &copy_IA, &copy_pA, &copy_doubt);
-        *IA = copy_IA, *pA = copy_pA, *doubt = copy_doubt;
+        *IA = copy_IA;
+        *pA = copy_pA;
+        *doubt = copy_doubt;
     } else {
         rbdi_aba_up(m, w, i, flags, tau, IA, pA, doubt);
     }
+
     if (off_chain) rbdi_aba_to_parent(m, w, i, IA, pA);
 }
 
@@ -3993,6 +4538,7 @@ RBDI_PART rbdi_mask rbdi_slid_far(const rbd_model *m, const rbd_work *w) {
         slid = rbdi_or(
             slid, rbdi_less(rbdi_set(m->dof[m->link[turn].iv].scale * RBDI_FAR), square * l->subtree_mass));
     }
+
     return slid;
 }
 
@@ -4002,26 +4548,32 @@ RBDI_PART rbdi_mask rbdi_aba_pass2(const rbd_model *m, rbd_work *w, const rbd_re
     rbdi_force pA = rbdi_force0();
     rbdi_mask doubt = rbdi_slid_far(m, w);
     for (int i = m->nl - 1; i >= 0; --i) {
-        RBDI_BY_FLAGS(flags, &m->link[i], rbdi_aba_pass2_step(m, w, i, flags, tau, &IA, &pA, &doubt));
+        RBDI_BY_FLAGS(const int flags, &m->link[i],
+                      rbdi_aba_pass2_step(m, w, i, flags, tau, &IA, &pA, &doubt));
     }
     return doubt;
 }
 
-/* Pass 3: X y, for the parent's y = (omega_dot, classical acceleration minus gravity). */
+/* Pass 3: X y, for the parent's y = (omega_dot, classical acceleration minus gravity):
+   (E omega_dot; E (acc + omega_dot x r) + (E omega_dot) x d z). */
 RBDI_INLINE rbdi_motion rbdi_aba_carry(const rbd_model *m, const rbd_work *w, int i, int flags,
                                        rbdi_motion y) {
     const rbdi_link *l = &m->link[i];
     const rbdi_trig t = rbdi_trig_of(m, w, i, flags);
+
     if (!(flags & RBDI_ROOT) && (flags & RBDI_SHIFT_R))
         y.v = rbdi_add(y.v, rbdi_cross_shift(l, flags, y.omega));
     y.omega = rbdi_down(l, flags, t, y.omega);
     y.v = rbdi_down(l, flags, t, y.v);
+
     if (flags & RBDI_SHIFT_Z) {
         y.v.x = y.v.x + t.d * y.omega.y;
         y.v.y = y.v.y - t.d * y.omega.x;
     }
+
     return y;
 }
+
 RBDI_INLINE rbdi_motion rbdi_aba_carry_block(const rbd_work *w, const rbdi_link *l, rbdi_motion y) {
     const rbdi_pose *X = &w->block[l->block].X;
     y.v = rbdi_mul(X->E, rbdi_add(y.v, rbdi_cross(y.omega, X->r)));
@@ -4029,19 +4581,23 @@ RBDI_INLINE rbdi_motion rbdi_aba_carry_block(const rbd_work *w, const rbdi_link 
     return y;
 }
 
-/* qdd = u/D - (U/D)' y. For a revolute joint without armature U_z/D = 1: x is the link's omega_dot_z. */
+/* Pass 3, one-axis link: y = X y_p + c, qdd = u/D - (U/D)' y, y += S qdd. For a revolute joint without
+   armature U_z/D = 1: x is the link's omega_dot_z, and qdd the difference to the carried one. */
 RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int i, int flags, rbdi_motion y,
                                       rbd_real *a) {
     const rbdi_link *l = &m->link[i];
     const rbdi_scratch *own = &w->scratch[i];
     rbd_real x, qdd;
+
     y = rbdi_motion_add(rbdi_aba_carry(m, w, i, flags, y), own->c);
     x = own->u_D - (own->U_D.n.x * y.omega.x + own->U_D.n.y * y.omega.y) - rbdi_dot(own->U_D.f, y.v);
+
     if (!(flags & (RBDI_SLIDES | RBDI_ARMATURE))) {
         a[l->iv] = x - y.omega.z;
         y.omega.z = x;
         return y;
     }
+
     qdd = x - own->U_D.n.z * y.omega.z;
     if (flags & RBDI_SLIDES) {
         y.omega.z = y.omega.z + qdd * l->rho;
@@ -4049,15 +4605,19 @@ RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int
     } else {
         y.omega.z = y.omega.z + qdd;
     }
+
     a[l->iv] = qdd;
     return y;
 }
+
+/* The same of a block, its axes one by one, the first first. A free base has U/D only for the axes before. */
 RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w, int i, rbdi_motion y,
                                           rbd_real *a) {
     const rbdi_link *l = &m->link[i];
     const rbdi_block_work *bw = &w->block[l->block];
     const rbdi_block *b = rbdi_block_of(m, l);
     rbd_real all[6];
+
     rbdi_store_motion(all, 1, rbdi_motion_add(rbdi_aba_carry_block(w, l, y), w->scratch[i].c));
     if (rbdi_free_base(l, b)) {
         RBDI_UNROLL_SIX for (int k = 0; k < 6; ++k) {
@@ -4069,6 +4629,7 @@ RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w,
         }
         return rbdi_load_motion(all, 1);
     }
+
     for (int k = 0; k < b->n; ++k) {
         rbd_real qdd = bw->u_D[k];
         RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j)
@@ -4076,6 +4637,7 @@ RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w,
         all[b->first + k] = all[b->first + k] + qdd;
         a[l->iv + k] = qdd;
     }
+
     return rbdi_load_motion(all, 1);
 }
 
@@ -4084,14 +4646,17 @@ RBDI_INLINE rbdi_motion rbdi_aba_pass3_step(const rbd_model *m, rbd_work *w, int
                                             const rbdi_motion *world, rbdi_motion y, rbd_real *a) {
     const rbdi_link *l = &m->link[i];
     const int off_chain = flags & RBDI_OFF_CHAIN;
+
     if (off_chain && l->parent < 0)
         y = *world;
     else if (off_chain && l->parent != i - 1)
         y = w->branch[m->link[l->parent].branch].y;
+
     if (rbdi_block_link(l, flags))
         y = rbdi_aba_down_block(m, w, i, y, a);
     else
         y = rbdi_aba_down(m, w, i, flags, y, a);
+
     if (off_chain && l->branch >= 0) w->branch[l->branch].y = y;
     return y;
 }
@@ -4102,12 +4667,11 @@ RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbdi_v3 world, rb
     root.v = world;
     y = root;
     for (int i = 0; i < m->nl; ++i)
-        RBDI_BY_FLAGS(flags, &m->link[i], y = rbdi_aba_pass3_step(m, w, i, flags, &root, y, a));
+        RBDI_BY_FLAGS(const int flags, &m->link[i], y = rbdi_aba_pass3_step(m, w, i, flags, &root, y, a));
 }
 
-/* ==== src/dynamics/packed.h ==== */
-/* Interface: rbdi_factor, rbdi_invert, rbdi_multiply, rbdi_solve, rbdi_solve_columns, rbdi_solve_down,
-   rbdi_solve_up, rbdi_subtract, rbdi_subtract_product, rbdi_vector_down, rbdi_vector_up */
+/* ==== src/dynamics/row_sums.h ==== */
+/* Interface: rbdi_multiply, rbdi_subtract, rbdi_subtract_product, RBDI_ROW */
 
 /* ---- packed matrix of a tree [packed matrix] ----
    M is symmetric, and entry (i, j) is zero unless one dof is on the path of the other to the root. Row k is
@@ -4115,21 +4679,25 @@ RBDI_PART void rbdi_aba_pass3(const rbd_model *m, rbd_work *w, rbdi_v3 world, rb
    L'DL with L unit lower triangular, RBDA section 6.5: the leaves are eliminated first, so that no zero
    fills. The factor replaces M: L below the diagonal, 1/D on it.
 
-     rbdi_factor          M = L'DL, in place; the pivots D go to w->pivot
-     rbdi_solve           x = M^-1 x
-     rbdi_solve_columns   X = M^-1 X or -M^-1 X, n columns of one matrix or of two
-     rbdi_invert          Z = M^-1, full
+     rbdi_factor            M = L'DL, in place; the pivots D go to w->pivot
+     rbdi_solve             x = M^-1 x
+     rbdi_solve_columns     X = M^-1 X or -M^-1 X, n columns
+     rbdi_invert            Z = M^-1, full
      rbdi_subtract_product  y -= X' x
-     rbdi_subtract        y -= factor x
-     rbdi_multiply        y *= factor
-   Their scratch is w->F and, for places of rows, w->start.
+     rbdi_subtract          y -= factor x
+     rbdi_multiply          y *= factor
+
+   A solution has two halves: _transposed, L' y = x from the leaves to the root, then _forward, L x = y / D
+   from the root to the leaves. The scratch is w->F and, for places of rows, w->start.
 
    In depth-first order, m->node, the descendants of a dof follow it. Every result is a row less a sum of
    other rows times factors: the rows of the descendants (factor, first half of a solution) or of the path
    (second half, inverse). The result stays in registers, up to RBDI_ROW batches of it, and the others are
    read from memory; the row computed just before comes last, because the processor must wait for it.
    Batches are counted from the first column; the last one ends with the last column and may overlap the one
-   before it. Fewer columns than a batch are computed one by one. */
+   before it. Fewer columns than a batch are computed one by one.
+
+   This room has the sums of rows, packed.h the factor and what it solves. */
 
 /* y *= factor, a batch at a time. */
 RBDI_INLINE void rbdi_multiply(rbd_real *y, rbd_real factor, int n) {
@@ -4150,33 +4718,35 @@ RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real factor, const rbd_real *x, 
     for (; j < n; ++j) y[j] = y[j] - factor * x[j];
 }
 
+/* Batches of a row that stay in registers. */
 #if RBDI_BATCH > 1 || defined RBD_LANES
 #define RBDI_ROW 8
 #else
 #define RBDI_ROW 4
 #endif
-/* Dispatches on n, 1 <= n <= most <= RBDI_ROW, so that each call compiles with a constant number = n. */
+/* RBDI_BY_NUMBER(const int batches, most, n, call) makes the call with n in a constant that it declares, here
+   `batches`, which the compiler knows; 1 <= n <= most <= RBDI_ROW. Each number is a copy of the code. */
 #if RBDI_FOR_SPEED
-#define RBDI_BY_NUMBER(number, most, n, call) \
+#define RBDI_BY_NUMBER(constant, most, n, call) \
     switch (n) { \
-        RBDI_OF_NUMBER(number, most, 1, call) \
-        RBDI_OF_NUMBER(number, most, 2, call) \
-        RBDI_OF_NUMBER(number, most, 3, call) \
-        RBDI_OF_NUMBER(number, most, 4, call) \
-        RBDI_OF_NUMBER(number, most, 5, call) \
-        RBDI_OF_NUMBER(number, most, 6, call) \
-        RBDI_OF_NUMBER(number, most, 7, call) \
-        RBDI_OF_NUMBER(number, most, 8, call) \
+        RBDI_OF_NUMBER(constant, most, 1, call) \
+        RBDI_OF_NUMBER(constant, most, 2, call) \
+        RBDI_OF_NUMBER(constant, most, 3, call) \
+        RBDI_OF_NUMBER(constant, most, 4, call) \
+        RBDI_OF_NUMBER(constant, most, 5, call) \
+        RBDI_OF_NUMBER(constant, most, 6, call) \
+        RBDI_OF_NUMBER(constant, most, 7, call) \
+        RBDI_OF_NUMBER(constant, most, 8, call) \
     }
-#define RBDI_OF_NUMBER(number, most, n, call) \
+#define RBDI_OF_NUMBER(constant, most, n, call) \
     case n: { \
-        enum { number = n <= (most) ? n : 1 }; \
+        constant = n <= (most) ? n : 1; \
         if (n <= (most)) call; \
     } break;
 #else
-#define RBDI_BY_NUMBER(number, most, n, call) \
+#define RBDI_BY_NUMBER(constant, most, n, call) \
     do { \
-        const int number = n; \
+        constant = n; \
         call; \
     } while (0);
 #endif
@@ -4189,8 +4759,10 @@ RBDI_INLINE void rbdi_subtract(rbd_real *y, rbd_real factor, const rbd_real *x, 
      RBDI_EQUIDISTANT  at X + t stride; factor x[t]
    Y: a second matrix with its rows at the same places. */
 enum { RBDI_OWN, RBDI_DESCENDANTS, RBDI_PATH, RBDI_FRESH, RBDI_EQUIDISTANT };
+
 typedef struct rbdi_terms {
-    const rbd_real *X, *Y, *x;
+    const rbd_real *X, *Y; /* the matrices with the rows */
+    const rbd_real *x;     /* factors */
     const rbdi_node *node;
     const ptrdiff_t *start; /* where rows start */
     ptrdiff_t stride;
@@ -4198,10 +4770,12 @@ typedef struct rbdi_terms {
     int n, d;
 } rbdi_terms;
 
+/* Where row t starts, and its factor. */
 RBDI_INLINE ptrdiff_t rbdi_start_of(const rbdi_terms *g, int which, int t) {
     if (which == RBDI_EQUIDISTANT) return t * g->stride;
     return which == RBDI_OWN ? g->node[t].row : g->start[t];
 }
+
 RBDI_INLINE rbd_real rbdi_factor_of(const rbdi_terms *g, int which, int t, const rbd_real *row) {
     if (which == RBDI_OWN) return g->x[t] * row[g->d];
     return g->x[which == RBDI_DESCENDANTS ? g->node[t].row : t];
@@ -4212,59 +4786,84 @@ RBDI_INLINE rbd_real rbdi_factor_of(const rbdi_terms *g, int which, int t, const
 RBDI_INLINE void rbdi_subtract_batches(rbdi_terms g, int which, int matrices, int batches, int last,
                                        rbd_real *y, rbd_real *z) {
     rbdi_batch sum[2][RBDI_ROW];
+
     RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
         const rbd_real *from = (a > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last);
         sum[a][b] = which == RBDI_FRESH ? rbdi_zero_batch() : *(const rbdi_batch *)from;
         if (which == RBDI_PATH) sum[a][b] = sum[a][b] * g.scale;
     }
+
     RBDI_UNROLL_TWO for (int i = 0; i < g.n; ++i) {
         const int t = which == RBDI_OWN || which == RBDI_DESCENDANTS ? g.n - 1 - i : i;
         const rbd_real *row = g.X + rbdi_start_of(&g, which, t),
                        *other = matrices > 1 ? g.Y + rbdi_start_of(&g, which, t) : row;
         const rbd_real x = rbdi_factor_of(&g, which, t, row);
+
         RBDI_ONE_INDEX(row);
         if (matrices > 1) RBDI_ONE_INDEX(other);
+
         RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
             const rbd_real *from = (a > 0 ? other : row) + (b < batches - 1 ? b * RBDI_BATCH : last);
             sum[a][b] = sum[a][b] - *(const rbdi_batch *)from * x;
         }
     }
+
     RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) *
         (rbdi_batch *)((a > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last)) = sum[a][b];
 }
+
 /* The same of one matrix with n columns, fewer than a batch. */
 RBDI_INLINE void rbdi_subtract_scalars(rbdi_terms g, int which, int n, rbd_real *y) {
     rbd_real sum[RBDI_BATCH];
+
     RBDI_UNROLL_ROW for (int b = 0; b < n; ++b) {
         sum[b] = which == RBDI_FRESH ? rbdi_zero() : y[b];
         if (which == RBDI_PATH) sum[b] = sum[b] * g.scale;
     }
+
     RBDI_UNROLL_TWO for (int i = 0; i < g.n; ++i) {
         const int t = which == RBDI_OWN || which == RBDI_DESCENDANTS ? g.n - 1 - i : i;
         const rbd_real *row = g.X + rbdi_start_of(&g, which, t), x = rbdi_factor_of(&g, which, t, row);
         RBDI_UNROLL_ROW for (int b = 0; b < n; ++b) sum[b] = sum[b] - row[b] * x;
     }
+
     RBDI_UNROLL_ROW for (int b = 0; b < n; ++b) y[b] = sum[b];
 }
 
 /* The same for any number of columns. */
 RBDI_INLINE void rbdi_subtract_columns(rbdi_terms g, int which, int n, rbd_real *y) {
-    for (int columns; n > 0; n -= columns, y += columns, g.X += columns, g.d -= columns) {
-        columns = n < RBDI_ROW * RBDI_BATCH ? n : RBDI_ROW * RBDI_BATCH;
+    while (n > 0) {
+        const int columns = n < RBDI_ROW * RBDI_BATCH ? n : RBDI_ROW * RBDI_BATCH;
         if (columns >= RBDI_BATCH)
-            RBDI_BY_NUMBER(batches, RBDI_ROW, (columns + RBDI_BATCH - 1) / RBDI_BATCH,
+            RBDI_BY_NUMBER(const int batches, RBDI_ROW, (columns + RBDI_BATCH - 1) / RBDI_BATCH,
                            rbdi_subtract_batches(g, which, 1, batches, columns - RBDI_BATCH, y, y))
         else
-            RBDI_BY_NUMBER(scalars, RBDI_BATCH - 1, columns, rbdi_subtract_scalars(g, which, scalars, y))
+            RBDI_BY_NUMBER(const int scalars, RBDI_BATCH - 1, columns,
+                           rbdi_subtract_scalars(g, which, scalars, y))
+
+        n -= columns;
+        y += columns;
+        g.X += columns;
+        g.d -= columns;
     }
 }
 
 /* y -= X' x, for the count x n matrix X. */
 RBDI_PART void rbdi_subtract_product(const rbd_real *x, const rbd_real *X, int count, int n, rbd_real *y) {
     rbdi_terms g;
-    g.X = X, g.x = x, g.n = count, g.d = 0, g.stride = n;
+    g.X = X;
+    g.x = x;
+    g.n = count;
+    g.d = 0;
+    g.stride = n;
     rbdi_subtract_columns(g, RBDI_EQUIDISTANT, n, y);
 }
+
+/* ==== src/dynamics/packed.h ==== */
+/* Interface: rbdi_factor, rbdi_invert, rbdi_solve, rbdi_solve_columns, rbdi_solve_forward, rbdi_solve_half,
+   rbdi_solve_transposed, rbdi_vector_forward, rbdi_vector_transposed */
+
+/* -- the factor, and what it solves -- */
 
 /* First U = D L: its row i is row i of M less L_ki U_k for all descendants k. Returns whether a pivot is in
    doubt. */
@@ -4275,77 +4874,110 @@ RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
 #ifdef RBDI_ROWS /* rbd-codegen: sums of rows are not recorded scalar by scalar */
     if (RBDI_ROWS(factor)(m, w, H)) return doubt;
 #endif
+
     for (int s = m->nv - 1; s >= 0; --s) {
         const rbdi_dof *dof = &m->dof[node[s].dof];
-        rbd_real *row = &H[node[s].row], whole; /* M_kk */
+        rbd_real *row = &H[node[s].row];
+        const rbd_real whole = row[dof->depth]; /* M_kk */
         rbdi_terms g;
-        g.X = H, g.x = inverse + s + 1, g.node = node + s + 1, g.n = node[s].descendants, g.d = dof->depth;
-        whole = row[dof->depth];
+
+        /* U_i = M_i - sum of L_ki U_k, L_ki = U_ki / D_k */
+        g.X = H;
+        g.x = inverse + s + 1;
+        g.node = node + s + 1;
+        g.n = node[s].descendants;
+        g.d = dof->depth;
         if (g.n > 0) rbdi_subtract_columns(g, RBDI_OWN, dof->depth + 1, row);
+
         doubt = rbdi_or(doubt, rbdi_less(row[dof->depth], whole * RBDI_DOUBT));
         w->pivot[node[s].dof] = row[dof->depth];
         inverse[s] = row[dof->depth] = rbdi_pivot_inverse(row[dof->depth], dof->scale, &doubt);
     }
+
+    /* L = D^-1 U */
     for (int k = 0; k < m->nv; ++k)
         rbdi_multiply(&H[m->dof[k].row], H[m->dof[k].row + m->dof[k].depth], m->dof[k].depth);
     return doubt;
 }
 
-/* Solves L' y = x, then L x = y / D. One array, by depth on a dof's path, has first the sums that its
-   descendants subtract, then the results on the path. It is stored as it is loaded, in batches and then
-   scalars: the processor would wait for a batch that was stored as scalars. */
-RBDI_INLINE void rbdi_vector_up(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
+/* Solves L' y = x, in place, from the leaves: y_i = x_i - sum over the descendants k of L_ki y_k. `path`, by
+   depth on a dof's path, has the sums that its descendants subtract. It is stored as it is loaded, in batches
+   and then scalars: the processor would wait for a batch that was stored as scalars. */
+RBDI_PART void rbdi_vector_transposed(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
     const rbdi_dof *dof = m->dof;
     rbd_real *path = w->F;
+
     rbdi_clear(path, m->nv + RBDI_BATCH);
     for (const rbdi_node *node = m->node + m->nv - 1; node >= m->node; --node) {
         const int d = dof[node->dof].depth;
         const rbd_real *l = L + node->row, y = x[node->dof] + path[d];
         int t = 0;
+
         x[node->dof] = y;
 #if RBDI_BATCH > 1
         for (; t + RBDI_BATCH <= d; t += RBDI_BATCH)
             *(rbdi_batch *)&path[t] = *(const rbdi_batch *)&path[t] - *(const rbdi_batch *)&l[t] * y;
+
         if (node->row + t <= m->nh - RBDI_BATCH) {
             rbdi_batch *rest = (rbdi_batch *)&path[t];
             *rest = rbdi_first_lanes(*rest - *(const rbdi_batch *)&l[t] * y, d - t);
             continue;
         }
 #endif
+
         for (; t < d; ++t) path[t] = path[t] - l[t] * y;
         path[d] = rbdi_zero();
     }
 }
-RBDI_INLINE void rbdi_vector_down(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
+
+/* Solves L x = y / D, in place, from the root: x_i = y_i / D_i - sum over the path of L_ij x_j. `path` has
+   the results on the path. */
+RBDI_PART void rbdi_vector_forward(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
     const rbdi_dof *dof = m->dof;
     rbd_real *path = w->F;
+
     for (const rbdi_node *node = m->node, *end = node + m->nv; node < end; ++node) {
         const int d = dof[node->dof].depth;
         const rbd_real *l = L + node->row;
         rbd_real even = x[node->dof] * l[d], odd = rbdi_zero(); /* two sums: none waits for the other */
         int t = 0;
-        for (; t + 1 < d; t += 2) even = even - path[t] * l[t], odd = odd - path[t + 1] * l[t + 1];
-        path[d] = x[node->dof] = t < d ? even - path[t] * l[t] + odd : even + odd;
+
+        for (; t + 1 < d; t += 2) {
+            even = even - path[t] * l[t];
+            odd = odd - path[t + 1] * l[t + 1];
+        }
+
+        if (t < d) even = even - path[t] * l[t];
+        x[node->dof] = even + odd;
+        path[d] = x[node->dof];
     }
 }
+
 RBDI_PART void rbdi_solve(const rbd_model *m, rbd_work *w, const rbd_real *L, rbd_real *x) {
-    rbdi_vector_up(m, w, L, x);
-    rbdi_vector_down(m, w, L, x);
+    rbdi_vector_transposed(m, w, L, x);
+    rbdi_vector_forward(m, w, L, x);
 }
 
 /* X = L'^-1 X, and so Y: n columns of one matrix or two, by so many batches, or (batches = 0) of one by
    scalars. */
-RBDI_INLINE void rbdi_columns_up(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride,
-                                 int matrices, int batches, int n, rbd_real *X, rbd_real *Y) {
+RBDI_INLINE void rbdi_columns_transposed(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride,
+                                         int matrices, int batches, int n, rbd_real *X, rbd_real *Y) {
     ptrdiff_t *start = w->start; /* by node */
     rbdi_terms g;
-    g.X = X, g.Y = Y;
+
+    g.X = X;
+    g.Y = Y;
+
     for (int s = m->nv - 1; s >= 0; --s) {
         const rbdi_node node = m->node[s];
+
         start[s] = node.dof * stride;
-        g.node = m->node + s + 1, g.start = start + s + 1, g.x = L + m->dof[node.dof].depth;
+        g.node = m->node + s + 1;
+        g.start = start + s + 1;
+        g.x = L + m->dof[node.dof].depth;
         g.n = node.descendants;
         if (g.n == 0) continue;
+
         if (batches > 0)
             rbdi_subtract_batches(g, RBDI_DESCENDANTS, matrices, batches, n - RBDI_BATCH, X + start[s],
                                   Y + start[s]);
@@ -4353,79 +4985,98 @@ RBDI_INLINE void rbdi_columns_up(const rbd_model *m, rbd_work *w, const rbd_real
             rbdi_subtract_scalars(g, RBDI_DESCENDANTS, n, X + start[s]);
     }
 }
+
 /* Then X = sign L^-1 D^-1 X, and so Y. */
-RBDI_INLINE void rbdi_columns_down(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign,
-                                   ptrdiff_t stride, int matrices, int batches, int n, rbd_real *X,
-                                   rbd_real *Y) {
+RBDI_INLINE void rbdi_columns_forward(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign,
+                                      ptrdiff_t stride, int matrices, int batches, int n, rbd_real *X,
+                                      rbd_real *Y) {
     ptrdiff_t *path = w->start; /* of a dof's path, by depth */
     rbdi_terms g;
-    g.X = X, g.Y = Y, g.start = path;
+
+    g.X = X;
+    g.Y = Y;
+    g.start = path;
+
     for (int s = 0; s < m->nv; ++s) {
         const rbdi_node node = m->node[s];
         const ptrdiff_t own = node.dof * stride;
-        g.x = L + node.row, g.n = m->dof[node.dof].depth;
+
+        g.x = L + node.row;
+        g.n = m->dof[node.dof].depth;
         g.scale = sign < 0 ? -g.x[g.n] : g.x[g.n];
         path[g.n] = own;
+
         if (batches > 0)
             rbdi_subtract_batches(g, RBDI_PATH, matrices, batches, n - RBDI_BATCH, X + own, Y + own);
         else
             rbdi_subtract_scalars(g, RBDI_PATH, n, X + own);
     }
 }
-/* The two of one matrix with any number of columns. */
-RBDI_PART void rbdi_solve_up(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride, int n,
-                             rbd_real *X) {
-    for (int columns; n > 0; n -= columns, X += columns) {
-        columns = n < RBDI_ROW * RBDI_BATCH ? n : RBDI_ROW * RBDI_BATCH;
-        if (columns >= RBDI_BATCH)
-            RBDI_BY_NUMBER(batches, RBDI_ROW, (columns + RBDI_BATCH - 1) / RBDI_BATCH,
-                           rbdi_columns_up(m, w, L, stride, 1, batches, columns, X, X))
-        else
-            RBDI_BY_NUMBER(scalars, RBDI_BATCH - 1, columns,
-                           rbdi_columns_up(m, w, L, stride, 1, 0, scalars, X, X))
-    }
-}
-RBDI_PART void rbdi_solve_down(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign, ptrdiff_t stride,
-                               int n, rbd_real *X) {
-    for (int columns; n > 0; n -= columns, X += columns) {
-        columns = n < RBDI_ROW * RBDI_BATCH ? n : RBDI_ROW * RBDI_BATCH;
-        if (columns >= RBDI_BATCH)
-            RBDI_BY_NUMBER(batches, RBDI_ROW, (columns + RBDI_BATCH - 1) / RBDI_BATCH,
-                           rbdi_columns_down(m, w, L, sign, stride, 1, batches, columns, X, X))
-        else
-            RBDI_BY_NUMBER(scalars, RBDI_BATCH - 1, columns,
-                           rbdi_columns_down(m, w, L, sign, stride, 1, 0, scalars, X, X))
-    }
-}
-/* Both of two matrices with at most half of RBDI_ROW batches of columns. */
-RBDI_PART void rbdi_solve_two(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign, ptrdiff_t stride,
-                              int n, rbd_real *X, rbd_real *Y) {
-    RBDI_BY_NUMBER(batches, RBDI_ROW / 2, (n + RBDI_BATCH - 1) / RBDI_BATCH,
-                   (rbdi_columns_up(m, w, L, stride, 2, batches, n, X, Y),
-                    rbdi_columns_down(m, w, L, sign, stride, 2, batches, n, X, Y)));
+
+/* One of the two, of columns that are a number of batches (or of scalars, with batches = 0). */
+RBDI_INLINE void rbdi_columns_half(const rbd_model *m, rbd_work *w, const rbd_real *L, int transposed,
+                                   int sign, ptrdiff_t stride, int matrices, int batches, int n, rbd_real *X,
+                                   rbd_real *Y) {
+    if (transposed)
+        rbdi_columns_transposed(m, w, L, stride, matrices, batches, n, X, Y);
+    else
+        rbdi_columns_forward(m, w, L, sign, stride, matrices, batches, n, X, Y);
 }
 
-/* X = sign M^-1 X, and Y likewise unless it is NULL: n columns, with rows a stride apart. */
-RBDI_PART void rbdi_solve_columns(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign,
-                                  ptrdiff_t stride, int n, rbd_real *X, rbd_real *Y) {
-#ifdef RBDI_ROWS
-    if (RBDI_ROWS(solve)(m, L, sign, stride, n, X, Y)) return;
-#endif
-    if (Y && n >= RBDI_BATCH && 2 * n <= RBDI_ROW * RBDI_BATCH) {
-        rbdi_solve_two(m, w, L, sign, stride, n, X, Y);
-        return;
+/* The same of any number of columns of one matrix, or of at most half of RBDI_ROW batches of columns of two.
+   */
+RBDI_INLINE void rbdi_solve_half(const rbd_model *m, rbd_work *w, const rbd_real *L, int transposed, int sign,
+                                 ptrdiff_t stride, int matrices, int n, rbd_real *X, rbd_real *Y) {
+    while (n > 0) {
+        const int columns = n < RBDI_ROW * RBDI_BATCH ? n : RBDI_ROW * RBDI_BATCH;
+
+        if (matrices > 1 || columns >= RBDI_BATCH)
+            RBDI_BY_NUMBER(
+                const int batches, RBDI_ROW / matrices, (columns + RBDI_BATCH - 1) / RBDI_BATCH,
+                rbdi_columns_half(m, w, L, transposed, sign, stride, matrices, batches, columns, X, Y))
+        else
+            RBDI_BY_NUMBER(const int scalars, RBDI_BATCH - 1, columns,
+                           rbdi_columns_half(m, w, L, transposed, sign, stride, 1, 0, scalars, X, X))
+        n -= columns;
+        X += columns;
+        Y += columns;
     }
-    rbdi_solve_up(m, w, L, stride, n, X);
-    rbdi_solve_down(m, w, L, sign, stride, n, X);
-    if (Y) rbdi_solve_up(m, w, L, stride, n, Y);
-    if (Y) rbdi_solve_down(m, w, L, sign, stride, n, Y);
+}
+
+/* X = L'^-1 X: n columns, with rows a stride apart. */
+RBDI_PART void rbdi_solve_transposed(const rbd_model *m, rbd_work *w, const rbd_real *L, ptrdiff_t stride,
+                                     int n, rbd_real *X) {
+    rbdi_solve_half(m, w, L, 1, 1, stride, 1, n, X, X);
+}
+
+/* X = sign L^-1 D^-1 X. */
+RBDI_PART void rbdi_solve_forward(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign,
+                                  ptrdiff_t stride, int n, rbd_real *X) {
+    rbdi_solve_half(m, w, L, 0, sign, stride, 1, n, X, X);
+}
+
+/* X = sign M^-1 X: n columns, with rows a stride apart. */
+RBDI_PART void rbdi_solve_columns(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign,
+                                  ptrdiff_t stride, int n, rbd_real *X) {
+#ifdef RBDI_ROWS
+    if (RBDI_ROWS(solve)(m, L, sign, stride, n, X, NULL)) return;
+#endif
+
+    rbdi_solve_transposed(m, w, L, stride, n, X);
+    rbdi_solve_forward(m, w, L, sign, stride, n, X);
 }
 
 /* Copies k entries of a row into a column of a matrix with n columns. */
 RBDI_INLINE void rbdi_mirror(const rbd_real *row, ptrdiff_t n, int k, rbd_real *column) {
     const rbd_real *end = row + k;
-    for (; end - row >= 4; row += 4, column += 4 * n)
-        column[0] = row[0], column[n] = row[1], column[2 * n] = row[2], column[3 * n] = row[3];
+
+    for (; end - row >= 4; row += 4, column += 4 * n) {
+        column[0] = row[0];
+        column[n] = row[1];
+        column[2 * n] = row[2];
+        column[3 * n] = row[3];
+    }
+
     for (; row != end; ++row, column += n) *column = *row;
 }
 
@@ -4439,20 +5090,34 @@ RBDI_PART void rbdi_invert(const rbd_model *m, rbd_work *w, const rbd_real *L, r
 #ifdef RBDI_ROWS
     if (RBDI_ROWS(invert)(m, L, Z)) return;
 #endif
+
     for (int k = 0; k < n; ++k, row += n) {
         const rbd_real *l = &L[m->dof[k].row];
         const int d = m->dof[k].depth;
         rbd_real even = l[d], odd = rbdi_zero();
         rbdi_terms g;
         int i = m->dof[k].lambda, t = d;
+
+        /* the path differs from that of dof k - 1 in its last entries alone */
         for (; t > 0 && (t > before || path[t - 1] != i * n); i = m->dof[i].lambda) path[--t] = i * n;
         before = d;
-        g.X = Z, g.start = path, g.x = l, g.n = d, g.d = 0;
+
+        /* Z_kj for j < k, and column k */
+        g.X = Z;
+        g.start = path;
+        g.x = l;
+        g.n = d;
+        g.d = 0;
         rbdi_subtract_columns(g, RBDI_FRESH, k, row);
         rbdi_mirror(row, n, k, Z + k);
-        for (t = 0; t + 1 < d; t += 2)
-            even = even - l[t] * Z[path[t] + k], odd = odd - l[t + 1] * Z[path[t + 1] + k];
-        row[k] = t < d ? even - l[t] * Z[path[t] + k] + odd : even + odd;
+
+        /* Z_kk */
+        for (t = 0; t + 1 < d; t += 2) {
+            even = even - l[t] * Z[path[t] + k];
+            odd = odd - l[t + 1] * Z[path[t + 1] + k];
+        }
+        if (t < d) even = even - l[t] * Z[path[t] + k];
+        row[k] = even + odd;
     }
 }
 
@@ -4500,6 +5165,7 @@ RBDI_PART void rbdi_check_pivot(rbd_work *w, int k, rbd_real e, rbdi_mask doubt)
 RBDI_PART rbd_status rbdi_pivot_status(const rbd_model *m, rbd_work *w, rbd_real *x, int n) {
     const rbd_real half = rbdi_set(RBD_C(0.5)), o = rbdi_zero();
     rbdi_mask good = rbdi_less(o, half), number = good;
+
     w->singular = -1;
     for (int k = m->nv - 1; k >= 0; --k) {
         const rbdi_mask ok = rbdi_less(half, w->pivot[k]);
@@ -4508,8 +5174,10 @@ RBDI_PART rbd_status rbdi_pivot_status(const rbd_model *m, rbd_work *w, rbd_real
         w->singular = k;
         number = rbdi_less(-half, w->pivot[k]);
     }
+
     for (int k = 0; k < n; ++k) x[k] = rbdi_select(good, x[k], o);
     if (w->singular < 0) return RBD_OK;
+
     return rbdi_any(rbdi_not(number)) ? RBD_ERR_NAN : RBD_ERR_SINGULAR;
 }
 
@@ -4519,10 +5187,10 @@ RBDI_PART rbd_status rbdi_pivot_status(const rbd_model *m, rbd_work *w, rbd_real
 RBDI_COLD void rbdi_body_inertia(const rbd_model *m, int b, rbd_real own[6]) {
     const rbdi_frame *u = &m->frame[b];
     const rbdi_mat E = rbdi_mat_c(u->E);
-    const rbdi_v3 user = rbdi_vec_c(m->frame[m->dof[m->link[u->link].iv].body].r), r = rbdi_vec_c(u->r),
-                  c = rbdi_mul_t(E, rbdi_vec_c(u->com)), p = rbdi_add(r, c);
+    const rbdi_v3 user = rbdi_vec_c(m->frame[m->dof[m->link[u->link].iv].body].r);
+    const rbdi_v3 r = rbdi_vec_c(u->r), com = rbdi_mul_t(E, rbdi_vec_c(u->com)), p = rbdi_add(r, com);
     const rbd_real mass = rbdi_set(u->mass);
-    const rbd_real levers = rbdi_dot(r, r) + rbdi_dot(c, c) + rbdi_dot(user, user);
+    const rbd_real levers = rbdi_dot(r, r) + rbdi_dot(com, com) + rbdi_dot(user, user);
 
     const rbdi_sym S = rbdi_sym_up(E, rbdi_sym_c(u->I));
     const rbd_real xx = rbdi_abs(S.xx), yy = rbdi_abs(S.yy), zz = rbdi_abs(S.zz);
@@ -4569,10 +5237,12 @@ RBDI_COLD void rbdi_check_factor(const rbd_model *m, rbd_work *w, const rbd_real
             const rbd_real factor = L[m->dof[k].row + t];
             K[i] = K[i] + factor * factor * rbdi_abs(w->pivot[k]);
         }
+
     rbdi_add_links(m, K);
 
     for (int k = 0; k < n; ++k) {
         rbd_real e = K[k] + m->dof[k].armature;
+
         y[k] = rbdi_set(RBD_C(1));
         for (int j = k + 1; j < n; ++j) {
             const rbd_real *row = &L[m->dof[j].row];
@@ -4581,6 +5251,7 @@ RBDI_COLD void rbdi_check_factor(const rbd_model *m, rbd_work *w, const rbd_real
                 y[j] = y[j] - row[t] * y[i];
             e = e + y[j] * y[j] * K[j];
         }
+
         rbdi_check_pivot(w, k, e, doubt);
     }
 }
@@ -4612,6 +5283,7 @@ RBDI_INLINE rbd_status rbdi_factor_status(const rbd_model *m, rbd_work *w, const
 RBDI_COLD void rbdi_pivot_axis(const rbd_model *m, const rbd_work *w, int i, int k, rbd_real S[6],
                                rbd_real V[6]) {
     const rbdi_link *l = &m->link[i];
+
     for (int j = 0; j < 6; ++j) S[j] = rbdi_zero();
 
     if (rbdi_is(l, RBDI_BLOCK)) {
@@ -4621,6 +5293,7 @@ RBDI_COLD void rbdi_pivot_axis(const rbd_model *m, const rbd_work *w, int i, int
         for (int j = 0; j < 6; ++j) V[j] = j < end ? w->block[l->block].U_D[k][j] : S[j];
         return;
     }
+
     S[2] = rbdi_set(l->rho);
     S[5] = rbdi_set(l->kappa);
     rbdi_store_force(V, 1, w->scratch[i].U_D);
@@ -4630,6 +5303,7 @@ RBDI_COLD void rbdi_pivot_axis(const rbd_model *m, const rbd_work *w, int i, int
 /* K becomes P' K P + V G V'. Returns S' K S. */
 RBDI_COLD rbd_real rbdi_give_way(rbd_real K[6][6], const rbd_real S[6], const rbd_real V[6], rbd_real G) {
     rbd_real KS[6], e = rbdi_zero();
+
     for (int i = 0; i < 6; ++i) {
         KS[i] = rbdi_zero();
         for (int j = 0; j < 6; ++j) KS[i] = KS[i] + K[i][j] * S[j];
@@ -4663,6 +5337,7 @@ RBDI_COLD rbdi_pose rbdi_pose_in_parent(const rbd_model *m, const rbd_work *w, i
         axis[j] = rbdi_set(RBD_C(1));
         rbdi_store_vec(column[j], 1, rbdi_down(l, flags, t, rbdi_load_vec(axis, 1)));
     }
+
     X.E.xx = column[0][0];
     X.E.xy = column[1][0];
     X.E.xz = column[2][0];
@@ -4690,6 +5365,7 @@ RBDI_COLD void rbdi_check_link(const rbd_model *m, rbd_work *w, int i, rbdi_mask
     const rbdi_link *l = &m->link[i];
     rbd_real own[6], S[6], V[6];
     rbdi_pose X;
+
     for (int b = 0; b < m->nb; ++b) {
         if (m->frame[b].link != i) continue;
         rbdi_body_inertia(m, b, own);
@@ -4706,6 +5382,7 @@ RBDI_COLD void rbdi_check_link(const rbd_model *m, rbd_work *w, int i, rbdi_mask
     }
 
     if (l->parent < 0) return;
+
     X = rbdi_pose_in_parent(m, w, i);
     rbdi_add_rounding(K, 0);
     rbdi_add_rounding(K, 3);
@@ -4715,23 +5392,28 @@ RBDI_COLD void rbdi_check_link(const rbd_model *m, rbd_work *w, int i, rbdi_mask
 /* Checks the pivots of the last pass 2. */
 RBDI_COLD void rbdi_check_bodies(const rbd_model *m, rbd_work *w, rbdi_mask doubt) {
     rbd_real K[6][6];
+
     for (int k = 0; k < m->nbranch; ++k) w->branch[k].I = rbdi_abi_zero();
     rbdi_clear(K[0], 36);
 
     for (int i = m->nl - 1; i >= 0; --i) {
         const rbdi_link *l = &m->link[i];
+
         if (l->branch >= 0) {
             rbd_real L[6][6];
             rbdi_abi_to_array(w->branch[l->branch].I, L);
             for (int r = 0; r < 6; ++r)
-                for (int c = 0; c < 6; ++c) K[r][c] = K[r][c] + L[r > c ? r : c][r > c ? c : r];
+                for (int s = 0; s < 6; ++s) K[r][s] = K[r][s] + L[r > s ? r : s][r > s ? s : r];
         }
+
         rbdi_check_link(m, w, i, doubt, K);
         if (l->parent == i - 1) continue;
+
         if (l->parent >= 0) {
             rbdi_branch *branch = &w->branch[m->link[l->parent].branch];
             branch->I = rbdi_abi_add(branch->I, rbdi_abi_from_array(K));
         }
+
         rbdi_clear(K[0], 36);
     }
 }
@@ -4758,12 +5440,17 @@ RBDI_INLINE rbd_status rbdi_aba_status(const rbd_model *m, rbd_work *w, rbdi_mas
 RBDI_PART rbdi_mask rbdi_eliminate_free(const rbd_model *m, rbd_work *w, const unsigned char *prescribed,
                                         rbd_real *H, rbd_real *x) {
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
+
     for (int k = m->nv - 1; k >= 0; --k) {
         const rbdi_dof *dof = &m->dof[k];
         rbd_real *row = &H[dof->row], inverse;
         if (prescribed[k]) continue;
+
         w->pivot[k] = row[dof->depth];
-        inverse = row[dof->depth] = rbdi_pivot_inverse(w->pivot[k], dof->scale, &doubt);
+        inverse = rbdi_pivot_inverse(w->pivot[k], dof->scale, &doubt);
+        row[dof->depth] = inverse;
+
+        /* of each free dof i on the path: l = L_ki, row i -= l row k, x_i -= l x_k */
         for (int t = dof->depth - 1, i = dof->lambda; t >= 0; --t, i = m->dof[i].lambda) {
             rbd_real *to = &H[m->dof[i].row];
             const rbd_real l = row[t] * inverse;
@@ -4774,6 +5461,7 @@ RBDI_PART rbdi_mask rbdi_eliminate_free(const rbd_model *m, rbd_work *w, const u
             x[i] = x[i] - l * x[k];
         }
     }
+
     return doubt;
 }
 
@@ -4784,13 +5472,15 @@ RBDI_PART void rbdi_substitute_free(const rbd_model *m, const unsigned char *pre
         const rbdi_dof *dof = &m->dof[k];
         const rbd_real *row = &H[dof->row];
         rbd_real sum = rbdi_zero();
+
         for (int t = dof->depth - 1, i = dof->lambda; t >= 0; --t, i = m->dof[i].lambda)
             if (!prescribed[i]) sum = sum + row[t] * a[i];
         if (prescribed[k]) {
             tau[k] = x[k] + sum;
             continue;
         }
-        a[k] = x[k] * row[dof->depth] - sum;
+
+        a[k] = x[k] * row[dof->depth] - sum; /* x_k / D_k - sum of L_ki a_i */
         for (int t = dof->depth - 1, i = dof->lambda; t >= 0; --t, i = m->dof[i].lambda)
             if (prescribed[i]) tau[i] = tau[i] + row[t] * a[k];
     }
@@ -4806,6 +5496,7 @@ RBDI_COLD rbd_status rbdi_check_free(const rbd_model *m, rbd_work *w, const unsi
         for (int t = m->dof[k].depth - 1, i = m->dof[k].lambda; t >= 0; --t, i = m->dof[i].lambda)
             if (prescribed[k] || prescribed[i]) row[t] = rbdi_zero();
     }
+
     rbdi_check_factor(m, w, w->H, doubt);
     for (int k = 0; k < m->nv; ++k)
         if (prescribed[k]) w->pivot[k] = rbdi_set(RBD_C(1)); /* good */
@@ -4819,17 +5510,22 @@ RBDI_API rbd_status rbd_hybrid(const rbd_model *m, rbd_work *w, const rbd_real *
     const rbd_status status = rbdi_check(m, w, q && v && given && a && tau);
     rbdi_mask doubt;
     if (status) return status;
+
+    /* c = tau at a_p and a_f = 0 */
     for (int k = 0; k < m->nv; ++k)
         if (!given[k]) a[k] = rbdi_zero();
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
     rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), rbdi_expand_v(m, a, w->ax), f_ext,
               rbdi_mimics(m) ? w->tx : w->bias);
     rbdi_reduce_tau(m, w->tx, w->bias);
+
+    /* M_ff a_f = tau_f - c_f,  tau_p = c_p + M_pf a_f */
     for (int k = 0; k < m->nv; ++k)
         if (!given[k]) w->bias[k] = tau[k] - w->bias[k];
     rbdi_crba_of_joints(m, w, w->H);
     doubt = rbdi_eliminate_free(m, w, given, w->H, w->bias);
     rbdi_substitute_free(m, given, w->H, w->bias, a, tau);
+
     w->singular = -1;
     return rbdi_any(doubt) ? rbdi_check_free(m, w, given, doubt, a, tau) : RBD_OK;
 }
@@ -4846,6 +5542,7 @@ RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
 #ifndef RBD_NO_CHOLESKY
     if (rbdi_mimics(m)) return rbd_fd_cholesky(m, w, q, v, tau, f_ext, a);
 #endif
+
     rbdi_joints(m, w, q);
     rbdi_aba_velocities(m, w, v, 0);
     rbdi_external(m, w, f_ext);
@@ -4860,6 +5557,7 @@ RBDI_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_r
     rbdi_mask doubt;
     const rbd_status status = rbdi_check(m, w, q && v && tau && a);
     if (status) return status;
+
     rbd_crba_packed(m, w, q, w->H);
     doubt = rbdi_factor(m, w, w->H);
     rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), w->zero, f_ext, rbdi_mimics(m) ? w->tx : w->bias);
@@ -4880,12 +5578,14 @@ RBDI_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, 
 RBDI_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *M, rbd_real *L) {
     const rbd_status status = rbdi_check(m, w, M && L);
     if (status) return status;
+
     for (int i = 0; i < m->nv; ++i) { /* L may be M, because packed rows end before the full ones do */
         const int depth = m->dof[i].depth;
         rbd_real *row = &L[m->dof[i].row];
         for (int t = depth, j = i; t >= 0; --t, j = m->dof[j].lambda) w->bias[t] = M[i * m->nv + j];
         for (int t = 0; t <= depth; ++t) row[t] = w->bias[t];
     }
+
     return rbd_cholesky_factor_packed(m, w, L);
 }
 
@@ -4904,7 +5604,7 @@ RBDI_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, con
     if (status) return status;
     if (n <= 0) return RBD_OK;
     for (ptrdiff_t k = 0; X != B && k < (ptrdiff_t)m->nv * n; ++k) X[k] = B[k];
-    rbdi_solve_columns(m, w, L, 1, n, n, X, NULL);
+    rbdi_solve_columns(m, w, L, 1, n, n, X);
     return RBD_OK;
 }
 
@@ -4926,87 +5626,51 @@ RBDI_CODE_END
 RBDI_CODE_BEGIN
 
 /* ==== src/motion/axes.h ==== */
-/* Interface: rbdi_axes, rbdi_axes_block, rbdi_axes_step, rbdi_axis_vec, rbdi_load_axes, rbdi_set_axis,
-   rbdi_world_axes */
+/* Interface: rbdi_pose_block, rbdi_pose_step, rbdi_world_pose */
 
-/* ---- axes and origins of links [axes] ---- */
+/* ---- axes and origins of links [axes] ----
+   Poses of links in one frame, that of the world or of a base: the rows of E are a link's axes, r is its
+   origin. */
 
-/* Axes and origin of a link, in the axes of the world or of a base. */
-typedef struct rbdi_axes {
-    rbdi_four x, y, z, origin;
-} rbdi_axes;
-/* A vector to and from a rbdi_four; the fourth is not used. */
-RBDI_INLINE void rbdi_set_axis(rbdi_four *a, rbdi_v3 v) { rbdi_set_four(a, v.x, v.y, v.z, v.z); }
-RBDI_INLINE rbdi_v3 rbdi_axis_vec(const rbdi_four *a) {
-    return rbdi_vec(rbdi_one_of(a, 0), rbdi_one_of(a, 1), rbdi_one_of(a, 2));
+/* The pose of that frame itself. */
+RBDI_INLINE rbdi_pose rbdi_world_pose(void) {
+    const rbd_real o = rbdi_zero(), one = rbdi_set(RBD_C(1));
+    rbdi_pose p;
+    p.E = rbdi_mat_of(one, o, o, o, one, o, o, o, one);
+    p.r = rbdi_vec0();
+    return p;
 }
 
-/* From a pose, and back. */
-RBDI_INLINE void rbdi_load_axes(rbdi_axes *p, const rbdi_pose *X) {
-    rbdi_set_axis(&p->x, rbdi_vec(X->E.xx, X->E.xy, X->E.xz));
-    rbdi_set_axis(&p->y, rbdi_vec(X->E.yx, X->E.yy, X->E.yz));
-    rbdi_set_axis(&p->z, rbdi_vec(X->E.zx, X->E.zy, X->E.zz));
-    rbdi_set_axis(&p->origin, X->r);
-}
-RBDI_INLINE void rbdi_store_axes(rbdi_pose *X, const rbdi_axes *p) {
-    rbdi_put_four(&X->E.xx, &p->x); /* the fourth goes to the next row, which is stored next */
-    rbdi_put_four(&X->E.yx, &p->y);
-    X->E.zx = rbdi_one_of(&p->z, 0);
-    X->E.zy = rbdi_one_of(&p->z, 1);
-    X->E.zz = rbdi_one_of(&p->z, 2);
-    X->r = rbdi_axis_vec(&p->origin);
-}
-/* The world's own axes, with its origin. */
-RBDI_INLINE void rbdi_world_axes(rbdi_axes *p) {
-    const rbd_real one = rbdi_set(RBD_C(1)), o = rbdi_zero();
-    rbdi_set_axis(&p->x, rbdi_vec(one, o, o));
-    rbdi_set_axis(&p->y, rbdi_vec(o, one, o));
-    rbdi_set_axis(&p->z, rbdi_vec(o, o, one));
-    rbdi_set_axis(&p->origin, rbdi_vec(o, o, o));
-}
+/* The pose of a one-axis link from its parent's, p: E = turns E_p, r = r_p + E_p' r_l + E' d z. A root keeps
+   the origin. */
+RBDI_INLINE rbdi_pose rbdi_pose_step(const rbdi_link *l, int flags, rbdi_trig t, rbdi_pose p) {
+    rbdi_v3 x = rbdi_vec(p.E.xx, p.E.yx, p.E.zx); /* the columns of E: the frame's axes in the link's */
+    rbdi_v3 y = rbdi_vec(p.E.xy, p.E.yy, p.E.zy);
+    rbdi_v3 z = rbdi_vec(p.E.xz, p.E.yz, p.E.zz);
 
-/* Turns the axes a, b in their plane, as rbdi_turn_z turns x, y. */
-RBDI_INLINE void rbdi_turn_axes(int flags, rbd_real c, rbd_real s, rbdi_four *a, rbdi_four *b) {
-    const rbdi_four from = *a;
-    if (flags & RBDI_TWIST_0) return;
-    if (flags & RBDI_TWIST_90) {
-        *a = *b;
-        rbdi_scale_four(b, rbdi_set(RBD_C(-1)), &from);
-        return;
-    }
-    rbdi_scale_four(a, c, a);
-    rbdi_add_four(a, s, b);
-    rbdi_scale_four(b, c, b);
-    rbdi_add_four(b, -s, &from);
-}
-
-/* The parent's axes and origin become those of a one-axis link; a root keeps the origin. */
-RBDI_INLINE void rbdi_axes_step(const rbdi_link *l, int flags, rbdi_trig t, rbdi_axes *p) {
     if ((flags & RBDI_SHIFT_R) && !(flags & RBDI_ROOT)) {
-        rbdi_add_four(&p->origin, rbdi_set(l->r.x), &p->x);
+        p.r = rbdi_add(p.r, rbdi_scale(rbdi_set(l->r.x), rbdi_vec(p.E.xx, p.E.xy, p.E.xz)));
         if (flags & RBDI_SHIFT_XYZ) {
-            rbdi_add_four(&p->origin, rbdi_set(l->r.y), &p->y);
-            rbdi_add_four(&p->origin, rbdi_set(l->r.z), &p->z);
+            p.r = rbdi_add(p.r, rbdi_scale(rbdi_set(l->r.y), rbdi_vec(p.E.yx, p.E.yy, p.E.yz)));
+            p.r = rbdi_add(p.r, rbdi_scale(rbdi_set(l->r.z), rbdi_vec(p.E.zx, p.E.zy, p.E.zz)));
         }
     }
-    if (flags & RBDI_BRANCH_TURN) rbdi_turn_axes(0, rbdi_set(l->cb), rbdi_set(l->sb), &p->x, &p->y);
-    rbdi_turn_axes(flags, rbdi_set(l->ca), rbdi_set(l->sa), &p->y, &p->z);
-    rbdi_turn_axes(0, t.c, t.s, &p->x, &p->y);
-    if ((flags & RBDI_SHIFT_Z) && !(flags & RBDI_ROOT)) rbdi_add_four(&p->origin, t.d, &p->z);
+
+    x = rbdi_down(l, flags, t, x);
+    y = rbdi_down(l, flags, t, y);
+    z = rbdi_down(l, flags, t, z);
+    p.E = rbdi_mat_of(x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z);
+
+    if ((flags & RBDI_SHIFT_Z) && !(flags & RBDI_ROOT))
+        p.r = rbdi_add(p.r, rbdi_scale(t.d, rbdi_vec(p.E.zx, p.E.zy, p.E.zz)));
+    return p;
 }
 
-/* The same of a block. */
-RBDI_INLINE void rbdi_axes_block(const rbdi_pose *X, int root, rbdi_axes *p) {
-    const rbdi_four x = p->x, y = p->y, z = p->z;
-    if (!root) rbdi_add_four(&p->origin, X->r.x, &x);
-    if (!root) rbdi_add_four(&p->origin, X->r.y, &y);
-    if (!root) rbdi_add_four(&p->origin, X->r.z, &z);
-    rbdi_scale_four(&p->x, X->E.xx, &x), rbdi_add_four(&p->x, X->E.xy, &y);
-    rbdi_scale_four(&p->y, X->E.yx, &x), rbdi_add_four(&p->y, X->E.yy, &y);
-    rbdi_scale_four(&p->z, X->E.zx, &x), rbdi_add_four(&p->z, X->E.zy, &y);
-    rbdi_add_four(&p->x, X->E.xz, &z);
-    rbdi_add_four(&p->y, X->E.yz, &z);
-    rbdi_add_four(&p->z, X->E.zz, &z);
+/* The same of a block with the pose X in its parent. */
+RBDI_INLINE rbdi_pose rbdi_pose_block(const rbdi_pose *X, rbdi_pose p) {
+    p.r = rbdi_add(p.r, rbdi_mul_t(p.E, X->r));
+    p.E = rbdi_mul_mat(X->E, p.E);
+    return p;
 }
 
 /* ==== src/motion/kinematics.h ==== */
@@ -5022,49 +5686,52 @@ RBDI_INLINE int rbdi_carries(const rbd_model *m, int i, int j) {
 
 /* Velocity of the parent-fixed point at r, both in the parent's axes. */
 RBDI_INLINE rbdi_v3 rbdi_parent_velocity(const rbd_work *w, const rbdi_link *l, rbdi_v3 r) {
-    const rbdi_kin *up = &w->kin[l->parent < 0 ? 0 : l->parent];
-    return l->parent < 0 ? rbdi_vec0() : rbdi_add(up->v, rbdi_cross(up->state.omega, r));
+    const rbdi_kin *parent = &w->kin[l->parent < 0 ? 0 : l->parent];
+    return l->parent < 0 ? rbdi_vec0() : rbdi_add(parent->v, rbdi_cross(parent->state.omega, r));
 }
 
-/* World pose of link i and, if moving, velocity of its origin; its angular velocity is known. axes: the
-   parent's axes and origin, which become the link's. */
-RBDI_INLINE void rbdi_kin_axis(const rbd_work *w, const rbdi_link *l, rbdi_kin *k, int flags, rbdi_trig t,
-                               const rbd_real *v, int moving, rbdi_axes *axes) {
-    rbdi_axes_step(l, flags & ~RBDI_ROOT, t, axes);
-    rbdi_store_axes(&k->X, axes);
-    if (!moving) return;
+/* World pose of link i, from its parent's, p; if moving, the velocity of its origin too. Its angular velocity
+   is known. */
+RBDI_INLINE rbdi_pose rbdi_kin_axis(const rbd_work *w, const rbdi_link *l, rbdi_kin *k, int flags,
+                                    rbdi_trig t, const rbd_real *v, int moving, rbdi_pose p) {
+    p = rbdi_pose_step(l, flags & ~RBDI_ROOT, t, p);
+    k->X = p;
+    if (!moving) return p;
+
     k->v = rbdi_down(l, flags, t, rbdi_parent_velocity(w, l, rbdi_vec_c(l->r)));
     if (flags & RBDI_SHIFT_Z) {
         k->v.x = k->v.x + t.d * k->state.omega.y;
         k->v.y = k->v.y - t.d * k->state.omega.x;
     }
     if (flags & RBDI_SLIDES) k->v.z = k->v.z + v[l->iv] * l->kappa;
+    return p;
 }
 
 /* The same of the links first .. end - 1. */
 static void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *v,
                            int moving) {
-    const rbdi_link *const link = m->link; /* stores of vectors would make the compiler load them anew */
-    rbdi_kin *const kin = w->kin;
-    rbdi_axes axes;
-    rbdi_world_axes(&axes);
+    rbdi_pose p = rbdi_world_pose();
+
     for (int i = first; i < end; ++i) {
-        const rbdi_link *l = &link[i];
-        rbdi_kin *k = &kin[i];
+        const rbdi_link *l = &m->link[i];
+        rbdi_kin *k = &w->kin[i];
+
         if (l->parent < 0)
-            rbdi_world_axes(&axes);
+            p = rbdi_world_pose();
         else if (l->parent != i - 1)
-            rbdi_load_axes(&axes, &kin[l->parent].X);
+            p = w->kin[l->parent].X;
+
         if (rbdi_is(l, RBDI_BLOCK)) {
             const rbdi_pose *X = &w->block[l->block].X;
-            rbdi_axes_block(X, 0, &axes);
-            rbdi_store_axes(&k->X, &axes);
+            p = rbdi_on_world(l) ? *X : rbdi_pose_block(X, p);
+            k->X = p;
             if (moving)
                 k->v = rbdi_add(rbdi_mul(X->E, rbdi_parent_velocity(w, l, X->r)),
                                 rbdi_block_motion(rbdi_block_of(m, l), &v[l->iv]).v);
-        } else
-            RBDI_BY_FLAGS(flags, l,
-                          rbdi_kin_axis(w, l, k, flags, rbdi_trig_of(m, w, i, flags), v, moving, &axes));
+        } else {
+            RBDI_BY_FLAGS(const int flags, l,
+                          p = rbdi_kin_axis(w, l, k, flags, rbdi_trig_of(m, w, i, flags), v, moving, p));
+        }
     }
 }
 
@@ -5080,6 +5747,7 @@ RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_re
                                    const rbd_real *a) {
     const rbd_status status = rbdi_check(m, w, q != NULL);
     if (status) return status;
+
     w->moving = v || a;
     v = v ? rbdi_expand_v(m, v, w->vx) : w->zero;
     a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
@@ -5100,6 +5768,7 @@ RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int bod
     int last, leaf;
     if (status) return status;
     if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
+
     last = m->frame[body].link;
     w->moving = v || a;
     v = v ? rbdi_expand_v(m, v, w->vx) : w->zero;
@@ -5107,6 +5776,7 @@ RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int bod
     q = rbdi_expand_q(m, w, q);
     l = m->link;
     leaf = last < 0 ? 0 : l[last].first; /* a dof of the subtrees of all links on the path */
+
     for (int first = 0, end; first <= last; first = end) {
         for (; l->end <= leaf; ++l) ++first;
         for (end = first; end <= last && l->end > leaf; ++l) ++end;
@@ -5114,6 +5784,7 @@ RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int bod
         if (w->moving) rbdi_kin_states(m, w, first, end, v, a);
         rbdi_kin_links(m, w, first, end, v, w->moving);
     }
+
     w->kinematics_of = (int16_t)last;
     return RBD_OK;
 }
@@ -5122,9 +5793,11 @@ RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int bod
 RBDI_INLINE rbdi_v3 rbdi_point_p(const rbdi_kin *k, rbdi_v3 x) {
     return rbdi_add(k->X.r, rbdi_mul_t(k->X.E, x));
 }
+
 RBDI_INLINE rbdi_v3 rbdi_point_v(const rbdi_kin *k, rbdi_v3 x) {
     return rbdi_add(k->v, rbdi_cross(k->state.omega, x));
 }
+
 RBDI_INLINE rbdi_v3 rbdi_point_acc(const rbdi_kin *k, rbdi_v3 x) {
     return rbdi_add(k->state.acc, rbdi_mul(rbdi_omega(k->state.omega, k->state.omega_dot), x));
 }
@@ -5139,7 +5812,7 @@ RBDI_ONCE rbdi_v3 rbdi_point_position(const rbd_model *m, const rbd_work *w, int
 }
 
 /* E of a body: from world axes to its own. */
-RBDI_ONCE rbdi_mat rbdi_axes_of(const rbd_model *m, const rbd_work *w, int body) {
+RBDI_PART rbdi_mat rbdi_axes_of(const rbd_model *m, const rbd_work *w, int body) {
     const rbdi_frame *u = &m->frame[body];
     const rbdi_mat E = rbdi_mat_c(u->E);
     return u->link < 0 ? E : rbdi_mul_mat(E, w->kin[u->link].X.E);
@@ -5151,6 +5824,7 @@ static rbdi_kin rbdi_body_kin(const rbd_model *m, const rbd_work *w, int body) {
     const rbdi_mat E = rbdi_mat_c(u->E);
     const rbdi_v3 r = rbdi_vec_c(u->r);
     rbdi_kin k;
+
     k.v = k.state.omega = k.state.omega_dot = k.state.acc = rbdi_vec0();
     if (w->moving && u->link >= 0) {
         k = w->kin[u->link];
@@ -5159,6 +5833,7 @@ static rbdi_kin rbdi_body_kin(const rbd_model *m, const rbd_work *w, int body) {
         k.state.omega = rbdi_mul(E, k.state.omega);
         k.state.omega_dot = rbdi_mul(E, k.state.omega_dot);
     }
+
     k.X.E = rbdi_axes_of(m, w, body);
     k.X.r = rbdi_point_position(m, w, body, NULL);
     return k;
@@ -5170,6 +5845,7 @@ static rbd_status rbdi_have_kinematics(const rbd_model *m, const rbd_work *w, in
     if (last == m->nl || link < 0) return last == RBDI_NO_KINEMATICS ? RBD_ERR_ORDER : RBD_OK;
     return rbdi_carries(m, link, last) ? RBD_OK : RBD_ERR_ORDER;
 }
+
 /* arrays: none of the caller's required ones is NULL. */
 static rbd_status rbdi_check_body_call(const rbd_model *m, const rbd_work *w, int body, int arrays) {
     const rbd_status status = rbdi_check(m, w, arrays);
@@ -5177,6 +5853,7 @@ static rbd_status rbdi_check_body_call(const rbd_model *m, const rbd_work *w, in
     if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
     return rbdi_have_kinematics(m, w, body);
 }
+
 static rbd_status rbdi_check_robot_call(const rbd_model *m, const rbd_work *w) {
     const rbd_status status = rbdi_check(m, w, 1);
     return status ? status : rbdi_have_kinematics(m, w, -1);
@@ -5186,12 +5863,14 @@ RBDI_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int bod
                                   rbd_real p[3]) {
     const rbd_status status = rbdi_check_body_call(m, w, body, 1);
     if (status) return status;
+
     if (R) {
         const rbdi_mat E = rbdi_axes_of(m, w, body);
         rbdi_store_vec(R, 1, rbdi_vec(E.xx, E.yx, E.zx));
         rbdi_store_vec(R + 3, 1, rbdi_vec(E.xy, E.yy, E.zy));
         rbdi_store_vec(R + 6, 1, rbdi_vec(E.xz, E.yz, E.zz));
     }
+
     if (p) rbdi_store_vec(p, 1, rbdi_point_position(m, w, body, NULL));
     return RBD_OK;
 }
@@ -5206,11 +5885,17 @@ static rbd_status rbdi_point_motion(const rbd_model *m, const rbd_work *w, int b
     rbdi_motion V;
     rbdi_kin k;
     if (status) return status;
+
     k = rbdi_body_kin(m, w, body);
     V.omega = quantity == RBDI_VELOCITY ? k.state.omega : k.state.omega_dot;
     V.v = quantity == RBDI_VELOCITY ? rbdi_point_v(&k, x) : rbdi_point_acc(&k, x);
     if (quantity == RBDI_SPATIAL_ACCELERATION) V.v = rbdi_sub(V.v, rbdi_cross(k.state.omega, k.v));
-    if (axes != RBD_LINK_AXES) V.omega = rbdi_mul_t(k.X.E, V.omega), V.v = rbdi_mul_t(k.X.E, V.v);
+
+    if (axes != RBD_LINK_AXES) {
+        V.omega = rbdi_mul_t(k.X.E, V.omega);
+        V.v = rbdi_mul_t(k.X.E, V.v);
+    }
+
     rbdi_store_motion(out, 1, V);
     return RBD_OK;
 }
@@ -5246,23 +5931,24 @@ RBDI_API rbd_const rbd_mass(const rbd_model *m) {
     return mass;
 }
 
-/* The motion of a body, in its own axes: its centre of mass c, with velocity v and acceleration acc; its
-   angular momentum L about c, with its rate. */
+/* The motion of a body, in its own axes: its centre of mass com, with velocity v and acceleration acc; its
+   angular momentum L about com, with its rate. */
 typedef struct rbdi_moving {
     rbdi_kin k;
     rbd_real mass;
-    rbdi_v3 c, v, acc, L, L_dot;
+    rbdi_v3 com, v, acc, L, L_dot;
 } rbdi_moving;
 
 static rbdi_moving rbdi_moving_body(const rbd_model *m, const rbd_work *w, int body) {
     const rbdi_frame *u = &m->frame[body];
     const rbdi_sym I = rbdi_sym_c(u->I);
     rbdi_moving b;
+
     b.k = rbdi_body_kin(m, w, body);
     b.mass = rbdi_set(u->mass);
-    b.c = rbdi_vec_c(u->com);
-    b.v = rbdi_point_v(&b.k, b.c);
-    b.acc = rbdi_point_acc(&b.k, b.c);
+    b.com = rbdi_vec_c(u->com);
+    b.v = rbdi_point_v(&b.k, b.com);
+    b.acc = rbdi_point_acc(&b.k, b.com);
     b.L = rbdi_mul_sym(I, b.k.state.omega);
     b.L_dot = rbdi_add(rbdi_mul_sym(I, b.k.state.omega_dot), rbdi_cross(b.k.state.omega, b.L));
     return b;
@@ -5290,23 +5976,28 @@ static rbdi_total rbdi_add_bodies(const rbd_model *m, const rbd_work *w) {
     const rbd_const mass = rbd_mass(m);
     const rbdi_v3 o = mass > 0 ? w->kin[0].X.r : rbdi_vec0();
     rbdi_total s;
+
     s.mass = rbdi_set(mass);
     s.inverse_mass = rbdi_set(mass > 0 ? RBD_C(1) / mass : RBD_C(0));
     s.kinetic = rbdi_zero();
     s.com = s.arm = rbdi_vec0();
     s.h = s.h_dot = rbdi_force0();
+
     for (int body = 0; body < m->nb; ++body) {
         rbdi_moving b;
         rbdi_v3 p, r;
         if (m->frame[body].link < 0) continue;
+
         b = rbdi_moving_body(m, w, body);
-        p = rbdi_point_p(&b.k, b.c), r = rbdi_sub(p, o);
+        p = rbdi_point_p(&b.k, b.com);
+        r = rbdi_sub(p, o);
         s.com = rbdi_add(s.com, rbdi_scale(b.mass * s.inverse_mass, p));
         s.arm = rbdi_add(s.arm, rbdi_scale(b.mass * s.inverse_mass, r));
         rbdi_add_momentum(&b, r, b.v, b.L, &s.h);
         rbdi_add_momentum(&b, r, b.acc, b.L_dot, &s.h_dot);
         s.kinetic = s.kinetic + RBD_C(0.5) * (b.mass * rbdi_dot(b.v, b.v) + rbdi_dot(b.k.state.omega, b.L));
     }
+
     s.h.n = rbdi_sub(s.h.n, rbdi_cross(s.arm, s.h.f));
     s.h_dot.n = rbdi_sub(s.h_dot.n, rbdi_cross(s.arm, s.h_dot.f));
     return s;
@@ -5317,6 +6008,7 @@ RBDI_API rbd_status rbd_com(const rbd_model *m, const rbd_work *w, rbd_real posi
     const rbd_status status = rbdi_check_robot_call(m, w);
     rbdi_total s;
     if (status) return status;
+
     s = rbdi_add_bodies(m, w);
     if (position) rbdi_store_vec(position, 1, s.com);
     if (velocity) rbdi_store_vec(velocity, 1, rbdi_scale(s.inverse_mass, s.h.f));
@@ -5348,19 +6040,23 @@ RBDI_API rbd_status rbd_momentum(const rbd_model *m, const rbd_work *w, rbd_real
 /* A wrench on a body, in its own axes, to the parent's origin and axes. */
 static rbdi_force rbdi_wrench_to_parent(const rbd_model *m, const rbd_work *w, const rbdi_frame *u,
                                         rbdi_force F) {
-    const rbdi_frame *up = &m->frame[u->parent];
-    const rbdi_mat E = rbdi_mat_c(up->E);
+    const rbdi_frame *parent = &m->frame[u->parent];
+    const rbdi_mat E = rbdi_mat_c(parent->E);
     rbdi_pose X;
-    X.E = rbdi_mat_c(u->E), X.r = rbdi_vec_c(u->r);
+
+    X.E = rbdi_mat_c(u->E);
+    X.r = rbdi_vec_c(u->r);
     F = rbdi_force_up_block(&X, F);
-    for (int i = u->link; i != up->link; i = m->link[i].parent) {
+
+    for (int i = u->link; i != parent->link; i = m->link[i].parent) {
         const rbdi_link *l = &m->link[i];
         if (rbdi_is(l, RBDI_BLOCK))
             F = rbdi_force_up_block(&w->block[l->block].X, F);
         else
             F = rbdi_force_up(l, rbdi_flags(l), rbdi_trig_of(m, w, i, rbdi_flags(l)), F);
     }
-    F.n = rbdi_mul(E, rbdi_sub(F.n, rbdi_cross(rbdi_vec_c(up->r), F.f)));
+
+    F.n = rbdi_mul(E, rbdi_sub(F.n, rbdi_cross(rbdi_vec_c(parent->r), F.f)));
     F.f = rbdi_mul(E, F.f);
     return F;
 }
@@ -5369,23 +6065,26 @@ RBDI_API rbd_status rbd_joint_wrench(const rbd_model *m, rbd_work *w, const rbd_
                                      const rbd_real *a, const rbd_real *f_ext, rbd_real *wrench) {
     const rbd_status status = wrench ? rbd_kinematics(m, w, q, v, a) : RBD_ERR_NULL;
     if (status) return status;
+
     for (int body = 0; body < m->nb; ++body) {
         const rbdi_moving b = rbdi_moving_body(m, w, body);
         rbdi_force F;
         F.f = rbdi_scale(b.mass, rbdi_sub(b.acc, rbdi_mul(b.k.X.E, rbdi_vec_c(w->gravity))));
-        F.n = rbdi_add(b.L_dot, rbdi_cross(b.c, F.f));
+        F.n = rbdi_add(b.L_dot, rbdi_cross(b.com, F.f));
         if (f_ext) F = rbdi_force_sub(F, rbdi_load_force(f_ext + 6 * body, 1));
         rbdi_store_force(wrench + 6 * body, 1, F);
     }
+
     for (int body = m->nb - 1; body >= 0; --body) {
         const rbdi_frame *u = &m->frame[body];
-        rbd_real *up;
+        rbd_real *to;
         rbdi_force F;
         if (u->parent < 0) continue;
-        up = wrench + 6 * u->parent;
+        to = wrench + 6 * u->parent;
         F = rbdi_wrench_to_parent(m, w, u, rbdi_load_force(wrench + 6 * body, 1));
-        rbdi_store_force(up, 1, rbdi_force_add(rbdi_load_force(up, 1), F));
+        rbdi_store_force(to, 1, rbdi_force_add(rbdi_load_force(to, 1), F));
     }
+
     return RBD_OK;
 }
 
@@ -5403,14 +6102,18 @@ RBDI_INLINE rbdi_v3 rbdi_unit_axis(const rbdi_pose *X, int axis) {
    slides, (0; a); a screw: rho and kappa times these. arm: from the link's origin to the point. */
 RBDI_INLINE rbdi_motion rbdi_axis_motion(const rbdi_link *l, int axis, rbdi_v3 a, rbdi_v3 arm) {
     rbdi_motion c;
+
     c.omega = axis < 3 ? a : rbdi_vec0();
     c.v = axis < 3 ? rbdi_cross(a, arm) : a;
+
     if (rbdi_is(l, RBDI_SCREW)) {
         c.omega = rbdi_scale(rbdi_set(l->rho), a);
         c.v = rbdi_add(rbdi_scale(rbdi_set(l->rho), c.v), rbdi_scale(rbdi_set(l->kappa), a));
     }
+
     return c;
 }
+
 /* The same for unit velocity of dof k of link i, of the point at r, world axes. */
 RBDI_INLINE rbdi_motion rbdi_column(const rbd_model *m, const rbd_work *w, int i, int k, rbdi_v3 r) {
     const rbdi_link *l = &m->link[i];
@@ -5424,12 +6127,15 @@ RBDI_INLINE void rbdi_put_column(const rbdi_link *l, const rbdi_pose *X, int axi
                                  const rbdi_mat *E, const rbd_real *factor, rbd_real *J, ptrdiff_t nv) {
     rbdi_v3 a = rbdi_unit_axis(X, axis);
     rbdi_motion c;
+
     if (E) a = rbdi_mul(*E, a);
     c = rbdi_axis_motion(l, axis, a, arm);
+
     if (factor) {
         c.omega = rbdi_add(rbdi_load_vec(J, nv), rbdi_scale(*factor, c.omega));
         c.v = rbdi_add(rbdi_load_vec(J + 3 * nv, nv), rbdi_scale(*factor, c.v));
     }
+
     rbdi_store_motion(J, nv, c);
 }
 
@@ -5438,6 +6144,7 @@ RBDI_INLINE void rbdi_put_column(const rbdi_link *l, const rbdi_pose *X, int axi
 RBDI_ONCE void rbdi_put_path(const rbd_model *m, const rbd_work *w, int i, int end, rbdi_v3 r,
                              const rbdi_mat *E, int sign, rbd_real *J) {
     const ptrdiff_t nv = m->nv;
+
     for (; i != end; i = m->link[i].parent) {
         const rbdi_link *l = &m->link[i];
         const rbdi_pose *X = &w->kin[i].X;
@@ -5445,6 +6152,7 @@ RBDI_ONCE void rbdi_put_path(const rbd_model *m, const rbd_work *w, int i, int e
         const rbd_real *factor = sign ? &ratio : NULL;
         rbd_real *to = &J[sign ? rbdi_source(m, l->iv) : l->iv];
         rbdi_v3 arm = rbdi_sub(r, X->r);
+
         if (E) arm = rbdi_mul(*E, arm);
         if (!rbdi_is(l, RBDI_BLOCK)) {
             rbdi_put_column(l, X, 2, arm, E, factor, to, nv);
@@ -5471,6 +6179,7 @@ static void rbdi_put_jacobian(const rbd_model *m, const rbd_work *w, int body, c
     const int link = m->frame[body].link, other = reference < 0 ? -1 : m->frame[reference].link;
     const int common = rbdi_common_link(m, link, other);
     rbdi_mat E;
+
     if (axes >= 0) E = rbdi_axes_of(m, w, axes);
     rbdi_clear(J, 6 * m->nv);
     for (int sign = 1; sign >= -1; sign -= 2)
@@ -5493,12 +6202,14 @@ RBDI_API rbd_status rbd_jacobian(const rbd_model *m, const rbd_work *w, int body
                                  rbd_axes axes, rbd_real *J) {
     const rbd_status status = rbdi_check_body_call(m, w, body, J != NULL);
     if (status) return status;
+
     if (axes == RBD_LINK_AXES || rbdi_mimics(m)) {
         rbdi_put_jacobian(m, w, body, point, -1, axes == RBD_LINK_AXES ? body : -1, J);
     } else { /* apart for speed: this loop has half of the instructions */
         rbdi_clear(J, 6 * m->nv);
         rbdi_put_path(m, w, m->frame[body].link, -1, rbdi_point_position(m, w, body, point), NULL, 0, J);
     }
+
     return RBD_OK;
 }
 
@@ -5509,13 +6220,17 @@ RBDI_API rbd_status rbd_jacobian_transpose(const rbd_model *m, const rbd_work *w
     rbdi_v3 r;
     rbdi_force F;
     if (status) return status;
+
     F = rbdi_load_force(f, 1);
     if (axes == RBD_LINK_AXES) {
         const rbdi_mat E = rbdi_axes_of(m, w, body);
-        F.n = rbdi_mul_t(E, F.n), F.f = rbdi_mul_t(E, F.f);
+        F.n = rbdi_mul_t(E, F.n);
+        F.f = rbdi_mul_t(E, F.f);
     }
+
     r = rbdi_point_position(m, w, body, point);
     rbdi_clear(tau, m->nv);
+
     for (int i = m->frame[body].link; i >= 0; i = m->link[i].parent) {
         const rbdi_link *l = &m->link[i];
         for (int k = 0; k < rbdi_link_dofs(m, l); ++k) {
@@ -5524,6 +6239,7 @@ RBDI_API rbd_status rbd_jacobian_transpose(const rbd_model *m, const rbd_work *w
             *to = *to + (rbdi_dot(c.omega, F.n) + rbdi_dot(c.v, F.f)) * rbdi_ratio(m, l->iv + k);
         }
     }
+
     return RBD_OK;
 }
 
@@ -5532,11 +6248,14 @@ RBDI_API rbd_status rbd_point_wrench(const rbd_model *m, const rbd_work *w, int 
     const rbd_status status = rbdi_check_body_call(m, w, body, f && row);
     rbdi_force F;
     if (status) return status;
+
     F = rbdi_load_force(f, 1);
     if (axes != RBD_LINK_AXES) {
         const rbdi_mat E = rbdi_axes_of(m, w, body);
-        F.n = rbdi_mul(E, F.n), F.f = rbdi_mul(E, F.f);
+        F.n = rbdi_mul(E, F.n);
+        F.f = rbdi_mul(E, F.f);
     }
+
     if (point) F.n = rbdi_add(F.n, rbdi_cross(rbdi_load_vec(point, 1), F.f));
     rbdi_store_force(row, 1, F);
     return RBD_OK;
@@ -5556,26 +6275,29 @@ RBDI_API rbd_status rbd_point_position(const rbd_model *m, const rbd_work *w, in
 
 /* ---- configuration manifold [manifold code] ---- */
 
-/* Spherical, planar and floating joints turn: their v has components of a motion in body axes, and their
-   step is an exponential. Coordinates of other joints add up. */
-RBDI_INLINE int rbdi_joint_turns(const rbdi_frame *u) {
-    return u->type == RBD_SPHERICAL || u->type == RBD_PLANAR || u->type == RBD_FLOATING;
-}
-/* That motion from the joint's components in v, which are a stride apart, and back. */
+/* Whether the joint of a body turns: rbdi_type_turns. */
+RBDI_INLINE int rbdi_joint_turns(const rbdi_frame *u) { return rbdi_type_turns(u->type); }
+
+/* The motion in body axes from the joint's components in v, which are a stride apart, and back. */
 static rbdi_motion rbdi_joint_motion(const rbdi_frame *u, const rbd_real *v, ptrdiff_t stride) {
     rbd_real array[6];
     for (int k = 0; k < 6; ++k) array[k] = rbdi_zero();
-    for (int k = 0; k < u->nv; ++k) array[(u->type == RBD_PLANAR ? 2 : 0) + k] = v[k * stride];
+    for (int k = 0; k < u->nv; ++k) array[rbdi_first_axis(u->type) + k] = v[k * stride];
     return rbdi_load_motion(array, 1);
 }
+
 static void rbdi_put_joint_motion(const rbdi_frame *u, rbdi_motion V, rbd_real *v, ptrdiff_t stride) {
     rbd_real array[6];
     rbdi_store_motion(array, 1, V);
-    for (int k = 0; k < u->nv; ++k) v[k * stride] = array[(u->type == RBD_PLANAR ? 2 : 0) + k];
+    for (int k = 0; k < u->nv; ++k) v[k * stride] = array[rbdi_first_axis(u->type) + k];
 }
+
 /* The coordinates of the origin p: back from rbdi_joint_origin. */
 static void rbdi_put_origin(const rbdi_frame *u, rbdi_v3 p, rbd_real *q) {
-    if (u->type == RBD_PLANAR) q[0] = p.x, q[1] = p.y;
+    if (u->type == RBD_PLANAR) {
+        q[0] = p.x;
+        q[1] = p.y;
+    }
     if (u->type == RBD_FLOATING) rbdi_store_vec(q, 1, p);
 }
 
@@ -5594,6 +6316,8 @@ static void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_re
         const rbdi_motion step = rbdi_joint_motion(u, d, 1);
         const rbdi_exp e = rbdi_exp_of(step.omega);
         rbdi_v3 shift = straight ? step.v : rbdi_exp_shift(e, step.omega, step.v);
+
+        /* p_next = p + E' shift, and the turn */
         shift = rbdi_mul_t(rbdi_joint_attitude(u->type, q), shift);
         rbdi_put_origin(u, rbdi_add(rbdi_joint_origin(u->type, q), shift), q_next);
         if (u->type == RBD_PLANAR)
@@ -5639,14 +6363,17 @@ static void rbdi_turn_velocity(const rbdi_frame *u, const rbd_real *moved, rbd_r
     rbdi_motion V;
     rbdi_v3 turn;
     rbdi_exp e;
+
     if (!rbdi_joint_turns(u)) {
         for (int k = 0; k < u->nv; ++k) v_next[k] = nu[k];
         return;
     }
+
     turn = rbdi_scale(dt, rbdi_joint_motion(u, moved, 1).omega);
     e = rbdi_exp_of(turn);
     V = rbdi_joint_motion(u, nu, 1);
-    V.omega = rbdi_turn_back(e, turn, V.omega), V.v = rbdi_turn_back(e, turn, V.v);
+    V.omega = rbdi_turn_back(e, turn, V.omega);
+    V.v = rbdi_turn_back(e, turn, V.v);
     rbdi_put_joint_motion(u, V, v_next, 1);
 }
 
@@ -5696,6 +6423,8 @@ static void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, const
     } else if (rbdi_joint_turns(u)) {
         const rbdi_v3 shift = rbdi_sub(rbdi_joint_origin(u->type, q1), rbdi_joint_origin(u->type, q0));
         rbdi_motion step;
+
+        /* omega: the turn from q0 to q1; v: the shift of the screw that leads to E (p1 - p0) */
         step.omega = u->type == RBD_PLANAR
                          ? rbdi_vec(rbdi_zero(), rbdi_zero(), rbdi_within_half_turn(q1[2] - q0[2]))
                          : rbdi_quaternion_difference(&q0[u->nq - 4], &q1[u->nq - 4]);
@@ -5719,10 +6448,13 @@ static rbd_real rbdi_inverse_length(const rbd_real *q, const rbd_real *unit, int
 /* rbd_rates_from_velocity of one joint. */
 static void rbdi_joint_rates(const rbdi_frame *u, const rbd_real *q, const rbd_real *v, rbd_real *rates) {
     if (u->type == RBD_CONTINUOUS_CS) {
-        rates[0] = -(q[1] * v[0]), rates[1] = q[0] * v[0];
+        rates[0] = -(q[1] * v[0]);
+        rates[1] = q[0] * v[0];
     } else if (rbdi_joint_turns(u)) {
         const rbdi_motion V = rbdi_joint_motion(u, v, 1);
         rbd_real turn[4];
+
+        /* dp/dt = E' v, d quaternion/dt = quaternion (omega/2, 0) */
         rbdi_put_origin(u, rbdi_mul_t(rbdi_joint_attitude(u->type, q), V.v), rates);
         rbdi_store_vec(turn, 1, rbdi_scale(rbdi_set(RBD_C(0.5)), V.omega));
         turn[3] = rbdi_zero();
@@ -5785,27 +6517,29 @@ RBDI_API rbd_status rbd_velocity_from_rates(const rbd_model *m, const rbd_real *
 RBDI_API rbd_status rbd_integrate(const rbd_model *m, const rbd_real *q, const rbd_real *v, rbd_real dt,
                                   rbd_real *q_next) {
     if (!m || !q || !v || !q_next) return RBD_ERR_NULL;
+
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
         rbd_real d[6];
         for (int k = 0; k < u->nv; ++k) d[k] = v[u->iv + k] * dt;
         if (u->nv > 0) rbdi_step_joint(u, &q[u->iq], d, 0, &q_next[u->iq]);
     }
+
     return RBD_OK;
 }
 
 RBDI_API rbd_status rbd_step(const rbd_model *m, const rbd_real *q, const rbd_real *v, const rbd_real *a,
                              rbd_real dt, rbd_real *q_next, rbd_real *v_next) {
     if (!m || !q || !v || !a || !q_next || !v_next) return RBD_ERR_NULL;
+
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
         rbd_real nu[6];
         if (u->nv == 0) continue;
         rbdi_unforced_velocity(u, &v[u->iv], dt, nu);
-        for (int k = 0; k < u->nv; ++k) nu[k] = nu[k] + dt * a[u->iv + k];
-        rbdi_move_straight(u, &q[u->iq], nu, dt, &q_next[u->iq]);
-        rbdi_turn_velocity(u, nu, dt, nu, &v_next[u->iv]);
+        for (int k = 0; k < u->nv; ++k) v_next[u->iv + k] = nu[k] + dt * a[u->iv + k];
     }
+    rbdi_move_joints(m, q, v_next, v_next, dt, q_next, v_next);
     return RBD_OK;
 }
 
@@ -5847,6 +6581,7 @@ RBDI_API rbd_status rbd_distance(const rbd_model *m, const rbd_real *q0, const r
                                  const rbd_const *weight, rbd_real *distance) {
     rbd_real sum = rbdi_zero();
     if (!m || !q0 || !q1 || !distance) return RBD_ERR_NULL;
+
     for (int k = 0; weight && k < m->nv; ++k)
         if (!(weight[k] >= 0)) return RBD_ERR_RANGE;
 
@@ -5857,8 +6592,15 @@ RBDI_API rbd_status rbd_distance(const rbd_model *m, const rbd_real *q0, const r
         if (u->nv > 0) rbdi_difference_joint(u, &q0[u->iq], &q1[u->iq], d);
         for (int k = 0; k < u->nv; ++k) sum = sum + d[k] * d[k] * (weight ? weight[u->iv + k] : RBD_C(1));
     }
+
     *distance = rbdi_sqrt(sum);
     return RBD_OK;
+}
+
+/* The zero of one joint, whose q is 0 before. */
+static void rbdi_neutral_joint(const rbdi_frame *u, rbd_real *q) {
+    if (u->type == RBD_CONTINUOUS_CS) q[0] = rbdi_set(RBD_C(1));
+    if (rbdi_has_quaternion(u->type)) q[u->nq - 1] = rbdi_set(RBD_C(1));
 }
 
 RBDI_API rbd_status rbd_neutral(const rbd_model *m, rbd_real *q) {
@@ -5866,8 +6608,7 @@ RBDI_API rbd_status rbd_neutral(const rbd_model *m, rbd_real *q) {
     for (int k = 0; k < m->nq; ++k) q[k] = rbdi_zero();
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
-        if (u->type == RBD_CONTINUOUS_CS) q[u->iq] = rbdi_set(RBD_C(1));
-        if (u->type == RBD_SPHERICAL || u->type == RBD_FLOATING) q[u->iq + u->nq - 1] = rbdi_set(RBD_C(1));
+        if (u->nv > 0) rbdi_neutral_joint(u, &q[u->iq]);
     }
     return RBD_OK;
 }
@@ -5885,13 +6626,16 @@ static rbd_const rbdi_uniform(uint64_t *seed) {
 static rbd_real rbdi_draw(uint64_t *seed, rbd_const lower, rbd_const upper) {
 #ifdef RBD_LANES
     rbd_real x = rbdi_zero();
+
     for (int i = 0; i < RBD_LANES; ++i) {
         const rbd_const share = rbdi_uniform(seed);
         x[i] = lower * (1 - share) + upper * share;
     }
+
     return x;
 #else
     const rbd_const share = rbdi_uniform(seed);
+
     return rbdi_set(lower * (1 - share) + upper * share);
 #endif
 }
@@ -5899,43 +6643,53 @@ static rbd_real rbdi_draw(uint64_t *seed, rbd_const lower, rbd_const upper) {
 /* A uniform orientation: two points on circles with radii sqrt(x), sqrt(1 - x), x uniform (Shoemake 1992). */
 static void rbdi_draw_quaternion(uint64_t *seed, rbd_real *q) {
     rbd_real x = rbdi_draw(seed, RBD_C(0), RBD_C(1)), radius = rbdi_sqrt(x), c, s;
+
     rbdi_sincos(rbdi_draw(seed, -RBDI_PI(rbd_const), RBDI_PI(rbd_const)), &s, &c);
-    q[0] = radius * s, q[1] = radius * c;
+    q[0] = radius * s;
+    q[1] = radius * c;
     radius = rbdi_sqrt(rbdi_set(RBD_C(1)) - x);
     rbdi_sincos(rbdi_draw(seed, -RBDI_PI(rbd_const), RBDI_PI(rbd_const)), &s, &c);
-    q[2] = radius * s, q[3] = radius * c;
+    q[2] = radius * s;
+    q[3] = radius * c;
+}
+
+/* Random coordinates of one joint: within its limits, or angles in [-pi, pi), lengths in [-1, 1) and uniform
+   orientations. */
+static void rbdi_random_joint(const rbdi_frame *u, uint64_t *seed, rbd_real *q) {
+    const rbd_const pi = RBDI_PI(rbd_const), one = RBD_C(1);
+    int angles = u->nv, shifts = 0; /* shifts come first, but with cylindrical joints */
+    if (u->nv == 1 && u->lower < u->upper) {
+        q[0] = rbdi_draw(seed, u->lower, u->upper);
+        return;
+    }
+
+    if (u->type == RBD_PRISMATIC) shifts = 1;
+    if (u->type == RBD_PLANAR) shifts = 2;
+    if (u->type == RBD_TRANSLATION || u->type == RBD_FLOATING) shifts = angles = 3;
+    if (u->type == RBD_SPHERICAL) angles = 0;
+    for (int k = 0; k < angles; ++k)
+        q[k] = k < shifts ? rbdi_draw(seed, -one, one) : rbdi_draw(seed, -pi, pi);
+
+    if (u->type == RBD_CYLINDRICAL) q[1] = rbdi_draw(seed, -one, one);
+    if (u->type == RBD_CONTINUOUS_CS) {
+        const rbd_real angle = q[0];
+        rbdi_sincos(angle, &q[1], &q[0]);
+    }
+    if (rbdi_has_quaternion(u->type)) rbdi_draw_quaternion(seed, q + u->nq - 4);
 }
 
 RBDI_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q) {
     if (!m || !seed || !q) return RBD_ERR_NULL;
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
-        rbd_real *own;
-        const rbd_const pi = RBDI_PI(rbd_const), one = RBD_C(1);
-        int angles = u->nv, shifts = 0; /* shifts come first, but with cylindrical joints */
-        if (u->nv == 0) continue;
-        own = &q[u->iq];
-        if (u->nv == 1 && u->lower < u->upper) {
-            own[0] = rbdi_draw(seed, u->lower, u->upper);
-            continue;
-        }
-        if (u->type == RBD_PRISMATIC) shifts = 1;
-        if (u->type == RBD_PLANAR) shifts = 2;
-        if (u->type == RBD_TRANSLATION || u->type == RBD_FLOATING) shifts = angles = 3;
-        if (u->type == RBD_SPHERICAL) angles = 0;
-        for (int k = 0; k < angles; ++k)
-            own[k] = k < shifts ? rbdi_draw(seed, -one, one) : rbdi_draw(seed, -pi, pi);
-        if (u->type == RBD_CYLINDRICAL) own[1] = rbdi_draw(seed, -one, one);
-        if (u->type == RBD_CONTINUOUS_CS) {
-            rbd_real angle = own[0];
-            rbdi_sincos(angle, &own[1], &own[0]);
-        }
-        if (u->type == RBD_SPHERICAL || u->type == RBD_FLOATING) rbdi_draw_quaternion(seed, own + u->nq - 4);
+        if (u->nv > 0) rbdi_random_joint(u, seed, &q[u->iq]);
     }
     return RBD_OK;
 }
 
 /* ==== src/motion/free_step.h ==== */
+/* Interface: rbdi_guard_solution */
+
 /* ---- free step [free step] ----
    Half of the way by v, to q_mid, where v_mid is v in its axes. There, with damping d, K = M + dt d and the
    classical accelerations a(w) = 0 of [manifold code],
@@ -5944,80 +6698,98 @@ RBDI_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q) 
 
    by three solutions, the first with w = v_mid; then the other half by nu. For a vector that turns by x in a
    step, the square of the length is magnified by 1 + x^2 with one solution, by 1 + x^4/4 with two, by
-   1 - x^4/4 + x^6/16 with three: the least number that is stable, up to x = 2. Vectors stand in w->F. */
+   1 - x^4/4 + x^6/16 with three: the least number that is stable, up to x = 2. Beyond, the solutions
+   diverge: rbdi_guard_solution. */
 
 #ifndef RBD_NO_CHOLESKY
-/* Columns of w->F, behind what the factor's calls use: w, a(w), v_mid. */
+/* Of three solutions y = L^-T K (nu - v_mid), K = L'DL, changes the third if the second change is larger than
+   the first, measured by D^-1, which makes it twice a kinetic energy:
+
+       y_3 -= s (y_3 - y_1),   s = r / (1 + r),   r = |y_3 - y_2|^2 / |y_2 - y_1|^2 > 1
+
+   If the changes are a series of one frequency, with the ratio i x/2, that is its sum, r = x^2/4: the
+   implicit midpoint, which keeps energy at any x. */
+RBDI_PART void rbdi_guard_solution(const rbd_model *m, const rbd_real *L, const rbd_real *first,
+                                   const rbd_real *second, rbd_real *third) {
+    const rbd_real one = rbdi_set(RBD_C(1));
+    rbd_real before = rbdi_zero(), after = before, share;
+    rbdi_mask diverges;
+    for (int k = 0; k < m->nv; ++k) {
+        const rbd_real inverse = L[m->dof[k].row + m->dof[k].depth], old = second[k] - first[k],
+                       change = third[k] - second[k];
+        before = before + old * old * inverse;
+        after = after + change * change * inverse;
+    }
+
+    diverges = rbdi_less(before, after);
+    if (!rbdi_any(diverges)) return;
+    share = rbdi_select(diverges, one / (one + before / after), rbdi_zero());
+    for (int k = 0; k < m->nv; ++k) third[k] = third[k] - share * (third[k] - first[k]);
+}
+
+/* Columns of w->F, behind the scratch of a solution: three solutions, velocities, and accelerations. */
 static rbd_real *rbdi_free_vector(const rbd_model *m, rbd_work *w, int k) {
-    return w->F + (2 + k) * rbdi_stride(m);
+    return w->F + (1 + k) * rbdi_stride(m);
 }
 
-/* v in the axes of q_mid. */
-static void rbdi_middle_velocity(const rbd_model *m, const rbd_real *v, rbd_real half, rbd_real *v_mid) {
-    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
-        if (u->nv > 0) rbdi_turn_velocity(u, &v[u->iv], half, &v[u->iv], &v_mid[u->iv]);
-}
-
-/* x = K^-1 dt (tau - c(at) - d v_mid). */
-static void rbdi_free_change(const rbd_model *m, rbd_work *w, const rbd_real *tau, const rbd_real *f_ext,
-                             const rbd_real *damping, rbd_real dt, rbd_real *x) {
-    const rbd_real *v_mid = rbdi_free_vector(m, w, 2);
-    rbd_real *at = rbdi_free_vector(m, w, 0), *a = rbdi_free_vector(m, w, 1);
+/* y = L^-T dt (tau - c(at) - d v_mid). */
+static void rbdi_free_solution(const rbd_model *m, rbd_work *w, const rbd_real *v_mid, const rbd_real *at,
+                               const rbd_real *tau, const rbd_real *f_ext, const rbd_real *damping,
+                               rbd_real dt, rbd_real *y) {
+    rbd_real *a = rbdi_free_vector(m, w, 4);
     rbdi_clear(a, m->nv);
     rbdi_straight_acceleration(m, at, a);
     rbdi_rnea(m, w, rbdi_expand_v(m, at, w->vx), rbdi_expand_v(m, a, w->ax), f_ext,
-              rbdi_mimics(m) ? w->tx : x);
-    rbdi_reduce_tau(m, w->tx, x);
+              rbdi_mimics(m) ? w->tx : y);
+    rbdi_reduce_tau(m, w->tx, y);
     for (int k = 0; k < m->nv; ++k) {
         const rbd_real d = damping ? damping[k] : rbdi_zero();
-        x[k] = dt * (tau[k] - x[k] - d * v_mid[k]);
+        y[k] = dt * (tau[k] - y[k] - d * v_mid[k]);
     }
-    rbdi_solve(m, w, w->H, x);
+    rbdi_vector_transposed(m, w, w->H, y);
 }
 
-/* q and v of one joint moved by v for half, then by v in the new axes plus x. */
-static void rbdi_finish_joint(const rbdi_frame *u, const rbd_real *q, const rbd_real *v, const rbd_real *x,
-                              rbd_real half, rbd_real *q_next, rbd_real *v_next) {
-    rbd_real middle[7], nu[6];
-    rbdi_move_straight(u, q, v, half, middle);
-    rbdi_turn_velocity(u, v, half, v, nu);
-    for (int k = 0; k < u->nv; ++k) nu[k] = nu[k] + x[k];
-    rbdi_move_straight(u, middle, nu, half, q_next);
-    rbdi_turn_velocity(u, nu, half, nu, v_next);
+/* x = nu - v_mid, by three solutions. */
+static void rbdi_free_change(const rbd_model *m, rbd_work *w, const rbd_real *v_mid, const rbd_real *tau,
+                             const rbd_real *f_ext, const rbd_real *damping, rbd_real dt, rbd_real *x) {
+    const rbd_real half = rbdi_set(RBD_C(0.5));
+    rbd_real *at = rbdi_free_vector(m, w, 3);
+    rbdi_clear(x, m->nv);
+    for (int i = 0; i < 3; ++i) {
+        rbd_real *y = rbdi_free_vector(m, w, i);
+        for (int k = 0; k < m->nv; ++k) at[k] = v_mid[k] + half * x[k];
+        rbdi_free_solution(m, w, v_mid, at, tau, f_ext, damping, dt, y);
+        if (i == 2) rbdi_guard_solution(m, w->H, rbdi_free_vector(m, w, 0), rbdi_free_vector(m, w, 1), y);
+        for (int k = 0; k < m->nv; ++k) x[k] = y[k];
+        rbdi_vector_forward(m, w, w->H, x);
+    }
 }
 
 RBDI_API rbd_status rbd_free_step(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                   const rbd_real *tau, const rbd_real *f_ext, const rbd_real *damping,
                                   rbd_real dt, rbd_real *q_next, rbd_real *v_next) {
     const rbd_real half = dt * RBD_C(0.5);
-    rbd_real *at, *v_mid, *x;
+    rbd_real *nu;
     rbdi_mask doubt;
     rbd_status status = rbdi_check(m, w, q && v && tau && q_next && v_next);
     if (status) return status;
-    at = rbdi_free_vector(m, w, 0);
-    v_mid = rbdi_free_vector(m, w, 2);
-    x = w->bias;
 
-    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
-        if (u->nv > 0) rbdi_move_straight(u, &q[u->iq], &v[u->iv], half, &at[u->iq]);
-    rbd_crba_packed(m, w, at, w->H);
+    /* q_mid and v_mid, and K there */
+    rbdi_move_joints(m, q, v, v, half, q_next, v_next);
+    rbd_crba_packed(m, w, q_next, w->H);
     for (int k = 0; damping && k < m->nv; ++k) {
         rbd_real *diagonal = &w->H[m->dof[k].row + m->dof[k].depth];
         *diagonal = *diagonal + dt * damping[k];
     }
+
     doubt = rbdi_factor(m, w, w->H);
 
-    rbdi_middle_velocity(m, v, half, v_mid);
-    for (int k = 0; k < m->nv; ++k) at[k] = v_mid[k];
-    for (int i = 0; i < 3; ++i) {
-        rbdi_free_change(m, w, tau, f_ext, damping, dt, x);
-        for (int k = 0; k < m->nv; ++k) at[k] = v_mid[k] + x[k] * RBD_C(0.5);
-    }
-    status = rbdi_factor_status(m, w, w->H, doubt, x, m->nv);
+    nu = w->bias;
+    rbdi_free_change(m, w, v_next, tau, f_ext, damping, dt, nu);
+    status = rbdi_factor_status(m, w, w->H, doubt, nu, m->nv);
+    for (int k = 0; k < m->nv; ++k) nu[k] = v_next[k] + nu[k];
 
-    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
-        if (u->nv > 0)
-            rbdi_finish_joint(u, &q[u->iq], &v[u->iv], &x[u->iv], half, &q_next[u->iq], &v_next[u->iv]);
+    rbdi_move_joints(m, q_next, nu, nu, half, q_next, v_next);
     return status;
 }
 #endif
@@ -6048,6 +6820,7 @@ RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size,
     unsigned char *p;
     rbd_work *w;
     int n, nqx;
+
     if (work) *work = NULL;
     if (!m || !memory || !work) return RBD_ERR_NULL;
     if (m->version != RBD_MODEL_VERSION || m->scalar != (int)sizeof(rbd_const)) return RBD_ERR_VERSION;
@@ -6056,7 +6829,10 @@ RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size,
     if (!rbdi_rounds()) return RBD_ERR_ARITHMETIC;
 #endif
     if (size < rbd_work_size(m)) return RBD_ERR_MEMORY;
-    n = m->nv + m->nmimic, nqx = m->nmimic ? m->nq + m->nmimic : 0;
+
+    n = m->nv + m->nmimic;
+    nqx = m->nmimic ? m->nq + m->nmimic : 0;
+
     p = rbdi_aligned(memory);
     w = (rbd_work *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_work)));
     for (int k = 0; k < RBDI_SHAPE; ++k) w->shape[k] = m->shape[k];
@@ -6067,6 +6843,7 @@ RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size,
 #define RBDI_TAKE(type, name, length) w->name = (type *)rbdi_take(&p, (int)(length), sizeof(type));
     RBDI_WORK_ARRAYS(RBDI_TAKE, m->nl, m->nblock, m->nbranch, n, nqx, m->nv, m->nh + m->nhx)
 #undef RBDI_TAKE
+
     for (int k = 0; k < n; ++k) w->zero[k] = rbdi_zero();
     for (int k = 0; k < 6 * RBDI_STRIDE(n); ++k) w->F[k] = rbdi_zero();
     for (int k = 0; k < (int)RBDI_PADDED(m->nl); ++k) w->angle[k] = w->quarters[k] = rbdi_zero();
@@ -6077,13 +6854,17 @@ RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size,
 
 RBDI_API rbd_status rbd_set_gravity(rbd_work *w, const rbd_const gravity[3]) {
     if (!w || !gravity) return RBD_ERR_NULL;
-    w->gravity.x = gravity[0], w->gravity.y = gravity[1], w->gravity.z = gravity[2];
+    w->gravity.x = gravity[0];
+    w->gravity.y = gravity[1];
+    w->gravity.z = gravity[2];
     return RBD_OK;
 }
 
 RBDI_API rbd_status rbd_get_gravity(const rbd_work *w, rbd_const gravity[3]) {
     if (!w || !gravity) return RBD_ERR_NULL;
-    gravity[0] = w->gravity.x, gravity[1] = w->gravity.y, gravity[2] = w->gravity.z;
+    gravity[0] = w->gravity.x;
+    gravity[1] = w->gravity.y;
+    gravity[2] = w->gravity.z;
     return RBD_OK;
 }
 
@@ -6118,13 +6899,17 @@ RBDI_API rbd_status rbd_joint(const rbd_model *m, int body, rbd_joint_info *info
     const rbdi_frame *u;
     if (!m || !info) return RBD_ERR_NULL;
     if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
+
     u = &m->frame[body];
     info->type = (rbd_joint_type)u->type;
-    info->nq = u->nq, info->nv = u->nv;
+    info->nq = u->nq;
+    info->nv = u->nv;
     info->iq = u->nv > 0 ? u->iq : -1;
     info->iv = u->nv > 0 ? u->iv : -1;
-    info->lower = u->lower, info->upper = u->upper;
-    info->velocity = u->velocity, info->effort = u->effort;
+    info->lower = u->lower;
+    info->upper = u->upper;
+    info->velocity = u->velocity;
+    info->effort = u->effort;
     return RBD_OK;
 }
 
@@ -6192,16 +6977,33 @@ static char *rbdi_write_finding(const rbd_finding *finding, const char *what, ch
     size_t at = 0;
     int n = 0, digit = 11;
     if (!finding || !text || size == 0) return text;
+
     if (finding->body >= 0) {
         int rest = finding->body;
+
         number[digit] = 0;
         do number[--digit] = (char)('0' + rest % 10);
+
         while (rest /= 10);
-        parts[n++] = what, parts[n++] = " ", parts[n++] = &number[digit];
-        if (finding->name) parts[n++] = " '", parts[n++] = finding->name, parts[n++] = "'";
+        parts[n++] = what;
+        parts[n++] = " ";
+        parts[n++] = &number[digit];
+
+        if (finding->name) {
+            parts[n++] = " '";
+            parts[n++] = finding->name;
+            parts[n++] = "'";
+        }
+
         parts[n++] = ", ";
     }
-    if (finding->field) parts[n++] = "field '", parts[n++] = finding->field, parts[n++] = "': ";
+
+    if (finding->field) {
+        parts[n++] = "field '";
+        parts[n++] = finding->field;
+        parts[n++] = "': ";
+    }
+
     parts[n++] = finding->text ? finding->text : rbd_status_string(finding->status);
     for (int k = 0; k < n; ++k)
         for (const char *c = parts[k]; *c && at + 1 < size; ++c) text[at++] = *c;
@@ -6215,11 +7017,12 @@ RBDI_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t s
 
 /* ==== src/rbd.h ==== */
 RBDI_CODE_END
+RBDI_BUILD_BEGIN
 
 /* ==== src/model/wide.h ==== */
 /* Interface: rbdi_all_zero, rbdi_finite, rbdi_finite_positive, rbdi_is_rotation, rbdi_orthonormalise,
-   rbdi_refuse, rbdi_semidefinite, rbdi_unit, rbdi_w_abs, rbdi_w_apply, rbdi_w_identity, rbdi_w_product,
-   rbdi_w_transpose, rbdi_widen */
+   rbdi_refuse, rbdi_refuse_saying, rbdi_semidefinite, rbdi_unit, rbdi_w_apply, rbdi_w_basis, rbdi_w_identity,
+   rbdi_w_product, rbdi_w_transpose, rbdi_widen */
 
 /* ---- descriptions [descriptions] ----
    To read a description, here and in other headers: checks, and algebra in the build's arithmetic (w_). */
@@ -6237,17 +7040,21 @@ RBDI_CODE_END
 RBDI_PART void rbdi_widen(const double *x, int n, rbdi_wide *y) {
     for (int k = 0; k < n; ++k) y[k] = (rbdi_wide)x[k];
 }
+
 RBDI_PART void rbdi_w_identity(rbdi_wide A[9]) {
     for (int k = 0; k < 9; ++k) A[k] = k % 4 == 0;
 }
+
 RBDI_PART void rbdi_w_apply(const rbdi_wide A[9], const rbdi_wide x[3], rbdi_wide y[3]) {
     rbdi_wide z[3];
     for (int i = 0; i < 3; ++i) z[i] = A[3 * i] * x[0] + A[3 * i + 1] * x[1] + A[3 * i + 2] * x[2];
     for (int i = 0; i < 3; ++i) y[i] = z[i];
 }
+
 RBDI_PART void rbdi_w_transpose(const rbdi_wide A[9], rbdi_wide B[9]) {
     for (int i = 0; i < 9; ++i) B[i] = A[i % 3 * 3 + i / 3];
 }
+
 /* AB may be A or B. */
 RBDI_PART void rbdi_w_product(const rbdi_wide A[9], const rbdi_wide B[9], rbdi_wide AB[9]) {
     rbdi_wide C[9];
@@ -6255,14 +7062,23 @@ RBDI_PART void rbdi_w_product(const rbdi_wide A[9], const rbdi_wide B[9], rbdi_w
         C[i] = A[i / 3 * 3] * B[i % 3] + A[i / 3 * 3 + 1] * B[i % 3 + 3] + A[i / 3 * 3 + 2] * B[i % 3 + 6];
     for (int i = 0; i < 9; ++i) AB[i] = C[i];
 }
+
 RBDI_PART void rbdi_w_turn_z(rbdi_wide c, rbdi_wide s, rbdi_wide A[9]) {
     rbdi_w_identity(A);
-    A[0] = c, A[1] = s, A[3] = -s, A[4] = c;
+    A[0] = c;
+    A[1] = s;
+    A[3] = -s;
+    A[4] = c;
 }
+
 RBDI_PART void rbdi_w_turn_x(rbdi_wide c, rbdi_wide s, rbdi_wide A[9]) {
     rbdi_w_identity(A);
-    A[4] = c, A[5] = s, A[7] = -s, A[8] = c;
+    A[4] = c;
+    A[5] = s;
+    A[7] = -s;
+    A[8] = c;
 }
+
 /* E = Rz(gamma) Rx(alpha) Rz(beta) from the cosines and sines. */
 RBDI_PART void rbdi_w_zxz(rbdi_wide cg, rbdi_wide sg, rbdi_wide ca, rbdi_wide sa, rbdi_wide cb, rbdi_wide sb,
                           rbdi_wide E[9]) {
@@ -6273,6 +7089,7 @@ RBDI_PART void rbdi_w_zxz(rbdi_wide cg, rbdi_wide sg, rbdi_wide ca, rbdi_wide sa
     rbdi_w_turn_z(cb, sb, turn);
     rbdi_w_product(E, turn, E);
 }
+
 /* Pose of C in A, from that of C in B and of B in A. */
 RBDI_PART rbdi_wide_pose rbdi_w_compose(const rbdi_wide_pose *CB, const rbdi_wide_pose *BA) {
     rbdi_wide_pose X;
@@ -6283,6 +7100,7 @@ RBDI_PART rbdi_wide_pose rbdi_w_compose(const rbdi_wide_pose *CB, const rbdi_wid
     for (int k = 0; k < 3; ++k) X.r[k] += BA->r[k];
     return X;
 }
+
 /* Pose of C in B, from those of both in A. */
 RBDI_PART rbdi_wide_pose rbdi_w_relative(const rbdi_wide_pose *CA, const rbdi_wide_pose *BA) {
     rbdi_wide_pose X;
@@ -6293,9 +7111,11 @@ RBDI_PART rbdi_wide_pose rbdi_w_relative(const rbdi_wide_pose *CA, const rbdi_wi
     rbdi_w_apply(BA->E, X.r, X.r);
     return X;
 }
+
 RBDI_PART rbdi_wide rbdi_w_dot(const rbdi_wide a[3], const rbdi_wide b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
+
 RBDI_PART rbdi_wide rbdi_w_abs(rbdi_wide x) { return x < 0 ? -x : x; }
 RBDI_PART rbdi_wide rbdi_w_length(const rbdi_wide a[3]) { return RBDI_WIDE_LIBM(sqrt)(rbdi_w_dot(a, a)); }
 
@@ -6309,13 +7129,16 @@ RBDI_PART int rbdi_finite(const double *x, int n) {
         u.x = (double)RBD_C(x[k]);
         if ((u.bits >> 52 & 0x7ff) == 0x7ff) return 0;
     }
+
     return 1;
 }
+
 RBDI_PART int rbdi_finite_positive(const double *x, int n) {
     for (int k = 0; k < n; ++k)
         if (!rbdi_finite(&x[k], 1) || x[k] < 0) return 0;
     return 1;
 }
+
 RBDI_PART int rbdi_all_zero(const double *x, int n) {
     for (int k = 0; k < n; ++k)
         if ((rbdi_wide)x[k] < 0 || (rbdi_wide)x[k] > 0) return 0;
@@ -6331,6 +7154,23 @@ RBDI_PART void rbdi_unit(const rbdi_wide x[3], rbdi_wide y[3]) {
     for (int k = 0; k < 3; ++k) y[k] = x[k] / largest;
     length = rbdi_w_length(y);
     for (int k = 0; k < 3; ++k) y[k] /= length;
+}
+
+/* Axes, the rows of E, with this unit vector for z. */
+RBDI_PART void rbdi_w_basis(const rbdi_wide z[3], rbdi_wide E[9]) {
+    rbdi_wide length;
+    int least = 0;
+    for (int k = 1; k < 3; ++k)
+        if (rbdi_w_abs(z[k]) < rbdi_w_abs(z[least])) least = k;
+
+    /* x: the unit vector that is farthest from z, less its part along z; y = z x x */
+    for (int k = 0; k < 3; ++k) E[k] = (k == least) - z[least] * z[k];
+    length = rbdi_w_length(E);
+    for (int k = 0; k < 3; ++k) {
+        E[k] /= length;
+        E[6 + k] = z[k];
+    }
+    for (int k = 0; k < 3; ++k) E[3 + k] = z[(k + 1) % 3] * E[(k + 2) % 3] - z[(k + 2) % 3] * E[(k + 1) % 3];
 }
 
 /* Makes a nearly orthonormal matrix orthonormal, rows first to last (Gram and Schmidt). An exact one
@@ -6350,6 +7190,7 @@ RBDI_PART int rbdi_is_rotation(const double R[9]) {
     rbdi_wide A[9], T[9], product[9];
     if (!rbdi_finite(R, 9)) return 0;
     if (rbdi_all_zero(R, 9)) return 1;
+
     rbdi_widen(R, 9, A);
     rbdi_w_transpose(A, T);
     rbdi_w_product(A, T, product);
@@ -6369,10 +7210,23 @@ RBDI_PART int rbdi_semidefinite(const double A[6], double size) {
     return A[5] + added - A[2] / xx * A[2] - yz * yz / yy > 0;
 }
 
+/* Makes this the error of a report. Returns the status. */
 RBDI_PART rbd_status rbdi_refuse(rbd_report *report, rbd_status status, int body, const char *name,
                                  const char *field) {
     rbd_finding *f = &report->error;
-    f->status = status, f->body = body, f->name = name, f->field = field, f->text = NULL;
+    f->status = status;
+    f->body = body;
+    f->name = name;
+    f->field = field;
+    f->text = NULL;
+    return status;
+}
+
+/* The same, with a sentence in place of the status's. */
+RBDI_PART rbd_status rbdi_refuse_saying(rbd_report *report, rbd_status status, int body, const char *name,
+                                        const char *field, const char *sentence) {
+    rbdi_refuse(report, status, body, name, field);
+    report->error.text = sentence;
     return status;
 }
 
@@ -6384,7 +7238,9 @@ RBDI_PART rbd_status rbdi_refuse(rbd_report *report, rbd_status status, int body
 RBDI_PART rbdi_wide_pose rbdi_widen_pose(const rbd_const E[9], rbdi_c3 r) {
     rbdi_wide_pose X;
     for (int k = 0; k < 9; ++k) X.E[k] = (rbdi_wide)E[k];
-    X.r[0] = (rbdi_wide)r.x, X.r[1] = (rbdi_wide)r.y, X.r[2] = (rbdi_wide)r.z;
+    X.r[0] = (rbdi_wide)r.x;
+    X.r[1] = (rbdi_wide)r.y;
+    X.r[2] = (rbdi_wide)r.z;
     return X;
 }
 
@@ -6403,28 +7259,36 @@ RBDI_PART rbdi_wide_pose rbdi_link_place(const rbd_model *m, const rbdi_link *l)
    dof. */
 static int rbdi_describe_joint(const rbd_model *m, int body, rbd_body *row) {
     const rbdi_frame *u = &m->frame[body];
-    rbdi_wide_pose X = rbdi_widen_pose(u->E, u->r), up;
+    rbdi_wide_pose X = rbdi_widen_pose(u->E, u->r), parent;
     rbdi_wide R[9], axis[3] = {0, 0, 0}, axis2[3] = {0, 0, 0};
     int i = u->link, dof = 0;
+
     for (; i >= 0 && m->dof[m->link[i].iv].body == body; i = m->link[i].parent) {
-        for (int k = 0; k < 3; ++k) axis2[k] = axis[k], axis[k] = X.E[3 * k + 2];
-        up = rbdi_link_place(m, &m->link[i]);
-        X = rbdi_w_compose(&X, &up);
+        for (int k = 0; k < 3; ++k) {
+            axis2[k] = axis[k];
+            axis[k] = X.E[3 * k + 2];
+        }
+        parent = rbdi_link_place(m, &m->link[i]);
+        X = rbdi_w_compose(&X, &parent);
         dof = m->link[i].iv;
     }
+
     row->parent = -1;
     if (i >= 0) { /* from that link to the body whose joint moves it */
         row->parent = m->dof[m->link[i].iv].body;
-        up = rbdi_widen_pose(m->frame[row->parent].E, m->frame[row->parent].r);
-        X = rbdi_w_relative(&X, &up);
+        parent = rbdi_widen_pose(m->frame[row->parent].E, m->frame[row->parent].r);
+        X = rbdi_w_relative(&X, &parent);
     }
+
     rbdi_w_transpose(X.E, R);
     for (int k = 0; k < 9; ++k) row->rotation[k] = (double)R[k];
+
     for (int k = 0; k < 3; ++k) {
         row->position[k] = (double)X.r[k];
         row->axis[k] = u->type <= RBD_UNIVERSAL ? (double)axis[k] : 0;
         row->axis2[k] = u->type == RBD_UNIVERSAL ? (double)axis2[k] : 0;
     }
+
     row->pitch = u->type == RBD_HELICAL ? (double)m->link[u->link].kappa : 0;
     return dof;
 }
@@ -6435,23 +7299,38 @@ RBDI_API rbd_status rbd_describe(const rbd_model *m, int body, rbd_body *row) {
     int first;
     if (!m || !row) return RBD_ERR_NULL;
     if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
+
     u = &m->frame[body];
-    row->name = u->name, row->joint = u->joint;
+    row->name = u->name;
+    row->joint = u->joint;
     row->type = (rbd_joint_type)u->type;
     first = rbdi_describe_joint(m, body, row);
+
     row->mass = (double)u->mass;
-    row->com[0] = (double)u->com.x, row->com[1] = (double)u->com.y, row->com[2] = (double)u->com.z;
-    row->inertia[0] = (double)u->I.xx, row->inertia[1] = (double)u->I.xy, row->inertia[2] = (double)u->I.xz;
-    row->inertia[3] = (double)u->I.yy, row->inertia[4] = (double)u->I.yz, row->inertia[5] = (double)u->I.zz;
-    row->lower = (double)u->lower, row->upper = (double)u->upper;
-    row->velocity = (double)u->velocity, row->effort = (double)u->effort;
+    row->com[0] = (double)u->com.x;
+    row->com[1] = (double)u->com.y;
+    row->com[2] = (double)u->com.z;
+    row->inertia[0] = (double)u->I.xx;
+    row->inertia[1] = (double)u->I.xy;
+    row->inertia[2] = (double)u->I.xz;
+    row->inertia[3] = (double)u->I.yy;
+    row->inertia[4] = (double)u->I.yz;
+    row->inertia[5] = (double)u->I.zz;
+
+    row->lower = (double)u->lower;
+    row->upper = (double)u->upper;
+    row->velocity = (double)u->velocity;
+    row->effort = (double)u->effort;
+
     row->mimic = NULL;
     row->mimic_ratio = row->mimic_offset = 0;
     if (u->type != RBD_FIXED && first >= m->nv) {
         const rbdi_mimic *mimic = &m->mimic[first - m->nv];
         row->mimic = m->frame[m->dof[mimic->source_v].body].joint;
-        row->mimic_ratio = (double)mimic->ratio, row->mimic_offset = (double)mimic->offset;
+        row->mimic_ratio = (double)mimic->ratio;
+        row->mimic_offset = (double)mimic->offset;
     }
+
     dof = &m->dof[first];
     for (int k = 0; k < 6; ++k) {
         const int has = k < u->nv || (row->mimic && k == 0);
@@ -6459,6 +7338,7 @@ RBDI_API rbd_status rbd_describe(const rbd_model *m, int body, rbd_body *row) {
         row->damping[k] = has ? (double)dof[k].damping : 0;
         row->friction[k] = has ? (double)dof[k].friction : 0;
     }
+
     return RBD_OK;
 }
 
@@ -6473,46 +7353,6 @@ RBDI_API rbd_status rbd_describe(const rbd_model *m, int body, rbd_body *row) {
      7, 8     rbdi_build_scale: bounds of the pivots; rbdi_build_regroup: leaves to root, base parameters
      9, 10    rbdi_emit_link, rbdi_emit_tree, called by rbdi_emit: constants, dofs, packed rows, frames */
 
-/* Facts about a joint type, for the build. A type without axes is a block. */
-typedef struct rbdi_joint_fact {
-    int nq, nv;
-    int first;    /* of a block: the first of its spatial unit axes */
-    char axes[4]; /* of one-axis links, in order: 'a' axis, 'b' axis2, 'x' 'y' 'z' those of the joint frame */
-} rbdi_joint_fact;
-
-static const rbdi_joint_fact *rbdi_joint_facts(int type) {
-    static const rbdi_joint_fact facts[RBD_JOINT_TYPES] = {
-        {0, 0, 0, ""},                                                       /* fixed */
-        {1, 1, 0, "a"},                                                      /* revolute */
-        {1, 1, 0, "a"},                                                      /* continuous */
-        {2, 1, 0, "a"},                                                      /* continuous_cs */
-        {1, 1, 0, "a"},                                                      /* prismatic */
-        {1, 1, 0, "a"},                                                      /* helical */
-        {2, 2, 0, "aa"},                                                     /* cylindrical */
-        {2, 2, 0, "ab"},                                                     /* universal */
-        {4, 3, 0, ""},                                                       /* spherical */
-        {3, 3, 0, "zyx"},                                                    /* the four Euler types */
-        {3, 3, 0, "xyz"}, {3, 3, 0, "yxz"}, {3, 3, 0, "zxy"}, {3, 3, 2, ""}, /* planar */
-        {3, 3, 3, ""},                                                       /* translation */
-        {7, 6, 0, ""},                                                       /* floating */
-    };
-    return &facts[type > RBD_FIXED && type < RBD_JOINT_TYPES ? type : RBD_FIXED];
-}
-
-/* Number of links of a joint. */
-static int rbdi_links_of(int type) {
-    const rbdi_joint_fact *fact = rbdi_joint_facts(type);
-    int n = 0;
-    while (fact->axes[n]) ++n;
-    return n == 0 && fact->nv > 0 ? 1 : n;
-}
-static int rbdi_can_mimic(int type) {
-    return type == RBD_REVOLUTE || type == RBD_CONTINUOUS || type == RBD_PRISMATIC || type == RBD_HELICAL;
-}
-static int rbdi_has_limits(int type) {
-    return type == RBD_REVOLUTE || type == RBD_PRISMATIC || type == RBD_HELICAL;
-}
-
 /* -- small dense algebra of the build -- */
 
 static int rbdi_nonzero(rbdi_wide x) { return x < 0 || x > 0; }
@@ -6521,9 +7361,19 @@ static int rbdi_nonzero(rbdi_wide x) { return x < 0 || x > 0; }
    rad. */
 static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close) {
     rbdi_wide length = RBDI_WIDE_LIBM(sqrt)(*c * *c + *s * *s);
-    *c /= length, *s /= length;
-    if (rbdi_w_abs(*s) <= close) *c = *c > 0 ? 1 : -1, *s = 0;
-    if (rbdi_w_abs(*c) <= close) *s = *s > 0 ? 1 : -1, *c = 0;
+
+    *c /= length;
+    *s /= length;
+
+    if (rbdi_w_abs(*s) <= close) {
+        *c = *c > 0 ? 1 : -1;
+        *s = 0;
+    }
+
+    if (rbdi_w_abs(*c) <= close) {
+        *s = *s > 0 ? 1 : -1;
+        *c = 0;
+    }
 }
 
 /* Sine and cosine of an angle of at most 90 degrees, to 1e-29: sums of their series, which give the same bits
@@ -6531,10 +7381,12 @@ static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close) {
 static void rbdi_w_series(rbdi_wide x, rbdi_wide *sine, rbdi_wide *cosine) {
     const rbdi_wide x2 = x * x;
     rbdi_wide sum_c = 1, sum_s = 1;
+
     for (int k = RBDI_TAIL_TERMS; k > 0; --k) {
         sum_c = 1 - sum_c * x2 / (2 * k * (2 * k - 1));
         sum_s = 1 - sum_s * x2 / (2 * k * (2 * k + 1));
     }
+
     *sine = x * sum_s;
     *cosine = sum_c;
 }
@@ -6543,11 +7395,13 @@ static void rbdi_w_series(rbdi_wide x, rbdi_wide *sine, rbdi_wide *cosine) {
 static rbdi_wide rbdi_w_angle(rbdi_wide c, rbdi_wide s) {
     rbdi_wide sine = rbdi_w_abs(s), t = sine / (1 + c);
     rbdi_wide angle = t * (2 - (rbdi_wide)RBDI_ANGLE_START * t * t);
+
     for (int i = 0; i < 4; ++i) {
         rbdi_wide sine_of, cosine_of;
         rbdi_w_series(angle, &sine_of, &cosine_of);
         angle += sine * cosine_of - c * sine_of;
     }
+
     return s < 0 ? -angle : angle;
 }
 
@@ -6557,15 +7411,18 @@ static void rbdi_add_moments(rbdi_build_link *to, const rbdi_wide A[9], const rb
                              const rbdi_wide Sigma[6], const rbdi_wide h[3], rbdi_wide mass) {
     static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
     rbdi_wide full[9], turned[9], Ah[3], T[9];
+
     for (int k = 0; k < 6; ++k) full[3 * row[k] + column[k]] = full[3 * column[k] + row[k]] = Sigma[k];
     rbdi_w_product(A, full, turned);
     rbdi_w_transpose(A, T);
     rbdi_w_product(turned, T, full);
     rbdi_w_apply(A, h, Ah);
+
     for (int k = 0; k < 6; ++k) {
         int i = row[k], j = column[k];
         to->Sigma[k] += full[3 * i + j] + t[i] * Ah[j] + (Ah[i] + mass * t[i]) * t[j];
     }
+
     for (int i = 0; i < 3; ++i) to->h[i] += Ah[i] + mass * t[i];
     to->mass += mass;
 }
@@ -6603,6 +7460,7 @@ static void rbdi_warn_saying(rbd_report *report, rbd_status status, int body, co
         f->field = field;
         f->text = sentence;
     }
+
     ++report->warnings;
 }
 
@@ -6615,14 +7473,17 @@ static void rbdi_warn(rbd_report *report, rbd_status status, int body, const cha
 static void rbdi_check_inertia(const rbd_body *b, int i, rbd_report *report) {
     const double *I = b->inertia, trace = I[0] + I[3] + I[5];
     double size = 0, Sigma[6];
+
     for (int k = 0; k < 6; ++k) {
         size += I[k] < 0 ? -I[k] : I[k];
         Sigma[k] = (k == 0 || k == 3 || k == 5 ? trace / 2 : 0) - I[k];
     }
+
     if (!(size > 0)) {
         if (b->mass > 0) rbdi_warn(report, RBD_WARN_INERTIA_ZERO, i, b->name, "inertia");
         return;
     }
+
     if (!(b->mass > 0)) rbdi_warn(report, RBD_WARN_MASS_ZERO, i, b->name, "mass");
     if (!rbdi_semidefinite(I, size))
         rbdi_warn(report, RBD_WARN_INERTIA_NEGATIVE, i, b->name, "inertia");
@@ -6694,55 +7555,85 @@ static int rbdi_mimic_source(const rbd_body *bodies, int nb, int i) {
     return -1;
 }
 
-static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_report *report) {
+/* -- a row of the description: the first condition that fails is the report's error -- */
+
+static rbd_status rbdi_check_names(const rbd_body *bodies, int i, rbd_report *report) {
     const rbd_body *b = &bodies[i];
+    for (int j = 0; j < i; ++j) {
+        if (rbdi_same(b->name, bodies[j].name)) return rbdi_refuse(report, RBD_ERR_NAME, i, b->name, "name");
+        if (rbdi_same(b->joint, bodies[j].joint))
+            return rbdi_refuse(report, RBD_ERR_NAME, i, b->name, "joint");
+    }
+    return RBD_OK;
+}
+
+static rbd_status rbdi_check_joint(const rbd_body *b, int i, rbd_report *report) {
     const int type = (int)b->type;
     const char *axes;
-#define RBDI_REQUIRE(condition, status, field) RBDI_REQUIRE_SAYING(condition, status, field, NULL)
-#define RBDI_REQUIRE_SAYING(condition, status, field, sentence) \
-    do { \
-        if (!(condition)) { \
-            rbdi_refuse(report, status, i, b->name, field); \
-            report->error.text = sentence; \
-            return status; \
-        } \
-    } while (0)
-    for (int j = 0; j < i; ++j) {
-        RBDI_REQUIRE(!rbdi_same(b->name, bodies[j].name), RBD_ERR_NAME, "name");
-        RBDI_REQUIRE(!rbdi_same(b->joint, bodies[j].joint), RBD_ERR_NAME, "joint");
-    }
-    RBDI_REQUIRE(b->parent >= -1 && b->parent < i, RBD_ERR_PARENT, "parent");
-    RBDI_REQUIRE(type >= 0 && type < RBD_JOINT_TYPES, RBD_ERR_TYPE, "type");
+    if (b->parent < -1 || b->parent >= i) return rbdi_refuse(report, RBD_ERR_PARENT, i, b->name, "parent");
+    if (type < 0 || type >= RBD_JOINT_TYPES) return rbdi_refuse(report, RBD_ERR_TYPE, i, b->name, "type");
+    if (type == RBD_FIXED && !rbdi_all_zero(b->axis, 3))
+        return rbdi_refuse_saying(report, RBD_ERR_TYPE, i, b->name, "type",
+                                  "missing? it is 0, fixed, but the joint has an axis");
+
     axes = rbdi_joint_facts(type)->axes;
-    RBDI_REQUIRE_SAYING(type != RBD_FIXED || rbdi_all_zero(b->axis, 3), RBD_ERR_TYPE, "type",
-                        "missing? it is 0, fixed, but the joint has an axis");
-    if (axes[0] == 'a') RBDI_REQUIRE(rbdi_is_axis(b->axis), RBD_ERR_AXIS, "axis");
-    if (axes[0] == 'a' && axes[1] == 'b')
-        RBDI_REQUIRE(rbdi_is_axis(b->axis2) && !rbdi_parallel(b->axis, b->axis2), RBD_ERR_AXIS, "axis2");
-    RBDI_REQUIRE(rbdi_finite(&b->pitch, 1), RBD_ERR_PITCH, "pitch");
-    RBDI_REQUIRE(rbdi_finite(b->position, 3), RBD_ERR_POSITION, "position");
-    RBDI_REQUIRE(rbdi_is_rotation(b->rotation), RBD_ERR_ROTATION, "rotation");
-    RBDI_REQUIRE(rbdi_finite_positive(&b->mass, 1), RBD_ERR_MASS, "mass");
-    RBDI_REQUIRE(rbdi_finite(b->com, 3), RBD_ERR_COM, "com");
-    RBDI_REQUIRE(rbdi_finite(b->inertia, 6), RBD_ERR_INERTIA, "inertia");
-    RBDI_REQUIRE(rbdi_finite_positive(b->armature, 6), RBD_ERR_ARMATURE, "armature");
-    RBDI_REQUIRE(rbdi_finite_positive(b->damping, 6), RBD_ERR_DAMPING, "damping");
-    RBDI_REQUIRE(rbdi_finite_positive(b->friction, 6), RBD_ERR_FRICTION, "friction");
-    RBDI_REQUIRE(rbdi_finite(&b->lower, 1), RBD_ERR_LIMITS, "lower");
-    RBDI_REQUIRE(rbdi_finite(&b->upper, 1), RBD_ERR_LIMITS, "upper");
-    RBDI_REQUIRE(rbdi_finite_positive(&b->velocity, 1), RBD_ERR_LIMITS, "velocity");
-    RBDI_REQUIRE(rbdi_finite_positive(&b->effort, 1), RBD_ERR_LIMITS, "effort");
-    if (b->mimic) {
-        RBDI_REQUIRE(rbdi_can_mimic(type) && rbdi_mimic_source(bodies, nb, i) >= 0, RBD_ERR_MIMIC, "mimic");
-        RBDI_REQUIRE_SAYING(rbdi_finite(&b->mimic_ratio, 1), RBD_ERR_MIMIC, "mimic_ratio", "not finite");
-        RBDI_REQUIRE_SAYING(RBD_C(b->mimic_ratio) < 0 || RBD_C(b->mimic_ratio) > 0, RBD_ERR_MIMIC,
-                            "mimic_ratio", "missing or 0: a joint that shall stand still is a fixed joint");
-        RBDI_REQUIRE(rbdi_finite(&b->mimic_offset, 1), RBD_ERR_MIMIC, "mimic_offset");
-    }
-#undef RBDI_REQUIRE
-#undef RBDI_REQUIRE_SAYING
-    rbdi_check_inertia(b, i, report);
-    rbdi_check_limits(b, i, report);
+    if (axes[0] == 'a' && !rbdi_is_axis(b->axis))
+        return rbdi_refuse(report, RBD_ERR_AXIS, i, b->name, "axis");
+    if (axes[0] == 'a' && axes[1] == 'b' && (!rbdi_is_axis(b->axis2) || rbdi_parallel(b->axis, b->axis2)))
+        return rbdi_refuse(report, RBD_ERR_AXIS, i, b->name, "axis2");
+
+    if (!rbdi_finite(&b->pitch, 1)) return rbdi_refuse(report, RBD_ERR_PITCH, i, b->name, "pitch");
+    if (!rbdi_finite(b->position, 3)) return rbdi_refuse(report, RBD_ERR_POSITION, i, b->name, "position");
+    if (!rbdi_is_rotation(b->rotation)) return rbdi_refuse(report, RBD_ERR_ROTATION, i, b->name, "rotation");
+    return RBD_OK;
+}
+
+/* The body's inertia, and the armature, damping, friction and limits of its joint. */
+static rbd_status rbdi_check_numbers(const rbd_body *b, int i, rbd_report *report) {
+    if (!rbdi_finite_positive(&b->mass, 1)) return rbdi_refuse(report, RBD_ERR_MASS, i, b->name, "mass");
+    if (!rbdi_finite(b->com, 3)) return rbdi_refuse(report, RBD_ERR_COM, i, b->name, "com");
+    if (!rbdi_finite(b->inertia, 6)) return rbdi_refuse(report, RBD_ERR_INERTIA, i, b->name, "inertia");
+
+    if (!rbdi_finite_positive(b->armature, 6))
+        return rbdi_refuse(report, RBD_ERR_ARMATURE, i, b->name, "armature");
+    if (!rbdi_finite_positive(b->damping, 6))
+        return rbdi_refuse(report, RBD_ERR_DAMPING, i, b->name, "damping");
+    if (!rbdi_finite_positive(b->friction, 6))
+        return rbdi_refuse(report, RBD_ERR_FRICTION, i, b->name, "friction");
+
+    if (!rbdi_finite(&b->lower, 1)) return rbdi_refuse(report, RBD_ERR_LIMITS, i, b->name, "lower");
+    if (!rbdi_finite(&b->upper, 1)) return rbdi_refuse(report, RBD_ERR_LIMITS, i, b->name, "upper");
+    if (!rbdi_finite_positive(&b->velocity, 1))
+        return rbdi_refuse(report, RBD_ERR_LIMITS, i, b->name, "velocity");
+    if (!rbdi_finite_positive(&b->effort, 1))
+        return rbdi_refuse(report, RBD_ERR_LIMITS, i, b->name, "effort");
+    return RBD_OK;
+}
+
+static rbd_status rbdi_check_mimic(const rbd_body *bodies, int nb, int i, rbd_report *report) {
+    const rbd_body *b = &bodies[i];
+    if (!b->mimic) return RBD_OK;
+    if (!rbdi_can_mimic((int)b->type) || rbdi_mimic_source(bodies, nb, i) < 0)
+        return rbdi_refuse(report, RBD_ERR_MIMIC, i, b->name, "mimic");
+    if (!rbdi_finite(&b->mimic_ratio, 1))
+        return rbdi_refuse_saying(report, RBD_ERR_MIMIC, i, b->name, "mimic_ratio", "not finite");
+    if (!(RBD_C(b->mimic_ratio) < 0 || RBD_C(b->mimic_ratio) > 0))
+        return rbdi_refuse_saying(report, RBD_ERR_MIMIC, i, b->name, "mimic_ratio",
+                                  "missing or 0: a joint that shall stand still is a fixed joint");
+    if (!rbdi_finite(&b->mimic_offset, 1))
+        return rbdi_refuse(report, RBD_ERR_MIMIC, i, b->name, "mimic_offset");
+    return RBD_OK;
+}
+
+static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_report *report) {
+    rbd_status status = rbdi_check_names(bodies, i, report);
+    if (!status) status = rbdi_check_joint(&bodies[i], i, report);
+    if (!status) status = rbdi_check_numbers(&bodies[i], i, report);
+    if (!status) status = rbdi_check_mimic(bodies, nb, i, report);
+    if (status) return status;
+
+    rbdi_check_inertia(&bodies[i], i, report);
+    rbdi_check_limits(&bodies[i], i, report);
     return RBD_OK;
 }
 
@@ -6750,9 +7641,11 @@ static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_rep
    joints that mimic it. */
 static rbd_status rbdi_check_moves(const rbd_body *bodies, int nb, rbdi_place *place, rbd_report *report) {
     rbd_status status = RBD_OK;
+
     for (int i = 0; i < nb; ++i) place[i].moves = bodies[i].mimic != NULL;
     for (int i = 0; i < nb; ++i)
         if (bodies[i].mimic) place[rbdi_mimic_source(bodies, nb, i)].moves = 1;
+
     for (int i = nb - 1; i >= 0; --i) {
         const rbd_body *b = &bodies[i];
         const int fixed = b->type == RBD_FIXED;
@@ -6761,6 +7654,7 @@ static rbd_status rbdi_check_moves(const rbd_body *bodies, int nb, rbdi_place *p
         if (!fixed && !place[i].moves) status = rbdi_refuse(report, RBD_ERR_LEAF, i, b->name, "mass");
         if (b->parent >= 0 && (!fixed || place[i].moves)) place[b->parent].moves = 1;
     }
+
     return status;
 }
 
@@ -6782,14 +7676,21 @@ typedef struct rbdi_build {
 
 static rbdi_counts rbdi_count(const rbd_body *bodies, int nb) {
     rbdi_counts n = {0, 0, 0, 0, 0, 0};
+
     for (int i = 0; i < nb; ++i) {
         const rbdi_joint_fact *fact = rbdi_joint_facts((int)bodies[i].type);
+
         n.nl += rbdi_links_of((int)bodies[i].type);
         n.nblock += fact->nv > 0 && !fact->axes[0];
         n.ndof += fact->nv;
         n.nmimic += bodies[i].mimic != NULL;
-        if (!bodies[i].mimic) n.nq += fact->nq, n.nv += fact->nv;
+
+        if (!bodies[i].mimic) {
+            n.nq += fact->nq;
+            n.nv += fact->nv;
+        }
     }
+
     return n;
 }
 
@@ -6821,37 +7722,54 @@ static void rbdi_build_joint(const rbdi_build *build, int i, int *nl) {
     rbdi_wide R[9];
     rbdi_wide_pose X;
     int parent = -1;
+
     rbdi_widen(b->rotation, 9, R);
     if (rbdi_all_zero(b->rotation, 9)) rbdi_w_identity(R);
     rbdi_orthonormalise(R);
     rbdi_w_transpose(R, X.E);
     rbdi_widen(b->position, 3, X.r);
+
     if (b->parent >= 0) {
         parent = place[b->parent].link;
         X = rbdi_w_compose(&X, &place[b->parent].X);
     }
+
     for (int k = 0; k < n; ++k) {
         rbdi_build_link *l = &build->links[*nl];
+
         rbdi_clear_link(l);
-        l->parent = parent, l->type = type, l->body = i, l->joint_dof = k;
-        l->iq = place[i].iq + k, l->iv = place[i].iv + k;
+        l->parent = parent;
+        l->type = type;
+        l->body = i;
+        l->joint_dof = k;
+        l->iq = place[i].iq + k;
+        l->iv = place[i].iv + k;
         l->favourite = -1;
         l->X = X;
         l->rho = 1;
         l->kind = RBDI_REVOLUTE;
+
         if (!axes[0]) {
             l->kind = RBDI_BLOCK;
         } else {
             rbdi_link_axis(b, axes[k], l->axis);
             if (type == RBD_CONTINUOUS_CS) l->kind = RBDI_REVOLUTE_CS;
-            if (type == RBD_HELICAL) l->kind = RBDI_SCREW, l->kappa = (rbdi_wide)b->pitch;
-            if (type == RBD_PRISMATIC || (type == RBD_CYLINDRICAL && k == 1))
-                l->kind = RBDI_SCREW, l->rho = 0, l->kappa = 1;
+            if (type == RBD_HELICAL) {
+                l->kind = RBDI_SCREW;
+                l->kappa = (rbdi_wide)b->pitch;
+            }
+            if (type == RBD_PRISMATIC || (type == RBD_CYLINDRICAL && k == 1)) {
+                l->kind = RBDI_SCREW;
+                l->rho = 0;
+                l->kappa = 1;
+            }
         }
+
         parent = (*nl)++;
         rbdi_w_identity(X.E);
         X.r[0] = X.r[1] = X.r[2] = 0;
     }
+
     place[i].link = parent;
     place[i].X = X;
     if (parent >= 0) rbdi_build_reach(&build->links[parent], rbdi_w_length(X.r));
@@ -6861,6 +7779,7 @@ static void rbdi_build_joint(const rbdi_build *build, int i, int *nl) {
 static void rbdi_build_mass(const rbd_body *b, const rbdi_place *place, rbdi_build_link *links) {
     rbdi_wide Sigma[6], T[9], com[3], none[3] = {0, 0, 0}, half;
     if (place->link < 0) return;
+
     rbdi_widen(b->inertia, 6, Sigma);
     half = (Sigma[0] + Sigma[3] + Sigma[5]) / 2;
     for (int k = 0; k < 6; ++k) Sigma[k] = (k == 0 || k == 3 || k == 5 ? half : 0) - Sigma[k];
@@ -6871,23 +7790,11 @@ static void rbdi_build_mass(const rbd_body *b, const rbdi_place *place, rbdi_bui
     rbdi_add_moments(&links[place->link], T, com, Sigma, none, (rbdi_wide)b->mass);
 }
 
-/* Axes, the rows of E, with this unit vector for z. */
-static void rbdi_build_basis(const rbdi_wide z[3], rbdi_wide E[9]) {
-    rbdi_wide length;
-    int least = 0;
-    for (int k = 1; k < 3; ++k)
-        if (rbdi_w_abs(z[k]) < rbdi_w_abs(z[least])) least = k;
-    for (int k = 0; k < 3; ++k) E[k] = (k == least) - z[least] * z[k];
-    length = rbdi_w_length(E);
-    for (int k = 0; k < 3; ++k) E[k] /= length, E[6 + k] = z[k];
-    for (int k = 0; k < 3; ++k) E[3 + k] = z[(k + 1) % 3] * E[(k + 2) % 3] - z[(k + 2) % 3] * E[(k + 1) % 3];
-}
-
 /* Step 3: solver frames, with the joint's axis on z. */
 static void rbdi_build_axis(rbdi_build_link *links, int i) {
     rbdi_build_link *l = &links[i];
     rbdi_w_identity(l->solver.E);
-    if (l->kind != RBDI_BLOCK) rbdi_build_basis(l->axis, l->solver.E);
+    if (l->kind != RBDI_BLOCK) rbdi_w_basis(l->axis, l->solver.E);
     l->X = rbdi_w_compose(&l->solver, &l->X);
     if (l->parent >= 0) l->X = rbdi_w_relative(&l->X, &links[l->parent].solver);
     rbdi_change_moments(l, l->solver.E, l->solver.r);
@@ -6904,9 +7811,11 @@ static int rbdi_build_rank(const rbdi_build_link *links, int nl, int i) {
 /* Step 4: depth-first positions. */
 static void rbdi_build_order(rbdi_build_link *links, int nl) {
     int next_root = 0;
+
     for (int i = 0; i < nl; ++i) links[i].size = 1;
     for (int i = nl - 1; i >= 0; --i)
         if (links[i].parent >= 0) links[links[i].parent].size += links[i].size;
+
     for (int i = 0; i < nl; ++i) {
         int *favourite;
         if (links[i].parent < 0) continue;
@@ -6914,8 +7823,10 @@ static void rbdi_build_order(rbdi_build_link *links, int nl) {
         if (*favourite < 0 || rbdi_build_rank(links, nl, i) > rbdi_build_rank(links, nl, *favourite))
             *favourite = i;
     }
+
     for (int i = 0; i < nl; ++i) {
         rbdi_build_link *l = &links[i];
+
         if (l->parent < 0) {
             l->position = next_root;
             next_root += l->size;
@@ -6925,6 +7836,7 @@ static void rbdi_build_order(rbdi_build_link *links, int nl) {
             l->position = links[l->parent].cursor;
             links[l->parent].cursor += l->size;
         }
+
         l->cursor = l->position + 1 + (l->favourite >= 0 ? links[l->favourite].size : 0);
         links[l->position].order = i;
     }
@@ -6936,13 +7848,20 @@ static void rbdi_build_turn(rbdi_build_link *links, int nl, int i, rbdi_wide c, 
     rbdi_build_link *l = &links[i];
     const rbdi_wide down[3] = {0, 0, -t};
     rbdi_wide_pose turn;
+
     rbdi_w_turn_z(c, s, turn.E);
-    turn.r[0] = turn.r[1] = 0, turn.r[2] = t;
+    turn.r[0] = turn.r[1] = 0;
+    turn.r[2] = t;
     for (int j = i + 1; j < nl; ++j)
         if (links[j].parent == i) links[j].X = rbdi_w_relative(&links[j].X, &turn);
     rbdi_change_moments(l, turn.E, down);
     l->solver = rbdi_w_compose(&turn, &l->solver);
-    if (l->dh) l->d += t, turn.r[2] = 0;
+
+    if (l->dh) {
+        l->d += t;
+        turn.r[2] = 0;
+    }
+
     l->X = rbdi_w_compose(&turn, &l->X);
 }
 
@@ -6950,16 +7869,27 @@ static void rbdi_build_turn(rbdi_build_link *links, int nl, int i, rbdi_wide c, 
    anew from them, so that poses and dynamics have the same model. */
 static void rbdi_build_angles(rbdi_build_link *l) {
     rbdi_wide *E = l->X.E, sigma = RBDI_WIDE_LIBM(sqrt)(E[6] * E[6] + E[7] * E[7]);
-    l->cb = 1, l->sb = 0;
-    l->ca = E[8] > 0 ? 1 : -1, l->sa = 0;
+
+    l->cb = 1;
+    l->sb = 0;
+    l->ca = E[8] > 0 ? 1 : -1;
+    l->sa = 0;
+
     if (sigma > RBDI_SNAP) {
-        l->cb = -E[7] / sigma, l->sb = E[6] / sigma;
-        l->ca = E[8], l->sa = sigma;
+        l->cb = -E[7] / sigma;
+        l->sb = E[6] / sigma;
+        l->ca = E[8];
+        l->sa = sigma;
         rbdi_w_snap(&l->ca, &l->sa, RBDI_SNAP);
         rbdi_w_snap(&l->cb, &l->sb, RBDI_SNAP);
-        if (l->cb < 0 && (rbdi_nonzero(l->ca) || !rbdi_nonzero(l->sb)))
-            l->cb = -l->cb, l->sb = -l->sb, l->sa = -l->sa;
+
+        if (l->cb < 0 && (rbdi_nonzero(l->ca) || !rbdi_nonzero(l->sb))) {
+            l->cb = -l->cb;
+            l->sb = -l->sb;
+            l->sa = -l->sa;
+        }
     }
+
     l->cg = E[0] * l->cb + E[1] * l->sb;
     l->sg = (E[1] * l->cb - E[0] * l->sb) * l->ca + E[2] * l->sa;
     rbdi_w_snap(&l->cg, &l->sg, RBDI_SNAP / 1000); /* removes rounding alone: any gamma costs the same */
@@ -6971,6 +7901,7 @@ static void rbdi_build_angles(rbdi_build_link *l) {
 static rbdi_wide rbdi_build_second_moment(const rbdi_build_link *l, rbdi_wide distance) {
     return l->all_mass * (l->radius + distance) * (l->radius + distance);
 }
+
 static rbdi_wide rbdi_build_first_moment(const rbdi_build_link *l, rbdi_wide distance) {
     return l->lever + l->all_mass * distance;
 }
@@ -6980,11 +7911,13 @@ static rbdi_wide rbdi_build_first_moment(const rbdi_build_link *l, rbdi_wide dis
 static void rbdi_build_measure(rbdi_build_link *links, int i) {
     rbdi_build_link *l = &links[i];
     const rbdi_wide own = l->Sigma[0] + l->Sigma[3] + l->Sigma[5];
+
     if (own > 0) l->radius += own; /* not positive: no real body is like this */
     if (own > 0 && l->mass > 0) l->lever += RBDI_WIDE_LIBM(sqrt)(own * l->mass);
     l->all_mass += l->mass;
     l->radius = l->all_mass > 0 ? RBDI_WIDE_LIBM(sqrt)(l->radius / l->all_mass) : 0;
     if (l->parent < 0) return;
+
     /* until the parent is measured its radius is the sum of the second moments */
     links[l->parent].radius += rbdi_build_second_moment(l, rbdi_w_length(l->X.r));
     links[l->parent].lever += rbdi_build_first_moment(l, rbdi_w_length(l->X.r));
@@ -6998,6 +7931,7 @@ static void rbdi_build_measure(rbdi_build_link *links, int i) {
 static int rbdi_build_near(const rbdi_build_link *links, int nl, int i, rbdi_wide t, rbdi_wide distance) {
     const rbdi_build_link *l = &links[i], *f = &links[l->favourite];
     const rbdi_wide rest = l->all_mass - f->all_mass, before = rbdi_w_length(f->X.r), step = rbdi_w_abs(t);
+
     for (int j = i + 1; j < nl; ++j) {
         const rbdi_build_link *child = &links[j];
         rbdi_wide r[3] = {child->X.r[0], child->X.r[1], child->X.r[2] - t};
@@ -7005,6 +7939,7 @@ static int rbdi_build_near(const rbdi_build_link *links, int nl, int i, rbdi_wid
             child->radius + rbdi_w_length(r) > 4 * (child->radius + rbdi_w_length(child->X.r)))
             return 0;
     }
+
     return rest * t * t + rbdi_build_second_moment(f, distance) - rbdi_build_second_moment(f, before) <
                3 * rbdi_build_second_moment(l, 0) &&
            rest * step + rbdi_build_first_moment(f, distance) - rbdi_build_first_moment(f, before) <
@@ -7029,13 +7964,22 @@ static void rbdi_build_normalise(rbdi_build_link *links, int nl, int i) {
         rbdi_build_turn(links, nl, i, l->cg, -l->sg, moves ? -l->d : 0);
         return;
     }
+
     f = &links[l->favourite];
     rbdi_build_angles(l);
     rbdi_build_angles(f);
+
     if (rbdi_w_abs(f->sa) > 0) {
+        /* the axes cross or pass each other: their common normal becomes x */
+
         /* beta or beta + 180 degrees: so that alpha is 90 degrees, or else l's gamma within 90 degrees */
-        if (rbdi_nonzero(f->ca) ? l->cg * f->cb - l->sg * f->sb < 0 : f->sa < 0)
-            f->cb = -f->cb, f->sb = -f->sb, f->sa = -f->sa;
+        if (rbdi_nonzero(f->ca) ? l->cg * f->cb - l->sg * f->sb < 0 : f->sa < 0) {
+            f->cb = -f->cb;
+            f->sb = -f->sb;
+            f->sa = -f->sa;
+        }
+
+        /* in axes turned by beta: r = (a, 0, t) + d (row z of Rx(alpha)) */
         rbdi_w_turn_z(f->cb, f->sb, Z);
         rbdi_w_apply(Z, f->X.r, r);
         a = r[0];
@@ -7044,13 +7988,19 @@ static void rbdi_build_normalise(rbdi_build_link *links, int nl, int i) {
         if (!rbdi_build_near(links, nl, i, t, RBDI_WIDE_LIBM(sqrt)(a * a + d * d))) return;
         rbdi_build_turn(links, nl, i, f->cb, f->sb, t);
     } else {
+        /* the axes are parallel: x leads from one to the other */
         a = RBDI_WIDE_LIBM(sqrt)(f->X.r[0] * f->X.r[0] + f->X.r[1] * f->X.r[1]);
         t = f->X.r[2];
-        if (!rbdi_build_near(links, nl, i, t, a)) d = t * f->ca, t = 0;
+        if (!rbdi_build_near(links, nl, i, t, a)) {
+            d = t * f->ca;
+            t = 0;
+        }
         rbdi_build_turn(links, nl, i, a > 0 ? f->X.r[0] / a : 1, a > 0 ? f->X.r[1] / a : 0, t);
     }
+
     f->dh = 1;
-    f->X.r[0] = a, f->X.r[1] = f->X.r[2] = 0;
+    f->X.r[0] = a;
+    f->X.r[1] = f->X.r[2] = 0;
     f->d = d;
 }
 
@@ -7069,23 +8019,26 @@ static void rbdi_build_origin(const rbdi_build_link *l, rbdi_wide r[3]) {
    about points as far away as the user's frames: solver.r, from the link's origin to the user's, and reach,
    to the farthest body fixed to this link or to a later one. A sliding joint is assumed to move by 1 m. */
 static void rbdi_build_scale(rbdi_build_link *links, int i) {
-    rbdi_build_link *l = &links[i], *up;
+    rbdi_build_link *l = &links[i], *parent;
     rbdi_wide r[3], distance, reach,
         trace = l->Sigma[0] + l->Sigma[3] + l->Sigma[5] + l->mass * rbdi_w_dot(l->solver.r, l->solver.r);
+
     l->scale = l->trace + (l->kind == RBDI_BLOCK ? trace : l->Sigma[0] + l->Sigma[3]);
     l->trace += trace;
     l->moment += rbdi_w_length(l->h);
     reach = l->reach += rbdi_w_length(l->solver.r);
     l->scale += RBDI_ROD * (l->trace + 2 * l->moment * reach + l->all_mass * reach * reach);
     if (l->parent < 0) return;
-    up = &links[l->parent];
+
+    parent = &links[l->parent];
     rbdi_build_origin(l, r);
     distance = rbdi_w_length(r);
-    up->trace += l->trace + 2 * l->moment * distance + l->all_mass * distance * distance;
-    up->moment += l->moment + l->all_mass * distance;
+    parent->trace += l->trace + 2 * l->moment * distance + l->all_mass * distance * distance;
+    parent->moment += l->moment + l->all_mass * distance;
+
     /* a joint that slides */
     if (l->kind == RBDI_BLOCK ? l->type != RBD_SPHERICAL : rbdi_nonzero(l->kappa)) reach += 1;
-    rbdi_build_reach(up, reach);
+    rbdi_build_reach(parent, reach);
 }
 
 /* Step 8, leaves to root: regrouping ([design]). Moments of mass that the joint's motion does not change go
@@ -7096,33 +8049,51 @@ static void rbdi_build_regroup(rbdi_build_link *links, int i) {
     rbdi_wide Sigma[6] = {0, 0, 0, 0, 0, 0}, h[3] = {0, 0, 0}, mass = 0, r[3], T[9];
     int slides = l->type == RBD_TRANSLATION || (l->kind == RBDI_SCREW && !(l->rho > 0));
     if (l->type == RBD_FLOATING) return;
+
     if (l->type == RBD_SPHERICAL) {
-        mass = l->mass, l->mass = 0;
+        mass = l->mass;
+        l->mass = 0;
     } else if (slides) {
-        for (int k = 0; k < 6; ++k) Sigma[k] = l->Sigma[k], l->Sigma[k] = 0;
+        for (int k = 0; k < 6; ++k) {
+            Sigma[k] = l->Sigma[k];
+            l->Sigma[k] = 0;
+        }
     } else {
-        Sigma[5] = l->Sigma[5], l->Sigma[5] = 0;
+        Sigma[5] = l->Sigma[5];
+        l->Sigma[5] = 0;
         if (l->kind == RBDI_REVOLUTE || l->kind == RBDI_REVOLUTE_CS) {
-            h[2] = l->h[2], l->h[2] = 0;
-            mass = l->mass, l->mass = 0;
+            h[2] = l->h[2];
+            l->h[2] = 0;
+            mass = l->mass;
+            l->mass = 0;
         }
     }
     if (l->parent < 0) return;
+
     rbdi_build_origin(l, r);
     rbdi_w_transpose(l->X.E, T);
     rbdi_add_moments(&links[l->parent], T, r, Sigma, h, mass);
 }
 
 /* ==== src/model/emit.h ==== */
+/* Three and six numbers of the build as constants of the model. */
 static rbdi_c3 rbdi_round3(const rbdi_wide x[3]) {
     rbdi_c3 out;
-    out.x = RBD_C(x[0]), out.y = RBD_C(x[1]), out.z = RBD_C(x[2]);
+    out.x = RBD_C(x[0]);
+    out.y = RBD_C(x[1]);
+    out.z = RBD_C(x[2]);
     return out;
 }
+
 static rbdi_csym rbdi_round6(const rbdi_wide x[6]) {
     rbdi_csym out;
-    out.xx = RBD_C(x[0]), out.xy = RBD_C(x[1]), out.xz = RBD_C(x[2]);
-    out.yy = RBD_C(x[3]), out.yz = RBD_C(x[4]), out.zz = RBD_C(x[5]);
+
+    out.xx = RBD_C(x[0]);
+    out.xy = RBD_C(x[1]);
+    out.xz = RBD_C(x[2]);
+    out.yy = RBD_C(x[3]);
+    out.yz = RBD_C(x[4]);
+    out.zz = RBD_C(x[5]);
     return out;
 }
 
@@ -7130,18 +8101,26 @@ static rbdi_csym rbdi_round6(const rbdi_wide x[6]) {
 static void rbdi_emit_angle(const rbdi_build_link *l, rbdi_link *out) {
     rbdi_wide c = l->cg, s = l->sg, minus_c;
     int quarters = 0;
-    out->cg = RBD_C(c), out->sg = RBD_C(s);
-    for (; quarters < 3 && c < rbdi_w_abs(s); ++quarters) minus_c = 0 - c, c = s, s = minus_c;
+
+    out->cg = RBD_C(c);
+    out->sg = RBD_C(s);
+
+    for (; quarters < 3 && c < rbdi_w_abs(s); ++quarters) {
+        minus_c = 0 - c;
+        c = s;
+        s = minus_c;
+    }
+
     out->quarters = RBD_C(quarters);
     out->gamma = l->kind == RBDI_BLOCK ? RBD_C(0) : RBD_C(rbdi_w_angle(c, s));
 }
 
-/* Step 9: the constants of the link at position p. */
-static rbdi_link rbdi_emit_link(const rbdi_build *build, int p) {
-    const rbdi_build_link *links = build->links, *l = &links[links[p].order];
+/* The flags of a link: the operations that its constants make necessary. */
+static int rbdi_emit_flags(const rbdi_build *build, const rbdi_build_link *l) {
     const rbd_body *b = &build->bodies[l->body];
-    int block = l->kind == RBDI_BLOCK, flags = 0;
-    rbdi_link out;
+    const int block = l->kind == RBDI_BLOCK;
+    int flags = 0;
+
     if (!block && rbdi_nonzero(l->sb)) flags |= RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ;
     if (rbdi_nonzero(l->X.r[1]) || rbdi_nonzero(l->X.r[2])) flags |= RBDI_SHIFT_XYZ;
     if ((flags & RBDI_SHIFT_XYZ) || rbdi_nonzero(l->X.r[0])) flags |= RBDI_SHIFT_R;
@@ -7152,20 +8131,36 @@ static rbdi_link rbdi_emit_link(const rbdi_build *build, int p) {
     if (l->kind == RBDI_SCREW) flags |= RBDI_SLIDES;
     if (!block && !rbdi_nonzero(l->ca) && l->sa > 0) flags |= RBDI_TWIST_90;
     if (!block && !rbdi_nonzero(l->sa) && l->ca > 0) flags |= RBDI_TWIST_0;
+    return flags;
+}
+
+/* Step 9: the constants of the link at position p. */
+static rbdi_link rbdi_emit_link(const rbdi_build *build, int p) {
+    const rbdi_build_link *links = build->links, *l = &links[links[p].order];
+    rbdi_link out;
+
     out.parent = (int16_t)(l->parent < 0 ? -1 : links[l->parent].position);
-    out.iq = (int16_t)l->iq, out.iv = (int16_t)l->iv;
+    out.iq = (int16_t)l->iq;
+    out.iv = (int16_t)l->iv;
     out.block = out.branch = -1;
     out.first = out.end = 0;
-    out.kind = (int16_t)l->kind, out.flags = (int16_t)flags;
+    out.kind = (int16_t)l->kind;
+    out.flags = (int16_t)rbdi_emit_flags(build, l);
+
     rbdi_emit_angle(l, &out);
-    out.ca = RBD_C(l->ca), out.sa = RBD_C(l->sa);
-    out.cb = RBD_C(l->cb), out.sb = RBD_C(l->sb);
+    out.ca = RBD_C(l->ca);
+    out.sa = RBD_C(l->sa);
+    out.cb = RBD_C(l->cb);
+    out.sb = RBD_C(l->sb);
     out.r = rbdi_round3(l->X.r);
     out.d = RBD_C(l->d);
-    out.rho = RBD_C(l->rho), out.kappa = RBD_C(l->kappa);
+    out.rho = RBD_C(l->rho);
+    out.kappa = RBD_C(l->kappa);
+
     out.Sigma = rbdi_round6(l->Sigma);
     out.h = rbdi_round3(l->h);
-    out.mass = RBD_C(l->mass), out.subtree_mass = RBD_C(l->subtree_mass);
+    out.mass = RBD_C(l->mass);
+    out.subtree_mass = RBD_C(l->subtree_mass);
     return out;
 }
 
@@ -7173,20 +8168,24 @@ static rbdi_link rbdi_emit_link(const rbdi_build *build, int p) {
 static rbdi_block rbdi_emit_block(const rbdi_build_link *l) {
     const rbdi_joint_fact *fact = rbdi_joint_facts(l->type);
     rbdi_block out;
+
     out.type = (int16_t)l->type;
-    out.first = (int16_t)fact->first, out.n = (int16_t)fact->nv;
+    out.first = (int16_t)rbdi_first_axis(l->type);
+    out.n = (int16_t)fact->nv;
     out.identity = 1;
+
     for (int k = 0; k < 9; ++k) {
         out.E[k] = RBD_C(l->X.E[k]);
         if (rbdi_nonzero(l->X.E[k] - (k % 4 == 0))) out.identity = 0;
     }
+
     return out;
 }
 
 /* Bound of the inertia that the link's k-th dof moves. */
 static rbdi_wide rbdi_build_dof_scale(const rbdi_build_link *l, int k) {
     if (l->kind != RBDI_BLOCK) return l->rho * l->scale + l->kappa * l->kappa * l->all_mass;
-    return rbdi_joint_facts(l->type)->first + k < 3 ? l->scale : l->all_mass;
+    return rbdi_first_axis(l->type) + k < 3 ? l->scale : l->all_mass;
 }
 
 /* The dofs of the link at position p. */
@@ -7196,16 +8195,20 @@ static void rbdi_emit_dofs(const rbdi_build *build, int p) {
     const rbdi_link *link = &build->link[p];
     rbdi_dof *dof = build->dof;
     const int n = l->kind == RBDI_BLOCK ? rbdi_joint_facts(l->type)->nv : 1;
+
     for (int k = 0; k < n; ++k) {
         rbdi_dof *out = &dof[link->iv + k];
+
         out->body = (int16_t)l->body;
         out->before = -1;
+
         if (k > 0) {
             out->before = (int16_t)(link->iv + k - 1);
         } else if (link->parent >= 0) {
-            const rbdi_link *up = &build->link[link->parent];
-            out->before = (int16_t)(up->iv + rbdi_link_dofs(build->m, up) - 1);
+            const rbdi_link *parent = &build->link[link->parent];
+            out->before = (int16_t)(parent->iv + rbdi_link_dofs(build->m, parent) - 1);
         }
+
         out->level = (int16_t)(out->before < 0 ? 0 : dof[out->before].level + 1);
         out->armature = RBD_C(b->armature[l->joint_dof + k]);
         out->damping = RBD_C(b->damping[l->joint_dof + k]);
@@ -7221,22 +8224,29 @@ static rbdi_frame rbdi_emit_frame(const rbdi_build *build, int i) {
     rbdi_wide_pose X = place->X;
     rbdi_wide com[3], I[6];
     rbdi_frame out;
+
     rbdi_widen(b->com, 3, com);
     rbdi_widen(b->inertia, 6, I);
     out.link = -1;
+
     if (place->link >= 0) {
         out.link = (int16_t)build->links[place->link].position;
         X = rbdi_w_relative(&X, &build->links[place->link].solver);
     }
-    out.name = b->name, out.joint = b->joint;
+
+    out.name = b->name;
+    out.joint = b->joint;
     out.parent = (int16_t)b->parent;
     out.type = (int16_t)b->type;
-    out.iq = (int16_t)place->iq, out.iv = (int16_t)place->iv;
+    out.iq = (int16_t)place->iq;
+    out.iv = (int16_t)place->iv;
     out.nq = out.nv = 0;
+
     if (!b->mimic) {
         out.nq = (int16_t)rbdi_joint_facts((int)b->type)->nq;
         out.nv = (int16_t)rbdi_joint_facts((int)b->type)->nv;
     }
+
     for (int k = 0; k < 9; ++k) out.E[k] = RBD_C(X.E[k]);
     out.r = rbdi_round3(X.r);
     out.mass = RBD_C(b->mass);
@@ -7245,7 +8255,8 @@ static rbdi_frame rbdi_emit_frame(const rbdi_build *build, int i) {
     const int limited = rbdi_is_limited(b);
     out.lower = limited ? RBD_C(b->lower) : RBD_C(0);
     out.upper = limited ? RBD_C(b->upper) : RBD_C(0);
-    out.velocity = RBD_C(b->velocity), out.effort = RBD_C(b->effort);
+    out.velocity = RBD_C(b->velocity);
+    out.effort = RBD_C(b->effort);
     return out;
 }
 
@@ -7259,6 +8270,7 @@ static void rbdi_build_solve(rbdi_build_link *links, int nl) {
         if (links[i].kind != RBDI_BLOCK) rbdi_build_angles(&links[i]);
     for (int p = nl - 1; p >= 0; --p) rbdi_build_scale(links, links[p].order);
     for (int p = nl - 1; p >= 0; --p) rbdi_build_regroup(links, links[p].order);
+
     for (int p = nl - 1; p >= 0; --p) {
         rbdi_build_link *l = &links[links[p].order];
         l->subtree_mass += l->mass;
@@ -7269,15 +8281,21 @@ static void rbdi_build_solve(rbdi_build_link *links, int nl) {
 /* Coordinates and dofs: in the order of the bodies; those of mimic joints behind all others. */
 static void rbdi_place_coordinates(const rbdi_build *build) {
     int iq = 0, iv = 0, mimic = 0;
+
     for (int i = 0; i < build->nb; ++i) {
         const rbdi_joint_fact *fact = rbdi_joint_facts((int)build->bodies[i].type);
         rbdi_place *place = &build->place[i];
-        place->iq = iq, place->iv = iv;
+
+        place->iq = iq;
+        place->iv = iv;
+
         if (build->bodies[i].mimic) {
-            place->iq = build->n.nq + mimic, place->iv = build->n.nv + mimic;
+            place->iq = build->n.nq + mimic;
+            place->iv = build->n.nv + mimic;
             ++mimic;
         } else {
-            iq += fact->nq, iv += fact->nv;
+            iq += fact->nq;
+            iv += fact->nv;
         }
     }
 }
@@ -7296,7 +8314,8 @@ static void rbdi_couple(rbdi_dof *dof, int i, int j) {
     while (i != j) {
         const int high = i > j ? i : j, low = i > j ? j : i, next = dof[high].lambda;
         if (next < low) dof[high].lambda = (int16_t)low;
-        i = low, j = next;
+        i = low;
+        j = next;
     }
 }
 
@@ -7304,12 +8323,15 @@ static void rbdi_couple(rbdi_dof *dof, int i, int j) {
    dof.row where the next child goes. */
 static void rbdi_emit_nodes(rbdi_dof *dof, int nv, rbdi_node *node) {
     int32_t next = 0;
+
     for (int k = 0; k < nv; ++k) dof[k].depth = 0;
     for (int k = nv - 1; k >= 0; --k)
         if (dof[k].lambda >= 0) dof[dof[k].lambda].depth += (int16_t)(dof[k].depth + 1);
+
     for (int k = 0; k < nv; ++k) {
         int32_t *place = dof[k].lambda < 0 ? &next : &dof[dof[k].lambda].row;
-        node[*place].dof = (int16_t)k, node[*place].descendants = dof[k].depth;
+        node[*place].dof = (int16_t)k;
+        node[*place].descendants = dof[k].depth;
         dof[k].row = *place + 1;
         *place += dof[k].depth + 1;
     }
@@ -7321,22 +8343,27 @@ static void rbdi_emit_tree(const rbdi_build *build) {
     const int nv = build->n.nv, n = build->n.ndof;
     const rbdi_mimic *mimic = build->mimic;
     rbdi_dof *dof = build->dof;
+
     for (int k = 0; k < n; ++k) {
-        int up = dof[k].before;
-        while (up >= nv) up = dof[up].before;
-        dof[k].lambda = (int16_t)(k < nv ? up : -1);
+        int before = dof[k].before;
+        while (before >= nv) before = dof[before].before;
+        dof[k].lambda = (int16_t)(k < nv ? before : -1);
     }
+
     for (int k = 0; k < n; ++k)
         for (int j = dof[k].before; j >= 0; j = dof[j].before)
             if (k >= nv || j >= nv)
                 rbdi_couple(dof, k < nv ? k : mimic[k - nv].source_v, j < nv ? j : mimic[j - nv].source_v);
+
     rbdi_emit_nodes(dof, nv, build->node);
     build->m->nh = 0;
+
     for (int k = 0; k < n; ++k) {
         dof[k].depth = (int16_t)(dof[k].lambda < 0 ? 0 : dof[dof[k].lambda].depth + 1);
         dof[k].row = build->m->nh;
         if (k < nv) build->m->nh += dof[k].depth + 1;
     }
+
     for (int k = 0; k < nv; ++k) build->node[k].row = dof[build->node[k].dof].row;
 }
 
@@ -7344,18 +8371,22 @@ static void rbdi_emit_tree(const rbdi_build *build) {
 static void rbdi_emit_links(const rbdi_build *build) {
     rbd_model *m = build->m;
     int block = 0;
+
     m->nbranch = 0;
     for (int p = 0; p < m->nl; ++p) {
         rbdi_link *out = &build->link[p];
+
         *out = rbdi_emit_link(build, p);
         if (out->kind == RBDI_BLOCK) {
             out->block = (int16_t)block;
             build->block[block++] = rbdi_emit_block(&build->links[build->links[p].order]);
         }
+
         if (out->parent >= 0 && out->parent != p - 1 && build->link[out->parent].branch < 0)
             build->link[out->parent].branch = m->nbranch++;
         rbdi_emit_dofs(build, p);
     }
+
     for (int p = 0; p < m->nl; ++p) {
         rbdi_link *out = &build->link[p];
         if (out->kind == RBDI_BLOCK || out->branch >= 0 || out->parent < 0 || out->parent != p - 1 ||
@@ -7367,13 +8398,18 @@ static void rbdi_emit_links(const rbdi_build *build) {
 /* Frames of the bodies, and mimic joints, whose inertia adds to the scale of the joint that they follow. */
 static void rbdi_emit_frames(const rbdi_build *build) {
     int next = 0;
+
     for (int i = 0; i < build->nb; ++i) {
         build->frame[i] = rbdi_emit_frame(build, i);
         if (!build->bodies[i].mimic) continue;
+
         const rbdi_place *source = &build->place[rbdi_mimic_source(build->bodies, build->nb, i)];
         rbdi_mimic *out = &build->mimic[next++];
-        out->source_q = (int16_t)source->iq, out->source_v = (int16_t)source->iv;
-        out->ratio = RBD_C(build->bodies[i].mimic_ratio), out->offset = RBD_C(build->bodies[i].mimic_offset);
+
+        out->source_q = (int16_t)source->iq;
+        out->source_v = (int16_t)source->iv;
+        out->ratio = RBD_C(build->bodies[i].mimic_ratio);
+        out->offset = RBD_C(build->bodies[i].mimic_offset);
         build->dof[out->source_v].scale += out->ratio * out->ratio * build->dof[build->place[i].iv].scale;
     }
 }
@@ -7382,6 +8418,7 @@ static void rbdi_emit_frames(const rbdi_build *build) {
 static void rbdi_emit_order(const rbdi_build *build) {
     rbd_model *m = build->m;
     int next = 0;
+
     m->nhx = 0;
     for (int p = 0; p < m->nl; ++p) {
         rbdi_link *out = &build->link[p];
@@ -7393,21 +8430,36 @@ static void rbdi_emit_order(const rbdi_build *build) {
             if (m->nmimic) m->nhx += dof->level + 1;
         }
     }
+
     for (int p = 0; p < m->nl; ++p) {
         const int behind = p + build->links[build->links[p].order].size;
         build->link[p].end = behind < m->nl ? build->link[behind].first : (int16_t)next;
     }
 }
 
+/* Steps 9 and 10. */
 static void rbdi_emit(const rbdi_build *build) {
     rbd_model *m = build->m;
-    m->link = build->link, m->block = build->block, m->dof = build->dof, m->order = build->order,
+
+    m->link = build->link;
+    m->block = build->block;
+    m->dof = build->dof;
+    m->order = build->order;
     m->node = build->node;
-    m->mimic = build->mimic, m->frame = build->frame;
-    m->version = RBD_MODEL_VERSION, m->scalar = (int16_t)sizeof(rbd_const);
-    m->nb = (int16_t)build->nb, m->nq = (int16_t)build->n.nq, m->nv = (int16_t)build->n.nv;
-    m->nl = (int16_t)build->n.nl, m->nblock = (int16_t)build->n.nblock, m->nmimic = (int16_t)build->n.nmimic;
-    m->gravity.x = m->gravity.y = RBD_C(0), m->gravity.z = RBD_C(-9.81);
+    m->mimic = build->mimic;
+    m->frame = build->frame;
+
+    m->version = RBD_MODEL_VERSION;
+    m->scalar = (int16_t)sizeof(rbd_const);
+    m->nb = (int16_t)build->nb;
+    m->nq = (int16_t)build->n.nq;
+    m->nv = (int16_t)build->n.nv;
+    m->nl = (int16_t)build->n.nl;
+    m->nblock = (int16_t)build->n.nblock;
+    m->nmimic = (int16_t)build->n.nmimic;
+    m->gravity.x = m->gravity.y = RBD_C(0);
+    m->gravity.z = RBD_C(-9.81);
+
     rbdi_emit_links(build);
     rbdi_emit_frames(build);
     rbdi_emit_tree(build);
@@ -7437,27 +8489,36 @@ RBDI_API size_t rbd_model_size(const rbd_body *bodies, int nb) {
 RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory, size_t size,
                                     const rbd_model **model, rbd_report *report) {
     rbd_report own;
+
     if (!report) report = &own;
     report->warnings = 0;
     rbdi_refuse(report, RBD_OK, -1, NULL, NULL);
     if (model) *model = NULL;
     if (!bodies || !memory || !model) return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
     if (nb < 1 || nb > RBD_MAX_BODIES) return rbdi_refuse(report, RBD_ERR_COUNT, -1, NULL, NULL);
+
     for (int i = 0; i < nb; ++i) {
         const rbd_status status = rbdi_check_body(bodies, nb, i, report);
         if (status) return status;
     }
     rbdi_check_followers(bodies, nb, report);
+
     rbdi_build b;
-    b.bodies = bodies, b.nb = nb, b.n = rbdi_count(bodies, nb);
+    b.bodies = bodies;
+    b.nb = nb;
+    b.n = rbdi_count(bodies, nb);
     if (size < rbd_model_size(bodies, nb)) return rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL);
+
     rbdi_build_take(&b, memory);
     rbdi_place_coordinates(&b);
+
     for (int i = 0, nl = 0; i < nb; ++i) {
         rbdi_build_joint(&b, i, &nl);
         rbdi_build_mass(&bodies[i], &b.place[i], b.links);
     }
+
     if (rbdi_check_moves(bodies, nb, b.place, report)) return RBD_ERR_LEAF;
+
     rbdi_build_solve(b.links, b.n.nl);
     rbdi_emit(&b);
     *model = b.m;
@@ -7478,12 +8539,14 @@ static rbd_status rbdi_payload_frame(rbdi_frame *u, const rbd_body *load) {
                             (rbdi_wide)u->I.yy, (rbdi_wide)u->I.yz, (rbdi_wide)u->I.zz};
     double whole[6], size = 0;
     if (total < 0) return RBD_ERR_MASS;
+
     for (int k = 0; k < 3; ++k)
         c[k] = total > 0 ? (mass[0] * com[0][k] + mass[1] * com[1][k]) / total : com[0][k];
     for (int k = 0; k < 6; ++k) {
         size += (double)(rbdi_w_abs(I[k]) + rbdi_w_abs((rbdi_wide)load->inertia[k]));
         I[k] += (rbdi_wide)load->inertia[k];
     }
+
     for (int part = 0; part < 2; ++part) {
         const rbdi_wide r[3] = {com[part][0] - c[0], com[part][1] - c[1], com[part][2] - c[2]},
                         rr = rbdi_w_dot(r, r);
@@ -7491,9 +8554,11 @@ static rbd_status rbdi_payload_frame(rbdi_frame *u, const rbd_body *load) {
             for (int j = i; j < 3; ++j, ++k) I[k] += mass[part] * ((i == j ? rr : 0) - r[i] * r[j]);
         size += (double)(rbdi_w_abs(mass[part]) * rr);
     }
+
     for (int k = 0; k < 6; ++k) whole[k] = (double)I[k];
     size *= 1 + 16 * (double)RBDI_EPS / RBDI_SEMIDEFINITE;
     if (!rbdi_finite(whole, 6) || (size > 0 && !rbdi_semidefinite(whole, size))) return RBD_ERR_INERTIA;
+
     u->mass = RBD_C(total);
     u->com = rbdi_round3(c);
     u->I = rbdi_round6(I);
@@ -7504,10 +8569,13 @@ static rbd_status rbdi_payload_frame(rbdi_frame *u, const rbd_body *load) {
    link i with the moments of mass that pair[0] has, pair[0] its parent, empty. */
 static void rbdi_payload_step(const rbd_model *m, int i, rbdi_build_link pair[2]) {
     const rbdi_link *l = &m->link[i];
+
     pair[1] = pair[0];
     pair[1].parent = l->parent < 0 ? -1 : 0;
-    pair[1].kind = l->kind, pair[1].type = l->kind == RBDI_BLOCK ? m->block[l->block].type : 0;
-    pair[1].rho = (rbdi_wide)l->rho, pair[1].kappa = (rbdi_wide)l->kappa;
+    pair[1].kind = l->kind;
+    pair[1].type = l->kind == RBDI_BLOCK ? m->block[l->block].type : 0;
+    pair[1].rho = (rbdi_wide)l->rho;
+    pair[1].kappa = (rbdi_wide)l->kappa;
     pair[1].X = rbdi_link_place(m, l);
     rbdi_clear_link(&pair[0]);
     pair[0].all_mass = pair[1].all_mass;
@@ -7524,19 +8592,23 @@ static void rbdi_payload_bounds(const rbd_model *m, int i, rbd_body load, const 
     rbdi_dof *dof = (rbdi_dof *)m->dof;
     const double sign = load.mass < 0 || load.inertia[0] + load.inertia[3] + load.inertia[5] < 0 ? -1 : 1;
     rbdi_build_link pair[2];
+
     load.mass *= sign;
     for (int k = 0; k < 6; ++k) load.inertia[k] *= sign;
     rbdi_clear_link(&pair[0]);
     rbdi_build_mass(&load, place, pair);
     pair[0].all_mass = pair[0].mass;
+
     for (; i >= 0; i = m->link[i].parent) {
         const int iv = m->link[i].iv;
+
         rbdi_payload_step(m, i, pair);
         for (int body = 0; body < m->nb; ++body) {
             const rbdi_c3 at = m->frame[body].r;
             const rbdi_wide r[3] = {(rbdi_wide)at.x, (rbdi_wide)at.y, (rbdi_wide)at.z};
             if (m->frame[body].link == i) rbdi_build_reach(&pair[1], rbdi_w_length(r));
         }
+
         rbdi_build_scale(pair, 1);
         for (int k = 0; k < rbdi_link_dofs(m, &m->link[i]); ++k) {
             const rbdi_wide x = (rbdi_wide)sign * rbdi_build_dof_scale(&pair[1], k);
@@ -7556,15 +8628,24 @@ static void rbdi_payload_links(const rbd_model *m, int i, const rbd_body *load, 
     rbdi_link *link = (rbdi_link *)m->link;
     rbdi_build_link pair[2];
     rbdi_wide kept = 0;
+
     rbdi_clear_link(&pair[0]);
     rbdi_build_mass(load, place, pair);
+
     for (; i >= 0; i = link[i].parent) {
         rbdi_csym *Sigma = &link[i].Sigma, add;
+
         rbdi_payload_step(m, i, pair);
         rbdi_build_regroup(pair, 1);
+
         add = rbdi_round6(pair[1].Sigma);
-        Sigma->xx += add.xx, Sigma->xy += add.xy, Sigma->xz += add.xz;
-        Sigma->yy += add.yy, Sigma->yz += add.yz, Sigma->zz += add.zz;
+        Sigma->xx += add.xx;
+        Sigma->xy += add.xy;
+        Sigma->xz += add.xz;
+        Sigma->yy += add.yy;
+        Sigma->yz += add.yz;
+        Sigma->zz += add.zz;
+
         link[i].h.x += RBD_C(pair[1].h[0]);
         link[i].h.y += RBD_C(pair[1].h[1]);
         link[i].h.z += RBD_C(pair[1].h[2]);
@@ -7584,15 +8665,18 @@ RBDI_API rbd_status rbd_add_payload(void *memory, int body, double mass, const d
     if (!m || !com) return RBD_ERR_NULL;
     if (m->version != RBD_MODEL_VERSION || m->scalar != (int)sizeof(rbd_const)) return RBD_ERR_VERSION;
     if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
+
     load.mass = mass;
     for (int k = 0; k < 3; ++k) load.com[k] = com[k];
     for (int k = 0; k < 6; ++k) load.inertia[k] = inertia ? inertia[k] : 0;
     if (!rbdi_finite(&load.mass, 1)) return RBD_ERR_MASS;
     if (!rbdi_finite(load.com, 3)) return RBD_ERR_COM;
     if (!rbdi_finite(load.inertia, 6)) return RBD_ERR_INERTIA;
+
     u = (rbdi_frame *)&m->frame[body];
     status = rbdi_payload_frame(u, &load);
     if (status || u->link < 0) return status;
+
     place.link = 0;
     place.X = rbdi_widen_pose(u->E, u->r);
     rbdi_payload_links(m, u->link, &load, &place);
@@ -7628,6 +8712,7 @@ static void rbdi_w_sincos(rbdi_wide x, rbdi_wide *s, rbdi_wide *c) {
 /* u = q, n numbers, of unit length; if q is shorter than 1e-15, component `one` is 1 and the others are 0. */
 static void rbdi_w_direction(const double *q, int n, int one, rbdi_wide *u) {
     rbdi_wide largest = 0, sum = 0, length;
+
     for (int k = 0; k < n; ++k)
         if (rbdi_w_abs(q[k]) > largest) largest = rbdi_w_abs(q[k]);
     for (int k = 0; k < n; ++k) u[k] = largest > 0 ? q[k] / largest : 0;
@@ -7638,6 +8723,7 @@ static void rbdi_w_direction(const double *q, int n, int one, rbdi_wide *u) {
         for (int k = 0; k < n; ++k) u[k] = k == one;
         return;
     }
+
     for (int k = 0; k < n; ++k) u[k] /= length;
 }
 
@@ -7664,6 +8750,7 @@ static void rbdi_w_quaternion(const double *q, rbdi_wide E[9]) {
 static rbdi_wide_pose rbdi_axis_motion_at(const rbdi_build_link *l, const double *q) {
     rbdi_wide_pose X;
     rbdi_wide u[2], c, s;
+
     if (l->kind == RBDI_REVOLUTE_CS) {
         rbdi_w_direction(q, 2, 0, u);
         c = u[0];
@@ -7671,21 +8758,26 @@ static rbdi_wide_pose rbdi_axis_motion_at(const rbdi_build_link *l, const double
     } else {
         rbdi_w_sincos(l->rho * q[l->iq], &s, &c);
     }
+
     rbdi_w_turn(l->axis, c, s, X.E);
     for (int k = 0; k < 3; ++k) X.r[k] = l->kappa * q[l->iq] * l->axis[k];
     return X;
 }
+
 static rbdi_wide_pose rbdi_block_motion_at(int type, const double *q) {
     rbdi_wide_pose X;
     rbdi_wide c, s;
+
     rbdi_w_identity(X.E);
     for (int k = 0; k < 3; ++k) X.r[k] = type == RBD_SPHERICAL || (type == RBD_PLANAR && k == 2) ? 0 : q[k];
     if (type == RBD_SPHERICAL) rbdi_w_quaternion(q, X.E);
     if (type == RBD_FLOATING) rbdi_w_quaternion(q + 3, X.E);
+
     if (type == RBD_PLANAR) {
         rbdi_w_sincos(q[2], &s, &c);
         rbdi_w_turn_z(c, s, X.E);
     }
+
     return X;
 }
 
@@ -7712,6 +8804,7 @@ static rbdi_wide_pose rbdi_body_pose_at(const rbd_body *b, const double *q) {
                                                                   : rbdi_axis_motion_at(&links[k], q);
         X = rbdi_w_compose(&motion, &X);
     }
+
     return X;
 }
 
@@ -7727,8 +8820,8 @@ static int rbdi_first_coordinate(const rbd_body *bodies, int i) {
    their number. */
 static int rbdi_own_coordinates(const rbd_body *bodies, int nb, int i, const double *q, double own[7]) {
     const rbd_body *b = &bodies[i];
-    const int from = b->mimic ? rbdi_mimic_source(bodies, nb, i) : i,
-              first = rbdi_first_coordinate(bodies, from), n = rbdi_joint_facts((int)b->type)->nq;
+    const int from = b->mimic ? rbdi_mimic_source(bodies, nb, i) : i;
+    const int first = rbdi_first_coordinate(bodies, from), n = rbdi_joint_facts((int)b->type)->nq;
     for (int k = 0; k < n; ++k) own[k] = q[first + k];
     if (b->mimic) own[0] = b->mimic_ratio * own[0] + b->mimic_offset;
     return n;
@@ -7744,12 +8837,15 @@ static int rbdi_is_held(const rbd_body *bodies, int nb, int i, const unsigned ch
 static void rbdi_hold(rbd_body *row, const double *q) {
     const rbdi_wide_pose X = rbdi_body_pose_at(row, q);
     rbdi_wide R[9];
+
     rbdi_w_transpose(X.E, R);
     for (int k = 0; k < 9; ++k) row->rotation[k] = (double)R[k];
+
     for (int k = 0; k < 3; ++k) {
         row->position[k] = (double)X.r[k];
         row->axis[k] = row->axis2[k] = 0;
     }
+
     for (int k = 0; k < 6; ++k) row->armature[k] = row->damping[k] = row->friction[k] = 0;
     row->type = RBD_FIXED;
     row->pitch = row->lower = row->upper = row->velocity = row->effort = 0;
@@ -7761,38 +8857,44 @@ RBDI_API rbd_status rbd_lock_joints(const rbd_body *bodies, int nb, const unsign
                                     const double *q, rbd_body *rows, rbd_report *report) {
     rbd_report own;
     double x[7];
+
     if (!report) report = &own;
     report->warnings = 0;
     rbdi_refuse(report, RBD_OK, -1, NULL, NULL);
 
     if (!bodies || !locked || !q || !rows) return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
     if (nb < 1 || nb > RBD_MAX_BODIES) return rbdi_refuse(report, RBD_ERR_COUNT, -1, NULL, NULL);
+
     for (int i = 0; i < nb; ++i) {
         const rbd_status status = rbdi_check_body(bodies, nb, i, report);
         if (status) return status;
     }
+
     for (int i = 0; i < nb; ++i) {
         if (!rbdi_is_held(bodies, nb, i, locked)) continue;
         if (rbdi_finite(x, rbdi_own_coordinates(bodies, nb, i, q, x))) continue;
-        rbdi_refuse(report, RBD_ERR_RANGE, i, bodies[i].name, "q");
-        report->error.text = "a coordinate of its joint, which shall be held, is not finite";
-        return RBD_ERR_RANGE;
+        return rbdi_refuse_saying(report, RBD_ERR_RANGE, i, bodies[i].name, "q",
+                                  "a coordinate of its joint, which shall be held, is not finite");
     }
 
     /* Followers first, then from the last to the first: of each row those that it depends on are still as
        they were, even if rows is bodies. */
     for (int i = 0; i < nb; ++i) rows[i] = bodies[i];
+
     for (int followers = 1; followers >= 0; --followers)
         for (int i = nb - 1; i >= 0; --i) {
             if ((rows[i].mimic != NULL) != followers || !rbdi_is_held(rows, nb, i, locked)) continue;
             (void)rbdi_own_coordinates(rows, nb, i, q, x);
             rbdi_hold(&rows[i], x);
         }
+
     return RBD_OK;
 }
 
 /* ==== src/rbd.h ==== */
 #endif /* RBD_NO_BUILD */
+
+RBDI_CODE_END
 
 #endif /* RBD_IMPLEMENTATION */
 

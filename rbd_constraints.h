@@ -457,13 +457,15 @@ RBDI_CODE_BEGIN
    RBDI_MISSED: a row that is off by more than this share of its terms is refined, [refinement]. A
    smaller one costs time alone.
    RBDI_STILL, m/s^2 or rad/s^2: but not if it is off by less than this. Where constraints hold all joints,
-   accelerations are rounding, and their error is no share of them.
+   accelerations are rounding, and their error is no share of them. A smaller one costs time alone.
    RBDI_HELD: and the result must have no row that is off by more than this share of the terms that its length
    and that of the accelerations allow.
    RBDI_DEPENDENT: J' n of the null vector n of rows that truly depend on each other is below this share of
    its terms.
    RBDI_FREE: the share of the least weight that stands for a weight of 0.
-   RBDI_SHORT_STEP, rad or m: assembly ends RBDI_CLOSING_STEPS after a step below this times its size.
+   RBDI_SHORT_STEP, rad or m: assembly ends RBDI_CLOSING_STEPS after a step below this times its size. These
+   square the error three times, and steps of rounding are below a tenth of it: no test sees ten times more
+   or less.
    RBDI_CLOSED: after it all entries of e must be below this. */
 #if RBDI_KIND(RBD_CONST) == 1
 #define RBDI_CLEAR 1e-5
@@ -513,8 +515,9 @@ RBDI_CODE_BEGIN
 #define RBDI_LEAST_WEIGHT RBD_C(1e-20) /* 1 / (this RBDI_FREE), times squares of lengths, is no overflow */
 #define RBDI_MOST_WEIGHT RBD_C(1e30)
 #define RBDI_LONGEST_STEP RBD_C(0.5)
-#define RBDI_LEAST_STEP_SIZE RBD_C(1e-3)
-#define RBDI_MOST_STEP_SIZE RBD_C(5)
+#define RBDI_LEAST_STEP_SIZE \
+    RBD_C(1e-3)                      /* both keep a wild estimate from its harm; of other bounds [assembly] */
+#define RBDI_MOST_STEP_SIZE RBD_C(5) /* takes other steps to the same end, and no test sees ten times more */
 
 #define RBDI_REFINEMENTS 24 /* each gains some digits: enough for all that fit into an exponent */
 #define RBDI_NEARING_STEPS 200
@@ -596,27 +599,6 @@ RBDI_ONCE rbdi_relative_motion rbdi_relative_motion_of(const rbd_constraint_set 
 static rbdi_mat rbdi_frame_axes(const rbd_constraint_set *c, const rbdi_constraint *con, int side) {
     const rbdi_mat R = rbdi_mat_c(con->rotation[side]);
     return con->link[side] < 0 ? R : rbdi_mul_mat(rbdi_transpose(c->w->kin[con->link[side]].X.E), R);
-}
-
-/* log R, the rotation vector. Sums of R's entries give four times the products of its quaternion with each of
-   its components. The product with the largest component is the accurate one. */
-static rbdi_v3 rbdi_log_rotation(rbdi_mat R) {
-    const rbd_real one = rbdi_set(RBD_C(1)), o = rbdi_zero();
-    const rbd_real x = R.zy - R.yz, y = R.xz - R.zx, z = R.yx - R.xy, xy = R.xy + R.yx, xz = R.xz + R.zx,
-                   yz = R.yz + R.zy;
-    const rbd_real multiple[4][4] = {{x, y, z, one + R.xx + R.yy + R.zz},
-                                     {one + R.xx - R.yy - R.zz, xy, xz, x},
-                                     {xy, one - R.xx + R.yy - R.zz, yz, y},
-                                     {xz, yz, one - R.xx - R.yy + R.zz, z}};
-    const rbd_real identity[4] = {o, o, o, one};
-    rbd_real q[4], largest = multiple[0][3];
-    for (int i = 0; i < 4; ++i) q[i] = multiple[0][i];
-    for (int k = 1; k < 4; ++k) {
-        const rbdi_mask more = rbdi_less(largest, multiple[k][k - 1]);
-        largest = rbdi_select(more, multiple[k][k - 1], largest);
-        for (int i = 0; i < 4; ++i) q[i] = rbdi_select(more, multiple[k][i], q[i]);
-    }
-    return rbdi_quaternion_difference(identity, q);
 }
 
 /* The factor in the derivative of w = log R by the turn z of body 1, in the axes of z:
@@ -1304,7 +1286,7 @@ static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraint_set
 
 /* x = L^-T x, and c->D_inverse from the factor. */
 static void rbdi_sweep_back(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
-    rbdi_solve_up(m, c->w, L, 1, 1, c->x);
+    rbdi_solve_transposed(m, c->w, L, 1, 1, c->x);
     for (int k = 0; k < m->nv; ++k) c->D_inverse[k] = L[m->dof[k].row + m->dof[k].depth];
 }
 
@@ -1678,7 +1660,7 @@ static void rbdi_carry_rows(const rbd_model *m, const rbd_constraint_set *c, int
         if (rbdi_is(l, RBDI_BLOCK))
             rows = rbdi_rows_block(m, c->w, i, rows, to, c->stride);
         else
-            RBDI_BY_FLAGS(flags, l, rbdi_rows_axis(m, c->w, i, flags, &rows, (rbdi_batch *)to));
+            RBDI_BY_FLAGS(const int flags, l, rbdi_rows_axis(m, c->w, i, flags, &rows, (rbdi_batch *)to));
     }
     *carried = rows;
 }
@@ -1905,7 +1887,7 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
         rbdi_constraint_rows(m, c, con, !restitution && con->kp > 0);
         rbdi_set_target(c, con, restitution);
     }
-    rbdi_solve_up(m, w, w->H, c->stride, c->rows, c->Y);
+    rbdi_solve_transposed(m, w, w->H, c->stride, c->rows, c->Y);
 
     /* L a = D^-1 (f + Y lambda) */
     for (int k = 0; k < m->nv; ++k) c->x[k] = c->x[k] * c->D_inverse[k];
@@ -1914,7 +1896,7 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
 
     /* a, from D L a */
     for (int k = 0; k < m->nv; ++k) x[k] = c->x[k] * w->pivot[k];
-    rbdi_solve_down(m, w, w->H, 1, 1, 1, x);
+    rbdi_solve_forward(m, w, w->H, 1, 1, 1, x);
     return rbdi_factor_status(m, w, w->H, doubt, x, m->nv);
 }
 
@@ -2247,16 +2229,12 @@ static rbd_constraint rbdi_constraint_of(int body1, const double *p1, int body2,
 
 /* A rotation whose z axis is this axis. */
 static void rbdi_frame_along(const double axis[3], double R[9]) {
-    rbdi_wide A[9], T[9];
-    int least = 0;
-    rbdi_widen(axis, 3, A);
-    rbdi_unit(A, A);
-    for (int k = 1; k < 3; ++k)
-        if (rbdi_w_abs(A[k]) < rbdi_w_abs(A[least])) least = k;
-    for (int k = 0; k < 3; ++k) A[3 + k] = k == least;
-    rbdi_orthonormalise(A); /* rows z, x, y: an even order */
-    rbdi_w_transpose(A, T);
-    for (int k = 0; k < 9; ++k) R[k] = (double)T[k / 3 * 3 + (k % 3 + 1) % 3];
+    rbdi_wide z[3], E[9], T[9];
+    rbdi_widen(axis, 3, z);
+    rbdi_unit(z, z);
+    rbdi_w_basis(z, E);
+    rbdi_w_transpose(E, T);
+    for (int k = 0; k < 9; ++k) R[k] = (double)T[k];
 }
 
 RBDI_API rbd_constraint rbd_point_contact(int body, const double point[3], const double place[3]) {
@@ -2313,28 +2291,31 @@ static rbd_status rbdi_check_constraint(const rbd_model *m, const rbd_constraint
                                         rbd_report *report) {
     int strange = rbdi_held_axes(con) == 0;
     for (int j = 0; j < 6; ++j) strange |= con->axes[j] != 0 && con->axes[j] != 1;
-#define RBDI_REQUIRE(condition, status, field, sentence) \
-    do { \
-        if (!(condition)) { \
-            rbdi_refuse(report, status, i, con->name, field); \
-            report->error.text = sentence; \
-            return status; \
-        } \
-    } while (0)
-    RBDI_REQUIRE(con->body1 >= -1 && con->body1 < m->nb, RBD_ERR_INDEX, "body1", NULL);
-    RBDI_REQUIRE(con->body1 >= 0 || con->body2 >= 0, RBD_ERR_INDEX, "body1",
-                 "both bodies are -1: the world, or a name that no body has");
-    RBDI_REQUIRE(con->body2 >= -1 && con->body2 < m->nb, RBD_ERR_INDEX, "body2", NULL);
-    RBDI_REQUIRE(rbdi_link_of_body(m, con->body1) != rbdi_link_of_body(m, con->body2), RBD_ERR_INDEX, "body2",
-                 "no joint moves it relative to body1");
-    RBDI_REQUIRE(rbdi_is_rotation(con->rotation1), RBD_ERR_ROTATION, "rotation1", NULL);
-    RBDI_REQUIRE(rbdi_finite(con->position1, 3), RBD_ERR_POSITION, "position1", NULL);
-    RBDI_REQUIRE(rbdi_is_rotation(con->rotation2), RBD_ERR_ROTATION, "rotation2", NULL);
-    RBDI_REQUIRE(rbdi_finite(con->position2, 3), RBD_ERR_POSITION, "position2", NULL);
-    RBDI_REQUIRE(!strange, RBD_ERR_AXIS, "axes", "none is held, or one is neither 0 nor 1");
-    RBDI_REQUIRE(rbdi_finite_positive(&con->kp, 1), RBD_ERR_RANGE, "kp", NULL);
-    RBDI_REQUIRE(rbdi_finite_positive(&con->kd, 1), RBD_ERR_RANGE, "kd", NULL);
-#undef RBDI_REQUIRE
+    if (con->body1 < -1 || con->body1 >= m->nb)
+        return rbdi_refuse(report, RBD_ERR_INDEX, i, con->name, "body1");
+    if (con->body1 < 0 && con->body2 < 0)
+        return rbdi_refuse_saying(report, RBD_ERR_INDEX, i, con->name, "body1",
+                                  "both bodies are -1: the world, or a name that no body has");
+    if (con->body2 < -1 || con->body2 >= m->nb)
+        return rbdi_refuse(report, RBD_ERR_INDEX, i, con->name, "body2");
+    if (rbdi_link_of_body(m, con->body1) == rbdi_link_of_body(m, con->body2))
+        return rbdi_refuse_saying(report, RBD_ERR_INDEX, i, con->name, "body2",
+                                  "no joint moves it relative to body1");
+
+    if (!rbdi_is_rotation(con->rotation1))
+        return rbdi_refuse(report, RBD_ERR_ROTATION, i, con->name, "rotation1");
+    if (!rbdi_finite(con->position1, 3))
+        return rbdi_refuse(report, RBD_ERR_POSITION, i, con->name, "position1");
+    if (!rbdi_is_rotation(con->rotation2))
+        return rbdi_refuse(report, RBD_ERR_ROTATION, i, con->name, "rotation2");
+    if (!rbdi_finite(con->position2, 3))
+        return rbdi_refuse(report, RBD_ERR_POSITION, i, con->name, "position2");
+
+    if (strange)
+        return rbdi_refuse_saying(report, RBD_ERR_AXIS, i, con->name, "axes",
+                                  "none is held, or one is neither 0 nor 1");
+    if (!rbdi_finite_positive(&con->kp, 1)) return rbdi_refuse(report, RBD_ERR_RANGE, i, con->name, "kp");
+    if (!rbdi_finite_positive(&con->kd, 1)) return rbdi_refuse(report, RBD_ERR_RANGE, i, con->name, "kd");
     return RBD_OK;
 }
 
@@ -2570,7 +2551,7 @@ RBDI_CODE_BEGIN
 
 /* ==== src/constraints/derivatives.h ==== */
 /* Interface: rbdi_cross_add, rbdi_differentiate_error, rbdi_differentiate_forces, rbdi_differentiate_motion,
-   rbdi_motion_derivatives, rbdi_pair_motion, rbdi_pair_motion_of */
+   rbdi_motion_derivatives, rbdi_pair_motion, rbdi_pair_motion_of, rbdi_roll */
 
 /* ---- derivatives [derivatives code] ----
    Where x is a component of q, v or tau,
@@ -2614,7 +2595,8 @@ typedef struct rbdi_pair_motion {
     rbdi_v3 log_R;       /* world axes */
     rbd_real log_square; /* rbdi_log_square of it */
     rbdi_v3 free[2];     /* the free axis if two angular ones are held: of frame 2, of frame 1 */
-    rbdi_v3 roll_radius; /* a turn z of body 1 moves the place of contact over it by z x this; 0 if no ball */
+    rbdi_v3 roll_radius; /* of a contact, from its place to the centre of its ball; else 0 */
+    rbdi_v3 normal;      /* of the plane on which the place of a contact stays; else 0 */
 } rbdi_pair_motion;
 
 /* S of a dof, and derivatives by it: of (w; u) by q, of (alpha; acc) by q and by v. */
@@ -2653,7 +2635,8 @@ static rbdi_pair_motion rbdi_pair_motion_of(const rbd_constraint_set *c, const r
     }
 
     /* the angular part of e */
-    pair.log_R = pair.free[0] = pair.free[1] = pair.roll_radius = rbdi_vec0();
+    pair.log_R = pair.free[0] = pair.free[1] = rbdi_vec0();
+    pair.roll_radius = pair.normal = rbdi_vec0();
     pair.log_square = rbdi_zero();
     if (con->kp > 0 && con->angular) {
         const rbdi_mat R_1 = rbdi_frame_axes(c, con, 0), R_2 = rbdi_frame_axes(c, con, 1);
@@ -2685,6 +2668,13 @@ RBDI_INLINE void rbdi_turn_with_body2(rbdi_motion velocity, rbdi_motion rate, rb
 
     by->rate_v.omega = rbdi_cross_add(by->rate_v.omega, z, velocity.omega);
     by->rate_v.v = rbdi_cross_add(by->rate_v.v, z, rbdi_twice(velocity.v));
+}
+
+/* How far the place of a contact moves over body 1 if that moves by S relative to body 2: its centre moves by
+   S, and the place stays below it; on a plane that moves neither up nor down. */
+RBDI_INLINE rbdi_v3 rbdi_roll(const rbdi_pair_motion *pair, rbdi_motion S) {
+    const rbdi_v3 up = rbdi_scale(rbdi_dot(pair->normal, S.v), pair->normal);
+    return rbdi_sub(rbdi_cross(S.omega, pair->roll_radius), up);
 }
 
 /* Derivatives by dof j of a link on the path of body `side`. */
@@ -2719,6 +2709,7 @@ static rbdi_motion_derivatives rbdi_differentiate_motion(const rbd_model *m, con
 
     /* dw, du by q */
     omega2_s = rbdi_cross(omega2, s);
+
     by.velocity_q.omega = rbdi_cross_add(Psi.omega, z, b->omega);
     by.velocity_q.v = rbdi_sub(rbdi_cross_add(Psi.v, z, b->v), omega2_s);
 
@@ -2736,9 +2727,8 @@ static rbdi_motion_derivatives rbdi_differentiate_motion(const rbd_model *m, con
 
     if (side) rbdi_turn_with_body2(pair->motion.velocity, pair->motion.rate, z, &by);
 
-    /* a ball: the place of contact moves over it by z x roll_radius */
-    by.velocity_q.v =
-        rbdi_cross_add(by.velocity_q.v, pair->motion.velocity.omega, rbdi_cross(z, pair->roll_radius));
+    /* The place of contact moves over body 1. */
+    by.velocity_q.v = rbdi_cross_add(by.velocity_q.v, pair->motion.velocity.omega, rbdi_roll(pair, by.S));
     return by;
 }
 
@@ -2791,7 +2781,7 @@ static void rbdi_subtract_force_derivative(const rbd_model *m, const rbd_derivat
                                            int mover, rbdi_motion S, rbd_real *rho) {
     const rbdi_v3 o = rbdi_vec0(), nz = rbdi_cross(pair->force.n, S.omega),
                   fz = rbdi_cross(pair->force.f, S.omega), sf = rbdi_cross(S.v, pair->force.f),
-                  roll = rbdi_cross(rbdi_cross(S.omega, pair->roll_radius), pair->force.f);
+                  roll = rbdi_cross(rbdi_roll(pair, S), pair->force.f);
 
     for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);) {
         const rbdi_link *l = &m->link[walk.link];
@@ -2863,7 +2853,7 @@ static void rbdi_lambda_derivatives(const rbd_model *m, rbd_constraint_set *c, c
 static void rbdi_solve_at_once(const rbd_model *m, rbd_constraint_set *c, rbd_real *rho, rbd_real *sigma) {
     const int nv = m->nv;
     rbdi_lambda_derivatives(m, c, rho, sigma);
-    rbdi_solve_columns(m, c->w, c->w->H, -1, nv, nv, rho, NULL);
+    rbdi_solve_columns(m, c->w, c->w->H, -1, nv, nv, rho);
     for (int k = 0; k < nv; ++k)
         rbdi_subtract_product(&c->Y[k * c->stride], sigma, c->rows, nv, &rho[k * nv]);
 }
@@ -2889,9 +2879,9 @@ static void rbdi_solve_column(const rbd_model *m, rbd_constraint_set *c, int j, 
 RBDI_COLD void rbdi_solve_by_columns(const rbd_model *m, rbd_constraint_set *c, rbd_real *rho,
                                      rbd_real *sigma) {
     const int nv = m->nv;
-    rbdi_solve_up(m, c->w, c->w->H, nv, nv, rho);
+    rbdi_solve_transposed(m, c->w, c->w->H, nv, nv, rho);
     for (int j = 0; j < nv; ++j) rbdi_solve_column(m, c, j, rho, sigma);
-    rbdi_solve_down(m, c->w, c->w->H, 1, nv, nv, rho);
+    rbdi_solve_forward(m, c->w, c->w->H, 1, nv, nv, rho);
 }
 
 /* Whether accelerations by a force at each dof lose so many digits that rows may need [refinement]. One set
@@ -2945,7 +2935,8 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
 
     /* da and dlambda */
     by_columns = rbdi_loses_digits(m, c);
-    if (!by_columns) rbdi_solve_down(m, c->w, c->w->H, -1, c->stride, c->rows, c->Y); /* -T = -L^-1 D^-1 Y */
+    if (!by_columns)
+        rbdi_solve_forward(m, c->w, c->w->H, -1, c->stride, c->rows, c->Y); /* -T = -L^-1 D^-1 Y */
     for (int x = 0; x < 3; ++x) {
         if (!of_a[x]) continue;
         if (by_columns)

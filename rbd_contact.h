@@ -23,11 +23,14 @@
      [solver] [set] [step] [step derivatives]
      --- stop here if you only use it ---
      [layout] [tolerances] [one contact] [laws] [newton] [solver code]
-     [joints] [set code] [contact rows] [biases] [row reduction] [step code]
+     [joints] [set code] [contact rows] [biases] [row reduction]
+     [momentum code] [step code]
      [step derivatives code]
 
    [conventions] Beyond those of rbd.h:
      u            velocity of body 1's point of contact less that of body 2's at this place, m/s
+     place        of contact: the point, or that of the ball next to the plane; where three contacts or more
+                  of the same two bodies touch, its foot on the plane
      p            impulse on body 1 at this place, N s; the opposite acts on body 2
      rows         of a contact: two tangents, then the normal, out of body 2 into body 1
      gap          distance of point or ball from the plane, m; below 0 in penetration
@@ -146,6 +149,7 @@ typedef struct rbd_contact_options {
     double slip;        /* contacts that stick give way along the plane, m/s per newton [0] */
     int derivatives;    /* not 0: memory for rbd_contact_step_derivatives */
     int first_order;    /* not 0: steps of semi-implicit Euler, q_next is q moved by v_next: for planners */
+    int momentum;       /* not 0: robots that float keep their momentum to rounding while nothing touches */
 } rbd_contact_options;
 
 typedef struct rbd_contact_set rbd_contact_set; /* contacts, impulses of the last step, scratch */
@@ -256,6 +260,8 @@ typedef struct rbd_contact_step_results {
    c            with the option `derivatives`
    d            of the same work
    out          dq_next_... each with its dv_next_..., both or neither NULL; no two the same array
+   The step and its derivatives are those without the option `momentum`. Beyond two radians a step, where the
+   corrections of velocity terms diverge, derivatives are those without the sum of their series.
    If redundant points slip and turn at once, the motion depends on shares of force that are not unique: these
    are derivatives for one choice.
    Errors: as rbd_contact_step; RBD_ERR_WORK also if d has another work; RBD_ERR_MEMORY without the option;
@@ -284,6 +290,8 @@ RBDI_EXTERN_C_END
 #undef D
 #pragma push_macro("E")
 #undef E
+#pragma push_macro("F")
+#undef F
 #pragma push_macro("G")
 #undef G
 #pragma push_macro("H")
@@ -368,10 +376,13 @@ typedef struct rbdi_contact {
     rbd_const radius, friction, restitution, stiffness, damping;
     rbdi_gap gap;
     rbd_real falls;    /* u_n that forces would add in the step without impulses, m/s */
-    rbdi_v3 roll;      /* acceleration of the place of contact over the ball, world axes, m/s^2 */
+    rbd_real below;    /* the place of contact is so far below the centre, m: l of [contact rows] */
+    rbdi_v3 roll;      /* acceleration of the place of contact over the body, world axes, m/s^2 */
     rbd_real force[3]; /* of the last step, world axes */
     int body2;
     int row;      /* of the step, -1 = none */
+    int on_plane; /* whether the place of contact is the foot of the centre on the plane */
+    int pushes;   /* whether it does in a solution of the step */
     int springs;  /* whether its stiffness acts in the step */
     int rebounds; /* whether the solution for the velocities returns a share of its approach */
     rbd_contact_state state;
@@ -409,7 +420,8 @@ struct rbd_contact_set {
                                      these velocities, origins move straight */
     rbd_real *damping;       /* nv: all of it that is implicit */
     rbd_real *nu, *moved;    /* nv each: velocities of the end; of the positions */
-    rbd_real *x;             /* nv: L^-T dt (tau - c - damping v_mid) */
+    rbd_real *momentum;      /* nv: wanted at the end, of roots; before, their centres of mass at q_mid */
+    rbd_real *x[3];          /* nv each: L^-T dt (tau - c - damping v_mid), c corrected so many times */
     rbd_real dt, last_dt;    /* of this step; of the last one, 1 = none */
     rbd_real half, way;      /* times for which v moves q, and then the solution does: dt/2 each */
     rbd_real *sigma;         /* of derivatives: max_rows x nv, then [step derivatives code]; NULL = none */
@@ -425,7 +437,7 @@ struct rbd_contact_set {
      RBDI_ROUND((size_t)(bounded) * sizeof(rbdi_dof_row)) + \
      RBDI_ROUND(RBDI_CONTACT_ROWS(n, bounded) * sizeof(int16_t)) + \
      RBDI_ROUND(sizeof(rbd_real) * ((size_t)(n) + 2 * (size_t)(bounded) + \
-                                    2 * RBDI_CONTACT_ROWS(n, bounded) + (size_t)(nq) + 7 * (size_t)(nv))) + \
+                                    2 * RBDI_CONTACT_ROWS(n, bounded) + (size_t)(nq) + 10 * (size_t)(nv))) + \
      RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded)) + \
      RBDI_CONSTRAINTS_BYTES(nv, (n) + (constraints), RBDI_CONTACT_ROWS(n, bounded), stride))
 
@@ -455,13 +467,20 @@ RBDI_CODE_BEGIN
    is a sum of squares: its rounding is below the square of the share.
    RBDI_ON_CONE: a contact at rest counts as sticking up to this times its largest friction.
    RBDI_LEFT_OF_SLOP: depths of this share of the slop that the first half of a step makes are left.
-   RBDI_PROXIMAL: share of the trace that Newton steps add to the diagonal, [newton].
-   RBDI_LEAST_SIZE: squares of smaller impulses (N s) are near the smallest number, or below it.
+   RBDI_LOOSE: of the first solution the residual may be so many times larger: its velocities enter those of
+   the end times dt and the velocity of what turns.
+   RBDI_PROXIMAL: share of the trace that Newton steps add to the diagonal, [newton]. Ten times more costs
+   iterations, which a test sees; with a tenth p is the same within the tolerance.
+   RBDI_LEAST_SIZE: squares of smaller impulses (N s) are near the smallest number, or below it. For sizes up
+   to a million times away both ways of computing agree to rounding, so no test sees ten times more or less.
    RBDI_SCALE_SPREAD: the scale of RBDI_PROXIMAL is at most so many times the diagonal's entry, of a normal.
-   RBDI_SIDES_PROXIMAL: the same for derivatives, whose relative error is that times the condition of G. */
+   As there, no test sees ten times more or less.
+   RBDI_SIDES_PROXIMAL: the same for derivatives, whose relative error is that times the condition of G. Ten
+   times more is an error that random trees see; a tenth is near rounding, and no test sees it. */
 #define RBDI_UNMOVED (16 * RBDI_EPS)
 #define RBDI_ON_CONE (1 + 16 * RBDI_EPS)
 #define RBDI_LEFT_OF_SLOP RBD_C(0.01)
+#define RBDI_LOOSE RBD_C(10)
 #define RBDI_SCALE_SPREAD RBD_C(1e4)
 #define RBDI_SIDES_PROXIMAL (512 * RBDI_EPS)
 #if RBDI_KIND(RBD_CONST) == 2
@@ -477,7 +496,7 @@ RBDI_CODE_BEGIN
 #define RBDI_NEAR_LIMIT RBD_C(0.02) /* rad or m: nearer limits are rows; a larger one costs time alone */
 
 #define RBDI_ROOT_STEPS 60           /* for the root of one contact, six on average */
-#define RBDI_FASTEST_SLIP RBD_C(1e9) /* largest alpha / d: as without friction */
+#define RBDI_FASTEST_SLIP RBD_C(1e9) /* largest alpha / d: friction is 1e-9 of p_n then, no test sees it */
 #define RBDI_MOST_SWEEPS 32          /* between two Newton steps */
 #define RBDI_FASTEST RBD_C(1e12)     /* m/s or rad/s; faster has overflowed, or would */
 #define RBDI_UNBOUNDED RBD_C(1e30)   /* as a bound: none; as a residual: none could be computed */
@@ -1379,7 +1398,7 @@ static rbd_status rbdi_check_options(const rbd_contact_options *o, rbd_report *r
 }
 
 static rbd_contact_options rbdi_contact_defaults(const rbd_contact_options *given) {
-    const rbd_contact_options none = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+    const rbd_contact_options none = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
     rbd_contact_options o = given ? *given : none;
     if (!(o.margin > 0)) o.margin = 0.005;
     if (!(o.slop > 0)) o.slop = 1e-5;
@@ -1471,7 +1490,7 @@ static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held,
     c->contact = RBDI_CUT(rbdi_contact, n);
     c->dof_row = RBDI_CUT(rbdi_dof_row, bounded);
     c->place = RBDI_CUT(int16_t, c->max_rows);
-    c->friction = RBDI_CUT(rbd_real, n + 2 * bounded + 2 * c->max_rows + m->nq + 7 * nv);
+    c->friction = RBDI_CUT(rbd_real, n + 2 * bounded + 2 * c->max_rows + m->nq + 10 * nv);
     c->lower = c->friction + n;
     c->upper = c->lower + bounded;
     c->b = c->upper + bounded;
@@ -1483,7 +1502,8 @@ static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held,
     c->damping = c->straight + nv;
     c->nu = c->damping + nv;
     c->moved = c->nu + nv;
-    c->x = c->moved + nv;
+    c->momentum = c->moved + nv;
+    for (int i = 0; i < 3; ++i) c->x[i] = c->momentum + (1 + i) * nv;
     rbdi_lay_solver(&c->solver, n, bounded, at);
     at += RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded));
     c->sigma = o->derivatives ? RBDI_CUT(rbd_real, RBDI_CONTACT_SIDES(nv, n, c->max_rows)) : NULL;
@@ -1563,13 +1583,21 @@ RBDI_API rbd_status rbd_contact_plane(const rbd_model *m, rbd_contact_set *c, in
 
        Delta = Y' D^-1 Y,   J nu_0 = J v + Y' D^-1 x,   nu = v + L^-1 D^-1 (x + Y p)                      (4)
 
-   where v, M and J are those of the middle of the step, [step code], J of the place of contact. The laws hold
-   for the velocity of the end
+   where v, M and J are those of the middle of the step, [step code], J of the place of contact. The laws
+   hold for the velocity of the end
 
        u = J nu + dt/2 gamma,   gamma = dJ/dt v with classical accelerations 0
 
-   The place moves over a ball of radius R about c, so its gamma is that of c less R domega/dt x n: the point
-   of a wheel accelerates upward, its gap does not. */
+   The place of contact is l below the centre c of a ball, against the normal n, and moves over the body. With
+   the motion of the body relative to the plane, c has velocity v_c and acceleration a_c, and
+
+       u = v_c - l omega x n,   gamma = a_c - l domega/dt x n - l' omega x n
+
+   Of a ball, or of a point, l is the radius, and l' = 0: the point of a wheel accelerates upward, its gap
+   does not. This is where an impact acts. But places of one body at different heights over a plane have
+   different velocities along it when the body turns: three of them could not all stick. So where three
+   contacts or more of two bodies touch, the place of each is the foot of its centre on the plane: l is the
+   radius plus the gap, l' the rate of the gap. */
 
 /* World axes of the normal of a constraint. */
 RBDI_INLINE rbdi_v3 rbdi_contact_normal(const rbd_constraint_set *s, const rbdi_constraint *con) {
@@ -1588,28 +1616,78 @@ RBDI_INLINE rbdi_gap rbdi_gap_of(rbd_real middle, rbd_real rate, rbd_real gamma,
     return gap;
 }
 
-/* Computes the gap, and moves frame 1 of the constraint to the place of contact. */
+/* Moves frame 1 of the constraint to the place of contact, l below the centre. normal: world axes. */
+static void rbdi_place_below(const rbd_constraint_set *s, rbdi_constraint *con, const rbdi_contact *contact,
+                             rbdi_v3 normal) {
+    const rbdi_v3 local = con->link[0] < 0 ? normal : rbdi_mul(s->w->kin[con->link[0]].X.E, normal);
+    con->position[0].x = contact->point.x - (rbd_const)(contact->below * local.x);
+    con->position[0].y = contact->point.y - (rbd_const)(contact->below * local.y);
+    con->position[0].z = contact->point.z - (rbd_const)(contact->below * local.z);
+}
+
+/* What gamma has beyond the acceleration of the body's point at the place: l omega x (omega x n) - l' omega x
+   n. */
+RBDI_INLINE rbdi_v3 rbdi_roll_of(rbdi_v3 omega, rbdi_v3 normal, rbd_real below, rbd_real rate) {
+    const rbdi_v3 turn = rbdi_cross(omega, normal);
+    return rbdi_sub(rbdi_scale(below, rbdi_cross(omega, turn)), rbdi_scale(rate, turn));
+}
+
+/* Computes the gap, with the place of contact on the ball. */
 static void rbdi_contact_gap(const rbd_contact_set *c, rbdi_constraint *con, rbdi_contact *contact) {
     const rbd_constraint_set *s = c->rows;
-    const rbdi_v3 normal = rbdi_contact_normal(s, con),
-                  local = con->link[0] < 0 ? normal : rbdi_mul(s->w->kin[con->link[0]].X.E, normal);
+    const rbdi_v3 normal = rbdi_contact_normal(s, con);
     rbdi_relative_motion relative;
-    rbdi_v3 omega;
-    rbd_real middle;
-    con->position[0].x = contact->point.x - contact->radius * (rbd_const)local.x;
-    con->position[0].y = contact->point.y - contact->radius * (rbd_const)local.y;
-    con->position[0].z = contact->point.z - contact->radius * (rbd_const)local.z;
+    rbd_real middle, rate, gamma;
+
+    contact->on_plane = 0;
+    contact->below = rbdi_set(contact->radius);
+    rbdi_place_below(s, con, contact, normal);
     relative = rbdi_relative_motion_of(s, con);
-    omega = relative.velocity.omega;
-    contact->roll = rbdi_scale(rbdi_set(contact->radius), rbdi_cross(omega, rbdi_cross(omega, normal)));
+    contact->roll = rbdi_roll_of(relative.velocity.omega, normal, contact->below, rbdi_zero());
+
     middle = rbdi_dot(normal, rbdi_sub(relative.body[0].p, rbdi_frame_origin(s, con, 1)));
-    contact->gap = rbdi_gap_of(middle, rbdi_dot(normal, relative.velocity.v),
-                               rbdi_dot(normal, rbdi_add(relative.rate.v, contact->roll)), c->half);
+    rate = rbdi_dot(normal, relative.velocity.v);
+    gamma = rbdi_dot(normal, rbdi_add(relative.rate.v, contact->roll));
+    contact->gap = rbdi_gap_of(middle, rate, gamma, c->half);
+}
+
+/* Moves the place of contact from the ball to the plane. */
+static void rbdi_place_on_plane(const rbd_constraint_set *s, rbdi_constraint *con, rbdi_contact *contact) {
+    const rbdi_v3 normal = rbdi_contact_normal(s, con);
+    const rbdi_relative_motion relative = rbdi_relative_motion_of(s, con);
+    const rbd_real middle = rbdi_dot(normal, rbdi_sub(relative.body[0].p, rbdi_frame_origin(s, con, 1))),
+                   rate = rbdi_dot(normal, relative.velocity.v);
+
+    contact->on_plane = 1;
+    contact->below = contact->below + middle;
+    rbdi_place_below(s, con, contact, normal);
+    contact->roll = rbdi_roll_of(relative.velocity.omega, normal, contact->below, rate);
 }
 
 /* Whether this gap may become 0 within two steps, or is at most the margin, or not a number. */
 RBDI_INLINE int rbdi_may_touch(rbdi_gap gap, rbd_real dt, rbd_real margin) {
     return !(gap.start > margin && gap.start + 2 * dt * gap.rate > 0);
+}
+
+/* Whether three contacts or more of the bodies of contact i touch in the step, or arrive at their speed. */
+static int rbdi_touch_widely(const rbd_contact_set *c, int i) {
+    const rbdi_constraint *own = &c->rows->constraint[i];
+    int n = 0;
+    for (int j = 0; j < c->n; ++j) {
+        const rbdi_constraint *con = &c->rows->constraint[j];
+        if (con->link[0] != own->link[0] || con->link[1] != own->link[1]) continue;
+        n += rbdi_may_touch(c->contact[j].gap, c->dt, RBD_C(c->options.slop));
+    }
+    return n >= 3;
+}
+
+/* Computes all gaps, and the places of contacts that may be rows. */
+static void rbdi_find_places(const rbd_contact_set *c) {
+    for (int i = 0; i < c->n; ++i) rbdi_contact_gap(c, &c->rows->constraint[i], &c->contact[i]);
+    for (int i = 0; i < c->n; ++i) {
+        if (!rbdi_may_touch(c->contact[i].gap, c->dt, RBD_C(c->options.margin))) continue;
+        if (rbdi_touch_widely(c, i)) rbdi_place_on_plane(c->rows, &c->rows->constraint[i], &c->contact[i]);
+    }
 }
 
 /* Computes the gap to the limit. Returns whether it may be reached; dry friction always acts. */
@@ -1652,10 +1730,11 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
     int place = 0, contacts;
     for (int k = 0; k < m->nv; ++k) s->span[k].first = s->span[k].end = 0;
     s->rows = 0;
+
+    rbdi_find_places(c);
     for (int i = 0; i < c->n; ++i, place += 3) {
         rbdi_constraint *con = &s->constraint[i];
         rbdi_contact *contact = &c->contact[i];
-        rbdi_contact_gap(c, con, contact);
         contact->row = con->row = -1;
         contact->rebounds = 0;
         contact->state = RBD_APART;
@@ -1664,11 +1743,15 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
         contact->row = con->row = (int16_t)rbdi_open_rows(c, place, 3, con->dof, con->dofs);
     }
     contacts = s->rows / 3;
+
     for (rbdi_constraint *con = s->constraint + c->n; con < s->constraint + s->n; place += con++->rows) {
         con->row = (int16_t)rbdi_open_rows(c, place, con->rows, con->dof, con->dofs);
-        for (int r = con->row - 3 * contacts; r < s->rows - 3 * contacts; ++r)
-            c->upper[r] = rbdi_set(RBDI_UNBOUNDED), c->lower[r] = -c->upper[r];
+        for (int r = con->row - 3 * contacts; r < s->rows - 3 * contacts; ++r) {
+            c->upper[r] = rbdi_set(RBDI_UNBOUNDED);
+            c->lower[r] = -c->upper[r];
+        }
     }
+
     for (int i = 0; i < c->dof_rows; ++i) {
         rbdi_dof_row *limit = &c->dof_row[i];
         const int r = s->rows - 3 * contacts, acts = rbdi_find_limit(c, limit, q, v);
@@ -1678,16 +1761,17 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
         c->lower[r] = limit->iq < 0 ? dt * limit->lower : rbdi_zero();
         c->upper[r] = limit->iq < 0 ? dt * limit->upper : rbdi_set(RBDI_UNBOUNDED);
     }
+
     s->stride = rbdi_row_stride(s->rows);
     rbdi_clear(s->lambda, s->stride);
     for (int r = 0; r < s->rows; ++r) s->lambda[r] = c->impulse[c->place[r]] * ratio;
     return contacts;
 }
 
-/* Adds the part of gamma by which the place of contact rolls over a ball. */
+/* Adds the part of gamma by which the place of contact moves over the body. */
 static void rbdi_add_roll(rbd_constraint_set *s, const rbdi_constraint *con, const rbdi_contact *contact) {
     rbdi_axes_held h;
-    if (!(contact->radius > 0)) return;
+    if (!(contact->radius > 0) && !contact->on_plane) return;
     rbdi_set_axes(s, con, &h);
     rbdi_add_held(con, &h, rbdi_vec0(), contact->roll, &s->gamma[con->row]);
 }
@@ -1696,36 +1780,31 @@ static void rbdi_add_roll(rbd_constraint_set *s, const rbdi_constraint *con, con
 static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     rbdi_clear(s->Y, m->nv * s->stride);
-    rbdi_clear(s->target, (int)(s->e - s->target) + s->stride); /* u and gamma too */
+    rbdi_clear(s->target, (int)(s->e - s->target) + s->stride); /* J v and gamma too */
     for (int i = 0; i < s->n; ++i)
         if (s->constraint[i].row >= 0) rbdi_constraint_rows(m, s, &s->constraint[i], i >= c->n);
-    for (int i = 0; i < c->dof_rows; ++i)
-        if (c->dof_row[i].row >= 0)
-            s->Y[c->dof_row[i].dof * s->stride + c->dof_row[i].row] = c->dof_row[i].side;
     for (int i = 0; i < c->n; ++i)
         if (c->contact[i].row >= 0) rbdi_add_roll(s, &s->constraint[i], &c->contact[i]);
-    rbdi_subtract(s->target, c->half, s->gamma, s->rows);
-    for (int k = 0; k < m->nv; ++k) {
-        const rbdi_span span = s->span[k];
-        rbdi_subtract(&s->target[span.first], c->v_mid[k], &s->Y[k * s->stride + span.first],
-                      span.end - span.first);
+
+    for (int i = 0; i < c->dof_rows; ++i) {
+        const rbdi_dof_row *limit = &c->dof_row[i];
+        if (limit->row < 0) continue;
+        s->Y[limit->dof * s->stride + limit->row] = limit->side;
+        s->velocity[limit->row] = limit->side * c->v_mid[limit->dof];
     }
+
+    for (int r = 0; r < s->rows; ++r) s->target[r] = -s->velocity[r] - c->half * s->gamma[r];
 }
 
-/* How a contact falls without impulses, and whether its spring acts: where it is in the plane, or would be.
-   nu: velocities without impulses. Y is J'. */
-static void rbdi_find_falls(const rbd_model *m, rbd_contact_set *c, const rbd_real *nu) {
-    const rbd_constraint_set *s = c->rows;
+/* How a contact falls without impulses, and whether its spring acts: where it is in the plane, or would
+   be. */
+static void rbdi_find_falls(rbd_contact_set *c) {
     for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
-        const int normal = contact->row + 2;
         rbd_real u;
         contact->springs = 0;
         contact->falls = rbdi_zero();
-        if (contact->row < 0 || !(contact->stiffness > 0 || contact->restitution > 0)) continue;
-        u = c->half * s->gamma[normal];
-        for (int k = 0; k < m->nv; ++k)
-            if (s->span[k].first <= normal && normal < s->span[k].end)
-                u = u + s->Y[k * s->stride + normal] * nu[k];
+        if (contact->row < 0) continue;
+        u = -c->rows->b[contact->row + 2];
         contact->falls = u - contact->gap.rate;
         contact->springs =
             contact->stiffness > 0 && (contact->gap.reach <= 0 || contact->gap.reach + c->way * u < 0);
@@ -1783,8 +1862,9 @@ static void rbdi_add_springs(rbd_contact_set *c) {
                 depth, if there was none before), and the option `correction` times the depth below the slop
      stiff      k (min(start, 0) + reach) / (h k + 2 d), and 2 / (dt (h k + 2 d)) on Delta's diagonal:
                 together p_n = -dt (k (min(start, 0) + gap at the end) / 2 + d u_n). The spring has the mean
-                of its ends, so it takes and gives the same energy; the damper is implicit. Stable at every
-                dt
+                of its ends: along a straight way, where the gap changes by dt times the mean of u, it gives
+                what it took, whatever k and dt are. Where a body turns, the end is off by up to
+                r (omega dt)^2 / 8. The damper is implicit. Stable at every dt
      rebounds   for velocities, restitution times the speed with which it hits: that of the beginning, and
                 what it still falls until the gap is 0
      leaves     for velocities, if another contact rebounds: the speed at which it leaves, where that is more
@@ -1882,9 +1962,9 @@ static int rbdi_leaves(const rbd_contact_set *c, const rbdi_gap *gap) {
 static void rbdi_find_rebounds(rbd_contact_set *c) {
     int any = 0;
     for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
-        contact->rebounds = contact->row >= 0 && contact->restitution > 0 &&
-                            contact->gap.rate < -RBD_C(c->options.bounce) &&
-                            c->rows->lambda[contact->row + 2] > 0;
+        contact->pushes = contact->row >= 0 && c->rows->lambda[contact->row + 2] > 0;
+        contact->rebounds =
+            contact->pushes && contact->restitution > 0 && contact->gap.rate < -RBD_C(c->options.bounce);
         any |= contact->rebounds;
     }
 
@@ -1937,26 +2017,180 @@ static int rbdi_write_biases(rbd_contact_set *c, int purpose) {
 /* ---- row reduction [row reduction] ----
    The steps from the rows to Delta lambda = b by the factor M = L'DL. */
 
-/* Y = L^-T Y, b = target - Y' D^-1 x, and the squares of b's terms. Batches may reach beyond a dof's span:
-   entries there are 0. */
+/* Y = L^-T Y, and b = target - Y' D^-1 x. Batches may reach beyond a dof's span: entries there are 0. */
 static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
-    rbdi_solve_up(m, c->w, L, c->stride, c->rows, c->Y);
+    rbdi_solve_transposed(m, c->w, L, c->stride, c->rows, c->Y);
 
     for (int r = 0; r < c->rows; r += RBDI_BATCH) {
-        const rbdi_batch b = *(const rbdi_batch *)&c->target[r];
-        *(rbdi_batch *)&c->b[r] = b;
-        *(rbdi_batch *)&c->slack[r] = b * b;
+        *(rbdi_batch *)&c->b[r] = *(const rbdi_batch *)&c->target[r];
     }
 
     for (int k = 0; k < m->nv; ++k) {
         const rbd_real z = c->x[k] * c->D_inverse[k];
         for (int r = c->span[k].first; r < c->span[k].end; r += RBDI_BATCH) {
-            const rbdi_batch term = *(const rbdi_batch *)&c->Y[k * c->stride + r] * z;
-            rbdi_batch *b = (rbdi_batch *)&c->b[r], *squares = (rbdi_batch *)&c->slack[r];
-
-            *b = *b - term;
-            *squares = *squares + term * term;
+            rbdi_batch *b = (rbdi_batch *)&c->b[r];
+            *b = *b - *(const rbdi_batch *)&c->Y[k * c->stride + r] * z;
         }
+    }
+}
+
+/* ==== src/contact/momentum.h ==== */
+/* ---- momentum [momentum code] ----
+   The option `momentum`. A body that floats has, with all that it carries, the momentum h: the root's six
+   rows of M v. About the centre of mass, and in the axes of the root's joint, which stand in the world, h
+   changes within a step by
+
+       F = dt (tau - d nu - ID(q_mid, 0, 0))    of the root, at q_mid
+
+   the impulse of torques, damping, gravity and all wrenches on bodies. The step misses that by O(dt^3). Here
+   a change of the root's velocity alone makes it exact, to rounding:
+
+       v_next += Ic^-1 (h(q, v) + F - h(q_next, v_next)),    Ic = rows and columns of the root in M(q_next)
+
+   Ic = [I [mc]x; -[mc]x m] has the centre of mass c. About a fixed point the spin would change with the error
+   of the place, times linear momentum: the result would depend on the speed of the world. */
+
+/* The first link of the tree that carries a link, -1 = the world. */
+static int rbdi_root_of(const rbd_model *m, int link) {
+    while (link >= 0 && m->link[link].parent >= 0) link = m->link[link].parent;
+    return link;
+}
+
+/* Whether a body floats over the world, and nothing outside has pushed what it carries: neither contacts nor
+   constraints, nor dry friction of its own joint. Armature there is no momentum. */
+static int rbdi_flies(const rbd_model *m, const rbd_contact_set *c, const rbdi_frame *u) {
+    if (u->type != RBD_FLOATING || u->link < 0 || m->link[u->link].parent >= 0) return 0;
+    for (int k = u->iv; k < u->iv + 6; ++k)
+        if (m->dof[k].armature > 0) return 0;
+
+    for (int i = 0; i < c->rows->n; ++i) {
+        const rbdi_constraint *con = &c->rows->constraint[i];
+        const int one = rbdi_root_of(m, con->link[0]), two = rbdi_root_of(m, con->link[1]);
+        if (con->row < 0 || one == two) continue;
+        if (i < c->n && !c->contact[i].pushes) continue;
+        if (one == u->link || two == u->link) return 0;
+    }
+
+    for (int i = 0; i < c->dof_rows; ++i) {
+        const rbdi_dof_row *own = &c->dof_row[i];
+        if (own->row >= 0 && own->dof >= u->iv && own->dof < u->iv + 6) return 0;
+    }
+    return 1;
+}
+
+/* Whether any body does. */
+static int rbdi_any_flies(const rbd_model *m, const rbd_contact_set *c) {
+    for (int b = 0; b < m->nb; ++b)
+        if (rbdi_flies(m, c, &m->frame[b])) return 1;
+    return 0;
+}
+
+/* The centre of mass of the tree whose root has the first dof iv, by M, packed. Axes and origin of the
+   root. */
+static rbdi_v3 rbdi_centre_of(const rbd_model *m, const rbd_real *M, int iv) {
+    const rbdi_dof *dof = &m->dof[iv];
+    const rbd_real *x = &M[dof[3].row + dof[0].depth], *y = &M[dof[4].row + dof[0].depth],
+                   *z = &M[dof[5].row + dof[0].depth], mass = x[3];
+    if (!(mass > 0)) return rbdi_vec0();
+    return rbdi_vec(y[2] / mass, z[0] / mass, x[1] / mass);
+}
+
+/* Notes the centres of mass at q_mid, where M is w->H, in c->momentum at the first dofs of roots. */
+static void rbdi_note_centres(const rbd_model *m, rbd_contact_set *c) {
+    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
+        if (u->type == RBD_FLOATING && u->link >= 0)
+            rbdi_store_vec(&c->momentum[u->iv], 1, rbdi_centre_of(m, c->rows->w->H, u->iv));
+}
+
+/* The root's six rows of M v, M packed: about the root's origin, in its axes. */
+static rbdi_force rbdi_root_momentum(const rbd_model *m, const rbd_real *M, int iv, const rbd_real *v) {
+    rbd_real h[6];
+    rbdi_clear(h, 6);
+    for (int j = iv; j < m->nv; ++j) {
+        const rbd_real *row = &M[m->dof[j].row + m->dof[iv].depth];
+        int root = j;
+        while (root > iv + 5) root = m->dof[root].lambda;
+        if (root < iv) continue;
+
+        for (int i = 0; i < 6 && iv + i <= j; ++i) h[i] = h[i] + row[i] * v[j];
+        for (int i = 0; j < iv + 6 && iv + i < j; ++i) h[j - iv] = h[j - iv] + row[i] * v[iv + i];
+    }
+    return rbdi_load_force(h, 1);
+}
+
+/* A wrench, or a momentum, from the root's axes and origin to the joint's axes and the centre of mass. */
+static rbdi_force rbdi_about_centre(const rbd_real *q, rbdi_v3 centre, rbdi_force F) {
+    const rbdi_mat E = rbdi_joint_attitude(RBD_FLOATING, q);
+    F.n = rbdi_mul_t(E, rbdi_sub(F.n, rbdi_cross(centre, F.f)));
+    F.f = rbdi_mul_t(E, F.f);
+    return F;
+}
+
+/* Wanted momenta, h(q, v) + F, into c->momentum at the dofs of roots that fly. */
+static void rbdi_wanted_momentum(const rbd_model *m, rbd_contact_set *c, const rbd_real *q, const rbd_real *v,
+                                 const rbd_real *tau, const rbd_real *f_ext) {
+    rbd_work *w = c->rows->w;
+    rbd_real *impulse = c->rows->x;
+    (void)rbd_bias(m, w, c->q_mid, w->zero, f_ext, impulse);
+    for (int k = 0; k < m->nv; ++k) impulse[k] = c->dt * (tau[k] - c->damping[k] * c->nu[k] - impulse[k]);
+    (void)rbd_crba_packed(m, w, q, w->H);
+
+    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {
+        const int iv = u->iv;
+        rbdi_force h, F;
+        if (!rbdi_flies(m, c, u)) continue;
+        h = rbdi_root_momentum(m, w->H, iv, v);
+        h = rbdi_about_centre(&q[u->iq], rbdi_centre_of(m, w->H, iv), h);
+        F = rbdi_load_force(&impulse[iv], 1);
+        F = rbdi_about_centre(&c->q_mid[u->iq], rbdi_load_vec(&c->momentum[iv], 1), F);
+        rbdi_store_force(&c->momentum[iv], 1, rbdi_force_add(h, F));
+    }
+}
+
+/* x = Ic^-1 x, 6, of the root whose first dof this is. Ic = L'DL stands in the packed M, and L and 1/D
+   replace it. A direction in which the inertia may be rounding gets 0. */
+static void rbdi_solve_root(const rbdi_dof *dof, rbd_real *M, rbd_real *x) {
+    rbd_real *row[6];
+    for (int k = 0; k < 6; ++k) row[k] = &M[dof[k].row + dof[k].depth - k];
+
+    for (int k = 5; k >= 0; --k) {
+        rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
+        const rbd_real inverse = rbdi_pivot_inverse(row[k][k], dof[k].scale, &doubt);
+        row[k][k] = rbdi_select(doubt, rbdi_zero(), inverse);
+        for (int i = 0; i < k; ++i) {
+            const rbd_real factor = row[k][i] * row[k][k];
+            for (int j = 0; j <= i; ++j) row[i][j] = row[i][j] - factor * row[k][j];
+            x[i] = x[i] - factor * x[k];
+        }
+    }
+
+    for (int k = 0; k < 6; ++k) {
+        for (int i = 0; i < k; ++i) x[k] = x[k] - row[k][i] * x[i];
+        x[k] = x[k] * row[k][k];
+    }
+}
+
+/* Gives the roots that fly the wanted momenta. */
+static void rbdi_restore_momentum(const rbd_model *m, const rbd_contact_set *c, const rbd_real *q_next,
+                                  rbd_real *v_next) {
+    rbd_work *w = c->rows->w;
+    (void)rbd_crba_packed(m, w, q_next, w->H);
+    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {
+        rbdi_mat E;
+        rbdi_force h;
+        rbd_real change[6];
+        if (!rbdi_flies(m, c, u)) continue;
+
+        /* about the root's origin, in its axes */
+        E = rbdi_joint_attitude(RBD_FLOATING, &q_next[u->iq]);
+        h = rbdi_load_force(&c->momentum[u->iv], 1);
+        h.f = rbdi_mul(E, h.f);
+        h.n = rbdi_add(rbdi_mul(E, h.n), rbdi_cross(rbdi_centre_of(m, w->H, u->iv), h.f));
+
+        h = rbdi_force_sub(h, rbdi_root_momentum(m, w->H, u->iv, v_next));
+        rbdi_store_force(change, 1, h);
+        rbdi_solve_root(&m->dof[u->iv], w->H, change);
+        for (int k = 0; k < 6; ++k) v_next[u->iv + k] = v_next[u->iv + k] + change[k];
     }
 }
 
@@ -1969,16 +2203,20 @@ static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rb
        K = M + dt d,   nu = v_mid + K^-1 (dt (tau - c(w) - d v_mid) + J' p),   c(w) = ID(q_mid, w, a(w))
 
    with the damping d, and the classical accelerations a(w) = 0 of [manifold code]. The velocity terms are
-   those of the mean velocity: first w = v_mid, without contacts; then w = (v_mid + nu) / 2 of that nu, with
-   contacts; then the same with that nu. For a vector that turns by x a step the length grows in order x^4 / 8
-   without, and falls in that order with the second of these. Energy then changes by half of
+   those of the mean velocity: first w = v_mid, then twice w = (v_mid + nu) / 2 of the nu before. Contacts are
+   solved for the first and the last time; the nu between has the impulses of the first. It must not be that
+   without contacts, where light links that the ground holds race away. For a vector that turns by x a step
+   the length grows in order x^4 / 8 with one correction, and falls in that order with two; beyond x = 2
+   rbdi_guard_solution sums the series. Energy then changes by half of
    p'(u before + u after). */
 
-/* s->x = dt (tau - w->bias - damping v_mid). */
-static void rbdi_free_impulse(const rbd_model *m, const rbd_contact_set *c, const rbd_real *tau) {
-    rbd_real *x = c->rows->x;
-    const rbd_real *bias = c->rows->w->bias;
+/* x = L^-T dt (tau - w->bias - damping v_mid). */
+static void rbdi_free_impulse(const rbd_model *m, const rbd_contact_set *c, const rbd_real *tau,
+                              rbd_real *x) {
+    rbd_work *w = c->rows->w;
+    const rbd_real *bias = w->bias;
     for (int k = 0; k < m->nv; ++k) x[k] = c->dt * (tau[k] - bias[k] - c->damping[k] * c->v_mid[k]);
+    rbdi_vector_transposed(m, w, w->H, x);
 }
 
 /* Adds dt damping to M, and factors it. */
@@ -1997,89 +2235,108 @@ static rbdi_mask rbdi_factor_damped(const rbd_model *m, rbd_contact_set *c, cons
     return doubt;
 }
 
-/* The middle of the step (or, with c->half = 0, its beginning): state, rows, factor, and c->nu without
-   contacts. */
+/* The middle of the step (or, with c->half = 0, its beginning): state, rows, factor, and c->x[0]. */
 static rbd_status rbdi_begin_step(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
                                   const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                   const rbd_real *damping) {
     rbd_constraint_set *s = c->rows;
     rbd_work *w = s->w;
     rbdi_mask doubt;
+
     rbdi_move_joints(m, q, v, v, c->half, c->q_mid, c->v_mid);
     for (int k = 0; k < m->nv; ++k) c->at[k] = c->v_mid[k];
     rbdi_straight_acceleration(m, c->at, c->straight);
     rbdi_constraint_bias(m, s, c->q_mid, c->at, rbdi_expand_v(m, c->straight, w->ax), f_ext, w->gravity);
+
     c->contacts = rbdi_list_rows(m, c, q, v);
     rbdi_write_rows(m, c);
+
+    if (c->options.momentum) rbdi_note_centres(m, c);
     doubt = rbdi_factor_damped(m, c, damping);
-    rbdi_free_impulse(m, c, tau);
-    for (int k = 0; k < m->nv; ++k) c->nu[k] = s->x[k];
-    rbdi_solve(m, w, w->H, c->nu);
-    for (int k = 0; k < m->nv; ++k) c->nu[k] = c->v_mid[k] + c->nu[k];
-    rbdi_find_falls(m, c, c->nu);
-    return rbdi_factor_status(m, w, w->H, doubt, s->x, m->nv);
+    rbdi_free_impulse(m, c, tau, c->x[0]);
+    return rbdi_factor_status(m, w, w->H, doubt, c->x[0], m->nv);
 }
 
-/* s->x = L^-T dt (tau - c(w) - d v_mid), of w = (v_mid + nu) / 2 in c->at. */
+/* x of the velocity terms c(w), w = (v_mid + nu) / 2 in c->at. */
 static void rbdi_correct(const rbd_model *m, rbd_contact_set *c, const rbd_real *nu, const rbd_real *tau,
-                         const rbd_real *f_ext) {
-    rbd_constraint_set *s = c->rows;
-    rbd_work *w = s->w;
+                         const rbd_real *f_ext, rbd_real *x) {
+    rbd_work *w = c->rows->w;
     for (int k = 0; k < m->nv; ++k) c->at[k] = (c->v_mid[k] + nu[k]) / 2;
+
     rbdi_straight_acceleration(m, c->at, c->straight);
     rbdi_rnea(m, w, rbdi_expand_v(m, c->at, w->vx), rbdi_expand_v(m, c->straight, w->ax), f_ext,
               rbdi_mimics(m) ? w->tx : w->bias);
     rbdi_reduce_tau(m, w->tx, w->bias);
-    rbdi_free_impulse(m, c, tau);
-    rbdi_vector_up(m, w, w->H, s->x);
+    rbdi_free_impulse(m, c, tau, x);
 }
 
-/* nu of the impulses by (4). */
-static void rbdi_contact_respond(const rbd_model *m, rbd_contact_set *c, rbd_real *nu) {
+/* nu of x and the impulses, by (4). */
+static void rbdi_contact_respond(const rbd_model *m, rbd_contact_set *c, const rbd_real *x, rbd_real *nu) {
     rbd_constraint_set *s = c->rows;
-    for (int k = 0; k < m->nv; ++k) nu[k] = c->x[k] + rbdi_y_lambda(s, s->lambda, k);
-    rbdi_vector_down(m, s->w, s->w->H, nu);
+    for (int k = 0; k < m->nv; ++k) nu[k] = x[k] + rbdi_y_lambda(s, s->lambda, k);
+    rbdi_vector_forward(m, s->w, s->w->H, nu);
     for (int k = 0; k < m->nv; ++k) nu[k] = c->v_mid[k] + nu[k];
 }
 
-/* Solves for the first time, with these biases. Computes c->moved. */
+/* Solves for the first time, by c->x[0] and with these biases. Computes c->moved. */
 static void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int purpose) {
     rbd_constraint_set *s = c->rows;
     rbd_contact_problem given;
+    for (int k = 0; k < m->nv; ++k) s->x[k] = c->x[0][k];
     rbdi_reduce_rows(m, s, s->w->H);
     rbdi_write_delta(m, c);
+    rbdi_find_falls(c);
     for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
     (void)rbdi_write_biases(c, purpose);
-    for (int k = 0; k < m->nv; ++k) c->x[k] = s->x[k];
+
     given.contacts = c->contacts;
     given.bounded = s->rows - 3 * c->contacts;
-    given.delta = s->R, given.b = c->b, given.friction = c->friction;
-    given.lower = c->lower, given.upper = c->upper;
-    given.tolerance = RBD_C(c->options.tolerance), given.iterations = c->options.iterations;
+    given.delta = s->R;
+    given.b = c->b;
+    given.friction = c->friction;
+    given.lower = c->lower;
+    given.upper = c->upper;
+    given.tolerance = RBD_C(c->options.tolerance);
+    given.iterations = c->options.iterations;
     rbdi_contact_begin(&c->solver, &given, s->lambda);
+    if (purpose == RBDI_FOR_VELOCITIES) c->solver.given.tolerance = c->solver.given.tolerance * RBDI_LOOSE;
     rbdi_add_springs(c);
     rbdi_contact_iterate(&c->solver);
-    rbdi_contact_respond(m, c, c->moved);
+    rbdi_contact_respond(m, c, c->x[0], c->moved);
 }
 
-/* Solves again, with the s->x of rbdi_correct and the biases of positions. Computes c->moved. Keeps the
+/* Corrects the velocity terms for the first time: c->x[1], and c->moved with the impulses as they are. */
+static void rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
+                               const rbd_real *f_ext) {
+    rbd_real *change = c->nu;
+    rbdi_correct(m, c, c->moved, tau, f_ext, c->x[1]);
+    for (int k = 0; k < m->nv; ++k) change[k] = c->x[1][k] - c->x[0][k];
+    rbdi_vector_forward(m, c->rows->w, c->rows->w->H, change);
+    for (int k = 0; k < m->nv; ++k) c->moved[k] = c->moved[k] + change[k];
+}
+
+/* Corrects them again: c->x[2]. Solves with the biases of positions, and computes c->moved. Keeps the
    impulses of the first solution in c->impulse, by row. */
-static void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c) {
+static void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
+                             const rbd_real *f_ext) {
     const rbd_contact_solution first = c->solver.solution;
     rbd_constraint_set *s = c->rows;
+    rbdi_correct(m, c, c->moved, tau, f_ext, c->x[2]);
+    rbdi_guard_solution(m, s->w->H, c->x[0], c->x[1], c->x[2]);
+
     for (int r = 0; r < s->rows; ++r) c->impulse[r] = s->lambda[r];
     for (int k = 0; k < m->nv; ++k) {
         const rbdi_span span = s->span[k];
-        rbdi_subtract(&s->b[span.first], (s->x[k] - c->x[k]) * s->D_inverse[k],
+        rbdi_subtract(&s->b[span.first], (c->x[2][k] - c->x[0][k]) * s->D_inverse[k],
                       &s->Y[k * s->stride + span.first], span.end - span.first);
-        c->x[k] = s->x[k];
     }
     for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
     (void)rbdi_write_biases(c, RBDI_FOR_POSITIONS);
+    c->solver.given.tolerance = c->solver.given.tolerance / RBDI_LOOSE;
     rbdi_contact_iterate(&c->solver);
     c->solver.solution.sweeps += first.sweeps;
     c->solver.solution.newton_steps += first.newton_steps;
-    rbdi_contact_respond(m, c, c->moved);
+    rbdi_contact_respond(m, c, c->x[2], c->moved);
 }
 
 /* Chooses the scheme: half of the way by v, or all of it by the solution. */
@@ -2089,26 +2346,17 @@ static void rbdi_choose_scheme(rbd_contact_set *c, rbd_real dt, int first_order)
     c->half = first_order ? rbdi_zero() : c->way;
 }
 
-/* The only solution of a step of first order: with velocity terms of the beginning. */
-static void rbdi_solve_only(const rbd_model *m, rbd_contact_set *c) {
-    rbdi_vector_up(m, c->rows->w, c->rows->w->H, c->rows->x);
-    rbdi_solve_first(m, c, RBDI_FOR_POSITIONS);
-}
-
 /* Computes c->moved, the velocities by which positions change. */
 static rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
                                        const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                        const rbd_real *damping) {
+    const int first_order = !(c->half > 0);
     const rbd_status status = rbdi_begin_step(m, c, q, v, tau, f_ext, damping);
     if (status) return status;
-    if (!(c->half > 0)) {
-        rbdi_solve_only(m, c);
-        return RBD_OK;
-    }
-    rbdi_correct(m, c, c->nu, tau, f_ext);
-    rbdi_solve_first(m, c, RBDI_FOR_VELOCITIES);
-    rbdi_correct(m, c, c->moved, tau, f_ext);
-    rbdi_solve_again(m, c);
+    rbdi_solve_first(m, c, first_order ? RBDI_FOR_POSITIONS : RBDI_FOR_VELOCITIES);
+    if (first_order) return RBD_OK;
+    rbdi_solve_between(m, c, tau, f_ext);
+    rbdi_solve_again(m, c, tau, f_ext);
     return RBD_OK;
 }
 
@@ -2124,6 +2372,7 @@ static void rbdi_keep_impulses(rbd_contact_set *c) {
         for (int j = 0; j < 3; ++j) contact->force[j] = rbdi_zero();
         if (contact->row < 0) continue;
         contact->state = c->solver.law[contact->row / 3].state;
+        contact->pushes |= s->lambda[contact->row + 2] > 0;
         rbdi_set_axes(s, &s->constraint[i], &h);
         for (int r = 0; r < 3; ++r)
             for (int j = 0; j < 3; ++j)
@@ -2145,7 +2394,7 @@ static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) 
         const int again = c->half > 0 && first.residual > c->solver.given.tolerance;
         for (int r = 0; again && r < c->rows->rows; ++r) c->rows->lambda[r] = c->impulse[r];
         rbdi_contact_iterate(&c->solver);
-        rbdi_contact_respond(m, c, c->nu);
+        rbdi_contact_respond(m, c, c->half > 0 ? c->x[2] : c->x[0], c->nu);
         c->solver.solution.residual = rbdi_worse(first.residual, c->solver.solution.residual);
         c->solver.solution.sweeps += first.sweeps;
         c->solver.solution.newton_steps += first.newton_steps;
@@ -2186,10 +2435,15 @@ RBDI_API rbd_status rbd_contact_step(const rbd_model *m, rbd_contact_set *c, con
                                      const rbd_real *damping, rbd_real dt, rbd_real *q_next,
                                      rbd_real *v_next) {
     rbd_status status = rbdi_check_step(m, c, q && v && tau && q_next && v_next, dt);
+    int flies;
     if (status) return status;
     rbdi_choose_scheme(c, dt, c->options.first_order);
     status = rbdi_solve_step(m, c, q, v, tau, f_ext, damping);
+
+    flies = !status && c->options.momentum && c->half > 0 && rbdi_any_flies(m, c);
+    if (flies) rbdi_wanted_momentum(m, c, q, v, tau, f_ext);
     rbdi_contact_move(m, c, status, q, q_next, v_next);
+    if (flies) rbdi_restore_momentum(m, c, q_next, v_next);
     return status;
 }
 
@@ -2270,20 +2524,18 @@ static void rbdi_write_sides(const rbd_model *m, rbd_contact_set *c, rbd_derivat
     if (Q) rbdi_multiply(Q, c->dt, size);
 }
 
-/* Writes rho without the terms by q_mid at fixed w, which come into Q, and without d(J' p). last: dnu of the
+/* Adds rho without the terms by q_mid at fixed w, which come into Q, and without d(J' p). last: dnu of the
    solution before, NULL = w is v_mid. */
-static void rbdi_write_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d, const rbd_real *nu,
-                           const rbd_real *f_ext, rbd_real *const *last, rbd_real *const rho[3]) {
+static void rbdi_add_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d, const rbd_real *nu,
+                         const rbd_real *f_ext, rbd_real *const *last, rbd_real *const rho[3]) {
     const rbd_real half = rbdi_set(RBD_C(0.5));
     const int n = m->nv;
     rbd_real *M = rbdi_side(m, c, 0), *B = rbdi_side(m, c, 1), *Q = rho[0] ? rbdi_side(m, c, 2) : NULL;
     rbdi_write_sides(m, c, d, nu, f_ext, Q, B, M);
-    for (int x = 0; x < 3; ++x)
-        if (rho[x]) rbdi_clear(rho[x], n * n);
     for (int k = 0; k < n * n; ++k) {
         B[k] = B[k] * c->dt + M[k];
-        if (rho[1]) rho[1][k] = -M[k];
-        if (rho[2] && k % (n + 1) == 0) rho[2][k] = -c->dt;
+        if (rho[1]) rho[1][k] = rho[1][k] - M[k];
+        if (rho[2] && k % (n + 1) == 0) rho[2][k] = rho[2][k] - c->dt;
     }
     rbdi_unforced_columns(m, c->at, c->dt, n, M);
     for (int k = 0; k < n * n; ++k) {
@@ -2295,20 +2547,47 @@ static void rbdi_write_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivativ
         for (int k = 0; rho[x] && k < n; ++k) rbdi_subtract_product(&B[k * n], last[x], n, n, &rho[x][k * n]);
 }
 
+/* The same in place of what was there. */
+static void rbdi_write_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d, const rbd_real *nu,
+                           const rbd_real *f_ext, rbd_real *const *last, rbd_real *const rho[3]) {
+    for (int x = 0; x < 3; ++x)
+        if (rho[x]) rbdi_clear(rho[x], m->nv * m->nv);
+    rbdi_add_rho(m, c, d, nu, f_ext, last, rho);
+}
+
+/* Adds Q, the terms by q_mid at fixed w. */
+static void rbdi_add_side(const rbd_model *m, const rbd_contact_set *c, rbd_real *const rho[3]) {
+    if (rho[0]) rbdi_subtract(rho[0], -rbdi_set(RBD_C(1)), rbdi_side(m, c, 2), m->nv * m->nv);
+}
+
 /* Factors of a row in sigma: of derivatives of J nu and, of the middle of the step, of the gap or error, its
    rate and its gamma. */
 typedef struct rbdi_row_factors {
     rbd_real velocity[6], gap[6], rate[6];
 } rbdi_row_factors;
 
-/* Adds to the derivatives of gamma by a dof of a ball's body those of the place that rolls: of roll_radius
-   R n, gamma has omega x (omega x R n) beyond the acceleration of the point of the body. */
+/* Adds to the derivatives of gamma by a dof what the place of contact has beyond the point of the body: with
+   r = roll_radius and the normal n of the plane on which the place stays, if it does,
+
+       gamma = acc + omega x (omega x r) - rate (omega x n),   rate = n . velocity
+
+   By q the place moves over the body by its roll, and r by n (n . s): together by z x r. */
 static void rbdi_roll_rates(const rbdi_pair_motion *pair, rbdi_motion_derivatives *by) {
-    const rbdi_v3 omega = pair->motion.velocity.omega, r = pair->roll_radius, z = by->S.omega,
-                  dw = by->velocity_q.omega, across = rbdi_cross(omega, r), shift = rbdi_cross(z, r);
-    by->rate_q.v = rbdi_cross_add(rbdi_cross_add(by->rate_q.v, pair->motion.rate.omega, shift), dw, across);
+    const rbdi_v3 omega = pair->motion.velocity.omega, r = pair->roll_radius, n = pair->normal;
+    const rbdi_v3 z = by->S.omega, dw = by->velocity_q.omega;
+    const rbdi_v3 across = rbdi_cross(omega, r), shift = rbdi_cross(z, r), turn = rbdi_cross(omega, n);
+    const rbd_real rate = rbdi_dot(n, pair->motion.velocity.v), rate_q = rbdi_dot(n, by->velocity_q.v),
+                   rate_v = rbdi_dot(n, by->S.v);
+
+    by->rate_q.v = rbdi_cross_add(by->rate_q.v, pair->motion.rate.omega, rbdi_roll(pair, by->S));
+    by->rate_q.v = rbdi_cross_add(by->rate_q.v, dw, across);
     by->rate_q.v = rbdi_cross_add(by->rate_q.v, omega, rbdi_add(rbdi_cross(dw, r), rbdi_cross(omega, shift)));
+    by->rate_q.v = rbdi_sub(by->rate_q.v, rbdi_scale(rate_q, turn));
+    by->rate_q.v = rbdi_sub(by->rate_q.v, rbdi_scale(rate, rbdi_cross(dw, n)));
+
     by->rate_v.v = rbdi_cross_add(rbdi_cross_add(by->rate_v.v, z, across), omega, shift);
+    by->rate_v.v = rbdi_sub(by->rate_v.v, rbdi_scale(rate_v, turn));
+    by->rate_v.v = rbdi_sub(by->rate_v.v, rbdi_scale(rate, rbdi_cross(z, n)));
 }
 
 /* Adds a constraint's terms to sigma, by q_mid or v_mid (x = 0, 1). With f->velocity by v_mid, J takes the
@@ -2339,8 +2618,11 @@ static void rbdi_row_terms(const rbd_model *m, rbd_contact_set *c, const rbd_der
 static rbdi_pair_motion rbdi_contact_pair(const rbd_contact_set *c, int i) {
     const rbdi_constraint *con = &c->rows->constraint[i];
     rbdi_pair_motion pair = rbdi_pair_motion_of(c->rows, con);
-    if (i < c->n)
-        pair.roll_radius = rbdi_scale(rbdi_set(c->contact[i].radius), rbdi_contact_normal(c->rows, con));
+    if (i < c->n) {
+        const rbdi_v3 normal = rbdi_contact_normal(c->rows, con);
+        pair.roll_radius = rbdi_scale(c->contact[i].below, normal);
+        if (c->contact[i].on_plane) pair.normal = normal;
+    }
     return pair;
 }
 
@@ -2464,7 +2746,7 @@ static int rbdi_solve_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_re
     rbdi_contact_solver solver = c->solver;
     const int n = m->nv;
     int solved;
-    rbdi_solve_up(m, s->w, s->w->H, n, n, rho);
+    rbdi_solve_transposed(m, s->w, s->w->H, n, n, rho);
     for (int r = 0; r < s->rows; ++r) {
         for (int k = 0; k < n; ++k) s->x[k] = s->Y[k * s->stride + r] * s->D_inverse[k];
         rbdi_subtract_product(s->x, rho, n, n, &c->sigma[r * n]);
@@ -2477,7 +2759,7 @@ static int rbdi_solve_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_re
     rbdi_add_increments(&solver, c->sigma);
     for (int k = 0; k < n; ++k)
         rbdi_subtract_product(&s->Y[k * s->stride], c->sigma, s->rows, n, &rho[k * n]);
-    rbdi_solve_down(m, s->w, s->w->H, -1, n, n, rho);
+    rbdi_solve_forward(m, s->w, s->w->H, -1, n, n, rho);
     return solved;
 }
 
@@ -2485,11 +2767,10 @@ static int rbdi_solve_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_re
    exist. */
 static int rbdi_differentiate_solution(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
                                        const rbd_real *nu, int purpose, rbd_real *const rho[3]) {
-    const int size = m->nv * m->nv;
     int solved = 1;
+    rbdi_add_side(m, c, rho);
     for (int x = 0; x < 3; ++x) {
         if (!rho[x]) continue;
-        if (x == 0) rbdi_subtract(rho[0], -rbdi_set(RBD_C(1)), rbdi_side(m, c, 2), size);
         rbdi_clear(c->sigma, c->rows->rows * m->nv);
         if (x < 2) rbdi_middle_terms(m, c, d, purpose, x);
         if (x == 0) rbdi_velocity_terms(m, c, d, nu, purpose, rho[0]);
@@ -2504,30 +2785,51 @@ static void rbdi_copy_columns(const rbd_model *m, rbd_real *const from[3], rbd_r
         for (int k = 0; from[x] && k < m->nv * m->nv; ++k) to[x][k] = from[x][k];
 }
 
-/* Solves for the corrections of the velocity terms. to->dv becomes dnu of the last but one. Returns whether
-   it exists. */
+/* Solves for the corrections of the velocity terms. to->dq: rho of the first solution. to->dv becomes dnu
+   with the first correction, which has the impulses of the first solution:
+
+       K (dnu_1 - dnu_0) = rho_0 - rho_1    without d(J' p)
+
+   Returns whether they exist. */
 static int rbdi_differentiate_corrections(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
                                           const rbd_real *tau, const rbd_real *f_ext,
                                           const rbdi_step_columns *to) {
+    const int size = m->nv * m->nv;
+    rbd_work *w = c->rows->w;
     int solved;
-    rbdi_correct(m, c, c->nu, tau, f_ext);
-    rbdi_solve_first(m, c, RBDI_FOR_VELOCITIES);
-    rbdi_write_rho(m, c, d, c->moved, f_ext, to->dq, to->dv);
-    solved = rbdi_differentiate_solution(m, c, d, c->moved, RBDI_FOR_VELOCITIES, to->dv);
-    rbdi_correct(m, c, c->moved, tau, f_ext);
-    rbdi_solve_again(m, c);
+    rbdi_copy_columns(m, to->dq, to->dv);
+    rbdi_add_side(m, c, to->dv);
+    for (int x = 0; x < 3; ++x)
+        if (to->dv[x]) rbdi_multiply(to->dv[x], -rbdi_set(RBD_C(1)), size);
+    solved = rbdi_differentiate_solution(m, c, d, c->moved, RBDI_FOR_VELOCITIES, to->dq);
+
+    rbdi_solve_between(m, c, tau, f_ext);
+    rbdi_add_rho(m, c, d, c->moved, f_ext, to->dq, to->dv);
+    rbdi_add_side(m, c, to->dv);
+    for (int x = 0; x < 3; ++x) {
+        if (!to->dv[x]) continue;
+        rbdi_solve_columns(m, w, w->H, -1, m->nv, m->nv, to->dv[x]);
+        rbdi_subtract(to->dv[x], -rbdi_set(RBD_C(1)), to->dq[x], size);
+    }
+    rbdi_solve_again(m, c, tau, f_ext);
     return solved;
 }
 
-/* dnu of the velocities without contacts, and of what contacts that may rebound fall by them. */
-static void rbdi_differentiate_free(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
-                                    const rbd_real *f_ext, rbd_real *const dnu[3]) {
-    const int n = m->nv;
+/* Derivatives of what contacts that may rebound fall: by dnu of the velocities without contacts. */
+static void rbdi_differentiate_falls(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
+                                     const rbd_real *f_ext, rbd_real *const dnu[3]) {
     rbd_work *w = c->rows->w;
+    int any = 0;
+    for (int i = 0; i < c->n; ++i) any |= c->contact[i].row >= 0 && c->contact[i].restitution > 0;
+    if (!any) return;
+
+    for (int k = 0; k < m->nv; ++k) c->nu[k] = c->x[0][k];
+    rbdi_solve_forward(m, w, w->H, 1, 1, 1, c->nu);
+    for (int k = 0; k < m->nv; ++k) c->nu[k] = c->v_mid[k] + c->nu[k];
     rbdi_write_rho(m, c, d, c->nu, f_ext, NULL, dnu);
-    if (dnu[0]) rbdi_subtract(dnu[0], -rbdi_set(RBD_C(1)), rbdi_side(m, c, 2), n * n);
+    rbdi_add_side(m, c, dnu);
     for (int x = 0; x < 3; ++x)
-        if (dnu[x]) rbdi_solve_columns(m, w, w->H, -1, n, n, dnu[x], NULL);
+        if (dnu[x]) rbdi_solve_columns(m, w, w->H, -1, m->nv, m->nv, dnu[x]);
     rbdi_write_falls(m, c, c->nu, dnu);
 }
 
@@ -2535,16 +2837,16 @@ static void rbdi_differentiate_free(const rbd_model *m, rbd_contact_set *c, rbd_
 static int rbdi_differentiate_step(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
                                    const rbd_real *tau, const rbd_real *f_ext, const rbdi_step_columns *to,
                                    rbd_status *status) {
-    rbd_real *const *last = NULL;
+    const int first_order = !(c->half > 0);
     int solved = 1;
-    rbdi_differentiate_free(m, c, d, f_ext, to->dq);
-    if (c->half > 0) {
+    rbdi_differentiate_falls(m, c, d, f_ext, to->dq);
+    rbdi_solve_first(m, c, first_order ? RBDI_FOR_POSITIONS : RBDI_FOR_VELOCITIES);
+    rbdi_write_rho(m, c, d, c->moved, f_ext, NULL, to->dq);
+    if (!first_order) {
         solved = rbdi_differentiate_corrections(m, c, d, tau, f_ext, to);
-        last = to->dv;
-    } else {
-        rbdi_solve_only(m, c);
+        rbdi_write_rho(m, c, d, c->moved, f_ext, to->dv, to->dq);
     }
-    rbdi_write_rho(m, c, d, c->moved, f_ext, last, to->dq);
+
     rbdi_copy_columns(m, to->dq, to->dv);
     solved &= rbdi_differentiate_solution(m, c, d, c->moved, RBDI_FOR_POSITIONS, to->dq);
     *status = rbdi_solve_velocities(m, c);
@@ -2603,6 +2905,7 @@ RBDI_CODE_END
 #pragma pop_macro("B")
 #pragma pop_macro("D")
 #pragma pop_macro("E")
+#pragma pop_macro("F")
 #pragma pop_macro("G")
 #pragma pop_macro("H")
 #pragma pop_macro("L")

@@ -244,6 +244,8 @@ RBDI_EXTERN_C_END
 #undef J
 #pragma push_macro("K")
 #undef K
+#pragma push_macro("L")
+#undef L
 #pragma push_macro("M")
 #undef M
 #pragma push_macro("O")
@@ -365,6 +367,73 @@ struct rbd_derivatives {
 
 RBDI_CODE_BEGIN
 
+/* ==== src/algebra/batch_vectors.h ==== */
+/* Vectors, motions and forces of batches. */
+
+typedef struct rbdi_b3 {
+    rbdi_batch x, y, z;
+} rbdi_b3;
+
+typedef struct rbdi_bmotion {
+    rbdi_b3 omega, v;
+} rbdi_bmotion;
+
+typedef struct rbdi_bforce {
+    rbdi_b3 n, f;
+} rbdi_bforce;
+
+/* rbdi_b_vec, rbdi_b_add and so on. */
+#define RBDI_T rbdi_batch
+#define rbdi_v3 rbdi_b3
+#define rbdi_motion rbdi_bmotion
+#define rbdi_force rbdi_bforce
+#define rbdi_vec rbdi_b_vec
+#define rbdi_add rbdi_b_add
+#define rbdi_scale rbdi_b_scale
+#define rbdi_cross rbdi_b_cross
+#define rbdi_motion_add rbdi_b_motion_add
+#define rbdi_force_add rbdi_b_force_add
+#define rbdi_power rbdi_b_power
+RBDI_INLINE rbdi_v3 rbdi_vec(RBDI_T x, RBDI_T y, RBDI_T z) {
+    const rbdi_v3 v = {x, y, z};
+    return v;
+}
+
+RBDI_INLINE rbdi_v3 rbdi_add(rbdi_v3 a, rbdi_v3 b) { return rbdi_vec(a.x + b.x, a.y + b.y, a.z + b.z); }
+RBDI_INLINE rbdi_v3 rbdi_scale(RBDI_T k, rbdi_v3 a) { return rbdi_vec(k * a.x, k * a.y, k * a.z); }
+RBDI_INLINE rbdi_v3 rbdi_cross(rbdi_v3 a, rbdi_v3 b) {
+    return rbdi_vec(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+
+RBDI_INLINE rbdi_motion rbdi_motion_add(rbdi_motion a, rbdi_motion b) {
+    a.omega = rbdi_add(a.omega, b.omega);
+    a.v = rbdi_add(a.v, b.v);
+    return a;
+}
+
+RBDI_INLINE rbdi_force rbdi_force_add(rbdi_force a, rbdi_force b) {
+    a.n = rbdi_add(a.n, b.n);
+    a.f = rbdi_add(a.f, b.f);
+    return a;
+}
+
+/* S' f. */
+RBDI_INLINE RBDI_T rbdi_power(rbdi_motion S, rbdi_force f) {
+    return (f.n.x * S.omega.x + f.n.y * S.omega.y + f.n.z * S.omega.z) +
+           (f.f.x * S.v.x + f.f.y * S.v.y + f.f.z * S.v.z);
+}
+#undef RBDI_T
+#undef rbdi_v3
+#undef rbdi_motion
+#undef rbdi_force
+#undef rbdi_vec
+#undef rbdi_add
+#undef rbdi_scale
+#undef rbdi_cross
+#undef rbdi_motion_add
+#undef rbdi_force_add
+#undef rbdi_power
+
 /* ==== src/derivatives/columns.h ==== */
 /* Interface: RBDI_OF */
 
@@ -433,21 +502,9 @@ typedef rbdi_batch rbdi_cbatch; /* a batch of constants */
 typedef rbd_const rbdi_cbatch;
 #endif
 
-typedef struct rbdi_b3 {
-    rbdi_batch x, y, z;
-} rbdi_b3;
-
 typedef struct rbdi_b33 { /* rows of a matrix */
     rbdi_b3 x, y, z;
 } rbdi_b33;
-
-typedef struct rbdi_bmotion {
-    rbdi_b3 omega, v;
-} rbdi_bmotion;
-
-typedef struct rbdi_bforce {
-    rbdi_b3 n, f;
-} rbdi_bforce;
 
 #if RBDI_GCC && RBDI_FOR_SPEED
 #define RBDI_UNROLL_SUMS _Pragma("GCC unroll 14")
@@ -542,25 +599,12 @@ typedef char
 
 /* ---- vectors of batches [batches] ---- */
 
-RBDI_INLINE rbdi_b3 rbdi_b_vec(rbdi_batch x, rbdi_batch y, rbdi_batch z) {
-    const rbdi_b3 v = {x, y, z};
-    return v;
-}
-
 /* The vector in all lanes. */
 RBDI_INLINE rbdi_b3 rbdi_b_all(rbdi_v3 a) {
     return rbdi_b_vec(rbdi_all_lanes(a.x), rbdi_all_lanes(a.y), rbdi_all_lanes(a.z));
 }
 
-RBDI_INLINE rbdi_b3 rbdi_b_add(rbdi_b3 a, rbdi_b3 b) { return rbdi_b_vec(a.x + b.x, a.y + b.y, a.z + b.z); }
-
-RBDI_INLINE rbdi_b3 rbdi_b_scale(rbdi_batch k, rbdi_b3 a) { return rbdi_b_vec(k * a.x, k * a.y, k * a.z); }
-
-/* a x b, and with a sum added: sums before products are contracted to FMA best. */
-RBDI_INLINE rbdi_b3 rbdi_b_cross(rbdi_b3 a, rbdi_b3 b) {
-    return rbdi_b_vec(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
-}
-
+/* a x b with a sum added: sums before products are contracted to FMA best. */
 RBDI_INLINE rbdi_b3 rbdi_b_cross_add(rbdi_b3 sum, rbdi_b3 a, rbdi_b3 b) {
     return rbdi_b_vec(sum.x + a.y * b.z - a.z * b.y, sum.y + a.z * b.x - a.x * b.z,
                       sum.z + a.x * b.y - a.y * b.x);
@@ -573,21 +617,9 @@ RBDI_INLINE rbdi_batch rbdi_b_dot_add(rbdi_batch sum, rbdi_b3 a, rbdi_v3 x) {
     return sum + a.x * x.x + a.y * x.y + a.z * x.z;
 }
 
-RBDI_INLINE rbdi_bmotion rbdi_b_motion_add(rbdi_bmotion a, rbdi_bmotion b) {
-    a.omega = rbdi_b_add(a.omega, b.omega);
-    a.v = rbdi_b_add(a.v, b.v);
-    return a;
-}
-
 RBDI_INLINE rbdi_bmotion rbdi_b_motion_scale(rbdi_batch k, rbdi_bmotion a) {
     const rbdi_bmotion b = {rbdi_b_scale(k, a.omega), rbdi_b_scale(k, a.v)};
     return b;
-}
-
-RBDI_INLINE rbdi_bforce rbdi_b_force_add(rbdi_bforce a, rbdi_bforce b) {
-    a.n = rbdi_b_add(a.n, b.n);
-    a.f = rbdi_b_add(a.f, b.f);
-    return a;
 }
 
 /* V x S = (omega x S_omega; v x S_omega + omega x S_v), and with a sum added. */
@@ -604,23 +636,13 @@ RBDI_INLINE rbdi_bmotion rbdi_b_motion_cross_add(rbdi_bmotion sum, rbdi_bmotion 
     return sum;
 }
 
-/* S' f of motions and forces: two batches; a batch of motions and one force; a batch of forces and one
-   motion; one of each. */
-RBDI_INLINE rbdi_batch rbdi_b_power(rbdi_bmotion S, rbdi_bforce f) {
-    return (f.n.x * S.omega.x + f.n.y * S.omega.y + f.n.z * S.omega.z) +
-           (f.f.x * S.v.x + f.f.y * S.v.y + f.f.z * S.v.z);
-}
-
+/* S' f of a batch of motions and one force, and of a batch of forces and one motion. */
 RBDI_INLINE rbdi_batch rbdi_b_motion_dot(rbdi_bmotion S, rbdi_force F) {
     return rbdi_b_dot_add(rbdi_b_dot(S.omega, F.n), S.v, F.f);
 }
 
 RBDI_INLINE rbdi_batch rbdi_b_force_dot(rbdi_bforce F, rbdi_motion S) {
     return rbdi_b_dot_add(rbdi_b_dot(F.n, S.omega), F.f, S.v);
-}
-
-RBDI_INLINE rbd_real rbdi_power(rbdi_motion S, rbdi_force F) {
-    return rbdi_dot(S.omega, F.n) + rbdi_dot(S.v, F.f);
 }
 
 /* R (x; y; z) of constants in the axes of the links. */
@@ -661,22 +683,23 @@ RBDI_INLINE int rbdi_dof_axis(const rbd_model *m, const rbdi_link *l, int k) {
 }
 
 /* Stores axes and origin of a link for dof k. e: the axes, cycled so that the last is the dof's own. */
-RBDI_INLINE void rbdi_put_axes(rbd_derivatives *d, int k, const rbdi_four *ex, const rbdi_four *ey,
-                               const rbdi_four *ez, const rbdi_four *origin) {
-    rbdi_store_vec(RBDI_OF(d, k, ex), RBDI_BATCH, rbdi_axis_vec(ex));
-    rbdi_store_vec(RBDI_OF(d, k, ey), RBDI_BATCH, rbdi_axis_vec(ey));
-    rbdi_store_vec(RBDI_OF(d, k, ez), RBDI_BATCH, rbdi_axis_vec(ez));
-    rbdi_store_vec(RBDI_OF(d, k, x), RBDI_BATCH, rbdi_axis_vec(origin));
+RBDI_INLINE void rbdi_put_axes(rbd_derivatives *d, int k, rbdi_v3 ex, rbdi_v3 ey, rbdi_v3 ez,
+                               rbdi_v3 origin) {
+    rbdi_store_vec(RBDI_OF(d, k, ex), RBDI_BATCH, ex);
+    rbdi_store_vec(RBDI_OF(d, k, ey), RBDI_BATCH, ey);
+    rbdi_store_vec(RBDI_OF(d, k, ez), RBDI_BATCH, ez);
+    rbdi_store_vec(RBDI_OF(d, k, x), RBDI_BATCH, origin);
 }
 
 /* The same for the dofs of a block from k on. */
 RBDI_PART void rbdi_put_block_axes(const rbd_model *m, rbd_derivatives *d, const rbdi_link *l, int k,
-                                   const rbdi_axes *p) {
-    const rbdi_four *const e[3] = {&p->x, &p->y, &p->z};
+                                   const rbdi_pose *p) {
+    const rbdi_v3 e[3] = {rbdi_vec(p->E.xx, p->E.xy, p->E.xz), rbdi_vec(p->E.yx, p->E.yy, p->E.yz),
+                          rbdi_vec(p->E.zx, p->E.zy, p->E.zz)};
 
     for (; k < d->entry[l->first].joint; ++k) {
         const int axis = rbdi_dof_axis(m, l, k);
-        rbdi_put_axes(d, k, e[(axis + 1) % 3], e[(axis + 2) % 3], e[axis], &p->origin);
+        rbdi_put_axes(d, k, e[(axis + 1) % 3], e[(axis + 2) % 3], e[axis], p->r);
     }
 }
 
@@ -713,34 +736,36 @@ RBDI_PART void rbdi_move_origin(const rbd_model *m, rbd_derivatives *d, int i, r
 /* Axes and origins of all links. base: dofs of a free base whose axes the frame has, or 0. */
 RBDI_PART void rbdi_poses(const rbd_model *m, rbd_derivatives *d, int base) {
     const int known = base ? 0 : -1; /* the last link that is where the frame is */
-    rbdi_axes p;                     /* of the link before, then of link i */
-    rbdi_world_axes(&p);
+    rbdi_pose p = rbdi_world_pose(); /* of the link before, then of link i */
 
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
 
         if (l->parent <= known) {
-            rbdi_world_axes(&p);
+            p = rbdi_world_pose();
         } else if (l->parent != i - 1) {
-            const rbdi_pose parent = rbdi_common_pose(m, d, l->parent);
-            rbdi_load_axes(&p, &parent);
+            p = rbdi_common_pose(m, d, l->parent);
         }
 
         if (!rbdi_is(l, RBDI_BLOCK))
-            RBDI_BY_FLAGS(flags, l, rbdi_axes_step(l, flags, rbdi_trig_of(m, d->work, i, flags), &p));
-        else if (i > 0 || !base)
-            rbdi_axes_block(&d->work->block[l->block].X, rbdi_on_world(l), &p);
+            RBDI_BY_FLAGS(const int flags, l,
+                          p = rbdi_pose_step(l, flags, rbdi_trig_of(m, d->work, i, flags), p));
+        else if (!rbdi_on_world(l))
+            p = rbdi_pose_block(&d->work->block[l->block].X, p);
+        else if (!base || i > 0)
+            p.E = d->work->block[l->block].X.E; /* the origin stays 0 */
 
         if (d->origin[i] >= 0) {
-            if (d->origin[i] < i) rbdi_move_origin(m, d, i, rbdi_axis_vec(&p.origin));
-            rbdi_set_axis(&p.origin, rbdi_vec0());
+            if (d->origin[i] < i) rbdi_move_origin(m, d, i, p.r);
+            p.r = rbdi_vec0();
         }
 
         if (rbdi_is(l, RBDI_BLOCK)) {
-            const rbdi_axes own = p; /* an address of p would keep it in memory */
+            const rbdi_pose own = p; /* an address of p would keep it in memory */
             rbdi_put_block_axes(m, d, l, i == 0 && base ? base - 1 : l->first, &own);
         } else
-            rbdi_put_axes(d, l->first, &p.x, &p.y, &p.z, &p.origin);
+            rbdi_put_axes(d, l->first, rbdi_vec(p.E.xx, p.E.xy, p.E.xz), rbdi_vec(p.E.yx, p.E.yy, p.E.yz),
+                          rbdi_vec(p.E.zx, p.E.zy, p.E.zz), p.r);
     }
 }
 
@@ -1529,17 +1554,11 @@ RBDI_INLINE void rbdi_put_components(const rbd_derivatives *d, const rbd_real *x
 RBDI_INLINE void rbdi_put_base_columns(const rbd_derivatives *d, int b, rbdi_b3 n, rbdi_b3 f, rbd_real *out) {
     const rbdi_batch x[6] = {n.x, n.y, n.z, f.x, f.y, f.z};
     const ptrdiff_t nv = d->model->nv, first = d->base + (b - d->behind) * RBDI_BATCH;
-    rbdi_four row[2][RBDI_BATCH]; /* components 0 to 3 and 2 to 5 */
-
-    rbdi_fours_of_lanes(x, row[0]);
-    rbdi_fours_of_lanes(x + 2, row[1]);
 
     out += first * nv;
     RBDI_UNROLL_SIX for (int k = 0; k < RBDI_BATCH; ++k) {
-        if (k < nv - first) {
-            *(rbdi_four *)&out[k * nv] = row[0][k];
-            *(rbdi_four *)&out[k * nv + 2] = row[1][k];
-        }
+        if (k < nv - first) RBDI_UNROLL_SIX
+            for (int j = 0; j < 6; ++j) out[k * nv + j] = ((const rbd_real *)&x[j])[k];
     }
 }
 
@@ -2266,6 +2285,24 @@ RBDI_API rbd_status rbd_id_free_base(const rbd_model *m, rbd_derivatives *d, con
 }
 #endif
 
+/* ==== src/derivatives/solve_two.h ==== */
+/* X = sign M^-1 X and Y = sign M^-1 Y: n columns each, with rows a stride apart. Both in one pass, as long as
+   their rows fit into registers: each entry of L is loaded once, and the two do not wait for each other. */
+RBDI_PART void rbdi_solve_two(const rbd_model *m, rbd_work *w, const rbd_real *L, int sign, ptrdiff_t stride,
+                              int n, rbd_real *X, rbd_real *Y) {
+#ifdef RBDI_ROWS
+    if (RBDI_ROWS(solve)(m, L, sign, stride, n, X, Y)) return;
+#endif
+
+    if (n < RBDI_BATCH || 2 * n > RBDI_ROW * RBDI_BATCH) {
+        rbdi_solve_columns(m, w, L, sign, stride, n, X);
+        rbdi_solve_columns(m, w, L, sign, stride, n, Y);
+        return;
+    }
+    rbdi_solve_half(m, w, L, 1, 1, stride, 2, n, X, Y);
+    rbdi_solve_half(m, w, L, 0, sign, stride, 2, n, X, Y);
+}
+
 /* ==== src/derivatives/dynamics.h ==== */
 /* ---- derivatives of inverse dynamics [inverse dynamics code] ---- */
 
@@ -2485,7 +2522,10 @@ RBDI_INLINE void rbdi_acceleration_derivatives(const rbd_model *m, rbd_derivativ
     rbdi_put_entries(m, d, da_dq, da_dv, NULL, 0);
     if (d->base) rbdi_put_turns(d, da_dq, da_dv);
 
-    rbdi_solve_columns(m, d->work, d->work->H, -1, m->nv, m->nv - first, one, other);
+    if (other)
+        rbdi_solve_two(m, d->work, d->work->H, -1, m->nv, m->nv - first, one, other);
+    else
+        rbdi_solve_columns(m, d->work, d->work->H, -1, m->nv, m->nv - first, one);
 }
 
 RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
@@ -2519,6 +2559,26 @@ RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, c
 /* ==== src/derivatives/regressors.h ==== */
 /* ---- regressors and inertial parameters [identification code] ----
    f = I a + v x* I v (RBDA table 5.1) is linear in a body's parameters, f = K pi: row i of Y is S_i' K. */
+
+/* Four parameters of a body, or their factors. add: y += factor x; scale: y = factor x. */
+typedef struct rbdi_four {
+    rbd_real x, y, z, w;
+} rbdi_four;
+
+RBDI_INLINE void rbdi_set_four(rbdi_four *y, rbd_real a, rbd_real b, rbd_real c, rbd_real d) {
+    y->x = a;
+    y->y = b;
+    y->z = c;
+    y->w = d;
+}
+
+RBDI_INLINE void rbdi_scale_four(rbdi_four *y, rbd_real factor, const rbdi_four *x) {
+    rbdi_set_four(y, x->x * factor, x->y * factor, x->z * factor, x->w * factor);
+}
+
+RBDI_INLINE void rbdi_add_four(rbdi_four *y, rbd_real factor, const rbdi_four *x) {
+    rbdi_set_four(y, y->x + x->x * factor, y->y + x->y * factor, y->z + x->z * factor, y->w + x->w * factor);
+}
 
 /* y += a_1 x_1 + a_2 x_2 + a_3 x_3; and y = this sum. */
 RBDI_INLINE void rbdi_add_fours(rbdi_four *y, rbdi_v3 a, const rbdi_four x[3]) {
@@ -2564,11 +2624,11 @@ RBDI_INLINE void rbdi_place_body(const rbd_model *m, const rbd_derivatives *d, c
 RBDI_INLINE rbdi_v3 rbdi_to_body(const rbdi_placement *p, rbdi_v3 a) {
     rbdi_four y;
     rbdi_combine_fours(&y, a, p->row);
-    return rbdi_vec(rbdi_one_of(&y, 1), rbdi_one_of(&y, 2), rbdi_one_of(&y, 3));
+    return rbdi_vec(y.y, y.z, y.w);
 }
 
 RBDI_INLINE rbdi_v3 rbdi_origin_of(const rbdi_placement *p) {
-    return rbdi_vec(rbdi_one_of(&p->row[0], 0), rbdi_one_of(&p->row[1], 0), rbdi_one_of(&p->row[2], 0));
+    return rbdi_vec(p->row[0].x, p->row[1].x, p->row[2].x);
 }
 
 /* The motion of all links. base: dofs of a free base whose axes the frame has, or 0. */
@@ -2622,8 +2682,7 @@ RBDI_PART void rbdi_unit_wrenches(const rbd_derivatives *d, int last, const rbdi
     /* row i of the forces: (acc_i 0 0 0) + Omega_i (x R); of the moments of inertia: R_i times those in
        body axes */
     RBDI_UNROLL_SIX for (int i = 0; i < 3; ++i) {
-        const rbdi_v3 R =
-            rbdi_vec(rbdi_one_of(&p->row[i], 1), rbdi_one_of(&p->row[i], 2), rbdi_one_of(&p->row[i], 3));
+        const rbdi_v3 R = rbdi_vec(p->row[i].y, p->row[i].z, p->row[i].w);
         rbdi_set_four(&f[i], acc[i * RBDI_BATCH], o, o, o);
         rbdi_add_fours(&f[i], rbdi_load_vec(Omega + 3 * i * RBDI_BATCH, RBDI_BATCH), p->row);
         *(rbdi_four *)&K[(3 + i) * stride] = f[i];
@@ -2635,10 +2694,10 @@ RBDI_PART void rbdi_unit_wrenches(const rbd_derivatives *d, int last, const rbdi
     RBDI_UNROLL_SIX for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
         rbdi_four n;
-        rbdi_scale_four(&n, rbdi_one_of(&f[k], 0), &p->row[j]);
-        rbdi_add_four(&n, -rbdi_one_of(&f[j], 0), &p->row[k]);
-        rbdi_add_four(&n, rbdi_one_of(&p->row[j], 0), &f[k]);
-        rbdi_add_four(&n, -rbdi_one_of(&p->row[k], 0), &f[j]);
+        rbdi_scale_four(&n, f[k].x, &p->row[j]);
+        rbdi_add_four(&n, -f[j].x, &p->row[k]);
+        rbdi_add_four(&n, p->row[j].x, &f[k]);
+        rbdi_add_four(&n, -p->row[k].x, &f[j]);
         *(rbdi_four *)&K[i * stride] = n;
         K[i * stride] = K[i * stride] * RBD_C(0.5);
     }
@@ -2951,7 +3010,7 @@ static void rbdi_fill_ad(rbdi_ad_function f, rbdi_motion d, rbd_real scale, rbd_
 static void rbdi_put_step(const rbd_model *m, const rbdi_frame *body, int which, const rbd_real *d,
                           rbd_real sign, rbd_real scale, rbd_real *out) {
     const ptrdiff_t nv = m->nv;
-    const int first = body->type == RBD_PLANAR ? 2 : 0;
+    const int first = rbdi_first_axis(body->type);
     rbd_real t[7], J[6][6];
     rbdi_motion step;
 
@@ -3163,6 +3222,7 @@ RBDI_CODE_END
 #pragma pop_macro("I")
 #pragma pop_macro("J")
 #pragma pop_macro("K")
+#pragma pop_macro("L")
 #pragma pop_macro("M")
 #pragma pop_macro("O")
 #pragma pop_macro("P")

@@ -113,11 +113,19 @@ RBDI_INLINE rbd_rotation rbd_rotation_identity(void) {
 /* From and to nine numbers, row-major, such as those of rbd_body_pose. */
 RBDI_INLINE rbd_rotation rbd_rotation_from_array(const rbd_real *a) {
     rbd_rotation r;
-    r.xx = a[0], r.xy = a[1], r.xz = a[2];
-    r.yx = a[3], r.yy = a[4], r.yz = a[5];
-    r.zx = a[6], r.zy = a[7], r.zz = a[8];
+
+    r.xx = a[0];
+    r.xy = a[1];
+    r.xz = a[2];
+    r.yx = a[3];
+    r.yy = a[4];
+    r.yz = a[5];
+    r.zx = a[6];
+    r.zy = a[7];
+    r.zz = a[8];
     return r;
 }
+
 RBDI_INLINE void rbd_rotation_to_array(rbd_rotation r, rbd_real *a) {
     rbdi_store_vec(a, 1, rbdi_vec(r.xx, r.xy, r.xz));
     rbdi_store_vec(a + 3, 1, rbdi_vec(r.yx, r.yy, r.yz));
@@ -137,37 +145,33 @@ RBDI_INLINE rbd_rotation rbd_rotation_from_quaternion(const rbd_real q[4]) {
     return rbdi_transpose(rbdi_quaternion_down(q));
 }
 
-/* q: the unit quaternion x, y, z, w with w >= 0. Normalises the row of 4 q q' with the largest diagonal
-   entry, whose entries are sums of those of r (Shepperd 1978), without a branch. */
+/* q: the unit quaternion x, y, z, w with w >= 0. */
 static RBDI_UNUSED void rbd_rotation_to_quaternion(rbd_rotation r, rbd_real q[4]) {
-    const rbd_real one = rbdi_set(RBD_C(1)), x = r.zy - r.yz, y = r.xz - r.zx, z = r.yx - r.xy,
-                   xy = r.xy + r.yx, yz = r.yz + r.zy, xz = r.xz + r.zx;
-    const rbd_real rows[4][4] = {{one + r.xx - r.yy - r.zz, xy, xz, x},
-                                 {xy, one - r.xx + r.yy - r.zz, yz, y},
-                                 {xz, yz, one - r.xx - r.yy + r.zz, z},
-                                 {x, y, z, one + r.xx + r.yy + r.zz}};
-    rbd_real best = rows[3][3], row[4];
-    for (int k = 0; k < 4; ++k) row[k] = rows[3][k];
-    for (int i = 0; i < 3; ++i) {
-        const rbdi_mask more = rbdi_less(best, rows[i][i]);
-        best = rbdi_select(more, rows[i][i], best);
-        for (int k = 0; k < 4; ++k) row[k] = rbdi_select(more, rows[i][k], row[k]);
-    }
+    const rbd_real one = rbdi_set(RBD_C(1));
+    rbd_real row[4], sign;
+    rbdi_quaternion_of(r, row);
     rbdi_unit_quaternion(row, q);
-    best = rbdi_select(rbdi_less(q[3], rbdi_zero()), -one, one);
-    for (int k = 0; k < 4; ++k) q[k] = best * q[k];
+    sign = rbdi_select(rbdi_less(q[3], rbdi_zero()), -one, one);
+    for (int k = 0; k < 4; ++k) q[k] = sign * q[k];
 }
 
 /* Rz(yaw) Ry(pitch) Rx(roll), rad. */
 static RBDI_UNUSED rbd_rotation rbd_rotation_from_rpy(rbd_real roll, rbd_real pitch, rbd_real yaw) {
     rbd_real sr, cr, sp, cp, sy, cy;
     rbd_rotation r;
+
     rbdi_sincos(roll, &sr, &cr);
     rbdi_sincos(pitch, &sp, &cp);
     rbdi_sincos(yaw, &sy, &cy);
-    r.xx = cy * cp, r.xy = cy * sp * sr - sy * cr, r.xz = cy * sp * cr + sy * sr;
-    r.yx = sy * cp, r.yy = sy * sp * sr + cy * cr, r.yz = sy * sp * cr - cy * sr;
-    r.zx = -sp, r.zy = cp * sr, r.zz = cp * cr;
+    r.xx = cy * cp;
+    r.xy = cy * sp * sr - sy * cr;
+    r.xz = cy * sp * cr + sy * sr;
+    r.yx = sy * cp;
+    r.yy = sy * sp * sr + cy * cr;
+    r.yz = sy * sp * cr - cy * sr;
+    r.zx = -sp;
+    r.zy = cp * sr;
+    r.zz = cp * cr;
     return r;
 }
 
@@ -186,7 +190,8 @@ static RBDI_UNUSED void rbd_rotation_to_rpy(rbd_rotation r, rbd_real rpy[3]) {
     rbd_real c = r.zz, s = r.zy, cp, sp = -r.zx, cy, sy;
     rpy[0] = rbdi_angle_of(&c, &s);
     cp = r.zy * s + r.zz * c; /* the rest is Rz(yaw) Ry(pitch) = r Rx(-roll) */
-    sy = r.xz * s - r.xy * c, cy = r.yy * c - r.yz * s;
+    sy = r.xz * s - r.xy * c;
+    cy = r.yy * c - r.yz * s;
     rpy[1] = rbdi_angle_of(&cp, &sp);
     rpy[2] = rbdi_angle_of(&cy, &sy);
 }
@@ -201,12 +206,7 @@ static RBDI_UNUSED rbd_rotation rbd_rotation_exp(rbd_vec3 turn) {
 }
 
 /* log: the shortest turn, of length at most pi, whose exp is r. */
-static RBDI_UNUSED rbd_vec3 rbd_rotation_log(rbd_rotation r) {
-    rbd_real none[4], q[4];
-    none[0] = none[1] = none[2] = rbdi_zero(), none[3] = rbdi_set(RBD_C(1));
-    rbd_rotation_to_quaternion(r, q);
-    return rbdi_quaternion_difference(none, q);
-}
+RBDI_INLINE rbd_vec3 rbd_rotation_log(rbd_rotation r) { return rbdi_log_rotation(r); }
 
 /* The rotation about an axis of any length, by the angle, rad; the identity if the axis is zero. */
 static RBDI_UNUSED rbd_rotation rbd_rotation_from_axis_angle(rbd_vec3 axis, rbd_real angle) {
@@ -234,15 +234,18 @@ RBDI_INLINE rbd_placement rbd_placement_of(rbd_rotation rotation, rbd_vec3 posit
     rbd_placement x;
     x.rotation = rotation;
     x.position = position;
-    (void)of, (void)in;
+    (void)of;
+    (void)in;
     RBDI_FRAMES(x.of = of; x.in = in;)
     return x;
 }
+
 /* The same from arrays, such as the results of rbd_body_pose, where `in` is the world. */
 RBDI_INLINE rbd_placement rbd_placement_from_arrays(const rbd_real rotation[9], const rbd_real position[3],
                                                     int of, int in) {
     return rbd_placement_of(rbd_rotation_from_array(rotation), rbd_vec3_from_array(position), of, in);
 }
+
 RBDI_INLINE rbd_placement rbd_placement_identity(int of, int in) {
     return rbd_placement_of(rbd_rotation_identity(), rbdi_vec0(), of, in);
 }
@@ -270,6 +273,7 @@ RBDI_INLINE rbd_placement rbd_placement_inverse(rbd_placement x) {
 RBDI_INLINE rbd_vec3 rbd_point_up(rbd_placement x, rbd_vec3 point) {
     return rbdi_add(x.position, rbdi_mul(x.rotation, point));
 }
+
 RBDI_INLINE rbd_vec3 rbd_point_down(rbd_placement x, rbd_vec3 point) {
     return rbdi_mul_t(x.rotation, rbdi_sub(point, x.position));
 }
@@ -285,10 +289,12 @@ RBDI_INLINE rbd_motion rbd_motion_of(rbd_vec3 angular, rbd_vec3 linear, int fram
     RBDI_FRAMES(m.frame = frame;)
     return m;
 }
+
 /* From and to six numbers (angular; linear), such as those of rbd_body_velocity. */
 RBDI_INLINE rbd_motion rbd_motion_from_array(const rbd_real a[6], int frame) {
     return rbd_motion_of(rbd_vec3_from_array(a), rbd_vec3_from_array(a + 3), frame);
 }
+
 RBDI_INLINE void rbd_motion_to_array(rbd_motion m, rbd_real a[6]) {
     rbdi_store_vec(a, 1, m.angular);
     rbdi_store_vec(a + 3, 1, m.linear);
@@ -300,6 +306,7 @@ RBDI_INLINE rbd_motion rbd_motion_add(RBDI_AT rbd_motion a, rbd_motion b) {
     a.linear = rbdi_add(a.linear, b.linear);
     return a;
 }
+
 RBDI_INLINE rbd_motion rbd_motion_scale(rbd_real factor, rbd_motion m) {
     m.angular = rbdi_scale(factor, m.angular);
     m.linear = rbdi_scale(factor, m.linear);
@@ -314,6 +321,7 @@ RBDI_INLINE rbd_motion rbd_motion_up(RBDI_AT rbd_placement x, rbd_motion m) {
     RBDI_FRAMES(m.frame = x.in;)
     return m;
 }
+
 /* A motion from frame `in` into frame `of`. */
 RBDI_INLINE rbd_motion rbd_motion_down(RBDI_AT rbd_placement x, rbd_motion m) {
     RBDI_MATCH("rbd_motion_down", m.frame, x.in);
@@ -362,10 +370,12 @@ RBDI_INLINE rbd_force rbd_force_of(rbd_vec3 moment, rbd_vec3 force, int frame) {
     RBDI_FRAMES(f.frame = frame;)
     return f;
 }
+
 /* From and to six numbers (moment; force), such as a row of f_ext. */
 RBDI_INLINE rbd_force rbd_force_from_array(const rbd_real a[6], int frame) {
     return rbd_force_of(rbd_vec3_from_array(a), rbd_vec3_from_array(a + 3), frame);
 }
+
 RBDI_INLINE void rbd_force_to_array(rbd_force f, rbd_real a[6]) {
     rbdi_store_vec(a, 1, f.moment);
     rbdi_store_vec(a + 3, 1, f.force);
@@ -377,6 +387,7 @@ RBDI_INLINE rbd_force rbd_force_add(RBDI_AT rbd_force a, rbd_force b) {
     a.force = rbdi_add(a.force, b.force);
     return a;
 }
+
 RBDI_INLINE rbd_force rbd_force_scale(rbd_real factor, rbd_force f) {
     f.moment = rbdi_scale(factor, f.moment);
     f.force = rbdi_scale(factor, f.force);
@@ -391,6 +402,7 @@ RBDI_INLINE rbd_force rbd_force_up(RBDI_AT rbd_placement x, rbd_force f) {
     RBDI_FRAMES(f.frame = x.in;)
     return f;
 }
+
 /* A force from frame `in` into frame `of`. */
 RBDI_INLINE rbd_force rbd_force_down(RBDI_AT rbd_placement x, rbd_force f) {
     RBDI_MATCH("rbd_force_down", f.frame, x.in);
@@ -421,14 +433,20 @@ RBDI_INLINE rbd_real rbd_power(RBDI_AT rbd_motion v, rbd_force f) {
    xx, xy, xz, yy, yz, zz about the frame's origin, in kg, kg m and kg m^2. _to_parameters: back. */
 RBDI_INLINE rbd_inertia rbd_inertia_from_parameters(const rbd_const p[10], int frame) {
     rbd_inertia i;
+
     i.mass = p[0];
     i.h = rbdi_vec(rbdi_set(p[1]), rbdi_set(p[2]), rbdi_set(p[3]));
-    i.rotational.xx = rbdi_set(p[4]), i.rotational.xy = rbdi_set(p[5]), i.rotational.xz = rbdi_set(p[6]);
-    i.rotational.yy = rbdi_set(p[7]), i.rotational.yz = rbdi_set(p[8]), i.rotational.zz = rbdi_set(p[9]);
+    i.rotational.xx = rbdi_set(p[4]);
+    i.rotational.xy = rbdi_set(p[5]);
+    i.rotational.xz = rbdi_set(p[6]);
+    i.rotational.yy = rbdi_set(p[7]);
+    i.rotational.yz = rbdi_set(p[8]);
+    i.rotational.zz = rbdi_set(p[9]);
     (void)frame;
     RBDI_FRAMES(i.frame = frame;)
     return i;
 }
+
 RBDI_INLINE void rbd_inertia_to_parameters(rbd_inertia i, rbd_real p[10]) {
     const rbd_sym3 a = i.rotational;
     p[0] = rbdi_set(i.mass);
@@ -441,10 +459,16 @@ RBDI_INLINE void rbd_inertia_to_parameters(rbd_inertia i, rbd_real p[10]) {
    the trace of the rotational inertia: back. */
 RBDI_INLINE rbd_sym3 rbdi_trace_less(rbd_real trace, rbd_sym3 a) {
     rbd_sym3 b;
-    b.xx = trace - a.xx, b.yy = trace - a.yy, b.zz = trace - a.zz;
-    b.xy = -a.xy, b.xz = -a.xz, b.yz = -a.yz;
+
+    b.xx = trace - a.xx;
+    b.yy = trace - a.yy;
+    b.zz = trace - a.zz;
+    b.xy = -a.xy;
+    b.xz = -a.xz;
+    b.yz = -a.yz;
     return b;
 }
+
 RBDI_INLINE rbd_sym3 rbdi_second_moment(rbd_sym3 rotational) {
     return rbdi_trace_less(RBD_C(0.5) * (rotational.xx + rotational.yy + rotational.zz), rotational);
 }
@@ -466,7 +490,9 @@ RBDI_INLINE rbd_inertia rbd_inertia_of(rbd_const mass, const rbd_const com[3], c
                                        int frame) {
     rbd_const p[10];
     rbd_inertia i;
-    p[0] = mass, p[1] = p[2] = p[3] = RBD_C(0);
+
+    p[0] = mass;
+    p[1] = p[2] = p[3] = RBD_C(0);
     for (int k = 0; k < 6; ++k) p[4 + k] = inertia[k];
     i = rbd_inertia_from_parameters(p, frame);
     return rbdi_inertia_shift(rbdi_vec(rbdi_set(com[0]), rbdi_set(com[1]), rbdi_set(com[2])),
@@ -491,6 +517,7 @@ RBDI_INLINE rbd_inertia rbd_inertia_up(RBDI_AT rbd_placement x, rbd_inertia i) {
     RBDI_FRAMES(i.frame = x.in;)
     return i;
 }
+
 /* An inertia from frame `in` into frame `of`. */
 RBDI_INLINE rbd_inertia rbd_inertia_down(RBDI_AT rbd_placement x, rbd_inertia i) {
     RBDI_MATCH("rbd_inertia_down", i.frame, x.in);

@@ -12,9 +12,9 @@ A room is a file
 
     #endif
 
-or, without a guard, text alone, which is put wherever it is named. In the shipped header the text stands in place
-of the #include, under a line that names the file. It keeps its guard there if a header that stands alone has it too. Of
-the letters whose macros are set aside it has only those that it uses.
+or, without a guard, text alone, which is put wherever it is named, also within a room. In the shipped header the text
+stands in place of the #include, that of a room under a line that names the file. Of the letters whose macros are set
+aside it has only those that it uses. A room keeps its guard if a header that stands alone has it too.
 
 The lines #define rbd_x RBDI_SYMBOL(rbd_x), which put the scalar into the symbols, follow from the declarations of src/api:
 --write makes them first.
@@ -44,28 +44,43 @@ def guard(room):
     return "RBDI_" + re.sub(r"\W", "_", room).upper()
 
 
+def read_lines(name, src=SRC):
+    """The lines of a file of src/, each with its place: the file's name and the line's number."""
+    text = (src / name).read_text(encoding="utf-8").rstrip("\n")
+    return [(line, (name, number)) for number, line in enumerate(text.split("\n"), 1)]
+
+
+def is_text(name, src=SRC):
+    """Whether a file has no guard: it is text for those that name it."""
+    return not read_lines(name, src)[0][0].startswith("#ifndef RBDI_")
+
+
 def trim(lines):
     """Without empty lines at both ends."""
-    while lines and not lines[0]:
+    while lines and not lines[0][0]:
         lines = lines[1:]
-    while lines and not lines[-1]:
+    while lines and not lines[-1][0]:
         lines = lines[:-1]
     return lines
 
 
 def read_room(room, src=SRC):
-    """The rooms that a room includes, and its text in lines."""
-    lines = (src / room).read_text(encoding="utf-8").rstrip("\n").split("\n")
-    if not lines[0].startswith("#ifndef RBDI_"):
-        return [], trim(lines)
+    """The rooms that a room includes, and its lines with their places."""
+    placed = read_lines(room, src)
+    if is_text(room, src):
+        return [], trim(placed)
+    lines = [line for line, _ in placed]
     if lines[:2] != [f"#ifndef {guard(room)}", f"#define {guard(room)}"] or lines[-1] != "#endif":
         raise SystemExit(f"src/{room}: its guard must be {guard(room)}, in the first two lines and the last")
-    lines, includes = lines[2:-1], []
-    while lines and INCLUDE.fullmatch(lines[0]):
-        includes.append(INCLUDE.fullmatch(lines.pop(0))[1])
-    if any(INCLUDE.fullmatch(line) for line in lines):
-        raise SystemExit(f"src/{room}: its #include lines must stand together, behind the guard")
-    return includes, trim(lines)
+    placed, includes, out = placed[2:-1], [], []
+    while placed and INCLUDE.fullmatch(placed[0][0]):
+        includes.append(INCLUDE.fullmatch(placed.pop(0)[0])[1])
+    for line, place in placed:
+        other = INCLUDE.fullmatch(line)
+        if other and not is_text(other[1], src):
+            raise SystemExit(f"src/{room}: its #include lines must stand together, behind the guard")
+        out += read_room(other[1], src)[1] if other else [(line, place)]
+    return includes, trim(out)
 
 
 def named_in(header, src=SRC):
@@ -76,29 +91,27 @@ def named_in(header, src=SRC):
 def shared(src=SRC):
     """The rooms with a guard that a header which stands alone has, and another one too."""
     out = set()
-    for alone in (src / header for header in ALONE if (src / header).exists()):
-        others = {room for header in HEADERS if header != alone.name and (src / header).exists()
-                  for room in named_in(header, src)}
-        out |= {room for room in named_in(alone.name, src)
-                if room in others and (src / room).read_text(encoding="utf-8").startswith("#ifndef RBDI_")}
+    for alone in (header for header in ALONE if (src / header).exists()):
+        others = {room for header in HEADERS if header != alone and (src / header).exists() for room in named_in(header, src)}
+        out |= {room for room in named_in(alone, src) if room in others and not is_text(room, src)}
     return out
 
 
 def read_header(header, src=SRC):
-    """A header of src/ in pieces: (None, its own text) or (room, the room's text), in order."""
-    pieces, own = [], []
-    guarded = shared(src)
-    for line in (src / header).read_text(encoding="utf-8").rstrip("\n").split("\n"):
+    """A header of src/ in pieces: (None, its own lines) or (room, the room's lines), in order, with their places."""
+    pieces, own, guarded = [], [], shared(src)
+    for line, place in read_lines(header, src):
         room = INCLUDE.fullmatch(line)
         if not room:
-            own.append(line)
+            own.append((line, place))
             continue
         if trim(own):
             pieces.append((None, trim(own)))
         own = []
         text = read_room(room[1], src)[1]
         if room[1] in guarded:
-            text = [f"#ifndef {guard(room[1])}", f"#define {guard(room[1])}", *text, "#endif"]
+            begin, end = (room[1], 1), text[-1][1]
+            text = [(f"#ifndef {guard(room[1])}", begin), (f"#define {guard(room[1])}", begin), *text, ("#endif", end)]
         pieces.append((room[1], text))
     return pieces + [(None, trim(own))] if trim(own) else pieces
 
@@ -130,35 +143,26 @@ def with_symbols(text, names):
 
 def letters_of(pieces):
     """The single letters that the code of these pieces uses as names."""
-    code = "\n".join(line for _, text in pieces for line in text if not LETTER.fullmatch(line))
+    code = "\n".join(line for _, text in pieces for line, _ in text if not LETTER.fullmatch(line))
     return set(re.findall(r"\b[A-Z]\b", re.sub(r"/\*.*?\*/", "", code, flags=re.DOTALL)))
 
 
 def lines_of(header, src=SRC):
     """The lines of a shipped header, each with the file of src/ and the line there that it is from, or None."""
-    pieces, at = read_header(header, src), {}
+    pieces = read_header(header, src)
     letters = letters_of(pieces)
-    for room, text in pieces:
-        name = room or header
-        lines = (src / name).read_text(encoding="utf-8").split("\n")
-        body = text if not room or text[0] != f"#ifndef {guard(room)}" else text[2:-1]
-        first = next(i for i in range(at.get(name, 0), len(lines)) if lines[i:i + len(body)] == body)
-        at[name] = first + len(body)
-        if at == {header: len(text)}:
-            yield text[0], (name, 1)
+    for number, (room, text) in enumerate(pieces):
+        if number == 0:
+            yield text[0]
             yield MADE.format(header), None
-            yield from ((line, (name, i)) for i, line in enumerate(text[1:], 2))
+            yield from text[1:]
             continue
         yield "", None
-        yield marker(name), None
-        for line in text[:text.index(body[0])]:
-            yield line, (name, 1)
-        for i, line in enumerate(body, 1):
+        yield marker(room or header), None
+        for line, place in text:
             letter = LETTER.fullmatch(line)
             if not letter or (letter[1] or letter[2]) in letters:
-                yield line, (name, first + i)
-        if body is not text:
-            yield text[-1], (name, len(lines) - 1)
+                yield line, place
 
 
 def shipped(header, src=SRC):

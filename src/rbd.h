@@ -24,8 +24,8 @@
      [types] [status] [build] [work] [dynamics] [kinematics] [points] [manifold] [lookup]
      --- stop here if you only use it ---
      [layout]
-     [design] [compiler] [tolerances] [scalar] [reduction] [spatial algebra] [common] [features] [joints]
-     [state] [rnea] [crba] [aba] [packed matrix] [pivots] [hybrid] [forward dynamics code]
+     [design] [compiler] [tolerances] [scalar] [reduction] [spatial algebra] [common] [features] [joint types]
+     [joints]     [state] [rnea] [crba] [aba] [packed matrix] [pivots] [hybrid] [forward dynamics code]
      [axes] [kinematics code] [points code] [manifold code] [free step] [work code] [lookup code] [text code]
      [descriptions] [model build]
      [licence]
@@ -263,6 +263,7 @@ RBDI_CODE_BEGIN
 
 #include "base/memory.h"
 #include "model/features.h"
+#include "model/joint_types.h"
 #include "model/calls.h"
 
 RBDI_CODE_END
@@ -272,7 +273,9 @@ RBDI_DYNAMICS_BEGIN
 #include "dynamics/state.h"
 #include "dynamics/rnea.h"
 #include "dynamics/crba.h"
+#include "dynamics/aba_elimination.h"
 #include "dynamics/aba.h"
+#include "dynamics/row_sums.h"
 #include "dynamics/packed.h"
 #include "dynamics/pivots.h"
 #include "dynamics/aba_pivots.h"
@@ -292,6 +295,7 @@ RBDI_CODE_BEGIN
 #include "model/text.h"
 
 RBDI_CODE_END
+RBDI_BUILD_BEGIN
 
 #include "model/wide.h"
 
@@ -305,6 +309,8 @@ RBDI_CODE_END
 #include "model/payload.h"
 #include "model/lock.h"
 #endif /* RBD_NO_BUILD */
+
+RBDI_CODE_END
 
 #endif /* RBD_IMPLEMENTATION */
 

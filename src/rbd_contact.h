@@ -22,11 +22,14 @@
      [solver] [set] [step] [step derivatives]
      --- stop here if you only use it ---
      [layout] [tolerances] [one contact] [laws] [newton] [solver code]
-     [joints] [set code] [contact rows] [biases] [row reduction] [step code]
+     [joints] [set code] [contact rows] [biases] [row reduction]
+     [momentum code] [step code]
      [step derivatives code]
 
    [conventions] Beyond those of rbd.h:
      u            velocity of body 1's point of contact less that of body 2's at this place, m/s
+     place        of contact: the point, or that of the ball next to the plane; where three contacts or more
+                  of the same two bodies touch, its foot on the plane
      p            impulse on body 1 at this place, N s; the opposite acts on body 2
      rows         of a contact: two tangents, then the normal, out of body 2 into body 1
      gap          distance of point or ball from the plane, m; below 0 in penetration
@@ -100,6 +103,7 @@ RBDI_CODE_BEGIN
 #include "contact/set.h"
 #include "contact/rows.h"
 #include "contact/reduction.h"
+#include "contact/momentum.h"
 #include "contact/step.h"
 
 RBDI_CODE_END

@@ -65,6 +65,7 @@ RBDI_EXTERN_C_END
 
 RBDI_CODE_BEGIN
 
+#include "algebra/batch_vectors.h"
 #include "derivatives/columns.h"
 #include "derivatives/common_frame.h"
 #include "derivatives/subtrees.h"
@@ -74,6 +75,7 @@ RBDI_CODE_BEGIN
 #include "derivatives/momentum.h"
 #include "derivatives/jacobians.h"
 #include "derivatives/free_base.h"
+#include "derivatives/solve_two.h"
 #include "derivatives/dynamics.h"
 #include "derivatives/regressors.h"
 #include "derivatives/steps.h"

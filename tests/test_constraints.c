@@ -2407,6 +2407,90 @@ START_TEST(rows_that_lost_digits_are_met) {
 }
 END_TEST
 
+/* The same where all is a billionth of that: a row that is off by less than 1e-20 m/s^2 is left. */
+START_TEST(rows_of_tiny_accelerations_are_met) {
+    const rbd_body slide[1] = {{.parent = -1, .type = RBD_PRISMATIC, .axis = {1, 0, 0}, .mass = 1e-3}};
+    robot r = BUILD(slide);
+    rbd_constraint row = row_along(0, 1, 0, 0);
+    uint64_t seed = 73;
+    row.kp = 1;
+    set c = set_of(&r, &row, 1);
+    for (int i = 0; i < 1000; i++) {
+        const double q[1] = {1e-9 * uniform(&seed, 1, 2)}, v[1] = {0};
+        const double tau[1] = {1e-12 * uniform(&seed, 3e6, 5e6)};
+        double a[1], lambda[1];
+        ck_assert_int_eq(rbd_constrained_fd(r.m, c.c, q, v, tau, NULL, a, lambda), RBD_OK);
+        expect_small("row of a tiny acceleration", &r, i, fabs(a[0] + q[0]) * 1e20, 1.1);
+    }
+    free(c.memory);
+    robot_free(&r);
+}
+END_TEST
+
+/* Of two rows, of which either is enough beside a third, the second is taken if its share is more than 1.001
+   times that of the first. The other one then contradicts what is taken. */
+START_TEST(first_of_nearly_equal_rows_is_taken) {
+    static const double more[3] = {1.0003, 1.003, 1.02}; /* shares: squares of sines */
+    robot r = BUILD(slides);
+    const double q[3] = {0}, v[3] = {0}, tau[3] = {0}, sine = 0.6;
+    for (int i = 0; i < 3; i++) {
+        const double steeper = sine * sqrt(more[i]);
+        const rbd_constraint rows[3] = {row_along(2, 1, 0, 0), row_along(2, 0.8, sine, 0.1),
+                                        row_along(2, sqrt(1 - steeper * steeper), steeper, -0.1)};
+        rbd_constraint list[3];
+        double a[3], lambda[3];
+        memcpy(list, rows, sizeof list);
+        for (int k = 0; k < 3; k++) list[k].kp = 1;
+        set c = set_of(&r, list, 3);
+        ck_assert_int_eq(rbd_constrained_fd(r.m, c.c, q, v, tau, NULL, a, lambda), RBD_ERR_INFEASIBLE);
+        ck_assert_int_eq(rbd_infeasible_row(c.c), i == 0 ? 2 : 1);
+        free(c.memory);
+    }
+    robot_free(&r);
+}
+END_TEST
+
+/* Weights are 0, or from 1e-20 to 1e30. */
+START_TEST(weights_have_their_bounds) {
+    static const struct {
+        double weight;
+        rbd_status status;
+    } tried[] = {{5e29, RBD_OK},         {2e30, RBD_ERR_RANGE}, {2e-20, RBD_OK},
+                 {5e-21, RBD_ERR_RANGE}, {0, RBD_OK},           {-1, RBD_ERR_RANGE}};
+    const rbd_body two[2] = {{.parent = -1, .type = RBD_PRISMATIC, .axis = {1, 0, 0}},
+                             {.parent = 0, .type = RBD_PRISMATIC, .axis = {1, 0, 0}, .mass = 1}};
+    robot r = BUILD(two);
+    const rbd_constraint k = row_along(1, 1, 0, 0);
+    const double q[2] = {0, 0};
+    set c = set_of(&r, &k, 1);
+    for (int i = 0; i < LENGTH(tried); i++) {
+        const double weight[2] = {tried[i].weight, tried[i].weight};
+        double near[2];
+        ck_assert_int_eq(rbd_assemble(r.m, c.c, q, NULL, weight, near, NULL), tried[i].status);
+    }
+    free(c.memory);
+    robot_free(&r);
+}
+END_TEST
+
+/* Steps of assembly are half a metre or radian, 200 of them: it comes from 90 m, and not from 150. */
+START_TEST(assembly_comes_from_a_hundred_metres) {
+    const rbd_body slide[1] = {{.parent = -1, .type = RBD_PRISMATIC, .axis = {1, 0, 0}, .mass = 1}};
+    robot r = BUILD(slide);
+    const rbd_constraint k = row_along(0, 1, 0, 0);
+    set c = set_of(&r, &k, 1);
+    for (int far = 0; far < 2; far++) {
+        const double q[1] = {far ? 150 : 90};
+        double near[1];
+        ck_assert_int_eq(rbd_assemble(r.m, c.c, q, NULL, NULL, near, NULL),
+                         far ? RBD_ERR_INFEASIBLE : RBD_OK);
+        if (!far) expect_small("assembled", &r, far, fabs(near[0]), 1e-12);
+    }
+    free(c.memory);
+    robot_free(&r);
+}
+END_TEST
+
 Suite *constraints_suite(void) {
     Suite *suite = suite_create("constraints");
     TCase *c = tcase_create("constraints"), *tolerances = tcase_create("tolerances");
@@ -2463,6 +2547,10 @@ Suite *constraints_suite(void) {
     tcase_add_test(tolerances, weight_of_0_stands_for_a_share);
     tcase_add_test(tolerances, rows_at_a_small_angle_cost_digits_once);
     tcase_add_test(tolerances, rows_that_lost_digits_are_met);
+    tcase_add_test(tolerances, rows_of_tiny_accelerations_are_met);
+    tcase_add_test(tolerances, first_of_nearly_equal_rows_is_taken);
+    tcase_add_test(tolerances, weights_have_their_bounds);
+    tcase_add_test(tolerances, assembly_comes_from_a_hundred_metres);
     suite_add_tcase(suite, c);
     suite_add_tcase(suite, tolerances);
     return suite;

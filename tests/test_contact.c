@@ -563,6 +563,19 @@ START_TEST(normal_that_rounding_moves_is_apart) {
 }
 END_TEST
 
+/* Rest at the edge of the cone is rest, to 16 eps: the state decides what derivatives are. */
+START_TEST(rest_on_the_cone_sticks) {
+    static const double beyond[4] = {-4, 4, 14, 40}; /* eps */
+    for (int k = 0; k < 4; k++) {
+        problem x = {.n = 1, .mu = {0.5}, .b = {0, 0, -1}, .delta = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+        x.b[0] = -0.5 * (1 + beyond[k] * DBL_EPSILON);
+        ck_assert_int_eq(solve(&x), RBD_OK);
+        ck_assert_int_eq(x.state[0], k < 3 ? RBD_STICKS : RBD_SLIPS);
+        ck_assert_double_le(x.p[0], 0.5 * x.p[2]);
+    }
+}
+END_TEST
+
 /* A tolerance of 0 is that of 1e-6, to the bit, and no other; 0 iterations are 40. */
 START_TEST(defaults_are_those_that_are_documented) {
     int others = 0;
@@ -611,6 +624,7 @@ Suite *contact_suite(void) {
     tcase_add_test(c, same_bits_on_each_run);
     tcase_add_test(c, bad_problems_are_refused);
     tcase_add_test(c, normal_that_rounding_moves_is_apart);
+    tcase_add_test(c, rest_on_the_cone_sticks);
     tcase_add_test(c, defaults_are_those_that_are_documented);
     suite_add_tcase(suite, c);
     return suite;

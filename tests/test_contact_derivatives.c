@@ -326,6 +326,42 @@ START_TEST(bodies_touch_each_other) {
 }
 END_TEST
 
+/* Three points or balls of a box on a plane of the world, or of a second box that leans and turns, at depths
+   that differ by millimetres: they act on the plane, and move over the box as it turns. */
+START_TEST(three_feet_act_on_the_plane) {
+    const rbd_body body[2] = {box(0.4, 0.3, 0.2, 3), box(0.5, 0.6, 0.2, 20)};
+    static const double places[3][2] = {{0.2, 0.1}, {-0.2, 0.15}, {-0.05, -0.15}};
+    for (int kind = 0; kind < 8; kind++) {
+        const int slides = kind & 1, balls = kind & 2, on_body = kind & 4;
+        scene s;
+        open_scene(&s, "box", body, on_body ? 2 : 1, 1e-3);
+        for (int i = 0; i < 3; i++) {
+            rbd_contact *a = add_contact(&s, 0, on_body ? 1 : -1, places[i][0], places[i][1], -0.1);
+            a->radius = balls ? 0.05 : 0;
+            a->friction = slides ? 0.05 : 3;
+            a->height = 0.1;
+        }
+        s.redundant = !slides;
+        begin_scene(&s);
+        spin(&s, slides ? 1.5 : 0); /* what sticks and turns about the normal contradicts itself a little */
+        s.tau[5] = -12000;          /* presses the box down */
+        s.q[3] = -0.004;
+        s.q[4] = 0.003;
+        s.q[5] = 0.6;
+        s.q[6] = 0.8;
+        if (on_body) {
+            s.q[10] = -0.002;
+            s.q[13] = sqrt(1 - 4e-6);
+        }
+        put_at(&s, 0, 2, -3e-3);
+        ck_assert_int_ge(compare(&s, "three feet act on the plane", 1e-7), 3 * s.r.nv - 2);
+        (void)step_from(&s, s.q, s.v, s.tau);
+        ck_assert_int_eq(count(&s, slides ? RBD_SLIPS : RBD_STICKS), 3);
+        close_scene(&s);
+    }
+}
+END_TEST
+
 /* With `slip` a block that sticks creeps by so much per newton, and the slopes know it. */
 START_TEST(slip_lets_contacts_creep) {
     const rbd_body body = box(0.4, 0.3, 0.2, 3);
@@ -489,6 +525,7 @@ static void check_tree(uint64_t *seed, int number) {
     if (nb > 1 && below(seed, 2)) s.held[s.n_held++] = rbd_point_contact(nb - 1, NULL, NULL);
     if (s.n_held) s.held[0].axes[0] = (unsigned char)below(seed, 2), s.held[0].axes[1] = 1;
     for (int k = 0; k < 3; k++) random_contact(&s, seed);
+    for (int k = 0; k < s.n && number % 3 == 0; k++) s.list[k].friction *= 20; /* so that more stick */
     if (!try_scene(&s)) { /* two bodies that are fixed to each other */
         close_scene(&s);
         return;
@@ -513,9 +550,9 @@ START_TEST(random_trees) {
         uint64_t seed = 500 + (uint64_t)i;
         check_tree(&seed, i);
     }
-    ck_assert_int_ge(agreed, 5800 / PART_OF_TREES);
-    ck_assert_int_ge(sticking, 15 / PART_OF_TREES);
-    ck_assert_int_ge(slipping, 200 / PART_OF_TREES);
+    ck_assert_int_ge(agreed, 5700 / PART_OF_TREES);
+    ck_assert_int_ge(sticking, 25 / PART_OF_TREES);
+    ck_assert_int_ge(slipping, 190 / PART_OF_TREES);
     ck_assert_int_le(unsolved, 60 / PART_OF_TREES);
 }
 END_TEST
@@ -645,6 +682,7 @@ Suite *contact_derivatives_suite(void) {
     tcase_add_test(c, box_rests_and_slides);
     tcase_add_test(c, corner_rebounds);
     tcase_add_test(c, bodies_touch_each_other);
+    tcase_add_test(c, three_feet_act_on_the_plane);
     tcase_add_test(c, slip_lets_contacts_creep);
     tcase_add_test(slow, hyq_stands_trots_and_slips);
     tcase_add_test(slow, hyq_at_its_limits);

@@ -583,7 +583,7 @@ START_TEST(painleves_rod_jams) {
                 step(&s);
                 now = energy(&s, NULL);
                 expect_figure(9, "Painleve's rod: energy gained in a step over dt squared, J/s^2",
-                              fmax(now - before, 0) / (s.h * s.h), 0, 2);
+                              fmax(now - before, 0) / (s.h * s.h), 0, 0.2); /* second order: it turns */
                 before = now;
                 rbd_contact_get(s.c, 0, NULL, force);
                 impulse = fmax(impulse, force[2] * s.h);
@@ -700,7 +700,8 @@ START_TEST(hyq_drops_stands_and_trots) {
                 newton += rbd_contact_last(s.c).newton_steps;
             }
             expect_figure(10, "HyQ stands and trots, 0.5 to 10 ms: residual, m/s", s.worst, 0, 1e-8);
-            expect_figure(10, "HyQ stands and trots: Newton steps per step", newton * s.h / 2, 0, 4);
+            expect_figure(10, "HyQ stands and trots: Newton steps per step", newton * s.h / 2, 0,
+                          3.5); /* of two or three solutions */
             ck_assert_double_ge(s.q[2], 0.4);
             for (int i = 0; i < 4; i++) rbd_contact_get(s.c, i, NULL, f), sum += f[2];
             if (!trots) ck_assert_double_eq_tol(sum, rbd_mass(s.r.m) * 9.81, 1);
@@ -1125,6 +1126,114 @@ START_TEST(box_rests_on_a_ball_of_the_world) {
 }
 END_TEST
 
+/* A ball falls on a spring of any stiffness, whose period may be a thousandth of the step: its energy, the
+   spring's included, never grows. */
+START_TEST(springs_make_no_energy_at_any_stiffness) {
+    const double stiffness[3] = {1e4, 1e9, 1e12}, dt[2] = {1e-3, 1e-2};
+    for (int k = 0; k < 6; k++) {
+        const rbd_body body = ball(1, 0.004);
+        double before, most = 0;
+        scene s;
+        open_scene(&s, "ball on a spring", &body, 1, dt[k % 2]);
+        add_contact(&s, 0, -1, 0, 0, 0)->radius = 0.1;
+        s.list[0].stiffness = stiffness[k / 2];
+        begin_scene(&s);
+        s.q[2] = 0.6;
+        before = energy(&s, NULL);
+        while (s.t < 2) {
+            const double depth = fmax(0, 0.1 - s.q[2]);
+            const double now = energy(&s, NULL) + stiffness[k / 2] * depth * depth / 2;
+            most = fmax(most, now - before);
+            before = now;
+            step(&s);
+        }
+        expect_figure(9, "springs of 1e4 to 1e12 N/m: energy made in a step, J", most, 0, 1e-12);
+        close_scene(&s);
+    }
+}
+END_TEST
+
+/* ---- contacts that are in the ground ---- */
+
+/* The velocity along a ground at height 0 of the place below a corner, which is at the height z. */
+static void velocity_of_foot(const scene *s, int corner, double out[2]) {
+    double velocity[6], place[3];
+    ck_assert_int_eq(rbd_kinematics(s->r.m, s->r.w, s->q, s->v, NULL), RBD_OK);
+    rbd_point_position(s->r.m, s->r.w, 0, s->list[corner].point, place);
+    rbd_point_velocity(s->r.m, s->r.w, 0, s->list[corner].point, RBD_WORLD_AXES, velocity);
+    out[0] = velocity[3] - place[2] * velocity[1]; /* v - z omega x n */
+    out[1] = velocity[4] + place[2] * velocity[0];
+}
+
+/* A box turns about three points of its edge that are a millimetre in the ground, with its centre above them:
+   the places below them stay at rest on the ground, to second order in dt. */
+START_TEST(box_turns_about_places_on_the_ground) {
+    const rbd_body body = box(0.6, 0.4, 0.3, 1);
+    const double lean = 1.1, turn = 2, dt[2] = {1e-3, 5e-4};
+    double speed[2];
+    for (int k = 0; k < 2; k++) {
+        double foot[2], x, z;
+        scene s;
+        open_scene(&s, "box on its edge", &body, 1, dt[k]);
+        for (int i = 0; i < 3; i++) add_contact(&s, 0, -1, 0.3, 0.2 * (i - 1), -0.15)->friction = 2;
+        s.options.slop = 2e-3;
+        s.options.tolerance = 1e-13;
+        begin_scene(&s);
+        s.q[4] = sin(lean / 2);
+        s.q[6] = cos(lean / 2);
+        x = -0.3 * cos(lean) + 0.15 * sin(lean); /* from the places to the centre, world axes */
+        z = 0.3 * sin(lean) + 0.15 * cos(lean) - 1e-3;
+        s.q[2] = z;
+        s.v[1] = turn;
+        s.v[3] = turn * (z * cos(lean) + x * sin(lean));
+        s.v[5] = turn * (z * sin(lean) - x * cos(lean));
+        velocity_of_foot(&s, 0, foot);
+        ck_assert_double_le(hypot(foot[0], foot[1]), 1e-12);
+        run(&s, 2e-3);
+        velocity_of_foot(&s, 0, foot);
+        speed[k] = hypot(foot[0], foot[1]);
+        for (int i = 0; i < 3; i++) ck_assert_int_eq(rbd_contact_get(s.c, i, NULL, NULL), RBD_STICKS);
+        close_scene(&s);
+    }
+    ck_assert_double_le(speed[0], 2e-6);
+    expect_figure(9, "box about its edge: places on the ground move four times less by half of dt",
+                  speed[0] / speed[1], 4, 0.2);
+}
+END_TEST
+
+/* A floor that rises, tilts, and both, under a box that stands on it; in the end on four balls. */
+START_TEST(box_stands_on_a_floor_that_moves) {
+    const double cases[4][2] = {{0.05, 0}, {0, 0.2}, {0.05, 0.05}, {0.05, 0.05}};
+    for (int k = 0; k < 4; k++) {
+        const rbd_body body = box(0.6, 0.4, 0.3, 1);
+        const double rise = cases[k][0], tilt = cases[k][1];
+        int unsolved = 0;
+        scene s;
+        open_scene(&s, "box on a floor that moves", &body, 1, 1e-3);
+        add_corners(&s, 0, -1, 0.6, 0.4, -0.15, 0);
+        for (int i = 0; i < 4; i++) {
+            s.list[i].friction = 0.6;
+            if (k < 3) continue;
+            s.list[i].point[2] = -0.11;
+            s.list[i].radius = 0.04;
+        }
+        s.options.tolerance = 1e-6;
+        s.options.iterations = 40;
+        begin_scene(&s);
+        s.q[2] = 0.15;
+        while (s.t < 2) {
+            const double normal[3] = {tilt * sin(3 * s.t), tilt * cos(2.3 * s.t), 1};
+            for (int i = 0; i < s.n; i++)
+                ck_assert_int_eq(rbd_contact_plane(s.r.m, s.c, i, normal, rise * sin(4 * pi * s.t)), RBD_OK);
+            step(&s);
+            unsolved += !(rbd_contact_last(s.c).residual <= 1e-6);
+        }
+        expect_figure(9, "floor that moves: steps of 2000 above 1e-6 m/s", unsolved, 0, 10);
+        close_scene(&s);
+    }
+}
+END_TEST
+
 /* A torque that would make the rod faster than 1e12 rad/s, or its acceleration infinite. */
 START_TEST(overflow_is_an_error) {
     const rbd_body body = rod();
@@ -1408,6 +1517,9 @@ Suite *contact_step_suite(void) {
     tcase_add_test(c, bad_calls_are_refused);
     tcase_add_test(c, errors_are_taken_back);
     tcase_add_test(c, box_rests_on_a_ball_of_the_world);
+    tcase_add_test(c, springs_make_no_energy_at_any_stiffness);
+    tcase_add_test(c, box_turns_about_places_on_the_ground);
+    tcase_add_test(c, box_stands_on_a_floor_that_moves);
     tcase_add_test(c, overflow_is_an_error);
     tcase_add_test(c, distances_that_are_not_a_number_are_errors);
     tcase_add_test(c, an_error_leaves_no_forces_and_gaps);

@@ -208,7 +208,8 @@ inline double trot(int joint, double t) {
     return joint < 8 ? 0.25 * side * lift - 0.1 * std::cos(phase) : -0.5 * side * lift;
 }
 
-// kp times the error of position; the damping kd + h kp is left to the simulation.
+// kp times the error of position; the damping kd + h kp is left to the simulation. Half of h kp would be
+// neutral in rbd's step; this is stable in MuJoCo's too, at every h.
 inline void control(const scene &s, const robot &r, double t, const double *q, double *tau) {
     for (const rbd_joint_info &j : r.joints) {
         if (j.nv != 1) continue;

@@ -54,7 +54,7 @@ int main(void) {
     void *memory = malloc(size);
     if (!memory) return EXIT_FAILURE;
     check(rbd_contact_set_init(&hyq_model, w, foot, FEET, NULL, 0, NULL, memory, size, &c, NULL));
-    for (int k = 0; k < LEGS; k++) damping[LEG + k] = kd + dt * kp; /* implicit: stable at every dt */
+    for (int k = 0; k < LEGS; k++) damping[LEG + k] = kd + dt * kp / 2; /* implicit: neutral */
 
     printf("   t   trunk y      z   force under each foot, N\n");
     for (int k = 0; k <= STEPS; k++) {

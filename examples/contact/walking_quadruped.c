@@ -200,7 +200,7 @@ int main(void) {
     void *memory = malloc(size);
     if (!memory) return EXIT_FAILURE;
     check(rbd_contact_set_init(&hyq_model, w, foot, FEET, NULL, 0, NULL, memory, size, &ground, NULL));
-    for (int k = LEG; k < NV; k++) damping[k] = kd + dt * kp; /* implicit: stable at every dt */
+    for (int k = LEG; k < NV; k++) damping[k] = kd + dt * kp / 2; /* implicit: neutral */
 
     for (int k = 0; k < STEPS; k++) {
         const double t = k * dt;

@@ -35,7 +35,7 @@ static rbd_status prepare(void) {
     if (status == RBD_OK)
         status = rbd_contact_set_init(&hyq_model, robot_w, foot, FEET, NULL, 0, NULL, contact_memory,
                                       sizeof contact_memory, &ground, NULL);
-    for (int k = LEG; k < NV; k++) damping[k] = kd + dt * kp; /* implicit */
+    for (int k = LEG; k < NV; k++) damping[k] = kd + dt * kp / 2; /* implicit */
     rbd_neutral(&hyq_model, q);
     for (int k = 0; k < LEGS; k++) q[HYQ_Q_LF_HAA_JOINT + k] = stance[k];
     if (status == RBD_OK) status = rbd_kinematics(&hyq_model, w, q, NULL, NULL);

@@ -101,6 +101,7 @@ class ContactOptions:
     slip: float = 0.0           #: contacts that stick give way along the plane, m/s per newton [0]
     derivatives: bool = False       #: memory for step_derivatives
     first_order: bool = False       #: semi-implicit Euler: q_next is q moved by v_next, for planners
+    momentum: bool = False          #: robots that float keep their momentum to rounding while nothing touches
 
 
 _PER_DOF = ("armature", "damping", "friction")

@@ -22,6 +22,7 @@
 RBDI_INLINE rbd_real rbdi_inverse_square(const rbd_real *q, int n, rbd_real *u, rbdi_mask *bad) {
     const rbd_real one = rbdi_set(RBD_C(1)), limit = rbdi_set(RBD_C(1e-12) / RBDI_SHORTEN / RBDI_SHORTEN);
     rbd_real sum = q[0] * q[0], factor;
+
     RBDI_UNROLL_SIX for (int i = 1; i < n; ++i)
         sum = sum + q[i] * q[i];
     factor = rbdi_select(rbdi_less(limit, sum), rbdi_set(RBDI_SHORTEN), one);
@@ -40,14 +41,22 @@ RBDI_INLINE rbdi_mat rbdi_quaternion_down(const rbd_real *q) {
     rbdi_mask bad;
     rbd_real u[4], twice = rbdi_inverse_square(q, 4, u, &bad), x, y, z;
     rbdi_mat E;
+
+    /* E = 1 - 2 (v'v 1 - v v' + w [v]x) / q'q, for q = (v; w) */
     twice = twice + twice;
-    x = twice * u[0], y = twice * u[1], z = twice * u[2];
+    x = twice * u[0];
+    y = twice * u[1];
+    z = twice * u[2];
+
     E.xx = rbdi_set(RBD_C(1)) - (y * u[1] + z * u[2]);
     E.yy = rbdi_set(RBD_C(1)) - (x * u[0] + z * u[2]);
     E.zz = rbdi_set(RBD_C(1)) - (x * u[0] + y * u[1]);
-    E.xy = x * u[1] + z * u[3], E.yx = x * u[1] - z * u[3];
-    E.xz = x * u[2] - y * u[3], E.zx = x * u[2] + y * u[3];
-    E.yz = y * u[2] + x * u[3], E.zy = y * u[2] - x * u[3];
+    E.xy = x * u[1] + z * u[3];
+    E.yx = x * u[1] - z * u[3];
+    E.xz = x * u[2] - y * u[3];
+    E.zx = x * u[2] + y * u[3];
+    E.yz = y * u[2] + x * u[3];
+    E.zy = y * u[2] - x * u[3];
     return E;
 }
 
@@ -81,6 +90,7 @@ RBDI_PART rbdi_exp rbdi_exp_of(rbdi_v3 turn) {
     rbdi_exp e;
     rbd_real theta, sine, A;
     rbdi_mask near_zero;
+
     e.x = rbdi_dot(turn, turn) + RBDI_NO_ANGLE;
     theta = rbdi_sqrt(e.x);
     rbdi_sincos(theta * RBD_C(0.5), &sine, &e.half_cosine);
@@ -107,6 +117,7 @@ RBDI_PART rbdi_v3 rbdi_log_shift(rbdi_exp e, rbdi_v3 omega, rbdi_v3 p) {
     rbd_real x = rbdi_select(near_zero, e.x, rbdi_zero()), tail = rbdi_tail(x, 4);
     rbd_real D =
         rbdi_select(near_zero, (rbdi_tail(x, 3) - (tail + tail)) / twice_B, (one - A / twice_B) / e.x);
+
     p = rbdi_add(p, rbdi_scale(D, rbdi_cross(omega, across)));
     return rbdi_sub(p, rbdi_scale(rbdi_set(RBD_C(0.5)), across));
 }
@@ -117,12 +128,15 @@ RBDI_PART rbd_real rbdi_angle(rbd_real s, rbd_real c) {
     rbd_real one = rbdi_set(RBD_C(1)), t, angle, sine, cosine;
     rbdi_mask obtuse = rbdi_less(c, rbdi_zero());
     rbd_real positive = rbdi_select(obtuse, -c, c);
+
     t = s / (positive + one); /* tan(angle / 2) in [0, 1] */
     angle = t * (rbdi_set(RBD_C(2)) - t * t * RBD_C(RBDI_ANGLE_START));
+
     for (int k = 0; k < 4; ++k) {
         rbdi_sincos(angle, &sine, &cosine);
         angle = angle + (s * cosine - positive * sine);
     }
+
     return rbdi_select(obtuse, rbdi_set(RBDI_PI(rbd_const)) - angle, angle);
 }
 
@@ -160,11 +174,31 @@ RBDI_PART void rbdi_quaternion_step(const rbd_real *q, rbdi_exp e, rbdi_v3 turn,
     rbdi_unit_quaternion(unit, out);
 }
 
+/* A quaternion, of any length, of the rotation R: the row of 4 q q' with the largest diagonal entry, whose
+   entries are sums of those of R (Shepperd 1978), without a branch. */
+RBDI_PART void rbdi_quaternion_of(rbdi_mat R, rbd_real q[4]) {
+    const rbd_real one = rbdi_set(RBD_C(1)), x = R.zy - R.yz, y = R.xz - R.zx, z = R.yx - R.xy;
+    const rbd_real xy = R.xy + R.yx, yz = R.yz + R.zy, xz = R.xz + R.zx;
+    const rbd_real rows[4][4] = {{one + R.xx - R.yy - R.zz, xy, xz, x},
+                                 {xy, one - R.xx + R.yy - R.zz, yz, y},
+                                 {xz, yz, one - R.xx - R.yy + R.zz, z},
+                                 {x, y, z, one + R.xx + R.yy + R.zz}};
+    rbd_real best = rows[3][3];
+
+    for (int k = 0; k < 4; ++k) q[k] = rows[3][k];
+    for (int i = 0; i < 3; ++i) {
+        const rbdi_mask more = rbdi_less(best, rows[i][i]);
+        best = rbdi_select(more, rows[i][i], best);
+        for (int k = 0; k < 4; ++k) q[k] = rbdi_select(more, rows[i][k], q[k]);
+    }
+}
+
 /* The turn (body axes, at most pi) that leads from q0 to q1. */
 RBDI_PART rbdi_v3 rbdi_quaternion_difference(const rbd_real *q0, const rbd_real *q1) {
     rbd_real a[4], b[4], step[4], sine, cosine, angle;
     rbdi_v3 v;
     rbdi_mask back;
+
     rbdi_unit_quaternion(q0, a);
     rbdi_unit_quaternion(q1, b);
     for (int i = 0; i < 3; ++i) a[i] = -a[i];
@@ -176,6 +210,15 @@ RBDI_PART rbdi_v3 rbdi_quaternion_difference(const rbd_real *q0, const rbd_real 
     angle = rbdi_angle(sine, cosine);
     angle = (angle + angle) / sine;
     return rbdi_scale(rbdi_select(back, -angle, angle), v);
+}
+
+/* log R: the shortest turn, of length at most pi, whose exponential is R. */
+RBDI_PART rbdi_v3 rbdi_log_rotation(rbdi_mat R) {
+    const rbd_real o = rbdi_zero();
+    const rbd_real identity[4] = {o, o, o, rbdi_set(RBD_C(1))};
+    rbd_real q[4];
+    rbdi_quaternion_of(R, q);
+    return rbdi_quaternion_difference(identity, q);
 }
 
 #endif

@@ -90,6 +90,7 @@ typedef struct rbd_contact_options {
     double slip;        /* contacts that stick give way along the plane, m/s per newton [0] */
     int derivatives;    /* not 0: memory for rbd_contact_step_derivatives */
     int first_order;    /* not 0: steps of semi-implicit Euler, q_next is q moved by v_next: for planners */
+    int momentum;       /* not 0: robots that float keep their momentum to rounding while nothing touches */
 } rbd_contact_options;
 
 typedef struct rbd_contact_set rbd_contact_set; /* contacts, impulses of the last step, scratch */

@@ -22,6 +22,8 @@ typedef struct rbd_contact_step_results {
    c            with the option `derivatives`
    d            of the same work
    out          dq_next_... each with its dv_next_..., both or neither NULL; no two the same array
+   The step and its derivatives are those without the option `momentum`. Beyond two radians a step, where the
+   corrections of velocity terms diverge, derivatives are those without the sum of their series.
    If redundant points slip and turn at once, the motion depends on shares of force that are not unique: these
    are derivatives for one choice.
    Errors: as rbd_contact_step; RBD_ERR_WORK also if d has another work; RBD_ERR_MEMORY without the option;

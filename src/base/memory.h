@@ -9,23 +9,29 @@
 RBDI_PART void rbdi_clear(rbd_real *x, int n) {
 #if RBDI_BATCH > 1 || defined RBD_LANES
     const rbdi_batch zero = rbdi_zero_batch();
+
     for (rbdi_batch *p; n >= 8 * RBDI_BATCH; n -= 8 * RBDI_BATCH, x += 8 * RBDI_BATCH) {
         RBDI_ONE_INDEX(x); /* without it the compiler calls memset all the same */
         p = (rbdi_batch *)x;
         p[0] = p[1] = p[2] = p[3] = p[4] = p[5] = p[6] = p[7] = zero;
     }
+
     for (; n >= RBDI_BATCH; n -= RBDI_BATCH, x += RBDI_BATCH) {
         RBDI_ONE_INDEX(x);
         *(rbdi_batch *)x = zero;
     }
 #endif
+
     for (; n > 0; --n, ++x) *x = rbdi_zero();
 }
 
 /* Whether two names are equal; NULL equals none. */
 RBDI_PART int rbdi_same(const char *a, const char *b) {
     if (!a || !b) return 0;
-    while (*a && *a == *b) ++a, ++b;
+    while (*a && *a == *b) {
+        ++a;
+        ++b;
+    }
     return *a == *b;
 }
 

@@ -42,10 +42,15 @@ RBDI_COLD void rbdi_turns(RBD_REAL x, uint32_t part[RBDI_REDUCTION + 2]) {
     } u = {x < 0 ? -x : x};
     const rbdi_bit one = (rbdi_bit)1 << RBDI_MANTISSA;
     const uint64_t mantissa = (u.bits & (one - 1)) | one;
-    const int bias = (1 << (8 * (int)sizeof(x) - 2 - RBDI_MANTISSA)) - 1, /* of the exponent */
-        e = (int)(u.bits >> RBDI_MANTISSA) - bias - RBDI_MANTISSA + 64, a = e / 32 - 2, shift = e % 32;
+    const int bias = (1 << (8 * (int)sizeof(x) - 2 - RBDI_MANTISSA)) - 1; /* of the exponent */
+
+    /* |x| = N 2^(32 a) */
+    const int e = (int)(u.bits >> RBDI_MANTISSA) - bias - RBDI_MANTISSA + 64;
+    const int a = e / 32 - 2, shift = e % 32;
     const uint64_t low = (mantissa & UINT32_MAX) << shift, high = ((mantissa >> 32) << shift) + (low >> 32);
     const uint32_t N[3] = {(uint32_t)low, (uint32_t)high, (uint32_t)(high >> 32)};
+
+    /* part += b_k N_i 2^(32 (a + i - k)), with carries */
     for (int j = 0; j <= RBDI_REDUCTION + 1; ++j) part[j] = 0;
     for (int k = a > 1 ? a : 1; k <= a + RBDI_REDUCTION + 3; ++k)
         for (int i = 0; i < 3; ++i) {
@@ -64,10 +69,13 @@ RBDI_COLD RBD_REAL rbdi_reduce_angle(RBD_REAL x, RBD_REAL *quarters) {
     uint32_t part[RBDI_REDUCTION + 2], flip;
     RBD_REAL r = 0;
     if (!(x - x == 0)) return x - x; /* not a number */
+
+    /* |x| 2/pi = part[0] + fraction; r = (fraction, less 1 if above a half) pi/2 */
     rbdi_turns(x, part);
     flip = part[1] >> 31 ? UINT32_MAX : 0; /* a fraction over a half counts from the next multiple */
     for (int j = RBDI_REDUCTION + 1; j > 0; --j) r = (r + (RBD_REAL)(part[j] ^ flip)) * word;
     r = r * (flip ? -right_angle : right_angle);
+
     part[0] = (part[0] + (flip & 1)) & 3;
     *quarters = *quarters + (RBD_REAL)(x < 0 ? 4 - part[0] : part[0]);
     return x < 0 ? -r : r;

@@ -56,6 +56,7 @@ RBDI_INLINE rbd_real rbdi_set(rbd_const c) {
     rbd_real zero = {0};
     return zero + c;
 }
+
 RBDI_INLINE rbdi_mask rbdi_less(rbd_real a, rbd_real b) { return (rbdi_mask)(a < b); }
 RBDI_INLINE rbdi_mask rbdi_not(rbdi_mask a) { return ~a; }
 RBDI_INLINE rbdi_mask rbdi_or(rbdi_mask a, rbdi_mask b) { return a | b; }
@@ -63,11 +64,13 @@ RBDI_INLINE rbdi_mask rbdi_and(rbdi_mask a, rbdi_mask b) { return a & b; }
 RBDI_INLINE rbd_real rbdi_select(rbdi_mask mask, rbd_real a, rbd_real b) {
     return (rbd_real)(((rbdi_mask)a & mask) | ((rbdi_mask)b & ~mask));
 }
+
 RBDI_INLINE int rbdi_any(rbdi_mask mask) {
     rbdi_int any = 0;
     for (int i = 0; i < RBD_LANES; ++i) any |= mask[i];
     return any != 0;
 }
+
 RBDI_INLINE rbd_real rbdi_sqrt(rbd_real x) {
     for (int i = 0; i < RBD_LANES; ++i) x[i] = RBD_SQRT(x[i]);
     return x;

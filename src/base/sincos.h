@@ -14,11 +14,13 @@ RBDI_INLINE rbdi_bits rbdi_to_bits(rbdi_batch x) {
     u.x = x;
     return u.bits;
 }
+
 RBDI_INLINE rbdi_batch rbdi_from_bits(rbdi_bits bits) {
     rbdi_pun u;
     u.bits = bits;
     return u.x;
 }
+
 RBDI_INLINE rbdi_bits rbdi_beyond(rbdi_batch x, rbd_const limit) { return !(x < limit); }
 #else
 #if RBDI_BATCH == 1 /* lanes */
@@ -37,6 +39,8 @@ RBDI_INLINE void rbdi_sincos_batch(rbdi_batch x, rbdi_batch quarters, rbdi_batch
 #if RBDI_CLANG /* which does not tell by a macro that it may reassociate */
 #pragma clang fp reassociate(off)
 #endif
+
+    /* n, r, and the polynomials ps = (sin r / r - 1) / z, pc = (cos r - 1 + z/2) / z^2 */
 #if RBDI_REAL_KIND == 1
     const rbdi_batch magic = quarters + 6755399441055744.0;
     rbdi_batch shifted = x * 0.63661977236758134308 + magic, n = shifted - magic;
@@ -67,10 +71,13 @@ RBDI_INLINE void rbdi_sincos_batch(rbdi_batch x, rbdi_batch quarters, rbdi_batch
     rbdi_batch pc = (z * 2.44394104e-5f + -0.00138873773f) * z + 0.0416666471f;
     const int top = 30;
 #endif
+
+    /* sine and cosine of r, swapped and with the signs of the quadrant */
     rbdi_batch sine = z * r * ps + r;
     rbdi_batch cosine = z * z * pc + (RBD_C(1) - RBD_C(0.5) * z);
     rbdi_bits quadrant = rbdi_to_bits(shifted), bs = rbdi_to_bits(sine), bc = rbdi_to_bits(cosine);
     rbdi_bits swap = (bs ^ bc) & (0u - (quadrant & 1u));
+
     *s = rbdi_from_bits((bs ^ swap) ^ ((quadrant & 2u) << top));
     *c = rbdi_from_bits((bc ^ swap) ^ (((quadrant + 1u) & 2u) << top));
 }
@@ -87,8 +94,10 @@ RBDI_PART void rbdi_sincos_one(rbd_real x, rbd_real quarters, rbd_real *s, rbd_r
 #else
     if (!(x * x < RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT)) x = rbdi_reduce_angle(x, &quarters);
 #endif
+
     rbdi_sincos_batch(rbdi_all_lanes(x), rbdi_all_lanes(quarters), &sine, &cosine);
-    *s = rbdi_first_lane(sine), *c = rbdi_first_lane(cosine);
+    *s = rbdi_first_lane(sine);
+    *c = rbdi_first_lane(cosine);
 }
 
 /* Sines and cosines of the angles first .. end - 1 plus right angles, in as few batches as can be, aligned if
@@ -100,6 +109,7 @@ RBDI_PART void rbdi_sincos_array(const rbd_real *x, const rbd_real *quarters, in
     int start = first / RBDI_BATCH * RBDI_BATCH;
     rbdi_bits beyond = rbdi_to_bits(rbdi_zero_batch());
     rbdi_bit any = 0;
+
     if (start + size < end) start = end - size;
     for (int i = start; i < end; i += RBDI_BATCH) {
         const rbdi_batch angle = *(const rbdi_batch *)&x[i];

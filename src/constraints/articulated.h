@@ -139,7 +139,7 @@ static void rbdi_carry_rows(const rbd_model *m, const rbd_constraint_set *c, int
         if (rbdi_is(l, RBDI_BLOCK))
             rows = rbdi_rows_block(m, c->w, i, rows, to, c->stride);
         else
-            RBDI_BY_FLAGS(flags, l, rbdi_rows_axis(m, c->w, i, flags, &rows, (rbdi_batch *)to));
+            RBDI_BY_FLAGS(const int flags, l, rbdi_rows_axis(m, c->w, i, flags, &rows, (rbdi_batch *)to));
     }
     *carried = rows;
 }

@@ -126,7 +126,7 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
         rbdi_constraint_rows(m, c, con, !restitution && con->kp > 0);
         rbdi_set_target(c, con, restitution);
     }
-    rbdi_solve_up(m, w, w->H, c->stride, c->rows, c->Y);
+    rbdi_solve_transposed(m, w, w->H, c->stride, c->rows, c->Y);
 
     /* L a = D^-1 (f + Y lambda) */
     for (int k = 0; k < m->nv; ++k) c->x[k] = c->x[k] * c->D_inverse[k];
@@ -135,7 +135,7 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
 
     /* a, from D L a */
     for (int k = 0; k < m->nv; ++k) x[k] = c->x[k] * w->pivot[k];
-    rbdi_solve_down(m, w, w->H, 1, 1, 1, x);
+    rbdi_solve_forward(m, w, w->H, 1, 1, 1, x);
     return rbdi_factor_status(m, w, w->H, doubt, x, m->nv);
 }
 

@@ -6,7 +6,7 @@
 #include "constraints/calls.h"
 
 /* Interface: rbdi_cross_add, rbdi_differentiate_error, rbdi_differentiate_forces, rbdi_differentiate_motion,
-   rbdi_motion_derivatives, rbdi_pair_motion, rbdi_pair_motion_of */
+   rbdi_motion_derivatives, rbdi_pair_motion, rbdi_pair_motion_of, rbdi_roll */
 
 /* ---- derivatives [derivatives code] ----
    Where x is a component of q, v or tau,
@@ -50,7 +50,8 @@ typedef struct rbdi_pair_motion {
     rbdi_v3 log_R;       /* world axes */
     rbd_real log_square; /* rbdi_log_square of it */
     rbdi_v3 free[2];     /* the free axis if two angular ones are held: of frame 2, of frame 1 */
-    rbdi_v3 roll_radius; /* a turn z of body 1 moves the place of contact over it by z x this; 0 if no ball */
+    rbdi_v3 roll_radius; /* of a contact, from its place to the centre of its ball; else 0 */
+    rbdi_v3 normal;      /* of the plane on which the place of a contact stays; else 0 */
 } rbdi_pair_motion;
 
 /* S of a dof, and derivatives by it: of (w; u) by q, of (alpha; acc) by q and by v. */
@@ -89,7 +90,8 @@ static rbdi_pair_motion rbdi_pair_motion_of(const rbd_constraint_set *c, const r
     }
 
     /* the angular part of e */
-    pair.log_R = pair.free[0] = pair.free[1] = pair.roll_radius = rbdi_vec0();
+    pair.log_R = pair.free[0] = pair.free[1] = rbdi_vec0();
+    pair.roll_radius = pair.normal = rbdi_vec0();
     pair.log_square = rbdi_zero();
     if (con->kp > 0 && con->angular) {
         const rbdi_mat R_1 = rbdi_frame_axes(c, con, 0), R_2 = rbdi_frame_axes(c, con, 1);
@@ -121,6 +123,13 @@ RBDI_INLINE void rbdi_turn_with_body2(rbdi_motion velocity, rbdi_motion rate, rb
 
     by->rate_v.omega = rbdi_cross_add(by->rate_v.omega, z, velocity.omega);
     by->rate_v.v = rbdi_cross_add(by->rate_v.v, z, rbdi_twice(velocity.v));
+}
+
+/* How far the place of a contact moves over body 1 if that moves by S relative to body 2: its centre moves by
+   S, and the place stays below it; on a plane that moves neither up nor down. */
+RBDI_INLINE rbdi_v3 rbdi_roll(const rbdi_pair_motion *pair, rbdi_motion S) {
+    const rbdi_v3 up = rbdi_scale(rbdi_dot(pair->normal, S.v), pair->normal);
+    return rbdi_sub(rbdi_cross(S.omega, pair->roll_radius), up);
 }
 
 /* Derivatives by dof j of a link on the path of body `side`. */
@@ -155,6 +164,7 @@ static rbdi_motion_derivatives rbdi_differentiate_motion(const rbd_model *m, con
 
     /* dw, du by q */
     omega2_s = rbdi_cross(omega2, s);
+
     by.velocity_q.omega = rbdi_cross_add(Psi.omega, z, b->omega);
     by.velocity_q.v = rbdi_sub(rbdi_cross_add(Psi.v, z, b->v), omega2_s);
 
@@ -172,9 +182,8 @@ static rbdi_motion_derivatives rbdi_differentiate_motion(const rbd_model *m, con
 
     if (side) rbdi_turn_with_body2(pair->motion.velocity, pair->motion.rate, z, &by);
 
-    /* a ball: the place of contact moves over it by z x roll_radius */
-    by.velocity_q.v =
-        rbdi_cross_add(by.velocity_q.v, pair->motion.velocity.omega, rbdi_cross(z, pair->roll_radius));
+    /* The place of contact moves over body 1. */
+    by.velocity_q.v = rbdi_cross_add(by.velocity_q.v, pair->motion.velocity.omega, rbdi_roll(pair, by.S));
     return by;
 }
 
@@ -227,7 +236,7 @@ static void rbdi_subtract_force_derivative(const rbd_model *m, const rbd_derivat
                                            int mover, rbdi_motion S, rbd_real *rho) {
     const rbdi_v3 o = rbdi_vec0(), nz = rbdi_cross(pair->force.n, S.omega),
                   fz = rbdi_cross(pair->force.f, S.omega), sf = rbdi_cross(S.v, pair->force.f),
-                  roll = rbdi_cross(rbdi_cross(S.omega, pair->roll_radius), pair->force.f);
+                  roll = rbdi_cross(rbdi_roll(pair, S), pair->force.f);
 
     for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);) {
         const rbdi_link *l = &m->link[walk.link];
@@ -299,7 +308,7 @@ static void rbdi_lambda_derivatives(const rbd_model *m, rbd_constraint_set *c, c
 static void rbdi_solve_at_once(const rbd_model *m, rbd_constraint_set *c, rbd_real *rho, rbd_real *sigma) {
     const int nv = m->nv;
     rbdi_lambda_derivatives(m, c, rho, sigma);
-    rbdi_solve_columns(m, c->w, c->w->H, -1, nv, nv, rho, NULL);
+    rbdi_solve_columns(m, c->w, c->w->H, -1, nv, nv, rho);
     for (int k = 0; k < nv; ++k)
         rbdi_subtract_product(&c->Y[k * c->stride], sigma, c->rows, nv, &rho[k * nv]);
 }
@@ -325,9 +334,9 @@ static void rbdi_solve_column(const rbd_model *m, rbd_constraint_set *c, int j, 
 RBDI_COLD void rbdi_solve_by_columns(const rbd_model *m, rbd_constraint_set *c, rbd_real *rho,
                                      rbd_real *sigma) {
     const int nv = m->nv;
-    rbdi_solve_up(m, c->w, c->w->H, nv, nv, rho);
+    rbdi_solve_transposed(m, c->w, c->w->H, nv, nv, rho);
     for (int j = 0; j < nv; ++j) rbdi_solve_column(m, c, j, rho, sigma);
-    rbdi_solve_down(m, c->w, c->w->H, 1, nv, nv, rho);
+    rbdi_solve_forward(m, c->w, c->w->H, 1, nv, nv, rho);
 }
 
 /* Whether accelerations by a force at each dof lose so many digits that rows may need [refinement]. One set
@@ -381,7 +390,8 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
 
     /* da and dlambda */
     by_columns = rbdi_loses_digits(m, c);
-    if (!by_columns) rbdi_solve_down(m, c->w, c->w->H, -1, c->stride, c->rows, c->Y); /* -T = -L^-1 D^-1 Y */
+    if (!by_columns)
+        rbdi_solve_forward(m, c->w, c->w->H, -1, c->stride, c->rows, c->Y); /* -T = -L^-1 D^-1 Y */
     for (int x = 0; x < 3; ++x) {
         if (!of_a[x]) continue;
         if (by_columns)

@@ -80,27 +80,6 @@ static rbdi_mat rbdi_frame_axes(const rbd_constraint_set *c, const rbdi_constrai
     return con->link[side] < 0 ? R : rbdi_mul_mat(rbdi_transpose(c->w->kin[con->link[side]].X.E), R);
 }
 
-/* log R, the rotation vector. Sums of R's entries give four times the products of its quaternion with each of
-   its components. The product with the largest component is the accurate one. */
-static rbdi_v3 rbdi_log_rotation(rbdi_mat R) {
-    const rbd_real one = rbdi_set(RBD_C(1)), o = rbdi_zero();
-    const rbd_real x = R.zy - R.yz, y = R.xz - R.zx, z = R.yx - R.xy, xy = R.xy + R.yx, xz = R.xz + R.zx,
-                   yz = R.yz + R.zy;
-    const rbd_real multiple[4][4] = {{x, y, z, one + R.xx + R.yy + R.zz},
-                                     {one + R.xx - R.yy - R.zz, xy, xz, x},
-                                     {xy, one - R.xx + R.yy - R.zz, yz, y},
-                                     {xz, yz, one - R.xx - R.yy + R.zz, z}};
-    const rbd_real identity[4] = {o, o, o, one};
-    rbd_real q[4], largest = multiple[0][3];
-    for (int i = 0; i < 4; ++i) q[i] = multiple[0][i];
-    for (int k = 1; k < 4; ++k) {
-        const rbdi_mask more = rbdi_less(largest, multiple[k][k - 1]);
-        largest = rbdi_select(more, multiple[k][k - 1], largest);
-        for (int i = 0; i < 4; ++i) q[i] = rbdi_select(more, multiple[k][i], q[i]);
-    }
-    return rbdi_quaternion_difference(identity, q);
-}
-
 /* The factor in the derivative of w = log R by the turn z of body 1, in the axes of z:
 
        z - w x z / 2 + factor w x (w x z),   factor = (1 - |w|/2 cot(|w|/2)) / |w|^2

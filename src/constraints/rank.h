@@ -1,6 +1,6 @@
 #ifndef RBDI_CONSTRAINTS_RANK_H
 #define RBDI_CONSTRAINTS_RANK_H
-#include "dynamics/packed.h"
+#include "dynamics/row_sums.h"
 #include "dynamics/pivots.h"
 #include "constraints/kinematics.h"
 #include "constraints/factor.h"

@@ -29,16 +29,12 @@ static rbd_constraint rbdi_constraint_of(int body1, const double *p1, int body2,
 
 /* A rotation whose z axis is this axis. */
 static void rbdi_frame_along(const double axis[3], double R[9]) {
-    rbdi_wide A[9], T[9];
-    int least = 0;
-    rbdi_widen(axis, 3, A);
-    rbdi_unit(A, A);
-    for (int k = 1; k < 3; ++k)
-        if (rbdi_w_abs(A[k]) < rbdi_w_abs(A[least])) least = k;
-    for (int k = 0; k < 3; ++k) A[3 + k] = k == least;
-    rbdi_orthonormalise(A); /* rows z, x, y: an even order */
-    rbdi_w_transpose(A, T);
-    for (int k = 0; k < 9; ++k) R[k] = (double)T[k / 3 * 3 + (k % 3 + 1) % 3];
+    rbdi_wide z[3], E[9], T[9];
+    rbdi_widen(axis, 3, z);
+    rbdi_unit(z, z);
+    rbdi_w_basis(z, E);
+    rbdi_w_transpose(E, T);
+    for (int k = 0; k < 9; ++k) R[k] = (double)T[k];
 }
 
 RBDI_API rbd_constraint rbd_point_contact(int body, const double point[3], const double place[3]) {
@@ -95,28 +91,31 @@ static rbd_status rbdi_check_constraint(const rbd_model *m, const rbd_constraint
                                         rbd_report *report) {
     int strange = rbdi_held_axes(con) == 0;
     for (int j = 0; j < 6; ++j) strange |= con->axes[j] != 0 && con->axes[j] != 1;
-#define RBDI_REQUIRE(condition, status, field, sentence) \
-    do { \
-        if (!(condition)) { \
-            rbdi_refuse(report, status, i, con->name, field); \
-            report->error.text = sentence; \
-            return status; \
-        } \
-    } while (0)
-    RBDI_REQUIRE(con->body1 >= -1 && con->body1 < m->nb, RBD_ERR_INDEX, "body1", NULL);
-    RBDI_REQUIRE(con->body1 >= 0 || con->body2 >= 0, RBD_ERR_INDEX, "body1",
-                 "both bodies are -1: the world, or a name that no body has");
-    RBDI_REQUIRE(con->body2 >= -1 && con->body2 < m->nb, RBD_ERR_INDEX, "body2", NULL);
-    RBDI_REQUIRE(rbdi_link_of_body(m, con->body1) != rbdi_link_of_body(m, con->body2), RBD_ERR_INDEX, "body2",
-                 "no joint moves it relative to body1");
-    RBDI_REQUIRE(rbdi_is_rotation(con->rotation1), RBD_ERR_ROTATION, "rotation1", NULL);
-    RBDI_REQUIRE(rbdi_finite(con->position1, 3), RBD_ERR_POSITION, "position1", NULL);
-    RBDI_REQUIRE(rbdi_is_rotation(con->rotation2), RBD_ERR_ROTATION, "rotation2", NULL);
-    RBDI_REQUIRE(rbdi_finite(con->position2, 3), RBD_ERR_POSITION, "position2", NULL);
-    RBDI_REQUIRE(!strange, RBD_ERR_AXIS, "axes", "none is held, or one is neither 0 nor 1");
-    RBDI_REQUIRE(rbdi_finite_positive(&con->kp, 1), RBD_ERR_RANGE, "kp", NULL);
-    RBDI_REQUIRE(rbdi_finite_positive(&con->kd, 1), RBD_ERR_RANGE, "kd", NULL);
-#undef RBDI_REQUIRE
+    if (con->body1 < -1 || con->body1 >= m->nb)
+        return rbdi_refuse(report, RBD_ERR_INDEX, i, con->name, "body1");
+    if (con->body1 < 0 && con->body2 < 0)
+        return rbdi_refuse_saying(report, RBD_ERR_INDEX, i, con->name, "body1",
+                                  "both bodies are -1: the world, or a name that no body has");
+    if (con->body2 < -1 || con->body2 >= m->nb)
+        return rbdi_refuse(report, RBD_ERR_INDEX, i, con->name, "body2");
+    if (rbdi_link_of_body(m, con->body1) == rbdi_link_of_body(m, con->body2))
+        return rbdi_refuse_saying(report, RBD_ERR_INDEX, i, con->name, "body2",
+                                  "no joint moves it relative to body1");
+
+    if (!rbdi_is_rotation(con->rotation1))
+        return rbdi_refuse(report, RBD_ERR_ROTATION, i, con->name, "rotation1");
+    if (!rbdi_finite(con->position1, 3))
+        return rbdi_refuse(report, RBD_ERR_POSITION, i, con->name, "position1");
+    if (!rbdi_is_rotation(con->rotation2))
+        return rbdi_refuse(report, RBD_ERR_ROTATION, i, con->name, "rotation2");
+    if (!rbdi_finite(con->position2, 3))
+        return rbdi_refuse(report, RBD_ERR_POSITION, i, con->name, "position2");
+
+    if (strange)
+        return rbdi_refuse_saying(report, RBD_ERR_AXIS, i, con->name, "axes",
+                                  "none is held, or one is neither 0 nor 1");
+    if (!rbdi_finite_positive(&con->kp, 1)) return rbdi_refuse(report, RBD_ERR_RANGE, i, con->name, "kp");
+    if (!rbdi_finite_positive(&con->kd, 1)) return rbdi_refuse(report, RBD_ERR_RANGE, i, con->name, "kd");
     return RBD_OK;
 }
 

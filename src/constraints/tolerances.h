@@ -20,13 +20,15 @@
    RBDI_MISSED: a row that is off by more than this share of its terms is refined, [refinement]. A
    smaller one costs time alone.
    RBDI_STILL, m/s^2 or rad/s^2: but not if it is off by less than this. Where constraints hold all joints,
-   accelerations are rounding, and their error is no share of them.
+   accelerations are rounding, and their error is no share of them. A smaller one costs time alone.
    RBDI_HELD: and the result must have no row that is off by more than this share of the terms that its length
    and that of the accelerations allow.
    RBDI_DEPENDENT: J' n of the null vector n of rows that truly depend on each other is below this share of
    its terms.
    RBDI_FREE: the share of the least weight that stands for a weight of 0.
-   RBDI_SHORT_STEP, rad or m: assembly ends RBDI_CLOSING_STEPS after a step below this times its size.
+   RBDI_SHORT_STEP, rad or m: assembly ends RBDI_CLOSING_STEPS after a step below this times its size. These
+   square the error three times, and steps of rounding are below a tenth of it: no test sees ten times more
+   or less.
    RBDI_CLOSED: after it all entries of e must be below this. */
 #if RBDI_KIND(RBD_CONST) == 1
 #define RBDI_CLEAR 1e-5
@@ -76,8 +78,9 @@
 #define RBDI_LEAST_WEIGHT RBD_C(1e-20) /* 1 / (this RBDI_FREE), times squares of lengths, is no overflow */
 #define RBDI_MOST_WEIGHT RBD_C(1e30)
 #define RBDI_LONGEST_STEP RBD_C(0.5)
-#define RBDI_LEAST_STEP_SIZE RBD_C(1e-3)
-#define RBDI_MOST_STEP_SIZE RBD_C(5)
+#define RBDI_LEAST_STEP_SIZE \
+    RBD_C(1e-3)                      /* both keep a wild estimate from its harm; of other bounds [assembly] */
+#define RBDI_MOST_STEP_SIZE RBD_C(5) /* takes other steps to the same end, and no test sees ten times more */
 
 #define RBDI_REFINEMENTS 24 /* each gains some digits: enough for all that fit into an exponent */
 #define RBDI_NEARING_STEPS 200

@@ -45,20 +45,18 @@ static void rbdi_write_sides(const rbd_model *m, rbd_contact_set *c, rbd_derivat
     if (Q) rbdi_multiply(Q, c->dt, size);
 }
 
-/* Writes rho without the terms by q_mid at fixed w, which come into Q, and without d(J' p). last: dnu of the
+/* Adds rho without the terms by q_mid at fixed w, which come into Q, and without d(J' p). last: dnu of the
    solution before, NULL = w is v_mid. */
-static void rbdi_write_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d, const rbd_real *nu,
-                           const rbd_real *f_ext, rbd_real *const *last, rbd_real *const rho[3]) {
+static void rbdi_add_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d, const rbd_real *nu,
+                         const rbd_real *f_ext, rbd_real *const *last, rbd_real *const rho[3]) {
     const rbd_real half = rbdi_set(RBD_C(0.5));
     const int n = m->nv;
     rbd_real *M = rbdi_side(m, c, 0), *B = rbdi_side(m, c, 1), *Q = rho[0] ? rbdi_side(m, c, 2) : NULL;
     rbdi_write_sides(m, c, d, nu, f_ext, Q, B, M);
-    for (int x = 0; x < 3; ++x)
-        if (rho[x]) rbdi_clear(rho[x], n * n);
     for (int k = 0; k < n * n; ++k) {
         B[k] = B[k] * c->dt + M[k];
-        if (rho[1]) rho[1][k] = -M[k];
-        if (rho[2] && k % (n + 1) == 0) rho[2][k] = -c->dt;
+        if (rho[1]) rho[1][k] = rho[1][k] - M[k];
+        if (rho[2] && k % (n + 1) == 0) rho[2][k] = rho[2][k] - c->dt;
     }
     rbdi_unforced_columns(m, c->at, c->dt, n, M);
     for (int k = 0; k < n * n; ++k) {
@@ -70,20 +68,47 @@ static void rbdi_write_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivativ
         for (int k = 0; rho[x] && k < n; ++k) rbdi_subtract_product(&B[k * n], last[x], n, n, &rho[x][k * n]);
 }
 
+/* The same in place of what was there. */
+static void rbdi_write_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d, const rbd_real *nu,
+                           const rbd_real *f_ext, rbd_real *const *last, rbd_real *const rho[3]) {
+    for (int x = 0; x < 3; ++x)
+        if (rho[x]) rbdi_clear(rho[x], m->nv * m->nv);
+    rbdi_add_rho(m, c, d, nu, f_ext, last, rho);
+}
+
+/* Adds Q, the terms by q_mid at fixed w. */
+static void rbdi_add_side(const rbd_model *m, const rbd_contact_set *c, rbd_real *const rho[3]) {
+    if (rho[0]) rbdi_subtract(rho[0], -rbdi_set(RBD_C(1)), rbdi_side(m, c, 2), m->nv * m->nv);
+}
+
 /* Factors of a row in sigma: of derivatives of J nu and, of the middle of the step, of the gap or error, its
    rate and its gamma. */
 typedef struct rbdi_row_factors {
     rbd_real velocity[6], gap[6], rate[6];
 } rbdi_row_factors;
 
-/* Adds to the derivatives of gamma by a dof of a ball's body those of the place that rolls: of roll_radius
-   R n, gamma has omega x (omega x R n) beyond the acceleration of the point of the body. */
+/* Adds to the derivatives of gamma by a dof what the place of contact has beyond the point of the body: with
+   r = roll_radius and the normal n of the plane on which the place stays, if it does,
+
+       gamma = acc + omega x (omega x r) - rate (omega x n),   rate = n . velocity
+
+   By q the place moves over the body by its roll, and r by n (n . s): together by z x r. */
 static void rbdi_roll_rates(const rbdi_pair_motion *pair, rbdi_motion_derivatives *by) {
-    const rbdi_v3 omega = pair->motion.velocity.omega, r = pair->roll_radius, z = by->S.omega,
-                  dw = by->velocity_q.omega, across = rbdi_cross(omega, r), shift = rbdi_cross(z, r);
-    by->rate_q.v = rbdi_cross_add(rbdi_cross_add(by->rate_q.v, pair->motion.rate.omega, shift), dw, across);
+    const rbdi_v3 omega = pair->motion.velocity.omega, r = pair->roll_radius, n = pair->normal;
+    const rbdi_v3 z = by->S.omega, dw = by->velocity_q.omega;
+    const rbdi_v3 across = rbdi_cross(omega, r), shift = rbdi_cross(z, r), turn = rbdi_cross(omega, n);
+    const rbd_real rate = rbdi_dot(n, pair->motion.velocity.v), rate_q = rbdi_dot(n, by->velocity_q.v),
+                   rate_v = rbdi_dot(n, by->S.v);
+
+    by->rate_q.v = rbdi_cross_add(by->rate_q.v, pair->motion.rate.omega, rbdi_roll(pair, by->S));
+    by->rate_q.v = rbdi_cross_add(by->rate_q.v, dw, across);
     by->rate_q.v = rbdi_cross_add(by->rate_q.v, omega, rbdi_add(rbdi_cross(dw, r), rbdi_cross(omega, shift)));
+    by->rate_q.v = rbdi_sub(by->rate_q.v, rbdi_scale(rate_q, turn));
+    by->rate_q.v = rbdi_sub(by->rate_q.v, rbdi_scale(rate, rbdi_cross(dw, n)));
+
     by->rate_v.v = rbdi_cross_add(rbdi_cross_add(by->rate_v.v, z, across), omega, shift);
+    by->rate_v.v = rbdi_sub(by->rate_v.v, rbdi_scale(rate_v, turn));
+    by->rate_v.v = rbdi_sub(by->rate_v.v, rbdi_scale(rate, rbdi_cross(z, n)));
 }
 
 /* Adds a constraint's terms to sigma, by q_mid or v_mid (x = 0, 1). With f->velocity by v_mid, J takes the
@@ -114,8 +139,11 @@ static void rbdi_row_terms(const rbd_model *m, rbd_contact_set *c, const rbd_der
 static rbdi_pair_motion rbdi_contact_pair(const rbd_contact_set *c, int i) {
     const rbdi_constraint *con = &c->rows->constraint[i];
     rbdi_pair_motion pair = rbdi_pair_motion_of(c->rows, con);
-    if (i < c->n)
-        pair.roll_radius = rbdi_scale(rbdi_set(c->contact[i].radius), rbdi_contact_normal(c->rows, con));
+    if (i < c->n) {
+        const rbdi_v3 normal = rbdi_contact_normal(c->rows, con);
+        pair.roll_radius = rbdi_scale(c->contact[i].below, normal);
+        if (c->contact[i].on_plane) pair.normal = normal;
+    }
     return pair;
 }
 
@@ -239,7 +267,7 @@ static int rbdi_solve_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_re
     rbdi_contact_solver solver = c->solver;
     const int n = m->nv;
     int solved;
-    rbdi_solve_up(m, s->w, s->w->H, n, n, rho);
+    rbdi_solve_transposed(m, s->w, s->w->H, n, n, rho);
     for (int r = 0; r < s->rows; ++r) {
         for (int k = 0; k < n; ++k) s->x[k] = s->Y[k * s->stride + r] * s->D_inverse[k];
         rbdi_subtract_product(s->x, rho, n, n, &c->sigma[r * n]);
@@ -252,7 +280,7 @@ static int rbdi_solve_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_re
     rbdi_add_increments(&solver, c->sigma);
     for (int k = 0; k < n; ++k)
         rbdi_subtract_product(&s->Y[k * s->stride], c->sigma, s->rows, n, &rho[k * n]);
-    rbdi_solve_down(m, s->w, s->w->H, -1, n, n, rho);
+    rbdi_solve_forward(m, s->w, s->w->H, -1, n, n, rho);
     return solved;
 }
 
@@ -260,11 +288,10 @@ static int rbdi_solve_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_re
    exist. */
 static int rbdi_differentiate_solution(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
                                        const rbd_real *nu, int purpose, rbd_real *const rho[3]) {
-    const int size = m->nv * m->nv;
     int solved = 1;
+    rbdi_add_side(m, c, rho);
     for (int x = 0; x < 3; ++x) {
         if (!rho[x]) continue;
-        if (x == 0) rbdi_subtract(rho[0], -rbdi_set(RBD_C(1)), rbdi_side(m, c, 2), size);
         rbdi_clear(c->sigma, c->rows->rows * m->nv);
         if (x < 2) rbdi_middle_terms(m, c, d, purpose, x);
         if (x == 0) rbdi_velocity_terms(m, c, d, nu, purpose, rho[0]);
@@ -279,30 +306,51 @@ static void rbdi_copy_columns(const rbd_model *m, rbd_real *const from[3], rbd_r
         for (int k = 0; from[x] && k < m->nv * m->nv; ++k) to[x][k] = from[x][k];
 }
 
-/* Solves for the corrections of the velocity terms. to->dv becomes dnu of the last but one. Returns whether
-   it exists. */
+/* Solves for the corrections of the velocity terms. to->dq: rho of the first solution. to->dv becomes dnu
+   with the first correction, which has the impulses of the first solution:
+
+       K (dnu_1 - dnu_0) = rho_0 - rho_1    without d(J' p)
+
+   Returns whether they exist. */
 static int rbdi_differentiate_corrections(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
                                           const rbd_real *tau, const rbd_real *f_ext,
                                           const rbdi_step_columns *to) {
+    const int size = m->nv * m->nv;
+    rbd_work *w = c->rows->w;
     int solved;
-    rbdi_correct(m, c, c->nu, tau, f_ext);
-    rbdi_solve_first(m, c, RBDI_FOR_VELOCITIES);
-    rbdi_write_rho(m, c, d, c->moved, f_ext, to->dq, to->dv);
-    solved = rbdi_differentiate_solution(m, c, d, c->moved, RBDI_FOR_VELOCITIES, to->dv);
-    rbdi_correct(m, c, c->moved, tau, f_ext);
-    rbdi_solve_again(m, c);
+    rbdi_copy_columns(m, to->dq, to->dv);
+    rbdi_add_side(m, c, to->dv);
+    for (int x = 0; x < 3; ++x)
+        if (to->dv[x]) rbdi_multiply(to->dv[x], -rbdi_set(RBD_C(1)), size);
+    solved = rbdi_differentiate_solution(m, c, d, c->moved, RBDI_FOR_VELOCITIES, to->dq);
+
+    rbdi_solve_between(m, c, tau, f_ext);
+    rbdi_add_rho(m, c, d, c->moved, f_ext, to->dq, to->dv);
+    rbdi_add_side(m, c, to->dv);
+    for (int x = 0; x < 3; ++x) {
+        if (!to->dv[x]) continue;
+        rbdi_solve_columns(m, w, w->H, -1, m->nv, m->nv, to->dv[x]);
+        rbdi_subtract(to->dv[x], -rbdi_set(RBD_C(1)), to->dq[x], size);
+    }
+    rbdi_solve_again(m, c, tau, f_ext);
     return solved;
 }
 
-/* dnu of the velocities without contacts, and of what contacts that may rebound fall by them. */
-static void rbdi_differentiate_free(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
-                                    const rbd_real *f_ext, rbd_real *const dnu[3]) {
-    const int n = m->nv;
+/* Derivatives of what contacts that may rebound fall: by dnu of the velocities without contacts. */
+static void rbdi_differentiate_falls(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
+                                     const rbd_real *f_ext, rbd_real *const dnu[3]) {
     rbd_work *w = c->rows->w;
+    int any = 0;
+    for (int i = 0; i < c->n; ++i) any |= c->contact[i].row >= 0 && c->contact[i].restitution > 0;
+    if (!any) return;
+
+    for (int k = 0; k < m->nv; ++k) c->nu[k] = c->x[0][k];
+    rbdi_solve_forward(m, w, w->H, 1, 1, 1, c->nu);
+    for (int k = 0; k < m->nv; ++k) c->nu[k] = c->v_mid[k] + c->nu[k];
     rbdi_write_rho(m, c, d, c->nu, f_ext, NULL, dnu);
-    if (dnu[0]) rbdi_subtract(dnu[0], -rbdi_set(RBD_C(1)), rbdi_side(m, c, 2), n * n);
+    rbdi_add_side(m, c, dnu);
     for (int x = 0; x < 3; ++x)
-        if (dnu[x]) rbdi_solve_columns(m, w, w->H, -1, n, n, dnu[x], NULL);
+        if (dnu[x]) rbdi_solve_columns(m, w, w->H, -1, m->nv, m->nv, dnu[x]);
     rbdi_write_falls(m, c, c->nu, dnu);
 }
 
@@ -310,16 +358,16 @@ static void rbdi_differentiate_free(const rbd_model *m, rbd_contact_set *c, rbd_
 static int rbdi_differentiate_step(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
                                    const rbd_real *tau, const rbd_real *f_ext, const rbdi_step_columns *to,
                                    rbd_status *status) {
-    rbd_real *const *last = NULL;
+    const int first_order = !(c->half > 0);
     int solved = 1;
-    rbdi_differentiate_free(m, c, d, f_ext, to->dq);
-    if (c->half > 0) {
+    rbdi_differentiate_falls(m, c, d, f_ext, to->dq);
+    rbdi_solve_first(m, c, first_order ? RBDI_FOR_POSITIONS : RBDI_FOR_VELOCITIES);
+    rbdi_write_rho(m, c, d, c->moved, f_ext, NULL, to->dq);
+    if (!first_order) {
         solved = rbdi_differentiate_corrections(m, c, d, tau, f_ext, to);
-        last = to->dv;
-    } else {
-        rbdi_solve_only(m, c);
+        rbdi_write_rho(m, c, d, c->moved, f_ext, to->dv, to->dq);
     }
-    rbdi_write_rho(m, c, d, c->moved, f_ext, last, to->dq);
+
     rbdi_copy_columns(m, to->dq, to->dv);
     solved &= rbdi_differentiate_solution(m, c, d, c->moved, RBDI_FOR_POSITIONS, to->dq);
     *status = rbdi_solve_velocities(m, c);

@@ -1,6 +1,6 @@
 #ifndef RBDI_CONTACT_LAWS_H
 #define RBDI_CONTACT_LAWS_H
-#include "dynamics/packed.h"
+#include "dynamics/row_sums.h"
 #include "contact/one_contact.h"
 
 /* ---- laws [laws] ----

@@ -64,10 +64,13 @@ typedef struct rbdi_contact {
     rbd_const radius, friction, restitution, stiffness, damping;
     rbdi_gap gap;
     rbd_real falls;    /* u_n that forces would add in the step without impulses, m/s */
-    rbdi_v3 roll;      /* acceleration of the place of contact over the ball, world axes, m/s^2 */
+    rbd_real below;    /* the place of contact is so far below the centre, m: l of [contact rows] */
+    rbdi_v3 roll;      /* acceleration of the place of contact over the body, world axes, m/s^2 */
     rbd_real force[3]; /* of the last step, world axes */
     int body2;
     int row;      /* of the step, -1 = none */
+    int on_plane; /* whether the place of contact is the foot of the centre on the plane */
+    int pushes;   /* whether it does in a solution of the step */
     int springs;  /* whether its stiffness acts in the step */
     int rebounds; /* whether the solution for the velocities returns a share of its approach */
     rbd_contact_state state;
@@ -105,7 +108,8 @@ struct rbd_contact_set {
                                      these velocities, origins move straight */
     rbd_real *damping;       /* nv: all of it that is implicit */
     rbd_real *nu, *moved;    /* nv each: velocities of the end; of the positions */
-    rbd_real *x;             /* nv: L^-T dt (tau - c - damping v_mid) */
+    rbd_real *momentum;      /* nv: wanted at the end, of roots; before, their centres of mass at q_mid */
+    rbd_real *x[3];          /* nv each: L^-T dt (tau - c - damping v_mid), c corrected so many times */
     rbd_real dt, last_dt;    /* of this step; of the last one, 1 = none */
     rbd_real half, way;      /* times for which v moves q, and then the solution does: dt/2 each */
     rbd_real *sigma;         /* of derivatives: max_rows x nv, then [step derivatives code]; NULL = none */
@@ -121,7 +125,7 @@ struct rbd_contact_set {
      RBDI_ROUND((size_t)(bounded) * sizeof(rbdi_dof_row)) + \
      RBDI_ROUND(RBDI_CONTACT_ROWS(n, bounded) * sizeof(int16_t)) + \
      RBDI_ROUND(sizeof(rbd_real) * ((size_t)(n) + 2 * (size_t)(bounded) + \
-                                    2 * RBDI_CONTACT_ROWS(n, bounded) + (size_t)(nq) + 7 * (size_t)(nv))) + \
+                                    2 * RBDI_CONTACT_ROWS(n, bounded) + (size_t)(nq) + 10 * (size_t)(nv))) + \
      RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded)) + \
      RBDI_CONSTRAINTS_BYTES(nv, (n) + (constraints), RBDI_CONTACT_ROWS(n, bounded), stride))
 

@@ -6,25 +6,19 @@
 /* ---- row reduction [row reduction] ----
    The steps from the rows to Delta lambda = b by the factor M = L'DL. */
 
-/* Y = L^-T Y, b = target - Y' D^-1 x, and the squares of b's terms. Batches may reach beyond a dof's span:
-   entries there are 0. */
+/* Y = L^-T Y, and b = target - Y' D^-1 x. Batches may reach beyond a dof's span: entries there are 0. */
 static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
-    rbdi_solve_up(m, c->w, L, c->stride, c->rows, c->Y);
+    rbdi_solve_transposed(m, c->w, L, c->stride, c->rows, c->Y);
 
     for (int r = 0; r < c->rows; r += RBDI_BATCH) {
-        const rbdi_batch b = *(const rbdi_batch *)&c->target[r];
-        *(rbdi_batch *)&c->b[r] = b;
-        *(rbdi_batch *)&c->slack[r] = b * b;
+        *(rbdi_batch *)&c->b[r] = *(const rbdi_batch *)&c->target[r];
     }
 
     for (int k = 0; k < m->nv; ++k) {
         const rbd_real z = c->x[k] * c->D_inverse[k];
         for (int r = c->span[k].first; r < c->span[k].end; r += RBDI_BATCH) {
-            const rbdi_batch term = *(const rbdi_batch *)&c->Y[k * c->stride + r] * z;
-            rbdi_batch *b = (rbdi_batch *)&c->b[r], *squares = (rbdi_batch *)&c->slack[r];
-
-            *b = *b - term;
-            *squares = *squares + term * term;
+            rbdi_batch *b = (rbdi_batch *)&c->b[r];
+            *b = *b - *(const rbdi_batch *)&c->Y[k * c->stride + r] * z;
         }
     }
 }

@@ -1,6 +1,5 @@
 #ifndef RBDI_CONTACT_ROWS_H
 #define RBDI_CONTACT_ROWS_H
-#include "dynamics/packed.h"
 #include "constraints/factor.h"
 #include "constraints/set.h"
 #include "contact/one_contact.h"
@@ -11,13 +10,21 @@
 
        Delta = Y' D^-1 Y,   J nu_0 = J v + Y' D^-1 x,   nu = v + L^-1 D^-1 (x + Y p)                      (4)
 
-   where v, M and J are those of the middle of the step, [step code], J of the place of contact. The laws hold
-   for the velocity of the end
+   where v, M and J are those of the middle of the step, [step code], J of the place of contact. The laws
+   hold for the velocity of the end
 
        u = J nu + dt/2 gamma,   gamma = dJ/dt v with classical accelerations 0
 
-   The place moves over a ball of radius R about c, so its gamma is that of c less R domega/dt x n: the point
-   of a wheel accelerates upward, its gap does not. */
+   The place of contact is l below the centre c of a ball, against the normal n, and moves over the body. With
+   the motion of the body relative to the plane, c has velocity v_c and acceleration a_c, and
+
+       u = v_c - l omega x n,   gamma = a_c - l domega/dt x n - l' omega x n
+
+   Of a ball, or of a point, l is the radius, and l' = 0: the point of a wheel accelerates upward, its gap
+   does not. This is where an impact acts. But places of one body at different heights over a plane have
+   different velocities along it when the body turns: three of them could not all stick. So where three
+   contacts or more of two bodies touch, the place of each is the foot of its centre on the plane: l is the
+   radius plus the gap, l' the rate of the gap. */
 
 /* World axes of the normal of a constraint. */
 RBDI_INLINE rbdi_v3 rbdi_contact_normal(const rbd_constraint_set *s, const rbdi_constraint *con) {
@@ -36,28 +43,78 @@ RBDI_INLINE rbdi_gap rbdi_gap_of(rbd_real middle, rbd_real rate, rbd_real gamma,
     return gap;
 }
 
-/* Computes the gap, and moves frame 1 of the constraint to the place of contact. */
+/* Moves frame 1 of the constraint to the place of contact, l below the centre. normal: world axes. */
+static void rbdi_place_below(const rbd_constraint_set *s, rbdi_constraint *con, const rbdi_contact *contact,
+                             rbdi_v3 normal) {
+    const rbdi_v3 local = con->link[0] < 0 ? normal : rbdi_mul(s->w->kin[con->link[0]].X.E, normal);
+    con->position[0].x = contact->point.x - (rbd_const)(contact->below * local.x);
+    con->position[0].y = contact->point.y - (rbd_const)(contact->below * local.y);
+    con->position[0].z = contact->point.z - (rbd_const)(contact->below * local.z);
+}
+
+/* What gamma has beyond the acceleration of the body's point at the place: l omega x (omega x n) - l' omega x
+   n. */
+RBDI_INLINE rbdi_v3 rbdi_roll_of(rbdi_v3 omega, rbdi_v3 normal, rbd_real below, rbd_real rate) {
+    const rbdi_v3 turn = rbdi_cross(omega, normal);
+    return rbdi_sub(rbdi_scale(below, rbdi_cross(omega, turn)), rbdi_scale(rate, turn));
+}
+
+/* Computes the gap, with the place of contact on the ball. */
 static void rbdi_contact_gap(const rbd_contact_set *c, rbdi_constraint *con, rbdi_contact *contact) {
     const rbd_constraint_set *s = c->rows;
-    const rbdi_v3 normal = rbdi_contact_normal(s, con),
-                  local = con->link[0] < 0 ? normal : rbdi_mul(s->w->kin[con->link[0]].X.E, normal);
+    const rbdi_v3 normal = rbdi_contact_normal(s, con);
     rbdi_relative_motion relative;
-    rbdi_v3 omega;
-    rbd_real middle;
-    con->position[0].x = contact->point.x - contact->radius * (rbd_const)local.x;
-    con->position[0].y = contact->point.y - contact->radius * (rbd_const)local.y;
-    con->position[0].z = contact->point.z - contact->radius * (rbd_const)local.z;
+    rbd_real middle, rate, gamma;
+
+    contact->on_plane = 0;
+    contact->below = rbdi_set(contact->radius);
+    rbdi_place_below(s, con, contact, normal);
     relative = rbdi_relative_motion_of(s, con);
-    omega = relative.velocity.omega;
-    contact->roll = rbdi_scale(rbdi_set(contact->radius), rbdi_cross(omega, rbdi_cross(omega, normal)));
+    contact->roll = rbdi_roll_of(relative.velocity.omega, normal, contact->below, rbdi_zero());
+
     middle = rbdi_dot(normal, rbdi_sub(relative.body[0].p, rbdi_frame_origin(s, con, 1)));
-    contact->gap = rbdi_gap_of(middle, rbdi_dot(normal, relative.velocity.v),
-                               rbdi_dot(normal, rbdi_add(relative.rate.v, contact->roll)), c->half);
+    rate = rbdi_dot(normal, relative.velocity.v);
+    gamma = rbdi_dot(normal, rbdi_add(relative.rate.v, contact->roll));
+    contact->gap = rbdi_gap_of(middle, rate, gamma, c->half);
+}
+
+/* Moves the place of contact from the ball to the plane. */
+static void rbdi_place_on_plane(const rbd_constraint_set *s, rbdi_constraint *con, rbdi_contact *contact) {
+    const rbdi_v3 normal = rbdi_contact_normal(s, con);
+    const rbdi_relative_motion relative = rbdi_relative_motion_of(s, con);
+    const rbd_real middle = rbdi_dot(normal, rbdi_sub(relative.body[0].p, rbdi_frame_origin(s, con, 1))),
+                   rate = rbdi_dot(normal, relative.velocity.v);
+
+    contact->on_plane = 1;
+    contact->below = contact->below + middle;
+    rbdi_place_below(s, con, contact, normal);
+    contact->roll = rbdi_roll_of(relative.velocity.omega, normal, contact->below, rate);
 }
 
 /* Whether this gap may become 0 within two steps, or is at most the margin, or not a number. */
 RBDI_INLINE int rbdi_may_touch(rbdi_gap gap, rbd_real dt, rbd_real margin) {
     return !(gap.start > margin && gap.start + 2 * dt * gap.rate > 0);
+}
+
+/* Whether three contacts or more of the bodies of contact i touch in the step, or arrive at their speed. */
+static int rbdi_touch_widely(const rbd_contact_set *c, int i) {
+    const rbdi_constraint *own = &c->rows->constraint[i];
+    int n = 0;
+    for (int j = 0; j < c->n; ++j) {
+        const rbdi_constraint *con = &c->rows->constraint[j];
+        if (con->link[0] != own->link[0] || con->link[1] != own->link[1]) continue;
+        n += rbdi_may_touch(c->contact[j].gap, c->dt, RBD_C(c->options.slop));
+    }
+    return n >= 3;
+}
+
+/* Computes all gaps, and the places of contacts that may be rows. */
+static void rbdi_find_places(const rbd_contact_set *c) {
+    for (int i = 0; i < c->n; ++i) rbdi_contact_gap(c, &c->rows->constraint[i], &c->contact[i]);
+    for (int i = 0; i < c->n; ++i) {
+        if (!rbdi_may_touch(c->contact[i].gap, c->dt, RBD_C(c->options.margin))) continue;
+        if (rbdi_touch_widely(c, i)) rbdi_place_on_plane(c->rows, &c->rows->constraint[i], &c->contact[i]);
+    }
 }
 
 /* Computes the gap to the limit. Returns whether it may be reached; dry friction always acts. */
@@ -100,10 +157,11 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
     int place = 0, contacts;
     for (int k = 0; k < m->nv; ++k) s->span[k].first = s->span[k].end = 0;
     s->rows = 0;
+
+    rbdi_find_places(c);
     for (int i = 0; i < c->n; ++i, place += 3) {
         rbdi_constraint *con = &s->constraint[i];
         rbdi_contact *contact = &c->contact[i];
-        rbdi_contact_gap(c, con, contact);
         contact->row = con->row = -1;
         contact->rebounds = 0;
         contact->state = RBD_APART;
@@ -112,11 +170,15 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
         contact->row = con->row = (int16_t)rbdi_open_rows(c, place, 3, con->dof, con->dofs);
     }
     contacts = s->rows / 3;
+
     for (rbdi_constraint *con = s->constraint + c->n; con < s->constraint + s->n; place += con++->rows) {
         con->row = (int16_t)rbdi_open_rows(c, place, con->rows, con->dof, con->dofs);
-        for (int r = con->row - 3 * contacts; r < s->rows - 3 * contacts; ++r)
-            c->upper[r] = rbdi_set(RBDI_UNBOUNDED), c->lower[r] = -c->upper[r];
+        for (int r = con->row - 3 * contacts; r < s->rows - 3 * contacts; ++r) {
+            c->upper[r] = rbdi_set(RBDI_UNBOUNDED);
+            c->lower[r] = -c->upper[r];
+        }
     }
+
     for (int i = 0; i < c->dof_rows; ++i) {
         rbdi_dof_row *limit = &c->dof_row[i];
         const int r = s->rows - 3 * contacts, acts = rbdi_find_limit(c, limit, q, v);
@@ -126,16 +188,17 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
         c->lower[r] = limit->iq < 0 ? dt * limit->lower : rbdi_zero();
         c->upper[r] = limit->iq < 0 ? dt * limit->upper : rbdi_set(RBDI_UNBOUNDED);
     }
+
     s->stride = rbdi_row_stride(s->rows);
     rbdi_clear(s->lambda, s->stride);
     for (int r = 0; r < s->rows; ++r) s->lambda[r] = c->impulse[c->place[r]] * ratio;
     return contacts;
 }
 
-/* Adds the part of gamma by which the place of contact rolls over a ball. */
+/* Adds the part of gamma by which the place of contact moves over the body. */
 static void rbdi_add_roll(rbd_constraint_set *s, const rbdi_constraint *con, const rbdi_contact *contact) {
     rbdi_axes_held h;
-    if (!(contact->radius > 0)) return;
+    if (!(contact->radius > 0) && !contact->on_plane) return;
     rbdi_set_axes(s, con, &h);
     rbdi_add_held(con, &h, rbdi_vec0(), contact->roll, &s->gamma[con->row]);
 }
@@ -144,36 +207,31 @@ static void rbdi_add_roll(rbd_constraint_set *s, const rbdi_constraint *con, con
 static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     rbdi_clear(s->Y, m->nv * s->stride);
-    rbdi_clear(s->target, (int)(s->e - s->target) + s->stride); /* u and gamma too */
+    rbdi_clear(s->target, (int)(s->e - s->target) + s->stride); /* J v and gamma too */
     for (int i = 0; i < s->n; ++i)
         if (s->constraint[i].row >= 0) rbdi_constraint_rows(m, s, &s->constraint[i], i >= c->n);
-    for (int i = 0; i < c->dof_rows; ++i)
-        if (c->dof_row[i].row >= 0)
-            s->Y[c->dof_row[i].dof * s->stride + c->dof_row[i].row] = c->dof_row[i].side;
     for (int i = 0; i < c->n; ++i)
         if (c->contact[i].row >= 0) rbdi_add_roll(s, &s->constraint[i], &c->contact[i]);
-    rbdi_subtract(s->target, c->half, s->gamma, s->rows);
-    for (int k = 0; k < m->nv; ++k) {
-        const rbdi_span span = s->span[k];
-        rbdi_subtract(&s->target[span.first], c->v_mid[k], &s->Y[k * s->stride + span.first],
-                      span.end - span.first);
+
+    for (int i = 0; i < c->dof_rows; ++i) {
+        const rbdi_dof_row *limit = &c->dof_row[i];
+        if (limit->row < 0) continue;
+        s->Y[limit->dof * s->stride + limit->row] = limit->side;
+        s->velocity[limit->row] = limit->side * c->v_mid[limit->dof];
     }
+
+    for (int r = 0; r < s->rows; ++r) s->target[r] = -s->velocity[r] - c->half * s->gamma[r];
 }
 
-/* How a contact falls without impulses, and whether its spring acts: where it is in the plane, or would be.
-   nu: velocities without impulses. Y is J'. */
-static void rbdi_find_falls(const rbd_model *m, rbd_contact_set *c, const rbd_real *nu) {
-    const rbd_constraint_set *s = c->rows;
+/* How a contact falls without impulses, and whether its spring acts: where it is in the plane, or would
+   be. */
+static void rbdi_find_falls(rbd_contact_set *c) {
     for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
-        const int normal = contact->row + 2;
         rbd_real u;
         contact->springs = 0;
         contact->falls = rbdi_zero();
-        if (contact->row < 0 || !(contact->stiffness > 0 || contact->restitution > 0)) continue;
-        u = c->half * s->gamma[normal];
-        for (int k = 0; k < m->nv; ++k)
-            if (s->span[k].first <= normal && normal < s->span[k].end)
-                u = u + s->Y[k * s->stride + normal] * nu[k];
+        if (contact->row < 0) continue;
+        u = -c->rows->b[contact->row + 2];
         contact->falls = u - contact->gap.rate;
         contact->springs =
             contact->stiffness > 0 && (contact->gap.reach <= 0 || contact->gap.reach + c->way * u < 0);
@@ -231,8 +289,9 @@ static void rbdi_add_springs(rbd_contact_set *c) {
                 depth, if there was none before), and the option `correction` times the depth below the slop
      stiff      k (min(start, 0) + reach) / (h k + 2 d), and 2 / (dt (h k + 2 d)) on Delta's diagonal:
                 together p_n = -dt (k (min(start, 0) + gap at the end) / 2 + d u_n). The spring has the mean
-                of its ends, so it takes and gives the same energy; the damper is implicit. Stable at every
-                dt
+                of its ends: along a straight way, where the gap changes by dt times the mean of u, it gives
+                what it took, whatever k and dt are. Where a body turns, the end is off by up to
+                r (omega dt)^2 / 8. The damper is implicit. Stable at every dt
      rebounds   for velocities, restitution times the speed with which it hits: that of the beginning, and
                 what it still falls until the gap is 0
      leaves     for velocities, if another contact rebounds: the speed at which it leaves, where that is more
@@ -330,9 +389,9 @@ static int rbdi_leaves(const rbd_contact_set *c, const rbdi_gap *gap) {
 static void rbdi_find_rebounds(rbd_contact_set *c) {
     int any = 0;
     for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
-        contact->rebounds = contact->row >= 0 && contact->restitution > 0 &&
-                            contact->gap.rate < -RBD_C(c->options.bounce) &&
-                            c->rows->lambda[contact->row + 2] > 0;
+        contact->pushes = contact->row >= 0 && c->rows->lambda[contact->row + 2] > 0;
+        contact->rebounds =
+            contact->pushes && contact->restitution > 0 && contact->gap.rate < -RBD_C(c->options.bounce);
         any |= contact->rebounds;
     }
 

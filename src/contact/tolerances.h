@@ -8,13 +8,20 @@
    is a sum of squares: its rounding is below the square of the share.
    RBDI_ON_CONE: a contact at rest counts as sticking up to this times its largest friction.
    RBDI_LEFT_OF_SLOP: depths of this share of the slop that the first half of a step makes are left.
-   RBDI_PROXIMAL: share of the trace that Newton steps add to the diagonal, [newton].
-   RBDI_LEAST_SIZE: squares of smaller impulses (N s) are near the smallest number, or below it.
+   RBDI_LOOSE: of the first solution the residual may be so many times larger: its velocities enter those of
+   the end times dt and the velocity of what turns.
+   RBDI_PROXIMAL: share of the trace that Newton steps add to the diagonal, [newton]. Ten times more costs
+   iterations, which a test sees; with a tenth p is the same within the tolerance.
+   RBDI_LEAST_SIZE: squares of smaller impulses (N s) are near the smallest number, or below it. For sizes up
+   to a million times away both ways of computing agree to rounding, so no test sees ten times more or less.
    RBDI_SCALE_SPREAD: the scale of RBDI_PROXIMAL is at most so many times the diagonal's entry, of a normal.
-   RBDI_SIDES_PROXIMAL: the same for derivatives, whose relative error is that times the condition of G. */
+   As there, no test sees ten times more or less.
+   RBDI_SIDES_PROXIMAL: the same for derivatives, whose relative error is that times the condition of G. Ten
+   times more is an error that random trees see; a tenth is near rounding, and no test sees it. */
 #define RBDI_UNMOVED (16 * RBDI_EPS)
 #define RBDI_ON_CONE (1 + 16 * RBDI_EPS)
 #define RBDI_LEFT_OF_SLOP RBD_C(0.01)
+#define RBDI_LOOSE RBD_C(10)
 #define RBDI_SCALE_SPREAD RBD_C(1e4)
 #define RBDI_SIDES_PROXIMAL (512 * RBDI_EPS)
 #if RBDI_KIND(RBD_CONST) == 2
@@ -30,7 +37,7 @@
 #define RBDI_NEAR_LIMIT RBD_C(0.02) /* rad or m: nearer limits are rows; a larger one costs time alone */
 
 #define RBDI_ROOT_STEPS 60           /* for the root of one contact, six on average */
-#define RBDI_FASTEST_SLIP RBD_C(1e9) /* largest alpha / d: as without friction */
+#define RBDI_FASTEST_SLIP RBD_C(1e9) /* largest alpha / d: friction is 1e-9 of p_n then, no test sees it */
 #define RBDI_MOST_SWEEPS 32          /* between two Newton steps */
 #define RBDI_FASTEST RBD_C(1e12)     /* m/s or rad/s; faster has overflowed, or would */
 #define RBDI_UNBOUNDED RBD_C(1e30)   /* as a bound: none; as a residual: none could be computed */

@@ -89,17 +89,11 @@ RBDI_INLINE void rbdi_put_components(const rbd_derivatives *d, const rbd_real *x
 RBDI_INLINE void rbdi_put_base_columns(const rbd_derivatives *d, int b, rbdi_b3 n, rbdi_b3 f, rbd_real *out) {
     const rbdi_batch x[6] = {n.x, n.y, n.z, f.x, f.y, f.z};
     const ptrdiff_t nv = d->model->nv, first = d->base + (b - d->behind) * RBDI_BATCH;
-    rbdi_four row[2][RBDI_BATCH]; /* components 0 to 3 and 2 to 5 */
-
-    rbdi_fours_of_lanes(x, row[0]);
-    rbdi_fours_of_lanes(x + 2, row[1]);
 
     out += first * nv;
     RBDI_UNROLL_SIX for (int k = 0; k < RBDI_BATCH; ++k) {
-        if (k < nv - first) {
-            *(rbdi_four *)&out[k * nv] = row[0][k];
-            *(rbdi_four *)&out[k * nv + 2] = row[1][k];
-        }
+        if (k < nv - first) RBDI_UNROLL_SIX
+            for (int j = 0; j < 6; ++j) out[k * nv + j] = ((const rbd_real *)&x[j])[k];
     }
 }
 

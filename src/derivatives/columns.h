@@ -1,8 +1,7 @@
 #ifndef RBDI_DERIVATIVES_COLUMNS_H
 #define RBDI_DERIVATIVES_COLUMNS_H
-#include "base/simd.h"
-#include "algebra/vectors.h"
 #include "derivatives/layout.h"
+#include "algebra/batch_vectors.h"
 
 /* Interface: RBDI_OF */
 
@@ -71,21 +70,9 @@ typedef rbdi_batch rbdi_cbatch; /* a batch of constants */
 typedef rbd_const rbdi_cbatch;
 #endif
 
-typedef struct rbdi_b3 {
-    rbdi_batch x, y, z;
-} rbdi_b3;
-
 typedef struct rbdi_b33 { /* rows of a matrix */
     rbdi_b3 x, y, z;
 } rbdi_b33;
-
-typedef struct rbdi_bmotion {
-    rbdi_b3 omega, v;
-} rbdi_bmotion;
-
-typedef struct rbdi_bforce {
-    rbdi_b3 n, f;
-} rbdi_bforce;
 
 #if RBDI_GCC && RBDI_FOR_SPEED
 #define RBDI_UNROLL_SUMS _Pragma("GCC unroll 14")
@@ -180,25 +167,12 @@ typedef char
 
 /* ---- vectors of batches [batches] ---- */
 
-RBDI_INLINE rbdi_b3 rbdi_b_vec(rbdi_batch x, rbdi_batch y, rbdi_batch z) {
-    const rbdi_b3 v = {x, y, z};
-    return v;
-}
-
 /* The vector in all lanes. */
 RBDI_INLINE rbdi_b3 rbdi_b_all(rbdi_v3 a) {
     return rbdi_b_vec(rbdi_all_lanes(a.x), rbdi_all_lanes(a.y), rbdi_all_lanes(a.z));
 }
 
-RBDI_INLINE rbdi_b3 rbdi_b_add(rbdi_b3 a, rbdi_b3 b) { return rbdi_b_vec(a.x + b.x, a.y + b.y, a.z + b.z); }
-
-RBDI_INLINE rbdi_b3 rbdi_b_scale(rbdi_batch k, rbdi_b3 a) { return rbdi_b_vec(k * a.x, k * a.y, k * a.z); }
-
-/* a x b, and with a sum added: sums before products are contracted to FMA best. */
-RBDI_INLINE rbdi_b3 rbdi_b_cross(rbdi_b3 a, rbdi_b3 b) {
-    return rbdi_b_vec(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
-}
-
+/* a x b with a sum added: sums before products are contracted to FMA best. */
 RBDI_INLINE rbdi_b3 rbdi_b_cross_add(rbdi_b3 sum, rbdi_b3 a, rbdi_b3 b) {
     return rbdi_b_vec(sum.x + a.y * b.z - a.z * b.y, sum.y + a.z * b.x - a.x * b.z,
                       sum.z + a.x * b.y - a.y * b.x);
@@ -211,21 +185,9 @@ RBDI_INLINE rbdi_batch rbdi_b_dot_add(rbdi_batch sum, rbdi_b3 a, rbdi_v3 x) {
     return sum + a.x * x.x + a.y * x.y + a.z * x.z;
 }
 
-RBDI_INLINE rbdi_bmotion rbdi_b_motion_add(rbdi_bmotion a, rbdi_bmotion b) {
-    a.omega = rbdi_b_add(a.omega, b.omega);
-    a.v = rbdi_b_add(a.v, b.v);
-    return a;
-}
-
 RBDI_INLINE rbdi_bmotion rbdi_b_motion_scale(rbdi_batch k, rbdi_bmotion a) {
     const rbdi_bmotion b = {rbdi_b_scale(k, a.omega), rbdi_b_scale(k, a.v)};
     return b;
-}
-
-RBDI_INLINE rbdi_bforce rbdi_b_force_add(rbdi_bforce a, rbdi_bforce b) {
-    a.n = rbdi_b_add(a.n, b.n);
-    a.f = rbdi_b_add(a.f, b.f);
-    return a;
 }
 
 /* V x S = (omega x S_omega; v x S_omega + omega x S_v), and with a sum added. */
@@ -242,23 +204,13 @@ RBDI_INLINE rbdi_bmotion rbdi_b_motion_cross_add(rbdi_bmotion sum, rbdi_bmotion 
     return sum;
 }
 
-/* S' f of motions and forces: two batches; a batch of motions and one force; a batch of forces and one
-   motion; one of each. */
-RBDI_INLINE rbdi_batch rbdi_b_power(rbdi_bmotion S, rbdi_bforce f) {
-    return (f.n.x * S.omega.x + f.n.y * S.omega.y + f.n.z * S.omega.z) +
-           (f.f.x * S.v.x + f.f.y * S.v.y + f.f.z * S.v.z);
-}
-
+/* S' f of a batch of motions and one force, and of a batch of forces and one motion. */
 RBDI_INLINE rbdi_batch rbdi_b_motion_dot(rbdi_bmotion S, rbdi_force F) {
     return rbdi_b_dot_add(rbdi_b_dot(S.omega, F.n), S.v, F.f);
 }
 
 RBDI_INLINE rbdi_batch rbdi_b_force_dot(rbdi_bforce F, rbdi_motion S) {
     return rbdi_b_dot_add(rbdi_b_dot(F.n, S.omega), F.f, S.v);
-}
-
-RBDI_INLINE rbd_real rbdi_power(rbdi_motion S, rbdi_force F) {
-    return rbdi_dot(S.omega, F.n) + rbdi_dot(S.v, F.f);
 }
 
 /* R (x; y; z) of constants in the axes of the links. */

@@ -16,22 +16,23 @@ RBDI_INLINE int rbdi_dof_axis(const rbd_model *m, const rbdi_link *l, int k) {
 }
 
 /* Stores axes and origin of a link for dof k. e: the axes, cycled so that the last is the dof's own. */
-RBDI_INLINE void rbdi_put_axes(rbd_derivatives *d, int k, const rbdi_four *ex, const rbdi_four *ey,
-                               const rbdi_four *ez, const rbdi_four *origin) {
-    rbdi_store_vec(RBDI_OF(d, k, ex), RBDI_BATCH, rbdi_axis_vec(ex));
-    rbdi_store_vec(RBDI_OF(d, k, ey), RBDI_BATCH, rbdi_axis_vec(ey));
-    rbdi_store_vec(RBDI_OF(d, k, ez), RBDI_BATCH, rbdi_axis_vec(ez));
-    rbdi_store_vec(RBDI_OF(d, k, x), RBDI_BATCH, rbdi_axis_vec(origin));
+RBDI_INLINE void rbdi_put_axes(rbd_derivatives *d, int k, rbdi_v3 ex, rbdi_v3 ey, rbdi_v3 ez,
+                               rbdi_v3 origin) {
+    rbdi_store_vec(RBDI_OF(d, k, ex), RBDI_BATCH, ex);
+    rbdi_store_vec(RBDI_OF(d, k, ey), RBDI_BATCH, ey);
+    rbdi_store_vec(RBDI_OF(d, k, ez), RBDI_BATCH, ez);
+    rbdi_store_vec(RBDI_OF(d, k, x), RBDI_BATCH, origin);
 }
 
 /* The same for the dofs of a block from k on. */
 RBDI_PART void rbdi_put_block_axes(const rbd_model *m, rbd_derivatives *d, const rbdi_link *l, int k,
-                                   const rbdi_axes *p) {
-    const rbdi_four *const e[3] = {&p->x, &p->y, &p->z};
+                                   const rbdi_pose *p) {
+    const rbdi_v3 e[3] = {rbdi_vec(p->E.xx, p->E.xy, p->E.xz), rbdi_vec(p->E.yx, p->E.yy, p->E.yz),
+                          rbdi_vec(p->E.zx, p->E.zy, p->E.zz)};
 
     for (; k < d->entry[l->first].joint; ++k) {
         const int axis = rbdi_dof_axis(m, l, k);
-        rbdi_put_axes(d, k, e[(axis + 1) % 3], e[(axis + 2) % 3], e[axis], &p->origin);
+        rbdi_put_axes(d, k, e[(axis + 1) % 3], e[(axis + 2) % 3], e[axis], p->r);
     }
 }
 
@@ -68,34 +69,36 @@ RBDI_PART void rbdi_move_origin(const rbd_model *m, rbd_derivatives *d, int i, r
 /* Axes and origins of all links. base: dofs of a free base whose axes the frame has, or 0. */
 RBDI_PART void rbdi_poses(const rbd_model *m, rbd_derivatives *d, int base) {
     const int known = base ? 0 : -1; /* the last link that is where the frame is */
-    rbdi_axes p;                     /* of the link before, then of link i */
-    rbdi_world_axes(&p);
+    rbdi_pose p = rbdi_world_pose(); /* of the link before, then of link i */
 
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
 
         if (l->parent <= known) {
-            rbdi_world_axes(&p);
+            p = rbdi_world_pose();
         } else if (l->parent != i - 1) {
-            const rbdi_pose parent = rbdi_common_pose(m, d, l->parent);
-            rbdi_load_axes(&p, &parent);
+            p = rbdi_common_pose(m, d, l->parent);
         }
 
         if (!rbdi_is(l, RBDI_BLOCK))
-            RBDI_BY_FLAGS(flags, l, rbdi_axes_step(l, flags, rbdi_trig_of(m, d->work, i, flags), &p));
-        else if (i > 0 || !base)
-            rbdi_axes_block(&d->work->block[l->block].X, rbdi_on_world(l), &p);
+            RBDI_BY_FLAGS(const int flags, l,
+                          p = rbdi_pose_step(l, flags, rbdi_trig_of(m, d->work, i, flags), p));
+        else if (!rbdi_on_world(l))
+            p = rbdi_pose_block(&d->work->block[l->block].X, p);
+        else if (!base || i > 0)
+            p.E = d->work->block[l->block].X.E; /* the origin stays 0 */
 
         if (d->origin[i] >= 0) {
-            if (d->origin[i] < i) rbdi_move_origin(m, d, i, rbdi_axis_vec(&p.origin));
-            rbdi_set_axis(&p.origin, rbdi_vec0());
+            if (d->origin[i] < i) rbdi_move_origin(m, d, i, p.r);
+            p.r = rbdi_vec0();
         }
 
         if (rbdi_is(l, RBDI_BLOCK)) {
-            const rbdi_axes own = p; /* an address of p would keep it in memory */
+            const rbdi_pose own = p; /* an address of p would keep it in memory */
             rbdi_put_block_axes(m, d, l, i == 0 && base ? base - 1 : l->first, &own);
         } else
-            rbdi_put_axes(d, l->first, &p.x, &p.y, &p.z, &p.origin);
+            rbdi_put_axes(d, l->first, rbdi_vec(p.E.xx, p.E.xy, p.E.xz), rbdi_vec(p.E.yx, p.E.yy, p.E.yz),
+                          rbdi_vec(p.E.zx, p.E.zy, p.E.zz), p.r);
     }
 }
 

@@ -1,9 +1,9 @@
 #ifndef RBDI_DERIVATIVES_DYNAMICS_H
 #define RBDI_DERIVATIVES_DYNAMICS_H
-#include "dynamics/packed.h"
 #include "dynamics/pivots.h"
 #include "derivatives/base_entries.h"
 #include "derivatives/memory.h"
+#include "derivatives/solve_two.h"
 
 /* ---- derivatives of inverse dynamics [inverse dynamics code] ---- */
 
@@ -223,7 +223,10 @@ RBDI_INLINE void rbdi_acceleration_derivatives(const rbd_model *m, rbd_derivativ
     rbdi_put_entries(m, d, da_dq, da_dv, NULL, 0);
     if (d->base) rbdi_put_turns(d, da_dq, da_dv);
 
-    rbdi_solve_columns(m, d->work, d->work->H, -1, m->nv, m->nv - first, one, other);
+    if (other)
+        rbdi_solve_two(m, d->work, d->work->H, -1, m->nv, m->nv - first, one, other);
+    else
+        rbdi_solve_columns(m, d->work, d->work->H, -1, m->nv, m->nv - first, one);
 }
 
 RBDI_API rbd_status rbd_fd_derivatives(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,

@@ -6,6 +6,26 @@
 /* ---- regressors and inertial parameters [identification code] ----
    f = I a + v x* I v (RBDA table 5.1) is linear in a body's parameters, f = K pi: row i of Y is S_i' K. */
 
+/* Four parameters of a body, or their factors. add: y += factor x; scale: y = factor x. */
+typedef struct rbdi_four {
+    rbd_real x, y, z, w;
+} rbdi_four;
+
+RBDI_INLINE void rbdi_set_four(rbdi_four *y, rbd_real a, rbd_real b, rbd_real c, rbd_real d) {
+    y->x = a;
+    y->y = b;
+    y->z = c;
+    y->w = d;
+}
+
+RBDI_INLINE void rbdi_scale_four(rbdi_four *y, rbd_real factor, const rbdi_four *x) {
+    rbdi_set_four(y, x->x * factor, x->y * factor, x->z * factor, x->w * factor);
+}
+
+RBDI_INLINE void rbdi_add_four(rbdi_four *y, rbd_real factor, const rbdi_four *x) {
+    rbdi_set_four(y, y->x + x->x * factor, y->y + x->y * factor, y->z + x->z * factor, y->w + x->w * factor);
+}
+
 /* y += a_1 x_1 + a_2 x_2 + a_3 x_3; and y = this sum. */
 RBDI_INLINE void rbdi_add_fours(rbdi_four *y, rbdi_v3 a, const rbdi_four x[3]) {
     rbdi_add_four(y, a.x, &x[0]);
@@ -50,11 +70,11 @@ RBDI_INLINE void rbdi_place_body(const rbd_model *m, const rbd_derivatives *d, c
 RBDI_INLINE rbdi_v3 rbdi_to_body(const rbdi_placement *p, rbdi_v3 a) {
     rbdi_four y;
     rbdi_combine_fours(&y, a, p->row);
-    return rbdi_vec(rbdi_one_of(&y, 1), rbdi_one_of(&y, 2), rbdi_one_of(&y, 3));
+    return rbdi_vec(y.y, y.z, y.w);
 }
 
 RBDI_INLINE rbdi_v3 rbdi_origin_of(const rbdi_placement *p) {
-    return rbdi_vec(rbdi_one_of(&p->row[0], 0), rbdi_one_of(&p->row[1], 0), rbdi_one_of(&p->row[2], 0));
+    return rbdi_vec(p->row[0].x, p->row[1].x, p->row[2].x);
 }
 
 /* The motion of all links. base: dofs of a free base whose axes the frame has, or 0. */
@@ -108,8 +128,7 @@ RBDI_PART void rbdi_unit_wrenches(const rbd_derivatives *d, int last, const rbdi
     /* row i of the forces: (acc_i 0 0 0) + Omega_i (x R); of the moments of inertia: R_i times those in
        body axes */
     RBDI_UNROLL_SIX for (int i = 0; i < 3; ++i) {
-        const rbdi_v3 R =
-            rbdi_vec(rbdi_one_of(&p->row[i], 1), rbdi_one_of(&p->row[i], 2), rbdi_one_of(&p->row[i], 3));
+        const rbdi_v3 R = rbdi_vec(p->row[i].y, p->row[i].z, p->row[i].w);
         rbdi_set_four(&f[i], acc[i * RBDI_BATCH], o, o, o);
         rbdi_add_fours(&f[i], rbdi_load_vec(Omega + 3 * i * RBDI_BATCH, RBDI_BATCH), p->row);
         *(rbdi_four *)&K[(3 + i) * stride] = f[i];
@@ -121,10 +140,10 @@ RBDI_PART void rbdi_unit_wrenches(const rbd_derivatives *d, int last, const rbdi
     RBDI_UNROLL_SIX for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
         rbdi_four n;
-        rbdi_scale_four(&n, rbdi_one_of(&f[k], 0), &p->row[j]);
-        rbdi_add_four(&n, -rbdi_one_of(&f[j], 0), &p->row[k]);
-        rbdi_add_four(&n, rbdi_one_of(&p->row[j], 0), &f[k]);
-        rbdi_add_four(&n, -rbdi_one_of(&p->row[k], 0), &f[j]);
+        rbdi_scale_four(&n, f[k].x, &p->row[j]);
+        rbdi_add_four(&n, -f[j].x, &p->row[k]);
+        rbdi_add_four(&n, p->row[j].x, &f[k]);
+        rbdi_add_four(&n, -p->row[k].x, &f[j]);
         *(rbdi_four *)&K[i * stride] = n;
         K[i * stride] = K[i * stride] * RBD_C(0.5);
     }

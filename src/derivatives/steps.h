@@ -111,7 +111,7 @@ static void rbdi_fill_ad(rbdi_ad_function f, rbdi_motion d, rbd_real scale, rbd_
 static void rbdi_put_step(const rbd_model *m, const rbdi_frame *body, int which, const rbd_real *d,
                           rbd_real sign, rbd_real scale, rbd_real *out) {
     const ptrdiff_t nv = m->nv;
-    const int first = body->type == RBD_PLANAR ? 2 : 0;
+    const int first = rbdi_first_axis(body->type);
     rbd_real t[7], J[6][6];
     rbdi_motion step;
 

@@ -1,6 +1,6 @@
 #ifndef RBDI_DYNAMICS_ABA_PIVOTS_H
 #define RBDI_DYNAMICS_ABA_PIVOTS_H
-#include "dynamics/aba.h"
+#include "dynamics/aba_elimination.h"
 #include "dynamics/pivots.h"
 
 /* -- by articulated bodies --
@@ -18,6 +18,7 @@
 RBDI_COLD void rbdi_pivot_axis(const rbd_model *m, const rbd_work *w, int i, int k, rbd_real S[6],
                                rbd_real V[6]) {
     const rbdi_link *l = &m->link[i];
+
     for (int j = 0; j < 6; ++j) S[j] = rbdi_zero();
 
     if (rbdi_is(l, RBDI_BLOCK)) {
@@ -27,6 +28,7 @@ RBDI_COLD void rbdi_pivot_axis(const rbd_model *m, const rbd_work *w, int i, int
         for (int j = 0; j < 6; ++j) V[j] = j < end ? w->block[l->block].U_D[k][j] : S[j];
         return;
     }
+
     S[2] = rbdi_set(l->rho);
     S[5] = rbdi_set(l->kappa);
     rbdi_store_force(V, 1, w->scratch[i].U_D);
@@ -36,6 +38,7 @@ RBDI_COLD void rbdi_pivot_axis(const rbd_model *m, const rbd_work *w, int i, int
 /* K becomes P' K P + V G V'. Returns S' K S. */
 RBDI_COLD rbd_real rbdi_give_way(rbd_real K[6][6], const rbd_real S[6], const rbd_real V[6], rbd_real G) {
     rbd_real KS[6], e = rbdi_zero();
+
     for (int i = 0; i < 6; ++i) {
         KS[i] = rbdi_zero();
         for (int j = 0; j < 6; ++j) KS[i] = KS[i] + K[i][j] * S[j];
@@ -69,6 +72,7 @@ RBDI_COLD rbdi_pose rbdi_pose_in_parent(const rbd_model *m, const rbd_work *w, i
         axis[j] = rbdi_set(RBD_C(1));
         rbdi_store_vec(column[j], 1, rbdi_down(l, flags, t, rbdi_load_vec(axis, 1)));
     }
+
     X.E.xx = column[0][0];
     X.E.xy = column[1][0];
     X.E.xz = column[2][0];
@@ -96,6 +100,7 @@ RBDI_COLD void rbdi_check_link(const rbd_model *m, rbd_work *w, int i, rbdi_mask
     const rbdi_link *l = &m->link[i];
     rbd_real own[6], S[6], V[6];
     rbdi_pose X;
+
     for (int b = 0; b < m->nb; ++b) {
         if (m->frame[b].link != i) continue;
         rbdi_body_inertia(m, b, own);
@@ -112,6 +117,7 @@ RBDI_COLD void rbdi_check_link(const rbd_model *m, rbd_work *w, int i, rbdi_mask
     }
 
     if (l->parent < 0) return;
+
     X = rbdi_pose_in_parent(m, w, i);
     rbdi_add_rounding(K, 0);
     rbdi_add_rounding(K, 3);
@@ -121,23 +127,28 @@ RBDI_COLD void rbdi_check_link(const rbd_model *m, rbd_work *w, int i, rbdi_mask
 /* Checks the pivots of the last pass 2. */
 RBDI_COLD void rbdi_check_bodies(const rbd_model *m, rbd_work *w, rbdi_mask doubt) {
     rbd_real K[6][6];
+
     for (int k = 0; k < m->nbranch; ++k) w->branch[k].I = rbdi_abi_zero();
     rbdi_clear(K[0], 36);
 
     for (int i = m->nl - 1; i >= 0; --i) {
         const rbdi_link *l = &m->link[i];
+
         if (l->branch >= 0) {
             rbd_real L[6][6];
             rbdi_abi_to_array(w->branch[l->branch].I, L);
             for (int r = 0; r < 6; ++r)
-                for (int c = 0; c < 6; ++c) K[r][c] = K[r][c] + L[r > c ? r : c][r > c ? c : r];
+                for (int s = 0; s < 6; ++s) K[r][s] = K[r][s] + L[r > s ? r : s][r > s ? s : r];
         }
+
         rbdi_check_link(m, w, i, doubt, K);
         if (l->parent == i - 1) continue;
+
         if (l->parent >= 0) {
             rbdi_branch *branch = &w->branch[m->link[l->parent].branch];
             branch->I = rbdi_abi_add(branch->I, rbdi_abi_from_array(K));
         }
+
         rbdi_clear(K[0], 36);
     }
 }

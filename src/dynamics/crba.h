@@ -22,10 +22,12 @@ RBDI_INLINE rbdi_rbi rbdi_rbi_up(const rbdi_link *l, int flags, rbdi_trig t, rbd
     if (!(flags & RBDI_SHIFT_R)) return rbdi_rbi_uncycle(C);
     if (!(flags & RBDI_SHIFT_XYZ))
         return rbdi_rbi_uncycle(rbdi_rbi_shift_z(rbdi_set(l->r.x), l->subtree_mass, C));
+
     C = rbdi_rbi_uncycle(C);
     if (flags & RBDI_BRANCH_TURN) C = rbdi_rbi_up_z(0, rbdi_set(l->cb), rbdi_set(l->sb), C);
     return rbdi_rbi_shift(rbdi_vec_c(l->r), l->subtree_mass, C);
 }
+
 RBDI_INLINE rbdi_rbi rbdi_rbi_up_block(const rbdi_pose *X, rbd_const mass, rbdi_rbi C) {
     C.Sigma = rbdi_sym_up(X->E, C.Sigma);
     C.h = rbdi_mul_t(X->E, C.h);
@@ -44,20 +46,34 @@ RBDI_INLINE rbdi_rbi rbdi_rbi_add_link(const rbdi_link *l, rbdi_rbi C) {
 RBDI_INLINE rbdi_force rbdi_rbi_column(rbdi_rbi C, rbd_const subtree_mass, int k) {
     const rbd_real o = rbdi_zero(), mass = rbdi_set(subtree_mass);
     rbdi_force F;
+
     switch (k) {
     case 0:
-        F.n = rbdi_vec(C.Sigma.yy + C.Sigma.zz, -C.Sigma.xy, -C.Sigma.xz), F.f = rbdi_vec(o, -C.h.z, C.h.y);
+        F.n = rbdi_vec(C.Sigma.yy + C.Sigma.zz, -C.Sigma.xy, -C.Sigma.xz);
+        F.f = rbdi_vec(o, -C.h.z, C.h.y);
         break;
     case 1:
-        F.n = rbdi_vec(-C.Sigma.xy, C.Sigma.xx + C.Sigma.zz, -C.Sigma.yz), F.f = rbdi_vec(C.h.z, o, -C.h.x);
+        F.n = rbdi_vec(-C.Sigma.xy, C.Sigma.xx + C.Sigma.zz, -C.Sigma.yz);
+        F.f = rbdi_vec(C.h.z, o, -C.h.x);
         break;
     case 2:
-        F.n = rbdi_vec(-C.Sigma.xz, -C.Sigma.yz, C.Sigma.xx + C.Sigma.yy), F.f = rbdi_vec(-C.h.y, C.h.x, o);
+        F.n = rbdi_vec(-C.Sigma.xz, -C.Sigma.yz, C.Sigma.xx + C.Sigma.yy);
+        F.f = rbdi_vec(-C.h.y, C.h.x, o);
         break;
-    case 3: F.n = rbdi_vec(o, C.h.z, -C.h.y), F.f = rbdi_vec(mass, o, o); break;
-    case 4: F.n = rbdi_vec(-C.h.z, o, C.h.x), F.f = rbdi_vec(o, mass, o); break;
-    default: F.n = rbdi_vec(C.h.y, -C.h.x, o), F.f = rbdi_vec(o, o, mass); break;
+    case 3:
+        F.n = rbdi_vec(o, C.h.z, -C.h.y);
+        F.f = rbdi_vec(mass, o, o);
+        break;
+    case 4:
+        F.n = rbdi_vec(-C.h.z, o, C.h.x);
+        F.f = rbdi_vec(o, mass, o);
+        break;
+    default:
+        F.n = rbdi_vec(C.h.y, -C.h.x, o);
+        F.f = rbdi_vec(o, o, mass);
+        break;
     }
+
     return F;
 }
 
@@ -82,18 +98,22 @@ RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int 
     const rbdi_trig t = rbdi_trig_of(m, w, i, flags);
 #if RBDI_BATCH > 1
     rbd_real F[6];
+
     rbdi_store_force(F, 1, own);
     for (int k = l->end - RBDI_BATCH; k > l->first - RBDI_BATCH; k -= RBDI_BATCH) {
         rbdi_batch x[6];
         rbd_real *moment = &w->F[k], *force = moment + 3 * stride;
+
         RBDI_UNROLL_SIX for (int j = 0; j < 3; ++j) {
             x[j] = *(const rbdi_batch *)&moment[j * stride];
             x[j + 3] = *(const rbdi_batch *)&force[j * stride];
         }
+
         if (k <= l->first) {
             RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j)
                 x[j] = rbdi_insert(x[j], l->first - k, F[j]);
         }
+
         rbdi_batch_up(l, flags, t, x);
         RBDI_UNROLL_SIX for (int j = 0; j < 3; ++j) {
             *(rbdi_batch *)&moment[j * stride] = x[j];
@@ -106,12 +126,13 @@ RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int 
         rbdi_store_force(&w->F[k], stride, rbdi_force_up(l, flags, t, rbdi_load_force(&w->F[k], stride)));
 #endif
 }
+
 RBDI_PART void rbdi_crba_up_block(const rbdi_pose *X, rbd_real *F, ptrdiff_t stride, int n) {
     for (int k = 0; k < n; ++k)
         rbdi_store_force(&F[k], stride, rbdi_force_up_block(X, rbdi_load_force(&F[k], stride)));
 }
 
-/* Where the entries of an ancestor dof c go: the column of packed rows at its depth, or row and column c of
+/* Where the entries of an ancestor dof k go: the column of packed rows at its depth, or row and column k of
    the full matrix. */
 typedef struct rbdi_entries {
     int full, nv;
@@ -119,30 +140,35 @@ typedef struct rbdi_entries {
     const rbdi_order *order;
 } rbdi_entries;
 
-RBDI_INLINE rbdi_entries rbdi_crba_column(const rbd_model *m, int c, int depth, rbd_real *H, rbd_real *M) {
+RBDI_INLINE rbdi_entries rbdi_crba_column(const rbd_model *m, int k, int depth, rbd_real *H, rbd_real *M) {
     rbdi_entries e;
+
     e.full = M != NULL;
     e.H = M ? NULL : H + depth;
-    e.row = M ? M + (ptrdiff_t)c * m->nv : NULL;
-    e.column = M ? M + c : NULL;
+    e.row = M ? M + (ptrdiff_t)k * m->nv : NULL;
+    e.column = M ? M + k : NULL;
     e.order = m->order;
     e.nv = m->nv;
     return e;
 }
+
 /* The entry of solver's dof j. */
 RBDI_INLINE void rbdi_crba_put(rbdi_entries e, int j, rbd_real x) {
-    if (e.full)
-        e.row[e.order[j].dof] = e.column[(ptrdiff_t)e.order[j].dof * e.nv] = x;
-    else
+    if (!e.full) {
         e.H[e.order[j].row] = x;
+        return;
+    }
+    e.column[(ptrdiff_t)e.order[j].dof * e.nv] = x;
+    e.row[e.order[j].dof] = x;
 }
 
-/* Wrenches that unit accelerations of link i's own dofs take, and the entries that the link's dofs and
-   those of its subtree make: S' F. */
+/* Block link: the wrenches F that unit accelerations of its own n dofs take, and the entries S' F of these
+   and of all dofs of its subtree. */
 RBDI_INLINE void rbdi_crba_entries_block(const rbd_model *m, const rbd_work *w, const rbdi_link *l, int first,
                                          int n, ptrdiff_t stride, rbdi_rbi C, rbd_real *H, rbd_real *M) {
     const int iv = l->iv, depth = m->dof[iv].level;
     const rbd_real *F = &w->F[stride * first];
+
     RBDI_UNROLL_SIX for (int k = 0; k < n; ++k) {
         const rbdi_force own = rbdi_rbi_column(C, l->subtree_mass, first + k);
         rbd_real all[6];
@@ -152,22 +178,28 @@ RBDI_INLINE void rbdi_crba_entries_block(const rbd_model *m, const rbd_work *w, 
         RBDI_UNROLL_SIX for (int j = 0; j <= k; ++j)
             rbdi_crba_put(rbdi_crba_column(m, iv + j, depth + j, H, M), l->first + k, all[first + j]);
     }
-    for (int j = l->first + n; j < l->end; ++j) RBDI_UNROLL_SIX
-        for (int k = 0; k < n; ++k)
+
+    for (int j = l->first + n; j < l->end; ++j) {
+        RBDI_UNROLL_SIX for (int k = 0; k < n; ++k)
             rbdi_crba_put(rbdi_crba_column(m, iv + k, depth + k, H, M), j, F[stride * k + j]);
+    }
 }
+
+/* One-axis link: the entries of its own dof, whose wrench is `own`, and of all others of its subtree. */
 RBDI_INLINE void rbdi_crba_entries(const rbd_model *m, const rbd_work *w, int i, int flags, ptrdiff_t stride,
                                    rbdi_force own, rbd_real *H, rbd_real *M) {
     const rbdi_link *l = &m->link[i];
     const rbdi_dof *dof = &m->dof[l->iv];
     const rbdi_entries e = rbdi_crba_column(m, l->iv, dof->level, H, M);
-    const rbd_real *N = &w->F[2 * stride], *F = &w->F[5 * stride];
+    const rbd_real *n_z = &w->F[2 * stride], *f_z = &w->F[5 * stride];
     rbd_real D = rbdi_along_axis(l, flags, own);
+
     if (flags & (RBDI_SLIDES | RBDI_ARMATURE)) D = D + dof->armature;
     rbdi_crba_put(e, l->first, D);
+
     for (int j = l->first + 1; j < l->end; ++j) {
-        rbd_real x = N[j];
-        if (flags & RBDI_SLIDES) x = x * l->rho + F[j] * l->kappa;
+        rbd_real x = n_z[j];
+        if (flags & RBDI_SLIDES) x = x * l->rho + f_z[j] * l->kappa;
         rbdi_crba_put(e, j, x);
     }
 }
@@ -183,18 +215,22 @@ RBDI_INLINE rbdi_rbi rbdi_crba_axis(const rbd_model *m, const rbd_work *w, int i
     rbdi_crba_up(m, w, i, flags, stride, own);
     return rbdi_rbi_up(l, flags, rbdi_trig_of(m, w, i, flags), C);
 }
+
 RBDI_PART void rbdi_crba_block(const rbd_model *m, const rbd_work *w, int i, ptrdiff_t stride, rbdi_rbi *C,
                                rbd_real *H, rbd_real *M) {
     const rbdi_link *l = &m->link[i];
     const rbdi_block *b = rbdi_block_of(m, l);
     const ptrdiff_t usual = RBDI_FIXED_STRIDE ? RBDI_FIXED_STRIDE : stride; /* known to the compiler */
+
     if (b->n < 6 || stride != usual)
         rbdi_crba_entries_block(m, w, l, b->first, b->n, stride, *C, H, M);
     else if (M)
         rbdi_crba_entries_block(m, w, l, 0, 6, usual, *C, NULL, M);
     else
         rbdi_crba_entries_block(m, w, l, 0, 6, usual, *C, H, NULL);
+
     if (rbdi_on_world(l)) return;
+
     rbdi_crba_up_block(&w->block[l->block].X, &w->F[l->first], stride, l->end - l->first);
     *C = rbdi_rbi_up_block(&w->block[l->block].X, l->subtree_mass, *C);
 }
@@ -206,14 +242,17 @@ RBDI_INLINE rbdi_rbi rbdi_crba_step(const rbd_model *m, const rbd_work *w, int i
     const rbdi_link *l = &m->link[i];
     const int off_chain = flags & RBDI_OFF_CHAIN;
     rbdi_rbi C = rbdi_rbi_add_link(l, carried);
+
     if (off_chain && l->branch >= 0) C = rbdi_rbi_add(C, w->branch[l->branch].C);
     if (rbdi_block_link(l, flags)) {
         rbdi_rbi block = C; /* an address of C would keep it in memory */
         rbdi_crba_block(m, w, i, stride, &block, H, M);
         C = block;
-    } else
+    } else {
         C = rbdi_crba_axis(m, w, i, flags, stride, C, H, M);
+    }
     if (!off_chain || l->parent == i - 1) return C;
+
     if (l->parent >= 0) {
         rbdi_branch *branch = &w->branch[m->link[l->parent].branch];
         branch->C = rbdi_rbi_add(branch->C, C);
@@ -235,16 +274,18 @@ RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_rea
     const rbd_work work = *w;
     const ptrdiff_t stride = rbdi_stride(m), usual = RBDI_FIXED_STRIDE ? RBDI_FIXED_STRIDE : stride;
     rbdi_rbi carried = rbdi_rbi_zero(), any = carried; /* an address of carried would keep it in memory */
+
     for (int i = 0; i < m->nbranch; ++i) w->branch[i].C = carried;
     for (int i = m->nl - 1; RBDI_FIXED_STRIDE && stride != RBDI_FIXED_STRIDE && i >= 0; --i)
         rbdi_crba_link(&model, &work, i, stride, &any, H, M);
     if (RBDI_FIXED_STRIDE && stride != RBDI_FIXED_STRIDE) return;
+
     for (int i = m->nl - 1; i >= 0; --i)
         if (RBDI_FOR_SPEED || full)
-            RBDI_BY_FLAGS_OF(RBDI_CASES, flags, &model.link[i],
+            RBDI_BY_FLAGS_OF(RBDI_CASES, const int flags, &model.link[i],
                              carried = rbdi_crba_step(&model, &work, i, flags, usual, carried, H, M));
         else
-            RBDI_BY_FLAGS_OF(RBDI_NO_CASES, flags, &model.link[i],
+            RBDI_BY_FLAGS_OF(RBDI_NO_CASES, const int flags, &model.link[i],
                              carried = rbdi_crba_step(&model, &work, i, flags, usual, carried, H, M));
 }
 
@@ -252,6 +293,7 @@ RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_rea
 RBDI_INLINE int rbdi_source(const rbd_model *m, int k) {
     return k < m->nv ? k : m->mimic[k - m->nv].source_v;
 }
+
 RBDI_INLINE rbd_real rbdi_ratio(const rbd_model *m, int k) {
     return rbdi_set(k < m->nv ? RBD_C(1) : m->mimic[k - m->nv].ratio);
 }
@@ -262,10 +304,15 @@ RBDI_PART void rbdi_reduce_H(const rbd_model *m, rbd_real *H) {
     for (int s = 0; s < m->nv + rbdi_mimics(m); ++s) {
         const int i = m->order[s].dof, a = rbdi_source(m, i);
         const rbd_real *h = &H[m->order[s].row + m->dof[i].level], k = rbdi_ratio(m, i);
-        H[m->dof[a].row + m->dof[a].depth] = H[m->dof[a].row + m->dof[a].depth] + *h * k * k;
+
+        rbd_real *diagonal = &H[m->dof[a].row + m->dof[a].depth];
+
+        *diagonal = *diagonal + *h * k * k;
         for (int j = m->dof[i].before; j >= 0; j = m->dof[j].before) {
             const int b = rbdi_source(m, j);
-            rbd_real *entry = &H[m->dof[a > b ? a : b].row + m->dof[a > b ? b : a].depth], x = *--h * k;
+            rbd_real *entry = &H[m->dof[a > b ? a : b].row + m->dof[a > b ? b : a].depth], x;
+            --h;
+            x = *h * k;
             if (j >= m->nv) x = x * rbdi_ratio(m, j);
             *entry = *entry + (a == b ? x + x : x);
         }
@@ -291,6 +338,7 @@ RBDI_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_r
 RBDI_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *M) {
     const rbd_status status = rbdi_check(m, w, q && M);
     if (status) return status;
+
     if (m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear(M, m->nv * m->nv);
     if (rbdi_mimics(m)) {
         rbd_crba_packed(m, w, q, w->H);
@@ -299,6 +347,7 @@ RBDI_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q,
                 M[i * m->nv + j] = M[j * m->nv + i] = w->H[k];
         return RBD_OK;
     }
+
     rbdi_joints(m, w, q);
     rbdi_crba(m, w, NULL, M, 1);
     return RBD_OK;

@@ -2,6 +2,7 @@
 #define RBDI_DYNAMICS_FORWARD_H
 #include "api/model.h"
 #include "dynamics/rnea.h"
+#include "dynamics/aba.h"
 #include "dynamics/packed.h"
 #include "dynamics/aba_pivots.h"
 
@@ -15,6 +16,7 @@ RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
 #ifndef RBD_NO_CHOLESKY
     if (rbdi_mimics(m)) return rbd_fd_cholesky(m, w, q, v, tau, f_ext, a);
 #endif
+
     rbdi_joints(m, w, q);
     rbdi_aba_velocities(m, w, v, 0);
     rbdi_external(m, w, f_ext);
@@ -29,6 +31,7 @@ RBDI_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_r
     rbdi_mask doubt;
     const rbd_status status = rbdi_check(m, w, q && v && tau && a);
     if (status) return status;
+
     rbd_crba_packed(m, w, q, w->H);
     doubt = rbdi_factor(m, w, w->H);
     rbdi_rnea(m, w, rbdi_expand_v(m, v, w->vx), w->zero, f_ext, rbdi_mimics(m) ? w->tx : w->bias);
@@ -49,12 +52,14 @@ RBDI_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, 
 RBDI_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *M, rbd_real *L) {
     const rbd_status status = rbdi_check(m, w, M && L);
     if (status) return status;
+
     for (int i = 0; i < m->nv; ++i) { /* L may be M, because packed rows end before the full ones do */
         const int depth = m->dof[i].depth;
         rbd_real *row = &L[m->dof[i].row];
         for (int t = depth, j = i; t >= 0; --t, j = m->dof[j].lambda) w->bias[t] = M[i * m->nv + j];
         for (int t = 0; t <= depth; ++t) row[t] = w->bias[t];
     }
+
     return rbd_cholesky_factor_packed(m, w, L);
 }
 
@@ -73,7 +78,7 @@ RBDI_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, con
     if (status) return status;
     if (n <= 0) return RBD_OK;
     for (ptrdiff_t k = 0; X != B && k < (ptrdiff_t)m->nv * n; ++k) X[k] = B[k];
-    rbdi_solve_columns(m, w, L, 1, n, n, X, NULL);
+    rbdi_solve_columns(m, w, L, 1, n, n, X);
     return RBD_OK;
 }
 

@@ -45,6 +45,7 @@ RBDI_PART void rbdi_check_pivot(rbd_work *w, int k, rbd_real e, rbdi_mask doubt)
 RBDI_PART rbd_status rbdi_pivot_status(const rbd_model *m, rbd_work *w, rbd_real *x, int n) {
     const rbd_real half = rbdi_set(RBD_C(0.5)), o = rbdi_zero();
     rbdi_mask good = rbdi_less(o, half), number = good;
+
     w->singular = -1;
     for (int k = m->nv - 1; k >= 0; --k) {
         const rbdi_mask ok = rbdi_less(half, w->pivot[k]);
@@ -53,8 +54,10 @@ RBDI_PART rbd_status rbdi_pivot_status(const rbd_model *m, rbd_work *w, rbd_real
         w->singular = k;
         number = rbdi_less(-half, w->pivot[k]);
     }
+
     for (int k = 0; k < n; ++k) x[k] = rbdi_select(good, x[k], o);
     if (w->singular < 0) return RBD_OK;
+
     return rbdi_any(rbdi_not(number)) ? RBD_ERR_NAN : RBD_ERR_SINGULAR;
 }
 
@@ -64,10 +67,10 @@ RBDI_PART rbd_status rbdi_pivot_status(const rbd_model *m, rbd_work *w, rbd_real
 RBDI_COLD void rbdi_body_inertia(const rbd_model *m, int b, rbd_real own[6]) {
     const rbdi_frame *u = &m->frame[b];
     const rbdi_mat E = rbdi_mat_c(u->E);
-    const rbdi_v3 user = rbdi_vec_c(m->frame[m->dof[m->link[u->link].iv].body].r), r = rbdi_vec_c(u->r),
-                  c = rbdi_mul_t(E, rbdi_vec_c(u->com)), p = rbdi_add(r, c);
+    const rbdi_v3 user = rbdi_vec_c(m->frame[m->dof[m->link[u->link].iv].body].r);
+    const rbdi_v3 r = rbdi_vec_c(u->r), com = rbdi_mul_t(E, rbdi_vec_c(u->com)), p = rbdi_add(r, com);
     const rbd_real mass = rbdi_set(u->mass);
-    const rbd_real levers = rbdi_dot(r, r) + rbdi_dot(c, c) + rbdi_dot(user, user);
+    const rbd_real levers = rbdi_dot(r, r) + rbdi_dot(com, com) + rbdi_dot(user, user);
 
     const rbdi_sym S = rbdi_sym_up(E, rbdi_sym_c(u->I));
     const rbd_real xx = rbdi_abs(S.xx), yy = rbdi_abs(S.yy), zz = rbdi_abs(S.zz);
@@ -114,10 +117,12 @@ RBDI_COLD void rbdi_check_factor(const rbd_model *m, rbd_work *w, const rbd_real
             const rbd_real factor = L[m->dof[k].row + t];
             K[i] = K[i] + factor * factor * rbdi_abs(w->pivot[k]);
         }
+
     rbdi_add_links(m, K);
 
     for (int k = 0; k < n; ++k) {
         rbd_real e = K[k] + m->dof[k].armature;
+
         y[k] = rbdi_set(RBD_C(1));
         for (int j = k + 1; j < n; ++j) {
             const rbd_real *row = &L[m->dof[j].row];
@@ -126,6 +131,7 @@ RBDI_COLD void rbdi_check_factor(const rbd_model *m, rbd_work *w, const rbd_real
                 y[j] = y[j] - row[t] * y[i];
             e = e + y[j] * y[j] * K[j];
         }
+
         rbdi_check_pivot(w, k, e, doubt);
     }
 }

@@ -31,14 +31,16 @@ RBDI_INLINE rbdi_v3 rbdi_shift_acceleration(const rbdi_link *l, int flags, rbdi_
     return rbdi_vec(O.xx * l->r.x, O.yx * l->r.x, O.zx * l->r.x);
 }
 
-/* Velocity and acceleration of a link from its parent's, p. Classical accelerations: the linear velocity
-   never appears. */
+/* Velocity and acceleration of a one-axis link from its parent's, p, by the formulas of [state]. The linear
+   velocity never appears. */
 RBDI_INLINE rbdi_state rbdi_forward_axis(const rbdi_link *l, int flags, rbdi_trig t, rbdi_state p,
                                          rbd_real qd, rbd_real qdd) {
     const int screw = flags & RBDI_SLIDES;
     rbd_real turn = screw ? qd * l->rho : qd, turn_rate = screw ? qdd * l->rho : qdd;
     rbdi_v3 omega = rbdi_vec0();
     rbdi_state s;
+
+    /* omega, omega_dot, acc_p + Omega_p r */
     if (flags & RBDI_ROOT) {
         s.omega = rbdi_vec(rbdi_zero(), rbdi_zero(), turn);
         s.omega_dot = rbdi_vec(rbdi_zero(), rbdi_zero(), turn_rate);
@@ -50,6 +52,8 @@ RBDI_INLINE rbdi_state rbdi_forward_axis(const rbdi_link *l, int flags, rbdi_tri
         s.omega = rbdi_vec(omega.x, omega.y, omega.z + turn);
         if (flags & RBDI_SHIFT_R) p.acc = rbdi_add(p.acc, rbdi_shift_acceleration(l, flags, p));
     }
+
+    /* acc = E (acc_p + Omega_p r) + Omega d z + 2 (E omega_p) x z slide + z slide_dot */
     s.acc = rbdi_down(l, flags, t, p.acc);
     if (flags & RBDI_SHIFT_Z) { /* points of the axis belong to both bodies */
         const rbdi_mat O = rbdi_omega(s.omega, s.omega_dot);
@@ -57,12 +61,14 @@ RBDI_INLINE rbdi_state rbdi_forward_axis(const rbdi_link *l, int flags, rbdi_tri
         s.acc.y = s.acc.y + t.d * O.yz;
         s.acc.z = s.acc.z + t.d * O.zz;
     }
+
     if (screw) {
         rbd_real k = (qd + qd) * l->kappa;
         s.acc.x = s.acc.x + k * omega.y;
         s.acc.y = s.acc.y - k * omega.x;
         s.acc.z = s.acc.z + qdd * l->kappa;
     }
+
     return s;
 }
 
@@ -74,11 +80,13 @@ RBDI_PART void rbdi_forward_block(const rbd_model *m, const rbd_work *w, const r
     const rbdi_motion J = rbdi_block_motion(b, &v[l->iv]), Jd = rbdi_block_motion(b, &a[l->iv]);
     rbdi_motion c;
     rbdi_v3 omega = rbdi_vec0(), omega_dot = omega, acc = s->acc;
+
     if (!rbdi_on_world(l)) {
         omega = rbdi_mul(X->E, s->omega);
         omega_dot = rbdi_mul(X->E, s->omega_dot);
         acc = rbdi_add(acc, rbdi_mul(rbdi_omega(s->omega, s->omega_dot), X->r));
     }
+
     c = rbdi_joint_product(omega, J);
     s->omega = rbdi_add(omega, J.omega);
     s->omega_dot = rbdi_add(omega_dot, rbdi_add(c.omega, Jd.omega));
@@ -99,23 +107,30 @@ RBDI_INLINE rbdi_force rbdi_wrench(const rbdi_link *l, int flags, rbdi_mat O, co
     const rbdi_csym Sigma = l->Sigma;
     const rbdi_c3 h = l->h;
     rbdi_force F;
+
+    /* Omega h and Omega Sigma, without h_z and Sigma_zz */
     F.f.x = O.xx * h.x + O.xy * h.y;
     F.f.y = O.yx * h.x + O.yy * h.y;
     F.f.z = O.zx * h.x + O.zy * h.y;
     F.n.x = O.zx * Sigma.xy + O.zy * Sigma.yy + (O.zz - O.yy) * Sigma.yz - O.yx * Sigma.xz;
     F.n.y = O.xy * Sigma.yz + (O.xx - O.zz) * Sigma.xz - O.zx * Sigma.xx - O.zy * Sigma.xy;
     F.n.z = O.yx * Sigma.xx + (O.yy - O.xx) * Sigma.xy + O.yz * Sigma.xz - O.xy * Sigma.yy - O.xz * Sigma.yz;
+
+    /* acc h', without h_z */
     if (acc) {
         F.n.x = F.n.x + acc->z * h.y;
         F.n.y = F.n.y - acc->z * h.x;
         F.n.z = F.n.z + (acc->y * h.x - acc->x * h.y);
     }
+
+    /* the terms of m, h_z and Sigma_zz */
     if (flags & RBDI_MASS_KEPT) {
         F.f.x = F.f.x + O.xz * h.z;
         F.f.y = F.f.y + O.yz * h.z;
         F.f.z = F.f.z + O.zz * h.z;
         F.n.x = F.n.x - O.yz * Sigma.zz;
         F.n.y = F.n.y + O.xz * Sigma.zz;
+
         if (acc) {
             F.f.x = F.f.x + acc->x * l->mass;
             F.f.y = F.f.y + acc->y * l->mass;
@@ -124,6 +139,7 @@ RBDI_INLINE rbdi_force rbdi_wrench(const rbdi_link *l, int flags, rbdi_mat O, co
             F.n.y = F.n.y + acc->x * h.z;
         }
     }
+
     return F;
 }
 
@@ -134,25 +150,30 @@ RBDI_INLINE rbdi_state rbdi_forward_step(const rbd_model *m, rbd_work *w, int i,
                                          rbdi_state s, int wrench) {
     const rbdi_link *l = &m->link[i];
     const int off_chain = flags & RBDI_OFF_CHAIN;
+
     if (off_chain && l->parent != i - 1)
         s = l->parent < 0 ? *world : w->branch[m->link[l->parent].branch].state;
     if (rbdi_block_link(l, flags)) {
         rbdi_state block = s; /* an address of s would keep it in memory */
         rbdi_forward_block(m, w, l, v, a, &block);
         s = block;
-    } else
+    } else {
         s = rbdi_forward_axis(l, flags, rbdi_trig_of(m, w, i, flags), s, v[l->iv], a[l->iv]);
+    }
+
     if (wrench) w->scratch[i].f = rbdi_wrench(l, flags, rbdi_omega(s.omega, s.omega_dot), &s.acc);
     if (off_chain && l->branch >= 0) w->branch[l->branch].state = s;
     return s;
 }
+
 /* The states of the links first .. end - 1, after those of their ancestors, with the wrenches if wanted;
    keep: stored in kin as well. */
 RBDI_INLINE void rbdi_forward(const rbd_model *m, rbd_work *w, int first, int end, const rbdi_state *world,
                               const rbd_real *v, const rbd_real *a, int wrench, int keep) {
     rbdi_state s = *world;
     for (int i = first; i < end; ++i) {
-        RBDI_BY_FLAGS(flags, &m->link[i], s = rbdi_forward_step(m, w, i, flags, world, v, a, s, wrench));
+        RBDI_BY_FLAGS(const int flags, &m->link[i],
+                      s = rbdi_forward_step(m, w, i, flags, world, v, a, s, wrench));
         if (keep) w->kin[i].state = s;
     }
 }
@@ -166,12 +187,14 @@ RBDI_PART const rbd_real *rbdi_expand_q(const rbd_model *m, rbd_work *w, const r
         w->qx[m->nq + k] = q[m->mimic[k].source_q] * m->mimic[k].ratio + m->mimic[k].offset;
     return w->qx;
 }
+
 RBDI_PART const rbd_real *rbdi_expand_v(const rbd_model *m, const rbd_real *v, rbd_real *vx) {
     if (rbdi_mimics(m) == 0) return v;
     for (int k = 0; k < m->nv; ++k) vx[k] = v[k];
     for (int k = 0; k < rbdi_mimics(m); ++k) vx[m->nv + k] = v[m->mimic[k].source_v] * m->mimic[k].ratio;
     return vx;
 }
+
 /* tau = G' tau_x, for v_x = G v. */
 RBDI_PART void rbdi_reduce_tau(const rbd_model *m, const rbd_real *tx, rbd_real *tau) {
     if (rbdi_mimics(m) == 0) return;
@@ -183,6 +206,7 @@ RBDI_PART void rbdi_reduce_tau(const rbd_model *m, const rbd_real *tx, rbd_real 
 /* Subtracts the external wrenches, given in the user's frames, from those of the links. */
 RBDI_PART void rbdi_external(const rbd_model *m, rbd_work *w, const rbd_real *f_ext) {
     const int bodies = f_ext ? m->nb : 0;
+
     for (int body = 0; body < bodies; ++body) {
         const rbdi_frame *u = &m->frame[body];
         rbdi_pose X;

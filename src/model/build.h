@@ -23,27 +23,36 @@ RBDI_API size_t rbd_model_size(const rbd_body *bodies, int nb) {
 RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory, size_t size,
                                     const rbd_model **model, rbd_report *report) {
     rbd_report own;
+
     if (!report) report = &own;
     report->warnings = 0;
     rbdi_refuse(report, RBD_OK, -1, NULL, NULL);
     if (model) *model = NULL;
     if (!bodies || !memory || !model) return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
     if (nb < 1 || nb > RBD_MAX_BODIES) return rbdi_refuse(report, RBD_ERR_COUNT, -1, NULL, NULL);
+
     for (int i = 0; i < nb; ++i) {
         const rbd_status status = rbdi_check_body(bodies, nb, i, report);
         if (status) return status;
     }
     rbdi_check_followers(bodies, nb, report);
+
     rbdi_build b;
-    b.bodies = bodies, b.nb = nb, b.n = rbdi_count(bodies, nb);
+    b.bodies = bodies;
+    b.nb = nb;
+    b.n = rbdi_count(bodies, nb);
     if (size < rbd_model_size(bodies, nb)) return rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL);
+
     rbdi_build_take(&b, memory);
     rbdi_place_coordinates(&b);
+
     for (int i = 0, nl = 0; i < nb; ++i) {
         rbdi_build_joint(&b, i, &nl);
         rbdi_build_mass(&bodies[i], &b.place[i], b.links);
     }
+
     if (rbdi_check_moves(bodies, nb, b.place, report)) return RBD_ERR_LEAF;
+
     rbdi_build_solve(b.links, b.n.nl);
     rbdi_emit(&b);
     *model = b.m;

@@ -2,6 +2,7 @@
 #define RBDI_MODEL_CHECK_H
 #include "model/work.h"
 #include "base/memory.h"
+#include "model/joint_types.h"
 #include "model/wide.h"
 
 /* ---- model build [model build] ----
@@ -14,46 +15,6 @@
      7, 8     rbdi_build_scale: bounds of the pivots; rbdi_build_regroup: leaves to root, base parameters
      9, 10    rbdi_emit_link, rbdi_emit_tree, called by rbdi_emit: constants, dofs, packed rows, frames */
 
-/* Facts about a joint type, for the build. A type without axes is a block. */
-typedef struct rbdi_joint_fact {
-    int nq, nv;
-    int first;    /* of a block: the first of its spatial unit axes */
-    char axes[4]; /* of one-axis links, in order: 'a' axis, 'b' axis2, 'x' 'y' 'z' those of the joint frame */
-} rbdi_joint_fact;
-
-static const rbdi_joint_fact *rbdi_joint_facts(int type) {
-    static const rbdi_joint_fact facts[RBD_JOINT_TYPES] = {
-        {0, 0, 0, ""},                                                       /* fixed */
-        {1, 1, 0, "a"},                                                      /* revolute */
-        {1, 1, 0, "a"},                                                      /* continuous */
-        {2, 1, 0, "a"},                                                      /* continuous_cs */
-        {1, 1, 0, "a"},                                                      /* prismatic */
-        {1, 1, 0, "a"},                                                      /* helical */
-        {2, 2, 0, "aa"},                                                     /* cylindrical */
-        {2, 2, 0, "ab"},                                                     /* universal */
-        {4, 3, 0, ""},                                                       /* spherical */
-        {3, 3, 0, "zyx"},                                                    /* the four Euler types */
-        {3, 3, 0, "xyz"}, {3, 3, 0, "yxz"}, {3, 3, 0, "zxy"}, {3, 3, 2, ""}, /* planar */
-        {3, 3, 3, ""},                                                       /* translation */
-        {7, 6, 0, ""},                                                       /* floating */
-    };
-    return &facts[type > RBD_FIXED && type < RBD_JOINT_TYPES ? type : RBD_FIXED];
-}
-
-/* Number of links of a joint. */
-static int rbdi_links_of(int type) {
-    const rbdi_joint_fact *fact = rbdi_joint_facts(type);
-    int n = 0;
-    while (fact->axes[n]) ++n;
-    return n == 0 && fact->nv > 0 ? 1 : n;
-}
-static int rbdi_can_mimic(int type) {
-    return type == RBD_REVOLUTE || type == RBD_CONTINUOUS || type == RBD_PRISMATIC || type == RBD_HELICAL;
-}
-static int rbdi_has_limits(int type) {
-    return type == RBD_REVOLUTE || type == RBD_PRISMATIC || type == RBD_HELICAL;
-}
-
 /* -- small dense algebra of the build -- */
 
 static int rbdi_nonzero(rbdi_wide x) { return x < 0 || x > 0; }
@@ -62,9 +23,19 @@ static int rbdi_nonzero(rbdi_wide x) { return x < 0 || x > 0; }
    rad. */
 static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close) {
     rbdi_wide length = RBDI_WIDE_LIBM(sqrt)(*c * *c + *s * *s);
-    *c /= length, *s /= length;
-    if (rbdi_w_abs(*s) <= close) *c = *c > 0 ? 1 : -1, *s = 0;
-    if (rbdi_w_abs(*c) <= close) *s = *s > 0 ? 1 : -1, *c = 0;
+
+    *c /= length;
+    *s /= length;
+
+    if (rbdi_w_abs(*s) <= close) {
+        *c = *c > 0 ? 1 : -1;
+        *s = 0;
+    }
+
+    if (rbdi_w_abs(*c) <= close) {
+        *s = *s > 0 ? 1 : -1;
+        *c = 0;
+    }
 }
 
 /* Sine and cosine of an angle of at most 90 degrees, to 1e-29: sums of their series, which give the same bits
@@ -72,10 +43,12 @@ static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close) {
 static void rbdi_w_series(rbdi_wide x, rbdi_wide *sine, rbdi_wide *cosine) {
     const rbdi_wide x2 = x * x;
     rbdi_wide sum_c = 1, sum_s = 1;
+
     for (int k = RBDI_TAIL_TERMS; k > 0; --k) {
         sum_c = 1 - sum_c * x2 / (2 * k * (2 * k - 1));
         sum_s = 1 - sum_s * x2 / (2 * k * (2 * k + 1));
     }
+
     *sine = x * sum_s;
     *cosine = sum_c;
 }
@@ -84,11 +57,13 @@ static void rbdi_w_series(rbdi_wide x, rbdi_wide *sine, rbdi_wide *cosine) {
 static rbdi_wide rbdi_w_angle(rbdi_wide c, rbdi_wide s) {
     rbdi_wide sine = rbdi_w_abs(s), t = sine / (1 + c);
     rbdi_wide angle = t * (2 - (rbdi_wide)RBDI_ANGLE_START * t * t);
+
     for (int i = 0; i < 4; ++i) {
         rbdi_wide sine_of, cosine_of;
         rbdi_w_series(angle, &sine_of, &cosine_of);
         angle += sine * cosine_of - c * sine_of;
     }
+
     return s < 0 ? -angle : angle;
 }
 
@@ -98,15 +73,18 @@ static void rbdi_add_moments(rbdi_build_link *to, const rbdi_wide A[9], const rb
                              const rbdi_wide Sigma[6], const rbdi_wide h[3], rbdi_wide mass) {
     static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
     rbdi_wide full[9], turned[9], Ah[3], T[9];
+
     for (int k = 0; k < 6; ++k) full[3 * row[k] + column[k]] = full[3 * column[k] + row[k]] = Sigma[k];
     rbdi_w_product(A, full, turned);
     rbdi_w_transpose(A, T);
     rbdi_w_product(turned, T, full);
     rbdi_w_apply(A, h, Ah);
+
     for (int k = 0; k < 6; ++k) {
         int i = row[k], j = column[k];
         to->Sigma[k] += full[3 * i + j] + t[i] * Ah[j] + (Ah[i] + mass * t[i]) * t[j];
     }
+
     for (int i = 0; i < 3; ++i) to->h[i] += Ah[i] + mass * t[i];
     to->mass += mass;
 }
@@ -144,6 +122,7 @@ static void rbdi_warn_saying(rbd_report *report, rbd_status status, int body, co
         f->field = field;
         f->text = sentence;
     }
+
     ++report->warnings;
 }
 
@@ -156,14 +135,17 @@ static void rbdi_warn(rbd_report *report, rbd_status status, int body, const cha
 static void rbdi_check_inertia(const rbd_body *b, int i, rbd_report *report) {
     const double *I = b->inertia, trace = I[0] + I[3] + I[5];
     double size = 0, Sigma[6];
+
     for (int k = 0; k < 6; ++k) {
         size += I[k] < 0 ? -I[k] : I[k];
         Sigma[k] = (k == 0 || k == 3 || k == 5 ? trace / 2 : 0) - I[k];
     }
+
     if (!(size > 0)) {
         if (b->mass > 0) rbdi_warn(report, RBD_WARN_INERTIA_ZERO, i, b->name, "inertia");
         return;
     }
+
     if (!(b->mass > 0)) rbdi_warn(report, RBD_WARN_MASS_ZERO, i, b->name, "mass");
     if (!rbdi_semidefinite(I, size))
         rbdi_warn(report, RBD_WARN_INERTIA_NEGATIVE, i, b->name, "inertia");
@@ -235,55 +217,85 @@ static int rbdi_mimic_source(const rbd_body *bodies, int nb, int i) {
     return -1;
 }
 
-static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_report *report) {
+/* -- a row of the description: the first condition that fails is the report's error -- */
+
+static rbd_status rbdi_check_names(const rbd_body *bodies, int i, rbd_report *report) {
     const rbd_body *b = &bodies[i];
+    for (int j = 0; j < i; ++j) {
+        if (rbdi_same(b->name, bodies[j].name)) return rbdi_refuse(report, RBD_ERR_NAME, i, b->name, "name");
+        if (rbdi_same(b->joint, bodies[j].joint))
+            return rbdi_refuse(report, RBD_ERR_NAME, i, b->name, "joint");
+    }
+    return RBD_OK;
+}
+
+static rbd_status rbdi_check_joint(const rbd_body *b, int i, rbd_report *report) {
     const int type = (int)b->type;
     const char *axes;
-#define RBDI_REQUIRE(condition, status, field) RBDI_REQUIRE_SAYING(condition, status, field, NULL)
-#define RBDI_REQUIRE_SAYING(condition, status, field, sentence) \
-    do { \
-        if (!(condition)) { \
-            rbdi_refuse(report, status, i, b->name, field); \
-            report->error.text = sentence; \
-            return status; \
-        } \
-    } while (0)
-    for (int j = 0; j < i; ++j) {
-        RBDI_REQUIRE(!rbdi_same(b->name, bodies[j].name), RBD_ERR_NAME, "name");
-        RBDI_REQUIRE(!rbdi_same(b->joint, bodies[j].joint), RBD_ERR_NAME, "joint");
-    }
-    RBDI_REQUIRE(b->parent >= -1 && b->parent < i, RBD_ERR_PARENT, "parent");
-    RBDI_REQUIRE(type >= 0 && type < RBD_JOINT_TYPES, RBD_ERR_TYPE, "type");
+    if (b->parent < -1 || b->parent >= i) return rbdi_refuse(report, RBD_ERR_PARENT, i, b->name, "parent");
+    if (type < 0 || type >= RBD_JOINT_TYPES) return rbdi_refuse(report, RBD_ERR_TYPE, i, b->name, "type");
+    if (type == RBD_FIXED && !rbdi_all_zero(b->axis, 3))
+        return rbdi_refuse_saying(report, RBD_ERR_TYPE, i, b->name, "type",
+                                  "missing? it is 0, fixed, but the joint has an axis");
+
     axes = rbdi_joint_facts(type)->axes;
-    RBDI_REQUIRE_SAYING(type != RBD_FIXED || rbdi_all_zero(b->axis, 3), RBD_ERR_TYPE, "type",
-                        "missing? it is 0, fixed, but the joint has an axis");
-    if (axes[0] == 'a') RBDI_REQUIRE(rbdi_is_axis(b->axis), RBD_ERR_AXIS, "axis");
-    if (axes[0] == 'a' && axes[1] == 'b')
-        RBDI_REQUIRE(rbdi_is_axis(b->axis2) && !rbdi_parallel(b->axis, b->axis2), RBD_ERR_AXIS, "axis2");
-    RBDI_REQUIRE(rbdi_finite(&b->pitch, 1), RBD_ERR_PITCH, "pitch");
-    RBDI_REQUIRE(rbdi_finite(b->position, 3), RBD_ERR_POSITION, "position");
-    RBDI_REQUIRE(rbdi_is_rotation(b->rotation), RBD_ERR_ROTATION, "rotation");
-    RBDI_REQUIRE(rbdi_finite_positive(&b->mass, 1), RBD_ERR_MASS, "mass");
-    RBDI_REQUIRE(rbdi_finite(b->com, 3), RBD_ERR_COM, "com");
-    RBDI_REQUIRE(rbdi_finite(b->inertia, 6), RBD_ERR_INERTIA, "inertia");
-    RBDI_REQUIRE(rbdi_finite_positive(b->armature, 6), RBD_ERR_ARMATURE, "armature");
-    RBDI_REQUIRE(rbdi_finite_positive(b->damping, 6), RBD_ERR_DAMPING, "damping");
-    RBDI_REQUIRE(rbdi_finite_positive(b->friction, 6), RBD_ERR_FRICTION, "friction");
-    RBDI_REQUIRE(rbdi_finite(&b->lower, 1), RBD_ERR_LIMITS, "lower");
-    RBDI_REQUIRE(rbdi_finite(&b->upper, 1), RBD_ERR_LIMITS, "upper");
-    RBDI_REQUIRE(rbdi_finite_positive(&b->velocity, 1), RBD_ERR_LIMITS, "velocity");
-    RBDI_REQUIRE(rbdi_finite_positive(&b->effort, 1), RBD_ERR_LIMITS, "effort");
-    if (b->mimic) {
-        RBDI_REQUIRE(rbdi_can_mimic(type) && rbdi_mimic_source(bodies, nb, i) >= 0, RBD_ERR_MIMIC, "mimic");
-        RBDI_REQUIRE_SAYING(rbdi_finite(&b->mimic_ratio, 1), RBD_ERR_MIMIC, "mimic_ratio", "not finite");
-        RBDI_REQUIRE_SAYING(RBD_C(b->mimic_ratio) < 0 || RBD_C(b->mimic_ratio) > 0, RBD_ERR_MIMIC,
-                            "mimic_ratio", "missing or 0: a joint that shall stand still is a fixed joint");
-        RBDI_REQUIRE(rbdi_finite(&b->mimic_offset, 1), RBD_ERR_MIMIC, "mimic_offset");
-    }
-#undef RBDI_REQUIRE
-#undef RBDI_REQUIRE_SAYING
-    rbdi_check_inertia(b, i, report);
-    rbdi_check_limits(b, i, report);
+    if (axes[0] == 'a' && !rbdi_is_axis(b->axis))
+        return rbdi_refuse(report, RBD_ERR_AXIS, i, b->name, "axis");
+    if (axes[0] == 'a' && axes[1] == 'b' && (!rbdi_is_axis(b->axis2) || rbdi_parallel(b->axis, b->axis2)))
+        return rbdi_refuse(report, RBD_ERR_AXIS, i, b->name, "axis2");
+
+    if (!rbdi_finite(&b->pitch, 1)) return rbdi_refuse(report, RBD_ERR_PITCH, i, b->name, "pitch");
+    if (!rbdi_finite(b->position, 3)) return rbdi_refuse(report, RBD_ERR_POSITION, i, b->name, "position");
+    if (!rbdi_is_rotation(b->rotation)) return rbdi_refuse(report, RBD_ERR_ROTATION, i, b->name, "rotation");
+    return RBD_OK;
+}
+
+/* The body's inertia, and the armature, damping, friction and limits of its joint. */
+static rbd_status rbdi_check_numbers(const rbd_body *b, int i, rbd_report *report) {
+    if (!rbdi_finite_positive(&b->mass, 1)) return rbdi_refuse(report, RBD_ERR_MASS, i, b->name, "mass");
+    if (!rbdi_finite(b->com, 3)) return rbdi_refuse(report, RBD_ERR_COM, i, b->name, "com");
+    if (!rbdi_finite(b->inertia, 6)) return rbdi_refuse(report, RBD_ERR_INERTIA, i, b->name, "inertia");
+
+    if (!rbdi_finite_positive(b->armature, 6))
+        return rbdi_refuse(report, RBD_ERR_ARMATURE, i, b->name, "armature");
+    if (!rbdi_finite_positive(b->damping, 6))
+        return rbdi_refuse(report, RBD_ERR_DAMPING, i, b->name, "damping");
+    if (!rbdi_finite_positive(b->friction, 6))
+        return rbdi_refuse(report, RBD_ERR_FRICTION, i, b->name, "friction");
+
+    if (!rbdi_finite(&b->lower, 1)) return rbdi_refuse(report, RBD_ERR_LIMITS, i, b->name, "lower");
+    if (!rbdi_finite(&b->upper, 1)) return rbdi_refuse(report, RBD_ERR_LIMITS, i, b->name, "upper");
+    if (!rbdi_finite_positive(&b->velocity, 1))
+        return rbdi_refuse(report, RBD_ERR_LIMITS, i, b->name, "velocity");
+    if (!rbdi_finite_positive(&b->effort, 1))
+        return rbdi_refuse(report, RBD_ERR_LIMITS, i, b->name, "effort");
+    return RBD_OK;
+}
+
+static rbd_status rbdi_check_mimic(const rbd_body *bodies, int nb, int i, rbd_report *report) {
+    const rbd_body *b = &bodies[i];
+    if (!b->mimic) return RBD_OK;
+    if (!rbdi_can_mimic((int)b->type) || rbdi_mimic_source(bodies, nb, i) < 0)
+        return rbdi_refuse(report, RBD_ERR_MIMIC, i, b->name, "mimic");
+    if (!rbdi_finite(&b->mimic_ratio, 1))
+        return rbdi_refuse_saying(report, RBD_ERR_MIMIC, i, b->name, "mimic_ratio", "not finite");
+    if (!(RBD_C(b->mimic_ratio) < 0 || RBD_C(b->mimic_ratio) > 0))
+        return rbdi_refuse_saying(report, RBD_ERR_MIMIC, i, b->name, "mimic_ratio",
+                                  "missing or 0: a joint that shall stand still is a fixed joint");
+    if (!rbdi_finite(&b->mimic_offset, 1))
+        return rbdi_refuse(report, RBD_ERR_MIMIC, i, b->name, "mimic_offset");
+    return RBD_OK;
+}
+
+static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_report *report) {
+    rbd_status status = rbdi_check_names(bodies, i, report);
+    if (!status) status = rbdi_check_joint(&bodies[i], i, report);
+    if (!status) status = rbdi_check_numbers(&bodies[i], i, report);
+    if (!status) status = rbdi_check_mimic(bodies, nb, i, report);
+    if (status) return status;
+
+    rbdi_check_inertia(&bodies[i], i, report);
+    rbdi_check_limits(&bodies[i], i, report);
     return RBD_OK;
 }
 
@@ -291,9 +303,11 @@ static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_rep
    joints that mimic it. */
 static rbd_status rbdi_check_moves(const rbd_body *bodies, int nb, rbdi_place *place, rbd_report *report) {
     rbd_status status = RBD_OK;
+
     for (int i = 0; i < nb; ++i) place[i].moves = bodies[i].mimic != NULL;
     for (int i = 0; i < nb; ++i)
         if (bodies[i].mimic) place[rbdi_mimic_source(bodies, nb, i)].moves = 1;
+
     for (int i = nb - 1; i >= 0; --i) {
         const rbd_body *b = &bodies[i];
         const int fixed = b->type == RBD_FIXED;
@@ -302,6 +316,7 @@ static rbd_status rbdi_check_moves(const rbd_body *bodies, int nb, rbdi_place *p
         if (!fixed && !place[i].moves) status = rbdi_refuse(report, RBD_ERR_LEAF, i, b->name, "mass");
         if (b->parent >= 0 && (!fixed || place[i].moves)) place[b->parent].moves = 1;
     }
+
     return status;
 }
 
@@ -323,14 +338,21 @@ typedef struct rbdi_build {
 
 static rbdi_counts rbdi_count(const rbd_body *bodies, int nb) {
     rbdi_counts n = {0, 0, 0, 0, 0, 0};
+
     for (int i = 0; i < nb; ++i) {
         const rbdi_joint_fact *fact = rbdi_joint_facts((int)bodies[i].type);
+
         n.nl += rbdi_links_of((int)bodies[i].type);
         n.nblock += fact->nv > 0 && !fact->axes[0];
         n.ndof += fact->nv;
         n.nmimic += bodies[i].mimic != NULL;
-        if (!bodies[i].mimic) n.nq += fact->nq, n.nv += fact->nv;
+
+        if (!bodies[i].mimic) {
+            n.nq += fact->nq;
+            n.nv += fact->nv;
+        }
     }
+
     return n;
 }
 

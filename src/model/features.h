@@ -43,6 +43,7 @@ RBDI_INLINE const rbdi_block *rbdi_block_of(const rbd_model *m, const rbdi_link 
     static const rbdi_block floating = {RBD_FLOATING, 0, 6, 1, {0}};
     return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? &m->block[l->block] : &floating;
 }
+
 /* Whether the parent of a block is the world. */
 RBDI_INLINE int rbdi_on_world(const rbdi_link *block) {
     return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? block->parent < 0 : 1;
@@ -62,6 +63,7 @@ RBDI_INLINE int rbdi_mimics(const rbd_model *m) { return RBDI_FEATURES & RBDI_MI
 /* The features of a model. */
 RBDI_PART uint32_t rbdi_features(const rbd_model *m) {
     uint32_t features = m->nmimic ? RBDI_MIMICS : 0;
+
     for (int i = 0; i < m->nblock; ++i)
         if (m->block[i].type != RBD_FLOATING || !m->block[i].identity) features |= RBDI_OTHER_BLOCKS;
     for (int i = 0; i < m->nl; ++i) {
@@ -69,6 +71,7 @@ RBDI_PART uint32_t rbdi_features(const rbd_model *m) {
         features |= flags | RBDI_LACKS(~flags & RBDI_FLAGS) | RBDI_KIND_BIT(m->link[i].kind);
         if (m->link[i].kind == RBDI_BLOCK && m->link[i].parent >= 0) features |= RBDI_OTHER_BLOCKS;
     }
+
     return features;
 }
 

@@ -5,21 +5,20 @@
 #include "algebra/rotations.h"
 #include "model/features.h"
 
-/* Interface: rbdi_along_axis, rbdi_block_link, rbdi_block_motion, rbdi_cross_shift, rbdi_down,
-   rbdi_force_up_block, rbdi_joint_attitude, rbdi_joint_origin, rbdi_joints, rbdi_link_dofs,
-   rbdi_range_joints, rbdi_trig_of, RBDI_BY_FLAGS, RBDI_BY_FLAGS_OF, RBDI_CASES, RBDI_NO_CASES */
+/* Interface: rbdi_along_axis, rbdi_array_up, rbdi_batch_up, rbdi_block_link, rbdi_block_motion,
+   rbdi_cross_shift, rbdi_down, rbdi_force_up, rbdi_force_up_block, rbdi_joint_attitude, rbdi_joint_origin,
+   rbdi_joints, rbdi_link_dofs, rbdi_range_joints, rbdi_trig_of, RBDI_BY_FLAGS, RBDI_BY_FLAGS_OF, RBDI_CASES,
+   RBDI_NO_CASES */
 
 /* ---- joints [joints] ----
-   Code that depends on the joint type. In the build: rbdi_joint_facts, rbdi_build_joint, rbdi_build_scale,
-   rbdi_build_regroup, rbdi_can_mimic, rbdi_describe_joint. Here: rbdi_joint_attitude, rbdi_joint_origin,
-   rbdi_block_pose. In manifold: rbdi_joint_turns, rbdi_joint_motion and back, rbdi_put_origin,
-   rbdi_step_joint, rbdi_difference_joint, rbdi_joint_rates, rbdi_joint_velocity, and rbd_neutral and
-   rbd_random if zero or an angle will not do. One-axis types mostly need the first two only. */
+   Transforms of joints at q, and what the algorithms do with them. [joint types] lists the places where joint
+   types differ. */
 
 /* Whether a link is a block. All have RBDI_MASS_KEPT, so that with the common flags this is a constant. */
 RBDI_INLINE int rbdi_block_link(const rbdi_link *l, int flags) {
     return (flags & RBDI_MASS_KEPT) && rbdi_is(l, RBDI_BLOCK);
 }
+
 /* Number of dofs of a link. */
 RBDI_INLINE int rbdi_link_dofs(const rbd_model *m, const rbdi_link *l) {
     return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->n : 1;
@@ -29,14 +28,11 @@ RBDI_INLINE int rbdi_link_dofs(const rbd_model *m, const rbdi_link *l) {
 RBDI_INLINE rbdi_mat rbdi_joint_attitude(int type, const rbd_real *q) {
     const rbd_real o = rbdi_zero();
     rbd_real c, s;
-    rbdi_mat E;
     if (type == RBD_SPHERICAL) return rbdi_quaternion_down(q);
     if (type != RBD_PLANAR) return rbdi_quaternion_down(q + 3);
+
     rbdi_sincos(q[2], &s, &c);
-    E.xx = c, E.xy = s, E.xz = o;
-    E.yx = -s, E.yy = c, E.yz = o;
-    E.zx = E.zy = o, E.zz = rbdi_set(RBD_C(1));
-    return E;
+    return rbdi_mat_of(c, s, o, -s, c, o, o, o, rbdi_set(RBD_C(1)));
 }
 
 /* The body's origin in the joint frame of a block, or its rates if q are the rates of the coordinates. */
@@ -49,13 +45,16 @@ RBDI_INLINE rbdi_v3 rbdi_joint_origin(int type, const rbd_real *q) {
 RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, const rbd_real *q) {
     const int slides = b->type == RBD_TRANSLATION;
     rbdi_pose X;
+
     X.r = rbdi_joint_origin(b->type, q);
     X.E = slides ? rbdi_mat_c(b->E) : rbdi_joint_attitude(b->type, q);
+
     if (!b->identity) {
         const rbdi_mat joint = rbdi_mat_c(b->E);
         if (!slides) X.E = rbdi_mul_mat(X.E, joint);
         X.r = rbdi_mul_t(joint, X.r);
     }
+
     X.r = rbdi_add(rbdi_vec_c(l->r), X.r);
     return X;
 }
@@ -63,12 +62,25 @@ RBDI_INLINE rbdi_pose rbdi_block_pose(const rbdi_link *l, const rbdi_block *b, c
 /* Sine and cosine of a link's joint angle, where rbdi_sincos_array is not there. */
 RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *sine, rbd_real *cosine) {
     rbd_real s, c;
+
     rbdi_sincos(angle, &s, &c);
     switch ((int)l->quarters) {
-    case 1: *sine = c, *cosine = -s; break;
-    case 2: *sine = -s, *cosine = -c; break;
-    case 3: *sine = -c, *cosine = s; break;
-    default: *sine = s, *cosine = c; break;
+    case 1:
+        *sine = c;
+        *cosine = -s;
+        break;
+    case 2:
+        *sine = -s;
+        *cosine = -c;
+        break;
+    case 3:
+        *sine = -c;
+        *cosine = s;
+        break;
+    default:
+        *sine = s;
+        *cosine = c;
+        break;
     }
 }
 
@@ -78,9 +90,12 @@ RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *si
    double, or not at all if gamma is 0, because the joint angle at q = 0 is a multiple of 90 degrees. */
 RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *q) {
     int all_done = 1, from = first;
+
+    /* angles of turning links, slides, poses of blocks */
     for (int i = first; i < end; ++i) {
         const rbdi_link *l = &m->link[i];
         w->quarters[i] = rbdi_set(l->quarters);
+
         if (rbdi_is(l, RBDI_REVOLUTE)) {
             w->angle[i] = q[l->iq] + l->gamma;
         } else if (rbdi_is(l, RBDI_BLOCK)) {
@@ -94,6 +109,7 @@ RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int
             if (rbdi_is(l, RBDI_SCREW)) w->d[i] = q[l->iq] * l->kappa + l->d;
         }
     }
+
 #ifdef RBDI_POLYNOMIAL_SINCOS
     rbdi_sincos_array(w->angle, w->quarters, from, end, w->s, w->c);
 #elif defined RBDI_SINCOS /* rbd-codegen records the two for itself */
@@ -102,8 +118,11 @@ RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int
     for (int i = from; i < end; ++i) rbdi_sincos_link(&m->link[i], w->angle[i], &w->s[i], &w->c[i]);
 #endif
     if (all_done) return;
+
+    /* joints whose q is (cos, sin), and links that only slide */
     for (int i = from; i < end; ++i) {
         const rbdi_link *l = &m->link[i];
+
         if (rbdi_is(l, RBDI_REVOLUTE_CS)) {
             rbd_real c, s;
             rbdi_unit_cs(&q[l->iq], &c, &s);
@@ -124,62 +143,65 @@ RBDI_INLINE void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q)
 /* The state of a one-axis joint after rbdi_joints or rbdi_range_joints. */
 RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i, int flags) {
     rbdi_trig t;
-    t.c = w->c[i], t.s = w->s[i];
+    t.c = w->c[i];
+    t.s = w->s[i];
     t.d = flags & RBDI_SLIDES ? w->d[i] : rbdi_set(m->link[i].d);
     return t;
 }
 
-/* Dispatches on the link's flags, so that the most common ones compile with constant flags: revolute links
-   without armature in Denavit and Hartenberg's form, parallel to their parent or at a right angle, and the
-   first links of a branch at such an angle. Each case is a copy of the code. Targets without SIMD, such as
-   microcontrollers, have one case for right angles, which tests the shifts. Its empty assembly hides from
-   clang that shifts_ equals flags_: clang would replace it, and lose the constants. Targets without a
-   floating-point unit have no case, which would save two per cent there. */
-#define RBDI_CASE(known, name, call) \
+/* RBDI_BY_FLAGS(const int flags, link, call) makes the call with the link's flags in a constant that it
+   declares, here `flags`. It dispatches on them, so that the most common ones are known to the compiler:
+   revolute links without armature in Denavit and Hartenberg's form, parallel to their parent or at a right
+   angle, and the first links of a branch at such an angle. Each case is a copy of the code. Targets without
+   SIMD, such as microcontrollers, have one case for right angles, which tests the shifts. Its empty assembly
+   hides from clang that shifts_ equals flags_: clang would replace it, and lose the constants. Targets
+   without a floating-point unit have no case, which would save two per cent there. */
+#define RBDI_CASE(known, constant, call) \
     case known: { \
-        const int name = known; \
+        constant = known; \
         call; \
     } break;
 #if !defined __OPTIMIZE__ || !RBDI_HARD_FLOAT || RBDI_REAL_KIND % 3 == 0
-#define RBDI_CASES(name, call)
+#define RBDI_CASES(constant, call)
 #elif RBDI_SIMD > 0 && RBDI_FOR_SPEED
-#define RBDI_CASES(name, call) \
-    RBDI_CASE(RBDI_TWIST_90, name, call) \
-    RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_Z, name, call) \
-    RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_R, name, call) \
-    RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_Z, name, call) \
-    RBDI_CASE(RBDI_TWIST_0 | RBDI_SHIFT_R, name, call) \
-    RBDI_CASE(RBDI_OFF_CHAIN | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_XYZ | RBDI_BRANCH_TURN, name, call) \
-    RBDI_CASE(RBDI_OFF_CHAIN | RBDI_TWIST_0 | RBDI_SHIFT_R | RBDI_SHIFT_XYZ, name, call)
+#define RBDI_CASES(constant, call) \
+    RBDI_CASE(RBDI_TWIST_90, constant, call) \
+    RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_Z, constant, call) \
+    RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_R, constant, call) \
+    RBDI_CASE(RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_Z, constant, call) \
+    RBDI_CASE(RBDI_TWIST_0 | RBDI_SHIFT_R, constant, call) \
+    RBDI_CASE(RBDI_OFF_CHAIN | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_XYZ | RBDI_BRANCH_TURN, constant, \
+              call) \
+    RBDI_CASE(RBDI_OFF_CHAIN | RBDI_TWIST_0 | RBDI_SHIFT_R | RBDI_SHIFT_XYZ, constant, call)
 #else
-#define RBDI_CASES(name, call) \
+#define RBDI_CASES(constant, call) \
     case RBDI_TWIST_90: \
     case RBDI_TWIST_90 | RBDI_SHIFT_Z: \
     case RBDI_TWIST_90 | RBDI_SHIFT_R: \
     case RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_Z: { \
         int shifts_ = flags_; \
         __asm__("" : "+r"(shifts_)); \
-        const int name = RBDI_TWIST_90 | (shifts_ & (RBDI_SHIFT_R | RBDI_SHIFT_Z)); \
+        constant = RBDI_TWIST_90 | (shifts_ & (RBDI_SHIFT_R | RBDI_SHIFT_Z)); \
         call; \
     } break; \
-        RBDI_CASE(RBDI_TWIST_0 | RBDI_SHIFT_R, name, call)
+        RBDI_CASE(RBDI_TWIST_0 | RBDI_SHIFT_R, constant, call)
 #endif
-#define RBDI_NO_CASES(name, call)
-#define RBDI_BY_FLAGS_OF(cases, name, link, call) \
+#define RBDI_NO_CASES(constant, call)
+#define RBDI_BY_FLAGS_OF(cases, constant, link, call) \
     do { \
         const int flags_ = rbdi_flags(link); \
         switch (flags_) { \
         default: { \
-            const int name = flags_; \
+            constant = flags_; \
             call; \
         } break; \
-            cases(name, call) \
+            cases(constant, call) \
         } \
     } while (0)
 #if RBDI_FOR_SPEED
-#define RBDI_BY_FLAGS(name, link, call) RBDI_BY_FLAGS_OF(RBDI_CASES, name, link, call)
+#define RBDI_BY_FLAGS(constant, link, call) RBDI_BY_FLAGS_OF(RBDI_CASES, constant, link, call)
 #else
-#define RBDI_BY_FLAGS(name, link, call) RBDI_BY_FLAGS_OF(RBDI_NO_CASES, name, link, call)
+#define RBDI_BY_FLAGS(constant, link, call) RBDI_BY_FLAGS_OF(RBDI_NO_CASES, constant, link, call)
 #endif
 
 /* The vector x from the parent's axes to those of a one-axis link. */
@@ -200,39 +222,19 @@ RBDI_INLINE rbdi_v3 rbdi_cross_shift(const rbdi_link *l, int flags, rbdi_v3 omeg
     return x;
 }
 
-/* The force F = (n; f) of a one-axis link to the parent's axes and origin: slide, turn, twist, branch turn,
-   shift. Written once for T = one scalar and T = a batch of them. */
-#define RBDI_DEFINE_FORCE_UP(name, T) \
-    RBDI_INLINE void name##_turn(int flags, rbd_real c, rbd_real s, T *x, T *y) { \
-        const T x0 = *x, y0 = *y; \
-        if (flags & RBDI_TWIST_0) return; \
-        *x = -y0, *y = x0; \
-        if (flags & RBDI_TWIST_90) return; \
-        *x = x0 * c - y0 * s, *y = x0 * s + y0 * c; \
-    } \
-    RBDI_INLINE void name(const rbdi_link *l, int flags, rbdi_trig t, T *F) { \
-        if (flags & RBDI_SHIFT_Z) { \
-            F[0] = F[0] - F[4] * t.d; \
-            F[1] = F[1] + F[3] * t.d; \
-        } \
-        RBDI_UNROLL_SIX for (int k = 0; k < 6; k += 3) { \
-            name##_turn(0, t.c, t.s, &F[k], &F[k + 1]); \
-            name##_turn(flags, rbdi_set(l->ca), rbdi_set(l->sa), &F[k + 1], &F[k + 2]); \
-            if (flags & RBDI_BRANCH_TURN) \
-                name##_turn(0, rbdi_set(l->cb), rbdi_set(l->sb), &F[k], &F[k + 1]); \
-        } \
-        if (!(flags & RBDI_SHIFT_R)) return; \
-        F[1] = F[1] - F[5] * l->r.x; \
-        F[2] = F[2] + F[4] * l->r.x; \
-        if (flags & RBDI_SHIFT_XYZ) { \
-            F[0] = F[0] + (F[5] * l->r.y - F[4] * l->r.z); \
-            F[1] = F[1] + F[3] * l->r.z; \
-            F[2] = F[2] - F[3] * l->r.y; \
-        } \
-    }
-RBDI_DEFINE_FORCE_UP(rbdi_array_up, rbd_real)
+/* The force F of a one-axis link to the parent's axes and origin: rbdi_array_up of six scalars, rbdi_batch_up
+   of six batches. */
+#define RBDI_T rbd_real
+#include "model/force_up.h"
+#undef RBDI_T
 #if RBDI_BATCH > 1
-RBDI_DEFINE_FORCE_UP(rbdi_batch_up, rbdi_batch)
+#define RBDI_T rbdi_batch
+#define rbdi_array_turn rbdi_batch_turn
+#define rbdi_array_up rbdi_batch_up
+#include "model/force_up.h"
+#undef rbdi_array_up
+#undef rbdi_array_turn
+#undef RBDI_T
 #endif
 
 RBDI_INLINE rbdi_force rbdi_force_up(const rbdi_link *l, int flags, rbdi_trig t, rbdi_force F) {

@@ -29,37 +29,54 @@ static void rbdi_build_joint(const rbdi_build *build, int i, int *nl) {
     rbdi_wide R[9];
     rbdi_wide_pose X;
     int parent = -1;
+
     rbdi_widen(b->rotation, 9, R);
     if (rbdi_all_zero(b->rotation, 9)) rbdi_w_identity(R);
     rbdi_orthonormalise(R);
     rbdi_w_transpose(R, X.E);
     rbdi_widen(b->position, 3, X.r);
+
     if (b->parent >= 0) {
         parent = place[b->parent].link;
         X = rbdi_w_compose(&X, &place[b->parent].X);
     }
+
     for (int k = 0; k < n; ++k) {
         rbdi_build_link *l = &build->links[*nl];
+
         rbdi_clear_link(l);
-        l->parent = parent, l->type = type, l->body = i, l->joint_dof = k;
-        l->iq = place[i].iq + k, l->iv = place[i].iv + k;
+        l->parent = parent;
+        l->type = type;
+        l->body = i;
+        l->joint_dof = k;
+        l->iq = place[i].iq + k;
+        l->iv = place[i].iv + k;
         l->favourite = -1;
         l->X = X;
         l->rho = 1;
         l->kind = RBDI_REVOLUTE;
+
         if (!axes[0]) {
             l->kind = RBDI_BLOCK;
         } else {
             rbdi_link_axis(b, axes[k], l->axis);
             if (type == RBD_CONTINUOUS_CS) l->kind = RBDI_REVOLUTE_CS;
-            if (type == RBD_HELICAL) l->kind = RBDI_SCREW, l->kappa = (rbdi_wide)b->pitch;
-            if (type == RBD_PRISMATIC || (type == RBD_CYLINDRICAL && k == 1))
-                l->kind = RBDI_SCREW, l->rho = 0, l->kappa = 1;
+            if (type == RBD_HELICAL) {
+                l->kind = RBDI_SCREW;
+                l->kappa = (rbdi_wide)b->pitch;
+            }
+            if (type == RBD_PRISMATIC || (type == RBD_CYLINDRICAL && k == 1)) {
+                l->kind = RBDI_SCREW;
+                l->rho = 0;
+                l->kappa = 1;
+            }
         }
+
         parent = (*nl)++;
         rbdi_w_identity(X.E);
         X.r[0] = X.r[1] = X.r[2] = 0;
     }
+
     place[i].link = parent;
     place[i].X = X;
     if (parent >= 0) rbdi_build_reach(&build->links[parent], rbdi_w_length(X.r));
@@ -69,6 +86,7 @@ static void rbdi_build_joint(const rbdi_build *build, int i, int *nl) {
 static void rbdi_build_mass(const rbd_body *b, const rbdi_place *place, rbdi_build_link *links) {
     rbdi_wide Sigma[6], T[9], com[3], none[3] = {0, 0, 0}, half;
     if (place->link < 0) return;
+
     rbdi_widen(b->inertia, 6, Sigma);
     half = (Sigma[0] + Sigma[3] + Sigma[5]) / 2;
     for (int k = 0; k < 6; ++k) Sigma[k] = (k == 0 || k == 3 || k == 5 ? half : 0) - Sigma[k];
@@ -79,23 +97,11 @@ static void rbdi_build_mass(const rbd_body *b, const rbdi_place *place, rbdi_bui
     rbdi_add_moments(&links[place->link], T, com, Sigma, none, (rbdi_wide)b->mass);
 }
 
-/* Axes, the rows of E, with this unit vector for z. */
-static void rbdi_build_basis(const rbdi_wide z[3], rbdi_wide E[9]) {
-    rbdi_wide length;
-    int least = 0;
-    for (int k = 1; k < 3; ++k)
-        if (rbdi_w_abs(z[k]) < rbdi_w_abs(z[least])) least = k;
-    for (int k = 0; k < 3; ++k) E[k] = (k == least) - z[least] * z[k];
-    length = rbdi_w_length(E);
-    for (int k = 0; k < 3; ++k) E[k] /= length, E[6 + k] = z[k];
-    for (int k = 0; k < 3; ++k) E[3 + k] = z[(k + 1) % 3] * E[(k + 2) % 3] - z[(k + 2) % 3] * E[(k + 1) % 3];
-}
-
 /* Step 3: solver frames, with the joint's axis on z. */
 static void rbdi_build_axis(rbdi_build_link *links, int i) {
     rbdi_build_link *l = &links[i];
     rbdi_w_identity(l->solver.E);
-    if (l->kind != RBDI_BLOCK) rbdi_build_basis(l->axis, l->solver.E);
+    if (l->kind != RBDI_BLOCK) rbdi_w_basis(l->axis, l->solver.E);
     l->X = rbdi_w_compose(&l->solver, &l->X);
     if (l->parent >= 0) l->X = rbdi_w_relative(&l->X, &links[l->parent].solver);
     rbdi_change_moments(l, l->solver.E, l->solver.r);
@@ -112,9 +118,11 @@ static int rbdi_build_rank(const rbdi_build_link *links, int nl, int i) {
 /* Step 4: depth-first positions. */
 static void rbdi_build_order(rbdi_build_link *links, int nl) {
     int next_root = 0;
+
     for (int i = 0; i < nl; ++i) links[i].size = 1;
     for (int i = nl - 1; i >= 0; --i)
         if (links[i].parent >= 0) links[links[i].parent].size += links[i].size;
+
     for (int i = 0; i < nl; ++i) {
         int *favourite;
         if (links[i].parent < 0) continue;
@@ -122,8 +130,10 @@ static void rbdi_build_order(rbdi_build_link *links, int nl) {
         if (*favourite < 0 || rbdi_build_rank(links, nl, i) > rbdi_build_rank(links, nl, *favourite))
             *favourite = i;
     }
+
     for (int i = 0; i < nl; ++i) {
         rbdi_build_link *l = &links[i];
+
         if (l->parent < 0) {
             l->position = next_root;
             next_root += l->size;
@@ -133,6 +143,7 @@ static void rbdi_build_order(rbdi_build_link *links, int nl) {
             l->position = links[l->parent].cursor;
             links[l->parent].cursor += l->size;
         }
+
         l->cursor = l->position + 1 + (l->favourite >= 0 ? links[l->favourite].size : 0);
         links[l->position].order = i;
     }
@@ -144,13 +155,20 @@ static void rbdi_build_turn(rbdi_build_link *links, int nl, int i, rbdi_wide c, 
     rbdi_build_link *l = &links[i];
     const rbdi_wide down[3] = {0, 0, -t};
     rbdi_wide_pose turn;
+
     rbdi_w_turn_z(c, s, turn.E);
-    turn.r[0] = turn.r[1] = 0, turn.r[2] = t;
+    turn.r[0] = turn.r[1] = 0;
+    turn.r[2] = t;
     for (int j = i + 1; j < nl; ++j)
         if (links[j].parent == i) links[j].X = rbdi_w_relative(&links[j].X, &turn);
     rbdi_change_moments(l, turn.E, down);
     l->solver = rbdi_w_compose(&turn, &l->solver);
-    if (l->dh) l->d += t, turn.r[2] = 0;
+
+    if (l->dh) {
+        l->d += t;
+        turn.r[2] = 0;
+    }
+
     l->X = rbdi_w_compose(&turn, &l->X);
 }
 
@@ -158,16 +176,27 @@ static void rbdi_build_turn(rbdi_build_link *links, int nl, int i, rbdi_wide c, 
    anew from them, so that poses and dynamics have the same model. */
 static void rbdi_build_angles(rbdi_build_link *l) {
     rbdi_wide *E = l->X.E, sigma = RBDI_WIDE_LIBM(sqrt)(E[6] * E[6] + E[7] * E[7]);
-    l->cb = 1, l->sb = 0;
-    l->ca = E[8] > 0 ? 1 : -1, l->sa = 0;
+
+    l->cb = 1;
+    l->sb = 0;
+    l->ca = E[8] > 0 ? 1 : -1;
+    l->sa = 0;
+
     if (sigma > RBDI_SNAP) {
-        l->cb = -E[7] / sigma, l->sb = E[6] / sigma;
-        l->ca = E[8], l->sa = sigma;
+        l->cb = -E[7] / sigma;
+        l->sb = E[6] / sigma;
+        l->ca = E[8];
+        l->sa = sigma;
         rbdi_w_snap(&l->ca, &l->sa, RBDI_SNAP);
         rbdi_w_snap(&l->cb, &l->sb, RBDI_SNAP);
-        if (l->cb < 0 && (rbdi_nonzero(l->ca) || !rbdi_nonzero(l->sb)))
-            l->cb = -l->cb, l->sb = -l->sb, l->sa = -l->sa;
+
+        if (l->cb < 0 && (rbdi_nonzero(l->ca) || !rbdi_nonzero(l->sb))) {
+            l->cb = -l->cb;
+            l->sb = -l->sb;
+            l->sa = -l->sa;
+        }
     }
+
     l->cg = E[0] * l->cb + E[1] * l->sb;
     l->sg = (E[1] * l->cb - E[0] * l->sb) * l->ca + E[2] * l->sa;
     rbdi_w_snap(&l->cg, &l->sg, RBDI_SNAP / 1000); /* removes rounding alone: any gamma costs the same */
@@ -179,6 +208,7 @@ static void rbdi_build_angles(rbdi_build_link *l) {
 static rbdi_wide rbdi_build_second_moment(const rbdi_build_link *l, rbdi_wide distance) {
     return l->all_mass * (l->radius + distance) * (l->radius + distance);
 }
+
 static rbdi_wide rbdi_build_first_moment(const rbdi_build_link *l, rbdi_wide distance) {
     return l->lever + l->all_mass * distance;
 }
@@ -188,11 +218,13 @@ static rbdi_wide rbdi_build_first_moment(const rbdi_build_link *l, rbdi_wide dis
 static void rbdi_build_measure(rbdi_build_link *links, int i) {
     rbdi_build_link *l = &links[i];
     const rbdi_wide own = l->Sigma[0] + l->Sigma[3] + l->Sigma[5];
+
     if (own > 0) l->radius += own; /* not positive: no real body is like this */
     if (own > 0 && l->mass > 0) l->lever += RBDI_WIDE_LIBM(sqrt)(own * l->mass);
     l->all_mass += l->mass;
     l->radius = l->all_mass > 0 ? RBDI_WIDE_LIBM(sqrt)(l->radius / l->all_mass) : 0;
     if (l->parent < 0) return;
+
     /* until the parent is measured its radius is the sum of the second moments */
     links[l->parent].radius += rbdi_build_second_moment(l, rbdi_w_length(l->X.r));
     links[l->parent].lever += rbdi_build_first_moment(l, rbdi_w_length(l->X.r));
@@ -206,6 +238,7 @@ static void rbdi_build_measure(rbdi_build_link *links, int i) {
 static int rbdi_build_near(const rbdi_build_link *links, int nl, int i, rbdi_wide t, rbdi_wide distance) {
     const rbdi_build_link *l = &links[i], *f = &links[l->favourite];
     const rbdi_wide rest = l->all_mass - f->all_mass, before = rbdi_w_length(f->X.r), step = rbdi_w_abs(t);
+
     for (int j = i + 1; j < nl; ++j) {
         const rbdi_build_link *child = &links[j];
         rbdi_wide r[3] = {child->X.r[0], child->X.r[1], child->X.r[2] - t};
@@ -213,6 +246,7 @@ static int rbdi_build_near(const rbdi_build_link *links, int nl, int i, rbdi_wid
             child->radius + rbdi_w_length(r) > 4 * (child->radius + rbdi_w_length(child->X.r)))
             return 0;
     }
+
     return rest * t * t + rbdi_build_second_moment(f, distance) - rbdi_build_second_moment(f, before) <
                3 * rbdi_build_second_moment(l, 0) &&
            rest * step + rbdi_build_first_moment(f, distance) - rbdi_build_first_moment(f, before) <
@@ -237,13 +271,22 @@ static void rbdi_build_normalise(rbdi_build_link *links, int nl, int i) {
         rbdi_build_turn(links, nl, i, l->cg, -l->sg, moves ? -l->d : 0);
         return;
     }
+
     f = &links[l->favourite];
     rbdi_build_angles(l);
     rbdi_build_angles(f);
+
     if (rbdi_w_abs(f->sa) > 0) {
+        /* the axes cross or pass each other: their common normal becomes x */
+
         /* beta or beta + 180 degrees: so that alpha is 90 degrees, or else l's gamma within 90 degrees */
-        if (rbdi_nonzero(f->ca) ? l->cg * f->cb - l->sg * f->sb < 0 : f->sa < 0)
-            f->cb = -f->cb, f->sb = -f->sb, f->sa = -f->sa;
+        if (rbdi_nonzero(f->ca) ? l->cg * f->cb - l->sg * f->sb < 0 : f->sa < 0) {
+            f->cb = -f->cb;
+            f->sb = -f->sb;
+            f->sa = -f->sa;
+        }
+
+        /* in axes turned by beta: r = (a, 0, t) + d (row z of Rx(alpha)) */
         rbdi_w_turn_z(f->cb, f->sb, Z);
         rbdi_w_apply(Z, f->X.r, r);
         a = r[0];
@@ -252,13 +295,19 @@ static void rbdi_build_normalise(rbdi_build_link *links, int nl, int i) {
         if (!rbdi_build_near(links, nl, i, t, RBDI_WIDE_LIBM(sqrt)(a * a + d * d))) return;
         rbdi_build_turn(links, nl, i, f->cb, f->sb, t);
     } else {
+        /* the axes are parallel: x leads from one to the other */
         a = RBDI_WIDE_LIBM(sqrt)(f->X.r[0] * f->X.r[0] + f->X.r[1] * f->X.r[1]);
         t = f->X.r[2];
-        if (!rbdi_build_near(links, nl, i, t, a)) d = t * f->ca, t = 0;
+        if (!rbdi_build_near(links, nl, i, t, a)) {
+            d = t * f->ca;
+            t = 0;
+        }
         rbdi_build_turn(links, nl, i, a > 0 ? f->X.r[0] / a : 1, a > 0 ? f->X.r[1] / a : 0, t);
     }
+
     f->dh = 1;
-    f->X.r[0] = a, f->X.r[1] = f->X.r[2] = 0;
+    f->X.r[0] = a;
+    f->X.r[1] = f->X.r[2] = 0;
     f->d = d;
 }
 

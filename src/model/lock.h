@@ -30,6 +30,7 @@ static void rbdi_w_sincos(rbdi_wide x, rbdi_wide *s, rbdi_wide *c) {
 /* u = q, n numbers, of unit length; if q is shorter than 1e-15, component `one` is 1 and the others are 0. */
 static void rbdi_w_direction(const double *q, int n, int one, rbdi_wide *u) {
     rbdi_wide largest = 0, sum = 0, length;
+
     for (int k = 0; k < n; ++k)
         if (rbdi_w_abs(q[k]) > largest) largest = rbdi_w_abs(q[k]);
     for (int k = 0; k < n; ++k) u[k] = largest > 0 ? q[k] / largest : 0;
@@ -40,6 +41,7 @@ static void rbdi_w_direction(const double *q, int n, int one, rbdi_wide *u) {
         for (int k = 0; k < n; ++k) u[k] = k == one;
         return;
     }
+
     for (int k = 0; k < n; ++k) u[k] /= length;
 }
 
@@ -66,6 +68,7 @@ static void rbdi_w_quaternion(const double *q, rbdi_wide E[9]) {
 static rbdi_wide_pose rbdi_axis_motion_at(const rbdi_build_link *l, const double *q) {
     rbdi_wide_pose X;
     rbdi_wide u[2], c, s;
+
     if (l->kind == RBDI_REVOLUTE_CS) {
         rbdi_w_direction(q, 2, 0, u);
         c = u[0];
@@ -73,21 +76,26 @@ static rbdi_wide_pose rbdi_axis_motion_at(const rbdi_build_link *l, const double
     } else {
         rbdi_w_sincos(l->rho * q[l->iq], &s, &c);
     }
+
     rbdi_w_turn(l->axis, c, s, X.E);
     for (int k = 0; k < 3; ++k) X.r[k] = l->kappa * q[l->iq] * l->axis[k];
     return X;
 }
+
 static rbdi_wide_pose rbdi_block_motion_at(int type, const double *q) {
     rbdi_wide_pose X;
     rbdi_wide c, s;
+
     rbdi_w_identity(X.E);
     for (int k = 0; k < 3; ++k) X.r[k] = type == RBD_SPHERICAL || (type == RBD_PLANAR && k == 2) ? 0 : q[k];
     if (type == RBD_SPHERICAL) rbdi_w_quaternion(q, X.E);
     if (type == RBD_FLOATING) rbdi_w_quaternion(q + 3, X.E);
+
     if (type == RBD_PLANAR) {
         rbdi_w_sincos(q[2], &s, &c);
         rbdi_w_turn_z(c, s, X.E);
     }
+
     return X;
 }
 
@@ -114,6 +122,7 @@ static rbdi_wide_pose rbdi_body_pose_at(const rbd_body *b, const double *q) {
                                                                   : rbdi_axis_motion_at(&links[k], q);
         X = rbdi_w_compose(&motion, &X);
     }
+
     return X;
 }
 
@@ -129,8 +138,8 @@ static int rbdi_first_coordinate(const rbd_body *bodies, int i) {
    their number. */
 static int rbdi_own_coordinates(const rbd_body *bodies, int nb, int i, const double *q, double own[7]) {
     const rbd_body *b = &bodies[i];
-    const int from = b->mimic ? rbdi_mimic_source(bodies, nb, i) : i,
-              first = rbdi_first_coordinate(bodies, from), n = rbdi_joint_facts((int)b->type)->nq;
+    const int from = b->mimic ? rbdi_mimic_source(bodies, nb, i) : i;
+    const int first = rbdi_first_coordinate(bodies, from), n = rbdi_joint_facts((int)b->type)->nq;
     for (int k = 0; k < n; ++k) own[k] = q[first + k];
     if (b->mimic) own[0] = b->mimic_ratio * own[0] + b->mimic_offset;
     return n;
@@ -146,12 +155,15 @@ static int rbdi_is_held(const rbd_body *bodies, int nb, int i, const unsigned ch
 static void rbdi_hold(rbd_body *row, const double *q) {
     const rbdi_wide_pose X = rbdi_body_pose_at(row, q);
     rbdi_wide R[9];
+
     rbdi_w_transpose(X.E, R);
     for (int k = 0; k < 9; ++k) row->rotation[k] = (double)R[k];
+
     for (int k = 0; k < 3; ++k) {
         row->position[k] = (double)X.r[k];
         row->axis[k] = row->axis2[k] = 0;
     }
+
     for (int k = 0; k < 6; ++k) row->armature[k] = row->damping[k] = row->friction[k] = 0;
     row->type = RBD_FIXED;
     row->pitch = row->lower = row->upper = row->velocity = row->effort = 0;
@@ -163,33 +175,37 @@ RBDI_API rbd_status rbd_lock_joints(const rbd_body *bodies, int nb, const unsign
                                     const double *q, rbd_body *rows, rbd_report *report) {
     rbd_report own;
     double x[7];
+
     if (!report) report = &own;
     report->warnings = 0;
     rbdi_refuse(report, RBD_OK, -1, NULL, NULL);
 
     if (!bodies || !locked || !q || !rows) return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
     if (nb < 1 || nb > RBD_MAX_BODIES) return rbdi_refuse(report, RBD_ERR_COUNT, -1, NULL, NULL);
+
     for (int i = 0; i < nb; ++i) {
         const rbd_status status = rbdi_check_body(bodies, nb, i, report);
         if (status) return status;
     }
+
     for (int i = 0; i < nb; ++i) {
         if (!rbdi_is_held(bodies, nb, i, locked)) continue;
         if (rbdi_finite(x, rbdi_own_coordinates(bodies, nb, i, q, x))) continue;
-        rbdi_refuse(report, RBD_ERR_RANGE, i, bodies[i].name, "q");
-        report->error.text = "a coordinate of its joint, which shall be held, is not finite";
-        return RBD_ERR_RANGE;
+        return rbdi_refuse_saying(report, RBD_ERR_RANGE, i, bodies[i].name, "q",
+                                  "a coordinate of its joint, which shall be held, is not finite");
     }
 
     /* Followers first, then from the last to the first: of each row those that it depends on are still as
        they were, even if rows is bodies. */
     for (int i = 0; i < nb; ++i) rows[i] = bodies[i];
+
     for (int followers = 1; followers >= 0; --followers)
         for (int i = nb - 1; i >= 0; --i) {
             if ((rows[i].mimic != NULL) != followers || !rbdi_is_held(rows, nb, i, locked)) continue;
             (void)rbdi_own_coordinates(rows, nb, i, q, x);
             rbdi_hold(&rows[i], x);
         }
+
     return RBD_OK;
 }
 

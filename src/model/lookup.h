@@ -34,13 +34,17 @@ RBDI_API rbd_status rbd_joint(const rbd_model *m, int body, rbd_joint_info *info
     const rbdi_frame *u;
     if (!m || !info) return RBD_ERR_NULL;
     if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
+
     u = &m->frame[body];
     info->type = (rbd_joint_type)u->type;
-    info->nq = u->nq, info->nv = u->nv;
+    info->nq = u->nq;
+    info->nv = u->nv;
     info->iq = u->nv > 0 ? u->iq : -1;
     info->iv = u->nv > 0 ? u->iv : -1;
-    info->lower = u->lower, info->upper = u->upper;
-    info->velocity = u->velocity, info->effort = u->effort;
+    info->lower = u->lower;
+    info->upper = u->upper;
+    info->velocity = u->velocity;
+    info->effort = u->effort;
     return RBD_OK;
 }
 

@@ -11,23 +11,26 @@
    about points as far away as the user's frames: solver.r, from the link's origin to the user's, and reach,
    to the farthest body fixed to this link or to a later one. A sliding joint is assumed to move by 1 m. */
 static void rbdi_build_scale(rbdi_build_link *links, int i) {
-    rbdi_build_link *l = &links[i], *up;
+    rbdi_build_link *l = &links[i], *parent;
     rbdi_wide r[3], distance, reach,
         trace = l->Sigma[0] + l->Sigma[3] + l->Sigma[5] + l->mass * rbdi_w_dot(l->solver.r, l->solver.r);
+
     l->scale = l->trace + (l->kind == RBDI_BLOCK ? trace : l->Sigma[0] + l->Sigma[3]);
     l->trace += trace;
     l->moment += rbdi_w_length(l->h);
     reach = l->reach += rbdi_w_length(l->solver.r);
     l->scale += RBDI_ROD * (l->trace + 2 * l->moment * reach + l->all_mass * reach * reach);
     if (l->parent < 0) return;
-    up = &links[l->parent];
+
+    parent = &links[l->parent];
     rbdi_build_origin(l, r);
     distance = rbdi_w_length(r);
-    up->trace += l->trace + 2 * l->moment * distance + l->all_mass * distance * distance;
-    up->moment += l->moment + l->all_mass * distance;
+    parent->trace += l->trace + 2 * l->moment * distance + l->all_mass * distance * distance;
+    parent->moment += l->moment + l->all_mass * distance;
+
     /* a joint that slides */
     if (l->kind == RBDI_BLOCK ? l->type != RBD_SPHERICAL : rbdi_nonzero(l->kappa)) reach += 1;
-    rbdi_build_reach(up, reach);
+    rbdi_build_reach(parent, reach);
 }
 
 /* Step 8, leaves to root: regrouping ([design]). Moments of mass that the joint's motion does not change go
@@ -38,18 +41,27 @@ static void rbdi_build_regroup(rbdi_build_link *links, int i) {
     rbdi_wide Sigma[6] = {0, 0, 0, 0, 0, 0}, h[3] = {0, 0, 0}, mass = 0, r[3], T[9];
     int slides = l->type == RBD_TRANSLATION || (l->kind == RBDI_SCREW && !(l->rho > 0));
     if (l->type == RBD_FLOATING) return;
+
     if (l->type == RBD_SPHERICAL) {
-        mass = l->mass, l->mass = 0;
+        mass = l->mass;
+        l->mass = 0;
     } else if (slides) {
-        for (int k = 0; k < 6; ++k) Sigma[k] = l->Sigma[k], l->Sigma[k] = 0;
+        for (int k = 0; k < 6; ++k) {
+            Sigma[k] = l->Sigma[k];
+            l->Sigma[k] = 0;
+        }
     } else {
-        Sigma[5] = l->Sigma[5], l->Sigma[5] = 0;
+        Sigma[5] = l->Sigma[5];
+        l->Sigma[5] = 0;
         if (l->kind == RBDI_REVOLUTE || l->kind == RBDI_REVOLUTE_CS) {
-            h[2] = l->h[2], l->h[2] = 0;
-            mass = l->mass, l->mass = 0;
+            h[2] = l->h[2];
+            l->h[2] = 0;
+            mass = l->mass;
+            l->mass = 0;
         }
     }
     if (l->parent < 0) return;
+
     rbdi_build_origin(l, r);
     rbdi_w_transpose(l->X.E, T);
     rbdi_add_moments(&links[l->parent], T, r, Sigma, h, mass);

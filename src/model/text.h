@@ -62,16 +62,33 @@ static char *rbdi_write_finding(const rbd_finding *finding, const char *what, ch
     size_t at = 0;
     int n = 0, digit = 11;
     if (!finding || !text || size == 0) return text;
+
     if (finding->body >= 0) {
         int rest = finding->body;
+
         number[digit] = 0;
         do number[--digit] = (char)('0' + rest % 10);
+
         while (rest /= 10);
-        parts[n++] = what, parts[n++] = " ", parts[n++] = &number[digit];
-        if (finding->name) parts[n++] = " '", parts[n++] = finding->name, parts[n++] = "'";
+        parts[n++] = what;
+        parts[n++] = " ";
+        parts[n++] = &number[digit];
+
+        if (finding->name) {
+            parts[n++] = " '";
+            parts[n++] = finding->name;
+            parts[n++] = "'";
+        }
+
         parts[n++] = ", ";
     }
-    if (finding->field) parts[n++] = "field '", parts[n++] = finding->field, parts[n++] = "': ";
+
+    if (finding->field) {
+        parts[n++] = "field '";
+        parts[n++] = finding->field;
+        parts[n++] = "': ";
+    }
+
     parts[n++] = finding->text ? finding->text : rbd_status_string(finding->status);
     for (int k = 0; k < n; ++k)
         for (const char *c = parts[k]; *c && at + 1 < size; ++c) text[at++] = *c;

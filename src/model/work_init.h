@@ -30,6 +30,7 @@ RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size,
     unsigned char *p;
     rbd_work *w;
     int n, nqx;
+
     if (work) *work = NULL;
     if (!m || !memory || !work) return RBD_ERR_NULL;
     if (m->version != RBD_MODEL_VERSION || m->scalar != (int)sizeof(rbd_const)) return RBD_ERR_VERSION;
@@ -38,7 +39,10 @@ RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size,
     if (!rbdi_rounds()) return RBD_ERR_ARITHMETIC;
 #endif
     if (size < rbd_work_size(m)) return RBD_ERR_MEMORY;
-    n = m->nv + m->nmimic, nqx = m->nmimic ? m->nq + m->nmimic : 0;
+
+    n = m->nv + m->nmimic;
+    nqx = m->nmimic ? m->nq + m->nmimic : 0;
+
     p = rbdi_aligned(memory);
     w = (rbd_work *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_work)));
     for (int k = 0; k < RBDI_SHAPE; ++k) w->shape[k] = m->shape[k];
@@ -49,6 +53,7 @@ RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size,
 #define RBDI_TAKE(type, name, length) w->name = (type *)rbdi_take(&p, (int)(length), sizeof(type));
     RBDI_WORK_ARRAYS(RBDI_TAKE, m->nl, m->nblock, m->nbranch, n, nqx, m->nv, m->nh + m->nhx)
 #undef RBDI_TAKE
+
     for (int k = 0; k < n; ++k) w->zero[k] = rbdi_zero();
     for (int k = 0; k < 6 * RBDI_STRIDE(n); ++k) w->F[k] = rbdi_zero();
     for (int k = 0; k < (int)RBDI_PADDED(m->nl); ++k) w->angle[k] = w->quarters[k] = rbdi_zero();
@@ -59,13 +64,17 @@ RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size,
 
 RBDI_API rbd_status rbd_set_gravity(rbd_work *w, const rbd_const gravity[3]) {
     if (!w || !gravity) return RBD_ERR_NULL;
-    w->gravity.x = gravity[0], w->gravity.y = gravity[1], w->gravity.z = gravity[2];
+    w->gravity.x = gravity[0];
+    w->gravity.y = gravity[1];
+    w->gravity.z = gravity[2];
     return RBD_OK;
 }
 
 RBDI_API rbd_status rbd_get_gravity(const rbd_work *w, rbd_const gravity[3]) {
     if (!w || !gravity) return RBD_ERR_NULL;
-    gravity[0] = w->gravity.x, gravity[1] = w->gravity.y, gravity[2] = w->gravity.z;
+    gravity[0] = w->gravity.x;
+    gravity[1] = w->gravity.y;
+    gravity[2] = w->gravity.z;
     return RBD_OK;
 }
 

@@ -1,90 +1,52 @@
 #ifndef RBDI_MOTION_AXES_H
 #define RBDI_MOTION_AXES_H
-#include "model/layout.h"
-#include "base/simd.h"
-#include "algebra/vectors.h"
+#include "model/joints.h"
 
-/* Interface: rbdi_axes, rbdi_axes_block, rbdi_axes_step, rbdi_axis_vec, rbdi_load_axes, rbdi_set_axis,
-   rbdi_world_axes */
+/* Interface: rbdi_pose_block, rbdi_pose_step, rbdi_world_pose */
 
-/* ---- axes and origins of links [axes] ---- */
+/* ---- axes and origins of links [axes] ----
+   Poses of links in one frame, that of the world or of a base: the rows of E are a link's axes, r is its
+   origin. */
 
-/* Axes and origin of a link, in the axes of the world or of a base. */
-typedef struct rbdi_axes {
-    rbdi_four x, y, z, origin;
-} rbdi_axes;
-/* A vector to and from a rbdi_four; the fourth is not used. */
-RBDI_INLINE void rbdi_set_axis(rbdi_four *a, rbdi_v3 v) { rbdi_set_four(a, v.x, v.y, v.z, v.z); }
-RBDI_INLINE rbdi_v3 rbdi_axis_vec(const rbdi_four *a) {
-    return rbdi_vec(rbdi_one_of(a, 0), rbdi_one_of(a, 1), rbdi_one_of(a, 2));
+/* The pose of that frame itself. */
+RBDI_INLINE rbdi_pose rbdi_world_pose(void) {
+    const rbd_real o = rbdi_zero(), one = rbdi_set(RBD_C(1));
+    rbdi_pose p;
+    p.E = rbdi_mat_of(one, o, o, o, one, o, o, o, one);
+    p.r = rbdi_vec0();
+    return p;
 }
 
-/* From a pose, and back. */
-RBDI_INLINE void rbdi_load_axes(rbdi_axes *p, const rbdi_pose *X) {
-    rbdi_set_axis(&p->x, rbdi_vec(X->E.xx, X->E.xy, X->E.xz));
-    rbdi_set_axis(&p->y, rbdi_vec(X->E.yx, X->E.yy, X->E.yz));
-    rbdi_set_axis(&p->z, rbdi_vec(X->E.zx, X->E.zy, X->E.zz));
-    rbdi_set_axis(&p->origin, X->r);
-}
-RBDI_INLINE void rbdi_store_axes(rbdi_pose *X, const rbdi_axes *p) {
-    rbdi_put_four(&X->E.xx, &p->x); /* the fourth goes to the next row, which is stored next */
-    rbdi_put_four(&X->E.yx, &p->y);
-    X->E.zx = rbdi_one_of(&p->z, 0);
-    X->E.zy = rbdi_one_of(&p->z, 1);
-    X->E.zz = rbdi_one_of(&p->z, 2);
-    X->r = rbdi_axis_vec(&p->origin);
-}
-/* The world's own axes, with its origin. */
-RBDI_INLINE void rbdi_world_axes(rbdi_axes *p) {
-    const rbd_real one = rbdi_set(RBD_C(1)), o = rbdi_zero();
-    rbdi_set_axis(&p->x, rbdi_vec(one, o, o));
-    rbdi_set_axis(&p->y, rbdi_vec(o, one, o));
-    rbdi_set_axis(&p->z, rbdi_vec(o, o, one));
-    rbdi_set_axis(&p->origin, rbdi_vec(o, o, o));
-}
+/* The pose of a one-axis link from its parent's, p: E = turns E_p, r = r_p + E_p' r_l + E' d z. A root keeps
+   the origin. */
+RBDI_INLINE rbdi_pose rbdi_pose_step(const rbdi_link *l, int flags, rbdi_trig t, rbdi_pose p) {
+    rbdi_v3 x = rbdi_vec(p.E.xx, p.E.yx, p.E.zx); /* the columns of E: the frame's axes in the link's */
+    rbdi_v3 y = rbdi_vec(p.E.xy, p.E.yy, p.E.zy);
+    rbdi_v3 z = rbdi_vec(p.E.xz, p.E.yz, p.E.zz);
 
-/* Turns the axes a, b in their plane, as rbdi_turn_z turns x, y. */
-RBDI_INLINE void rbdi_turn_axes(int flags, rbd_real c, rbd_real s, rbdi_four *a, rbdi_four *b) {
-    const rbdi_four from = *a;
-    if (flags & RBDI_TWIST_0) return;
-    if (flags & RBDI_TWIST_90) {
-        *a = *b;
-        rbdi_scale_four(b, rbdi_set(RBD_C(-1)), &from);
-        return;
-    }
-    rbdi_scale_four(a, c, a);
-    rbdi_add_four(a, s, b);
-    rbdi_scale_four(b, c, b);
-    rbdi_add_four(b, -s, &from);
-}
-
-/* The parent's axes and origin become those of a one-axis link; a root keeps the origin. */
-RBDI_INLINE void rbdi_axes_step(const rbdi_link *l, int flags, rbdi_trig t, rbdi_axes *p) {
     if ((flags & RBDI_SHIFT_R) && !(flags & RBDI_ROOT)) {
-        rbdi_add_four(&p->origin, rbdi_set(l->r.x), &p->x);
+        p.r = rbdi_add(p.r, rbdi_scale(rbdi_set(l->r.x), rbdi_vec(p.E.xx, p.E.xy, p.E.xz)));
         if (flags & RBDI_SHIFT_XYZ) {
-            rbdi_add_four(&p->origin, rbdi_set(l->r.y), &p->y);
-            rbdi_add_four(&p->origin, rbdi_set(l->r.z), &p->z);
+            p.r = rbdi_add(p.r, rbdi_scale(rbdi_set(l->r.y), rbdi_vec(p.E.yx, p.E.yy, p.E.yz)));
+            p.r = rbdi_add(p.r, rbdi_scale(rbdi_set(l->r.z), rbdi_vec(p.E.zx, p.E.zy, p.E.zz)));
         }
     }
-    if (flags & RBDI_BRANCH_TURN) rbdi_turn_axes(0, rbdi_set(l->cb), rbdi_set(l->sb), &p->x, &p->y);
-    rbdi_turn_axes(flags, rbdi_set(l->ca), rbdi_set(l->sa), &p->y, &p->z);
-    rbdi_turn_axes(0, t.c, t.s, &p->x, &p->y);
-    if ((flags & RBDI_SHIFT_Z) && !(flags & RBDI_ROOT)) rbdi_add_four(&p->origin, t.d, &p->z);
+
+    x = rbdi_down(l, flags, t, x);
+    y = rbdi_down(l, flags, t, y);
+    z = rbdi_down(l, flags, t, z);
+    p.E = rbdi_mat_of(x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z);
+
+    if ((flags & RBDI_SHIFT_Z) && !(flags & RBDI_ROOT))
+        p.r = rbdi_add(p.r, rbdi_scale(t.d, rbdi_vec(p.E.zx, p.E.zy, p.E.zz)));
+    return p;
 }
 
-/* The same of a block. */
-RBDI_INLINE void rbdi_axes_block(const rbdi_pose *X, int root, rbdi_axes *p) {
-    const rbdi_four x = p->x, y = p->y, z = p->z;
-    if (!root) rbdi_add_four(&p->origin, X->r.x, &x);
-    if (!root) rbdi_add_four(&p->origin, X->r.y, &y);
-    if (!root) rbdi_add_four(&p->origin, X->r.z, &z);
-    rbdi_scale_four(&p->x, X->E.xx, &x), rbdi_add_four(&p->x, X->E.xy, &y);
-    rbdi_scale_four(&p->y, X->E.yx, &x), rbdi_add_four(&p->y, X->E.yy, &y);
-    rbdi_scale_four(&p->z, X->E.zx, &x), rbdi_add_four(&p->z, X->E.zy, &y);
-    rbdi_add_four(&p->x, X->E.xz, &z);
-    rbdi_add_four(&p->y, X->E.yz, &z);
-    rbdi_add_four(&p->z, X->E.zz, &z);
+/* The same of a block with the pose X in its parent. */
+RBDI_INLINE rbdi_pose rbdi_pose_block(const rbdi_pose *X, rbdi_pose p) {
+    p.r = rbdi_add(p.r, rbdi_mul_t(p.E, X->r));
+    p.E = rbdi_mul_mat(X->E, p.E);
+    return p;
 }
 
 #endif

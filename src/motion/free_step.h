@@ -5,6 +5,8 @@
 #include "dynamics/pivots.h"
 #include "motion/manifold.h"
 
+/* Interface: rbdi_guard_solution */
+
 /* ---- free step [free step] ----
    Half of the way by v, to q_mid, where v_mid is v in its axes. There, with damping d, K = M + dt d and the
    classical accelerations a(w) = 0 of [manifold code],
@@ -13,80 +15,98 @@
 
    by three solutions, the first with w = v_mid; then the other half by nu. For a vector that turns by x in a
    step, the square of the length is magnified by 1 + x^2 with one solution, by 1 + x^4/4 with two, by
-   1 - x^4/4 + x^6/16 with three: the least number that is stable, up to x = 2. Vectors stand in w->F. */
+   1 - x^4/4 + x^6/16 with three: the least number that is stable, up to x = 2. Beyond, the solutions
+   diverge: rbdi_guard_solution. */
 
 #ifndef RBD_NO_CHOLESKY
-/* Columns of w->F, behind what the factor's calls use: w, a(w), v_mid. */
+/* Of three solutions y = L^-T K (nu - v_mid), K = L'DL, changes the third if the second change is larger than
+   the first, measured by D^-1, which makes it twice a kinetic energy:
+
+       y_3 -= s (y_3 - y_1),   s = r / (1 + r),   r = |y_3 - y_2|^2 / |y_2 - y_1|^2 > 1
+
+   If the changes are a series of one frequency, with the ratio i x/2, that is its sum, r = x^2/4: the
+   implicit midpoint, which keeps energy at any x. */
+RBDI_PART void rbdi_guard_solution(const rbd_model *m, const rbd_real *L, const rbd_real *first,
+                                   const rbd_real *second, rbd_real *third) {
+    const rbd_real one = rbdi_set(RBD_C(1));
+    rbd_real before = rbdi_zero(), after = before, share;
+    rbdi_mask diverges;
+    for (int k = 0; k < m->nv; ++k) {
+        const rbd_real inverse = L[m->dof[k].row + m->dof[k].depth], old = second[k] - first[k],
+                       change = third[k] - second[k];
+        before = before + old * old * inverse;
+        after = after + change * change * inverse;
+    }
+
+    diverges = rbdi_less(before, after);
+    if (!rbdi_any(diverges)) return;
+    share = rbdi_select(diverges, one / (one + before / after), rbdi_zero());
+    for (int k = 0; k < m->nv; ++k) third[k] = third[k] - share * (third[k] - first[k]);
+}
+
+/* Columns of w->F, behind the scratch of a solution: three solutions, velocities, and accelerations. */
 static rbd_real *rbdi_free_vector(const rbd_model *m, rbd_work *w, int k) {
-    return w->F + (2 + k) * rbdi_stride(m);
+    return w->F + (1 + k) * rbdi_stride(m);
 }
 
-/* v in the axes of q_mid. */
-static void rbdi_middle_velocity(const rbd_model *m, const rbd_real *v, rbd_real half, rbd_real *v_mid) {
-    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
-        if (u->nv > 0) rbdi_turn_velocity(u, &v[u->iv], half, &v[u->iv], &v_mid[u->iv]);
-}
-
-/* x = K^-1 dt (tau - c(at) - d v_mid). */
-static void rbdi_free_change(const rbd_model *m, rbd_work *w, const rbd_real *tau, const rbd_real *f_ext,
-                             const rbd_real *damping, rbd_real dt, rbd_real *x) {
-    const rbd_real *v_mid = rbdi_free_vector(m, w, 2);
-    rbd_real *at = rbdi_free_vector(m, w, 0), *a = rbdi_free_vector(m, w, 1);
+/* y = L^-T dt (tau - c(at) - d v_mid). */
+static void rbdi_free_solution(const rbd_model *m, rbd_work *w, const rbd_real *v_mid, const rbd_real *at,
+                               const rbd_real *tau, const rbd_real *f_ext, const rbd_real *damping,
+                               rbd_real dt, rbd_real *y) {
+    rbd_real *a = rbdi_free_vector(m, w, 4);
     rbdi_clear(a, m->nv);
     rbdi_straight_acceleration(m, at, a);
     rbdi_rnea(m, w, rbdi_expand_v(m, at, w->vx), rbdi_expand_v(m, a, w->ax), f_ext,
-              rbdi_mimics(m) ? w->tx : x);
-    rbdi_reduce_tau(m, w->tx, x);
+              rbdi_mimics(m) ? w->tx : y);
+    rbdi_reduce_tau(m, w->tx, y);
     for (int k = 0; k < m->nv; ++k) {
         const rbd_real d = damping ? damping[k] : rbdi_zero();
-        x[k] = dt * (tau[k] - x[k] - d * v_mid[k]);
+        y[k] = dt * (tau[k] - y[k] - d * v_mid[k]);
     }
-    rbdi_solve(m, w, w->H, x);
+    rbdi_vector_transposed(m, w, w->H, y);
 }
 
-/* q and v of one joint moved by v for half, then by v in the new axes plus x. */
-static void rbdi_finish_joint(const rbdi_frame *u, const rbd_real *q, const rbd_real *v, const rbd_real *x,
-                              rbd_real half, rbd_real *q_next, rbd_real *v_next) {
-    rbd_real middle[7], nu[6];
-    rbdi_move_straight(u, q, v, half, middle);
-    rbdi_turn_velocity(u, v, half, v, nu);
-    for (int k = 0; k < u->nv; ++k) nu[k] = nu[k] + x[k];
-    rbdi_move_straight(u, middle, nu, half, q_next);
-    rbdi_turn_velocity(u, nu, half, nu, v_next);
+/* x = nu - v_mid, by three solutions. */
+static void rbdi_free_change(const rbd_model *m, rbd_work *w, const rbd_real *v_mid, const rbd_real *tau,
+                             const rbd_real *f_ext, const rbd_real *damping, rbd_real dt, rbd_real *x) {
+    const rbd_real half = rbdi_set(RBD_C(0.5));
+    rbd_real *at = rbdi_free_vector(m, w, 3);
+    rbdi_clear(x, m->nv);
+    for (int i = 0; i < 3; ++i) {
+        rbd_real *y = rbdi_free_vector(m, w, i);
+        for (int k = 0; k < m->nv; ++k) at[k] = v_mid[k] + half * x[k];
+        rbdi_free_solution(m, w, v_mid, at, tau, f_ext, damping, dt, y);
+        if (i == 2) rbdi_guard_solution(m, w->H, rbdi_free_vector(m, w, 0), rbdi_free_vector(m, w, 1), y);
+        for (int k = 0; k < m->nv; ++k) x[k] = y[k];
+        rbdi_vector_forward(m, w, w->H, x);
+    }
 }
 
 RBDI_API rbd_status rbd_free_step(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                   const rbd_real *tau, const rbd_real *f_ext, const rbd_real *damping,
                                   rbd_real dt, rbd_real *q_next, rbd_real *v_next) {
     const rbd_real half = dt * RBD_C(0.5);
-    rbd_real *at, *v_mid, *x;
+    rbd_real *nu;
     rbdi_mask doubt;
     rbd_status status = rbdi_check(m, w, q && v && tau && q_next && v_next);
     if (status) return status;
-    at = rbdi_free_vector(m, w, 0);
-    v_mid = rbdi_free_vector(m, w, 2);
-    x = w->bias;
 
-    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
-        if (u->nv > 0) rbdi_move_straight(u, &q[u->iq], &v[u->iv], half, &at[u->iq]);
-    rbd_crba_packed(m, w, at, w->H);
+    /* q_mid and v_mid, and K there */
+    rbdi_move_joints(m, q, v, v, half, q_next, v_next);
+    rbd_crba_packed(m, w, q_next, w->H);
     for (int k = 0; damping && k < m->nv; ++k) {
         rbd_real *diagonal = &w->H[m->dof[k].row + m->dof[k].depth];
         *diagonal = *diagonal + dt * damping[k];
     }
+
     doubt = rbdi_factor(m, w, w->H);
 
-    rbdi_middle_velocity(m, v, half, v_mid);
-    for (int k = 0; k < m->nv; ++k) at[k] = v_mid[k];
-    for (int i = 0; i < 3; ++i) {
-        rbdi_free_change(m, w, tau, f_ext, damping, dt, x);
-        for (int k = 0; k < m->nv; ++k) at[k] = v_mid[k] + x[k] * RBD_C(0.5);
-    }
-    status = rbdi_factor_status(m, w, w->H, doubt, x, m->nv);
+    nu = w->bias;
+    rbdi_free_change(m, w, v_next, tau, f_ext, damping, dt, nu);
+    status = rbdi_factor_status(m, w, w->H, doubt, nu, m->nv);
+    for (int k = 0; k < m->nv; ++k) nu[k] = v_next[k] + nu[k];
 
-    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
-        if (u->nv > 0)
-            rbdi_finish_joint(u, &q[u->iq], &v[u->iv], &x[u->iv], half, &q_next[u->iq], &v_next[u->iv]);
+    rbdi_move_joints(m, q_next, nu, nu, half, q_next, v_next);
     return status;
 }
 #endif

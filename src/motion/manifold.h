@@ -1,6 +1,7 @@
 #ifndef RBDI_MOTION_MANIFOLD_H
 #define RBDI_MOTION_MANIFOLD_H
 #include "api/manifold.h"
+#include "model/joint_types.h"
 #include "model/joints.h"
 
 /* Interface: rbdi_difference_joint, rbdi_joint_motion, rbdi_joint_turns, rbdi_move_joints,
@@ -8,26 +9,29 @@
 
 /* ---- configuration manifold [manifold code] ---- */
 
-/* Spherical, planar and floating joints turn: their v has components of a motion in body axes, and their
-   step is an exponential. Coordinates of other joints add up. */
-RBDI_INLINE int rbdi_joint_turns(const rbdi_frame *u) {
-    return u->type == RBD_SPHERICAL || u->type == RBD_PLANAR || u->type == RBD_FLOATING;
-}
-/* That motion from the joint's components in v, which are a stride apart, and back. */
+/* Whether the joint of a body turns: rbdi_type_turns. */
+RBDI_INLINE int rbdi_joint_turns(const rbdi_frame *u) { return rbdi_type_turns(u->type); }
+
+/* The motion in body axes from the joint's components in v, which are a stride apart, and back. */
 static rbdi_motion rbdi_joint_motion(const rbdi_frame *u, const rbd_real *v, ptrdiff_t stride) {
     rbd_real array[6];
     for (int k = 0; k < 6; ++k) array[k] = rbdi_zero();
-    for (int k = 0; k < u->nv; ++k) array[(u->type == RBD_PLANAR ? 2 : 0) + k] = v[k * stride];
+    for (int k = 0; k < u->nv; ++k) array[rbdi_first_axis(u->type) + k] = v[k * stride];
     return rbdi_load_motion(array, 1);
 }
+
 static void rbdi_put_joint_motion(const rbdi_frame *u, rbdi_motion V, rbd_real *v, ptrdiff_t stride) {
     rbd_real array[6];
     rbdi_store_motion(array, 1, V);
-    for (int k = 0; k < u->nv; ++k) v[k * stride] = array[(u->type == RBD_PLANAR ? 2 : 0) + k];
+    for (int k = 0; k < u->nv; ++k) v[k * stride] = array[rbdi_first_axis(u->type) + k];
 }
+
 /* The coordinates of the origin p: back from rbdi_joint_origin. */
 static void rbdi_put_origin(const rbdi_frame *u, rbdi_v3 p, rbd_real *q) {
-    if (u->type == RBD_PLANAR) q[0] = p.x, q[1] = p.y;
+    if (u->type == RBD_PLANAR) {
+        q[0] = p.x;
+        q[1] = p.y;
+    }
     if (u->type == RBD_FLOATING) rbdi_store_vec(q, 1, p);
 }
 
@@ -46,6 +50,8 @@ static void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_re
         const rbdi_motion step = rbdi_joint_motion(u, d, 1);
         const rbdi_exp e = rbdi_exp_of(step.omega);
         rbdi_v3 shift = straight ? step.v : rbdi_exp_shift(e, step.omega, step.v);
+
+        /* p_next = p + E' shift, and the turn */
         shift = rbdi_mul_t(rbdi_joint_attitude(u->type, q), shift);
         rbdi_put_origin(u, rbdi_add(rbdi_joint_origin(u->type, q), shift), q_next);
         if (u->type == RBD_PLANAR)
@@ -91,14 +97,17 @@ static void rbdi_turn_velocity(const rbdi_frame *u, const rbd_real *moved, rbd_r
     rbdi_motion V;
     rbdi_v3 turn;
     rbdi_exp e;
+
     if (!rbdi_joint_turns(u)) {
         for (int k = 0; k < u->nv; ++k) v_next[k] = nu[k];
         return;
     }
+
     turn = rbdi_scale(dt, rbdi_joint_motion(u, moved, 1).omega);
     e = rbdi_exp_of(turn);
     V = rbdi_joint_motion(u, nu, 1);
-    V.omega = rbdi_turn_back(e, turn, V.omega), V.v = rbdi_turn_back(e, turn, V.v);
+    V.omega = rbdi_turn_back(e, turn, V.omega);
+    V.v = rbdi_turn_back(e, turn, V.v);
     rbdi_put_joint_motion(u, V, v_next, 1);
 }
 
@@ -148,6 +157,8 @@ static void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, const
     } else if (rbdi_joint_turns(u)) {
         const rbdi_v3 shift = rbdi_sub(rbdi_joint_origin(u->type, q1), rbdi_joint_origin(u->type, q0));
         rbdi_motion step;
+
+        /* omega: the turn from q0 to q1; v: the shift of the screw that leads to E (p1 - p0) */
         step.omega = u->type == RBD_PLANAR
                          ? rbdi_vec(rbdi_zero(), rbdi_zero(), rbdi_within_half_turn(q1[2] - q0[2]))
                          : rbdi_quaternion_difference(&q0[u->nq - 4], &q1[u->nq - 4]);
@@ -171,10 +182,13 @@ static rbd_real rbdi_inverse_length(const rbd_real *q, const rbd_real *unit, int
 /* rbd_rates_from_velocity of one joint. */
 static void rbdi_joint_rates(const rbdi_frame *u, const rbd_real *q, const rbd_real *v, rbd_real *rates) {
     if (u->type == RBD_CONTINUOUS_CS) {
-        rates[0] = -(q[1] * v[0]), rates[1] = q[0] * v[0];
+        rates[0] = -(q[1] * v[0]);
+        rates[1] = q[0] * v[0];
     } else if (rbdi_joint_turns(u)) {
         const rbdi_motion V = rbdi_joint_motion(u, v, 1);
         rbd_real turn[4];
+
+        /* dp/dt = E' v, d quaternion/dt = quaternion (omega/2, 0) */
         rbdi_put_origin(u, rbdi_mul_t(rbdi_joint_attitude(u->type, q), V.v), rates);
         rbdi_store_vec(turn, 1, rbdi_scale(rbdi_set(RBD_C(0.5)), V.omega));
         turn[3] = rbdi_zero();
@@ -237,27 +251,29 @@ RBDI_API rbd_status rbd_velocity_from_rates(const rbd_model *m, const rbd_real *
 RBDI_API rbd_status rbd_integrate(const rbd_model *m, const rbd_real *q, const rbd_real *v, rbd_real dt,
                                   rbd_real *q_next) {
     if (!m || !q || !v || !q_next) return RBD_ERR_NULL;
+
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
         rbd_real d[6];
         for (int k = 0; k < u->nv; ++k) d[k] = v[u->iv + k] * dt;
         if (u->nv > 0) rbdi_step_joint(u, &q[u->iq], d, 0, &q_next[u->iq]);
     }
+
     return RBD_OK;
 }
 
 RBDI_API rbd_status rbd_step(const rbd_model *m, const rbd_real *q, const rbd_real *v, const rbd_real *a,
                              rbd_real dt, rbd_real *q_next, rbd_real *v_next) {
     if (!m || !q || !v || !a || !q_next || !v_next) return RBD_ERR_NULL;
+
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
         rbd_real nu[6];
         if (u->nv == 0) continue;
         rbdi_unforced_velocity(u, &v[u->iv], dt, nu);
-        for (int k = 0; k < u->nv; ++k) nu[k] = nu[k] + dt * a[u->iv + k];
-        rbdi_move_straight(u, &q[u->iq], nu, dt, &q_next[u->iq]);
-        rbdi_turn_velocity(u, nu, dt, nu, &v_next[u->iv]);
+        for (int k = 0; k < u->nv; ++k) v_next[u->iv + k] = nu[k] + dt * a[u->iv + k];
     }
+    rbdi_move_joints(m, q, v_next, v_next, dt, q_next, v_next);
     return RBD_OK;
 }
 
@@ -299,6 +315,7 @@ RBDI_API rbd_status rbd_distance(const rbd_model *m, const rbd_real *q0, const r
                                  const rbd_const *weight, rbd_real *distance) {
     rbd_real sum = rbdi_zero();
     if (!m || !q0 || !q1 || !distance) return RBD_ERR_NULL;
+
     for (int k = 0; weight && k < m->nv; ++k)
         if (!(weight[k] >= 0)) return RBD_ERR_RANGE;
 
@@ -309,8 +326,15 @@ RBDI_API rbd_status rbd_distance(const rbd_model *m, const rbd_real *q0, const r
         if (u->nv > 0) rbdi_difference_joint(u, &q0[u->iq], &q1[u->iq], d);
         for (int k = 0; k < u->nv; ++k) sum = sum + d[k] * d[k] * (weight ? weight[u->iv + k] : RBD_C(1));
     }
+
     *distance = rbdi_sqrt(sum);
     return RBD_OK;
+}
+
+/* The zero of one joint, whose q is 0 before. */
+static void rbdi_neutral_joint(const rbdi_frame *u, rbd_real *q) {
+    if (u->type == RBD_CONTINUOUS_CS) q[0] = rbdi_set(RBD_C(1));
+    if (rbdi_has_quaternion(u->type)) q[u->nq - 1] = rbdi_set(RBD_C(1));
 }
 
 RBDI_API rbd_status rbd_neutral(const rbd_model *m, rbd_real *q) {
@@ -318,8 +342,7 @@ RBDI_API rbd_status rbd_neutral(const rbd_model *m, rbd_real *q) {
     for (int k = 0; k < m->nq; ++k) q[k] = rbdi_zero();
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
-        if (u->type == RBD_CONTINUOUS_CS) q[u->iq] = rbdi_set(RBD_C(1));
-        if (u->type == RBD_SPHERICAL || u->type == RBD_FLOATING) q[u->iq + u->nq - 1] = rbdi_set(RBD_C(1));
+        if (u->nv > 0) rbdi_neutral_joint(u, &q[u->iq]);
     }
     return RBD_OK;
 }
@@ -337,13 +360,16 @@ static rbd_const rbdi_uniform(uint64_t *seed) {
 static rbd_real rbdi_draw(uint64_t *seed, rbd_const lower, rbd_const upper) {
 #ifdef RBD_LANES
     rbd_real x = rbdi_zero();
+
     for (int i = 0; i < RBD_LANES; ++i) {
         const rbd_const share = rbdi_uniform(seed);
         x[i] = lower * (1 - share) + upper * share;
     }
+
     return x;
 #else
     const rbd_const share = rbdi_uniform(seed);
+
     return rbdi_set(lower * (1 - share) + upper * share);
 #endif
 }
@@ -351,38 +377,46 @@ static rbd_real rbdi_draw(uint64_t *seed, rbd_const lower, rbd_const upper) {
 /* A uniform orientation: two points on circles with radii sqrt(x), sqrt(1 - x), x uniform (Shoemake 1992). */
 static void rbdi_draw_quaternion(uint64_t *seed, rbd_real *q) {
     rbd_real x = rbdi_draw(seed, RBD_C(0), RBD_C(1)), radius = rbdi_sqrt(x), c, s;
+
     rbdi_sincos(rbdi_draw(seed, -RBDI_PI(rbd_const), RBDI_PI(rbd_const)), &s, &c);
-    q[0] = radius * s, q[1] = radius * c;
+    q[0] = radius * s;
+    q[1] = radius * c;
     radius = rbdi_sqrt(rbdi_set(RBD_C(1)) - x);
     rbdi_sincos(rbdi_draw(seed, -RBDI_PI(rbd_const), RBDI_PI(rbd_const)), &s, &c);
-    q[2] = radius * s, q[3] = radius * c;
+    q[2] = radius * s;
+    q[3] = radius * c;
+}
+
+/* Random coordinates of one joint: within its limits, or angles in [-pi, pi), lengths in [-1, 1) and uniform
+   orientations. */
+static void rbdi_random_joint(const rbdi_frame *u, uint64_t *seed, rbd_real *q) {
+    const rbd_const pi = RBDI_PI(rbd_const), one = RBD_C(1);
+    int angles = u->nv, shifts = 0; /* shifts come first, but with cylindrical joints */
+    if (u->nv == 1 && u->lower < u->upper) {
+        q[0] = rbdi_draw(seed, u->lower, u->upper);
+        return;
+    }
+
+    if (u->type == RBD_PRISMATIC) shifts = 1;
+    if (u->type == RBD_PLANAR) shifts = 2;
+    if (u->type == RBD_TRANSLATION || u->type == RBD_FLOATING) shifts = angles = 3;
+    if (u->type == RBD_SPHERICAL) angles = 0;
+    for (int k = 0; k < angles; ++k)
+        q[k] = k < shifts ? rbdi_draw(seed, -one, one) : rbdi_draw(seed, -pi, pi);
+
+    if (u->type == RBD_CYLINDRICAL) q[1] = rbdi_draw(seed, -one, one);
+    if (u->type == RBD_CONTINUOUS_CS) {
+        const rbd_real angle = q[0];
+        rbdi_sincos(angle, &q[1], &q[0]);
+    }
+    if (rbdi_has_quaternion(u->type)) rbdi_draw_quaternion(seed, q + u->nq - 4);
 }
 
 RBDI_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q) {
     if (!m || !seed || !q) return RBD_ERR_NULL;
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *u = &m->frame[b];
-        rbd_real *own;
-        const rbd_const pi = RBDI_PI(rbd_const), one = RBD_C(1);
-        int angles = u->nv, shifts = 0; /* shifts come first, but with cylindrical joints */
-        if (u->nv == 0) continue;
-        own = &q[u->iq];
-        if (u->nv == 1 && u->lower < u->upper) {
-            own[0] = rbdi_draw(seed, u->lower, u->upper);
-            continue;
-        }
-        if (u->type == RBD_PRISMATIC) shifts = 1;
-        if (u->type == RBD_PLANAR) shifts = 2;
-        if (u->type == RBD_TRANSLATION || u->type == RBD_FLOATING) shifts = angles = 3;
-        if (u->type == RBD_SPHERICAL) angles = 0;
-        for (int k = 0; k < angles; ++k)
-            own[k] = k < shifts ? rbdi_draw(seed, -one, one) : rbdi_draw(seed, -pi, pi);
-        if (u->type == RBD_CYLINDRICAL) own[1] = rbdi_draw(seed, -one, one);
-        if (u->type == RBD_CONTINUOUS_CS) {
-            rbd_real angle = own[0];
-            rbdi_sincos(angle, &own[1], &own[0]);
-        }
-        if (u->type == RBD_SPHERICAL || u->type == RBD_FLOATING) rbdi_draw_quaternion(seed, own + u->nq - 4);
+        if (u->nv > 0) rbdi_random_joint(u, seed, &q[u->iq]);
     }
     return RBD_OK;
 }

@@ -16,14 +16,18 @@ RBDI_INLINE rbdi_v3 rbdi_unit_axis(const rbdi_pose *X, int axis) {
    slides, (0; a); a screw: rho and kappa times these. arm: from the link's origin to the point. */
 RBDI_INLINE rbdi_motion rbdi_axis_motion(const rbdi_link *l, int axis, rbdi_v3 a, rbdi_v3 arm) {
     rbdi_motion c;
+
     c.omega = axis < 3 ? a : rbdi_vec0();
     c.v = axis < 3 ? rbdi_cross(a, arm) : a;
+
     if (rbdi_is(l, RBDI_SCREW)) {
         c.omega = rbdi_scale(rbdi_set(l->rho), a);
         c.v = rbdi_add(rbdi_scale(rbdi_set(l->rho), c.v), rbdi_scale(rbdi_set(l->kappa), a));
     }
+
     return c;
 }
+
 /* The same for unit velocity of dof k of link i, of the point at r, world axes. */
 RBDI_INLINE rbdi_motion rbdi_column(const rbd_model *m, const rbd_work *w, int i, int k, rbdi_v3 r) {
     const rbdi_link *l = &m->link[i];
@@ -37,12 +41,15 @@ RBDI_INLINE void rbdi_put_column(const rbdi_link *l, const rbdi_pose *X, int axi
                                  const rbdi_mat *E, const rbd_real *factor, rbd_real *J, ptrdiff_t nv) {
     rbdi_v3 a = rbdi_unit_axis(X, axis);
     rbdi_motion c;
+
     if (E) a = rbdi_mul(*E, a);
     c = rbdi_axis_motion(l, axis, a, arm);
+
     if (factor) {
         c.omega = rbdi_add(rbdi_load_vec(J, nv), rbdi_scale(*factor, c.omega));
         c.v = rbdi_add(rbdi_load_vec(J + 3 * nv, nv), rbdi_scale(*factor, c.v));
     }
+
     rbdi_store_motion(J, nv, c);
 }
 
@@ -51,6 +58,7 @@ RBDI_INLINE void rbdi_put_column(const rbdi_link *l, const rbdi_pose *X, int axi
 RBDI_ONCE void rbdi_put_path(const rbd_model *m, const rbd_work *w, int i, int end, rbdi_v3 r,
                              const rbdi_mat *E, int sign, rbd_real *J) {
     const ptrdiff_t nv = m->nv;
+
     for (; i != end; i = m->link[i].parent) {
         const rbdi_link *l = &m->link[i];
         const rbdi_pose *X = &w->kin[i].X;
@@ -58,6 +66,7 @@ RBDI_ONCE void rbdi_put_path(const rbd_model *m, const rbd_work *w, int i, int e
         const rbd_real *factor = sign ? &ratio : NULL;
         rbd_real *to = &J[sign ? rbdi_source(m, l->iv) : l->iv];
         rbdi_v3 arm = rbdi_sub(r, X->r);
+
         if (E) arm = rbdi_mul(*E, arm);
         if (!rbdi_is(l, RBDI_BLOCK)) {
             rbdi_put_column(l, X, 2, arm, E, factor, to, nv);
@@ -84,6 +93,7 @@ static void rbdi_put_jacobian(const rbd_model *m, const rbd_work *w, int body, c
     const int link = m->frame[body].link, other = reference < 0 ? -1 : m->frame[reference].link;
     const int common = rbdi_common_link(m, link, other);
     rbdi_mat E;
+
     if (axes >= 0) E = rbdi_axes_of(m, w, axes);
     rbdi_clear(J, 6 * m->nv);
     for (int sign = 1; sign >= -1; sign -= 2)
@@ -106,12 +116,14 @@ RBDI_API rbd_status rbd_jacobian(const rbd_model *m, const rbd_work *w, int body
                                  rbd_axes axes, rbd_real *J) {
     const rbd_status status = rbdi_check_body_call(m, w, body, J != NULL);
     if (status) return status;
+
     if (axes == RBD_LINK_AXES || rbdi_mimics(m)) {
         rbdi_put_jacobian(m, w, body, point, -1, axes == RBD_LINK_AXES ? body : -1, J);
     } else { /* apart for speed: this loop has half of the instructions */
         rbdi_clear(J, 6 * m->nv);
         rbdi_put_path(m, w, m->frame[body].link, -1, rbdi_point_position(m, w, body, point), NULL, 0, J);
     }
+
     return RBD_OK;
 }
 
@@ -122,13 +134,17 @@ RBDI_API rbd_status rbd_jacobian_transpose(const rbd_model *m, const rbd_work *w
     rbdi_v3 r;
     rbdi_force F;
     if (status) return status;
+
     F = rbdi_load_force(f, 1);
     if (axes == RBD_LINK_AXES) {
         const rbdi_mat E = rbdi_axes_of(m, w, body);
-        F.n = rbdi_mul_t(E, F.n), F.f = rbdi_mul_t(E, F.f);
+        F.n = rbdi_mul_t(E, F.n);
+        F.f = rbdi_mul_t(E, F.f);
     }
+
     r = rbdi_point_position(m, w, body, point);
     rbdi_clear(tau, m->nv);
+
     for (int i = m->frame[body].link; i >= 0; i = m->link[i].parent) {
         const rbdi_link *l = &m->link[i];
         for (int k = 0; k < rbdi_link_dofs(m, l); ++k) {
@@ -137,6 +153,7 @@ RBDI_API rbd_status rbd_jacobian_transpose(const rbd_model *m, const rbd_work *w
             *to = *to + (rbdi_dot(c.omega, F.n) + rbdi_dot(c.v, F.f)) * rbdi_ratio(m, l->iv + k);
         }
     }
+
     return RBD_OK;
 }
 
@@ -145,11 +162,14 @@ RBDI_API rbd_status rbd_point_wrench(const rbd_model *m, const rbd_work *w, int 
     const rbd_status status = rbdi_check_body_call(m, w, body, f && row);
     rbdi_force F;
     if (status) return status;
+
     F = rbdi_load_force(f, 1);
     if (axes != RBD_LINK_AXES) {
         const rbdi_mat E = rbdi_axes_of(m, w, body);
-        F.n = rbdi_mul(E, F.n), F.f = rbdi_mul(E, F.f);
+        F.n = rbdi_mul(E, F.n);
+        F.f = rbdi_mul(E, F.f);
     }
+
     if (point) F.n = rbdi_add(F.n, rbdi_cross(rbdi_load_vec(point, 1), F.f));
     rbdi_store_force(row, 1, F);
     return RBD_OK;

@@ -9,14 +9,20 @@
    xx, xy, xz, yy, yz, zz about the frame's origin, in kg, kg m and kg m^2. _to_parameters: back. */
 RBDI_INLINE rbd_inertia rbd_inertia_from_parameters(const rbd_const p[10], int frame) {
     rbd_inertia i;
+
     i.mass = p[0];
     i.h = rbdi_vec(rbdi_set(p[1]), rbdi_set(p[2]), rbdi_set(p[3]));
-    i.rotational.xx = rbdi_set(p[4]), i.rotational.xy = rbdi_set(p[5]), i.rotational.xz = rbdi_set(p[6]);
-    i.rotational.yy = rbdi_set(p[7]), i.rotational.yz = rbdi_set(p[8]), i.rotational.zz = rbdi_set(p[9]);
+    i.rotational.xx = rbdi_set(p[4]);
+    i.rotational.xy = rbdi_set(p[5]);
+    i.rotational.xz = rbdi_set(p[6]);
+    i.rotational.yy = rbdi_set(p[7]);
+    i.rotational.yz = rbdi_set(p[8]);
+    i.rotational.zz = rbdi_set(p[9]);
     (void)frame;
     RBDI_FRAMES(i.frame = frame;)
     return i;
 }
+
 RBDI_INLINE void rbd_inertia_to_parameters(rbd_inertia i, rbd_real p[10]) {
     const rbd_sym3 a = i.rotational;
     p[0] = rbdi_set(i.mass);
@@ -29,10 +35,16 @@ RBDI_INLINE void rbd_inertia_to_parameters(rbd_inertia i, rbd_real p[10]) {
    the trace of the rotational inertia: back. */
 RBDI_INLINE rbd_sym3 rbdi_trace_less(rbd_real trace, rbd_sym3 a) {
     rbd_sym3 b;
-    b.xx = trace - a.xx, b.yy = trace - a.yy, b.zz = trace - a.zz;
-    b.xy = -a.xy, b.xz = -a.xz, b.yz = -a.yz;
+
+    b.xx = trace - a.xx;
+    b.yy = trace - a.yy;
+    b.zz = trace - a.zz;
+    b.xy = -a.xy;
+    b.xz = -a.xz;
+    b.yz = -a.yz;
     return b;
 }
+
 RBDI_INLINE rbd_sym3 rbdi_second_moment(rbd_sym3 rotational) {
     return rbdi_trace_less(RBD_C(0.5) * (rotational.xx + rotational.yy + rotational.zz), rotational);
 }
@@ -54,7 +66,9 @@ RBDI_INLINE rbd_inertia rbd_inertia_of(rbd_const mass, const rbd_const com[3], c
                                        int frame) {
     rbd_const p[10];
     rbd_inertia i;
-    p[0] = mass, p[1] = p[2] = p[3] = RBD_C(0);
+
+    p[0] = mass;
+    p[1] = p[2] = p[3] = RBD_C(0);
     for (int k = 0; k < 6; ++k) p[4 + k] = inertia[k];
     i = rbd_inertia_from_parameters(p, frame);
     return rbdi_inertia_shift(rbdi_vec(rbdi_set(com[0]), rbdi_set(com[1]), rbdi_set(com[2])),
@@ -79,6 +93,7 @@ RBDI_INLINE rbd_inertia rbd_inertia_up(RBDI_AT rbd_placement x, rbd_inertia i) {
     RBDI_FRAMES(i.frame = x.in;)
     return i;
 }
+
 /* An inertia from frame `in` into frame `of`. */
 RBDI_INLINE rbd_inertia rbd_inertia_down(RBDI_AT rbd_placement x, rbd_inertia i) {
     RBDI_MATCH("rbd_inertia_down", i.frame, x.in);

@@ -19,11 +19,19 @@ RBDI_INLINE rbd_rotation rbd_rotation_identity(void) {
 /* From and to nine numbers, row-major, such as those of rbd_body_pose. */
 RBDI_INLINE rbd_rotation rbd_rotation_from_array(const rbd_real *a) {
     rbd_rotation r;
-    r.xx = a[0], r.xy = a[1], r.xz = a[2];
-    r.yx = a[3], r.yy = a[4], r.yz = a[5];
-    r.zx = a[6], r.zy = a[7], r.zz = a[8];
+
+    r.xx = a[0];
+    r.xy = a[1];
+    r.xz = a[2];
+    r.yx = a[3];
+    r.yy = a[4];
+    r.yz = a[5];
+    r.zx = a[6];
+    r.zy = a[7];
+    r.zz = a[8];
     return r;
 }
+
 RBDI_INLINE void rbd_rotation_to_array(rbd_rotation r, rbd_real *a) {
     rbdi_store_vec(a, 1, rbdi_vec(r.xx, r.xy, r.xz));
     rbdi_store_vec(a + 3, 1, rbdi_vec(r.yx, r.yy, r.yz));
@@ -43,37 +51,33 @@ RBDI_INLINE rbd_rotation rbd_rotation_from_quaternion(const rbd_real q[4]) {
     return rbdi_transpose(rbdi_quaternion_down(q));
 }
 
-/* q: the unit quaternion x, y, z, w with w >= 0. Normalises the row of 4 q q' with the largest diagonal
-   entry, whose entries are sums of those of r (Shepperd 1978), without a branch. */
+/* q: the unit quaternion x, y, z, w with w >= 0. */
 static RBDI_UNUSED void rbd_rotation_to_quaternion(rbd_rotation r, rbd_real q[4]) {
-    const rbd_real one = rbdi_set(RBD_C(1)), x = r.zy - r.yz, y = r.xz - r.zx, z = r.yx - r.xy,
-                   xy = r.xy + r.yx, yz = r.yz + r.zy, xz = r.xz + r.zx;
-    const rbd_real rows[4][4] = {{one + r.xx - r.yy - r.zz, xy, xz, x},
-                                 {xy, one - r.xx + r.yy - r.zz, yz, y},
-                                 {xz, yz, one - r.xx - r.yy + r.zz, z},
-                                 {x, y, z, one + r.xx + r.yy + r.zz}};
-    rbd_real best = rows[3][3], row[4];
-    for (int k = 0; k < 4; ++k) row[k] = rows[3][k];
-    for (int i = 0; i < 3; ++i) {
-        const rbdi_mask more = rbdi_less(best, rows[i][i]);
-        best = rbdi_select(more, rows[i][i], best);
-        for (int k = 0; k < 4; ++k) row[k] = rbdi_select(more, rows[i][k], row[k]);
-    }
+    const rbd_real one = rbdi_set(RBD_C(1));
+    rbd_real row[4], sign;
+    rbdi_quaternion_of(r, row);
     rbdi_unit_quaternion(row, q);
-    best = rbdi_select(rbdi_less(q[3], rbdi_zero()), -one, one);
-    for (int k = 0; k < 4; ++k) q[k] = best * q[k];
+    sign = rbdi_select(rbdi_less(q[3], rbdi_zero()), -one, one);
+    for (int k = 0; k < 4; ++k) q[k] = sign * q[k];
 }
 
 /* Rz(yaw) Ry(pitch) Rx(roll), rad. */
 static RBDI_UNUSED rbd_rotation rbd_rotation_from_rpy(rbd_real roll, rbd_real pitch, rbd_real yaw) {
     rbd_real sr, cr, sp, cp, sy, cy;
     rbd_rotation r;
+
     rbdi_sincos(roll, &sr, &cr);
     rbdi_sincos(pitch, &sp, &cp);
     rbdi_sincos(yaw, &sy, &cy);
-    r.xx = cy * cp, r.xy = cy * sp * sr - sy * cr, r.xz = cy * sp * cr + sy * sr;
-    r.yx = sy * cp, r.yy = sy * sp * sr + cy * cr, r.yz = sy * sp * cr - cy * sr;
-    r.zx = -sp, r.zy = cp * sr, r.zz = cp * cr;
+    r.xx = cy * cp;
+    r.xy = cy * sp * sr - sy * cr;
+    r.xz = cy * sp * cr + sy * sr;
+    r.yx = sy * cp;
+    r.yy = sy * sp * sr + cy * cr;
+    r.yz = sy * sp * cr - cy * sr;
+    r.zx = -sp;
+    r.zy = cp * sr;
+    r.zz = cp * cr;
     return r;
 }
 
@@ -92,7 +96,8 @@ static RBDI_UNUSED void rbd_rotation_to_rpy(rbd_rotation r, rbd_real rpy[3]) {
     rbd_real c = r.zz, s = r.zy, cp, sp = -r.zx, cy, sy;
     rpy[0] = rbdi_angle_of(&c, &s);
     cp = r.zy * s + r.zz * c; /* the rest is Rz(yaw) Ry(pitch) = r Rx(-roll) */
-    sy = r.xz * s - r.xy * c, cy = r.yy * c - r.yz * s;
+    sy = r.xz * s - r.xy * c;
+    cy = r.yy * c - r.yz * s;
     rpy[1] = rbdi_angle_of(&cp, &sp);
     rpy[2] = rbdi_angle_of(&cy, &sy);
 }
@@ -107,12 +112,7 @@ static RBDI_UNUSED rbd_rotation rbd_rotation_exp(rbd_vec3 turn) {
 }
 
 /* log: the shortest turn, of length at most pi, whose exp is r. */
-static RBDI_UNUSED rbd_vec3 rbd_rotation_log(rbd_rotation r) {
-    rbd_real none[4], q[4];
-    none[0] = none[1] = none[2] = rbdi_zero(), none[3] = rbdi_set(RBD_C(1));
-    rbd_rotation_to_quaternion(r, q);
-    return rbdi_quaternion_difference(none, q);
-}
+RBDI_INLINE rbd_vec3 rbd_rotation_log(rbd_rotation r) { return rbdi_log_rotation(r); }
 
 /* The rotation about an axis of any length, by the angle, rad; the identity if the axis is zero. */
 static RBDI_UNUSED rbd_rotation rbd_rotation_from_axis_angle(rbd_vec3 axis, rbd_real angle) {
@@ -140,15 +140,18 @@ RBDI_INLINE rbd_placement rbd_placement_of(rbd_rotation rotation, rbd_vec3 posit
     rbd_placement x;
     x.rotation = rotation;
     x.position = position;
-    (void)of, (void)in;
+    (void)of;
+    (void)in;
     RBDI_FRAMES(x.of = of; x.in = in;)
     return x;
 }
+
 /* The same from arrays, such as the results of rbd_body_pose, where `in` is the world. */
 RBDI_INLINE rbd_placement rbd_placement_from_arrays(const rbd_real rotation[9], const rbd_real position[3],
                                                     int of, int in) {
     return rbd_placement_of(rbd_rotation_from_array(rotation), rbd_vec3_from_array(position), of, in);
 }
+
 RBDI_INLINE rbd_placement rbd_placement_identity(int of, int in) {
     return rbd_placement_of(rbd_rotation_identity(), rbdi_vec0(), of, in);
 }
@@ -176,6 +179,7 @@ RBDI_INLINE rbd_placement rbd_placement_inverse(rbd_placement x) {
 RBDI_INLINE rbd_vec3 rbd_point_up(rbd_placement x, rbd_vec3 point) {
     return rbdi_add(x.position, rbdi_mul(x.rotation, point));
 }
+
 RBDI_INLINE rbd_vec3 rbd_point_down(rbd_placement x, rbd_vec3 point) {
     return rbdi_mul_t(x.rotation, rbdi_sub(point, x.position));
 }

@@ -12,10 +12,12 @@ RBDI_INLINE rbd_motion rbd_motion_of(rbd_vec3 angular, rbd_vec3 linear, int fram
     RBDI_FRAMES(m.frame = frame;)
     return m;
 }
+
 /* From and to six numbers (angular; linear), such as those of rbd_body_velocity. */
 RBDI_INLINE rbd_motion rbd_motion_from_array(const rbd_real a[6], int frame) {
     return rbd_motion_of(rbd_vec3_from_array(a), rbd_vec3_from_array(a + 3), frame);
 }
+
 RBDI_INLINE void rbd_motion_to_array(rbd_motion m, rbd_real a[6]) {
     rbdi_store_vec(a, 1, m.angular);
     rbdi_store_vec(a + 3, 1, m.linear);
@@ -27,6 +29,7 @@ RBDI_INLINE rbd_motion rbd_motion_add(RBDI_AT rbd_motion a, rbd_motion b) {
     a.linear = rbdi_add(a.linear, b.linear);
     return a;
 }
+
 RBDI_INLINE rbd_motion rbd_motion_scale(rbd_real factor, rbd_motion m) {
     m.angular = rbdi_scale(factor, m.angular);
     m.linear = rbdi_scale(factor, m.linear);
@@ -41,6 +44,7 @@ RBDI_INLINE rbd_motion rbd_motion_up(RBDI_AT rbd_placement x, rbd_motion m) {
     RBDI_FRAMES(m.frame = x.in;)
     return m;
 }
+
 /* A motion from frame `in` into frame `of`. */
 RBDI_INLINE rbd_motion rbd_motion_down(RBDI_AT rbd_placement x, rbd_motion m) {
     RBDI_MATCH("rbd_motion_down", m.frame, x.in);
@@ -89,10 +93,12 @@ RBDI_INLINE rbd_force rbd_force_of(rbd_vec3 moment, rbd_vec3 force, int frame) {
     RBDI_FRAMES(f.frame = frame;)
     return f;
 }
+
 /* From and to six numbers (moment; force), such as a row of f_ext. */
 RBDI_INLINE rbd_force rbd_force_from_array(const rbd_real a[6], int frame) {
     return rbd_force_of(rbd_vec3_from_array(a), rbd_vec3_from_array(a + 3), frame);
 }
+
 RBDI_INLINE void rbd_force_to_array(rbd_force f, rbd_real a[6]) {
     rbdi_store_vec(a, 1, f.moment);
     rbdi_store_vec(a + 3, 1, f.force);
@@ -104,6 +110,7 @@ RBDI_INLINE rbd_force rbd_force_add(RBDI_AT rbd_force a, rbd_force b) {
     a.force = rbdi_add(a.force, b.force);
     return a;
 }
+
 RBDI_INLINE rbd_force rbd_force_scale(rbd_real factor, rbd_force f) {
     f.moment = rbdi_scale(factor, f.moment);
     f.force = rbdi_scale(factor, f.force);
@@ -118,6 +125,7 @@ RBDI_INLINE rbd_force rbd_force_up(RBDI_AT rbd_placement x, rbd_force f) {
     RBDI_FRAMES(f.frame = x.in;)
     return f;
 }
+
 /* A force from frame `in` into frame `of`. */
 RBDI_INLINE rbd_force rbd_force_down(RBDI_AT rbd_placement x, rbd_force f) {
     RBDI_MATCH("rbd_force_down", f.frame, x.in);

@@ -48,6 +48,22 @@ def statements(text):
     return out
 
 
+def named(lines, room):
+    """The text of a room. Of a file that it includes more than once, each time with the names that macros give it:
+    #define rbdi_x rbdi_y before, #undef rbdi_x after."""
+    out, names = [], {}
+    for line, (file, _) in lines:
+        define, end = re.fullmatch(rf"#define ({NAME}) ({NAME})", line), re.fullmatch(rf"#undef ({NAME})", line)
+        if file != room:
+            line = re.sub(rf"\b{NAME}\b", lambda name: names.get(name[0], name[0]), line)
+        elif define:
+            names[define[1]] = define[2]
+        elif end:
+            names.pop(end[1], None)
+        out.append(line)
+    return "\n".join(out)
+
+
 def definitions(text):
     """The macros, and the functions, types and constants that a text without comments defines or declares."""
     macros = set(re.findall(rf"^#define ({NAME})", text, re.M))
@@ -70,7 +86,7 @@ class Room:
     def __init__(self, name):
         self.name, self.storey = name, name.split("/")[0]
         self.includes, lines = amalgamate.read_room(name)
-        text = "\n".join(lines)
+        text = named(lines, name)
         self.interface = set(re.findall(NAME, " ".join(INTERFACE.findall(text))))
         clean = OPAQUE.sub(lambda m: '" "' if m.group()[0] == '"' else " ", text)
         self.names = set(re.findall(rf"\b{NAME}\b", clean))
@@ -85,7 +101,7 @@ class House:
         self.rooms, self.owner, renamed, structs = {}, {}, {}, {}
         for header in amalgamate.HEADERS:
             for name, _ in amalgamate.read_header(header):
-                if name and "letters_" not in name and name not in self.rooms:
+                if name and not amalgamate.is_text(name) and name not in self.rooms:
                     self.rooms[name] = Room(name)
         for room in self.rooms.values():
             for name in sorted(room.macros):
@@ -134,7 +150,7 @@ def check(house):
     order = list(house.rooms)
     files = {str(path.relative_to(amalgamate.SRC)) for path in amalgamate.SRC.glob("*/*.h")}
     for name in sorted(files - set(order)):
-        if "letters_" not in name:
+        if not amalgamate.is_text(name):
             yield f"src/{name} is in no header"
     wanted = house.wanted()
     for name, room in house.rooms.items():
@@ -159,6 +175,17 @@ def check(house):
                 yield f"src/{user} uses {internal}, which the interface of src/{name} does not name"
         for internal in sorted(room.interface - set(used.get(name, {}))):
             yield f"src/{name}: its interface names {internal}, which no other storey uses"
+
+
+def joint_types(house):
+    """What is wrong with the list of the places where joint types differ."""
+    place = "model/joint_types.h"
+    text = (amalgamate.SRC / place).read_text(encoding="utf-8")
+    types = (amalgamate.SRC / "api/types.h").read_text(encoding="utf-8")
+    types = set(re.findall(r"^    (RBD_[A-Z_]+),? ", re.search(r"enum rbd_joint_type \{(.*?)\}", types, re.S)[1], re.M))
+    for name, room in house.rooms.items():
+        if room.storey != "api" and name != place and (room.names & types) - {"RBD_JOINT_TYPES"} and name not in text:
+            yield f"src/{name} asks for a joint type: the list at the top of src/{place} must name it"
 
 
 def mend(house):
@@ -234,7 +261,7 @@ def main(arguments):
         return 0
     if arguments:
         raise SystemExit(__doc__)
-    wrong = list(check(house))
+    wrong = [*check(house), *joint_types(house)]
     if not drawn.exists() or drawn.read_text(encoding="utf-8") != picture(house):
         wrong.append("docs/rooms.svg is another house: python3 tests/adequacy/rooms.py --draw")
     print("\n".join(wrong) if wrong else f"{len(house.rooms)} rooms in {len(STOREYS)} storeys")

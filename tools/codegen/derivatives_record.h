@@ -324,7 +324,7 @@ static rbd_status record_fd_derivatives(const call &c) {
     if (base) rbdi_place_turns(by_q, by_v, turn);
     for (int i = 0; base && i < nv * nv; i += nv)
         for (int k = 0; k < 3; k++) turn[k][i] = by_v[i + k];
-    rbdi_solve_columns(m, c.w, H, -1, nv, nv - unsolved, by_q + unsolved, by_v + unsolved);
+    rbdi_solve_two(m, c.w, H, -1, nv, nv - unsolved, by_q + unsolved, by_v + unsolved);
     if (base) rbdi_from_base(m, c.d, c.v, by_q, by_v);
     for (int k = 0; k < nv; k++) c.out[0][k] = a[k];
     return RBD_OK;

@@ -231,7 +231,7 @@ static void hold(double dt, double *implicit) {
         for (int k = info.iv; k < info.iv + info.nv; k++) tau[k] = 0, implicit[k] = damping[k];
         if (info.nv != 1 || info.nq != 1) continue;
         tau[info.iv] = stiffness[info.iv] * (wanted[info.iq] - q[info.iq]);
-        implicit[info.iv] += dt * stiffness[info.iv];
+        implicit[info.iv] += dt / 2 * stiffness[info.iv]; /* neutral */
     }
 }
 
