@@ -871,7 +871,10 @@ RBDI_PART int rbdi_into_cones(rbdi_contact_solver *s, int at_end) {
 RBDI_INLINE rbdi_contact_unknown *rbdi_new_unknown(rbdi_contact_solver *s, int first, int rows,
                                                    rbd_real scale) {
     rbdi_contact_unknown *x = &s->unknown[s->unknowns++];
-    x->first = first, x->rows = rows, x->scale = scale, x->alpha = rbdi_zero();
+    x->first = first;
+    x->rows = rows;
+    x->scale = scale;
+    x->alpha = rbdi_zero();
     for (int j = 0; j < 3; ++j) x->column[j] = x->row[j] = rbdi_set(RBD_C(j == 0));
     return x;
 }
@@ -885,7 +888,8 @@ RBDI_INLINE rbd_real rbdi_normal_scale(const rbdi_contact_law *law) {
 
 /* Lists the unknowns (2). The right-hand sides follow G's columns; rows end with a whole batch. */
 RBDI_PART void rbdi_list_unknowns(rbdi_contact_solver *s) {
-    s->symmetric = 1, s->unknowns = 0;
+    s->symmetric = 1;
+    s->unknowns = 0;
     for (int i = 0; i < s->given.contacts; ++i) {
         const rbdi_contact_law *law = &s->law[i];
         rbdi_contact_unknown *x;
@@ -894,11 +898,14 @@ RBDI_PART void rbdi_list_unknowns(rbdi_contact_solver *s) {
         if (law->state != RBD_SLIPS) continue;
         s->symmetric = 0;
         x = rbdi_new_unknown(s, 3 * i, 3, rbdi_normal_scale(law));
-        x->column[0] = law->friction * law->e[0], x->column[1] = law->friction * law->e[1];
-        x->row[0] = rbdi_zero(), x->column[2] = x->row[2] = rbdi_set(RBD_C(1));
+        x->column[0] = law->friction * law->e[0];
+        x->column[1] = law->friction * law->e[1];
+        x->row[0] = rbdi_zero();
+        x->column[2] = x->row[2] = rbdi_set(RBD_C(1));
         if (!(law->friction > 0)) continue;
         x = rbdi_new_unknown(s, 3 * i, 3, law->trace);
-        x->column[0] = x->row[0] = -law->e[1], x->column[1] = x->row[1] = law->e[0];
+        x->column[0] = x->row[0] = -law->e[1];
+        x->column[1] = x->row[1] = law->e[0];
         x->alpha = law->alpha;
     }
     for (int i = 0, r = 3 * s->given.contacts; i < s->given.bounded; ++i, ++r)
@@ -941,11 +948,14 @@ RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int k) {
     rbd_real *own = &s->G[k * s->stride], *best = own, largest = rbdi_zero();
     for (rbd_real *g = own; g < &s->G[s->unknowns * s->stride]; g += s->stride) {
         const rbd_real size = rbdi_abs(g[k]);
-        if (size > largest) best = g, largest = size;
+        if (!(size > largest)) continue;
+        best = g;
+        largest = size;
     }
     for (int j = k; best != own && j < s->unknowns + s->sides; ++j) {
         const rbd_real old = own[j];
-        own[j] = best[j], best[j] = old;
+        own[j] = best[j];
+        best[j] = old;
     }
     return largest > 0;
 }
@@ -1452,7 +1462,8 @@ RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constr
     int bounded, most;
     if (!m || n < 0 || n_held < 0 || n > RBD_MAX_CONSTRAINTS || n_held > RBD_MAX_CONSTRAINTS - n) return 0;
     if (!held && n_held > 0) return 0;
-    bounded = rbdi_rows_of(held, n_held) + rbdi_list_dof_rows(m, &o, NULL), most = 3 * n + bounded;
+    bounded = rbdi_rows_of(held, n_held) + rbdi_list_dof_rows(m, &o, NULL);
+    most = 3 * n + bounded;
     return RBDI_CONTACT_SET_BYTES(m->nq, m->nv, n, n_held, bounded, rbdi_row_stride(most)) +
            (o.derivatives ? RBDI_ROUND(sizeof(rbd_real) * (size_t)RBDI_CONTACT_SIDES(m->nv, n, most)) : 0);
 }
@@ -1486,7 +1497,9 @@ static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held,
     unsigned char *at = rbdi_aligned(memory);
     rbd_contact_set *c = RBDI_CUT(rbd_contact_set, 1);
     c->options = *o;
-    c->n = n, c->dof_rows = dof_rows, c->max_rows = 3 * n + bounded;
+    c->n = n;
+    c->dof_rows = dof_rows;
+    c->max_rows = 3 * n + bounded;
     c->contact = RBDI_CUT(rbdi_contact, n);
     c->dof_row = RBDI_CUT(rbdi_dof_row, bounded);
     c->place = RBDI_CUT(int16_t, c->max_rows);
@@ -1519,9 +1532,11 @@ static void rbdi_place_contact(const rbd_model *m, rbd_contact_set *c, const rbd
     rbdi_place_plane(m, con, from->body2, from->normal, from->height);
     to->body2 = from->body2;
     to->point = con->position[0];
-    to->radius = RBD_C(from->radius), to->friction = RBD_C(from->friction);
+    to->radius = RBD_C(from->radius);
+    to->friction = RBD_C(from->friction);
     to->restitution = RBD_C(from->restitution);
-    to->stiffness = RBD_C(from->stiffness), to->damping = RBD_C(from->damping);
+    to->stiffness = RBD_C(from->stiffness);
+    to->damping = RBD_C(from->damping);
 }
 
 RBDI_API void rbd_contact_reset(rbd_contact_set *c) {
@@ -1853,6 +1868,7 @@ static void rbdi_add_springs(rbd_contact_set *c) {
     }
 }
 
+/* ==== src/contact/biases.h ==== */
 /* ---- biases [biases] ----
    The bias is added to u_n, so that p_n >= 0, u_n >= 0, p_n u_n = 0 is the law in each case. With h the time
    for which the solution moves q, dt/2, the gap at the end is reach + h u_n:
@@ -1899,9 +1915,16 @@ RBDI_INLINE rbdi_bias rbdi_rigid_bias(const rbd_contact_set *c, int purpose, con
         x.value = gap->reach * inverse;
         x.by_reach = inverse;
     } else if (purpose == RBDI_FOR_POSITIONS && gap->start > 0) {
-        if (gap->reach < least) x.value = gap->reach * inverse, x.by_reach = inverse;
+        if (gap->reach < least) {
+            x.value = gap->reach * inverse;
+            x.by_reach = inverse;
+        }
     } else if (purpose == RBDI_FOR_POSITIONS) {
-        if (made < least) x.value = made * inverse, x.by_reach = inverse, x.by_start = -inverse;
+        if (made < least) {
+            x.value = made * inverse;
+            x.by_reach = inverse;
+            x.by_start = -inverse;
+        }
         if (deeper < 0) {
             const rbd_real share = RBD_C(c->options.correction) * inverse;
             x.value = x.value + share * deeper;
@@ -1939,7 +1962,10 @@ RBDI_INLINE rbdi_bias rbdi_rebound_bias(const rbd_contact_set *c, const rbdi_con
     x.value = -contact->restitution * rbdi_sqrt(square);
     share = contact->restitution * contact->restitution / x.value;
     x.by_rate = share * gap->rate;
-    if (further) x.by_start = -share * contact->falls / c->dt, x.by_falls = -share * gap->start / c->dt;
+    if (further) {
+        x.by_start = -share * contact->falls / c->dt;
+        x.by_falls = -share * gap->start / c->dt;
+    }
     return x;
 }
 
@@ -1982,8 +2008,11 @@ static rbdi_bias rbdi_held_bias(const rbd_contact_set *c, int purpose, int row) 
                    over = rbdi_abs(gap.start) - slop, share = RBD_C(c->options.correction) * inverse;
     rbdi_bias x = rbdi_no_bias();
     if (purpose != RBDI_FOR_POSITIONS) return x;
-    if (rbdi_abs(made) > slop * RBDI_LEFT_OF_SLOP)
-        x.value = made * inverse, x.by_reach = inverse, x.by_start = -inverse;
+    if (rbdi_abs(made) > slop * RBDI_LEFT_OF_SLOP) {
+        x.value = made * inverse;
+        x.by_reach = inverse;
+        x.by_start = -inverse;
+    }
     if (!(over > 0)) return x;
     x.value = x.value + share * (gap.start > 0 ? over : -over);
     x.by_start = x.by_start + share;
@@ -2751,7 +2780,8 @@ static int rbdi_solve_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_re
         for (int k = 0; k < n; ++k) s->x[k] = s->Y[k * s->stride + r] * s->D_inverse[k];
         rbdi_subtract_product(s->x, rho, n, n, &c->sigma[r * n]);
     }
-    solver.G = c->sigma + c->max_rows * n, solver.sides = n;
+    solver.G = c->sigma + c->max_rows * n;
+    solver.sides = n;
     rbdi_list_unknowns(&solver);
     rbdi_newton_matrix(&solver, RBDI_SIDES_PROXIMAL, c->sigma);
     solved = rbdi_newton_solve(&solver);
@@ -2875,7 +2905,10 @@ RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact
     if (d->work != c->rows->w) return RBD_ERR_WORK;
     if (!c->sigma) return RBD_ERR_MEMORY;
     size = m->nv * m->nv;
-    if (by.dq[1] && !by.dq[0]) by.dq[0] = rbdi_side(m, c, 3), by.dv[0] = rbdi_side(m, c, 4);
+    if (by.dq[1] && !by.dq[0]) {
+        by.dq[0] = rbdi_side(m, c, 3);
+        by.dv[0] = rbdi_side(m, c, 4);
+    }
     rbdi_choose_scheme(c, dt, c->options.first_order);
     status = rbdi_begin_step(m, c, q, v, tau, f_ext, damping);
     if (!status) solved = rbdi_differentiate_step(m, c, d, tau, f_ext, &by, &status);

@@ -102,6 +102,7 @@ RBDI_CODE_BEGIN
 #include "contact/joints.h"
 #include "contact/set.h"
 #include "contact/rows.h"
+#include "contact/biases.h"
 #include "contact/reduction.h"
 #include "contact/momentum.h"
 #include "contact/step.h"

@@ -272,7 +272,8 @@ static int rbdi_solve_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_re
         for (int k = 0; k < n; ++k) s->x[k] = s->Y[k * s->stride + r] * s->D_inverse[k];
         rbdi_subtract_product(s->x, rho, n, n, &c->sigma[r * n]);
     }
-    solver.G = c->sigma + c->max_rows * n, solver.sides = n;
+    solver.G = c->sigma + c->max_rows * n;
+    solver.sides = n;
     rbdi_list_unknowns(&solver);
     rbdi_newton_matrix(&solver, RBDI_SIDES_PROXIMAL, c->sigma);
     solved = rbdi_newton_solve(&solver);
@@ -396,7 +397,10 @@ RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact
     if (d->work != c->rows->w) return RBD_ERR_WORK;
     if (!c->sigma) return RBD_ERR_MEMORY;
     size = m->nv * m->nv;
-    if (by.dq[1] && !by.dq[0]) by.dq[0] = rbdi_side(m, c, 3), by.dv[0] = rbdi_side(m, c, 4);
+    if (by.dq[1] && !by.dq[0]) {
+        by.dq[0] = rbdi_side(m, c, 3);
+        by.dv[0] = rbdi_side(m, c, 4);
+    }
     rbdi_choose_scheme(c, dt, c->options.first_order);
     status = rbdi_begin_step(m, c, q, v, tau, f_ext, damping);
     if (!status) solved = rbdi_differentiate_step(m, c, d, tau, f_ext, &by, &status);

@@ -24,7 +24,10 @@
 RBDI_INLINE rbdi_contact_unknown *rbdi_new_unknown(rbdi_contact_solver *s, int first, int rows,
                                                    rbd_real scale) {
     rbdi_contact_unknown *x = &s->unknown[s->unknowns++];
-    x->first = first, x->rows = rows, x->scale = scale, x->alpha = rbdi_zero();
+    x->first = first;
+    x->rows = rows;
+    x->scale = scale;
+    x->alpha = rbdi_zero();
     for (int j = 0; j < 3; ++j) x->column[j] = x->row[j] = rbdi_set(RBD_C(j == 0));
     return x;
 }
@@ -38,7 +41,8 @@ RBDI_INLINE rbd_real rbdi_normal_scale(const rbdi_contact_law *law) {
 
 /* Lists the unknowns (2). The right-hand sides follow G's columns; rows end with a whole batch. */
 RBDI_PART void rbdi_list_unknowns(rbdi_contact_solver *s) {
-    s->symmetric = 1, s->unknowns = 0;
+    s->symmetric = 1;
+    s->unknowns = 0;
     for (int i = 0; i < s->given.contacts; ++i) {
         const rbdi_contact_law *law = &s->law[i];
         rbdi_contact_unknown *x;
@@ -47,11 +51,14 @@ RBDI_PART void rbdi_list_unknowns(rbdi_contact_solver *s) {
         if (law->state != RBD_SLIPS) continue;
         s->symmetric = 0;
         x = rbdi_new_unknown(s, 3 * i, 3, rbdi_normal_scale(law));
-        x->column[0] = law->friction * law->e[0], x->column[1] = law->friction * law->e[1];
-        x->row[0] = rbdi_zero(), x->column[2] = x->row[2] = rbdi_set(RBD_C(1));
+        x->column[0] = law->friction * law->e[0];
+        x->column[1] = law->friction * law->e[1];
+        x->row[0] = rbdi_zero();
+        x->column[2] = x->row[2] = rbdi_set(RBD_C(1));
         if (!(law->friction > 0)) continue;
         x = rbdi_new_unknown(s, 3 * i, 3, law->trace);
-        x->column[0] = x->row[0] = -law->e[1], x->column[1] = x->row[1] = law->e[0];
+        x->column[0] = x->row[0] = -law->e[1];
+        x->column[1] = x->row[1] = law->e[0];
         x->alpha = law->alpha;
     }
     for (int i = 0, r = 3 * s->given.contacts; i < s->given.bounded; ++i, ++r)
@@ -94,11 +101,14 @@ RBDI_PART int rbdi_newton_pivot(rbdi_contact_solver *s, int k) {
     rbd_real *own = &s->G[k * s->stride], *best = own, largest = rbdi_zero();
     for (rbd_real *g = own; g < &s->G[s->unknowns * s->stride]; g += s->stride) {
         const rbd_real size = rbdi_abs(g[k]);
-        if (size > largest) best = g, largest = size;
+        if (!(size > largest)) continue;
+        best = g;
+        largest = size;
     }
     for (int j = k; best != own && j < s->unknowns + s->sides; ++j) {
         const rbd_real old = own[j];
-        own[j] = best[j], best[j] = old;
+        own[j] = best[j];
+        best[j] = old;
     }
     return largest > 0;
 }

@@ -134,7 +134,8 @@ RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constr
     int bounded, most;
     if (!m || n < 0 || n_held < 0 || n > RBD_MAX_CONSTRAINTS || n_held > RBD_MAX_CONSTRAINTS - n) return 0;
     if (!held && n_held > 0) return 0;
-    bounded = rbdi_rows_of(held, n_held) + rbdi_list_dof_rows(m, &o, NULL), most = 3 * n + bounded;
+    bounded = rbdi_rows_of(held, n_held) + rbdi_list_dof_rows(m, &o, NULL);
+    most = 3 * n + bounded;
     return RBDI_CONTACT_SET_BYTES(m->nq, m->nv, n, n_held, bounded, rbdi_row_stride(most)) +
            (o.derivatives ? RBDI_ROUND(sizeof(rbd_real) * (size_t)RBDI_CONTACT_SIDES(m->nv, n, most)) : 0);
 }
@@ -168,7 +169,9 @@ static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held,
     unsigned char *at = rbdi_aligned(memory);
     rbd_contact_set *c = RBDI_CUT(rbd_contact_set, 1);
     c->options = *o;
-    c->n = n, c->dof_rows = dof_rows, c->max_rows = 3 * n + bounded;
+    c->n = n;
+    c->dof_rows = dof_rows;
+    c->max_rows = 3 * n + bounded;
     c->contact = RBDI_CUT(rbdi_contact, n);
     c->dof_row = RBDI_CUT(rbdi_dof_row, bounded);
     c->place = RBDI_CUT(int16_t, c->max_rows);
@@ -201,9 +204,11 @@ static void rbdi_place_contact(const rbd_model *m, rbd_contact_set *c, const rbd
     rbdi_place_plane(m, con, from->body2, from->normal, from->height);
     to->body2 = from->body2;
     to->point = con->position[0];
-    to->radius = RBD_C(from->radius), to->friction = RBD_C(from->friction);
+    to->radius = RBD_C(from->radius);
+    to->friction = RBD_C(from->friction);
     to->restitution = RBD_C(from->restitution);
-    to->stiffness = RBD_C(from->stiffness), to->damping = RBD_C(from->damping);
+    to->stiffness = RBD_C(from->stiffness);
+    to->damping = RBD_C(from->damping);
 }
 
 RBDI_API void rbd_contact_reset(rbd_contact_set *c) {

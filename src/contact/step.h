@@ -4,7 +4,7 @@
 #include "constraints/calls.h"
 #include "contact/solver.h"
 #include "contact/joints.h"
-#include "contact/rows.h"
+#include "contact/biases.h"
 #include "contact/reduction.h"
 #include "contact/momentum.h"
 

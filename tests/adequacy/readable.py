@@ -89,7 +89,7 @@ def findings(path):
         if flat.count(";") > 1:
             yield i + 1, "two statements on a line"
         for part in flat.split(";"):
-            statement = (before + " " + part) if part is flat.split(";")[0] else part
+            statement = before + " " + part
             before = ""
             words = re.sub(r"^[\s{}]*(?:else|do)?\b", "", statement)
             pieces = words.split(",")

@@ -814,8 +814,8 @@ static double fastest_of_bodies(void) {
     return most;
 }
 
-/* Gaps and gamma. A contact is a place on its ball; but where three of the same bodies touch, or arrive within
-   two steps, each is the foot of its centre on the plane. */
+/* Gaps and gamma. A contact is a place on its ball; but where three of the same bodies touch, or arrive
+   within two steps, each is the foot of its centre on the plane. */
 static void find_places(void) {
     int any = 0;
     memset(on_plane, 0, sizeof on_plane);
