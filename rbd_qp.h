@@ -1059,7 +1059,7 @@ RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
         }
 
         pivot = diagonal - rbdi_qp_dot(l + start, l + start, i - start);
-        if (!(pivot > RBDI_QP_PIVOT * diagonal && diagonal > 0)) return i;
+        if (!(pivot > RBDI_QP_PIVOT * diagonal)) return i; /* nor if diagonal <= 0: pivot <= diagonal */
         l[i] = 1 / rbdi_sqrt(pivot);
     }
     return n;
@@ -1123,7 +1123,7 @@ RBDI_PART void rbdi_qp_eliminate(rbdi_qp *s, int row) {
     whole = rbdi_qp_dot(v, v, n);
     rbdi_qp_reflect_all(s, v);
     rest = rbdi_qp_dot(v + e, v + e, n - e);
-    if (rest <= RBDI_QP_DEPENDENT * RBDI_QP_DEPENDENT * whole || !(rest > 0)) return;
+    if (rest <= RBDI_QP_DEPENDENT * RBDI_QP_DEPENDENT * whole) return;
 
     /* v - (-+|v|) on axis e: no difference of like numbers. */
     length = rbdi_sqrt(rest);
@@ -1871,10 +1871,11 @@ RBDI_PART void rbdi_qp_multipliers(const rbdi_qp *s, rbd_real *lambda) {
    pushes the distance from the side, as a share of its terms; and Hx + f + C'lambda, as a share of the
    largest term. */
 RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
-    rbd_real worst = 0, size = 0, far = 0;
+    rbd_real worst = 0, far = 0, size;
 
     s->result.primal = 0;
     for (int k = 0; k < s->n; ++k) far = rbdi_qp_larger(far, rbdi_abs(x[k]));
+    size = s->rho * far; /* without H and f multipliers are rounding of this */
     for (int k = 0; k < s->n; ++k) {
         const rbd_real h = rbdi_qp_dot(s->given.H + k * s->n, x, s->n);
         s->t[k] = h + s->given.f[k];

@@ -220,6 +220,34 @@ static const known answers[] = {
      {5.6, 0, 11.2},
      {2.4, 0}},
     {"a saddle", 2, 0, 0, {1, 2, 2, 1}, {0, 0}, {0}, {0}, {0}, {0}, RBD_QP_CONVEX, {0}, {0}},
+    {"x = 1, twice", 1, 1, 1, {1}, {0}, {1}, {1, 1}, {1, 1}, {0}, RBD_QP_OK, {1}, {-1, 0}},
+    {"nothing is asked for", 2, 0, 0, {0}, {0, 0}, {0}, {0}, {0}, {0}, RBD_QP_OK, {0, 0}, {0}},
+    {"y falls for ever beside walls",
+     2,
+     2,
+     0,
+     {1, 0, 0, 0},
+     {-3, -1},
+     {0},
+     {0, 0},
+     {1, INF},
+     {0},
+     RBD_QP_UNBOUNDED,
+     {0},
+     {0}},
+    {"an arrow",
+     3,
+     0,
+     1,
+     {2, 0, 1, 0, 1, 0, 1, 0, 2},
+     {0, 0, 0},
+     {1, 1, 1},
+     {5},
+     {5},
+     {0},
+     RBD_QP_OK,
+     {1, 3, 1},
+     {-3}},
     {"any point will do", 2, 0, 1, {0}, {0, 0}, {1, 1}, {2}, {INF}, {0}, RBD_QP_OK, {1, 1}, {0}},
     {"without rows", 2, 0, 0, {2, 1, 1, 2}, {-3, -3}, {0}, {0}, {0}, {0}, RBD_QP_OK, {1, 1}, {0}},
 };
@@ -258,7 +286,7 @@ START_TEST(random_problems_satisfy_their_conditions) {
     int solved = 0;
 
     seed = 100 + (uint64_t)_i;
-    for (int k = 0; k < 300; k++) {
+    for (int k = 0; k < 1000; k++) {
         rbd_qp_problem p = random_problem(of);
         rbd_qp_status status;
         if (of == SCALED) scale(&p);
@@ -270,7 +298,7 @@ START_TEST(random_problems_satisfy_their_conditions) {
         check_kkt(&p, of == SEMIDEFINITE || of == LINEAR ? loose : tight, kind_names[of], k);
         ck_assert(result.primal <= 10 * RBDI_QP_ACCURACY && result.dual <= 10 * RBDI_QP_ACCURACY);
     }
-    ck_assert_int_ge(solved, 290);
+    ck_assert_int_ge(solved, 970);
 }
 END_TEST
 
@@ -637,6 +665,9 @@ START_TEST(slips_are_named) {
     q.rows = -1;
     check_refused(&q, RBD_QP_RANGE, -1, "rows");
     q = p;
+    q.rows = 1 << 20;
+    check_refused(&q, RBD_QP_RANGE, -1, "rows");
+    q = p;
     q.H = NULL;
     check_refused(&q, RBD_QP_NULL, -1, "H");
     q = p;
@@ -664,6 +695,13 @@ START_TEST(slips_are_named) {
     ck_assert_int_eq(rbd_qp_solve(&p, &o, memory, sizeof memory, x, lambda, side, &result), RBD_QP_RANGE);
     ck_assert_str_eq(result.field, "accuracy");
 
+    o.accuracy = 1;
+    ck_assert_int_eq(rbd_qp_solve(&p, &o, memory, sizeof memory, x, lambda, side, &result), RBD_QP_RANGE);
+    o.accuracy = (rbd_real)1e-4;
+    o.rounds = 3;
+    o.steps = 100;
+    ck_assert_int_eq(rbd_qp_solve(&p, &o, memory, sizeof memory, x, lambda, side, &result), RBD_QP_OK);
+
     ck_assert_int_eq(rbd_qp_solve(NULL, NULL, memory, sizeof memory, x, lambda, side, &result), RBD_QP_NULL);
     ck_assert_int_eq(rbd_qp_solve(&p, NULL, NULL, sizeof memory, x, lambda, side, &result), RBD_QP_NULL);
     ck_assert_int_eq(rbd_qp_solve(&p, NULL, memory, sizeof memory, NULL, lambda, side, &result), RBD_QP_NULL);
@@ -678,16 +716,79 @@ START_TEST(steps_and_rounds_are_bounded) {
     rbd_qp_options o = {0, 0, 0, 0};
     int stopped = 0;
     seed = 29;
-    for (int k = 0; k < 50; k++) {
+    for (int k = 0; k < 200; k++) {
         p = random_problem(CONVEX);
-        o.steps = 1;
+        o.steps = 1 + k / 4;
         if (rbd_qp_solve(&p, &o, memory, sizeof memory, x, lambda, side, &result) != RBD_QP_ITERATIONS)
             continue;
         stopped++;
-        ck_assert_int_le(result.steps, 1);
+        ck_assert_int_le(result.steps, o.steps);
         for (int i = 0; i < p.n; i++) ck_assert(fabs((double)x[i]) < RBD_QP_NONE);
     }
-    ck_assert_int_gt(stopped, 25);
+    ck_assert_int_gt(stopped, 50);
+}
+END_TEST
+
+/* x = 1 and x = 1 + a little: a contradiction, but for rounding if it is little enough. */
+START_TEST(slight_contradictions_are_inaccurate) {
+    const double little = sizeof(rbd_real) == 4 ? 1e-4 : 1e-9;
+    rbd_qp_problem p = problem_of(2, 0, 2);
+    set(H, (const double[]){1, 0, 0, 1}, 4);
+    set(f, (const double[]){0, 0}, 2);
+    set(C, (const double[]){1, 0, 1, 0}, 4);
+    set(lower, (const double[]){1, 1 + little}, 2);
+    memcpy(upper, lower, 2 * sizeof *upper);
+    ck_assert_int_eq(solve(&p), RBD_QP_INACCURATE);
+    ck_assert(result.primal > 0.1 * little && result.primal < little);
+    lower[1] = upper[1] = (rbd_real)(1 + 100 * little);
+    ck_assert_int_eq(solve(&p), RBD_QP_INFEASIBLE);
+    check_proof(&p, "contradiction", 0);
+}
+END_TEST
+
+/* Without a value to lower, x is the nearest place to 0, to rounding. */
+START_TEST(rows_alone_are_met) {
+    const double row[3] = {0.1, 0.7, 1. / 3}, square = 0.01 + 0.49 + 1. / 9;
+    rbd_qp_problem p = problem_of(3, 0, 1);
+    rbd_qp_options o = {0, 1, 0, 0};
+    set(H, (const double[9]){0}, 9);
+    set(f, (const double[3]){0}, 3);
+    set(C, row, 3);
+    set(lower, (const double[]){0.3}, 1);
+    upper[0] = NONE;
+    ck_assert_int_eq(solve(&p), RBD_QP_OK);
+    for (int i = 0; i < 3; i++) ck_assert(fabs((double)x[i] - 0.3 * row[i] / square) < tight);
+
+    /* where it begins, if it begins warm within the rows; 0 in place of what is no number */
+    x[0] = 2;
+    x[1] = (rbd_real)NAN;
+    x[2] = 1;
+    ck_assert_int_eq(rbd_qp_solve(&p, &o, memory, sizeof memory, x, lambda, side, NULL), RBD_QP_OK);
+    ck_assert(fabs((double)x[0] - 2) < tight && fabs((double)x[1]) < tight && fabs((double)x[2] - 1) < tight);
+
+    seed = 37;
+    for (int k = 0; k < 100; k++) {
+        p = random_problem(CONVEX);
+        memset(H, 0, sizeof H);
+        memset(f, 0, sizeof f);
+        ck_assert_int_eq(solve(&p), RBD_QP_OK);
+        for (int r = 0; r < p.bounds + p.rows; r++) lambda[r] = 0; /* they are rounding */
+        check_kkt(&p, loose, "rows alone", k);
+    }
+}
+END_TEST
+
+START_TEST(results_that_are_too_large_are_none) {
+    char text[100];
+    rbd_qp_problem p = problem_of(2, 0, 0);
+    set(H, (const double[]){1, 0, 0, 1e-10}, 4);
+    set(f, (const double[]){-1, -1e25}, 2);
+    ck_assert_int_eq(solve(&p), RBD_QP_NAN);
+    ck_assert_int_eq(result.at, 1);
+    ck_assert_ptr_null(result.field);
+    ck_assert(x[0] == 1 && x[1] == 0);
+    ck_assert_str_eq(rbd_qp_text(RBD_QP_NAN, &result, text, sizeof text),
+                     "variable 1, not a number, not finite, or too large");
 }
 END_TEST
 
@@ -728,6 +829,19 @@ START_TEST(what_was_found_is_a_sentence) {
     rbd_qp_text(RBD_QP_MEMORY, NULL, cut, sizeof cut);
     ck_assert_str_eq(cut, "the memor");
     ck_assert_ptr_null(rbd_qp_text(RBD_QP_OK, NULL, NULL, 10));
+    ck_assert_ptr_eq(rbd_qp_text(RBD_QP_OK, NULL, cut, 0), cut);
+    ck_assert_str_eq(cut, "the memor");
+    result.at = -1;
+    result.field = "H";
+    rbd_qp_text(RBD_QP_NULL, &result, text, sizeof text);
+    ck_assert_str_eq(text, "field 'H': a required pointer is NULL");
+    result.at = 1;
+    rbd_qp_text(RBD_QP_SYMMETRIC, &result, text, sizeof text);
+    ck_assert_str_eq(text, "variable 1, field 'H': H is not symmetric");
+    result.at = 120;
+    result.field = "C";
+    rbd_qp_text(RBD_QP_NAN, &result, text, sizeof text);
+    ck_assert_msg(strstr(text, "row 120, field 'C': ") == text, "%s", text);
     for (int status = RBD_QP_NULL; status <= RBD_QP_OK; status++) {
         rbd_qp_text((rbd_qp_status)status, NULL, text, sizeof text);
         ck_assert_msg(strcmp(text, "unknown status") != 0 && strlen(text) > 5, "status %d", status);
@@ -755,6 +869,9 @@ int main(void) {
     tcase_add_test(c, not_a_number_is_named);
     tcase_add_test(c, slips_are_named);
     tcase_add_test(c, steps_and_rounds_are_bounded);
+    tcase_add_test(c, slight_contradictions_are_inaccurate);
+    tcase_add_test(c, rows_alone_are_met);
+    tcase_add_test(c, results_that_are_too_large_are_none);
     tcase_add_test(c, the_memory_is_enough);
     tcase_add_test(c, what_was_found_is_a_sentence);
     suite_add_tcase(suite, c);

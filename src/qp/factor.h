@@ -29,7 +29,7 @@ RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
         }
 
         pivot = diagonal - rbdi_qp_dot(l + start, l + start, i - start);
-        if (!(pivot > RBDI_QP_PIVOT * diagonal && diagonal > 0)) return i;
+        if (!(pivot > RBDI_QP_PIVOT * diagonal)) return i; /* nor if diagonal <= 0: pivot <= diagonal */
         l[i] = 1 / rbdi_sqrt(pivot);
     }
     return n;
@@ -93,7 +93,7 @@ RBDI_PART void rbdi_qp_eliminate(rbdi_qp *s, int row) {
     whole = rbdi_qp_dot(v, v, n);
     rbdi_qp_reflect_all(s, v);
     rest = rbdi_qp_dot(v + e, v + e, n - e);
-    if (rest <= RBDI_QP_DEPENDENT * RBDI_QP_DEPENDENT * whole || !(rest > 0)) return;
+    if (rest <= RBDI_QP_DEPENDENT * RBDI_QP_DEPENDENT * whole) return;
 
     /* v - (-+|v|) on axis e: no difference of like numbers. */
     length = rbdi_sqrt(rest);

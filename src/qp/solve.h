@@ -129,10 +129,11 @@ RBDI_PART void rbdi_qp_multipliers(const rbdi_qp *s, rbd_real *lambda) {
    pushes the distance from the side, as a share of its terms; and Hx + f + C'lambda, as a share of the
    largest term. */
 RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
-    rbd_real worst = 0, size = 0, far = 0;
+    rbd_real worst = 0, far = 0, size;
 
     s->result.primal = 0;
     for (int k = 0; k < s->n; ++k) far = rbdi_qp_larger(far, rbdi_abs(x[k]));
+    size = s->rho * far; /* without H and f multipliers are rounding of this */
     for (int k = 0; k < s->n; ++k) {
         const rbd_real h = rbdi_qp_dot(s->given.H + k * s->n, x, s->n);
         s->t[k] = h + s->given.f[k];

@@ -50,6 +50,8 @@ def programs():
     for robot in "iiwa", "hyq":
         out.append((f"features {robot}", [f"features_{robot}.c", "features.c"], [], QUICK, []))
     out.append(("spatial frames", ["spatial_frames.c"], [], QUICK, []))
+    for real in "double", "float":
+        out.append((f"qp {real}", ["test_qp.c"], [], [*RUN_LONG, f"-DRBD_REAL={real}"], []))
     return out
 
 

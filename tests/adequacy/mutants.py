@@ -25,7 +25,8 @@ HERE = Path(__file__).resolve().parent
 TESTS = ROOT / "tests"
 FIELDS = ["function", "text", "mutated"]
 ABORT = ["-Wl,--wrap=_ck_assert_failed"]  # the first failure ends the program: see stop.c
-COUNT = {"rbd.h": 300, "rbd_derivatives.h": 100, "rbd_constraints.h": 100, "rbd_contact.h": 100, "rbd_batch.h": 50, "rbd_spatial.h": 50}  # that compile
+COUNT = {"rbd.h": 300, "rbd_derivatives.h": 100, "rbd_constraints.h": 100, "rbd_contact.h": 100, "rbd_batch.h": 50, "rbd_spatial.h": 50,
+         "rbd_qp.h": 50}  # that compile
 
 # ---- mutants ----
 
@@ -289,7 +290,11 @@ def stages(header):
                      (("rbd.c", ("-O1", flags[0])), ("test_batch.c", ("-O1", *flags)), *ref), link=SANITIZE[:2],
                      environment=(("ASAN_OPTIONS", "detect_leaks=0"),), functions=BATCHES, headers=BATCHED)
 
-    out = [spatial("double"), spatial("4 lanes", "-DRBD_LANES=4"), spatial("float", "-DRBD_REAL=float"),
+    def qp(scalar_name, *flags, link=()):
+        return Stage("qp " + scalar_name, (("test_qp.c", ("-O1", *flags)),), link=link, headers="rbd_qp")
+
+    out = [qp("double"), qp("float", "-DRBD_REAL=float"), qp("sanitized", *SANITIZE, link=SANITIZE[:2]),
+           spatial("double"), spatial("4 lanes", "-DRBD_LANES=4"), spatial("float", "-DRBD_REAL=float"),
            Stage("spatial frames", (("spatial_frames.c", ("-O0",)),), headers="rbd_spatial"),
            spatial("sanitized", *SANITIZE, link=SANITIZE[:2])]
     if shutil.which("tcc") and platform.machine() == "x86_64":
@@ -347,7 +352,7 @@ class Bench:
 
     def compiles(self, include):
         """Whether GCC takes it: a fifth of a second."""
-        unit = {"rbd_spatial.h": "spatial_frames.c", "rbd_batch.h": "batch.c"}.get(self.header, "rbd.c")
+        unit = {"rbd_spatial.h": "spatial_frames.c", "rbd_batch.h": "batch.c", "rbd_qp.h": "test_qp.c"}.get(self.header, "rbd.c")
         return self.compile("gcc", unit, (APART, "-DBATCH_LANES=2", "-fsyntax-only"), include, "-").returncode == 0
 
     def once(self, compiler, name, flags):
