@@ -105,7 +105,8 @@
      the degree of freedom. Each call decides by its own pivots whether a system is singular. All refuse one
      whose M is singular but for rounding. Near one they may differ: the armature that makes such a joint
      sound is for rbd_aba up to 70 times that of the calls by the factor, or any part of it; where rbd_aba
-     computes and they refuse, M has lost its digits, as of float chains of 100 rods.
+     computes and they refuse, M has lost its digits, as of float chains of 100 rods. Calls with constraints
+     may find there that rounding keeps them from holding their rows: RBD_ERR_INFEASIBLE.
      Input is not searched for NaN: one that reaches the mass matrix is RBD_ERR_NAN in forward dynamics, one
      in a gap or limit in rbd_contact_step; any other reaches all results that depend on it, with RBD_OK. From
      libm only sqrt; sin and cos for __float128 and classes, and with excess precision (x87). The same input

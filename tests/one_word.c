@@ -7,7 +7,8 @@
        near       the same with an armature of any size, 1e-24 of that or more
 
    Calls by the factor of M say the same of all three and name the same degree of freedom. rbd_aba has pivots
-   of its own: of the near ones it may say another word.
+   of its own: of the near ones it may say another word. Of those the calls with constraints may also find that
+   rounding keeps them from holding their rows: RBD_ERR_INFEASIBLE.
 
        one_word [MODELS]    by default 10,000; one build for each scalar. SPDX-License-Identifier: MIT */
 #define RBD_IMPLEMENTATION
@@ -26,7 +27,7 @@ enum { LANES = RBD_LANES };
 #else
 enum { LANES = 1 };
 #endif
-enum { BODIES = 24, NV = 48, NQ = 64, CALLS = 11, ABA = 0 };
+enum { BODIES = 24, NV = 48, NQ = 64, CALLS = 11, ABA = 0, CONSTRAINED = 7 };
 static const char *const call_name[CALLS] = {"aba",
                                              "fd_cholesky",
                                              "cholesky_factor",
@@ -437,7 +438,10 @@ int main(int argc, char **argv) {
             for (int k = 0; k < CALLS; k++) {
                 if (f == SINGULAR) bad |= o.status[k] != RBD_ERR_SINGULAR;
                 if (f == SOUND) bad |= o.status[k] != RBD_OK;
-                if (k != ABA) bad |= o.status[k] != o.status[1] || o.dof[k] != o.dof[1];
+                if (k == ABA) continue;
+                if (f == NEAR && k >= CONSTRAINED && o.status[1] == RBD_OK && o.status[k] == RBD_ERR_INFEASIBLE)
+                    continue;
+                bad |= o.status[k] != o.status[1] || o.dof[k] != o.dof[1];
             }
             count[kind][f]++, refused[kind][f] += o.status[1] != RBD_OK;
             if (bad && ++failures <= 20) {

@@ -24,7 +24,7 @@ enum { IS_FLOAT = sizeof(RBD_REAL) == sizeof(float) };
    to FMA, it does so in other places with lanes: a few roundings, some more with the common frame's sums,
    which forward dynamics multiply by the condition number of M, up to some thousands, and what is derived
    from their result once more. */
-#define FEW_ROUNDINGS (30 * ROUNDING)
+#define FEW_ROUNDINGS (40 * ROUNDING)
 #define MORE_ROUNDINGS (100 * ROUNDING)
 #define BOUND(call) \
     ((call) < MOMENTUM_MATRIX  ? FEW_ROUNDINGS \
