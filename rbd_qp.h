@@ -1,6 +1,6 @@
 /* rbd_qp.h - small convex quadratic programs, for control, in one C99 header. Version 0.4.0.
    Made by src/amalgamate.py from src/rbd_qp.h and the files that it includes: edit those.
-   SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end of rbd.h.
+   SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end.
 
    Minimises x'Hx/2 + f'x within bounds of x and of C x, without allocation, dependency, global or NaN. It
    stands alone; rbd.h may stand beside it. In ONE file of the program:
@@ -24,7 +24,9 @@
      [problem] [solve]
      --- stop here if you only use it ---
      [layout] [compiler] [tolerances] [scalar]
-     [method] [vectors] [factor] [active rows] [search] [refinement] [rounds] [solve code] [text code]
+     [method] [vectors] [factor] [active rows] [search] [refinement] [rounds] [solve code]
+     [text code]
+     [licence]
 
    [conventions]
      rows         first the bounds of x, then the rows of C; an equality has lower = upper
@@ -39,7 +41,8 @@
      No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant. From libm only sqrt. The number
      of steps is bounded: options->steps. A result with RBD_QP_OK satisfies the conditions of Karush, Kuhn and
      Tucker to the shares that result->primal and ->dual state, at most ten times options->accuracy. x is
-     finite in any case. With RBD_REPRODUCIBLE the bits are the same on every machine, as of rbd.h.
+     finite with every status, but after RBD_QP_NULL, _RANGE and _MEMORY it is as it was. With
+     RBD_REPRODUCIBLE the bits are the same on every machine, as of rbd.h.
 
    [limits]
      Dense matrices, of up to some hundred variables: a step costs about 3 n^2 products, and one for each
@@ -202,6 +205,10 @@ RBDI_EXTENSION typedef RBD_REAL rbd_real; /* states and results */
 #ifndef RBD_QP_H
 #define RBD_QP_H
 
+#if RBD_VERSION_NUMBER < 400
+#error "rbd_qp.h: needs a newer rbd.h"
+#endif
+
 #if defined RBD_LANES || RBDI_REAL_KIND % 3 == 0
 #error "rbd: rbd_qp.h needs RBD_REAL double or float, without RBD_LANES and RBD_REAL_CUSTOM"
 #endif
@@ -218,11 +225,12 @@ RBDI_EXTERN_C_BEGIN
 
 #define RBD_QP_NONE 1e30 /* a bound of this size and more is none */
 
-/* The result of rbd_qp_solve: 0, or a negative reason. x is finite with each of them. */
+/* The result of rbd_qp_solve: 0, or a negative reason. x is finite with each of them, but as it was after
+   RBD_QP_NULL, _RANGE and _MEMORY. */
 typedef enum rbd_qp_status {
     RBD_QP_OK = 0,
     RBD_QP_INFEASIBLE = -1, /* hard rows contradict each other: lambda says which */
-    RBD_QP_UNBOUNDED = -2,  /* the value has no least one: H is singular, and f leads away for ever */
+    RBD_QP_UNBOUNDED = -2,  /* unbounded below: f falls along a way that H does not bend and no row ends */
     RBD_QP_ITERATIONS = -3, /* more steps would be needed: x is as good as it got */
     RBD_QP_INACCURATE = -4, /* solved, but primal or dual is above ten times the accuracy */
     RBD_QP_CONVEX = -5,     /* H has a negative eigenvalue */
@@ -230,7 +238,8 @@ typedef enum rbd_qp_status {
     RBD_QP_NAN = -7,        /* an input is not a number or not finite, or the result is too large */
     RBD_QP_RANGE = -8,      /* a number of the problem, a weight or an option is out of range */
     RBD_QP_MEMORY = -9,     /* the memory is too small */
-    RBD_QP_NULL = -10       /* a required pointer is NULL */
+    RBD_QP_NULL = -10,      /* a required pointer is NULL */
+    RBD_QP_SIDES = -11      /* a lower side is above the upper one */
 } rbd_qp_status;
 
 /* Minimise x'Hx/2 + f'x, where each row r has lower <= row x <= upper. The first rows are bounds of x[0],
@@ -251,7 +260,7 @@ typedef struct rbd_qp_problem {
 
 /* 0 is the default in brackets. */
 typedef struct rbd_qp_options {
-    int steps;         /* rows that join or leave, at most [10 (n + bounds + rows)] */
+    int steps;         /* rows that join or leave by steps, at most [10 (n + bounds + rows)] */
     int warm;          /* not 0: side is a guess, such as the result for a similar problem */
     int rounds;        /* of the proximal method, if H is semidefinite, at most [50] */
     rbd_real accuracy; /* of rows and optimum, a share of their terms [1e-10, float 1e-5] */
@@ -780,7 +789,7 @@ RBDI_INLINE rbd_real rbdi_pivot_inverse(rbd_real D, rbd_const scale, rbdi_mask *
    A soft row n'x + e >= b has a slack e, with the cost w e^2/2. It brings a column of its own to J, 0 in x
    and 1/sqrt(w) in e. Nothing of e is stored: e = u/w. */
 
-/* Tolerances. None depends on the units of x or of a row.
+/* Tolerances. None depends on the units of x or of a row, as long as their squares are normal numbers.
    RBDI_QP_DEPENDENT: sine of the angle, in the metric of H^-1, between a row and the active ones, below
    which it depends on them. RBDI_QP_ACCURACY: share of a row's terms that may be rounding. RBDI_QP_KEEP:
    share of the largest x so far that still counts in those terms after a refinement. RBDI_QP_PIVOT: share of
@@ -801,7 +810,7 @@ RBDI_INLINE rbd_real rbdi_pivot_inverse(rbd_real D, rbd_const scale, rbdi_mask *
 #endif
 #define RBDI_QP_NONE ((rbd_real)RBD_QP_NONE)
 
-/* What the parts of the solver share. A row is counted with the bounds. Matrices without padding. */
+/* The state of one solution. A row is counted with the bounds. Matrices have no padding. */
 typedef struct rbdi_qp {
     rbd_qp_problem given;
     rbd_qp_options options; /* all set */
@@ -814,7 +823,7 @@ typedef struct rbdi_qp {
     rbd_real rho;      /* added to H's diagonal */
     rbd_real own;      /* length of the last row that wanted to join, in the metric of H^-1 */
     rbd_real accuracy; /* of rows: that of the options, and tenfold each time after `loosen` steps */
-    int doubtful;      /* rows contradicted each other by what may be rounding */
+    int doubtful;      /* rows contradict each other by what may be rounding, or sums overflow */
     int loosen;        /* the number of steps at which accuracy grows next */
 
     rbd_real *L; /* packed rows, its diagonal inverted */
@@ -1236,7 +1245,7 @@ RBDI_INLINE rbd_real rbdi_qp_free_part(const rbdi_qp *s) {
     return rbdi_qp_dot(s->d + s->q, s->d + s->q, s->columns - s->q);
 }
 
-/* z = J2 d2, two columns at a time. */
+/* z = J2 d2 */
 RBDI_PART void rbdi_qp_way(rbdi_qp *s) {
     rbdi_qp_clear(s->z, s->n);
     for (int j = s->q; j < s->columns; ++j) rbdi_qp_add(s->d[j], rbdi_qp_j(s, j), s->z, s->n);
@@ -1271,8 +1280,8 @@ RBDI_PART void rbdi_qp_join(rbdi_qp *s, int row, int side, rbd_real u, rbd_real 
     s->q = q + 1;
 }
 
-/* The slack of a soft row that has left goes: its components in the columns of J2, (leaving, 0, ...) - J2'n,
-   are reflected into the last column, with J2 and d, and that is deleted. */
+/* Removes the slack column of a soft row that has left: its components in the columns of J2, (leaving, 0,
+   ...) - J2'n, are reflected into the last column, with J2 and d, and that is deleted. */
 RBDI_PART void rbdi_qp_drop_slack(rbdi_qp *s, int row, rbd_real sign) {
     const int n = s->n, q = s->q, last = s->columns - 1;
     rbd_real *slack = s->leaving, square = 0;
@@ -1367,7 +1376,7 @@ RBDI_PART void rbdi_qp_point(rbdi_qp *s, rbd_real *x) {
     rbdi_qp_solve_r(s, s->u);
 }
 
-/* What a miss of row is compared with: its side, and its terms with the largest x so far. */
+/* The scale of a row's miss: its side, and its terms with the largest x so far. */
 RBDI_PART rbd_real rbdi_qp_terms(const rbdi_qp *s, int row, rbd_real side) {
     rbd_real sum = rbdi_abs(side);
     const rbd_real *c;
@@ -1422,6 +1431,16 @@ RBDI_PART void rbdi_qp_reached(rbdi_qp *s, const rbd_real *x) {
     for (int k = 0; k < s->n; ++k) s->reach[k] = rbdi_qp_larger(s->reach[k], rbdi_abs(x[k]));
 }
 
+/* By how much a value misses the lower side, or the upper one; negative if it does not. */
+RBDI_INLINE rbd_real rbdi_qp_below(const rbdi_qp *s, int row, rbd_real value) {
+    const rbd_real lower = s->given.lower[row];
+    return lower > -RBDI_QP_NONE ? lower - value : -RBDI_QP_NONE;
+}
+RBDI_INLINE rbd_real rbdi_qp_above(const rbdi_qp *s, int row, rbd_real value) {
+    const rbd_real upper = s->given.upper[row];
+    return upper < RBDI_QP_NONE ? value - upper : -RBDI_QP_NONE;
+}
+
 /* The inactive row that x misses most, in lengths of the row, beyond what rounding explains: row -1 if there
    is none. */
 RBDI_PART rbdi_qp_miss rbdi_qp_most_missed(rbdi_qp *s, const rbd_real *x, rbd_real accuracy) {
@@ -1432,8 +1451,8 @@ RBDI_PART rbdi_qp_miss rbdi_qp_most_missed(rbdi_qp *s, const rbd_real *x, rbd_re
         rbd_real value, below, above, by, terms;
         if (s->side[row]) continue;
         value = rbdi_qp_row_times(s, row, x);
-        below = s->given.lower[row] - value;
-        above = value - s->given.upper[row];
+        below = rbdi_qp_below(s, row, value);
+        above = rbdi_qp_above(s, row, value);
         by = rbdi_qp_larger(below, above);
         if (!(by > most * s->norm[row])) continue;
 
@@ -1645,7 +1664,7 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
 
     rbdi_qp_reached(s, s->x0);
     rbdi_qp_point(s, x);
-    while (rbdi_qp_release(s, 0)) rbdi_qp_point(s, x);
+    while (s->result.steps < s->options.steps && rbdi_qp_release(s, 0)) rbdi_qp_point(s, x);
     rbdi_qp_reached(s, x);
 
     for (;;) {
@@ -1685,15 +1704,18 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
 
 /* z = x - centre; whether the value falls on this way, and H does not bend it. */
 RBDI_PART int rbdi_qp_straight(rbdi_qp *s, const rbd_real *x, rbd_real size) {
-    rbd_real down = 0, curvature = 0;
+    rbd_real down = 0, curvature = 0, length = 0, largest = 0, rounding;
 
     for (int k = 0; k < s->n; ++k) {
         s->z[k] = x[k] - s->centre[k];
         down = down + s->given.f[k] * s->z[k];
+        length = rbdi_qp_larger(length, rbdi_abs(s->z[k]));
+        largest = rbdi_qp_larger(largest, s->given.H[k * s->n + k]);
     }
     for (int k = 0; k < s->n; ++k)
         curvature = rbdi_qp_larger(curvature, rbdi_abs(rbdi_qp_dot(s->given.H + k * s->n, s->z, s->n)));
-    return down < 0 && curvature <= s->options.accuracy * size;
+    rounding = 64 * RBDI_EPS * (rbd_real)s->n * largest * length;
+    return down < 0 && (curvature <= s->options.accuracy * size || curvature <= rounding);
 }
 
 /* Whether no row ends the way z. */
@@ -1746,7 +1768,7 @@ RBDI_PART rbd_qp_status rbdi_qp_rounds(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mi
 /* ==== src/qp/solve.h ==== */
 /* ---- solve [solve code] ---- */
 
-#define RBDI_QP_MOST 20000 /* variables, rows: their matrices have ints for an index */
+#define RBDI_QP_MOST 20000 /* variables with soft rows, rows: their matrices have ints for an index */
 #if RBDI_REAL_KIND == 2
 #define RBDI_QP_ASYMMETRY 1e-4f
 #else
@@ -1790,6 +1812,7 @@ RBDI_PART rbd_qp_status rbdi_qp_check_problem(rbdi_qp *s) {
             return rbdi_qp_refuse(s, RBD_QP_RANGE, row, "soft");
         s->soft += p->soft[row] > 0;
     }
+    if (s->n + s->soft > RBDI_QP_MOST) return rbdi_qp_refuse(s, RBD_QP_RANGE, -1, "soft");
     return RBD_QP_OK;
 }
 
@@ -1837,7 +1860,7 @@ RBDI_PART rbd_qp_status rbdi_qp_check_rows(rbdi_qp *s) {
         s->from[row] = from;
         s->to[row] = to;
         s->norm[row] = square > 0 ? rbdi_sqrt(square) : 1;
-        if (lower > upper) return rbdi_qp_refuse(s, RBD_QP_INFEASIBLE, row, "lower");
+        if (lower > upper) return rbdi_qp_refuse(s, RBD_QP_SIDES, row, "lower");
     }
     return RBD_QP_OK;
 }
@@ -1885,7 +1908,7 @@ RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lam
     for (int row = 0; row < s->all; ++row) {
         const rbd_real weight = rbdi_qp_weight(s, row), miss = weight > 0 ? lambda[row] / weight : 0;
         const rbd_real value = rbdi_qp_row_times(s, row, x) - miss;
-        const rbd_real below = s->given.lower[row] - value, above = value - s->given.upper[row];
+        const rbd_real below = rbdi_qp_below(s, row, value), above = rbdi_qp_above(s, row, value);
         const int at_upper = lambda[row] > 0 || (!(lambda[row] < 0) && above > below);
         const rbd_real by = lambda[row] != 0 ? rbdi_abs(at_upper ? above : below) : at_upper ? above : below;
 
@@ -1893,12 +1916,18 @@ RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lam
             rbdi_qp_add_row(s, row, lambda[row], s->t);
             size = rbdi_qp_larger(size, rbdi_abs(lambda[row]) * s->norm[row]);
         }
-        if (!(by > 0)) continue;
+        if (by <= 0) continue;
         const rbd_real side = at_upper ? s->given.upper[row] : s->given.lower[row];
-        s->result.primal =
-            rbdi_qp_larger(s->result.primal, by / (rbdi_qp_terms(s, row, side) + rbdi_abs(miss)));
+        const rbd_real share = by / (rbdi_qp_terms(s, row, side) + rbdi_abs(miss));
+        if (rbdi_qp_finite(share))
+            s->result.primal = rbdi_qp_larger(s->result.primal, share);
+        else
+            s->doubtful = 1;
     }
-    for (int k = 0; k < s->n; ++k) worst = rbdi_qp_larger(worst, rbdi_abs(s->t[k]));
+    for (int k = 0; k < s->n; ++k) {
+        worst = rbdi_qp_larger(worst, rbdi_abs(s->t[k]));
+        if (!rbdi_qp_finite(s->t[k])) s->doubtful = 1;
+    }
     s->result.dual = size > 0 ? worst / size : worst;
 }
 
@@ -1947,7 +1976,7 @@ RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
         rbdi_qp_verify(s, x, lambda);
     }
     if (status == RBD_QP_OK &&
-        (s->doubtful || rbdi_qp_larger(s->result.primal, s->result.dual) > 10 * s->options.accuracy))
+        (s->doubtful || !(rbdi_qp_larger(s->result.primal, s->result.dual) <= 10 * s->options.accuracy)))
         status = RBD_QP_INACCURATE;
     s->result.active = s->q + s->equalities;
     return status;
@@ -2005,8 +2034,8 @@ RBDI_API rbd_qp_status rbd_qp_solve(const rbd_qp_problem *problem, const rbd_qp_
 RBDI_MESSAGES RBDI_PART const char *rbdi_qp_sentence(rbd_qp_status status) {
     switch (status) {
     case RBD_QP_OK: return "no error";
-    case RBD_QP_INFEASIBLE: return "contradicts the other rows with lambda != 0; or lower is above upper";
-    case RBD_QP_UNBOUNDED: return "the value has no least one: H is singular, and f leads away for ever";
+    case RBD_QP_INFEASIBLE: return "contradicts the other rows whose lambda is not 0";
+    case RBD_QP_UNBOUNDED: return "unbounded: f falls along a way that H does not bend and no row ends";
     case RBD_QP_ITERATIONS: return "more steps or rounds would be needed";
     case RBD_QP_INACCURATE: return "solved, but not to the accuracy that the options ask for";
     case RBD_QP_CONVEX: return "H has a negative eigenvalue";
@@ -2015,6 +2044,7 @@ RBDI_MESSAGES RBDI_PART const char *rbdi_qp_sentence(rbd_qp_status status) {
     case RBD_QP_RANGE: return "negative or out of range";
     case RBD_QP_MEMORY: return "the memory is too small: RBD_QP_SIZE has the figure";
     case RBD_QP_NULL: return "a required pointer is NULL";
+    case RBD_QP_SIDES: return "above upper";
     }
     return "unknown status";
 }
@@ -2062,3 +2092,29 @@ RBDI_CODE_END
 #pragma pop_macro("L")
 #pragma pop_macro("R")
 #pragma pop_macro("V")
+
+/* ==== src/rbd_qp.h ==== */
+/* ---- licence [licence] ----
+
+   MIT License
+
+   Copyright (c) 2026 the rbd authors
+
+   Permission is hereby granted, free of charge, to any person obtaining a copy
+   of this software and associated documentation files (the "Software"), to deal
+   in the Software without restriction, including without limitation the rights
+   to use, copy, modify, merge, publish, distribute, sublicense, and/or sell
+   copies of the Software, and to permit persons to whom the Software is
+   furnished to do so, subject to the following conditions:
+
+   The above copyright notice and this permission notice shall be included in all
+   copies or substantial portions of the Software.
+
+   THE SOFTWARE IS PROVIDED "AS IS", WITHOUT WARRANTY OF ANY KIND, EXPRESS OR
+   IMPLIED, INCLUDING BUT NOT LIMITED TO THE WARRANTIES OF MERCHANTABILITY,
+   FITNESS FOR A PARTICULAR PURPOSE AND NONINFRINGEMENT. IN NO EVENT SHALL THE
+   AUTHORS OR COPYRIGHT HOLDERS BE LIABLE FOR ANY CLAIM, DAMAGES OR OTHER
+   LIABILITY, WHETHER IN AN ACTION OF CONTRACT, TORT OR OTHERWISE, ARISING FROM,
+   OUT OF OR IN CONNECTION WITH THE SOFTWARE OR THE USE OR OTHER DEALINGS IN THE
+   SOFTWARE.
+*/

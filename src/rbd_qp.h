@@ -1,5 +1,5 @@
 /* rbd_qp.h - small convex quadratic programs, for control, in one C99 header. Version 0.4.0.
-   SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end of rbd.h.
+   SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end.
 
    Minimises x'Hx/2 + f'x within bounds of x and of C x, without allocation, dependency, global or NaN. It
    stands alone; rbd.h may stand beside it. In ONE file of the program:
@@ -23,7 +23,9 @@
      [problem] [solve]
      --- stop here if you only use it ---
      [layout] [compiler] [tolerances] [scalar]
-     [method] [vectors] [factor] [active rows] [search] [refinement] [rounds] [solve code] [text code]
+     [method] [vectors] [factor] [active rows] [search] [refinement] [rounds] [solve code]
+     [text code]
+     [licence]
 
    [conventions]
      rows         first the bounds of x, then the rows of C; an equality has lower = upper
@@ -38,7 +40,8 @@
      No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant. From libm only sqrt. The number
      of steps is bounded: options->steps. A result with RBD_QP_OK satisfies the conditions of Karush, Kuhn and
      Tucker to the shares that result->primal and ->dual state, at most ten times options->accuracy. x is
-     finite in any case. With RBD_REPRODUCIBLE the bits are the same on every machine, as of rbd.h.
+     finite with every status, but after RBD_QP_NULL, _RANGE and _MEMORY it is as it was. With
+     RBD_REPRODUCIBLE the bits are the same on every machine, as of rbd.h.
 
    [limits]
      Dense matrices, of up to some hundred variables: a step costs about 3 n^2 products, and one for each
@@ -50,6 +53,10 @@
 
 #ifndef RBD_QP_H
 #define RBD_QP_H
+
+#if RBD_VERSION_NUMBER < 400
+#error "rbd_qp.h: needs a newer rbd.h"
+#endif
 
 #if defined RBD_LANES || RBDI_REAL_KIND % 3 == 0
 #error "rbd: rbd_qp.h needs RBD_REAL double or float, without RBD_LANES and RBD_REAL_CUSTOM"
@@ -96,3 +103,28 @@ RBDI_CODE_END
 #endif /* RBD_IMPLEMENTATION */
 
 #include "base/letters_end.h"
+
+/* ---- licence [licence] ----
+
+   MIT License
+
+   Copyright (c) 2026 the rbd authors
+
+   Permission is hereby granted, free of charge, to any person obtaining a copy
+   of this software and associated documentation files (the "Software"), to deal
+   in the Software without restriction, including without limitation the rights
+   to use, copy, modify, merge, publish, distribute, sublicense, and/or sell
+   copies of the Software, and to permit persons to whom the Software is
+   furnished to do so, subject to the following conditions:
+
+   The above copyright notice and this permission notice shall be included in all
+   copies or substantial portions of the Software.
+
+   THE SOFTWARE IS PROVIDED "AS IS", WITHOUT WARRANTY OF ANY KIND, EXPRESS OR
+   IMPLIED, INCLUDING BUT NOT LIMITED TO THE WARRANTIES OF MERCHANTABILITY,
+   FITNESS FOR A PARTICULAR PURPOSE AND NONINFRINGEMENT. IN NO EVENT SHALL THE
+   AUTHORS OR COPYRIGHT HOLDERS BE LIABLE FOR ANY CLAIM, DAMAGES OR OTHER
+   LIABILITY, WHETHER IN AN ACTION OF CONTRACT, TORT OR OTHERWISE, ARISING FROM,
+   OUT OF OR IN CONNECTION WITH THE SOFTWARE OR THE USE OR OTHER DEALINGS IN THE
+   SOFTWARE.
+*/

@@ -637,7 +637,7 @@ START_TEST(slips_are_named) {
     rbd_qp_options o = {0, 0, 0, 0};
 
     lower[2] = 3;
-    check_refused(&p, RBD_QP_INFEASIBLE, 2, "lower");
+    check_refused(&p, RBD_QP_SIDES, 2, "lower");
     small_problem();
     H[1] = (rbd_real)0.25;
     check_refused(&p, RBD_QP_SYMMETRIC, 1, "H");
@@ -778,6 +778,44 @@ START_TEST(rows_alone_are_met) {
 }
 END_TEST
 
+/* H of low rank, and an f that has a part outside of its range: nothing holds x. */
+START_TEST(ways_without_end_are_found) {
+    seed = 41;
+    for (int k = 0; k < 300; k++) {
+        const int n = between(2, 12), rank = between(1, n - 1);
+        const rbd_qp_problem p = problem_of(n, 0, 0);
+        double B[12 * 12];
+        int unbounded;
+        for (int i = 0; i < rank * n; i++) B[i] = normal();
+        for (int i = 0; i < n; i++) {
+            f[i] = (rbd_real)normal();
+            for (int j = 0; j < n; j++) {
+                double sum = 0;
+                for (int r = 0; r < rank; r++) sum += B[r * n + i] * B[r * n + j];
+                H[i * n + j] = (rbd_real)sum;
+            }
+        }
+        unbounded = solve(&p) == RBD_QP_UNBOUNDED;
+        ck_assert_msg(unbounded || sizeof(rbd_real) == 4, "problem %d of rank %d of %d: dual %g", k, rank, n,
+                      (double)result.dual);
+    }
+}
+END_TEST
+
+/* In float squares of 1e18 |x| overflow: no answer may be OK then. */
+START_TEST(sums_that_overflow_are_not_ok) {
+    const double large = sizeof(rbd_real) == 4 ? 1e18 : 1e153;
+    rbd_qp_problem p = problem_of(1, 0, 1);
+    set(H, (const double[]){1}, 1);
+    set(f, (const double[]){-1e21}, 1);
+    set(C, (const double[]){0}, 1);
+    C[0] = (rbd_real)large;
+    lower[0] = -NONE;
+    upper[0] = 5;
+    if (solve(&p) == RBD_QP_OK) ck_assert((double)C[0] * (double)x[0] <= 5 + 1e-6 * (double)C[0]);
+}
+END_TEST
+
 START_TEST(results_that_are_too_large_are_none) {
     char text[100];
     rbd_qp_problem p = problem_of(2, 0, 0);
@@ -820,7 +858,7 @@ START_TEST(what_was_found_is_a_sentence) {
 
     lower[2] = 3;
     ck_assert_ptr_eq(rbd_qp_text(solve(&p), &result, text, sizeof text), text);
-    ck_assert_msg(strstr(text, "row 2, field 'lower': ") == text, "%s", text);
+    ck_assert_msg(strstr(text, "row 2, field 'lower': above upper") == text, "%s", text);
     small_problem();
     f[1] = (rbd_real)NAN;
     rbd_qp_text(solve(&p), &result, text, sizeof text);
@@ -842,7 +880,7 @@ START_TEST(what_was_found_is_a_sentence) {
     result.field = "C";
     rbd_qp_text(RBD_QP_NAN, &result, text, sizeof text);
     ck_assert_msg(strstr(text, "row 120, field 'C': ") == text, "%s", text);
-    for (int status = RBD_QP_NULL; status <= RBD_QP_OK; status++) {
+    for (int status = RBD_QP_SIDES; status <= RBD_QP_OK; status++) {
         rbd_qp_text((rbd_qp_status)status, NULL, text, sizeof text);
         ck_assert_msg(strcmp(text, "unknown status") != 0 && strlen(text) > 5, "status %d", status);
     }
@@ -871,6 +909,8 @@ int main(void) {
     tcase_add_test(c, steps_and_rounds_are_bounded);
     tcase_add_test(c, slight_contradictions_are_inaccurate);
     tcase_add_test(c, rows_alone_are_met);
+    tcase_add_test(c, ways_without_end_are_found);
+    tcase_add_test(c, sums_that_overflow_are_not_ok);
     tcase_add_test(c, results_that_are_too_large_are_none);
     tcase_add_test(c, the_memory_is_enough);
     tcase_add_test(c, what_was_found_is_a_sentence);

@@ -11,11 +11,12 @@
 
 #define RBD_QP_NONE 1e30 /* a bound of this size and more is none */
 
-/* The result of rbd_qp_solve: 0, or a negative reason. x is finite with each of them. */
+/* The result of rbd_qp_solve: 0, or a negative reason. x is finite with each of them, but as it was after
+   RBD_QP_NULL, _RANGE and _MEMORY. */
 typedef enum rbd_qp_status {
     RBD_QP_OK = 0,
     RBD_QP_INFEASIBLE = -1, /* hard rows contradict each other: lambda says which */
-    RBD_QP_UNBOUNDED = -2,  /* the value has no least one: H is singular, and f leads away for ever */
+    RBD_QP_UNBOUNDED = -2,  /* unbounded below: f falls along a way that H does not bend and no row ends */
     RBD_QP_ITERATIONS = -3, /* more steps would be needed: x is as good as it got */
     RBD_QP_INACCURATE = -4, /* solved, but primal or dual is above ten times the accuracy */
     RBD_QP_CONVEX = -5,     /* H has a negative eigenvalue */
@@ -23,7 +24,8 @@ typedef enum rbd_qp_status {
     RBD_QP_NAN = -7,        /* an input is not a number or not finite, or the result is too large */
     RBD_QP_RANGE = -8,      /* a number of the problem, a weight or an option is out of range */
     RBD_QP_MEMORY = -9,     /* the memory is too small */
-    RBD_QP_NULL = -10       /* a required pointer is NULL */
+    RBD_QP_NULL = -10,      /* a required pointer is NULL */
+    RBD_QP_SIDES = -11      /* a lower side is above the upper one */
 } rbd_qp_status;
 
 /* Minimise x'Hx/2 + f'x, where each row r has lower <= row x <= upper. The first rows are bounds of x[0],
@@ -44,7 +46,7 @@ typedef struct rbd_qp_problem {
 
 /* 0 is the default in brackets. */
 typedef struct rbd_qp_options {
-    int steps;         /* rows that join or leave, at most [10 (n + bounds + rows)] */
+    int steps;         /* rows that join or leave by steps, at most [10 (n + bounds + rows)] */
     int warm;          /* not 0: side is a guess, such as the result for a similar problem */
     int rounds;        /* of the proximal method, if H is semidefinite, at most [50] */
     rbd_real accuracy; /* of rows and optimum, a share of their terms [1e-10, float 1e-5] */

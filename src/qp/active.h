@@ -32,7 +32,7 @@ RBDI_INLINE rbd_real rbdi_qp_free_part(const rbdi_qp *s) {
     return rbdi_qp_dot(s->d + s->q, s->d + s->q, s->columns - s->q);
 }
 
-/* z = J2 d2, two columns at a time. */
+/* z = J2 d2 */
 RBDI_PART void rbdi_qp_way(rbdi_qp *s) {
     rbdi_qp_clear(s->z, s->n);
     for (int j = s->q; j < s->columns; ++j) rbdi_qp_add(s->d[j], rbdi_qp_j(s, j), s->z, s->n);
@@ -67,8 +67,8 @@ RBDI_PART void rbdi_qp_join(rbdi_qp *s, int row, int side, rbd_real u, rbd_real 
     s->q = q + 1;
 }
 
-/* The slack of a soft row that has left goes: its components in the columns of J2, (leaving, 0, ...) - J2'n,
-   are reflected into the last column, with J2 and d, and that is deleted. */
+/* Removes the slack column of a soft row that has left: its components in the columns of J2, (leaving, 0,
+   ...) - J2'n, are reflected into the last column, with J2 and d, and that is deleted. */
 RBDI_PART void rbdi_qp_drop_slack(rbdi_qp *s, int row, rbd_real sign) {
     const int n = s->n, q = s->q, last = s->columns - 1;
     rbd_real *slack = s->leaving, square = 0;
@@ -163,7 +163,7 @@ RBDI_PART void rbdi_qp_point(rbdi_qp *s, rbd_real *x) {
     rbdi_qp_solve_r(s, s->u);
 }
 
-/* What a miss of row is compared with: its side, and its terms with the largest x so far. */
+/* The scale of a row's miss: its side, and its terms with the largest x so far. */
 RBDI_PART rbd_real rbdi_qp_terms(const rbdi_qp *s, int row, rbd_real side) {
     rbd_real sum = rbdi_abs(side);
     const rbd_real *c;

@@ -25,7 +25,7 @@
    A soft row n'x + e >= b has a slack e, with the cost w e^2/2. It brings a column of its own to J, 0 in x
    and 1/sqrt(w) in e. Nothing of e is stored: e = u/w. */
 
-/* Tolerances. None depends on the units of x or of a row.
+/* Tolerances. None depends on the units of x or of a row, as long as their squares are normal numbers.
    RBDI_QP_DEPENDENT: sine of the angle, in the metric of H^-1, between a row and the active ones, below
    which it depends on them. RBDI_QP_ACCURACY: share of a row's terms that may be rounding. RBDI_QP_KEEP:
    share of the largest x so far that still counts in those terms after a refinement. RBDI_QP_PIVOT: share of
@@ -46,7 +46,7 @@
 #endif
 #define RBDI_QP_NONE ((rbd_real)RBD_QP_NONE)
 
-/* What the parts of the solver share. A row is counted with the bounds. Matrices without padding. */
+/* The state of one solution. A row is counted with the bounds. Matrices have no padding. */
 typedef struct rbdi_qp {
     rbd_qp_problem given;
     rbd_qp_options options; /* all set */
@@ -59,7 +59,7 @@ typedef struct rbdi_qp {
     rbd_real rho;      /* added to H's diagonal */
     rbd_real own;      /* length of the last row that wanted to join, in the metric of H^-1 */
     rbd_real accuracy; /* of rows: that of the options, and tenfold each time after `loosen` steps */
-    int doubtful;      /* rows contradicted each other by what may be rounding */
+    int doubtful;      /* rows contradict each other by what may be rounding, or sums overflow */
     int loosen;        /* the number of steps at which accuracy grows next */
 
     rbd_real *L; /* packed rows, its diagonal inverted */

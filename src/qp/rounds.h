@@ -50,7 +50,7 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
 
     rbdi_qp_reached(s, s->x0);
     rbdi_qp_point(s, x);
-    while (rbdi_qp_release(s, 0)) rbdi_qp_point(s, x);
+    while (s->result.steps < s->options.steps && rbdi_qp_release(s, 0)) rbdi_qp_point(s, x);
     rbdi_qp_reached(s, x);
 
     for (;;) {
@@ -90,15 +90,18 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
 
 /* z = x - centre; whether the value falls on this way, and H does not bend it. */
 RBDI_PART int rbdi_qp_straight(rbdi_qp *s, const rbd_real *x, rbd_real size) {
-    rbd_real down = 0, curvature = 0;
+    rbd_real down = 0, curvature = 0, length = 0, largest = 0, rounding;
 
     for (int k = 0; k < s->n; ++k) {
         s->z[k] = x[k] - s->centre[k];
         down = down + s->given.f[k] * s->z[k];
+        length = rbdi_qp_larger(length, rbdi_abs(s->z[k]));
+        largest = rbdi_qp_larger(largest, s->given.H[k * s->n + k]);
     }
     for (int k = 0; k < s->n; ++k)
         curvature = rbdi_qp_larger(curvature, rbdi_abs(rbdi_qp_dot(s->given.H + k * s->n, s->z, s->n)));
-    return down < 0 && curvature <= s->options.accuracy * size;
+    rounding = 64 * RBDI_EPS * (rbd_real)s->n * largest * length;
+    return down < 0 && (curvature <= s->options.accuracy * size || curvature <= rounding);
 }
 
 /* Whether no row ends the way z. */

@@ -14,6 +14,16 @@ RBDI_PART void rbdi_qp_reached(rbdi_qp *s, const rbd_real *x) {
     for (int k = 0; k < s->n; ++k) s->reach[k] = rbdi_qp_larger(s->reach[k], rbdi_abs(x[k]));
 }
 
+/* By how much a value misses the lower side, or the upper one; negative if it does not. */
+RBDI_INLINE rbd_real rbdi_qp_below(const rbdi_qp *s, int row, rbd_real value) {
+    const rbd_real lower = s->given.lower[row];
+    return lower > -RBDI_QP_NONE ? lower - value : -RBDI_QP_NONE;
+}
+RBDI_INLINE rbd_real rbdi_qp_above(const rbdi_qp *s, int row, rbd_real value) {
+    const rbd_real upper = s->given.upper[row];
+    return upper < RBDI_QP_NONE ? value - upper : -RBDI_QP_NONE;
+}
+
 /* The inactive row that x misses most, in lengths of the row, beyond what rounding explains: row -1 if there
    is none. */
 RBDI_PART rbdi_qp_miss rbdi_qp_most_missed(rbdi_qp *s, const rbd_real *x, rbd_real accuracy) {
@@ -24,8 +34,8 @@ RBDI_PART rbdi_qp_miss rbdi_qp_most_missed(rbdi_qp *s, const rbd_real *x, rbd_re
         rbd_real value, below, above, by, terms;
         if (s->side[row]) continue;
         value = rbdi_qp_row_times(s, row, x);
-        below = s->given.lower[row] - value;
-        above = value - s->given.upper[row];
+        below = rbdi_qp_below(s, row, value);
+        above = rbdi_qp_above(s, row, value);
         by = rbdi_qp_larger(below, above);
         if (!(by > most * s->norm[row])) continue;
 

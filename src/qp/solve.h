@@ -4,7 +4,7 @@
 
 /* ---- solve [solve code] ---- */
 
-#define RBDI_QP_MOST 20000 /* variables, rows: their matrices have ints for an index */
+#define RBDI_QP_MOST 20000 /* variables with soft rows, rows: their matrices have ints for an index */
 #if RBDI_REAL_KIND == 2
 #define RBDI_QP_ASYMMETRY 1e-4f
 #else
@@ -48,6 +48,7 @@ RBDI_PART rbd_qp_status rbdi_qp_check_problem(rbdi_qp *s) {
             return rbdi_qp_refuse(s, RBD_QP_RANGE, row, "soft");
         s->soft += p->soft[row] > 0;
     }
+    if (s->n + s->soft > RBDI_QP_MOST) return rbdi_qp_refuse(s, RBD_QP_RANGE, -1, "soft");
     return RBD_QP_OK;
 }
 
@@ -95,7 +96,7 @@ RBDI_PART rbd_qp_status rbdi_qp_check_rows(rbdi_qp *s) {
         s->from[row] = from;
         s->to[row] = to;
         s->norm[row] = square > 0 ? rbdi_sqrt(square) : 1;
-        if (lower > upper) return rbdi_qp_refuse(s, RBD_QP_INFEASIBLE, row, "lower");
+        if (lower > upper) return rbdi_qp_refuse(s, RBD_QP_SIDES, row, "lower");
     }
     return RBD_QP_OK;
 }
@@ -143,7 +144,7 @@ RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lam
     for (int row = 0; row < s->all; ++row) {
         const rbd_real weight = rbdi_qp_weight(s, row), miss = weight > 0 ? lambda[row] / weight : 0;
         const rbd_real value = rbdi_qp_row_times(s, row, x) - miss;
-        const rbd_real below = s->given.lower[row] - value, above = value - s->given.upper[row];
+        const rbd_real below = rbdi_qp_below(s, row, value), above = rbdi_qp_above(s, row, value);
         const int at_upper = lambda[row] > 0 || (!(lambda[row] < 0) && above > below);
         const rbd_real by = lambda[row] != 0 ? rbdi_abs(at_upper ? above : below) : at_upper ? above : below;
 
@@ -151,12 +152,18 @@ RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lam
             rbdi_qp_add_row(s, row, lambda[row], s->t);
             size = rbdi_qp_larger(size, rbdi_abs(lambda[row]) * s->norm[row]);
         }
-        if (!(by > 0)) continue;
+        if (by <= 0) continue;
         const rbd_real side = at_upper ? s->given.upper[row] : s->given.lower[row];
-        s->result.primal =
-            rbdi_qp_larger(s->result.primal, by / (rbdi_qp_terms(s, row, side) + rbdi_abs(miss)));
+        const rbd_real share = by / (rbdi_qp_terms(s, row, side) + rbdi_abs(miss));
+        if (rbdi_qp_finite(share))
+            s->result.primal = rbdi_qp_larger(s->result.primal, share);
+        else
+            s->doubtful = 1;
     }
-    for (int k = 0; k < s->n; ++k) worst = rbdi_qp_larger(worst, rbdi_abs(s->t[k]));
+    for (int k = 0; k < s->n; ++k) {
+        worst = rbdi_qp_larger(worst, rbdi_abs(s->t[k]));
+        if (!rbdi_qp_finite(s->t[k])) s->doubtful = 1;
+    }
     s->result.dual = size > 0 ? worst / size : worst;
 }
 
@@ -205,7 +212,7 @@ RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
         rbdi_qp_verify(s, x, lambda);
     }
     if (status == RBD_QP_OK &&
-        (s->doubtful || rbdi_qp_larger(s->result.primal, s->result.dual) > 10 * s->options.accuracy))
+        (s->doubtful || !(rbdi_qp_larger(s->result.primal, s->result.dual) <= 10 * s->options.accuracy)))
         status = RBD_QP_INACCURATE;
     s->result.active = s->q + s->equalities;
     return status;

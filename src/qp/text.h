@@ -8,8 +8,8 @@
 RBDI_MESSAGES RBDI_PART const char *rbdi_qp_sentence(rbd_qp_status status) {
     switch (status) {
     case RBD_QP_OK: return "no error";
-    case RBD_QP_INFEASIBLE: return "contradicts the other rows with lambda != 0; or lower is above upper";
-    case RBD_QP_UNBOUNDED: return "the value has no least one: H is singular, and f leads away for ever";
+    case RBD_QP_INFEASIBLE: return "contradicts the other rows whose lambda is not 0";
+    case RBD_QP_UNBOUNDED: return "unbounded: f falls along a way that H does not bend and no row ends";
     case RBD_QP_ITERATIONS: return "more steps or rounds would be needed";
     case RBD_QP_INACCURATE: return "solved, but not to the accuracy that the options ask for";
     case RBD_QP_CONVEX: return "H has a negative eigenvalue";
@@ -18,6 +18,7 @@ RBDI_MESSAGES RBDI_PART const char *rbdi_qp_sentence(rbd_qp_status status) {
     case RBD_QP_RANGE: return "negative or out of range";
     case RBD_QP_MEMORY: return "the memory is too small: RBD_QP_SIZE has the figure";
     case RBD_QP_NULL: return "a required pointer is NULL";
+    case RBD_QP_SIDES: return "above upper";
     }
     return "unknown status";
 }
