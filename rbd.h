@@ -25,9 +25,10 @@
      [types] [status] [build] [work] [dynamics] [kinematics] [points] [manifold] [lookup]
      --- stop here if you only use it ---
      [layout]
-     [design] [compiler] [tolerances] [scalar] [reduction] [spatial algebra] [common] [features] [joint types]
-     [joints]     [state] [rnea] [crba] [aba] [packed matrix] [pivots] [hybrid] [forward dynamics code]
-     [axes] [kinematics code] [points code] [manifold code] [free step] [work code] [lookup code] [text code]
+     [design] [compiler] [tolerances] [scalar] [reduction] [spatial algebra] [common] [features]
+     [joint types] [joints] [state] [rnea] [crba] [aba] [packed matrix] [pivots] [hybrid]
+     [forward dynamics code] [axes] [kinematics code] [points code] [manifold code] [free step] [work code]
+     [lookup code] [text code]
      [descriptions] [model build]
      [licence]
 
@@ -2972,20 +2973,20 @@ RBDI_PART uint32_t rbdi_features(const rbd_model *m) {
    The differences between joint types. A type is a chain of one-axis links, one for each letter of its axes,
    or, if it has none, a block: a joint with several axes through one point. To add a type:
 
-     always      its name in api/types.h, its q and v in [conventions], its row in rbdi_joint_facts a chain
-     model/links.h: rbdi_build_joint turns each letter into a link that turns or slides. Such a
+     always      its name in api/types.h, its q and v in [conventions], its row in rbdi_joint_facts
+     a chain     model/links.h: rbdi_build_joint turns each letter into a link that turns or slides. Such a
                  chain needs no more. Coordinates other than angles and lengths are a new kind of link
      a block     rbdi_first_axis, below; model/joints.h: rbdi_joint_attitude, rbdi_joint_origin,
                  rbdi_block_pose; model/regroup.h: moments of mass that its motion leaves, and whether it
                  slides; model/lock.h: rbdi_block_motion_at; derivatives/memory.h: whether it only slides
-     v is not    rbdi_type_turns, below, if its step is an exponential of a motion in body axes, and the rate
-     rbdi_has_quaternion; else motion/manifold.h: rbdi_step_joint, rbdi_difference_joint, of q
-     rbdi_joint_rates, rbdi_joint_velocity, rbdi_neutral_joint, rbdi_random_joint its fields
-     model/describe.h: rbdi_describe_joint, if a description has axes or a pitch
+     v is not    rbdi_type_turns, below, if its step is an exponential of a motion in body axes, and
+     the rate    rbdi_has_quaternion; else motion/manifold.h: rbdi_step_joint, rbdi_difference_joint,
+     of q        rbdi_joint_rates, rbdi_joint_velocity, rbdi_neutral_joint, rbdi_random_joint
+     its fields  model/describe.h: rbdi_describe_joint, if a description has axes or a pitch
 
    Floating joints are known in three more places, as bases of robots: model/features.h,
-   constraints/weights.h, contact/momentum.h. model/check.h asks whether a joint is fixed. No other room
-   names a type: the test `rooms` compares. */
+   constraints/weights.h, contact/momentum.h. model/check.h asks whether a joint is fixed. No other room names
+   a type: the test `rooms` compares. */
 
 /* Numbers of coordinates and dofs, and the axes of one-axis links, in order: 'a' axis, 'b' axis2, 'x' 'y' 'z'
    those of the joint frame. A type without axes is a block. */

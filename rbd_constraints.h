@@ -456,7 +456,7 @@ RBDI_CODE_BEGIN
    looks at the rows. A larger one costs time alone.
    RBDI_MISSED: a row that is off by more than this share of its terms is refined, [refinement]. A
    smaller one costs time alone.
-   RBDI_STILL, m/s^2 or rad/s^2: but not if it is off by less than this. Where constraints hold all joints,
+   RBDI_STILL, m/s^2 or rad/s^2: misses below this are not refined. Where constraints hold all joints,
    accelerations are rounding, and their error is no share of them. A smaller one costs time alone.
    RBDI_HELD: and the result must have no row that is off by more than this share of the terms that its length
    and that of the accelerations allow.
@@ -515,9 +515,10 @@ RBDI_CODE_BEGIN
 #define RBDI_LEAST_WEIGHT RBD_C(1e-20) /* 1 / (this RBDI_FREE), times squares of lengths, is no overflow */
 #define RBDI_MOST_WEIGHT RBD_C(1e30)
 #define RBDI_LONGEST_STEP RBD_C(0.5)
-#define RBDI_LEAST_STEP_SIZE \
-    RBD_C(1e-3)                      /* both keep a wild estimate from its harm; of other bounds [assembly] */
-#define RBDI_MOST_STEP_SIZE RBD_C(5) /* takes other steps to the same end, and no test sees ten times more */
+/* Bounds of the step size keep a wild estimate from doing harm. With other bounds [assembly] takes other
+   steps to the same end: no test sees ten times more or less. */
+#define RBDI_LEAST_STEP_SIZE RBD_C(1e-3)
+#define RBDI_MOST_STEP_SIZE RBD_C(5)
 
 #define RBDI_REFINEMENTS 24 /* each gains some digits: enough for all that fit into an exponent */
 #define RBDI_NEARING_STEPS 200
@@ -1302,15 +1303,15 @@ RBDI_INLINE rbd_real rbdi_y_lambda(const rbd_constraint_set *c, const rbd_real *
 
 /* ==== src/constraints/refinement.h ==== */
 /* ---- refinement [refinement] ----
-   Accelerations x = D^-1 (f + Y lambda) lose digits where both terms are larger by far than their sum. So it
-   is for a link of tiny inertia that a constraint holds: without the constraint its acceleration would be
-   torque / inertia. The rows then miss their targets by rounding of these terms. Iterative refinement
+   Accelerations x = D^-1 (f + Y lambda) lose digits where both terms are larger by far than their sum. An
+   example is a link of tiny inertia that a constraint holds: without the constraint its acceleration would
+   be torque / inertia. The rows then miss their targets by rounding of these terms. Iterative refinement
    (Higham, Accuracy and Stability of Numerical Algorithms, chapter 12) finds the digits:
 
        b = target - Y' x,   Delta delta = b,   x += D^-1 Y delta,   lambda += delta
 
-   until b is small beside its own terms. In most states it is so from the start. Dependent rows can only meet
-   the part of b that has no component along their null vectors.
+   until b is small beside its own terms. In most states it is so from the start. Dependent rows can only
+   meet the part of b that has no component along their null vectors.
 
    At the end all rows must hold: b is at most RBDI_HELD of the terms that the row's length and that of x
    allow. Only rows that truly depend on each other may contradict each other by more, because positions

@@ -142,7 +142,7 @@ typedef struct rbd_contact_options {
     double correction; /* share of the rest that a step corrects [0.2] */
     double bounce;     /* slower impacts do not rebound, m/s [0.05]; choose more than 2 g dt */
     double tolerance;  /* of the residual, m/s [1e-6, float 1e-5] */
-    int iterations;    /* of each solution at most [40]; a step has two if something penetrates or rebounds */
+    int iterations;    /* of each solution at most [40]; a step has two, or three where something rebounds */
     int joint_limits;  /* not 0: limits of joints push, those of their followers too */
     int joint_friction; /* not 0: the description's friction of each degree of freedom holds, or brakes */
     int joint_damping;  /* not 0: the description's damping, implicitly */
@@ -1640,7 +1640,7 @@ static void rbdi_place_below(const rbd_constraint_set *s, rbdi_constraint *con, 
     con->position[0].z = contact->point.z - (rbd_const)(contact->below * local.z);
 }
 
-/* What gamma has beyond the acceleration of the body's point at the place: l omega x (omega x n) - l' omega x
+/* gamma less the acceleration of the body-fixed point there: l omega x (omega x n) - l' omega x
    n. */
 RBDI_INLINE rbdi_v3 rbdi_roll_of(rbdi_v3 omega, rbdi_v3 normal, rbd_real below, rbd_real rate) {
     const rbdi_v3 turn = rbdi_cross(omega, normal);
@@ -1871,7 +1871,7 @@ static void rbdi_add_springs(rbd_contact_set *c) {
 /* ==== src/contact/biases.h ==== */
 /* ---- biases [biases] ----
    The bias is added to u_n, so that p_n >= 0, u_n >= 0, p_n u_n = 0 is the law in each case. With h the time
-   for which the solution moves q, dt/2, the gap at the end is reach + h u_n:
+   for which the solution moves q, c->way, the gap at the end is reach + h u_n:
 
      apart      reach / h: the gap is at least 0 at the end
      rigid      0; for positions, what the first half of the step has added to the depth, over h (all of the
@@ -2076,8 +2076,8 @@ static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rb
 
        v_next += Ic^-1 (h(q, v) + F - h(q_next, v_next)),    Ic = rows and columns of the root in M(q_next)
 
-   Ic = [I [mc]x; -[mc]x m] has the centre of mass c. About a fixed point the spin would change with the error
-   of the place, times linear momentum: the result would depend on the speed of the world. */
+   Ic = [I [mc]x; -[mc]x m] has the centre of mass c. About a fixed point, an error of position times the
+   linear momentum would change the spin: the result would depend on the speed of the world. */
 
 /* The first link of the tree that carries a link, -1 = the world. */
 static int rbdi_root_of(const rbd_model *m, int link) {
@@ -2233,8 +2233,8 @@ static void rbdi_restore_momentum(const rbd_model *m, const rbd_contact_set *c, 
 
    with the damping d, and the classical accelerations a(w) = 0 of [manifold code]. The velocity terms are
    those of the mean velocity: first w = v_mid, then twice w = (v_mid + nu) / 2 of the nu before. Contacts are
-   solved for the first and the last time; the nu between has the impulses of the first. It must not be that
-   without contacts, where light links that the ground holds race away. For a vector that turns by x a step
+   solved for the first and the last time; the nu between has the impulses of the first. Without
+   these, light links that the ground holds would race away. For a vector that turns by x a step
    the length grows in order x^4 / 8 with one correction, and falls in that order with two; beyond x = 2
    rbdi_guard_solution sums the series. Energy then changes by half of
    p'(u before + u after). */

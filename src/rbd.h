@@ -24,9 +24,10 @@
      [types] [status] [build] [work] [dynamics] [kinematics] [points] [manifold] [lookup]
      --- stop here if you only use it ---
      [layout]
-     [design] [compiler] [tolerances] [scalar] [reduction] [spatial algebra] [common] [features] [joint types]
-     [joints]     [state] [rnea] [crba] [aba] [packed matrix] [pivots] [hybrid] [forward dynamics code]
-     [axes] [kinematics code] [points code] [manifold code] [free step] [work code] [lookup code] [text code]
+     [design] [compiler] [tolerances] [scalar] [reduction] [spatial algebra] [common] [features]
+     [joint types] [joints] [state] [rnea] [crba] [aba] [packed matrix] [pivots] [hybrid]
+     [forward dynamics code] [axes] [kinematics code] [points code] [manifold code] [free step] [work code]
+     [lookup code] [text code]
      [descriptions] [model build]
      [licence]
 

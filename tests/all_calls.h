@@ -107,7 +107,7 @@ static void all_calls_gravity(all_calls *s) {
     (void)rbd_kinematics(s->m, s->w, s->q, s->v, s->a); \
     ALL_CALLS_NAMED(#name, name arguments, n);
 
-/* The calls of which the declarations say all. */
+/* The plain calls: see tests/calls.py. */
 static void all_calls_plain(all_calls *s) {
     PLAIN_CALLS(RUN_PLAIN)
     (void)rbd_kinematics(s->m, s->w, s->q, s->v, s->a);

@@ -35,7 +35,7 @@ cat >"$scratch/lanes.c" <<'END'
 #ifndef RBDI_POLYNOMIAL_SINCOS
 #error "sine and cosine are libm's"
 #endif
-#ifndef RBDI_EXCHANGE
+#ifndef RBDI_EACH_LANE
 #error "lanes are exchanged one by one"
 #endif
 END

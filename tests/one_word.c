@@ -1,14 +1,15 @@
-/* one_word.c - what the calls say of singular states, RBD_OK or RBD_ERR_SINGULAR, and which degree of freedom
-   they name. Each model is a random tree with a singular end: blocks, screws, massless chains, planar joints,
-   bodies that turn about no mass, all placed by axes and positions that rounding cannot hold. Three of each:
+/* one_word.c - what the calls say of singular states, RBD_OK or RBD_ERR_SINGULAR, and which degree of
+   freedom they name. Each model is a random tree with a singular end: blocks, screws, massless chains,
+   planar joints, bodies that turn about no mass, all placed by axes and positions that rounding cannot hold.
+   Three of each:
 
        singular   exactly, but for the rounding of the description: no call says RBD_OK
        sound      the same with an armature in each joint of the end: all say RBD_OK
        near       the same with an armature of any size, 1e-24 of that or more
 
    Calls by the factor of M say the same of all three and name the same degree of freedom. rbd_aba has pivots
-   of its own: of the near ones it may say another word. Of those the calls with constraints may also find that
-   rounding keeps them from holding their rows: RBD_ERR_INFEASIBLE.
+   of its own: of the near ones it may say another word. Of those the calls with constraints may also find
+   that rounding keeps them from holding their rows: RBD_ERR_INFEASIBLE.
 
        one_word [MODELS]    by default 10,000; one build for each scalar. SPDX-License-Identifier: MIT */
 #define RBD_IMPLEMENTATION
@@ -439,7 +440,8 @@ int main(int argc, char **argv) {
                 if (f == SINGULAR) bad |= o.status[k] != RBD_ERR_SINGULAR;
                 if (f == SOUND) bad |= o.status[k] != RBD_OK;
                 if (k == ABA) continue;
-                if (f == NEAR && k >= CONSTRAINED && o.status[1] == RBD_OK && o.status[k] == RBD_ERR_INFEASIBLE)
+                if (f == NEAR && k >= CONSTRAINED && o.status[1] == RBD_OK &&
+                    o.status[k] == RBD_ERR_INFEASIBLE)
                     continue;
                 bad |= o.status[k] != o.status[1] || o.dof[k] != o.dof[1];
             }

@@ -3,3 +3,4 @@
 #include "rbd_derivatives.h"
 #include "rbd_constraints.h"
 #include "rbd_contact.h"
+#include "rbd_qp.h"

@@ -83,7 +83,7 @@ typedef struct rbd_contact_options {
     double correction; /* share of the rest that a step corrects [0.2] */
     double bounce;     /* slower impacts do not rebound, m/s [0.05]; choose more than 2 g dt */
     double tolerance;  /* of the residual, m/s [1e-6, float 1e-5] */
-    int iterations;    /* of each solution at most [40]; a step has two if something penetrates or rebounds */
+    int iterations;    /* of each solution at most [40]; a step has two, or three where something rebounds */
     int joint_limits;  /* not 0: limits of joints push, those of their followers too */
     int joint_friction; /* not 0: the description's friction of each degree of freedom holds, or brakes */
     int joint_damping;  /* not 0: the description's damping, implicitly */

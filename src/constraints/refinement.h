@@ -4,15 +4,15 @@
 #include "constraints/solution.h"
 
 /* ---- refinement [refinement] ----
-   Accelerations x = D^-1 (f + Y lambda) lose digits where both terms are larger by far than their sum. So it
-   is for a link of tiny inertia that a constraint holds: without the constraint its acceleration would be
-   torque / inertia. The rows then miss their targets by rounding of these terms. Iterative refinement
+   Accelerations x = D^-1 (f + Y lambda) lose digits where both terms are larger by far than their sum. An
+   example is a link of tiny inertia that a constraint holds: without the constraint its acceleration would
+   be torque / inertia. The rows then miss their targets by rounding of these terms. Iterative refinement
    (Higham, Accuracy and Stability of Numerical Algorithms, chapter 12) finds the digits:
 
        b = target - Y' x,   Delta delta = b,   x += D^-1 Y delta,   lambda += delta
 
-   until b is small beside its own terms. In most states it is so from the start. Dependent rows can only meet
-   the part of b that has no component along their null vectors.
+   until b is small beside its own terms. In most states it is so from the start. Dependent rows can only
+   meet the part of b that has no component along their null vectors.
 
    At the end all rows must hold: b is at most RBDI_HELD of the terms that the row's length and that of x
    allow. Only rows that truly depend on each other may contradict each other by more, because positions

@@ -19,7 +19,7 @@
    looks at the rows. A larger one costs time alone.
    RBDI_MISSED: a row that is off by more than this share of its terms is refined, [refinement]. A
    smaller one costs time alone.
-   RBDI_STILL, m/s^2 or rad/s^2: but not if it is off by less than this. Where constraints hold all joints,
+   RBDI_STILL, m/s^2 or rad/s^2: misses below this are not refined. Where constraints hold all joints,
    accelerations are rounding, and their error is no share of them. A smaller one costs time alone.
    RBDI_HELD: and the result must have no row that is off by more than this share of the terms that its length
    and that of the accelerations allow.
@@ -78,9 +78,10 @@
 #define RBDI_LEAST_WEIGHT RBD_C(1e-20) /* 1 / (this RBDI_FREE), times squares of lengths, is no overflow */
 #define RBDI_MOST_WEIGHT RBD_C(1e30)
 #define RBDI_LONGEST_STEP RBD_C(0.5)
-#define RBDI_LEAST_STEP_SIZE \
-    RBD_C(1e-3)                      /* both keep a wild estimate from its harm; of other bounds [assembly] */
-#define RBDI_MOST_STEP_SIZE RBD_C(5) /* takes other steps to the same end, and no test sees ten times more */
+/* Bounds of the step size keep a wild estimate from doing harm. With other bounds [assembly] takes other
+   steps to the same end: no test sees ten times more or less. */
+#define RBDI_LEAST_STEP_SIZE RBD_C(1e-3)
+#define RBDI_MOST_STEP_SIZE RBD_C(5)
 
 #define RBDI_REFINEMENTS 24 /* each gains some digits: enough for all that fit into an exponent */
 #define RBDI_NEARING_STEPS 200

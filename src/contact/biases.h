@@ -4,7 +4,7 @@
 
 /* ---- biases [biases] ----
    The bias is added to u_n, so that p_n >= 0, u_n >= 0, p_n u_n = 0 is the law in each case. With h the time
-   for which the solution moves q, dt/2, the gap at the end is reach + h u_n:
+   for which the solution moves q, c->way, the gap at the end is reach + h u_n:
 
      apart      reach / h: the gap is at least 0 at the end
      rigid      0; for positions, what the first half of the step has added to the depth, over h (all of the

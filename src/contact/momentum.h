@@ -16,8 +16,8 @@
 
        v_next += Ic^-1 (h(q, v) + F - h(q_next, v_next)),    Ic = rows and columns of the root in M(q_next)
 
-   Ic = [I [mc]x; -[mc]x m] has the centre of mass c. About a fixed point the spin would change with the error
-   of the place, times linear momentum: the result would depend on the speed of the world. */
+   Ic = [I [mc]x; -[mc]x m] has the centre of mass c. About a fixed point, an error of position times the
+   linear momentum would change the spin: the result would depend on the speed of the world. */
 
 /* The first link of the tree that carries a link, -1 = the world. */
 static int rbdi_root_of(const rbd_model *m, int link) {

@@ -52,7 +52,7 @@ static void rbdi_place_below(const rbd_constraint_set *s, rbdi_constraint *con, 
     con->position[0].z = contact->point.z - (rbd_const)(contact->below * local.z);
 }
 
-/* What gamma has beyond the acceleration of the body's point at the place: l omega x (omega x n) - l' omega x
+/* gamma less the acceleration of the body-fixed point there: l omega x (omega x n) - l' omega x
    n. */
 RBDI_INLINE rbdi_v3 rbdi_roll_of(rbdi_v3 omega, rbdi_v3 normal, rbd_real below, rbd_real rate) {
     const rbdi_v3 turn = rbdi_cross(omega, normal);

@@ -176,13 +176,13 @@ RBDI_INLINE void rbdi_sum_components(rbd_derivatives *d, const rbdi_segment *roo
 
 /* Sums all that need asks for. With all of it the 27 components go in two halves. */
 RBDI_INLINE void rbdi_sum_subtrees(rbd_derivatives *d, const rbdi_segment *root, int need) {
-    enum { ALL = RBDI_INERTIA_SUMS + RBDI_MOMENTUM_SUMS + RBDI_WRENCH_SUMS, HALF = 14 };
+    const int all = RBDI_INERTIA_SUMS + RBDI_MOMENTUM_SUMS + RBDI_WRENCH_SUMS, half = 14;
     const int wrench = need & RBDI_NEED_WRENCH;
     rbd_real *x = RBDI_FIELD(d, sum);
 
     if (need & RBDI_NEED_V) {
-        rbdi_sum_components(d, root, x, HALF);
-        rbdi_sum_components(d, root, x + HALF * RBDI_BATCH, ALL - HALF - (wrench ? 0 : RBDI_WRENCH_SUMS));
+        rbdi_sum_components(d, root, x, half);
+        rbdi_sum_components(d, root, x + half * RBDI_BATCH, all - half - (wrench ? 0 : RBDI_WRENCH_SUMS));
         return;
     }
 

@@ -1,8 +1,10 @@
 /* qp.c - random quadratic programs for rbd_qp.h, each judged by its own conditions (tests/qp_problems.h).
 
-   usage: qp --problems N | --seconds N [--seed N]     so many problems of each kind Prints a table; fails if
-   an answer with RBD_QP_OK is off by more than 1e-9 of its terms (float: 1e-3), a proof by more than 1e-9
-   (float: 1e-3), or a status is not one that the kind may have. Each failure is printed with its seed. */
+   usage: qp --problems N | --seconds N [--seed N]     so many problems of each kind
+
+   Prints a table. Fails if an answer with RBD_QP_OK is off by more than 1e-9 of its terms (float: 1e-3), a
+   proof by more than 1e-9 (float: 1e-3), or a status is not one that the kind may have. Each failure is
+   printed with its seed. */
 #define RBD_IMPLEMENTATION
 #include "rbd_qp.h"
 

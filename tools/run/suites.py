@@ -22,11 +22,12 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 TESTS = "tests/tests"
 # Suites with a program of their own, in double.
-PROGRAMS = {"batch": "tests/batch_double__2_lanes", "sincos": "tests/sincos_double", "spatial": "tests/spatial_double"}
+PROGRAMS = {"batch": "tests/batch_double__2_lanes", "sincos": "tests/sincos_double", "spatial": "tests/spatial_double",
+            "qp": "tests/qp_double"}
 # Suites for rooms that no name says one of.
 STOREYS = {"model": ["build", "joints", "work"], "dynamics": ["rnea", "crba", "aba", "cholesky", "singular"],
            "motion": ["kinematics", "points"]}
-FAMILIES = ["derivatives", "constraints", "contact", "batch", "spatial"]  # storeys with suites of their own
+FAMILIES = ["derivatives", "constraints", "contact", "batch", "spatial", "qp"]  # storeys with suites of their own
 
 
 def all_suites():
