@@ -815,6 +815,7 @@ typedef struct rbdi_qp {
     rbd_qp_problem given;
     rbd_qp_options options; /* all set */
     rbd_qp_result result;
+    rbd_real *lambda;  /* of each row */
     signed char *side; /* of each row: -1, 0 or 1; 1 for an equality that is eliminated */
     int n, all, soft;  /* variables, rows with bounds, soft rows */
     int equalities;    /* eliminated: the first reflections */
@@ -822,6 +823,7 @@ typedef struct rbdi_qp {
     int q;             /* active rows that are not eliminated */
     rbd_real rho;      /* added to H's diagonal */
     rbd_real own;      /* length of the last row that wanted to join, in the metric of H^-1 */
+    rbd_real far;      /* largest |x_k| so far */
     rbd_real accuracy; /* of rows: that of the options, and tenfold each time after `loosen` steps */
     int doubtful;      /* rows contradict each other by what may be rounding, or sums overflow */
     int loosen;        /* the number of steps at which accuracy grows next */
@@ -838,7 +840,7 @@ typedef struct rbdi_qp {
     rbd_real *leaving;  /* n + soft: column of R that leaves */
     rbd_real *x0;       /* n: optimum on the equalities alone */
     rbd_real *z;        /* n: way of x; scratch */
-    rbd_real *reach;    /* n: largest |x| so far, which says how much has cancelled */
+    rbd_real *reach;    /* n: largest |x| since the last refinement, which says how much has cancelled */
     rbd_real *centre;   /* n: of the proximal round */
     rbd_real *g;        /* n: f - rho centre */
     rbd_real *t;        /* n: scratch */
@@ -1428,7 +1430,9 @@ typedef struct rbdi_qp_miss {
 } rbdi_qp_miss;
 
 RBDI_PART void rbdi_qp_reached(rbdi_qp *s, const rbd_real *x) {
-    for (int k = 0; k < s->n; ++k) s->reach[k] = rbdi_qp_larger(s->reach[k], rbdi_abs(x[k]));
+    for (int k = 0; k < s->n; ++k) s->far = rbdi_qp_larger(s->far, rbdi_abs(x[k]));
+    for (int k = 0; k < s->n; ++k)
+        s->reach[k] = rbdi_qp_larger(rbdi_qp_larger(s->reach[k], rbdi_abs(x[k])), RBDI_QP_KEEP * s->far);
 }
 
 /* By how much a value misses the lower side, or the upper one; negative if it does not. */
@@ -1449,7 +1453,7 @@ RBDI_PART rbdi_qp_miss rbdi_qp_most_missed(rbdi_qp *s, const rbd_real *x, rbd_re
 
     for (int row = 0; row < s->all; ++row) {
         rbd_real value, below, above, by, terms;
-        if (s->side[row]) continue;
+        if (s->side[row] || s->from[row] == s->to[row]) continue;
         value = rbdi_qp_row_times(s, row, x);
         below = rbdi_qp_below(s, row, value);
         above = rbdi_qp_above(s, row, value);
@@ -1471,10 +1475,10 @@ RBDI_PART rbdi_qp_miss rbdi_qp_most_missed(rbdi_qp *s, const rbd_real *x, rbd_re
 RBDI_PART int rbdi_qp_first_to_leave(const rbdi_qp *s, rbd_real *step) {
     int first = -1;
 
-    *step = RBDI_QP_NONE;
+    *step = 0;
     for (int j = 0; j < s->q; ++j) {
         if (!(s->r[j] * s->length[j] > RBDI_QP_DEPENDENT * s->own)) continue;
-        if (rbdi_qp_is_equality(s, s->active[j]) || !(s->u[j] < *step * s->r[j])) continue;
+        if (rbdi_qp_is_equality(s, s->active[j]) || (first >= 0 && !(s->u[j] < *step * s->r[j]))) continue;
         *step = rbdi_qp_larger(s->u[j], 0) / s->r[j];
         first = j;
     }
@@ -1507,7 +1511,7 @@ RBDI_PART rbd_qp_status rbdi_qp_take_in(rbdi_qp *s, rbd_real *x, rbdi_qp_miss mi
 
         if (!dependent) {
             rbdi_qp_way(s);
-            if (miss.by <= step * square) {
+            if (leaves < 0 || miss.by <= step * square) {
                 step = miss.by / square;
                 leaves = -1;
             }
@@ -1621,7 +1625,7 @@ RBDI_PART void rbdi_qp_refine(rbdi_qp *s, rbd_real *x) {
    If H is semidefinite, each round of the proximal method (Rockafellar 1976) has the cost rho |x - centre|^2
    / 2 beside it, and the next one is centred at its solution. J, R and the active rows stay. */
 
-#define RBDI_QP_STILL (64 * RBDI_EPS) /* x that moves by a smaller share of itself moves by rounding */
+#define RBDI_QP_STILL (64 * RBDI_EPS) /* without H and f, x that moves by less of itself moves by rounding */
 
 /* x0: optimum on the equalities alone. */
 RBDI_PART void rbdi_qp_optimum_on_equalities(rbdi_qp *s) {
@@ -1637,7 +1641,7 @@ RBDI_PART void rbdi_qp_guess(rbdi_qp *s, int row, int side) {
     const rbd_real bound = side > 0 ? s->given.upper[row] : s->given.lower[row];
     rbd_real square, least;
 
-    if (rbdi_abs(bound) >= RBDI_QP_NONE || (hard && s->q >= s->columns)) return;
+    if (s->from[row] == s->to[row] || rbdi_abs(bound) >= RBDI_QP_NONE || (hard && s->q >= s->columns)) return;
     s->own = rbdi_qp_enter(s, row, side);
     square = rbdi_qp_free_part(s);
     least = RBDI_QP_DEPENDENT * s->own;
@@ -1656,6 +1660,45 @@ RBDI_PART void rbdi_qp_first_rows(rbdi_qp *s) {
         s->side[row] = 0;
         if (equal || side) rbdi_qp_guess(s, row, equal || side > 0 ? 1 : -1);
     }
+}
+
+#define RBDI_QP_HOPELESS \
+    ((rbd_real)1e-3) /* accuracy beyond which rows that seem to contradict are left missed */
+
+/* Writes the proof that the last row contradicts active ones: n = N r + A'u. Returns whether it holds:
+   lambda' rows is 0 to the accuracy, and the sum of lambda times the sides is below what that leaves for any
+   x so far. */
+RBDI_PART int rbdi_qp_proven(rbdi_qp *s, rbdi_qp_miss miss) {
+    rbd_real sum = 0, terms = 0, left = 0, largest = 0;
+
+    for (int row = 0; row < s->all; ++row) s->lambda[row] = 0;
+    s->lambda[miss.row] = (rbd_real)miss.side;
+    for (int j = 0; j < s->q; ++j) {
+        const int row = s->active[j];
+        if (rbdi_abs(s->r[j]) * s->length[j] > RBDI_QP_DEPENDENT * s->own)
+            s->lambda[row] = s->side[row] > 0 ? -s->r[j] : s->r[j];
+    }
+    rbdi_qp_clear(s->t, s->n);
+    for (int row = 0; row < s->all; ++row) {
+        if (s->lambda[row] == 0) continue;
+        rbdi_qp_add_row(s, row, -s->lambda[row], s->t);
+        largest = rbdi_qp_larger(largest, rbdi_abs(s->lambda[row]) * s->norm[row]);
+    }
+    rbdi_qp_balance(s, s->t, s->z);
+    for (int e = 0; e < s->equalities; ++e) s->lambda[s->equality[e]] = -s->u_equal[e];
+
+    for (int row = 0; row < s->all; ++row) {
+        const rbd_real lambda = s->lambda[row];
+        const rbd_real side = lambda > 0 ? s->given.upper[row] : s->given.lower[row];
+        if (lambda == 0) continue;
+        sum = sum + lambda * side;
+        terms = terms + rbdi_abs(lambda * side);
+    }
+    for (int k = 0; k < s->n; ++k) {
+        if (!(rbdi_abs(s->t[k]) <= 10 * s->options.accuracy * largest)) return 0;
+        left = left + rbdi_abs(s->t[k]) * s->far;
+    }
+    return sum < -(10 * s->options.accuracy * terms + left);
 }
 
 /* The solution for this centre. */
@@ -1682,7 +1725,7 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
             }
             /* x is exact now: less of what has cancelled before still counts. */
             for (int k = 0; k < s->n; ++k)
-                s->reach[k] = rbdi_qp_larger(rbdi_abs(x[k]), RBDI_QP_KEEP * s->reach[k]);
+                s->reach[k] = rbdi_qp_larger(rbdi_abs(x[k]), RBDI_QP_KEEP * s->far);
             continue;
         }
 
@@ -1693,8 +1736,9 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
         status = rbdi_qp_take_in(s, x, *miss);
         rbdi_qp_reached(s, x);
         refined = 0;
-        if (status == RBD_QP_INFEASIBLE && miss->share <= 10 * s->options.accuracy) {
-            s->accuracy = 10 * s->accuracy; /* may be rounding: no proof */
+        if (status == RBD_QP_INFEASIBLE && !rbdi_qp_proven(s, *miss)) {
+            if (s->accuracy > RBDI_QP_HOPELESS) return RBD_QP_INACCURATE;
+            s->accuracy = 10 * s->accuracy;
             s->doubtful = 1;
             continue;
         }
@@ -1702,8 +1746,10 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
     }
 }
 
-/* z = x - centre; whether the value falls on this way, and H does not bend it. */
-RBDI_PART int rbdi_qp_straight(rbdi_qp *s, const rbd_real *x, rbd_real size) {
+#define RBDI_QP_BENT (8 * RBDI_EPS) /* of H times a way, for each variable: less is rounding */
+
+/* z = x - centre; whether the value falls on this way, and H does not bend it, but for rounding. */
+RBDI_PART int rbdi_qp_straight(rbdi_qp *s, const rbd_real *x) {
     rbd_real down = 0, curvature = 0, length = 0, largest = 0, rounding;
 
     for (int k = 0; k < s->n; ++k) {
@@ -1714,8 +1760,8 @@ RBDI_PART int rbdi_qp_straight(rbdi_qp *s, const rbd_real *x, rbd_real size) {
     }
     for (int k = 0; k < s->n; ++k)
         curvature = rbdi_qp_larger(curvature, rbdi_abs(rbdi_qp_dot(s->given.H + k * s->n, s->z, s->n)));
-    rounding = 64 * RBDI_EPS * (rbd_real)s->n * largest * length;
-    return down < 0 && (curvature <= s->options.accuracy * size || curvature <= rounding);
+    rounding = RBDI_QP_BENT * (rbd_real)s->n * largest * length;
+    return down < 0 && curvature <= rounding;
 }
 
 /* Whether no row ends the way z. */
@@ -1732,13 +1778,26 @@ RBDI_PART int rbdi_qp_endless(const rbdi_qp *s) {
     return 1;
 }
 
+/* The largest of the sums |f_k| + |H_k1 x_1| + ... */
+RBDI_PART rbd_real rbdi_qp_value_terms(const rbdi_qp *s, const rbd_real *x) {
+    rbd_real largest = 0;
+
+    for (int k = 0; k < s->n; ++k) {
+        const rbd_real *h = s->given.H + k * s->n;
+        rbd_real sum = rbdi_abs(s->given.f[k]);
+        for (int j = 0; j < s->n; ++j) sum = sum + rbdi_abs(h[j] * x[j]);
+        largest = rbdi_qp_larger(largest, sum);
+    }
+    return largest;
+}
+
 /* Rounds until x stays where it is: rho |x - centre| within the accuracy of H x and f. On a straight way each
    centre lies twice as far ahead as the one before. */
 RBDI_PART rbd_qp_status rbdi_qp_rounds(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *miss) {
     rbd_real ahead = 1;
 
     for (;; s->result.rounds++) {
-        rbd_real moved = 0, size = 0, far = 0;
+        rbd_real moved = 0, far = 0, size;
         rbd_qp_status status;
 
         rbdi_qp_optimum_on_equalities(s);
@@ -1746,17 +1805,16 @@ RBDI_PART rbd_qp_status rbdi_qp_rounds(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mi
         status = rbdi_qp_round(s, x, miss);
         if (status != RBD_QP_OK || !(s->rho > 0)) return status;
 
+        size = rbdi_qp_value_terms(s, x);
         for (int k = 0; k < s->n; ++k) {
-            const rbd_real h = rbdi_qp_dot(s->given.H + k * s->n, x, s->n);
             moved = rbdi_qp_larger(moved, s->rho * rbdi_abs(x[k] - s->centre[k]));
             far = rbdi_qp_larger(far, s->rho * rbdi_abs(x[k]));
-            size = rbdi_qp_larger(size, rbdi_qp_larger(rbdi_abs(h), rbdi_abs(s->given.f[k])));
         }
-        if (size > 0) s->result.dual = rbdi_qp_larger(s->result.dual, moved / size);
-        if (moved <= s->options.accuracy * size || moved <= RBDI_QP_STILL * far) return RBD_QP_OK;
+        if (moved <= s->options.accuracy * size || (!(size > 0) && moved <= RBDI_QP_STILL * far))
+            return RBD_QP_OK;
         if (s->result.rounds >= s->options.rounds) return RBD_QP_ITERATIONS;
 
-        ahead = rbdi_qp_straight(s, x, size) ? 2 * ahead : 1;
+        ahead = rbdi_qp_straight(s, x) ? 2 * ahead : 1;
         if (ahead > 4 && rbdi_qp_endless(s)) return RBD_QP_UNBOUNDED;
         for (int k = 0; k < s->n; ++k) {
             s->centre[k] = s->centre[k] + ahead * (x[k] - s->centre[k]);
@@ -1824,10 +1882,15 @@ RBDI_PART rbd_qp_status rbdi_qp_check_value(rbdi_qp *s) {
     for (int i = 0; i < n; ++i) {
         if (!rbdi_qp_finite(s->given.f[i])) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "f");
         if (!rbdi_qp_finite(H[i * n + i])) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "H");
+        if (H[i * n + i] < 0) return rbdi_qp_refuse(s, RBD_QP_CONVEX, i, "H");
         for (int j = 0; j < i; ++j) {
             const rbd_real differ = rbdi_abs(H[i * n + j] - H[j * n + i]);
             const rbd_real scale = rbdi_abs(H[i * n + i]) + rbdi_abs(H[j * n + j]);
-            if (differ <= RBDI_QP_ASYMMETRY * scale) continue;
+            if (differ <= RBDI_QP_ASYMMETRY * scale) {
+                const rbd_real minor = H[i * n + i] * H[j * n + j];
+                if (H[i * n + j] * H[i * n + j] <= minor + RBDI_QP_ASYMMETRY * rbdi_abs(minor)) continue;
+                return rbdi_qp_refuse(s, RBD_QP_CONVEX, i, "H"); /* indefinite by these two alone */
+            }
             if (!rbdi_qp_finite(H[i * n + j])) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "H");
             if (!rbdi_qp_finite(H[j * n + i])) return rbdi_qp_refuse(s, RBD_QP_NAN, j, "H");
             return rbdi_qp_refuse(s, RBD_QP_SYMMETRIC, i, "H");
@@ -1888,6 +1951,12 @@ RBDI_PART void rbdi_qp_multipliers(const rbdi_qp *s, rbd_real *lambda) {
         lambda[row] = s->side[row] > 0 ? u : -u;
     }
     for (int e = 0; e < s->equalities; ++e) lambda[s->equality[e]] = -s->u_equal[e];
+
+    /* Rows of zeros: e = u/w is what 0 misses. */
+    for (int row = 0; row < s->all; ++row)
+        if (s->from[row] == s->to[row])
+            lambda[row] = rbdi_qp_weight(s, row) * (rbdi_qp_larger(0 - s->given.upper[row], 0) -
+                                                    rbdi_qp_larger(s->given.lower[row], 0));
 }
 
 /* result.primal and result.dual of x and lambda, whatever they came from: of each row, the miss, or where it
@@ -1898,12 +1967,12 @@ RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lam
 
     s->result.primal = 0;
     for (int k = 0; k < s->n; ++k) far = rbdi_qp_larger(far, rbdi_abs(x[k]));
-    size = s->rho * far; /* without H and f multipliers are rounding of this */
+    far = rbdi_qp_larger(far, RBDI_QP_KEEP * s->far);
+    size = rbdi_qp_value_terms(s, x);
+    if (!(size > 0)) size = s->rho * far; /* without H and f multipliers are rounding of this */
     for (int k = 0; k < s->n; ++k) {
-        const rbd_real h = rbdi_qp_dot(s->given.H + k * s->n, x, s->n);
-        s->t[k] = h + s->given.f[k];
+        s->t[k] = rbdi_qp_dot(s->given.H + k * s->n, x, s->n) + s->given.f[k];
         s->reach[k] = far;
-        size = rbdi_qp_larger(size, rbdi_qp_larger(rbdi_abs(h), rbdi_abs(s->given.f[k])));
     }
     for (int row = 0; row < s->all; ++row) {
         const rbd_real weight = rbdi_qp_weight(s, row), miss = weight > 0 ? lambda[row] / weight : 0;
@@ -1914,7 +1983,7 @@ RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lam
 
         if (lambda[row] != 0) {
             rbdi_qp_add_row(s, row, lambda[row], s->t);
-            size = rbdi_qp_larger(size, rbdi_abs(lambda[row]) * s->norm[row]);
+            if (s->from[row] < s->to[row]) size = rbdi_qp_larger(size, rbdi_abs(lambda[row]) * s->norm[row]);
         }
         if (by <= 0) continue;
         const rbd_real side = at_upper ? s->given.upper[row] : s->given.lower[row];
@@ -1931,20 +2000,17 @@ RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lam
     s->result.dual = size > 0 ? worst / size : worst;
 }
 
-/* The proof that the last row contradicts active ones: n = N r + A'u. */
-RBDI_PART void rbdi_qp_contradiction(rbdi_qp *s, rbdi_qp_miss miss, rbd_real *lambda) {
-    lambda[miss.row] = (rbd_real)miss.side;
-    for (int j = 0; j < s->q; ++j) {
-        const int row = s->active[j];
-        if (rbdi_abs(s->r[j]) * s->length[j] > RBDI_QP_DEPENDENT * s->own)
-            lambda[row] = s->side[row] > 0 ? -s->r[j] : s->r[j];
+/* A hard row of zeros contradicts itself, or asks for nothing. */
+RBDI_PART rbd_qp_status rbdi_qp_zero_rows(rbdi_qp *s, rbdi_qp_miss *miss) {
+    for (int row = 0; row < s->all; ++row) {
+        const rbd_real lower = s->given.lower[row], upper = s->given.upper[row];
+        if (s->from[row] < s->to[row] || rbdi_qp_weight(s, row) > 0 || (lower <= 0 && upper >= 0)) continue;
+        miss->row = row;
+        miss->side = lower > 0 ? -1 : 1;
+        s->lambda[row] = (rbd_real)miss->side;
+        return RBD_QP_INFEASIBLE;
     }
-    rbdi_qp_clear(s->t, s->n);
-    for (int row = 0; row < s->all; ++row)
-        if (lambda[row] != 0) rbdi_qp_add_row(s, row, -lambda[row], s->t);
-    rbdi_qp_balance(s, s->t, s->z);
-    for (int e = 0; e < s->equalities; ++e) lambda[s->equality[e]] = -s->u_equal[e];
-    rbdi_qp_refuse(s, RBD_QP_INFEASIBLE, miss.row, miss.side < 0 ? "lower" : "upper");
+    return RBD_QP_OK;
 }
 
 RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
@@ -1968,9 +2034,10 @@ RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
 
     s->accuracy = s->options.accuracy;
     s->loosen = 2 * (s->n + s->all);
-    status = rbdi_qp_rounds(s, x, &miss);
+    status = rbdi_qp_zero_rows(s, &miss);
+    if (status == RBD_QP_OK) status = rbdi_qp_rounds(s, x, &miss);
     if (status == RBD_QP_INFEASIBLE) {
-        rbdi_qp_contradiction(s, miss, lambda);
+        rbdi_qp_refuse(s, RBD_QP_INFEASIBLE, miss.row, miss.side < 0 ? "lower" : "upper");
     } else {
         rbdi_qp_multipliers(s, lambda);
         rbdi_qp_verify(s, x, lambda);
@@ -1998,11 +2065,13 @@ RBDI_API rbd_qp_status rbd_qp_solve(const rbd_qp_problem *problem, const rbd_qp_
     s.given = *problem;
     s.options = options ? *options : defaults;
     s.side = side;
+    s.lambda = lambda;
     s.soft = 0;
     s.q = 0;
     s.equalities = 0;
     s.rho = 0;
     s.doubtful = 0;
+    s.far = 0;
     status = rbdi_qp_check_problem(&s);
     if (status == RBD_QP_OK && s.all && (!lambda || !side)) status = RBD_QP_NULL;
     if (status == RBD_QP_OK && size < RBD_QP_SIZE(s.n, problem->bounds, problem->rows, s.soft))

@@ -295,7 +295,11 @@ START_TEST(random_problems_satisfy_their_conditions) {
         if (!is_float) ck_assert_msg(status == RBD_QP_OK, "%s %d: status %d", kind_names[of], k, status);
         if (status != RBD_QP_OK) continue;
         solved++;
-        check_kkt(&p, of == SEMIDEFINITE || of == LINEAR ? loose : tight, kind_names[of], k);
+        check_kkt(&p,
+                  is_float                             ? 3 * loose
+                  : of == SEMIDEFINITE || of == LINEAR ? loose
+                                                       : tight,
+                  kind_names[of], k);
         ck_assert(result.primal <= 10 * RBDI_QP_ACCURACY && result.dual <= 10 * RBDI_QP_ACCURACY);
     }
     ck_assert_int_ge(solved, 970);
@@ -303,13 +307,18 @@ START_TEST(random_problems_satisfy_their_conditions) {
 END_TEST
 
 START_TEST(contradictions_are_found_and_proven) {
+    int proven = 0;
     seed = 7;
     for (int k = 0; k < 300; k++) {
         const rbd_qp_problem p = contradiction();
-        ck_assert_msg(solve(&p) == RBD_QP_INFEASIBLE, "problem %d", k);
+        const rbd_qp_status status = solve(&p);
+        if (sizeof(rbd_real) == 4 && status == RBD_QP_INACCURATE) continue; /* not proven */
+        ck_assert_msg(status == RBD_QP_INFEASIBLE, "problem %d: status %d", k, status);
+        proven++;
         ck_assert(result.at >= 0 && result.field && lambda[result.at] != 0);
         check_proof(&p, "contradiction", k);
     }
+    ck_assert_int_ge(proven, 280);
 }
 END_TEST
 
@@ -778,6 +787,101 @@ START_TEST(rows_alone_are_met) {
 }
 END_TEST
 
+/* Where the optimum is 0, and rows pass through it, nothing but rounding is left of x. */
+START_TEST(an_optimum_at_0_is_ok) {
+    rbd_qp_problem p = problem_of(2, 0, 1);
+    set(H, (const double[]){2, 2, 2, 9}, 4);
+    set(f, (const double[]){-1, 1}, 2);
+    set(C, (const double[]){1, -1}, 2);
+    lower[0] = -NONE;
+    upper[0] = 0;
+    ck_assert_int_eq(solve(&p), RBD_QP_OK);
+    ck_assert(fabs((double)x[0]) < tight && fabs((double)x[1]) < tight);
+    ck_assert(fabs((double)lambda[0] - 1) < tight);
+
+    p = problem_of(2, 1, 1);
+    set(H, (const double[]){5, 4, 4, 6}, 4);
+    set(f, (const double[]){2, 1}, 2);
+    set(C, (const double[]){-1, 0}, 2);
+    set(lower, (const double[]){0, 0}, 2);
+    set(upper, (const double[]){0, 1}, 2);
+    ck_assert_int_eq(solve(&p), RBD_QP_OK);
+    ck_assert(fabs((double)x[0]) < tight && fabs((double)x[1] + 1. / 6) < tight);
+}
+END_TEST
+
+/* Sums of squares have a least value, whatever their weights: H of 1e3 and 1e-3 is no way without end. */
+START_TEST(weighted_squares_are_not_unbounded) {
+    seed = 43;
+    for (int k = 0; k < 500; k++) {
+        const int n = 3, tasks = between(2, 3);
+        const rbd_qp_problem p = problem_of(n, 0, 0);
+        memset(H, 0, sizeof H);
+        memset(f, 0, sizeof f);
+        for (int t = 0; t < tasks; t++) {
+            const double weight = pow(10, between(-2, 2));
+            double row[3], wanted = between(-3, 3);
+            for (int i = 0; i < n; i++) row[i] = between(-2, 2);
+            for (int i = 0; i < n; i++) {
+                f[i] -= (rbd_real)(weight * wanted * row[i]);
+                for (int j = 0; j < n; j++) H[i * n + j] += (rbd_real)(weight * row[i] * row[j]);
+            }
+        }
+        ck_assert_int_ne(solve(&p), RBD_QP_UNBOUNDED);
+        if (result.dual < 1e-6) check_kkt(&p, sizeof(rbd_real) == 4 ? 1e-2 : 1e-6, "weighted squares", k);
+    }
+}
+END_TEST
+
+/* However slowly the value falls, OK is said at the end of the way alone. */
+START_TEST(slow_ways_are_gone_to_their_end) {
+    static const struct {
+        double H, f, end;
+    } ways[] = {{1e6, -1, 1000}, {1, -1e-3, 1e6}, {0, -1, 1e9}};
+    for (int k = 0; k < LENGTH(ways); k++) {
+        const rbd_qp_problem p = problem_of(2, 2, 0);
+        set(H, (const double[]){ways[k].H, 0, 0, 0}, 4);
+        set(f, (const double[]){0, ways[k].f}, 2);
+        lower[0] = lower[1] = upper[0] = -NONE;
+        upper[0] = NONE;
+        upper[1] = (rbd_real)ways[k].end;
+        if (solve(&p) == RBD_QP_OK)
+            ck_assert(fabs((double)x[1] / ways[k].end - 1) < tight);
+        else
+            ck_assert(sizeof(rbd_real) == 4);
+    }
+}
+END_TEST
+
+/* Rows of zeros: a hard one asks for nothing or contradicts itself, a soft one costs what it costs. */
+START_TEST(rows_of_zeros_move_nothing) {
+    rbd_qp_problem p = problem_of(1, 0, 2);
+    set(H, (const double[]){1}, 1);
+    set(f, (const double[]){-3}, 1);
+    set(C, (const double[]){0, 0}, 2);
+    set(lower, (const double[]){1, -2}, 2);
+    set(upper, (const double[]){1, 2}, 2);
+    set(soft, (const double[]){1e15, 0}, 2);
+    p.soft = soft;
+    ck_assert_int_eq(solve(&p), RBD_QP_OK);
+    ck_assert(x[0] == 3 && fabs((double)lambda[0] / -1e15 - 1) < tight && lambda[1] == 0);
+}
+END_TEST
+
+/* Indefinite by two variables alone, whatever f is. */
+START_TEST(saddles_are_refused) {
+    static const double slopes[3] = {0, 1, 1000};
+    for (int k = 0; k < 3; k++) {
+        const rbd_qp_problem p = problem_of(2, 0, 0);
+        set(H, (const double[]){0, .9, .9, 0}, 4);
+        set(f, (const double[]){slopes[k], 0}, 2);
+        check_refused(&p, RBD_QP_CONVEX, 1, "H");
+        set(H, (const double[]){1, 0, 0, -1e-8}, 4);
+        check_refused(&p, RBD_QP_CONVEX, 1, "H");
+    }
+}
+END_TEST
+
 /* H of low rank, and an f that has a part outside of its range: nothing holds x. */
 START_TEST(ways_without_end_are_found) {
     seed = 41;
@@ -909,6 +1013,11 @@ int main(void) {
     tcase_add_test(c, steps_and_rounds_are_bounded);
     tcase_add_test(c, slight_contradictions_are_inaccurate);
     tcase_add_test(c, rows_alone_are_met);
+    tcase_add_test(c, an_optimum_at_0_is_ok);
+    tcase_add_test(c, weighted_squares_are_not_unbounded);
+    tcase_add_test(c, slow_ways_are_gone_to_their_end);
+    tcase_add_test(c, rows_of_zeros_move_nothing);
+    tcase_add_test(c, saddles_are_refused);
     tcase_add_test(c, ways_without_end_are_found);
     tcase_add_test(c, sums_that_overflow_are_not_ok);
     tcase_add_test(c, results_that_are_too_large_are_none);

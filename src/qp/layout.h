@@ -51,6 +51,7 @@ typedef struct rbdi_qp {
     rbd_qp_problem given;
     rbd_qp_options options; /* all set */
     rbd_qp_result result;
+    rbd_real *lambda;  /* of each row */
     signed char *side; /* of each row: -1, 0 or 1; 1 for an equality that is eliminated */
     int n, all, soft;  /* variables, rows with bounds, soft rows */
     int equalities;    /* eliminated: the first reflections */
@@ -58,6 +59,7 @@ typedef struct rbdi_qp {
     int q;             /* active rows that are not eliminated */
     rbd_real rho;      /* added to H's diagonal */
     rbd_real own;      /* length of the last row that wanted to join, in the metric of H^-1 */
+    rbd_real far;      /* largest |x_k| so far */
     rbd_real accuracy; /* of rows: that of the options, and tenfold each time after `loosen` steps */
     int doubtful;      /* rows contradict each other by what may be rounding, or sums overflow */
     int loosen;        /* the number of steps at which accuracy grows next */
@@ -74,7 +76,7 @@ typedef struct rbdi_qp {
     rbd_real *leaving;  /* n + soft: column of R that leaves */
     rbd_real *x0;       /* n: optimum on the equalities alone */
     rbd_real *z;        /* n: way of x; scratch */
-    rbd_real *reach;    /* n: largest |x| so far, which says how much has cancelled */
+    rbd_real *reach;    /* n: largest |x| since the last refinement, which says how much has cancelled */
     rbd_real *centre;   /* n: of the proximal round */
     rbd_real *g;        /* n: f - rho centre */
     rbd_real *t;        /* n: scratch */

@@ -7,7 +7,7 @@
    If H is semidefinite, each round of the proximal method (Rockafellar 1976) has the cost rho |x - centre|^2
    / 2 beside it, and the next one is centred at its solution. J, R and the active rows stay. */
 
-#define RBDI_QP_STILL (64 * RBDI_EPS) /* x that moves by a smaller share of itself moves by rounding */
+#define RBDI_QP_STILL (64 * RBDI_EPS) /* without H and f, x that moves by less of itself moves by rounding */
 
 /* x0: optimum on the equalities alone. */
 RBDI_PART void rbdi_qp_optimum_on_equalities(rbdi_qp *s) {
@@ -23,7 +23,7 @@ RBDI_PART void rbdi_qp_guess(rbdi_qp *s, int row, int side) {
     const rbd_real bound = side > 0 ? s->given.upper[row] : s->given.lower[row];
     rbd_real square, least;
 
-    if (rbdi_abs(bound) >= RBDI_QP_NONE || (hard && s->q >= s->columns)) return;
+    if (s->from[row] == s->to[row] || rbdi_abs(bound) >= RBDI_QP_NONE || (hard && s->q >= s->columns)) return;
     s->own = rbdi_qp_enter(s, row, side);
     square = rbdi_qp_free_part(s);
     least = RBDI_QP_DEPENDENT * s->own;
@@ -42,6 +42,45 @@ RBDI_PART void rbdi_qp_first_rows(rbdi_qp *s) {
         s->side[row] = 0;
         if (equal || side) rbdi_qp_guess(s, row, equal || side > 0 ? 1 : -1);
     }
+}
+
+#define RBDI_QP_HOPELESS \
+    ((rbd_real)1e-3) /* accuracy beyond which rows that seem to contradict are left missed */
+
+/* Writes the proof that the last row contradicts active ones: n = N r + A'u. Returns whether it holds:
+   lambda' rows is 0 to the accuracy, and the sum of lambda times the sides is below what that leaves for any
+   x so far. */
+RBDI_PART int rbdi_qp_proven(rbdi_qp *s, rbdi_qp_miss miss) {
+    rbd_real sum = 0, terms = 0, left = 0, largest = 0;
+
+    for (int row = 0; row < s->all; ++row) s->lambda[row] = 0;
+    s->lambda[miss.row] = (rbd_real)miss.side;
+    for (int j = 0; j < s->q; ++j) {
+        const int row = s->active[j];
+        if (rbdi_abs(s->r[j]) * s->length[j] > RBDI_QP_DEPENDENT * s->own)
+            s->lambda[row] = s->side[row] > 0 ? -s->r[j] : s->r[j];
+    }
+    rbdi_qp_clear(s->t, s->n);
+    for (int row = 0; row < s->all; ++row) {
+        if (s->lambda[row] == 0) continue;
+        rbdi_qp_add_row(s, row, -s->lambda[row], s->t);
+        largest = rbdi_qp_larger(largest, rbdi_abs(s->lambda[row]) * s->norm[row]);
+    }
+    rbdi_qp_balance(s, s->t, s->z);
+    for (int e = 0; e < s->equalities; ++e) s->lambda[s->equality[e]] = -s->u_equal[e];
+
+    for (int row = 0; row < s->all; ++row) {
+        const rbd_real lambda = s->lambda[row];
+        const rbd_real side = lambda > 0 ? s->given.upper[row] : s->given.lower[row];
+        if (lambda == 0) continue;
+        sum = sum + lambda * side;
+        terms = terms + rbdi_abs(lambda * side);
+    }
+    for (int k = 0; k < s->n; ++k) {
+        if (!(rbdi_abs(s->t[k]) <= 10 * s->options.accuracy * largest)) return 0;
+        left = left + rbdi_abs(s->t[k]) * s->far;
+    }
+    return sum < -(10 * s->options.accuracy * terms + left);
 }
 
 /* The solution for this centre. */
@@ -68,7 +107,7 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
             }
             /* x is exact now: less of what has cancelled before still counts. */
             for (int k = 0; k < s->n; ++k)
-                s->reach[k] = rbdi_qp_larger(rbdi_abs(x[k]), RBDI_QP_KEEP * s->reach[k]);
+                s->reach[k] = rbdi_qp_larger(rbdi_abs(x[k]), RBDI_QP_KEEP * s->far);
             continue;
         }
 
@@ -79,8 +118,9 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
         status = rbdi_qp_take_in(s, x, *miss);
         rbdi_qp_reached(s, x);
         refined = 0;
-        if (status == RBD_QP_INFEASIBLE && miss->share <= 10 * s->options.accuracy) {
-            s->accuracy = 10 * s->accuracy; /* may be rounding: no proof */
+        if (status == RBD_QP_INFEASIBLE && !rbdi_qp_proven(s, *miss)) {
+            if (s->accuracy > RBDI_QP_HOPELESS) return RBD_QP_INACCURATE;
+            s->accuracy = 10 * s->accuracy;
             s->doubtful = 1;
             continue;
         }
@@ -88,8 +128,10 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
     }
 }
 
-/* z = x - centre; whether the value falls on this way, and H does not bend it. */
-RBDI_PART int rbdi_qp_straight(rbdi_qp *s, const rbd_real *x, rbd_real size) {
+#define RBDI_QP_BENT (8 * RBDI_EPS) /* of H times a way, for each variable: less is rounding */
+
+/* z = x - centre; whether the value falls on this way, and H does not bend it, but for rounding. */
+RBDI_PART int rbdi_qp_straight(rbdi_qp *s, const rbd_real *x) {
     rbd_real down = 0, curvature = 0, length = 0, largest = 0, rounding;
 
     for (int k = 0; k < s->n; ++k) {
@@ -100,8 +142,8 @@ RBDI_PART int rbdi_qp_straight(rbdi_qp *s, const rbd_real *x, rbd_real size) {
     }
     for (int k = 0; k < s->n; ++k)
         curvature = rbdi_qp_larger(curvature, rbdi_abs(rbdi_qp_dot(s->given.H + k * s->n, s->z, s->n)));
-    rounding = 64 * RBDI_EPS * (rbd_real)s->n * largest * length;
-    return down < 0 && (curvature <= s->options.accuracy * size || curvature <= rounding);
+    rounding = RBDI_QP_BENT * (rbd_real)s->n * largest * length;
+    return down < 0 && curvature <= rounding;
 }
 
 /* Whether no row ends the way z. */
@@ -118,13 +160,26 @@ RBDI_PART int rbdi_qp_endless(const rbdi_qp *s) {
     return 1;
 }
 
+/* The largest of the sums |f_k| + |H_k1 x_1| + ... */
+RBDI_PART rbd_real rbdi_qp_value_terms(const rbdi_qp *s, const rbd_real *x) {
+    rbd_real largest = 0;
+
+    for (int k = 0; k < s->n; ++k) {
+        const rbd_real *h = s->given.H + k * s->n;
+        rbd_real sum = rbdi_abs(s->given.f[k]);
+        for (int j = 0; j < s->n; ++j) sum = sum + rbdi_abs(h[j] * x[j]);
+        largest = rbdi_qp_larger(largest, sum);
+    }
+    return largest;
+}
+
 /* Rounds until x stays where it is: rho |x - centre| within the accuracy of H x and f. On a straight way each
    centre lies twice as far ahead as the one before. */
 RBDI_PART rbd_qp_status rbdi_qp_rounds(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *miss) {
     rbd_real ahead = 1;
 
     for (;; s->result.rounds++) {
-        rbd_real moved = 0, size = 0, far = 0;
+        rbd_real moved = 0, far = 0, size;
         rbd_qp_status status;
 
         rbdi_qp_optimum_on_equalities(s);
@@ -132,17 +187,16 @@ RBDI_PART rbd_qp_status rbdi_qp_rounds(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mi
         status = rbdi_qp_round(s, x, miss);
         if (status != RBD_QP_OK || !(s->rho > 0)) return status;
 
+        size = rbdi_qp_value_terms(s, x);
         for (int k = 0; k < s->n; ++k) {
-            const rbd_real h = rbdi_qp_dot(s->given.H + k * s->n, x, s->n);
             moved = rbdi_qp_larger(moved, s->rho * rbdi_abs(x[k] - s->centre[k]));
             far = rbdi_qp_larger(far, s->rho * rbdi_abs(x[k]));
-            size = rbdi_qp_larger(size, rbdi_qp_larger(rbdi_abs(h), rbdi_abs(s->given.f[k])));
         }
-        if (size > 0) s->result.dual = rbdi_qp_larger(s->result.dual, moved / size);
-        if (moved <= s->options.accuracy * size || moved <= RBDI_QP_STILL * far) return RBD_QP_OK;
+        if (moved <= s->options.accuracy * size || (!(size > 0) && moved <= RBDI_QP_STILL * far))
+            return RBD_QP_OK;
         if (s->result.rounds >= s->options.rounds) return RBD_QP_ITERATIONS;
 
-        ahead = rbdi_qp_straight(s, x, size) ? 2 * ahead : 1;
+        ahead = rbdi_qp_straight(s, x) ? 2 * ahead : 1;
         if (ahead > 4 && rbdi_qp_endless(s)) return RBD_QP_UNBOUNDED;
         for (int k = 0; k < s->n; ++k) {
             s->centre[k] = s->centre[k] + ahead * (x[k] - s->centre[k]);

@@ -11,7 +11,9 @@ typedef struct rbdi_qp_miss {
 } rbdi_qp_miss;
 
 RBDI_PART void rbdi_qp_reached(rbdi_qp *s, const rbd_real *x) {
-    for (int k = 0; k < s->n; ++k) s->reach[k] = rbdi_qp_larger(s->reach[k], rbdi_abs(x[k]));
+    for (int k = 0; k < s->n; ++k) s->far = rbdi_qp_larger(s->far, rbdi_abs(x[k]));
+    for (int k = 0; k < s->n; ++k)
+        s->reach[k] = rbdi_qp_larger(rbdi_qp_larger(s->reach[k], rbdi_abs(x[k])), RBDI_QP_KEEP * s->far);
 }
 
 /* By how much a value misses the lower side, or the upper one; negative if it does not. */
@@ -32,7 +34,7 @@ RBDI_PART rbdi_qp_miss rbdi_qp_most_missed(rbdi_qp *s, const rbd_real *x, rbd_re
 
     for (int row = 0; row < s->all; ++row) {
         rbd_real value, below, above, by, terms;
-        if (s->side[row]) continue;
+        if (s->side[row] || s->from[row] == s->to[row]) continue;
         value = rbdi_qp_row_times(s, row, x);
         below = rbdi_qp_below(s, row, value);
         above = rbdi_qp_above(s, row, value);
@@ -54,10 +56,10 @@ RBDI_PART rbdi_qp_miss rbdi_qp_most_missed(rbdi_qp *s, const rbd_real *x, rbd_re
 RBDI_PART int rbdi_qp_first_to_leave(const rbdi_qp *s, rbd_real *step) {
     int first = -1;
 
-    *step = RBDI_QP_NONE;
+    *step = 0;
     for (int j = 0; j < s->q; ++j) {
         if (!(s->r[j] * s->length[j] > RBDI_QP_DEPENDENT * s->own)) continue;
-        if (rbdi_qp_is_equality(s, s->active[j]) || !(s->u[j] < *step * s->r[j])) continue;
+        if (rbdi_qp_is_equality(s, s->active[j]) || (first >= 0 && !(s->u[j] < *step * s->r[j]))) continue;
         *step = rbdi_qp_larger(s->u[j], 0) / s->r[j];
         first = j;
     }
@@ -90,7 +92,7 @@ RBDI_PART rbd_qp_status rbdi_qp_take_in(rbdi_qp *s, rbd_real *x, rbdi_qp_miss mi
 
         if (!dependent) {
             rbdi_qp_way(s);
-            if (miss.by <= step * square) {
+            if (leaves < 0 || miss.by <= step * square) {
                 step = miss.by / square;
                 leaves = -1;
             }

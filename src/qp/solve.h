@@ -60,10 +60,15 @@ RBDI_PART rbd_qp_status rbdi_qp_check_value(rbdi_qp *s) {
     for (int i = 0; i < n; ++i) {
         if (!rbdi_qp_finite(s->given.f[i])) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "f");
         if (!rbdi_qp_finite(H[i * n + i])) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "H");
+        if (H[i * n + i] < 0) return rbdi_qp_refuse(s, RBD_QP_CONVEX, i, "H");
         for (int j = 0; j < i; ++j) {
             const rbd_real differ = rbdi_abs(H[i * n + j] - H[j * n + i]);
             const rbd_real scale = rbdi_abs(H[i * n + i]) + rbdi_abs(H[j * n + j]);
-            if (differ <= RBDI_QP_ASYMMETRY * scale) continue;
+            if (differ <= RBDI_QP_ASYMMETRY * scale) {
+                const rbd_real minor = H[i * n + i] * H[j * n + j];
+                if (H[i * n + j] * H[i * n + j] <= minor + RBDI_QP_ASYMMETRY * rbdi_abs(minor)) continue;
+                return rbdi_qp_refuse(s, RBD_QP_CONVEX, i, "H"); /* indefinite by these two alone */
+            }
             if (!rbdi_qp_finite(H[i * n + j])) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "H");
             if (!rbdi_qp_finite(H[j * n + i])) return rbdi_qp_refuse(s, RBD_QP_NAN, j, "H");
             return rbdi_qp_refuse(s, RBD_QP_SYMMETRIC, i, "H");
@@ -124,6 +129,12 @@ RBDI_PART void rbdi_qp_multipliers(const rbdi_qp *s, rbd_real *lambda) {
         lambda[row] = s->side[row] > 0 ? u : -u;
     }
     for (int e = 0; e < s->equalities; ++e) lambda[s->equality[e]] = -s->u_equal[e];
+
+    /* Rows of zeros: e = u/w is what 0 misses. */
+    for (int row = 0; row < s->all; ++row)
+        if (s->from[row] == s->to[row])
+            lambda[row] = rbdi_qp_weight(s, row) * (rbdi_qp_larger(0 - s->given.upper[row], 0) -
+                                                    rbdi_qp_larger(s->given.lower[row], 0));
 }
 
 /* result.primal and result.dual of x and lambda, whatever they came from: of each row, the miss, or where it
@@ -134,12 +145,12 @@ RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lam
 
     s->result.primal = 0;
     for (int k = 0; k < s->n; ++k) far = rbdi_qp_larger(far, rbdi_abs(x[k]));
-    size = s->rho * far; /* without H and f multipliers are rounding of this */
+    far = rbdi_qp_larger(far, RBDI_QP_KEEP * s->far);
+    size = rbdi_qp_value_terms(s, x);
+    if (!(size > 0)) size = s->rho * far; /* without H and f multipliers are rounding of this */
     for (int k = 0; k < s->n; ++k) {
-        const rbd_real h = rbdi_qp_dot(s->given.H + k * s->n, x, s->n);
-        s->t[k] = h + s->given.f[k];
+        s->t[k] = rbdi_qp_dot(s->given.H + k * s->n, x, s->n) + s->given.f[k];
         s->reach[k] = far;
-        size = rbdi_qp_larger(size, rbdi_qp_larger(rbdi_abs(h), rbdi_abs(s->given.f[k])));
     }
     for (int row = 0; row < s->all; ++row) {
         const rbd_real weight = rbdi_qp_weight(s, row), miss = weight > 0 ? lambda[row] / weight : 0;
@@ -150,7 +161,7 @@ RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lam
 
         if (lambda[row] != 0) {
             rbdi_qp_add_row(s, row, lambda[row], s->t);
-            size = rbdi_qp_larger(size, rbdi_abs(lambda[row]) * s->norm[row]);
+            if (s->from[row] < s->to[row]) size = rbdi_qp_larger(size, rbdi_abs(lambda[row]) * s->norm[row]);
         }
         if (by <= 0) continue;
         const rbd_real side = at_upper ? s->given.upper[row] : s->given.lower[row];
@@ -167,20 +178,17 @@ RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lam
     s->result.dual = size > 0 ? worst / size : worst;
 }
 
-/* The proof that the last row contradicts active ones: n = N r + A'u. */
-RBDI_PART void rbdi_qp_contradiction(rbdi_qp *s, rbdi_qp_miss miss, rbd_real *lambda) {
-    lambda[miss.row] = (rbd_real)miss.side;
-    for (int j = 0; j < s->q; ++j) {
-        const int row = s->active[j];
-        if (rbdi_abs(s->r[j]) * s->length[j] > RBDI_QP_DEPENDENT * s->own)
-            lambda[row] = s->side[row] > 0 ? -s->r[j] : s->r[j];
+/* A hard row of zeros contradicts itself, or asks for nothing. */
+RBDI_PART rbd_qp_status rbdi_qp_zero_rows(rbdi_qp *s, rbdi_qp_miss *miss) {
+    for (int row = 0; row < s->all; ++row) {
+        const rbd_real lower = s->given.lower[row], upper = s->given.upper[row];
+        if (s->from[row] < s->to[row] || rbdi_qp_weight(s, row) > 0 || (lower <= 0 && upper >= 0)) continue;
+        miss->row = row;
+        miss->side = lower > 0 ? -1 : 1;
+        s->lambda[row] = (rbd_real)miss->side;
+        return RBD_QP_INFEASIBLE;
     }
-    rbdi_qp_clear(s->t, s->n);
-    for (int row = 0; row < s->all; ++row)
-        if (lambda[row] != 0) rbdi_qp_add_row(s, row, -lambda[row], s->t);
-    rbdi_qp_balance(s, s->t, s->z);
-    for (int e = 0; e < s->equalities; ++e) lambda[s->equality[e]] = -s->u_equal[e];
-    rbdi_qp_refuse(s, RBD_QP_INFEASIBLE, miss.row, miss.side < 0 ? "lower" : "upper");
+    return RBD_QP_OK;
 }
 
 RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
@@ -204,9 +212,10 @@ RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
 
     s->accuracy = s->options.accuracy;
     s->loosen = 2 * (s->n + s->all);
-    status = rbdi_qp_rounds(s, x, &miss);
+    status = rbdi_qp_zero_rows(s, &miss);
+    if (status == RBD_QP_OK) status = rbdi_qp_rounds(s, x, &miss);
     if (status == RBD_QP_INFEASIBLE) {
-        rbdi_qp_contradiction(s, miss, lambda);
+        rbdi_qp_refuse(s, RBD_QP_INFEASIBLE, miss.row, miss.side < 0 ? "lower" : "upper");
     } else {
         rbdi_qp_multipliers(s, lambda);
         rbdi_qp_verify(s, x, lambda);
@@ -234,11 +243,13 @@ RBDI_API rbd_qp_status rbd_qp_solve(const rbd_qp_problem *problem, const rbd_qp_
     s.given = *problem;
     s.options = options ? *options : defaults;
     s.side = side;
+    s.lambda = lambda;
     s.soft = 0;
     s.q = 0;
     s.equalities = 0;
     s.rho = 0;
     s.doubtful = 0;
+    s.far = 0;
     status = rbdi_qp_check_problem(&s);
     if (status == RBD_QP_OK && s.all && (!lambda || !side)) status = RBD_QP_NULL;
     if (status == RBD_QP_OK && size < RBD_QP_SIZE(s.n, problem->bounds, problem->rows, s.soft))

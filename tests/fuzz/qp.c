@@ -2,8 +2,8 @@
 
    usage: qp --problems N | --seconds N [--seed N]     so many problems of each kind
 
-   Prints a table. Fails if an answer with RBD_QP_OK is off by more than 1e-9 of its terms (float: 1e-3), a
-   proof by more than 1e-9 (float: 1e-3), or a status is not one that the kind may have. Each failure is
+   Prints a table. Fails if an answer with RBD_QP_OK is off by more than 1e-9 of its terms (float: 3e-3), a
+   proof by more than 1e-9 (float: 3e-3), or a status is not one that the kind may have. Each failure is
    printed with its seed. */
 #define RBD_IMPLEMENTATION
 #include "rbd_qp.h"
@@ -36,7 +36,7 @@ static rbd_qp_status solve_warm(rbd_qp_problem *p) {
 }
 
 static void run(int of, uint64_t start, tally *t) {
-    const double allowed = sizeof(rbd_real) == 4 ? 1e-3 : 1e-9;
+    const double allowed = sizeof(rbd_real) == 4 ? 3e-3 : 1e-9;
     judgement worst = {0, "none", -1};
     rbd_qp_status status;
     rbd_qp_problem p;
