@@ -2144,6 +2144,10 @@ static rbdi_force rbdi_root_momentum(const rbd_model *m, const rbd_real *M, int 
         for (int i = 0; i < 6 && iv + i <= j; ++i) h[i] = h[i] + row[i] * v[j];
         for (int i = 0; j < iv + 6 && iv + i < j; ++i) h[j - iv] = h[j - iv] + row[i] * v[iv + i];
     }
+
+    /* A joint of another tree that one of this tree follows comes before the root in the rows of M. */
+    for (int j = m->dof[iv].lambda; j >= 0; j = m->dof[j].lambda)
+        for (int i = 0; i < 6; ++i) h[i] = h[i] + M[m->dof[iv + i].row + m->dof[j].depth] * v[j];
     return rbdi_load_force(h, 1);
 }
 
