@@ -380,8 +380,59 @@ START_TEST(box_at_any_speed) {
 }
 END_TEST
 
-/* With gravity, wrenches on a foot and the base, torques and damping of the base, a step changes the momentum
-   by the impulse of these, at the configuration of the middle of the step. */
+/* A robot that floats, one of whose joints follows that of an arm on the world, which comes before it. */
+START_TEST(momentum_with_a_leader_in_another_tree) {
+    const rbd_body bodies[3] = {{.name = "arm",
+                                 .joint = "leads",
+                                 .parent = -1,
+                                 .type = RBD_REVOLUTE,
+                                 .axis = {0, 1, 0},
+                                 .mass = 1,
+                                 .com = {0.3, 0, 0},
+                                 .inertia = {0.01, 0, 0, 0.02, 0, 0.02}},
+                                {.name = "base",
+                                 .parent = -1,
+                                 .type = RBD_FLOATING,
+                                 .mass = 3,
+                                 .com = {0.05, 0.02, 0},
+                                 .inertia = {0.1, 0, 0, 0.2, 0, 0.25}},
+                                {.name = "leg",
+                                 .joint = "follows",
+                                 .parent = 1,
+                                 .type = RBD_REVOLUTE,
+                                 .axis = {0, 1, 0},
+                                 .position = {0.2, 0, 0},
+                                 .mass = 1,
+                                 .com = {0, 0, -0.3},
+                                 .inertia = {0.02, 0, 0, 0.02, 0, 0.01},
+                                 .mimic = "leads",
+                                 .mimic_ratio = 0.7}};
+    scene s;
+    double before[3] = {0};
+    open_scene(&s, "leader", bodies, 3, NULL, 0, &exact);
+    rbd_set_gravity(s.r.w, none);
+    for (int k = 0; k < s.r.nv; k++) s.v[k] = k % 2 ? -2 : 3;
+    for (int n = 0; n <= 200; n++) {
+        double p[3] = {0}, size = 0;
+        ck_assert_int_eq(rbd_kinematics(s.r.m, s.r.w, s.q, s.v, NULL), RBD_OK);
+        for (int i = 1; i < 3; i++) {
+            double v[6];
+            ck_assert_int_eq(rbd_point_velocity(s.r.m, s.r.w, i, bodies[i].com, RBD_WORLD_AXES, v), RBD_OK);
+            for (int k = 0; k < 3; k++) p[k] += bodies[i].mass * v[3 + k];
+        }
+        for (int k = 0; k < 3; k++) size += fabs(p[k]);
+        for (int k = 0; k < 3; k++) {
+            if (n > 0) ck_assert_double_eq_tol(p[k], before[k], 1e-13 * size);
+            before[k] = p[k];
+        }
+        step(&s, 5e-3);
+    }
+    close_scene(&s);
+}
+END_TEST
+
+/* With gravity, a wrench on a foot, torque and force of the base, and damping of the joints, a step changes the
+   momentum by the impulse of these, at the configuration of the middle of the step. */
 START_TEST(momentum_changes_by_the_impulse) {
     scene s;
     double before[6], after[6], middle[MAX_Q], damping[MAX_V] = {0}, f_ext[6 * HYQ_NB] = {0}, E[9], p[3],
@@ -1043,6 +1094,7 @@ Suite *contact_energy_suite(void) {
     tcase_add_test(c, free_step_keeps_energy);
     tcase_add_test(slow, hyq_keeps_its_momentum);
     tcase_add_test(c, box_at_any_speed);
+    tcase_add_test(c, momentum_with_a_leader_in_another_tree);
     tcase_add_test(c, momentum_changes_by_the_impulse);
     tcase_add_test(c, momentum_of_what_touches_is_left_alone);
     tcase_add_test(slow, second_order);

@@ -37,7 +37,7 @@ quietly() { "$@" >"$log" 2>&1 || { show_log; die "failed: $*"; }; }
 # a line for each tenth.
 progress() {
     tenth=0
-    while read -r line; do
+    while IFS= read -r line; do
         printf '%s\n' "$line"
         case $line in "["[0-9]*/[1-9]*"] "*) ;; *) continue ;; esac
         built=${line#?} && built=${built%%/*}
