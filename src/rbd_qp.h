@@ -23,29 +23,31 @@
      [problem] [solve]
      --- stop here if you only use it ---
      [layout] [compiler] [tolerances] [scalar]
-     [method] [vectors] [factor] [active rows] [search] [refinement] [rounds] [solve code] [text code]
+     [method] [vectors] [factor] [active rows] [search] [refinement] [rounds] [solve code]
+     [text code]
      [licence]
 
    [conventions]
-     rows         first the bounds of x, then the rows of C; an equality has lower = upper soft         a row
-     with a weight w may be missed by e, at a cost of w e^2/2 lambda       Hx + f + C'lambda = 0; above 0
-     where the upper side holds. Arrays and signs are DAQP's matrices     row-major
+     rows         first the bounds of x, then the rows of C; an equality has lower = upper
+     soft         a row with a weight w may be missed by e, at a cost of w e^2/2
+     lambda       Hx + f + C'lambda = 0; above 0 where the upper side holds. Arrays and signs are DAQP's
+     matrices     row-major
 
    [configuration] That of rbd.h. RBD_REAL is double or float; RBD_LANES and RBD_REAL_CUSTOM do not go with
    it.
 
    [guarantees]
-     No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant. From libm only sqrt. The
-     number of steps is bounded: options->steps. A result with RBD_QP_OK satisfies the conditions of Karush,
-     Kuhn and Tucker to the shares that result->primal and ->dual state, at most ten times options->accuracy.
-     x is finite with every status, but after RBD_QP_NULL, _RANGE and _MEMORY it is as it was. With
+     No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant. From libm only sqrt. The number
+     of steps is bounded: options->steps. A result with RBD_QP_OK satisfies the conditions of Karush, Kuhn and
+     Tucker to the shares that result->primal and ->dual state, at most ten times options->accuracy. x is
+     finite with every status, but after RBD_QP_NULL, _RANGE and _MEMORY it is as it was. With
      RBD_REPRODUCIBLE the bits are the same on every machine, as of rbd.h.
 
    [limits]
      Dense matrices, of up to some hundred variables: a step costs about 3 n^2 products, and one for each
      entry of C. H must be convex. If it is only semidefinite, a proximal method takes some rounds, and the
-     optimum is exact to the accuracy, not to rounding. Weights of soft rows more than 1e12 above H (float:
-     1e4) are better hard rows. Squares of the entries of a row must be normal numbers.
+     optimum is exact to the accuracy, not to rounding. Weights of soft rows more than 1e12 above
+     H (float: 1e4) are better hard rows. Squares of the entries of a row must be normal numbers.
 */
 
 #include "api/configuration.h"

@@ -431,8 +431,8 @@ START_TEST(momentum_with_a_leader_in_another_tree) {
 }
 END_TEST
 
-/* With gravity, a wrench on a foot, torque and force of the base, and damping of the joints, a step changes the
-   momentum by the impulse of these, at the configuration of the middle of the step. */
+/* With gravity, a wrench on a foot, torque and force of the base, and damping of the joints, a step changes
+   the momentum by the impulse of these, at the configuration of the middle of the step. */
 START_TEST(momentum_changes_by_the_impulse) {
     scene s;
     double before[6], after[6], middle[MAX_Q], damping[MAX_V] = {0}, f_ext[6 * HYQ_NB] = {0}, E[9], p[3],

@@ -80,11 +80,11 @@ typedef struct rbd_contact {
 typedef struct rbd_contact_options {
     double margin; /* closer contacts are rows, m [0.005]; others where they may arrive within two steps */
     double slop;   /* penetration that is left, m [1e-5] */
-    double correction; /* share of the rest that a step corrects [0.2] */
-    double bounce;     /* slower impacts do not rebound, m/s [0.05]; choose more than 2 g dt */
-    double tolerance;  /* of the residual, m/s [1e-6, float 1e-5] */
-    int iterations;    /* of each solution at most [40]; a step has two, or three where something rebounds */
-    int joint_limits;  /* not 0: limits of joints push, those of their followers too */
+    double correction;  /* share of the rest that a step corrects [0.2] */
+    double bounce;      /* slower impacts do not rebound, m/s [0.05]; choose more than 2 g dt */
+    double tolerance;   /* of the residual, m/s [1e-6, float 1e-5] */
+    int iterations;     /* of each solution at most [40]; a step has two, or three where something rebounds */
+    int joint_limits;   /* not 0: limits of joints push, those of their followers too */
     int joint_friction; /* not 0: the description's friction of each degree of freedom holds, or brakes */
     int joint_damping;  /* not 0: the description's damping, implicitly */
     double slip;        /* contacts that stick give way along the plane, m/s per newton [0] */
