@@ -508,6 +508,48 @@ START_TEST(momentum_of_what_touches_is_left_alone) {
 }
 END_TEST
 
+/* A robot of two links that something holds or pushes: the option changes nothing then. */
+START_TEST(momentum_of_what_is_held_is_left_alone) {
+    enum { FOOT, TIED, INNER, FRICTION, ARMATURE, FIRST_ORDER, PLANAR, CASES };
+    for (int which = 0; which < CASES; which++) {
+        double end[2][MAX_V] = {{0}}, differ = 0;
+        for (int k = 0; k < 2; k++) {
+            rbd_body robot[2] = {tumbler, {.parent = 0, .type = RBD_REVOLUTE, .axis = {0, 1, 0}}};
+            const rbd_contact foot = {.body1 = 1, .body2 = -1, .point = {0, 0, -0.3}, .friction = 0.5};
+            rbd_constraint held =
+                rbd_point_contact(1, (const double[3]){0, 0, -0.3}, (const double[3]){0, 0, -0.3});
+            rbd_contact_options o = {.momentum = k, .first_order = which == FIRST_ORDER};
+            scene s;
+            robot[1].mass = 0.5;
+            robot[1].com[2] = -0.15;
+            robot[1].inertia[0] = robot[1].inertia[3] = 4e-3;
+            robot[1].inertia[5] = 1e-4;
+            if (which == FRICTION) robot[0].friction[3] = 0.1;
+            if (which == FRICTION) o.joint_friction = 1;
+            if (which == ARMATURE) robot[0].armature[0] = 0.1;
+            if (which == PLANAR) robot[0].type = RBD_PLANAR;
+            if (which == INNER) held.body2 = 0;
+            if (which == TIED || which == INNER)
+                open_loop(&s, "held", robot, 2, NULL, 0, &held, &o);
+            else
+                open_scene(&s, "held", robot, 2, &foot, which == FOOT, &o);
+            rbd_set_gravity(s.r.w, which == FOOT ? earth : none);
+            s.v[0] = 1;
+            s.v[1] = 2;
+            s.v[s.r.nv - 1] = 3;
+            if (which == FOOT) s.q[2] = 0.3;
+            if (which == TIED) memset(s.v, 0, sizeof s.v);
+            if (which == TIED) s.tau[0] = 1;
+            for (int n = 0; n < 50; n++) step(&s, 1e-3);
+            memcpy(end[k], s.v, (size_t)s.r.nv * sizeof *s.v);
+            close_scene(&s);
+        }
+        for (int j = 0; j < 7; j++) differ += fabs(end[0][j] - end[1][j]);
+        if (which != INNER) ck_assert_msg(differ <= 1e-12, "case %d: %g", which, differ);
+    }
+}
+END_TEST
+
 /* ---- order ---- */
 
 static double distance(const scene *a, const scene *b) {
@@ -1097,6 +1139,7 @@ Suite *contact_energy_suite(void) {
     tcase_add_test(c, momentum_with_a_leader_in_another_tree);
     tcase_add_test(c, momentum_changes_by_the_impulse);
     tcase_add_test(c, momentum_of_what_touches_is_left_alone);
+    tcase_add_test(c, momentum_of_what_is_held_is_left_alone);
     tcase_add_test(slow, second_order);
     tcase_add_test(slow, four_bars_turn_for_a_minute);
     tcase_add_test(c, arm_on_a_trunk_that_sticks);

@@ -642,6 +642,7 @@ START_TEST(not_a_number_is_named) {
 END_TEST
 
 START_TEST(slips_are_named) {
+    static rbd_real many[20000];
     rbd_qp_problem p = small_problem(), q = p;
     rbd_qp_options o = {0, 0, 0, 0};
 
@@ -656,6 +657,10 @@ START_TEST(slips_are_named) {
     small_problem();
     soft[3] = -1;
     check_refused(&p, RBD_QP_RANGE, 3, "soft");
+    for (int i = 0; i < LENGTH(many); i++) many[i] = 1;
+    q = problem_of(1, 0, LENGTH(many));
+    q.soft = many;
+    check_refused(&q, RBD_QP_RANGE, -1, "soft");
     small_problem();
 
     q = p;
@@ -735,6 +740,24 @@ START_TEST(steps_and_rounds_are_bounded) {
         for (int i = 0; i < p.n; i++) ck_assert(fabs((double)x[i]) < RBD_QP_NONE);
     }
     ck_assert_int_gt(stopped, 50);
+
+    /* a guess of which all is wrong */
+    p = problem_of(20, 20, 0);
+    memset(H, 0, sizeof H);
+    for (int i = 0; i < 20; i++) {
+        H[i * 21] = 1;
+        f[i] = -1;
+        lower[i] = 0;
+        upper[i] = 2;
+        side[i] = 1;
+    }
+    o.warm = 1;
+    o.steps = 3;
+    ck_assert_int_eq(rbd_qp_solve(&p, &o, memory, sizeof memory, x, lambda, side, &result),
+                     RBD_QP_ITERATIONS);
+    ck_assert_int_le(result.steps, 3);
+    o.steps = 21;
+    ck_assert_int_eq(rbd_qp_solve(&p, &o, memory, sizeof memory, x, lambda, side, &result), RBD_QP_OK);
 }
 END_TEST
 
@@ -879,6 +902,12 @@ START_TEST(saddles_are_refused) {
         set(H, (const double[]){1, 0, 0, -1e-8}, 4);
         check_refused(&p, RBD_QP_CONVEX, 1, "H");
     }
+
+    /* by three alone */
+    const rbd_qp_problem p = problem_of(3, 0, 0);
+    set(H, (const double[]){1, .9, -.9, .9, 1, .9, -.9, .9, 1}, 9);
+    set(f, (const double[]){1, 0, 0}, 3);
+    check_refused(&p, RBD_QP_CONVEX, 2, "H");
 }
 END_TEST
 
@@ -917,6 +946,14 @@ START_TEST(sums_that_overflow_are_not_ok) {
     lower[0] = -NONE;
     upper[0] = 5;
     if (solve(&p) == RBD_QP_OK) ck_assert((double)C[0] * (double)x[0] <= 5 + 1e-6 * (double)C[0]);
+
+    p = problem_of(1, 1, 0);
+    set(H, (const double[]){1e20}, 1);
+    set(f, (const double[]){0}, 1);
+    set(lower, (const double[]){1e15}, 1);
+    upper[0] = NONE;
+    ck_assert_int_eq(solve(&p), RBD_QP_OK);
+    ck_assert(x[0] == lower[0]);
 }
 END_TEST
 

@@ -215,8 +215,10 @@ static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) 
     rbdi_keep_impulses(c);
     for (int k = 0; k < m->nv; ++k)
         finite &= rbdi_abs(c->nu[k]) < RBDI_FASTEST && rbdi_abs(c->dt * c->moved[k]) < RBDI_FASTEST;
-    for (int i = 0; i < c->n; ++i)
-        finite &= rbdi_all_finite(c->contact[i].force, 3) && rbdi_all_finite(&c->contact[i].gap.start, 1);
+    for (int i = 0; i < c->n; ++i) {
+        finite &= rbdi_all_finite(c->contact[i].force, 3);
+        finite &= rbdi_all_finite(&c->contact[i].gap.start, 1);
+    }
     return finite ? RBD_OK : RBD_ERR_NAN;
 }
 
