@@ -550,6 +550,61 @@ START_TEST(momentum_of_what_is_held_is_left_alone) {
 }
 END_TEST
 
+/* A robot beside an arm and a box, with a body of its own that floats on its leg; joints with limits and
+   friction. Its contacts are far away, or open: it keeps its momentum. With `near` the arm's tip meets it.
+   */
+static void fly_among_others(int near, int momentum, double p[2][3], double *end) {
+    const rbd_body hinge = {.parent = -1,
+                            .type = RBD_REVOLUTE,
+                            .axis = {0, 1, 0},
+                            .mass = 1,
+                            .com = {0.15, 0, 0},
+                            .inertia = {1e-3, 0, 0, 0.01, 0, 0.01},
+                            .friction = {0.1},
+                            .lower = -2,
+                            .upper = 2};
+    rbd_body bodies[5] = {hinge, tumbler, hinge, tumbler, tumbler};
+    const rbd_contact contacts[3] = {
+        {.body1 = 2, .body2 = -1, .height = -100},
+        {.body1 = 1, .body2 = -1, .height = -0.301},
+        {.body1 = 0, .body2 = 1, .on_body = 1, .point = {0.3, 0, 0}, .height = near ? 0.299 : -50}};
+    const rbd_contact_options o = {.momentum = momentum, .joint_friction = 1, .joint_limits = 1};
+    scene s;
+    bodies[2].parent = 1;
+    bodies[3].parent = 2;
+    open_scene(&s, "among others", bodies, 5, contacts, 3, &o);
+    rbd_set_gravity(s.r.w, none);
+    s.q[1] = 0.3;
+    s.q[3] = -0.3;
+    for (int k = 0; k < s.r.nv; k++) s.v[k] = 0.1 * (k % 3);
+    s.v[6] = 1;
+    for (int n = 0; n <= 100; n++) {
+        if (n % 100 == 0) {
+            ck_assert_int_eq(rbd_kinematics(s.r.m, s.r.w, s.q, s.v, NULL), RBD_OK);
+            for (int j = 0; j < 3; j++) p[n / 100][j] = 0;
+            for (int i = 1; i < 4; i++) {
+                double v[6];
+                ck_assert_int_eq(rbd_point_velocity(s.r.m, s.r.w, i, bodies[i].com, RBD_WORLD_AXES, v),
+                                 RBD_OK);
+                for (int j = 0; j < 3; j++) p[n / 100][j] += bodies[i].mass * v[3 + j];
+            }
+        }
+        step(&s, 1e-3);
+    }
+    memcpy(end, s.v, 14 * sizeof *end);
+    close_scene(&s);
+}
+
+START_TEST(momentum_among_others) {
+    double p[2][3], end[14];
+    fly_among_others(0, 1, p, end);
+    for (int j = 0; j < 3; j++) ck_assert_double_eq_tol(p[1][j], p[0][j], 1e-12 * 10);
+
+    fly_among_others(1, 1, p, end);
+    ck_assert_double_ge(fabs(p[1][2] - p[0][2]), 1e-3); /* the tip has pushed */
+}
+END_TEST
+
 /* ---- order ---- */
 
 static double distance(const scene *a, const scene *b) {
@@ -1140,6 +1195,7 @@ Suite *contact_energy_suite(void) {
     tcase_add_test(c, momentum_changes_by_the_impulse);
     tcase_add_test(c, momentum_of_what_touches_is_left_alone);
     tcase_add_test(c, momentum_of_what_is_held_is_left_alone);
+    tcase_add_test(c, momentum_among_others);
     tcase_add_test(slow, second_order);
     tcase_add_test(slow, four_bars_turn_for_a_minute);
     tcase_add_test(c, arm_on_a_trunk_that_sticks);
