@@ -41,8 +41,8 @@
      No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant. From libm only sqrt. The number
      of steps is bounded: options->steps. A result with RBD_QP_OK satisfies the conditions of Karush, Kuhn and
      Tucker to the shares that result->primal and ->dual state, at most ten times options->accuracy. x is
-     finite with every status, but after RBD_QP_NULL, _RANGE and _MEMORY it is as it was. With
-     RBD_REPRODUCIBLE the bits are the same on every machine, as of rbd.h.
+     finite with every status, but after RBD_QP_NULL, _RANGE and _MEMORY it is as it was. The bits are the
+     same on every machine with RBD_REPRODUCIBLE, as of rbd.h.
 
    [limits]
      Dense matrices, of up to some hundred variables: a step costs about 3 n^2 products, and one for each
@@ -203,6 +203,25 @@ RBDI_EXTENSION typedef RBD_REAL rbd_real; /* states and results */
 #endif
 
 /* ==== src/rbd_qp.h ==== */
+/* The caller's macros of single letters, such as I of complex.h, are set aside and come back at the end. */
+
+/* ==== src/base/letters_begin.h ==== */
+#pragma push_macro("C")
+#undef C
+#pragma push_macro("D")
+#undef D
+#pragma push_macro("H")
+#undef H
+#pragma push_macro("J")
+#undef J
+#pragma push_macro("L")
+#undef L
+#pragma push_macro("R")
+#undef R
+#pragma push_macro("V")
+#undef V
+
+/* ==== src/rbd_qp.h ==== */
 #ifndef RBD_QP_H
 #define RBD_QP_H
 
@@ -318,25 +337,6 @@ RBDI_EXTERN_C_END
    Stop here if you only use it.
    ================================================================================================= */
 
-/* The caller's macros of single letters, such as I of complex.h, come back at the end. */
-
-/* ==== src/base/letters_begin.h ==== */
-#pragma push_macro("C")
-#undef C
-#pragma push_macro("D")
-#undef D
-#pragma push_macro("H")
-#undef H
-#pragma push_macro("J")
-#undef J
-#pragma push_macro("L")
-#undef L
-#pragma push_macro("R")
-#undef R
-#pragma push_macro("V")
-#undef V
-
-/* ==== src/rbd_qp.h ==== */
 #if defined RBD_IMPLEMENTATION && !defined RBDI_QP_IMPLEMENTED
 #define RBDI_QP_IMPLEMENTED
 
@@ -824,7 +824,7 @@ typedef struct rbdi_qp {
     int q;             /* active rows that are not eliminated */
     rbd_real rho;      /* added to H's diagonal */
     rbd_real own;      /* length of the last row that wanted to join, in the metric of H^-1 */
-    rbd_real far;      /* largest |x_k| so far */
+    rbd_real furthest; /* largest |x_k| so far */
     rbd_real accuracy; /* of rows: that of the options, and tenfold each time after `loosen` steps */
     int doubtful;      /* rows contradict each other by what may be rounding, or sums overflow */
     int loosen;        /* the number of steps at which accuracy grows next */
@@ -1431,9 +1431,9 @@ typedef struct rbdi_qp_miss {
 } rbdi_qp_miss;
 
 RBDI_PART void rbdi_qp_reached(rbdi_qp *s, const rbd_real *x) {
-    for (int k = 0; k < s->n; ++k) s->far = rbdi_qp_larger(s->far, rbdi_abs(x[k]));
+    for (int k = 0; k < s->n; ++k) s->furthest = rbdi_qp_larger(s->furthest, rbdi_abs(x[k]));
     for (int k = 0; k < s->n; ++k)
-        s->reach[k] = rbdi_qp_larger(rbdi_qp_larger(s->reach[k], rbdi_abs(x[k])), RBDI_QP_KEEP * s->far);
+        s->reach[k] = rbdi_qp_larger(rbdi_qp_larger(s->reach[k], rbdi_abs(x[k])), RBDI_QP_KEEP * s->furthest);
 }
 
 /* By how much a value misses the lower side, or the upper one; negative if it does not. */
@@ -1604,8 +1604,8 @@ RBDI_PART void rbdi_qp_correct(rbdi_qp *s, rbd_real *x) {
 
 /* The multipliers of the equalities; result.dual; and corrections where the residuals exceed rounding. */
 RBDI_PART void rbdi_qp_refine(rbdi_qp *s, rbd_real *x) {
-    rbd_real far = 0;
-    for (int k = 0; k < s->n; ++k) far = rbdi_qp_larger(far, s->reach[k]);
+    rbd_real furthest = 0;
+    for (int k = 0; k < s->n; ++k) furthest = rbdi_qp_larger(furthest, s->reach[k]);
 
     for (int corrections = 0;; ++corrections) {
         rbd_real size, worst = 0;
@@ -1615,7 +1615,7 @@ RBDI_PART void rbdi_qp_refine(rbdi_qp *s, rbd_real *x) {
         for (int k = 0; k < s->n; ++k) worst = rbdi_qp_larger(worst, rbdi_abs(s->t[k]));
         s->result.dual = size > 0 ? worst / size : worst;
 
-        if (s->result.dual <= RBDI_QP_REFINED && missed <= RBDI_QP_REFINED * far) return;
+        if (s->result.dual <= RBDI_QP_REFINED && missed <= RBDI_QP_REFINED * furthest) return;
         if (corrections == RBDI_QP_REFINEMENTS) return;
         rbdi_qp_correct(s, x);
     }
@@ -1697,7 +1697,7 @@ RBDI_PART int rbdi_qp_proven(rbdi_qp *s, rbdi_qp_miss miss) {
     }
     for (int k = 0; k < s->n; ++k) {
         if (!(rbdi_abs(s->t[k]) <= 10 * s->options.accuracy * largest)) return 0;
-        left = left + rbdi_abs(s->t[k]) * s->far;
+        left = left + rbdi_abs(s->t[k]) * s->furthest;
     }
     return sum < -(10 * s->options.accuracy * terms + left);
 }
@@ -1726,7 +1726,7 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
             }
             /* x is exact now: less of what has cancelled before still counts. */
             for (int k = 0; k < s->n; ++k)
-                s->reach[k] = rbdi_qp_larger(rbdi_abs(x[k]), RBDI_QP_KEEP * s->far);
+                s->reach[k] = rbdi_qp_larger(rbdi_abs(x[k]), RBDI_QP_KEEP * s->furthest);
             continue;
         }
 
@@ -1798,7 +1798,7 @@ RBDI_PART rbd_qp_status rbdi_qp_rounds(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mi
     rbd_real ahead = 1;
 
     for (;; s->result.rounds++) {
-        rbd_real moved = 0, far = 0, size;
+        rbd_real moved = 0, furthest = 0, size;
         rbd_qp_status status;
 
         rbdi_qp_optimum_on_equalities(s);
@@ -1809,9 +1809,9 @@ RBDI_PART rbd_qp_status rbdi_qp_rounds(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mi
         size = rbdi_qp_value_terms(s, x);
         for (int k = 0; k < s->n; ++k) {
             moved = rbdi_qp_larger(moved, s->rho * rbdi_abs(x[k] - s->centre[k]));
-            far = rbdi_qp_larger(far, s->rho * rbdi_abs(x[k]));
+            furthest = rbdi_qp_larger(furthest, s->rho * rbdi_abs(x[k]));
         }
-        if (moved <= s->options.accuracy * size || (!(size > 0) && moved <= RBDI_QP_STILL * far))
+        if (moved <= s->options.accuracy * size || (!(size > 0) && moved <= RBDI_QP_STILL * furthest))
             return RBD_QP_OK;
         if (s->result.rounds >= s->options.rounds) return RBD_QP_ITERATIONS;
 
@@ -1964,16 +1964,16 @@ RBDI_PART void rbdi_qp_multipliers(const rbdi_qp *s, rbd_real *lambda) {
    pushes the distance from the side, as a share of its terms; and Hx + f + C'lambda, as a share of the
    largest term. */
 RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
-    rbd_real worst = 0, far = 0, sum = 0, size;
+    rbd_real worst = 0, furthest = 0, sum = 0, size;
 
     s->result.primal = 0;
-    for (int k = 0; k < s->n; ++k) far = rbdi_qp_larger(far, rbdi_abs(x[k]));
-    far = rbdi_qp_larger(far, RBDI_QP_KEEP * s->far);
+    for (int k = 0; k < s->n; ++k) furthest = rbdi_qp_larger(furthest, rbdi_abs(x[k]));
+    furthest = rbdi_qp_larger(furthest, RBDI_QP_KEEP * s->furthest);
     size = rbdi_qp_value_terms(s, x);
-    if (!(size > 0)) size = s->rho * far; /* without H and f multipliers are rounding of this */
+    if (!(size > 0)) size = s->rho * furthest; /* without H and f multipliers are rounding of this */
     for (int k = 0; k < s->n; ++k) {
         s->t[k] = rbdi_qp_dot(s->given.H + k * s->n, x, s->n) + s->given.f[k];
-        s->reach[k] = far;
+        s->reach[k] = furthest;
     }
     for (int row = 0; row < s->all; ++row) {
         const rbd_real weight = rbdi_qp_weight(s, row), miss = weight > 0 ? lambda[row] / weight : 0;
@@ -2072,7 +2072,7 @@ RBDI_API rbd_qp_status rbd_qp_solve(const rbd_qp_problem *problem, const rbd_qp_
     s.equalities = 0;
     s.rho = 0;
     s.doubtful = 0;
-    s.far = 0;
+    s.furthest = 0;
     status = rbdi_qp_check_problem(&s);
     if (status == RBD_QP_OK && s.all && (!lambda || !side)) status = RBD_QP_NULL;
     if (status == RBD_QP_OK && size < RBD_QP_SIZE(s.n, problem->bounds, problem->rows, s.soft))

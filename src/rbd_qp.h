@@ -40,8 +40,8 @@
      No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant. From libm only sqrt. The number
      of steps is bounded: options->steps. A result with RBD_QP_OK satisfies the conditions of Karush, Kuhn and
      Tucker to the shares that result->primal and ->dual state, at most ten times options->accuracy. x is
-     finite with every status, but after RBD_QP_NULL, _RANGE and _MEMORY it is as it was. With
-     RBD_REPRODUCIBLE the bits are the same on every machine, as of rbd.h.
+     finite with every status, but after RBD_QP_NULL, _RANGE and _MEMORY it is as it was. The bits are the
+     same on every machine with RBD_REPRODUCIBLE, as of rbd.h.
 
    [limits]
      Dense matrices, of up to some hundred variables: a step costs about 3 n^2 products, and one for each
@@ -51,6 +51,10 @@
 */
 
 #include "api/configuration.h"
+
+/* The caller's macros of single letters, such as I of complex.h, are set aside and come back at the end. */
+
+#include "base/letters_begin.h"
 
 #ifndef RBD_QP_H
 #define RBD_QP_H
@@ -74,10 +78,6 @@ RBDI_EXTERN_C_END
 /* ====================================================================================================
    Stop here if you only use it.
    ================================================================================================= */
-
-/* The caller's macros of single letters, such as I of complex.h, come back at the end. */
-
-#include "base/letters_begin.h"
 
 #if defined RBD_IMPLEMENTATION && !defined RBDI_QP_IMPLEMENTED
 #define RBDI_QP_IMPLEMENTED

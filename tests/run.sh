@@ -295,7 +295,7 @@ echo "configured \$*" >>"$scratch/order"
 mkdir -p "$scratch/tree/build-quick/tests"
 : >"$scratch/tree/build-quick/build.ninja"
 printf '#!/bin/sh\necho "ran \$*"\n[ ! -e "$scratch/wrong" ]\n' >"$scratch/tree/build-quick/tests/tests"
-for other in batch_double__2_lanes sincos_double spatial_double; do
+for other in batch_double__2_lanes sincos_double spatial_double qp_double; do
     printf '#!/bin/sh\necho "ran %s"\n' \$other >"$scratch/tree/build-quick/tests/\$other"
 done
 chmod +x "$scratch/tree/build-quick/tests/"*

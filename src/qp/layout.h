@@ -59,7 +59,7 @@ typedef struct rbdi_qp {
     int q;             /* active rows that are not eliminated */
     rbd_real rho;      /* added to H's diagonal */
     rbd_real own;      /* length of the last row that wanted to join, in the metric of H^-1 */
-    rbd_real far;      /* largest |x_k| so far */
+    rbd_real furthest; /* largest |x_k| so far */
     rbd_real accuracy; /* of rows: that of the options, and tenfold each time after `loosen` steps */
     int doubtful;      /* rows contradict each other by what may be rounding, or sums overflow */
     int loosen;        /* the number of steps at which accuracy grows next */

@@ -73,8 +73,8 @@ RBDI_PART void rbdi_qp_correct(rbdi_qp *s, rbd_real *x) {
 
 /* The multipliers of the equalities; result.dual; and corrections where the residuals exceed rounding. */
 RBDI_PART void rbdi_qp_refine(rbdi_qp *s, rbd_real *x) {
-    rbd_real far = 0;
-    for (int k = 0; k < s->n; ++k) far = rbdi_qp_larger(far, s->reach[k]);
+    rbd_real furthest = 0;
+    for (int k = 0; k < s->n; ++k) furthest = rbdi_qp_larger(furthest, s->reach[k]);
 
     for (int corrections = 0;; ++corrections) {
         rbd_real size, worst = 0;
@@ -84,7 +84,7 @@ RBDI_PART void rbdi_qp_refine(rbdi_qp *s, rbd_real *x) {
         for (int k = 0; k < s->n; ++k) worst = rbdi_qp_larger(worst, rbdi_abs(s->t[k]));
         s->result.dual = size > 0 ? worst / size : worst;
 
-        if (s->result.dual <= RBDI_QP_REFINED && missed <= RBDI_QP_REFINED * far) return;
+        if (s->result.dual <= RBDI_QP_REFINED && missed <= RBDI_QP_REFINED * furthest) return;
         if (corrections == RBDI_QP_REFINEMENTS) return;
         rbdi_qp_correct(s, x);
     }

@@ -78,7 +78,7 @@ RBDI_PART int rbdi_qp_proven(rbdi_qp *s, rbdi_qp_miss miss) {
     }
     for (int k = 0; k < s->n; ++k) {
         if (!(rbdi_abs(s->t[k]) <= 10 * s->options.accuracy * largest)) return 0;
-        left = left + rbdi_abs(s->t[k]) * s->far;
+        left = left + rbdi_abs(s->t[k]) * s->furthest;
     }
     return sum < -(10 * s->options.accuracy * terms + left);
 }
@@ -107,7 +107,7 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
             }
             /* x is exact now: less of what has cancelled before still counts. */
             for (int k = 0; k < s->n; ++k)
-                s->reach[k] = rbdi_qp_larger(rbdi_abs(x[k]), RBDI_QP_KEEP * s->far);
+                s->reach[k] = rbdi_qp_larger(rbdi_abs(x[k]), RBDI_QP_KEEP * s->furthest);
             continue;
         }
 
@@ -179,7 +179,7 @@ RBDI_PART rbd_qp_status rbdi_qp_rounds(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mi
     rbd_real ahead = 1;
 
     for (;; s->result.rounds++) {
-        rbd_real moved = 0, far = 0, size;
+        rbd_real moved = 0, furthest = 0, size;
         rbd_qp_status status;
 
         rbdi_qp_optimum_on_equalities(s);
@@ -190,9 +190,9 @@ RBDI_PART rbd_qp_status rbdi_qp_rounds(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mi
         size = rbdi_qp_value_terms(s, x);
         for (int k = 0; k < s->n; ++k) {
             moved = rbdi_qp_larger(moved, s->rho * rbdi_abs(x[k] - s->centre[k]));
-            far = rbdi_qp_larger(far, s->rho * rbdi_abs(x[k]));
+            furthest = rbdi_qp_larger(furthest, s->rho * rbdi_abs(x[k]));
         }
-        if (moved <= s->options.accuracy * size || (!(size > 0) && moved <= RBDI_QP_STILL * far))
+        if (moved <= s->options.accuracy * size || (!(size > 0) && moved <= RBDI_QP_STILL * furthest))
             return RBD_QP_OK;
         if (s->result.rounds >= s->options.rounds) return RBD_QP_ITERATIONS;
 

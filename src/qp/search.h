@@ -11,9 +11,9 @@ typedef struct rbdi_qp_miss {
 } rbdi_qp_miss;
 
 RBDI_PART void rbdi_qp_reached(rbdi_qp *s, const rbd_real *x) {
-    for (int k = 0; k < s->n; ++k) s->far = rbdi_qp_larger(s->far, rbdi_abs(x[k]));
+    for (int k = 0; k < s->n; ++k) s->furthest = rbdi_qp_larger(s->furthest, rbdi_abs(x[k]));
     for (int k = 0; k < s->n; ++k)
-        s->reach[k] = rbdi_qp_larger(rbdi_qp_larger(s->reach[k], rbdi_abs(x[k])), RBDI_QP_KEEP * s->far);
+        s->reach[k] = rbdi_qp_larger(rbdi_qp_larger(s->reach[k], rbdi_abs(x[k])), RBDI_QP_KEEP * s->furthest);
 }
 
 /* By how much a value misses the lower side, or the upper one; negative if it does not. */

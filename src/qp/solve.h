@@ -141,16 +141,16 @@ RBDI_PART void rbdi_qp_multipliers(const rbdi_qp *s, rbd_real *lambda) {
    pushes the distance from the side, as a share of its terms; and Hx + f + C'lambda, as a share of the
    largest term. */
 RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
-    rbd_real worst = 0, far = 0, sum = 0, size;
+    rbd_real worst = 0, furthest = 0, sum = 0, size;
 
     s->result.primal = 0;
-    for (int k = 0; k < s->n; ++k) far = rbdi_qp_larger(far, rbdi_abs(x[k]));
-    far = rbdi_qp_larger(far, RBDI_QP_KEEP * s->far);
+    for (int k = 0; k < s->n; ++k) furthest = rbdi_qp_larger(furthest, rbdi_abs(x[k]));
+    furthest = rbdi_qp_larger(furthest, RBDI_QP_KEEP * s->furthest);
     size = rbdi_qp_value_terms(s, x);
-    if (!(size > 0)) size = s->rho * far; /* without H and f multipliers are rounding of this */
+    if (!(size > 0)) size = s->rho * furthest; /* without H and f multipliers are rounding of this */
     for (int k = 0; k < s->n; ++k) {
         s->t[k] = rbdi_qp_dot(s->given.H + k * s->n, x, s->n) + s->given.f[k];
-        s->reach[k] = far;
+        s->reach[k] = furthest;
     }
     for (int row = 0; row < s->all; ++row) {
         const rbd_real weight = rbdi_qp_weight(s, row), miss = weight > 0 ? lambda[row] / weight : 0;
@@ -249,7 +249,7 @@ RBDI_API rbd_qp_status rbd_qp_solve(const rbd_qp_problem *problem, const rbd_qp_
     s.equalities = 0;
     s.rho = 0;
     s.doubtful = 0;
-    s.far = 0;
+    s.furthest = 0;
     status = rbdi_qp_check_problem(&s);
     if (status == RBD_QP_OK && s.all && (!lambda || !side)) status = RBD_QP_NULL;
     if (status == RBD_QP_OK && size < RBD_QP_SIZE(s.n, problem->bounds, problem->rows, s.soft))
