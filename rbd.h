@@ -25,7 +25,7 @@
      [types] [status] [build] [work] [dynamics] [kinematics] [points] [manifold] [lookup]
      --- stop here if you only use it ---
      [layout]
-     [design] [compiler] [tolerances] [scalar] [reduction] [spatial algebra] [common] [features]
+     [design] [compiler] [tolerances] [scalar] [reduction] [spatial algebra] [pieces] [common] [features]
      [joint types] [joints] [state] [rnea] [crba] [aba] [packed matrix] [pivots] [hybrid]
      [forward dynamics code] [axes] [kinematics code] [points code] [manifold code] [free step] [work code]
      [lookup code] [text code]
@@ -2847,6 +2847,42 @@ RBDI_CODE_END
 #define RBDI_IMPLEMENTED
 RBDI_CODE_BEGIN
 
+/* ==== src/base/pieces.h ==== */
+#ifndef RBDI_BASE_PIECES_H
+#define RBDI_BASE_PIECES_H
+/* ---- pieces [pieces] ----
+   Pieces of a caller's memory, and of a sentence. */
+
+/* Takes count objects of size bytes from the front of the memory. */
+RBDI_PART void *rbdi_take(unsigned char **memory, int count, size_t size) {
+    unsigned char *taken = *memory;
+    *memory += (size_t)count * size;
+    return taken;
+}
+
+/* Writes n, which is not negative, into the end of `digits`; returns where it begins. */
+RBDI_PART const char *rbdi_decimal(int n, char digits[12]) {
+    int at = 11;
+
+    digits[at] = 0;
+    do {
+        digits[--at] = (char)('0' + n % 10);
+        n = n / 10;
+    } while (n);
+    return &digits[at];
+}
+
+/* Writes n pieces one behind the other, cut to fit in size bytes, always terminated. Returns text. */
+RBDI_PART char *rbdi_join(const char *const *piece, int n, char *text, size_t size) {
+    size_t at = 0;
+
+    for (int k = 0; k < n; ++k)
+        for (const char *c = piece[k]; *c && at + 1 < size; ++c) text[at++] = *c;
+    text[at] = 0;
+    return text;
+}
+#endif
+
 /* ==== src/base/memory.h ==== */
 /* ---- common [common] ----
    Small functions that several sections call. */
@@ -2879,13 +2915,6 @@ RBDI_PART int rbdi_same(const char *a, const char *b) {
         ++b;
     }
     return *a == *b;
-}
-
-/* Takes count objects of size bytes from the front of the memory. */
-RBDI_PART void *rbdi_take(unsigned char **memory, int count, size_t size) {
-    unsigned char *taken = *memory;
-    *memory += (size_t)count * size;
-    return taken;
 }
 
 /* The first address in the memory with the alignment of RBDI_ALIGN. */
@@ -6974,43 +7003,32 @@ RBDI_MESSAGES RBDI_API const char *rbd_status_string(rbd_status status) {
 
 /* Writes a finding as a sentence; what: the word for a row of the description. */
 static char *rbdi_write_finding(const rbd_finding *finding, const char *what, char *text, size_t size) {
-    const char *parts[12];
-    char number[12];
-    size_t at = 0;
-    int n = 0, digit = 11;
+    const char *piece[12];
+    char digits[12];
+    int n = 0;
     if (!finding || !text || size == 0) return text;
 
     if (finding->body >= 0) {
-        int rest = finding->body;
-
-        number[digit] = 0;
-        do number[--digit] = (char)('0' + rest % 10);
-
-        while (rest /= 10);
-        parts[n++] = what;
-        parts[n++] = " ";
-        parts[n++] = &number[digit];
+        piece[n++] = what;
+        piece[n++] = " ";
+        piece[n++] = rbdi_decimal(finding->body, digits);
 
         if (finding->name) {
-            parts[n++] = " '";
-            parts[n++] = finding->name;
-            parts[n++] = "'";
+            piece[n++] = " '";
+            piece[n++] = finding->name;
+            piece[n++] = "'";
         }
-
-        parts[n++] = ", ";
+        piece[n++] = ", ";
     }
 
     if (finding->field) {
-        parts[n++] = "field '";
-        parts[n++] = finding->field;
-        parts[n++] = "': ";
+        piece[n++] = "field '";
+        piece[n++] = finding->field;
+        piece[n++] = "': ";
     }
 
-    parts[n++] = finding->text ? finding->text : rbd_status_string(finding->status);
-    for (int k = 0; k < n; ++k)
-        for (const char *c = parts[k]; *c && at + 1 < size; ++c) text[at++] = *c;
-    text[at] = 0;
-    return text;
+    piece[n++] = finding->text ? finding->text : rbd_status_string(finding->status);
+    return rbdi_join(piece, n, text, size);
 }
 
 RBDI_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t size) {

@@ -1797,8 +1797,8 @@ RBDI_PART void rbdi_assign_lanes(const rbd_model *m, rbd_derivatives *d) {
 }
 
 #if RBDI_BATCH > 1
-/* Which of a dof's three lists has a batch with these lanes: 0 those on the path only, 1 those with both, 2
-   those in the subtree only; -1 = none. */
+/* The list of a dof that a batch with these lanes is in: 0 for lanes on the path alone, 1 for both, 2 for
+   lanes in the subtree alone; -1 = none. */
 RBDI_PART int rbdi_list_of(uint64_t lanes) {
     const int subtree = lanes >> RBDI_IN_SUBTREE != 0, path = lanes % ((uint64_t)1 << RBDI_IN_SUBTREE) != 0;
     if (path && subtree) return 1;

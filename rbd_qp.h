@@ -23,7 +23,7 @@
      [conventions] [configuration] [guarantees] [limits]
      [problem] [solve]
      --- stop here if you only use it ---
-     [layout] [compiler] [tolerances] [scalar]
+     [layout] [compiler] [tolerances] [scalar] [pieces]
      [method] [vectors] [factor] [active rows] [search] [refinement] [rounds] [solve code]
      [text code]
      [licence]
@@ -767,6 +767,42 @@ RBDI_INLINE rbd_real rbdi_pivot_inverse(rbd_real D, rbd_const scale, rbdi_mask *
 }
 #endif
 
+/* ==== src/base/pieces.h ==== */
+#ifndef RBDI_BASE_PIECES_H
+#define RBDI_BASE_PIECES_H
+/* ---- pieces [pieces] ----
+   Pieces of a caller's memory, and of a sentence. */
+
+/* Takes count objects of size bytes from the front of the memory. */
+RBDI_PART void *rbdi_take(unsigned char **memory, int count, size_t size) {
+    unsigned char *taken = *memory;
+    *memory += (size_t)count * size;
+    return taken;
+}
+
+/* Writes n, which is not negative, into the end of `digits`; returns where it begins. */
+RBDI_PART const char *rbdi_decimal(int n, char digits[12]) {
+    int at = 11;
+
+    digits[at] = 0;
+    do {
+        digits[--at] = (char)('0' + n % 10);
+        n = n / 10;
+    } while (n);
+    return &digits[at];
+}
+
+/* Writes n pieces one behind the other, cut to fit in size bytes, always terminated. Returns text. */
+RBDI_PART char *rbdi_join(const char *const *piece, int n, char *text, size_t size) {
+    size_t at = 0;
+
+    for (int k = 0; k < n; ++k)
+        for (const char *c = piece[k]; *c && at + 1 < size; ++c) text[at++] = *c;
+    text[at] = 0;
+    return text;
+}
+#endif
+
 /* ==== src/qp/layout.h ==== */
 /* ---- method [method] ----
    Minimise x'Hx/2 + f'x with n_i'x >= b_i, where the normal n_i of a row points into what is allowed: the
@@ -857,17 +893,11 @@ typedef struct rbdi_qp {
     int *end;       /* of each reflection: behind its last component */
 } rbdi_qp;
 
-/* Takes count objects of size bytes from the front of the memory. */
-RBDI_PART void *rbdi_qp_take(unsigned char **memory, int count, size_t size) {
-    unsigned char *taken = *memory;
-    *memory += (size_t)count * size;
-    return taken;
-}
 RBDI_PART rbd_real *rbdi_qp_scalars(unsigned char **at, int count) {
-    return (rbd_real *)rbdi_qp_take(at, count, sizeof(rbd_real));
+    return (rbd_real *)rbdi_take(at, count, sizeof(rbd_real));
 }
 RBDI_PART int *rbdi_qp_ints(unsigned char **at, int count) {
-    return (int *)rbdi_qp_take(at, count, sizeof(int));
+    return (int *)rbdi_take(at, count, sizeof(int));
 }
 
 /* Gives each array its place in the memory. V and J lie in one: what is eliminated is no column of J. */
@@ -1248,6 +1278,12 @@ RBDI_INLINE rbd_real rbdi_qp_free_part(const rbdi_qp *s) {
     return rbdi_qp_dot(s->d + s->q, s->d + s->q, s->columns - s->q);
 }
 
+/* Whether a hard row, with d as it is, depends on the active ones; square: |d2|^2. A soft row never does. */
+RBDI_INLINE int rbdi_qp_depends(const rbdi_qp *s, int row, rbd_real square) {
+    const rbd_real least = RBDI_QP_DEPENDENT * s->own;
+    return !(rbdi_qp_weight(s, row) > 0) && square <= least * least;
+}
+
 /* z = J2 d2 */
 RBDI_PART void rbdi_qp_way(rbdi_qp *s) {
     rbdi_qp_clear(s->z, s->n);
@@ -1494,14 +1530,12 @@ RBDI_PART int rbdi_qp_first_to_leave(const rbdi_qp *s, rbd_real *step) {
    and then a row leaves, or the row joins. A row that depends on the active ones, and with which none can
    leave, contradicts them. */
 RBDI_PART rbd_qp_status rbdi_qp_take_in(rbdi_qp *s, rbd_real *x, rbdi_qp_miss miss) {
-    const int hard = !(rbdi_qp_weight(s, miss.row) > 0);
     rbd_real u = 0;
 
     s->own = rbdi_qp_enter(s, miss.row, miss.side);
     while (s->result.steps < s->options.steps) {
         const rbd_real square = rbdi_qp_free_part(s);
-        const rbd_real least = RBDI_QP_DEPENDENT * s->own;
-        const int dependent = hard && square <= least * least;
+        const int dependent = rbdi_qp_depends(s, miss.row, square);
         rbd_real step;
         int leaves;
 
@@ -1640,13 +1674,12 @@ RBDI_PART void rbdi_qp_optimum_on_equalities(rbdi_qp *s) {
 RBDI_PART void rbdi_qp_guess(rbdi_qp *s, int row, int side) {
     const int hard = !(rbdi_qp_weight(s, row) > 0);
     const rbd_real bound = side > 0 ? s->given.upper[row] : s->given.lower[row];
-    rbd_real square, least;
+    rbd_real square;
 
     if (s->from[row] == s->to[row] || rbdi_abs(bound) >= RBDI_QP_NONE || (hard && s->q >= s->columns)) return;
     s->own = rbdi_qp_enter(s, row, side);
     square = rbdi_qp_free_part(s);
-    least = RBDI_QP_DEPENDENT * s->own;
-    if (hard && square <= least * least) return;
+    if (rbdi_qp_depends(s, row, square)) return;
     rbdi_qp_way(s);
     rbdi_qp_join(s, row, side, 0, square);
 }
@@ -1944,8 +1977,9 @@ RBDI_PART rbd_qp_status rbdi_qp_factor_any(rbdi_qp *s) {
     return at == s->n ? RBD_QP_OK : rbdi_qp_refuse(s, RBD_QP_CONVEX, at, "H");
 }
 
-/* Multipliers of what holds. */
-RBDI_PART void rbdi_qp_multipliers(const rbdi_qp *s, rbd_real *lambda) {
+/* Multipliers of what holds. A proof that did not hold may stand there. */
+RBDI_PART void rbdi_qp_multipliers(rbdi_qp *s, rbd_real *lambda) {
+    for (int row = 0; row < s->all; ++row) lambda[row] = 0;
     for (int j = 0; j < s->q; ++j) {
         const int row = s->active[j];
         const rbd_real u = rbdi_qp_is_equality(s, row) ? s->u[j] : rbdi_qp_larger(s->u[j], 0);
@@ -1954,10 +1988,13 @@ RBDI_PART void rbdi_qp_multipliers(const rbdi_qp *s, rbd_real *lambda) {
     for (int e = 0; e < s->equalities; ++e) lambda[s->equality[e]] = -s->u_equal[e];
 
     /* Rows of zeros: e = u/w is what 0 misses. */
-    for (int row = 0; row < s->all; ++row)
-        if (s->from[row] == s->to[row])
-            lambda[row] = rbdi_qp_weight(s, row) * (rbdi_qp_larger(0 - s->given.upper[row], 0) -
-                                                    rbdi_qp_larger(s->given.lower[row], 0));
+    for (int row = 0; row < s->all; ++row) {
+        const rbd_real below = rbdi_qp_larger(s->given.lower[row], 0);
+        const rbd_real above = rbdi_qp_larger(-s->given.upper[row], 0);
+        if (s->from[row] < s->to[row]) continue;
+        lambda[row] = rbdi_qp_weight(s, row) * (above - below);
+        s->side[row] = (signed char)(lambda[row] > 0 ? 1 : lambda[row] < 0 ? -1 : 0);
+    }
 }
 
 /* result.primal and result.dual of x and lambda, whatever they came from: of each row, the miss, or where it
@@ -2120,33 +2157,24 @@ RBDI_MESSAGES RBDI_PART const char *rbdi_qp_sentence(rbd_qp_status status) {
 }
 
 RBDI_API char *rbd_qp_text(rbd_qp_status status, const rbd_qp_result *result, char *text, size_t size) {
-    const char *parts[8];
-    char number[12];
-    size_t at = 0;
+    const char *piece[8];
+    char digits[12];
     int n = 0;
     if (!text || size == 0) return text;
 
     if (result && result->at >= 0) {
         const int variable = !result->field || result->field[0] == 'H' || result->field[0] == 'f';
-        int rest = result->at, digit = 11;
-        number[digit] = 0;
-        do number[--digit] = (char)('0' + rest % 10);
-        while (rest /= 10);
-        parts[n++] = variable ? "variable " : "row ";
-        parts[n++] = &number[digit];
-        parts[n++] = ", ";
+        piece[n++] = variable ? "variable " : "row ";
+        piece[n++] = rbdi_decimal(result->at, digits);
+        piece[n++] = ", ";
     }
     if (result && result->field) {
-        parts[n++] = "field '";
-        parts[n++] = result->field;
-        parts[n++] = "': ";
+        piece[n++] = "field '";
+        piece[n++] = result->field;
+        piece[n++] = "': ";
     }
-    parts[n++] = rbdi_qp_sentence(status);
-
-    for (int k = 0; k < n; ++k)
-        for (const char *c = parts[k]; *c && at + 1 < size; ++c) text[at++] = *c;
-    text[at] = 0;
-    return text;
+    piece[n++] = rbdi_qp_sentence(status);
+    return rbdi_join(piece, n, text, size);
 }
 
 /* ==== src/rbd_qp.h ==== */

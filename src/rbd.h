@@ -24,7 +24,7 @@
      [types] [status] [build] [work] [dynamics] [kinematics] [points] [manifold] [lookup]
      --- stop here if you only use it ---
      [layout]
-     [design] [compiler] [tolerances] [scalar] [reduction] [spatial algebra] [common] [features]
+     [design] [compiler] [tolerances] [scalar] [reduction] [spatial algebra] [pieces] [common] [features]
      [joint types] [joints] [state] [rnea] [crba] [aba] [packed matrix] [pivots] [hybrid]
      [forward dynamics code] [axes] [kinematics code] [points code] [manifold code] [free step] [work code]
      [lookup code] [text code]
@@ -263,6 +263,7 @@ RBDI_CODE_END
 #define RBDI_IMPLEMENTED
 RBDI_CODE_BEGIN
 
+#include "base/pieces.h"
 #include "base/memory.h"
 #include "model/features.h"
 #include "model/joint_types.h"

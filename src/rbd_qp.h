@@ -22,7 +22,7 @@
      [conventions] [configuration] [guarantees] [limits]
      [problem] [solve]
      --- stop here if you only use it ---
-     [layout] [compiler] [tolerances] [scalar]
+     [layout] [compiler] [tolerances] [scalar] [pieces]
      [method] [vectors] [factor] [active rows] [search] [refinement] [rounds] [solve code]
      [text code]
      [licence]
@@ -89,6 +89,7 @@ RBDI_CODE_BEGIN
 
 #include "base/tolerances.h"
 #include "base/scalar.h"
+#include "base/pieces.h"
 #include "qp/layout.h"
 #include "qp/vectors.h"
 #include "qp/factor.h"

@@ -772,6 +772,7 @@ START_TEST(slight_contradictions_are_inaccurate) {
     memcpy(upper, lower, 2 * sizeof *upper);
     ck_assert_int_eq(solve(&p), RBD_QP_INACCURATE);
     ck_assert(result.primal > 0.1 * little && result.primal < little);
+    ck_assert_msg(result.dual < tight, "lambda of a proof that did not hold: dual %g", (double)result.dual);
     lower[1] = upper[1] = (rbd_real)(1 + 100 * little);
     ck_assert_int_eq(solve(&p), RBD_QP_INFEASIBLE);
     check_proof(&p, "contradiction", 0);
@@ -888,6 +889,7 @@ START_TEST(rows_of_zeros_move_nothing) {
     p.soft = soft;
     ck_assert_int_eq(solve(&p), RBD_QP_OK);
     ck_assert(x[0] == 3 && fabs((double)lambda[0] / -1e15 - 1) < tight && lambda[1] == 0);
+    ck_assert(side[0] == -1 && side[1] == 0);
 }
 END_TEST
 

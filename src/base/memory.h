@@ -35,13 +35,6 @@ RBDI_PART int rbdi_same(const char *a, const char *b) {
     return *a == *b;
 }
 
-/* Takes count objects of size bytes from the front of the memory. */
-RBDI_PART void *rbdi_take(unsigned char **memory, int count, size_t size) {
-    unsigned char *taken = *memory;
-    *memory += (size_t)count * size;
-    return taken;
-}
-
 /* The first address in the memory with the alignment of RBDI_ALIGN. */
 RBDI_PART unsigned char *rbdi_aligned(void *memory) {
     return (unsigned char *)(((uintptr_t)memory + RBDI_ALIGN - 1) / RBDI_ALIGN * RBDI_ALIGN);

@@ -4,6 +4,7 @@
 #include "api/dynamics.h"
 #include "api/kinematics.h"
 #include "api/lookup.h"
+#include "base/pieces.h"
 #include "base/memory.h"
 #include "batch/tasks.h"
 

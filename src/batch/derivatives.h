@@ -1,6 +1,7 @@
 #ifndef RBDI_BATCH_DERIVATIVES_H
 #define RBDI_BATCH_DERIVATIVES_H
 #include "api/lookup.h"
+#include "base/pieces.h"
 #include "base/memory.h"
 #include "derivatives/layout.h"
 #include "api/batch_derivatives.h"

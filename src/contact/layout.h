@@ -1,6 +1,6 @@
 #ifndef RBDI_CONTACT_LAYOUT_H
 #define RBDI_CONTACT_LAYOUT_H
-#include "base/memory.h"
+#include "base/pieces.h"
 #include "constraints/layout.h"
 #include "api/contact.h"
 

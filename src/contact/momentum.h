@@ -1,6 +1,7 @@
 #ifndef RBDI_CONTACT_MOMENTUM_H
 #define RBDI_CONTACT_MOMENTUM_H
 #include "api/dynamics.h"
+#include "base/memory.h"
 #include "model/joints.h"
 #include "contact/layout.h"
 

@@ -1,5 +1,6 @@
 #ifndef RBDI_CONTACT_NEWTON_H
 #define RBDI_CONTACT_NEWTON_H
+#include "base/memory.h"
 #include "contact/laws.h"
 
 /* ---- newton [newton] ----

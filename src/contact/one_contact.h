@@ -1,5 +1,6 @@
 #ifndef RBDI_CONTACT_ONE_CONTACT_H
 #define RBDI_CONTACT_ONE_CONTACT_H
+#include "base/scalar.h"
 #include "contact/layout.h"
 #include "contact/tolerances.h"
 

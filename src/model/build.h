@@ -1,6 +1,7 @@
 #ifndef RBDI_MODEL_BUILD_H
 #define RBDI_MODEL_BUILD_H
 #include "api/model.h"
+#include "base/pieces.h"
 #include "model/emit.h"
 
 /* Takes the model and the scratch of the build from the memory. */

@@ -1,7 +1,7 @@
 #ifndef RBDI_MODEL_TEXT_H
 #define RBDI_MODEL_TEXT_H
 #include "api/status.h"
-#include "base/compiler.h"
+#include "base/pieces.h"
 
 /* Interface: rbdi_write_finding */
 
@@ -57,43 +57,32 @@ RBDI_MESSAGES RBDI_API const char *rbd_status_string(rbd_status status) {
 
 /* Writes a finding as a sentence; what: the word for a row of the description. */
 static char *rbdi_write_finding(const rbd_finding *finding, const char *what, char *text, size_t size) {
-    const char *parts[12];
-    char number[12];
-    size_t at = 0;
-    int n = 0, digit = 11;
+    const char *piece[12];
+    char digits[12];
+    int n = 0;
     if (!finding || !text || size == 0) return text;
 
     if (finding->body >= 0) {
-        int rest = finding->body;
-
-        number[digit] = 0;
-        do number[--digit] = (char)('0' + rest % 10);
-
-        while (rest /= 10);
-        parts[n++] = what;
-        parts[n++] = " ";
-        parts[n++] = &number[digit];
+        piece[n++] = what;
+        piece[n++] = " ";
+        piece[n++] = rbdi_decimal(finding->body, digits);
 
         if (finding->name) {
-            parts[n++] = " '";
-            parts[n++] = finding->name;
-            parts[n++] = "'";
+            piece[n++] = " '";
+            piece[n++] = finding->name;
+            piece[n++] = "'";
         }
-
-        parts[n++] = ", ";
+        piece[n++] = ", ";
     }
 
     if (finding->field) {
-        parts[n++] = "field '";
-        parts[n++] = finding->field;
-        parts[n++] = "': ";
+        piece[n++] = "field '";
+        piece[n++] = finding->field;
+        piece[n++] = "': ";
     }
 
-    parts[n++] = finding->text ? finding->text : rbd_status_string(finding->status);
-    for (int k = 0; k < n; ++k)
-        for (const char *c = parts[k]; *c && at + 1 < size; ++c) text[at++] = *c;
-    text[at] = 0;
-    return text;
+    piece[n++] = finding->text ? finding->text : rbd_status_string(finding->status);
+    return rbdi_join(piece, n, text, size);
 }
 
 RBDI_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t size) {

@@ -2,6 +2,7 @@
 #define RBDI_MODEL_WORK_INIT_H
 #include "api/model.h"
 #include "model/work.h"
+#include "base/pieces.h"
 #include "base/memory.h"
 #include "model/features.h"
 

@@ -32,6 +32,12 @@ RBDI_INLINE rbd_real rbdi_qp_free_part(const rbdi_qp *s) {
     return rbdi_qp_dot(s->d + s->q, s->d + s->q, s->columns - s->q);
 }
 
+/* Whether a hard row, with d as it is, depends on the active ones; square: |d2|^2. A soft row never does. */
+RBDI_INLINE int rbdi_qp_depends(const rbdi_qp *s, int row, rbd_real square) {
+    const rbd_real least = RBDI_QP_DEPENDENT * s->own;
+    return !(rbdi_qp_weight(s, row) > 0) && square <= least * least;
+}
+
 /* z = J2 d2 */
 RBDI_PART void rbdi_qp_way(rbdi_qp *s) {
     rbdi_qp_clear(s->z, s->n);

@@ -1,6 +1,6 @@
 #ifndef RBDI_QP_LAYOUT_H
 #define RBDI_QP_LAYOUT_H
-#include "base/compiler.h"
+#include "base/pieces.h"
 #include "api/qp.h"
 
 /* ---- method [method] ----
@@ -92,17 +92,11 @@ typedef struct rbdi_qp {
     int *end;       /* of each reflection: behind its last component */
 } rbdi_qp;
 
-/* Takes count objects of size bytes from the front of the memory. */
-RBDI_PART void *rbdi_qp_take(unsigned char **memory, int count, size_t size) {
-    unsigned char *taken = *memory;
-    *memory += (size_t)count * size;
-    return taken;
-}
 RBDI_PART rbd_real *rbdi_qp_scalars(unsigned char **at, int count) {
-    return (rbd_real *)rbdi_qp_take(at, count, sizeof(rbd_real));
+    return (rbd_real *)rbdi_take(at, count, sizeof(rbd_real));
 }
 RBDI_PART int *rbdi_qp_ints(unsigned char **at, int count) {
-    return (int *)rbdi_qp_take(at, count, sizeof(int));
+    return (int *)rbdi_take(at, count, sizeof(int));
 }
 
 /* Gives each array its place in the memory. V and J lie in one: what is eliminated is no column of J. */

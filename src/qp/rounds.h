@@ -21,13 +21,12 @@ RBDI_PART void rbdi_qp_optimum_on_equalities(rbdi_qp *s) {
 RBDI_PART void rbdi_qp_guess(rbdi_qp *s, int row, int side) {
     const int hard = !(rbdi_qp_weight(s, row) > 0);
     const rbd_real bound = side > 0 ? s->given.upper[row] : s->given.lower[row];
-    rbd_real square, least;
+    rbd_real square;
 
     if (s->from[row] == s->to[row] || rbdi_abs(bound) >= RBDI_QP_NONE || (hard && s->q >= s->columns)) return;
     s->own = rbdi_qp_enter(s, row, side);
     square = rbdi_qp_free_part(s);
-    least = RBDI_QP_DEPENDENT * s->own;
-    if (hard && square <= least * least) return;
+    if (rbdi_qp_depends(s, row, square)) return;
     rbdi_qp_way(s);
     rbdi_qp_join(s, row, side, 0, square);
 }

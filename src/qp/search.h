@@ -74,14 +74,12 @@ RBDI_PART int rbdi_qp_first_to_leave(const rbdi_qp *s, rbd_real *step) {
    and then a row leaves, or the row joins. A row that depends on the active ones, and with which none can
    leave, contradicts them. */
 RBDI_PART rbd_qp_status rbdi_qp_take_in(rbdi_qp *s, rbd_real *x, rbdi_qp_miss miss) {
-    const int hard = !(rbdi_qp_weight(s, miss.row) > 0);
     rbd_real u = 0;
 
     s->own = rbdi_qp_enter(s, miss.row, miss.side);
     while (s->result.steps < s->options.steps) {
         const rbd_real square = rbdi_qp_free_part(s);
-        const rbd_real least = RBDI_QP_DEPENDENT * s->own;
-        const int dependent = hard && square <= least * least;
+        const int dependent = rbdi_qp_depends(s, miss.row, square);
         rbd_real step;
         int leaves;
 

@@ -121,8 +121,9 @@ RBDI_PART rbd_qp_status rbdi_qp_factor_any(rbdi_qp *s) {
     return at == s->n ? RBD_QP_OK : rbdi_qp_refuse(s, RBD_QP_CONVEX, at, "H");
 }
 
-/* Multipliers of what holds. */
-RBDI_PART void rbdi_qp_multipliers(const rbdi_qp *s, rbd_real *lambda) {
+/* Multipliers of what holds. A proof that did not hold may stand there. */
+RBDI_PART void rbdi_qp_multipliers(rbdi_qp *s, rbd_real *lambda) {
+    for (int row = 0; row < s->all; ++row) lambda[row] = 0;
     for (int j = 0; j < s->q; ++j) {
         const int row = s->active[j];
         const rbd_real u = rbdi_qp_is_equality(s, row) ? s->u[j] : rbdi_qp_larger(s->u[j], 0);
@@ -131,10 +132,13 @@ RBDI_PART void rbdi_qp_multipliers(const rbdi_qp *s, rbd_real *lambda) {
     for (int e = 0; e < s->equalities; ++e) lambda[s->equality[e]] = -s->u_equal[e];
 
     /* Rows of zeros: e = u/w is what 0 misses. */
-    for (int row = 0; row < s->all; ++row)
-        if (s->from[row] == s->to[row])
-            lambda[row] = rbdi_qp_weight(s, row) * (rbdi_qp_larger(0 - s->given.upper[row], 0) -
-                                                    rbdi_qp_larger(s->given.lower[row], 0));
+    for (int row = 0; row < s->all; ++row) {
+        const rbd_real below = rbdi_qp_larger(s->given.lower[row], 0);
+        const rbd_real above = rbdi_qp_larger(-s->given.upper[row], 0);
+        if (s->from[row] < s->to[row]) continue;
+        lambda[row] = rbdi_qp_weight(s, row) * (above - below);
+        s->side[row] = (signed char)(lambda[row] > 0 ? 1 : lambda[row] < 0 ? -1 : 0);
+    }
 }
 
 /* result.primal and result.dual of x and lambda, whatever they came from: of each row, the miss, or where it

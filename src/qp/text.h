@@ -1,6 +1,6 @@
 #ifndef RBDI_QP_TEXT_H
 #define RBDI_QP_TEXT_H
-#include "base/compiler.h"
+#include "base/pieces.h"
 #include "api/qp.h"
 
 /* ---- text [text code] ---- */
@@ -24,33 +24,24 @@ RBDI_MESSAGES RBDI_PART const char *rbdi_qp_sentence(rbd_qp_status status) {
 }
 
 RBDI_API char *rbd_qp_text(rbd_qp_status status, const rbd_qp_result *result, char *text, size_t size) {
-    const char *parts[8];
-    char number[12];
-    size_t at = 0;
+    const char *piece[8];
+    char digits[12];
     int n = 0;
     if (!text || size == 0) return text;
 
     if (result && result->at >= 0) {
         const int variable = !result->field || result->field[0] == 'H' || result->field[0] == 'f';
-        int rest = result->at, digit = 11;
-        number[digit] = 0;
-        do number[--digit] = (char)('0' + rest % 10);
-        while (rest /= 10);
-        parts[n++] = variable ? "variable " : "row ";
-        parts[n++] = &number[digit];
-        parts[n++] = ", ";
+        piece[n++] = variable ? "variable " : "row ";
+        piece[n++] = rbdi_decimal(result->at, digits);
+        piece[n++] = ", ";
     }
     if (result && result->field) {
-        parts[n++] = "field '";
-        parts[n++] = result->field;
-        parts[n++] = "': ";
+        piece[n++] = "field '";
+        piece[n++] = result->field;
+        piece[n++] = "': ";
     }
-    parts[n++] = rbdi_qp_sentence(status);
-
-    for (int k = 0; k < n; ++k)
-        for (const char *c = parts[k]; *c && at + 1 < size; ++c) text[at++] = *c;
-    text[at] = 0;
-    return text;
+    piece[n++] = rbdi_qp_sentence(status);
+    return rbdi_join(piece, n, text, size);
 }
 
 #endif

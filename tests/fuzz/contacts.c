@@ -1189,27 +1189,75 @@ static void check_balance(const rbd_real *q, const rbd_real *v, const rbd_real *
            fabs((double)((after - before - done) / (all * order_3 + (all + sizes) * rounding + 1e-30L))));
 }
 
-/* Velocity terms of the step's last solution are those of the mean of v and a solution before it. */
+/* A solution without contacts, and its forces K (nu - begin). */
+typedef struct motion {
+    quad nu[WORLD_DOFS], force[WORLD_DOFS];
+} motion;
+
+static motion motion_of(const quad *w) {
+    motion m;
+    move_freely(w, m.nu);
+    memcpy(m.force, forces, sizeof forces);
+    return m;
+}
+
+/* Twice the kinetic energy of the change from one motion to another. */
+static quad energy_of_change(const motion *from, const motion *to) {
+    quad sum = 0;
+    for (int k = 0; k < nv; k++) sum += (to->nu[k] - from->nu[k]) * (to->force[k] - from->force[k]);
+    return sum;
+}
+
+/* Where solutions diverge, the third is the sum of their series: third - r/(1 + r) (third - first). */
+static void sum_series(const motion *first, const motion *second, motion *third) {
+    const quad before = energy_of_change(first, second), after = energy_of_change(second, third);
+    if (!(after > before)) return;
+    for (int k = 0; k < nv; k++) {
+        third->nu[k] -= after / (before + after) * (third->nu[k] - first->nu[k]);
+        third->force[k] -= after / (before + after) * (third->force[k] - first->force[k]);
+    }
+}
+
+/* Velocity terms of the step's last solution are those of the mean of v and a solution before it. That one
+   has impulses of its own, and is taken from the library, as the mean is. */
 static void find_last_motion(void) {
+    const motion first = motion_of(begin);
+    motion second, third;
+    rbd_real change[WORLD_DOFS];
     quad w[WORLD_DOFS];
+
+    for (int k = 0; k < nv; k++) change[k] = set->x[1][k];
+    rbdi_vector_forward(model, work, work->H, change);
+    for (int k = 0; k < nv; k++) second.nu[k] = begin[k] + (quad)change[k];
+    for (int k = 0; k < nv; k++) {
+        second.force[k] = 0;
+        for (int j = 0; j < nv; j++) second.force[k] += M[k * nv + j] * (quad)change[j];
+    }
+
     for (int k = 0; k < nv; k++) w[k] = (quad)set->at[k];
-    move_freely(w, nu_free);
+    third = motion_of(w);
+    sum_series(&first, &second, &third);
+    memcpy(nu_free, third.nu, sizeof nu_free);
+    memcpy(forces, third.force, sizeof forces);
 }
 
 /* rbd_free_step is the step without contacts, and three solutions with the velocity terms of the mean. */
 static void check_free_step(const rbd_real *q, const rbd_real *v, const rbd_real *tau, const rbd_real *wrench,
                             const rbd_real *damping) {
     rbd_real q_next[WORLD_COORDINATES], v_next[WORLD_DOFS], q_too[WORLD_COORDINATES], v_too[WORLD_DOFS];
-    quad w[WORLD_DOFS], nu[WORLD_DOFS], at_end[WORLD_DOFS], q_end[WORLD_COORDINATES];
+    quad w[WORLD_DOFS], *nu, at_end[WORLD_DOFS], q_end[WORLD_COORDINATES];
+    motion free_motion[3];
     const rbd_real dt = (rbd_real)now.dt;
     const size_t size = rbd_contact_set_size(model, 0, NULL, 0, NULL);
     void *empty_memory = memory_of(size);
     rbd_contact_set *empty;
-    memcpy(nu, nu_0, sizeof nu);
-    for (int i = 0; i < 2; i++) {
-        for (int k = 0; k < nv; k++) w[k] = (begin[k] + nu[k]) / 2;
-        move_freely(w, nu);
+    free_motion[0] = motion_of(begin);
+    for (int i = 1; i < 3; i++) {
+        for (int k = 0; k < nv; k++) w[k] = (begin[k] + free_motion[i - 1].nu[k]) / 2;
+        free_motion[i] = motion_of(w);
     }
+    sum_series(&free_motion[0], &free_motion[1], &free_motion[2]);
+    nu = free_motion[2].nu;
     move(middle, nu, nu, way, q_end, at_end);
     if (rbd_free_step(model, work, q, v, tau, wrench, damping, dt, q_next, v_next) != RBD_OK ||
         rbd_contact_set_init(model, work, NULL, 0, NULL, 0, NULL, empty_memory, size, &empty, NULL) !=
