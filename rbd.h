@@ -1573,6 +1573,9 @@ static inline void rbdi_require_ieee(void) {}
 #define RBDI_COLD static RBDI_UNUSED
 #endif
 #define RBDI_PART static RBDI_UNUSED
+/* RBDI_LOCAL: steps of a room that something calls wherever the room is compiled; a compiler warns where
+   nothing does. */
+#define RBDI_LOCAL static
 /* For a function that returns one of many texts. GCC would keep them in an array, which is linked even if
    nothing calls the function, as soon as the file has any other text, such as a model's names. */
 #if RBDI_GCC
@@ -5739,8 +5742,8 @@ RBDI_INLINE rbdi_pose rbdi_kin_axis(const rbd_work *w, const rbdi_link *l, rbdi_
 }
 
 /* The same of the links first .. end - 1. */
-static void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *v,
-                           int moving) {
+RBDI_LOCAL void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *v,
+                               int moving) {
     rbdi_pose p = rbdi_world_pose();
 
     for (int i = first; i < end; ++i) {
@@ -5767,8 +5770,8 @@ static void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, 
 }
 
 /* States of the links first .. end - 1, after those of their ancestors. v, a: with mimics. */
-static void rbdi_kin_states(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *v,
-                            const rbd_real *a) {
+RBDI_LOCAL void rbdi_kin_states(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *v,
+                                const rbd_real *a) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     const rbdi_state world = rbdi_world_state(none);
     rbdi_forward(m, w, first, end, &world, v, a, 0, 1);
@@ -5850,7 +5853,7 @@ RBDI_PART rbdi_mat rbdi_axes_of(const rbd_model *m, const rbd_work *w, int body)
 }
 
 /* Pose and state of a body of the description, in its own frame. */
-static rbdi_kin rbdi_body_kin(const rbd_model *m, const rbd_work *w, int body) {
+RBDI_LOCAL rbdi_kin rbdi_body_kin(const rbd_model *m, const rbd_work *w, int body) {
     const rbdi_frame *u = &m->frame[body];
     const rbdi_mat E = rbdi_mat_c(u->E);
     const rbdi_v3 r = rbdi_vec_c(u->r);
@@ -5871,21 +5874,21 @@ static rbdi_kin rbdi_body_kin(const rbd_model *m, const rbd_work *w, int body) {
 }
 
 /* RBD_ERR_ORDER unless kinematics of this body, or of all with body -1, have been computed. */
-static rbd_status rbdi_have_kinematics(const rbd_model *m, const rbd_work *w, int body) {
+RBDI_LOCAL rbd_status rbdi_have_kinematics(const rbd_model *m, const rbd_work *w, int body) {
     const int last = w->kinematics_of, link = body < 0 ? m->nl : m->frame[body].link;
     if (last == m->nl || link < 0) return last == RBDI_NO_KINEMATICS ? RBD_ERR_ORDER : RBD_OK;
     return rbdi_carries(m, link, last) ? RBD_OK : RBD_ERR_ORDER;
 }
 
 /* arrays: none of the caller's required ones is NULL. */
-static rbd_status rbdi_check_body_call(const rbd_model *m, const rbd_work *w, int body, int arrays) {
+RBDI_LOCAL rbd_status rbdi_check_body_call(const rbd_model *m, const rbd_work *w, int body, int arrays) {
     const rbd_status status = rbdi_check(m, w, arrays);
     if (status) return status;
     if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
     return rbdi_have_kinematics(m, w, body);
 }
 
-static rbd_status rbdi_check_robot_call(const rbd_model *m, const rbd_work *w) {
+RBDI_LOCAL rbd_status rbdi_check_robot_call(const rbd_model *m, const rbd_work *w) {
     const rbd_status status = rbdi_check(m, w, 1);
     return status ? status : rbdi_have_kinematics(m, w, -1);
 }
@@ -5909,8 +5912,8 @@ RBDI_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int bod
 enum { RBDI_VELOCITY, RBDI_CLASSICAL_ACCELERATION, RBDI_SPATIAL_ACCELERATION };
 
 /* Velocity, or classical or spatial acceleration, of a point of a body. */
-static rbd_status rbdi_point_motion(const rbd_model *m, const rbd_work *w, int body, const rbd_real *point,
-                                    rbd_axes axes, int quantity, rbd_real *out) {
+RBDI_LOCAL rbd_status rbdi_point_motion(const rbd_model *m, const rbd_work *w, int body,
+                                        const rbd_real *point, rbd_axes axes, int quantity, rbd_real *out) {
     const rbd_status status = rbdi_check_body_call(m, w, body, out != NULL);
     const rbdi_v3 x = point ? rbdi_load_vec(point, 1) : rbdi_vec0();
     rbdi_motion V;
@@ -5970,7 +5973,7 @@ typedef struct rbdi_moving {
     rbdi_v3 com, v, acc, L, L_dot;
 } rbdi_moving;
 
-static rbdi_moving rbdi_moving_body(const rbd_model *m, const rbd_work *w, int body) {
+RBDI_LOCAL rbdi_moving rbdi_moving_body(const rbd_model *m, const rbd_work *w, int body) {
     const rbdi_frame *u = &m->frame[body];
     const rbdi_sym I = rbdi_sym_c(u->I);
     rbdi_moving b;
@@ -6003,7 +6006,7 @@ RBDI_INLINE void rbdi_add_momentum(const rbdi_moving *b, rbdi_v3 r, rbdi_v3 v, r
 
 /* Sums the momenta about the first link's origin o, which rounds less than about a far world origin, then
    moves them to the centre of mass: n - arm x f. com is not o + arm: bodies may be far from o. */
-static rbdi_total rbdi_add_bodies(const rbd_model *m, const rbd_work *w) {
+RBDI_LOCAL rbdi_total rbdi_add_bodies(const rbd_model *m, const rbd_work *w) {
     const rbd_const mass = rbd_mass(m);
     const rbdi_v3 o = mass > 0 ? w->kin[0].X.r : rbdi_vec0();
     rbdi_total s;
@@ -6069,8 +6072,8 @@ RBDI_API rbd_status rbd_momentum(const rbd_model *m, const rbd_work *w, rbd_real
 }
 
 /* A wrench on a body, in its own axes, to the parent's origin and axes. */
-static rbdi_force rbdi_wrench_to_parent(const rbd_model *m, const rbd_work *w, const rbdi_frame *u,
-                                        rbdi_force F) {
+RBDI_LOCAL rbdi_force rbdi_wrench_to_parent(const rbd_model *m, const rbd_work *w, const rbdi_frame *u,
+                                            rbdi_force F) {
     const rbdi_frame *parent = &m->frame[u->parent];
     const rbdi_mat E = rbdi_mat_c(parent->E);
     rbdi_pose X;
@@ -6196,7 +6199,7 @@ RBDI_ONCE void rbdi_put_path(const rbd_model *m, const rbd_work *w, int i, int e
 }
 
 /* The last link that carries both of two links, -1 if there is none. Its joint moves both alike. */
-static int rbdi_common_link(const rbd_model *m, int link, int other) {
+RBDI_LOCAL int rbdi_common_link(const rbd_model *m, int link, int other) {
     int common = other;
     while (common >= 0 && !rbdi_carries(m, common, link)) common = m->link[common].parent;
     return common;
@@ -6204,8 +6207,8 @@ static int rbdi_common_link(const rbd_model *m, int link, int other) {
 
 /* Jacobian of a point of `body` minus that of the same place fixed in `reference` (-1 = the world), in the
    axes of the body `axes` (-1 = the world's). */
-static void rbdi_put_jacobian(const rbd_model *m, const rbd_work *w, int body, const rbd_real *point,
-                              int reference, int axes, rbd_real *J) {
+RBDI_LOCAL void rbdi_put_jacobian(const rbd_model *m, const rbd_work *w, int body, const rbd_real *point,
+                                  int reference, int axes, rbd_real *J) {
     const rbdi_v3 r = rbdi_point_position(m, w, body, point);
     const int link = m->frame[body].link, other = reference < 0 ? -1 : m->frame[reference].link;
     const int common = rbdi_common_link(m, link, other);
@@ -6310,21 +6313,21 @@ RBDI_API rbd_status rbd_point_position(const rbd_model *m, const rbd_work *w, in
 RBDI_INLINE int rbdi_joint_turns(const rbdi_frame *u) { return rbdi_type_turns(u->type); }
 
 /* The motion in body axes from the joint's components in v, which are a stride apart, and back. */
-static rbdi_motion rbdi_joint_motion(const rbdi_frame *u, const rbd_real *v, ptrdiff_t stride) {
+RBDI_LOCAL rbdi_motion rbdi_joint_motion(const rbdi_frame *u, const rbd_real *v, ptrdiff_t stride) {
     rbd_real array[6];
     for (int k = 0; k < 6; ++k) array[k] = rbdi_zero();
     for (int k = 0; k < u->nv; ++k) array[rbdi_first_axis(u->type) + k] = v[k * stride];
     return rbdi_load_motion(array, 1);
 }
 
-static void rbdi_put_joint_motion(const rbdi_frame *u, rbdi_motion V, rbd_real *v, ptrdiff_t stride) {
+RBDI_LOCAL void rbdi_put_joint_motion(const rbdi_frame *u, rbdi_motion V, rbd_real *v, ptrdiff_t stride) {
     rbd_real array[6];
     rbdi_store_motion(array, 1, V);
     for (int k = 0; k < u->nv; ++k) v[k * stride] = array[rbdi_first_axis(u->type) + k];
 }
 
 /* The coordinates of the origin p: back from rbdi_joint_origin. */
-static void rbdi_put_origin(const rbdi_frame *u, rbdi_v3 p, rbd_real *q) {
+RBDI_LOCAL void rbdi_put_origin(const rbdi_frame *u, rbdi_v3 p, rbd_real *q) {
     if (u->type == RBD_PLANAR) {
         q[0] = p.x;
         q[1] = p.y;
@@ -6334,8 +6337,8 @@ static void rbdi_put_origin(const rbdi_frame *u, rbdi_v3 p, rbd_real *q) {
 
 /* q_next = q (+) d for one joint of the description: along a screw or, if straight, with its origin moved
    by the linear part of d in the axes of the beginning. */
-static void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_real *d, int straight,
-                            rbd_real *q_next) {
+RBDI_LOCAL void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_real *d, int straight,
+                                rbd_real *q_next) {
     if (u->type == RBD_CONTINUOUS_CS) {
         rbd_real c, s, cd, sd, next[2];
         rbdi_unit_cs(q, &c, &s);
@@ -6362,7 +6365,7 @@ static void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_re
 
 /* rbd_step of one joint in three parts. First nu: v after dt if a is 0, in the axes of the step's
    beginning. Linear velocities in body axes gain dt omega x v, the others stay. */
-static void rbdi_unforced_velocity(const rbdi_frame *u, const rbd_real *v, rbd_real dt, rbd_real *nu) {
+RBDI_LOCAL void rbdi_unforced_velocity(const rbdi_frame *u, const rbd_real *v, rbd_real dt, rbd_real *nu) {
     rbdi_motion V;
     for (int k = 0; k < u->nv; ++k) nu[k] = v[k];
     if (!rbdi_joint_turns(u)) return;
@@ -6372,15 +6375,15 @@ static void rbdi_unforced_velocity(const rbdi_frame *u, const rbd_real *v, rbd_r
 }
 
 /* Second q_next: q moved by nu dt. Origins of floating and planar joints move straight. */
-static void rbdi_move_straight(const rbdi_frame *u, const rbd_real *q, const rbd_real *nu, rbd_real dt,
-                               rbd_real *q_next) {
+RBDI_LOCAL void rbdi_move_straight(const rbdi_frame *u, const rbd_real *q, const rbd_real *nu, rbd_real dt,
+                                   rbd_real *q_next) {
     rbd_real d[6];
     for (int k = 0; k < u->nv; ++k) d[k] = nu[k] * dt;
     rbdi_step_joint(u, q, d, 1, q_next);
 }
 
 /* The vector r turned by -turn: r - A turn x r + B turn x (turn x r). */
-static rbdi_v3 rbdi_turn_back(rbdi_exp e, rbdi_v3 turn, rbdi_v3 r) {
+RBDI_LOCAL rbdi_v3 rbdi_turn_back(rbdi_exp e, rbdi_v3 turn, rbdi_v3 r) {
     const rbdi_v3 across = rbdi_cross(turn, r);
     const rbdi_v3 inward = rbdi_cross(turn, across);
     r = rbdi_sub(r, rbdi_scale((e.half_sine + e.half_sine) * e.half_cosine, across));
@@ -6389,8 +6392,8 @@ static rbdi_v3 rbdi_turn_back(rbdi_exp e, rbdi_v3 turn, rbdi_v3 r) {
 
 /* Third v_next: nu in the axes of the step's end, which the velocity `moved` has turned during dt. v_next
    may be nu. */
-static void rbdi_turn_velocity(const rbdi_frame *u, const rbd_real *moved, rbd_real dt, const rbd_real *nu,
-                               rbd_real *v_next) {
+RBDI_LOCAL void rbdi_turn_velocity(const rbdi_frame *u, const rbd_real *moved, rbd_real dt,
+                                   const rbd_real *nu, rbd_real *v_next) {
     rbdi_motion V;
     rbdi_v3 turn;
     rbdi_exp e;
@@ -6437,7 +6440,7 @@ RBDI_PART void rbdi_straight_acceleration(const rbd_model *m, const rbd_real *v,
 }
 
 /* The same angle in [-pi, pi], but unchanged, to the bit, if it is there already. */
-static rbd_real rbdi_within_half_turn(rbd_real angle) {
+RBDI_LOCAL rbd_real rbdi_within_half_turn(rbd_real angle) {
     const rbd_real pi2 = rbdi_set(RBDI_PI(rbd_const) * RBDI_PI(rbd_const));
     rbd_real c, s;
     rbdi_sincos(angle, &s, &c);
@@ -6445,7 +6448,8 @@ static rbd_real rbdi_within_half_turn(rbd_real angle) {
 }
 
 /* d with q0 (+) d = q1, for one joint. */
-static void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, const rbd_real *q1, rbd_real *d) {
+RBDI_LOCAL void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, const rbd_real *q1,
+                                      rbd_real *d) {
     if (u->type == RBD_CONTINUOUS_CS) {
         rbd_real c, s, c1, s1;
         rbdi_unit_cs(q0, &c, &s);
@@ -6469,7 +6473,7 @@ static void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, const
 
 /* 1 / |q| of a quaternion or (cos, sin) with this unit one of the same direction; 0 if q is shorter than
    1e-15. */
-static rbd_real rbdi_inverse_length(const rbd_real *q, const rbd_real *unit, int n) {
+RBDI_LOCAL rbd_real rbdi_inverse_length(const rbd_real *q, const rbd_real *unit, int n) {
     rbdi_mask bad = rbdi_less(*q, *q);
     rbd_real length = rbdi_zero();
     for (int k = 0; k < n; ++k) length = length + q[k] * unit[k];
@@ -6477,7 +6481,7 @@ static rbd_real rbdi_inverse_length(const rbd_real *q, const rbd_real *unit, int
 }
 
 /* rbd_rates_from_velocity of one joint. */
-static void rbdi_joint_rates(const rbdi_frame *u, const rbd_real *q, const rbd_real *v, rbd_real *rates) {
+RBDI_LOCAL void rbdi_joint_rates(const rbdi_frame *u, const rbd_real *q, const rbd_real *v, rbd_real *rates) {
     if (u->type == RBD_CONTINUOUS_CS) {
         rates[0] = -(q[1] * v[0]);
         rates[1] = q[0] * v[0];
@@ -6499,7 +6503,7 @@ static void rbdi_joint_rates(const rbdi_frame *u, const rbd_real *q, const rbd_r
 }
 
 /* Angular velocity from a quaternion of any length and its rates. */
-static rbdi_v3 rbdi_quaternion_velocity(const rbd_real *q, const rbd_real *rates) {
+RBDI_LOCAL rbdi_v3 rbdi_quaternion_velocity(const rbd_real *q, const rbd_real *rates) {
     rbd_real unit[4], inverse;
     rbdi_unit_quaternion(q, unit);
     inverse = rbdi_inverse_length(q, unit, 4);
@@ -6509,7 +6513,8 @@ static rbdi_v3 rbdi_quaternion_velocity(const rbd_real *q, const rbd_real *rates
 }
 
 /* rbd_velocity_from_rates of one joint. */
-static void rbdi_joint_velocity(const rbdi_frame *u, const rbd_real *q, const rbd_real *rates, rbd_real *v) {
+RBDI_LOCAL void rbdi_joint_velocity(const rbdi_frame *u, const rbd_real *q, const rbd_real *rates,
+                                    rbd_real *v) {
     if (u->type == RBD_CONTINUOUS_CS) {
         rbd_real unit[2];
         rbdi_unit_cs(q, &unit[0], &unit[1]);
@@ -6584,8 +6589,8 @@ RBDI_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const
 }
 
 /* q = q0 (+) s (q1 (-) q0) for one joint. At s = 1 it is q1 (+) 0, without rounding of the difference. */
-static void rbdi_interpolate_joint(const rbdi_frame *u, const rbd_real *q0, const rbd_real *q1, rbd_real s,
-                                   rbd_real *q) {
+RBDI_LOCAL void rbdi_interpolate_joint(const rbdi_frame *u, const rbd_real *q0, const rbd_real *q1,
+                                       rbd_real s, rbd_real *q) {
     const rbd_real one = rbdi_set(RBD_C(1));
     const rbdi_mask within = rbdi_or(rbdi_less(s, one), rbdi_less(one, s)); /* neither of NaN */
     const rbd_real share = rbdi_select(within, s, s - one);
@@ -6629,7 +6634,7 @@ RBDI_API rbd_status rbd_distance(const rbd_model *m, const rbd_real *q0, const r
 }
 
 /* The zero of one joint, whose q is 0 before. */
-static void rbdi_neutral_joint(const rbdi_frame *u, rbd_real *q) {
+RBDI_LOCAL void rbdi_neutral_joint(const rbdi_frame *u, rbd_real *q) {
     if (u->type == RBD_CONTINUOUS_CS) q[0] = rbdi_set(RBD_C(1));
     if (rbdi_has_quaternion(u->type)) q[u->nq - 1] = rbdi_set(RBD_C(1));
 }
@@ -6646,7 +6651,7 @@ RBDI_API rbd_status rbd_neutral(const rbd_model *m, rbd_real *q) {
 
 /* A number uniform in [0, 1), with 24 bits, which every scalar has, by splitmix64 (Steele, Lea and Flood
    2014). */
-static rbd_const rbdi_uniform(uint64_t *seed) {
+RBDI_LOCAL rbd_const rbdi_uniform(uint64_t *seed) {
     uint64_t z = *seed += UINT64_C(0x9e3779b97f4a7c15);
     z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
     z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
@@ -6654,7 +6659,7 @@ static rbd_const rbdi_uniform(uint64_t *seed) {
 }
 
 /* A number uniform between two bounds; each lane draws its own. */
-static rbd_real rbdi_draw(uint64_t *seed, rbd_const lower, rbd_const upper) {
+RBDI_LOCAL rbd_real rbdi_draw(uint64_t *seed, rbd_const lower, rbd_const upper) {
 #ifdef RBD_LANES
     rbd_real x = rbdi_zero();
 
@@ -6672,7 +6677,7 @@ static rbd_real rbdi_draw(uint64_t *seed, rbd_const lower, rbd_const upper) {
 }
 
 /* A uniform orientation: two points on circles with radii sqrt(x), sqrt(1 - x), x uniform (Shoemake 1992). */
-static void rbdi_draw_quaternion(uint64_t *seed, rbd_real *q) {
+RBDI_LOCAL void rbdi_draw_quaternion(uint64_t *seed, rbd_real *q) {
     rbd_real x = rbdi_draw(seed, RBD_C(0), RBD_C(1)), radius = rbdi_sqrt(x), c, s;
 
     rbdi_sincos(rbdi_draw(seed, -RBDI_PI(rbd_const), RBDI_PI(rbd_const)), &s, &c);
@@ -6686,7 +6691,7 @@ static void rbdi_draw_quaternion(uint64_t *seed, rbd_real *q) {
 
 /* Random coordinates of one joint: within its limits, or angles in [-pi, pi), lengths in [-1, 1) and uniform
    orientations. */
-static void rbdi_random_joint(const rbdi_frame *u, uint64_t *seed, rbd_real *q) {
+RBDI_LOCAL void rbdi_random_joint(const rbdi_frame *u, uint64_t *seed, rbd_real *q) {
     const rbd_const pi = RBDI_PI(rbd_const), one = RBD_C(1);
     int angles = u->nv, shifts = 0; /* shifts come first, but with cylindrical joints */
     if (u->nv == 1 && u->lower < u->upper) {
@@ -6759,14 +6764,14 @@ RBDI_PART void rbdi_guard_solution(const rbd_model *m, const rbd_real *L, const 
 }
 
 /* Columns of w->F, behind the scratch of a solution: three solutions, velocities, and accelerations. */
-static rbd_real *rbdi_free_vector(const rbd_model *m, rbd_work *w, int k) {
+RBDI_LOCAL rbd_real *rbdi_free_vector(const rbd_model *m, rbd_work *w, int k) {
     return w->F + (1 + k) * rbdi_stride(m);
 }
 
 /* y = L^-T dt (tau - c(at) - d v_mid). */
-static void rbdi_free_solution(const rbd_model *m, rbd_work *w, const rbd_real *v_mid, const rbd_real *at,
-                               const rbd_real *tau, const rbd_real *f_ext, const rbd_real *damping,
-                               rbd_real dt, rbd_real *y) {
+RBDI_LOCAL void rbdi_free_solution(const rbd_model *m, rbd_work *w, const rbd_real *v_mid, const rbd_real *at,
+                                   const rbd_real *tau, const rbd_real *f_ext, const rbd_real *damping,
+                                   rbd_real dt, rbd_real *y) {
     rbd_real *a = rbdi_free_vector(m, w, 4);
     rbdi_clear(a, m->nv);
     rbdi_straight_acceleration(m, at, a);
@@ -6781,8 +6786,8 @@ static void rbdi_free_solution(const rbd_model *m, rbd_work *w, const rbd_real *
 }
 
 /* x = nu - v_mid, by three solutions. */
-static void rbdi_free_change(const rbd_model *m, rbd_work *w, const rbd_real *v_mid, const rbd_real *tau,
-                             const rbd_real *f_ext, const rbd_real *damping, rbd_real dt, rbd_real *x) {
+RBDI_LOCAL void rbdi_free_change(const rbd_model *m, rbd_work *w, const rbd_real *v_mid, const rbd_real *tau,
+                                 const rbd_real *f_ext, const rbd_real *damping, rbd_real dt, rbd_real *x) {
     const rbd_real half = rbdi_set(RBD_C(0.5));
     rbd_real *at = rbdi_free_vector(m, w, 3);
     rbdi_clear(x, m->nv);
@@ -7002,7 +7007,7 @@ RBDI_MESSAGES RBDI_API const char *rbd_status_string(rbd_status status) {
 }
 
 /* Writes a finding as a sentence; what: the word for a row of the description. */
-static char *rbdi_write_finding(const rbd_finding *finding, const char *what, char *text, size_t size) {
+RBDI_LOCAL char *rbdi_write_finding(const rbd_finding *finding, const char *what, char *text, size_t size) {
     const char *piece[12];
     char digits[12];
     int n = 0;
@@ -7277,7 +7282,7 @@ RBDI_PART rbdi_wide_pose rbdi_link_place(const rbd_model *m, const rbdi_link *l)
 
 /* Writes the pose of a body's joint, its axes, which are the links' z, and its parent; returns its first
    dof. */
-static int rbdi_describe_joint(const rbd_model *m, int body, rbd_body *row) {
+RBDI_LOCAL int rbdi_describe_joint(const rbd_model *m, int body, rbd_body *row) {
     const rbdi_frame *u = &m->frame[body];
     rbdi_wide_pose X = rbdi_widen_pose(u->E, u->r), parent;
     rbdi_wide R[9], axis[3] = {0, 0, 0}, axis2[3] = {0, 0, 0};
@@ -7375,11 +7380,11 @@ RBDI_API rbd_status rbd_describe(const rbd_model *m, int body, rbd_body *row) {
 
 /* -- small dense algebra of the build -- */
 
-static int rbdi_nonzero(rbdi_wide x) { return x < 0 || x > 0; }
+RBDI_LOCAL int rbdi_nonzero(rbdi_wide x) { return x < 0 || x > 0; }
 
 /* Scales (c, s) to the unit circle, and moves it to the nearest right angle if one is as close as this,
    rad. */
-static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close) {
+RBDI_LOCAL void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close) {
     rbdi_wide length = RBDI_WIDE_LIBM(sqrt)(*c * *c + *s * *s);
 
     *c /= length;
@@ -7398,7 +7403,7 @@ static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close) {
 
 /* Sine and cosine of an angle of at most 90 degrees, to 1e-29: sums of their series, which give the same bits
    everywhere. */
-static void rbdi_w_series(rbdi_wide x, rbdi_wide *sine, rbdi_wide *cosine) {
+RBDI_LOCAL void rbdi_w_series(rbdi_wide x, rbdi_wide *sine, rbdi_wide *cosine) {
     const rbdi_wide x2 = x * x;
     rbdi_wide sum_c = 1, sum_s = 1;
 
@@ -7412,7 +7417,7 @@ static void rbdi_w_series(rbdi_wide x, rbdi_wide *sine, rbdi_wide *cosine) {
 }
 
 /* Angle, at most 45 degrees, from its cosine and sine: rbdi_signed_angle in the build's arithmetic. */
-static rbdi_wide rbdi_w_angle(rbdi_wide c, rbdi_wide s) {
+RBDI_LOCAL rbdi_wide rbdi_w_angle(rbdi_wide c, rbdi_wide s) {
     rbdi_wide sine = rbdi_w_abs(s), t = sine / (1 + c);
     rbdi_wide angle = t * (2 - (rbdi_wide)RBDI_ANGLE_START * t * t);
 
@@ -7427,8 +7432,8 @@ static rbdi_wide rbdi_w_angle(rbdi_wide c, rbdi_wide s) {
 
 /* Adds moments of mass (Sigma, h, mass) to those of a link, in whose frame a point x is A x + t: h_new = A h
    + mass t, Sigma_new = A Sigma A' + t (A h)' + h_new t'. */
-static void rbdi_add_moments(rbdi_build_link *to, const rbdi_wide A[9], const rbdi_wide t[3],
-                             const rbdi_wide Sigma[6], const rbdi_wide h[3], rbdi_wide mass) {
+RBDI_LOCAL void rbdi_add_moments(rbdi_build_link *to, const rbdi_wide A[9], const rbdi_wide t[3],
+                                 const rbdi_wide Sigma[6], const rbdi_wide h[3], rbdi_wide mass) {
     static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
     rbdi_wide full[9], turned[9], Ah[3], T[9];
 
@@ -7448,7 +7453,7 @@ static void rbdi_add_moments(rbdi_build_link *to, const rbdi_wide A[9], const rb
 }
 
 /* Changes a link's frame, and so its moments: the point x becomes A x + t. */
-static void rbdi_change_moments(rbdi_build_link *l, const rbdi_wide A[9], const rbdi_wide t[3]) {
+RBDI_LOCAL void rbdi_change_moments(rbdi_build_link *l, const rbdi_wide A[9], const rbdi_wide t[3]) {
     rbdi_build_link old = *l;
     for (int k = 0; k < 6; ++k) l->Sigma[k] = 0;
     for (int k = 0; k < 3; ++k) l->h[k] = 0;
@@ -7458,7 +7463,7 @@ static void rbdi_change_moments(rbdi_build_link *l, const rbdi_wide A[9], const 
 
 /* -- the checks -- */
 
-static int rbdi_parallel(const double axis[3], const double axis2[3]) {
+RBDI_LOCAL int rbdi_parallel(const double axis[3], const double axis2[3]) {
     rbdi_wide x[3], y[3], cross[3];
     rbdi_widen(axis, 3, x);
     rbdi_widen(axis2, 3, y);
@@ -7468,10 +7473,10 @@ static int rbdi_parallel(const double axis[3], const double axis2[3]) {
     return !(rbdi_w_length(cross) > RBDI_PARALLEL);
 }
 
-static int rbdi_is_axis(const double axis[3]) { return rbdi_finite(axis, 3) && !rbdi_all_zero(axis, 3); }
+RBDI_LOCAL int rbdi_is_axis(const double axis[3]) { return rbdi_finite(axis, 3) && !rbdi_all_zero(axis, 3); }
 
-static void rbdi_warn_saying(rbd_report *report, rbd_status status, int body, const char *name,
-                             const char *field, const char *sentence) {
+RBDI_LOCAL void rbdi_warn_saying(rbd_report *report, rbd_status status, int body, const char *name,
+                                 const char *field, const char *sentence) {
     if (report->warnings < RBD_MAX_WARNINGS) {
         rbd_finding *f = &report->warning[report->warnings];
         f->status = status;
@@ -7484,13 +7489,14 @@ static void rbdi_warn_saying(rbd_report *report, rbd_status status, int body, co
     ++report->warnings;
 }
 
-static void rbdi_warn(rbd_report *report, rbd_status status, int body, const char *name, const char *field) {
+RBDI_LOCAL void rbdi_warn(rbd_report *report, rbd_status status, int body, const char *name,
+                          const char *field) {
     rbdi_warn_saying(report, status, body, name, field, NULL);
 }
 
 /* Warns of an inertia that no real body has. I must be positive semi-definite, and so must Sigma = tr(I)/2 -
    I (the triangle inequalities of the principal moments). Dynamics computes with others too. */
-static void rbdi_check_inertia(const rbd_body *b, int i, rbd_report *report) {
+RBDI_LOCAL void rbdi_check_inertia(const rbd_body *b, int i, rbd_report *report) {
     const double *I = b->inertia, trace = I[0] + I[3] + I[5];
     double size = 0, Sigma[6];
 
@@ -7512,12 +7518,12 @@ static void rbdi_check_inertia(const rbd_body *b, int i, rbd_report *report) {
 }
 
 /* Whether a joint has limits as the model stores them: in float they may be equal. */
-static int rbdi_is_limited(const rbd_body *b) {
+RBDI_LOCAL int rbdi_is_limited(const rbd_body *b) {
     return rbdi_has_limits((int)b->type) && RBD_C(b->lower) < RBD_C(b->upper);
 }
 
 /* Warns of limits that are set and mean none. */
-static void rbdi_check_limits(const rbd_body *b, int i, rbd_report *report) {
+RBDI_LOCAL void rbdi_check_limits(const rbd_body *b, int i, rbd_report *report) {
     const char *sentence = "not below upper: read as no limits";
     if (rbdi_all_zero(&b->lower, 1) && rbdi_all_zero(&b->upper, 1)) return;
     if (rbdi_is_limited(b)) return;
@@ -7528,13 +7534,13 @@ static void rbdi_check_limits(const rbd_body *b, int i, rbd_report *report) {
 }
 
 /* A limit x of a body's joint as a limit of the joint that it mimics, if any: x = ratio q + offset. */
-static rbd_const rbdi_source_limit(const rbd_body *b, double x) {
+RBDI_LOCAL rbd_const rbdi_source_limit(const rbd_body *b, double x) {
     return b->mimic ? (RBD_C(x) - RBD_C(b->mimic_offset)) / RBD_C(b->mimic_ratio) : RBD_C(x);
 }
 
 /* Whether two joints with limits, of which one mimics the other or both mimic a third one, cannot both be
    within their limits. */
-static int rbdi_limits_contradict(const rbd_body *one, const rbd_body *two) {
+RBDI_LOCAL int rbdi_limits_contradict(const rbd_body *one, const rbd_body *two) {
     const rbd_body *of[2] = {one, two};
     rbd_const lower[2], upper[2];
     if (!rbdi_is_limited(one) || !rbdi_is_limited(two)) return 0;
@@ -7550,7 +7556,7 @@ static int rbdi_limits_contradict(const rbd_body *one, const rbd_body *two) {
 
 /* Warns of each joint that mimics another if its limits contradict those of that joint, or of a joint before
    it that mimics the same one. Ranges of one coordinate have a place in common if each two of them have. */
-static void rbdi_check_followers(const rbd_body *bodies, int nb, rbd_report *report) {
+RBDI_LOCAL void rbdi_check_followers(const rbd_body *bodies, int nb, rbd_report *report) {
     for (int i = 0; i < nb; ++i) {
         const rbd_body *b = &bodies[i];
         int contradicts = 0;
@@ -7568,7 +7574,7 @@ static void rbdi_check_followers(const rbd_body *bodies, int nb, rbd_report *rep
 }
 
 /* Index of the body whose joint body i mimics, -1 if there is none that can be followed. */
-static int rbdi_mimic_source(const rbd_body *bodies, int nb, int i) {
+RBDI_LOCAL int rbdi_mimic_source(const rbd_body *bodies, int nb, int i) {
     for (int j = 0; j < nb; ++j)
         if (j != i && rbdi_same(bodies[j].joint, bodies[i].mimic))
             return rbdi_can_mimic((int)bodies[j].type) && !bodies[j].mimic ? j : -1;
@@ -7577,7 +7583,7 @@ static int rbdi_mimic_source(const rbd_body *bodies, int nb, int i) {
 
 /* -- a row of the description: the first condition that fails is the report's error -- */
 
-static rbd_status rbdi_check_names(const rbd_body *bodies, int i, rbd_report *report) {
+RBDI_LOCAL rbd_status rbdi_check_names(const rbd_body *bodies, int i, rbd_report *report) {
     const rbd_body *b = &bodies[i];
     for (int j = 0; j < i; ++j) {
         if (rbdi_same(b->name, bodies[j].name)) return rbdi_refuse(report, RBD_ERR_NAME, i, b->name, "name");
@@ -7587,7 +7593,7 @@ static rbd_status rbdi_check_names(const rbd_body *bodies, int i, rbd_report *re
     return RBD_OK;
 }
 
-static rbd_status rbdi_check_joint(const rbd_body *b, int i, rbd_report *report) {
+RBDI_LOCAL rbd_status rbdi_check_joint(const rbd_body *b, int i, rbd_report *report) {
     const int type = (int)b->type;
     const char *axes;
     if (b->parent < -1 || b->parent >= i) return rbdi_refuse(report, RBD_ERR_PARENT, i, b->name, "parent");
@@ -7609,7 +7615,7 @@ static rbd_status rbdi_check_joint(const rbd_body *b, int i, rbd_report *report)
 }
 
 /* The body's inertia, and the armature, damping, friction and limits of its joint. */
-static rbd_status rbdi_check_numbers(const rbd_body *b, int i, rbd_report *report) {
+RBDI_LOCAL rbd_status rbdi_check_numbers(const rbd_body *b, int i, rbd_report *report) {
     if (!rbdi_finite_positive(&b->mass, 1)) return rbdi_refuse(report, RBD_ERR_MASS, i, b->name, "mass");
     if (!rbdi_finite(b->com, 3)) return rbdi_refuse(report, RBD_ERR_COM, i, b->name, "com");
     if (!rbdi_finite(b->inertia, 6)) return rbdi_refuse(report, RBD_ERR_INERTIA, i, b->name, "inertia");
@@ -7630,7 +7636,7 @@ static rbd_status rbdi_check_numbers(const rbd_body *b, int i, rbd_report *repor
     return RBD_OK;
 }
 
-static rbd_status rbdi_check_mimic(const rbd_body *bodies, int nb, int i, rbd_report *report) {
+RBDI_LOCAL rbd_status rbdi_check_mimic(const rbd_body *bodies, int nb, int i, rbd_report *report) {
     const rbd_body *b = &bodies[i];
     if (!b->mimic) return RBD_OK;
     if (!rbdi_can_mimic((int)b->type) || rbdi_mimic_source(bodies, nb, i) < 0)
@@ -7645,7 +7651,7 @@ static rbd_status rbdi_check_mimic(const rbd_body *bodies, int nb, int i, rbd_re
     return RBD_OK;
 }
 
-static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_report *report) {
+RBDI_LOCAL rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_report *report) {
     rbd_status status = rbdi_check_names(bodies, i, report);
     if (!status) status = rbdi_check_joint(&bodies[i], i, report);
     if (!status) status = rbdi_check_numbers(&bodies[i], i, report);
@@ -7659,7 +7665,8 @@ static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_rep
 
 /* Every joint must move mass, inertia or armature: of its body, of bodies fixed to it or moved with it, or of
    joints that mimic it. */
-static rbd_status rbdi_check_moves(const rbd_body *bodies, int nb, rbdi_place *place, rbd_report *report) {
+RBDI_LOCAL rbd_status rbdi_check_moves(const rbd_body *bodies, int nb, rbdi_place *place,
+                                       rbd_report *report) {
     rbd_status status = RBD_OK;
 
     for (int i = 0; i < nb; ++i) place[i].moves = bodies[i].mimic != NULL;
@@ -7694,7 +7701,7 @@ typedef struct rbdi_build {
     RBDI_MODEL_ARRAYS(RBDI_ARRAY_FIELD, 0, 0, 0, 0, 0)
 } rbdi_build;
 
-static rbdi_counts rbdi_count(const rbd_body *bodies, int nb) {
+RBDI_LOCAL rbdi_counts rbdi_count(const rbd_body *bodies, int nb) {
     rbdi_counts n = {0, 0, 0, 0, 0, 0};
 
     for (int i = 0; i < nb; ++i) {
@@ -7716,25 +7723,25 @@ static rbdi_counts rbdi_count(const rbd_body *bodies, int nb) {
 
 /* ==== src/model/links.h ==== */
 /* A joint's axis of this letter of rbdi_joint_fact.axes, of unit length, joint frame. */
-static void rbdi_link_axis(const rbd_body *b, char which, rbdi_wide axis[3]) {
+RBDI_LOCAL void rbdi_link_axis(const rbd_body *b, char which, rbdi_wide axis[3]) {
     for (int k = 0; k < 3; ++k) axis[k] = which == 'x' + k;
     if (which == 'a') rbdi_widen(b->axis, 3, axis);
     if (which == 'b') rbdi_widen(b->axis2, 3, axis);
     rbdi_unit(axis, axis);
 }
 
-static void rbdi_clear_link(rbdi_build_link *l) {
+RBDI_LOCAL void rbdi_clear_link(rbdi_build_link *l) {
     unsigned char *p = (unsigned char *)l;
     for (size_t k = 0; k < sizeof *l; ++k) p[k] = 0;
 }
 
-static void rbdi_build_reach(rbdi_build_link *l, rbdi_wide reach) {
+RBDI_LOCAL void rbdi_build_reach(rbdi_build_link *l, rbdi_wide reach) {
     if (l->reach < reach) l->reach = reach;
 }
 
 /* Step 1: the pose of body i, and the links of its joint, in the user's frames. Universal, cylindrical and
    Euler joints become chains of one-axis links; only the last has mass. */
-static void rbdi_build_joint(const rbdi_build *build, int i, int *nl) {
+RBDI_LOCAL void rbdi_build_joint(const rbdi_build *build, int i, int *nl) {
     const rbd_body *b = &build->bodies[i];
     rbdi_place *place = build->place;
     const int type = (int)b->type, n = rbdi_links_of(type);
@@ -7796,7 +7803,7 @@ static void rbdi_build_joint(const rbdi_build *build, int i, int *nl) {
 }
 
 /* Step 2: adds the body's moments of mass to its link's. About the centre of mass Sigma = tr(I)/2 - I. */
-static void rbdi_build_mass(const rbd_body *b, const rbdi_place *place, rbdi_build_link *links) {
+RBDI_LOCAL void rbdi_build_mass(const rbd_body *b, const rbdi_place *place, rbdi_build_link *links) {
     rbdi_wide Sigma[6], T[9], com[3], none[3] = {0, 0, 0}, half;
     if (place->link < 0) return;
 
@@ -7811,7 +7818,7 @@ static void rbdi_build_mass(const rbd_body *b, const rbdi_place *place, rbdi_bui
 }
 
 /* Step 3: solver frames, with the joint's axis on z. */
-static void rbdi_build_axis(rbdi_build_link *links, int i) {
+RBDI_LOCAL void rbdi_build_axis(rbdi_build_link *links, int i) {
     rbdi_build_link *l = &links[i];
     rbdi_w_identity(l->solver.E);
     if (l->kind != RBDI_BLOCK) rbdi_w_basis(l->axis, l->solver.E);
@@ -7823,13 +7830,13 @@ static void rbdi_build_axis(rbdi_build_link *links, int i) {
 /* Of the children of a link the one with the highest rank comes first, its favourite: that with the largest
    subtree; under a one-axis parent one-axis children before blocks, because only they can have Denavit and
    Hartenberg's form. */
-static int rbdi_build_rank(const rbdi_build_link *links, int nl, int i) {
+RBDI_LOCAL int rbdi_build_rank(const rbdi_build_link *links, int nl, int i) {
     const int one_axis = links[i].kind != RBDI_BLOCK && links[links[i].parent].kind != RBDI_BLOCK;
     return links[i].size + (one_axis ? nl : 0);
 }
 
 /* Step 4: depth-first positions. */
-static void rbdi_build_order(rbdi_build_link *links, int nl) {
+RBDI_LOCAL void rbdi_build_order(rbdi_build_link *links, int nl) {
     int next_root = 0;
 
     for (int i = 0; i < nl; ++i) links[i].size = 1;
@@ -7864,7 +7871,8 @@ static void rbdi_build_order(rbdi_build_link *links, int nl) {
 
 /* Turns the frame of link i about its joint axis z by (c, s) and shifts it along z by t. The joint's motion
    and all results stay; the constants around it change. */
-static void rbdi_build_turn(rbdi_build_link *links, int nl, int i, rbdi_wide c, rbdi_wide s, rbdi_wide t) {
+RBDI_LOCAL void rbdi_build_turn(rbdi_build_link *links, int nl, int i, rbdi_wide c, rbdi_wide s,
+                                rbdi_wide t) {
     rbdi_build_link *l = &links[i];
     const rbdi_wide down[3] = {0, 0, -t};
     rbdi_wide_pose turn;
@@ -7887,7 +7895,7 @@ static void rbdi_build_turn(rbdi_build_link *links, int nl, int i, rbdi_wide c, 
 
 /* Angles of E = Rz(gamma) Rx(alpha) Rz(beta), |beta| <= 90 degrees, snapped to right angles. E is computed
    anew from them, so that poses and dynamics have the same model. */
-static void rbdi_build_angles(rbdi_build_link *l) {
+RBDI_LOCAL void rbdi_build_angles(rbdi_build_link *l) {
     rbdi_wide *E = l->X.E, sigma = RBDI_WIDE_LIBM(sqrt)(E[6] * E[6] + E[7] * E[7]);
 
     l->cb = 1;
@@ -7918,17 +7926,17 @@ static void rbdi_build_angles(rbdi_build_link *l) {
 
 /* Bounds of the moments of mass, sums of m |x|^2 and of m |x|, of the subtree of link l about a point at this
    distance from l's origin: with its links stretched out away from the point. */
-static rbdi_wide rbdi_build_second_moment(const rbdi_build_link *l, rbdi_wide distance) {
+RBDI_LOCAL rbdi_wide rbdi_build_second_moment(const rbdi_build_link *l, rbdi_wide distance) {
     return l->all_mass * (l->radius + distance) * (l->radius + distance);
 }
 
-static rbdi_wide rbdi_build_first_moment(const rbdi_build_link *l, rbdi_wide distance) {
+RBDI_LOCAL rbdi_wide rbdi_build_first_moment(const rbdi_build_link *l, rbdi_wide distance) {
     return l->lever + l->all_mass * distance;
 }
 
 /* Step 5, leaves to root: mass, radius of gyration and first moment of the stretched subtree about the link's
    own origin. */
-static void rbdi_build_measure(rbdi_build_link *links, int i) {
+RBDI_LOCAL void rbdi_build_measure(rbdi_build_link *links, int i) {
     rbdi_build_link *l = &links[i];
     const rbdi_wide own = l->Sigma[0] + l->Sigma[3] + l->Sigma[5];
 
@@ -7948,7 +7956,7 @@ static void rbdi_build_measure(rbdi_build_link *links, int i) {
    distance from it. Inertias about a far point are large, and the algorithms subtract them from each other:
    rounding errors grow with them. So the moments of this subtree may become at most 4 times those about the
    origin that the user chose. Right-angled and parallel axes pass (1.1 times at most in iiwa, HyQ, Atlas). */
-static int rbdi_build_near(const rbdi_build_link *links, int nl, int i, rbdi_wide t, rbdi_wide distance) {
+RBDI_LOCAL int rbdi_build_near(const rbdi_build_link *links, int nl, int i, rbdi_wide t, rbdi_wide distance) {
     const rbdi_build_link *l = &links[i], *f = &links[l->favourite];
     const rbdi_wide rest = l->all_mass - f->all_mass, before = rbdi_w_length(f->X.r), step = rbdi_w_abs(t);
 
@@ -7969,7 +7977,7 @@ static int rbdi_build_near(const rbdi_build_link *links, int nl, int i, rbdi_wid
 /* Step 6, root to leaves: gives the favourite child of link i Denavit and Hartenberg's form, beta = 0 and r =
    (a, 0, 0), by a turn and shift of link i's frame. Without such a child gamma and d become 0 instead. Nearly
    parallel axes have their common normal far away and would lose digits: they keep a general r and beta. */
-static void rbdi_build_normalise(rbdi_build_link *links, int nl, int i) {
+RBDI_LOCAL void rbdi_build_normalise(rbdi_build_link *links, int nl, int i) {
     rbdi_build_link *l = &links[i], *f;
     rbdi_wide r[3], Z[9], a, d = 0, t;
     if (l->kind == RBDI_BLOCK) return;
@@ -8025,7 +8033,7 @@ static void rbdi_build_normalise(rbdi_build_link *links, int nl, int i) {
 }
 
 /* Origin of a link in its parent's frame at q = 0. */
-static void rbdi_build_origin(const rbdi_build_link *l, rbdi_wide r[3]) {
+RBDI_LOCAL void rbdi_build_origin(const rbdi_build_link *l, rbdi_wide r[3]) {
     for (int k = 0; k < 3; ++k) r[k] = l->X.r[k] + l->d * l->X.E[6 + k];
 }
 
@@ -8038,7 +8046,7 @@ static void rbdi_build_origin(const rbdi_build_link *l, rbdi_wide r[3]) {
    not be in doubt where nothing should turn about the axis, as with a thin rod on it. This inertia is taken
    about points as far away as the user's frames: solver.r, from the link's origin to the user's, and reach,
    to the farthest body fixed to this link or to a later one. A sliding joint is assumed to move by 1 m. */
-static void rbdi_build_scale(rbdi_build_link *links, int i) {
+RBDI_LOCAL void rbdi_build_scale(rbdi_build_link *links, int i) {
     rbdi_build_link *l = &links[i], *parent;
     rbdi_wide r[3], distance, reach,
         trace = l->Sigma[0] + l->Sigma[3] + l->Sigma[5] + l->mass * rbdi_w_dot(l->solver.r, l->solver.r);
@@ -8064,7 +8072,7 @@ static void rbdi_build_scale(rbdi_build_link *links, int i) {
 /* Step 8, leaves to root: regrouping ([design]). Moments of mass that the joint's motion does not change go
    to the parent: of a revolute link m, h_z and Sigma_zz, of a sliding one Sigma, of a spherical one m, of a
    helical or planar one Sigma_zz. */
-static void rbdi_build_regroup(rbdi_build_link *links, int i) {
+RBDI_LOCAL void rbdi_build_regroup(rbdi_build_link *links, int i) {
     rbdi_build_link *l = &links[i];
     rbdi_wide Sigma[6] = {0, 0, 0, 0, 0, 0}, h[3] = {0, 0, 0}, mass = 0, r[3], T[9];
     int slides = l->type == RBD_TRANSLATION || (l->kind == RBDI_SCREW && !(l->rho > 0));
@@ -8097,7 +8105,7 @@ static void rbdi_build_regroup(rbdi_build_link *links, int i) {
 
 /* ==== src/model/emit.h ==== */
 /* Three and six numbers of the build as constants of the model. */
-static rbdi_c3 rbdi_round3(const rbdi_wide x[3]) {
+RBDI_LOCAL rbdi_c3 rbdi_round3(const rbdi_wide x[3]) {
     rbdi_c3 out;
     out.x = RBD_C(x[0]);
     out.y = RBD_C(x[1]);
@@ -8105,7 +8113,7 @@ static rbdi_c3 rbdi_round3(const rbdi_wide x[3]) {
     return out;
 }
 
-static rbdi_csym rbdi_round6(const rbdi_wide x[6]) {
+RBDI_LOCAL rbdi_csym rbdi_round6(const rbdi_wide x[6]) {
     rbdi_csym out;
 
     out.xx = RBD_C(x[0]);
@@ -8118,7 +8126,7 @@ static rbdi_csym rbdi_round6(const rbdi_wide x[6]) {
 }
 
 /* The joint angle at q = 0. Its right angles are kept apart, because a multiple of pi would be rounded. */
-static void rbdi_emit_angle(const rbdi_build_link *l, rbdi_link *out) {
+RBDI_LOCAL void rbdi_emit_angle(const rbdi_build_link *l, rbdi_link *out) {
     rbdi_wide c = l->cg, s = l->sg, minus_c;
     int quarters = 0;
 
@@ -8136,7 +8144,7 @@ static void rbdi_emit_angle(const rbdi_build_link *l, rbdi_link *out) {
 }
 
 /* The flags of a link: the operations that its constants make necessary. */
-static int rbdi_emit_flags(const rbdi_build *build, const rbdi_build_link *l) {
+RBDI_LOCAL int rbdi_emit_flags(const rbdi_build *build, const rbdi_build_link *l) {
     const rbd_body *b = &build->bodies[l->body];
     const int block = l->kind == RBDI_BLOCK;
     int flags = 0;
@@ -8155,7 +8163,7 @@ static int rbdi_emit_flags(const rbdi_build *build, const rbdi_build_link *l) {
 }
 
 /* Step 9: the constants of the link at position p. */
-static rbdi_link rbdi_emit_link(const rbdi_build *build, int p) {
+RBDI_LOCAL rbdi_link rbdi_emit_link(const rbdi_build *build, int p) {
     const rbdi_build_link *links = build->links, *l = &links[links[p].order];
     rbdi_link out;
 
@@ -8185,7 +8193,7 @@ static rbdi_link rbdi_emit_link(const rbdi_build *build, int p) {
 }
 
 /* The same of a block: its joint. */
-static rbdi_block rbdi_emit_block(const rbdi_build_link *l) {
+RBDI_LOCAL rbdi_block rbdi_emit_block(const rbdi_build_link *l) {
     const rbdi_joint_fact *fact = rbdi_joint_facts(l->type);
     rbdi_block out;
 
@@ -8203,13 +8211,13 @@ static rbdi_block rbdi_emit_block(const rbdi_build_link *l) {
 }
 
 /* Bound of the inertia that the link's k-th dof moves. */
-static rbdi_wide rbdi_build_dof_scale(const rbdi_build_link *l, int k) {
+RBDI_LOCAL rbdi_wide rbdi_build_dof_scale(const rbdi_build_link *l, int k) {
     if (l->kind != RBDI_BLOCK) return l->rho * l->scale + l->kappa * l->kappa * l->all_mass;
     return rbdi_first_axis(l->type) + k < 3 ? l->scale : l->all_mass;
 }
 
 /* The dofs of the link at position p. */
-static void rbdi_emit_dofs(const rbdi_build *build, int p) {
+RBDI_LOCAL void rbdi_emit_dofs(const rbdi_build *build, int p) {
     const rbdi_build_link *l = &build->links[build->links[p].order];
     const rbd_body *b = &build->bodies[l->body];
     const rbdi_link *link = &build->link[p];
@@ -8238,7 +8246,7 @@ static void rbdi_emit_dofs(const rbdi_build *build, int p) {
 }
 
 /* Body i in the user's frame. */
-static rbdi_frame rbdi_emit_frame(const rbdi_build *build, int i) {
+RBDI_LOCAL rbdi_frame rbdi_emit_frame(const rbdi_build *build, int i) {
     const rbd_body *b = &build->bodies[i];
     const rbdi_place *place = &build->place[i];
     rbdi_wide_pose X = place->X;
@@ -8281,7 +8289,7 @@ static rbdi_frame rbdi_emit_frame(const rbdi_build *build, int i) {
 }
 
 /* Steps 3 to 8: from the user's frames to those of [design]. */
-static void rbdi_build_solve(rbdi_build_link *links, int nl) {
+RBDI_LOCAL void rbdi_build_solve(rbdi_build_link *links, int nl) {
     for (int i = 0; i < nl; ++i) rbdi_build_axis(links, i);
     rbdi_build_order(links, nl);
     for (int p = nl - 1; p >= 0; --p) rbdi_build_measure(links, links[p].order);
@@ -8299,7 +8307,7 @@ static void rbdi_build_solve(rbdi_build_link *links, int nl) {
 }
 
 /* Coordinates and dofs: in the order of the bodies; those of mimic joints behind all others. */
-static void rbdi_place_coordinates(const rbdi_build *build) {
+RBDI_LOCAL void rbdi_place_coordinates(const rbdi_build *build) {
     int iq = 0, iv = 0, mimic = 0;
 
     for (int i = 0; i < build->nb; ++i) {
@@ -8321,7 +8329,7 @@ static void rbdi_place_coordinates(const rbdi_build *build) {
 }
 
 /* All numbers that rbd_work_size and rbd_batch_size depend on, side by side in few words to compare. */
-static void rbdi_shape(const rbd_model *m, uint64_t shape[RBDI_SHAPE]) {
+RBDI_LOCAL void rbdi_shape(const rbd_model *m, uint64_t shape[RBDI_SHAPE]) {
     shape[0] = (uint64_t)m->nb << 48 | (uint64_t)m->nq << 32 | (uint64_t)m->nv << 16 | (uint64_t)m->nl;
     shape[1] = (uint64_t)m->nblock << 32 | (uint64_t)m->nbranch << 16 | (uint64_t)m->nmimic;
     shape[2] = (uint64_t)m->nh << 32 | (uint64_t)m->nhx;
@@ -8330,7 +8338,7 @@ static void rbdi_shape(const rbd_model *m, uint64_t shape[RBDI_SHAPE]) {
 /* Entry (i, j) of the matrix is not zero: so one of the two must be on the other's path to the root. The
    elimination of a row fills the row of its lambda in all its other columns (RBDA 6.5): so from there on the
    two paths become one. */
-static void rbdi_couple(rbdi_dof *dof, int i, int j) {
+RBDI_LOCAL void rbdi_couple(rbdi_dof *dof, int i, int j) {
     while (i != j) {
         const int high = i > j ? i : j, low = i > j ? j : i, next = dof[high].lambda;
         if (next < low) dof[high].lambda = (int16_t)low;
@@ -8341,7 +8349,7 @@ static void rbdi_couple(rbdi_dof *dof, int i, int j) {
 
 /* The nv dofs of the matrix in depth-first order. Meanwhile dof.depth is the number of descendants, and
    dof.row where the next child goes. */
-static void rbdi_emit_nodes(rbdi_dof *dof, int nv, rbdi_node *node) {
+RBDI_LOCAL void rbdi_emit_nodes(rbdi_dof *dof, int nv, rbdi_node *node) {
     int32_t next = 0;
 
     for (int k = 0; k < nv; ++k) dof[k].depth = 0;
@@ -8359,7 +8367,7 @@ static void rbdi_emit_nodes(rbdi_dof *dof, int nv, rbdi_node *node) {
 
 /* Step 10: the tree of the matrix. Without mimic joints it is that of the mechanism. A mimic dof couples the
    dof that it follows with those on its path to the root, and with those whose path it is on. */
-static void rbdi_emit_tree(const rbdi_build *build) {
+RBDI_LOCAL void rbdi_emit_tree(const rbdi_build *build) {
     const int nv = build->n.nv, n = build->n.ndof;
     const rbdi_mimic *mimic = build->mimic;
     rbdi_dof *dof = build->dof;
@@ -8388,7 +8396,7 @@ static void rbdi_emit_tree(const rbdi_build *build) {
 }
 
 /* Links, blocks, branch points and dofs, in the solver's order. */
-static void rbdi_emit_links(const rbdi_build *build) {
+RBDI_LOCAL void rbdi_emit_links(const rbdi_build *build) {
     rbd_model *m = build->m;
     int block = 0;
 
@@ -8416,7 +8424,7 @@ static void rbdi_emit_links(const rbdi_build *build) {
 }
 
 /* Frames of the bodies, and mimic joints, whose inertia adds to the scale of the joint that they follow. */
-static void rbdi_emit_frames(const rbdi_build *build) {
+RBDI_LOCAL void rbdi_emit_frames(const rbdi_build *build) {
     int next = 0;
 
     for (int i = 0; i < build->nb; ++i) {
@@ -8435,7 +8443,7 @@ static void rbdi_emit_frames(const rbdi_build *build) {
 }
 
 /* The solver's order of the dofs, with the rows that crba writes; the range of each link's subtree in it. */
-static void rbdi_emit_order(const rbdi_build *build) {
+RBDI_LOCAL void rbdi_emit_order(const rbdi_build *build) {
     rbd_model *m = build->m;
     int next = 0;
 
@@ -8458,7 +8466,7 @@ static void rbdi_emit_order(const rbdi_build *build) {
 }
 
 /* Steps 9 and 10. */
-static void rbdi_emit(const rbdi_build *build) {
+RBDI_LOCAL void rbdi_emit(const rbdi_build *build) {
     rbd_model *m = build->m;
 
     m->link = build->link;
@@ -8490,7 +8498,7 @@ static void rbdi_emit(const rbdi_build *build) {
 
 /* ==== src/model/build.h ==== */
 /* Takes the model and the scratch of the build from the memory. */
-static void rbdi_build_take(rbdi_build *b, void *memory) {
+RBDI_LOCAL void rbdi_build_take(rbdi_build *b, void *memory) {
     unsigned char *p = rbdi_aligned(memory);
     b->m = (rbd_model *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_model)));
 #define RBDI_TAKE(type, name, length) \
@@ -8549,7 +8557,7 @@ RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory
 /* -- a payload -- */
 
 /* The inertia of a body with a payload: the sum of the masses, the centre of mass c, the moments about it. */
-static rbd_status rbdi_payload_frame(rbdi_frame *u, const rbd_body *load) {
+RBDI_LOCAL rbd_status rbdi_payload_frame(rbdi_frame *u, const rbd_body *load) {
     const rbdi_wide mass[2] = {(rbdi_wide)u->mass, (rbdi_wide)load->mass}, sum = mass[0] + mass[1];
     const rbdi_wide com[2][3] = {{(rbdi_wide)u->com.x, (rbdi_wide)u->com.y, (rbdi_wide)u->com.z},
                                  {(rbdi_wide)load->com[0], (rbdi_wide)load->com[1], (rbdi_wide)load->com[2]}};
@@ -8587,7 +8595,7 @@ static rbd_status rbdi_payload_frame(rbdi_frame *u, const rbd_body *load) {
 
 /* Prepares a step of the build from link i of the model to its parent, for the payload alone: pair[1] becomes
    link i with the moments of mass that pair[0] has, pair[0] its parent, empty. */
-static void rbdi_payload_step(const rbd_model *m, int i, rbdi_build_link pair[2]) {
+RBDI_LOCAL void rbdi_payload_step(const rbd_model *m, int i, rbdi_build_link pair[2]) {
     const rbdi_link *l = &m->link[i];
 
     pair[1] = pair[0];
@@ -8602,13 +8610,13 @@ static void rbdi_payload_step(const rbd_model *m, int i, rbdi_build_link pair[2]
 }
 
 /* Adds x to a dof's scale. */
-static void rbdi_payload_scale(rbdi_dof *dof, rbdi_wide x) {
+RBDI_LOCAL void rbdi_payload_scale(rbdi_dof *dof, rbdi_wide x) {
     dof->scale = RBD_C((rbdi_wide)dof->scale + x);
     if (dof->scale < dof->armature + RBDI_LEAST_SCALE) dof->scale = dof->armature + RBDI_LEAST_SCALE;
 }
 
 /* Step 7, the bounds of pivots, for a payload that is added (sign = 1) or taken off (-1). */
-static void rbdi_payload_bounds(const rbd_model *m, int i, rbd_body load, const rbdi_place *place) {
+RBDI_LOCAL void rbdi_payload_bounds(const rbd_model *m, int i, rbd_body load, const rbdi_place *place) {
     rbdi_dof *dof = (rbdi_dof *)m->dof;
     const double sign = load.mass < 0 || load.inertia[0] + load.inertia[3] + load.inertia[5] < 0 ? -1 : 1;
     rbdi_build_link pair[2];
@@ -8644,7 +8652,7 @@ static void rbdi_payload_bounds(const rbd_model *m, int i, rbd_body load, const 
 
 /* Step 8, regrouping, for the payload alone, because it is linear: on the way to the root each link keeps a
    part. */
-static void rbdi_payload_links(const rbd_model *m, int i, const rbd_body *load, const rbdi_place *place) {
+RBDI_LOCAL void rbdi_payload_links(const rbd_model *m, int i, const rbd_body *load, const rbdi_place *place) {
     rbdi_link *link = (rbdi_link *)m->link;
     rbdi_build_link pair[2];
     rbdi_wide kept = 0;
@@ -8709,7 +8717,7 @@ RBDI_API rbd_status rbd_add_payload(void *memory, int body, double mass, const d
 
 /* Sine and cosine of an angle of any size. Long division by the right angle gives the number of right angles
    and the rest. Only the right angle is rounded, so the error is at most that of one more rounding of x. */
-static void rbdi_w_sincos(rbdi_wide x, rbdi_wide *s, rbdi_wide *c) {
+RBDI_LOCAL void rbdi_w_sincos(rbdi_wide x, rbdi_wide *s, rbdi_wide *c) {
     const rbdi_wide right_angle = RBDI_PI(rbdi_wide) / 2;
     rbdi_wide rest = rbdi_w_abs(x), part = right_angle, sine, cosine;
     int quarters = 0;
@@ -8730,7 +8738,7 @@ static void rbdi_w_sincos(rbdi_wide x, rbdi_wide *s, rbdi_wide *c) {
 }
 
 /* u = q, n numbers, of unit length; if q is shorter than 1e-15, component `one` is 1 and the others are 0. */
-static void rbdi_w_direction(const double *q, int n, int one, rbdi_wide *u) {
+RBDI_LOCAL void rbdi_w_direction(const double *q, int n, int one, rbdi_wide *u) {
     rbdi_wide largest = 0, sum = 0, length;
 
     for (int k = 0; k < n; ++k)
@@ -8748,7 +8756,7 @@ static void rbdi_w_direction(const double *q, int n, int one, rbdi_wide *u) {
 }
 
 /* E of a turn about a unit vector n: c 1 + (1 - c) n n' - s [n]x (Rodrigues, transposed). */
-static void rbdi_w_turn(const rbdi_wide n[3], rbdi_wide c, rbdi_wide s, rbdi_wide E[9]) {
+RBDI_LOCAL void rbdi_w_turn(const rbdi_wide n[3], rbdi_wide c, rbdi_wide s, rbdi_wide E[9]) {
     for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
         E[4 * i] = c + (1 - c) * n[i] * n[i];
@@ -8758,7 +8766,7 @@ static void rbdi_w_turn(const rbdi_wide n[3], rbdi_wide c, rbdi_wide s, rbdi_wid
 }
 
 /* E of a quaternion (v; w) of any length: a turn about v with cosine w w - v'v and sine 2 w |v|. */
-static void rbdi_w_quaternion(const double *q, rbdi_wide E[9]) {
+RBDI_LOCAL void rbdi_w_quaternion(const double *q, rbdi_wide E[9]) {
     rbdi_wide u[4], length;
     rbdi_w_direction(q, 4, 3, u);
     length = rbdi_w_length(u);
@@ -8767,7 +8775,7 @@ static void rbdi_w_quaternion(const double *q, rbdi_wide E[9]) {
 }
 
 /* Motion of a link by its joint: its pose at q in its frame at q = 0. */
-static rbdi_wide_pose rbdi_axis_motion_at(const rbdi_build_link *l, const double *q) {
+RBDI_LOCAL rbdi_wide_pose rbdi_axis_motion_at(const rbdi_build_link *l, const double *q) {
     rbdi_wide_pose X;
     rbdi_wide u[2], c, s;
 
@@ -8784,7 +8792,7 @@ static rbdi_wide_pose rbdi_axis_motion_at(const rbdi_build_link *l, const double
     return X;
 }
 
-static rbdi_wide_pose rbdi_block_motion_at(int type, const double *q) {
+RBDI_LOCAL rbdi_wide_pose rbdi_block_motion_at(int type, const double *q) {
     rbdi_wide_pose X;
     rbdi_wide c, s;
 
@@ -8803,7 +8811,7 @@ static rbdi_wide_pose rbdi_block_motion_at(int type, const double *q) {
 
 /* Pose of a body in its parent at the coordinates q of its joint: that at q = 0, then the motion of each link
    that the joint has in the build. */
-static rbdi_wide_pose rbdi_body_pose_at(const rbd_body *b, const double *q) {
+RBDI_LOCAL rbdi_wide_pose rbdi_body_pose_at(const rbd_body *b, const double *q) {
     rbd_body alone = *b;
     rbdi_build_link links[3];
     rbdi_place place;
@@ -8829,7 +8837,7 @@ static rbdi_wide_pose rbdi_body_pose_at(const rbd_body *b, const double *q) {
 }
 
 /* Where the coordinates of body i begin in q. */
-static int rbdi_first_coordinate(const rbd_body *bodies, int i) {
+RBDI_LOCAL int rbdi_first_coordinate(const rbd_body *bodies, int i) {
     int iq = 0;
     for (int k = 0; k < i; ++k)
         if (!bodies[k].mimic) iq += rbdi_joint_facts((int)bodies[k].type)->nq;
@@ -8838,7 +8846,7 @@ static int rbdi_first_coordinate(const rbd_body *bodies, int i) {
 
 /* The coordinates at q of body i's joint, of one that mimics from those of the joint that it follows; returns
    their number. */
-static int rbdi_own_coordinates(const rbd_body *bodies, int nb, int i, const double *q, double own[7]) {
+RBDI_LOCAL int rbdi_own_coordinates(const rbd_body *bodies, int nb, int i, const double *q, double own[7]) {
     const rbd_body *b = &bodies[i];
     const int from = b->mimic ? rbdi_mimic_source(bodies, nb, i) : i;
     const int first = rbdi_first_coordinate(bodies, from), n = rbdi_joint_facts((int)b->type)->nq;
@@ -8848,13 +8856,13 @@ static int rbdi_own_coordinates(const rbd_body *bodies, int nb, int i, const dou
 }
 
 /* Whether body i's joint shall be held: its flag is set, or that of the joint that it mimics. */
-static int rbdi_is_held(const rbd_body *bodies, int nb, int i, const unsigned char *locked) {
+RBDI_LOCAL int rbdi_is_held(const rbd_body *bodies, int nb, int i, const unsigned char *locked) {
     if (bodies[i].type == RBD_FIXED) return 0;
     return locked[i] || (bodies[i].mimic && locked[rbdi_mimic_source(bodies, nb, i)]);
 }
 
 /* Makes the joint of a row fixed at its coordinates q. */
-static void rbdi_hold(rbd_body *row, const double *q) {
+RBDI_LOCAL void rbdi_hold(rbd_body *row, const double *q) {
     const rbdi_wide_pose X = rbdi_body_pose_at(row, q);
     rbdi_wide R[9];
 

@@ -311,7 +311,7 @@ typedef RBD_REAL rbdi_lane_row
    In rows, RBD_LANES components of RBD_LANES states are transposed at a time; the last components may overlap
    those before. The rows of the next states are prefetched, because the processor does not predict so many
    streams. */
-static void rbdi_gather(const RBD_REAL *in, int width, int blocks, int rest, rbd_real *x) {
+RBDI_LOCAL void rbdi_gather(const RBD_REAL *in, int width, int blocks, int rest, rbd_real *x) {
     const int last = (rest < RBD_LANES ? rest : RBD_LANES) - 1;
     const int across = blocks ? 1 : width, along = blocks ? RBD_LANES : 1;
     const RBD_REAL *next = rest < 2 * RBD_LANES ? in : in + RBD_LANES * width;
@@ -340,7 +340,7 @@ static void rbdi_gather(const RBD_REAL *in, int width, int blocks, int rest, rbd
 }
 
 /* The reverse, for the first count states. */
-static void rbdi_scatter(const rbd_real *x, int width, int blocks, int count, RBD_REAL *out) {
+RBDI_LOCAL void rbdi_scatter(const rbd_real *x, int width, int blocks, int count, RBD_REAL *out) {
     const int across = blocks ? 1 : width, along = blocks ? RBD_LANES : 1;
 
     if (blocks || width < RBD_LANES) {
@@ -389,18 +389,20 @@ typedef struct rbdi_task {
 typedef rbd_status rbdi_lane_call(const rbd_model *m, const rbdi_task *t);
 
 /* Components of an input. */
-static int rbdi_batch_width(const rbd_model *m, int k) { return k == 0 ? m->nq : k < 3 ? m->nv : 6 * m->nb; }
+RBDI_LOCAL int rbdi_batch_width(const rbd_model *m, int k) {
+    return k == 0 ? m->nq : k < 3 ? m->nv : 6 * m->nb;
+}
 
 /* Largest outputs of a call: M, or a Jacobian, or a momentum and its rate. */
-static int rbdi_batch_output(const rbd_model *m) { return (m->nv > 6 ? m->nv : 6) * m->nv + 12; }
+RBDI_LOCAL int rbdi_batch_output(const rbd_model *m) { return (m->nv > 6 ? m->nv : 6) * m->nv + 12; }
 
 /* Whether a call can use the caller's array of these states: a whole block at an aligned address. */
-static int rbdi_usable(const rbd_batch *b, const RBD_REAL *x, int rest) {
+RBDI_LOCAL int rbdi_usable(const rbd_batch *b, const RBD_REAL *x, int rest) {
     return b->layout == RBD_BLOCKS && rest >= RBD_LANES && (uintptr_t)x % sizeof(rbd_real) == 0;
 }
 
 /* Sets x to the inputs of the states from s on. */
-static void rbdi_task_gather(const rbd_model *m, rbdi_task *t, const rbd_batch *b, int s, int rest) {
+RBDI_LOCAL void rbdi_task_gather(const rbd_model *m, rbdi_task *t, const rbd_batch *b, int s, int rest) {
     for (int k = 0; k < RBDI_ARGUMENTS; ++k) {
         const int width = rbdi_batch_width(m, k);
         const RBD_REAL *x = t->in[k] ? t->in[k] + (size_t)s * (size_t)width : NULL;
@@ -414,7 +416,7 @@ static void rbdi_task_gather(const rbd_model *m, rbdi_task *t, const rbd_batch *
 /* Sets t->y to the outputs of the states from s on: the caller's array, or y, for rbdi_task_scatter.
    With RBD_REPRODUCIBLE it is y, because rbdi_batch_singly reads the inputs again, which may be the
    same arrays. */
-static void rbdi_task_targets(rbdi_task *t, const rbd_batch *b, rbd_real *y, int s, int rest) {
+RBDI_LOCAL void rbdi_task_targets(rbdi_task *t, const rbd_batch *b, rbd_real *y, int s, int rest) {
     for (int k = 0; k < RBDI_ARGUMENTS; ++k) {
         RBD_REAL *out = t->out[k] ? t->out[k] + (size_t)s * (size_t)t->width[k] : NULL;
         t->y[k] = !out || (!RBDI_REPRODUCIBLE && rbdi_usable(b, out, rest)) ? (rbd_real *)out : y;
@@ -423,7 +425,7 @@ static void rbdi_task_targets(rbdi_task *t, const rbd_batch *b, rbd_real *y, int
 }
 
 /* Writes those of the first count states that are not in the caller's arrays. */
-static void rbdi_task_scatter(const rbdi_task *t, const rbd_batch *b, int s, int count) {
+RBDI_LOCAL void rbdi_task_scatter(const rbdi_task *t, const rbd_batch *b, int s, int count) {
     for (int k = 0; k < RBDI_ARGUMENTS; ++k) {
         RBD_REAL *out = t->out[k] ? t->out[k] + (size_t)s * (size_t)t->width[k] : NULL;
         if ((RBD_REAL *)t->y[k] == out) continue;
@@ -432,7 +434,7 @@ static void rbdi_task_scatter(const rbdi_task *t, const rbd_batch *b, int s, int
 }
 
 /* Notes the first of these states that is singular: one of its pivots is not 1, after rbdi_check_pivots. */
-static void rbdi_note_singular(const rbd_model *m, rbd_batch *b, int first, int count) {
+RBDI_LOCAL void rbdi_note_singular(const rbd_model *m, rbd_batch *b, int first, int count) {
     for (int i = 0; i < count && b->state < 0; ++i)
         for (int k = m->nv - 1; k >= 0 && b->state < 0; --k)
             if (!(b->w->pivot[k][i] > 0)) {
@@ -444,8 +446,8 @@ static void rbdi_note_singular(const rbd_model *m, rbd_batch *b, int first, int 
 #if RBDI_REPRODUCIBLE
 /* The states s to s + count - 1, each alone in all lanes. If a pivot is in doubt, all lanes take the path
    that one of them needs; so a state's bits would depend on the states beside it. */
-static rbd_status rbdi_batch_singly(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int s, int count,
-                                    rbd_real *y, rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_batch_singly(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int s,
+                                        int count, rbd_real *y, rbdi_task *t) {
     const int blocks = b->layout == RBD_BLOCKS;
     rbd_status result = RBD_OK;
 
@@ -479,8 +481,8 @@ static rbd_status rbdi_batch_singly(rbdi_lane_call *call, const rbd_model *m, rb
 #endif
 
 /* Makes a call for n states. y: memory for its outputs of RBD_LANES states. */
-static rbd_status rbdi_batch_run(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int n, rbd_real *y,
-                                 rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_batch_run(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int n,
+                                     rbd_real *y, rbdi_task *t) {
     rbd_status result = b ? rbdi_check(m, b->w, t->in[0] != NULL) : RBD_ERR_NULL;
     if (result) return result;
 
@@ -515,8 +517,8 @@ static rbd_status rbdi_batch_run(rbdi_lane_call *call, const rbd_model *m, rbd_b
 }
 
 /* A call with these inputs and, so far, no outputs. */
-static rbdi_task rbdi_task_of(const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
-                              const RBD_REAL *f_ext) {
+RBDI_LOCAL rbdi_task rbdi_task_of(const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
+                                  const RBD_REAL *f_ext) {
     rbdi_task t;
     t.in[0] = q;
     t.in[1] = v;
@@ -531,7 +533,7 @@ static rbdi_task rbdi_task_of(const RBD_REAL *q, const RBD_REAL *v, const RBD_RE
     return t;
 }
 
-static void rbdi_task_output(rbdi_task *t, int k, RBD_REAL *out, int width) {
+RBDI_LOCAL void rbdi_task_output(rbdi_task *t, int k, RBD_REAL *out, int width) {
     t->out[k] = out;
     t->width[k] = width;
 }
@@ -540,9 +542,9 @@ static void rbdi_task_output(rbdi_task *t, int k, RBD_REAL *out, int width) {
 /* ---- batches [batch code] ---- */
 
 /* A call with one output, which must not be NULL. */
-static rbd_status rbdi_batch_one(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int n,
-                                 const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
-                                 const RBD_REAL *f_ext, RBD_REAL *out, int width) {
+RBDI_LOCAL rbd_status rbdi_batch_one(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int n,
+                                     const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
+                                     const RBD_REAL *f_ext, RBD_REAL *out, int width) {
     rbdi_task t = rbdi_task_of(q, v, a, f_ext);
     rbdi_task_output(&t, 0, out, width);
     return out ? rbdi_batch_run(call, m, b, n, b ? b->y : NULL, &t) : RBD_ERR_NULL;
@@ -589,28 +591,28 @@ RBDI_BATCH_API rbd_status rbd_batch_set_layout(rbd_batch *b, rbd_layout layout) 
 }
 
 /* The calls in lanes. x: q, v, a or tau, f_ext. */
-static rbd_status rbdi_lanes_rnea(const rbd_model *m, const rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_lanes_rnea(const rbd_model *m, const rbdi_task *t) {
     const rbd_real *a = t->x[2] ? t->x[2] : t->w->zero;
     return rbd_rnea(m, t->w, t->x[0], t->x[1], a, t->x[3], t->y[0]);
 }
 
-static rbd_status rbdi_lanes_aba(const rbd_model *m, const rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_lanes_aba(const rbd_model *m, const rbdi_task *t) {
     return rbd_aba(m, t->w, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0]);
 }
 
-static rbd_status rbdi_lanes_fd_cholesky(const rbd_model *m, const rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_lanes_fd_cholesky(const rbd_model *m, const rbdi_task *t) {
     return rbd_fd_cholesky(m, t->w, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0]);
 }
 
-static rbd_status rbdi_lanes_crba(const rbd_model *m, const rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_lanes_crba(const rbd_model *m, const rbdi_task *t) {
     return rbd_crba(m, t->w, t->x[0], t->y[0]);
 }
 
-static rbd_status rbdi_lanes_crba_packed(const rbd_model *m, const rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_lanes_crba_packed(const rbd_model *m, const rbdi_task *t) {
     return rbd_crba_packed(m, t->w, t->x[0], t->y[0]);
 }
 
-static rbd_status rbdi_lanes_minverse(const rbd_model *m, const rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_lanes_minverse(const rbd_model *m, const rbdi_task *t) {
     return rbd_minverse(m, t->w, t->x[0], t->y[0]);
 }
 
@@ -663,7 +665,7 @@ typedef struct rbdi_lane_point {
     const rbd_real *point;
 } rbdi_lane_point;
 
-static rbd_status rbdi_lanes_jacobian(const rbd_model *m, const rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_lanes_jacobian(const rbd_model *m, const rbdi_task *t) {
     const rbdi_lane_point *at = (const rbdi_lane_point *)t->more;
     (void)rbd_kinematics(m, t->w, t->x[0], NULL, NULL); /* arguments are checked */
     return rbd_jacobian(m, t->w, at->body, at->point, at->axes, t->y[0]);
@@ -685,7 +687,7 @@ RBDI_BATCH_API rbd_status rbd_batch_jacobian(const rbd_model *m, rbd_batch *b, i
     return J ? rbdi_batch_run(rbdi_lanes_jacobian, m, b, n, b ? b->y : NULL, &t) : RBD_ERR_NULL;
 }
 
-static rbd_status rbdi_lanes_momentum(const rbd_model *m, const rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_lanes_momentum(const rbd_model *m, const rbdi_task *t) {
     (void)rbd_kinematics(m, t->w, t->x[0], t->x[1], t->x[2]);
     return rbd_momentum(m, t->w, t->y[0], t->y[1]);
 }
@@ -722,7 +724,7 @@ struct rbd_batch_derivatives {
 
 /* Largest outputs of a call: three square matrices and an acceleration, a momentum matrix and its bias, or a
    regressor. */
-static int rbdi_derivatives_output(const rbd_model *m) {
+RBDI_LOCAL int rbdi_derivatives_output(const rbd_model *m) {
     int most = (3 * m->nv + 6) * m->nv + 6;
     if (most < 10 * m->nb * m->nv) most = 10 * m->nb * m->nv;
     return most;
@@ -753,14 +755,14 @@ RBDI_BATCH_API rbd_status rbd_batch_derivatives_init(const rbd_model *m, rbd_bat
     return status;
 }
 
-static rbd_status rbdi_batch_derivatives_run(rbdi_lane_call *call, const rbd_model *m,
-                                             rbd_batch_derivatives *d, int n, rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_batch_derivatives_run(rbdi_lane_call *call, const rbd_model *m,
+                                                 rbd_batch_derivatives *d, int n, rbdi_task *t) {
     if (!d) return RBD_ERR_NULL;
     t->more = d->d;
     return rbdi_batch_run(call, m, d->b, n, d->y, t);
 }
 
-static rbd_status rbdi_lanes_momentum_matrix(const rbd_model *m, const rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_lanes_momentum_matrix(const rbd_model *m, const rbdi_task *t) {
     return rbd_momentum_matrix(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->y[0], t->y[1]);
 }
 
@@ -773,7 +775,7 @@ RBDI_BATCH_API rbd_status rbd_batch_momentum_matrix(const rbd_model *m, rbd_batc
     return rbdi_batch_derivatives_run(rbdi_lanes_momentum_matrix, m, d, n, &t);
 }
 
-static rbd_status rbdi_lanes_coriolis(const rbd_model *m, const rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_lanes_coriolis(const rbd_model *m, const rbdi_task *t) {
     return rbd_coriolis(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->y[0]);
 }
 
@@ -784,7 +786,7 @@ RBDI_BATCH_API rbd_status rbd_batch_coriolis(const rbd_model *m, rbd_batch_deriv
     return rbdi_batch_derivatives_run(rbdi_lanes_coriolis, m, d, n, &t);
 }
 
-static rbd_status rbdi_lanes_id_derivatives(const rbd_model *m, const rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_lanes_id_derivatives(const rbd_model *m, const rbdi_task *t) {
     return rbd_id_derivatives(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0],
                               t->y[1], t->y[2]);
 }
@@ -800,7 +802,7 @@ RBDI_BATCH_API rbd_status rbd_batch_id_derivatives(const rbd_model *m, rbd_batch
     return rbdi_batch_derivatives_run(rbdi_lanes_id_derivatives, m, d, n, &t);
 }
 
-static rbd_status rbdi_lanes_fd_derivatives(const rbd_model *m, const rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_lanes_fd_derivatives(const rbd_model *m, const rbdi_task *t) {
     return rbd_fd_derivatives(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0],
                               t->y[1], t->y[2], t->y[3]);
 }
@@ -817,7 +819,7 @@ RBDI_BATCH_API rbd_status rbd_batch_fd_derivatives(const rbd_model *m, rbd_batch
     return rbdi_batch_derivatives_run(rbdi_lanes_fd_derivatives, m, d, n, &t);
 }
 
-static rbd_status rbdi_lanes_regressor(const rbd_model *m, const rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_lanes_regressor(const rbd_model *m, const rbdi_task *t) {
     return rbd_regressor(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->x[2], t->y[0]);
 }
 
@@ -845,7 +847,7 @@ struct rbd_batch_constraint_set {
     rbd_real *y; /* outputs of RBD_LANES states */
 };
 
-static size_t rbdi_batch_constraints_own(const rbd_model *m, int rows) {
+RBDI_LOCAL size_t rbdi_batch_constraints_own(const rbd_model *m, int rows) {
     return RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_batch_constraint_set)) +
            RBDI_ROUND(sizeof(rbd_real) * (size_t)(m->nv + rows));
 }
@@ -885,7 +887,7 @@ RBDI_BATCH_API rbd_status rbd_batch_constraint_set_init(const rbd_model *m, rbd_
     return RBD_OK;
 }
 
-static rbd_status rbdi_lanes_constrained_fd(const rbd_model *m, const rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_lanes_constrained_fd(const rbd_model *m, const rbdi_task *t) {
     return rbd_constrained_fd(m, (rbd_constraint_set *)t->more, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0],
                               t->y[1]);
 }

@@ -597,7 +597,7 @@ RBDI_ONCE rbdi_relative_motion rbdi_relative_motion_of(const rbd_constraint_set 
 }
 
 /* Orientation of a constraint's frame in the world. */
-static rbdi_mat rbdi_frame_axes(const rbd_constraint_set *c, const rbdi_constraint *con, int side) {
+RBDI_LOCAL rbdi_mat rbdi_frame_axes(const rbd_constraint_set *c, const rbdi_constraint *con, int side) {
     const rbdi_mat R = rbdi_mat_c(con->rotation[side]);
     return con->link[side] < 0 ? R : rbdi_mul_mat(rbdi_transpose(c->w->kin[con->link[side]].X.E), R);
 }
@@ -607,7 +607,7 @@ static rbdi_mat rbdi_frame_axes(const rbd_constraint_set *c, const rbdi_constrai
        z - w x z / 2 + factor w x (w x z),   factor = (1 - |w|/2 cot(|w|/2)) / |w|^2
 
    from the tails of sine and cosine in [steps code]. */
-static rbd_real rbdi_log_square(rbdi_v3 w) {
+RBDI_LOCAL rbd_real rbdi_log_square(rbdi_v3 w) {
     const rbdi_exp e = rbdi_exp_of(w);
     const rbdi_mask near_zero = rbdi_less(e.x, rbdi_set(RBD_C(1)));
     const rbd_real c4 = rbdi_select(near_zero, rbdi_tail(rbdi_select(near_zero, e.x, rbdi_zero()), 4),
@@ -617,7 +617,7 @@ static rbd_real rbdi_log_square(rbdi_v3 w) {
 
 /* Angular part of the position error e, axes of frame 2: [conventions]. If two axes are held, it is f x R f
    with the free axis f. R: frame 1 seen from frame 2. */
-static rbdi_v3 rbdi_angular_error(const rbdi_constraint *con, rbdi_mat R) {
+RBDI_LOCAL rbdi_v3 rbdi_angular_error(const rbdi_constraint *con, rbdi_mat R) {
     const rbd_real o = rbdi_zero();
     int free;
     if (con->angular != 2) return rbdi_log_rotation(R);
@@ -653,7 +653,7 @@ RBDI_ONCE void rbdi_set_axes(const rbd_constraint_set *c, const rbdi_constraint 
 
 /* Makes the axis a of a single angular row the one whose product with a turn z of body 1 is the derivative of
    a . w, w = log R in world axes: a + w x a / 2 + factor w x (w x a), with the factor of rbdi_log_square. */
-static void rbdi_bend_axis(const rbd_constraint_set *c, const rbdi_constraint *con, rbdi_axes_held *h) {
+RBDI_LOCAL void rbdi_bend_axis(const rbd_constraint_set *c, const rbdi_constraint *con, rbdi_axes_held *h) {
     const rbdi_mat R = rbdi_frame_axes(c, con, 1);
     const rbdi_v3 log_R = rbdi_log_rotation(rbdi_mul_mat(rbdi_transpose(R), rbdi_frame_axes(c, con, 0)));
     const rbdi_v3 w = rbdi_mul(R, log_R);
@@ -779,7 +779,7 @@ RBDI_INLINE int rbdi_next_link(const rbd_model *m, rbdi_walk *walk) {
 }
 
 /* Poses of the links on a path and, if `moving`, velocities of their origins, from the angular velocities. */
-static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v, int moving) {
+RBDI_LOCAL void rbdi_kin_of_paths(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v, int moving) {
     for (int n = 0; n < c->links;) {
         const int first = c->link[n];
         int end = first;
@@ -807,7 +807,7 @@ RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraint_set *c
 }
 
 /* Clears J v, gamma, e, Y and R. Articulated bodies read entries of Y and R that they do not write. */
-static void rbdi_clear_rows(const rbd_model *m, rbd_constraint_set *c) {
+RBDI_LOCAL void rbdi_clear_rows(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_clear(c->Y, m->nv * c->stride);
     rbdi_clear(c->R, c->rows * c->stride);
     rbdi_clear(c->velocity, 3 * c->stride);
@@ -818,8 +818,8 @@ enum { RBDI_SLOPES = 2 };
 
 /* Adds Y = J', gamma and J v of a constraint and, if `errors`, e. With errors = RBDI_SLOPES, Y = (de/dq)',
    which differs from J' in the row of a single angular axis. */
-static void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *con,
-                                 int errors) {
+RBDI_LOCAL void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *con,
+                                     int errors) {
     rbdi_axes_held h;
     rbdi_v3 p;
 
@@ -859,7 +859,7 @@ RBDI_INLINE rbd_real rbdi_rows_product(const rbd_real *x, const rbd_real *y, int
    from the world's origin; Delta has its square times 1/D:
 
        noise = RBDI_MOTIONLESS^2 (1 + sum r^2) sum 1/D */
-static void rbdi_bound_noise(const rbd_model *m, rbd_constraint_set *c) {
+RBDI_LOCAL void rbdi_bound_noise(const rbd_model *m, rbd_constraint_set *c) {
     rbd_real levers = rbdi_set(RBD_C(1)), inverse = rbdi_zero();
 
     for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con)
@@ -909,7 +909,7 @@ RBDI_INLINE void rbdi_delta_rows(const rbd_constraint_set *c, const int16_t *dof
 }
 
 /* The same for any number of rows, in blocks of 6 and 3 as constants for the compiler. dof: ascending. */
-static void rbdi_delta(const rbd_constraint_set *c, const int16_t *dof, int dofs, int row, int rows) {
+RBDI_LOCAL void rbdi_delta(const rbd_constraint_set *c, const int16_t *dof, int dofs, int row, int rows) {
     for (int i = row, n; i < row + rows; i += n) {
         n = row + rows - i >= 6 ? 6 : row + rows - i >= 3 ? 3 : 1;
 
@@ -967,7 +967,7 @@ RBDI_INLINE rbdi_mask rbdi_factor_row(rbd_constraint_set *c, int t, rbd_real noi
 
 /* Solves R lambda = beta: lambda_t = (beta_t - sum_(j > t) R_tj lambda_j) / R_tt. Entries of lambda behind
    the last row are 0. */
-static void rbdi_back_substitute(rbd_constraint_set *c) {
+RBDI_LOCAL void rbdi_back_substitute(rbd_constraint_set *c) {
     for (int t = c->rows - 1; t >= 0; --t) {
         const rbd_real *R = &c->R[t * c->stride];
         rbdi_sum sum = rbdi_sum_of_none();
@@ -978,7 +978,7 @@ static void rbdi_back_substitute(rbd_constraint_set *c) {
 }
 
 /* Computes R and beta from Y, D and b. Returns whether a pivot is in doubt. */
-static rbdi_mask rbdi_factor_delta(const rbd_model *m, rbd_constraint_set *c) {
+RBDI_LOCAL rbdi_mask rbdi_factor_delta(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
     rbd_real noise;
     rbdi_bound_noise(m, c);
@@ -1013,18 +1013,19 @@ static rbdi_mask rbdi_factor_delta(const rbd_model *m, rbd_constraint_set *c) {
 
    Lanes may differ in order and rank, so no branch depends on one lane alone. */
 
-static rbdi_mask rbdi_is_index(rbd_real x, int k) {
+RBDI_LOCAL rbdi_mask rbdi_is_index(rbd_real x, int k) {
     return rbdi_and(rbdi_less(rbdi_set(RBD_C(k) - RBD_C(0.5)), x),
                     rbdi_less(x, rbdi_set(RBD_C(k) + RBD_C(0.5))));
 }
 
-static rbdi_mask rbdi_dropped(const rbd_constraint_set *c, int t) {
+RBDI_LOCAL rbdi_mask rbdi_dropped(const rbd_constraint_set *c, int t) {
     return rbdi_not(rbdi_less(rbdi_zero(), rbdi_abs(c->R_inverse[t])));
 }
 
 /* Exchanges entry t of x with that of row pivot_row[t]. Entries of x are `step` apart. Does so for `count`
    vectors x, `next` apart. */
-static void rbdi_exchange(const rbd_constraint_set *c, int t, rbd_real *x, int step, int count, int next) {
+RBDI_LOCAL void rbdi_exchange(const rbd_constraint_set *c, int t, rbd_real *x, int step, int count,
+                              int next) {
     for (int j = t + 1; j < c->rows; ++j) {
         const rbdi_mask here = rbdi_is_index(c->pivot_row[t], j);
         if (!rbdi_any(here)) continue;
@@ -1039,13 +1040,13 @@ static void rbdi_exchange(const rbd_constraint_set *c, int t, rbd_real *x, int s
 }
 
 /* P' X or, if `back`, P X. X: rows x columns. */
-static void rbdi_permute(const rbd_constraint_set *c, rbd_real *X, int columns, int back) {
+RBDI_LOCAL void rbdi_permute(const rbd_constraint_set *c, rbd_real *X, int columns, int back) {
     for (int t = 0; c->pivoted && t < c->rows; ++t)
         rbdi_exchange(c, back ? c->rows - 1 - t : t, X, columns, columns, 1);
 }
 
 /* c->square of the rows from t on: of column j of Z, after t reflections, the sum of Z_kj^2 from k = t on. */
-static void rbdi_independent_squares(const rbd_constraint_set *c, int nv, int t) {
+RBDI_LOCAL void rbdi_independent_squares(const rbd_constraint_set *c, int nv, int t) {
     for (int j = t; j < c->rows; j += RBDI_BATCH) {
         rbdi_batch sum = rbdi_zero_batch();
 
@@ -1059,7 +1060,7 @@ static void rbdi_independent_squares(const rbd_constraint_set *c, int nv, int t)
 }
 
 /* Exchanges row t with the row that has the largest independent share. */
-static void rbdi_choose_row(rbd_constraint_set *c, int nv, int t) {
+RBDI_LOCAL void rbdi_choose_row(rbd_constraint_set *c, int nv, int t) {
     rbd_real best = c->square[t] * c->of_rows.inverse_square[t], at = rbdi_set(RBD_C(t));
 
     for (int j = t + 1; j < c->rows; ++j) {
@@ -1079,7 +1080,7 @@ static void rbdi_choose_row(rbd_constraint_set *c, int nv, int t) {
    from row t on, with x that of column t:
 
        h = x - R e_1,   R = -sign(x_1) |x|,   z -= h (h'z) / (|x| (|x| + |x_1|)) */
-static void rbdi_reflect(rbd_constraint_set *c, int nv, int t) {
+RBDI_LOCAL void rbdi_reflect(rbd_constraint_set *c, int nv, int t) {
     const int stride = c->stride;
     rbd_real *Z = c->R, *h = c->of_dofs.reflection;
     rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
@@ -1105,7 +1106,7 @@ static void rbdi_reflect(rbd_constraint_set *c, int nv, int t) {
 }
 
 /* Writes Z = D^-1/2 Y to c->R, and the squares of its columns. No row is taken yet. */
-static void rbdi_start_ranking(rbd_constraint_set *c, int nv) {
+RBDI_LOCAL void rbdi_start_ranking(rbd_constraint_set *c, int nv) {
     const rbd_real noise = c->noise * (1 / RBDI_RANK), one = rbdi_set(RBD_C(1));
 
     for (int k = 0; k < nv; ++k) {
@@ -1125,7 +1126,7 @@ static void rbdi_start_ranking(rbd_constraint_set *c, int nv) {
 }
 
 /* R of all rows, and 1/R_tt, which is 0 if row t depends on those before it. */
-static void rbdi_orthogonalise(const rbd_model *m, rbd_constraint_set *c) {
+RBDI_LOCAL void rbdi_orthogonalise(const rbd_model *m, rbd_constraint_set *c) {
     const rbd_real one = rbdi_set(RBD_C(1));
     const int nv = m->nv, steps = c->rows < nv ? c->rows : nv;
     rbdi_mask taken = rbdi_less(rbdi_zero(), one);
@@ -1146,10 +1147,10 @@ static void rbdi_orthogonalise(const rbd_model *m, rbd_constraint_set *c) {
 
 /* The null vector of a dropped row t, 0 in lanes that took the row. Its t + 1 entries replace row t of c->R
    up to the diagonal, which is no longer needed. */
-static rbd_real *rbdi_null_vector(const rbd_constraint_set *c, int t) { return &c->R[t * c->stride]; }
+RBDI_LOCAL rbd_real *rbdi_null_vector(const rbd_constraint_set *c, int t) { return &c->R[t * c->stride]; }
 
 /* x -= n (n'x) / n'n where `mask`, n the null vector of dropped row t. */
-static void rbdi_project_along(const rbd_constraint_set *c, int t, rbdi_mask mask, rbd_real *x) {
+RBDI_LOCAL void rbdi_project_along(const rbd_constraint_set *c, int t, rbdi_mask mask, rbd_real *x) {
     const rbd_real *null = rbdi_null_vector(c, t);
     rbdi_mask none = rbdi_less(null[0], null[0]); /* its length is 0, or at least 1 */
     rbd_real factor = rbdi_rows_product(null, x, t + 1) *
@@ -1160,7 +1161,7 @@ static void rbdi_project_along(const rbd_constraint_set *c, int t, rbdi_mask mas
 }
 
 /* x loses its components along the null vectors of the rows before row `end`. */
-static void rbdi_project(const rbd_constraint_set *c, int end, rbd_real *x) {
+RBDI_LOCAL void rbdi_project(const rbd_constraint_set *c, int end, rbd_real *x) {
     for (int t = 0; t < end; ++t) {
         const rbdi_mask dropped = rbdi_dropped(c, t);
         if (rbdi_any(dropped)) rbdi_project_along(c, t, dropped, x);
@@ -1168,7 +1169,7 @@ static void rbdi_project(const rbd_constraint_set *c, int end, rbd_real *x) {
 }
 
 /* The null vectors of all dropped rows, orthogonal to each other: R n = 0, n_t = 1. */
-static void rbdi_null_space(const rbd_constraint_set *c) {
+RBDI_LOCAL void rbdi_null_space(const rbd_constraint_set *c) {
     for (int t = 0; t < c->rows; ++t) {
         rbd_real *null = rbdi_null_vector(c, t);
         if (!rbdi_any(rbdi_dropped(c, t))) continue;
@@ -1180,11 +1181,11 @@ static void rbdi_null_space(const rbd_constraint_set *c) {
     }
 }
 
-static rbd_real rbdi_sum_abs(rbdi_v3 x) { return rbdi_abs(x.x) + rbdi_abs(x.y) + rbdi_abs(x.z); }
+RBDI_LOCAL rbd_real rbdi_sum_abs(rbdi_v3 x) { return rbdi_abs(x.x) + rbdi_abs(x.y) + rbdi_abs(x.z); }
 
 /* A bound on the terms of a constraint's target. J v, gamma and e in it are differences, so they may be far
    smaller than their terms. */
-static rbd_real rbdi_motion_size(const rbd_constraint_set *c, const rbdi_constraint *con) {
+RBDI_LOCAL rbd_real rbdi_motion_size(const rbd_constraint_set *c, const rbdi_constraint *con) {
     const rbdi_relative_motion relative = rbdi_relative_motion_of(c, con);
     const rbdi_station one = relative.body[0], two = relative.body[1];
     const rbd_real w = rbdi_sum_abs(one.omega) + rbdi_sum_abs(two.omega),
@@ -1197,7 +1198,7 @@ static rbd_real rbdi_motion_size(const rbd_constraint_set *c, const rbdi_constra
 }
 
 /* Makes c->slack the error of b by rounding and drift, and permutes it. */
-static void rbdi_set_slack(rbd_constraint_set *c) {
+RBDI_LOCAL void rbdi_set_slack(rbd_constraint_set *c) {
     for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con) {
         const rbd_real noise = rbdi_motion_size(c, con) * RBDI_NOISE;
         for (int r = con->row; r < con->row + con->rows; ++r)
@@ -1209,7 +1210,7 @@ static void rbdi_set_slack(rbd_constraint_set *c) {
 
 /* Notes the first dropped row, in the caller's order, that contradicts the rows it depends on: the targets
    have a component along its null vector n, |n' target| > |n|' slack. (J x of any x has none.) */
-static void rbdi_check_rows(rbd_constraint_set *c) {
+RBDI_LOCAL void rbdi_check_rows(rbd_constraint_set *c) {
     rbd_real *bad = c->of_rows.contradicts;
     const rbd_real one = rbdi_set(RBD_C(1));
 
@@ -1233,7 +1234,7 @@ static void rbdi_check_rows(rbd_constraint_set *c) {
 }
 
 /* The columns of X lose their components along the null vectors. X: rows x columns. */
-static void rbdi_project_columns(const rbd_constraint_set *c, rbd_real *X, int columns) {
+RBDI_LOCAL void rbdi_project_columns(const rbd_constraint_set *c, rbd_real *X, int columns) {
     rbd_real *x = c->square;
     for (int j = 0; c->pivoted && j < columns; ++j) {
         for (int i = 0; i < c->rows; ++i) x[i] = X[i * columns + j];
@@ -1244,7 +1245,7 @@ static void rbdi_project_columns(const rbd_constraint_set *c, rbd_real *X, int c
 
 /* X = Delta^-1 X, of least norm. X: rows x columns. If rows depend on each other, the right-hand sides lose
    their components along the null vectors, too: with them the equations would contradict each other. */
-static void rbdi_delta_solve(const rbd_constraint_set *c, rbd_real *X, int columns) {
+RBDI_LOCAL void rbdi_delta_solve(const rbd_constraint_set *c, rbd_real *X, int columns) {
     rbd_real *x = c->square; /* a column of R */
     rbdi_permute(c, X, columns, 0);
     rbdi_project_columns(c, X, columns);
@@ -1268,8 +1269,8 @@ static void rbdi_delta_solve(const rbd_constraint_set *c, rbd_real *X, int colum
 }
 
 /* Gives lambda to the caller. Returns the status of a call from that of the pivots of M. */
-static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraint_set *c, rbd_status status,
-                                          rbd_real *lambda) {
+RBDI_LOCAL rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraint_set *c, rbd_status status,
+                                              rbd_real *lambda) {
     if (status) {
         (void)rbdi_pivot_status(m, c->w, c->lambda, c->rows);
         c->infeasible = -1;
@@ -1286,7 +1287,7 @@ static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraint_set
    The steps by the factor M = L'DL, before and after [factor] or [rank]. */
 
 /* x = L^-T x, and c->D_inverse from the factor. */
-static void rbdi_sweep_back(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
+RBDI_LOCAL void rbdi_sweep_back(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
     rbdi_solve_transposed(m, c->w, L, 1, 1, c->x);
     for (int k = 0; k < m->nv; ++k) c->D_inverse[k] = L[m->dof[k].row + m->dof[k].depth];
 }
@@ -1320,7 +1321,7 @@ RBDI_INLINE rbd_real rbdi_y_lambda(const rbd_constraint_set *c, const rbd_real *
    row, but J' n is not 0. In this case, or if refinement stalls, the call is an error that names the row. */
 
 /* Largest magnitude of n numbers. */
-static rbd_real rbdi_largest(const rbd_real *x, int n) {
+RBDI_LOCAL rbd_real rbdi_largest(const rbd_real *x, int n) {
     rbd_real largest = rbdi_zero();
     for (int k = 0; k < n; ++k) {
         const rbd_real size = rbdi_abs(x[k]);
@@ -1331,7 +1332,7 @@ static rbd_real rbdi_largest(const rbd_real *x, int n) {
 
 /* b = target - Y' x, and the squares of its terms. A batch may reach into the rows of the next constraint,
    which come after, or behind the last row, where all is 0. */
-static void rbdi_rest_of_rows(rbd_constraint_set *c) {
+RBDI_LOCAL void rbdi_rest_of_rows(rbd_constraint_set *c) {
     for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con)
         for (int r = con->row; r < con->row + con->rows; r += RBDI_BATCH) {
             const rbd_real *Y = &c->Y[r];
@@ -1351,7 +1352,7 @@ static void rbdi_rest_of_rows(rbd_constraint_set *c) {
 }
 
 /* Computes b and whether an entry of it is more than rounding of its terms. */
-static rbdi_mask rbdi_rows_miss(rbd_constraint_set *c) {
+RBDI_LOCAL rbdi_mask rbdi_rows_miss(rbd_constraint_set *c) {
     rbdi_mask miss = rbdi_less(rbdi_zero(), rbdi_zero());
     rbdi_rest_of_rows(c);
     if (c->pivoted) {
@@ -1376,7 +1377,7 @@ RBDI_INLINE rbdi_mask rbdi_add_force(const rbd_constraint_set *c, const rbd_real
 }
 
 /* The same for all dofs, in c->x. */
-static rbdi_mask rbdi_add_forces(const rbd_model *m, rbd_constraint_set *c, const rbd_real *lambda) {
+RBDI_LOCAL rbdi_mask rbdi_add_forces(const rbd_model *m, rbd_constraint_set *c, const rbd_real *lambda) {
     rbdi_mask lost = rbdi_less(rbdi_zero(), rbdi_zero());
     for (int k = 0; k < m->nv; ++k)
         if (c->span[k].end > 0) lost = rbdi_or(lost, rbdi_add_force(c, lambda, k, &c->x[k]));
@@ -1384,7 +1385,7 @@ static rbdi_mask rbdi_add_forces(const rbd_model *m, rbd_constraint_set *c, cons
 }
 
 /* y = x where `mask`. */
-static void rbdi_copy_where(rbdi_mask mask, const rbd_real *x, int n, rbd_real *y) {
+RBDI_LOCAL void rbdi_copy_where(rbdi_mask mask, const rbd_real *x, int n, rbd_real *y) {
     for (int k = 0; k < n; ++k) y[k] = rbdi_select(mask, x[k], y[k]);
 }
 
@@ -1433,7 +1434,7 @@ RBDI_COLD void rbdi_refine_steps(const rbd_model *m, rbd_constraint_set *c, rbdi
 
 /* Refines x and lambda where rows miss their targets. lost: what the additions to x returned. Returns whether
    any row missed. */
-static int rbdi_refine(const rbd_model *m, rbd_constraint_set *c, rbdi_mask lost) {
+RBDI_LOCAL int rbdi_refine(const rbd_model *m, rbd_constraint_set *c, rbdi_mask lost) {
     rbdi_mask miss;
     if (!c->pivoted && !rbdi_any(lost)) return 0;
 
@@ -1447,7 +1448,7 @@ static int rbdi_refine(const rbd_model *m, rbd_constraint_set *c, rbdi_mask lost
 /* -- do all rows hold? -- */
 
 /* Lengths of the rows of J L^-1: the root of the sum of Y_kr^2. */
-static void rbdi_row_lengths(const rbd_model *m, const rbd_constraint_set *c, rbd_real *length) {
+RBDI_LOCAL void rbdi_row_lengths(const rbd_model *m, const rbd_constraint_set *c, rbd_real *length) {
     for (int r = 0; r < c->rows; r += RBDI_BATCH) {
         rbdi_batch sum = rbdi_zero_batch();
 
@@ -1464,8 +1465,8 @@ static void rbdi_row_lengths(const rbd_model *m, const rbd_constraint_set *c, rb
 
 /* Whether dropped row t depends on the rows taken whatever D is: each entry of Y n, n its null vector, is
    rounding of sum |n_j| length_j. */
-static rbdi_mask rbdi_row_depends(const rbd_model *m, const rbd_constraint_set *c, int t,
-                                  const rbd_real *length) {
+RBDI_LOCAL rbdi_mask rbdi_row_depends(const rbd_model *m, const rbd_constraint_set *c, int t,
+                                      const rbd_real *length) {
     const rbd_real *null = rbdi_null_vector(c, t);
     rbd_real *n = c->square, bound = rbdi_zero();
     rbdi_mask depends = rbdi_dropped(c, t);
@@ -1484,7 +1485,7 @@ static rbdi_mask rbdi_row_depends(const rbd_model *m, const rbd_constraint_set *
 }
 
 /* b loses the part by which rows that depend on each other contradict each other. */
-static void rbdi_forgive_drift(const rbd_model *m, const rbd_constraint_set *c, const rbd_real *length) {
+RBDI_LOCAL void rbdi_forgive_drift(const rbd_model *m, const rbd_constraint_set *c, const rbd_real *length) {
     rbdi_permute(c, c->b, 1, 0);
     for (int t = 0; t < c->rows; ++t)
         if (rbdi_any(rbdi_dropped(c, t))) rbdi_project_along(c, t, rbdi_row_depends(m, c, t, length), c->b);
@@ -1496,7 +1497,7 @@ static void rbdi_forgive_drift(const rbd_model *m, const rbd_constraint_set *c, 
        |b_r| > RBDI_HELD (|target_r| + length_r |x|) + noise of the target
 
    A NaN is no miss: these calls only look for NaN in M. */
-static int rbdi_first_missed(const rbd_constraint_set *c, const rbd_real *length, rbd_real size) {
+RBDI_LOCAL int rbdi_first_missed(const rbd_constraint_set *c, const rbd_real *length, rbd_real size) {
     for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con) {
         const rbd_real noise = rbdi_motion_size(c, con) * RBDI_NOISE + RBDI_STILL;
         for (int r = con->row; r < con->row + con->rows; ++r) {
@@ -1625,8 +1626,8 @@ RBDI_INLINE void rbdi_rows_dofs(const rbdi_block_work *bw, int first, int n, int
 }
 
 /* Carries K past the joint of block i, into the parent's axes. Writes Y. */
-static rbdi_row_wrenches rbdi_rows_block(const rbd_model *m, const rbd_work *w, int i, rbdi_row_wrenches rows,
-                                         rbd_real *Y, int stride) {
+RBDI_LOCAL rbdi_row_wrenches rbdi_rows_block(const rbd_model *m, const rbd_work *w, int i,
+                                             rbdi_row_wrenches rows, rbd_real *Y, int stride) {
     const rbdi_link *l = &m->link[i];
     const rbdi_block *b = rbdi_block_of(m, l);
     const rbdi_block_work *bw = &w->block[l->block];
@@ -1652,8 +1653,8 @@ static rbdi_row_wrenches rbdi_rows_block(const rbd_model *m, const rbd_work *w, 
 }
 
 /* Carries K from link i to its ancestor `stop`. Y: the batch in the row of dof 0. */
-static void rbdi_carry_rows(const rbd_model *m, const rbd_constraint_set *c, int i, int stop,
-                            rbdi_row_wrenches *carried, rbd_real *Y) {
+RBDI_LOCAL void rbdi_carry_rows(const rbd_model *m, const rbd_constraint_set *c, int i, int stop,
+                                rbdi_row_wrenches *carried, rbd_real *Y) {
     rbdi_row_wrenches rows = *carried; /* in registers */
     for (; i > stop; i = m->link[i].parent) {
         const rbdi_link *l = &m->link[i];
@@ -1667,8 +1668,8 @@ static void rbdi_carry_rows(const rbd_model *m, const rbd_constraint_set *c, int
 }
 
 /* Y, b and target of a batch of rows from row r of the constraint on. h: its axes. p: origin of frame 1. */
-static void rbdi_rows_to_world(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *con, int r,
-                               const rbdi_axes_held *h, rbdi_v3 p) {
+RBDI_LOCAL void rbdi_rows_to_world(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *con,
+                                   int r, const rbdi_axes_held *h, rbdi_v3 p) {
     rbd_real *Y = c->Y + con->row + r;
     rbdi_row_wrenches rows, one;
     rbdi_batch world;
@@ -1695,7 +1696,7 @@ static void rbdi_rows_to_world(const rbd_model *m, rbd_constraint_set *c, const 
 }
 
 /* 1/D of the dofs on the paths. */
-static void rbdi_path_inverse(const rbd_model *m, rbd_constraint_set *c) {
+RBDI_LOCAL void rbdi_path_inverse(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
     for (int k = 0; k < m->nv; ++k)
         if (c->span[k].end > 0) c->D_inverse[k] = rbdi_reciprocal(c->w->pivot[k], RBDI_TINY, &none);
@@ -1708,7 +1709,7 @@ RBDI_INLINE rbd_real *rbdi_u_D_of(const rbd_model *m, const rbd_constraint_set *
 }
 
 /* u/D += D^-1 Y lambda, refined. */
-static void rbdi_add_multipliers(const rbd_model *m, rbd_constraint_set *c) {
+RBDI_LOCAL void rbdi_add_multipliers(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_mask lost = rbdi_less(rbdi_zero(), rbdi_zero());
     for (int at = 0; at < c->links; ++at) {
         const int link = c->link[at], first = m->link[link].iv, n = rbdi_link_dofs(m, &m->link[link]);
@@ -1732,8 +1733,8 @@ static void rbdi_add_multipliers(const rbd_model *m, rbd_constraint_set *c) {
 
 /* Velocities, poses and bias wrenches of the links. Accelerations of the links are 0 here: epsilon has their
    terms of gamma. */
-static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                                   const rbd_real *v, rbdi_c3 gravity, int moving) {
+RBDI_LOCAL void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                       const rbd_real *v, rbdi_c3 gravity, int moving) {
     rbd_work *w = c->w;
     w->kinematics_of = RBDI_NO_KINEMATICS;
     c->world = rbdi_world_state(gravity).acc;
@@ -1752,7 +1753,7 @@ static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, co
 }
 
 /* Computes x and lambda from Y and b. Returns 0, x untouched, if a pivot is in doubt. */
-static int rbdi_articulated_solve(const rbd_model *m, rbd_constraint_set *c, rbd_real *x) {
+RBDI_LOCAL int rbdi_articulated_solve(const rbd_model *m, rbd_constraint_set *c, rbd_real *x) {
     if (rbdi_any(rbdi_factor_delta(m, c))) return 0;
     c->pivoted = 0;
     c->infeasible = -1;
@@ -1769,7 +1770,7 @@ static int rbdi_articulated_solve(const rbd_model *m, rbd_constraint_set *c, rbd
 
 /* ---- call code [call code] ---- */
 
-static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constraint_set *c, int arrays) {
+RBDI_LOCAL rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constraint_set *c, int arrays) {
     if (!m || !c || !arrays) return RBD_ERR_NULL;
     for (int k = 0; k < RBDI_SHAPE; ++k)
         if (c->shape[k] != m->shape[k]) return RBD_ERR_WORK;
@@ -1780,7 +1781,7 @@ static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constrain
    contradicts others. Returns whether rows may not hold yet, so that rbdi_check_held must look at them.
 
        b = target - Y' x,   Delta lambda = b */
-static int rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, int check) {
+RBDI_LOCAL int rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, int check) {
     rbdi_rest_of_rows(c);
     c->pivoted = 0;
     c->infeasible = -1;
@@ -1802,7 +1803,8 @@ static int rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, int check
 
 /* Targets of a constraint's rows: -gamma - kd J v - kp e; with a restitution, the change of velocity in an
    impact, -J v - restitution J v. */
-static void rbdi_set_target(rbd_constraint_set *c, const rbdi_constraint *con, const rbd_real *restitution) {
+RBDI_LOCAL void rbdi_set_target(rbd_constraint_set *c, const rbdi_constraint *con,
+                                const rbd_real *restitution) {
     for (int r = con->row; r < con->row + con->rows; r += RBDI_BATCH) {
         const rbdi_batch v = *(const rbdi_batch *)&c->velocity[r];
         rbdi_batch target = rbdi_zero_batch() - (restitution ? v : *(const rbdi_batch *)&c->gamma[r]);
@@ -1818,9 +1820,9 @@ static void rbdi_set_target(rbd_constraint_set *c, const rbdi_constraint *con, c
 /* Computes the accelerations x and lambda by articulated bodies. With a restitution x is the change of
    velocity in an impact, by the same steps without gravity, velocity products and forces. Returns 0, x
    untouched, if a pivot is in doubt. */
-static int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                               const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
-                               const rbd_real *restitution, rbd_real *x) {
+RBDI_LOCAL int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                   const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                   const rbd_real *restitution, rbd_real *x) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbd_work *w = c->w;
     if (c->factored) return 0;
@@ -1854,9 +1856,9 @@ static int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const 
 
 /* Writes M to w->H, M a + bias - sum J_b' f_ext to w->bias, and the state of all links. a: with the joints
    that mimic. */
-static void rbdi_constraint_bias(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                                 const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
-                                 rbdi_c3 gravity) {
+RBDI_LOCAL void rbdi_constraint_bias(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                     const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
+                                     rbdi_c3 gravity) {
     rbd_work *w = c->w;
     rbd_crba_packed(m, w, q, w->H);
     rbdi_constraint_state(m, c, rbdi_expand_v(m, v, w->vx), a, gravity, 1);
@@ -1869,9 +1871,9 @@ static void rbdi_constraint_bias(const rbd_model *m, rbd_constraint_set *c, cons
 /* As rbdi_articulated_fd, by the factor M = L'DL, in every state. Returns the status of M's pivots.
 
        f = L^-T (tau - bias),   Y = L^-T J',   L a = D^-1 (f + Y lambda) */
-static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                                   const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
-                                   const rbd_real *restitution, rbd_real *x) {
+RBDI_LOCAL rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                       const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                       const rbd_real *restitution, rbd_real *x) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbd_work *w = c->w;
     rbdi_mask doubt;
@@ -1903,9 +1905,9 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
 
 /* Computes x and lambda by articulated bodies or, if these are in doubt, by the factor of M. Returns the
    status of the call. */
-static rbd_status rbdi_constrained(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                                   const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
-                                   const rbd_real *restitution, rbd_real *x, rbd_real *lambda) {
+RBDI_LOCAL rbd_status rbdi_constrained(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                       const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                       const rbd_real *restitution, rbd_real *x, rbd_real *lambda) {
     rbd_status status = RBD_OK;
 
     if (!rbdi_articulated_fd(m, c, q, v, tau, f_ext, restitution, x)) {
@@ -1924,7 +1926,7 @@ RBDI_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraint_set *c
 }
 
 /* Whether 0 <= restitution <= 1. */
-static int rbdi_restitution_fits(rbd_real restitution) {
+RBDI_LOCAL int rbdi_restitution_fits(rbd_real restitution) {
     const rbd_real one = rbdi_set(RBD_C(1)), two = one + one; /* to refuse NaN, which is not below it */
     const rbdi_mask above = rbdi_or(rbdi_less(one, restitution), rbdi_not(rbdi_less(restitution, two)));
 
@@ -1946,8 +1948,8 @@ RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const 
 
 /* Computes J, J v, gamma and, if `errors`, e as rbdi_constraint_rows, and the motion of all links without
    gravity. v: NULL = 0. */
-static void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                                    const rbd_real *v, int errors) {
+RBDI_LOCAL void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                        const rbd_real *v, int errors) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbdi_joints(m, c->w, rbdi_expand_q(m, c->w, q));
     rbdi_constraint_state(m, c, v ? rbdi_expand_v(m, v, c->w->vx) : c->w->zero, c->w->zero, none, 0);
@@ -1991,7 +1993,7 @@ RBDI_API rbd_status rbd_constraint_jacobian(const rbd_model *m, rbd_constraint_s
    are the normal equations of the least squares problem, and mu has the least norm. */
 
 /* Whether n weights are 0, or from RBDI_LEAST_WEIGHT to RBDI_MOST_WEIGHT. NULL: all are 1. */
-static int rbdi_weights_fit(const rbd_const *weight, int n) {
+RBDI_LOCAL int rbdi_weights_fit(const rbd_const *weight, int n) {
     for (int k = 0; weight && k < n; ++k) {
         const int none = weight[k] >= 0 && weight[k] <= 0;
 
@@ -2001,7 +2003,7 @@ static int rbdi_weights_fit(const rbd_const *weight, int n) {
 }
 
 /* The weight that stands for 0: the share RBDI_FREE of the least of the others. */
-static rbd_const rbdi_free_weight(const rbd_const *weight, int n) {
+RBDI_LOCAL rbd_const rbdi_free_weight(const rbd_const *weight, int n) {
     rbd_const least = 0;
     for (int k = 0; weight && k < n; ++k)
         if (weight[k] > 0 && !(least > 0 && least < weight[k])) least = weight[k];
@@ -2009,12 +2011,12 @@ static rbd_const rbdi_free_weight(const rbd_const *weight, int n) {
 }
 
 /* 1 / weight k. free: the weight that stands for 0. */
-static rbd_const rbdi_inverse_weight(const rbd_const *weight, int k, rbd_const free) {
+RBDI_LOCAL rbd_const rbdi_inverse_weight(const rbd_const *weight, int k, rbd_const free) {
     return weight ? RBD_C(1) / (weight[k] > 0 ? weight[k] : free) : RBD_C(1);
 }
 
 /* Whether dof k has no motor: its flag is 0 or, without flags, its joint is a floating one at a root. */
-static int rbdi_is_passive(const rbd_model *m, const unsigned char *actuated, int k) {
+RBDI_LOCAL int rbdi_is_passive(const rbd_model *m, const unsigned char *actuated, int k) {
     const rbdi_frame *u = &m->frame[m->dof[k].body];
     return actuated ? !actuated[k] : u->type == RBD_FLOATING && m->link[u->link].parent < 0;
 }
@@ -2072,7 +2074,7 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
        d_0' D d_0 / d_0' D (d_0 / s_0 - d / s)
 
    1 is right if J is constant; if J changes, steps of size 1 converge slowly or never. */
-static rbd_real rbdi_next_size(const rbd_constraint_set *c, int nv, rbd_real size, rbd_real last_size) {
+RBDI_LOCAL rbd_real rbdi_next_size(const rbd_constraint_set *c, int nv, rbd_real size, rbd_real last_size) {
     const rbd_real one = rbdi_set(RBD_C(1)), least = rbdi_set(RBDI_LEAST_STEP_SIZE),
                    most = rbdi_set(RBDI_MOST_STEP_SIZE);
     rbdi_mask none = rbdi_less(one, rbdi_zero());
@@ -2091,8 +2093,8 @@ static rbd_real rbdi_next_size(const rbd_constraint_set *c, int nv, rbd_real siz
 }
 
 /* Takes a step of this size. Returns its length before it is cut. */
-static rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                                   rbd_real *q_near, rbd_real size) {
+RBDI_LOCAL rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                       rbd_real *q_near, rbd_real size) {
     const rbd_real limit = rbdi_set(RBDI_LONGEST_STEP);
     rbd_real length, cut;
 
@@ -2109,8 +2111,8 @@ static rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraint_set *c, co
 }
 
 /* Computes q_near from q. */
-static void rbdi_assemble_position(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                                   rbd_real *q_near) {
+RBDI_LOCAL void rbdi_assemble_position(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                       rbd_real *q_near) {
     rbd_real size = rbdi_set(RBD_C(1)), last_size = size;
     int close = 0; /* the last steps that were taken */
     for (int k = 0; k < m->nq; ++k) q_near[k] = q[k];
@@ -2135,8 +2137,8 @@ static void rbdi_assemble_position(const rbd_model *m, rbd_constraint_set *c, co
 }
 
 /* Computes v_near from v with the rows at q_near: J v_near = 0. Notes a row that this does not hold. */
-static void rbdi_assemble_velocity(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v,
-                                   rbd_real *v_near) {
+RBDI_LOCAL void rbdi_assemble_velocity(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v,
+                                       rbd_real *v_near) {
     for (int k = 0; k < m->nv; ++k) c->x[k] = v[k];
     rbdi_clear(c->target, c->rows);
     (void)rbdi_multipliers(m, c, 0);
@@ -2145,7 +2147,7 @@ static void rbdi_assemble_velocity(const rbd_model *m, rbd_constraint_set *c, co
 }
 
 /* Notes the row with the largest error e, if that is not below RBDI_CLOSED. */
-static void rbdi_note_open_row(rbd_constraint_set *c) {
+RBDI_LOCAL void rbdi_note_open_row(rbd_constraint_set *c) {
     rbd_real open = rbdi_set(RBDI_CLOSED);
     for (int r = 0; r < c->rows; ++r) {
         const rbdi_mask worse = rbdi_not(rbdi_less(rbdi_abs(c->e[r]), open));
@@ -2211,8 +2213,8 @@ RBDI_API int rbd_infeasible_row(const rbd_constraint_set *c) { return c ? c->inf
 /* ---- set code [set code] ---- */
 
 /* Holds a point of body 1 at a point of body 2, and the first `angular` angular axes. */
-static rbd_constraint rbdi_constraint_of(int body1, const double *p1, int body2, const double *p2,
-                                         int angular) {
+RBDI_LOCAL rbd_constraint rbdi_constraint_of(int body1, const double *p1, int body2, const double *p2,
+                                             int angular) {
     rbd_constraint con;
     con.name = NULL;
     con.body1 = body1;
@@ -2229,7 +2231,7 @@ static rbd_constraint rbdi_constraint_of(int body1, const double *p1, int body2,
 }
 
 /* A rotation whose z axis is this axis. */
-static void rbdi_frame_along(const double axis[3], double R[9]) {
+RBDI_LOCAL void rbdi_frame_along(const double axis[3], double R[9]) {
     rbdi_wide z[3], E[9], T[9];
     rbdi_widen(axis, 3, z);
     rbdi_unit(z, z);
@@ -2262,16 +2264,16 @@ RBDI_API char *rbd_constraint_finding_text(const rbd_finding *finding, char *tex
     return rbdi_write_finding(finding, "constraint", text, size);
 }
 
-static int rbdi_held_axes(const rbd_constraint *con) {
+RBDI_LOCAL int rbdi_held_axes(const rbd_constraint *con) {
     int n = 0;
     for (int i = 0; i < 6; ++i) n += con->axes[i] == 1;
     return n;
 }
 
 /* The stride for so many rows: loops may access two batches from any row on. */
-static int rbdi_row_stride(int rows) { return (rows + 4 * RBDI_BATCH) / RBDI_BATCH * RBDI_BATCH; }
+RBDI_LOCAL int rbdi_row_stride(int rows) { return (rows + 4 * RBDI_BATCH) / RBDI_BATCH * RBDI_BATCH; }
 
-static int rbdi_rows_of(const rbd_constraint *list, int n) {
+RBDI_LOCAL int rbdi_rows_of(const rbd_constraint *list, int n) {
     int rows = 0;
     for (int i = 0; i < n; ++i) rows += rbdi_held_axes(&list[i]);
     return rows;
@@ -2286,10 +2288,10 @@ RBDI_API size_t rbd_constraint_set_size(const rbd_model *m, const rbd_constraint
 }
 
 /* The link of a body, -1 = world. */
-static int rbdi_link_of_body(const rbd_model *m, int body) { return body < 0 ? -1 : m->frame[body].link; }
+RBDI_LOCAL int rbdi_link_of_body(const rbd_model *m, int body) { return body < 0 ? -1 : m->frame[body].link; }
 
-static rbd_status rbdi_check_constraint(const rbd_model *m, const rbd_constraint *con, int i,
-                                        rbd_report *report) {
+RBDI_LOCAL rbd_status rbdi_check_constraint(const rbd_model *m, const rbd_constraint *con, int i,
+                                            rbd_report *report) {
     int strange = rbdi_held_axes(con) == 0;
     for (int j = 0; j < 6; ++j) strange |= con->axes[j] != 0 && con->axes[j] != 1;
     if (con->body1 < -1 || con->body1 >= m->nb)
@@ -2321,8 +2323,8 @@ static rbd_status rbdi_check_constraint(const rbd_model *m, const rbd_constraint
 }
 
 /* Converts a frame on a body to a frame on its link; returns the link. */
-static int rbdi_place_frame(const rbd_model *m, int body, const double rotation[9], const double position[3],
-                            rbd_const R_link[9], rbdi_c3 *p_link) {
+RBDI_LOCAL int rbdi_place_frame(const rbd_model *m, int body, const double rotation[9],
+                                const double position[3], rbd_const R_link[9], rbdi_c3 *p_link) {
     rbdi_wide A[9], x[3], E[9], r[3] = {0, 0, 0};
     rbdi_w_identity(E);
     rbdi_widen(rotation, 9, A);
@@ -2351,7 +2353,7 @@ static int rbdi_place_frame(const rbd_model *m, int body, const double rotation[
 }
 
 /* The nearest common ancestor of two links, or one of them; -1 = world. Ancestors have smaller indices. */
-static int rbdi_common_ancestor(const rbd_model *m, int one, int two) {
+RBDI_LOCAL int rbdi_common_ancestor(const rbd_model *m, int one, int two) {
     while (one != two) {
         int *later = one > two ? &one : &two;
         *later = m->link[*later].parent;
@@ -2359,8 +2361,8 @@ static int rbdi_common_ancestor(const rbd_model *m, int one, int two) {
     return one;
 }
 
-static void rbdi_place_constraint(const rbd_model *m, const rbd_constraint *from, int row,
-                                  rbdi_constraint *to) {
+RBDI_LOCAL void rbdi_place_constraint(const rbd_model *m, const rbd_constraint *from, int row,
+                                      rbdi_constraint *to) {
     to->link[0] = (int16_t)rbdi_place_frame(m, from->body1, from->rotation1, from->position1, to->rotation[0],
                                             &to->position[0]);
     to->link[1] = (int16_t)rbdi_place_frame(m, from->body2, from->rotation2, from->position2, to->rotation[1],
@@ -2383,12 +2385,12 @@ static void rbdi_place_constraint(const rbd_model *m, const rbd_constraint *from
 }
 
 /* Marks a dof and all before it on the way to the world. */
-static void rbdi_mark_path(const rbd_model *m, int dof, int16_t *reached) {
+RBDI_LOCAL void rbdi_mark_path(const rbd_model *m, int dof, int16_t *reached) {
     for (int i = dof; i >= 0 && !reached[i]; i = m->dof[i].lambda) reached[i] = 1;
 }
 
 /* Finds the dofs of the paths to a constraint's bodies, and extends their spans by its rows. */
-static void rbdi_reach_dofs(const rbd_model *m, rbd_constraint_set *c, rbdi_constraint *con) {
+RBDI_LOCAL void rbdi_reach_dofs(const rbd_model *m, rbd_constraint_set *c, rbdi_constraint *con) {
     int16_t *reached = c->path;
     for (int i = 0; i < m->nv; ++i) reached[i] = 0;
 
@@ -2410,7 +2412,7 @@ static void rbdi_reach_dofs(const rbd_model *m, rbd_constraint_set *c, rbdi_cons
 
 /* Prepares a set whose constraints are placed for this model and work: the dofs of each, spans, and the links
    on all paths. */
-static void rbdi_begin_set(const rbd_model *m, rbd_work *w, rbd_constraint_set *c) {
+RBDI_LOCAL void rbdi_begin_set(const rbd_model *m, rbd_work *w, rbd_constraint_set *c) {
     for (int k = 0; k < RBDI_SHAPE; ++k) c->shape[k] = m->shape[k];
     c->w = w;
     c->infeasible = -1;
@@ -2425,7 +2427,7 @@ static void rbdi_begin_set(const rbd_model *m, rbd_work *w, rbd_constraint_set *
 
 /* Whether rows depend on each other in every state. Articulated bodies would fail in all of them. There are
    more rows than dofs, or between two links more than six, or more than the dofs that move one of them. */
-static int rbdi_too_many_rows(const rbd_model *m, const rbd_constraint_set *c) {
+RBDI_LOCAL int rbdi_too_many_rows(const rbd_model *m, const rbd_constraint_set *c) {
     const rbdi_constraint *stop = c->constraint + c->n;
     int too_many = c->rows > m->nv;
     for (const rbdi_constraint *con = c->constraint; con < stop; ++con) {
@@ -2445,8 +2447,8 @@ static int rbdi_too_many_rows(const rbd_model *m, const rbd_constraint_set *c) {
 }
 
 /* Checks the arguments of rbd_constraint_set_init. */
-static rbd_status rbdi_check_list(const rbd_model *m, const rbd_work *w, const rbd_constraint *list, int n,
-                                  const void *memory, size_t size, rbd_report *report) {
+RBDI_LOCAL rbd_status rbdi_check_list(const rbd_model *m, const rbd_work *w, const rbd_constraint *list,
+                                      int n, const void *memory, size_t size, rbd_report *report) {
     report->warnings = 0;
     rbdi_refuse(report, RBD_OK, -1, NULL, NULL);
 
@@ -2469,7 +2471,7 @@ static rbd_status rbdi_check_list(const rbd_model *m, const rbd_work *w, const r
 }
 
 /* Lays out the memory as RBDI_CONSTRAINTS_BYTES says. */
-static rbd_constraint_set *rbdi_lay_constraints(int nv, int n, int rows, void *memory) {
+RBDI_LOCAL rbd_constraint_set *rbdi_lay_constraints(int nv, int n, int rows, void *memory) {
     const int stride = rbdi_row_stride(rows);
     unsigned char *p = rbdi_aligned(memory);
     rbd_constraint_set *c = (rbd_constraint_set *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_constraint_set)));
@@ -2621,7 +2623,7 @@ RBDI_INLINE rbdi_v3 rbdi_cross_add(rbdi_v3 x, rbdi_v3 a, rbdi_v3 b) { return rbd
 /* x - a x b */
 RBDI_INLINE rbdi_v3 rbdi_cross_sub(rbdi_v3 x, rbdi_v3 a, rbdi_v3 b) { return rbdi_add(x, rbdi_cross(b, a)); }
 
-static rbdi_pair_motion rbdi_pair_motion_of(const rbd_constraint_set *c, const rbdi_constraint *con) {
+RBDI_LOCAL rbdi_pair_motion rbdi_pair_motion_of(const rbd_constraint_set *c, const rbdi_constraint *con) {
     rbdi_pair_motion pair;
     pair.motion = rbdi_relative_motion_of(c, con);
     rbdi_set_axes(c, con, &pair.h);
@@ -2679,9 +2681,9 @@ RBDI_INLINE rbdi_v3 rbdi_roll(const rbdi_pair_motion *pair, rbdi_motion S) {
 }
 
 /* Derivatives by dof j of a link on the path of body `side`. */
-static rbdi_motion_derivatives rbdi_differentiate_motion(const rbd_model *m, const rbd_constraint_set *c,
-                                                         const rbdi_pair_motion *pair, int side, int link,
-                                                         int j) {
+RBDI_LOCAL rbdi_motion_derivatives rbdi_differentiate_motion(const rbd_model *m, const rbd_constraint_set *c,
+                                                             const rbdi_pair_motion *pair, int side, int link,
+                                                             int j) {
     const rbdi_station *b = &pair->motion.body[side], P = rbdi_station_at(c, m->link[link].parent, b->p),
                        own = rbdi_station_at(c, link, b->p);
     const rbd_real ratio = rbdi_ratio(m, m->link[link].iv + j), scale = side ? -ratio : ratio;
@@ -2736,7 +2738,8 @@ static rbdi_motion_derivatives rbdi_differentiate_motion(const rbd_model *m, con
 /* Derivative of the angular part of e, world axes, by a dof that turns body 1 by z relative to body 2. With w
    = log R: z - w x z / 2 + factor w x (w x z), [rbdi_log_square]. If two axes are held: f_2 x (z x f_1), f
    the free axis. */
-static rbdi_v3 rbdi_differentiate_error(const rbdi_constraint *con, const rbdi_pair_motion *pair, rbdi_v3 z) {
+RBDI_LOCAL rbdi_v3 rbdi_differentiate_error(const rbdi_constraint *con, const rbdi_pair_motion *pair,
+                                            rbdi_v3 z) {
     const rbdi_v3 bent = rbdi_cross(pair->log_R, z),
                   more = rbdi_scale(pair->log_square, rbdi_cross(pair->log_R, bent));
 
@@ -2745,8 +2748,9 @@ static rbdi_v3 rbdi_differentiate_error(const rbdi_constraint *con, const rbdi_p
 }
 
 /* Adds a dof's column of sigma. */
-static void rbdi_add_sigma(const rbdi_constraint *con, const rbdi_pair_motion *pair,
-                           const rbdi_motion_derivatives *by, int nv, rbd_real *sigma_q, rbd_real *sigma_v) {
+RBDI_LOCAL void rbdi_add_sigma(const rbdi_constraint *con, const rbdi_pair_motion *pair,
+                               const rbdi_motion_derivatives *by, int nv, rbd_real *sigma_q,
+                               rbd_real *sigma_v) {
     rbd_real sum[2][RBDI_SIX_ROWS], also[RBDI_SIX_ROWS]; /* by q, by v */
 
     /* J a + gamma */
@@ -2777,9 +2781,9 @@ static void rbdi_add_sigma(const rbdi_constraint *con, const rbdi_pair_motion *p
 
        S_i . (n x z; f x z)   if k is on the path of body 1 and moves i, or on that of body 2 and does not
        S_i . (s x f; 0)       else */
-static void rbdi_subtract_force_derivative(const rbd_model *m, const rbd_derivatives *d,
-                                           const rbdi_constraint *con, const rbdi_pair_motion *pair, int side,
-                                           int mover, rbdi_motion S, rbd_real *rho) {
+RBDI_LOCAL void rbdi_subtract_force_derivative(const rbd_model *m, const rbd_derivatives *d,
+                                               const rbdi_constraint *con, const rbdi_pair_motion *pair,
+                                               int side, int mover, rbdi_motion S, rbd_real *rho) {
     const rbdi_v3 o = rbdi_vec0(), nz = rbdi_cross(pair->force.n, S.omega),
                   fz = rbdi_cross(pair->force.f, S.omega), sf = rbdi_cross(S.v, pair->force.f),
                   roll = rbdi_cross(rbdi_roll(pair, S), pair->force.f);
@@ -2799,9 +2803,9 @@ static void rbdi_subtract_force_derivative(const rbd_model *m, const rbd_derivat
 }
 
 /* rho += -d(J' lambda) of a constraint, with the dofs' motions in d. */
-static void rbdi_differentiate_forces(const rbd_model *m, const rbd_derivatives *d,
-                                      const rbdi_constraint *con, const rbdi_pair_motion *pair,
-                                      rbd_real *rho) {
+RBDI_LOCAL void rbdi_differentiate_forces(const rbd_model *m, const rbd_derivatives *d,
+                                          const rbdi_constraint *con, const rbdi_pair_motion *pair,
+                                          rbd_real *rho) {
     for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);) {
         const rbdi_link *l = &m->link[walk.link];
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j)
@@ -2813,9 +2817,9 @@ static void rbdi_differentiate_forces(const rbd_model *m, const rbd_derivatives 
 }
 
 /* The same, and += sigma by q and by v. NULL: not wanted. */
-static void rbdi_differentiate(const rbd_model *m, const rbd_constraint_set *c, const rbd_derivatives *d,
-                               const rbdi_constraint *con, rbd_real *rho_q, rbd_real *sigma_q,
-                               rbd_real *sigma_v) {
+RBDI_LOCAL void rbdi_differentiate(const rbd_model *m, const rbd_constraint_set *c, const rbd_derivatives *d,
+                                   const rbdi_constraint *con, rbd_real *rho_q, rbd_real *sigma_q,
+                                   rbd_real *sigma_v) {
     const rbdi_pair_motion pair = rbdi_pair_motion_of(c, con);
 
     for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);) {
@@ -2835,8 +2839,8 @@ static void rbdi_differentiate(const rbd_model *m, const rbd_constraint_set *c, 
 }
 
 /* Replaces sigma by dlambda = Delta^-1 (T' rho - sigma). c->Y: -T. */
-static void rbdi_lambda_derivatives(const rbd_model *m, rbd_constraint_set *c, const rbd_real *rho,
-                                    rbd_real *sigma) {
+RBDI_LOCAL void rbdi_lambda_derivatives(const rbd_model *m, rbd_constraint_set *c, const rbd_real *rho,
+                                        rbd_real *sigma) {
     const int n = m->nv;
     for (int r = 0; r < c->rows; ++r) {
         rbd_real *to = &sigma[r * n];
@@ -2851,7 +2855,8 @@ static void rbdi_lambda_derivatives(const rbd_model *m, rbd_constraint_set *c, c
 }
 
 /* Replaces rho by da = -M^-1 rho + T dlambda and sigma by dlambda, all columns at once. c->Y: -T. */
-static void rbdi_solve_at_once(const rbd_model *m, rbd_constraint_set *c, rbd_real *rho, rbd_real *sigma) {
+RBDI_LOCAL void rbdi_solve_at_once(const rbd_model *m, rbd_constraint_set *c, rbd_real *rho,
+                                   rbd_real *sigma) {
     const int nv = m->nv;
     rbdi_lambda_derivatives(m, c, rho, sigma);
     rbdi_solve_columns(m, c->w, c->w->H, -1, nv, nv, rho);
@@ -2861,8 +2866,8 @@ static void rbdi_solve_at_once(const rbd_model *m, rbd_constraint_set *c, rbd_re
 
 /* Column j of x = -D^-1 L^-T rho, Y' x = -sigma, by the steps of rbd_constrained_fd. rho: L^-T rho, becomes
    D (x + D^-1 Y dlambda); sigma becomes dlambda. */
-static void rbdi_solve_column(const rbd_model *m, rbd_constraint_set *c, int j, rbd_real *rho,
-                              rbd_real *sigma) {
+RBDI_LOCAL void rbdi_solve_column(const rbd_model *m, rbd_constraint_set *c, int j, rbd_real *rho,
+                                  rbd_real *sigma) {
     const int nv = m->nv;
     for (int k = 0; k < nv; ++k) c->x[k] = -c->D_inverse[k] * rho[k * nv + j];
     for (int r = 0; r < c->rows; ++r) c->target[r] = -sigma[r * nv + j];
@@ -2887,7 +2892,7 @@ RBDI_COLD void rbdi_solve_by_columns(const rbd_model *m, rbd_constraint_set *c, 
 
 /* Whether accelerations by a force at each dof lose so many digits that rows may need [refinement]. One set
    of forces, all different, stands for all columns: the loss depends on D and Y, hardly on the forces. */
-static int rbdi_loses_digits(const rbd_model *m, rbd_constraint_set *c) {
+RBDI_LOCAL int rbdi_loses_digits(const rbd_model *m, rbd_constraint_set *c) {
     for (int k = 0; k < m->nv; ++k)
         c->x[k] = c->D_inverse[k] * (RBD_C(1) + RBD_C(0.618) * (rbd_const)(k % 7));
     rbdi_clear(c->target, c->rows);

@@ -1267,7 +1267,7 @@ RBDI_API rbd_status rbd_contact_solve(const rbd_contact_problem *problem, void *
 
        friction  |ratio| friction_x,   damping  ratio^2 damping_x */
 
-static rbd_const rbdi_joint_friction(const rbd_model *m, int k) {
+RBDI_LOCAL rbd_const rbdi_joint_friction(const rbd_model *m, int k) {
     rbd_const sum = m->dof[k].friction;
 
     for (int i = 0; i < m->nmimic; ++i) {
@@ -1278,7 +1278,7 @@ static rbd_const rbdi_joint_friction(const rbd_model *m, int k) {
     return sum;
 }
 
-static rbd_const rbdi_joint_damping(const rbd_model *m, int k) {
+RBDI_LOCAL rbd_const rbdi_joint_damping(const rbd_model *m, int k) {
     rbd_const sum = m->dof[k].damping;
 
     for (int i = 0; i < m->nmimic; ++i) {
@@ -1295,7 +1295,7 @@ typedef struct rbdi_limits {
 } rbdi_limits;
 
 /* The stricter of two pairs of limits. */
-static rbdi_limits rbdi_both_limits(rbdi_limits x, rbdi_limits y) {
+RBDI_LOCAL rbdi_limits rbdi_both_limits(rbdi_limits x, rbdi_limits y) {
     rbdi_limits both;
     both.lower = x.lower > y.lower ? x.lower : y.lower;
     both.upper = x.upper < y.upper ? x.upper : y.upper;
@@ -1303,7 +1303,7 @@ static rbdi_limits rbdi_both_limits(rbdi_limits x, rbdi_limits y) {
 }
 
 /* Limits of a body's joint, in its own coordinate; both 0 means none. */
-static rbdi_limits rbdi_limits_of(const rbdi_frame *u) {
+RBDI_LOCAL rbdi_limits rbdi_limits_of(const rbdi_frame *u) {
     const rbdi_limits none = {-RBDI_UNBOUNDED, RBDI_UNBOUNDED};
     rbdi_limits x;
     x.lower = u->lower;
@@ -1312,7 +1312,7 @@ static rbdi_limits rbdi_limits_of(const rbdi_frame *u) {
 }
 
 /* Limits of the coordinate of a joint with one dof, those of its followers included. */
-static rbdi_limits rbdi_joint_limits(const rbd_model *m, const rbdi_frame *u) {
+RBDI_LOCAL rbdi_limits rbdi_joint_limits(const rbd_model *m, const rbdi_frame *u) {
     rbdi_limits all = rbdi_limits_of(u);
 
     for (int i = 0; i < m->nmimic; ++i) {
@@ -1344,8 +1344,8 @@ RBDI_API char *rbd_contact_finding_text(const rbd_finding *finding, int n, char 
 }
 
 /* Makes the plane of a contact frame 2 of its constraint: x and y are tangents, z is the normal. */
-static void rbdi_place_plane(const rbd_model *m, rbdi_constraint *con, int body2, const double normal[3],
-                             double height) {
+RBDI_LOCAL void rbdi_place_plane(const rbd_model *m, rbdi_constraint *con, int body2, const double normal[3],
+                                 double height) {
     double R[9], origin[3], up[3] = {0, 0, 1};
     for (int j = 0; j < 3 && !rbdi_all_zero(normal, 3); ++j) up[j] = normal[j];
     rbdi_frame_along(up, R);
@@ -1356,14 +1356,14 @@ static void rbdi_place_plane(const rbd_model *m, rbdi_constraint *con, int body2
 }
 
 /* The constraint of a contact: it holds three linear axes. */
-static rbd_constraint rbdi_constraint_of_contact(const rbd_contact *from) {
+RBDI_LOCAL rbd_constraint rbdi_constraint_of_contact(const rbd_contact *from) {
     rbd_constraint con = rbdi_constraint_of(from->body1, from->point, from->body2, NULL, 0);
     con.name = from->name;
     return con;
 }
 
 /* Refuses a body2 that was left out, and one that is the world's where a body's plane is meant. */
-static rbd_status rbdi_check_plane_body(const rbd_contact *from, int i, rbd_report *report) {
+RBDI_LOCAL rbd_status rbdi_check_plane_body(const rbd_contact *from, int i, rbd_report *report) {
     const char *sentence = NULL;
     if (from->body2 == 0 && !from->on_body)
         sentence = "it is 0, or was left out: the world is -1; for body 0 set on_body";
@@ -1376,7 +1376,8 @@ static rbd_status rbdi_check_plane_body(const rbd_contact *from, int i, rbd_repo
     return RBD_ERR_INDEX;
 }
 
-static rbd_status rbdi_check_contact(const rbd_model *m, const rbd_contact *from, int i, rbd_report *report) {
+RBDI_LOCAL rbd_status rbdi_check_contact(const rbd_model *m, const rbd_contact *from, int i,
+                                         rbd_report *report) {
     const double values[5] = {from->radius, from->friction, from->restitution, from->stiffness,
                               from->damping};
     const char *const names[5] = {"radius", "friction", "restitution", "stiffness", "damping"};
@@ -1396,7 +1397,7 @@ static rbd_status rbdi_check_contact(const rbd_model *m, const rbd_contact *from
     return RBD_OK;
 }
 
-static rbd_status rbdi_check_options(const rbd_contact_options *o, rbd_report *report) {
+RBDI_LOCAL rbd_status rbdi_check_options(const rbd_contact_options *o, rbd_report *report) {
     const double values[7] = {o->margin,    o->slop, o->correction,        o->bounce,
                               o->tolerance, o->slip, (double)o->iterations};
     const char *const names[7] = {"margin",    "slop", "correction", "bounce",
@@ -1407,7 +1408,7 @@ static rbd_status rbdi_check_options(const rbd_contact_options *o, rbd_report *r
     return RBD_OK;
 }
 
-static rbd_contact_options rbdi_contact_defaults(const rbd_contact_options *given) {
+RBDI_LOCAL rbd_contact_options rbdi_contact_defaults(const rbd_contact_options *given) {
     const rbd_contact_options none = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
     rbd_contact_options o = given ? *given : none;
     if (!(o.margin > 0)) o.margin = 0.005;
@@ -1418,7 +1419,7 @@ static rbd_contact_options rbdi_contact_defaults(const rbd_contact_options *give
 }
 
 /* Appends the two limits of a joint to the rows, or counts them; a limit of infinity is none. */
-static int rbdi_list_limits(const rbd_model *m, const rbdi_frame *u, rbdi_dof_row *row) {
+RBDI_LOCAL int rbdi_list_limits(const rbd_model *m, const rbdi_frame *u, rbdi_dof_row *row) {
     const rbdi_limits limits = rbdi_joint_limits(m, u);
     int n = 0;
     for (int upper = 0; upper < 2; ++upper) {
@@ -1436,7 +1437,7 @@ static int rbdi_list_limits(const rbd_model *m, const rbdi_frame *u, rbdi_dof_ro
 }
 
 /* Lists the rows of single dofs: limits of one-dof joints, then dry friction; NULL: counts them. */
-static int rbdi_list_dof_rows(const rbd_model *m, const rbd_contact_options *o, rbdi_dof_row *row) {
+RBDI_LOCAL int rbdi_list_dof_rows(const rbd_model *m, const rbd_contact_options *o, rbdi_dof_row *row) {
     int n = 0;
     for (int b = 0; o->joint_limits && b < m->nb; ++b)
         if (m->frame[b].nv == 1) n += rbdi_list_limits(m, &m->frame[b], row ? &row[n] : NULL);
@@ -1468,10 +1469,10 @@ RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constr
            (o.derivatives ? RBDI_ROUND(sizeof(rbd_real) * (size_t)RBDI_CONTACT_SIDES(m->nv, n, most)) : 0);
 }
 
-static rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work *w, const rbd_contact *list,
-                                          int n, const rbd_constraint *held, int n_held,
-                                          const rbd_contact_options *options, const void *memory, size_t size,
-                                          rbd_report *report) {
+RBDI_LOCAL rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work *w, const rbd_contact *list,
+                                              int n, const rbd_constraint *held, int n_held,
+                                              const rbd_contact_options *options, const void *memory,
+                                              size_t size, rbd_report *report) {
     const size_t least = rbd_contact_set_size(m, n, held, n_held, options);
     rbd_status status = RBD_OK;
     report->warnings = 0;
@@ -1491,8 +1492,8 @@ static rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work *w,
 }
 
 /* Lays out the arrays of a set in the memory. */
-static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held, int held_rows,
-                                          const rbd_contact_options *o, void *memory) {
+RBDI_LOCAL rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held, int held_rows,
+                                              const rbd_contact_options *o, void *memory) {
     const int dof_rows = rbdi_list_dof_rows(m, o, NULL), bounded = held_rows + dof_rows, nv = m->nv;
     unsigned char *at = rbdi_aligned(memory);
     rbd_contact_set *c = RBDI_CUT(rbd_contact_set, 1);
@@ -1524,7 +1525,7 @@ static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held,
     return c;
 }
 
-static void rbdi_place_contact(const rbd_model *m, rbd_contact_set *c, const rbd_contact *from, int i) {
+RBDI_LOCAL void rbdi_place_contact(const rbd_model *m, rbd_contact_set *c, const rbd_contact *from, int i) {
     const rbd_constraint as = rbdi_constraint_of_contact(from);
     rbdi_constraint *con = &c->rows->constraint[i];
     rbdi_contact *to = &c->contact[i];
@@ -1632,8 +1633,8 @@ RBDI_INLINE rbdi_gap rbdi_gap_of(rbd_real middle, rbd_real rate, rbd_real gamma,
 }
 
 /* Moves frame 1 of the constraint to the place of contact, l below the centre. normal: world axes. */
-static void rbdi_place_below(const rbd_constraint_set *s, rbdi_constraint *con, const rbdi_contact *contact,
-                             rbdi_v3 normal) {
+RBDI_LOCAL void rbdi_place_below(const rbd_constraint_set *s, rbdi_constraint *con,
+                                 const rbdi_contact *contact, rbdi_v3 normal) {
     const rbdi_v3 local = con->link[0] < 0 ? normal : rbdi_mul(s->w->kin[con->link[0]].X.E, normal);
     con->position[0].x = contact->point.x - (rbd_const)(contact->below * local.x);
     con->position[0].y = contact->point.y - (rbd_const)(contact->below * local.y);
@@ -1648,7 +1649,7 @@ RBDI_INLINE rbdi_v3 rbdi_roll_of(rbdi_v3 omega, rbdi_v3 normal, rbd_real below, 
 }
 
 /* Computes the gap, with the place of contact on the ball. */
-static void rbdi_contact_gap(const rbd_contact_set *c, rbdi_constraint *con, rbdi_contact *contact) {
+RBDI_LOCAL void rbdi_contact_gap(const rbd_contact_set *c, rbdi_constraint *con, rbdi_contact *contact) {
     const rbd_constraint_set *s = c->rows;
     const rbdi_v3 normal = rbdi_contact_normal(s, con);
     rbdi_relative_motion relative;
@@ -1667,7 +1668,8 @@ static void rbdi_contact_gap(const rbd_contact_set *c, rbdi_constraint *con, rbd
 }
 
 /* Moves the place of contact from the ball to the plane. */
-static void rbdi_place_on_plane(const rbd_constraint_set *s, rbdi_constraint *con, rbdi_contact *contact) {
+RBDI_LOCAL void rbdi_place_on_plane(const rbd_constraint_set *s, rbdi_constraint *con,
+                                    rbdi_contact *contact) {
     const rbdi_v3 normal = rbdi_contact_normal(s, con);
     const rbdi_relative_motion relative = rbdi_relative_motion_of(s, con);
     const rbd_real middle = rbdi_dot(normal, rbdi_sub(relative.body[0].p, rbdi_frame_origin(s, con, 1))),
@@ -1685,7 +1687,7 @@ RBDI_INLINE int rbdi_may_touch(rbdi_gap gap, rbd_real dt, rbd_real margin) {
 }
 
 /* Whether three contacts or more of the bodies of contact i touch in the step, or arrive at their speed. */
-static int rbdi_touch_widely(const rbd_contact_set *c, int i) {
+RBDI_LOCAL int rbdi_touch_widely(const rbd_contact_set *c, int i) {
     const rbdi_constraint *own = &c->rows->constraint[i];
     int n = 0;
     for (int j = 0; j < c->n; ++j) {
@@ -1697,7 +1699,7 @@ static int rbdi_touch_widely(const rbd_contact_set *c, int i) {
 }
 
 /* Computes all gaps, and the places of contacts that may be rows. */
-static void rbdi_find_places(const rbd_contact_set *c) {
+RBDI_LOCAL void rbdi_find_places(const rbd_contact_set *c) {
     for (int i = 0; i < c->n; ++i) rbdi_contact_gap(c, &c->rows->constraint[i], &c->contact[i]);
     for (int i = 0; i < c->n; ++i) {
         if (!rbdi_may_touch(c->contact[i].gap, c->dt, RBD_C(c->options.margin))) continue;
@@ -1706,8 +1708,8 @@ static void rbdi_find_places(const rbd_contact_set *c) {
 }
 
 /* Computes the gap to the limit. Returns whether it may be reached; dry friction always acts. */
-static int rbdi_find_limit(const rbd_contact_set *c, rbdi_dof_row *limit, const rbd_real *q,
-                           const rbd_real *v) {
+RBDI_LOCAL int rbdi_find_limit(const rbd_contact_set *c, rbdi_dof_row *limit, const rbd_real *q,
+                               const rbd_real *v) {
     rbdi_gap *gap = &limit->gap;
     gap->start = gap->rate = gap->reach = rbdi_zero();
     if (limit->iq < 0) return 1;
@@ -1718,14 +1720,14 @@ static int rbdi_find_limit(const rbd_contact_set *c, rbdi_dof_row *limit, const 
 }
 
 /* Writes a dof and its ancestors, ascending, to s->path. Returns how many. */
-static int rbdi_path_to(const rbd_model *m, const rbd_constraint_set *s, int dof) {
+RBDI_LOCAL int rbdi_path_to(const rbd_model *m, const rbd_constraint_set *s, int dof) {
     const int n = m->dof[dof].depth + 1;
     for (int t = n - 1; t >= 0; --t, dof = m->dof[dof].lambda) s->path[t] = (int16_t)dof;
     return n;
 }
 
 /* Appends n rows, of this place and those behind it, with entries in these dofs. Returns the first. */
-static int rbdi_open_rows(rbd_contact_set *c, int place, int n, const int16_t *dof, int dofs) {
+RBDI_LOCAL int rbdi_open_rows(rbd_contact_set *c, int place, int n, const int16_t *dof, int dofs) {
     rbd_constraint_set *s = c->rows;
     const int row = s->rows;
     for (int r = 0; r < n; ++r) c->place[s->rows++] = (int16_t)(place + r);
@@ -1739,7 +1741,7 @@ static int rbdi_open_rows(rbd_contact_set *c, int place, int n, const int16_t *d
 
 /* Lists the rows of the step with their bounds, and the impulses of the last step, times dt over its dt, to
    begin with. Returns the number of contacts. */
-static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real *q, const rbd_real *v) {
+RBDI_LOCAL int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real *q, const rbd_real *v) {
     rbd_constraint_set *s = c->rows;
     const rbd_real dt = c->dt, ratio = dt / c->last_dt;
     int place = 0, contacts;
@@ -1784,7 +1786,8 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
 }
 
 /* Adds the part of gamma by which the place of contact moves over the body. */
-static void rbdi_add_roll(rbd_constraint_set *s, const rbdi_constraint *con, const rbdi_contact *contact) {
+RBDI_LOCAL void rbdi_add_roll(rbd_constraint_set *s, const rbdi_constraint *con,
+                              const rbdi_contact *contact) {
     rbdi_axes_held h;
     if (!(contact->radius > 0) && !contact->on_plane) return;
     rbdi_set_axes(s, con, &h);
@@ -1792,7 +1795,7 @@ static void rbdi_add_roll(rbd_constraint_set *s, const rbdi_constraint *con, con
 }
 
 /* Y = J', and target = -J v_mid - dt/2 gamma. */
-static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
+RBDI_LOCAL void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     rbdi_clear(s->Y, m->nv * s->stride);
     rbdi_clear(s->target, (int)(s->e - s->target) + s->stride); /* J v and gamma too */
@@ -1813,7 +1816,7 @@ static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
 
 /* How a contact falls without impulses, and whether its spring acts: where it is in the plane, or would
    be. */
-static void rbdi_find_falls(rbd_contact_set *c) {
+RBDI_LOCAL void rbdi_find_falls(rbd_contact_set *c) {
     for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
         rbd_real u;
         contact->springs = 0;
@@ -1828,7 +1831,7 @@ static void rbdi_find_falls(rbd_contact_set *c) {
 
 /* Delta of (4), rows x rows, in s->R; first the upper triangle, in rows of s->stride. Rows that rounding
    alone moves get 0 on the diagonal: no impulse changes their velocity. Slip is added last. */
-static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
+RBDI_LOCAL void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     const int n = s->rows;
     rbd_real *delta = s->R;
@@ -1853,7 +1856,7 @@ static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
 
 /* Adds springs to the normals of Delta and of the solver's laws. Where nothing moves along the normal, the
    spring alone has the force. */
-static void rbdi_add_springs(rbd_contact_set *c) {
+RBDI_LOCAL void rbdi_add_springs(rbd_contact_set *c) {
     const int n = c->rows->rows;
     for (const rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
         const int normal = contact->row + 2;
@@ -1969,23 +1972,23 @@ RBDI_INLINE rbdi_bias rbdi_rebound_bias(const rbd_contact_set *c, const rbdi_con
     return x;
 }
 
-static rbdi_bias rbdi_contact_bias(const rbd_contact_set *c, int purpose, const rbdi_contact *contact) {
+RBDI_LOCAL rbdi_bias rbdi_contact_bias(const rbd_contact_set *c, int purpose, const rbdi_contact *contact) {
     if (purpose == RBDI_FOR_VELOCITIES && contact->rebounds) return rbdi_rebound_bias(c, contact);
     return contact->springs ? rbdi_spring_bias(c, contact) : rbdi_rigid_bias(c, purpose, &contact->gap);
 }
 
-static rbdi_bias rbdi_limit_bias(const rbd_contact_set *c, int purpose, const rbdi_dof_row *limit) {
+RBDI_LOCAL rbdi_bias rbdi_limit_bias(const rbd_contact_set *c, int purpose, const rbdi_dof_row *limit) {
     if (purpose == RBDI_FOR_VELOCITIES && limit->rebounds) return rbdi_leaving_bias(&limit->gap);
     return rbdi_rigid_bias(c, purpose, &limit->gap);
 }
 
 /* Whether a rigid row leaves, faster than it may close its gap. */
-static int rbdi_leaves(const rbd_contact_set *c, const rbdi_gap *gap) {
+RBDI_LOCAL int rbdi_leaves(const rbd_contact_set *c, const rbdi_gap *gap) {
     return gap->rate > 0 && gap->rate > rbdi_rigid_bias(c, RBDI_FOR_VELOCITIES, gap).value;
 }
 
 /* Finds the contacts that rebound by the first solution, and then those that leave. */
-static void rbdi_find_rebounds(rbd_contact_set *c) {
+RBDI_LOCAL void rbdi_find_rebounds(rbd_contact_set *c) {
     int any = 0;
     for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
         contact->pushes = contact->row >= 0 && c->rows->lambda[contact->row + 2] > 0;
@@ -2001,7 +2004,7 @@ static void rbdi_find_rebounds(rbd_contact_set *c) {
 }
 
 /* The bias of a held row: its error counts as a penetration on either side. */
-static rbdi_bias rbdi_held_bias(const rbd_contact_set *c, int purpose, int row) {
+RBDI_LOCAL rbdi_bias rbdi_held_bias(const rbd_contact_set *c, int purpose, int row) {
     const rbd_constraint_set *s = c->rows;
     const rbdi_gap gap = rbdi_gap_of(s->e[row], s->velocity[row], s->gamma[row], c->half);
     const rbd_real inverse = 1 / c->way, slop = RBD_C(c->options.slop), made = gap.reach - gap.start,
@@ -2027,7 +2030,7 @@ RBDI_INLINE int rbdi_write_bias(rbd_contact_set *c, int row, rbd_real bias) {
 }
 
 /* Writes c->b of all rows. Returns whether it changes. */
-static int rbdi_write_biases(rbd_contact_set *c, int purpose) {
+RBDI_LOCAL int rbdi_write_biases(rbd_contact_set *c, int purpose) {
     const rbd_constraint_set *s = c->rows;
     int changed = 0;
     for (const rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact)
@@ -2047,7 +2050,7 @@ static int rbdi_write_biases(rbd_contact_set *c, int purpose) {
    The steps from the rows to Delta lambda = b by the factor M = L'DL. */
 
 /* Y = L^-T Y, and b = target - Y' D^-1 x. Batches may reach beyond a dof's span: entries there are 0. */
-static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
+RBDI_LOCAL void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
     rbdi_solve_transposed(m, c->w, L, c->stride, c->rows, c->Y);
 
     for (int r = 0; r < c->rows; r += RBDI_BATCH) {
@@ -2080,14 +2083,14 @@ static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rb
    linear momentum would change the spin: the result would depend on the speed of the world. */
 
 /* The first link of the tree that carries a link, -1 = the world. */
-static int rbdi_root_of(const rbd_model *m, int link) {
+RBDI_LOCAL int rbdi_root_of(const rbd_model *m, int link) {
     while (link >= 0 && m->link[link].parent >= 0) link = m->link[link].parent;
     return link;
 }
 
 /* Whether a body floats over the world, and nothing outside has pushed what it carries: neither contacts nor
    constraints, nor dry friction of its own joint. Armature there is no momentum. */
-static int rbdi_flies(const rbd_model *m, const rbd_contact_set *c, const rbdi_frame *u) {
+RBDI_LOCAL int rbdi_flies(const rbd_model *m, const rbd_contact_set *c, const rbdi_frame *u) {
     if (u->type != RBD_FLOATING || u->link < 0 || m->link[u->link].parent >= 0) return 0;
     for (int k = u->iv; k < u->iv + 6; ++k)
         if (m->dof[k].armature > 0) return 0;
@@ -2108,7 +2111,7 @@ static int rbdi_flies(const rbd_model *m, const rbd_contact_set *c, const rbdi_f
 }
 
 /* Whether any body does. */
-static int rbdi_any_flies(const rbd_model *m, const rbd_contact_set *c) {
+RBDI_LOCAL int rbdi_any_flies(const rbd_model *m, const rbd_contact_set *c) {
     for (int b = 0; b < m->nb; ++b)
         if (rbdi_flies(m, c, &m->frame[b])) return 1;
     return 0;
@@ -2116,7 +2119,7 @@ static int rbdi_any_flies(const rbd_model *m, const rbd_contact_set *c) {
 
 /* The centre of mass of the tree whose root has the first dof iv, by M, packed. Axes and origin of the
    root. */
-static rbdi_v3 rbdi_centre_of(const rbd_model *m, const rbd_real *M, int iv) {
+RBDI_LOCAL rbdi_v3 rbdi_centre_of(const rbd_model *m, const rbd_real *M, int iv) {
     const rbdi_dof *dof = &m->dof[iv];
     const rbd_real *x = &M[dof[3].row + dof[0].depth], *y = &M[dof[4].row + dof[0].depth],
                    *z = &M[dof[5].row + dof[0].depth], mass = x[3];
@@ -2125,14 +2128,14 @@ static rbdi_v3 rbdi_centre_of(const rbd_model *m, const rbd_real *M, int iv) {
 }
 
 /* Notes the centres of mass at q_mid, where M is w->H, in c->momentum at the first dofs of roots. */
-static void rbdi_note_centres(const rbd_model *m, rbd_contact_set *c) {
+RBDI_LOCAL void rbdi_note_centres(const rbd_model *m, rbd_contact_set *c) {
     for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
         if (u->type == RBD_FLOATING && u->link >= 0)
             rbdi_store_vec(&c->momentum[u->iv], 1, rbdi_centre_of(m, c->rows->w->H, u->iv));
 }
 
 /* The root's six rows of M v, M packed: about the root's origin, in its axes. */
-static rbdi_force rbdi_root_momentum(const rbd_model *m, const rbd_real *M, int iv, const rbd_real *v) {
+RBDI_LOCAL rbdi_force rbdi_root_momentum(const rbd_model *m, const rbd_real *M, int iv, const rbd_real *v) {
     rbd_real h[6];
     rbdi_clear(h, 6);
     for (int j = iv; j < m->nv; ++j) {
@@ -2152,7 +2155,7 @@ static rbdi_force rbdi_root_momentum(const rbd_model *m, const rbd_real *M, int 
 }
 
 /* A wrench, or a momentum, from the root's axes and origin to the joint's axes and the centre of mass. */
-static rbdi_force rbdi_about_centre(const rbd_real *q, rbdi_v3 centre, rbdi_force F) {
+RBDI_LOCAL rbdi_force rbdi_about_centre(const rbd_real *q, rbdi_v3 centre, rbdi_force F) {
     const rbdi_mat E = rbdi_joint_attitude(RBD_FLOATING, q);
     F.n = rbdi_mul_t(E, rbdi_sub(F.n, rbdi_cross(centre, F.f)));
     F.f = rbdi_mul_t(E, F.f);
@@ -2160,8 +2163,8 @@ static rbdi_force rbdi_about_centre(const rbd_real *q, rbdi_v3 centre, rbdi_forc
 }
 
 /* Wanted momenta, h(q, v) + F, into c->momentum at the dofs of roots that fly. */
-static void rbdi_wanted_momentum(const rbd_model *m, rbd_contact_set *c, const rbd_real *q, const rbd_real *v,
-                                 const rbd_real *tau, const rbd_real *f_ext) {
+RBDI_LOCAL void rbdi_wanted_momentum(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
+                                     const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext) {
     rbd_work *w = c->rows->w;
     rbd_real *impulse = c->rows->x;
     (void)rbd_bias(m, w, c->q_mid, w->zero, f_ext, impulse);
@@ -2182,7 +2185,7 @@ static void rbdi_wanted_momentum(const rbd_model *m, rbd_contact_set *c, const r
 
 /* x = Ic^-1 x, 6, of the root whose first dof this is. Ic = L'DL stands in the packed M, and L and 1/D
    replace it. A direction in which the inertia may be rounding gets 0. */
-static void rbdi_solve_root(const rbdi_dof *dof, rbd_real *M, rbd_real *x) {
+RBDI_LOCAL void rbdi_solve_root(const rbdi_dof *dof, rbd_real *M, rbd_real *x) {
     rbd_real *row[6];
     for (int k = 0; k < 6; ++k) row[k] = &M[dof[k].row + dof[k].depth - k];
 
@@ -2204,8 +2207,8 @@ static void rbdi_solve_root(const rbdi_dof *dof, rbd_real *M, rbd_real *x) {
 }
 
 /* Gives the roots that fly the wanted momenta. */
-static void rbdi_restore_momentum(const rbd_model *m, const rbd_contact_set *c, const rbd_real *q_next,
-                                  rbd_real *v_next) {
+RBDI_LOCAL void rbdi_restore_momentum(const rbd_model *m, const rbd_contact_set *c, const rbd_real *q_next,
+                                      rbd_real *v_next) {
     rbd_work *w = c->rows->w;
     (void)rbd_crba_packed(m, w, q_next, w->H);
     for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {
@@ -2244,8 +2247,8 @@ static void rbdi_restore_momentum(const rbd_model *m, const rbd_contact_set *c, 
    p'(u before + u after). */
 
 /* x = L^-T dt (tau - w->bias - damping v_mid). */
-static void rbdi_free_impulse(const rbd_model *m, const rbd_contact_set *c, const rbd_real *tau,
-                              rbd_real *x) {
+RBDI_LOCAL void rbdi_free_impulse(const rbd_model *m, const rbd_contact_set *c, const rbd_real *tau,
+                                  rbd_real *x) {
     rbd_work *w = c->rows->w;
     const rbd_real *bias = w->bias;
     for (int k = 0; k < m->nv; ++k) x[k] = c->dt * (tau[k] - bias[k] - c->damping[k] * c->v_mid[k]);
@@ -2253,7 +2256,7 @@ static void rbdi_free_impulse(const rbd_model *m, const rbd_contact_set *c, cons
 }
 
 /* Adds dt damping to M, and factors it. */
-static rbdi_mask rbdi_factor_damped(const rbd_model *m, rbd_contact_set *c, const rbd_real *damping) {
+RBDI_LOCAL rbdi_mask rbdi_factor_damped(const rbd_model *m, rbd_contact_set *c, const rbd_real *damping) {
     rbd_constraint_set *s = c->rows;
     rbd_work *w = s->w;
     rbdi_mask doubt;
@@ -2269,9 +2272,9 @@ static rbdi_mask rbdi_factor_damped(const rbd_model *m, rbd_contact_set *c, cons
 }
 
 /* The middle of the step (or, with c->half = 0, its beginning): state, rows, factor, and c->x[0]. */
-static rbd_status rbdi_begin_step(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
-                                  const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
-                                  const rbd_real *damping) {
+RBDI_LOCAL rbd_status rbdi_begin_step(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
+                                      const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                      const rbd_real *damping) {
     rbd_constraint_set *s = c->rows;
     rbd_work *w = s->w;
     rbdi_mask doubt;
@@ -2291,8 +2294,8 @@ static rbd_status rbdi_begin_step(const rbd_model *m, rbd_contact_set *c, const 
 }
 
 /* x of the velocity terms c(w), w = (v_mid + nu) / 2 in c->at. */
-static void rbdi_correct(const rbd_model *m, rbd_contact_set *c, const rbd_real *nu, const rbd_real *tau,
-                         const rbd_real *f_ext, rbd_real *x) {
+RBDI_LOCAL void rbdi_correct(const rbd_model *m, rbd_contact_set *c, const rbd_real *nu, const rbd_real *tau,
+                             const rbd_real *f_ext, rbd_real *x) {
     rbd_work *w = c->rows->w;
     for (int k = 0; k < m->nv; ++k) c->at[k] = (c->v_mid[k] + nu[k]) / 2;
 
@@ -2304,7 +2307,8 @@ static void rbdi_correct(const rbd_model *m, rbd_contact_set *c, const rbd_real 
 }
 
 /* nu of x and the impulses, by (4). */
-static void rbdi_contact_respond(const rbd_model *m, rbd_contact_set *c, const rbd_real *x, rbd_real *nu) {
+RBDI_LOCAL void rbdi_contact_respond(const rbd_model *m, rbd_contact_set *c, const rbd_real *x,
+                                     rbd_real *nu) {
     rbd_constraint_set *s = c->rows;
     for (int k = 0; k < m->nv; ++k) nu[k] = x[k] + rbdi_y_lambda(s, s->lambda, k);
     rbdi_vector_forward(m, s->w, s->w->H, nu);
@@ -2312,7 +2316,7 @@ static void rbdi_contact_respond(const rbd_model *m, rbd_contact_set *c, const r
 }
 
 /* Solves for the first time, by c->x[0] and with these biases. Computes c->moved. */
-static void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int purpose) {
+RBDI_LOCAL void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int purpose) {
     rbd_constraint_set *s = c->rows;
     rbd_contact_problem given;
     for (int k = 0; k < m->nv; ++k) s->x[k] = c->x[0][k];
@@ -2339,8 +2343,8 @@ static void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int purpose
 }
 
 /* Corrects the velocity terms for the first time: c->x[1], and c->moved with the impulses as they are. */
-static void rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
-                               const rbd_real *f_ext) {
+RBDI_LOCAL void rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
+                                   const rbd_real *f_ext) {
     rbd_real *change = c->nu;
     rbdi_correct(m, c, c->moved, tau, f_ext, c->x[1]);
     for (int k = 0; k < m->nv; ++k) change[k] = c->x[1][k] - c->x[0][k];
@@ -2350,8 +2354,8 @@ static void rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const rbd
 
 /* Corrects them again: c->x[2]. Solves with the biases of positions, and computes c->moved. Keeps the
    impulses of the first solution in c->impulse, by row. */
-static void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
-                             const rbd_real *f_ext) {
+RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
+                                 const rbd_real *f_ext) {
     const rbd_contact_solution first = c->solver.solution;
     rbd_constraint_set *s = c->rows;
     rbdi_correct(m, c, c->moved, tau, f_ext, c->x[2]);
@@ -2373,16 +2377,16 @@ static void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const rbd_r
 }
 
 /* Chooses the scheme: half of the way by v, or all of it by the solution. */
-static void rbdi_choose_scheme(rbd_contact_set *c, rbd_real dt, int first_order) {
+RBDI_LOCAL void rbdi_choose_scheme(rbd_contact_set *c, rbd_real dt, int first_order) {
     c->dt = dt;
     c->way = first_order ? dt : dt / 2;
     c->half = first_order ? rbdi_zero() : c->way;
 }
 
 /* Computes c->moved, the velocities by which positions change. */
-static rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
-                                       const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
-                                       const rbd_real *damping) {
+RBDI_LOCAL rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
+                                           const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                           const rbd_real *damping) {
     const int first_order = !(c->half > 0);
     const rbd_status status = rbdi_begin_step(m, c, q, v, tau, f_ext, damping);
     if (status) return status;
@@ -2394,7 +2398,7 @@ static rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *c, c
 }
 
 /* Keeps impulses, states and forces for the next step and the caller. */
-static void rbdi_keep_impulses(rbd_contact_set *c) {
+RBDI_LOCAL void rbdi_keep_impulses(rbd_contact_set *c) {
     const rbd_constraint_set *s = c->rows;
     c->last_dt = c->dt;
     rbdi_clear(c->impulse, c->max_rows);
@@ -2417,7 +2421,7 @@ static void rbdi_keep_impulses(rbd_contact_set *c) {
 /* Computes c->nu, the velocities at the end, in the axes of the beginning. They differ from c->moved if
    penetration was corrected, or a contact that pushed rebounds. If positions had no solution, their impulses
    may be huge: then those of rbdi_solve_first are the better beginning. */
-static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
+RBDI_LOCAL rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
     int finite = rbdi_all_finite(c->b, c->rows->rows);
     rbdi_find_rebounds(c);
@@ -2443,9 +2447,9 @@ static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) 
 }
 
 /* Computes c->moved and c->nu. After an error the set has no impulses, and all gaps are 0. */
-static rbd_status rbdi_solve_step(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
-                                  const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
-                                  const rbd_real *damping) {
+RBDI_LOCAL rbd_status rbdi_solve_step(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
+                                      const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                      const rbd_real *damping) {
     rbd_status status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping);
     if (!status) status = rbdi_solve_velocities(m, c);
     if (status) rbd_contact_reset(c);
@@ -2453,14 +2457,14 @@ static rbd_status rbdi_solve_step(const rbd_model *m, rbd_contact_set *c, const 
 }
 
 /* Writes the state after the step; after an error, q and v = 0. */
-static void rbdi_contact_move(const rbd_model *m, const rbd_contact_set *c, rbd_status status,
-                              const rbd_real *q, rbd_real *q_next, rbd_real *v_next) {
+RBDI_LOCAL void rbdi_contact_move(const rbd_model *m, const rbd_contact_set *c, rbd_status status,
+                                  const rbd_real *q, rbd_real *q_next, rbd_real *v_next) {
     if (!status) rbdi_move_joints(m, c->q_mid, c->moved, c->nu, c->way, q_next, v_next);
     for (int k = 0; status && k < m->nq; ++k) q_next[k] = q[k];
     if (status) rbdi_clear(v_next, m->nv);
 }
 
-static rbd_status rbdi_check_step(const rbd_model *m, const rbd_contact_set *c, int arrays, rbd_real dt) {
+RBDI_LOCAL rbd_status rbdi_check_step(const rbd_model *m, const rbd_contact_set *c, int arrays, rbd_real dt) {
     const rbd_status status = c ? rbdi_check_constraints(m, c->rows, arrays) : RBD_ERR_NULL;
     if (status) return status;
     return dt > 1 / RBDI_UNBOUNDED && dt < RBDI_UNBOUNDED ? RBD_OK : RBD_ERR_RANGE;
@@ -2543,14 +2547,15 @@ typedef struct rbdi_step_columns {
 
 /* Parts of the memory for derivatives, behind c->sigma: M, later G; two matrices; two for columns that the
    caller does not want; derivatives of J nu without impulses, a row for each contact, by three x. */
-static rbd_real *rbdi_side(const rbd_model *m, const rbd_contact_set *c, int k) {
+RBDI_LOCAL rbd_real *rbdi_side(const rbd_model *m, const rbd_contact_set *c, int k) {
     const int nv = m->nv, shared = RBDI_CONTACT_SHARED(nv, c->max_rows);
     return c->sigma + c->max_rows * nv + (k > 0 ? shared + (k - 1) * nv * nv : 0);
 }
 
 /* B = dt dID(q_mid, w, a(w))/dw and M, both without contacts; if Q is not NULL, dt dID/dq_mid. */
-static void rbdi_write_sides(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d, const rbd_real *nu,
-                             const rbd_real *f_ext, rbd_real *Q, rbd_real *B, rbd_real *M) {
+RBDI_LOCAL void rbdi_write_sides(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
+                                 const rbd_real *nu, const rbd_real *f_ext, rbd_real *Q, rbd_real *B,
+                                 rbd_real *M) {
     const int size = m->nv * m->nv;
     rbdi_straight_acceleration(m, c->at, c->straight);
     for (int k = 0; k < m->nv; ++k) d->a[k] = (nu[k] - c->v_mid[k]) / c->dt + c->straight[k];
@@ -2562,8 +2567,8 @@ static void rbdi_write_sides(const rbd_model *m, rbd_contact_set *c, rbd_derivat
 
 /* Adds rho without the terms by q_mid at fixed w, which come into Q, and without d(J' p). last: dnu of the
    solution before, NULL = w is v_mid. */
-static void rbdi_add_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d, const rbd_real *nu,
-                         const rbd_real *f_ext, rbd_real *const *last, rbd_real *const rho[3]) {
+RBDI_LOCAL void rbdi_add_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d, const rbd_real *nu,
+                             const rbd_real *f_ext, rbd_real *const *last, rbd_real *const rho[3]) {
     const rbd_real half = rbdi_set(RBD_C(0.5));
     const int n = m->nv;
     rbd_real *M = rbdi_side(m, c, 0), *B = rbdi_side(m, c, 1), *Q = rho[0] ? rbdi_side(m, c, 2) : NULL;
@@ -2584,15 +2589,15 @@ static void rbdi_add_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivatives
 }
 
 /* The same in place of what was there. */
-static void rbdi_write_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d, const rbd_real *nu,
-                           const rbd_real *f_ext, rbd_real *const *last, rbd_real *const rho[3]) {
+RBDI_LOCAL void rbdi_write_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d, const rbd_real *nu,
+                               const rbd_real *f_ext, rbd_real *const *last, rbd_real *const rho[3]) {
     for (int x = 0; x < 3; ++x)
         if (rho[x]) rbdi_clear(rho[x], m->nv * m->nv);
     rbdi_add_rho(m, c, d, nu, f_ext, last, rho);
 }
 
 /* Adds Q, the terms by q_mid at fixed w. */
-static void rbdi_add_side(const rbd_model *m, const rbd_contact_set *c, rbd_real *const rho[3]) {
+RBDI_LOCAL void rbdi_add_side(const rbd_model *m, const rbd_contact_set *c, rbd_real *const rho[3]) {
     if (rho[0]) rbdi_subtract(rho[0], -rbdi_set(RBD_C(1)), rbdi_side(m, c, 2), m->nv * m->nv);
 }
 
@@ -2608,7 +2613,7 @@ typedef struct rbdi_row_factors {
        gamma = acc + omega x (omega x r) - rate (omega x n),   rate = n . velocity
 
    By q the place moves over the body by its roll, and r by n (n . s): together by z x r. */
-static void rbdi_roll_rates(const rbdi_pair_motion *pair, rbdi_motion_derivatives *by) {
+RBDI_LOCAL void rbdi_roll_rates(const rbdi_pair_motion *pair, rbdi_motion_derivatives *by) {
     const rbdi_v3 omega = pair->motion.velocity.omega, r = pair->roll_radius, n = pair->normal;
     const rbdi_v3 z = by->S.omega, dw = by->velocity_q.omega;
     const rbdi_v3 across = rbdi_cross(omega, r), shift = rbdi_cross(z, r), turn = rbdi_cross(omega, n);
@@ -2628,9 +2633,9 @@ static void rbdi_roll_rates(const rbdi_pair_motion *pair, rbdi_motion_derivative
 
 /* Adds a constraint's terms to sigma, by q_mid or v_mid (x = 0, 1). With f->velocity by v_mid, J takes the
    place of the derivative of J nu. Leaves the S of the dofs in d. */
-static void rbdi_row_terms(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
-                           const rbdi_constraint *con, const rbdi_pair_motion *pair,
-                           const rbdi_row_factors *f, int x) {
+RBDI_LOCAL void rbdi_row_terms(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
+                               const rbdi_constraint *con, const rbdi_pair_motion *pair,
+                               const rbdi_row_factors *f, int x) {
     for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);) {
         const rbdi_link *l = &m->link[walk.link];
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
@@ -2651,7 +2656,7 @@ static void rbdi_row_terms(const rbd_model *m, rbd_contact_set *c, const rbd_der
     }
 }
 
-static rbdi_pair_motion rbdi_contact_pair(const rbd_contact_set *c, int i) {
+RBDI_LOCAL rbdi_pair_motion rbdi_contact_pair(const rbd_contact_set *c, int i) {
     const rbdi_constraint *con = &c->rows->constraint[i];
     rbdi_pair_motion pair = rbdi_pair_motion_of(c->rows, con);
     if (i < c->n) {
@@ -2663,14 +2668,14 @@ static rbdi_pair_motion rbdi_contact_pair(const rbd_contact_set *c, int i) {
 }
 
 /* The bias of row r of a constraint. */
-static rbdi_bias rbdi_bias_of(const rbd_contact_set *c, int i, int purpose, int r) {
+RBDI_LOCAL rbdi_bias rbdi_bias_of(const rbd_contact_set *c, int i, int purpose, int r) {
     if (i >= c->n) return rbdi_held_bias(c, purpose, c->rows->constraint[i].row + r);
     return r == 2 ? rbdi_contact_bias(c, purpose, &c->contact[i]) : rbdi_no_bias();
 }
 
 /* Adds the terms by q_mid at the velocity nu: of J nu and of the gap to sigma, -d(J' p) to rho. */
-static void rbdi_velocity_terms(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
-                                const rbd_real *nu, int purpose, rbd_real *rho) {
+RBDI_LOCAL void rbdi_velocity_terms(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
+                                    const rbd_real *nu, int purpose, rbd_real *rho) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbd_constraint_set *s = c->rows;
     rbdi_constraint_state(m, s, rbdi_expand_v(m, nu, s->w->vx), s->w->zero, none, 0);
@@ -2693,8 +2698,8 @@ static void rbdi_velocity_terms(const rbd_model *m, rbd_contact_set *c, const rb
 
 /* Adds to sigma the terms of gamma and, in the bias, of the rate in the middle of the step, by q_mid or v_mid
    (x = 0, 1). gamma holds the classical accelerations by v, so by v_mid it has J da/dv beyond the rate. */
-static void rbdi_middle_terms(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d, int purpose,
-                              int x) {
+RBDI_LOCAL void rbdi_middle_terms(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
+                                  int purpose, int x) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     const rbd_real half = c->half;
     rbd_constraint_set *s = c->rows;
@@ -2724,13 +2729,13 @@ static void rbdi_middle_terms(const rbd_model *m, rbd_contact_set *c, const rbd_
 }
 
 /* Where the derivatives of J nu by x are, nu without impulses, of contact i. */
-static rbd_real *rbdi_fall_columns(const rbd_model *m, const rbd_contact_set *c, int i, int x) {
+RBDI_LOCAL rbd_real *rbdi_fall_columns(const rbd_model *m, const rbd_contact_set *c, int i, int x) {
     return rbdi_side(m, c, 5) + (x * c->n + i) * m->nv;
 }
 
 /* Writes them, of contacts that may rebound. dnu: of nu without impulses, by x. */
-static void rbdi_write_falls(const rbd_model *m, rbd_contact_set *c, const rbd_real *nu,
-                             rbd_real *const dnu[3]) {
+RBDI_LOCAL void rbdi_write_falls(const rbd_model *m, rbd_contact_set *c, const rbd_real *nu,
+                                 rbd_real *const dnu[3]) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbd_constraint_set *s = c->rows;
     rbdi_constraint_state(m, s, rbdi_expand_v(m, nu, s->w->vx), s->w->zero, none, 0);
@@ -2757,7 +2762,7 @@ static void rbdi_write_falls(const rbd_model *m, rbd_contact_set *c, const rbd_r
 }
 
 /* Adds the terms of what contacts that rebound fall, by any x, and of limits, by q_mid and v_mid. */
-static void rbdi_other_terms(const rbd_model *m, rbd_contact_set *c, int purpose, int x) {
+RBDI_LOCAL void rbdi_other_terms(const rbd_model *m, rbd_contact_set *c, int purpose, int x) {
     for (int i = 0; i < c->n; ++i) {
         const rbdi_contact *contact = &c->contact[i];
         rbd_real by_falls;
@@ -2777,7 +2782,7 @@ static void rbdi_other_terms(const rbd_model *m, rbd_contact_set *c, int purpose
 }
 
 /* Replaces rho by dnu of (5). Returns 0 if the impulses have no derivative. */
-static int rbdi_solve_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_real *rho) {
+RBDI_LOCAL int rbdi_solve_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_real *rho) {
     rbd_constraint_set *s = c->rows;
     rbdi_contact_solver solver = c->solver;
     const int n = m->nv;
@@ -2802,8 +2807,8 @@ static int rbdi_solve_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_re
 
 /* Replaces rho, without d(J' p), by dnu of the solution that has just been found. Returns 0 if one does not
    exist. */
-static int rbdi_differentiate_solution(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
-                                       const rbd_real *nu, int purpose, rbd_real *const rho[3]) {
+RBDI_LOCAL int rbdi_differentiate_solution(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
+                                           const rbd_real *nu, int purpose, rbd_real *const rho[3]) {
     int solved = 1;
     rbdi_add_side(m, c, rho);
     for (int x = 0; x < 3; ++x) {
@@ -2817,7 +2822,7 @@ static int rbdi_differentiate_solution(const rbd_model *m, rbd_contact_set *c, r
     return solved;
 }
 
-static void rbdi_copy_columns(const rbd_model *m, rbd_real *const from[3], rbd_real *const to[3]) {
+RBDI_LOCAL void rbdi_copy_columns(const rbd_model *m, rbd_real *const from[3], rbd_real *const to[3]) {
     for (int x = 0; x < 3; ++x)
         for (int k = 0; from[x] && k < m->nv * m->nv; ++k) to[x][k] = from[x][k];
 }
@@ -2828,9 +2833,9 @@ static void rbdi_copy_columns(const rbd_model *m, rbd_real *const from[3], rbd_r
        K (dnu_1 - dnu_0) = rho_0 - rho_1    without d(J' p)
 
    Returns whether they exist. */
-static int rbdi_differentiate_corrections(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
-                                          const rbd_real *tau, const rbd_real *f_ext,
-                                          const rbdi_step_columns *to) {
+RBDI_LOCAL int rbdi_differentiate_corrections(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
+                                              const rbd_real *tau, const rbd_real *f_ext,
+                                              const rbdi_step_columns *to) {
     const int size = m->nv * m->nv;
     rbd_work *w = c->rows->w;
     int solved;
@@ -2853,8 +2858,8 @@ static int rbdi_differentiate_corrections(const rbd_model *m, rbd_contact_set *c
 }
 
 /* Derivatives of what contacts that may rebound fall: by dnu of the velocities without contacts. */
-static void rbdi_differentiate_falls(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
-                                     const rbd_real *f_ext, rbd_real *const dnu[3]) {
+RBDI_LOCAL void rbdi_differentiate_falls(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
+                                         const rbd_real *f_ext, rbd_real *const dnu[3]) {
     rbd_work *w = c->rows->w;
     int any = 0;
     for (int i = 0; i < c->n; ++i) any |= c->contact[i].row >= 0 && c->contact[i].restitution > 0;
@@ -2871,9 +2876,9 @@ static void rbdi_differentiate_falls(const rbd_model *m, rbd_contact_set *c, rbd
 }
 
 /* Makes the step, and writes derivatives of c->moved and c->nu. Returns whether they exist. */
-static int rbdi_differentiate_step(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
-                                   const rbd_real *tau, const rbd_real *f_ext, const rbdi_step_columns *to,
-                                   rbd_status *status) {
+RBDI_LOCAL int rbdi_differentiate_step(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
+                                       const rbd_real *tau, const rbd_real *f_ext,
+                                       const rbdi_step_columns *to, rbd_status *status) {
     const int first_order = !(c->half > 0);
     int solved = 1;
     rbdi_differentiate_falls(m, c, d, f_ext, to->dq);

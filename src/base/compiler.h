@@ -186,6 +186,9 @@ static inline void rbdi_require_ieee(void) {}
 #define RBDI_COLD static RBDI_UNUSED
 #endif
 #define RBDI_PART static RBDI_UNUSED
+/* RBDI_LOCAL: steps of a room that something calls wherever the room is compiled; a compiler warns where
+   nothing does. */
+#define RBDI_LOCAL static
 /* For a function that returns one of many texts. GCC would keep them in an array, which is linked even if
    nothing calls the function, as soon as the file has any other text, such as a model's names. */
 #if RBDI_GCC

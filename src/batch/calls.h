@@ -11,9 +11,9 @@
 /* ---- batches [batch code] ---- */
 
 /* A call with one output, which must not be NULL. */
-static rbd_status rbdi_batch_one(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int n,
-                                 const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
-                                 const RBD_REAL *f_ext, RBD_REAL *out, int width) {
+RBDI_LOCAL rbd_status rbdi_batch_one(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int n,
+                                     const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
+                                     const RBD_REAL *f_ext, RBD_REAL *out, int width) {
     rbdi_task t = rbdi_task_of(q, v, a, f_ext);
     rbdi_task_output(&t, 0, out, width);
     return out ? rbdi_batch_run(call, m, b, n, b ? b->y : NULL, &t) : RBD_ERR_NULL;
@@ -60,28 +60,28 @@ RBDI_BATCH_API rbd_status rbd_batch_set_layout(rbd_batch *b, rbd_layout layout) 
 }
 
 /* The calls in lanes. x: q, v, a or tau, f_ext. */
-static rbd_status rbdi_lanes_rnea(const rbd_model *m, const rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_lanes_rnea(const rbd_model *m, const rbdi_task *t) {
     const rbd_real *a = t->x[2] ? t->x[2] : t->w->zero;
     return rbd_rnea(m, t->w, t->x[0], t->x[1], a, t->x[3], t->y[0]);
 }
 
-static rbd_status rbdi_lanes_aba(const rbd_model *m, const rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_lanes_aba(const rbd_model *m, const rbdi_task *t) {
     return rbd_aba(m, t->w, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0]);
 }
 
-static rbd_status rbdi_lanes_fd_cholesky(const rbd_model *m, const rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_lanes_fd_cholesky(const rbd_model *m, const rbdi_task *t) {
     return rbd_fd_cholesky(m, t->w, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0]);
 }
 
-static rbd_status rbdi_lanes_crba(const rbd_model *m, const rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_lanes_crba(const rbd_model *m, const rbdi_task *t) {
     return rbd_crba(m, t->w, t->x[0], t->y[0]);
 }
 
-static rbd_status rbdi_lanes_crba_packed(const rbd_model *m, const rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_lanes_crba_packed(const rbd_model *m, const rbdi_task *t) {
     return rbd_crba_packed(m, t->w, t->x[0], t->y[0]);
 }
 
-static rbd_status rbdi_lanes_minverse(const rbd_model *m, const rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_lanes_minverse(const rbd_model *m, const rbdi_task *t) {
     return rbd_minverse(m, t->w, t->x[0], t->y[0]);
 }
 
@@ -134,7 +134,7 @@ typedef struct rbdi_lane_point {
     const rbd_real *point;
 } rbdi_lane_point;
 
-static rbd_status rbdi_lanes_jacobian(const rbd_model *m, const rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_lanes_jacobian(const rbd_model *m, const rbdi_task *t) {
     const rbdi_lane_point *at = (const rbdi_lane_point *)t->more;
     (void)rbd_kinematics(m, t->w, t->x[0], NULL, NULL); /* arguments are checked */
     return rbd_jacobian(m, t->w, at->body, at->point, at->axes, t->y[0]);
@@ -156,7 +156,7 @@ RBDI_BATCH_API rbd_status rbd_batch_jacobian(const rbd_model *m, rbd_batch *b, i
     return J ? rbdi_batch_run(rbdi_lanes_jacobian, m, b, n, b ? b->y : NULL, &t) : RBD_ERR_NULL;
 }
 
-static rbd_status rbdi_lanes_momentum(const rbd_model *m, const rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_lanes_momentum(const rbd_model *m, const rbdi_task *t) {
     (void)rbd_kinematics(m, t->w, t->x[0], t->x[1], t->x[2]);
     return rbd_momentum(m, t->w, t->y[0], t->y[1]);
 }

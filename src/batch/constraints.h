@@ -13,7 +13,7 @@ struct rbd_batch_constraint_set {
     rbd_real *y; /* outputs of RBD_LANES states */
 };
 
-static size_t rbdi_batch_constraints_own(const rbd_model *m, int rows) {
+RBDI_LOCAL size_t rbdi_batch_constraints_own(const rbd_model *m, int rows) {
     return RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_batch_constraint_set)) +
            RBDI_ROUND(sizeof(rbd_real) * (size_t)(m->nv + rows));
 }
@@ -53,7 +53,7 @@ RBDI_BATCH_API rbd_status rbd_batch_constraint_set_init(const rbd_model *m, rbd_
     return RBD_OK;
 }
 
-static rbd_status rbdi_lanes_constrained_fd(const rbd_model *m, const rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_lanes_constrained_fd(const rbd_model *m, const rbdi_task *t) {
     return rbd_constrained_fd(m, (rbd_constraint_set *)t->more, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0],
                               t->y[1]);
 }

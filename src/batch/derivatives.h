@@ -17,7 +17,7 @@ struct rbd_batch_derivatives {
 
 /* Largest outputs of a call: three square matrices and an acceleration, a momentum matrix and its bias, or a
    regressor. */
-static int rbdi_derivatives_output(const rbd_model *m) {
+RBDI_LOCAL int rbdi_derivatives_output(const rbd_model *m) {
     int most = (3 * m->nv + 6) * m->nv + 6;
     if (most < 10 * m->nb * m->nv) most = 10 * m->nb * m->nv;
     return most;
@@ -48,14 +48,14 @@ RBDI_BATCH_API rbd_status rbd_batch_derivatives_init(const rbd_model *m, rbd_bat
     return status;
 }
 
-static rbd_status rbdi_batch_derivatives_run(rbdi_lane_call *call, const rbd_model *m,
-                                             rbd_batch_derivatives *d, int n, rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_batch_derivatives_run(rbdi_lane_call *call, const rbd_model *m,
+                                                 rbd_batch_derivatives *d, int n, rbdi_task *t) {
     if (!d) return RBD_ERR_NULL;
     t->more = d->d;
     return rbdi_batch_run(call, m, d->b, n, d->y, t);
 }
 
-static rbd_status rbdi_lanes_momentum_matrix(const rbd_model *m, const rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_lanes_momentum_matrix(const rbd_model *m, const rbdi_task *t) {
     return rbd_momentum_matrix(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->y[0], t->y[1]);
 }
 
@@ -68,7 +68,7 @@ RBDI_BATCH_API rbd_status rbd_batch_momentum_matrix(const rbd_model *m, rbd_batc
     return rbdi_batch_derivatives_run(rbdi_lanes_momentum_matrix, m, d, n, &t);
 }
 
-static rbd_status rbdi_lanes_coriolis(const rbd_model *m, const rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_lanes_coriolis(const rbd_model *m, const rbdi_task *t) {
     return rbd_coriolis(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->y[0]);
 }
 
@@ -79,7 +79,7 @@ RBDI_BATCH_API rbd_status rbd_batch_coriolis(const rbd_model *m, rbd_batch_deriv
     return rbdi_batch_derivatives_run(rbdi_lanes_coriolis, m, d, n, &t);
 }
 
-static rbd_status rbdi_lanes_id_derivatives(const rbd_model *m, const rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_lanes_id_derivatives(const rbd_model *m, const rbdi_task *t) {
     return rbd_id_derivatives(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0],
                               t->y[1], t->y[2]);
 }
@@ -95,7 +95,7 @@ RBDI_BATCH_API rbd_status rbd_batch_id_derivatives(const rbd_model *m, rbd_batch
     return rbdi_batch_derivatives_run(rbdi_lanes_id_derivatives, m, d, n, &t);
 }
 
-static rbd_status rbdi_lanes_fd_derivatives(const rbd_model *m, const rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_lanes_fd_derivatives(const rbd_model *m, const rbdi_task *t) {
     return rbd_fd_derivatives(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->x[2], t->x[3], t->y[0],
                               t->y[1], t->y[2], t->y[3]);
 }
@@ -112,7 +112,7 @@ RBDI_BATCH_API rbd_status rbd_batch_fd_derivatives(const rbd_model *m, rbd_batch
     return rbdi_batch_derivatives_run(rbdi_lanes_fd_derivatives, m, d, n, &t);
 }
 
-static rbd_status rbdi_lanes_regressor(const rbd_model *m, const rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_lanes_regressor(const rbd_model *m, const rbdi_task *t) {
     return rbd_regressor(m, (rbd_derivatives *)t->more, t->x[0], t->x[1], t->x[2], t->y[0]);
 }
 

@@ -73,7 +73,7 @@ typedef RBD_REAL rbdi_lane_row
    In rows, RBD_LANES components of RBD_LANES states are transposed at a time; the last components may overlap
    those before. The rows of the next states are prefetched, because the processor does not predict so many
    streams. */
-static void rbdi_gather(const RBD_REAL *in, int width, int blocks, int rest, rbd_real *x) {
+RBDI_LOCAL void rbdi_gather(const RBD_REAL *in, int width, int blocks, int rest, rbd_real *x) {
     const int last = (rest < RBD_LANES ? rest : RBD_LANES) - 1;
     const int across = blocks ? 1 : width, along = blocks ? RBD_LANES : 1;
     const RBD_REAL *next = rest < 2 * RBD_LANES ? in : in + RBD_LANES * width;
@@ -102,7 +102,7 @@ static void rbdi_gather(const RBD_REAL *in, int width, int blocks, int rest, rbd
 }
 
 /* The reverse, for the first count states. */
-static void rbdi_scatter(const rbd_real *x, int width, int blocks, int count, RBD_REAL *out) {
+RBDI_LOCAL void rbdi_scatter(const rbd_real *x, int width, int blocks, int count, RBD_REAL *out) {
     const int across = blocks ? 1 : width, along = blocks ? RBD_LANES : 1;
 
     if (blocks || width < RBD_LANES) {

@@ -29,18 +29,20 @@ typedef struct rbdi_task {
 typedef rbd_status rbdi_lane_call(const rbd_model *m, const rbdi_task *t);
 
 /* Components of an input. */
-static int rbdi_batch_width(const rbd_model *m, int k) { return k == 0 ? m->nq : k < 3 ? m->nv : 6 * m->nb; }
+RBDI_LOCAL int rbdi_batch_width(const rbd_model *m, int k) {
+    return k == 0 ? m->nq : k < 3 ? m->nv : 6 * m->nb;
+}
 
 /* Largest outputs of a call: M, or a Jacobian, or a momentum and its rate. */
-static int rbdi_batch_output(const rbd_model *m) { return (m->nv > 6 ? m->nv : 6) * m->nv + 12; }
+RBDI_LOCAL int rbdi_batch_output(const rbd_model *m) { return (m->nv > 6 ? m->nv : 6) * m->nv + 12; }
 
 /* Whether a call can use the caller's array of these states: a whole block at an aligned address. */
-static int rbdi_usable(const rbd_batch *b, const RBD_REAL *x, int rest) {
+RBDI_LOCAL int rbdi_usable(const rbd_batch *b, const RBD_REAL *x, int rest) {
     return b->layout == RBD_BLOCKS && rest >= RBD_LANES && (uintptr_t)x % sizeof(rbd_real) == 0;
 }
 
 /* Sets x to the inputs of the states from s on. */
-static void rbdi_task_gather(const rbd_model *m, rbdi_task *t, const rbd_batch *b, int s, int rest) {
+RBDI_LOCAL void rbdi_task_gather(const rbd_model *m, rbdi_task *t, const rbd_batch *b, int s, int rest) {
     for (int k = 0; k < RBDI_ARGUMENTS; ++k) {
         const int width = rbdi_batch_width(m, k);
         const RBD_REAL *x = t->in[k] ? t->in[k] + (size_t)s * (size_t)width : NULL;
@@ -54,7 +56,7 @@ static void rbdi_task_gather(const rbd_model *m, rbdi_task *t, const rbd_batch *
 /* Sets t->y to the outputs of the states from s on: the caller's array, or y, for rbdi_task_scatter.
    With RBD_REPRODUCIBLE it is y, because rbdi_batch_singly reads the inputs again, which may be the
    same arrays. */
-static void rbdi_task_targets(rbdi_task *t, const rbd_batch *b, rbd_real *y, int s, int rest) {
+RBDI_LOCAL void rbdi_task_targets(rbdi_task *t, const rbd_batch *b, rbd_real *y, int s, int rest) {
     for (int k = 0; k < RBDI_ARGUMENTS; ++k) {
         RBD_REAL *out = t->out[k] ? t->out[k] + (size_t)s * (size_t)t->width[k] : NULL;
         t->y[k] = !out || (!RBDI_REPRODUCIBLE && rbdi_usable(b, out, rest)) ? (rbd_real *)out : y;
@@ -63,7 +65,7 @@ static void rbdi_task_targets(rbdi_task *t, const rbd_batch *b, rbd_real *y, int
 }
 
 /* Writes those of the first count states that are not in the caller's arrays. */
-static void rbdi_task_scatter(const rbdi_task *t, const rbd_batch *b, int s, int count) {
+RBDI_LOCAL void rbdi_task_scatter(const rbdi_task *t, const rbd_batch *b, int s, int count) {
     for (int k = 0; k < RBDI_ARGUMENTS; ++k) {
         RBD_REAL *out = t->out[k] ? t->out[k] + (size_t)s * (size_t)t->width[k] : NULL;
         if ((RBD_REAL *)t->y[k] == out) continue;
@@ -72,7 +74,7 @@ static void rbdi_task_scatter(const rbdi_task *t, const rbd_batch *b, int s, int
 }
 
 /* Notes the first of these states that is singular: one of its pivots is not 1, after rbdi_check_pivots. */
-static void rbdi_note_singular(const rbd_model *m, rbd_batch *b, int first, int count) {
+RBDI_LOCAL void rbdi_note_singular(const rbd_model *m, rbd_batch *b, int first, int count) {
     for (int i = 0; i < count && b->state < 0; ++i)
         for (int k = m->nv - 1; k >= 0 && b->state < 0; --k)
             if (!(b->w->pivot[k][i] > 0)) {
@@ -84,8 +86,8 @@ static void rbdi_note_singular(const rbd_model *m, rbd_batch *b, int first, int 
 #if RBDI_REPRODUCIBLE
 /* The states s to s + count - 1, each alone in all lanes. If a pivot is in doubt, all lanes take the path
    that one of them needs; so a state's bits would depend on the states beside it. */
-static rbd_status rbdi_batch_singly(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int s, int count,
-                                    rbd_real *y, rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_batch_singly(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int s,
+                                        int count, rbd_real *y, rbdi_task *t) {
     const int blocks = b->layout == RBD_BLOCKS;
     rbd_status result = RBD_OK;
 
@@ -119,8 +121,8 @@ static rbd_status rbdi_batch_singly(rbdi_lane_call *call, const rbd_model *m, rb
 #endif
 
 /* Makes a call for n states. y: memory for its outputs of RBD_LANES states. */
-static rbd_status rbdi_batch_run(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int n, rbd_real *y,
-                                 rbdi_task *t) {
+RBDI_LOCAL rbd_status rbdi_batch_run(rbdi_lane_call *call, const rbd_model *m, rbd_batch *b, int n,
+                                     rbd_real *y, rbdi_task *t) {
     rbd_status result = b ? rbdi_check(m, b->w, t->in[0] != NULL) : RBD_ERR_NULL;
     if (result) return result;
 
@@ -155,8 +157,8 @@ static rbd_status rbdi_batch_run(rbdi_lane_call *call, const rbd_model *m, rbd_b
 }
 
 /* A call with these inputs and, so far, no outputs. */
-static rbdi_task rbdi_task_of(const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
-                              const RBD_REAL *f_ext) {
+RBDI_LOCAL rbdi_task rbdi_task_of(const RBD_REAL *q, const RBD_REAL *v, const RBD_REAL *a,
+                                  const RBD_REAL *f_ext) {
     rbdi_task t;
     t.in[0] = q;
     t.in[1] = v;
@@ -171,7 +173,7 @@ static rbdi_task rbdi_task_of(const RBD_REAL *q, const RBD_REAL *v, const RBD_RE
     return t;
 }
 
-static void rbdi_task_output(rbdi_task *t, int k, RBD_REAL *out, int width) {
+RBDI_LOCAL void rbdi_task_output(rbdi_task *t, int k, RBD_REAL *out, int width) {
     t->out[k] = out;
     t->width[k] = width;
 }

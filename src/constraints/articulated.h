@@ -103,8 +103,8 @@ RBDI_INLINE void rbdi_rows_dofs(const rbdi_block_work *bw, int first, int n, int
 }
 
 /* Carries K past the joint of block i, into the parent's axes. Writes Y. */
-static rbdi_row_wrenches rbdi_rows_block(const rbd_model *m, const rbd_work *w, int i, rbdi_row_wrenches rows,
-                                         rbd_real *Y, int stride) {
+RBDI_LOCAL rbdi_row_wrenches rbdi_rows_block(const rbd_model *m, const rbd_work *w, int i,
+                                             rbdi_row_wrenches rows, rbd_real *Y, int stride) {
     const rbdi_link *l = &m->link[i];
     const rbdi_block *b = rbdi_block_of(m, l);
     const rbdi_block_work *bw = &w->block[l->block];
@@ -130,8 +130,8 @@ static rbdi_row_wrenches rbdi_rows_block(const rbd_model *m, const rbd_work *w, 
 }
 
 /* Carries K from link i to its ancestor `stop`. Y: the batch in the row of dof 0. */
-static void rbdi_carry_rows(const rbd_model *m, const rbd_constraint_set *c, int i, int stop,
-                            rbdi_row_wrenches *carried, rbd_real *Y) {
+RBDI_LOCAL void rbdi_carry_rows(const rbd_model *m, const rbd_constraint_set *c, int i, int stop,
+                                rbdi_row_wrenches *carried, rbd_real *Y) {
     rbdi_row_wrenches rows = *carried; /* in registers */
     for (; i > stop; i = m->link[i].parent) {
         const rbdi_link *l = &m->link[i];
@@ -145,8 +145,8 @@ static void rbdi_carry_rows(const rbd_model *m, const rbd_constraint_set *c, int
 }
 
 /* Y, b and target of a batch of rows from row r of the constraint on. h: its axes. p: origin of frame 1. */
-static void rbdi_rows_to_world(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *con, int r,
-                               const rbdi_axes_held *h, rbdi_v3 p) {
+RBDI_LOCAL void rbdi_rows_to_world(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *con,
+                                   int r, const rbdi_axes_held *h, rbdi_v3 p) {
     rbd_real *Y = c->Y + con->row + r;
     rbdi_row_wrenches rows, one;
     rbdi_batch world;
@@ -173,7 +173,7 @@ static void rbdi_rows_to_world(const rbd_model *m, rbd_constraint_set *c, const 
 }
 
 /* 1/D of the dofs on the paths. */
-static void rbdi_path_inverse(const rbd_model *m, rbd_constraint_set *c) {
+RBDI_LOCAL void rbdi_path_inverse(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
     for (int k = 0; k < m->nv; ++k)
         if (c->span[k].end > 0) c->D_inverse[k] = rbdi_reciprocal(c->w->pivot[k], RBDI_TINY, &none);
@@ -186,7 +186,7 @@ RBDI_INLINE rbd_real *rbdi_u_D_of(const rbd_model *m, const rbd_constraint_set *
 }
 
 /* u/D += D^-1 Y lambda, refined. */
-static void rbdi_add_multipliers(const rbd_model *m, rbd_constraint_set *c) {
+RBDI_LOCAL void rbdi_add_multipliers(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_mask lost = rbdi_less(rbdi_zero(), rbdi_zero());
     for (int at = 0; at < c->links; ++at) {
         const int link = c->link[at], first = m->link[link].iv, n = rbdi_link_dofs(m, &m->link[link]);
@@ -210,8 +210,8 @@ static void rbdi_add_multipliers(const rbd_model *m, rbd_constraint_set *c) {
 
 /* Velocities, poses and bias wrenches of the links. Accelerations of the links are 0 here: epsilon has their
    terms of gamma. */
-static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                                   const rbd_real *v, rbdi_c3 gravity, int moving) {
+RBDI_LOCAL void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                       const rbd_real *v, rbdi_c3 gravity, int moving) {
     rbd_work *w = c->w;
     w->kinematics_of = RBDI_NO_KINEMATICS;
     c->world = rbdi_world_state(gravity).acc;
@@ -230,7 +230,7 @@ static void rbdi_articulated_start(const rbd_model *m, rbd_constraint_set *c, co
 }
 
 /* Computes x and lambda from Y and b. Returns 0, x untouched, if a pivot is in doubt. */
-static int rbdi_articulated_solve(const rbd_model *m, rbd_constraint_set *c, rbd_real *x) {
+RBDI_LOCAL int rbdi_articulated_solve(const rbd_model *m, rbd_constraint_set *c, rbd_real *x) {
     if (rbdi_any(rbdi_factor_delta(m, c))) return 0;
     c->pivoted = 0;
     c->infeasible = -1;

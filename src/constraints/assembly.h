@@ -19,7 +19,7 @@
        d_0' D d_0 / d_0' D (d_0 / s_0 - d / s)
 
    1 is right if J is constant; if J changes, steps of size 1 converge slowly or never. */
-static rbd_real rbdi_next_size(const rbd_constraint_set *c, int nv, rbd_real size, rbd_real last_size) {
+RBDI_LOCAL rbd_real rbdi_next_size(const rbd_constraint_set *c, int nv, rbd_real size, rbd_real last_size) {
     const rbd_real one = rbdi_set(RBD_C(1)), least = rbdi_set(RBDI_LEAST_STEP_SIZE),
                    most = rbdi_set(RBDI_MOST_STEP_SIZE);
     rbdi_mask none = rbdi_less(one, rbdi_zero());
@@ -38,8 +38,8 @@ static rbd_real rbdi_next_size(const rbd_constraint_set *c, int nv, rbd_real siz
 }
 
 /* Takes a step of this size. Returns its length before it is cut. */
-static rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                                   rbd_real *q_near, rbd_real size) {
+RBDI_LOCAL rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                       rbd_real *q_near, rbd_real size) {
     const rbd_real limit = rbdi_set(RBDI_LONGEST_STEP);
     rbd_real length, cut;
 
@@ -56,8 +56,8 @@ static rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraint_set *c, co
 }
 
 /* Computes q_near from q. */
-static void rbdi_assemble_position(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                                   rbd_real *q_near) {
+RBDI_LOCAL void rbdi_assemble_position(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                       rbd_real *q_near) {
     rbd_real size = rbdi_set(RBD_C(1)), last_size = size;
     int close = 0; /* the last steps that were taken */
     for (int k = 0; k < m->nq; ++k) q_near[k] = q[k];
@@ -82,8 +82,8 @@ static void rbdi_assemble_position(const rbd_model *m, rbd_constraint_set *c, co
 }
 
 /* Computes v_near from v with the rows at q_near: J v_near = 0. Notes a row that this does not hold. */
-static void rbdi_assemble_velocity(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v,
-                                   rbd_real *v_near) {
+RBDI_LOCAL void rbdi_assemble_velocity(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v,
+                                       rbd_real *v_near) {
     for (int k = 0; k < m->nv; ++k) c->x[k] = v[k];
     rbdi_clear(c->target, c->rows);
     (void)rbdi_multipliers(m, c, 0);
@@ -92,7 +92,7 @@ static void rbdi_assemble_velocity(const rbd_model *m, rbd_constraint_set *c, co
 }
 
 /* Notes the row with the largest error e, if that is not below RBDI_CLOSED. */
-static void rbdi_note_open_row(rbd_constraint_set *c) {
+RBDI_LOCAL void rbdi_note_open_row(rbd_constraint_set *c) {
     rbd_real open = rbdi_set(RBDI_CLOSED);
     for (int r = 0; r < c->rows; ++r) {
         const rbdi_mask worse = rbdi_not(rbdi_less(rbdi_abs(c->e[r]), open));

@@ -7,7 +7,7 @@
 
 /* ---- call code [call code] ---- */
 
-static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constraint_set *c, int arrays) {
+RBDI_LOCAL rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constraint_set *c, int arrays) {
     if (!m || !c || !arrays) return RBD_ERR_NULL;
     for (int k = 0; k < RBDI_SHAPE; ++k)
         if (c->shape[k] != m->shape[k]) return RBD_ERR_WORK;
@@ -18,7 +18,7 @@ static rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_constrain
    contradicts others. Returns whether rows may not hold yet, so that rbdi_check_held must look at them.
 
        b = target - Y' x,   Delta lambda = b */
-static int rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, int check) {
+RBDI_LOCAL int rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, int check) {
     rbdi_rest_of_rows(c);
     c->pivoted = 0;
     c->infeasible = -1;
@@ -40,7 +40,8 @@ static int rbdi_multipliers(const rbd_model *m, rbd_constraint_set *c, int check
 
 /* Targets of a constraint's rows: -gamma - kd J v - kp e; with a restitution, the change of velocity in an
    impact, -J v - restitution J v. */
-static void rbdi_set_target(rbd_constraint_set *c, const rbdi_constraint *con, const rbd_real *restitution) {
+RBDI_LOCAL void rbdi_set_target(rbd_constraint_set *c, const rbdi_constraint *con,
+                                const rbd_real *restitution) {
     for (int r = con->row; r < con->row + con->rows; r += RBDI_BATCH) {
         const rbdi_batch v = *(const rbdi_batch *)&c->velocity[r];
         rbdi_batch target = rbdi_zero_batch() - (restitution ? v : *(const rbdi_batch *)&c->gamma[r]);
@@ -56,9 +57,9 @@ static void rbdi_set_target(rbd_constraint_set *c, const rbdi_constraint *con, c
 /* Computes the accelerations x and lambda by articulated bodies. With a restitution x is the change of
    velocity in an impact, by the same steps without gravity, velocity products and forces. Returns 0, x
    untouched, if a pivot is in doubt. */
-static int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                               const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
-                               const rbd_real *restitution, rbd_real *x) {
+RBDI_LOCAL int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                   const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                   const rbd_real *restitution, rbd_real *x) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbd_work *w = c->w;
     if (c->factored) return 0;
@@ -92,9 +93,9 @@ static int rbdi_articulated_fd(const rbd_model *m, rbd_constraint_set *c, const 
 
 /* Writes M to w->H, M a + bias - sum J_b' f_ext to w->bias, and the state of all links. a: with the joints
    that mimic. */
-static void rbdi_constraint_bias(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                                 const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
-                                 rbdi_c3 gravity) {
+RBDI_LOCAL void rbdi_constraint_bias(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                     const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
+                                     rbdi_c3 gravity) {
     rbd_work *w = c->w;
     rbd_crba_packed(m, w, q, w->H);
     rbdi_constraint_state(m, c, rbdi_expand_v(m, v, w->vx), a, gravity, 1);
@@ -107,9 +108,9 @@ static void rbdi_constraint_bias(const rbd_model *m, rbd_constraint_set *c, cons
 /* As rbdi_articulated_fd, by the factor M = L'DL, in every state. Returns the status of M's pivots.
 
        f = L^-T (tau - bias),   Y = L^-T J',   L a = D^-1 (f + Y lambda) */
-static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                                   const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
-                                   const rbd_real *restitution, rbd_real *x) {
+RBDI_LOCAL rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                       const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                       const rbd_real *restitution, rbd_real *x) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbd_work *w = c->w;
     rbdi_mask doubt;
@@ -141,9 +142,9 @@ static rbd_status rbdi_factored_fd(const rbd_model *m, rbd_constraint_set *c, co
 
 /* Computes x and lambda by articulated bodies or, if these are in doubt, by the factor of M. Returns the
    status of the call. */
-static rbd_status rbdi_constrained(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                                   const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
-                                   const rbd_real *restitution, rbd_real *x, rbd_real *lambda) {
+RBDI_LOCAL rbd_status rbdi_constrained(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                       const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                       const rbd_real *restitution, rbd_real *x, rbd_real *lambda) {
     rbd_status status = RBD_OK;
 
     if (!rbdi_articulated_fd(m, c, q, v, tau, f_ext, restitution, x)) {
@@ -162,7 +163,7 @@ RBDI_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraint_set *c
 }
 
 /* Whether 0 <= restitution <= 1. */
-static int rbdi_restitution_fits(rbd_real restitution) {
+RBDI_LOCAL int rbdi_restitution_fits(rbd_real restitution) {
     const rbd_real one = rbdi_set(RBD_C(1)), two = one + one; /* to refuse NaN, which is not below it */
     const rbdi_mask above = rbdi_or(rbdi_less(one, restitution), rbdi_not(rbdi_less(restitution, two)));
 
@@ -184,8 +185,8 @@ RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const 
 
 /* Computes J, J v, gamma and, if `errors`, e as rbdi_constraint_rows, and the motion of all links without
    gravity. v: NULL = 0. */
-static void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
-                                    const rbd_real *v, int errors) {
+RBDI_LOCAL void rbdi_constraint_rows_at(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                        const rbd_real *v, int errors) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbdi_joints(m, c->w, rbdi_expand_q(m, c->w, q));
     rbdi_constraint_state(m, c, v ? rbdi_expand_v(m, v, c->w->vx) : c->w->zero, c->w->zero, none, 0);

@@ -75,7 +75,7 @@ RBDI_INLINE rbdi_v3 rbdi_cross_add(rbdi_v3 x, rbdi_v3 a, rbdi_v3 b) { return rbd
 /* x - a x b */
 RBDI_INLINE rbdi_v3 rbdi_cross_sub(rbdi_v3 x, rbdi_v3 a, rbdi_v3 b) { return rbdi_add(x, rbdi_cross(b, a)); }
 
-static rbdi_pair_motion rbdi_pair_motion_of(const rbd_constraint_set *c, const rbdi_constraint *con) {
+RBDI_LOCAL rbdi_pair_motion rbdi_pair_motion_of(const rbd_constraint_set *c, const rbdi_constraint *con) {
     rbdi_pair_motion pair;
     pair.motion = rbdi_relative_motion_of(c, con);
     rbdi_set_axes(c, con, &pair.h);
@@ -133,9 +133,9 @@ RBDI_INLINE rbdi_v3 rbdi_roll(const rbdi_pair_motion *pair, rbdi_motion S) {
 }
 
 /* Derivatives by dof j of a link on the path of body `side`. */
-static rbdi_motion_derivatives rbdi_differentiate_motion(const rbd_model *m, const rbd_constraint_set *c,
-                                                         const rbdi_pair_motion *pair, int side, int link,
-                                                         int j) {
+RBDI_LOCAL rbdi_motion_derivatives rbdi_differentiate_motion(const rbd_model *m, const rbd_constraint_set *c,
+                                                             const rbdi_pair_motion *pair, int side, int link,
+                                                             int j) {
     const rbdi_station *b = &pair->motion.body[side], P = rbdi_station_at(c, m->link[link].parent, b->p),
                        own = rbdi_station_at(c, link, b->p);
     const rbd_real ratio = rbdi_ratio(m, m->link[link].iv + j), scale = side ? -ratio : ratio;
@@ -190,7 +190,8 @@ static rbdi_motion_derivatives rbdi_differentiate_motion(const rbd_model *m, con
 /* Derivative of the angular part of e, world axes, by a dof that turns body 1 by z relative to body 2. With w
    = log R: z - w x z / 2 + factor w x (w x z), [rbdi_log_square]. If two axes are held: f_2 x (z x f_1), f
    the free axis. */
-static rbdi_v3 rbdi_differentiate_error(const rbdi_constraint *con, const rbdi_pair_motion *pair, rbdi_v3 z) {
+RBDI_LOCAL rbdi_v3 rbdi_differentiate_error(const rbdi_constraint *con, const rbdi_pair_motion *pair,
+                                            rbdi_v3 z) {
     const rbdi_v3 bent = rbdi_cross(pair->log_R, z),
                   more = rbdi_scale(pair->log_square, rbdi_cross(pair->log_R, bent));
 
@@ -199,8 +200,9 @@ static rbdi_v3 rbdi_differentiate_error(const rbdi_constraint *con, const rbdi_p
 }
 
 /* Adds a dof's column of sigma. */
-static void rbdi_add_sigma(const rbdi_constraint *con, const rbdi_pair_motion *pair,
-                           const rbdi_motion_derivatives *by, int nv, rbd_real *sigma_q, rbd_real *sigma_v) {
+RBDI_LOCAL void rbdi_add_sigma(const rbdi_constraint *con, const rbdi_pair_motion *pair,
+                               const rbdi_motion_derivatives *by, int nv, rbd_real *sigma_q,
+                               rbd_real *sigma_v) {
     rbd_real sum[2][RBDI_SIX_ROWS], also[RBDI_SIX_ROWS]; /* by q, by v */
 
     /* J a + gamma */
@@ -231,9 +233,9 @@ static void rbdi_add_sigma(const rbdi_constraint *con, const rbdi_pair_motion *p
 
        S_i . (n x z; f x z)   if k is on the path of body 1 and moves i, or on that of body 2 and does not
        S_i . (s x f; 0)       else */
-static void rbdi_subtract_force_derivative(const rbd_model *m, const rbd_derivatives *d,
-                                           const rbdi_constraint *con, const rbdi_pair_motion *pair, int side,
-                                           int mover, rbdi_motion S, rbd_real *rho) {
+RBDI_LOCAL void rbdi_subtract_force_derivative(const rbd_model *m, const rbd_derivatives *d,
+                                               const rbdi_constraint *con, const rbdi_pair_motion *pair,
+                                               int side, int mover, rbdi_motion S, rbd_real *rho) {
     const rbdi_v3 o = rbdi_vec0(), nz = rbdi_cross(pair->force.n, S.omega),
                   fz = rbdi_cross(pair->force.f, S.omega), sf = rbdi_cross(S.v, pair->force.f),
                   roll = rbdi_cross(rbdi_roll(pair, S), pair->force.f);
@@ -253,9 +255,9 @@ static void rbdi_subtract_force_derivative(const rbd_model *m, const rbd_derivat
 }
 
 /* rho += -d(J' lambda) of a constraint, with the dofs' motions in d. */
-static void rbdi_differentiate_forces(const rbd_model *m, const rbd_derivatives *d,
-                                      const rbdi_constraint *con, const rbdi_pair_motion *pair,
-                                      rbd_real *rho) {
+RBDI_LOCAL void rbdi_differentiate_forces(const rbd_model *m, const rbd_derivatives *d,
+                                          const rbdi_constraint *con, const rbdi_pair_motion *pair,
+                                          rbd_real *rho) {
     for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);) {
         const rbdi_link *l = &m->link[walk.link];
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j)
@@ -267,9 +269,9 @@ static void rbdi_differentiate_forces(const rbd_model *m, const rbd_derivatives 
 }
 
 /* The same, and += sigma by q and by v. NULL: not wanted. */
-static void rbdi_differentiate(const rbd_model *m, const rbd_constraint_set *c, const rbd_derivatives *d,
-                               const rbdi_constraint *con, rbd_real *rho_q, rbd_real *sigma_q,
-                               rbd_real *sigma_v) {
+RBDI_LOCAL void rbdi_differentiate(const rbd_model *m, const rbd_constraint_set *c, const rbd_derivatives *d,
+                                   const rbdi_constraint *con, rbd_real *rho_q, rbd_real *sigma_q,
+                                   rbd_real *sigma_v) {
     const rbdi_pair_motion pair = rbdi_pair_motion_of(c, con);
 
     for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);) {
@@ -289,8 +291,8 @@ static void rbdi_differentiate(const rbd_model *m, const rbd_constraint_set *c, 
 }
 
 /* Replaces sigma by dlambda = Delta^-1 (T' rho - sigma). c->Y: -T. */
-static void rbdi_lambda_derivatives(const rbd_model *m, rbd_constraint_set *c, const rbd_real *rho,
-                                    rbd_real *sigma) {
+RBDI_LOCAL void rbdi_lambda_derivatives(const rbd_model *m, rbd_constraint_set *c, const rbd_real *rho,
+                                        rbd_real *sigma) {
     const int n = m->nv;
     for (int r = 0; r < c->rows; ++r) {
         rbd_real *to = &sigma[r * n];
@@ -305,7 +307,8 @@ static void rbdi_lambda_derivatives(const rbd_model *m, rbd_constraint_set *c, c
 }
 
 /* Replaces rho by da = -M^-1 rho + T dlambda and sigma by dlambda, all columns at once. c->Y: -T. */
-static void rbdi_solve_at_once(const rbd_model *m, rbd_constraint_set *c, rbd_real *rho, rbd_real *sigma) {
+RBDI_LOCAL void rbdi_solve_at_once(const rbd_model *m, rbd_constraint_set *c, rbd_real *rho,
+                                   rbd_real *sigma) {
     const int nv = m->nv;
     rbdi_lambda_derivatives(m, c, rho, sigma);
     rbdi_solve_columns(m, c->w, c->w->H, -1, nv, nv, rho);
@@ -315,8 +318,8 @@ static void rbdi_solve_at_once(const rbd_model *m, rbd_constraint_set *c, rbd_re
 
 /* Column j of x = -D^-1 L^-T rho, Y' x = -sigma, by the steps of rbd_constrained_fd. rho: L^-T rho, becomes
    D (x + D^-1 Y dlambda); sigma becomes dlambda. */
-static void rbdi_solve_column(const rbd_model *m, rbd_constraint_set *c, int j, rbd_real *rho,
-                              rbd_real *sigma) {
+RBDI_LOCAL void rbdi_solve_column(const rbd_model *m, rbd_constraint_set *c, int j, rbd_real *rho,
+                                  rbd_real *sigma) {
     const int nv = m->nv;
     for (int k = 0; k < nv; ++k) c->x[k] = -c->D_inverse[k] * rho[k * nv + j];
     for (int r = 0; r < c->rows; ++r) c->target[r] = -sigma[r * nv + j];
@@ -341,7 +344,7 @@ RBDI_COLD void rbdi_solve_by_columns(const rbd_model *m, rbd_constraint_set *c, 
 
 /* Whether accelerations by a force at each dof lose so many digits that rows may need [refinement]. One set
    of forces, all different, stands for all columns: the loss depends on D and Y, hardly on the forces. */
-static int rbdi_loses_digits(const rbd_model *m, rbd_constraint_set *c) {
+RBDI_LOCAL int rbdi_loses_digits(const rbd_model *m, rbd_constraint_set *c) {
     for (int k = 0; k < m->nv; ++k)
         c->x[k] = c->D_inverse[k] * (RBD_C(1) + RBD_C(0.618) * (rbd_const)(k % 7));
     rbdi_clear(c->target, c->rows);

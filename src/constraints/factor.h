@@ -32,7 +32,7 @@ RBDI_INLINE rbd_real rbdi_rows_product(const rbd_real *x, const rbd_real *y, int
    from the world's origin; Delta has its square times 1/D:
 
        noise = RBDI_MOTIONLESS^2 (1 + sum r^2) sum 1/D */
-static void rbdi_bound_noise(const rbd_model *m, rbd_constraint_set *c) {
+RBDI_LOCAL void rbdi_bound_noise(const rbd_model *m, rbd_constraint_set *c) {
     rbd_real levers = rbdi_set(RBD_C(1)), inverse = rbdi_zero();
 
     for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con)
@@ -82,7 +82,7 @@ RBDI_INLINE void rbdi_delta_rows(const rbd_constraint_set *c, const int16_t *dof
 }
 
 /* The same for any number of rows, in blocks of 6 and 3 as constants for the compiler. dof: ascending. */
-static void rbdi_delta(const rbd_constraint_set *c, const int16_t *dof, int dofs, int row, int rows) {
+RBDI_LOCAL void rbdi_delta(const rbd_constraint_set *c, const int16_t *dof, int dofs, int row, int rows) {
     for (int i = row, n; i < row + rows; i += n) {
         n = row + rows - i >= 6 ? 6 : row + rows - i >= 3 ? 3 : 1;
 
@@ -140,7 +140,7 @@ RBDI_INLINE rbdi_mask rbdi_factor_row(rbd_constraint_set *c, int t, rbd_real noi
 
 /* Solves R lambda = beta: lambda_t = (beta_t - sum_(j > t) R_tj lambda_j) / R_tt. Entries of lambda behind
    the last row are 0. */
-static void rbdi_back_substitute(rbd_constraint_set *c) {
+RBDI_LOCAL void rbdi_back_substitute(rbd_constraint_set *c) {
     for (int t = c->rows - 1; t >= 0; --t) {
         const rbd_real *R = &c->R[t * c->stride];
         rbdi_sum sum = rbdi_sum_of_none();
@@ -151,7 +151,7 @@ static void rbdi_back_substitute(rbd_constraint_set *c) {
 }
 
 /* Computes R and beta from Y, D and b. Returns whether a pivot is in doubt. */
-static rbdi_mask rbdi_factor_delta(const rbd_model *m, rbd_constraint_set *c) {
+RBDI_LOCAL rbdi_mask rbdi_factor_delta(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_mask doubt = rbdi_less(rbdi_zero(), rbdi_zero());
     rbd_real noise;
     rbdi_bound_noise(m, c);

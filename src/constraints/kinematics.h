@@ -75,7 +75,7 @@ RBDI_ONCE rbdi_relative_motion rbdi_relative_motion_of(const rbd_constraint_set 
 }
 
 /* Orientation of a constraint's frame in the world. */
-static rbdi_mat rbdi_frame_axes(const rbd_constraint_set *c, const rbdi_constraint *con, int side) {
+RBDI_LOCAL rbdi_mat rbdi_frame_axes(const rbd_constraint_set *c, const rbdi_constraint *con, int side) {
     const rbdi_mat R = rbdi_mat_c(con->rotation[side]);
     return con->link[side] < 0 ? R : rbdi_mul_mat(rbdi_transpose(c->w->kin[con->link[side]].X.E), R);
 }
@@ -85,7 +85,7 @@ static rbdi_mat rbdi_frame_axes(const rbd_constraint_set *c, const rbdi_constrai
        z - w x z / 2 + factor w x (w x z),   factor = (1 - |w|/2 cot(|w|/2)) / |w|^2
 
    from the tails of sine and cosine in [steps code]. */
-static rbd_real rbdi_log_square(rbdi_v3 w) {
+RBDI_LOCAL rbd_real rbdi_log_square(rbdi_v3 w) {
     const rbdi_exp e = rbdi_exp_of(w);
     const rbdi_mask near_zero = rbdi_less(e.x, rbdi_set(RBD_C(1)));
     const rbd_real c4 = rbdi_select(near_zero, rbdi_tail(rbdi_select(near_zero, e.x, rbdi_zero()), 4),
@@ -95,7 +95,7 @@ static rbd_real rbdi_log_square(rbdi_v3 w) {
 
 /* Angular part of the position error e, axes of frame 2: [conventions]. If two axes are held, it is f x R f
    with the free axis f. R: frame 1 seen from frame 2. */
-static rbdi_v3 rbdi_angular_error(const rbdi_constraint *con, rbdi_mat R) {
+RBDI_LOCAL rbdi_v3 rbdi_angular_error(const rbdi_constraint *con, rbdi_mat R) {
     const rbd_real o = rbdi_zero();
     int free;
     if (con->angular != 2) return rbdi_log_rotation(R);
@@ -131,7 +131,7 @@ RBDI_ONCE void rbdi_set_axes(const rbd_constraint_set *c, const rbdi_constraint 
 
 /* Makes the axis a of a single angular row the one whose product with a turn z of body 1 is the derivative of
    a . w, w = log R in world axes: a + w x a / 2 + factor w x (w x a), with the factor of rbdi_log_square. */
-static void rbdi_bend_axis(const rbd_constraint_set *c, const rbdi_constraint *con, rbdi_axes_held *h) {
+RBDI_LOCAL void rbdi_bend_axis(const rbd_constraint_set *c, const rbdi_constraint *con, rbdi_axes_held *h) {
     const rbdi_mat R = rbdi_frame_axes(c, con, 1);
     const rbdi_v3 log_R = rbdi_log_rotation(rbdi_mul_mat(rbdi_transpose(R), rbdi_frame_axes(c, con, 0)));
     const rbdi_v3 w = rbdi_mul(R, log_R);

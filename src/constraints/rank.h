@@ -24,18 +24,19 @@
 
    Lanes may differ in order and rank, so no branch depends on one lane alone. */
 
-static rbdi_mask rbdi_is_index(rbd_real x, int k) {
+RBDI_LOCAL rbdi_mask rbdi_is_index(rbd_real x, int k) {
     return rbdi_and(rbdi_less(rbdi_set(RBD_C(k) - RBD_C(0.5)), x),
                     rbdi_less(x, rbdi_set(RBD_C(k) + RBD_C(0.5))));
 }
 
-static rbdi_mask rbdi_dropped(const rbd_constraint_set *c, int t) {
+RBDI_LOCAL rbdi_mask rbdi_dropped(const rbd_constraint_set *c, int t) {
     return rbdi_not(rbdi_less(rbdi_zero(), rbdi_abs(c->R_inverse[t])));
 }
 
 /* Exchanges entry t of x with that of row pivot_row[t]. Entries of x are `step` apart. Does so for `count`
    vectors x, `next` apart. */
-static void rbdi_exchange(const rbd_constraint_set *c, int t, rbd_real *x, int step, int count, int next) {
+RBDI_LOCAL void rbdi_exchange(const rbd_constraint_set *c, int t, rbd_real *x, int step, int count,
+                              int next) {
     for (int j = t + 1; j < c->rows; ++j) {
         const rbdi_mask here = rbdi_is_index(c->pivot_row[t], j);
         if (!rbdi_any(here)) continue;
@@ -50,13 +51,13 @@ static void rbdi_exchange(const rbd_constraint_set *c, int t, rbd_real *x, int s
 }
 
 /* P' X or, if `back`, P X. X: rows x columns. */
-static void rbdi_permute(const rbd_constraint_set *c, rbd_real *X, int columns, int back) {
+RBDI_LOCAL void rbdi_permute(const rbd_constraint_set *c, rbd_real *X, int columns, int back) {
     for (int t = 0; c->pivoted && t < c->rows; ++t)
         rbdi_exchange(c, back ? c->rows - 1 - t : t, X, columns, columns, 1);
 }
 
 /* c->square of the rows from t on: of column j of Z, after t reflections, the sum of Z_kj^2 from k = t on. */
-static void rbdi_independent_squares(const rbd_constraint_set *c, int nv, int t) {
+RBDI_LOCAL void rbdi_independent_squares(const rbd_constraint_set *c, int nv, int t) {
     for (int j = t; j < c->rows; j += RBDI_BATCH) {
         rbdi_batch sum = rbdi_zero_batch();
 
@@ -70,7 +71,7 @@ static void rbdi_independent_squares(const rbd_constraint_set *c, int nv, int t)
 }
 
 /* Exchanges row t with the row that has the largest independent share. */
-static void rbdi_choose_row(rbd_constraint_set *c, int nv, int t) {
+RBDI_LOCAL void rbdi_choose_row(rbd_constraint_set *c, int nv, int t) {
     rbd_real best = c->square[t] * c->of_rows.inverse_square[t], at = rbdi_set(RBD_C(t));
 
     for (int j = t + 1; j < c->rows; ++j) {
@@ -90,7 +91,7 @@ static void rbdi_choose_row(rbd_constraint_set *c, int nv, int t) {
    from row t on, with x that of column t:
 
        h = x - R e_1,   R = -sign(x_1) |x|,   z -= h (h'z) / (|x| (|x| + |x_1|)) */
-static void rbdi_reflect(rbd_constraint_set *c, int nv, int t) {
+RBDI_LOCAL void rbdi_reflect(rbd_constraint_set *c, int nv, int t) {
     const int stride = c->stride;
     rbd_real *Z = c->R, *h = c->of_dofs.reflection;
     rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
@@ -116,7 +117,7 @@ static void rbdi_reflect(rbd_constraint_set *c, int nv, int t) {
 }
 
 /* Writes Z = D^-1/2 Y to c->R, and the squares of its columns. No row is taken yet. */
-static void rbdi_start_ranking(rbd_constraint_set *c, int nv) {
+RBDI_LOCAL void rbdi_start_ranking(rbd_constraint_set *c, int nv) {
     const rbd_real noise = c->noise * (1 / RBDI_RANK), one = rbdi_set(RBD_C(1));
 
     for (int k = 0; k < nv; ++k) {
@@ -136,7 +137,7 @@ static void rbdi_start_ranking(rbd_constraint_set *c, int nv) {
 }
 
 /* R of all rows, and 1/R_tt, which is 0 if row t depends on those before it. */
-static void rbdi_orthogonalise(const rbd_model *m, rbd_constraint_set *c) {
+RBDI_LOCAL void rbdi_orthogonalise(const rbd_model *m, rbd_constraint_set *c) {
     const rbd_real one = rbdi_set(RBD_C(1));
     const int nv = m->nv, steps = c->rows < nv ? c->rows : nv;
     rbdi_mask taken = rbdi_less(rbdi_zero(), one);
@@ -157,10 +158,10 @@ static void rbdi_orthogonalise(const rbd_model *m, rbd_constraint_set *c) {
 
 /* The null vector of a dropped row t, 0 in lanes that took the row. Its t + 1 entries replace row t of c->R
    up to the diagonal, which is no longer needed. */
-static rbd_real *rbdi_null_vector(const rbd_constraint_set *c, int t) { return &c->R[t * c->stride]; }
+RBDI_LOCAL rbd_real *rbdi_null_vector(const rbd_constraint_set *c, int t) { return &c->R[t * c->stride]; }
 
 /* x -= n (n'x) / n'n where `mask`, n the null vector of dropped row t. */
-static void rbdi_project_along(const rbd_constraint_set *c, int t, rbdi_mask mask, rbd_real *x) {
+RBDI_LOCAL void rbdi_project_along(const rbd_constraint_set *c, int t, rbdi_mask mask, rbd_real *x) {
     const rbd_real *null = rbdi_null_vector(c, t);
     rbdi_mask none = rbdi_less(null[0], null[0]); /* its length is 0, or at least 1 */
     rbd_real factor = rbdi_rows_product(null, x, t + 1) *
@@ -171,7 +172,7 @@ static void rbdi_project_along(const rbd_constraint_set *c, int t, rbdi_mask mas
 }
 
 /* x loses its components along the null vectors of the rows before row `end`. */
-static void rbdi_project(const rbd_constraint_set *c, int end, rbd_real *x) {
+RBDI_LOCAL void rbdi_project(const rbd_constraint_set *c, int end, rbd_real *x) {
     for (int t = 0; t < end; ++t) {
         const rbdi_mask dropped = rbdi_dropped(c, t);
         if (rbdi_any(dropped)) rbdi_project_along(c, t, dropped, x);
@@ -179,7 +180,7 @@ static void rbdi_project(const rbd_constraint_set *c, int end, rbd_real *x) {
 }
 
 /* The null vectors of all dropped rows, orthogonal to each other: R n = 0, n_t = 1. */
-static void rbdi_null_space(const rbd_constraint_set *c) {
+RBDI_LOCAL void rbdi_null_space(const rbd_constraint_set *c) {
     for (int t = 0; t < c->rows; ++t) {
         rbd_real *null = rbdi_null_vector(c, t);
         if (!rbdi_any(rbdi_dropped(c, t))) continue;
@@ -191,11 +192,11 @@ static void rbdi_null_space(const rbd_constraint_set *c) {
     }
 }
 
-static rbd_real rbdi_sum_abs(rbdi_v3 x) { return rbdi_abs(x.x) + rbdi_abs(x.y) + rbdi_abs(x.z); }
+RBDI_LOCAL rbd_real rbdi_sum_abs(rbdi_v3 x) { return rbdi_abs(x.x) + rbdi_abs(x.y) + rbdi_abs(x.z); }
 
 /* A bound on the terms of a constraint's target. J v, gamma and e in it are differences, so they may be far
    smaller than their terms. */
-static rbd_real rbdi_motion_size(const rbd_constraint_set *c, const rbdi_constraint *con) {
+RBDI_LOCAL rbd_real rbdi_motion_size(const rbd_constraint_set *c, const rbdi_constraint *con) {
     const rbdi_relative_motion relative = rbdi_relative_motion_of(c, con);
     const rbdi_station one = relative.body[0], two = relative.body[1];
     const rbd_real w = rbdi_sum_abs(one.omega) + rbdi_sum_abs(two.omega),
@@ -208,7 +209,7 @@ static rbd_real rbdi_motion_size(const rbd_constraint_set *c, const rbdi_constra
 }
 
 /* Makes c->slack the error of b by rounding and drift, and permutes it. */
-static void rbdi_set_slack(rbd_constraint_set *c) {
+RBDI_LOCAL void rbdi_set_slack(rbd_constraint_set *c) {
     for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con) {
         const rbd_real noise = rbdi_motion_size(c, con) * RBDI_NOISE;
         for (int r = con->row; r < con->row + con->rows; ++r)
@@ -220,7 +221,7 @@ static void rbdi_set_slack(rbd_constraint_set *c) {
 
 /* Notes the first dropped row, in the caller's order, that contradicts the rows it depends on: the targets
    have a component along its null vector n, |n' target| > |n|' slack. (J x of any x has none.) */
-static void rbdi_check_rows(rbd_constraint_set *c) {
+RBDI_LOCAL void rbdi_check_rows(rbd_constraint_set *c) {
     rbd_real *bad = c->of_rows.contradicts;
     const rbd_real one = rbdi_set(RBD_C(1));
 
@@ -244,7 +245,7 @@ static void rbdi_check_rows(rbd_constraint_set *c) {
 }
 
 /* The columns of X lose their components along the null vectors. X: rows x columns. */
-static void rbdi_project_columns(const rbd_constraint_set *c, rbd_real *X, int columns) {
+RBDI_LOCAL void rbdi_project_columns(const rbd_constraint_set *c, rbd_real *X, int columns) {
     rbd_real *x = c->square;
     for (int j = 0; c->pivoted && j < columns; ++j) {
         for (int i = 0; i < c->rows; ++i) x[i] = X[i * columns + j];
@@ -255,7 +256,7 @@ static void rbdi_project_columns(const rbd_constraint_set *c, rbd_real *X, int c
 
 /* X = Delta^-1 X, of least norm. X: rows x columns. If rows depend on each other, the right-hand sides lose
    their components along the null vectors, too: with them the equations would contradict each other. */
-static void rbdi_delta_solve(const rbd_constraint_set *c, rbd_real *X, int columns) {
+RBDI_LOCAL void rbdi_delta_solve(const rbd_constraint_set *c, rbd_real *X, int columns) {
     rbd_real *x = c->square; /* a column of R */
     rbdi_permute(c, X, columns, 0);
     rbdi_project_columns(c, X, columns);
@@ -279,8 +280,8 @@ static void rbdi_delta_solve(const rbd_constraint_set *c, rbd_real *X, int colum
 }
 
 /* Gives lambda to the caller. Returns the status of a call from that of the pivots of M. */
-static rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraint_set *c, rbd_status status,
-                                          rbd_real *lambda) {
+RBDI_LOCAL rbd_status rbdi_constrained_status(const rbd_model *m, rbd_constraint_set *c, rbd_status status,
+                                              rbd_real *lambda) {
     if (status) {
         (void)rbdi_pivot_status(m, c->w, c->lambda, c->rows);
         c->infeasible = -1;

@@ -21,7 +21,7 @@
    row, but J' n is not 0. In this case, or if refinement stalls, the call is an error that names the row. */
 
 /* Largest magnitude of n numbers. */
-static rbd_real rbdi_largest(const rbd_real *x, int n) {
+RBDI_LOCAL rbd_real rbdi_largest(const rbd_real *x, int n) {
     rbd_real largest = rbdi_zero();
     for (int k = 0; k < n; ++k) {
         const rbd_real size = rbdi_abs(x[k]);
@@ -32,7 +32,7 @@ static rbd_real rbdi_largest(const rbd_real *x, int n) {
 
 /* b = target - Y' x, and the squares of its terms. A batch may reach into the rows of the next constraint,
    which come after, or behind the last row, where all is 0. */
-static void rbdi_rest_of_rows(rbd_constraint_set *c) {
+RBDI_LOCAL void rbdi_rest_of_rows(rbd_constraint_set *c) {
     for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con)
         for (int r = con->row; r < con->row + con->rows; r += RBDI_BATCH) {
             const rbd_real *Y = &c->Y[r];
@@ -52,7 +52,7 @@ static void rbdi_rest_of_rows(rbd_constraint_set *c) {
 }
 
 /* Computes b and whether an entry of it is more than rounding of its terms. */
-static rbdi_mask rbdi_rows_miss(rbd_constraint_set *c) {
+RBDI_LOCAL rbdi_mask rbdi_rows_miss(rbd_constraint_set *c) {
     rbdi_mask miss = rbdi_less(rbdi_zero(), rbdi_zero());
     rbdi_rest_of_rows(c);
     if (c->pivoted) {
@@ -77,7 +77,7 @@ RBDI_INLINE rbdi_mask rbdi_add_force(const rbd_constraint_set *c, const rbd_real
 }
 
 /* The same for all dofs, in c->x. */
-static rbdi_mask rbdi_add_forces(const rbd_model *m, rbd_constraint_set *c, const rbd_real *lambda) {
+RBDI_LOCAL rbdi_mask rbdi_add_forces(const rbd_model *m, rbd_constraint_set *c, const rbd_real *lambda) {
     rbdi_mask lost = rbdi_less(rbdi_zero(), rbdi_zero());
     for (int k = 0; k < m->nv; ++k)
         if (c->span[k].end > 0) lost = rbdi_or(lost, rbdi_add_force(c, lambda, k, &c->x[k]));
@@ -85,7 +85,7 @@ static rbdi_mask rbdi_add_forces(const rbd_model *m, rbd_constraint_set *c, cons
 }
 
 /* y = x where `mask`. */
-static void rbdi_copy_where(rbdi_mask mask, const rbd_real *x, int n, rbd_real *y) {
+RBDI_LOCAL void rbdi_copy_where(rbdi_mask mask, const rbd_real *x, int n, rbd_real *y) {
     for (int k = 0; k < n; ++k) y[k] = rbdi_select(mask, x[k], y[k]);
 }
 
@@ -134,7 +134,7 @@ RBDI_COLD void rbdi_refine_steps(const rbd_model *m, rbd_constraint_set *c, rbdi
 
 /* Refines x and lambda where rows miss their targets. lost: what the additions to x returned. Returns whether
    any row missed. */
-static int rbdi_refine(const rbd_model *m, rbd_constraint_set *c, rbdi_mask lost) {
+RBDI_LOCAL int rbdi_refine(const rbd_model *m, rbd_constraint_set *c, rbdi_mask lost) {
     rbdi_mask miss;
     if (!c->pivoted && !rbdi_any(lost)) return 0;
 
@@ -148,7 +148,7 @@ static int rbdi_refine(const rbd_model *m, rbd_constraint_set *c, rbdi_mask lost
 /* -- do all rows hold? -- */
 
 /* Lengths of the rows of J L^-1: the root of the sum of Y_kr^2. */
-static void rbdi_row_lengths(const rbd_model *m, const rbd_constraint_set *c, rbd_real *length) {
+RBDI_LOCAL void rbdi_row_lengths(const rbd_model *m, const rbd_constraint_set *c, rbd_real *length) {
     for (int r = 0; r < c->rows; r += RBDI_BATCH) {
         rbdi_batch sum = rbdi_zero_batch();
 
@@ -165,8 +165,8 @@ static void rbdi_row_lengths(const rbd_model *m, const rbd_constraint_set *c, rb
 
 /* Whether dropped row t depends on the rows taken whatever D is: each entry of Y n, n its null vector, is
    rounding of sum |n_j| length_j. */
-static rbdi_mask rbdi_row_depends(const rbd_model *m, const rbd_constraint_set *c, int t,
-                                  const rbd_real *length) {
+RBDI_LOCAL rbdi_mask rbdi_row_depends(const rbd_model *m, const rbd_constraint_set *c, int t,
+                                      const rbd_real *length) {
     const rbd_real *null = rbdi_null_vector(c, t);
     rbd_real *n = c->square, bound = rbdi_zero();
     rbdi_mask depends = rbdi_dropped(c, t);
@@ -185,7 +185,7 @@ static rbdi_mask rbdi_row_depends(const rbd_model *m, const rbd_constraint_set *
 }
 
 /* b loses the part by which rows that depend on each other contradict each other. */
-static void rbdi_forgive_drift(const rbd_model *m, const rbd_constraint_set *c, const rbd_real *length) {
+RBDI_LOCAL void rbdi_forgive_drift(const rbd_model *m, const rbd_constraint_set *c, const rbd_real *length) {
     rbdi_permute(c, c->b, 1, 0);
     for (int t = 0; t < c->rows; ++t)
         if (rbdi_any(rbdi_dropped(c, t))) rbdi_project_along(c, t, rbdi_row_depends(m, c, t, length), c->b);
@@ -197,7 +197,7 @@ static void rbdi_forgive_drift(const rbd_model *m, const rbd_constraint_set *c, 
        |b_r| > RBDI_HELD (|target_r| + length_r |x|) + noise of the target
 
    A NaN is no miss: these calls only look for NaN in M. */
-static int rbdi_first_missed(const rbd_constraint_set *c, const rbd_real *length, rbd_real size) {
+RBDI_LOCAL int rbdi_first_missed(const rbd_constraint_set *c, const rbd_real *length, rbd_real size) {
     for (const rbdi_constraint *con = c->constraint; con < c->constraint + c->n; ++con) {
         const rbd_real noise = rbdi_motion_size(c, con) * RBDI_NOISE + RBDI_STILL;
         for (int r = con->row; r < con->row + con->rows; ++r) {

@@ -75,7 +75,7 @@ RBDI_INLINE int rbdi_next_link(const rbd_model *m, rbdi_walk *walk) {
 }
 
 /* Poses of the links on a path and, if `moving`, velocities of their origins, from the angular velocities. */
-static void rbdi_kin_of_paths(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v, int moving) {
+RBDI_LOCAL void rbdi_kin_of_paths(const rbd_model *m, rbd_constraint_set *c, const rbd_real *v, int moving) {
     for (int n = 0; n < c->links;) {
         const int first = c->link[n];
         int end = first;
@@ -103,7 +103,7 @@ RBDI_INLINE void rbdi_constraint_state(const rbd_model *m, rbd_constraint_set *c
 }
 
 /* Clears J v, gamma, e, Y and R. Articulated bodies read entries of Y and R that they do not write. */
-static void rbdi_clear_rows(const rbd_model *m, rbd_constraint_set *c) {
+RBDI_LOCAL void rbdi_clear_rows(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_clear(c->Y, m->nv * c->stride);
     rbdi_clear(c->R, c->rows * c->stride);
     rbdi_clear(c->velocity, 3 * c->stride);
@@ -114,8 +114,8 @@ enum { RBDI_SLOPES = 2 };
 
 /* Adds Y = J', gamma and J v of a constraint and, if `errors`, e. With errors = RBDI_SLOPES, Y = (de/dq)',
    which differs from J' in the row of a single angular axis. */
-static void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *con,
-                                 int errors) {
+RBDI_LOCAL void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *con,
+                                     int errors) {
     rbdi_axes_held h;
     rbdi_v3 p;
 

@@ -10,8 +10,8 @@
 /* ---- set code [set code] ---- */
 
 /* Holds a point of body 1 at a point of body 2, and the first `angular` angular axes. */
-static rbd_constraint rbdi_constraint_of(int body1, const double *p1, int body2, const double *p2,
-                                         int angular) {
+RBDI_LOCAL rbd_constraint rbdi_constraint_of(int body1, const double *p1, int body2, const double *p2,
+                                             int angular) {
     rbd_constraint con;
     con.name = NULL;
     con.body1 = body1;
@@ -28,7 +28,7 @@ static rbd_constraint rbdi_constraint_of(int body1, const double *p1, int body2,
 }
 
 /* A rotation whose z axis is this axis. */
-static void rbdi_frame_along(const double axis[3], double R[9]) {
+RBDI_LOCAL void rbdi_frame_along(const double axis[3], double R[9]) {
     rbdi_wide z[3], E[9], T[9];
     rbdi_widen(axis, 3, z);
     rbdi_unit(z, z);
@@ -61,16 +61,16 @@ RBDI_API char *rbd_constraint_finding_text(const rbd_finding *finding, char *tex
     return rbdi_write_finding(finding, "constraint", text, size);
 }
 
-static int rbdi_held_axes(const rbd_constraint *con) {
+RBDI_LOCAL int rbdi_held_axes(const rbd_constraint *con) {
     int n = 0;
     for (int i = 0; i < 6; ++i) n += con->axes[i] == 1;
     return n;
 }
 
 /* The stride for so many rows: loops may access two batches from any row on. */
-static int rbdi_row_stride(int rows) { return (rows + 4 * RBDI_BATCH) / RBDI_BATCH * RBDI_BATCH; }
+RBDI_LOCAL int rbdi_row_stride(int rows) { return (rows + 4 * RBDI_BATCH) / RBDI_BATCH * RBDI_BATCH; }
 
-static int rbdi_rows_of(const rbd_constraint *list, int n) {
+RBDI_LOCAL int rbdi_rows_of(const rbd_constraint *list, int n) {
     int rows = 0;
     for (int i = 0; i < n; ++i) rows += rbdi_held_axes(&list[i]);
     return rows;
@@ -85,10 +85,10 @@ RBDI_API size_t rbd_constraint_set_size(const rbd_model *m, const rbd_constraint
 }
 
 /* The link of a body, -1 = world. */
-static int rbdi_link_of_body(const rbd_model *m, int body) { return body < 0 ? -1 : m->frame[body].link; }
+RBDI_LOCAL int rbdi_link_of_body(const rbd_model *m, int body) { return body < 0 ? -1 : m->frame[body].link; }
 
-static rbd_status rbdi_check_constraint(const rbd_model *m, const rbd_constraint *con, int i,
-                                        rbd_report *report) {
+RBDI_LOCAL rbd_status rbdi_check_constraint(const rbd_model *m, const rbd_constraint *con, int i,
+                                            rbd_report *report) {
     int strange = rbdi_held_axes(con) == 0;
     for (int j = 0; j < 6; ++j) strange |= con->axes[j] != 0 && con->axes[j] != 1;
     if (con->body1 < -1 || con->body1 >= m->nb)
@@ -120,8 +120,8 @@ static rbd_status rbdi_check_constraint(const rbd_model *m, const rbd_constraint
 }
 
 /* Converts a frame on a body to a frame on its link; returns the link. */
-static int rbdi_place_frame(const rbd_model *m, int body, const double rotation[9], const double position[3],
-                            rbd_const R_link[9], rbdi_c3 *p_link) {
+RBDI_LOCAL int rbdi_place_frame(const rbd_model *m, int body, const double rotation[9],
+                                const double position[3], rbd_const R_link[9], rbdi_c3 *p_link) {
     rbdi_wide A[9], x[3], E[9], r[3] = {0, 0, 0};
     rbdi_w_identity(E);
     rbdi_widen(rotation, 9, A);
@@ -150,7 +150,7 @@ static int rbdi_place_frame(const rbd_model *m, int body, const double rotation[
 }
 
 /* The nearest common ancestor of two links, or one of them; -1 = world. Ancestors have smaller indices. */
-static int rbdi_common_ancestor(const rbd_model *m, int one, int two) {
+RBDI_LOCAL int rbdi_common_ancestor(const rbd_model *m, int one, int two) {
     while (one != two) {
         int *later = one > two ? &one : &two;
         *later = m->link[*later].parent;
@@ -158,8 +158,8 @@ static int rbdi_common_ancestor(const rbd_model *m, int one, int two) {
     return one;
 }
 
-static void rbdi_place_constraint(const rbd_model *m, const rbd_constraint *from, int row,
-                                  rbdi_constraint *to) {
+RBDI_LOCAL void rbdi_place_constraint(const rbd_model *m, const rbd_constraint *from, int row,
+                                      rbdi_constraint *to) {
     to->link[0] = (int16_t)rbdi_place_frame(m, from->body1, from->rotation1, from->position1, to->rotation[0],
                                             &to->position[0]);
     to->link[1] = (int16_t)rbdi_place_frame(m, from->body2, from->rotation2, from->position2, to->rotation[1],
@@ -182,12 +182,12 @@ static void rbdi_place_constraint(const rbd_model *m, const rbd_constraint *from
 }
 
 /* Marks a dof and all before it on the way to the world. */
-static void rbdi_mark_path(const rbd_model *m, int dof, int16_t *reached) {
+RBDI_LOCAL void rbdi_mark_path(const rbd_model *m, int dof, int16_t *reached) {
     for (int i = dof; i >= 0 && !reached[i]; i = m->dof[i].lambda) reached[i] = 1;
 }
 
 /* Finds the dofs of the paths to a constraint's bodies, and extends their spans by its rows. */
-static void rbdi_reach_dofs(const rbd_model *m, rbd_constraint_set *c, rbdi_constraint *con) {
+RBDI_LOCAL void rbdi_reach_dofs(const rbd_model *m, rbd_constraint_set *c, rbdi_constraint *con) {
     int16_t *reached = c->path;
     for (int i = 0; i < m->nv; ++i) reached[i] = 0;
 
@@ -209,7 +209,7 @@ static void rbdi_reach_dofs(const rbd_model *m, rbd_constraint_set *c, rbdi_cons
 
 /* Prepares a set whose constraints are placed for this model and work: the dofs of each, spans, and the links
    on all paths. */
-static void rbdi_begin_set(const rbd_model *m, rbd_work *w, rbd_constraint_set *c) {
+RBDI_LOCAL void rbdi_begin_set(const rbd_model *m, rbd_work *w, rbd_constraint_set *c) {
     for (int k = 0; k < RBDI_SHAPE; ++k) c->shape[k] = m->shape[k];
     c->w = w;
     c->infeasible = -1;
@@ -224,7 +224,7 @@ static void rbdi_begin_set(const rbd_model *m, rbd_work *w, rbd_constraint_set *
 
 /* Whether rows depend on each other in every state. Articulated bodies would fail in all of them. There are
    more rows than dofs, or between two links more than six, or more than the dofs that move one of them. */
-static int rbdi_too_many_rows(const rbd_model *m, const rbd_constraint_set *c) {
+RBDI_LOCAL int rbdi_too_many_rows(const rbd_model *m, const rbd_constraint_set *c) {
     const rbdi_constraint *stop = c->constraint + c->n;
     int too_many = c->rows > m->nv;
     for (const rbdi_constraint *con = c->constraint; con < stop; ++con) {
@@ -244,8 +244,8 @@ static int rbdi_too_many_rows(const rbd_model *m, const rbd_constraint_set *c) {
 }
 
 /* Checks the arguments of rbd_constraint_set_init. */
-static rbd_status rbdi_check_list(const rbd_model *m, const rbd_work *w, const rbd_constraint *list, int n,
-                                  const void *memory, size_t size, rbd_report *report) {
+RBDI_LOCAL rbd_status rbdi_check_list(const rbd_model *m, const rbd_work *w, const rbd_constraint *list,
+                                      int n, const void *memory, size_t size, rbd_report *report) {
     report->warnings = 0;
     rbdi_refuse(report, RBD_OK, -1, NULL, NULL);
 
@@ -268,7 +268,7 @@ static rbd_status rbdi_check_list(const rbd_model *m, const rbd_work *w, const r
 }
 
 /* Lays out the memory as RBDI_CONSTRAINTS_BYTES says. */
-static rbd_constraint_set *rbdi_lay_constraints(int nv, int n, int rows, void *memory) {
+RBDI_LOCAL rbd_constraint_set *rbdi_lay_constraints(int nv, int n, int rows, void *memory) {
     const int stride = rbdi_row_stride(rows);
     unsigned char *p = rbdi_aligned(memory);
     rbd_constraint_set *c = (rbd_constraint_set *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_constraint_set)));

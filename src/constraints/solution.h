@@ -9,7 +9,7 @@
    The steps by the factor M = L'DL, before and after [factor] or [rank]. */
 
 /* x = L^-T x, and c->D_inverse from the factor. */
-static void rbdi_sweep_back(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
+RBDI_LOCAL void rbdi_sweep_back(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
     rbdi_solve_transposed(m, c->w, L, 1, 1, c->x);
     for (int k = 0; k < m->nv; ++k) c->D_inverse[k] = L[m->dof[k].row + m->dof[k].depth];
 }

@@ -21,7 +21,7 @@
    are the normal equations of the least squares problem, and mu has the least norm. */
 
 /* Whether n weights are 0, or from RBDI_LEAST_WEIGHT to RBDI_MOST_WEIGHT. NULL: all are 1. */
-static int rbdi_weights_fit(const rbd_const *weight, int n) {
+RBDI_LOCAL int rbdi_weights_fit(const rbd_const *weight, int n) {
     for (int k = 0; weight && k < n; ++k) {
         const int none = weight[k] >= 0 && weight[k] <= 0;
 
@@ -31,7 +31,7 @@ static int rbdi_weights_fit(const rbd_const *weight, int n) {
 }
 
 /* The weight that stands for 0: the share RBDI_FREE of the least of the others. */
-static rbd_const rbdi_free_weight(const rbd_const *weight, int n) {
+RBDI_LOCAL rbd_const rbdi_free_weight(const rbd_const *weight, int n) {
     rbd_const least = 0;
     for (int k = 0; weight && k < n; ++k)
         if (weight[k] > 0 && !(least > 0 && least < weight[k])) least = weight[k];
@@ -39,12 +39,12 @@ static rbd_const rbdi_free_weight(const rbd_const *weight, int n) {
 }
 
 /* 1 / weight k. free: the weight that stands for 0. */
-static rbd_const rbdi_inverse_weight(const rbd_const *weight, int k, rbd_const free) {
+RBDI_LOCAL rbd_const rbdi_inverse_weight(const rbd_const *weight, int k, rbd_const free) {
     return weight ? RBD_C(1) / (weight[k] > 0 ? weight[k] : free) : RBD_C(1);
 }
 
 /* Whether dof k has no motor: its flag is 0 or, without flags, its joint is a floating one at a root. */
-static int rbdi_is_passive(const rbd_model *m, const unsigned char *actuated, int k) {
+RBDI_LOCAL int rbdi_is_passive(const rbd_model *m, const unsigned char *actuated, int k) {
     const rbdi_frame *u = &m->frame[m->dof[k].body];
     return actuated ? !actuated[k] : u->type == RBD_FLOATING && m->link[u->link].parent < 0;
 }

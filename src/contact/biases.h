@@ -102,23 +102,23 @@ RBDI_INLINE rbdi_bias rbdi_rebound_bias(const rbd_contact_set *c, const rbdi_con
     return x;
 }
 
-static rbdi_bias rbdi_contact_bias(const rbd_contact_set *c, int purpose, const rbdi_contact *contact) {
+RBDI_LOCAL rbdi_bias rbdi_contact_bias(const rbd_contact_set *c, int purpose, const rbdi_contact *contact) {
     if (purpose == RBDI_FOR_VELOCITIES && contact->rebounds) return rbdi_rebound_bias(c, contact);
     return contact->springs ? rbdi_spring_bias(c, contact) : rbdi_rigid_bias(c, purpose, &contact->gap);
 }
 
-static rbdi_bias rbdi_limit_bias(const rbd_contact_set *c, int purpose, const rbdi_dof_row *limit) {
+RBDI_LOCAL rbdi_bias rbdi_limit_bias(const rbd_contact_set *c, int purpose, const rbdi_dof_row *limit) {
     if (purpose == RBDI_FOR_VELOCITIES && limit->rebounds) return rbdi_leaving_bias(&limit->gap);
     return rbdi_rigid_bias(c, purpose, &limit->gap);
 }
 
 /* Whether a rigid row leaves, faster than it may close its gap. */
-static int rbdi_leaves(const rbd_contact_set *c, const rbdi_gap *gap) {
+RBDI_LOCAL int rbdi_leaves(const rbd_contact_set *c, const rbdi_gap *gap) {
     return gap->rate > 0 && gap->rate > rbdi_rigid_bias(c, RBDI_FOR_VELOCITIES, gap).value;
 }
 
 /* Finds the contacts that rebound by the first solution, and then those that leave. */
-static void rbdi_find_rebounds(rbd_contact_set *c) {
+RBDI_LOCAL void rbdi_find_rebounds(rbd_contact_set *c) {
     int any = 0;
     for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
         contact->pushes = contact->row >= 0 && c->rows->lambda[contact->row + 2] > 0;
@@ -134,7 +134,7 @@ static void rbdi_find_rebounds(rbd_contact_set *c) {
 }
 
 /* The bias of a held row: its error counts as a penetration on either side. */
-static rbdi_bias rbdi_held_bias(const rbd_contact_set *c, int purpose, int row) {
+RBDI_LOCAL rbdi_bias rbdi_held_bias(const rbd_contact_set *c, int purpose, int row) {
     const rbd_constraint_set *s = c->rows;
     const rbdi_gap gap = rbdi_gap_of(s->e[row], s->velocity[row], s->gamma[row], c->half);
     const rbd_real inverse = 1 / c->way, slop = RBD_C(c->options.slop), made = gap.reach - gap.start,
@@ -160,7 +160,7 @@ RBDI_INLINE int rbdi_write_bias(rbd_contact_set *c, int row, rbd_real bias) {
 }
 
 /* Writes c->b of all rows. Returns whether it changes. */
-static int rbdi_write_biases(rbd_contact_set *c, int purpose) {
+RBDI_LOCAL int rbdi_write_biases(rbd_contact_set *c, int purpose) {
     const rbd_constraint_set *s = c->rows;
     int changed = 0;
     for (const rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact)

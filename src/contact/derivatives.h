@@ -28,14 +28,15 @@ typedef struct rbdi_step_columns {
 
 /* Parts of the memory for derivatives, behind c->sigma: M, later G; two matrices; two for columns that the
    caller does not want; derivatives of J nu without impulses, a row for each contact, by three x. */
-static rbd_real *rbdi_side(const rbd_model *m, const rbd_contact_set *c, int k) {
+RBDI_LOCAL rbd_real *rbdi_side(const rbd_model *m, const rbd_contact_set *c, int k) {
     const int nv = m->nv, shared = RBDI_CONTACT_SHARED(nv, c->max_rows);
     return c->sigma + c->max_rows * nv + (k > 0 ? shared + (k - 1) * nv * nv : 0);
 }
 
 /* B = dt dID(q_mid, w, a(w))/dw and M, both without contacts; if Q is not NULL, dt dID/dq_mid. */
-static void rbdi_write_sides(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d, const rbd_real *nu,
-                             const rbd_real *f_ext, rbd_real *Q, rbd_real *B, rbd_real *M) {
+RBDI_LOCAL void rbdi_write_sides(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
+                                 const rbd_real *nu, const rbd_real *f_ext, rbd_real *Q, rbd_real *B,
+                                 rbd_real *M) {
     const int size = m->nv * m->nv;
     rbdi_straight_acceleration(m, c->at, c->straight);
     for (int k = 0; k < m->nv; ++k) d->a[k] = (nu[k] - c->v_mid[k]) / c->dt + c->straight[k];
@@ -47,8 +48,8 @@ static void rbdi_write_sides(const rbd_model *m, rbd_contact_set *c, rbd_derivat
 
 /* Adds rho without the terms by q_mid at fixed w, which come into Q, and without d(J' p). last: dnu of the
    solution before, NULL = w is v_mid. */
-static void rbdi_add_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d, const rbd_real *nu,
-                         const rbd_real *f_ext, rbd_real *const *last, rbd_real *const rho[3]) {
+RBDI_LOCAL void rbdi_add_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d, const rbd_real *nu,
+                             const rbd_real *f_ext, rbd_real *const *last, rbd_real *const rho[3]) {
     const rbd_real half = rbdi_set(RBD_C(0.5));
     const int n = m->nv;
     rbd_real *M = rbdi_side(m, c, 0), *B = rbdi_side(m, c, 1), *Q = rho[0] ? rbdi_side(m, c, 2) : NULL;
@@ -69,15 +70,15 @@ static void rbdi_add_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivatives
 }
 
 /* The same in place of what was there. */
-static void rbdi_write_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d, const rbd_real *nu,
-                           const rbd_real *f_ext, rbd_real *const *last, rbd_real *const rho[3]) {
+RBDI_LOCAL void rbdi_write_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d, const rbd_real *nu,
+                               const rbd_real *f_ext, rbd_real *const *last, rbd_real *const rho[3]) {
     for (int x = 0; x < 3; ++x)
         if (rho[x]) rbdi_clear(rho[x], m->nv * m->nv);
     rbdi_add_rho(m, c, d, nu, f_ext, last, rho);
 }
 
 /* Adds Q, the terms by q_mid at fixed w. */
-static void rbdi_add_side(const rbd_model *m, const rbd_contact_set *c, rbd_real *const rho[3]) {
+RBDI_LOCAL void rbdi_add_side(const rbd_model *m, const rbd_contact_set *c, rbd_real *const rho[3]) {
     if (rho[0]) rbdi_subtract(rho[0], -rbdi_set(RBD_C(1)), rbdi_side(m, c, 2), m->nv * m->nv);
 }
 
@@ -93,7 +94,7 @@ typedef struct rbdi_row_factors {
        gamma = acc + omega x (omega x r) - rate (omega x n),   rate = n . velocity
 
    By q the place moves over the body by its roll, and r by n (n . s): together by z x r. */
-static void rbdi_roll_rates(const rbdi_pair_motion *pair, rbdi_motion_derivatives *by) {
+RBDI_LOCAL void rbdi_roll_rates(const rbdi_pair_motion *pair, rbdi_motion_derivatives *by) {
     const rbdi_v3 omega = pair->motion.velocity.omega, r = pair->roll_radius, n = pair->normal;
     const rbdi_v3 z = by->S.omega, dw = by->velocity_q.omega;
     const rbdi_v3 across = rbdi_cross(omega, r), shift = rbdi_cross(z, r), turn = rbdi_cross(omega, n);
@@ -113,9 +114,9 @@ static void rbdi_roll_rates(const rbdi_pair_motion *pair, rbdi_motion_derivative
 
 /* Adds a constraint's terms to sigma, by q_mid or v_mid (x = 0, 1). With f->velocity by v_mid, J takes the
    place of the derivative of J nu. Leaves the S of the dofs in d. */
-static void rbdi_row_terms(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
-                           const rbdi_constraint *con, const rbdi_pair_motion *pair,
-                           const rbdi_row_factors *f, int x) {
+RBDI_LOCAL void rbdi_row_terms(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
+                               const rbdi_constraint *con, const rbdi_pair_motion *pair,
+                               const rbdi_row_factors *f, int x) {
     for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);) {
         const rbdi_link *l = &m->link[walk.link];
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
@@ -136,7 +137,7 @@ static void rbdi_row_terms(const rbd_model *m, rbd_contact_set *c, const rbd_der
     }
 }
 
-static rbdi_pair_motion rbdi_contact_pair(const rbd_contact_set *c, int i) {
+RBDI_LOCAL rbdi_pair_motion rbdi_contact_pair(const rbd_contact_set *c, int i) {
     const rbdi_constraint *con = &c->rows->constraint[i];
     rbdi_pair_motion pair = rbdi_pair_motion_of(c->rows, con);
     if (i < c->n) {
@@ -148,14 +149,14 @@ static rbdi_pair_motion rbdi_contact_pair(const rbd_contact_set *c, int i) {
 }
 
 /* The bias of row r of a constraint. */
-static rbdi_bias rbdi_bias_of(const rbd_contact_set *c, int i, int purpose, int r) {
+RBDI_LOCAL rbdi_bias rbdi_bias_of(const rbd_contact_set *c, int i, int purpose, int r) {
     if (i >= c->n) return rbdi_held_bias(c, purpose, c->rows->constraint[i].row + r);
     return r == 2 ? rbdi_contact_bias(c, purpose, &c->contact[i]) : rbdi_no_bias();
 }
 
 /* Adds the terms by q_mid at the velocity nu: of J nu and of the gap to sigma, -d(J' p) to rho. */
-static void rbdi_velocity_terms(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
-                                const rbd_real *nu, int purpose, rbd_real *rho) {
+RBDI_LOCAL void rbdi_velocity_terms(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
+                                    const rbd_real *nu, int purpose, rbd_real *rho) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbd_constraint_set *s = c->rows;
     rbdi_constraint_state(m, s, rbdi_expand_v(m, nu, s->w->vx), s->w->zero, none, 0);
@@ -178,8 +179,8 @@ static void rbdi_velocity_terms(const rbd_model *m, rbd_contact_set *c, const rb
 
 /* Adds to sigma the terms of gamma and, in the bias, of the rate in the middle of the step, by q_mid or v_mid
    (x = 0, 1). gamma holds the classical accelerations by v, so by v_mid it has J da/dv beyond the rate. */
-static void rbdi_middle_terms(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d, int purpose,
-                              int x) {
+RBDI_LOCAL void rbdi_middle_terms(const rbd_model *m, rbd_contact_set *c, const rbd_derivatives *d,
+                                  int purpose, int x) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     const rbd_real half = c->half;
     rbd_constraint_set *s = c->rows;
@@ -209,13 +210,13 @@ static void rbdi_middle_terms(const rbd_model *m, rbd_contact_set *c, const rbd_
 }
 
 /* Where the derivatives of J nu by x are, nu without impulses, of contact i. */
-static rbd_real *rbdi_fall_columns(const rbd_model *m, const rbd_contact_set *c, int i, int x) {
+RBDI_LOCAL rbd_real *rbdi_fall_columns(const rbd_model *m, const rbd_contact_set *c, int i, int x) {
     return rbdi_side(m, c, 5) + (x * c->n + i) * m->nv;
 }
 
 /* Writes them, of contacts that may rebound. dnu: of nu without impulses, by x. */
-static void rbdi_write_falls(const rbd_model *m, rbd_contact_set *c, const rbd_real *nu,
-                             rbd_real *const dnu[3]) {
+RBDI_LOCAL void rbdi_write_falls(const rbd_model *m, rbd_contact_set *c, const rbd_real *nu,
+                                 rbd_real *const dnu[3]) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     rbd_constraint_set *s = c->rows;
     rbdi_constraint_state(m, s, rbdi_expand_v(m, nu, s->w->vx), s->w->zero, none, 0);
@@ -242,7 +243,7 @@ static void rbdi_write_falls(const rbd_model *m, rbd_contact_set *c, const rbd_r
 }
 
 /* Adds the terms of what contacts that rebound fall, by any x, and of limits, by q_mid and v_mid. */
-static void rbdi_other_terms(const rbd_model *m, rbd_contact_set *c, int purpose, int x) {
+RBDI_LOCAL void rbdi_other_terms(const rbd_model *m, rbd_contact_set *c, int purpose, int x) {
     for (int i = 0; i < c->n; ++i) {
         const rbdi_contact *contact = &c->contact[i];
         rbd_real by_falls;
@@ -262,7 +263,7 @@ static void rbdi_other_terms(const rbd_model *m, rbd_contact_set *c, int purpose
 }
 
 /* Replaces rho by dnu of (5). Returns 0 if the impulses have no derivative. */
-static int rbdi_solve_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_real *rho) {
+RBDI_LOCAL int rbdi_solve_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_real *rho) {
     rbd_constraint_set *s = c->rows;
     rbdi_contact_solver solver = c->solver;
     const int n = m->nv;
@@ -287,8 +288,8 @@ static int rbdi_solve_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_re
 
 /* Replaces rho, without d(J' p), by dnu of the solution that has just been found. Returns 0 if one does not
    exist. */
-static int rbdi_differentiate_solution(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
-                                       const rbd_real *nu, int purpose, rbd_real *const rho[3]) {
+RBDI_LOCAL int rbdi_differentiate_solution(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
+                                           const rbd_real *nu, int purpose, rbd_real *const rho[3]) {
     int solved = 1;
     rbdi_add_side(m, c, rho);
     for (int x = 0; x < 3; ++x) {
@@ -302,7 +303,7 @@ static int rbdi_differentiate_solution(const rbd_model *m, rbd_contact_set *c, r
     return solved;
 }
 
-static void rbdi_copy_columns(const rbd_model *m, rbd_real *const from[3], rbd_real *const to[3]) {
+RBDI_LOCAL void rbdi_copy_columns(const rbd_model *m, rbd_real *const from[3], rbd_real *const to[3]) {
     for (int x = 0; x < 3; ++x)
         for (int k = 0; from[x] && k < m->nv * m->nv; ++k) to[x][k] = from[x][k];
 }
@@ -313,9 +314,9 @@ static void rbdi_copy_columns(const rbd_model *m, rbd_real *const from[3], rbd_r
        K (dnu_1 - dnu_0) = rho_0 - rho_1    without d(J' p)
 
    Returns whether they exist. */
-static int rbdi_differentiate_corrections(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
-                                          const rbd_real *tau, const rbd_real *f_ext,
-                                          const rbdi_step_columns *to) {
+RBDI_LOCAL int rbdi_differentiate_corrections(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
+                                              const rbd_real *tau, const rbd_real *f_ext,
+                                              const rbdi_step_columns *to) {
     const int size = m->nv * m->nv;
     rbd_work *w = c->rows->w;
     int solved;
@@ -338,8 +339,8 @@ static int rbdi_differentiate_corrections(const rbd_model *m, rbd_contact_set *c
 }
 
 /* Derivatives of what contacts that may rebound fall: by dnu of the velocities without contacts. */
-static void rbdi_differentiate_falls(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
-                                     const rbd_real *f_ext, rbd_real *const dnu[3]) {
+RBDI_LOCAL void rbdi_differentiate_falls(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
+                                         const rbd_real *f_ext, rbd_real *const dnu[3]) {
     rbd_work *w = c->rows->w;
     int any = 0;
     for (int i = 0; i < c->n; ++i) any |= c->contact[i].row >= 0 && c->contact[i].restitution > 0;
@@ -356,9 +357,9 @@ static void rbdi_differentiate_falls(const rbd_model *m, rbd_contact_set *c, rbd
 }
 
 /* Makes the step, and writes derivatives of c->moved and c->nu. Returns whether they exist. */
-static int rbdi_differentiate_step(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
-                                   const rbd_real *tau, const rbd_real *f_ext, const rbdi_step_columns *to,
-                                   rbd_status *status) {
+RBDI_LOCAL int rbdi_differentiate_step(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
+                                       const rbd_real *tau, const rbd_real *f_ext,
+                                       const rbdi_step_columns *to, rbd_status *status) {
     const int first_order = !(c->half > 0);
     int solved = 1;
     rbdi_differentiate_falls(m, c, d, f_ext, to->dq);

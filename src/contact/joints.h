@@ -9,7 +9,7 @@
 
        friction  |ratio| friction_x,   damping  ratio^2 damping_x */
 
-static rbd_const rbdi_joint_friction(const rbd_model *m, int k) {
+RBDI_LOCAL rbd_const rbdi_joint_friction(const rbd_model *m, int k) {
     rbd_const sum = m->dof[k].friction;
 
     for (int i = 0; i < m->nmimic; ++i) {
@@ -20,7 +20,7 @@ static rbd_const rbdi_joint_friction(const rbd_model *m, int k) {
     return sum;
 }
 
-static rbd_const rbdi_joint_damping(const rbd_model *m, int k) {
+RBDI_LOCAL rbd_const rbdi_joint_damping(const rbd_model *m, int k) {
     rbd_const sum = m->dof[k].damping;
 
     for (int i = 0; i < m->nmimic; ++i) {
@@ -37,7 +37,7 @@ typedef struct rbdi_limits {
 } rbdi_limits;
 
 /* The stricter of two pairs of limits. */
-static rbdi_limits rbdi_both_limits(rbdi_limits x, rbdi_limits y) {
+RBDI_LOCAL rbdi_limits rbdi_both_limits(rbdi_limits x, rbdi_limits y) {
     rbdi_limits both;
     both.lower = x.lower > y.lower ? x.lower : y.lower;
     both.upper = x.upper < y.upper ? x.upper : y.upper;
@@ -45,7 +45,7 @@ static rbdi_limits rbdi_both_limits(rbdi_limits x, rbdi_limits y) {
 }
 
 /* Limits of a body's joint, in its own coordinate; both 0 means none. */
-static rbdi_limits rbdi_limits_of(const rbdi_frame *u) {
+RBDI_LOCAL rbdi_limits rbdi_limits_of(const rbdi_frame *u) {
     const rbdi_limits none = {-RBDI_UNBOUNDED, RBDI_UNBOUNDED};
     rbdi_limits x;
     x.lower = u->lower;
@@ -54,7 +54,7 @@ static rbdi_limits rbdi_limits_of(const rbdi_frame *u) {
 }
 
 /* Limits of the coordinate of a joint with one dof, those of its followers included. */
-static rbdi_limits rbdi_joint_limits(const rbd_model *m, const rbdi_frame *u) {
+RBDI_LOCAL rbdi_limits rbdi_joint_limits(const rbd_model *m, const rbdi_frame *u) {
     rbdi_limits all = rbdi_limits_of(u);
 
     for (int i = 0; i < m->nmimic; ++i) {

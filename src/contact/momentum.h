@@ -21,14 +21,14 @@
    linear momentum would change the spin: the result would depend on the speed of the world. */
 
 /* The first link of the tree that carries a link, -1 = the world. */
-static int rbdi_root_of(const rbd_model *m, int link) {
+RBDI_LOCAL int rbdi_root_of(const rbd_model *m, int link) {
     while (link >= 0 && m->link[link].parent >= 0) link = m->link[link].parent;
     return link;
 }
 
 /* Whether a body floats over the world, and nothing outside has pushed what it carries: neither contacts nor
    constraints, nor dry friction of its own joint. Armature there is no momentum. */
-static int rbdi_flies(const rbd_model *m, const rbd_contact_set *c, const rbdi_frame *u) {
+RBDI_LOCAL int rbdi_flies(const rbd_model *m, const rbd_contact_set *c, const rbdi_frame *u) {
     if (u->type != RBD_FLOATING || u->link < 0 || m->link[u->link].parent >= 0) return 0;
     for (int k = u->iv; k < u->iv + 6; ++k)
         if (m->dof[k].armature > 0) return 0;
@@ -49,7 +49,7 @@ static int rbdi_flies(const rbd_model *m, const rbd_contact_set *c, const rbdi_f
 }
 
 /* Whether any body does. */
-static int rbdi_any_flies(const rbd_model *m, const rbd_contact_set *c) {
+RBDI_LOCAL int rbdi_any_flies(const rbd_model *m, const rbd_contact_set *c) {
     for (int b = 0; b < m->nb; ++b)
         if (rbdi_flies(m, c, &m->frame[b])) return 1;
     return 0;
@@ -57,7 +57,7 @@ static int rbdi_any_flies(const rbd_model *m, const rbd_contact_set *c) {
 
 /* The centre of mass of the tree whose root has the first dof iv, by M, packed. Axes and origin of the
    root. */
-static rbdi_v3 rbdi_centre_of(const rbd_model *m, const rbd_real *M, int iv) {
+RBDI_LOCAL rbdi_v3 rbdi_centre_of(const rbd_model *m, const rbd_real *M, int iv) {
     const rbdi_dof *dof = &m->dof[iv];
     const rbd_real *x = &M[dof[3].row + dof[0].depth], *y = &M[dof[4].row + dof[0].depth],
                    *z = &M[dof[5].row + dof[0].depth], mass = x[3];
@@ -66,14 +66,14 @@ static rbdi_v3 rbdi_centre_of(const rbd_model *m, const rbd_real *M, int iv) {
 }
 
 /* Notes the centres of mass at q_mid, where M is w->H, in c->momentum at the first dofs of roots. */
-static void rbdi_note_centres(const rbd_model *m, rbd_contact_set *c) {
+RBDI_LOCAL void rbdi_note_centres(const rbd_model *m, rbd_contact_set *c) {
     for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
         if (u->type == RBD_FLOATING && u->link >= 0)
             rbdi_store_vec(&c->momentum[u->iv], 1, rbdi_centre_of(m, c->rows->w->H, u->iv));
 }
 
 /* The root's six rows of M v, M packed: about the root's origin, in its axes. */
-static rbdi_force rbdi_root_momentum(const rbd_model *m, const rbd_real *M, int iv, const rbd_real *v) {
+RBDI_LOCAL rbdi_force rbdi_root_momentum(const rbd_model *m, const rbd_real *M, int iv, const rbd_real *v) {
     rbd_real h[6];
     rbdi_clear(h, 6);
     for (int j = iv; j < m->nv; ++j) {
@@ -93,7 +93,7 @@ static rbdi_force rbdi_root_momentum(const rbd_model *m, const rbd_real *M, int 
 }
 
 /* A wrench, or a momentum, from the root's axes and origin to the joint's axes and the centre of mass. */
-static rbdi_force rbdi_about_centre(const rbd_real *q, rbdi_v3 centre, rbdi_force F) {
+RBDI_LOCAL rbdi_force rbdi_about_centre(const rbd_real *q, rbdi_v3 centre, rbdi_force F) {
     const rbdi_mat E = rbdi_joint_attitude(RBD_FLOATING, q);
     F.n = rbdi_mul_t(E, rbdi_sub(F.n, rbdi_cross(centre, F.f)));
     F.f = rbdi_mul_t(E, F.f);
@@ -101,8 +101,8 @@ static rbdi_force rbdi_about_centre(const rbd_real *q, rbdi_v3 centre, rbdi_forc
 }
 
 /* Wanted momenta, h(q, v) + F, into c->momentum at the dofs of roots that fly. */
-static void rbdi_wanted_momentum(const rbd_model *m, rbd_contact_set *c, const rbd_real *q, const rbd_real *v,
-                                 const rbd_real *tau, const rbd_real *f_ext) {
+RBDI_LOCAL void rbdi_wanted_momentum(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
+                                     const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext) {
     rbd_work *w = c->rows->w;
     rbd_real *impulse = c->rows->x;
     (void)rbd_bias(m, w, c->q_mid, w->zero, f_ext, impulse);
@@ -123,7 +123,7 @@ static void rbdi_wanted_momentum(const rbd_model *m, rbd_contact_set *c, const r
 
 /* x = Ic^-1 x, 6, of the root whose first dof this is. Ic = L'DL stands in the packed M, and L and 1/D
    replace it. A direction in which the inertia may be rounding gets 0. */
-static void rbdi_solve_root(const rbdi_dof *dof, rbd_real *M, rbd_real *x) {
+RBDI_LOCAL void rbdi_solve_root(const rbdi_dof *dof, rbd_real *M, rbd_real *x) {
     rbd_real *row[6];
     for (int k = 0; k < 6; ++k) row[k] = &M[dof[k].row + dof[k].depth - k];
 
@@ -145,8 +145,8 @@ static void rbdi_solve_root(const rbdi_dof *dof, rbd_real *M, rbd_real *x) {
 }
 
 /* Gives the roots that fly the wanted momenta. */
-static void rbdi_restore_momentum(const rbd_model *m, const rbd_contact_set *c, const rbd_real *q_next,
-                                  rbd_real *v_next) {
+RBDI_LOCAL void rbdi_restore_momentum(const rbd_model *m, const rbd_contact_set *c, const rbd_real *q_next,
+                                      rbd_real *v_next) {
     rbd_work *w = c->rows->w;
     (void)rbd_crba_packed(m, w, q_next, w->H);
     for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {

@@ -7,7 +7,7 @@
    The steps from the rows to Delta lambda = b by the factor M = L'DL. */
 
 /* Y = L^-T Y, and b = target - Y' D^-1 x. Batches may reach beyond a dof's span: entries there are 0. */
-static void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
+RBDI_LOCAL void rbdi_reduce_rows(const rbd_model *m, rbd_constraint_set *c, const rbd_real *L) {
     rbdi_solve_transposed(m, c->w, L, c->stride, c->rows, c->Y);
 
     for (int r = 0; r < c->rows; r += RBDI_BATCH) {

@@ -44,8 +44,8 @@ RBDI_INLINE rbdi_gap rbdi_gap_of(rbd_real middle, rbd_real rate, rbd_real gamma,
 }
 
 /* Moves frame 1 of the constraint to the place of contact, l below the centre. normal: world axes. */
-static void rbdi_place_below(const rbd_constraint_set *s, rbdi_constraint *con, const rbdi_contact *contact,
-                             rbdi_v3 normal) {
+RBDI_LOCAL void rbdi_place_below(const rbd_constraint_set *s, rbdi_constraint *con,
+                                 const rbdi_contact *contact, rbdi_v3 normal) {
     const rbdi_v3 local = con->link[0] < 0 ? normal : rbdi_mul(s->w->kin[con->link[0]].X.E, normal);
     con->position[0].x = contact->point.x - (rbd_const)(contact->below * local.x);
     con->position[0].y = contact->point.y - (rbd_const)(contact->below * local.y);
@@ -60,7 +60,7 @@ RBDI_INLINE rbdi_v3 rbdi_roll_of(rbdi_v3 omega, rbdi_v3 normal, rbd_real below, 
 }
 
 /* Computes the gap, with the place of contact on the ball. */
-static void rbdi_contact_gap(const rbd_contact_set *c, rbdi_constraint *con, rbdi_contact *contact) {
+RBDI_LOCAL void rbdi_contact_gap(const rbd_contact_set *c, rbdi_constraint *con, rbdi_contact *contact) {
     const rbd_constraint_set *s = c->rows;
     const rbdi_v3 normal = rbdi_contact_normal(s, con);
     rbdi_relative_motion relative;
@@ -79,7 +79,8 @@ static void rbdi_contact_gap(const rbd_contact_set *c, rbdi_constraint *con, rbd
 }
 
 /* Moves the place of contact from the ball to the plane. */
-static void rbdi_place_on_plane(const rbd_constraint_set *s, rbdi_constraint *con, rbdi_contact *contact) {
+RBDI_LOCAL void rbdi_place_on_plane(const rbd_constraint_set *s, rbdi_constraint *con,
+                                    rbdi_contact *contact) {
     const rbdi_v3 normal = rbdi_contact_normal(s, con);
     const rbdi_relative_motion relative = rbdi_relative_motion_of(s, con);
     const rbd_real middle = rbdi_dot(normal, rbdi_sub(relative.body[0].p, rbdi_frame_origin(s, con, 1))),
@@ -97,7 +98,7 @@ RBDI_INLINE int rbdi_may_touch(rbdi_gap gap, rbd_real dt, rbd_real margin) {
 }
 
 /* Whether three contacts or more of the bodies of contact i touch in the step, or arrive at their speed. */
-static int rbdi_touch_widely(const rbd_contact_set *c, int i) {
+RBDI_LOCAL int rbdi_touch_widely(const rbd_contact_set *c, int i) {
     const rbdi_constraint *own = &c->rows->constraint[i];
     int n = 0;
     for (int j = 0; j < c->n; ++j) {
@@ -109,7 +110,7 @@ static int rbdi_touch_widely(const rbd_contact_set *c, int i) {
 }
 
 /* Computes all gaps, and the places of contacts that may be rows. */
-static void rbdi_find_places(const rbd_contact_set *c) {
+RBDI_LOCAL void rbdi_find_places(const rbd_contact_set *c) {
     for (int i = 0; i < c->n; ++i) rbdi_contact_gap(c, &c->rows->constraint[i], &c->contact[i]);
     for (int i = 0; i < c->n; ++i) {
         if (!rbdi_may_touch(c->contact[i].gap, c->dt, RBD_C(c->options.margin))) continue;
@@ -118,8 +119,8 @@ static void rbdi_find_places(const rbd_contact_set *c) {
 }
 
 /* Computes the gap to the limit. Returns whether it may be reached; dry friction always acts. */
-static int rbdi_find_limit(const rbd_contact_set *c, rbdi_dof_row *limit, const rbd_real *q,
-                           const rbd_real *v) {
+RBDI_LOCAL int rbdi_find_limit(const rbd_contact_set *c, rbdi_dof_row *limit, const rbd_real *q,
+                               const rbd_real *v) {
     rbdi_gap *gap = &limit->gap;
     gap->start = gap->rate = gap->reach = rbdi_zero();
     if (limit->iq < 0) return 1;
@@ -130,14 +131,14 @@ static int rbdi_find_limit(const rbd_contact_set *c, rbdi_dof_row *limit, const 
 }
 
 /* Writes a dof and its ancestors, ascending, to s->path. Returns how many. */
-static int rbdi_path_to(const rbd_model *m, const rbd_constraint_set *s, int dof) {
+RBDI_LOCAL int rbdi_path_to(const rbd_model *m, const rbd_constraint_set *s, int dof) {
     const int n = m->dof[dof].depth + 1;
     for (int t = n - 1; t >= 0; --t, dof = m->dof[dof].lambda) s->path[t] = (int16_t)dof;
     return n;
 }
 
 /* Appends n rows, of this place and those behind it, with entries in these dofs. Returns the first. */
-static int rbdi_open_rows(rbd_contact_set *c, int place, int n, const int16_t *dof, int dofs) {
+RBDI_LOCAL int rbdi_open_rows(rbd_contact_set *c, int place, int n, const int16_t *dof, int dofs) {
     rbd_constraint_set *s = c->rows;
     const int row = s->rows;
     for (int r = 0; r < n; ++r) c->place[s->rows++] = (int16_t)(place + r);
@@ -151,7 +152,7 @@ static int rbdi_open_rows(rbd_contact_set *c, int place, int n, const int16_t *d
 
 /* Lists the rows of the step with their bounds, and the impulses of the last step, times dt over its dt, to
    begin with. Returns the number of contacts. */
-static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real *q, const rbd_real *v) {
+RBDI_LOCAL int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real *q, const rbd_real *v) {
     rbd_constraint_set *s = c->rows;
     const rbd_real dt = c->dt, ratio = dt / c->last_dt;
     int place = 0, contacts;
@@ -196,7 +197,8 @@ static int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_real
 }
 
 /* Adds the part of gamma by which the place of contact moves over the body. */
-static void rbdi_add_roll(rbd_constraint_set *s, const rbdi_constraint *con, const rbdi_contact *contact) {
+RBDI_LOCAL void rbdi_add_roll(rbd_constraint_set *s, const rbdi_constraint *con,
+                              const rbdi_contact *contact) {
     rbdi_axes_held h;
     if (!(contact->radius > 0) && !contact->on_plane) return;
     rbdi_set_axes(s, con, &h);
@@ -204,7 +206,7 @@ static void rbdi_add_roll(rbd_constraint_set *s, const rbdi_constraint *con, con
 }
 
 /* Y = J', and target = -J v_mid - dt/2 gamma. */
-static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
+RBDI_LOCAL void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     rbdi_clear(s->Y, m->nv * s->stride);
     rbdi_clear(s->target, (int)(s->e - s->target) + s->stride); /* J v and gamma too */
@@ -225,7 +227,7 @@ static void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
 
 /* How a contact falls without impulses, and whether its spring acts: where it is in the plane, or would
    be. */
-static void rbdi_find_falls(rbd_contact_set *c) {
+RBDI_LOCAL void rbdi_find_falls(rbd_contact_set *c) {
     for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
         rbd_real u;
         contact->springs = 0;
@@ -240,7 +242,7 @@ static void rbdi_find_falls(rbd_contact_set *c) {
 
 /* Delta of (4), rows x rows, in s->R; first the upper triangle, in rows of s->stride. Rows that rounding
    alone moves get 0 on the diagonal: no impulse changes their velocity. Slip is added last. */
-static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
+RBDI_LOCAL void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     const int n = s->rows;
     rbd_real *delta = s->R;
@@ -265,7 +267,7 @@ static void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
 
 /* Adds springs to the normals of Delta and of the solver's laws. Where nothing moves along the normal, the
    spring alone has the force. */
-static void rbdi_add_springs(rbd_contact_set *c) {
+RBDI_LOCAL void rbdi_add_springs(rbd_contact_set *c) {
     const int n = c->rows->rows;
     for (const rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
         const int normal = contact->row + 2;

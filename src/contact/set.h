@@ -16,8 +16,8 @@ RBDI_API char *rbd_contact_finding_text(const rbd_finding *finding, int n, char 
 }
 
 /* Makes the plane of a contact frame 2 of its constraint: x and y are tangents, z is the normal. */
-static void rbdi_place_plane(const rbd_model *m, rbdi_constraint *con, int body2, const double normal[3],
-                             double height) {
+RBDI_LOCAL void rbdi_place_plane(const rbd_model *m, rbdi_constraint *con, int body2, const double normal[3],
+                                 double height) {
     double R[9], origin[3], up[3] = {0, 0, 1};
     for (int j = 0; j < 3 && !rbdi_all_zero(normal, 3); ++j) up[j] = normal[j];
     rbdi_frame_along(up, R);
@@ -28,14 +28,14 @@ static void rbdi_place_plane(const rbd_model *m, rbdi_constraint *con, int body2
 }
 
 /* The constraint of a contact: it holds three linear axes. */
-static rbd_constraint rbdi_constraint_of_contact(const rbd_contact *from) {
+RBDI_LOCAL rbd_constraint rbdi_constraint_of_contact(const rbd_contact *from) {
     rbd_constraint con = rbdi_constraint_of(from->body1, from->point, from->body2, NULL, 0);
     con.name = from->name;
     return con;
 }
 
 /* Refuses a body2 that was left out, and one that is the world's where a body's plane is meant. */
-static rbd_status rbdi_check_plane_body(const rbd_contact *from, int i, rbd_report *report) {
+RBDI_LOCAL rbd_status rbdi_check_plane_body(const rbd_contact *from, int i, rbd_report *report) {
     const char *sentence = NULL;
     if (from->body2 == 0 && !from->on_body)
         sentence = "it is 0, or was left out: the world is -1; for body 0 set on_body";
@@ -48,7 +48,8 @@ static rbd_status rbdi_check_plane_body(const rbd_contact *from, int i, rbd_repo
     return RBD_ERR_INDEX;
 }
 
-static rbd_status rbdi_check_contact(const rbd_model *m, const rbd_contact *from, int i, rbd_report *report) {
+RBDI_LOCAL rbd_status rbdi_check_contact(const rbd_model *m, const rbd_contact *from, int i,
+                                         rbd_report *report) {
     const double values[5] = {from->radius, from->friction, from->restitution, from->stiffness,
                               from->damping};
     const char *const names[5] = {"radius", "friction", "restitution", "stiffness", "damping"};
@@ -68,7 +69,7 @@ static rbd_status rbdi_check_contact(const rbd_model *m, const rbd_contact *from
     return RBD_OK;
 }
 
-static rbd_status rbdi_check_options(const rbd_contact_options *o, rbd_report *report) {
+RBDI_LOCAL rbd_status rbdi_check_options(const rbd_contact_options *o, rbd_report *report) {
     const double values[7] = {o->margin,    o->slop, o->correction,        o->bounce,
                               o->tolerance, o->slip, (double)o->iterations};
     const char *const names[7] = {"margin",    "slop", "correction", "bounce",
@@ -79,7 +80,7 @@ static rbd_status rbdi_check_options(const rbd_contact_options *o, rbd_report *r
     return RBD_OK;
 }
 
-static rbd_contact_options rbdi_contact_defaults(const rbd_contact_options *given) {
+RBDI_LOCAL rbd_contact_options rbdi_contact_defaults(const rbd_contact_options *given) {
     const rbd_contact_options none = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
     rbd_contact_options o = given ? *given : none;
     if (!(o.margin > 0)) o.margin = 0.005;
@@ -90,7 +91,7 @@ static rbd_contact_options rbdi_contact_defaults(const rbd_contact_options *give
 }
 
 /* Appends the two limits of a joint to the rows, or counts them; a limit of infinity is none. */
-static int rbdi_list_limits(const rbd_model *m, const rbdi_frame *u, rbdi_dof_row *row) {
+RBDI_LOCAL int rbdi_list_limits(const rbd_model *m, const rbdi_frame *u, rbdi_dof_row *row) {
     const rbdi_limits limits = rbdi_joint_limits(m, u);
     int n = 0;
     for (int upper = 0; upper < 2; ++upper) {
@@ -108,7 +109,7 @@ static int rbdi_list_limits(const rbd_model *m, const rbdi_frame *u, rbdi_dof_ro
 }
 
 /* Lists the rows of single dofs: limits of one-dof joints, then dry friction; NULL: counts them. */
-static int rbdi_list_dof_rows(const rbd_model *m, const rbd_contact_options *o, rbdi_dof_row *row) {
+RBDI_LOCAL int rbdi_list_dof_rows(const rbd_model *m, const rbd_contact_options *o, rbdi_dof_row *row) {
     int n = 0;
     for (int b = 0; o->joint_limits && b < m->nb; ++b)
         if (m->frame[b].nv == 1) n += rbdi_list_limits(m, &m->frame[b], row ? &row[n] : NULL);
@@ -140,10 +141,10 @@ RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constr
            (o.derivatives ? RBDI_ROUND(sizeof(rbd_real) * (size_t)RBDI_CONTACT_SIDES(m->nv, n, most)) : 0);
 }
 
-static rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work *w, const rbd_contact *list,
-                                          int n, const rbd_constraint *held, int n_held,
-                                          const rbd_contact_options *options, const void *memory, size_t size,
-                                          rbd_report *report) {
+RBDI_LOCAL rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work *w, const rbd_contact *list,
+                                              int n, const rbd_constraint *held, int n_held,
+                                              const rbd_contact_options *options, const void *memory,
+                                              size_t size, rbd_report *report) {
     const size_t least = rbd_contact_set_size(m, n, held, n_held, options);
     rbd_status status = RBD_OK;
     report->warnings = 0;
@@ -163,8 +164,8 @@ static rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work *w,
 }
 
 /* Lays out the arrays of a set in the memory. */
-static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held, int held_rows,
-                                          const rbd_contact_options *o, void *memory) {
+RBDI_LOCAL rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held, int held_rows,
+                                              const rbd_contact_options *o, void *memory) {
     const int dof_rows = rbdi_list_dof_rows(m, o, NULL), bounded = held_rows + dof_rows, nv = m->nv;
     unsigned char *at = rbdi_aligned(memory);
     rbd_contact_set *c = RBDI_CUT(rbd_contact_set, 1);
@@ -196,7 +197,7 @@ static rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held,
     return c;
 }
 
-static void rbdi_place_contact(const rbd_model *m, rbd_contact_set *c, const rbd_contact *from, int i) {
+RBDI_LOCAL void rbdi_place_contact(const rbd_model *m, rbd_contact_set *c, const rbd_contact *from, int i) {
     const rbd_constraint as = rbdi_constraint_of_contact(from);
     rbdi_constraint *con = &c->rows->constraint[i];
     rbdi_contact *to = &c->contact[i];

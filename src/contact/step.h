@@ -24,8 +24,8 @@
    p'(u before + u after). */
 
 /* x = L^-T dt (tau - w->bias - damping v_mid). */
-static void rbdi_free_impulse(const rbd_model *m, const rbd_contact_set *c, const rbd_real *tau,
-                              rbd_real *x) {
+RBDI_LOCAL void rbdi_free_impulse(const rbd_model *m, const rbd_contact_set *c, const rbd_real *tau,
+                                  rbd_real *x) {
     rbd_work *w = c->rows->w;
     const rbd_real *bias = w->bias;
     for (int k = 0; k < m->nv; ++k) x[k] = c->dt * (tau[k] - bias[k] - c->damping[k] * c->v_mid[k]);
@@ -33,7 +33,7 @@ static void rbdi_free_impulse(const rbd_model *m, const rbd_contact_set *c, cons
 }
 
 /* Adds dt damping to M, and factors it. */
-static rbdi_mask rbdi_factor_damped(const rbd_model *m, rbd_contact_set *c, const rbd_real *damping) {
+RBDI_LOCAL rbdi_mask rbdi_factor_damped(const rbd_model *m, rbd_contact_set *c, const rbd_real *damping) {
     rbd_constraint_set *s = c->rows;
     rbd_work *w = s->w;
     rbdi_mask doubt;
@@ -49,9 +49,9 @@ static rbdi_mask rbdi_factor_damped(const rbd_model *m, rbd_contact_set *c, cons
 }
 
 /* The middle of the step (or, with c->half = 0, its beginning): state, rows, factor, and c->x[0]. */
-static rbd_status rbdi_begin_step(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
-                                  const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
-                                  const rbd_real *damping) {
+RBDI_LOCAL rbd_status rbdi_begin_step(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
+                                      const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                      const rbd_real *damping) {
     rbd_constraint_set *s = c->rows;
     rbd_work *w = s->w;
     rbdi_mask doubt;
@@ -71,8 +71,8 @@ static rbd_status rbdi_begin_step(const rbd_model *m, rbd_contact_set *c, const 
 }
 
 /* x of the velocity terms c(w), w = (v_mid + nu) / 2 in c->at. */
-static void rbdi_correct(const rbd_model *m, rbd_contact_set *c, const rbd_real *nu, const rbd_real *tau,
-                         const rbd_real *f_ext, rbd_real *x) {
+RBDI_LOCAL void rbdi_correct(const rbd_model *m, rbd_contact_set *c, const rbd_real *nu, const rbd_real *tau,
+                             const rbd_real *f_ext, rbd_real *x) {
     rbd_work *w = c->rows->w;
     for (int k = 0; k < m->nv; ++k) c->at[k] = (c->v_mid[k] + nu[k]) / 2;
 
@@ -84,7 +84,8 @@ static void rbdi_correct(const rbd_model *m, rbd_contact_set *c, const rbd_real 
 }
 
 /* nu of x and the impulses, by (4). */
-static void rbdi_contact_respond(const rbd_model *m, rbd_contact_set *c, const rbd_real *x, rbd_real *nu) {
+RBDI_LOCAL void rbdi_contact_respond(const rbd_model *m, rbd_contact_set *c, const rbd_real *x,
+                                     rbd_real *nu) {
     rbd_constraint_set *s = c->rows;
     for (int k = 0; k < m->nv; ++k) nu[k] = x[k] + rbdi_y_lambda(s, s->lambda, k);
     rbdi_vector_forward(m, s->w, s->w->H, nu);
@@ -92,7 +93,7 @@ static void rbdi_contact_respond(const rbd_model *m, rbd_contact_set *c, const r
 }
 
 /* Solves for the first time, by c->x[0] and with these biases. Computes c->moved. */
-static void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int purpose) {
+RBDI_LOCAL void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int purpose) {
     rbd_constraint_set *s = c->rows;
     rbd_contact_problem given;
     for (int k = 0; k < m->nv; ++k) s->x[k] = c->x[0][k];
@@ -119,8 +120,8 @@ static void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int purpose
 }
 
 /* Corrects the velocity terms for the first time: c->x[1], and c->moved with the impulses as they are. */
-static void rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
-                               const rbd_real *f_ext) {
+RBDI_LOCAL void rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
+                                   const rbd_real *f_ext) {
     rbd_real *change = c->nu;
     rbdi_correct(m, c, c->moved, tau, f_ext, c->x[1]);
     for (int k = 0; k < m->nv; ++k) change[k] = c->x[1][k] - c->x[0][k];
@@ -130,8 +131,8 @@ static void rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const rbd
 
 /* Corrects them again: c->x[2]. Solves with the biases of positions, and computes c->moved. Keeps the
    impulses of the first solution in c->impulse, by row. */
-static void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
-                             const rbd_real *f_ext) {
+RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
+                                 const rbd_real *f_ext) {
     const rbd_contact_solution first = c->solver.solution;
     rbd_constraint_set *s = c->rows;
     rbdi_correct(m, c, c->moved, tau, f_ext, c->x[2]);
@@ -153,16 +154,16 @@ static void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const rbd_r
 }
 
 /* Chooses the scheme: half of the way by v, or all of it by the solution. */
-static void rbdi_choose_scheme(rbd_contact_set *c, rbd_real dt, int first_order) {
+RBDI_LOCAL void rbdi_choose_scheme(rbd_contact_set *c, rbd_real dt, int first_order) {
     c->dt = dt;
     c->way = first_order ? dt : dt / 2;
     c->half = first_order ? rbdi_zero() : c->way;
 }
 
 /* Computes c->moved, the velocities by which positions change. */
-static rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
-                                       const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
-                                       const rbd_real *damping) {
+RBDI_LOCAL rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
+                                           const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                           const rbd_real *damping) {
     const int first_order = !(c->half > 0);
     const rbd_status status = rbdi_begin_step(m, c, q, v, tau, f_ext, damping);
     if (status) return status;
@@ -174,7 +175,7 @@ static rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *c, c
 }
 
 /* Keeps impulses, states and forces for the next step and the caller. */
-static void rbdi_keep_impulses(rbd_contact_set *c) {
+RBDI_LOCAL void rbdi_keep_impulses(rbd_contact_set *c) {
     const rbd_constraint_set *s = c->rows;
     c->last_dt = c->dt;
     rbdi_clear(c->impulse, c->max_rows);
@@ -197,7 +198,7 @@ static void rbdi_keep_impulses(rbd_contact_set *c) {
 /* Computes c->nu, the velocities at the end, in the axes of the beginning. They differ from c->moved if
    penetration was corrected, or a contact that pushed rebounds. If positions had no solution, their impulses
    may be huge: then those of rbdi_solve_first are the better beginning. */
-static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
+RBDI_LOCAL rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
     int finite = rbdi_all_finite(c->b, c->rows->rows);
     rbdi_find_rebounds(c);
@@ -223,9 +224,9 @@ static rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) 
 }
 
 /* Computes c->moved and c->nu. After an error the set has no impulses, and all gaps are 0. */
-static rbd_status rbdi_solve_step(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
-                                  const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
-                                  const rbd_real *damping) {
+RBDI_LOCAL rbd_status rbdi_solve_step(const rbd_model *m, rbd_contact_set *c, const rbd_real *q,
+                                      const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
+                                      const rbd_real *damping) {
     rbd_status status = rbdi_solve_positions(m, c, q, v, tau, f_ext, damping);
     if (!status) status = rbdi_solve_velocities(m, c);
     if (status) rbd_contact_reset(c);
@@ -233,14 +234,14 @@ static rbd_status rbdi_solve_step(const rbd_model *m, rbd_contact_set *c, const 
 }
 
 /* Writes the state after the step; after an error, q and v = 0. */
-static void rbdi_contact_move(const rbd_model *m, const rbd_contact_set *c, rbd_status status,
-                              const rbd_real *q, rbd_real *q_next, rbd_real *v_next) {
+RBDI_LOCAL void rbdi_contact_move(const rbd_model *m, const rbd_contact_set *c, rbd_status status,
+                                  const rbd_real *q, rbd_real *q_next, rbd_real *v_next) {
     if (!status) rbdi_move_joints(m, c->q_mid, c->moved, c->nu, c->way, q_next, v_next);
     for (int k = 0; status && k < m->nq; ++k) q_next[k] = q[k];
     if (status) rbdi_clear(v_next, m->nv);
 }
 
-static rbd_status rbdi_check_step(const rbd_model *m, const rbd_contact_set *c, int arrays, rbd_real dt) {
+RBDI_LOCAL rbd_status rbdi_check_step(const rbd_model *m, const rbd_contact_set *c, int arrays, rbd_real dt) {
     const rbd_status status = c ? rbdi_check_constraints(m, c->rows, arrays) : RBD_ERR_NULL;
     if (status) return status;
     return dt > 1 / RBDI_UNBOUNDED && dt < RBDI_UNBOUNDED ? RBD_OK : RBD_ERR_RANGE;

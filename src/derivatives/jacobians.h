@@ -23,7 +23,8 @@ typedef struct rbdi_observer {
 } rbdi_observer;
 
 /* Rate of the column of a link's spatial unit axis. */
-static rbdi_motion rbdi_column_rate(const rbdi_link *l, const rbdi_kin *k, int axis, const rbdi_observer *o) {
+RBDI_LOCAL rbdi_motion rbdi_column_rate(const rbdi_link *l, const rbdi_kin *k, int axis,
+                                        const rbdi_observer *o) {
     const rbdi_v3 s = rbdi_unit_axis(&k->X, axis);
     const rbdi_v3 arm = rbdi_sub(o->r, k->X.r);
     const rbdi_v3 arm_dot = rbdi_sub(o->r_dot, rbdi_mul_t(k->X.E, k->v));
@@ -42,8 +43,8 @@ static rbdi_motion rbdi_column_rate(const rbdi_link *l, const rbdi_kin *k, int a
 }
 
 /* Adds sign times the rates of the columns of link i and of its ancestors up to link `end`, without `end`. */
-static void rbdi_add_rates(const rbd_model *m, const rbd_work *w, int i, int end, const rbdi_observer *o,
-                           int sign, rbd_real *J_dot) {
+RBDI_LOCAL void rbdi_add_rates(const rbd_model *m, const rbd_work *w, int i, int end, const rbdi_observer *o,
+                               int sign, rbd_real *J_dot) {
     for (; i != end; i = m->link[i].parent) {
         const rbdi_link *l = &m->link[i];
         const rbd_real factor = rbdi_ratio(m, l->iv) * (rbd_const)sign;
@@ -62,8 +63,9 @@ static void rbdi_add_rates(const rbd_model *m, const rbd_work *w, int i, int end
 }
 
 /* The derivative of rbdi_put_jacobian's matrix, with the same arguments. */
-static void rbdi_put_jacobian_derivative(const rbd_model *m, const rbd_work *w, int body,
-                                         const rbd_real *point, int reference, int axes, rbd_real *J_dot) {
+RBDI_LOCAL void rbdi_put_jacobian_derivative(const rbd_model *m, const rbd_work *w, int body,
+                                             const rbd_real *point, int reference, int axes,
+                                             rbd_real *J_dot) {
     const int link = m->frame[body].link, other = reference < 0 ? -1 : m->frame[reference].link;
     const int common = rbdi_common_link(m, link, other);
     const rbdi_kin k = rbdi_body_kin(m, w, body);

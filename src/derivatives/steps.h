@@ -30,7 +30,7 @@ typedef struct rbdi_ad_function {
 
 /* t_0 .. t_6 of a turn w: t_0 = cos, t_1 = sin / angle; from the series where x < 1, else
    t_n = (1 / (n - 2)! - t_n-2) / x. */
-static void rbdi_tails(rbdi_v3 w, rbd_real t[7]) {
+RBDI_LOCAL void rbdi_tails(rbdi_v3 w, rbd_real t[7]) {
     const rbdi_exp e = rbdi_exp_of(w);
     const rbd_real one = rbdi_set(RBD_C(1));
     const rbdi_mask near_zero = rbdi_less(e.x, one);
@@ -55,7 +55,7 @@ RBDI_INLINE rbd_real rbdi_tail_slope(const rbd_real t[7], int n) {
 enum { RBDI_EXP_MINUS_AD, RBDI_J_R, RBDI_J_R_INVERSE };
 
 /* b and c of the table above, and their derivatives. */
-static rbdi_ad_function rbdi_ad_function_of(int which, const rbd_real t[7]) {
+RBDI_LOCAL rbdi_ad_function rbdi_ad_function_of(int which, const rbd_real t[7]) {
     const int n = which == RBDI_EXP_MINUS_AD ? 1 : 2;
     rbdi_ad_function f;
 
@@ -81,7 +81,7 @@ static rbdi_ad_function rbdi_ad_function_of(int which, const rbd_real t[7]) {
        below it   b [u]x + c (w u' + u w' - slope) + slope (db [w]x + dc [w]x^2)
 
    with slope = 2 w'u, the derivative of x along u. */
-static void rbdi_fill_ad(rbdi_ad_function f, rbdi_motion d, rbd_real scale, rbd_real J[6][6]) {
+RBDI_LOCAL void rbdi_fill_ad(rbdi_ad_function f, rbdi_motion d, rbd_real scale, rbd_real J[6][6]) {
     const rbd_real w[3] = {d.omega.x, d.omega.y, d.omega.z}, u[3] = {d.v.x, d.v.y, d.v.z};
     const rbd_real x = rbdi_dot(d.omega, d.omega), slope = rbdi_dot(d.omega, d.v) + rbdi_dot(d.omega, d.v);
 
@@ -108,8 +108,8 @@ static void rbdi_fill_ad(rbdi_ad_function f, rbdi_motion d, rbd_real scale, rbd_
 
 /* Writes scale f(ad) of the step sign d as a joint's block of a matrix that is 0. f = 1 for joints whose
    coordinates add up. */
-static void rbdi_put_step(const rbd_model *m, const rbdi_frame *body, int which, const rbd_real *d,
-                          rbd_real sign, rbd_real scale, rbd_real *out) {
+RBDI_LOCAL void rbdi_put_step(const rbd_model *m, const rbdi_frame *body, int which, const rbd_real *d,
+                              rbd_real sign, rbd_real scale, rbd_real *out) {
     const ptrdiff_t nv = m->nv;
     const int first = rbdi_first_axis(body->type);
     rbd_real t[7], J[6][6];
@@ -179,8 +179,8 @@ RBDI_PART void rbdi_unforced_columns(const rbd_model *m, const rbd_real *v, rbd_
        dv_next = E dnu + (end_w x turn; end_v x turn)
 
    n: number of columns; own: the first column by the joint's own q, -1 = none */
-static void rbdi_turn_columns(const rbdi_frame *body, int n, const rbd_real *moved, const rbd_real *nu,
-                              rbd_real dt, int own, rbd_real *dq, rbd_real *dv) {
+RBDI_LOCAL void rbdi_turn_columns(const rbdi_frame *body, int n, const rbd_real *moved, const rbd_real *nu,
+                                  rbd_real dt, int own, rbd_real *dq, rbd_real *dv) {
     const rbdi_motion V = rbdi_joint_motion(body, moved, 1), end = rbdi_joint_motion(body, nu, 1);
     const rbdi_v3 w = rbdi_scale(dt, V.omega), back = rbdi_scale(-dt, V.omega);
     const rbdi_exp e = rbdi_exp_of(w);
@@ -237,7 +237,7 @@ typedef struct rbdi_moved_joint {
     rbd_real q_q[36], q_v[36], v_v[36];
 } rbdi_moved_joint;
 
-static rbdi_moved_joint rbdi_differentiate_move(const rbdi_frame *body, const rbd_real *v, rbd_real dt) {
+RBDI_LOCAL rbdi_moved_joint rbdi_differentiate_move(const rbdi_frame *body, const rbd_real *v, rbd_real dt) {
     const int n = body->nv;
     rbd_real none[36];
     rbdi_moved_joint by;

@@ -5,7 +5,7 @@
 #include "model/emit.h"
 
 /* Takes the model and the scratch of the build from the memory. */
-static void rbdi_build_take(rbdi_build *b, void *memory) {
+RBDI_LOCAL void rbdi_build_take(rbdi_build *b, void *memory) {
     unsigned char *p = rbdi_aligned(memory);
     b->m = (rbd_model *)rbdi_take(&p, 1, RBDI_ROUND(sizeof(rbd_model)));
 #define RBDI_TAKE(type, name, length) \

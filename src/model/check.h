@@ -17,11 +17,11 @@
 
 /* -- small dense algebra of the build -- */
 
-static int rbdi_nonzero(rbdi_wide x) { return x < 0 || x > 0; }
+RBDI_LOCAL int rbdi_nonzero(rbdi_wide x) { return x < 0 || x > 0; }
 
 /* Scales (c, s) to the unit circle, and moves it to the nearest right angle if one is as close as this,
    rad. */
-static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close) {
+RBDI_LOCAL void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close) {
     rbdi_wide length = RBDI_WIDE_LIBM(sqrt)(*c * *c + *s * *s);
 
     *c /= length;
@@ -40,7 +40,7 @@ static void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close) {
 
 /* Sine and cosine of an angle of at most 90 degrees, to 1e-29: sums of their series, which give the same bits
    everywhere. */
-static void rbdi_w_series(rbdi_wide x, rbdi_wide *sine, rbdi_wide *cosine) {
+RBDI_LOCAL void rbdi_w_series(rbdi_wide x, rbdi_wide *sine, rbdi_wide *cosine) {
     const rbdi_wide x2 = x * x;
     rbdi_wide sum_c = 1, sum_s = 1;
 
@@ -54,7 +54,7 @@ static void rbdi_w_series(rbdi_wide x, rbdi_wide *sine, rbdi_wide *cosine) {
 }
 
 /* Angle, at most 45 degrees, from its cosine and sine: rbdi_signed_angle in the build's arithmetic. */
-static rbdi_wide rbdi_w_angle(rbdi_wide c, rbdi_wide s) {
+RBDI_LOCAL rbdi_wide rbdi_w_angle(rbdi_wide c, rbdi_wide s) {
     rbdi_wide sine = rbdi_w_abs(s), t = sine / (1 + c);
     rbdi_wide angle = t * (2 - (rbdi_wide)RBDI_ANGLE_START * t * t);
 
@@ -69,8 +69,8 @@ static rbdi_wide rbdi_w_angle(rbdi_wide c, rbdi_wide s) {
 
 /* Adds moments of mass (Sigma, h, mass) to those of a link, in whose frame a point x is A x + t: h_new = A h
    + mass t, Sigma_new = A Sigma A' + t (A h)' + h_new t'. */
-static void rbdi_add_moments(rbdi_build_link *to, const rbdi_wide A[9], const rbdi_wide t[3],
-                             const rbdi_wide Sigma[6], const rbdi_wide h[3], rbdi_wide mass) {
+RBDI_LOCAL void rbdi_add_moments(rbdi_build_link *to, const rbdi_wide A[9], const rbdi_wide t[3],
+                                 const rbdi_wide Sigma[6], const rbdi_wide h[3], rbdi_wide mass) {
     static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
     rbdi_wide full[9], turned[9], Ah[3], T[9];
 
@@ -90,7 +90,7 @@ static void rbdi_add_moments(rbdi_build_link *to, const rbdi_wide A[9], const rb
 }
 
 /* Changes a link's frame, and so its moments: the point x becomes A x + t. */
-static void rbdi_change_moments(rbdi_build_link *l, const rbdi_wide A[9], const rbdi_wide t[3]) {
+RBDI_LOCAL void rbdi_change_moments(rbdi_build_link *l, const rbdi_wide A[9], const rbdi_wide t[3]) {
     rbdi_build_link old = *l;
     for (int k = 0; k < 6; ++k) l->Sigma[k] = 0;
     for (int k = 0; k < 3; ++k) l->h[k] = 0;
@@ -100,7 +100,7 @@ static void rbdi_change_moments(rbdi_build_link *l, const rbdi_wide A[9], const 
 
 /* -- the checks -- */
 
-static int rbdi_parallel(const double axis[3], const double axis2[3]) {
+RBDI_LOCAL int rbdi_parallel(const double axis[3], const double axis2[3]) {
     rbdi_wide x[3], y[3], cross[3];
     rbdi_widen(axis, 3, x);
     rbdi_widen(axis2, 3, y);
@@ -110,10 +110,10 @@ static int rbdi_parallel(const double axis[3], const double axis2[3]) {
     return !(rbdi_w_length(cross) > RBDI_PARALLEL);
 }
 
-static int rbdi_is_axis(const double axis[3]) { return rbdi_finite(axis, 3) && !rbdi_all_zero(axis, 3); }
+RBDI_LOCAL int rbdi_is_axis(const double axis[3]) { return rbdi_finite(axis, 3) && !rbdi_all_zero(axis, 3); }
 
-static void rbdi_warn_saying(rbd_report *report, rbd_status status, int body, const char *name,
-                             const char *field, const char *sentence) {
+RBDI_LOCAL void rbdi_warn_saying(rbd_report *report, rbd_status status, int body, const char *name,
+                                 const char *field, const char *sentence) {
     if (report->warnings < RBD_MAX_WARNINGS) {
         rbd_finding *f = &report->warning[report->warnings];
         f->status = status;
@@ -126,13 +126,14 @@ static void rbdi_warn_saying(rbd_report *report, rbd_status status, int body, co
     ++report->warnings;
 }
 
-static void rbdi_warn(rbd_report *report, rbd_status status, int body, const char *name, const char *field) {
+RBDI_LOCAL void rbdi_warn(rbd_report *report, rbd_status status, int body, const char *name,
+                          const char *field) {
     rbdi_warn_saying(report, status, body, name, field, NULL);
 }
 
 /* Warns of an inertia that no real body has. I must be positive semi-definite, and so must Sigma = tr(I)/2 -
    I (the triangle inequalities of the principal moments). Dynamics computes with others too. */
-static void rbdi_check_inertia(const rbd_body *b, int i, rbd_report *report) {
+RBDI_LOCAL void rbdi_check_inertia(const rbd_body *b, int i, rbd_report *report) {
     const double *I = b->inertia, trace = I[0] + I[3] + I[5];
     double size = 0, Sigma[6];
 
@@ -154,12 +155,12 @@ static void rbdi_check_inertia(const rbd_body *b, int i, rbd_report *report) {
 }
 
 /* Whether a joint has limits as the model stores them: in float they may be equal. */
-static int rbdi_is_limited(const rbd_body *b) {
+RBDI_LOCAL int rbdi_is_limited(const rbd_body *b) {
     return rbdi_has_limits((int)b->type) && RBD_C(b->lower) < RBD_C(b->upper);
 }
 
 /* Warns of limits that are set and mean none. */
-static void rbdi_check_limits(const rbd_body *b, int i, rbd_report *report) {
+RBDI_LOCAL void rbdi_check_limits(const rbd_body *b, int i, rbd_report *report) {
     const char *sentence = "not below upper: read as no limits";
     if (rbdi_all_zero(&b->lower, 1) && rbdi_all_zero(&b->upper, 1)) return;
     if (rbdi_is_limited(b)) return;
@@ -170,13 +171,13 @@ static void rbdi_check_limits(const rbd_body *b, int i, rbd_report *report) {
 }
 
 /* A limit x of a body's joint as a limit of the joint that it mimics, if any: x = ratio q + offset. */
-static rbd_const rbdi_source_limit(const rbd_body *b, double x) {
+RBDI_LOCAL rbd_const rbdi_source_limit(const rbd_body *b, double x) {
     return b->mimic ? (RBD_C(x) - RBD_C(b->mimic_offset)) / RBD_C(b->mimic_ratio) : RBD_C(x);
 }
 
 /* Whether two joints with limits, of which one mimics the other or both mimic a third one, cannot both be
    within their limits. */
-static int rbdi_limits_contradict(const rbd_body *one, const rbd_body *two) {
+RBDI_LOCAL int rbdi_limits_contradict(const rbd_body *one, const rbd_body *two) {
     const rbd_body *of[2] = {one, two};
     rbd_const lower[2], upper[2];
     if (!rbdi_is_limited(one) || !rbdi_is_limited(two)) return 0;
@@ -192,7 +193,7 @@ static int rbdi_limits_contradict(const rbd_body *one, const rbd_body *two) {
 
 /* Warns of each joint that mimics another if its limits contradict those of that joint, or of a joint before
    it that mimics the same one. Ranges of one coordinate have a place in common if each two of them have. */
-static void rbdi_check_followers(const rbd_body *bodies, int nb, rbd_report *report) {
+RBDI_LOCAL void rbdi_check_followers(const rbd_body *bodies, int nb, rbd_report *report) {
     for (int i = 0; i < nb; ++i) {
         const rbd_body *b = &bodies[i];
         int contradicts = 0;
@@ -210,7 +211,7 @@ static void rbdi_check_followers(const rbd_body *bodies, int nb, rbd_report *rep
 }
 
 /* Index of the body whose joint body i mimics, -1 if there is none that can be followed. */
-static int rbdi_mimic_source(const rbd_body *bodies, int nb, int i) {
+RBDI_LOCAL int rbdi_mimic_source(const rbd_body *bodies, int nb, int i) {
     for (int j = 0; j < nb; ++j)
         if (j != i && rbdi_same(bodies[j].joint, bodies[i].mimic))
             return rbdi_can_mimic((int)bodies[j].type) && !bodies[j].mimic ? j : -1;
@@ -219,7 +220,7 @@ static int rbdi_mimic_source(const rbd_body *bodies, int nb, int i) {
 
 /* -- a row of the description: the first condition that fails is the report's error -- */
 
-static rbd_status rbdi_check_names(const rbd_body *bodies, int i, rbd_report *report) {
+RBDI_LOCAL rbd_status rbdi_check_names(const rbd_body *bodies, int i, rbd_report *report) {
     const rbd_body *b = &bodies[i];
     for (int j = 0; j < i; ++j) {
         if (rbdi_same(b->name, bodies[j].name)) return rbdi_refuse(report, RBD_ERR_NAME, i, b->name, "name");
@@ -229,7 +230,7 @@ static rbd_status rbdi_check_names(const rbd_body *bodies, int i, rbd_report *re
     return RBD_OK;
 }
 
-static rbd_status rbdi_check_joint(const rbd_body *b, int i, rbd_report *report) {
+RBDI_LOCAL rbd_status rbdi_check_joint(const rbd_body *b, int i, rbd_report *report) {
     const int type = (int)b->type;
     const char *axes;
     if (b->parent < -1 || b->parent >= i) return rbdi_refuse(report, RBD_ERR_PARENT, i, b->name, "parent");
@@ -251,7 +252,7 @@ static rbd_status rbdi_check_joint(const rbd_body *b, int i, rbd_report *report)
 }
 
 /* The body's inertia, and the armature, damping, friction and limits of its joint. */
-static rbd_status rbdi_check_numbers(const rbd_body *b, int i, rbd_report *report) {
+RBDI_LOCAL rbd_status rbdi_check_numbers(const rbd_body *b, int i, rbd_report *report) {
     if (!rbdi_finite_positive(&b->mass, 1)) return rbdi_refuse(report, RBD_ERR_MASS, i, b->name, "mass");
     if (!rbdi_finite(b->com, 3)) return rbdi_refuse(report, RBD_ERR_COM, i, b->name, "com");
     if (!rbdi_finite(b->inertia, 6)) return rbdi_refuse(report, RBD_ERR_INERTIA, i, b->name, "inertia");
@@ -272,7 +273,7 @@ static rbd_status rbdi_check_numbers(const rbd_body *b, int i, rbd_report *repor
     return RBD_OK;
 }
 
-static rbd_status rbdi_check_mimic(const rbd_body *bodies, int nb, int i, rbd_report *report) {
+RBDI_LOCAL rbd_status rbdi_check_mimic(const rbd_body *bodies, int nb, int i, rbd_report *report) {
     const rbd_body *b = &bodies[i];
     if (!b->mimic) return RBD_OK;
     if (!rbdi_can_mimic((int)b->type) || rbdi_mimic_source(bodies, nb, i) < 0)
@@ -287,7 +288,7 @@ static rbd_status rbdi_check_mimic(const rbd_body *bodies, int nb, int i, rbd_re
     return RBD_OK;
 }
 
-static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_report *report) {
+RBDI_LOCAL rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_report *report) {
     rbd_status status = rbdi_check_names(bodies, i, report);
     if (!status) status = rbdi_check_joint(&bodies[i], i, report);
     if (!status) status = rbdi_check_numbers(&bodies[i], i, report);
@@ -301,7 +302,8 @@ static rbd_status rbdi_check_body(const rbd_body *bodies, int nb, int i, rbd_rep
 
 /* Every joint must move mass, inertia or armature: of its body, of bodies fixed to it or moved with it, or of
    joints that mimic it. */
-static rbd_status rbdi_check_moves(const rbd_body *bodies, int nb, rbdi_place *place, rbd_report *report) {
+RBDI_LOCAL rbd_status rbdi_check_moves(const rbd_body *bodies, int nb, rbdi_place *place,
+                                       rbd_report *report) {
     rbd_status status = RBD_OK;
 
     for (int i = 0; i < nb; ++i) place[i].moves = bodies[i].mimic != NULL;
@@ -336,7 +338,7 @@ typedef struct rbdi_build {
     RBDI_MODEL_ARRAYS(RBDI_ARRAY_FIELD, 0, 0, 0, 0, 0)
 } rbdi_build;
 
-static rbdi_counts rbdi_count(const rbd_body *bodies, int nb) {
+RBDI_LOCAL rbdi_counts rbdi_count(const rbd_body *bodies, int nb) {
     rbdi_counts n = {0, 0, 0, 0, 0, 0};
 
     for (int i = 0; i < nb; ++i) {

@@ -27,7 +27,7 @@ RBDI_PART rbdi_wide_pose rbdi_link_place(const rbd_model *m, const rbdi_link *l)
 
 /* Writes the pose of a body's joint, its axes, which are the links' z, and its parent; returns its first
    dof. */
-static int rbdi_describe_joint(const rbd_model *m, int body, rbd_body *row) {
+RBDI_LOCAL int rbdi_describe_joint(const rbd_model *m, int body, rbd_body *row) {
     const rbdi_frame *u = &m->frame[body];
     rbdi_wide_pose X = rbdi_widen_pose(u->E, u->r), parent;
     rbdi_wide R[9], axis[3] = {0, 0, 0}, axis2[3] = {0, 0, 0};

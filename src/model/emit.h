@@ -4,7 +4,7 @@
 #include "model/regroup.h"
 
 /* Three and six numbers of the build as constants of the model. */
-static rbdi_c3 rbdi_round3(const rbdi_wide x[3]) {
+RBDI_LOCAL rbdi_c3 rbdi_round3(const rbdi_wide x[3]) {
     rbdi_c3 out;
     out.x = RBD_C(x[0]);
     out.y = RBD_C(x[1]);
@@ -12,7 +12,7 @@ static rbdi_c3 rbdi_round3(const rbdi_wide x[3]) {
     return out;
 }
 
-static rbdi_csym rbdi_round6(const rbdi_wide x[6]) {
+RBDI_LOCAL rbdi_csym rbdi_round6(const rbdi_wide x[6]) {
     rbdi_csym out;
 
     out.xx = RBD_C(x[0]);
@@ -25,7 +25,7 @@ static rbdi_csym rbdi_round6(const rbdi_wide x[6]) {
 }
 
 /* The joint angle at q = 0. Its right angles are kept apart, because a multiple of pi would be rounded. */
-static void rbdi_emit_angle(const rbdi_build_link *l, rbdi_link *out) {
+RBDI_LOCAL void rbdi_emit_angle(const rbdi_build_link *l, rbdi_link *out) {
     rbdi_wide c = l->cg, s = l->sg, minus_c;
     int quarters = 0;
 
@@ -43,7 +43,7 @@ static void rbdi_emit_angle(const rbdi_build_link *l, rbdi_link *out) {
 }
 
 /* The flags of a link: the operations that its constants make necessary. */
-static int rbdi_emit_flags(const rbdi_build *build, const rbdi_build_link *l) {
+RBDI_LOCAL int rbdi_emit_flags(const rbdi_build *build, const rbdi_build_link *l) {
     const rbd_body *b = &build->bodies[l->body];
     const int block = l->kind == RBDI_BLOCK;
     int flags = 0;
@@ -62,7 +62,7 @@ static int rbdi_emit_flags(const rbdi_build *build, const rbdi_build_link *l) {
 }
 
 /* Step 9: the constants of the link at position p. */
-static rbdi_link rbdi_emit_link(const rbdi_build *build, int p) {
+RBDI_LOCAL rbdi_link rbdi_emit_link(const rbdi_build *build, int p) {
     const rbdi_build_link *links = build->links, *l = &links[links[p].order];
     rbdi_link out;
 
@@ -92,7 +92,7 @@ static rbdi_link rbdi_emit_link(const rbdi_build *build, int p) {
 }
 
 /* The same of a block: its joint. */
-static rbdi_block rbdi_emit_block(const rbdi_build_link *l) {
+RBDI_LOCAL rbdi_block rbdi_emit_block(const rbdi_build_link *l) {
     const rbdi_joint_fact *fact = rbdi_joint_facts(l->type);
     rbdi_block out;
 
@@ -110,13 +110,13 @@ static rbdi_block rbdi_emit_block(const rbdi_build_link *l) {
 }
 
 /* Bound of the inertia that the link's k-th dof moves. */
-static rbdi_wide rbdi_build_dof_scale(const rbdi_build_link *l, int k) {
+RBDI_LOCAL rbdi_wide rbdi_build_dof_scale(const rbdi_build_link *l, int k) {
     if (l->kind != RBDI_BLOCK) return l->rho * l->scale + l->kappa * l->kappa * l->all_mass;
     return rbdi_first_axis(l->type) + k < 3 ? l->scale : l->all_mass;
 }
 
 /* The dofs of the link at position p. */
-static void rbdi_emit_dofs(const rbdi_build *build, int p) {
+RBDI_LOCAL void rbdi_emit_dofs(const rbdi_build *build, int p) {
     const rbdi_build_link *l = &build->links[build->links[p].order];
     const rbd_body *b = &build->bodies[l->body];
     const rbdi_link *link = &build->link[p];
@@ -145,7 +145,7 @@ static void rbdi_emit_dofs(const rbdi_build *build, int p) {
 }
 
 /* Body i in the user's frame. */
-static rbdi_frame rbdi_emit_frame(const rbdi_build *build, int i) {
+RBDI_LOCAL rbdi_frame rbdi_emit_frame(const rbdi_build *build, int i) {
     const rbd_body *b = &build->bodies[i];
     const rbdi_place *place = &build->place[i];
     rbdi_wide_pose X = place->X;
@@ -188,7 +188,7 @@ static rbdi_frame rbdi_emit_frame(const rbdi_build *build, int i) {
 }
 
 /* Steps 3 to 8: from the user's frames to those of [design]. */
-static void rbdi_build_solve(rbdi_build_link *links, int nl) {
+RBDI_LOCAL void rbdi_build_solve(rbdi_build_link *links, int nl) {
     for (int i = 0; i < nl; ++i) rbdi_build_axis(links, i);
     rbdi_build_order(links, nl);
     for (int p = nl - 1; p >= 0; --p) rbdi_build_measure(links, links[p].order);
@@ -206,7 +206,7 @@ static void rbdi_build_solve(rbdi_build_link *links, int nl) {
 }
 
 /* Coordinates and dofs: in the order of the bodies; those of mimic joints behind all others. */
-static void rbdi_place_coordinates(const rbdi_build *build) {
+RBDI_LOCAL void rbdi_place_coordinates(const rbdi_build *build) {
     int iq = 0, iv = 0, mimic = 0;
 
     for (int i = 0; i < build->nb; ++i) {
@@ -228,7 +228,7 @@ static void rbdi_place_coordinates(const rbdi_build *build) {
 }
 
 /* All numbers that rbd_work_size and rbd_batch_size depend on, side by side in few words to compare. */
-static void rbdi_shape(const rbd_model *m, uint64_t shape[RBDI_SHAPE]) {
+RBDI_LOCAL void rbdi_shape(const rbd_model *m, uint64_t shape[RBDI_SHAPE]) {
     shape[0] = (uint64_t)m->nb << 48 | (uint64_t)m->nq << 32 | (uint64_t)m->nv << 16 | (uint64_t)m->nl;
     shape[1] = (uint64_t)m->nblock << 32 | (uint64_t)m->nbranch << 16 | (uint64_t)m->nmimic;
     shape[2] = (uint64_t)m->nh << 32 | (uint64_t)m->nhx;
@@ -237,7 +237,7 @@ static void rbdi_shape(const rbd_model *m, uint64_t shape[RBDI_SHAPE]) {
 /* Entry (i, j) of the matrix is not zero: so one of the two must be on the other's path to the root. The
    elimination of a row fills the row of its lambda in all its other columns (RBDA 6.5): so from there on the
    two paths become one. */
-static void rbdi_couple(rbdi_dof *dof, int i, int j) {
+RBDI_LOCAL void rbdi_couple(rbdi_dof *dof, int i, int j) {
     while (i != j) {
         const int high = i > j ? i : j, low = i > j ? j : i, next = dof[high].lambda;
         if (next < low) dof[high].lambda = (int16_t)low;
@@ -248,7 +248,7 @@ static void rbdi_couple(rbdi_dof *dof, int i, int j) {
 
 /* The nv dofs of the matrix in depth-first order. Meanwhile dof.depth is the number of descendants, and
    dof.row where the next child goes. */
-static void rbdi_emit_nodes(rbdi_dof *dof, int nv, rbdi_node *node) {
+RBDI_LOCAL void rbdi_emit_nodes(rbdi_dof *dof, int nv, rbdi_node *node) {
     int32_t next = 0;
 
     for (int k = 0; k < nv; ++k) dof[k].depth = 0;
@@ -266,7 +266,7 @@ static void rbdi_emit_nodes(rbdi_dof *dof, int nv, rbdi_node *node) {
 
 /* Step 10: the tree of the matrix. Without mimic joints it is that of the mechanism. A mimic dof couples the
    dof that it follows with those on its path to the root, and with those whose path it is on. */
-static void rbdi_emit_tree(const rbdi_build *build) {
+RBDI_LOCAL void rbdi_emit_tree(const rbdi_build *build) {
     const int nv = build->n.nv, n = build->n.ndof;
     const rbdi_mimic *mimic = build->mimic;
     rbdi_dof *dof = build->dof;
@@ -295,7 +295,7 @@ static void rbdi_emit_tree(const rbdi_build *build) {
 }
 
 /* Links, blocks, branch points and dofs, in the solver's order. */
-static void rbdi_emit_links(const rbdi_build *build) {
+RBDI_LOCAL void rbdi_emit_links(const rbdi_build *build) {
     rbd_model *m = build->m;
     int block = 0;
 
@@ -323,7 +323,7 @@ static void rbdi_emit_links(const rbdi_build *build) {
 }
 
 /* Frames of the bodies, and mimic joints, whose inertia adds to the scale of the joint that they follow. */
-static void rbdi_emit_frames(const rbdi_build *build) {
+RBDI_LOCAL void rbdi_emit_frames(const rbdi_build *build) {
     int next = 0;
 
     for (int i = 0; i < build->nb; ++i) {
@@ -342,7 +342,7 @@ static void rbdi_emit_frames(const rbdi_build *build) {
 }
 
 /* The solver's order of the dofs, with the rows that crba writes; the range of each link's subtree in it. */
-static void rbdi_emit_order(const rbdi_build *build) {
+RBDI_LOCAL void rbdi_emit_order(const rbdi_build *build) {
     rbd_model *m = build->m;
     int next = 0;
 
@@ -365,7 +365,7 @@ static void rbdi_emit_order(const rbdi_build *build) {
 }
 
 /* Steps 9 and 10. */
-static void rbdi_emit(const rbdi_build *build) {
+RBDI_LOCAL void rbdi_emit(const rbdi_build *build) {
     rbd_model *m = build->m;
 
     m->link = build->link;

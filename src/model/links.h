@@ -3,25 +3,25 @@
 #include "model/check.h"
 
 /* A joint's axis of this letter of rbdi_joint_fact.axes, of unit length, joint frame. */
-static void rbdi_link_axis(const rbd_body *b, char which, rbdi_wide axis[3]) {
+RBDI_LOCAL void rbdi_link_axis(const rbd_body *b, char which, rbdi_wide axis[3]) {
     for (int k = 0; k < 3; ++k) axis[k] = which == 'x' + k;
     if (which == 'a') rbdi_widen(b->axis, 3, axis);
     if (which == 'b') rbdi_widen(b->axis2, 3, axis);
     rbdi_unit(axis, axis);
 }
 
-static void rbdi_clear_link(rbdi_build_link *l) {
+RBDI_LOCAL void rbdi_clear_link(rbdi_build_link *l) {
     unsigned char *p = (unsigned char *)l;
     for (size_t k = 0; k < sizeof *l; ++k) p[k] = 0;
 }
 
-static void rbdi_build_reach(rbdi_build_link *l, rbdi_wide reach) {
+RBDI_LOCAL void rbdi_build_reach(rbdi_build_link *l, rbdi_wide reach) {
     if (l->reach < reach) l->reach = reach;
 }
 
 /* Step 1: the pose of body i, and the links of its joint, in the user's frames. Universal, cylindrical and
    Euler joints become chains of one-axis links; only the last has mass. */
-static void rbdi_build_joint(const rbdi_build *build, int i, int *nl) {
+RBDI_LOCAL void rbdi_build_joint(const rbdi_build *build, int i, int *nl) {
     const rbd_body *b = &build->bodies[i];
     rbdi_place *place = build->place;
     const int type = (int)b->type, n = rbdi_links_of(type);
@@ -83,7 +83,7 @@ static void rbdi_build_joint(const rbdi_build *build, int i, int *nl) {
 }
 
 /* Step 2: adds the body's moments of mass to its link's. About the centre of mass Sigma = tr(I)/2 - I. */
-static void rbdi_build_mass(const rbd_body *b, const rbdi_place *place, rbdi_build_link *links) {
+RBDI_LOCAL void rbdi_build_mass(const rbd_body *b, const rbdi_place *place, rbdi_build_link *links) {
     rbdi_wide Sigma[6], T[9], com[3], none[3] = {0, 0, 0}, half;
     if (place->link < 0) return;
 
@@ -98,7 +98,7 @@ static void rbdi_build_mass(const rbd_body *b, const rbdi_place *place, rbdi_bui
 }
 
 /* Step 3: solver frames, with the joint's axis on z. */
-static void rbdi_build_axis(rbdi_build_link *links, int i) {
+RBDI_LOCAL void rbdi_build_axis(rbdi_build_link *links, int i) {
     rbdi_build_link *l = &links[i];
     rbdi_w_identity(l->solver.E);
     if (l->kind != RBDI_BLOCK) rbdi_w_basis(l->axis, l->solver.E);
@@ -110,13 +110,13 @@ static void rbdi_build_axis(rbdi_build_link *links, int i) {
 /* Of the children of a link the one with the highest rank comes first, its favourite: that with the largest
    subtree; under a one-axis parent one-axis children before blocks, because only they can have Denavit and
    Hartenberg's form. */
-static int rbdi_build_rank(const rbdi_build_link *links, int nl, int i) {
+RBDI_LOCAL int rbdi_build_rank(const rbdi_build_link *links, int nl, int i) {
     const int one_axis = links[i].kind != RBDI_BLOCK && links[links[i].parent].kind != RBDI_BLOCK;
     return links[i].size + (one_axis ? nl : 0);
 }
 
 /* Step 4: depth-first positions. */
-static void rbdi_build_order(rbdi_build_link *links, int nl) {
+RBDI_LOCAL void rbdi_build_order(rbdi_build_link *links, int nl) {
     int next_root = 0;
 
     for (int i = 0; i < nl; ++i) links[i].size = 1;
@@ -151,7 +151,8 @@ static void rbdi_build_order(rbdi_build_link *links, int nl) {
 
 /* Turns the frame of link i about its joint axis z by (c, s) and shifts it along z by t. The joint's motion
    and all results stay; the constants around it change. */
-static void rbdi_build_turn(rbdi_build_link *links, int nl, int i, rbdi_wide c, rbdi_wide s, rbdi_wide t) {
+RBDI_LOCAL void rbdi_build_turn(rbdi_build_link *links, int nl, int i, rbdi_wide c, rbdi_wide s,
+                                rbdi_wide t) {
     rbdi_build_link *l = &links[i];
     const rbdi_wide down[3] = {0, 0, -t};
     rbdi_wide_pose turn;
@@ -174,7 +175,7 @@ static void rbdi_build_turn(rbdi_build_link *links, int nl, int i, rbdi_wide c, 
 
 /* Angles of E = Rz(gamma) Rx(alpha) Rz(beta), |beta| <= 90 degrees, snapped to right angles. E is computed
    anew from them, so that poses and dynamics have the same model. */
-static void rbdi_build_angles(rbdi_build_link *l) {
+RBDI_LOCAL void rbdi_build_angles(rbdi_build_link *l) {
     rbdi_wide *E = l->X.E, sigma = RBDI_WIDE_LIBM(sqrt)(E[6] * E[6] + E[7] * E[7]);
 
     l->cb = 1;
@@ -205,17 +206,17 @@ static void rbdi_build_angles(rbdi_build_link *l) {
 
 /* Bounds of the moments of mass, sums of m |x|^2 and of m |x|, of the subtree of link l about a point at this
    distance from l's origin: with its links stretched out away from the point. */
-static rbdi_wide rbdi_build_second_moment(const rbdi_build_link *l, rbdi_wide distance) {
+RBDI_LOCAL rbdi_wide rbdi_build_second_moment(const rbdi_build_link *l, rbdi_wide distance) {
     return l->all_mass * (l->radius + distance) * (l->radius + distance);
 }
 
-static rbdi_wide rbdi_build_first_moment(const rbdi_build_link *l, rbdi_wide distance) {
+RBDI_LOCAL rbdi_wide rbdi_build_first_moment(const rbdi_build_link *l, rbdi_wide distance) {
     return l->lever + l->all_mass * distance;
 }
 
 /* Step 5, leaves to root: mass, radius of gyration and first moment of the stretched subtree about the link's
    own origin. */
-static void rbdi_build_measure(rbdi_build_link *links, int i) {
+RBDI_LOCAL void rbdi_build_measure(rbdi_build_link *links, int i) {
     rbdi_build_link *l = &links[i];
     const rbdi_wide own = l->Sigma[0] + l->Sigma[3] + l->Sigma[5];
 
@@ -235,7 +236,7 @@ static void rbdi_build_measure(rbdi_build_link *links, int i) {
    distance from it. Inertias about a far point are large, and the algorithms subtract them from each other:
    rounding errors grow with them. So the moments of this subtree may become at most 4 times those about the
    origin that the user chose. Right-angled and parallel axes pass (1.1 times at most in iiwa, HyQ, Atlas). */
-static int rbdi_build_near(const rbdi_build_link *links, int nl, int i, rbdi_wide t, rbdi_wide distance) {
+RBDI_LOCAL int rbdi_build_near(const rbdi_build_link *links, int nl, int i, rbdi_wide t, rbdi_wide distance) {
     const rbdi_build_link *l = &links[i], *f = &links[l->favourite];
     const rbdi_wide rest = l->all_mass - f->all_mass, before = rbdi_w_length(f->X.r), step = rbdi_w_abs(t);
 
@@ -256,7 +257,7 @@ static int rbdi_build_near(const rbdi_build_link *links, int nl, int i, rbdi_wid
 /* Step 6, root to leaves: gives the favourite child of link i Denavit and Hartenberg's form, beta = 0 and r =
    (a, 0, 0), by a turn and shift of link i's frame. Without such a child gamma and d become 0 instead. Nearly
    parallel axes have their common normal far away and would lose digits: they keep a general r and beta. */
-static void rbdi_build_normalise(rbdi_build_link *links, int nl, int i) {
+RBDI_LOCAL void rbdi_build_normalise(rbdi_build_link *links, int nl, int i) {
     rbdi_build_link *l = &links[i], *f;
     rbdi_wide r[3], Z[9], a, d = 0, t;
     if (l->kind == RBDI_BLOCK) return;
@@ -312,7 +313,7 @@ static void rbdi_build_normalise(rbdi_build_link *links, int nl, int i) {
 }
 
 /* Origin of a link in its parent's frame at q = 0. */
-static void rbdi_build_origin(const rbdi_build_link *l, rbdi_wide r[3]) {
+RBDI_LOCAL void rbdi_build_origin(const rbdi_build_link *l, rbdi_wide r[3]) {
     for (int k = 0; k < 3; ++k) r[k] = l->X.r[k] + l->d * l->X.E[6 + k];
 }
 

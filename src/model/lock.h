@@ -7,7 +7,7 @@
 
 /* Sine and cosine of an angle of any size. Long division by the right angle gives the number of right angles
    and the rest. Only the right angle is rounded, so the error is at most that of one more rounding of x. */
-static void rbdi_w_sincos(rbdi_wide x, rbdi_wide *s, rbdi_wide *c) {
+RBDI_LOCAL void rbdi_w_sincos(rbdi_wide x, rbdi_wide *s, rbdi_wide *c) {
     const rbdi_wide right_angle = RBDI_PI(rbdi_wide) / 2;
     rbdi_wide rest = rbdi_w_abs(x), part = right_angle, sine, cosine;
     int quarters = 0;
@@ -28,7 +28,7 @@ static void rbdi_w_sincos(rbdi_wide x, rbdi_wide *s, rbdi_wide *c) {
 }
 
 /* u = q, n numbers, of unit length; if q is shorter than 1e-15, component `one` is 1 and the others are 0. */
-static void rbdi_w_direction(const double *q, int n, int one, rbdi_wide *u) {
+RBDI_LOCAL void rbdi_w_direction(const double *q, int n, int one, rbdi_wide *u) {
     rbdi_wide largest = 0, sum = 0, length;
 
     for (int k = 0; k < n; ++k)
@@ -46,7 +46,7 @@ static void rbdi_w_direction(const double *q, int n, int one, rbdi_wide *u) {
 }
 
 /* E of a turn about a unit vector n: c 1 + (1 - c) n n' - s [n]x (Rodrigues, transposed). */
-static void rbdi_w_turn(const rbdi_wide n[3], rbdi_wide c, rbdi_wide s, rbdi_wide E[9]) {
+RBDI_LOCAL void rbdi_w_turn(const rbdi_wide n[3], rbdi_wide c, rbdi_wide s, rbdi_wide E[9]) {
     for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
         E[4 * i] = c + (1 - c) * n[i] * n[i];
@@ -56,7 +56,7 @@ static void rbdi_w_turn(const rbdi_wide n[3], rbdi_wide c, rbdi_wide s, rbdi_wid
 }
 
 /* E of a quaternion (v; w) of any length: a turn about v with cosine w w - v'v and sine 2 w |v|. */
-static void rbdi_w_quaternion(const double *q, rbdi_wide E[9]) {
+RBDI_LOCAL void rbdi_w_quaternion(const double *q, rbdi_wide E[9]) {
     rbdi_wide u[4], length;
     rbdi_w_direction(q, 4, 3, u);
     length = rbdi_w_length(u);
@@ -65,7 +65,7 @@ static void rbdi_w_quaternion(const double *q, rbdi_wide E[9]) {
 }
 
 /* Motion of a link by its joint: its pose at q in its frame at q = 0. */
-static rbdi_wide_pose rbdi_axis_motion_at(const rbdi_build_link *l, const double *q) {
+RBDI_LOCAL rbdi_wide_pose rbdi_axis_motion_at(const rbdi_build_link *l, const double *q) {
     rbdi_wide_pose X;
     rbdi_wide u[2], c, s;
 
@@ -82,7 +82,7 @@ static rbdi_wide_pose rbdi_axis_motion_at(const rbdi_build_link *l, const double
     return X;
 }
 
-static rbdi_wide_pose rbdi_block_motion_at(int type, const double *q) {
+RBDI_LOCAL rbdi_wide_pose rbdi_block_motion_at(int type, const double *q) {
     rbdi_wide_pose X;
     rbdi_wide c, s;
 
@@ -101,7 +101,7 @@ static rbdi_wide_pose rbdi_block_motion_at(int type, const double *q) {
 
 /* Pose of a body in its parent at the coordinates q of its joint: that at q = 0, then the motion of each link
    that the joint has in the build. */
-static rbdi_wide_pose rbdi_body_pose_at(const rbd_body *b, const double *q) {
+RBDI_LOCAL rbdi_wide_pose rbdi_body_pose_at(const rbd_body *b, const double *q) {
     rbd_body alone = *b;
     rbdi_build_link links[3];
     rbdi_place place;
@@ -127,7 +127,7 @@ static rbdi_wide_pose rbdi_body_pose_at(const rbd_body *b, const double *q) {
 }
 
 /* Where the coordinates of body i begin in q. */
-static int rbdi_first_coordinate(const rbd_body *bodies, int i) {
+RBDI_LOCAL int rbdi_first_coordinate(const rbd_body *bodies, int i) {
     int iq = 0;
     for (int k = 0; k < i; ++k)
         if (!bodies[k].mimic) iq += rbdi_joint_facts((int)bodies[k].type)->nq;
@@ -136,7 +136,7 @@ static int rbdi_first_coordinate(const rbd_body *bodies, int i) {
 
 /* The coordinates at q of body i's joint, of one that mimics from those of the joint that it follows; returns
    their number. */
-static int rbdi_own_coordinates(const rbd_body *bodies, int nb, int i, const double *q, double own[7]) {
+RBDI_LOCAL int rbdi_own_coordinates(const rbd_body *bodies, int nb, int i, const double *q, double own[7]) {
     const rbd_body *b = &bodies[i];
     const int from = b->mimic ? rbdi_mimic_source(bodies, nb, i) : i;
     const int first = rbdi_first_coordinate(bodies, from), n = rbdi_joint_facts((int)b->type)->nq;
@@ -146,13 +146,13 @@ static int rbdi_own_coordinates(const rbd_body *bodies, int nb, int i, const dou
 }
 
 /* Whether body i's joint shall be held: its flag is set, or that of the joint that it mimics. */
-static int rbdi_is_held(const rbd_body *bodies, int nb, int i, const unsigned char *locked) {
+RBDI_LOCAL int rbdi_is_held(const rbd_body *bodies, int nb, int i, const unsigned char *locked) {
     if (bodies[i].type == RBD_FIXED) return 0;
     return locked[i] || (bodies[i].mimic && locked[rbdi_mimic_source(bodies, nb, i)]);
 }
 
 /* Makes the joint of a row fixed at its coordinates q. */
-static void rbdi_hold(rbd_body *row, const double *q) {
+RBDI_LOCAL void rbdi_hold(rbd_body *row, const double *q) {
     const rbdi_wide_pose X = rbdi_body_pose_at(row, q);
     rbdi_wide R[9];
 

@@ -7,7 +7,7 @@
 /* -- a payload -- */
 
 /* The inertia of a body with a payload: the sum of the masses, the centre of mass c, the moments about it. */
-static rbd_status rbdi_payload_frame(rbdi_frame *u, const rbd_body *load) {
+RBDI_LOCAL rbd_status rbdi_payload_frame(rbdi_frame *u, const rbd_body *load) {
     const rbdi_wide mass[2] = {(rbdi_wide)u->mass, (rbdi_wide)load->mass}, sum = mass[0] + mass[1];
     const rbdi_wide com[2][3] = {{(rbdi_wide)u->com.x, (rbdi_wide)u->com.y, (rbdi_wide)u->com.z},
                                  {(rbdi_wide)load->com[0], (rbdi_wide)load->com[1], (rbdi_wide)load->com[2]}};
@@ -45,7 +45,7 @@ static rbd_status rbdi_payload_frame(rbdi_frame *u, const rbd_body *load) {
 
 /* Prepares a step of the build from link i of the model to its parent, for the payload alone: pair[1] becomes
    link i with the moments of mass that pair[0] has, pair[0] its parent, empty. */
-static void rbdi_payload_step(const rbd_model *m, int i, rbdi_build_link pair[2]) {
+RBDI_LOCAL void rbdi_payload_step(const rbd_model *m, int i, rbdi_build_link pair[2]) {
     const rbdi_link *l = &m->link[i];
 
     pair[1] = pair[0];
@@ -60,13 +60,13 @@ static void rbdi_payload_step(const rbd_model *m, int i, rbdi_build_link pair[2]
 }
 
 /* Adds x to a dof's scale. */
-static void rbdi_payload_scale(rbdi_dof *dof, rbdi_wide x) {
+RBDI_LOCAL void rbdi_payload_scale(rbdi_dof *dof, rbdi_wide x) {
     dof->scale = RBD_C((rbdi_wide)dof->scale + x);
     if (dof->scale < dof->armature + RBDI_LEAST_SCALE) dof->scale = dof->armature + RBDI_LEAST_SCALE;
 }
 
 /* Step 7, the bounds of pivots, for a payload that is added (sign = 1) or taken off (-1). */
-static void rbdi_payload_bounds(const rbd_model *m, int i, rbd_body load, const rbdi_place *place) {
+RBDI_LOCAL void rbdi_payload_bounds(const rbd_model *m, int i, rbd_body load, const rbdi_place *place) {
     rbdi_dof *dof = (rbdi_dof *)m->dof;
     const double sign = load.mass < 0 || load.inertia[0] + load.inertia[3] + load.inertia[5] < 0 ? -1 : 1;
     rbdi_build_link pair[2];
@@ -102,7 +102,7 @@ static void rbdi_payload_bounds(const rbd_model *m, int i, rbd_body load, const 
 
 /* Step 8, regrouping, for the payload alone, because it is linear: on the way to the root each link keeps a
    part. */
-static void rbdi_payload_links(const rbd_model *m, int i, const rbd_body *load, const rbdi_place *place) {
+RBDI_LOCAL void rbdi_payload_links(const rbd_model *m, int i, const rbd_body *load, const rbdi_place *place) {
     rbdi_link *link = (rbdi_link *)m->link;
     rbdi_build_link pair[2];
     rbdi_wide kept = 0;

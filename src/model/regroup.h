@@ -10,7 +10,7 @@
    not be in doubt where nothing should turn about the axis, as with a thin rod on it. This inertia is taken
    about points as far away as the user's frames: solver.r, from the link's origin to the user's, and reach,
    to the farthest body fixed to this link or to a later one. A sliding joint is assumed to move by 1 m. */
-static void rbdi_build_scale(rbdi_build_link *links, int i) {
+RBDI_LOCAL void rbdi_build_scale(rbdi_build_link *links, int i) {
     rbdi_build_link *l = &links[i], *parent;
     rbdi_wide r[3], distance, reach,
         trace = l->Sigma[0] + l->Sigma[3] + l->Sigma[5] + l->mass * rbdi_w_dot(l->solver.r, l->solver.r);
@@ -36,7 +36,7 @@ static void rbdi_build_scale(rbdi_build_link *links, int i) {
 /* Step 8, leaves to root: regrouping ([design]). Moments of mass that the joint's motion does not change go
    to the parent: of a revolute link m, h_z and Sigma_zz, of a sliding one Sigma, of a spherical one m, of a
    helical or planar one Sigma_zz. */
-static void rbdi_build_regroup(rbdi_build_link *links, int i) {
+RBDI_LOCAL void rbdi_build_regroup(rbdi_build_link *links, int i) {
     rbdi_build_link *l = &links[i];
     rbdi_wide Sigma[6] = {0, 0, 0, 0, 0, 0}, h[3] = {0, 0, 0}, mass = 0, r[3], T[9];
     int slides = l->type == RBD_TRANSLATION || (l->kind == RBDI_SCREW && !(l->rho > 0));

@@ -56,7 +56,7 @@ RBDI_MESSAGES RBDI_API const char *rbd_status_string(rbd_status status) {
 }
 
 /* Writes a finding as a sentence; what: the word for a row of the description. */
-static char *rbdi_write_finding(const rbd_finding *finding, const char *what, char *text, size_t size) {
+RBDI_LOCAL char *rbdi_write_finding(const rbd_finding *finding, const char *what, char *text, size_t size) {
     const char *piece[12];
     char digits[12];
     int n = 0;

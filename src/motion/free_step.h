@@ -45,14 +45,14 @@ RBDI_PART void rbdi_guard_solution(const rbd_model *m, const rbd_real *L, const 
 }
 
 /* Columns of w->F, behind the scratch of a solution: three solutions, velocities, and accelerations. */
-static rbd_real *rbdi_free_vector(const rbd_model *m, rbd_work *w, int k) {
+RBDI_LOCAL rbd_real *rbdi_free_vector(const rbd_model *m, rbd_work *w, int k) {
     return w->F + (1 + k) * rbdi_stride(m);
 }
 
 /* y = L^-T dt (tau - c(at) - d v_mid). */
-static void rbdi_free_solution(const rbd_model *m, rbd_work *w, const rbd_real *v_mid, const rbd_real *at,
-                               const rbd_real *tau, const rbd_real *f_ext, const rbd_real *damping,
-                               rbd_real dt, rbd_real *y) {
+RBDI_LOCAL void rbdi_free_solution(const rbd_model *m, rbd_work *w, const rbd_real *v_mid, const rbd_real *at,
+                                   const rbd_real *tau, const rbd_real *f_ext, const rbd_real *damping,
+                                   rbd_real dt, rbd_real *y) {
     rbd_real *a = rbdi_free_vector(m, w, 4);
     rbdi_clear(a, m->nv);
     rbdi_straight_acceleration(m, at, a);
@@ -67,8 +67,8 @@ static void rbdi_free_solution(const rbd_model *m, rbd_work *w, const rbd_real *
 }
 
 /* x = nu - v_mid, by three solutions. */
-static void rbdi_free_change(const rbd_model *m, rbd_work *w, const rbd_real *v_mid, const rbd_real *tau,
-                             const rbd_real *f_ext, const rbd_real *damping, rbd_real dt, rbd_real *x) {
+RBDI_LOCAL void rbdi_free_change(const rbd_model *m, rbd_work *w, const rbd_real *v_mid, const rbd_real *tau,
+                                 const rbd_real *f_ext, const rbd_real *damping, rbd_real dt, rbd_real *x) {
     const rbd_real half = rbdi_set(RBD_C(0.5));
     rbd_real *at = rbdi_free_vector(m, w, 3);
     rbdi_clear(x, m->nv);

@@ -40,8 +40,8 @@ RBDI_INLINE rbdi_pose rbdi_kin_axis(const rbd_work *w, const rbdi_link *l, rbdi_
 }
 
 /* The same of the links first .. end - 1. */
-static void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *v,
-                           int moving) {
+RBDI_LOCAL void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *v,
+                               int moving) {
     rbdi_pose p = rbdi_world_pose();
 
     for (int i = first; i < end; ++i) {
@@ -68,8 +68,8 @@ static void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, 
 }
 
 /* States of the links first .. end - 1, after those of their ancestors. v, a: with mimics. */
-static void rbdi_kin_states(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *v,
-                            const rbd_real *a) {
+RBDI_LOCAL void rbdi_kin_states(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *v,
+                                const rbd_real *a) {
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     const rbdi_state world = rbdi_world_state(none);
     rbdi_forward(m, w, first, end, &world, v, a, 0, 1);
@@ -151,7 +151,7 @@ RBDI_PART rbdi_mat rbdi_axes_of(const rbd_model *m, const rbd_work *w, int body)
 }
 
 /* Pose and state of a body of the description, in its own frame. */
-static rbdi_kin rbdi_body_kin(const rbd_model *m, const rbd_work *w, int body) {
+RBDI_LOCAL rbdi_kin rbdi_body_kin(const rbd_model *m, const rbd_work *w, int body) {
     const rbdi_frame *u = &m->frame[body];
     const rbdi_mat E = rbdi_mat_c(u->E);
     const rbdi_v3 r = rbdi_vec_c(u->r);
@@ -172,21 +172,21 @@ static rbdi_kin rbdi_body_kin(const rbd_model *m, const rbd_work *w, int body) {
 }
 
 /* RBD_ERR_ORDER unless kinematics of this body, or of all with body -1, have been computed. */
-static rbd_status rbdi_have_kinematics(const rbd_model *m, const rbd_work *w, int body) {
+RBDI_LOCAL rbd_status rbdi_have_kinematics(const rbd_model *m, const rbd_work *w, int body) {
     const int last = w->kinematics_of, link = body < 0 ? m->nl : m->frame[body].link;
     if (last == m->nl || link < 0) return last == RBDI_NO_KINEMATICS ? RBD_ERR_ORDER : RBD_OK;
     return rbdi_carries(m, link, last) ? RBD_OK : RBD_ERR_ORDER;
 }
 
 /* arrays: none of the caller's required ones is NULL. */
-static rbd_status rbdi_check_body_call(const rbd_model *m, const rbd_work *w, int body, int arrays) {
+RBDI_LOCAL rbd_status rbdi_check_body_call(const rbd_model *m, const rbd_work *w, int body, int arrays) {
     const rbd_status status = rbdi_check(m, w, arrays);
     if (status) return status;
     if (body < 0 || body >= m->nb) return RBD_ERR_INDEX;
     return rbdi_have_kinematics(m, w, body);
 }
 
-static rbd_status rbdi_check_robot_call(const rbd_model *m, const rbd_work *w) {
+RBDI_LOCAL rbd_status rbdi_check_robot_call(const rbd_model *m, const rbd_work *w) {
     const rbd_status status = rbdi_check(m, w, 1);
     return status ? status : rbdi_have_kinematics(m, w, -1);
 }
@@ -210,8 +210,8 @@ RBDI_API rbd_status rbd_body_pose(const rbd_model *m, const rbd_work *w, int bod
 enum { RBDI_VELOCITY, RBDI_CLASSICAL_ACCELERATION, RBDI_SPATIAL_ACCELERATION };
 
 /* Velocity, or classical or spatial acceleration, of a point of a body. */
-static rbd_status rbdi_point_motion(const rbd_model *m, const rbd_work *w, int body, const rbd_real *point,
-                                    rbd_axes axes, int quantity, rbd_real *out) {
+RBDI_LOCAL rbd_status rbdi_point_motion(const rbd_model *m, const rbd_work *w, int body,
+                                        const rbd_real *point, rbd_axes axes, int quantity, rbd_real *out) {
     const rbd_status status = rbdi_check_body_call(m, w, body, out != NULL);
     const rbdi_v3 x = point ? rbdi_load_vec(point, 1) : rbdi_vec0();
     rbdi_motion V;
@@ -271,7 +271,7 @@ typedef struct rbdi_moving {
     rbdi_v3 com, v, acc, L, L_dot;
 } rbdi_moving;
 
-static rbdi_moving rbdi_moving_body(const rbd_model *m, const rbd_work *w, int body) {
+RBDI_LOCAL rbdi_moving rbdi_moving_body(const rbd_model *m, const rbd_work *w, int body) {
     const rbdi_frame *u = &m->frame[body];
     const rbdi_sym I = rbdi_sym_c(u->I);
     rbdi_moving b;
@@ -304,7 +304,7 @@ RBDI_INLINE void rbdi_add_momentum(const rbdi_moving *b, rbdi_v3 r, rbdi_v3 v, r
 
 /* Sums the momenta about the first link's origin o, which rounds less than about a far world origin, then
    moves them to the centre of mass: n - arm x f. com is not o + arm: bodies may be far from o. */
-static rbdi_total rbdi_add_bodies(const rbd_model *m, const rbd_work *w) {
+RBDI_LOCAL rbdi_total rbdi_add_bodies(const rbd_model *m, const rbd_work *w) {
     const rbd_const mass = rbd_mass(m);
     const rbdi_v3 o = mass > 0 ? w->kin[0].X.r : rbdi_vec0();
     rbdi_total s;
@@ -370,8 +370,8 @@ RBDI_API rbd_status rbd_momentum(const rbd_model *m, const rbd_work *w, rbd_real
 }
 
 /* A wrench on a body, in its own axes, to the parent's origin and axes. */
-static rbdi_force rbdi_wrench_to_parent(const rbd_model *m, const rbd_work *w, const rbdi_frame *u,
-                                        rbdi_force F) {
+RBDI_LOCAL rbdi_force rbdi_wrench_to_parent(const rbd_model *m, const rbd_work *w, const rbdi_frame *u,
+                                            rbdi_force F) {
     const rbdi_frame *parent = &m->frame[u->parent];
     const rbdi_mat E = rbdi_mat_c(parent->E);
     rbdi_pose X;

@@ -13,21 +13,21 @@
 RBDI_INLINE int rbdi_joint_turns(const rbdi_frame *u) { return rbdi_type_turns(u->type); }
 
 /* The motion in body axes from the joint's components in v, which are a stride apart, and back. */
-static rbdi_motion rbdi_joint_motion(const rbdi_frame *u, const rbd_real *v, ptrdiff_t stride) {
+RBDI_LOCAL rbdi_motion rbdi_joint_motion(const rbdi_frame *u, const rbd_real *v, ptrdiff_t stride) {
     rbd_real array[6];
     for (int k = 0; k < 6; ++k) array[k] = rbdi_zero();
     for (int k = 0; k < u->nv; ++k) array[rbdi_first_axis(u->type) + k] = v[k * stride];
     return rbdi_load_motion(array, 1);
 }
 
-static void rbdi_put_joint_motion(const rbdi_frame *u, rbdi_motion V, rbd_real *v, ptrdiff_t stride) {
+RBDI_LOCAL void rbdi_put_joint_motion(const rbdi_frame *u, rbdi_motion V, rbd_real *v, ptrdiff_t stride) {
     rbd_real array[6];
     rbdi_store_motion(array, 1, V);
     for (int k = 0; k < u->nv; ++k) v[k * stride] = array[rbdi_first_axis(u->type) + k];
 }
 
 /* The coordinates of the origin p: back from rbdi_joint_origin. */
-static void rbdi_put_origin(const rbdi_frame *u, rbdi_v3 p, rbd_real *q) {
+RBDI_LOCAL void rbdi_put_origin(const rbdi_frame *u, rbdi_v3 p, rbd_real *q) {
     if (u->type == RBD_PLANAR) {
         q[0] = p.x;
         q[1] = p.y;
@@ -37,8 +37,8 @@ static void rbdi_put_origin(const rbdi_frame *u, rbdi_v3 p, rbd_real *q) {
 
 /* q_next = q (+) d for one joint of the description: along a screw or, if straight, with its origin moved
    by the linear part of d in the axes of the beginning. */
-static void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_real *d, int straight,
-                            rbd_real *q_next) {
+RBDI_LOCAL void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_real *d, int straight,
+                                rbd_real *q_next) {
     if (u->type == RBD_CONTINUOUS_CS) {
         rbd_real c, s, cd, sd, next[2];
         rbdi_unit_cs(q, &c, &s);
@@ -65,7 +65,7 @@ static void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_re
 
 /* rbd_step of one joint in three parts. First nu: v after dt if a is 0, in the axes of the step's
    beginning. Linear velocities in body axes gain dt omega x v, the others stay. */
-static void rbdi_unforced_velocity(const rbdi_frame *u, const rbd_real *v, rbd_real dt, rbd_real *nu) {
+RBDI_LOCAL void rbdi_unforced_velocity(const rbdi_frame *u, const rbd_real *v, rbd_real dt, rbd_real *nu) {
     rbdi_motion V;
     for (int k = 0; k < u->nv; ++k) nu[k] = v[k];
     if (!rbdi_joint_turns(u)) return;
@@ -75,15 +75,15 @@ static void rbdi_unforced_velocity(const rbdi_frame *u, const rbd_real *v, rbd_r
 }
 
 /* Second q_next: q moved by nu dt. Origins of floating and planar joints move straight. */
-static void rbdi_move_straight(const rbdi_frame *u, const rbd_real *q, const rbd_real *nu, rbd_real dt,
-                               rbd_real *q_next) {
+RBDI_LOCAL void rbdi_move_straight(const rbdi_frame *u, const rbd_real *q, const rbd_real *nu, rbd_real dt,
+                                   rbd_real *q_next) {
     rbd_real d[6];
     for (int k = 0; k < u->nv; ++k) d[k] = nu[k] * dt;
     rbdi_step_joint(u, q, d, 1, q_next);
 }
 
 /* The vector r turned by -turn: r - A turn x r + B turn x (turn x r). */
-static rbdi_v3 rbdi_turn_back(rbdi_exp e, rbdi_v3 turn, rbdi_v3 r) {
+RBDI_LOCAL rbdi_v3 rbdi_turn_back(rbdi_exp e, rbdi_v3 turn, rbdi_v3 r) {
     const rbdi_v3 across = rbdi_cross(turn, r);
     const rbdi_v3 inward = rbdi_cross(turn, across);
     r = rbdi_sub(r, rbdi_scale((e.half_sine + e.half_sine) * e.half_cosine, across));
@@ -92,8 +92,8 @@ static rbdi_v3 rbdi_turn_back(rbdi_exp e, rbdi_v3 turn, rbdi_v3 r) {
 
 /* Third v_next: nu in the axes of the step's end, which the velocity `moved` has turned during dt. v_next
    may be nu. */
-static void rbdi_turn_velocity(const rbdi_frame *u, const rbd_real *moved, rbd_real dt, const rbd_real *nu,
-                               rbd_real *v_next) {
+RBDI_LOCAL void rbdi_turn_velocity(const rbdi_frame *u, const rbd_real *moved, rbd_real dt,
+                                   const rbd_real *nu, rbd_real *v_next) {
     rbdi_motion V;
     rbdi_v3 turn;
     rbdi_exp e;
@@ -140,7 +140,7 @@ RBDI_PART void rbdi_straight_acceleration(const rbd_model *m, const rbd_real *v,
 }
 
 /* The same angle in [-pi, pi], but unchanged, to the bit, if it is there already. */
-static rbd_real rbdi_within_half_turn(rbd_real angle) {
+RBDI_LOCAL rbd_real rbdi_within_half_turn(rbd_real angle) {
     const rbd_real pi2 = rbdi_set(RBDI_PI(rbd_const) * RBDI_PI(rbd_const));
     rbd_real c, s;
     rbdi_sincos(angle, &s, &c);
@@ -148,7 +148,8 @@ static rbd_real rbdi_within_half_turn(rbd_real angle) {
 }
 
 /* d with q0 (+) d = q1, for one joint. */
-static void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, const rbd_real *q1, rbd_real *d) {
+RBDI_LOCAL void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, const rbd_real *q1,
+                                      rbd_real *d) {
     if (u->type == RBD_CONTINUOUS_CS) {
         rbd_real c, s, c1, s1;
         rbdi_unit_cs(q0, &c, &s);
@@ -172,7 +173,7 @@ static void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, const
 
 /* 1 / |q| of a quaternion or (cos, sin) with this unit one of the same direction; 0 if q is shorter than
    1e-15. */
-static rbd_real rbdi_inverse_length(const rbd_real *q, const rbd_real *unit, int n) {
+RBDI_LOCAL rbd_real rbdi_inverse_length(const rbd_real *q, const rbd_real *unit, int n) {
     rbdi_mask bad = rbdi_less(*q, *q);
     rbd_real length = rbdi_zero();
     for (int k = 0; k < n; ++k) length = length + q[k] * unit[k];
@@ -180,7 +181,7 @@ static rbd_real rbdi_inverse_length(const rbd_real *q, const rbd_real *unit, int
 }
 
 /* rbd_rates_from_velocity of one joint. */
-static void rbdi_joint_rates(const rbdi_frame *u, const rbd_real *q, const rbd_real *v, rbd_real *rates) {
+RBDI_LOCAL void rbdi_joint_rates(const rbdi_frame *u, const rbd_real *q, const rbd_real *v, rbd_real *rates) {
     if (u->type == RBD_CONTINUOUS_CS) {
         rates[0] = -(q[1] * v[0]);
         rates[1] = q[0] * v[0];
@@ -202,7 +203,7 @@ static void rbdi_joint_rates(const rbdi_frame *u, const rbd_real *q, const rbd_r
 }
 
 /* Angular velocity from a quaternion of any length and its rates. */
-static rbdi_v3 rbdi_quaternion_velocity(const rbd_real *q, const rbd_real *rates) {
+RBDI_LOCAL rbdi_v3 rbdi_quaternion_velocity(const rbd_real *q, const rbd_real *rates) {
     rbd_real unit[4], inverse;
     rbdi_unit_quaternion(q, unit);
     inverse = rbdi_inverse_length(q, unit, 4);
@@ -212,7 +213,8 @@ static rbdi_v3 rbdi_quaternion_velocity(const rbd_real *q, const rbd_real *rates
 }
 
 /* rbd_velocity_from_rates of one joint. */
-static void rbdi_joint_velocity(const rbdi_frame *u, const rbd_real *q, const rbd_real *rates, rbd_real *v) {
+RBDI_LOCAL void rbdi_joint_velocity(const rbdi_frame *u, const rbd_real *q, const rbd_real *rates,
+                                    rbd_real *v) {
     if (u->type == RBD_CONTINUOUS_CS) {
         rbd_real unit[2];
         rbdi_unit_cs(q, &unit[0], &unit[1]);
@@ -287,8 +289,8 @@ RBDI_API rbd_status rbd_difference(const rbd_model *m, const rbd_real *q0, const
 }
 
 /* q = q0 (+) s (q1 (-) q0) for one joint. At s = 1 it is q1 (+) 0, without rounding of the difference. */
-static void rbdi_interpolate_joint(const rbdi_frame *u, const rbd_real *q0, const rbd_real *q1, rbd_real s,
-                                   rbd_real *q) {
+RBDI_LOCAL void rbdi_interpolate_joint(const rbdi_frame *u, const rbd_real *q0, const rbd_real *q1,
+                                       rbd_real s, rbd_real *q) {
     const rbd_real one = rbdi_set(RBD_C(1));
     const rbdi_mask within = rbdi_or(rbdi_less(s, one), rbdi_less(one, s)); /* neither of NaN */
     const rbd_real share = rbdi_select(within, s, s - one);
@@ -332,7 +334,7 @@ RBDI_API rbd_status rbd_distance(const rbd_model *m, const rbd_real *q0, const r
 }
 
 /* The zero of one joint, whose q is 0 before. */
-static void rbdi_neutral_joint(const rbdi_frame *u, rbd_real *q) {
+RBDI_LOCAL void rbdi_neutral_joint(const rbdi_frame *u, rbd_real *q) {
     if (u->type == RBD_CONTINUOUS_CS) q[0] = rbdi_set(RBD_C(1));
     if (rbdi_has_quaternion(u->type)) q[u->nq - 1] = rbdi_set(RBD_C(1));
 }
@@ -349,7 +351,7 @@ RBDI_API rbd_status rbd_neutral(const rbd_model *m, rbd_real *q) {
 
 /* A number uniform in [0, 1), with 24 bits, which every scalar has, by splitmix64 (Steele, Lea and Flood
    2014). */
-static rbd_const rbdi_uniform(uint64_t *seed) {
+RBDI_LOCAL rbd_const rbdi_uniform(uint64_t *seed) {
     uint64_t z = *seed += UINT64_C(0x9e3779b97f4a7c15);
     z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
     z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
@@ -357,7 +359,7 @@ static rbd_const rbdi_uniform(uint64_t *seed) {
 }
 
 /* A number uniform between two bounds; each lane draws its own. */
-static rbd_real rbdi_draw(uint64_t *seed, rbd_const lower, rbd_const upper) {
+RBDI_LOCAL rbd_real rbdi_draw(uint64_t *seed, rbd_const lower, rbd_const upper) {
 #ifdef RBD_LANES
     rbd_real x = rbdi_zero();
 
@@ -375,7 +377,7 @@ static rbd_real rbdi_draw(uint64_t *seed, rbd_const lower, rbd_const upper) {
 }
 
 /* A uniform orientation: two points on circles with radii sqrt(x), sqrt(1 - x), x uniform (Shoemake 1992). */
-static void rbdi_draw_quaternion(uint64_t *seed, rbd_real *q) {
+RBDI_LOCAL void rbdi_draw_quaternion(uint64_t *seed, rbd_real *q) {
     rbd_real x = rbdi_draw(seed, RBD_C(0), RBD_C(1)), radius = rbdi_sqrt(x), c, s;
 
     rbdi_sincos(rbdi_draw(seed, -RBDI_PI(rbd_const), RBDI_PI(rbd_const)), &s, &c);
@@ -389,7 +391,7 @@ static void rbdi_draw_quaternion(uint64_t *seed, rbd_real *q) {
 
 /* Random coordinates of one joint: within its limits, or angles in [-pi, pi), lengths in [-1, 1) and uniform
    orientations. */
-static void rbdi_random_joint(const rbdi_frame *u, uint64_t *seed, rbd_real *q) {
+RBDI_LOCAL void rbdi_random_joint(const rbdi_frame *u, uint64_t *seed, rbd_real *q) {
     const rbd_const pi = RBDI_PI(rbd_const), one = RBD_C(1);
     int angles = u->nv, shifts = 0; /* shifts come first, but with cylindrical joints */
     if (u->nv == 1 && u->lower < u->upper) {

@@ -79,7 +79,7 @@ RBDI_ONCE void rbdi_put_path(const rbd_model *m, const rbd_work *w, int i, int e
 }
 
 /* The last link that carries both of two links, -1 if there is none. Its joint moves both alike. */
-static int rbdi_common_link(const rbd_model *m, int link, int other) {
+RBDI_LOCAL int rbdi_common_link(const rbd_model *m, int link, int other) {
     int common = other;
     while (common >= 0 && !rbdi_carries(m, common, link)) common = m->link[common].parent;
     return common;
@@ -87,8 +87,8 @@ static int rbdi_common_link(const rbd_model *m, int link, int other) {
 
 /* Jacobian of a point of `body` minus that of the same place fixed in `reference` (-1 = the world), in the
    axes of the body `axes` (-1 = the world's). */
-static void rbdi_put_jacobian(const rbd_model *m, const rbd_work *w, int body, const rbd_real *point,
-                              int reference, int axes, rbd_real *J) {
+RBDI_LOCAL void rbdi_put_jacobian(const rbd_model *m, const rbd_work *w, int body, const rbd_real *point,
+                                  int reference, int axes, rbd_real *J) {
     const rbdi_v3 r = rbdi_point_position(m, w, body, point);
     const int link = m->frame[body].link, other = reference < 0 ? -1 : m->frame[reference].link;
     const int common = rbdi_common_link(m, link, other);
