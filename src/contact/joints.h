@@ -1,6 +1,7 @@
 #ifndef RBDI_CONTACT_JOINTS_H
 #define RBDI_CONTACT_JOINTS_H
 #include "model/layout.h"
+#include "base/compiler.h"
 #include "contact/tolerances.h"
 
 /* ---- joints [joints] ----
