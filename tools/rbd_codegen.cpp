@@ -52,7 +52,9 @@ const char help_more[] =
     "RBD_REPRODUCIBLE\n"
     "  --example           also NAME_example.c, a main that calls the first function and prints what it "
     "gives\n"
-    "  --cuda              NAME_code.cuh instead: C++11 for CUDA, one state to a thread, and on a host\n"
+    "  --cuda              NAME_code.cuh instead: C++11 for kernels, with one state to a thread, and for a "
+    "host;\n"
+    "                      angles are bounded and sums are short\n"
     "  --short-sums        for machines that do one operation at a time, as Cortex-M\n"
     "  --block N           most statements of a C function (300); longer ones are cut into several\n"
     "How the file is read:\n";

@@ -115,7 +115,7 @@ device_robots() {
 ptx() {
     clang++-19 -x cuda --cuda-device-only -nocudainc -nocudalib -nostdinc --cuda-gpu-arch="$2" -std=c++11 -O2 -Wall -Wextra \
         -Wno-unknown-cuda-version -Werror -include "$here/no_cuda.h" -S "$1.cu" -o "$1.ptx" || { fail "clang: $1 for $2"; return; }
-    [ "$(grep -c '^\.visible \.entry' "$1.ptx")" -eq "$(grep -c '^template' "$1.cu")" ] || fail "$1 for $2: not all kernels"
+    [ "$(grep -c '^\.visible \.entry' "$1.ptx")" -eq "$(grep -c '^template\|^__global__' "$1.cu")" ] || fail "$1 for $2: not all kernels"
     ! grep -n '\.local\|[^_]call' "$1.ptx" | head -5 | grep . || fail "$1 for $2: local memory, or calls"
 }
 
@@ -128,6 +128,8 @@ by_clang() {
     for gpu in sm_87 sm_90; do ptx iiwa $gpu; done
     ptx arm sm_90
     ptx hyq sm_87
+    awk '$0 == "```cpp" { inside = 1; next } inside && /^```/ { exit } inside' "$root/docs/generated_code.md" >guide.cu
+    ptx guide sm_90
     ptx atlas sm_90
     # it sees an array that is no registers, and a call
     sed -i 's/^RBD_HD void mm(.*/&\n    volatile real memory[2] = {q[0], 0};\n    (void)memory[1];/' arm_code.cuh
@@ -146,6 +148,7 @@ by_nvcc() {
     version=$("$nvcc" --version | sed -n 's/.* V\([0-9.]*\)$/\1/p') kept=$here/cuda_nvcc.csv
     [ "${1-}" = --accept ] || grep -q "^# nvcc $version:" "$kept" || { echo "skipped: the table is of another nvcc than $version"; exit 77; }
     device_robots
+    "$nvcc" -std=c++11 -arch=sm_90 -Xcompiler -Wall,-Wextra,-Wconversion,-Wshadow,-Werror -c arm.cu || fail "nvcc: warnings for the host"
     {
         echo "# nvcc $version: tests/codegen/cuda.sh ROOT RBD_CODEGEN by_nvcc --accept writes this"
         echo "robot,gpu,kernel,layout,registers,stack bytes,bytes spilled"

@@ -26,11 +26,14 @@ const char compilers_text[] = R"(
 #define RBD_EACH_STATE(i, n) \
     const int i = (int)(blockIdx.x * blockDim.x + threadIdx.x); \
     if ((unsigned)i < (unsigned)(n))
-#define RBD_UNROLL _Pragma("unroll")
 #else /* a host alone: a kernel is a loop over all states */
 #define RBD_HD inline
 #define RBD_KERNEL void
 #define RBD_EACH_STATE(i, n) for (int i = 0; i < (n); ++i)
+#endif
+#if defined __CUDA_ARCH__ || defined __HIP_DEVICE_COMPILE__ /* an array with constant indices is registers */
+#define RBD_UNROLL _Pragma("unroll")
+#else
 #define RBD_UNROLL
 #endif
 
