@@ -72,7 +72,7 @@ struct target {
     bool is_float, is_bounded; /* is_bounded: no angle is beyond what the polynomials take */
     bool is_reproducible;      /* the same bits wherever it is compiled: functions are of exact graphs */
     bool long_sums;            /* of up to eight terms: for machines that run several instructions at once */
-    bool is_cuda;              /* C++ for CUDA, one state to a thread: bounded angles, short sums, one block */
+    bool is_cuda;              /* C++ for CUDA: angles are bounded, sums short, and a block has all */
     int lanes;                 /* 1: plain scalars */
     int limbs;                 /* like limbs of a state at once; 1: none are */
     int block;                 /* most statements of one C function */
