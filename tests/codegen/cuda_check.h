@@ -1,5 +1,6 @@
-/* cuda_check.h - the kernels of generated code on a host, in all layouts, against the same functions in C: the
-   same statements, so the same bits where products and sums are not fused. cuda_main.py writes the tables. */
+/* cuda_check.h - the kernels of generated code on a host, in all layouts, against the same functions in C:
+   the same statements, so the same bits where products and sums are not fused. cuda_main.py writes
+   the tables. */
 #ifndef CUDA_CHECK_H
 #define CUDA_CHECK_H
 

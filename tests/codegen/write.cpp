@@ -1,6 +1,7 @@
 // write.cpp - writes code of the first N of the chosen robots, NAME0_code.c and so on: all functions, with
 // all arguments. usage: write NAME N double|float LANES LIMBS BLOCK SUMS BOUNDED FOLDER
-// SUMS: long, short, reproducible; or cuda: NAME0_code.cuh, and NAME0_code.cpp, whose functions in C call the kernels on a host.
+// SUMS: long, short, reproducible; or cuda: NAME0_code.cuh, and NAME0_code.cpp, whose
+// functions in C call the kernels on a host.
 #include "../../tools/codegen/codegen.h"
 #include <cstdio>
 #include <cstdlib>
