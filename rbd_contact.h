@@ -131,7 +131,7 @@ typedef struct rbd_contact {
     double friction;    /* mu */
     double restitution; /* 0 (does not rebound) to 1 */
     double stiffness;   /* N/m: p/dt = -(stiffness gap + damping d gap/dt); 0 = rigid */
-    double damping;     /* N s/m */
+    double damping;     /* N s/m; refused without a stiffness */
     int on_body;        /* not 0: the plane is a body's, body2, and not the world's; body 0 needs it */
 } rbd_contact;
 
@@ -149,7 +149,8 @@ typedef struct rbd_contact_options {
     double slip;        /* contacts that stick give way along the plane, m/s per newton [0] */
     int derivatives;    /* not 0: memory for rbd_contact_step_derivatives */
     int first_order;    /* not 0: steps of semi-implicit Euler, q_next is q moved by v_next: for planners */
-    int momentum;       /* not 0: robots that float keep their momentum to rounding while nothing touches */
+    int momentum;       /* not 0: robots that float keep their momentum to rounding while nothing touches;
+                           refused with first_order */
 } rbd_contact_options;
 
 typedef struct rbd_contact_set rbd_contact_set; /* contacts, impulses of the last step, scratch */
@@ -187,8 +188,8 @@ RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constr
               the step has tau = kp (q_wanted - q) and damping = kd + dt kp / 2, which is neutral: it neither
               adds nor takes energy beyond kd. kd + dt kp is stable at every dt, and brakes. NULL: 0
    Errors: RBD_ERR_NULL, _WORK; _RANGE, dt not between 1e-30 and 1e30; _SINGULAR if M + dt D is, D the
-   damping: damping makes a joint sound that moves no mass; _NAN as rbd_constrained_fd, _NAN also of a gap
-   that is not a number and of speeds above 1e12: then q_next is q, v_next or a is 0, and the set is as after
+   damping: damping makes a joint sound that moves no mass; _NAN as rbd_constrained_fd, _NAN also of q or a
+   gap that is not a number and of speeds above 1e12: then q_next is q, v_next or a is 0, and the set is as after
    rbd_contact_reset. A solution above the tolerance is no error: rbd_contact_last. */
 
 /* One time step dt by the midpoint scheme of Moreau (1999), of second order: half of the way by v, to q_mid;
@@ -1376,6 +1377,15 @@ RBDI_LOCAL rbd_status rbdi_check_plane_body(const rbd_contact *from, int i, rbd_
     return RBD_ERR_INDEX;
 }
 
+/* Refuses damping without stiffness: a rigid contact has no damper. */
+RBDI_LOCAL rbd_status rbdi_check_damper(const rbd_contact *from, int i, rbd_report *report) {
+    if ((rbd_const)from->stiffness > 0 || !((rbd_const)from->damping > 0)) return RBD_OK;
+
+    rbdi_refuse(report, RBD_ERR_RANGE, i, from->name, "damping");
+    report->error.text = "a contact without stiffness is rigid, and has no damping: set both, or neither";
+    return RBD_ERR_RANGE;
+}
+
 RBDI_LOCAL rbd_status rbdi_check_contact(const rbd_model *m, const rbd_contact *from, int i,
                                          rbd_report *report) {
     const double values[5] = {from->radius, from->friction, from->restitution, from->stiffness,
@@ -1394,7 +1404,7 @@ RBDI_LOCAL rbd_status rbdi_check_contact(const rbd_model *m, const rbd_contact *
     for (int j = 0; j < 5; ++j)
         if (!rbdi_finite_positive(&values[j], 1) || (j == 2 && values[j] > 1))
             return rbdi_refuse(report, RBD_ERR_RANGE, i, from->name, names[j]);
-    return RBD_OK;
+    return rbdi_check_damper(from, i, report);
 }
 
 RBDI_LOCAL rbd_status rbdi_check_options(const rbd_contact_options *o, rbd_report *report) {
@@ -1405,7 +1415,11 @@ RBDI_LOCAL rbd_status rbdi_check_options(const rbd_contact_options *o, rbd_repor
     for (int j = 0; j < 7; ++j)
         if (!rbdi_finite_positive(&values[j], 1))
             return rbdi_refuse(report, RBD_ERR_RANGE, -1, NULL, names[j]);
-    return RBD_OK;
+    if (!o->momentum || !o->first_order) return RBD_OK;
+
+    rbdi_refuse(report, RBD_ERR_RANGE, -1, NULL, "momentum");
+    report->error.text = "steps of first order do not keep it: choose one, momentum or first_order";
+    return RBD_ERR_RANGE;
 }
 
 RBDI_LOCAL rbd_contact_options rbdi_contact_defaults(const rbd_contact_options *given) {
@@ -2423,7 +2437,7 @@ RBDI_LOCAL void rbdi_keep_impulses(rbd_contact_set *c) {
    may be huge: then those of rbdi_solve_first are the better beginning. */
 RBDI_LOCAL rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
-    int finite = rbdi_all_finite(c->b, c->rows->rows);
+    int finite = rbdi_all_finite(c->b, c->rows->rows) && rbdi_all_finite(c->q_mid, m->nq);
     rbdi_find_rebounds(c);
     for (int k = 0; k < m->nv; ++k) c->nu[k] = c->moved[k];
     c->differ = rbdi_write_biases(c, RBDI_FOR_VELOCITIES);
