@@ -189,8 +189,8 @@ RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constr
               adds nor takes energy beyond kd. kd + dt kp is stable at every dt, and brakes. NULL: 0
    Errors: RBD_ERR_NULL, _WORK; _RANGE, dt not between 1e-30 and 1e30; _SINGULAR if M + dt D is, D the
    damping: damping makes a joint sound that moves no mass; _NAN as rbd_constrained_fd, _NAN also of q or a
-   gap that is not a number and of speeds above 1e12: then q_next is q, v_next or a is 0, and the set is as after
-   rbd_contact_reset. A solution above the tolerance is no error: rbd_contact_last. */
+   gap that is not a number and of speeds above 1e12: then q_next is q, v_next or a is 0, and the set is as
+   after rbd_contact_reset. A solution above the tolerance is no error: rbd_contact_last. */
 
 /* One time step dt by the midpoint scheme of Moreau (1999), of second order: half of the way by v, to q_mid;
    there, with v in its axes,
@@ -478,8 +478,8 @@ RBDI_CODE_BEGIN
    As there, no test sees ten times more or less.
    RBDI_SIDES_PROXIMAL: the same for derivatives, whose relative error is that times the condition of G. Ten
    times more is an error that random trees see; a tenth is near rounding, and no test sees it: tried.
-   RBDI_FASTEST_SLIP: largest alpha / d of a contact that slips. Friction is 1e-9 of p_n then, so with ten times
-   more or less all tests pass as well: tried. */
+   RBDI_FASTEST_SLIP: largest alpha / d of a contact that slips. Friction is 1e-9 of p_n then, so with ten
+   times more or less all tests pass as well: tried. */
 #define RBDI_UNMOVED (16 * RBDI_EPS)
 #define RBDI_ON_CONE (1 + 16 * RBDI_EPS)
 #define RBDI_LEFT_OF_SLOP RBD_C(0.01)

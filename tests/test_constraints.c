@@ -1135,9 +1135,9 @@ static void close_here(const robot *r, rbd_constraint *k) {
 }
 
 /* A four-bar linkage in the plane of x and z, a tool that turns about x on its coupler. Ball loops in space
-   close the linkage and hold the tool, so rows of y depend on others, and so does a last row, the tool's angle
-   about its x axis beside a post: it depends on them only where all hold. From places up to 1e-4 and 0.3 rad
-   beside a closed one per joint all are closed, from 1 rad most. */
+   close the linkage and hold the tool, so rows of y depend on others. So does a last row, the tool's angle
+   about its x axis beside a post, but only where all hold. From places up to 1e-4 and 0.3 rad beside a closed
+   one per joint all are closed, from 1 rad most. */
 START_TEST(redundant_loops_close_from_beside) {
     const rbd_body bodies[5] = {
         {.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 1, 0}, .mass = 1, .inertia = {1, 0, 0, 1, 0, 1}},

@@ -37,10 +37,9 @@ RBDI_LOCAL rbd_real rbdi_next_size(const rbd_constraint_set *c, int nv, rbd_real
     return rbdi_select(rbdi_less(next, least), least, next);
 }
 
-/* Rows that depend on each other where the constraints hold may be independent beside such a place, by a share
-   of the order of e. Their errors agree to e^2 only, and what is left, divided by that share, would be a step
-   of any length. So a row t has no say in a step if both are that small. With R' beta = e, in the order of
-   [rank]:
+/* Rows that depend on each other where the constraints hold may be independent beside such a place, by a tiny
+   share. Their errors agree to e^2 only, and the rest, divided by that share, would be a step of any length.
+   So a row t has no say in a step if both are small. With R' beta = e, in the order of [rank]:
 
        rest_t = e_t - sum_(i < t) R_it beta_i,   abs(rest_t) < size abs(e),   R_tt^2 < size^2 sum_i R_it^2
 

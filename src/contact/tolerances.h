@@ -18,8 +18,8 @@
    As there, no test sees ten times more or less.
    RBDI_SIDES_PROXIMAL: the same for derivatives, whose relative error is that times the condition of G. Ten
    times more is an error that random trees see; a tenth is near rounding, and no test sees it: tried.
-   RBDI_FASTEST_SLIP: largest alpha / d of a contact that slips. Friction is 1e-9 of p_n then, so with ten times
-   more or less all tests pass as well: tried. */
+   RBDI_FASTEST_SLIP: largest alpha / d of a contact that slips. Friction is 1e-9 of p_n then, so with ten
+   times more or less all tests pass as well: tried. */
 #define RBDI_UNMOVED (16 * RBDI_EPS)
 #define RBDI_ON_CONE (1 + 16 * RBDI_EPS)
 #define RBDI_LEFT_OF_SLOP RBD_C(0.01)
