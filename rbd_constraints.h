@@ -2109,8 +2109,8 @@ RBDI_LOCAL rbd_real rbdi_next_size(const rbd_constraint_set *c, int nv, rbd_real
    of it. Returns whether there is one. */
 RBDI_COLD rbdi_mask rbdi_ease_targets(rbd_constraint_set *c) {
     rbd_real *rest = c->slack, *beta = c->square;
-    const rbd_real error = rbdi_largest(c->e, c->rows), near = rbdi_set(RBDI_NEAR);
-    const rbd_real size = rbdi_select(rbdi_less(near, error), near, error), agreed = size * error;
+    const rbd_real error = rbdi_largest(c->e, c->rows), most = rbdi_set(RBDI_NEAR);
+    const rbd_real size = rbdi_select(rbdi_less(most, error), most, error), agreed = size * error;
     rbdi_mask eased = rbdi_less(error, error);
 
     for (int r = 0; r < c->rows; ++r) rest[r] = c->e[r];
