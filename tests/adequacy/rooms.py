@@ -20,6 +20,8 @@ import amalgamate  # noqa: E402
 
 STOREYS = ["api", "base", "qp", "algebra", "spatial", "model", "dynamics", "motion", "derivatives", "constraints", "contact", "batch"]
 OPEN = ["api", "base", "algebra"]
+# Files outside of src/ that have something for each joint type.
+OUTSIDE = ["tools/print.c", "tests/textbook.c", "tests/fuzz/robots.c", "tests/fuzz/world.c"]
 OPAQUE = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'', re.S)
 NAME = r"(?:rbdi?|RBDI?)_\w+"
 INTERFACE = re.compile(r"/\* Interface:(.*?)\*/", re.S)
@@ -178,7 +180,7 @@ def check(house):
 
 
 def joint_types(house):
-    """What is wrong with the list of the places where joint types differ."""
+    """What is wrong with the list of the places where joint types differ, and with what has a row for each."""
     place = "model/joint_types.h"
     text = (amalgamate.SRC / place).read_text(encoding="utf-8")
     types = (amalgamate.SRC / "api/types.h").read_text(encoding="utf-8")
@@ -186,6 +188,9 @@ def joint_types(house):
     for name, room in house.rooms.items():
         if room.storey != "api" and name != place and (room.names & types) - {"RBD_JOINT_TYPES"} and name not in text:
             yield f"src/{name} asks for a joint type: the list at the top of src/{place} must name it"
+    for file in OUTSIDE:
+        for missing in sorted(types - {"RBD_JOINT_TYPES"} - set(re.findall(r"RBD_[A-Z_]+", (ROOT / file).read_text(encoding="utf-8")))):
+            yield f"{file} does not name {missing}"
 
 
 def mend(house):
