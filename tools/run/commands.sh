@@ -176,7 +176,7 @@ cmd_wasm() {
     install build web
     takes "five minutes or so on two cores"
     bring_up tools/rbd-model tools/rbd-codegen
-    "$root/tests/machines.sh" "$root" wasm && "$root/tests/machines.sh" "$root" wasm-suites &&
+    RBD_ALL_TESTS=yes "$root/tests/machines.sh" "$root" wasm && "$root/tests/machines.sh" "$root" wasm-suites &&
         RBD_CODEGEN=$build/tools/rbd-codegen "$root/tests/reproducible.sh" --all "$root" wasm &&
         "$root/web/wasm/test.sh" "$build/tools" "$build/web"
 }
