@@ -92,7 +92,7 @@ def test_many_machines_distributed(tmp_path):
         class Kills(many.Dask):
             def submit(self, function, *arguments):
                 if arguments[0] == 0:
-                    self.client.wait_for_workers(2, timeout=60)
+                    self.client.wait_for_workers(2, timeout=3600)
                 if arguments[0] == 4:
                     first.kill()
                 return super().submit(function, *arguments)

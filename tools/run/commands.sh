@@ -55,7 +55,7 @@ cmd_report() {
     takes "five to ten minutes on two cores, most of them to compile; with Pinocchio twice as long, with its code thrice"
     bring_up tools/rbd-codegen # whose configure drops the report's builds if something has come
     quietly meson configure "$build" -Dpeers=auto -Dreport_tests=true
-    meson test -C "$build" --suite report --print-errorlogs || die "a test of the report fails"
+    meson test -C "$build" --suite report --suite bench --print-errorlogs || die "a test of the report fails"
     python3 "$root/bench/workload/report.py" "$@"
 }
 
