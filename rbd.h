@@ -106,17 +106,17 @@
        #define RBD_IMPLEMENTATION
        #include "rbd.h"
 
-       __global__ void torques(const rbd_model *m, const float *q, const float *v, const float *a, float *tau) {
+       __global__ void torques(const rbd_model *m, const float *q, float *tau) { // of gravity, of arms
            const int i = 7 * (blockIdx.x * blockDim.x + threadIdx.x);
            unsigned char memory[RBD_WORK_SIZE(7, 7)];
            rbd_work *w;
-           if (rbd_work_init(m, memory, sizeof memory, &w) == RBD_OK)
-               rbd_rnea(m, w, q + i, v + i, a + i, NULL, tau + i);
+           rbd_work_init(m, memory, sizeof memory, &w);
+           rbd_gravity_torque(m, w, q + i, tau + i);
        }
 
-     The model is a table, which host and GPU both have (&arm_model), or rbd_model_build made it in memory that
-     both see: of cudaMallocManaged, RBD_MODEL_SIZE(nb) bytes. Names in such a model are the host's alone. So
-     with rbd_derivatives.h, rbd_constraints.h, rbd_contact.h and rbd_qp.h.
+     The model is a table, which host and GPU both have (&arm_model), or rbd_model_build made it in memory
+     that both see: RBD_MODEL_SIZE(nb) bytes of cudaMallocManaged. Names in such a model are the host's alone.
+     rbd_derivatives.h, rbd_constraints.h, rbd_contact.h and rbd_qp.h are called in the same way.
 
    [guarantees]
      No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant: calls change the caller's
@@ -1956,8 +1956,8 @@ RBDI_INLINE rbd_real rbdi_sum_value(rbdi_sum x) {
 
 /* The integer part of |x| 2/pi modulo 2^32, in part[0], and its fraction, in the words from part[1] on. */
 RBDI_COLD void rbdi_turns(RBD_REAL x, uint32_t part[RBDI_REDUCTION + 2]) {
+    /* words of 2/pi, from b_1 on */
     static const uint32_t two_over_pi[] = {
-        /* from b_1 on */
 #if RBDI_REAL_KIND == 1
         0xa2f9836eu, 0x4e441529u, 0xfc2757d1u, 0xf534ddc0u, 0xdb629599u, 0x3c439041u, 0xfe5163abu,
         0xdebbc561u, 0xb7246e3au, 0x424dd2e0u, 0x06492eeau, 0x09d1921cu, 0xfe1deb1cu, 0xb129a73eu,
@@ -1970,6 +1970,7 @@ RBDI_COLD void rbdi_turns(RBD_REAL x, uint32_t part[RBDI_REDUCTION + 2]) {
         0x3c439041u, 0xfe5163abu, 0xdebbc561u
 #endif
     };
+
     union {
         RBD_REAL x;
         rbdi_bit bits;

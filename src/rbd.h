@@ -105,17 +105,17 @@
        #define RBD_IMPLEMENTATION
        #include "rbd.h"
 
-       __global__ void torques(const rbd_model *m, const float *q, const float *v, const float *a, float *tau) {
+       __global__ void torques(const rbd_model *m, const float *q, float *tau) { // of gravity, of arms
            const int i = 7 * (blockIdx.x * blockDim.x + threadIdx.x);
            unsigned char memory[RBD_WORK_SIZE(7, 7)];
            rbd_work *w;
-           if (rbd_work_init(m, memory, sizeof memory, &w) == RBD_OK)
-               rbd_rnea(m, w, q + i, v + i, a + i, NULL, tau + i);
+           rbd_work_init(m, memory, sizeof memory, &w);
+           rbd_gravity_torque(m, w, q + i, tau + i);
        }
 
-     The model is a table, which host and GPU both have (&arm_model), or rbd_model_build made it in memory that
-     both see: of cudaMallocManaged, RBD_MODEL_SIZE(nb) bytes. Names in such a model are the host's alone. So
-     with rbd_derivatives.h, rbd_constraints.h, rbd_contact.h and rbd_qp.h.
+     The model is a table, which host and GPU both have (&arm_model), or rbd_model_build made it in memory
+     that both see: RBD_MODEL_SIZE(nb) bytes of cudaMallocManaged. Names in such a model are the host's alone.
+     rbd_derivatives.h, rbd_constraints.h, rbd_contact.h and rbd_qp.h are called in the same way.
 
    [guarantees]
      No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant: calls change the caller's

@@ -10,7 +10,7 @@ command -v "$formatter" >/dev/null || { echo "$formatter is not installed"; exit
 # The files, but those of build folders.
 sources() {
     find . -path './build*' -prune -o -path './.git' -prune -o -name node_modules -prune -o -type f \
-        \( -name '*.c' -o -name '*.h' -o -name '*.cpp' -o -name '*.hpp' -o -name '*.ino' \) -print
+        \( -name '*.c' -o -name '*.h' -o -name '*.cpp' -o -name '*.hpp' -o -name '*.cu' -o -name '*.ino' \) -print
 }
 
 # shellcheck disable=SC2046 # no name of ours has a blank

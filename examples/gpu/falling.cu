@@ -1,9 +1,11 @@
-/* falling.cu - a thousand HyQs, each a little different, drop on four feet and stand: rbd_contact_step on a GPU,
-   one robot a thread, all steps in one launch. The same steps on the host say whether it is right.
+/* falling.cu - a thousand HyQs, each a little different, drop on four feet and stand: rbd_contact_step on a
+   GPU, one robot a thread, all steps in one launch. The same steps on the host say whether it is right.
 
        nvcc -O3 -arch=sm_90 -I. examples/gpu/falling.cu -o falling
        g++ -x c++ -O2 -I. examples/gpu/falling.cu -o falling       # without a GPU: the kernel is a loop
-       ./falling [robots [steps [threads in a block [blocks]]]]     # fewer blocks: a thread has several robots */
+       ./falling [robots [steps [threads in a block [blocks]]]]
+
+   With fewer blocks than robots need, a thread has several, one after the other. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -88,8 +90,8 @@ BOTH static void fall(robot *r, rbd_contact_set *c, int steps, float dt) {
     }
 }
 
-/* Numbers of all robots: component k of robot i is x[k * n + i], so that neighbours in a warp are neighbours in
-   memory. */
+/* Numbers of all robots: component k of robot i is x[k * n + i], so that neighbours in a warp are neighbours
+   in memory. */
 BOTH static void get(robot *r, int n, int i, const float *q, const float *v) {
     for (int k = 0; k < HYQ_NQ; ++k) r->q[k] = q[(size_t)k * n + i];
     for (int k = 0; k < HYQ_NV; ++k) r->v[k] = v[(size_t)k * n + i];

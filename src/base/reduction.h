@@ -22,8 +22,8 @@
 
 /* The integer part of |x| 2/pi modulo 2^32, in part[0], and its fraction, in the words from part[1] on. */
 RBDI_COLD void rbdi_turns(RBD_REAL x, uint32_t part[RBDI_REDUCTION + 2]) {
+    /* words of 2/pi, from b_1 on */
     static const uint32_t two_over_pi[] = {
-        /* from b_1 on */
 #if RBDI_REAL_KIND == 1
         0xa2f9836eu, 0x4e441529u, 0xfc2757d1u, 0xf534ddc0u, 0xdb629599u, 0x3c439041u, 0xfe5163abu,
         0xdebbc561u, 0xb7246e3au, 0x424dd2e0u, 0x06492eeau, 0x09d1921cu, 0xfe1deb1cu, 0xb129a73eu,
@@ -36,6 +36,7 @@ RBDI_COLD void rbdi_turns(RBD_REAL x, uint32_t part[RBDI_REDUCTION + 2]) {
         0x3c439041u, 0xfe5163abu, 0xdebbc561u
 #endif
     };
+
     union {
         RBD_REAL x;
         rbdi_bit bits;

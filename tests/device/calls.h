@@ -1,5 +1,5 @@
-/* calls.h - the calls of the test of device code, for one state x of HyQ: plain C, which the host compiles as usual
-   and a compiler for GPUs as code of both. HERE: the words before a function. */
+/* calls.h - the calls of the test of code of a GPU, for one state of HyQ: plain C, which the host compiles as
+   usual, and a compiler for GPUs as code of both. HERE: the words before a function. */
 #include "rbd.h"
 #include "rbd_constraints.h"
 #include "rbd_contact.h"
@@ -89,7 +89,7 @@ HERE int contact_step(const rbd_model *m, const state *s, rbd_real *out) {
     return status;
 }
 
-/* The point nearest to x, component k of at most k/2 - 4 and all of them of the sum 1; and the multipliers. */
+/* The point nearest to x, with component k at most k/2 - 4 and the sum 1; and the multipliers. */
 HERE int quadratic_program(const rbd_model *m, const state *s, rbd_real *out) {
     unsigned char memory[RBD_QP_SIZE(NV, NV, 1, 0)];
     rbd_real hessian[NV * NV] = {0}, f[NV], row[NV], lower[NV + 1], upper[NV + 1];

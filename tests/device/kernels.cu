@@ -1,6 +1,6 @@
-/* kernels.cu - rbd.h and its companions as code of a GPU, one state a thread. Compiled by nvcc, or by clang without
-   CUDA's headers and libraries, it shows that it compiles. By a compiler of C++ alone, which is told to be one for
-   GPUs, the kernels are loops, and main compares them with usual.c. */
+/* kernels.cu - rbd.h and its companions as code of a GPU, one state a thread. That nvcc compiles it, and
+   clang without CUDA's headers and libraries, is half of the test. A compiler of C++ alone is told to be one
+   for a GPU: then the kernels are loops, and main compares them with usual.c. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
