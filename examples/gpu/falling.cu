@@ -229,7 +229,7 @@ int main(int argc, char **argv) {
         failed += status[i] != RBD_OK;
         fallen += !(height > 0.4f && height < 0.7f);
     }
-    compare(n, n > 500 ? n / 500 : 1, steps, dt, q, v, &mean, &most);
+    compare(n, n > 100 ? n / 100 : 1, steps, dt, q, v, &mean, &most);
 
     printf("%d robots, %d steps of %g s, %d blocks of %d threads: %.3g s, %.4g steps/s\n", n, steps, dt,
            blocks, threads, took.count(), (double)n * steps / took.count());
