@@ -52,6 +52,9 @@ const char help_more[] =
     "RBD_REPRODUCIBLE\n"
     "  --example           also NAME_example.c, a main that calls the first function and prints what it "
     "gives\n"
+    "  --cuda              NAME_code.cuh instead: C++11 for kernels, with one state to a thread, and for a "
+    "host;\n"
+    "                      angles are bounded and sums are short\n"
     "  --short-sums        for machines that do one operation at a time, as Cortex-M\n"
     "  --block N           most statements of a C function (300); longer ones are cut into several\n"
     "How the file is read:\n";
@@ -71,6 +74,8 @@ struct options {
     std::vector<const char *> passive;
     settings read;
 };
+
+enum { usual_block = 300 };
 
 /* ---- arguments ---- */
 
@@ -151,6 +156,23 @@ int read_block(options *o, const char *text) {
     return 0;
 }
 
+/* Of C++, where a namespace has the name; those of C are prefixes alone. */
+bool is_taken_in_cpp(const std::string &name) {
+    static const char all[] =
+        " alignas alignof and and_eq asm auto bitand bitor bool break case catch char char8_t char16_t "
+        "char32_t class "
+        "compl concept const consteval constexpr constinit const_cast continue co_await co_return co_yield "
+        "decltype default delete do double dynamic_cast else enum explicit export extern false float for "
+        "friend "
+        "goto if inline int long mutable namespace new noexcept not not_eq nullptr operator or or_eq private "
+        "protected public rbd register reinterpret_cast requires return short signed sizeof static "
+        "static_assert "
+        "static_cast std struct switch template this thread_local throw true try typedef typeid typename "
+        "union "
+        "unsigned using virtual void volatile wchar_t while xor xor_eq ";
+    return strstr(all, (" " + name + " ").c_str()) != nullptr;
+}
+
 int read_name(options *o, const char *text) {
     o->target.name = text;
     return is_identifier(text) ? 0 : usage_error("--name: '%s' is not a C identifier", text);
@@ -189,6 +211,7 @@ int read_own(options *o, char **argv, int *i) {
                  {"--reproducible", &o->robot.reproducible},
                  {"--bounded-angles", &o->target.is_bounded},
                  {"--example", &o->example},
+                 {"--cuda", &o->target.is_cuda},
                  {"--short-sums", &o->short_sums}};
     for (const auto &x : flags)
         if (strcmp(argv[*i], x.name) == 0) return *x.is_given = true, 0;
@@ -229,6 +252,24 @@ std::string stem(const char *path) {
     return s.substr(0, s.find('.'));
 }
 
+/* A thread has one state, in registers: no vectors, calls or arrays. */
+int prepare_cuda(options *o) {
+    const struct {
+        const char *name;
+        bool is_given;
+    } others[] = {{"--lanes", o->target.lanes > 1},
+                  {"--limbs", o->target.limbs > 1},
+                  {"--reproducible", o->target.is_reproducible},
+                  {"--block", o->target.block != usual_block},
+                  {"--example", o->example}};
+    for (const auto &x : others)
+        if (x.is_given) return usage_error("--cuda: not with %s", x.name);
+    o->target.is_bounded = true;
+    o->target.long_sums = false;
+    o->target.block = 1 << 30;
+    return 0;
+}
+
 /* Returns 0 to go on, or 1 + the exit status to end with. */
 int read_options(options *o, char **argv) {
     for (int i = 1; argv[i]; i++) {
@@ -251,9 +292,13 @@ int read_options(options *o, char **argv) {
         return 1 + usage_error("--limbs: computes in another order than rbd.h, which --reproducible forbids");
     if (check_constraints(o) != 0) return 1 + EXIT_USAGE;
     o->target.long_sums = !o->short_sums && !o->target.is_reproducible;
+    if (o->target.is_cuda && prepare_cuda(o) != 0) return 1 + EXIT_USAGE;
     if (o->target.name.empty()) o->target.name = stem(o->path);
     if (!is_identifier(o->target.name))
         return 1 + usage_error("'%s' is not a C identifier: give a --name", o->target.name.c_str());
+    if (o->target.is_cuda && is_taken_in_cpp(o->target.name))
+        return 1 +
+               usage_error("--cuda: '%s' means something else in C++: give a --name", o->target.name.c_str());
     return 0;
 }
 
@@ -396,10 +441,24 @@ void end() {
     if (fflush(stdout) != 0 || ferror(stdout)) throw std::runtime_error("cannot write the output");
 }
 
+std::string upper(std::string s) {
+    for (char &c : s) c = char(toupper(static_cast<unsigned char>(c)));
+    return s;
+}
+
+/* What holds for all functions, to the end of the comment. */
+void print_units(const options *o, const std::string &nv) {
+    printf("   Units are SI, matrices row-major; coordinates and frames are those of rbd.h. Arrays must not\n"
+           "   overlap. Functions that return int give 0, or, all results being 0 then, 1 + the degree of "
+           "freedom\n"
+           "   at which the mass matrix is singular, or -1 - that at which it is not a number");
+    if (o->target.is_bounded) printf(", or\n   -1 - %s if an angle is out of range", nv.c_str());
+    printf(". */\n");
+}
+
 void print_header(const options *o, const robot *r, const std::vector<codegen::tested> &functions) {
     const char *name = o->target.name.c_str();
-    std::string capitals = o->target.name;
-    for (char &c : capitals) c = char(toupper(static_cast<unsigned char>(c)));
+    const std::string capitals = upper(o->target.name);
     const char *upper = capitals.c_str();
     begin(o, r, "code.h", "functions of this robot alone, straight-line code.");
     printf(
@@ -415,12 +474,7 @@ void print_header(const options *o, const robot *r, const std::vector<codegen::t
                "those of\n"
                "   rbd.h under RBD_REPRODUCIBLE, but for the signs of zeros. clang: not with "
                "-ffp-contract=fast.\n\n");
-    printf("   Units are SI, matrices row-major; coordinates and frames are those of rbd.h. Arrays must not\n"
-           "   overlap. Functions that return int give 0, or, all results being 0 then, 1 + the degree of "
-           "freedom\n"
-           "   at which the mass matrix is singular, or -1 - that at which it is not a number");
-    if (o->target.is_bounded) printf(", or\n   -1 - %s_NV if an angle is out of range", upper);
-    printf(". */\n");
+    print_units(o, capitals + "_NV");
     printf("#ifndef %s_CODE_H\n#define %s_CODE_H\n\n/* clang-format off */\n\n", upper, upper);
     print_c_indices(r, name);
     printf("\n#ifdef __cplusplus\nextern \"C\" {\n#endif\n\n%s",
@@ -434,6 +488,26 @@ void print_source(const options *o, const robot *r, const std::vector<codegen::t
     begin(o, r, "code.c", "see the header.");
     printf("*/\n/* clang-format off */\n#include \"%s_code.h\"\n%s", o->target.name.c_str(),
            codegen::definitions(functions, o->target).c_str());
+    end();
+}
+
+void print_cuda(const options *o, const robot *r, const std::vector<codegen::tested> &functions) {
+    const std::string name = o->target.name, capitals = upper(name);
+    const char *upper = capitals.c_str();
+    begin(o, r, "code.cuh", "functions of this robot alone, for CUDA and for a host.");
+    printf(
+        "\n   A function takes anything that [] reads and writes: arrays, pointers, what a layout gives. A "
+        "kernel\n"
+        "   computes one state in a thread, for n states:\n"
+        "       %s_kernel<rbd::rows><<<(n + 127) / 128, 128, 0, stream>>>(n, ...);   (nvcc, clang, hipcc, "
+        "NVRTC)\n"
+        "       %s_kernel<rbd::rows>(n, ...);                                        (a host alone)\n"
+        "   Blocks have at most RBD_THREADS threads, 128 unless it is defined. C++11; without fast math.\n\n",
+        (name + "::" + functions[0].f.name).c_str(), (name + "::" + functions[0].f.name).c_str());
+    print_units(o, "NV");
+    printf("#ifndef %s_CODE_CUH\n#define %s_CODE_CUH\n\n/* clang-format off */\n\n", upper, upper);
+    print_c_indices(r, name.c_str());
+    printf("\n%s\n#endif\n", codegen::cuda_text(functions, o->target).c_str());
     end();
 }
 
@@ -471,6 +545,7 @@ void check_folder(const options *o) {
 /* All files or none: a header and a source of two runs would not fit. */
 void write_files(const options *o, const robot *r, const std::vector<codegen::tested> &functions) {
     try {
+        if (o->target.is_cuda) return print_cuda(o, r, functions);
         print_header(o, r, functions);
         print_source(o, r, functions);
         if (o->example) print_example(o, r, functions[0].f);
@@ -596,7 +671,7 @@ int main(int argc, char **argv) {
     options o = {};
     o.target.lanes = 1;
     o.target.limbs = 1;
-    o.target.block = 300;
+    o.target.block = usual_block;
     o.algorithms = {"id", "mm", "fd"};
     o.read = settings_new(argc, argv);
     int status = read_options(&o, argv);

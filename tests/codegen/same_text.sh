@@ -42,8 +42,9 @@ compared=0 failed=0
 compare() { # MODEL ARGUMENT...
     model=$root/models/$1.urdf
     shift
+    rm -f here/code_code.* there/code_code.*
     "$rbd_codegen" --output here --name code "$@" "$model" && ./other --output there --name code "$@" "$model" || exit 1
-    for file in code_code.h code_code.c; do # but the line with the folder
+    for file in $(cd here && ls code_code.*); do # but the line with the folder
         sed -i '/^       rbd-codegen /d' here/$file there/$file
         cmp here/$file there/$file || { echo "FAILED: $other writes another $file: $* $model"; failed=1; }
         compared=$((compared + 1))
@@ -59,6 +60,7 @@ compare hyq --floating --constraints feet.csv --stances gait.csv --algorithm "$a
 compare hyq --floating --reproducible --scalar float --constraints feet.csv --algorithm "${all%,delta,constrained_id}"
 compare hyq --floating --limbs 4 --gravity-argument --constraints feet.csv --algorithm "$all"
 compare atlas --floating --limbs 2 --algorithm id,mm_packed,fd
+compare hyq --floating --cuda --algorithm id,fd
 
 # random robots, with joints of all types
 "$write" robot 10 double 1 1 600 long 0 here && ./other_write robot 10 double 1 1 600 long 0 there || exit 1
@@ -66,5 +68,5 @@ for file in here/robot*; do
     cmp "$file" there/"${file#here/}" || { echo "FAILED: $other writes another ${file#here/}"; failed=1; }
     compared=$((compared + 1))
 done
-[ $compared -eq 32 ] || { echo "FAILED: $compared files compared"; failed=1; }
+[ $compared -eq 33 ] || { echo "FAILED: $compared files compared"; failed=1; }
 exit $failed

@@ -72,6 +72,7 @@ struct target {
     bool is_float, is_bounded; /* is_bounded: no angle is beyond what the polynomials take */
     bool is_reproducible;      /* the same bits wherever it is compiled: functions are of exact graphs */
     bool long_sums;            /* of up to eight terms: for machines that run several instructions at once */
+    bool is_cuda;              /* C++ for CUDA: angles are bounded, sums short, and a block has all */
     int lanes;                 /* 1: plain scalars */
     int limbs;                 /* like limbs of a state at once; 1: none are */
     int block;                 /* most statements of one C function */
@@ -87,6 +88,7 @@ struct tested {
 
 std::string declarations(const std::vector<tested> &functions, const target &t);
 std::string definitions(const std::vector<tested> &functions, const target &t);
+std::string cuda_text(const std::vector<tested> &functions, const target &t); /* of a file without the head */
 
 /* A main that calls a function at rest at q, and how to compile it. */
 std::string example_command(const std::string &path); /* of the files: FOLDER/NAME */

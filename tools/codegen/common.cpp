@@ -5,8 +5,7 @@
 namespace codegen {
 namespace {
 
-/* Words of contraction: GCC's and the standard's. */
-const char compiler_text[] = R"(
+const char language_text[] = R"(
 #include <float.h>
 #include <math.h>
 #include <stdint.h>
@@ -14,12 +13,10 @@ const char compiler_text[] = R"(
 #ifdef __cplusplus
 #error "this file is C99: compile it as C, not as C++, which may include its header"
 #endif
-#if defined __FAST_MATH__ || defined __ASSOCIATIVE_MATH__
-#error "reassociation voids the sine's argument reduction: compile without -ffast-math"
-#elif defined __FINITE_MATH_ONLY__ && __FINITE_MATH_ONLY__ > 0
-#error "-ffinite-math-only removes the checks for NaN: compile without it"
-#endif
+)";
 
+/* Words of contraction: GCC's and the standard's. */
+const char compiler_text[] = R"(
 /* GCC's vectoriser packs scalars and loses time by it, as do its first scheduler on Arm, which spills, and
    memset for a few zeros. Its ISO modes do not contract products and sums to fused operations. */
 #if defined __GNUC__ && !defined __clang__
@@ -124,14 +121,6 @@ INLINE int judge(const real *pivot, const scalar *limit, int n, real *x, int siz
     for (int k = 1; k < n; ++k) sound &= limit[k] < pivot[k];
     return all(sound) ? 0 : judge_closely(pivot, limit, n, x, size);
 }
-
-/* The status to return, from that of judge(). Its pivots are those of rows, the last first, then those of
-   all dofs or of none. */
-INLINE int status_of_rows(int status, int rows, int judged, int dofs) {
-    const int k = (status < 0 ? -status : status) - 1, behind = dofs - judged - rows;
-    if (status == 0 || k < rows) return status == 0 ? 0 : dofs + rows - k;
-    return status < 0 ? status - behind : status + behind;
-}
 )";
 
 const char limbs_text[] = R"(
@@ -144,9 +133,27 @@ typedef scalar limbs_in_memory
 
 } // namespace
 
+const char flags_text[] = R"(#if defined __FAST_MATH__ || defined __ASSOCIATIVE_MATH__
+#error "reassociation voids the sine's argument reduction: compile without -ffast-math"
+#elif defined __FINITE_MATH_ONLY__ && __FINITE_MATH_ONLY__ > 0
+#error "-ffinite-math-only removes the checks for NaN: compile without it"
+#endif
+)";
+
+const char status_text[] = R"(
+/* The status to return, from that of judge(). Its pivots are those of rows, the last first, then those of
+   all dofs or of none. */
+INLINE int status_of_rows(int status, int rows, int judged, int dofs) {
+    const int k = (status < 0 ? -status : status) - 1, behind = dofs - judged - rows;
+    if (status == 0 || k < rows) return status == 0 ? 0 : dofs + rows - k;
+    return status < 0 ? status - behind : status + behind;
+}
+)";
+
 std::string common_text(const std::vector<piece> &all, const target &t) {
     const auto any = [&all](auto has) { return std::any_of(all.begin(), all.end(), has); };
     std::string s =
+        language_text + std::string(flags_text) +
         format(compiler_text, t.is_reproducible ? "off" : "fast", t.is_reproducible ? "OFF" : "ON") +
         format("\ntypedef %s scalar;\n#define LANES %d\n#define LIBM_SQRT sqrt%s\n%s",
                t.is_float ? "float" : "double", t.lanes, t.is_float ? "f" : "",
@@ -159,7 +166,7 @@ std::string common_text(const std::vector<piece> &all, const target &t) {
              lanes_text;
     else
         s += scalar_text;
-    s += real_text + copies_text();
+    s += real_text + std::string(status_text) + copies_text();
     if (t.limbs > 1) s += format("\n#define LIMBS %d\n", t.limbs) + limbs_text;
     if (any([](const piece &x) { return !x.p.angles.empty(); })) s += sines_text(t);
     if (any([](const piece &x) { return x.p.f.rows > 0; })) s += rows_text();

@@ -6,12 +6,12 @@ namespace {
 
 /* The range of the angles, how pivots are judged, and what is not checked. */
 std::string contract(const program &p, const target &t) {
-    const std::string nv = upper(t.name) + "_NV";
+    const std::string nv = (t.is_cuda ? "" : upper(t.name) + "_") + "NV";
     const bool pivots = !p.f.pivots.empty(), refuses = t.is_bounded && !p.angles.empty(), M = p.f.dofs() > 0;
     std::string s = "   Angles: ";
     s += p.angles.empty() ? "none"
          : !refuses       ? "any"
-                    : format("below %s rad in size. Else, and if one is NaN, ", t.is_float ? "1e4" : "1e6");
+                          : format("below %s rad in size. Else, and if one is NaN, ", angle_limit(t));
     if (refuses) s += pivots ? "it returns -1 - " + nv : "results that depend on it are NaN";
     s += ".\n";
     if (M)
@@ -56,6 +56,14 @@ std::string operations_text(const operations &n, const target &t) {
 
 } // namespace
 
+std::string comment_text(const tested &x, const program &p, const target &t) {
+    std::string s = "/* " + x.f.about + "\n";
+    if (x.f.stances > 0)
+        s += format("   stance   0 to %d: which constraints hold, by a row of the table\n", x.f.stances - 1);
+    for (const array &a : x.f.arrays()) s += format("   %-8s %s\n", a.name.c_str(), a.shape);
+    return s + contract(p, t) + operations_text(p.count(), t);
+}
+
 std::string declarations(const std::vector<tested> &functions, const target &t) {
     const char *scalar = t.is_float ? "float" : "double";
     std::string s;
@@ -65,13 +73,8 @@ std::string declarations(const std::vector<tested> &functions, const target &t) 
                     t.lanes, scalar, t.name.c_str(), t.lanes, scalar);
     for (const tested &x : functions) {
         const program p(x.f, t);
-        s += "/* " + x.f.about + "\n";
-        if (x.f.stances > 0)
-            s += format("   stance   0 to %d: which constraints hold, by a row of the table\n",
-                        x.f.stances - 1);
-        for (const array &a : x.f.arrays()) s += format("   %-8s %s\n", a.name.c_str(), a.shape);
-        s += contract(p, t) + operations_text(p.count(), t);
-        s += format("\n   Stack: arrays of %zu bytes, beside what the compiler keeps there. */\n",
+        s += comment_text(x, p, t) +
+             format("\n   Stack: arrays of %zu bytes, beside what the compiler keeps there. */\n",
                     stack_bytes(p, t));
         s += format("%s %s_%s(%s);\n\n", result_type(x.f), t.name.c_str(), x.f.name.c_str(),
                     parameters(x.f, real_name(t), "").c_str());

@@ -1,6 +1,5 @@
 /* A function as C: its sines, its statements, by blocks, its calls on rows, its verdict.
    SPDX-License-Identifier: MIT */
-#include "blocks.h"
 #include "statements.h"
 #include <algorithm>
 
@@ -147,19 +146,7 @@ std::string writer::sines() const {
 }
 
 std::string writer::block_text(int k) {
-    const auto kept = [&](int i) {
-        return format("k%s[%d]", p.at(i).is_vector ? "l" : "", b.kept_at[size_t(i)]);
-    };
-    std::string s;
-    c.begin_block();
-    for (int i : b.order) {
-        const int own = b.of[size_t(i)];
-        const bool is_kept = b.kept_at[size_t(i)] >= 0;
-        if (own < k && is_kept) c.name[size_t(i)] = kept(i);
-        if (own != k) continue;
-        s += calls_before(i) + c.statement(i);
-        if (is_kept) s += "    " + kept(i) + " = " + c.name[size_t(i)] + ";\n";
-    }
+    const std::string s = codegen::block_text(p, b, &c, k, [this](int i) { return calls_before(i); });
     return k == b.count - 1 ? s + calls_before(int(c.name.size())) : s;
 }
 

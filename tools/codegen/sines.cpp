@@ -1,6 +1,7 @@
 /* The generated code's own sine and cosine: those of rbd.h, in its text (src/base/reduction.h, sincos.h) with
    other names. SPDX-License-Identifier: MIT */
 #include "text.h"
+#include <cstring>
 
 namespace codegen {
 namespace {
@@ -130,12 +131,25 @@ COLD void sines_beyond(const real *x, const scalar *quarters, int n, real *s, re
 }
 )";
 
+/* Of the library's text, from one word to the end of another. */
+std::string cut(const char *first, const char *last) {
+    const std::string all = library;
+    const size_t from = all.find(first), to = all.find(last, from);
+    if (to == all.npos) throw std::runtime_error("src/base/sincos.h has changed: tools/codegen/sines.cpp");
+    return all.substr(from, to + strlen(last) - from);
+}
+
 } // namespace
 
+std::string own_sincos_text() {
+    return cut("typedef own_bit own_bits", "return u.x;\n}\n") + "\n" +
+           cut("/* Sine and cosine of x + quarters", "\n}\n");
+}
+
 std::string sines_text(const target &t) {
-    return format("\n#define OWN_REAL_KIND %d\ntypedef uint%d_t own_bit;\n#define SINES_LIMIT %s\n%s"
+    return format("\n#define OWN_REAL_KIND %d\ntypedef uint%d_t own_bit;\n#define SINES_LIMIT %s%s\n%s"
                   "#define OWN_SIN sin%s\n#define OWN_COS cos%s\n",
-                  t.is_float ? 2 : 1, t.is_float ? 32 : 64, t.is_float ? "1e4f" : "1e6",
+                  t.is_float ? 2 : 1, t.is_float ? 32 : 64, angle_limit(t), t.is_float ? "f" : "",
                   t.is_bounded ? "#define BOUNDED\n" : "", t.is_float ? "f" : "", t.is_float ? "f" : "") +
            batches_text + library + by_batches;
 }

@@ -2,6 +2,7 @@
 #ifndef TOOLS_CODEGEN_STATEMENTS_H
 #define TOOLS_CODEGEN_STATEMENTS_H
 
+#include "blocks.h"
 #include "text.h"
 #include <map>
 
@@ -60,7 +61,9 @@ class statements {
     bool is_copied(value x) const { return p.at(node_of(x)).op == LOADED && !is_negative(x); }
 
     /* A zero, which is stored before all statements. With stances it may be zero in some of them alone. */
-    bool is_cleared(value x) const { return t.lanes == 1 && p.f.stances == 0 && p.f.code.is(x, 0); }
+    bool is_cleared(value x) const {
+        return t.lanes == 1 && !t.is_cuda && p.f.stances == 0 && p.f.code.is(x, 0);
+    }
 
   private:
     const program &p;
@@ -175,6 +178,25 @@ class statements {
         return s;
     }
 };
+
+/* The statements of block k, and before(i) before statement i. */
+template <class function>
+std::string block_text(const program &p, const blocks &b, statements *c, int k, function before) {
+    const auto kept = [&](int i) {
+        return format("k%s[%d]", p.at(i).is_vector ? "l" : "", b.kept_at[size_t(i)]);
+    };
+    std::string s;
+    c->begin_block();
+    for (int i : b.order) {
+        const int own = b.of[size_t(i)];
+        const bool is_kept = b.kept_at[size_t(i)] >= 0;
+        if (own < k && is_kept) c->name[size_t(i)] = kept(i);
+        if (own != k) continue;
+        s += before(i) + c->statement(i);
+        if (is_kept) s += "    " + kept(i) + " = " + c->name[size_t(i)] + ";\n";
+    }
+    return s;
+}
 
 } // namespace codegen
 #endif

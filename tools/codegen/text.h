@@ -17,6 +17,11 @@ struct piece {
 
 std::string common_text(const std::vector<piece> &all, const target &t); /* what all functions use */
 std::string sines_text(const target &t);
+std::string own_sincos_text();   /* of it what computes one sine and cosine */
+extern const char flags_text[];  /* which of the compiler's options are errors */
+extern const char status_text[]; /* the status where rows of constraints are judged */
+std::string comment_text(const tested &x, const program &p,
+                         const target &t); /* a function's contract, not closed */
 std::string function_text(const program &p, const target &t);
 size_t stack_bytes(const program &p, const target &t); /* of its arrays */
 std::string selftest_text(const std::vector<piece> &all, const target &t);
@@ -72,6 +77,8 @@ inline std::string names(const function &f, const char *before = "") {
     return (f.stances > 0 ? before + std::string("stance, ") : "") +
            join(all.size(), ", ", [&](size_t k) { return before + all[k].name; });
 }
+
+inline const char *angle_limit(const target &t) { return t.is_float ? "1e4" : "1e6"; }
 
 /* Before what these stances alone need, where those known run; 0: all. */
 inline std::string only_if(const function &f, uint32_t stances, uint32_t known) {
