@@ -12,7 +12,7 @@ command -v "$formatter" >/dev/null || { echo "$formatter is not installed"; exit
 sources() {
     find . -path './build*' -prune -o -path './.git' -prune -o -name node_modules -prune -o -path './rbd.h' -prune -o \
         -path './rbd_[!u]*.h' -prune -o -type f \
-        \( -name '*.c' -o -name '*.h' -o -name '*.cpp' -o -name '*.hpp' -o -name '*.ino' \) -print
+        \( -name '*.c' -o -name '*.h' -o -name '*.cpp' -o -name '*.hpp' -o -name '*.cu' -o -name '*.ino' \) -print
 }
 
 # shellcheck disable=SC2046 # no name of ours has a blank

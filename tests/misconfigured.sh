@@ -68,6 +68,14 @@ case $(gcc -freciprocal-math -dM -E - </dev/null) in
 esac
 says "RBD_REPRODUCIBLE needs rbd's own sine" -DRBD_REPRODUCIBLE "-DRBD_SIN=sin" "-DRBD_COS=cos"
 
+for gpu in __CUDACC__ __CUDA__ __HIP__; do
+    says "code of a GPU lies in the file that calls it: define RBD_STATIC" "-D$gpu"
+done
+set -- -D__CUDACC__ -D__host__= -D__device__= -DRBD_STATIC -Wno-attributes -Wno-ignored-attributes
+says "" "$@"
+says "code of a GPU has one state a thread: leave RBD_LANES undefined" "$@" -DRBD_LANES=4
+says "RBD_REPRODUCIBLE has no meaning for code of a GPU" "$@" -DRBD_REPRODUCIBLE
+
 echo '#include "rbd_batch.h"' >"$scratch/file.c"
 says "RBD_BATCH_IMPLEMENTATION needs RBD_LANES" -DRBD_BATCH_IMPLEMENTATION
 says "the batch calls need RBD_NO_CHOLESKY undefined" -DRBD_LANES=2 -DRBD_BATCH_IMPLEMENTATION -DRBD_NO_CHOLESKY
