@@ -279,7 +279,7 @@ def rendered(comment, header, leave=()):
 
 def signature(item):
     text = re.sub(r"/\*.*?\*/", " ", item.text, flags=re.S).split("{")[0]
-    text = re.sub(r"\b(RBDI_API|RBDI_BATCH_API|RBDI_INLINE|static|RBDI_UNUSED|RBDI_AT)\b", "", text)
+    text = re.sub(r"\b(RBDI_API|RBDI_BATCH_API|RBDI_INLINE|RBDI_PART|static|RBDI_UNUSED|RBDI_AT)\b", "", text)
     return " ".join(text.split()).rstrip(";").strip()
 
 
