@@ -65,16 +65,23 @@ generate() {
         cc -O1 -c "$work/reference/${robot}_ref_code.c" -o "$work/reference/$robot.o"
 }
 
-# One source file for a robot in a scalar: compile ROBOT SCALAR SOURCE [ALGORITHM]. Columns take registers that nobody has
-# to spare in derivatives.
+# Layouts beside blocks: what large kernels keep out of registers hides what the layout costs, and they compile for minutes.
+layouts_of() {
+    case $1.$2.$3 in
+    *.float.id | *.float.mm | *.float.fd) echo -DWITH_ROWS -DWITH_COLUMNS ;;
+    iiwa.* | hyq.float.minv | *.double.id | *.double.mm | *.double.fd) echo -DWITH_ROWS ;;
+    esac
+}
+
+# One source file for a robot in a scalar: compile ROBOT SCALAR SOURCE [ALGORITHM].
 compile() {
     local robot=$1 scalar=$2 source=$3 algorithm=${4-}
-    local object=$work/$scalar/$robot.$source$algorithm.o columns=
+    local object=$work/$scalar/$robot.$source$algorithm.o
     [ "$object" -nt "$work/$scalar/${robot}_code.cuh" ] && [ "$object" -nt "$here/$source.cu" ] &&
         [ "$object" -nt "$here/kernel.h" ] && return
-    case $algorithm in id | mm | fd) columns=-DCOLUMNS ;; esac
+    # shellcheck disable=SC2046
     "$nvcc" -std=c++17 -O3 -arch="$arch" -Xptxas -v -Xfatbin=-compress-all -DROBOT="$robot" -DSCALAR="$scalar" ${algorithm:+-DALGORITHM=$algorithm} \
-        $columns -DCONSTRAINT_ROWS=12 -DCODE_HEADER="\"${robot}_code.cuh\"" -DREFERENCE_HEADER="\"${robot}_ref_code.h\"" \
+        $(layouts_of "$robot" "$scalar" "$algorithm") -DCONSTRAINT_ROWS=12 -DCODE_HEADER="\"${robot}_code.cuh\"" -DREFERENCE_HEADER="\"${robot}_ref_code.h\"" \
         -I"$here" -I"$work/$scalar" -I"$work/reference" -c "$here/$source.cu" -o "$object" >"$object.log" 2>&1 ||
         { cat "$object.log"; return 1; }
 }
@@ -96,9 +103,8 @@ build_examples() {
     "$codegen" "$(urdf_of iiwa)" --name iiwa --cuda --scalar float --algorithm id,fd,pose:lbr_iiwa_link_7 --output "$folder" &&
         "$codegen" "$(urdf_of cart_pole)" --name cart_pole --cuda --scalar float --algorithm fd --output "$folder" &&
         "$nvcc" -std=c++17 -O3 -arch="$arch" -cudart static -I"$folder" "$examples/mppi.cu" -o "$folder/mppi" || return 1
-    if [ -f "$examples/falling.cu" ]; then
+    [ "$folder/falling" -nt "$examples/falling.cu" ] || # minutes
         "$nvcc" -std=c++17 -O3 -arch="$arch" -cudart static -I"$root" "$examples/falling.cu" -o "$folder/falling" || return 1
-    fi
     cp "$examples/rbd_cuda.py" "$examples/batch.py" "$here/gpu.sh" "$here/report.py" "$folder"
 }
 
@@ -150,34 +156,36 @@ measure() {
     done
 }
 
-metrics=sm__throughput.avg.pct_of_peak_sustained_elapsed,dram__throughput.avg.pct_of_peak_sustained_elapsed,\
-dram__bytes.sum,lts__t_bytes.sum,smsp__inst_executed.sum,smsp__issue_active.avg.pct_of_peak_sustained_active,\
+metrics=gpu__time_duration.sum,dram__throughput.avg.pct_of_peak_sustained_elapsed,\
+smsp__issue_active.avg.pct_of_peak_sustained_active,sm__warps_active.avg.pct_of_peak_sustained_active,\
+dram__bytes.sum,lts__t_bytes.sum,l1tex__t_bytes_pipe_lsu_mem_local_op_ld.sum,smsp__inst_executed.sum,\
 smsp__average_warps_issue_stalled_no_instruction_per_issue_active.ratio,\
 smsp__average_warps_issue_stalled_long_scoreboard_per_issue_active.ratio,\
-smsp__average_warps_issue_stalled_lg_throttle_per_issue_active.ratio,\
-sm__warps_active.avg.pct_of_peak_sustained_active,gpu__time_duration.sum
+smsp__average_warps_issue_stalled_lg_throttle_per_issue_active.ratio
 
-# The profiler's counters of one kernel: counters ROBOT ALGORITHM LAYOUT. The first launch is that of 1003 states.
+# The profiler's counters of one kernel: counters ROBOT ALGORITHM [LAYOUT [MEASUREMENT]]. The first launch is that of 1003
+# states.
 counters() {
-    timeout 60 ncu --clock-control none --kernel-name "regex:$2_kernel" --launch-skip 1 --launch-count 1 --csv \
-        --metrics "$metrics" "$folder/$1.float" --only "$2" --layout "$3" --check 2>/dev/null |
-        grep '^"' | sed "s/^/$1,$2,$3,/" >>"$out/counters.csv"
+    local layout=${3-blocks} log
+    log=$(timeout 60 ncu --clock-control none --kernel-name "regex:$2_kernel" --launch-skip 1 --launch-count 1 --csv \
+        --metrics "$metrics" "$folder/$1.float" --only "${4-$2}" --layout "$layout" --check 2>&1)
+    grep '^"[0-9]' <<<"$log" | sed "s/^/$1,$2,$layout,/" >>"$out/counters.csv"
+    grep '^==ERROR' <<<"$log" | sed "s/^/$1 $2: /" >>"$out/errors.txt"
 }
 
 profile() {
-    command -v ncu >/dev/null || return
     : >"$out/counters.csv"
-    counters iiwa id blocks
+    command -v ncu >/dev/null || return
+    counters iiwa id
+    [ "$1" = check ] && return
     counters iiwa id rows
-    counters iiwa fd_derivatives blocks
-    counters hyq id blocks
-    counters hyq fd blocks
-    counters hyq fd_derivatives blocks
-    counters hyq id_derivatives blocks
-    counters atlas id blocks
-    counters atlas fd blocks
-    counters atlas minv blocks
-    counters atlas id_derivatives blocks
+    counters iiwa mm rows
+    counters iiwa fd
+    counters iiwa fd_derivatives
+    local algorithm
+    for algorithm in id fd minv id_derivatives fd_derivatives constrained; do counters hyq $algorithm; done
+    for algorithm in id mm fd minv id_derivatives; do counters atlas $algorithm; done
+    counters atlas product blocks fd_derivatives_in_parts
 }
 
 case $what in
@@ -191,7 +199,7 @@ check | all)
     describe_machine >"$out/machine.txt" 2>&1
     if [ "$what" = check ]; then measure --check; else measure; fi
     run_examples
-    [ "$what" = all ] && profile
+    profile "$what"
     nvidia-smi --query-gpu=clocks.sm,temperature.gpu,power.draw --format=csv >>"$out/machine.txt" 2>&1
     python3 "$here/report.py" "$out"
     ;;

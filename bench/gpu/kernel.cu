@@ -28,12 +28,13 @@ static bool run(const options &o) {
     const auto reference = REFERENCE(ALGORITHM);
     bool right = true;
 #define MEASURE(layout) \
-    right &= \
-        measure<rbd::layout>(o, TEXT(ALGORITHM), #layout, robot::PASTE(ALGORITHM, _kernel) < rbd::layout >, \
-                             sizes, FLOATING, reference, tolerance)
+    right &= measure<rbd::layout>(o, TEXT(ALGORITHM), #layout, robot::PASTE(ALGORITHM, _kernel)<rbd::layout>, sizes, \
+                                  FLOATING, reference, tolerance)
+#ifdef WITH_ROWS
     MEASURE(rows);
+#endif
     MEASURE(blocks);
-#ifdef COLUMNS
+#ifdef WITH_COLUMNS
     MEASURE(columns);
 #endif
     return right;

@@ -17,6 +17,7 @@ COUNTERS = {
     "sm__warps_active.avg.pct_of_peak_sustained_active": "warps, % of most",
     "dram__bytes.sum": "DRAM",
     "lts__t_bytes.sum": "L2",
+    "l1tex__t_bytes_pipe_lsu_mem_local_op_ld.sum": "read of local memory",
     "smsp__inst_executed.sum": "warp instructions",
     "smsp__average_warps_issue_stalled_no_instruction_per_issue_active.ratio": "waiting for instructions",
     "smsp__average_warps_issue_stalled_long_scoreboard_per_issue_active.ratio": "for memory",

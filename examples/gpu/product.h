@@ -11,29 +11,29 @@
 /* Rows and columns of a tile: both divide the degrees of freedom. */
 template <int NV> struct product_tile {
     enum {
-        ROWS = NV % 3 == 0   ? 3
-               : NV % 2 == 0 ? 2
-                             : 1,
-        COLUMNS = NV % 2 == 0 && NV > 18 ? NV / 2 : NV,
-        WARPS = NV / ROWS
+        TILE_ROWS = NV % 3 == 0   ? 3
+                    : NV % 2 == 0 ? 2
+                                  : 1,
+        TILE_COLUMNS = NV % 2 == 0 && NV > 18 ? NV / 2 : NV,
+        WARPS = NV / TILE_ROWS
     };
 };
 
 /* da = -Minv dtau in rows from `row` on and columns from `column` on; matrices NV x NV. */
 template <int NV, class S, class A, class B, class C>
 RBD_HD void product_of_tile(A Minv, B dtau, C da, int row, int column) {
-    enum { ROWS = product_tile<NV>::ROWS, COLUMNS = product_tile<NV>::COLUMNS };
-    S sum[ROWS][COLUMNS] = {};
+    enum { TILE_ROWS = product_tile<NV>::TILE_ROWS, TILE_COLUMNS = product_tile<NV>::TILE_COLUMNS };
+    S sum[TILE_ROWS][TILE_COLUMNS] = {};
     for (int k = 0; k < NV; ++k) {
-        S factor[COLUMNS];
-        for (int c = 0; c < COLUMNS; ++c) factor[c] = dtau[k * NV + column + c];
-        for (int r = 0; r < ROWS; ++r) {
+        S factor[TILE_COLUMNS];
+        for (int c = 0; c < TILE_COLUMNS; ++c) factor[c] = dtau[k * NV + column + c];
+        for (int r = 0; r < TILE_ROWS; ++r) {
             const S own = Minv[(row + r) * NV + k];
-            for (int c = 0; c < COLUMNS; ++c) sum[r][c] -= own * factor[c];
+            for (int c = 0; c < TILE_COLUMNS; ++c) sum[r][c] -= own * factor[c];
         }
     }
-    for (int r = 0; r < ROWS; ++r)
-        for (int c = 0; c < COLUMNS; ++c) da[(row + r) * NV + column + c] = sum[r][c];
+    for (int r = 0; r < TILE_ROWS; ++r)
+        for (int c = 0; c < TILE_COLUMNS; ++c) da[(row + r) * NV + column + c] = sum[r][c];
 }
 
 #ifdef __CUDACC__
@@ -42,12 +42,12 @@ template <class L, int NV, class S>
 __global__ void __launch_bounds__(32 * product_tile<NV>::WARPS)
     product_kernel(int n, const S *__restrict__ Minv, const S *__restrict__ dtau_dq,
                    const S *__restrict__ dtau_dv, S *__restrict__ da_dq, S *__restrict__ da_dv) {
-    enum { SIZE = NV * NV, COLUMNS = product_tile<NV>::COLUMNS };
+    enum { SIZE = NV * NV, TILE_COLUMNS = product_tile<NV>::TILE_COLUMNS };
     const int i = (int)(32 * blockIdx.x + threadIdx.x);
-    const int row = product_tile<NV>::ROWS * (int)threadIdx.y;
+    const int row = product_tile<NV>::TILE_ROWS * (int)threadIdx.y;
     if (i >= n) return;
     const auto inverse = L::at(Minv, SIZE, n, i);
-    for (int column = 0; column < NV; column += COLUMNS) {
+    for (int column = 0; column < NV; column += TILE_COLUMNS) {
         product_of_tile<NV, S>(inverse, L::at(dtau_dq, SIZE, n, i), L::at(da_dq, SIZE, n, i), row, column);
         product_of_tile<NV, S>(inverse, L::at(dtau_dv, SIZE, n, i), L::at(da_dv, SIZE, n, i), row, column);
     }
@@ -64,8 +64,8 @@ template <class L, int NV, class S>
 void multiply(int n, const S *Minv, const S *dtau_dq, const S *dtau_dv, S *da_dq, S *da_dv) {
     enum { SIZE = NV * NV };
     for (int i = 0; i < n; ++i)
-        for (int row = 0; row < NV; row += product_tile<NV>::ROWS)
-            for (int column = 0; column < NV; column += product_tile<NV>::COLUMNS) {
+        for (int row = 0; row < NV; row += product_tile<NV>::TILE_ROWS)
+            for (int column = 0; column < NV; column += product_tile<NV>::TILE_COLUMNS) {
                 const auto inverse = L::at(Minv, SIZE, n, i);
                 product_of_tile<NV, S>(inverse, L::at(dtau_dq, SIZE, n, i), L::at(da_dq, SIZE, n, i), row,
                                        column);
