@@ -154,6 +154,23 @@ int read_block(options *o, const char *text) {
     return 0;
 }
 
+/* Of C++, where a namespace has the name; those of C are prefixes alone. */
+bool is_taken_in_cpp(const std::string &name) {
+    static const char all[] =
+        " alignas alignof and and_eq asm auto bitand bitor bool break case catch char char8_t char16_t "
+        "char32_t class "
+        "compl concept const consteval constexpr constinit const_cast continue co_await co_return co_yield "
+        "decltype default delete do double dynamic_cast else enum explicit export extern false float for "
+        "friend "
+        "goto if inline int long mutable namespace new noexcept not not_eq nullptr operator or or_eq private "
+        "protected public rbd register reinterpret_cast requires return short signed sizeof static "
+        "static_assert "
+        "static_cast std struct switch template this thread_local throw true try typedef typeid typename "
+        "union "
+        "unsigned using virtual void volatile wchar_t while xor xor_eq ";
+    return strstr(all, (" " + name + " ").c_str()) != nullptr;
+}
+
 int read_name(options *o, const char *text) {
     o->target.name = text;
     return is_identifier(text) ? 0 : usage_error("--name: '%s' is not a C identifier", text);
@@ -277,6 +294,9 @@ int read_options(options *o, char **argv) {
     if (o->target.name.empty()) o->target.name = stem(o->path);
     if (!is_identifier(o->target.name))
         return 1 + usage_error("'%s' is not a C identifier: give a --name", o->target.name.c_str());
+    if (o->target.is_cuda && is_taken_in_cpp(o->target.name))
+        return 1 +
+               usage_error("--cuda: '%s' means something else in C++: give a --name", o->target.name.c_str());
     return 0;
 }
 

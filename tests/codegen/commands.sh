@@ -49,6 +49,12 @@ expect 2 "--lanes: '3' is none of 2, 4, 8, 16$see" --lanes 3 a
 expect 2 "--limbs: '3' is none of 1, 2, 4$see" --limbs 3 a
 expect 2 "--limbs: the lanes are those of --lanes already$see" --limbs 2 --lanes 2 a
 expect 2 "--limbs: computes in another order than rbd.h, which --reproducible forbids$see" --limbs 2 --reproducible a
+for option in "--lanes 2" "--limbs 2" --reproducible "--block 100" --example; do
+    # shellcheck disable=SC2086 # words wanted
+    expect 2 "--cuda: not with ${option%% *}$see" --cuda $option a
+done
+expect 2 "--cuda: 'long' means something else in C++: give a --name$see" --cuda --name long a
+expect 2 "--cuda: 'std' means something else in C++: give a --name$see" --cuda std.urdf
 expect 2 "--block: '9' is no number from 50 to 1000000$see" --block 9 a
 expect 2 "unknown option '--bounded-angle'; did you mean '--bounded-angles'? See rbd-codegen --help" --bounded-angle a
 expect 2 "unknown option '--floatin'; did you mean '--floating'? See rbd-codegen --help" --floatin a
@@ -290,6 +296,18 @@ cmp -s first.h cart_code.h || fail "another header the second time"
 eval "set -- $(sed -n 's/^       rbd-codegen //p' cart_code.c)"
 expect 0 "" "$@"
 sed "s/{1 + /{/" first.c | cmp -s - cart_code.c || fail "another source the second time"
+
+# --cuda: one file, whose command writes it again; bounded angles and short sums are its own
+mkdir device
+expect 0 "" --cuda --bounded-angles --short-sums --output device --algorithm id,fd "$iiwa"
+[ "$(ls device)" = iiwa_code.cuh ] || fail "--cuda writes $(ls device)"
+grep -q '^   -1 - NV if an angle is out of range. \*/$' device/iiwa_code.cuh || fail "--cuda does not say what angles are refused"
+mv device/iiwa_code.cuh first.cuh
+eval "set -- $(sed -n 's/^       rbd-codegen //p' first.cuh)"
+expect 0 "" "$@"
+cmp -s first.cuh device/iiwa_code.cuh || fail "--cuda: another file the second time"
+expect 0 "" --cuda --output device --algorithm id,fd "$iiwa"
+sed 's/ --bounded-angles --short-sums//' first.cuh | cmp -s - device/iiwa_code.cuh || fail "--cuda: another file without its own options"
 
 # C++ takes the header, and says of the source that it is C
 printf '#include "iiwa_code.h"\nint main() { double q[IIWA_NQ] = {}, tau[IIWA_NV]; iiwa_gravity_torque(q, tau); return tau[0] > 1 || iiwa_selftest(); }\n' >use.cpp

@@ -8,7 +8,7 @@ namespace {
 
 /* Whatever the robot. No header is needed: NVRTC has none. */
 const char compilers_text[] = R"(
-#ifdef __USE_FAST_MATH__
+#if defined __USE_FAST_MATH__ && __USE_FAST_MATH__ + 0 /* NVRTC has 0 or 1; nvcc 13 tells nothing */
 #error "singular pivots need whole quotients and roots: compile without --use_fast_math"
 #endif
 #if defined __FLT_EVAL_METHOD__ && (__FLT_EVAL_METHOD__ == 1 || __FLT_EVAL_METHOD__ == 2)
