@@ -147,12 +147,13 @@ describe_machine() {
 
 # measure OPTION...: all programs, one after the other; the rows go to results.csv.
 measure() {
-    local program
+    local program status
     echo program,robot,scalar,algorithm,layout,states,error,right,microseconds,states_per_s,GB_per_s >"$out/results.csv"
     for program in "$folder"/*.float "$folder"/*.double "$folder"/*.peer; do
         [ -x "$program" ] || continue
-        timeout 120 "$program" "$@" >>"$out/results.csv" 2>>"$out/errors.txt" ||
-            echo "$(basename "$program"): exit status $?" | tee -a "$out/errors.txt"
+        timeout 120 "$program" "$@" >>"$out/results.csv" 2>>"$out/errors.txt"
+        status=$?
+        [ $status = 0 ] || echo "${program##*/}: exit status $status" >>"$out/errors.txt"
     done
 }
 
@@ -196,6 +197,7 @@ build)
 check | all)
     [ -n "$folder" ] || usage
     mkdir -p "$out"
+    : >"$out/errors.txt"
     describe_machine >"$out/machine.txt" 2>&1
     if [ "$what" = check ]; then measure --check; else measure; fi
     run_examples

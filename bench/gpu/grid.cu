@@ -135,7 +135,6 @@ bool run(const options &o, const float *state, const float *a, const grid_model 
 
 int main(int argc, char **argv) {
     options o(argc, argv);
-    o.least_states = std::max(o.least_states / 4, 256);
     o.most_states = std::min(o.most_states, 1 << 20);
     const grid_model *model = grid::init_robotModel<float>();
     const float *state = random_rows(o.most_states, 3, 0);

@@ -40,4 +40,9 @@ static bool run(const options &o) {
     return right;
 }
 
+static void launch_in_blocks(int n, const void *const *arguments) {
+    launch_with(robot::PASTE(ALGORITHM, _kernel)<rbd::blocks>, n, arguments);
+}
+
+static blocks_kernel own_kernel(TEXT(ALGORITHM), launch_in_blocks);
 static measurement own(TEXT(ALGORITHM), run);

@@ -29,6 +29,42 @@ struct measurement {
     }
 };
 
+/* The kernels in blocks of all files that were linked, for those that launch several. */
+struct blocks_kernel {
+    const char *algorithm;
+    void (*run)(int n, const void *const *arguments);
+    blocks_kernel *next;
+
+    static blocks_kernel *&first() {
+        static blocks_kernel *head = nullptr;
+        return head;
+    }
+
+    blocks_kernel(const char *name, void (*f)(int, const void *const *))
+        : algorithm(name), run(f), next(first()) {
+        first() = this;
+    }
+};
+
+template <class... A, size_t... I>
+void launch_with(void (*kernel)(int, A...), int n, const void *const *arguments, std::index_sequence<I...>) {
+    launch(kernel, n, static_cast<A>(const_cast<void *>(arguments[I]))...);
+}
+
+template <class... A> void launch_with(void (*kernel)(int, A...), int n, const void *const *arguments) {
+    launch_with(kernel, n, arguments, std::index_sequence_for<A...>());
+}
+
+inline void launch_blocks(const char *algorithm, int n, std::vector<const void *> arguments) {
+    const blocks_kernel *k = blocks_kernel::first();
+    while (k && std::strcmp(k->algorithm, algorithm)) k = k->next;
+    if (!k) {
+        std::fprintf(stderr, "no kernel of %s was linked\n", algorithm);
+        std::exit(3);
+    }
+    k->run(n, arguments.data());
+}
+
 /* Memory of the device, allocated once and handed out from the start for each measurement. */
 class memory_pool {
     char *memory;

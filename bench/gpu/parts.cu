@@ -17,18 +17,11 @@ typedef SCALAR S;
 static S *dtau_dq, *dtau_dv;
 static int *status;
 
-static void accelerations(int n, const S *q, const S *v, const S *tau, S *a) {
-    launch(robot::fd_kernel<layout>, n, q, v, tau, a, status);
-}
-
-static void inverse_dynamics(int n, const S *q, const S *v, const S *a) {
-    launch(robot::id_derivatives_kernel<layout>, n, q, v, a, dtau_dq, dtau_dv);
-}
-
+/* Kernels of other files, which take minutes to compile. */
 static void all_parts(int n, const S *q, const S *v, const S *tau, S *a, S *da_dq, S *da_dv, S *Minv) {
-    accelerations(n, q, v, tau, a);
-    inverse_dynamics(n, q, v, a);
-    launch(robot::minv_kernel<layout>, n, q, Minv, status);
+    launch_blocks("fd", n, {q, v, tau, a, status});
+    launch_blocks("id_derivatives", n, {q, v, a, dtau_dq, dtau_dv});
+    launch_blocks("minv", n, {q, Minv, status});
     multiply<layout, V>(n, (const S *)Minv, (const S *)dtau_dq, (const S *)dtau_dv, da_dq, da_dv);
 }
 

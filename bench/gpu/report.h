@@ -19,8 +19,8 @@
 #define REFERENCE(function) PASTE(PASTE(ROBOT, _ref_), function)
 
 struct options {
-    bool check = false;      /* compare, and time one size only */
-    int least_states = 1024; /* sizes grow by four from here */
+    bool check = false;     /* compare, and time one size only */
+    int least_states = 256; /* sizes grow by four from here */
     int most_states = 1 << 22;
     int groups = 9;               /* of which the median counts */
     double least_seconds = 5e-4;  /* that a group takes */

@@ -136,7 +136,8 @@ def main():
     page = "\n".join(part for part in parts if part)
     (folder / "report.md").write_text(page, encoding="utf-8")
     print(page[-11000:])
+    return 1 if wrong or text_of(folder / "errors.txt") else 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

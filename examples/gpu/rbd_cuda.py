@@ -48,7 +48,7 @@ class Robot:
     def _kernel(self, algorithm):
         if algorithm not in self._kernels:
             name = f"{self.name}::{algorithm}_kernel<rbd::{self._layout}>"
-            module = cupy.RawModule(code=self._code, options=("--std=c++11",), name_expressions=(name,))
+            module = cupy.RawModule(code=self._code, options=("--std=c++17",), name_expressions=(name,))
             self._kernels[algorithm] = module.get_function(name)
         return self._kernels[algorithm]
 
