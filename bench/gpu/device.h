@@ -1,5 +1,6 @@
-/* device.h - the calls of the CUDA runtime that the bench makes, on top of those of the examples. Compiled without CUDA,
-   memory is the host's and kernels are loops: so the programs are tested anywhere. SPDX-License-Identifier: MIT */
+/* device.h - the calls of the CUDA runtime that the bench makes, on top of those of the examples. Compiled
+   without CUDA, memory is the host's and kernels are loops: so the programs are tested anywhere.
+   SPDX-License-Identifier: MIT */
 #ifndef RBD_BENCH_DEVICE_H
 #define RBD_BENCH_DEVICE_H
 

@@ -25,19 +25,21 @@ urdf_of() {
 
 # A derivative of Atlas's forward dynamics in one function keeps the compiler busy for minutes: it has parts alone.
 algorithms_of() {
-    case $1 in
-    iiwa) echo id mm minv fd fd_cholesky id_derivatives fd_derivatives ;;
-    hyq) echo id mm minv fd fd_cholesky id_derivatives fd_derivatives constrained ;;
-    atlas) echo id mm minv fd id_derivatives ;;
+    case $1.$2 in
+    iiwa.*) echo id mm minv fd fd_cholesky id_derivatives fd_derivatives ;;
+    hyq.float) echo id mm minv fd fd_cholesky id_derivatives fd_derivatives constrained ;;
+    hyq.double) echo id mm minv fd id_derivatives ;;
+    atlas.float) echo id mm minv fd id_derivatives ;;
+    atlas.double) echo id mm fd ;;
     grid_*) echo id fd_derivatives ;;
     esac
 }
 
 programs_of() {
-    case $1 in
-    iiwa) echo main rollout ;;
-    hyq | atlas) echo main rollout parts ;;
+    case $1.$2 in
+    hyq.float | atlas.float) echo main rollout parts ;;
     grid_*) echo main ;;
+    *) echo main rollout ;;
     esac
 }
 
@@ -51,13 +53,14 @@ options_of() {
 # The code of a robot: NAME_code.cuh in the scalar, and the C in double that it is compared with.
 generate() {
     local robot=$1 scalar=$2 list
-    list=$(algorithms_of "$robot" | tr ' ' ,)
+    list=$(algorithms_of "$robot" "$scalar" | tr ' ' ,)
     mkdir -p "$work/$scalar" "$work/reference"
     # shellcheck disable=SC2046
     [ "$work/$scalar/${robot}_code.cuh" -nt "$codegen" ] ||
         "$codegen" "$(urdf_of "$robot")" --name "$robot" --cuda --scalar "$scalar" --algorithm "$list" $(options_of "$robot") \
             --output "$work/$scalar" || return 1
     [ -f "$work/reference/$robot.o" ] && return
+    list=$(algorithms_of "$robot" float | tr ' ' ,)
     case $list in *fd_derivatives*) ;; *) list=$list,fd_derivatives ;; esac
     # shellcheck disable=SC2046
     "$codegen" "$(urdf_of "$robot")" --name "${robot}_ref" --algorithm "$list" $(options_of "$robot") \
@@ -128,8 +131,8 @@ build() {
             [ "$scalar" = double ] && [ "${robot#grid_}" != "$robot" ] && continue
             echo "$robot $scalar"
             generate "$robot" "$scalar" || return 1
-            for algorithm in $(algorithms_of "$robot"); do compile "$robot" "$scalar" kernel "$algorithm" || return 1; done
-            for source in $(programs_of "$robot"); do compile "$robot" "$scalar" "$source" || return 1; done
+            for algorithm in $(algorithms_of "$robot" "$scalar"); do compile "$robot" "$scalar" kernel "$algorithm" || return 1; done
+            for source in $(programs_of "$robot" "$scalar"); do compile "$robot" "$scalar" "$source" || return 1; done
             "$nvcc" -arch="$arch" -cudart static "$work/$scalar/$robot".*.o "$work/reference/$robot.o" \
                 -o "$folder/$robot.$scalar" || return 1
             [ "${robot#grid_}" = "$robot" ] || build_grid "$robot" || return 1

@@ -1,7 +1,7 @@
-/* grid.cu - times two kernels of GRiD (A2R-Lab, github.com/A2R-Lab/GRiD) on random states, without copies: those of a
-   grid.cuh that its generator wrote. Compares them first with code of rbd-codegen in double, of the same URDF file.
-   GRiD has a block a state, as in its own benchmark, or as many blocks as the card holds at once; the faster counts.
-   SPDX-License-Identifier: MIT */
+/* grid.cu - times two kernels of GRiD (A2R-Lab, github.com/A2R-Lab/GRiD) on random states, without copies:
+   those of a grid.cuh that its generator wrote. Compares them first with code of rbd-codegen in double, of
+   the same URDF file. GRiD has a block a state, as in its own benchmark, or as many blocks as the card
+   holds at once; the faster counts. SPDX-License-Identifier: MIT */
 #include "grid.cuh"
 
 #include "device.h"

@@ -1,4 +1,5 @@
-/* kernel.cu - ALGORITHM of ROBOT in SCALAR, by the kernel of its generated code. SPDX-License-Identifier: MIT */
+/* kernel.cu - ALGORITHM of ROBOT in SCALAR, by the kernel of its generated code. SPDX-License-Identifier:
+   MIT */
 #include "kernel.h"
 
 #include REFERENCE_HEADER
@@ -28,8 +29,9 @@ static bool run(const options &o) {
     const auto reference = REFERENCE(ALGORITHM);
     bool right = true;
 #define MEASURE(layout) \
-    right &= measure<rbd::layout>(o, TEXT(ALGORITHM), #layout, robot::PASTE(ALGORITHM, _kernel)<rbd::layout>, sizes, \
-                                  FLOATING, reference, tolerance)
+    right &= measure<rbd::layout>(o, TEXT(ALGORITHM), #layout, \
+                                  robot::PASTE(ALGORITHM, _kernel)<rbd::layout>, sizes, FLOATING, reference, \
+                                  tolerance)
 #ifdef WITH_ROWS
     MEASURE(rows);
 #endif

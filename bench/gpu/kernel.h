@@ -1,5 +1,5 @@
-/* kernel.h - one kernel of a generated NAME_code.cuh: compared with generated C in double, and timed in each layout.
-   SPDX-License-Identifier: MIT */
+/* kernel.h - one kernel of a generated NAME_code.cuh: compared with generated C in double, and timed in
+   each layout. SPDX-License-Identifier: MIT */
 #ifndef RBD_BENCH_KERNEL_H
 #define RBD_BENCH_KERNEL_H
 
@@ -125,8 +125,8 @@ template <class S> double relative_error(const S *x, const double *expected, int
     return error / largest;
 }
 
-/* Calls of kernel(n, arguments...), whose arguments are arrays: const ones to read, others to write, and the statuses.
-   In its place may stand a function of the host that launches kernels. */
+/* Calls of kernel(n, arguments...), whose arguments are arrays: const ones to read, others to write, and
+   the statuses. In its place may stand a function of the host that launches kernels. */
 template <class L, class... A> class kernel_calls {
     enum { COUNT = sizeof...(A) };
     typedef typename std::common_type<
@@ -189,7 +189,8 @@ template <class L, class... A> class kernel_calls {
 
     void operator()(int n, size_t slice) const { call(std::index_sequence_for<A...>(), n, slice); }
 
-    /* Error of up to 1000 of n states, after a call whose output was poisoned; infinity if a status is not 0. */
+    /* Error of up to 1000 of n states, after a call whose output was poisoned; infinity if a status is not
+       0. */
     template <class... R> double error(int n, void (*reference)(R...)) const {
         return error_by(n, [&](double *const *x) { apply(reference, x, std::index_sequence_for<R...>()); });
     }

@@ -1,4 +1,5 @@
-/* main.cu - runs the measurements of all files that were linked; each prints rows of CSV. SPDX-License-Identifier: MIT */
+/* main.cu - runs the measurements of all files that were linked; each prints rows of CSV.
+   SPDX-License-Identifier: MIT */
 #include "kernel.h"
 
 RBD_KERNEL copy(int n, const float *from, float *to) { RBD_EACH_STATE(i, n) to[i] = from[i]; }

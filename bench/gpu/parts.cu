@@ -1,5 +1,5 @@
-/* parts.cu - derivatives of the forward dynamics of ROBOT in parts: the acceleration, the derivatives of the inverse
-   dynamics there, M^-1, and the product of these. SPDX-License-Identifier: MIT */
+/* parts.cu - derivatives of the forward dynamics of ROBOT in parts: the acceleration, the derivatives of
+   the inverse dynamics there, M^-1, and the product of these. SPDX-License-Identifier: MIT */
 #include "kernel.h"
 
 #include REFERENCE_HEADER

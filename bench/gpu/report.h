@@ -1,4 +1,5 @@
-/* report.h - what the programs are asked for, and the rows of CSV that they print. SPDX-License-Identifier: MIT */
+/* report.h - what the programs are asked for, and the rows of CSV that they print.
+   SPDX-License-Identifier: MIT */
 #ifndef RBD_BENCH_REPORT_H
 #define RBD_BENCH_REPORT_H
 
@@ -61,7 +62,8 @@ struct options {
     }
 };
 
-/* One result: `error` is the largest difference over the largest entry of its array, `seconds` those of one call. */
+/* One result: `error` is the largest difference over the largest entry of its array, `seconds` those of
+   one call. */
 inline void print_row(const char *program, const char *algorithm, const char *layout, int states,
                       double error, bool right, double seconds, int bytes_a_state) {
     std::printf("%s,%s,%s,%s,%s,%d,%.1e,%s,%.4g,%.4g,%.4g\n", program, TEXT(ROBOT), TEXT(SCALAR), algorithm,

@@ -1,5 +1,5 @@
-/* rollout.cu - 64 steps of ROBOT by generated forward dynamics, the state in registers from the first step to the last.
-   SPDX-License-Identifier: MIT */
+/* rollout.cu - 64 steps of ROBOT by generated forward dynamics, the state in registers from the first step
+   to the last. SPDX-License-Identifier: MIT */
 #include "kernel.h"
 
 #include REFERENCE_HEADER
@@ -20,7 +20,8 @@ struct reference {
     }
 };
 
-/* Moves a floating base for dt: place and quaternion (x, y, z, w) q, velocity v in the base's axes, angular first. */
+/* Moves a floating base for dt: place and quaternion (x, y, z, w) q, velocity v in the base's axes,
+   angular first. */
 template <class S> RBD_HD void move_base(S *q, const S *v, S dt) {
     const S x = q[3], y = q[4], z = q[5], w = q[6];
     const S tx = 2 * (y * v[5] - z * v[4]);

@@ -20,7 +20,8 @@ template <class S> RBD_HD S random_number(uint32_t array, uint64_t state, uint32
     return (S)number * (range / (S)(1 << 23));
 }
 
-/* Component k of configuration q: angles of -3 ... 3 rad; after a floating base's place its unit quaternion. */
+/* Component k of configuration q: angles of -3 ... 3 rad; after a floating base's place its unit
+   quaternion. */
 template <class S> RBD_HD S random_position(bool floating, uint64_t state, int k) {
     if (!floating || k < 3 || k > 6) return random_number(0, state, (uint32_t)k, (S)3);
     S part[4];

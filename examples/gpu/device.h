@@ -1,5 +1,6 @@
-/* device.h - the few calls of CUDA's runtime that a program makes around its kernels. Without CUDA, memory is the host's
-   and a kernel of generated code's macros is a loop, so that the same file runs anywhere. SPDX-License-Identifier: MIT */
+/* device.h - the few calls of CUDA's runtime that a program makes around its kernels. Without CUDA, memory
+   is the host's and a kernel of generated code's macros is a loop, so that the same file runs anywhere.
+   SPDX-License-Identifier: MIT */
 #ifndef DEVICE_H
 #define DEVICE_H
 

@@ -1,5 +1,5 @@
-/* mppi.cu - a cart swings up its pole, and the hand of an iiwa goes round a pillar: by thousands of simulated motions a
-   tick, which call the code that rbd-codegen wrote for each robot (mppi.h).
+/* mppi.cu - a cart swings up its pole, and the hand of an iiwa goes round a pillar: by thousands of
+   simulated motions a tick, which call the code that rbd-codegen wrote for each robot (mppi.h).
 
        mppi [SAMPLES]            prints a table of the motions; 512 samples if it is not said
        mppi SAMPLES times        prints how long a tick takes
@@ -38,7 +38,8 @@ struct swing_up {
     }
 };
 
-/* The hand goes to a target; on the straight way stands a pillar. Controls: torques beyond those that hold the arm. */
+/* The hand goes to a target; on the straight way stands a pillar. Controls: torques beyond those that hold
+   the arm. */
 struct reach {
     enum { NX = 14, NU = 7, KNOTS = 30 };
     float state[NX];

@@ -1,7 +1,9 @@
-/* mppi.h - model predictive path integral control (Williams, Aldrich, Theodorou 2017) on a GPU, or by loops without one.
+/* mppi.h - model predictive path integral control (Williams, Aldrich, Theodorou 2017) on a GPU, or by
+   loops without one.
 
-   Each tick tries many sequences of controls, the plan with noise, each simulated by one thread; the new plan is
-   their mean with weights exp(-cost / temperature). A problem is a struct that kernels get by value:
+   Each tick tries many sequences of controls, the plan with noise, each simulated by one thread; the new
+   plan is their mean with weights exp(-cost / temperature). A problem is a struct that kernels get by
+   value:
 
        enum { NX, NU, KNOTS };                                  numbers of the state and of controls; knots of the plan
        float state[NX];                                         where the plan begins
@@ -53,7 +55,8 @@ template <class P> RBD_KERNEL mppi_sample(int n, P problem, unsigned tick, const
     }
 }
 
-/* The least cost of each chunk of n samples: every sample whose number is that of the chunk, modulo the chunks. */
+/* The least cost of each chunk of n samples: every sample whose number is that of the chunk, modulo the
+   chunks. */
 template <class P> RBD_KERNEL mppi_least(int chunks, int n, const float *cost, float *least) {
     RBD_EACH_STATE(chunk, chunks) {
         float lowest = cost[chunk];
@@ -62,7 +65,8 @@ template <class P> RBD_KERNEL mppi_least(int chunks, int n, const float *cost, f
     }
 }
 
-/* For a chunk and a place in the plan: the weighted sum of the controls; for the place behind the last: of the weights. */
+/* For a chunk and a place in the plan: the weighted sum of the controls; for the place behind the last: of
+   the weights. */
 template <class P>
 RBD_KERNEL mppi_sum(int all, P problem, unsigned tick, int n, float temperature, const float *plan,
                     const float *cost, const float *least, float *sums) {

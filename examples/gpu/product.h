@@ -2,9 +2,10 @@
 
        da = -M^-1 dtau
 
-   One function that computes it all at once keeps too many numbers for a thread's registers if a robot has more than some
-   20 degrees of freedom. So generated code makes the matrices, a state a thread, and this kernel multiplies them, a tile of
-   a state a thread. Include it behind the generated code. SPDX-License-Identifier: MIT */
+   One function that computes it all at once keeps too many numbers for a thread's registers if a robot has
+   more than some 20 degrees of freedom. So generated code makes the matrices, a state a thread, and this
+   kernel multiplies them, a tile of a state a thread. Include it behind the generated code.
+   SPDX-License-Identifier: MIT */
 #ifndef PRODUCT_H
 #define PRODUCT_H
 
@@ -37,7 +38,8 @@ RBD_HD void product_of_tile(A Minv, B dtau, C da, int row, int column) {
 }
 
 #ifdef __CUDACC__
-/* 32 states a block, a lane for each; the warps share the rows. Lanes of a warp read side by side in rbd::blocks. */
+/* 32 states a block, a lane for each; the warps share the rows. Lanes of a warp read side by side in
+   rbd::blocks. */
 template <class L, int NV, class S>
 __global__ void __launch_bounds__(32 * product_tile<NV>::WARPS)
     product_kernel(int n, const S *__restrict__ Minv, const S *__restrict__ dtau_dq,
