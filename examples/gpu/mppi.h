@@ -5,11 +5,11 @@
    plan is their mean with weights exp(-cost / temperature). A problem is a struct that kernels get by
    value:
 
-       enum { NX, NU, KNOTS };                                  numbers of the state and of controls; knots of the plan
-       float state[NX];                                         where the plan begins
-       RBD_HD float limit(int j) const, spread(int j) const;    largest control j, and the noise's standard deviation
-       RBD_HD float step(float *x, const float *u) const;       moves x by one knot; returns what that costs
-       RBD_HD float end(const float *x) const;                  cost of the last state
+       enum { NX, NU, KNOTS };                                 numbers of the state and of controls; knots
+       float state[NX];                                        where the plan begins
+       RBD_HD float limit(int j) const, spread(int j) const;   largest control j, the noise's deviation
+       RBD_HD float step(float *x, const float *u) const;      moves x by one knot; returns what that costs
+       RBD_HD float end(const float *x) const;                 cost of the last state
 
    Include it behind generated code, whose macros it uses. SPDX-License-Identifier: MIT */
 #ifndef MPPI_H
