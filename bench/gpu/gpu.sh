@@ -43,11 +43,10 @@ programs_of() {
     esac
 }
 
+# options_of ROBOT LIST
 options_of() {
-    case $1 in
-    hyq) echo --floating --constraints "$root/models/hyq_feet.csv" ;;
-    atlas) echo --floating ;;
-    esac
+    case $1 in hyq | atlas) echo --floating ;; esac
+    case $2 in *constrained*) echo --constraints "$root/models/$1_feet.csv" ;; esac
 }
 
 # The code of a robot: NAME_code.cuh in the scalar, and the C in double that it is compared with.
@@ -57,13 +56,13 @@ generate() {
     mkdir -p "$work/$scalar" "$work/reference"
     # shellcheck disable=SC2046
     [ "$work/$scalar/${robot}_code.cuh" -nt "$codegen" ] ||
-        "$codegen" "$(urdf_of "$robot")" --name "$robot" --cuda --scalar "$scalar" --algorithm "$list" $(options_of "$robot") \
+        "$codegen" "$(urdf_of "$robot")" --name "$robot" --cuda --scalar "$scalar" --algorithm "$list" $(options_of "$robot" "$list") \
             --output "$work/$scalar" || return 1
     [ -f "$work/reference/$robot.o" ] && return
     list=$(algorithms_of "$robot" float | tr ' ' ,)
     case $list in *fd_derivatives*) ;; *) list=$list,fd_derivatives ;; esac
     # shellcheck disable=SC2046
-    "$codegen" "$(urdf_of "$robot")" --name "${robot}_ref" --algorithm "$list" $(options_of "$robot") \
+    "$codegen" "$(urdf_of "$robot")" --name "${robot}_ref" --algorithm "$list" $(options_of "$robot" "$list") \
         --output "$work/reference" &&
         cc -O1 -c "$work/reference/${robot}_ref_code.c" -o "$work/reference/$robot.o"
 }
