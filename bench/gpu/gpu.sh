@@ -116,7 +116,7 @@ run_examples() {
     timeout 60 "$folder/mppi" 16384 times >>"$out/mppi.txt" 2>&1
     timeout 90 python3 "$folder/batch.py" "$folder/iiwa_code.cuh" >"$out/python.txt" 2>&1
     [ -x "$folder/falling" ] || return
-    for robots in 1024 16384 131072; do timeout 60 "$folder/falling" $robots 100; done >"$out/falling.txt" 2>&1
+    for robots in 1000 16896 50688 506880; do timeout 60 "$folder/falling" $robots 1000; done >"$out/falling.txt" 2>&1
 }
 
 build() {
@@ -164,16 +164,24 @@ smsp__issue_active.avg.pct_of_peak_sustained_active,sm__warps_active.avg.pct_of_
 dram__bytes.sum,lts__t_bytes.sum,l1tex__t_bytes_pipe_lsu_mem_local_op_ld.sum,smsp__inst_executed.sum,\
 smsp__average_warps_issue_stalled_no_instruction_per_issue_active.ratio,\
 smsp__average_warps_issue_stalled_long_scoreboard_per_issue_active.ratio,\
-smsp__average_warps_issue_stalled_lg_throttle_per_issue_active.ratio
+smsp__average_warps_issue_stalled_lg_throttle_per_issue_active.ratio,\
+smsp__thread_inst_executed_per_inst_executed.ratio
 
 # The profiler's counters of one kernel: counters ROBOT ALGORITHM [LAYOUT [MEASUREMENT]]. The first launch is that of 1003
 # states.
 counters() {
-    local layout=${3-blocks} log
-    log=$(timeout 60 ncu --clock-control none --kernel-name "regex:$2_kernel" --launch-skip 1 --launch-count 1 --csv \
-        --metrics "$metrics" "$folder/$1.float" --only "${4-$2}" --layout "$layout" --check 2>&1)
-    grep '^"[0-9]' <<<"$log" | sed "s/^/$1,$2,$layout,/" >>"$out/counters.csv"
-    grep '^==ERROR' <<<"$log" | sed "s/^/$1 $2: /" >>"$out/errors.txt"
+    local layout=${3-blocks}
+    keep_counters "$1,$2,$layout" "$2_kernel" "$folder/$1.float" --only "${4-$2}" --layout "$layout" --check
+}
+
+# keep_counters NAME KERNEL PROGRAM ARGUMENT...
+keep_counters() {
+    local name=$1 kernel=$2 log
+    shift 2
+    log=$(timeout 60 ncu --clock-control none --kernel-name "regex:$kernel" --launch-skip 1 --launch-count 1 --csv \
+        --metrics "$metrics" "$@" 2>&1)
+    grep '^"[0-9]' <<<"$log" | sed "s/^/$name,/" >>"$out/counters.csv"
+    grep '^==ERROR' <<<"$log" | sed "s/^/$name: /" >>"$out/errors.txt"
 }
 
 profile() {
@@ -189,6 +197,7 @@ profile() {
     for algorithm in id fd minv id_derivatives fd_derivatives constrained; do counters hyq $algorithm; done
     for algorithm in id mm fd minv id_derivatives; do counters atlas $algorithm; done
     counters atlas product blocks fd_derivatives_in_parts
+    [ -x "$folder/falling" ] && keep_counters hyq,contact_step,columns fall_kernel "$folder/falling" 50688 300
 }
 
 case $what in

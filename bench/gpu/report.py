@@ -22,6 +22,7 @@ COUNTERS = {
     "smsp__average_warps_issue_stalled_no_instruction_per_issue_active.ratio": "waiting for instructions",
     "smsp__average_warps_issue_stalled_long_scoreboard_per_issue_active.ratio": "for memory",
     "smsp__average_warps_issue_stalled_lg_throttle_per_issue_active.ratio": "for its queue",
+    "smsp__thread_inst_executed_per_inst_executed.ratio": "threads at work, of 32",
 }
 
 
