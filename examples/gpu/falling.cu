@@ -5,10 +5,10 @@
        g++ -x c++ -O2 -I. examples/gpu/falling.cu -o falling       # without a GPU: the kernel is a loop
        ./falling [robots [steps [threads in a block [blocks]]]]
 
-   Two things decide the speed on a GPU; bench/gpu has the figures. A step is half a megabyte of instructions,
-   which warps that drift apart fetch each for itself: so blocks are large, and their warps wait for each other
-   at each step. And a thread's memory is 18 kB: so there are no more threads than the multiprocessors hold at
-   once, and a thread has several robots, one after the other. */
+   Two things decide the speed on a GPU; docs/gpu.md has the figures. A step is half a megabyte of
+   instructions, which warps that drift apart fetch each for itself: so blocks are large, and their warps wait
+   for each other at each step. And a thread's memory is 18 kB: so there are no more threads than the
+   multiprocessors hold at once, and a thread has several robots, one after the other. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
