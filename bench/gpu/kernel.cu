@@ -29,9 +29,9 @@ static bool run(const options &o) {
     const auto reference = REFERENCE(ALGORITHM);
     bool right = true;
 #define MEASURE(layout) \
-    right &= measure<rbd::layout>(o, TEXT(ALGORITHM), #layout, \
-                                  robot::PASTE(ALGORITHM, _kernel)<rbd::layout>, sizes, FLOATING, reference, \
-                                  tolerance)
+    right &= \
+        measure<rbd::layout>(o, TEXT(ALGORITHM), #layout, robot::PASTE(ALGORITHM, _kernel) < rbd::layout >, \
+                             sizes, FLOATING, reference, tolerance)
 #ifdef WITH_ROWS
     MEASURE(rows);
 #endif
@@ -43,7 +43,7 @@ static bool run(const options &o) {
 }
 
 static void launch_in_blocks(int n, const void *const *arguments) {
-    launch_with(robot::PASTE(ALGORITHM, _kernel)<rbd::blocks>, n, arguments);
+    launch_with(robot::PASTE(ALGORITHM, _kernel) < rbd::blocks >, n, arguments);
 }
 
 static blocks_kernel own_kernel(TEXT(ALGORITHM), launch_in_blocks);
