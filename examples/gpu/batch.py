@@ -5,6 +5,7 @@ FILE_code.cuh is of `rbd-codegen FILE.urdf --cuda --scalar float --algorithm id,
 SPDX-License-Identifier: MIT"""
 
 import sys
+import time
 
 import cupy
 
@@ -24,8 +25,10 @@ def largest(x):
 
 def with_cupy(robot):
     q, v, a = random_states(robot, N)
+    began = time.perf_counter()
     tau, = robot.id(q, v, a)
     again, status = robot.fd(q, v, tau)
+    print(f"the first calls, which compile: {time.perf_counter() - began:.1f} s")
     print(f"CuPy: forward dynamics of inverse dynamics gives a again to 1e-3: "
           f"{'yes' if largest(again - a) < 1e-3 and not status.any() else 'no'}")
 
