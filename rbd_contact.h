@@ -407,6 +407,7 @@ struct rbd_contact_set {
     int n, dof_rows;         /* numbers of contacts and, at most, of rows of dofs */
     int max_rows;            /* rows at most */
     int contacts;            /* that are rows of the step */
+    int points;              /* that move straight: RBDI_ORIGINS or RBDI_CENTRES */
     int differ;              /* whether `nu` and `moved` differ */
     rbdi_contact *contact;   /* n */
     rbdi_dof_row *dof_row;   /* dof_rows */
@@ -2238,7 +2239,7 @@ RBDI_LOCAL void rbdi_restore_momentum(const rbd_model *m, const rbd_contact_set 
 
        K = M + dt d,   nu = v_mid + K^-1 (dt (tau - c(w) - d v_mid) + J' p),   c(w) = ID(q_mid, w, a(w))
 
-   with the damping d, and the classical accelerations a(w) = 0 of [manifold code]. The velocity terms are
+   with the damping d, and the accelerations a(w) of [straight moves]. The velocity terms are
    those of the mean velocity: first w = v_mid, then twice w = (v_mid + nu) / 2 of the nu before. Contacts are
    solved for the first and the last time; the nu between has the impulses of the first. Without
    these, light links that the ground holds would race away. For a vector that turns by x a step
@@ -2279,9 +2280,9 @@ RBDI_LOCAL rbd_status rbdi_begin_step(const rbd_model *m, rbd_contact_set *c, co
     rbd_work *w = s->w;
     rbdi_mask doubt;
 
-    rbdi_move_joints(m, q, v, v, c->half, c->q_mid, c->v_mid);
+    rbdi_move_joints(m, c->points, q, v, v, c->half, c->q_mid, c->v_mid);
     for (int k = 0; k < m->nv; ++k) c->at[k] = c->v_mid[k];
-    rbdi_straight_acceleration(m, c->at, c->straight);
+    rbdi_straight_acceleration(m, c->points, c->at, c->straight);
     rbdi_constraint_bias(m, s, c->q_mid, c->at, rbdi_expand_v(m, c->straight, w->ax), f_ext, w->gravity);
 
     c->contacts = rbdi_list_rows(m, c, q, v);
@@ -2299,7 +2300,7 @@ RBDI_LOCAL void rbdi_correct(const rbd_model *m, rbd_contact_set *c, const rbd_r
     rbd_work *w = c->rows->w;
     for (int k = 0; k < m->nv; ++k) c->at[k] = (c->v_mid[k] + nu[k]) / 2;
 
-    rbdi_straight_acceleration(m, c->at, c->straight);
+    rbdi_straight_acceleration(m, c->points, c->at, c->straight);
     rbdi_rnea(m, w, rbdi_expand_v(m, c->at, w->vx), rbdi_expand_v(m, c->straight, w->ax), f_ext,
               rbdi_mimics(m) ? w->tx : w->bias);
     rbdi_reduce_tau(m, w->tx, w->bias);
@@ -2381,6 +2382,7 @@ RBDI_LOCAL void rbdi_choose_scheme(rbd_contact_set *c, rbd_real dt, int first_or
     c->dt = dt;
     c->way = first_order ? dt : dt / 2;
     c->half = first_order ? rbdi_zero() : c->way;
+    c->points = first_order ? RBDI_ORIGINS : RBDI_CENTRES;
 }
 
 /* Computes c->moved, the velocities by which positions change. */
@@ -2459,7 +2461,7 @@ RBDI_LOCAL rbd_status rbdi_solve_step(const rbd_model *m, rbd_contact_set *c, co
 /* Writes the state after the step; after an error, q and v = 0. */
 RBDI_LOCAL void rbdi_contact_move(const rbd_model *m, const rbd_contact_set *c, rbd_status status,
                                   const rbd_real *q, rbd_real *q_next, rbd_real *v_next) {
-    if (!status) rbdi_move_joints(m, c->q_mid, c->moved, c->nu, c->way, q_next, v_next);
+    if (!status) rbdi_move_joints(m, c->points, c->q_mid, c->moved, c->nu, c->way, q_next, v_next);
     for (int k = 0; status && k < m->nq; ++k) q_next[k] = q[k];
     if (status) rbdi_clear(v_next, m->nv);
 }
@@ -2557,7 +2559,7 @@ RBDI_LOCAL void rbdi_write_sides(const rbd_model *m, rbd_contact_set *c, rbd_der
                                  const rbd_real *nu, const rbd_real *f_ext, rbd_real *Q, rbd_real *B,
                                  rbd_real *M) {
     const int size = m->nv * m->nv;
-    rbdi_straight_acceleration(m, c->at, c->straight);
+    rbdi_straight_acceleration(m, c->points, c->at, c->straight);
     for (int k = 0; k < m->nv; ++k) d->a[k] = (nu[k] - c->v_mid[k]) / c->dt + c->straight[k];
     if (Q) rbdi_clear(Q, size); /* rbd_keep_zeros leaves entries out */
     if (B) rbdi_clear(B, size), rbdi_clear(M, size);
@@ -2578,7 +2580,7 @@ RBDI_LOCAL void rbdi_add_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivat
         if (rho[1]) rho[1][k] = rho[1][k] - M[k];
         if (rho[2] && k % (n + 1) == 0) rho[2][k] = rho[2][k] - c->dt;
     }
-    rbdi_unforced_columns(m, c->at, c->dt, n, M);
+    rbdi_unforced_columns(m, c->points, c->at, c->dt, n, M);
     for (int k = 0; k < n * n; ++k) {
         B[k] = last ? (B[k] - M[k]) * half : B[k] - M[k];
         if (rho[1]) rho[1][k] = rho[1][k] + B[k];
@@ -2703,7 +2705,7 @@ RBDI_LOCAL void rbdi_middle_terms(const rbd_model *m, rbd_contact_set *c, const 
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     const rbd_real half = c->half;
     rbd_constraint_set *s = c->rows;
-    rbdi_straight_acceleration(m, c->v_mid, c->straight);
+    rbdi_straight_acceleration(m, c->points, c->v_mid, c->straight);
     rbdi_constraint_state(m, s, rbdi_expand_v(m, c->v_mid, s->w->vx), rbdi_expand_v(m, c->straight, s->w->ax),
                           none, 0);
     for (int pass = x == 0; pass < 2; ++pass) { /* 0: -J, which becomes -J - J dW/dv */
@@ -2724,7 +2726,7 @@ RBDI_LOCAL void rbdi_middle_terms(const rbd_model *m, rbd_contact_set *c, const 
             pair = rbdi_contact_pair(c, i);
             rbdi_row_terms(m, c, d, con, &pair, &f, x);
         }
-        if (pass == 0) rbdi_unforced_columns(m, c->v_mid, rbdi_set(RBD_C(1)), s->rows, c->sigma);
+        if (pass == 0) rbdi_unforced_columns(m, c->points, c->v_mid, rbdi_set(RBD_C(1)), s->rows, c->sigma);
     }
 }
 
@@ -2925,10 +2927,10 @@ RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact
     status = rbdi_begin_step(m, c, q, v, tau, f_ext, damping);
     if (!status) solved = rbdi_differentiate_step(m, c, d, tau, f_ext, &by, &status);
     for (int x = 0; x < 3 && !status; ++x)
-        if (by.dq[x]) rbdi_move_columns(m, c->moved, c->nu, c->way, x == 0, by.dq[x], by.dv[x]);
+        if (by.dq[x]) rbdi_move_columns(m, c->points, c->moved, c->nu, c->way, x == 0, by.dq[x], by.dv[x]);
     if (by.dq[0] && !status) {
-        rbdi_columns_before(m, v, c->half, by.dq[0], by.dq[1]);
-        rbdi_columns_before(m, v, c->half, by.dv[0], by.dv[1]);
+        rbdi_columns_before(m, c->points, v, c->half, by.dq[0], by.dq[1]);
+        rbdi_columns_before(m, c->points, v, c->half, by.dv[0], by.dv[1]);
     }
     for (int x = 0; x < 3; ++x)
         if (by.dq[x]) solved &= rbdi_all_finite(by.dq[x], size) & rbdi_all_finite(by.dv[x], size);

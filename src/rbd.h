@@ -26,8 +26,8 @@
      [layout]
      [design] [compiler] [tolerances] [scalar] [reduction] [spatial algebra] [pieces] [common] [features]
      [joint types] [joints] [state] [rnea] [crba] [aba] [packed matrix] [pivots] [hybrid]
-     [forward dynamics code] [axes] [kinematics code] [points code] [manifold code] [free step] [work code]
-     [lookup code] [text code]
+     [forward dynamics code] [axes] [kinematics code] [points code] [manifold code] [straight moves]
+     [free step] [work code] [lookup code] [text code]
      [descriptions] [model build]
      [licence]
 
@@ -292,6 +292,7 @@ RBDI_CODE_BEGIN
 #include "motion/kinematics.h"
 #include "motion/points.h"
 #include "motion/manifold.h"
+#include "motion/step.h"
 #include "motion/free_step.h"
 #include "model/work_init.h"
 #include "model/lookup.h"

@@ -95,6 +95,7 @@ struct rbd_contact_set {
     int n, dof_rows;         /* numbers of contacts and, at most, of rows of dofs */
     int max_rows;            /* rows at most */
     int contacts;            /* that are rows of the step */
+    int points;              /* that move straight: RBDI_ORIGINS or RBDI_CENTRES */
     int differ;              /* whether `nu` and `moved` differ */
     rbdi_contact *contact;   /* n */
     rbdi_dof_row *dof_row;   /* dof_rows */

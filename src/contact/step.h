@@ -15,7 +15,7 @@
 
        K = M + dt d,   nu = v_mid + K^-1 (dt (tau - c(w) - d v_mid) + J' p),   c(w) = ID(q_mid, w, a(w))
 
-   with the damping d, and the classical accelerations a(w) = 0 of [manifold code]. The velocity terms are
+   with the damping d, and the accelerations a(w) of [straight moves]. The velocity terms are
    those of the mean velocity: first w = v_mid, then twice w = (v_mid + nu) / 2 of the nu before. Contacts are
    solved for the first and the last time; the nu between has the impulses of the first. Without
    these, light links that the ground holds would race away. For a vector that turns by x a step
@@ -56,9 +56,9 @@ RBDI_LOCAL rbd_status rbdi_begin_step(const rbd_model *m, rbd_contact_set *c, co
     rbd_work *w = s->w;
     rbdi_mask doubt;
 
-    rbdi_move_joints(m, q, v, v, c->half, c->q_mid, c->v_mid);
+    rbdi_move_joints(m, c->points, q, v, v, c->half, c->q_mid, c->v_mid);
     for (int k = 0; k < m->nv; ++k) c->at[k] = c->v_mid[k];
-    rbdi_straight_acceleration(m, c->at, c->straight);
+    rbdi_straight_acceleration(m, c->points, c->at, c->straight);
     rbdi_constraint_bias(m, s, c->q_mid, c->at, rbdi_expand_v(m, c->straight, w->ax), f_ext, w->gravity);
 
     c->contacts = rbdi_list_rows(m, c, q, v);
@@ -76,7 +76,7 @@ RBDI_LOCAL void rbdi_correct(const rbd_model *m, rbd_contact_set *c, const rbd_r
     rbd_work *w = c->rows->w;
     for (int k = 0; k < m->nv; ++k) c->at[k] = (c->v_mid[k] + nu[k]) / 2;
 
-    rbdi_straight_acceleration(m, c->at, c->straight);
+    rbdi_straight_acceleration(m, c->points, c->at, c->straight);
     rbdi_rnea(m, w, rbdi_expand_v(m, c->at, w->vx), rbdi_expand_v(m, c->straight, w->ax), f_ext,
               rbdi_mimics(m) ? w->tx : w->bias);
     rbdi_reduce_tau(m, w->tx, w->bias);
@@ -158,6 +158,7 @@ RBDI_LOCAL void rbdi_choose_scheme(rbd_contact_set *c, rbd_real dt, int first_or
     c->dt = dt;
     c->way = first_order ? dt : dt / 2;
     c->half = first_order ? rbdi_zero() : c->way;
+    c->points = first_order ? RBDI_ORIGINS : RBDI_CENTRES;
 }
 
 /* Computes c->moved, the velocities by which positions change. */
@@ -236,7 +237,7 @@ RBDI_LOCAL rbd_status rbdi_solve_step(const rbd_model *m, rbd_contact_set *c, co
 /* Writes the state after the step; after an error, q and v = 0. */
 RBDI_LOCAL void rbdi_contact_move(const rbd_model *m, const rbd_contact_set *c, rbd_status status,
                                   const rbd_real *q, rbd_real *q_next, rbd_real *v_next) {
-    if (!status) rbdi_move_joints(m, c->q_mid, c->moved, c->nu, c->way, q_next, v_next);
+    if (!status) rbdi_move_joints(m, c->points, c->q_mid, c->moved, c->nu, c->way, q_next, v_next);
     for (int k = 0; status && k < m->nq; ++k) q_next[k] = q[k];
     if (status) rbdi_clear(v_next, m->nv);
 }

@@ -3,13 +3,13 @@
 #include "dynamics/rnea.h"
 #include "dynamics/packed.h"
 #include "dynamics/pivots.h"
-#include "motion/manifold.h"
+#include "motion/step.h"
 
 /* Interface: rbdi_guard_solution */
 
 /* ---- free step [free step] ----
    Half of the way by v, to q_mid, where v_mid is v in its axes. There, with damping d, K = M + dt d and the
-   classical accelerations a(w) = 0 of [manifold code],
+   accelerations a(w) of [straight moves],
 
        nu = v_mid + K^-1 dt (tau - c(w) - d v_mid),   c(w) = ID(q_mid, w, a(w)),   w = (v_mid + nu) / 2
 
@@ -55,7 +55,7 @@ RBDI_LOCAL void rbdi_free_solution(const rbd_model *m, rbd_work *w, const rbd_re
                                    rbd_real dt, rbd_real *y) {
     rbd_real *a = rbdi_free_vector(m, w, 4);
     rbdi_clear(a, m->nv);
-    rbdi_straight_acceleration(m, at, a);
+    rbdi_straight_acceleration(m, RBDI_CENTRES, at, a);
     rbdi_rnea(m, w, rbdi_expand_v(m, at, w->vx), rbdi_expand_v(m, a, w->ax), f_ext,
               rbdi_mimics(m) ? w->tx : y);
     rbdi_reduce_tau(m, w->tx, y);
@@ -92,7 +92,7 @@ RBDI_API rbd_status rbd_free_step(const rbd_model *m, rbd_work *w, const rbd_rea
     if (status) return status;
 
     /* q_mid and v_mid, and K there */
-    rbdi_move_joints(m, q, v, v, half, q_next, v_next);
+    rbdi_move_joints(m, RBDI_CENTRES, q, v, v, half, q_next, v_next);
     rbd_crba_packed(m, w, q_next, w->H);
     for (int k = 0; damping && k < m->nv; ++k) {
         rbd_real *diagonal = &w->H[m->dof[k].row + m->dof[k].depth];
@@ -106,7 +106,7 @@ RBDI_API rbd_status rbd_free_step(const rbd_model *m, rbd_work *w, const rbd_rea
     status = rbdi_factor_status(m, w, w->H, doubt, nu, m->nv);
     for (int k = 0; k < m->nv; ++k) nu[k] = v_next[k] + nu[k];
 
-    rbdi_move_joints(m, q_next, nu, nu, half, q_next, v_next);
+    rbdi_move_joints(m, RBDI_CENTRES, q_next, nu, nu, half, q_next, v_next);
     return status;
 }
 #endif
