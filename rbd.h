@@ -109,7 +109,7 @@
      computes and they refuse, M has lost its digits, as of float chains of 100 rods. Calls with constraints
      may find there that rounding keeps them from holding their rows: RBD_ERR_INFEASIBLE.
      Input is not searched for NaN: one that reaches the mass matrix is RBD_ERR_NAN in forward dynamics, one
-     in a gap or limit in rbd_contact_step; any other reaches all results that depend on it, with RBD_OK. From
+     in q or a gap in rbd_contact_step; any other reaches all results that depend on it, with RBD_OK. From
      libm only sqrt; sin and cos for __float128 and classes, and with excess precision (x87). The same input
      gives the same bits on every call of one build; between builds, contraction to FMA and the order of sums
      change last bits.
@@ -793,7 +793,8 @@ RBDI_API rbd_status rbd_step(const rbd_model *m, const rbd_real *q, const rbd_re
    tau, damping   nv. damping is implicit: tau acts as tau - damping v_next. NULL: 0
    f_ext          nb x 6 or NULL: in the axes that bodies have in the middle of the step
    dt             s; any finite number
-   q_next may be q, v_next may be v. Errors: as rbd_fd_cholesky; after RBD_ERR_SINGULAR forces count as 0.
+   q_next may be q, v_next may be v. Errors: as rbd_fd_cholesky; also RBD_ERR_NAN if a velocity changes by
+   1e12 or more, or by NaN. After RBD_ERR_SINGULAR and RBD_ERR_NAN forces and velocity terms count as 0.
    Moreau 1999; Hairer, Lubich and Wanner, Geometric Numerical Integration, VII. */
 RBDI_API rbd_status rbd_free_step(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                   const rbd_real *tau, const rbd_real *f_ext, const rbd_real *damping,
@@ -1662,6 +1663,7 @@ RBDI_CODE_BEGIN
     RBD_C(2.220446049250313e-16 / (double)RBDI_EPS) /* the build's rounding: descriptions are double */
 #define RBDI_ROD (16 * (rbdi_wide)2.220446049250313e-16 / (rbdi_wide)RBDI_DOUBT) /* see rbdi_build_scale */
 
+#define RBDI_FASTEST RBD_C(1e12)   /* m/s or rad/s: a step that makes more has overflowed, or would */
 #define RBDI_SHORT RBD_C(1e-30)    /* square of the shortest quaternion or (cos, sin) that has a direction */
 #define RBDI_NO_ANGLE RBD_C(1e-30) /* added to squares of angles: quotients stay finite, no digit changes */
 #define RBDI_TAIL_TERMS 15         /* of the series of sine and cosine for |x| < 1: 1/33! is below 1e-36 */
@@ -6835,6 +6837,16 @@ RBDI_LOCAL void rbdi_free_change(const rbd_model *m, rbd_work *w, const rbd_real
     }
 }
 
+/* Whether the changes x of the velocities are numbers below RBDI_FASTEST. x of other lanes becomes 0. */
+RBDI_LOCAL int rbdi_bound_change(const rbd_model *m, rbd_real *x) {
+    const rbd_real fastest = rbdi_set(RBDI_FASTEST);
+    rbdi_mask good = rbdi_less(rbdi_zero(), fastest);
+    for (int k = 0; k < m->nv; ++k) good = rbdi_and(good, rbdi_less(rbdi_abs(x[k]), fastest));
+
+    for (int k = 0; k < m->nv; ++k) x[k] = rbdi_select(good, x[k], rbdi_zero());
+    return !rbdi_any(rbdi_not(good));
+}
+
 RBDI_API rbd_status rbd_free_step(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                   const rbd_real *tau, const rbd_real *f_ext, const rbd_real *damping,
                                   rbd_real dt, rbd_real *q_next, rbd_real *v_next) {
@@ -6857,6 +6869,7 @@ RBDI_API rbd_status rbd_free_step(const rbd_model *m, rbd_work *w, const rbd_rea
     nu = w->bias;
     rbdi_free_change(m, w, v_next, tau, f_ext, damping, dt, nu);
     status = rbdi_factor_status(m, w, w->H, doubt, nu, m->nv);
+    if (!rbdi_bound_change(m, nu) && !status) status = RBD_ERR_NAN;
     for (int k = 0; k < m->nv; ++k) nu[k] = v_next[k] + nu[k];
 
     rbdi_move_joints(m, RBDI_CENTRES, q_next, nu, nu, half, q_next, v_next);

@@ -499,7 +499,6 @@ RBDI_CODE_BEGIN
 #define RBDI_ROOT_STEPS 60           /* for the root of one contact, six on average */
 #define RBDI_FASTEST_SLIP RBD_C(1e9) /* largest alpha / d: friction is 1e-9 of p_n then, no test sees it */
 #define RBDI_MOST_SWEEPS 32          /* between two Newton steps */
-#define RBDI_FASTEST RBD_C(1e12)     /* m/s or rad/s; faster has overflowed, or would */
 #define RBDI_UNBOUNDED RBD_C(1e30)   /* as a bound: none; as a residual: none could be computed */
 
 /* ==== src/contact/one_contact.h ==== */
@@ -1198,10 +1197,11 @@ RBDI_PART void rbdi_contact_begin(rbdi_contact_solver *s, const rbd_contact_prob
         rbdi_contact_prepare(&s->law[i], &given->delta[3 * i * (s->rows + 1)], s->rows, given->friction[i]);
 }
 
+/* Of a number x - x is 0, else NaN, and so is a sum with it. */
 RBDI_PART int rbdi_all_finite(const rbd_real *x, int n) {
-    for (int i = 0; i < n; ++i)
-        if (!(x[i] - x[i] == 0)) return 0;
-    return 1;
+    rbd_real sum = rbdi_zero();
+    for (int i = 0; i < n; ++i) sum = sum + (x[i] - x[i]);
+    return sum == 0;
 }
 
 /* Whether an index into G, the largest array, would not fit an int. */
@@ -2425,7 +2425,7 @@ RBDI_LOCAL void rbdi_keep_impulses(rbd_contact_set *c) {
    may be huge: then those of rbdi_solve_first are the better beginning. */
 RBDI_LOCAL rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
-    int finite = rbdi_all_finite(c->b, c->rows->rows);
+    int finite = rbdi_all_finite(c->b, c->rows->rows) & rbdi_all_finite(c->q_mid, m->nq);
     rbdi_find_rebounds(c);
     for (int k = 0; k < m->nv; ++k) c->nu[k] = c->moved[k];
     c->differ = rbdi_write_biases(c, RBDI_FOR_VELOCITIES);
@@ -2496,8 +2496,9 @@ RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const
     if (status) return status;
     rbdi_choose_scheme(c, dt, 1);
     status = rbdi_solve_step(m, c, q, v, tau, f_ext, damping);
-    for (int k = 0; k < m->nv; ++k)
-        a[k] = status ? rbdi_zero() : (c->nu[k] - c->v_mid[k]) / dt + c->straight[k];
+    for (int k = 0; k < m->nv; ++k) a[k] = (c->nu[k] - c->v_mid[k]) / dt + c->straight[k];
+    if (!status && !rbdi_all_finite(a, m->nv)) status = RBD_ERR_NAN;
+    if (status) rbdi_clear(a, m->nv);
     return status;
 }
 

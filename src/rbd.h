@@ -108,7 +108,7 @@
      computes and they refuse, M has lost its digits, as of float chains of 100 rods. Calls with constraints
      may find there that rounding keeps them from holding their rows: RBD_ERR_INFEASIBLE.
      Input is not searched for NaN: one that reaches the mass matrix is RBD_ERR_NAN in forward dynamics, one
-     in a gap or limit in rbd_contact_step; any other reaches all results that depend on it, with RBD_OK. From
+     in q or a gap in rbd_contact_step; any other reaches all results that depend on it, with RBD_OK. From
      libm only sqrt; sin and cos for __float128 and classes, and with excess precision (x87). The same input
      gives the same bits on every call of one build; between builds, contraction to FMA and the order of sums
      change last bits.

@@ -378,6 +378,41 @@ START_TEST(free_step_keeps_energy) {
 }
 END_TEST
 
+/* An arm of two links, at speeds whose square or fourth power overflows: an error, and a finite state. */
+START_TEST(free_step_says_what_overflows) {
+    static const double speed[2] = {1e160, 1e150};
+    for (int k = 0; k < 2; k++) {
+        scene s;
+        double q[2], v[2];
+        open_chain(&s, 2);
+        s.q[1] = 1;
+        s.v[0] = speed[k], s.v[1] = -speed[k];
+        ck_assert_int_eq(rbd_free_step(s.r.m, s.r.w, s.q, s.v, s.tau, NULL, NULL, 1e-2, q, v), RBD_ERR_NAN);
+        for (int j = 0; j < 2; j++) {
+            ck_assert_double_eq(v[j], s.v[j]);
+            ck_assert_double_eq_tol(q[j] / (1e-2 * s.v[j]), 1, 1e-14);
+        }
+        ck_assert_int_eq(rbd_contact_step(s.r.m, s.c, s.q, s.v, s.tau, NULL, NULL, 1e-2, q, v), RBD_ERR_NAN);
+        for (int j = 0; j < 2; j++) ck_assert(q[j] == s.q[j] && v[j] == 0);
+        close_scene(&s);
+    }
+}
+END_TEST
+
+/* Nothing touches the box, so its place is in no gap. */
+START_TEST(place_that_is_not_a_number_is_an_error) {
+    for (int k = 0; k < 7; k++) {
+        scene s;
+        open_tumbler(&s, 1);
+        s.q[k] = NAN;
+        ck_assert_int_eq(rbd_contact_step(s.r.m, s.c, s.q, s.v, s.tau, NULL, NULL, 1e-3, s.q, s.v),
+                         RBD_ERR_NAN);
+        for (int j = 0; j < 6; j++) ck_assert_double_eq(s.v[j], 0);
+        close_scene(&s);
+    }
+}
+END_TEST
+
 /* ---- momentum ---- */
 
 static const rbd_contact_options exact = {.momentum = 1};
@@ -1271,6 +1306,8 @@ Suite *contact_energy_suite(void) {
     tcase_add_test(slow, iiwa_swings);
     tcase_add_test(c, free_step_is_the_step_without_contacts);
     tcase_add_test(c, free_step_keeps_energy);
+    tcase_add_test(c, free_step_says_what_overflows);
+    tcase_add_test(c, place_that_is_not_a_number_is_an_error);
     tcase_add_test(slow, hyq_keeps_its_momentum);
     tcase_add_test(c, box_at_any_speed);
     tcase_add_test(c, momentum_with_a_leader_in_another_tree);

@@ -82,6 +82,16 @@ RBDI_LOCAL void rbdi_free_change(const rbd_model *m, rbd_work *w, const rbd_real
     }
 }
 
+/* Whether the changes x of the velocities are numbers below RBDI_FASTEST. x of other lanes becomes 0. */
+RBDI_LOCAL int rbdi_bound_change(const rbd_model *m, rbd_real *x) {
+    const rbd_real fastest = rbdi_set(RBDI_FASTEST);
+    rbdi_mask good = rbdi_less(rbdi_zero(), fastest);
+    for (int k = 0; k < m->nv; ++k) good = rbdi_and(good, rbdi_less(rbdi_abs(x[k]), fastest));
+
+    for (int k = 0; k < m->nv; ++k) x[k] = rbdi_select(good, x[k], rbdi_zero());
+    return !rbdi_any(rbdi_not(good));
+}
+
 RBDI_API rbd_status rbd_free_step(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                   const rbd_real *tau, const rbd_real *f_ext, const rbd_real *damping,
                                   rbd_real dt, rbd_real *q_next, rbd_real *v_next) {
@@ -104,6 +114,7 @@ RBDI_API rbd_status rbd_free_step(const rbd_model *m, rbd_work *w, const rbd_rea
     nu = w->bias;
     rbdi_free_change(m, w, v_next, tau, f_ext, damping, dt, nu);
     status = rbdi_factor_status(m, w, w->H, doubt, nu, m->nv);
+    if (!rbdi_bound_change(m, nu) && !status) status = RBD_ERR_NAN;
     for (int k = 0; k < m->nv; ++k) nu[k] = v_next[k] + nu[k];
 
     rbdi_move_joints(m, RBDI_CENTRES, q_next, nu, nu, half, q_next, v_next);
