@@ -413,6 +413,7 @@ struct rbd_contact_set {
     rbdi_dof_row *dof_row;   /* dof_rows */
     int16_t *place;          /* max_rows: of each row of the step */
     rbd_real *impulse;       /* max_rows: of the last step, by place; 0 where it had no row */
+    rbd_real *early;         /* max_rows: impulses of the step's first solution, by row */
     rbd_real *friction;      /* of the step's contacts */
     rbd_real *lower, *upper; /* of its other rows */
     rbd_real *b;             /* max_rows: u without impulses, with the bias */
@@ -421,7 +422,8 @@ struct rbd_contact_set {
                                      these velocities, origins move straight */
     rbd_real *damping;       /* nv: all of it that is implicit */
     rbd_real *nu, *moved;    /* nv each: velocities of the end; of the positions */
-    rbd_real *momentum;      /* nv: wanted at the end, of roots; before, their centres of mass at q_mid */
+    rbd_real *centre;        /* nv: with `momentum`, centres of mass at q_mid, at the first dofs of roots */
+    rbd_real *momentum;      /* nv: wanted at the end, of roots that fly */
     rbd_real *x[3];          /* nv each: L^-T dt (tau - c - damping v_mid), c corrected so many times */
     rbd_real dt, last_dt;    /* of this step; of the last one, 1 = none */
     rbd_real half, way;      /* times for which v moves q, and then the solution does: dt/2 each */
@@ -438,7 +440,7 @@ struct rbd_contact_set {
      RBDI_ROUND((size_t)(bounded) * sizeof(rbdi_dof_row)) + \
      RBDI_ROUND(RBDI_CONTACT_ROWS(n, bounded) * sizeof(int16_t)) + \
      RBDI_ROUND(sizeof(rbd_real) * ((size_t)(n) + 2 * (size_t)(bounded) + \
-                                    2 * RBDI_CONTACT_ROWS(n, bounded) + (size_t)(nq) + 10 * (size_t)(nv))) + \
+                                    3 * RBDI_CONTACT_ROWS(n, bounded) + (size_t)(nq) + 11 * (size_t)(nv))) + \
      RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded)) + \
      RBDI_CONSTRAINTS_BYTES(nv, (n) + (constraints), RBDI_CONTACT_ROWS(n, bounded), stride))
 
@@ -1505,19 +1507,21 @@ RBDI_LOCAL rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_h
     c->contact = RBDI_CUT(rbdi_contact, n);
     c->dof_row = RBDI_CUT(rbdi_dof_row, bounded);
     c->place = RBDI_CUT(int16_t, c->max_rows);
-    c->friction = RBDI_CUT(rbd_real, n + 2 * bounded + 2 * c->max_rows + m->nq + 10 * nv);
+    c->friction = RBDI_CUT(rbd_real, n + 2 * bounded + 3 * c->max_rows + m->nq + 11 * nv);
     c->lower = c->friction + n;
     c->upper = c->lower + bounded;
     c->b = c->upper + bounded;
     c->impulse = c->b + c->max_rows;
-    c->q_mid = c->impulse + c->max_rows;
+    c->early = c->impulse + c->max_rows;
+    c->q_mid = c->early + c->max_rows;
     c->v_mid = c->q_mid + m->nq;
     c->at = c->v_mid + nv;
     c->straight = c->at + nv;
     c->damping = c->straight + nv;
     c->nu = c->damping + nv;
     c->moved = c->nu + nv;
-    c->momentum = c->moved + nv;
+    c->centre = c->moved + nv;
+    c->momentum = c->centre + nv;
     for (int i = 0; i < 3; ++i) c->x[i] = c->momentum + (1 + i) * nv;
     rbdi_lay_solver(&c->solver, n, bounded, at);
     at += RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded));
@@ -2128,11 +2132,11 @@ RBDI_LOCAL rbdi_v3 rbdi_centre_of(const rbd_model *m, const rbd_real *M, int iv)
     return rbdi_vec(y[2] / mass, z[0] / mass, x[1] / mass);
 }
 
-/* Notes the centres of mass at q_mid, where M is w->H, in c->momentum at the first dofs of roots. */
+/* Notes the centres of mass at q_mid, where M is w->H, in c->centre at the first dofs of roots. */
 RBDI_LOCAL void rbdi_note_centres(const rbd_model *m, rbd_contact_set *c) {
     for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
         if (u->type == RBD_FLOATING && u->link >= 0)
-            rbdi_store_vec(&c->momentum[u->iv], 1, rbdi_centre_of(m, c->rows->w->H, u->iv));
+            rbdi_store_vec(&c->centre[u->iv], 1, rbdi_centre_of(m, c->rows->w->H, u->iv));
 }
 
 /* The root's six rows of M v, M packed: about the root's origin, in its axes. */
@@ -2179,7 +2183,7 @@ RBDI_LOCAL void rbdi_wanted_momentum(const rbd_model *m, rbd_contact_set *c, con
         h = rbdi_root_momentum(m, w->H, iv, v);
         h = rbdi_about_centre(&q[u->iq], rbdi_centre_of(m, w->H, iv), h);
         F = rbdi_load_force(&impulse[iv], 1);
-        F = rbdi_about_centre(&c->q_mid[u->iq], rbdi_load_vec(&c->momentum[iv], 1), F);
+        F = rbdi_about_centre(&c->q_mid[u->iq], rbdi_load_vec(&c->centre[iv], 1), F);
         rbdi_store_force(&c->momentum[iv], 1, rbdi_force_add(h, F));
     }
 }
@@ -2346,7 +2350,7 @@ RBDI_LOCAL void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int pur
 /* Corrects the velocity terms for the first time: c->x[1], and c->moved with the impulses as they are. */
 RBDI_LOCAL void rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
                                    const rbd_real *f_ext) {
-    rbd_real *change = c->nu;
+    rbd_real *change = c->rows->x;
     rbdi_correct(m, c, c->moved, tau, f_ext, c->x[1]);
     for (int k = 0; k < m->nv; ++k) change[k] = c->x[1][k] - c->x[0][k];
     rbdi_vector_forward(m, c->rows->w, c->rows->w->H, change);
@@ -2354,7 +2358,7 @@ RBDI_LOCAL void rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const
 }
 
 /* Corrects them again: c->x[2]. Solves with the biases of positions, and computes c->moved. Keeps the
-   impulses of the first solution in c->impulse, by row. */
+   impulses of the first solution in c->early. */
 RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
                                  const rbd_real *f_ext) {
     const rbd_contact_solution first = c->solver.solution;
@@ -2362,7 +2366,7 @@ RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const r
     rbdi_correct(m, c, c->moved, tau, f_ext, c->x[2]);
     rbdi_guard_solution(m, s->w->H, c->x[0], c->x[1], c->x[2]);
 
-    for (int r = 0; r < s->rows; ++r) c->impulse[r] = s->lambda[r];
+    for (int r = 0; r < s->rows; ++r) c->early[r] = s->lambda[r];
     for (int k = 0; k < m->nv; ++k) {
         const rbdi_span span = s->span[k];
         rbdi_subtract(&s->b[span.first], (c->x[2][k] - c->x[0][k]) * s->D_inverse[k],
@@ -2431,7 +2435,7 @@ RBDI_LOCAL rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set 
     c->differ = rbdi_write_biases(c, RBDI_FOR_VELOCITIES);
     if (c->differ) {
         const int again = c->half > 0 && first.residual > c->solver.given.tolerance;
-        for (int r = 0; again && r < c->rows->rows; ++r) c->rows->lambda[r] = c->impulse[r];
+        for (int r = 0; again && r < c->rows->rows; ++r) c->rows->lambda[r] = c->early[r];
         rbdi_contact_iterate(&c->solver);
         rbdi_contact_respond(m, c, c->half > 0 ? c->x[2] : c->x[0], c->nu);
         c->solver.solution.residual = rbdi_worse(first.residual, c->solver.solution.residual);
@@ -2864,18 +2868,19 @@ RBDI_LOCAL int rbdi_differentiate_corrections(const rbd_model *m, rbd_contact_se
 RBDI_LOCAL void rbdi_differentiate_falls(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
                                          const rbd_real *f_ext, rbd_real *const dnu[3]) {
     rbd_work *w = c->rows->w;
+    rbd_real *nu = c->rows->x;
     int any = 0;
     for (int i = 0; i < c->n; ++i) any |= c->contact[i].row >= 0 && c->contact[i].restitution > 0;
     if (!any) return;
 
-    for (int k = 0; k < m->nv; ++k) c->nu[k] = c->x[0][k];
-    rbdi_solve_forward(m, w, w->H, 1, 1, 1, c->nu);
-    for (int k = 0; k < m->nv; ++k) c->nu[k] = c->v_mid[k] + c->nu[k];
-    rbdi_write_rho(m, c, d, c->nu, f_ext, NULL, dnu);
+    for (int k = 0; k < m->nv; ++k) nu[k] = c->x[0][k];
+    rbdi_solve_forward(m, w, w->H, 1, 1, 1, nu);
+    for (int k = 0; k < m->nv; ++k) nu[k] = c->v_mid[k] + nu[k];
+    rbdi_write_rho(m, c, d, nu, f_ext, NULL, dnu);
     rbdi_add_side(m, c, dnu);
     for (int x = 0; x < 3; ++x)
         if (dnu[x]) rbdi_solve_columns(m, w, w->H, -1, m->nv, m->nv, dnu[x]);
-    rbdi_write_falls(m, c, c->nu, dnu);
+    rbdi_write_falls(m, c, nu, dnu);
 }
 
 /* Makes the step, and writes derivatives of c->moved and c->nu. Returns whether they exist. */

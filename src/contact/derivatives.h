@@ -342,18 +342,19 @@ RBDI_LOCAL int rbdi_differentiate_corrections(const rbd_model *m, rbd_contact_se
 RBDI_LOCAL void rbdi_differentiate_falls(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
                                          const rbd_real *f_ext, rbd_real *const dnu[3]) {
     rbd_work *w = c->rows->w;
+    rbd_real *nu = c->rows->x;
     int any = 0;
     for (int i = 0; i < c->n; ++i) any |= c->contact[i].row >= 0 && c->contact[i].restitution > 0;
     if (!any) return;
 
-    for (int k = 0; k < m->nv; ++k) c->nu[k] = c->x[0][k];
-    rbdi_solve_forward(m, w, w->H, 1, 1, 1, c->nu);
-    for (int k = 0; k < m->nv; ++k) c->nu[k] = c->v_mid[k] + c->nu[k];
-    rbdi_write_rho(m, c, d, c->nu, f_ext, NULL, dnu);
+    for (int k = 0; k < m->nv; ++k) nu[k] = c->x[0][k];
+    rbdi_solve_forward(m, w, w->H, 1, 1, 1, nu);
+    for (int k = 0; k < m->nv; ++k) nu[k] = c->v_mid[k] + nu[k];
+    rbdi_write_rho(m, c, d, nu, f_ext, NULL, dnu);
     rbdi_add_side(m, c, dnu);
     for (int x = 0; x < 3; ++x)
         if (dnu[x]) rbdi_solve_columns(m, w, w->H, -1, m->nv, m->nv, dnu[x]);
-    rbdi_write_falls(m, c, c->nu, dnu);
+    rbdi_write_falls(m, c, nu, dnu);
 }
 
 /* Makes the step, and writes derivatives of c->moved and c->nu. Returns whether they exist. */

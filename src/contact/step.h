@@ -122,7 +122,7 @@ RBDI_LOCAL void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int pur
 /* Corrects the velocity terms for the first time: c->x[1], and c->moved with the impulses as they are. */
 RBDI_LOCAL void rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
                                    const rbd_real *f_ext) {
-    rbd_real *change = c->nu;
+    rbd_real *change = c->rows->x;
     rbdi_correct(m, c, c->moved, tau, f_ext, c->x[1]);
     for (int k = 0; k < m->nv; ++k) change[k] = c->x[1][k] - c->x[0][k];
     rbdi_vector_forward(m, c->rows->w, c->rows->w->H, change);
@@ -130,7 +130,7 @@ RBDI_LOCAL void rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const
 }
 
 /* Corrects them again: c->x[2]. Solves with the biases of positions, and computes c->moved. Keeps the
-   impulses of the first solution in c->impulse, by row. */
+   impulses of the first solution in c->early. */
 RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
                                  const rbd_real *f_ext) {
     const rbd_contact_solution first = c->solver.solution;
@@ -138,7 +138,7 @@ RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const r
     rbdi_correct(m, c, c->moved, tau, f_ext, c->x[2]);
     rbdi_guard_solution(m, s->w->H, c->x[0], c->x[1], c->x[2]);
 
-    for (int r = 0; r < s->rows; ++r) c->impulse[r] = s->lambda[r];
+    for (int r = 0; r < s->rows; ++r) c->early[r] = s->lambda[r];
     for (int k = 0; k < m->nv; ++k) {
         const rbdi_span span = s->span[k];
         rbdi_subtract(&s->b[span.first], (c->x[2][k] - c->x[0][k]) * s->D_inverse[k],
@@ -207,7 +207,7 @@ RBDI_LOCAL rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set 
     c->differ = rbdi_write_biases(c, RBDI_FOR_VELOCITIES);
     if (c->differ) {
         const int again = c->half > 0 && first.residual > c->solver.given.tolerance;
-        for (int r = 0; again && r < c->rows->rows; ++r) c->rows->lambda[r] = c->impulse[r];
+        for (int r = 0; again && r < c->rows->rows; ++r) c->rows->lambda[r] = c->early[r];
         rbdi_contact_iterate(&c->solver);
         rbdi_contact_respond(m, c, c->half > 0 ? c->x[2] : c->x[0], c->nu);
         c->solver.solution.residual = rbdi_worse(first.residual, c->solver.solution.residual);
