@@ -6770,22 +6770,24 @@ RBDI_API rbd_status rbd_step(const rbd_model *m, const rbd_real *q, const rbd_re
 
    by three solutions, the first with w = v_mid; then the other half by nu. For a vector that turns by x in a
    step, the square of the length is magnified by 1 + x^2 with one solution, by 1 + x^4/4 with two, by
-   1 - x^4/4 + x^6/16 with three: the least number that is stable, up to x = 2. Beyond, the solutions
-   diverge: rbdi_guard_solution. */
+   1 - x^4/4 + x^6/16 with three: the least number that is stable, up to x = 2. Near that and beyond, where
+   the solutions diverge, see rbdi_guard_solution. */
 
 #ifndef RBD_NO_CHOLESKY
-/* Of three solutions y = L^-T K (nu - v_mid), K = L'DL, changes the third if the second change is larger than
-   the first, measured by D^-1, which makes it twice a kinetic energy:
+/* Of three solutions y = L^-T K (nu - v_mid), K = L'DL, changes the third if the second change is large
+   beside the first, measured by D^-1, which makes it twice a kinetic energy:
 
-       y_3 -= s (y_3 - y_1),   s = r / (1 + r),   r = |y_3 - y_2|^2 / |y_2 - y_1|^2 > 1
+       y_3 -= t s (y_3 - y_1),   s = r / (1 + r),   r = |y_3 - y_2|^2 / |y_2 - y_1|^2
 
-   If the changes are a series of one frequency, with the ratio i x/2, that is its sum, r = x^2/4: the
-   implicit midpoint, which keeps energy at any x. */
+   If the changes are a series of one frequency, with the ratio i x/2, then r = x^2/4, and with t = 1 that is
+   its sum: the implicit midpoint, which keeps energy at any x. Where several frequencies act on each other
+   the sum may make energy, and three solutions take some up to x = 2. So t grows from 0 at r = 1/2 to 1 at
+   r = 1, without a jump: of one frequency each such mean of both takes energy or keeps it. */
 RBDI_PART void rbdi_guard_solution(const rbd_model *m, const rbd_real *L, const rbd_real *first,
                                    const rbd_real *second, rbd_real *third) {
     const rbd_real one = rbdi_set(RBD_C(1));
-    rbd_real before = rbdi_zero(), after = before, share;
-    rbdi_mask diverges;
+    rbd_real before = rbdi_zero(), after = before, t, share;
+    rbdi_mask grows;
     for (int k = 0; k < m->nv; ++k) {
         const rbd_real inverse = L[m->dof[k].row + m->dof[k].depth], old = second[k] - first[k],
                        change = third[k] - second[k];
@@ -6793,9 +6795,13 @@ RBDI_PART void rbdi_guard_solution(const rbd_model *m, const rbd_real *L, const 
         after = after + change * change * inverse;
     }
 
-    diverges = rbdi_less(before, after);
-    if (!rbdi_any(diverges)) return;
-    share = rbdi_select(diverges, one / (one + before / after), rbdi_zero());
+    grows = rbdi_less(before, after + after);
+    if (!rbdi_any(grows)) return;
+
+    /* t = 2 r - 1, at most 1 */
+    t = (after + after) / before - one;
+    t = rbdi_select(rbdi_less(one, t), one, t);
+    share = rbdi_select(grows, t * after / (before + after), rbdi_zero());
     for (int k = 0; k < m->nv; ++k) third[k] = third[k] - share * (third[k] - first[k]);
 }
 

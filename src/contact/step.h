@@ -19,8 +19,8 @@
    those of the mean velocity: first w = v_mid, then twice w = (v_mid + nu) / 2 of the nu before. Contacts are
    solved for the first and the last time; the nu between has the impulses of the first. Without
    these, light links that the ground holds would race away. For a vector that turns by x a step
-   the length grows in order x^4 / 8 with one correction, and falls in that order with two; beyond x = 2
-   rbdi_guard_solution sums the series. Energy then changes by half of
+   the length grows in order x^4 / 8 with one correction, and falls in that order with two; from
+   x = 1.4 on rbdi_guard_solution sums the series. Energy then changes by half of
    p'(u before + u after). */
 
 /* x = L^-T dt (tau - w->bias - damping v_mid). */
