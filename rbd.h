@@ -21,7 +21,7 @@
        rbd_aba(m, w, q, v, tau, NULL, a);          // a[0] = -1.5 g sin(q)
 
    CONTENTS (search for the tag)
-     [conventions] [configuration] [guarantees] [limits]
+     [conventions] [configuration] [GPU] [guarantees] [limits]
      [types] [status] [build] [work] [dynamics] [kinematics] [points] [manifold] [lookup]
      --- stop here if you only use it ---
      [layout]
@@ -72,7 +72,8 @@
      RBD_CONST        scalar of the model's constants; default: RBD_REAL, double for a class
      RBD_SIN(x) RBD_COS(x)   replace rbd's own sine and cosine (scalar builds)
      RBD_SQRT(x)      replaces libm's square root
-     RBD_STATIC       every function is static
+     RBD_STATIC       every function is static. Under nvcc, clang for CUDA and hipcc it is code of the GPU as
+                      well (__host__ __device__), for kernels of yours in that file: see [GPU]
      RBD_CHECK_SCALAR 1: the linker compares RBD_REAL, RBD_CONST, RBD_LANES and RBD_REPRODUCIBLE of this file
                       with those of all other files that have 1; costs nothing at run time and no memory.
                       Default: 1 with GCC on ELF systems, 0 with RBD_STATIC, a class, or another compiler. Say
@@ -98,6 +99,24 @@
                       rbd_work_init refuses such models, RBD_ERR_LEFT_OUT
                       The linker leaves out all other calls that are not used: compile with
                       -ffunction-sections, link with --gc-sections
+
+   [GPU] Kernels call rbd, one state a thread, whose memory is an array of the kernel's:
+
+       #define RBD_STATIC
+       #define RBD_IMPLEMENTATION
+       #include "rbd.h"
+
+       __global__ void torques(const rbd_model *m, const float *q, float *tau) { // of gravity, of arms
+           const int i = 7 * (blockIdx.x * blockDim.x + threadIdx.x);
+           unsigned char memory[RBD_WORK_SIZE(7, 7)];
+           rbd_work *w;
+           rbd_work_init(m, memory, sizeof memory, &w);
+           rbd_gravity_torque(m, w, q + i, tau + i);
+       }
+
+     The model is a table, which host and GPU both have (&arm_model), or rbd_model_build made it in memory
+     that both see: RBD_MODEL_SIZE(nb) bytes of cudaMallocManaged. Names in such a model are the host's alone.
+     rbd_derivatives.h, rbd_constraints.h, rbd_contact.h and rbd_qp.h are called in the same way.
 
    [guarantees]
      No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant: calls change the caller's
@@ -145,10 +164,22 @@
 
 /* The macros of [configuration], checked and completed. */
 
+/* Code of a GPU: nvcc, clang for CUDA and hipcc compile a file for the host and for the GPU. Each function is
+   code of both then, and all memory has the same layout there. Without RBD_STATIC such a file has
+   declarations alone, of code that another file compiles for the host. */
+#if (defined __CUDACC__ || defined __CUDA__ || defined __HIP__) && defined RBD_STATIC
+#define RBDI_GPU 1
+#else
+#define RBDI_GPU 0
+#endif
+
 /* A wrong macro gives one #error. It is then replaced by a value that works, so that no other message
    follows. */
 #if !defined __cplusplus && (!defined __STDC_VERSION__ || __STDC_VERSION__ < 199901L)
 #error "rbd: needs C99 or later: compile with -std=c99, c11, c17 or a gnu dialect of them"
+#undef RBD_IMPLEMENTATION
+#elif (defined __CUDACC__ || defined __CUDA__ || defined __HIP__) && defined RBD_IMPLEMENTATION && !RBDI_GPU
+#error "rbd: code of a GPU lies in the file that calls it: define RBD_STATIC in each file that implements rbd"
 #undef RBD_IMPLEMENTATION
 #endif
 
@@ -190,7 +221,10 @@
 #undef RBD_LANES
 #define RBD_LANES 2
 #endif
-#if defined RBD_LANES && (!defined __GNUC__ || RBDI_REAL_KIND % 3 == 0)
+#if defined RBD_LANES && RBDI_GPU
+#error "rbd: code of a GPU has one state a thread: leave RBD_LANES undefined"
+#undef RBD_LANES
+#elif defined RBD_LANES && (!defined __GNUC__ || RBDI_REAL_KIND % 3 == 0)
 #error "rbd: RBD_LANES needs GCC or clang, and RBD_REAL double or float"
 #undef RBD_LANES
 #endif
@@ -200,6 +234,9 @@
 #ifdef RBD_REPRODUCIBLE
 #if RBDI_REAL_KIND % 3 == 0
 #error "rbd: RBD_REPRODUCIBLE needs RBD_REAL double or float"
+#undef RBD_REPRODUCIBLE
+#elif RBDI_GPU
+#error "rbd: RBD_REPRODUCIBLE has no meaning for code of a GPU: compile it with -fmad=false instead"
 #undef RBD_REPRODUCIBLE
 #elif defined __clang__
 #pragma clang fp contract(off)
@@ -215,8 +252,22 @@
 #define RBDI_REPRODUCIBLE 0
 #endif
 
+/* Functions and tables of host and GPU. A table is the GPU's own in that compiler's pass for it alone. */
+#if RBDI_GPU && defined __clang__
+#define RBDI_BOTH __attribute__((host, device))
+#define RBDI_THERE __attribute__((device))
+#elif RBDI_GPU
+#define RBDI_BOTH __host__ __device__
+#define RBDI_THERE __device__
+#else
+#define RBDI_BOTH
+#endif
+#if !RBDI_GPU || !(defined __CUDA_ARCH__ || defined __HIP_DEVICE_COMPILE__)
+#undef RBDI_THERE
+#define RBDI_THERE
+#endif
 #ifdef RBD_STATIC
-#define RBDI_API static RBDI_UNUSED
+#define RBDI_API static RBDI_BOTH RBDI_UNUSED
 #else
 #define RBDI_API extern
 #endif
@@ -364,7 +415,8 @@ RBDI_EXTERN_C_BEGIN
 /* ==== src/api/types.h ==== */
 /* ---- types [types] ---- */
 
-/* Joint types; [conventions] has their coordinates. All but fixed may stand anywhere in the tree. */
+/* Joint types; [conventions] has their coordinates. All but fixed may stand anywhere in the tree. Built
+   models and generated tables hold these numbers: another order takes another RBD_MODEL_VERSION. */
 typedef enum rbd_joint_type {
     RBD_FIXED,         /* merged into the parent; the body remains as a named frame */
     RBD_REVOLUTE,      /* about axis */
@@ -558,8 +610,9 @@ RBDI_API rbd_status rbd_get_gravity(const rbd_work *w, rbd_const gravity[3]);
 /* Returns, after RBD_ERR_SINGULAR or RBD_ERR_NAN, the degree of freedom (index into v) whose pivot is not
    above its rounding, or not a number; of several the last. After RBD_ERR_NAN the cause is q of a joint
    that this dof moves, or of its own joint if that has several dofs, or an overflow there. -1 after a call
-   that factors M and finds it regular: then RBD_ERR_NAN of rbd_contact_step came from v, tau, f_ext, damping
-   or a gap. Other calls do not change it. With lanes: of all states together. */
+   that factors M and finds it regular: then RBD_ERR_NAN of rbd_contact_step came from v, tau, f_ext, damping,
+   a gap, or a coordinate that M does not depend on, as the place of a floating root. Other calls do not
+   change it. With lanes: of all states together. */
 RBDI_API int rbd_singular_dof(const rbd_work *w);
 
 /* ==== src/api/dynamics.h ==== */
@@ -951,7 +1004,9 @@ RBDI_EXTENSION typedef RBDI_WIDE rbdi_wide;
 
 /* Doubles in the widest SIMD register for which any file of a program may be compiled, 0 without. Memory is
    sized for it: the file with the implementation may have other options than the file that gives memory. */
-#if defined __x86_64__ || defined __i386__ || defined __aarch64__ || defined _M_X64 || defined __wasm__
+#if RBDI_GPU
+#define RBDI_WIDEST_SIMD 0
+#elif defined __x86_64__ || defined __i386__ || defined __aarch64__ || defined _M_X64 || defined __wasm__
 #define RBDI_WIDEST_SIMD 8
 #else
 #define RBDI_WIDEST_SIMD 0
@@ -1173,7 +1228,7 @@ struct rbd_model {
 /* For a built model as a table, which rbd-model writes: declared in every file, defined in one. */
 #define RBDI_TABLE_SYMBOL(name) RBDI_PASTE(name, RBD_CONST)
 #ifdef RBD_STATIC
-#define RBDI_TABLE static
+#define RBDI_TABLE static RBDI_THERE
 #define RBDI_TABLE_DECLARATION(name)
 #elif defined __cplusplus
 #define RBDI_TABLE
@@ -1416,7 +1471,7 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #else
 #define RBDI_CLANG 0
 #endif
-#define RBDI_GCC (RBDI_GNU && !RBDI_CLANG)
+#define RBDI_GCC (RBDI_GNU && !RBDI_CLANG && !RBDI_GPU)
 
 /* GCC has no macro for -fsingle-precision-constant, which rounds constants to float. It does no harm if
    rbd_real is float. */
@@ -1428,7 +1483,7 @@ typedef char rbd_needs_no_fsingle_precision_constant[sizeof 1.0 == sizeof(double
    has no macro for most of this, and GCC's pragmas set none in C++. A compiler that optimises then knows
    beforehand what (x + 1) - x is, that x <= x, or that x is not infinite. One that does not optimise changes
    nothing. */
-#if RBDI_GNU && defined __OPTIMIZE__ && defined __has_attribute
+#if RBDI_GNU && !RBDI_GPU && defined __OPTIMIZE__ && defined __has_attribute
 #if __has_attribute(error)
 #define RBDI_SHOWS_OPTIONS 1
 #endif
@@ -1456,7 +1511,7 @@ static inline void rbdi_require_ieee(void) {
 #pragma clang diagnostic pop
 #endif
 #else
-static inline void rbdi_require_ieee(void) {}
+static inline RBDI_BOTH void rbdi_require_ieee(void) {}
 #endif
 
 #if defined __OPTIMIZE__ && !defined __OPTIMIZE_SIZE__
@@ -1473,7 +1528,9 @@ static inline void rbdi_require_ieee(void) {}
 /* Doubles in one SIMD register, 0 without SIMD. With AVX-512 half a register: the rows of one state are
    short, and whole registers made single calls slower (Intel, Cholesky of Atlas by a third). Lanes may be
    longer: RBD_LANES. */
-#ifdef __AVX__
+#if RBDI_GPU
+#define RBDI_SIMD 0
+#elif defined __AVX__
 #define RBDI_SIMD 4
 #elif defined __SSE2__ || (defined __ARM_NEON && defined __aarch64__) || defined __wasm_simd128__
 #define RBDI_SIMD 2
@@ -1557,10 +1614,10 @@ static inline void rbdi_require_ieee(void) {}
 /* RBDI_INLINE: vector algebra, and the steps that are compiled once for each common set of link flags. Where
    the compiler optimises it always inlines them: to pass vectors in memory would take ten times as long at
    -Os, and save a fifth of the code. RBDI_PART: all others; a build may leave them unused. */
-#if RBDI_GNU && defined __OPTIMIZE__
-#define RBDI_INLINE static inline __attribute__((always_inline, unused))
+#if RBDI_GNU && (defined __OPTIMIZE__ || RBDI_GPU)
+#define RBDI_INLINE static inline RBDI_BOTH __attribute__((always_inline, unused))
 #else
-#define RBDI_INLINE static inline RBDI_UNUSED
+#define RBDI_INLINE static inline RBDI_BOTH RBDI_UNUSED
 #endif
 /* RBDI_ONCE: inlined where the compiler optimises for speed; at -Os there is one copy for all callers. */
 #if RBDI_FOR_SPEED
@@ -1569,14 +1626,18 @@ static inline void rbdi_require_ieee(void) {}
 #define RBDI_ONCE RBDI_PART
 #endif
 #if RBDI_GNU
-#define RBDI_COLD static __attribute__((noinline, cold, unused)) /* hardly ever called */
+#define RBDI_COLD static RBDI_BOTH __attribute__((noinline, cold, unused)) /* hardly ever called */
 #else
-#define RBDI_COLD static RBDI_UNUSED
+#define RBDI_COLD static RBDI_BOTH RBDI_UNUSED
 #endif
+#if RBDI_GPU && RBDI_GNU /* nvcc would inline them everywhere: three times the code */
+#define RBDI_PART static RBDI_BOTH __attribute__((noinline, unused))
+#else
 #define RBDI_PART static RBDI_UNUSED
+#endif
 /* RBDI_LOCAL: steps of a room that something calls wherever the room is compiled; a compiler warns where
    nothing does. */
-#define RBDI_LOCAL static
+#define RBDI_LOCAL static RBDI_BOTH
 /* For a function that returns one of many texts. GCC would keep them in an array, which is linked even if
    nothing calls the function, as soon as the file has any other text, such as a model's names. */
 #if RBDI_GCC
@@ -1595,7 +1656,7 @@ static inline void rbdi_require_ieee(void) {}
 #define RBDI_UNROLL_TWO
 #endif
 /* Keeps one address for all columns of a row. Without it the compiler computes one for each column. */
-#if RBDI_GNU
+#if RBDI_GNU && !RBDI_GPU
 #define RBDI_ONE_INDEX(row) __asm__("" : "+r"(row))
 #else
 #define RBDI_ONE_INDEX(row) (void)(row)
@@ -1897,22 +1958,23 @@ RBDI_INLINE rbd_real rbdi_sum_value(rbdi_sum x) {
 #define RBDI_MANTISSA 23
 #endif
 
-static RBDI_UNUSED const uint32_t rbdi_two_over_pi[] =
-    {/* from b_1 on */
-#if RBDI_REAL_KIND == 1
-     0xa2f9836eu, 0x4e441529u, 0xfc2757d1u, 0xf534ddc0u, 0xdb629599u, 0x3c439041u, 0xfe5163abu, 0xdebbc561u,
-     0xb7246e3au, 0x424dd2e0u, 0x06492eeau, 0x09d1921cu, 0xfe1deb1cu, 0xb129a73eu, 0xe88235f5u, 0x2ebb4484u,
-     0xe99c7026u, 0xb45f7e41u, 0x3991d639u, 0x835339f4u, 0x9c845f8bu, 0xbdf9283bu, 0x1ff897ffu, 0xde05980fu,
-     0xef2f118bu, 0x5a0a6d1fu, 0x6d367ecfu, 0x27cb09b7u, 0x4f463f66u, 0x9e5fea2du, 0x7527bac7u, 0xebe5f17bu,
-     0x3d0739f7u, 0x8a5292eau, 0x6bfb5fb1u, 0x1f8d5d08u, 0x56033046u
-#else
-     0xa2f9836eu, 0x4e441529u, 0xfc2757d1u, 0xf534ddc0u, 0xdb629599u,
-     0x3c439041u, 0xfe5163abu, 0xdebbc561u
-#endif
-};
-
 /* The integer part of |x| 2/pi modulo 2^32, in part[0], and its fraction, in the words from part[1] on. */
 RBDI_COLD void rbdi_turns(RBD_REAL x, uint32_t part[RBDI_REDUCTION + 2]) {
+    /* words of 2/pi, from b_1 on */
+    static const uint32_t two_over_pi[] = {
+#if RBDI_REAL_KIND == 1
+        0xa2f9836eu, 0x4e441529u, 0xfc2757d1u, 0xf534ddc0u, 0xdb629599u, 0x3c439041u, 0xfe5163abu,
+        0xdebbc561u, 0xb7246e3au, 0x424dd2e0u, 0x06492eeau, 0x09d1921cu, 0xfe1deb1cu, 0xb129a73eu,
+        0xe88235f5u, 0x2ebb4484u, 0xe99c7026u, 0xb45f7e41u, 0x3991d639u, 0x835339f4u, 0x9c845f8bu,
+        0xbdf9283bu, 0x1ff897ffu, 0xde05980fu, 0xef2f118bu, 0x5a0a6d1fu, 0x6d367ecfu, 0x27cb09b7u,
+        0x4f463f66u, 0x9e5fea2du, 0x7527bac7u, 0xebe5f17bu, 0x3d0739f7u, 0x8a5292eau, 0x6bfb5fb1u,
+        0x1f8d5d08u, 0x56033046u
+#else
+        0xa2f9836eu, 0x4e441529u, 0xfc2757d1u, 0xf534ddc0u, 0xdb629599u,
+        0x3c439041u, 0xfe5163abu, 0xdebbc561u
+#endif
+    };
+
     union {
         RBD_REAL x;
         rbdi_bit bits;
@@ -1931,7 +1993,7 @@ RBDI_COLD void rbdi_turns(RBD_REAL x, uint32_t part[RBDI_REDUCTION + 2]) {
     for (int j = 0; j <= RBDI_REDUCTION + 1; ++j) part[j] = 0;
     for (int k = a > 1 ? a : 1; k <= a + RBDI_REDUCTION + 3; ++k)
         for (int i = 0; i < 3; ++i) {
-            uint64_t carry = (uint64_t)rbdi_two_over_pi[k - 1] * N[i];
+            uint64_t carry = (uint64_t)two_over_pi[k - 1] * N[i];
             if (k - a - i > RBDI_REDUCTION + 1) continue;
             for (int j = k - a - i; j >= 0; --j, carry >>= 32) {
                 carry += part[j];
@@ -3281,7 +3343,7 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
     case RBDI_TWIST_90 | RBDI_SHIFT_R: \
     case RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_Z: { \
         int shifts_ = flags_; \
-        __asm__("" : "+r"(shifts_)); \
+        RBDI_ONE_INDEX(shifts_); \
         constant = RBDI_TWIST_90 | (shifts_ & (RBDI_SHIFT_R | RBDI_SHIFT_Z)); \
         call; \
     } break; \
@@ -4313,7 +4375,7 @@ RBDI_INLINE void rbdi_aba_row_z(const rbdi_motion *c, rbdi_force U, rbdi_force U
 /* Pass 2, one-axis link: eliminates the joint's force. IA becomes Ia, pA becomes pa. */
 RBDI_INLINE void rbdi_aba_eliminate(const rbd_model *m, rbd_work *w, int i, int flags, rbd_real tau,
                                     rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
-    const int full = flags & (RBDI_SLIDES | RBDI_ARMATURE);
+    const int full = flags & (RBDI_SLIDES | RBDI_ARMATURE); /* row z stays: see [aba] */
     const rbdi_link *l = &m->link[i];
     const rbdi_dof *dof = &m->dof[l->iv];
     rbdi_scratch *own = &w->scratch[i];
@@ -4475,7 +4537,8 @@ RBDI_INLINE rbdi_motion rbdi_aba_velocity_block(const rbdi_link *l, const rbdi_b
     return c;
 }
 
-/* Pass 1, link i, with the wrench that the velocity takes; omega: that of link i - 1 becomes link i's. */
+/* Pass 1, link i: its c, and in scratch.f its pA without external wrenches, what the velocity alone takes.
+   omega: that of link i - 1. Returns link i's. */
 RBDI_INLINE rbdi_v3 rbdi_aba_pass1_step(const rbd_model *m, rbd_work *w, int i, int flags, const rbd_real *v,
                                         rbdi_v3 omega) {
     const rbdi_link *l = &m->link[i];
@@ -4523,8 +4586,9 @@ RBDI_INLINE void rbdi_aba_to_parent(const rbd_model *m, rbd_work *w, int i, rbdi
     *pA = rbdi_force0();
 }
 
-/* Pass 2, link i: IA and pA, the contribution of link i + 1, become that of link i. The link's own pA stands
-   in scratch.f, with the contributions of its other children. */
+/* Pass 2, link i. IA and pA come with the contribution of link i + 1, or 0 if that is no child of link i, and
+   become link i's to its parent. The link's own pA stands in scratch.f, with the contributions of its other
+   children. */
 RBDI_INLINE void rbdi_aba_pass2_step(const rbd_model *m, rbd_work *w, int i, int flags, const rbd_real *tau,
                                      rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
     const rbdi_link *l = &m->link[i];
@@ -4617,8 +4681,9 @@ RBDI_INLINE rbdi_motion rbdi_aba_carry_block(const rbd_work *w, const rbdi_link 
     return y;
 }
 
-/* Pass 3, one-axis link: y = X y_p + c, qdd = u/D - (U/D)' y, y += S qdd. For a revolute joint without
-   armature U_z/D = 1: x is the link's omega_dot_z, and qdd the difference to the carried one. */
+/* Pass 3, one-axis link: y = X y_p + c, qdd = u/D - (U/D)' y, y += S qdd. x is qdd but for the term of
+   omega_dot_z. A revolute joint without armature has U_z/D = 1: its x is omega_dot_z + qdd, the new
+   omega_dot_z. */
 RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int i, int flags, rbdi_motion y,
                                       rbd_real *a) {
     const rbdi_link *l = &m->link[i];
@@ -4646,7 +4711,8 @@ RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int
     return y;
 }
 
-/* The same of a block, its axes one by one, the first first. A free base has U/D only for the axes before. */
+/* The same of a block, its axes one by one, the first first. A free base has all six axes and U/D only for
+   the axes before: its own U/D is 1, so that x is the new acceleration along it, as above. */
 RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w, int i, rbdi_motion y,
                                           rbd_real *a) {
     const rbdi_link *l = &m->link[i];

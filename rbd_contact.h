@@ -131,7 +131,7 @@ typedef struct rbd_contact {
     double friction;    /* mu */
     double restitution; /* 0 (does not rebound) to 1 */
     double stiffness;   /* N/m: p/dt = -(stiffness gap + damping d gap/dt); 0 = rigid */
-    double damping;     /* N s/m */
+    double damping;     /* N s/m; refused without a stiffness */
     int on_body;        /* not 0: the plane is a body's, body2, and not the world's; body 0 needs it */
 } rbd_contact;
 
@@ -149,7 +149,8 @@ typedef struct rbd_contact_options {
     double slip;        /* contacts that stick give way along the plane, m/s per newton [0] */
     int derivatives;    /* not 0: memory for rbd_contact_step_derivatives */
     int first_order;    /* not 0: steps of semi-implicit Euler, q_next is q moved by v_next: for planners */
-    int momentum;       /* not 0: robots that float keep their momentum to rounding while nothing touches */
+    int momentum;       /* not 0: robots that float keep their momentum to rounding while nothing touches;
+                           refused with first_order */
 } rbd_contact_options;
 
 typedef struct rbd_contact_set rbd_contact_set; /* contacts, impulses of the last step, scratch */
@@ -187,9 +188,9 @@ RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constr
               the step has tau = kp (q_wanted - q) and damping = kd + dt kp / 2, which is neutral: it neither
               adds nor takes energy beyond kd. kd + dt kp is stable at every dt, and brakes. NULL: 0
    Errors: RBD_ERR_NULL, _WORK; _RANGE, dt not between 1e-30 and 1e30; _SINGULAR if M + dt D is, D the
-   damping: damping makes a joint sound that moves no mass; _NAN as rbd_constrained_fd, _NAN also of a gap
-   that is not a number and of speeds above 1e12: then q_next is q, v_next or a is 0, and the set is as after
-   rbd_contact_reset. A solution above the tolerance is no error: rbd_contact_last. */
+   damping: damping makes a joint sound that moves no mass; _NAN as rbd_constrained_fd, _NAN also of q or a
+   gap that is not a number and of speeds above 1e12: then q_next is q, v_next or a is 0, and the set is as
+   after rbd_contact_reset. A solution above the tolerance is no error: rbd_contact_last. */
 
 /* One time step dt by the midpoint scheme of Moreau (1999), of second order: half of the way by v, to q_mid;
    there, with v in its axes,
@@ -479,7 +480,9 @@ RBDI_CODE_BEGIN
    RBDI_SCALE_SPREAD: the scale of RBDI_PROXIMAL is at most so many times the diagonal's entry, of a normal.
    As there, no test sees ten times more or less.
    RBDI_SIDES_PROXIMAL: the same for derivatives, whose relative error is that times the condition of G. Ten
-   times more is an error that random trees see; a tenth is near rounding, and no test sees it. */
+   times more is an error that random trees see; a tenth is near rounding, and no test sees it: tried.
+   RBDI_FASTEST_SLIP: largest alpha / d of a contact that slips. Friction is 1e-9 of p_n then, so with ten
+   times more or less all tests pass as well: tried. */
 #define RBDI_UNMOVED (16 * RBDI_EPS)
 #define RBDI_ON_CONE (1 + 16 * RBDI_EPS)
 #define RBDI_LEFT_OF_SLOP RBD_C(0.01)
@@ -498,10 +501,10 @@ RBDI_CODE_BEGIN
 #define RBDI_CONTACT_ITERATIONS 40
 #define RBDI_NEAR_LIMIT RBD_C(0.02) /* rad or m: nearer limits are rows; a larger one costs time alone */
 
-#define RBDI_ROOT_STEPS 60           /* for the root of one contact, six on average */
-#define RBDI_FASTEST_SLIP RBD_C(1e9) /* largest alpha / d: friction is 1e-9 of p_n then, no test sees it */
-#define RBDI_MOST_SWEEPS 32          /* between two Newton steps */
-#define RBDI_UNBOUNDED RBD_C(1e30)   /* as a bound: none; as a residual: none could be computed */
+#define RBDI_ROOT_STEPS 60 /* for the root of one contact, six on average */
+#define RBDI_FASTEST_SLIP RBD_C(1e9)
+#define RBDI_MOST_SWEEPS 32        /* between two Newton steps */
+#define RBDI_UNBOUNDED RBD_C(1e30) /* as a bound: none; as a residual: none could be computed */
 
 /* ==== src/contact/one_contact.h ==== */
 /* ---- one contact [one contact] ----
@@ -679,9 +682,10 @@ RBDI_PART void rbdi_contact_impulse(rbdi_contact_law *law, const rbd_real w[3], 
      bounded                          p = z, or the bound that z has passed
 
    The residual is the largest |p - P(z)| d: of an open contact d |p|, of one that sticks |u|, of one that
-   slips |u_n| and d times the error of friction. It is in m/s, and 0 only if all laws hold. It includes the
-   rounding of u; if it did not, impulses of contacts that jam could have any size. A spring's share of d
-   counts in z_n alone: it is no mass. */
+   slips |u_n| and d times the error of friction. It is in m/s, and 0 only if all laws hold. An error of
+   friction moves the plane's velocity by more where its 1/mass there, l, exceeds d: by up to l / d times the
+   residual. It includes the rounding of u; if it did not, impulses of contacts that jam could have any size.
+   A spring's share of d counts in z_n alone: it is no mass. */
 
 /* u = b + Delta p. */
 RBDI_PART void rbdi_contact_velocities(rbdi_contact_solver *s) {
@@ -1379,6 +1383,15 @@ RBDI_LOCAL rbd_status rbdi_check_plane_body(const rbd_contact *from, int i, rbd_
     return RBD_ERR_INDEX;
 }
 
+/* Refuses damping without stiffness: a rigid contact has no damper. */
+RBDI_LOCAL rbd_status rbdi_check_damper(const rbd_contact *from, int i, rbd_report *report) {
+    if ((rbd_const)from->stiffness > 0 || !((rbd_const)from->damping > 0)) return RBD_OK;
+
+    rbdi_refuse(report, RBD_ERR_RANGE, i, from->name, "damping");
+    report->error.text = "a contact without stiffness is rigid, and has no damping: set both, or neither";
+    return RBD_ERR_RANGE;
+}
+
 RBDI_LOCAL rbd_status rbdi_check_contact(const rbd_model *m, const rbd_contact *from, int i,
                                          rbd_report *report) {
     const double values[5] = {from->radius, from->friction, from->restitution, from->stiffness,
@@ -1397,7 +1410,7 @@ RBDI_LOCAL rbd_status rbdi_check_contact(const rbd_model *m, const rbd_contact *
     for (int j = 0; j < 5; ++j)
         if (!rbdi_finite_positive(&values[j], 1) || (j == 2 && values[j] > 1))
             return rbdi_refuse(report, RBD_ERR_RANGE, i, from->name, names[j]);
-    return RBD_OK;
+    return rbdi_check_damper(from, i, report);
 }
 
 RBDI_LOCAL rbd_status rbdi_check_options(const rbd_contact_options *o, rbd_report *report) {
@@ -1408,7 +1421,11 @@ RBDI_LOCAL rbd_status rbdi_check_options(const rbd_contact_options *o, rbd_repor
     for (int j = 0; j < 7; ++j)
         if (!rbdi_finite_positive(&values[j], 1))
             return rbdi_refuse(report, RBD_ERR_RANGE, -1, NULL, names[j]);
-    return RBD_OK;
+    if (!o->momentum || !o->first_order) return RBD_OK;
+
+    rbdi_refuse(report, RBD_ERR_RANGE, -1, NULL, "momentum");
+    report->error.text = "steps of first order do not keep it: choose one, momentum or first_order";
+    return RBD_ERR_RANGE;
 }
 
 RBDI_LOCAL rbd_contact_options rbdi_contact_defaults(const rbd_contact_options *given) {
@@ -2429,7 +2446,7 @@ RBDI_LOCAL void rbdi_keep_impulses(rbd_contact_set *c) {
    may be huge: then those of rbdi_solve_first are the better beginning. */
 RBDI_LOCAL rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
-    int finite = rbdi_all_finite(c->b, c->rows->rows) & rbdi_all_finite(c->q_mid, m->nq);
+    int finite = rbdi_all_finite(c->b, c->rows->rows) && rbdi_all_finite(c->q_mid, m->nq);
     rbdi_find_rebounds(c);
     for (int k = 0; k < m->nv; ++k) c->nu[k] = c->moved[k];
     c->differ = rbdi_write_biases(c, RBDI_FOR_VELOCITIES);

@@ -68,10 +68,22 @@
 
 /* The macros of [configuration], checked and completed. */
 
+/* Code of a GPU: nvcc, clang for CUDA and hipcc compile a file for the host and for the GPU. Each function is
+   code of both then, and all memory has the same layout there. Without RBD_STATIC such a file has
+   declarations alone, of code that another file compiles for the host. */
+#if (defined __CUDACC__ || defined __CUDA__ || defined __HIP__) && defined RBD_STATIC
+#define RBDI_GPU 1
+#else
+#define RBDI_GPU 0
+#endif
+
 /* A wrong macro gives one #error. It is then replaced by a value that works, so that no other message
    follows. */
 #if !defined __cplusplus && (!defined __STDC_VERSION__ || __STDC_VERSION__ < 199901L)
 #error "rbd: needs C99 or later: compile with -std=c99, c11, c17 or a gnu dialect of them"
+#undef RBD_IMPLEMENTATION
+#elif (defined __CUDACC__ || defined __CUDA__ || defined __HIP__) && defined RBD_IMPLEMENTATION && !RBDI_GPU
+#error "rbd: code of a GPU lies in the file that calls it: define RBD_STATIC in each file that implements rbd"
 #undef RBD_IMPLEMENTATION
 #endif
 
@@ -113,7 +125,10 @@
 #undef RBD_LANES
 #define RBD_LANES 2
 #endif
-#if defined RBD_LANES && (!defined __GNUC__ || RBDI_REAL_KIND % 3 == 0)
+#if defined RBD_LANES && RBDI_GPU
+#error "rbd: code of a GPU has one state a thread: leave RBD_LANES undefined"
+#undef RBD_LANES
+#elif defined RBD_LANES && (!defined __GNUC__ || RBDI_REAL_KIND % 3 == 0)
 #error "rbd: RBD_LANES needs GCC or clang, and RBD_REAL double or float"
 #undef RBD_LANES
 #endif
@@ -123,6 +138,9 @@
 #ifdef RBD_REPRODUCIBLE
 #if RBDI_REAL_KIND % 3 == 0
 #error "rbd: RBD_REPRODUCIBLE needs RBD_REAL double or float"
+#undef RBD_REPRODUCIBLE
+#elif RBDI_GPU
+#error "rbd: RBD_REPRODUCIBLE has no meaning for code of a GPU: compile it with -fmad=false instead"
 #undef RBD_REPRODUCIBLE
 #elif defined __clang__
 #pragma clang fp contract(off)
@@ -138,8 +156,22 @@
 #define RBDI_REPRODUCIBLE 0
 #endif
 
+/* Functions and tables of host and GPU. A table is the GPU's own in that compiler's pass for it alone. */
+#if RBDI_GPU && defined __clang__
+#define RBDI_BOTH __attribute__((host, device))
+#define RBDI_THERE __attribute__((device))
+#elif RBDI_GPU
+#define RBDI_BOTH __host__ __device__
+#define RBDI_THERE __device__
+#else
+#define RBDI_BOTH
+#endif
+#if !RBDI_GPU || !(defined __CUDA_ARCH__ || defined __HIP_DEVICE_COMPILE__)
+#undef RBDI_THERE
+#define RBDI_THERE
+#endif
 #ifdef RBD_STATIC
-#define RBDI_API static RBDI_UNUSED
+#define RBDI_API static RBDI_BOTH RBDI_UNUSED
 #else
 #define RBDI_API extern
 #endif
@@ -359,7 +391,9 @@ RBDI_EXTENSION typedef RBDI_WIDE rbdi_wide;
 
 /* Doubles in the widest SIMD register for which any file of a program may be compiled, 0 without. Memory is
    sized for it: the file with the implementation may have other options than the file that gives memory. */
-#if defined __x86_64__ || defined __i386__ || defined __aarch64__ || defined _M_X64 || defined __wasm__
+#if RBDI_GPU
+#define RBDI_WIDEST_SIMD 0
+#elif defined __x86_64__ || defined __i386__ || defined __aarch64__ || defined _M_X64 || defined __wasm__
 #define RBDI_WIDEST_SIMD 8
 #else
 #define RBDI_WIDEST_SIMD 0
@@ -398,7 +432,7 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #else
 #define RBDI_CLANG 0
 #endif
-#define RBDI_GCC (RBDI_GNU && !RBDI_CLANG)
+#define RBDI_GCC (RBDI_GNU && !RBDI_CLANG && !RBDI_GPU)
 
 /* GCC has no macro for -fsingle-precision-constant, which rounds constants to float. It does no harm if
    rbd_real is float. */
@@ -410,7 +444,7 @@ typedef char rbd_needs_no_fsingle_precision_constant[sizeof 1.0 == sizeof(double
    has no macro for most of this, and GCC's pragmas set none in C++. A compiler that optimises then knows
    beforehand what (x + 1) - x is, that x <= x, or that x is not infinite. One that does not optimise changes
    nothing. */
-#if RBDI_GNU && defined __OPTIMIZE__ && defined __has_attribute
+#if RBDI_GNU && !RBDI_GPU && defined __OPTIMIZE__ && defined __has_attribute
 #if __has_attribute(error)
 #define RBDI_SHOWS_OPTIONS 1
 #endif
@@ -438,7 +472,7 @@ static inline void rbdi_require_ieee(void) {
 #pragma clang diagnostic pop
 #endif
 #else
-static inline void rbdi_require_ieee(void) {}
+static inline RBDI_BOTH void rbdi_require_ieee(void) {}
 #endif
 
 #if defined __OPTIMIZE__ && !defined __OPTIMIZE_SIZE__
@@ -455,7 +489,9 @@ static inline void rbdi_require_ieee(void) {}
 /* Doubles in one SIMD register, 0 without SIMD. With AVX-512 half a register: the rows of one state are
    short, and whole registers made single calls slower (Intel, Cholesky of Atlas by a third). Lanes may be
    longer: RBD_LANES. */
-#ifdef __AVX__
+#if RBDI_GPU
+#define RBDI_SIMD 0
+#elif defined __AVX__
 #define RBDI_SIMD 4
 #elif defined __SSE2__ || (defined __ARM_NEON && defined __aarch64__) || defined __wasm_simd128__
 #define RBDI_SIMD 2
@@ -539,10 +575,10 @@ static inline void rbdi_require_ieee(void) {}
 /* RBDI_INLINE: vector algebra, and the steps that are compiled once for each common set of link flags. Where
    the compiler optimises it always inlines them: to pass vectors in memory would take ten times as long at
    -Os, and save a fifth of the code. RBDI_PART: all others; a build may leave them unused. */
-#if RBDI_GNU && defined __OPTIMIZE__
-#define RBDI_INLINE static inline __attribute__((always_inline, unused))
+#if RBDI_GNU && (defined __OPTIMIZE__ || RBDI_GPU)
+#define RBDI_INLINE static inline RBDI_BOTH __attribute__((always_inline, unused))
 #else
-#define RBDI_INLINE static inline RBDI_UNUSED
+#define RBDI_INLINE static inline RBDI_BOTH RBDI_UNUSED
 #endif
 /* RBDI_ONCE: inlined where the compiler optimises for speed; at -Os there is one copy for all callers. */
 #if RBDI_FOR_SPEED
@@ -551,14 +587,18 @@ static inline void rbdi_require_ieee(void) {}
 #define RBDI_ONCE RBDI_PART
 #endif
 #if RBDI_GNU
-#define RBDI_COLD static __attribute__((noinline, cold, unused)) /* hardly ever called */
+#define RBDI_COLD static RBDI_BOTH __attribute__((noinline, cold, unused)) /* hardly ever called */
 #else
-#define RBDI_COLD static RBDI_UNUSED
+#define RBDI_COLD static RBDI_BOTH RBDI_UNUSED
 #endif
+#if RBDI_GPU && RBDI_GNU /* nvcc would inline them everywhere: three times the code */
+#define RBDI_PART static RBDI_BOTH __attribute__((noinline, unused))
+#else
 #define RBDI_PART static RBDI_UNUSED
+#endif
 /* RBDI_LOCAL: steps of a room that something calls wherever the room is compiled; a compiler warns where
    nothing does. */
-#define RBDI_LOCAL static
+#define RBDI_LOCAL static RBDI_BOTH
 /* For a function that returns one of many texts. GCC would keep them in an array, which is linked even if
    nothing calls the function, as soon as the file has any other text, such as a model's names. */
 #if RBDI_GCC
@@ -577,7 +617,7 @@ static inline void rbdi_require_ieee(void) {}
 #define RBDI_UNROLL_TWO
 #endif
 /* Keeps one address for all columns of a row. Without it the compiler computes one for each column. */
-#if RBDI_GNU
+#if RBDI_GNU && !RBDI_GPU
 #define RBDI_ONE_INDEX(row) __asm__("" : "+r"(row))
 #else
 #define RBDI_ONE_INDEX(row) (void)(row)

@@ -146,7 +146,7 @@ RBDI_INLINE rbd_rotation rbd_rotation_from_quaternion(const rbd_real q[4]) {
 }
 
 /* q: the unit quaternion x, y, z, w with w >= 0. */
-static RBDI_UNUSED void rbd_rotation_to_quaternion(rbd_rotation r, rbd_real q[4]) {
+RBDI_PART void rbd_rotation_to_quaternion(rbd_rotation r, rbd_real q[4]) {
     const rbd_real one = rbdi_set(RBD_C(1));
     rbd_real row[4], sign;
     rbdi_quaternion_of(r, row);
@@ -156,7 +156,7 @@ static RBDI_UNUSED void rbd_rotation_to_quaternion(rbd_rotation r, rbd_real q[4]
 }
 
 /* Rz(yaw) Ry(pitch) Rx(roll), rad. */
-static RBDI_UNUSED rbd_rotation rbd_rotation_from_rpy(rbd_real roll, rbd_real pitch, rbd_real yaw) {
+RBDI_PART rbd_rotation rbd_rotation_from_rpy(rbd_real roll, rbd_real pitch, rbd_real yaw) {
     rbd_real sr, cr, sp, cp, sy, cy;
     rbd_rotation r;
 
@@ -186,7 +186,7 @@ RBDI_INLINE rbd_real rbdi_angle_of(rbd_real *c, rbd_real *s) {
 
 /* rpy: roll and yaw in [-pi, pi], pitch in [-pi/2, pi/2], rad. At a pitch of pi/2 or -pi/2 roll and yaw turn
    about the same axis; then they are two that give r. */
-static RBDI_UNUSED void rbd_rotation_to_rpy(rbd_rotation r, rbd_real rpy[3]) {
+RBDI_PART void rbd_rotation_to_rpy(rbd_rotation r, rbd_real rpy[3]) {
     rbd_real c = r.zz, s = r.zy, cp, sp = -r.zx, cy, sy;
     rpy[0] = rbdi_angle_of(&c, &s);
     cp = r.zy * s + r.zz * c; /* the rest is Rz(yaw) Ry(pitch) = r Rx(-roll) */
@@ -197,7 +197,7 @@ static RBDI_UNUSED void rbd_rotation_to_rpy(rbd_rotation r, rbd_real rpy[3]) {
 }
 
 /* exp: the rotation about the vector turn, by its length, rad. */
-static RBDI_UNUSED rbd_rotation rbd_rotation_exp(rbd_vec3 turn) {
+RBDI_PART rbd_rotation rbd_rotation_exp(rbd_vec3 turn) {
     const rbdi_exp e = rbdi_exp_of(turn);
     rbd_real q[4];
     rbdi_store_vec(q, 1, rbdi_scale(e.half_sine, turn));
@@ -209,7 +209,7 @@ static RBDI_UNUSED rbd_rotation rbd_rotation_exp(rbd_vec3 turn) {
 RBDI_INLINE rbd_vec3 rbd_rotation_log(rbd_rotation r) { return rbdi_log_rotation(r); }
 
 /* The rotation about an axis of any length, by the angle, rad; the identity if the axis is zero. */
-static RBDI_UNUSED rbd_rotation rbd_rotation_from_axis_angle(rbd_vec3 axis, rbd_real angle) {
+RBDI_PART rbd_rotation rbd_rotation_from_axis_angle(rbd_vec3 axis, rbd_real angle) {
     rbdi_mask bad;
     rbd_real a[3], u[3];
     rbdi_store_vec(a, 1, axis);
@@ -218,7 +218,7 @@ static RBDI_UNUSED rbd_rotation rbd_rotation_from_axis_angle(rbd_vec3 axis, rbd_
 }
 
 /* Returns the angle, in [0, pi]; axis: of unit length, z if the angle is 0. */
-static RBDI_UNUSED rbd_real rbd_rotation_to_axis_angle(rbd_rotation r, rbd_vec3 *axis) {
+RBDI_PART rbd_real rbd_rotation_to_axis_angle(rbd_rotation r, rbd_vec3 *axis) {
     const rbd_vec3 turn = rbd_rotation_log(r);
     const rbd_real angle = rbdi_sqrt(rbdi_dot(turn, turn));
     rbdi_mask none = rbdi_less(angle, angle);
@@ -341,7 +341,7 @@ RBDI_INLINE rbd_motion rbd_motion_cross(RBDI_AT rbd_motion v, rbd_motion m) {
 
 /* exp: the placement, after unit time, of a frame that moves with v, constant in its own axes. The moved
    frame is `of`; `in`, where it started, is the frame of v. */
-static RBDI_UNUSED rbd_placement rbd_placement_exp(rbd_motion v, int of) {
+RBDI_PART rbd_placement rbd_placement_exp(rbd_motion v, int of) {
     rbd_placement x;
     x.rotation = rbd_rotation_exp(v.angular);
     x.position = rbdi_exp_shift(rbdi_exp_of(v.angular), v.angular, v.linear);
@@ -352,7 +352,7 @@ static RBDI_UNUSED rbd_placement rbd_placement_exp(rbd_motion v, int of) {
 
 /* log: the motion with the shortest turn, at most pi, whose exp is x. It has the same components in both
    frames; its frame is `in`. */
-static RBDI_UNUSED rbd_motion rbd_placement_log(rbd_placement x) {
+RBDI_PART rbd_motion rbd_placement_log(rbd_placement x) {
     rbd_motion v;
     v.angular = rbd_rotation_log(x.rotation);
     v.linear = rbdi_log_shift(rbdi_exp_of(v.angular), v.angular, x.position);

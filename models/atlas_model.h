@@ -148,7 +148,7 @@ RBDI_TABLE_DECLARATION(atlas_model)
 
 /* parent iq iv block branch first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
-static const rbdi_link atlas_links[31] = {
+static RBDI_THERE const rbdi_link atlas_links[31] = {
     {-1, 0, 0, 0, 1, 0, 36, RBDI_BLOCK, /* 0: pelvis */
      RBDI_MASS_KEPT | RBDI_ROOT | RBDI_OFF_CHAIN,
      0, 0, 0, 0, 0, 0, 0, 0,
@@ -338,13 +338,13 @@ static const rbdi_link atlas_links[31] = {
 };
 
 /* joint type, first axis, axes, identity | E */
-static const rbdi_block atlas_blocks[1] = {
+static RBDI_THERE const rbdi_block atlas_blocks[1] = {
     {15, 0, 6, 1, {1, 0, 0, 0, 1, 0, 0, 0, 1}},
 };
 
 /* body | dof before it, row, depth in the matrix | dof before it, level in the mechanism |
    armature, damping, friction | inertia of what it moves */
-static const rbdi_dof atlas_dofs[36] = {
+static RBDI_THERE const rbdi_dof atlas_dofs[36] = {
     {0, -1, 0, 0, -1, 0, 0, 0, 0, RBD_C(107.96858606494195)},
     {0, 0, 1, 1, 0, 1, 0, 0, 0, RBD_C(107.96858606494195)},
     {0, 1, 3, 2, 1, 2, 0, 0, 0, RBD_C(107.96858606494195)},
@@ -384,7 +384,7 @@ static const rbdi_dof atlas_dofs[36] = {
 };
 
 /* the dofs as the solver meets them: dof, its row */
-static const rbdi_order atlas_order[36] = {
+static RBDI_THERE const rbdi_order atlas_order[36] = {
     {0, 0}, {1, 1}, {2, 3}, {3, 6}, {4, 10}, {5, 15}, {6, 21}, {9, 42},
     {12, 66}, {15, 93}, {20, 143}, {24, 187}, {28, 235}, {30, 261}, {32, 289}, {34, 319},
     {16, 103}, {17, 113}, {21, 154}, {25, 199}, {29, 248}, {31, 275}, {33, 304}, {35, 335},
@@ -393,7 +393,7 @@ static const rbdi_order atlas_order[36] = {
 };
 
 /* the dofs of the matrix depth first: dof, descendants, row */
-static const rbdi_node atlas_nodes[36] = {
+static RBDI_THERE const rbdi_node atlas_nodes[36] = {
     {0, 35, 0}, {1, 34, 1}, {2, 33, 3}, {3, 32, 6}, {4, 31, 10}, {5, 30, 15},
     {6, 17, 21}, {9, 16, 42}, {12, 15, 66}, {15, 6, 93}, {20, 5, 143}, {24, 4, 187},
     {28, 3, 235}, {30, 2, 261}, {32, 1, 289}, {34, 0, 319}, {16, 0, 103}, {17, 6, 113},
@@ -405,7 +405,7 @@ static const rbdi_node atlas_nodes[36] = {
 
 /* names | link, parent, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
    inertia about the com | lower, upper, velocity, effort */
-static const rbdi_frame atlas_frames[31] = {
+static RBDI_THERE const rbdi_frame atlas_frames[31] = {
     {"pelvis", "root", 0, -1, 15, 0, 7, 0, 6, /* 0 */
      {1, 0, 0, 0, 1, 0, 0, 0, 1},
      {0, 0, 0}, RBD_C(9.509), {RBD_C(0.0111), 0, RBD_C(0.0271)},

@@ -50,7 +50,7 @@ RBDI_TABLE_DECLARATION(cart_pole_model)
 
 /* parent iq iv block branch first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
-static const rbdi_link cart_pole_links[2] = {
+static RBDI_THERE const rbdi_link cart_pole_links[2] = {
     {-1, 0, 0, -1, -1, 0, 2, RBDI_SCREW, /* 0: cart */
      RBDI_BRANCH_TURN | RBDI_SHIFT_XYZ | RBDI_SHIFT_Z | RBDI_MASS_KEPT | RBDI_ROOT | RBDI_SLIDES | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_OFF_CHAIN,
      0, -1, 3, 0, 0, 1, 0, 1,
@@ -67,24 +67,24 @@ static const rbdi_link cart_pole_links[2] = {
 
 /* body | dof before it, row, depth in the matrix | dof before it, level in the mechanism |
    armature, damping, friction | inertia of what it moves */
-static const rbdi_dof cart_pole_dofs[2] = {
+static RBDI_THERE const rbdi_dof cart_pole_dofs[2] = {
     {0, -1, 0, 0, -1, 0, 0, 0, 0, RBD_C(1.7)},
     {1, 0, 1, 1, 0, 1, 0, 0, 0, RBD_C(0.06000000214939177)},
 };
 
 /* the dofs as the solver meets them: dof, its row */
-static const rbdi_order cart_pole_order[2] = {
+static RBDI_THERE const rbdi_order cart_pole_order[2] = {
     {0, 0}, {1, 1},
 };
 
 /* the dofs of the matrix depth first: dof, descendants, row */
-static const rbdi_node cart_pole_nodes[2] = {
+static RBDI_THERE const rbdi_node cart_pole_nodes[2] = {
     {0, 1, 0}, {1, 0, 1},
 };
 
 /* names | link, parent, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
    inertia about the com | lower, upper, velocity, effort */
-static const rbdi_frame cart_pole_frames[2] = {
+static RBDI_THERE const rbdi_frame cart_pole_frames[2] = {
     {"cart", "rail", 0, -1, 4, 0, 1, 0, 1, /* 0 */
      {0, 0, 1, 0, 1, 0, -1, 0, 0},
      {0, 0, 0}, RBD_C(1.2), {0, 0, 0},

@@ -56,7 +56,7 @@ RBDI_TABLE_DECLARATION(five_bar_model)
 
 /* parent iq iv block branch first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
-static const rbdi_link five_bar_links[4] = {
+static RBDI_THERE const rbdi_link five_bar_links[4] = {
     {-1, 0, 0, -1, -1, 0, 2, RBDI_REVOLUTE, /* 0: left_crank */
      RBDI_ROOT | RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_OFF_CHAIN,
      1, 0, 0, 0, 0, 1, 1, 0,
@@ -85,7 +85,7 @@ static const rbdi_link five_bar_links[4] = {
 
 /* body | dof before it, row, depth in the matrix | dof before it, level in the mechanism |
    armature, damping, friction | inertia of what it moves */
-static const rbdi_dof five_bar_dofs[4] = {
+static RBDI_THERE const rbdi_dof five_bar_dofs[4] = {
     {0, -1, 0, 0, -1, 0, 0, 0, 0, RBD_C(0.06975500247837306)},
     {1, 0, 1, 1, 0, 1, 0, 0, 0, RBD_C(0.01225000043538506)},
     {2, -1, 3, 0, -1, 0, 0, 0, 0, RBD_C(0.06975500247837306)},
@@ -93,18 +93,18 @@ static const rbdi_dof five_bar_dofs[4] = {
 };
 
 /* the dofs as the solver meets them: dof, its row */
-static const rbdi_order five_bar_order[4] = {
+static RBDI_THERE const rbdi_order five_bar_order[4] = {
     {0, 0}, {1, 1}, {2, 3}, {3, 4},
 };
 
 /* the dofs of the matrix depth first: dof, descendants, row */
-static const rbdi_node five_bar_nodes[4] = {
+static RBDI_THERE const rbdi_node five_bar_nodes[4] = {
     {0, 1, 0}, {1, 0, 1}, {2, 1, 3}, {3, 0, 4},
 };
 
 /* names | link, parent, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
    inertia about the com | lower, upper, velocity, effort */
-static const rbdi_frame five_bar_frames[4] = {
+static RBDI_THERE const rbdi_frame five_bar_frames[4] = {
     {"left_crank", "left_motor", 0, -1, 2, 0, 1, 0, 1, /* 0 */
      {1, 0, 0, 0, 0, -1, 0, 1, 0},
      {0, 0, 0}, RBD_C(0.6), {RBD_C(0.125), 0, 0},

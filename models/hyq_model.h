@@ -94,7 +94,7 @@ RBDI_TABLE_DECLARATION(hyq_model)
 
 /* parent iq iv block branch first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
-static const rbdi_link hyq_links[13] = {
+static RBDI_THERE const rbdi_link hyq_links[13] = {
     {-1, 0, 0, 0, 0, 0, 18, RBDI_BLOCK, /* 0: base_link_0 */
      RBDI_MASS_KEPT | RBDI_ROOT | RBDI_OFF_CHAIN,
      0, 0, 0, 0, 0, 0, 0, 0,
@@ -176,13 +176,13 @@ static const rbdi_link hyq_links[13] = {
 };
 
 /* joint type, first axis, axes, identity | E */
-static const rbdi_block hyq_blocks[1] = {
+static RBDI_THERE const rbdi_block hyq_blocks[1] = {
     {15, 0, 6, 1, {1, 0, 0, 0, 1, 0, 0, 0, 1}},
 };
 
 /* body | dof before it, row, depth in the matrix | dof before it, level in the mechanism |
    armature, damping, friction | inertia of what it moves */
-static const rbdi_dof hyq_dofs[18] = {
+static RBDI_THERE const rbdi_dof hyq_dofs[18] = {
     {0, -1, 0, 0, -1, 0, 0, 0, 0, RBD_C(22.4880826478447)},
     {0, 0, 1, 1, 0, 1, 0, 0, 0, RBD_C(22.4880826478447)},
     {0, 1, 3, 2, 1, 2, 0, 0, 0, RBD_C(22.4880826478447)},
@@ -204,14 +204,14 @@ static const rbdi_dof hyq_dofs[18] = {
 };
 
 /* the dofs as the solver meets them: dof, its row */
-static const rbdi_order hyq_order[18] = {
+static RBDI_THERE const rbdi_order hyq_order[18] = {
     {0, 0}, {1, 1}, {2, 3}, {3, 6}, {4, 10}, {5, 15}, {6, 21}, {10, 49},
     {14, 81}, {7, 28}, {11, 57}, {15, 90}, {8, 35}, {12, 65}, {16, 99}, {9, 42},
     {13, 73}, {17, 108},
 };
 
 /* the dofs of the matrix depth first: dof, descendants, row */
-static const rbdi_node hyq_nodes[18] = {
+static RBDI_THERE const rbdi_node hyq_nodes[18] = {
     {0, 17, 0}, {1, 16, 1}, {2, 15, 3}, {3, 14, 6}, {4, 13, 10}, {5, 12, 15},
     {6, 2, 21}, {10, 1, 49}, {14, 0, 81}, {7, 2, 28}, {11, 1, 57}, {15, 0, 90},
     {8, 2, 35}, {12, 1, 65}, {16, 0, 99}, {9, 2, 42}, {13, 1, 73}, {17, 0, 108},
@@ -220,7 +220,7 @@ static const rbdi_node hyq_nodes[18] = {
 
 /* names | link, parent, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
    inertia about the com | lower, upper, velocity, effort */
-static const rbdi_frame hyq_frames[13] = {
+static RBDI_THERE const rbdi_frame hyq_frames[13] = {
     {"base_link_0", "root", 0, -1, 15, 0, 7, 0, 6, /* 0 */
      {1, 0, 0, 0, 1, 0, 0, 0, 1},
      {0, 0, 0}, RBD_C(60.978), {RBD_C(0.05606913313), RBD_C(0.0214936829676), RBD_C(0.0036081141592)},

@@ -65,7 +65,7 @@ RBDI_TABLE_DECLARATION(iiwa_model)
 
 /* parent iq iv block branch first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
-static const rbdi_link iiwa_links[7] = {
+static RBDI_THERE const rbdi_link iiwa_links[7] = {
     {-1, 0, 0, -1, -1, 0, 7, RBDI_REVOLUTE, /* 0: lbr_iiwa_link_1 */
      RBDI_SHIFT_XYZ | RBDI_ROOT | RBDI_TWIST_0 | RBDI_SHIFT_R | RBDI_OFF_CHAIN,
      -1, 0, 2, 0, 1, 0, 1, 0,
@@ -112,7 +112,7 @@ static const rbdi_link iiwa_links[7] = {
 
 /* body | dof before it, row, depth in the matrix | dof before it, level in the mechanism |
    armature, damping, friction | inertia of what it moves */
-static const rbdi_dof iiwa_dofs[7] = {
+static RBDI_THERE const rbdi_dof iiwa_dofs[7] = {
     {0, -1, 0, 0, -1, 0, 0, 0, 0, RBD_C(4.94870369856475)},
     {1, 0, 1, 1, 0, 1, 0, 0, 0, RBD_C(4.906047384232507)},
     {2, 1, 3, 2, 1, 2, 0, 0, 0, RBD_C(1.035037900681548)},
@@ -123,19 +123,19 @@ static const rbdi_dof iiwa_dofs[7] = {
 };
 
 /* the dofs as the solver meets them: dof, its row */
-static const rbdi_order iiwa_order[7] = {
+static RBDI_THERE const rbdi_order iiwa_order[7] = {
     {0, 0}, {1, 1}, {2, 3}, {3, 6}, {4, 10}, {5, 15}, {6, 21},
 };
 
 /* the dofs of the matrix depth first: dof, descendants, row */
-static const rbdi_node iiwa_nodes[7] = {
+static RBDI_THERE const rbdi_node iiwa_nodes[7] = {
     {0, 6, 0}, {1, 5, 1}, {2, 4, 3}, {3, 3, 6}, {4, 2, 10}, {5, 1, 15},
     {6, 0, 21},
 };
 
 /* names | link, parent, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
    inertia about the com | lower, upper, velocity, effort */
-static const rbdi_frame iiwa_frames[7] = {
+static RBDI_THERE const rbdi_frame iiwa_frames[7] = {
     {"lbr_iiwa_link_1", "lbr_iiwa_joint_1", 0, -1, 1, 0, 1, 0, 1, /* 0 */
      {-1, 0, 0, 0, -1, 0, 0, 0, 1},
      {0, 0, RBD_C(-0.2025)}, 4, {0, RBD_C(-0.03), RBD_C(0.12)},

@@ -47,7 +47,7 @@ RBDI_TABLE_DECLARATION(pendulum_model)
 
 /* parent iq iv block branch first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
-static const rbdi_link pendulum_links[1] = {
+static RBDI_THERE const rbdi_link pendulum_links[1] = {
     {-1, 0, 0, -1, -1, 0, 1, RBDI_REVOLUTE, /* 0: rod */
      RBDI_ROOT | RBDI_OFF_CHAIN,
      1, 0, 0, 0, 0, -1, 1, 0,
@@ -58,23 +58,23 @@ static const rbdi_link pendulum_links[1] = {
 
 /* body | dof before it, row, depth in the matrix | dof before it, level in the mechanism |
    armature, damping, friction | inertia of what it moves */
-static const rbdi_dof pendulum_dofs[1] = {
+static RBDI_THERE const rbdi_dof pendulum_dofs[1] = {
     {0, -1, 0, 0, -1, 0, 0, 0, 0, RBD_C(0.40000001422861825)},
 };
 
 /* the dofs as the solver meets them: dof, its row */
-static const rbdi_order pendulum_order[1] = {
+static RBDI_THERE const rbdi_order pendulum_order[1] = {
     {0, 0},
 };
 
 /* the dofs of the matrix depth first: dof, descendants, row */
-static const rbdi_node pendulum_nodes[1] = {
+static RBDI_THERE const rbdi_node pendulum_nodes[1] = {
     {0, 0, 0},
 };
 
 /* names | link, parent, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
    inertia about the com | lower, upper, velocity, effort */
-static const rbdi_frame pendulum_frames[1] = {
+static RBDI_THERE const rbdi_frame pendulum_frames[1] = {
     {"rod", "hinge", 0, -1, 2, 0, 1, 0, 1, /* 0 */
      {1, 0, 0, 0, 0, 1, 0, -1, 0},
      {0, 0, 0}, RBD_C(1.2), {0, 0, RBD_C(-0.5)},

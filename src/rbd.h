@@ -20,7 +20,7 @@
        rbd_aba(m, w, q, v, tau, NULL, a);          // a[0] = -1.5 g sin(q)
 
    CONTENTS (search for the tag)
-     [conventions] [configuration] [guarantees] [limits]
+     [conventions] [configuration] [GPU] [guarantees] [limits]
      [types] [status] [build] [work] [dynamics] [kinematics] [points] [manifold] [lookup]
      --- stop here if you only use it ---
      [layout]
@@ -71,7 +71,8 @@
      RBD_CONST        scalar of the model's constants; default: RBD_REAL, double for a class
      RBD_SIN(x) RBD_COS(x)   replace rbd's own sine and cosine (scalar builds)
      RBD_SQRT(x)      replaces libm's square root
-     RBD_STATIC       every function is static
+     RBD_STATIC       every function is static. Under nvcc, clang for CUDA and hipcc it is code of the GPU as
+                      well (__host__ __device__), for kernels of yours in that file: see [GPU]
      RBD_CHECK_SCALAR 1: the linker compares RBD_REAL, RBD_CONST, RBD_LANES and RBD_REPRODUCIBLE of this file
                       with those of all other files that have 1; costs nothing at run time and no memory.
                       Default: 1 with GCC on ELF systems, 0 with RBD_STATIC, a class, or another compiler. Say
@@ -97,6 +98,24 @@
                       rbd_work_init refuses such models, RBD_ERR_LEFT_OUT
                       The linker leaves out all other calls that are not used: compile with
                       -ffunction-sections, link with --gc-sections
+
+   [GPU] Kernels call rbd, one state a thread, whose memory is an array of the kernel's:
+
+       #define RBD_STATIC
+       #define RBD_IMPLEMENTATION
+       #include "rbd.h"
+
+       __global__ void torques(const rbd_model *m, const float *q, float *tau) { // of gravity, of arms
+           const int i = 7 * (blockIdx.x * blockDim.x + threadIdx.x);
+           unsigned char memory[RBD_WORK_SIZE(7, 7)];
+           rbd_work *w;
+           rbd_work_init(m, memory, sizeof memory, &w);
+           rbd_gravity_torque(m, w, q + i, tau + i);
+       }
+
+     The model is a table, which host and GPU both have (&arm_model), or rbd_model_build made it in memory
+     that both see: RBD_MODEL_SIZE(nb) bytes of cudaMallocManaged. Names in such a model are the host's alone.
+     rbd_derivatives.h, rbd_constraints.h, rbd_contact.h and rbd_qp.h are called in the same way.
 
    [guarantees]
      No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant: calls change the caller's

@@ -61,10 +61,12 @@ def input_array(name, size, k):
 def arguments(item, own):
     """The arguments of a call in the words of plain_calls.h and the sizes of its results; None if it is not plain."""
     words, results, inputs = [], [], 0
-    for kind, name, _ in pages.parameters(item):
+    for kind, name, length in pages.parameters(item):
         kind = kind.strip()
         known, _ = pages.argument(item.name, name, own.get(name))
         size = count(known[0]) if known else None
+        if size and size.isidentifier() and re.fullmatch(r"\[\d+\]", length):  # another call's `p` is as long as v
+            size = length[1:-1]
         word = OBJECTS.get(kind)
         if kind == "int":
             word = {"body": "BODY", "reference": "OTHER_BODY"}.get(name)

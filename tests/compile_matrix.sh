@@ -1,10 +1,11 @@
 #!/bin/sh
 # Compiles rbd.h, and the headers that stand on it, with every compiler found, as every standard, with all warnings as errors:
 # declarations only, with the implementation, with RBD_STATIC (for double alone, a keyword apart), and the declarations of
-# rbd_urdf.h; for double and float; without code, as a standard decides on syntax and meaning alone, and with the first
-# standard also at -O0 and, with clang-19, -O2, where the compiler sees more (GCC does where the tests' library is built).
-# Then the batch calls for several numbers of lanes, with the SIMD unit for them where the compiler has it; the first of
-# them with code.
+# rbd_urdf.h; for double and, with the first standard, float; without code, as a standard decides on syntax and meaning alone,
+# and the implementation with the first standard also at -O0, where a compiler sees more (GCC does at -O3 where the tests'
+# library is built). Then the batch calls for several numbers of lanes, with the SIMD unit for them where the compiler has it;
+# the first of them with code. With RBD_ALL_TESTS=yes float and lanes with the last standard too, all of the first at -O0, and
+# clang-19 at -O2.
 # usage: compile_matrix.sh DIRECTORY_OF_RBD_H [COMPILER...]
 set -u
 
@@ -14,7 +15,8 @@ shift
 scratch=$(mktemp -d) || exit 1
 trap 'rm -rf "$scratch"' EXIT
 warnings="-pedantic -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Wvla -Wundef -Werror"
-quick="-O0"
+quick="-O0 -Dalways_inline=unused"
+all_tests=${RBD_ALL_TESTS-}
 failures=0
 combinations=0
 
@@ -50,7 +52,7 @@ all() {
     compiler=$1 suffix=$2 level=$quick
     shift 2
     # in two thirds of the time without forced inlining
-    [ "$compiler" != clang-19 ] ||
+    [ "$compiler$all_tests" != clang-19yes ] ||
         compile "$compiler" "$1" "$suffix" implementation double "-O2 -Dalways_inline=unused"
     for standard; do
         level_of_this=$level level=-fsyntax-only
@@ -58,9 +60,13 @@ all() {
             compile "$compiler" "$standard" "$suffix" implementation double $level
             continue ;;
         esac
-        for scalar in double float; do
+        scalars="double float"
+        [ -n "$all_tests" ] || [ "$level_of_this" != -fsyntax-only ] || scalars=double
+        for scalar in $scalars; do
             for included in declarations urdf implementation; do
-                compile "$compiler" "$standard" "$suffix" "$included" "$scalar" "$level_of_this"
+                level_of_included=-fsyntax-only
+                [ -z "$all_tests" ] && [ "$included,$scalar" != implementation,double ] || level_of_included=$level_of_this
+                compile "$compiler" "$standard" "$suffix" "$included" "$scalar" "$level_of_included"
             done
         done
         compile "$compiler" "$standard" "$suffix" static double "$level_of_this"
@@ -86,6 +92,7 @@ batches() {
     shift 2
     for standard; do
         batch "$compiler" "$standard" "$suffix" 2 double "$level"
+        [ -n "$all_tests" ] || [ "$level" != -fsyntax-only ] || continue
         level=-fsyntax-only
         batch "$compiler" "$standard" "$suffix" 4 double "$level" -mavx2
         batch "$compiler" "$standard" "$suffix" 8 double "$level" -mavx512f
@@ -107,5 +114,6 @@ for compiler; do
     esac
 done
 
+[ -n "$all_tests" ] || echo "SKIPPED but by ./run test --all: float and lanes with the last standard, clang-19 -O2"
 echo "$combinations combinations, $failures failed"
 [ "$combinations" -gt 0 ] && [ "$failures" -eq 0 ]

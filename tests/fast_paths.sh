@@ -3,7 +3,7 @@
 # exchanged by shuffles, and FMA. For every dialect, processor level and scalar that we claim; by macros, so
 # that the preprocessor tells, but for FMA, which is looked for in the code.
 # Every dialect with gcc, the oldest and the youngest of each kind with the others.
-# usage: fast_paths.sh DIRECTORY_OF_RBD_H
+# usage: fast_paths.sh DIRECTORY_OF_RBD_H   with RBD_ALL_TESTS=yes clang 16 and the clang without a version too
 set -u
 
 root=${1:?usage: fast_paths.sh DIRECTORY_OF_RBD_H}
@@ -124,7 +124,13 @@ if_there() {
 
 case $(uname -m) in
 x86_64)
-    for compiler in gcc clang clang-16 clang-19; do
+    compilers="gcc clang-19"
+    if [ -n "${RBD_ALL_TESTS-}" ]; then
+        compilers="gcc clang clang-16 clang-19"
+    else
+        echo "SKIPPED but by ./run test --all: clang-16 and clang"
+    fi
+    for compiler in $compilers; do
         case $compiler in
         gcc) c=$c_dialects cpp=$cpp_dialects ;;
         *) c=$few_c cpp=$few_cpp ;;

@@ -3,12 +3,15 @@
 # i386 runs on x86-64 itself, where its kernel lets it), as WebAssembly in node, or with a compiler that is neither GCC nor
 # clang.
 # tests/firmware/check.h stands in for Check. Exits with 77 where compiler or emulator is missing.
+# Each machine has one scalar; with RBD_ALL_TESTS=yes it has all that differ there, and the big-endian one and the x87 the
+# suites. tcc, which takes a moment, has all of it always.
 # usage: machines.sh DIRECTORY_OF_RBD_H aarch64 | armhf | i386 | riscv64 | s390x | wasm | wasm-suites | tcc
 set -eu
 
 usage='usage: machines.sh DIRECTORY_OF_RBD_H aarch64 | armhf | i386 | riscv64 | s390x | wasm | wasm-suites | tcc'
 root=${1:?$usage}
 target=${2:?$usage}
+all=${RBD_ALL_TESTS-}
 dialect=-std=c99
 optimised='-Og -Dalways_inline=unused' # so it compiles in a quarter of the time
 link='-static -lm' # no library of the machine's is looked for
@@ -96,34 +99,37 @@ if [ "$target" = wasm-suites ]; then
     suites
     exit
 fi
-scalar double $optimised
+# wasm's first is the one with the SIMD unit, below.
+[ "$target$all" = wasm ] || scalar double $optimised
+[ -n "$all" ] || case $target in
+tcc | riscv64) ;;
+*) echo "SKIPPED but by ./run test --all: other scalars, and the suites" ;;
+esac
 # tcc 0.9.27 overwrites an argument that is a structure of three floats while it computes the next one; on RISC-V the
 # firmware's reference tests are in float.
-case $target in tcc | riscv64) ;; *) scalar float $optimised -DSCALAR_FLOAT ;; esac
+case $target in tcc | riscv64) ;; *) [ -z "$all" ] || scalar float $optimised -DSCALAR_FLOAT ;; esac
 case $target in
 aarch64)
     expect_path PRESENT RBDI_POLYNOMIAL_SINCOS
     expect_path ABSENT RBDI_BATCH_SCALAR
-    scalar '4 lanes' $optimised -DRBD_LANES=4
+    [ -z "$all" ] || scalar '4 lanes' $optimised -DRBD_LANES=4
     ;;
 wasm)
     expect_path PRESENT RBDI_POLYNOMIAL_SINCOS
     expect_path PRESENT RBDI_BATCH_SCALAR
     expect_path ABSENT RBDI_BATCH_SCALAR -msimd128
     scalar 'double, SIMD' $optimised -msimd128
-    scalar 'float, SIMD' $optimised -msimd128 -DSCALAR_FLOAT
+    [ -z "$all" ] || scalar 'float, SIMD' $optimised -msimd128 -DSCALAR_FLOAT
     ;;
 armhf | riscv64) expect_path PRESENT RBDI_POLYNOMIAL_SINCOS ;;
 i386) # the x87 computes with 80 bits: the sine's argument reduction would not be what it is made for
     expect_path ABSENT RBDI_POLYNOMIAL_SINCOS
     expect_path PRESENT RBDI_POLYNOMIAL_SINCOS -msse2 -mfpmath=sse
-    scalar 'double, SSE2' $optimised -msse2 -mfpmath=sse
-    suites
+    [ -z "$all" ] || { scalar 'double, SSE2' $optimised -msse2 -mfpmath=sse && suites; }
     ;;
 s390x) # big-endian
     expect_path PRESENT RBDI_POLYNOMIAL_SINCOS
-    scalar '4 lanes' -O0 -DRBD_LANES=4
-    suites
+    [ -z "$all" ] || { scalar '4 lanes' -O0 -DRBD_LANES=4 && suites; }
     ;;
 tcc)
     expect_path PRESENT RBDI_POLYNOMIAL_SINCOS

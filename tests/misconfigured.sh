@@ -1,6 +1,6 @@
 #!/bin/sh
 # A configuration that cannot work: the compiler says one sentence of ours, first, and nothing else of rbd.h.
-# usage: misconfigured.sh DIRECTORY_OF_RBD_H
+# usage: misconfigured.sh DIRECTORY_OF_RBD_H   with RBD_ALL_TESTS=yes by four compilers, else by gcc and clang++-19
 set -u
 
 root=${1:?usage: misconfigured.sh DIRECTORY_OF_RBD_H}
@@ -15,10 +15,16 @@ printf '#define RBD_IMPLEMENTATION\n#include "rbd.h"\n' >"$scratch/file.c"
 # says SENTENCE FLAG...: so does each compiler, in its only error; without a sentence there is no message
 prefix='rbd: '
 says_gcc=
+compilers="gcc clang++-19"
+if [ -n "${RBD_ALL_TESTS-}" ]; then
+    compilers="gcc g++ clang-19 clang++-19"
+else
+    echo "SKIPPED but by ./run test --all: g++ and clang-19"
+fi
 says() {
     sentence=$1
     shift
-    for compiler in gcc g++ clang-19 clang++-19; do
+    for compiler in $compilers; do
         command -v "$compiler" >/dev/null 2>&1 || continue
         case $says_gcc$compiler in yesclang*) continue ;; esac # which has no macro for it
         language="-x c -std=c99"
@@ -61,6 +67,14 @@ case $(gcc -freciprocal-math -dM -E - </dev/null) in
     ;;
 esac
 says "RBD_REPRODUCIBLE needs rbd's own sine" -DRBD_REPRODUCIBLE "-DRBD_SIN=sin" "-DRBD_COS=cos"
+
+for gpu in __CUDACC__ __CUDA__ __HIP__; do
+    says "code of a GPU lies in the file that calls it: define RBD_STATIC" "-D$gpu"
+done
+set -- -D__CUDACC__ -D__host__= -D__device__= -DRBD_STATIC -Wno-attributes -Wno-ignored-attributes
+says "" "$@"
+says "code of a GPU has one state a thread: leave RBD_LANES undefined" "$@" -DRBD_LANES=4
+says "RBD_REPRODUCIBLE has no meaning for code of a GPU" "$@" -DRBD_REPRODUCIBLE
 
 echo '#include "rbd_batch.h"' >"$scratch/file.c"
 says "RBD_BATCH_IMPLEMENTATION needs RBD_LANES" -DRBD_BATCH_IMPLEMENTATION

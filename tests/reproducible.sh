@@ -4,13 +4,15 @@
 # reproducible_code.txt are those of the library's calls. On another machine's processor by qemu-user, on
 # microcontrollers by QEMU. Says what it had to leave out.
 # usage: reproducible.sh [--all | --write] DIRECTORY_OF_RBD_H [REGEX]
-#     light: some of each kind, half a minute of a processor; --all in an hour and a half on two cores; --write keeps
-#     the hashes of gcc -O1 as those of reproducible.txt, and reproducible_code.txt. REGEX: only those whose command
+#     light: gcc in double, clang in float, tcc, and what is refused, a quarter of a minute of a processor; with
+#     RBD_ALL_TESTS=yes some of each kind, wasm and a microcontroller too; --all in an hour and a half on two cores; --write
+#     keeps the hashes of gcc -O1 as those of reproducible.txt, and reproducible_code.txt. REGEX: only those whose command
 #     line it matches.
 set -eu
 
 usage='usage: reproducible.sh [--all | --write] DIRECTORY_OF_RBD_H [REGEX]'
 how=light
+all_tests=${RBD_ALL_TESTS-} # of light
 case ${1-} in --*) how=${1#--} && shift ;; esac
 root=${1:?$usage} only=${2-}
 expected=$root/tests/reproducible.txt expected_code=$root/tests/reproducible_code.txt
@@ -214,7 +216,7 @@ features() {
 }
 if with gcc; then
     [ "$how" = all ] || scalars=float
-    features iiwa gcc -O1 -march=native $quickly
+    [ "$how$all_tests" = light ] || features iiwa gcc -O1 -march=native $quickly
     scalars="double float"
     [ "$how" = light ] || for robot in hyq atlas; do features $robot gcc -O1 -march=native $quickly; done
 fi
@@ -309,7 +311,11 @@ webassembly() {
     done
     emulator='' machine='' link=''
 }
-if [ "$how" = light ]; then scalars=double webassembly 1; else webassembly 0 1 2 3 s; fi
+case $how$all_tests in
+light) echo "SKIPPED but by ./run test --all: RBD_FEATURES, wasm and a Cortex-M4F" ;;
+light*) scalars=double webassembly 1 ;;
+*) webassembly 0 1 2 3 s ;;
+esac
 
 # ---- microcontrollers ----
 
@@ -348,7 +354,7 @@ levels_of_boards=g
 [ "$how" = light ] || levels_of_boards="2 s"
 # Doubles are calls there, of a libgcc that rounds them wrongly: board.
 scalars=float
-board cortex-m4f mps2-an386 -mcpu=cortex-m4 -mfloat-abi=hard -mfpu=fpv4-sp-d16
+[ "$how$all_tests" = light ] || board cortex-m4f mps2-an386 -mcpu=cortex-m4 -mfloat-abi=hard -mfpu=fpv4-sp-d16
 if [ "$how" != light ]; then
     board cortex-m3 mps2-an385 -mcpu=cortex-m3 -mfloat-abi=soft
     scalars="double float"

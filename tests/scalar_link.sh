@@ -2,7 +2,8 @@
 # Files of one program that differ in their scalar (RBD_REAL, RBD_CONST, RBD_LANES) must not link: they would read
 # each other's arrays wrongly. Files that agree must. Every function that takes or sizes what depends on the scalar
 # carries it in its symbol.
-# usage: scalar_link.sh DIRECTORY_OF_RBD_H [COMPILER]
+# usage: scalar_link.sh DIRECTORY_OF_RBD_H [COMPILER]   with RBD_ALL_TESTS=yes also 4 lanes, and __float128 with constants in
+#     its own precision
 set -eu
 
 root=${1:?usage: scalar_link.sh DIRECTORY_OF_RBD_H [COMPILER]}
@@ -73,11 +74,17 @@ expect() {
     echo "setup $2, control $3, library $4: $result: $verdict"
 }
 
-scalars="double float double:2 double:4"
+scalars="double float double:2"
+quads="__float128/double"
+if [ -n "${RBD_ALL_TESTS-}" ]; then
+    scalars="$scalars double:4" quads="__float128 $quads"
+else
+    echo "SKIPPED but by ./run test --all: 4 lanes, and __float128 with constants in its own precision"
+fi
 quadmath=
 if echo '__float128 x;' | $compiler -x c -c - -o "$scratch/quad.o" 2>/dev/null &&
     echo 'int main(void) { return 0; }' | $compiler -x c - -lquadmath -o "$scratch/quad" 2>/dev/null; then
-    scalars="$scalars __float128 __float128/double" quadmath=-lquadmath
+    scalars="$scalars $quads" quadmath=-lquadmath
 else
     echo "left out: __float128, which this compiler has not"
 fi

@@ -2,6 +2,7 @@
 #include "support.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -373,6 +374,16 @@ void print_errors(void) {
         printf("%-47s %-16s %8.1e  %.3f\n", r->what, r->robot, r->error, r->share);
 }
 
+/* A sentence that holds until the next one. */
+static const char *sentence(const char *format, ...) {
+    static char text[400];
+    va_list values;
+    va_start(values, format);
+    vsnprintf(text, sizeof text, format, values);
+    va_end(values);
+    return text;
+}
+
 /* ---- figures ---- */
 
 typedef struct figure {
@@ -386,12 +397,12 @@ static int figure_count, figures_are_kept;
 
 void record_figures(void) { figures_are_kept = 1; }
 
-void expect_figure(int item, const char *what, double found, double expected, double bound) {
+const char *why_not_figure(int item, const char *what, double found, double expected, double bound) {
     figure *f = figures;
     const double off = fabs(found - expected);
     if (!(off <= bound))
-        ck_abort_msg("%s: %.12g, which is further than %.3g from %.12g", what, found, bound, expected);
-    if (!figures_are_kept) return;
+        return sentence("%s: %.12g, which is further than %.3g from %.12g", what, found, bound, expected);
+    if (!figures_are_kept) return NULL;
     while (f < figures + figure_count && (f->item != item || strcmp(f->what, what) != 0)) f++;
     ck_assert_msg(f < figures + LENGTH(figures), "no room for another figure");
     if (f == figures + figure_count) {
@@ -402,6 +413,7 @@ void expect_figure(int item, const char *what, double found, double expected, do
     f->times++;
     if (off / bound >= fabs(f->found - f->expected) / f->bound)
         f->found = found, f->expected = expected, f->bound = bound;
+    return NULL;
 }
 
 void print_figures(void) {
@@ -414,49 +426,53 @@ void print_figures(void) {
                        fabs(f->found - f->expected), f->bound, f->times);
 }
 
-void expect_small(const char *what, const robot *r, int number, double error, double bound) {
+const char *why_not_small(const char *what, const robot *r, int number, double error, double bound) {
     remember(what, r->name, error, bound);
-    if (!(error <= bound))
-        ck_abort_msg("%s: %s, state %d: error %.3g exceeds %.3g", what, r->name, number, error, bound);
+    if (error <= bound) return NULL;
+    return sentence("%s: %s, state %d: error %.3g exceeds %.3g", what, r->name, number, error, bound);
 }
 
-void expect_close(const char *what, const robot *r, int number, const double *found, const double *expected,
-                  int n, double bound) {
+const char *why_not_close(const char *what, const robot *r, int number, const double *found,
+                          const double *expected, int n, double bound) {
     int worst = 0;
     const double error = relative_error(found, expected, n);
     for (int i = 1; i < n; i++)
         if (!(fabs(found[i] - expected[i]) <= fabs(found[worst] - expected[worst]))) worst = i;
     remember(what, r->name, error, bound);
-    if (!(error <= bound))
-        ck_abort_msg("%s: %s, state %d: error %.3g exceeds %.3g; entry %d of %d is %.17g instead of %.17g",
-                     what, r->name, number, error, bound, worst, n, found[worst], expected[worst]);
+    if (error <= bound) return NULL;
+    return sentence("%s: %s, state %d: error %.3g exceeds %.3g; entry %d of %d is %.17g instead of %.17g",
+                    what, r->name, number, error, bound, worst, n, found[worst], expected[worst]);
 }
 
-void expect_close_tb(const char *what, const robot *r, int number, const double *found,
-                     const tb_real *expected, int n, double bound) {
+const char *why_not_close_tb(const char *what, const robot *r, int number, const double *found,
+                             const tb_real *expected, int n, double bound) {
     static double rounded[MAX_V * MAX_V];
     for (int i = 0; i < n; i++) rounded[i] = (double)expected[i];
-    expect_close(what, r, number, found, rounded, n, bound);
+    return why_not_close(what, r, number, found, rounded, n, bound);
 }
 
-void expect_ok(const char *what, const robot *r, int number, rbd_status status) {
-    if (status != RBD_OK)
-        ck_abort_msg("%s: %s, state %d: %s (degree of freedom %d)", what, r->name, number,
-                     rbd_status_string(status), rbd_singular_dof(r->w));
+const char *why_not_ok(const char *what, const robot *r, int number, rbd_status status) {
+    if (status == RBD_OK) return NULL;
+    return sentence("%s: %s, state %d: %s (degree of freedom %d)", what, r->name, number,
+                    rbd_status_string(status), rbd_singular_dof(r->w));
 }
 
-void expect_textbook_forward(const char *what, forward_dynamics *call, const robot *r, const state *s,
-                             int number) {
+const char *why_not_textbook_forward(const char *what, forward_dynamics *call, const robot *r, const state *s,
+                                     int number) {
     tb_real expected[TB_MAX_DOFS];
     double a[MAX_V];
     const tb_real condition =
         tb_forward(r->bodies, r->nb, s->gravity, s->q, s->v, s->tau, s->f_ext, expected);
     const rbd_status status = call(r->m, r->w, s->q, s->v, s->tau, s->f_ext, a);
     if (condition > 0 && condition < 1e12L) { /* below it, doubles keep some digits of the inverse */
-        expect_ok(what, r, number, status);
-        expect_close_tb(what, r, number, a, expected, r->nv, inverse_bound((double)condition));
-    } else if (condition < 0 || condition > 1e18L) { /* singular even to the textbook's long double */
-        ck_assert_msg(status == RBD_ERR_SINGULAR, "%s, state %d: %s", r->name, number,
-                      rbd_status_string(status));
+        const char *wrong = why_not_ok(what, r, number, status);
+        return wrong
+                   ? wrong
+                   : why_not_close_tb(what, r, number, a, expected, r->nv, inverse_bound((double)condition));
     }
+    if ((condition < 0 || condition > 1e18L) &&
+        status != RBD_ERR_SINGULAR) /* even to the textbook's long double */
+        return sentence("%s: %s, state %d: %s, though M is singular", what, r->name, number,
+                        rbd_status_string(status));
+    return NULL;
 }

@@ -92,14 +92,27 @@ void for_control_states(control_check *check);
 /* Largest difference over max(largest entry of expected, 1e-3); infinite if anything is not finite. */
 double relative_error(const double *found, const double *expected, int n);
 
-/* Fails the test if the relative error exceeds the bound; the message says what, where and how much. */
-void expect_close(const char *what, const robot *r, int number, const double *found, const double *expected,
-                  int n, double bound);
-void expect_close_tb(const char *what, const robot *r, int number, const double *found,
-                     const tb_real *expected, int n, double bound);
-/* A single figure: absolute error. */
-void expect_small(const char *what, const robot *r, int number, double error, double bound);
-void expect_ok(const char *what, const robot *r, int number, rbd_status status);
+/* What is wrong, as a sentence, or NULL. */
+const char *why_not_close(const char *what, const robot *r, int number, const double *found,
+                          const double *expected, int n, double bound);
+const char *why_not_close_tb(const char *what, const robot *r, int number, const double *found,
+                             const tb_real *expected, int n, double bound);
+const char *why_not_small(const char *what, const robot *r, int number, double error, double bound);
+const char *why_not_ok(const char *what, const robot *r, int number, rbd_status status);
+
+/* Fails the test at the line where this stands: the message names the test's file and line. */
+#define FAIL_IF(sentence) \
+    do { \
+        const char *what_is_wrong = (sentence); \
+        if (what_is_wrong) ck_abort_msg("%s", what_is_wrong); \
+    } while (0)
+
+/* Each takes the arguments of its function above. The relative error, of doubles or beside the textbook, or
+   a single figure's absolute error is at most the bound; a call gives RBD_OK. */
+#define expect_close(...) FAIL_IF(why_not_close(__VA_ARGS__))
+#define expect_close_tb(...) FAIL_IF(why_not_close_tb(__VA_ARGS__))
+#define expect_small(...) FAIL_IF(why_not_small(__VA_ARGS__))
+#define expect_ok(...) FAIL_IF(why_not_ok(__VA_ARGS__))
 /* A call that must succeed, for functions that have `r` and `number`. */
 #define RUN(call) expect_ok(#call, r, number, call)
 
@@ -109,7 +122,8 @@ void print_errors(void);
 
 /* Fails unless a figure is within `bound` of what is expected. The one that is furthest off is kept of each
    item of a list and words, and printed in the list's order: `tests --contacts`. */
-void expect_figure(int item, const char *what, double found, double expected, double bound);
+const char *why_not_figure(int item, const char *what, double found, double expected, double bound);
+#define expect_figure(...) FAIL_IF(why_not_figure(__VA_ARGS__))
 void record_figures(void);
 void print_figures(void);
 
@@ -125,7 +139,8 @@ typedef rbd_status forward_dynamics(const rbd_model *m, rbd_work *w, const doubl
 
 /* The call gives the textbook's accelerations, or an error where the system is singular: random trees may be,
    e.g. two coincident axes with nothing between. */
-void expect_textbook_forward(const char *what, forward_dynamics *call, const robot *r, const state *s,
-                             int number);
+const char *why_not_textbook_forward(const char *what, forward_dynamics *call, const robot *r, const state *s,
+                                     int number);
+#define expect_textbook_forward(...) FAIL_IF(why_not_textbook_forward(__VA_ARGS__))
 
 #endif

@@ -550,10 +550,10 @@ START_TEST(random_trees) {
         uint64_t seed = 500 + (uint64_t)i;
         check_tree(&seed, i);
     }
-    ck_assert_int_ge(agreed, 5700 / PART_OF_TREES);
-    ck_assert_int_ge(sticking, PART_OF_TREES == 1 ? 25 : 15 / PART_OF_TREES);
-    ck_assert_int_ge(slipping, 190 / PART_OF_TREES);
-    ck_assert_int_le(unsolved, 60 / PART_OF_TREES);
+    ck_assert_int_ge(agreed, OF_TREES(5700));
+    ck_assert_int_ge(sticking, OF_TREES(25));
+    ck_assert_int_ge(slipping, OF_TREES(190));
+    ck_assert_int_le(unsolved, PART_OF_TREES == 1 ? 60 : 120 / PART_OF_TREES);
 }
 END_TEST
 

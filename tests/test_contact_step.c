@@ -960,6 +960,7 @@ START_TEST(bad_sets_are_refused_by_name) {
     BAD(restitution = 1.1, RBD_ERR_RANGE, "restitution");
     BAD(stiffness = -1, RBD_ERR_RANGE, "stiffness");
     BAD(damping = INFINITY, RBD_ERR_RANGE, "damping");
+    BAD(damping = 1e-300, RBD_ERR_RANGE, "damping"); /* without stiffness */
 #undef BAD
     rbd_contact_options o;
 #define BAD(change, name) memset(&o, 0, sizeof o), o.change, refuse(&r, good, &o, RBD_ERR_RANGE, name)
@@ -969,6 +970,7 @@ START_TEST(bad_sets_are_refused_by_name) {
     BAD(bounce = INFINITY, "bounce");
     BAD(tolerance = -1, "tolerance");
     BAD(iterations = -1, "iterations");
+    BAD(momentum = o.first_order = 1, "momentum");
 #undef BAD
     robot other = r;
     robot_free(&other);
@@ -1281,6 +1283,40 @@ START_TEST(distances_that_are_not_a_number_are_errors) {
 }
 END_TEST
 
+/* The place of a free box in space is in no row and in no entry of M. */
+START_TEST(places_that_are_not_a_number_are_errors) {
+    const double bad[3] = {NAN, INFINITY, -INFINITY};
+    for (int k = 0; k < 9; k++) {
+        const rbd_body body = box(1, 1, 1, 1);
+        const int first_order = k % 2;
+        double a[6], p[3], R[9];
+        rbd_status status;
+        int at;
+        scene s;
+        open_scene(&s, "box", &body, 1, 1e-3);
+        s.options.first_order = first_order;
+        begin_scene(&s);
+        for (at = 0; at < 7; at++) { /* where coordinate k % 3 of the place stands in q */
+            s.q[at] += 1;
+            ck_assert_int_eq(rbd_kinematics(s.r.m, s.r.w, s.q, NULL, NULL), RBD_OK);
+            ck_assert_int_eq(rbd_body_pose(s.r.m, s.r.w, 0, R, p), RBD_OK);
+            s.q[at] -= 1;
+            if (p[k % 3] > 0.5) break;
+        }
+        s.q[at] = bad[k / 3];
+        s.v[0] = 1;
+        status = rbd_contact_fd(s.r.m, s.c, s.q, s.v, s.tau, NULL, NULL, s.h, a);
+        ck_assert_int_eq(status, RBD_ERR_NAN);
+        ck_assert_double_eq(a[5], 0);
+        status = rbd_contact_step(s.r.m, s.c, s.q, s.v, s.tau, NULL, NULL, s.h, s.q, s.v);
+        ck_assert_int_eq(status, RBD_ERR_NAN);
+        ck_assert_int_eq(rbd_singular_dof(s.r.w), -1);
+        ck_assert_double_eq(s.v[0], 0);
+        close_scene(&s);
+    }
+}
+END_TEST
+
 /* 100 kg on 10 N/m, at 0.1 ms. What so soft a spring adds to Delta is large, but no mass: friction is as
    exact as on a rigid plane. */
 START_TEST(friction_over_a_soft_spring_is_exact) {
@@ -1522,6 +1558,7 @@ Suite *contact_step_suite(void) {
     tcase_add_test(c, box_stands_on_a_floor_that_moves);
     tcase_add_test(c, overflow_is_an_error);
     tcase_add_test(c, distances_that_are_not_a_number_are_errors);
+    tcase_add_test(c, places_that_are_not_a_number_are_errors);
     tcase_add_test(c, an_error_leaves_no_forces_and_gaps);
     tcase_add_test(c, friction_over_a_soft_spring_is_exact);
     tcase_add_test(c, a_guided_slide_rubs_on_a_soft_plane);

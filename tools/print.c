@@ -57,42 +57,39 @@ void print_origin(const robot *r, const char *writer) {
     if (r->command) printf("       %s\n", r->command);
 }
 
-static const char *const types[RBD_JOINT_TYPES][2] = {
-    {"fixed", "RBD_FIXED"},       {"revolute", "RBD_REVOLUTE"},   {"continuous", "RBD_CONTINUOUS"},
-    {"", "RBD_CONTINUOUS_CS"},    {"prismatic", "RBD_PRISMATIC"}, {"", "RBD_HELICAL"},
-    {"", "RBD_CYLINDRICAL"},      {"", "RBD_UNIVERSAL"},          {"", "RBD_SPHERICAL"},
-    {"", "RBD_EULER_ZYX"},        {"", "RBD_EULER_XYZ"},          {"", "RBD_EULER_YXZ"},
-    {"", "RBD_EULER_ZXY"},        {"planar", "RBD_PLANAR"},       {"", "RBD_TRANSLATION"},
-    {"floating", "RBD_FLOATING"},
-};
-const char *joint_type_name(rbd_joint_type type) { return types[type][0]; }
-const char *joint_type_constant(rbd_joint_type type) { return types[type][1]; }
+/* What is printed of a joint type: its name in URDF and in the summary, "" where URDF has none; in C; of
+   joints with several coordinates or dofs what their names end in. A type without parts of v has those of
+   q. */
+typedef struct type_text {
+    const char *name, *constant;
+    const char *parts_of_q[7], *parts_of_v[6];
+} type_text;
 
-/* Names of the coordinates and degrees of freedom of joints with several, by type. */
-static const char *const parts_of_q[RBD_JOINT_TYPES][7] = {
-    [RBD_CONTINUOUS_CS] = {"cos", "sin"},
-    [RBD_CYLINDRICAL] = {"angle", "length"},
-    [RBD_UNIVERSAL] = {"first", "second"},
-    [RBD_SPHERICAL] = {"qx", "qy", "qz", "qw"},
-    [RBD_EULER_ZYX] = {"z", "y", "x"},
-    [RBD_EULER_XYZ] = {"x", "y", "z"},
-    [RBD_EULER_YXZ] = {"y", "x", "z"},
-    [RBD_EULER_ZXY] = {"z", "x", "y"},
-    [RBD_PLANAR] = {"x", "y", "angle"},
-    [RBD_TRANSLATION] = {"x", "y", "z"},
-    [RBD_FLOATING] = {"x", "y", "z", "qx", "qy", "qz", "qw"},
+static const type_text types[RBD_JOINT_TYPES] = {
+    [RBD_FIXED] = {"fixed", "RBD_FIXED", {""}, {""}},
+    [RBD_REVOLUTE] = {"revolute", "RBD_REVOLUTE", {""}, {""}},
+    [RBD_CONTINUOUS] = {"continuous", "RBD_CONTINUOUS", {""}, {""}},
+    [RBD_CONTINUOUS_CS] = {"", "RBD_CONTINUOUS_CS", {"cos", "sin"}, {""}},
+    [RBD_PRISMATIC] = {"prismatic", "RBD_PRISMATIC", {""}, {""}},
+    [RBD_HELICAL] = {"", "RBD_HELICAL", {""}, {""}},
+    [RBD_CYLINDRICAL] = {"", "RBD_CYLINDRICAL", {"angle", "length"}, {NULL}},
+    [RBD_UNIVERSAL] = {"", "RBD_UNIVERSAL", {"first", "second"}, {NULL}},
+    [RBD_SPHERICAL] = {"", "RBD_SPHERICAL", {"qx", "qy", "qz", "qw"}, {"wx", "wy", "wz"}},
+    [RBD_EULER_ZYX] = {"", "RBD_EULER_ZYX", {"z", "y", "x"}, {NULL}},
+    [RBD_EULER_XYZ] = {"", "RBD_EULER_XYZ", {"x", "y", "z"}, {NULL}},
+    [RBD_EULER_YXZ] = {"", "RBD_EULER_YXZ", {"y", "x", "z"}, {NULL}},
+    [RBD_EULER_ZXY] = {"", "RBD_EULER_ZXY", {"z", "x", "y"}, {NULL}},
+    [RBD_PLANAR] = {"planar", "RBD_PLANAR", {"x", "y", "angle"}, {"w", "vx", "vy"}},
+    [RBD_TRANSLATION] = {"", "RBD_TRANSLATION", {"x", "y", "z"}, {NULL}},
+    [RBD_FLOATING] = {"floating",
+                      "RBD_FLOATING",
+                      {"x", "y", "z", "qx", "qy", "qz", "qw"},
+                      {"wx", "wy", "wz", "vx", "vy", "vz"}},
 };
-static const char *const parts_of_v[RBD_JOINT_TYPES][6] = {
-    [RBD_SPHERICAL] = {"wx", "wy", "wz"},
-    [RBD_PLANAR] = {"w", "vx", "vy"},
-    [RBD_FLOATING] = {"wx", "wy", "wz", "vx", "vy", "vz"},
-};
-static const char *const one[] = {""};
 
-const char *const *coordinate_names(rbd_joint_type type) {
-    return parts_of_q[type][0] ? parts_of_q[type] : one;
-}
+const char *joint_type_name(rbd_joint_type type) { return types[type].name; }
+const char *joint_type_constant(rbd_joint_type type) { return types[type].constant; }
+const char *const *coordinate_names(rbd_joint_type type) { return types[type].parts_of_q; }
 const char *const *dof_names(rbd_joint_type type) {
-    if (parts_of_v[type][0]) return parts_of_v[type];
-    return type == RBD_CONTINUOUS_CS ? one : coordinate_names(type);
+    return types[type].parts_of_v[0] ? types[type].parts_of_v : types[type].parts_of_q;
 }

@@ -70,7 +70,7 @@ static void write_links(const char *name, const rbd_model *m) {
     printf("/* parent iq iv block branch first end kind flags | cos sin, right angles and gamma | cos sin "
            "alpha | cos sin beta |\n"
            "   r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */\n");
-    printf("static const rbdi_link %s_links[%d] = {\n", name, m->nl);
+    printf("static RBDI_THERE const rbdi_link %s_links[%d] = {\n", name, m->nl);
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
         const double angles[] = {l->cg, l->sg, l->quarters, l->gamma, l->ca, l->sa, l->cb, l->sb};
@@ -102,7 +102,7 @@ static void write_links(const char *name, const rbd_model *m) {
 static void write_blocks(const char *name, const rbd_model *m) {
     if (m->nblock == 0) return;
     printf("/* joint type, first axis, axes, identity | E */\n");
-    printf("static const rbdi_block %s_blocks[%d] = {\n", name, m->nblock);
+    printf("static RBDI_THERE const rbdi_block %s_blocks[%d] = {\n", name, m->nblock);
     for (int i = 0; i < m->nblock; ++i) {
         const rbdi_block *b = &m->block[i];
         printf("    {%d, %d, %d, %d, ", b->type, b->first, b->n, b->identity);
@@ -115,7 +115,7 @@ static void write_blocks(const char *name, const rbd_model *m) {
 static void write_dofs(const char *name, const rbd_model *m) {
     printf("/* body | dof before it, row, depth in the matrix | dof before it, level in the mechanism |\n"
            "   armature, damping, friction | inertia of what it moves */\n");
-    printf("static const rbdi_dof %s_dofs[%d] = {\n", name, m->nv + m->nmimic);
+    printf("static RBDI_THERE const rbdi_dof %s_dofs[%d] = {\n", name, m->nv + m->nmimic);
     for (int i = 0; i < m->nv + m->nmimic; ++i) {
         const rbdi_dof *d = &m->dof[i];
         const double passive[] = {d->armature, d->damping, d->friction};
@@ -131,7 +131,7 @@ static void write_dofs(const char *name, const rbd_model *m) {
 
 static void write_order(const char *name, const rbd_model *m) {
     printf("/* the dofs as the solver meets them: dof, its row */\n");
-    printf("static const rbdi_order %s_order[%d] = {\n   ", name, m->nv + m->nmimic);
+    printf("static RBDI_THERE const rbdi_order %s_order[%d] = {\n   ", name, m->nv + m->nmimic);
     for (int i = 0; i < m->nv + m->nmimic; ++i)
         printf(" {%d, %d},%s", m->order[i].dof, (int)m->order[i].row, i % 8 == 7 ? "\n   " : "");
     printf("\n};\n\n");
@@ -139,7 +139,7 @@ static void write_order(const char *name, const rbd_model *m) {
 
 static void write_nodes(const char *name, const rbd_model *m) {
     printf("/* the dofs of the matrix depth first: dof, descendants, row */\n");
-    printf("static const rbdi_node %s_nodes[%d] = {\n   ", name, m->nv);
+    printf("static RBDI_THERE const rbdi_node %s_nodes[%d] = {\n   ", name, m->nv);
     for (int i = 0; i < m->nv; ++i)
         printf(" {%d, %d, %d},%s", m->node[i].dof, m->node[i].descendants, (int)m->node[i].row,
                i % 6 == 5 ? "\n   " : "");
@@ -149,7 +149,7 @@ static void write_nodes(const char *name, const rbd_model *m) {
 static void write_mimics(const char *name, const rbd_model *m) {
     if (m->nmimic == 0) return;
     printf("/* q and v of what is followed | ratio, offset */\n");
-    printf("static const rbdi_mimic %s_mimics[%d] = {\n", name, m->nmimic);
+    printf("static RBDI_THERE const rbdi_mimic %s_mimics[%d] = {\n", name, m->nmimic);
     for (int i = 0; i < m->nmimic; ++i) {
         const rbdi_mimic *k = &m->mimic[i];
         printf("    {%d, %d, ", k->source_q, k->source_v);
@@ -165,7 +165,7 @@ static void write_frames(const char *name, const rbd_model *m) {
     printf("/* names | link, parent, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | "
            "com |\n"
            "   inertia about the com | lower, upper, velocity, effort */\n");
-    printf("static const rbdi_frame %s_frames[%d] = {\n", name, m->nb);
+    printf("static RBDI_THERE const rbdi_frame %s_frames[%d] = {\n", name, m->nb);
     for (int i = 0; i < m->nb; ++i) {
         const rbdi_frame *f = &m->frame[i];
         const double limits[] = {f->lower, f->upper, f->velocity, f->effort};

@@ -41,7 +41,7 @@ def executed(folder, call):
     start = int(re.search(rf"^(\S+) T {CALLS[call]}_float$", symbols, re.M)[1], 16)
     ends = int(re.search(r"^(\S+) T main$", symbols, re.M)[1], 16)
     log = folder / "log"
-    subprocess.run([*QEMU, "-D", log, "-kernel", folder / "program"], check=True, timeout=120)
+    subprocess.run([*QEMU, "-D", log, "-kernel", folder / "program"], check=True, timeout=7200)
     blocks = [[int(a, 16) for a in re.findall(r"^0x([0-9a-f]+):", text, re.M)] for text in log.read_text().split("IN:")[1:]]
     first = next(k for k, block in enumerate(blocks) if block[0] == start)
     addresses = set()

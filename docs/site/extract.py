@@ -61,7 +61,7 @@ def end_of(text, start):
         depth += (c in "({") - (c in ")}")
         if depth == 1 and c == "{":
             before = text[start:k]
-            defined = before.startswith(("static", "RBDI_INLINE")) and ")" in before
+            defined = before.startswith(("static", "RBDI_INLINE", "RBDI_PART")) and ")" in before
         k += 1
         if depth == 0 and (c == ";" or (c == "}" and defined)):
             return k

@@ -22,7 +22,7 @@ GUIDES = [
     ("Begin", ["docs/first_minutes.md", "docs/install.md", "docs/robot.md", "docs/conventions.md", "examples/README.md",
                "python/README.md"]),
     ("In a controller", ["docs/control_loop.md", "docs/contacts.md", "docs/contact_step.md", "docs/qp.md", "docs/gradients.md",
-                         "docs/generated_code.md", "docs/firmware.md", "docs/porting.md", "docs/reproducible.md",
+                         "docs/generated_code.md", "docs/gpu.md", "docs/firmware.md", "docs/porting.md", "docs/reproducible.md",
                          "examples/firmware/README.md"]),
     ("Tools and other libraries", ["docs/other_libraries.md", "docs/tools.md", "models/README.md"]),
     ("Accuracy and measurements", ["docs/accuracy.md", "docs/performance.md", "bench/results/2026-11-27-xeon/report.md",
@@ -279,7 +279,7 @@ def rendered(comment, header, leave=()):
 
 def signature(item):
     text = re.sub(r"/\*.*?\*/", " ", item.text, flags=re.S).split("{")[0]
-    text = re.sub(r"\b(RBDI_API|RBDI_BATCH_API|RBDI_INLINE|static|RBDI_UNUSED|RBDI_AT)\b", "", text)
+    text = re.sub(r"\b(RBDI_API|RBDI_BATCH_API|RBDI_INLINE|RBDI_PART|static|RBDI_UNUSED|RBDI_AT)\b", "", text)
     return " ".join(text.split()).rstrip(";").strip()
 
 

@@ -50,7 +50,7 @@ RBDI_TABLE_DECLARATION(double_pendulum_model)
 
 /* parent iq iv block branch first end kind flags | cos sin, right angles and gamma | cos sin alpha | cos sin beta |
    r | d | rho kappa | Sigma xx xy xz yy yz zz | h | m | m of the subtree */
-static const rbdi_link double_pendulum_links[2] = {
+static RBDI_THERE const rbdi_link double_pendulum_links[2] = {
     {-1, 0, 0, -1, -1, 0, 2, RBDI_REVOLUTE, /* 0: upper_rod */
      RBDI_ROOT | RBDI_OFF_CHAIN,
      0, 1, 1, 0, 0, -1, 1, 0,
@@ -67,24 +67,24 @@ static const rbdi_link double_pendulum_links[2] = {
 
 /* body | dof before it, row, depth in the matrix | dof before it, level in the mechanism |
    armature, damping, friction | inertia of what it moves */
-static const rbdi_dof double_pendulum_dofs[2] = {
+static RBDI_THERE const rbdi_dof double_pendulum_dofs[2] = {
     {0, -1, 0, 0, -1, 0, 0, 0, 0, RBD_C(2.120500075353057)},
     {1, 0, 1, 1, 0, 1, 0, 0, 0, RBD_C(0.12000000428101998)},
 };
 
 /* the dofs as the solver meets them: dof, its row */
-static const rbdi_order double_pendulum_order[2] = {
+static RBDI_THERE const rbdi_order double_pendulum_order[2] = {
     {0, 0}, {1, 1},
 };
 
 /* the dofs of the matrix depth first: dof, descendants, row */
-static const rbdi_node double_pendulum_nodes[2] = {
+static RBDI_THERE const rbdi_node double_pendulum_nodes[2] = {
     {0, 1, 0}, {1, 0, 1},
 };
 
 /* names | link, parent, joint type, iq, nq, iv, nv | E, r from the link to the body | mass | com |
    inertia about the com | lower, upper, velocity, effort */
-static const rbdi_frame double_pendulum_frames[2] = {
+static RBDI_THERE const rbdi_frame double_pendulum_frames[2] = {
     {"upper_rod", "shoulder", 0, -1, 2, 0, 1, 0, 1, /* 0 */
      {0, -1, 0, 0, 0, 1, -1, 0, 0},
      {0, 0, 0}, RBD_C(1.2), {0, 0, RBD_C(-0.5)},

@@ -78,7 +78,7 @@ class Contact:
     friction: float = 0.0               #: mu
     restitution: float = 0.0            #: 0 (does not rebound) to 1
     stiffness: float = 0.0              #: N/m; 0 = rigid
-    damping: float = 0.0                #: N s/m: p/dt = -(stiffness gap + damping d gap/dt)
+    damping: float = 0.0                #: N s/m: p/dt = -(stiffness gap + damping d gap/dt); needs a stiffness
 
     @property
     def on_body(self) -> bool:

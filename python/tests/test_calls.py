@@ -74,7 +74,7 @@ def public_functions():
     for name, text in _HEADERS.items():
         text = re.sub(r"/\*.*?\*/", "", text.partition("Stop here if you only use it.")[0], flags=re.S)
         if name == "rbd_spatial.h":
-            found |= set(re.findall(r"^(?:RBDI_INLINE|static RBDI_UNUSED) \w+ (rbd_\w+)\(", text, re.M))
+            found |= set(re.findall(r"^(?:RBDI_INLINE|RBDI_PART) \w+ (rbd_\w+)\(", text, re.M))
         elif name == "rbd_urdf.h":
             text = text.partition("#endif")[0] + text.partition("calls [calls]")[2]
             text = _HEADERS[name].partition("Implementation\n")[0]

@@ -173,6 +173,7 @@ WRONG = [
     (dict(body2="lf_lowerleg"), rbd.RbdError, "contact 1 'toe'"),
     (dict(body1="lf_lowerlge"), KeyError, "contact 1 'toe', field 'body1'.*did you mean 'lf_lowerleg'"),
     (dict(body1=99), rbd.RbdError, "field 'body1': no such body: 99"),
+    (dict(damping=10.0), rbd.RbdError, "contact 1 'toe', field 'damping': a contact without stiffness is rigid"),
     (dict(point=(0, 0)), ValueError, "contact 1 'toe', field 'point'.*2 numbers instead of 3"),
     (dict(radius="big"), TypeError, "contact 1 'toe', field 'radius'"),
 ]
@@ -195,6 +196,8 @@ def test_wrong_sets_and_arguments_are_refused_by_name(hyq):
         hyq.contacts([GOOD], held=[rbd.Constraint("pin", 0)])
     with pytest.raises(rbd.RbdError, match="field 'slop'"):
         hyq.contacts([GOOD], options=options(slop=-1))
+    with pytest.raises(rbd.RbdError, match="field 'momentum'.*choose one"):
+        hyq.contacts([GOOD], options=options(momentum=True, first_order=True))
     with pytest.raises(TypeError, match="field 'iterations'.*whole number"):
         hyq.contacts([GOOD], options=options(iterations=1.5))
     with pytest.raises(TypeError, match="must be ContactOptions"):

@@ -24,7 +24,7 @@ def run(*command, **options):
     return done.stdout
 
 
-def test_readme(tmp_path, monkeypatch, quick):
+def test_readme(tmp_path, monkeypatch):
     """The ten lines run, and write a table that a compiler takes."""
     program = readme_program()
     assert len(program.splitlines()) <= 12
@@ -37,7 +37,7 @@ def test_readme(tmp_path, monkeypatch, quick):
     run("./main", cwd=tmp_path)
 
 
-def test_example(tmp_path, monkeypatch, quick):
+def test_example(tmp_path, monkeypatch):
     """The feet carry the weight, the motors can do it, and all files are there."""
     monkeypatch.setenv("PYTHONPATH", str(PYTHON))
     printed = run(sys.executable, PYTHON / "examples/hyq_gait.py", tmp_path)
@@ -52,7 +52,7 @@ def test_example(tmp_path, monkeypatch, quick):
     assert "HYQ_MODEL_H" in (tmp_path / "hyq_model.h").read_text()
 
 
-def test_fall(tmp_path, monkeypatch, quick):
+def test_fall(tmp_path, monkeypatch):
     """It lies still in the end, no energy came from nothing, and all frames are there."""
     monkeypatch.setenv("PYTHONPATH", str(PYTHON))
     printed = run(sys.executable, PYTHON / "examples/hyq_falls.py", tmp_path)
@@ -67,7 +67,7 @@ def test_fall(tmp_path, monkeypatch, quick):
     assert len(frames) == 30 and all(path.read_bytes().startswith(b"\x89PNG") for path in frames)
 
 
-def test_package_installs_without_network(tmp_path, quick):
+def test_package_installs_without_network(tmp_path):
     """In a venv that sees the system's numpy, pip and setuptools, away from the repository."""
     run(sys.executable, "-m", "venv", "--system-site-packages", "--without-pip", tmp_path / "venv")
     python = tmp_path / "venv/bin/python"

@@ -15,10 +15,22 @@
 
 /* The macros of [configuration], checked and completed. */
 
+/* Code of a GPU: nvcc, clang for CUDA and hipcc compile a file for the host and for the GPU. Each function is
+   code of both then, and all memory has the same layout there. Without RBD_STATIC such a file has
+   declarations alone, of code that another file compiles for the host. */
+#if (defined __CUDACC__ || defined __CUDA__ || defined __HIP__) && defined RBD_STATIC
+#define RBDI_GPU 1
+#else
+#define RBDI_GPU 0
+#endif
+
 /* A wrong macro gives one #error. It is then replaced by a value that works, so that no other message
    follows. */
 #if !defined __cplusplus && (!defined __STDC_VERSION__ || __STDC_VERSION__ < 199901L)
 #error "rbd: needs C99 or later: compile with -std=c99, c11, c17 or a gnu dialect of them"
+#undef RBD_IMPLEMENTATION
+#elif (defined __CUDACC__ || defined __CUDA__ || defined __HIP__) && defined RBD_IMPLEMENTATION && !RBDI_GPU
+#error "rbd: code of a GPU lies in the file that calls it: define RBD_STATIC in each file that implements rbd"
 #undef RBD_IMPLEMENTATION
 #endif
 
@@ -60,7 +72,10 @@
 #undef RBD_LANES
 #define RBD_LANES 2
 #endif
-#if defined RBD_LANES && (!defined __GNUC__ || RBDI_REAL_KIND % 3 == 0)
+#if defined RBD_LANES && RBDI_GPU
+#error "rbd: code of a GPU has one state a thread: leave RBD_LANES undefined"
+#undef RBD_LANES
+#elif defined RBD_LANES && (!defined __GNUC__ || RBDI_REAL_KIND % 3 == 0)
 #error "rbd: RBD_LANES needs GCC or clang, and RBD_REAL double or float"
 #undef RBD_LANES
 #endif
@@ -70,6 +85,9 @@
 #ifdef RBD_REPRODUCIBLE
 #if RBDI_REAL_KIND % 3 == 0
 #error "rbd: RBD_REPRODUCIBLE needs RBD_REAL double or float"
+#undef RBD_REPRODUCIBLE
+#elif RBDI_GPU
+#error "rbd: RBD_REPRODUCIBLE has no meaning for code of a GPU: compile it with -fmad=false instead"
 #undef RBD_REPRODUCIBLE
 #elif defined __clang__
 #pragma clang fp contract(off)
@@ -85,8 +103,22 @@
 #define RBDI_REPRODUCIBLE 0
 #endif
 
+/* Functions and tables of host and GPU. A table is the GPU's own in that compiler's pass for it alone. */
+#if RBDI_GPU && defined __clang__
+#define RBDI_BOTH __attribute__((host, device))
+#define RBDI_THERE __attribute__((device))
+#elif RBDI_GPU
+#define RBDI_BOTH __host__ __device__
+#define RBDI_THERE __device__
+#else
+#define RBDI_BOTH
+#endif
+#if !RBDI_GPU || !(defined __CUDA_ARCH__ || defined __HIP_DEVICE_COMPILE__)
+#undef RBDI_THERE
+#define RBDI_THERE
+#endif
 #ifdef RBD_STATIC
-#define RBDI_API static RBDI_UNUSED
+#define RBDI_API static RBDI_BOTH RBDI_UNUSED
 #else
 #define RBDI_API extern
 #endif

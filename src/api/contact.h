@@ -72,7 +72,7 @@ typedef struct rbd_contact {
     double friction;    /* mu */
     double restitution; /* 0 (does not rebound) to 1 */
     double stiffness;   /* N/m: p/dt = -(stiffness gap + damping d gap/dt); 0 = rigid */
-    double damping;     /* N s/m */
+    double damping;     /* N s/m; refused without a stiffness */
     int on_body;        /* not 0: the plane is a body's, body2, and not the world's; body 0 needs it */
 } rbd_contact;
 
@@ -90,7 +90,8 @@ typedef struct rbd_contact_options {
     double slip;        /* contacts that stick give way along the plane, m/s per newton [0] */
     int derivatives;    /* not 0: memory for rbd_contact_step_derivatives */
     int first_order;    /* not 0: steps of semi-implicit Euler, q_next is q moved by v_next: for planners */
-    int momentum;       /* not 0: robots that float keep their momentum to rounding while nothing touches */
+    int momentum;       /* not 0: robots that float keep their momentum to rounding while nothing touches;
+                           refused with first_order */
 } rbd_contact_options;
 
 typedef struct rbd_contact_set rbd_contact_set; /* contacts, impulses of the last step, scratch */
@@ -128,9 +129,9 @@ RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constr
               the step has tau = kp (q_wanted - q) and damping = kd + dt kp / 2, which is neutral: it neither
               adds nor takes energy beyond kd. kd + dt kp is stable at every dt, and brakes. NULL: 0
    Errors: RBD_ERR_NULL, _WORK; _RANGE, dt not between 1e-30 and 1e30; _SINGULAR if M + dt D is, D the
-   damping: damping makes a joint sound that moves no mass; _NAN as rbd_constrained_fd, _NAN also of a gap
-   that is not a number and of speeds above 1e12: then q_next is q, v_next or a is 0, and the set is as after
-   rbd_contact_reset. A solution above the tolerance is no error: rbd_contact_last. */
+   damping: damping makes a joint sound that moves no mass; _NAN as rbd_constrained_fd, _NAN also of q or a
+   gap that is not a number and of speeds above 1e12: then q_next is q, v_next or a is 0, and the set is as
+   after rbd_contact_reset. A solution above the tolerance is no error: rbd_contact_last. */
 
 /* One time step dt by the midpoint scheme of Moreau (1999), of second order: half of the way by v, to q_mid;
    there, with v in its axes,

@@ -77,8 +77,9 @@ RBDI_API rbd_status rbd_get_gravity(const rbd_work *w, rbd_const gravity[3]);
 /* Returns, after RBD_ERR_SINGULAR or RBD_ERR_NAN, the degree of freedom (index into v) whose pivot is not
    above its rounding, or not a number; of several the last. After RBD_ERR_NAN the cause is q of a joint
    that this dof moves, or of its own joint if that has several dofs, or an overflow there. -1 after a call
-   that factors M and finds it regular: then RBD_ERR_NAN of rbd_contact_step came from v, tau, f_ext, damping
-   or a gap. Other calls do not change it. With lanes: of all states together. */
+   that factors M and finds it regular: then RBD_ERR_NAN of rbd_contact_step came from v, tau, f_ext, damping,
+   a gap, or a coordinate that M does not depend on, as the place of a floating root. Other calls do not
+   change it. With lanes: of all states together. */
 RBDI_API int rbd_singular_dof(const rbd_work *w);
 
 #endif

@@ -3,7 +3,8 @@
 
 /* ---- types [types] ---- */
 
-/* Joint types; [conventions] has their coordinates. All but fixed may stand anywhere in the tree. */
+/* Joint types; [conventions] has their coordinates. All but fixed may stand anywhere in the tree. Built
+   models and generated tables hold these numbers: another order takes another RBD_MODEL_VERSION. */
 typedef enum rbd_joint_type {
     RBD_FIXED,         /* merged into the parent; the body remains as a named frame */
     RBD_REVOLUTE,      /* about axis */

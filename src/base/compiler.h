@@ -28,7 +28,7 @@ the pivot checks; use -O3 -ffp-contract=fast instead"
 #else
 #define RBDI_CLANG 0
 #endif
-#define RBDI_GCC (RBDI_GNU && !RBDI_CLANG)
+#define RBDI_GCC (RBDI_GNU && !RBDI_CLANG && !RBDI_GPU)
 
 /* GCC has no macro for -fsingle-precision-constant, which rounds constants to float. It does no harm if
    rbd_real is float. */
@@ -40,7 +40,7 @@ typedef char rbd_needs_no_fsingle_precision_constant[sizeof 1.0 == sizeof(double
    has no macro for most of this, and GCC's pragmas set none in C++. A compiler that optimises then knows
    beforehand what (x + 1) - x is, that x <= x, or that x is not infinite. One that does not optimise changes
    nothing. */
-#if RBDI_GNU && defined __OPTIMIZE__ && defined __has_attribute
+#if RBDI_GNU && !RBDI_GPU && defined __OPTIMIZE__ && defined __has_attribute
 #if __has_attribute(error)
 #define RBDI_SHOWS_OPTIONS 1
 #endif
@@ -68,7 +68,7 @@ static inline void rbdi_require_ieee(void) {
 #pragma clang diagnostic pop
 #endif
 #else
-static inline void rbdi_require_ieee(void) {}
+static inline RBDI_BOTH void rbdi_require_ieee(void) {}
 #endif
 
 #if defined __OPTIMIZE__ && !defined __OPTIMIZE_SIZE__
@@ -85,7 +85,9 @@ static inline void rbdi_require_ieee(void) {}
 /* Doubles in one SIMD register, 0 without SIMD. With AVX-512 half a register: the rows of one state are
    short, and whole registers made single calls slower (Intel, Cholesky of Atlas by a third). Lanes may be
    longer: RBD_LANES. */
-#ifdef __AVX__
+#if RBDI_GPU
+#define RBDI_SIMD 0
+#elif defined __AVX__
 #define RBDI_SIMD 4
 #elif defined __SSE2__ || (defined __ARM_NEON && defined __aarch64__) || defined __wasm_simd128__
 #define RBDI_SIMD 2
@@ -169,10 +171,10 @@ static inline void rbdi_require_ieee(void) {}
 /* RBDI_INLINE: vector algebra, and the steps that are compiled once for each common set of link flags. Where
    the compiler optimises it always inlines them: to pass vectors in memory would take ten times as long at
    -Os, and save a fifth of the code. RBDI_PART: all others; a build may leave them unused. */
-#if RBDI_GNU && defined __OPTIMIZE__
-#define RBDI_INLINE static inline __attribute__((always_inline, unused))
+#if RBDI_GNU && (defined __OPTIMIZE__ || RBDI_GPU)
+#define RBDI_INLINE static inline RBDI_BOTH __attribute__((always_inline, unused))
 #else
-#define RBDI_INLINE static inline RBDI_UNUSED
+#define RBDI_INLINE static inline RBDI_BOTH RBDI_UNUSED
 #endif
 /* RBDI_ONCE: inlined where the compiler optimises for speed; at -Os there is one copy for all callers. */
 #if RBDI_FOR_SPEED
@@ -181,14 +183,18 @@ static inline void rbdi_require_ieee(void) {}
 #define RBDI_ONCE RBDI_PART
 #endif
 #if RBDI_GNU
-#define RBDI_COLD static __attribute__((noinline, cold, unused)) /* hardly ever called */
+#define RBDI_COLD static RBDI_BOTH __attribute__((noinline, cold, unused)) /* hardly ever called */
 #else
-#define RBDI_COLD static RBDI_UNUSED
+#define RBDI_COLD static RBDI_BOTH RBDI_UNUSED
 #endif
+#if RBDI_GPU && RBDI_GNU /* nvcc would inline them everywhere: three times the code */
+#define RBDI_PART static RBDI_BOTH __attribute__((noinline, unused))
+#else
 #define RBDI_PART static RBDI_UNUSED
+#endif
 /* RBDI_LOCAL: steps of a room that something calls wherever the room is compiled; a compiler warns where
    nothing does. */
-#define RBDI_LOCAL static
+#define RBDI_LOCAL static RBDI_BOTH
 /* For a function that returns one of many texts. GCC would keep them in an array, which is linked even if
    nothing calls the function, as soon as the file has any other text, such as a model's names. */
 #if RBDI_GCC
@@ -207,7 +213,7 @@ static inline void rbdi_require_ieee(void) {}
 #define RBDI_UNROLL_TWO
 #endif
 /* Keeps one address for all columns of a row. Without it the compiler computes one for each column. */
-#if RBDI_GNU
+#if RBDI_GNU && !RBDI_GPU
 #define RBDI_ONE_INDEX(row) __asm__("" : "+r"(row))
 #else
 #define RBDI_ONE_INDEX(row) (void)(row)

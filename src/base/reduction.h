@@ -20,22 +20,23 @@
 #define RBDI_MANTISSA 23
 #endif
 
-static RBDI_UNUSED const uint32_t rbdi_two_over_pi[] =
-    {/* from b_1 on */
-#if RBDI_REAL_KIND == 1
-     0xa2f9836eu, 0x4e441529u, 0xfc2757d1u, 0xf534ddc0u, 0xdb629599u, 0x3c439041u, 0xfe5163abu, 0xdebbc561u,
-     0xb7246e3au, 0x424dd2e0u, 0x06492eeau, 0x09d1921cu, 0xfe1deb1cu, 0xb129a73eu, 0xe88235f5u, 0x2ebb4484u,
-     0xe99c7026u, 0xb45f7e41u, 0x3991d639u, 0x835339f4u, 0x9c845f8bu, 0xbdf9283bu, 0x1ff897ffu, 0xde05980fu,
-     0xef2f118bu, 0x5a0a6d1fu, 0x6d367ecfu, 0x27cb09b7u, 0x4f463f66u, 0x9e5fea2du, 0x7527bac7u, 0xebe5f17bu,
-     0x3d0739f7u, 0x8a5292eau, 0x6bfb5fb1u, 0x1f8d5d08u, 0x56033046u
-#else
-     0xa2f9836eu, 0x4e441529u, 0xfc2757d1u, 0xf534ddc0u, 0xdb629599u,
-     0x3c439041u, 0xfe5163abu, 0xdebbc561u
-#endif
-};
-
 /* The integer part of |x| 2/pi modulo 2^32, in part[0], and its fraction, in the words from part[1] on. */
 RBDI_COLD void rbdi_turns(RBD_REAL x, uint32_t part[RBDI_REDUCTION + 2]) {
+    /* words of 2/pi, from b_1 on */
+    static const uint32_t two_over_pi[] = {
+#if RBDI_REAL_KIND == 1
+        0xa2f9836eu, 0x4e441529u, 0xfc2757d1u, 0xf534ddc0u, 0xdb629599u, 0x3c439041u, 0xfe5163abu,
+        0xdebbc561u, 0xb7246e3au, 0x424dd2e0u, 0x06492eeau, 0x09d1921cu, 0xfe1deb1cu, 0xb129a73eu,
+        0xe88235f5u, 0x2ebb4484u, 0xe99c7026u, 0xb45f7e41u, 0x3991d639u, 0x835339f4u, 0x9c845f8bu,
+        0xbdf9283bu, 0x1ff897ffu, 0xde05980fu, 0xef2f118bu, 0x5a0a6d1fu, 0x6d367ecfu, 0x27cb09b7u,
+        0x4f463f66u, 0x9e5fea2du, 0x7527bac7u, 0xebe5f17bu, 0x3d0739f7u, 0x8a5292eau, 0x6bfb5fb1u,
+        0x1f8d5d08u, 0x56033046u
+#else
+        0xa2f9836eu, 0x4e441529u, 0xfc2757d1u, 0xf534ddc0u, 0xdb629599u,
+        0x3c439041u, 0xfe5163abu, 0xdebbc561u
+#endif
+    };
+
     union {
         RBD_REAL x;
         rbdi_bit bits;
@@ -54,7 +55,7 @@ RBDI_COLD void rbdi_turns(RBD_REAL x, uint32_t part[RBDI_REDUCTION + 2]) {
     for (int j = 0; j <= RBDI_REDUCTION + 1; ++j) part[j] = 0;
     for (int k = a > 1 ? a : 1; k <= a + RBDI_REDUCTION + 3; ++k)
         for (int i = 0; i < 3; ++i) {
-            uint64_t carry = (uint64_t)rbdi_two_over_pi[k - 1] * N[i];
+            uint64_t carry = (uint64_t)two_over_pi[k - 1] * N[i];
             if (k - a - i > RBDI_REDUCTION + 1) continue;
             for (int j = k - a - i; j >= 0; --j, carry >>= 32) {
                 carry += part[j];

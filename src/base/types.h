@@ -18,7 +18,9 @@ RBDI_EXTENSION typedef RBDI_WIDE rbdi_wide;
 
 /* Doubles in the widest SIMD register for which any file of a program may be compiled, 0 without. Memory is
    sized for it: the file with the implementation may have other options than the file that gives memory. */
-#if defined __x86_64__ || defined __i386__ || defined __aarch64__ || defined _M_X64 || defined __wasm__
+#if RBDI_GPU
+#define RBDI_WIDEST_SIMD 0
+#elif defined __x86_64__ || defined __i386__ || defined __aarch64__ || defined _M_X64 || defined __wasm__
 #define RBDI_WIDEST_SIMD 8
 #else
 #define RBDI_WIDEST_SIMD 0

@@ -73,7 +73,7 @@ RBDI_LOCAL void rbdi_task_scatter(const rbdi_task *t, const rbd_batch *b, int s,
     }
 }
 
-/* Notes the first of these states that is singular: one of its pivots is not 1, after rbdi_check_pivots. */
+/* Notes the first of these states that is singular: one of its pivots is not 1, after rbdi_check_factor. */
 RBDI_LOCAL void rbdi_note_singular(const rbd_model *m, rbd_batch *b, int first, int count) {
     for (int i = 0; i < count && b->state < 0; ++i)
         for (int k = m->nv - 1; k >= 0 && b->state < 0; --k)

@@ -37,17 +37,63 @@ RBDI_LOCAL rbd_real rbdi_next_size(const rbd_constraint_set *c, int nv, rbd_real
     return rbdi_select(rbdi_less(next, least), least, next);
 }
 
+/* Rows that depend on each other where the constraints hold may be independent beside such a place, by a tiny
+   share. Their errors agree to e^2 only, and the rest, divided by that share, would be a step of any length.
+   So a row t has no say in a step if both are small. With R' beta = e, in the order of [rank]:
+
+       rest_t = e_t - sum_(i < t) R_it beta_i,   abs(rest_t) < size abs(e),   R_tt^2 < size^2 sum_i R_it^2
+
+   size: the largest abs(e), at most RBDI_NEAR. The target of such a row becomes what the rows before it make
+   of it. Returns whether there is one. */
+RBDI_COLD rbdi_mask rbdi_ease_targets(rbd_constraint_set *c) {
+    rbd_real *rest = c->slack, *beta = c->square;
+    const rbd_real error = rbdi_largest(c->e, c->rows), most = rbdi_set(RBDI_NEAR);
+    const rbd_real size = rbdi_select(rbdi_less(most, error), most, error), agreed = size * error;
+    rbdi_mask eased = rbdi_less(error, error);
+
+    for (int r = 0; r < c->rows; ++r) rest[r] = c->e[r];
+    rbdi_permute(c, rest, 1, 0);
+
+    for (int t = 0; t < c->rows; ++t) {
+        const rbd_real *R = &c->R[t];
+        const rbd_real own = R[t * c->stride] * R[t * c->stride];
+        rbd_real square = own;
+        rbdi_mask poor, ease;
+
+        for (int i = 0; i < t; ++i) {
+            rest[t] = rest[t] - R[i * c->stride] * beta[i];
+            square = square + R[i * c->stride] * R[i * c->stride];
+        }
+
+        poor = rbdi_or(rbdi_dropped(c, t), rbdi_less(own, size * size * square));
+        ease = rbdi_and(poor, rbdi_less(rbdi_abs(rest[t]), agreed));
+        beta[t] = rbdi_select(ease, rbdi_zero(), rest[t] * c->R_inverse[t]);
+        rest[t] = rbdi_select(ease, rest[t], rbdi_zero());
+        eased = rbdi_or(eased, rbdi_and(ease, rbdi_not(rbdi_dropped(c, t))));
+    }
+
+    rbdi_permute(c, rest, 1, 1);
+    for (int r = 0; r < c->rows; ++r) c->target[r] = c->target[r] + rest[r];
+    return eased;
+}
+
+/* Computes the step c->x of this size: d = D^-1 J' lambda - size x, J d = target. */
+RBDI_LOCAL void rbdi_assembly_direction(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
+                                        const rbd_real *q_near, rbd_real size) {
+    rbd_difference(m, q, q_near, c->x);
+    for (int i = 0; i < m->nv; ++i) c->x[i] = -size * c->x[i];
+    (void)rbdi_multipliers(m, c, 0);
+}
+
 /* Takes a step of this size. Returns its length before it is cut. */
 RBDI_LOCAL rbd_real rbdi_assembly_step(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                        rbd_real *q_near, rbd_real size) {
     const rbd_real limit = rbdi_set(RBDI_LONGEST_STEP);
     rbd_real length, cut;
 
-    /* d = D^-1 J' lambda - size x, J d = -e */
-    rbd_difference(m, q, q_near, c->x);
-    for (int i = 0; i < m->nv; ++i) c->x[i] = -size * c->x[i];
     for (int r = 0; r < c->rows; ++r) c->target[r] = -c->e[r];
-    (void)rbdi_multipliers(m, c, 0);
+    rbdi_assembly_direction(m, c, q, q_near, size);
+    if (c->pivoted && rbdi_any(rbdi_ease_targets(c))) rbdi_assembly_direction(m, c, q, q_near, size);
 
     length = rbdi_largest(c->x, m->nv);
     cut = rbdi_select(rbdi_less(limit, length), limit / (length + RBDI_TINY), rbdi_set(RBD_C(1)));

@@ -195,7 +195,11 @@ RBDI_LOCAL void rbdi_null_space(const rbd_constraint_set *c) {
 RBDI_LOCAL rbd_real rbdi_sum_abs(rbdi_v3 x) { return rbdi_abs(x.x) + rbdi_abs(x.y) + rbdi_abs(x.z); }
 
 /* A bound on the terms of a constraint's target. J v, gamma and e in it are differences, so they may be far
-   smaller than their terms. */
+   smaller than their terms:
+
+       alpha + acc + v (w + 1 + kd) + p (w^2 + alpha + kp)
+
+   p: of the places in the world, whose rounding is that of the lever arms. */
 RBDI_LOCAL rbd_real rbdi_motion_size(const rbd_constraint_set *c, const rbdi_constraint *con) {
     const rbdi_relative_motion relative = rbdi_relative_motion_of(c, con);
     const rbdi_station one = relative.body[0], two = relative.body[1];
@@ -205,7 +209,7 @@ RBDI_LOCAL rbd_real rbdi_motion_size(const rbd_constraint_set *c, const rbdi_con
     const rbd_real turning = rbdi_sum_abs(one.omega_dot) + rbdi_sum_abs(two.omega_dot),
                    moving = rbdi_sum_abs(one.acc) + rbdi_sum_abs(two.acc);
 
-    return turning + moving + v * (w + (RBD_C(1) + con->kd)) + p * con->kp;
+    return turning + moving + v * (w + (RBD_C(1) + con->kd)) + p * (w * w + turning + con->kp);
 }
 
 /* Makes c->slack the error of b by rounding and drift, and permutes it. */

@@ -29,6 +29,8 @@
    RBDI_SHORT_STEP, rad or m: assembly ends RBDI_CLOSING_STEPS after a step below this times its size. These
    square the error three times, and steps of rounding are below a tenth of it: no test sees ten times more
    or less.
+   RBDI_NEAR, rad or m: the largest error e that [assembly] takes for small. A smaller one leaves more loops
+   open; with a larger one it takes other steps to the same end: no test sees ten times more.
    RBDI_CLOSED: after it all entries of e must be below this. */
 #if RBDI_KIND(RBD_CONST) == 1
 #define RBDI_CLEAR 1e-5
@@ -78,6 +80,7 @@
 #define RBDI_LEAST_WEIGHT RBD_C(1e-20) /* 1 / (this RBDI_FREE), times squares of lengths, is no overflow */
 #define RBDI_MOST_WEIGHT RBD_C(1e30)
 #define RBDI_LONGEST_STEP RBD_C(0.5)
+#define RBDI_NEAR RBD_C(0.1)
 /* Bounds of the step size keep a wild estimate from doing harm. With other bounds [assembly] takes other
    steps to the same end: no test sees ten times more or less. */
 #define RBDI_LEAST_STEP_SIZE RBD_C(1e-3)

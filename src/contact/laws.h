@@ -13,9 +13,10 @@
      bounded                          p = z, or the bound that z has passed
 
    The residual is the largest |p - P(z)| d: of an open contact d |p|, of one that sticks |u|, of one that
-   slips |u_n| and d times the error of friction. It is in m/s, and 0 only if all laws hold. It includes the
-   rounding of u; if it did not, impulses of contacts that jam could have any size. A spring's share of d
-   counts in z_n alone: it is no mass. */
+   slips |u_n| and d times the error of friction. It is in m/s, and 0 only if all laws hold. An error of
+   friction moves the plane's velocity by more where its 1/mass there, l, exceeds d: by up to l / d times the
+   residual. It includes the rounding of u; if it did not, impulses of contacts that jam could have any size.
+   A spring's share of d counts in z_n alone: it is no mass. */
 
 /* u = b + Delta p. */
 RBDI_PART void rbdi_contact_velocities(rbdi_contact_solver *s) {

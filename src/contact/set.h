@@ -48,6 +48,15 @@ RBDI_LOCAL rbd_status rbdi_check_plane_body(const rbd_contact *from, int i, rbd_
     return RBD_ERR_INDEX;
 }
 
+/* Refuses damping without stiffness: a rigid contact has no damper. */
+RBDI_LOCAL rbd_status rbdi_check_damper(const rbd_contact *from, int i, rbd_report *report) {
+    if ((rbd_const)from->stiffness > 0 || !((rbd_const)from->damping > 0)) return RBD_OK;
+
+    rbdi_refuse(report, RBD_ERR_RANGE, i, from->name, "damping");
+    report->error.text = "a contact without stiffness is rigid, and has no damping: set both, or neither";
+    return RBD_ERR_RANGE;
+}
+
 RBDI_LOCAL rbd_status rbdi_check_contact(const rbd_model *m, const rbd_contact *from, int i,
                                          rbd_report *report) {
     const double values[5] = {from->radius, from->friction, from->restitution, from->stiffness,
@@ -66,7 +75,7 @@ RBDI_LOCAL rbd_status rbdi_check_contact(const rbd_model *m, const rbd_contact *
     for (int j = 0; j < 5; ++j)
         if (!rbdi_finite_positive(&values[j], 1) || (j == 2 && values[j] > 1))
             return rbdi_refuse(report, RBD_ERR_RANGE, i, from->name, names[j]);
-    return RBD_OK;
+    return rbdi_check_damper(from, i, report);
 }
 
 RBDI_LOCAL rbd_status rbdi_check_options(const rbd_contact_options *o, rbd_report *report) {
@@ -77,7 +86,11 @@ RBDI_LOCAL rbd_status rbdi_check_options(const rbd_contact_options *o, rbd_repor
     for (int j = 0; j < 7; ++j)
         if (!rbdi_finite_positive(&values[j], 1))
             return rbdi_refuse(report, RBD_ERR_RANGE, -1, NULL, names[j]);
-    return RBD_OK;
+    if (!o->momentum || !o->first_order) return RBD_OK;
+
+    rbdi_refuse(report, RBD_ERR_RANGE, -1, NULL, "momentum");
+    report->error.text = "steps of first order do not keep it: choose one, momentum or first_order";
+    return RBD_ERR_RANGE;
 }
 
 RBDI_LOCAL rbd_contact_options rbdi_contact_defaults(const rbd_contact_options *given) {

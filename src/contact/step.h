@@ -201,7 +201,7 @@ RBDI_LOCAL void rbdi_keep_impulses(rbd_contact_set *c) {
    may be huge: then those of rbdi_solve_first are the better beginning. */
 RBDI_LOCAL rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set *c) {
     const rbd_contact_solution first = c->solver.solution;
-    int finite = rbdi_all_finite(c->b, c->rows->rows) & rbdi_all_finite(c->q_mid, m->nq);
+    int finite = rbdi_all_finite(c->b, c->rows->rows) && rbdi_all_finite(c->q_mid, m->nq);
     rbdi_find_rebounds(c);
     for (int k = 0; k < m->nv; ++k) c->nu[k] = c->moved[k];
     c->differ = rbdi_write_biases(c, RBDI_FOR_VELOCITIES);

@@ -17,7 +17,9 @@
    RBDI_SCALE_SPREAD: the scale of RBDI_PROXIMAL is at most so many times the diagonal's entry, of a normal.
    As there, no test sees ten times more or less.
    RBDI_SIDES_PROXIMAL: the same for derivatives, whose relative error is that times the condition of G. Ten
-   times more is an error that random trees see; a tenth is near rounding, and no test sees it. */
+   times more is an error that random trees see; a tenth is near rounding, and no test sees it: tried.
+   RBDI_FASTEST_SLIP: largest alpha / d of a contact that slips. Friction is 1e-9 of p_n then, so with ten
+   times more or less all tests pass as well: tried. */
 #define RBDI_UNMOVED (16 * RBDI_EPS)
 #define RBDI_ON_CONE (1 + 16 * RBDI_EPS)
 #define RBDI_LEFT_OF_SLOP RBD_C(0.01)
@@ -36,9 +38,9 @@
 #define RBDI_CONTACT_ITERATIONS 40
 #define RBDI_NEAR_LIMIT RBD_C(0.02) /* rad or m: nearer limits are rows; a larger one costs time alone */
 
-#define RBDI_ROOT_STEPS 60           /* for the root of one contact, six on average */
-#define RBDI_FASTEST_SLIP RBD_C(1e9) /* largest alpha / d: friction is 1e-9 of p_n then, no test sees it */
-#define RBDI_MOST_SWEEPS 32          /* between two Newton steps */
-#define RBDI_UNBOUNDED RBD_C(1e30)   /* as a bound: none; as a residual: none could be computed */
+#define RBDI_ROOT_STEPS 60 /* for the root of one contact, six on average */
+#define RBDI_FASTEST_SLIP RBD_C(1e9)
+#define RBDI_MOST_SWEEPS 32        /* between two Newton steps */
+#define RBDI_UNBOUNDED RBD_C(1e30) /* as a bound: none; as a residual: none could be computed */
 
 #endif

@@ -41,9 +41,9 @@ RBDI_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep) {
 
      1. the columns at a = 0. They give M, and the bias force c_i = S_i' f_i of the subtree's wrench f
      2. M = L'DL and a
-     3. the effect of a on A_p and f, which is linear: of dof i's parent
+     3. the effect of a, which is linear: A_p' on the acceleration A_p of dof i's parent, f' on the wrench f
 
-            A_p' = sum over its ancestors of S_j a_j
+            A_p' = sum over the parent and its ancestors of S_j a_j
             f' = I A_p' + sum over the subtree of F_j a_j
 
      4. Phi and E from A_p + A_p' and f + f', and with them dtau/dq and dtau/dv

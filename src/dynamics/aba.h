@@ -65,7 +65,8 @@ RBDI_INLINE rbdi_motion rbdi_aba_velocity_block(const rbdi_link *l, const rbdi_b
     return c;
 }
 
-/* Pass 1, link i, with the wrench that the velocity takes; omega: that of link i - 1 becomes link i's. */
+/* Pass 1, link i: its c, and in scratch.f its pA without external wrenches, what the velocity alone takes.
+   omega: that of link i - 1. Returns link i's. */
 RBDI_INLINE rbdi_v3 rbdi_aba_pass1_step(const rbd_model *m, rbd_work *w, int i, int flags, const rbd_real *v,
                                         rbdi_v3 omega) {
     const rbdi_link *l = &m->link[i];
@@ -113,8 +114,9 @@ RBDI_INLINE void rbdi_aba_to_parent(const rbd_model *m, rbd_work *w, int i, rbdi
     *pA = rbdi_force0();
 }
 
-/* Pass 2, link i: IA and pA, the contribution of link i + 1, become that of link i. The link's own pA stands
-   in scratch.f, with the contributions of its other children. */
+/* Pass 2, link i. IA and pA come with the contribution of link i + 1, or 0 if that is no child of link i, and
+   become link i's to its parent. The link's own pA stands in scratch.f, with the contributions of its other
+   children. */
 RBDI_INLINE void rbdi_aba_pass2_step(const rbd_model *m, rbd_work *w, int i, int flags, const rbd_real *tau,
                                      rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
     const rbdi_link *l = &m->link[i];
@@ -207,8 +209,9 @@ RBDI_INLINE rbdi_motion rbdi_aba_carry_block(const rbd_work *w, const rbdi_link 
     return y;
 }
 
-/* Pass 3, one-axis link: y = X y_p + c, qdd = u/D - (U/D)' y, y += S qdd. For a revolute joint without
-   armature U_z/D = 1: x is the link's omega_dot_z, and qdd the difference to the carried one. */
+/* Pass 3, one-axis link: y = X y_p + c, qdd = u/D - (U/D)' y, y += S qdd. x is qdd but for the term of
+   omega_dot_z. A revolute joint without armature has U_z/D = 1: its x is omega_dot_z + qdd, the new
+   omega_dot_z. */
 RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int i, int flags, rbdi_motion y,
                                       rbd_real *a) {
     const rbdi_link *l = &m->link[i];
@@ -236,7 +239,8 @@ RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int
     return y;
 }
 
-/* The same of a block, its axes one by one, the first first. A free base has U/D only for the axes before. */
+/* The same of a block, its axes one by one, the first first. A free base has all six axes and U/D only for
+   the axes before: its own U/D is 1, so that x is the new acceleration along it, as above. */
 RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w, int i, rbdi_motion y,
                                           rbd_real *a) {
     const rbdi_link *l = &m->link[i];

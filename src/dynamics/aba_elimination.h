@@ -136,7 +136,7 @@ RBDI_INLINE void rbdi_aba_row_z(const rbdi_motion *c, rbdi_force U, rbdi_force U
 /* Pass 2, one-axis link: eliminates the joint's force. IA becomes Ia, pA becomes pa. */
 RBDI_INLINE void rbdi_aba_eliminate(const rbd_model *m, rbd_work *w, int i, int flags, rbd_real tau,
                                     rbdi_abi *IA, rbdi_force *pA, rbdi_mask *doubt) {
-    const int full = flags & (RBDI_SLIDES | RBDI_ARMATURE);
+    const int full = flags & (RBDI_SLIDES | RBDI_ARMATURE); /* row z stays: see [aba] */
     const rbdi_link *l = &m->link[i];
     const rbdi_dof *dof = &m->dof[l->iv];
     rbdi_scratch *own = &w->scratch[i];

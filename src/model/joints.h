@@ -180,7 +180,7 @@ RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i,
     case RBDI_TWIST_90 | RBDI_SHIFT_R: \
     case RBDI_TWIST_90 | RBDI_SHIFT_R | RBDI_SHIFT_Z: { \
         int shifts_ = flags_; \
-        __asm__("" : "+r"(shifts_)); \
+        RBDI_ONE_INDEX(shifts_); \
         constant = RBDI_TWIST_90 | (shifts_ & (RBDI_SHIFT_R | RBDI_SHIFT_Z)); \
         call; \
     } break; \

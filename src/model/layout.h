@@ -156,7 +156,7 @@ struct rbd_model {
 /* For a built model as a table, which rbd-model writes: declared in every file, defined in one. */
 #define RBDI_TABLE_SYMBOL(name) RBDI_PASTE(name, RBD_CONST)
 #ifdef RBD_STATIC
-#define RBDI_TABLE static
+#define RBDI_TABLE static RBDI_THERE
 #define RBDI_TABLE_DECLARATION(name)
 #elif defined __cplusplus
 #define RBDI_TABLE

@@ -52,7 +52,7 @@ RBDI_INLINE rbd_rotation rbd_rotation_from_quaternion(const rbd_real q[4]) {
 }
 
 /* q: the unit quaternion x, y, z, w with w >= 0. */
-static RBDI_UNUSED void rbd_rotation_to_quaternion(rbd_rotation r, rbd_real q[4]) {
+RBDI_PART void rbd_rotation_to_quaternion(rbd_rotation r, rbd_real q[4]) {
     const rbd_real one = rbdi_set(RBD_C(1));
     rbd_real row[4], sign;
     rbdi_quaternion_of(r, row);
@@ -62,7 +62,7 @@ static RBDI_UNUSED void rbd_rotation_to_quaternion(rbd_rotation r, rbd_real q[4]
 }
 
 /* Rz(yaw) Ry(pitch) Rx(roll), rad. */
-static RBDI_UNUSED rbd_rotation rbd_rotation_from_rpy(rbd_real roll, rbd_real pitch, rbd_real yaw) {
+RBDI_PART rbd_rotation rbd_rotation_from_rpy(rbd_real roll, rbd_real pitch, rbd_real yaw) {
     rbd_real sr, cr, sp, cp, sy, cy;
     rbd_rotation r;
 
@@ -92,7 +92,7 @@ RBDI_INLINE rbd_real rbdi_angle_of(rbd_real *c, rbd_real *s) {
 
 /* rpy: roll and yaw in [-pi, pi], pitch in [-pi/2, pi/2], rad. At a pitch of pi/2 or -pi/2 roll and yaw turn
    about the same axis; then they are two that give r. */
-static RBDI_UNUSED void rbd_rotation_to_rpy(rbd_rotation r, rbd_real rpy[3]) {
+RBDI_PART void rbd_rotation_to_rpy(rbd_rotation r, rbd_real rpy[3]) {
     rbd_real c = r.zz, s = r.zy, cp, sp = -r.zx, cy, sy;
     rpy[0] = rbdi_angle_of(&c, &s);
     cp = r.zy * s + r.zz * c; /* the rest is Rz(yaw) Ry(pitch) = r Rx(-roll) */
@@ -103,7 +103,7 @@ static RBDI_UNUSED void rbd_rotation_to_rpy(rbd_rotation r, rbd_real rpy[3]) {
 }
 
 /* exp: the rotation about the vector turn, by its length, rad. */
-static RBDI_UNUSED rbd_rotation rbd_rotation_exp(rbd_vec3 turn) {
+RBDI_PART rbd_rotation rbd_rotation_exp(rbd_vec3 turn) {
     const rbdi_exp e = rbdi_exp_of(turn);
     rbd_real q[4];
     rbdi_store_vec(q, 1, rbdi_scale(e.half_sine, turn));
@@ -115,7 +115,7 @@ static RBDI_UNUSED rbd_rotation rbd_rotation_exp(rbd_vec3 turn) {
 RBDI_INLINE rbd_vec3 rbd_rotation_log(rbd_rotation r) { return rbdi_log_rotation(r); }
 
 /* The rotation about an axis of any length, by the angle, rad; the identity if the axis is zero. */
-static RBDI_UNUSED rbd_rotation rbd_rotation_from_axis_angle(rbd_vec3 axis, rbd_real angle) {
+RBDI_PART rbd_rotation rbd_rotation_from_axis_angle(rbd_vec3 axis, rbd_real angle) {
     rbdi_mask bad;
     rbd_real a[3], u[3];
     rbdi_store_vec(a, 1, axis);
@@ -124,7 +124,7 @@ static RBDI_UNUSED rbd_rotation rbd_rotation_from_axis_angle(rbd_vec3 axis, rbd_
 }
 
 /* Returns the angle, in [0, pi]; axis: of unit length, z if the angle is 0. */
-static RBDI_UNUSED rbd_real rbd_rotation_to_axis_angle(rbd_rotation r, rbd_vec3 *axis) {
+RBDI_PART rbd_real rbd_rotation_to_axis_angle(rbd_rotation r, rbd_vec3 *axis) {
     const rbd_vec3 turn = rbd_rotation_log(r);
     const rbd_real angle = rbdi_sqrt(rbdi_dot(turn, turn));
     rbdi_mask none = rbdi_less(angle, angle);

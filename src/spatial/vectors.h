@@ -64,7 +64,7 @@ RBDI_INLINE rbd_motion rbd_motion_cross(RBDI_AT rbd_motion v, rbd_motion m) {
 
 /* exp: the placement, after unit time, of a frame that moves with v, constant in its own axes. The moved
    frame is `of`; `in`, where it started, is the frame of v. */
-static RBDI_UNUSED rbd_placement rbd_placement_exp(rbd_motion v, int of) {
+RBDI_PART rbd_placement rbd_placement_exp(rbd_motion v, int of) {
     rbd_placement x;
     x.rotation = rbd_rotation_exp(v.angular);
     x.position = rbdi_exp_shift(rbdi_exp_of(v.angular), v.angular, v.linear);
@@ -75,7 +75,7 @@ static RBDI_UNUSED rbd_placement rbd_placement_exp(rbd_motion v, int of) {
 
 /* log: the motion with the shortest turn, at most pi, whose exp is x. It has the same components in both
    frames; its frame is `in`. */
-static RBDI_UNUSED rbd_motion rbd_placement_log(rbd_placement x) {
+RBDI_PART rbd_motion rbd_placement_log(rbd_placement x) {
     rbd_motion v;
     v.angular = rbd_rotation_log(x.rotation);
     v.linear = rbdi_log_shift(rbdi_exp_of(v.angular), v.angular, x.position);

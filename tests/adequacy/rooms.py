@@ -2,7 +2,8 @@
 """The rooms of src/: what each defines and uses, and whether the house is in order.
 
     rooms.py                 checks: a room includes what it uses and no more; no circle, no arrow up between storeys; a
-                             storey uses of another one only what an Interface names
+                             storey uses of another one only what an Interface names; joint types and comments name
+                             what is there
     rooms.py --mend          writes the #include lines of all rooms anew, from what they use
     rooms.py --interfaces    writes the Interface of each room anew: a decision, so read the difference
     rooms.py --draw          writes docs/rooms.svg
@@ -20,6 +21,8 @@ import amalgamate  # noqa: E402
 
 STOREYS = ["api", "base", "qp", "algebra", "spatial", "model", "dynamics", "motion", "derivatives", "constraints", "contact", "batch"]
 OPEN = ["api", "base", "algebra"]
+# Files outside of src/ that have something for each joint type.
+OUTSIDE = ["tools/print.c", "tests/textbook.c", "tests/fuzz/robots.c", "tests/fuzz/world.c"]
 OPAQUE = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'', re.S)
 NAME = r"(?:rbdi?|RBDI?)_\w+"
 INTERFACE = re.compile(r"/\* Interface:(.*?)\*/", re.S)
@@ -178,7 +181,7 @@ def check(house):
 
 
 def joint_types(house):
-    """What is wrong with the list of the places where joint types differ."""
+    """What is wrong with the list of the places where joint types differ, and with what has a row for each."""
     place = "model/joint_types.h"
     text = (amalgamate.SRC / place).read_text(encoding="utf-8")
     types = (amalgamate.SRC / "api/types.h").read_text(encoding="utf-8")
@@ -186,6 +189,21 @@ def joint_types(house):
     for name, room in house.rooms.items():
         if room.storey != "api" and name != place and (room.names & types) - {"RBD_JOINT_TYPES"} and name not in text:
             yield f"src/{name} asks for a joint type: the list at the top of src/{place} must name it"
+    for file in OUTSIDE:
+        for missing in sorted(types - {"RBD_JOINT_TYPES"} - set(re.findall(r"RBD_[A-Z_]+", (ROOT / file).read_text(encoding="utf-8")))):
+            yield f"{file} does not name {missing}"
+
+
+def names_in_comments(house):
+    """Comments that speak of a function which is not there: after a renaming."""
+    texts = {name: (amalgamate.SRC / name).read_text(encoding="utf-8") for name in house.rooms}
+    there = set()
+    for text in texts.values():
+        there.update(re.findall(r"\brbdi_\w+", re.sub(r"/\*.*?\*/", "", text, flags=re.S)))
+    for name, text in texts.items():
+        for comment in re.findall(r"/\*.*?\*/", text, re.S):
+            for gone in sorted(set(re.findall(r"\brbdi_\w+", comment)) - there):
+                yield f"a comment of src/{name} speaks of {gone}, which is not there"
 
 
 def mend(house):
@@ -261,7 +279,7 @@ def main(arguments):
         return 0
     if arguments:
         raise SystemExit(__doc__)
-    wrong = [*check(house), *joint_types(house)]
+    wrong = [*check(house), *joint_types(house), *names_in_comments(house)]
     if not drawn.exists() or drawn.read_text(encoding="utf-8") != picture(house):
         wrong.append("docs/rooms.svg is another house: python3 tests/adequacy/rooms.py --draw")
     print("\n".join(wrong) if wrong else f"{len(house.rooms)} rooms in {len(STOREYS)} storeys")

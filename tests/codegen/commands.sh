@@ -1,6 +1,6 @@
 #!/bin/sh
 # rbd-codegen as its user meets it: files, self-tests, messages, exit statuses.
-# usage: commands.sh ROOT RBD_CODEGEN
+# usage: commands.sh ROOT RBD_CODEGEN   with RBD_ALL_TESTS=yes a result is changed in every self-test, else in one of each kind
 set -u
 root=$(realpath "$1") rbd_codegen=$(realpath "$2")
 scratch=$(mktemp -d) || exit 1
@@ -113,7 +113,9 @@ selftest() {
     shift
     expect 0 "" --name "$name" "$@"
     [ -s out ] && fail "something on standard output: $*"
-    for flags in "" "-DBROKEN"; do
+    broken=-DBROKEN
+    case ${RBD_ALL_TESTS-}$name in yes* | iiwa | arm | hyq | loop | cart | same) ;; *) broken= ;; esac
+    for flags in "" $broken; do
         [ -n "$flags" ] && sed -i "/^static const scalar ${name}_[a-zA-Z0-9_]*_is/{n;s/{/{1 + /}" "${name}_code.c"
         ${CC:-cc} -std=c99 -O0 -Wall -Wextra -Wpedantic -Wconversion -Wno-psabi -Werror \
             "-D${upper}_SELFTEST_MAIN" -o test "${name}_code.c" -lm || fail "does not compile: $*"
@@ -315,4 +317,5 @@ sed "s/{1 + /{/" iiwa_code.c >right_code.c
 ${CC:-cc} -DIIWA_SELFTEST -Wmissing-prototypes -Werror -c right_code.c -o iiwa.o && ${CXX:-c++} use.cpp iiwa.o -lm -o use && ./use || fail "not from C++"
 ${CXX:-c++} -x c++ -c iiwa_code.c -o iiwa.o 2>&1 | grep -q "this file is C99: compile it as C" || fail "C++ does not say that the source is C"
 
+[ -n "${RBD_ALL_TESTS-}" ] || echo "SKIPPED but by ./run test --all: a changed result in other self-tests"
 exit $failed

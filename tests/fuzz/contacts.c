@@ -1832,6 +1832,7 @@ static void try_strange(uint64_t *seed) {
                                    &a->height, &a->point[0], &a->normal[0], &a->normal[2]};
         for (int k = 0; k < 8; k++)
             if (one_in(seed, 4)) *fields[k] = strange(seed);
+        if (!((rbd_real)a->stiffness > 0)) a->damping = 0; /* refused without it */
     }
     if (one_in(seed, 3)) o.margin = strange(seed);
     if (one_in(seed, 3)) o.slop = strange(seed);

@@ -344,14 +344,17 @@ static void print_row(const char *name, const double *x, int n) {
 }
 
 void print_robot(const sample *s) {
+#define NAME_OF(type) [type] = #type
     static const char *const types[RBD_JOINT_TYPES] = {
-        "FIXED",       "REVOLUTE",  "CONTINUOUS",  "CONTINUOUS_CS", "PRISMATIC", "HELICAL",
-        "CYLINDRICAL", "UNIVERSAL", "SPHERICAL",   "EULER_ZYX",     "EULER_XYZ", "EULER_YXZ",
-        "EULER_ZXY",   "PLANAR",    "TRANSLATION", "FLOATING"};
+        NAME_OF(RBD_FIXED),     NAME_OF(RBD_REVOLUTE),  NAME_OF(RBD_CONTINUOUS),  NAME_OF(RBD_CONTINUOUS_CS),
+        NAME_OF(RBD_PRISMATIC), NAME_OF(RBD_HELICAL),   NAME_OF(RBD_CYLINDRICAL), NAME_OF(RBD_UNIVERSAL),
+        NAME_OF(RBD_SPHERICAL), NAME_OF(RBD_EULER_ZYX), NAME_OF(RBD_EULER_XYZ),   NAME_OF(RBD_EULER_YXZ),
+        NAME_OF(RBD_EULER_ZXY), NAME_OF(RBD_PLANAR),    NAME_OF(RBD_TRANSLATION), NAME_OF(RBD_FLOATING)};
+#undef NAME_OF
     printf("static const rbd_body bodies[%d] = {\n", s->nb);
     for (int i = 0; i < s->nb; i++) {
         const rbd_body *b = &s->bodies[i];
-        printf("    {.joint = \"%s\", .parent = %d, .type = RBD_%s", b->joint, b->parent, types[b->type]);
+        printf("    {.joint = \"%s\", .parent = %d, .type = %s", b->joint, b->parent, types[b->type]);
         print_row(", .axis = ", b->axis, 3);
         print_row(", .axis2 = ", b->axis2, 3);
         if (b->type == RBD_HELICAL) printf(", .pitch = %.17g", b->pitch);

@@ -274,8 +274,25 @@ static void append_joint(world *s, const rbd_body *b, const drive *d) {
 }
 
 int world_nv(const rbd_body *body) {
-    static const int nv[RBD_JOINT_TYPES] = {0, 1, 1, 1, 1, 1, 2, 2, 3, 3, 3, 3, 3, 3, 3, 6};
-    return body->mimic ? 0 : nv[body->type];
+    if (body->mimic) return 0;
+    switch (body->type) {
+    case RBD_REVOLUTE:
+    case RBD_CONTINUOUS:
+    case RBD_CONTINUOUS_CS:
+    case RBD_PRISMATIC:
+    case RBD_HELICAL: return 1;
+    case RBD_CYLINDRICAL:
+    case RBD_UNIVERSAL: return 2;
+    case RBD_SPHERICAL:
+    case RBD_EULER_ZYX:
+    case RBD_EULER_XYZ:
+    case RBD_EULER_YXZ:
+    case RBD_EULER_ZXY:
+    case RBD_PLANAR:
+    case RBD_TRANSLATION: return 3;
+    case RBD_FLOATING: return 6;
+    default: return 0; /* fixed */
+    }
 }
 
 int world_nq(const rbd_body *body) {

@@ -55,7 +55,7 @@ cmd_report() {
     takes "five to ten minutes on two cores, most of them to compile; with Pinocchio twice as long, with its code thrice"
     bring_up tools/rbd-codegen # whose configure drops the report's builds if something has come
     quietly meson configure "$build" -Dpeers=auto -Dreport_tests=true
-    meson test -C "$build" --suite report --print-errorlogs || die "a test of the report fails"
+    meson test -C "$build" --suite report --suite bench --print-errorlogs || die "a test of the report fails"
     python3 "$root/bench/workload/report.py" "$@"
 }
 
@@ -176,7 +176,7 @@ cmd_wasm() {
     install build web
     takes "five minutes or so on two cores"
     bring_up tools/rbd-model tools/rbd-codegen
-    "$root/tests/machines.sh" "$root" wasm && "$root/tests/machines.sh" "$root" wasm-suites &&
+    RBD_ALL_TESTS=yes "$root/tests/machines.sh" "$root" wasm && "$root/tests/machines.sh" "$root" wasm-suites &&
         RBD_CODEGEN=$build/tools/rbd-codegen "$root/tests/reproducible.sh" --all "$root" wasm &&
         "$root/web/wasm/test.sh" "$build/tools" "$build/web"
 }

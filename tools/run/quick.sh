@@ -39,8 +39,8 @@ run_programs() {
 }
 
 #+ quick [SUITE...]            after an edit: formats what changed, makes the headers, builds at -Og in build-quick/ and
-#+                             runs these suites, or those of what changed since the last commit, without their slow
-#+                             tests; all: every suite, with them
+#+                             runs these suites, or those of what changed since the last commit (every one if nothing
+#+                             did), without their slow tests; all: every suite, with them
 #+ quick --map                 the suites of each room
 cmd_quick() {
     [ "${1-}" != --map ] || { "$parts/suites.py" --map; return; }

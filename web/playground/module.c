@@ -152,6 +152,10 @@ static void tell_arrays(void) {
     text("}");
 }
 
+/* src/robot.js knows these by number. */
+typedef char types_are_those_of_robot_js
+    [RBD_FIXED == 0 && RBD_PRISMATIC == 4 && RBD_PLANAR == 13 && RBD_FLOATING == 15 ? 1 : -1];
+
 /* 0, or a status; web_json says more. */
 EXPORT int web_load(const char *xml, size_t length, int floating, int lock_massless) {
     const rbd_urdf_options o = {.root = floating ? RBD_FLOATING : RBD_FIXED, .lock_massless = lock_massless};

@@ -17,7 +17,7 @@ if (!chromium || !puppeteer) {
   process.exit(77);
 }
 const scratch = mkdtempSync(join(tmpdir(), "rbd-web-"));
-const browser = await puppeteer.launch({ executablePath: chromium, headless: true, userDataDir: join(scratch, "profile"), defaultViewport: { width: 820, height: 500 },
+const browser = await puppeteer.launch({ executablePath: chromium, headless: true, timeout: 600000, protocolTimeout: 7200000, userDataDir: join(scratch, "profile"), defaultViewport: { width: 820, height: 500 },
   args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
 let page;
 const complaints = [], begin = Date.now();

@@ -1,5 +1,5 @@
 // A robot that was read: its module, and what picture, panels and motion take from it.
-export const FIXED = 0, PRISMATIC = 4, PLANAR = 13, FLOATING = 15; // rbd_joint_type
+export const FIXED = 0, PRISMATIC = 4, PLANAR = 13, FLOATING = 15; // rbd_joint_type; module.c compares
 
 // Eigenvalues and unit eigenvectors of a symmetric 3 x 3 matrix, by Jacobi's rotations: A = sum e x x'.
 export function eigen(matrix) {

@@ -1,0 +1,124 @@
+/* calls.h - the calls of the test of code of a GPU, for one state of HyQ: plain C, which the host compiles as
+   usual, and a compiler for GPUs as code of both. HERE: the words before a function. */
+#include "rbd.h"
+#include "rbd_constraints.h"
+#include "rbd_contact.h"
+#include "rbd_derivatives.h"
+#include "rbd_qp.h"
+#include "models/hyq_model.h"
+
+enum { NQ = HYQ_NQ, NV = HYQ_NV, FEET = 4, LARGEST = 2 * NV * NV + NV };
+
+typedef struct state {
+    rbd_real q[NQ], v[NV], x[NV]; /* x: accelerations or torques */
+} state;
+
+HERE int inverse_dynamics(const rbd_model *m, const state *s, rbd_real *out) {
+    unsigned char work[HYQ_WORK_SIZE];
+    rbd_work *w;
+    const rbd_status status = rbd_work_init(m, work, sizeof work, &w);
+    if (status) return status;
+    return rbd_rnea(m, w, s->q, s->v, s->x, NULL, out);
+}
+
+HERE int forward_dynamics(const rbd_model *m, const state *s, rbd_real *out) {
+    unsigned char work[HYQ_WORK_SIZE];
+    rbd_work *w;
+    const rbd_status status = rbd_work_init(m, work, sizeof work, &w);
+    if (status) return status;
+    return rbd_aba(m, w, s->q, s->v, s->x, NULL, out);
+}
+
+HERE int mass_matrix(const rbd_model *m, const state *s, rbd_real *out) {
+    unsigned char work[HYQ_WORK_SIZE];
+    rbd_work *w;
+    const rbd_status status = rbd_work_init(m, work, sizeof work, &w);
+    if (status) return status;
+    return rbd_crba(m, w, s->q, out);
+}
+
+HERE int derivatives(const rbd_model *m, const state *s, rbd_real *out) {
+    unsigned char work[HYQ_WORK_SIZE], more[RBD_DERIVATIVES_SIZE(HYQ_NB, HYQ_NV)];
+    rbd_work *w;
+    rbd_derivatives *d;
+    rbd_status status = rbd_work_init(m, work, sizeof work, &w);
+    if (!status) status = rbd_derivatives_init(m, w, more, sizeof more, &d);
+    if (status) return status;
+    return rbd_fd_derivatives(m, d, s->q, s->v, s->x, NULL, out, out + NV, out + NV + NV * NV, NULL);
+}
+
+/* Accelerations and the forces of the feet, which are bolted down. */
+HERE int constrained(const rbd_model *m, const state *s, rbd_real *out) {
+    unsigned char work[HYQ_WORK_SIZE], more[RBD_CONSTRAINT_SET_SIZE(HYQ_NV, 3 * FEET)];
+    rbd_work *w;
+    const double toe[3] = {0.33, 0, 0};
+    rbd_constraint foot[FEET];
+    rbd_constraint_set *c;
+    rbd_status status = rbd_work_init(m, work, sizeof work, &w);
+
+    for (int k = 0; k < FEET; ++k) foot[k] = rbd_point_contact(HYQ_BODY_LF_LOWERLEG + k, toe, NULL);
+    if (!status) status = rbd_constraint_set_init(m, w, foot, FEET, more, sizeof more, &c, NULL);
+    if (status) return status;
+    return rbd_constrained_fd(m, c, s->q, s->v, s->x, NULL, out, out + NV);
+}
+
+/* The state after a step on four feet, and their impulses. */
+HERE int contact_step(const rbd_model *m, const state *s, rbd_real *out) {
+    unsigned char work[HYQ_WORK_SIZE], more[RBD_CONTACT_SET_SIZE(HYQ_NV, FEET, 0)];
+    rbd_work *w;
+    rbd_contact foot[FEET];
+    rbd_contact_set *c;
+    const rbd_real dt = (rbd_real)1e-3;
+    rbd_real *impulse = out + NQ + NV;
+    rbd_status status = rbd_work_init(m, work, sizeof work, &w);
+
+    for (int k = 0; k < FEET; ++k) {
+        const rbd_contact none = {0};
+        foot[k] = none;
+        foot[k].body1 = HYQ_BODY_LF_LOWERLEG + k;
+        foot[k].body2 = -1;
+        foot[k].point[0] = 0.33;
+        foot[k].friction = 0.5;
+    }
+
+    if (!status) status = rbd_contact_set_init(m, w, foot, FEET, NULL, 0, NULL, more, sizeof more, &c, NULL);
+    if (status) return status;
+    status = rbd_contact_step(m, c, s->q, s->v, s->x, NULL, NULL, dt, out, out + NQ);
+    for (int k = 0; k < FEET; ++k) rbd_contact_get(c, k, NULL, impulse + 3 * k);
+    for (int k = 0; k < 3 * FEET; ++k) impulse[k] *= dt;
+    return status;
+}
+
+/* The point nearest to x, with component k at most k/2 - 4 and the sum 1; and the multipliers. */
+HERE int quadratic_program(const rbd_model *m, const state *s, rbd_real *out) {
+    unsigned char memory[RBD_QP_SIZE(NV, NV, 1, 0)];
+    rbd_real hessian[NV * NV] = {0}, f[NV], row[NV], lower[NV + 1], upper[NV + 1];
+    signed char side[NV + 1];
+    rbd_qp_problem p = {NV, NV, 1, NULL, NULL, NULL, NULL, NULL, NULL};
+
+    for (int k = 0; k < NV; ++k) {
+        hessian[k * NV + k] = 1;
+        f[k] = -s->x[k];
+        row[k] = 1;
+        lower[k] = -(rbd_real)RBD_QP_NONE;
+        upper[k] = (rbd_real)k / 2 - 4;
+    }
+
+    lower[NV] = upper[NV] = 1;
+    p.H = hessian;
+    p.f = f;
+    p.C = row;
+    p.lower = lower;
+    p.upper = upper;
+    return m ? (int)rbd_qp_solve(&p, NULL, memory, sizeof memory, out, out + NV, side, NULL) : 1;
+}
+
+/* name, numbers of results */
+#define EACH_CALL(CALL) \
+    CALL(inverse_dynamics, NV) \
+    CALL(forward_dynamics, NV) \
+    CALL(mass_matrix, NV *NV) \
+    CALL(derivatives, NV + 2 * NV * NV) \
+    CALL(constrained, NV + 3 * FEET) \
+    CALL(quadratic_program, 2 * NV + 1) \
+    CALL(contact_step, NQ + NV + 3 * FEET)
