@@ -27,8 +27,8 @@
      [layout]
      [design] [compiler] [tolerances] [scalar] [reduction] [spatial algebra] [pieces] [common] [features]
      [joint types] [joints] [state] [rnea] [crba] [aba] [packed matrix] [pivots] [hybrid]
-     [forward dynamics code] [axes] [kinematics code] [points code] [manifold code] [free step] [work code]
-     [lookup code] [text code]
+     [forward dynamics code] [axes] [kinematics code] [points code] [manifold code] [straight moves]
+     [free step] [work code] [lookup code] [text code]
      [descriptions] [model build]
      [licence]
 
@@ -128,7 +128,7 @@
      computes and they refuse, M has lost its digits, as of float chains of 100 rods. Calls with constraints
      may find there that rounding keeps them from holding their rows: RBD_ERR_INFEASIBLE.
      Input is not searched for NaN: one that reaches the mass matrix is RBD_ERR_NAN in forward dynamics, one
-     in a gap or limit in rbd_contact_step; any other reaches all results that depend on it, with RBD_OK. From
+     in q or a gap in rbd_contact_step; any other reaches all results that depend on it, with RBD_OK. From
      libm only sqrt; sin and cos for __float128 and classes, and with excess precision (x87). The same input
      gives the same bits on every call of one build; between builds, contraction to FMA and the order of sums
      change last bits.
@@ -846,7 +846,8 @@ RBDI_API rbd_status rbd_step(const rbd_model *m, const rbd_real *q, const rbd_re
    tau, damping   nv. damping is implicit: tau acts as tau - damping v_next. NULL: 0
    f_ext          nb x 6 or NULL: in the axes that bodies have in the middle of the step
    dt             s; any finite number
-   q_next may be q, v_next may be v. Errors: as rbd_fd_cholesky; after RBD_ERR_SINGULAR forces count as 0.
+   q_next may be q, v_next may be v. Errors: as rbd_fd_cholesky; also RBD_ERR_NAN if a velocity changes by
+   1e12 or more, or by NaN. After RBD_ERR_SINGULAR and RBD_ERR_NAN forces and velocity terms count as 0.
    Moreau 1999; Hairer, Lubich and Wanner, Geometric Numerical Integration, VII. */
 RBDI_API rbd_status rbd_free_step(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                   const rbd_real *tau, const rbd_real *f_ext, const rbd_real *damping,
@@ -1723,6 +1724,7 @@ RBDI_CODE_BEGIN
     RBD_C(2.220446049250313e-16 / (double)RBDI_EPS) /* the build's rounding: descriptions are double */
 #define RBDI_ROD (16 * (rbdi_wide)2.220446049250313e-16 / (rbdi_wide)RBDI_DOUBT) /* see rbdi_build_scale */
 
+#define RBDI_FASTEST RBD_C(1e12)   /* m/s or rad/s: a step that makes more has overflowed, or would */
 #define RBDI_SHORT RBD_C(1e-30)    /* square of the shortest quaternion or (cos, sin) that has a direction */
 #define RBDI_NO_ANGLE RBD_C(1e-30) /* added to squares of angles: quotients stay finite, no digit changes */
 #define RBDI_TAIL_TERMS 15         /* of the series of sine and cosine for |x| < 1: 1/33! is below 1e-36 */
@@ -6370,8 +6372,7 @@ RBDI_API rbd_status rbd_point_position(const rbd_model *m, const rbd_work *w, in
 }
 
 /* ==== src/motion/manifold.h ==== */
-/* Interface: rbdi_difference_joint, rbdi_joint_motion, rbdi_joint_turns, rbdi_move_joints,
-   rbdi_put_joint_motion, rbdi_straight_acceleration, rbdi_turn_back */
+/* Interface: rbdi_difference_joint, rbdi_joint_motion, rbdi_joint_turns, rbdi_put_joint_motion */
 
 /* ---- configuration manifold [manifold code] ---- */
 
@@ -6401,10 +6402,20 @@ RBDI_LOCAL void rbdi_put_origin(const rbdi_frame *u, rbdi_v3 p, rbd_real *q) {
     if (u->type == RBD_FLOATING) rbdi_store_vec(q, 1, p);
 }
 
-/* q_next = q (+) d for one joint of the description: along a screw or, if straight, with its origin moved
-   by the linear part of d in the axes of the beginning. */
-RBDI_LOCAL void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_real *d, int straight,
-                                rbd_real *q_next) {
+/* q_next of a joint that turns by e in its own axes, with its origin moved by the shift in the axes of q:
+   p_next = p + E' shift, and the turn. */
+RBDI_LOCAL void rbdi_turn_joint(const rbdi_frame *u, const rbd_real *q, rbdi_exp e, rbdi_v3 turn,
+                                rbdi_v3 shift, rbd_real *q_next) {
+    shift = rbdi_mul_t(rbdi_joint_attitude(u->type, q), shift);
+    rbdi_put_origin(u, rbdi_add(rbdi_joint_origin(u->type, q), shift), q_next);
+    if (u->type == RBD_PLANAR)
+        q_next[2] = q[2] + turn.z;
+    else
+        rbdi_quaternion_step(&q[u->nq - 4], e, turn, &q_next[u->nq - 4]);
+}
+
+/* q_next = q (+) d for one joint of the description: along a screw. */
+RBDI_LOCAL void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_real *d, rbd_real *q_next) {
     if (u->type == RBD_CONTINUOUS_CS) {
         rbd_real c, s, cd, sd, next[2];
         rbdi_unit_cs(q, &c, &s);
@@ -6415,93 +6426,9 @@ RBDI_LOCAL void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rb
     } else if (rbdi_joint_turns(u)) {
         const rbdi_motion step = rbdi_joint_motion(u, d, 1);
         const rbdi_exp e = rbdi_exp_of(step.omega);
-        rbdi_v3 shift = straight ? step.v : rbdi_exp_shift(e, step.omega, step.v);
-
-        /* p_next = p + E' shift, and the turn */
-        shift = rbdi_mul_t(rbdi_joint_attitude(u->type, q), shift);
-        rbdi_put_origin(u, rbdi_add(rbdi_joint_origin(u->type, q), shift), q_next);
-        if (u->type == RBD_PLANAR)
-            q_next[2] = q[2] + step.omega.z;
-        else
-            rbdi_quaternion_step(&q[u->nq - 4], e, step.omega, &q_next[u->nq - 4]);
+        rbdi_turn_joint(u, q, e, step.omega, rbdi_exp_shift(e, step.omega, step.v), q_next);
     } else {
         for (int k = 0; k < u->nv; ++k) q_next[k] = q[k] + d[k];
-    }
-}
-
-/* rbd_step of one joint in three parts. First nu: v after dt if a is 0, in the axes of the step's
-   beginning. Linear velocities in body axes gain dt omega x v, the others stay. */
-RBDI_LOCAL void rbdi_unforced_velocity(const rbdi_frame *u, const rbd_real *v, rbd_real dt, rbd_real *nu) {
-    rbdi_motion V;
-    for (int k = 0; k < u->nv; ++k) nu[k] = v[k];
-    if (!rbdi_joint_turns(u)) return;
-    V = rbdi_joint_motion(u, v, 1);
-    V.v = rbdi_add(V.v, rbdi_scale(dt, rbdi_cross(V.omega, V.v)));
-    rbdi_put_joint_motion(u, V, nu, 1);
-}
-
-/* Second q_next: q moved by nu dt. Origins of floating and planar joints move straight. */
-RBDI_LOCAL void rbdi_move_straight(const rbdi_frame *u, const rbd_real *q, const rbd_real *nu, rbd_real dt,
-                                   rbd_real *q_next) {
-    rbd_real d[6];
-    for (int k = 0; k < u->nv; ++k) d[k] = nu[k] * dt;
-    rbdi_step_joint(u, q, d, 1, q_next);
-}
-
-/* The vector r turned by -turn: r - A turn x r + B turn x (turn x r). */
-RBDI_LOCAL rbdi_v3 rbdi_turn_back(rbdi_exp e, rbdi_v3 turn, rbdi_v3 r) {
-    const rbdi_v3 across = rbdi_cross(turn, r);
-    const rbdi_v3 inward = rbdi_cross(turn, across);
-    r = rbdi_sub(r, rbdi_scale((e.half_sine + e.half_sine) * e.half_cosine, across));
-    return rbdi_add(r, rbdi_scale(e.B, inward));
-}
-
-/* Third v_next: nu in the axes of the step's end, which the velocity `moved` has turned during dt. v_next
-   may be nu. */
-RBDI_LOCAL void rbdi_turn_velocity(const rbdi_frame *u, const rbd_real *moved, rbd_real dt,
-                                   const rbd_real *nu, rbd_real *v_next) {
-    rbdi_motion V;
-    rbdi_v3 turn;
-    rbdi_exp e;
-
-    if (!rbdi_joint_turns(u)) {
-        for (int k = 0; k < u->nv; ++k) v_next[k] = nu[k];
-        return;
-    }
-
-    turn = rbdi_scale(dt, rbdi_joint_motion(u, moved, 1).omega);
-    e = rbdi_exp_of(turn);
-    V = rbdi_joint_motion(u, nu, 1);
-    V.omega = rbdi_turn_back(e, turn, V.omega);
-    V.v = rbdi_turn_back(e, turn, V.v);
-    rbdi_put_joint_motion(u, V, v_next, 1);
-}
-
-/* The last two parts of all joints, for a scheme of its own: q moved by `moved` for dt, and nu in the axes of
-   its end. An output may be the input of its name. */
-RBDI_PART void rbdi_move_joints(const rbd_model *m, const rbd_real *q, const rbd_real *moved,
-                                const rbd_real *nu, rbd_real dt, rbd_real *q_next, rbd_real *v_next) {
-    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {
-        if (u->nv == 1 && u->nq == 1) { /* the most, and all that a straight step needs */
-            q_next[u->iq] = q[u->iq] + moved[u->iv] * dt;
-            v_next[u->iv] = nu[u->iv];
-        } else if (u->nv > 0) {
-            rbdi_move_straight(u, &q[u->iq], &moved[u->iv], dt, &q_next[u->iq]);
-            rbdi_turn_velocity(u, &moved[u->iv], dt, &nu[u->iv], &v_next[u->iv]);
-        }
-    }
-}
-
-/* a by which origins move straight and turns keep their axis: the linear part is -omega x v, all else 0. a:
-   0 before, but where this call writes. */
-RBDI_PART void rbdi_straight_acceleration(const rbd_model *m, const rbd_real *v, rbd_real *a) {
-    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {
-        rbdi_motion V;
-        if (!rbdi_joint_turns(u)) continue;
-        V = rbdi_joint_motion(u, &v[u->iv], 1);
-        V.v = rbdi_cross(V.v, V.omega);
-        V.omega = rbdi_vec0();
-        rbdi_put_joint_motion(u, V, &a[u->iv], 1);
     }
 }
 
@@ -6624,24 +6551,9 @@ RBDI_API rbd_status rbd_integrate(const rbd_model *m, const rbd_real *q, const r
         const rbdi_frame *u = &m->frame[b];
         rbd_real d[6];
         for (int k = 0; k < u->nv; ++k) d[k] = v[u->iv + k] * dt;
-        if (u->nv > 0) rbdi_step_joint(u, &q[u->iq], d, 0, &q_next[u->iq]);
+        if (u->nv > 0) rbdi_step_joint(u, &q[u->iq], d, &q_next[u->iq]);
     }
 
-    return RBD_OK;
-}
-
-RBDI_API rbd_status rbd_step(const rbd_model *m, const rbd_real *q, const rbd_real *v, const rbd_real *a,
-                             rbd_real dt, rbd_real *q_next, rbd_real *v_next) {
-    if (!m || !q || !v || !a || !q_next || !v_next) return RBD_ERR_NULL;
-
-    for (int b = 0; b < m->nb; ++b) {
-        const rbdi_frame *u = &m->frame[b];
-        rbd_real nu[6];
-        if (u->nv == 0) continue;
-        rbdi_unforced_velocity(u, &v[u->iv], dt, nu);
-        for (int k = 0; k < u->nv; ++k) v_next[u->iv + k] = nu[k] + dt * a[u->iv + k];
-    }
-    rbdi_move_joints(m, q, v_next, v_next, dt, q_next, v_next);
     return RBD_OK;
 }
 
@@ -6666,7 +6578,7 @@ RBDI_LOCAL void rbdi_interpolate_joint(const rbdi_frame *u, const rbd_real *q0, 
     for (int k = 0; k < u->nv; ++k) d[k] = d[k] * share;
     for (int k = 0; k < u->nq; ++k) from[k] = rbdi_select(within, q0[k], q1[k]);
 
-    rbdi_step_joint(u, from, d, 0, q);
+    rbdi_step_joint(u, from, d, q);
 }
 
 RBDI_API rbd_status rbd_interpolate(const rbd_model *m, const rbd_real *q0, const rbd_real *q1, rbd_real s,
@@ -6789,33 +6701,159 @@ RBDI_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q) 
     return RBD_OK;
 }
 
+/* ==== src/motion/step.h ==== */
+/* Interface: rbdi_motion_of_point, rbdi_move_joints, rbdi_straight_acceleration, rbdi_straight_point,
+   rbdi_turn_back, RBDI_CENTRES, RBDI_ORIGINS */
+
+/* ---- steps of joints [straight moves] ----
+   A body that floats, or moves on a plane, has a point that moves straight while the body turns: with the
+   velocity V = (omega; v) of its origin, the point c of the body has v + omega x c, and after dt
+
+       q_next   turned by dt omega, with c moved by dt (v + omega x c)
+       v_next   the world velocities of c and of the turn, in the axes of q_next
+
+   rbd_step moves the origin straight, c = 0. Steps of second order move the centre of mass: as nothing
+   accelerates it in free flight, linear momentum of a body stays to rounding, and no result depends on where
+   the origin is in the body. */
+
+/* Which points of bodies move straight. */
+enum { RBDI_ORIGINS, RBDI_CENTRES };
+
+/* That point in body axes. The centre of mass is that of the link with the regrouped masses of the tree,
+   which do not turn with the joints: of one body its own. Other joints have none: 0. */
+RBDI_INLINE rbdi_v3 rbdi_straight_point(const rbd_model *m, const rbdi_frame *u, int points) {
+    const rbdi_link *l;
+    rbd_real inverse;
+    if (points == RBDI_ORIGINS || u->link < 0) return rbdi_vec0();
+    l = &m->link[u->link];
+    if (!(l->mass > 0)) return rbdi_vec0();
+
+    /* E (h / mass - r) */
+    inverse = rbdi_set(1 / l->mass);
+    return rbdi_mul(rbdi_mat_c(u->E), rbdi_sub(rbdi_scale(inverse, rbdi_vec_c(l->h)), rbdi_vec_c(u->r)));
+}
+
+/* The motion of the body's point c in place of that of its origin, and back with -c. */
+RBDI_INLINE rbdi_motion rbdi_motion_of_point(rbdi_motion V, rbdi_v3 c) {
+    V.v = rbdi_add(V.v, rbdi_cross(V.omega, c));
+    return V;
+}
+
+/* The vector r turned by -turn: r - A turn x r + B turn x (turn x r). */
+RBDI_LOCAL rbdi_v3 rbdi_turn_back(rbdi_exp e, rbdi_v3 turn, rbdi_v3 r) {
+    const rbdi_v3 across = rbdi_cross(turn, r);
+    const rbdi_v3 inward = rbdi_cross(turn, across);
+    r = rbdi_sub(r, rbdi_scale((e.half_sine + e.half_sine) * e.half_cosine, across));
+    return rbdi_add(r, rbdi_scale(e.B, inward));
+}
+
+/* Moves one joint that turns: q by `moved` for dt with its point c straight, and nu to the axes of the end.
+   With turn = dt omega and exp(turn) c = c + S, S the shift of a screw (turn; turn x c), the origin moves by
+
+       dt v + turn x c - S */
+RBDI_LOCAL void rbdi_move_turning(const rbdi_frame *u, rbdi_v3 c, const rbd_real *q, const rbd_real *moved,
+                                  const rbd_real *nu, rbd_real dt, rbd_real *q_next, rbd_real *v_next) {
+    const rbdi_motion V = rbdi_joint_motion(u, moved, 1);
+    const rbdi_v3 turn = rbdi_scale(dt, V.omega), across = rbdi_cross(turn, c);
+    const rbdi_exp e = rbdi_exp_of(turn);
+    const rbdi_v3 shift = rbdi_sub(across, rbdi_exp_shift(e, turn, across));
+    rbdi_motion end = rbdi_motion_of_point(rbdi_joint_motion(u, nu, 1), c);
+
+    rbdi_turn_joint(u, q, e, turn, rbdi_add(rbdi_scale(dt, V.v), shift), q_next);
+
+    end.omega = rbdi_turn_back(e, turn, end.omega);
+    end.v = rbdi_turn_back(e, turn, end.v);
+    rbdi_put_joint_motion(u, rbdi_motion_of_point(end, rbdi_sub(rbdi_vec0(), c)), v_next, 1);
+}
+
+/* Moves all joints, for a scheme of its own: q by `moved` for dt, and nu to the axes of the end. points:
+   RBDI_ORIGINS or RBDI_CENTRES move straight. An output may be the input of its name. */
+RBDI_PART void rbdi_move_joints(const rbd_model *m, int points, const rbd_real *q, const rbd_real *moved,
+                                const rbd_real *nu, rbd_real dt, rbd_real *q_next, rbd_real *v_next) {
+    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {
+        if (u->nv == 1 && u->nq == 1) { /* the most */
+            q_next[u->iq] = q[u->iq] + moved[u->iv] * dt;
+            v_next[u->iv] = nu[u->iv];
+        } else if (rbdi_joint_turns(u)) {
+            rbdi_move_turning(u, rbdi_straight_point(m, u, points), &q[u->iq], &moved[u->iv], &nu[u->iv], dt,
+                              &q_next[u->iq], &v_next[u->iv]);
+        } else if (u->nv > 0) {
+            rbd_real d[6];
+            for (int k = 0; k < u->nv; ++k) d[k] = moved[u->iv + k] * dt;
+            for (int k = u->iv; k < u->iv + u->nv; ++k) v_next[k] = nu[k];
+            rbdi_step_joint(u, &q[u->iq], d, &q_next[u->iq]);
+        }
+    }
+}
+
+/* a by which these points move straight and turns keep their axis: the linear part is
+   (v + omega x c) x omega, all else 0. a: 0 before, but where this call writes. */
+RBDI_PART void rbdi_straight_acceleration(const rbd_model *m, int points, const rbd_real *v, rbd_real *a) {
+    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {
+        rbdi_motion V;
+        if (!rbdi_joint_turns(u)) continue;
+        V = rbdi_motion_of_point(rbdi_joint_motion(u, &v[u->iv], 1), rbdi_straight_point(m, u, points));
+        V.v = rbdi_cross(V.v, V.omega);
+        V.omega = rbdi_vec0();
+        rbdi_put_joint_motion(u, V, &a[u->iv], 1);
+    }
+}
+
+/* v of one joint after dt if a is 0, in the axes of the step's beginning: linear velocities in body axes
+   gain dt omega x v, the others stay. */
+RBDI_LOCAL void rbdi_unforced_velocity(const rbdi_frame *u, const rbd_real *v, rbd_real dt, rbd_real *nu) {
+    rbdi_motion V;
+    for (int k = 0; k < u->nv; ++k) nu[k] = v[k];
+    if (!rbdi_joint_turns(u)) return;
+    V = rbdi_joint_motion(u, v, 1);
+    V.v = rbdi_add(V.v, rbdi_scale(dt, rbdi_cross(V.omega, V.v)));
+    rbdi_put_joint_motion(u, V, nu, 1);
+}
+
+RBDI_API rbd_status rbd_step(const rbd_model *m, const rbd_real *q, const rbd_real *v, const rbd_real *a,
+                             rbd_real dt, rbd_real *q_next, rbd_real *v_next) {
+    if (!m || !q || !v || !a || !q_next || !v_next) return RBD_ERR_NULL;
+
+    for (int b = 0; b < m->nb; ++b) {
+        const rbdi_frame *u = &m->frame[b];
+        rbd_real nu[6];
+        if (u->nv == 0) continue;
+        rbdi_unforced_velocity(u, &v[u->iv], dt, nu);
+        for (int k = 0; k < u->nv; ++k) v_next[u->iv + k] = nu[k] + dt * a[u->iv + k];
+    }
+    rbdi_move_joints(m, RBDI_ORIGINS, q, v_next, v_next, dt, q_next, v_next);
+    return RBD_OK;
+}
+
 /* ==== src/motion/free_step.h ==== */
 /* Interface: rbdi_guard_solution */
 
 /* ---- free step [free step] ----
    Half of the way by v, to q_mid, where v_mid is v in its axes. There, with damping d, K = M + dt d and the
-   classical accelerations a(w) = 0 of [manifold code],
+   accelerations a(w) of [straight moves],
 
        nu = v_mid + K^-1 dt (tau - c(w) - d v_mid),   c(w) = ID(q_mid, w, a(w)),   w = (v_mid + nu) / 2
 
    by three solutions, the first with w = v_mid; then the other half by nu. For a vector that turns by x in a
    step, the square of the length is magnified by 1 + x^2 with one solution, by 1 + x^4/4 with two, by
-   1 - x^4/4 + x^6/16 with three: the least number that is stable, up to x = 2. Beyond, the solutions
-   diverge: rbdi_guard_solution. */
+   1 - x^4/4 + x^6/16 with three: the least number that is stable, up to x = 2. Near that and beyond, where
+   the solutions diverge, see rbdi_guard_solution. */
 
 #ifndef RBD_NO_CHOLESKY
-/* Of three solutions y = L^-T K (nu - v_mid), K = L'DL, changes the third if the second change is larger than
-   the first, measured by D^-1, which makes it twice a kinetic energy:
+/* Of three solutions y = L^-T K (nu - v_mid), K = L'DL, changes the third if the second change is large
+   beside the first, measured by D^-1, which makes it twice a kinetic energy:
 
-       y_3 -= s (y_3 - y_1),   s = r / (1 + r),   r = |y_3 - y_2|^2 / |y_2 - y_1|^2 > 1
+       y_3 -= t s (y_3 - y_1),   s = r / (1 + r),   r = |y_3 - y_2|^2 / |y_2 - y_1|^2
 
-   If the changes are a series of one frequency, with the ratio i x/2, that is its sum, r = x^2/4: the
-   implicit midpoint, which keeps energy at any x. */
+   If the changes are a series of one frequency, with the ratio i x/2, then r = x^2/4, and with t = 1 that is
+   its sum: the implicit midpoint, which keeps energy at any x. Where several frequencies act on each other
+   the sum may make energy, and three solutions take some up to x = 2. So t grows from 0 at r = 1/2 to 1 at
+   r = 1, without a jump: of one frequency each such mean of both takes energy or keeps it. */
 RBDI_PART void rbdi_guard_solution(const rbd_model *m, const rbd_real *L, const rbd_real *first,
                                    const rbd_real *second, rbd_real *third) {
     const rbd_real one = rbdi_set(RBD_C(1));
-    rbd_real before = rbdi_zero(), after = before, share;
-    rbdi_mask diverges;
+    rbd_real before = rbdi_zero(), after = before, t, share;
+    rbdi_mask grows;
     for (int k = 0; k < m->nv; ++k) {
         const rbd_real inverse = L[m->dof[k].row + m->dof[k].depth], old = second[k] - first[k],
                        change = third[k] - second[k];
@@ -6823,9 +6861,13 @@ RBDI_PART void rbdi_guard_solution(const rbd_model *m, const rbd_real *L, const 
         after = after + change * change * inverse;
     }
 
-    diverges = rbdi_less(before, after);
-    if (!rbdi_any(diverges)) return;
-    share = rbdi_select(diverges, one / (one + before / after), rbdi_zero());
+    grows = rbdi_less(before, after + after);
+    if (!rbdi_any(grows)) return;
+
+    /* t = 2 r - 1, at most 1 */
+    t = (after + after) / before - one;
+    t = rbdi_select(rbdi_less(one, t), one, t);
+    share = rbdi_select(grows, t * after / (before + after), rbdi_zero());
     for (int k = 0; k < m->nv; ++k) third[k] = third[k] - share * (third[k] - first[k]);
 }
 
@@ -6840,7 +6882,7 @@ RBDI_LOCAL void rbdi_free_solution(const rbd_model *m, rbd_work *w, const rbd_re
                                    rbd_real dt, rbd_real *y) {
     rbd_real *a = rbdi_free_vector(m, w, 4);
     rbdi_clear(a, m->nv);
-    rbdi_straight_acceleration(m, at, a);
+    rbdi_straight_acceleration(m, RBDI_CENTRES, at, a);
     rbdi_rnea(m, w, rbdi_expand_v(m, at, w->vx), rbdi_expand_v(m, a, w->ax), f_ext,
               rbdi_mimics(m) ? w->tx : y);
     rbdi_reduce_tau(m, w->tx, y);
@@ -6867,6 +6909,16 @@ RBDI_LOCAL void rbdi_free_change(const rbd_model *m, rbd_work *w, const rbd_real
     }
 }
 
+/* Whether the changes x of the velocities are numbers below RBDI_FASTEST. x of other lanes becomes 0. */
+RBDI_LOCAL int rbdi_bound_change(const rbd_model *m, rbd_real *x) {
+    const rbd_real fastest = rbdi_set(RBDI_FASTEST);
+    rbdi_mask good = rbdi_less(rbdi_zero(), fastest);
+    for (int k = 0; k < m->nv; ++k) good = rbdi_and(good, rbdi_less(rbdi_abs(x[k]), fastest));
+
+    for (int k = 0; k < m->nv; ++k) x[k] = rbdi_select(good, x[k], rbdi_zero());
+    return !rbdi_any(rbdi_not(good));
+}
+
 RBDI_API rbd_status rbd_free_step(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                   const rbd_real *tau, const rbd_real *f_ext, const rbd_real *damping,
                                   rbd_real dt, rbd_real *q_next, rbd_real *v_next) {
@@ -6877,7 +6929,7 @@ RBDI_API rbd_status rbd_free_step(const rbd_model *m, rbd_work *w, const rbd_rea
     if (status) return status;
 
     /* q_mid and v_mid, and K there */
-    rbdi_move_joints(m, q, v, v, half, q_next, v_next);
+    rbdi_move_joints(m, RBDI_CENTRES, q, v, v, half, q_next, v_next);
     rbd_crba_packed(m, w, q_next, w->H);
     for (int k = 0; damping && k < m->nv; ++k) {
         rbd_real *diagonal = &w->H[m->dof[k].row + m->dof[k].depth];
@@ -6889,9 +6941,10 @@ RBDI_API rbd_status rbd_free_step(const rbd_model *m, rbd_work *w, const rbd_rea
     nu = w->bias;
     rbdi_free_change(m, w, v_next, tau, f_ext, damping, dt, nu);
     status = rbdi_factor_status(m, w, w->H, doubt, nu, m->nv);
+    if (!rbdi_bound_change(m, nu) && !status) status = RBD_ERR_NAN;
     for (int k = 0; k < m->nv; ++k) nu[k] = v_next[k] + nu[k];
 
-    rbdi_move_joints(m, q_next, nu, nu, half, q_next, v_next);
+    rbdi_move_joints(m, RBDI_CENTRES, q_next, nu, nu, half, q_next, v_next);
     return status;
 }
 #endif

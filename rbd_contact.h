@@ -408,11 +408,13 @@ struct rbd_contact_set {
     int n, dof_rows;         /* numbers of contacts and, at most, of rows of dofs */
     int max_rows;            /* rows at most */
     int contacts;            /* that are rows of the step */
+    int points;              /* that move straight: RBDI_ORIGINS or RBDI_CENTRES */
     int differ;              /* whether `nu` and `moved` differ */
     rbdi_contact *contact;   /* n */
     rbdi_dof_row *dof_row;   /* dof_rows */
     int16_t *place;          /* max_rows: of each row of the step */
     rbd_real *impulse;       /* max_rows: of the last step, by place; 0 where it had no row */
+    rbd_real *early;         /* max_rows: impulses of the step's first solution, by row */
     rbd_real *friction;      /* of the step's contacts */
     rbd_real *lower, *upper; /* of its other rows */
     rbd_real *b;             /* max_rows: u without impulses, with the bias */
@@ -421,7 +423,8 @@ struct rbd_contact_set {
                                      these velocities, origins move straight */
     rbd_real *damping;       /* nv: all of it that is implicit */
     rbd_real *nu, *moved;    /* nv each: velocities of the end; of the positions */
-    rbd_real *momentum;      /* nv: wanted at the end, of roots; before, their centres of mass at q_mid */
+    rbd_real *centre;        /* nv: with `momentum`, centres of mass at q_mid, at the first dofs of roots */
+    rbd_real *momentum;      /* nv: wanted at the end, of roots that fly */
     rbd_real *x[3];          /* nv each: L^-T dt (tau - c - damping v_mid), c corrected so many times */
     rbd_real dt, last_dt;    /* of this step; of the last one, 1 = none */
     rbd_real half, way;      /* times for which v moves q, and then the solution does: dt/2 each */
@@ -438,7 +441,7 @@ struct rbd_contact_set {
      RBDI_ROUND((size_t)(bounded) * sizeof(rbdi_dof_row)) + \
      RBDI_ROUND(RBDI_CONTACT_ROWS(n, bounded) * sizeof(int16_t)) + \
      RBDI_ROUND(sizeof(rbd_real) * ((size_t)(n) + 2 * (size_t)(bounded) + \
-                                    2 * RBDI_CONTACT_ROWS(n, bounded) + (size_t)(nq) + 10 * (size_t)(nv))) + \
+                                    3 * RBDI_CONTACT_ROWS(n, bounded) + (size_t)(nq) + 11 * (size_t)(nv))) + \
      RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded)) + \
      RBDI_CONSTRAINTS_BYTES(nv, (n) + (constraints), RBDI_CONTACT_ROWS(n, bounded), stride))
 
@@ -501,7 +504,6 @@ RBDI_CODE_BEGIN
 #define RBDI_ROOT_STEPS 60 /* for the root of one contact, six on average */
 #define RBDI_FASTEST_SLIP RBD_C(1e9)
 #define RBDI_MOST_SWEEPS 32        /* between two Newton steps */
-#define RBDI_FASTEST RBD_C(1e12)   /* m/s or rad/s; faster has overflowed, or would */
 #define RBDI_UNBOUNDED RBD_C(1e30) /* as a bound: none; as a residual: none could be computed */
 
 /* ==== src/contact/one_contact.h ==== */
@@ -1201,10 +1203,11 @@ RBDI_PART void rbdi_contact_begin(rbdi_contact_solver *s, const rbd_contact_prob
         rbdi_contact_prepare(&s->law[i], &given->delta[3 * i * (s->rows + 1)], s->rows, given->friction[i]);
 }
 
+/* Of a number x - x is 0, else NaN, and so is a sum with it. */
 RBDI_PART int rbdi_all_finite(const rbd_real *x, int n) {
-    for (int i = 0; i < n; ++i)
-        if (!(x[i] - x[i] == 0)) return 0;
-    return 1;
+    rbd_real sum = rbdi_zero();
+    for (int i = 0; i < n; ++i) sum = sum + (x[i] - x[i]);
+    return sum == 0;
 }
 
 /* Whether an index into G, the largest array, would not fit an int. */
@@ -1521,19 +1524,21 @@ RBDI_LOCAL rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_h
     c->contact = RBDI_CUT(rbdi_contact, n);
     c->dof_row = RBDI_CUT(rbdi_dof_row, bounded);
     c->place = RBDI_CUT(int16_t, c->max_rows);
-    c->friction = RBDI_CUT(rbd_real, n + 2 * bounded + 2 * c->max_rows + m->nq + 10 * nv);
+    c->friction = RBDI_CUT(rbd_real, n + 2 * bounded + 3 * c->max_rows + m->nq + 11 * nv);
     c->lower = c->friction + n;
     c->upper = c->lower + bounded;
     c->b = c->upper + bounded;
     c->impulse = c->b + c->max_rows;
-    c->q_mid = c->impulse + c->max_rows;
+    c->early = c->impulse + c->max_rows;
+    c->q_mid = c->early + c->max_rows;
     c->v_mid = c->q_mid + m->nq;
     c->at = c->v_mid + nv;
     c->straight = c->at + nv;
     c->damping = c->straight + nv;
     c->nu = c->damping + nv;
     c->moved = c->nu + nv;
-    c->momentum = c->moved + nv;
+    c->centre = c->moved + nv;
+    c->momentum = c->centre + nv;
     for (int i = 0; i < 3; ++i) c->x[i] = c->momentum + (1 + i) * nv;
     rbdi_lay_solver(&c->solver, n, bounded, at);
     at += RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded));
@@ -2144,11 +2149,11 @@ RBDI_LOCAL rbdi_v3 rbdi_centre_of(const rbd_model *m, const rbd_real *M, int iv)
     return rbdi_vec(y[2] / mass, z[0] / mass, x[1] / mass);
 }
 
-/* Notes the centres of mass at q_mid, where M is w->H, in c->momentum at the first dofs of roots. */
+/* Notes the centres of mass at q_mid, where M is w->H, in c->centre at the first dofs of roots. */
 RBDI_LOCAL void rbdi_note_centres(const rbd_model *m, rbd_contact_set *c) {
     for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
         if (u->type == RBD_FLOATING && u->link >= 0)
-            rbdi_store_vec(&c->momentum[u->iv], 1, rbdi_centre_of(m, c->rows->w->H, u->iv));
+            rbdi_store_vec(&c->centre[u->iv], 1, rbdi_centre_of(m, c->rows->w->H, u->iv));
 }
 
 /* The root's six rows of M v, M packed: about the root's origin, in its axes. */
@@ -2195,7 +2200,7 @@ RBDI_LOCAL void rbdi_wanted_momentum(const rbd_model *m, rbd_contact_set *c, con
         h = rbdi_root_momentum(m, w->H, iv, v);
         h = rbdi_about_centre(&q[u->iq], rbdi_centre_of(m, w->H, iv), h);
         F = rbdi_load_force(&impulse[iv], 1);
-        F = rbdi_about_centre(&c->q_mid[u->iq], rbdi_load_vec(&c->momentum[iv], 1), F);
+        F = rbdi_about_centre(&c->q_mid[u->iq], rbdi_load_vec(&c->centre[iv], 1), F);
         rbdi_store_force(&c->momentum[iv], 1, rbdi_force_add(h, F));
     }
 }
@@ -2255,12 +2260,12 @@ RBDI_LOCAL void rbdi_restore_momentum(const rbd_model *m, const rbd_contact_set 
 
        K = M + dt d,   nu = v_mid + K^-1 (dt (tau - c(w) - d v_mid) + J' p),   c(w) = ID(q_mid, w, a(w))
 
-   with the damping d, and the classical accelerations a(w) = 0 of [manifold code]. The velocity terms are
+   with the damping d, and the accelerations a(w) of [straight moves]. The velocity terms are
    those of the mean velocity: first w = v_mid, then twice w = (v_mid + nu) / 2 of the nu before. Contacts are
    solved for the first and the last time; the nu between has the impulses of the first. Without
    these, light links that the ground holds would race away. For a vector that turns by x a step
-   the length grows in order x^4 / 8 with one correction, and falls in that order with two; beyond x = 2
-   rbdi_guard_solution sums the series. Energy then changes by half of
+   the length grows in order x^4 / 8 with one correction, and falls in that order with two; from
+   x = 1.4 on rbdi_guard_solution sums the series. Energy then changes by half of
    p'(u before + u after). */
 
 /* x = L^-T dt (tau - w->bias - damping v_mid). */
@@ -2296,9 +2301,9 @@ RBDI_LOCAL rbd_status rbdi_begin_step(const rbd_model *m, rbd_contact_set *c, co
     rbd_work *w = s->w;
     rbdi_mask doubt;
 
-    rbdi_move_joints(m, q, v, v, c->half, c->q_mid, c->v_mid);
+    rbdi_move_joints(m, c->points, q, v, v, c->half, c->q_mid, c->v_mid);
     for (int k = 0; k < m->nv; ++k) c->at[k] = c->v_mid[k];
-    rbdi_straight_acceleration(m, c->at, c->straight);
+    rbdi_straight_acceleration(m, c->points, c->at, c->straight);
     rbdi_constraint_bias(m, s, c->q_mid, c->at, rbdi_expand_v(m, c->straight, w->ax), f_ext, w->gravity);
 
     c->contacts = rbdi_list_rows(m, c, q, v);
@@ -2316,7 +2321,7 @@ RBDI_LOCAL void rbdi_correct(const rbd_model *m, rbd_contact_set *c, const rbd_r
     rbd_work *w = c->rows->w;
     for (int k = 0; k < m->nv; ++k) c->at[k] = (c->v_mid[k] + nu[k]) / 2;
 
-    rbdi_straight_acceleration(m, c->at, c->straight);
+    rbdi_straight_acceleration(m, c->points, c->at, c->straight);
     rbdi_rnea(m, w, rbdi_expand_v(m, c->at, w->vx), rbdi_expand_v(m, c->straight, w->ax), f_ext,
               rbdi_mimics(m) ? w->tx : w->bias);
     rbdi_reduce_tau(m, w->tx, w->bias);
@@ -2362,7 +2367,7 @@ RBDI_LOCAL void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int pur
 /* Corrects the velocity terms for the first time: c->x[1], and c->moved with the impulses as they are. */
 RBDI_LOCAL void rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
                                    const rbd_real *f_ext) {
-    rbd_real *change = c->nu;
+    rbd_real *change = c->rows->x;
     rbdi_correct(m, c, c->moved, tau, f_ext, c->x[1]);
     for (int k = 0; k < m->nv; ++k) change[k] = c->x[1][k] - c->x[0][k];
     rbdi_vector_forward(m, c->rows->w, c->rows->w->H, change);
@@ -2370,7 +2375,7 @@ RBDI_LOCAL void rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const
 }
 
 /* Corrects them again: c->x[2]. Solves with the biases of positions, and computes c->moved. Keeps the
-   impulses of the first solution in c->impulse, by row. */
+   impulses of the first solution in c->early. */
 RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
                                  const rbd_real *f_ext) {
     const rbd_contact_solution first = c->solver.solution;
@@ -2378,7 +2383,7 @@ RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const r
     rbdi_correct(m, c, c->moved, tau, f_ext, c->x[2]);
     rbdi_guard_solution(m, s->w->H, c->x[0], c->x[1], c->x[2]);
 
-    for (int r = 0; r < s->rows; ++r) c->impulse[r] = s->lambda[r];
+    for (int r = 0; r < s->rows; ++r) c->early[r] = s->lambda[r];
     for (int k = 0; k < m->nv; ++k) {
         const rbdi_span span = s->span[k];
         rbdi_subtract(&s->b[span.first], (c->x[2][k] - c->x[0][k]) * s->D_inverse[k],
@@ -2398,6 +2403,7 @@ RBDI_LOCAL void rbdi_choose_scheme(rbd_contact_set *c, rbd_real dt, int first_or
     c->dt = dt;
     c->way = first_order ? dt : dt / 2;
     c->half = first_order ? rbdi_zero() : c->way;
+    c->points = first_order ? RBDI_ORIGINS : RBDI_CENTRES;
 }
 
 /* Computes c->moved, the velocities by which positions change. */
@@ -2446,7 +2452,7 @@ RBDI_LOCAL rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set 
     c->differ = rbdi_write_biases(c, RBDI_FOR_VELOCITIES);
     if (c->differ) {
         const int again = c->half > 0 && first.residual > c->solver.given.tolerance;
-        for (int r = 0; again && r < c->rows->rows; ++r) c->rows->lambda[r] = c->impulse[r];
+        for (int r = 0; again && r < c->rows->rows; ++r) c->rows->lambda[r] = c->early[r];
         rbdi_contact_iterate(&c->solver);
         rbdi_contact_respond(m, c, c->half > 0 ? c->x[2] : c->x[0], c->nu);
         c->solver.solution.residual = rbdi_worse(first.residual, c->solver.solution.residual);
@@ -2476,7 +2482,7 @@ RBDI_LOCAL rbd_status rbdi_solve_step(const rbd_model *m, rbd_contact_set *c, co
 /* Writes the state after the step; after an error, q and v = 0. */
 RBDI_LOCAL void rbdi_contact_move(const rbd_model *m, const rbd_contact_set *c, rbd_status status,
                                   const rbd_real *q, rbd_real *q_next, rbd_real *v_next) {
-    if (!status) rbdi_move_joints(m, c->q_mid, c->moved, c->nu, c->way, q_next, v_next);
+    if (!status) rbdi_move_joints(m, c->points, c->q_mid, c->moved, c->nu, c->way, q_next, v_next);
     for (int k = 0; status && k < m->nq; ++k) q_next[k] = q[k];
     if (status) rbdi_clear(v_next, m->nv);
 }
@@ -2511,8 +2517,9 @@ RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const
     if (status) return status;
     rbdi_choose_scheme(c, dt, 1);
     status = rbdi_solve_step(m, c, q, v, tau, f_ext, damping);
-    for (int k = 0; k < m->nv; ++k)
-        a[k] = status ? rbdi_zero() : (c->nu[k] - c->v_mid[k]) / dt + c->straight[k];
+    for (int k = 0; k < m->nv; ++k) a[k] = (c->nu[k] - c->v_mid[k]) / dt + c->straight[k];
+    if (!status && !rbdi_all_finite(a, m->nv)) status = RBD_ERR_NAN;
+    if (status) rbdi_clear(a, m->nv);
     return status;
 }
 
@@ -2574,7 +2581,7 @@ RBDI_LOCAL void rbdi_write_sides(const rbd_model *m, rbd_contact_set *c, rbd_der
                                  const rbd_real *nu, const rbd_real *f_ext, rbd_real *Q, rbd_real *B,
                                  rbd_real *M) {
     const int size = m->nv * m->nv;
-    rbdi_straight_acceleration(m, c->at, c->straight);
+    rbdi_straight_acceleration(m, c->points, c->at, c->straight);
     for (int k = 0; k < m->nv; ++k) d->a[k] = (nu[k] - c->v_mid[k]) / c->dt + c->straight[k];
     if (Q) rbdi_clear(Q, size); /* rbd_keep_zeros leaves entries out */
     if (B) rbdi_clear(B, size), rbdi_clear(M, size);
@@ -2595,7 +2602,7 @@ RBDI_LOCAL void rbdi_add_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivat
         if (rho[1]) rho[1][k] = rho[1][k] - M[k];
         if (rho[2] && k % (n + 1) == 0) rho[2][k] = rho[2][k] - c->dt;
     }
-    rbdi_unforced_columns(m, c->at, c->dt, n, M);
+    rbdi_unforced_columns(m, c->points, c->at, c->dt, n, M);
     for (int k = 0; k < n * n; ++k) {
         B[k] = last ? (B[k] - M[k]) * half : B[k] - M[k];
         if (rho[1]) rho[1][k] = rho[1][k] + B[k];
@@ -2720,7 +2727,7 @@ RBDI_LOCAL void rbdi_middle_terms(const rbd_model *m, rbd_contact_set *c, const 
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     const rbd_real half = c->half;
     rbd_constraint_set *s = c->rows;
-    rbdi_straight_acceleration(m, c->v_mid, c->straight);
+    rbdi_straight_acceleration(m, c->points, c->v_mid, c->straight);
     rbdi_constraint_state(m, s, rbdi_expand_v(m, c->v_mid, s->w->vx), rbdi_expand_v(m, c->straight, s->w->ax),
                           none, 0);
     for (int pass = x == 0; pass < 2; ++pass) { /* 0: -J, which becomes -J - J dW/dv */
@@ -2741,7 +2748,7 @@ RBDI_LOCAL void rbdi_middle_terms(const rbd_model *m, rbd_contact_set *c, const 
             pair = rbdi_contact_pair(c, i);
             rbdi_row_terms(m, c, d, con, &pair, &f, x);
         }
-        if (pass == 0) rbdi_unforced_columns(m, c->v_mid, rbdi_set(RBD_C(1)), s->rows, c->sigma);
+        if (pass == 0) rbdi_unforced_columns(m, c->points, c->v_mid, rbdi_set(RBD_C(1)), s->rows, c->sigma);
     }
 }
 
@@ -2878,18 +2885,19 @@ RBDI_LOCAL int rbdi_differentiate_corrections(const rbd_model *m, rbd_contact_se
 RBDI_LOCAL void rbdi_differentiate_falls(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
                                          const rbd_real *f_ext, rbd_real *const dnu[3]) {
     rbd_work *w = c->rows->w;
+    rbd_real *nu = c->rows->x;
     int any = 0;
     for (int i = 0; i < c->n; ++i) any |= c->contact[i].row >= 0 && c->contact[i].restitution > 0;
     if (!any) return;
 
-    for (int k = 0; k < m->nv; ++k) c->nu[k] = c->x[0][k];
-    rbdi_solve_forward(m, w, w->H, 1, 1, 1, c->nu);
-    for (int k = 0; k < m->nv; ++k) c->nu[k] = c->v_mid[k] + c->nu[k];
-    rbdi_write_rho(m, c, d, c->nu, f_ext, NULL, dnu);
+    for (int k = 0; k < m->nv; ++k) nu[k] = c->x[0][k];
+    rbdi_solve_forward(m, w, w->H, 1, 1, 1, nu);
+    for (int k = 0; k < m->nv; ++k) nu[k] = c->v_mid[k] + nu[k];
+    rbdi_write_rho(m, c, d, nu, f_ext, NULL, dnu);
     rbdi_add_side(m, c, dnu);
     for (int x = 0; x < 3; ++x)
         if (dnu[x]) rbdi_solve_columns(m, w, w->H, -1, m->nv, m->nv, dnu[x]);
-    rbdi_write_falls(m, c, c->nu, dnu);
+    rbdi_write_falls(m, c, nu, dnu);
 }
 
 /* Makes the step, and writes derivatives of c->moved and c->nu. Returns whether they exist. */
@@ -2942,10 +2950,10 @@ RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact
     status = rbdi_begin_step(m, c, q, v, tau, f_ext, damping);
     if (!status) solved = rbdi_differentiate_step(m, c, d, tau, f_ext, &by, &status);
     for (int x = 0; x < 3 && !status; ++x)
-        if (by.dq[x]) rbdi_move_columns(m, c->moved, c->nu, c->way, x == 0, by.dq[x], by.dv[x]);
+        if (by.dq[x]) rbdi_move_columns(m, c->points, c->moved, c->nu, c->way, x == 0, by.dq[x], by.dv[x]);
     if (by.dq[0] && !status) {
-        rbdi_columns_before(m, v, c->half, by.dq[0], by.dq[1]);
-        rbdi_columns_before(m, v, c->half, by.dv[0], by.dv[1]);
+        rbdi_columns_before(m, c->points, v, c->half, by.dq[0], by.dq[1]);
+        rbdi_columns_before(m, c->points, v, c->half, by.dv[0], by.dv[1]);
     }
     for (int x = 0; x < 3; ++x)
         if (by.dq[x]) solved &= rbdi_all_finite(by.dq[x], size) & rbdi_all_finite(by.dv[x], size);

@@ -3049,46 +3049,54 @@ RBDI_API rbd_status rbd_integrate_derivatives(const rbd_model *m, const rbd_real
     return RBD_OK;
 }
 
-/* Replaces the rows of M by M dv~/dv, where v~ is the result of rbdi_unforced_velocity for v, for steps whose
-   origins move straight. With the velocity (w; u) of a joint that turns, a row (n; f) becomes
+/* Replaces the rows of M by M dv~/dv, v~ = v + dt w x (u + w x c), for steps whose points c move straight.
+   With the velocity (w; u) of a joint that turns, a row (n; f) becomes
 
-       n + dt u x f,   f + dt f x w */
-RBDI_PART void rbdi_unforced_columns(const rbd_model *m, const rbd_real *v, rbd_real dt, int rows,
+       n + dt (u + w x c) x f + c x (dt f x w),   f + dt f x w */
+RBDI_PART void rbdi_unforced_columns(const rbd_model *m, int points, const rbd_real *v, rbd_real dt, int rows,
                                      rbd_real *M) {
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *body = &m->frame[b];
         rbdi_motion V;
+        rbdi_v3 c;
         if (!rbdi_joint_turns(body)) continue;
 
-        V = rbdi_joint_motion(body, &v[body->iv], 1);
+        c = rbdi_straight_point(m, body, points);
+        V = rbdi_motion_of_point(rbdi_joint_motion(body, &v[body->iv], 1), c);
         for (rbd_real *row = M + body->iv; row < M + rows * m->nv; row += m->nv) {
             rbdi_motion part = rbdi_joint_motion(body, row, 1);
+            const rbdi_v3 gain = rbdi_scale(dt, rbdi_cross(part.v, V.omega));
+
             part.omega = rbdi_add(part.omega, rbdi_scale(dt, rbdi_cross(V.v, part.v)));
-            part.v = rbdi_add(part.v, rbdi_scale(dt, rbdi_cross(part.v, V.omega)));
+            part.omega = rbdi_add(part.omega, rbdi_cross(c, gain));
+            part.v = rbdi_add(part.v, gain);
             rbdi_put_joint_motion(body, part, row, 1);
         }
     }
 }
 
 /* Replaces rows of a joint that turns: the derivatives dq of `moved` = (w; v) by those of the q that it
-   reaches in dt with its origin straight (rbdi_move_straight), the derivatives dv of `nu` by those of its
-   components in the axes there (rbdi_turn_velocity). With E = exp(-dt [w]x), E nu = (end_w; end_v), and the
-   step (e; s) of the joint's own q that a column is by:
+   reaches in dt with its point c straight (rbdi_move_turning), the derivatives dv of `nu` by those of its
+   components in the axes there. Linear parts are those of c, until the end. With
+   E = exp(-dt [w]x), E nu = (end_w; end_v), and the step (e; s) of the joint's own q that a column is by:
 
        turn = dt J_r(dt w) dw
        dq_next = (E e + turn; E (s + dt e x v + dt dv))
        dv_next = E dnu + (end_w x turn; end_v x turn)
 
    n: number of columns; own: the first column by the joint's own q, -1 = none */
-RBDI_LOCAL void rbdi_turn_columns(const rbdi_frame *body, int n, const rbd_real *moved, const rbd_real *nu,
-                                  rbd_real dt, int own, rbd_real *dq, rbd_real *dv) {
-    const rbdi_motion V = rbdi_joint_motion(body, moved, 1), end = rbdi_joint_motion(body, nu, 1);
+RBDI_LOCAL void rbdi_turn_columns(const rbdi_frame *body, rbdi_v3 c, int n, const rbd_real *moved,
+                                  const rbd_real *nu, rbd_real dt, int own, rbd_real *dq, rbd_real *dv) {
+    const rbdi_motion V = rbdi_motion_of_point(rbdi_joint_motion(body, moved, 1), c),
+                      end = rbdi_motion_of_point(rbdi_joint_motion(body, nu, 1), c);
+    const rbdi_v3 origin = rbdi_sub(rbdi_vec0(), c);
     const rbdi_v3 w = rbdi_scale(dt, V.omega), back = rbdi_scale(-dt, V.omega);
     const rbdi_exp e = rbdi_exp_of(w);
     const rbdi_v3 end_w = rbdi_turn_back(e, w, end.omega), end_v = rbdi_turn_back(e, w, end.v);
 
     for (int k = 0; k < n; ++k, ++dq, ++dv) {
-        rbdi_motion position = rbdi_joint_motion(body, dq, n), velocity = rbdi_joint_motion(body, dv, n);
+        rbdi_motion position = rbdi_motion_of_point(rbdi_joint_motion(body, dq, n), c),
+                    velocity = rbdi_motion_of_point(rbdi_joint_motion(body, dv, n), c);
         const rbdi_v3 turn = rbdi_scale(dt, rbdi_exp_shift(e, back, position.omega));
 
         position.omega = turn;
@@ -3097,7 +3105,7 @@ RBDI_LOCAL void rbdi_turn_columns(const rbdi_frame *body, int n, const rbd_real 
             rbd_real unit[6] = {rbdi_zero(), rbdi_zero(), rbdi_zero(), rbdi_zero(), rbdi_zero(), rbdi_zero()};
             rbdi_motion step;
             unit[k - own] = rbdi_set(RBD_C(1));
-            step = rbdi_joint_motion(body, unit, 1);
+            step = rbdi_motion_of_point(rbdi_joint_motion(body, unit, 1), c);
             position.omega = rbdi_add(turn, rbdi_turn_back(e, w, step.omega));
             position.v = rbdi_add(rbdi_add(position.v, step.v), rbdi_scale(dt, rbdi_cross(step.omega, V.v)));
         }
@@ -3106,21 +3114,22 @@ RBDI_LOCAL void rbdi_turn_columns(const rbdi_frame *body, int n, const rbd_real 
         velocity.omega = rbdi_add(rbdi_turn_back(e, w, velocity.omega), rbdi_cross(end_w, turn));
         velocity.v = rbdi_add(rbdi_turn_back(e, w, velocity.v), rbdi_cross(end_v, turn));
 
-        rbdi_put_joint_motion(body, position, dq, n);
-        rbdi_put_joint_motion(body, velocity, dv, n);
+        rbdi_put_joint_motion(body, rbdi_motion_of_point(position, origin), dq, n);
+        rbdi_put_joint_motion(body, rbdi_motion_of_point(velocity, origin), dv, n);
     }
 }
 
 /* The same for all joints. Where coordinates add up, dq_next = e + dt dq and dv_next = dv. */
-RBDI_PART void rbdi_move_columns(const rbd_model *m, const rbd_real *moved, const rbd_real *nu, rbd_real dt,
-                                 int by_q, rbd_real *dq, rbd_real *dv) {
+RBDI_PART void rbdi_move_columns(const rbd_model *m, int points, const rbd_real *moved, const rbd_real *nu,
+                                 rbd_real dt, int by_q, rbd_real *dq, rbd_real *dv) {
     const ptrdiff_t n = m->nv;
 
     for (int b = 0; b < m->nb; ++b) {
         const rbdi_frame *body = &m->frame[b];
 
         if (rbdi_joint_turns(body)) {
-            rbdi_turn_columns(body, m->nv, &moved[body->iv], &nu[body->iv], dt, by_q ? body->iv : -1,
+            const rbdi_v3 c = rbdi_straight_point(m, body, points);
+            rbdi_turn_columns(body, c, m->nv, &moved[body->iv], &nu[body->iv], dt, by_q ? body->iv : -1,
                               &dq[body->iv * n], &dv[body->iv * n]);
             continue;
         }
@@ -3132,13 +3141,14 @@ RBDI_PART void rbdi_move_columns(const rbd_model *m, const rbd_real *moved, cons
     }
 }
 
-/* Derivatives of the q and v of one joint, moved by v dt with its origin straight, v in the axes of the end:
+/* Derivatives of the q and v of one joint, moved by v dt with its point c straight, v in the axes of the end:
    nv x nv each, of q by q and by v, of v by v. */
 typedef struct rbdi_moved_joint {
     rbd_real q_q[36], q_v[36], v_v[36];
 } rbdi_moved_joint;
 
-RBDI_LOCAL rbdi_moved_joint rbdi_differentiate_move(const rbdi_frame *body, const rbd_real *v, rbd_real dt) {
+RBDI_LOCAL rbdi_moved_joint rbdi_differentiate_move(const rbdi_frame *body, rbdi_v3 c, const rbd_real *v,
+                                                    rbd_real dt) {
     const int n = body->nv;
     rbd_real none[36];
     rbdi_moved_joint by;
@@ -3146,8 +3156,8 @@ RBDI_LOCAL rbdi_moved_joint rbdi_differentiate_move(const rbdi_frame *body, cons
     for (int k = 0; k < 36; ++k) by.q_q[k] = by.q_v[k] = by.v_v[k] = none[k] = rbdi_zero();
     for (int k = 0; k < n; ++k) by.q_v[k * (n + 1)] = by.v_v[k * (n + 1)] = rbdi_set(RBD_C(1));
     if (rbdi_joint_turns(body)) {
-        rbdi_turn_columns(body, n, v, v, dt, 0, by.q_q, none);
-        rbdi_turn_columns(body, n, v, v, dt, -1, by.q_v, by.v_v);
+        rbdi_turn_columns(body, c, n, v, v, dt, 0, by.q_q, none);
+        rbdi_turn_columns(body, c, n, v, v, dt, -1, by.q_v, by.v_v);
         return by;
     }
 
@@ -3160,14 +3170,14 @@ RBDI_LOCAL rbdi_moved_joint rbdi_differentiate_move(const rbdi_frame *body, cons
 
 /* Replaces rows of derivatives by a state, F_q and F_v, by those by the state from which v moved it for dt:
    F_v = F_q dq/dv + F_v dv/dv, F_q = F_q dq/dq. F_v: NULL = not wanted. */
-RBDI_PART void rbdi_columns_before(const rbd_model *m, const rbd_real *v, rbd_real dt, rbd_real *F_q,
-                                   rbd_real *F_v) {
+RBDI_PART void rbdi_columns_before(const rbd_model *m, int points, const rbd_real *v, rbd_real dt,
+                                   rbd_real *F_q, rbd_real *F_v) {
     for (const rbdi_frame *body = m->frame; body < m->frame + m->nb; ++body) {
         const int n = body->nv;
         rbdi_moved_joint by;
         if (n == 0) continue;
 
-        by = rbdi_differentiate_move(body, &v[body->iv], dt);
+        by = rbdi_differentiate_move(body, rbdi_straight_point(m, body, points), &v[body->iv], dt);
         for (int r = 0; r < m->nv; ++r) {
             rbd_real *q = &F_q[r * m->nv + body->iv], new_q[6], new_v[6];
 

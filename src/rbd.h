@@ -26,8 +26,8 @@
      [layout]
      [design] [compiler] [tolerances] [scalar] [reduction] [spatial algebra] [pieces] [common] [features]
      [joint types] [joints] [state] [rnea] [crba] [aba] [packed matrix] [pivots] [hybrid]
-     [forward dynamics code] [axes] [kinematics code] [points code] [manifold code] [free step] [work code]
-     [lookup code] [text code]
+     [forward dynamics code] [axes] [kinematics code] [points code] [manifold code] [straight moves]
+     [free step] [work code] [lookup code] [text code]
      [descriptions] [model build]
      [licence]
 
@@ -127,7 +127,7 @@
      computes and they refuse, M has lost its digits, as of float chains of 100 rods. Calls with constraints
      may find there that rounding keeps them from holding their rows: RBD_ERR_INFEASIBLE.
      Input is not searched for NaN: one that reaches the mass matrix is RBD_ERR_NAN in forward dynamics, one
-     in a gap or limit in rbd_contact_step; any other reaches all results that depend on it, with RBD_OK. From
+     in q or a gap in rbd_contact_step; any other reaches all results that depend on it, with RBD_OK. From
      libm only sqrt; sin and cos for __float128 and classes, and with excess precision (x87). The same input
      gives the same bits on every call of one build; between builds, contraction to FMA and the order of sums
      change last bits.
@@ -311,6 +311,7 @@ RBDI_CODE_BEGIN
 #include "motion/kinematics.h"
 #include "motion/points.h"
 #include "motion/manifold.h"
+#include "motion/step.h"
 #include "motion/free_step.h"
 #include "model/work_init.h"
 #include "model/lookup.h"

@@ -34,7 +34,8 @@ RBDI_API rbd_status rbd_step(const rbd_model *m, const rbd_real *q, const rbd_re
    tau, damping   nv. damping is implicit: tau acts as tau - damping v_next. NULL: 0
    f_ext          nb x 6 or NULL: in the axes that bodies have in the middle of the step
    dt             s; any finite number
-   q_next may be q, v_next may be v. Errors: as rbd_fd_cholesky; after RBD_ERR_SINGULAR forces count as 0.
+   q_next may be q, v_next may be v. Errors: as rbd_fd_cholesky; also RBD_ERR_NAN if a velocity changes by
+   1e12 or more, or by NaN. After RBD_ERR_SINGULAR and RBD_ERR_NAN forces and velocity terms count as 0.
    Moreau 1999; Hairer, Lubich and Wanner, Geometric Numerical Integration, VII. */
 RBDI_API rbd_status rbd_free_step(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                   const rbd_real *tau, const rbd_real *f_ext, const rbd_real *damping,

@@ -38,7 +38,7 @@ RBDI_LOCAL void rbdi_write_sides(const rbd_model *m, rbd_contact_set *c, rbd_der
                                  const rbd_real *nu, const rbd_real *f_ext, rbd_real *Q, rbd_real *B,
                                  rbd_real *M) {
     const int size = m->nv * m->nv;
-    rbdi_straight_acceleration(m, c->at, c->straight);
+    rbdi_straight_acceleration(m, c->points, c->at, c->straight);
     for (int k = 0; k < m->nv; ++k) d->a[k] = (nu[k] - c->v_mid[k]) / c->dt + c->straight[k];
     if (Q) rbdi_clear(Q, size); /* rbd_keep_zeros leaves entries out */
     if (B) rbdi_clear(B, size), rbdi_clear(M, size);
@@ -59,7 +59,7 @@ RBDI_LOCAL void rbdi_add_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivat
         if (rho[1]) rho[1][k] = rho[1][k] - M[k];
         if (rho[2] && k % (n + 1) == 0) rho[2][k] = rho[2][k] - c->dt;
     }
-    rbdi_unforced_columns(m, c->at, c->dt, n, M);
+    rbdi_unforced_columns(m, c->points, c->at, c->dt, n, M);
     for (int k = 0; k < n * n; ++k) {
         B[k] = last ? (B[k] - M[k]) * half : B[k] - M[k];
         if (rho[1]) rho[1][k] = rho[1][k] + B[k];
@@ -184,7 +184,7 @@ RBDI_LOCAL void rbdi_middle_terms(const rbd_model *m, rbd_contact_set *c, const 
     const rbdi_c3 none = {RBD_C(0), RBD_C(0), RBD_C(0)};
     const rbd_real half = c->half;
     rbd_constraint_set *s = c->rows;
-    rbdi_straight_acceleration(m, c->v_mid, c->straight);
+    rbdi_straight_acceleration(m, c->points, c->v_mid, c->straight);
     rbdi_constraint_state(m, s, rbdi_expand_v(m, c->v_mid, s->w->vx), rbdi_expand_v(m, c->straight, s->w->ax),
                           none, 0);
     for (int pass = x == 0; pass < 2; ++pass) { /* 0: -J, which becomes -J - J dW/dv */
@@ -205,7 +205,7 @@ RBDI_LOCAL void rbdi_middle_terms(const rbd_model *m, rbd_contact_set *c, const 
             pair = rbdi_contact_pair(c, i);
             rbdi_row_terms(m, c, d, con, &pair, &f, x);
         }
-        if (pass == 0) rbdi_unforced_columns(m, c->v_mid, rbdi_set(RBD_C(1)), s->rows, c->sigma);
+        if (pass == 0) rbdi_unforced_columns(m, c->points, c->v_mid, rbdi_set(RBD_C(1)), s->rows, c->sigma);
     }
 }
 
@@ -342,18 +342,19 @@ RBDI_LOCAL int rbdi_differentiate_corrections(const rbd_model *m, rbd_contact_se
 RBDI_LOCAL void rbdi_differentiate_falls(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,
                                          const rbd_real *f_ext, rbd_real *const dnu[3]) {
     rbd_work *w = c->rows->w;
+    rbd_real *nu = c->rows->x;
     int any = 0;
     for (int i = 0; i < c->n; ++i) any |= c->contact[i].row >= 0 && c->contact[i].restitution > 0;
     if (!any) return;
 
-    for (int k = 0; k < m->nv; ++k) c->nu[k] = c->x[0][k];
-    rbdi_solve_forward(m, w, w->H, 1, 1, 1, c->nu);
-    for (int k = 0; k < m->nv; ++k) c->nu[k] = c->v_mid[k] + c->nu[k];
-    rbdi_write_rho(m, c, d, c->nu, f_ext, NULL, dnu);
+    for (int k = 0; k < m->nv; ++k) nu[k] = c->x[0][k];
+    rbdi_solve_forward(m, w, w->H, 1, 1, 1, nu);
+    for (int k = 0; k < m->nv; ++k) nu[k] = c->v_mid[k] + nu[k];
+    rbdi_write_rho(m, c, d, nu, f_ext, NULL, dnu);
     rbdi_add_side(m, c, dnu);
     for (int x = 0; x < 3; ++x)
         if (dnu[x]) rbdi_solve_columns(m, w, w->H, -1, m->nv, m->nv, dnu[x]);
-    rbdi_write_falls(m, c, c->nu, dnu);
+    rbdi_write_falls(m, c, nu, dnu);
 }
 
 /* Makes the step, and writes derivatives of c->moved and c->nu. Returns whether they exist. */
@@ -406,10 +407,10 @@ RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact
     status = rbdi_begin_step(m, c, q, v, tau, f_ext, damping);
     if (!status) solved = rbdi_differentiate_step(m, c, d, tau, f_ext, &by, &status);
     for (int x = 0; x < 3 && !status; ++x)
-        if (by.dq[x]) rbdi_move_columns(m, c->moved, c->nu, c->way, x == 0, by.dq[x], by.dv[x]);
+        if (by.dq[x]) rbdi_move_columns(m, c->points, c->moved, c->nu, c->way, x == 0, by.dq[x], by.dv[x]);
     if (by.dq[0] && !status) {
-        rbdi_columns_before(m, v, c->half, by.dq[0], by.dq[1]);
-        rbdi_columns_before(m, v, c->half, by.dv[0], by.dv[1]);
+        rbdi_columns_before(m, c->points, v, c->half, by.dq[0], by.dq[1]);
+        rbdi_columns_before(m, c->points, v, c->half, by.dv[0], by.dv[1]);
     }
     for (int x = 0; x < 3; ++x)
         if (by.dq[x]) solved &= rbdi_all_finite(by.dq[x], size) & rbdi_all_finite(by.dv[x], size);

@@ -95,11 +95,13 @@ struct rbd_contact_set {
     int n, dof_rows;         /* numbers of contacts and, at most, of rows of dofs */
     int max_rows;            /* rows at most */
     int contacts;            /* that are rows of the step */
+    int points;              /* that move straight: RBDI_ORIGINS or RBDI_CENTRES */
     int differ;              /* whether `nu` and `moved` differ */
     rbdi_contact *contact;   /* n */
     rbdi_dof_row *dof_row;   /* dof_rows */
     int16_t *place;          /* max_rows: of each row of the step */
     rbd_real *impulse;       /* max_rows: of the last step, by place; 0 where it had no row */
+    rbd_real *early;         /* max_rows: impulses of the step's first solution, by row */
     rbd_real *friction;      /* of the step's contacts */
     rbd_real *lower, *upper; /* of its other rows */
     rbd_real *b;             /* max_rows: u without impulses, with the bias */
@@ -108,7 +110,8 @@ struct rbd_contact_set {
                                      these velocities, origins move straight */
     rbd_real *damping;       /* nv: all of it that is implicit */
     rbd_real *nu, *moved;    /* nv each: velocities of the end; of the positions */
-    rbd_real *momentum;      /* nv: wanted at the end, of roots; before, their centres of mass at q_mid */
+    rbd_real *centre;        /* nv: with `momentum`, centres of mass at q_mid, at the first dofs of roots */
+    rbd_real *momentum;      /* nv: wanted at the end, of roots that fly */
     rbd_real *x[3];          /* nv each: L^-T dt (tau - c - damping v_mid), c corrected so many times */
     rbd_real dt, last_dt;    /* of this step; of the last one, 1 = none */
     rbd_real half, way;      /* times for which v moves q, and then the solution does: dt/2 each */
@@ -125,7 +128,7 @@ struct rbd_contact_set {
      RBDI_ROUND((size_t)(bounded) * sizeof(rbdi_dof_row)) + \
      RBDI_ROUND(RBDI_CONTACT_ROWS(n, bounded) * sizeof(int16_t)) + \
      RBDI_ROUND(sizeof(rbd_real) * ((size_t)(n) + 2 * (size_t)(bounded) + \
-                                    2 * RBDI_CONTACT_ROWS(n, bounded) + (size_t)(nq) + 10 * (size_t)(nv))) + \
+                                    3 * RBDI_CONTACT_ROWS(n, bounded) + (size_t)(nq) + 11 * (size_t)(nv))) + \
      RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded)) + \
      RBDI_CONSTRAINTS_BYTES(nv, (n) + (constraints), RBDI_CONTACT_ROWS(n, bounded), stride))
 

@@ -65,11 +65,11 @@ RBDI_LOCAL rbdi_v3 rbdi_centre_of(const rbd_model *m, const rbd_real *M, int iv)
     return rbdi_vec(y[2] / mass, z[0] / mass, x[1] / mass);
 }
 
-/* Notes the centres of mass at q_mid, where M is w->H, in c->momentum at the first dofs of roots. */
+/* Notes the centres of mass at q_mid, where M is w->H, in c->centre at the first dofs of roots. */
 RBDI_LOCAL void rbdi_note_centres(const rbd_model *m, rbd_contact_set *c) {
     for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
         if (u->type == RBD_FLOATING && u->link >= 0)
-            rbdi_store_vec(&c->momentum[u->iv], 1, rbdi_centre_of(m, c->rows->w->H, u->iv));
+            rbdi_store_vec(&c->centre[u->iv], 1, rbdi_centre_of(m, c->rows->w->H, u->iv));
 }
 
 /* The root's six rows of M v, M packed: about the root's origin, in its axes. */
@@ -116,7 +116,7 @@ RBDI_LOCAL void rbdi_wanted_momentum(const rbd_model *m, rbd_contact_set *c, con
         h = rbdi_root_momentum(m, w->H, iv, v);
         h = rbdi_about_centre(&q[u->iq], rbdi_centre_of(m, w->H, iv), h);
         F = rbdi_load_force(&impulse[iv], 1);
-        F = rbdi_about_centre(&c->q_mid[u->iq], rbdi_load_vec(&c->momentum[iv], 1), F);
+        F = rbdi_about_centre(&c->q_mid[u->iq], rbdi_load_vec(&c->centre[iv], 1), F);
         rbdi_store_force(&c->momentum[iv], 1, rbdi_force_add(h, F));
     }
 }

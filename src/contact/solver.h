@@ -117,10 +117,11 @@ RBDI_PART void rbdi_contact_begin(rbdi_contact_solver *s, const rbd_contact_prob
         rbdi_contact_prepare(&s->law[i], &given->delta[3 * i * (s->rows + 1)], s->rows, given->friction[i]);
 }
 
+/* Of a number x - x is 0, else NaN, and so is a sum with it. */
 RBDI_PART int rbdi_all_finite(const rbd_real *x, int n) {
-    for (int i = 0; i < n; ++i)
-        if (!(x[i] - x[i] == 0)) return 0;
-    return 1;
+    rbd_real sum = rbdi_zero();
+    for (int i = 0; i < n; ++i) sum = sum + (x[i] - x[i]);
+    return sum == 0;
 }
 
 /* Whether an index into G, the largest array, would not fit an int. */

@@ -15,12 +15,12 @@
 
        K = M + dt d,   nu = v_mid + K^-1 (dt (tau - c(w) - d v_mid) + J' p),   c(w) = ID(q_mid, w, a(w))
 
-   with the damping d, and the classical accelerations a(w) = 0 of [manifold code]. The velocity terms are
+   with the damping d, and the accelerations a(w) of [straight moves]. The velocity terms are
    those of the mean velocity: first w = v_mid, then twice w = (v_mid + nu) / 2 of the nu before. Contacts are
    solved for the first and the last time; the nu between has the impulses of the first. Without
    these, light links that the ground holds would race away. For a vector that turns by x a step
-   the length grows in order x^4 / 8 with one correction, and falls in that order with two; beyond x = 2
-   rbdi_guard_solution sums the series. Energy then changes by half of
+   the length grows in order x^4 / 8 with one correction, and falls in that order with two; from
+   x = 1.4 on rbdi_guard_solution sums the series. Energy then changes by half of
    p'(u before + u after). */
 
 /* x = L^-T dt (tau - w->bias - damping v_mid). */
@@ -56,9 +56,9 @@ RBDI_LOCAL rbd_status rbdi_begin_step(const rbd_model *m, rbd_contact_set *c, co
     rbd_work *w = s->w;
     rbdi_mask doubt;
 
-    rbdi_move_joints(m, q, v, v, c->half, c->q_mid, c->v_mid);
+    rbdi_move_joints(m, c->points, q, v, v, c->half, c->q_mid, c->v_mid);
     for (int k = 0; k < m->nv; ++k) c->at[k] = c->v_mid[k];
-    rbdi_straight_acceleration(m, c->at, c->straight);
+    rbdi_straight_acceleration(m, c->points, c->at, c->straight);
     rbdi_constraint_bias(m, s, c->q_mid, c->at, rbdi_expand_v(m, c->straight, w->ax), f_ext, w->gravity);
 
     c->contacts = rbdi_list_rows(m, c, q, v);
@@ -76,7 +76,7 @@ RBDI_LOCAL void rbdi_correct(const rbd_model *m, rbd_contact_set *c, const rbd_r
     rbd_work *w = c->rows->w;
     for (int k = 0; k < m->nv; ++k) c->at[k] = (c->v_mid[k] + nu[k]) / 2;
 
-    rbdi_straight_acceleration(m, c->at, c->straight);
+    rbdi_straight_acceleration(m, c->points, c->at, c->straight);
     rbdi_rnea(m, w, rbdi_expand_v(m, c->at, w->vx), rbdi_expand_v(m, c->straight, w->ax), f_ext,
               rbdi_mimics(m) ? w->tx : w->bias);
     rbdi_reduce_tau(m, w->tx, w->bias);
@@ -122,7 +122,7 @@ RBDI_LOCAL void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int pur
 /* Corrects the velocity terms for the first time: c->x[1], and c->moved with the impulses as they are. */
 RBDI_LOCAL void rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
                                    const rbd_real *f_ext) {
-    rbd_real *change = c->nu;
+    rbd_real *change = c->rows->x;
     rbdi_correct(m, c, c->moved, tau, f_ext, c->x[1]);
     for (int k = 0; k < m->nv; ++k) change[k] = c->x[1][k] - c->x[0][k];
     rbdi_vector_forward(m, c->rows->w, c->rows->w->H, change);
@@ -130,7 +130,7 @@ RBDI_LOCAL void rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const
 }
 
 /* Corrects them again: c->x[2]. Solves with the biases of positions, and computes c->moved. Keeps the
-   impulses of the first solution in c->impulse, by row. */
+   impulses of the first solution in c->early. */
 RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
                                  const rbd_real *f_ext) {
     const rbd_contact_solution first = c->solver.solution;
@@ -138,7 +138,7 @@ RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const r
     rbdi_correct(m, c, c->moved, tau, f_ext, c->x[2]);
     rbdi_guard_solution(m, s->w->H, c->x[0], c->x[1], c->x[2]);
 
-    for (int r = 0; r < s->rows; ++r) c->impulse[r] = s->lambda[r];
+    for (int r = 0; r < s->rows; ++r) c->early[r] = s->lambda[r];
     for (int k = 0; k < m->nv; ++k) {
         const rbdi_span span = s->span[k];
         rbdi_subtract(&s->b[span.first], (c->x[2][k] - c->x[0][k]) * s->D_inverse[k],
@@ -158,6 +158,7 @@ RBDI_LOCAL void rbdi_choose_scheme(rbd_contact_set *c, rbd_real dt, int first_or
     c->dt = dt;
     c->way = first_order ? dt : dt / 2;
     c->half = first_order ? rbdi_zero() : c->way;
+    c->points = first_order ? RBDI_ORIGINS : RBDI_CENTRES;
 }
 
 /* Computes c->moved, the velocities by which positions change. */
@@ -206,7 +207,7 @@ RBDI_LOCAL rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set 
     c->differ = rbdi_write_biases(c, RBDI_FOR_VELOCITIES);
     if (c->differ) {
         const int again = c->half > 0 && first.residual > c->solver.given.tolerance;
-        for (int r = 0; again && r < c->rows->rows; ++r) c->rows->lambda[r] = c->impulse[r];
+        for (int r = 0; again && r < c->rows->rows; ++r) c->rows->lambda[r] = c->early[r];
         rbdi_contact_iterate(&c->solver);
         rbdi_contact_respond(m, c, c->half > 0 ? c->x[2] : c->x[0], c->nu);
         c->solver.solution.residual = rbdi_worse(first.residual, c->solver.solution.residual);
@@ -236,7 +237,7 @@ RBDI_LOCAL rbd_status rbdi_solve_step(const rbd_model *m, rbd_contact_set *c, co
 /* Writes the state after the step; after an error, q and v = 0. */
 RBDI_LOCAL void rbdi_contact_move(const rbd_model *m, const rbd_contact_set *c, rbd_status status,
                                   const rbd_real *q, rbd_real *q_next, rbd_real *v_next) {
-    if (!status) rbdi_move_joints(m, c->q_mid, c->moved, c->nu, c->way, q_next, v_next);
+    if (!status) rbdi_move_joints(m, c->points, c->q_mid, c->moved, c->nu, c->way, q_next, v_next);
     for (int k = 0; status && k < m->nq; ++k) q_next[k] = q[k];
     if (status) rbdi_clear(v_next, m->nv);
 }
@@ -271,8 +272,9 @@ RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const
     if (status) return status;
     rbdi_choose_scheme(c, dt, 1);
     status = rbdi_solve_step(m, c, q, v, tau, f_ext, damping);
-    for (int k = 0; k < m->nv; ++k)
-        a[k] = status ? rbdi_zero() : (c->nu[k] - c->v_mid[k]) / dt + c->straight[k];
+    for (int k = 0; k < m->nv; ++k) a[k] = (c->nu[k] - c->v_mid[k]) / dt + c->straight[k];
+    if (!status && !rbdi_all_finite(a, m->nv)) status = RBD_ERR_NAN;
+    if (status) rbdi_clear(a, m->nv);
     return status;
 }
 

@@ -4,8 +4,7 @@
 #include "model/joint_types.h"
 #include "model/joints.h"
 
-/* Interface: rbdi_difference_joint, rbdi_joint_motion, rbdi_joint_turns, rbdi_move_joints,
-   rbdi_put_joint_motion, rbdi_straight_acceleration, rbdi_turn_back */
+/* Interface: rbdi_difference_joint, rbdi_joint_motion, rbdi_joint_turns, rbdi_put_joint_motion */
 
 /* ---- configuration manifold [manifold code] ---- */
 
@@ -35,10 +34,20 @@ RBDI_LOCAL void rbdi_put_origin(const rbdi_frame *u, rbdi_v3 p, rbd_real *q) {
     if (u->type == RBD_FLOATING) rbdi_store_vec(q, 1, p);
 }
 
-/* q_next = q (+) d for one joint of the description: along a screw or, if straight, with its origin moved
-   by the linear part of d in the axes of the beginning. */
-RBDI_LOCAL void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_real *d, int straight,
-                                rbd_real *q_next) {
+/* q_next of a joint that turns by e in its own axes, with its origin moved by the shift in the axes of q:
+   p_next = p + E' shift, and the turn. */
+RBDI_LOCAL void rbdi_turn_joint(const rbdi_frame *u, const rbd_real *q, rbdi_exp e, rbdi_v3 turn,
+                                rbdi_v3 shift, rbd_real *q_next) {
+    shift = rbdi_mul_t(rbdi_joint_attitude(u->type, q), shift);
+    rbdi_put_origin(u, rbdi_add(rbdi_joint_origin(u->type, q), shift), q_next);
+    if (u->type == RBD_PLANAR)
+        q_next[2] = q[2] + turn.z;
+    else
+        rbdi_quaternion_step(&q[u->nq - 4], e, turn, &q_next[u->nq - 4]);
+}
+
+/* q_next = q (+) d for one joint of the description: along a screw. */
+RBDI_LOCAL void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rbd_real *d, rbd_real *q_next) {
     if (u->type == RBD_CONTINUOUS_CS) {
         rbd_real c, s, cd, sd, next[2];
         rbdi_unit_cs(q, &c, &s);
@@ -49,93 +58,9 @@ RBDI_LOCAL void rbdi_step_joint(const rbdi_frame *u, const rbd_real *q, const rb
     } else if (rbdi_joint_turns(u)) {
         const rbdi_motion step = rbdi_joint_motion(u, d, 1);
         const rbdi_exp e = rbdi_exp_of(step.omega);
-        rbdi_v3 shift = straight ? step.v : rbdi_exp_shift(e, step.omega, step.v);
-
-        /* p_next = p + E' shift, and the turn */
-        shift = rbdi_mul_t(rbdi_joint_attitude(u->type, q), shift);
-        rbdi_put_origin(u, rbdi_add(rbdi_joint_origin(u->type, q), shift), q_next);
-        if (u->type == RBD_PLANAR)
-            q_next[2] = q[2] + step.omega.z;
-        else
-            rbdi_quaternion_step(&q[u->nq - 4], e, step.omega, &q_next[u->nq - 4]);
+        rbdi_turn_joint(u, q, e, step.omega, rbdi_exp_shift(e, step.omega, step.v), q_next);
     } else {
         for (int k = 0; k < u->nv; ++k) q_next[k] = q[k] + d[k];
-    }
-}
-
-/* rbd_step of one joint in three parts. First nu: v after dt if a is 0, in the axes of the step's
-   beginning. Linear velocities in body axes gain dt omega x v, the others stay. */
-RBDI_LOCAL void rbdi_unforced_velocity(const rbdi_frame *u, const rbd_real *v, rbd_real dt, rbd_real *nu) {
-    rbdi_motion V;
-    for (int k = 0; k < u->nv; ++k) nu[k] = v[k];
-    if (!rbdi_joint_turns(u)) return;
-    V = rbdi_joint_motion(u, v, 1);
-    V.v = rbdi_add(V.v, rbdi_scale(dt, rbdi_cross(V.omega, V.v)));
-    rbdi_put_joint_motion(u, V, nu, 1);
-}
-
-/* Second q_next: q moved by nu dt. Origins of floating and planar joints move straight. */
-RBDI_LOCAL void rbdi_move_straight(const rbdi_frame *u, const rbd_real *q, const rbd_real *nu, rbd_real dt,
-                                   rbd_real *q_next) {
-    rbd_real d[6];
-    for (int k = 0; k < u->nv; ++k) d[k] = nu[k] * dt;
-    rbdi_step_joint(u, q, d, 1, q_next);
-}
-
-/* The vector r turned by -turn: r - A turn x r + B turn x (turn x r). */
-RBDI_LOCAL rbdi_v3 rbdi_turn_back(rbdi_exp e, rbdi_v3 turn, rbdi_v3 r) {
-    const rbdi_v3 across = rbdi_cross(turn, r);
-    const rbdi_v3 inward = rbdi_cross(turn, across);
-    r = rbdi_sub(r, rbdi_scale((e.half_sine + e.half_sine) * e.half_cosine, across));
-    return rbdi_add(r, rbdi_scale(e.B, inward));
-}
-
-/* Third v_next: nu in the axes of the step's end, which the velocity `moved` has turned during dt. v_next
-   may be nu. */
-RBDI_LOCAL void rbdi_turn_velocity(const rbdi_frame *u, const rbd_real *moved, rbd_real dt,
-                                   const rbd_real *nu, rbd_real *v_next) {
-    rbdi_motion V;
-    rbdi_v3 turn;
-    rbdi_exp e;
-
-    if (!rbdi_joint_turns(u)) {
-        for (int k = 0; k < u->nv; ++k) v_next[k] = nu[k];
-        return;
-    }
-
-    turn = rbdi_scale(dt, rbdi_joint_motion(u, moved, 1).omega);
-    e = rbdi_exp_of(turn);
-    V = rbdi_joint_motion(u, nu, 1);
-    V.omega = rbdi_turn_back(e, turn, V.omega);
-    V.v = rbdi_turn_back(e, turn, V.v);
-    rbdi_put_joint_motion(u, V, v_next, 1);
-}
-
-/* The last two parts of all joints, for a scheme of its own: q moved by `moved` for dt, and nu in the axes of
-   its end. An output may be the input of its name. */
-RBDI_PART void rbdi_move_joints(const rbd_model *m, const rbd_real *q, const rbd_real *moved,
-                                const rbd_real *nu, rbd_real dt, rbd_real *q_next, rbd_real *v_next) {
-    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {
-        if (u->nv == 1 && u->nq == 1) { /* the most, and all that a straight step needs */
-            q_next[u->iq] = q[u->iq] + moved[u->iv] * dt;
-            v_next[u->iv] = nu[u->iv];
-        } else if (u->nv > 0) {
-            rbdi_move_straight(u, &q[u->iq], &moved[u->iv], dt, &q_next[u->iq]);
-            rbdi_turn_velocity(u, &moved[u->iv], dt, &nu[u->iv], &v_next[u->iv]);
-        }
-    }
-}
-
-/* a by which origins move straight and turns keep their axis: the linear part is -omega x v, all else 0. a:
-   0 before, but where this call writes. */
-RBDI_PART void rbdi_straight_acceleration(const rbd_model *m, const rbd_real *v, rbd_real *a) {
-    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {
-        rbdi_motion V;
-        if (!rbdi_joint_turns(u)) continue;
-        V = rbdi_joint_motion(u, &v[u->iv], 1);
-        V.v = rbdi_cross(V.v, V.omega);
-        V.omega = rbdi_vec0();
-        rbdi_put_joint_motion(u, V, &a[u->iv], 1);
     }
 }
 
@@ -258,24 +183,9 @@ RBDI_API rbd_status rbd_integrate(const rbd_model *m, const rbd_real *q, const r
         const rbdi_frame *u = &m->frame[b];
         rbd_real d[6];
         for (int k = 0; k < u->nv; ++k) d[k] = v[u->iv + k] * dt;
-        if (u->nv > 0) rbdi_step_joint(u, &q[u->iq], d, 0, &q_next[u->iq]);
+        if (u->nv > 0) rbdi_step_joint(u, &q[u->iq], d, &q_next[u->iq]);
     }
 
-    return RBD_OK;
-}
-
-RBDI_API rbd_status rbd_step(const rbd_model *m, const rbd_real *q, const rbd_real *v, const rbd_real *a,
-                             rbd_real dt, rbd_real *q_next, rbd_real *v_next) {
-    if (!m || !q || !v || !a || !q_next || !v_next) return RBD_ERR_NULL;
-
-    for (int b = 0; b < m->nb; ++b) {
-        const rbdi_frame *u = &m->frame[b];
-        rbd_real nu[6];
-        if (u->nv == 0) continue;
-        rbdi_unforced_velocity(u, &v[u->iv], dt, nu);
-        for (int k = 0; k < u->nv; ++k) v_next[u->iv + k] = nu[k] + dt * a[u->iv + k];
-    }
-    rbdi_move_joints(m, q, v_next, v_next, dt, q_next, v_next);
     return RBD_OK;
 }
 
@@ -300,7 +210,7 @@ RBDI_LOCAL void rbdi_interpolate_joint(const rbdi_frame *u, const rbd_real *q0, 
     for (int k = 0; k < u->nv; ++k) d[k] = d[k] * share;
     for (int k = 0; k < u->nq; ++k) from[k] = rbdi_select(within, q0[k], q1[k]);
 
-    rbdi_step_joint(u, from, d, 0, q);
+    rbdi_step_joint(u, from, d, q);
 }
 
 RBDI_API rbd_status rbd_interpolate(const rbd_model *m, const rbd_real *q0, const rbd_real *q1, rbd_real s,

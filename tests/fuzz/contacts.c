@@ -539,43 +539,81 @@ static void turned(const quad *quaternion, const quad x[3], quad out[3]) {
     for (int j = 0; j < 3; j++) out[j] = x[j] + 2 * (u[3] * once[j] + twice[j]);
 }
 
-/* A joint moves by `moved` for the time t, its origin straight and its turn about one axis. v_next: nu in the
-   axes of the end. */
-static void move_joint(const rbd_body *b, const quad *q, const quad *moved, const quad *nu, quad t,
-                       quad *q_next, quad *v_next) {
-    quad d[6], size[7], way_of_origin[3];
+static const rbd_model *model;
+
+/* The point of body i that moves straight, in its axes: its origin in steps of first order. In others any
+   point will do, and the library's is taken; of one body it is the centre of mass:
+   tests/test_contact_energy.c. */
+static void straight_point(int i, quad point[3]) {
+    const rbdi_v3 c = rbdi_straight_point(model, &model->frame[i], half > 0 ? RBDI_CENTRES : RBDI_ORIGINS);
+    point[0] = (quad)c.x, point[1] = (quad)c.y, point[2] = (quad)c.z;
+}
+
+/* Adds `sign` times the velocity of the point c over the origin. */
+static void add_velocity_of(int sign, const quad *w, const quad *c, quad *v) {
+    quad more[3];
+    cross(w, c, more);
+    for (int j = 0; j < 3; j++) v[j] += sign * more[j];
+}
+
+/* A joint moves by `moved` for the time t, its point c straight and its turn about one axis. v_next: nu in
+   the axes of the end. */
+static void move_joint(const rbd_body *b, const quad *c, const quad *q, const quad *moved, const quad *nu,
+                       quad t, quad *q_next, quad *v_next) {
+    const int planar = b->type == RBD_PLANAR;
+    quad d[6], size[7];
     for (int k = 0; k < world_nv(b); k++) d[k] = moved[k] * t, v_next[k] = nu[k];
     world_step(b, q, d, q_next, size);
-    if (b->type == RBD_FLOATING || b->type == RBD_SPHERICAL) turned_back(moved, t, nu, v_next);
-    if (b->type == RBD_FLOATING) {
-        turned_back(moved, t, nu + 3, v_next + 3);
-        turned(q + 3, moved + 3, way_of_origin);
-        for (int j = 0; j < 3; j++) q_next[j] = q[j] + way_of_origin[j] * t;
-    } else if (b->type == RBD_PLANAR) {
-        const quad w[3] = {0, 0, moved[0]}, u[3] = {nu[1], nu[2], 0}, to_world[3] = {0, 0, -q[2]},
-                   along_axes[3] = {moved[1], moved[2], 0};
-        quad out[3];
-        turned_back(w, t, u, out);
-        turned_back(to_world, 1, along_axes, way_of_origin);
-        for (int j = 0; j < 2; j++) v_next[1 + j] = out[j], q_next[j] = q[j] + way_of_origin[j] * t;
+    if (b->type == RBD_SPHERICAL) turned_back(moved, t, nu, v_next);
+    if (b->type == RBD_FLOATING || planar) {
+        quad w[3] = {0, 0, moved[0]}, nu_w[3] = {0, 0, nu[0]},
+             to_world[2][3] = {{0, 0, -q[2]}, {0, 0, -q_next[2]}}, way[3] = {moved[1], moved[2], 0},
+             u[3] = {nu[1], nu[2], 0}, before[3], after[3], end_w[3], end_u[3];
+        if (!planar) {
+            memcpy(w, moved, sizeof w), memcpy(way, moved + 3, sizeof way);
+            memcpy(nu_w, nu, sizeof nu_w), memcpy(u, nu + 3, sizeof u);
+        }
+        add_velocity_of(1, w, c, way);
+        for (int j = 0; j < 3; j++) way[j] = c[j] + way[j] * t;
+        if (planar)
+            turned_back(to_world[0], 1, way, before), turned_back(to_world[1], 1, c, after);
+        else
+            turned(q + 3, way, before), turned(q_next + 3, c, after);
+        for (int j = 0; j < 3 - planar; j++) q_next[j] = q[j] + before[j] - after[j];
+
+        add_velocity_of(1, nu_w, c, u);
+        turned_back(w, t, u, end_u);
+        turned_back(w, t, nu_w, end_w);
+        add_velocity_of(-1, end_w, c, end_u);
+        memcpy(v_next, planar ? &end_w[2] : end_w, (planar ? 1 : 3) * sizeof *v_next);
+        memcpy(v_next + (planar ? 1 : 3), end_u, (planar ? 2 : 3) * sizeof *v_next);
     }
 }
 
 static void move(const quad *q, const quad *moved, const quad *nu, quad t, quad *q_next, quad *v_next) {
     for (int i = 0, iq = 0, iv = 0; i < now.robot.nb; i++) {
         const rbd_body *b = &now.robot.bodies[i];
-        if (!b->mimic) move_joint(b, q + iq, moved + iv, nu + iv, t, q_next + iq, v_next + iv);
+        quad c[3];
+        straight_point(i, c);
+        if (!b->mimic) move_joint(b, c, q + iq, moved + iv, nu + iv, t, q_next + iq, v_next + iv);
         iq += world_nq(b), iv += world_nv(b);
     }
 }
 
-/* Accelerations at the velocity v by which origins move straight: -omega x u. */
+/* Accelerations at the velocity v by which the points c move straight: -omega x (u + omega x c). */
 static void straight(const quad *v, quad *a) {
     memset(a, 0, (size_t)nv * sizeof *a);
     for (int i = 0, iv = 0; i < now.robot.nb; i++) {
         const rbd_body *b = &now.robot.bodies[i];
-        if (!b->mimic && b->type == RBD_FLOATING) cross(v + iv + 3, v + iv, a + iv + 3);
-        if (!b->mimic && b->type == RBD_PLANAR) a[iv + 1] = v[iv] * v[iv + 2], a[iv + 2] = -v[iv] * v[iv + 1];
+        const int planar = b->type == RBD_PLANAR;
+        if (!b->mimic && (planar || b->type == RBD_FLOATING)) {
+            quad c[3], w[3] = {0, 0, v[iv]}, u[3] = {v[iv + 1], v[iv + 2], 0}, bend[3];
+            if (!planar) memcpy(w, v + iv, sizeof w), memcpy(u, v + iv + 3, sizeof u);
+            straight_point(i, c);
+            add_velocity_of(1, w, c, u);
+            cross(u, w, bend);
+            memcpy(a + iv + (planar ? 1 : 3), bend, (planar ? 2 : 3) * sizeof *a);
+        }
         iv += world_nv(b);
     }
 }
@@ -686,7 +724,6 @@ static void keep_dof(int row, int dof, double side) {
 
 /* ---- a problem in the library ---- */
 
-static const rbd_model *model;
 static rbd_work *work;
 static rbd_contact_set *set;
 static void *memory[3];
@@ -1208,13 +1245,17 @@ static quad energy_of_change(const motion *from, const motion *to) {
     return sum;
 }
 
-/* Where solutions diverge, the third is the sum of their series: third - r/(1 + r) (third - first). */
+/* Where solutions diverge, the third is the sum of their series: third - r/(1 + r) (third - first). From
+   r = 1/2 to 1 the share of that grows from 0 to 1. */
 static void sum_series(const motion *first, const motion *second, motion *third) {
     const quad before = energy_of_change(first, second), after = energy_of_change(second, third);
-    if (!(after > before)) return;
+    quad share;
+    if (!(2 * after > before)) return;
+    share = after / (before + after);
+    if (after < before) share *= 2 * after / before - 1;
     for (int k = 0; k < nv; k++) {
-        third->nu[k] -= after / (before + after) * (third->nu[k] - first->nu[k]);
-        third->force[k] -= after / (before + after) * (third->force[k] - first->force[k]);
+        third->nu[k] -= share * (third->nu[k] - first->nu[k]);
+        third->force[k] -= share * (third->force[k] - first->force[k]);
     }
 }
 
