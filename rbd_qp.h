@@ -874,19 +874,29 @@ RBDI_PART char *rbdi_join(const char *const *piece, int n, char *text, size_t si
    which it depends on them. RBDI_QP_ACCURACY: share of a row's terms that may be rounding. RBDI_QP_KEEP:
    share of the largest x so far that still counts in those terms after a refinement. RBDI_QP_PIVOT: share of
    a diagonal entry of H that its pivot must have. RBDI_QP_PROXIMAL: rho as a share of the largest diagonal
-   entry of H. */
+   entry of H. RBDI_QP_WAY: how far a round goes without H. RBDI_QP_ENOUGH: share of the accuracy at which its rounds end. RBDI_QP_FALL: share of its terms by which f must fall on a way without end, for rounding of the
+   squares in H leaves less in doubt. RBDI_QP_CANCELLED: share of the largest x so far below which the solution may
+   be nothing but rounding. */
 #if RBDI_REAL_KIND == 2
 #define RBDI_QP_DEPENDENT 3e-5f
 #define RBDI_QP_ACCURACY 1e-5f
 #define RBDI_QP_KEEP 3e-2f
 #define RBDI_QP_PIVOT 1e-5f
 #define RBDI_QP_PROXIMAL 1e-3f
+#define RBDI_QP_WAY 100
+#define RBDI_QP_ENOUGH 1.0f
+#define RBDI_QP_FALL 1e-1f
+#define RBDI_QP_CANCELLED (64 * RBDI_EPS)
 #else
 #define RBDI_QP_DEPENDENT 1e-10
 #define RBDI_QP_ACCURACY 1e-10
 #define RBDI_QP_KEEP 1e-3
 #define RBDI_QP_PIVOT 1e-12
 #define RBDI_QP_PROXIMAL 1e-6
+#define RBDI_QP_WAY 1000
+#define RBDI_QP_ENOUGH 0.1
+#define RBDI_QP_FALL 1e-8
+#define RBDI_QP_CANCELLED (1000 * RBDI_EPS)
 #endif
 #define RBDI_QP_NONE ((rbd_real)RBD_QP_NONE)
 
@@ -1842,6 +1852,17 @@ RBDI_PART int rbdi_qp_first_to_leave(const rbdi_qp *s, rbd_real *step) {
     return first;
 }
 
+#define RBDI_QP_ROUNDING (64 * RBDI_EPS) /* of a row's length in the metric of H^-1 */
+
+/* Whether a soft row is among the active ones that the last row depends on: then these do not contradict. */
+RBDI_PART int rbdi_qp_gives_way(const rbdi_qp *s) {
+    for (int j = 0; j < s->q; ++j)
+        if (rbdi_qp_weight(s, s->active[j]) > 0 &&
+            rbdi_abs(s->r[j]) * s->length[j] > RBDI_QP_DEPENDENT * s->own)
+            return 1;
+    return 0;
+}
+
 /* Takes in a row that is missed. Each turn goes as far as the multipliers of the active rows stay positive,
    at most until the row holds:
 
@@ -1855,14 +1876,18 @@ RBDI_PART rbd_qp_status rbdi_qp_take_in(rbdi_qp *s, rbd_real *x, rbdi_qp_miss mi
     s->own = rbdi_qp_enter(s, miss.row, miss.side);
     while (s->result.steps < s->options.steps) {
         const rbd_real square = rbdi_qp_free_part(s);
-        const int dependent = rbdi_qp_depends(s, miss.row, square);
+        int dependent = rbdi_qp_depends(s, miss.row, square);
         rbd_real step;
         int leaves;
 
         rbdi_qp_copy(s->d, s->r, s->q);
         rbdi_qp_solve_r(s, s->r);
         leaves = rbdi_qp_first_to_leave(s, &step);
-        if (dependent && leaves < 0) return RBD_QP_INFEASIBLE;
+        if (dependent && leaves < 0) {
+            const rbd_real rounding = RBDI_QP_ROUNDING * s->own;
+            if (square <= rounding * rounding || !rbdi_qp_gives_way(s)) return RBD_QP_INFEASIBLE;
+            dependent = 0;
+        }
 
         if (!dependent) {
             rbdi_qp_way(s);
@@ -2044,6 +2069,7 @@ RBDI_PART int rbdi_qp_proven(rbdi_qp *s, rbdi_qp_miss miss) {
         const rbd_real lambda = s->lambda[row];
         const rbd_real side = lambda > 0 ? s->given.upper[row] : s->given.lower[row];
         if (lambda == 0) continue;
+        if (rbdi_qp_weight(s, row) > 0) return 0; /* it gives way */
         sum = sum + lambda * side;
         terms = terms + rbdi_abs(lambda * side);
     }
@@ -2117,6 +2143,14 @@ RBDI_PART int rbdi_qp_straight(rbdi_qp *s, const rbd_real *x) {
     return down < 0 && curvature <= rounding;
 }
 
+/* Whether the value falls on the way z by more than rounding of H and f explains, where the weights of a sum
+   of squares are far apart. */
+RBDI_PART int rbdi_qp_falls(const rbdi_qp *s) {
+    rbd_real terms;
+    const rbd_real down = rbdi_qp_dot_and_terms(s->given.f, s->z, s->n, &terms);
+    return -down > RBDI_QP_FALL * terms;
+}
+
 /* Whether no row ends the way z. */
 RBDI_PART int rbdi_qp_endless(const rbdi_qp *s) {
     const rbd_real length = rbdi_qp_largest(s->z, s->n);
@@ -2161,12 +2195,13 @@ RBDI_PART rbd_qp_status rbdi_qp_rounds(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mi
             moved = rbdi_qp_larger(moved, s->rho * rbdi_abs(x[k] - s->centre[k]));
             furthest = rbdi_qp_larger(furthest, s->rho * rbdi_abs(x[k]));
         }
-        if (moved <= s->options.accuracy * size || (!(size > 0) && moved <= RBDI_QP_STILL * furthest))
+        if (moved <= RBDI_QP_ENOUGH * s->options.accuracy * size ||
+            (!(size > 0) && moved <= RBDI_QP_STILL * furthest))
             return RBD_QP_OK;
         if (s->result.rounds >= s->options.rounds) return RBD_QP_ITERATIONS;
 
         ahead = rbdi_qp_straight(s, x) ? 2 * ahead : 1;
-        if (ahead > 4 && rbdi_qp_endless(s)) return RBD_QP_UNBOUNDED;
+        if (ahead > 4 && rbdi_qp_endless(s)) return rbdi_qp_falls(s) ? RBD_QP_UNBOUNDED : RBD_QP_INACCURATE;
         for (int k = 0; k < s->n; ++k) {
             s->centre[k] = s->centre[k] + ahead * (x[k] - s->centre[k]);
             s->g[k] = s->given.f[k] - s->rho * s->centre[k];
@@ -2308,7 +2343,7 @@ RBDI_PART rbd_qp_status rbdi_qp_factor_any(rbdi_qp *s) {
         diagonal = rbdi_qp_larger(diagonal, s->given.H[i * s->n + i]);
         slope = rbdi_qp_larger(slope, rbdi_abs(s->given.f[i]));
     }
-    s->rho = diagonal > 0 ? (rbd_real)RBDI_QP_PROXIMAL * diagonal : slope > 0 ? slope / 1000 : 1;
+    s->rho = diagonal > 0 ? (rbd_real)RBDI_QP_PROXIMAL * diagonal : slope > 0 ? slope / RBDI_QP_WAY : 1;
     at = rbdi_qp_factor(s);
     return at == s->n ? RBD_QP_OK : rbdi_qp_refuse(s, RBD_QP_CONVEX, at, "H");
 }
@@ -2337,10 +2372,12 @@ RBDI_PART void rbdi_qp_multipliers(rbdi_qp *s, rbd_real *lambda) {
    pushes the distance from the side, as a share of its terms; and Hx + f + C'lambda, as a share of the
    largest term. */
 RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
-    rbd_real furthest = rbdi_qp_larger(rbdi_qp_largest(x, s->n), RBDI_QP_KEEP * s->furthest);
+    rbd_real furthest = rbdi_qp_largest(x, s->n);
     rbd_real worst, sum = 0, size;
 
     s->result.primal = 0;
+    /* x may be nothing but what has cancelled */
+    if (furthest <= RBDI_QP_CANCELLED * s->furthest) furthest = RBDI_QP_KEEP * s->furthest;
     size = rbdi_qp_gradient(s, x, s->t);
     if (!(size > 0)) size = s->rho * furthest; /* without H and f multipliers are rounding of this */
     for (int k = 0; k < s->n; ++k) s->reach[k] = furthest;

@@ -30,19 +30,29 @@
    which it depends on them. RBDI_QP_ACCURACY: share of a row's terms that may be rounding. RBDI_QP_KEEP:
    share of the largest x so far that still counts in those terms after a refinement. RBDI_QP_PIVOT: share of
    a diagonal entry of H that its pivot must have. RBDI_QP_PROXIMAL: rho as a share of the largest diagonal
-   entry of H. */
+   entry of H. RBDI_QP_WAY: how far a round goes without H. RBDI_QP_ENOUGH: share of the accuracy at which its rounds end. RBDI_QP_FALL: share of its terms by which f must fall on a way without end, for rounding of the
+   squares in H leaves less in doubt. RBDI_QP_CANCELLED: share of the largest x so far below which the solution may
+   be nothing but rounding. */
 #if RBDI_REAL_KIND == 2
 #define RBDI_QP_DEPENDENT 3e-5f
 #define RBDI_QP_ACCURACY 1e-5f
 #define RBDI_QP_KEEP 3e-2f
 #define RBDI_QP_PIVOT 1e-5f
 #define RBDI_QP_PROXIMAL 1e-3f
+#define RBDI_QP_WAY 100
+#define RBDI_QP_ENOUGH 1.0f
+#define RBDI_QP_FALL 1e-1f
+#define RBDI_QP_CANCELLED (64 * RBDI_EPS)
 #else
 #define RBDI_QP_DEPENDENT 1e-10
 #define RBDI_QP_ACCURACY 1e-10
 #define RBDI_QP_KEEP 1e-3
 #define RBDI_QP_PIVOT 1e-12
 #define RBDI_QP_PROXIMAL 1e-6
+#define RBDI_QP_WAY 1000
+#define RBDI_QP_ENOUGH 0.1
+#define RBDI_QP_FALL 1e-8
+#define RBDI_QP_CANCELLED (1000 * RBDI_EPS)
 #endif
 #define RBDI_QP_NONE ((rbd_real)RBD_QP_NONE)
 

@@ -72,6 +72,7 @@ RBDI_PART int rbdi_qp_proven(rbdi_qp *s, rbdi_qp_miss miss) {
         const rbd_real lambda = s->lambda[row];
         const rbd_real side = lambda > 0 ? s->given.upper[row] : s->given.lower[row];
         if (lambda == 0) continue;
+        if (rbdi_qp_weight(s, row) > 0) return 0; /* it gives way */
         sum = sum + lambda * side;
         terms = terms + rbdi_abs(lambda * side);
     }
@@ -145,6 +146,14 @@ RBDI_PART int rbdi_qp_straight(rbdi_qp *s, const rbd_real *x) {
     return down < 0 && curvature <= rounding;
 }
 
+/* Whether the value falls on the way z by more than rounding of H and f explains, where the weights of a sum
+   of squares are far apart. */
+RBDI_PART int rbdi_qp_falls(const rbdi_qp *s) {
+    rbd_real terms;
+    const rbd_real down = rbdi_qp_dot_and_terms(s->given.f, s->z, s->n, &terms);
+    return -down > RBDI_QP_FALL * terms;
+}
+
 /* Whether no row ends the way z. */
 RBDI_PART int rbdi_qp_endless(const rbdi_qp *s) {
     const rbd_real length = rbdi_qp_largest(s->z, s->n);
@@ -189,12 +198,13 @@ RBDI_PART rbd_qp_status rbdi_qp_rounds(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mi
             moved = rbdi_qp_larger(moved, s->rho * rbdi_abs(x[k] - s->centre[k]));
             furthest = rbdi_qp_larger(furthest, s->rho * rbdi_abs(x[k]));
         }
-        if (moved <= s->options.accuracy * size || (!(size > 0) && moved <= RBDI_QP_STILL * furthest))
+        if (moved <= RBDI_QP_ENOUGH * s->options.accuracy * size ||
+            (!(size > 0) && moved <= RBDI_QP_STILL * furthest))
             return RBD_QP_OK;
         if (s->result.rounds >= s->options.rounds) return RBD_QP_ITERATIONS;
 
         ahead = rbdi_qp_straight(s, x) ? 2 * ahead : 1;
-        if (ahead > 4 && rbdi_qp_endless(s)) return RBD_QP_UNBOUNDED;
+        if (ahead > 4 && rbdi_qp_endless(s)) return rbdi_qp_falls(s) ? RBD_QP_UNBOUNDED : RBD_QP_INACCURATE;
         for (int k = 0; k < s->n; ++k) {
             s->centre[k] = s->centre[k] + ahead * (x[k] - s->centre[k]);
             s->g[k] = s->given.f[k] - s->rho * s->centre[k];

@@ -88,6 +88,17 @@ RBDI_PART int rbdi_qp_first_to_leave(const rbdi_qp *s, rbd_real *step) {
     return first;
 }
 
+#define RBDI_QP_ROUNDING (64 * RBDI_EPS) /* of a row's length in the metric of H^-1 */
+
+/* Whether a soft row is among the active ones that the last row depends on: then these do not contradict. */
+RBDI_PART int rbdi_qp_gives_way(const rbdi_qp *s) {
+    for (int j = 0; j < s->q; ++j)
+        if (rbdi_qp_weight(s, s->active[j]) > 0 &&
+            rbdi_abs(s->r[j]) * s->length[j] > RBDI_QP_DEPENDENT * s->own)
+            return 1;
+    return 0;
+}
+
 /* Takes in a row that is missed. Each turn goes as far as the multipliers of the active rows stay positive,
    at most until the row holds:
 
@@ -101,14 +112,18 @@ RBDI_PART rbd_qp_status rbdi_qp_take_in(rbdi_qp *s, rbd_real *x, rbdi_qp_miss mi
     s->own = rbdi_qp_enter(s, miss.row, miss.side);
     while (s->result.steps < s->options.steps) {
         const rbd_real square = rbdi_qp_free_part(s);
-        const int dependent = rbdi_qp_depends(s, miss.row, square);
+        int dependent = rbdi_qp_depends(s, miss.row, square);
         rbd_real step;
         int leaves;
 
         rbdi_qp_copy(s->d, s->r, s->q);
         rbdi_qp_solve_r(s, s->r);
         leaves = rbdi_qp_first_to_leave(s, &step);
-        if (dependent && leaves < 0) return RBD_QP_INFEASIBLE;
+        if (dependent && leaves < 0) {
+            const rbd_real rounding = RBDI_QP_ROUNDING * s->own;
+            if (square <= rounding * rounding || !rbdi_qp_gives_way(s)) return RBD_QP_INFEASIBLE;
+            dependent = 0;
+        }
 
         if (!dependent) {
             rbdi_qp_way(s);

@@ -135,7 +135,7 @@ RBDI_PART rbd_qp_status rbdi_qp_factor_any(rbdi_qp *s) {
         diagonal = rbdi_qp_larger(diagonal, s->given.H[i * s->n + i]);
         slope = rbdi_qp_larger(slope, rbdi_abs(s->given.f[i]));
     }
-    s->rho = diagonal > 0 ? (rbd_real)RBDI_QP_PROXIMAL * diagonal : slope > 0 ? slope / 1000 : 1;
+    s->rho = diagonal > 0 ? (rbd_real)RBDI_QP_PROXIMAL * diagonal : slope > 0 ? slope / RBDI_QP_WAY : 1;
     at = rbdi_qp_factor(s);
     return at == s->n ? RBD_QP_OK : rbdi_qp_refuse(s, RBD_QP_CONVEX, at, "H");
 }
@@ -164,10 +164,12 @@ RBDI_PART void rbdi_qp_multipliers(rbdi_qp *s, rbd_real *lambda) {
    pushes the distance from the side, as a share of its terms; and Hx + f + C'lambda, as a share of the
    largest term. */
 RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
-    rbd_real furthest = rbdi_qp_larger(rbdi_qp_largest(x, s->n), RBDI_QP_KEEP * s->furthest);
+    rbd_real furthest = rbdi_qp_largest(x, s->n);
     rbd_real worst, sum = 0, size;
 
     s->result.primal = 0;
+    /* x may be nothing but what has cancelled */
+    if (furthest <= RBDI_QP_CANCELLED * s->furthest) furthest = RBDI_QP_KEEP * s->furthest;
     size = rbdi_qp_gradient(s, x, s->t);
     if (!(size > 0)) size = s->rho * furthest; /* without H and f multipliers are rounding of this */
     for (int k = 0; k < s->n; ++k) s->reach[k] = furthest;
