@@ -47,8 +47,13 @@
    [limits]
      Dense matrices, of up to some hundred variables: a step costs about 3 n^2 products, and one for each
      entry of C. H must be convex. If it is only semidefinite, a proximal method takes some rounds, and the
-     optimum is exact to the accuracy, not to rounding. Weights of soft rows more than 1e12 above
-     H (float: 1e4) are better hard rows. Squares of the entries of a row must be normal numbers.
+     optimum is exact to the accuracy, not to rounding. Squares of the entries of a row must be normal
+     numbers. result->dual is a share of the largest term: what is 1e8 times weaker (float: 1e3) is less
+     exact. Weights of soft rows more than 1e14 above H (float: 1e4) may end in RBD_QP_ITERATIONS or
+     _INACCURATE, never in _INFEASIBLE: hard rows are better there. Linear programs whose vertices lie far
+     apart, as those of Klee and Minty do from 7 variables on (float: 5), may end in RBD_QP_ITERATIONS: more
+     options->rounds. In float RBD_QP_UNBOUNDED is said where f falls by a tenth of its terms; less is
+     RBD_QP_INACCURATE.
 */
 
 /* ==== src/api/configuration.h ==== */
@@ -874,9 +879,10 @@ RBDI_PART char *rbdi_join(const char *const *piece, int n, char *text, size_t si
    which it depends on them. RBDI_QP_ACCURACY: share of a row's terms that may be rounding. RBDI_QP_KEEP:
    share of the largest x so far that still counts in those terms after a refinement. RBDI_QP_PIVOT: share of
    a diagonal entry of H that its pivot must have. RBDI_QP_PROXIMAL: rho as a share of the largest diagonal
-   entry of H. RBDI_QP_WAY: how far a round goes without H. RBDI_QP_ENOUGH: share of the accuracy at which its rounds end. RBDI_QP_FALL: share of its terms by which f must fall on a way without end, for rounding of the
-   squares in H leaves less in doubt. RBDI_QP_CANCELLED: share of the largest x so far below which the solution may
-   be nothing but rounding. */
+   entry of H. RBDI_QP_WAY: how far a round goes without H. RBDI_QP_ENOUGH: share of the accuracy at which its
+   rounds end. RBDI_QP_FALL: share of its terms by which f must fall on a way without end, for rounding of the
+   squares in H leaves less in doubt. RBDI_QP_CANCELLED: share of the largest x so far below which the
+   solution may be nothing but rounding. */
 #if RBDI_REAL_KIND == 2
 #define RBDI_QP_DEPENDENT 3e-5f
 #define RBDI_QP_ACCURACY 1e-5f

@@ -1,5 +1,6 @@
 #ifndef RBDI_QP_LAYOUT_H
 #define RBDI_QP_LAYOUT_H
+#include "base/tolerances.h"
 #include "base/pieces.h"
 #include "api/qp.h"
 
@@ -30,9 +31,10 @@
    which it depends on them. RBDI_QP_ACCURACY: share of a row's terms that may be rounding. RBDI_QP_KEEP:
    share of the largest x so far that still counts in those terms after a refinement. RBDI_QP_PIVOT: share of
    a diagonal entry of H that its pivot must have. RBDI_QP_PROXIMAL: rho as a share of the largest diagonal
-   entry of H. RBDI_QP_WAY: how far a round goes without H. RBDI_QP_ENOUGH: share of the accuracy at which its rounds end. RBDI_QP_FALL: share of its terms by which f must fall on a way without end, for rounding of the
-   squares in H leaves less in doubt. RBDI_QP_CANCELLED: share of the largest x so far below which the solution may
-   be nothing but rounding. */
+   entry of H. RBDI_QP_WAY: how far a round goes without H. RBDI_QP_ENOUGH: share of the accuracy at which its
+   rounds end. RBDI_QP_FALL: share of its terms by which f must fall on a way without end, for rounding of the
+   squares in H leaves less in doubt. RBDI_QP_CANCELLED: share of the largest x so far below which the
+   solution may be nothing but rounding. */
 #if RBDI_REAL_KIND == 2
 #define RBDI_QP_DEPENDENT 3e-5f
 #define RBDI_QP_ACCURACY 1e-5f
