@@ -1041,7 +1041,7 @@ RBDI_INLINE rbd_real *rbdi_qp_j(const rbdi_qp *s, int k) { return s->J + k * s->
 #endif
 typedef rbd_real rbdi_pack
     __attribute__((vector_size(RBDI_QP_GROUP * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
-typedef __typeof__((rbdi_pack){0} < (rbdi_pack){0}) rbdi_pack_bits;
+typedef __typeof__(*(rbdi_pack *)0 < *(rbdi_pack *)0) rbdi_pack_bits; /* integers as wide */
 typedef rbdi_pack rbdi_qp_group;
 #else
 #define RBDI_QP_GROUP 1
