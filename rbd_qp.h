@@ -47,8 +47,13 @@
    [limits]
      Dense matrices, of up to some hundred variables: a step costs about 3 n^2 products, and one for each
      entry of C. H must be convex. If it is only semidefinite, a proximal method takes some rounds, and the
-     optimum is exact to the accuracy, not to rounding. Weights of soft rows more than 1e12 above
-     H (float: 1e4) are better hard rows. Squares of the entries of a row must be normal numbers.
+     optimum is exact to the accuracy, not to rounding. Squares of the entries of a row must be normal
+     numbers. result->dual is a share of the largest term: what is 1e8 times weaker (float: 1e3) is less
+     exact. Weights of soft rows more than 1e14 above H (float: 1e4) may end in RBD_QP_ITERATIONS or
+     _INACCURATE, never in _INFEASIBLE: hard rows are better there. Linear programs whose vertices lie far
+     apart, as those of Klee and Minty do from 7 variables on (float: 5), may end in RBD_QP_ITERATIONS: more
+     options->rounds. In float RBD_QP_UNBOUNDED is said where f falls by a tenth of its terms; less is
+     RBD_QP_INACCURATE.
 */
 
 /* ==== src/api/configuration.h ==== */
@@ -335,9 +340,9 @@ typedef struct rbd_qp_result {
 #define RBD_QP_SIZE(n, bounds, rows, soft) \
     (sizeof(rbd_real) * \
          (((size_t)(n) + (size_t)(soft)) * (size_t)(n) + (size_t)(n) * ((size_t)(n) + 1) / 2 + \
-          ((size_t)(n) + (size_t)(soft)) * ((size_t)(n) + (size_t)(soft) + 1) / 2 + 9 * (size_t)(n) + \
-          5 * ((size_t)(n) + (size_t)(soft)) + (size_t)(bounds) + (size_t)(rows)) + \
-     sizeof(int) * (4 * (size_t)(n) + (size_t)(soft) + 2 * ((size_t)(bounds) + (size_t)(rows))) + \
+          ((size_t)(n) + (size_t)(soft)) * ((size_t)(n) + (size_t)(soft) + 1) / 2 + 10 * (size_t)(n) + \
+          5 * ((size_t)(n) + (size_t)(soft)) + 2 * ((size_t)(bounds) + (size_t)(rows))) + \
+     sizeof(int) * (4 * (size_t)(n) + (size_t)(soft) + 3 * ((size_t)(bounds) + (size_t)(rows))) + \
      2 * sizeof(rbd_real))
 
 /* Solves the problem by the dual active-set method of Goldfarb and Idnani (1983).
@@ -875,19 +880,30 @@ RBDI_PART char *rbdi_join(const char *const *piece, int n, char *text, size_t si
    which it depends on them. RBDI_QP_ACCURACY: share of a row's terms that may be rounding. RBDI_QP_KEEP:
    share of the largest x so far that still counts in those terms after a refinement. RBDI_QP_PIVOT: share of
    a diagonal entry of H that its pivot must have. RBDI_QP_PROXIMAL: rho as a share of the largest diagonal
-   entry of H. */
+   entry of H. RBDI_QP_WAY: how far a round goes without H. RBDI_QP_ENOUGH: share of the accuracy at which its
+   rounds end. RBDI_QP_FALL: share of its terms by which f must fall on a way without end, for rounding of the
+   squares in H leaves less in doubt. RBDI_QP_CANCELLED: share of the largest x so far below which the
+   solution may be nothing but rounding. */
 #if RBDI_REAL_KIND == 2
 #define RBDI_QP_DEPENDENT 3e-5f
 #define RBDI_QP_ACCURACY 1e-5f
 #define RBDI_QP_KEEP 3e-2f
 #define RBDI_QP_PIVOT 1e-5f
 #define RBDI_QP_PROXIMAL 1e-3f
+#define RBDI_QP_WAY 100
+#define RBDI_QP_ENOUGH 1.0f
+#define RBDI_QP_FALL 1e-1f
+#define RBDI_QP_CANCELLED (64 * RBDI_EPS)
 #else
 #define RBDI_QP_DEPENDENT 1e-10
 #define RBDI_QP_ACCURACY 1e-10
 #define RBDI_QP_KEEP 1e-3
 #define RBDI_QP_PIVOT 1e-12
 #define RBDI_QP_PROXIMAL 1e-6
+#define RBDI_QP_WAY 1000
+#define RBDI_QP_ENOUGH 0.1
+#define RBDI_QP_FALL 1e-8
+#define RBDI_QP_CANCELLED (1000 * RBDI_EPS)
 #endif
 #define RBDI_QP_NONE ((rbd_real)RBD_QP_NONE)
 
@@ -899,6 +915,7 @@ typedef struct rbdi_qp {
     rbd_real *lambda;  /* of each row */
     signed char *side; /* of each row: -1, 0 or 1; 1 for an equality that is eliminated */
     int n, all, soft;  /* variables, rows with bounds, soft rows */
+    int watches;       /* rows that x may miss: not 0, with a side, no equality that is eliminated */
     int equalities;    /* eliminated: the first reflections */
     int columns;       /* of J: n - equalities, and the slacks of active soft rows */
     int q;             /* active rows that are not eliminated */
@@ -915,23 +932,26 @@ typedef struct rbdi_qp {
     rbd_real *J; /* columns x n: each column of J is a row here */
     rbd_real *R; /* packed columns, its diagonal inverted */
 
-    rbd_real *d, *r;    /* n + soft: see [method] */
-    rbd_real *u;        /* q: multipliers, not negative but for equalities */
-    rbd_real *length;   /* q: of active rows, in the metric of H^-1 */
-    rbd_real *leaving;  /* n + soft: column of R that leaves */
-    rbd_real *x0;       /* n: optimum on the equalities alone */
-    rbd_real *z;        /* n: way of x; scratch */
-    rbd_real *reach;    /* n: largest |x| since the last refinement, which says how much has cancelled */
-    rbd_real *centre;   /* n: of the proximal round */
-    rbd_real *g;        /* n: f - rho centre */
-    rbd_real *t;        /* n: scratch */
-    rbd_real *beta;     /* equalities: 2/|v|^2 of each reflection */
-    rbd_real *diagonal; /* equalities: of their R */
+    rbd_real *d, *r;   /* n + soft: see [method] */
+    rbd_real *u;       /* q: multipliers, not negative but for equalities */
+    rbd_real *length;  /* q: of active rows, in the metric of H^-1 */
+    rbd_real *leaving; /* n + soft: column of R that leaves */
+    rbd_real *x0;      /* n: optimum on the equalities alone */
+    rbd_real *z;       /* n: way of x; scratch */
+    rbd_real *reach;   /* n: largest |x| since the last refinement, which says how much has cancelled */
+    rbd_real *centre;  /* n: of the proximal round */
+    rbd_real *g;       /* n: f - rho centre */
+    rbd_real *t;       /* n: scratch */
+    rbd_real *beta;    /* equalities: 2/|v|^2 of each reflection */
+    rbd_real *cross; /* equalities: product of the vectors of reflection e, which is even, and the next one */
+    rbd_real *diagonal; /* equalities: of their R, inverted */
     rbd_real *u_equal;  /* equalities: multipliers */
-    rbd_real *norm;     /* of each row; 1 if it is 0 */
+    rbd_real *unit;     /* of each row: 1 over its length, or 1 if it is 0 */
+    rbd_real *score;    /* watches: by how much x misses the row, in lengths of it */
 
     int *active;    /* q: rows */
     int *from, *to; /* of each row: where it is not 0 */
+    int *watched;   /* watches: rows that x may miss */
     int *equality;  /* equalities: rows */
     int *first;     /* of each row of L: where it begins */
     int *end;       /* of each reflection: behind its last component */
@@ -967,12 +987,15 @@ RBDI_PART void rbdi_qp_place(rbdi_qp *s, void *memory) {
     s->g = rbdi_qp_scalars(&at, n);
     s->t = rbdi_qp_scalars(&at, n);
     s->beta = rbdi_qp_scalars(&at, n);
+    s->cross = rbdi_qp_scalars(&at, n);
     s->diagonal = rbdi_qp_scalars(&at, n);
     s->u_equal = rbdi_qp_scalars(&at, n);
-    s->norm = rbdi_qp_scalars(&at, s->all);
+    s->unit = rbdi_qp_scalars(&at, s->all);
+    s->score = rbdi_qp_scalars(&at, s->all);
 
     s->active = rbdi_qp_ints(&at, most);
     s->from = rbdi_qp_ints(&at, s->all);
+    s->watched = rbdi_qp_ints(&at, s->all);
     s->to = rbdi_qp_ints(&at, s->all);
     s->equality = rbdi_qp_ints(&at, n);
     s->first = rbdi_qp_ints(&at, n);
@@ -1005,78 +1028,217 @@ RBDI_INLINE rbd_real *rbdi_qp_j(const rbdi_qp *s, int k) { return s->J + k * s->
 /* ==== src/qp/vectors.h ==== */
 /* ---- vectors [vectors] ----
    Loops over rows of n scalars, four at a time. A dot product has four sums and one for the rest, which are
-   added in one order everywhere, so that RBD_REPRODUCIBLE holds with every SIMD unit. */
+   added in one order everywhere, so that RBD_REPRODUCIBLE holds with every SIMD unit.
+
+   A pack: as many scalars as a SIMD register has, two or four. A group: like components of RBDI_QP_GROUP
+   vectors side by side, in a pack. A loop over its components has no sum across lanes, so that each vector
+   comes out as if it were alone. */
 
 #if RBDI_GNU && RBDI_SIMD > 0
-typedef rbd_real rbdi_quad
-    __attribute__((vector_size(4 * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
+#if RBDI_REAL_KIND == 2 || RBDI_SIMD == 4
+#define RBDI_QP_GROUP 4
+#else
+#define RBDI_QP_GROUP 2
+#endif
+typedef rbd_real rbdi_pack
+    __attribute__((vector_size(RBDI_QP_GROUP * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
+typedef __typeof__(*(rbdi_pack *)0 < *(rbdi_pack *)0) rbdi_pack_bits; /* integers as wide */
+typedef rbdi_pack rbdi_qp_group;
+#else
+#define RBDI_QP_GROUP 1
+typedef rbd_real rbdi_qp_group;
+#endif
+
+/* sum of a_i t_i, of each vector t of a group */
+RBDI_ONCE rbdi_qp_group rbdi_qp_group_dot(const rbd_real *a, const rbdi_qp_group *t, int n) {
+    const rbdi_qp_group zero = {0};
+    rbdi_qp_group s0 = zero, s1 = zero, s2 = zero, s3 = zero, rest = zero;
+    int i = 0;
+
+    for (; i + 4 <= n; i += 4) {
+        s0 = s0 + a[i] * t[i];
+        s1 = s1 + a[i + 1] * t[i + 1];
+        s2 = s2 + a[i + 2] * t[i + 2];
+        s3 = s3 + a[i + 3] * t[i + 3];
+    }
+    for (; i < n; ++i) rest = rest + a[i] * t[i];
+    return ((s0 + s2) + (s1 + s3)) + rest;
+}
+
+/* sums of a_i t_i and b_i t_i, and t += k a + l b, as two of these calls */
+RBDI_ONCE void rbdi_qp_group_dots(const rbd_real *a, const rbd_real *b, const rbdi_qp_group *t, int n,
+                                  rbdi_qp_group *with_a, rbdi_qp_group *with_b) {
+    const rbdi_qp_group zero = {0};
+    rbdi_qp_group a0 = zero, a1 = zero, a2 = zero, a3 = zero, rest_a = zero;
+    rbdi_qp_group b0 = zero, b1 = zero, b2 = zero, b3 = zero, rest_b = zero;
+    int i = 0;
+
+    for (; i + 4 <= n; i += 4) {
+        const rbdi_qp_group t0 = t[i], t1 = t[i + 1], t2 = t[i + 2], t3 = t[i + 3];
+        a0 = a0 + a[i] * t0;
+        b0 = b0 + b[i] * t0;
+        a1 = a1 + a[i + 1] * t1;
+        b1 = b1 + b[i + 1] * t1;
+        a2 = a2 + a[i + 2] * t2;
+        b2 = b2 + b[i + 2] * t2;
+        a3 = a3 + a[i + 3] * t3;
+        b3 = b3 + b[i + 3] * t3;
+    }
+    for (; i < n; ++i) {
+        rest_a = rest_a + a[i] * t[i];
+        rest_b = rest_b + b[i] * t[i];
+    }
+    *with_a = ((a0 + a2) + (a1 + a3)) + rest_a;
+    *with_b = ((b0 + b2) + (b1 + b3)) + rest_b;
+}
+RBDI_ONCE void rbdi_qp_group_adds(rbdi_qp_group k, const rbd_real *a, rbdi_qp_group l, const rbd_real *b,
+                                  rbdi_qp_group *t, int n) {
+    for (int i = 0; i < n; ++i) t[i] = t[i] + k * a[i] + l * b[i];
+}
+
+/* t += k a, of each vector t of a group, with its k */
+RBDI_ONCE void rbdi_qp_group_add(rbdi_qp_group k, const rbd_real *a, rbdi_qp_group *t, int n) {
+    int i = 0;
+
+    for (; i + 4 <= n; i += 4) {
+        t[i] = t[i] + k * a[i];
+        t[i + 1] = t[i + 1] + k * a[i + 1];
+        t[i + 2] = t[i + 2] + k * a[i + 2];
+        t[i + 3] = t[i + 3] + k * a[i + 3];
+    }
+    for (; i < n; ++i) t[i] = t[i] + k * a[i];
+}
+
+#if RBDI_QP_GROUP > 1
+RBDI_INLINE rbdi_pack rbdi_qp_load(const rbd_real *a) { return *(const rbdi_pack *)a; }
+
+/* The sum of four sums: s0 and s2 first, s1 and s3. Packs of two: a has s0 and s1, b the others. */
+RBDI_INLINE rbd_real rbdi_qp_total(rbdi_pack a, rbdi_pack b) {
+#if RBDI_QP_GROUP == 4
+    (void)b;
+    return (a[0] + a[2]) + (a[1] + a[3]);
+#else
+    a = a + b;
+    return a[0] + a[1];
+#endif
+}
 
 /* sum of a_i b_i */
 RBDI_INLINE rbd_real rbdi_qp_dot(const rbd_real *a, const rbd_real *b, int n) {
-    rbdi_quad sum = {0};
+    rbdi_pack sum = {0}, more = {0};
     rbd_real rest = 0;
     int i = 0;
 
-    for (; i + 4 <= n; i += 4) sum = sum + *(const rbdi_quad *)(a + i) * *(const rbdi_quad *)(b + i);
+    for (; i + 4 <= n; i += 4) {
+        sum = sum + rbdi_qp_load(a + i) * rbdi_qp_load(b + i);
+        if (RBDI_QP_GROUP == 2) more = more + rbdi_qp_load(a + i + 2) * rbdi_qp_load(b + i + 2);
+    }
     for (; i < n; ++i) rest = rest + a[i] * b[i];
-    return ((sum[0] + sum[2]) + (sum[1] + sum[3])) + rest;
+    return rbdi_qp_total(sum, more) + rest;
+}
+
+/* sum of a_i b_i; *terms: sum of |a_i b_i| */
+RBDI_INLINE rbd_real rbdi_qp_dot_and_terms(const rbd_real *a, const rbd_real *b, int n, rbd_real *terms) {
+    const rbdi_pack zero = {0};
+    const rbdi_pack_bits size = ~(rbdi_pack_bits)-zero; /* all but the sign */
+    rbdi_pack sum = zero, more = zero, sum_size = zero, more_size = zero;
+    rbd_real rest = 0, rest_size = 0;
+    int i = 0;
+
+    for (; i + 4 <= n; i += 4) {
+        const rbdi_pack product = rbdi_qp_load(a + i) * rbdi_qp_load(b + i);
+        sum = sum + product;
+        sum_size = sum_size + (rbdi_pack)((rbdi_pack_bits)product & size);
+        if (RBDI_QP_GROUP == 2) {
+            const rbdi_pack next = rbdi_qp_load(a + i + 2) * rbdi_qp_load(b + i + 2);
+            more = more + next;
+            more_size = more_size + (rbdi_pack)((rbdi_pack_bits)next & size);
+        }
+    }
+    for (; i < n; ++i) {
+        rest = rest + a[i] * b[i];
+        rest_size = rest_size + rbdi_abs(a[i] * b[i]);
+    }
+    *terms = rbdi_qp_total(sum_size, more_size) + rest_size;
+    return rbdi_qp_total(sum, more) + rest;
 }
 
 /* b += k a */
 RBDI_INLINE void rbdi_qp_add(rbd_real k, const rbd_real *a, rbd_real *b, int n) {
-    const rbdi_quad zero = {0}, all = k - zero;
+    const rbdi_pack zero = {0}, all = k - zero;
     int i = 0;
 
-    for (; i + 4 <= n; i += 4)
-        *(rbdi_quad *)(b + i) = *(const rbdi_quad *)(b + i) + all * *(const rbdi_quad *)(a + i);
+    for (; i + RBDI_QP_GROUP <= n; i += RBDI_QP_GROUP)
+        *(rbdi_pack *)(b + i) = rbdi_qp_load(b + i) + all * rbdi_qp_load(a + i);
     for (; i < n; ++i) b[i] = b[i] + k * a[i];
+}
+
+RBDI_INLINE void rbdi_qp_dots(const rbd_real *a, const rbd_real *b, const rbd_real *t, int n,
+                              rbd_real *with_a, rbd_real *with_b) {
+    *with_a = rbdi_qp_dot(a, t, n);
+    *with_b = rbdi_qp_dot(b, t, n);
+}
+RBDI_INLINE void rbdi_qp_adds(rbd_real k, const rbd_real *a, rbd_real l, const rbd_real *b, rbd_real *t,
+                              int n) {
+    const rbdi_pack zero = {0}, all_k = k - zero, all_l = l - zero;
+    int i = 0;
+
+    for (; i + RBDI_QP_GROUP <= n; i += RBDI_QP_GROUP)
+        *(rbdi_pack *)(t + i) =
+            rbdi_qp_load(t + i) + all_k * rbdi_qp_load(a + i) + all_l * rbdi_qp_load(b + i);
+    for (; i < n; ++i) t[i] = t[i] + k * a[i] + l * b[i];
 }
 
 /* (a, b) becomes (cosine a + sine b, cosine b - sine a). */
 RBDI_INLINE void rbdi_qp_rotate(rbd_real *a, rbd_real *b, int n, rbd_real cosine, rbd_real sine) {
-    const rbdi_quad zero = {0}, c = cosine - zero, s = sine - zero, minus = -sine - zero;
+    const rbdi_pack zero = {0}, c = cosine - zero, s = sine - zero, minus = -sine - zero;
     const rbd_real less = -sine;
     int i = 0;
 
-    for (; i + 4 <= n; i += 4) {
-        const rbdi_quad x = *(const rbdi_quad *)(a + i);
-        const rbdi_quad y = *(const rbdi_quad *)(b + i);
-        *(rbdi_quad *)(a + i) = c * x + s * y;
-        *(rbdi_quad *)(b + i) = c * y + minus * x;
+    for (; i + RBDI_QP_GROUP <= n; i += RBDI_QP_GROUP) {
+        const rbdi_pack x = rbdi_qp_load(a + i), y = rbdi_qp_load(b + i);
+        *(rbdi_pack *)(a + i) = c * x + s * y;
+        *(rbdi_pack *)(b + i) = c * y + minus * x;
     }
     for (; i < n; ++i) {
-        const rbd_real x = a[i];
-        const rbd_real y = b[i];
+        const rbd_real x = a[i], y = b[i];
         a[i] = cosine * x + sine * y;
         b[i] = cosine * y + less * x; /* GCC 12 fuses a sum and a difference even without contraction */
     }
 }
 #else
 RBDI_INLINE rbd_real rbdi_qp_dot(const rbd_real *a, const rbd_real *b, int n) {
-    rbd_real s0 = 0, s1 = 0, s2 = 0, s3 = 0, rest = 0;
+    return rbdi_qp_group_dot(a, b, n);
+}
+RBDI_PART rbd_real rbdi_qp_dot_and_terms(const rbd_real *a, const rbd_real *b, int n, rbd_real *terms) {
+    rbd_real s0 = 0, s1 = 0, s2 = 0, s3 = 0, rest = 0, t0 = 0, t1 = 0, t2 = 0, t3 = 0, rest_size = 0;
     int i = 0;
 
     for (; i + 4 <= n; i += 4) {
-        s0 = s0 + a[i] * b[i];
-        s1 = s1 + a[i + 1] * b[i + 1];
-        s2 = s2 + a[i + 2] * b[i + 2];
-        s3 = s3 + a[i + 3] * b[i + 3];
+        const rbd_real p0 = a[i] * b[i], p1 = a[i + 1] * b[i + 1];
+        const rbd_real p2 = a[i + 2] * b[i + 2], p3 = a[i + 3] * b[i + 3];
+        s0 = s0 + p0;
+        s1 = s1 + p1;
+        s2 = s2 + p2;
+        s3 = s3 + p3;
+        t0 = t0 + rbdi_abs(p0);
+        t1 = t1 + rbdi_abs(p1);
+        t2 = t2 + rbdi_abs(p2);
+        t3 = t3 + rbdi_abs(p3);
     }
-    for (; i < n; ++i) rest = rest + a[i] * b[i];
+    for (; i < n; ++i) {
+        rest = rest + a[i] * b[i];
+        rest_size = rest_size + rbdi_abs(a[i] * b[i]);
+    }
+    *terms = ((t0 + t2) + (t1 + t3)) + rest_size;
     return ((s0 + s2) + (s1 + s3)) + rest;
 }
 RBDI_INLINE void rbdi_qp_add(rbd_real k, const rbd_real *a, rbd_real *b, int n) {
-    int i = 0;
-
-    for (; i + 4 <= n; i += 4) {
-        b[i] = b[i] + k * a[i];
-        b[i + 1] = b[i + 1] + k * a[i + 1];
-        b[i + 2] = b[i + 2] + k * a[i + 2];
-        b[i + 3] = b[i + 3] + k * a[i + 3];
-    }
-    for (; i < n; ++i) b[i] = b[i] + k * a[i];
+    rbdi_qp_group_add(k, a, b, n);
 }
-RBDI_INLINE void rbdi_qp_rotate(rbd_real *a, rbd_real *b, int n, rbd_real cosine, rbd_real sine) {
+#define rbdi_qp_dots rbdi_qp_group_dots
+#define rbdi_qp_adds rbdi_qp_group_adds
+RBDI_ONCE void rbdi_qp_rotate(rbd_real *a, rbd_real *b, int n, rbd_real cosine, rbd_real sine) {
     const rbd_real less = -sine;
 
     for (int i = 0; i < n; ++i) {
@@ -1088,30 +1250,31 @@ RBDI_INLINE void rbdi_qp_rotate(rbd_real *a, rbd_real *b, int n, rbd_real cosine
 }
 #endif
 
-/* A group: like components of RBDI_QP_GROUP vectors side by side. A loop over its components has no sum
-   across lanes, so that each vector comes out as if it were alone. */
-#if RBDI_GNU && RBDI_SIMD > 0
-#define RBDI_QP_GROUP 4
-typedef rbdi_quad rbdi_qp_group;
-#else
-#define RBDI_QP_GROUP 1
-typedef rbd_real rbdi_qp_group;
-#endif
+/* The largest |a_i|. */
+RBDI_PART rbd_real rbdi_qp_largest(const rbd_real *a, int n) {
+    rbd_real largest = 0;
+    for (int i = 0; i < n; ++i) largest = rbdi_qp_larger(largest, rbdi_abs(a[i]));
+    return largest;
+}
+/* a_i becomes the largest of a_i, |x_i| and least. */
+RBDI_PART void rbdi_qp_raise(rbd_real *a, const rbd_real *x, rbd_real least, int n) {
+    for (int i = 0; i < n; ++i) a[i] = rbdi_qp_larger(rbdi_qp_larger(a[i], rbdi_abs(x[i])), least);
+}
 
-RBDI_INLINE void rbdi_qp_clear(rbd_real *a, int n) {
+RBDI_ONCE void rbdi_qp_clear(rbd_real *a, int n) {
     for (int i = 0; i < n; ++i) a[i] = 0;
 }
-RBDI_INLINE void rbdi_qp_copy(const rbd_real *from, rbd_real *to, int n) {
+RBDI_ONCE void rbdi_qp_copy(const rbd_real *from, rbd_real *to, int n) {
     for (int i = 0; i < n; ++i) to[i] = from[i];
 }
 
 /* A row times x. */
-RBDI_INLINE rbd_real rbdi_qp_row_times(const rbdi_qp *s, int row, const rbd_real *x) {
+RBDI_ONCE rbd_real rbdi_qp_row_times(const rbdi_qp *s, int row, const rbd_real *x) {
     if (row < s->given.bounds) return x[row];
     return rbdi_qp_dot(rbdi_qp_c(s, row), x + s->from[row], s->to[row] - s->from[row]);
 }
 /* y += k row' */
-RBDI_INLINE void rbdi_qp_add_row(const rbdi_qp *s, int row, rbd_real k, rbd_real *y) {
+RBDI_ONCE void rbdi_qp_add_row(const rbdi_qp *s, int row, rbd_real k, rbd_real *y) {
     if (row < s->given.bounds)
         y[row] = y[row] + k;
     else
@@ -1121,7 +1284,8 @@ RBDI_INLINE void rbdi_qp_add_row(const rbdi_qp *s, int row, rbd_real k, rbd_real
 /* ==== src/qp/factor.h ==== */
 /* ---- factor and equalities [factor] ----
    L is kept in the envelope of H, each row from its first entry that is not 0 on: a diagonal H, or one of
-   blocks, costs next to nothing. */
+   blocks, costs next to nothing. Rows and right sides begin at a multiple of four, so that dot products have
+   the same four sums whatever other vectors share a group. */
 
 /* L L' = H + rho 1. Returns the first variable whose pivot is too small, or n. */
 RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
@@ -1135,6 +1299,7 @@ RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
         int start = 0;
 
         while (start < i && h[start] == 0) l[start++] = 0;
+        if (start < i) start = start / 4 * 4;
         s->first[i] = start;
 
         /* L_ij = (H_ij - sum_k L_ik L_jk) / L_jj */
@@ -1151,7 +1316,7 @@ RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
     return n;
 }
 
-/* t := L^-1 t, where t is 0 before `from`. */
+/* t := L^-1 t, where t is 0 before `from`, a multiple of four. */
 RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, rbd_real *t, int from) {
     for (int i = from; i < s->n; ++i) {
         const rbd_real *l = s->L + i * (i + 1) / 2;
@@ -1178,71 +1343,177 @@ RBDI_PART void rbdi_qp_spread(const rbdi_qp *s, int row, rbd_real *t) {
         t[row] = 1;
     else
         rbdi_qp_copy(rbdi_qp_c(s, row), t + s->from[row], s->to[row] - s->from[row]);
-    rbdi_qp_solve_lower(s, t, s->from[row]);
+    rbdi_qp_solve_lower(s, t, s->from[row] / 4 * 4);
 }
 
 /* t := (1 - beta v v') t, of reflection e. */
 RBDI_PART void rbdi_qp_reflect(const rbdi_qp *s, int e, rbd_real *t) {
     const rbd_real *v = s->V + e * s->n + e;
     const int length = s->end[e] - e;
-    const rbd_real a = s->beta[e] * rbdi_qp_dot(v, t + e, length);
 
-    if (a != 0) rbdi_qp_add(-a, v, t + e, length);
+    rbdi_qp_add(-s->beta[e] * rbdi_qp_dot(v, t + e, length), v, t + e, length);
 }
+
+/* Reflections e and e + 1, of vectors v and w, in one pass; backwards: first e + 1, then e. With c = v'w
+
+       a = beta_v v't,  b = beta_w (w't - c a)      or  b = beta_w w't,  a = beta_v (v't - c b)
+       t -= a v + b w */
+RBDI_PART void rbdi_qp_reflect_two(const rbdi_qp *s, int e, int backwards, rbd_real *t) {
+    const rbd_real *v = s->V + e * s->n, *w = v + s->n;
+    const int end = s->end[e] > s->end[e + 1] ? s->end[e] : s->end[e + 1], from = e + 1;
+    rbd_real a, b;
+
+    rbdi_qp_dots(v + from, w + from, t + from, end - from, &a, &b);
+    a = a + v[e] * t[e];
+    if (backwards) {
+        b = s->beta[e + 1] * b;
+        a = s->beta[e] * (a - s->cross[e] * b);
+    } else {
+        a = s->beta[e] * a;
+        b = s->beta[e + 1] * (b - s->cross[e] * a);
+    }
+
+    t[e] = t[e] - a * v[e];
+    rbdi_qp_adds(-a, v + from, -b, w + from, t + from, end - from);
+}
+
+/* t := Q't, two reflections at a time */
 RBDI_PART void rbdi_qp_reflect_all(const rbdi_qp *s, rbd_real *t) {
-    for (int e = 0; e < s->equalities; ++e) rbdi_qp_reflect(s, e, t);
+    const int k = s->equalities;
+    for (int e = 0; e + 1 < k; e += 2) rbdi_qp_reflect_two(s, e, 0, t);
+    if (k % 2) rbdi_qp_reflect(s, k - 1, t);
 }
+/* t := Q t */
 RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, rbd_real *t) {
-    for (int e = s->equalities - 1; e >= 0; --e) rbdi_qp_reflect(s, e, t);
+    const int k = s->equalities;
+    if (k % 2) rbdi_qp_reflect(s, k - 1, t);
+    for (int e = k / 2 * 2 - 2; e >= 0; e -= 2) rbdi_qp_reflect_two(s, e, 1, t);
 }
 
-/* Eliminates an equality by a reflection (Householder 1958): L^-1 row', behind the earlier reflections, goes
-   onto axis e. One that depends on the earlier ones is set aside; whether it agrees with them is seen later,
-   like any row. Sparse rows first make the vectors short. */
-RBDI_PART void rbdi_qp_eliminate(rbdi_qp *s, int row) {
-    const int n = s->n, e = s->equalities;
-    rbd_real *v = s->V + e * n;
-    rbd_real whole, rest, length;
-    if (e == n) return;
+/* The same of a group. */
+#if RBDI_QP_GROUP > 1
+RBDI_PART void rbdi_qp_group_solve_lower(const rbdi_qp *s, rbdi_qp_group *t, int from) {
+    for (int i = from; i < s->n; ++i) {
+        const rbd_real *l = s->L + i * (i + 1) / 2;
+        const int k = s->first[i] > from ? s->first[i] : from;
+        t[i] = (t[i] - rbdi_qp_group_dot(l + k, t + k, i - k)) * l[i];
+    }
+}
+RBDI_PART void rbdi_qp_group_reflect(const rbdi_qp *s, int e, rbdi_qp_group *t) {
+    const rbd_real *v = s->V + e * s->n + e;
+    const int length = s->end[e] - e;
 
-    rbdi_qp_spread(s, row, v);
-    whole = rbdi_qp_dot(v, v, n);
-    rbdi_qp_reflect_all(s, v);
-    rest = rbdi_qp_dot(v + e, v + e, n - e);
-    if (rest <= RBDI_QP_DEPENDENT * RBDI_QP_DEPENDENT * whole) return;
+    rbdi_qp_group_add(-s->beta[e] * rbdi_qp_group_dot(v, t + e, length), v, t + e, length);
+}
+RBDI_PART void rbdi_qp_group_reflect_two(const rbdi_qp *s, int e, int backwards, rbdi_qp_group *t) {
+    const rbd_real *v = s->V + e * s->n, *w = v + s->n;
+    const int end = s->end[e] > s->end[e + 1] ? s->end[e] : s->end[e + 1], from = e + 1;
+    rbdi_qp_group a, b;
+
+    rbdi_qp_group_dots(v + from, w + from, t + from, end - from, &a, &b);
+    a = a + v[e] * t[e];
+    if (backwards) {
+        b = s->beta[e + 1] * b;
+        a = s->beta[e] * (a - s->cross[e] * b);
+    } else {
+        a = s->beta[e] * a;
+        b = s->beta[e + 1] * (b - s->cross[e] * a);
+    }
+
+    t[e] = t[e] - a * v[e];
+    rbdi_qp_group_adds(-a, v + from, -b, w + from, t + from, end - from);
+}
+RBDI_PART void rbdi_qp_group_reflect_back(const rbdi_qp *s, rbdi_qp_group *t) {
+    const int k = s->equalities;
+    if (k % 2) rbdi_qp_group_reflect(s, k - 1, t);
+    for (int e = k / 2 * 2 - 2; e >= 0; e -= 2) rbdi_qp_group_reflect_two(s, e, 1, t);
+}
+#else
+#define rbdi_qp_group_solve_lower rbdi_qp_solve_lower
+#define rbdi_qp_group_reflect_two rbdi_qp_reflect_two
+#define rbdi_qp_group_reflect_back rbdi_qp_reflect_back
+#endif
+
+/* Reflection e = s->equalities of a row, whose L^-1 row', behind the earlier reflections, is v. Returns 0 if
+   the row depends on the earlier ones: that is set aside, and whether it agrees with them is seen later, like
+   any row. Sparse rows first make the vectors short. */
+RBDI_PART int rbdi_qp_make_reflection(rbdi_qp *s, int row, rbd_real *v) {
+    const int n = s->n, e = s->equalities;
+    const rbd_real gone = rbdi_qp_dot(v, v, e), rest = rbdi_qp_dot(v + e, v + e, n - e);
+    rbd_real length, onto;
+    if (rest <= RBDI_QP_DEPENDENT * RBDI_QP_DEPENDENT * (gone + rest)) return 0;
 
     /* v - (-+|v|) on axis e: no difference of like numbers. */
     length = rbdi_sqrt(rest);
+    onto = v[e] > 0 ? -length : length;
     s->beta[e] = 1 / (length * (length + rbdi_abs(v[e])));
-    s->diagonal[e] = v[e] > 0 ? -length : length;
-    v[e] = v[e] - s->diagonal[e];
+    s->diagonal[e] = 1 / onto;
+    v[e] = v[e] - onto;
 
     s->end[e] = n;
     while (s->end[e] > e + 1 && v[s->end[e] - 1] == 0) s->end[e]--;
+    if (e % 2) s->cross[e - 1] = rbdi_qp_dot(v + e - n, v + e, n - e);
     s->equality[e] = row;
     s->side[row] = 1;
     s->equalities = e + 1;
+    return 1;
+}
+
+/* Eliminates equalities by reflections (Householder 1958), a group of them: L^-1 row' of each goes onto an
+   axis. The memory of R and what follows is not in use yet: the group lies there. */
+RBDI_PART void rbdi_qp_eliminate(rbdi_qp *s, const int *rows, int lanes) {
+    const int n = s->n;
+    rbdi_qp_group *t = (rbdi_qp_group *)s->R;
+    int from = n;
+
+    rbdi_qp_clear((rbd_real *)t, n * RBDI_QP_GROUP);
+    for (int lane = 0; lane < lanes; ++lane) {
+        const int row = rows[lane], begin = s->from[row];
+        const rbd_real one = 1, *c = row < s->given.bounds ? &one : rbdi_qp_c(s, row);
+        rbd_real *to = (rbd_real *)t + begin * RBDI_QP_GROUP + lane;
+
+        from = begin < from ? begin : from;
+        for (int k = 0; k < s->to[row] - begin; ++k) to[k * RBDI_QP_GROUP] = c[k];
+    }
+    rbdi_qp_group_solve_lower(s, t, from / 4 * 4);
+    for (int e = 0; e + 1 < s->equalities; e += 2) rbdi_qp_group_reflect_two(s, e, 0, t);
+
+    for (int lane = 0; lane < lanes && s->equalities < n; ++lane) {
+        const int e = s->equalities;
+        rbd_real *v = s->V + e * n;
+        for (int k = 0; k < n; ++k) v[k] = ((const rbd_real *)t)[k * RBDI_QP_GROUP + lane];
+        if (e % 2) rbdi_qp_reflect(s, e - 1, v);
+        if (!rbdi_qp_make_reflection(s, rows[lane], v)) continue;
+        if (e % 2 && lane + 1 < lanes) rbdi_qp_group_reflect_two(s, e - 1, 0, t);
+    }
+}
+
+RBDI_PART void rbdi_qp_eliminate_equalities(rbdi_qp *s) {
+    int rows[RBDI_QP_GROUP], lanes = 0;
+
+    for (int row = 0; row < s->all; ++row) {
+        if (!rbdi_qp_is_equality(s, row)) continue;
+        s->side[row] = 0;
+        if (!(rbdi_qp_weight(s, row) > 0)) rows[lanes++] = row;
+        if (lanes < RBDI_QP_GROUP) continue;
+        rbdi_qp_eliminate(s, rows, lanes);
+        lanes = 0;
+    }
+    if (lanes) rbdi_qp_eliminate(s, rows, lanes);
 }
 
 /* t := L'^-1 Q t of a group, which is 0 behind component `to`. */
 RBDI_PART void rbdi_qp_basis_of(const rbdi_qp *s, rbdi_qp_group *t, int to) {
-    /* t -= v (beta v't) */
-    for (int e = s->equalities - 1; e >= 0; --e) {
-        const rbd_real *v = s->V + e * s->n;
-        rbdi_qp_group sum = v[e] * t[e];
-        for (int k = e + 1; k < s->end[e]; ++k) sum = sum + v[k] * t[k];
-        sum = s->beta[e] * sum;
-        for (int k = e; k < s->end[e]; ++k) t[k] = t[k] - v[k] * sum;
-    }
+    rbdi_qp_group_reflect_back(s, t);
     for (int i = to - 1; i >= 0; --i) {
         const rbd_real *l = s->L + i * (i + 1) / 2;
+        const int k = s->first[i];
         t[i] = l[i] * t[i];
-        for (int k = s->first[i]; k < i; ++k) t[k] = t[k] - l[k] * t[i];
+        rbdi_qp_group_add(-t[i], l + k, t + k, i - k);
     }
 }
 
-/* J = L'^-1 Q [0; 1], for no active row. The memory of R and what follows is not in use yet: a group lies
-   there. */
+/* J = L'^-1 Q [0; 1], for no active row, by groups in the memory of R. */
 RBDI_PART void rbdi_qp_basis(rbdi_qp *s) {
     const int n = s->n, k = s->equalities;
     rbdi_qp_group *t = (rbdi_qp_group *)s->R;
@@ -1269,7 +1540,7 @@ RBDI_PART void rbdi_qp_onto_equalities(const rbdi_qp *s, const rbd_real *x, rbd_
         const int row = s->equality[e];
         rbd_real b = s->given.upper[row];
         if (x) b = b - rbdi_qp_row_times(s, row, x);
-        t[e] = (b - rbdi_qp_dot(s->V + e * s->n, t, e)) / s->diagonal[e];
+        t[e] = (b - rbdi_qp_dot(s->V + e * s->n, t, e)) * s->diagonal[e];
     }
     rbdi_qp_reflect_back(s, t);
     rbdi_qp_solve_upper(s, t);
@@ -1284,7 +1555,7 @@ RBDI_PART void rbdi_qp_balance(rbdi_qp *s, rbd_real *y, rbd_real *t) {
 
     /* R u = -t */
     for (int e = s->equalities - 1; e >= 0; --e) {
-        t[e] = t[e] / s->diagonal[e];
+        t[e] = t[e] * s->diagonal[e];
         s->u_equal[e] = -t[e];
         rbdi_qp_add(-t[e], s->V + e * s->n, t, e);
     }
@@ -1461,13 +1732,13 @@ RBDI_PART void rbdi_qp_point(rbdi_qp *s, rbd_real *x) {
 
 /* The scale of a row's miss: its side, and its terms with the largest x so far. */
 RBDI_PART rbd_real rbdi_qp_terms(const rbdi_qp *s, int row, rbd_real side) {
-    rbd_real sum = rbdi_abs(side);
+    rbd_real terms;
     const rbd_real *c;
 
-    if (row < s->given.bounds) return sum + s->reach[row];
+    if (row < s->given.bounds) return rbdi_abs(side) + s->reach[row];
     c = rbdi_qp_c(s, row);
-    for (int k = s->from[row]; k < s->to[row]; ++k, ++c) sum = sum + rbdi_abs(*c) * s->reach[k];
-    return sum;
+    rbdi_qp_dot_and_terms(c, s->reach + s->from[row], s->to[row] - s->from[row], &terms);
+    return rbdi_abs(side) + terms;
 }
 
 /* How far u < 0 of active row j may be rounding, in its length: a share of the largest multiplier; of a soft
@@ -1507,13 +1778,12 @@ RBDI_PART int rbdi_qp_release(rbdi_qp *s, rbd_real share) {
 /* A row that x misses. */
 typedef struct rbdi_qp_miss {
     int row, side;
-    rbd_real by, share; /* in the row's units; of its terms */
+    rbd_real by; /* in the row's units */
 } rbdi_qp_miss;
 
 RBDI_PART void rbdi_qp_reached(rbdi_qp *s, const rbd_real *x) {
-    for (int k = 0; k < s->n; ++k) s->furthest = rbdi_qp_larger(s->furthest, rbdi_abs(x[k]));
-    for (int k = 0; k < s->n; ++k)
-        s->reach[k] = rbdi_qp_larger(rbdi_qp_larger(s->reach[k], rbdi_abs(x[k])), RBDI_QP_KEEP * s->furthest);
+    s->furthest = rbdi_qp_larger(s->furthest, rbdi_qp_largest(x, s->n));
+    rbdi_qp_raise(s->reach, x, RBDI_QP_KEEP * s->furthest, s->n);
 }
 
 /* By how much a value misses the lower side, or the upper one; negative if it does not. */
@@ -1526,29 +1796,52 @@ RBDI_INLINE rbd_real rbdi_qp_above(const rbdi_qp *s, int row, rbd_real value) {
     return upper < RBDI_QP_NONE ? value - upper : -RBDI_QP_NONE;
 }
 
+/* Whether x misses a row by more than rounding explains, and by how much. */
+RBDI_PART int rbdi_qp_misses(const rbdi_qp *s, int row, const rbd_real *x, rbd_real accuracy,
+                             rbdi_qp_miss *miss) {
+    const rbd_real value = rbdi_qp_row_times(s, row, x);
+    const rbd_real below = rbdi_qp_below(s, row, value), above = rbdi_qp_above(s, row, value);
+    const rbd_real by = rbdi_qp_larger(below, above);
+    const rbd_real side = below > above ? s->given.lower[row] : s->given.upper[row];
+    if (!(by > accuracy * rbdi_qp_terms(s, row, side))) return 0;
+
+    miss->row = row;
+    miss->side = below > above ? -1 : 1;
+    miss->by = by;
+    return 1;
+}
+
+/* score = by how much x misses each watched row, in lengths of the row. Returns the largest, or 0. */
+RBDI_PART rbd_real rbdi_qp_scores(rbdi_qp *s, const rbd_real *x) {
+    rbd_real most = 0;
+
+    for (int i = 0; i < s->watches; ++i) {
+        const int row = s->watched[i];
+        rbd_real value;
+
+        s->score[i] = 0;
+        if (s->side[row]) continue;
+        value = rbdi_qp_row_times(s, row, x);
+        s->score[i] = s->unit[row] * rbdi_qp_larger(s->given.lower[row] - value, value - s->given.upper[row]);
+        most = rbdi_qp_larger(s->score[i], most);
+    }
+    return most;
+}
+
 /* The inactive row that x misses most, in lengths of the row, beyond what rounding explains: row -1 if there
    is none. */
 RBDI_PART rbdi_qp_miss rbdi_qp_most_missed(rbdi_qp *s, const rbd_real *x, rbd_real accuracy) {
-    rbdi_qp_miss worst = {-1, 0, 0, 0};
-    rbd_real most = 0;
+    rbdi_qp_miss worst = {-1, 0, 0};
+    rbd_real most = rbdi_qp_scores(s, x);
+    int first = 0;
+    if (!(most > 0)) return worst;
 
-    for (int row = 0; row < s->all; ++row) {
-        rbd_real value, below, above, by, terms;
-        if (s->side[row] || s->from[row] == s->to[row]) continue;
-        value = rbdi_qp_row_times(s, row, x);
-        below = rbdi_qp_below(s, row, value);
-        above = rbdi_qp_above(s, row, value);
-        by = rbdi_qp_larger(below, above);
-        if (!(by > most * s->norm[row])) continue;
+    while (s->score[first] < most) ++first;
+    if (rbdi_qp_misses(s, s->watched[first], x, accuracy, &worst)) return worst;
 
-        terms = rbdi_qp_terms(s, row, below > above ? s->given.lower[row] : s->given.upper[row]);
-        if (!(by > accuracy * terms)) continue;
-        worst.row = row;
-        worst.side = below > above ? -1 : 1;
-        worst.by = by;
-        worst.share = by / terms;
-        most = by / s->norm[row];
-    }
+    most = 0;
+    for (int i = 0; i < s->watches; ++i)
+        if (s->score[i] > most && rbdi_qp_misses(s, s->watched[i], x, accuracy, &worst)) most = s->score[i];
     return worst;
 }
 
@@ -1566,6 +1859,17 @@ RBDI_PART int rbdi_qp_first_to_leave(const rbdi_qp *s, rbd_real *step) {
     return first;
 }
 
+#define RBDI_QP_ROUNDING (64 * RBDI_EPS) /* of a row's length in the metric of H^-1 */
+
+/* Whether a soft row is among the active ones that the last row depends on: then these do not contradict. */
+RBDI_PART int rbdi_qp_gives_way(const rbdi_qp *s) {
+    for (int j = 0; j < s->q; ++j)
+        if (rbdi_qp_weight(s, s->active[j]) > 0 &&
+            rbdi_abs(s->r[j]) * s->length[j] > RBDI_QP_DEPENDENT * s->own)
+            return 1;
+    return 0;
+}
+
 /* Takes in a row that is missed. Each turn goes as far as the multipliers of the active rows stay positive,
    at most until the row holds:
 
@@ -1579,14 +1883,18 @@ RBDI_PART rbd_qp_status rbdi_qp_take_in(rbdi_qp *s, rbd_real *x, rbdi_qp_miss mi
     s->own = rbdi_qp_enter(s, miss.row, miss.side);
     while (s->result.steps < s->options.steps) {
         const rbd_real square = rbdi_qp_free_part(s);
-        const int dependent = rbdi_qp_depends(s, miss.row, square);
+        int dependent = rbdi_qp_depends(s, miss.row, square);
         rbd_real step;
         int leaves;
 
         rbdi_qp_copy(s->d, s->r, s->q);
         rbdi_qp_solve_r(s, s->r);
         leaves = rbdi_qp_first_to_leave(s, &step);
-        if (dependent && leaves < 0) return RBD_QP_INFEASIBLE;
+        if (dependent && leaves < 0) {
+            const rbd_real rounding = RBDI_QP_ROUNDING * s->own;
+            if (square <= rounding * rounding || !rbdi_qp_gives_way(s)) return RBD_QP_INFEASIBLE;
+            dependent = 0;
+        }
 
         if (!dependent) {
             rbdi_qp_way(s);
@@ -1642,14 +1950,14 @@ RBDI_PART rbd_real rbdi_qp_residuals(rbdi_qp *s, const rbd_real *x, rbd_real *si
 
         s->r[j] = sign * (rbdi_qp_side(s, row) - rbdi_qp_row_times(s, row, x));
         if (weight > 0) s->r[j] = s->r[j] - s->u[j] / weight;
-        missed = rbdi_qp_larger(missed, rbdi_abs(s->r[j]) / s->norm[row]);
-        *size = rbdi_qp_larger(*size, rbdi_abs(s->u[j]) * s->norm[row]);
+        missed = rbdi_qp_larger(missed, rbdi_abs(s->r[j]) * s->unit[row]);
+        *size = rbdi_qp_larger(*size, rbdi_abs(s->u[j]) / s->unit[row]);
         rbdi_qp_add_row(s, row, sign * s->u[j], s->t);
     }
     for (int e = 0; e < s->equalities; ++e) {
         const int row = s->equality[e];
         const rbd_real by = rbdi_qp_row_times(s, row, x) - s->given.upper[row];
-        missed = rbdi_qp_larger(missed, rbdi_abs(by) / s->norm[row]);
+        missed = rbdi_qp_larger(missed, rbdi_abs(by) * s->unit[row]);
     }
     return missed;
 }
@@ -1682,15 +1990,14 @@ RBDI_PART void rbdi_qp_correct(rbdi_qp *s, rbd_real *x) {
 
 /* The multipliers of the equalities; result.dual; and corrections where the residuals exceed rounding. */
 RBDI_PART void rbdi_qp_refine(rbdi_qp *s, rbd_real *x) {
-    rbd_real furthest = 0;
-    for (int k = 0; k < s->n; ++k) furthest = rbdi_qp_larger(furthest, s->reach[k]);
+    const rbd_real furthest = rbdi_qp_largest(s->reach, s->n);
 
     for (int corrections = 0;; ++corrections) {
-        rbd_real size, worst = 0;
+        rbd_real size, worst;
         const rbd_real missed = rbdi_qp_residuals(s, x, &size);
 
         rbdi_qp_balance(s, s->t, s->z);
-        for (int k = 0; k < s->n; ++k) worst = rbdi_qp_larger(worst, rbdi_abs(s->t[k]));
+        worst = rbdi_qp_largest(s->t, s->n);
         s->result.dual = size > 0 ? worst / size : worst;
 
         if (s->result.dual <= RBDI_QP_REFINED && missed <= RBDI_QP_REFINED * furthest) return;
@@ -1760,7 +2067,7 @@ RBDI_PART int rbdi_qp_proven(rbdi_qp *s, rbdi_qp_miss miss) {
     for (int row = 0; row < s->all; ++row) {
         if (s->lambda[row] == 0) continue;
         rbdi_qp_add_row(s, row, -s->lambda[row], s->t);
-        largest = rbdi_qp_larger(largest, rbdi_abs(s->lambda[row]) * s->norm[row]);
+        largest = rbdi_qp_larger(largest, rbdi_abs(s->lambda[row]) / s->unit[row]);
     }
     rbdi_qp_balance(s, s->t, s->z);
     for (int e = 0; e < s->equalities; ++e) s->lambda[s->equality[e]] = -s->u_equal[e];
@@ -1769,6 +2076,7 @@ RBDI_PART int rbdi_qp_proven(rbdi_qp *s, rbdi_qp_miss miss) {
         const rbd_real lambda = s->lambda[row];
         const rbd_real side = lambda > 0 ? s->given.upper[row] : s->given.lower[row];
         if (lambda == 0) continue;
+        if (rbdi_qp_weight(s, row) > 0) return 0; /* it gives way */
         sum = sum + lambda * side;
         terms = terms + rbdi_abs(lambda * side);
     }
@@ -1802,8 +2110,8 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
                 refined = 0;
             }
             /* x is exact now: less of what has cancelled before still counts. */
-            for (int k = 0; k < s->n; ++k)
-                s->reach[k] = rbdi_qp_larger(rbdi_abs(x[k]), RBDI_QP_KEEP * s->furthest);
+            rbdi_qp_clear(s->reach, s->n);
+            rbdi_qp_raise(s->reach, x, RBDI_QP_KEEP * s->furthest, s->n);
             continue;
         }
 
@@ -1842,29 +2150,35 @@ RBDI_PART int rbdi_qp_straight(rbdi_qp *s, const rbd_real *x) {
     return down < 0 && curvature <= rounding;
 }
 
+/* Whether the value falls on the way z by more than rounding of H and f explains, where the weights of a sum
+   of squares are far apart. */
+RBDI_PART int rbdi_qp_falls(const rbdi_qp *s) {
+    rbd_real terms;
+    const rbd_real down = rbdi_qp_dot_and_terms(s->given.f, s->z, s->n, &terms);
+    return -down > RBDI_QP_FALL * terms;
+}
+
 /* Whether no row ends the way z. */
 RBDI_PART int rbdi_qp_endless(const rbdi_qp *s) {
-    rbd_real length = 0;
-    for (int k = 0; k < s->n; ++k) length = rbdi_qp_larger(length, rbdi_abs(s->z[k]));
+    const rbd_real length = rbdi_qp_largest(s->z, s->n);
 
     for (int row = 0; row < s->all; ++row) {
         const rbd_real by = rbdi_qp_row_times(s, row, s->z);
         const rbd_real side = by < 0 ? s->given.lower[row] : s->given.upper[row];
-        if (rbdi_abs(side) < RBDI_QP_NONE && rbdi_abs(by) > s->options.accuracy * s->norm[row] * length)
+        if (rbdi_abs(side) < RBDI_QP_NONE && rbdi_abs(by) > s->options.accuracy / s->unit[row] * length)
             return 0;
     }
     return 1;
 }
 
-/* The largest of the sums |f_k| + |H_k1 x_1| + ... */
-RBDI_PART rbd_real rbdi_qp_value_terms(const rbdi_qp *s, const rbd_real *x) {
-    rbd_real largest = 0;
+/* y = H x + f. Returns the largest of the sums |f_k| + |H_k1 x_1| + ... */
+RBDI_PART rbd_real rbdi_qp_gradient(const rbdi_qp *s, const rbd_real *x, rbd_real *y) {
+    rbd_real largest = 0, terms;
 
     for (int k = 0; k < s->n; ++k) {
-        const rbd_real *h = s->given.H + k * s->n;
-        rbd_real sum = rbdi_abs(s->given.f[k]);
-        for (int j = 0; j < s->n; ++j) sum = sum + rbdi_abs(h[j] * x[j]);
-        largest = rbdi_qp_larger(largest, sum);
+        const rbd_real f = s->given.f[k];
+        y[k] = rbdi_qp_dot_and_terms(s->given.H + k * s->n, x, s->n, &terms) + f;
+        largest = rbdi_qp_larger(largest, rbdi_abs(f) + terms);
     }
     return largest;
 }
@@ -1883,17 +2197,18 @@ RBDI_PART rbd_qp_status rbdi_qp_rounds(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mi
         status = rbdi_qp_round(s, x, miss);
         if (status != RBD_QP_OK || !(s->rho > 0)) return status;
 
-        size = rbdi_qp_value_terms(s, x);
+        size = rbdi_qp_gradient(s, x, s->t);
         for (int k = 0; k < s->n; ++k) {
             moved = rbdi_qp_larger(moved, s->rho * rbdi_abs(x[k] - s->centre[k]));
             furthest = rbdi_qp_larger(furthest, s->rho * rbdi_abs(x[k]));
         }
-        if (moved <= s->options.accuracy * size || (!(size > 0) && moved <= RBDI_QP_STILL * furthest))
+        if (moved <= RBDI_QP_ENOUGH * s->options.accuracy * size ||
+            (!(size > 0) && moved <= RBDI_QP_STILL * furthest))
             return RBD_QP_OK;
         if (s->result.rounds >= s->options.rounds) return RBD_QP_ITERATIONS;
 
         ahead = rbdi_qp_straight(s, x) ? 2 * ahead : 1;
-        if (ahead > 4 && rbdi_qp_endless(s)) return RBD_QP_UNBOUNDED;
+        if (ahead > 4 && rbdi_qp_endless(s)) return rbdi_qp_falls(s) ? RBD_QP_UNBOUNDED : RBD_QP_INACCURATE;
         for (int k = 0; k < s->n; ++k) {
             s->centre[k] = s->centre[k] + ahead * (x[k] - s->centre[k]);
             s->g[k] = s->given.f[k] - s->rho * s->centre[k];
@@ -1952,36 +2267,53 @@ RBDI_PART rbd_qp_status rbdi_qp_check_problem(rbdi_qp *s) {
     return RBD_QP_OK;
 }
 
+/* H_ij and H_ji differ, or one is not a number. */
+RBDI_PART rbd_qp_status rbdi_qp_refuse_pair(rbdi_qp *s, int i, int j) {
+    const rbd_real *H = s->given.H;
+    if (!rbdi_qp_finite(H[i * s->n + j])) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "H");
+    if (!rbdi_qp_finite(H[j * s->n + i])) return rbdi_qp_refuse(s, RBD_QP_NAN, j, "H");
+    return rbdi_qp_refuse(s, RBD_QP_SYMMETRIC, i, "H");
+}
+
 /* H and f: finite, symmetric. */
 RBDI_PART rbd_qp_status rbdi_qp_check_value(rbdi_qp *s) {
     const rbd_real *H = s->given.H;
     const int n = s->n;
 
     for (int i = 0; i < n; ++i) {
+        const rbd_real diagonal = H[i * n + i];
         if (!rbdi_qp_finite(s->given.f[i])) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "f");
-        if (!rbdi_qp_finite(H[i * n + i])) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "H");
-        if (H[i * n + i] < 0) return rbdi_qp_refuse(s, RBD_QP_CONVEX, i, "H");
+        if (!rbdi_qp_finite(diagonal)) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "H");
+        if (diagonal < 0) return rbdi_qp_refuse(s, RBD_QP_CONVEX, i, "H");
+        s->t[i] = RBDI_QP_ASYMMETRY * diagonal;
+        for (int j = 0; j < i; ++j)
+            if (!(rbdi_abs(H[i * n + j] - H[j * n + i]) <= s->t[i] + s->t[j]))
+                return rbdi_qp_refuse_pair(s, i, j);
+    }
+    return RBD_QP_OK;
+}
+
+/* H is not definite: each two variables alone must be semidefinite. */
+RBDI_PART rbd_qp_status rbdi_qp_check_pairs(rbdi_qp *s) {
+    const rbd_real *H = s->given.H;
+    const int n = s->n;
+
+    for (int i = 0; i < n; ++i) {
         for (int j = 0; j < i; ++j) {
-            const rbd_real differ = rbdi_abs(H[i * n + j] - H[j * n + i]);
-            const rbd_real scale = rbdi_abs(H[i * n + i]) + rbdi_abs(H[j * n + j]);
-            if (differ <= RBDI_QP_ASYMMETRY * scale) {
-                const rbd_real minor = H[i * n + i] * H[j * n + j];
-                if (H[i * n + j] * H[i * n + j] <= minor + RBDI_QP_ASYMMETRY * rbdi_abs(minor)) continue;
-                return rbdi_qp_refuse(s, RBD_QP_CONVEX, i, "H"); /* indefinite by these two alone */
-            }
-            if (!rbdi_qp_finite(H[i * n + j])) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "H");
-            if (!rbdi_qp_finite(H[j * n + i])) return rbdi_qp_refuse(s, RBD_QP_NAN, j, "H");
-            return rbdi_qp_refuse(s, RBD_QP_SYMMETRIC, i, "H");
+            const rbd_real minor = H[i * n + i] * H[j * n + j];
+            if (!(H[i * n + j] * H[i * n + j] <= minor + RBDI_QP_ASYMMETRY * minor))
+                return rbdi_qp_refuse(s, RBD_QP_CONVEX, i, "H");
         }
     }
     return RBD_QP_OK;
 }
 
-/* The rows: finite, lower <= upper; and where each begins and ends, and its norm. */
+/* The rows: finite, lower <= upper; where each begins and ends, its length, and whether x may miss it. */
 RBDI_PART rbd_qp_status rbdi_qp_check_rows(rbdi_qp *s) {
     const rbd_qp_problem *p = &s->given;
     const int n = s->n;
 
+    s->watches = 0;
     for (int row = 0; row < s->all; ++row) {
         const rbd_real lower = p->lower[row], upper = p->upper[row];
         int from = row, to = row + 1;
@@ -2000,8 +2332,9 @@ RBDI_PART rbd_qp_status rbdi_qp_check_rows(rbdi_qp *s) {
         }
         s->from[row] = from;
         s->to[row] = to;
-        s->norm[row] = square > 0 ? rbdi_sqrt(square) : 1;
+        s->unit[row] = square > 0 ? 1 / rbdi_sqrt(square) : 1;
         if (lower > upper) return rbdi_qp_refuse(s, RBD_QP_SIDES, row, "lower");
+        if (from < to && (lower > -RBDI_QP_NONE || upper < RBDI_QP_NONE)) s->watched[s->watches++] = row;
     }
     return RBD_QP_OK;
 }
@@ -2011,12 +2344,13 @@ RBDI_PART rbd_qp_status rbdi_qp_factor_any(rbdi_qp *s) {
     rbd_real diagonal = 0, slope = 0;
     int at = rbdi_qp_factor(s);
     if (at == s->n) return RBD_QP_OK;
+    if (rbdi_qp_check_pairs(s) != RBD_QP_OK) return RBD_QP_CONVEX;
 
     for (int i = 0; i < s->n; ++i) {
         diagonal = rbdi_qp_larger(diagonal, s->given.H[i * s->n + i]);
         slope = rbdi_qp_larger(slope, rbdi_abs(s->given.f[i]));
     }
-    s->rho = diagonal > 0 ? (rbd_real)RBDI_QP_PROXIMAL * diagonal : slope > 0 ? slope / 1000 : 1;
+    s->rho = diagonal > 0 ? (rbd_real)RBDI_QP_PROXIMAL * diagonal : slope > 0 ? slope / RBDI_QP_WAY : 1;
     at = rbdi_qp_factor(s);
     return at == s->n ? RBD_QP_OK : rbdi_qp_refuse(s, RBD_QP_CONVEX, at, "H");
 }
@@ -2045,17 +2379,15 @@ RBDI_PART void rbdi_qp_multipliers(rbdi_qp *s, rbd_real *lambda) {
    pushes the distance from the side, as a share of its terms; and Hx + f + C'lambda, as a share of the
    largest term. */
 RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
-    rbd_real worst = 0, furthest = 0, sum = 0, size;
+    rbd_real furthest = rbdi_qp_largest(x, s->n);
+    rbd_real worst, sum = 0, size;
 
     s->result.primal = 0;
-    for (int k = 0; k < s->n; ++k) furthest = rbdi_qp_larger(furthest, rbdi_abs(x[k]));
-    furthest = rbdi_qp_larger(furthest, RBDI_QP_KEEP * s->furthest);
-    size = rbdi_qp_value_terms(s, x);
+    /* x may be nothing but what has cancelled */
+    if (furthest <= RBDI_QP_CANCELLED * s->furthest) furthest = RBDI_QP_KEEP * s->furthest;
+    size = rbdi_qp_gradient(s, x, s->t);
     if (!(size > 0)) size = s->rho * furthest; /* without H and f multipliers are rounding of this */
-    for (int k = 0; k < s->n; ++k) {
-        s->t[k] = rbdi_qp_dot(s->given.H + k * s->n, x, s->n) + s->given.f[k];
-        s->reach[k] = furthest;
-    }
+    for (int k = 0; k < s->n; ++k) s->reach[k] = furthest;
     for (int row = 0; row < s->all; ++row) {
         const rbd_real weight = rbdi_qp_weight(s, row), miss = weight > 0 ? lambda[row] / weight : 0;
         const rbd_real value = rbdi_qp_row_times(s, row, x) - miss;
@@ -2065,20 +2397,19 @@ RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lam
 
         if (lambda[row] != 0) {
             rbdi_qp_add_row(s, row, lambda[row], s->t);
-            if (s->from[row] < s->to[row]) size = rbdi_qp_larger(size, rbdi_abs(lambda[row]) * s->norm[row]);
+            if (s->from[row] < s->to[row]) size = rbdi_qp_larger(size, rbdi_abs(lambda[row]) / s->unit[row]);
         }
         if (by <= 0) continue;
         const rbd_real side = at_upper ? s->given.upper[row] : s->given.lower[row];
+        if (by <= s->result.primal * rbdi_abs(side)) continue;
         const rbd_real share = by / (rbdi_qp_terms(s, row, side) + rbdi_abs(miss));
         if (rbdi_qp_finite(share))
             s->result.primal = rbdi_qp_larger(s->result.primal, share);
         else
             s->doubtful = 1;
     }
-    for (int k = 0; k < s->n; ++k) {
-        worst = rbdi_qp_larger(worst, rbdi_abs(s->t[k]));
-        sum = sum + s->t[k];
-    }
+    for (int k = 0; k < s->n; ++k) sum = sum + s->t[k];
+    worst = rbdi_qp_largest(s->t, s->n);
     s->result.dual = (size > 0 ? worst / size : worst) + (sum - sum); /* not a number if one is none */
 }
 
@@ -2096,17 +2427,13 @@ RBDI_PART rbd_qp_status rbdi_qp_zero_rows(rbdi_qp *s, rbdi_qp_miss *miss) {
 }
 
 RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
-    rbdi_qp_miss miss = {-1, 0, 0, 0};
+    rbdi_qp_miss miss = {-1, 0, 0};
     rbd_qp_status status = rbdi_qp_check_value(s);
     if (status == RBD_QP_OK) status = rbdi_qp_check_rows(s);
     if (status == RBD_QP_OK) status = rbdi_qp_factor_any(s);
     if (status != RBD_QP_OK) return status;
 
-    for (int row = 0; row < s->all; ++row) {
-        if (!rbdi_qp_is_equality(s, row)) continue;
-        s->side[row] = 0;
-        if (!(rbdi_qp_weight(s, row) > 0)) rbdi_qp_eliminate(s, row);
-    }
+    rbdi_qp_eliminate_equalities(s);
     rbdi_qp_basis(s);
     for (int k = 0; k < s->n; ++k) {
         s->reach[k] = 0;

@@ -46,8 +46,13 @@
    [limits]
      Dense matrices, of up to some hundred variables: a step costs about 3 n^2 products, and one for each
      entry of C. H must be convex. If it is only semidefinite, a proximal method takes some rounds, and the
-     optimum is exact to the accuracy, not to rounding. Weights of soft rows more than 1e12 above
-     H (float: 1e4) are better hard rows. Squares of the entries of a row must be normal numbers.
+     optimum is exact to the accuracy, not to rounding. Squares of the entries of a row must be normal
+     numbers. result->dual is a share of the largest term: what is 1e8 times weaker (float: 1e3) is less
+     exact. Weights of soft rows more than 1e14 above H (float: 1e4) may end in RBD_QP_ITERATIONS or
+     _INACCURATE, never in _INFEASIBLE: hard rows are better there. Linear programs whose vertices lie far
+     apart, as those of Klee and Minty do from 7 variables on (float: 5), may end in RBD_QP_ITERATIONS: more
+     options->rounds. In float RBD_QP_UNBOUNDED is said where f falls by a tenth of its terms; less is
+     RBD_QP_INACCURATE.
 */
 
 #include "api/configuration.h"

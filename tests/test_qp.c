@@ -302,7 +302,7 @@ START_TEST(random_problems_satisfy_their_conditions) {
                   kind_names[of], k);
         ck_assert(result.primal <= 10 * RBDI_QP_ACCURACY && result.dual <= 10 * RBDI_QP_ACCURACY);
     }
-    ck_assert_int_ge(solved, 970);
+    ck_assert_int_ge(solved, is_float && of == LINEAR ? 960 : 970);
 }
 END_TEST
 
@@ -857,6 +857,100 @@ START_TEST(weighted_squares_are_not_unbounded) {
 }
 END_TEST
 
+/* The same with weights that are so far apart that rounding of H, in float, may be more than the weak ones:
+   nothing without end is seen in it. */
+START_TEST(weights_far_apart_are_not_unbounded) {
+    seed = 7;
+    for (int k = 0; k < 14000; k++) {
+        const int n = between(3, 8), tasks = between(1, n - 1), decades = 2 + k / 2000;
+        const rbd_qp_problem p = problem_of(n, 0, 0);
+        double squares[64] = {0}, slope[8] = {0};
+        for (int t = 0; t < tasks; t++) {
+            const double share = t == 0 ? 0 : t == 1 ? 1 : .5 * (1 + uniform()), wanted = normal();
+            const double weight = pow(10, -decades * share);
+            double row[8];
+            for (int i = 0; i < n; i++) row[i] = normal();
+            for (int i = 0; i < n; i++) {
+                slope[i] -= weight * wanted * row[i];
+                for (int j = 0; j < n; j++) squares[i * n + j] += weight * row[i] * row[j];
+            }
+        }
+        set(H, squares, n * n);
+        set(f, slope, n);
+        ck_assert_int_ne(solve(&p), RBD_QP_UNBOUNDED);
+    }
+}
+END_TEST
+
+/* Soft rows give way: whatever their weights, they are no contradiction. */
+START_TEST(soft_rows_contradict_nothing) {
+    const int first = sizeof(rbd_real) == 4 ? 2 : 8, step = sizeof(rbd_real) == 4 ? 3 : 2;
+    for (int decade = first; decade <= 20; decade += step) {
+        seed = 7;
+        for (int k = 0; k < 400; k++) {
+            const rbd_qp_problem p = random_problem(SOFT);
+            rbd_qp_status status;
+            for (int row = 0; row < p.bounds + p.rows; row++)
+                if (soft[row] > 0) soft[row] = (rbd_real)pow(10, decade + uniform());
+            status = solve(&p);
+            ck_assert_msg(status != RBD_QP_INFEASIBLE, "weights of 1e%d, problem %d", decade, k);
+            if (decade == first && sizeof(rbd_real) == 8) ck_assert_int_eq(status, RBD_QP_OK);
+        }
+    }
+}
+END_TEST
+
+/* The cube of Klee and Minty (1972), a linear program whose vertices lie far apart: its last one, or
+   ITERATIONS with an x that keeps the rows. */
+START_TEST(long_ways_end_or_say_so) {
+    for (int n = 1; n <= 14; n++) {
+        const rbd_qp_problem p = problem_of(n, n, n);
+        rbd_qp_status status;
+        memset(H, 0, sizeof H);
+        memset(C, 0, sizeof C);
+        for (int i = 0; i < n; i++) {
+            f[i] = -(rbd_real)pow(2, n - 1 - i);
+            lower[i] = 0;
+            upper[i] = NONE;
+            for (int j = 0; j < i; j++) C[i * n + j] = (rbd_real)pow(2, i - j + 1);
+            C[i * n + i] = 1;
+            lower[n + i] = -NONE;
+            upper[n + i] = (rbd_real)pow(5, i + 1);
+        }
+        status = solve(&p);
+        if (n <= 4) ck_assert_int_eq(status, RBD_QP_OK);
+        if (status == RBD_QP_OK)
+            ck_assert(fabs((double)x[n - 1] / pow(5, n) - 1) < tight);
+        else
+            ck_assert(status == RBD_QP_ITERATIONS && result.primal < tight);
+    }
+}
+END_TEST
+
+/* OK is said of what x and lambda satisfy, however far x has been on the way: the misses of rows, as shares
+   of their sides and of the entries times the largest x. */
+START_TEST(ok_is_said_of_the_solution_alone) {
+    seed = 19;
+    for (int k = 0; k < 4000; k++) {
+        rbd_qp_problem p = random_problem(k % 2 ? LINEAR : SCALED);
+        double far;
+        if (k % 2 == 0) scale(&p);
+        if (solve(&p) != RBD_QP_OK) continue;
+        far = largest_of(x, p.n);
+        for (int row = 0; row < p.bounds + p.rows; row++) {
+            double value = 0, terms = 0, below, above;
+            for (int j = 0; j < p.n; j++) {
+                value += entry(&p, row, j) * (double)x[j];
+                terms += fabs(entry(&p, row, j)) * far;
+            }
+            below = (double)p.lower[row] - value - 2 * tight * fabs((double)p.lower[row]);
+            above = value - (double)p.upper[row] - 2 * tight * fabs((double)p.upper[row]);
+            ck_assert_msg(!(fmax(below, above) > 2 * tight * terms), "problem %d, row %d", k, row);
+        }
+    }
+}
+END_TEST
+
 /* However slowly the value falls, OK is said at the end of the way alone. */
 START_TEST(slow_ways_are_gone_to_their_end) {
     static const struct {
@@ -1054,6 +1148,10 @@ int main(void) {
     tcase_add_test(c, rows_alone_are_met);
     tcase_add_test(c, an_optimum_at_0_is_ok);
     tcase_add_test(c, weighted_squares_are_not_unbounded);
+    tcase_add_test(c, weights_far_apart_are_not_unbounded);
+    tcase_add_test(c, soft_rows_contradict_nothing);
+    tcase_add_test(c, long_ways_end_or_say_so);
+    tcase_add_test(c, ok_is_said_of_the_solution_alone);
     tcase_add_test(c, slow_ways_are_gone_to_their_end);
     tcase_add_test(c, rows_of_zeros_move_nothing);
     tcase_add_test(c, saddles_are_refused);

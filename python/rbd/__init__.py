@@ -36,18 +36,19 @@ from ._calls import RESULTS as _RESULTS
 from ._constraints import ConstraintSet
 from ._contacts import ContactResult, ContactSet, ContactSolution
 from ._descriptions import Body, Constraint, Contact, ContactOptions, load_table
-from ._headers import (SOURCES, Array, ContactState, JointType, Matrix, Numbers, RbdError, RbdWarning, Status,
-                       UrdfStatus, __version__, structure)
+from ._headers import (SOURCES, Array, ContactState, JointType, Matrix, Numbers, QpStatus, RbdError, RbdWarning,
+                       Status, UrdfStatus, __version__, structure)
 from ._library import Library
 from ._model import Model, _again
 from ._names import JointInfo
+from ._qp import QpSolution, qp
 from ._spatial import AxisAngle, Placement, Spatial
 from ._urdf import Frame, Urdf, load_urdf, parse_urdf
 
 __all__ = ["AxisAngle", "Body", "Constraint", "ConstraintSet", "Contact", "ContactOptions", "ContactResult",
            "ContactSet", "ContactSolution", "ContactState", "Frame", "JointInfo", "JointType", "Library",
-           "Model", "Placement", "RbdError", "RbdWarning", "SOURCES", "Spatial", "Status", "Urdf",
-           "UrdfStatus", "load_table", "load_urdf", "parse_urdf"]
+           "Model", "Placement", "QpSolution", "QpStatus", "RbdError", "RbdWarning", "SOURCES", "Spatial", "Status", "Urdf",
+           "UrdfStatus", "load_table", "load_urdf", "parse_urdf", "qp"]
 
 
 def __dir__():

@@ -30,7 +30,8 @@ def _find_sources():
 
 SOURCES: Path = _find_sources()  #: folder of rbd.h and of models/
 _HEADERS = {name: (SOURCES / name).read_text() for name in (
-    "rbd.h", "rbd_derivatives.h", "rbd_constraints.h", "rbd_contact.h", "rbd_batch.h", "rbd_spatial.h", "rbd_urdf.h")}
+    "rbd.h", "rbd_derivatives.h", "rbd_constraints.h", "rbd_contact.h", "rbd_batch.h", "rbd_spatial.h", "rbd_qp.h",
+    "rbd_urdf.h")}
 _TEXT = "\n".join(_HEADERS.values())
 __version__: str = re.search(r'#define RBD_VERSION "(.*)"', _TEXT)[1]
 
@@ -54,6 +55,7 @@ def _enum(python_name, c_name, prefix):
 
 Status = _enum("Status", "rbd_status", "RBD_")
 UrdfStatus = _enum("UrdfStatus", "rbd_urdf_status", "RBD_URDF_")
+QpStatus = _enum("QpStatus", "rbd_qp_status", "RBD_QP_")
 JointType = _enum("JointType", "rbd_joint_type", "RBD_")
 ContactState = _enum("ContactState", "rbd_contact_state", "RBD_")
 
@@ -85,13 +87,13 @@ def structure(name, real=ctypes.c_double, text=_TEXT):
 class RbdError(Exception):
     """An error of the library.
 
-    status   a Status, or a UrdfStatus where a URDF is read
+    status   a Status, or a UrdfStatus where a URDF is read, or a QpStatus of qp
     results  the results of the call that are valid all the same: of n states those that have no error
     """
-    status: Status | UrdfStatus
+    status: Status | UrdfStatus | QpStatus
     results: Any
 
-    def __init__(self, status: Status | UrdfStatus, text: str, results: Any = None):
+    def __init__(self, status: Status | UrdfStatus | QpStatus, text: str, results: Any = None):
         super().__init__(text)
         self.status = status
         self.results = results

@@ -65,6 +65,7 @@ ELSEWHERE = {
     **{f"rbd_contact_{name}": f"ContactSet.{name}" for name in ("step", "fd", "plane", "reset", "get", "last")},
     "rbd_contact_step_derivatives": "ContactSet.step_derivatives",
     "rbd_urdf_load": "load_urdf", "rbd_urdf_parse": "parse_urdf",
+    "rbd_qp_solve": "qp", "rbd_qp_text": "qp",
 }
 
 

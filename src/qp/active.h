@@ -171,13 +171,13 @@ RBDI_PART void rbdi_qp_point(rbdi_qp *s, rbd_real *x) {
 
 /* The scale of a row's miss: its side, and its terms with the largest x so far. */
 RBDI_PART rbd_real rbdi_qp_terms(const rbdi_qp *s, int row, rbd_real side) {
-    rbd_real sum = rbdi_abs(side);
+    rbd_real terms;
     const rbd_real *c;
 
-    if (row < s->given.bounds) return sum + s->reach[row];
+    if (row < s->given.bounds) return rbdi_abs(side) + s->reach[row];
     c = rbdi_qp_c(s, row);
-    for (int k = s->from[row]; k < s->to[row]; ++k, ++c) sum = sum + rbdi_abs(*c) * s->reach[k];
-    return sum;
+    rbdi_qp_dot_and_terms(c, s->reach + s->from[row], s->to[row] - s->from[row], &terms);
+    return rbdi_abs(side) + terms;
 }
 
 /* How far u < 0 of active row j may be rounding, in its length: a share of the largest multiplier; of a soft

@@ -1,11 +1,11 @@
 #ifndef RBDI_QP_FACTOR_H
 #define RBDI_QP_FACTOR_H
-#include "base/scalar.h"
 #include "qp/vectors.h"
 
 /* ---- factor and equalities [factor] ----
    L is kept in the envelope of H, each row from its first entry that is not 0 on: a diagonal H, or one of
-   blocks, costs next to nothing. */
+   blocks, costs next to nothing. Rows and right sides begin at a multiple of four, so that dot products have
+   the same four sums whatever other vectors share a group. */
 
 /* L L' = H + rho 1. Returns the first variable whose pivot is too small, or n. */
 RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
@@ -19,6 +19,7 @@ RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
         int start = 0;
 
         while (start < i && h[start] == 0) l[start++] = 0;
+        if (start < i) start = start / 4 * 4;
         s->first[i] = start;
 
         /* L_ij = (H_ij - sum_k L_ik L_jk) / L_jj */
@@ -35,7 +36,7 @@ RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
     return n;
 }
 
-/* t := L^-1 t, where t is 0 before `from`. */
+/* t := L^-1 t, where t is 0 before `from`, a multiple of four. */
 RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, rbd_real *t, int from) {
     for (int i = from; i < s->n; ++i) {
         const rbd_real *l = s->L + i * (i + 1) / 2;
@@ -62,71 +63,177 @@ RBDI_PART void rbdi_qp_spread(const rbdi_qp *s, int row, rbd_real *t) {
         t[row] = 1;
     else
         rbdi_qp_copy(rbdi_qp_c(s, row), t + s->from[row], s->to[row] - s->from[row]);
-    rbdi_qp_solve_lower(s, t, s->from[row]);
+    rbdi_qp_solve_lower(s, t, s->from[row] / 4 * 4);
 }
 
 /* t := (1 - beta v v') t, of reflection e. */
 RBDI_PART void rbdi_qp_reflect(const rbdi_qp *s, int e, rbd_real *t) {
     const rbd_real *v = s->V + e * s->n + e;
     const int length = s->end[e] - e;
-    const rbd_real a = s->beta[e] * rbdi_qp_dot(v, t + e, length);
 
-    if (a != 0) rbdi_qp_add(-a, v, t + e, length);
+    rbdi_qp_add(-s->beta[e] * rbdi_qp_dot(v, t + e, length), v, t + e, length);
 }
+
+/* Reflections e and e + 1, of vectors v and w, in one pass; backwards: first e + 1, then e. With c = v'w
+
+       a = beta_v v't,  b = beta_w (w't - c a)      or  b = beta_w w't,  a = beta_v (v't - c b)
+       t -= a v + b w */
+RBDI_PART void rbdi_qp_reflect_two(const rbdi_qp *s, int e, int backwards, rbd_real *t) {
+    const rbd_real *v = s->V + e * s->n, *w = v + s->n;
+    const int end = s->end[e] > s->end[e + 1] ? s->end[e] : s->end[e + 1], from = e + 1;
+    rbd_real a, b;
+
+    rbdi_qp_dots(v + from, w + from, t + from, end - from, &a, &b);
+    a = a + v[e] * t[e];
+    if (backwards) {
+        b = s->beta[e + 1] * b;
+        a = s->beta[e] * (a - s->cross[e] * b);
+    } else {
+        a = s->beta[e] * a;
+        b = s->beta[e + 1] * (b - s->cross[e] * a);
+    }
+
+    t[e] = t[e] - a * v[e];
+    rbdi_qp_adds(-a, v + from, -b, w + from, t + from, end - from);
+}
+
+/* t := Q't, two reflections at a time */
 RBDI_PART void rbdi_qp_reflect_all(const rbdi_qp *s, rbd_real *t) {
-    for (int e = 0; e < s->equalities; ++e) rbdi_qp_reflect(s, e, t);
+    const int k = s->equalities;
+    for (int e = 0; e + 1 < k; e += 2) rbdi_qp_reflect_two(s, e, 0, t);
+    if (k % 2) rbdi_qp_reflect(s, k - 1, t);
 }
+/* t := Q t */
 RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, rbd_real *t) {
-    for (int e = s->equalities - 1; e >= 0; --e) rbdi_qp_reflect(s, e, t);
+    const int k = s->equalities;
+    if (k % 2) rbdi_qp_reflect(s, k - 1, t);
+    for (int e = k / 2 * 2 - 2; e >= 0; e -= 2) rbdi_qp_reflect_two(s, e, 1, t);
 }
 
-/* Eliminates an equality by a reflection (Householder 1958): L^-1 row', behind the earlier reflections, goes
-   onto axis e. One that depends on the earlier ones is set aside; whether it agrees with them is seen later,
-   like any row. Sparse rows first make the vectors short. */
-RBDI_PART void rbdi_qp_eliminate(rbdi_qp *s, int row) {
-    const int n = s->n, e = s->equalities;
-    rbd_real *v = s->V + e * n;
-    rbd_real whole, rest, length;
-    if (e == n) return;
+/* The same of a group. */
+#if RBDI_QP_GROUP > 1
+RBDI_PART void rbdi_qp_group_solve_lower(const rbdi_qp *s, rbdi_qp_group *t, int from) {
+    for (int i = from; i < s->n; ++i) {
+        const rbd_real *l = s->L + i * (i + 1) / 2;
+        const int k = s->first[i] > from ? s->first[i] : from;
+        t[i] = (t[i] - rbdi_qp_group_dot(l + k, t + k, i - k)) * l[i];
+    }
+}
+RBDI_PART void rbdi_qp_group_reflect(const rbdi_qp *s, int e, rbdi_qp_group *t) {
+    const rbd_real *v = s->V + e * s->n + e;
+    const int length = s->end[e] - e;
 
-    rbdi_qp_spread(s, row, v);
-    whole = rbdi_qp_dot(v, v, n);
-    rbdi_qp_reflect_all(s, v);
-    rest = rbdi_qp_dot(v + e, v + e, n - e);
-    if (rest <= RBDI_QP_DEPENDENT * RBDI_QP_DEPENDENT * whole) return;
+    rbdi_qp_group_add(-s->beta[e] * rbdi_qp_group_dot(v, t + e, length), v, t + e, length);
+}
+RBDI_PART void rbdi_qp_group_reflect_two(const rbdi_qp *s, int e, int backwards, rbdi_qp_group *t) {
+    const rbd_real *v = s->V + e * s->n, *w = v + s->n;
+    const int end = s->end[e] > s->end[e + 1] ? s->end[e] : s->end[e + 1], from = e + 1;
+    rbdi_qp_group a, b;
+
+    rbdi_qp_group_dots(v + from, w + from, t + from, end - from, &a, &b);
+    a = a + v[e] * t[e];
+    if (backwards) {
+        b = s->beta[e + 1] * b;
+        a = s->beta[e] * (a - s->cross[e] * b);
+    } else {
+        a = s->beta[e] * a;
+        b = s->beta[e + 1] * (b - s->cross[e] * a);
+    }
+
+    t[e] = t[e] - a * v[e];
+    rbdi_qp_group_adds(-a, v + from, -b, w + from, t + from, end - from);
+}
+RBDI_PART void rbdi_qp_group_reflect_back(const rbdi_qp *s, rbdi_qp_group *t) {
+    const int k = s->equalities;
+    if (k % 2) rbdi_qp_group_reflect(s, k - 1, t);
+    for (int e = k / 2 * 2 - 2; e >= 0; e -= 2) rbdi_qp_group_reflect_two(s, e, 1, t);
+}
+#else
+#define rbdi_qp_group_solve_lower rbdi_qp_solve_lower
+#define rbdi_qp_group_reflect_two rbdi_qp_reflect_two
+#define rbdi_qp_group_reflect_back rbdi_qp_reflect_back
+#endif
+
+/* Reflection e = s->equalities of a row, whose L^-1 row', behind the earlier reflections, is v. Returns 0 if
+   the row depends on the earlier ones: that is set aside, and whether it agrees with them is seen later, like
+   any row. Sparse rows first make the vectors short. */
+RBDI_PART int rbdi_qp_make_reflection(rbdi_qp *s, int row, rbd_real *v) {
+    const int n = s->n, e = s->equalities;
+    const rbd_real gone = rbdi_qp_dot(v, v, e), rest = rbdi_qp_dot(v + e, v + e, n - e);
+    rbd_real length, onto;
+    if (rest <= RBDI_QP_DEPENDENT * RBDI_QP_DEPENDENT * (gone + rest)) return 0;
 
     /* v - (-+|v|) on axis e: no difference of like numbers. */
     length = rbdi_sqrt(rest);
+    onto = v[e] > 0 ? -length : length;
     s->beta[e] = 1 / (length * (length + rbdi_abs(v[e])));
-    s->diagonal[e] = v[e] > 0 ? -length : length;
-    v[e] = v[e] - s->diagonal[e];
+    s->diagonal[e] = 1 / onto;
+    v[e] = v[e] - onto;
 
     s->end[e] = n;
     while (s->end[e] > e + 1 && v[s->end[e] - 1] == 0) s->end[e]--;
+    if (e % 2) s->cross[e - 1] = rbdi_qp_dot(v + e - n, v + e, n - e);
     s->equality[e] = row;
     s->side[row] = 1;
     s->equalities = e + 1;
+    return 1;
+}
+
+/* Eliminates equalities by reflections (Householder 1958), a group of them: L^-1 row' of each goes onto an
+   axis. The memory of R and what follows is not in use yet: the group lies there. */
+RBDI_PART void rbdi_qp_eliminate(rbdi_qp *s, const int *rows, int lanes) {
+    const int n = s->n;
+    rbdi_qp_group *t = (rbdi_qp_group *)s->R;
+    int from = n;
+
+    rbdi_qp_clear((rbd_real *)t, n * RBDI_QP_GROUP);
+    for (int lane = 0; lane < lanes; ++lane) {
+        const int row = rows[lane], begin = s->from[row];
+        const rbd_real one = 1, *c = row < s->given.bounds ? &one : rbdi_qp_c(s, row);
+        rbd_real *to = (rbd_real *)t + begin * RBDI_QP_GROUP + lane;
+
+        from = begin < from ? begin : from;
+        for (int k = 0; k < s->to[row] - begin; ++k) to[k * RBDI_QP_GROUP] = c[k];
+    }
+    rbdi_qp_group_solve_lower(s, t, from / 4 * 4);
+    for (int e = 0; e + 1 < s->equalities; e += 2) rbdi_qp_group_reflect_two(s, e, 0, t);
+
+    for (int lane = 0; lane < lanes && s->equalities < n; ++lane) {
+        const int e = s->equalities;
+        rbd_real *v = s->V + e * n;
+        for (int k = 0; k < n; ++k) v[k] = ((const rbd_real *)t)[k * RBDI_QP_GROUP + lane];
+        if (e % 2) rbdi_qp_reflect(s, e - 1, v);
+        if (!rbdi_qp_make_reflection(s, rows[lane], v)) continue;
+        if (e % 2 && lane + 1 < lanes) rbdi_qp_group_reflect_two(s, e - 1, 0, t);
+    }
+}
+
+RBDI_PART void rbdi_qp_eliminate_equalities(rbdi_qp *s) {
+    int rows[RBDI_QP_GROUP], lanes = 0;
+
+    for (int row = 0; row < s->all; ++row) {
+        if (!rbdi_qp_is_equality(s, row)) continue;
+        s->side[row] = 0;
+        if (!(rbdi_qp_weight(s, row) > 0)) rows[lanes++] = row;
+        if (lanes < RBDI_QP_GROUP) continue;
+        rbdi_qp_eliminate(s, rows, lanes);
+        lanes = 0;
+    }
+    if (lanes) rbdi_qp_eliminate(s, rows, lanes);
 }
 
 /* t := L'^-1 Q t of a group, which is 0 behind component `to`. */
 RBDI_PART void rbdi_qp_basis_of(const rbdi_qp *s, rbdi_qp_group *t, int to) {
-    /* t -= v (beta v't) */
-    for (int e = s->equalities - 1; e >= 0; --e) {
-        const rbd_real *v = s->V + e * s->n;
-        rbdi_qp_group sum = v[e] * t[e];
-        for (int k = e + 1; k < s->end[e]; ++k) sum = sum + v[k] * t[k];
-        sum = s->beta[e] * sum;
-        for (int k = e; k < s->end[e]; ++k) t[k] = t[k] - v[k] * sum;
-    }
+    rbdi_qp_group_reflect_back(s, t);
     for (int i = to - 1; i >= 0; --i) {
         const rbd_real *l = s->L + i * (i + 1) / 2;
+        const int k = s->first[i];
         t[i] = l[i] * t[i];
-        for (int k = s->first[i]; k < i; ++k) t[k] = t[k] - l[k] * t[i];
+        rbdi_qp_group_add(-t[i], l + k, t + k, i - k);
     }
 }
 
-/* J = L'^-1 Q [0; 1], for no active row. The memory of R and what follows is not in use yet: a group lies
-   there. */
+/* J = L'^-1 Q [0; 1], for no active row, by groups in the memory of R. */
 RBDI_PART void rbdi_qp_basis(rbdi_qp *s) {
     const int n = s->n, k = s->equalities;
     rbdi_qp_group *t = (rbdi_qp_group *)s->R;
@@ -153,7 +260,7 @@ RBDI_PART void rbdi_qp_onto_equalities(const rbdi_qp *s, const rbd_real *x, rbd_
         const int row = s->equality[e];
         rbd_real b = s->given.upper[row];
         if (x) b = b - rbdi_qp_row_times(s, row, x);
-        t[e] = (b - rbdi_qp_dot(s->V + e * s->n, t, e)) / s->diagonal[e];
+        t[e] = (b - rbdi_qp_dot(s->V + e * s->n, t, e)) * s->diagonal[e];
     }
     rbdi_qp_reflect_back(s, t);
     rbdi_qp_solve_upper(s, t);
@@ -168,7 +275,7 @@ RBDI_PART void rbdi_qp_balance(rbdi_qp *s, rbd_real *y, rbd_real *t) {
 
     /* R u = -t */
     for (int e = s->equalities - 1; e >= 0; --e) {
-        t[e] = t[e] / s->diagonal[e];
+        t[e] = t[e] * s->diagonal[e];
         s->u_equal[e] = -t[e];
         rbdi_qp_add(-t[e], s->V + e * s->n, t, e);
     }

@@ -1,5 +1,6 @@
 #ifndef RBDI_QP_LAYOUT_H
 #define RBDI_QP_LAYOUT_H
+#include "base/tolerances.h"
 #include "base/pieces.h"
 #include "api/qp.h"
 
@@ -30,19 +31,30 @@
    which it depends on them. RBDI_QP_ACCURACY: share of a row's terms that may be rounding. RBDI_QP_KEEP:
    share of the largest x so far that still counts in those terms after a refinement. RBDI_QP_PIVOT: share of
    a diagonal entry of H that its pivot must have. RBDI_QP_PROXIMAL: rho as a share of the largest diagonal
-   entry of H. */
+   entry of H. RBDI_QP_WAY: how far a round goes without H. RBDI_QP_ENOUGH: share of the accuracy at which its
+   rounds end. RBDI_QP_FALL: share of its terms by which f must fall on a way without end, for rounding of the
+   squares in H leaves less in doubt. RBDI_QP_CANCELLED: share of the largest x so far below which the
+   solution may be nothing but rounding. */
 #if RBDI_REAL_KIND == 2
 #define RBDI_QP_DEPENDENT 3e-5f
 #define RBDI_QP_ACCURACY 1e-5f
 #define RBDI_QP_KEEP 3e-2f
 #define RBDI_QP_PIVOT 1e-5f
 #define RBDI_QP_PROXIMAL 1e-3f
+#define RBDI_QP_WAY 100
+#define RBDI_QP_ENOUGH 1.0f
+#define RBDI_QP_FALL 1e-1f
+#define RBDI_QP_CANCELLED (64 * RBDI_EPS)
 #else
 #define RBDI_QP_DEPENDENT 1e-10
 #define RBDI_QP_ACCURACY 1e-10
 #define RBDI_QP_KEEP 1e-3
 #define RBDI_QP_PIVOT 1e-12
 #define RBDI_QP_PROXIMAL 1e-6
+#define RBDI_QP_WAY 1000
+#define RBDI_QP_ENOUGH 0.1
+#define RBDI_QP_FALL 1e-8
+#define RBDI_QP_CANCELLED (1000 * RBDI_EPS)
 #endif
 #define RBDI_QP_NONE ((rbd_real)RBD_QP_NONE)
 
@@ -54,6 +66,7 @@ typedef struct rbdi_qp {
     rbd_real *lambda;  /* of each row */
     signed char *side; /* of each row: -1, 0 or 1; 1 for an equality that is eliminated */
     int n, all, soft;  /* variables, rows with bounds, soft rows */
+    int watches;       /* rows that x may miss: not 0, with a side, no equality that is eliminated */
     int equalities;    /* eliminated: the first reflections */
     int columns;       /* of J: n - equalities, and the slacks of active soft rows */
     int q;             /* active rows that are not eliminated */
@@ -70,23 +83,26 @@ typedef struct rbdi_qp {
     rbd_real *J; /* columns x n: each column of J is a row here */
     rbd_real *R; /* packed columns, its diagonal inverted */
 
-    rbd_real *d, *r;    /* n + soft: see [method] */
-    rbd_real *u;        /* q: multipliers, not negative but for equalities */
-    rbd_real *length;   /* q: of active rows, in the metric of H^-1 */
-    rbd_real *leaving;  /* n + soft: column of R that leaves */
-    rbd_real *x0;       /* n: optimum on the equalities alone */
-    rbd_real *z;        /* n: way of x; scratch */
-    rbd_real *reach;    /* n: largest |x| since the last refinement, which says how much has cancelled */
-    rbd_real *centre;   /* n: of the proximal round */
-    rbd_real *g;        /* n: f - rho centre */
-    rbd_real *t;        /* n: scratch */
-    rbd_real *beta;     /* equalities: 2/|v|^2 of each reflection */
-    rbd_real *diagonal; /* equalities: of their R */
+    rbd_real *d, *r;   /* n + soft: see [method] */
+    rbd_real *u;       /* q: multipliers, not negative but for equalities */
+    rbd_real *length;  /* q: of active rows, in the metric of H^-1 */
+    rbd_real *leaving; /* n + soft: column of R that leaves */
+    rbd_real *x0;      /* n: optimum on the equalities alone */
+    rbd_real *z;       /* n: way of x; scratch */
+    rbd_real *reach;   /* n: largest |x| since the last refinement, which says how much has cancelled */
+    rbd_real *centre;  /* n: of the proximal round */
+    rbd_real *g;       /* n: f - rho centre */
+    rbd_real *t;       /* n: scratch */
+    rbd_real *beta;    /* equalities: 2/|v|^2 of each reflection */
+    rbd_real *cross; /* equalities: product of the vectors of reflection e, which is even, and the next one */
+    rbd_real *diagonal; /* equalities: of their R, inverted */
     rbd_real *u_equal;  /* equalities: multipliers */
-    rbd_real *norm;     /* of each row; 1 if it is 0 */
+    rbd_real *unit;     /* of each row: 1 over its length, or 1 if it is 0 */
+    rbd_real *score;    /* watches: by how much x misses the row, in lengths of it */
 
     int *active;    /* q: rows */
     int *from, *to; /* of each row: where it is not 0 */
+    int *watched;   /* watches: rows that x may miss */
     int *equality;  /* equalities: rows */
     int *first;     /* of each row of L: where it begins */
     int *end;       /* of each reflection: behind its last component */
@@ -122,12 +138,15 @@ RBDI_PART void rbdi_qp_place(rbdi_qp *s, void *memory) {
     s->g = rbdi_qp_scalars(&at, n);
     s->t = rbdi_qp_scalars(&at, n);
     s->beta = rbdi_qp_scalars(&at, n);
+    s->cross = rbdi_qp_scalars(&at, n);
     s->diagonal = rbdi_qp_scalars(&at, n);
     s->u_equal = rbdi_qp_scalars(&at, n);
-    s->norm = rbdi_qp_scalars(&at, s->all);
+    s->unit = rbdi_qp_scalars(&at, s->all);
+    s->score = rbdi_qp_scalars(&at, s->all);
 
     s->active = rbdi_qp_ints(&at, most);
     s->from = rbdi_qp_ints(&at, s->all);
+    s->watched = rbdi_qp_ints(&at, s->all);
     s->to = rbdi_qp_ints(&at, s->all);
     s->equality = rbdi_qp_ints(&at, n);
     s->first = rbdi_qp_ints(&at, n);

@@ -33,14 +33,14 @@ RBDI_PART rbd_real rbdi_qp_residuals(rbdi_qp *s, const rbd_real *x, rbd_real *si
 
         s->r[j] = sign * (rbdi_qp_side(s, row) - rbdi_qp_row_times(s, row, x));
         if (weight > 0) s->r[j] = s->r[j] - s->u[j] / weight;
-        missed = rbdi_qp_larger(missed, rbdi_abs(s->r[j]) / s->norm[row]);
-        *size = rbdi_qp_larger(*size, rbdi_abs(s->u[j]) * s->norm[row]);
+        missed = rbdi_qp_larger(missed, rbdi_abs(s->r[j]) * s->unit[row]);
+        *size = rbdi_qp_larger(*size, rbdi_abs(s->u[j]) / s->unit[row]);
         rbdi_qp_add_row(s, row, sign * s->u[j], s->t);
     }
     for (int e = 0; e < s->equalities; ++e) {
         const int row = s->equality[e];
         const rbd_real by = rbdi_qp_row_times(s, row, x) - s->given.upper[row];
-        missed = rbdi_qp_larger(missed, rbdi_abs(by) / s->norm[row]);
+        missed = rbdi_qp_larger(missed, rbdi_abs(by) * s->unit[row]);
     }
     return missed;
 }
@@ -73,15 +73,14 @@ RBDI_PART void rbdi_qp_correct(rbdi_qp *s, rbd_real *x) {
 
 /* The multipliers of the equalities; result.dual; and corrections where the residuals exceed rounding. */
 RBDI_PART void rbdi_qp_refine(rbdi_qp *s, rbd_real *x) {
-    rbd_real furthest = 0;
-    for (int k = 0; k < s->n; ++k) furthest = rbdi_qp_larger(furthest, s->reach[k]);
+    const rbd_real furthest = rbdi_qp_largest(s->reach, s->n);
 
     for (int corrections = 0;; ++corrections) {
-        rbd_real size, worst = 0;
+        rbd_real size, worst;
         const rbd_real missed = rbdi_qp_residuals(s, x, &size);
 
         rbdi_qp_balance(s, s->t, s->z);
-        for (int k = 0; k < s->n; ++k) worst = rbdi_qp_larger(worst, rbdi_abs(s->t[k]));
+        worst = rbdi_qp_largest(s->t, s->n);
         s->result.dual = size > 0 ? worst / size : worst;
 
         if (s->result.dual <= RBDI_QP_REFINED && missed <= RBDI_QP_REFINED * furthest) return;

@@ -63,7 +63,7 @@ RBDI_PART int rbdi_qp_proven(rbdi_qp *s, rbdi_qp_miss miss) {
     for (int row = 0; row < s->all; ++row) {
         if (s->lambda[row] == 0) continue;
         rbdi_qp_add_row(s, row, -s->lambda[row], s->t);
-        largest = rbdi_qp_larger(largest, rbdi_abs(s->lambda[row]) * s->norm[row]);
+        largest = rbdi_qp_larger(largest, rbdi_abs(s->lambda[row]) / s->unit[row]);
     }
     rbdi_qp_balance(s, s->t, s->z);
     for (int e = 0; e < s->equalities; ++e) s->lambda[s->equality[e]] = -s->u_equal[e];
@@ -72,6 +72,7 @@ RBDI_PART int rbdi_qp_proven(rbdi_qp *s, rbdi_qp_miss miss) {
         const rbd_real lambda = s->lambda[row];
         const rbd_real side = lambda > 0 ? s->given.upper[row] : s->given.lower[row];
         if (lambda == 0) continue;
+        if (rbdi_qp_weight(s, row) > 0) return 0; /* it gives way */
         sum = sum + lambda * side;
         terms = terms + rbdi_abs(lambda * side);
     }
@@ -105,8 +106,8 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
                 refined = 0;
             }
             /* x is exact now: less of what has cancelled before still counts. */
-            for (int k = 0; k < s->n; ++k)
-                s->reach[k] = rbdi_qp_larger(rbdi_abs(x[k]), RBDI_QP_KEEP * s->furthest);
+            rbdi_qp_clear(s->reach, s->n);
+            rbdi_qp_raise(s->reach, x, RBDI_QP_KEEP * s->furthest, s->n);
             continue;
         }
 
@@ -145,29 +146,35 @@ RBDI_PART int rbdi_qp_straight(rbdi_qp *s, const rbd_real *x) {
     return down < 0 && curvature <= rounding;
 }
 
+/* Whether the value falls on the way z by more than rounding of H and f explains, where the weights of a sum
+   of squares are far apart. */
+RBDI_PART int rbdi_qp_falls(const rbdi_qp *s) {
+    rbd_real terms;
+    const rbd_real down = rbdi_qp_dot_and_terms(s->given.f, s->z, s->n, &terms);
+    return -down > RBDI_QP_FALL * terms;
+}
+
 /* Whether no row ends the way z. */
 RBDI_PART int rbdi_qp_endless(const rbdi_qp *s) {
-    rbd_real length = 0;
-    for (int k = 0; k < s->n; ++k) length = rbdi_qp_larger(length, rbdi_abs(s->z[k]));
+    const rbd_real length = rbdi_qp_largest(s->z, s->n);
 
     for (int row = 0; row < s->all; ++row) {
         const rbd_real by = rbdi_qp_row_times(s, row, s->z);
         const rbd_real side = by < 0 ? s->given.lower[row] : s->given.upper[row];
-        if (rbdi_abs(side) < RBDI_QP_NONE && rbdi_abs(by) > s->options.accuracy * s->norm[row] * length)
+        if (rbdi_abs(side) < RBDI_QP_NONE && rbdi_abs(by) > s->options.accuracy / s->unit[row] * length)
             return 0;
     }
     return 1;
 }
 
-/* The largest of the sums |f_k| + |H_k1 x_1| + ... */
-RBDI_PART rbd_real rbdi_qp_value_terms(const rbdi_qp *s, const rbd_real *x) {
-    rbd_real largest = 0;
+/* y = H x + f. Returns the largest of the sums |f_k| + |H_k1 x_1| + ... */
+RBDI_PART rbd_real rbdi_qp_gradient(const rbdi_qp *s, const rbd_real *x, rbd_real *y) {
+    rbd_real largest = 0, terms;
 
     for (int k = 0; k < s->n; ++k) {
-        const rbd_real *h = s->given.H + k * s->n;
-        rbd_real sum = rbdi_abs(s->given.f[k]);
-        for (int j = 0; j < s->n; ++j) sum = sum + rbdi_abs(h[j] * x[j]);
-        largest = rbdi_qp_larger(largest, sum);
+        const rbd_real f = s->given.f[k];
+        y[k] = rbdi_qp_dot_and_terms(s->given.H + k * s->n, x, s->n, &terms) + f;
+        largest = rbdi_qp_larger(largest, rbdi_abs(f) + terms);
     }
     return largest;
 }
@@ -186,17 +193,18 @@ RBDI_PART rbd_qp_status rbdi_qp_rounds(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mi
         status = rbdi_qp_round(s, x, miss);
         if (status != RBD_QP_OK || !(s->rho > 0)) return status;
 
-        size = rbdi_qp_value_terms(s, x);
+        size = rbdi_qp_gradient(s, x, s->t);
         for (int k = 0; k < s->n; ++k) {
             moved = rbdi_qp_larger(moved, s->rho * rbdi_abs(x[k] - s->centre[k]));
             furthest = rbdi_qp_larger(furthest, s->rho * rbdi_abs(x[k]));
         }
-        if (moved <= s->options.accuracy * size || (!(size > 0) && moved <= RBDI_QP_STILL * furthest))
+        if (moved <= RBDI_QP_ENOUGH * s->options.accuracy * size ||
+            (!(size > 0) && moved <= RBDI_QP_STILL * furthest))
             return RBD_QP_OK;
         if (s->result.rounds >= s->options.rounds) return RBD_QP_ITERATIONS;
 
         ahead = rbdi_qp_straight(s, x) ? 2 * ahead : 1;
-        if (ahead > 4 && rbdi_qp_endless(s)) return RBD_QP_UNBOUNDED;
+        if (ahead > 4 && rbdi_qp_endless(s)) return rbdi_qp_falls(s) ? RBD_QP_UNBOUNDED : RBD_QP_INACCURATE;
         for (int k = 0; k < s->n; ++k) {
             s->centre[k] = s->centre[k] + ahead * (x[k] - s->centre[k]);
             s->g[k] = s->given.f[k] - s->rho * s->centre[k];

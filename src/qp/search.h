@@ -7,13 +7,12 @@
 /* A row that x misses. */
 typedef struct rbdi_qp_miss {
     int row, side;
-    rbd_real by, share; /* in the row's units; of its terms */
+    rbd_real by; /* in the row's units */
 } rbdi_qp_miss;
 
 RBDI_PART void rbdi_qp_reached(rbdi_qp *s, const rbd_real *x) {
-    for (int k = 0; k < s->n; ++k) s->furthest = rbdi_qp_larger(s->furthest, rbdi_abs(x[k]));
-    for (int k = 0; k < s->n; ++k)
-        s->reach[k] = rbdi_qp_larger(rbdi_qp_larger(s->reach[k], rbdi_abs(x[k])), RBDI_QP_KEEP * s->furthest);
+    s->furthest = rbdi_qp_larger(s->furthest, rbdi_qp_largest(x, s->n));
+    rbdi_qp_raise(s->reach, x, RBDI_QP_KEEP * s->furthest, s->n);
 }
 
 /* By how much a value misses the lower side, or the upper one; negative if it does not. */
@@ -26,29 +25,52 @@ RBDI_INLINE rbd_real rbdi_qp_above(const rbdi_qp *s, int row, rbd_real value) {
     return upper < RBDI_QP_NONE ? value - upper : -RBDI_QP_NONE;
 }
 
+/* Whether x misses a row by more than rounding explains, and by how much. */
+RBDI_PART int rbdi_qp_misses(const rbdi_qp *s, int row, const rbd_real *x, rbd_real accuracy,
+                             rbdi_qp_miss *miss) {
+    const rbd_real value = rbdi_qp_row_times(s, row, x);
+    const rbd_real below = rbdi_qp_below(s, row, value), above = rbdi_qp_above(s, row, value);
+    const rbd_real by = rbdi_qp_larger(below, above);
+    const rbd_real side = below > above ? s->given.lower[row] : s->given.upper[row];
+    if (!(by > accuracy * rbdi_qp_terms(s, row, side))) return 0;
+
+    miss->row = row;
+    miss->side = below > above ? -1 : 1;
+    miss->by = by;
+    return 1;
+}
+
+/* score = by how much x misses each watched row, in lengths of the row. Returns the largest, or 0. */
+RBDI_PART rbd_real rbdi_qp_scores(rbdi_qp *s, const rbd_real *x) {
+    rbd_real most = 0;
+
+    for (int i = 0; i < s->watches; ++i) {
+        const int row = s->watched[i];
+        rbd_real value;
+
+        s->score[i] = 0;
+        if (s->side[row]) continue;
+        value = rbdi_qp_row_times(s, row, x);
+        s->score[i] = s->unit[row] * rbdi_qp_larger(s->given.lower[row] - value, value - s->given.upper[row]);
+        most = rbdi_qp_larger(s->score[i], most);
+    }
+    return most;
+}
+
 /* The inactive row that x misses most, in lengths of the row, beyond what rounding explains: row -1 if there
    is none. */
 RBDI_PART rbdi_qp_miss rbdi_qp_most_missed(rbdi_qp *s, const rbd_real *x, rbd_real accuracy) {
-    rbdi_qp_miss worst = {-1, 0, 0, 0};
-    rbd_real most = 0;
+    rbdi_qp_miss worst = {-1, 0, 0};
+    rbd_real most = rbdi_qp_scores(s, x);
+    int first = 0;
+    if (!(most > 0)) return worst;
 
-    for (int row = 0; row < s->all; ++row) {
-        rbd_real value, below, above, by, terms;
-        if (s->side[row] || s->from[row] == s->to[row]) continue;
-        value = rbdi_qp_row_times(s, row, x);
-        below = rbdi_qp_below(s, row, value);
-        above = rbdi_qp_above(s, row, value);
-        by = rbdi_qp_larger(below, above);
-        if (!(by > most * s->norm[row])) continue;
+    while (s->score[first] < most) ++first;
+    if (rbdi_qp_misses(s, s->watched[first], x, accuracy, &worst)) return worst;
 
-        terms = rbdi_qp_terms(s, row, below > above ? s->given.lower[row] : s->given.upper[row]);
-        if (!(by > accuracy * terms)) continue;
-        worst.row = row;
-        worst.side = below > above ? -1 : 1;
-        worst.by = by;
-        worst.share = by / terms;
-        most = by / s->norm[row];
-    }
+    most = 0;
+    for (int i = 0; i < s->watches; ++i)
+        if (s->score[i] > most && rbdi_qp_misses(s, s->watched[i], x, accuracy, &worst)) most = s->score[i];
     return worst;
 }
 
@@ -66,6 +88,17 @@ RBDI_PART int rbdi_qp_first_to_leave(const rbdi_qp *s, rbd_real *step) {
     return first;
 }
 
+#define RBDI_QP_ROUNDING (64 * RBDI_EPS) /* of a row's length in the metric of H^-1 */
+
+/* Whether a soft row is among the active ones that the last row depends on: then these do not contradict. */
+RBDI_PART int rbdi_qp_gives_way(const rbdi_qp *s) {
+    for (int j = 0; j < s->q; ++j)
+        if (rbdi_qp_weight(s, s->active[j]) > 0 &&
+            rbdi_abs(s->r[j]) * s->length[j] > RBDI_QP_DEPENDENT * s->own)
+            return 1;
+    return 0;
+}
+
 /* Takes in a row that is missed. Each turn goes as far as the multipliers of the active rows stay positive,
    at most until the row holds:
 
@@ -79,14 +112,18 @@ RBDI_PART rbd_qp_status rbdi_qp_take_in(rbdi_qp *s, rbd_real *x, rbdi_qp_miss mi
     s->own = rbdi_qp_enter(s, miss.row, miss.side);
     while (s->result.steps < s->options.steps) {
         const rbd_real square = rbdi_qp_free_part(s);
-        const int dependent = rbdi_qp_depends(s, miss.row, square);
+        int dependent = rbdi_qp_depends(s, miss.row, square);
         rbd_real step;
         int leaves;
 
         rbdi_qp_copy(s->d, s->r, s->q);
         rbdi_qp_solve_r(s, s->r);
         leaves = rbdi_qp_first_to_leave(s, &step);
-        if (dependent && leaves < 0) return RBD_QP_INFEASIBLE;
+        if (dependent && leaves < 0) {
+            const rbd_real rounding = RBDI_QP_ROUNDING * s->own;
+            if (square <= rounding * rounding || !rbdi_qp_gives_way(s)) return RBD_QP_INFEASIBLE;
+            dependent = 0;
+        }
 
         if (!dependent) {
             rbdi_qp_way(s);

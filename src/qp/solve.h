@@ -52,36 +52,53 @@ RBDI_PART rbd_qp_status rbdi_qp_check_problem(rbdi_qp *s) {
     return RBD_QP_OK;
 }
 
+/* H_ij and H_ji differ, or one is not a number. */
+RBDI_PART rbd_qp_status rbdi_qp_refuse_pair(rbdi_qp *s, int i, int j) {
+    const rbd_real *H = s->given.H;
+    if (!rbdi_qp_finite(H[i * s->n + j])) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "H");
+    if (!rbdi_qp_finite(H[j * s->n + i])) return rbdi_qp_refuse(s, RBD_QP_NAN, j, "H");
+    return rbdi_qp_refuse(s, RBD_QP_SYMMETRIC, i, "H");
+}
+
 /* H and f: finite, symmetric. */
 RBDI_PART rbd_qp_status rbdi_qp_check_value(rbdi_qp *s) {
     const rbd_real *H = s->given.H;
     const int n = s->n;
 
     for (int i = 0; i < n; ++i) {
+        const rbd_real diagonal = H[i * n + i];
         if (!rbdi_qp_finite(s->given.f[i])) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "f");
-        if (!rbdi_qp_finite(H[i * n + i])) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "H");
-        if (H[i * n + i] < 0) return rbdi_qp_refuse(s, RBD_QP_CONVEX, i, "H");
+        if (!rbdi_qp_finite(diagonal)) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "H");
+        if (diagonal < 0) return rbdi_qp_refuse(s, RBD_QP_CONVEX, i, "H");
+        s->t[i] = RBDI_QP_ASYMMETRY * diagonal;
+        for (int j = 0; j < i; ++j)
+            if (!(rbdi_abs(H[i * n + j] - H[j * n + i]) <= s->t[i] + s->t[j]))
+                return rbdi_qp_refuse_pair(s, i, j);
+    }
+    return RBD_QP_OK;
+}
+
+/* H is not definite: each two variables alone must be semidefinite. */
+RBDI_PART rbd_qp_status rbdi_qp_check_pairs(rbdi_qp *s) {
+    const rbd_real *H = s->given.H;
+    const int n = s->n;
+
+    for (int i = 0; i < n; ++i) {
         for (int j = 0; j < i; ++j) {
-            const rbd_real differ = rbdi_abs(H[i * n + j] - H[j * n + i]);
-            const rbd_real scale = rbdi_abs(H[i * n + i]) + rbdi_abs(H[j * n + j]);
-            if (differ <= RBDI_QP_ASYMMETRY * scale) {
-                const rbd_real minor = H[i * n + i] * H[j * n + j];
-                if (H[i * n + j] * H[i * n + j] <= minor + RBDI_QP_ASYMMETRY * rbdi_abs(minor)) continue;
-                return rbdi_qp_refuse(s, RBD_QP_CONVEX, i, "H"); /* indefinite by these two alone */
-            }
-            if (!rbdi_qp_finite(H[i * n + j])) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "H");
-            if (!rbdi_qp_finite(H[j * n + i])) return rbdi_qp_refuse(s, RBD_QP_NAN, j, "H");
-            return rbdi_qp_refuse(s, RBD_QP_SYMMETRIC, i, "H");
+            const rbd_real minor = H[i * n + i] * H[j * n + j];
+            if (!(H[i * n + j] * H[i * n + j] <= minor + RBDI_QP_ASYMMETRY * minor))
+                return rbdi_qp_refuse(s, RBD_QP_CONVEX, i, "H");
         }
     }
     return RBD_QP_OK;
 }
 
-/* The rows: finite, lower <= upper; and where each begins and ends, and its norm. */
+/* The rows: finite, lower <= upper; where each begins and ends, its length, and whether x may miss it. */
 RBDI_PART rbd_qp_status rbdi_qp_check_rows(rbdi_qp *s) {
     const rbd_qp_problem *p = &s->given;
     const int n = s->n;
 
+    s->watches = 0;
     for (int row = 0; row < s->all; ++row) {
         const rbd_real lower = p->lower[row], upper = p->upper[row];
         int from = row, to = row + 1;
@@ -100,8 +117,9 @@ RBDI_PART rbd_qp_status rbdi_qp_check_rows(rbdi_qp *s) {
         }
         s->from[row] = from;
         s->to[row] = to;
-        s->norm[row] = square > 0 ? rbdi_sqrt(square) : 1;
+        s->unit[row] = square > 0 ? 1 / rbdi_sqrt(square) : 1;
         if (lower > upper) return rbdi_qp_refuse(s, RBD_QP_SIDES, row, "lower");
+        if (from < to && (lower > -RBDI_QP_NONE || upper < RBDI_QP_NONE)) s->watched[s->watches++] = row;
     }
     return RBD_QP_OK;
 }
@@ -111,12 +129,13 @@ RBDI_PART rbd_qp_status rbdi_qp_factor_any(rbdi_qp *s) {
     rbd_real diagonal = 0, slope = 0;
     int at = rbdi_qp_factor(s);
     if (at == s->n) return RBD_QP_OK;
+    if (rbdi_qp_check_pairs(s) != RBD_QP_OK) return RBD_QP_CONVEX;
 
     for (int i = 0; i < s->n; ++i) {
         diagonal = rbdi_qp_larger(diagonal, s->given.H[i * s->n + i]);
         slope = rbdi_qp_larger(slope, rbdi_abs(s->given.f[i]));
     }
-    s->rho = diagonal > 0 ? (rbd_real)RBDI_QP_PROXIMAL * diagonal : slope > 0 ? slope / 1000 : 1;
+    s->rho = diagonal > 0 ? (rbd_real)RBDI_QP_PROXIMAL * diagonal : slope > 0 ? slope / RBDI_QP_WAY : 1;
     at = rbdi_qp_factor(s);
     return at == s->n ? RBD_QP_OK : rbdi_qp_refuse(s, RBD_QP_CONVEX, at, "H");
 }
@@ -145,17 +164,15 @@ RBDI_PART void rbdi_qp_multipliers(rbdi_qp *s, rbd_real *lambda) {
    pushes the distance from the side, as a share of its terms; and Hx + f + C'lambda, as a share of the
    largest term. */
 RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
-    rbd_real worst = 0, furthest = 0, sum = 0, size;
+    rbd_real furthest = rbdi_qp_largest(x, s->n);
+    rbd_real worst, sum = 0, size;
 
     s->result.primal = 0;
-    for (int k = 0; k < s->n; ++k) furthest = rbdi_qp_larger(furthest, rbdi_abs(x[k]));
-    furthest = rbdi_qp_larger(furthest, RBDI_QP_KEEP * s->furthest);
-    size = rbdi_qp_value_terms(s, x);
+    /* x may be nothing but what has cancelled */
+    if (furthest <= RBDI_QP_CANCELLED * s->furthest) furthest = RBDI_QP_KEEP * s->furthest;
+    size = rbdi_qp_gradient(s, x, s->t);
     if (!(size > 0)) size = s->rho * furthest; /* without H and f multipliers are rounding of this */
-    for (int k = 0; k < s->n; ++k) {
-        s->t[k] = rbdi_qp_dot(s->given.H + k * s->n, x, s->n) + s->given.f[k];
-        s->reach[k] = furthest;
-    }
+    for (int k = 0; k < s->n; ++k) s->reach[k] = furthest;
     for (int row = 0; row < s->all; ++row) {
         const rbd_real weight = rbdi_qp_weight(s, row), miss = weight > 0 ? lambda[row] / weight : 0;
         const rbd_real value = rbdi_qp_row_times(s, row, x) - miss;
@@ -165,20 +182,19 @@ RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lam
 
         if (lambda[row] != 0) {
             rbdi_qp_add_row(s, row, lambda[row], s->t);
-            if (s->from[row] < s->to[row]) size = rbdi_qp_larger(size, rbdi_abs(lambda[row]) * s->norm[row]);
+            if (s->from[row] < s->to[row]) size = rbdi_qp_larger(size, rbdi_abs(lambda[row]) / s->unit[row]);
         }
         if (by <= 0) continue;
         const rbd_real side = at_upper ? s->given.upper[row] : s->given.lower[row];
+        if (by <= s->result.primal * rbdi_abs(side)) continue;
         const rbd_real share = by / (rbdi_qp_terms(s, row, side) + rbdi_abs(miss));
         if (rbdi_qp_finite(share))
             s->result.primal = rbdi_qp_larger(s->result.primal, share);
         else
             s->doubtful = 1;
     }
-    for (int k = 0; k < s->n; ++k) {
-        worst = rbdi_qp_larger(worst, rbdi_abs(s->t[k]));
-        sum = sum + s->t[k];
-    }
+    for (int k = 0; k < s->n; ++k) sum = sum + s->t[k];
+    worst = rbdi_qp_largest(s->t, s->n);
     s->result.dual = (size > 0 ? worst / size : worst) + (sum - sum); /* not a number if one is none */
 }
 
@@ -196,17 +212,13 @@ RBDI_PART rbd_qp_status rbdi_qp_zero_rows(rbdi_qp *s, rbdi_qp_miss *miss) {
 }
 
 RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
-    rbdi_qp_miss miss = {-1, 0, 0, 0};
+    rbdi_qp_miss miss = {-1, 0, 0};
     rbd_qp_status status = rbdi_qp_check_value(s);
     if (status == RBD_QP_OK) status = rbdi_qp_check_rows(s);
     if (status == RBD_QP_OK) status = rbdi_qp_factor_any(s);
     if (status != RBD_QP_OK) return status;
 
-    for (int row = 0; row < s->all; ++row) {
-        if (!rbdi_qp_is_equality(s, row)) continue;
-        s->side[row] = 0;
-        if (!(rbdi_qp_weight(s, row) > 0)) rbdi_qp_eliminate(s, row);
-    }
+    rbdi_qp_eliminate_equalities(s);
     rbdi_qp_basis(s);
     for (int k = 0; k < s->n; ++k) {
         s->reach[k] = 0;
