@@ -91,7 +91,7 @@ typedef struct rbd_ik_target {
 /* 0 is the default in brackets. */
 typedef struct rbd_ik_options {
     int starts;                /* at most [60]: the caller's q, then others; 1: from q alone */
-    int evaluations;           /* of the targets, at most [5000]: bounds the time, see [limits] */
+    int evaluations;           /* of the targets, at most, 2 or more [5000]: bounds the time */
     rbd_real metres;           /* a target is reached if its place is this near [1e-6, float 1e-5] */
     rbd_real radians;          /* and its angle [1e-6, float 1e-5] */
     rbd_real length;           /* m: how much a radian of error counts; a third of the reach [0.3] */
@@ -198,8 +198,8 @@ RBDI_EXTERN_C_END
    RBDI_IK_FAR: a square of lengths: |e|^2 counts at most as so many length^2 in the damping.
    RBDI_IK_TURN: rad, of a dof in a step of the search.
    RBDI_IK_COARSE, RBDI_IK_FINE: a descent ends if |e|^2 falls by less than this share.
-   RBDI_IK_PRESSED, RBDI_IK_SETTLED: cosine of the angle between e and a column of J, above which the limit of
-   its joint keeps e away, and below which e is at its least. */
+   RBDI_IK_PRESSED, RBDI_IK_SETTLED: shares of |e| and the longest column of J: a limit keeps e away if g is above
+   the first, and e is at its least if g is below the second. */
 #define RBDI_IK_DAMPING RBD_C(0.01)
 #define RBDI_IK_FLOOR (8 * RBDI_EPS)
 #define RBDI_IK_FAR RBD_C(10)
@@ -209,8 +209,9 @@ RBDI_EXTERN_C_END
 #define RBDI_IK_STARTS 60
 #define RBDI_IK_EVALUATIONS 5000
 #define RBDI_IK_DESCENTS 8
-#define RBDI_IK_LAST 4 /* the last descent has so many times the steps */
+#define RBDI_IK_LAST 8 /* the last descent has so many times the steps */
 #define RBDI_IK_LENGTH RBD_C(0.3)
+#define RBDI_IK_STIFF RBD_C(1e9) /* damping, in length^2, by which hardly any step is left */
 #define RBDI_IK_MOST_TARGETS 1000
 #define RBDI_IK_MOST RBD_C(1e9)        /* of a position, in m, and of q */
 #define RBDI_IK_MOST_WEIGHT RBD_C(1e6) /* and its inverse is the least */
@@ -257,7 +258,7 @@ typedef struct rbdi_ik {
     rbd_real *e;          /* rows */
     rbd_real *J;          /* dofs x rows: column after column */
     rbd_real *columns;    /* 6 x nv: Jacobian of one target */
-    rbd_real *H, *factor; /* dofs (dofs + 1) / 2: lower triangle of J'J, and of the free dofs' factor */
+    rbd_real *H, *factor; /* dofs (dofs + 1) / 2: upper triangle of J'J, by rows; the free dofs' factor */
     rbd_real *g, *d, *x;  /* dofs: J'e, the step, and that of the free dofs */
     rbd_real *v;          /* nv: the step */
     rbd_real *from, *best, *q, *trial; /* nq: the caller's, the best, and where the search is */
@@ -286,28 +287,38 @@ RBDI_CODE_BEGIN
 /* ==== src/ik/step.h ==== */
 /* ---- step [step] ---- */
 
+RBDI_LOCAL void rbdi_ik_copy(const rbd_real *from, int n, rbd_real *to) {
+    for (int i = 0; i < n; ++i) to[i] = from[i];
+}
+
 /* The larger of two. */
 RBDI_INLINE rbd_real rbdi_ik_larger(rbd_real a, rbd_real b) { return a < b ? b : a; }
 
-/* The place of row i in a packed lower triangle. */
-RBDI_INLINE ptrdiff_t rbdi_ik_row(int i) { return (ptrdiff_t)i * (i + 1) / 2; }
+/* Where row i of a packed upper triangle of n rows begins: with its diagonal entry. */
+RBDI_INLINE ptrdiff_t rbdi_ik_row(int n, int i) { return (ptrdiff_t)i * (2 * n - i + 1) / 2; }
 
-RBDI_INLINE rbd_real rbdi_ik_product(const rbd_real *a, const rbd_real *b, int n) {
-    rbd_real sum = rbdi_zero();
-    for (int i = 0; i < n; ++i) sum = sum + a[i] * b[i];
-    return sum;
+/* Product of two columns of J. Three sums, because rows come in threes, and one would wait for each product. */
+RBDI_INLINE rbd_real rbdi_ik_product(const rbd_real *a, const rbd_real *b, int rows) {
+    rbdi_v3 sum = rbdi_vec0();
+
+    for (int r = 0; r < rows; r += 3) {
+        sum.x = sum.x + a[r] * b[r];
+        sum.y = sum.y + a[r + 1] * b[r + 1];
+        sum.z = sum.z + a[r + 2] * b[r + 2];
+    }
+
+    return sum.x + sum.y + sum.z;
 }
 
 /* H = J'J and g = J'e. Returns the trace of H. */
 RBDI_LOCAL rbd_real rbdi_ik_normal(rbdi_ik *k) {
-    rbd_real trace = rbdi_zero();
+    rbd_real trace = rbdi_zero(), *to = k->H;
 
     for (int i = 0; i < k->dofs; ++i) {
         const rbd_real *column = &k->J[i * k->rows];
-        rbd_real *row = &k->H[rbdi_ik_row(i)];
-        for (int j = 0; j <= i; ++j) row[j] = rbdi_ik_product(column, &k->J[j * k->rows], k->rows);
+        trace = trace + rbdi_ik_product(column, column, k->rows);
         k->g[i] = rbdi_ik_product(column, k->e, k->rows);
-        trace = trace + row[i];
+        for (int j = i; j < k->dofs; ++j) *to++ = rbdi_ik_product(column, &k->J[j * k->rows], k->rows);
     }
 
     return trace;
@@ -324,43 +335,49 @@ RBDI_INLINE int rbdi_ik_pressed(const rbdi_ik *k, int i) {
 
 /* Entry (i, j) of H. */
 RBDI_INLINE rbd_real rbdi_ik_entry(const rbdi_ik *k, int i, int j) {
-    return i >= j ? k->H[rbdi_ik_row(i) + j] : k->H[rbdi_ik_row(j) + i];
+    return i <= j ? k->H[rbdi_ik_row(k->dofs, i) + j - i] : k->H[rbdi_ik_row(k->dofs, j) + i - j];
 }
 
-/* The equations of the n free dofs: the lower triangle of H + damping 1, and in x g - H d of the others. */
+/* The equations of the n free dofs: the upper triangle of H + damping 1, and in x g - H d of the others. */
 RBDI_LOCAL void rbdi_ik_gather(rbdi_ik *k, int n, rbd_real damping) {
+    rbd_real *to = k->factor;
+
     for (int a = 0; a < n; ++a) {
         const int i = k->place[a];
-        rbd_real *row = &k->factor[rbdi_ik_row(a)];
-        for (int b = 0; b <= a; ++b) row[b] = k->H[rbdi_ik_row(i) + k->place[b]];
-        row[a] = row[a] + damping;
-
+        const rbd_real *row = &k->H[rbdi_ik_row(k->dofs, i) - i];
+        *to++ = row[i] + damping;
+        for (int b = a + 1; b < n; ++b) *to++ = row[k->place[b]];
         k->x[a] = k->g[i];
-        for (int j = 0; j < k->dofs; ++j)
-            if (k->dof[j].hold > RBDI_IK_STAYS) k->x[a] = k->x[a] - rbdi_ik_entry(k, i, j) * k->d[j];
     }
+
+    for (int j = 0; j < k->dofs; ++j)
+        for (int a = 0; a < n && k->dof[j].hold > RBDI_IK_STAYS; ++a)
+            k->x[a] = k->x[a] - rbdi_ik_entry(k, k->place[a], j) * k->d[j];
 }
 
-/* Solves the equations by Cholesky's factor, whose diagonal is inverted. A pivot is at least `least`. */
+/* Solves the equations by elimination, A = L D L'. A pivot is at least `least`; its inverse takes its place. */
 RBDI_LOCAL void rbdi_ik_solve(rbdi_ik *k, int n, rbd_real least) {
-    rbd_real *x = k->x;
+    rbd_real *row = k->factor, *x = k->x;
 
-    /* L_ij = (A_ij - sum L_ik L_jk) / L_jj, and L y = x */
-    for (int i = 0; i < n; ++i) {
-        rbd_real *row = &k->factor[rbdi_ik_row(i)];
-        for (int j = 0; j < i; ++j) {
-            const rbd_real *other = &k->factor[rbdi_ik_row(j)];
-            row[j] = (row[j] - rbdi_ik_product(row, other, j)) * other[j];
+    /* A_ij = A_ij - A_ci A_cj / D_c, and so x */
+    for (int c = 0; c < n; ++c) {
+        rbd_real *to = row + n - c;
+        const rbd_real inverse = RBD_C(1) / rbdi_ik_larger(row[0], least);
+
+        row[0] = inverse;
+        for (int i = 1; i < n - c; ++i) {
+            const rbd_real share = row[i] * inverse;
+            for (int j = i; j < n - c; ++j, ++to) *to = *to - share * row[j];
+            x[c + i] = x[c + i] - share * x[c];
         }
-        row[i] = RBD_C(1) / rbdi_sqrt(rbdi_ik_larger(row[i] - rbdi_ik_product(row, row, i), least));
-        x[i] = (x[i] - rbdi_ik_product(row, x, i)) * row[i];
+        row += n - c;
     }
 
-    /* L'x = y */
-    for (int i = n - 1; i >= 0; --i) {
-        const rbd_real *row = &k->factor[rbdi_ik_row(i)];
-        x[i] = x[i] * row[i];
-        for (int j = 0; j < i; ++j) x[j] = x[j] - row[j] * x[i];
+    /* x_c = (x_c - sum A_ci x_i) / D_c */
+    for (int c = n - 1; c >= 0; --c) {
+        row -= n - c;
+        for (int i = 1; i < n - c; ++i) x[c] = x[c] - row[i] * x[c + i];
+        x[c] = x[c] * row[0];
     }
 }
 
@@ -416,16 +433,30 @@ RBDI_LOCAL rbd_real rbdi_ik_share(const rbdi_ik *k) {
     return RBDI_IK_TURN / most;
 }
 
+/* q_next = q (+) share d of the joints that move a target; the others are as in q. */
+RBDI_LOCAL void rbdi_ik_move_joints(rbdi_ik *k, rbd_real share, rbd_real *q_next) {
+    const rbdi_frame *last = NULL;
+
+    rbdi_ik_copy(k->q, k->m->nq, q_next);
+    for (int i = 0; i < k->dofs; ++i) k->v[k->dof[i].dof] = k->d[i] * share;
+
+    for (int i = 0; i < k->dofs; ++i) {
+        const rbdi_frame *u = &k->m->frame[k->m->dof[k->dof[i].dof].body];
+        if (u != last) rbdi_step_joint(u, &k->q[u->iq], &k->v[u->iv], 0, &q_next[u->iq]);
+        last = u;
+    }
+}
+
 /* Moves q by a share of the step to q_next, which may be q. Limits hold to the bit. */
 RBDI_LOCAL void rbdi_ik_move(rbdi_ik *k, rbd_real share, rbd_real *q_next) {
-    for (int i = 0; i < k->dofs; ++i) k->v[k->dof[i].dof] = k->d[i];
-    rbd_integrate(k->m, k->q, k->v, share, q_next);
+    const int whole = !(share < 1);
 
+    rbdi_ik_move_joints(k, share, q_next);
     for (const rbdi_ik_dof *f = k->dof; f < k->dof + k->dofs; ++f) {
         rbd_real *x = &q_next[f->at < 0 ? 0 : f->at];
         if (f->at < 0) continue;
-        if (*x > f->upper || (f->hold == RBDI_IK_UPPER && !(share < 1))) *x = f->upper;
-        if (*x < f->lower || (f->hold == RBDI_IK_LOWER && !(share < 1))) *x = f->lower;
+        if (*x > f->upper || (f->hold == RBDI_IK_UPPER && whole)) *x = f->upper;
+        if (*x < f->lower || (f->hold == RBDI_IK_LOWER && whole)) *x = f->lower;
     }
 }
 
@@ -705,13 +736,9 @@ RBDI_LOCAL void rbdi_ik_put_within(const rbdi_ik *k, rbd_real *q) {
 /* ==== src/ik/search.h ==== */
 /* ---- search [search] ---- */
 
-RBDI_LOCAL void rbdi_ik_copy(const rbd_real *from, int n, rbd_real *to) {
-    for (int i = 0; i < n; ++i) to[i] = from[i];
-}
-
-/* Whether there are evaluations left. */
+/* Whether there are evaluations left, but for the last one, which judges. */
 RBDI_INLINE int rbdi_ik_may_go_on(const rbdi_ik *k) {
-    return k->result->evaluations < k->options.evaluations;
+    return k->result->evaluations == 0 || k->result->evaluations < k->options.evaluations - 1;
 }
 
 /* Whether the errors of the last evaluation are within the tolerances. */
@@ -795,19 +822,42 @@ RBDI_LOCAL int rbdi_ik_search(rbdi_ik *k) {
     return 0;
 }
 
-/* Goes down from q by at most so many steps that bring the error down, until one does by less than a share
-   `end`. Returns whether it reaches the targets. The damping follows Marquardt (1963). */
+/* How much the step should bring |e|^2 down by the linear model: 2 g'd - d'H d. */
+RBDI_LOCAL rbd_real rbdi_ik_expected(const rbdi_ik *k) {
+    rbd_real sum = rbdi_zero();
+    const rbd_real *H = k->H;
+
+    for (int i = 0; i < k->dofs; ++i) {
+        rbd_real Hd = RBD_C(0.5) * *H++ * k->d[i];
+        for (int j = i + 1; j < k->dofs; ++j) Hd = Hd + *H++ * k->d[j];
+        sum = sum + k->d[i] * (k->g[i] - Hd);
+    }
+
+    return sum + sum;
+}
+
+/* By how much the damping changes after a step that has brought |e|^2 down by this share of what was expected
+   (Nielsen 1999): 1 at a half, which is where the damping is the curvature that the linear model lacks. */
+RBDI_LOCAL rbd_real rbdi_ik_relax(rbd_real share) {
+    const rbd_real x = share + share - RBD_C(1);
+    return rbdi_ik_larger(rbdi_set(RBD_C(1) / 3), RBD_C(1) - x * x * x);
+}
+
+/* Goes down from q by at most so many steps, with the damping of Levenberg and Marquardt, until one brings
+   |e|^2 down by less than a share `end`. Returns whether it reaches the targets. */
 RBDI_LOCAL int rbdi_ik_descend(rbdi_ik *k, int steps, rbd_const end) {
-    const rbd_real square = k->options.length * k->options.length;
-    rbd_real damping = RBD_C(0.01) * square, cost, least = rbdi_zero();
+    const rbd_real square = k->options.length * k->options.length, most = RBDI_IK_STIFF * square;
+    rbd_real damping = RBDI_IK_DAMPING * square, factor = rbdi_set(RBD_C(2)), cost, least = rbdi_zero();
     int fresh = 1;
+    if (!rbdi_ik_may_go_on(k)) return 0;
 
     rbdi_ik_errors(k, k->q);
     cost = k->cost;
     rbdi_ik_keep(k, k->q);
+    if (rbdi_ik_is_reached(k)) return 1;
 
-    for (int step = 0; step < steps && rbdi_ik_may_go_on(k) && damping < RBD_C(1e9) * square; ++step) {
-        if (rbdi_ik_is_reached(k)) return 1;
+    for (int step = 0; step < steps && rbdi_ik_may_go_on(k) && damping < most; ++step) {
+        rbd_real drop;
         if (fresh) {
             rbdi_ik_jacobian(k);
             least = RBDI_IK_FLOOR * rbdi_ik_normal(k) + RBDI_TINY;
@@ -816,17 +866,20 @@ RBDI_LOCAL int rbdi_ik_descend(rbdi_ik *k, int steps, rbd_const end) {
         rbdi_ik_step(k, damping, least);
         rbdi_ik_move(k, rbdi_set(RBD_C(1)), k->trial);
         rbdi_ik_errors(k, k->trial);
-        fresh = k->cost < cost;
-        damping = damping * RBD_C(fresh ? 0.2 : 5);
+        drop = cost - k->cost;
+        fresh = drop > 0;
+        damping = damping * (fresh ? rbdi_ik_relax(drop / rbdi_ik_expected(k)) : factor);
+        factor = fresh ? rbdi_set(RBD_C(2)) : factor + factor;
         if (!fresh) continue;
 
         rbdi_ik_keep(k, k->trial);
         rbdi_ik_copy(k->trial, k->m->nq, k->q);
-        if (cost - k->cost < end * cost) break;
+        if (rbdi_ik_is_reached(k)) return 1;
+        if (drop < end * cost) break;
         cost = k->cost;
     }
 
-    return rbdi_ik_is_reached(k);
+    return 0;
 }
 
 /* Descents from the best place and from the first starts, then a long one from the best of all. Returns
@@ -846,28 +899,28 @@ RBDI_LOCAL int rbdi_ik_find_nearest(rbdi_ik *k) {
     return rbdi_ik_descend(k, RBDI_IK_LAST * RBDI_IK_STEPS, RBDI_IK_FINE);
 }
 
-/* Says why the targets are not reached at q: by the cosines of the angles between e and the columns of J. */
+/* Says why the targets are not reached at q: by g = J'e, as a share of |e| and the longest column of J. */
 RBDI_LOCAL rbd_ik_status rbdi_ik_judge(rbdi_ik *k) {
-    rbd_real most = rbdi_zero(), left = rbdi_zero();
+    rbd_real longest = rbdi_zero(), most = rbdi_zero(), left = rbdi_zero(), size;
 
     rbdi_ik_errors(k, k->q);
     rbdi_ik_jacobian(k);
     rbdi_ik_normal(k);
+    for (int i = 0; i < k->dofs; ++i) longest = rbdi_ik_larger(longest, k->H[rbdi_ik_row(k->dofs, i)]);
+    size = rbdi_sqrt(longest * k->cost);
 
     for (int i = 0; i < k->dofs; ++i) {
-        const rbd_real size = rbdi_sqrt(k->H[rbdi_ik_row(i) + i] * k->cost);
-        const rbd_real cosine = size > 0 ? rbdi_abs(k->g[i]) / size : rbdi_zero();
-
+        const rbd_real slope = rbdi_abs(k->g[i]);
         if (!rbdi_ik_pressed(k, i)) {
-            left = rbdi_ik_larger(left, cosine);
-        } else if (cosine > RBDI_IK_PRESSED) {
+            left = rbdi_ik_larger(left, slope);
+        } else if (slope > RBDI_IK_PRESSED * size) {
             ++k->result->limits;
-            if (cosine > most) k->result->limit = k->dof[i].dof;
-            most = rbdi_ik_larger(most, cosine);
+            if (slope > most) k->result->limit = k->dof[i].dof;
+            most = rbdi_ik_larger(most, slope);
         }
     }
 
-    if (left > RBDI_IK_SETTLED) return RBD_IK_EVALUATIONS;
+    if (left > RBDI_IK_SETTLED * size) return RBD_IK_EVALUATIONS;
     return k->result->limits > 0 ? RBD_IK_AT_LIMIT : RBD_IK_NEAREST;
 }
 

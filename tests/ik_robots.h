@@ -7,8 +7,13 @@
 
 /* A revolute joint about an axis, m and rad. armature: what a last body without mass needs. */
 #define ARM_JOINT(number, x, y, z, ax, ay, az, low, high) \
-    {.parent = (number)-1, .type = RBD_REVOLUTE, .axis = {ax, ay, az}, .position = {x, y, z}, .armature = {1}, \
-     .lower = low, .upper = high}
+    {.parent = (number) - 1, \
+     .type = RBD_REVOLUTE, \
+     .axis = {ax, ay, az}, \
+     .position = {x, y, z}, \
+     .armature = {1}, \
+     .lower = low, \
+     .upper = high}
 
 /* Three parallel axes, an offset wrist, two turns each way. */
 static const rbd_body ur10e[6] = {

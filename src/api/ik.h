@@ -33,7 +33,7 @@ typedef struct rbd_ik_target {
 /* 0 is the default in brackets. */
 typedef struct rbd_ik_options {
     int starts;                /* at most [60]: the caller's q, then others; 1: from q alone */
-    int evaluations;           /* of the targets, at most [5000]: bounds the time, see [limits] */
+    int evaluations;           /* of the targets, at most, 2 or more [5000]: bounds the time */
     rbd_real metres;           /* a target is reached if its place is this near [1e-6, float 1e-5] */
     rbd_real radians;          /* and its angle [1e-6, float 1e-5] */
     rbd_real length;           /* m: how much a radian of error counts; a third of the reach [0.3] */

@@ -27,8 +27,8 @@
    RBDI_IK_FAR: a square of lengths: |e|^2 counts at most as so many length^2 in the damping.
    RBDI_IK_TURN: rad, of a dof in a step of the search.
    RBDI_IK_COARSE, RBDI_IK_FINE: a descent ends if |e|^2 falls by less than this share.
-   RBDI_IK_PRESSED, RBDI_IK_SETTLED: cosine of the angle between e and a column of J, above which the limit of
-   its joint keeps e away, and below which e is at its least. */
+   RBDI_IK_PRESSED, RBDI_IK_SETTLED: shares of |e| and the longest column of J: a limit keeps e away if g is above
+   the first, and e is at its least if g is below the second. */
 #define RBDI_IK_DAMPING RBD_C(0.01)
 #define RBDI_IK_FLOOR (8 * RBDI_EPS)
 #define RBDI_IK_FAR RBD_C(10)
@@ -38,8 +38,9 @@
 #define RBDI_IK_STARTS 60
 #define RBDI_IK_EVALUATIONS 5000
 #define RBDI_IK_DESCENTS 8
-#define RBDI_IK_LAST 4 /* the last descent has so many times the steps */
+#define RBDI_IK_LAST 8 /* the last descent has so many times the steps */
 #define RBDI_IK_LENGTH RBD_C(0.3)
+#define RBDI_IK_STIFF RBD_C(1e9) /* damping, in length^2, by which hardly any step is left */
 #define RBDI_IK_MOST_TARGETS 1000
 #define RBDI_IK_MOST RBD_C(1e9)        /* of a position, in m, and of q */
 #define RBDI_IK_MOST_WEIGHT RBD_C(1e6) /* and its inverse is the least */
@@ -86,7 +87,7 @@ typedef struct rbdi_ik {
     rbd_real *e;          /* rows */
     rbd_real *J;          /* dofs x rows: column after column */
     rbd_real *columns;    /* 6 x nv: Jacobian of one target */
-    rbd_real *H, *factor; /* dofs (dofs + 1) / 2: lower triangle of J'J, and of the free dofs' factor */
+    rbd_real *H, *factor; /* dofs (dofs + 1) / 2: upper triangle of J'J, by rows; the free dofs' factor */
     rbd_real *g, *d, *x;  /* dofs: J'e, the step, and that of the free dofs */
     rbd_real *v;          /* nv: the step */
     rbd_real *from, *best, *q, *trial; /* nq: the caller's, the best, and where the search is */

@@ -4,13 +4,9 @@
 
 /* ---- search [search] ---- */
 
-RBDI_LOCAL void rbdi_ik_copy(const rbd_real *from, int n, rbd_real *to) {
-    for (int i = 0; i < n; ++i) to[i] = from[i];
-}
-
-/* Whether there are evaluations left. */
+/* Whether there are evaluations left, but for the last one, which judges. */
 RBDI_INLINE int rbdi_ik_may_go_on(const rbdi_ik *k) {
-    return k->result->evaluations < k->options.evaluations;
+    return k->result->evaluations == 0 || k->result->evaluations < k->options.evaluations - 1;
 }
 
 /* Whether the errors of the last evaluation are within the tolerances. */
@@ -94,19 +90,42 @@ RBDI_LOCAL int rbdi_ik_search(rbdi_ik *k) {
     return 0;
 }
 
-/* Goes down from q by at most so many steps that bring the error down, until one does by less than a share
-   `end`. Returns whether it reaches the targets. The damping follows Marquardt (1963). */
+/* How much the step should bring |e|^2 down by the linear model: 2 g'd - d'H d. */
+RBDI_LOCAL rbd_real rbdi_ik_expected(const rbdi_ik *k) {
+    rbd_real sum = rbdi_zero();
+    const rbd_real *H = k->H;
+
+    for (int i = 0; i < k->dofs; ++i) {
+        rbd_real Hd = RBD_C(0.5) * *H++ * k->d[i];
+        for (int j = i + 1; j < k->dofs; ++j) Hd = Hd + *H++ * k->d[j];
+        sum = sum + k->d[i] * (k->g[i] - Hd);
+    }
+
+    return sum + sum;
+}
+
+/* By how much the damping changes after a step that has brought |e|^2 down by this share of what was expected
+   (Nielsen 1999): 1 at a half, which is where the damping is the curvature that the linear model lacks. */
+RBDI_LOCAL rbd_real rbdi_ik_relax(rbd_real share) {
+    const rbd_real x = share + share - RBD_C(1);
+    return rbdi_ik_larger(rbdi_set(RBD_C(1) / 3), RBD_C(1) - x * x * x);
+}
+
+/* Goes down from q by at most so many steps, with the damping of Levenberg and Marquardt, until one brings
+   |e|^2 down by less than a share `end`. Returns whether it reaches the targets. */
 RBDI_LOCAL int rbdi_ik_descend(rbdi_ik *k, int steps, rbd_const end) {
-    const rbd_real square = k->options.length * k->options.length;
-    rbd_real damping = RBD_C(0.01) * square, cost, least = rbdi_zero();
+    const rbd_real square = k->options.length * k->options.length, most = RBDI_IK_STIFF * square;
+    rbd_real damping = RBDI_IK_DAMPING * square, factor = rbdi_set(RBD_C(2)), cost, least = rbdi_zero();
     int fresh = 1;
+    if (!rbdi_ik_may_go_on(k)) return 0;
 
     rbdi_ik_errors(k, k->q);
     cost = k->cost;
     rbdi_ik_keep(k, k->q);
+    if (rbdi_ik_is_reached(k)) return 1;
 
-    for (int step = 0; step < steps && rbdi_ik_may_go_on(k) && damping < RBD_C(1e9) * square; ++step) {
-        if (rbdi_ik_is_reached(k)) return 1;
+    for (int step = 0; step < steps && rbdi_ik_may_go_on(k) && damping < most; ++step) {
+        rbd_real drop;
         if (fresh) {
             rbdi_ik_jacobian(k);
             least = RBDI_IK_FLOOR * rbdi_ik_normal(k) + RBDI_TINY;
@@ -115,17 +134,20 @@ RBDI_LOCAL int rbdi_ik_descend(rbdi_ik *k, int steps, rbd_const end) {
         rbdi_ik_step(k, damping, least);
         rbdi_ik_move(k, rbdi_set(RBD_C(1)), k->trial);
         rbdi_ik_errors(k, k->trial);
-        fresh = k->cost < cost;
-        damping = damping * RBD_C(fresh ? 0.2 : 5);
+        drop = cost - k->cost;
+        fresh = drop > 0;
+        damping = damping * (fresh ? rbdi_ik_relax(drop / rbdi_ik_expected(k)) : factor);
+        factor = fresh ? rbdi_set(RBD_C(2)) : factor + factor;
         if (!fresh) continue;
 
         rbdi_ik_keep(k, k->trial);
         rbdi_ik_copy(k->trial, k->m->nq, k->q);
-        if (cost - k->cost < end * cost) break;
+        if (rbdi_ik_is_reached(k)) return 1;
+        if (drop < end * cost) break;
         cost = k->cost;
     }
 
-    return rbdi_ik_is_reached(k);
+    return 0;
 }
 
 /* Descents from the best place and from the first starts, then a long one from the best of all. Returns
@@ -145,28 +167,28 @@ RBDI_LOCAL int rbdi_ik_find_nearest(rbdi_ik *k) {
     return rbdi_ik_descend(k, RBDI_IK_LAST * RBDI_IK_STEPS, RBDI_IK_FINE);
 }
 
-/* Says why the targets are not reached at q: by the cosines of the angles between e and the columns of J. */
+/* Says why the targets are not reached at q: by g = J'e, as a share of |e| and the longest column of J. */
 RBDI_LOCAL rbd_ik_status rbdi_ik_judge(rbdi_ik *k) {
-    rbd_real most = rbdi_zero(), left = rbdi_zero();
+    rbd_real longest = rbdi_zero(), most = rbdi_zero(), left = rbdi_zero(), size;
 
     rbdi_ik_errors(k, k->q);
     rbdi_ik_jacobian(k);
     rbdi_ik_normal(k);
+    for (int i = 0; i < k->dofs; ++i) longest = rbdi_ik_larger(longest, k->H[rbdi_ik_row(k->dofs, i)]);
+    size = rbdi_sqrt(longest * k->cost);
 
     for (int i = 0; i < k->dofs; ++i) {
-        const rbd_real size = rbdi_sqrt(k->H[rbdi_ik_row(i) + i] * k->cost);
-        const rbd_real cosine = size > 0 ? rbdi_abs(k->g[i]) / size : rbdi_zero();
-
+        const rbd_real slope = rbdi_abs(k->g[i]);
         if (!rbdi_ik_pressed(k, i)) {
-            left = rbdi_ik_larger(left, cosine);
-        } else if (cosine > RBDI_IK_PRESSED) {
+            left = rbdi_ik_larger(left, slope);
+        } else if (slope > RBDI_IK_PRESSED * size) {
             ++k->result->limits;
-            if (cosine > most) k->result->limit = k->dof[i].dof;
-            most = rbdi_ik_larger(most, cosine);
+            if (slope > most) k->result->limit = k->dof[i].dof;
+            most = rbdi_ik_larger(most, slope);
         }
     }
 
-    if (left > RBDI_IK_SETTLED) return RBD_IK_EVALUATIONS;
+    if (left > RBDI_IK_SETTLED * size) return RBD_IK_EVALUATIONS;
     return k->result->limits > 0 ? RBD_IK_AT_LIMIT : RBD_IK_NEAREST;
 }
 

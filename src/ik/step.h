@@ -1,33 +1,42 @@
 #ifndef RBDI_IK_STEP_H
 #define RBDI_IK_STEP_H
-#include "api/manifold.h"
-#include "base/scalar.h"
+#include "motion/manifold.h"
 #include "ik/layout.h"
 
 /* ---- step [step] ---- */
 
+RBDI_LOCAL void rbdi_ik_copy(const rbd_real *from, int n, rbd_real *to) {
+    for (int i = 0; i < n; ++i) to[i] = from[i];
+}
+
 /* The larger of two. */
 RBDI_INLINE rbd_real rbdi_ik_larger(rbd_real a, rbd_real b) { return a < b ? b : a; }
 
-/* The place of row i in a packed lower triangle. */
-RBDI_INLINE ptrdiff_t rbdi_ik_row(int i) { return (ptrdiff_t)i * (i + 1) / 2; }
+/* Where row i of a packed upper triangle of n rows begins: with its diagonal entry. */
+RBDI_INLINE ptrdiff_t rbdi_ik_row(int n, int i) { return (ptrdiff_t)i * (2 * n - i + 1) / 2; }
 
-RBDI_INLINE rbd_real rbdi_ik_product(const rbd_real *a, const rbd_real *b, int n) {
-    rbd_real sum = rbdi_zero();
-    for (int i = 0; i < n; ++i) sum = sum + a[i] * b[i];
-    return sum;
+/* Product of two columns of J. Three sums, because rows come in threes, and one would wait for each product. */
+RBDI_INLINE rbd_real rbdi_ik_product(const rbd_real *a, const rbd_real *b, int rows) {
+    rbdi_v3 sum = rbdi_vec0();
+
+    for (int r = 0; r < rows; r += 3) {
+        sum.x = sum.x + a[r] * b[r];
+        sum.y = sum.y + a[r + 1] * b[r + 1];
+        sum.z = sum.z + a[r + 2] * b[r + 2];
+    }
+
+    return sum.x + sum.y + sum.z;
 }
 
 /* H = J'J and g = J'e. Returns the trace of H. */
 RBDI_LOCAL rbd_real rbdi_ik_normal(rbdi_ik *k) {
-    rbd_real trace = rbdi_zero();
+    rbd_real trace = rbdi_zero(), *to = k->H;
 
     for (int i = 0; i < k->dofs; ++i) {
         const rbd_real *column = &k->J[i * k->rows];
-        rbd_real *row = &k->H[rbdi_ik_row(i)];
-        for (int j = 0; j <= i; ++j) row[j] = rbdi_ik_product(column, &k->J[j * k->rows], k->rows);
+        trace = trace + rbdi_ik_product(column, column, k->rows);
         k->g[i] = rbdi_ik_product(column, k->e, k->rows);
-        trace = trace + row[i];
+        for (int j = i; j < k->dofs; ++j) *to++ = rbdi_ik_product(column, &k->J[j * k->rows], k->rows);
     }
 
     return trace;
@@ -44,43 +53,49 @@ RBDI_INLINE int rbdi_ik_pressed(const rbdi_ik *k, int i) {
 
 /* Entry (i, j) of H. */
 RBDI_INLINE rbd_real rbdi_ik_entry(const rbdi_ik *k, int i, int j) {
-    return i >= j ? k->H[rbdi_ik_row(i) + j] : k->H[rbdi_ik_row(j) + i];
+    return i <= j ? k->H[rbdi_ik_row(k->dofs, i) + j - i] : k->H[rbdi_ik_row(k->dofs, j) + i - j];
 }
 
-/* The equations of the n free dofs: the lower triangle of H + damping 1, and in x g - H d of the others. */
+/* The equations of the n free dofs: the upper triangle of H + damping 1, and in x g - H d of the others. */
 RBDI_LOCAL void rbdi_ik_gather(rbdi_ik *k, int n, rbd_real damping) {
+    rbd_real *to = k->factor;
+
     for (int a = 0; a < n; ++a) {
         const int i = k->place[a];
-        rbd_real *row = &k->factor[rbdi_ik_row(a)];
-        for (int b = 0; b <= a; ++b) row[b] = k->H[rbdi_ik_row(i) + k->place[b]];
-        row[a] = row[a] + damping;
-
+        const rbd_real *row = &k->H[rbdi_ik_row(k->dofs, i) - i];
+        *to++ = row[i] + damping;
+        for (int b = a + 1; b < n; ++b) *to++ = row[k->place[b]];
         k->x[a] = k->g[i];
-        for (int j = 0; j < k->dofs; ++j)
-            if (k->dof[j].hold > RBDI_IK_STAYS) k->x[a] = k->x[a] - rbdi_ik_entry(k, i, j) * k->d[j];
     }
+
+    for (int j = 0; j < k->dofs; ++j)
+        for (int a = 0; a < n && k->dof[j].hold > RBDI_IK_STAYS; ++a)
+            k->x[a] = k->x[a] - rbdi_ik_entry(k, k->place[a], j) * k->d[j];
 }
 
-/* Solves the equations by Cholesky's factor, whose diagonal is inverted. A pivot is at least `least`. */
+/* Solves the equations by elimination, A = L D L'. A pivot is at least `least`; its inverse takes its place. */
 RBDI_LOCAL void rbdi_ik_solve(rbdi_ik *k, int n, rbd_real least) {
-    rbd_real *x = k->x;
+    rbd_real *row = k->factor, *x = k->x;
 
-    /* L_ij = (A_ij - sum L_ik L_jk) / L_jj, and L y = x */
-    for (int i = 0; i < n; ++i) {
-        rbd_real *row = &k->factor[rbdi_ik_row(i)];
-        for (int j = 0; j < i; ++j) {
-            const rbd_real *other = &k->factor[rbdi_ik_row(j)];
-            row[j] = (row[j] - rbdi_ik_product(row, other, j)) * other[j];
+    /* A_ij = A_ij - A_ci A_cj / D_c, and so x */
+    for (int c = 0; c < n; ++c) {
+        rbd_real *to = row + n - c;
+        const rbd_real inverse = RBD_C(1) / rbdi_ik_larger(row[0], least);
+
+        row[0] = inverse;
+        for (int i = 1; i < n - c; ++i) {
+            const rbd_real share = row[i] * inverse;
+            for (int j = i; j < n - c; ++j, ++to) *to = *to - share * row[j];
+            x[c + i] = x[c + i] - share * x[c];
         }
-        row[i] = RBD_C(1) / rbdi_sqrt(rbdi_ik_larger(row[i] - rbdi_ik_product(row, row, i), least));
-        x[i] = (x[i] - rbdi_ik_product(row, x, i)) * row[i];
+        row += n - c;
     }
 
-    /* L'x = y */
-    for (int i = n - 1; i >= 0; --i) {
-        const rbd_real *row = &k->factor[rbdi_ik_row(i)];
-        x[i] = x[i] * row[i];
-        for (int j = 0; j < i; ++j) x[j] = x[j] - row[j] * x[i];
+    /* x_c = (x_c - sum A_ci x_i) / D_c */
+    for (int c = n - 1; c >= 0; --c) {
+        row -= n - c;
+        for (int i = 1; i < n - c; ++i) x[c] = x[c] - row[i] * x[c + i];
+        x[c] = x[c] * row[0];
     }
 }
 
@@ -136,16 +151,30 @@ RBDI_LOCAL rbd_real rbdi_ik_share(const rbdi_ik *k) {
     return RBDI_IK_TURN / most;
 }
 
+/* q_next = q (+) share d of the joints that move a target; the others are as in q. */
+RBDI_LOCAL void rbdi_ik_move_joints(rbdi_ik *k, rbd_real share, rbd_real *q_next) {
+    const rbdi_frame *last = NULL;
+
+    rbdi_ik_copy(k->q, k->m->nq, q_next);
+    for (int i = 0; i < k->dofs; ++i) k->v[k->dof[i].dof] = k->d[i] * share;
+
+    for (int i = 0; i < k->dofs; ++i) {
+        const rbdi_frame *u = &k->m->frame[k->m->dof[k->dof[i].dof].body];
+        if (u != last) rbdi_step_joint(u, &k->q[u->iq], &k->v[u->iv], 0, &q_next[u->iq]);
+        last = u;
+    }
+}
+
 /* Moves q by a share of the step to q_next, which may be q. Limits hold to the bit. */
 RBDI_LOCAL void rbdi_ik_move(rbdi_ik *k, rbd_real share, rbd_real *q_next) {
-    for (int i = 0; i < k->dofs; ++i) k->v[k->dof[i].dof] = k->d[i];
-    rbd_integrate(k->m, k->q, k->v, share, q_next);
+    const int whole = !(share < 1);
 
+    rbdi_ik_move_joints(k, share, q_next);
     for (const rbdi_ik_dof *f = k->dof; f < k->dof + k->dofs; ++f) {
         rbd_real *x = &q_next[f->at < 0 ? 0 : f->at];
         if (f->at < 0) continue;
-        if (*x > f->upper || (f->hold == RBDI_IK_UPPER && !(share < 1))) *x = f->upper;
-        if (*x < f->lower || (f->hold == RBDI_IK_LOWER && !(share < 1))) *x = f->lower;
+        if (*x > f->upper || (f->hold == RBDI_IK_UPPER && whole)) *x = f->upper;
+        if (*x < f->lower || (f->hold == RBDI_IK_LOWER && whole)) *x = f->lower;
     }
 }
 
