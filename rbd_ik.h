@@ -21,7 +21,7 @@
      [conventions] [configuration] [guarantees] [limits]
      [targets] [inverse kinematics]
      --- stop here if you only use it ---
-     [method] [step] [targets code] [dofs] [search] [checks]
+     [method] [step] [targets code] [curvature] [dofs] [search] [checks]
      [inverse kinematics code] [text code]
 
    [conventions] Those of rbd.h, beyond them:
@@ -209,9 +209,10 @@ RBDI_EXTERN_C_END
 #define RBDI_IK_STARTS 60
 #define RBDI_IK_EVALUATIONS 5000
 #define RBDI_IK_DESCENTS 8
-#define RBDI_IK_LAST 8 /* the last descent has so many times the steps */
+#define RBDI_IK_LAST 4 /* the last descent has so many times the steps */
 #define RBDI_IK_LENGTH RBD_C(0.3)
-#define RBDI_IK_STIFF RBD_C(1e9) /* damping, in length^2, by which hardly any step is left */
+#define RBDI_IK_STIFF RBD_C(1e9)     /* damping, in length^2, by which hardly any step is left */
+#define RBDI_IK_STRAIGHT RBD_C(1e-3) /* rad: the curvature of smaller turns is not needed */
 #define RBDI_IK_MOST_TARGETS 1000
 #define RBDI_IK_MOST RBD_C(1e9)        /* of a position, in m, and of q */
 #define RBDI_IK_MOST_WEIGHT RBD_C(1e6) /* and its inverse is the least */
@@ -355,15 +356,18 @@ RBDI_LOCAL void rbdi_ik_gather(rbdi_ik *k, int n, rbd_real damping) {
             k->x[a] = k->x[a] - rbdi_ik_entry(k, k->place[a], j) * k->d[j];
 }
 
-/* Solves the equations by elimination, A = L D L'. A pivot is at least `least`; its inverse takes its place. */
-RBDI_LOCAL void rbdi_ik_solve(rbdi_ik *k, int n, rbd_real least) {
+/* Solves the equations by elimination, A = L D L'. A pivot is at least `least`; its inverse takes its place. Returns
+   whether all were positive. */
+RBDI_LOCAL int rbdi_ik_solve(rbdi_ik *k, int n, rbd_real least) {
     rbd_real *row = k->factor, *x = k->x;
+    int definite = 1;
 
     /* A_ij = A_ij - A_ci A_cj / D_c, and so x */
     for (int c = 0; c < n; ++c) {
         rbd_real *to = row + n - c;
         const rbd_real inverse = RBD_C(1) / rbdi_ik_larger(row[0], least);
 
+        if (!(row[0] > 0)) definite = 0;
         row[0] = inverse;
         for (int i = 1; i < n - c; ++i) {
             const rbd_real share = row[i] * inverse;
@@ -379,6 +383,8 @@ RBDI_LOCAL void rbdi_ik_solve(rbdi_ik *k, int n, rbd_real least) {
         for (int i = 1; i < n - c; ++i) x[c] = x[c] - row[i] * x[c + i];
         x[c] = x[c] * row[0];
     }
+
+    return definite;
 }
 
 /* Takes the n free dofs' part of the step; those that would pass a limit are set on it. Returns whether there
@@ -406,9 +412,10 @@ RBDI_LOCAL int rbdi_ik_set_on_limits(rbdi_ik *k, int n) {
     return any;
 }
 
-/* The step d from q: see [method]. H and g are those of q; least: a share of H that is rounding. */
-RBDI_LOCAL void rbdi_ik_step(rbdi_ik *k, rbd_real damping, rbd_real least) {
-    int more = 1;
+/* The step d from q: see [method]. H and g are those of q; least: a share of H that is rounding. Returns
+   whether H + damping was definite. */
+RBDI_LOCAL int rbdi_ik_step(rbdi_ik *k, rbd_real damping, rbd_real least) {
+    int more = 1, definite = 1;
 
     for (int i = 0; i < k->dofs; ++i) {
         k->d[i] = rbdi_zero();
@@ -420,9 +427,11 @@ RBDI_LOCAL void rbdi_ik_step(rbdi_ik *k, rbd_real damping, rbd_real least) {
         for (int i = 0; i < k->dofs; ++i)
             if (k->dof[i].hold == RBDI_IK_FREE) k->place[n++] = (int16_t)i;
         rbdi_ik_gather(k, n, damping + least);
-        rbdi_ik_solve(k, n, least);
+        definite &= rbdi_ik_solve(k, n, least);
         more = rbdi_ik_set_on_limits(k, n);
     }
+
+    return definite;
 }
 
 /* The share of the step at which no dof turns by more than RBDI_IK_TURN. */
@@ -471,6 +480,11 @@ RBDI_INLINE int rbdi_ik_moves_point(rbd_ik_kind kind) { return kind == RBD_IK_PO
 
 /* Rows of a kind of target. */
 RBDI_INLINE int rbdi_ik_rows_of(rbd_ik_kind kind) { return kind == RBD_IK_POSE ? 6 : 3; }
+
+/* Of a target's rows: the root of its weight. */
+RBDI_INLINE rbd_real rbdi_ik_factor(const rbd_ik_target *t) {
+    return t->weight > 0 ? rbdi_sqrt(t->weight) : rbdi_set(RBD_C(1));
+}
 
 /* R, 3 x 3 by rows; all 0 is the identity. */
 RBDI_LOCAL rbdi_mat rbdi_ik_rotation(const rbd_real *R) {
@@ -553,7 +567,7 @@ RBDI_LOCAL void rbdi_ik_errors(rbdi_ik *k, const rbd_real *q) {
     k->cost = k->result->metres = k->result->radians = rbdi_zero();
 
     for (const rbd_ik_target *t = k->target; t < k->target + k->n; ++t) {
-        const rbd_real factor = rbdi_sqrt(t->weight > 0 ? t->weight : rbdi_set(RBD_C(1)));
+        const rbd_real factor = rbdi_ik_factor(t);
 
         if (rbdi_ik_turns_body(t->kind) || t->kind == RBD_IK_AXIS) {
             const rbdi_v3 turn = rbdi_ik_wanted_turn(k, t);
@@ -641,7 +655,7 @@ RBDI_LOCAL void rbdi_ik_jacobian(rbdi_ik *k) {
     int row = 0;
 
     for (const rbd_ik_target *t = k->target; t < k->target + k->n; ++t) {
-        const rbd_real factor = rbdi_sqrt(t->weight > 0 ? t->weight : rbdi_set(RBD_C(1)));
+        const rbd_real factor = rbdi_ik_factor(t);
 
         if (t->kind == RBD_IK_COM)
             rbdi_ik_com_jacobian(k);
@@ -654,6 +668,115 @@ RBDI_LOCAL void rbdi_ik_jacobian(rbdi_ik *k) {
         }
         if (rbdi_ik_turns_body(t->kind)) rbdi_ik_put_rows(k, &row, factor * k->options.length, 0, NULL);
         if (rbdi_ik_moves_point(t->kind) || t->kind == RBD_IK_COM) rbdi_ik_put_rows(k, &row, factor, 3, NULL);
+    }
+}
+
+/* ==== src/ik/curvature.h ==== */
+/* ---- curvature [curvature] ----
+   What |e|^2/2 has beyond J'J in second order, which is what counts where e does not vanish. With omega_i and v_i
+   the columns of a target's Jacobian, dof i nearer to the root than j, its place p and its turn:
+
+       d2p/dq_i dq_j = omega_i x v_j            the turn of both: omega_i q_i + omega_j q_j + (omega_i x omega_j) q_i q_j/2
+
+   Dofs of one joint that move together have half of both orders. If a turn of angle a about n is left, a turn omega
+   changes a^2/2 in second order by omega'(n n' + c (1 - n n')) omega / 2, c = (a/2) cot(a/2); of an axis s, which a
+   turn about s leaves, by the same without the part along s, c = a cot a; and by a (s omega) (s x n) omega / 2, for
+   the way of s is then no great circle. Centres of mass are left out. */
+
+/* The columns of one target's Jacobian, and what of its error is left, scaled by the factors of their rows. */
+typedef struct rbdi_ik_bend {
+    rbdi_v3 place, turn; /* factor^2 times the error */
+    rbdi_v3 n, s;        /* unit vectors, or 0 */
+    rbdi_v3 side;        /* s x turn */
+    rbd_real lack;       /* factor^2 (1 - c) */
+} rbdi_ik_bend;
+
+/* x cot x, at least -1; x > 0. */
+RBDI_LOCAL rbd_real rbdi_ik_cotangent(rbd_real x) {
+    rbd_real s, c;
+    rbdi_sincos(x, &s, &c);
+    return x * c > -s ? x * c / s : rbdi_set(RBD_C(-1));
+}
+
+RBDI_LOCAL rbdi_ik_bend rbdi_ik_bend_of(const rbdi_ik *k, const rbd_ik_target *t, int *row) {
+    const rbd_real factor = rbdi_ik_factor(t), angular = factor * k->options.length;
+    rbdi_ik_bend b;
+
+    b.place = b.turn = b.n = b.s = b.side = rbdi_vec0();
+    b.lack = rbdi_zero();
+
+    if (rbdi_ik_turns_body(t->kind) || t->kind == RBD_IK_AXIS) {
+        const rbdi_v3 e = rbdi_load_vec(&k->e[*row], 1);
+        const rbd_real length = rbdi_sqrt(rbdi_dot(e, e)), angle = length / angular;
+        b.turn = rbdi_scale(angular, e);
+        if (t->kind == RBD_IK_AXIS) b.s = rbdi_ik_axis(k, t);
+        b.side = rbdi_cross(b.s, b.turn);
+        if (angle > RBDI_IK_STRAIGHT) {
+            const rbd_real half = t->kind == RBD_IK_AXIS ? angle : RBD_C(0.5) * angle;
+            b.n = rbdi_scale(RBD_C(1) / length, e);
+            b.lack = angular * angular * (RBD_C(1) - rbdi_ik_cotangent(half));
+        }
+        *row += 3;
+    }
+
+    if (rbdi_ik_moves_point(t->kind)) b.place = rbdi_scale(factor, rbdi_load_vec(&k->e[*row], 1));
+    if (rbdi_ik_moves_point(t->kind) || t->kind == RBD_IK_COM) *row += 3;
+    return b;
+}
+
+/* What the second derivative of place and turn takes from H, dof i nearer to the root. */
+RBDI_INLINE rbd_real rbdi_ik_bent(const rbdi_ik_bend *b, const rbdi_motion *i, const rbdi_motion *j) {
+    return rbdi_dot(b->place, rbdi_cross(i->omega, j->v)) +
+           RBD_C(0.5) * rbdi_dot(b->turn, rbdi_cross(i->omega, j->omega));
+}
+
+/* What the curvature of the angle takes from H. */
+RBDI_INLINE rbd_real rbdi_ik_lacking(const rbdi_ik_bend *b, rbdi_v3 i, rbdi_v3 j) {
+    const rbd_real along = rbdi_dot(b->n, i) * rbdi_dot(b->n, j) + rbdi_dot(b->s, i) * rbdi_dot(b->s, j);
+    const rbd_real side = rbdi_dot(b->s, i) * rbdi_dot(b->side, j) + rbdi_dot(b->s, j) * rbdi_dot(b->side, i);
+    return b->lack * (rbdi_dot(i, j) - along) - RBD_C(0.5) * side;
+}
+
+/* Whether two dofs are of one joint that moves along a screw. */
+RBDI_INLINE int rbdi_ik_together(const rbd_model *m, int i, int j) {
+    const rbdi_frame *u = &m->frame[m->dof[i].body];
+    return m->dof[i].body == m->dof[j].body && rbdi_is(&m->link[u->link], RBDI_BLOCK);
+}
+
+/* Takes the curvature of one target, whose Jacobian is in k->columns, from H. */
+RBDI_LOCAL void rbdi_ik_curve_of(rbdi_ik *k, const rbdi_ik_bend *b) {
+    const rbd_model *m = k->m;
+    rbd_real *H = k->H;
+
+    for (int r = 0; r < k->dofs; ++r) {
+        const int i = k->dof[r].dof;
+        const rbdi_motion one = rbdi_load_motion(&k->columns[i], m->nv);
+
+        for (int c = r; c < k->dofs; ++c, ++H) {
+            const int j = k->dof[c].dof;
+            const rbdi_motion two = rbdi_load_motion(&k->columns[j], m->nv);
+            rbd_real bent;
+
+            if (rbdi_ik_together(m, i, j))
+                bent = RBD_C(0.5) * (rbdi_ik_bent(b, &one, &two) + rbdi_ik_bent(b, &two, &one));
+            else if (m->dof[i].level <= m->dof[j].level)
+                bent = rbdi_ik_bent(b, &one, &two);
+            else
+                bent = rbdi_ik_bent(b, &two, &one);
+            *H = *H - bent - rbdi_ik_lacking(b, one.omega, two.omega);
+        }
+    }
+}
+
+/* Takes the curvature of all targets from H, after rbdi_ik_normal. */
+RBDI_LOCAL void rbdi_ik_curve(rbdi_ik *k) {
+    int row = 0;
+
+    for (const rbd_ik_target *t = k->target; t < k->target + k->n; ++t) {
+        const rbdi_ik_bend b = rbdi_ik_bend_of(k, t, &row);
+        if (t->kind == RBD_IK_COM) continue;
+        rbd_jacobian(k->m, k->w, t->body, t->point, RBD_WORLD_AXES, k->columns);
+        rbdi_ik_curve_of(k, &b);
     }
 }
 
@@ -840,7 +963,8 @@ RBDI_LOCAL rbd_real rbdi_ik_expected(const rbdi_ik *k) {
    (Nielsen 1999): 1 at a half, which is where the damping is the curvature that the linear model lacks. */
 RBDI_LOCAL rbd_real rbdi_ik_relax(rbd_real share) {
     const rbd_real x = share + share - RBD_C(1);
-    return rbdi_ik_larger(rbdi_set(RBD_C(1) / 3), RBD_C(1) - x * x * x);
+    const rbd_real factor = rbdi_ik_larger(rbdi_set(RBD_C(1) / 3), RBD_C(1) - x * x * x);
+    return factor < 2 ? factor : rbdi_set(RBD_C(2));
 }
 
 /* Goes down from q by at most so many steps, with the damping of Levenberg and Marquardt, until one brings
@@ -861,12 +985,15 @@ RBDI_LOCAL int rbdi_ik_descend(rbdi_ik *k, int steps, rbd_const end) {
         if (fresh) {
             rbdi_ik_jacobian(k);
             least = RBDI_IK_FLOOR * rbdi_ik_normal(k) + RBDI_TINY;
+            rbdi_ik_curve(k);
         }
 
-        rbdi_ik_step(k, damping, least);
-        rbdi_ik_move(k, rbdi_set(RBD_C(1)), k->trial);
-        rbdi_ik_errors(k, k->trial);
-        drop = cost - k->cost;
+        drop = rbdi_zero();
+        if (rbdi_ik_step(k, damping, least)) {
+            rbdi_ik_move(k, rbdi_set(RBD_C(1)), k->trial);
+            rbdi_ik_errors(k, k->trial);
+            drop = cost - k->cost;
+        }
         fresh = drop > 0;
         damping = damping * (fresh ? rbdi_ik_relax(drop / rbdi_ik_expected(k)) : factor);
         factor = fresh ? rbdi_set(RBD_C(2)) : factor + factor;

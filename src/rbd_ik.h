@@ -20,7 +20,7 @@
      [conventions] [configuration] [guarantees] [limits]
      [targets] [inverse kinematics]
      --- stop here if you only use it ---
-     [method] [step] [targets code] [dofs] [search] [checks]
+     [method] [step] [targets code] [curvature] [dofs] [search] [checks]
      [inverse kinematics code] [text code]
 
    [conventions] Those of rbd.h, beyond them:
@@ -88,6 +88,7 @@ RBDI_CODE_BEGIN
 
 #include "ik/step.h"
 #include "ik/targets.h"
+#include "ik/curvature.h"
 #include "ik/dofs.h"
 #include "ik/search.h"
 #include "ik/check.h"

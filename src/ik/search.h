@@ -1,6 +1,6 @@
 #ifndef RBDI_IK_SEARCH_H
 #define RBDI_IK_SEARCH_H
-#include "ik/targets.h"
+#include "ik/curvature.h"
 
 /* ---- search [search] ---- */
 
@@ -108,7 +108,8 @@ RBDI_LOCAL rbd_real rbdi_ik_expected(const rbdi_ik *k) {
    (Nielsen 1999): 1 at a half, which is where the damping is the curvature that the linear model lacks. */
 RBDI_LOCAL rbd_real rbdi_ik_relax(rbd_real share) {
     const rbd_real x = share + share - RBD_C(1);
-    return rbdi_ik_larger(rbdi_set(RBD_C(1) / 3), RBD_C(1) - x * x * x);
+    const rbd_real factor = rbdi_ik_larger(rbdi_set(RBD_C(1) / 3), RBD_C(1) - x * x * x);
+    return factor < 2 ? factor : rbdi_set(RBD_C(2));
 }
 
 /* Goes down from q by at most so many steps, with the damping of Levenberg and Marquardt, until one brings
@@ -129,12 +130,15 @@ RBDI_LOCAL int rbdi_ik_descend(rbdi_ik *k, int steps, rbd_const end) {
         if (fresh) {
             rbdi_ik_jacobian(k);
             least = RBDI_IK_FLOOR * rbdi_ik_normal(k) + RBDI_TINY;
+            rbdi_ik_curve(k);
         }
 
-        rbdi_ik_step(k, damping, least);
-        rbdi_ik_move(k, rbdi_set(RBD_C(1)), k->trial);
-        rbdi_ik_errors(k, k->trial);
-        drop = cost - k->cost;
+        drop = rbdi_zero();
+        if (rbdi_ik_step(k, damping, least)) {
+            rbdi_ik_move(k, rbdi_set(RBD_C(1)), k->trial);
+            rbdi_ik_errors(k, k->trial);
+            drop = cost - k->cost;
+        }
         fresh = drop > 0;
         damping = damping * (fresh ? rbdi_ik_relax(drop / rbdi_ik_expected(k)) : factor);
         factor = fresh ? rbdi_set(RBD_C(2)) : factor + factor;

@@ -73,15 +73,18 @@ RBDI_LOCAL void rbdi_ik_gather(rbdi_ik *k, int n, rbd_real damping) {
             k->x[a] = k->x[a] - rbdi_ik_entry(k, k->place[a], j) * k->d[j];
 }
 
-/* Solves the equations by elimination, A = L D L'. A pivot is at least `least`; its inverse takes its place. */
-RBDI_LOCAL void rbdi_ik_solve(rbdi_ik *k, int n, rbd_real least) {
+/* Solves the equations by elimination, A = L D L'. A pivot is at least `least`; its inverse takes its place. Returns
+   whether all were positive. */
+RBDI_LOCAL int rbdi_ik_solve(rbdi_ik *k, int n, rbd_real least) {
     rbd_real *row = k->factor, *x = k->x;
+    int definite = 1;
 
     /* A_ij = A_ij - A_ci A_cj / D_c, and so x */
     for (int c = 0; c < n; ++c) {
         rbd_real *to = row + n - c;
         const rbd_real inverse = RBD_C(1) / rbdi_ik_larger(row[0], least);
 
+        if (!(row[0] > 0)) definite = 0;
         row[0] = inverse;
         for (int i = 1; i < n - c; ++i) {
             const rbd_real share = row[i] * inverse;
@@ -97,6 +100,8 @@ RBDI_LOCAL void rbdi_ik_solve(rbdi_ik *k, int n, rbd_real least) {
         for (int i = 1; i < n - c; ++i) x[c] = x[c] - row[i] * x[c + i];
         x[c] = x[c] * row[0];
     }
+
+    return definite;
 }
 
 /* Takes the n free dofs' part of the step; those that would pass a limit are set on it. Returns whether there
@@ -124,9 +129,10 @@ RBDI_LOCAL int rbdi_ik_set_on_limits(rbdi_ik *k, int n) {
     return any;
 }
 
-/* The step d from q: see [method]. H and g are those of q; least: a share of H that is rounding. */
-RBDI_LOCAL void rbdi_ik_step(rbdi_ik *k, rbd_real damping, rbd_real least) {
-    int more = 1;
+/* The step d from q: see [method]. H and g are those of q; least: a share of H that is rounding. Returns
+   whether H + damping was definite. */
+RBDI_LOCAL int rbdi_ik_step(rbdi_ik *k, rbd_real damping, rbd_real least) {
+    int more = 1, definite = 1;
 
     for (int i = 0; i < k->dofs; ++i) {
         k->d[i] = rbdi_zero();
@@ -138,9 +144,11 @@ RBDI_LOCAL void rbdi_ik_step(rbdi_ik *k, rbd_real damping, rbd_real least) {
         for (int i = 0; i < k->dofs; ++i)
             if (k->dof[i].hold == RBDI_IK_FREE) k->place[n++] = (int16_t)i;
         rbdi_ik_gather(k, n, damping + least);
-        rbdi_ik_solve(k, n, least);
+        definite &= rbdi_ik_solve(k, n, least);
         more = rbdi_ik_set_on_limits(k, n);
     }
+
+    return definite;
 }
 
 /* The share of the step at which no dof turns by more than RBDI_IK_TURN. */

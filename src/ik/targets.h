@@ -14,6 +14,11 @@ RBDI_INLINE int rbdi_ik_moves_point(rbd_ik_kind kind) { return kind == RBD_IK_PO
 /* Rows of a kind of target. */
 RBDI_INLINE int rbdi_ik_rows_of(rbd_ik_kind kind) { return kind == RBD_IK_POSE ? 6 : 3; }
 
+/* Of a target's rows: the root of its weight. */
+RBDI_INLINE rbd_real rbdi_ik_factor(const rbd_ik_target *t) {
+    return t->weight > 0 ? rbdi_sqrt(t->weight) : rbdi_set(RBD_C(1));
+}
+
 /* R, 3 x 3 by rows; all 0 is the identity. */
 RBDI_LOCAL rbdi_mat rbdi_ik_rotation(const rbd_real *R) {
     const rbd_real o = rbdi_zero(), one = rbdi_set(RBD_C(1));
@@ -95,7 +100,7 @@ RBDI_LOCAL void rbdi_ik_errors(rbdi_ik *k, const rbd_real *q) {
     k->cost = k->result->metres = k->result->radians = rbdi_zero();
 
     for (const rbd_ik_target *t = k->target; t < k->target + k->n; ++t) {
-        const rbd_real factor = rbdi_sqrt(t->weight > 0 ? t->weight : rbdi_set(RBD_C(1)));
+        const rbd_real factor = rbdi_ik_factor(t);
 
         if (rbdi_ik_turns_body(t->kind) || t->kind == RBD_IK_AXIS) {
             const rbdi_v3 turn = rbdi_ik_wanted_turn(k, t);
@@ -183,7 +188,7 @@ RBDI_LOCAL void rbdi_ik_jacobian(rbdi_ik *k) {
     int row = 0;
 
     for (const rbd_ik_target *t = k->target; t < k->target + k->n; ++t) {
-        const rbd_real factor = rbdi_sqrt(t->weight > 0 ? t->weight : rbdi_set(RBD_C(1)));
+        const rbd_real factor = rbdi_ik_factor(t);
 
         if (t->kind == RBD_IK_COM)
             rbdi_ik_com_jacobian(k);
