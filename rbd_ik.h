@@ -918,7 +918,7 @@ RBDI_LOCAL void rbdi_ik_start(rbdi_ik *k, int start) {
 
 /* A start of the search. Returns whether it reaches the targets. */
 RBDI_LOCAL int rbdi_ik_search(rbdi_ik *k) {
-    const rbd_real far = RBDI_IK_FAR * k->options.length * k->options.length;
+    const rbd_real distant = RBDI_IK_FAR * k->options.length * k->options.length;
     rbd_real mark = rbdi_set(RBDI_IK_OVERFLOW);
     int stalled = 0;
 
@@ -937,7 +937,7 @@ RBDI_LOCAL int rbdi_ik_search(rbdi_ik *k) {
 
         rbdi_ik_jacobian(k);
         least = RBDI_IK_FLOOR * rbdi_ik_normal(k) + RBDI_TINY;
-        damping = RBDI_IK_DAMPING * (k->cost < far ? k->cost : far);
+        damping = RBDI_IK_DAMPING * (k->cost < distant ? k->cost : distant);
         rbdi_ik_step(k, damping, least);
         rbdi_ik_move(k, rbdi_ik_share(k), k->q);
     }
