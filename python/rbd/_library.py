@@ -23,6 +23,7 @@ _SINGLE = """
 #define RBD_IMPLEMENTATION
 #include "rbd_derivatives.h"
 #include "rbd_contact.h"
+#include "rbd_ik.h"
 #include "rbd_spatial.h"
 """
 _BATCH = """
