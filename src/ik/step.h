@@ -34,9 +34,10 @@ RBDI_LOCAL rbd_real rbdi_ik_normal(rbdi_ik *k) {
 
     for (int i = 0; i < k->dofs; ++i) {
         const rbd_real *column = &k->J[i * k->rows];
-        trace = trace + rbdi_ik_product(column, column, k->rows);
+        const rbd_real *diagonal = to;
         k->g[i] = rbdi_ik_product(column, k->e, k->rows);
         for (int j = i; j < k->dofs; ++j) *to++ = rbdi_ik_product(column, &k->J[j * k->rows], k->rows);
+        trace = trace + *diagonal;
     }
 
     return trace;
@@ -168,7 +169,10 @@ RBDI_LOCAL void rbdi_ik_move_joints(rbdi_ik *k, rbd_real share, rbd_real *q_next
 
     for (int i = 0; i < k->dofs; ++i) {
         const rbdi_frame *u = &k->m->frame[k->m->dof[k->dof[i].dof].body];
-        if (u != last) rbdi_step_joint(u, &k->q[u->iq], &k->v[u->iv], 0, &q_next[u->iq]);
+        if (u->nq == 1) /* the most */
+            q_next[u->iq] = k->q[u->iq] + k->v[u->iv];
+        else if (u != last)
+            rbdi_step_joint(u, &k->q[u->iq], &k->v[u->iv], 0, &q_next[u->iq]);
         last = u;
     }
 }
