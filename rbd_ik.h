@@ -33,18 +33,18 @@
      data.
 
    [guarantees]
-     Deterministic: starts come from a fixed sequence. q is finite and within all limits, to the bit, with
-     every status but RBD_IK_ERROR, which leaves it as it was; a mimic joint is within its own to rounding.
+     Deterministic: starts come from a fixed sequence. With every status q is finite, and the joints that it
+     moved are within their limits, to the bit; mimic joints to rounding. RBD_IK_ERROR leaves q as it was.
      RBD_IK_REACHED says that the errors at q were computed and are within the tolerances. The bits are the
      same on every machine with RBD_REPRODUCIBLE.
 
    [limits]
-     Time: an evaluation costs what kinematics, Jacobians and a factorisation of the dofs do; options
-     `evaluations` bounds them. Targets within reach take 10 to 30, some hundred at worst; that a target is out
-     of reach is known only after all starts and descents, a thousand or two. That no place is nearer is not
-     proven, nor that a target which is not reached cannot be. With a redundant arm any of its postures may be
-     the answer; from a start near one, it is near that. No collisions. Robots need no masses but for their
-     centre of mass; a last body may have armature instead, without which rbd_model_build refuses it.
+     An evaluation costs kinematics, a Jacobian and the solution of a linear system; the option `evaluations`
+     bounds their number. Targets within reach take 15 to 25 in the mean and some hundred at worst. That a
+     target is out of reach is known after all starts and descents: a thousand. It is not proven that no place
+     is nearer, nor that a target that is not reached cannot be. A redundant arm may take any of its postures.
+     No collisions. Robots need no masses, but for their centre of mass; a last body without mass needs
+     armature, or rbd_model_build refuses it.
 */
 #include "rbd.h"
 
@@ -131,9 +131,9 @@ typedef struct rbd_ik_result {
    result    what was reached
    Damped least squares (Wampler 1986) with the damping of Sugihara (2011); joints that would pass a limit are
    set on it, and the others solved for again (Flacco, De Luca and Khatib 2015).
-   The error is, of the result: RBD_ERR_NULL; _WORK; _MEMORY; _COUNT, n below 1 or above 1000; _INDEX, a body;
+   Errors, in result->error: RBD_ERR_NULL; _WORK; _MEMORY; _COUNT, n below 1 or above 1000; _INDEX, a body;
    _TYPE, a kind; _POSITION, _ROTATION, _AXIS; _MASS, a centre of mass of a robot without mass; _RANGE, a
-   weight, an option or q; _NAN, q or what follows from it is not finite. Without result it is RBD_ERR_NULL. */
+   weight, an option or q; _NAN, q is not finite, or the errors at each start overflow. */
 RBDI_API rbd_ik_status rbd_ik(const rbd_model *m, rbd_work *w, const rbd_ik_target *targets, int n,
                               const rbd_ik_options *options, void *memory, size_t size, rbd_real *q,
                               rbd_ik_result *result);
@@ -185,21 +185,21 @@ RBDI_EXTERN_C_END
    from (J'J + damping) d = g; those that would pass their limit are set on it, and the rest is solved for
    again, with J'J d of these on the right.
 
-   The search takes such steps with damping RBDI_IK_DAMPING |e|^2. It is large far away, where the linear model
-   is wrong, and falls with the square of the error, so that the last steps are Newton's. The error may grow
-   on the way. A start that has not brought |e|^2 to a quarter for RBDI_IK_STALL steps is given up for
+   The search takes such steps with damping RBDI_IK_DAMPING |e|^2. It is large far away, where the linear
+   model is wrong, and falls with the square of the error, so that the last steps are Newton's. The error may
+   grow on the way. A start that has not brought |e|^2 to a quarter for RBDI_IK_STALL steps is given up for
    another one: anywhere within limits, or half a turn at most around the caller's angle without limits.
 
    If no start reaches the targets, descents from the best place and from a few starts look for the nearest
    place. They take steps that bring the error down alone, with the damping of Levenberg and Marquardt. */
 
-/* RBDI_IK_DAMPING: hundred times more needs twice the steps, hundred times less twice the starts.
-   RBDI_IK_FLOOR: of the damping, a share of the trace of J'J: its rounding.
-   RBDI_IK_FAR: a square of lengths: |e|^2 counts at most as so many length^2 in the damping.
-   RBDI_IK_TURN: rad, of a dof in a step of the search.
+/* RBDI_IK_DAMPING: a hundred times more needs up to twice the evaluations, a hundred times less a tenth more.
+   RBDI_IK_FLOOR: of the damping, a share of the trace of J'J, which is above its rounding.
+   RBDI_IK_FAR: |e|^2 counts as at most so many length^2 in the damping.
+   RBDI_IK_TURN: rad, the most that a dof turns in a step of the search.
    RBDI_IK_COARSE, RBDI_IK_FINE: a descent ends if |e|^2 falls by less than this share.
-   RBDI_IK_PRESSED, RBDI_IK_SETTLED: shares of |e| and the longest column of J: a limit keeps e away if g is above
-   the first, and e is at its least if g is below the second. */
+   RBDI_IK_PRESSED, RBDI_IK_SETTLED: shares of |e| and the longest column of J. A limit keeps e away if g is
+   above the first; e is at its least if g is below the second. */
 #define RBDI_IK_DAMPING RBD_C(0.01)
 #define RBDI_IK_FLOOR (8 * RBDI_EPS)
 #define RBDI_IK_FAR RBD_C(10)
@@ -298,7 +298,7 @@ RBDI_INLINE rbd_real rbdi_ik_larger(rbd_real a, rbd_real b) { return a < b ? b :
 /* Where row i of a packed upper triangle of n rows begins: with its diagonal entry. */
 RBDI_INLINE ptrdiff_t rbdi_ik_row(int n, int i) { return (ptrdiff_t)i * (2 * n - i + 1) / 2; }
 
-/* Product of two columns of J. Three sums, because rows come in threes, and one would wait for each product. */
+/* Product of two columns of J, in three sums: one would wait for each product. Rows come in threes. */
 RBDI_INLINE rbd_real rbdi_ik_product(const rbd_real *a, const rbd_real *b, int rows) {
     rbdi_v3 sum = rbdi_vec0();
 
@@ -357,8 +357,8 @@ RBDI_LOCAL void rbdi_ik_gather(rbdi_ik *k, int n, rbd_real damping) {
             k->x[a] = k->x[a] - rbdi_ik_entry(k, k->place[a], j) * k->d[j];
 }
 
-/* Solves the equations by elimination, A = L D L'. A pivot is at least `least`; its inverse takes its place. Returns
-   whether all were positive. */
+/* Solves the equations by elimination, A = L D L'. A pivot is at least `least`; its inverse takes its place.
+   Returns whether all were positive. */
 RBDI_LOCAL int rbdi_ik_solve(rbdi_ik *k, int n, rbd_real least) {
     rbd_real *row = k->factor, *x = k->x;
     int definite = 1;
@@ -677,17 +677,23 @@ RBDI_LOCAL void rbdi_ik_jacobian(rbdi_ik *k) {
 
 /* ==== src/ik/curvature.h ==== */
 /* ---- curvature [curvature] ----
-   What |e|^2/2 has beyond J'J in second order, which is what counts where e does not vanish. With omega_i and v_i
-   the columns of a target's Jacobian, dof i nearer to the root than j, its place p and its turn:
+   What |e|^2/2 has beyond J'J in second order; it counts where e does not vanish. With omega_i and v_i the
+   columns of a target's Jacobian, dof i nearer to the root than dof j, its place and its turn are in second
+   order
 
-       d2p/dq_i dq_j = omega_i x v_j            the turn of both: omega_i q_i + omega_j q_j + (omega_i x omega_j) q_i q_j/2
+       d^2 p / dq_i dq_j = omega_i x v_j
+       turn = omega_i q_i + omega_j q_j + (omega_i x omega_j) q_i q_j / 2
 
-   Dofs of one joint that move together have half of both orders. If a turn of angle a about n is left, a turn omega
-   changes a^2/2 in second order by omega'(n n' + c (1 - n n')) omega / 2, c = (a/2) cot(a/2); of an axis s, which a
-   turn about s leaves, by the same without the part along s, c = a cot a; and by a (s omega) (s x n) omega / 2, for
-   the way of s is then no great circle. Centres of mass are left out. */
+   Of dofs that move along a screw together it is the mean of both orders.
 
-/* The columns of one target's Jacobian, and what of its error is left, scaled by the factors of their rows. */
+   If a turn of angle a about n is left, a turn w changes a^2/2 in second order by
+
+       w'(n n' + c (1 - n n')) w / 2,   c = (a/2) cot(a/2)
+
+   Of an axis s, which a turn about s leaves, it is the same without the part along s, with c = a cot a, and
+   a (s w) ((s x n) w) / 2, because the way of s is no great circle then. Centres of mass are left out. */
+
+/* The error of one target that is left, and what follows from it. */
 typedef struct rbdi_ik_bend {
     rbdi_v3 place, turn; /* factor^2 times the error */
     rbdi_v3 n, s;        /* unit vectors, or 0 */

@@ -1,5 +1,5 @@
-/* hobby_arm.c - forward and inverse kinematics of a hobby arm of five axes, in degrees, as a robot's program has them:
-   two functions, forty lines. The arm has the lengths of an SO-101; it needs no masses. */
+/* hobby_arm.c - forward and inverse kinematics of a hobby arm of five axes, in degrees, as a robot's program
+   has them: two functions, forty lines. The arm has the lengths of an SO-101; it needs no masses. */
 #define RBD_IMPLEMENTATION
 #include "rbd_ik.h"
 

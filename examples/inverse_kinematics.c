@@ -1,5 +1,5 @@
-/* inverse_kinematics.c - joint angles for places of an iiwa's tool, for its poses, and for places with the tool pointing
-   down, by rbd_ik.h; then a place out of reach. The model is a table. */
+/* inverse_kinematics.c - joint angles for places of an iiwa's tool, for its poses, and for places with the
+   tool pointing down, by rbd_ik.h; then a place out of reach. The model is a table. */
 #define RBD_IMPLEMENTATION
 #include "rbd_ik.h"
 
@@ -17,7 +17,8 @@ static void check(rbd_status status) {
     if (status != RBD_OK) exit((fprintf(stderr, "%s\n", rbd_status_string(status)), EXIT_FAILURE));
 }
 
-/* How many targets of this kind are reached, each that of a configuration within the limits, each from another. */
+/* How many targets of this kind are reached, each that of a configuration within the limits, each from
+   another. */
 static int solve_all(rbd_ik_kind kind) {
     uint64_t seed = 1;
     int reached = 0;

@@ -32,18 +32,18 @@
      data.
 
    [guarantees]
-     Deterministic: starts come from a fixed sequence. q is finite and within all limits, to the bit, with
-     every status but RBD_IK_ERROR, which leaves it as it was; a mimic joint is within its own to rounding.
+     Deterministic: starts come from a fixed sequence. With every status q is finite, and the joints that it
+     moved are within their limits, to the bit; mimic joints to rounding. RBD_IK_ERROR leaves q as it was.
      RBD_IK_REACHED says that the errors at q were computed and are within the tolerances. The bits are the
      same on every machine with RBD_REPRODUCIBLE.
 
    [limits]
-     Time: an evaluation costs what kinematics, Jacobians and a factorisation of the dofs do; options
-     `evaluations` bounds them. Targets within reach take 10 to 30, some hundred at worst; that a target is out
-     of reach is known only after all starts and descents, a thousand or two. That no place is nearer is not
-     proven, nor that a target which is not reached cannot be. With a redundant arm any of its postures may be
-     the answer; from a start near one, it is near that. No collisions. Robots need no masses but for their
-     centre of mass; a last body may have armature instead, without which rbd_model_build refuses it.
+     An evaluation costs kinematics, a Jacobian and the solution of a linear system; the option `evaluations`
+     bounds their number. Targets within reach take 15 to 25 in the mean and some hundred at worst. That a
+     target is out of reach is known after all starts and descents: a thousand. It is not proven that no place
+     is nearer, nor that a target that is not reached cannot be. A redundant arm may take any of its postures.
+     No collisions. Robots need no masses, but for their centre of mass; a last body without mass needs
+     armature, or rbd_model_build refuses it.
 */
 #include "rbd.h"
 

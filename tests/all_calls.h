@@ -1,6 +1,7 @@
 /* all_calls.h - the results of the library's calls for one model, one after the other: for comparing builds.
    States follow from whole numbers, so that every build has the same. The file that includes this has
-   included rbd_derivatives.h and, after it, rbd_contact.h and rbd_ik.h, with or without the implementation. */
+   included rbd_derivatives.h and, after it, rbd_contact.h and rbd_ik.h, with or without the implementation.
+   */
 #ifndef TESTS_ALL_CALLS_H
 #define TESTS_ALL_CALLS_H
 
@@ -318,8 +319,8 @@ static void all_calls_contact(all_calls *s) {
     free(memory), free(derivatives_memory);
 }
 
-/* Inverse kinematics: the last body's pose at q2 from q, two axes and places that need not be reached, and the
-   centre of mass if there is mass. */
+/* Inverse kinematics: the last body's pose at q2 from q, two axes and places that need not be reached, and
+   the centre of mass if there is mass. */
 static void all_calls_ik(all_calls *s) {
     enum { TARGETS = 3 };
     const int nq = s->nq, most = rbd_mass(s->m) > 0 ? TARGETS : TARGETS - 1;

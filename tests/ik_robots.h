@@ -1,5 +1,6 @@
-/* ik_robots.h - arms for tests of inverse kinematics: an iiwa, and tables of a UR10e, a Panda and a hobby arm of five
-   axes, from lengths and limits that their makers publish. They have no masses: inverse kinematics needs none. */
+/* ik_robots.h - arms for tests of inverse kinematics: an iiwa, and tables of a UR10e, a Panda and a hobby arm
+   of five axes, from lengths and limits that their makers publish. They have no masses: inverse kinematics
+   needs none. */
 #ifndef TESTS_IK_ROBOTS_H
 #define TESTS_IK_ROBOTS_H
 

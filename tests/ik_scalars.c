@@ -1,5 +1,5 @@
-/* ik_scalars.c - rbd_ik.h in double and in float: rows and gradients beside differences, poses of four arms, places
-   out of reach. */
+/* ik_scalars.c - rbd_ik.h in double and in float: rows and gradients beside differences, poses of four arms,
+   places out of reach. */
 #define RBD_STATIC
 #define RBD_IMPLEMENTATION
 #include "ik_robots.h"
@@ -51,8 +51,8 @@ static void aim(const rbd_real *q, rbd_ik_target *t, int n) {
 
 /* ---- rows and gradients by differences, in double ---- */
 
-/* Of every kind of target, at a state that is `away` from where they are reached: g = J'e is the slope of -|e|^2/2
-   anywhere, and J that of -e where angles are small; of lengths anywhere. */
+/* Of every kind of target, at a state that is `away` from where they are reached: g = J'e is the slope of
+   -|e|^2/2 anywhere, and J that of -e where angles are small; of lengths anywhere. */
 static void check_rows(const rbd_body *bodies, int nb, double away) {
     rbd_ik_target t[5];
     rbd_ik_result result = {0};
@@ -103,8 +103,8 @@ static void check_rows(const rbd_body *bodies, int nb, double away) {
     expect(worst_slope < 1e-7, "slope by differences", worst_slope);
 }
 
-/* H after rbdi_ik_curve is the second derivative of |e|^2/2, by differences: of points, poses, rotations and axes,
-   not of centres of mass, and without mimic joints. */
+/* H after rbdi_ik_curve is the second derivative of |e|^2/2, by differences: of points, poses, rotations and
+   axes, not of centres of mass, and without mimic joints. */
 static void check_curvature(const rbd_body *bodies, int nb, double away) {
     rbd_ik_target t[4];
     rbd_ik_result result = {0};

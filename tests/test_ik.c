@@ -1,5 +1,5 @@
-/* test_ik.c - inverse kinematics: targets within reach and beyond it, limits, all joint types, bad input. What is
-   reached is judged by forward kinematics, what is not by geometry or by differences of the error. */
+/* test_ik.c - inverse kinematics: targets within reach and beyond it, limits, all joint types, bad input.
+   What is reached is judged by forward kinematics, what is not by geometry or by differences of the error. */
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -213,8 +213,8 @@ START_TEST(a_planar_arm_comes_as_near_as_geometry_allows) {
 }
 END_TEST
 
-/* The elbow can neither stretch nor turn the other way: the nearest place is with the elbow at its limit, on the
-   circle of radius |(0.5, 0) + 0.3 (cos, sin)(0.6)|. */
+/* The elbow can neither stretch nor turn the other way: the nearest place is with the elbow at its limit, on
+   the circle of radius |(0.5, 0) + 0.3 (cos, sin)(0.6)|. */
 START_TEST(a_limit_that_keeps_the_tip_away_is_named) {
     rbd_body bodies[2] = {two_links[0], two_links[1]};
     const double reach = sqrt(0.25 + 0.09 + 0.3 * cos(0.6));
@@ -263,8 +263,8 @@ START_TEST(an_iiwa_stretches_to_places_beyond_its_reach) {
 }
 END_TEST
 
-/* What is not reached is the least of the error nearby: no free dof brings it down, and each limit that counts
-   keeps it up, by differences. */
+/* What is not reached is the least of the error nearby: no free dof brings it down, and each limit that
+   counts keeps it up, by differences. */
 static void expect_least(const robot *r, const rbd_ik_target *t, int n, const double *q,
                          const rbd_ik_result *result) {
     double x[MAX_Q], v[MAX_V] = {0}, metres, radians, steepest = 0;

@@ -1,5 +1,5 @@
-/* inverse_kinematics.c - joint angles of an iiwa for its tool on a microcontroller, in float: poses from far starts, and a
-   line that the tool follows a millimetre a tick. SPDX-License-Identifier: MIT */
+/* inverse_kinematics.c - joint angles of an iiwa for its tool on a microcontroller, in float: poses from far
+   starts, and a line that the tool follows a millimetre a tick. SPDX-License-Identifier: MIT */
 #include <math.h>
 #include <stdio.h>
 

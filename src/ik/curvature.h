@@ -3,17 +3,23 @@
 #include "ik/targets.h"
 
 /* ---- curvature [curvature] ----
-   What |e|^2/2 has beyond J'J in second order, which is what counts where e does not vanish. With omega_i and v_i
-   the columns of a target's Jacobian, dof i nearer to the root than j, its place p and its turn:
+   What |e|^2/2 has beyond J'J in second order; it counts where e does not vanish. With omega_i and v_i the
+   columns of a target's Jacobian, dof i nearer to the root than dof j, its place and its turn are in second
+   order
 
-       d2p/dq_i dq_j = omega_i x v_j            the turn of both: omega_i q_i + omega_j q_j + (omega_i x omega_j) q_i q_j/2
+       d^2 p / dq_i dq_j = omega_i x v_j
+       turn = omega_i q_i + omega_j q_j + (omega_i x omega_j) q_i q_j / 2
 
-   Dofs of one joint that move together have half of both orders. If a turn of angle a about n is left, a turn omega
-   changes a^2/2 in second order by omega'(n n' + c (1 - n n')) omega / 2, c = (a/2) cot(a/2); of an axis s, which a
-   turn about s leaves, by the same without the part along s, c = a cot a; and by a (s omega) (s x n) omega / 2, for
-   the way of s is then no great circle. Centres of mass are left out. */
+   Of dofs that move along a screw together it is the mean of both orders.
 
-/* The columns of one target's Jacobian, and what of its error is left, scaled by the factors of their rows. */
+   If a turn of angle a about n is left, a turn w changes a^2/2 in second order by
+
+       w'(n n' + c (1 - n n')) w / 2,   c = (a/2) cot(a/2)
+
+   Of an axis s, which a turn about s leaves, it is the same without the part along s, with c = a cot a, and
+   a (s w) ((s x n) w) / 2, because the way of s is no great circle then. Centres of mass are left out. */
+
+/* The error of one target that is left, and what follows from it. */
 typedef struct rbdi_ik_bend {
     rbdi_v3 place, turn; /* factor^2 times the error */
     rbdi_v3 n, s;        /* unit vectors, or 0 */

@@ -14,21 +14,21 @@
    from (J'J + damping) d = g; those that would pass their limit are set on it, and the rest is solved for
    again, with J'J d of these on the right.
 
-   The search takes such steps with damping RBDI_IK_DAMPING |e|^2. It is large far away, where the linear model
-   is wrong, and falls with the square of the error, so that the last steps are Newton's. The error may grow
-   on the way. A start that has not brought |e|^2 to a quarter for RBDI_IK_STALL steps is given up for
+   The search takes such steps with damping RBDI_IK_DAMPING |e|^2. It is large far away, where the linear
+   model is wrong, and falls with the square of the error, so that the last steps are Newton's. The error may
+   grow on the way. A start that has not brought |e|^2 to a quarter for RBDI_IK_STALL steps is given up for
    another one: anywhere within limits, or half a turn at most around the caller's angle without limits.
 
    If no start reaches the targets, descents from the best place and from a few starts look for the nearest
    place. They take steps that bring the error down alone, with the damping of Levenberg and Marquardt. */
 
-/* RBDI_IK_DAMPING: hundred times more needs twice the steps, hundred times less twice the starts.
-   RBDI_IK_FLOOR: of the damping, a share of the trace of J'J: its rounding.
-   RBDI_IK_FAR: a square of lengths: |e|^2 counts at most as so many length^2 in the damping.
-   RBDI_IK_TURN: rad, of a dof in a step of the search.
+/* RBDI_IK_DAMPING: a hundred times more needs up to twice the evaluations, a hundred times less a tenth more.
+   RBDI_IK_FLOOR: of the damping, a share of the trace of J'J, which is above its rounding.
+   RBDI_IK_FAR: |e|^2 counts as at most so many length^2 in the damping.
+   RBDI_IK_TURN: rad, the most that a dof turns in a step of the search.
    RBDI_IK_COARSE, RBDI_IK_FINE: a descent ends if |e|^2 falls by less than this share.
-   RBDI_IK_PRESSED, RBDI_IK_SETTLED: shares of |e| and the longest column of J: a limit keeps e away if g is above
-   the first, and e is at its least if g is below the second. */
+   RBDI_IK_PRESSED, RBDI_IK_SETTLED: shares of |e| and the longest column of J. A limit keeps e away if g is
+   above the first; e is at its least if g is below the second. */
 #define RBDI_IK_DAMPING RBD_C(0.01)
 #define RBDI_IK_FLOOR (8 * RBDI_EPS)
 #define RBDI_IK_FAR RBD_C(10)

@@ -15,7 +15,7 @@ RBDI_INLINE rbd_real rbdi_ik_larger(rbd_real a, rbd_real b) { return a < b ? b :
 /* Where row i of a packed upper triangle of n rows begins: with its diagonal entry. */
 RBDI_INLINE ptrdiff_t rbdi_ik_row(int n, int i) { return (ptrdiff_t)i * (2 * n - i + 1) / 2; }
 
-/* Product of two columns of J. Three sums, because rows come in threes, and one would wait for each product. */
+/* Product of two columns of J, in three sums: one would wait for each product. Rows come in threes. */
 RBDI_INLINE rbd_real rbdi_ik_product(const rbd_real *a, const rbd_real *b, int rows) {
     rbdi_v3 sum = rbdi_vec0();
 
@@ -74,8 +74,8 @@ RBDI_LOCAL void rbdi_ik_gather(rbdi_ik *k, int n, rbd_real damping) {
             k->x[a] = k->x[a] - rbdi_ik_entry(k, k->place[a], j) * k->d[j];
 }
 
-/* Solves the equations by elimination, A = L D L'. A pivot is at least `least`; its inverse takes its place. Returns
-   whether all were positive. */
+/* Solves the equations by elimination, A = L D L'. A pivot is at least `least`; its inverse takes its place.
+   Returns whether all were positive. */
 RBDI_LOCAL int rbdi_ik_solve(rbdi_ik *k, int n, rbd_real least) {
     rbd_real *row = k->factor, *x = k->x;
     int definite = 1;

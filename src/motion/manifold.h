@@ -5,7 +5,7 @@
 #include "model/joints.h"
 
 /* Interface: rbdi_difference_joint, rbdi_joint_motion, rbdi_joint_turns, rbdi_move_joints,
-   rbdi_put_joint_motion, rbdi_straight_acceleration, rbdi_turn_back */
+   rbdi_put_joint_motion, rbdi_step_joint, rbdi_straight_acceleration, rbdi_turn_back */
 
 /* ---- configuration manifold [manifold code] ---- */
 

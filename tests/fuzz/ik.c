@@ -2,10 +2,10 @@
 
    usage: ik [--poses N | --seconds N] [--seed N]     so many poses of each arm, 10,000
 
-   Each pose is that of a random state within limits; the search begins at another one. Then places beyond the reach
-   of an iiwa, whose distance is known. Prints a table. Fails if fewer than 99.9 % of the poses are reached, an answer
-   is out of limits or its error is not what the result says, or a distance is off by more than 1e-4 m. Each pose that is
-   not reached is printed with its number. */
+   Each pose is that of a random state within limits; the search begins at another one. Then places beyond the
+   reach of an iiwa, whose distance is known. Prints a table. Fails if fewer than 99.9 % of the poses are
+   reached, an answer is out of limits or its error is not what the result says, or a distance is off by more
+   than 1e-4 m. Each pose that is not reached is printed with its number. */
 #define RBD_IMPLEMENTATION
 #include "rbd_ik.h"
 
@@ -89,7 +89,8 @@ static void try_pose(int a, uint64_t seed, tally *t) {
                (int)status, (double)result.metres, (double)result.radians);
 }
 
-/* Places beyond the sphere of the iiwa's stretched arm: the distance is known. Returns by how much it is off. */
+/* Places beyond the sphere of the iiwa's stretched arm: the distance is known. Returns by how much it is off.
+   */
 static double try_far(uint64_t seed, tally *t) {
     rbd_ik_target target = {.body = 6, .point = {iiwa_tool[0], iiwa_tool[1], iiwa_tool[2]}};
     rbd_real q[MOST_Q] = {0}, shoulder[3], end[3];
