@@ -678,13 +678,13 @@ RBDI_LOCAL void rbdi_ik_jacobian(rbdi_ik *k) {
 /* ==== src/ik/curvature.h ==== */
 /* ---- curvature [curvature] ----
    What |e|^2/2 has beyond J'J in second order; it counts where e does not vanish. With omega_i and v_i the
-   columns of a target's Jacobian, dof i nearer to the root than dof j, its place and its turn are in second
-   order
+   columns of a target's Jacobian, dof i nearer to the root than dof j, as i < j, its place and its turn are in
+   second order
 
        d^2 p / dq_i dq_j = omega_i x v_j
        turn = omega_i q_i + omega_j q_j + (omega_i x omega_j) q_i q_j / 2
 
-   Of dofs that move along a screw together it is the mean of both orders.
+   Of dofs that move along a screw together it is the mean of both orders; what mimic joints add is left out.
 
    If a turn of angle a about n is left, a turn w changes a^2/2 in second order by
 
@@ -769,10 +769,8 @@ RBDI_LOCAL void rbdi_ik_curve_of(rbdi_ik *k, const rbdi_ik_bend *b) {
 
             if (rbdi_ik_together(m, i, j))
                 bent = RBD_C(0.5) * (rbdi_ik_bent(b, &one, &two) + rbdi_ik_bent(b, &two, &one));
-            else if (m->dof[i].level <= m->dof[j].level)
-                bent = rbdi_ik_bent(b, &one, &two);
             else
-                bent = rbdi_ik_bent(b, &two, &one);
+                bent = rbdi_ik_bent(b, &one, &two);
             *H = *H - bent - rbdi_ik_lacking(b, one.omega, two.omega);
         }
     }
@@ -1276,6 +1274,19 @@ RBDI_MESSAGES RBDI_PART const char *rbdi_ik_sentence(rbd_ik_status status) {
     return "unknown status";
 }
 
+/* The sentence of an error, where that of rbd_status_string speaks of a model. */
+RBDI_MESSAGES RBDI_PART const char *rbdi_ik_error(rbd_status error) {
+    switch ((int)error) {
+    case RBD_ERR_COUNT: return "fewer than 1 target, or more than 1000";
+    case RBD_ERR_TYPE: return "unknown kind of target";
+    case RBD_ERR_POSITION: return "not finite, or farther than 1e9 m";
+    case RBD_ERR_AXIS: return "zero, not finite, or longer than 1e9";
+    case RBD_ERR_MASS: return "a centre of mass, but the robot has no mass";
+    case RBD_ERR_NAN: return "not finite, or the errors overflow";
+    default: return rbd_status_string(error);
+    }
+}
+
 RBDI_API char *rbd_ik_text(rbd_ik_status status, const rbd_ik_result *result, char *text, size_t size) {
     const int failed = status == RBD_IK_ERROR && result;
     const char *piece[8];
@@ -1298,7 +1309,7 @@ RBDI_API char *rbd_ik_text(rbd_ik_status status, const rbd_ik_result *result, ch
         piece[n++] = rbdi_decimal(result->limit, digits);
         piece[n++] = ": ";
     }
-    piece[n++] = failed ? rbd_status_string(result->error) : rbdi_ik_sentence(status);
+    piece[n++] = failed ? rbdi_ik_error(result->error) : rbdi_ik_sentence(status);
     return rbdi_join(piece, n, text, size);
 }
 

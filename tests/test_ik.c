@@ -657,35 +657,35 @@ static const struct {
     spoil *spoil;
     rbd_status error;
     int target;
-    const char *field;
+    const char *field, *text; /* NULL: that of the status */
 } bad[] = {
-    {bad_kind, RBD_ERR_TYPE, 1, "kind"},
-    {bad_kind_below, RBD_ERR_TYPE, 1, "kind"},
-    {body_below, RBD_ERR_INDEX, 1, "body"},
-    {body_above, RBD_ERR_INDEX, 1, "body"},
-    {nan_point, RBD_ERR_POSITION, 1, "point"},
-    {far_point, RBD_ERR_POSITION, 1, "point"},
-    {nan_position, RBD_ERR_POSITION, 1, "position"},
-    {infinite_position, RBD_ERR_POSITION, 1, "position"},
-    {nan_rotation, RBD_ERR_ROTATION, 1, "rotation"},
-    {stretched, RBD_ERR_ROTATION, 1, "rotation"},
-    {sheared, RBD_ERR_ROTATION, 1, "rotation"},
-    {mirrored, RBD_ERR_ROTATION, 1, "rotation"},
-    {no_axis, RBD_ERR_AXIS, 1, "axis"},
-    {nan_axis, RBD_ERR_AXIS, 1, "axis"},
-    {no_direction, RBD_ERR_AXIS, 1, "direction"},
-    {nan_weight, RBD_ERR_RANGE, 1, "weight"},
-    {negative_weight, RBD_ERR_RANGE, 1, "weight"},
-    {tiny_weight, RBD_ERR_RANGE, 1, "weight"},
-    {huge_weight, RBD_ERR_RANGE, 1, "weight"},
-    {negative_starts, RBD_ERR_RANGE, -1, "starts"},
-    {negative_evaluations, RBD_ERR_RANGE, -1, "evaluations"},
-    {nan_metres, RBD_ERR_RANGE, -1, "metres"},
-    {negative_radians, RBD_ERR_RANGE, -1, "radians"},
-    {infinite_length, RBD_ERR_RANGE, -1, "length"},
-    {nan_q, RBD_ERR_NAN, -1, "q"},
-    {infinite_q, RBD_ERR_NAN, -1, "q"},
-    {far_q, RBD_ERR_RANGE, -1, "q"},
+    {bad_kind, RBD_ERR_TYPE, 1, "kind", "unknown kind of target"},
+    {bad_kind_below, RBD_ERR_TYPE, 1, "kind", "unknown kind of target"},
+    {body_below, RBD_ERR_INDEX, 1, "body", NULL},
+    {body_above, RBD_ERR_INDEX, 1, "body", NULL},
+    {nan_point, RBD_ERR_POSITION, 1, "point", "not finite, or farther than 1e9 m"},
+    {far_point, RBD_ERR_POSITION, 1, "point", "not finite, or farther than 1e9 m"},
+    {nan_position, RBD_ERR_POSITION, 1, "position", "not finite, or farther than 1e9 m"},
+    {infinite_position, RBD_ERR_POSITION, 1, "position", "not finite, or farther than 1e9 m"},
+    {nan_rotation, RBD_ERR_ROTATION, 1, "rotation", NULL},
+    {stretched, RBD_ERR_ROTATION, 1, "rotation", NULL},
+    {sheared, RBD_ERR_ROTATION, 1, "rotation", NULL},
+    {mirrored, RBD_ERR_ROTATION, 1, "rotation", NULL},
+    {no_axis, RBD_ERR_AXIS, 1, "axis", "zero, not finite, or longer than 1e9"},
+    {nan_axis, RBD_ERR_AXIS, 1, "axis", "zero, not finite, or longer than 1e9"},
+    {no_direction, RBD_ERR_AXIS, 1, "direction", "zero, not finite, or longer than 1e9"},
+    {nan_weight, RBD_ERR_RANGE, 1, "weight", NULL},
+    {negative_weight, RBD_ERR_RANGE, 1, "weight", NULL},
+    {tiny_weight, RBD_ERR_RANGE, 1, "weight", NULL},
+    {huge_weight, RBD_ERR_RANGE, 1, "weight", NULL},
+    {negative_starts, RBD_ERR_RANGE, -1, "starts", NULL},
+    {negative_evaluations, RBD_ERR_RANGE, -1, "evaluations", NULL},
+    {nan_metres, RBD_ERR_RANGE, -1, "metres", NULL},
+    {negative_radians, RBD_ERR_RANGE, -1, "radians", NULL},
+    {infinite_length, RBD_ERR_RANGE, -1, "length", NULL},
+    {nan_q, RBD_ERR_NAN, -1, "q", "not finite, or the errors overflow"},
+    {infinite_q, RBD_ERR_NAN, -1, "q", "not finite, or the errors overflow"},
+    {far_q, RBD_ERR_RANGE, -1, "q", NULL},
 };
 
 START_TEST(bad_input_is_named_and_changes_nothing) {
@@ -707,13 +707,12 @@ START_TEST(bad_input_is_named_and_changes_nothing) {
     ck_assert_int_eq(result.target, bad[_i].target);
     ck_assert_str_eq(result.field, bad[_i].field);
     ck_assert(!memcmp(before, q, sizeof q) && result.evaluations == 0);
+    const char *sentence = bad[_i].text ? bad[_i].text : rbd_status_string(bad[_i].error);
     char text[200], expected[200];
     if (bad[_i].target < 0)
-        snprintf(expected, sizeof expected, "field '%s': %s", bad[_i].field,
-                 rbd_status_string(bad[_i].error));
+        snprintf(expected, sizeof expected, "field '%s': %s", bad[_i].field, sentence);
     else
-        snprintf(expected, sizeof expected, "target 1, field '%s': %s", bad[_i].field,
-                 rbd_status_string(bad[_i].error));
+        snprintf(expected, sizeof expected, "target 1, field '%s': %s", bad[_i].field, sentence);
     ck_assert_str_eq(rbd_ik_text(RBD_IK_ERROR, &result, text, sizeof text), expected);
     robot_free(&r);
 }
@@ -746,6 +745,8 @@ START_TEST(missing_arguments_are_errors) {
     ck_assert_int_eq(rbd_ik(r.m, r.w, &t, 1001, NULL, memory, size, q, &x), RBD_IK_ERROR);
     ck_assert_int_eq(x.error, RBD_ERR_COUNT);
     char text[60];
+    ck_assert_str_eq(rbd_ik_text(RBD_IK_ERROR, &x, text, sizeof text),
+                     "fewer than 1 target, or more than 1000");
     ck_assert_str_eq(rbd_ik_text(RBD_IK_ERROR, NULL, text, sizeof text),
                      "an error, and no result that says which");
     ck_assert_str_eq(rbd_ik_text(RBD_IK_REACHED, &x, text, sizeof text), "all targets are reached");
@@ -767,6 +768,9 @@ START_TEST(a_robot_without_mass_has_no_centre_of_mass) {
     rbd_ik_result x;
     ck_assert_int_eq(rbd_ik(r.m, r.w, &t, 1, NULL, memory, sizeof memory, q, &x), RBD_IK_ERROR);
     ck_assert(x.error == RBD_ERR_MASS && x.target == 0 && !strcmp(x.field, "kind"));
+    char text[100];
+    ck_assert_str_eq(rbd_ik_text(RBD_IK_ERROR, &x, text, sizeof text),
+                     "target 0, field 'kind': a centre of mass, but the robot has no mass");
     robot_free(&r);
 }
 END_TEST

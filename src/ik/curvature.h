@@ -4,13 +4,13 @@
 
 /* ---- curvature [curvature] ----
    What |e|^2/2 has beyond J'J in second order; it counts where e does not vanish. With omega_i and v_i the
-   columns of a target's Jacobian, dof i nearer to the root than dof j, its place and its turn are in second
-   order
+   columns of a target's Jacobian, dof i nearer to the root than dof j, as i < j, its place and its turn are in
+   second order
 
        d^2 p / dq_i dq_j = omega_i x v_j
        turn = omega_i q_i + omega_j q_j + (omega_i x omega_j) q_i q_j / 2
 
-   Of dofs that move along a screw together it is the mean of both orders.
+   Of dofs that move along a screw together it is the mean of both orders; what mimic joints add is left out.
 
    If a turn of angle a about n is left, a turn w changes a^2/2 in second order by
 
@@ -95,10 +95,8 @@ RBDI_LOCAL void rbdi_ik_curve_of(rbdi_ik *k, const rbdi_ik_bend *b) {
 
             if (rbdi_ik_together(m, i, j))
                 bent = RBD_C(0.5) * (rbdi_ik_bent(b, &one, &two) + rbdi_ik_bent(b, &two, &one));
-            else if (m->dof[i].level <= m->dof[j].level)
-                bent = rbdi_ik_bent(b, &one, &two);
             else
-                bent = rbdi_ik_bent(b, &two, &one);
+                bent = rbdi_ik_bent(b, &one, &two);
             *H = *H - bent - rbdi_ik_lacking(b, one.omega, two.omega);
         }
     }

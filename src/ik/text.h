@@ -16,6 +16,19 @@ RBDI_MESSAGES RBDI_PART const char *rbdi_ik_sentence(rbd_ik_status status) {
     return "unknown status";
 }
 
+/* The sentence of an error, where that of rbd_status_string speaks of a model. */
+RBDI_MESSAGES RBDI_PART const char *rbdi_ik_error(rbd_status error) {
+    switch ((int)error) {
+    case RBD_ERR_COUNT: return "fewer than 1 target, or more than 1000";
+    case RBD_ERR_TYPE: return "unknown kind of target";
+    case RBD_ERR_POSITION: return "not finite, or farther than 1e9 m";
+    case RBD_ERR_AXIS: return "zero, not finite, or longer than 1e9";
+    case RBD_ERR_MASS: return "a centre of mass, but the robot has no mass";
+    case RBD_ERR_NAN: return "not finite, or the errors overflow";
+    default: return rbd_status_string(error);
+    }
+}
+
 RBDI_API char *rbd_ik_text(rbd_ik_status status, const rbd_ik_result *result, char *text, size_t size) {
     const int failed = status == RBD_IK_ERROR && result;
     const char *piece[8];
@@ -38,7 +51,7 @@ RBDI_API char *rbd_ik_text(rbd_ik_status status, const rbd_ik_result *result, ch
         piece[n++] = rbdi_decimal(result->limit, digits);
         piece[n++] = ": ";
     }
-    piece[n++] = failed ? rbd_status_string(result->error) : rbdi_ik_sentence(status);
+    piece[n++] = failed ? rbdi_ik_error(result->error) : rbdi_ik_sentence(status);
     return rbdi_join(piece, n, text, size);
 }
 
