@@ -147,6 +147,67 @@ static void check_curvature(const rbd_body *bodies, int nb, double away) {
     expect(worst < 1e-5, "curvature by differences", worst);
 }
 
+/* A step is within limits; it solves the equations of the dofs that no limit holds, with what the others do. Which
+   dofs turn follows from their joints. */
+static void check_step(void) {
+    rbd_ik_target t = {.kind = RBD_IK_POSE, .body = 6, .point = {iiwa_tool[0], iiwa_tool[1], iiwa_tool[2]}};
+    rbd_ik_result result = {0};
+    rbd_real q[MOST_Q];
+    int on_limits = 0;
+    build(iiwa_bodies, IIWA_NB);
+    for (int n = 0; n < 200; n++) {
+        const rbd_real damping = (rbd_real)1e-4;
+        rbdi_ik *k;
+        double worst = 0, size = 0;
+        rbd_random(m, &seed, q);
+        aim(q, &t, 1);
+        rbd_random(m, &seed, q);
+        k = rbdi_ik_begin(m, w, &t, 1, NULL, memory, q, &result);
+        rbdi_ik_start(k, 0);
+        rbdi_ik_errors(k, k->q);
+        rbdi_ik_jacobian(k);
+        rbdi_ik_normal(k);
+        expect(rbdi_ik_step(k, damping, 0), "definite", n);
+        for (int i = 0; i < k->dofs; i++) {
+            const double to = (double)(k->q[k->dof[i].at] + k->d[i]);
+            double sum = (double)(damping * k->d[i] - k->g[i]);
+            for (int j = 0; j < k->dofs; j++) sum += (double)(rbdi_ik_entry(k, i, j) * k->d[j]);
+            size = fmax(size, fabs((double)k->g[i]));
+            if (k->dof[i].hold == RBDI_IK_FREE) worst = fmax(worst, fabs(sum));
+            on_limits += k->dof[i].hold > RBDI_IK_STAYS;
+            expect(to > (double)k->dof[i].lower - 1e-6 && to < (double)k->dof[i].upper + 1e-6, "step", to);
+        }
+        expect(worst < (IN_FLOAT ? 1e-3 : 1e-11) * (1 + size), "equations of the step", worst);
+    }
+    expect(on_limits > 50, "dofs on limits", on_limits);
+
+    build(hyq_bodies, HYQ_NB);
+    t.body = HYQ_BODY_LF_LOWERLEG;
+    rbd_neutral(m, q);
+    rbdi_ik *k = rbdi_ik_begin(m, w, &t, 1, NULL, memory, q, &result);
+    expect(k->dofs == 9, "dofs of a leg", k->dofs);
+    for (int i = 0; i < k->dofs; i++) expect(k->dof[i].turns == (i < 3 || i > 5), "turns", i);
+}
+
+/* Of a screw, a slide and a joint with both. */
+static void check_turns(void) {
+    static const rbd_body bodies[3] = {
+        {.parent = -1, .type = RBD_HELICAL, .axis = {0, 0, 1}, .pitch = 0.1, .armature = {1}},
+        {.parent = 0, .type = RBD_PRISMATIC, .axis = {0, 0, 1}, .armature = {1}},
+        {.parent = 1, .type = RBD_CYLINDRICAL, .axis = {0, 0, 1}, .armature = {1, 1}}};
+    const rbd_ik_target t = {.body = 2};
+    rbd_ik_result result = {0};
+    rbd_real q[MOST_Q] = {0};
+    build(bodies, 3);
+    rbdi_ik *k = rbdi_ik_begin(m, w, &t, 1, NULL, memory, q, &result);
+    expect(k->dofs == 4 && k->dof[0].turns && !k->dof[1].turns && k->dof[2].turns && !k->dof[3].turns,
+           "turns", k->dofs);
+    for (int n = 1; n < 12; n++) { /* x^(n + 1) = x + 1 */
+        const double x = (double)rbdi_ik_golden(n);
+        expect(fabs(pow(x, n + 1) - x - 1) < (IN_FLOAT ? 1e-5 : 1e-13) && x > 1, "golden", x);
+    }
+}
+
 /* On a floating robot, arms, and a tree of other joints, one of which mimics another. */
 static void check_all_rows(void) {
     static const rbd_body mimic[4] = {
@@ -247,6 +308,8 @@ int main(void) {
     check_arm("Panda", panda, 7, panda_tool);
     check_arm("hobby arm", hobby_arm, 5, hobby_tool);
     check_planar();
+    check_step();
+    check_turns();
     printf("%s\n", failures ? "FAILED" : "rbd_ik.h: ok");
     return failures > 0;
 }
