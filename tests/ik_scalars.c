@@ -147,8 +147,8 @@ static void check_curvature(const rbd_body *bodies, int nb, double away) {
     expect(worst < 1e-5, "curvature by differences", worst);
 }
 
-/* A step is within limits; it solves the equations of the dofs that no limit holds, with what the others do. Which
-   dofs turn follows from their joints. */
+/* A step is within limits; it solves the equations of the dofs that no limit holds, with what the others do.
+   Which dofs turn follows from their joints. */
 static void check_step(void) {
     rbd_ik_target t = {.kind = RBD_IK_POSE, .body = 6, .point = {iiwa_tool[0], iiwa_tool[1], iiwa_tool[2]}};
     rbd_ik_result result = {0};

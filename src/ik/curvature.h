@@ -4,8 +4,7 @@
 
 /* ---- curvature [curvature] ----
    What |e|^2/2 has beyond J'J in second order; it counts where e does not vanish. With omega_i and v_i the
-   columns of a target's Jacobian, dof i nearer to the root than dof j, as i < j, its place and its turn are in
-   second order
+   columns of a target's Jacobian, dof i nearer to the root than dof j, as i < j, place and turn are
 
        d^2 p / dq_i dq_j = omega_i x v_j
        turn = omega_i q_i + omega_j q_j + (omega_i x omega_j) q_i q_j / 2
