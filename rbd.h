@@ -2927,6 +2927,9 @@ RBDI_PART void *rbdi_take(unsigned char **memory, int count, size_t size) {
     return taken;
 }
 
+/* Takes n objects from the memory at `at`, a variable of the caller. */
+#define RBDI_CUT(type, n) ((type *)rbdi_take(&at, 1, RBDI_ROUND((size_t)(n) * sizeof(type))))
+
 /* Writes n, which is not negative, into the end of `digits`; returns where it begins. */
 RBDI_PART const char *rbdi_decimal(int n, char digits[12]) {
     int at = 11;
@@ -5776,8 +5779,8 @@ RBDI_INLINE rbdi_pose rbdi_pose_block(const rbdi_pose *X, rbdi_pose p) {
 }
 
 /* ==== src/motion/kinematics.h ==== */
-/* Interface: rbdi_body_kin, rbdi_check_body_call, rbdi_kin_links, rbdi_point_p, rbdi_point_position,
-   rbdi_point_v */
+/* Interface: rbdi_axes_of, rbdi_body_kin, rbdi_check_body_call, rbdi_kin_links, rbdi_point_p,
+   rbdi_point_position, rbdi_point_v */
 
 /* ---- kinematics [kinematics code] ---- */
 
@@ -6372,7 +6375,8 @@ RBDI_API rbd_status rbd_point_position(const rbd_model *m, const rbd_work *w, in
 }
 
 /* ==== src/motion/manifold.h ==== */
-/* Interface: rbdi_difference_joint, rbdi_joint_motion, rbdi_joint_turns, rbdi_put_joint_motion */
+/* Interface: rbdi_difference_joint, rbdi_joint_motion, rbdi_joint_turns, rbdi_put_joint_motion,
+   rbdi_step_joint */
 
 /* ---- configuration manifold [manifold code] ---- */
 

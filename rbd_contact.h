@@ -432,9 +432,6 @@ struct rbd_contact_set {
     rbdi_contact_solver solver;
 };
 
-/* Takes n objects from the memory at `at`, a variable of the caller. */
-#define RBDI_CUT(type, n) ((type *)rbdi_take(&at, 1, RBDI_ROUND((size_t)(n) * sizeof(type))))
-
 /* Bytes for n contacts, so many held constraints and, at most, `bounded` other rows. nq <= 2 nv. */
 #define RBDI_CONTACT_SET_BYTES(nq, nv, n, constraints, bounded, stride) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_contact_set)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_contact)) + \

@@ -1,6 +1,7 @@
 /* all_calls.h - the results of the library's calls for one model, one after the other: for comparing builds.
    States follow from whole numbers, so that every build has the same. The file that includes this has
-   included rbd_derivatives.h and, after it, rbd_contact.h, with or without the implementation. */
+   included rbd_derivatives.h and, after it, rbd_contact.h and rbd_ik.h, with or without the implementation.
+   */
 #ifndef TESTS_ALL_CALLS_H
 #define TESTS_ALL_CALLS_H
 
@@ -318,6 +319,35 @@ static void all_calls_contact(all_calls *s) {
     free(memory), free(derivatives_memory);
 }
 
+/* Inverse kinematics: the last body's pose at q2 from q, two axes and places that need not be reached, and
+   the centre of mass if there is mass. */
+static void all_calls_ik(all_calls *s) {
+    enum { TARGETS = 3 };
+    const int nq = s->nq, most = rbd_mass(s->m) > 0 ? TARGETS : TARGETS - 1;
+    const size_t size = rbd_ik_size(s->m, TARGETS);
+    const rbd_ik_options options = {.starts = 3, .evaluations = 200};
+    rbd_ik_target target[TARGETS] = {
+        {.kind = RBD_IK_POSE, .body = s->nb - 1, .point = {0, 0, (rbd_real)0.125}},
+        {.kind = RBD_IK_AXIS, .body = s->nb / 2, .axis = {0, 0, 1}, .direction = {1, 2, -2}, .weight = 2},
+        {.kind = RBD_IK_COM, .position = {(rbd_real)0.25, 0, (rbd_real)0.5}}};
+    void *memory = malloc(size);
+    s->header = "rbd_ik.h";
+    rbd_kinematics(s->m, s->w, s->q2, NULL, NULL);
+    rbd_body_pose(s->m, s->w, s->nb - 1, target[0].rotation, NULL);
+    rbd_point_position(s->m, s->w, s->nb - 1, target[0].point, target[0].position);
+    for (int n = 1; n <= most; n++) {
+        rbd_ik_result result = {0};
+        rbd_real *o = s->out;
+        memset(o, 0, sizeof(rbd_real) * (size_t)s->room);
+        for (int k = 0; k < nq; k++) o[k] = s->q[k];
+        const rbd_ik_status status =
+            rbd_ik(s->m, s->w, target, n, n % 2 ? NULL : &options, memory, size, o, &result);
+        o[nq] = result.metres, o[nq + 1] = result.radians, o[nq + 2] = (rbd_real)result.evaluations;
+        s->sink(s->to, s->header, "rbd_ik", (rbd_status)status, o, nq + 3);
+    }
+    free(memory);
+}
+
 /* All of it, at `states` states. */
 static void all_calls_of(const rbd_model *m, int states, all_calls_sink *sink, void *to) {
     uint64_t seed = 1;
@@ -361,6 +391,7 @@ static void all_calls_of(const rbd_model *m, int states, all_calls_sink *sink, v
         all_calls_constraints(s);
         all_calls_contact(s);
         all_calls_contact_problem(s, &seed);
+        all_calls_ik(s);
     }
     free(memory), free(d_memory), free(x), free(s->given), free(s->weights);
 }

@@ -14,6 +14,7 @@
 #include "rbd_derivatives.h"
 
 #include "rbd_contact.h"
+#include "rbd_ik.h"
 
 #include "all_calls.h"
 #include <math.h>

@@ -61,7 +61,7 @@ cat >"$scratch/behind.h" <<'END'
 #if I != 42 || !defined F || !defined E || !defined J
 #error "the caller's macros are gone"
 #endif
-static unsigned char bytes[RBD_MODEL_SIZE(2) + RBD_WORK_SIZE(2, 2) + RBD_WORK_SIZE_MIMIC(2, 2) + RBD_DERIVATIVES_SIZE(2, 2)];
+static unsigned char bytes[RBD_MODEL_SIZE(2) + RBD_WORK_SIZE(2, 2) + RBD_WORK_SIZE_MIMIC(2, 2) + RBD_DERIVATIVES_SIZE(2, 2) + RBD_IK_SIZE(2, 2, 2)];
 rbd_status use(void);
 rbd_status use(void) {
     bytes[0] = 1;
@@ -74,6 +74,7 @@ cat >"$scratch/hostile.c" <<'END'
 #include "rbd_derivatives.h"
 #include "rbd_constraints.h"
 #include "rbd_contact.h"
+#include "rbd_ik.h"
 #include "rbd_qp.h"
 #include "models/iiwa_model.h"
 #include "behind.h"
@@ -106,8 +107,8 @@ after_headers() {
         printf '#if __has_include(<%s.h>)\n#include <%s.h>\n#else\n#pragma message "absent: %s"\n#endif\n' \
             "$header" "$header" "$header"
     done >"$scratch/headers.c"
-    printf '#define RBD_IMPLEMENTATION\n#include "%s"\n#include "%s"\n#include "%s"\n#include "%s"\n#include "%s"\n#include "rbd_urdf.h"\n' \
-        rbd_derivatives.h rbd_constraints.h rbd_contact.h rbd_spatial.h rbd_qp.h >>"$scratch/headers.c"
+    printf '#define RBD_IMPLEMENTATION\n#include "%s"\n#include "%s"\n#include "%s"\n#include "%s"\n#include "%s"\n#include "%s"\n#include "rbd_urdf.h"\n' \
+        rbd_derivatives.h rbd_constraints.h rbd_contact.h rbd_ik.h rbd_spatial.h rbd_qp.h >>"$scratch/headers.c"
     compile headers "$@" -Wno-error=cpp -Wno-cpp
     absent=$(sed -n 's/.*absent: \([a-z0-9/]*\)[^a-z0-9/].*/\1/p' "$scratch/messages" | sort -u | xargs)
     echo "$1: not there: ${absent:-none}"

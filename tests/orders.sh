@@ -21,6 +21,7 @@ includes() {
         k) echo '#include "rbd_contact.h"' ;;
         b) echo '#include "rbd_batch.h"' ;;
         s) echo '#include "rbd_spatial.h"' ;;
+        i) echo '#include "rbd_ik.h"' ;;
         q) echo '#include "rbd_qp.h"' ;;
         esac
     done
@@ -32,8 +33,9 @@ file() {
     [ -n "$2" ] && echo "#define RBD_IMPLEMENTATION"
     includes "$2"
     case $2 in *d*) echo "#define EXPECTED_DERIVATIVES" ;; esac
-    case $2 in *[rdckbs]*) echo "#define EXPECTED" ;; esac
+    case $2 in *[rdckbsi]*) echo "#define EXPECTED" ;; esac
     case $2 in *q*) echo "#define EXPECTED_QP" ;; esac
+    case $2 in *i*) echo "#define EXPECTED_IK" ;; esac
     case $2 in *[ck]*) echo "#define EXPECTED_CONSTRAINTS" ;; esac
     case $2 in *k*) echo "#define EXPECTED_CONTACT" ;; esac
     case $1$2 in *d*[ck]* | *[ck]*d*) echo "#define EXPECTED_BOTH" ;; esac
@@ -48,6 +50,9 @@ file() {
 #endif
 #if defined EXPECTED_QP != defined RBDI_QP_IMPLEMENTED
 #error "the implementation of rbd_qp.h is missing, or not wanted"
+#endif
+#if defined EXPECTED_IK != defined RBDI_IK_IMPLEMENTED
+#error "the implementation of rbd_ik.h is missing, or not wanted"
 #endif
 #if defined EXPECTED_DERIVATIVES && !defined RBDI_DERIVATIVES_IMPLEMENTED
 #error "the implementation of rbd_derivatives.h is missing"
@@ -114,8 +119,8 @@ implements() {
     sed -n '1,5p' "$scratch/messages"
 }
 
-# rbd_batch.h, rbd_spatial.h and rbd_qp.h meet each other header; the four others, of which some stand on others, meet in pairs.
-singles="r d c k s b q"
+# rbd_batch.h, rbd_spatial.h, rbd_qp.h and rbd_ik.h meet each other header; the four others, of which some stand on others, meet in pairs.
+singles="r d c k s b q i"
 core="r d c k"
 pairs=
 for a in $core; do
@@ -145,7 +150,7 @@ if command -v tcc >/dev/null 2>&1; then
     for order in $orders; do compile "${order#??}" "$order" tcc -std=c99 -c -o "$scratch/file.o"; done
 fi
 # The other compilers take half a second: each header stands first, and last, and either way round with each other one.
-for order in rdcs csrd sdrc qkdr kqds; do
+for order in rdcs csrd sdrc qkdr kqds ikdr kids; do
     compile "${order#??}" "$order" "${CC:-cc}" -std=c99 -Wall -Wextra -Werror -fsyntax-only
     compile "${order#??}" "$order" "${CXX:-c++}" -std=c++17 -Wall -Wextra -Werror -fsyntax-only
 done

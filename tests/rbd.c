@@ -3,4 +3,5 @@
 #include "rbd_derivatives.h"
 #include "rbd_constraints.h"
 #include "rbd_contact.h"
+#include "rbd_ik.h"
 #include "rbd_qp.h"

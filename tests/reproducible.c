@@ -18,6 +18,8 @@
 
 #include "rbd_contact.h"
 
+#include "rbd_ik.h"
+
 #ifdef ALONE
 #include MODEL_FILE
 #else
@@ -59,9 +61,10 @@ static void hash_number(uint64_t *hash, rbd_real x) {
     hash_word(hash, bits, (int)sizeof bits);
 }
 
-enum { HEADERS = 6 };
+enum { HEADERS = 7 };
 static const char *const headers[HEADERS] = {"rbd.h",         "rbd_derivatives.h", "rbd_constraints.h",
-                                             "rbd_contact.h", "rbd_spatial.h",     "rbd_qp.h"};
+                                             "rbd_contact.h", "rbd_ik.h",          "rbd_spatial.h",
+                                             "rbd_qp.h"};
 
 typedef struct hashes {
     uint64_t of[HEADERS];

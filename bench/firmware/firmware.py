@@ -54,6 +54,10 @@ EXAMPLES["cortex-m7", "standing"] = {"controller": r"controller (\d+)", "robot":
                                      "stack": r"stack (\d+) bytes"}
 EXAMPLES["cortex-m7", "recorded_control"] = {"push": r"push takes (\d+)", "controller": r"controller (\d+) instructions",
                                              "ring": r"ring (\d+) bytes"}
+EXAMPLES.update({(target, "inverse_kinematics"): {
+    "pose": r"far start (\d+)", "worst": r"instructions, (\d+) at worst", "evaluation": r"(\d+) an evaluation",
+    "line": r"along a line (\d+)", "line_worst": r"line \d+, (\d+) at worst", "memory": r"memory (\d+)",
+    "stack": r"stack (\d+) bytes"} for target in ("cortex-m4f", "cortex-m7")})
 KEYS = ["target", "compiler", "scalar", "level", "robot", "algorithm"]
 FIGURES = ["code", "program", "model", "work", "stack", "frames", "instructions"]
 BUDGETS = ["code", "program", "model", "work", "stack", "frames"]
@@ -186,10 +190,10 @@ def prove(target, folder, scalars, levels, parts):
                 problem(f"{target}: {library.stem}: double arithmetic: {' '.join(doubles) or 'none seen'}")
     if "calls" in parts and len(lines) < (1 + 2 * len(levels)) * len(scalars):
         problem(f"{target}: libraries are missing: {lines}")
-    programs = ("collision", "computed_torque", "five_bar", "gravity_compensation", "mpc_cart_pole", "mpc_iiwa",
-                "recorded_control", "standing")
+    programs = ("collision", "computed_torque", "five_bar", "gravity_compensation", "inverse_kinematics", "mpc_cart_pole",
+                "mpc_iiwa", "recorded_control", "standing")
     for program in programs if "examples" in parts else ():
-        if not (folder / "examples/firmware" / program).exists() and program.startswith(("five", "mpc", "record", "stand")):  # an FPU
+        if not (folder / "examples/firmware" / program).exists() and program.startswith(("five", "inverse", "mpc", "record", "stand")):  # an FPU
             continue
         symbols = output_of(tool(target, "nm"), folder / "examples/firmware" / program)
         names = {line.split()[-1] for line in symbols.splitlines()}
@@ -554,6 +558,18 @@ def standing_table(_, examples):
                                     for figure, name in names.items())]
 
 
+def ik_table(_, examples):
+    names = {"pose": "a pose from a far start, instructions", "worst": "the worst of 60",
+             "evaluation": "of these each evaluation", "line": "a millimetre along a line", "line_worst": "the worst of 200",
+             "flash": "flash, of the whole program with `printf`, bytes", "memory": "memory of `rbd_ik`, RAM, bytes",
+             "stack": "stack, painted, bytes"}
+    lines = ["| iiwa, float, -O2 | Cortex-M4F | Cortex-M7 |", "|---|--:|--:|"]
+    for figure, name in names.items():
+        cells = [examples.get((target, "inverse_kinematics", figure)) for target in ("cortex-m4f", "cortex-m7")]
+        lines.append(f"| {name} | " + " | ".join("–" if x is None else number(x) for x in cells) + " |")
+    return lines
+
+
 def recorded_table(_, examples):
     names = {"push": "a push of 42 scalars, instructions", "controller": "the controller, instructions",
              "ring": "the ring of 500 ticks, RAM, bytes", "ram": "RAM without stack, with the simulated robot, bytes",
@@ -587,6 +603,7 @@ def alone_table(some, _):
 BLOCKS = {"five_bar": ("examples/firmware/README.md", five_bar_table), "mpc": ("examples/firmware/README.md", mpc_table),
           "standing": ("examples/firmware/README.md", standing_table),
           "recorded": ("examples/firmware/README.md", recorded_table),
+          "ik": ("examples/firmware/README.md", ik_table),
           "contacts": ("examples/firmware/README.md", contacts_table), "flash": ("docs/porting.md", alone_table),
           "own": ("docs/firmware.md", lambda _, __: own_table(read_accepted())),
           "cold": ("docs/firmware.md", lambda _, __: cold.table()),

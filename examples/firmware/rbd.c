@@ -3,3 +3,5 @@
 #include "rbd_derivatives.h"
 
 #include "rbd_contact.h"
+
+#include "rbd_ik.h"

@@ -30,8 +30,8 @@ def _find_sources():
 
 SOURCES: Path = _find_sources()  #: folder of rbd.h and of models/
 _HEADERS = {name: (SOURCES / name).read_text() for name in (
-    "rbd.h", "rbd_derivatives.h", "rbd_constraints.h", "rbd_contact.h", "rbd_batch.h", "rbd_spatial.h", "rbd_qp.h",
-    "rbd_urdf.h")}
+    "rbd.h", "rbd_derivatives.h", "rbd_constraints.h", "rbd_contact.h", "rbd_batch.h", "rbd_ik.h", "rbd_spatial.h",
+    "rbd_qp.h", "rbd_urdf.h")}
 _TEXT = "\n".join(_HEADERS.values())
 __version__: str = re.search(r'#define RBD_VERSION "(.*)"', _TEXT)[1]
 
@@ -58,6 +58,8 @@ UrdfStatus = _enum("UrdfStatus", "rbd_urdf_status", "RBD_URDF_")
 QpStatus = _enum("QpStatus", "rbd_qp_status", "RBD_QP_")
 JointType = _enum("JointType", "rbd_joint_type", "RBD_")
 ContactState = _enum("ContactState", "rbd_contact_state", "RBD_")
+IkKind = _enum("IkKind", "rbd_ik_kind", "RBD_IK_")
+IkStatus = _enum("IkStatus", "rbd_ik_status", "RBD_IK_")
 
 
 @functools.lru_cache(maxsize=None)
@@ -65,7 +67,7 @@ def structure(name, real=ctypes.c_double, text=_TEXT):
     """A C struct of a header as a ctypes.Structure of the same layout; `real` is rbd_real and rbd_const."""
     known = {"double": ctypes.c_double, "int": ctypes.c_int, "size_t": ctypes.c_size_t, "char": ctypes.c_char,
              "rbd_const": real, "rbd_real": real, "rbd_status": ctypes.c_int, "rbd_urdf_status": ctypes.c_int,
-             "rbd_joint_type": ctypes.c_int}
+             "rbd_joint_type": ctypes.c_int, "rbd_ik_kind": ctypes.c_int}
     body = re.search(rf"typedef struct {name} \{{(.*?)\n\}} {name};", text, re.S)[1]
     members = []
     for declaration in re.sub(r"/\*.*?\*/", "", body, flags=re.S).split(";")[:-1]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import math
-from typing import Literal
+from typing import Iterable, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from ._arguments import _axes, _broadcast, _numbers, _whole
 from ._calls import _Owner, _c, _results
 from ._headers import Array
+from ._ik import IkResult, IkTarget, _ik
 
 batch_momentum_results = _results("batch_momentum", "h", "h_dot")
 
@@ -123,6 +124,27 @@ class Kinematics(_Owner):
         outputs = {"h": np.zeros((n, 6), dtype), "h_dot": np.zeros((n, 6), dtype)}
         results = self._run(call, ["batch"], [n, *map(arrays.get, "qva")], outputs)
         return batch_momentum_results(*(x.reshape(*loop, 6) for x in results))
+
+    # -- inverse kinematics --
+
+    def ik(self, targets: IkTarget | Iterable[IkTarget], q: ArrayLike | None = None, *, starts: int = 0,
+           evaluations: int = 0, metres: float = 0.0, radians: float = 0.0, length: float = 0.0,
+           held: ArrayLike | None = None) -> IkResult:
+        """Finds a configuration within all limits for which all targets are reached, rbd_ik of rbd_ik.h; if it finds
+        none, the nearest. `status` of the result says which: IkStatus.REACHED is 0.
+
+            targets      IkTarget, or a list of them
+            q            nq: where to begin; None = neutral
+            starts       at most: q, then others; 1 = from q alone; 0 = 60
+            evaluations  of the targets, at most; 0 = 5000
+            metres       a target is reached if its place is this near; 0 = 1e-6, of float 1e-5
+            radians      and its angle; 0 = 1e-6, of float 1e-5
+            length       m: how much a radian of error counts; 0 = 0.3, a third of an arm's reach
+            held         nv: 1 where a degree of freedom stays as it is; None = none
+
+        After it `kinematics` must be called anew."""
+        options = {"starts": starts, "evaluations": evaluations, "metres": metres, "radians": radians, "length": length}
+        return _ik(self, targets, q, held, options)
 
     # -- configuration manifold --
 

@@ -31,6 +31,8 @@ NOT_WRAPPED = {
     "rbd_urdf_status_string": "the sentence of a finding says more; UrdfStatus has the names",
     "rbd_urdf_joint_index": "Urdf.bodies and Urdf.frames are lists to look in",
     "rbd_urdf_link_index": "likewise",
+    "rbd_ik_size": "Model.ik makes its memory",
+    "rbd_ik_text": "an RbdError has the sentence, and IkResult the numbers",
     "rbd_vec3_of": "three numbers are an array",
     "rbd_rotation_identity": "numpy.eye(3)",
     "rbd_placement_of": "a pair",
@@ -142,11 +144,13 @@ def test_structures_are_those_of_the_header(double):
         assert [f.name for f in fields(kind)] == [member for member, _ in rbd.structure(name)._fields_
                                                   if member != "on_body"]  # which follows from body2
     assert rbd.ContactSolution._fields == tuple(n for n, _ in rbd.structure("rbd_contact_solution")._fields_)
+    assert [f.name for f in fields(rbd.IkTarget)] == [name for name, _ in rbd.structure("rbd_ik_target")._fields_]
     assert rbd.JointInfo._fields == tuple(name for name, _ in rbd.structure("rbd_joint_info")._fields_)
     names = ["rbd_body", "rbd_finding", "rbd_report", "rbd_joint_info", "rbd_constraint",
              "rbd_contact", "rbd_contact_options", "rbd_contact_problem", "rbd_contact_solution",
+             "rbd_ik_target", "rbd_ik_options", "rbd_ik_result",
              "rbd_urdf_options", "rbd_urdf_lock", "rbd_urdf_frame", "rbd_urdf_finding", "rbd_urdf"]
-    unit = '#include "rbd_contact.h"\n#include "rbd_urdf.h"\nconst size_t sizes[] = {%s};' % ", ".join(
+    unit = '#include "rbd_contact.h"\n#include "rbd_ik.h"\n#include "rbd_urdf.h"\nconst size_t sizes[] = {%s};' % ", ".join(
         f"sizeof({name})" for name in names)
     sizes = (ctypes.c_size_t * len(names)).in_dll(_compile([unit], ["cc"]), "sizes")
     assert list(sizes) == [ctypes.sizeof(rbd.structure(name)) for name in names]

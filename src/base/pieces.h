@@ -12,6 +12,9 @@ RBDI_PART void *rbdi_take(unsigned char **memory, int count, size_t size) {
     return taken;
 }
 
+/* Takes n objects from the memory at `at`, a variable of the caller. */
+#define RBDI_CUT(type, n) ((type *)rbdi_take(&at, 1, RBDI_ROUND((size_t)(n) * sizeof(type))))
+
 /* Writes n, which is not negative, into the end of `digits`; returns where it begins. */
 RBDI_PART const char *rbdi_decimal(int n, char digits[12]) {
     int at = 11;

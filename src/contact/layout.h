@@ -1,6 +1,5 @@
 #ifndef RBDI_CONTACT_LAYOUT_H
 #define RBDI_CONTACT_LAYOUT_H
-#include "base/pieces.h"
 #include "constraints/layout.h"
 #include "api/contact.h"
 
@@ -118,9 +117,6 @@ struct rbd_contact_set {
     rbd_real *sigma;         /* of derivatives: max_rows x nv, then [step derivatives code]; NULL = none */
     rbdi_contact_solver solver;
 };
-
-/* Takes n objects from the memory at `at`, a variable of the caller. */
-#define RBDI_CUT(type, n) ((type *)rbdi_take(&at, 1, RBDI_ROUND((size_t)(n) * sizeof(type))))
 
 /* Bytes for n contacts, so many held constraints and, at most, `bounded` other rows. nq <= 2 nv. */
 #define RBDI_CONTACT_SET_BYTES(nq, nv, n, constraints, bounded, stride) \

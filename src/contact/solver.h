@@ -1,5 +1,6 @@
 #ifndef RBDI_CONTACT_SOLVER_H
 #define RBDI_CONTACT_SOLVER_H
+#include "base/pieces.h"
 #include "contact/newton.h"
 
 /* ---- solver code [solver code] ----

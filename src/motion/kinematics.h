@@ -6,8 +6,8 @@
 #include "dynamics/state.h"
 #include "motion/axes.h"
 
-/* Interface: rbdi_body_kin, rbdi_check_body_call, rbdi_kin_links, rbdi_point_p, rbdi_point_position,
-   rbdi_point_v */
+/* Interface: rbdi_axes_of, rbdi_body_kin, rbdi_check_body_call, rbdi_kin_links, rbdi_point_p,
+   rbdi_point_position, rbdi_point_v */
 
 /* ---- kinematics [kinematics code] ---- */
 

@@ -4,7 +4,8 @@
 #include "model/joint_types.h"
 #include "model/joints.h"
 
-/* Interface: rbdi_difference_joint, rbdi_joint_motion, rbdi_joint_turns, rbdi_put_joint_motion */
+/* Interface: rbdi_difference_joint, rbdi_joint_motion, rbdi_joint_turns, rbdi_put_joint_motion,
+   rbdi_step_joint */
 
 /* ---- configuration manifold [manifold code] ---- */
 

@@ -85,6 +85,7 @@ cmd_contact() {
 #+ fuzz --contacts [SECONDS | --problems N]  the same of rbd_contact.h: laws, energy, a second method, runs of
 #+                             robots, broken descriptions; prints tables; --publish [PROBLEMS]
 #+ fuzz --qp [SECONDS | --problems N]  random quadratic programs, each answer judged by its own conditions
+#+ fuzz --ik [SECONDS | --poses N]  inverse kinematics: 10,000 random poses of each of four arms, places out of reach
 #+ fuzz --codegen [models | ROBOTS [FIRST]]  generated code of the models and of 200 random robots against rbd.h, by
 #+                             gcc and clang with sanitizers; or of one of the two
 cmd_fuzz() {
@@ -98,7 +99,7 @@ cmd_fuzz() {
             "$build/fuzz/codegen" "$@"
         return
         ;;
-    --library | --constraints | --contacts | --qp)
+    --library | --constraints | --contacts | --qp | --ik)
         fuzzer=${1#--}
         shift
         install quad

@@ -5,7 +5,7 @@
 changed_sources() {
     (cd "$root" && git diff --name-only --diff-filter=d HEAD && git ls-files --others --exclude-standard) 2>/dev/null |
         grep '\.[ch]$\|\.[ch]pp$\|\.ino$' |
-        grep -v -x 'rbd\.h\|rbd_\(derivatives\|constraints\|contact\|batch\|spatial\|qp\)\.h'
+        grep -v -x 'rbd\.h\|rbd_\(derivatives\|constraints\|contact\|ik\|batch\|spatial\|qp\)\.h'
 }
 
 format_changed() {

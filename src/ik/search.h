@@ -1,0 +1,199 @@
+#ifndef RBDI_IK_SEARCH_H
+#define RBDI_IK_SEARCH_H
+#include "ik/curvature.h"
+
+/* ---- search [search] ---- */
+
+/* Whether there are evaluations left, but for the last one, which judges. */
+RBDI_INLINE int rbdi_ik_may_go_on(const rbdi_ik *k) {
+    return k->result->evaluations == 0 || k->result->evaluations < k->options.evaluations - 1;
+}
+
+/* Whether the errors of the last evaluation are within the tolerances. */
+RBDI_INLINE int rbdi_ik_is_reached(const rbdi_ik *k) {
+    return k->result->metres <= k->options.metres && k->result->radians <= k->options.radians &&
+           k->cost < RBDI_IK_OVERFLOW;
+}
+
+/* Keeps the place q of the last evaluation if it is the best so far. */
+RBDI_LOCAL void rbdi_ik_keep(rbdi_ik *k, const rbd_real *q) {
+    if (!(k->cost < k->best_cost)) return;
+    k->best_cost = k->cost;
+    rbdi_ik_copy(q, k->m->nq, k->best);
+}
+
+/* The root above 1 of x^(n + 1) = x + 1, by Newton's method. It comes from above: (1 + 1/n)^n >= 2. */
+RBDI_LOCAL rbd_real rbdi_ik_golden(int n) {
+    const rbd_real one = rbdi_set(RBD_C(1)), count = rbdi_set((rbd_const)n);
+    rbd_real x = one + one / count;
+
+    for (int i = 0; i < RBDI_IK_NEWTON; ++i) {
+        rbd_real power = one; /* x^n */
+        for (int j = 0; j < n; ++j) power = power * x;
+        x = x - (power * x - x - one) / ((count + one) * power - one);
+    }
+
+    return x;
+}
+
+/* q of a start: the caller's; then share frac(1/2 + start golden^-(i + 1)) of the range of the ith dof. Any
+   number of first starts is spread evenly (Roberts 2018). */
+RBDI_LOCAL void rbdi_ik_start(rbdi_ik *k, int start) {
+    const rbd_real pi = rbdi_set(RBDI_PI(rbd_const));
+    rbd_real golden, part = rbdi_set((rbd_const)start);
+
+    rbdi_ik_copy(k->from, k->m->nq, k->q);
+    if (start == 0 || k->dofs == 0) return;
+
+    golden = rbdi_ik_golden(k->dofs);
+    for (int i = 0; i < k->dofs; ++i) {
+        rbdi_ik_dof *f = &k->dof[i];
+        rbd_real share;
+
+        part = part / golden;
+        share = part + RBD_C(0.5);
+        share = share - (rbd_const)(int)share;
+
+        f->hold = RBDI_IK_FREE;
+        k->d[i] = f->turns ? (share + share - RBD_C(1)) * pi : rbdi_zero();
+        if (f->at >= 0) k->d[i] = f->lower + share * (f->upper - f->lower) - k->q[f->at];
+    }
+    rbdi_ik_move(k, rbdi_set(RBD_C(1)), k->q);
+}
+
+/* A start of the search. Returns whether it reaches the targets. */
+RBDI_LOCAL int rbdi_ik_search(rbdi_ik *k) {
+    const rbd_real distant = RBDI_IK_FAR * k->options.length * k->options.length;
+    rbd_real mark = rbdi_set(RBDI_IK_OVERFLOW);
+    int stalled = 0;
+
+    for (int step = 0; step < RBDI_IK_STEPS && rbdi_ik_may_go_on(k); ++step) {
+        rbd_real damping, least;
+        rbdi_ik_errors(k, k->q);
+        rbdi_ik_keep(k, k->q);
+        if (rbdi_ik_is_reached(k)) return 1;
+
+        if (k->cost < RBD_C(0.25) * mark) {
+            mark = k->cost;
+            stalled = 0;
+        } else if (++stalled >= RBDI_IK_STALL) {
+            return 0;
+        }
+
+        rbdi_ik_jacobian(k);
+        least = RBDI_IK_FLOOR * rbdi_ik_normal(k) + RBDI_TINY;
+        damping = RBDI_IK_DAMPING * (k->cost < distant ? k->cost : distant);
+        rbdi_ik_step(k, damping, least);
+        rbdi_ik_move(k, rbdi_ik_share(k), k->q);
+    }
+
+    return 0;
+}
+
+/* How much the step should bring |e|^2 down by the linear model: 2 g'd - d'H d. */
+RBDI_LOCAL rbd_real rbdi_ik_expected(const rbdi_ik *k) {
+    rbd_real sum = rbdi_zero();
+    const rbd_real *H = k->H;
+
+    for (int i = 0; i < k->dofs; ++i) {
+        rbd_real Hd = RBD_C(0.5) * *H++ * k->d[i];
+        for (int j = i + 1; j < k->dofs; ++j) Hd = Hd + *H++ * k->d[j];
+        sum = sum + k->d[i] * (k->g[i] - Hd);
+    }
+
+    return sum + sum;
+}
+
+/* By how much the damping changes after a step that has brought |e|^2 down by this share of what was expected
+   (Nielsen 1999): 1 at a half, which is where the damping is the curvature that the linear model lacks. */
+RBDI_LOCAL rbd_real rbdi_ik_relax(rbd_real share) {
+    const rbd_real x = share + share - RBD_C(1);
+    const rbd_real factor = rbdi_ik_larger(rbdi_set(RBD_C(1) / 3), RBD_C(1) - x * x * x);
+    return factor < 2 ? factor : rbdi_set(RBD_C(2));
+}
+
+/* Goes down from q by at most so many steps, with the damping of Levenberg and Marquardt, until one brings
+   |e|^2 down by less than a share `end`. Returns whether it reaches the targets. */
+RBDI_LOCAL int rbdi_ik_descend(rbdi_ik *k, int steps, rbd_const end) {
+    const rbd_real square = k->options.length * k->options.length, most = RBDI_IK_STIFF * square;
+    rbd_real damping = RBDI_IK_DAMPING * square, factor = rbdi_set(RBD_C(2)), cost, least = rbdi_zero();
+    int fresh = 1;
+    if (!rbdi_ik_may_go_on(k)) return 0;
+
+    rbdi_ik_errors(k, k->q);
+    cost = k->cost;
+    rbdi_ik_keep(k, k->q);
+    if (rbdi_ik_is_reached(k)) return 1;
+
+    for (int step = 0; step < steps && rbdi_ik_may_go_on(k) && damping < most; ++step) {
+        rbd_real drop;
+        if (fresh) {
+            rbdi_ik_jacobian(k);
+            least = RBDI_IK_FLOOR * rbdi_ik_normal(k) + RBDI_TINY;
+            rbdi_ik_curve(k);
+        }
+
+        drop = rbdi_zero();
+        if (rbdi_ik_step(k, damping, least)) {
+            rbdi_ik_move(k, rbdi_set(RBD_C(1)), k->trial);
+            rbdi_ik_errors(k, k->trial);
+            drop = cost - k->cost;
+        }
+        fresh = drop > 0;
+        damping = damping * (fresh ? rbdi_ik_relax(drop / rbdi_ik_expected(k)) : factor);
+        factor = fresh ? rbdi_set(RBD_C(2)) : factor + factor;
+        if (!fresh) continue;
+
+        rbdi_ik_keep(k, k->trial);
+        rbdi_ik_copy(k->trial, k->m->nq, k->q);
+        if (rbdi_ik_is_reached(k)) return 1;
+        if (drop < end * cost) break;
+        cost = k->cost;
+    }
+
+    return 0;
+}
+
+/* Descents from the best place and from the first starts, then a long one from the best of all. Returns
+   whether one reaches the targets. */
+RBDI_LOCAL int rbdi_ik_find_nearest(rbdi_ik *k) {
+    const int descents = k->options.starts < RBDI_IK_DESCENTS ? k->options.starts : RBDI_IK_DESCENTS;
+
+    for (int i = 0; i < descents; ++i) {
+        if (i > 0)
+            rbdi_ik_start(k, i);
+        else
+            rbdi_ik_copy(k->best, k->m->nq, k->q);
+        if (rbdi_ik_descend(k, RBDI_IK_STEPS, RBDI_IK_COARSE)) return 1;
+    }
+
+    rbdi_ik_copy(k->best, k->m->nq, k->q);
+    return rbdi_ik_descend(k, RBDI_IK_LAST * RBDI_IK_STEPS, RBDI_IK_FINE);
+}
+
+/* Says why the targets are not reached at q: by g = J'e, as a share of |e| and the longest column of J. */
+RBDI_LOCAL rbd_ik_status rbdi_ik_judge(rbdi_ik *k) {
+    rbd_real longest = rbdi_zero(), most = rbdi_zero(), left = rbdi_zero(), size;
+
+    rbdi_ik_errors(k, k->q);
+    rbdi_ik_jacobian(k);
+    rbdi_ik_normal(k);
+    for (int i = 0; i < k->dofs; ++i) longest = rbdi_ik_larger(longest, k->H[rbdi_ik_row(k->dofs, i)]);
+    size = rbdi_sqrt(longest * k->cost);
+
+    for (int i = 0; i < k->dofs; ++i) {
+        const rbd_real slope = rbdi_abs(k->g[i]);
+        if (!rbdi_ik_pressed(k, i)) {
+            left = rbdi_ik_larger(left, slope);
+        } else if (slope > RBDI_IK_PRESSED * size) {
+            ++k->result->limits;
+            if (slope > most) k->result->limit = k->dof[i].dof;
+            most = rbdi_ik_larger(most, slope);
+        }
+    }
+
+    if (left > RBDI_IK_SETTLED * size) return RBD_IK_EVALUATIONS;
+    return k->result->limits > 0 ? RBD_IK_AT_LIMIT : RBD_IK_NEAREST;
+}
+
+#endif

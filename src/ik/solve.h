@@ -1,0 +1,111 @@
+#ifndef RBDI_IK_SOLVE_H
+#define RBDI_IK_SOLVE_H
+#include "base/pieces.h"
+#include "ik/dofs.h"
+#include "ik/search.h"
+#include "ik/check.h"
+
+/* ---- inverse kinematics [inverse kinematics code] ---- */
+
+RBDI_API size_t rbd_ik_size(const rbd_model *m, int n) {
+    return m && n > 0 && n <= RBDI_IK_MOST_TARGETS ? RBDI_IK_BYTES(m->nv, m->nl, n) : 0;
+}
+
+/* The options with defaults. */
+RBDI_LOCAL rbd_ik_options rbdi_ik_defaults(const rbd_ik_options *given) {
+    rbd_ik_options o;
+    o.starts = given && given->starts ? given->starts : RBDI_IK_STARTS;
+    o.evaluations = given && given->evaluations ? given->evaluations : RBDI_IK_EVALUATIONS;
+    o.metres = given && given->metres > 0 ? given->metres : rbdi_set(RBDI_IK_TOLERANCE);
+    o.radians = given && given->radians > 0 ? given->radians : rbdi_set(RBDI_IK_TOLERANCE);
+    o.length = given && given->length > 0 ? given->length : rbdi_set(RBDI_IK_LENGTH);
+    o.held = given ? given->held : NULL;
+    return o;
+}
+
+/* Lays out the arrays in the memory. */
+RBDI_LOCAL rbdi_ik *rbdi_ik_lay_out(const rbd_model *m, int n, void *memory) {
+    const int nv = m->nv, triangle = nv * (nv + 1) / 2;
+    unsigned char *at = rbdi_aligned(memory);
+    rbdi_ik *k = RBDI_CUT(rbdi_ik, 1);
+    k->dof = RBDI_CUT(rbdi_ik_dof, nv);
+    k->place = RBDI_CUT(int16_t, nv);
+
+    k->e = (rbd_real *)at;
+    k->J = k->e + 6 * n;
+    k->columns = k->J + 6 * n * nv;
+    k->H = k->columns + 6 * nv;
+    k->factor = k->H + triangle;
+    k->g = k->factor + triangle;
+    k->d = k->g + nv;
+    k->x = k->d + nv;
+    k->v = k->x + nv;
+    k->from = k->v + nv;
+    k->best = k->from + m->nq;
+    k->q = k->best + m->nq;
+    k->trial = k->q + m->nq;
+    k->mass = k->trial + m->nq;
+    return k;
+}
+
+/* Makes the search ready to begin from q. */
+RBDI_LOCAL rbdi_ik *rbdi_ik_begin(const rbd_model *m, rbd_work *w, const rbd_ik_target *targets, int n,
+                                  const rbd_ik_options *options, void *memory, const rbd_real *q,
+                                  rbd_ik_result *result) {
+    rbdi_ik *k = rbdi_ik_lay_out(m, n, memory);
+    k->m = m;
+    k->w = w;
+    k->target = targets;
+    k->n = n;
+    k->options = rbdi_ik_defaults(options);
+    k->result = result;
+    k->alone = n == 1 && targets->kind != RBD_IK_COM ? targets->body : -1;
+    k->best_cost = rbdi_set(RBDI_IK_OVERFLOW);
+
+    k->rows = 0;
+    for (int i = 0; i < n; ++i) k->rows += rbdi_ik_rows_of(targets[i].kind);
+    rbdi_clear(k->v, m->nv);
+    rbdi_ik_find_dofs(k);
+    rbdi_ik_copy(q, m->nq, k->from);
+    rbdi_ik_put_within(k, k->from);
+    return k;
+}
+
+/* Searches; then looks for the nearest place. k->q is the answer. */
+RBDI_LOCAL rbd_ik_status rbdi_ik_run(rbdi_ik *k) {
+    for (int i = 0; i < k->options.starts && rbdi_ik_may_go_on(k); ++i) {
+        ++k->result->starts;
+        rbdi_ik_start(k, i);
+        if (rbdi_ik_search(k)) return RBD_IK_REACHED;
+    }
+
+    if (!(k->best_cost < RBDI_IK_OVERFLOW)) {
+        rbdi_ik_refuse(k->result, RBD_ERR_NAN, -1, "q");
+        return RBD_IK_ERROR;
+    }
+
+    if (rbdi_ik_find_nearest(k)) return RBD_IK_REACHED;
+    rbdi_ik_copy(k->best, k->m->nq, k->q);
+    return rbdi_ik_judge(k);
+}
+
+RBDI_API rbd_ik_status rbd_ik(const rbd_model *m, rbd_work *w, const rbd_ik_target *targets, int n,
+                              const rbd_ik_options *options, void *memory, size_t size, rbd_real *q,
+                              rbd_ik_result *result) {
+    rbd_ik_status status;
+    rbdi_ik *k;
+    if (!result) return RBD_IK_ERROR;
+
+    result->metres = result->radians = rbdi_zero();
+    result->starts = result->evaluations = result->limits = 0;
+    result->limit = -1;
+    rbdi_ik_refuse(result, RBD_OK, -1, NULL);
+    if (rbdi_ik_check(m, w, targets, n, options, memory, size, q, result)) return RBD_IK_ERROR;
+
+    k = rbdi_ik_begin(m, w, targets, n, options, memory, q, result);
+    status = rbdi_ik_run(k);
+    if (status != RBD_IK_ERROR) rbdi_ik_copy(k->q, m->nq, q);
+    return status;
+}
+
+#endif

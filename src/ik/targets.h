@@ -1,0 +1,207 @@
+#ifndef RBDI_IK_TARGETS_H
+#define RBDI_IK_TARGETS_H
+#include "motion/points.h"
+#include "ik/step.h"
+
+/* ---- targets [targets code] ---- */
+
+RBDI_INLINE int rbdi_ik_turns_body(rbd_ik_kind kind) {
+    return kind == RBD_IK_POSE || kind == RBD_IK_ROTATION;
+}
+
+RBDI_INLINE int rbdi_ik_moves_point(rbd_ik_kind kind) { return kind == RBD_IK_POSE || kind == RBD_IK_POINT; }
+
+/* Rows of a kind of target. */
+RBDI_INLINE int rbdi_ik_rows_of(rbd_ik_kind kind) { return kind == RBD_IK_POSE ? 6 : 3; }
+
+/* Of a target's rows: the root of its weight. */
+RBDI_INLINE rbd_real rbdi_ik_factor(const rbd_ik_target *t) {
+    return t->weight > 0 ? rbdi_sqrt(t->weight) : rbdi_set(RBD_C(1));
+}
+
+/* R, 3 x 3 by rows; all 0 is the identity. */
+RBDI_LOCAL rbdi_mat rbdi_ik_rotation(const rbd_real *R) {
+    const rbd_real o = rbdi_zero(), one = rbdi_set(RBD_C(1));
+    rbd_real sum = o;
+    for (int i = 0; i < 9; ++i) sum = sum + R[i] * R[i];
+    if (sum > 0) return rbdi_mat_of(R[0], R[1], R[2], R[3], R[4], R[5], R[6], R[7], R[8]);
+    return rbdi_mat_of(one, o, o, o, one, o, o, o, one);
+}
+
+/* A vector of unit length. */
+RBDI_LOCAL rbdi_v3 rbdi_ik_unit(const rbd_real *x) {
+    const rbdi_v3 v = rbdi_load_vec(x, 1);
+    return rbdi_scale(RBD_C(1) / rbdi_sqrt(rbdi_dot(v, v)), v);
+}
+
+/* A unit vector across the unit vector s. */
+RBDI_LOCAL rbdi_v3 rbdi_ik_across(rbdi_v3 s) {
+    const rbd_real o = rbdi_zero(), one = rbdi_set(RBD_C(1));
+    const rbdi_v3 x = rbdi_vec(one, o, o), y = rbdi_vec(o, one, o);
+    const rbdi_v3 v = rbdi_cross(s, s.x * s.x < RBD_C(0.5) ? x : y);
+    return rbdi_scale(one / rbdi_sqrt(rbdi_dot(v, v)), v);
+}
+
+/* The shortest turn that leads from s to t, of unit length; from s = -t about any axis across. */
+RBDI_LOCAL rbdi_v3 rbdi_ik_turn(rbdi_v3 s, rbdi_v3 t) {
+    const rbdi_v3 across = rbdi_cross(s, t);
+    const rbd_real cosine = rbdi_dot(s, t), sine = rbdi_sqrt(rbdi_dot(across, across));
+    if (sine > 0) return rbdi_scale(rbdi_angle(sine, cosine) / sine, across);
+    if (cosine > 0) return rbdi_vec0();
+    return rbdi_scale(rbdi_set(RBDI_PI(rbd_const)), rbdi_ik_across(s));
+}
+
+/* The axis of a target, world axes. */
+RBDI_LOCAL rbdi_v3 rbdi_ik_axis(const rbdi_ik *k, const rbd_ik_target *t) {
+    return rbdi_mul_t(rbdi_axes_of(k->m, k->w, t->body), rbdi_ik_unit(t->axis));
+}
+
+/* The turn, world axes, that a target wants. */
+RBDI_LOCAL rbdi_v3 rbdi_ik_wanted_turn(const rbdi_ik *k, const rbd_ik_target *t) {
+    if (t->kind == RBD_IK_AXIS) return rbdi_ik_turn(rbdi_ik_axis(k, t), rbdi_ik_unit(t->direction));
+    return rbdi_log_rotation(rbdi_mul_mat(rbdi_ik_rotation(t->rotation), rbdi_axes_of(k->m, k->w, t->body)));
+}
+
+/* Centre of mass of all bodies that a joint moves. */
+RBDI_LOCAL rbdi_v3 rbdi_ik_com(const rbd_model *m, const rbd_work *w) {
+    const rbd_const all = rbd_mass(m);
+    rbdi_v3 sum = rbdi_vec0();
+
+    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {
+        rbd_real com[3];
+        if (u->link < 0) continue;
+        rbdi_store_vec(com, 1, rbdi_vec_c(u->com));
+        sum = rbdi_add(
+            sum, rbdi_scale(rbdi_set(u->mass / all), rbdi_point_position(m, w, (int)(u - m->frame), com)));
+    }
+
+    return sum;
+}
+
+/* Appends an error to e, with its weight; returns its length. */
+RBDI_LOCAL rbd_real rbdi_ik_append(rbdi_ik *k, int *row, rbd_real factor, rbdi_v3 error) {
+    const rbdi_v3 scaled = rbdi_scale(factor, error);
+    rbdi_store_vec(&k->e[*row], 1, scaled);
+    *row += 3;
+    k->cost = k->cost + rbdi_dot(scaled, scaled);
+    return rbdi_sqrt(rbdi_dot(error, error));
+}
+
+/* e and |e|^2 at q, angles before lengths; also the largest distance and angle. */
+RBDI_LOCAL void rbdi_ik_errors(rbdi_ik *k, const rbd_real *q) {
+    int row = 0;
+
+    if (k->alone >= 0)
+        rbd_body_kinematics(k->m, k->w, k->alone, q, NULL, NULL);
+    else
+        rbd_kinematics(k->m, k->w, q, NULL, NULL);
+
+    ++k->result->evaluations;
+    k->cost = k->result->metres = k->result->radians = rbdi_zero();
+
+    for (const rbd_ik_target *t = k->target; t < k->target + k->n; ++t) {
+        const rbd_real factor = rbdi_ik_factor(t);
+
+        if (rbdi_ik_turns_body(t->kind) || t->kind == RBD_IK_AXIS) {
+            const rbdi_v3 turn = rbdi_ik_wanted_turn(k, t);
+            const rbd_real angle = rbdi_ik_append(k, &row, factor * k->options.length, turn);
+            k->result->radians = rbdi_ik_larger(k->result->radians, angle);
+        }
+
+        if (rbdi_ik_moves_point(t->kind) || t->kind == RBD_IK_COM) {
+            const rbdi_v3 at = t->kind == RBD_IK_COM ? rbdi_ik_com(k->m, k->w)
+                                                     : rbdi_point_position(k->m, k->w, t->body, t->point);
+            const rbdi_v3 error = rbdi_sub(rbdi_load_vec(t->position, 1), at);
+            const rbd_real distance = rbdi_ik_append(k, &row, factor, error);
+            k->result->metres = rbdi_ik_larger(k->result->metres, distance);
+        }
+    }
+}
+
+/* Masses and first moments of the subtrees of all links, the moments about the origin of the first link. */
+RBDI_LOCAL void rbdi_ik_subtrees(rbdi_ik *k) {
+    const rbd_model *m = k->m;
+    const rbdi_v3 o = k->w->kin[0].X.r;
+
+    rbdi_clear(k->mass, 4 * m->nl);
+    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {
+        const rbd_real mass = rbdi_set(u->mass);
+        rbd_real *sum = &k->mass[4 * u->link], com[3];
+        if (u->link < 0) continue;
+
+        rbdi_store_vec(com, 1, rbdi_vec_c(u->com));
+        sum[0] = sum[0] + mass;
+        rbdi_store_vec(
+            sum + 1, 1,
+            rbdi_add(rbdi_load_vec(sum + 1, 1),
+                     rbdi_scale(mass, rbdi_sub(rbdi_point_position(m, k->w, (int)(u - m->frame), com), o))));
+    }
+
+    for (int i = m->nl - 1; i > 0; --i)
+        for (int j = 0; j < 4 && m->link[i].parent >= 0; ++j) {
+            rbd_real *sum = &k->mass[4 * m->link[i].parent + j];
+            *sum = *sum + k->mass[4 * i + j];
+        }
+}
+
+/* Jacobian of the centre of mass, in the last three rows of k->columns: a joint moves the centre of mass of
+   its subtree, whose share of the whole is that of its mass. */
+RBDI_LOCAL void rbdi_ik_com_jacobian(rbdi_ik *k) {
+    const rbd_model *m = k->m;
+    const rbdi_v3 o = k->w->kin[0].X.r;
+    const rbd_real all = rbdi_set(rbd_mass(m));
+
+    rbdi_ik_subtrees(k);
+    rbdi_clear(k->columns, 6 * m->nv);
+    for (int i = 0; i < m->nl; ++i) {
+        const rbdi_link *l = &m->link[i];
+        const rbd_real mass = k->mass[4 * i];
+        rbdi_v3 centre;
+        if (!(mass > 0)) continue;
+
+        centre = rbdi_add(o, rbdi_scale(RBD_C(1) / mass, rbdi_load_vec(&k->mass[4 * i + 1], 1)));
+        for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
+            const rbd_real share = rbdi_ratio(m, l->iv + j) * mass / all;
+            const rbdi_v3 v = rbdi_scale(share, rbdi_column(m, k->w, i, j, centre).v);
+            rbd_real *to = &k->columns[3 * m->nv + rbdi_source(m, l->iv + j)];
+            rbdi_store_vec(to, m->nv, rbdi_add(rbdi_load_vec(to, m->nv), v));
+        }
+    }
+}
+
+/* Copies three rows of k->columns into J from `row` on; without the part along `off`, if there is any. */
+RBDI_LOCAL void rbdi_ik_put_rows(rbdi_ik *k, int *row, rbd_real factor, int from, const rbdi_v3 *off) {
+    const ptrdiff_t nv = k->m->nv;
+
+    for (int i = 0; i < k->dofs; ++i) {
+        rbdi_v3 c = rbdi_load_vec(&k->columns[from * nv + k->dof[i].dof], nv);
+        if (off) c = rbdi_sub(c, rbdi_scale(rbdi_dot(*off, c), *off));
+        rbdi_store_vec(&k->J[i * k->rows + *row], 1, rbdi_scale(factor, c));
+    }
+
+    *row += 3;
+}
+
+/* J at the place of the last rbdi_ik_errors. A turn e of length angle changes by dangle = -n omega, n along
+   e: so g = J'e is exact, and J without the part along the axis. */
+RBDI_LOCAL void rbdi_ik_jacobian(rbdi_ik *k) {
+    int row = 0;
+
+    for (const rbd_ik_target *t = k->target; t < k->target + k->n; ++t) {
+        const rbd_real factor = rbdi_ik_factor(t);
+
+        if (t->kind == RBD_IK_COM)
+            rbdi_ik_com_jacobian(k);
+        else
+            rbd_jacobian(k->m, k->w, t->body, t->point, RBD_WORLD_AXES, k->columns);
+
+        if (t->kind == RBD_IK_AXIS) {
+            const rbdi_v3 axis = rbdi_ik_axis(k, t);
+            rbdi_ik_put_rows(k, &row, factor * k->options.length, 0, &axis);
+        }
+        if (rbdi_ik_turns_body(t->kind)) rbdi_ik_put_rows(k, &row, factor * k->options.length, 0, NULL);
+        if (rbdi_ik_moves_point(t->kind) || t->kind == RBD_IK_COM) rbdi_ik_put_rows(k, &row, factor, 3, NULL);
+    }
+}
+
+#endif
