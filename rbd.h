@@ -102,21 +102,23 @@
 
    [GPU] Kernels call rbd, one state a thread, whose memory is an array of the kernel's:
 
+       #define RBD_REAL float
        #define RBD_STATIC
        #define RBD_IMPLEMENTATION
        #include "rbd.h"
 
-       __global__ void torques(const rbd_model *m, const float *q, float *tau) { // of gravity, of arms
-           const int i = 7 * (blockIdx.x * blockDim.x + threadIdx.x);
+       __global__ void torques(int n, const rbd_model *m, const float *q, float *tau) { // of gravity, n arms
+           const int i = blockIdx.x * blockDim.x + threadIdx.x;
            unsigned char memory[RBD_WORK_SIZE(7, 7)];
            rbd_work *w;
-           rbd_work_init(m, memory, sizeof memory, &w);
-           rbd_gravity_torque(m, w, q + i, tau + i);
+           if (i >= n || rbd_work_init(m, memory, sizeof memory, &w) != RBD_OK) return;
+           rbd_gravity_torque(m, w, q + 7 * i, tau + 7 * i);
        }
 
      The model is a table, which host and GPU both have (&arm_model), or rbd_model_build made it in memory
      that both see: RBD_MODEL_SIZE(nb) bytes of cudaMallocManaged. Names in such a model are the host's alone.
-     rbd_derivatives.h, rbd_constraints.h, rbd_contact.h and rbd_qp.h are called in the same way.
+     rbd_derivatives.h, rbd_constraints.h, rbd_contact.h, rbd_ik.h and rbd_qp.h are called in the same way;
+     rbd_batch.h is for lanes of a CPU. Compile without --use_fast_math, which nvcc does not tell.
 
    [guarantees]
      No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant: calls change the caller's
@@ -1451,7 +1453,8 @@ struct rbd_work {
 
 /* Options that void results. Other parts of -ffast-math do no harm: -freciprocal-math, -fno-signed-zeros,
    -fno-trapping-math, -fno-math-errno. */
-#if defined __FAST_MATH__ || defined __ASSOCIATIVE_MATH__ || defined _M_FP_FAST
+#if defined __FAST_MATH__ || defined __ASSOCIATIVE_MATH__ || defined _M_FP_FAST || \
+    (defined __USE_FAST_MATH__ && __USE_FAST_MATH__ + 0) /* NVRTC has 0 or 1 */
 #error \
     "rbd: -ffast-math or -funsafe-math-optimizations reassociates the sine's argument reduction and voids \
 the pivot checks; use -O3 -ffp-contract=fast instead"

@@ -420,7 +420,7 @@ struct rbd_contact_set {
     rbd_real *b;             /* max_rows: u without impulses, with the bias */
     rbd_real *q_mid, *v_mid; /* nq, nv: the state after half of the step, by v alone */
     rbd_real *at, *straight; /* nv each: velocities of the velocity terms; accelerations by which, at
-                                     these velocities, origins move straight */
+                                     these velocities, the `points` move straight */
     rbd_real *damping;       /* nv: all of it that is implicit */
     rbd_real *nu, *moved;    /* nv each: velocities of the end; of the positions */
     rbd_real *centre;        /* nv: with `momentum`, centres of mass at q_mid, at the first dofs of roots */

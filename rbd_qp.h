@@ -417,7 +417,8 @@ RBDI_EXTENSION typedef RBDI_WIDE rbdi_wide;
 
 /* Options that void results. Other parts of -ffast-math do no harm: -freciprocal-math, -fno-signed-zeros,
    -fno-trapping-math, -fno-math-errno. */
-#if defined __FAST_MATH__ || defined __ASSOCIATIVE_MATH__ || defined _M_FP_FAST
+#if defined __FAST_MATH__ || defined __ASSOCIATIVE_MATH__ || defined _M_FP_FAST || \
+    (defined __USE_FAST_MATH__ && __USE_FAST_MATH__ + 0) /* NVRTC has 0 or 1 */
 #error \
     "rbd: -ffast-math or -funsafe-math-optimizations reassociates the sine's argument reduction and voids \
 the pivot checks; use -O3 -ffp-contract=fast instead"

@@ -101,21 +101,23 @@
 
    [GPU] Kernels call rbd, one state a thread, whose memory is an array of the kernel's:
 
+       #define RBD_REAL float
        #define RBD_STATIC
        #define RBD_IMPLEMENTATION
        #include "rbd.h"
 
-       __global__ void torques(const rbd_model *m, const float *q, float *tau) { // of gravity, of arms
-           const int i = 7 * (blockIdx.x * blockDim.x + threadIdx.x);
+       __global__ void torques(int n, const rbd_model *m, const float *q, float *tau) { // of gravity, n arms
+           const int i = blockIdx.x * blockDim.x + threadIdx.x;
            unsigned char memory[RBD_WORK_SIZE(7, 7)];
            rbd_work *w;
-           rbd_work_init(m, memory, sizeof memory, &w);
-           rbd_gravity_torque(m, w, q + i, tau + i);
+           if (i >= n || rbd_work_init(m, memory, sizeof memory, &w) != RBD_OK) return;
+           rbd_gravity_torque(m, w, q + 7 * i, tau + 7 * i);
        }
 
      The model is a table, which host and GPU both have (&arm_model), or rbd_model_build made it in memory
      that both see: RBD_MODEL_SIZE(nb) bytes of cudaMallocManaged. Names in such a model are the host's alone.
-     rbd_derivatives.h, rbd_constraints.h, rbd_contact.h and rbd_qp.h are called in the same way.
+     rbd_derivatives.h, rbd_constraints.h, rbd_contact.h, rbd_ik.h and rbd_qp.h are called in the same way;
+     rbd_batch.h is for lanes of a CPU. Compile without --use_fast_math, which nvcc does not tell.
 
    [guarantees]
      No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant: calls change the caller's

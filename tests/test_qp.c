@@ -302,7 +302,7 @@ START_TEST(random_problems_satisfy_their_conditions) {
                   kind_names[of], k);
         ck_assert(result.primal <= 10 * RBDI_QP_ACCURACY && result.dual <= 10 * RBDI_QP_ACCURACY);
     }
-    ck_assert_int_ge(solved, is_float && of == LINEAR ? 960 : 970);
+    ck_assert_int_ge(solved, 970);
 }
 END_TEST
 

@@ -69,13 +69,11 @@ struct options {
     codegen::robot robot;
     std::vector<std::string> algorithms;
     std::string folder;
-    bool example, short_sums;
+    bool example, short_sums, block_is_given;
     const char *path, *constraints, *stances;
     std::vector<const char *> passive;
     settings read;
 };
-
-enum { usual_block = 300 };
 
 /* ---- arguments ---- */
 
@@ -153,6 +151,7 @@ int read_block(options *o, const char *text) {
     if (*end || end == text || n < 50 || n > 1000000)
         return usage_error("--block: '%s' is no number from 50 to 1000000", text);
     o->target.block = int(n);
+    o->block_is_given = true;
     return 0;
 }
 
@@ -260,7 +259,7 @@ int prepare_cuda(options *o) {
     } others[] = {{"--lanes", o->target.lanes > 1},
                   {"--limbs", o->target.limbs > 1},
                   {"--reproducible", o->target.is_reproducible},
-                  {"--block", o->target.block != usual_block},
+                  {"--block", o->block_is_given},
                   {"--example", o->example}};
     for (const auto &x : others)
         if (x.is_given) return usage_error("--cuda: not with %s", x.name);
@@ -671,7 +670,7 @@ int main(int argc, char **argv) {
     options o = {};
     o.target.lanes = 1;
     o.target.limbs = 1;
-    o.target.block = usual_block;
+    o.target.block = 300;
     o.algorithms = {"id", "mm", "fd"};
     o.read = settings_new(argc, argv);
     int status = read_options(&o, argv);

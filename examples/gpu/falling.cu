@@ -88,7 +88,7 @@ BOTH static void fall(robot *r, rbd_contact_set *c, int steps, float dt) {
     float tau[HYQ_NV] = {}, damping[HYQ_NV] = {};
 
     for (int k = 0; k < LEGS; ++k) damping[BASE + k] = damper + dt * stiffness / 2;
-    rbd_contact_reset(c);
+    if (!r->status) rbd_contact_reset(c);
 
     for (int s = 0; s < steps; ++s) {
         MEET();

@@ -4,6 +4,7 @@
 #include "rbd_constraints.h"
 #include "rbd_contact.h"
 #include "rbd_derivatives.h"
+#include "rbd_ik.h"
 #include "rbd_qp.h"
 #include "models/hyq_model.h"
 
@@ -113,6 +114,35 @@ HERE int quadratic_program(const rbd_model *m, const state *s, rbd_real *out) {
     return m ? (int)rbd_qp_solve(&p, NULL, memory, sizeof memory, out, out + NV, side, NULL) : 1;
 }
 
+/* The legs' joints with which the feet are under the hips of the state, and how near they come. */
+HERE int inverse_kinematics(const rbd_model *m, const state *s, rbd_real *out) {
+    unsigned char work[HYQ_WORK_SIZE], memory[RBD_IK_SIZE(HYQ_NB, HYQ_NV, FEET)], held[NV] = {0};
+    rbd_ik_target target[FEET];
+    rbd_ik_options options = {0};
+    rbd_ik_result result;
+    rbd_work *w;
+    rbd_status status = rbd_work_init(m, work, sizeof work, &w);
+    if (status) return status;
+
+    for (int k = 0; k < NV; ++k) held[k] = k < 6;
+    for (int k = 0; k < NQ; ++k) out[k] = s->q[k];
+    for (int k = 0; k < FEET; ++k) {
+        const rbd_ik_target none = {RBD_IK_POINT, 0, {0, 0, 0}, {0, 0, 0}, {0}, {0, 0, 0}, {0, 0, 0}, 0};
+        target[k] = none;
+        target[k].body = HYQ_BODY_LF_LOWERLEG + k;
+        target[k].point[0] = (rbd_real)0.33;
+        target[k].position[0] = s->q[0] + (k < 2 ? (rbd_real)0.37 : -(rbd_real)0.37);
+        target[k].position[1] = s->q[1] + (k % 2 ? -(rbd_real)0.3 : (rbd_real)0.3);
+        target[k].position[2] = s->q[2] - (rbd_real)0.5;
+    }
+
+    options.held = held;
+    options.starts = 1;
+    if (rbd_ik(m, w, target, FEET, &options, memory, sizeof memory, out, &result) == RBD_IK_ERROR)
+        return result.error;
+    return RBD_OK;
+}
+
 /* name, numbers of results */
 #define EACH_CALL(CALL) \
     CALL(inverse_dynamics, NV) \
@@ -121,4 +151,5 @@ HERE int quadratic_program(const rbd_model *m, const state *s, rbd_real *out) {
     CALL(derivatives, NV + 2 * NV * NV) \
     CALL(constrained, NV + 3 * FEET) \
     CALL(quadratic_program, 2 * NV + 1) \
+    CALL(inverse_kinematics, NQ) \
     CALL(contact_step, NQ + NV + 3 * FEET)

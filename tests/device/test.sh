@@ -38,8 +38,24 @@ falls() {
 ptx() {
     clang++-19 -x cuda --cuda-device-only -nocudainc -nocudalib --cuda-gpu-arch="$1" "$2" -mcmodel=medium -std=c++11 \
         -Wall -Werror -Wno-unknown-cuda-version -S -I"$root" "$kernels" -o "$scratch/$1.ptx" || return 1
-    [ "$(grep -c '\.visible \.entry' "$scratch/$1.ptx")" -eq 8 ] || { echo "not eight kernels"; return 1; }
+    [ "$(grep -c '\.visible \.entry' "$scratch/$1.ptx")" -eq 9 ] || { echo "not nine kernels"; return 1; }
     ! grep '\.extern' "$scratch/$1.ptx"
+}
+
+# example: the manual's kernel, with the words of CUDA that it uses
+example() {
+    {
+        sed -n '/^#if defined __NVCC__/,/^#ifdef __HIP__/p' "$kernels" | sed '$d'
+        echo '#define blockIdx (index{__nvvm_read_ptx_sreg_ctaid_x()})
+struct index { int x; };
+#define blockDim (index{__nvvm_read_ptx_sreg_ntid_x()})
+#define threadIdx (index{__nvvm_read_ptx_sreg_tid_x()})
+#endif'
+        sed -n '/^   \[GPU\]/,/^       }/p' "$root/rbd.h" | sed 1,2d
+    } >"$scratch/example.cu"
+    clang++-19 -x cuda --cuda-device-only -nocudainc -nocudalib --cuda-gpu-arch=sm_87 -O1 -mcmodel=medium -std=c++11 \
+        -Werror -Wno-unknown-cuda-version -S -I"$root" "$scratch/example.cu" -o "$scratch/example.ptx" &&
+        grep -q 'entry.*torques' "$scratch/example.ptx"
 }
 
 amd() {
@@ -65,6 +81,7 @@ falls || failed "robots that fall"
 if command -v clang++-19 >/dev/null; then
     ptx sm_87 -O1 || failed "PTX for sm_87"
     ptx sm_90 -O2 || failed "PTX for sm_90"
+    example || failed "the manual's example"
     amd || failed "code for AMD"
 else
     echo "clang++-19 is not installed: no PTX"
