@@ -2918,9 +2918,11 @@ RBDI_LOCAL void rbdi_solve_at_once(const rbd_model *m, rbd_constraint_set *c, rb
 }
 
 /* Column j of x = -D^-1 L^-T rho, Y' x = -sigma, by the steps of rbd_constrained_fd. rho: L^-T rho, becomes
-   D (x + D^-1 Y dlambda); sigma becomes dlambda. */
+   D (x + D^-1 Y dlambda); sigma becomes dlambda. D is not in c->w->pivot: if a pivot of M was in doubt,
+   [pivots] has written verdicts there. */
 RBDI_LOCAL void rbdi_solve_column(const rbd_model *m, rbd_constraint_set *c, int j, rbd_real *rho,
                                   rbd_real *sigma) {
+    rbdi_mask none = rbdi_less(rbdi_zero(), rbdi_zero());
     const int nv = m->nv;
     for (int k = 0; k < nv; ++k) c->x[k] = -c->D_inverse[k] * rho[k * nv + j];
     for (int r = 0; r < c->rows; ++r) c->target[r] = -sigma[r * nv + j];
@@ -2930,7 +2932,8 @@ RBDI_LOCAL void rbdi_solve_column(const rbd_model *m, rbd_constraint_set *c, int
     rbdi_delta_solve(c, c->lambda, 1);
     (void)rbdi_refine(m, c, rbdi_add_forces(m, c, c->lambda));
 
-    for (int k = 0; k < nv; ++k) rho[k * nv + j] = c->x[k] * c->w->pivot[k];
+    for (int k = 0; k < nv; ++k)
+        rho[k * nv + j] = c->x[k] * rbdi_reciprocal(c->D_inverse[k], RBDI_TINY, &none);
     for (int r = 0; r < c->rows; ++r) sigma[r * nv + j] = c->lambda[r];
 }
 
