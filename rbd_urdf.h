@@ -1297,7 +1297,7 @@ class checked {
         }
     }
 
-    /* If joints move, but no mass, the file has no masses: that is to be said, not that some joint is massless. */
+    /* If joints move but no mass does, the file has no masses: the message says so, and names no joint. */
     void check_masses() const {
         const std::vector<bool> moves = movers();
         const bool floats = options.root == RBD_FLOATING;
@@ -1329,8 +1329,8 @@ class checked {
         return carries;
     }
 
-    /* rbd_model_build refuses a joint that moves no mass, but not one that others mimic, or that carries a joint
-       which is not refused. */
+    /* rbd_model_build refuses a joint that moves no mass, but not one that others mimic, or that carries a
+       joint which is not refused. */
     void check_movers() const {
         const std::vector<bool> carries = carriers();
         std::vector<bool> good = movers(), leads(joints.size());

@@ -998,7 +998,7 @@ START_TEST(a_joint_that_carries_only_joints_without_mass_gives_a_warning) {
 }
 END_TEST
 
-/* An arm that many makers publish, for kinematics: the message's advice is followed, no other leads back to it. */
+/* An arm without masses, as many makers publish it. The message's advice helps, and no other stands there. */
 #define NO_MASSES(of_joints) \
     ROBOT(LINK("a") LINK("b") LINK("c") LINK("d") JOINT("shoulder", "continuous", "a", "b", of_joints) \
               JOINT("left", "continuous", "b", "c", of_joints) \
