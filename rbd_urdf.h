@@ -837,9 +837,10 @@ class checked {
         text += "</robot>\n";
         check_tree();
         check_names();
+        check_masses();
         if (options.lock_massless) lock_massless();
         follow_mimics();
-        check_leaders();
+        check_movers();
         check_count();
     }
 
@@ -1296,18 +1297,58 @@ class checked {
         }
     }
 
-    /* rbd_model_build refuses a joint that moves no mass, but not one that others mimic. */
-    void check_leaders() const {
-        std::vector<bool> good = movers();
+    /* If joints move but no mass does, the file has no masses: the message says so, and names no joint. */
+    void check_masses() const {
+        const std::vector<bool> moves = movers();
+        const bool floats = options.root == RBD_FLOATING;
+        int line = -1;
+
+        for (size_t i = 0; floats && i < links.size(); ++i)
+            if (links[i].massive) return;
+        for (size_t i = joints.size(); i-- > 0;) {
+            if (joints[i].type == RBD_FIXED) continue;
+            if (moves[i]) return;
+            line = joints[i].line;
+        }
+        if (line < 0 && !floats) return;
+
+        throw failure(
+            RBD_URDF_ERR_MODEL, std::max(line, 0),
+            "no link that moves has mass: dynamics needs <inertial>; to read the robot for kinematics "
+            "alone, give each joint <dynamics armature=\"1\"/>");
+    }
+
+    /* Of each joint, whether another moves behind it. */
+    std::vector<bool> carriers() const {
+        std::vector<bool> below(links.size()), carries(joints.size());
+        for (size_t k = outwards.size(); k-- > 1;) {
+            const size_t child = (size_t)outwards[k], number = (size_t)links[child].joint;
+            carries[number] = below[child];
+            if (below[child] || joints[number].type != RBD_FIXED) below[(size_t)joints[number].parent] = true;
+        }
+        return carries;
+    }
+
+    /* rbd_model_build refuses a joint that moves no mass, but not one that others mimic, or that carries a
+       joint which is not refused. */
+    void check_movers() const {
+        const std::vector<bool> carries = carriers();
+        std::vector<bool> good = movers(), leads(joints.size());
+        for (size_t i = 0; i < joints.size(); ++i)
+            if (joint(joints[i].mimic) >= 0) leads[(size_t)joint(joints[i].mimic)] = true;
+
         for (size_t i = 0; i < joints.size(); ++i) {
             const int leader = joint(joints[i].mimic);
-            if (leader < 0 || good[(size_t)leader]) continue;
-            const joint_part &j = joints[(size_t)leader];
-            good[(size_t)leader] = true; /* told once */
-            warnings.add(RBD_URDF_WARN_SINGULAR, j.line,
-                         "joint " + quoted(j.name) +
-                             ": neither it nor joints that mimic it move mass: forward dynamics is singular" +
-                             massless_hint(j.name));
+            const size_t k = leader < 0 ? i : (size_t)leader;
+            const joint_part &j = joints[k];
+            if (good[k] || j.type == RBD_FIXED || (leader < 0 && !carries[k])) continue;
+
+            good[k] = true; /* told once */
+            warnings.add(
+                RBD_URDF_WARN_SINGULAR, j.line,
+                "joint " + quoted(j.name) + ": " +
+                    (leads[k] ? "neither it nor joints that mimic it move mass" : "it moves no mass") +
+                    ": forward dynamics is singular" + massless_hint(j.name));
         }
     }
 

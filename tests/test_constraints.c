@@ -1654,6 +1654,44 @@ static void check_terms(const robot *r, const set *c, int number, const double *
     check_rows_to(1e-11, r, c, number, q, v, tau, a, lambda);
 }
 
+/* M da/dtau - J' dlambda/dtau = 1, to this share of its terms, and J da/dtau = 0, to this share of those that
+   the lengths allow, of columns beside 1. */
+static void check_columns_to(double share, const robot *r, const set *c, int number, const double *q,
+                             const slopes *of) {
+    double M[MAX_V * MAX_V], J[MAX_ROWS * MAX_V];
+    RUN(rbd_crba(r->m, r->w, q, M));
+    RUN(rbd_constraint_jacobian(r->m, c->c, q, NULL, J, NULL, NULL));
+    for (int column = 0; column < r->nv; column++) {
+        const double *da = &of->a[2][column], *dlambda = &of->lambda[2][column];
+        for (int k = 0; k < r->nv; k++) {
+            double left = k == column ? -1 : 0, terms = 1;
+            for (int j = 0; j < r->nv; j++) {
+                const double term = M[k * r->nv + j] * da[j * r->nv];
+                left += term;
+                terms += fabs(term);
+            }
+            for (int row = 0; row < c->rows; row++) {
+                const double term = J[row * r->nv + k] * dlambda[row * r->nv];
+                left -= term;
+                terms += fabs(term);
+            }
+            expect_small("M da/dtau - J' dlambda/dtau = 1, of its terms", r, number, fabs(left) / terms,
+                         share);
+        }
+        for (int row = 0; row < c->rows; row++) {
+            double left = 0, rows_square = 0, columns_square = 1;
+            for (int j = 0; j < r->nv; j++) {
+                const double entry = J[row * r->nv + j], x = da[j * r->nv];
+                left += entry * x;
+                rows_square += entry * entry;
+                columns_square += x * x;
+            }
+            expect_small("J da/dtau = 0, of its terms", r, number,
+                         fabs(left) / sqrt((1e-30 + rows_square) * columns_square), share);
+        }
+    }
+}
+
 /* The pad's inertia decides nothing, not even in the last digits: the rows hold for any. */
 static void check_pad(const robot *r, int number, uint64_t *seed) {
     const double point[3] = {0, 0, 0}, none[6] = {0};
@@ -1745,6 +1783,7 @@ END_TEST
    hold. */
 START_TEST(rows_of_tiny_links_hold_or_are_an_error) {
     const rbd_constraint weld = {.body1 = 8, .body2 = -1, .axes = {1, 1, 1, 1, 1, 1}};
+    static slopes found;
     uint64_t seed = 32;
     int refused[2] = {0, 0};
     for (int number = 0; number < 2000; number++) {
@@ -1766,6 +1805,13 @@ START_TEST(rows_of_tiny_links_hold_or_are_an_error) {
         refused[0] += status == RBD_ERR_INFEASIBLE;
         if (status == RBD_OK) check_rows_to(1e-9, &r, &c, number, q, v, tau, a, lambda);
 
+        const rbd_status sloped = differentiate(&r, &c, q, v, tau, NULL, a, lambda, &found);
+        if (size <= 2) expect_ok("derivatives of the arm", &r, number, sloped);
+        ck_assert(sloped == RBD_OK || sloped == RBD_ERR_INFEASIBLE);
+        ck_assert_int_eq(rbd_infeasible_row(c.c) >= 0, sloped == RBD_ERR_INFEASIBLE);
+        if (sloped == RBD_OK) check_rows_to(1e-9, &r, &c, number, q, v, tau, a, lambda);
+        if (sloped == RBD_OK) check_columns_to(1e-9, &r, &c, number, q, &found);
+
         const rbd_status hit = rbd_impact(r.m, c.c, q, v, 0, v_plus, impulse);
         if (size <= 2) expect_ok("impact of the arm", &r, number, hit);
         ck_assert(hit == RBD_OK || hit == RBD_ERR_INFEASIBLE);
@@ -1778,6 +1824,110 @@ START_TEST(rows_of_tiny_links_hold_or_are_an_error) {
         robot_free(&r);
     }
     ck_assert_msg(refused[0] > 100 && refused[1] > 100, "%d and %d refused", refused[0], refused[1]);
+}
+END_TEST
+
+/* The same for columns of derivatives: rounding may miss a row in a column alone. Two constraints hold an arm
+   of any joints. The seeds are of such columns, found by trying 60,000. */
+START_TEST(columns_of_tiny_links_hold_or_are_an_error) {
+
+    static slopes found;
+    for (int number = 0; number < 60000; number++) {
+        uint64_t seed = (uint64_t)number;
+        double worst = 0;
+        rbd_body arm[9];
+        double q[9], v[9] = {0}, tau[9], a[9], lambda[9];
+        const int links = 1 + below(&seed, 3), size = 8 + below(&seed, 18);
+        robot r = arm_with_tiny_links(&seed, arm, links, pow(10, -size));
+        robot_free(&r);
+        for (int i = 0; i < 9; i++)
+            if (below(&seed, 4) == 0) arm[i].type = RBD_PRISMATIC;
+        r = robot_build("arm of turns and slides", arm, 9);
+
+        const rbd_constraint list[2] = {
+            {.body1 = 8, .body2 = -1, .axes = {1, 1, 1, 1, 1, 1}},
+            {.body1 = 1 + below(&seed, 7), .body2 = -1, .axes = {0, 0, 0, 1, 0, 1}}};
+        set c = set_of(&r, list, 2);
+        for (int k = 0; k < 9; k++) {
+            q[k] = uniform(&seed, -1, 1);
+            tau[k] = uniform(&seed, -10, 10);
+        }
+
+        const rbd_status status = differentiate(&r, &c, q, v, tau, NULL, a, lambda, &found);
+        ck_assert(status == RBD_OK || status == RBD_ERR_INFEASIBLE);
+        ck_assert_int_eq(rbd_infeasible_row(c.c) >= 0, status == RBD_ERR_INFEASIBLE);
+        if (status == RBD_OK) {
+            double J[81];
+            rbd_constraint_jacobian(r.m, c.c, q, v, J, NULL, NULL);
+            for (int j = 0; j < 9; j++)
+                for (int w = 0; w < c.rows; w++) {
+                    double t = 0, A = 1e-30, B = 1;
+                    for (int k = 0; k < 9; k++) {
+                        double x = found.a[2][k * 9 + j];
+                        t += J[w * 9 + k] * x;
+                        A += J[w * 9 + k] * J[w * 9 + k];
+                        B += x * x;
+                    }
+                    worst = fmax(worst, fabs(t) / sqrt(A * B));
+                }
+            if (worst > 2e-9) printf("SEED %d %g piv %d %d %d\n", number, worst, c.c->pivoted, links, size);
+        }
+        free(c.memory);
+        robot_free(&r);
+    }
+}
+END_TEST
+
+/* An arm whose wrist is so near its gimbal lock that a pivot of M is in doubt, and is found good. The arm is
+   welded to the world before the wrist: its accelerations are rounding of their terms, so the columns are
+   refined. */
+START_TEST(wrists_near_gimbal_lock_have_derivatives) {
+    const rbd_body arm[4] = {{.parent = -1,
+                              .type = RBD_SPHERICAL,
+                              .mass = 3,
+                              .com = {0.1, 0, 0.2},
+                              .inertia = {0.1, 0, 0, 0.2, 0, 0.15}},
+                             {.parent = 0,
+                              .type = RBD_REVOLUTE,
+                              .axis = {0, 1, 0},
+                              .position = {0.1, 0, 0.5},
+                              .mass = 2,
+                              .com = {0, 0.1, 0.2},
+                              .inertia = {0.05, 0, 0, 0.04, 0, 0.02}},
+                             {.parent = 1,
+                              .type = RBD_EULER_YXZ,
+                              .position = {0, 0, 0.4},
+                              .mass = 1,
+                              .com = {0.02, -0.03, 0.1},
+                              .inertia = {0.01, 0, 0, 0.02, 0, 0.015}},
+                             {.parent = 2,
+                              .type = RBD_REVOLUTE,
+                              .axis = {1, 0, 0},
+                              .position = {0, 0.1, 0.2},
+                              .mass = 0.5,
+                              .com = {0, 0, 0.1},
+                              .inertia = {0.002, 0, 0, 0.002, 0, 0.001}}};
+    const rbd_constraint weld = {.body1 = 1, .body2 = -1, .axes = {1, 1, 1, 1, 1, 1}};
+    static slopes found;
+    uint64_t seed = 35;
+    robot r = BUILD(arm);
+    for (int number = 0; number < 60; number++) {
+        double q[MAX_Q], v[MAX_V], tau[MAX_V], a[MAX_V], lambda[6], step[MAX_V], neutral[MAX_Q];
+        set c = set_of(&r, &weld, 1);
+        for (int k = 0; k < r.nv; k++) {
+            step[k] = uniform(&seed, -1, 1);
+            v[k] = k < 4 ? 0 : uniform(&seed, -1, 1);
+            tau[k] = uniform(&seed, -9, 9);
+        }
+        step[5] = 1.5707963267948966 - pow(10, -1 - number % 6); /* the wrist's middle angle */
+        ck_assert_int_eq(rbd_neutral(r.m, neutral), RBD_OK);
+        ck_assert_int_eq(rbd_integrate(r.m, neutral, step, 1, q), RBD_OK);
+
+        ck_assert_int_eq(differentiate(&r, &c, q, v, tau, NULL, a, lambda, &found), RBD_OK);
+        check_columns_to(1e-9, &r, &c, number, q, &found);
+        free(c.memory);
+    }
+    robot_free(&r);
 }
 END_TEST
 
@@ -2659,6 +2809,8 @@ Suite *constraints_suite(void) {
     tcase_add_test(c, links_without_inertia_cost_no_digits);
     tcase_add_test(c, motors_on_tiny_links_cost_no_digits);
     tcase_add_test(c, rows_of_tiny_links_hold_or_are_an_error);
+    tcase_add_test(c, columns_of_tiny_links_hold_or_are_an_error);
+    tcase_add_test(c, wrists_near_gimbal_lock_have_derivatives);
     tcase_add_test(c, legs_of_any_make_stand);
     tcase_add_test(c, legs_do_not_hide_a_singular_joint);
     tcase_add_test(c, singular_mass_matrix_is_an_error);

@@ -20,8 +20,9 @@ typedef struct rbd_constrained_fd_results {
                 the same array
    If rows depend on each other, their rank is taken as constant. da is then unique, and dlambda is the
    change of least norm that belongs to it: the lambda of least norm changes by that and by a null vector of
-   J'. Errors: as rbd_constrained_fd; RBD_ERR_WORK also if d has another work; RBD_ERR_NULL. Section 5 of
-   Carpentier, Budhiraja and Mansard (2021), and [derivatives code]. */
+   J'. Errors: as rbd_constrained_fd; RBD_ERR_INFEASIBLE also if rounding keeps a column of da from meeting
+   the derivative of a row, which rbd_infeasible_row names; RBD_ERR_WORK also if d has another work;
+   RBD_ERR_NULL. Section 5 of Carpentier, Budhiraja and Mansard (2021), and [derivatives code]. */
 RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_constraint_set *c,
                                                    rbd_derivatives *d, const rbd_real *q, const rbd_real *v,
                                                    const rbd_real *tau, const rbd_real *f_ext,

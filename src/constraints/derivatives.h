@@ -317,9 +317,12 @@ RBDI_LOCAL void rbdi_solve_at_once(const rbd_model *m, rbd_constraint_set *c, rb
 }
 
 /* Column j of x = -D^-1 L^-T rho, Y' x = -sigma, by the steps of rbd_constrained_fd. rho: L^-T rho, becomes
-   D (x + D^-1 Y dlambda); sigma becomes dlambda. */
+   D (x + D^-1 Y dlambda); sigma becomes dlambda. D is not in c->w->pivot: if a pivot of M was in doubt,
+   [pivots] has written verdicts there. Notes a row that the column does not meet. */
 RBDI_LOCAL void rbdi_solve_column(const rbd_model *m, rbd_constraint_set *c, int j, rbd_real *rho,
                                   rbd_real *sigma) {
+    const rbdi_mask look = rbdi_less(rbdi_zero(), rbdi_set(RBD_C(1)));
+    rbdi_mask none = rbdi_not(look);
     const int nv = m->nv;
     for (int k = 0; k < nv; ++k) c->x[k] = -c->D_inverse[k] * rho[k * nv + j];
     for (int r = 0; r < c->rows; ++r) c->target[r] = -sigma[r * nv + j];
@@ -327,9 +330,11 @@ RBDI_LOCAL void rbdi_solve_column(const rbd_model *m, rbd_constraint_set *c, int
     rbdi_rest_of_rows(c);
     for (int r = 0; r < c->rows; ++r) c->lambda[r] = c->b[r];
     rbdi_delta_solve(c, c->lambda, 1);
-    (void)rbdi_refine(m, c, rbdi_add_forces(m, c, c->lambda));
+    (void)rbdi_add_forces(m, c, c->lambda);
+    if (rbdi_refine(m, c, look) || c->pivoted) rbdi_check_held(m, c);
 
-    for (int k = 0; k < nv; ++k) rho[k * nv + j] = c->x[k] * c->w->pivot[k];
+    for (int k = 0; k < nv; ++k)
+        rho[k * nv + j] = c->x[k] * rbdi_reciprocal(c->D_inverse[k], RBDI_TINY, &none);
     for (int r = 0; r < c->rows; ++r) sigma[r * nv + j] = c->lambda[r];
 }
 
@@ -351,7 +356,37 @@ RBDI_LOCAL int rbdi_loses_digits(const rbd_model *m, rbd_constraint_set *c) {
     rbdi_rest_of_rows(c);
 
     rbdi_delta_solve(c, c->b, 1);
-    return rbdi_any(rbdi_add_forces(m, c, c->b));
+    if (rbdi_any(rbdi_add_forces(m, c, c->b))) return 1;
+    return c->pivoted && rbdi_any(rbdi_rows_miss(c));
+}
+
+/* Makes da of rho and dlambda of sigma, for q, v and tau. status: of a. Returns that of the call. */
+RBDI_LOCAL rbd_status rbdi_constrained_slopes(const rbd_model *m, rbd_constraint_set *c, rbd_status status,
+                                              rbd_real *const of_a[3], rbd_real *const of_lambda[3]) {
+    const int nv = m->nv, by_columns = rbdi_loses_digits(m, c);
+    if (!by_columns)
+        rbdi_solve_forward(m, c->w, c->w->H, -1, c->stride, c->rows, c->Y); /* -T = -L^-1 D^-1 Y */
+
+    for (int x = 0; x < 3; ++x) {
+        if (!of_a[x]) continue;
+        if (by_columns)
+            rbdi_solve_by_columns(m, c, of_a[x], of_lambda[x]);
+        else
+            rbdi_solve_at_once(m, c, of_a[x], of_lambda[x]);
+    }
+
+    /* M is singular: that is the error, and there are no results */
+    if (status && status != RBD_ERR_INFEASIBLE) {
+        c->infeasible = -1;
+        for (int x = 0; x < 3; ++x) {
+            if (!of_a[x]) continue;
+            (void)rbdi_pivot_status(m, c->w, of_a[x], nv * nv);
+            (void)rbdi_pivot_status(m, c->w, of_lambda[x], c->rows * nv);
+        }
+        return status;
+    }
+
+    return c->infeasible < 0 ? RBD_OK : RBD_ERR_INFEASIBLE;
 }
 
 RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_constraint_set *c,
@@ -364,7 +399,7 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
     rbd_real *const of_a[3] = {to.da_dq, to.da_dv, to.da_dtau};
     rbd_real *const of_lambda[3] = {to.dlambda_dq, to.dlambda_dv, to.dlambda_dtau};
     const int nv = m ? m->nv : 0;
-    int pairs = 1, by_columns;
+    int pairs = 1;
     rbd_status status, solved;
 
     for (int x = 0; x < 3; ++x) pairs &= !of_a[x] == !of_lambda[x];
@@ -391,22 +426,7 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
     if (to.da_dtau) rbdi_clear(to.da_dtau, nv * nv);
     for (int k = 0; to.da_dtau && k < nv; ++k) to.da_dtau[k * nv + k] = rbdi_set(RBD_C(-1));
 
-    /* da and dlambda */
-    by_columns = rbdi_loses_digits(m, c);
-    if (!by_columns)
-        rbdi_solve_forward(m, c->w, c->w->H, -1, c->stride, c->rows, c->Y); /* -T = -L^-1 D^-1 Y */
-    for (int x = 0; x < 3; ++x) {
-        if (!of_a[x]) continue;
-        if (by_columns)
-            rbdi_solve_by_columns(m, c, of_a[x], of_lambda[x]);
-        else
-            rbdi_solve_at_once(m, c, of_a[x], of_lambda[x]);
-
-        if (solved && solved != RBD_ERR_INFEASIBLE) {
-            (void)rbdi_pivot_status(m, c->w, of_a[x], nv * nv);
-            (void)rbdi_pivot_status(m, c->w, of_lambda[x], c->rows * nv);
-        }
-    }
+    solved = rbdi_constrained_slopes(m, c, solved, of_a, of_lambda);
 
     for (int k = 0; to.a && k < nv; ++k) to.a[k] = d->a[k];
     return solved;

@@ -977,6 +977,51 @@ START_TEST(a_joint_that_moves_no_mass_with_those_that_mimic_it_gives_a_warning) 
 }
 END_TEST
 
+/* rbd_model_build takes the elbow, because it carries a joint that others mimic. */
+START_TEST(a_joint_that_carries_only_joints_without_mass_gives_a_warning) {
+    static const char text[] = ROBOT(
+        LINK("a") UNIT_LINK("b") LINK("c") LINK("d") LINK("e") JOINT("trunk", "continuous", "a", "b", "")
+            JOINT("elbow", "continuous", "b", "c", "") JOINT("left", "continuous", "c", "d", "")
+                JOINT("right", "continuous", "c", "e", "<mimic joint='left'/>"));
+    const rbd_urdf_options lock = {.lock_massless = 1};
+    static room x;
+    rbd_urdf robot = parsed(&x, text, NULL);
+    ck_assert_int_eq(robot.nwarnings, 2);
+    ck_assert_int_eq(robot.warnings[0].status, RBD_URDF_WARN_SINGULAR);
+    ck_assert_ptr_nonnull(
+        strstr(robot.warnings[0].text, "joint 'elbow': it moves no mass: forward dynamics"));
+    ck_assert_ptr_nonnull(
+        strstr(robot.warnings[1].text, "joint 'left': neither it nor joints that mimic it"));
+
+    robot = parsed(&x, text, &lock);
+    ck_assert_int_eq(robot.nb, 1);
+}
+END_TEST
+
+/* An arm without masses, as many makers publish it. The message's advice helps, and no other stands there. */
+#define NO_MASSES(of_joints) \
+    ROBOT(LINK("a") LINK("b") LINK("c") LINK("d") JOINT("shoulder", "continuous", "a", "b", of_joints) \
+              JOINT("left", "continuous", "b", "c", of_joints) \
+                  JOINT("right", "continuous", "b", "d", of_joints "<mimic joint='left'/>"))
+
+START_TEST(a_robot_without_masses_is_told_how_to_be_read) {
+    const rbd_urdf_lock left[] = {{"left", 0}, {NULL, 0}};
+    const rbd_urdf_options options[4] = {
+        {.lock_massless = 1}, {.root = RBD_FLOATING}, {.lock = left}, {.strict = 1}};
+    static room x;
+    rbd_urdf robot = with_room(&x);
+    for (int i = 0; i < 4; i++) {
+        ck_assert_int_eq(parse(&robot, NO_MASSES(""), &options[i]), RBD_URDF_ERR_MODEL);
+        ck_assert(strncmp(robot.error.text, "no link that moves has mass: ", 29) == 0);
+        ck_assert_ptr_nonnull(strstr(robot.error.text, "<dynamics armature=\"1\"/>"));
+    }
+
+    ck_assert_int_eq(parse(&robot, NO_MASSES("<dynamics armature='1'/>"), &options[3]), RBD_URDF_OK);
+    ck_assert_int_eq(robot.nwarnings, 0);
+    ck_assert_int_eq(robot.nb, 3);
+}
+END_TEST
+
 /* ---- what is odd but usable ---- */
 
 /* odd/expected.txt has a row for each file: name|line|text of its only warning. */
@@ -1558,6 +1603,8 @@ int main(void) {
     tcase_add_test(c, joints_that_move_no_mass_are_an_error_or_locked);
     tcase_add_test(c, a_joint_moves_the_mass_of_those_that_mimic_it);
     tcase_add_test(c, a_joint_that_moves_no_mass_with_those_that_mimic_it_gives_a_warning);
+    tcase_add_test(c, a_joint_that_carries_only_joints_without_mass_gives_a_warning);
+    tcase_add_test(c, a_robot_without_masses_is_told_how_to_be_read);
     tcase_add_test(c, odd_files_give_the_warning_expected);
     tcase_add_loop_test(c, what_looks_like_degrees_gives_a_warning, 0, sizeof degrees / sizeof *degrees);
     tcase_add_test(c, a_joint_held_still_at_degrees_gives_a_warning);
