@@ -117,7 +117,7 @@ def sentences(root):
     forward = max(x for r in ("iiwa", "hyq") for x in ratios(run, "fd", r, "rows", "blocks"))
     yield page, f"`fd` of the iiwa and HyQ is faster in rows, up to {forward:.1f} times,"
     parts = run.best("hyq", "fd_derivatives_in_parts") / run.best("hyq", "fd_derivatives")
-    yield page, f"For HyQ too the parts are {parts:.1f} times as fast as one function."
+    yield page, f"For HyQ the parts are {parts:.1f} times as fast as one function."
     slower = [run.best(r, a) / run.best(r, a, scalar="double") for a in ALGORITHMS for r in ROBOTS
               if run.best(r, a, scalar="double")]
     yield page, f"`double` takes {min(slower):.1f} to {max(slower):.1f} times as long as `float` here"
