@@ -3,9 +3,10 @@
 #   gpu.sh build FOLDER         generates code and compiles the programs: needs nvcc and build/tools/rbd-codegen
 #   gpu.sh check FOLDER OUT     compares every kernel with double precision; times one size (two minutes)
 #   gpu.sh all FOLDER OUT       all sizes, profiler counters (six minutes)
-# OUT gets results.csv, counters.csv, machine.txt and what the examples print. Environment: ARCH (sm_90), NVCC, RBD_CODEGEN,
+# OUT gets results.csv, registers.csv, counters.csv, machine.txt and what the examples print. Environment: ARCH (sm_90), NVCC, RBD_CODEGEN,
 # ROBOTS ("iiwa hyq atlas"), SCALARS ("float double"); GRID, a folder with checkouts GRiD and GRiDBenchmarks, whose kernels
-# are timed too; WORK, where code and objects go (FOLDER/build). FOLDER can then be taken to another machine.
+# are timed too; WORK, where code and objects go (FOLDER/build); PROFILE_SECONDS, the most for the profiler (120). FOLDER can
+# then be taken to another machine.
 # SPDX-License-Identifier: MIT
 set -u
 here=$(cd "$(dirname "$0")" && pwd)
@@ -116,7 +117,7 @@ run_examples() {
     timeout 60 "$folder/mppi" 16384 times >>"$out/mppi.txt" 2>&1
     timeout 90 python3 "$folder/batch.py" "$folder/iiwa_code.cuh" >"$out/python.txt" 2>&1
     [ -x "$folder/falling" ] || return
-    for robots in 1000 16896 50688 506880; do timeout 60 "$folder/falling" $robots 1000; done >"$out/falling.txt" 2>&1
+    for robots in 1000 16896 50688; do timeout 60 "$folder/falling" $robots 1000; done >"$out/falling.txt" 2>&1
 }
 
 build() {
@@ -137,6 +138,7 @@ build() {
             [ "${robot#grid_}" = "$robot" ] || build_grid "$robot" || return 1
         done
     done
+    python3 "$here/registers.py" "$work" >"$folder/registers.csv" || return 1
     build_examples
 }
 
@@ -167,37 +169,48 @@ smsp__average_warps_issue_stalled_long_scoreboard_per_issue_active.ratio,\
 smsp__average_warps_issue_stalled_lg_throttle_per_issue_active.ratio,\
 smsp__thread_inst_executed_per_inst_executed.ratio
 
-# The profiler's counters of one kernel: counters ROBOT ALGORITHM [LAYOUT [MEASUREMENT]]. The first launch is that of 1003
-# states.
+# The profiler's counters of one kernel: counters ROBOT ALGORITHM [LAYOUT [MEASUREMENT]].
 counters() {
     local layout=${3-blocks}
-    keep_counters "$1,$2,$layout" "$2_kernel" "$folder/$1.float" --only "${4-$2}" --layout "$layout" --check
+    keep_counters "$1,$2,$layout" "$2_kernel" 0 "$folder/$1.float" --only "${4-$2}" --layout "$layout" --profile
 }
 
-# keep_counters NAME KERNEL PROGRAM ARGUMENT...
+# keep_counters NAME KERNEL LAUNCHES_BEFORE PROGRAM ARGUMENT...
 keep_counters() {
-    local name=$1 kernel=$2 log
-    shift 2
-    log=$(timeout 60 ncu --clock-control none --kernel-name "regex:$kernel" --launch-skip 1 --launch-count 1 --csv \
-        --metrics "$metrics" "$@" 2>&1)
+    local name=$1 kernel=$2 before=$3 left=$((profile_end - SECONDS)) log
+    shift 3
+    if [ $left -gt 0 ]; then
+        log=$(timeout -k 5 $left ncu --clock-control none --kernel-name "regex:$kernel" --launch-skip "$before" \
+            --launch-count 1 --csv --metrics "$metrics" "$@" 2>&1)
+    fi
+    if [ $SECONDS -ge "$profile_end" ]; then
+        echo "$name: no counters, the profiler's time was over" >>"$out/unprofiled.txt"
+        return
+    fi
     grep '^"[0-9]' <<<"$log" | sed "s/^/$name,/" >>"$out/counters.csv"
     grep '^==ERROR' <<<"$log" | sed "s/^/$name: /" >>"$out/errors.txt"
 }
 
+# All kernels within PROFILE_SECONDS; what spills comes first.
 profile() {
-    : >"$out/counters.csv"
+    local algorithm profile_end=$((SECONDS + ${PROFILE_SECONDS:-120}))
     command -v ncu >/dev/null || return
     counters iiwa id
     [ "$1" = check ] && return
-    counters iiwa id rows
-    counters iiwa mm rows
-    counters iiwa fd
-    counters iiwa fd_derivatives
-    local algorithm
-    for algorithm in id fd minv id_derivatives fd_derivatives constrained; do counters hyq $algorithm; done
-    for algorithm in id mm fd minv id_derivatives; do counters atlas $algorithm; done
+    for algorithm in fd_derivatives constrained id_derivatives; do counters hyq $algorithm; done
+    for algorithm in minv id_derivatives fd; do counters atlas $algorithm; done
     counters atlas product blocks fd_derivatives_in_parts
-    [ -x "$folder/falling" ] && keep_counters hyq,contact_step,columns fall_kernel "$folder/falling" 50688 300
+    [ -x "$folder/falling" ] && keep_counters hyq,contact_step,columns fall_kernel 1 "$folder/falling" 50688 20
+    for algorithm in fd fd_derivatives; do counters iiwa $algorithm; done
+    for algorithm in id mm; do counters iiwa $algorithm rows; done
+    for algorithm in id fd minv; do counters hyq $algorithm; done
+    for algorithm in id mm; do counters atlas $algorithm; done
+}
+
+# After each part: when it ended, and the page of what there is, so that a run that is cut off leaves one.
+part_done() {
+    echo "$1: until second $SECONDS" >>"$out/machine.txt"
+    python3 "$here/report.py" "$out" >"$out/printed.txt"
 }
 
 case $what in
@@ -208,13 +221,19 @@ build)
 check | all)
     [ -n "$folder" ] || usage
     mkdir -p "$out"
-    : >"$out/errors.txt"
+    for file in errors.txt counters.csv unprofiled.txt; do : >"$out/$file"; done
     describe_machine >"$out/machine.txt" 2>&1
+    cp "$folder/registers.csv" "$out" 2>/dev/null
     if [ "$what" = check ]; then measure --check; else measure; fi
+    part_done kernels
     run_examples
+    part_done examples
     profile "$what"
     nvidia-smi --query-gpu=clocks.sm,temperature.gpu,power.draw --format=csv >>"$out/machine.txt" 2>&1
-    python3 "$here/report.py" "$out"
+    part_done profiler
+    status=$?
+    cat "$out/printed.txt"
+    exit $status
     ;;
 *) usage ;;
 esac

@@ -21,6 +21,7 @@
 
 struct options {
     bool check = false;     /* compare, and time one size only */
+    bool profile = false;   /* one launch, for a profiler: nothing is compared or timed */
     int least_states = 256; /* sizes grow by four from here */
     int most_states = 1 << 22;
     int groups = 9;               /* of which the median counts */
@@ -33,6 +34,8 @@ struct options {
             const bool more = k + 1 < argc;
             if (!std::strcmp(argv[k], "--check"))
                 check = true;
+            else if (!std::strcmp(argv[k], "--profile"))
+                profile = true;
             else if (more && !std::strcmp(argv[k], "--most"))
                 most_states = std::atoi(argv[++k]);
             else if (more && !std::strcmp(argv[k], "--least"))
@@ -44,7 +47,7 @@ struct options {
             else
                 usage(argv[k]);
         }
-        if (!check) return;
+        if (!check && !profile) return;
         most_states = least_states = most_states < 1 << 18 ? most_states : 1 << 18;
         groups = 3;
     }
@@ -54,10 +57,10 @@ struct options {
 
   private:
     static void usage(const char *argument) {
-        std::fprintf(
-            stderr,
-            "%s: options are --check, --least STATES, --most STATES, --only ALGORITHM, --layout LAYOUT\n",
-            argument);
+        std::fprintf(stderr,
+                     "%s: options are --check, --profile, --least STATES, --most STATES, --only ALGORITHM, "
+                     "--layout LAYOUT\n",
+                     argument);
         std::exit(2);
     }
 };

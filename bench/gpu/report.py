@@ -131,7 +131,7 @@ def main():
     for scalar in results.values("scalar", program="generated"):
         parts += [layouts(results, scalar), sizes(results, scalar)]
     parts += [beside_grid(results), counters(folder / "counters.csv")]
-    for name in ("falling.txt", "python.txt", "mppi.txt", "errors.txt"):
+    for name in ("unprofiled.txt", "falling.txt", "python.txt", "mppi.txt", "errors.txt"):
         if text_of(folder / name):
             parts.append(f"{name.split('.')[0]}:\n\n```text\n{text_of(folder / name)}\n```\n")
     page = "\n".join(part for part in parts if part)

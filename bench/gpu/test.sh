@@ -35,6 +35,20 @@ for row in 'robot id' 'robot rollout' 'robot fd_derivatives_in_parts' ' 0 wrong'
     grep -q "$row" "$scratch/report" || { echo "no '$row' in the report"; exit 1; }
 done
 
+# For a profiler each kernel is launched, and nothing is printed.
+"$scratch/right" --profile --most 64 >"$scratch/printed"
+[ ! -s "$scratch/printed" ]
+
+# The script, with a profiler that does not end: the page says so.
+mkdir "$scratch/folder" "$scratch/path"
+printf '#!/bin/sh\n"%s" --check --most 1003 --only id\n' "$scratch/right" >"$scratch/folder/robot.float"
+printf '#!/bin/sh\nexec sleep 60\n' >"$scratch/path/ncu"
+chmod +x "$scratch/folder/robot.float" "$scratch/path/ncu"
+PATH=$scratch/path:$PATH PROFILE_SECONDS=1 "$root/bench/gpu/gpu.sh" all "$scratch/folder" "$scratch/out" >"$scratch/printed" || true
+for row in 'robot id' 'iiwa,id,blocks: no counters' 'atlas,mm,blocks: no counters' 'kernels: until second'; do
+    grep -q "$row" "$scratch/out/report.md" || { echo "no '$row' on the page of a run that was cut off"; exit 1; }
+done
+
 # A robot of another mass is not the same.
 sed 's/<mass value="[^"]*"/<mass value="3.21"/' "$urdf" >"$scratch/other.urdf"
 "$codegen" "$scratch/other.urdf" --name robot --cuda --scalar float --algorithm id,minv,fd,id_derivatives --output "$scratch"

@@ -27,14 +27,16 @@ GUIDES = [
                          "examples/firmware/README.md"]),
     ("Tools and other libraries", ["docs/other_libraries.md", "docs/tools.md", "models/README.md"]),
     ("Accuracy and measurements", ["docs/accuracy.md", "docs/performance.md", "bench/results/2026-11-27-xeon/report.md",
-                                   "bench/results/2026-11-25-contact/contact.md", "bench/README.md"]),
+                                   "bench/results/2026-11-25-contact/contact.md", "bench/results/2026-11-27-h200/report.md",
+                                   "bench/README.md"]),
     ("The project", ["README.md", "docs/interface.md", "CONTRIBUTING.md", "CHANGELOG.md", "packaging/README.md"]),
 ]
 # Shorter names in the list of guides.
 TITLES = {"docs/control_loop.md": "Control loop", "docs/gradients.md": "Gradients and predictive control",
           "docs/firmware.md": "Firmware: what it costs", "docs/porting.md": "Firmware: your board",
           "examples/firmware/README.md": "Firmware: examples", "bench/results/2026-11-27-xeon/report.md": "Measurements",
-          "bench/results/2026-11-25-contact/contact.md": "Measurements of contacts"}
+          "bench/results/2026-11-25-contact/contact.md": "Measurements of contacts",
+          "bench/results/2026-11-27-h200/report.md": "Measurements on a GPU"}
 # Rows of bench/instructions.csv, and the call that each is of.
 COSTS = {"id": "rbd_rnea", "mm": "rbd_crba", "mm_packed": "rbd_crba_packed", "fd": "rbd_aba",
          "fd_cholesky": "rbd_fd_cholesky", "hybrid": "rbd_hybrid", "id_free_base": "rbd_id_free_base",

@@ -1,8 +1,8 @@
 #!/bin/sh
 # The site: each public declaration has a page, no page or table names what is not there, all links lead somewhere, and
 # Sphinx builds it without a warning. Programs of the guides do what is said.
-# usage: test.sh names | pages | guides | generated CODEGEN   pages is skipped (77) without Sphinx; generated: the guide
-# whose program needs rbd-codegen
+# usage: test.sh names | pages | guides | generated CODEGEN | gpu CODEGEN   pages is skipped (77) without Sphinx;
+# generated, gpu: the guides whose programs need rbd-codegen
 set -eu
 here=$(CDPATH='' cd -- "$(dirname -- "$0")" && pwd)
 scratch=$(mktemp -d)
@@ -41,6 +41,20 @@ generated)
     cd "$here/../.."
     "$codegen" models/iiwa.urdf --name robot --algorithm id,mm,fd --output "$scratch"
     program_of generated_code "-I$scratch" "$scratch/robot_code.c"
+    ;;
+gpu) # the C++ of the guide to GPUs, as a C++ compiler sees it: kernels are loops, launches are calls
+    codegen=$(realpath "$2")
+    cd "$here/../.."
+    "$codegen" models/iiwa.urdf --name robot --cuda --scalar float --algorithm fd --output "$scratch"
+    for number in 1 2 3 4; do
+        awk -v wanted=$number '$0 == "```cpp" { inside = ++number == wanted; next } /^```/ { inside = 0 } inside' docs/gpu.md |
+            sed 's/<<<.*>>>//' >"$scratch/guide_$number.h"
+        [ -s "$scratch/guide_$number.h" ]
+    done
+    # shellcheck disable=SC2086 # CXX may be "ccache c++"
+    ${CXX:-c++} -std=c++11 -Og -Dalways_inline=unused -Wall -Wextra -Werror -Wno-unused-parameter -I. -I"$scratch" \
+        docs/site/gpu_guide.cpp -o "$scratch/program"
+    "$scratch/program"
     ;;
 *) exit 2 ;;
 esac
