@@ -545,8 +545,13 @@ static const rbd_model *model;
    point will do, and the library's is taken; of one body it is the centre of mass:
    tests/test_contact_energy.c. */
 static void straight_point(int i, quad point[3]) {
-    const rbdi_v3 c = rbdi_straight_point(model, &model->frame[i], half > 0 ? RBDI_CENTRES : RBDI_ORIGINS);
-    point[0] = (quad)c.x, point[1] = (quad)c.y, point[2] = (quad)c.z;
+    for (int k = 0; k < 3; k++) point[k] = 0;
+    if (half == 0) return;
+
+    const rbdi_v3 c = rbdi_straight_point(model, &model->frame[i], RBDI_CENTRES);
+    point[0] = (quad)c.x;
+    point[1] = (quad)c.y;
+    point[2] = (quad)c.z;
 }
 
 /* Adds `sign` times the velocity of the point c over the origin. */
