@@ -213,6 +213,32 @@ START_TEST(a_planar_arm_comes_as_near_as_geometry_allows) {
 }
 END_TEST
 
+/* With one start, as in a control loop: from the stretched arm, where no joint moves the tip inwards, it folds;
+   and an arm that points away from its target turns to it, or to a limit. */
+START_TEST(a_stretched_arm_folds) {
+    const rbd_ik_options once = {.starts = 1};
+    rbd_ik_result result;
+
+    robot r = BUILD(two_links);
+    double q[2] = {0};
+    for (int k = 1; k < 50; k++) {
+        const rbd_ik_target t = tip(0.8 - 0.01 * k, 0);
+        expect_status("inwards", solve_with(&r, &t, 1, &once, q, &result), RBD_IK_REACHED, &result);
+        ck_assert(result.metres <= 1e-6 && fabs(sin(q[1])) > 0.01);
+    }
+    robot_free(&r);
+
+    rbd_body one[1] = {two_links[0]};
+    const rbd_ik_target behind = {.body = 0, .point = {1, 0, 0}, .position = {-1, 0, 0}};
+    one[0].lower = -1, one[0].upper = 1;
+    r = BUILD(one);
+    q[0] = 0;
+    expect_status("behind", solve_with(&r, &behind, 1, &once, q, &result), RBD_IK_AT_LIMIT, &result);
+    ck_assert(fabs(q[0]) == 1 && fabs(result.metres - 2 * cos(0.5)) < 1e-12);
+    robot_free(&r);
+}
+END_TEST
+
 /* The elbow can neither stretch nor turn the other way: the nearest place is with the elbow at its limit, on
    the circle of radius |(0.5, 0) + 0.3 (cos, sin)(0.6)|. */
 START_TEST(a_limit_that_keeps_the_tip_away_is_named) {
@@ -827,6 +853,7 @@ Suite *ik_suite(void) {
     tcase_add_loop_test(slow, arms_reach_random_poses, 0, LENGTH(arm));
     tcase_add_loop_test(c, arms_reach_places_directions_and_turns, 0, LENGTH(arm));
     tcase_add_test(c, a_planar_arm_comes_as_near_as_geometry_allows);
+    tcase_add_test(c, a_stretched_arm_folds);
     tcase_add_test(c, a_limit_that_keeps_the_tip_away_is_named);
     tcase_add_test(c, an_iiwa_stretches_to_places_beyond_its_reach);
     tcase_add_loop_test(slow, poses_out_of_reach_end_at_a_least_error, 0, LENGTH(arm));

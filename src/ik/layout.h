@@ -42,6 +42,7 @@
 #define RBDI_IK_LENGTH RBD_C(0.3)
 #define RBDI_IK_STIFF RBD_C(1e9)     /* damping, in length^2, by which hardly any step is left */
 #define RBDI_IK_STRAIGHT RBD_C(1e-3) /* rad: the curvature of smaller turns is not needed */
+#define RBDI_IK_ASIDE RBD_C(0.05)    /* rad, or length: how far a saddle is left */
 #define RBDI_IK_MOST_TARGETS 1000
 #define RBDI_IK_MOST RBD_C(1e9)        /* of a position, in m, and of q */
 #define RBDI_IK_MOST_WEIGHT RBD_C(1e6) /* and its inverse is the least */

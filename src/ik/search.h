@@ -154,8 +154,31 @@ RBDI_LOCAL int rbdi_ik_descend(rbdi_ik *k, int steps, rbd_const end) {
     return 0;
 }
 
-/* Descents from the best place and from the first starts, then a long one from the best of all. Returns
-   whether one reaches the targets. */
+/* Where g is 0 and H has a negative direction, as of a stretched arm that could fold, q is no nearest place: a
+   small motion of all dofs leaves it. Returns whether the best place is such a one, q then being beside it. */
+RBDI_LOCAL int rbdi_ik_leave_saddle(rbdi_ik *k) {
+    rbd_real least;
+    if (!rbdi_ik_may_go_on(k)) return 0;
+
+    rbdi_ik_copy(k->best, k->m->nq, k->q);
+    rbdi_ik_errors(k, k->q);
+    rbdi_ik_jacobian(k);
+    least = RBDI_IK_FLOOR * rbdi_ik_normal(k) + RBDI_TINY;
+    rbdi_ik_curve(k);
+    if (rbdi_ik_step(k, rbdi_zero(), least)) return 0;
+
+    for (int i = 0; i < k->dofs; ++i) {
+        const rbd_real aside = k->dof[i].turns ? rbdi_set(RBDI_IK_ASIDE) : RBDI_IK_ASIDE * k->options.length;
+        k->d[i] = i % 2 ? rbdi_zero() - aside : aside;
+        k->dof[i].hold = RBDI_IK_FREE;
+    }
+
+    rbdi_ik_move(k, rbdi_set(RBD_C(1)), k->q);
+    return 1;
+}
+
+/* Descents from the best place and from the first starts, then a long one from the best of all, and another
+   if that ends on a saddle. Returns whether one reaches the targets. */
 RBDI_LOCAL int rbdi_ik_find_nearest(rbdi_ik *k) {
     const int descents = k->options.starts < RBDI_IK_DESCENTS ? k->options.starts : RBDI_IK_DESCENTS;
 
@@ -168,7 +191,8 @@ RBDI_LOCAL int rbdi_ik_find_nearest(rbdi_ik *k) {
     }
 
     rbdi_ik_copy(k->best, k->m->nq, k->q);
-    return rbdi_ik_descend(k, RBDI_IK_LAST * RBDI_IK_STEPS, RBDI_IK_FINE);
+    if (rbdi_ik_descend(k, RBDI_IK_LAST * RBDI_IK_STEPS, RBDI_IK_FINE)) return 1;
+    return rbdi_ik_leave_saddle(k) && rbdi_ik_descend(k, RBDI_IK_LAST * RBDI_IK_STEPS, RBDI_IK_FINE);
 }
 
 /* Says why the targets are not reached at q: by g = J'e, as a share of |e| and the longest column of J. */
