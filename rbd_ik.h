@@ -43,6 +43,7 @@
      bounds their number. Targets within reach take 15 to 25 in the mean and some hundred at worst. That a
      target is out of reach is known after all starts and descents: a thousand. It is not proven that no place
      is nearer, nor that a target that is not reached cannot be. A redundant arm may take any of its postures.
+     Where limits are wide, starts are within a turn, or 10 times `length` of a slide, of the caller's q.
      No collisions. Robots need no masses, but for their centre of mass; a last body without mass needs
      armature, or rbd_model_build refuses it.
 */
@@ -188,7 +189,8 @@ RBDI_EXTERN_C_END
    The search takes such steps with damping RBDI_IK_DAMPING |e|^2. It is large far away, where the linear
    model is wrong, and falls with the square of the error, so that the last steps are Newton's. The error may
    grow on the way. A start that has not brought |e|^2 to a quarter for RBDI_IK_STALL steps is given up for
-   another one: anywhere within limits, or half a turn at most around the caller's angle without limits.
+   another one: anywhere within limits, but a turn at most from the caller's angle, RBDI_IK_WIDE lengths at
+   most from a slide's, and half a turn at most without limits.
 
    If no start reaches the targets, descents from the best place and from a few starts look for the nearest
    place. They take steps that bring the error down alone, with the damping of Levenberg and Marquardt. */
@@ -204,6 +206,7 @@ RBDI_EXTERN_C_END
 #define RBDI_IK_FLOOR (8 * RBDI_EPS)
 #define RBDI_IK_FAR RBD_C(10)
 #define RBDI_IK_TURN RBD_C(1)
+#define RBDI_IK_WIDE RBD_C(10)
 #define RBDI_IK_STEPS 60
 #define RBDI_IK_STALL 6
 #define RBDI_IK_STARTS 60
@@ -898,6 +901,20 @@ RBDI_LOCAL rbd_real rbdi_ik_golden(int n) {
     return x;
 }
 
+/* A share of what a start may take of the limits of dof f, from k->q: see [method]. */
+RBDI_LOCAL rbd_real rbdi_ik_draw(const rbdi_ik *k, const rbdi_ik_dof *f, rbd_real share) {
+    const rbd_real q = k->q[f->at];
+    const rbd_real most = f->turns ? rbdi_set(2 * RBDI_PI(rbd_const)) : RBDI_IK_WIDE * k->options.length;
+    rbd_real lower = f->lower, upper = f->upper;
+
+    if (upper - lower > most + most) {
+        lower = rbdi_ik_larger(lower, q - most);
+        upper = upper < q + most ? upper : q + most;
+    }
+
+    return lower + share * (upper - lower) - q;
+}
+
 /* q of a start: the caller's; then share frac(1/2 + start golden^-(i + 1)) of the range of the ith dof. Any
    number of first starts is spread evenly (Roberts 2018). */
 RBDI_LOCAL void rbdi_ik_start(rbdi_ik *k, int start) {
@@ -918,7 +935,7 @@ RBDI_LOCAL void rbdi_ik_start(rbdi_ik *k, int start) {
 
         f->hold = RBDI_IK_FREE;
         k->d[i] = f->turns ? (share + share - RBD_C(1)) * pi : rbdi_zero();
-        if (f->at >= 0) k->d[i] = f->lower + share * (f->upper - f->lower) - k->q[f->at];
+        if (f->at >= 0) k->d[i] = rbdi_ik_draw(k, f, share);
     }
     rbdi_ik_move(k, rbdi_set(RBD_C(1)), k->q);
 }

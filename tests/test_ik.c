@@ -336,6 +336,35 @@ START_TEST(starts_where_no_step_comes_nearer_are_left) {
 }
 END_TEST
 
+/* Limits that are as good as none: other starts are around the caller's q, so that the answer may be the next
+   start. Straight, with the target on its line: the first start does not reach it. */
+START_TEST(wide_limits_are_not_searched_through) {
+    static const rbd_real wide[] = {50, 1e6, 1e12, 1e30, 1e308};
+    rbd_body bodies[3] = {{.parent = -1, .type = RBD_PRISMATIC, .axis = {1, 0, 0}, .armature = {1}},
+                          two_links[0],
+                          two_links[1]};
+    bodies[1].parent = 0, bodies[2].parent = 1;
+    for (int k = 0; k < 2 * LENGTH(wide); k++) {
+        const int slides = k % 2;
+        for (int i = 0; i < 3; i++) bodies[i].upper = wide[k / 2], bodies[i].lower = -wide[k / 2];
+        bodies[1].parent = slides ? 0 : -1, bodies[2].parent = slides;
+        robot r = robot_build("wide", slides ? bodies : bodies + 1, slides ? 3 : 2);
+        rbd_ik_target t = tip(0.4, 0.3);
+        t.body = slides + 1;
+        double q[3] = {0, 0, 0};
+        rbd_ik_result result;
+        for (int again = 0; again < 2; again++) {
+            q[slides] = 0.3, q[slides + 1] = 0;
+            if (slides) q[0] = 0.1 * cos(0.3), t.position[1] = 0.3 * sin(0.3);
+            expect_status("wide", solve(&r, &t, 1, q, &result), RBD_IK_REACHED, &result);
+            ck_assert_msg(largest(q, r.nq) < 20, "%g: q = %g, %g", wide[k / 2], q[0], q[1]);
+            ck_assert_int_lt(result.evaluations, 60);
+        }
+        robot_free(&r);
+    }
+}
+END_TEST
+
 /* An axis that points the wrong way, exactly, turns round. */
 START_TEST(an_axis_turns_round) {
     static const rbd_body ball[1] = {{.parent = -1, .type = RBD_SPHERICAL, .armature = {1, 1, 1}}};

@@ -17,7 +17,8 @@
    The search takes such steps with damping RBDI_IK_DAMPING |e|^2. It is large far away, where the linear
    model is wrong, and falls with the square of the error, so that the last steps are Newton's. The error may
    grow on the way. A start that has not brought |e|^2 to a quarter for RBDI_IK_STALL steps is given up for
-   another one: anywhere within limits, or half a turn at most around the caller's angle without limits.
+   another one: anywhere within limits, but a turn at most from the caller's angle, RBDI_IK_WIDE lengths at
+   most from a slide's, and half a turn at most without limits.
 
    If no start reaches the targets, descents from the best place and from a few starts look for the nearest
    place. They take steps that bring the error down alone, with the damping of Levenberg and Marquardt. */
@@ -33,6 +34,7 @@
 #define RBDI_IK_FLOOR (8 * RBDI_EPS)
 #define RBDI_IK_FAR RBD_C(10)
 #define RBDI_IK_TURN RBD_C(1)
+#define RBDI_IK_WIDE RBD_C(10)
 #define RBDI_IK_STEPS 60
 #define RBDI_IK_STALL 6
 #define RBDI_IK_STARTS 60

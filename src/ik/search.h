@@ -36,6 +36,20 @@ RBDI_LOCAL rbd_real rbdi_ik_golden(int n) {
     return x;
 }
 
+/* A share of what a start may take of the limits of dof f, from k->q: see [method]. */
+RBDI_LOCAL rbd_real rbdi_ik_draw(const rbdi_ik *k, const rbdi_ik_dof *f, rbd_real share) {
+    const rbd_real q = k->q[f->at];
+    const rbd_real most = f->turns ? rbdi_set(2 * RBDI_PI(rbd_const)) : RBDI_IK_WIDE * k->options.length;
+    rbd_real lower = f->lower, upper = f->upper;
+
+    if (upper - lower > most + most) {
+        lower = rbdi_ik_larger(lower, q - most);
+        upper = upper < q + most ? upper : q + most;
+    }
+
+    return lower + share * (upper - lower) - q;
+}
+
 /* q of a start: the caller's; then share frac(1/2 + start golden^-(i + 1)) of the range of the ith dof. Any
    number of first starts is spread evenly (Roberts 2018). */
 RBDI_LOCAL void rbdi_ik_start(rbdi_ik *k, int start) {
@@ -56,7 +70,7 @@ RBDI_LOCAL void rbdi_ik_start(rbdi_ik *k, int start) {
 
         f->hold = RBDI_IK_FREE;
         k->d[i] = f->turns ? (share + share - RBD_C(1)) * pi : rbdi_zero();
-        if (f->at >= 0) k->d[i] = f->lower + share * (f->upper - f->lower) - k->q[f->at];
+        if (f->at >= 0) k->d[i] = rbdi_ik_draw(k, f, share);
     }
     rbdi_ik_move(k, rbdi_set(RBD_C(1)), k->q);
 }
