@@ -96,7 +96,8 @@ typedef struct rbd_ik_options {
     rbd_real metres;           /* a target is reached if its place is this near [1e-6, float 1e-5] */
     rbd_real radians;          /* and its angle [1e-6, float 1e-5] */
     rbd_real length;           /* m: how much a radian of error counts; a third of the reach [0.3] */
-    const unsigned char *held; /* nv flags: not 0 where a degree of freedom stays as it is; NULL: none */
+    const unsigned char *held; /* nv flags: not 0 where a degree of freedom stays as it is; NULL: none. Of a
+                                  spherical, planar or floating joint all, or none */
 } rbd_ik_options;
 
 /* The result of rbd_ik: 0 if all targets are reached. Above 0 q is the nearest that was found. */
@@ -134,7 +135,8 @@ typedef struct rbd_ik_result {
    set on it, and the others solved for again (Flacco, De Luca and Khatib 2015).
    Errors, in result->error: RBD_ERR_NULL; _WORK; _MEMORY; _COUNT, n below 1 or above 1000; _INDEX, a body;
    _TYPE, a kind; _POSITION, _ROTATION, _AXIS; _MASS, a centre of mass of a robot without mass; _RANGE, a
-   weight, an option or q; _NAN, q is not finite, or the errors at each start overflow. */
+   weight, an option or q; _INFEASIBLE, a part of a joint is held; _NAN, q is not finite, or the errors at each
+   start overflow. */
 RBDI_API rbd_ik_status rbd_ik(const rbd_model *m, rbd_work *w, const rbd_ik_target *targets, int n,
                               const rbd_ik_options *options, void *memory, size_t size, rbd_real *q,
                               rbd_ik_result *result);
@@ -1150,6 +1152,16 @@ RBDI_LOCAL rbd_status rbdi_ik_check_options(const rbd_ik_options *o, rbd_ik_resu
     return RBD_OK;
 }
 
+/* A joint that turns has no coordinate that stays if one of its dofs does: all of them are held, or none. */
+RBDI_LOCAL rbd_status rbdi_ik_check_held(const rbd_model *m, const unsigned char *held,
+                                         rbd_ik_result *result) {
+    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
+        for (int k = 1; k < u->nv && rbdi_joint_turns(u); ++k)
+            if (!held[u->iv + k] != !held[u->iv])
+                return rbdi_ik_refuse(result, RBD_ERR_INFEASIBLE, -1, "held");
+    return RBD_OK;
+}
+
 RBDI_LOCAL rbd_status rbdi_ik_check_q(const rbd_model *m, const rbd_real *q, rbd_ik_result *result) {
     for (int i = 0; i < m->nq; ++i) {
         if (!(q[i] - q[i] <= 0)) return rbdi_ik_refuse(result, RBD_ERR_NAN, -1, "q");
@@ -1168,6 +1180,7 @@ RBDI_LOCAL rbd_status rbdi_ik_check(const rbd_model *m, const rbd_work *w, const
 
     for (int i = 0; i < n && !status; ++i) status = rbdi_ik_check_target(m, &targets[i], i, result);
     if (!status && options) status = rbdi_ik_check_options(options, result);
+    if (!status && options && options->held) status = rbdi_ik_check_held(m, options->held, result);
     if (!status && size < rbd_ik_size(m, n)) status = rbdi_ik_refuse(result, RBD_ERR_MEMORY, -1, NULL);
     return status ? status : rbdi_ik_check_q(m, q, result);
 }
@@ -1297,6 +1310,7 @@ RBDI_MESSAGES RBDI_PART const char *rbdi_ik_error(rbd_status error) {
     case RBD_ERR_TYPE: return "unknown kind of target";
     case RBD_ERR_POSITION: return "not finite, or farther than 1e9 m";
     case RBD_ERR_AXIS: return "zero, not finite, or longer than 1e9";
+    case RBD_ERR_INFEASIBLE: return "only a part of a spherical, planar or floating joint is held";
     case RBD_ERR_MASS: return "a centre of mass, but the robot has no mass";
     case RBD_ERR_NAN: return "not finite, or the errors overflow";
     default: return rbd_status_string(error);

@@ -556,6 +556,47 @@ START_TEST(what_need_not_move_stays) {
 }
 END_TEST
 
+/* A joint whose coordinates move together is held as a whole or not at all; others dof by dof. */
+START_TEST(a_joint_is_held_as_a_whole) {
+    static const rbd_joint_type type[] = {RBD_SPHERICAL, RBD_PLANAR,      RBD_FLOATING,
+                                          RBD_UNIVERSAL, RBD_CYLINDRICAL, RBD_TRANSLATION};
+    for (int k = 0; k < LENGTH(type); k++) {
+        const rbd_body body[2] = {{.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 0, 1}, .armature = {1}},
+                                  {.parent = 0,
+                                   .type = type[k],
+                                   .axis = {1, 0, 0},
+                                   .axis2 = {0, 1, 0},
+                                   .armature = {1, 1, 1, 1, 1, 1}}};
+        robot r = BUILD(body);
+        const rbd_ik_target t = {.body = 1, .point = {0.1, 0.2, 0.3}, .position = {0.2, 0.1, 0.25}};
+        void *memory = malloc(rbd_ik_size(r.m, 1));
+        for (int set = 0; set < 1 << (r.nv - 1); set++) {
+            unsigned char held[MAX_V] = {0};
+            const rbd_ik_options o = {.held = held, .starts = 1};
+            const int part = set != 0 && set != (1 << (r.nv - 1)) - 1;
+            double q[MAX_Q], start[MAX_Q];
+            rbd_ik_result x;
+            for (int i = 1; i < r.nv; i++) held[i] = (unsigned char)(2 * (set >> (i - 1) & 1));
+            ck_assert_int_eq(rbd_neutral(r.m, q), RBD_OK);
+            memcpy(start, q, sizeof start);
+            const rbd_ik_status status = rbd_ik(r.m, r.w, &t, 1, &o, memory, rbd_ik_size(r.m, 1), q, &x);
+            ck_assert_int_eq(status == RBD_IK_ERROR, k < 3 && part);
+            ck_assert(status != RBD_IK_ERROR || !memcmp(q, start, (size_t)r.nq * sizeof *q));
+            if (k < 3 && part) {
+                char text[120];
+                ck_assert(x.error == RBD_ERR_INFEASIBLE && x.target == -1);
+                ck_assert_str_eq(
+                    rbd_ik_text(status, &x, text, sizeof text),
+                    "field 'held': only a part of a spherical, planar or floating joint is held");
+            }
+            for (int i = 1; i < r.nv && k >= 3; i++) ck_assert(!held[i] || q[i] == start[i]);
+        }
+        free(memory);
+        robot_free(&r);
+    }
+}
+END_TEST
+
 /* Nothing moves a body that is fixed to the world: the distance is what it is. */
 START_TEST(a_fixed_body_is_where_it_is) {
     static const rbd_body fixed[2] = {
@@ -860,6 +901,7 @@ Suite *ik_suite(void) {
     tcase_add_test(c, an_iiwa_stretches_to_places_beyond_its_reach);
     tcase_add_loop_test(slow, poses_out_of_reach_end_at_a_least_error, 0, LENGTH(arm));
     tcase_add_test(c, starts_where_no_step_comes_nearer_are_left);
+    tcase_add_test(c, wide_limits_are_not_searched_through);
     tcase_add_test(c, an_axis_turns_round);
     tcase_add_test(c, weights_decide_between_targets);
     tcase_add_test(c, a_floating_robot_takes_feet_and_centre_of_mass);
@@ -868,6 +910,7 @@ Suite *ik_suite(void) {
     tcase_add_test(c, limits_of_a_mimic_joint_bind_what_it_follows);
     tcase_add_test(c, limits_that_contradict_do_not_count);
     tcase_add_test(c, what_need_not_move_stays);
+    tcase_add_test(c, a_joint_is_held_as_a_whole);
     tcase_add_test(c, a_fixed_body_is_where_it_is);
     tcase_add_test(c, work_is_bounded_and_the_same_each_time);
     tcase_add_test(c, options_do_what_they_say);

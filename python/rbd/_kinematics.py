@@ -140,7 +140,8 @@ class Kinematics(_Owner):
             metres       a target is reached if its place is this near; 0 = 1e-6, of float 1e-5
             radians      and its angle; 0 = 1e-6, of float 1e-5
             length       m: how much a radian of error counts; 0 = 0.3, a third of an arm's reach
-            held         nv: 1 where a degree of freedom stays as it is; None = none
+            held         nv: 1 where a degree of freedom stays as it is; None = none. Of a spherical, planar or floating
+                         joint all, or none
 
         After it `kinematics` must be called anew."""
         options = {"starts": starts, "evaluations": evaluations, "metres": metres, "radians": radians, "length": length}

@@ -37,7 +37,8 @@ typedef struct rbd_ik_options {
     rbd_real metres;           /* a target is reached if its place is this near [1e-6, float 1e-5] */
     rbd_real radians;          /* and its angle [1e-6, float 1e-5] */
     rbd_real length;           /* m: how much a radian of error counts; a third of the reach [0.3] */
-    const unsigned char *held; /* nv flags: not 0 where a degree of freedom stays as it is; NULL: none */
+    const unsigned char *held; /* nv flags: not 0 where a degree of freedom stays as it is; NULL: none. Of a
+                                  spherical, planar or floating joint all, or none */
 } rbd_ik_options;
 
 /* The result of rbd_ik: 0 if all targets are reached. Above 0 q is the nearest that was found. */
@@ -75,7 +76,8 @@ typedef struct rbd_ik_result {
    set on it, and the others solved for again (Flacco, De Luca and Khatib 2015).
    Errors, in result->error: RBD_ERR_NULL; _WORK; _MEMORY; _COUNT, n below 1 or above 1000; _INDEX, a body;
    _TYPE, a kind; _POSITION, _ROTATION, _AXIS; _MASS, a centre of mass of a robot without mass; _RANGE, a
-   weight, an option or q; _NAN, q is not finite, or the errors at each start overflow. */
+   weight, an option or q; _INFEASIBLE, a part of a joint is held; _NAN, q is not finite, or the errors at each
+   start overflow. */
 RBDI_API rbd_ik_status rbd_ik(const rbd_model *m, rbd_work *w, const rbd_ik_target *targets, int n,
                               const rbd_ik_options *options, void *memory, size_t size, rbd_real *q,
                               rbd_ik_result *result);

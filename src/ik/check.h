@@ -76,6 +76,16 @@ RBDI_LOCAL rbd_status rbdi_ik_check_options(const rbd_ik_options *o, rbd_ik_resu
     return RBD_OK;
 }
 
+/* A joint that turns has no coordinate that stays if one of its dofs does: all of them are held, or none. */
+RBDI_LOCAL rbd_status rbdi_ik_check_held(const rbd_model *m, const unsigned char *held,
+                                         rbd_ik_result *result) {
+    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
+        for (int k = 1; k < u->nv && rbdi_joint_turns(u); ++k)
+            if (!held[u->iv + k] != !held[u->iv])
+                return rbdi_ik_refuse(result, RBD_ERR_INFEASIBLE, -1, "held");
+    return RBD_OK;
+}
+
 RBDI_LOCAL rbd_status rbdi_ik_check_q(const rbd_model *m, const rbd_real *q, rbd_ik_result *result) {
     for (int i = 0; i < m->nq; ++i) {
         if (!(q[i] - q[i] <= 0)) return rbdi_ik_refuse(result, RBD_ERR_NAN, -1, "q");
@@ -94,6 +104,7 @@ RBDI_LOCAL rbd_status rbdi_ik_check(const rbd_model *m, const rbd_work *w, const
 
     for (int i = 0; i < n && !status; ++i) status = rbdi_ik_check_target(m, &targets[i], i, result);
     if (!status && options) status = rbdi_ik_check_options(options, result);
+    if (!status && options && options->held) status = rbdi_ik_check_held(m, options->held, result);
     if (!status && size < rbd_ik_size(m, n)) status = rbdi_ik_refuse(result, RBD_ERR_MEMORY, -1, NULL);
     return status ? status : rbdi_ik_check_q(m, q, result);
 }
