@@ -126,9 +126,10 @@ RBDI_LOCAL void rbdi_ik_subtrees(rbdi_ik *k) {
     rbdi_clear(k->mass, 4 * m->nl);
     for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {
         const rbd_real mass = rbdi_set(u->mass);
-        rbd_real *sum = &k->mass[4 * u->link], com[3];
+        rbd_real *sum, com[3];
         if (u->link < 0) continue;
 
+        sum = &k->mass[4 * u->link];
         rbdi_store_vec(com, 1, rbdi_vec_c(u->com));
         sum[0] = sum[0] + mass;
         rbdi_store_vec(
