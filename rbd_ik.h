@@ -125,6 +125,7 @@ typedef struct rbd_ik_result {
 
 /* Finds joint positions q within all limits for which all targets are reached; if there are none that it
    finds, those that minimise the sum of weight (metres^2 + length^2 radians^2), at least locally.
+   w         what rbd_kinematics left there is replaced: call it anew before calls that read it
    targets   n of them, n at least 1; those of one body may stand together, such as a point and an axis
    options   NULL: all defaults
    memory    size bytes of any alignment, scratch: RBD_IK_SIZE
