@@ -136,7 +136,7 @@ class Kinematics(_Owner):
             targets      IkTarget, or a list of them
             q            nq: where to begin; None = neutral
             starts       at most: q, then others; 1 = from q alone; 0 = 60
-            evaluations  of the targets, at most; 0 = 5000
+            evaluations  of the targets, at most, 2 or more; 0 = 5000
             metres       a target is reached if its place is this near; 0 = 1e-6, of float 1e-5
             radians      and its angle; 0 = 1e-6, of float 1e-5
             length       m: how much a radian of error counts; 0 = 0.3, a third of an arm's reach
