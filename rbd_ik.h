@@ -84,8 +84,8 @@ typedef struct rbd_ik_target {
     rbd_real point[3];     /* of the body, link axes, m: that of the tool, say; 0: the link's origin */
     rbd_real position[3];  /* where the point, or the centre of mass, shall be, world, m */
     rbd_real rotation[9];  /* 3 x 3, from link axes to world axes, as of rbd_body_pose; all 0 = identity */
-    rbd_real axis[3];      /* of the body, link axes, any length */
-    rbd_real direction[3]; /* where the axis shall point, world axes, any length */
+    rbd_real axis[3];      /* of the body, link axes, of a length of 1e-9 to 1e9 */
+    rbd_real direction[3]; /* where the axis shall point, world axes, of such a length */
     rbd_real weight;       /* of its squared error, beside those of the other targets; 0: 1 */
 } rbd_ik_target;
 
@@ -1312,7 +1312,7 @@ RBDI_MESSAGES RBDI_PART const char *rbdi_ik_error(rbd_status error) {
     case RBD_ERR_COUNT: return "fewer than 1 target, or more than 1000";
     case RBD_ERR_TYPE: return "unknown kind of target";
     case RBD_ERR_POSITION: return "not finite, or farther than 1e9 m";
-    case RBD_ERR_AXIS: return "zero, not finite, or longer than 1e9";
+    case RBD_ERR_AXIS: return "not finite, or of a length out of 1e-9 to 1e9";
     case RBD_ERR_INFEASIBLE: return "only a part of a spherical, planar or floating joint is held";
     case RBD_ERR_MASS: return "a centre of mass, but the robot has no mass";
     case RBD_ERR_NAN: return "not finite, or the errors overflow";

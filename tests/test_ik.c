@@ -708,6 +708,8 @@ SPOIL(stretched, t->rotation[0] = 1.1)
 SPOIL(sheared, t->rotation[1] = 0.01)
 SPOIL(mirrored, t->rotation[0] = -1)
 SPOIL(no_axis, t->kind = RBD_IK_AXIS; t->axis[0] = 0)
+SPOIL(short_axis, t->kind = RBD_IK_AXIS; t->axis[0] = 0.9e-9)
+SPOIL(long_direction, t->kind = RBD_IK_AXIS; t->direction[1] = 1.1e9)
 SPOIL(nan_axis, t->kind = RBD_IK_AXIS; t->axis[0] = NAN)
 SPOIL(no_direction, t->kind = RBD_IK_AXIS; t->direction[1] = 0)
 SPOIL(nan_weight, t->weight = NAN)
@@ -742,9 +744,11 @@ static const struct {
     {stretched, RBD_ERR_ROTATION, 1, "rotation", NULL},
     {sheared, RBD_ERR_ROTATION, 1, "rotation", NULL},
     {mirrored, RBD_ERR_ROTATION, 1, "rotation", NULL},
-    {no_axis, RBD_ERR_AXIS, 1, "axis", "zero, not finite, or longer than 1e9"},
-    {nan_axis, RBD_ERR_AXIS, 1, "axis", "zero, not finite, or longer than 1e9"},
-    {no_direction, RBD_ERR_AXIS, 1, "direction", "zero, not finite, or longer than 1e9"},
+    {no_axis, RBD_ERR_AXIS, 1, "axis", "not finite, or of a length out of 1e-9 to 1e9"},
+    {short_axis, RBD_ERR_AXIS, 1, "axis", "not finite, or of a length out of 1e-9 to 1e9"},
+    {long_direction, RBD_ERR_AXIS, 1, "direction", "not finite, or of a length out of 1e-9 to 1e9"},
+    {nan_axis, RBD_ERR_AXIS, 1, "axis", "not finite, or of a length out of 1e-9 to 1e9"},
+    {no_direction, RBD_ERR_AXIS, 1, "direction", "not finite, or of a length out of 1e-9 to 1e9"},
     {nan_weight, RBD_ERR_RANGE, 1, "weight", NULL},
     {negative_weight, RBD_ERR_RANGE, 1, "weight", NULL},
     {tiny_weight, RBD_ERR_RANGE, 1, "weight", NULL},
