@@ -26,21 +26,23 @@
 
    [conventions] Those of rbd.h, beyond them:
      target       a point, rotation or axis of a body in the world; all rows of all targets count together
-     limits       of joints with one dof, as rbd_joint has them. A mimic joint's limits bind what it follows
+     limits       of joints with one dof, as rbd_joint has them. A mimic joint's limits bind what it follows,
+                  but those that leave it nothing do not count
      angle        of a rotation: that of the shortest turn; of an axis: that to its direction
 
    [configuration] That of rbd.h. RBD_LANES and RBD_REAL_CUSTOM do not go with it: the search branches on its
      data.
 
    [guarantees]
-     Deterministic: starts come from a fixed sequence. With every status q is finite, and the joints that it
-     moved are within their limits, to the bit; mimic joints to rounding. RBD_IK_ERROR leaves q as it was.
+     Deterministic: starts come from a fixed sequence. With every status but RBD_IK_ERROR, which leaves q as it
+     was, q is finite, and the joints that it moved are within their limits, to the bit; mimic joints to
+     rounding.
      RBD_IK_REACHED says that the errors at q were computed and are within the tolerances. The bits are the
      same on every machine with RBD_REPRODUCIBLE.
 
    [limits]
      An evaluation costs kinematics, a Jacobian and the solution of a linear system; the option `evaluations`
-     bounds their number. Targets within reach take 15 to 25 in the mean and some hundred at worst. That a
+     bounds their number. Targets within reach take 15 to 24 in the mean and some hundred at worst. That a
      target is out of reach is known after all starts and descents: a thousand. It is not proven that no place
      is nearer, nor that a target that is not reached cannot be. A redundant arm may take any of its postures.
      Where limits are wide, starts are within a turn, or 10 times `length` of a slide, of the caller's q.
@@ -93,9 +95,9 @@ typedef struct rbd_ik_target {
 typedef struct rbd_ik_options {
     int starts;                /* at most [60]: the caller's q, then others; 1: from q alone */
     int evaluations;           /* of the targets, at most, 2 or more [5000]: bounds the time */
-    rbd_real metres;           /* a target is reached if its place is this near [1e-6, float 1e-5] */
-    rbd_real radians;          /* and its angle [1e-6, float 1e-5] */
-    rbd_real length;           /* m: how much a radian of error counts; a third of the reach [0.3] */
+    rbd_real metres;           /* m: a target is reached if its place is this near [1e-6, float 1e-5] */
+    rbd_real radians;          /* rad: and its angle [1e-6, float 1e-5] */
+    rbd_real length;           /* m: how much a radian of error counts, such as a third of the reach [0.3] */
     const unsigned char *held; /* nv flags: not 0 where a degree of freedom stays as it is; NULL: none. Of a
                                   spherical, planar or floating joint all, or none */
 } rbd_ik_options;
@@ -110,8 +112,8 @@ typedef enum rbd_ik_status {
 } rbd_ik_status;
 
 typedef struct rbd_ik_result {
-    rbd_real metres;  /* the largest distance of a point or centre of mass from its place */
-    rbd_real radians; /* the largest angle of a body or axis from what it should be */
+    rbd_real metres;  /* m: the largest distance of a point or centre of mass from its place */
+    rbd_real radians; /* rad: the largest angle of a body or axis from what it should be */
     int limit;        /* AT_LIMIT: the dof, index into v, whose limit keeps the targets away most; else -1 */
     int limits;       /* how many dofs are at such limits; with mimic joints a limit may be that of a mimic */
     int starts;       /* begun */
@@ -134,10 +136,10 @@ typedef struct rbd_ik_result {
    result    what was reached
    Damped least squares (Wampler 1986) with the damping of Sugihara (2011); joints that would pass a limit are
    set on it, and the others solved for again (Flacco, De Luca and Khatib 2015).
-   Errors, in result->error: RBD_ERR_NULL; _WORK; _MEMORY; _COUNT, n below 1 or above 1000; _INDEX, a body;
-   _TYPE, a kind; _POSITION, _ROTATION, _AXIS; _MASS, a centre of mass of a robot without mass; _RANGE, a
-   weight, an option or q; _INFEASIBLE, a part of a joint is held; _NAN, q is not finite, or the errors at each
-   start overflow. */
+   Errors, in result->error: RBD_ERR_NULL, but without a result RBD_IK_ERROR alone; _WORK; _MEMORY; _COUNT, n
+   below 1 or above 1000; _INDEX, a body; _TYPE, a kind; _POSITION, _ROTATION, _AXIS; _MASS, a centre of mass
+   of a robot without mass; _RANGE, a weight, an option or q; _INFEASIBLE, a part of a joint is held; _NAN, q
+   is not finite, or the errors at each start overflow. */
 RBDI_API rbd_ik_status rbd_ik(const rbd_model *m, rbd_work *w, const rbd_ik_target *targets, int n,
                               const rbd_ik_options *options, void *memory, size_t size, rbd_real *q,
                               rbd_ik_result *result);
@@ -186,8 +188,8 @@ RBDI_EXTERN_C_END
        |J d - e|^2 + damping |d|^2   within the limits of the joints,
 
    to good approximation: dofs at a limit that the gradient g = J'e presses on stay; the others are solved for
-   from (J'J + damping) d = g; those that would pass their limit are set on it, and the rest is solved for
-   again, with J'J d of these on the right.
+   from (H + damping) d = g, with H = J'J and, in descents, what [curvature] adds; those that would pass their
+   limit are set on it, and the rest is solved for again, with H d of these on the right.
 
    The search takes such steps with damping RBDI_IK_DAMPING |e|^2. It is large far away, where the linear
    model is wrong, and falls with the square of the error, so that the last steps are Newton's. The error may
@@ -261,18 +263,19 @@ typedef struct rbdi_ik {
     rbd_real cost, best_cost; /* |e|^2, and the least so far */
 
     rbdi_ik_dof *dof;     /* dofs */
-    int16_t *place;       /* dofs: free ones of a step */
+    int16_t *mark;        /* nv: the dofs that move a target */
+    int16_t *solved;      /* dofs: those that a step solves for; in the memory of mark */
     rbd_real *e;          /* rows */
     rbd_real *J;          /* dofs x rows: column after column */
     rbd_real *columns;    /* 6 x nv: Jacobian of one target */
-    rbd_real *H, *factor; /* dofs (dofs + 1) / 2: upper triangle of J'J, by rows; the free dofs' factor */
+    rbd_real *H, *factor; /* dofs (dofs + 1) / 2: upper triangle of H, by rows; the free dofs' factor */
     rbd_real *g, *d, *x;  /* dofs: J'e, the step, and that of the free dofs */
     rbd_real *v;          /* nv: the step */
     rbd_real *from, *best, *q, *trial; /* nq: the caller's, the best, and where the search is */
     rbd_real *mass; /* nl x 4: of subtrees, mass and first moment about the first link, world axes */
 } rbdi_ik;
 
-/* Numbers of scalars and bytes for nb bodies, nv dofs, nl links and n targets. nq <= 2 nv. */
+/* Numbers of scalars and bytes for nv dofs, nl links and n targets. nq <= 2 nv. */
 #define RBDI_IK_SCALARS(nv, nl, n) \
     (6 * (size_t)(n) * (1 + (size_t)(nv)) + 6 * (size_t)(nv) + (size_t)(nv) * ((size_t)(nv) + 1) + \
      4 * (size_t)(nv) + 8 * (size_t)(nv) + 4 * (size_t)(nl))
@@ -351,16 +354,16 @@ RBDI_LOCAL void rbdi_ik_gather(rbdi_ik *k, int n, rbd_real damping) {
     rbd_real *to = k->factor;
 
     for (int a = 0; a < n; ++a) {
-        const int i = k->place[a];
+        const int i = k->solved[a];
         const rbd_real *row = &k->H[rbdi_ik_row(k->dofs, i) - i];
         *to++ = row[i] + damping;
-        for (int b = a + 1; b < n; ++b) *to++ = row[k->place[b]];
+        for (int b = a + 1; b < n; ++b) *to++ = row[k->solved[b]];
         k->x[a] = k->g[i];
     }
 
     for (int j = 0; j < k->dofs; ++j)
         for (int a = 0; a < n && k->dof[j].hold > RBDI_IK_STAYS; ++a)
-            k->x[a] = k->x[a] - rbdi_ik_entry(k, k->place[a], j) * k->d[j];
+            k->x[a] = k->x[a] - rbdi_ik_entry(k, k->solved[a], j) * k->d[j];
 }
 
 /* Solves the equations by elimination, A = L D L'. A pivot is at least `least`; its inverse takes its place.
@@ -400,7 +403,7 @@ RBDI_LOCAL int rbdi_ik_set_on_limits(rbdi_ik *k, int n) {
     int any = 0;
 
     for (int a = 0; a < n; ++a) {
-        const int i = k->place[a];
+        const int i = k->solved[a];
         rbdi_ik_dof *f = &k->dof[i];
         k->d[i] = k->x[a];
         if (f->at < 0) continue;
@@ -432,7 +435,7 @@ RBDI_LOCAL int rbdi_ik_step(rbdi_ik *k, rbd_real damping, rbd_real least) {
     while (more) {
         int n = 0;
         for (int i = 0; i < k->dofs; ++i)
-            if (k->dof[i].hold == RBDI_IK_FREE) k->place[n++] = (int16_t)i;
+            if (k->dof[i].hold == RBDI_IK_FREE) k->solved[n++] = (int16_t)i;
         rbdi_ik_gather(k, n, damping + least);
         definite &= rbdi_ik_solve(k, n, least);
         more = rbdi_ik_set_on_limits(k, n);
@@ -684,13 +687,14 @@ RBDI_LOCAL void rbdi_ik_jacobian(rbdi_ik *k) {
 
 /* ==== src/ik/curvature.h ==== */
 /* ---- curvature [curvature] ----
-   What |e|^2/2 has beyond J'J in second order; it counts where e does not vanish. With omega_i and v_i the
+   The second derivative of |e|^2/2 beyond J'J; it counts where e does not vanish. With omega_i and v_i the
    columns of a target's Jacobian, dof i nearer to the root than dof j, as i < j, place and turn are
 
        d^2 p / dq_i dq_j = omega_i x v_j
        turn = omega_i q_i + omega_j q_j + (omega_i x omega_j) q_i q_j / 2
 
-   Of dofs that move along a screw together it is the mean of both orders; what mimic joints add is left out.
+   For two dofs of one floating or planar joint, use the mean of both orders. What mimic joints add is left
+   out.
 
    If a turn of angle a about n is left, a turn w changes a^2/2 in second order by
 
@@ -740,20 +744,20 @@ RBDI_LOCAL rbdi_ik_bend rbdi_ik_bend_of(const rbdi_ik *k, const rbd_ik_target *t
     return b;
 }
 
-/* What the second derivative of place and turn takes from H, dof i nearer to the root. */
+/* Term of the second derivative of place and turn, subtracted from H; dof i is nearer to the root. */
 RBDI_INLINE rbd_real rbdi_ik_bent(const rbdi_ik_bend *b, const rbdi_motion *i, const rbdi_motion *j) {
     return rbdi_dot(b->place, rbdi_cross(i->omega, j->v)) +
            RBD_C(0.5) * rbdi_dot(b->turn, rbdi_cross(i->omega, j->omega));
 }
 
-/* What the curvature of the angle takes from H. */
+/* Term of the second derivative of the angle, subtracted from H. */
 RBDI_INLINE rbd_real rbdi_ik_lacking(const rbdi_ik_bend *b, rbdi_v3 i, rbdi_v3 j) {
     const rbd_real along = rbdi_dot(b->n, i) * rbdi_dot(b->n, j) + rbdi_dot(b->s, i) * rbdi_dot(b->s, j);
     const rbd_real side = rbdi_dot(b->s, i) * rbdi_dot(b->side, j) + rbdi_dot(b->s, j) * rbdi_dot(b->side, i);
     return b->lack * (rbdi_dot(i, j) - along) - RBD_C(0.5) * side;
 }
 
-/* Whether two dofs are of one joint that moves along a screw. */
+/* Whether two dofs are of one joint whose dofs move together. */
 RBDI_INLINE int rbdi_ik_together(const rbd_model *m, int i, int j) {
     const rbdi_frame *u = &m->frame[m->dof[i].body];
     return m->dof[i].body == m->dof[j].body && rbdi_is(&m->link[u->link], RBDI_BLOCK);
@@ -802,10 +806,10 @@ RBDI_LOCAL void rbdi_ik_mark(const rbd_model *m, int i, int16_t *mark) {
     for (; i >= 0; i = m->link[i].parent) {
         const rbdi_link *l = &m->link[i];
         const int block = rbdi_is(l, RBDI_BLOCK);
-        for (int k = 0; k < rbdi_link_dofs(m, l); ++k) {
-            const int slides = block ? rbdi_block_of(m, l)->first + k >= 3
+        for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
+            const int slides = block ? rbdi_block_of(m, l)->first + j >= 3
                                      : rbdi_is(l, RBDI_SCREW) && !(l->rho < 0 || l->rho > 0);
-            int16_t *to = &mark[rbdi_source(m, l->iv + k)];
+            int16_t *to = &mark[rbdi_source(m, l->iv + j)];
             if (!slides)
                 *to = 2;
             else if (*to == 0)
@@ -832,17 +836,17 @@ RBDI_LOCAL void rbdi_ik_limits(const rbd_model *m, rbdi_ik_dof *f) {
     f->lower = rbdi_set(u->lower);
     f->upper = rbdi_set(u->upper);
 
-    for (int k = 0; k < rbdi_mimics(m); ++k) {
-        const rbdi_frame *other = &m->frame[m->dof[m->nv + k].body];
-        if (m->mimic[k].source_v == f->dof && other->lower < other->upper)
-            rbdi_ik_mimic_limits(&m->mimic[k], other, f);
+    for (int j = 0; j < rbdi_mimics(m); ++j) {
+        const rbdi_frame *other = &m->frame[m->dof[m->nv + j].body];
+        if (m->mimic[j].source_v == f->dof && other->lower < other->upper)
+            rbdi_ik_mimic_limits(&m->mimic[j], other, f);
     }
 }
 
 /* The dofs that move a target and are not held. */
 RBDI_LOCAL void rbdi_ik_find_dofs(rbdi_ik *k) {
     const rbd_model *m = k->m;
-    int16_t *mark = k->place;
+    int16_t *mark = k->mark;
 
     for (int i = 0; i < m->nv; ++i) mark[i] = 0;
     for (const rbd_ik_target *t = k->target; t < k->target + k->n; ++t) {
@@ -973,7 +977,7 @@ RBDI_LOCAL int rbdi_ik_search(rbdi_ik *k) {
     return 0;
 }
 
-/* How much the step should bring |e|^2 down by the linear model: 2 g'd - d'H d. */
+/* How much the step should bring |e|^2 down by the quadratic model with H of [curvature]: 2 g'd - d'H d. */
 RBDI_LOCAL rbd_real rbdi_ik_expected(const rbdi_ik *k) {
     rbd_real sum = rbdi_zero();
     const rbd_real *H = k->H;
@@ -988,7 +992,7 @@ RBDI_LOCAL rbd_real rbdi_ik_expected(const rbdi_ik *k) {
 }
 
 /* By how much the damping changes after a step that has brought |e|^2 down by this share of what was expected
-   (Nielsen 1999): 1 at a half, which is where the damping is the curvature that the linear model lacks. */
+   (Nielsen 1999): 1 at a half. */
 RBDI_LOCAL rbd_real rbdi_ik_relax(rbd_real share) {
     const rbd_real x = share + share - RBD_C(1);
     const rbd_real factor = rbdi_ik_larger(rbdi_set(RBD_C(1) / 3), RBD_C(1) - x * x * x);
@@ -1100,7 +1104,7 @@ RBDI_LOCAL int rbdi_ik_is_place(const rbd_real *x) {
     return 1;
 }
 
-/* Whether it is one, and has a direction. */
+/* Whether x is finite and not too short for an axis. */
 RBDI_LOCAL int rbdi_ik_is_axis(const rbd_real *x) {
     const rbd_real least = RBD_C(1) / RBDI_IK_MOST;
     return rbdi_ik_is_place(x) && rbdi_dot(rbdi_load_vec(x, 1), rbdi_load_vec(x, 1)) >= least * least;
@@ -1213,7 +1217,8 @@ RBDI_LOCAL rbdi_ik *rbdi_ik_lay_out(const rbd_model *m, int n, void *memory) {
     unsigned char *at = rbdi_aligned(memory);
     rbdi_ik *k = RBDI_CUT(rbdi_ik, 1);
     k->dof = RBDI_CUT(rbdi_ik_dof, nv);
-    k->place = RBDI_CUT(int16_t, nv);
+    k->mark = RBDI_CUT(int16_t, nv);
+    k->solved = k->mark;
 
     k->e = (rbd_real *)at;
     k->J = k->e + 6 * n;

@@ -34,9 +34,9 @@ typedef struct rbd_ik_target {
 typedef struct rbd_ik_options {
     int starts;                /* at most [60]: the caller's q, then others; 1: from q alone */
     int evaluations;           /* of the targets, at most, 2 or more [5000]: bounds the time */
-    rbd_real metres;           /* a target is reached if its place is this near [1e-6, float 1e-5] */
-    rbd_real radians;          /* and its angle [1e-6, float 1e-5] */
-    rbd_real length;           /* m: how much a radian of error counts; a third of the reach [0.3] */
+    rbd_real metres;           /* m: a target is reached if its place is this near [1e-6, float 1e-5] */
+    rbd_real radians;          /* rad: and its angle [1e-6, float 1e-5] */
+    rbd_real length;           /* m: how much a radian of error counts, such as a third of the reach [0.3] */
     const unsigned char *held; /* nv flags: not 0 where a degree of freedom stays as it is; NULL: none. Of a
                                   spherical, planar or floating joint all, or none */
 } rbd_ik_options;
@@ -51,8 +51,8 @@ typedef enum rbd_ik_status {
 } rbd_ik_status;
 
 typedef struct rbd_ik_result {
-    rbd_real metres;  /* the largest distance of a point or centre of mass from its place */
-    rbd_real radians; /* the largest angle of a body or axis from what it should be */
+    rbd_real metres;  /* m: the largest distance of a point or centre of mass from its place */
+    rbd_real radians; /* rad: the largest angle of a body or axis from what it should be */
     int limit;        /* AT_LIMIT: the dof, index into v, whose limit keeps the targets away most; else -1 */
     int limits;       /* how many dofs are at such limits; with mimic joints a limit may be that of a mimic */
     int starts;       /* begun */
@@ -75,10 +75,10 @@ typedef struct rbd_ik_result {
    result    what was reached
    Damped least squares (Wampler 1986) with the damping of Sugihara (2011); joints that would pass a limit are
    set on it, and the others solved for again (Flacco, De Luca and Khatib 2015).
-   Errors, in result->error: RBD_ERR_NULL; _WORK; _MEMORY; _COUNT, n below 1 or above 1000; _INDEX, a body;
-   _TYPE, a kind; _POSITION, _ROTATION, _AXIS; _MASS, a centre of mass of a robot without mass; _RANGE, a
-   weight, an option or q; _INFEASIBLE, a part of a joint is held; _NAN, q is not finite, or the errors at each
-   start overflow. */
+   Errors, in result->error: RBD_ERR_NULL, but without a result RBD_IK_ERROR alone; _WORK; _MEMORY; _COUNT, n
+   below 1 or above 1000; _INDEX, a body; _TYPE, a kind; _POSITION, _ROTATION, _AXIS; _MASS, a centre of mass
+   of a robot without mass; _RANGE, a weight, an option or q; _INFEASIBLE, a part of a joint is held; _NAN, q
+   is not finite, or the errors at each start overflow. */
 RBDI_API rbd_ik_status rbd_ik(const rbd_model *m, rbd_work *w, const rbd_ik_target *targets, int n,
                               const rbd_ik_options *options, void *memory, size_t size, rbd_real *q,
                               rbd_ik_result *result);

@@ -22,7 +22,7 @@ RBDI_LOCAL int rbdi_ik_is_place(const rbd_real *x) {
     return 1;
 }
 
-/* Whether it is one, and has a direction. */
+/* Whether x is finite and not too short for an axis. */
 RBDI_LOCAL int rbdi_ik_is_axis(const rbd_real *x) {
     const rbd_real least = RBD_C(1) / RBDI_IK_MOST;
     return rbdi_ik_is_place(x) && rbdi_dot(rbdi_load_vec(x, 1), rbdi_load_vec(x, 1)) >= least * least;

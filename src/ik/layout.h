@@ -11,8 +11,8 @@
        |J d - e|^2 + damping |d|^2   within the limits of the joints,
 
    to good approximation: dofs at a limit that the gradient g = J'e presses on stay; the others are solved for
-   from (J'J + damping) d = g; those that would pass their limit are set on it, and the rest is solved for
-   again, with J'J d of these on the right.
+   from (H + damping) d = g, with H = J'J and, in descents, what [curvature] adds; those that would pass their
+   limit are set on it, and the rest is solved for again, with H d of these on the right.
 
    The search takes such steps with damping RBDI_IK_DAMPING |e|^2. It is large far away, where the linear
    model is wrong, and falls with the square of the error, so that the last steps are Newton's. The error may
@@ -86,18 +86,19 @@ typedef struct rbdi_ik {
     rbd_real cost, best_cost; /* |e|^2, and the least so far */
 
     rbdi_ik_dof *dof;     /* dofs */
-    int16_t *place;       /* dofs: free ones of a step */
+    int16_t *mark;        /* nv: the dofs that move a target */
+    int16_t *solved;      /* dofs: those that a step solves for; in the memory of mark */
     rbd_real *e;          /* rows */
     rbd_real *J;          /* dofs x rows: column after column */
     rbd_real *columns;    /* 6 x nv: Jacobian of one target */
-    rbd_real *H, *factor; /* dofs (dofs + 1) / 2: upper triangle of J'J, by rows; the free dofs' factor */
+    rbd_real *H, *factor; /* dofs (dofs + 1) / 2: upper triangle of H, by rows; the free dofs' factor */
     rbd_real *g, *d, *x;  /* dofs: J'e, the step, and that of the free dofs */
     rbd_real *v;          /* nv: the step */
     rbd_real *from, *best, *q, *trial; /* nq: the caller's, the best, and where the search is */
     rbd_real *mass; /* nl x 4: of subtrees, mass and first moment about the first link, world axes */
 } rbdi_ik;
 
-/* Numbers of scalars and bytes for nb bodies, nv dofs, nl links and n targets. nq <= 2 nv. */
+/* Numbers of scalars and bytes for nv dofs, nl links and n targets. nq <= 2 nv. */
 #define RBDI_IK_SCALARS(nv, nl, n) \
     (6 * (size_t)(n) * (1 + (size_t)(nv)) + 6 * (size_t)(nv) + (size_t)(nv) * ((size_t)(nv) + 1) + \
      4 * (size_t)(nv) + 8 * (size_t)(nv) + 4 * (size_t)(nl))

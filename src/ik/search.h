@@ -104,7 +104,7 @@ RBDI_LOCAL int rbdi_ik_search(rbdi_ik *k) {
     return 0;
 }
 
-/* How much the step should bring |e|^2 down by the linear model: 2 g'd - d'H d. */
+/* How much the step should bring |e|^2 down by the quadratic model with H of [curvature]: 2 g'd - d'H d. */
 RBDI_LOCAL rbd_real rbdi_ik_expected(const rbdi_ik *k) {
     rbd_real sum = rbdi_zero();
     const rbd_real *H = k->H;
@@ -119,7 +119,7 @@ RBDI_LOCAL rbd_real rbdi_ik_expected(const rbdi_ik *k) {
 }
 
 /* By how much the damping changes after a step that has brought |e|^2 down by this share of what was expected
-   (Nielsen 1999): 1 at a half, which is where the damping is the curvature that the linear model lacks. */
+   (Nielsen 1999): 1 at a half. */
 RBDI_LOCAL rbd_real rbdi_ik_relax(rbd_real share) {
     const rbd_real x = share + share - RBD_C(1);
     const rbd_real factor = rbdi_ik_larger(rbdi_set(RBD_C(1) / 3), RBD_C(1) - x * x * x);

@@ -29,7 +29,8 @@ RBDI_LOCAL rbdi_ik *rbdi_ik_lay_out(const rbd_model *m, int n, void *memory) {
     unsigned char *at = rbdi_aligned(memory);
     rbdi_ik *k = RBDI_CUT(rbdi_ik, 1);
     k->dof = RBDI_CUT(rbdi_ik_dof, nv);
-    k->place = RBDI_CUT(int16_t, nv);
+    k->mark = RBDI_CUT(int16_t, nv);
+    k->solved = k->mark;
 
     k->e = (rbd_real *)at;
     k->J = k->e + 6 * n;
