@@ -83,6 +83,7 @@ typedef struct rbdi_ik {
     rbd_ik_result *result;
     int n, rows, dofs;
     int alone;                /* the body of the only target, which is not the centre of mass; else -1 */
+    rbd_const all;            /* kg: mass of the robot */
     rbd_real cost, best_cost; /* |e|^2, and the least so far */
 
     rbdi_ik_dof *dof;     /* dofs */

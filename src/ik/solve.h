@@ -61,6 +61,7 @@ RBDI_LOCAL rbdi_ik *rbdi_ik_begin(const rbd_model *m, rbd_work *w, const rbd_ik_
     k->options = rbdi_ik_defaults(options);
     k->result = result;
     k->alone = n == 1 && targets->kind != RBD_IK_COM ? targets->body : -1;
+    k->all = rbd_mass(m);
     k->best_cost = rbdi_set(RBDI_IK_OVERFLOW);
 
     k->rows = 0;
