@@ -592,8 +592,9 @@ START_TEST(a_joint_is_held_as_a_whole) {
             if (k < 3 && part) {
                 char text[120];
                 ck_assert(x.error == RBD_ERR_INFEASIBLE && x.target == -1);
-                ck_assert_str_eq(rbd_ik_text(status, &x, text, sizeof text),
-                                 "field 'held': only a part of a spherical, planar or floating joint is held");
+                ck_assert_str_eq(
+                    rbd_ik_text(status, &x, text, sizeof text),
+                    "field 'held': only a part of a spherical, planar or floating joint is held");
             }
             for (int i = 1; i < r.nv && k >= 3; i++) ck_assert(!held[i] || q[i] == start[i]);
         }
