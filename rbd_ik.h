@@ -34,16 +34,16 @@
      data.
 
    [guarantees]
-     Deterministic: starts come from a fixed sequence. RBD_IK_ERROR leaves q as it was. With every other status
+     Deterministic: starts come from a fixed sequence. RBD_IK_ERROR leaves q as it was. With any other status
      q is finite, and the joints that it moved are within their limits, to the bit; mimic joints to rounding.
      RBD_IK_REACHED says that the errors at q were computed and are within the tolerances. The bits are the
      same on every machine with RBD_REPRODUCIBLE.
 
    [limits]
      An evaluation costs kinematics, a Jacobian and the solution of a linear system; the option `evaluations`
-     bounds their number. Poses within reach of an arm take 15 to 25 in the mean and some hundred at worst, as
+     bounds their number. Poses in reach of an arm take 15 to 25 in the mean and some hundred at worst, as
      ./run fuzz --ik counts. That a target is out of reach is known after all starts and descents: a thousand.
-     It is not proven that no place is nearer, nor that a target that is not reached cannot be. A redundant arm
+     That no place is nearer is not proven, nor that a target that is not reached cannot be. A redundant arm
      may take any of its postures. Where limits are wide, starts are within a turn, or 10 times `length` of a
      slide, of the caller's q. No collisions. Robots need no masses, but for their centre of mass; a last body
      without mass needs armature, or rbd_model_build refuses it.
@@ -303,6 +303,9 @@ RBDI_LOCAL void rbdi_ik_copy(const rbd_real *from, int n, rbd_real *to) {
 
 /* The larger of two. */
 RBDI_INLINE rbd_real rbdi_ik_larger(rbd_real a, rbd_real b) { return a < b ? b : a; }
+
+/* The smaller of two. */
+RBDI_INLINE rbd_real rbdi_ik_smaller(rbd_real a, rbd_real b) { return a < b ? a : b; }
 
 /* Where row i of a packed upper triangle of n rows begins: with its diagonal entry. */
 RBDI_INLINE ptrdiff_t rbdi_ik_row(int n, int i) { return (ptrdiff_t)i * (2 * n - i + 1) / 2; }
@@ -909,15 +912,30 @@ RBDI_LOCAL rbd_real rbdi_ik_golden(int n) {
     return x;
 }
 
+/* How far from q starts are drawn where limits are wide: so far that what moves most slowly, the joint or one
+   that mimics it, makes a turn, or a slide its length. */
+RBDI_LOCAL rbd_real rbdi_ik_wide(const rbdi_ik *k, const rbdi_ik_dof *f) {
+    const rbdi_frame *u = &k->m->frame[k->m->dof[f->dof].body];
+    const rbd_real slide = RBDI_IK_WIDE * k->options.length,
+                   pitch = rbdi_abs(rbdi_set(k->m->link[u->link].kappa));
+    rbd_real far = f->turns ? rbdi_set(2 * RBDI_PI(rbd_const)) : slide, least = rbdi_set(RBD_C(1));
+
+    for (int j = 0; j < rbdi_mimics(k->m); ++j)
+        if (k->m->mimic[j].source_v == f->dof)
+            least = rbdi_ik_smaller(least, rbdi_abs(rbdi_set(k->m->mimic[j].ratio)));
+
+    if (f->turns && far * pitch < slide && pitch > 0) far = slide / pitch;
+    return far < RBDI_IK_MOST * least ? far / least : rbdi_set(RBDI_IK_MOST);
+}
+
 /* A share of what a start may take of the limits of dof f, from k->q: see [method]. */
 RBDI_LOCAL rbd_real rbdi_ik_draw(const rbdi_ik *k, const rbdi_ik_dof *f, rbd_real share) {
-    const rbd_real q = k->q[f->at];
-    const rbd_real most = f->turns ? rbdi_set(2 * RBDI_PI(rbd_const)) : RBDI_IK_WIDE * k->options.length;
+    const rbd_real q = k->q[f->at], most = rbdi_ik_wide(k, f);
     rbd_real lower = f->lower, upper = f->upper;
 
     if (upper - lower > most + most) {
         lower = rbdi_ik_larger(lower, q - most);
-        upper = upper < q + most ? upper : q + most;
+        upper = rbdi_ik_smaller(upper, q + most);
     }
 
     return lower + share * (upper - lower) - q;

@@ -33,16 +33,16 @@
      data.
 
    [guarantees]
-     Deterministic: starts come from a fixed sequence. RBD_IK_ERROR leaves q as it was. With every other status
+     Deterministic: starts come from a fixed sequence. RBD_IK_ERROR leaves q as it was. With any other status
      q is finite, and the joints that it moved are within their limits, to the bit; mimic joints to rounding.
      RBD_IK_REACHED says that the errors at q were computed and are within the tolerances. The bits are the
      same on every machine with RBD_REPRODUCIBLE.
 
    [limits]
      An evaluation costs kinematics, a Jacobian and the solution of a linear system; the option `evaluations`
-     bounds their number. Poses within reach of an arm take 15 to 25 in the mean and some hundred at worst, as
+     bounds their number. Poses in reach of an arm take 15 to 25 in the mean and some hundred at worst, as
      ./run fuzz --ik counts. That a target is out of reach is known after all starts and descents: a thousand.
-     It is not proven that no place is nearer, nor that a target that is not reached cannot be. A redundant arm
+     That no place is nearer is not proven, nor that a target that is not reached cannot be. A redundant arm
      may take any of its postures. Where limits are wide, starts are within a turn, or 10 times `length` of a
      slide, of the caller's q. No collisions. Robots need no masses, but for their centre of mass; a last body
      without mass needs armature, or rbd_model_build refuses it.

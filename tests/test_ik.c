@@ -366,6 +366,33 @@ START_TEST(wide_limits_are_not_searched_through) {
 }
 END_TEST
 
+/* An arm whose joints follow motors that turn a hundred times: starts spread over its joints, not its motors. */
+START_TEST(a_geared_arm_reaches_what_its_joints_can) {
+    static const char *const motor[6] = {"a", "b", "c", "d", "e", "f"};
+    rbd_body bodies[12] = {{0}};
+    for (int i = 0; i < 6; i++) {
+        bodies[i] = ur10e[i], bodies[i].parent = -1, bodies[i].joint = motor[i];
+        bodies[i].lower *= 100, bodies[i].upper *= 100;
+        bodies[6 + i] = ur10e[i], bodies[6 + i].parent = i > 0 ? 5 + i : -1;
+        bodies[6 + i].mimic = motor[i], bodies[6 + i].mimic_ratio = 0.01;
+    }
+    robot r = BUILD(bodies);
+    uint64_t seed = 13;
+    int there = 0;
+    for (int k = 0; k < 20; k++) {
+        rbd_ik_target t = {.kind = RBD_IK_POSE, .body = 11};
+        rbd_ik_result result;
+        double q[6];
+        rbd_random(r.m, &seed, q);
+        aim(&r, q, &t, 1);
+        rbd_random(r.m, &seed, q);
+        there += solve(&r, &t, 1, q, &result) == RBD_IK_REACHED;
+    }
+    ck_assert_int_ge(there, 19);
+    robot_free(&r);
+}
+END_TEST
+
 /* An axis that points the wrong way, exactly, turns round. */
 START_TEST(an_axis_turns_round) {
     static const rbd_body ball[1] = {{.parent = -1, .type = RBD_SPHERICAL, .armature = {1, 1, 1}}};
@@ -915,6 +942,7 @@ Suite *ik_suite(void) {
     tcase_add_loop_test(slow, poses_out_of_reach_end_at_a_least_error, 0, LENGTH(arm));
     tcase_add_test(c, starts_where_no_step_comes_nearer_are_left);
     tcase_add_test(c, wide_limits_are_not_searched_through);
+    tcase_add_test(c, a_geared_arm_reaches_what_its_joints_can);
     tcase_add_test(c, an_axis_turns_round);
     tcase_add_test(c, weights_decide_between_targets);
     tcase_add_test(c, a_floating_robot_takes_feet_and_centre_of_mass);

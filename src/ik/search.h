@@ -36,15 +36,30 @@ RBDI_LOCAL rbd_real rbdi_ik_golden(int n) {
     return x;
 }
 
+/* How far from q starts are drawn where limits are wide: so far that what moves most slowly, the joint or one
+   that mimics it, makes a turn, or a slide its length. */
+RBDI_LOCAL rbd_real rbdi_ik_wide(const rbdi_ik *k, const rbdi_ik_dof *f) {
+    const rbdi_frame *u = &k->m->frame[k->m->dof[f->dof].body];
+    const rbd_real slide = RBDI_IK_WIDE * k->options.length,
+                   pitch = rbdi_abs(rbdi_set(k->m->link[u->link].kappa));
+    rbd_real far = f->turns ? rbdi_set(2 * RBDI_PI(rbd_const)) : slide, least = rbdi_set(RBD_C(1));
+
+    for (int j = 0; j < rbdi_mimics(k->m); ++j)
+        if (k->m->mimic[j].source_v == f->dof)
+            least = rbdi_ik_smaller(least, rbdi_abs(rbdi_set(k->m->mimic[j].ratio)));
+
+    if (f->turns && far * pitch < slide && pitch > 0) far = slide / pitch;
+    return far < RBDI_IK_MOST * least ? far / least : rbdi_set(RBDI_IK_MOST);
+}
+
 /* A share of what a start may take of the limits of dof f, from k->q: see [method]. */
 RBDI_LOCAL rbd_real rbdi_ik_draw(const rbdi_ik *k, const rbdi_ik_dof *f, rbd_real share) {
-    const rbd_real q = k->q[f->at];
-    const rbd_real most = f->turns ? rbdi_set(2 * RBDI_PI(rbd_const)) : RBDI_IK_WIDE * k->options.length;
+    const rbd_real q = k->q[f->at], most = rbdi_ik_wide(k, f);
     rbd_real lower = f->lower, upper = f->upper;
 
     if (upper - lower > most + most) {
         lower = rbdi_ik_larger(lower, q - most);
-        upper = upper < q + most ? upper : q + most;
+        upper = rbdi_ik_smaller(upper, q + most);
     }
 
     return lower + share * (upper - lower) - q;
