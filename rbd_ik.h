@@ -96,7 +96,7 @@ typedef struct rbd_ik_options {
     int evaluations;           /* of the targets, at most, 2 or more [5000]: bounds the time */
     rbd_real metres;           /* m: a target is reached if its place is this near [1e-6, float 1e-5] */
     rbd_real radians;          /* rad: and its angle [1e-6, float 1e-5] */
-    rbd_real length;           /* m: how much a radian of error counts, such as a third of the reach [0.3] */
+    rbd_real length;           /* m, 1e-9 or more: how much a radian of error counts; say reach / 3 [0.3] */
     const unsigned char *held; /* nv flags: not 0 where a degree of freedom stays as it is; NULL: none. Of a
                                   spherical, planar or floating joint all, or none */
 } rbd_ik_options;
@@ -826,7 +826,7 @@ RBDI_LOCAL void rbdi_ik_mimic_limits(const rbdi_mimic *mimic, const rbdi_frame *
     const rbd_const a = (u->lower - mimic->offset) / mimic->ratio,
                     b = (u->upper - mimic->offset) / mimic->ratio;
     const rbd_real lower = rbdi_set(a < b ? a : b), upper = rbdi_set(a < b ? b : a);
-    if (f->at >= 0 && !(lower < f->upper && f->lower < upper)) return;
+    if (f->at >= 0 && !(lower <= f->upper && f->lower <= upper)) return;
     if (f->at < 0 || lower > f->lower) f->lower = lower;
     if (f->at < 0 || upper < f->upper) f->upper = upper;
     f->at = mimic->source_q;
@@ -1173,6 +1173,8 @@ RBDI_LOCAL rbd_status rbdi_ik_check_options(const rbd_ik_options *o, rbd_ik_resu
     for (int i = 0; i < 5; ++i)
         if (!rbdi_ik_within(values[i], RBDI_IK_MOST))
             return rbdi_ik_refuse(result, RBD_ERR_RANGE, -1, names[i]);
+    if (o->length > 0 && o->length < RBD_C(1) / RBDI_IK_MOST)
+        return rbdi_ik_refuse(result, RBD_ERR_RANGE, -1, "length");
     if (o->evaluations == 1) return rbdi_ik_refuse(result, RBD_ERR_RANGE, -1, "evaluations");
     return RBD_OK;
 }

@@ -366,7 +366,7 @@ START_TEST(wide_limits_are_not_searched_through) {
 }
 END_TEST
 
-/* An arm whose joints follow motors that turn a hundred times: starts spread over its joints, not its motors. */
+/* Joints that follow motors, which turn a hundred times: starts spread over the joints, not the motors. */
 START_TEST(a_geared_arm_reaches_what_its_joints_can) {
     static const char *const motor[6] = {"a", "b", "c", "d", "e", "f"};
     rbd_body bodies[12] = {{0}};
@@ -564,6 +564,34 @@ START_TEST(limits_that_contradict_do_not_count) {
 }
 END_TEST
 
+/* Two fingers, right = -left, both in [0, 0.04]: ranges that touch leave one place. */
+START_TEST(limits_that_touch_leave_one_place) {
+    const rbd_body finger[2] = {{.joint = "left",
+                                 .parent = -1,
+                                 .type = RBD_PRISMATIC,
+                                 .axis = {1, 0, 0},
+                                 .armature = {1},
+                                 .upper = 0.04},
+                                {.parent = -1,
+                                 .type = RBD_PRISMATIC,
+                                 .axis = {1, 0, 0},
+                                 .armature = {1},
+                                 .mimic = "left",
+                                 .mimic_ratio = -1,
+                                 .upper = 0.04}};
+    robot r = BUILD(finger);
+    for (int k = 0; k < 3; k++) {
+        const rbd_ik_target t = {.body = k % 2, .position = {k == 2 ? 0 : 0.02, 0, 0}};
+        double q[1] = {0.03};
+        rbd_ik_result result;
+        expect_status("touch", solve(&r, &t, 1, q, &result), k == 2 ? RBD_IK_REACHED : RBD_IK_AT_LIMIT,
+                      &result);
+        ck_assert(q[0] == 0 && (k == 2 || result.limit == 0));
+    }
+    robot_free(&r);
+}
+END_TEST
+
 /* Joints that move no target stay to the bit, held ones too; a start out of the limits is put within them. */
 START_TEST(what_need_not_move_stays) {
     robot r = robot_build("hyq", hyq_bodies, HYQ_NB);
@@ -755,6 +783,7 @@ SPOIL(negative_evaluations, o->evaluations = -5)
 SPOIL(one_evaluation, o->evaluations = 1)
 SPOIL(nan_metres, o->metres = NAN)
 SPOIL(negative_radians, o->radians = -1)
+SPOIL(tiny_length, o->length = 0.9e-9)
 SPOIL(infinite_length, o->length = INFINITY)
 SPOIL(nan_q, q[3] = NAN)
 SPOIL(infinite_q, q[6] = INFINITY)
@@ -792,6 +821,7 @@ static const struct {
     {one_evaluation, RBD_ERR_RANGE, -1, "evaluations", NULL},
     {nan_metres, RBD_ERR_RANGE, -1, "metres", NULL},
     {negative_radians, RBD_ERR_RANGE, -1, "radians", NULL},
+    {tiny_length, RBD_ERR_RANGE, -1, "length", NULL},
     {infinite_length, RBD_ERR_RANGE, -1, "length", NULL},
     {nan_q, RBD_ERR_NAN, -1, "q", "not finite, or the errors overflow"},
     {infinite_q, RBD_ERR_NAN, -1, "q", "not finite, or the errors overflow"},
@@ -951,6 +981,7 @@ Suite *ik_suite(void) {
     tcase_add_test(c, a_tenth_of_the_random_trees);
     tcase_add_test(c, limits_of_a_mimic_joint_bind_what_it_follows);
     tcase_add_test(c, limits_that_contradict_do_not_count);
+    tcase_add_test(c, limits_that_touch_leave_one_place);
     tcase_add_test(c, what_need_not_move_stays);
     tcase_add_test(c, a_joint_is_held_as_a_whole);
     tcase_add_test(c, a_fixed_body_is_where_it_is);

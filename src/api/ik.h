@@ -36,7 +36,7 @@ typedef struct rbd_ik_options {
     int evaluations;           /* of the targets, at most, 2 or more [5000]: bounds the time */
     rbd_real metres;           /* m: a target is reached if its place is this near [1e-6, float 1e-5] */
     rbd_real radians;          /* rad: and its angle [1e-6, float 1e-5] */
-    rbd_real length;           /* m: how much a radian of error counts, such as a third of the reach [0.3] */
+    rbd_real length;           /* m, 1e-9 or more: how much a radian of error counts; say reach / 3 [0.3] */
     const unsigned char *held; /* nv flags: not 0 where a degree of freedom stays as it is; NULL: none. Of a
                                   spherical, planar or floating joint all, or none */
 } rbd_ik_options;

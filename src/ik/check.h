@@ -73,6 +73,8 @@ RBDI_LOCAL rbd_status rbdi_ik_check_options(const rbd_ik_options *o, rbd_ik_resu
     for (int i = 0; i < 5; ++i)
         if (!rbdi_ik_within(values[i], RBDI_IK_MOST))
             return rbdi_ik_refuse(result, RBD_ERR_RANGE, -1, names[i]);
+    if (o->length > 0 && o->length < RBD_C(1) / RBDI_IK_MOST)
+        return rbdi_ik_refuse(result, RBD_ERR_RANGE, -1, "length");
     if (o->evaluations == 1) return rbdi_ik_refuse(result, RBD_ERR_RANGE, -1, "evaluations");
     return RBD_OK;
 }

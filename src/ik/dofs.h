@@ -27,7 +27,7 @@ RBDI_LOCAL void rbdi_ik_mimic_limits(const rbdi_mimic *mimic, const rbdi_frame *
     const rbd_const a = (u->lower - mimic->offset) / mimic->ratio,
                     b = (u->upper - mimic->offset) / mimic->ratio;
     const rbd_real lower = rbdi_set(a < b ? a : b), upper = rbdi_set(a < b ? b : a);
-    if (f->at >= 0 && !(lower < f->upper && f->lower < upper)) return;
+    if (f->at >= 0 && !(lower <= f->upper && f->lower <= upper)) return;
     if (f->at < 0 || lower > f->lower) f->lower = lower;
     if (f->at < 0 || upper < f->upper) f->upper = upper;
     f->at = mimic->source_q;
