@@ -26,25 +26,27 @@
 
    [conventions] Those of rbd.h, beyond them:
      target       a point, rotation or axis of a body in the world; all rows of all targets count together
-     limits       of joints with one dof, as rbd_joint has them. A mimic joint's limits bind what it follows
+     limits       of joints with one dof, as rbd_joint has them. A mimic joint's limits bind what it follows,
+                  but those that leave it nothing do not count
      angle        of a rotation: that of the shortest turn; of an axis: that to its direction
 
    [configuration] That of rbd.h. RBD_LANES and RBD_REAL_CUSTOM do not go with it: the search branches on its
      data.
 
    [guarantees]
-     Deterministic: starts come from a fixed sequence. With every status q is finite, and the joints that it
-     moved are within their limits, to the bit; mimic joints to rounding. RBD_IK_ERROR leaves q as it was.
+     Deterministic: starts come from a fixed sequence. RBD_IK_ERROR leaves q as it was. With any other status
+     q is finite, and the joints that it moved are within their limits, to the bit; mimic joints to rounding.
      RBD_IK_REACHED says that the errors at q were computed and are within the tolerances. The bits are the
      same on every machine with RBD_REPRODUCIBLE.
 
    [limits]
      An evaluation costs kinematics, a Jacobian and the solution of a linear system; the option `evaluations`
-     bounds their number. Targets within reach take 15 to 25 in the mean and some hundred at worst. That a
-     target is out of reach is known after all starts and descents: a thousand. It is not proven that no place
-     is nearer, nor that a target that is not reached cannot be. A redundant arm may take any of its postures.
-     No collisions. Robots need no masses, but for their centre of mass; a last body without mass needs
-     armature, or rbd_model_build refuses it.
+     bounds their number. Poses in reach of an arm take 15 to 25 in the mean and some hundred at worst, as
+     ./run fuzz --ik counts. That a target is out of reach is known after all starts and descents: a thousand.
+     That no place is nearer is not proven, nor that a target that is not reached cannot be. A redundant arm
+     may take any of its postures. Where limits are wide, starts are within a turn, or 10 times `length` of a
+     slide, of the caller's q. No collisions. Robots need no masses, but for their centre of mass; a last body
+     without mass needs armature, or rbd_model_build refuses it.
 */
 #include "rbd.h"
 
@@ -83,8 +85,8 @@ typedef struct rbd_ik_target {
     rbd_real point[3];     /* of the body, link axes, m: that of the tool, say; 0: the link's origin */
     rbd_real position[3];  /* where the point, or the centre of mass, shall be, world, m */
     rbd_real rotation[9];  /* 3 x 3, from link axes to world axes, as of rbd_body_pose; all 0 = identity */
-    rbd_real axis[3];      /* of the body, link axes, any length */
-    rbd_real direction[3]; /* where the axis shall point, world axes, any length */
+    rbd_real axis[3];      /* of the body, link axes, of a length of 1e-9 to 1e9 */
+    rbd_real direction[3]; /* where the axis shall point, world axes, of such a length */
     rbd_real weight;       /* of its squared error, beside those of the other targets; 0: 1 */
 } rbd_ik_target;
 
@@ -92,10 +94,11 @@ typedef struct rbd_ik_target {
 typedef struct rbd_ik_options {
     int starts;                /* at most [60]: the caller's q, then others; 1: from q alone */
     int evaluations;           /* of the targets, at most, 2 or more [5000]: bounds the time */
-    rbd_real metres;           /* a target is reached if its place is this near [1e-6, float 1e-5] */
-    rbd_real radians;          /* and its angle [1e-6, float 1e-5] */
-    rbd_real length;           /* m: how much a radian of error counts; a third of the reach [0.3] */
-    const unsigned char *held; /* nv flags: not 0 where a degree of freedom stays as it is; NULL: none */
+    rbd_real metres;           /* m: a target is reached if its place is this near [1e-6, float 1e-5] */
+    rbd_real radians;          /* rad: and its angle [1e-6, float 1e-5] */
+    rbd_real length;           /* m, 1e-9 or more: how much a radian of error counts; say reach / 3 [0.3] */
+    const unsigned char *held; /* nv flags: not 0 where a degree of freedom stays as it is; NULL: none. Of a
+                                  spherical, planar or floating joint all, or none */
 } rbd_ik_options;
 
 /* The result of rbd_ik: 0 if all targets are reached. Above 0 q is the nearest that was found. */
@@ -108,8 +111,8 @@ typedef enum rbd_ik_status {
 } rbd_ik_status;
 
 typedef struct rbd_ik_result {
-    rbd_real metres;  /* the largest distance of a point or centre of mass from its place */
-    rbd_real radians; /* the largest angle of a body or axis from what it should be */
+    rbd_real metres;  /* m: the largest distance of a point or centre of mass from its place */
+    rbd_real radians; /* rad: the largest angle of a body or axis from what it should be */
     int limit;        /* AT_LIMIT: the dof, index into v, whose limit keeps the targets away most; else -1 */
     int limits;       /* how many dofs are at such limits; with mimic joints a limit may be that of a mimic */
     int starts;       /* begun */
@@ -123,6 +126,7 @@ typedef struct rbd_ik_result {
 
 /* Finds joint positions q within all limits for which all targets are reached; if there are none that it
    finds, those that minimise the sum of weight (metres^2 + length^2 radians^2), at least locally.
+   w         what rbd_kinematics left there is replaced: call it anew before calls that read it
    targets   n of them, n at least 1; those of one body may stand together, such as a point and an axis
    options   NULL: all defaults
    memory    size bytes of any alignment, scratch: RBD_IK_SIZE
@@ -131,9 +135,10 @@ typedef struct rbd_ik_result {
    result    what was reached
    Damped least squares (Wampler 1986) with the damping of Sugihara (2011); joints that would pass a limit are
    set on it, and the others solved for again (Flacco, De Luca and Khatib 2015).
-   Errors, in result->error: RBD_ERR_NULL; _WORK; _MEMORY; _COUNT, n below 1 or above 1000; _INDEX, a body;
-   _TYPE, a kind; _POSITION, _ROTATION, _AXIS; _MASS, a centre of mass of a robot without mass; _RANGE, a
-   weight, an option or q; _NAN, q is not finite, or the errors at each start overflow. */
+   Errors, in result->error: RBD_ERR_NULL, but without a result RBD_IK_ERROR alone; _WORK; _MEMORY; _COUNT, n
+   below 1 or above 1000; _INDEX, a body; _TYPE, a kind; _POSITION, _ROTATION, _AXIS; _MASS, a centre of mass
+   of a robot without mass; _RANGE, a weight, an option or q; _INFEASIBLE, a part of a joint is held; _NAN, q
+   is not finite, or the errors at each start overflow. */
 RBDI_API rbd_ik_status rbd_ik(const rbd_model *m, rbd_work *w, const rbd_ik_target *targets, int n,
                               const rbd_ik_options *options, void *memory, size_t size, rbd_real *q,
                               rbd_ik_result *result);
@@ -182,13 +187,14 @@ RBDI_EXTERN_C_END
        |J d - e|^2 + damping |d|^2   within the limits of the joints,
 
    to good approximation: dofs at a limit that the gradient g = J'e presses on stay; the others are solved for
-   from (J'J + damping) d = g; those that would pass their limit are set on it, and the rest is solved for
-   again, with J'J d of these on the right.
+   from (H + damping) d = g, with H = J'J and, in descents, what [curvature] adds; those that would pass their
+   limit are set on it, and the rest is solved for again, with H d of these on the right.
 
    The search takes such steps with damping RBDI_IK_DAMPING |e|^2. It is large far away, where the linear
    model is wrong, and falls with the square of the error, so that the last steps are Newton's. The error may
    grow on the way. A start that has not brought |e|^2 to a quarter for RBDI_IK_STALL steps is given up for
-   another one: anywhere within limits, or half a turn at most around the caller's angle without limits.
+   another one: anywhere within limits, but a turn at most from the caller's angle, RBDI_IK_WIDE lengths at
+   most from a slide's, and half a turn at most without limits.
 
    If no start reaches the targets, descents from the best place and from a few starts look for the nearest
    place. They take steps that bring the error down alone, with the damping of Levenberg and Marquardt. */
@@ -204,6 +210,7 @@ RBDI_EXTERN_C_END
 #define RBDI_IK_FLOOR (8 * RBDI_EPS)
 #define RBDI_IK_FAR RBD_C(10)
 #define RBDI_IK_TURN RBD_C(1)
+#define RBDI_IK_WIDE RBD_C(10)
 #define RBDI_IK_STEPS 60
 #define RBDI_IK_STALL 6
 #define RBDI_IK_STARTS 60
@@ -253,21 +260,23 @@ typedef struct rbdi_ik {
     rbd_ik_result *result;
     int n, rows, dofs;
     int alone;                /* the body of the only target, which is not the centre of mass; else -1 */
+    rbd_const all;            /* kg: mass of the robot */
     rbd_real cost, best_cost; /* |e|^2, and the least so far */
 
     rbdi_ik_dof *dof;     /* dofs */
-    int16_t *place;       /* dofs: free ones of a step */
+    int16_t *mark;        /* nv: the dofs that move a target */
+    int16_t *solved;      /* dofs: those that a step solves for; in the memory of mark */
     rbd_real *e;          /* rows */
     rbd_real *J;          /* dofs x rows: column after column */
     rbd_real *columns;    /* 6 x nv: Jacobian of one target */
-    rbd_real *H, *factor; /* dofs (dofs + 1) / 2: upper triangle of J'J, by rows; the free dofs' factor */
+    rbd_real *H, *factor; /* dofs (dofs + 1) / 2: upper triangle of H, by rows; the free dofs' factor */
     rbd_real *g, *d, *x;  /* dofs: J'e, the step, and that of the free dofs */
     rbd_real *v;          /* nv: the step */
     rbd_real *from, *best, *q, *trial; /* nq: the caller's, the best, and where the search is */
     rbd_real *mass; /* nl x 4: of subtrees, mass and first moment about the first link, world axes */
 } rbdi_ik;
 
-/* Numbers of scalars and bytes for nb bodies, nv dofs, nl links and n targets. nq <= 2 nv. */
+/* Numbers of scalars and bytes for nv dofs, nl links and n targets. nq <= 2 nv. */
 #define RBDI_IK_SCALARS(nv, nl, n) \
     (6 * (size_t)(n) * (1 + (size_t)(nv)) + 6 * (size_t)(nv) + (size_t)(nv) * ((size_t)(nv) + 1) + \
      4 * (size_t)(nv) + 8 * (size_t)(nv) + 4 * (size_t)(nl))
@@ -295,6 +304,9 @@ RBDI_LOCAL void rbdi_ik_copy(const rbd_real *from, int n, rbd_real *to) {
 
 /* The larger of two. */
 RBDI_INLINE rbd_real rbdi_ik_larger(rbd_real a, rbd_real b) { return a < b ? b : a; }
+
+/* The smaller of two. */
+RBDI_INLINE rbd_real rbdi_ik_smaller(rbd_real a, rbd_real b) { return a < b ? a : b; }
 
 /* Where row i of a packed upper triangle of n rows begins: with its diagonal entry. */
 RBDI_INLINE ptrdiff_t rbdi_ik_row(int n, int i) { return (ptrdiff_t)i * (2 * n - i + 1) / 2; }
@@ -346,16 +358,16 @@ RBDI_LOCAL void rbdi_ik_gather(rbdi_ik *k, int n, rbd_real damping) {
     rbd_real *to = k->factor;
 
     for (int a = 0; a < n; ++a) {
-        const int i = k->place[a];
+        const int i = k->solved[a];
         const rbd_real *row = &k->H[rbdi_ik_row(k->dofs, i) - i];
         *to++ = row[i] + damping;
-        for (int b = a + 1; b < n; ++b) *to++ = row[k->place[b]];
+        for (int b = a + 1; b < n; ++b) *to++ = row[k->solved[b]];
         k->x[a] = k->g[i];
     }
 
     for (int j = 0; j < k->dofs; ++j)
         for (int a = 0; a < n && k->dof[j].hold > RBDI_IK_STAYS; ++a)
-            k->x[a] = k->x[a] - rbdi_ik_entry(k, k->place[a], j) * k->d[j];
+            k->x[a] = k->x[a] - rbdi_ik_entry(k, k->solved[a], j) * k->d[j];
 }
 
 /* Solves the equations by elimination, A = L D L'. A pivot is at least `least`; its inverse takes its place.
@@ -395,7 +407,7 @@ RBDI_LOCAL int rbdi_ik_set_on_limits(rbdi_ik *k, int n) {
     int any = 0;
 
     for (int a = 0; a < n; ++a) {
-        const int i = k->place[a];
+        const int i = k->solved[a];
         rbdi_ik_dof *f = &k->dof[i];
         k->d[i] = k->x[a];
         if (f->at < 0) continue;
@@ -427,7 +439,7 @@ RBDI_LOCAL int rbdi_ik_step(rbdi_ik *k, rbd_real damping, rbd_real least) {
     while (more) {
         int n = 0;
         for (int i = 0; i < k->dofs; ++i)
-            if (k->dof[i].hold == RBDI_IK_FREE) k->place[n++] = (int16_t)i;
+            if (k->dof[i].hold == RBDI_IK_FREE) k->solved[n++] = (int16_t)i;
         rbdi_ik_gather(k, n, damping + least);
         definite &= rbdi_ik_solve(k, n, least);
         more = rbdi_ik_set_on_limits(k, n);
@@ -534,18 +546,20 @@ RBDI_LOCAL rbdi_v3 rbdi_ik_wanted_turn(const rbdi_ik *k, const rbd_ik_target *t)
     return rbdi_log_rotation(rbdi_mul_mat(rbdi_ik_rotation(t->rotation), rbdi_axes_of(k->m, k->w, t->body)));
 }
 
+/* Centre of mass of one body. */
+RBDI_LOCAL rbdi_v3 rbdi_ik_body_com(const rbdi_ik *k, const rbdi_frame *u) {
+    rbd_real com[3];
+    rbdi_store_vec(com, 1, rbdi_vec_c(u->com));
+    return rbdi_point_position(k->m, k->w, (int)(u - k->m->frame), com);
+}
+
 /* Centre of mass of all bodies that a joint moves. */
-RBDI_LOCAL rbdi_v3 rbdi_ik_com(const rbd_model *m, const rbd_work *w) {
-    const rbd_const all = rbd_mass(m);
+RBDI_LOCAL rbdi_v3 rbdi_ik_com(const rbdi_ik *k) {
+    const rbd_model *m = k->m;
     rbdi_v3 sum = rbdi_vec0();
 
-    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {
-        rbd_real com[3];
-        if (u->link < 0) continue;
-        rbdi_store_vec(com, 1, rbdi_vec_c(u->com));
-        sum = rbdi_add(
-            sum, rbdi_scale(rbdi_set(u->mass / all), rbdi_point_position(m, w, (int)(u - m->frame), com)));
-    }
+    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
+        if (u->link >= 0) sum = rbdi_add(sum, rbdi_scale(rbdi_set(u->mass / k->all), rbdi_ik_body_com(k, u)));
 
     return sum;
 }
@@ -581,8 +595,8 @@ RBDI_LOCAL void rbdi_ik_errors(rbdi_ik *k, const rbd_real *q) {
         }
 
         if (rbdi_ik_moves_point(t->kind) || t->kind == RBD_IK_COM) {
-            const rbdi_v3 at = t->kind == RBD_IK_COM ? rbdi_ik_com(k->m, k->w)
-                                                     : rbdi_point_position(k->m, k->w, t->body, t->point);
+            const rbdi_v3 at =
+                t->kind == RBD_IK_COM ? rbdi_ik_com(k) : rbdi_point_position(k->m, k->w, t->body, t->point);
             const rbdi_v3 error = rbdi_sub(rbdi_load_vec(t->position, 1), at);
             const rbd_real distance = rbdi_ik_append(k, &row, factor, error);
             k->result->metres = rbdi_ik_larger(k->result->metres, distance);
@@ -598,15 +612,14 @@ RBDI_LOCAL void rbdi_ik_subtrees(rbdi_ik *k) {
     rbdi_clear(k->mass, 4 * m->nl);
     for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {
         const rbd_real mass = rbdi_set(u->mass);
-        rbd_real *sum = &k->mass[4 * u->link], com[3];
+        rbdi_v3 moment;
+        rbd_real *sum;
         if (u->link < 0) continue;
 
-        rbdi_store_vec(com, 1, rbdi_vec_c(u->com));
+        moment = rbdi_scale(mass, rbdi_sub(rbdi_ik_body_com(k, u), o));
+        sum = &k->mass[4 * u->link];
         sum[0] = sum[0] + mass;
-        rbdi_store_vec(
-            sum + 1, 1,
-            rbdi_add(rbdi_load_vec(sum + 1, 1),
-                     rbdi_scale(mass, rbdi_sub(rbdi_point_position(m, k->w, (int)(u - m->frame), com), o))));
+        rbdi_store_vec(sum + 1, 1, rbdi_add(rbdi_load_vec(sum + 1, 1), moment));
     }
 
     for (int i = m->nl - 1; i > 0; --i)
@@ -621,7 +634,7 @@ RBDI_LOCAL void rbdi_ik_subtrees(rbdi_ik *k) {
 RBDI_LOCAL void rbdi_ik_com_jacobian(rbdi_ik *k) {
     const rbd_model *m = k->m;
     const rbdi_v3 o = k->w->kin[0].X.r;
-    const rbd_real all = rbdi_set(rbd_mass(m));
+    const rbd_real all = rbdi_set(k->all);
 
     rbdi_ik_subtrees(k);
     rbdi_clear(k->columns, 6 * m->nv);
@@ -678,13 +691,14 @@ RBDI_LOCAL void rbdi_ik_jacobian(rbdi_ik *k) {
 
 /* ==== src/ik/curvature.h ==== */
 /* ---- curvature [curvature] ----
-   What |e|^2/2 has beyond J'J in second order; it counts where e does not vanish. With omega_i and v_i the
+   The second derivative of |e|^2/2 beyond J'J; it counts where e does not vanish. With omega_i and v_i the
    columns of a target's Jacobian, dof i nearer to the root than dof j, as i < j, place and turn are
 
        d^2 p / dq_i dq_j = omega_i x v_j
        turn = omega_i q_i + omega_j q_j + (omega_i x omega_j) q_i q_j / 2
 
-   Of dofs that move along a screw together it is the mean of both orders; what mimic joints add is left out.
+   For two dofs of one floating or planar joint, use the mean of both orders. What mimic joints add is left
+   out.
 
    If a turn of angle a about n is left, a turn w changes a^2/2 in second order by
 
@@ -734,20 +748,20 @@ RBDI_LOCAL rbdi_ik_bend rbdi_ik_bend_of(const rbdi_ik *k, const rbd_ik_target *t
     return b;
 }
 
-/* What the second derivative of place and turn takes from H, dof i nearer to the root. */
+/* Term of the second derivative of place and turn, subtracted from H; dof i is nearer to the root. */
 RBDI_INLINE rbd_real rbdi_ik_bent(const rbdi_ik_bend *b, const rbdi_motion *i, const rbdi_motion *j) {
     return rbdi_dot(b->place, rbdi_cross(i->omega, j->v)) +
            RBD_C(0.5) * rbdi_dot(b->turn, rbdi_cross(i->omega, j->omega));
 }
 
-/* What the curvature of the angle takes from H. */
+/* Term of the second derivative of the angle, subtracted from H. */
 RBDI_INLINE rbd_real rbdi_ik_lacking(const rbdi_ik_bend *b, rbdi_v3 i, rbdi_v3 j) {
     const rbd_real along = rbdi_dot(b->n, i) * rbdi_dot(b->n, j) + rbdi_dot(b->s, i) * rbdi_dot(b->s, j);
     const rbd_real side = rbdi_dot(b->s, i) * rbdi_dot(b->side, j) + rbdi_dot(b->s, j) * rbdi_dot(b->side, i);
     return b->lack * (rbdi_dot(i, j) - along) - RBD_C(0.5) * side;
 }
 
-/* Whether two dofs are of one joint that moves along a screw. */
+/* Whether two dofs are of one joint whose dofs move together. */
 RBDI_INLINE int rbdi_ik_together(const rbd_model *m, int i, int j) {
     const rbdi_frame *u = &m->frame[m->dof[i].body];
     return m->dof[i].body == m->dof[j].body && rbdi_is(&m->link[u->link], RBDI_BLOCK);
@@ -796,10 +810,10 @@ RBDI_LOCAL void rbdi_ik_mark(const rbd_model *m, int i, int16_t *mark) {
     for (; i >= 0; i = m->link[i].parent) {
         const rbdi_link *l = &m->link[i];
         const int block = rbdi_is(l, RBDI_BLOCK);
-        for (int k = 0; k < rbdi_link_dofs(m, l); ++k) {
-            const int slides = block ? rbdi_block_of(m, l)->first + k >= 3
+        for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
+            const int slides = block ? rbdi_block_of(m, l)->first + j >= 3
                                      : rbdi_is(l, RBDI_SCREW) && !(l->rho < 0 || l->rho > 0);
-            int16_t *to = &mark[rbdi_source(m, l->iv + k)];
+            int16_t *to = &mark[rbdi_source(m, l->iv + j)];
             if (!slides)
                 *to = 2;
             else if (*to == 0)
@@ -813,7 +827,7 @@ RBDI_LOCAL void rbdi_ik_mimic_limits(const rbdi_mimic *mimic, const rbdi_frame *
     const rbd_const a = (u->lower - mimic->offset) / mimic->ratio,
                     b = (u->upper - mimic->offset) / mimic->ratio;
     const rbd_real lower = rbdi_set(a < b ? a : b), upper = rbdi_set(a < b ? b : a);
-    if (f->at >= 0 && !(lower < f->upper && f->lower < upper)) return;
+    if (f->at >= 0 && !(lower <= f->upper && f->lower <= upper)) return;
     if (f->at < 0 || lower > f->lower) f->lower = lower;
     if (f->at < 0 || upper < f->upper) f->upper = upper;
     f->at = mimic->source_q;
@@ -826,17 +840,17 @@ RBDI_LOCAL void rbdi_ik_limits(const rbd_model *m, rbdi_ik_dof *f) {
     f->lower = rbdi_set(u->lower);
     f->upper = rbdi_set(u->upper);
 
-    for (int k = 0; k < rbdi_mimics(m); ++k) {
-        const rbdi_frame *other = &m->frame[m->dof[m->nv + k].body];
-        if (m->mimic[k].source_v == f->dof && other->lower < other->upper)
-            rbdi_ik_mimic_limits(&m->mimic[k], other, f);
+    for (int j = 0; j < rbdi_mimics(m); ++j) {
+        const rbdi_frame *other = &m->frame[m->dof[m->nv + j].body];
+        if (m->mimic[j].source_v == f->dof && other->lower < other->upper)
+            rbdi_ik_mimic_limits(&m->mimic[j], other, f);
     }
 }
 
 /* The dofs that move a target and are not held. */
 RBDI_LOCAL void rbdi_ik_find_dofs(rbdi_ik *k) {
     const rbd_model *m = k->m;
-    int16_t *mark = k->place;
+    int16_t *mark = k->mark;
 
     for (int i = 0; i < m->nv; ++i) mark[i] = 0;
     for (const rbd_ik_target *t = k->target; t < k->target + k->n; ++t) {
@@ -899,6 +913,35 @@ RBDI_LOCAL rbd_real rbdi_ik_golden(int n) {
     return x;
 }
 
+/* How far from q starts are drawn where limits are wide: so far that what moves most slowly, the joint or one
+   that mimics it, makes a turn, or a slide its length. */
+RBDI_LOCAL rbd_real rbdi_ik_wide(const rbdi_ik *k, const rbdi_ik_dof *f) {
+    const rbdi_frame *u = &k->m->frame[k->m->dof[f->dof].body];
+    const rbd_real slide = RBDI_IK_WIDE * k->options.length,
+                   pitch = rbdi_abs(rbdi_set(k->m->link[u->link].kappa));
+    rbd_real far = f->turns ? rbdi_set(2 * RBDI_PI(rbd_const)) : slide, least = rbdi_set(RBD_C(1));
+
+    for (int j = 0; j < rbdi_mimics(k->m); ++j)
+        if (k->m->mimic[j].source_v == f->dof)
+            least = rbdi_ik_smaller(least, rbdi_abs(rbdi_set(k->m->mimic[j].ratio)));
+
+    if (f->turns && far * pitch < slide && pitch > 0) far = slide / pitch;
+    return far < RBDI_IK_MOST * least ? far / least : rbdi_set(RBDI_IK_MOST);
+}
+
+/* A share of what a start may take of the limits of dof f, from k->q: see [method]. */
+RBDI_LOCAL rbd_real rbdi_ik_draw(const rbdi_ik *k, const rbdi_ik_dof *f, rbd_real share) {
+    const rbd_real q = k->q[f->at], most = rbdi_ik_wide(k, f);
+    rbd_real lower = f->lower, upper = f->upper;
+
+    if (upper - lower > most + most) {
+        lower = rbdi_ik_larger(lower, q - most);
+        upper = rbdi_ik_smaller(upper, q + most);
+    }
+
+    return lower + share * (upper - lower) - q;
+}
+
 /* q of a start: the caller's; then share frac(1/2 + start golden^-(i + 1)) of the range of the ith dof. Any
    number of first starts is spread evenly (Roberts 2018). */
 RBDI_LOCAL void rbdi_ik_start(rbdi_ik *k, int start) {
@@ -919,7 +962,7 @@ RBDI_LOCAL void rbdi_ik_start(rbdi_ik *k, int start) {
 
         f->hold = RBDI_IK_FREE;
         k->d[i] = f->turns ? (share + share - RBD_C(1)) * pi : rbdi_zero();
-        if (f->at >= 0) k->d[i] = f->lower + share * (f->upper - f->lower) - k->q[f->at];
+        if (f->at >= 0) k->d[i] = rbdi_ik_draw(k, f, share);
     }
     rbdi_ik_move(k, rbdi_set(RBD_C(1)), k->q);
 }
@@ -953,7 +996,7 @@ RBDI_LOCAL int rbdi_ik_search(rbdi_ik *k) {
     return 0;
 }
 
-/* How much the step should bring |e|^2 down by the linear model: 2 g'd - d'H d. */
+/* How much the step should bring |e|^2 down by the quadratic model with H of [curvature]: 2 g'd - d'H d. */
 RBDI_LOCAL rbd_real rbdi_ik_expected(const rbdi_ik *k) {
     rbd_real sum = rbdi_zero();
     const rbd_real *H = k->H;
@@ -968,7 +1011,7 @@ RBDI_LOCAL rbd_real rbdi_ik_expected(const rbdi_ik *k) {
 }
 
 /* By how much the damping changes after a step that has brought |e|^2 down by this share of what was expected
-   (Nielsen 1999): 1 at a half, which is where the damping is the curvature that the linear model lacks. */
+   (Nielsen 1999): 1 at a half. */
 RBDI_LOCAL rbd_real rbdi_ik_relax(rbd_real share) {
     const rbd_real x = share + share - RBD_C(1);
     const rbd_real factor = rbdi_ik_larger(rbdi_set(RBD_C(1) / 3), RBD_C(1) - x * x * x);
@@ -1104,7 +1147,7 @@ RBDI_LOCAL int rbdi_ik_is_place(const rbd_real *x) {
     return 1;
 }
 
-/* Whether it is one, and has a direction. */
+/* Whether x is finite and not too short for an axis. */
 RBDI_LOCAL int rbdi_ik_is_axis(const rbd_real *x) {
     const rbd_real least = RBD_C(1) / RBDI_IK_MOST;
     return rbdi_ik_is_place(x) && rbdi_dot(rbdi_load_vec(x, 1), rbdi_load_vec(x, 1)) >= least * least;
@@ -1155,6 +1198,19 @@ RBDI_LOCAL rbd_status rbdi_ik_check_options(const rbd_ik_options *o, rbd_ik_resu
     for (int i = 0; i < 5; ++i)
         if (!rbdi_ik_within(values[i], RBDI_IK_MOST))
             return rbdi_ik_refuse(result, RBD_ERR_RANGE, -1, names[i]);
+    if (o->length > 0 && o->length < RBD_C(1) / RBDI_IK_MOST)
+        return rbdi_ik_refuse(result, RBD_ERR_RANGE, -1, "length");
+    if (o->evaluations == 1) return rbdi_ik_refuse(result, RBD_ERR_RANGE, -1, "evaluations");
+    return RBD_OK;
+}
+
+/* A joint that turns has no coordinate that stays if one of its dofs does: all of them are held, or none. */
+RBDI_LOCAL rbd_status rbdi_ik_check_held(const rbd_model *m, const unsigned char *held,
+                                         rbd_ik_result *result) {
+    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
+        for (int k = 1; k < u->nv && rbdi_joint_turns(u); ++k)
+            if (!held[u->iv + k] != !held[u->iv])
+                return rbdi_ik_refuse(result, RBD_ERR_INFEASIBLE, -1, "held");
     return RBD_OK;
 }
 
@@ -1176,6 +1232,7 @@ RBDI_LOCAL rbd_status rbdi_ik_check(const rbd_model *m, const rbd_work *w, const
 
     for (int i = 0; i < n && !status; ++i) status = rbdi_ik_check_target(m, &targets[i], i, result);
     if (!status && options) status = rbdi_ik_check_options(options, result);
+    if (!status && options && options->held) status = rbdi_ik_check_held(m, options->held, result);
     if (!status && size < rbd_ik_size(m, n)) status = rbdi_ik_refuse(result, RBD_ERR_MEMORY, -1, NULL);
     return status ? status : rbdi_ik_check_q(m, q, result);
 }
@@ -1205,7 +1262,8 @@ RBDI_LOCAL rbdi_ik *rbdi_ik_lay_out(const rbd_model *m, int n, void *memory) {
     unsigned char *at = rbdi_aligned(memory);
     rbdi_ik *k = RBDI_CUT(rbdi_ik, 1);
     k->dof = RBDI_CUT(rbdi_ik_dof, nv);
-    k->place = RBDI_CUT(int16_t, nv);
+    k->mark = RBDI_CUT(int16_t, nv);
+    k->solved = k->mark;
 
     k->e = (rbd_real *)at;
     k->J = k->e + 6 * n;
@@ -1236,6 +1294,7 @@ RBDI_LOCAL rbdi_ik *rbdi_ik_begin(const rbd_model *m, rbd_work *w, const rbd_ik_
     k->options = rbdi_ik_defaults(options);
     k->result = result;
     k->alone = n == 1 && targets->kind != RBD_IK_COM ? targets->body : -1;
+    k->all = rbd_mass(m);
     k->best_cost = rbdi_set(RBDI_IK_OVERFLOW);
 
     k->rows = 0;
@@ -1304,7 +1363,8 @@ RBDI_MESSAGES RBDI_PART const char *rbdi_ik_error(rbd_status error) {
     case RBD_ERR_COUNT: return "fewer than 1 target, or more than 1000";
     case RBD_ERR_TYPE: return "unknown kind of target";
     case RBD_ERR_POSITION: return "not finite, or farther than 1e9 m";
-    case RBD_ERR_AXIS: return "zero, not finite, or longer than 1e9";
+    case RBD_ERR_AXIS: return "not finite, or of a length out of 1e-9 to 1e9";
+    case RBD_ERR_INFEASIBLE: return "only a part of a spherical, planar or floating joint is held";
     case RBD_ERR_MASS: return "a centre of mass, but the robot has no mass";
     case RBD_ERR_NAN: return "not finite, or the errors overflow";
     default: return rbd_status_string(error);

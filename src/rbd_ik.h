@@ -25,25 +25,27 @@
 
    [conventions] Those of rbd.h, beyond them:
      target       a point, rotation or axis of a body in the world; all rows of all targets count together
-     limits       of joints with one dof, as rbd_joint has them. A mimic joint's limits bind what it follows
+     limits       of joints with one dof, as rbd_joint has them. A mimic joint's limits bind what it follows,
+                  but those that leave it nothing do not count
      angle        of a rotation: that of the shortest turn; of an axis: that to its direction
 
    [configuration] That of rbd.h. RBD_LANES and RBD_REAL_CUSTOM do not go with it: the search branches on its
      data.
 
    [guarantees]
-     Deterministic: starts come from a fixed sequence. With every status q is finite, and the joints that it
-     moved are within their limits, to the bit; mimic joints to rounding. RBD_IK_ERROR leaves q as it was.
+     Deterministic: starts come from a fixed sequence. RBD_IK_ERROR leaves q as it was. With any other status
+     q is finite, and the joints that it moved are within their limits, to the bit; mimic joints to rounding.
      RBD_IK_REACHED says that the errors at q were computed and are within the tolerances. The bits are the
      same on every machine with RBD_REPRODUCIBLE.
 
    [limits]
      An evaluation costs kinematics, a Jacobian and the solution of a linear system; the option `evaluations`
-     bounds their number. Targets within reach take 15 to 25 in the mean and some hundred at worst. That a
-     target is out of reach is known after all starts and descents: a thousand. It is not proven that no place
-     is nearer, nor that a target that is not reached cannot be. A redundant arm may take any of its postures.
-     No collisions. Robots need no masses, but for their centre of mass; a last body without mass needs
-     armature, or rbd_model_build refuses it.
+     bounds their number. Poses in reach of an arm take 15 to 25 in the mean and some hundred at worst, as
+     ./run fuzz --ik counts. That a target is out of reach is known after all starts and descents: a thousand.
+     That no place is nearer is not proven, nor that a target that is not reached cannot be. A redundant arm
+     may take any of its postures. Where limits are wide, starts are within a turn, or 10 times `length` of a
+     slide, of the caller's q. No collisions. Robots need no masses, but for their centre of mass; a last body
+     without mass needs armature, or rbd_model_build refuses it.
 */
 #include "rbd.h"
 

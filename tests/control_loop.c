@@ -5,6 +5,7 @@
 #include "rbd_derivatives.h"
 
 #include "rbd_contact.h"
+#include "rbd_ik.h"
 
 #include "models/hyq_model.h"
 #include <stdio.h>
@@ -13,7 +14,8 @@
 enum { NB = HYQ_NB, NQ = HYQ_NQ, NV = HYQ_NV, ROWS = 12, MARK = 77, SIZE = 40 * NV * 10 };
 
 static unsigned char work_memory[HYQ_WORK_SIZE], d_memory[RBD_DERIVATIVES_SIZE(NB, NV)],
-    c_memory[RBD_CONSTRAINT_SET_SIZE(NV, ROWS)], ground_memory[RBD_CONTACT_SET_SIZE(NV, 4, 0)];
+    c_memory[RBD_CONSTRAINT_SET_SIZE(NV, ROWS)], ground_memory[RBD_CONTACT_SET_SIZE(NV, 4, 0)],
+    ik_memory[RBD_IK_SIZE(NB, NV, 1)];
 static rbd_work *w;
 static rbd_derivatives *d;
 static rbd_constraint_set *c;
@@ -25,6 +27,16 @@ static rbd_real out[SIZE], expected[SIZE]; /* results of the call */
 static const rbd_real dt = 1e-3;
 static const rbd_real point[3] = {0.1, 0.2, 0.3};
 static unsigned char given[NV];
+
+/* Inverse kinematics of the last body; a q that is not finite is an error. */
+static rbd_status solve(void) {
+    const rbd_ik_target t = {.body = NB - 1, .point = {0.1, 0.2, 0.3}};
+    const rbd_ik_options o = {.starts = 1, .evaluations = 5};
+    rbd_ik_result result;
+    memcpy(out, q, sizeof q);
+    rbd_ik(m, w, &t, 1, &o, ik_memory, sizeof ik_memory, out, &result);
+    return result.error;
+}
 
 #define CALLS(CALL) \
     CALL(rbd_rnea, rbd_rnea(m, w, q, v, a, NULL, out)) \
@@ -51,6 +63,7 @@ static unsigned char given[NV];
     CALL(rbd_minverse, rbd_minverse(m, w, q, out)) \
     CALL(rbd_kinematics, rbd_kinematics(m, w, q, v, a)) \
     CALL(rbd_body_kinematics, rbd_body_kinematics(m, w, NB - 1, q, v, a)) \
+    CALL(rbd_ik, solve()) \
     CALL(rbd_joint_wrench, rbd_joint_wrench(m, w, q, v, a, NULL, out)) \
     CALL(rbd_momentum_matrix, rbd_momentum_matrix(m, d, q, v, out, out + 6 * NV)) \
     CALL(rbd_com_jacobian, rbd_com_jacobian(m, d, q, out)) \

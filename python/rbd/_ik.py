@@ -21,8 +21,8 @@ class IkTarget:
     point: Numbers = (0, 0, 0)          #: of the body, link axes, m
     position: Numbers = (0, 0, 0)       #: where the point, or the centre of mass, shall be, world, m
     rotation: Numbers | Matrix = (0,) * 9  #: 3 x 3, from link axes to world axes; all 0 = identity
-    axis: Numbers = (0, 0, 0)           #: of the body, link axes
-    direction: Numbers = (0, 0, 0)      #: where the axis shall point, world axes
+    axis: Numbers = (0, 0, 0)           #: of the body, link axes, of a length of 1e-9 to 1e9
+    direction: Numbers = (0, 0, 0)      #: where the axis shall point, world axes, of such a length
     weight: float = 0.0                 #: of its squared error beside the other targets; 0 = 1
 
 

@@ -131,18 +131,20 @@ class Kinematics(_Owner):
            evaluations: int = 0, metres: float = 0.0, radians: float = 0.0, length: float = 0.0,
            held: ArrayLike | None = None) -> IkResult:
         """Finds a configuration within all limits for which all targets are reached, rbd_ik of rbd_ik.h; if it finds
-        none, the nearest. `status` of the result says which: IkStatus.REACHED is 0.
+        none, the nearest that it found. `status` of the result says which: IkStatus.REACHED is 0.
 
             targets      IkTarget, or a list of them
             q            nq: where to begin; None = neutral
             starts       at most: q, then others; 1 = from q alone; 0 = 60
-            evaluations  of the targets, at most; 0 = 5000
+            evaluations  of the targets, at most, 2 or more; 0 = 5000
             metres       a target is reached if its place is this near; 0 = 1e-6, of float 1e-5
             radians      and its angle; 0 = 1e-6, of float 1e-5
             length       m: how much a radian of error counts; 0 = 0.3, a third of an arm's reach
-            held         nv: 1 where a degree of freedom stays as it is; None = none
+            held         nv: 1 where a degree of freedom stays as it is; None = none. Of a spherical, planar or floating
+                         joint all, or none
 
-        After it `kinematics` must be called anew."""
+        After it `kinematics` must be called anew. Bad input raises RbdError with a Status, naming target and field; of
+        a wrong type or shape, TypeError or ValueError."""
         options = {"starts": starts, "evaluations": evaluations, "metres": metres, "radians": radians, "length": length}
         return _ik(self, targets, q, held, options)
 

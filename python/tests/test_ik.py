@@ -67,3 +67,9 @@ def test_bad_targets_are_named(iiwa):
         iiwa.ik([])
     with pytest.raises(rbd.RbdError, match="field 'starts'"):
         iiwa.ik(rbd.IkTarget(), starts=-1)
+    with pytest.raises(rbd.RbdError, match="field 'evaluations'") as error:
+        iiwa.ik(rbd.IkTarget(), evaluations=1)
+    assert error.value.status == rbd.Status.ERR_RANGE
+    ball = rbd.Model([rbd.Body("ball", type="spherical", mass=1, inertia=(1, 0, 0, 1, 0, 1))])
+    with pytest.raises(rbd.RbdError, match="field 'held': only a part of a spherical, planar or floating joint is held"):
+        ball.ik(rbd.IkTarget(), held=[1, 0, 1])

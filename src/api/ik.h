@@ -25,8 +25,8 @@ typedef struct rbd_ik_target {
     rbd_real point[3];     /* of the body, link axes, m: that of the tool, say; 0: the link's origin */
     rbd_real position[3];  /* where the point, or the centre of mass, shall be, world, m */
     rbd_real rotation[9];  /* 3 x 3, from link axes to world axes, as of rbd_body_pose; all 0 = identity */
-    rbd_real axis[3];      /* of the body, link axes, any length */
-    rbd_real direction[3]; /* where the axis shall point, world axes, any length */
+    rbd_real axis[3];      /* of the body, link axes, of a length of 1e-9 to 1e9 */
+    rbd_real direction[3]; /* where the axis shall point, world axes, of such a length */
     rbd_real weight;       /* of its squared error, beside those of the other targets; 0: 1 */
 } rbd_ik_target;
 
@@ -34,10 +34,11 @@ typedef struct rbd_ik_target {
 typedef struct rbd_ik_options {
     int starts;                /* at most [60]: the caller's q, then others; 1: from q alone */
     int evaluations;           /* of the targets, at most, 2 or more [5000]: bounds the time */
-    rbd_real metres;           /* a target is reached if its place is this near [1e-6, float 1e-5] */
-    rbd_real radians;          /* and its angle [1e-6, float 1e-5] */
-    rbd_real length;           /* m: how much a radian of error counts; a third of the reach [0.3] */
-    const unsigned char *held; /* nv flags: not 0 where a degree of freedom stays as it is; NULL: none */
+    rbd_real metres;           /* m: a target is reached if its place is this near [1e-6, float 1e-5] */
+    rbd_real radians;          /* rad: and its angle [1e-6, float 1e-5] */
+    rbd_real length;           /* m, 1e-9 or more: how much a radian of error counts; say reach / 3 [0.3] */
+    const unsigned char *held; /* nv flags: not 0 where a degree of freedom stays as it is; NULL: none. Of a
+                                  spherical, planar or floating joint all, or none */
 } rbd_ik_options;
 
 /* The result of rbd_ik: 0 if all targets are reached. Above 0 q is the nearest that was found. */
@@ -50,8 +51,8 @@ typedef enum rbd_ik_status {
 } rbd_ik_status;
 
 typedef struct rbd_ik_result {
-    rbd_real metres;  /* the largest distance of a point or centre of mass from its place */
-    rbd_real radians; /* the largest angle of a body or axis from what it should be */
+    rbd_real metres;  /* m: the largest distance of a point or centre of mass from its place */
+    rbd_real radians; /* rad: the largest angle of a body or axis from what it should be */
     int limit;        /* AT_LIMIT: the dof, index into v, whose limit keeps the targets away most; else -1 */
     int limits;       /* how many dofs are at such limits; with mimic joints a limit may be that of a mimic */
     int starts;       /* begun */
@@ -65,6 +66,7 @@ typedef struct rbd_ik_result {
 
 /* Finds joint positions q within all limits for which all targets are reached; if there are none that it
    finds, those that minimise the sum of weight (metres^2 + length^2 radians^2), at least locally.
+   w         what rbd_kinematics left there is replaced: call it anew before calls that read it
    targets   n of them, n at least 1; those of one body may stand together, such as a point and an axis
    options   NULL: all defaults
    memory    size bytes of any alignment, scratch: RBD_IK_SIZE
@@ -73,9 +75,10 @@ typedef struct rbd_ik_result {
    result    what was reached
    Damped least squares (Wampler 1986) with the damping of Sugihara (2011); joints that would pass a limit are
    set on it, and the others solved for again (Flacco, De Luca and Khatib 2015).
-   Errors, in result->error: RBD_ERR_NULL; _WORK; _MEMORY; _COUNT, n below 1 or above 1000; _INDEX, a body;
-   _TYPE, a kind; _POSITION, _ROTATION, _AXIS; _MASS, a centre of mass of a robot without mass; _RANGE, a
-   weight, an option or q; _NAN, q is not finite, or the errors at each start overflow. */
+   Errors, in result->error: RBD_ERR_NULL, but without a result RBD_IK_ERROR alone; _WORK; _MEMORY; _COUNT, n
+   below 1 or above 1000; _INDEX, a body; _TYPE, a kind; _POSITION, _ROTATION, _AXIS; _MASS, a centre of mass
+   of a robot without mass; _RANGE, a weight, an option or q; _INFEASIBLE, a part of a joint is held; _NAN, q
+   is not finite, or the errors at each start overflow. */
 RBDI_API rbd_ik_status rbd_ik(const rbd_model *m, rbd_work *w, const rbd_ik_target *targets, int n,
                               const rbd_ik_options *options, void *memory, size_t size, rbd_real *q,
                               rbd_ik_result *result);

@@ -22,7 +22,7 @@ RBDI_LOCAL int rbdi_ik_is_place(const rbd_real *x) {
     return 1;
 }
 
-/* Whether it is one, and has a direction. */
+/* Whether x is finite and not too short for an axis. */
 RBDI_LOCAL int rbdi_ik_is_axis(const rbd_real *x) {
     const rbd_real least = RBD_C(1) / RBDI_IK_MOST;
     return rbdi_ik_is_place(x) && rbdi_dot(rbdi_load_vec(x, 1), rbdi_load_vec(x, 1)) >= least * least;
@@ -73,6 +73,19 @@ RBDI_LOCAL rbd_status rbdi_ik_check_options(const rbd_ik_options *o, rbd_ik_resu
     for (int i = 0; i < 5; ++i)
         if (!rbdi_ik_within(values[i], RBDI_IK_MOST))
             return rbdi_ik_refuse(result, RBD_ERR_RANGE, -1, names[i]);
+    if (o->length > 0 && o->length < RBD_C(1) / RBDI_IK_MOST)
+        return rbdi_ik_refuse(result, RBD_ERR_RANGE, -1, "length");
+    if (o->evaluations == 1) return rbdi_ik_refuse(result, RBD_ERR_RANGE, -1, "evaluations");
+    return RBD_OK;
+}
+
+/* A joint that turns has no coordinate that stays if one of its dofs does: all of them are held, or none. */
+RBDI_LOCAL rbd_status rbdi_ik_check_held(const rbd_model *m, const unsigned char *held,
+                                         rbd_ik_result *result) {
+    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
+        for (int k = 1; k < u->nv && rbdi_joint_turns(u); ++k)
+            if (!held[u->iv + k] != !held[u->iv])
+                return rbdi_ik_refuse(result, RBD_ERR_INFEASIBLE, -1, "held");
     return RBD_OK;
 }
 
@@ -94,6 +107,7 @@ RBDI_LOCAL rbd_status rbdi_ik_check(const rbd_model *m, const rbd_work *w, const
 
     for (int i = 0; i < n && !status; ++i) status = rbdi_ik_check_target(m, &targets[i], i, result);
     if (!status && options) status = rbdi_ik_check_options(options, result);
+    if (!status && options && options->held) status = rbdi_ik_check_held(m, options->held, result);
     if (!status && size < rbd_ik_size(m, n)) status = rbdi_ik_refuse(result, RBD_ERR_MEMORY, -1, NULL);
     return status ? status : rbdi_ik_check_q(m, q, result);
 }

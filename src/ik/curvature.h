@@ -3,13 +3,14 @@
 #include "ik/targets.h"
 
 /* ---- curvature [curvature] ----
-   What |e|^2/2 has beyond J'J in second order; it counts where e does not vanish. With omega_i and v_i the
+   The second derivative of |e|^2/2 beyond J'J; it counts where e does not vanish. With omega_i and v_i the
    columns of a target's Jacobian, dof i nearer to the root than dof j, as i < j, place and turn are
 
        d^2 p / dq_i dq_j = omega_i x v_j
        turn = omega_i q_i + omega_j q_j + (omega_i x omega_j) q_i q_j / 2
 
-   Of dofs that move along a screw together it is the mean of both orders; what mimic joints add is left out.
+   For two dofs of one floating or planar joint, use the mean of both orders. What mimic joints add is left
+   out.
 
    If a turn of angle a about n is left, a turn w changes a^2/2 in second order by
 
@@ -59,20 +60,20 @@ RBDI_LOCAL rbdi_ik_bend rbdi_ik_bend_of(const rbdi_ik *k, const rbd_ik_target *t
     return b;
 }
 
-/* What the second derivative of place and turn takes from H, dof i nearer to the root. */
+/* Term of the second derivative of place and turn, subtracted from H; dof i is nearer to the root. */
 RBDI_INLINE rbd_real rbdi_ik_bent(const rbdi_ik_bend *b, const rbdi_motion *i, const rbdi_motion *j) {
     return rbdi_dot(b->place, rbdi_cross(i->omega, j->v)) +
            RBD_C(0.5) * rbdi_dot(b->turn, rbdi_cross(i->omega, j->omega));
 }
 
-/* What the curvature of the angle takes from H. */
+/* Term of the second derivative of the angle, subtracted from H. */
 RBDI_INLINE rbd_real rbdi_ik_lacking(const rbdi_ik_bend *b, rbdi_v3 i, rbdi_v3 j) {
     const rbd_real along = rbdi_dot(b->n, i) * rbdi_dot(b->n, j) + rbdi_dot(b->s, i) * rbdi_dot(b->s, j);
     const rbd_real side = rbdi_dot(b->s, i) * rbdi_dot(b->side, j) + rbdi_dot(b->s, j) * rbdi_dot(b->side, i);
     return b->lack * (rbdi_dot(i, j) - along) - RBD_C(0.5) * side;
 }
 
-/* Whether two dofs are of one joint that moves along a screw. */
+/* Whether two dofs are of one joint whose dofs move together. */
 RBDI_INLINE int rbdi_ik_together(const rbd_model *m, int i, int j) {
     const rbdi_frame *u = &m->frame[m->dof[i].body];
     return m->dof[i].body == m->dof[j].body && rbdi_is(&m->link[u->link], RBDI_BLOCK);

@@ -10,10 +10,10 @@ RBDI_LOCAL void rbdi_ik_mark(const rbd_model *m, int i, int16_t *mark) {
     for (; i >= 0; i = m->link[i].parent) {
         const rbdi_link *l = &m->link[i];
         const int block = rbdi_is(l, RBDI_BLOCK);
-        for (int k = 0; k < rbdi_link_dofs(m, l); ++k) {
-            const int slides = block ? rbdi_block_of(m, l)->first + k >= 3
+        for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
+            const int slides = block ? rbdi_block_of(m, l)->first + j >= 3
                                      : rbdi_is(l, RBDI_SCREW) && !(l->rho < 0 || l->rho > 0);
-            int16_t *to = &mark[rbdi_source(m, l->iv + k)];
+            int16_t *to = &mark[rbdi_source(m, l->iv + j)];
             if (!slides)
                 *to = 2;
             else if (*to == 0)
@@ -27,7 +27,7 @@ RBDI_LOCAL void rbdi_ik_mimic_limits(const rbdi_mimic *mimic, const rbdi_frame *
     const rbd_const a = (u->lower - mimic->offset) / mimic->ratio,
                     b = (u->upper - mimic->offset) / mimic->ratio;
     const rbd_real lower = rbdi_set(a < b ? a : b), upper = rbdi_set(a < b ? b : a);
-    if (f->at >= 0 && !(lower < f->upper && f->lower < upper)) return;
+    if (f->at >= 0 && !(lower <= f->upper && f->lower <= upper)) return;
     if (f->at < 0 || lower > f->lower) f->lower = lower;
     if (f->at < 0 || upper < f->upper) f->upper = upper;
     f->at = mimic->source_q;
@@ -40,17 +40,17 @@ RBDI_LOCAL void rbdi_ik_limits(const rbd_model *m, rbdi_ik_dof *f) {
     f->lower = rbdi_set(u->lower);
     f->upper = rbdi_set(u->upper);
 
-    for (int k = 0; k < rbdi_mimics(m); ++k) {
-        const rbdi_frame *other = &m->frame[m->dof[m->nv + k].body];
-        if (m->mimic[k].source_v == f->dof && other->lower < other->upper)
-            rbdi_ik_mimic_limits(&m->mimic[k], other, f);
+    for (int j = 0; j < rbdi_mimics(m); ++j) {
+        const rbdi_frame *other = &m->frame[m->dof[m->nv + j].body];
+        if (m->mimic[j].source_v == f->dof && other->lower < other->upper)
+            rbdi_ik_mimic_limits(&m->mimic[j], other, f);
     }
 }
 
 /* The dofs that move a target and are not held. */
 RBDI_LOCAL void rbdi_ik_find_dofs(rbdi_ik *k) {
     const rbd_model *m = k->m;
-    int16_t *mark = k->place;
+    int16_t *mark = k->mark;
 
     for (int i = 0; i < m->nv; ++i) mark[i] = 0;
     for (const rbd_ik_target *t = k->target; t < k->target + k->n; ++t) {

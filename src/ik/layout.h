@@ -11,13 +11,14 @@
        |J d - e|^2 + damping |d|^2   within the limits of the joints,
 
    to good approximation: dofs at a limit that the gradient g = J'e presses on stay; the others are solved for
-   from (J'J + damping) d = g; those that would pass their limit are set on it, and the rest is solved for
-   again, with J'J d of these on the right.
+   from (H + damping) d = g, with H = J'J and, in descents, what [curvature] adds; those that would pass their
+   limit are set on it, and the rest is solved for again, with H d of these on the right.
 
    The search takes such steps with damping RBDI_IK_DAMPING |e|^2. It is large far away, where the linear
    model is wrong, and falls with the square of the error, so that the last steps are Newton's. The error may
    grow on the way. A start that has not brought |e|^2 to a quarter for RBDI_IK_STALL steps is given up for
-   another one: anywhere within limits, or half a turn at most around the caller's angle without limits.
+   another one: anywhere within limits, but a turn at most from the caller's angle, RBDI_IK_WIDE lengths at
+   most from a slide's, and half a turn at most without limits.
 
    If no start reaches the targets, descents from the best place and from a few starts look for the nearest
    place. They take steps that bring the error down alone, with the damping of Levenberg and Marquardt. */
@@ -33,6 +34,7 @@
 #define RBDI_IK_FLOOR (8 * RBDI_EPS)
 #define RBDI_IK_FAR RBD_C(10)
 #define RBDI_IK_TURN RBD_C(1)
+#define RBDI_IK_WIDE RBD_C(10)
 #define RBDI_IK_STEPS 60
 #define RBDI_IK_STALL 6
 #define RBDI_IK_STARTS 60
@@ -82,21 +84,23 @@ typedef struct rbdi_ik {
     rbd_ik_result *result;
     int n, rows, dofs;
     int alone;                /* the body of the only target, which is not the centre of mass; else -1 */
+    rbd_const all;            /* kg: mass of the robot */
     rbd_real cost, best_cost; /* |e|^2, and the least so far */
 
     rbdi_ik_dof *dof;     /* dofs */
-    int16_t *place;       /* dofs: free ones of a step */
+    int16_t *mark;        /* nv: the dofs that move a target */
+    int16_t *solved;      /* dofs: those that a step solves for; in the memory of mark */
     rbd_real *e;          /* rows */
     rbd_real *J;          /* dofs x rows: column after column */
     rbd_real *columns;    /* 6 x nv: Jacobian of one target */
-    rbd_real *H, *factor; /* dofs (dofs + 1) / 2: upper triangle of J'J, by rows; the free dofs' factor */
+    rbd_real *H, *factor; /* dofs (dofs + 1) / 2: upper triangle of H, by rows; the free dofs' factor */
     rbd_real *g, *d, *x;  /* dofs: J'e, the step, and that of the free dofs */
     rbd_real *v;          /* nv: the step */
     rbd_real *from, *best, *q, *trial; /* nq: the caller's, the best, and where the search is */
     rbd_real *mass; /* nl x 4: of subtrees, mass and first moment about the first link, world axes */
 } rbdi_ik;
 
-/* Numbers of scalars and bytes for nb bodies, nv dofs, nl links and n targets. nq <= 2 nv. */
+/* Numbers of scalars and bytes for nv dofs, nl links and n targets. nq <= 2 nv. */
 #define RBDI_IK_SCALARS(nv, nl, n) \
     (6 * (size_t)(n) * (1 + (size_t)(nv)) + 6 * (size_t)(nv) + (size_t)(nv) * ((size_t)(nv) + 1) + \
      4 * (size_t)(nv) + 8 * (size_t)(nv) + 4 * (size_t)(nl))

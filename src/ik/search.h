@@ -36,6 +36,35 @@ RBDI_LOCAL rbd_real rbdi_ik_golden(int n) {
     return x;
 }
 
+/* How far from q starts are drawn where limits are wide: so far that what moves most slowly, the joint or one
+   that mimics it, makes a turn, or a slide its length. */
+RBDI_LOCAL rbd_real rbdi_ik_wide(const rbdi_ik *k, const rbdi_ik_dof *f) {
+    const rbdi_frame *u = &k->m->frame[k->m->dof[f->dof].body];
+    const rbd_real slide = RBDI_IK_WIDE * k->options.length,
+                   pitch = rbdi_abs(rbdi_set(k->m->link[u->link].kappa));
+    rbd_real far = f->turns ? rbdi_set(2 * RBDI_PI(rbd_const)) : slide, least = rbdi_set(RBD_C(1));
+
+    for (int j = 0; j < rbdi_mimics(k->m); ++j)
+        if (k->m->mimic[j].source_v == f->dof)
+            least = rbdi_ik_smaller(least, rbdi_abs(rbdi_set(k->m->mimic[j].ratio)));
+
+    if (f->turns && far * pitch < slide && pitch > 0) far = slide / pitch;
+    return far < RBDI_IK_MOST * least ? far / least : rbdi_set(RBDI_IK_MOST);
+}
+
+/* A share of what a start may take of the limits of dof f, from k->q: see [method]. */
+RBDI_LOCAL rbd_real rbdi_ik_draw(const rbdi_ik *k, const rbdi_ik_dof *f, rbd_real share) {
+    const rbd_real q = k->q[f->at], most = rbdi_ik_wide(k, f);
+    rbd_real lower = f->lower, upper = f->upper;
+
+    if (upper - lower > most + most) {
+        lower = rbdi_ik_larger(lower, q - most);
+        upper = rbdi_ik_smaller(upper, q + most);
+    }
+
+    return lower + share * (upper - lower) - q;
+}
+
 /* q of a start: the caller's; then share frac(1/2 + start golden^-(i + 1)) of the range of the ith dof. Any
    number of first starts is spread evenly (Roberts 2018). */
 RBDI_LOCAL void rbdi_ik_start(rbdi_ik *k, int start) {
@@ -56,7 +85,7 @@ RBDI_LOCAL void rbdi_ik_start(rbdi_ik *k, int start) {
 
         f->hold = RBDI_IK_FREE;
         k->d[i] = f->turns ? (share + share - RBD_C(1)) * pi : rbdi_zero();
-        if (f->at >= 0) k->d[i] = f->lower + share * (f->upper - f->lower) - k->q[f->at];
+        if (f->at >= 0) k->d[i] = rbdi_ik_draw(k, f, share);
     }
     rbdi_ik_move(k, rbdi_set(RBD_C(1)), k->q);
 }
@@ -90,7 +119,7 @@ RBDI_LOCAL int rbdi_ik_search(rbdi_ik *k) {
     return 0;
 }
 
-/* How much the step should bring |e|^2 down by the linear model: 2 g'd - d'H d. */
+/* How much the step should bring |e|^2 down by the quadratic model with H of [curvature]: 2 g'd - d'H d. */
 RBDI_LOCAL rbd_real rbdi_ik_expected(const rbdi_ik *k) {
     rbd_real sum = rbdi_zero();
     const rbd_real *H = k->H;
@@ -105,7 +134,7 @@ RBDI_LOCAL rbd_real rbdi_ik_expected(const rbdi_ik *k) {
 }
 
 /* By how much the damping changes after a step that has brought |e|^2 down by this share of what was expected
-   (Nielsen 1999): 1 at a half, which is where the damping is the curvature that the linear model lacks. */
+   (Nielsen 1999): 1 at a half. */
 RBDI_LOCAL rbd_real rbdi_ik_relax(rbd_real share) {
     const rbd_real x = share + share - RBD_C(1);
     const rbd_real factor = rbdi_ik_larger(rbdi_set(RBD_C(1) / 3), RBD_C(1) - x * x * x);

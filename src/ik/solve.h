@@ -29,7 +29,8 @@ RBDI_LOCAL rbdi_ik *rbdi_ik_lay_out(const rbd_model *m, int n, void *memory) {
     unsigned char *at = rbdi_aligned(memory);
     rbdi_ik *k = RBDI_CUT(rbdi_ik, 1);
     k->dof = RBDI_CUT(rbdi_ik_dof, nv);
-    k->place = RBDI_CUT(int16_t, nv);
+    k->mark = RBDI_CUT(int16_t, nv);
+    k->solved = k->mark;
 
     k->e = (rbd_real *)at;
     k->J = k->e + 6 * n;
@@ -60,6 +61,7 @@ RBDI_LOCAL rbdi_ik *rbdi_ik_begin(const rbd_model *m, rbd_work *w, const rbd_ik_
     k->options = rbdi_ik_defaults(options);
     k->result = result;
     k->alone = n == 1 && targets->kind != RBD_IK_COM ? targets->body : -1;
+    k->all = rbd_mass(m);
     k->best_cost = rbdi_set(RBDI_IK_OVERFLOW);
 
     k->rows = 0;

@@ -12,6 +12,9 @@ RBDI_LOCAL void rbdi_ik_copy(const rbd_real *from, int n, rbd_real *to) {
 /* The larger of two. */
 RBDI_INLINE rbd_real rbdi_ik_larger(rbd_real a, rbd_real b) { return a < b ? b : a; }
 
+/* The smaller of two. */
+RBDI_INLINE rbd_real rbdi_ik_smaller(rbd_real a, rbd_real b) { return a < b ? a : b; }
+
 /* Where row i of a packed upper triangle of n rows begins: with its diagonal entry. */
 RBDI_INLINE ptrdiff_t rbdi_ik_row(int n, int i) { return (ptrdiff_t)i * (2 * n - i + 1) / 2; }
 
@@ -62,16 +65,16 @@ RBDI_LOCAL void rbdi_ik_gather(rbdi_ik *k, int n, rbd_real damping) {
     rbd_real *to = k->factor;
 
     for (int a = 0; a < n; ++a) {
-        const int i = k->place[a];
+        const int i = k->solved[a];
         const rbd_real *row = &k->H[rbdi_ik_row(k->dofs, i) - i];
         *to++ = row[i] + damping;
-        for (int b = a + 1; b < n; ++b) *to++ = row[k->place[b]];
+        for (int b = a + 1; b < n; ++b) *to++ = row[k->solved[b]];
         k->x[a] = k->g[i];
     }
 
     for (int j = 0; j < k->dofs; ++j)
         for (int a = 0; a < n && k->dof[j].hold > RBDI_IK_STAYS; ++a)
-            k->x[a] = k->x[a] - rbdi_ik_entry(k, k->place[a], j) * k->d[j];
+            k->x[a] = k->x[a] - rbdi_ik_entry(k, k->solved[a], j) * k->d[j];
 }
 
 /* Solves the equations by elimination, A = L D L'. A pivot is at least `least`; its inverse takes its place.
@@ -111,7 +114,7 @@ RBDI_LOCAL int rbdi_ik_set_on_limits(rbdi_ik *k, int n) {
     int any = 0;
 
     for (int a = 0; a < n; ++a) {
-        const int i = k->place[a];
+        const int i = k->solved[a];
         rbdi_ik_dof *f = &k->dof[i];
         k->d[i] = k->x[a];
         if (f->at < 0) continue;
@@ -143,7 +146,7 @@ RBDI_LOCAL int rbdi_ik_step(rbdi_ik *k, rbd_real damping, rbd_real least) {
     while (more) {
         int n = 0;
         for (int i = 0; i < k->dofs; ++i)
-            if (k->dof[i].hold == RBDI_IK_FREE) k->place[n++] = (int16_t)i;
+            if (k->dof[i].hold == RBDI_IK_FREE) k->solved[n++] = (int16_t)i;
         rbdi_ik_gather(k, n, damping + least);
         definite &= rbdi_ik_solve(k, n, least);
         more = rbdi_ik_set_on_limits(k, n);

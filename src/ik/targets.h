@@ -62,18 +62,20 @@ RBDI_LOCAL rbdi_v3 rbdi_ik_wanted_turn(const rbdi_ik *k, const rbd_ik_target *t)
     return rbdi_log_rotation(rbdi_mul_mat(rbdi_ik_rotation(t->rotation), rbdi_axes_of(k->m, k->w, t->body)));
 }
 
+/* Centre of mass of one body. */
+RBDI_LOCAL rbdi_v3 rbdi_ik_body_com(const rbdi_ik *k, const rbdi_frame *u) {
+    rbd_real com[3];
+    rbdi_store_vec(com, 1, rbdi_vec_c(u->com));
+    return rbdi_point_position(k->m, k->w, (int)(u - k->m->frame), com);
+}
+
 /* Centre of mass of all bodies that a joint moves. */
-RBDI_LOCAL rbdi_v3 rbdi_ik_com(const rbd_model *m, const rbd_work *w) {
-    const rbd_const all = rbd_mass(m);
+RBDI_LOCAL rbdi_v3 rbdi_ik_com(const rbdi_ik *k) {
+    const rbd_model *m = k->m;
     rbdi_v3 sum = rbdi_vec0();
 
-    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {
-        rbd_real com[3];
-        if (u->link < 0) continue;
-        rbdi_store_vec(com, 1, rbdi_vec_c(u->com));
-        sum = rbdi_add(
-            sum, rbdi_scale(rbdi_set(u->mass / all), rbdi_point_position(m, w, (int)(u - m->frame), com)));
-    }
+    for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
+        if (u->link >= 0) sum = rbdi_add(sum, rbdi_scale(rbdi_set(u->mass / k->all), rbdi_ik_body_com(k, u)));
 
     return sum;
 }
@@ -109,8 +111,8 @@ RBDI_LOCAL void rbdi_ik_errors(rbdi_ik *k, const rbd_real *q) {
         }
 
         if (rbdi_ik_moves_point(t->kind) || t->kind == RBD_IK_COM) {
-            const rbdi_v3 at = t->kind == RBD_IK_COM ? rbdi_ik_com(k->m, k->w)
-                                                     : rbdi_point_position(k->m, k->w, t->body, t->point);
+            const rbdi_v3 at =
+                t->kind == RBD_IK_COM ? rbdi_ik_com(k) : rbdi_point_position(k->m, k->w, t->body, t->point);
             const rbdi_v3 error = rbdi_sub(rbdi_load_vec(t->position, 1), at);
             const rbd_real distance = rbdi_ik_append(k, &row, factor, error);
             k->result->metres = rbdi_ik_larger(k->result->metres, distance);
@@ -126,15 +128,14 @@ RBDI_LOCAL void rbdi_ik_subtrees(rbdi_ik *k) {
     rbdi_clear(k->mass, 4 * m->nl);
     for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {
         const rbd_real mass = rbdi_set(u->mass);
-        rbd_real *sum = &k->mass[4 * u->link], com[3];
+        rbdi_v3 moment;
+        rbd_real *sum;
         if (u->link < 0) continue;
 
-        rbdi_store_vec(com, 1, rbdi_vec_c(u->com));
+        moment = rbdi_scale(mass, rbdi_sub(rbdi_ik_body_com(k, u), o));
+        sum = &k->mass[4 * u->link];
         sum[0] = sum[0] + mass;
-        rbdi_store_vec(
-            sum + 1, 1,
-            rbdi_add(rbdi_load_vec(sum + 1, 1),
-                     rbdi_scale(mass, rbdi_sub(rbdi_point_position(m, k->w, (int)(u - m->frame), com), o))));
+        rbdi_store_vec(sum + 1, 1, rbdi_add(rbdi_load_vec(sum + 1, 1), moment));
     }
 
     for (int i = m->nl - 1; i > 0; --i)
@@ -149,7 +150,7 @@ RBDI_LOCAL void rbdi_ik_subtrees(rbdi_ik *k) {
 RBDI_LOCAL void rbdi_ik_com_jacobian(rbdi_ik *k) {
     const rbd_model *m = k->m;
     const rbdi_v3 o = k->w->kin[0].X.r;
-    const rbd_real all = rbdi_set(rbd_mass(m));
+    const rbd_real all = rbdi_set(k->all);
 
     rbdi_ik_subtrees(k);
     rbdi_clear(k->columns, 6 * m->nv);

@@ -22,7 +22,8 @@ RBDI_MESSAGES RBDI_PART const char *rbdi_ik_error(rbd_status error) {
     case RBD_ERR_COUNT: return "fewer than 1 target, or more than 1000";
     case RBD_ERR_TYPE: return "unknown kind of target";
     case RBD_ERR_POSITION: return "not finite, or farther than 1e9 m";
-    case RBD_ERR_AXIS: return "zero, not finite, or longer than 1e9";
+    case RBD_ERR_AXIS: return "not finite, or of a length out of 1e-9 to 1e9";
+    case RBD_ERR_INFEASIBLE: return "only a part of a spherical, planar or floating joint is held";
     case RBD_ERR_MASS: return "a centre of mass, but the robot has no mass";
     case RBD_ERR_NAN: return "not finite, or the errors overflow";
     default: return rbd_status_string(error);
