@@ -197,7 +197,8 @@ RBDI_EXTERN_C_END
    most from a slide's, and half a turn at most without limits.
 
    If no start reaches the targets, descents from the best place and from a few starts look for the nearest
-   place. They take steps that bring the error down alone, with the damping of Levenberg and Marquardt. */
+   place. They take steps that bring the error down alone, with the damping of Levenberg and Marquardt. If the
+   last ends on a saddle, another begins beside it. */
 
 /* RBDI_IK_DAMPING: a hundred times more needs up to twice the evaluations, a hundred times less a tenth more.
    RBDI_IK_FLOOR: of the damping, a share of the trace of J'J, which is above its rounding.
@@ -1060,8 +1061,9 @@ RBDI_LOCAL int rbdi_ik_descend(rbdi_ik *k, int steps, rbd_const end) {
     return 0;
 }
 
-/* Where g is 0 and H has a negative direction, as of a stretched arm that could fold, q is no nearest place: a
-   small motion of all dofs leaves it. Returns whether the best place is such a one, q then being beside it. */
+/* Where g is 0 and H has a negative direction, as of a stretched arm that could fold, q is no nearest place:
+   a small motion of all dofs leaves it. Returns whether the best place is such a one, q then being beside
+   it. */
 RBDI_LOCAL int rbdi_ik_leave_saddle(rbdi_ik *k) {
     rbd_real least;
     if (!rbdi_ik_may_go_on(k)) return 0;

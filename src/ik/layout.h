@@ -21,7 +21,8 @@
    most from a slide's, and half a turn at most without limits.
 
    If no start reaches the targets, descents from the best place and from a few starts look for the nearest
-   place. They take steps that bring the error down alone, with the damping of Levenberg and Marquardt. */
+   place. They take steps that bring the error down alone, with the damping of Levenberg and Marquardt. If the
+   last ends on a saddle, another begins beside it. */
 
 /* RBDI_IK_DAMPING: a hundred times more needs up to twice the evaluations, a hundred times less a tenth more.
    RBDI_IK_FLOOR: of the damping, a share of the trace of J'J, which is above its rounding.

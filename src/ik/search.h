@@ -183,8 +183,9 @@ RBDI_LOCAL int rbdi_ik_descend(rbdi_ik *k, int steps, rbd_const end) {
     return 0;
 }
 
-/* Where g is 0 and H has a negative direction, as of a stretched arm that could fold, q is no nearest place: a
-   small motion of all dofs leaves it. Returns whether the best place is such a one, q then being beside it. */
+/* Where g is 0 and H has a negative direction, as of a stretched arm that could fold, q is no nearest place:
+   a small motion of all dofs leaves it. Returns whether the best place is such a one, q then being beside
+   it. */
 RBDI_LOCAL int rbdi_ik_leave_saddle(rbdi_ik *k) {
     rbd_real least;
     if (!rbdi_ik_may_go_on(k)) return 0;
