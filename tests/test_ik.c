@@ -348,8 +348,8 @@ START_TEST(poses_out_of_reach_end_at_a_least_error) {
 }
 END_TEST
 
-/* Straight, with the target on its line: the error cannot fall in the first step. Another start reaches it; of
-   one start the last descent does, which leaves the saddle. */
+/* Straight, with the target on its line: the error cannot fall in the first step. Another start reaches it;
+   of one start the last descent does, which leaves the saddle. */
 START_TEST(starts_where_no_step_comes_nearer_are_left) {
     robot r = BUILD(two_links);
     const rbd_ik_target t = tip(0.4, 0);
