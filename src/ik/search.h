@@ -42,14 +42,14 @@ RBDI_LOCAL rbd_real rbdi_ik_wide(const rbdi_ik *k, const rbdi_ik_dof *f) {
     const rbdi_frame *u = &k->m->frame[k->m->dof[f->dof].body];
     const rbd_real slide = RBDI_IK_WIDE * k->options.length,
                    pitch = rbdi_abs(rbdi_set(k->m->link[u->link].kappa));
-    rbd_real far = f->turns ? rbdi_set(2 * RBDI_PI(rbd_const)) : slide, least = rbdi_set(RBD_C(1));
+    rbd_real most = f->turns ? rbdi_set(2 * RBDI_PI(rbd_const)) : slide, least = rbdi_set(RBD_C(1));
 
     for (int j = 0; j < rbdi_mimics(k->m); ++j)
         if (k->m->mimic[j].source_v == f->dof)
             least = rbdi_ik_smaller(least, rbdi_abs(rbdi_set(k->m->mimic[j].ratio)));
 
-    if (f->turns && far * pitch < slide && pitch > 0) far = slide / pitch;
-    return far < RBDI_IK_MOST * least ? far / least : rbdi_set(RBDI_IK_MOST);
+    if (f->turns && most * pitch < slide && pitch > 0) most = slide / pitch;
+    return most < RBDI_IK_MOST * least ? most / least : rbdi_set(RBDI_IK_MOST);
 }
 
 /* A share of what a start may take of the limits of dof f, from k->q: see [method]. */
