@@ -6726,8 +6726,8 @@ RBDI_API rbd_status rbd_random(const rbd_model *m, uint64_t *seed, rbd_real *q) 
 /* Which points of bodies move straight. */
 enum { RBDI_ORIGINS, RBDI_CENTRES };
 
-/* That point in body axes. The centre of mass is that of the link with the regrouped masses of the tree,
-   which do not turn with the joints: of one body its own. Other joints have none: 0. */
+/* That point in body axes: the centre of mass of the link, with the masses that regrouping moved to it.
+   Joints that do not turn freely have none: 0. */
 RBDI_INLINE rbdi_v3 rbdi_straight_point(const rbd_model *m, const rbdi_frame *u, int points) {
     const rbdi_link *l;
     rbd_real inverse;
@@ -6916,7 +6916,8 @@ RBDI_LOCAL void rbdi_free_change(const rbd_model *m, rbd_work *w, const rbd_real
     }
 }
 
-/* Whether the changes x of the velocities are numbers below RBDI_FASTEST. x of other lanes becomes 0. */
+/* Whether the changes x of the velocities are numbers below RBDI_FASTEST. In lanes where one is not, x
+   becomes 0. */
 RBDI_LOCAL int rbdi_bound_change(const rbd_model *m, rbd_real *x) {
     const rbd_real fastest = rbdi_set(RBDI_FASTEST);
     rbdi_mask good = rbdi_less(rbdi_zero(), fastest);

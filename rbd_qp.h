@@ -1069,7 +1069,7 @@ RBDI_ONCE rbdi_qp_group rbdi_qp_group_dot(const rbd_real *a, const rbdi_qp_group
     return ((s0 + s2) + (s1 + s3)) + rest;
 }
 
-/* sums of a_i t_i and b_i t_i, and t += k a + l b, as two of these calls */
+/* The sums of a_i t_i and of b_i t_i. */
 RBDI_ONCE void rbdi_qp_group_dots(const rbd_real *a, const rbd_real *b, const rbdi_qp_group *t, int n,
                                   rbdi_qp_group *with_a, rbdi_qp_group *with_b) {
     const rbdi_qp_group zero = {0};
@@ -1095,6 +1095,8 @@ RBDI_ONCE void rbdi_qp_group_dots(const rbd_real *a, const rbd_real *b, const rb
     *with_a = ((a0 + a2) + (a1 + a3)) + rest_a;
     *with_b = ((b0 + b2) + (b1 + b3)) + rest_b;
 }
+
+/* t += k a + l b. */
 RBDI_ONCE void rbdi_qp_group_adds(rbdi_qp_group k, const rbd_real *a, rbdi_qp_group l, const rbd_real *b,
                                   rbdi_qp_group *t, int n) {
     for (int i = 0; i < n; ++i) t[i] = t[i] + k * a[i] + l * b[i];
@@ -1517,7 +1519,7 @@ RBDI_PART void rbdi_qp_basis_of(const rbdi_qp *s, rbdi_qp_group *t, int to) {
     }
 }
 
-/* J = L'^-1 Q [0; 1], for no active row, by groups in the memory of R. */
+/* J = L'^-1 Q [0; 1], for no active row. Its groups stand in the memory of R and of what follows R. */
 RBDI_PART void rbdi_qp_basis(rbdi_qp *s) {
     const int n = s->n, k = s->equalities;
     rbdi_qp_group *t = (rbdi_qp_group *)s->R;

@@ -88,7 +88,8 @@ RBDI_LOCAL void rbdi_free_change(const rbd_model *m, rbd_work *w, const rbd_real
     }
 }
 
-/* Whether the changes x of the velocities are numbers below RBDI_FASTEST. x of other lanes becomes 0. */
+/* Whether the changes x of the velocities are numbers below RBDI_FASTEST. In lanes where one is not, x
+   becomes 0. */
 RBDI_LOCAL int rbdi_bound_change(const rbd_model *m, rbd_real *x) {
     const rbd_real fastest = rbdi_set(RBDI_FASTEST);
     rbdi_mask good = rbdi_less(rbdi_zero(), fastest);

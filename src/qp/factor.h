@@ -233,7 +233,7 @@ RBDI_PART void rbdi_qp_basis_of(const rbdi_qp *s, rbdi_qp_group *t, int to) {
     }
 }
 
-/* J = L'^-1 Q [0; 1], for no active row, by groups in the memory of R. */
+/* J = L'^-1 Q [0; 1], for no active row. Its groups stand in the memory of R and of what follows R. */
 RBDI_PART void rbdi_qp_basis(rbdi_qp *s) {
     const int n = s->n, k = s->equalities;
     rbdi_qp_group *t = (rbdi_qp_group *)s->R;

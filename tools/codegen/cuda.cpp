@@ -171,7 +171,7 @@ std::string locals_of(const program &p, const blocks &b) {
                         ? ""
                         : format("    real sine[%zu], cosine[%zu];\n", p.angles.size(), p.angles.size());
     if (b.kept > 0) s += format("    real k[%d] = {};\n", b.kept); /* not each stance computes all */
-    if (!f.pivots.empty()) /* of a stance that there is not, none is sound */
+    if (!f.pivots.empty())                                         /* of an unknown stance all fail */
         s += format("    real pivot[%d]%s;\n", f.judged(), f.stances > 0 ? " = {}" : "");
     return s;
 }
