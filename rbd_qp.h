@@ -53,7 +53,8 @@
      _INACCURATE, never in _INFEASIBLE: hard rows are better there. Linear programs whose vertices lie far
      apart, as those of Klee and Minty do from 7 variables on (float: 5), may end in RBD_QP_ITERATIONS: more
      options->rounds. In float RBD_QP_UNBOUNDED is said where f falls by a tenth of its terms; less is
-     RBD_QP_INACCURATE.
+     RBD_QP_INACCURATE. Without H (all 0) a problem that is unbounded, or that has soft rows alone, may end in
+     RBD_QP_ITERATIONS or _NAN instead.
 */
 
 /* ==== src/api/configuration.h ==== */
@@ -2464,6 +2465,23 @@ RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
     return status;
 }
 
+/* x and lambda are finite, whatever happened: what is not becomes 0, and the status says so. */
+RBDI_PART rbd_qp_status rbdi_qp_bound_result(rbdi_qp *s, rbd_qp_status status, rbd_real *x,
+                                             rbd_real *lambda) {
+    for (int row = 0; row < s->all; ++row) {
+        if (lambda[row] - lambda[row] == 0) continue;
+        lambda[row] = 0;
+        status = rbdi_qp_refuse(s, RBD_QP_NAN, row, "lambda");
+    }
+    for (int k = 0; k < s->n; ++k) {
+        if (rbdi_qp_finite(x[k])) continue;
+        x[k] = 0;
+        status = rbdi_qp_refuse(s, RBD_QP_NAN, k, NULL);
+    }
+    if (!(s->result.dual - s->result.dual == 0)) s->result.dual = RBDI_QP_NONE;
+    return status;
+}
+
 RBDI_API rbd_qp_status rbd_qp_solve(const rbd_qp_problem *problem, const rbd_qp_options *options,
                                     void *memory, size_t size, rbd_real *x, rbd_real *lambda,
                                     signed char *side, rbd_qp_result *result) {
@@ -2502,11 +2520,7 @@ RBDI_API rbd_qp_status rbd_qp_solve(const rbd_qp_problem *problem, const rbd_qp_
         }
         rbdi_qp_place(&s, memory);
         status = rbdi_qp_run(&s, x, lambda);
-        for (int k = 0; k < s.n; ++k) {
-            if (rbdi_qp_finite(x[k])) continue;
-            x[k] = 0;
-            status = rbdi_qp_refuse(&s, RBD_QP_NAN, k, NULL);
-        }
+        status = rbdi_qp_bound_result(&s, status, x, lambda);
     }
     if (result) *result = s.result;
     return status;

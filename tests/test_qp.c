@@ -882,6 +882,21 @@ START_TEST(weights_far_apart_are_not_unbounded) {
 }
 END_TEST
 
+/* x falls without end while another is held: whatever is said of it, results are numbers. */
+START_TEST(results_are_finite_whatever_happens) {
+    const rbd_qp_problem p = problem_of(2, 2, 0);
+    memset(H, 0, sizeof H);
+    f[0] = 0;
+    f[1] = (rbd_real)0.9;
+    lower[0] = upper[0] = (rbd_real)-0.7;
+    lower[1] = -RBD_QP_NONE;
+    upper[1] = (rbd_real)0.3;
+    ck_assert_int_ne(solve(&p), RBD_QP_OK);
+    ck_assert(isfinite(x[0]) && isfinite(x[1]) && isfinite(lambda[0]) && isfinite(lambda[1]));
+    ck_assert(isfinite(result.primal) && isfinite(result.dual));
+}
+END_TEST
+
 /* Soft rows give way: whatever their weights, they are no contradiction. */
 START_TEST(soft_rows_contradict_nothing) {
     const int first = sizeof(rbd_real) == 4 ? 2 : 8, step = sizeof(rbd_real) == 4 ? 3 : 2;
@@ -1149,6 +1164,7 @@ int main(void) {
     tcase_add_test(c, an_optimum_at_0_is_ok);
     tcase_add_test(c, weighted_squares_are_not_unbounded);
     tcase_add_test(c, weights_far_apart_are_not_unbounded);
+    tcase_add_test(c, results_are_finite_whatever_happens);
     tcase_add_test(c, soft_rows_contradict_nothing);
     tcase_add_test(c, long_ways_end_or_say_so);
     tcase_add_test(c, ok_is_said_of_the_solution_alone);

@@ -243,6 +243,23 @@ RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
     return status;
 }
 
+/* x and lambda are finite, whatever happened: what is not becomes 0, and the status says so. */
+RBDI_PART rbd_qp_status rbdi_qp_bound_result(rbdi_qp *s, rbd_qp_status status, rbd_real *x,
+                                             rbd_real *lambda) {
+    for (int row = 0; row < s->all; ++row) {
+        if (lambda[row] - lambda[row] == 0) continue;
+        lambda[row] = 0;
+        status = rbdi_qp_refuse(s, RBD_QP_NAN, row, "lambda");
+    }
+    for (int k = 0; k < s->n; ++k) {
+        if (rbdi_qp_finite(x[k])) continue;
+        x[k] = 0;
+        status = rbdi_qp_refuse(s, RBD_QP_NAN, k, NULL);
+    }
+    if (!(s->result.dual - s->result.dual == 0)) s->result.dual = RBDI_QP_NONE;
+    return status;
+}
+
 RBDI_API rbd_qp_status rbd_qp_solve(const rbd_qp_problem *problem, const rbd_qp_options *options,
                                     void *memory, size_t size, rbd_real *x, rbd_real *lambda,
                                     signed char *side, rbd_qp_result *result) {
@@ -281,11 +298,7 @@ RBDI_API rbd_qp_status rbd_qp_solve(const rbd_qp_problem *problem, const rbd_qp_
         }
         rbdi_qp_place(&s, memory);
         status = rbdi_qp_run(&s, x, lambda);
-        for (int k = 0; k < s.n; ++k) {
-            if (rbdi_qp_finite(x[k])) continue;
-            x[k] = 0;
-            status = rbdi_qp_refuse(&s, RBD_QP_NAN, k, NULL);
-        }
+        status = rbdi_qp_bound_result(&s, status, x, lambda);
     }
     if (result) *result = s.result;
     return status;
