@@ -36,14 +36,36 @@ RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
     return n;
 }
 
-/* t := L^-1 t, where t is 0 before `from`, a multiple of four. */
-RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, rbd_real *t, int from) {
-    for (int i = from; i < s->n; ++i) {
-        const rbd_real *l = s->L + i * (i + 1) / 2;
-        const int k = s->first[i] > from ? s->first[i] : from;
-        t[i] = (t[i] - rbdi_qp_dot(l + k, t + k, i - k)) * l[i];
-    }
-}
+/* Solutions by L and reflections, of one vector; and the same of a group. */
+#define RBDI_T rbd_real
+#include "qp/reflections_of.h"
+#undef RBDI_T
+
+#if RBDI_QP_GROUP > 1
+#define RBDI_T rbdi_qp_group
+#define rbdi_qp_dot rbdi_qp_group_dot
+#define rbdi_qp_dots rbdi_qp_group_dots
+#define rbdi_qp_add rbdi_qp_group_add
+#define rbdi_qp_adds rbdi_qp_group_adds
+#define rbdi_qp_solve_lower rbdi_qp_group_solve_lower
+#define rbdi_qp_reflect rbdi_qp_group_reflect
+#define rbdi_qp_reflect_two rbdi_qp_group_reflect_two
+#define rbdi_qp_reflect_back rbdi_qp_group_reflect_back
+#include "qp/reflections_of.h"
+#undef RBDI_T
+#undef rbdi_qp_dot
+#undef rbdi_qp_dots
+#undef rbdi_qp_add
+#undef rbdi_qp_adds
+#undef rbdi_qp_solve_lower
+#undef rbdi_qp_reflect
+#undef rbdi_qp_reflect_two
+#undef rbdi_qp_reflect_back
+#else
+#define rbdi_qp_group_solve_lower rbdi_qp_solve_lower
+#define rbdi_qp_group_reflect_two rbdi_qp_reflect_two
+#define rbdi_qp_group_reflect_back rbdi_qp_reflect_back
+#endif
 
 /* t := L'^-1 t */
 RBDI_PART void rbdi_qp_solve_upper(const rbdi_qp *s, rbd_real *t) {
@@ -66,93 +88,12 @@ RBDI_PART void rbdi_qp_spread(const rbdi_qp *s, int row, rbd_real *t) {
     rbdi_qp_solve_lower(s, t, s->from[row] / 4 * 4);
 }
 
-/* t := (1 - beta v v') t, of reflection e. */
-RBDI_PART void rbdi_qp_reflect(const rbdi_qp *s, int e, rbd_real *t) {
-    const rbd_real *v = s->V + e * s->n + e;
-    const int length = s->end[e] - e;
-
-    rbdi_qp_add(-s->beta[e] * rbdi_qp_dot(v, t + e, length), v, t + e, length);
-}
-
-/* Reflections e and e + 1, of vectors v and w, in one pass; backwards: first e + 1, then e. With c = v'w
-
-       a = beta_v v't,  b = beta_w (w't - c a)      or  b = beta_w w't,  a = beta_v (v't - c b)
-       t -= a v + b w */
-RBDI_PART void rbdi_qp_reflect_two(const rbdi_qp *s, int e, int backwards, rbd_real *t) {
-    const rbd_real *v = s->V + e * s->n, *w = v + s->n;
-    const int end = s->end[e] > s->end[e + 1] ? s->end[e] : s->end[e + 1], from = e + 1;
-    rbd_real a, b;
-
-    rbdi_qp_dots(v + from, w + from, t + from, end - from, &a, &b);
-    a = a + v[e] * t[e];
-    if (backwards) {
-        b = s->beta[e + 1] * b;
-        a = s->beta[e] * (a - s->cross[e] * b);
-    } else {
-        a = s->beta[e] * a;
-        b = s->beta[e + 1] * (b - s->cross[e] * a);
-    }
-
-    t[e] = t[e] - a * v[e];
-    rbdi_qp_adds(-a, v + from, -b, w + from, t + from, end - from);
-}
-
 /* t := Q't, two reflections at a time */
 RBDI_PART void rbdi_qp_reflect_all(const rbdi_qp *s, rbd_real *t) {
     const int k = s->equalities;
     for (int e = 0; e + 1 < k; e += 2) rbdi_qp_reflect_two(s, e, 0, t);
     if (k % 2) rbdi_qp_reflect(s, k - 1, t);
 }
-/* t := Q t */
-RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, rbd_real *t) {
-    const int k = s->equalities;
-    if (k % 2) rbdi_qp_reflect(s, k - 1, t);
-    for (int e = k / 2 * 2 - 2; e >= 0; e -= 2) rbdi_qp_reflect_two(s, e, 1, t);
-}
-
-/* The same of a group. */
-#if RBDI_QP_GROUP > 1
-RBDI_PART void rbdi_qp_group_solve_lower(const rbdi_qp *s, rbdi_qp_group *t, int from) {
-    for (int i = from; i < s->n; ++i) {
-        const rbd_real *l = s->L + i * (i + 1) / 2;
-        const int k = s->first[i] > from ? s->first[i] : from;
-        t[i] = (t[i] - rbdi_qp_group_dot(l + k, t + k, i - k)) * l[i];
-    }
-}
-RBDI_PART void rbdi_qp_group_reflect(const rbdi_qp *s, int e, rbdi_qp_group *t) {
-    const rbd_real *v = s->V + e * s->n + e;
-    const int length = s->end[e] - e;
-
-    rbdi_qp_group_add(-s->beta[e] * rbdi_qp_group_dot(v, t + e, length), v, t + e, length);
-}
-RBDI_PART void rbdi_qp_group_reflect_two(const rbdi_qp *s, int e, int backwards, rbdi_qp_group *t) {
-    const rbd_real *v = s->V + e * s->n, *w = v + s->n;
-    const int end = s->end[e] > s->end[e + 1] ? s->end[e] : s->end[e + 1], from = e + 1;
-    rbdi_qp_group a, b;
-
-    rbdi_qp_group_dots(v + from, w + from, t + from, end - from, &a, &b);
-    a = a + v[e] * t[e];
-    if (backwards) {
-        b = s->beta[e + 1] * b;
-        a = s->beta[e] * (a - s->cross[e] * b);
-    } else {
-        a = s->beta[e] * a;
-        b = s->beta[e + 1] * (b - s->cross[e] * a);
-    }
-
-    t[e] = t[e] - a * v[e];
-    rbdi_qp_group_adds(-a, v + from, -b, w + from, t + from, end - from);
-}
-RBDI_PART void rbdi_qp_group_reflect_back(const rbdi_qp *s, rbdi_qp_group *t) {
-    const int k = s->equalities;
-    if (k % 2) rbdi_qp_group_reflect(s, k - 1, t);
-    for (int e = k / 2 * 2 - 2; e >= 0; e -= 2) rbdi_qp_group_reflect_two(s, e, 1, t);
-}
-#else
-#define rbdi_qp_group_solve_lower rbdi_qp_solve_lower
-#define rbdi_qp_group_reflect_two rbdi_qp_reflect_two
-#define rbdi_qp_group_reflect_back rbdi_qp_reflect_back
-#endif
 
 /* Reflection e = s->equalities of a row, whose L^-1 row', behind the earlier reflections, is v. Returns 0 if
    the row depends on the earlier ones: that is set aside, and whether it agrees with them is seen later, like
