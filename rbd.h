@@ -1078,9 +1078,9 @@ typedef struct rbdi_pose { /* x_child = E (x_parent - r) */
 } rbdi_pose;
 
 /* ==== src/model/layout.h ==== */
-/* Interface: rbdi_block, rbdi_dof, rbdi_frame, rbdi_link, rbdi_mimic, rbdi_node, rbdi_order, RBDI_ARMATURE,
-   RBDI_BLOCK, RBDI_BRANCH_TURN, RBDI_MASS_KEPT, RBDI_OFF_CHAIN, RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_ROOT,
-   RBDI_SCREW, RBDI_SHAPE, RBDI_SHIFT_R, RBDI_SHIFT_XYZ, RBDI_SHIFT_Z, RBDI_SLIDES */
+/* Interface: rbdi_block, rbdi_dof, rbdi_frame, rbdi_link, rbdi_node, rbdi_order, RBDI_ARMATURE, RBDI_BLOCK,
+   RBDI_BRANCH_TURN, RBDI_MASS_KEPT, RBDI_OFF_CHAIN, RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_ROOT, RBDI_SCREW,
+   RBDI_SHAPE, RBDI_SHIFT_R, RBDI_SHIFT_XYZ, RBDI_SHIFT_Z, RBDI_SLIDES */
 
 /* Pose of a frame B in a frame A: x_B = E (x_A - r), in the build's arithmetic. */
 typedef struct rbdi_wide_pose {
@@ -1728,6 +1728,7 @@ RBDI_CODE_BEGIN
 #define RBDI_ROD (16 * (rbdi_wide)2.220446049250313e-16 / (rbdi_wide)RBDI_DOUBT) /* see rbdi_build_scale */
 
 #define RBDI_FASTEST RBD_C(1e12)   /* m/s or rad/s: a step that makes more has overflowed, or would */
+#define RBDI_UNBOUNDED RBD_C(1e30) /* as a bound or limit: none; as a residual: none could be computed */
 #define RBDI_SHORT RBD_C(1e-30)    /* square of the shortest quaternion or (cos, sin) that has a direction */
 #define RBDI_NO_ANGLE RBD_C(1e-30) /* added to squares of angles: quotients stay finite, no digit changes */
 #define RBDI_TAIL_TERMS 15         /* of the series of sine and cosine for |x| < 1: 1/33! is below 1e-36 */
@@ -3502,6 +3503,48 @@ RBDI_INLINE rbdi_motion rbdi_block_motion(const rbdi_block *b, const rbd_real *v
     for (int k = 0; k < 6; ++k) array[k] = rbdi_zero();
     for (int k = 0; k < b->n; ++k) array[b->first + k] = v[k];
     return rbdi_load_motion(array, 1);
+}
+
+/* ==== src/model/limits.h ==== */
+/* Interface: rbdi_both_limits, rbdi_limits, rbdi_limits_of, rbdi_limits_of_mimic */
+
+/* ---- limits of joints [joint limits] ----
+   A joint that mimics another, x = ratio q + offset, has no coordinate of its own: its limits bound that of
+   the other. */
+
+/* lower <= q <= upper; RBDI_UNBOUNDED and more is none. */
+typedef struct rbdi_limits {
+    rbd_const lower, upper;
+} rbdi_limits;
+
+/* The stricter of two pairs of limits. */
+RBDI_PART rbdi_limits rbdi_both_limits(rbdi_limits x, rbdi_limits y) {
+    rbdi_limits both;
+    both.lower = x.lower > y.lower ? x.lower : y.lower;
+    both.upper = x.upper < y.upper ? x.upper : y.upper;
+    return both;
+}
+
+/* Limits of a body's joint, in its own coordinate; both 0 means none. */
+RBDI_PART rbdi_limits rbdi_limits_of(const rbdi_frame *u) {
+    const rbdi_limits none = {-RBDI_UNBOUNDED, RBDI_UNBOUNDED};
+    rbdi_limits x;
+    x.lower = u->lower;
+    x.upper = u->upper;
+    return x.lower < x.upper ? x : none;
+}
+
+/* Limits of mimic joint i in the coordinate of the joint that it follows: q = (x - offset) / ratio. */
+RBDI_PART rbdi_limits rbdi_limits_of_mimic(const rbd_model *m, int i) {
+    const rbdi_mimic *mimic = &m->mimic[i];
+    const rbdi_limits own = rbdi_limits_of(&m->frame[m->dof[m->nv + i].body]);
+    const int turned = mimic->ratio < 0;
+    rbdi_limits led;
+    if (own.lower <= -RBDI_UNBOUNDED) return own;
+
+    led.lower = ((turned ? own.upper : own.lower) - mimic->offset) / mimic->ratio;
+    led.upper = ((turned ? own.lower : own.upper) - mimic->offset) / mimic->ratio;
+    return led;
 }
 
 /* ==== src/dynamics/state.h ==== */

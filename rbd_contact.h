@@ -500,8 +500,7 @@ RBDI_CODE_BEGIN
 
 #define RBDI_ROOT_STEPS 60 /* for the root of one contact, six on average */
 #define RBDI_FASTEST_SLIP RBD_C(1e9)
-#define RBDI_MOST_SWEEPS 32        /* between two Newton steps */
-#define RBDI_UNBOUNDED RBD_C(1e30) /* as a bound: none; as a residual: none could be computed */
+#define RBDI_MOST_SWEEPS 32 /* between two Newton steps */
 
 /* ==== src/contact/one_contact.h ==== */
 /* ---- one contact [one contact] ----
@@ -1266,8 +1265,8 @@ RBDI_API rbd_status rbd_contact_solve(const rbd_contact_problem *problem, void *
 
 /* ==== src/contact/joints.h ==== */
 /* ---- joints [joints] ----
-   Limits, friction and damping of the description along dof k. A joint that mimics it, x = ratio q_k +
-   offset, has no dof of its own: its limits bound q_k, and its torques act on it as rbd_passive has them,
+   Friction and damping of the description along dof k. A joint that mimics it, x = ratio q_k + offset, has no
+   dof of its own: its torques act on q_k as rbd_passive has them,
 
        friction  |ratio| friction_x,   damping  ratio^2 damping_x */
 
@@ -1293,44 +1292,12 @@ RBDI_LOCAL rbd_const rbdi_joint_damping(const rbd_model *m, int k) {
     return sum;
 }
 
-/* The limits lower <= q <= upper of a coordinate. */
-typedef struct rbdi_limits {
-    rbd_const lower, upper;
-} rbdi_limits;
-
-/* The stricter of two pairs of limits. */
-RBDI_LOCAL rbdi_limits rbdi_both_limits(rbdi_limits x, rbdi_limits y) {
-    rbdi_limits both;
-    both.lower = x.lower > y.lower ? x.lower : y.lower;
-    both.upper = x.upper < y.upper ? x.upper : y.upper;
-    return both;
-}
-
-/* Limits of a body's joint, in its own coordinate; both 0 means none. */
-RBDI_LOCAL rbdi_limits rbdi_limits_of(const rbdi_frame *u) {
-    const rbdi_limits none = {-RBDI_UNBOUNDED, RBDI_UNBOUNDED};
-    rbdi_limits x;
-    x.lower = u->lower;
-    x.upper = u->upper;
-    return x.lower < x.upper ? x : none;
-}
-
 /* Limits of the coordinate of a joint with one dof, those of its followers included. */
 RBDI_LOCAL rbdi_limits rbdi_joint_limits(const rbd_model *m, const rbdi_frame *u) {
     rbdi_limits all = rbdi_limits_of(u);
 
-    for (int i = 0; i < m->nmimic; ++i) {
-        const rbdi_mimic *mimic = &m->mimic[i];
-        const rbdi_limits own = rbdi_limits_of(&m->frame[m->dof[m->nv + i].body]);
-        const int turned = mimic->ratio < 0;
-        rbdi_limits led;
-        if (mimic->source_v != u->iv || own.lower <= -RBDI_UNBOUNDED) continue;
-
-        /* q = (x - offset) / ratio */
-        led.lower = ((turned ? own.upper : own.lower) - mimic->offset) / mimic->ratio;
-        led.upper = ((turned ? own.lower : own.upper) - mimic->offset) / mimic->ratio;
-        all = rbdi_both_limits(all, led);
-    }
+    for (int i = 0; i < m->nmimic; ++i)
+        if (m->mimic[i].source_v == u->iv) all = rbdi_both_limits(all, rbdi_limits_of_mimic(m, i));
 
     return all;
 }

@@ -693,6 +693,7 @@ RBDI_CODE_BEGIN
 #define RBDI_ROD (16 * (rbdi_wide)2.220446049250313e-16 / (rbdi_wide)RBDI_DOUBT) /* see rbdi_build_scale */
 
 #define RBDI_FASTEST RBD_C(1e12)   /* m/s or rad/s: a step that makes more has overflowed, or would */
+#define RBDI_UNBOUNDED RBD_C(1e30) /* as a bound or limit: none; as a residual: none could be computed */
 #define RBDI_SHORT RBD_C(1e-30)    /* square of the shortest quaternion or (cos, sin) that has a direction */
 #define RBDI_NO_ANGLE RBD_C(1e-30) /* added to squares of angles: quotients stay finite, no digit changes */
 #define RBDI_TAIL_TERMS 15         /* of the series of sine and cosine for |x| < 1: 1/33! is below 1e-36 */

@@ -294,6 +294,7 @@ RBDI_CODE_END
 RBDI_DYNAMICS_BEGIN
 
 #include "model/joints.h"
+#include "model/limits.h"
 #include "dynamics/state.h"
 #include "dynamics/rnea.h"
 #include "dynamics/crba.h"

@@ -40,7 +40,6 @@
 
 #define RBDI_ROOT_STEPS 60 /* for the root of one contact, six on average */
 #define RBDI_FASTEST_SLIP RBD_C(1e9)
-#define RBDI_MOST_SWEEPS 32        /* between two Newton steps */
-#define RBDI_UNBOUNDED RBD_C(1e30) /* as a bound: none; as a residual: none could be computed */
+#define RBDI_MOST_SWEEPS 32 /* between two Newton steps */
 
 #endif

@@ -1,5 +1,6 @@
 #ifndef RBDI_IK_DOFS_H
 #define RBDI_IK_DOFS_H
+#include "model/limits.h"
 #include "dynamics/crba.h"
 #include "ik/layout.h"
 
@@ -22,29 +23,19 @@ RBDI_LOCAL void rbdi_ik_mark(const rbd_model *m, int i, int16_t *mark) {
     }
 }
 
-/* Narrows the limits of dof f to those of a joint that mimics it. Limits that leave nothing do not count. */
-RBDI_LOCAL void rbdi_ik_mimic_limits(const rbdi_mimic *mimic, const rbdi_frame *u, rbdi_ik_dof *f) {
-    const rbd_const a = (u->lower - mimic->offset) / mimic->ratio,
-                    b = (u->upper - mimic->offset) / mimic->ratio;
-    const rbd_real lower = rbdi_set(a < b ? a : b), upper = rbdi_set(a < b ? b : a);
-    if (f->at >= 0 && !(lower <= f->upper && f->lower <= upper)) return;
-    if (f->at < 0 || lower > f->lower) f->lower = lower;
-    if (f->at < 0 || upper < f->upper) f->upper = upper;
-    f->at = mimic->source_q;
-}
-
-/* The limits of a dof: those of its joint and of joints that mimic it. */
+/* The limits of a dof: those of its joint, and of joints that mimic it unless they leave nothing. */
 RBDI_LOCAL void rbdi_ik_limits(const rbd_model *m, rbdi_ik_dof *f) {
     const rbdi_frame *u = &m->frame[m->dof[f->dof].body];
-    f->at = (int16_t)(u->lower < u->upper ? u->iq : -1);
-    f->lower = rbdi_set(u->lower);
-    f->upper = rbdi_set(u->upper);
+    rbdi_limits all = rbdi_limits_of(u);
 
-    for (int j = 0; j < rbdi_mimics(m); ++j) {
-        const rbdi_frame *other = &m->frame[m->dof[m->nv + j].body];
-        if (m->mimic[j].source_v == f->dof && other->lower < other->upper)
-            rbdi_ik_mimic_limits(&m->mimic[j], other, f);
+    for (int i = 0; i < rbdi_mimics(m); ++i) {
+        const rbdi_limits both = rbdi_both_limits(all, rbdi_limits_of_mimic(m, i));
+        if (m->mimic[i].source_v == f->dof && both.lower <= both.upper) all = both;
     }
+
+    f->at = (int16_t)(all.lower > -RBDI_UNBOUNDED || all.upper < RBDI_UNBOUNDED ? u->iq : -1);
+    f->lower = rbdi_set(all.lower);
+    f->upper = rbdi_set(all.upper);
 }
 
 /* The dofs that move a target and are not held. */

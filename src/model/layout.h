@@ -4,9 +4,9 @@
 #include "base/types.h"
 #include "algebra/types.h"
 
-/* Interface: rbdi_block, rbdi_dof, rbdi_frame, rbdi_link, rbdi_mimic, rbdi_node, rbdi_order, RBDI_ARMATURE,
-   RBDI_BLOCK, RBDI_BRANCH_TURN, RBDI_MASS_KEPT, RBDI_OFF_CHAIN, RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_ROOT,
-   RBDI_SCREW, RBDI_SHAPE, RBDI_SHIFT_R, RBDI_SHIFT_XYZ, RBDI_SHIFT_Z, RBDI_SLIDES */
+/* Interface: rbdi_block, rbdi_dof, rbdi_frame, rbdi_link, rbdi_node, rbdi_order, RBDI_ARMATURE, RBDI_BLOCK,
+   RBDI_BRANCH_TURN, RBDI_MASS_KEPT, RBDI_OFF_CHAIN, RBDI_REVOLUTE, RBDI_REVOLUTE_CS, RBDI_ROOT, RBDI_SCREW,
+   RBDI_SHAPE, RBDI_SHIFT_R, RBDI_SHIFT_XYZ, RBDI_SHIFT_Z, RBDI_SLIDES */
 
 /* Pose of a frame B in a frame A: x_B = E (x_A - r), in the build's arithmetic. */
 typedef struct rbdi_wide_pose {
