@@ -249,7 +249,7 @@ typedef struct rbdi_ik_dof {
     rbd_real lower, upper;
 } rbdi_ik_dof;
 
-/* What a step does with a dof: solves for it, or leaves it, or sets it on a limit. */
+/* A step solves for a dof, leaves it where it is, or sets it on a limit. */
 enum { RBDI_IK_FREE, RBDI_IK_STAYS, RBDI_IK_LOWER, RBDI_IK_UPPER };
 
 /* One search. */
@@ -584,7 +584,9 @@ RBDI_LOCAL void rbdi_ik_errors(rbdi_ik *k, const rbd_real *q) {
         rbd_kinematics(k->m, k->w, q, NULL, NULL);
 
     ++k->result->evaluations;
-    k->cost = k->result->metres = k->result->radians = rbdi_zero();
+    k->cost = rbdi_zero();
+    k->result->metres = rbdi_zero();
+    k->result->radians = rbdi_zero();
 
     for (const rbd_ik_target *t = k->target; t < k->target + k->n; ++t) {
         const rbd_real factor = rbdi_ik_factor(t);
@@ -724,7 +726,8 @@ RBDI_LOCAL rbd_real rbdi_ik_cotangent(rbd_real x) {
 }
 
 RBDI_LOCAL rbdi_ik_bend rbdi_ik_bend_of(const rbdi_ik *k, const rbd_ik_target *t, int *row) {
-    const rbd_real factor = rbdi_ik_factor(t), angular = factor * k->options.length;
+    const rbd_real factor = rbdi_ik_factor(t);
+    const rbd_real angular = factor * k->options.length;
     rbdi_ik_bend b;
 
     b.place = b.turn = b.n = b.s = b.side = rbdi_vec0();
@@ -732,7 +735,8 @@ RBDI_LOCAL rbdi_ik_bend rbdi_ik_bend_of(const rbdi_ik *k, const rbd_ik_target *t
 
     if (rbdi_ik_turns_body(t->kind) || t->kind == RBD_IK_AXIS) {
         const rbdi_v3 e = rbdi_load_vec(&k->e[*row], 1);
-        const rbd_real length = rbdi_sqrt(rbdi_dot(e, e)), angle = length / angular;
+        const rbd_real length = rbdi_sqrt(rbdi_dot(e, e));
+        const rbd_real angle = length / angular;
         b.turn = rbdi_scale(angular, e);
         if (t->kind == RBD_IK_AXIS) b.s = rbdi_ik_axis(k, t);
         b.side = rbdi_cross(b.s, b.turn);
@@ -922,7 +926,8 @@ RBDI_LOCAL rbd_real rbdi_ik_wide(const rbdi_ik *k, const rbdi_ik_dof *f) {
 
 /* A share of what a start may take of the limits of dof f, from k->q: see [method]. */
 RBDI_LOCAL rbd_real rbdi_ik_draw(const rbdi_ik *k, const rbdi_ik_dof *f, rbd_real share) {
-    const rbd_real q = k->q[f->at], most = rbdi_ik_wide(k, f);
+    const rbd_real q = k->q[f->at];
+    const rbd_real most = rbdi_ik_wide(k, f);
     rbd_real lower = f->lower, upper = f->upper;
 
     if (upper - lower > most + most) {
@@ -987,6 +992,17 @@ RBDI_LOCAL int rbdi_ik_search(rbdi_ik *k) {
     return 0;
 }
 
+/* g, and H with the curvature, at the place of the last evaluation. Returns the share of H that is
+   rounding. */
+RBDI_LOCAL rbd_real rbdi_ik_quadratic(rbdi_ik *k) {
+    rbd_real least;
+
+    rbdi_ik_jacobian(k);
+    least = RBDI_IK_FLOOR * rbdi_ik_normal(k) + RBDI_TINY;
+    rbdi_ik_curve(k);
+    return least;
+}
+
 /* How much the step should bring |e|^2 down by the quadratic model with H of [curvature]: 2 g'd - d'H d. */
 RBDI_LOCAL rbd_real rbdi_ik_expected(const rbdi_ik *k) {
     rbd_real sum = rbdi_zero();
@@ -1012,8 +1028,12 @@ RBDI_LOCAL rbd_real rbdi_ik_relax(rbd_real share) {
 /* Goes down from q by at most so many steps, with the damping of Levenberg and Marquardt, until one brings
    |e|^2 down by less than a share `end`. Returns whether it reaches the targets. */
 RBDI_LOCAL int rbdi_ik_descend(rbdi_ik *k, int steps, rbd_const end) {
-    const rbd_real square = k->options.length * k->options.length, most = RBDI_IK_STIFF * square;
-    rbd_real damping = RBDI_IK_DAMPING * square, factor = rbdi_set(RBD_C(2)), cost, least = rbdi_zero();
+    const rbd_real square = k->options.length * k->options.length;
+    const rbd_real most = RBDI_IK_STIFF * square;
+    rbd_real damping = RBDI_IK_DAMPING * square;
+    rbd_real factor = rbdi_set(RBD_C(2));
+    rbd_real least = rbdi_zero();
+    rbd_real cost;
     int fresh = 1;
     if (!rbdi_ik_may_go_on(k)) return 0;
 
@@ -1024,11 +1044,7 @@ RBDI_LOCAL int rbdi_ik_descend(rbdi_ik *k, int steps, rbd_const end) {
 
     for (int step = 0; step < steps && rbdi_ik_may_go_on(k) && damping < most; ++step) {
         rbd_real drop;
-        if (fresh) {
-            rbdi_ik_jacobian(k);
-            least = RBDI_IK_FLOOR * rbdi_ik_normal(k) + RBDI_TINY;
-            rbdi_ik_curve(k);
-        }
+        if (fresh) least = rbdi_ik_quadratic(k);
 
         drop = rbdi_zero();
         if (rbdi_ik_step(k, damping, least)) {
@@ -1055,15 +1071,11 @@ RBDI_LOCAL int rbdi_ik_descend(rbdi_ik *k, int steps, rbd_const end) {
    a small motion of all dofs leaves it. Returns whether the best place is such a one, q then being beside
    it. */
 RBDI_LOCAL int rbdi_ik_leave_saddle(rbdi_ik *k) {
-    rbd_real least;
     if (!rbdi_ik_may_go_on(k)) return 0;
 
     rbdi_ik_copy(k->best, k->m->nq, k->q);
     rbdi_ik_errors(k, k->q);
-    rbdi_ik_jacobian(k);
-    least = RBDI_IK_FLOOR * rbdi_ik_normal(k) + RBDI_TINY;
-    rbdi_ik_curve(k);
-    if (rbdi_ik_step(k, rbdi_zero(), least)) return 0;
+    if (rbdi_ik_step(k, rbdi_zero(), rbdi_ik_quadratic(k))) return 0;
 
     for (int i = 0; i < k->dofs; ++i) {
         const rbd_real aside = k->dof[i].turns ? rbdi_set(RBDI_IK_ASIDE) : RBDI_IK_ASIDE * k->options.length;
@@ -1095,7 +1107,10 @@ RBDI_LOCAL int rbdi_ik_find_nearest(rbdi_ik *k) {
 
 /* Says why the targets are not reached at q: by g = J'e, as a share of |e| and the longest column of J. */
 RBDI_LOCAL rbd_ik_status rbdi_ik_judge(rbdi_ik *k) {
-    rbd_real longest = rbdi_zero(), most = rbdi_zero(), left = rbdi_zero(), size;
+    rbd_real longest = rbdi_zero();
+    rbd_real most = rbdi_zero();
+    rbd_real left = rbdi_zero();
+    rbd_real size;
 
     rbdi_ik_errors(k, k->q);
     rbdi_ik_jacobian(k);
@@ -1162,7 +1177,8 @@ RBDI_LOCAL int rbdi_ik_is_rotation(const rbd_real *R) {
 
 RBDI_LOCAL rbd_status rbdi_ik_check_target(const rbd_model *m, const rbd_ik_target *t, int i,
                                            rbd_ik_result *result) {
-    const int kind = (int)t->kind, com = t->kind == RBD_IK_COM;
+    const int kind = (int)t->kind;
+    const int com = t->kind == RBD_IK_COM;
     if (kind < 0 || kind > (int)RBD_IK_COM) return rbdi_ik_refuse(result, RBD_ERR_TYPE, i, "kind");
     if (!com && (t->body < 0 || t->body >= m->nb)) return rbdi_ik_refuse(result, RBD_ERR_INDEX, i, "body");
     if (com && !(rbd_mass(m) > 0)) return rbdi_ik_refuse(result, RBD_ERR_MASS, i, "kind");
@@ -1323,8 +1339,11 @@ RBDI_API rbd_ik_status rbd_ik(const rbd_model *m, rbd_work *w, const rbd_ik_targ
     rbdi_ik *k;
     if (!result) return RBD_IK_ERROR;
 
-    result->metres = result->radians = rbdi_zero();
-    result->starts = result->evaluations = result->limits = 0;
+    result->metres = rbdi_zero();
+    result->radians = rbdi_zero();
+    result->starts = 0;
+    result->evaluations = 0;
+    result->limits = 0;
     result->limit = -1;
     rbdi_ik_refuse(result, RBD_OK, -1, NULL);
     if (rbdi_ik_check(m, w, targets, n, options, memory, size, q, result)) return RBD_IK_ERROR;

@@ -49,6 +49,24 @@ static void aim(const rbd_real *q, rbd_ik_target *t, int n) {
     }
 }
 
+/* A random state q, and a target of each of the first n kinds, on the last two bodies; the state that has
+   them is q moved by `away`. */
+static void draw_targets(int nb, int n, double away, rbd_real *q, rbd_ik_target *t) {
+    rbd_real there[MOST_Q], v[MOST_Q];
+
+    for (int i = 0; i < n; i++)
+        t[i] = (rbd_ik_target){.kind = (rbd_ik_kind)i,
+                               .body = nb - 1 - i % 2,
+                               .point = {0, (rbd_real)0.1, (rbd_real)0.2},
+                               .axis = {1, 2, -2},
+                               .weight = (rbd_real)(0.5 + i)};
+
+    rbd_random(m, &seed, q);
+    for (int i = 0; i < m->nv; i++) v[i] = (rbd_real)(away * cos(i));
+    rbd_integrate(m, q, v, 1, there);
+    aim(there, t, n);
+}
+
 /* ---- rows and gradients by differences, in double ---- */
 
 /* Of every kind of target, at a state that is `away` from where they are reached: g = J'e is the slope of
@@ -59,21 +77,13 @@ static void check_rows(const rbd_body *bodies, int nb, double away) {
     rbd_real q[MOST_Q], x[MOST_Q], v[MOST_Q];
     double worst_row = 0, worst_slope = 0;
     const double h = 1e-6;
+    int kinds;
     rbdi_ik *k;
 
     build(bodies, nb);
-    for (int i = 0; i < 5; i++) {
-        t[i] = (rbd_ik_target){.kind = (rbd_ik_kind)i,
-                               .body = nb - 1 - i % 2,
-                               .point = {0, (rbd_real)0.1, (rbd_real)0.2},
-                               .axis = {1, 2, -2},
-                               .weight = (rbd_real)(0.5 + i)};
-    }
-    rbd_random(m, &seed, q);
-    for (int i = 0; i < m->nv; i++) v[i] = (rbd_real)(away * cos(i));
-    rbd_integrate(m, q, v, 1, x);
-    aim(x, t, rbd_mass(m) > 0 ? 5 : 4);
-    k = rbdi_ik_begin(m, w, t, rbd_mass(m) > 0 ? 5 : 4, NULL, memory, q, &result);
+    kinds = rbd_mass(m) > 0 ? 5 : 4; /* a centre of mass needs one */
+    draw_targets(nb, kinds, away, q, t);
+    k = rbdi_ik_begin(m, w, t, kinds, NULL, memory, q, &result);
     rbdi_ik_errors(k, q);
     rbdi_ik_jacobian(k);
     rbdi_ik_normal(k);
@@ -114,16 +124,7 @@ static void check_curvature(const rbd_body *bodies, int nb, double away) {
     rbdi_ik *k;
 
     build(bodies, nb);
-    for (int i = 0; i < 4; i++)
-        t[i] = (rbd_ik_target){.kind = (rbd_ik_kind)i,
-                               .body = nb - 1 - i % 2,
-                               .point = {0, (rbd_real)0.1, (rbd_real)0.2},
-                               .axis = {1, 2, -2},
-                               .weight = (rbd_real)(0.5 + i)};
-    rbd_random(m, &seed, q);
-    for (int i = 0; i < m->nv; i++) v[i] = (rbd_real)(away * cos(i));
-    rbd_integrate(m, q, v, 1, x);
-    aim(x, t, 4);
+    draw_targets(nb, 4, away, q, t);
     k = rbdi_ik_begin(m, w, t, 4, NULL, memory, q, &result);
     rbdi_ik_errors(k, q);
     rbdi_ik_jacobian(k);

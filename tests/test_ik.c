@@ -1,5 +1,5 @@
 /* test_ik.c - inverse kinematics: targets within reach and beyond it, limits, all joint types, bad input.
-   What is reached is judged by forward kinematics, what is not by geometry or by differences of the error. */
+   Forward kinematics judges reached targets; geometry, or differences of the error, judge the others. */
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -289,8 +289,8 @@ START_TEST(an_iiwa_stretches_to_places_beyond_its_reach) {
 }
 END_TEST
 
-/* What is not reached is the least of the error nearby: no free dof brings it down, and each limit that
-   counts keeps it up, by differences. */
+/* The error is the least nearby, by differences: no free dof brings it down, and each limit that counts keeps
+   it up. */
 static void expect_least(const robot *r, const rbd_ik_target *t, int n, const double *q,
                          const rbd_ik_result *result) {
     double x[MAX_Q], v[MAX_V] = {0}, metres, radians, steepest = 0, slopes[MAX_V];
@@ -526,26 +526,33 @@ END_TEST
 
 /* ---- limits, mimic joints, held dofs ---- */
 
+/* A joint with limits -2 and 2, and one on it that follows: q1 = offset + ratio q0, with limits of its
+   own. */
+static void make_finger(rbd_body finger[2], double ratio, double offset, double lower, double upper) {
+    finger[0] = (rbd_body){.joint = "one",
+                           .parent = -1,
+                           .type = RBD_REVOLUTE,
+                           .axis = {0, 0, 1},
+                           .armature = {1},
+                           .lower = -2,
+                           .upper = 2};
+    finger[1] = (rbd_body){.parent = 0,
+                           .type = RBD_REVOLUTE,
+                           .axis = {0, 0, 1},
+                           .position = {0.5, 0, 0},
+                           .armature = {1},
+                           .mimic = "one",
+                           .mimic_ratio = ratio,
+                           .mimic_offset = offset,
+                           .lower = lower,
+                           .upper = upper};
+}
+
 /* A finger that turns with another, half as far and back, and whose limits bind it: q1 = 0.1 - q0 / 2 in
    [-0.4, 0.3]: q0 in [-0.4, 1]. */
 START_TEST(limits_of_a_mimic_joint_bind_what_it_follows) {
-    static const rbd_body finger[2] = {{.joint = "one",
-                                        .parent = -1,
-                                        .type = RBD_REVOLUTE,
-                                        .axis = {0, 0, 1},
-                                        .armature = {1},
-                                        .lower = -2,
-                                        .upper = 2},
-                                       {.parent = 0,
-                                        .type = RBD_REVOLUTE,
-                                        .axis = {0, 0, 1},
-                                        .position = {0.5, 0, 0},
-                                        .armature = {1},
-                                        .mimic = "one",
-                                        .mimic_ratio = -0.5,
-                                        .mimic_offset = 0.1,
-                                        .lower = -0.4,
-                                        .upper = 0.3}};
+    rbd_body finger[2];
+    make_finger(finger, -0.5, 0.1, -0.4, 0.3);
     robot r = BUILD(finger);
     for (int k = 0; k < 3; k++) {
         const double wanted = k == 0 ? 0.7 : k == 1 ? 1.5 : -1.5, limit = k == 1 ? 1 : -0.4;
@@ -565,22 +572,8 @@ END_TEST
 
 /* Limits of a mimic joint that leave nothing of the leader's do not count: the build warns of them. */
 START_TEST(limits_that_contradict_do_not_count) {
-    static const rbd_body finger[2] = {{.joint = "one",
-                                        .parent = -1,
-                                        .type = RBD_REVOLUTE,
-                                        .axis = {0, 0, 1},
-                                        .armature = {1},
-                                        .lower = -2,
-                                        .upper = 2},
-                                       {.parent = 0,
-                                        .type = RBD_REVOLUTE,
-                                        .axis = {0, 0, 1},
-                                        .position = {0.5, 0, 0},
-                                        .armature = {1},
-                                        .mimic = "one",
-                                        .mimic_ratio = 1,
-                                        .lower = 3,
-                                        .upper = 4}};
+    rbd_body finger[2];
+    make_finger(finger, 1, 0, 3, 4);
     robot r = BUILD(finger);
     rbd_ik_target t = {.kind = RBD_IK_POSE, .body = 1};
     double q[1] = {1.5};

@@ -14,7 +14,7 @@
 #include <type_traits>
 #include <utility>
 
-/* What is measured: a list of all files that were linked. */
+/* The measurements of all files that were linked, as a list. */
 struct measurement {
     const char *algorithm;
     bool (*run)(const options &); /* true if right */

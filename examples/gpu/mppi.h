@@ -41,7 +41,7 @@ RBD_HD float mppi_control(const P &problem, const float *plan, unsigned tick, in
     return u > limit ? limit : u < -limit ? -limit : u;
 }
 
-/* What each sample costs: its whole motion in one thread. */
+/* The cost of each sample. One thread simulates its whole motion. */
 template <class P> RBD_KERNEL mppi_sample(int n, P problem, unsigned tick, const float *plan, float *cost) {
     RBD_EACH_STATE(i, n) {
         float x[P::NX], u[P::NU];

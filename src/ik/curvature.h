@@ -35,7 +35,8 @@ RBDI_LOCAL rbd_real rbdi_ik_cotangent(rbd_real x) {
 }
 
 RBDI_LOCAL rbdi_ik_bend rbdi_ik_bend_of(const rbdi_ik *k, const rbd_ik_target *t, int *row) {
-    const rbd_real factor = rbdi_ik_factor(t), angular = factor * k->options.length;
+    const rbd_real factor = rbdi_ik_factor(t);
+    const rbd_real angular = factor * k->options.length;
     rbdi_ik_bend b;
 
     b.place = b.turn = b.n = b.s = b.side = rbdi_vec0();
@@ -43,7 +44,8 @@ RBDI_LOCAL rbdi_ik_bend rbdi_ik_bend_of(const rbdi_ik *k, const rbd_ik_target *t
 
     if (rbdi_ik_turns_body(t->kind) || t->kind == RBD_IK_AXIS) {
         const rbdi_v3 e = rbdi_load_vec(&k->e[*row], 1);
-        const rbd_real length = rbdi_sqrt(rbdi_dot(e, e)), angle = length / angular;
+        const rbd_real length = rbdi_sqrt(rbdi_dot(e, e));
+        const rbd_real angle = length / angular;
         b.turn = rbdi_scale(angular, e);
         if (t->kind == RBD_IK_AXIS) b.s = rbdi_ik_axis(k, t);
         b.side = rbdi_cross(b.s, b.turn);

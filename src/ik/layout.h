@@ -73,7 +73,7 @@ typedef struct rbdi_ik_dof {
     rbd_real lower, upper;
 } rbdi_ik_dof;
 
-/* What a step does with a dof: solves for it, or leaves it, or sets it on a limit. */
+/* A step solves for a dof, leaves it where it is, or sets it on a limit. */
 enum { RBDI_IK_FREE, RBDI_IK_STAYS, RBDI_IK_LOWER, RBDI_IK_UPPER };
 
 /* One search. */

@@ -54,7 +54,8 @@ RBDI_LOCAL rbd_real rbdi_ik_wide(const rbdi_ik *k, const rbdi_ik_dof *f) {
 
 /* A share of what a start may take of the limits of dof f, from k->q: see [method]. */
 RBDI_LOCAL rbd_real rbdi_ik_draw(const rbdi_ik *k, const rbdi_ik_dof *f, rbd_real share) {
-    const rbd_real q = k->q[f->at], most = rbdi_ik_wide(k, f);
+    const rbd_real q = k->q[f->at];
+    const rbd_real most = rbdi_ik_wide(k, f);
     rbd_real lower = f->lower, upper = f->upper;
 
     if (upper - lower > most + most) {
@@ -119,6 +120,17 @@ RBDI_LOCAL int rbdi_ik_search(rbdi_ik *k) {
     return 0;
 }
 
+/* g, and H with the curvature, at the place of the last evaluation. Returns the share of H that is
+   rounding. */
+RBDI_LOCAL rbd_real rbdi_ik_quadratic(rbdi_ik *k) {
+    rbd_real least;
+
+    rbdi_ik_jacobian(k);
+    least = RBDI_IK_FLOOR * rbdi_ik_normal(k) + RBDI_TINY;
+    rbdi_ik_curve(k);
+    return least;
+}
+
 /* How much the step should bring |e|^2 down by the quadratic model with H of [curvature]: 2 g'd - d'H d. */
 RBDI_LOCAL rbd_real rbdi_ik_expected(const rbdi_ik *k) {
     rbd_real sum = rbdi_zero();
@@ -144,8 +156,12 @@ RBDI_LOCAL rbd_real rbdi_ik_relax(rbd_real share) {
 /* Goes down from q by at most so many steps, with the damping of Levenberg and Marquardt, until one brings
    |e|^2 down by less than a share `end`. Returns whether it reaches the targets. */
 RBDI_LOCAL int rbdi_ik_descend(rbdi_ik *k, int steps, rbd_const end) {
-    const rbd_real square = k->options.length * k->options.length, most = RBDI_IK_STIFF * square;
-    rbd_real damping = RBDI_IK_DAMPING * square, factor = rbdi_set(RBD_C(2)), cost, least = rbdi_zero();
+    const rbd_real square = k->options.length * k->options.length;
+    const rbd_real most = RBDI_IK_STIFF * square;
+    rbd_real damping = RBDI_IK_DAMPING * square;
+    rbd_real factor = rbdi_set(RBD_C(2));
+    rbd_real least = rbdi_zero();
+    rbd_real cost;
     int fresh = 1;
     if (!rbdi_ik_may_go_on(k)) return 0;
 
@@ -156,11 +172,7 @@ RBDI_LOCAL int rbdi_ik_descend(rbdi_ik *k, int steps, rbd_const end) {
 
     for (int step = 0; step < steps && rbdi_ik_may_go_on(k) && damping < most; ++step) {
         rbd_real drop;
-        if (fresh) {
-            rbdi_ik_jacobian(k);
-            least = RBDI_IK_FLOOR * rbdi_ik_normal(k) + RBDI_TINY;
-            rbdi_ik_curve(k);
-        }
+        if (fresh) least = rbdi_ik_quadratic(k);
 
         drop = rbdi_zero();
         if (rbdi_ik_step(k, damping, least)) {
@@ -187,15 +199,11 @@ RBDI_LOCAL int rbdi_ik_descend(rbdi_ik *k, int steps, rbd_const end) {
    a small motion of all dofs leaves it. Returns whether the best place is such a one, q then being beside
    it. */
 RBDI_LOCAL int rbdi_ik_leave_saddle(rbdi_ik *k) {
-    rbd_real least;
     if (!rbdi_ik_may_go_on(k)) return 0;
 
     rbdi_ik_copy(k->best, k->m->nq, k->q);
     rbdi_ik_errors(k, k->q);
-    rbdi_ik_jacobian(k);
-    least = RBDI_IK_FLOOR * rbdi_ik_normal(k) + RBDI_TINY;
-    rbdi_ik_curve(k);
-    if (rbdi_ik_step(k, rbdi_zero(), least)) return 0;
+    if (rbdi_ik_step(k, rbdi_zero(), rbdi_ik_quadratic(k))) return 0;
 
     for (int i = 0; i < k->dofs; ++i) {
         const rbd_real aside = k->dof[i].turns ? rbdi_set(RBDI_IK_ASIDE) : RBDI_IK_ASIDE * k->options.length;
@@ -227,7 +235,10 @@ RBDI_LOCAL int rbdi_ik_find_nearest(rbdi_ik *k) {
 
 /* Says why the targets are not reached at q: by g = J'e, as a share of |e| and the longest column of J. */
 RBDI_LOCAL rbd_ik_status rbdi_ik_judge(rbdi_ik *k) {
-    rbd_real longest = rbdi_zero(), most = rbdi_zero(), left = rbdi_zero(), size;
+    rbd_real longest = rbdi_zero();
+    rbd_real most = rbdi_zero();
+    rbd_real left = rbdi_zero();
+    rbd_real size;
 
     rbdi_ik_errors(k, k->q);
     rbdi_ik_jacobian(k);

@@ -98,8 +98,11 @@ RBDI_API rbd_ik_status rbd_ik(const rbd_model *m, rbd_work *w, const rbd_ik_targ
     rbdi_ik *k;
     if (!result) return RBD_IK_ERROR;
 
-    result->metres = result->radians = rbdi_zero();
-    result->starts = result->evaluations = result->limits = 0;
+    result->metres = rbdi_zero();
+    result->radians = rbdi_zero();
+    result->starts = 0;
+    result->evaluations = 0;
+    result->limits = 0;
     result->limit = -1;
     rbdi_ik_refuse(result, RBD_OK, -1, NULL);
     if (rbdi_ik_check(m, w, targets, n, options, memory, size, q, result)) return RBD_IK_ERROR;

@@ -99,7 +99,9 @@ RBDI_LOCAL void rbdi_ik_errors(rbdi_ik *k, const rbd_real *q) {
         rbd_kinematics(k->m, k->w, q, NULL, NULL);
 
     ++k->result->evaluations;
-    k->cost = k->result->metres = k->result->radians = rbdi_zero();
+    k->cost = rbdi_zero();
+    k->result->metres = rbdi_zero();
+    k->result->radians = rbdi_zero();
 
     for (const rbd_ik_target *t = k->target; t < k->target + k->n; ++t) {
         const rbd_real factor = rbdi_ik_factor(t);
