@@ -26,7 +26,7 @@
      --- stop here if you only use it ---
      [layout]
      [design] [compiler] [tolerances] [scalar] [reduction] [spatial algebra] [pieces] [common] [features]
-     [joint types] [joints] [state] [rnea] [crba] [aba] [packed matrix] [pivots] [hybrid]
+     [joint types] [joints] [joint limits] [state] [rnea] [crba] [aba] [packed matrix] [pivots] [hybrid]
      [forward dynamics code] [axes] [kinematics code] [points code] [manifold code] [straight moves]
      [free step] [work code] [lookup code] [text code]
      [descriptions] [model build]
