@@ -126,9 +126,8 @@ RBDI_API rbd_status rbd_estimate_add(const rbd_model *m, rbd_derivatives *d, rbd
                                      const rbd_real *q, const rbd_real *v, const rbd_real *a,
                                      const rbd_real *tau, rbd_estimate_fault *fault);
 
-/* Improves the estimate by one step of Newton's method, of constant time. Steps in turn with samples follow
-   them; 20 to 30 steps converge from anywhere. Every result is one that a body can have (Wensing, Kim and
-   Slotine 2018).
+/* The estimate from all samples so far. It is always one that a body can have (Wensing, Kim and Slotine 2018).
+   If samples tell little of the payload, up to 30 rounds find the nearest such body: some ten times as long.
    payload   10: parameters as those of rbd_set_parameters, link axes; 0 after rbd_estimate_release; or NULL
    friction  nv; or NULL
    misfit    what the estimate leaves of the samples, over their `noise`: near 1 if the model and the noise

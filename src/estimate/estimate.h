@@ -56,7 +56,6 @@ RBDI_LOCAL void rbdi_find_kinds(rbd_estimate *e, const rbd_model *m, const unsig
 RBDI_LOCAL void rbdi_begin_load(rbd_estimate *e) {
     rbdi_clear(e->load, RBDI_LOAD_TRIANGLE);
     rbdi_begin_ball(e->P);
-    e->weight = rbdi_set(RBDI_ESTIMATE_BEGIN);
     e->squares = rbdi_zero();
     e->samples = rbdi_zero();
 }
@@ -90,7 +89,7 @@ RBDI_API rbd_status rbd_estimate_init(const rbd_model *m, int body, const rbd_es
 RBDI_API rbd_status rbd_estimate_solve(rbd_estimate *e, rbd_const payload[10], rbd_joint_friction *friction,
                                        rbd_real *misfit) {
     if (!e) return RBD_ERR_NULL;
-    if (!e->known) rbdi_improve_load(e);
+    if (!e->known) rbdi_find_load(e);
 
     if (payload) rbdi_parameters_of(e->P, e->scale, payload);
     for (int k = 0; k < RBDI_TEN && payload && e->known; ++k) payload[k] = RBD_C(0);

@@ -28,30 +28,24 @@
 
    packed by rows of the lower triangle: p. A body can be like that if P is positive definite. The estimate
 
-       minimises |R p - z|^2 / 2 + |p|^2 / 2 - weight log det P
+       minimises |R p - z|^2 / 2 + |p|^2 / 2
 
    in units of mass and reach of the options: the prior |p|^2, outside of what is forgotten, has them as its
-   standard deviations. A step of Newton's method is a triangle again: with
-   P = L L' and a change L D L' of P, the last term is weight (|D|^2 / 2 - tr D) to second order, rows like
-   those of samples. A step that would leave the cone is cut, and the weight of log det P grows; else it
-   falls. So all estimates are inside. */
+   standard deviations. If that is no body, it minimises this less weight log det P, with the least weight:
+   the nearest that is one, found by interior points, anew in each call. */
 
-/* RBDI_ESTIMATE_LEAST, _MOST: of the weight; _BEGIN: the first one. At the least weight a body that no sample
-   tells of has a tenth of the options' mass.
-   RBDI_ESTIMATE_MORE, _LESS: factors after a step that was cut, and after a full one.
-   RBDI_ESTIMATE_SHORT: of a cut step this share is taken, to leave the rim.
-   RBDI_ESTIMATE_CUTS: a step is halved at most so often.
+/* RBDI_ESTIMATE_LEAST: of the weight. A body that no sample tells of has a tenth of the options' mass.
+   RBDI_ESTIMATE_ROUNDS: at most; some 15 will do. RBDI_ESTIMATE_SMALL: share of P; a smaller step ends them.
+   RBDI_ESTIMATE_SHORT: share that is taken of a step to the rim; RBDI_ESTIMATE_CUTS: bisections that find it.
    RBDI_ESTIMATE_RIM: a pivot of P must be above this share of its diagonal, and above RBDI_ESTIMATE_FLOOR, so
    that no square of its inverse overflows.
-   RBDI_ESTIMATE_BALL: where the estimate begins: a ball of this mass and, about each axis, radius of
-   gyration, in the units of the options. */
+   RBDI_ESTIMATE_BALL: where the rounds begin: a ball of this mass and, about each axis, radius of gyration, in
+   the units of the options. */
 #define RBDI_ESTIMATE_LEAST RBD_C(0.01)
-#define RBDI_ESTIMATE_MOST RBD_C(1e6)
-#define RBDI_ESTIMATE_BEGIN RBD_C(1e3)
-#define RBDI_ESTIMATE_MORE RBD_C(10)
-#define RBDI_ESTIMATE_LESS RBD_C(0.3)
-#define RBDI_ESTIMATE_SHORT RBD_C(0.9)
-#define RBDI_ESTIMATE_CUTS 20
+#define RBDI_ESTIMATE_ROUNDS 30
+#define RBDI_ESTIMATE_SMALL RBD_C(1e-3)
+#define RBDI_ESTIMATE_SHORT RBD_C(0.95)
+#define RBDI_ESTIMATE_CUTS 9
 #define RBDI_ESTIMATE_RIM (64 * RBDI_EPS)
 #define RBDI_ESTIMATE_FLOOR RBD_C(1e-12)
 #define RBDI_ESTIMATE_BALL RBD_C(0.06)
@@ -95,7 +89,6 @@ struct rbd_estimate {
     rbd_real slow, kept; /* root of the forgetting */
     rbd_real scale[3];   /* units of m, m c and S: the unknowns are shares of these, the prior's deviations */
     rbd_real stiff;      /* 1 / deviation of the prior of friction */
-    rbd_real weight;
     rbd_real squares, samples; /* of what is left of the rows, and how many */
     rbd_real P[RBDI_TEN];
     rbd_real load[RBDI_LOAD_TRIANGLE];

@@ -9,6 +9,15 @@
 /* The index of entry (i, j), j <= i. */
 RBDI_INLINE int rbdi_packed_at(int i, int j) { return i * (i + 1) / 2 + j; }
 
+/* Entry (i, j) of a lower triangle, 0 above the diagonal; and of a symmetric matrix. */
+RBDI_INLINE rbd_real rbdi_lower(const rbd_real A[RBDI_TEN], int i, int j) {
+    return j <= i ? A[rbdi_packed_at(i, j)] : rbdi_zero();
+}
+
+RBDI_INLINE rbd_real rbdi_symmetric(const rbd_real A[RBDI_TEN], int i, int j) {
+    return A[j <= i ? rbdi_packed_at(i, j) : rbdi_packed_at(j, i)];
+}
+
 /* P = L L'. Returns whether every pivot is above its rounding. */
 RBDI_PART int rbdi_factor_pseudo(const rbd_real P[RBDI_TEN], rbd_real L[RBDI_TEN]) {
     for (int i = 0; i < 4; ++i)
@@ -27,7 +36,7 @@ RBDI_PART int rbdi_factor_pseudo(const rbd_real P[RBDI_TEN], rbd_real L[RBDI_TEN
 }
 
 /* G = L^-1. */
-RBDI_PART void rbdi_invert_pseudo(const rbd_real L[RBDI_TEN], rbd_real G[RBDI_TEN]) {
+RBDI_PART void rbdi_invert_lower(const rbd_real L[RBDI_TEN], rbd_real G[RBDI_TEN]) {
     for (int j = 0; j < 4; ++j) {
         G[rbdi_packed_at(j, j)] = 1 / L[rbdi_packed_at(j, j)];
         for (int i = j + 1; i < 4; ++i) {
@@ -38,16 +47,13 @@ RBDI_PART void rbdi_invert_pseudo(const rbd_real L[RBDI_TEN], rbd_real G[RBDI_TE
     }
 }
 
-/* The row of entry (a, b) of D = G E G', by the entries of E; those of E below the diagonal stand for two. */
-RBDI_PART void rbdi_barrier_row(const rbd_real G[RBDI_TEN], int a, int b, rbd_real factor,
-                                rbd_real x[RBDI_TEN]) {
+/* G'G, which is P^-1. */
+RBDI_PART void rbdi_square(const rbd_real G[RBDI_TEN], rbd_real inverse[RBDI_TEN]) {
     for (int i = 0; i < 4; ++i)
         for (int j = 0; j <= i; ++j) {
-            const int at = rbdi_packed_at(i, j);
-            x[at] = rbdi_zero();
-            if (i <= a && j <= b) x[at] = x[at] + factor * G[rbdi_packed_at(a, i)] * G[rbdi_packed_at(b, j)];
-            if (j < i && j <= a && i <= b)
-                x[at] = x[at] + factor * G[rbdi_packed_at(a, j)] * G[rbdi_packed_at(b, i)];
+            rbd_real sum = rbdi_zero();
+            for (int k = i; k < 4; ++k) sum = sum + G[rbdi_packed_at(k, i)] * G[rbdi_packed_at(k, j)];
+            inverse[rbdi_packed_at(i, j)] = sum;
         }
 }
 
