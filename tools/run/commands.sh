@@ -155,6 +155,16 @@ cmd_wheel() {
     done
 }
 
+#+ release [--draft]           all that a release consists of, in build/release: archives, wheels for three platforms, the site,
+#+                             checksums, a bill of materials; --draft in spite of changes or a missing date
+cmd_release() {
+    "$root/packaging/release.py" --check "$@" || exit
+    cmd_wheel linux-x86-64 linux-aarch64 windows-x86-64
+    cmd_site
+    rm -rf "$build/release"
+    "$root/packaging/release.py" --wheels "$build/wheels" --site "$build/site" "$@" "$build/release"
+}
+
 #+ budgets [--accept]          text and compile time of the headers beside their budgets, and how the rooms read;
 #+                             --accept keeps the figures in bench/results/budgets.csv
 cmd_budgets() {
