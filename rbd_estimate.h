@@ -181,9 +181,8 @@ RBDI_API rbd_status rbd_estimate_add(const rbd_model *m, rbd_derivatives *d, rbd
                                      const rbd_real *q, const rbd_real *v, const rbd_real *a,
                                      const rbd_real *tau, rbd_estimate_fault *fault);
 
-/* Improves the estimate by one step of Newton's method, of constant time. Steps in turn with samples follow
-   them; 20 to 30 steps converge from anywhere. Every result is one that a body can have (Wensing, Kim and
-   Slotine 2018).
+/* The estimate from all samples so far. It is always one that a body can have (Wensing, Kim and Slotine 2018).
+   If samples tell little of the payload, up to 30 rounds find the nearest such body: some ten times as long.
    payload   10: parameters as those of rbd_set_parameters, link axes; 0 after rbd_estimate_release; or NULL
    friction  nv; or NULL
    misfit    what the estimate leaves of the samples, over their `noise`: near 1 if the model and the noise
@@ -216,8 +215,14 @@ RBDI_EXTERN_C_END
 /* As in rbd.h: the caller's macros of these names come back at the end. */
 
 /* ==== src/base/letters_begin.h ==== */
+#pragma push_macro("A")
+#undef A
 #pragma push_macro("B")
 #undef B
+#pragma push_macro("C")
+#undef C
+#pragma push_macro("E")
+#undef E
 #pragma push_macro("F")
 #undef F
 #pragma push_macro("G")
@@ -226,12 +231,20 @@ RBDI_EXTERN_C_END
 #undef L
 #pragma push_macro("P")
 #undef P
+#pragma push_macro("Q")
+#undef Q
 #pragma push_macro("R")
 #undef R
 #pragma push_macro("S")
 #undef S
 #pragma push_macro("T")
 #undef T
+#pragma push_macro("X")
+#undef X
+#pragma push_macro("Y")
+#undef Y
+#pragma push_macro("Z")
+#undef Z
 
 /* ==== src/rbd_estimate.h ==== */
 #ifndef RBDI_ESTIMATE_LAYOUT
@@ -262,30 +275,24 @@ RBDI_EXTERN_C_END
 
    packed by rows of the lower triangle: p. A body can be like that if P is positive definite. The estimate
 
-       minimises |R p - z|^2 / 2 + |p|^2 / 2 - weight log det P
+       minimises |R p - z|^2 / 2 + |p|^2 / 2
 
    in units of mass and reach of the options: the prior |p|^2, outside of what is forgotten, has them as its
-   standard deviations. A step of Newton's method is a triangle again: with
-   P = L L' and a change L D L' of P, the last term is weight (|D|^2 / 2 - tr D) to second order, rows like
-   those of samples. A step that would leave the cone is cut, and the weight of log det P grows; else it
-   falls. So all estimates are inside. */
+   standard deviations. If that is no body, it minimises this less weight log det P, with the least weight:
+   the nearest that is one, found by interior points, anew in each call. */
 
-/* RBDI_ESTIMATE_LEAST, _MOST: of the weight; _BEGIN: the first one. At the least weight a body that no sample
-   tells of has a tenth of the options' mass.
-   RBDI_ESTIMATE_MORE, _LESS: factors after a step that was cut, and after a full one.
-   RBDI_ESTIMATE_SHORT: of a cut step this share is taken, to leave the rim.
-   RBDI_ESTIMATE_CUTS: a step is halved at most so often.
+/* RBDI_ESTIMATE_LEAST: of the weight. A body that no sample tells of has a tenth of the options' mass.
+   RBDI_ESTIMATE_ROUNDS: at most; some 15 will do. RBDI_ESTIMATE_SMALL: share of P; a smaller step ends them.
+   RBDI_ESTIMATE_SHORT: share that is taken of a step to the rim; RBDI_ESTIMATE_CUTS: bisections that find it.
    RBDI_ESTIMATE_RIM: a pivot of P must be above this share of its diagonal, and above RBDI_ESTIMATE_FLOOR, so
    that no square of its inverse overflows.
-   RBDI_ESTIMATE_BALL: where the estimate begins: a ball of this mass and, about each axis, radius of
-   gyration, in the units of the options. */
+   RBDI_ESTIMATE_BALL: where the rounds begin: a ball of this mass and, about each axis, radius of gyration, in
+   the units of the options. */
 #define RBDI_ESTIMATE_LEAST RBD_C(0.01)
-#define RBDI_ESTIMATE_MOST RBD_C(1e6)
-#define RBDI_ESTIMATE_BEGIN RBD_C(1e3)
-#define RBDI_ESTIMATE_MORE RBD_C(10)
-#define RBDI_ESTIMATE_LESS RBD_C(0.3)
-#define RBDI_ESTIMATE_SHORT RBD_C(0.9)
-#define RBDI_ESTIMATE_CUTS 20
+#define RBDI_ESTIMATE_ROUNDS 30
+#define RBDI_ESTIMATE_SMALL RBD_C(1e-3)
+#define RBDI_ESTIMATE_SHORT RBD_C(0.95)
+#define RBDI_ESTIMATE_CUTS 9
 #define RBDI_ESTIMATE_RIM (64 * RBDI_EPS)
 #define RBDI_ESTIMATE_FLOOR RBD_C(1e-12)
 #define RBDI_ESTIMATE_BALL RBD_C(0.06)
@@ -329,7 +336,6 @@ struct rbd_estimate {
     rbd_real slow, kept; /* root of the forgetting */
     rbd_real scale[3];   /* units of m, m c and S: the unknowns are shares of these, the prior's deviations */
     rbd_real stiff;      /* 1 / deviation of the prior of friction */
-    rbd_real weight;
     rbd_real squares, samples; /* of what is left of the rows, and how many */
     rbd_real P[RBDI_TEN];
     rbd_real load[RBDI_LOAD_TRIANGLE];
@@ -644,6 +650,15 @@ RBDI_API rbd_status rbd_observer_step(const rbd_model *m, rbd_work *w, rbd_obser
 /* The index of entry (i, j), j <= i. */
 RBDI_INLINE int rbdi_packed_at(int i, int j) { return i * (i + 1) / 2 + j; }
 
+/* Entry (i, j) of a lower triangle, 0 above the diagonal; and of a symmetric matrix. */
+RBDI_INLINE rbd_real rbdi_lower(const rbd_real A[RBDI_TEN], int i, int j) {
+    return j <= i ? A[rbdi_packed_at(i, j)] : rbdi_zero();
+}
+
+RBDI_INLINE rbd_real rbdi_symmetric(const rbd_real A[RBDI_TEN], int i, int j) {
+    return A[j <= i ? rbdi_packed_at(i, j) : rbdi_packed_at(j, i)];
+}
+
 /* P = L L'. Returns whether every pivot is above its rounding. */
 RBDI_PART int rbdi_factor_pseudo(const rbd_real P[RBDI_TEN], rbd_real L[RBDI_TEN]) {
     for (int i = 0; i < 4; ++i)
@@ -662,7 +677,7 @@ RBDI_PART int rbdi_factor_pseudo(const rbd_real P[RBDI_TEN], rbd_real L[RBDI_TEN
 }
 
 /* G = L^-1. */
-RBDI_PART void rbdi_invert_pseudo(const rbd_real L[RBDI_TEN], rbd_real G[RBDI_TEN]) {
+RBDI_PART void rbdi_invert_lower(const rbd_real L[RBDI_TEN], rbd_real G[RBDI_TEN]) {
     for (int j = 0; j < 4; ++j) {
         G[rbdi_packed_at(j, j)] = 1 / L[rbdi_packed_at(j, j)];
         for (int i = j + 1; i < 4; ++i) {
@@ -673,16 +688,13 @@ RBDI_PART void rbdi_invert_pseudo(const rbd_real L[RBDI_TEN], rbd_real G[RBDI_TE
     }
 }
 
-/* The row of entry (a, b) of D = G E G', by the entries of E; those of E below the diagonal stand for two. */
-RBDI_PART void rbdi_barrier_row(const rbd_real G[RBDI_TEN], int a, int b, rbd_real factor,
-                                rbd_real x[RBDI_TEN]) {
+/* G'G, which is P^-1. */
+RBDI_PART void rbdi_square(const rbd_real G[RBDI_TEN], rbd_real inverse[RBDI_TEN]) {
     for (int i = 0; i < 4; ++i)
         for (int j = 0; j <= i; ++j) {
-            const int at = rbdi_packed_at(i, j);
-            x[at] = rbdi_zero();
-            if (i <= a && j <= b) x[at] = x[at] + factor * G[rbdi_packed_at(a, i)] * G[rbdi_packed_at(b, j)];
-            if (j < i && j <= a && i <= b)
-                x[at] = x[at] + factor * G[rbdi_packed_at(a, j)] * G[rbdi_packed_at(b, i)];
+            rbd_real sum = rbdi_zero();
+            for (int k = i; k < 4; ++k) sum = sum + G[rbdi_packed_at(k, i)] * G[rbdi_packed_at(k, j)];
+            inverse[rbdi_packed_at(i, j)] = sum;
         }
 }
 
@@ -821,7 +833,25 @@ RBDI_API rbd_status rbd_estimate_add(const rbd_model *m, rbd_derivatives *d, rbd
 }
 
 /* ==== src/estimate/newton.h ==== */
-/* ---- newton [newton] ---- */
+/* ---- newton [newton] ----
+   The primal-dual method of interior points of Helmberg, Rendl, Vanderbei and Wolkowicz (1996), with the
+   predictor and corrector of Mehrotra (1992). Beside P stands a multiplier Z, positive definite, which ends
+   at weight P^-1. To second order, with P = L L', G = L^-1 and Z = Q Q', a step E of P minimises
+
+       |R p - z|^2 / 2 + |p|^2 / 2 + |G E Q|^2 / 2 - tr(C E)   at p + E,   C = weight P^-1 - correction,
+       while Z takes the step   C - Z - (P^-1 E Z + Z E P^-1) / 2,
+
+   that is triangles again: the rows G E Q come to those of the samples. The first step E of a round, with
+   C = 0, says what weight comes next, and the correction (P^-1 E F + F E P^-1) / 2, F the step of Z. */
+
+/* An iterate. P is in the estimate. */
+typedef struct rbdi_interior {
+    rbd_real Z[RBDI_TEN];
+    rbd_real inverse[RBDI_TEN]; /* of P */
+    rbd_real T[RBDI_LOAD_TRIANGLE];
+    rbd_real P_step[RBDI_TEN], Z_step[RBDI_TEN];
+    rbd_real weight;
+} rbdi_interior;
 
 /* The payload's triangle with the prior in it, T; its right side is that of p - P. */
 RBDI_PART void rbdi_load_triangle(const rbd_estimate *e, rbd_real T[RBDI_LOAD_TRIANGLE]) {
@@ -836,54 +866,171 @@ RBDI_PART void rbdi_load_triangle(const rbd_estimate *e, rbd_real T[RBDI_LOAD_TR
         rbdi_absorb_one(T, RBDI_TEN, RBDI_TEN_ROW, k, rbdi_set(RBD_C(1)), -e->P[k], x);
 }
 
-/* Adds weight (|D|^2 / 2 - tr D) as rows: root D_aa = root, root sqrt(2) D_ab = 0, root = sqrt(weight). */
-RBDI_LOCAL void rbdi_absorb_barrier(const rbd_estimate *e, const rbd_real L[RBDI_TEN],
+/* Takes the rows G E Q = 0 into T, by the entries of E; those below the diagonal stand for two. */
+RBDI_LOCAL void rbdi_absorb_barrier(const rbd_real G[RBDI_TEN], const rbd_real Q[RBDI_TEN],
                                     rbd_real T[RBDI_LOAD_TRIANGLE]) {
-    const rbd_real root = rbdi_sqrt(e->weight), twice = rbdi_sqrt(2 * e->weight);
-    rbd_real G[RBDI_TEN], x[RBDI_TEN_ROW];
-    rbdi_invert_pseudo(L, G);
-
+    rbd_real x[RBDI_TEN_ROW];
     for (int a = 0; a < 4; ++a)
-        for (int b = 0; b <= a; ++b) {
-            rbdi_barrier_row(G, a, b, a == b ? root : twice, x);
-            x[RBDI_TEN] = a == b ? root : rbdi_zero();
+        for (int b = 0; b < 4; ++b) {
+            for (int i = 0; i < 4; ++i)
+                for (int j = 0; j <= i; ++j) {
+                    rbd_real sum = rbdi_lower(G, a, i) * rbdi_lower(Q, j, b);
+                    if (j < i) sum = sum + rbdi_lower(G, a, j) * rbdi_lower(Q, i, b);
+                    x[rbdi_packed_at(i, j)] = sum;
+                }
+
+            x[RBDI_TEN] = rbdi_zero();
             rbdi_absorb(T, RBDI_TEN, RBDI_TEN_ROW, x);
         }
 }
 
-/* The weight after a step that was cut, or a full one. */
-RBDI_LOCAL rbd_real rbdi_next_weight(rbd_real weight, int cut) {
-    const rbd_real next = weight * (cut ? RBDI_ESTIMATE_MORE : RBDI_ESTIMATE_LESS);
-    if (next > RBDI_ESTIMATE_MOST) return rbdi_set(RBDI_ESTIMATE_MOST);
-    return next > RBDI_ESTIMATE_LEAST ? next : rbdi_set(RBDI_ESTIMATE_LEAST);
+/* The step E for C: T'T E = T'r + the gradient of tr(C E). */
+RBDI_LOCAL void rbdi_step_of(const rbd_real T[RBDI_LOAD_TRIANGLE], const rbd_real C[RBDI_TEN],
+                             rbd_real E[RBDI_TEN]) {
+    for (int i = 0; i < 4; ++i)
+        for (int j = 0; j <= i; ++j)
+            E[rbdi_packed_at(i, j)] = C[rbdi_packed_at(i, j)] * (j < i ? RBD_C(2) : RBD_C(1));
+
+    rbdi_solve_lower(T, RBDI_TEN, RBDI_TEN_ROW, E);
+    for (int k = 0; k < RBDI_TEN; ++k) E[k] = E[k] + T[k * RBDI_TEN_ROW + RBDI_TEN];
+    rbdi_solve_upper(T, RBDI_TEN, RBDI_TEN_ROW, E);
 }
 
-/* Moves along the step as far as the result is a body, not quite to the rim. */
-RBDI_LOCAL void rbdi_move_inside(rbd_estimate *e, const rbd_real step[RBDI_TEN]) {
-    rbd_real share = rbdi_set(RBD_C(1)), P[RBDI_TEN], L[RBDI_TEN];
-
-    for (int cut = 0; cut <= RBDI_ESTIMATE_CUTS; ++cut) {
-        for (int k = 0; k < RBDI_TEN; ++k) P[k] = e->P[k] + share * step[k];
-        if (rbdi_factor_pseudo(P, L)) {
-            for (int k = 0; k < RBDI_TEN; ++k) e->P[k] = P[k];
-            e->weight = rbdi_next_weight(e->weight, cut > 0);
-            return;
+/* C -= (X + X') / 2, X = A E F, of symmetric matrices. */
+RBDI_LOCAL void rbdi_subtract_mean(const rbd_real A[RBDI_TEN], const rbd_real E[RBDI_TEN],
+                                   const rbd_real F[RBDI_TEN], rbd_real C[RBDI_TEN]) {
+    rbd_real Y[4][4], X[4][4];
+    for (int i = 0; i < 4; ++i)
+        for (int j = 0; j < 4; ++j) {
+            Y[i][j] = rbdi_zero();
+            for (int k = 0; k < 4; ++k) Y[i][j] = Y[i][j] + rbdi_symmetric(E, i, k) * rbdi_symmetric(F, k, j);
         }
-        share = share * (cut ? RBD_C(0.5) : RBDI_ESTIMATE_SHORT * RBD_C(0.5));
-    }
-    e->weight = rbdi_next_weight(e->weight, 1);
+    for (int i = 0; i < 4; ++i)
+        for (int j = 0; j < 4; ++j) {
+            X[i][j] = rbdi_zero();
+            for (int k = 0; k < 4; ++k) X[i][j] = X[i][j] + rbdi_symmetric(A, i, k) * Y[k][j];
+        }
+
+    for (int i = 0; i < 4; ++i)
+        for (int j = 0; j <= i; ++j) {
+            const int at = rbdi_packed_at(i, j);
+            C[at] = C[at] - (X[i][j] + X[j][i]) * RBD_C(0.5);
+        }
 }
 
-/* One step of Newton's method. */
-RBDI_PART void rbdi_improve_load(rbd_estimate *e) {
-    rbd_real T[RBDI_LOAD_TRIANGLE], L[RBDI_TEN], step[RBDI_TEN];
-    if (!rbdi_factor_pseudo(e->P, L)) return; /* never: it is inside */
+/* Steps of P and Z for C. */
+RBDI_LOCAL void rbdi_interior_steps(rbdi_interior *s, const rbd_real C[RBDI_TEN]) {
+    rbdi_step_of(s->T, C, s->P_step);
+    for (int k = 0; k < RBDI_TEN; ++k) s->Z_step[k] = C[k] - s->Z[k];
+    rbdi_subtract_mean(s->inverse, s->P_step, s->Z, s->Z_step);
+}
 
+/* out = x + step, or nearly as much of it as leaves it positive definite, by bisection. */
+RBDI_LOCAL void rbdi_move_inside(const rbd_real x[RBDI_TEN], const rbd_real step[RBDI_TEN],
+                                 rbd_real out[RBDI_TEN]) {
+    rbd_real inside = rbdi_zero(), outside = rbdi_set(RBD_C(2)), next[RBDI_TEN], L[RBDI_TEN];
+    for (int cut = 0; cut <= RBDI_ESTIMATE_CUTS && inside < 1; ++cut) {
+        const rbd_real share = (inside + outside) * RBD_C(0.5);
+        for (int k = 0; k < RBDI_TEN; ++k) next[k] = x[k] + share * step[k];
+        if (rbdi_factor_pseudo(next, L)) {
+            inside = share;
+        } else {
+            outside = share;
+        }
+    }
+
+    if (inside < 1) inside = inside * RBDI_ESTIMATE_SHORT;
+    for (int k = 0; k < RBDI_TEN; ++k) out[k] = x[k] + inside * step[k];
+}
+
+/* tr(P Z) / 4. */
+RBDI_LOCAL rbd_real rbdi_mean_product(const rbd_real P[RBDI_TEN], const rbd_real Z[RBDI_TEN]) {
+    rbd_real sum = rbdi_zero();
+    for (int i = 0; i < 4; ++i)
+        for (int j = 0; j < 4; ++j) sum = sum + rbdi_symmetric(P, i, j) * rbdi_symmetric(Z, i, j);
+    return sum * RBD_C(0.25);
+}
+
+/* The weight after the first step of a round: with the shares of it that can be taken, tr(P Z) / 4 would
+   fall from `now` to `then`; the weight is now (then / now)^3. */
+RBDI_LOCAL rbd_real rbdi_next_weight(const rbd_estimate *e, const rbdi_interior *s) {
+    const rbd_real now = rbdi_mean_product(e->P, s->Z);
+    rbd_real P[RBDI_TEN], Z[RBDI_TEN], ratio, weight;
+    rbdi_move_inside(e->P, s->P_step, P);
+    rbdi_move_inside(s->Z, s->Z_step, Z);
+
+    ratio = rbdi_mean_product(P, Z) / now;
+    weight = now * ratio * ratio * ratio;
+    return weight > RBDI_ESTIMATE_LEAST ? weight : rbdi_set(RBDI_ESTIMATE_LEAST);
+}
+
+/* Whether a step changes no entry of the diagonal much. */
+RBDI_LOCAL int rbdi_is_small_step(const rbd_real P[RBDI_TEN], const rbd_real step[RBDI_TEN]) {
+    for (int i = 0; i < 4; ++i) {
+        const int at = rbdi_packed_at(i, i);
+        if (rbdi_abs(step[at]) > RBDI_ESTIMATE_SMALL * P[at]) return 0;
+    }
+    return 1;
+}
+
+/* One round. Returns whether it was the last: a small step at the least weight, or rounding has brought Z to
+   the rim. */
+RBDI_LOCAL int rbdi_round(rbd_estimate *e, rbdi_interior *s) {
+    rbd_real L[RBDI_TEN], G[RBDI_TEN], Q[RBDI_TEN], C[RBDI_TEN];
+    if (!rbdi_factor_pseudo(e->P, L) || !rbdi_factor_pseudo(s->Z, Q)) return 1;
+
+    rbdi_invert_lower(L, G);
+    rbdi_square(G, s->inverse);
+    rbdi_load_triangle(e, s->T);
+    rbdi_absorb_barrier(G, Q, s->T);
+
+    rbdi_clear(C, RBDI_TEN);
+    rbdi_interior_steps(s, C);
+    s->weight = rbdi_next_weight(e, s);
+
+    for (int k = 0; k < RBDI_TEN; ++k) C[k] = s->weight * s->inverse[k];
+    rbdi_subtract_mean(s->inverse, s->P_step, s->Z_step, C);
+    rbdi_interior_steps(s, C);
+
+    rbdi_move_inside(e->P, s->P_step, e->P);
+    rbdi_move_inside(s->Z, s->Z_step, s->Z);
+    return !(s->weight > RBDI_ESTIMATE_LEAST) && rbdi_is_small_step(e->P, s->P_step);
+}
+
+/* Z = weight P^-1 at the ball, with a weight that counts as much as the samples. */
+RBDI_LOCAL void rbdi_begin_interior(rbd_estimate *e, rbdi_interior *s) {
+    rbd_real weight = rbdi_set(RBD_C(1));
+    for (int k = 0; k < RBDI_TEN; ++k) {
+        const rbd_real pivot = e->load[k * (RBDI_TEN_ROW + 1)];
+        weight = weight + pivot * pivot;
+    }
+
+    rbdi_begin_ball(e->P);
+    rbdi_clear(s->Z, RBDI_TEN);
+    for (int i = 0; i < 4; ++i) s->Z[rbdi_packed_at(i, i)] = weight / e->P[rbdi_packed_at(i, i)];
+}
+
+/* Goes to the optimum without a barrier. Returns whether that is a body. */
+RBDI_LOCAL int rbdi_find_free_load(rbd_estimate *e) {
+    rbd_real T[RBDI_LOAD_TRIANGLE], none[RBDI_TEN], step[RBDI_TEN], L[RBDI_TEN];
     rbdi_load_triangle(e, T);
-    rbdi_absorb_barrier(e, L, T);
-    for (int k = 0; k < RBDI_TEN; ++k) step[k] = T[k * RBDI_TEN_ROW + RBDI_TEN];
-    rbdi_solve_upper(T, RBDI_TEN, RBDI_TEN_ROW, step);
-    rbdi_move_inside(e, step);
+    rbdi_clear(none, RBDI_TEN);
+    rbdi_step_of(T, none, step);
+    for (int k = 0; k < RBDI_TEN; ++k) step[k] = e->P[k] + step[k];
+    if (!rbdi_factor_pseudo(step, L)) return 0;
+
+    for (int k = 0; k < RBDI_TEN; ++k) e->P[k] = step[k];
+    return 1;
+}
+
+/* The optimum: without a barrier, if that is a body; else inside. */
+RBDI_PART void rbdi_find_load(rbd_estimate *e) {
+    rbdi_interior s;
+    if (rbdi_find_free_load(e)) return;
+
+    rbdi_begin_interior(e, &s);
+    for (int k = 0; k < RBDI_ESTIMATE_ROUNDS; ++k)
+        if (rbdi_round(e, &s)) return;
 }
 
 /* ==== src/estimate/friction.h ==== */
@@ -1047,7 +1194,6 @@ RBDI_LOCAL void rbdi_find_kinds(rbd_estimate *e, const rbd_model *m, const unsig
 RBDI_LOCAL void rbdi_begin_load(rbd_estimate *e) {
     rbdi_clear(e->load, RBDI_LOAD_TRIANGLE);
     rbdi_begin_ball(e->P);
-    e->weight = rbdi_set(RBDI_ESTIMATE_BEGIN);
     e->squares = rbdi_zero();
     e->samples = rbdi_zero();
 }
@@ -1081,7 +1227,7 @@ RBDI_API rbd_status rbd_estimate_init(const rbd_model *m, int body, const rbd_es
 RBDI_API rbd_status rbd_estimate_solve(rbd_estimate *e, rbd_const payload[10], rbd_joint_friction *friction,
                                        rbd_real *misfit) {
     if (!e) return RBD_ERR_NULL;
-    if (!e->known) rbdi_improve_load(e);
+    if (!e->known) rbdi_find_load(e);
 
     if (payload) rbdi_parameters_of(e->P, e->scale, payload);
     for (int k = 0; k < RBDI_TEN && payload && e->known; ++k) payload[k] = RBD_C(0);
@@ -1176,11 +1322,18 @@ RBDI_CODE_END
 #endif /* RBD_IMPLEMENTATION */
 
 /* ==== src/base/letters_end.h ==== */
+#pragma pop_macro("A")
 #pragma pop_macro("B")
+#pragma pop_macro("C")
+#pragma pop_macro("E")
 #pragma pop_macro("F")
 #pragma pop_macro("G")
 #pragma pop_macro("L")
 #pragma pop_macro("P")
+#pragma pop_macro("Q")
 #pragma pop_macro("R")
 #pragma pop_macro("S")
 #pragma pop_macro("T")
+#pragma pop_macro("X")
+#pragma pop_macro("Y")
+#pragma pop_macro("Z")
