@@ -182,7 +182,8 @@ RBDI_API rbd_status rbd_estimate_add(const rbd_model *m, rbd_derivatives *d, rbd
                                      const rbd_real *tau, rbd_estimate_fault *fault);
 
 /* The estimate from all samples so far. It is always one that a body can have (Wensing, Kim and Slotine 2018).
-   If samples tell little of the payload, up to 30 rounds find the nearest such body: some ten times as long.
+   If samples tell little of the payload, some 15 rounds, 50 at most, find the nearest
+   such body.
    payload   10: parameters as those of rbd_set_parameters, link axes; 0 after rbd_estimate_release; or NULL
    friction  nv; or NULL
    misfit    what the estimate leaves of the samples, over their `noise`: near 1 if the model and the noise
@@ -289,7 +290,7 @@ RBDI_EXTERN_C_END
    RBDI_ESTIMATE_BALL: where the rounds begin: a ball of this mass and, about each axis, radius of gyration, in
    the units of the options. */
 #define RBDI_ESTIMATE_LEAST RBD_C(0.01)
-#define RBDI_ESTIMATE_ROUNDS 30
+#define RBDI_ESTIMATE_ROUNDS 50
 #define RBDI_ESTIMATE_SMALL RBD_C(1e-3)
 #define RBDI_ESTIMATE_SHORT RBD_C(0.95)
 #define RBDI_ESTIMATE_CUTS 9
@@ -997,12 +998,12 @@ RBDI_LOCAL int rbdi_round(rbd_estimate *e, rbdi_interior *s) {
     return !(s->weight > RBDI_ESTIMATE_LEAST) && rbdi_is_small_step(e->P, s->P_step);
 }
 
-/* Z = weight P^-1 at the ball, with a weight that counts as much as the samples. */
+/* Z = weight P^-1 at the ball, with a weight on the way from the least to one that counts as much as the samples. */
 RBDI_LOCAL void rbdi_begin_interior(rbd_estimate *e, rbdi_interior *s) {
     rbd_real weight = rbdi_set(RBD_C(1));
     for (int k = 0; k < RBDI_TEN; ++k) {
         const rbd_real pivot = e->load[k * (RBDI_TEN_ROW + 1)];
-        weight = weight + pivot * pivot;
+        weight = weight + pivot;
     }
 
     rbdi_begin_ball(e->P);

@@ -429,7 +429,7 @@ START_TEST(noise_costs_what_it_must) {
         for (int k = 0; k < 1000; k++) {
             learn(&x, 0.01 * k, 1, n);
             improve(&x, pi, f);
-            if (k == 299) ck_assert(fabs(pi[0] - 2.5) < 0.05);
+            if (k == 299) ck_assert_msg(fabs(pi[0] - 2.5) < (trial ? 0.1 : 0.03), "%g kg", pi[0]);
         }
         ck_assert(fabs(pi[0] - 2.5) < (trial ? 0.05 : 0.02));
         ck_assert(friction_error(f) < (trial ? 0.5 : 0.2));
@@ -770,7 +770,7 @@ START_TEST(little_motion_is_no_harm) {
     for (int k = 0; k < 20000; k++) {
         for (int i = 0; i < ARM; i++) v[i] = i == 6 ? 0.5 : 0;
         ck_assert_int_eq(rbd_rnea(x.loaded.m, x.loaded.w, q, v, a, NULL, tau), RBD_OK);
-        tau[6] += 0.9;
+        tau[6] += coulomb[6] + 0.5 * viscous[6] + offset[6];
         ck_assert_int_eq(rbd_estimate_add(x.bare.m, x.d, x.e, q, v, a, tau, NULL), RBD_OK);
         improve(&x, pi, f);
     }

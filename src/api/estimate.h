@@ -127,7 +127,8 @@ RBDI_API rbd_status rbd_estimate_add(const rbd_model *m, rbd_derivatives *d, rbd
                                      const rbd_real *tau, rbd_estimate_fault *fault);
 
 /* The estimate from all samples so far. It is always one that a body can have (Wensing, Kim and Slotine 2018).
-   If samples tell little of the payload, up to 30 rounds find the nearest such body: some ten times as long.
+   If samples tell little of the payload, some 15 rounds, 50 at most, find the nearest
+   such body.
    payload   10: parameters as those of rbd_set_parameters, link axes; 0 after rbd_estimate_release; or NULL
    friction  nv; or NULL
    misfit    what the estimate leaves of the samples, over their `noise`: near 1 if the model and the noise

@@ -42,7 +42,7 @@
    RBDI_ESTIMATE_BALL: where the rounds begin: a ball of this mass and, about each axis, radius of gyration, in
    the units of the options. */
 #define RBDI_ESTIMATE_LEAST RBD_C(0.01)
-#define RBDI_ESTIMATE_ROUNDS 30
+#define RBDI_ESTIMATE_ROUNDS 50
 #define RBDI_ESTIMATE_SMALL RBD_C(1e-3)
 #define RBDI_ESTIMATE_SHORT RBD_C(0.95)
 #define RBDI_ESTIMATE_CUTS 9

@@ -167,12 +167,12 @@ RBDI_LOCAL int rbdi_round(rbd_estimate *e, rbdi_interior *s) {
     return !(s->weight > RBDI_ESTIMATE_LEAST) && rbdi_is_small_step(e->P, s->P_step);
 }
 
-/* Z = weight P^-1 at the ball, with a weight that counts as much as the samples. */
+/* Z = weight P^-1 at the ball, with a weight on the way from the least to one that counts as much as the samples. */
 RBDI_LOCAL void rbdi_begin_interior(rbd_estimate *e, rbdi_interior *s) {
     rbd_real weight = rbdi_set(RBD_C(1));
     for (int k = 0; k < RBDI_TEN; ++k) {
         const rbd_real pivot = e->load[k * (RBDI_TEN_ROW + 1)];
-        weight = weight + pivot * pivot;
+        weight = weight + pivot;
     }
 
     rbdi_begin_ball(e->P);
