@@ -22,6 +22,7 @@ includes() {
         b) echo '#include "rbd_batch.h"' ;;
         s) echo '#include "rbd_spatial.h"' ;;
         i) echo '#include "rbd_ik.h"' ;;
+        e) echo '#include "rbd_estimate.h"' ;;
         q) echo '#include "rbd_qp.h"' ;;
         esac
     done
@@ -42,17 +43,18 @@ file() {
     includes "$1"
     [ -n "$2" ] && echo "#define RBD_IMPLEMENTATION"
     includes "$2"
-    case $2 in *d*) echo "#define EXPECTED_DERIVATIVES" ;; esac
-    expect RBDI_IMPLEMENTED '*[rdckbsi]*' "$2"
+    case $2 in *[de]*) echo "#define EXPECTED_DERIVATIVES" ;; esac
+    expect RBDI_IMPLEMENTED '*[rdckbsie]*' "$2"
     expect RBDI_QP_IMPLEMENTED '*q*' "$2"
     expect RBDI_IK_IMPLEMENTED '*i*' "$2"
+    expect RBDI_ESTIMATE_IMPLEMENTED '*e*' "$2"
     case $2 in *[ck]*) echo "#define EXPECTED_CONSTRAINTS" ;; esac
     case $2 in *k*) echo "#define EXPECTED_CONTACT" ;; esac
-    case $1$2 in *d*[ck]* | *[ck]*d*) echo "#define EXPECTED_BOTH" ;; esac
-    case $1$2 in *d*k* | *k*d*) echo "#define EXPECTED_CONTACT_DERIVATIVES" ;; esac
-    case $1$2 in *d*b*) echo "#define EXPECTED_BATCH_DERIVATIVES" ;; esac
+    case $1$2 in *[de]*[ck]* | *[ck]*[de]*) echo "#define EXPECTED_BOTH" ;; esac
+    case $1$2 in *[de]*k* | *k*[de]*) echo "#define EXPECTED_CONTACT_DERIVATIVES" ;; esac
+    case $1$2 in *[de]*b*) echo "#define EXPECTED_BATCH_DERIVATIVES" ;; esac
     case $1$2 in *[ck]*b*) echo "#define EXPECTED_BATCH_CONSTRAINTS" ;; esac
-    case $1:$2 in *:*[ck]*d* | *d*:*[ck]* | *:*d*[ck]*) echo "#define EXPECTED_BOTH_IMPLEMENTED" ;; esac
+    case $1:$2 in *:*[ck]*[de]* | *[de]*:*[ck]* | *:*[de]*[ck]*) echo "#define EXPECTED_BOTH_IMPLEMENTED" ;; esac
     case $2 in *[ck]*) ;; *) echo "#define NOT_EXPECTED_CONSTRAINTS" ;; esac
     cat <<'END'
 #if defined EXPECTED_DERIVATIVES && !defined RBDI_DERIVATIVES_IMPLEMENTED
@@ -121,7 +123,7 @@ implements() {
 }
 
 # Each header meets each other one; the four of the core, of which some stand on others, meet in pairs too.
-singles="r d c k s b q i"
+singles="r d c k s b q i e"
 core="r d c k"
 pairs=
 for a in $core; do

@@ -629,7 +629,7 @@ static void check_prediction(const robot *r, const state *s, int number) {
     if (r->m->frame[body].link < 0) return;
 
     for (int i = 0; i < r->nv; i++) {
-        noise[i] = 1e-4;
+        noise[i] = 1e-2;
         truth[i] = (rbd_joint_friction){uniform(&seed, 0, 2), uniform(&seed, 0, 2), uniform(&seed, -1, 1)};
         if (r->bodies[rbd_dof_body(r->m, i)].type == RBD_FLOATING) truth[i] = (rbd_joint_friction){0, 0, 0};
     }

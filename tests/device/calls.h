@@ -5,6 +5,7 @@
 #include "rbd_contact.h"
 #include "rbd_derivatives.h"
 #include "rbd_ik.h"
+#include "rbd_estimate.h"
 #include "rbd_qp.h"
 #include "models/hyq_model.h"
 
