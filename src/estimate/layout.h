@@ -36,6 +36,8 @@
 
 /* RBDI_ESTIMATE_LEAST: of the weight. A body that no sample tells of has a tenth of the options' mass.
    RBDI_ESTIMATE_ROUNDS: at most; some 15 will do. RBDI_ESTIMATE_SMALL: share of P; a smaller step ends them.
+   RBDI_ESTIMATE_LESS: factor of the weight after a full step. RBDI_ESTIMATE_JAM: a smaller share
+   makes Z anew.
    RBDI_ESTIMATE_SHORT: share that is taken of a step to the rim; RBDI_ESTIMATE_CUTS: bisections that find it.
    RBDI_ESTIMATE_RIM: a pivot of P must be above this share of its diagonal, and above RBDI_ESTIMATE_FLOOR, so
    that no square of its inverse overflows.
@@ -44,6 +46,8 @@
 #define RBDI_ESTIMATE_LEAST RBD_C(0.01)
 #define RBDI_ESTIMATE_ROUNDS 50
 #define RBDI_ESTIMATE_SMALL RBD_C(1e-3)
+#define RBDI_ESTIMATE_LESS RBD_C(0.1)
+#define RBDI_ESTIMATE_JAM RBD_C(0.01)
 #define RBDI_ESTIMATE_SHORT RBD_C(0.95)
 #define RBDI_ESTIMATE_CUTS 9
 #define RBDI_ESTIMATE_RIM (64 * RBDI_EPS)

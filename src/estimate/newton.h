@@ -4,15 +4,15 @@
 #include "estimate/triangles.h"
 
 /* ---- newton [newton] ----
-   The primal-dual method of interior points of Helmberg, Rendl, Vanderbei and Wolkowicz (1996), with the
-   predictor and corrector of Mehrotra (1992). Beside P stands a multiplier Z, positive definite, which ends
-   at weight P^-1. To second order, with P = L L', G = L^-1 and Z = Q Q', a step E of P minimises
+   The primal-dual method of interior points of Helmberg, Rendl, Vanderbei and Wolkowicz (1996). Beside P
+   stands a multiplier Z, positive definite, which ends at weight P^-1. To second order, with P = L L',
+   G = L^-1 and Z = Q Q', a step E of P minimises
 
-       |R p - z|^2 / 2 + |p|^2 / 2 + |G E Q|^2 / 2 - tr(C E)   at p + E,   C = weight P^-1 - correction,
-       while Z takes the step   C - Z - (P^-1 E Z + Z E P^-1) / 2,
+       |R p - z|^2 / 2 + |p|^2 / 2 + |G E Q|^2 / 2 - weight tr(P^-1 E)   at p + E,
+       while Z takes the step   weight P^-1 - Z - (P^-1 E Z + Z E P^-1) / 2,
 
-   that is triangles again: the rows G E Q come to those of the samples. The first step E of a round, with
-   C = 0, says what weight comes next, and the correction (P^-1 E F + F E P^-1) / 2, F the step of Z. */
+   that is triangles again: the rows G E Q come to those of the samples. Where Z = weight P^-1 it is Newton's
+   step; elsewhere it is better near the rim. */
 
 /* An iterate. P is in the estimate. */
 typedef struct rbdi_interior {
@@ -20,7 +20,7 @@ typedef struct rbdi_interior {
     rbd_real inverse[RBDI_TEN]; /* of P */
     rbd_real T[RBDI_LOAD_TRIANGLE];
     rbd_real P_step[RBDI_TEN], Z_step[RBDI_TEN];
-    rbd_real weight;
+    rbd_real weight, share; /* share of the last step that was taken */
 } rbdi_interior;
 
 /* The payload's triangle with the prior in it, T; its right side is that of p - P. */
@@ -88,16 +88,8 @@ RBDI_LOCAL void rbdi_subtract_mean(const rbd_real A[RBDI_TEN], const rbd_real E[
         }
 }
 
-/* Steps of P and Z for C. */
-RBDI_LOCAL void rbdi_interior_steps(rbdi_interior *s, const rbd_real C[RBDI_TEN]) {
-    rbdi_step_of(s->T, C, s->P_step);
-    for (int k = 0; k < RBDI_TEN; ++k) s->Z_step[k] = C[k] - s->Z[k];
-    rbdi_subtract_mean(s->inverse, s->P_step, s->Z, s->Z_step);
-}
-
-/* out = x + step, or nearly as much of it as leaves it positive definite, by bisection. */
-RBDI_LOCAL void rbdi_move_inside(const rbd_real x[RBDI_TEN], const rbd_real step[RBDI_TEN],
-                                 rbd_real out[RBDI_TEN]) {
+/* x += step, or nearly as much of it as leaves it positive definite, by bisection. Returns the share. */
+RBDI_LOCAL rbd_real rbdi_move_inside(rbd_real x[RBDI_TEN], const rbd_real step[RBDI_TEN]) {
     rbd_real inside = rbdi_zero(), outside = rbdi_set(RBD_C(2)), next[RBDI_TEN], L[RBDI_TEN];
     for (int cut = 0; cut <= RBDI_ESTIMATE_CUTS && inside < 1; ++cut) {
         const rbd_real share = (inside + outside) * RBD_C(0.5);
@@ -110,7 +102,8 @@ RBDI_LOCAL void rbdi_move_inside(const rbd_real x[RBDI_TEN], const rbd_real step
     }
 
     if (inside < 1) inside = inside * RBDI_ESTIMATE_SHORT;
-    for (int k = 0; k < RBDI_TEN; ++k) out[k] = x[k] + inside * step[k];
+    for (int k = 0; k < RBDI_TEN; ++k) x[k] = x[k] + inside * step[k];
+    return inside;
 }
 
 /* tr(P Z) / 4. */
@@ -121,16 +114,10 @@ RBDI_LOCAL rbd_real rbdi_mean_product(const rbd_real P[RBDI_TEN], const rbd_real
     return sum * RBD_C(0.25);
 }
 
-/* The weight after the first step of a round: with the shares of it that can be taken, tr(P Z) / 4 would
-   fall from `now` to `then`; the weight is now (then / now)^3. */
+/* A share of tr(P Z) / 4: a tenth after full steps, nearly all of it after short ones. */
 RBDI_LOCAL rbd_real rbdi_next_weight(const rbd_estimate *e, const rbdi_interior *s) {
-    const rbd_real now = rbdi_mean_product(e->P, s->Z);
-    rbd_real P[RBDI_TEN], Z[RBDI_TEN], ratio, weight;
-    rbdi_move_inside(e->P, s->P_step, P);
-    rbdi_move_inside(s->Z, s->Z_step, Z);
-
-    ratio = rbdi_mean_product(P, Z) / now;
-    weight = now * ratio * ratio * ratio;
+    const rbd_real rest = 1 - s->share, least = rbdi_set(RBDI_ESTIMATE_LESS);
+    const rbd_real weight = (least + (1 - least) * rest * rest) * rbdi_mean_product(e->P, s->Z);
     return weight > RBDI_ESTIMATE_LEAST ? weight : rbdi_set(RBDI_ESTIMATE_LEAST);
 }
 
@@ -146,7 +133,7 @@ RBDI_LOCAL int rbdi_is_small_step(const rbd_real P[RBDI_TEN], const rbd_real ste
 /* One round. Returns whether it was the last: a small step at the least weight, or rounding has brought Z to
    the rim. */
 RBDI_LOCAL int rbdi_round(rbd_estimate *e, rbdi_interior *s) {
-    rbd_real L[RBDI_TEN], G[RBDI_TEN], Q[RBDI_TEN], C[RBDI_TEN];
+    rbd_real L[RBDI_TEN], G[RBDI_TEN], Q[RBDI_TEN], C[RBDI_TEN], P_share, Z_share;
     if (!rbdi_factor_pseudo(e->P, L) || !rbdi_factor_pseudo(s->Z, Q)) return 1;
 
     rbdi_invert_lower(L, G);
@@ -154,16 +141,17 @@ RBDI_LOCAL int rbdi_round(rbd_estimate *e, rbdi_interior *s) {
     rbdi_load_triangle(e, s->T);
     rbdi_absorb_barrier(G, Q, s->T);
 
-    rbdi_clear(C, RBDI_TEN);
-    rbdi_interior_steps(s, C);
     s->weight = rbdi_next_weight(e, s);
-
     for (int k = 0; k < RBDI_TEN; ++k) C[k] = s->weight * s->inverse[k];
-    rbdi_subtract_mean(s->inverse, s->P_step, s->Z_step, C);
-    rbdi_interior_steps(s, C);
+    rbdi_step_of(s->T, C, s->P_step);
+    for (int k = 0; k < RBDI_TEN; ++k) s->Z_step[k] = C[k] - s->Z[k];
+    rbdi_subtract_mean(s->inverse, s->P_step, s->Z, s->Z_step);
 
-    rbdi_move_inside(e->P, s->P_step, e->P);
-    rbdi_move_inside(s->Z, s->Z_step, s->Z);
+    P_share = rbdi_move_inside(e->P, s->P_step);
+    Z_share = rbdi_move_inside(s->Z, s->Z_step);
+    s->share = P_share < Z_share ? P_share : Z_share;
+    if (s->share < RBDI_ESTIMATE_JAM) /* the products of P and Z differ too much: make them equal */
+        for (int k = 0; k < RBDI_TEN; ++k) s->Z[k] = s->weight * s->inverse[k];
     return !(s->weight > RBDI_ESTIMATE_LEAST) && rbdi_is_small_step(e->P, s->P_step);
 }
 
@@ -175,6 +163,7 @@ RBDI_LOCAL void rbdi_begin_interior(rbd_estimate *e, rbdi_interior *s) {
         weight = weight + pivot;
     }
 
+    s->share = rbdi_zero();
     rbdi_begin_ball(e->P);
     rbdi_clear(s->Z, RBDI_TEN);
     for (int i = 0; i < 4; ++i) s->Z[rbdi_packed_at(i, i)] = weight / e->P[rbdi_packed_at(i, i)];
