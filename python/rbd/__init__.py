@@ -36,6 +36,7 @@ from ._calls import RESULTS as _RESULTS
 from ._constraints import ConstraintSet
 from ._contacts import ContactResult, ContactSet, ContactSolution
 from ._descriptions import Body, Constraint, Contact, ContactOptions, load_table
+from ._estimate import Deviations, Estimate, Estimator, Felt, Observer
 from ._headers import (SOURCES, Array, ContactState, IkKind, IkStatus, JointType, Matrix, Numbers, QpStatus, RbdError,
                        RbdWarning, Status, UrdfStatus, __version__, structure)
 from ._ik import IkResult, IkTarget
@@ -47,8 +48,8 @@ from ._spatial import AxisAngle, Placement, Spatial
 from ._urdf import Frame, Urdf, load_urdf, parse_urdf
 
 __all__ = ["AxisAngle", "Body", "Constraint", "ConstraintSet", "Contact", "ContactOptions", "ContactResult",
-           "ContactSet", "ContactSolution", "ContactState", "Frame", "IkKind", "IkResult", "IkStatus", "IkTarget",
-           "JointInfo", "JointType", "Library", "Model", "Placement", "QpSolution", "QpStatus", "RbdError", "RbdWarning",
+           "ContactSet", "ContactSolution", "ContactState", "Deviations", "Estimate", "Estimator", "Felt", "Frame", "IkKind", "IkResult", "IkStatus", "IkTarget",
+           "JointInfo", "JointType", "Library", "Model", "Observer", "Placement", "QpSolution", "QpStatus", "RbdError", "RbdWarning",
            "SOURCES", "Spatial", "Status", "Urdf", "UrdfStatus", "load_table", "load_urdf", "parse_urdf", "qp"]
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors.
-"""Identification of a robot from logged trajectories: the algebra. rbd.identify reads and writes files."""
+"""Identification of a robot from logged trajectories: the algebra. rbd-identify reads and writes files by _identifying."""
 from __future__ import annotations
 
 from dataclasses import dataclass

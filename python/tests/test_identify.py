@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""rbd.identify: simulated logs, of which the truth is known."""
+"""rbd-identify: simulated logs, of which the truth is known."""
 import csv
 from dataclasses import replace
 
@@ -8,7 +8,7 @@ import pytest
 
 import rbd
 from rbd import _identify
-from rbd import identify as tool
+from rbd import _identifying as tool
 
 URDF = rbd.SOURCES / "models/iiwa.urdf"
 COULOMB, VISCOUS = np.array([3, 4, 2, 2.5, 1, 0.8, 0.4]), np.array([1, 1.5, 0.8, 1, 0.4, 0.3, 0.1])

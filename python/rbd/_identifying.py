@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors.
 """rbd-identify: friction, base parameters and a physical model of a robot, from logged trajectories.
 
-    python -m rbd.identify robot.urdf log.csv --validate other.csv --out found
+    rbd-identify robot.urdf log.csv --validate other.csv --out found
 
 docs/identification.md has the why and the how."""
 from __future__ import annotations
