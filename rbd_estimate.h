@@ -22,8 +22,8 @@
      [conventions] [configuration] [guarantees] [limits]
      [friction] [observer] [estimate]
      --- stop here if you only use it ---
-     [method] [triangles] [estimate checks] [observer code] [pseudo-inertia] [samples] [newton] [friction code]
-     [estimate code] [estimate text]
+     [method] [triangles] [estimate checks] [observer code] [pseudo-inertia] [samples] [newton]
+     [friction code] [estimate code] [estimate text]
 
    [conventions] Those of rbd.h. Friction acts against the motor: tau = rbd_rnea + friction. In floating
      joints there is none.
@@ -181,7 +181,7 @@ RBDI_API rbd_status rbd_estimate_add(const rbd_model *m, rbd_derivatives *d, rbd
                                      const rbd_real *q, const rbd_real *v, const rbd_real *a,
                                      const rbd_real *tau, rbd_estimate_fault *fault);
 
-/* The estimate from all samples so far. It is always one that a body can have (Wensing, Kim and Slotine 2018).
+/* The estimate from all samples so far. A body can always be like that (Wensing, Kim and Slotine 2018).
    If samples tell little of the payload, some 15 rounds, 50 at most, find the nearest
    such body.
    payload   10: parameters as those of rbd_set_parameters, link axes; 0 after rbd_estimate_release; or NULL
@@ -289,8 +289,8 @@ RBDI_EXTERN_C_END
    RBDI_ESTIMATE_SHORT: share that is taken of a step to the rim; RBDI_ESTIMATE_CUTS: bisections that find it.
    RBDI_ESTIMATE_RIM: a pivot of P must be above this share of its diagonal, and above RBDI_ESTIMATE_FLOOR, so
    that no square of its inverse overflows.
-   RBDI_ESTIMATE_BALL: where the rounds begin: a ball of this mass and, about each axis, radius of gyration, in
-   the units of the options. */
+   RBDI_ESTIMATE_BALL: where the rounds begin: a ball of this mass and, about each axis, radius of gyration,
+   in the units of the options. */
 #define RBDI_ESTIMATE_LEAST RBD_C(0.01)
 #define RBDI_ESTIMATE_ROUNDS 50
 #define RBDI_ESTIMATE_SMALL RBD_C(1e-3)
@@ -372,8 +372,6 @@ struct rbd_estimate {
 RBDI_CODE_BEGIN
 
 /* ==== src/estimate/triangles.h ==== */
-/* Interface: everything in estimate/ */
-
 /* ---- triangles [triangles] ----
    Upper triangles of least squares, full rows of n entries: row k is 0 before entry k. */
 
@@ -990,7 +988,8 @@ RBDI_LOCAL int rbdi_round(rbd_estimate *e, rbdi_interior *s) {
     return !(s->weight > RBDI_ESTIMATE_LEAST) && rbdi_is_small_step(e->P, s->P_step);
 }
 
-/* Z = weight P^-1 at the ball, with a weight on the way from the least to one that counts as much as the samples. */
+/* Z = weight P^-1 at the ball. The weight is on the way from the least to one that counts as much as the
+   samples. */
 RBDI_LOCAL void rbdi_begin_interior(rbd_estimate *e, rbdi_interior *s) {
     rbd_real weight = rbdi_set(RBD_C(1));
     for (int k = 0; k < RBDI_TEN; ++k) {
@@ -1077,8 +1076,8 @@ RBDI_PART void rbdi_solve_friction(const rbd_estimate *e, int i, rbd_joint_frict
     f->offset = (z[0] - T[1] * f->coulomb - T[2] * f->viscous) / T[0];
 }
 
-/* Standard deviations: T f = z - F p, with p's triangle `load`. Of unknown k with u = T'^-1 e_k the variance is
-   u'u + |load'^-1 F'u|^2. */
+/* Standard deviations: T f = z - F p, with p's triangle `load`. Of unknown k with u = T'^-1 e_k the variance
+   is u'u + |load'^-1 F'u|^2. */
 RBDI_PART void rbdi_friction_deviations(const rbd_estimate *e, int i, const rbd_real load[RBDI_LOAD_TRIANGLE],
                                         rbd_real deviation[RBDI_FRICTIONS]) {
     rbd_real T[RBDI_JOINT_TRIANGLE];
@@ -1099,8 +1098,8 @@ RBDI_PART void rbdi_friction_deviations(const rbd_estimate *e, int i, const rbd_
     }
 }
 
-/* Replaces the rows R f = z - F p of dof i, where p is the estimate with the covariance of `load`, by rows of f
-   alone: with B = 1 + F C F' = L L', L^-1 R f = L^-1 (z - F p). */
+/* Replaces the rows R f = z - F p of dof i, where p is the estimate with the covariance of `load`, by rows of
+   f alone: with B = 1 + F C F' = L L', L^-1 R f = L^-1 (z - F p). */
 RBDI_PART void rbdi_forget_load_of(rbd_estimate *e, int i, const rbd_real load[RBDI_LOAD_TRIANGLE]) {
     rbd_real *R = e->joint + i * RBDI_JOINT_TRIANGLE, x[RBDI_FRICTIONS][RBDI_WHOLE_ROW],
              F[RBDI_FRICTIONS][RBDI_TEN], B[RBDI_FRICTIONS * 4];

@@ -21,8 +21,8 @@
      [conventions] [configuration] [guarantees] [limits]
      [friction] [observer] [estimate]
      --- stop here if you only use it ---
-     [method] [triangles] [estimate checks] [observer code] [pseudo-inertia] [samples] [newton] [friction code]
-     [estimate code] [estimate text]
+     [method] [triangles] [estimate checks] [observer code] [pseudo-inertia] [samples] [newton]
+     [friction code] [estimate code] [estimate text]
 
    [conventions] Those of rbd.h. Friction acts against the motor: tau = rbd_rnea + friction. In floating
      joints there is none.

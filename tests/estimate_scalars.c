@@ -1,6 +1,6 @@
-/* estimate_scalars.c - rbd_estimate.h in double and in float: a payload of 2.5 kg, found, weighed with noise and
-   taken away, physical at each tick; 100,000 ticks of an observer and of an estimate; bounded friction beside a
-   search. */
+/* estimate_scalars.c - rbd_estimate.h in double and in float: a payload of 2.5 kg, found, weighed with noise
+   and taken away, physical at each tick; 100,000 ticks of an observer and of an estimate; bounded friction
+   beside a search. */
 #define RBD_STATIC
 #define RBD_IMPLEMENTATION
 #include "rbd_estimate.h"

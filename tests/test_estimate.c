@@ -415,7 +415,7 @@ START_TEST(a_payload_and_friction_are_found) {
 }
 END_TEST
 
-/* The study's table: noise of torques, and of all that is measured; taken away with and without being told. */
+/* Noise of torques, and of all that is measured, at the usual sizes; then the payload is taken away. */
 START_TEST(noise_costs_what_it_must) {
     double noise[ARM], pi[10];
     rbd_joint_friction f[ARM];
@@ -571,8 +571,8 @@ static double objective(const normal *n, const double pi[10], int barrier) {
     return sum - (barrier ? 0.01 * log_det(pi) : 0);
 }
 
-/* Few and noisy samples: where the optimum without the barrier is no body, ours is, and it is the least of the
-   objective on all sides. */
+/* Few and noisy samples: where the optimum without the barrier is no body, ours is, and it is the least of
+   the objective on all sides. */
 START_TEST(the_estimate_is_the_optimum) {
     double noise[ARM], pi[10], free_pi[ALL];
     rbd_joint_friction f[ARM];

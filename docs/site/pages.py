@@ -21,7 +21,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 GUIDES = [
     ("Begin", ["docs/first_minutes.md", "docs/install.md", "docs/robot.md", "docs/conventions.md", "examples/README.md",
                "python/README.md"]),
-    ("In a controller", ["docs/control_loop.md", "docs/contacts.md", "docs/contact_step.md", "docs/inverse_kinematics.md",
+    ("In a controller", ["docs/control_loop.md", "docs/contacts.md", "docs/contact_step.md", "docs/inverse_kinematics.md", "docs/identification.md",
                          "docs/qp.md", "docs/gradients.md", "docs/generated_code.md", "docs/gpu.md", "docs/firmware.md",
                          "docs/porting.md", "docs/reproducible.md",
                          "examples/firmware/README.md"]),

@@ -126,7 +126,7 @@ RBDI_API rbd_status rbd_estimate_add(const rbd_model *m, rbd_derivatives *d, rbd
                                      const rbd_real *q, const rbd_real *v, const rbd_real *a,
                                      const rbd_real *tau, rbd_estimate_fault *fault);
 
-/* The estimate from all samples so far. It is always one that a body can have (Wensing, Kim and Slotine 2018).
+/* The estimate from all samples so far. A body can always be like that (Wensing, Kim and Slotine 2018).
    If samples tell little of the payload, some 15 rounds, 50 at most, find the nearest
    such body.
    payload   10: parameters as those of rbd_set_parameters, link axes; 0 after rbd_estimate_release; or NULL

@@ -1,6 +1,6 @@
 #ifndef RBDI_ESTIMATE_CHECK_H
 #define RBDI_ESTIMATE_CHECK_H
-#include "model/calls.h"
+#include "base/compiler.h"
 #include "estimate/layout.h"
 
 /* ---- estimate checks [estimate checks] ---- */

@@ -1,8 +1,8 @@
 #ifndef RBDI_ESTIMATE_ESTIMATE_H
 #define RBDI_ESTIMATE_ESTIMATE_H
 #include "base/pieces.h"
-#include "base/memory.h"
 #include "estimate/check.h"
+#include "estimate/newton.h"
 #include "estimate/friction.h"
 
 /* ---- estimate [estimate code] ---- */

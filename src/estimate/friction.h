@@ -1,6 +1,8 @@
 #ifndef RBDI_ESTIMATE_FRICTION_H
 #define RBDI_ESTIMATE_FRICTION_H
-#include "estimate/newton.h"
+#include "base/memory.h"
+#include "estimate/layout.h"
+#include "estimate/triangles.h"
 
 /* ---- friction of a dof [friction code] ----
    The unknowns are offset, coulomb and viscous, in this order: so the last two rows of a triangle are those
@@ -51,8 +53,8 @@ RBDI_PART void rbdi_solve_friction(const rbd_estimate *e, int i, rbd_joint_frict
     f->offset = (z[0] - T[1] * f->coulomb - T[2] * f->viscous) / T[0];
 }
 
-/* Standard deviations: T f = z - F p, with p's triangle `load`. Of unknown k with u = T'^-1 e_k the variance is
-   u'u + |load'^-1 F'u|^2. */
+/* Standard deviations: T f = z - F p, with p's triangle `load`. Of unknown k with u = T'^-1 e_k the variance
+   is u'u + |load'^-1 F'u|^2. */
 RBDI_PART void rbdi_friction_deviations(const rbd_estimate *e, int i, const rbd_real load[RBDI_LOAD_TRIANGLE],
                                         rbd_real deviation[RBDI_FRICTIONS]) {
     rbd_real T[RBDI_JOINT_TRIANGLE];
@@ -73,8 +75,8 @@ RBDI_PART void rbdi_friction_deviations(const rbd_estimate *e, int i, const rbd_
     }
 }
 
-/* Replaces the rows R f = z - F p of dof i, where p is the estimate with the covariance of `load`, by rows of f
-   alone: with B = 1 + F C F' = L L', L^-1 R f = L^-1 (z - F p). */
+/* Replaces the rows R f = z - F p of dof i, where p is the estimate with the covariance of `load`, by rows of
+   f alone: with B = 1 + F C F' = L L', L^-1 R f = L^-1 (z - F p). */
 RBDI_PART void rbdi_forget_load_of(rbd_estimate *e, int i, const rbd_real load[RBDI_LOAD_TRIANGLE]) {
     rbd_real *R = e->joint + i * RBDI_JOINT_TRIANGLE, x[RBDI_FRICTIONS][RBDI_WHOLE_ROW],
              F[RBDI_FRICTIONS][RBDI_TEN], B[RBDI_FRICTIONS * 4];

@@ -1,6 +1,6 @@
 #ifndef RBDI_ESTIMATE_LAYOUT_H
 #define RBDI_ESTIMATE_LAYOUT_H
-#include "model/work.h"
+#include "model/layout.h"
 #include "base/tolerances.h"
 #include "api/estimate.h"
 
@@ -41,8 +41,8 @@
    RBDI_ESTIMATE_SHORT: share that is taken of a step to the rim; RBDI_ESTIMATE_CUTS: bisections that find it.
    RBDI_ESTIMATE_RIM: a pivot of P must be above this share of its diagonal, and above RBDI_ESTIMATE_FLOOR, so
    that no square of its inverse overflows.
-   RBDI_ESTIMATE_BALL: where the rounds begin: a ball of this mass and, about each axis, radius of gyration, in
-   the units of the options. */
+   RBDI_ESTIMATE_BALL: where the rounds begin: a ball of this mass and, about each axis, radius of gyration,
+   in the units of the options. */
 #define RBDI_ESTIMATE_LEAST RBD_C(0.01)
 #define RBDI_ESTIMATE_ROUNDS 50
 #define RBDI_ESTIMATE_SMALL RBD_C(1e-3)

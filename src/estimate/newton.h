@@ -1,7 +1,8 @@
 #ifndef RBDI_ESTIMATE_NEWTON_H
 #define RBDI_ESTIMATE_NEWTON_H
-#include "estimate/pseudo_inertia.h"
+#include "base/memory.h"
 #include "estimate/triangles.h"
+#include "estimate/pseudo_inertia.h"
 
 /* ---- newton [newton] ----
    The primal-dual method of interior points of Helmberg, Rendl, Vanderbei and Wolkowicz (1996). Beside P
@@ -155,7 +156,8 @@ RBDI_LOCAL int rbdi_round(rbd_estimate *e, rbdi_interior *s) {
     return !(s->weight > RBDI_ESTIMATE_LEAST) && rbdi_is_small_step(e->P, s->P_step);
 }
 
-/* Z = weight P^-1 at the ball, with a weight on the way from the least to one that counts as much as the samples. */
+/* Z = weight P^-1 at the ball. The weight is on the way from the least to one that counts as much as the
+   samples. */
 RBDI_LOCAL void rbdi_begin_interior(rbd_estimate *e, rbdi_interior *s) {
     rbd_real weight = rbdi_set(RBD_C(1));
     for (int k = 0; k < RBDI_TEN; ++k) {

@@ -1,8 +1,9 @@
 #ifndef RBDI_ESTIMATE_OBSERVER_H
 #define RBDI_ESTIMATE_OBSERVER_H
+#include "api/dynamics.h"
 #include "base/pieces.h"
 #include "base/memory.h"
-#include "api/dynamics.h"
+#include "model/calls.h"
 #include "estimate/check.h"
 
 /* ---- observer [observer code] ---- */

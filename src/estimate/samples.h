@@ -1,11 +1,8 @@
 #ifndef RBDI_ESTIMATE_SAMPLES_H
 #define RBDI_ESTIMATE_SAMPLES_H
-#include "api/dynamics.h"
-#include "base/memory.h"
-#include "derivatives/memory.h"
 #include "derivatives/regressors.h"
-#include "estimate/check.h"
 #include "estimate/triangles.h"
+#include "estimate/check.h"
 #include "estimate/pseudo_inertia.h"
 
 /* ---- samples [samples] ---- */

@@ -1,9 +1,6 @@
 #ifndef RBDI_ESTIMATE_TRIANGLES_H
 #define RBDI_ESTIMATE_TRIANGLES_H
 #include "base/scalar.h"
-#include "estimate/layout.h"
-
-/* Interface: everything in estimate/ */
 
 /* ---- triangles [triangles] ----
    Upper triangles of least squares, full rows of n entries: row k is 0 before entry k. */
