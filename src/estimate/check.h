@@ -53,21 +53,21 @@ RBDI_PART rbd_status rbdi_check_observer_options(const rbd_observer_options *o, 
     return rbdi_check_friction(o->friction, nv, fault);
 }
 
-/* An option is 0, or neither too small nor too large to divide by. */
+/* An option is 0, or neither too little nor too large to divide by. */
 RBDI_PART rbd_status rbdi_check_estimate_options(const rbd_estimate_options *o, int nv,
                                                  rbd_estimate_fault *fault) {
     const rbd_real values[4] = {o->mass, o->reach, o->friction, o->slow};
     const char *const names[4] = {"mass", "reach", "friction", "slow"};
-    const rbd_const small = RBD_C(1) / RBDI_ESTIMATE_LARGE;
+    const rbd_const little = RBD_C(1) / RBDI_ESTIMATE_LARGE;
 
     for (int i = 0; i < 4; ++i)
-        if (!rbdi_between(values[i], 0, RBDI_ESTIMATE_LARGE) || (values[i] > 0 && values[i] < small))
+        if (!rbdi_between(values[i], 0, RBDI_ESTIMATE_LARGE) || (values[i] > 0 && values[i] < little))
             return rbdi_fault(fault, RBD_ERR_RANGE, names[i], -1);
     if (!rbdi_between(o->forgetting, 0, 1) || (o->forgetting > 0 && o->forgetting < RBD_C(0.5)))
         return rbdi_fault(fault, RBD_ERR_RANGE, "forgetting", -1);
 
     for (int i = 0; o->noise && i < nv; ++i)
-        if (!rbdi_between(o->noise[i], small, RBDI_ESTIMATE_LARGE))
+        if (!rbdi_between(o->noise[i], little, RBDI_ESTIMATE_LARGE))
             return rbdi_fault(fault, RBD_ERR_RANGE, "noise", i);
     return RBD_OK;
 }
