@@ -18,23 +18,28 @@
 /* An iterate. P is in the estimate. */
 typedef struct rbdi_interior {
     rbd_real Z[RBDI_TEN];
-    rbd_real inverse[RBDI_TEN]; /* of P */
-    rbd_real T[RBDI_LOAD_TRIANGLE];
+    rbd_real inverse[RBDI_TEN];                              /* of P */
+    rbd_real all[RBDI_LOAD_TRIANGLE], T[RBDI_LOAD_TRIANGLE]; /* of samples and prior; of a round */
     rbd_real P_step[RBDI_TEN], Z_step[RBDI_TEN];
     rbd_real weight, share; /* share of the last step that was taken */
 } rbdi_interior;
 
-/* The payload's triangle with the prior in it, T; its right side is that of p - P. */
+/* The payload's triangle with the prior in it, T p = z. */
 RBDI_PART void rbdi_load_triangle(const rbd_estimate *e, rbd_real T[RBDI_LOAD_TRIANGLE]) {
     rbd_real x[RBDI_TEN_ROW];
     for (int k = 0; k < RBDI_LOAD_TRIANGLE; ++k) T[k] = e->load[k];
+    for (int k = 0; k < RBDI_TEN; ++k)
+        rbdi_absorb_one(T, RBDI_TEN, RBDI_TEN_ROW, k, rbdi_set(RBD_C(1)), rbdi_zero(), x);
+}
 
+/* Its right side at P: T E = z - T P for the step E. */
+RBDI_LOCAL void rbdi_triangle_at(const rbd_real all[RBDI_LOAD_TRIANGLE], const rbd_real P[RBDI_TEN],
+                                 rbd_real T[RBDI_LOAD_TRIANGLE]) {
+    for (int k = 0; k < RBDI_LOAD_TRIANGLE; ++k) T[k] = all[k];
     for (int k = 0; k < RBDI_TEN; ++k) {
         rbd_real *row = T + k * RBDI_TEN_ROW;
-        for (int j = k; j < RBDI_TEN; ++j) row[RBDI_TEN] = row[RBDI_TEN] - row[j] * e->P[j];
+        for (int j = k; j < RBDI_TEN; ++j) row[RBDI_TEN] = row[RBDI_TEN] - row[j] * P[j];
     }
-    for (int k = 0; k < RBDI_TEN; ++k)
-        rbdi_absorb_one(T, RBDI_TEN, RBDI_TEN_ROW, k, rbdi_set(RBD_C(1)), -e->P[k], x);
 }
 
 /* Takes the rows G E Q = 0 into T, by the entries of E; those below the diagonal stand for two. */
@@ -139,7 +144,7 @@ RBDI_LOCAL int rbdi_round(rbd_estimate *e, rbdi_interior *s) {
 
     rbdi_invert_lower(L, G);
     rbdi_square(G, s->inverse);
-    rbdi_load_triangle(e, s->T);
+    rbdi_triangle_at(s->all, e->P, s->T);
     rbdi_absorb_barrier(G, Q, s->T);
 
     s->weight = rbdi_next_weight(e, s);
@@ -171,23 +176,22 @@ RBDI_LOCAL void rbdi_begin_interior(rbd_estimate *e, rbdi_interior *s) {
     for (int i = 0; i < 4; ++i) s->Z[rbdi_packed_at(i, i)] = weight / e->P[rbdi_packed_at(i, i)];
 }
 
-/* Goes to the optimum without a barrier. Returns whether that is a body. */
-RBDI_LOCAL int rbdi_find_free_load(rbd_estimate *e) {
-    rbd_real T[RBDI_LOAD_TRIANGLE], none[RBDI_TEN], step[RBDI_TEN], L[RBDI_TEN];
-    rbdi_load_triangle(e, T);
-    rbdi_clear(none, RBDI_TEN);
-    rbdi_step_of(T, none, step);
-    for (int k = 0; k < RBDI_TEN; ++k) step[k] = e->P[k] + step[k];
-    if (!rbdi_factor_pseudo(step, L)) return 0;
+/* The optimum without a barrier. Returns whether it is a body. */
+RBDI_LOCAL int rbdi_find_free_load(rbd_estimate *e, const rbd_real all[RBDI_LOAD_TRIANGLE]) {
+    rbd_real P[RBDI_TEN], L[RBDI_TEN];
+    for (int k = 0; k < RBDI_TEN; ++k) P[k] = all[k * RBDI_TEN_ROW + RBDI_TEN];
+    rbdi_solve_upper(all, RBDI_TEN, RBDI_TEN_ROW, P);
+    if (!rbdi_factor_pseudo(P, L)) return 0;
 
-    for (int k = 0; k < RBDI_TEN; ++k) e->P[k] = step[k];
+    for (int k = 0; k < RBDI_TEN; ++k) e->P[k] = P[k];
     return 1;
 }
 
 /* The optimum: without a barrier, if that is a body; else inside. */
 RBDI_PART void rbdi_find_load(rbd_estimate *e) {
     rbdi_interior s;
-    if (rbdi_find_free_load(e)) return;
+    rbdi_load_triangle(e, s.all);
+    if (rbdi_find_free_load(e, s.all)) return;
 
     rbdi_begin_interior(e, &s);
     for (int k = 0; k < RBDI_ESTIMATE_ROUNDS; ++k)
