@@ -3190,11 +3190,16 @@ RBDI_INLINE rbd_status rbdi_check(const rbd_model *m, const rbd_work *w, int arr
     return rbdi_supported(m) && rbdi_fits(m, w) ? RBD_OK : RBD_ERR_WORK;
 }
 
-/* The same of a call that needs masses. */
+/* Why a model's dynamics cannot be computed. */
+RBDI_COLD rbd_status rbdi_no_dynamics(const rbd_model *m, const rbd_work *w) {
+    return rbdi_supported(m) && rbdi_fits(m, w) ? RBD_ERR_MASSLESS : RBD_ERR_WORK;
+}
+
+/* rbdi_check of a call that needs masses. */
 RBDI_INLINE rbd_status rbdi_check_dynamics(const rbd_model *m, const rbd_work *w, int arrays) {
     if (!m || !w || !arrays) return RBD_ERR_NULL;
     if (rbdi_supports_dynamics(m) && rbdi_fits(m, w)) return RBD_OK;
-    return rbdi_supported(m) && rbdi_fits(m, w) ? RBD_ERR_MASSLESS : RBD_ERR_WORK;
+    return rbdi_no_dynamics(m, w);
 }
 
 /* From one component of the wrenches in w->F to the next. */

@@ -49,6 +49,7 @@ typedef struct robot {
     const char *command; /* that reads it, for what is written of it; NULL: not known */
     rbd_urdf urdf;
     const rbd_model *model; /* with the gravity asked for */
+    int kinematic;          /* it may have joints that move no mass */
     void *model_memory;
 } robot;
 

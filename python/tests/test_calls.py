@@ -52,7 +52,7 @@ NOT_WRAPPED = {
 }
 # Those that have another name or place here.
 ELSEWHERE = {
-    "rbd_model_build": "Model", "rbd_model_size": "Model", "rbd_work_init": "Model", "rbd_work_size": "Model",
+    "rbd_model_build": "Model", "rbd_model_build_kinematic": "Model", "rbd_model_size": "Model", "rbd_work_init": "Model", "rbd_work_size": "Model",
     "rbd_derivatives_init": "Model", "rbd_derivatives_size": "Model", "rbd_batch_init": "Model",
     "rbd_batch_size": "Model", "rbd_batch_derivatives_init": "Model", "rbd_batch_derivatives_size": "Model",
     "rbd_constraint_set_init": "ConstraintSet", "rbd_constraint_set_size": "ConstraintSet",
@@ -974,6 +974,50 @@ def test_a_long_compile_is_announced_once(tmp_path, monkeypatch, capfd):
     assert capfd.readouterr().err == ""
 
 
+BARE = """<robot name="bare"><link name="base"/><link name="upper"/><link name="lower"/><link name="tool"/>
+<joint name="shoulder" type="continuous"><parent link="base"/><child link="upper"/><axis xyz="0 0 1"/></joint>
+<joint name="elbow" type="continuous"><parent link="upper"/><child link="lower"/><origin xyz="2 0 0"/>
+<axis xyz="0 0 1"/></joint>
+<joint name="mount" type="fixed"><parent link="lower"/><child link="tool"/><origin xyz="1 0 0"/></joint></robot>"""
+
+
+def test_a_robot_without_masses_has_kinematics_alone():
+    with pytest.raises(rbd.RbdError, match="no link that moves has mass: .*: kinematic=True$"):
+        rbd.parse_urdf(BARE)
+    urdf = rbd.parse_urdf(BARE, kinematic=True, keep="tool")
+    with pytest.raises(rbd.RbdError, match="a movable leaf needs mass"):
+        rbd.Model(urdf.bodies)
+    bare = rbd.Model(urdf.bodies, kinematic=True)
+    for model in rbd.Model(urdf), bare, bare.copy(), pickle.loads(pickle.dumps(bare)):
+        assert model.kinematic
+        q = [0, np.pi / 2]
+        model.kinematics(q)
+        rotation, position = model.body_pose("tool")
+        np.testing.assert_allclose(position, [2, 1, 0], atol=1e-12)
+        found = model.ik(rbd.IkTarget("point", "tool", position=position), [0.1, 1.2])
+        assert found.status == rbd.IkStatus.REACHED
+        with pytest.raises(rbd.RbdError, match="^rnea: dynamics needs masses.*; joint 'shoulder', which carries 'upper'$"
+                           ) as caught:
+            model.rnea(q, q, q)
+        assert caught.value.status == rbd.Status.ERR_MASSLESS
+        for call in model.crba, model.gravity_torque, model.minverse:
+            with pytest.raises(rbd.RbdError, match="joint 'shoulder'"):
+                call(np.zeros((5, 2)))
+        with pytest.raises(rbd.RbdError, match="joint 'shoulder'"):
+            model.com()
+    assert not rbd.Model(urdf.bodies[:1] + [replace(urdf.bodies[1], mass=1.0)] + urdf.bodies[2:]).kinematic
+    assert "rbd_model_build_kinematic" in bare.c_table("bare")
+
+
+def test_wrong_mimics_may_move_freely():
+    wrong = BARE.replace('<origin xyz="2 0 0"/>', '<mimic joint="sholder"/>')
+    with pytest.raises(rbd.RbdError, match="let all such joints move freely: free_mimics=True"):
+        rbd.parse_urdf(wrong, kinematic=True)
+    with pytest.warns(rbd.RbdWarning, match="it mimics 'sholder', which is missing; .*; it moves freely"):
+        urdf = rbd.parse_urdf(wrong, kinematic=True, free_mimics=True)
+    assert urdf.bodies[1].mimic is None
+
+
 def test_names_are_those_of_python():
     assert set(rbd.__all__) <= set(dir(rbd)) and dir(rbd.Model)
     assert {name for name in dir(rbd) if not name.startswith("__")} == set(rbd.__all__)
@@ -987,6 +1031,8 @@ def test_names_are_those_of_python():
             ("link 'rbd_a --keep', joint '--lock': rbd_rnea", "link 'rbd_a --keep', joint '--lock': rnea"),
             ("still: options.lock, rbd-model --lock 'a b', or --lock-massless for all",
              "still: lock='a b', or lock_massless=True for all"),
+            ("alone: options.kinematic, rbd-model --kinematic", "alone: kinematic=True"),
+            ("freely: options.free_mimics, rbd-model --free-mimics", "freely: free_mimics=True"),
             ("float (options.root, rbd-model --floating)", "float (floating=True)"),
             ("otherwise: options.root_joint, rbd-model --root-joint", "otherwise: root_joint")):
         assert _python_words(sentence) == expected
