@@ -559,8 +559,8 @@ RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory
 
 /* The same for kinematics alone: joints may move no mass, as in a robot whose file has geometry only. If each
    joint moves mass, inertia or armature, or one does that mimics it, the model is that of rbd_model_build.
-   Otherwise all calls that need masses return RBD_ERR_MASSLESS, and rbd_singular_dof says which joint has none.
-   Poses, velocities, accelerations, Jacobians, inverse kinematics, coordinates, rows of constraints and
+   Otherwise all calls that need masses return RBD_ERR_MASSLESS, and rbd_singular_dof says which joint moves
+   none. Poses, velocities, accelerations, Jacobians, inverse kinematics, coordinates, rows of constraints and
    rbd_assemble are computed as for any model. Errors: those of rbd_model_build but RBD_ERR_LEAF. */
 RBDI_API rbd_status rbd_model_build_kinematic(const rbd_body *bodies, int nb, void *memory, size_t size,
                                               const rbd_model **model, rbd_report *report);
@@ -625,8 +625,8 @@ RBDI_API rbd_status rbd_get_gravity(const rbd_work *w, rbd_const gravity[3]);
    that this dof moves, or of its own joint if that has several dofs, or an overflow there. -1 after a call
    that factors M and finds it regular: then RBD_ERR_NAN of rbd_contact_step came from v, tau, f_ext, damping,
    a gap, or a coordinate that M does not depend on, as the place of a floating root. Other calls do not
-   change it. With lanes: of all states together. After RBD_ERR_MASSLESS the first degree of freedom that moves
-   no mass. */
+   change it. With lanes: of all states together. After RBD_ERR_MASSLESS the first degree of freedom that
+   moves no mass. */
 RBDI_API int rbd_singular_dof(const rbd_work *w);
 
 /* ==== src/api/dynamics.h ==== */
@@ -6527,6 +6527,11 @@ RBDI_LOCAL rbd_real rbdi_within_half_turn(rbd_real angle) {
     return rbdi_select(rbdi_less(pi2, angle * angle), rbdi_signed_angle(s, c), angle);
 }
 
+/* E of a joint of the description, compiled once for the calls of which no loop waits. */
+RBDI_PART rbdi_mat rbdi_attitude_of(const rbdi_frame *u, const rbd_real *q) {
+    return rbdi_joint_attitude(u->type, q);
+}
+
 /* d with q0 (+) d = q1, for one joint. */
 RBDI_LOCAL void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, const rbd_real *q1,
                                       rbd_real *d) {
@@ -6543,7 +6548,7 @@ RBDI_LOCAL void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, c
         step.omega = u->type == RBD_PLANAR
                          ? rbdi_vec(rbdi_zero(), rbdi_zero(), rbdi_within_half_turn(q1[2] - q0[2]))
                          : rbdi_quaternion_difference(&q0[u->nq - 4], &q1[u->nq - 4]);
-        step.v = rbdi_mul(rbdi_joint_attitude(u->type, q0), shift);
+        step.v = rbdi_mul(rbdi_attitude_of(u, q0), shift);
         step.v = rbdi_log_shift(rbdi_exp_of(step.omega), step.omega, step.v);
         rbdi_put_joint_motion(u, step, d, 1);
     } else {
@@ -6570,7 +6575,7 @@ RBDI_LOCAL void rbdi_joint_rates(const rbdi_frame *u, const rbd_real *q, const r
         rbd_real turn[4];
 
         /* dp/dt = E' v, d quaternion/dt = quaternion (omega/2, 0) */
-        rbdi_put_origin(u, rbdi_mul_t(rbdi_joint_attitude(u->type, q), V.v), rates);
+        rbdi_put_origin(u, rbdi_mul_t(rbdi_attitude_of(u, q), V.v), rates);
         rbdi_store_vec(turn, 1, rbdi_scale(rbdi_set(RBD_C(0.5)), V.omega));
         turn[3] = rbdi_zero();
         if (u->type == RBD_PLANAR)
@@ -6601,7 +6606,7 @@ RBDI_LOCAL void rbdi_joint_velocity(const rbdi_frame *u, const rbd_real *q, cons
         v[0] = (unit[0] * rates[1] - unit[1] * rates[0]) * rbdi_inverse_length(q, unit, 2);
     } else if (rbdi_joint_turns(u)) {
         rbdi_motion V;
-        V.v = rbdi_mul(rbdi_joint_attitude(u->type, q), rbdi_joint_origin(u->type, rates));
+        V.v = rbdi_mul(rbdi_attitude_of(u, q), rbdi_joint_origin(u->type, rates));
         V.omega = u->type == RBD_PLANAR ? rbdi_vec(rbdi_zero(), rbdi_zero(), rates[2])
                                         : rbdi_quaternion_velocity(&q[u->nq - 4], &rates[u->nq - 4]);
         rbdi_put_joint_motion(u, V, v, 1);
@@ -7896,8 +7901,9 @@ RBDI_LOCAL rbd_status rbdi_check_moves(const rbd_body *bodies, int nb, rbdi_plac
     return status;
 }
 
-/* Marks the bodies whose joint moves mass or inertia, or has armature; or such a joint mimics it, or it mimics
-   one. Unlike rbdi_check_moves this is strict: armature of a joint is none of the joints that carry it. */
+/* Marks the bodies whose joint moves mass or inertia, or has armature; or such a joint mimics it, or it
+   mimics one. Unlike rbdi_check_moves this is strict: armature of a joint is none of the joints that carry
+   it. */
 RBDI_LOCAL void rbdi_mark_movers(const rbd_body *bodies, int nb, rbdi_place *place) {
     for (int i = 0; i < nb; ++i) place[i].moves = bodies[i].mass > 0 || !rbdi_all_zero(bodies[i].inertia, 6);
     for (int i = nb - 1; i >= 0; --i)

@@ -18,7 +18,7 @@
    CONTENTS (search for the tag)
      [reading] [options] [status] [robot] [calls] [lookup]
      --- stop here if you only use it ---
-     [formats] [xml] [unread] [check] [urdfdom] [description] [result]
+     [formats] [xml] [unread] [xacro] [check] [urdfdom] [description] [result]
 
    [reading] How a URDF becomes a description:
      order        the moving joints in the order of the file, parents before children; q and v follow
@@ -44,14 +44,15 @@
      massless     a joint that moves no mass is an error, of a robot without any mass too. lock_massless holds
                   such joints still; kinematic lets them move, for poses, Jacobians and inverse kinematics
                   alone: rbd_model_build_kinematic then takes the description, and dynamics is refused
-     rotations    roll, pitch, yaw by the quaternion that urdfdom makes of them, or quat_xyzw (URDF 1.1), made a
-                  unit quaternion; entries of the matrix that only rounding keeps from 0, 1 or -1 are that
+     rotations    roll, pitch, yaw by the quaternion that urdfdom makes of them, or quat_xyzw (URDF 1.1),
+                  made a unit quaternion; entries of the matrix that only rounding keeps from 0, 1 or -1 are
+                  that
      version      1.0, 1.1, 1.2: capsules are geometry, and limits of acceleration and jerk are left unread
      encoding     UTF-8, or UTF-16 with or without a byte order mark
      Geometry, materials, sensors, transmissions, and names with a prefix as in <drake:joint> are left unread.
      Each other element or attribute that is not read gives a warning, because its name may be misspelt: with
-     options.strict an error. Elements that stand twice must be equal. A file of xacro must be expanded first; a
-     tag that xacro left beside a whole robot gives a warning. Other formats are refused by name.
+     options.strict an error. Elements that stand twice must be equal. A source of xacro must be expanded
+     first; a tag that xacro left beside a whole robot gives a warning. Other formats are refused by name.
 
    Called with bodies and names NULL, loading only counts: robot.nb, robot.names_size, robot.nframes and
    robot.nwarnings say how long the arrays must be for the second call.
@@ -330,8 +331,8 @@ inline str nearest(const str &name, const name_index &known) {
     return best.empty() ? best : "; did you mean " + quoted(best) + "?";
 }
 
-/* Makes a vector of n components, not all zero, a unit vector and returns its length. The power of two keeps the
-   squares in range and changes no digit. */
+/* Makes a vector of n components, not all zero, a unit vector and returns its length. The power of two keeps
+   the squares in range and changes no digit. */
 inline double make_unit(double *v, int n = 3) {
     int exponent;
     double most = 0, square = 0;
@@ -767,60 +768,8 @@ inline str label_of(const element &e) {
     return (e.name == "link" || e.name == "joint") && name ? e.name + " " + quoted(*name) + ": " : "";
 }
 
-/* ---- xacro: a file that it must expand first. Calls of macros that nothing defines, and definitions alone, may
-   be left beside a whole robot: unread_parts tells them ---- */
-
+/* The name behind the prefix of xacro, "" without it. */
 inline str after_prefix(const str &name) { return name.compare(0, 6, "xacro:") == 0 ? name.substr(6) : ""; }
-
-/* Refuses elements of xacro that stand for others. Those of its first versions have no prefix: they count where
-   URDF has its own elements, but not within those of simulators. Not deeper than the reader goes. */
-class xacro_check {
-  public:
-    str definition; /* "<xacro:macro> of line 3", "" if there is none */
-
-    explicit xacro_check(const element &robot) {
-        gather(robot);
-        look(robot, true, "");
-    }
-
-  private:
-    name_index macros; /* that the file defines */
-
-    void gather(const element &e) {
-        const bool macro = e.name == "xacro:macro" || e.name == "macro";
-        if (macro && e.attribute("name")) macros[*e.attribute("name")] = 0;
-        for (size_t i = 0; i < e.children.size(); ++i) gather(e.children[i]);
-    }
-
-    void look(const element &e, bool of_urdf, const str &who) {
-        static const char *const own = "include if unless insert_block element attribute call";
-        static const char *const old = "include macro property if unless insert_block";
-        const str name = after_prefix(e.name);
-        if ((of_urdf && has_name(old, e.name)) || has_name(own, name) || macros.count(name)) refuse(e);
-        if (has_name("macro property arg", name)) { /* whose inside is not read */
-            if (definition.empty()) definition = "<" + e.name + "> of line " + std::to_string(e.line);
-            return;
-        }
-
-        size_t n, k = 0;
-        const known_element *all = known_elements(n);
-        while (k < n && e.name != all[k].name) ++k;
-        const bool read = of_urdf && k < n;
-        for (size_t i = 0; read && i < e.attributes.size(); ++i)
-            if (has_name(all[k].attributes, e.attributes[i].first)) look_at_value(e, e.attributes[i], who);
-        for (size_t i = 0; i < e.children.size(); ++i)
-            look(e.children[i], read, e.name == "robot" ? label_of(e.children[i]) : who);
-    }
-    static void look_at_value(const element &e, const std::pair<str, str> &a, const str &who) {
-        if (a.second.find("${") == str::npos && a.second.find("$(") == str::npos) return;
-        throw failure(RBD_URDF_ERR_ROBOT, e.line,
-                      who + "<" + e.name + " " + a.first + ">: " + quoted(a.second) +
-                          " is of xacro: " + xacro_hint());
-    }
-    static void refuse(const element &e) {
-        throw failure(RBD_URDF_ERR_ROBOT, e.line, "<" + e.name + "> is of xacro: " + xacro_hint());
-    }
-};
 
 class unread_parts {
   public:
@@ -946,6 +895,61 @@ class unread_parts {
     void tell(const notice &x) const {
         const str times = x.times > 1 ? " (" + std::to_string(x.times) + " times in the file)" : "";
         warnings.add(RBD_URDF_WARN_UNREAD, x.line, x.what + " is not read" + times + x.hint);
+    }
+};
+
+/* ---- xacro [xacro] ----
+   A source of xacro must be expanded first. Calls of macros that nothing defines, and definitions alone, may
+   be left beside a whole robot: unread_parts tells them. */
+
+/* Refuses elements of xacro that stand for others, and its values. Elements of its first versions have no
+   prefix: they count where URDF has its own elements, but not within those of simulators. Not deeper than the
+   reader goes. */
+class xacro_check {
+  public:
+    str definition; /* "<xacro:macro> of line 3", "" if there is none */
+
+    explicit xacro_check(const element &robot) {
+        gather(robot);
+        look(robot, true, "");
+    }
+
+  private:
+    name_index macros; /* that the file defines */
+
+    void gather(const element &e) {
+        const bool macro = e.name == "xacro:macro" || e.name == "macro";
+        if (macro && e.attribute("name")) macros[*e.attribute("name")] = 0;
+        for (size_t i = 0; i < e.children.size(); ++i) gather(e.children[i]);
+    }
+
+    void look(const element &e, bool of_urdf, const str &who) {
+        static const char *const own = "include if unless insert_block element attribute call";
+        static const char *const old = "include macro property if unless insert_block";
+        const str name = after_prefix(e.name);
+        if ((of_urdf && has_name(old, e.name)) || has_name(own, name) || macros.count(name)) refuse(e);
+        if (has_name("macro property arg", name)) { /* whose inside is not read */
+            if (definition.empty()) definition = "<" + e.name + "> of line " + std::to_string(e.line);
+            return;
+        }
+
+        size_t n, k = 0;
+        const known_element *all = known_elements(n);
+        while (k < n && e.name != all[k].name) ++k;
+        const bool read = of_urdf && k < n;
+        for (size_t i = 0; read && i < e.attributes.size(); ++i)
+            if (has_name(all[k].attributes, e.attributes[i].first)) look_at_value(e, e.attributes[i], who);
+        for (size_t i = 0; i < e.children.size(); ++i)
+            look(e.children[i], read, e.name == "robot" ? label_of(e.children[i]) : who);
+    }
+    static void look_at_value(const element &e, const std::pair<str, str> &a, const str &who) {
+        if (a.second.find("${") == str::npos && a.second.find("$(") == str::npos) return;
+        throw failure(RBD_URDF_ERR_ROBOT, e.line,
+                      who + "<" + e.name + " " + a.first + ">: " + quoted(a.second) +
+                          " is of xacro: " + xacro_hint());
+    }
+    static void refuse(const element &e) {
+        throw failure(RBD_URDF_ERR_ROBOT, e.line, "<" + e.name + "> is of xacro: " + xacro_hint());
     }
 };
 
@@ -1639,8 +1643,8 @@ class checked {
                      "joint " + quoted(j.name) + ": held still at " + text_of(value) + ", as " + why);
     }
 
-    /* Lets each joint move freely whose <mimic> follow_mimics would refuse. Each joint is looked at once: walk i
-       goes from joint i to those that it follows, and ends where an earlier one went. */
+    /* Lets each joint move freely whose <mimic> follow_mimics would refuse. Each joint is looked at once: walk
+       i goes from joint i to those that it follows, and ends where an earlier one went. */
     void free_wrong_mimics() {
         const size_t none = joints.size();
         std::vector<size_t> walk(joints.size(), none);

@@ -322,8 +322,9 @@ RBDI_LOCAL rbd_status rbdi_check_moves(const rbd_body *bodies, int nb, rbdi_plac
     return status;
 }
 
-/* Marks the bodies whose joint moves mass or inertia, or has armature; or such a joint mimics it, or it mimics
-   one. Unlike rbdi_check_moves this is strict: armature of a joint is none of the joints that carry it. */
+/* Marks the bodies whose joint moves mass or inertia, or has armature; or such a joint mimics it, or it
+   mimics one. Unlike rbdi_check_moves this is strict: armature of a joint is none of the joints that carry
+   it. */
 RBDI_LOCAL void rbdi_mark_movers(const rbd_body *bodies, int nb, rbdi_place *place) {
     for (int i = 0; i < nb; ++i) place[i].moves = bodies[i].mass > 0 || !rbdi_all_zero(bodies[i].inertia, 6);
     for (int i = nb - 1; i >= 0; --i)

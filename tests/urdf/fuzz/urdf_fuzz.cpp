@@ -28,8 +28,8 @@ static bool moderate(const rbd_body *bodies, int nb) {
     return true;
 }
 
-/* Poses and inverse dynamics of a state: numbers of a sensible size give finite ones. Dynamics may be refused if
-   a joint moves no mass, in a model for kinematics alone. */
+/* Poses and inverse dynamics of a state: numbers of a sensible size give finite ones. Dynamics may be refused
+   if a joint moves no mass, in a model for kinematics alone. */
 static void compute(const rbd_body *bodies, int nb, bool kinematic) {
     std::vector<unsigned char> memory(rbd_model_size(bodies, nb)), scratch;
     const rbd_model *m;
