@@ -1643,8 +1643,8 @@ class checked {
                      "joint " + quoted(j.name) + ": held still at " + text_of(value) + ", as " + why);
     }
 
-    /* Lets each joint move freely whose <mimic> follow_mimics would refuse. Each joint is looked at once: walk
-       i goes from joint i to those that it follows, and ends where an earlier one went. */
+    /* Lets each joint move freely whose <mimic> follow_mimics would refuse. Each joint is looked at once:
+       walk i goes from joint i to those that it follows, and ends where an earlier one went. */
     void free_wrong_mimics() {
         const size_t none = joints.size();
         std::vector<size_t> walk(joints.size(), none);
