@@ -219,9 +219,13 @@ struct session {
         if (status == RBD_ERR_SINGULAR || status == RBD_ERR_MASSLESS) {
             const int body = c.m->dof[rbd_singular_dof(c.w)].body;
             const char *name = rbd_body_name(c.m, body);
+            const std::string link =
+                name ? "link '" + std::string(name) + "'" : "body " + std::to_string(body);
             throw std::runtime_error(
-                std::string(rbd_status_string(status)) + " at the joint of " +
-                (name ? "link '" + std::string(name) + "'" : "body " + std::to_string(body)));
+                status == RBD_ERR_MASSLESS
+                    ? "dynamics needs masses, and the joint of " + link +
+                          " moves none: with --kinematic there are jacobian:LINK and pose:LINK alone"
+                    : rbd_status_string(status) + (" at the joint of " + link));
         }
         demand(status == RBD_ERR_INFEASIBLE ? RBD_OK : status); /* by rows that depend on each other */
         for (int k = 0; k < 4; k++) {
