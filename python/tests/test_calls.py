@@ -118,8 +118,8 @@ def test_arguments_are_those_of_the_header():
     assert len(table_calls()) >= 50
     for call in table_calls():
         expected = [IN_C.get(x, x) for x in call.c_inputs + (["out"] if call.struct else call.outputs)]
-        for prefix in ["rbd_", "rbd_batch_"] if call.batch else ["rbd_"]:
-            declared = re.search(rf"\b{prefix}{call.c_name}\(([^;]*)\);", text)[1]
+        for prefix in ["rbd_", "rbd_batch_"] if call.batch is True else ["rbd_"]:
+            declared = re.search(rf"\bRBDI_\w*API [^;()]*\b{prefix}{call.c_name}\(([^;]*)\);", text)[1]
             arguments = [re.search(r"(\w+)(\[\d+\])?$", item.strip())[1] for item in declared.split(",")]
             first = len(arguments) - len(expected)
             assert arguments[first:] == expected, call.name
@@ -396,7 +396,7 @@ def test_blocks_of_lanes_are_not_transposed(iiwa):
         return np.moveaxis(x.reshape(3, lanes, *x.shape[1:]), 1, -1)
 
     constraints = iiwa.constraint_set([rbd.Constraint(body1=iiwa.nb - 1, axes=(0, 0, 0, 1, 0, 0))])
-    for call, inputs in ((iiwa.rnea, [*rows, f]), (iiwa.aba, rows), (iiwa.crba, rows[:1]),
+    for call, inputs in ((iiwa.rnea, [*rows, f]), (iiwa.aba, rows), (iiwa.crba, rows[:1]), (iiwa.gravity_torque, rows[:1]),
                          (iiwa.id_derivatives, rows), (constraints.constrained_fd, rows)):
         expected = call(*inputs)
         iiwa.batch_set_layout("blocks")
