@@ -42,7 +42,8 @@ RBDI_MESSAGES RBDI_API const char *rbd_status_string(rbd_status status) {
     case RBD_ERR_RANGE: return "negative, not finite or out of range";
     case RBD_ERR_INFEASIBLE: return "the constraints contradict each other";
     case RBD_ERR_ARITHMETIC:
-        return "RBD_REPRODUCIBLE: products and sums are contracted, or not rounded to nearest, or square roots "
+        return "RBD_REPRODUCIBLE: products and sums are contracted, or not rounded to nearest, or square "
+               "roots "
                "are rounded twice, or denormals are 0";
     case RBD_ERR_MASSLESS:
         return "dynamics needs masses, and a joint moves none (rbd_singular_dof says which): the model is built "

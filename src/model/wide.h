@@ -101,7 +101,9 @@ RBDI_PART rbdi_wide rbdi_w_dot(const rbdi_wide a[3], const rbdi_wide b[3]) {
 }
 
 RBDI_PART rbdi_wide rbdi_w_abs(rbdi_wide x) { return x < 0 ? -x : x; }
-RBDI_PART rbdi_wide rbdi_w_length(const rbdi_wide a[3]) { return RBDI_WIDE_LIBM(rbdi_root)(rbdi_w_dot(a, a)); }
+RBDI_PART rbdi_wide rbdi_w_length(const rbdi_wide a[3]) {
+    return RBDI_WIDE_LIBM(rbdi_root)(rbdi_w_dot(a, a));
+}
 
 /* Whether n numbers are finite, in the model's scalar too. */
 RBDI_PART int rbdi_finite(const double *x, int n) {
