@@ -411,7 +411,8 @@ inline const char *other_root(const str &name) {
     static const struct {
         const char *name, *sentence;
     } all[] = {
-        {"mujoco", "MJCF, the format of MuJoCo: convert it to URDF (pip install mjcf-urdf-simple-converter)"},
+        {"mujoco", "MJCF, the format of MuJoCo: rbd_mjcf.h reads it, or convert it to URDF (pip install "
+                   "mjcf-urdf-simple-converter)"},
         {"mujocoinclude", "MJCF, the format of MuJoCo, and a part of a robot alone: convert the file that "
                           "includes it"},
         {"sdf", "SDF, the format of Gazebo: export the robot as URDF from the program that wrote it"},

@@ -46,7 +46,7 @@ class Urdf:
     warnings: list[str]     #: sentences
     gravity: Numbers        #: world frame, m/s^2
     fixed_mass: float       #: kg, of the links that are fixed to the world: in no body
-    kinematic: bool = False     #: joints may move no mass: Model(urdf) is for kinematics alone, if one does
+    kinematic = False       #: whether joints may move no mass: if one does, Model(urdf) is for kinematics alone
 
 
 @functools.lru_cache(maxsize=None)
@@ -202,7 +202,9 @@ def _read_urdf(call, text, source, options):
     robot.names, robot.names_max = ctypes.addressof(names), len(names)
     sentences = read(robot.nwarnings)
     _warn(sentences)
-    return Urdf(robot.name.decode(), [_from_c(row) for row in bodies],
+    urdf = Urdf(robot.name.decode(), [_from_c(row) for row in bodies],
                 [Frame(frame.link.decode(), frame.joint and frame.joint.decode(), frame.parent, frame.body,
                        np.array(frame.position), np.array(frame.rotation).reshape(3, 3)) for frame in frames],
-                sentences, tuple(robot.gravity), robot.fixed_mass, bool(options.kinematic))
+                sentences, tuple(robot.gravity), robot.fixed_mass)
+    urdf.kinematic = bool(options.kinematic)
+    return urdf
