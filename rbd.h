@@ -274,14 +274,11 @@
 #else
 #define RBDI_API extern
 #endif
-#if defined __GNUC__ || defined __clang__ /* clang for Windows is not GNU */
-#define RBDI_UNUSED __attribute__((unused))
-#else
-#define RBDI_UNUSED
-#endif
 #ifdef __GNUC__
+#define RBDI_UNUSED __attribute__((unused))
 #define RBDI_EXTENSION __extension__
 #else
+#define RBDI_UNUSED
 #define RBDI_EXTENSION
 #endif
 
