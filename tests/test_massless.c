@@ -167,6 +167,8 @@ static void refuse_dynamics(const robot *r) {
     REFUSED(rbd_fd_cholesky(m, w, q, v, v, NULL, y));
     REFUSED(rbd_hybrid(m, w, q, v, given, a, x, NULL));
     REFUSED(rbd_minverse(m, w, q, y));
+    REFUSED(rbd_cholesky_factor(m, w, y, y));
+    REFUSED(rbd_cholesky_factor_packed(m, w, y));
     REFUSED(rbd_free_step(m, w, q, v, v, NULL, NULL, t, a, x));
     REFUSED(rbd_joint_wrench(m, w, q, v, v, NULL, y));
     ck_assert_int_eq(rbd_kinematics(m, w, q, v, NULL), RBD_OK);
@@ -261,6 +263,17 @@ START_TEST(the_first_joint_that_moves_no_mass_is_named) {
     ck_assert_int_eq(refused_at(b), 2);
     give_mass(&b[RIGHT]);
     ck_assert_int_eq(refused_at(b), -1);
+
+    memcpy(b, arm, sizeof b);
+    give_mass(&b[LEFT]); /* the right finger mimics it */
+    ck_assert_int_eq(refused_at(b), -1);
+    memcpy(b, arm, sizeof b);
+    give_mass(&b[ELBOW]);
+    b[RIGHT].joint = "right finger"; /* which leads now: its dof is named, though the left one comes first */
+    b[RIGHT].mimic = NULL;
+    b[LEFT].mimic = "right finger";
+    b[LEFT].mimic_ratio = 1;
+    ck_assert_int_eq(refused_at(b), 2);
 }
 END_TEST
 

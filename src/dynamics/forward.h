@@ -43,14 +43,14 @@ RBDI_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_r
 
 RBDI_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, rbd_real *H) {
     rbdi_mask doubt;
-    const rbd_status status = rbdi_check(m, w, H != NULL);
+    const rbd_status status = rbdi_check_dynamics(m, w, H != NULL);
     if (status) return status;
     doubt = rbdi_factor(m, w, H);
     return rbdi_factor_status(m, w, H, doubt, H, rbd_packed_size(m));
 }
 
 RBDI_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *M, rbd_real *L) {
-    const rbd_status status = rbdi_check(m, w, M && L);
+    const rbd_status status = rbdi_check_dynamics(m, w, M && L);
     if (status) return status;
 
     for (int i = 0; i < m->nv; ++i) { /* L may be M, because packed rows end before the full ones do */
