@@ -166,6 +166,7 @@ typedef struct rbd_mjcf {
     int nframes;
     int nconstraints;
     int nwarnings;
+    int nqpos, nqvel;       /* lengths of MuJoCo's qpos and qvel */
     size_t names_size;      /* bytes of names */
     double gravity[3];      /* for rbd_set_gravity */
     double fixed_mass;      /* kg, of the bodies that are fixed to the world: in no body */
@@ -1230,6 +1231,8 @@ static void rbdi_mjcf_sum_fixed_mass(rbdi_mjcf_load *l) {
 
 static void rbdi_mjcf_report_build(rbdi_mjcf_load *l, rbd_status status, const rbd_report *report) {
     char text[300];
+    if (status == RBD_ERR_COUNT)
+        rbdi_mjcf_fail(l, RBD_MJCF_ERR_MODEL, "it has %d bodies; rbd takes %d at most", l->nb, RBD_MAX_BODIES);
     if (status != RBD_OK) {
         const char *what = report->error.body < 0 ? rbd_status_string(status)
                                                   : rbd_finding_text(&report->error, text, sizeof text);
@@ -1289,6 +1292,8 @@ static void rbdi_mjcf_write_result(rbdi_mjcf_load *l, rbd_mjcf *r) {
     r->nb = l->nb;
     r->nframes = l->nframes;
     r->nconstraints = l->nconstraints;
+    r->nqpos = (int)l->m->nq;
+    r->nqvel = (int)l->m->nv;
     r->names_size = l->names_size;
     r->fixed_mass = l->fixed_mass;
     for (int i = 0; i < 3; i++)
@@ -1369,6 +1374,8 @@ static void rbdi_mjcf_clear(rbd_mjcf *robot) {
     robot->nframes = 0;
     robot->nconstraints = 0;
     robot->nwarnings = 0;
+    robot->nqpos = 0;
+    robot->nqvel = 0;
     robot->names_size = 0;
     robot->fixed_mass = 0;
     memset(&robot->error, 0, sizeof robot->error);
