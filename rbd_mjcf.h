@@ -1232,7 +1232,8 @@ static void rbdi_mjcf_sum_fixed_mass(rbdi_mjcf_load *l) {
 static void rbdi_mjcf_report_build(rbdi_mjcf_load *l, rbd_status status, const rbd_report *report) {
     char text[300];
     if (status == RBD_ERR_COUNT)
-        rbdi_mjcf_fail(l, RBD_MJCF_ERR_MODEL, "it has %d bodies; rbd takes %d at most", l->nb, RBD_MAX_BODIES);
+        rbdi_mjcf_fail(l, RBD_MJCF_ERR_MODEL, "it has %d bodies; rbd takes %d at most", l->nb,
+                       RBD_MAX_BODIES);
     if (status != RBD_OK) {
         const char *what = report->error.body < 0 ? rbd_status_string(status)
                                                   : rbd_finding_text(&report->error, text, sizeof text);
@@ -1446,8 +1447,9 @@ static mjModel *rbdi_mjcf_compile(rbdi_mjcf_load *l, const char *path, const mjV
     mju_user_warning = on_warning;
 
     if (!m)
-        rbdi_mjcf_fail(l, RBD_MJCF_ERR_COMPILER, "MuJoCo: %s",
-                       *rbdi_mjcf_caught.error ? rbdi_mjcf_caught.error : "it gives no reason");
+        rbdi_mjcf_fail(l, RBD_MJCF_ERR_COMPILER, "MuJoCo %s: %s%s", mj_versionString(),
+                       *rbdi_mjcf_caught.error ? rbdi_mjcf_caught.error : "it gives no reason",
+                       strstr(rbdi_mjcf_caught.error, "Schema") ? "; is the file for a newer MuJoCo?" : "");
     else if (*rbdi_mjcf_caught.error)
         rbdi_mjcf_warn(l, RBD_MJCF_WARN_COMPILER, "MuJoCo: %s", rbdi_mjcf_caught.error);
     return m;

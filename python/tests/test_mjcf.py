@@ -64,7 +64,7 @@ def test_equalities_are_mimics_and_constraints(mujoco):
 def test_options_and_errors(mujoco):
     model = rbd.Model.from_mjcf(FILES / "joints.xml", keep="on_plate", lock={"roll": 0.3})
     assert (model.body_index("on_plate"), model.nv) == (model.nb - 1, 25)
-    with pytest.raises(rbd.RbdError, match="MJCF:2: MuJoCo: XML Error") as error:
+    with pytest.raises(rbd.RbdError, match="MJCF:2: MuJoCo .*: XML Error") as error:
         rbd.parse_mjcf("<mujoco>\n<bad/></mujoco>")
     assert error.value.status == rbd.MjcfStatus.ERR_COMPILER
     with pytest.raises(rbd.RbdError, match="lock: there is no joint 'x'"):

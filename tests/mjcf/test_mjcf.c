@@ -500,6 +500,11 @@ START_TEST(errors_say_what_is_wrong) {
     } cases[] = {
         {"", {0}, RBD_MJCF_ERR_COMPILER, 0, "empty"},
         {"<mujoco>\n<worldbody>\n<boody/>\n</worldbody></mujoco>", {0}, RBD_MJCF_ERR_COMPILER, 3, "boody"},
+        {"<mujoco>\n<worldbody>\n<boody/>\n</worldbody></mujoco>",
+         {0},
+         RBD_MJCF_ERR_COMPILER,
+         3,
+         "newer MuJoCo?"},
         {"<mujoco><worldbody><body><joint/></body></worldbody></mujoco>",
          {0},
          RBD_MJCF_ERR_COMPILER,
