@@ -853,7 +853,7 @@ static void rbdi_mjcf_resolve(rbdi_mjcf_load *l, int joint) {
     rbdi_mjcf_follow *f = &l->follow[joint];
     for (int steps = 0; f->ratio != 0 && l->follow[f->leader].is_set; steps++) {
         const rbdi_mjcf_follow *next = &l->follow[f->leader];
-        if (steps > l->m->njnt || f->leader == joint) {
+        if (steps > l->m->njnt) {
             f->is_set = 0;
             rbdi_mjcf_warn(l, RBD_MJCF_WARN_EQUALITY,
                            "joint '%s' follows itself by a circle of equalities; it is left free",
@@ -941,13 +941,13 @@ static void rbdi_mjcf_read_lock(rbdi_mjcf_load *l, const rbd_mjcf_lock *lock) {
     }
 }
 
-/* Fixes the rows of held joints by rbd_lock_joints; those that mimic them follow. */
+/* Fixes the rows of held joints by rbd_lock_joints; those that mimic them follow. A quaternion of zeros is no
+   rotation. */
 static void rbdi_mjcf_hold(rbdi_mjcf_load *l, rbd_body *bodies, unsigned char *flags, double *q) {
     rbd_report report;
     int iq = 0;
     for (int i = 0; i < l->nb; i++) {
         const int nq = rbdi_mjcf_nq(&bodies[i]);
-        if (nq > 1) q[iq + nq - 1] = 1;
         for (int j = 0; j < l->m->njnt; j++) {
             if (!l->held[j] || l->row_of_joint[j] != i) continue;
             flags[i] = 1;

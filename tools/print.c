@@ -57,9 +57,9 @@ void print_origin(const robot *r, const char *writer) {
     if (r->command) printf("       %s\n", r->command);
 }
 
-/* What is printed of a joint type: its name in URDF and in the summary, "" where no file has it (spherical: MJCF alone);
-   in C; of joints with several coordinates or dofs what their names end in. A type without parts of v has those of
-   q. */
+/* What is printed of a joint type: its name in files (spherical: of MJCF alone) and in the summary, "" where
+   no file has it; in C; of joints with several coordinates or dofs what their names end in. A type without
+   parts of v has those of q. */
 typedef struct type_text {
     const char *name, *constant;
     const char *parts_of_q[7], *parts_of_v[6];

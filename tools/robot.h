@@ -63,7 +63,8 @@ void robot_close(robot *r);
 /* Whether a text is MJCF, by its root element. */
 int is_mjcf(const char *text, size_t length);
 
-/* Loads it into r->urdf and r->constraints, by rbd_mjcf.h; r->urdf.error has the error. Returns 0 or EXIT_BAD. */
+/* Loads it into r->urdf and r->constraints by rbd_mjcf.h; r->urdf.error has the error. Returns 0 or
+   EXIT_BAD. */
 int load_mjcf(robot *r, const char *text, size_t length, const settings *s);
 
 /* The body that is this link, or -1, with the reason in text: it is merged into another, or is not there. */

@@ -1,5 +1,6 @@
-/* test_mjcf.c - rbd_mjcf.h beside MuJoCo: every joint, frame and inertia of MJCF, names, equalities, messages.
-   usage: test_mjcf, with the folder of the project in the environment as RBD_ROOT. SPDX-License-Identifier: MIT */
+/* test_mjcf.c - rbd_mjcf.h beside MuJoCo: every joint, frame and inertia of MJCF, names, equalities.
+   usage: test_mjcf, with the folder of the project in the environment as RBD_ROOT.
+   SPDX-License-Identifier: MIT */
 #include <check.h>
 #include <math.h>
 #include <stdio.h>
@@ -149,6 +150,47 @@ START_TEST(joints_have_what_the_file_says) {
     ck_assert_double_eq(r.gravity[0], 0.5);
     ck_assert_double_eq(r.gravity[2], -9.5);
     ck_assert_double_eq(r.fixed_mass, 3);
+}
+END_TEST
+
+/* MuJoCo has the lengths of a free joint first, rbd the angles. */
+START_TEST(dofs_of_a_free_joint_are_in_order) {
+    mjModel *m = compiled("joints");
+    const int first = m->jnt_dofadr[mj_name2id(m, mjOBJ_JOINT, "flight")];
+    static room x;
+    rbd_mjcf r = with_room(&x);
+    for (int i = 0; i < 6; i++) {
+        m->dof_damping[first + i] = i + 1;
+        m->dof_frictionloss[first + i] = i + 10;
+    }
+    ck_assert_int_eq(rbd_mjcf_convert(m, NULL, &r), RBD_MJCF_OK);
+    for (int i = 0; i < 6; i++) {
+        ck_assert_double_eq(body_of(&r, "flight")->damping[i], (i + 3) % 6 + 1);
+        ck_assert_double_eq(body_of(&r, "flight")->friction[i], (i + 3) % 6 + 10);
+    }
+    mj_deleteModel(m);
+}
+END_TEST
+
+START_TEST(a_joint_is_as_strong_as_its_actuators) {
+    static room x;
+    rbd_mjcf r = with_room(&x);
+    const char *text =
+        "<mujoco><worldbody><body><joint name='a'/><joint name='b' axis='1 0 0'/><geom size='1'/></body>"
+        "</worldbody><actuator><motor joint='a'/>"
+        "<motor joint='a' forcelimited='true' forcerange='-1 1'/>"
+        "<general joint='b' gainprm='3' ctrllimited='true' ctrlrange='-2 1' gear='4'/></actuator></mujoco>";
+    ck_assert_msg(parse(&r, text, NULL) == RBD_MJCF_OK, "%s", r.error.text);
+    ck_assert_double_eq(body_of(&r, "a")->effort, 0); /* one has no limit */
+    ck_assert_double_eq(body_of(&r, "b")->effort, 3 * 2 * 4);
+#if mjVERSION_HEADER >= 300
+    text = "<mujoco><worldbody><body><joint name='a' actuatorfrclimited='true' actuatorfrcrange='-5 "
+           "2'/><geom size='1'/>"
+           "</body></worldbody><actuator><motor joint='a' forcelimited='true' forcerange='-9 "
+           "9'/></actuator></mujoco>";
+    ck_assert_msg(parse(&r, text, NULL) == RBD_MJCF_OK, "%s", r.error.text);
+    ck_assert_double_eq(body_of(&r, "a")->effort, 5);
+#endif
 }
 END_TEST
 
@@ -310,8 +352,8 @@ static double row_difference(const loaded *r, const double *own, const double *J
     return worst / scale;
 }
 
-/* Where rbd's constraint holds, MuJoCo's equality does, and their rows are the same but for the directions of axes.
-   MuJoCo's rows of rotation are those of half the quaternion. */
+/* Where rbd's constraint holds, MuJoCo's equality does, and their rows are the same but for the directions of
+   axes. MuJoCo's rows of rotation are those of half the quaternion. */
 static void compare_constraint(const mjModel *m, mjData *d, const loaded *r, int i) {
     static double T[900], J[6 * 30], e[6], q[40], q_near[40], memory[30000];
     const rbd_constraint *k = &r->robot.constraints[i];
@@ -361,8 +403,8 @@ START_TEST(connect_and_weld_are_those_of_mujoco) {
 }
 END_TEST
 
-/* Without relpose a weld holds what there is at the reference: no error there, in rotation either; and the rotation is
-   the file's where it says one. */
+/* Without relpose a weld holds what there is at the reference: no error there, in rotation either. With it,
+   the rotation is the file's. */
 START_TEST(welds_hold_the_reference) {
     mjModel *m = compiled("equalities");
     static double J[40 * 30], e[40], q[40];
@@ -626,7 +668,7 @@ static void *scarce(size_t size) {
 }
 static void foreign_handler(const char *text) { (void)text; }
 
-/* MuJoCo ends the program when it has no memory, unless its error is caught; the program's handlers come back. */
+/* MuJoCo ends the program when it has no memory, unless its error is caught. The handlers come back. */
 START_TEST(errors_of_mujoco_end_no_program) {
     static room x;
     rbd_mjcf r = with_room(&x);
@@ -657,6 +699,8 @@ int main(void) {
     tcase_add_loop_test(c, dynamics_are_those_of_mujoco_with_options, 0, WAYS);
     tcase_add_test(c, no_coordinate_is_lost);
     tcase_add_test(c, joints_have_what_the_file_says);
+    tcase_add_test(c, dofs_of_a_free_joint_are_in_order);
+    tcase_add_test(c, a_joint_is_as_strong_as_its_actuators);
     tcase_add_test(c, links_and_frames_have_names);
     tcase_add_test(c, names_that_are_taken_get_underscores);
     tcase_add_test(c, classes_and_degrees_are_resolved);
