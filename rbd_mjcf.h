@@ -1445,6 +1445,8 @@ static mjModel *rbdi_mjcf_compile(rbdi_mjcf_load *l, const char *path, const mjV
     m = rbdi_mjcf_compile_caught(path, files);
     mju_user_error = on_error;
     mju_user_warning = on_warning;
+    for (size_t n = strlen(rbdi_mjcf_caught.error); n > 0 && rbdi_mjcf_caught.error[n - 1] == '\n'; n--)
+        rbdi_mjcf_caught.error[n - 1] = 0;
 
     if (!m)
         rbdi_mjcf_fail(l, RBD_MJCF_ERR_COMPILER, "MuJoCo %s: %s%s", mj_versionString(),
