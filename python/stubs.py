@@ -185,10 +185,15 @@ def definition(name):
     return f"class {name}{bases}:\n" + textwrap.indent("\n".join(inside), "    ")
 
 
+def bases(name):
+    """How many classes of the package a public class inherits: mypy reads those first."""
+    return sum(part.__module__.split(".")[0] == "rbd" for part in getattr(getattr(rbd, name), "__mro__", ())[1:])
+
+
 def text():
     """The stubs."""
     names = "__all__ = [\n" + "".join(f'    "{name}",\n' for name in rbd.__all__) + "]\n"
-    parts = [HEAD + names + "__version__: str\n", *map(definition, rbd.__all__), *result_tuples()]
+    parts = [HEAD + names + "__version__: str\n", *map(definition, sorted(rbd.__all__, key=bases)), *result_tuples()]
     return "\n\n".join(part.rstrip("\n") + "\n" for part in parts)
 
 
