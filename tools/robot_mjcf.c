@@ -104,13 +104,13 @@ static void take_warnings(rbd_urdf *to, const rbd_mjcf *from) {
 }
 
 /* Room for a robot of any size that rbd takes: MuJoCo may compile meshes for seconds, so once must do. */
-static void make_room(rbd_mjcf *robot, size_t length) {
+static void make_room(rbd_mjcf *to, size_t length) {
     enum { FRAMES = 20000, CONSTRAINTS = RBD_MAX_CONSTRAINTS, WARNINGS = 1000 };
-    robot->bodies = allocate((size_t)(robot->bodies_max = RBD_MAX_BODIES), sizeof *robot->bodies);
-    robot->names = allocate(robot->names_max = 1000000 + 2 * length, 1);
-    robot->frames = allocate((size_t)(robot->frames_max = FRAMES), sizeof *robot->frames);
-    robot->constraints = allocate((size_t)(robot->constraints_max = CONSTRAINTS), sizeof *robot->constraints);
-    robot->warnings = allocate((size_t)(robot->warnings_max = WARNINGS), sizeof *robot->warnings);
+    to->bodies = allocate((size_t)(to->bodies_max = RBD_MAX_BODIES), sizeof *to->bodies);
+    to->names = allocate(to->names_max = 1000000 + 2 * length, 1);
+    to->frames = allocate((size_t)(to->frames_max = FRAMES), sizeof *to->frames);
+    to->constraints = allocate((size_t)(to->constraints_max = CONSTRAINTS), sizeof *to->constraints);
+    to->warnings = allocate((size_t)(to->warnings_max = WARNINGS), sizeof *to->warnings);
 }
 
 int load_mjcf(robot *r, const char *text, size_t length, const settings *s) {
@@ -120,7 +120,7 @@ int load_mjcf(robot *r, const char *text, size_t length, const settings *s) {
                                       .keep_all = s->urdf.keep_all,
                                       .strict = s->urdf.strict,
                                       .lock = locks};
-    rbd_mjcf robot = {0};
+    rbd_mjcf from = {0};
     rbd_mjcf_status status;
     if (unfit_option(s)) {
         free(locks);
@@ -130,21 +130,21 @@ int load_mjcf(robot *r, const char *text, size_t length, const settings *s) {
         locks[i].joint = s->urdf.lock[i].joint;
         locks[i].value = s->urdf.lock[i].value;
     }
-    make_room(&robot, length);
-    status = strcmp(r->path, "-") == 0 ? rbd_mjcf_parse(text, length, &options, &robot)
-                                       : rbd_mjcf_load(r->path, &options, &robot);
-    take_warnings(&r->urdf, &robot);
+    make_room(&from, length);
+    status = strcmp(r->path, "-") == 0 ? rbd_mjcf_parse(text, length, &options, &from)
+                                       : rbd_mjcf_load(r->path, &options, &from);
+    take_warnings(&r->urdf, &from);
     if (status == RBD_MJCF_OK) {
-        take(r, &robot);
+        take(r, &from);
     } else {
-        take_finding(&robot.error, &r->urdf.error);
+        take_finding(&from.error, &r->urdf.error);
         robot_print_warnings(r);
-        free(robot.bodies);
-        free(robot.names);
-        free(robot.constraints);
+        free(from.bodies);
+        free(from.names);
+        free(from.constraints);
     }
-    free(robot.frames);
-    free(robot.warnings);
+    free(from.frames);
+    free(from.warnings);
     free(locks);
     return status == RBD_MJCF_OK ? 0 : EXIT_BAD;
 }

@@ -82,4 +82,14 @@ sed 's/0 0 -5/0 0 -9.81/' p.xml >earth.xml
 expect 0 "" "$rbd_codegen" p.xml --name p --algorithm id --output .
 grep -q '19\.62' earth_code.c || fail "the code has no gravity"
 grep -q '19\.62' p_code.c && fail "the code has another gravity than the file"
+
+# The program of the page, where the compiler finds MuJoCo by itself.
+if echo 'int main(void) { return 0; }' | ${CC:-cc} -x c - -lmujoco -o linked 2>out; then
+    awk '$0 == "```c" { inside = 1; next } inside && /^```/ { exit } inside' "$root/docs/mjcf.md" >program.c
+    cp "$files/joints.xml" robot.xml
+    ${CC:-cc} -std=c99 -Dalways_inline=unused -Wall -Wextra -pedantic -Werror -I"$root" program.c -o program -lmujoco -lm ||
+        fail "the program of docs/mjcf.md does not compile"
+    expect 0 "" ./program
+    has "joints: 26 degrees of freedom"
+fi
 exit $failed
