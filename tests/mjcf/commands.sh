@@ -72,6 +72,18 @@ has "EQUALITIES_CONSTRAINTS = 4, EQUALITIES_ROWS = 18"
 ${CC:-cc} -std=c99 -O0 -Dalways_inline=unused -I"$root" table.c -lm -o table && ./table || fail "the table does not compile"
 expect 0 "" "$rbd_model" --c-model geoms "$files/geoms.xml"
 
+# The constraints of the file, by its own name.
+cat >loop.xml <<END
+<mujoco model="loop"><worldbody>
+<body name="a"><joint axis="0 1 0"/><geom size="0.1" pos="0 0 1"/></body>
+<body name="b" pos="1 0 0"><joint axis="0 1 0"/><geom size="0.1" pos="0 0 1"/>
+<body name="c" pos="0 0 1"><joint axis="0 1 0"/><geom size="0.1" pos="0.5 0 0"/></body></body>
+</worldbody><equality><connect body1="a" body2="c" anchor="0 0 1"/></equality></mujoco>
+END
+printf 'q.joint_0,q.joint_1,q.joint_2,v.joint_0,v.joint_1,v.joint_2,tau.joint_0,tau.joint_1,tau.joint_2\n0.3,0.3,-0.3,0,0,0,0,0,0\n' >states
+expect 0 "" "$rbd_eval" loop.xml --algorithm constrained_fd --constraints loop.xml <states
+has "lambda.2"
+
 # The same torques from the file and from its URDF, and of the file's gravity.
 printf '<mujoco model="p"><option gravity="0 0 -5"/><worldbody><body><joint name="j" axis="0 1 0"/><geom size="0.1" pos="1 0 0" mass="2"/></body></worldbody></mujoco>' >p.xml
 printf 'q.j\n0\n' >states
