@@ -1430,6 +1430,11 @@ static mjModel *rbdi_mjcf_compile_caught(const char *path, const mjVFS *files) {
     return m;
 }
 
+/* Whether the compiler met an element, attribute or keyword that it does not know. */
+static int rbdi_mjcf_may_be_newer(void) {
+    return strstr(rbdi_mjcf_caught.error, "Schema") || strstr(rbdi_mjcf_caught.error, "invalid keyword");
+}
+
 /* What MuJoCo's compiler makes of a file; NULL after an error. */
 static mjModel *rbdi_mjcf_compile(rbdi_mjcf_load *l, const char *path, const mjVFS *files) {
     void (*const on_error)(const char *) = mju_user_error;
@@ -1451,7 +1456,7 @@ static mjModel *rbdi_mjcf_compile(rbdi_mjcf_load *l, const char *path, const mjV
     if (!m)
         rbdi_mjcf_fail(l, RBD_MJCF_ERR_COMPILER, "MuJoCo %s: %s%s", mj_versionString(),
                        *rbdi_mjcf_caught.error ? rbdi_mjcf_caught.error : "it gives no reason",
-                       strstr(rbdi_mjcf_caught.error, "Schema") ? "; is the file for a newer MuJoCo?" : "");
+                       rbdi_mjcf_may_be_newer() ? "; is the file for a newer MuJoCo?" : "");
     else if (*rbdi_mjcf_caught.error)
         rbdi_mjcf_warn(l, RBD_MJCF_WARN_COMPILER, "MuJoCo: %s", rbdi_mjcf_caught.error);
     return m;
