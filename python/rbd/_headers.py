@@ -122,11 +122,13 @@ def _python_words(text):
     joints, in quotes, stay as they are, and so do macros."""
     def word(found):
         option, value = found.groups()
+        if found[0] == "rbd_mjcf.h":
+            return "load_mjcf"
         if not option:
             return found[0] if found[0].startswith("'") else ""
         option = option.replace("-", "_")
         flags = "floating", "keep_all", "lock_massless", "strict", "messages"
         return f"{option}={value}" if value else f"{option}=True" if option in flags else option
 
-    return re.sub(r"'[^']*'|(?:options\.\w+, )?(?:rbd-\w+ )?(?<![\w-])--([a-z][a-z-]*)(?: ('[^']*'))?|"
+    return re.sub(r"'[^']*'|rbd_mjcf\.h|(?:options\.\w+, )?(?:rbd-\w+ )?(?<![\w-])--([a-z][a-z-]*)(?: ('[^']*'))?|"
                   r"\b(?:RBD_(?!NO_)(?:URDF_|MJCF_)?|rbd_(?:urdf_|mjcf_)?)(?=\w)", word, text)

@@ -992,6 +992,7 @@ def test_names_are_those_of_python():
             ("still: options.lock, rbd-model --lock 'a b', or --lock-massless for all",
              "still: lock='a b', or lock_massless=True for all"),
             ("float (options.root, rbd-model --floating)", "float (floating=True)"),
+            ("MJCF: rbd_mjcf.h reads it", "MJCF: load_mjcf reads it"),
             ("otherwise: options.root_joint, rbd-model --root-joint", "otherwise: root_joint")):
         assert _python_words(sentence) == expected
 
