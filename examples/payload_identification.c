@@ -1,6 +1,6 @@
-/* payload_identification.c - what an iiwa took up, and the friction of its joints, from the torques of a motion
-   with noise: a recursive estimate by rbd_estimate.h, which is a body that can exist at each tick. Then the
-   hand opens, and the model is corrected at run time both times. */
+/* payload_identification.c - what an iiwa took up, and the friction of its joints, from the torques of a
+   motion with noise: a recursive estimate by rbd_estimate.h, which is a body that can exist at each tick. The
+   model is corrected at run time. Then the hand opens, and the estimate is told. */
 #define RBD_IMPLEMENTATION
 #include "rbd_estimate.h"
 #include "models/iiwa.h"
