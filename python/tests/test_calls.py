@@ -152,9 +152,10 @@ def test_structures_are_those_of_the_header(double):
     names = ["rbd_body", "rbd_finding", "rbd_report", "rbd_joint_info", "rbd_constraint",
              "rbd_contact", "rbd_contact_options", "rbd_contact_problem", "rbd_contact_solution",
              "rbd_ik_target", "rbd_ik_options", "rbd_ik_result",
+             "rbd_joint_friction", "rbd_estimate_fault", "rbd_observer_options", "rbd_estimate_options",
              "rbd_urdf_options", "rbd_urdf_lock", "rbd_urdf_frame", "rbd_urdf_finding", "rbd_urdf",
              "rbd_mjcf_options", "rbd_mjcf_lock", "rbd_mjcf_frame", "rbd_mjcf_place", "rbd_mjcf_finding", "rbd_mjcf"]
-    unit = '#include "rbd_contact.h"\n#include "rbd_ik.h"\n#include "rbd_urdf.h"\n#include "rbd_mjcf.h"\nconst size_t sizes[] = {%s};' % ", ".join(
+    unit = '#include "rbd_contact.h"\n#include "rbd_ik.h"\n#include "rbd_estimate.h"\n#include "rbd_urdf.h"\n#include "rbd_mjcf.h"\nconst size_t sizes[] = {%s};' % ", ".join(
         f"sizeof({name})" for name in names)
     sizes = (ctypes.c_size_t * len(names)).in_dll(_compile([unit], ["cc"]), "sizes")
     assert list(sizes) == [ctypes.sizeof(rbd.structure(name)) for name in names]
