@@ -21,3 +21,14 @@ mathjax_options = {"defer": "defer"}
 html_js_files = ["math.js"]
 suppress_warnings = ["myst.header", "misc.highlighting_failure"]
 nitpicky = False
+
+
+def setup(app):
+    """Several declarations with one comment are one entry, and each has its anchor: pages.py writes them with ; between."""
+    from sphinx.domains.c import CFunctionObject, CMacroObject
+
+    def get_signatures(directive):
+        return [part.strip() for part in directive.arguments[0].split(";")]
+
+    for name, base in (("function", CFunctionObject), ("macro", CMacroObject)):
+        app.add_directive_to_domain("c", name, type(base.__name__, (base,), {"get_signatures": get_signatures}), override=True)

@@ -280,6 +280,11 @@ def rendered(comment, header, leave=()):
 
 # ---- entries ----
 
+def together(signatures):
+    """Signatures of one entry, on the directive's line: conf.py takes them apart, and each has its anchor."""
+    return " ; ".join(signatures)
+
+
 def signature(item):
     text = re.sub(r"/\*.*?\*/", " ", item.text, flags=re.S).split("{")[0]
     text = re.sub(r"\b(RBDI_API|RBDI_BATCH_API|RBDI_INLINE|RBDI_PART|static|RBDI_UNUSED|RBDI_AT)\b", "", text)
@@ -358,7 +363,7 @@ def type_lines(item, header, with_text):
 
 
 def macro_lines(macros, text, header):
-    return ["`````{c:macro} " + "\n".join(i.text for i in macros) + "\n", rendered(text, header),
+    return ["`````{c:macro} " + together(i.text for i in macros) + "\n", rendered(text, header),
             source(macros[0], header) + "\n`````\n"]
 
 
@@ -366,7 +371,7 @@ def function_lines(functions, comment, header):
     """Results, arguments, errors, cost and examples of functions with one comment."""
     rows, _, _ = argument_rows(functions, header)
     short = "; ".join(dict.fromkeys(summaries().get(i.name, "") for i in functions))
-    out = ["`````{c:function} " + "\n".join(signature(i) for i in functions) + "\n",
+    out = ["`````{c:function} " + together(signature(i) for i in functions) + "\n",
            rendered(comment, header, leave=[r[0] for r in rows]) or short[:1].upper() + short[1:] + ".\n"]
     out += ["```{math}\n" + formulas()[i.name] + "\n```\n" for i in functions if i.name in formulas()]
     if rows:
@@ -385,6 +390,8 @@ def entry(group, header):
     types, macros, functions = ([i for i in group if i.kind == kind] for kind in ("type", "macro", "function"))
     macros = [i for i in macros if i.name not in extract.named_in_top(header)]
     comment = "\n".join(i.comment for i in group if i.comment)
+    if len(functions) > 1 and all(i.comment for i in group):  # each has a line of its own
+        comment = "\n".join(f"{i.name}  {i.comment}" for i in group)
     out = [line for item in types for line in type_lines(item, header, with_text=not functions)]
     if macros:
         out += macro_lines(macros, comment or summaries().get(group[0].name, ""), header)
@@ -429,7 +436,7 @@ def top_part(body):
 def top_macro(name, text, header):
     names = re.findall(r"RBD_\w+(?:\(\w\))?", name) if "(" in name else [name.split()[0]]
     code, sentence = re.findall(r"\n(#.*)", text), re.sub(r"\n#[^\n]*", "", text)
-    return ["`````{c:macro} " + "\n".join(names) + "\n\n" + linked(sentence, header) + "\n",
+    return ["`````{c:macro} " + together(names) + "\n\n" + linked(sentence, header) + "\n",
             (fence("\n".join(code)) if code else "") + "`````\n"]
 
 
@@ -630,7 +637,7 @@ def problems():
     declared = set().union(*map(interface.public, interface.HEADERS))
     shown = set()
     for block in re.findall(r"^`{4,5}\{c:\w+\} ([^`]*?)\n\n|^````\{c:enumerator\} (\w+)", text, re.M):
-        for line in (block[0] or block[1]).split("\n"):
+        for line in re.split(r" ; |\n", block[0] or block[1]):
             names = re.findall(r"\b(?:rbd|RBD)_\w+(?=\(|$| *\*?$|\[)", line.strip())
             shown |= set(names[:1]) if "(" in line else set(names[-1:])
     for name in sorted(declared - shown):

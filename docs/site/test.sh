@@ -27,6 +27,7 @@ pages)
         { echo "Sphinx, furo, MyST or KaTeX is not installed"; exit 77; }
     PYTHONDONTWRITEBYTECODE=1 RBD_PLAYGROUND=no "$here/build.sh" "$scratch/site" -W --keep-going
     python3 -B "$here/links.py" "$scratch/site"
+    python3 -B "$here/anchors.py" "$scratch/site"
     # Nothing is asked of a server by the theme, its script is no module, and it has dark colours.
     cd "$scratch/site/_static"
     if grep -n 'url(/' styles/*.css || grep -n '^import ' scripts/furo.js; then exit 1; fi
