@@ -8,7 +8,7 @@ scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 if [ "${RBD_PLAYGROUND-no}" = yes ]; then # first: the pages link it
     status=0
-    sh "$root/web/playground/build.sh" "$scratch/playground" || status=$?
+    RBD_HOME=../index.html sh "$root/web/playground/build.sh" "$scratch/playground" || status=$?
     case $status in
     0) ;;
     77) export RBD_PLAYGROUND=no; echo "the site is without its playground" >&2 ;;

@@ -11,6 +11,7 @@ import { Motion } from "./motion.js";
 import { readFiles } from "./files.js";
 import { buildDownloads, identifier } from "./downloads.js";
 import { readLink, writeLink } from "./link.js";
+import { drawPlot } from "./plots.js";
 import * as panels from "./panels.js";
 
 const { $, element } = panels;
@@ -22,9 +23,16 @@ const builtIn = {
   cart_pole: ["cart-pole", cartPole, false, (name) => (name === "hinge" ? 2.6 : 0)],
 };
 
-let robot, view, update = [], costs = 0, due = 0;
+let robot, view, update = [], costs = 0, due = 0, grabbed = null, fading;
 const motion = new Motion();
-const tell = (text) => { $("status").textContent = text; };
+
+// A message, above all else in the window, so that it is seen wherever the page is scrolled to. Most go by themselves.
+function tell(text, stay = false) {
+  $("status").textContent = text;
+  $("message").hidden = text === "";
+  clearTimeout(fading);
+  if (text && !stay) fading = setTimeout(() => tell(""), 8000);
+}
 const current = () => ({ robot, source: robot.source });
 const showCommands = buildDownloads(current, tell);
 
@@ -43,13 +51,14 @@ async function open(source, pose) {
   source = { files: {}, ...source };
   let model;
   try { model = await Model.load(source.text, source); } catch (error) {
-    tell(`The module stopped: ${error.message}`);
+    tell(`The module stopped: ${error.message}`, true);
     return false;
   }
   const errors = model.build ? [{ line: 0, status: -15, text: model.build }] : model.errors;
   showFindings(source, [...errors, ...model.warnings]);
   if (model.status) {
-    tell(`${source.name} has an error; the picture is of the robot before.`);
+    const [first] = [...errors, { text: "" }], before = robot ? " The picture is of the robot before." : "";
+    tell(`${source.name} has an error${first.line > 0 ? ` in line ${first.line}` : ""}: ${first.text}${before}`, true);
     $("problems").scrollIntoView({ block: "nearest" });
     return false;
   }
@@ -63,7 +72,24 @@ async function open(source, pose) {
   document.title = `${model.name} · rbd playground`;
   tell("");
   build();
+  tellMissing();
+  ask();
   return true;
+}
+
+// Meshes that the file names and that were not given.
+function tellMissing() {
+  const missing = [...view.missing], names = missing.slice(0, 6).map(([uri, why]) => `${uri.split("/").pop()} (${why})`);
+  $("missing").hidden = missing.length === 0;
+  $("missing").textContent = missing.length === 0 ? "" : `${missing.length} of the file's meshes ${missing.length === 1 ? "is" : "are"} not drawn: `
+    + `${names.join(", ")}${missing.length > 6 ? ", …" : ""}. Rods stand for links without one. Drop a zip with the URDF and its meshes.`;
+}
+
+// Only who knows the robot knows whether a root link with mass floats: asked of a dropped file, whose source says nothing of it.
+function ask() {
+  const root = robot.source.floating === undefined ? Robot.rootHasMass(robot.source.text) : null;
+  $("ask").hidden = root === null;
+  if (root !== null) $("asked").textContent = `The root link ${root} has mass. Is it fixed to the world, as an arm's, or does it float, as a walking robot's?`;
 }
 
 function startPose() {
@@ -79,7 +105,7 @@ function build() {
   view.show(robot);
   panels.buildLinks(robot, refresh);
   panels.buildContacts(robot, setContacts);
-  update = [panels.buildJoints(robot, moved), panels.buildGravity(robot), panels.buildMatrix(robot)];
+  update = [panels.buildJoints(robot, moved), panels.buildTorques(robot), panels.buildMatrix(robot)];
   motion.start(robot);
   refresh();
   showCommands();
@@ -96,13 +122,15 @@ async function cost() {
 // Shows the robot as it is.
 function refresh() {
   robot.update();
-  const ellipsoid = $("ellipsoid").checked && $("at").value ? robot.ellipsoid(Number($("at").value)) : null;
+  const ellipsoid = $("at").value ? robot.ellipsoid(Number($("at").value)) : null;
   update.forEach((f) => f());
   panels.updateCom(robot);
   panels.updateReach(ellipsoid);
   view.update();
   view.showEllipsoid(ellipsoid);
-  panels.drawEnergy(motion.history);
+  view.showForces(motion.running ? motion.forces : robot.rest.forces);
+  drawPlot(motion.history, robot);
+  $("rate").textContent = motion.running && motion.rate ? `${motion.rate.toFixed(2)} × real time` : "";
   $("canvas").setAttribute("aria-label", `${robot.model.name}, ${motion.running ? "moving" : "at rest"}`);
 }
 
@@ -134,17 +162,45 @@ function animate(time) {
     const status = motion.frame(time);
     if (status) {
       setRunning(false);
-      tell(`The motion stopped: ${robot.model.statusText(status)}`);
+      tell(`The motion stopped: ${robot.model.statusText(status)}`, true);
     }
     if (status || time > due) {
       const start = performance.now();
       refresh();
       due = time + Math.max(100, 5 * (performance.now() - start));
-    } else view.update();
+    } else {
+      view.update();
+      view.showForces(motion.forces);
+    }
     view.showGrip();
   }
   view.draw();
   requestAnimationFrame(animate);
+}
+
+// ---- the mouse in the picture ----
+
+// A link is dragged: while the robot moves it is pulled; at rest its point follows by inverse kinematics, or one joint turns.
+function dragged(body, point, place) {
+  if (motion.running) {
+    motion.pull(body, point, place);
+    return "pull";
+  }
+  const floats = grabbed.holdRoot && body === 0; // nothing holds it: it goes along
+  if ($("drag").value === "joint" || floats) return "turn";
+  tell(robot.reach(grabbed, point, place));
+  return "reach";
+}
+
+function hover(hit, event) {
+  const box = $("hover");
+  box.hidden = !hit;
+  if (!hit) return;
+  const b = robot.bodies[hit.body], frame = $("view").getBoundingClientRect(), near = (x) => x.toFixed(3);
+  const value = b.nq === 1 ? ` = ${near(robot.q()[b.iq])} ${b.type === 4 ? "m" : "rad"}` : "";
+  box.textContent = `${b.name ?? "link"}: ${b.mass.toPrecision(3)} kg; ${b.joint ?? "root"}${value}; at ${hit.point.toArray().map(near).join(", ")} m`;
+  box.style.left = `${Math.min(event.clientX - frame.left + 14, frame.width - box.offsetWidth - 6)}px`;
+  box.style.top = `${event.clientY - frame.top + 16}px`;
 }
 
 // ---- controls ----
@@ -152,7 +208,7 @@ function animate(time) {
 const openBuiltIn = (id, pose) => open({ id, name: `${id}.urdf`, text: builtIn[id][1], floating: builtIn[id][2] }, pose);
 
 async function openFiles(list) {
-  try { await open(await readFiles(list)); } catch (error) { tell(error.message); }
+  try { await open(await readFiles(list)); } catch (error) { tell(error.message, true); }
 }
 
 async function openLink() {
@@ -183,6 +239,13 @@ function listen() {
       if (!motion.running) setRunning(true);
     });
   }
+  $("curves").addEventListener("change", () => drawPlot(motion.history, robot));
+  panels.buildLegend(view.drawn, () => view.choose());
+  $("shown").open = innerWidth > 1100;
+  $("close").addEventListener("click", () => tell(""));
+  for (const [id, floating] of [["floats", true], ["fixed", false]]) {
+    $(id).addEventListener("click", () => open({ ...robot.source, floating }));
+  }
   $("again").addEventListener("click", cost);
   const readText = () => open({ ...robot.source, id: $("text").value === robot.source.text ? robot.source.id : undefined, text: $("text").value,
     floating: $("floating").checked, massless: $("massless").checked });
@@ -197,8 +260,10 @@ function listen() {
 async function start() {
   view = new View($("canvas"), {
     moved,
-    pulled: (body, point, place) => motion.running && (motion.pull(body, point, place), true),
+    taken: (body) => { grabbed = robot.grab(body); },
+    pulled: dragged,
     released: () => { motion.grip = null; },
+    hover,
   });
   $("licences").textContent = licences;
   listen();
