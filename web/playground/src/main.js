@@ -15,11 +15,12 @@ import { drawPlot } from "./plots.js";
 import * as panels from "./panels.js";
 
 const { $, element } = panels;
-// Built in: title, text, whether it floats, and a pose by joint.
+// Built in: title, text, whether it floats, a pose by joint, and corners of soles by link, which their files do not have.
+const sole = [-0.08, 0.17].flatMap((x) => [-0.06, 0.06].map((y) => [x, y, -0.08]));
 const builtIn = {
   iiwa: ["KUKA iiwa", iiwa, false, (name) => ({ 2: 0.6, 4: -1.2, 6: 0.9 })[name.at(-1)]],
   hyq: ["HyQ", hyq, true, (name) => (/^.[fh]_hfe/.test(name) ? (name[1] === "f" ? 0.75 : -0.75) : /kfe/.test(name) ? (name[1] === "f" ? -1.5 : 1.5) : 0)],
-  atlas: ["Atlas", atlas, true, (name) => (/leg_hpy/.test(name) ? -0.35 : /leg_kny/.test(name) ? 0.7 : /leg_aky/.test(name) ? -0.35 : name === "l_arm_shx" ? -1.2 : name === "r_arm_shx" ? 1.2 : 0)],
+  atlas: ["Atlas", atlas, true, (name) => (/leg_hpy/.test(name) ? -0.35 : /leg_kny/.test(name) ? 0.7 : /leg_aky/.test(name) ? -0.35 : name === "l_arm_shx" ? -1.2 : name === "r_arm_shx" ? 1.2 : 0), { l_foot: sole, r_foot: sole }],
   cart_pole: ["cart-pole", cartPole, false, (name) => (name === "hinge" ? 2.6 : 0)],
 };
 
@@ -33,6 +34,7 @@ function tell(text, stay = false) {
   clearTimeout(fading);
   if (text && !stay) fading = setTimeout(() => tell(""), 8000);
 }
+const many = (n, one, more) => `${n} ${n === 1 ? one : more}`;
 const current = () => ({ robot, source: robot.source });
 const showCommands = buildDownloads(current, tell);
 
@@ -68,7 +70,8 @@ async function open(source, pose) {
   $("floor").checked = robot.floor;
   $("robot").value = source.id ?? "";
   $("name").value = identifier(source.name);
-  $("facts").textContent = `${model.name}: ${model.nb} bodies, ${model.nv} degrees of freedom, ${model.mass.toPrecision(4)} kg`;
+  $("facts").textContent = `${model.name}: ${many(model.nb, "body", "bodies")}, `
+    + `${many(model.nv, "degree", "degrees")} of freedom, ${model.mass.toPrecision(4)} kg`;
   document.title = `${model.name} · rbd playground`;
   tell("");
   build();
@@ -205,7 +208,7 @@ function hover(hit, event) {
 
 // ---- controls ----
 
-const openBuiltIn = (id, pose) => open({ id, name: `${id}.urdf`, text: builtIn[id][1], floating: builtIn[id][2] }, pose);
+const openBuiltIn = (id, pose) => open({ id, name: `${id}.urdf`, text: builtIn[id][1], floating: builtIn[id][2], soles: builtIn[id][4] }, pose);
 
 async function openFiles(list) {
   try { await open(await readFiles(list)); } catch (error) { tell(error.message, true); }

@@ -35,7 +35,7 @@ function angles([x, y, z, w]) {
 }
 
 export class Robot {
-  // source: { name (of the file), text, files, floating, massless }
+  // source: { name (of the file), text, files, floating, massless, soles }
   constructor(model, source) {
     Object.assign(this, { model, source, bodies: model.bodies, frames: model.frames });
     this.neutral = [...this.q()];
@@ -138,8 +138,9 @@ export class Robot {
   get balls() { return this.found.filter(([body]) => this.touching.has(body)); }
 
   guessedBalls() {
-    const balls = [], radius = 0.012 * this.size, seen = new Set();
+    const balls = [], radius = 0.012 * this.size, seen = new Set(), { soles = {} } = this.source;
     this.bodies.forEach((b, i) => {
+      if (Object.hasOwn(soles, b.name)) return balls.push(...soles[b.name].map((p) => [i, ...p, 0]));
       for (const tip of this.tips[i]) {
         const key = `${i} ${tip.map((x) => x.toFixed(4))}`;
         if (!seen.has(key)) balls.push([i, ...tip, radius]);

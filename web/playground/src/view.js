@@ -155,7 +155,7 @@ export class View {
 
   // The points that may touch the floor.
   drawContacts() {
-    const { robot } = this, least = 0.015 * robot.size;
+    const { robot } = this, least = 0.008 * robot.size;
     if (this.contacts) {
       this.root.remove(this.contacts);
       this.contacts.dispose();
