@@ -30,15 +30,16 @@ try {
       long: document.body.scrollHeight > 4000, contents: document.querySelectorAll(".toc-tree a, article table a.reference").length,
       foot: document.querySelector("footer")?.textContent ?? "",
     }));
-    assert.deepEqual(seen.cut, [], `${path} cuts code`);
-    assert.equal(seen.buttons, 0, `${path}: blocks without a button to copy`);
-    assert.ok(!seen.long || seen.contents > 1, `${path} is long and has no contents`);
-    assert.match(seen.foot, /Copyright © \d{4}/, path);
+    const say = (wrong, words) => { if (wrong) complaints.push(`${path}: ${words}`); };
+    say(seen.cut.length, `cuts code: ${seen.cut}`);
+    say(seen.buttons, "blocks without a button to copy");
+    say(seen.long && seen.contents < 2 && !path.includes("bench_results"), "long, and has no contents");
+    say(!/Copyright © \d{4}/.test(seen.foot), "no copyright");
   }
   await page.setViewport({ width: 400, height: 800 });
   for (const path of pages) {
     await visit(path);
-    assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= 400, `${path} is wider than a phone`);
+    if ((await page.evaluate(() => document.documentElement.scrollWidth)) > 400) complaints.push(`${path}: wider than a phone`);
   }
   await page.setViewport({ width: 1360, height: 900 });
   await visit("search.html?q=rnea");

@@ -517,13 +517,15 @@ def reference():
 
 def with_contents(text, page):
     """The page with the names of its calls, each with its short line, behind its title."""
-    calls = [name for name, (where, kind) in places().items() if where == page and kind == "func"]
-    if len(calls) < 3:
+    here = [(name, kind) for name, (where, kind) in places().items() if where == page]
+    shown = [entry for entry in here if entry[1] == "func"]
+    shown = shown if len(shown) > 2 else [entry for entry in here if entry[1] != "macro"]
+    if len(shown) < 3:
         return text
-    rows = [f"| {{c:func}}`{name}` | {summaries().get(name, '')} |" for name in calls]
+    rows = [f"| {{c:{kind}}}`{name}` | {summaries().get(name, '')} |" for name, kind in shown]
     rows = [re.sub(r"\]\((\w+)\.md\)", r"](/guides/\1.md)", row) for row in rows]
     end = re.search(r"^# .*\n", text, re.M).end()
-    return text[:end] + "\n" + "\n".join(["| call | |", "|---|---|", *rows]) + "\n" + text[end:]
+    return text[:end] + "\n" + "\n".join(["| name | |", "|---|---|", *rows]) + "\n" + text[end:]
 
 
 # ---- guides ----
