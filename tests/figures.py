@@ -126,7 +126,7 @@ TABLES = {
     "docs/performance.md": ["| instructions | iiwa | HyQ | Atlas |"],  # sentences, above
     "docs/gpu.md": ["| million", "| float", "| millions",  # sentences of gpu_figures.py
                     "| call | registers |"],  # what nvcc 13.0 says; kernels of tests/device
-    "docs/accuracy.md": ["| class | scalar | algorithm |", "| singularity |",  # build/tests/pivots, minutes
+    "docs/accuracy_tables.md": ["| class | scalar | algorithm |", "| singularity |",  # build/tests/pivots, minutes
                          "| R in m |"],  # an illustration of the bound above it; no kept program prints it
 }
 UNITS = re.compile(r"(?<![\w.`])\d[\d,.]*(?: (?:to|and|or) \d[\d,.]*)?\s?(?:%|instructions|bytes|[kKM]B\b|ns\b|us\b|ms\b|µs|[km]?Hz|"

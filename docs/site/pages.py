@@ -26,7 +26,7 @@ GUIDES = [
                            "docs/gradients.md"]),
     ("On the robot", ["docs/control_loop.md", "docs/porting.md", "docs/firmware.md", "examples/firmware/README.md",
                       "docs/reproducible.md", "docs/generated_code.md"]),
-    ("Research", ["docs/other_libraries.md", "docs/gpu.md", "docs/tools.md", "models/README.md", "docs/accuracy.md",
+    ("Research", ["docs/other_libraries.md", "docs/gpu.md", "docs/tools.md", "models/README.md", "docs/accuracy.md", "docs/accuracy_tables.md",
                   "docs/performance.md", "bench/results/2026-11-27-xeon/report.md",
                   "bench/results/2026-11-25-contact/contact.md", "bench/results/2026-11-27-h200/report.md", "bench/README.md"]),
     ("The project", ["README.md", "CHANGELOG.md", "docs/migration.md", "CONTRIBUTING.md", "packaging/README.md"]),
