@@ -1,6 +1,6 @@
 /* constraints.c - the fuzzer of rbd_constraints.h: random problems (problems.c) against dense matrices in
-   long double (dense.c). It prints the worst error of each quantity in each class; docs/accuracy_tables.md says
-   what is measured.
+   long double (dense.c). It prints the worst error of each quantity in each class; docs/accuracy_tables.md
+   says what is measured.
        constraints [--seconds N | --problems N]   for so long, or so many problems of all classes together;
        10000
                    [--from N]                     begins with problem N of each class
