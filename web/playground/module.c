@@ -25,9 +25,9 @@ enum { BALLS = 300, TARGETS = 40, TARGET = 18 }; /* at most so many; numbers of 
 
 static double *q, *v, *tau, *damping, *stiffness, *wanted, *f_ext; /* state, and what moves it */
 static double *poses, *com, *energy, *gravity, *mass_matrix, *jacobian, *out;
-static double *contact_forces;                    /* 4 for each ball: state, force */
-static double *standing, *feet, *foot_forces;     /* torques; body, x, y, z of each foot; 3 for each */
-static double *targets, *reached;                 /* of inverse kinematics; m, dof of the limit or -1 */
+static double *contact_forces;                /* 4 for each ball: state, force */
+static double *standing, *feet, *foot_forces; /* torques; body, x, y, z of each foot; 3 for each */
+static double *targets, *reached;             /* of inverse kinematics; m, dof of the limit or -1 */
 static char sentence[200];
 
 static void *allocate(size_t n, size_t size) {
@@ -157,7 +157,8 @@ static void tell_arrays(void) {
     energy = array("energy", 2), mass_matrix = array("mass_matrix", nv * nv);
     jacobian = array("jacobian", 6 * nv), out = array("out", 2 * nv * nv);
     contact_forces = array("contact_forces", 4 * BALLS);
-    standing = array("standing", nv), feet = array("feet", 4 * BALLS), foot_forces = array("foot_forces", 3 * BALLS);
+    standing = array("standing", nv), feet = array("feet", 4 * BALLS),
+    foot_forces = array("foot_forces", 3 * BALLS);
     targets = array("targets", TARGET * TARGETS), reached = array("reached", 2);
     text("}");
 }
@@ -209,8 +210,8 @@ EXPORT int web_jacobian(int body, double x, double y, double z) {
     return rbd_jacobian(m, w, body, point, RBD_WORLD_AXES, jacobian);
 }
 
-/* Torques that hold the robot at rest on `feet`, n points that stay where they are, and the forces there, with the
-   least squares of forces: `standing` and `foot_forces`. A force may pull; what motors cannot give stands at the root. */
+/* Torques that hold the robot at rest on `feet`, n points that stay where they are, and the forces there, of
+   least squares: `standing` and `foot_forces`. A force may pull; what motors cannot give stands at the root. */
 EXPORT int web_stand(int n) {
     rbd_constraint list[BALLS];
     rbd_constraint_set *set;
@@ -220,8 +221,7 @@ EXPORT int web_stand(int n) {
     void *memory = allocate(size, 1);
     double *rest = allocate((size_t)rbd_nv(m), sizeof *rest);
     rbd_status status = rbd_constraint_set_init(m, w, list, n, memory, size, &set, NULL);
-    if (!status)
-        status = rbd_constrained_id(m, set, q, rest, rest, NULL, NULL, NULL, standing, foot_forces);
+    if (!status) status = rbd_constrained_id(m, set, q, rest, rest, NULL, NULL, NULL, standing, foot_forces);
 
     free(rest);
     free(memory);
@@ -251,7 +251,8 @@ EXPORT int web_ik(int n, int hold_root) {
 
     const size_t size = rbd_ik_size(m, n);
     void *memory = allocate(size, 1);
-    const rbd_ik_options near = {.starts = 1, .evaluations = 100, .metres = 1e-5, .radians = 1e-4, .held = held};
+    const rbd_ik_options near = {
+        .starts = 1, .evaluations = 100, .metres = 1e-5, .radians = 1e-4, .held = held};
     rbd_ik_result result;
     const rbd_ik_status status = rbd_ik(m, w, list, n, &near, memory, size, q, &result);
     rbd_ik_text(status, &result, sentence, sizeof sentence);
