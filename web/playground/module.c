@@ -211,7 +211,7 @@ EXPORT int web_jacobian(int body, double x, double y, double z) {
 }
 
 /* Torques that hold the robot at rest on `feet`, n points that stay where they are, and the forces there, of
-   least squares: `standing` and `foot_forces`. A force may pull; what motors cannot give stands at the root. */
+   least squares: `standing` and `foot_forces`. A force may pull; what motors cannot give is at the root. */
 EXPORT int web_stand(int n) {
     rbd_constraint list[BALLS];
     rbd_constraint_set *set;
