@@ -48,7 +48,8 @@ function show() {
         link.href = page + (anchor ? "#" + anchor : "");
         link.textContent = title;
         if (kind === 2) link.className = "name";
-        excerpt(body, query).split(new RegExp("(" + query.map((w) => w.replace(/\W/g, "")).join("|") + ")", "gi")).forEach((part, i) => {
+        const shown = kind === 2 ? body.replace(/^.*?\)\s(?=[A-Z])/, "") : body; // without the prototype
+        excerpt(shown, query).split(new RegExp("(" + query.map((w) => w.replace(/\W/g, "")).join("|") + ")", "gi")).forEach((part, i) => {
             const piece = document.createElement(i % 2 ? "mark" : "span");
             piece.textContent = part;
             line.append(piece);
