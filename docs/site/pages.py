@@ -19,21 +19,22 @@ from extract import ROOT
 HERE = pathlib.Path(__file__).resolve().parent
 # Guides, in order: title of the part, and files; those that are not there are left out.
 GUIDES = [
-    ("Begin", ["docs/first_minutes.md", "docs/install.md", "docs/robot.md", "docs/robot_files.md", "docs/mjcf.md", "docs/which_call.md", "docs/conventions.md",
-               "examples/README.md", "python/README.md", "docs/faq.md", "docs/glossary.md"]),
+    ("Begin", ["docs/first_minutes.md", "docs/install.md", "docs/robot.md", "docs/robot_files.md", "docs/mjcf.md",
+               "docs/which_call.md", "docs/conventions.md", "examples/README.md", "python/README.md", "docs/faq.md", "docs/glossary.md"]),
     ("An arm", ["docs/gravity_compensation.md", "docs/computed_torque.md", "docs/inverse_kinematics.md", "docs/actuators.md",
                 "docs/identification.md"]),
     ("A robot with legs", ["docs/floating_base.md", "docs/contacts.md", "docs/contact_step.md", "docs/qp.md",
                            "docs/tasks.md", "docs/gradients.md"]),
     ("On the robot", ["docs/control_loop.md", "docs/porting.md", "docs/firmware.md", "examples/firmware/README.md",
                       "docs/reproducible.md", "docs/generated_code.md"]),
-    ("Research", ["docs/other_libraries.md", "docs/gpu.md", "docs/tools.md", "models/README.md", "docs/accuracy.md", "docs/accuracy_tables.md",
+    ("Research", ["docs/other_libraries.md", "docs/gpu.md", "docs/tools.md", "models/README.md", "docs/accuracy.md",
+                  "docs/accuracy_tables.md",
                   "docs/performance.md", "bench/results/2026-11-27-xeon/report.md",
                   "bench/results/2026-11-25-contact/contact.md", "bench/results/2026-11-27-h200/report.md", "bench/README.md"]),
     ("The project", ["README.md", "CHANGELOG.md", "docs/migration.md", "CONTRIBUTING.md", "packaging/README.md"]),
 ]
 # Titles that are not those of their files, in the menu and on the page.
-TITLES = {"examples/firmware/README.md": "Firmware: examples", "bench/results/2026-11-27-xeon/report.md": "Measurements",
+TITLES = {"docs/mjcf.md": "MJCF files", "examples/firmware/README.md": "Firmware: examples", "bench/results/2026-11-27-xeon/report.md": "Measurements",
           "bench/results/2026-11-25-contact/contact.md": "Measurements of contacts",
           "bench/results/2026-11-27-h200/report.md": "Measurements on a GPU", "README.md": "Overview"}
 # Pages that no menu needs: they are reached by links.
@@ -389,7 +390,7 @@ def function_lines(functions, comment, header):
     if rows:
         out += ["| argument | | shape | meaning |", "|---|---|---|---|"]
         out += [f"| `{n}` | {way} | {shape} | {linked(text, header)} |" for n, way, shape, text in rows] + [""]
-    found = dict.fromkeys(s for i in functions for s in status_list(i.name) if re.match("rbd(_urdf)?_status ", signature(i)))
+    found = dict.fromkeys(s for i in functions for s in status_list(i.name) if re.match("rbd(_urdf|_mjcf)?_status ", signature(i)))
     if found:
         out.append("**Errors** " + ", ".join(f"{{c:enumerator}}`{s}`" for s in found) + "\n")
     out += cost_lines(functions)
@@ -488,7 +489,7 @@ def top_page(header):
 
 def owner(name):
     """The header in whose first comment this macro is explained."""
-    return {"RBD_IMPLEMENTATION": "rbd.h", "RBD_URDF_IMPLEMENTATION": "rbd_urdf.h",
+    return {"RBD_IMPLEMENTATION": "rbd.h", "RBD_URDF_IMPLEMENTATION": "rbd_urdf.h", "RBD_MJCF_IMPLEMENTATION": "rbd_mjcf.h",
             "RBD_CHECK_FRAMES": "rbd_spatial.h"}.get(name, "rbd.h" if name in extract.named_in_top(headers()[0]) else None)
 
 
