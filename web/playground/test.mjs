@@ -435,6 +435,14 @@ const tests = {
     await until("playground.current().robot.model.nv === 2");
     assert.equal(await page.$eval("#problems", (p) => p.hidden), true);
   },
+  async "a file of another format is named"() {
+    for (const [name, root] of [["robot.xml", "mujoco"], ["robot.urdf", "sdf"]]) {
+      await drop(name, `<?xml version="1.0"?>\n<${root} name="x"></${root}>`);
+      await until(`document.getElementById("status").textContent.includes(${root === "sdf" ? '"SDF"' : '"MJCF"'})`);
+    }
+    await page.click("#close");
+    assert.equal(await page.$eval("#message", (e) => e.hidden), true);
+  },
   async "a hostile file: its text is never markup, and nothing is fetched"() {
     const bad = "&lt;img src=x onerror=alert(1)&gt;&lt;script&gt;alert(2)&lt;/script&gt;&quot;'";
     await drop("hostile.urdf", `<robot name="${bad}"><material name="m"><texture filename="http://example.com/t.png"/></material>
