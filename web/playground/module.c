@@ -109,9 +109,11 @@ static rbd_urdf_status parse(const char *xml, size_t length, const rbd_urdf_opti
     return rbd_urdf_parse(xml, length, o, r);
 }
 
-static rbd_status build(const rbd_urdf *r, rbd_report *report) {
+static rbd_status build(const rbd_urdf *r, int kinematic, rbd_report *report) {
     const size_t size = rbd_model_size(r->bodies, r->nb);
-    rbd_status status = rbd_model_build(r->bodies, r->nb, allocate(size, 1), size, &m, report);
+    void *memory = allocate(size, 1);
+    rbd_status status = kinematic ? rbd_model_build_kinematic(r->bodies, r->nb, memory, size, &m, report)
+                                  : rbd_model_build(r->bodies, r->nb, memory, size, &m, report);
     if (status) return status;
     const size_t work = rbd_work_size(m);
     status = rbd_work_init(m, allocate(work, 1), work, &w);
@@ -169,8 +171,9 @@ typedef char types_are_those_of_robot_js
 typedef char kinds_are_those_of_robot_js[RBD_IK_POINT == 0 && RBD_IK_POSE == 1 ? 1 : -1];
 
 /* 0, or a status; web_json says more. */
-EXPORT int web_load(const char *xml, size_t length, int floating, int lock_massless) {
-    const rbd_urdf_options o = {.root = floating ? RBD_FLOATING : RBD_FIXED, .lock_massless = lock_massless};
+EXPORT int web_load(const char *xml, size_t length, int floating, int lock_massless, int kinematic) {
+    const rbd_urdf_options o = {
+        .root = floating ? RBD_FLOATING : RBD_FIXED, .lock_massless = lock_massless, .kinematic = kinematic};
     rbd_urdf r = {0};
     rbd_report report;
     int status = parse(xml, length, &o, &r);
@@ -179,7 +182,8 @@ EXPORT int web_load(const char *xml, size_t length, int floating, int lock_massl
     text("]"), key("warnings"), text("[");
     for (int i = 0; i < r.nwarnings && i < r.warnings_max; i++) text(i ? "," : ""), finding(&r.warnings[i]);
     text("]");
-    if (!status && (status = build(&r, &report)) != 0) named_string("build", rbd_status_string(status));
+    if (!status && (status = build(&r, kinematic, &report)) != 0)
+        named_string("build", rbd_status_string(status));
     if (!status) tell_robot(&r), tell_arrays(), rbd_neutral(m, q);
     text("}");
     return status;

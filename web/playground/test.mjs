@@ -472,6 +472,26 @@ const tests = {
     await choose("hyq");
     assert.deepEqual(await page.evaluate(() => ["ask", "missing"].map((id) => document.getElementById(id).hidden)), [true, true]);
   },
+  async "a robot without masses has poses and inverse kinematics"() {
+    const joint = (i) => `<link name="l${i}"/><joint name="j${i}" type="revolute"><parent link="${i ? `l${i - 1}` : "base"}"/><child link="l${i}"/><origin xyz="0 0 0.3"/>
+<axis xyz="${i % 2} ${1 - (i % 2)} 0"/><limit lower="-2" upper="2" effort="9" velocity="9"/></joint>`;
+    await drop("bones.urdf", `<robot name="bones"><link name="base"/>${[0, 1, 2, 3].map(joint).join("\n")}</robot>`);
+    await until("playground.current().source.name === 'bones.urdf'");
+    assert.match(await text("status"), /No link has mass/);
+    assert.equal(await page.$eval("#move", (b) => b.disabled), true);
+    const far = await page.evaluate(() => {
+      const { robot } = playground.current(), pose = (x) => { robot.q().set([0.3 + x, 0.4, 0.5 - x, 0.2]); robot.update(); };
+      pose(0);
+      const place = robot.world(3, [0, 0, 0.2]);
+      pose(0.2);
+      const said = robot.reach(robot.grab(3), [0, 0, 0.2], place);
+      robot.update();
+      return [said, Math.hypot(...robot.world(3, [0, 0, 0.2]).map((x, k) => x - place[k]))];
+    });
+    assert.ok(far[0] === "" && far[1] < 1e-4, String(far));
+    await choose("hyq");
+    assert.equal(await page.$eval("#move", (b) => b.disabled), false);
+  },
   async "a zip with a xacro, an include and a mesh"() {
     const { zipSync, strToU8 } = await import("fflate");
     const triangle = "solid t\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 0.3 0 0\nvertex 0 0.3 0\nendloop\nendfacet\nendsolid t\n";

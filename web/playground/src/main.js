@@ -52,6 +52,7 @@ async function open(source, pose) {
   if (motion.running) setRunning(false);
   source = { files: {}, ...source };
   let model;
+  source.kinematic = !Robot.hasMass(source.text);
   try { model = await Model.load(source.text, source); } catch (error) {
     tell(`The module stopped: ${error.message}`, true);
     return false;
@@ -77,6 +78,8 @@ async function open(source, pose) {
   build();
   tellMissing();
   ask();
+  $("move").disabled = source.kinematic;
+  if (source.kinematic) tell("No link has mass: the page shows poses and inverse kinematics of this robot, no torques and no motion.", true);
   return true;
 }
 

@@ -44,6 +44,7 @@ export function buildJoints(robot, moved) {
 
 const ways = {
   fixed: "",
+  massless: "No link has mass: there are none.",
   standing: "It stands: the floor pushes with the least squares of forces, drawn as arrows.",
   hanging: "Nothing carries it: these are the torques if it hung by its root. Put at least three points on the floor.",
   tipping: "It tips over: the centre of mass is not above what it stands on. These are the torques if it hung by its root.",
@@ -171,6 +172,7 @@ const kept = new Map(keptTable.trim().split("\n").map((line) => line.split(","))
 // Microseconds of each call: the least of several runs, each long enough for the browser's clock.
 export async function measureCost(robot) {
   const rows = [], exports = robot.exports();
+  if (robot.source.kinematic) return rows; // these calls are refused
   robot.model.array("v").fill(0);
   for (const [k, [label, id]] of calls.entries()) {
     let best = Infinity, n = 200;

@@ -166,6 +166,12 @@ export class Robot {
     return balls.filter((b) => b.every(Number.isFinite)).slice(0, 300);
   }
 
+  // Whether any link has mass; without, a robot has poses and no dynamics.
+  static hasMass(text) {
+    const file = new DOMParser().parseFromString(text, "text/xml");
+    return file.querySelector("parsererror") !== null || [...file.querySelectorAll("link > inertial > mass")].some((m) => Number(m.getAttribute("value")) !== 0);
+  }
+
   // Whether the file's root link has mass, so that only its user knows if it floats.
   static rootHasMass(text) {
     const file = new DOMParser().parseFromString(text, "text/xml"), name = (e) => e.getAttribute("name");
@@ -211,6 +217,7 @@ export class Robot {
   // on what touches the floor, if that pushes only; points that would have to pull are left out, one by one.
   atRest() {
     const hanging = { torques: this.gravity, forces: [], how: this.isFloating() ? "hanging" : "fixed" };
+    if (this.source.kinematic) return { ...hanging, how: "massless" };
     if (!this.isFloating() || !this.found) return hanging;
     for (let feet = this.support(); feet.length > 2;) {
       this.model.array("feet").set(feet.flatMap((p) => [p[3], ...this.local(p[3], p.slice(0, 3))]));
