@@ -49,7 +49,7 @@ function show() {
         link.textContent = title;
         if (kind === 2) link.className = "name";
         const shown = kind === 2 ? body.replace(/^.*?\)\s(?=[A-Z])/, "") : body; // without the prototype
-        excerpt(shown, query).split(new RegExp("(" + query.map((w) => w.replace(/\W/g, "")).join("|") + ")", "gi")).forEach((part, i) => {
+        excerpt(shown, kind === 2 ? [] : query).split(new RegExp("(" + query.map((w) => w.replace(/\W/g, "")).join("|") + ")", "gi")).forEach((part, i) => {
             const piece = document.createElement(i % 2 ? "mark" : "span");
             piece.textContent = part;
             line.append(piece);
