@@ -2,10 +2,10 @@
 #define RBDI_CONTACT_ROWS_H
 #include "constraints/factor.h"
 #include "constraints/set.h"
-#include "contact/one_contact.h"
+#include "contact/bounded.h"
 
 /* ---- contact rows [contact rows] ----
-   The rows of a step: contacts first, three each, then held constraints, then single dofs. By the factor
+   The rows of a step: contacts first, three each, then held constraints, limits, bounded rows. By the factor
    M + dt damping = L'DL of [packed matrix], with Y = L^-T J' and x = L^-T dt (tau - c - damping v):
 
        Delta = Y' D^-1 Y,   J nu_0 = J v + Y' D^-1 x,   nu = v + L^-1 D^-1 (x + Y p)                      (4)
@@ -118,23 +118,14 @@ RBDI_LOCAL void rbdi_find_places(const rbd_contact_set *c) {
     }
 }
 
-/* Computes the gap to the limit. Returns whether it may be reached; dry friction always acts. */
-RBDI_LOCAL int rbdi_find_limit(const rbd_contact_set *c, rbdi_dof_row *limit, const rbd_real *q,
+/* Computes the gap to the limit. Returns whether it may be reached. */
+RBDI_LOCAL int rbdi_find_limit(const rbd_contact_set *c, rbdi_limit_row *limit, const rbd_real *q,
                                const rbd_real *v) {
     rbdi_gap *gap = &limit->gap;
-    gap->start = gap->rate = gap->reach = rbdi_zero();
-    if (limit->iq < 0) return 1;
     gap->start = limit->side > 0 ? q[limit->iq] - limit->lower : limit->upper - q[limit->iq];
     gap->rate = limit->side * v[limit->dof];
     gap->reach = gap->start + c->half * gap->rate;
     return rbdi_may_touch(*gap, c->dt, rbdi_set(RBDI_NEAR_LIMIT));
-}
-
-/* Writes a dof and its ancestors, ascending, to s->path. Returns how many. */
-RBDI_LOCAL int rbdi_path_to(const rbd_model *m, const rbd_constraint_set *s, int dof) {
-    const int n = m->dof[dof].depth + 1;
-    for (int t = n - 1; t >= 0; --t, dof = m->dof[dof].lambda) s->path[t] = (int16_t)dof;
-    return n;
 }
 
 /* Appends n rows, of this place and those behind it, with entries in these dofs. Returns the first. */
@@ -180,14 +171,24 @@ RBDI_LOCAL int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_
         }
     }
 
-    for (int i = 0; i < c->dof_rows; ++i) {
-        rbdi_dof_row *limit = &c->dof_row[i];
+    for (int i = 0; i < c->limits; ++i, ++place) {
+        rbdi_limit_row *limit = &c->limit[i];
         const int r = s->rows - 3 * contacts, acts = rbdi_find_limit(c, limit, q, v);
         limit->rebounds = 0;
-        limit->row = acts ? rbdi_open_rows(c, place + i, 1, s->path, rbdi_path_to(m, s, limit->dof)) : -1;
+        limit->row = acts ? rbdi_open_rows(c, place, 1, s->path, rbdi_path_to(m, s, limit->dof)) : -1;
         if (!acts) continue;
-        c->lower[r] = limit->iq < 0 ? dt * limit->lower : rbdi_zero();
-        c->upper[r] = limit->iq < 0 ? dt * limit->upper : rbdi_set(RBDI_UNBOUNDED);
+        c->lower[r] = rbdi_zero();
+        c->upper[r] = rbdi_set(RBDI_UNBOUNDED);
+    }
+
+    for (int i = 0; i < c->bounds; ++i, ++place) {
+        rbdi_bounded_row *row = &c->bound[i];
+        const int r = s->rows - 3 * contacts, acts = rbdi_bounded_acts(row);
+        row->turn = rbdi_zero();
+        row->row = acts ? rbdi_open_rows(c, place, 1, s->path, rbdi_paths_to(m, s, &row->law)) : -1;
+        if (!acts) continue;
+        c->lower[r] = dt * row->law.lower;
+        c->upper[r] = dt * row->law.upper;
     }
 
     s->stride = rbdi_row_stride(s->rows);
@@ -215,12 +216,14 @@ RBDI_LOCAL void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     for (int i = 0; i < c->n; ++i)
         if (c->contact[i].row >= 0) rbdi_add_roll(s, &s->constraint[i], &c->contact[i]);
 
-    for (int i = 0; i < c->dof_rows; ++i) {
-        const rbdi_dof_row *limit = &c->dof_row[i];
+    for (int i = 0; i < c->limits; ++i) {
+        const rbdi_limit_row *limit = &c->limit[i];
         if (limit->row < 0) continue;
         s->Y[limit->dof * s->stride + limit->row] = limit->side;
         s->velocity[limit->row] = limit->side * c->v_mid[limit->dof];
     }
+
+    for (int i = 0; i < c->bounds; ++i) rbdi_write_bounded(c, &c->bound[i]);
 
     for (int r = 0; r < s->rows; ++r) s->target[r] = -s->velocity[r] - c->half * s->gamma[r];
 }
@@ -241,7 +244,7 @@ RBDI_LOCAL void rbdi_find_falls(rbd_contact_set *c) {
 }
 
 /* Delta of (4), rows x rows, in s->R; first the upper triangle, in rows of s->stride. Rows that rounding
-   alone moves get 0 on the diagonal: no impulse changes their velocity. Slip is added last. */
+   alone moves get 0 on the diagonal: no impulse changes their velocity. Slip and compliance come last. */
 RBDI_LOCAL void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     const int n = s->rows;
@@ -249,9 +252,13 @@ RBDI_LOCAL void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
     rbdi_bound_noise(m, s);
     for (const rbdi_constraint *con = s->constraint; con < s->constraint + s->n; ++con)
         if (con->row >= 0) rbdi_delta(s, con->dof, con->dofs, con->row, con->rows);
-    for (int i = 0; i < c->dof_rows; ++i) {
-        const rbdi_dof_row *limit = &c->dof_row[i];
+    for (int i = 0; i < c->limits; ++i) {
+        const rbdi_limit_row *limit = &c->limit[i];
         if (limit->row >= 0) rbdi_delta(s, s->path, rbdi_path_to(m, s, limit->dof), limit->row, 1);
+    }
+    for (int i = 0; i < c->bounds; ++i) {
+        const rbdi_bounded_row *row = &c->bound[i];
+        if (row->row >= 0) rbdi_delta(s, s->path, rbdi_paths_to(m, s, &row->law), row->row, 1);
     }
     for (int r = 0; r < n; ++r) {
         for (int t = 0; t < r; ++t) delta[r * n + t] = delta[t * n + r];
@@ -263,6 +270,8 @@ RBDI_LOCAL void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
             rbd_real *d = &delta[(contact->row + j) * (n + 1)];
             *d = *d + RBD_C(c->options.slip) / c->dt;
         }
+    for (const rbdi_bounded_row *row = c->bound; row < c->bound + c->bounds; ++row)
+        if (row->row >= 0) delta[row->row * (n + 1)] = delta[row->row * (n + 1)] + row->law.compliance;
 }
 
 /* Adds springs to the normals of Delta and of the solver's laws. Where nothing moves along the normal, the

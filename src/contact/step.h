@@ -2,8 +2,6 @@
 #define RBDI_CONTACT_STEP_H
 #include "motion/free_step.h"
 #include "constraints/calls.h"
-#include "contact/solver.h"
-#include "contact/joints.h"
 #include "contact/biases.h"
 #include "contact/reduction.h"
 #include "contact/momentum.h"
@@ -13,15 +11,14 @@
    by v: to q_mid, and v_mid is v in its axes. There all matrices are made, once. Then nu is solved for, and
    makes the other half of the way:
 
-       K = M + dt d,   nu = v_mid + K^-1 (dt (tau - c(w) - d v_mid) + J' p),   c(w) = ID(q_mid, w, a(w))
+       K = M + A + dt d,   nu = v_mid + K^-1 (dt (tau - c(w) - d v_mid) + J' p),   c(w) = ID(q_mid, w, a(w))
 
-   with the damping d, and the accelerations a(w) of [straight moves]. The velocity terms are
-   those of the mean velocity: first w = v_mid, then twice w = (v_mid + nu) / 2 of the nu before. Contacts are
-   solved for the first and the last time; the nu between has the impulses of the first. Without
-   these, light links that the ground holds would race away. For a vector that turns by x a step
-   the length grows in order x^4 / 8 with one correction, and falls in that order with two; from
-   x = 1.4 on rbdi_guard_solution sums the series. Energy then changes by half of
-   p'(u before + u after). */
+   with the matrix A that the caller adds, the damping d, and the accelerations a(w) of [straight moves]. The
+   velocity terms are those of the mean velocity: first w = v_mid, then twice w = (v_mid + nu) / 2 of the nu
+   before. Contacts are solved for the first and the last time; the nu between has the impulses of the first.
+   Without these, light links that the ground holds would race away. For a vector that turns by x a step the
+   length grows in order x^4 / 8 with one correction, and falls in that order with two; from x = 1.4 on
+   rbdi_guard_solution sums the series. Energy then changes by half of p'(u before + u after). */
 
 /* x = L^-T dt (tau - w->bias - damping v_mid). */
 RBDI_LOCAL void rbdi_free_impulse(const rbd_model *m, const rbd_contact_set *c, const rbd_real *tau,
@@ -32,11 +29,12 @@ RBDI_LOCAL void rbdi_free_impulse(const rbd_model *m, const rbd_contact_set *c, 
     rbdi_vector_transposed(m, w, w->H, x);
 }
 
-/* Adds dt damping to M, and factors it. */
+/* Adds dt damping, and the caller's matrix, to M, and factors it. */
 RBDI_LOCAL rbdi_mask rbdi_factor_damped(const rbd_model *m, rbd_contact_set *c, const rbd_real *damping) {
     rbd_constraint_set *s = c->rows;
     rbd_work *w = s->w;
     rbdi_mask doubt;
+    for (int k = 0; c->added && k < m->nh; ++k) w->H[k] = w->H[k] + c->added[k];
     for (int k = 0; k < m->nv; ++k) {
         rbd_real *diagonal = &w->H[m->dof[k].row + m->dof[k].depth];
         c->damping[k] = damping ? damping[k] : rbdi_zero();
@@ -139,6 +137,7 @@ RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const r
     rbdi_guard_solution(m, s->w->H, c->x[0], c->x[1], c->x[2]);
 
     for (int r = 0; r < s->rows; ++r) c->early[r] = s->lambda[r];
+    for (int i = 0; i < c->bounds; ++i) rbdi_find_turn(c, &c->bound[i]);
     for (int k = 0; k < m->nv; ++k) {
         const rbdi_span span = s->span[k];
         rbdi_subtract(&s->b[span.first], (c->x[2][k] - c->x[0][k]) * s->D_inverse[k],
@@ -194,6 +193,7 @@ RBDI_LOCAL void rbdi_keep_impulses(rbd_contact_set *c) {
                 contact->force[j] =
                     contact->force[j] + h.axis[3 + j][r] * s->lambda[contact->row + r] / c->dt;
     }
+    for (int i = 0; i < c->bounds; ++i) rbdi_keep_bounded(c, &c->bound[i]);
 }
 
 /* Computes c->nu, the velocities at the end, in the axes of the beginning. They differ from c->moved if
