@@ -3,9 +3,9 @@
    SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end of rbd.h.
 
    Points and balls on bodies touch planes of the world or of other bodies, with friction. A step finds the
-   impulses by the exact laws of Signorini and Coulomb, with those of joint limits, of the dry friction of joints
-   and of bounded rows of yours, and moves the robot. Implemented by the same RBD_IMPLEMENTATION as rbd.h, in the
-   same file. A box of which two corners may touch the ground:
+   impulses by the exact laws of Signorini and Coulomb, with those of joint limits, of dry friction of joints
+   and of bounded rows of yours, and moves the robot. Implemented by the same RBD_IMPLEMENTATION as rbd.h, in
+   the same file. A box of which two corners may touch the ground:
 
        #define RBD_IMPLEMENTATION
        #include "rbd_contact.h"
@@ -184,9 +184,8 @@ typedef struct rbd_contact_set rbd_contact_set; /* contacts, impulses of the las
              have no meaning here; position errors are corrected as penetration is. May be NULL
    options   NULL: all defaults
    memory    size bytes of any alignment; rbd_contact_set_size is exact. For n contacts and `bounded` other
-             rows (held axes, two limits of each joint, dry friction, the caller's) RBD_CONTACT_SET_SIZE(nv, n,
-             bounded)
-             suffices without the option `derivatives`
+             rows (held axes, two limits of each joint, dry friction, the option `rows`)
+             RBD_CONTACT_SET_SIZE(nv, n, bounded) suffices without the option `derivatives`
    c         receives the set, which lies inside memory: do not move it; NULL after an error
    Errors: RBD_ERR_NULL, _MEMORY, _WORK, _COUNT (more than RBD_MAX_CONSTRAINTS); with the contact in
    report->error.body: _INDEX, _POSITION (point or height), _AXIS (normal), _RANGE; with a constraint, n + its
@@ -1378,7 +1377,7 @@ RBDI_LOCAL rbdi_limits rbdi_joint_limits(const rbd_model *m, const rbdi_frame *u
    compliance 1 / (dt^2 k): p = -dt k (z + dt J nu), implicit, within the bounds.
 
    Dry friction has neither. Its law p (J nu) <= 0 makes no energy in a step of first order. In the midpoint
-   scheme its work is p (u + J nu) / 2 with the speed u before: where the row turns around in the step, that may
+   scheme its work is p (u + J nu) / 2 with the speed u before: if the row turns around in the step, that may
    be above 0. So the first solution tells the sign of p, and the others have bounds, and a bias, by which
 
        p against u     p within 0 and that bound; it may stop: J nu = 0
@@ -1485,7 +1484,7 @@ RBDI_LOCAL void rbdi_find_turn(const rbd_contact_set *c, rbdi_bounded_row *row) 
     if (!brakes) row->turn = u;
 }
 
-/* Keeps force and state for the caller. At a bound the force is that bound, which p / dt is but for rounding. */
+/* Keeps force and state for the caller. At a bound the force is that bound: p / dt is, but for rounding. */
 RBDI_LOCAL void rbdi_keep_bounded(const rbd_contact_set *c, rbdi_bounded_row *row) {
     const int r = row->row, i = r - 3 * c->contacts;
     const rbd_contact_row *law = &row->law;
@@ -2791,7 +2790,8 @@ RBDI_CODE_BEGIN
 
    where dID has, by w, also a(w); by v_mid, -M of a, and -A of the caller's matrix; by tau, rho = -dt. Each
    solution's dnu enters the next by w. rbd_id_derivatives gives d ID; d(J nu), d gamma and d(J' p) are as in
-   [derivatives code] but for balls, over which the place of contact rolls. With Z = L^-T rho and the S, T and G of [newton]
+   [derivatives code] but for balls, over which the place of contact rolls. With Z = L^-T rho and the S, T
+   and G of [newton]
 
        G y = -T' (sigma - Y' D^-1 Z),   dp = S y,   dnu = -L^-1 D^-1 (Z - Y dp)                         (5)
 

@@ -2,9 +2,9 @@
    SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end of rbd.h.
 
    Points and balls on bodies touch planes of the world or of other bodies, with friction. A step finds the
-   impulses by the exact laws of Signorini and Coulomb, with those of joint limits, of the dry friction of joints
-   and of bounded rows of yours, and moves the robot. Implemented by the same RBD_IMPLEMENTATION as rbd.h, in the
-   same file. A box of which two corners may touch the ground:
+   impulses by the exact laws of Signorini and Coulomb, with those of joint limits, of dry friction of joints
+   and of bounded rows of yours, and moves the robot. Implemented by the same RBD_IMPLEMENTATION as rbd.h, in
+   the same file. A box of which two corners may touch the ground:
 
        #define RBD_IMPLEMENTATION
        #include "rbd_contact.h"

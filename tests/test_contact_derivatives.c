@@ -460,8 +460,8 @@ START_TEST(hyq_at_its_limits) {
 }
 END_TEST
 
-/* 2 kg at 1 mm/s with 2 N of friction, which a load turns around within the step: it coasts, it leaves as fast as
-   it came, or it slides away. */
+/* 2 kg at 1 mm/s with 2 N of friction, which a load turns around within the step: it coasts, leaves as fast
+   as it came, or slides away. */
 START_TEST(dry_friction_turns_around) {
     const double load[3] = {-3, -5, -8}, end[3] = {-0.0005, -0.001, -0.002}, by_v[3] = {1, -1, 1};
     for (int k = 0; k < 3; k++) {

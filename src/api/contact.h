@@ -124,9 +124,8 @@ typedef struct rbd_contact_set rbd_contact_set; /* contacts, impulses of the las
              have no meaning here; position errors are corrected as penetration is. May be NULL
    options   NULL: all defaults
    memory    size bytes of any alignment; rbd_contact_set_size is exact. For n contacts and `bounded` other
-             rows (held axes, two limits of each joint, dry friction, the caller's) RBD_CONTACT_SET_SIZE(nv, n,
-             bounded)
-             suffices without the option `derivatives`
+             rows (held axes, two limits of each joint, dry friction, the option `rows`)
+             RBD_CONTACT_SET_SIZE(nv, n, bounded) suffices without the option `derivatives`
    c         receives the set, which lies inside memory: do not move it; NULL after an error
    Errors: RBD_ERR_NULL, _MEMORY, _WORK, _COUNT (more than RBD_MAX_CONSTRAINTS); with the contact in
    report->error.body: _INDEX, _POSITION (point or height), _AXIS (normal), _RANGE; with a constraint, n + its

@@ -12,7 +12,7 @@
    compliance 1 / (dt^2 k): p = -dt k (z + dt J nu), implicit, within the bounds.
 
    Dry friction has neither. Its law p (J nu) <= 0 makes no energy in a step of first order. In the midpoint
-   scheme its work is p (u + J nu) / 2 with the speed u before: where the row turns around in the step, that may
+   scheme its work is p (u + J nu) / 2 with the speed u before: if the row turns around in the step, that may
    be above 0. So the first solution tells the sign of p, and the others have bounds, and a bias, by which
 
        p against u     p within 0 and that bound; it may stop: J nu = 0
@@ -119,7 +119,7 @@ RBDI_LOCAL void rbdi_find_turn(const rbd_contact_set *c, rbdi_bounded_row *row) 
     if (!brakes) row->turn = u;
 }
 
-/* Keeps force and state for the caller. At a bound the force is that bound, which p / dt is but for rounding. */
+/* Keeps force and state for the caller. At a bound the force is that bound: p / dt is, but for rounding. */
 RBDI_LOCAL void rbdi_keep_bounded(const rbd_contact_set *c, rbdi_bounded_row *row) {
     const int r = row->row, i = r - 3 * c->contacts;
     const rbd_contact_row *law = &row->law;

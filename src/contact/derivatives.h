@@ -14,7 +14,8 @@
 
    where dID has, by w, also a(w); by v_mid, -M of a, and -A of the caller's matrix; by tau, rho = -dt. Each
    solution's dnu enters the next by w. rbd_id_derivatives gives d ID; d(J nu), d gamma and d(J' p) are as in
-   [derivatives code] but for balls, over which the place of contact rolls. With Z = L^-T rho and the S, T and G of [newton]
+   [derivatives code] but for balls, over which the place of contact rolls. With Z = L^-T rho and the S, T
+   and G of [newton]
 
        G y = -T' (sigma - Y' D^-1 Z),   dp = S y,   dnu = -L^-1 D^-1 (Z - Y dp)                         (5)
 
