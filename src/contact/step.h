@@ -137,15 +137,15 @@ RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const r
     rbdi_guard_solution(m, s->w->H, c->x[0], c->x[1], c->x[2]);
 
     for (int r = 0; r < s->rows; ++r) c->early[r] = s->lambda[r];
-    for (int i = 0; i < c->bounds; ++i) rbdi_find_turn(c, &c->bound[i]);
     for (int k = 0; k < m->nv; ++k) {
         const rbdi_span span = s->span[k];
         rbdi_subtract(&s->b[span.first], (c->x[2][k] - c->x[0][k]) * s->D_inverse[k],
                       &s->Y[k * s->stride + span.first], span.end - span.first);
     }
     for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
-    (void)rbdi_write_biases(c, RBDI_FOR_POSITIONS);
     c->solver.given.tolerance = c->solver.given.tolerance / RBDI_LOOSE;
+    for (int i = 0; i < c->bounds; ++i) rbdi_find_turn(c, &c->bound[i]);
+    (void)rbdi_write_biases(c, RBDI_FOR_POSITIONS);
     rbdi_contact_iterate(&c->solver);
     c->solver.solution.sweeps += first.sweeps;
     c->solver.solution.newton_steps += first.newton_steps;

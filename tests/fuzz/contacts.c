@@ -539,19 +539,69 @@ static void turned(const quad *quaternion, const quad x[3], quad out[3]) {
     for (int j = 0; j < 3; j++) out[j] = x[j] + 2 * (u[3] * once[j] + twice[j]);
 }
 
-static const rbd_model *model;
+/* Mass and first moment of a body and of what its hinges carry, in its axes, as far as no motion of a hinge
+   changes them. */
+typedef struct carried {
+    quad mass, moment[3];
+} carried;
+static carried carried_by[WORLD_BODIES];
+
+/* Of a moment, the part along an axis. */
+static void keep_along(const double *axis, quad *moment) {
+    const quad square = (quad)axis[0] * axis[0] + (quad)axis[1] * axis[1] + (quad)axis[2] * axis[2],
+               share = (axis[0] * moment[0] + axis[1] * moment[1] + axis[2] * moment[2]) / square;
+    for (int j = 0; j < 3; j++) moment[j] = share * axis[j];
+}
+
+/* What a joint passes on of what its body carries: a turn about an axis through the origin keeps the moment along
+   that axis, turns about three axes none. What slides passes nothing on. */
+static carried passed_on(const rbd_body *b, carried x) {
+    static const carried nothing;
+    switch (b->type) {
+    case RBD_FIXED: break;
+    case RBD_REVOLUTE:
+    case RBD_CONTINUOUS:
+    case RBD_CONTINUOUS_CS: keep_along(b->axis, x.moment); break;
+    case RBD_UNIVERSAL:
+        keep_along(b->axis2, x.moment);
+        keep_along(b->axis, x.moment);
+        break;
+    case RBD_SPHERICAL:
+    case RBD_EULER_ZYX:
+    case RBD_EULER_XYZ:
+    case RBD_EULER_YXZ:
+    case RBD_EULER_ZXY: memset(x.moment, 0, sizeof x.moment); break;
+    default: return nothing;
+    }
+    return x;
+}
+
+/* Writes carried_by, from the leaves. */
+static void find_carried(void) {
+    for (int i = 0; i < now.robot.nb; i++) {
+        const rbd_body *b = &now.robot.bodies[i];
+        carried_by[i].mass = b->mass;
+        for (int j = 0; j < 3; j++) carried_by[i].moment[j] = (quad)b->mass * b->com[j];
+    }
+    for (int i = now.robot.nb - 1; i >= 0; i--) {
+        const rbd_body *b = &now.robot.bodies[i];
+        const carried x = passed_on(b, carried_by[i]);
+        quad R[9];
+        if (b->parent < 0) continue;
+        carried *to = &carried_by[b->parent];
+        world_rotation(b->rotation, R);
+        to->mass += x.mass;
+        for (int j = 0; j < 3; j++)
+            to->moment[j] += x.mass * b->position[j] + R[3 * j] * x.moment[0] + R[3 * j + 1] * x.moment[1] +
+                             R[3 * j + 2] * x.moment[2];
+    }
+}
 
 /* The point of body i that moves straight, in its axes: its origin in steps of first order. In others any
-   point will do, and the library's is taken; of one body it is the centre of mass:
-   tests/test_contact_energy.c. */
+   point will do: that of a body that floats is the centre of mass of what it carries. */
 static void straight_point(int i, quad point[3]) {
-    for (int k = 0; k < 3; k++) point[k] = 0;
-    if (half == 0) return;
-
-    const rbdi_v3 c = rbdi_straight_point(model, &model->frame[i], RBDI_CENTRES);
-    point[0] = (quad)c.x;
-    point[1] = (quad)c.y;
-    point[2] = (quad)c.z;
+    const carried *x = &carried_by[i];
+    for (int k = 0; k < 3; k++) point[k] = half == 0 || !(x->mass > 0) ? 0 : x->moment[k] / x->mass;
 }
 
 /* Adds `sign` times the velocity of the point c over the origin. */
@@ -651,6 +701,7 @@ static int find_motion(int first_order) {
     static dense_rows no_rows;
     quad q[WORLD_COORDINATES], v[WORLD_DOFS];
     half = first_order ? 0 : now.dt / (quad)2, way = now.dt - half;
+    find_carried();
     widen(now.state.q, now.robot.nq, q);
     widen(now.state.v, nv, v);
     move(q, v, v, half, middle, begin);
@@ -729,6 +780,7 @@ static void keep_dof(int row, int dof, double side) {
 
 /* ---- a problem in the library ---- */
 
+static const rbd_model *model;
 static rbd_work *work;
 static rbd_contact_set *set;
 static void *memory[3];
@@ -931,9 +983,29 @@ static void add_limit(const rbd_body *b, double q, double v, int dof, int upper,
     x->rows++;
 }
 
+/* Dry friction of a dof. In steps of second order its work, by the mean of the speeds before and at the end, is
+   not above 0: with the sign of the first solution's impulse it brakes, and may stop; or it pushes the way in
+   which the dof moves, which must then turn around. Where the speed counts as 0, rounding decides. */
+static void add_friction(int dof, double most) {
+    laws *x = &exact_laws;
+    const int r = x->rows++, own = r < set->rows->rows;
+    const quad first = own ? (quad)set->early[r] : 0, u = begin[dof];
+    const double tolerance =
+        now.options.tolerance > 0 ? now.options.tolerance : (double)RBDI_CONTACT_TOLERANCE;
+    keep_dof(r, dof, 1);
+    x->upper[r] = most, x->lower[r] = -most;
+    if (half == 0 || !(fabs((double)u) > tolerance)) return;
+
+    const int brakes = u * first <= 0;
+    if (brakes == (u > 0))
+        x->upper[r] = 0;
+    else
+        x->lower[r] = 0;
+    if (!brakes) x->b[r] = u;
+}
+
 /* Limits of joints, then their dry friction. */
 static void add_joint_rows(int any) {
-    laws *x = &exact_laws;
     for (int i = 0, iq = 0, iv = 0; now.options.joint_limits && i < now.robot.nb; i++) {
         const rbd_body *b = &now.robot.bodies[i];
         for (int upper = 0; !b->mimic && upper < 2 && has_limits(b) && b->lower < b->upper; upper++)
@@ -943,10 +1015,7 @@ static void add_joint_rows(int any) {
     for (int i = 0, iv = 0; now.options.joint_friction && i < now.robot.nb; i++) {
         const rbd_body *b = &now.robot.bodies[i];
         for (int k = 0; !b->mimic && k < world_nv(b); k++, iv++) {
-            if (!(b->friction[k] > 0)) continue;
-            keep_dof(x->rows, iv, 1);
-            x->upper[x->rows] = now.dt * b->friction[k], x->lower[x->rows] = -x->upper[x->rows];
-            x->rows++;
+            if (b->friction[k] > 0) add_friction(iv, now.dt * b->friction[k]);
         }
     }
 }
