@@ -294,6 +294,7 @@ typedef struct scene {
     double gap[MOST_CONTACTS]; /* that was asked for */
     double damping[WORLD_DOFS];
     rbd_contact_options options;
+    rbd_contact_row row[3]; /* bounded: options.rows */
     double dt;
     uint64_t seed;
 } scene;
@@ -375,7 +376,26 @@ static int has_limits(const rbd_body *b) {
     return b->type == RBD_REVOLUTE || b->type == RBD_PRISMATIC || b->type == RBD_HELICAL;
 }
 
-/* Limits near the state's coordinates, and dry friction. */
+/* Bounded rows of one to three dofs: friction, drives and bristles. */
+static void draw_rows(scene *s) {
+    int dofs = 0;
+    for (int i = 0; i < s->robot.nb; i++) dofs += world_nv(&s->robot.bodies[i]);
+    for (int i = 0; i < 3 && dofs > 0 && one_in(&s->seed, 2); i++) {
+        rbd_contact_row *row = &s->row[s->options.rows++];
+        const int first = below(&s->seed, dofs), kind = below(&s->seed, 3);
+        memset(row, 0, sizeof *row);
+        row->dofs = 1 + below(&s->seed, dofs < 3 ? dofs : 3);
+        for (int j = 0; j < row->dofs; j++) {
+            row->dof[j] = (first + j) % dofs;
+            row->jacobian[j] = (rbd_real)uniform(&s->seed, -2, 2);
+        }
+        row->lower = -(rbd_real)power(&s->seed, -2, 2), row->upper = (rbd_real)power(&s->seed, -2, 2);
+        if (kind > 0) row->bias = (rbd_real)uniform(&s->seed, -1, 1);
+        if (kind > 1) row->compliance = (rbd_real)power(&s->seed, -3, 1);
+    }
+}
+
+/* Limits near the state's coordinates, dry friction, and bounded rows. */
 static void draw_limits(scene *s) {
     static const double room[6] = {0, 1e-7, 1e-3, 0.01, 0.5, -1e-3}; /* beyond: of any problem only */
     s->options.joint_limits = s->options.joint_friction = 1;
@@ -389,6 +409,7 @@ static void draw_limits(scene *s) {
             for (int k = 0; k < world_nv(b); k++) b->friction[k] = power(&s->seed, -2, 2);
         iq += world_nq(b);
     }
+    draw_rows(s);
 }
 
 static void count_dofs(sample *s) {
@@ -772,11 +793,17 @@ static void keep_rows(int row, int n, const quad *gamma_of) {
     }
 }
 
-static void keep_dof(int row, int dof, double side) {
+static void keep_dofs(int row, int n, const int *dof, const rbd_real *jacobian) {
     memset(J[row], 0, sizeof *J);
     memset(J_size[row], 0, sizeof *J);
-    J[row][dof] = side, lever[row] = exact.inverse[dof], gamma_of_row[row] = 0;
+    lever[row] = gamma_of_row[row] = 0;
+    for (int j = 0; j < n; j++) {
+        J[row][dof[j]] = jacobian[j];
+        lever[row] += (quad)jacobian[j] * jacobian[j] * exact.inverse[dof[j]];
+    }
 }
+
+static void keep_dof(int row, int dof, rbd_real side) { keep_dofs(row, 1, &dof, &side); }
 
 /* ---- a problem in the library ---- */
 
@@ -800,8 +827,12 @@ static int build(void) {
 static int build_set(void) {
     const size_t size = rbd_contact_set_size(model, now.n, now.held, now.n_held, &now.options);
     memory[2] = memory_of(size);
-    return rbd_contact_set_init(model, work, now.list, now.n, now.held, now.n_held, &now.options, memory[2],
-                                size, &set, NULL) == RBD_OK;
+    if (rbd_contact_set_init(model, work, now.list, now.n, now.held, now.n_held, &now.options, memory[2],
+                             size, &set, NULL))
+        return 0;
+    for (int i = 0; i < now.options.rows; i++)
+        if (rbd_contact_row_set(model, set, i, &now.row[i])) return 0;
+    return 1;
 }
 
 static void release(void) {
@@ -983,20 +1014,23 @@ static void add_limit(const rbd_body *b, double q, double v, int dof, int upper,
     x->rows++;
 }
 
-/* Dry friction of a dof. In steps of second order its work, by the mean of the speeds before and at the end, is
-   not above 0: with the sign of the first solution's impulse it brakes, and may stop; or it pushes the way in
-   which the dof moves, which must then turn around. Where the speed counts as 0, rounding decides. */
-static void add_friction(int dof, double most) {
+/* The laws of a bounded row. In steps of second order the work of dry friction, by the mean of the speeds before
+   and at the end, is not above 0: with the sign of the first solution's impulse it brakes, and may stop; or it
+   pushes the way in which the row moves, which must then turn around. */
+static void add_bounded(const rbd_contact_row *row) {
     laws *x = &exact_laws;
-    const int r = x->rows++, own = r < set->rows->rows;
-    const quad first = own ? (quad)set->early[r] : 0, u = begin[dof];
+    const int r = x->rows++;
+    const quad first = r < set->rows->rows ? (quad)set->early[r] : 0;
     const double tolerance =
         now.options.tolerance > 0 ? now.options.tolerance : (double)RBDI_CONTACT_TOLERANCE;
-    keep_dof(r, dof, 1);
-    x->upper[r] = most, x->lower[r] = -most;
-    if (half == 0 || !(fabs((double)u) > tolerance)) return;
+    keep_dofs(r, row->dofs, row->dof, row->jacobian);
+    x->lower[r] = now.dt * (double)row->lower, x->upper[r] = now.dt * (double)row->upper;
+    x->b[r] = row->bias, x->delta[r][r] = row->compliance;
 
+    const quad u = along(J[r], begin);
     const int brakes = u * first <= 0;
+    if (half == 0 || row->compliance > 0 || fabs((double)row->bias) > 0) return;
+    if (!(fabs((double)u) > tolerance)) return;
     if (brakes == (u > 0))
         x->upper[r] = 0;
     else
@@ -1004,7 +1038,7 @@ static void add_friction(int dof, double most) {
     if (!brakes) x->b[r] = u;
 }
 
-/* Limits of joints, then their dry friction. */
+/* Limits of joints, their dry friction, and bounded rows. */
 static void add_joint_rows(int any) {
     for (int i = 0, iq = 0, iv = 0; now.options.joint_limits && i < now.robot.nb; i++) {
         const rbd_body *b = &now.robot.bodies[i];
@@ -1015,9 +1049,13 @@ static void add_joint_rows(int any) {
     for (int i = 0, iv = 0; now.options.joint_friction && i < now.robot.nb; i++) {
         const rbd_body *b = &now.robot.bodies[i];
         for (int k = 0; !b->mimic && k < world_nv(b); k++, iv++) {
-            if (b->friction[k] > 0) add_friction(iv, now.dt * b->friction[k]);
+            const rbd_real most = (rbd_real)b->friction[k];
+            const rbd_contact_row row = {
+                .dofs = 1, .dof = {iv}, .jacobian = {1}, .lower = -most, .upper = most};
+            if (most > 0) add_bounded(&row);
         }
     }
+    for (int i = 0; i < now.options.rows; i++) add_bounded(&now.row[i]);
 }
 
 /* All rows of the step by their definition, in the library's order, and its impulses. Returns 0 if it has
@@ -1035,6 +1073,8 @@ static int find_rows(int *energy_holds) {
     }
     x->contacts = x->rows / 3;
     if (any) *energy_holds = 0;
+    for (int i = 0; i < now.options.rows; i++)
+        if (fabs((double)now.row[i].bias) > 0) *energy_holds = 0; /* it drives */
     for (int i = 0; i < now.n; i++) {
         const int normal = set->contact[i].row + 2;
         if (normal < 2 || normal >= x->rows) continue;
