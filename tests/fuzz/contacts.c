@@ -574,8 +574,8 @@ static void keep_along(const double *axis, quad *moment) {
     for (int j = 0; j < 3; j++) moment[j] = share * axis[j];
 }
 
-/* What a joint passes on of what its body carries: a turn about an axis through the origin keeps the moment along
-   that axis, turns about three axes none. What slides passes nothing on. */
+/* The part that a joint passes on of what its body carries: a turn about an axis through the origin keeps the
+   moment along that axis, turns about three axes keep none. A joint that slides passes nothing on. */
 static carried passed_on(const rbd_body *b, carried x) {
     static const carried nothing;
     switch (b->type) {
@@ -1014,9 +1014,9 @@ static void add_limit(const rbd_body *b, double q, double v, int dof, int upper,
     x->rows++;
 }
 
-/* The laws of a bounded row. In steps of second order the work of dry friction, by the mean of the speeds before
-   and at the end, is not above 0: with the sign of the first solution's impulse it brakes, and may stop; or it
-   pushes the way in which the row moves, which must then turn around. */
+/* The laws of a bounded row. In steps of second order the work of dry friction, by the mean of the speeds
+   before and at the end, is not above 0: with the sign of the first solution's impulse it brakes, and may
+   stop; or it pushes the way in which the row moves, which must then turn around. */
 static void add_bounded(const rbd_contact_row *row) {
     laws *x = &exact_laws;
     const int r = x->rows++;
