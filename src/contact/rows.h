@@ -261,8 +261,10 @@ RBDI_LOCAL void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
         if (row->row >= 0) rbdi_delta(s, s->path, rbdi_paths_to(m, s, &row->law), row->row, 1);
     }
     for (int r = 0; r < n; ++r) {
-        for (int t = 0; t < r; ++t) delta[r * n + t] = delta[t * n + r];
-        for (int t = r; t < n; ++t) delta[r * n + t] = delta[r * s->stride + t];
+        rbd_real *to = &delta[r * n];
+        const rbd_real *from = &delta[r * s->stride], *above = &delta[r];
+        for (int t = 0; t < r; ++t, above += n) to[t] = *above;
+        for (int t = r; t < n; ++t) to[t] = from[t];
         if (delta[r * n + r] <= s->noise) delta[r * n + r] = rbdi_zero();
     }
     for (const rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact)
