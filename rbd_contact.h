@@ -1503,8 +1503,8 @@ RBDI_LOCAL void rbdi_keep_bounded(const rbd_contact_set *c, rbdi_bounded_row *ro
     if (r < 0) return;
 
     row->force = c->rows->lambda[r] / c->dt;
-    if (c->rows->lambda[r] <= c->dt * law->lower || row->force < law->lower) row->force = law->lower;
-    if (c->rows->lambda[r] >= c->dt * law->upper || row->force > law->upper) row->force = law->upper;
+    if (c->rows->lambda[r] <= c->dt * law->lower) row->force = law->lower;
+    if (c->rows->lambda[r] >= c->dt * law->upper) row->force = law->upper;
     row->state = c->solver.bound[i];
     if (row->state == RBD_OPENS || rbdi_abs(row->turn) > 0) row->state = RBD_SLIPS;
 }
