@@ -147,8 +147,8 @@ static void lift(void) {
     expect(fabsf(at[0]) < 1e-6f, "the lift's height, m", at[0]);
 }
 
-/* Two motors move a head of 3 kg by one belt, at speeds x + y and x - y. They hold it with 2 N each, also under
-   3.9 N along x; 6 N give (6 - 4) / (3 + 2 J) m/s^2, J = 0.5 kg of each rotor. */
+/* Two motors move a head of 3 kg by one belt, at speeds x + y and x - y. They hold it with 2 N each, also
+   under 3.9 N along x; 6 N give (6 - 4) / (3 + 2 J) m/s^2, J = 0.5 kg of each rotor. */
 static void belt(void) {
     const rbd_body head[2] = {
         {.parent = -1, .type = RBD_PRISMATIC, .axis = {1, 0, 0}},
