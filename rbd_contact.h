@@ -1871,6 +1871,16 @@ RBDI_INLINE rbdi_v3 rbdi_contact_normal(const rbd_constraint_set *s, const rbdi_
     return con->link[1] < 0 ? normal : rbdi_mul_t(s->w->kin[con->link[1]].X.E, normal);
 }
 
+/* World axes of a vector along the rows of a contact. */
+RBDI_INLINE rbdi_v3 rbdi_contact_vector(const rbd_constraint_set *s, const rbdi_constraint *con,
+                                        const rbd_real *x) {
+    rbdi_v3 local;
+    local.x = con->held[0][0] * x[0] + con->held[0][1] * x[1] + con->held[0][2] * x[2];
+    local.y = con->held[1][0] * x[0] + con->held[1][1] * x[1] + con->held[1][2] * x[2];
+    local.z = con->held[2][0] * x[0] + con->held[2][1] * x[1] + con->held[2][2] * x[2];
+    return con->link[1] < 0 ? local : rbdi_mul_t(s->w->kin[con->link[1]].X.E, local);
+}
+
 /* A gap from that of the middle, with its first and second rate there. If the velocity then was u - half
    gamma, and u = 0 at the end, second order gives its way back and onward. */
 RBDI_INLINE rbdi_gap rbdi_gap_of(rbd_real middle, rbd_real rate, rbd_real gamma, rbd_real half) {
@@ -2667,21 +2677,19 @@ RBDI_LOCAL rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *
 /* Keeps impulses, states and forces for the next step and the caller. */
 RBDI_LOCAL void rbdi_keep_impulses(rbd_contact_set *c) {
     const rbd_constraint_set *s = c->rows;
+    const rbd_real inverse = 1 / c->dt;
     c->last_dt = c->dt;
     rbdi_clear(c->impulse, c->max_rows);
     for (int r = 0; r < s->rows; ++r) c->impulse[c->place[r]] = s->lambda[r];
     for (int i = 0; i < c->n; ++i) {
         rbdi_contact *contact = &c->contact[i];
-        rbdi_axes_held h;
-        for (int j = 0; j < 3; ++j) contact->force[j] = rbdi_zero();
+        rbdi_v3 impulse;
+        rbdi_clear(contact->force, 3);
         if (contact->row < 0) continue;
         contact->state = c->solver.law[contact->row / 3].state;
         contact->pushes |= s->lambda[contact->row + 2] > 0;
-        rbdi_set_axes(s, &s->constraint[i], &h);
-        for (int r = 0; r < 3; ++r)
-            for (int j = 0; j < 3; ++j)
-                contact->force[j] =
-                    contact->force[j] + h.axis[3 + j][r] * s->lambda[contact->row + r] / c->dt;
+        impulse = rbdi_contact_vector(s, &s->constraint[i], &s->lambda[contact->row]);
+        rbdi_store_vec(contact->force, 1, rbdi_scale(inverse, impulse));
     }
     for (int i = 0; i < c->bounds; ++i) rbdi_keep_bounded(c, &c->bound[i]);
 }
