@@ -221,7 +221,7 @@ RBDI_API rbd_status rbd_actuators_inverse(rbd_actuators *a, const rbd_real *q, c
 /* ---- forward [forward] ----
    A step of a simulation:
 
-       rbd_actuators_begin(a, commands, q, v, dt, tau, damping);
+       rbd_actuators_begin(a, commands, q, v, dt, 0, tau, damping);
        do rbd_contact_step(m, c, q, v, tau, NULL, damping, dt, q_next, v_next);
        while (rbd_actuators_again(a, v_next, tau, damping));
 
@@ -240,12 +240,18 @@ typedef struct rbd_command {
 RBDI_API rbd_status rbd_actuators_reset(rbd_actuators *a, const rbd_real *q, rbd_real air);
 
 /* Begins a step: what the shafts do to the joints, linear in the speeds at the step's end.
-   commands   n
+   commands       n
+   first_order    how the step moves q. Not 0: by v_next alone, as rbd_contact_step with its option
+   first_order
+                  does; 0: half of the way by v, as it does without, and as rbd_free_step does. Springs that
+                  are so stiff that they would vibrate faster than the step are damped by the first, and ring
+                  with the second
    tau, damping   nv: torques tau - damping v_next; 0 where there is no motor
    Errors: as rbd_actuators_map; RBD_ERR_RANGE, dt not between 1e-9 and 1e3, or a command negative where it
    must not be, not finite or above 1e9. */
 RBDI_API rbd_status rbd_actuators_begin(rbd_actuators *a, const rbd_command *commands, const rbd_real *q,
-                                        const rbd_real *v, rbd_real dt, rbd_real *tau, rbd_real *damping);
+                                        const rbd_real *v, rbd_real dt, int first_order, rbd_real *tau,
+                                        rbd_real *damping);
 
 /* Ends a step, and returns 0, if all shafts do at v_next what the step was told. Else returns 1: the step
    must be made again with the new tau and damping. After 50 repeats it takes what there is. A v_next that is
@@ -387,6 +393,7 @@ typedef struct rbdi_act_shaft {
     /* of the step */
     rbd_real g, x, bias; /* angle and speed of the joint's side at its beginning; G' v */
     rbd_real t, braking; /* the motor's torque is t - braking speed at the step's end */
+    rbd_real now;        /* N m: the motor's torque at its beginning */
     rbd_real gain, rate; /* its slopes by angle and speed in continuous time, both negative there */
     rbd_real cogging;    /* N m, a part of t that no current makes */
     rbd_real level;      /* of dry friction */
@@ -414,6 +421,7 @@ struct rbd_actuators {
     int fault;                   /* see rbd_actuators_fault */
     int begun, repeats;
     rbd_real dt, air;
+    rbd_real share; /* of the way of a step that v_next makes: 1, or 1/2 */
     rbdi_act_shaft *shaft;
     rbdi_act_group *group;
     rbd_command *commands; /* n x ring */
@@ -646,6 +654,7 @@ RBDI_PART void rbdi_act_saturate(const rbd_motor *m, rbdi_act_shaft *s, rbd_real
     const rbd_real constant = rbdi_abs(rbdi_act_torque_constant(m));
     s->saturated = (int16_t)side;
     s->t = limit;
+    s->now = limit;
     s->braking = rbdi_zero();
     s->gain = rbdi_zero();
 
@@ -657,32 +666,36 @@ RBDI_PART void rbdi_act_saturate(const rbd_motor *m, rbdi_act_shaft *s, rbd_real
     s->rate = s->braking;
 }
 
-/* The motor's torque t - braking x under a command, at the angle and speed of its rotor. */
+/* The motor's torque t - braking x under a command, at the angle and speed of its rotor. An implicit drive
+   has the angle of the step's end: angle + dt ((1 - share) speed + share x). */
 RBDI_PART void rbdi_act_drive_motor(const rbd_motor *m, rbdi_act_shaft *s, const rbd_command *c, rbd_real air,
-                                    rbd_real dt) {
+                                    rbd_real dt, rbd_real share) {
     const rbd_real winding = s->winding + air, constant = rbdi_act_torque_constant(m);
-    rbd_real lower, upper, now;
+    rbd_real lower, upper;
 
     s->cogging = rbdi_act_cogging(m, s->angle);
     s->saturated = 0;
     s->gain = c->kp;
     s->rate = c->kd;
     s->t = c->torque + c->kp * (c->q - rbdi_act_encoder(m, s->angle)) + c->kd * c->v;
-    s->braking = c->kd + dt * c->kp;
+    s->now = s->t - c->kd * s->speed;
     if (m->sampled) {
-        s->t = s->t - c->kd * s->speed;
+        s->t = s->now;
         s->braking = rbdi_zero();
+    } else {
+        s->t = s->t - c->kp * dt * (1 - share) * s->speed;
+        s->braking = c->kd + c->kp * dt * share;
     }
 
-    now = s->t - s->braking * s->speed;
     rbdi_act_current_range(m, winding, s->speed, &lower, &upper);
     lower = lower * constant;
     upper = upper * constant;
-    if (now > (lower > upper ? lower : upper))
+    if (s->now > (lower > upper ? lower : upper))
         rbdi_act_saturate(m, s, winding, lower > upper ? lower : upper, 1);
-    if (now < (lower > upper ? upper : lower))
+    if (s->now < (lower > upper ? upper : lower))
         rbdi_act_saturate(m, s, winding, lower > upper ? upper : lower, -1);
     s->t = s->t + s->cogging;
+    s->now = s->now + s->cogging;
 }
 
 /* ==== src/actuator/rods.h ==== */
@@ -1028,50 +1041,73 @@ RBDI_API rbd_status rbd_actuators_inverse(rbd_actuators *a, const rbd_real *q, c
 /* ---- laws [laws of shafts] ----
    A rigid shaft, whose rotor turns with the joint. At the end's speed x it gives the torque
 
-       t - (braking + viscous) x - J ((x - x_0) / dt + bias) - w,   w = clamp(b + dt k x, -F, F)
+       t - (braking + viscous) x - J ((x - x_0) / dt + bias) - w,   w = clamp(b + k dt x_m, -F, F)
 
-   with the motor's torque t, the level F, a bristle of stiffness k that now has the torque b. Without a
-   bristle w = clamp(F x / creep, -F, F): what sticks creeps, at most by RBDI_ACTUATOR_CREEP.
+   with the motor's torque t, the level F, a bristle of stiffness k that now has the torque b, and the mean
+   speed x_m by which the joint moves, (1 - share) x_0 + share x. Without a bristle w = clamp(F x / creep, -F,
+   F): what sticks creeps, at most by RBDI_ACTUATOR_CREEP.
 
    A shaft with a spring, whose rotor has an angle and a speed y of its own. With delta = angle - g, play 2 h,
-   K = dt k + d, r = y - x the joint gets the impulse
+   K = dt k + d, r = y - x_m the joint gets the impulse
 
        p = max(0, dt k (delta - h) + dt K r) + min(0, dt k (delta + h) + dt K r)
        J (y - y_0) = dt (t - (braking + viscous) y) - p + p_f,   p_f = -dt F sign(y), or less at y = 0
 
-   Both are solved exactly: first with y = 0; if friction cannot hold the rotor so, with p_f = +-dt F. */
+   Both are solved exactly: first with y = 0; if friction cannot hold the rotor so, with p_f = +-dt F. The
+   energy of the spring changes by p r at most, that of the joints by p x_m, and that of the rotor by (p_f -
+   p) y at most: together they do not grow. */
 
-/* Torque of dry friction by speed where it does not slide. */
-RBDI_INLINE rbd_real rbdi_act_stiction(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real dt) {
-    return m->friction.bristle > 0 ? dt * m->friction.bristle : s->level / RBDI_ACTUATOR_CREEP;
+/* Mean speed of a step on the joint's side. */
+RBDI_INLINE rbd_real rbdi_act_mean(const rbd_actuators *a, const rbdi_act_shaft *s, rbd_real x) {
+    return (1 - a->share) * s->x + a->share * x;
+}
+
+/* Torque of dry friction where it does not slide: w = offset + slope x. */
+typedef struct rbdi_act_stiction {
+    rbd_real offset, slope;
+} rbdi_act_stiction;
+
+RBDI_PART rbdi_act_stiction rbdi_act_sticks(const rbd_motor *m, const rbdi_act_shaft *s,
+                                            const rbd_actuators *a) {
+    rbdi_act_stiction w;
+    w.offset = rbdi_zero();
+    w.slope = s->level / RBDI_ACTUATOR_CREEP;
+    if (m->friction.bristle > 0) {
+        w.offset = s->bristle + m->friction.bristle * a->dt * (1 - a->share) * s->x;
+        w.slope = m->friction.bristle * a->dt * a->share;
+    }
+    return w;
 }
 
 /* The branch of the friction of a rigid shaft at speed x: 1 or -1 where it slides. */
-RBDI_PART int rbdi_act_rigid_branch(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real x, rbd_real dt) {
-    const rbd_real w = s->bristle + rbdi_act_stiction(m, s, dt) * x;
+RBDI_PART int rbdi_act_rigid_branch(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real x,
+                                    const rbd_actuators *a) {
+    const rbdi_act_stiction sticks = rbdi_act_sticks(m, s, a);
+    const rbd_real w = sticks.offset + sticks.slope * x;
     const int branch = w > s->level ? 1 : w < -s->level ? -1 : 0;
     return branch * s->branch < 0 ? 0 : branch;
 }
 
 /* Tells the step the piece of the branch. */
-RBDI_PART void rbdi_act_rigid_law(const rbd_motor *m, rbdi_act_shaft *s, rbd_real dt) {
+RBDI_PART void rbdi_act_rigid_law(const rbd_motor *m, rbdi_act_shaft *s, const rbd_actuators *a) {
     const rbd_real J = rbdi_act_rotor_inertia(m);
-    s->s = s->t + J * (s->x / dt - s->bias);
-    s->slope = s->braking + m->friction.viscous + J / dt;
+    s->s = s->t + J * (s->x / a->dt - s->bias);
+    s->slope = s->braking + m->friction.viscous + J / a->dt;
     if (s->branch) {
         s->s = s->s - (rbd_real)s->branch * s->level;
     } else {
-        s->s = s->s - s->bristle;
-        s->slope = s->slope + rbdi_act_stiction(m, s, dt);
+        const rbdi_act_stiction sticks = rbdi_act_sticks(m, s, a);
+        s->s = s->s - sticks.offset;
+        s->slope = s->slope + sticks.slope;
     }
 }
 
-/* What a spring does: the impulse on the joint, its slope by -x, the rotor's speed. */
+/* What a spring does: the impulse on the joint, its slope by -x_m, the rotor's speed. */
 typedef struct rbdi_act_spring {
     rbd_real p, slope, y;
 } rbdi_act_spring;
 
-/* The spring where the rotor's speed would be r + x without it, and falls by e for each unit of p. */
+/* The spring where the rotor's speed would be r + x_m without it, and falls by e for each unit of p. */
 RBDI_PART rbd_real rbdi_act_mesh(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real r, rbd_real e,
                                  rbd_real dt) {
     const rbd_real delta = s->angle - s->g, half = m->backlash / 2, K = dt * m->stiffness + m->damping;
@@ -1080,21 +1116,21 @@ RBDI_PART rbd_real rbdi_act_mesh(const rbd_motor *m, const rbdi_act_shaft *s, rb
     return up > 0 ? up : down < 0 ? down : rbdi_zero();
 }
 
-/* The spring's law at joint speed x. */
+/* The spring's law at the speed x of the joint's side. */
 RBDI_PART rbdi_act_spring rbdi_act_spring_at(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real x,
-                                             rbd_real dt) {
+                                             const rbd_actuators *a) {
+    const rbd_real dt = a->dt, x_m = rbdi_act_mean(a, s, x), most = dt * s->level;
     const rbd_real J = rbdi_act_rotor_inertia(m), J_t = J + dt * (s->braking + m->friction.viscous);
     const rbd_real K = dt * m->stiffness + m->damping, given = J * s->speed + dt * s->t;
     rbdi_act_spring spring;
-    rbd_real friction, most = dt * s->level;
 
     spring.y = rbdi_zero();
     spring.slope = K;
-    spring.p = rbdi_act_mesh(m, s, -x, rbdi_zero(), dt);
+    spring.p = rbdi_act_mesh(m, s, -x_m, rbdi_zero(), dt);
     if (rbdi_abs(spring.p - given) > most) {
-        friction = spring.p > given ? most : -most;
+        const rbd_real friction = spring.p > given ? most : -most;
         spring.slope = K / (1 + dt * K / J_t);
-        spring.p = rbdi_act_mesh(m, s, (given + friction) / J_t - x, 1 / J_t, dt);
+        spring.p = rbdi_act_mesh(m, s, (given + friction) / J_t - x_m, 1 / J_t, dt);
         spring.y = (given + friction - spring.p) / J_t;
     }
     if (!(rbdi_abs(spring.p) > 0)) spring.slope = rbdi_zero();
@@ -1107,56 +1143,53 @@ RBDI_INLINE int rbdi_act_spring_branch(const rbdi_act_spring *spring) {
 }
 
 /* Tells the step the piece at the speed s->told. */
-RBDI_PART void rbdi_act_elastic_law(const rbd_motor *m, rbdi_act_shaft *s, rbd_real dt) {
-    const rbdi_act_spring spring = rbdi_act_spring_at(m, s, s->told, dt);
+RBDI_PART void rbdi_act_elastic_law(const rbd_motor *m, rbdi_act_shaft *s, const rbd_actuators *a) {
+    const rbdi_act_spring spring = rbdi_act_spring_at(m, s, s->told, a);
     s->branch = (int16_t)rbdi_act_spring_branch(&spring);
-    s->slope = spring.slope;
-    s->s = spring.p / dt + spring.slope * s->told;
+    s->slope = a->share * spring.slope;
+    s->s = spring.p / a->dt + s->slope * s->told;
 }
 
 /* ---- what a step is told, and what it answers ---- */
 
-RBDI_INLINE void rbdi_act_tell(const rbd_motor *m, rbdi_act_shaft *s, rbd_real dt) {
+RBDI_INLINE void rbdi_act_tell(const rbd_motor *m, rbdi_act_shaft *s, const rbd_actuators *a) {
     if (m->stiffness > 0)
-        rbdi_act_elastic_law(m, s, dt);
+        rbdi_act_elastic_law(m, s, a);
     else
-        rbdi_act_rigid_law(m, s, dt);
+        rbdi_act_rigid_law(m, s, a);
 }
 
 /* Whether the shaft is on its branch at speed x. If not, takes the branch there, or half way. */
-RBDI_PART int rbdi_act_stays(const rbd_motor *m, rbdi_act_shaft *s, rbd_real x, int repeats, rbd_real dt) {
+RBDI_PART int rbdi_act_stays(const rbd_motor *m, rbdi_act_shaft *s, rbd_real x, const rbd_actuators *a) {
+    int branch, same;
     if (m->stiffness > 0) {
-        const rbdi_act_spring spring = rbdi_act_spring_at(m, s, x, dt);
-        s->told = repeats > RBDI_ACTUATOR_SOFT ? (s->told + x) / 2 : x;
+        const rbdi_act_spring spring = rbdi_act_spring_at(m, s, x, a);
+        s->told = a->repeats > RBDI_ACTUATOR_SOFT ? (s->told + x) / 2 : x;
         return rbdi_act_spring_branch(&spring) == s->branch;
     }
-    if (s->level > 0 || m->friction.bristle > 0) {
-        const int branch = rbdi_act_rigid_branch(m, s, x, dt), same = branch == s->branch;
-        s->branch = (int16_t)branch;
-        return same;
-    }
-    return 1;
+    branch = rbdi_act_rigid_branch(m, s, x, a);
+    same = branch == s->branch;
+    s->branch = (int16_t)branch;
+    return same;
 }
 
 /* The state of the shaft at the end of the step, where the joint's side has speed x. */
-RBDI_PART void rbdi_act_end_shaft(const rbd_motor *m, rbdi_act_shaft *s, rbd_real x, rbd_real air,
-                                  rbd_real dt) {
-    rbd_real current;
+RBDI_PART void rbdi_act_end_shaft(const rbd_motor *m, rbdi_act_shaft *s, rbd_real x, const rbd_actuators *a) {
     if (m->stiffness > 0) {
-        const rbdi_act_spring spring = rbdi_act_spring_at(m, s, x, dt);
-        s->joint = spring.p / dt;
+        const rbdi_act_spring spring = rbdi_act_spring_at(m, s, x, a);
+        s->joint = spring.p / a->dt;
         s->speed = spring.y;
-        s->angle = s->angle + dt * spring.y;
+        s->angle = s->angle + a->dt * spring.y;
     } else {
-        const rbd_real w = s->bristle + rbdi_act_stiction(m, s, dt) * x;
+        const rbdi_act_stiction sticks = rbdi_act_sticks(m, s, a);
         s->joint = s->s - s->slope * x;
         s->speed = x;
-        s->angle = s->g + dt * x;
-        if (m->friction.bristle > 0) s->bristle = rbdi_act_clamp(w, -s->level, s->level);
+        s->angle = s->g + a->dt * rbdi_act_mean(a, s, x);
+        if (m->friction.bristle > 0)
+            s->bristle = rbdi_act_clamp(sticks.offset + sticks.slope * x, -s->level, s->level);
     }
     s->motor = s->t - s->braking * s->speed;
-    current = (s->motor - s->cogging) / rbdi_act_torque_constant(m);
-    rbdi_act_heat(m, s, current, air, dt);
+    rbdi_act_heat(m, s, (s->motor - s->cogging) / rbdi_act_torque_constant(m), a->air, a->dt);
 }
 
 /* ==== src/actuator/step.h ==== */
@@ -1171,7 +1204,7 @@ RBDI_LOCAL void rbdi_act_rest(rbd_actuators *a, rbd_real air) {
         s->angle = s->g;
         s->speed = s->winding = s->housing = s->bristle = rbdi_zero();
         s->motor = s->joint = s->level = s->cogging = rbdi_zero();
-        s->t = s->braking = s->gain = s->rate = rbdi_zero();
+        s->t = s->now = s->braking = s->gain = s->rate = rbdi_zero();
         s->s = s->slope = s->told = rbdi_zero();
         s->branch = s->saturated = s->oldest = 0;
     }
@@ -1234,7 +1267,7 @@ RBDI_LOCAL void rbdi_act_tell_all(const rbd_actuators *a, rbd_real *tau, rbd_rea
     rbdi_clear(damping, a->nv);
     for (int i = 0; i < a->n; ++i) {
         rbdi_act_shaft *s = &a->shaft[i];
-        rbdi_act_tell(&a->motor[i], s, a->dt);
+        rbdi_act_tell(&a->motor[i], s, a);
         if (s->dof < 0) continue;
         tau[s->dof] = s->s;
         damping[s->dof] = s->slope;
@@ -1268,7 +1301,8 @@ RBDI_LOCAL int rbdi_act_group_settles(const rbd_actuators *a, rbdi_act_group *g,
 }
 
 RBDI_API rbd_status rbd_actuators_begin(rbd_actuators *a, const rbd_command *commands, const rbd_real *q,
-                                        const rbd_real *v, rbd_real dt, rbd_real *tau, rbd_real *damping) {
+                                        const rbd_real *v, rbd_real dt, int first_order, rbd_real *tau,
+                                        rbd_real *damping) {
     rbd_status status;
     if (!a || !commands || !q || !v || !tau || !damping) return RBD_ERR_NULL;
     if (!(dt >= RBD_C(1e-9) && dt <= RBD_C(1e3))) return RBD_ERR_RANGE;
@@ -1278,6 +1312,7 @@ RBDI_API rbd_status rbd_actuators_begin(rbd_actuators *a, const rbd_command *com
     if (status) return status;
 
     a->dt = dt;
+    a->share = rbdi_set(first_order ? RBD_C(1) : RBD_C(0.5));
     a->begun = 1;
     a->repeats = 0;
     for (int i = 0; i < a->n; ++i) {
@@ -1288,10 +1323,10 @@ RBDI_API rbd_status rbd_actuators_begin(rbd_actuators *a, const rbd_command *com
             s->angle = s->g;
             s->speed = s->x;
         }
-        rbdi_act_drive_motor(m, s, &c, a->air, dt);
+        rbdi_act_drive_motor(m, s, &c, a->air, dt, m->stiffness > 0 ? rbdi_set(RBD_C(1)) : a->share);
         s->level = rbd_friction_level(&m->friction, s->speed, s->motor, -s->joint);
         s->told = s->x;
-        if (!(m->stiffness > 0)) s->branch = (int16_t)rbdi_act_rigid_branch(m, s, s->x, dt);
+        if (!(m->stiffness > 0)) s->branch = (int16_t)rbdi_act_rigid_branch(m, s, s->x, a);
     }
     for (int i = 0; i < a->groups; ++i)
         for (int j = 0; j < a->group[i].n; ++j) a->group[i].v[j] = v[a->group[i].dof[j]];
@@ -1304,15 +1339,14 @@ RBDI_LOCAL int rbdi_act_settles(rbd_actuators *a, const rbd_real *v) {
     int settled = 1;
     for (int i = 0; i < a->n; ++i) {
         rbdi_act_shaft *s = &a->shaft[i];
-        if (s->dof >= 0) settled &= rbdi_act_stays(&a->motor[i], s, v[s->dof], a->repeats, a->dt);
+        if (s->dof >= 0) settled &= rbdi_act_stays(&a->motor[i], s, v[s->dof], a);
     }
     for (int k = 0; k < a->groups; ++k) {
         rbdi_act_group *g = &a->group[k];
         settled &= rbdi_act_group_settles(a, g, v);
         for (int i = 0; i < g->n; ++i) {
             const int at = g->first + i;
-            settled &= rbdi_act_stays(&a->motor[at], &a->shaft[at], rbdi_act_shaft_speed(g, i, v), a->repeats,
-                                      a->dt);
+            settled &= rbdi_act_stays(&a->motor[at], &a->shaft[at], rbdi_act_shaft_speed(g, i, v), a);
         }
     }
     return settled;
@@ -1322,13 +1356,13 @@ RBDI_LOCAL int rbdi_act_settles(rbd_actuators *a, const rbd_real *v) {
 RBDI_LOCAL void rbdi_act_end_step(rbd_actuators *a, const rbd_real *v) {
     for (int i = 0; i < a->n; ++i) {
         rbdi_act_shaft *s = &a->shaft[i];
-        if (s->dof >= 0) rbdi_act_end_shaft(&a->motor[i], s, v[s->dof], a->air, a->dt);
+        if (s->dof >= 0) rbdi_act_end_shaft(&a->motor[i], s, v[s->dof], a);
     }
     for (int k = 0; k < a->groups; ++k) {
         const rbdi_act_group *g = &a->group[k];
         for (int i = 0; i < g->n; ++i) {
             const int at = g->first + i;
-            rbdi_act_end_shaft(&a->motor[at], &a->shaft[at], rbdi_act_shaft_speed(g, i, v), a->air, a->dt);
+            rbdi_act_end_shaft(&a->motor[at], &a->shaft[at], rbdi_act_shaft_speed(g, i, v), a);
         }
     }
 }
@@ -1377,16 +1411,17 @@ typedef struct rbdi_act_slopes {
 RBDI_LOCAL rbdi_act_slopes rbdi_act_slopes_of(const rbd_motor *m, const rbdi_act_shaft *s) {
     rbdi_act_slopes out;
     if (m->stiffness > 0) {
-        const rbd_real delta = s->angle - s->g, half = m->backlash / 2;
-        const int side = delta > half ? 1 : delta < -half ? -1 : 0;
-        out.by_angle = side ? m->stiffness : rbdi_zero();
-        out.by_speed = side ? m->damping : rbdi_zero();
-        out.torque = out.by_angle * (delta - (rbd_real)side * half) + out.by_speed * (s->speed - s->x);
+        const rbd_real k = m->stiffness, d = m->damping, half = m->backlash / 2;
+        const rbd_real free = k * (s->angle - s->g) + d * (s->speed - s->x);
+        const int side = free > k * half ? 1 : free < -k * half ? -1 : 0;
+        out.torque = side ? free - (rbd_real)side * k * half : rbdi_zero();
+        out.by_angle = side ? k : rbdi_zero();
+        out.by_speed = side ? d : rbdi_zero();
         return out;
     }
     out.by_angle = s->gain;
     out.by_speed = s->rate + m->friction.viscous;
-    out.torque = s->t - s->braking * s->x - m->friction.viscous * s->x;
+    out.torque = s->now - m->friction.viscous * s->x;
     if (s->branch) out.torque = out.torque - (rbd_real)s->branch * s->level;
     return out;
 }
@@ -1698,7 +1733,10 @@ RBDI_LOCAL int rbdi_act_is_moved(const rbd_actuators *a, int dof, int groups) {
 /* The shafts that move a joint directly. A motor without a joint must be in one transmission. */
 RBDI_LOCAL rbd_status rbdi_act_place_motors(const rbd_model *m, rbd_actuators *a, const rbd_transmission *t,
                                             int groups, rbd_report *report) {
-    for (int i = 0; i < a->n; ++i) a->shaft[i].dof = a->shaft[i].at = -1;
+    for (int i = 0; i < a->n; ++i) {
+        a->shaft[i].dof = a->shaft[i].at = -1;
+        a->shaft[i].g = a->shaft[i].x = a->shaft[i].bias = rbdi_zero();
+    }
     for (int i = 0; i < a->n; ++i) {
         const rbd_motor *motor = &a->motor[i];
         const rbdi_act_where where = {report, i, motor->name};

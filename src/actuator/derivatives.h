@@ -13,16 +13,17 @@ typedef struct rbdi_act_slopes {
 RBDI_LOCAL rbdi_act_slopes rbdi_act_slopes_of(const rbd_motor *m, const rbdi_act_shaft *s) {
     rbdi_act_slopes out;
     if (m->stiffness > 0) {
-        const rbd_real delta = s->angle - s->g, half = m->backlash / 2;
-        const int side = delta > half ? 1 : delta < -half ? -1 : 0;
-        out.by_angle = side ? m->stiffness : rbdi_zero();
-        out.by_speed = side ? m->damping : rbdi_zero();
-        out.torque = out.by_angle * (delta - (rbd_real)side * half) + out.by_speed * (s->speed - s->x);
+        const rbd_real k = m->stiffness, d = m->damping, half = m->backlash / 2;
+        const rbd_real free = k * (s->angle - s->g) + d * (s->speed - s->x);
+        const int side = free > k * half ? 1 : free < -k * half ? -1 : 0;
+        out.torque = side ? free - (rbd_real)side * k * half : rbdi_zero();
+        out.by_angle = side ? k : rbdi_zero();
+        out.by_speed = side ? d : rbdi_zero();
         return out;
     }
     out.by_angle = s->gain;
     out.by_speed = s->rate + m->friction.viscous;
-    out.torque = s->t - s->braking * s->x - m->friction.viscous * s->x;
+    out.torque = s->now - m->friction.viscous * s->x;
     if (s->branch) out.torque = out.torque - (rbd_real)s->branch * s->level;
     return out;
 }

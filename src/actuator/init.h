@@ -49,7 +49,10 @@ RBDI_LOCAL int rbdi_act_is_moved(const rbd_actuators *a, int dof, int groups) {
 /* The shafts that move a joint directly. A motor without a joint must be in one transmission. */
 RBDI_LOCAL rbd_status rbdi_act_place_motors(const rbd_model *m, rbd_actuators *a, const rbd_transmission *t,
                                             int groups, rbd_report *report) {
-    for (int i = 0; i < a->n; ++i) a->shaft[i].dof = a->shaft[i].at = -1;
+    for (int i = 0; i < a->n; ++i) {
+        a->shaft[i].dof = a->shaft[i].at = -1;
+        a->shaft[i].g = a->shaft[i].x = a->shaft[i].bias = rbdi_zero();
+    }
     for (int i = 0; i < a->n; ++i) {
         const rbd_motor *motor = &a->motor[i];
         const rbdi_act_where where = {report, i, motor->name};

@@ -56,6 +56,7 @@ typedef struct rbdi_act_shaft {
     /* of the step */
     rbd_real g, x, bias; /* angle and speed of the joint's side at its beginning; G' v */
     rbd_real t, braking; /* the motor's torque is t - braking speed at the step's end */
+    rbd_real now;        /* N m: the motor's torque at its beginning */
     rbd_real gain, rate; /* its slopes by angle and speed in continuous time, both negative there */
     rbd_real cogging;    /* N m, a part of t that no current makes */
     rbd_real level;      /* of dry friction */
@@ -83,6 +84,7 @@ struct rbd_actuators {
     int fault;                   /* see rbd_actuators_fault */
     int begun, repeats;
     rbd_real dt, air;
+    rbd_real share; /* of the way of a step that v_next makes: 1, or 1/2 */
     rbdi_act_shaft *shaft;
     rbdi_act_group *group;
     rbd_command *commands; /* n x ring */

@@ -96,6 +96,7 @@ RBDI_PART void rbdi_act_saturate(const rbd_motor *m, rbdi_act_shaft *s, rbd_real
     const rbd_real constant = rbdi_abs(rbdi_act_torque_constant(m));
     s->saturated = (int16_t)side;
     s->t = limit;
+    s->now = limit;
     s->braking = rbdi_zero();
     s->gain = rbdi_zero();
 
@@ -107,32 +108,36 @@ RBDI_PART void rbdi_act_saturate(const rbd_motor *m, rbdi_act_shaft *s, rbd_real
     s->rate = s->braking;
 }
 
-/* The motor's torque t - braking x under a command, at the angle and speed of its rotor. */
+/* The motor's torque t - braking x under a command, at the angle and speed of its rotor. An implicit drive
+   has the angle of the step's end: angle + dt ((1 - share) speed + share x). */
 RBDI_PART void rbdi_act_drive_motor(const rbd_motor *m, rbdi_act_shaft *s, const rbd_command *c, rbd_real air,
-                                    rbd_real dt) {
+                                    rbd_real dt, rbd_real share) {
     const rbd_real winding = s->winding + air, constant = rbdi_act_torque_constant(m);
-    rbd_real lower, upper, now;
+    rbd_real lower, upper;
 
     s->cogging = rbdi_act_cogging(m, s->angle);
     s->saturated = 0;
     s->gain = c->kp;
     s->rate = c->kd;
     s->t = c->torque + c->kp * (c->q - rbdi_act_encoder(m, s->angle)) + c->kd * c->v;
-    s->braking = c->kd + dt * c->kp;
+    s->now = s->t - c->kd * s->speed;
     if (m->sampled) {
-        s->t = s->t - c->kd * s->speed;
+        s->t = s->now;
         s->braking = rbdi_zero();
+    } else {
+        s->t = s->t - c->kp * dt * (1 - share) * s->speed;
+        s->braking = c->kd + c->kp * dt * share;
     }
 
-    now = s->t - s->braking * s->speed;
     rbdi_act_current_range(m, winding, s->speed, &lower, &upper);
     lower = lower * constant;
     upper = upper * constant;
-    if (now > (lower > upper ? lower : upper))
+    if (s->now > (lower > upper ? lower : upper))
         rbdi_act_saturate(m, s, winding, lower > upper ? lower : upper, 1);
-    if (now < (lower > upper ? upper : lower))
+    if (s->now < (lower > upper ? upper : lower))
         rbdi_act_saturate(m, s, winding, lower > upper ? upper : lower, -1);
     s->t = s->t + s->cogging;
+    s->now = s->now + s->cogging;
 }
 
 #endif

@@ -15,7 +15,7 @@ RBDI_LOCAL void rbdi_act_rest(rbd_actuators *a, rbd_real air) {
         s->angle = s->g;
         s->speed = s->winding = s->housing = s->bristle = rbdi_zero();
         s->motor = s->joint = s->level = s->cogging = rbdi_zero();
-        s->t = s->braking = s->gain = s->rate = rbdi_zero();
+        s->t = s->now = s->braking = s->gain = s->rate = rbdi_zero();
         s->s = s->slope = s->told = rbdi_zero();
         s->branch = s->saturated = s->oldest = 0;
     }
@@ -78,7 +78,7 @@ RBDI_LOCAL void rbdi_act_tell_all(const rbd_actuators *a, rbd_real *tau, rbd_rea
     rbdi_clear(damping, a->nv);
     for (int i = 0; i < a->n; ++i) {
         rbdi_act_shaft *s = &a->shaft[i];
-        rbdi_act_tell(&a->motor[i], s, a->dt);
+        rbdi_act_tell(&a->motor[i], s, a);
         if (s->dof < 0) continue;
         tau[s->dof] = s->s;
         damping[s->dof] = s->slope;
@@ -112,7 +112,8 @@ RBDI_LOCAL int rbdi_act_group_settles(const rbd_actuators *a, rbdi_act_group *g,
 }
 
 RBDI_API rbd_status rbd_actuators_begin(rbd_actuators *a, const rbd_command *commands, const rbd_real *q,
-                                        const rbd_real *v, rbd_real dt, rbd_real *tau, rbd_real *damping) {
+                                        const rbd_real *v, rbd_real dt, int first_order, rbd_real *tau,
+                                        rbd_real *damping) {
     rbd_status status;
     if (!a || !commands || !q || !v || !tau || !damping) return RBD_ERR_NULL;
     if (!(dt >= RBD_C(1e-9) && dt <= RBD_C(1e3))) return RBD_ERR_RANGE;
@@ -122,6 +123,7 @@ RBDI_API rbd_status rbd_actuators_begin(rbd_actuators *a, const rbd_command *com
     if (status) return status;
 
     a->dt = dt;
+    a->share = rbdi_set(first_order ? RBD_C(1) : RBD_C(0.5));
     a->begun = 1;
     a->repeats = 0;
     for (int i = 0; i < a->n; ++i) {
@@ -132,10 +134,10 @@ RBDI_API rbd_status rbd_actuators_begin(rbd_actuators *a, const rbd_command *com
             s->angle = s->g;
             s->speed = s->x;
         }
-        rbdi_act_drive_motor(m, s, &c, a->air, dt);
+        rbdi_act_drive_motor(m, s, &c, a->air, dt, m->stiffness > 0 ? rbdi_set(RBD_C(1)) : a->share);
         s->level = rbd_friction_level(&m->friction, s->speed, s->motor, -s->joint);
         s->told = s->x;
-        if (!(m->stiffness > 0)) s->branch = (int16_t)rbdi_act_rigid_branch(m, s, s->x, dt);
+        if (!(m->stiffness > 0)) s->branch = (int16_t)rbdi_act_rigid_branch(m, s, s->x, a);
     }
     for (int i = 0; i < a->groups; ++i)
         for (int j = 0; j < a->group[i].n; ++j) a->group[i].v[j] = v[a->group[i].dof[j]];
@@ -148,15 +150,14 @@ RBDI_LOCAL int rbdi_act_settles(rbd_actuators *a, const rbd_real *v) {
     int settled = 1;
     for (int i = 0; i < a->n; ++i) {
         rbdi_act_shaft *s = &a->shaft[i];
-        if (s->dof >= 0) settled &= rbdi_act_stays(&a->motor[i], s, v[s->dof], a->repeats, a->dt);
+        if (s->dof >= 0) settled &= rbdi_act_stays(&a->motor[i], s, v[s->dof], a);
     }
     for (int k = 0; k < a->groups; ++k) {
         rbdi_act_group *g = &a->group[k];
         settled &= rbdi_act_group_settles(a, g, v);
         for (int i = 0; i < g->n; ++i) {
             const int at = g->first + i;
-            settled &= rbdi_act_stays(&a->motor[at], &a->shaft[at], rbdi_act_shaft_speed(g, i, v), a->repeats,
-                                      a->dt);
+            settled &= rbdi_act_stays(&a->motor[at], &a->shaft[at], rbdi_act_shaft_speed(g, i, v), a);
         }
     }
     return settled;
@@ -166,13 +167,13 @@ RBDI_LOCAL int rbdi_act_settles(rbd_actuators *a, const rbd_real *v) {
 RBDI_LOCAL void rbdi_act_end_step(rbd_actuators *a, const rbd_real *v) {
     for (int i = 0; i < a->n; ++i) {
         rbdi_act_shaft *s = &a->shaft[i];
-        if (s->dof >= 0) rbdi_act_end_shaft(&a->motor[i], s, v[s->dof], a->air, a->dt);
+        if (s->dof >= 0) rbdi_act_end_shaft(&a->motor[i], s, v[s->dof], a);
     }
     for (int k = 0; k < a->groups; ++k) {
         const rbdi_act_group *g = &a->group[k];
         for (int i = 0; i < g->n; ++i) {
             const int at = g->first + i;
-            rbdi_act_end_shaft(&a->motor[at], &a->shaft[at], rbdi_act_shaft_speed(g, i, v), a->air, a->dt);
+            rbdi_act_end_shaft(&a->motor[at], &a->shaft[at], rbdi_act_shaft_speed(g, i, v), a);
         }
     }
 }

@@ -155,7 +155,7 @@ RBDI_API rbd_status rbd_actuators_inverse(rbd_actuators *a, const rbd_real *q, c
 /* ---- forward [forward] ----
    A step of a simulation:
 
-       rbd_actuators_begin(a, commands, q, v, dt, tau, damping);
+       rbd_actuators_begin(a, commands, q, v, dt, 0, tau, damping);
        do rbd_contact_step(m, c, q, v, tau, NULL, damping, dt, q_next, v_next);
        while (rbd_actuators_again(a, v_next, tau, damping));
 
@@ -174,12 +174,18 @@ typedef struct rbd_command {
 RBDI_API rbd_status rbd_actuators_reset(rbd_actuators *a, const rbd_real *q, rbd_real air);
 
 /* Begins a step: what the shafts do to the joints, linear in the speeds at the step's end.
-   commands   n
+   commands       n
+   first_order    how the step moves q. Not 0: by v_next alone, as rbd_contact_step with its option
+   first_order
+                  does; 0: half of the way by v, as it does without, and as rbd_free_step does. Springs that
+                  are so stiff that they would vibrate faster than the step are damped by the first, and ring
+                  with the second
    tau, damping   nv: torques tau - damping v_next; 0 where there is no motor
    Errors: as rbd_actuators_map; RBD_ERR_RANGE, dt not between 1e-9 and 1e3, or a command negative where it
    must not be, not finite or above 1e9. */
 RBDI_API rbd_status rbd_actuators_begin(rbd_actuators *a, const rbd_command *commands, const rbd_real *q,
-                                        const rbd_real *v, rbd_real dt, rbd_real *tau, rbd_real *damping);
+                                        const rbd_real *v, rbd_real dt, int first_order, rbd_real *tau,
+                                        rbd_real *damping);
 
 /* Ends a step, and returns 0, if all shafts do at v_next what the step was told. Else returns 1: the step
    must be made again with the new tau and damping. After 50 repeats it takes what there is. A v_next that is
