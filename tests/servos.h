@@ -1,5 +1,5 @@
-/* servos.h - friction of seven servos as published with BAM (Duclusaud and Passault 2024, arXiv 2410.08650): parameters of
-   its sixth model. */
+/* servos.h - friction of seven servos as published with BAM (Duclusaud and Passault 2024, arXiv 2410.08650):
+   parameters of its sixth model. */
 #ifndef SERVOS_H
 #define SERVOS_H
 

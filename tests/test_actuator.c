@@ -1,5 +1,5 @@
-/* test_actuator.c - motors, friction, springs and transmissions: known answers, identities, other descriptions of
-   the same mechanism, energy, bad input. */
+/* test_actuator.c - motors, friction, springs and transmissions: known answers, identities, other
+   descriptions of the same mechanism, energy, bad input. */
 #include <float.h>
 #include <math.h>
 #include <stddef.h>
@@ -233,7 +233,8 @@ START_TEST(dry_friction_is_that_of_the_contact_step) {
 }
 END_TEST
 
-/* Half of the level is held still after the first step, whatever the step is; friction takes energy always. */
+/* Half of the level is held still after the first step, whatever the step is; friction takes energy
+   always. */
 START_TEST(what_sticks_does_not_chatter) {
     const rbd_motor motor = {
         .joint = "axle",
@@ -324,8 +325,8 @@ START_TEST(a_light_wheel_ends_at_the_speed_without_load) {
 }
 END_TEST
 
-/* 4 A through 0.5 ohm are 8 W, over 1.5 and 3 K/W: 25 + 36 and 25 + 24 degrees. With copper, 25 + 36 / (1 - 0.0039
-   36). One node: 25 + 12. */
+/* 4 A through 0.5 ohm are 8 W, over 1.5 and 3 K/W: 25 + 36 and 25 + 24 degrees. With copper, 25 + 36 / (1
+   - 0.0039 36). One node: 25 + 12. */
 START_TEST(temperatures_are_those_of_the_network) {
     rbd_motor motor = {.joint = "axle",
                        .gear = 1,
@@ -353,7 +354,8 @@ START_TEST(temperatures_are_those_of_the_network) {
 }
 END_TEST
 
-/* Between 60 and 80 degrees the limit of 10 A falls to 0: the winding stops where it heats as fast as it cools. */
+/* Between 60 and 80 degrees the limit of 10 A falls to 0: the winding stops where it heats as fast as it
+   cools. */
 START_TEST(heat_lowers_the_limit_of_the_current) {
     const rbd_motor motor = {.joint = "axle",
                              .gear = 1,
@@ -415,8 +417,8 @@ START_TEST(a_command_is_late_by_its_delay) {
 }
 END_TEST
 
-/* The encoder is off by 0.003 and sees steps of 0.01; a gain of 100 makes torques of that. Cogging has four periods
-   in a turn of the rotor. */
+/* The encoder is off by 0.003 and sees steps of 0.01; a gain of 100 makes torques of that. Cogging has
+   four periods in a turn of the rotor. */
 START_TEST(encoder_and_cogging_are_seen) {
     const rbd_motor motor = {.joint = "axle",
                              .gear = 2,
@@ -444,8 +446,8 @@ END_TEST
 
 /* ---- inverse ---- */
 
-/* With efficiency 0.8 a torque of 8 N m out needs 10 of the motor; lowering 8 N m, the motor holds 6.667. A gear
-   with load_joint 1 locks itself: to lower, the motor must push. */
+/* With efficiency 0.8 a torque of 8 N m out needs 10 of the motor; lowering 8 N m, the motor holds 6.667.
+   A gear with load_joint 1 locks itself: to lower, the motor must push. */
 START_TEST(efficiency_and_self_locking) {
     rbd_motor motor = {.joint = "axle", .gear = 1, .constant = 1, .friction = {.load_motor = 0.2}};
     const double zero[1] = {0}, tau[1] = {8}, up[1] = {1}, down[1] = {-1};
@@ -477,8 +479,9 @@ static void draw_friction(uint64_t *seed, rbd_friction *f) {
     f->square_motor = uniform(seed, 0, 0.005), f->square_joint = uniform(seed, 0, 0.005);
 }
 
-/* What the inverse asks of the motor gives the wanted torque: torque, inertia and friction from their formulas. One
-   motor in thousands sits on the jump of the squares, where nothing does. The slopes are those of differences. */
+/* What the inverse asks of the motor gives the wanted torque: torque, inertia and friction from their
+   formulas. One motor in thousands sits on the jump of the squares, where nothing does. The slopes are
+   those of differences. */
 START_TEST(forward_of_the_inverse_is_the_identity) {
     uint64_t seed = 3;
     rbd_motor motor = {.joint = "axle", .constant = 0.05, .resistance = 0.5};
@@ -598,7 +601,8 @@ END_TEST
 
 /* ---- springs and play ---- */
 
-/* A wheel of 0.1 kg m^2 and a rotor of 0.05 on a spring: no step adds energy; momentum stays with play alone. */
+/* A wheel of 0.1 kg m^2 and a rotor of 0.05 on a spring: no step adds energy; momentum stays with play
+   alone. */
 START_TEST(springs_and_play_make_no_energy) {
     const double stiffness[3] = {100, 1e4, 1e6}, J = 0.05;
     const double k = stiffness[_i / 6 % 3], dt = steps[_i / 2 % 3];
@@ -631,8 +635,8 @@ START_TEST(springs_and_play_make_no_energy) {
 }
 END_TEST
 
-/* A load of 0.45 comes suddenly, and winds the spring up to 0.9: less than the friction, so the rotor stands still
-   to the bit, and the joint ends at load / stiffness. */
+/* A load of 0.45 comes suddenly, and winds the spring up to 0.9: less than the friction, so the rotor
+   stands still to the bit, and the joint ends at load / stiffness. */
 START_TEST(friction_holds_a_rotor_behind_its_spring) {
     const rbd_motor motor = {.joint = "axle",
                              .gear = 50,
@@ -676,8 +680,9 @@ START_TEST(a_spring_vibrates_as_theory_says) {
 }
 END_TEST
 
-/* The laws of a spring at the speeds of the settled step, from their text: what the joint was told is what the
-   spring gives, the rotor obeys Newton, and friction opposes it within its level. Returns the largest error, N m. */
+/* The laws of a spring at the speeds of the settled step, from their text: what the joint was told is
+   what the spring gives, the rotor obeys Newton, and friction opposes it within its level. Returns the
+   largest error, N m. */
 static double law_error(const rbd_motor *m, const rbd_actuator_state *before, const rbd_actuator_state *after,
                         double g, double x, double told, double t, double dt) {
     const double J = m->gear * m->gear * m->inertia, h = m->backlash / 2;
@@ -806,7 +811,8 @@ static const rbd_body leg[2] = {{.name = "thigh",
 static const rbd_transmission belt = {
     .name = "belt", .kind = RBD_BY_MATRIX, .n = 2, .joint = {"hip", "knee"}, .matrix = {1, 0, 1, 1}};
 
-/* A knee driven by a belt from a motor on the hip's base: the step is that of M + G' (J + dt D) G, solved densely. */
+/* A knee driven by a belt from a motor on the hip's base: the step is that of M + G' (J + dt D) G, solved
+   densely. */
 START_TEST(coupled_shafts_have_the_inertia_and_damping_of_the_matrix) {
     const double J = 2500 * 1e-5, D = 3, kd = 2, kp = 50, dt = 1e-3, G[4] = {1, 0, 1, 1};
     rbd_motor motors[2];
@@ -857,7 +863,8 @@ START_TEST(a_matrix_keeps_the_power) {
 }
 END_TEST
 
-/* A floating shank with a foot on two joints that two cranks move, and one on a single joint with one crank. */
+/* A floating shank with a foot on two joints that two cranks move, and one on a single joint with one
+   crank. */
 static const rbd_body shank_and_foot[3] = {{.name = "shank",
                                             .joint = "base",
                                             .parent = -1,
@@ -988,7 +995,8 @@ static void close_loops(loop *l, const rbd_transmission *t, double mass) {
                      RBD_OK);
 }
 
-/* Accelerations of the loops in the state of the open chain; the closure and the cranks' speeds are compared. */
+/* Accelerations of the loops in the state of the open chain; the closure and the cranks' speeds are
+   compared. */
 static void loop_acceleration(loop *l, const rbd_transmission *t, const double *q, const double *v,
                               const double *angle, const double *speed, const double *torque, double *a) {
     double all_q[MAX_Q] = {0}, all_v[MAX_V] = {0}, near_q[MAX_Q], near_v[MAX_V], tau[MAX_V] = {0},
@@ -1029,8 +1037,9 @@ static void loop_acceleration(loop *l, const rbd_transmission *t, const double *
     memcpy(a, full, (size_t)nv * sizeof *a);
 }
 
-/* Accelerations of the open chain with M + G' J G, and the bias G' J b, from the map alone: rods without mass. The
-   loops' rods weigh 0.1, 0.2 and 0.4 g, extrapolated to 0. The forward law with dt -> 0 is the same. */
+/* Accelerations of the open chain with M + G' J G, and the bias G' J b, from the map alone: rods without
+   mass. The loops' rods weigh 0.1, 0.2 and 0.4 g, extrapolated to 0. The forward law with dt -> 0 is the
+   same. */
 START_TEST(rods_are_the_loops_of_the_same_mechanism) {
     const rbd_transmission *t = &ankles[_i];
     driven d = drive("ankle", shank_and_foot, 1 + t->n, cranks, t->n, t, 1, NULL, 0, NULL);
@@ -1174,8 +1183,8 @@ END_TEST
 
 /* ---- rotors ---- */
 
-/* The robot with rotors as bodies that follow their joints, beside the robot whose links carry them at a standstill
-   and whose joints have armature. */
+/* The robot with rotors as bodies that follow their joints, beside the robot whose links carry them at a
+   standstill and whose joints have armature. */
 typedef struct spinning {
     rbd_body locked[40], free[40];
     rbd_rotor rotor[20];

@@ -39,7 +39,7 @@ RBDI_PART rbd_real rbdi_act_carry_load(const rbd_friction *f, rbd_real S, const 
 }
 
 /* One shaft: u = t + J x' + viscous x + side F - cogging, within the limits. */
-RBDI_PART void rbdi_act_invert_shaft(const rbd_motor *m, const rbdi_act_shaft *s, const rbdi_act_wanted *want,
+RBDI_ONCE void rbdi_act_invert_shaft(const rbd_motor *m, const rbdi_act_shaft *s, const rbdi_act_wanted *want,
                                      rbd_real air, rbd_drive *drive) {
     const rbd_friction *f = &m->friction;
     const rbd_real constant = rbdi_act_torque_constant(m), J = rbdi_act_rotor_inertia(m),

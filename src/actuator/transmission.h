@@ -70,11 +70,11 @@ RBDI_LOCAL rbd_status rbdi_act_map_group(const rbd_actuators *a, rbdi_act_group 
     return RBD_OK;
 }
 
-/* Whether all are finite and can be computed with; not of NaN. */
+/* Whether all are finite and can be computed with: their squares' sum is; not of NaN. */
 RBDI_PART int rbdi_act_all_moderate(const rbd_real *x, int n) {
-    int good = 1;
-    for (int i = 0; i < n; ++i) good &= rbdi_abs(x[i]) <= RBDI_ACTUATOR_MOST;
-    return good;
+    rbd_real sum = rbdi_zero();
+    for (int i = 0; i < n; ++i) sum = sum + x[i] * x[i];
+    return sum <= RBDI_ACTUATOR_MOST * RBDI_ACTUATOR_MOST;
 }
 
 /* Angles and speeds of all shafts; v may be NULL. */
