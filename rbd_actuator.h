@@ -28,6 +28,13 @@
      [conventions] [configuration] [guarantees] [limits]
      [tables] [actuators] [inverse] [forward] [rotors]
      --- stop here if you only use it ---
+     [method] [exponential] [friction code] [motor code] [drive code] [rods] [transmission code]
+     [inverse code] [laws of shafts] [forward code] [derivatives code] [checks] [tables code]
+     [rotors code] [text code]
+
+   [conventions] [configuration] [guarantees] [limits]
+     [tables] [actuators] [inverse] [forward] [rotors]
+     --- stop here if you only use it ---
      [method] [exponential] [friction code] [motor code] [drive code] [rods] [transmission code] [inverse
      code] [laws of shafts] [forward code] [derivatives code] [checks] [tables code] [rotors code] [text code]
 
@@ -787,8 +794,8 @@ RBDI_LOCAL rbd_status rbdi_act_map_rod(rbdi_act_group *g, const rbdi_act_rod_joi
     }
     for (int j = 0; j < J->n; ++j)
         for (int k = 0; k < J->n; ++k) {
-            const int near = j < k ? j : k, far = j < k ? k : j;
-            const rbdi_v3 P_jk = rbdi_cross(J->axis[near], P_j[far]);
+            const int nearer = j < k ? j : k, farther = j < k ? k : j;
+            const rbdi_v3 P_jk = rbdi_cross(J->axis[nearer], P_j[farther]);
             const rbdi_v3 d_k = rbdi_sub(P_j[k], rbdi_scale(G[k], C1));
             const rbd_real turns = rbdi_dot(d_k, C1) + rbdi_dot(d, C2) * G[k];
             g->H[(i * J->n + j) * J->n + k] = (rbdi_dot(d_k, P_j[j]) + rbdi_dot(d, P_jk) - G[j] * turns) / w;
@@ -1149,8 +1156,6 @@ RBDI_PART void rbdi_act_elastic_law(const rbd_motor *m, rbdi_act_shaft *s, const
     s->slope = a->share * spring.slope;
     s->s = spring.p / a->dt + s->slope * s->told;
 }
-
-/* ---- what a step is told, and what it answers ---- */
 
 RBDI_INLINE void rbdi_act_tell(const rbd_motor *m, rbdi_act_shaft *s, const rbd_actuators *a) {
     if (m->stiffness > 0)
@@ -1630,8 +1635,6 @@ RBDI_LOCAL rbd_status rbdi_act_check_motor(const rbdi_act_where *where, const rb
     if (!status) status = rbdi_act_check_electric(where, m);
     return status ? status : rbdi_act_check_friction(where, &m->friction);
 }
-
-/* ---- transmissions ---- */
 
 RBDI_LOCAL int rbdi_act_is_vector(const rbd_const x[3]) {
     for (int i = 0; i < 3; ++i)

@@ -27,6 +27,13 @@
      [conventions] [configuration] [guarantees] [limits]
      [tables] [actuators] [inverse] [forward] [rotors]
      --- stop here if you only use it ---
+     [method] [exponential] [friction code] [motor code] [drive code] [rods] [transmission code]
+     [inverse code] [laws of shafts] [forward code] [derivatives code] [checks] [tables code]
+     [rotors code] [text code]
+
+   [conventions] [configuration] [guarantees] [limits]
+     [tables] [actuators] [inverse] [forward] [rotors]
+     --- stop here if you only use it ---
      [method] [exponential] [friction code] [motor code] [drive code] [rods] [transmission code] [inverse
      code] [laws of shafts] [forward code] [derivatives code] [checks] [tables code] [rotors code] [text code]
 

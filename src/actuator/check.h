@@ -150,8 +150,6 @@ RBDI_LOCAL rbd_status rbdi_act_check_motor(const rbdi_act_where *where, const rb
     return status ? status : rbdi_act_check_friction(where, &m->friction);
 }
 
-/* ---- transmissions ---- */
-
 RBDI_LOCAL int rbdi_act_is_vector(const rbd_const x[3]) {
     for (int i = 0; i < 3; ++i)
         if (!(rbdi_abs((rbd_real)x[i]) <= RBD_C(1e6))) return 0;

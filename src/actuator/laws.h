@@ -114,8 +114,6 @@ RBDI_PART void rbdi_act_elastic_law(const rbd_motor *m, rbdi_act_shaft *s, const
     s->s = spring.p / a->dt + s->slope * s->told;
 }
 
-/* ---- what a step is told, and what it answers ---- */
-
 RBDI_INLINE void rbdi_act_tell(const rbd_motor *m, rbdi_act_shaft *s, const rbd_actuators *a) {
     if (m->stiffness > 0)
         rbdi_act_elastic_law(m, s, a);

@@ -91,8 +91,8 @@ RBDI_LOCAL rbd_status rbdi_act_map_rod(rbdi_act_group *g, const rbdi_act_rod_joi
     }
     for (int j = 0; j < J->n; ++j)
         for (int k = 0; k < J->n; ++k) {
-            const int near = j < k ? j : k, far = j < k ? k : j;
-            const rbdi_v3 P_jk = rbdi_cross(J->axis[near], P_j[far]);
+            const int nearer = j < k ? j : k, farther = j < k ? k : j;
+            const rbdi_v3 P_jk = rbdi_cross(J->axis[nearer], P_j[farther]);
             const rbdi_v3 d_k = rbdi_sub(P_j[k], rbdi_scale(G[k], C1));
             const rbd_real turns = rbdi_dot(d_k, C1) + rbdi_dot(d, C2) * G[k];
             g->H[(i * J->n + j) * J->n + k] = (rbdi_dot(d_k, P_j[j]) + rbdi_dot(d, P_jk) - G[j] * turns) / w;
