@@ -31,12 +31,6 @@
      [inverse code] [laws of shafts] [forward code] [derivatives code] [checks] [tables code]
      [rotors code] [text code]
 
-   [conventions] [configuration] [guarantees] [limits]
-     [tables] [actuators] [inverse] [forward] [rotors]
-     --- stop here if you only use it ---
-     [method] [exponential] [friction code] [motor code] [drive code] [rods] [transmission code] [inverse
-     code] [laws of shafts] [forward code] [derivatives code] [checks] [tables code] [rotors code] [text code]
-
    [conventions] Those of rbd.h, beyond them:
      shaft        the output of one motor's gear, in the data sheet's coordinate. Its angle times gear is the
                   rotor's. Torques, speeds, friction and gains of a motor are those at its shaft
@@ -44,13 +38,13 @@
                   is the joint, with the same sign
      rigid        without a stiffness
 
-   [configuration] That of rbd.h, in double or float. RBD_LANES and RBD_REAL_CUSTOM do not go with it:
-   friction branches on its data.
+   [configuration] That of rbd.h. RBD_LANES and RBD_REAL_CUSTOM do not go with it: friction branches on its
+     data.
 
    [guarantees]
-     Finite input gives finite output. No energy comes from friction, springs and play, whatever the step is.
-     A rotor that friction holds on a spring stays to the bit. The bits are the same on every machine with
-     RBD_REPRODUCIBLE.
+     Finite input gives finite output. Springs and play add no energy, whatever the step is, and friction
+     opposes the speed at the step's end. A rotor that friction holds on a spring stays to the bit. The bits
+     are the same on every machine with RBD_REPRODUCIBLE.
 
    [limits]
      A rigid shaft that its friction holds creeps by 1e-9 rad/s at most (float: 1e-6), or gives way as its
