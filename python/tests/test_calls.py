@@ -124,7 +124,7 @@ def test_arguments_are_those_of_the_header():
     for call in table_calls():
         expected = [IN_C.get(x, x) for x in call.c_inputs + (["out"] if call.struct else call.outputs)]
         for prefix in ["rbd_", "rbd_batch_"] if call.batch else ["rbd_"]:
-            declared = re.search(rf"\b{prefix}{call.c_name}\(([^;]*)\);", text)[1]
+            declared = re.search(rf"^RBDI_(?:BATCH_)?API\b[^;({{]*\b{prefix}{call.c_name}\(([^;{{]*)\);", text, re.M)[1]
             arguments = [re.search(r"(\w+)(\[\d+\])?$", item.strip())[1] for item in declared.split(",")]
             first = len(arguments) - len(expected)
             assert arguments[first:] == expected, call.name
