@@ -146,6 +146,13 @@ START_TEST(simpler_laws_of_friction_are_special_cases) {
     ck_assert(rbd_friction_level(&one, 3, 10, -4) == 0.3);
     ck_assert(fabs(rbd_friction_level(&three, 3, 10, -4) - (0.3 + 0.2 * 14)) < 1e-15);
     ck_assert(rbd_friction_level(NULL, 1, 1, 1) == 0);
+
+    /* the squares where one torque is the larger one, and neither is */
+    const rbd_friction six = {.square_motor = 0.1, .square_joint = 0.2, .speed = 1, .power = 1};
+    ck_assert(rbd_friction_level(&six, 0, 2, -2) == 0);
+    ck_assert(fabs(rbd_friction_level(&six, 0, 2, -3) - 0.4) < 1e-15);
+    ck_assert(fabs(rbd_friction_level(&six, 0, 2, -1) - 0.2) < 1e-15);
+    ck_assert(rbd_friction_level(&six, 0, 2, 3) == 0);
 }
 END_TEST
 
@@ -1129,6 +1136,8 @@ static void expect_derivatives(driven *d, int n, const double *q, const double *
     double dq[MAX_V * MAX_V], dv[MAX_V * MAX_V], dcommand[MAX_V * 2], plus[MAX_V], minus[MAX_V];
     const int nv = d->r.nv;
     ck_assert_int_eq(rbd_actuators_begin(d->a, d->command, q, v, 1e-9, 0, d->tau, d->damping), RBD_OK);
+    for (int k = 0; k < nv * nv; k++) dq[k] = dv[k] = NAN;
+    for (int k = 0; k < nv * n; k++) dcommand[k] = NAN;
     ck_assert_int_eq(rbd_actuators_derivatives(d->a, dq, dv, dcommand), RBD_OK);
     ck_assert_int_eq(rbd_actuators_again(d->a, no_number, d->tau, d->damping), 0);
     ck_assert_int_eq(rbd_actuators_derivatives(d->a, dq, dv, dcommand), RBD_ERR_ORDER);
@@ -1164,9 +1173,11 @@ START_TEST(derivatives_are_those_of_differences) {
         motors[i] = (rbd_motor){.gear = 10, .constant = 1, .friction = {.viscous = 0.7, .coulomb = 0.3}};
     if (_i == 2) motors[0].stiffness = 500, motors[0].damping = 2, motors[0].inertia = 1e-3;
     if (_i == 3) motors[1].voltage = 10, motors[1].resistance = 1;
+    if (_i == 4) motors[0].joint = "hip", motors[1].joint = "knee";
     const rbd_transmission *t = _i == 1 ? &belt : &ankles[0];
-    driven d = _i == 1 ? drive("leg", leg, 2, motors, 2, t, 1, NULL, 0, NULL)
-                       : drive("ankle", shank_and_foot, 3, motors, 2, t, 1, NULL, 0, NULL);
+    driven d = _i == 1   ? drive("leg", leg, 2, motors, 2, t, 1, NULL, 0, NULL)
+               : _i == 4 ? drive("leg", leg, 2, motors, 2, NULL, 0, NULL, 0, NULL)
+                         : drive("ankle", shank_and_foot, 3, motors, 2, t, 1, NULL, 0, NULL);
     for (int k = 0; k < 20; k++) {
         double q[MAX_Q], v[MAX_V];
         rbd_neutral(d.r.m, q);
@@ -1681,7 +1692,7 @@ Suite *actuator_suite(void) {
     tcase_add_loop_test(c, rods_have_the_derivatives_of_their_angles, 0, 2);
     tcase_add_loop_test(c, rods_are_the_loops_of_the_same_mechanism, 0, 2);
     tcase_add_test(c, rods_out_of_reach_are_errors);
-    tcase_add_loop_test(c, derivatives_are_those_of_differences, 0, 4);
+    tcase_add_loop_test(c, derivatives_are_those_of_differences, 0, 5);
     tcase_add_loop_test(c, rotors_are_those_bodies, 0, 3);
     tcase_add_test(c, bad_rotors_are_refused);
     tcase_add_test(slow, random_tables_give_finite_answers_within_limits);
