@@ -45,7 +45,7 @@ def installed(tmp_path_factory):
     if here is None:
         pytest.skip(f"no wheel for {sysconfig.get_platform()}")
     folder = tmp_path_factory.mktemp("wheel")
-    wheel = _run([sys.executable, str(PYTHON / "wheel.py"), "--quick", here, str(folder / "wheels")]).strip()
+    wheel = _run([sys.executable, str(PYTHON / "make_wheel.py"), "--quick", here, str(folder / "wheels")]).strip()
     assert re.fullmatch(rf"rbd-{re.escape(rbd.__version__)}-py3-none-manylinux_2_\d\d_\w+\.whl", Path(wheel).name)
     _run([sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--no-index", "--target", str(folder / "site"), wheel])
     return folder / "site"

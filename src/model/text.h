@@ -45,6 +45,9 @@ RBDI_MESSAGES RBDI_API const char *rbd_status_string(rbd_status status) {
         return "RBD_REPRODUCIBLE: products and sums are contracted, or not rounded to nearest, or square "
                "roots "
                "are rounded twice, or denormals are 0";
+    case RBD_ERR_MASSLESS:
+        return "dynamics needs masses, and a joint moves none (rbd_singular_dof says which): built for "
+               "kinematics alone";
     case RBD_ERR_LEFT_OUT: return "the model needs code that RBD_FEATURES or RBD_NO_CHOLESKY leave out";
     case RBD_WARN_INERTIA_NEGATIVE: return "has a negative principal moment: no real body is like this";
     case RBD_WARN_INERTIA_TRIANGLE:
