@@ -39,7 +39,7 @@
      rigid        without a stiffness
 
    [configuration] That of rbd.h. RBD_LANES and RBD_REAL_CUSTOM do not go with it: friction branches on its
-     data.
+     data. With __float128 the part of friction at rest has the accuracy of double.
 
    [guarantees]
      Finite input gives finite output. Springs and play add no energy, whatever the step is, and friction
