@@ -35,7 +35,7 @@ import types
 from ._actuator import Actuators, ActuatorStates, Drives, Friction, Motor, Rod, Rotor, Transmission
 from ._calls import RESULTS as _RESULTS
 from ._constraints import ConstraintSet
-from ._contacts import ContactResult, ContactSet, ContactSolution
+from ._contacts import ContactResult, ContactSet, ContactSolution, RowResult
 from ._descriptions import Body, Constraint, Contact, ContactOptions, load_table
 from ._headers import (SOURCES, Array, ContactState, IkKind, IkStatus, JointType, Matrix, MjcfStatus, Numbers, QpStatus,
                        RbdError, RbdWarning, Status, UrdfStatus, __version__, structure)
@@ -48,10 +48,12 @@ from ._qp import QpSolution, qp
 from ._spatial import AxisAngle, Placement, Spatial
 from ._urdf import Frame, Urdf, load_urdf, parse_urdf
 
-__all__ = ["ActuatorStates", "Actuators", "AxisAngle", "Body", "Constraint", "ConstraintSet", "Contact", "ContactOptions", "ContactResult",
-           "ContactSet", "ContactSolution", "ContactState", "Drives", "Frame", "Friction", "IkKind", "IkResult", "IkStatus", "IkTarget",
-           "JointInfo", "JointType", "Library", "Mjcf", "MjcfStatus", "Model", "Motor", "Placement", "QpSolution", "QpStatus", "RbdError", "RbdWarning", "Rod", "Rotor",
-           "SOURCES", "Spatial", "Status", "Transmission", "Urdf", "UrdfStatus", "load_mjcf", "load_table", "load_urdf", "parse_mjcf", "parse_urdf", "qp"]
+__all__ = ["ActuatorStates", "Actuators", "AxisAngle", "Body", "Constraint", "ConstraintSet", "Contact", "ContactOptions",
+           "ContactResult", "ContactSet", "ContactSolution", "ContactState", "Drives", "Frame", "Friction", "IkKind",
+           "IkResult", "IkStatus", "IkTarget", "JointInfo", "JointType", "Library", "Mjcf", "MjcfStatus", "Model", "Motor",
+           "Placement", "QpSolution", "QpStatus", "RbdError", "RbdWarning", "Rod", "Rotor", "RowResult", "SOURCES", "Spatial",
+           "Status", "Transmission", "Urdf", "UrdfStatus", "load_mjcf", "load_table", "load_urdf", "parse_mjcf", "parse_urdf",
+           "qp"]
 
 
 def __dir__():
