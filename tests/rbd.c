@@ -4,4 +4,5 @@
 #include "rbd_constraints.h"
 #include "rbd_contact.h"
 #include "rbd_ik.h"
+#include "rbd_actuator.h"
 #include "rbd_qp.h"

@@ -54,6 +54,7 @@ EXAMPLES["cortex-m7", "standing"] = {"controller": r"controller (\d+)", "robot":
                                      "stack": r"stack (\d+) bytes"}
 EXAMPLES["cortex-m7", "recorded_control"] = {"push": r"push takes (\d+)", "controller": r"controller (\d+) instructions",
                                              "ring": r"ring (\d+) bytes"}
+EXAMPLES["cortex-m4f", "servo_arm"] = {"inverse": r"torques (\d+) instructions", "memory": r"memory (\d+)"}
 EXAMPLES.update({(target, "inverse_kinematics"): {
     "pose": r"far start (\d+)", "worst": r"instructions, (\d+) at worst", "evaluation": r"(\d+) an evaluation",
     "line": r"along a line (\d+)", "line_worst": r"line \d+, (\d+) at worst", "memory": r"memory (\d+)",
@@ -191,9 +192,9 @@ def prove(target, folder, scalars, levels, parts):
     if "calls" in parts and len(lines) < (1 + 2 * len(levels)) * len(scalars):
         problem(f"{target}: libraries are missing: {lines}")
     programs = ("collision", "computed_torque", "five_bar", "gravity_compensation", "inverse_kinematics", "mpc_cart_pole",
-                "mpc_iiwa", "recorded_control", "standing")
+                "mpc_iiwa", "recorded_control", "servo_arm", "standing")
     for program in programs if "examples" in parts else ():
-        if not (folder / "examples/firmware" / program).exists() and program.startswith(("five", "inverse", "mpc", "record", "stand")):  # an FPU
+        if not (folder / "examples/firmware" / program).exists() and program.startswith(("five", "inverse", "mpc", "record", "servo", "stand")):  # an FPU
             continue
         symbols = output_of(tool(target, "nm"), folder / "examples/firmware" / program)
         names = {line.split()[-1] for line in symbols.splitlines()}
