@@ -117,8 +117,9 @@
 
      The model is a table, which host and GPU both have (&arm_model), or rbd_model_build made it in memory
      that both see: RBD_MODEL_SIZE(nb) bytes of cudaMallocManaged. Names in such a model are the host's alone.
-     rbd_derivatives.h, rbd_constraints.h, rbd_contact.h, rbd_ik.h and rbd_qp.h are called in the same way;
-     rbd_batch.h is for lanes of a CPU. Compile without --use_fast_math, which nvcc does not tell.
+     rbd_derivatives.h, rbd_constraints.h, rbd_contact.h, rbd_ik.h, rbd_actuator.h and rbd_qp.h are called in
+     the same way; rbd_batch.h is for lanes of a CPU. Compile without --use_fast_math, which nvcc does not
+     tell.
 
    [guarantees]
      No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant: calls change the caller's
@@ -3022,7 +3023,7 @@ RBDI_PART unsigned char *rbdi_aligned(void *memory) {
 
 /* ==== src/model/features.h ==== */
 /* Interface: rbdi_block_of, rbdi_flags, rbdi_is, rbdi_massless_dof, rbdi_mimics, rbdi_on_world,
-   RBDI_FEATURES, RBDI_OTHER_BLOCKS */
+   rbdi_supported, RBDI_FEATURES, RBDI_OTHER_BLOCKS */
 
 /* ---- features [features] ----
    The features of a model, as bits: flags that some link has, flags that some link has not, kinds of links,
@@ -6501,11 +6502,16 @@ RBDI_LOCAL void rbdi_put_origin(const rbdi_frame *u, rbdi_v3 p, rbd_real *q) {
     if (u->type == RBD_FLOATING) rbdi_store_vec(q, 1, p);
 }
 
+/* E of a joint of the description, compiled once. */
+RBDI_PART rbdi_mat rbdi_attitude_of(const rbdi_frame *u, const rbd_real *q) {
+    return rbdi_joint_attitude(u->type, q);
+}
+
 /* q_next of a joint that turns by e in its own axes, with its origin moved by the shift in the axes of q:
    p_next = p + E' shift, and the turn. */
 RBDI_LOCAL void rbdi_turn_joint(const rbdi_frame *u, const rbd_real *q, rbdi_exp e, rbdi_v3 turn,
                                 rbdi_v3 shift, rbd_real *q_next) {
-    shift = rbdi_mul_t(rbdi_joint_attitude(u->type, q), shift);
+    shift = rbdi_mul_t(rbdi_attitude_of(u, q), shift);
     rbdi_put_origin(u, rbdi_add(rbdi_joint_origin(u->type, q), shift), q_next);
     if (u->type == RBD_PLANAR)
         q_next[2] = q[2] + turn.z;
@@ -6537,11 +6543,6 @@ RBDI_LOCAL rbd_real rbdi_within_half_turn(rbd_real angle) {
     rbd_real c, s;
     rbdi_sincos(angle, &s, &c);
     return rbdi_select(rbdi_less(pi2, angle * angle), rbdi_signed_angle(s, c), angle);
-}
-
-/* E of a joint of the description, compiled once for the calls of which no loop waits. */
-RBDI_PART rbdi_mat rbdi_attitude_of(const rbdi_frame *u, const rbd_real *q) {
-    return rbdi_joint_attitude(u->type, q);
 }
 
 /* d with q0 (+) d = q1, for one joint. */
@@ -6741,7 +6742,7 @@ RBDI_LOCAL rbd_const rbdi_uniform(uint64_t *seed) {
 }
 
 /* A number uniform between two bounds; each lane draws its own. */
-RBDI_LOCAL rbd_real rbdi_draw(uint64_t *seed, rbd_const lower, rbd_const upper) {
+RBDI_COLD rbd_real rbdi_draw(uint64_t *seed, rbd_const lower, rbd_const upper) {
 #ifdef RBD_LANES
     rbd_real x = rbdi_zero();
 
@@ -6759,7 +6760,7 @@ RBDI_LOCAL rbd_real rbdi_draw(uint64_t *seed, rbd_const lower, rbd_const upper) 
 }
 
 /* A uniform orientation: two points on circles with radii sqrt(x), sqrt(1 - x), x uniform (Shoemake 1992). */
-RBDI_LOCAL void rbdi_draw_quaternion(uint64_t *seed, rbd_real *q) {
+RBDI_COLD void rbdi_draw_quaternion(uint64_t *seed, rbd_real *q) {
     rbd_real x = rbdi_draw(seed, RBD_C(0), RBD_C(1)), radius = rbdi_sqrt(x), c, s;
 
     rbdi_sincos(rbdi_draw(seed, -RBDI_PI(rbd_const), RBDI_PI(rbd_const)), &s, &c);
@@ -6773,7 +6774,7 @@ RBDI_LOCAL void rbdi_draw_quaternion(uint64_t *seed, rbd_real *q) {
 
 /* Random coordinates of one joint: within its limits, or angles in [-pi, pi), lengths in [-1, 1) and uniform
    orientations. */
-RBDI_LOCAL void rbdi_random_joint(const rbdi_frame *u, uint64_t *seed, rbd_real *q) {
+RBDI_COLD void rbdi_random_joint(const rbdi_frame *u, uint64_t *seed, rbd_real *q) {
     const rbd_const pi = RBDI_PI(rbd_const), one = RBD_C(1);
     int angles = u->nv, shifts = 0; /* shifts come first, but with cylindrical joints */
     if (u->nv == 1 && u->lower < u->upper) {
@@ -7212,19 +7213,16 @@ RBDI_MESSAGES RBDI_API const char *rbd_status_string(rbd_status status) {
     case RBD_ERR_FRICTION: return "negative or not finite";
     case RBD_ERR_LIMITS: return "not a number, or a negative limit";
     case RBD_ERR_MIMIC:
-        return "ratio 0 or not finite, offset not finite, not a one-dof joint, or it follows a joint that is "
+        return "ratio 0 or not finite, offset not finite, not a one-dof joint, or it follows one that is "
                "missing or mimics too";
     case RBD_ERR_WORK: return "made for another model or another work";
     case RBD_ERR_NAN: return "NaN in q (rbd_singular_dof says where), v, a force or a gap; or overflow";
     case RBD_ERR_RANGE: return "negative, not finite or out of range";
     case RBD_ERR_INFEASIBLE: return "the constraints contradict each other";
     case RBD_ERR_ARITHMETIC:
-        return "RBD_REPRODUCIBLE: products and sums are contracted, or not rounded to nearest, or square "
-               "roots "
-               "are rounded twice, or denormals are 0";
-    case RBD_ERR_MASSLESS:
-        return "dynamics needs masses, and a joint moves none (rbd_singular_dof says which): built for "
-               "kinematics alone";
+        return "RBD_REPRODUCIBLE: results are contracted, rounded twice or not to nearest, or denormals are "
+               "0";
+    case RBD_ERR_MASSLESS: return "dynamics needs masses, a joint moves none: rbd_singular_dof says which";
     case RBD_ERR_LEFT_OUT: return "the model needs code that RBD_FEATURES or RBD_NO_CHOLESKY leave out";
     case RBD_WARN_INERTIA_NEGATIVE: return "has a negative principal moment: no real body is like this";
     case RBD_WARN_INERTIA_TRIANGLE:

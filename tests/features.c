@@ -17,6 +17,8 @@
 #include "rbd_ik.h"
 #include "rbd_estimate.h"
 
+#include "rbd_actuator.h"
+
 #include "all_calls.h"
 #include <math.h>
 #include <stdio.h>

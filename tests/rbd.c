@@ -5,4 +5,5 @@
 #include "rbd_contact.h"
 #include "rbd_ik.h"
 #include "rbd_estimate.h"
+#include "rbd_actuator.h"
 #include "rbd_qp.h"

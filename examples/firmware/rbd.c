@@ -6,3 +6,5 @@
 
 #include "rbd_ik.h"
 #include "rbd_estimate.h"
+
+#include "rbd_actuator.h"

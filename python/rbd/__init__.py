@@ -32,9 +32,10 @@ of bodies, coordinates and degrees of freedom, which stand in the order of the d
 """
 import types
 
+from ._actuator import Actuators, ActuatorStates, Drives, Friction, Motor, Rod, Rotor, Transmission
 from ._calls import RESULTS as _RESULTS
 from ._constraints import ConstraintSet
-from ._contacts import ContactResult, ContactSet, ContactSolution
+from ._contacts import ContactResult, ContactSet, ContactSolution, RowResult
 from ._descriptions import Body, Constraint, Contact, ContactOptions, load_table
 from ._estimate import Deviations, Estimate, Estimator, Felt, Observer
 from ._headers import (SOURCES, Array, ContactState, IkKind, IkStatus, JointType, Matrix, MjcfStatus, Numbers, QpStatus,
@@ -48,11 +49,12 @@ from ._qp import QpSolution, qp
 from ._spatial import AxisAngle, Placement, Spatial
 from ._urdf import Frame, Urdf, load_urdf, parse_urdf
 
-__all__ = ["AxisAngle", "Body", "Constraint", "ConstraintSet", "Contact", "ContactOptions", "ContactResult",
-           "ContactSet", "ContactSolution", "ContactState", "Deviations", "Estimate", "Estimator", "Felt", "Frame",
-           "IkKind", "IkResult", "IkStatus", "IkTarget", "JointInfo", "JointType", "Library", "Mjcf", "MjcfStatus", "Model",
-           "Observer", "Placement", "QpSolution", "QpStatus", "RbdError", "RbdWarning", "SOURCES", "Spatial", "Status", "Urdf",
-           "UrdfStatus", "load_mjcf", "load_table", "load_urdf", "parse_mjcf", "parse_urdf", "qp"]
+__all__ = ["ActuatorStates", "Actuators", "AxisAngle", "Body", "Constraint", "ConstraintSet", "Contact", "ContactOptions",
+           "ContactResult", "ContactSet", "ContactSolution", "ContactState", "Deviations", "Drives", "Estimate", "Estimator",
+           "Felt", "Frame", "Friction", "IkKind", "IkResult", "IkStatus", "IkTarget", "JointInfo", "JointType", "Library", "Mjcf",
+           "MjcfStatus", "Model", "Motor", "Observer", "Placement", "QpSolution", "QpStatus", "RbdError", "RbdWarning", "Rod",
+           "Rotor", "RowResult", "SOURCES", "Spatial", "Status", "Transmission", "Urdf", "UrdfStatus", "load_mjcf", "load_table",
+           "load_urdf", "parse_mjcf", "parse_urdf", "qp"]
 
 
 def __dir__():

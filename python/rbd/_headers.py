@@ -58,6 +58,7 @@ QpStatus = _enum("QpStatus", "rbd_qp_status", "RBD_QP_")
 JointType = _enum("JointType", "rbd_joint_type", "RBD_")
 ContactState = _enum("ContactState", "rbd_contact_state", "RBD_")
 IkKind = _enum("IkKind", "rbd_ik_kind", "RBD_IK_")
+TransmissionKind = _enum("TransmissionKind", "rbd_transmission_kind", "RBD_BY_")
 IkStatus = _enum("IkStatus", "rbd_ik_status", "RBD_IK_")
 
 
@@ -67,7 +68,8 @@ def structure(name, real=ctypes.c_double, text=_TEXT):
     known = {"double": ctypes.c_double, "int": ctypes.c_int, "size_t": ctypes.c_size_t, "char": ctypes.c_char,
              "rbd_const": real, "rbd_real": real, "rbd_status": ctypes.c_int, "rbd_urdf_status": ctypes.c_int,
              "rbd_mjcf_status": ctypes.c_int,
-             "rbd_joint_type": ctypes.c_int, "rbd_ik_kind": ctypes.c_int}
+             "rbd_joint_type": ctypes.c_int, "rbd_ik_kind": ctypes.c_int,
+             "rbd_transmission_kind": ctypes.c_int}
     body = re.search(rf"typedef struct {name} \{{(.*?)\n\}} {name};", text, re.S)[1]
     members = []
     for declaration in re.sub(r"/\*.*?\*/", "", body, flags=re.S).split(";")[:-1]:
