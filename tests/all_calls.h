@@ -1,7 +1,7 @@
 /* all_calls.h - the results of the library's calls for one model, one after the other: for comparing builds.
    States follow from whole numbers, so that every build has the same. The file that includes this has
-   included rbd_derivatives.h and, after it, rbd_contact.h, rbd_ik.h, rbd_estimate.h and rbd_actuator.h, with or
-   without the implementation. */
+   included rbd_derivatives.h and, after it, rbd_contact.h, rbd_ik.h, rbd_estimate.h and rbd_actuator.h, with
+   or without the implementation. */
 #ifndef TESTS_ALL_CALLS_H
 #define TESTS_ALL_CALLS_H
 
