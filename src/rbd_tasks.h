@@ -26,7 +26,8 @@
      [conventions] [configuration] [guarantees] [limits]
      [tasks] [problem of tasks] [solve of tasks]
      --- stop here if you only use it ---
-     [rows]
+     [method of tasks] [limits of motion] [checks of tasks] [contacts and dynamics] [rows of tasks] [levels]
+     [contradictions] [code of tasks] [text of tasks]
 
    [conventions] Those of rbd.h and rbd_qp.h, beyond them:
      x            velocities; or accelerations, then forces of closed contacts
@@ -81,6 +82,14 @@ RBDI_EXTERN_C_END
 
 RBDI_CODE_BEGIN
 
+#include "tasks/bounds.h"
+#include "tasks/check.h"
+#include "tasks/contacts.h"
+#include "tasks/rows.h"
+#include "tasks/levels.h"
+#include "tasks/blame.h"
+#include "tasks/solve.h"
+#include "tasks/text.h"
 
 RBDI_CODE_END
 

@@ -87,11 +87,13 @@ typedef struct rbd_tasks {
     int contacts;
     rbd_real dt; /* s: until the next tick, above 0 */
 
-    /* Limits of dofs, nv each. NULL: those of the model. Those of joints that mimic a dof bind it as well. */
-    const rbd_real *lower, *upper; /* rad or m, of joints with one coordinate; RBD_QP_NONE and more is none */
-    const rbd_real *speed;         /* rad/s or m/s; 0: none */
-    const rbd_real *torque;        /* N m or N; 0: none */
-    const rbd_real *acceleration;  /* rad/s^2 or m/s^2; 0: none. NULL: none */
+    /* Limits of dofs, nv each. NULL: those of the model, of joints with one dof and of those that mimic them. */
+    const rbd_real *lower,
+        *upper;                   /* rad or m, of joints with one coordinate; RBD_QP_NONE and more is none. If
+                                      one is NULL, there is none at that side */
+    const rbd_real *speed;        /* rad/s or m/s; 0: none */
+    const rbd_real *torque;       /* N m or N; 0: none */
+    const rbd_real *acceleration; /* rad/s^2 or m/s^2; 0: none. NULL: none */
     rbd_real braking;       /* rad/s^2 or m/s^2: limits of position and speed ask for no more, where there is
                                no limit of acceleration [10] */
     int without;            /* limits that do not count */

@@ -29,7 +29,7 @@
 #else
 #define RBDI_TASKS_MOTION_COST RBD_C(1e-6)
 #endif
-#define RBDI_TASKS_SIDES 8 /* of a pyramid, at most */
+#define RBDI_TASKS_SIDES 8                        /* of a pyramid, at most */
 #define RBDI_TASKS_CONTACT (1 + RBDI_TASKS_SIDES) /* limits of a contact: the normal force, the sides */
 
 /* One tick. */
@@ -39,9 +39,9 @@ typedef struct rbdi_tasks {
     const rbd_tasks *given;
     const rbd_real *q, *v;
     rbd_tasks_result *result;
-    int accelerations; /* whether x has them, and forces */
-    int nv, n;         /* dofs, components of x */
-    int closed;        /* contacts */
+    int accelerations;      /* whether x has them, and forces */
+    int nv, n;              /* dofs, components of x */
+    int closed;             /* contacts */
     int dynamics, friction; /* the first row of each kind: a row of C is counted from 0 */
     int rows;               /* of C so far */
     size_t scratch_size;
