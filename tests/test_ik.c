@@ -188,8 +188,10 @@ static const rbd_body two_links[2] = {
     {.parent = 0, .type = RBD_REVOLUTE, .axis = {0, 0, 1}, .position = {0.5, 0, 0}, .armature = {1}}};
 
 static rbd_ik_target tip(double distance, double angle) {
-    const rbd_ik_target t = {
-        .body = 1, .point = {0.3, 0, 0}, .position = {distance * cos(angle), distance * sin(angle), 0}};
+    const rbd_ik_target t = {.kind = RBD_IK_POINT,
+                             .body = 1,
+                             .point = {0.3, 0, 0},
+                             .position = {distance * cos(angle), distance * sin(angle), 0}};
     return t;
 }
 
@@ -229,7 +231,8 @@ START_TEST(a_stretched_arm_folds) {
     robot_free(&r);
 
     rbd_body one[1] = {two_links[0]};
-    const rbd_ik_target behind = {.body = 0, .point = {1, 0, 0}, .position = {-1, 0, 0}};
+    const rbd_ik_target behind = {
+        .kind = RBD_IK_POINT, .body = 0, .point = {1, 0, 0}, .position = {-1, 0, 0}};
     one[0].lower = -1, one[0].upper = 1;
     r = BUILD(one);
     q[0] = 0;
@@ -273,7 +276,7 @@ START_TEST(an_iiwa_stretches_to_places_beyond_its_reach) {
     rbd_point_position(r.m, r.w, 6, iiwa_tool, end);
     const double reach = end[2] - shoulder[2];
     for (int k = 0; k < 40 / PART_OF_TREES; k++) {
-        rbd_ik_target t = {.body = 6, .point = {0, 0, 0.15}};
+        rbd_ik_target t = {.kind = RBD_IK_POINT, .body = 6, .point = {0, 0, 0.15}};
         const double beyond = uniform(&seed, 0.001, 0.5), up = uniform(&seed, 0, 0.95),
                      turn = uniform(&seed, -pi, pi);
         double q[7];
@@ -441,7 +444,8 @@ START_TEST(weights_decide_between_targets) {
     static const rbd_body slide[1] = {
         {.parent = -1, .type = RBD_PRISMATIC, .axis = {1, 0, 0}, .armature = {1}}};
     robot r = BUILD(slide);
-    const rbd_ik_target t[2] = {{.weight = 3}, {.position = {1, 0, 0}}};
+    const rbd_ik_target t[2] = {{.kind = RBD_IK_POINT, .weight = 3},
+                                {.kind = RBD_IK_POINT, .position = {1, 0, 0}}};
     double q[1] = {5};
     rbd_ik_result result;
     expect_status("weights", solve(&r, t, 2, q, &result), RBD_IK_NEAREST, &result);
@@ -461,6 +465,7 @@ START_TEST(a_floating_robot_takes_feet_and_centre_of_mass) {
         double q[MAX_Q], start[MAX_Q];
         rbd_ik_result result;
         for (int i = 0; i < 4; i++) {
+            t[i].kind = RBD_IK_POINT;
             t[i].body = HYQ_BODY_LF_LOWERLEG + i;
             t[i].point[0] = 0.33;
         }
@@ -602,7 +607,7 @@ START_TEST(limits_that_touch_leave_one_place) {
                                  .upper = 0.04}};
     robot r = BUILD(finger);
     for (int k = 0; k < 3; k++) {
-        const rbd_ik_target t = {.body = k % 2, .position = {k == 2 ? 0 : 0.02, 0, 0}};
+        const rbd_ik_target t = {.kind = RBD_IK_POINT, .body = k % 2, .position = {k == 2 ? 0 : 0.02, 0, 0}};
         double q[1] = {0.03};
         rbd_ik_result result;
         expect_status("touch", solve(&r, &t, 1, q, &result), k == 2 ? RBD_IK_REACHED : RBD_IK_AT_LIMIT,
@@ -619,7 +624,7 @@ START_TEST(what_need_not_move_stays) {
     const int haa = HYQ_Q_LF_HAA_JOINT, hfe = HYQ_Q_LF_HFE_JOINT;
     unsigned char held[HYQ_NV] = {1, 1, 1, 1, 1, 1};
     const rbd_ik_options o = {.held = held};
-    rbd_ik_target t = {.body = HYQ_BODY_LF_LOWERLEG, .point = {0.33, 0, 0}};
+    rbd_ik_target t = {.kind = RBD_IK_POINT, .body = HYQ_BODY_LF_LOWERLEG, .point = {0.33, 0, 0}};
     double q[MAX_Q], start[MAX_Q];
     rbd_ik_result result;
     uint64_t seed = 9;
@@ -651,7 +656,8 @@ START_TEST(a_joint_is_held_as_a_whole) {
                                    .axis2 = {0, 1, 0},
                                    .armature = {1, 1, 1, 1, 1, 1}}};
         robot r = BUILD(body);
-        const rbd_ik_target t = {.body = 1, .point = {0.1, 0.2, 0.3}, .position = {0.2, 0.1, 0.25}};
+        const rbd_ik_target t = {
+            .kind = RBD_IK_POINT, .body = 1, .point = {0.1, 0.2, 0.3}, .position = {0.2, 0.1, 0.25}};
         void *memory = malloc(rbd_ik_size(r.m, 1));
         for (int set = 0; set < 1 << (r.nv - 1); set++) {
             unsigned char held[MAX_V] = {0};
@@ -686,7 +692,7 @@ START_TEST(a_fixed_body_is_where_it_is) {
         {.parent = -1, .type = RBD_FIXED, .position = {1, 2, 3}},
         {.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 0, 1}, .armature = {1}}};
     robot r = BUILD(fixed);
-    rbd_ik_target t = {.position = {1, 2, 3}};
+    rbd_ik_target t = {.kind = RBD_IK_POINT, .position = {1, 2, 3}};
     double q[1] = {0.5};
     rbd_ik_result result;
     expect_status("there", solve(&r, &t, 1, q, &result), RBD_IK_REACHED, &result);
@@ -778,7 +784,8 @@ typedef void spoil(rbd_ik_target *t, rbd_ik_options *o, double *q);
         (void)t, (void)o, (void)q; \
         change; \
     }
-SPOIL(bad_kind, t->kind = (rbd_ik_kind)5)
+SPOIL(bad_kind, t->kind = (rbd_ik_kind)6)
+SPOIL(no_kind, memset(&t->kind, 0, sizeof t->kind))
 SPOIL(bad_kind_below, *(int *)&t->kind = -1)
 SPOIL(body_below, t->body = -1)
 SPOIL(body_above, t->body = 7)
@@ -816,8 +823,9 @@ static const struct {
     int target;
     const char *field, *text; /* NULL: that of the status */
 } bad[] = {
-    {bad_kind, RBD_ERR_TYPE, 1, "kind", "unknown kind of target"},
-    {bad_kind_below, RBD_ERR_TYPE, 1, "kind", "unknown kind of target"},
+    {bad_kind, RBD_ERR_TYPE, 1, "kind", "no kind of target"},
+    {no_kind, RBD_ERR_TYPE, 1, "kind", "no kind of target"},
+    {bad_kind_below, RBD_ERR_TYPE, 1, "kind", "no kind of target"},
     {body_below, RBD_ERR_INDEX, 1, "body", NULL},
     {body_above, RBD_ERR_INDEX, 1, "body", NULL},
     {nan_point, RBD_ERR_POSITION, 1, "point", "not finite, or farther than 1e9 m"},
@@ -852,7 +860,7 @@ static const struct {
 START_TEST(bad_input_is_named_and_changes_nothing) {
     robot r = robot_build("iiwa", iiwa_bodies, 7);
     unsigned char memory[RBD_IK_SIZE(7, 7, 2)];
-    rbd_ik_target t[2] = {{.body = 3},
+    rbd_ik_target t[2] = {{.kind = RBD_IK_POINT, .body = 3},
                           {.kind = RBD_IK_POSE,
                            .body = 6,
                            .rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1},
@@ -882,7 +890,7 @@ END_TEST
 START_TEST(missing_arguments_are_errors) {
     robot r = robot_build("iiwa", iiwa_bodies, 7), other = robot_build("UR10e", ur10e, 6);
     unsigned char memory[RBD_IK_SIZE(7, 7, 1)];
-    const rbd_ik_target t = {.body = 3};
+    const rbd_ik_target t = {.kind = RBD_IK_POINT, .body = 3};
     const size_t size = rbd_ik_size(r.m, 1);
     double q[7] = {0};
     rbd_ik_result x;
@@ -957,7 +965,7 @@ START_TEST(strange_targets_leave_finite_answers) {
     const double values[] = {0, 1e9, -1e9, 1e-300, -0.0, 1e5};
     uint64_t seed = 12;
     for (int k = 0; k < 60 / PART_OF_TREES; k++) {
-        rbd_ik_target t = {.kind = (rbd_ik_kind)(k % 5),
+        rbd_ik_target t = {.kind = (rbd_ik_kind)(1 + k % 5),
                            .body = below(&seed, r.nb),
                            .axis = {1e9, 1, 0},
                            .direction = {0, 0, 1e-9}};
