@@ -1046,6 +1046,48 @@ START_TEST(ways_without_end_are_found) {
 }
 END_TEST
 
+/* Draws a problem without H that a ray, of which no row ends any, makes unbounded: rows and bounds with sides
+   only where the ray leads away from them. */
+static rbd_qp_problem draw_ray(int softly) {
+    const int n = between(2, 9), bounds = between(0, n);
+    rbd_qp_problem p = problem_of(n, bounds, between(0, 2 * n));
+    double ray[9], down = 0;
+    memset(H, 0, sizeof H);
+    for (int i = 0; i < n; i++) {
+        ray[i] = normal();
+        f[i] = (rbd_real)normal();
+        down += ray[i] * (double)f[i];
+    }
+    for (int i = 0; i < n && down > 0; i++) f[i] = -f[i];
+
+    for (int i = 0; i < p.rows * n; i++) C[i] = (rbd_real)normal();
+    for (int row = 0; row < bounds + p.rows; row++) {
+        double along = 0;
+        for (int i = 0; i < n; i++) along += entry(&p, row, i) * ray[i];
+        lower[row] = along > 0 ? (rbd_real)-fabs(uniform()) : -NONE;
+        upper[row] = along > 0 ? NONE : (rbd_real)fabs(uniform());
+        soft[row] = (rbd_real)exp(3 * normal());
+    }
+    if (softly) p.soft = soft;
+    return p;
+}
+
+/* Without H: nearly all are found, and of the others nothing wrong is said. */
+START_TEST(ways_without_end_are_found_without_h) {
+    const int softly = _i, most_missed = softly ? 100 : 20;
+    int missed = 0;
+    seed = 43;
+    for (int k = 0; k < 1000; k++) {
+        const rbd_qp_problem p = draw_ray(softly);
+        const rbd_qp_status status = solve(&p);
+        missed += status != RBD_QP_UNBOUNDED;
+        ck_assert_msg(status != RBD_QP_OK && status != RBD_QP_INFEASIBLE, "problem %d: status %d", k, status);
+        for (int i = 0; i < p.n; i++) ck_assert(fabs((double)x[i]) < RBD_QP_NONE);
+    }
+    ck_assert_int_lt(missed, most_missed);
+}
+END_TEST
+
 /* In float squares of 1e18 |x| overflow: no answer may be OK then. */
 START_TEST(sums_that_overflow_are_not_ok) {
     const double large = sizeof(rbd_real) == 4 ? 1e18 : 1e153;
@@ -1172,6 +1214,7 @@ int main(void) {
     tcase_add_test(c, rows_of_zeros_move_nothing);
     tcase_add_test(c, saddles_are_refused);
     tcase_add_test(c, ways_without_end_are_found);
+    tcase_add_loop_test(c, ways_without_end_are_found_without_h, 0, 2);
     tcase_add_test(c, sums_that_overflow_are_not_ok);
     tcase_add_test(c, results_that_are_too_large_are_none);
     tcase_add_test(c, the_memory_is_enough);
