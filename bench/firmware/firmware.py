@@ -58,6 +58,12 @@ EXAMPLES.update({(target, "inverse_kinematics"): {
     "pose": r"far start (\d+)", "worst": r"instructions, (\d+) at worst", "evaluation": r"(\d+) an evaluation",
     "line": r"along a line (\d+)", "line_worst": r"line \d+, (\d+) at worst", "memory": r"memory (\d+)",
     "stack": r"stack (\d+) bytes"} for target in ("cortex-m4f", "cortex-m7")})
+EXAMPLES.update({(target, "quadratic_programs"): {
+    **{f"{kind}_{form}": rf"{kind}: [^\n]*{words} (\d+)" for kind in ("mild", "hard")
+       for form, words in {"forces": "12 forces", "body": "accelerations too"}.items()},
+    **{f"{kind}_{form}_worst": rf"{kind}: [^\n]*{words} \d+[^(]*\(at most (\d+)" for kind in ("mild", "hard")
+       for form, words in {"forces": "12 forces", "body": "accelerations too"}.items()},
+    "memory": r"memory (\d+)", "stack": r"stack (\d+) bytes"} for target in ("cortex-m4f", "cortex-m7")})
 KEYS = ["target", "compiler", "scalar", "level", "robot", "algorithm"]
 FIGURES = ["code", "program", "model", "work", "stack", "frames", "instructions"]
 BUDGETS = ["code", "program", "model", "work", "stack", "frames"]
@@ -191,9 +197,9 @@ def prove(target, folder, scalars, levels, parts):
     if "calls" in parts and len(lines) < (1 + 2 * len(levels)) * len(scalars):
         problem(f"{target}: libraries are missing: {lines}")
     programs = ("collision", "computed_torque", "five_bar", "gravity_compensation", "inverse_kinematics", "mpc_cart_pole",
-                "mpc_iiwa", "recorded_control", "standing")
+                "mpc_iiwa", "quadratic_programs", "recorded_control", "standing")
     for program in programs if "examples" in parts else ():
-        if not (folder / "examples/firmware" / program).exists() and program.startswith(("five", "inverse", "mpc", "record", "stand")):  # an FPU
+        if not (folder / "examples/firmware" / program).exists() and program.startswith(("five", "inverse", "mpc", "quad", "record", "stand")):  # an FPU
             continue
         symbols = output_of(tool(target, "nm"), folder / "examples/firmware" / program)
         names = {line.split()[-1] for line in symbols.splitlines()}
@@ -570,6 +576,20 @@ def ik_table(_, examples):
     return lines
 
 
+def qp_table(_, examples):
+    names = {"mild_forces": "12 forces, 28 rows, mild: instructions", "mild_forces_worst": "the worst of 32",
+             "hard_forces": "the same, hard", "hard_forces_worst": "the worst of 32",
+             "mild_body": "18 accelerations and 12 forces, 46 rows, mild", "mild_body_worst": "the worst of 32",
+             "hard_body": "the same, hard", "hard_body_worst": "the worst of 32",
+             "memory": "memory of `rbd_qp_solve` for the larger, RAM, bytes", "stack": "stack, painted, bytes",
+             "flash": "flash, of the whole program with HyQ and `printf`, bytes"}
+    lines = ["| HyQ, float, -O2 | Cortex-M4F | Cortex-M7 |", "|---|--:|--:|"]
+    for figure, name in names.items():
+        cells = [examples[target, "quadratic_programs", figure] for target in ("cortex-m4f", "cortex-m7")]
+        lines.append(f"| {name} | " + " | ".join(map(number, cells)) + " |")
+    return lines
+
+
 def recorded_table(_, examples):
     names = {"push": "a push of 42 scalars, instructions", "controller": "the controller, instructions",
              "ring": "the ring of 500 ticks, RAM, bytes", "ram": "RAM without stack, with the simulated robot, bytes",
@@ -604,6 +624,7 @@ BLOCKS = {"five_bar": ("examples/firmware/README.md", five_bar_table), "mpc": ("
           "standing": ("examples/firmware/README.md", standing_table),
           "recorded": ("examples/firmware/README.md", recorded_table),
           "ik": ("examples/firmware/README.md", ik_table),
+          "qp": ("examples/firmware/README.md", qp_table),
           "contacts": ("examples/firmware/README.md", contacts_table), "flash": ("docs/porting.md", alone_table),
           "own": ("docs/firmware.md", lambda _, __: own_table(read_accepted())),
           "cold": ("docs/firmware.md", lambda _, __: cold.table()),

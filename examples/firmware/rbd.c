@@ -5,3 +5,5 @@
 #include "rbd_contact.h"
 
 #include "rbd_ik.h"
+
+#include "rbd_qp.h"
