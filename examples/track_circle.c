@@ -128,13 +128,14 @@ static int by_tasks(const double *q, const double p[3], const double velocity[3]
                                  .body = TOOL,
                                  .point = {tip[0], tip[1], tip[2]},
                                  .position = {p[0], p[1], p[2]},
-                                 .velocity = {velocity[0], velocity[1], velocity[2]},
+                                 .velocity = {0, 0, 0, velocity[0], velocity[1], velocity[2]},
                                  .gain = gain},
                                 {.kind = RBD_TASK_POSTURE, .level = 1, .q = middle, .gain = 0.5}};
     const rbd_tasks problem = {
         .task = wishes, .tasks = 2, .dt = dt, .lower = lower, .upper = upper, .speed = speed};
-    return rbd_tasks_velocity(&iiwa_model, w, &problem, q, tasks_memory, sizeof tasks_memory, v, NULL) ==
-           RBD_TASKS_OK;
+    rbd_tasks_result result;
+    return rbd_tasks_velocity(&iiwa_model, w, &problem, q, tasks_memory, sizeof tasks_memory, v, &result) >=
+           RBD_TASKS_OK; /* INEXACT: usable */
 }
 
 static outcome track(int kind, int with_tasks) {

@@ -130,6 +130,7 @@ static int tasks(const double *q, const double *v, double forces[FEET][3], doubl
         {.kind = RBD_TASK_POSTURE, .q = home, .gain = gain, .weight = 1e-3}};
     rbd_task_contact feet[FEET] = {{0}};
     const rbd_tasks problem = {.task = wishes, .tasks = 2, .contact = feet, .contacts = FEET, .dt = dt};
+    rbd_tasks_result result;
     double a[NV];
 
     for (int i = 0; i < FEET; i++) {
@@ -140,7 +141,7 @@ static int tasks(const double *q, const double *v, double forces[FEET][3], doubl
         feet[i].most = 1500;
     }
     return rbd_tasks_acceleration(&hyq_model, w, &problem, q, v, tasks_memory, sizeof tasks_memory, a,
-                                  forces[0], tau, NULL) == RBD_TASKS_OK;
+                                  forces[0], tau, &result) == RBD_TASKS_OK;
 }
 
 /* ---- the robot ---- */

@@ -26,7 +26,7 @@ do for [c = 0:1] {
     set rmargin at screen (c == 0 ? 0.49 : 0.98)
     set title (c == 0 ? "least forces: the feet slip from 150 N on" : "tasks with friction: the trunk gives way and comes back")
     set key top right
-    if (c == 0) set label 1 "it falls: 300 and 400 N" at 0.62, 17
+    set label 1 (c == 0 ? "it falls: 300 and 400 N" : "") at 0.62, 17
     plot for [k = 0:4] csv using 1:column_of(c, k, 0) with lines lw 2 lc rgb color(k) title word(newtons, k + 1) . " N"
     unset ylabel
     unset label 1
