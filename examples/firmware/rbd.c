@@ -7,3 +7,5 @@
 #include "rbd_ik.h"
 
 #include "rbd_qp.h"
+
+#include "rbd_tasks.h"
