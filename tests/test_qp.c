@@ -1088,6 +1088,26 @@ START_TEST(ways_without_end_are_found_without_h) {
 }
 END_TEST
 
+/* The optimum without rows is far away, the solution next to 0: as a share of x the rows hold all the same. */
+START_TEST(rows_hold_as_a_share_of_a_small_solution) {
+    const double small = sizeof(rbd_real) == 4 ? 1e-3 : 1e-7;
+    seed = 47;
+    for (int k = 0; k < 500; k++) {
+        rbd_qp_problem p = random_problem(CONVEX);
+        p.bounds = p.n;
+        p.rows = 0;
+        for (int i = 0; i < p.n; i++) {
+            f[i] = (rbd_real)(50 * normal());
+            lower[i] = (rbd_real)(-small * (1 + uniform() / 2));
+            upper[i] = (rbd_real)(small * (1 + uniform() / 2));
+        }
+        const rbd_qp_status status = solve(&p);
+        ck_assert_msg(status == RBD_QP_OK, "problem %d: status %d, primal %g", k, status,
+                      (double)result.primal);
+    }
+}
+END_TEST
+
 /* In float squares of 1e18 |x| overflow: no answer may be OK then. */
 START_TEST(sums_that_overflow_are_not_ok) {
     const double large = sizeof(rbd_real) == 4 ? 1e18 : 1e153;
@@ -1215,6 +1235,7 @@ int main(void) {
     tcase_add_test(c, saddles_are_refused);
     tcase_add_test(c, ways_without_end_are_found);
     tcase_add_loop_test(c, ways_without_end_are_found_without_h, 0, 2);
+    tcase_add_test(c, rows_hold_as_a_share_of_a_small_solution);
     tcase_add_test(c, sums_that_overflow_are_not_ok);
     tcase_add_test(c, results_that_are_too_large_are_none);
     tcase_add_test(c, the_memory_is_enough);
