@@ -618,6 +618,76 @@ START_TEST(limits_that_touch_leave_one_place) {
 }
 END_TEST
 
+/* Screws of either hand: steep, fine, and so fine that no turn within reason moves the target. */
+START_TEST(screws_go_where_they_lead) {
+    static const double pitches[] = {5, -5, 0.02, -0.02, 1e-10};
+    for (int k = 0; k < LENGTH(pitches); k++) {
+        const rbd_body bodies[2] = {{.parent = -1,
+                                     .type = RBD_HELICAL,
+                                     .axis = {0, 0, k % 2 ? -1 : 1},
+                                     .pitch = pitches[k],
+                                     .lower = -1e8,
+                                     .upper = 1e8,
+                                     .armature = {1}},
+                                    {.parent = 0, .type = RBD_PRISMATIC, .axis = {0, 0, 1}, .armature = {1}}};
+        robot r = BUILD(bodies);
+        for (int i = 0; i < 8; i++) {
+            const double there[2] = {0.5 * i, 0.3 + 0.1 * i};
+            rbd_ik_target t = {.kind = RBD_IK_POINT, .body = 1, .point = {0.3, 0, 0}};
+            double q[2] = {-1, 0};
+            rbd_ik_result result;
+            aim(&r, there, &t, 1);
+            expect_status("screw", solve(&r, &t, 1, q, &result), RBD_IK_REACHED, &result);
+
+            t.position[0] *= 2; /* twice as far from the axis */
+            t.position[1] *= 2;
+            expect_status("screw", solve(&r, &t, 1, q, &result), RBD_IK_NEAREST, &result);
+            ck_assert(fabs(result.metres - 0.3) < 1e-6);
+        }
+        robot_free(&r);
+    }
+}
+END_TEST
+
+/* A slide with an upper limit alone. */
+START_TEST(one_limit_is_enough) {
+    const rbd_body bodies[1] = {{.parent = -1,
+                                 .type = RBD_PRISMATIC,
+                                 .axis = {1, 0, 0},
+                                 .armature = {1},
+                                 .lower = -1e30,
+                                 .upper = 0.5}};
+    robot r = BUILD(bodies);
+    for (int k = 0; k < 2; k++) {
+        const rbd_ik_target t = {.kind = RBD_IK_POINT, .position = {k ? -7 : 0.75, 0, 0}};
+        double q[1] = {0};
+        rbd_ik_result result;
+        expect_status("limit", solve(&r, &t, 1, q, &result), k ? RBD_IK_REACHED : RBD_IK_AT_LIMIT, &result);
+        ck_assert(fabs(q[0] - (k ? -7 : 0.5)) < 1e-6);
+    }
+    robot_free(&r);
+}
+END_TEST
+
+/* A tool without mass has no part in the centre of mass. */
+START_TEST(what_has_no_mass_does_not_move_the_centre_of_mass) {
+    const rbd_body bodies[2] = {{.parent = -1,
+                                 .type = RBD_PRISMATIC,
+                                 .axis = {1, 0, 0},
+                                 .mass = 2,
+                                 .com = {0.1, 0, 0},
+                                 .inertia = {1, 0, 0, 1, 0, 1}},
+                                {.parent = 0, .type = RBD_PRISMATIC, .axis = {1, 0, 0}, .armature = {1}}};
+    robot r = BUILD(bodies);
+    const rbd_ik_target t = {.kind = RBD_IK_COM, .position = {0.4, 0, 0}};
+    double q[2] = {0, 0.25};
+    rbd_ik_result result;
+    expect_status("tool", solve(&r, &t, 1, q, &result), RBD_IK_REACHED, &result);
+    ck_assert(fabs(q[0] - 0.3) < 1e-6 && q[1] == 0.25);
+    robot_free(&r);
+}
+END_TEST
+
 /* Joints that move no target stay to the bit, held ones too; a start out of the limits is put within them. */
 START_TEST(what_need_not_move_stays) {
     robot r = robot_build("hyq", hyq_bodies, HYQ_NB);
@@ -794,7 +864,14 @@ SPOIL(far_point, t->point[2] = 2e9)
 SPOIL(nan_position, t->position[2] = NAN)
 SPOIL(infinite_position, t->position[0] = -INFINITY)
 SPOIL(nan_rotation, t->rotation[8] = NAN)
+SPOIL(nan_first_row, t->rotation[2] = NAN)
+SPOIL(nan_second_row, t->rotation[3] = NAN)
 SPOIL(stretched, t->rotation[0] = 1.1)
+SPOIL(stretched_y, t->rotation[4] = 1.1)
+SPOIL(stretched_z, t->rotation[8] = 1.1)
+SPOIL(sheared_xy, t->rotation[0] = cos(0.01); t->rotation[1] = sin(0.01))
+SPOIL(sheared_xz, t->rotation[0] = cos(0.01); t->rotation[2] = sin(0.01))
+SPOIL(sheared_yz, t->rotation[4] = cos(0.01); t->rotation[5] = sin(0.01))
 SPOIL(sheared, t->rotation[1] = 0.01)
 SPOIL(mirrored, t->rotation[0] = -1)
 SPOIL(no_axis, t->kind = RBD_IK_AXIS; t->axis[0] = 0)
@@ -807,6 +884,8 @@ SPOIL(negative_weight, t->weight = -1)
 SPOIL(tiny_weight, t->weight = 1e-9)
 SPOIL(huge_weight, t->weight = 1e9)
 SPOIL(negative_starts, o->starts = -1)
+static const unsigned char nothing_held[7];
+SPOIL(negative_starts_of_a_held_robot, o->starts = -1; o->held = nothing_held)
 SPOIL(negative_evaluations, o->evaluations = -5)
 SPOIL(one_evaluation, o->evaluations = 1)
 SPOIL(nan_metres, o->metres = NAN)
@@ -833,7 +912,14 @@ static const struct {
     {nan_position, RBD_ERR_POSITION, 1, "position", "not finite, or farther than 1e9 m"},
     {infinite_position, RBD_ERR_POSITION, 1, "position", "not finite, or farther than 1e9 m"},
     {nan_rotation, RBD_ERR_ROTATION, 1, "rotation", NULL},
+    {nan_first_row, RBD_ERR_ROTATION, 1, "rotation", NULL},
+    {nan_second_row, RBD_ERR_ROTATION, 1, "rotation", NULL},
     {stretched, RBD_ERR_ROTATION, 1, "rotation", NULL},
+    {stretched_y, RBD_ERR_ROTATION, 1, "rotation", NULL},
+    {stretched_z, RBD_ERR_ROTATION, 1, "rotation", NULL},
+    {sheared_xy, RBD_ERR_ROTATION, 1, "rotation", NULL},
+    {sheared_xz, RBD_ERR_ROTATION, 1, "rotation", NULL},
+    {sheared_yz, RBD_ERR_ROTATION, 1, "rotation", NULL},
     {sheared, RBD_ERR_ROTATION, 1, "rotation", NULL},
     {mirrored, RBD_ERR_ROTATION, 1, "rotation", NULL},
     {no_axis, RBD_ERR_AXIS, 1, "axis", "not finite, or of a length out of 1e-9 to 1e9"},
@@ -846,6 +932,7 @@ static const struct {
     {tiny_weight, RBD_ERR_RANGE, 1, "weight", NULL},
     {huge_weight, RBD_ERR_RANGE, 1, "weight", NULL},
     {negative_starts, RBD_ERR_RANGE, -1, "starts", NULL},
+    {negative_starts_of_a_held_robot, RBD_ERR_RANGE, -1, "starts", NULL},
     {negative_evaluations, RBD_ERR_RANGE, -1, "evaluations", NULL},
     {one_evaluation, RBD_ERR_RANGE, -1, "evaluations", NULL},
     {nan_metres, RBD_ERR_RANGE, -1, "metres", NULL},
@@ -909,6 +996,9 @@ START_TEST(missing_arguments_are_errors) {
     ck_assert_int_eq(x.error, RBD_ERR_WORK);
     ck_assert_int_eq(rbd_ik(r.m, r.w, &t, 1, NULL, memory, size - 1, q, &x), RBD_IK_ERROR);
     ck_assert_int_eq(x.error, RBD_ERR_MEMORY);
+    const rbd_ik_target forgotten[2] = {{.body = 3}, t};
+    ck_assert_int_eq(rbd_ik(r.m, r.w, forgotten, 2, NULL, memory, size, q, &x), RBD_IK_ERROR);
+    ck_assert(x.error == RBD_ERR_TYPE && x.target == 0);
     ck_assert_int_eq(rbd_ik(r.m, r.w, &t, 0, NULL, memory, size, q, &x), RBD_IK_ERROR);
     ck_assert_int_eq(x.error, RBD_ERR_COUNT);
     ck_assert_int_eq(rbd_ik(r.m, r.w, &t, 1001, NULL, memory, size, q, &x), RBD_IK_ERROR);
@@ -922,6 +1012,11 @@ START_TEST(missing_arguments_are_errors) {
     ck_assert_str_eq(rbd_ik_text(RBD_IK_NEAREST, NULL, text, 12), "not reached");
     ck_assert_str_eq(rbd_ik_text(RBD_IK_EVALUATIONS, NULL, text, sizeof text),
                      "not reached: more evaluations might come nearer");
+    x.limit = -1;
+    ck_assert_str_eq(rbd_ik_text(RBD_IK_AT_LIMIT, &x, text, 12), "not reached");
+    ck_assert_str_eq(rbd_ik_text(RBD_IK_AT_LIMIT, NULL, text, 12), "not reached");
+    ck_assert_ptr_eq(rbd_ik_text(RBD_IK_REACHED, NULL, text, 0), text);
+    ck_assert_str_eq(text, "not reached");
     ck_assert_str_eq(rbd_ik_text((rbd_ik_status)9, NULL, text, sizeof text), "unknown status");
     ck_assert_ptr_null(rbd_ik_text(RBD_IK_REACHED, NULL, NULL, 5));
     robot_free(&r);
@@ -1012,6 +1107,9 @@ Suite *ik_suite(void) {
     tcase_add_test(c, limits_of_a_mimic_joint_bind_what_it_follows);
     tcase_add_test(c, limits_that_contradict_do_not_count);
     tcase_add_test(c, limits_that_touch_leave_one_place);
+    tcase_add_test(c, screws_go_where_they_lead);
+    tcase_add_test(c, one_limit_is_enough);
+    tcase_add_test(c, what_has_no_mass_does_not_move_the_centre_of_mass);
     tcase_add_test(c, what_need_not_move_stays);
     tcase_add_test(c, a_joint_is_held_as_a_whole);
     tcase_add_test(c, a_fixed_body_is_where_it_is);
