@@ -1108,6 +1108,25 @@ START_TEST(rows_hold_as_a_share_of_a_small_solution) {
 }
 END_TEST
 
+/* A soft row of zeros that misses its side by 1e25, at a weight of 1e25: its multiplier is too large in float,
+   and what is said of it is a number in any case. */
+START_TEST(multipliers_that_overflow_are_named) {
+    rbd_qp_problem p = problem_of(1, 0, 1);
+    H[0] = 1;
+    f[0] = -1;
+    C[0] = 0;
+    lower[0] = (rbd_real)1e25;
+    upper[0] = NONE;
+    soft[0] = (rbd_real)1e25;
+    p.soft = soft;
+    const rbd_qp_status status = solve(&p);
+    ck_assert(fabs((double)lambda[0]) < 1e60 && fabs((double)x[0]) < RBD_QP_NONE);
+    if (sizeof(rbd_real) == 8) return;
+    ck_assert_int_eq(status, RBD_QP_NAN);
+    ck_assert(lambda[0] == 0 && result.at == 0 && !strcmp(result.field, "lambda"));
+}
+END_TEST
+
 /* In float squares of 1e18 |x| overflow: no answer may be OK then. */
 START_TEST(sums_that_overflow_are_not_ok) {
     const double large = sizeof(rbd_real) == 4 ? 1e18 : 1e153;
@@ -1236,6 +1255,7 @@ int main(void) {
     tcase_add_test(c, ways_without_end_are_found);
     tcase_add_loop_test(c, ways_without_end_are_found_without_h, 0, 2);
     tcase_add_test(c, rows_hold_as_a_share_of_a_small_solution);
+    tcase_add_test(c, multipliers_that_overflow_are_named);
     tcase_add_test(c, sums_that_overflow_are_not_ok);
     tcase_add_test(c, results_that_are_too_large_are_none);
     tcase_add_test(c, the_memory_is_enough);
