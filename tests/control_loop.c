@@ -30,7 +30,7 @@ static unsigned char given[NV];
 
 /* Inverse kinematics of the last body; a q that is not finite is an error. */
 static rbd_status solve(void) {
-    const rbd_ik_target t = {.body = NB - 1, .point = {0.1, 0.2, 0.3}};
+    const rbd_ik_target t = {.kind = RBD_IK_POINT, .body = NB - 1, .point = {0.1, 0.2, 0.3}};
     const rbd_ik_options o = {.starts = 1, .evaluations = 5};
     rbd_ik_result result;
     memcpy(out, q, sizeof q);

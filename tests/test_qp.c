@@ -1046,8 +1046,6 @@ START_TEST(ways_without_end_are_found) {
 }
 END_TEST
 
-<<<<<<< HEAD
-=======
 /* Draws a problem without H that a ray, of which no row ends any, makes unbounded: rows and bounds with sides
    only where the ray leads away from them. */
 static rbd_qp_problem draw_ray(int softly) {
@@ -1110,7 +1108,25 @@ START_TEST(rows_hold_as_a_share_of_a_small_solution) {
 }
 END_TEST
 
->>>>>>> ce2f5ec7 (rbd_qp refines to a share of the solution, not of the largest x on the way: limits that hold next to 0 are OK, not INACCURATE, and answers are ten times as exact)
+/* A soft row of zeros that misses its side by 1e25, at a weight of 1e25: its multiplier is too large in float,
+   and what is said of it is a number in any case. */
+START_TEST(multipliers_that_overflow_are_named) {
+    rbd_qp_problem p = problem_of(1, 0, 1);
+    H[0] = 1;
+    f[0] = -1;
+    C[0] = 0;
+    lower[0] = (rbd_real)1e25;
+    upper[0] = NONE;
+    soft[0] = (rbd_real)1e25;
+    p.soft = soft;
+    const rbd_qp_status status = solve(&p);
+    ck_assert(fabs((double)lambda[0]) < 1e60 && fabs((double)x[0]) < RBD_QP_NONE);
+    if (sizeof(rbd_real) == 8) return;
+    ck_assert_int_eq(status, RBD_QP_NAN);
+    ck_assert(lambda[0] == 0 && result.at == 0 && !strcmp(result.field, "lambda"));
+}
+END_TEST
+
 /* In float squares of 1e18 |x| overflow: no answer may be OK then. */
 START_TEST(sums_that_overflow_are_not_ok) {
     const double large = sizeof(rbd_real) == 4 ? 1e18 : 1e153;
@@ -1237,11 +1253,9 @@ int main(void) {
     tcase_add_test(c, rows_of_zeros_move_nothing);
     tcase_add_test(c, saddles_are_refused);
     tcase_add_test(c, ways_without_end_are_found);
-<<<<<<< HEAD
-=======
     tcase_add_loop_test(c, ways_without_end_are_found_without_h, 0, 2);
     tcase_add_test(c, rows_hold_as_a_share_of_a_small_solution);
->>>>>>> ce2f5ec7 (rbd_qp refines to a share of the solution, not of the largest x on the way: limits that hold next to 0 are OK, not INACCURATE, and answers are ten times as exact)
+    tcase_add_test(c, multipliers_that_overflow_are_named);
     tcase_add_test(c, sums_that_overflow_are_not_ok);
     tcase_add_test(c, results_that_are_too_large_are_none);
     tcase_add_test(c, the_memory_is_enough);

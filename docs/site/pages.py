@@ -22,7 +22,7 @@ GUIDES = [
     ("Begin", ["docs/first_minutes.md", "docs/install.md", "docs/robot.md", "docs/conventions.md", "examples/README.md",
                "python/README.md"]),
     ("In a controller", ["docs/control_loop.md", "docs/contacts.md", "docs/contact_step.md", "docs/inverse_kinematics.md",
-                         "docs/qp.md", "docs/gradients.md", "docs/generated_code.md", "docs/gpu.md", "docs/firmware.md",
+                         "docs/qp.md", "docs/tasks.md", "docs/gradients.md", "docs/generated_code.md", "docs/gpu.md", "docs/firmware.md",
                          "docs/porting.md", "docs/reproducible.md",
                          "examples/firmware/README.md"]),
     ("Tools and other libraries", ["docs/other_libraries.md", "docs/tools.md", "models/README.md"]),

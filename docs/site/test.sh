@@ -34,7 +34,7 @@ pages)
     ;;
 guides) # their programs compile as shown and print what is shown
     cd "$here/../.."
-    for page in first_minutes gradients contacts inverse_kinematics other_libraries; do program_of $page; done
+    for page in first_minutes gradients contacts inverse_kinematics qp tasks other_libraries; do program_of $page; done
     ;;
 generated)
     codegen=$(realpath "$2")
