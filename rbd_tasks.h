@@ -289,8 +289,10 @@ RBDI_EXTERN_C_END
 #define RBDI_TASKS_HELD RBD_C(20)
 #if RBDI_KIND(RBD_CONST) == 2
 #define RBDI_TASKS_MOTION_COST RBD_C(1e-4)
+#define RBDI_TASKS_ACCURACY RBD_C(1e-3)
 #else
 #define RBDI_TASKS_MOTION_COST RBD_C(1e-6)
+#define RBDI_TASKS_ACCURACY RBD_C(1e-7) /* shares of rows and optimum that are good enough for a tick */
 #endif
 #define RBDI_TASKS_SIDES 8                        /* of a pyramid, at most */
 #define RBDI_TASKS_CONTACT (1 + RBDI_TASKS_SIDES) /* limits of a contact: the normal force, the sides */
@@ -1131,6 +1133,8 @@ RBDI_LOCAL rbd_qp_status rbdi_tasks_solve_level(rbdi_tasks *k, int level, int ro
     result->steps += done.steps;
     result->primal = rbdi_ik_larger(result->primal, done.primal);
     result->dual = rbdi_ik_larger(result->dual, done.dual);
+    if (result->qp == RBD_QP_INACCURATE && rbdi_ik_larger(done.primal, done.dual) < RBDI_TASKS_ACCURACY)
+        return RBD_QP_OK;
     return result->qp;
 }
 
@@ -1194,12 +1198,15 @@ RBDI_LOCAL rbd_tasks_status rbdi_tasks_descend(rbdi_tasks *k) {
 /* ==== src/tasks/blame.h ==== */
 /* ---- contradictions [contradictions] ----
    The multipliers of a QP without solution are a proof: lambda' rows = 0, and yet the sides that they name would
-   have the sum below 0. Each row counts by |lambda| times its length. */
+   have the sum below 0. Each row counts by |lambda| (its length + |its side|): friction, whose side is 0, counts by
+   the first, a force or torque by the second. */
 
 RBDI_LOCAL rbd_real rbdi_tasks_share(const rbdi_tasks *k, int row) {
     const rbd_real *c = &k->C[(ptrdiff_t)(row - k->n) * k->n];
     const rbd_real length = row < k->n ? rbdi_set(RBD_C(1)) : rbdi_sqrt(rbdi_tasks_dot(c, c, k->n));
-    return length * rbdi_abs(k->lambda[row]);
+    const rbd_real side = k->lambda[row] > 0 ? k->upper[row] : k->lower[row];
+    if (!(k->lambda[row] < 0 || k->lambda[row] > 0)) return rbdi_zero();
+    return rbdi_abs(k->lambda[row]) * (length + rbdi_abs(side));
 }
 
 /* Names the part that counts most, limits before contacts that are held and dofs without a motor; then the one

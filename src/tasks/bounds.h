@@ -1,7 +1,7 @@
 #ifndef RBDI_TASKS_BOUNDS_H
 #define RBDI_TASKS_BOUNDS_H
-#include "ik/dofs.h"
 #include "ik/step.h"
+#include "ik/dofs.h"
 #include "tasks/layout.h"
 
 /* ---- limits of motion [limits of motion] ----

@@ -1,9 +1,5 @@
 #ifndef RBDI_TASKS_CONTACTS_H
 #define RBDI_TASKS_CONTACTS_H
-#include "motion/points.h"
-#include "motion/kinematics.h"
-#include "dynamics/crba.h"
-#include "dynamics/rnea.h"
 #include "ik/targets.h"
 #include "tasks/layout.h"
 

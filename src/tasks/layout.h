@@ -1,7 +1,6 @@
 #ifndef RBDI_TASKS_LAYOUT_H
 #define RBDI_TASKS_LAYOUT_H
-#include "base/types.h"
-#include "ik/layout.h"
+#include "model/work.h"
 #include "api/tasks.h"
 
 /* ---- method [method of tasks] ----
@@ -25,8 +24,10 @@
 #define RBDI_TASKS_HELD RBD_C(20)
 #if RBDI_KIND(RBD_CONST) == 2
 #define RBDI_TASKS_MOTION_COST RBD_C(1e-4)
+#define RBDI_TASKS_ACCURACY RBD_C(1e-3)
 #else
 #define RBDI_TASKS_MOTION_COST RBD_C(1e-6)
+#define RBDI_TASKS_ACCURACY RBD_C(1e-7) /* shares of rows and optimum that are good enough for a tick */
 #endif
 #define RBDI_TASKS_SIDES 8                        /* of a pyramid, at most */
 #define RBDI_TASKS_CONTACT (1 + RBDI_TASKS_SIDES) /* limits of a contact: the normal force, the sides */

@@ -1,6 +1,5 @@
 #ifndef RBDI_TASKS_LEVELS_H
 #define RBDI_TASKS_LEVELS_H
-#include "qp/solve.h"
 #include "tasks/rows.h"
 
 /* ---- levels [levels] ---- */
@@ -107,6 +106,8 @@ RBDI_LOCAL rbd_qp_status rbdi_tasks_solve_level(rbdi_tasks *k, int level, int ro
     result->steps += done.steps;
     result->primal = rbdi_ik_larger(result->primal, done.primal);
     result->dual = rbdi_ik_larger(result->dual, done.dual);
+    if (result->qp == RBD_QP_INACCURATE && rbdi_ik_larger(done.primal, done.dual) < RBDI_TASKS_ACCURACY)
+        return RBD_QP_OK;
     return result->qp;
 }
 

@@ -1,6 +1,6 @@
 #ifndef RBDI_TASKS_ROWS_H
 #define RBDI_TASKS_ROWS_H
-#include "motion/manifold.h"
+#include "tasks/check.h"
 #include "tasks/contacts.h"
 
 /* ---- rows of tasks [rows of tasks] ---- */

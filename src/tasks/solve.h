@@ -2,7 +2,6 @@
 #define RBDI_TASKS_SOLVE_H
 #include "base/pieces.h"
 #include "tasks/bounds.h"
-#include "tasks/check.h"
 #include "tasks/blame.h"
 
 /* ---- solve [code of tasks] ---- */
