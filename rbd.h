@@ -137,7 +137,8 @@
      With RBD_REPRODUCIBLE every call gives the same bits in double, and in float, on every machine that
      rounds to nearest as IEEE 754 does and keeps denormals, whatever the compiler, its -O and its SIMD unit.
      Sums have one order, and sine is rbd's own. Compile without -ffast-math and its parts, and with clang
-     without -ffp-contract=fast; sqrt must round correctly; a 32-bit x86 needs SSE2 (x87 does not compile).
+     without -ffp-contract=fast; sqrt must round correctly, as rbd_work_init checks; a 32-bit x86 needs
+     SSE2 (x87 does not compile).
 
    [limits]
      Contacts and closed loops are in rbd_constraints.h. No flexible bodies, no integrator beyond one
@@ -504,7 +505,7 @@ typedef enum rbd_status {
     RBD_ERR_RANGE = -26,      /* a gain, weight, restitution, friction, dt, option or q is out of range */
     RBD_ERR_INFEASIBLE = -27, /* constraints contradict each other */
     RBD_ERR_LEFT_OUT = -28,   /* the model needs code that RBD_FEATURES or RBD_NO_CHOLESKY leave out */
-    RBD_ERR_ARITHMETIC = -29, /* RBD_REPRODUCIBLE, and sums and products are not rounded as in [guarantees] */
+    RBD_ERR_ARITHMETIC = -29, /* RBD_REPRODUCIBLE, and arithmetic does not round as in [guarantees] */
     /* warnings of the build: dynamics computes with such a body, but no real one is like this */
     RBD_WARN_INERTIA_NEGATIVE = 1, /* inertia has a negative eigenvalue */
     RBD_WARN_INERTIA_TRIANGLE = 2, /* one principal moment exceeds the sum of the others */
@@ -1775,8 +1776,19 @@ RBDI_EXTENSION __float128 sqrtq(__float128 x);
 #define RBD_SIN(x) RBDI_LIBM(sin)(x)
 #define RBD_COS(x) RBDI_LIBM(cos)(x)
 #endif
+
+/* MinGW's square root computes in 80 bits and rounds twice, the processor's own once. */
+#if defined __MINGW32__ && defined __SSE2__ && RBDI_REAL_KIND != 0
+#include <emmintrin.h>
+RBDI_INLINE double rbdi_root(double x) { return _mm_cvtsd_f64(_mm_sqrt_sd(_mm_set_sd(x), _mm_set_sd(x))); }
+RBDI_INLINE float rbdi_rootf(float x) { return _mm_cvtss_f32(_mm_sqrt_ss(_mm_set_ss(x))); }
+#else
+#define rbdi_root sqrt
+#define rbdi_rootf sqrtf
+#endif
+#define rbdi_rootq sqrtq
 #ifndef RBD_SQRT
-#define RBD_SQRT(x) RBDI_LIBM(sqrt)(x)
+#define RBD_SQRT(x) RBDI_LIBM(rbdi_root)(x)
 #endif
 
 /* pi to quad precision, as a sum of doubles: a longer literal would be rounded to double. */
@@ -6490,6 +6502,11 @@ RBDI_LOCAL rbd_real rbdi_within_half_turn(rbd_real angle) {
     return rbdi_select(rbdi_less(pi2, angle * angle), rbdi_signed_angle(s, c), angle);
 }
 
+/* E of a joint of the description, compiled once for the calls of which no loop waits. */
+RBDI_PART rbdi_mat rbdi_attitude_of(const rbdi_frame *u, const rbd_real *q) {
+    return rbdi_joint_attitude(u->type, q);
+}
+
 /* d with q0 (+) d = q1, for one joint. */
 RBDI_LOCAL void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, const rbd_real *q1,
                                       rbd_real *d) {
@@ -6506,7 +6523,7 @@ RBDI_LOCAL void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, c
         step.omega = u->type == RBD_PLANAR
                          ? rbdi_vec(rbdi_zero(), rbdi_zero(), rbdi_within_half_turn(q1[2] - q0[2]))
                          : rbdi_quaternion_difference(&q0[u->nq - 4], &q1[u->nq - 4]);
-        step.v = rbdi_mul(rbdi_joint_attitude(u->type, q0), shift);
+        step.v = rbdi_mul(rbdi_attitude_of(u, q0), shift);
         step.v = rbdi_log_shift(rbdi_exp_of(step.omega), step.omega, step.v);
         rbdi_put_joint_motion(u, step, d, 1);
     } else {
@@ -6533,7 +6550,7 @@ RBDI_LOCAL void rbdi_joint_rates(const rbdi_frame *u, const rbd_real *q, const r
         rbd_real turn[4];
 
         /* dp/dt = E' v, d quaternion/dt = quaternion (omega/2, 0) */
-        rbdi_put_origin(u, rbdi_mul_t(rbdi_joint_attitude(u->type, q), V.v), rates);
+        rbdi_put_origin(u, rbdi_mul_t(rbdi_attitude_of(u, q), V.v), rates);
         rbdi_store_vec(turn, 1, rbdi_scale(rbdi_set(RBD_C(0.5)), V.omega));
         turn[3] = rbdi_zero();
         if (u->type == RBD_PLANAR)
@@ -6564,7 +6581,7 @@ RBDI_LOCAL void rbdi_joint_velocity(const rbdi_frame *u, const rbd_real *q, cons
         v[0] = (unit[0] * rates[1] - unit[1] * rates[0]) * rbdi_inverse_length(q, unit, 2);
     } else if (rbdi_joint_turns(u)) {
         rbdi_motion V;
-        V.v = rbdi_mul(rbdi_joint_attitude(u->type, q), rbdi_joint_origin(u->type, rates));
+        V.v = rbdi_mul(rbdi_attitude_of(u, q), rbdi_joint_origin(u->type, rates));
         V.omega = u->type == RBD_PLANAR ? rbdi_vec(rbdi_zero(), rbdi_zero(), rates[2])
                                         : rbdi_quaternion_velocity(&q[u->nq - 4], &rates[u->nq - 4]);
         rbdi_put_joint_motion(u, V, v, 1);
@@ -7010,15 +7027,17 @@ RBDI_API size_t rbd_work_size(const rbd_model *m) {
 }
 
 #if RBDI_REPRODUCIBLE
-/* Whether products and sums are rounded one by one and to nearest, and denormals are numbers. The last test
+/* Whether products, sums and roots are rounded one by one and to nearest, and denormals are numbers. 1 - x low
    finds libgcc's double sums on ARMv7-M: they are wrong if one exponent is 33 above the other and that of the
-   result is lower. */
+   result is lower. The root of 1 + 3 eps is 1 + 3/2 eps - 9/8 eps^2: one that is rounded to 80 bits before
+   loses the last term, and then is 1 + 2 eps. */
 RBDI_COLD int rbdi_rounds(void) {
     const volatile RBD_REAL given[5] = {1, RBDI_EPS, 1 + RBDI_EPS, 1 + 2 * RBDI_EPS, RBDI_TINY};
     const RBD_REAL one = given[0], e = given[1], x = given[2], square = given[3], tiny = given[4];
     const volatile RBD_REAL half = tiny * (RBD_REAL)0.5, low = e * 524288 /* double: 2^-33 */;
-    return x * x - square == 0 && one + e * (RBD_REAL)0.75 == x && one + e * (RBD_REAL)0.25 == one &&
-           half > 0 && half + half == tiny && one - x * low == one - low;
+    const volatile RBD_REAL root = RBD_SQRT(one + 3 * e);
+    return root == x && x * x - square == 0 && one + e * (RBD_REAL)0.75 == x &&
+           one + e * (RBD_REAL)0.25 == one && half > 0 && half + half == tiny && one - x * low == one - low;
 }
 #endif
 
@@ -7163,8 +7182,9 @@ RBDI_MESSAGES RBDI_API const char *rbd_status_string(rbd_status status) {
     case RBD_ERR_RANGE: return "negative, not finite or out of range";
     case RBD_ERR_INFEASIBLE: return "the constraints contradict each other";
     case RBD_ERR_ARITHMETIC:
-        return "RBD_REPRODUCIBLE: products and sums are contracted, or not rounded to nearest, or denormals "
-               "are 0";
+        return "RBD_REPRODUCIBLE: products and sums are contracted, or not rounded to nearest, or square "
+               "roots "
+               "are rounded twice, or denormals are 0";
     case RBD_ERR_LEFT_OUT: return "the model needs code that RBD_FEATURES or RBD_NO_CHOLESKY leave out";
     case RBD_WARN_INERTIA_NEGATIVE: return "has a negative principal moment: no real body is like this";
     case RBD_WARN_INERTIA_TRIANGLE:
@@ -7312,7 +7332,9 @@ RBDI_PART rbdi_wide rbdi_w_dot(const rbdi_wide a[3], const rbdi_wide b[3]) {
 }
 
 RBDI_PART rbdi_wide rbdi_w_abs(rbdi_wide x) { return x < 0 ? -x : x; }
-RBDI_PART rbdi_wide rbdi_w_length(const rbdi_wide a[3]) { return RBDI_WIDE_LIBM(sqrt)(rbdi_w_dot(a, a)); }
+RBDI_PART rbdi_wide rbdi_w_length(const rbdi_wide a[3]) {
+    return RBDI_WIDE_LIBM(rbdi_root)(rbdi_w_dot(a, a));
+}
 
 /* Whether n numbers are finite, in the model's scalar too. */
 RBDI_PART int rbdi_finite(const double *x, int n) {
@@ -7555,7 +7577,7 @@ RBDI_LOCAL int rbdi_nonzero(rbdi_wide x) { return x < 0 || x > 0; }
 /* Scales (c, s) to the unit circle, and moves it to the nearest right angle if one is as close as this,
    rad. */
 RBDI_LOCAL void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close) {
-    rbdi_wide length = RBDI_WIDE_LIBM(sqrt)(*c * *c + *s * *s);
+    rbdi_wide length = RBDI_WIDE_LIBM(rbdi_root)(*c * *c + *s * *s);
 
     *c /= length;
     *s /= length;
@@ -8066,7 +8088,7 @@ RBDI_LOCAL void rbdi_build_turn(rbdi_build_link *links, int nl, int i, rbdi_wide
 /* Angles of E = Rz(gamma) Rx(alpha) Rz(beta), |beta| <= 90 degrees, snapped to right angles. E is computed
    anew from them, so that poses and dynamics have the same model. */
 RBDI_LOCAL void rbdi_build_angles(rbdi_build_link *l) {
-    rbdi_wide *E = l->X.E, sigma = RBDI_WIDE_LIBM(sqrt)(E[6] * E[6] + E[7] * E[7]);
+    rbdi_wide *E = l->X.E, sigma = RBDI_WIDE_LIBM(rbdi_root)(E[6] * E[6] + E[7] * E[7]);
 
     l->cb = 1;
     l->sb = 0;
@@ -8111,9 +8133,9 @@ RBDI_LOCAL void rbdi_build_measure(rbdi_build_link *links, int i) {
     const rbdi_wide own = l->Sigma[0] + l->Sigma[3] + l->Sigma[5];
 
     if (own > 0) l->radius += own; /* not positive: no real body is like this */
-    if (own > 0 && l->mass > 0) l->lever += RBDI_WIDE_LIBM(sqrt)(own * l->mass);
+    if (own > 0 && l->mass > 0) l->lever += RBDI_WIDE_LIBM(rbdi_root)(own * l->mass);
     l->all_mass += l->mass;
-    l->radius = l->all_mass > 0 ? RBDI_WIDE_LIBM(sqrt)(l->radius / l->all_mass) : 0;
+    l->radius = l->all_mass > 0 ? RBDI_WIDE_LIBM(rbdi_root)(l->radius / l->all_mass) : 0;
     if (l->parent < 0) return;
 
     /* until the parent is measured its radius is the sum of the second moments */
@@ -8183,11 +8205,11 @@ RBDI_LOCAL void rbdi_build_normalise(rbdi_build_link *links, int nl, int i) {
         a = r[0];
         d = -r[1] / f->sa;
         t = r[2] - d * f->ca;
-        if (!rbdi_build_near(links, nl, i, t, RBDI_WIDE_LIBM(sqrt)(a * a + d * d))) return;
+        if (!rbdi_build_near(links, nl, i, t, RBDI_WIDE_LIBM(rbdi_root)(a * a + d * d))) return;
         rbdi_build_turn(links, nl, i, f->cb, f->sb, t);
     } else {
         /* the axes are parallel: x leads from one to the other */
-        a = RBDI_WIDE_LIBM(sqrt)(f->X.r[0] * f->X.r[0] + f->X.r[1] * f->X.r[1]);
+        a = RBDI_WIDE_LIBM(rbdi_root)(f->X.r[0] * f->X.r[0] + f->X.r[1] * f->X.r[1]);
         t = f->X.r[2];
         if (!rbdi_build_near(links, nl, i, t, a)) {
             d = t * f->ca;
@@ -8915,7 +8937,7 @@ RBDI_LOCAL void rbdi_w_direction(const double *q, int n, int one, rbdi_wide *u) 
         if (rbdi_w_abs(q[k]) > largest) largest = rbdi_w_abs(q[k]);
     for (int k = 0; k < n; ++k) u[k] = largest > 0 ? q[k] / largest : 0;
     for (int k = 0; k < n; ++k) sum += u[k] * u[k];
-    length = RBDI_WIDE_LIBM(sqrt)(sum);
+    length = RBDI_WIDE_LIBM(rbdi_root)(sum);
 
     if (largest * length < (rbdi_wide)1e-15) {
         for (int k = 0; k < n; ++k) u[k] = k == one;

@@ -740,8 +740,19 @@ RBDI_EXTENSION __float128 sqrtq(__float128 x);
 #define RBD_SIN(x) RBDI_LIBM(sin)(x)
 #define RBD_COS(x) RBDI_LIBM(cos)(x)
 #endif
+
+/* MinGW's square root computes in 80 bits and rounds twice, the processor's own once. */
+#if defined __MINGW32__ && defined __SSE2__ && RBDI_REAL_KIND != 0
+#include <emmintrin.h>
+RBDI_INLINE double rbdi_root(double x) { return _mm_cvtsd_f64(_mm_sqrt_sd(_mm_set_sd(x), _mm_set_sd(x))); }
+RBDI_INLINE float rbdi_rootf(float x) { return _mm_cvtss_f32(_mm_sqrt_ss(_mm_set_ss(x))); }
+#else
+#define rbdi_root sqrt
+#define rbdi_rootf sqrtf
+#endif
+#define rbdi_rootq sqrtq
 #ifndef RBD_SQRT
-#define RBD_SQRT(x) RBDI_LIBM(sqrt)(x)
+#define RBD_SQRT(x) RBDI_LIBM(rbdi_root)(x)
 #endif
 
 /* pi to quad precision, as a sum of doubles: a longer literal would be rounded to double. */

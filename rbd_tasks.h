@@ -157,7 +157,7 @@ typedef struct rbd_tasks {
     const unsigned char *passive; /* nv flags: not 0 where no motor is. NULL: floating joints */
     const rbd_real *f_ext;        /* nb x 6, known forces, as of rbd_rnea; NULL: none */
     rbd_real motion_cost;         /* of each component of x squared, at all levels [1e-6, float 1e-4] */
-    rbd_real force_cost;          /* of each newton squared [1e-6] */
+    rbd_real force_cost;          /* of each newton squared [motion_cost / mass^2 of the robot] */
     int warm;                     /* not 0: memory is as the last call left it, and the QP begins there */
     int steps;                    /* of each level's QP, at most: rbd_qp_options */
 } rbd_tasks;
@@ -287,7 +287,6 @@ RBDI_EXTERN_C_END
 #define RBDI_TASKS_MOST 1000 /* tasks, contacts, rows of one task */
 #define RBDI_TASKS_BRAKING RBD_C(10)
 #define RBDI_TASKS_HELD RBD_C(20)
-#define RBDI_TASKS_FORCE_COST RBD_C(1e-6)
 #if RBDI_KIND(RBD_CONST) == 2
 #define RBDI_TASKS_MOTION_COST RBD_C(1e-4)
 #else
@@ -1086,11 +1085,12 @@ RBDI_LOCAL void rbdi_tasks_keep(rbdi_tasks *k, int level, int rows, int back) {
     }
 }
 
-/* The squares that every level has: of x alone. */
+/* The squares that every level has: of x alone. A newton counts as the acceleration that it gives the robot. */
 RBDI_LOCAL void rbdi_tasks_clear_squares(rbdi_tasks *k) {
     const rbd_tasks *p = k->given;
     const rbd_real motion = p->motion_cost > 0 ? p->motion_cost : rbdi_set(RBDI_TASKS_MOTION_COST);
-    const rbd_real force = p->force_cost > 0 ? p->force_cost : rbdi_set(RBDI_TASKS_FORCE_COST);
+    const rbd_const mass = rbd_mass(k->m);
+    const rbd_real force = p->force_cost > 0 ? p->force_cost : motion / (mass > 0 ? mass * mass : RBD_C(1));
 
     rbdi_clear(k->f, k->n);
     rbdi_clear(k->H, k->n * k->n);

@@ -61,6 +61,9 @@ def platformio():
                                 "platforms", "headers", "build", "export", "examples"}, {"repository", "homepage"})
     for keyword in fields["keywords"]:
         check(name, re.fullmatch(r"[a-z\d\-+. ]{1,50}", keyword), f"keyword '{keyword}'")
+    headers = (root / "src/headers.txt").read_text().split()
+    check(name, fields["headers"] == headers, "headers are not those of src/headers.txt")
+    check(name, set(headers) <= set(fields["export"]["include"]), "a header would not be published")
     # The include path is the root, as there is neither src nor include; nothing is compiled, nothing archived.
     check(name, fields["build"] == {"srcFilter": "-<*>", "libArchive": False}, "sources would be compiled")
     files = []

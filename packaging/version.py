@@ -9,7 +9,7 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-COMPANIONS = ["rbd_derivatives.h", "rbd_constraints.h", "rbd_contact.h", "rbd_batch.h", "rbd_ik.h", "rbd_spatial.h"]
+HEADERS = (ROOT / "src/headers.txt").read_text().split()
 
 
 def places(version, number):
@@ -18,7 +18,7 @@ def places(version, number):
     yield "src/api/configuration.h", r"(#define RBD_VERSION_NUMBER )\d+", rf"\g<1>{number}"
     yield "src/rbd_qp.h", r"(in one C99 header\. Version )[\d.]*\d\.", rf"\g<1>{version}."
     yield "src/rbd.h", r"(in one C99 header\. Version )[\d.]*\d\.", rf"\g<1>{version}."
-    for header in COMPANIONS:
+    for header in HEADERS:
         if "RBD_VERSION_NUMBER" in (ROOT / "src" / header).read_text():
             yield f"src/{header}", r"(RBD_VERSION_NUMBER < )\d+", rf"\g<1>{number}"
     yield "docs/install.md", r"(find_package\(rbd )\d+\.\d+", rf"\g<1>{version.rpartition('.')[0]}"

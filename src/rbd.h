@@ -136,7 +136,8 @@
      With RBD_REPRODUCIBLE every call gives the same bits in double, and in float, on every machine that
      rounds to nearest as IEEE 754 does and keeps denormals, whatever the compiler, its -O and its SIMD unit.
      Sums have one order, and sine is rbd's own. Compile without -ffast-math and its parts, and with clang
-     without -ffp-contract=fast; sqrt must round correctly; a 32-bit x86 needs SSE2 (x87 does not compile).
+     without -ffp-contract=fast; sqrt must round correctly, as rbd_work_init checks; a 32-bit x86 needs
+     SSE2 (x87 does not compile).
 
    [limits]
      Contacts and closed loops are in rbd_constraints.h. No flexible bodies, no integrator beyond one

@@ -22,10 +22,16 @@ combinations=0
 
 # The three ways to include, as C and as C++ file.
 for suffix in c cpp; do
-    printf '#include "rbd_qp.h"\n#include "rbd_derivatives.h"\n#include "rbd_batch.h"\n' >"$scratch/declarations.$suffix"
+    sed 's/.*/#include "&"/' "$root/src/headers.txt" >"$scratch/declarations.$suffix"
     echo '#include "rbd_urdf.h"' >"$scratch/urdf.$suffix"
-    printf '#define RBD_IMPLEMENTATION\n#include "rbd_derivatives.h"\n#include "rbd_contact.h"\n#include "rbd_ik.h"\n#include "rbd_qp.h"\n' >"$scratch/implementation.$suffix"
-    printf '#define RBD_STATIC\n#define RBD_IMPLEMENTATION\n#include "rbd_qp.h"\n#include "rbd_derivatives.h"\n#include "rbd_contact.h"\n#include "rbd_ik.h"\n' >"$scratch/static.$suffix"
+    {
+        echo '#define RBD_IMPLEMENTATION'
+        grep -v batch "$root/src/headers.txt" | sed 's/.*/#include "&"/'
+    } >"$scratch/implementation.$suffix"
+    {
+        echo '#define RBD_STATIC'
+        cat "$scratch/implementation.$suffix"
+    } >"$scratch/static.$suffix"
     for lanes in 2 4 8; do
         printf '#define RBD_LANES %s\n#define RBD_BATCH_IMPLEMENTATION\n#include "rbd_derivatives.h"\n#include "rbd_constraints.h"\n#include "rbd_batch.h"\n' "$lanes" \
             >"$scratch/batch-$lanes.$suffix"

@@ -68,19 +68,14 @@ rbd_status use(void) {
     return rbd_set_gravity(NULL, NULL);
 }
 END
-cat >"$scratch/hostile.c" <<'END'
-#include "hostile.h"
-#define RBD_IMPLEMENTATION
-#include "rbd_derivatives.h"
-#include "rbd_constraints.h"
-#include "rbd_contact.h"
-#include "rbd_ik.h"
-#include "rbd_qp.h"
-#include "models/iiwa_model.h"
-#include "behind.h"
-#include "rbd_spatial.h"
-#include "rbd_urdf.h"
-END
+# Every shipped header, but that of batches.
+all_headers() { grep -v batch "$root/src/headers.txt" | sed 's/.*/#include "&"/'; }
+
+{
+    printf '#include "hostile.h"\n#define RBD_IMPLEMENTATION\n'
+    all_headers
+    printf '#include "%s"\n' models/iiwa_model.h behind.h rbd_spatial.h rbd_urdf.h
+} >"$scratch/hostile.c"
 cat >"$scratch/hostile_batch.c" <<'END'
 #include "hostile.h"
 #define RBD_LANES 4
@@ -107,8 +102,11 @@ after_headers() {
         printf '#if __has_include(<%s.h>)\n#include <%s.h>\n#else\n#pragma message "absent: %s"\n#endif\n' \
             "$header" "$header" "$header"
     done >"$scratch/headers.c"
-    printf '#define RBD_IMPLEMENTATION\n#include "%s"\n#include "%s"\n#include "%s"\n#include "%s"\n#include "%s"\n#include "%s"\n#include "rbd_urdf.h"\n' \
-        rbd_derivatives.h rbd_constraints.h rbd_contact.h rbd_ik.h rbd_spatial.h rbd_qp.h >>"$scratch/headers.c"
+    {
+        echo '#define RBD_IMPLEMENTATION'
+        all_headers
+        echo '#include "rbd_urdf.h"'
+    } >>"$scratch/headers.c"
     compile headers "$@" -Wno-error=cpp -Wno-cpp
     absent=$(sed -n 's/.*absent: \([a-z0-9/]*\)[^a-z0-9/].*/\1/p' "$scratch/messages" | sort -u | xargs)
     echo "$1: not there: ${absent:-none}"

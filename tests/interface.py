@@ -19,8 +19,7 @@ import extract
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGE, PLAIN_CALLS = ROOT / "docs/interface.md", ROOT / "tests/plain_calls.h"
-HEADERS = ["rbd.h", "rbd_derivatives.h", "rbd_constraints.h", "rbd_contact.h", "rbd_batch.h", "rbd_ik.h", "rbd_spatial.h", "rbd_qp.h",
-           "rbd_urdf.h"]
+HEADERS = (ROOT / "src/headers.txt").read_text().split() + ["rbd_urdf.h"]
 NAME = re.compile(r"\b(?:rbd|RBD)_\w*[A-Za-z0-9]\b")
 TEXTS = ["rbd_status_string", "rbd_finding_text", "rbd_constraint_finding_text",
          "rbd_contact_finding_text", "rbd_ik_text", "rbd_qp_text"]  # words, not numbers

@@ -1,14 +1,14 @@
 #!/bin/sh
 # Runs the reference tests (scalars.c) and the suites of machines.c on another machine, emulated by qemu-user (an
-# i386 runs on x86-64 itself, where its kernel lets it), as WebAssembly in node, or with a compiler that is neither GCC nor
+# i386 runs on x86-64 itself, where its kernel lets it), as a program of Windows under wine, as WebAssembly in node, or with a compiler that is neither GCC nor
 # clang.
 # tests/firmware/check.h stands in for Check. Exits with 77 where compiler or emulator is missing.
 # Each machine has one scalar; with RBD_ALL_TESTS=yes it has all that differ there, and the big-endian one and the x87 the
 # suites. tcc, which takes a moment, has all of it always.
-# usage: machines.sh DIRECTORY_OF_RBD_H aarch64 | armhf | i386 | riscv64 | s390x | wasm | wasm-suites | tcc
+# usage: machines.sh DIRECTORY_OF_RBD_H aarch64 | armhf | i386 | riscv64 | s390x | wasm | wasm-suites | tcc | windows
 set -eu
 
-usage='usage: machines.sh DIRECTORY_OF_RBD_H aarch64 | armhf | i386 | riscv64 | s390x | wasm | wasm-suites | tcc'
+usage='usage: machines.sh DIRECTORY_OF_RBD_H aarch64 | armhf | i386 | riscv64 | s390x | wasm | wasm-suites | tcc | windows'
 root=${1:?$usage}
 target=${2:?$usage}
 all=${RBD_ALL_TESTS-}
@@ -16,11 +16,13 @@ dialect=-std=c99
 optimised='-Og -Dalways_inline=unused' # so it compiles in a quarter of the time
 link='-static -lm' # no library of the machine's is looked for
 emulator=qemu-$target
+ending=
 case $target in
 aarch64 | riscv64) compiler=$target-linux-gnu-gcc ;;
 s390x) compiler=s390x-linux-gnu-gcc dialect=-std=gnu99 ;; # in c99 it computes floats as doubles: by libm's sine
 armhf) compiler=arm-linux-gnueabihf-gcc emulator=qemu-arm ;;
 i386) compiler=i686-linux-gnu-gcc ;;
+windows) compiler=x86_64-w64-mingw32-gcc emulator=wine ending=.exe ;;
 tcc) compiler=tcc emulator='' link=-lm ;;
 wasm*) # a trap ends what outgrows the stack
     compiler='clang-19 --target=wasm32-wasi' emulator="node $root/web/wasm/node.mjs" link='-lm -Wl,-z,stack-size=8388608'
@@ -68,7 +70,7 @@ run_linked() {
     objects=
     for source; do objects="$objects $scratch/$source.o"; done
     # shellcheck disable=SC2086 # words wanted
-    $compiler $objects $link -o "$scratch/program" && $emulator "$scratch/program"
+    $compiler $objects $link -o "$scratch/program$ending" && $emulator "$scratch/program$ending"
 }
 
 # scalar NAME OPTION...: the reference tests with one scalar
@@ -131,7 +133,7 @@ s390x) # big-endian
     expect_path PRESENT RBDI_POLYNOMIAL_SINCOS
     [ -z "$all" ] || { scalar '4 lanes' -O0 -DRBD_LANES=4 && suites; }
     ;;
-tcc)
+tcc | windows)
     expect_path PRESENT RBDI_POLYNOMIAL_SINCOS
     suites
     ;;

@@ -27,15 +27,25 @@ includes() {
     done
 }
 
+# expect MACRO PATTERN BEHIND: the macro is there if the letters behind the definition match the pattern, and else not.
+expect() {
+    # shellcheck disable=SC2254 # a pattern is wanted
+    case $3 in
+    $2) echo "#ifndef $1" ;;
+    *) echo "#ifdef $1" ;;
+    esac
+    printf '#error "%s is missing, or not wanted"\n#endif\n' "$1"
+}
+
 # file BEFORE BEHIND: letters of the headers that stand before and behind the definition
 file() {
     includes "$1"
     [ -n "$2" ] && echo "#define RBD_IMPLEMENTATION"
     includes "$2"
     case $2 in *d*) echo "#define EXPECTED_DERIVATIVES" ;; esac
-    case $2 in *[rdckbsi]*) echo "#define EXPECTED" ;; esac
-    case $2 in *q*) echo "#define EXPECTED_QP" ;; esac
-    case $2 in *i*) echo "#define EXPECTED_IK" ;; esac
+    expect RBDI_IMPLEMENTED '*[rdckbsi]*' "$2"
+    expect RBDI_QP_IMPLEMENTED '*q*' "$2"
+    expect RBDI_IK_IMPLEMENTED '*i*' "$2"
     case $2 in *[ck]*) echo "#define EXPECTED_CONSTRAINTS" ;; esac
     case $2 in *k*) echo "#define EXPECTED_CONTACT" ;; esac
     case $1$2 in *d*[ck]* | *[ck]*d*) echo "#define EXPECTED_BOTH" ;; esac
@@ -45,15 +55,6 @@ file() {
     case $1:$2 in *:*[ck]*d* | *d*:*[ck]* | *:*d*[ck]*) echo "#define EXPECTED_BOTH_IMPLEMENTED" ;; esac
     case $2 in *[ck]*) ;; *) echo "#define NOT_EXPECTED_CONSTRAINTS" ;; esac
     cat <<'END'
-#if defined EXPECTED != defined RBDI_IMPLEMENTED
-#error "the implementation of rbd.h is missing, or not wanted"
-#endif
-#if defined EXPECTED_QP != defined RBDI_QP_IMPLEMENTED
-#error "the implementation of rbd_qp.h is missing, or not wanted"
-#endif
-#if defined EXPECTED_IK != defined RBDI_IK_IMPLEMENTED
-#error "the implementation of rbd_ik.h is missing, or not wanted"
-#endif
 #if defined EXPECTED_DERIVATIVES && !defined RBDI_DERIVATIVES_IMPLEMENTED
 #error "the implementation of rbd_derivatives.h is missing"
 #endif
@@ -119,7 +120,7 @@ implements() {
     sed -n '1,5p' "$scratch/messages"
 }
 
-# rbd_batch.h, rbd_spatial.h, rbd_qp.h and rbd_ik.h meet each other header; the four others, of which some stand on others, meet in pairs.
+# Each header meets each other one; the four of the core, of which some stand on others, meet in pairs too.
 singles="r d c k s b q i"
 core="r d c k"
 pairs=

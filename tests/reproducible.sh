@@ -263,6 +263,9 @@ if [ "$(uname -m)" = x86_64 ]; then
         ! with gcc || gives RBD_ERR_ARITHMETIC gcc -O0 -DMXCSR=$mode
     done
     ! with gcc || gives RBD_OK gcc -O0 -DMXCSR=0
+    # A square root that rounds twice, as MinGW's: for floats that makes no difference.
+    ! with gcc || gives RBD_ERR_ARITHMETIC gcc -O0 '-DRBD_SQRT(x)=(double)sqrtl((long double)(x))'
+    ! with gcc || gives RBD_OK gcc -O0 -DRBD_REAL=float '-DRBD_SQRT(x)=(float)sqrtl((long double)(x))'
     if with clang-19 && runs fma; then gives RBD_ERR_ARITHMETIC clang-19 -O2 -mfma -ffp-contract=fast; fi
     if with gcc && ! gcc -std=c99 -mfpmath=387 -w -fsyntax-only -DEXPECTED=0 -I"$root" "$scratch/rod.c" 2>"$scratch/messages" &&
         grep -q 'rbd: RBD_REPRODUCIBLE: x87' "$scratch/messages"; then
@@ -297,6 +300,11 @@ if [ "$how" != light ]; then
     foreign armhf arm-linux-gnueabihf-gcc qemu-arm -mfpu=neon-vfpv4 -ffp-contract=fast
     foreign riscv64 riscv64-linux-gnu-gcc qemu-riscv64
     scalars=double dialect=c99 foreign s390x s390x-linux-gnu-gcc qemu-s390x -march=z14
+    if with wine; then # it wants .exe, which MinGW's gcc appends, and prints carriage returns
+        printf '#!/bin/sh\nWINEDEBUG=-all wine "$1.exe" | tr -d "\\r"\n' >"$scratch/wine"
+        chmod +x "$scratch/wine"
+        foreign windows x86_64-w64-mingw32-gcc "$scratch/wine"
+    fi
 fi
 
 # ---- WebAssembly, in node ----

@@ -7,8 +7,7 @@ import re
 from dataclasses import dataclass, field
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-HEADERS = ["rbd.h", "rbd_derivatives.h", "rbd_constraints.h", "rbd_contact.h", "rbd_batch.h", "rbd_ik.h", "rbd_spatial.h", "rbd_qp.h",
-           "rbd_urdf.h"]
+HEADERS = (ROOT / "src/headers.txt").read_text().split() + ["rbd_urdf.h"]
 ENDS = {"rbd_urdf.h": "\n   Implementation\n", "rbd_spatial.h": None}  # of the public part; the others:
 STOP = "   Stop here if you only use it."
 SECTION = re.compile(r"/\* -+ (.*?) \[([\w ]+)\] -+\s*(.*?)\*/", re.S)

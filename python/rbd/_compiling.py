@@ -30,7 +30,7 @@ def _run(command):
             ended = f"exit status {status}" if status > 0 else f"killed by {signal.Signals(-status).name}"
         except ValueError:
             ended = f"killed by signal {-status}"
-        if status == -signal.SIGKILL:
+        if status == -getattr(signal, "SIGKILL", 0):  # Windows has none
             ended += " (out of memory?)"
         printed = done.stdout.strip()
         raise RuntimeError(f"{shlex.join(command)}: {ended}; it printed" +

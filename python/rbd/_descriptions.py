@@ -15,6 +15,7 @@ import numpy as np
 from ._arguments import _array, _int, _utf8
 from ._compiling import _c_compiler, _compile
 from ._headers import JointType, Matrix, Numbers, structure
+from ._plain_table import _plain_rows
 
 
 @dataclass
@@ -180,8 +181,8 @@ def _rows(bodies):
 
 
 def load_table(path: str | os.PathLike[str], name: str | None = None) -> list[Body]:
-    """The description in a C table, as rbd-model writes it and models/ has it: a list of Body. The file is
-    compiled.
+    """The description in a C table, as rbd-model writes it and models/ has it: a list of Body. A table with
+    more C in it is compiled.
 
     path   of a C header with `static const rbd_body NAME_bodies[...]`
     name   of the array, where there are several
@@ -199,6 +200,9 @@ def load_table(path: str | os.PathLike[str], name: str | None = None) -> list[Bo
                                          "; a built model (rbd_model) is no description"
                                          if "rbd_model" in text else "")))
     array = name or arrays[0]
+    plain = _plain_rows(text, array)
+    if plain:
+        return [_from_c(row) for row in plain]
     unit = (f'#include "rbd.h"\n{text}\nconst rbd_body *const table = {array};\n'
             f"const int length = sizeof {array} / sizeof *{array};\n")
     library = _compile([unit], [*_c_compiler(), f"-I{path.parent}"])

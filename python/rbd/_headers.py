@@ -29,9 +29,7 @@ def _find_sources():
 
 
 SOURCES: Path = _find_sources()  #: folder of rbd.h and of models/
-_HEADERS = {name: (SOURCES / name).read_text() for name in (
-    "rbd.h", "rbd_derivatives.h", "rbd_constraints.h", "rbd_contact.h", "rbd_batch.h", "rbd_ik.h", "rbd_spatial.h",
-    "rbd_qp.h", "rbd_urdf.h")}
+_HEADERS = {path.name: path.read_text() for path in sorted(SOURCES.glob("rbd*.h"))}
 _TEXT = "\n".join(_HEADERS.values())
 __version__: str = re.search(r'#define RBD_VERSION "(.*)"', _TEXT)[1]
 

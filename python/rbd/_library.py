@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ._arguments import _int, _number, _numbers, _whole
+from ._compiled import _compiled_for_machine
 from ._compiling import _c_compiler, _compile, _words
 from ._contacts import ContactSolution
 from ._descriptions import Body
@@ -49,8 +50,14 @@ def _batch_unit(real, lanes):
     return _BATCH.format(*(lanes or k * per_128 for k in (4, 2, 1)))
 
 
+def _library_units(real, lanes=None):
+    """The units of a library."""
+    return [_SINGLE + _spatial_unit(), _batch_unit(real, lanes)]
+
+
 class Library:
-    """rbd.h and its companions, compiled for one scalar.
+    """rbd.h and its companions, compiled for one scalar. A wheel brings them compiled; they are taken where
+    no argument and no $RBD_FLAGS asks for others.
 
     real      "double" or "float": the scalar of states, results and models
     flags     of the compiler; None = $RBD_FLAGS, else -O3 -march=native -ffp-contract=fast
@@ -72,17 +79,24 @@ class Library:
             if lanes < 2 or lanes & (lanes - 1):
                 raise ValueError(f"lanes must be 2, 4, 8 or another power of two, not {lanes}")
         self._settings = real, flags, lanes, compiler
-        if flags is None:
-            flags = os.environ.get("RBD_FLAGS") or "-O3 -march=native -ffp-contract=fast"
         self.real = real
         self.scalar = {"double": ctypes.c_double, "float": ctypes.c_float}[real]
         self.dtype = np.dtype(real.replace("float", "float32"))
-        compiler = _words("compiler", compiler or "") or _c_compiler()
-        command = [*compiler, *_words("flags", flags), f"-DRBD_REAL={real}", "-Wno-psabi"]
-        self._c = _compile([_SINGLE + _spatial_unit(), _batch_unit(real, lanes)], command, ["-lm"],
-                           f"rbd.h for {real}, which takes half a minute to a minute")
+        flags = flags if flags is not None else os.environ.get("RBD_FLAGS") or None
+        chosen = (flags, lanes, compiler) != (None, None, None)
+        self._c = (None if chosen else _compiled_for_machine(real)) or self._compiled_here()
         self.lanes = self.call("batch_lanes")
         self.spatial = Spatial(self)
+
+    def _compiled_here(self):
+        """The library by the compiler of this machine, or from the cache."""
+        real, flags, lanes, compiler = self._settings
+        if flags is None:
+            flags = os.environ.get("RBD_FLAGS") or "-O3 -march=native -ffp-contract=fast"
+        compiler = _words("compiler", compiler or "") or _c_compiler()
+        command = [*compiler, *_words("flags", flags), f"-DRBD_REAL={real}", "-Wno-psabi"]
+        return _compile(_library_units(real, lanes), command, ["-lm"],
+                        f"rbd.h for {real}, which takes half a minute to a minute")
 
     def function(self, name: str, result: Any = ctypes.c_int, arguments: Any = None) -> Any:
         """A C function by its name without `rbd_`: an object of its own, as threads may set its types."""

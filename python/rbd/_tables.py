@@ -9,6 +9,7 @@ import tempfile
 import threading
 from pathlib import Path
 
+from ._compiled import _compiled
 from ._compiling import _QUICK, _c_compiler, _compile
 from ._descriptions import _rows
 from ._headers import SOURCES
@@ -63,6 +64,16 @@ int rbd_print(const char *path, int built, const char *name, const char *source,
 _print_lock = threading.Lock()
 
 
+def _print_units():
+    files = ("print", "print_c", "print_c_indices", "print_c_model")
+    return [_PRINT, *(f'{_TO_FILE}#line 1 "{file}.c"\n' + (SOURCES / f"tools/{file}.c").read_text()
+                      for file in files)]
+
+
+def _print_flags():
+    return [*_QUICK, "-ffp-contract=off", f"-I{SOURCES / 'tools'}"]
+
+
 def _print_c(model, name, source, built):
     """The text that rbd-model writes of this robot. It builds anew, in double, from the description."""
     for what, text in ("name", name), ("source", source):
@@ -70,11 +81,7 @@ def _print_c(model, name, source, built):
             raise TypeError(f"{what} must be text, not {text!r}")
     if not re.fullmatch(r"[A-Za-z_]\w*", name, re.A):
         raise ValueError(f"{name!r} is not a C identifier")
-    files = ("print", "print_c", "print_c_indices", "print_c_model")
-    units = [_PRINT, *(f'{_TO_FILE}#line 1 "{file}.c"\n' + (SOURCES / f"tools/{file}.c").read_text()
-                       for file in files)]
-    command = [*_c_compiler(), *_QUICK, "-ffp-contract=off", f"-I{SOURCES / 'tools'}"]
-    library = _compile(units, command, ["-lm"])
+    library = _compiled("print") or _compile(_print_units(), [*_c_compiler(), *_print_flags()], ["-lm"])
     rows = _rows(model.bodies)
     gravity = (ctypes.c_double * 3)(*model.get_gravity())
     with tempfile.TemporaryDirectory() as folder, _print_lock:

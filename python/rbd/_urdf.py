@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ._arguments import _flag, _number, _numbers, _utf8
+from ._compiled import _compiled_urdf
 from ._compiling import _QUICK, _compile, _run, _words
 from ._descriptions import Body, _from_c
 from ._headers import Array, JointType, Numbers, RbdError, UrdfStatus, _python_words, _warn, structure
@@ -49,7 +50,9 @@ class Urdf:
 
 @functools.lru_cache(maxsize=None)
 def _urdf_library():
-    """The loader, compiled with urdfdom."""
+    """The loader with urdfdom: as the wheel brings it, else compiled."""
+    if brought := _compiled_urdf():
+        return brought
     try:
         words = _run(["pkg-config", "--cflags", "--libs", "urdfdom"]).split()
     except RuntimeError as error:

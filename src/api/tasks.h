@@ -104,7 +104,7 @@ typedef struct rbd_tasks {
     const unsigned char *passive; /* nv flags: not 0 where no motor is. NULL: floating joints */
     const rbd_real *f_ext;        /* nb x 6, known forces, as of rbd_rnea; NULL: none */
     rbd_real motion_cost;         /* of each component of x squared, at all levels [1e-6, float 1e-4] */
-    rbd_real force_cost;          /* of each newton squared [1e-6] */
+    rbd_real force_cost;          /* of each newton squared [motion_cost / mass^2 of the robot] */
     int warm;                     /* not 0: memory is as the last call left it, and the QP begins there */
     int steps;                    /* of each level's QP, at most: rbd_qp_options */
 } rbd_tasks;

@@ -22,7 +22,7 @@ RBDI_LOCAL int rbdi_nonzero(rbdi_wide x) { return x < 0 || x > 0; }
 /* Scales (c, s) to the unit circle, and moves it to the nearest right angle if one is as close as this,
    rad. */
 RBDI_LOCAL void rbdi_w_snap(rbdi_wide *c, rbdi_wide *s, rbdi_wide close) {
-    rbdi_wide length = RBDI_WIDE_LIBM(sqrt)(*c * *c + *s * *s);
+    rbdi_wide length = RBDI_WIDE_LIBM(rbdi_root)(*c * *c + *s * *s);
 
     *c /= length;
     *s /= length;

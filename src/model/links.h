@@ -176,7 +176,7 @@ RBDI_LOCAL void rbdi_build_turn(rbdi_build_link *links, int nl, int i, rbdi_wide
 /* Angles of E = Rz(gamma) Rx(alpha) Rz(beta), |beta| <= 90 degrees, snapped to right angles. E is computed
    anew from them, so that poses and dynamics have the same model. */
 RBDI_LOCAL void rbdi_build_angles(rbdi_build_link *l) {
-    rbdi_wide *E = l->X.E, sigma = RBDI_WIDE_LIBM(sqrt)(E[6] * E[6] + E[7] * E[7]);
+    rbdi_wide *E = l->X.E, sigma = RBDI_WIDE_LIBM(rbdi_root)(E[6] * E[6] + E[7] * E[7]);
 
     l->cb = 1;
     l->sb = 0;
@@ -221,9 +221,9 @@ RBDI_LOCAL void rbdi_build_measure(rbdi_build_link *links, int i) {
     const rbdi_wide own = l->Sigma[0] + l->Sigma[3] + l->Sigma[5];
 
     if (own > 0) l->radius += own; /* not positive: no real body is like this */
-    if (own > 0 && l->mass > 0) l->lever += RBDI_WIDE_LIBM(sqrt)(own * l->mass);
+    if (own > 0 && l->mass > 0) l->lever += RBDI_WIDE_LIBM(rbdi_root)(own * l->mass);
     l->all_mass += l->mass;
-    l->radius = l->all_mass > 0 ? RBDI_WIDE_LIBM(sqrt)(l->radius / l->all_mass) : 0;
+    l->radius = l->all_mass > 0 ? RBDI_WIDE_LIBM(rbdi_root)(l->radius / l->all_mass) : 0;
     if (l->parent < 0) return;
 
     /* until the parent is measured its radius is the sum of the second moments */
@@ -293,11 +293,11 @@ RBDI_LOCAL void rbdi_build_normalise(rbdi_build_link *links, int nl, int i) {
         a = r[0];
         d = -r[1] / f->sa;
         t = r[2] - d * f->ca;
-        if (!rbdi_build_near(links, nl, i, t, RBDI_WIDE_LIBM(sqrt)(a * a + d * d))) return;
+        if (!rbdi_build_near(links, nl, i, t, RBDI_WIDE_LIBM(rbdi_root)(a * a + d * d))) return;
         rbdi_build_turn(links, nl, i, f->cb, f->sb, t);
     } else {
         /* the axes are parallel: x leads from one to the other */
-        a = RBDI_WIDE_LIBM(sqrt)(f->X.r[0] * f->X.r[0] + f->X.r[1] * f->X.r[1]);
+        a = RBDI_WIDE_LIBM(rbdi_root)(f->X.r[0] * f->X.r[0] + f->X.r[1] * f->X.r[1]);
         t = f->X.r[2];
         if (!rbdi_build_near(links, nl, i, t, a)) {
             d = t * f->ca;

@@ -35,7 +35,7 @@ RBDI_LOCAL void rbdi_w_direction(const double *q, int n, int one, rbdi_wide *u) 
         if (rbdi_w_abs(q[k]) > largest) largest = rbdi_w_abs(q[k]);
     for (int k = 0; k < n; ++k) u[k] = largest > 0 ? q[k] / largest : 0;
     for (int k = 0; k < n; ++k) sum += u[k] * u[k];
-    length = RBDI_WIDE_LIBM(sqrt)(sum);
+    length = RBDI_WIDE_LIBM(rbdi_root)(sum);
 
     if (largest * length < (rbdi_wide)1e-15) {
         for (int k = 0; k < n; ++k) u[k] = k == one;

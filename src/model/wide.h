@@ -2,8 +2,7 @@
 #define RBDI_MODEL_WIDE_H
 #include "api/status.h"
 #include "model/layout.h"
-#include "base/compiler.h"
-#include "base/tolerances.h"
+#include "base/scalar.h"
 
 /* Interface: rbdi_all_zero, rbdi_finite, rbdi_finite_positive, rbdi_is_rotation, rbdi_orthonormalise,
    rbdi_refuse, rbdi_refuse_saying, rbdi_semidefinite, rbdi_unit, rbdi_w_apply, rbdi_w_basis, rbdi_w_identity,
@@ -102,7 +101,9 @@ RBDI_PART rbdi_wide rbdi_w_dot(const rbdi_wide a[3], const rbdi_wide b[3]) {
 }
 
 RBDI_PART rbdi_wide rbdi_w_abs(rbdi_wide x) { return x < 0 ? -x : x; }
-RBDI_PART rbdi_wide rbdi_w_length(const rbdi_wide a[3]) { return RBDI_WIDE_LIBM(sqrt)(rbdi_w_dot(a, a)); }
+RBDI_PART rbdi_wide rbdi_w_length(const rbdi_wide a[3]) {
+    return RBDI_WIDE_LIBM(rbdi_root)(rbdi_w_dot(a, a));
+}
 
 /* Whether n numbers are finite, in the model's scalar too. */
 RBDI_PART int rbdi_finite(const double *x, int n) {

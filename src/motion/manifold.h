@@ -73,6 +73,11 @@ RBDI_LOCAL rbd_real rbdi_within_half_turn(rbd_real angle) {
     return rbdi_select(rbdi_less(pi2, angle * angle), rbdi_signed_angle(s, c), angle);
 }
 
+/* E of a joint of the description, compiled once for the calls of which no loop waits. */
+RBDI_PART rbdi_mat rbdi_attitude_of(const rbdi_frame *u, const rbd_real *q) {
+    return rbdi_joint_attitude(u->type, q);
+}
+
 /* d with q0 (+) d = q1, for one joint. */
 RBDI_LOCAL void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, const rbd_real *q1,
                                       rbd_real *d) {
@@ -89,7 +94,7 @@ RBDI_LOCAL void rbdi_difference_joint(const rbdi_frame *u, const rbd_real *q0, c
         step.omega = u->type == RBD_PLANAR
                          ? rbdi_vec(rbdi_zero(), rbdi_zero(), rbdi_within_half_turn(q1[2] - q0[2]))
                          : rbdi_quaternion_difference(&q0[u->nq - 4], &q1[u->nq - 4]);
-        step.v = rbdi_mul(rbdi_joint_attitude(u->type, q0), shift);
+        step.v = rbdi_mul(rbdi_attitude_of(u, q0), shift);
         step.v = rbdi_log_shift(rbdi_exp_of(step.omega), step.omega, step.v);
         rbdi_put_joint_motion(u, step, d, 1);
     } else {
@@ -116,7 +121,7 @@ RBDI_LOCAL void rbdi_joint_rates(const rbdi_frame *u, const rbd_real *q, const r
         rbd_real turn[4];
 
         /* dp/dt = E' v, d quaternion/dt = quaternion (omega/2, 0) */
-        rbdi_put_origin(u, rbdi_mul_t(rbdi_joint_attitude(u->type, q), V.v), rates);
+        rbdi_put_origin(u, rbdi_mul_t(rbdi_attitude_of(u, q), V.v), rates);
         rbdi_store_vec(turn, 1, rbdi_scale(rbdi_set(RBD_C(0.5)), V.omega));
         turn[3] = rbdi_zero();
         if (u->type == RBD_PLANAR)
@@ -147,7 +152,7 @@ RBDI_LOCAL void rbdi_joint_velocity(const rbdi_frame *u, const rbd_real *q, cons
         v[0] = (unit[0] * rates[1] - unit[1] * rates[0]) * rbdi_inverse_length(q, unit, 2);
     } else if (rbdi_joint_turns(u)) {
         rbdi_motion V;
-        V.v = rbdi_mul(rbdi_joint_attitude(u->type, q), rbdi_joint_origin(u->type, rates));
+        V.v = rbdi_mul(rbdi_attitude_of(u, q), rbdi_joint_origin(u->type, rates));
         V.omega = u->type == RBD_PLANAR ? rbdi_vec(rbdi_zero(), rbdi_zero(), rates[2])
                                         : rbdi_quaternion_velocity(&q[u->nq - 4], &rates[u->nq - 4]);
         rbdi_put_joint_motion(u, V, v, 1);

@@ -23,7 +23,6 @@
 #define RBDI_TASKS_MOST 1000 /* tasks, contacts, rows of one task */
 #define RBDI_TASKS_BRAKING RBD_C(10)
 #define RBDI_TASKS_HELD RBD_C(20)
-#define RBDI_TASKS_FORCE_COST RBD_C(1e-6)
 #if RBDI_KIND(RBD_CONST) == 2
 #define RBDI_TASKS_MOTION_COST RBD_C(1e-4)
 #else

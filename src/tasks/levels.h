@@ -61,11 +61,12 @@ RBDI_LOCAL void rbdi_tasks_keep(rbdi_tasks *k, int level, int rows, int back) {
     }
 }
 
-/* The squares that every level has: of x alone. */
+/* The squares that every level has: of x alone. A newton counts as the acceleration that it gives the robot. */
 RBDI_LOCAL void rbdi_tasks_clear_squares(rbdi_tasks *k) {
     const rbd_tasks *p = k->given;
     const rbd_real motion = p->motion_cost > 0 ? p->motion_cost : rbdi_set(RBDI_TASKS_MOTION_COST);
-    const rbd_real force = p->force_cost > 0 ? p->force_cost : rbdi_set(RBDI_TASKS_FORCE_COST);
+    const rbd_const mass = rbd_mass(k->m);
+    const rbd_real force = p->force_cost > 0 ? p->force_cost : motion / (mass > 0 ? mass * mass : RBD_C(1));
 
     rbdi_clear(k->f, k->n);
     rbdi_clear(k->H, k->n * k->n);

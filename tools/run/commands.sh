@@ -142,6 +142,29 @@ cmd_site() {
     printf '%s\n' "$build/site/index.html"
 }
 
+#: wheel [PLATFORM...]         Python packages that bring the library compiled, into build/wheels: linux-x86-64 (the default),
+#:                             linux-aarch64, windows-x86-64
+cmd_wheel() {
+    prepare
+    install build packages
+    [ $# -gt 0 ] || set -- linux-x86-64
+    install wheels
+    takes "five minutes of a processor for each platform"
+    for platform; do
+        /usr/bin/python3 "$root/python/wheel.py" "$platform" "$build/wheels" || exit
+    done
+}
+
+#+ release [--draft]           all that a release consists of, in build/release: archives, wheels for three platforms, the site,
+#+                             checksums, a bill of materials; --draft in spite of changes or a missing date
+cmd_release() {
+    "$root/packaging/release.py" --check "$@" || exit
+    cmd_wheel linux-x86-64 linux-aarch64 windows-x86-64
+    cmd_site
+    rm -rf "$build/release"
+    "$root/packaging/release.py" --wheels "$build/wheels" --site "$build/site" "$@" "$build/release"
+}
+
 #+ budgets [--accept]          text and compile time of the headers beside their budgets, and how the rooms read;
 #+                             --accept keeps the figures in bench/results/budgets.csv
 cmd_budgets() {

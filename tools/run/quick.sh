@@ -5,7 +5,7 @@
 changed_sources() {
     (cd "$root" && git diff --name-only --diff-filter=d HEAD && git ls-files --others --exclude-standard) 2>/dev/null |
         grep '\.[ch]$\|\.[ch]pp$\|\.ino$' |
-        grep -v -x 'rbd\.h\|rbd_\(derivatives\|constraints\|contact\|ik\|batch\|spatial\|qp\)\.h'
+        grep -v -x -F -f "$root/src/headers.txt"
 }
 
 format_changed() {

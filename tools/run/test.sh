@@ -106,6 +106,7 @@ install_for_tests() {
     else
         install $test_groups
         install_optional $test_options
+        [ "$1" != all ] || install_optional windows
     fi
 }
 

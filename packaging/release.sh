@@ -1,0 +1,51 @@
+#!/bin/sh
+# What release.py writes: archives that suffice to compile, the same bytes twice, checksums that hold; and what it refuses.
+# usage: release.sh DIRECTORY_OF_RBD_H
+set -eu
+
+root=${1:?usage: release.sh DIRECTORY_OF_RBD_H}
+git -C "$root" rev-parse --git-dir >/dev/null 2>&1 || { echo "needs a git repository"; exit 77; }
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+version=$(sed -n 's/^#define RBD_VERSION "\(.*\)"/\1/p' "$root/rbd.h")
+fail() { echo "FAILED: $*"; exit 1; }
+
+# A copy with a date, committed: then nothing is refused.
+git clone -q "$root" "$scratch/tree"
+cd "$scratch/tree"
+git config user.name test
+git config user.email test@localhost
+release() { python3 -B packaging/release.py "$@" 2>"$scratch/messages"; }
+
+sed "s/^## $version - .*/## $version - soon/" CHANGELOG.md >"$scratch/changelog"
+cp "$scratch/changelog" CHANGELOG.md
+! release "$scratch/refused" || fail "a version without a date is released"
+[ ! -e "$scratch/refused" ] || fail "something is written in spite of an error"
+grep -q "the date of $version is 'soon'" "$scratch/messages" || fail "the date is not named"
+grep -q "not committed" "$scratch/messages" || fail "changes are not named"
+
+sed "s/^## $version - .*/## $version - 2030-01-31/" "$scratch/changelog" >CHANGELOG.md
+git commit -qam "A date"
+! release --wheels "$scratch" "$scratch/refused" || fail "a folder without wheels is taken"
+grep -q "has no wheel of $version" "$scratch/messages" || fail "missing wheels are not named"
+
+release "$scratch/out" >/dev/null || fail "$(cat "$scratch/messages")"
+release "$scratch/again" >/dev/null
+(cd "$scratch/out" && sha256sum -c --quiet SHA256SUMS)
+cmp "$scratch/out/SHA256SUMS" "$scratch/again/SHA256SUMS" || fail "the same commit gives other bytes"
+python3 -c 'import json, sys; assert json.load(open(sys.argv[1]))["spdxVersion"] == "SPDX-2.3"' "$scratch/out/rbd-$version.spdx.json"
+
+# What is in the archives compiles alone.
+for kind in headers arduino; do
+    python3 -m zipfile -e "$scratch/out/rbd-$version-$kind.zip" "$scratch/$kind"
+done
+grep -v batch src/headers.txt | sed '1i #define RBD_IMPLEMENTATION
+s/.*/#include "&"/' >"$scratch/unit.c"
+for folder in "$scratch/headers/rbd-$version" "$scratch/arduino/rbd-$version/src"; do
+    "${CC:-cc}" -std=c99 -fsyntax-only -I"$folder" "$scratch/unit.c"
+done
+[ -f "$scratch/headers/rbd-$version/models/hyq_model.h" ] || fail "no models"
+[ -f "$scratch/arduino/rbd-$version/library.properties" ] || fail "no library.properties"
+tar -xzf "$scratch/out/rbd-$version.tar.gz" -C "$scratch"
+[ -x "$scratch/rbd-$version/run" ] || fail "the source is not complete"
+echo "release $version: ok"

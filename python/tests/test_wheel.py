@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: MIT
+"""A wheel with compiled libraries: nothing is compiled by who uses it. And tables are read without a compiler."""
+import json
+import os
+import re
+import subprocess
+import sys
+import sysconfig
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rbd
+from rbd import _plain_table
+from rbd._compiling import _run
+
+PYTHON = Path(__file__).resolve().parent.parent
+SAYS = """
+import json, numpy, rbd
+model = rbd.Model(rbd.load_table(rbd.SOURCES / "models/iiwa.h"))
+q, v, a = model.random(seed=1), numpy.linspace(-1, 1, model.nv), numpy.ones(model.nv)
+said = {"tau": model.rnea(q, v, a).tolist(), "many": model.rnea(model.random(2, n=50), v, a).sum(), "file": rbd.__file__}
+said["table"] = model.c_model("iiwa")
+try:
+    said["nv"] = rbd.Model.from_urdf(rbd.SOURCES / "models/hyq.urdf", floating=True).nv
+except RuntimeError as error:
+    said["nv"] = str(error)
+print(json.dumps(said))
+"""
+
+
+def without_compiler(program, folder):
+    """What a program prints that finds no command at all, as an error or as text."""
+    environment = {"PYTHONPATH": str(folder), "PATH": "/nonexistent", "HOME": str(folder), "RBD_CACHE": str(folder / "cache")}
+    return subprocess.run([sys.executable, "-c", program], env=environment, cwd=folder, text=True, capture_output=True)
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory):
+    """The folder of a package from a wheel for this machine."""
+    here = {"linux-x86_64": "linux-x86-64", "linux-aarch64": "linux-aarch64"}.get(sysconfig.get_platform())
+    if here is None:
+        pytest.skip(f"no wheel for {sysconfig.get_platform()}")
+    folder = tmp_path_factory.mktemp("wheel")
+    wheel = _run([sys.executable, str(PYTHON / "wheel.py"), "--quick", here, str(folder / "wheels")]).strip()
+    assert re.fullmatch(rf"rbd-{re.escape(rbd.__version__)}-py3-none-manylinux_2_\d\d_\w+\.whl", Path(wheel).name)
+    _run([sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--no-index", "--target", str(folder / "site"), wheel])
+    return folder / "site"
+
+
+def test_package_of_a_wheel_compiles_nothing(installed):
+    done = without_compiler(SAYS, installed)
+    assert done.returncode == 0 and done.stderr == "", done.stderr
+    said = json.loads(done.stdout)
+    assert said["file"].startswith(str(installed))
+
+    model = rbd.Model(rbd.load_table(rbd.SOURCES / "models/iiwa.h"))
+    q, v, a = model.random(seed=1), np.linspace(-1, 1, model.nv), np.ones(model.nv)
+    np.testing.assert_allclose(said["tau"], model.rnea(q, v, a), rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(said["many"], model.rnea(model.random(2, n=50), v, a).sum(), rtol=1e-10)
+    assert said["table"] == model.c_model("iiwa")
+    assert said["nv"] == 18 or "urdfdom" in said["nv"]
+    assert not list(installed.glob("cache/*"))
+
+
+def test_package_of_a_wheel_says_what_it_cannot(installed):
+    """Other flags need a compiler, and so do other headers than those that were compiled."""
+    for program in 'rbd.Library("double", flags="-O2")', 'rbd.Library("double", lanes=4)':
+        assert "rbd needs 'cc'" in without_compiler(f"import rbd; {program}", installed).stderr
+    header = installed / "rbd/sources/rbd_ik.h"
+    text = header.read_text()
+    header.write_text(text + "/* changed */\n")
+    try:
+        assert "rbd needs 'cc'" in without_compiler('import rbd; rbd.Library("double")', installed).stderr
+    finally:
+        header.write_text(text)
+
+
+def compiled(path, text):
+    """The rows by the compiler: `#if` stands in no plain table."""
+    path.write_text(text.replace("_NB] = {\n", "_NB] = {\n#if 1\n", 1).replace("\n};\n/* clang", "\n#endif\n};\n/* clang", 1))
+    assert "#if 1\n" in path.read_text()
+    return rbd.load_table(path)
+
+
+@pytest.mark.parametrize("name", ["atlas", "five_bar", "hyq"])
+def test_tables_are_read_as_the_compiler_reads_them(name, tmp_path):
+    text = (rbd.SOURCES / f"models/{name}.h").read_text()
+    plain = _plain_table._plain_rows(text, f"{name}_bodies")
+    assert plain and rbd.load_table(rbd.SOURCES / f"models/{name}.h") == compiled(tmp_path / "t.h", text)
+
+
+def test_a_table_that_was_written_is_read(tmp_path):
+    """Names and numbers that are hard to write."""
+    rows = [rbd.Body(name='a "quoted\\" ??/ name, {0}; /* ', joint="j\u00e9", type="revolute", axis=(0, 1e-300, 1), mass=1e300,
+                     inertia=(1, 0, 0, 1, 0, 1), lower=-0.1, upper=1 / 3, armature=1e-7),
+            rbd.Body(name="b", joint="k", parent=0, type="spherical", mass=2.5e-7, com=(1 / 3, -0.0, 1e-9),
+                     inertia=(1e-9, 0, 0, 1e-9, 0, 1e-9), damping=(1, 2, 3), friction=(0, 0, 0.5))]
+    text = rbd.Model(rows).c_table("odd")
+    path = tmp_path / "odd.h"
+    path.write_text(text)
+    plain = _plain_table._plain_rows(text, "odd_bodies")
+    assert plain and rbd.load_table(path) == compiled(tmp_path / "t.h", text)
+
+
+@pytest.mark.parametrize("change", [
+    ("{1, 0, 0", "{.x = 1, 0, 0"), ("4, {", "(4), {"), ("4, {", "4 + 0, {"), ("RBD_REVOLUTE", "TYPE"), ('", "', '" "'),
+    ("{0}, {0}", "{0} {0}"), ("4, {", "4,, {"), ("NULL, 0, 0}", "NULL, 0, 0, 0}"), ("4, {", "0x4, {"), ("4, {", "4.f, {"),
+    ("{1, 0, 0", "{{1}, 0, 0"), ("};\n/* clang", "}, 0;\n/* clang")])
+def test_what_is_not_plain_is_left_to_a_compiler(change):
+    text = (rbd.SOURCES / "models/iiwa.h").read_text()
+    assert change[0] in text
+    assert _plain_table._plain_rows(text.replace(*change, 1), "iiwa_bodies") is None
