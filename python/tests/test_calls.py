@@ -33,6 +33,8 @@ NOT_WRAPPED = {
     "rbd_urdf_link_index": "likewise",
     "rbd_ik_size": "Model.ik makes its memory",
     "rbd_ik_text": "an RbdError has the sentence, and IkResult the numbers",
+    "rbd_tasks_size": "Tasks makes its memory",
+    "rbd_tasks_text": "an RbdError has the sentence",
     "rbd_vec3_of": "three numbers are an array",
     "rbd_rotation_identity": "numpy.eye(3)",
     "rbd_placement_of": "a pair",
@@ -66,6 +68,7 @@ ELSEWHERE = {
     "rbd_contact_finding_text": "ContactSet", "rbd_contact_solve_size": "Library.contact_solve",
     **{f"rbd_contact_{name}": f"ContactSet.{name}" for name in ("step", "fd", "plane", "reset", "get", "last")},
     "rbd_contact_step_derivatives": "ContactSet.step_derivatives",
+    "rbd_tasks_velocity": "Tasks.velocity", "rbd_tasks_acceleration": "Tasks.acceleration",
     "rbd_urdf_load": "load_urdf", "rbd_urdf_parse": "parse_urdf",
     "rbd_qp_solve": "qp", "rbd_qp_text": "qp",
 }
@@ -144,13 +147,16 @@ def test_structures_are_those_of_the_header(double):
         assert [f.name for f in fields(kind)] == [member for member, _ in rbd.structure(name)._fields_
                                                   if member != "on_body"]  # which follows from body2
     assert rbd.ContactSolution._fields == tuple(n for n, _ in rbd.structure("rbd_contact_solution")._fields_)
+    for kind, name, missing in (rbd.Task, "rbd_task", {"rows"}), (rbd.TaskContact, "rbd_task_contact", set()):
+        assert {f.name for f in fields(kind)} | missing == {member for member, _ in rbd.structure(name)._fields_}
     assert [f.name for f in fields(rbd.IkTarget)] == [name for name, _ in rbd.structure("rbd_ik_target")._fields_]
     assert rbd.JointInfo._fields == tuple(name for name, _ in rbd.structure("rbd_joint_info")._fields_)
     names = ["rbd_body", "rbd_finding", "rbd_report", "rbd_joint_info", "rbd_constraint",
              "rbd_contact", "rbd_contact_options", "rbd_contact_problem", "rbd_contact_solution",
              "rbd_ik_target", "rbd_ik_options", "rbd_ik_result",
+             "rbd_task", "rbd_task_contact", "rbd_tasks", "rbd_tasks_result",
              "rbd_urdf_options", "rbd_urdf_lock", "rbd_urdf_frame", "rbd_urdf_finding", "rbd_urdf"]
-    unit = '#include "rbd_contact.h"\n#include "rbd_ik.h"\n#include "rbd_urdf.h"\nconst size_t sizes[] = {%s};' % ", ".join(
+    unit = '#include "rbd_contact.h"\n#include "rbd_tasks.h"\n#include "rbd_urdf.h"\nconst size_t sizes[] = {%s};' % ", ".join(
         f"sizeof({name})" for name in names)
     sizes = (ctypes.c_size_t * len(names)).in_dll(_compile([unit], ["cc"]), "sizes")
     assert list(sizes) == [ctypes.sizeof(rbd.structure(name)) for name in names]

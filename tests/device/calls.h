@@ -144,33 +144,26 @@ HERE int inverse_kinematics(const rbd_model *m, const state *s, rbd_real *out) {
     return RBD_OK;
 }
 
-/* Velocities that lift the trunk while the feet stay, within the limits of the joints. */
+/* Velocities that lift a foot, within the limits of the joints. */
 HERE int whole_body(const rbd_model *m, const state *s, rbd_real *out) {
-    unsigned char work[HYQ_WORK_SIZE], memory[RBD_TASKS_SIZE(NV, 3, FEET, 0)];
+    unsigned char work[HYQ_WORK_SIZE], memory[RBD_TASKS_SIZE(NV, 3, 0, 0)];
     const rbd_task none = {RBD_TASK_POINT};
-    const rbd_task_contact nowhere = {0};
     const rbd_tasks nothing = {0};
     rbd_task task = none;
-    rbd_task_contact foot[FEET];
     rbd_tasks p = nothing;
     rbd_tasks_result result;
     rbd_work *w;
     const rbd_status status = rbd_work_init(m, work, sizeof work, &w);
     if (status) return status;
 
-    for (int k = 0; k < FEET; ++k) {
-        foot[k] = nowhere;
-        foot[k].body = HYQ_BODY_LF_LOWERLEG + k;
-        foot[k].point[0] = (rbd_real)0.33;
-    }
-    task.body = HYQ_BODY_BASE_LINK_0;
+    task.body = HYQ_BODY_LF_LOWERLEG;
+    task.point[0] = (rbd_real)0.33;
     task.velocity[5] = (rbd_real)0.1;
     p.task = &task;
     p.tasks = 1;
-    p.contact = foot;
-    p.contacts = FEET;
     p.dt = (rbd_real)1e-3;
-    if (rbd_tasks_velocity(m, w, &p, s->q, memory, sizeof memory, out, &result) != RBD_TASKS_OK) return 1;
+    if (rbd_tasks_velocity(m, w, &p, s->q, memory, sizeof memory, out, &result) == RBD_TASKS_ERROR)
+        return result.error;
     return RBD_OK;
 }
 
