@@ -181,6 +181,8 @@ RBDI_EXTERN_C_END
 #define RBDI_IK_LAYOUT
 
 /* ==== src/ik/layout.h ==== */
+/* Interface: rbdi_ik_dof, RBDI_IK_MOST */
+
 /* ---- method [method] ----
    The errors e of all targets, angles times `length`, times the root of the target's weight, stand in one
    vector; J is its Jacobian over the dofs that move a target. A step d minimises
@@ -298,6 +300,8 @@ typedef struct rbdi_ik {
 RBDI_CODE_BEGIN
 
 /* ==== src/ik/step.h ==== */
+/* Interface: rbdi_ik_copy, rbdi_ik_larger, rbdi_ik_smaller */
+
 /* ---- step [step] ---- */
 
 RBDI_LOCAL void rbdi_ik_copy(const rbd_real *from, int n, rbd_real *to) {
@@ -489,6 +493,8 @@ RBDI_LOCAL void rbdi_ik_move(rbdi_ik *k, rbd_real share, rbd_real *q_next) {
 }
 
 /* ==== src/ik/targets.h ==== */
+/* Interface: rbdi_ik_across, rbdi_ik_rotation, rbdi_ik_turn, rbdi_ik_unit */
+
 /* ---- targets [targets code] ---- */
 
 RBDI_INLINE int rbdi_ik_turns_body(rbd_ik_kind kind) {
@@ -809,6 +815,8 @@ RBDI_LOCAL void rbdi_ik_curve(rbdi_ik *k) {
 }
 
 /* ==== src/ik/dofs.h ==== */
+/* Interface: rbdi_ik_limits */
+
 /* ---- dofs [dofs] ---- */
 
 /* Marks the dofs that move link i: 1, or 2 if they turn. With mimic joints those that they follow. */
@@ -1135,6 +1143,8 @@ RBDI_LOCAL rbd_ik_status rbdi_ik_judge(rbdi_ik *k) {
 }
 
 /* ==== src/ik/check.h ==== */
+/* Interface: rbdi_ik_is_axis, rbdi_ik_is_place, rbdi_ik_is_rotation, rbdi_ik_within */
+
 /* ---- checks [checks] ---- */
 
 /* Notes an error; returns it. */

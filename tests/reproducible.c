@@ -257,8 +257,8 @@ static void hash_qp(hashes *h) {
     }
 }
 
-/* Tasks of all kinds but rows of one's own on two levels, with two contacts: velocities, then accelerations cold
-   and warm. */
+/* Tasks of all kinds but rows of one's own on two levels, with two contacts: velocities, then accelerations
+   cold and warm. */
 static void hash_tasks(const char *name, const rbd_model *m, hashes *h) {
     enum { TASKS = RBD_TASK_ROWS, CONTACTS = 2 };
     const int nq = rbd_nq(m), nv = rbd_nv(m), nb = rbd_nb(m);

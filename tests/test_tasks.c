@@ -1,5 +1,5 @@
-/* test_tasks.c - whole-body control: tasks, contacts, friction, limits, levels, bad input. Kinematics, inverse
-   dynamics, simulation and closed forms judge. */
+/* test_tasks.c - whole-body control: tasks, contacts, friction, limits, levels, bad input. Kinematics,
+   inverse dynamics, simulation and closed forms judge. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -196,7 +196,8 @@ START_TEST(a_stop_is_approached_without_a_jump) {
 }
 END_TEST
 
-/* Limits of the problem stand for the model's; those of joints that follow bind their leader; some are left out. */
+/* Limits of the problem stand for the model's; those of joints that follow bind their leader; some are left
+   out. */
 START_TEST(limits_come_from_model_or_problem) {
     rbd_body bodies[2] = {slide[0], slide[0]};
     bodies[0].velocity = 2, bodies[0].effort = 3, bodies[0].lower = -100, bodies[0].upper = 100;
@@ -249,7 +250,7 @@ END_TEST
 
 /* ---- random trees ---- */
 
-/* Contacts anywhere, any joints: an answer satisfies the dynamics. A robot at rest with all motors has one. */
+/* Contacts anywhere, any joints: an answer satisfies the dynamics. A robot at rest with motors has one. */
 static int solved;
 static void check_tree(const robot *r, const state *s, int number) {
     uint64_t seed = (uint64_t)number * 77 + (uint64_t)r->nb;
@@ -375,8 +376,8 @@ START_TEST(feet_bear_the_weight) {
 }
 END_TEST
 
-/* Pushed by 400 N for a tenth of a second on a floor with mu = 0.4, in rbd_contact_step: no foot slips, and the
-   trunk comes back. */
+/* Pushed by 400 N for a tenth of a second on a floor with mu = 0.4, in rbd_contact_step: no foot slips, and
+   the trunk comes back. */
 START_TEST(a_pushed_robot_keeps_its_feet) {
     robot r = robot_build("hyq", hyq_bodies, HYQ_NB), plant = robot_build("hyq", hyq_bodies, HYQ_NB);
     double q[MAX_Q], home[MAX_Q], v[MAX_V] = {0}, a[MAX_V], tau[MAX_V], f[3 * FEET], p0[FEET][3], p[3],
@@ -456,6 +457,46 @@ START_TEST(the_answer_depends_on_the_problem_alone) {
     }
     ck_assert(relative_error(x[1], x[0], r.nv) < 1e-7 && relative_error(x[2], x[0], r.nv) < 1e-7);
     free(memory), robot_free(&r);
+}
+END_TEST
+
+/* Too few steps leave an answer that is not the best, and say so; of a next level the one before stands. */
+START_TEST(work_is_bounded) {
+    robot r = robot_build("hyq", hyq_bodies, HYQ_NB);
+    double q[MAX_Q], v[MAX_V] = {0}, a[MAX_V], tau[MAX_V], f[3 * FEET];
+    rbd_task_contact feet[FEET];
+    rbd_tasks_result result;
+    stand(&r, q, feet);
+    for (int i = 0; i < FEET; i++) feet[i].least = 1;
+    rbd_task t[2] = {{.kind = RBD_TASK_COM, .acceleration = {0, 0, 0, 50, 50, 50}},
+                     {.kind = RBD_TASK_MOMENTUM, .acceleration = {900, 900}, .level = 1}};
+    rbd_tasks p = {.task = t, .tasks = 2, .contact = feet, .contacts = FEET, .dt = 1e-3, .steps = 1};
+    expect_answer(&result, push_by(&r, &p, q, v, a, f, tau, &result), RBD_TASKS_INEXACT);
+    ck_assert(result.qp == RBD_QP_ITERATIONS && result.level == 0 && result.primal > 1e-6);
+    ck_assert(largest(a, r.nv) < 1e9 && largest(f, 3 * FEET) < 1e9 && largest(tau, r.nv) < 1e9);
+
+    t[0].level = 0, t[0].weight = 0, memset(t[0].acceleration, 0, sizeof t[0].acceleration);
+    expect_answer(&result, push_by(&r, &p, q, v, a, f, tau, &result), RBD_TASKS_INEXACT);
+    ck_assert(result.qp == RBD_QP_ITERATIONS && result.level == 1);
+    expect_dynamics(&r, &p, q, v, a, f, tau);
+    p.steps = 0;
+    expect_answer(&result, push_by(&r, &p, q, v, a, f, tau, &result), RBD_TASKS_OK);
+    ck_assert_int_gt(result.steps, 2);
+    robot_free(&r);
+}
+END_TEST
+
+/* Nothing that moves: nothing to do. */
+START_TEST(a_robot_without_joints_has_an_answer) {
+    static const rbd_body fixed[1] = {{.parent = -1, .type = RBD_FIXED, .mass = 1}};
+    robot r = BUILD(fixed);
+    const rbd_task t = {.kind = RBD_TASK_POSE};
+    const rbd_tasks p = {.task = &t, .tasks = 1, .dt = 1e-3};
+    double x[1] = {7};
+    rbd_tasks_result result;
+    expect_answer(&result, move_by(&r, &p, x, x, &result), RBD_TASKS_OK);
+    ck_assert(x[0] == 7);
+    robot_free(&r);
 }
 END_TEST
 
@@ -552,7 +593,8 @@ START_TEST(tasks_are_reached) {
 }
 END_TEST
 
-/* A task of level 1 leaves one of level 0 as it is, to 1e-8, though it moves what is left; loose rows are left. */
+/* A task of level 1 leaves one of level 0 as it is, to 1e-8, though it moves what is left; loose rows are
+   left. */
 START_TEST(a_level_never_worsens_the_one_before) {
     robot r = robot_build("hyq", hyq_bodies, HYQ_NB);
     uint64_t seed = 5;
@@ -1012,6 +1054,8 @@ Suite *tasks_suite(void) {
     tcase_add_test(c, feet_bear_the_weight);
     tcase_add_loop_test(c, the_answer_depends_on_the_problem_alone, 0, 2);
     tcase_add_test(c, a_level_never_worsens_the_one_before);
+    tcase_add_test(c, work_is_bounded);
+    tcase_add_test(c, a_robot_without_joints_has_an_answer);
     tcase_add_test(c, contradictions_are_named);
     tcase_add_test(c, bad_input_is_named);
     tcase_add_test(c, calls_without_what_they_need_are_refused);

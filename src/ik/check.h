@@ -2,6 +2,8 @@
 #define RBDI_IK_CHECK_H
 #include "ik/targets.h"
 
+/* Interface: rbdi_ik_is_axis, rbdi_ik_is_place, rbdi_ik_is_rotation, rbdi_ik_within */
+
 /* ---- checks [checks] ---- */
 
 /* Notes an error; returns it. */
