@@ -7027,10 +7027,10 @@ RBDI_API size_t rbd_work_size(const rbd_model *m) {
 }
 
 #if RBDI_REPRODUCIBLE
-/* Whether products, sums and roots are rounded one by one and to nearest, and denormals are numbers. 1 - x low
-   finds libgcc's double sums on ARMv7-M: they are wrong if one exponent is 33 above the other and that of the
-   result is lower. The root of 1 + 3 eps is 1 + 3/2 eps - 9/8 eps^2: one that is rounded to 80 bits before
-   loses the last term, and then is 1 + 2 eps. */
+/* Whether products, sums and roots are rounded one by one and to nearest, and denormals are numbers.
+   1 - x low finds libgcc's double sums on ARMv7-M: they are wrong if one exponent is 33 above the other and
+   that of the result is lower. The root of 1 + 3 eps is 1 + 3/2 eps - 9/8 eps^2: one that is rounded to 80
+   bits before loses the last term, and then is 1 + 2 eps. */
 RBDI_COLD int rbdi_rounds(void) {
     const volatile RBD_REAL given[5] = {1, RBDI_EPS, 1 + RBDI_EPS, 1 + 2 * RBDI_EPS, RBDI_TINY};
     const RBD_REAL one = given[0], e = given[1], x = given[2], square = given[3], tiny = given[4];

@@ -67,7 +67,7 @@ static void joint_cells(const rbd_body *b, row cells) {
     char mimic[CELL] = "";
     if (b->mimic) mimic_text(b, mimic);
     snprintf(cells[2], CELL, "%s%.120s", joint_type_name(b->type), mimic);
-    if (b->type != RBD_FLOATING && b->type != RBD_PLANAR) axis_cell(b, cells[3]);
+    if (b->type != RBD_FLOATING && b->type != RBD_PLANAR && b->type != RBD_SPHERICAL) axis_cell(b, cells[3]);
     limits_cell(b, cells[4]);
 }
 
@@ -155,6 +155,9 @@ void print_summary(const robot *r) {
                strcmp(u->frames[0].link, "world") ? " (--floating for a free base)" : "");
     printf("\n\n");
     print_table(u);
+    if (r->nconstraints > 0) printf("\n");
+    for (int i = 0; i < r->nconstraints; i++)
+        printf("constraint %s: %s\n", r->constraints[i].name, r->constraints[i].axes[0] ? "weld" : "connect");
     printf("\n%d warning%s\n", u->nwarnings, plural(u->nwarnings));
     for (int i = 0; i < u->nwarnings; i++) {
         if (u->warnings[i].line) printf("line %d: ", u->warnings[i].line);

@@ -12,7 +12,7 @@
 const char *program = "rbd-eval";
 
 static const char help[] =
-    "usage: rbd-eval FILE.urdf --algorithm NAME [OPTION...] < states.csv > results.csv\n"
+    "usage: rbd-eval FILE --algorithm NAME [OPTION...] < states.csv > results.csv\n"
     "\n"
     "Evaluates an algorithm on every row of a table of states, with 17 digits. The first row of a table "
     "names\n"

@@ -249,7 +249,8 @@ static int load(robot *r, const settings *s) {
         fprintf(stderr, "%s: error: it cannot be read: %s\n", r->path, strerror(errno));
         return EXIT_BAD;
     }
-    status = load_text(r->path, &r->urdf, text, length, s);
+    status =
+        is_mjcf(text, length) ? load_mjcf(r, text, length, s) : load_text(r->path, &r->urdf, text, length, s);
     if (status != 0) print_finding(r->path, "error", &r->urdf.error);
     free(text);
     return status;
@@ -306,5 +307,6 @@ void robot_close(robot *r) {
     free(r->urdf.names);
     free(r->urdf.frames);
     free(r->urdf.warnings);
+    free(r->constraints);
     free(r->model_memory);
 }

@@ -25,6 +25,7 @@ from ._kinematics import Kinematics
 from ._library import Library, _default_library
 from ._names import Names
 from ._tables import _print_c
+from ._mjcf import _load_mjcf, _takes_mjcf_options
 from ._urdf import Urdf, _load_urdf, _takes_urdf_options
 
 _MEMORIES = {  # what C computes in, and what it stands on
@@ -88,6 +89,12 @@ class Model(Derivatives, Kinematics, Names):
     def from_urdf(cls, path: str | os.PathLike[str], *, library: Library | None = None, **options) -> Model:
         """A model of a URDF file."""
         return cls(_load_urdf("from_urdf", path, options), library=library)
+
+    @classmethod
+    @_takes_mjcf_options
+    def from_mjcf(cls, path: str | os.PathLike[str], *, library: Library | None = None, **options) -> Model:
+        """A model of an MJCF file, MuJoCo's format. load_mjcf gives its constraints too, and maps of MuJoCo's states."""
+        return cls(_load_mjcf("from_mjcf", path, options), library=library)
 
     def _build(self):
         """Builds the model from its rows."""

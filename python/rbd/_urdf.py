@@ -121,27 +121,32 @@ def _urdf_options(call, *, floating: bool = False, root: str | None = None, root
     return options
 
 
-def _takes_urdf_options(function):
-    """Puts the options of _urdf_options into the signature and the docstring of a function that takes
-    **options: their one place is there."""
-    own, options = inspect.signature(function), inspect.signature(_urdf_options)
-    parameters = [p for p in own.parameters.values() if p.kind is not p.VAR_KEYWORD]
-    first = [p for p in parameters if p.kind is not p.KEYWORD_ONLY]
-    options = list(options.parameters.values())[1:]
-    signature = own.replace(parameters=[*first, *options, *parameters[len(first):]])
-    known = list(signature.parameters)
+def _takes_options(reader):
+    """A decorator that puts the options of a reader, as _urdf_options, into the signature and the docstring of a
+    function that takes **options: their one place is there."""
+    def decorator(function):
+        own, options = inspect.signature(function), inspect.signature(reader)
+        parameters = [p for p in own.parameters.values() if p.kind is not p.VAR_KEYWORD]
+        first = [p for p in parameters if p.kind is not p.KEYWORD_ONLY]
+        options = list(options.parameters.values())[1:]
+        signature = own.replace(parameters=[*first, *options, *parameters[len(first):]])
+        known = list(signature.parameters)
 
-    @functools.wraps(function)
-    def wrapper(*arguments, **keywords):
-        for name in keywords:
-            if name not in known:
-                near = difflib.get_close_matches(name, known, 1)
-                raise TypeError(f"{function.__name__}: there is no option '{name}'" +
-                                (f"; did you mean '{near[0]}'?" if near else ""))
-        return function(*arguments, **keywords)
-    wrapper.__signature__ = signature
-    wrapper.__doc__ = f"{inspect.getdoc(function)}\n\n{inspect.getdoc(_urdf_options)}"
-    return wrapper
+        @functools.wraps(function)
+        def wrapper(*arguments, **keywords):
+            for name in keywords:
+                if name not in known:
+                    near = difflib.get_close_matches(name, known, 1)
+                    raise TypeError(f"{function.__name__}: there is no option '{name}'" +
+                                    (f"; did you mean '{near[0]}'?" if near else ""))
+            return function(*arguments, **keywords)
+        wrapper.__signature__ = signature
+        wrapper.__doc__ = f"{inspect.getdoc(function)}\n\n{inspect.getdoc(reader)}"
+        return wrapper
+    return decorator
+
+
+_takes_urdf_options = _takes_options(_urdf_options)
 
 
 @_takes_urdf_options

@@ -31,6 +31,8 @@ NOT_WRAPPED = {
     "rbd_urdf_status_string": "the sentence of a finding says more; UrdfStatus has the names",
     "rbd_urdf_joint_index": "Urdf.bodies and Urdf.frames are lists to look in",
     "rbd_urdf_link_index": "likewise",
+    "rbd_mjcf_status_string": "as of URDF",
+    "rbd_mjcf_convert": "an mjModel of Python's package mujoco has no address that is public",
     "rbd_ik_size": "Model.ik makes its memory",
     "rbd_ik_text": "an RbdError has the sentence, and IkResult the numbers",
     "rbd_tasks_size": "Tasks makes its memory",
@@ -70,6 +72,8 @@ ELSEWHERE = {
     "rbd_contact_step_derivatives": "ContactSet.step_derivatives",
     "rbd_tasks_velocity": "Tasks.velocity", "rbd_tasks_acceleration": "Tasks.acceleration",
     "rbd_urdf_load": "load_urdf", "rbd_urdf_parse": "parse_urdf",
+    "rbd_mjcf_load": "load_mjcf", "rbd_mjcf_parse": "parse_mjcf",
+    **{f"rbd_mjcf_{name}": f"Mjcf.{name}" for name in ("q_of_qpos", "v_of_qvel", "qpos_of_q", "qvel_of_v")},
     "rbd_qp_solve": "qp", "rbd_qp_text": "qp",
 }
 
@@ -81,10 +85,9 @@ def public_functions():
         text = re.sub(r"/\*.*?\*/", "", text.partition("Stop here if you only use it.")[0], flags=re.S)
         if name == "rbd_spatial.h":
             found |= set(re.findall(r"^(?:RBDI_INLINE|RBDI_PART) \w+ (rbd_\w+)\(", text, re.M))
-        elif name == "rbd_urdf.h":
-            text = text.partition("#endif")[0] + text.partition("calls [calls]")[2]
+        elif name in ("rbd_urdf.h", "rbd_mjcf.h"):
             text = _HEADERS[name].partition("Implementation\n")[0]
-            found |= set(re.findall(r"^(?:const char \*|int |rbd_urdf_status )(rbd_urdf_\w+)\(", text, re.M))
+            found |= set(re.findall(r"^(?:const char \*|int |void |rbd_\w+_status )(rbd_(?:urdf|mjcf)_\w+)\(", text, re.M))
         else:
             found |= set(re.findall(r"^RBDI_(?:BATCH_)?API [\w ]*?\*?(rbd_\w+)\(", text, re.M))
     return found
@@ -122,7 +125,7 @@ def test_arguments_are_those_of_the_header():
     for call in table_calls():
         expected = [IN_C.get(x, x) for x in call.c_inputs + (["out"] if call.struct else call.outputs)]
         for prefix in ["rbd_", "rbd_batch_"] if call.batch else ["rbd_"]:
-            declared = re.search(rf"\b{prefix}{call.c_name}\(([^;]*)\);", text)[1]
+            declared = re.search(rf"^RBDI_(?:BATCH_)?API\b[^;({{]*\b{prefix}{call.c_name}\(([^;{{]*)\);", text, re.M)[1]
             arguments = [re.search(r"(\w+)(\[\d+\])?$", item.strip())[1] for item in declared.split(",")]
             first = len(arguments) - len(expected)
             assert arguments[first:] == expected, call.name
@@ -155,8 +158,9 @@ def test_structures_are_those_of_the_header(double):
              "rbd_contact", "rbd_contact_options", "rbd_contact_problem", "rbd_contact_solution",
              "rbd_ik_target", "rbd_ik_options", "rbd_ik_result",
              "rbd_task", "rbd_task_contact", "rbd_tasks", "rbd_tasks_result",
-             "rbd_urdf_options", "rbd_urdf_lock", "rbd_urdf_frame", "rbd_urdf_finding", "rbd_urdf"]
-    unit = '#include "rbd_contact.h"\n#include "rbd_tasks.h"\n#include "rbd_urdf.h"\nconst size_t sizes[] = {%s};' % ", ".join(
+             "rbd_urdf_options", "rbd_urdf_lock", "rbd_urdf_frame", "rbd_urdf_finding", "rbd_urdf",
+             "rbd_mjcf_options", "rbd_mjcf_lock", "rbd_mjcf_frame", "rbd_mjcf_place", "rbd_mjcf_finding", "rbd_mjcf"]
+    unit = '#include "rbd_contact.h"\n#include "rbd_tasks.h"\n#include "rbd_urdf.h"\n#include "rbd_mjcf.h"\nconst size_t sizes[] = {%s};' % ", ".join(
         f"sizeof({name})" for name in names)
     sizes = (ctypes.c_size_t * len(names)).in_dll(_compile([unit], ["cc"]), "sizes")
     assert list(sizes) == [ctypes.sizeof(rbd.structure(name)) for name in names]
@@ -994,6 +998,7 @@ def test_names_are_those_of_python():
             ("still: options.lock, rbd-model --lock 'a b', or --lock-massless for all",
              "still: lock='a b', or lock_massless=True for all"),
             ("float (options.root, rbd-model --floating)", "float (floating=True)"),
+            ("MJCF: rbd_mjcf.h reads it", "MJCF: load_mjcf reads it"),
             ("otherwise: options.root_joint, rbd-model --root-joint", "otherwise: root_joint")):
         assert _python_words(sentence) == expected
 
