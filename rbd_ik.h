@@ -45,8 +45,8 @@
      ./run fuzz --ik counts. That a target is out of reach is known after all starts and descents: a thousand.
      That no place is nearer is not proven, nor that a target that is not reached cannot be. A redundant arm
      may take any of its postures. Where limits are wide, starts are within a turn, or 10 times `length` of a
-     slide, of the caller's q. No collisions. Robots need no masses, but for their centre of mass; a last body
-     without mass needs armature, or rbd_model_build refuses it.
+     slide, of the caller's q. No collisions. Robots need no masses, but for their centre of mass:
+     rbd_model_build_kinematic builds one without.
 */
 #include "rbd.h"
 
@@ -138,8 +138,9 @@ typedef struct rbd_ik_result {
    set on it, and the others solved for again (Flacco, De Luca and Khatib 2015).
    Errors, in result->error: RBD_ERR_NULL, but without a result RBD_IK_ERROR alone; _WORK; _MEMORY; _COUNT, n
    below 1 or above 1000; _INDEX, a body; _TYPE, no kind; _POSITION, _ROTATION, _AXIS; _MASS, a centre of mass
-   of a robot without mass; _RANGE, a weight, an option or q; _INFEASIBLE, a part of a joint is held; _NAN, q
-   is not finite, or the errors at each start overflow. */
+   of a robot without mass; _MASSLESS, that of a robot some of whose joints move none; _RANGE, a weight, an
+   option or q; _INFEASIBLE, a part of a joint is held; _NAN, q is not finite, or the errors at each start
+   overflow. */
 RBDI_API rbd_ik_status rbd_ik(const rbd_model *m, rbd_work *w, const rbd_ik_target *targets, int n,
                               const rbd_ik_options *options, void *memory, size_t size, rbd_real *q,
                               rbd_ik_result *result);
@@ -1194,6 +1195,7 @@ RBDI_LOCAL rbd_status rbdi_ik_check_target(const rbd_model *m, const rbd_ik_targ
         return rbdi_ik_refuse(result, RBD_ERR_TYPE, i, "kind");
     if (!com && (t->body < 0 || t->body >= m->nb)) return rbdi_ik_refuse(result, RBD_ERR_INDEX, i, "body");
     if (com && !(rbd_mass(m) > 0)) return rbdi_ik_refuse(result, RBD_ERR_MASS, i, "kind");
+    if (com && rbdi_massless_dof(m) >= 0) return rbdi_ik_refuse(result, RBD_ERR_MASSLESS, i, "kind");
 
     if (!com && !rbdi_ik_is_place(t->point)) return rbdi_ik_refuse(result, RBD_ERR_POSITION, i, "point");
     if ((com || rbdi_ik_moves_point(t->kind)) && !rbdi_ik_is_place(t->position))

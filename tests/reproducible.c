@@ -130,6 +130,28 @@ static void hash_locked(const rbd_body *bodies, int nb, const rbd_model *m, hash
     free(rows), free(locked), free(q);
 }
 
+/* The last body's pose in a model for kinematics alone. */
+static void hash_kinematic(const rbd_body *bodies, int nb, hashes *h) {
+    const size_t size = rbd_model_size(bodies, nb);
+    void *memory = malloc(size), *work_memory = NULL;
+    uint64_t seed = 5;
+    const rbd_model *m;
+    rbd_work *w;
+    rbd_real x[12] = {0};
+    rbd_status status = rbd_model_build_kinematic(bodies, nb, memory, size, &m, NULL);
+    if (!status) {
+        rbd_real *q = (rbd_real *)malloc(sizeof *q * (size_t)(rbd_nq(m) + 1));
+        work_memory = malloc(rbd_work_size(m));
+        rbd_random(m, &seed, q);
+        status = rbd_work_init(m, work_memory, rbd_work_size(m), &w);
+        if (!status) status = rbd_kinematics(m, w, q, NULL, NULL);
+        if (!status) status = rbd_body_pose(m, w, nb - 1, x, x + 9);
+        free(q);
+    }
+    hash_call(h, "rbd.h", "rbd_model_build_kinematic", status, x, 12);
+    free(work_memory), free(memory);
+}
+
 static void hash_description(const char *name, const rbd_body *bodies, int nb, int states, hashes *h) {
     const size_t size = rbd_model_size(bodies, nb);
     void *memory = malloc(size);
@@ -145,6 +167,7 @@ static void hash_description(const char *name, const rbd_body *bodies, int nb, i
         hash_described(m, h);
     }
     if (!status) hash_locked(bodies, nb, m, h);
+    hash_kinematic(bodies, nb, h);
     free(memory);
 }
 

@@ -376,6 +376,37 @@ START_TEST(feet_bear_the_weight) {
 }
 END_TEST
 
+/* Feet on slopes: each pushes within the cone about its own normal, whatever the normal's length, and some
+   forces lie on a cone. */
+START_TEST(feet_push_along_their_normals) {
+    robot r = robot_build("hyq", hyq_bodies, HYQ_NB);
+    double q[MAX_Q], v[MAX_V] = {0}, a[MAX_V], tau[MAX_V], f[3 * FEET];
+    rbd_task_contact feet[FEET];
+    rbd_tasks_result result;
+    stand(&r, q, feet);
+    const rbd_task t[2] = {hold_trunk(&r, q), {.kind = RBD_TASK_POSTURE, .q = q, .gain = 10, .weight = 1e-3}};
+    const rbd_tasks p = {.task = t, .tasks = 2, .contact = feet, .contacts = FEET, .dt = 1e-3};
+    for (int k = 0; k < 4; k++) {
+        int steep = 0;
+        for (int i = 0; i < FEET; i++) {
+            feet[i].normal[0] = k * (i < 2 ? 0.1 : -0.2), feet[i].normal[1] = k * (i % 2 ? 0.15 : -0.1);
+            feet[i].normal[2] = 0.5 + i, feet[i].least = 30, feet[i].friction = 0.2;
+            feet[i].sides = k % 2 ? 4 : 8;
+        }
+        expect_answer(&result, push_by(&r, &p, q, v, a, f, tau, &result), RBD_TASKS_OK);
+        expect_dynamics(&r, &p, q, v, a, f, tau);
+        for (int i = 0; i < FEET; i++) {
+            const double *n = feet[i].normal;
+            const double normal = dot(&f[3 * i], n, 3) / sqrt(dot(n, n, 3));
+            const double slope = sqrt(fmax(0, dot(&f[3 * i], &f[3 * i], 3) - normal * normal));
+            steep += slope > 0.69 * 0.2 * normal; /* at least cos(pi / 4) of mu where a side holds */
+        }
+        ck_assert_int_ge(steep, k < 2 ? 0 : 1);
+    }
+    robot_free(&r);
+}
+END_TEST
+
 /* Pushed by 400 N for a tenth of a second on a floor with mu = 0.4, in rbd_contact_step: no foot slips, and
    the trunk comes back. */
 START_TEST(a_pushed_robot_keeps_its_feet) {
@@ -1052,6 +1083,7 @@ Suite *tasks_suite(void) {
     tcase_add_test(c, limits_come_from_model_or_problem);
     tcase_add_test(c, a_robot_in_the_air_falls);
     tcase_add_test(c, feet_bear_the_weight);
+    tcase_add_test(c, feet_push_along_their_normals);
     tcase_add_loop_test(c, the_answer_depends_on_the_problem_alone, 0, 2);
     tcase_add_test(c, a_level_never_worsens_the_one_before);
     tcase_add_test(c, work_is_bounded);

@@ -73,8 +73,8 @@ static void print_head(const robot *r, const char *name) {
     const int floating = r->urdf.bodies[0].type == RBD_FLOATING;
     printf("/* %s.h - ", name);
     print_in_comment(r->urdf.name);
-    printf(", %s: the description that rbd_model_build takes.\n",
-           floating ? "on a floating joint" : "fixed to the world");
+    printf(", %s: the description that %s takes.\n", floating ? "on a floating joint" : "fixed to the world",
+           r->kinematic ? "rbd_model_build_kinematic" : "rbd_model_build");
     print_origin(r, "rbd-model");
     printf("   Include rbd.h before. */\n");
 }

@@ -144,11 +144,26 @@ static void print_table(const rbd_urdf *u) {
 
 static const char *plural(int n) { return n == 1 ? "" : "s"; }
 
+/* Of a robot for kinematics alone: the first joint that moves no mass. */
+static void print_massless(const rbd_model *m) {
+    const size_t size = rbd_work_size(m);
+    void *memory = allocate(size, 1);
+    rbd_work *w;
+    rbd_work_init(m, memory, size, &w);
+    if (rbd_singular_dof(w) >= 0) {
+        const int body = rbd_dof_body(m, rbd_singular_dof(w));
+        printf("for kinematics alone: joint %s moves no mass\n",
+               rbd_joint_name(m, body) ? rbd_joint_name(m, body) : "");
+    }
+    free(memory);
+}
+
 void print_summary(const robot *r) {
     const rbd_urdf *u = &r->urdf;
     const int nv = rbd_nv(r->model), nq = rbd_nq(r->model);
     printf("%s: %d link%s, %d bod%s, %d degree%s of freedom (q has %d number%s)\n", u->name, u->nframes,
            plural(u->nframes), u->nb, u->nb == 1 ? "y" : "ies", nv, plural(nv), nq, plural(nq));
+    print_massless(r->model);
     printf("moving mass %.6g kg", rbd_mass(r->model));
     if (u->fixed_mass > 0)
         printf("; fixed to the world %.6g kg%s", u->fixed_mass,

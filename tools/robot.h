@@ -52,6 +52,7 @@ typedef struct robot {
     rbd_constraint *constraints; /* of an MJCF file */
     int nconstraints;
     const rbd_model *model; /* with the gravity asked for */
+    int kinematic;          /* it may have joints that move no mass */
     void *model_memory;
 } robot;
 

@@ -119,6 +119,7 @@ int load_mjcf(robot *r, const char *text, size_t length, const settings *s) {
                                       .keep = s->urdf.keep,
                                       .keep_all = s->urdf.keep_all,
                                       .strict = s->urdf.strict,
+                                      .free_mimics = s->urdf.free_mimics,
                                       .lock = locks};
     rbd_mjcf from = {0};
     rbd_mjcf_status status;

@@ -19,7 +19,7 @@ from extract import ROOT
 HERE = pathlib.Path(__file__).resolve().parent
 # Guides, in order: title of the part, and files.
 GUIDES = [
-    ("Begin", ["docs/first_minutes.md", "docs/install.md", "docs/robot.md", "docs/conventions.md", "examples/README.md",
+    ("Begin", ["docs/first_minutes.md", "docs/install.md", "docs/robot.md", "docs/robot_files.md", "docs/conventions.md", "examples/README.md",
                "python/README.md"]),
     ("In a controller", ["docs/control_loop.md", "docs/contacts.md", "docs/contact_step.md", "docs/inverse_kinematics.md",
                          "docs/qp.md", "docs/tasks.md", "docs/gradients.md", "docs/generated_code.md", "docs/gpu.md", "docs/firmware.md",

@@ -130,7 +130,7 @@ def _python_words(text):
         if not option:
             return found[0] if found[0].startswith("'") else ""
         option = option.replace("-", "_")
-        flags = "floating", "keep_all", "lock_massless", "strict", "messages"
+        flags = "floating", "keep_all", "lock_massless", "kinematic", "free_mimics", "strict", "messages"
         return f"{option}={value}" if value else f"{option}=True" if option in flags else option
 
     return re.sub(r"'[^']*'|rbd_mjcf\.h|(?:options\.\w+, )?(?:rbd-\w+ )?(?<![\w-])--([a-z][a-z-]*)(?: ('[^']*'))?|"

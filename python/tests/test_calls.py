@@ -56,7 +56,7 @@ NOT_WRAPPED = {
 }
 # Those that have another name or place here.
 ELSEWHERE = {
-    "rbd_model_build": "Model", "rbd_model_size": "Model", "rbd_work_init": "Model", "rbd_work_size": "Model",
+    "rbd_model_build": "Model", "rbd_model_build_kinematic": "Model", "rbd_model_size": "Model", "rbd_work_init": "Model", "rbd_work_size": "Model",
     "rbd_derivatives_init": "Model", "rbd_derivatives_size": "Model", "rbd_batch_init": "Model",
     "rbd_batch_size": "Model", "rbd_batch_derivatives_init": "Model", "rbd_batch_derivatives_size": "Model",
     "rbd_constraint_set_init": "ConstraintSet", "rbd_constraint_set_size": "ConstraintSet",
@@ -124,7 +124,7 @@ def test_arguments_are_those_of_the_header():
     assert len(table_calls()) >= 50
     for call in table_calls():
         expected = [IN_C.get(x, x) for x in call.c_inputs + (["out"] if call.struct else call.outputs)]
-        for prefix in ["rbd_", "rbd_batch_"] if call.batch else ["rbd_"]:
+        for prefix in ["rbd_", "rbd_batch_"] if call.batch is True else ["rbd_"]:
             declared = re.search(rf"^RBDI_(?:BATCH_)?API\b[^;({{]*\b{prefix}{call.c_name}\(([^;{{]*)\);", text, re.M)[1]
             arguments = [re.search(r"(\w+)(\[\d+\])?$", item.strip())[1] for item in declared.split(",")]
             first = len(arguments) - len(expected)
@@ -406,7 +406,7 @@ def test_blocks_of_lanes_are_not_transposed(iiwa):
         return np.moveaxis(x.reshape(3, lanes, *x.shape[1:]), 1, -1)
 
     constraints = iiwa.constraint_set([rbd.Constraint(body1=iiwa.nb - 1, axes=(0, 0, 0, 1, 0, 0))])
-    for call, inputs in ((iiwa.rnea, [*rows, f]), (iiwa.aba, rows), (iiwa.crba, rows[:1]),
+    for call, inputs in ((iiwa.rnea, [*rows, f]), (iiwa.aba, rows), (iiwa.crba, rows[:1]), (iiwa.gravity_torque, rows[:1]),
                          (iiwa.id_derivatives, rows), (constraints.constrained_fd, rows)):
         expected = call(*inputs)
         iiwa.batch_set_layout("blocks")
@@ -934,12 +934,21 @@ def test_models_travel_to_processes(iiwa):
         assert caught.value.status == rbd.Status.ERR_INDEX
 
 
+def table_for_a_compiler(folder):
+    """A table that is not read without one."""
+    text = (rbd.SOURCES / "models/pendulum.h").read_text()
+    path = folder / "table.h"
+    path.write_text(text.replace("_NB] = {\n", "_NB] = {\n#if 1\n#endif\n", 1))
+    assert "#if 1" in path.read_text()
+    return path
+
+
 def test_processes_may_compile_at_once(tmp_path):
     """Four with an empty cache: all get the same file, and nothing else stays."""
-    program = ("import sys; sys.path.insert(0, sys.argv[1]); import rbd; "
-               "print(len(rbd.load_table(rbd.SOURCES / 'models/pendulum.h')))")
+    program = "import sys; sys.path.insert(0, sys.argv[1]); import rbd; print(len(rbd.load_table(sys.argv[2])))"
     environment = {**os.environ, "RBD_CACHE": str(tmp_path / "cache")}
-    jobs = [subprocess.Popen([sys.executable, "-c", program, str(HERE.parent)], env=environment,
+    table = table_for_a_compiler(tmp_path)
+    jobs = [subprocess.Popen([sys.executable, "-c", program, str(HERE.parent), str(table)], env=environment,
                              stdout=subprocess.PIPE, text=True) for _ in range(4)]
     assert [job.communicate()[0] for job in jobs] == ["1\n"] * 4
     assert [path.suffix for path in (tmp_path / "cache").iterdir()] == [".so"]
@@ -969,7 +978,7 @@ def test_compilers_and_folders_that_are_not_there(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("RBD_CACHE", str(tmp_path / "file/cache"))
     with pytest.raises(RuntimeError, match=r"set \$RBD_CACHE to a folder"):
-        rbd.load_table(rbd.SOURCES / "models/pendulum.h")
+        rbd.load_table(table_for_a_compiler(tmp_path))
 
 
 def test_a_long_compile_is_announced_once(tmp_path, monkeypatch, capfd):
@@ -982,6 +991,50 @@ def test_a_long_compile_is_announced_once(tmp_path, monkeypatch, capfd):
     monkeypatch.setenv("RBD_QUIET", "1")
     _compile(["int y;"], ["cc"], what="y")
     assert capfd.readouterr().err == ""
+
+
+BARE = """<robot name="bare"><link name="base"/><link name="upper"/><link name="lower"/><link name="tool"/>
+<joint name="shoulder" type="continuous"><parent link="base"/><child link="upper"/><axis xyz="0 0 1"/></joint>
+<joint name="elbow" type="continuous"><parent link="upper"/><child link="lower"/><origin xyz="2 0 0"/>
+<axis xyz="0 0 1"/></joint>
+<joint name="mount" type="fixed"><parent link="lower"/><child link="tool"/><origin xyz="1 0 0"/></joint></robot>"""
+
+
+def test_a_robot_without_masses_has_kinematics_alone():
+    with pytest.raises(rbd.RbdError, match="no link that moves has mass: .*: kinematic=True$"):
+        rbd.parse_urdf(BARE)
+    urdf = rbd.parse_urdf(BARE, kinematic=True, keep="tool")
+    with pytest.raises(rbd.RbdError, match="a movable leaf needs mass"):
+        rbd.Model(urdf.bodies)
+    bare = rbd.Model(urdf.bodies, kinematic=True)
+    for model in rbd.Model(urdf), bare, bare.copy(), pickle.loads(pickle.dumps(bare)):
+        assert model.kinematic
+        q = [0, np.pi / 2]
+        model.kinematics(q)
+        rotation, position = model.body_pose("tool")
+        np.testing.assert_allclose(position, [2, 1, 0], atol=1e-12)
+        found = model.ik(rbd.IkTarget("point", "tool", position=position), [0.1, 1.2])
+        assert found.status == rbd.IkStatus.REACHED
+        with pytest.raises(rbd.RbdError, match="^rnea: dynamics needs masses.*; joint 'shoulder', which carries 'upper'$"
+                           ) as caught:
+            model.rnea(q, q, q)
+        assert caught.value.status == rbd.Status.ERR_MASSLESS
+        for call in model.crba, model.gravity_torque, model.minverse:
+            with pytest.raises(rbd.RbdError, match="joint 'shoulder'"):
+                call(np.zeros((5, 2)))
+        with pytest.raises(rbd.RbdError, match="joint 'shoulder'"):
+            model.com()
+    assert not rbd.Model(urdf.bodies[:1] + [replace(urdf.bodies[1], mass=1.0)] + urdf.bodies[2:]).kinematic
+    assert "rbd_model_build_kinematic" in bare.c_table("bare")
+
+
+def test_wrong_mimics_may_move_freely():
+    wrong = BARE.replace('<origin xyz="2 0 0"/>', '<mimic joint="sholder"/>')
+    with pytest.raises(rbd.RbdError, match="let all such joints move freely: free_mimics=True"):
+        rbd.parse_urdf(wrong, kinematic=True)
+    with pytest.warns(rbd.RbdWarning, match="it mimics 'sholder', which is missing; .*; it moves freely"):
+        urdf = rbd.parse_urdf(wrong, kinematic=True, free_mimics=True)
+    assert urdf.bodies[1].mimic is None
 
 
 def test_names_are_those_of_python():
@@ -997,6 +1050,8 @@ def test_names_are_those_of_python():
             ("link 'rbd_a --keep', joint '--lock': rbd_rnea", "link 'rbd_a --keep', joint '--lock': rnea"),
             ("still: options.lock, rbd-model --lock 'a b', or --lock-massless for all",
              "still: lock='a b', or lock_massless=True for all"),
+            ("alone: options.kinematic, rbd-model --kinematic", "alone: kinematic=True"),
+            ("freely: options.free_mimics, rbd-model --free-mimics", "freely: free_mimics=True"),
             ("float (options.root, rbd-model --floating)", "float (floating=True)"),
             ("MJCF: rbd_mjcf.h reads it", "MJCF: load_mjcf reads it"),
             ("otherwise: options.root_joint, rbd-model --root-joint", "otherwise: root_joint")):
