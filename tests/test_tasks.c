@@ -1037,6 +1037,36 @@ START_TEST(calls_without_what_they_need_are_refused) {
 }
 END_TEST
 
+/* A model of kinematics alone has velocities. */
+START_TEST(joints_without_mass_have_velocities) {
+    static const rbd_body arm[2] = {
+        {.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 0, 1}, .mass = 1},
+        {.parent = 0, .type = RBD_PRISMATIC, .axis = {1, 0, 0}, .position = {0.5, 0, 0}}};
+    unsigned char model_memory[RBD_MODEL_SIZE(2)], work_memory[RBD_WORK_SIZE(2, 2)];
+    unsigned char memory[RBD_TASKS_SIZE(2, 3, 0, 0)];
+    const rbd_model *m;
+    rbd_work *w;
+    ck_assert_int_eq(rbd_model_build_kinematic(arm, 2, model_memory, sizeof model_memory, &m, NULL), RBD_OK);
+    ck_assert_int_eq(rbd_work_init(m, work_memory, sizeof work_memory, &w), RBD_OK);
+
+    rbd_task t = {.body = 1, .velocity = {0, 0, 0, 1, 2, 0}};
+    const rbd_tasks p = {.task = &t, .tasks = 1, .dt = 1e-3};
+    const double q[2] = {0, 0.5};
+    double v[2] = {0}, a[2], tau[2];
+    rbd_tasks_result x;
+    char text[120];
+    rbd_tasks_status status = rbd_tasks_velocity(m, w, &p, q, memory, sizeof memory, v, &x);
+    expect_answer(&x, status, RBD_TASKS_OK);
+    ck_assert(fabs(v[0] - 2) < 1e-5 && fabs(v[1] - 1) < 1e-5); /* 1 m from the axis */
+    status = rbd_tasks_acceleration(m, w, &p, q, v, memory, sizeof memory, a, NULL, tau, &x);
+    ck_assert(status == RBD_TASKS_ERROR && x.error == RBD_ERR_MASSLESS);
+    ck_assert_ptr_nonnull(strstr(rbd_tasks_text(status, &x, text, sizeof text), "mass"));
+    t.kind = RBD_TASK_COM;
+    ck_assert_int_eq(rbd_tasks_velocity(m, w, &p, q, memory, sizeof memory, v, &x), RBD_TASKS_ERROR);
+    ck_assert(x.error == RBD_ERR_MASSLESS && x.task == 0);
+}
+END_TEST
+
 START_TEST(a_constant_has_room) {
     robot r = robot_build("hyq", hyq_bodies, HYQ_NB);
     const rbd_task t[8] = {{.kind = RBD_TASK_POINT},    {.kind = RBD_TASK_POSE},
@@ -1091,6 +1121,7 @@ Suite *tasks_suite(void) {
     tcase_add_test(c, contradictions_are_named);
     tcase_add_test(c, bad_input_is_named);
     tcase_add_test(c, calls_without_what_they_need_are_refused);
+    tcase_add_test(c, joints_without_mass_have_velocities);
     tcase_add_test(c, a_constant_has_room);
     tcase_add_test(c, every_status_has_a_sentence);
     tcase_add_test(slow, answers_satisfy_the_dynamics_of_random_trees);
