@@ -32,9 +32,10 @@ of bodies, coordinates and degrees of freedom, which stand in the order of the d
 """
 import types
 
+from ._actuator import Actuators, ActuatorStates, Drives, Friction, Motor, Rod, Rotor, Transmission
 from ._calls import RESULTS as _RESULTS
 from ._constraints import ConstraintSet
-from ._contacts import ContactResult, ContactSet, ContactSolution
+from ._contacts import ContactResult, ContactSet, ContactSolution, RowResult
 from ._descriptions import Body, Constraint, Contact, ContactOptions, load_table
 from ._headers import (SOURCES, Array, ContactState, IkKind, IkStatus, JointType, Matrix, MjcfStatus, Numbers, QpStatus,
                        RbdError, RbdWarning, Status, TaskKind, TasksStatus, UrdfStatus, __version__, structure)
@@ -48,11 +49,13 @@ from ._spatial import AxisAngle, Placement, Spatial
 from ._tasks import Task, TaskContact, Tasks, TasksAcceleration, TasksVelocity
 from ._urdf import Frame, Urdf, load_urdf, parse_urdf
 
-__all__ = ["AxisAngle", "Body", "Constraint", "ConstraintSet", "Contact", "ContactOptions", "ContactResult",
-           "ContactSet", "ContactSolution", "ContactState", "Frame", "IkKind", "IkResult", "IkStatus", "IkTarget",
-           "JointInfo", "JointType", "Library", "Mjcf", "MjcfStatus", "Model", "Placement", "QpSolution", "QpStatus", "RbdError", "RbdWarning",
-           "SOURCES", "Spatial", "Status", "Task", "TaskContact", "TaskKind", "Tasks", "TasksAcceleration", "TasksStatus",
-           "TasksVelocity", "Urdf", "UrdfStatus", "load_mjcf", "load_table", "load_urdf", "parse_mjcf", "parse_urdf", "qp"]
+__all__ = ["ActuatorStates", "Actuators", "AxisAngle", "Body", "Constraint", "ConstraintSet", "Contact", "ContactOptions",
+           "ContactResult", "ContactSet", "ContactSolution", "ContactState", "Drives", "Frame", "Friction", "IkKind",
+           "IkResult", "IkStatus", "IkTarget", "JointInfo", "JointType", "Library", "Mjcf", "MjcfStatus", "Model", "Motor",
+           "Placement", "QpSolution", "QpStatus", "RbdError", "RbdWarning", "Rod", "Rotor", "RowResult", "SOURCES", "Spatial",
+           "Status", "Task", "TaskContact", "TaskKind", "Tasks", "TasksAcceleration", "TasksStatus", "TasksVelocity", "Transmission",
+           "Urdf", "UrdfStatus", "load_mjcf", "load_table", "load_urdf", "parse_mjcf", "parse_urdf",
+           "qp"]
 
 
 def __dir__():
