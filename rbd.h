@@ -117,7 +117,7 @@
 
      The model is a table, which host and GPU both have (&arm_model), or rbd_model_build made it in memory
      that both see: RBD_MODEL_SIZE(nb) bytes of cudaMallocManaged. Names in such a model are the host's alone.
-     rbd_derivatives.h, rbd_constraints.h, rbd_contact.h, rbd_ik.h and rbd_qp.h are called in the same way;
+     rbd_derivatives.h, rbd_constraints.h, rbd_contact.h, rbd_ik.h, rbd_tasks.h and rbd_qp.h are so, too;
      rbd_batch.h is for lanes of a CPU. Compile without --use_fast_math, which nvcc does not tell.
 
    [guarantees]
@@ -274,7 +274,7 @@
 #else
 #define RBDI_API extern
 #endif
-#ifdef __GNUC__
+#if defined __GNUC__ || defined __clang__ /* clang for Windows is no __GNUC__ */
 #define RBDI_UNUSED __attribute__((unused))
 #define RBDI_EXTENSION __extension__
 #else
@@ -351,6 +351,7 @@ RBDI_EXTERN_C_BEGIN
 #define RBDI_SYMBOL(name) RBDI_OF_SCALAR(name)
 #endif
 #define rbd_model_build RBDI_SYMBOL(rbd_model_build)
+#define rbd_model_build_kinematic RBDI_SYMBOL(rbd_model_build_kinematic)
 #define rbd_model_size RBDI_SYMBOL(rbd_model_size)
 #define rbd_add_payload RBDI_SYMBOL(rbd_add_payload)
 #define rbd_lock_joints RBDI_SYMBOL(rbd_lock_joints)
@@ -506,6 +507,8 @@ typedef enum rbd_status {
     RBD_ERR_INFEASIBLE = -27, /* constraints contradict each other */
     RBD_ERR_LEFT_OUT = -28,   /* the model needs code that RBD_FEATURES or RBD_NO_CHOLESKY leave out */
     RBD_ERR_ARITHMETIC = -29, /* RBD_REPRODUCIBLE, and arithmetic does not round as in [guarantees] */
+    RBD_ERR_MASSLESS = -30,   /* built for kinematics alone, and this call needs the mass that a joint moves:
+                                 rbd_singular_dof says which joint has none */
     /* warnings of the build: dynamics computes with such a body, but no real one is like this */
     RBD_WARN_INERTIA_NEGATIVE = 1, /* inertia has a negative eigenvalue */
     RBD_WARN_INERTIA_TRIANGLE = 2, /* one principal moment exceeds the sum of the others */
@@ -554,6 +557,14 @@ RBDI_API char *rbd_finding_text(const rbd_finding *finding, char *text, size_t s
    Errors: RBD_ERR_NULL, _MEMORY, _COUNT, and all from RBD_ERR_NAME on, with body and field. */
 RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory, size_t size,
                                     const rbd_model **model, rbd_report *report);
+
+/* The same for kinematics alone: joints may move no mass, as in a robot whose file has geometry only. If each
+   joint moves mass, inertia or armature, or one does that mimics it, the model is that of rbd_model_build.
+   Otherwise all calls that need masses return RBD_ERR_MASSLESS, and rbd_singular_dof says which joint moves
+   none. Poses, velocities, accelerations, Jacobians, inverse kinematics, coordinates, rows of constraints and
+   rbd_assemble are computed as for any model. Errors: those of rbd_model_build but RBD_ERR_LEAF. */
+RBDI_API rbd_status rbd_model_build_kinematic(const rbd_body *bodies, int nb, void *memory, size_t size,
+                                              const rbd_model **model, rbd_report *report);
 
 /* Bytes that rbd_model_build needs for this description; 0 if nb is out of range. */
 RBDI_API size_t rbd_model_size(const rbd_body *bodies, int nb);
@@ -615,7 +626,8 @@ RBDI_API rbd_status rbd_get_gravity(const rbd_work *w, rbd_const gravity[3]);
    that this dof moves, or of its own joint if that has several dofs, or an overflow there. -1 after a call
    that factors M and finds it regular: then RBD_ERR_NAN of rbd_contact_step came from v, tau, f_ext, damping,
    a gap, or a coordinate that M does not depend on, as the place of a floating root. Other calls do not
-   change it. With lanes: of all states together. */
+   change it. With lanes: of all states together. After RBD_ERR_MASSLESS the first degree of freedom that
+   moves no mass. */
 RBDI_API int rbd_singular_dof(const rbd_work *w);
 
 /* ==== src/api/dynamics.h ==== */
@@ -3009,8 +3021,8 @@ RBDI_PART unsigned char *rbdi_aligned(void *memory) {
 }
 
 /* ==== src/model/features.h ==== */
-/* Interface: rbdi_block_of, rbdi_flags, rbdi_is, rbdi_mimics, rbdi_on_world, RBDI_FEATURES, RBDI_OTHER_BLOCKS
-   */
+/* Interface: rbdi_block_of, rbdi_flags, rbdi_is, rbdi_massless_dof, rbdi_mimics, rbdi_on_world,
+   RBDI_FEATURES, RBDI_OTHER_BLOCKS */
 
 /* ---- features [features] ----
    The features of a model, as bits: flags that some link has, flags that some link has not, kinds of links,
@@ -3024,6 +3036,7 @@ RBDI_PART unsigned char *rbdi_aligned(void *memory) {
 #define RBDI_MIMICS (UINT32_C(1) << 26)
 #define RBDI_OTHER_BLOCKS (UINT32_C(1) << 27) /* not floating on the world, in its axes */
 #define RBDI_ALL_FEATURES UINT32_C(0xfffffff)
+#define RBDI_MASSLESS (UINT32_C(1) << 28) /* a joint moves no mass: no code, and none of dynamics */
 #ifdef RBD_FEATURES
 #define RBDI_FEATURES ((uint32_t)(RBD_FEATURES))
 #else
@@ -3055,13 +3068,22 @@ RBDI_INLINE int rbdi_on_world(const rbdi_link *block) {
     return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? block->parent < 0 : 1;
 }
 
-/* Whether this program has all features of the model. rbd_aba needs Cholesky's factor for mimic joints. */
-RBDI_INLINE int rbdi_supported(const rbd_model *m) {
+/* Whether this program has all features of the model; others: features that count as had. rbd_aba needs
+   Cholesky's factor for mimic joints. */
+RBDI_INLINE int rbdi_supported_but(const rbd_model *m, uint32_t others) {
 #ifdef RBD_NO_CHOLESKY
     if (m->nmimic) return 0;
 #endif
-    return (m->features & ~RBDI_FEATURES) == 0;
+    return (m->features & ~((RBDI_FEATURES & ~RBDI_MASSLESS) | others)) == 0;
 }
+
+/* Whether this program can compute the model's kinematics; its dynamics. */
+RBDI_INLINE int rbdi_supported(const rbd_model *m) { return rbdi_supported_but(m, RBDI_MASSLESS); }
+RBDI_INLINE int rbdi_supports_dynamics(const rbd_model *m) { return rbdi_supported_but(m, 0); }
+
+/* The first dof that moves no mass, -1 if there is none. It is part of the shape, so that no work of another
+   model is taken: rbd_singular_dof reads it there. */
+RBDI_INLINE int rbdi_massless_dof(const rbd_model *m) { return (int)(m->shape[1] >> 48) - 1; }
 
 /* Number of mimic joints. */
 RBDI_INLINE int rbdi_mimics(const rbd_model *m) { return RBDI_FEATURES & RBDI_MIMICS ? m->nmimic : 0; }
@@ -3099,9 +3121,9 @@ RBDI_PART uint32_t rbdi_features(const rbd_model *m) {
      of q        rbdi_joint_rates, rbdi_joint_velocity, rbdi_neutral_joint, rbdi_random_joint
      its fields  model/describe.h: rbdi_describe_joint, if a description has axes or a pitch
 
-   Floating joints are known in three more places, as bases of robots: model/features.h,
-   constraints/weights.h, contact/momentum.h. model/check.h asks whether a joint is fixed. No other room names
-   a type: the test `rooms` compares. */
+   Floating joints are known in four more places, as bases of robots: model/features.h,
+   constraints/weights.h, contact/momentum.h, tasks/contacts.h. model/check.h asks whether a joint is fixed. No
+   other room names a type: the test `rooms` compares. */
 
 /* Numbers of coordinates and dofs, and the axes of one-axis links, in order: 'a' axis, 'b' axis2, 'x' 'y' 'z'
    those of the joint frame. A type without axes is a block. */
@@ -3165,18 +3187,31 @@ RBDI_PART int rbdi_has_limits(int type) {
 }
 
 /* ==== src/model/calls.h ==== */
-/* Interface: rbdi_check, rbdi_stride */
+/* Interface: rbdi_check, rbdi_check_dynamics, rbdi_stride */
+
+/* Whether the work's arrays have the lengths that the model needs. The model's address is not compared:
+   another model may have been built there, and one table may stand at two. */
+RBDI_INLINE int rbdi_fits(const rbd_model *m, const rbd_work *w) {
+    return m->shape[0] == w->shape[0] && m->shape[1] == w->shape[1] && m->shape[2] == w->shape[2];
+}
 
 /* The first check of every call with a model and a work. arrays: none of the caller's required ones is
-   NULL. The program must support the model, and the work's arrays must have the lengths that the model
-   needs. The model's address is not compared: another model may have been built there, and one table may
-   stand at two. */
+   NULL. The program must support the model, and the work must fit it. */
 RBDI_INLINE rbd_status rbdi_check(const rbd_model *m, const rbd_work *w, int arrays) {
     if (!m || !w || !arrays) return RBD_ERR_NULL;
-    return rbdi_supported(m) && m->shape[0] == w->shape[0] && m->shape[1] == w->shape[1] &&
-                   m->shape[2] == w->shape[2]
-               ? RBD_OK
-               : RBD_ERR_WORK;
+    return rbdi_supported(m) && rbdi_fits(m, w) ? RBD_OK : RBD_ERR_WORK;
+}
+
+/* Why a model's dynamics cannot be computed. */
+RBDI_COLD rbd_status rbdi_no_dynamics(const rbd_model *m, const rbd_work *w) {
+    return rbdi_supported(m) && rbdi_fits(m, w) ? RBD_ERR_MASSLESS : RBD_ERR_WORK;
+}
+
+/* rbdi_check of a call that needs masses. */
+RBDI_INLINE rbd_status rbdi_check_dynamics(const rbd_model *m, const rbd_work *w, int arrays) {
+    if (!m || !w || !arrays) return RBD_ERR_NULL;
+    if (rbdi_supports_dynamics(m) && rbdi_fits(m, w)) return RBD_OK;
+    return rbdi_no_dynamics(m, w);
 }
 
 /* From one component of the wrenches in w->F to the next. */
@@ -3849,7 +3884,7 @@ RBDI_PART void rbdi_rnea(const rbd_model *m, rbd_work *w, const rbd_real *v, con
 
 RBDI_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                              const rbd_real *a, const rbd_real *f_ext, rbd_real *tau) {
-    const rbd_status status = rbdi_check(m, w, q && v && a && tau);
+    const rbd_status status = rbdi_check_dynamics(m, w, q && v && a && tau);
     if (status) return status;
 
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
@@ -3910,7 +3945,7 @@ RBDI_PART void rbdi_momenta(const rbd_model *m, rbd_work *w, const rbd_real *v, 
 
 RBDI_API rbd_status rbd_generalized_momentum(const rbd_model *m, rbd_work *w, const rbd_real *q,
                                              const rbd_real *v, rbd_real *p, rbd_real *ctv) {
-    const rbd_status status = rbdi_check(m, w, q && v);
+    const rbd_status status = rbdi_check_dynamics(m, w, q && v);
     if (status) return status;
 
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
@@ -4265,7 +4300,7 @@ RBDI_PART void rbdi_crba_of_joints(const rbd_model *m, rbd_work *w, rbd_real *H)
 }
 
 RBDI_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *H) {
-    const rbd_status status = rbdi_check(m, w, q && H);
+    const rbd_status status = rbdi_check_dynamics(m, w, q && H);
     if (status) return status;
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
     rbdi_crba_of_joints(m, w, H);
@@ -4273,7 +4308,7 @@ RBDI_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_r
 }
 
 RBDI_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *M) {
-    const rbd_status status = rbdi_check(m, w, q && M);
+    const rbd_status status = rbdi_check_dynamics(m, w, q && M);
     if (status) return status;
 
     if (m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear(M, m->nv * m->nv);
@@ -5670,7 +5705,7 @@ RBDI_COLD rbd_status rbdi_check_free(const rbd_model *m, rbd_work *w, const unsi
 RBDI_API rbd_status rbd_hybrid(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                const unsigned char *given, rbd_real *a, rbd_real *tau,
                                const rbd_real *f_ext) {
-    const rbd_status status = rbdi_check(m, w, q && v && given && a && tau);
+    const rbd_status status = rbdi_check_dynamics(m, w, q && v && given && a && tau);
     rbdi_mask doubt;
     if (status) return status;
 
@@ -5700,7 +5735,7 @@ RBDI_API rbd_status rbd_hybrid(const rbd_model *m, rbd_work *w, const rbd_real *
 RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                             const rbd_real *tau, const rbd_real *f_ext, rbd_real *a) {
     rbdi_mask doubt;
-    const rbd_status status = rbdi_check(m, w, q && v && tau && a);
+    const rbd_status status = rbdi_check_dynamics(m, w, q && v && tau && a);
     if (status) return status;
 #ifndef RBD_NO_CHOLESKY
     if (rbdi_mimics(m)) return rbd_fd_cholesky(m, w, q, v, tau, f_ext, a);
@@ -5718,7 +5753,7 @@ RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
 RBDI_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                     const rbd_real *tau, const rbd_real *f_ext, rbd_real *a) {
     rbdi_mask doubt;
-    const rbd_status status = rbdi_check(m, w, q && v && tau && a);
+    const rbd_status status = rbdi_check_dynamics(m, w, q && v && tau && a);
     if (status) return status;
 
     rbd_crba_packed(m, w, q, w->H);
@@ -5732,14 +5767,14 @@ RBDI_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_r
 
 RBDI_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, rbd_real *H) {
     rbdi_mask doubt;
-    const rbd_status status = rbdi_check(m, w, H != NULL);
+    const rbd_status status = rbdi_check_dynamics(m, w, H != NULL);
     if (status) return status;
     doubt = rbdi_factor(m, w, H);
     return rbdi_factor_status(m, w, H, doubt, H, rbd_packed_size(m));
 }
 
 RBDI_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *M, rbd_real *L) {
-    const rbd_status status = rbdi_check(m, w, M && L);
+    const rbd_status status = rbdi_check_dynamics(m, w, M && L);
     if (status) return status;
 
     for (int i = 0; i < m->nv; ++i) { /* L may be M, because packed rows end before the full ones do */
@@ -5773,7 +5808,7 @@ RBDI_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, con
 
 RBDI_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *Minv) {
     rbdi_mask doubt;
-    const rbd_status status = rbdi_check(m, w, q && Minv);
+    const rbd_status status = rbdi_check_dynamics(m, w, q && Minv);
     if (status) return status;
     rbd_crba_packed(m, w, q, w->H);
     doubt = rbdi_factor(m, w, w->H);
@@ -6018,7 +6053,7 @@ RBDI_LOCAL rbd_status rbdi_check_body_call(const rbd_model *m, const rbd_work *w
 }
 
 RBDI_LOCAL rbd_status rbdi_check_robot_call(const rbd_model *m, const rbd_work *w) {
-    const rbd_status status = rbdi_check(m, w, 1);
+    const rbd_status status = rbdi_check_dynamics(m, w, 1);
     return status ? status : rbdi_have_kinematics(m, w, -1);
 }
 
@@ -6226,8 +6261,10 @@ RBDI_LOCAL rbdi_force rbdi_wrench_to_parent(const rbd_model *m, const rbd_work *
 
 RBDI_API rbd_status rbd_joint_wrench(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                      const rbd_real *a, const rbd_real *f_ext, rbd_real *wrench) {
-    const rbd_status status = wrench ? rbd_kinematics(m, w, q, v, a) : RBD_ERR_NULL;
+    const rbd_status status = rbdi_check_dynamics(m, w, q && wrench);
     if (status) return status;
+
+    rbd_kinematics(m, w, q, v, a);
 
     for (int body = 0; body < m->nb; ++body) {
         const rbdi_moving b = rbdi_moving_body(m, w, body);
@@ -6464,11 +6501,16 @@ RBDI_LOCAL void rbdi_put_origin(const rbdi_frame *u, rbdi_v3 p, rbd_real *q) {
     if (u->type == RBD_FLOATING) rbdi_store_vec(q, 1, p);
 }
 
+/* E of a joint of the description, compiled once. */
+RBDI_PART rbdi_mat rbdi_attitude_of(const rbdi_frame *u, const rbd_real *q) {
+    return rbdi_joint_attitude(u->type, q);
+}
+
 /* q_next of a joint that turns by e in its own axes, with its origin moved by the shift in the axes of q:
    p_next = p + E' shift, and the turn. */
 RBDI_LOCAL void rbdi_turn_joint(const rbdi_frame *u, const rbd_real *q, rbdi_exp e, rbdi_v3 turn,
                                 rbdi_v3 shift, rbd_real *q_next) {
-    shift = rbdi_mul_t(rbdi_joint_attitude(u->type, q), shift);
+    shift = rbdi_mul_t(rbdi_attitude_of(u, q), shift);
     rbdi_put_origin(u, rbdi_add(rbdi_joint_origin(u->type, q), shift), q_next);
     if (u->type == RBD_PLANAR)
         q_next[2] = q[2] + turn.z;
@@ -6500,11 +6542,6 @@ RBDI_LOCAL rbd_real rbdi_within_half_turn(rbd_real angle) {
     rbd_real c, s;
     rbdi_sincos(angle, &s, &c);
     return rbdi_select(rbdi_less(pi2, angle * angle), rbdi_signed_angle(s, c), angle);
-}
-
-/* E of a joint of the description, compiled once for the calls of which no loop waits. */
-RBDI_PART rbdi_mat rbdi_attitude_of(const rbdi_frame *u, const rbd_real *q) {
-    return rbdi_joint_attitude(u->type, q);
 }
 
 /* d with q0 (+) d = q1, for one joint. */
@@ -6704,7 +6741,7 @@ RBDI_LOCAL rbd_const rbdi_uniform(uint64_t *seed) {
 }
 
 /* A number uniform between two bounds; each lane draws its own. */
-RBDI_LOCAL rbd_real rbdi_draw(uint64_t *seed, rbd_const lower, rbd_const upper) {
+RBDI_COLD rbd_real rbdi_draw(uint64_t *seed, rbd_const lower, rbd_const upper) {
 #ifdef RBD_LANES
     rbd_real x = rbdi_zero();
 
@@ -6722,7 +6759,7 @@ RBDI_LOCAL rbd_real rbdi_draw(uint64_t *seed, rbd_const lower, rbd_const upper) 
 }
 
 /* A uniform orientation: two points on circles with radii sqrt(x), sqrt(1 - x), x uniform (Shoemake 1992). */
-RBDI_LOCAL void rbdi_draw_quaternion(uint64_t *seed, rbd_real *q) {
+RBDI_COLD void rbdi_draw_quaternion(uint64_t *seed, rbd_real *q) {
     rbd_real x = rbdi_draw(seed, RBD_C(0), RBD_C(1)), radius = rbdi_sqrt(x), c, s;
 
     rbdi_sincos(rbdi_draw(seed, -RBDI_PI(rbd_const), RBDI_PI(rbd_const)), &s, &c);
@@ -6736,7 +6773,7 @@ RBDI_LOCAL void rbdi_draw_quaternion(uint64_t *seed, rbd_real *q) {
 
 /* Random coordinates of one joint: within its limits, or angles in [-pi, pi), lengths in [-1, 1) and uniform
    orientations. */
-RBDI_LOCAL void rbdi_random_joint(const rbdi_frame *u, uint64_t *seed, rbd_real *q) {
+RBDI_COLD void rbdi_random_joint(const rbdi_frame *u, uint64_t *seed, rbd_real *q) {
     const rbd_const pi = RBDI_PI(rbd_const), one = RBD_C(1);
     int angles = u->nv, shifts = 0; /* shifts come first, but with cylindrical joints */
     if (u->nv == 1 && u->lower < u->upper) {
@@ -6993,7 +7030,7 @@ RBDI_API rbd_status rbd_free_step(const rbd_model *m, rbd_work *w, const rbd_rea
     const rbd_real half = dt * RBD_C(0.5);
     rbd_real *nu;
     rbdi_mask doubt;
-    rbd_status status = rbdi_check(m, w, q && v && tau && q_next && v_next);
+    rbd_status status = rbdi_check_dynamics(m, w, q && v && tau && q_next && v_next);
     if (status) return status;
 
     /* q_mid and v_mid, and K there */
@@ -7027,10 +7064,10 @@ RBDI_API size_t rbd_work_size(const rbd_model *m) {
 }
 
 #if RBDI_REPRODUCIBLE
-/* Whether products, sums and roots are rounded one by one and to nearest, and denormals are numbers. 1 - x low
-   finds libgcc's double sums on ARMv7-M: they are wrong if one exponent is 33 above the other and that of the
-   result is lower. The root of 1 + 3 eps is 1 + 3/2 eps - 9/8 eps^2: one that is rounded to 80 bits before
-   loses the last term, and then is 1 + 2 eps. */
+/* Whether products, sums and roots are rounded one by one and to nearest, and denormals are numbers.
+   1 - x low finds libgcc's double sums on ARMv7-M: they are wrong if one exponent is 33 above the other and
+   that of the result is lower. The root of 1 + 3 eps is 1 + 3/2 eps - 9/8 eps^2: one that is rounded to 80
+   bits before loses the last term, and then is 1 + 2 eps. */
 RBDI_COLD int rbdi_rounds(void) {
     const volatile RBD_REAL given[5] = {1, RBDI_EPS, 1 + RBDI_EPS, 1 + 2 * RBDI_EPS, RBDI_TINY};
     const RBD_REAL one = given[0], e = given[1], x = given[2], square = given[3], tiny = given[4];
@@ -7063,7 +7100,7 @@ RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size,
     for (int k = 0; k < RBDI_SHAPE; ++k) w->shape[k] = m->shape[k];
     w->gravity = m->gravity;
     rbdi_require_ieee();
-    w->singular = -1;
+    w->singular = rbdi_massless_dof(m);
     w->kinematics_of = RBDI_NO_KINEMATICS;
 #define RBDI_TAKE(type, name, length) w->name = (type *)rbdi_take(&p, (int)(length), sizeof(type));
     RBDI_WORK_ARRAYS(RBDI_TAKE, m->nl, m->nblock, m->nbranch, n, nqx, m->nv, m->nh + m->nhx)
@@ -7175,16 +7212,16 @@ RBDI_MESSAGES RBDI_API const char *rbd_status_string(rbd_status status) {
     case RBD_ERR_FRICTION: return "negative or not finite";
     case RBD_ERR_LIMITS: return "not a number, or a negative limit";
     case RBD_ERR_MIMIC:
-        return "ratio 0 or not finite, offset not finite, not a one-dof joint, or it follows a joint that is "
+        return "ratio 0 or not finite, offset not finite, not a one-dof joint, or it follows one that is "
                "missing or mimics too";
     case RBD_ERR_WORK: return "made for another model or another work";
     case RBD_ERR_NAN: return "NaN in q (rbd_singular_dof says where), v, a force or a gap; or overflow";
     case RBD_ERR_RANGE: return "negative, not finite or out of range";
     case RBD_ERR_INFEASIBLE: return "the constraints contradict each other";
     case RBD_ERR_ARITHMETIC:
-        return "RBD_REPRODUCIBLE: products and sums are contracted, or not rounded to nearest, or square "
-               "roots "
-               "are rounded twice, or denormals are 0";
+        return "RBD_REPRODUCIBLE: results are contracted, rounded twice or not to nearest, or denormals are "
+               "0";
+    case RBD_ERR_MASSLESS: return "dynamics needs masses, a joint moves none: rbd_singular_dof says which";
     case RBD_ERR_LEFT_OUT: return "the model needs code that RBD_FEATURES or RBD_NO_CHOLESKY leave out";
     case RBD_WARN_INERTIA_NEGATIVE: return "has a negative principal moment: no real body is like this";
     case RBD_WARN_INERTIA_TRIANGLE:
@@ -7877,6 +7914,33 @@ RBDI_LOCAL rbd_status rbdi_check_moves(const rbd_body *bodies, int nb, rbdi_plac
     return status;
 }
 
+/* Marks the bodies whose joint moves mass or inertia, or has armature; or such a joint mimics it, or it
+   mimics one. Unlike rbdi_check_moves this is strict: armature of a joint is none of the joints that carry
+   it. */
+RBDI_LOCAL void rbdi_mark_movers(const rbd_body *bodies, int nb, rbdi_place *place) {
+    for (int i = 0; i < nb; ++i) place[i].moves = bodies[i].mass > 0 || !rbdi_all_zero(bodies[i].inertia, 6);
+    for (int i = nb - 1; i >= 0; --i)
+        if (bodies[i].parent >= 0 && place[i].moves) place[bodies[i].parent].moves = 1;
+
+    for (int i = 0; i < nb; ++i)
+        if (!rbdi_all_zero(bodies[i].armature, rbdi_joint_facts((int)bodies[i].type)->nv)) place[i].moves = 1;
+
+    for (int i = 0; i < nb; ++i)
+        if (bodies[i].mimic && place[i].moves) place[rbdi_mimic_source(bodies, nb, i)].moves = 1;
+    for (int i = 0; i < nb; ++i)
+        if (bodies[i].mimic) place[i].moves = place[rbdi_mimic_source(bodies, nb, i)].moves;
+}
+
+/* The first dof of the first body whose joint moves no mass, or of the joint that it mimics; -1 if there is
+   none. */
+RBDI_LOCAL int rbdi_massless_dof_of(const rbd_body *bodies, int nb, rbdi_place *place) {
+    rbdi_mark_movers(bodies, nb, place);
+    for (int i = 0; i < nb; ++i)
+        if (bodies[i].type != RBD_FIXED && !place[i].moves)
+            return place[bodies[i].mimic ? rbdi_mimic_source(bodies, nb, i) : i].iv;
+    return -1;
+}
+
 /* -- the steps of the build -- */
 
 /* Lengths of the model's arrays. */
@@ -7889,6 +7953,7 @@ typedef struct rbdi_build {
     const rbd_body *bodies;
     int nb;
     rbdi_counts n;
+    int massless; /* the first dof that moves no mass, -1: none */
     rbd_model *m;
     RBDI_MODEL_ARRAYS(RBDI_ARRAY_FIELD, 0, 0, 0, 0, 0)
 } rbdi_build;
@@ -8520,10 +8585,12 @@ RBDI_LOCAL void rbdi_place_coordinates(const rbdi_build *build) {
     }
 }
 
-/* All numbers that rbd_work_size and rbd_batch_size depend on, side by side in few words to compare. */
-RBDI_LOCAL void rbdi_shape(const rbd_model *m, uint64_t shape[RBDI_SHAPE]) {
+/* All numbers that rbd_work_size and rbd_batch_size depend on, side by side in few words to compare; and the
+   first dof that moves no mass, see rbdi_massless_dof. */
+RBDI_LOCAL void rbdi_shape(const rbd_model *m, int massless, uint64_t shape[RBDI_SHAPE]) {
     shape[0] = (uint64_t)m->nb << 48 | (uint64_t)m->nq << 32 | (uint64_t)m->nv << 16 | (uint64_t)m->nl;
-    shape[1] = (uint64_t)m->nblock << 32 | (uint64_t)m->nbranch << 16 | (uint64_t)m->nmimic;
+    shape[1] = (uint64_t)(massless + 1) << 48 | (uint64_t)m->nblock << 32 | (uint64_t)m->nbranch << 16 |
+               (uint64_t)m->nmimic;
     shape[2] = (uint64_t)m->nh << 32 | (uint64_t)m->nhx;
 }
 
@@ -8684,8 +8751,8 @@ RBDI_LOCAL void rbdi_emit(const rbdi_build *build) {
     rbdi_emit_frames(build);
     rbdi_emit_tree(build);
     rbdi_emit_order(build);
-    m->features = rbdi_features(m);
-    rbdi_shape(m, m->shape);
+    m->features = rbdi_features(m) | (build->massless < 0 ? 0 : RBDI_MASSLESS);
+    rbdi_shape(m, build->massless, m->shape);
 }
 
 /* ==== src/model/build.h ==== */
@@ -8706,8 +8773,9 @@ RBDI_API size_t rbd_model_size(const rbd_body *bodies, int nb) {
     return RBDI_MODEL_BYTES(nb, n.nl, n.nblock, n.ndof, n.nmimic);
 }
 
-RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory, size_t size,
-                                    const rbd_model **model, rbd_report *report) {
+/* Builds a model. kinematic: joints may move no mass. */
+RBDI_LOCAL rbd_status rbdi_build_model(const rbd_body *bodies, int nb, int kinematic, void *memory,
+                                       size_t size, const rbd_model **model, rbd_report *report) {
     rbd_report own;
 
     if (!report) report = &own;
@@ -8737,12 +8805,23 @@ RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory
         rbdi_build_mass(&bodies[i], &b.place[i], b.links);
     }
 
-    if (rbdi_check_moves(bodies, nb, b.place, report)) return RBD_ERR_LEAF;
+    b.massless = kinematic ? rbdi_massless_dof_of(bodies, nb, b.place) : -1;
+    if (!kinematic && rbdi_check_moves(bodies, nb, b.place, report)) return RBD_ERR_LEAF;
 
     rbdi_build_solve(b.links, b.n.nl);
     rbdi_emit(&b);
     *model = b.m;
     return RBD_OK;
+}
+
+RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory, size_t size,
+                                    const rbd_model **model, rbd_report *report) {
+    return rbdi_build_model(bodies, nb, 0, memory, size, model, report);
+}
+
+RBDI_API rbd_status rbd_model_build_kinematic(const rbd_body *bodies, int nb, void *memory, size_t size,
+                                              const rbd_model **model, rbd_report *report) {
+    return rbdi_build_model(bodies, nb, 1, memory, size, model, report);
 }
 
 /* ==== src/model/payload.h ==== */

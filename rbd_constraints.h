@@ -1774,7 +1774,7 @@ RBDI_LOCAL int rbdi_articulated_solve(const rbd_model *m, rbd_constraint_set *c,
 }
 
 /* ==== src/constraints/calls.h ==== */
-/* Interface: rbdi_check_constraints, rbdi_constraint_bias */
+/* Interface: rbdi_check_constrained, rbdi_constraint_bias */
 
 /* ---- call code [call code] ---- */
 
@@ -1783,6 +1783,12 @@ RBDI_LOCAL rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_const
     for (int k = 0; k < RBDI_SHAPE; ++k)
         if (c->shape[k] != m->shape[k]) return RBD_ERR_WORK;
     return rbdi_check(m, c->w, 1);
+}
+
+/* The same of a call that needs masses. */
+RBDI_LOCAL rbd_status rbdi_check_constrained(const rbd_model *m, const rbd_constraint_set *c, int arrays) {
+    const rbd_status status = rbdi_check_constraints(m, c, arrays);
+    return status ? status : rbdi_check_dynamics(m, c->w, 1);
 }
 
 /* x += D^-1 Y lambda, with lambda of least norm so that Y' x = target. check: whether to note a row that
@@ -1929,7 +1935,7 @@ RBDI_LOCAL rbd_status rbdi_constrained(const rbd_model *m, rbd_constraint_set *c
 RBDI_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                        const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                        rbd_real *a, rbd_real *lambda) {
-    const rbd_status status = rbdi_check_constraints(m, c, q && v && tau && a);
+    const rbd_status status = rbdi_check_constrained(m, c, q && v && tau && a);
     return status ? status : rbdi_constrained(m, c, q, v, tau, f_ext, NULL, a, lambda);
 }
 
@@ -1943,7 +1949,7 @@ RBDI_LOCAL int rbdi_restitution_fits(rbd_real restitution) {
 
 RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                const rbd_real *v, rbd_real restitution, rbd_real *v_plus, rbd_real *impulse) {
-    rbd_status status = rbdi_check_constraints(m, c, q && v && v_plus);
+    rbd_status status = rbdi_check_constrained(m, c, q && v && v_plus);
     if (status) return status;
     if (!rbdi_restitution_fits(restitution)) return RBD_ERR_RANGE;
 
@@ -2033,7 +2039,7 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
                                        const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
                                        const unsigned char *actuated, const rbd_const *weight, rbd_real *tau,
                                        rbd_real *lambda) {
-    const rbd_status status = rbdi_check_constraints(m, c, q && v && a && tau);
+    const rbd_status status = rbdi_check_constrained(m, c, q && v && a && tau);
     rbd_real *root; /* of 1 / weight */
     rbd_const free;
     if (status) return status;
@@ -3005,7 +3011,7 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
     rbd_status status, solved;
 
     for (int x = 0; x < 3; ++x) pairs &= !of_a[x] == !of_lambda[x];
-    status = rbdi_check_constraints(m, c, d && q && v && tau && out && pairs);
+    status = rbdi_check_constrained(m, c, d && q && v && tau && out && pairs);
     if (!status) status = rbdi_check_derivatives(m, d, 1);
     if (status) return status;
     if (d->work != c->w) return RBD_ERR_WORK;

@@ -2452,7 +2452,7 @@ RBDI_LOCAL void rbdi_contact_move(const rbd_model *m, const rbd_contact_set *c, 
 }
 
 RBDI_LOCAL rbd_status rbdi_check_step(const rbd_model *m, const rbd_contact_set *c, int arrays, rbd_real dt) {
-    const rbd_status status = c ? rbdi_check_constraints(m, c->rows, arrays) : RBD_ERR_NULL;
+    const rbd_status status = c ? rbdi_check_constrained(m, c->rows, arrays) : RBD_ERR_NULL;
     if (status) return status;
     return dt > 1 / RBDI_UNBOUNDED && dt < RBDI_UNBOUNDED ? RBD_OK : RBD_ERR_RANGE;
 }

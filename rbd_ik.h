@@ -45,8 +45,8 @@
      ./run fuzz --ik counts. That a target is out of reach is known after all starts and descents: a thousand.
      That no place is nearer is not proven, nor that a target that is not reached cannot be. A redundant arm
      may take any of its postures. Where limits are wide, starts are within a turn, or 10 times `length` of a
-     slide, of the caller's q. No collisions. Robots need no masses, but for their centre of mass; a last body
-     without mass needs armature, or rbd_model_build refuses it.
+     slide, of the caller's q. No collisions. Robots need no masses, but for their centre of mass:
+     rbd_model_build_kinematic builds one without.
 */
 #include "rbd.h"
 
@@ -138,8 +138,9 @@ typedef struct rbd_ik_result {
    set on it, and the others solved for again (Flacco, De Luca and Khatib 2015).
    Errors, in result->error: RBD_ERR_NULL, but without a result RBD_IK_ERROR alone; _WORK; _MEMORY; _COUNT, n
    below 1 or above 1000; _INDEX, a body; _TYPE, no kind; _POSITION, _ROTATION, _AXIS; _MASS, a centre of mass
-   of a robot without mass; _RANGE, a weight, an option or q; _INFEASIBLE, a part of a joint is held; _NAN, q
-   is not finite, or the errors at each start overflow. */
+   of a robot without mass; _MASSLESS, that of a robot some of whose joints move none; _RANGE, a weight, an
+   option or q; _INFEASIBLE, a part of a joint is held; _NAN, q is not finite, or the errors at each start
+   overflow. */
 RBDI_API rbd_ik_status rbd_ik(const rbd_model *m, rbd_work *w, const rbd_ik_target *targets, int n,
                               const rbd_ik_options *options, void *memory, size_t size, rbd_real *q,
                               rbd_ik_result *result);
@@ -181,6 +182,8 @@ RBDI_EXTERN_C_END
 #define RBDI_IK_LAYOUT
 
 /* ==== src/ik/layout.h ==== */
+/* Interface: rbdi_ik_dof, RBDI_IK_MOST */
+
 /* ---- method [method] ----
    The errors e of all targets, angles times `length`, times the root of the target's weight, stand in one
    vector; J is its Jacobian over the dofs that move a target. A step d minimises
@@ -298,6 +301,8 @@ typedef struct rbdi_ik {
 RBDI_CODE_BEGIN
 
 /* ==== src/ik/step.h ==== */
+/* Interface: rbdi_ik_copy, rbdi_ik_larger, rbdi_ik_smaller */
+
 /* ---- step [step] ---- */
 
 RBDI_LOCAL void rbdi_ik_copy(const rbd_real *from, int n, rbd_real *to) {
@@ -489,6 +494,8 @@ RBDI_LOCAL void rbdi_ik_move(rbdi_ik *k, rbd_real share, rbd_real *q_next) {
 }
 
 /* ==== src/ik/targets.h ==== */
+/* Interface: rbdi_ik_across, rbdi_ik_rotation, rbdi_ik_turn, rbdi_ik_unit */
+
 /* ---- targets [targets code] ---- */
 
 RBDI_INLINE int rbdi_ik_turns_body(rbd_ik_kind kind) {
@@ -809,6 +816,8 @@ RBDI_LOCAL void rbdi_ik_curve(rbdi_ik *k) {
 }
 
 /* ==== src/ik/dofs.h ==== */
+/* Interface: rbdi_ik_limits */
+
 /* ---- dofs [dofs] ---- */
 
 /* Marks the dofs that move link i: 1, or 2 if they turn. With mimic joints those that they follow. */
@@ -1135,6 +1144,8 @@ RBDI_LOCAL rbd_ik_status rbdi_ik_judge(rbdi_ik *k) {
 }
 
 /* ==== src/ik/check.h ==== */
+/* Interface: rbdi_ik_is_axis, rbdi_ik_is_place, rbdi_ik_is_rotation, rbdi_ik_within */
+
 /* ---- checks [checks] ---- */
 
 /* Notes an error; returns it. */
@@ -1184,6 +1195,7 @@ RBDI_LOCAL rbd_status rbdi_ik_check_target(const rbd_model *m, const rbd_ik_targ
         return rbdi_ik_refuse(result, RBD_ERR_TYPE, i, "kind");
     if (!com && (t->body < 0 || t->body >= m->nb)) return rbdi_ik_refuse(result, RBD_ERR_INDEX, i, "body");
     if (com && !(rbd_mass(m) > 0)) return rbdi_ik_refuse(result, RBD_ERR_MASS, i, "kind");
+    if (com && rbdi_massless_dof(m) >= 0) return rbdi_ik_refuse(result, RBD_ERR_MASSLESS, i, "kind");
 
     if (!com && !rbdi_ik_is_place(t->point)) return rbdi_ik_refuse(result, RBD_ERR_POSITION, i, "point");
     if ((com || rbdi_ik_moves_point(t->kind)) && !rbdi_ik_is_place(t->position))

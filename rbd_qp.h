@@ -181,7 +181,7 @@
 #else
 #define RBDI_API extern
 #endif
-#ifdef __GNUC__
+#if defined __GNUC__ || defined __clang__ /* clang for Windows is no __GNUC__ */
 #define RBDI_UNUSED __attribute__((unused))
 #define RBDI_EXTENSION __extension__
 #else

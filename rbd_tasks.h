@@ -2,10 +2,10 @@
    Made by src/amalgamate.py from src/rbd_tasks.h and the files that it includes: edit those.
    SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end of rbd.h.
 
-   Finds, at each tick of a controller, the velocities or the accelerations, contact forces and torques that do
-   what tasks ask for as well as contacts, friction and limits allow; for all joint types, floating and fixed
-   bases, and mimic joints. Implemented by the same RBD_IMPLEMENTATION as rbd.h, in the same file. A robot on
-   four feet that holds its trunk still:
+   Finds, at each tick of a controller, the velocities, or the accelerations with contact forces and torques,
+   that do what tasks ask for as well as contacts, friction and limits allow. For all joint types, floating
+   and fixed bases, and mimic joints. Implemented by the same RBD_IMPLEMENTATION as rbd.h, in the same file. A
+   robot on four feet that holds its trunk still:
 
        #define RBD_IMPLEMENTATION
        #include "rbd_tasks.h"
@@ -18,7 +18,7 @@
        static unsigned char memory[RBD_TASKS_SIZE(NV, 6 + NV, 4, 0)];
        rbd_tasks_result result;
        for (;;) {   // each millisecond
-           status = rbd_tasks_acceleration(m, w, &problem, q, v, memory, sizeof memory, a, forces, tau, &result);
+           status = rbd_tasks_acceleration(m, w, &problem, q, v, memory, sizeof memory, a, f, tau, &result);
            problem.warm = status >= 0;
            if (status < 0) puts(rbd_tasks_text(status, &result, text, sizeof text));
        }
@@ -32,18 +32,27 @@
 
    [conventions] Those of rbd.h and rbd_qp.h, beyond them:
      x            velocities; or accelerations, then forces of closed contacts
-     level        tasks of level 0 count first, by weights among themselves; those of level 1 have what is left
+     level        tasks of level 0 come first, by weights among themselves; level 1 has what they leave
      hard, soft   what must hold; what may be missed at a cost
 
    [configuration] That of rbd.h. RBD_LANES and RBD_REAL_CUSTOM do not go with it.
 
    [guarantees]
-     No allocation. With RBD_TASKS_OK all contacts are held, all limits kept and all equations of motion solved
-     to result->primal. Below 0 outputs stay as they were. Outputs are finite. The bits are the same on every
-     machine with RBD_REPRODUCIBLE.
+     Those of rbd.h: no allocation, reentrant. With RBD_TASKS_OK contacts are held, hard limits kept and the
+     equations of motion solved to result->primal, a share of their terms that is at most 1e-7 (float 1e-3),
+     and mostly some roundings. With a status below 0 all outputs stay as they were. Outputs are finite. The
+     bits are the same on every machine with RBD_REPRODUCIBLE.
 
    [limits]
-     The work of a tick is that of a QP of nv + 3 contacts variables a level: see rbd_qp.h.
+     A tick costs kinematics, the mass matrix, a Jacobian for each task and contact, and a QP of nv + 3
+     contacts variables for each level: see rbd_qp.h; the option `steps` bounds it. A level misses what it
+     could do by what motion_cost and force_cost take: a share of some motion_cost / weight. Tasks in float
+     should differ by at most three decades in weight; levels are better. Friction of contacts is that of
+     points: a flat foot has several, and their forces share its torsion. Contacts may contradict each other
+     or limits, as where a joint is at its stop: RBD_TASKS_INFEASIBLE. Soft limits, an open contact or a lower
+     `least` help. Closed loops of rbd_constraints.h are not known here; RBD_TASK_ROWS can state them softly.
+     Passive joints other than floating ones must be named. Velocities look one tick ahead: they may end where
+     another posture would reach further, which rbd_ik finds.
 */
 #include "rbd_ik.h"
 #include "rbd_qp.h"
@@ -101,7 +110,8 @@ typedef struct rbd_task {
     rbd_real direction[3]; /* where the axis shall point, world axes, of such a length */
 
     /* Wanted (omega; v) and its rate, of the point, in the axes of `position`; of a momentum (kg m^2/s;
-       kg m/s) and its rate. A kind of 3 rows reads its three: POINT and COM the last, the others the first. */
+       kg m/s) and its rate. A kind of 3 rows reads its three: POINT and COM the
+       last, the others the first. */
     rbd_real velocity[6], acceleration[6];
     unsigned char loose[6]; /* not 0: this row, angular x y z or linear x y z, does not count */
 
@@ -130,7 +140,11 @@ typedef struct rbd_task_contact {
 /* ---- problem [problem of tasks] ---- */
 
 /* Limits that do not count: rbd_tasks.without is their sum. */
-enum { RBD_WITHOUT_POSITION = 1, RBD_WITHOUT_SPEED = 2, RBD_WITHOUT_TORQUE = 4 };
+typedef enum rbd_tasks_without {
+    RBD_WITHOUT_POSITION = 1,
+    RBD_WITHOUT_SPEED = 2,
+    RBD_WITHOUT_TORQUE = 4
+} rbd_tasks_without;
 
 /* What shall be done in one tick. Keep it and change what moves. 0 is the default in brackets. */
 typedef struct rbd_tasks {
@@ -140,12 +154,11 @@ typedef struct rbd_tasks {
     int contacts;
     rbd_real dt; /* s: until the next tick, above 0 */
 
-    /* Limits of dofs, nv each. NULL: those of the model, of joints with one dof and of those that mimic them. */
-    const rbd_real *lower,
-        *upper;                   /* rad or m, of joints with one coordinate; RBD_QP_NONE and more is none. If
-                                      one is NULL, there is none at that side */
-    const rbd_real *speed;        /* rad/s or m/s; 0: none */
-    const rbd_real *torque;       /* N m or N; 0: none */
+    /* Limits of dofs, nv each. NULL: those of the model, of joints with one dof and of their mimics. */
+    const rbd_real *lower;  /* rad or m, of joints with one coordinate; -RBD_QP_NONE and less: none */
+    const rbd_real *upper;  /* RBD_QP_NONE and more: none. If only one is given, the other side has none */
+    const rbd_real *speed;  /* rad/s or m/s; 0: none */
+    const rbd_real *torque; /* N m or N; 0: none */
     const rbd_real *acceleration; /* rad/s^2 or m/s^2; 0: none. NULL: none */
     rbd_real braking;       /* rad/s^2 or m/s^2: limits of position and speed ask for no more, where there is
                                no limit of acceleration [10] */
@@ -158,8 +171,9 @@ typedef struct rbd_tasks {
     const rbd_real *f_ext;        /* nb x 6, known forces, as of rbd_rnea; NULL: none */
     rbd_real motion_cost;         /* of each component of x squared, at all levels [1e-6, float 1e-4] */
     rbd_real force_cost;          /* of each newton squared [motion_cost / mass^2 of the robot] */
-    int warm;                     /* not 0: memory is as the last call left it, and the QP begins there */
-    int steps;                    /* of each level's QP, at most: rbd_qp_options */
+    int warm;  /* not 0: memory is as the last call of the same model and number of contacts left it, and
+                 the QP begins there */
+    int steps; /* of each level's QP, at most: rbd_qp_options */
 } rbd_tasks;
 
 /* Hard rows that may contradict each other. */
@@ -200,10 +214,11 @@ typedef struct rbd_tasks_result {
    and limits are kept. w: what rbd_kinematics left there is replaced.
    memory    size bytes of any alignment: RBD_TASKS_SIZE. Leave it alone between ticks if `warm` is set
    result    what was reached
-   Errors, in result->error: RBD_ERR_NULL, but without a result RBD_TASKS_ERROR alone; _WORK; _MEMORY; _COUNT, a
-   number below 0 or above 1000; _INDEX, a body; _TYPE, a kind; _POSITION, _ROTATION, _AXIS; _MASS, a centre of
-   mass of a robot without mass; _LIMITS, lower above upper; _RANGE, any other number, with its field; _NAN, q, v
-   or f_ext is not finite, or there is an overflow. */
+   Errors, in result->error: RBD_ERR_NULL, but without a result RBD_TASKS_ERROR alone; _WORK; _MEMORY; _COUNT,
+   a number below 0 or above 1000; _INDEX, a body; _TYPE, a kind; _POSITION, _ROTATION, _AXIS; _MASS, a centre
+   of mass of a robot without mass; _MASSLESS, accelerations, or a centre of mass, of one some of whose joints
+   move none; _LIMITS, lower above upper; _RANGE, any other number, with its field;
+   _NAN, q, v or f_ext is not finite, or there is an overflow. */
 
 /* Velocities for inverse kinematics at each tick. Contacts are held by J x = 0; forces have no part in it.
    q   nq
@@ -212,8 +227,8 @@ RBDI_API rbd_tasks_status rbd_tasks_velocity(const rbd_model *m, rbd_work *w, co
                                              const rbd_real *q, void *memory, size_t size, rbd_real *v,
                                              rbd_tasks_result *result);
 
-/* Accelerations, forces of contacts and torques that go together: M a + c = tau + sum J' f, tau = 0 of passive
-   dofs, forces within friction. Herzog, Rotella, Mason and others (2016).
+/* Accelerations, forces of contacts and torques that go together: M a + c = tau + sum J' f, tau = 0 of
+   passive dofs, forces within friction. Herzog, Rotella, Mason and others (2016).
    q, v     nq, nv
    a        nv, out
    forces   contacts x 3, out: on the robot, world axes, N; 0 of open ones. May be NULL without contacts
@@ -226,9 +241,9 @@ RBDI_API rbd_tasks_status rbd_tasks_acceleration(const rbd_model *m, rbd_work *w
 /* Bytes that either call needs; 0 if the problem's counts are out of range. */
 RBDI_API size_t rbd_tasks_size(const rbd_model *m, const rbd_tasks *problem);
 
-/* Writes what a status and result say as a sentence, e.g. "task 1, field 'body': no such body", or "the torque
-   of dof 8 contradicts the friction of contact 2", cut to fit, always terminated. text: size bytes. Returns
-   text. */
+/* Writes what a status and result say as a sentence, e.g. "task 1, field 'body': no such body", or "the
+   torque of dof 8 contradicts the friction of contact 2", cut to fit, always terminated. text: size bytes.
+   Returns text. */
 RBDI_API char *rbd_tasks_text(rbd_tasks_status status, const rbd_tasks_result *result, char *text,
                               size_t size);
 
@@ -269,28 +284,30 @@ RBDI_EXTERN_C_END
 
 /* ==== src/tasks/layout.h ==== */
 /* ---- method [method of tasks] ----
-   x are the nv velocities; or the nv accelerations a, and then the forces f of the closed contacts, each along
-   two tangents and the normal of its ground. Rows of the QP, after the bounds of x:
+   x are the nv velocities; or the nv accelerations a, and then the forces f of the closed contacts, each
+   along two tangents and the normal of its ground. Rows of the QP, after the bounds of x:
 
        held contacts   J a = -dJ/dt v - gain J v                     3 each; with velocities J x = 0
        dynamics        lower <= M a - J'f <= upper                   nv, if x are accelerations
        friction        along each side of the pyramid                4 or 8 each
        tasks           of levels that are solved: J x as it came out
 
-   A row of the dynamics is an equality of a passive dof, the limits of torque of another, and torques are read
-   from it. The contacts stand before it because their zeros spare work (rbd_qp.h).
+   A row of the dynamics is an equality of a passive dof, the limits of torque of another, and torques are
+   read from it. The contacts stand before it because their zeros spare work (rbd_qp.h).
 
-   A level minimises the sum of its tasks' weight |J x - y|^2 / 2, and a little of |x|^2. For the next level its
-   rows become equalities at what they reached, soft rows become hard where they are, and each limit is widened
-   to hold the x that was found: so a next level always has a solution, rounding included. */
+   A level minimises the sum of its tasks' weight |J x - y|^2 / 2, and a little of |x|^2. For the next level
+   its rows become equalities at what they reached, soft rows become hard where they are, and each limit is
+   widened to hold the x that was found: so a next level always has a solution, rounding included. */
 
 #define RBDI_TASKS_MOST 1000 /* tasks, contacts, rows of one task */
 #define RBDI_TASKS_BRAKING RBD_C(10)
 #define RBDI_TASKS_HELD RBD_C(20)
 #if RBDI_KIND(RBD_CONST) == 2
 #define RBDI_TASKS_MOTION_COST RBD_C(1e-4)
+#define RBDI_TASKS_ACCURACY RBD_C(1e-3)
 #else
 #define RBDI_TASKS_MOTION_COST RBD_C(1e-6)
+#define RBDI_TASKS_ACCURACY RBD_C(1e-7) /* shares of rows and optimum that are good enough for a tick */
 #endif
 #define RBDI_TASKS_SIDES 8                        /* of a pyramid, at most */
 #define RBDI_TASKS_CONTACT (1 + RBDI_TASKS_SIDES) /* limits of a contact: the normal force, the sides */
@@ -309,7 +326,7 @@ typedef struct rbdi_tasks {
     int rows;               /* of C so far */
     size_t scratch_size;
 
-    signed char *kept;   /* of each level, the sides at which its limits hold: see rbdi_tasks_limits */
+    signed char *kept;   /* of each level, the sides at which its limits hold: see rbdi_tasks_limit */
     signed char *side;   /* n + rows: those of one QP */
     int16_t *contact;    /* closed: which */
     rbd_real *H, *f, *C; /* n x n, n, rows x n */
@@ -360,9 +377,9 @@ RBDI_CODE_BEGIN
 
        speed(s) = (2 s / dt) / (1 + sqrt(1 + 2 s / (b dt^2))),   the v of v^2 + 2 b dt v = 2 b s.
 
-   Then v dt is not more than s, and as after it s' = s - v dt and v^2 = 2 b s', the next such speed is less by b
-   dt at most: the limit is approached without a jump, and not passed. So it is if the dof moves by the mean
-   of its velocities before and after, but for b dt^2 / 2. Del Prete (2018) calls such states viable. */
+   Then v dt is not more than s, and as after it s' = s - v dt and v^2 = 2 b s', the next such speed is less
+   by b dt at most: the limit is approached without a jump, and not passed. So it is if the dof moves by the
+   mean of its velocities before and after, but for b dt^2 / 2. Del Prete (2018) calls such states viable. */
 
 /* The most strict limits of a dof: that on its coordinate and on its velocity. */
 typedef struct rbdi_tasks_range {
@@ -548,12 +565,14 @@ RBDI_INLINE int rbdi_tasks_has_place(rbd_task_kind kind) {
 
 RBDI_LOCAL rbd_status rbdi_tasks_check_task(const rbd_model *m, const rbd_task *t, rbd_tasks_result *result) {
     const int robot = rbdi_tasks_of_robot(t->kind);
-    if ((int)t->kind < 0 || t->kind > RBD_TASK_ROWS) return rbdi_tasks_refuse(result, RBD_ERR_TYPE, "kind");
+    if ((int)t->kind < (int)RBD_TASK_POINT || t->kind > RBD_TASK_ROWS)
+        return rbdi_tasks_refuse(result, RBD_ERR_TYPE, "kind");
     if (rbdi_tasks_check_scales(t, result)) return result->error;
     if (t->kind >= RBD_TASK_POSTURE) return rbdi_tasks_check_arrays(m, t, result);
 
     if (!robot && (t->body < 0 || t->body >= m->nb)) return rbdi_tasks_refuse(result, RBD_ERR_INDEX, "body");
     if (robot && !(rbd_mass(m) > 0)) return rbdi_tasks_refuse(result, RBD_ERR_MASS, "kind");
+    if (robot && rbdi_massless_dof(m) >= 0) return rbdi_tasks_refuse(result, RBD_ERR_MASSLESS, "kind");
     if (t->kind == RBD_TASK_RELATIVE && (t->reference < -1 || t->reference >= m->nb))
         return rbdi_tasks_refuse(result, RBD_ERR_INDEX, "reference");
 
@@ -632,10 +651,12 @@ RBDI_LOCAL rbd_status rbdi_tasks_check_state(const rbd_model *m, const rbd_tasks
     return RBD_OK;
 }
 
-/* All checks, in the order of the arguments. given: the pointers that must not be NULL are not. */
+/* All checks, in the order of the arguments. given: the pointers that must not be NULL are not. dynamics:
+   whether masses are needed. */
 RBDI_LOCAL rbd_status rbdi_tasks_check(const rbd_model *m, const rbd_work *w, const rbd_tasks *p, int given,
-                                       size_t size, rbd_tasks_result *result) {
-    const rbd_status status = rbdi_check(m, w, p && given);
+                                       int dynamics, size_t size, rbd_tasks_result *result) {
+    const int all = p && given;
+    const rbd_status status = dynamics ? rbdi_check_dynamics(m, w, all) : rbdi_check(m, w, all);
     if (status) return rbdi_tasks_refuse(result, status, NULL);
     if (p->tasks < 0 || p->tasks > RBDI_TASKS_MOST) return rbdi_tasks_refuse(result, RBD_ERR_COUNT, "tasks");
     if (p->contacts < 0 || p->contacts > RBDI_TASKS_MOST)
@@ -746,8 +767,8 @@ RBDI_LOCAL void rbdi_tasks_put_dynamics(rbdi_tasks *k, const rbd_real *M) {
     }
 }
 
-/* Rows of friction: along each side of the pyramid, whose edges lie on the cone, f is at most mu cos(pi / sides)
-   of the normal force. */
+/* Rows of friction: along each side of the pyramid, whose edges lie on the cone, f is at most
+   mu cos(pi / sides) of the normal force. */
 RBDI_LOCAL void rbdi_tasks_put_friction(rbdi_tasks *k) {
     const rbd_const diagonal = RBD_C(0.70710678118654752440); /* of a square; cos(pi / 4) */
     const rbd_const octagon = RBD_C(0.92387953251128675613);  /* cos(pi / 8) */
@@ -799,9 +820,9 @@ typedef struct rbdi_tasks_error {
     rbd_real stiffness, damping; /* 1/s^2 or 1/s; 1/s */
 } rbdi_tasks_error;
 
-/* Momentum of the robot for each unit velocity, about its centre of mass, world axes: k->J. A dof moves a body
-   with a velocity v of its centre of mass, at r from that of the robot, and omega: it adds m v, and R I R'
-   omega + r x m v. */
+/* Momentum of the robot for each unit velocity, about its centre of mass, world axes: k->J. A dof moves a
+   body with a velocity v of its centre of mass, at r from that of the robot, and omega: it adds m v, and
+   R I R' omega + r x m v. */
 RBDI_LOCAL void rbdi_tasks_put_momentum(rbdi_tasks *k) {
     const rbd_model *m = k->m;
     rbd_real com[3], centre[3];
@@ -859,8 +880,8 @@ RBDI_LOCAL void rbdi_tasks_of_momentum(rbdi_tasks *k, const rbd_task *t, rbdi_ta
     s->first = 3;
 }
 
-/* The rates of the motion of a point at d from the origin of a moving frame of motion V and accelerations A, as
-   seen there: V_p and A_p are those of the point itself, all in world axes. */
+/* The rates of the motion of a point at d from the origin of a moving frame of motion V and accelerations A,
+   as seen there: V_p and A_p are those of the point itself, all in world axes. */
 RBDI_LOCAL rbdi_motion rbdi_tasks_relative_drift(rbdi_motion V, rbdi_motion A, rbdi_motion V_p,
                                                  rbdi_motion A_p, rbdi_v3 d) {
     const rbdi_v3 seen = rbdi_sub(rbdi_sub(V_p.v, V.v), rbdi_cross(V.omega, d));
@@ -1029,8 +1050,8 @@ RBDI_LOCAL void rbdi_tasks_put_task(rbdi_tasks *k, const rbd_task *t) {
 /* ==== src/tasks/levels.h ==== */
 /* ---- levels [levels] ---- */
 
-/* Which limit a row of the QP is: of motion, of torque, or of contact `at`, there the normal force or a side of
-   its friction. */
+/* Which limit a row of the QP is: of motion, of torque, or of contact `at`, there the normal force or a side
+   of its friction. */
 typedef struct rbdi_tasks_limit {
     rbd_tasks_part part; /* RBD_TASKS_NOTHING: a tangential force, or a row of a task */
     int at;              /* dof or contact */
@@ -1085,7 +1106,8 @@ RBDI_LOCAL void rbdi_tasks_keep(rbdi_tasks *k, int level, int rows, int back) {
     }
 }
 
-/* The squares that every level has: of x alone. A newton counts as the acceleration that it gives the robot. */
+/* The squares that every level has: of x alone. A newton counts as its acceleration of the
+   robot. */
 RBDI_LOCAL void rbdi_tasks_clear_squares(rbdi_tasks *k) {
     const rbd_tasks *p = k->given;
     const rbd_real motion = p->motion_cost > 0 ? p->motion_cost : rbdi_set(RBDI_TASKS_MOTION_COST);
@@ -1131,6 +1153,8 @@ RBDI_LOCAL rbd_qp_status rbdi_tasks_solve_level(rbdi_tasks *k, int level, int ro
     result->steps += done.steps;
     result->primal = rbdi_ik_larger(result->primal, done.primal);
     result->dual = rbdi_ik_larger(result->dual, done.dual);
+    if (result->qp == RBD_QP_INACCURATE && rbdi_ik_larger(done.primal, done.dual) < RBDI_TASKS_ACCURACY)
+        return RBD_QP_OK;
     return result->qp;
 }
 
@@ -1168,22 +1192,30 @@ RBDI_LOCAL int rbdi_tasks_put_level(rbdi_tasks *k, int level) {
     return tasks;
 }
 
+/* Whether a QP has ended with an x that is of use, though perhaps not the best. */
+RBDI_LOCAL int rbdi_tasks_has_answer(rbd_qp_status status) {
+    return status == RBD_QP_OK || status == RBD_QP_INACCURATE || status == RBD_QP_ITERATIONS ||
+           status == RBD_QP_UNBOUNDED;
+}
+
 /* Solves level by level. k->found is the answer, if there is any. */
 RBDI_LOCAL rbd_tasks_status rbdi_tasks_descend(rbdi_tasks *k) {
     int solved = 0;
 
-    for (int level = 0; level < RBD_TASK_LEVELS; ++level) {
+    for (int level = 0; level < RBD_TASK_LEVELS && k->n > 0; ++level) {
         const int rows = k->rows;
         rbd_qp_status status;
         if (!rbdi_tasks_put_level(k, level) && level > 0) continue;
 
         status = rbdi_tasks_solve_level(k, level, rows);
-        if (status == RBD_QP_INFEASIBLE && !solved) return RBD_TASKS_INFEASIBLE;
-        if (status != RBD_QP_OK && status != RBD_QP_ITERATIONS && status != RBD_QP_INACCURATE && !solved) {
+        if (status != RBD_QP_OK && solved) return RBD_TASKS_INEXACT;
+        if (status == RBD_QP_INFEASIBLE) return RBD_TASKS_INFEASIBLE;
+        if (!rbdi_tasks_has_answer(status)) {
             rbdi_tasks_refuse(k->result, RBD_ERR_NAN, NULL);
             return RBD_TASKS_ERROR;
         }
-        if (status == RBD_QP_OK || !solved) rbdi_ik_copy(k->x, k->n, k->found);
+
+        rbdi_ik_copy(k->x, k->n, k->found);
         if (status != RBD_QP_OK) return RBD_TASKS_INEXACT;
         solved = 1;
         rbdi_tasks_freeze(k, rows);
@@ -1193,17 +1225,20 @@ RBDI_LOCAL rbd_tasks_status rbdi_tasks_descend(rbdi_tasks *k) {
 
 /* ==== src/tasks/blame.h ==== */
 /* ---- contradictions [contradictions] ----
-   The multipliers of a QP without solution are a proof: lambda' rows = 0, and yet the sides that they name would
-   have the sum below 0. Each row counts by |lambda| times its length. */
+   The multipliers of a QP without solution are a proof: lambda' rows = 0, and yet the sides that they name
+   would have the sum below 0. Each row counts by |lambda| (its length + |its side|): friction, whose side is
+   0, counts by the first, a force or torque by the second. */
 
 RBDI_LOCAL rbd_real rbdi_tasks_share(const rbdi_tasks *k, int row) {
     const rbd_real *c = &k->C[(ptrdiff_t)(row - k->n) * k->n];
     const rbd_real length = row < k->n ? rbdi_set(RBD_C(1)) : rbdi_sqrt(rbdi_tasks_dot(c, c, k->n));
-    return length * rbdi_abs(k->lambda[row]);
+    const rbd_real side = k->lambda[row] > 0 ? k->upper[row] : k->lower[row];
+    if (!(k->lambda[row] < 0 || k->lambda[row] > 0)) return rbdi_zero();
+    return rbdi_abs(k->lambda[row]) * (length + rbdi_abs(side));
 }
 
-/* Names the part that counts most, limits before contacts that are held and dofs without a motor; then the one
-   that counts most of those of another kind. */
+/* Names the part that counts most, limits before contacts that are held and dofs without a motor; then the
+   one that counts most of those of another kind. */
 RBDI_LOCAL void rbdi_tasks_blame(rbdi_tasks *k, int rows) {
     rbd_tasks_result *result = k->result;
 
@@ -1349,7 +1384,7 @@ RBDI_API rbd_tasks_status rbd_tasks_velocity(const rbd_model *m, rbd_work *w, co
     if (!result) return RBD_TASKS_ERROR;
 
     rbdi_tasks_clear_result(result);
-    if (rbdi_tasks_check(m, w, p, q && memory && v, size, result) ||
+    if (rbdi_tasks_check(m, w, p, q && memory && v, 0, size, result) ||
         rbdi_tasks_check_state(m, p, q, p->acceleration ? v : NULL, result))
         return RBD_TASKS_ERROR;
 
@@ -1379,7 +1414,7 @@ RBDI_API rbd_tasks_status rbd_tasks_acceleration(const rbd_model *m, rbd_work *w
     if (!result) return RBD_TASKS_ERROR;
 
     rbdi_tasks_clear_result(result);
-    if (rbdi_tasks_check(m, w, p, q && v && memory && a && tau, size, result) ||
+    if (rbdi_tasks_check(m, w, p, q && v && memory && a && tau, 1, size, result) ||
         rbdi_tasks_check_state(m, p, q, v, result))
         return RBD_TASKS_ERROR;
 

@@ -18,7 +18,7 @@
    CONTENTS (search for the tag)
      [reading] [options] [status] [robot] [calls] [lookup]
      --- stop here if you only use it ---
-     [xml] [unread] [check] [urdfdom] [description] [result]
+     [formats] [xml] [unread] [xacro] [check] [urdfdom] [description] [result]
 
    [reading] How a URDF becomes a description:
      order        the moving joints in the order of the file, parents before children; q and v follow
@@ -31,7 +31,8 @@
                   the second along axis cross first: for z they are x, y; for x: y, z; for y: z, x.
                   Unless the axis is z the link is a fixed body on a nameless one that the joint moves
      mimic        follows another joint, also through others. With multiplier 0, or if it follows a joint of
-                  options.lock, it is held still at the value that it then has
+                  options.lock, it is held still at the value that it then has. One that names a missing joint
+                  is an error; with options.free_mimics a warning, and the joint moves freely
      axis         made a unit vector; one that is missing is x, with a warning
      limits       zero velocity or effort, or lower >= upper: none. A continuous joint has none; those of less
                   than a turn give a warning
@@ -40,11 +41,18 @@
                   freedom
      inertial     without it a link has no mass. A warning says so of one between moving joints that has a
                   shape, or length up to the next joint, if other links have mass
-     rotations    roll, pitch, yaw by the quaternion that urdfdom makes of them; entries of the matrix
-                  that only rounding keeps from 0, 1 or -1 are that
+     massless     a joint that moves no mass is an error, of a robot without any mass too. lock_massless holds
+                  such joints still; kinematic lets them move, for poses, Jacobians and inverse kinematics
+                  alone: rbd_model_build_kinematic then takes the description, and dynamics is refused
+     rotations    roll, pitch, yaw by the quaternion that urdfdom makes of them, or quat_xyzw (URDF 1.1),
+                  made a unit quaternion; entries of the matrix that only rounding keeps from 0, 1 or -1 are
+                  that
+     version      1.0, 1.1, 1.2: capsules are geometry, and limits of acceleration and jerk are left unread
+     encoding     UTF-8, or UTF-16 with or without a byte order mark
      Geometry, materials, sensors, transmissions, and names with a prefix as in <drake:joint> are left unread.
      Each other element or attribute that is not read gives a warning, because its name may be misspelt: with
-     options.strict an error. Elements that stand twice must be equal.
+     options.strict an error. Elements that stand twice must be equal. A source of xacro must be expanded
+     first; a tag that xacro left beside a whole robot gives a warning. Other formats are refused by name.
 
    Called with bodies and names NULL, loading only counts: robot.nb, robot.names_size, robot.nframes and
    robot.nwarnings say how long the arrays must be for the second call.
@@ -73,15 +81,17 @@ typedef struct rbd_urdf_lock {
 
 /* How to read. NULL, or all zero, is a robot with its root link fixed to the world. */
 typedef struct rbd_urdf_options {
-    rbd_joint_type root;       /* joint of the root link: RBD_FIXED (0) or RBD_FLOATING */
-    const char *root_joint;    /* its name, NULL = "root" */
-    const double *gravity;     /* 3, world frame, m/s^2, copied to the result; NULL = (0, 0, -9.81) */
-    const char *const *keep;   /* names of fixed links to keep as bodies, ended by NULL; NULL = none */
-    int keep_all;              /* keep all fixed links as bodies */
-    int lock_massless;         /* hold joints still that move no mass, with a warning; else an error */
-    int strict;                /* warnings are errors */
-    int show_messages;         /* urdfdom's messages go to its console, which is standard error */
-    const char *root_link;     /* take only this link, as the root, and its subtree; NULL = all */
+    rbd_joint_type root;     /* joint of the root link: RBD_FIXED (0) or RBD_FLOATING */
+    const char *root_joint;  /* its name, NULL = "root" */
+    const double *gravity;   /* 3, world frame, m/s^2, copied to the result; NULL = (0, 0, -9.81) */
+    const char *const *keep; /* names of fixed links to keep as bodies, ended by NULL; NULL = none */
+    int keep_all;            /* keep all fixed links as bodies */
+    int lock_massless;       /* hold joints still that move no mass, with a warning; else an error */
+    int kinematic;           /* let joints move no mass: build by rbd_model_build_kinematic */
+    int free_mimics;       /* let joints move freely whose <mimic> is wrong, with a warning; else an error */
+    int strict;            /* warnings are errors */
+    int show_messages;     /* urdfdom's messages go to its console, which is standard error */
+    const char *root_link; /* take only this link, as the root, and its subtree; NULL = all */
     const rbd_urdf_lock *lock; /* joints to hold still, ended by joint = NULL; NULL = none */
 } rbd_urdf_options;
 
@@ -96,7 +106,7 @@ typedef enum rbd_urdf_status {
     RBD_URDF_ERR_ROOM = -4,      /* an array is too short: the counts say how long they must be */
     RBD_URDF_ERR_MEMORY = -5,    /* out of memory */
     RBD_URDF_ERR_XML = -6,       /* not well-formed, or nested too deep */
-    RBD_URDF_ERR_ROBOT = -7,     /* not a robot, without links, still with xacro, or nothing moves */
+    RBD_URDF_ERR_ROBOT = -7,     /* of another format, without links, still with xacro, or nothing moves */
     RBD_URDF_ERR_NAME = -8,      /* a name is missing or stands twice */
     RBD_URDF_ERR_NUMBER = -9,    /* not a finite number, or not as many as there must be */
     RBD_URDF_ERR_INERTIAL = -10, /* <inertial> is incomplete, or the mass negative */
@@ -107,12 +117,12 @@ typedef enum rbd_urdf_status {
     RBD_URDF_ERR_MODEL = -15,    /* rbd_model_build would refuse it */
     RBD_URDF_ERR_PARSER = -16,   /* urdfdom refuses it */
     RBD_URDF_WARN_INERTIA = 1,   /* no real body has this mass and inertia */
-    RBD_URDF_WARN_LIMIT = 2,    /* limits make no sense: read as none; or a joint is held still beyond them */
-    RBD_URDF_WARN_ROOT = 3,     /* a floating root link without mass */
-    RBD_URDF_WARN_LOCKED = 4,   /* a joint that moves no mass, or mimics one at rest, is held still */
-    RBD_URDF_WARN_AXIS = 5,     /* an axis is not of unit length: made so; or missing: x */
-    RBD_URDF_WARN_NAME = 6,     /* the robot has no name: it is called "robot" */
-    RBD_URDF_WARN_MIMIC = 7,    /* a fixed joint mimics another: ignored */
+    RBD_URDF_WARN_LIMIT = 2,  /* limits make no sense: read as none; or a joint is held still beyond them */
+    RBD_URDF_WARN_ROOT = 3,   /* a floating root link without mass, or with a second free joint */
+    RBD_URDF_WARN_LOCKED = 4, /* a joint that moves no mass, or mimics one at rest, is held still */
+    RBD_URDF_WARN_AXIS = 5,   /* an axis or quaternion is not of unit length: made so; or no axis: x */
+    RBD_URDF_WARN_NAME = 6,   /* the robot has no name: it is called "robot" */
+    RBD_URDF_WARN_MIMIC = 7,  /* a <mimic> is ignored: of a fixed joint, or wrong with options.free_mimics */
     RBD_URDF_WARN_SINGULAR = 8, /* neither a joint nor those that mimic it move mass */
     RBD_URDF_WARN_DEGREES = 9,  /* an angle is taken as rad, and looks like degrees */
     RBD_URDF_WARN_UNREAD = 10,  /* an element or attribute is not read: its name may be misspelt */
@@ -203,6 +213,7 @@ int rbd_urdf_link_index(const rbd_urdf *robot, const char *link);
 #endif
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
@@ -246,7 +257,23 @@ inline str lock_hint(const str &joint) {
     return "; to hold it still: options.lock, rbd-model --lock " + quoted(joint);
 }
 
-inline str massless_hint(const str &joint) { return lock_hint(joint) + ", or --lock-massless for all such"; }
+inline str kinematic_hint() {
+    return "for kinematics alone, as poses and Jacobians: options.kinematic, rbd-model --kinematic";
+}
+
+inline str massless_hint(const str &joint) {
+    return lock_hint(joint) + ", or --lock-massless for all such; " + kinematic_hint();
+}
+
+inline str mimic_hint(const str &joint) {
+    return lock_hint(joint) +
+           "; to let all such joints move freely: options.free_mimics, rbd-model --free-mimics";
+}
+
+inline str xacro_hint() {
+    return "expand the file first: xacro FILE -o robot.urdf (of ROS), or xacrodoc FILE -o robot.urdf "
+           "(pip install xacrodoc)";
+}
 
 /* Whether an angle larger than `usual` is likely to be in degrees: no multiple of ten degrees, as rad. */
 inline bool looks_like_degrees(double x, double usual) {
@@ -304,15 +331,141 @@ inline str nearest(const str &name, const name_index &known) {
     return best.empty() ? best : "; did you mean " + quoted(best) + "?";
 }
 
-/* Makes a vector that is not zero a unit vector and returns its length. The power of two keeps the squares
-   in range and changes no digit. */
-inline double make_unit(double v[3]) {
+/* Makes a vector of n components, not all zero, a unit vector and returns its length. The power of two keeps
+   the squares in range and changes no digit. */
+inline double make_unit(double *v, int n = 3) {
     int exponent;
-    std::frexp(std::fmax(std::fabs(v[0]), std::fmax(std::fabs(v[1]), std::fabs(v[2]))), &exponent);
-    for (int i = 0; i < 3; ++i) v[i] = std::ldexp(v[i], -exponent);
-    const double length = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    for (int i = 0; i < 3; ++i) v[i] /= length;
+    double most = 0, square = 0;
+    for (int i = 0; i < n; ++i) most = std::fmax(most, std::fabs(v[i]));
+    std::frexp(most, &exponent);
+    for (int i = 0; i < n; ++i) v[i] = std::ldexp(v[i], -exponent);
+
+    for (int i = 0; i < n; ++i) square += v[i] * v[i];
+    const double length = std::sqrt(square);
+    for (int i = 0; i < n; ++i) v[i] /= length;
     return std::ldexp(length, exponent);
+}
+
+/* ---- formats [formats] ----
+   Files that are no URDF at all are known by how they begin. */
+
+/* Whether a text begins so; upper and lower case are the same. */
+inline bool begins_with(const char *text, size_t length, const char *start) {
+    for (; *start; ++start, ++text, --length)
+        if (length == 0 || lower_case(*text) != *start) return false;
+    return true;
+}
+
+/* A binary file of triangles: 80 bytes, their number, and 50 bytes of each. */
+inline bool is_binary_stl(const char *text, size_t length) {
+    const unsigned char *p = (const unsigned char *)text + 80;
+    if (length < 84) return false;
+    const size_t n = p[0] + ((size_t)p[1] << 8) + ((size_t)p[2] << 16) + ((size_t)p[3] << 24);
+    return (length - 84) % 50 == 0 && (length - 84) / 50 == n;
+}
+
+/* Whether the first line is "name:" or begins so. */
+inline bool looks_like_yaml(const char *text, size_t length) {
+    size_t n = 0;
+    while (n < length && (std::isalnum((unsigned char)text[n]) || text[n] == '_')) ++n;
+    return n > 0 && n < length && text[n] == ':' &&
+           (n + 1 == length || std::strchr(" \r\n", text[n + 1]) != NULL);
+}
+
+/* The sentence for a file that begins as no URDF does, NULL if it may be one. */
+inline const char *other_format(const char *text, size_t length) {
+    static const struct {
+        const char *start, *sentence;
+    } all[] = {
+        {"pk\x03\x04", "it is a zip archive: unpack it, and read the .urdf in it"},
+        {"\x1f\x8b", "it is compressed by gzip: unpack it first, by gunzip"},
+        {"pxr-usdc", "it is USD (OpenUSD), binary: export the robot as URDF, or convert it (pip install "
+                     "nvidia-srl-usd-to-urdf)"},
+        {"#usda", "it is USD (OpenUSD): export the robot as URDF, or convert it (pip install "
+                  "nvidia-srl-usd-to-urdf)"},
+        {"<!doctype html", "it is a page of HTML and not the file that it shows: download the raw file"},
+        {"<html", "it is a page of HTML and not the file that it shows: download the raw file"},
+        {"version https://git-lfs", "it is a pointer of git-lfs and not the file itself: git lfs pull"},
+        {"404: not found", "it is an answer of a server, 404: the address of the download was wrong"},
+        {"gltf", "it is glTF, a mesh: a robot's URDF names its meshes"},
+        {"solid ", "it is STL, a mesh: a robot's URDF names its meshes"},
+        {"ply", "it is PLY, a mesh: a robot's URDF names its meshes"},
+        {"mtllib", "it is OBJ, a mesh: a robot's URDF names its meshes"},
+        {"%pdf", "it is PDF, a document"},
+        {"{", "it is JSON: URDF is XML, and begins with <robot>"},
+        {"[", "it is JSON: URDF is XML, and begins with <robot>"},
+        {"---", "it is YAML: URDF is XML, and begins with <robot>"},
+    };
+    size_t n = begins_with(text, length, "\xef\xbb\xbf") ? 3 : 0; /* a byte order mark */
+    while (n < length && text[n] && std::strchr(" \t\r\n", text[n])) ++n;
+    for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
+        if (begins_with(text + n, length - n, all[i].start)) return all[i].sentence;
+    return is_binary_stl(text, length) ? "it is STL, a mesh: a robot's URDF names its meshes"
+           : looks_like_yaml(text + n, length - n)
+               ? "it looks like YAML: URDF is XML, and begins with <robot>"
+               : NULL;
+}
+
+/* Elements that files of other formats begin with. */
+inline const char *other_root(const str &name) {
+    static const struct {
+        const char *name, *sentence;
+    } all[] = {
+        {"mujoco", "MJCF, the format of MuJoCo: rbd_mjcf.h reads it, or convert it to URDF (pip install "
+                   "mjcf-urdf-simple-converter)"},
+        {"mujocoinclude", "MJCF, the format of MuJoCo, and a part of a robot alone: convert the file that "
+                          "includes it"},
+        {"sdf", "SDF, the format of Gazebo: export the robot as URDF from the program that wrote it"},
+        {"gazebo", "SDF of an old version, the format of Gazebo: export the robot as URDF from the program "
+                   "that wrote it"},
+        {"COLLADA", "COLLADA, a mesh: a robot's URDF names its meshes"},
+        {"Robot", "OpenRAVE: convert it to URDF"},
+        {"KinBody", "OpenRAVE: convert it to URDF"},
+        {"Environment", "OpenRAVE: convert it to URDF"},
+        {"OpenSimDocument", "OpenSim: convert it to URDF"},
+        {"launch", "ROS, a launch file: it names the file of the robot"},
+        {"package", "ROS, a package.xml: the robot is another file of the package"},
+    };
+    for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
+        if (name == all[i].name) return all[i].sentence;
+    return NULL;
+}
+
+/* Appends a character of UTF-8. */
+inline void append_utf8(str &to, unsigned long c) {
+    const int extra = c < 0x80 ? 0 : c < 0x800 ? 1 : c < 0x10000 ? 2 : 3;
+    static const unsigned long lead[] = {0, 0xc0, 0xe0, 0xf0};
+    to += (char)(lead[extra] | (c >> (6 * extra)));
+    for (int k = extra; k-- > 0;) to += (char)(0x80 | ((c >> (6 * k)) & 0x3f));
+}
+
+/* Whether a text is in UTF-16: by its byte order mark, or because one byte of its first two is 0. */
+inline bool is_utf16(const char *text, size_t length) {
+    if (length < 2) return false;
+    const int first = (unsigned char)text[0], second = (unsigned char)text[1];
+    return first + second == 0xff + 0xfe || (first == 0) != (second == 0);
+}
+
+/* A text in UTF-16 as one in UTF-8. */
+inline str from_utf16(const char *text, size_t length) {
+    const unsigned char *p = (const unsigned char *)text;
+    const bool little = p[0] == 0xff || p[1] == 0; /* the low byte of a unit is its first */
+    const size_t n = length / 2;
+    str out;
+    if (length % 2) throw failure(RBD_URDF_ERR_XML, 0, "it is text in UTF-16, but ends within a character");
+    for (size_t i = p[0] + p[1] == 0xff + 0xfe; i < n; ++i) {
+        unsigned long c = p[2 * i + little] * 256ul + p[2 * i + !little];
+        if (c >= 0xd800 && c < 0xe000) { /* two units are one character */
+            const unsigned long next = i + 1 < n ? p[2 * i + 2 + little] * 256ul + p[2 * i + 2 + !little] : 0;
+            if (c >= 0xdc00 || next < 0xdc00 || next >= 0xe000)
+                throw failure(RBD_URDF_ERR_XML, 0,
+                              "it is text in UTF-16 that has half a character: save it as UTF-8");
+            c = 0x10000 + ((c - 0xd800) << 10) + (next - 0xdc00);
+            ++i;
+        }
+        append_utf8(out, c);
+    }
+    return out;
 }
 
 /* ---- XML [xml] ----
@@ -359,8 +512,6 @@ class reader {
         element top;
         if (p == end) fail("it is empty");
         if (starts("\xef\xbb\xbf")) p += 3;
-        if (starts("\xff\xfe") || starts("\xfe\xff") || (end - p > 1 && (!p[0] || !p[1])))
-            fail("it is text in UTF-16: save it as UTF-8");
         while (between_elements()) {
         }
         if (p == end) fail("the text ends before any element");
@@ -529,21 +680,15 @@ class reader {
         if (p == start || p == end || *p != ';' || code == 0 || code > 0x10ffff)
             fail("no such character: &#...; must be the number of one");
         ++p;
-        return utf8(code);
+        str character;
+        append_utf8(character, code);
+        return character;
     }
     static int digit(char c, int base) {
         if (c >= '0' && c <= '9') return c - '0';
         if (base == 16 && c >= 'a' && c <= 'f') return c - 'a' + 10;
         if (base == 16 && c >= 'A' && c <= 'F') return c - 'A' + 10;
         return -1;
-    }
-    static str utf8(unsigned long c) {
-        str s;
-        int extra = c < 0x80 ? 0 : c < 0x800 ? 1 : c < 0x10000 ? 2 : 3;
-        static const unsigned long lead[] = {0, 0xc0, 0xe0, 0xf0};
-        s += (char)(lead[extra] | (c >> (6 * extra)));
-        while (extra-- > 0) s += (char)(0x80 | ((c >> (6 * extra)) & 0x3f));
-        return s;
     }
 };
 
@@ -618,6 +763,15 @@ inline void add_names(const char *list, name_index &names) {
     while (*list) names[next_name(list)] = 0;
 }
 
+/* "link 'arm': " before a sentence about a part of it. */
+inline str label_of(const element &e) {
+    const str *name = e.attribute("name");
+    return (e.name == "link" || e.name == "joint") && name ? e.name + " " + quoted(*name) + ": " : "";
+}
+
+/* The name behind the prefix of xacro, "" without it. */
+inline str after_prefix(const str &name) { return name.compare(0, 6, "xacro:") == 0 ? name.substr(6) : ""; }
+
 class unread_parts {
   public:
     unread_parts(const element &robot, warning_list &w) : warnings(w) {
@@ -645,16 +799,12 @@ class unread_parts {
 
         for (size_t i = 0; i < e.children.size(); ++i) {
             const element &c = e.children[i];
-            if (e.name == "robot") who = label(c);
+            if (e.name == "robot") who = label_of(c);
             if (has_name(all[k].children, c.name))
                 look(c);
             else
                 child(e, all[k], c);
         }
-    }
-    static str label(const element &e) {
-        const str *name = e.attribute("name");
-        return (e.name == "link" || e.name == "joint") && name ? e.name + " " + quoted(*name) + ": " : "";
     }
 
     void attribute(const element &e, const known_element &known, const std::pair<str, str> &a) {
@@ -672,20 +822,28 @@ class unread_parts {
     }
 
     void child(const element &e, const known_element &known, const element &c) {
+        static const char *const dynamic_with_prefix =
+            "drake:joint drake:mimic drake:ball_constraint drake:linear_bushing_rpy drake:tendon_constraint";
         if (has_name(known.harmless_children, c.name)) return;
         const bool xacro = c.name.compare(0, 6, "xacro:") == 0;
-        if (has_prefix(c.name) && !xacro) return;
+        if (has_prefix(c.name) && !xacro && !has_name(dynamic_with_prefix, c.name)) return;
 
         const str best = nearest_of(c.name, known.children, known.harmless_children);
         const str owner = only_owner(c.name, &known_element::children);
         if (best.empty() && says_only_zero(c)) return;
         const bool part = e.name == "robot" || e.name == "link" || e.name == "joint";
         note(c.line, "<" + c.name + ">" + (part ? "" : " in <" + e.name + ">"),
-             xacro                    ? "; xacro left it there: no macro has this name"
+             xacro                    ? xacro_text(c)
              : c.name == "loop_joint" ? "; the loop stays open: constraints can close it"
              : !owner.empty()         ? "; it belongs in <" + owner + ">"
              : !best.empty()          ? "; did you mean <" + best + ">?"
                                       : "");
+    }
+
+    static str xacro_text(const element &e) {
+        return has_name("macro property arg", after_prefix(e.name))
+                   ? "; the file may be a source of xacro, which is expanded by: xacro FILE -o robot.urdf"
+                   : "; xacro left it there: no macro has this name";
     }
 
     static str nearest_of(const str &name, const char *read, const char *harmless) {
@@ -741,15 +899,78 @@ class unread_parts {
     }
 };
 
+/* ---- xacro [xacro] ----
+   A source of xacro must be expanded first. Calls of macros that nothing defines, and definitions alone, may
+   be left beside a whole robot: unread_parts tells them. */
+
+/* Refuses elements of xacro that stand for others, and its values. Elements of its first versions have no
+   prefix: they count where URDF has its own elements, but not within those of simulators. Not deeper than the
+   reader goes. */
+class xacro_check {
+  public:
+    str definition; /* "<xacro:macro> of line 3", "" if there is none */
+
+    explicit xacro_check(const element &robot) {
+        gather(robot);
+        look(robot, true, "");
+    }
+
+  private:
+    name_index macros; /* that the file defines */
+
+    void gather(const element &e) {
+        const bool macro = e.name == "xacro:macro" || e.name == "macro";
+        if (macro && e.attribute("name")) macros[*e.attribute("name")] = 0;
+        for (size_t i = 0; i < e.children.size(); ++i) gather(e.children[i]);
+    }
+
+    void look(const element &e, bool of_urdf, const str &who) {
+        static const char *const own = "include if unless insert_block element attribute call";
+        static const char *const old = "include macro property if unless insert_block";
+        const str name = after_prefix(e.name);
+        if ((of_urdf && has_name(old, e.name)) || has_name(own, name) || macros.count(name)) refuse(e);
+        if (has_name("macro property arg", name)) { /* whose inside is not read */
+            if (definition.empty()) definition = "<" + e.name + "> of line " + std::to_string(e.line);
+            return;
+        }
+
+        size_t n, k = 0;
+        const known_element *all = known_elements(n);
+        while (k < n && e.name != all[k].name) ++k;
+        const bool read = of_urdf && k < n;
+        for (size_t i = 0; read && i < e.attributes.size(); ++i)
+            if (has_name(all[k].attributes, e.attributes[i].first)) look_at_value(e, e.attributes[i], who);
+        for (size_t i = 0; i < e.children.size(); ++i)
+            look(e.children[i], read, e.name == "robot" ? label_of(e.children[i]) : who);
+    }
+    static void look_at_value(const element &e, const std::pair<str, str> &a, const str &who) {
+        if (a.second.find("${") == str::npos && a.second.find("$(") == str::npos) return;
+        throw failure(RBD_URDF_ERR_ROBOT, e.line,
+                      who + "<" + e.name + " " + a.first + ">: " + quoted(a.second) +
+                          " is of xacro: " + xacro_hint());
+    }
+    static void refuse(const element &e) {
+        throw failure(RBD_URDF_ERR_ROBOT, e.line, "<" + e.name + "> is of xacro: " + xacro_hint());
+    }
+};
+
 /* ---- check [check] ----
    Everything that urdfdom takes without a word is looked at here; what it gets to see is a text of the
    checked parts alone. */
+
+/* A rotation that is given by quat_xyzw, of unit length: urdfdom does not get to see it. */
+struct quaternion {
+    bool given;
+    double x[4]; /* x, y, z, w */
+    quaternion() : given(false) {}
+};
 
 struct link_part {
     str name;
     int line;
     bool inertial, massive;    /* has <inertial>; mass or inertia in it is not zero */
     bool shaped;               /* has <visual> or <collision> */
+    quaternion turned;         /* of <inertial>'s origin */
     int joint;                 /* that carries it, -1: none */
     std::vector<int> children; /* joints, in the file's order */
     link_part() : line(0), inertial(false), massive(false), shaped(false), joint(-1) {}
@@ -761,7 +982,8 @@ struct joint_part {
     rbd_joint_type motion, type; /* of the file; RBD_FIXED if it is held still */
     int parent, child;           /* links */
     double axis[3], lower, upper, armature, ratio, offset;
-    double value; /* where it is held still */
+    double value;      /* where it is held still */
+    quaternion turned; /* of its origin */
     joint_part()
         : line(0), motion(RBD_FIXED), type(RBD_FIXED), parent(-1), child(-1), lower(0), upper(0), armature(0),
           ratio(1), offset(0), value(0) {
@@ -823,8 +1045,6 @@ class checked {
     int root;
 
     checked(element top, const rbd_urdf_options &o, warning_list &w) : root(-1), options(o), warnings(w) {
-        if (top.name != "robot") refuse_other_format(top);
-        refuse_xacro(top);
         if (options.root_link) take_subtree(top, options.root_link);
         unread_parts(top, warnings);
         robot = name_of_robot(top);
@@ -837,10 +1057,11 @@ class checked {
         text += "</robot>\n";
         check_tree();
         check_names();
-        check_masses();
+        if (!options.kinematic) check_masses();
         if (options.lock_massless) lock_massless();
+        if (options.free_mimics) free_wrong_mimics();
         follow_mimics();
-        check_movers();
+        if (!options.kinematic) check_movers();
         check_count();
     }
 
@@ -861,26 +1082,6 @@ class checked {
 
     void fail(rbd_urdf_status status, const element &e, const str &what) const {
         throw failure(status, e.line, who.empty() ? what : who + ": " + what);
-    }
-
-    void refuse_other_format(const element &e) const {
-        const char *format = e.name == "mujoco" ? "MJCF, the format of MuJoCo"
-                             : e.name == "sdf"  ? "SDF, the format of Gazebo"
-                                                : NULL;
-        if (format)
-            fail(RBD_URDF_ERR_ROBOT, e,
-                 "<" + e.name + "> is not a robot of URDF, but of " + format + ": convert it to URDF first");
-        fail(RBD_URDF_ERR_ROBOT, e, "<" + e.name + "> is not a robot: <robot> must be the first element");
-    }
-
-    /* Elements of xacro's own stand for others, which are not there. A call of a macro may be left in a file
-       that is expanded: unread_parts tells it. Not deeper than the reader goes. */
-    void refuse_xacro(const element &e) const {
-        const char *const own = "macro include property arg if unless insert_block element attribute call";
-        const bool xacro = e.name.compare(0, 6, "xacro:") == 0 && has_name(own, e.name.substr(6));
-        if (xacro || e.name == "include" || e.name == "macro")
-            fail(RBD_URDF_ERR_ROBOT, e, "<" + e.name + ">: expand the file with xacro first");
-        for (size_t i = 0; i < e.children.size(); ++i) refuse_xacro(e.children[i]);
     }
 
     static str escaped(const str &s) {
@@ -935,10 +1136,8 @@ class checked {
             if (std::isfinite(x)) return x;
         } catch (const std::runtime_error &) {
         }
-        const bool xacro = token.find("${") != str::npos || token.find("$(") != str::npos;
-        const str hint = xacro ? "; expand the file with xacro first" : "";
         fail(RBD_URDF_ERR_NUMBER, e,
-             "<" + e.name + " " + attribute + ">: " + quoted(token) + " is not a finite number" + hint);
+             "<" + e.name + " " + attribute + ">: " + quoted(token) + " is not a finite number");
         return 0;
     }
 
@@ -966,12 +1165,12 @@ class checked {
         return true;
     }
 
-    void origin(const element &e) {
+    quaternion origin(const element &e) {
         const element *o = only(e, "origin");
+        quaternion turned;
         double x[3];
-        if (!o) return;
-        if (o->attribute("quat_xyzw"))
-            fail(RBD_URDF_ERR_NUMBER, *o, "<origin quat_xyzw> is not supported: give rpy");
+        if (!o) return turned;
+        turned = quaternion_of(*o);
         text += "<origin";
         copy(*o, "xyz", 3, x);
         if (copy(*o, "rpy", 3, x) && (looks_like_degrees(x[0], a_turn) || looks_like_degrees(x[1], a_turn) ||
@@ -979,6 +1178,27 @@ class checked {
             warn_of_degrees(*o, "<origin rpy>, " + text_of(x[0]) + " " + text_of(x[1]) + " " + text_of(x[2]) +
                                     ",");
         text += "/>";
+        return turned;
+    }
+
+    /* The attribute quat_xyzw of URDF 1.1, as a unit quaternion. */
+    quaternion quaternion_of(const element &o) {
+        quaternion q;
+        str aside;
+        std::swap(text, aside); /* urdfdom may not know it */
+        q.given = copy(o, "quat_xyzw", 4, q.x);
+        std::swap(text, aside);
+        if (!q.given) return q;
+        if (o.attribute("rpy")) fail(RBD_URDF_ERR_NUMBER, o, "<origin> has rpy and quat_xyzw: give one");
+        if (q.x[0] == 0 && q.x[1] == 0 && q.x[2] == 0 && q.x[3] == 0)
+            fail(RBD_URDF_ERR_NUMBER, o, "<origin quat_xyzw> is zero");
+
+        const double length = make_unit(q.x, 4);
+        if (length < 0.99 || length > 1.01)
+            warnings.add(RBD_URDF_WARN_AXIS, o.line,
+                         who + ": <origin quat_xyzw> is of length " + text_of(length) +
+                             "; made a unit quaternion");
+        return q;
     }
     void warn_of_degrees(const element &e, const str &what) const {
         warnings.add(RBD_URDF_WARN_DEGREES, e.line,
@@ -997,20 +1217,20 @@ class checked {
         l.shaped = e.child("visual") || e.child("collision");
         if (const element *inertial = only(e, "inertial")) {
             l.inertial = true;
-            l.massive = add_inertial(*inertial);
+            l.massive = add_inertial(*inertial, l.turned);
         }
         text += "</link>\n";
         links.push_back(l);
     }
 
     /* Returns whether anything in it is not zero. */
-    bool add_inertial(const element &e) {
+    bool add_inertial(const element &e, quaternion &turned) {
         static const char *const entries[] = {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"};
         static const char *const mirrored[] = {"", "iyx", "izx", "", "izy", ""};
         const element *mass = only(e, "mass"), *inertia = only(e, "inertia");
         double x, largest;
         text += "<inertial>";
-        origin(e);
+        turned = origin(e);
         if (!mass) fail(RBD_URDF_ERR_INERTIAL, e, "<inertial> has no <mass>");
         if (!inertia) fail(RBD_URDF_ERR_INERTIAL, e, "<inertial> has no <inertia>");
         text += "<mass";
@@ -1071,7 +1291,7 @@ class checked {
             fail(RBD_URDF_ERR_NAME, e, "the name stands twice");
         j.motion = j.type = joint_type(e);
         text += "<joint name=\"" + escaped(j.name) + "\" type=\"" + *e.attribute("type") + "\">";
-        origin(e);
+        j.turned = origin(e);
         j.parent = end_of_joint(e, "parent");
         j.child = end_of_joint(e, "child");
         if (has_joint_axis(j.type)) axis(e, j.axis);
@@ -1181,9 +1401,12 @@ class checked {
         if (!m || j.type == RBD_FIXED) return;
         const str *name = m->attribute("joint");
         if (!name || name->empty()) fail(RBD_URDF_ERR_MIMIC, *m, "<mimic> has no joint");
-        if (!has_one_dof(j.type))
-            fail(RBD_URDF_ERR_MIMIC, *m,
-                 "only revolute, continuous and prismatic joints can mimic" + lock_hint(j.name));
+        if (!has_one_dof(j.type)) {
+            const str why = "only revolute, continuous and prismatic joints can mimic";
+            if (!options.free_mimics) fail(RBD_URDF_ERR_MIMIC, *m, why + mimic_hint(j.name));
+            warnings.add(RBD_URDF_WARN_MIMIC, m->line, who + ": " + why + "; it moves freely");
+            return;
+        }
         j.mimic = *name;
         text += "<mimic joint=\"" + escaped(*name) + "\"";
         copy(*m, "multiplier", 1, &j.ratio);
@@ -1312,10 +1535,8 @@ class checked {
         }
         if (line < 0 && !floats) return;
 
-        throw failure(
-            RBD_URDF_ERR_MODEL, std::max(line, 0),
-            "no link that moves has mass: dynamics needs <inertial>; to read the robot for kinematics "
-            "alone, give each joint <dynamics armature=\"1\"/>");
+        throw failure(RBD_URDF_ERR_MODEL, std::max(line, 0),
+                      "no link that moves has mass: dynamics needs <inertial>; " + kinematic_hint());
     }
 
     /* Of each joint, whether another moves behind it. */
@@ -1423,16 +1644,47 @@ class checked {
                      "joint " + quoted(j.name) + ": held still at " + text_of(value) + ", as " + why);
     }
 
-    /* The joint that this one mimics: it must be there, and be able to lead. */
-    size_t source_of(size_t follower) const {
+    /* Lets each joint move freely whose <mimic> follow_mimics would refuse. Each joint is looked at once:
+       walk i goes from joint i to those that it follows, and ends where an earlier one went. */
+    void free_wrong_mimics() {
+        const size_t none = joints.size();
+        std::vector<size_t> walk(joints.size(), none);
+        for (size_t i = 0; i < joints.size(); ++i)
+            for (size_t k = i; !joints[k].mimic.empty(); k = (size_t)joint(joints[k].mimic)) {
+                const bool circle = walk[k] == i;
+                if (walk[k] != none && !circle) break;
+                walk[k] = i;
+
+                const bool own = joint(joints[k].mimic) == (int)k;
+                const str why = circle ? own ? "itself" : "itself through others" : wrong_source(k);
+                if (why.empty()) continue;
+                free_mimic(joints[k], why);
+                break;
+            }
+    }
+    void free_mimic(joint_part &j, const str &why) const {
+        warnings.add(RBD_URDF_WARN_MIMIC, j.line,
+                     "joint " + quoted(j.name) + ": it mimics " + why + "; it moves freely");
+        j.mimic.clear();
+        j.ratio = 1;
+        j.offset = 0;
+    }
+
+    /* Why a joint cannot mimic the one that it names, "" if it can. */
+    str wrong_source(size_t follower) const {
         const str &name = joints[follower].mimic;
         const int source = joint(name);
-        if (source < 0)
-            refuse_mimic(follower, quoted(name) + ", which is missing" + nearest(name, joint_index) +
-                                       missing_sources_but(follower));
-        const joint_part &j = joints[(size_t)source];
-        if (!has_one_dof(j.motion))
-            refuse_mimic(follower, quoted(name) + ", which is not revolute, continuous or prismatic");
+        if (source < 0) return quoted(name) + ", which is missing" + nearest(name, joint_index);
+        if (!has_one_dof(joints[(size_t)source].motion))
+            return quoted(name) + ", which is not revolute, continuous or prismatic";
+        return "";
+    }
+
+    /* The joint that this one mimics: it must be there, and be able to lead. */
+    size_t source_of(size_t follower) const {
+        const str why = wrong_source(follower);
+        const int source = joint(joints[follower].mimic);
+        if (!why.empty()) refuse_mimic(follower, why, source < 0 ? missing_sources_but(follower) : "");
         return (size_t)source;
     }
     /* The missing joints that others mimic, for the same message. */
@@ -1444,10 +1696,10 @@ class checked {
                           quoted(joints[i].name);
         return others;
     }
-    void refuse_mimic(size_t follower, const str &what) const {
+    void refuse_mimic(size_t follower, const str &what, const str &others = "") const {
         const joint_part &j = joints[follower];
         throw failure(RBD_URDF_ERR_MIMIC, j.line,
-                      "joint " + quoted(j.name) + ": it mimics " + what + lock_hint(j.name));
+                      "joint " + quoted(j.name) + ": it mimics " + what + mimic_hint(j.name) + others);
     }
 };
 
@@ -1532,10 +1784,11 @@ inline void snap(double R[9]) {
         if (std::fabs(R[i] - std::round(R[i])) <= 1e-15) R[i] = std::round(R[i]) + 0.0;
 }
 
-inline pose pose_of(const urdf::Pose &from) {
+inline pose pose_of(const urdf::Pose &from, const quaternion &turned) {
     pose to;
     double x, y, z, w;
     from.rotation.getQuaternion(x, y, z, w);
+    if (turned.given) x = turned.x[0], y = turned.x[1], z = turned.x[2], w = turned.x[3];
     const double R[9] = {1 - 2 * (y * y + z * z), 2 * (x * y - z * w),     2 * (x * z + y * w),
                          2 * (x * y + z * w),     1 - 2 * (x * x + z * z), 2 * (y * z - x * w),
                          2 * (x * z - y * w),     2 * (y * z + x * w),     1 - 2 * (x * x + y * y)};
@@ -1699,7 +1952,7 @@ class description {
             join(ready, file.joints[(size_t)number].child);
         }
         for (size_t i = 0; i < rows.size(); ++i) give_mass(rows[i]);
-        warn_massless();
+        if (!options.kinematic) warn_massless();
         if (rows.empty())
             throw failure(
                 RBD_URDF_ERR_ROBOT, 0,
@@ -1776,7 +2029,7 @@ class description {
         const double I[6] = {in->ixx, in->ixy, in->ixz, in->iyy, in->iyz, in->izz};
         std::memcpy(p.inertia, I, sizeof I);
         p.mass = in->mass;
-        p = moved(p, pose_of(in->origin));
+        p = moved(p, pose_of(in->origin, l.turned));
         check_mass(l, p);
         return p;
     }
@@ -1813,7 +2066,7 @@ class description {
         const urdf::Joint &u = dom.joint(j.name);
         const str &link = file.links[(size_t)j.child].name;
         const pose at =
-            compose(compose(parent.at, pose_of(u.parent_to_joint_origin_transform)), pose_held(j));
+            compose(compose(parent.at, pose_of(u.parent_to_joint_origin_transform, j.turned)), pose_held(j));
         if (j.type == RBD_FIXED && !kept(link)) {
             add_frame(j.child, number, parent.body, at);
             return;
@@ -1862,14 +2115,25 @@ class description {
         if (!j.mimic.empty()) r.mimic = j.mimic, r.body.mimic_ratio = j.ratio, r.body.mimic_offset = j.offset;
     }
 
-    /* A hint at a joint of the file that makes the base float already. */
-    str floating_hint() const {
+    /* A joint of the root link that makes the base float already, -1 if there is none. */
+    int own_floating_joint() const {
         const std::vector<int> &children = file.links[(size_t)file.root].children;
         for (size_t i = 0; i < children.size(); ++i)
-            if (file.joints[(size_t)children[i]].type == RBD_FLOATING)
-                return "; joint " + quoted(file.joints[(size_t)children[i]].name) +
-                       " floats already: leave out options.root, rbd-model --floating";
-        return "";
+            if (file.joints[(size_t)children[i]].type == RBD_FLOATING) return children[i];
+        return -1;
+    }
+
+    /* Warns of a floating root link without mass, or with a second free joint. */
+    void check_root() const {
+        const int own = own_floating_joint();
+        const bool heavy = !rows[0].parts.empty();
+        if (own < 0 && (heavy || options.kinematic)) return;
+        warnings.add(RBD_URDF_WARN_ROOT, rows[0].line,
+                     "link " + quoted(rows[0].name) +
+                         (heavy ? ": the root link floats" : ": the floating root link has no mass") +
+                         (own < 0 ? ""
+                                  : "; joint " + quoted(file.joints[(size_t)own].name) +
+                                        " floats already: leave out options.root, rbd-model --floating"));
     }
 
     /* Warns of a link between moving joints that has a shape, or length up to the next joint, but no mass:
@@ -1915,16 +2179,17 @@ class description {
             b.mimic = rows[i].mimic.empty() ? NULL : rows[i].mimic.c_str();
             bodies.push_back(b);
         }
-        if (options.root == RBD_FLOATING && rows[0].parts.empty())
-            warnings.add(RBD_URDF_WARN_ROOT, rows[0].line,
-                         "link " + quoted(rows[0].name) + ": the floating root link has no mass" +
-                             floating_hint());
-        std::vector<unsigned char> memory(rbd_model_size(bodies.data(), (int)bodies.size()) + 1);
+        if (options.root == RBD_FLOATING) check_root();
+
+        const int nb = (int)bodies.size();
+        std::vector<unsigned char> memory(rbd_model_size(bodies.data(), nb) + 1);
         const rbd_model *model;
         rbd_report report;
-        if (rbd_model_build(bodies.data(), (int)bodies.size(), memory.data(), memory.size(), &model,
-                            &report) == RBD_OK)
-            return;
+        const rbd_status status =
+            options.kinematic
+                ? rbd_model_build_kinematic(bodies.data(), nb, memory.data(), memory.size(), &model, &report)
+                : rbd_model_build(bodies.data(), nb, memory.data(), memory.size(), &model, &report);
+        if (status == RBD_OK) return;
         if (report.error.body < 0)
             throw failure(RBD_URDF_ERR_MODEL, 0, str("the model: ") + rbd_status_string(report.error.status));
         const row &r = rows[(size_t)report.error.body];
@@ -2008,9 +2273,20 @@ inline void write_result(const checked &file, const description &d, rbd_urdf *ro
 inline void check_options(const rbd_urdf_options &o) {
     if (o.root != RBD_FIXED && o.root != RBD_FLOATING)
         throw failure(RBD_URDF_ERR_OPTION, 0, "root must be RBD_FIXED or RBD_FLOATING");
+    if (o.kinematic && o.lock_massless)
+        throw failure(RBD_URDF_ERR_OPTION, 0,
+                      "lock_massless holds the joints still that kinematic lets move: give one of them");
     if (o.root_joint && !*o.root_joint) throw failure(RBD_URDF_ERR_OPTION, 0, "root_joint is empty");
     for (int i = 0; o.gravity && i < 3; ++i)
         if (!std::isfinite(o.gravity[i])) throw failure(RBD_URDF_ERR_OPTION, 0, "gravity is not finite");
+}
+
+inline void refuse_other_format(const element &e) {
+    const char *format = other_root(e.name);
+    throw failure(RBD_URDF_ERR_ROBOT, e.line,
+                  "<" + e.name +
+                      (format ? str("> is not a robot of URDF, but of ") + format
+                              : "> is not a robot: <robot> must be the first element"));
 }
 
 inline void load(const char *text, size_t length, const rbd_urdf_options &options, warning_list &warnings,
@@ -2018,9 +2294,21 @@ inline void load(const char *text, size_t length, const rbd_urdf_options &option
     static const double earth[3] = {0, 0, -9.81};
     check_options(options);
     std::memcpy(robot->gravity, options.gravity ? options.gravity : earth, sizeof earth);
-    const checked file(reader(text, length).document(), options, warnings);
-    const parsed dom(file.text, options.show_messages != 0);
-    write_result(file, description(file, dom, options, warnings), robot);
+    const str read = is_utf16(text, length) ? from_utf16(text, length) : str(text, length);
+    if (const char *other = other_format(read.data(), read.size()))
+        throw failure(RBD_URDF_ERR_ROBOT, 1, other);
+
+    const element top = reader(read.data(), read.size()).document();
+    if (top.name != "robot") refuse_other_format(top);
+    const xacro_check xacro(top);
+    try {
+        const checked file(top, options, warnings);
+        const parsed dom(file.text, options.show_messages != 0);
+        write_result(file, description(file, dom, options, warnings), robot);
+    } catch (const failure &f) { /* the reason may be that xacro has not expanded the file */
+        if (xacro.definition.empty() || f.status > 0) throw;
+        throw failure(f.status, f.line, f.text + "; the file has " + xacro.definition + ": " + xacro_hint());
+    }
 }
 
 inline rbd_urdf_status report(rbd_urdf *robot, rbd_urdf_status status, int line, const char *text) {
@@ -2119,7 +2407,7 @@ const char *rbd_urdf_status_string(rbd_urdf_status status) {
     case RBD_URDF_ERR_ROOM: return "an array is too short";
     case RBD_URDF_ERR_MEMORY: return "out of memory";
     case RBD_URDF_ERR_XML: return "not well-formed XML";
-    case RBD_URDF_ERR_ROBOT: return "not a robot";
+    case RBD_URDF_ERR_ROBOT: return "not a robot of URDF";
     case RBD_URDF_ERR_NAME: return "a name is missing or stands twice";
     case RBD_URDF_ERR_NUMBER: return "not a finite number";
     case RBD_URDF_ERR_INERTIAL: return "the inertial is incomplete or its mass negative";
@@ -2131,11 +2419,11 @@ const char *rbd_urdf_status_string(rbd_urdf_status status) {
     case RBD_URDF_ERR_PARSER: return "urdfdom refuses it";
     case RBD_URDF_WARN_INERTIA: return "no real body has this mass and inertia";
     case RBD_URDF_WARN_LIMIT: return "limits are missing, make no sense or are not kept";
-    case RBD_URDF_WARN_ROOT: return "the floating root link has no mass";
+    case RBD_URDF_WARN_ROOT: return "the floating root link has no mass, or a second free joint";
     case RBD_URDF_WARN_LOCKED: return "a joint that moves no mass, or mimics one at rest, is held still";
-    case RBD_URDF_WARN_AXIS: return "an axis is missing or not of unit length";
+    case RBD_URDF_WARN_AXIS: return "an axis is missing, or it or a quaternion is not of unit length";
     case RBD_URDF_WARN_NAME: return "the robot has no name";
-    case RBD_URDF_WARN_MIMIC: return "a fixed joint mimics another";
+    case RBD_URDF_WARN_MIMIC: return "a <mimic> is ignored: of a fixed joint, or wrong";
     case RBD_URDF_WARN_SINGULAR: return "neither a joint nor those that mimic it move mass";
     case RBD_URDF_WARN_DEGREES: return "an angle looks like degrees";
     case RBD_URDF_WARN_UNREAD: return "an element or attribute is not read";

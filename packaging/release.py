@@ -26,7 +26,7 @@ import zipfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-HEADERS = (ROOT / "src/headers.txt").read_text().split() + ["rbd_urdf.h"]
+HEADERS = (ROOT / "src/headers.txt").read_text().split() + ["rbd_urdf.h", "rbd_mjcf.h"]
 DEBIAN = re.compile(r"LICENSE\.(.+)$")  # of what a wheel brings
 
 
@@ -72,7 +72,7 @@ class Release:
 
     def arduino(self):
         """The include path of such a library is its src/: there stand the shipped headers."""
-        files = {f"src/{name}": ROOT / name for name in HEADERS if name != "rbd_urdf.h"}
+        files = {f"src/{name}": ROOT / name for name in HEADERS if name not in ("rbd_urdf.h", "rbd_mjcf.h")}
         files.update({name: ROOT / name for name in ("library.properties", "LICENSE", "README.md", "CHANGELOG.md")})
         example = ROOT / "examples/arduino_gravity"
         files.update({str(path.relative_to(ROOT)): path for path in example.iterdir()})

@@ -41,13 +41,25 @@ _MaybeNone = Any  # None where a keyword leaves the result out
 INPUTS = {"body": "int | str", "reference": "int | str", "axes": 'Literal["world", "link"]'}
 
 
+def hidden_lines(node):
+    """Lines of a class that a stub has not: private methods, and what the others do behind their docstring."""
+    hidden = set()
+    for method in (part for part in node.body if isinstance(part, ast.FunctionDef)):
+        inside = [method] if method.name.startswith("_") else method.body[1:]
+        for part in inside:
+            hidden |= set(range(part.lineno, part.end_lineno + 1))
+    return hidden
+
+
 def source(name):
     """The text of a class, wherever the package has it."""
     for text in SOURCES:
         for node in ast.parse(text).body:
             if isinstance(node, ast.ClassDef) and node.name == name:
                 first = min(node.lineno, *(d.lineno for d in node.decorator_list or [node]))
-                return "\n".join(text.split("\n")[first - 1:node.end_lineno]) + "\n"
+                lines = enumerate(text.split("\n")[first - 1:node.end_lineno], first)
+                hidden = hidden_lines(node)
+                return "\n".join(line for number, line in lines if number not in hidden).rstrip() + "\n"
     raise KeyError(name)
 
 
@@ -173,10 +185,15 @@ def definition(name):
     return f"class {name}{bases}:\n" + textwrap.indent("\n".join(inside), "    ")
 
 
+def bases(name):
+    """How many classes of the package a public class inherits: mypy reads those first."""
+    return sum(part.__module__.split(".")[0] == "rbd" for part in getattr(getattr(rbd, name), "__mro__", ())[1:])
+
+
 def text():
     """The stubs."""
     names = "__all__ = [\n" + "".join(f'    "{name}",\n' for name in rbd.__all__) + "]\n"
-    parts = [HEAD + names + "__version__: str\n", *map(definition, rbd.__all__), *result_tuples()]
+    parts = [HEAD + names + "__version__: str\n", *map(definition, sorted(rbd.__all__, key=bases)), *result_tuples()]
     return "\n\n".join(part.rstrip("\n") + "\n" for part in parts)
 
 

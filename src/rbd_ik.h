@@ -44,8 +44,8 @@
      ./run fuzz --ik counts. That a target is out of reach is known after all starts and descents: a thousand.
      That no place is nearer is not proven, nor that a target that is not reached cannot be. A redundant arm
      may take any of its postures. Where limits are wide, starts are within a turn, or 10 times `length` of a
-     slide, of the caller's q. No collisions. Robots need no masses, but for their centre of mass; a last body
-     without mass needs armature, or rbd_model_build refuses it.
+     slide, of the caller's q. No collisions. Robots need no masses, but for their centre of mass:
+     rbd_model_build_kinematic builds one without.
 */
 #include "rbd.h"
 

@@ -1,10 +1,10 @@
 /* rbd_tasks.h - whole-body control: tasks, contacts and limits in one QP, on rbd.h, rbd_ik.h and rbd_qp.h.
    SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end of rbd.h.
 
-   Finds, at each tick of a controller, the velocities or the accelerations, contact forces and torques that do
-   what tasks ask for as well as contacts, friction and limits allow; for all joint types, floating and fixed
-   bases, and mimic joints. Implemented by the same RBD_IMPLEMENTATION as rbd.h, in the same file. A robot on
-   four feet that holds its trunk still:
+   Finds, at each tick of a controller, the velocities, or the accelerations with contact forces and torques,
+   that do what tasks ask for as well as contacts, friction and limits allow. For all joint types, floating
+   and fixed bases, and mimic joints. Implemented by the same RBD_IMPLEMENTATION as rbd.h, in the same file. A
+   robot on four feet that holds its trunk still:
 
        #define RBD_IMPLEMENTATION
        #include "rbd_tasks.h"
@@ -17,7 +17,7 @@
        static unsigned char memory[RBD_TASKS_SIZE(NV, 6 + NV, 4, 0)];
        rbd_tasks_result result;
        for (;;) {   // each millisecond
-           status = rbd_tasks_acceleration(m, w, &problem, q, v, memory, sizeof memory, a, forces, tau, &result);
+           status = rbd_tasks_acceleration(m, w, &problem, q, v, memory, sizeof memory, a, f, tau, &result);
            problem.warm = status >= 0;
            if (status < 0) puts(rbd_tasks_text(status, &result, text, sizeof text));
        }
@@ -31,18 +31,27 @@
 
    [conventions] Those of rbd.h and rbd_qp.h, beyond them:
      x            velocities; or accelerations, then forces of closed contacts
-     level        tasks of level 0 count first, by weights among themselves; those of level 1 have what is left
+     level        tasks of level 0 come first, by weights among themselves; level 1 has what they leave
      hard, soft   what must hold; what may be missed at a cost
 
    [configuration] That of rbd.h. RBD_LANES and RBD_REAL_CUSTOM do not go with it.
 
    [guarantees]
-     No allocation. With RBD_TASKS_OK all contacts are held, all limits kept and all equations of motion solved
-     to result->primal. Below 0 outputs stay as they were. Outputs are finite. The bits are the same on every
-     machine with RBD_REPRODUCIBLE.
+     Those of rbd.h: no allocation, reentrant. With RBD_TASKS_OK contacts are held, hard limits kept and the
+     equations of motion solved to result->primal, a share of their terms that is at most 1e-7 (float 1e-3),
+     and mostly some roundings. With a status below 0 all outputs stay as they were. Outputs are finite. The
+     bits are the same on every machine with RBD_REPRODUCIBLE.
 
    [limits]
-     The work of a tick is that of a QP of nv + 3 contacts variables a level: see rbd_qp.h.
+     A tick costs kinematics, the mass matrix, a Jacobian for each task and contact, and a QP of nv + 3
+     contacts variables for each level: see rbd_qp.h; the option `steps` bounds it. A level misses what it
+     could do by what motion_cost and force_cost take: a share of some motion_cost / weight. Tasks in float
+     should differ by at most three decades in weight; levels are better. Friction of contacts is that of
+     points: a flat foot has several, and their forces share its torsion. Contacts may contradict each other
+     or limits, as where a joint is at its stop: RBD_TASKS_INFEASIBLE. Soft limits, an open contact or a lower
+     `least` help. Closed loops of rbd_constraints.h are not known here; RBD_TASK_ROWS can state them softly.
+     Passive joints other than floating ones must be named. Velocities look one tick ahead: they may end where
+     another posture would reach further, which rbd_ik finds.
 */
 #include "rbd_ik.h"
 #include "rbd_qp.h"

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Compiles rbd.h, and the headers that stand on it, with every compiler found, as every standard, with all warnings as errors:
 # declarations only, with the implementation, with RBD_STATIC (for double alone, a keyword apart), and the declarations of
-# rbd_urdf.h; for double and, with the first standard, float; without code, as a standard decides on syntax and meaning alone,
+# rbd_urdf.h and rbd_mjcf.h; for double and, with the first standard, float; without code, as a standard decides on syntax and meaning alone,
 # and the implementation with the first standard also at -O0, where a compiler sees more (GCC does at -O3 where the tests'
 # library is built). Then the batch calls for several numbers of lanes, with the SIMD unit for them where the compiler has it;
 # the first of them with code. With RBD_ALL_TESTS=yes float and lanes with the last standard too, all of the first at -O0, and
@@ -23,7 +23,7 @@ combinations=0
 # The three ways to include, as C and as C++ file.
 for suffix in c cpp; do
     sed 's/.*/#include "&"/' "$root/src/headers.txt" >"$scratch/declarations.$suffix"
-    echo '#include "rbd_urdf.h"' >"$scratch/urdf.$suffix"
+    printf '#include "rbd_urdf.h"\n#include "rbd_mjcf.h"\n' >"$scratch/urdf.$suffix"
     {
         echo '#define RBD_IMPLEMENTATION'
         grep -v batch "$root/src/headers.txt" | sed 's/.*/#include "&"/'

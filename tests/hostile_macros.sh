@@ -1,7 +1,7 @@
 #!/bin/sh
 # rbd.h compiles whatever macros are there before it: those of every ISO C and POSIX header, and those of Arduino,
 # newlib, Zephyr, CMSIS, Windows and whoever has a constant of one letter; they are the caller's again behind it.
-# In C and C++, single calls and batches, with the built models, rbd_spatial.h, and for rbd_urdf.h the
+# In C and C++, single calls and batches, with the built models, rbd_spatial.h, and for rbd_urdf.h and rbd_mjcf.h the
 # declarations.
 # usage: hostile_macros.sh DIRECTORY_OF_RBD_H
 set -u
@@ -74,7 +74,7 @@ all_headers() { grep -v batch "$root/src/headers.txt" | sed 's/.*/#include "&"/'
 {
     printf '#include "hostile.h"\n#define RBD_IMPLEMENTATION\n'
     all_headers
-    printf '#include "%s"\n' models/iiwa_model.h behind.h rbd_spatial.h rbd_urdf.h
+    printf '#include "%s"\n' models/iiwa_model.h behind.h rbd_spatial.h rbd_urdf.h rbd_mjcf.h
 } >"$scratch/hostile.c"
 cat >"$scratch/hostile_batch.c" <<'END'
 #include "hostile.h"
@@ -105,7 +105,7 @@ after_headers() {
     {
         echo '#define RBD_IMPLEMENTATION'
         all_headers
-        echo '#include "rbd_urdf.h"'
+        printf '#include "rbd_urdf.h"\n#include "rbd_mjcf.h"\n'
     } >>"$scratch/headers.c"
     compile headers "$@" -Wno-error=cpp -Wno-cpp
     absent=$(sed -n 's/.*absent: \([a-z0-9/]*\)[^a-z0-9/].*/\1/p' "$scratch/messages" | sort -u | xargs)

@@ -19,10 +19,10 @@ import extract
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGE, PLAIN_CALLS = ROOT / "docs/interface.md", ROOT / "tests/plain_calls.h"
-HEADERS = (ROOT / "src/headers.txt").read_text().split() + ["rbd_urdf.h"]
+HEADERS = (ROOT / "src/headers.txt").read_text().split() + ["rbd_urdf.h", "rbd_mjcf.h"]
 NAME = re.compile(r"\b(?:rbd|RBD)_\w*[A-Za-z0-9]\b")
 TEXTS = ["rbd_status_string", "rbd_finding_text", "rbd_constraint_finding_text",
-         "rbd_contact_finding_text", "rbd_ik_text", "rbd_qp_text"]  # words, not numbers
+         "rbd_contact_finding_text", "rbd_ik_text", "rbd_qp_text", "rbd_tasks_text"]  # words, not numbers
 MACRO = re.compile(r"^ *# *(?:define|ifdef|ifndef|if|elif)\b.*$", re.M)
 
 
@@ -38,7 +38,7 @@ def public(header):
     """Names that the header shows to its users."""
     text = (ROOT / header).read_text()
     public_part, _, rest = text.partition("   Stop here if you only use it.")
-    if header == "rbd_urdf.h":
+    if header in ("rbd_urdf.h", "rbd_mjcf.h"):
         public_part, _, rest = text.partition("\n   Implementation\n")
     if header == "rbd_spatial.h":
         public_part, rest = text, ""
@@ -53,7 +53,7 @@ def uncompared():
     """Functions of which no bits are compared."""
     called = "".join((ROOT / "tests" / name).read_text() for name in ("all_calls.h", "reproducible.c", "plain_calls.h"))
     for header in HEADERS:
-        if header in ("rbd_batch.h", "rbd_urdf.h"):  # reproducible_batch.c compares batches; URDF is never on a robot
+        if header in ("rbd_batch.h", "rbd_urdf.h", "rbd_mjcf.h"):  # reproducible_batch.c compares batches; files are never on a robot
             continue
         public_part = (ROOT / header).read_text().partition("   Stop here if you only use it.")[0]
         for name in sorted(set(re.findall(r"\b(rbd_\w+)\(", code_of(public_part + "*/"))) - set(TEXTS)):

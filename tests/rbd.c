@@ -5,3 +5,4 @@
 #include "rbd_contact.h"
 #include "rbd_ik.h"
 #include "rbd_qp.h"
+#include "rbd_tasks.h"

@@ -279,6 +279,7 @@ prints_not 'waiting'
 # ---- quick: the suites of what changed ----
 
 mkdir -p "$scratch/tree/src/dynamics" "$scratch/tree/src/contact"
+cp "$root/src/headers.txt" "$scratch/tree/src"
 : >"$scratch/tree/src/dynamics/aba.h"
 : >"$scratch/tree/src/contact/rows.h"
 printf '#define SUITES(x) x(aba) x(crba) x(contact) x(contact_step)\n' >"$scratch/tree/tests/suites.h"

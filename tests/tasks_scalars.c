@@ -1,5 +1,5 @@
-/* tasks_scalars.c - rbd_tasks.h in double and in float: rows of every kind beside differences, forces that stand,
-   limits that are kept, levels. */
+/* tasks_scalars.c - rbd_tasks.h in double and in float: rows of every kind beside differences, forces that
+   stand, limits that are kept, levels. */
 #define RBD_STATIC
 #define RBD_IMPLEMENTATION
 #include "rbd_tasks.h"
@@ -142,8 +142,8 @@ static int draw_tasks(const rbd_real *q, double away, int nb, rbd_task *t, rbd_r
     return KINDS;
 }
 
-/* With velocities y = e, whose rate is -J v where angles are small; of lengths anywhere. With accelerations and
-   no gain y = -dJ/dt v, and J a - y is the rate of J v. Momentum: J v = h. */
+/* With velocities y = e, whose rate is -J v where angles are small; of lengths anywhere. With accelerations
+   and no gain y = -dJ/dt v, and J a - y is the rate of J v. Momentum: J v = h. */
 static void check_rows(const rbd_body *bodies, int nb, double away) {
     static double y[2][200], u[2][200], drift[200], J[200][MOST_V];
     rbd_real q[MOST_Q], there[MOST_Q], near[MOST_Q], v[MOST_V], a[MOST_V], to[MOST_V], h6[6];
@@ -212,7 +212,7 @@ static void check_standing(void) {
                                 HYQ_BODY_RH_LOWERLEG};
     rbd_task_contact c[4];
     rbd_real q[MOST_Q], v[MOST_V] = {0}, a[MOST_V], tau[MOST_V], f[12], up = 0;
-    const double bound = IN_FLOAT ? 1e-4 : 1e-10;
+    const double bound = IN_FLOAT ? 1e-4 : 1e-8; /* motions cost something */
     rbd_tasks_result result;
     char text[200];
 
@@ -226,7 +226,12 @@ static void check_standing(void) {
     }
     const rbd_task t[2] = {{.kind = RBD_TASK_COM},
                            {.kind = RBD_TASK_POSTURE, .q = q, .gain = 10, .level = 1}};
-    rbd_tasks p = {.task = t, .tasks = 2, .contact = c, .contacts = 4, .dt = (rbd_real)1e-3};
+    rbd_tasks p = {.task = t,
+                   .tasks = 2,
+                   .contact = c,
+                   .contacts = 4,
+                   .dt = (rbd_real)1e-3,
+                   .motion_cost = (rbd_real)(IN_FLOAT ? 0 : 1e-9)};
     for (int again = 0; again < 2; again++) {
         const rbd_tasks_status status =
             rbd_tasks_acceleration(m, w, &p, q, v, memory, sizeof memory, a, f, tau, &result);
@@ -242,8 +247,8 @@ static void check_standing(void) {
 
 /* ---- limits ---- */
 
-/* An arm that is called beyond all its limits, ten thousand steps: none is passed, and no joint brakes by more
-   than it may. */
+/* An arm that is called beyond all its limits, ten thousand steps: none is passed, and no joint brakes by
+   more than it may. */
 static void check_limits(void) {
     rbd_real q[7] = {0}, v[7] = {0}, a[7], tau[7], far[7], lower[7], upper[7];
     const double dt = 1e-3, eps = IN_FLOAT ? 2e-5 : 1e-12;

@@ -198,8 +198,25 @@ static int report_finding(csv *table, const items *x, const rbd_finding *f) {
                      f->text ? f->text : rbd_status_string(f->status));
 }
 
+/* Those of the robot's own MJCF file. */
+static int take_constraints(const robot *r, rbd_work *w, rbd_constraint **list, void **memory,
+                            rbd_constraint_set **c) {
+    const int n = r->nconstraints;
+    const size_t size = rbd_constraint_set_size(r->model, r->constraints, n);
+    rbd_report report;
+    char text[REASON];
+    *list = allocate((size_t)n, sizeof **list);
+    if (n > 0) memcpy(*list, r->constraints, (size_t)n * sizeof **list);
+    *memory = allocate(size + 1, 1);
+    if (rbd_constraint_set_init(r->model, w, *list, n, *memory, size, c, &report) == RBD_OK) return n;
+    fprintf(stderr, "%s: %s: %s\n", program, r->path,
+            rbd_constraint_finding_text(&report.error, text, sizeof text));
+    return -1;
+}
+
 int constraints_read(const char *path, const robot *r, rbd_work *w, rbd_constraint **list, void **memory,
                      rbd_constraint_set **c) {
+    if (r->constraints && strcmp(path, r->path) == 0) return take_constraints(r, w, list, memory, c);
     csv table = {0};
     items x = {&constraints, NULL, sizeof **list, NULL, NULL, 0};
     rbd_report report;

@@ -5,8 +5,9 @@
 #include "rbd_contact.h"
 #include "robot.h"
 
-/* Reads the table, docs/tools.md says how, and prepares the set. The caller frees list and memory, NULL or
-   not. Returns how many there are, or -1 after a message. */
+/* Reads the table, docs/tools.md says how, or takes those of the robot's MJCF file, if that is the path; and
+   prepares the set. The caller frees list and memory, NULL or not. Returns how many there are, or -1 after a
+   message. */
 int constraints_read(const char *path, const robot *r, rbd_work *w, rbd_constraint **list, void **memory,
                      rbd_constraint_set **c);
 

@@ -57,9 +57,9 @@ void print_origin(const robot *r, const char *writer) {
     if (r->command) printf("       %s\n", r->command);
 }
 
-/* What is printed of a joint type: its name in URDF and in the summary, "" where URDF has none; in C; of
-   joints with several coordinates or dofs what their names end in. A type without parts of v has those of
-   q. */
+/* What is printed of a joint type: its name in files (spherical: of MJCF alone) and in the summary, "" where
+   no file has it; in C; of joints with several coordinates or dofs what their names end in. A type without
+   parts of v has those of q. */
 typedef struct type_text {
     const char *name, *constant;
     const char *parts_of_q[7], *parts_of_v[6];
@@ -74,7 +74,7 @@ static const type_text types[RBD_JOINT_TYPES] = {
     [RBD_HELICAL] = {"", "RBD_HELICAL", {""}, {""}},
     [RBD_CYLINDRICAL] = {"", "RBD_CYLINDRICAL", {"angle", "length"}, {NULL}},
     [RBD_UNIVERSAL] = {"", "RBD_UNIVERSAL", {"first", "second"}, {NULL}},
-    [RBD_SPHERICAL] = {"", "RBD_SPHERICAL", {"qx", "qy", "qz", "qw"}, {"wx", "wy", "wz"}},
+    [RBD_SPHERICAL] = {"spherical", "RBD_SPHERICAL", {"qx", "qy", "qz", "qw"}, {"wx", "wy", "wz"}},
     [RBD_EULER_ZYX] = {"", "RBD_EULER_ZYX", {"z", "y", "x"}, {NULL}},
     [RBD_EULER_XYZ] = {"", "RBD_EULER_XYZ", {"x", "y", "z"}, {NULL}},
     [RBD_EULER_YXZ] = {"", "RBD_EULER_YXZ", {"y", "x", "z"}, {NULL}},

@@ -70,11 +70,11 @@ static void print_body(const rbd_body *b, int index, const rbd_body *bodies) {
 }
 
 static void print_head(const robot *r, const char *name) {
-    const int floating = r->urdf.bodies[0].type == RBD_FLOATING && r->urdf.frames[0].body == 0;
+    const int floating = r->urdf.bodies[0].type == RBD_FLOATING;
     printf("/* %s.h - ", name);
     print_in_comment(r->urdf.name);
-    printf(", %s: the description that rbd_model_build takes.\n",
-           floating ? "on a floating joint" : "fixed to the world");
+    printf(", %s: the description that %s takes.\n", floating ? "on a floating joint" : "fixed to the world",
+           r->kinematic ? "rbd_model_build_kinematic" : "rbd_model_build");
     print_origin(r, "rbd-model");
     printf("   Include rbd.h before. */\n");
 }
@@ -138,7 +138,9 @@ void print_c_constraints(const robot *r, const char *name, const rbd_constraint 
     print_upper(name);
     printf("_ROWS = %d };\nstatic const rbd_constraint %s_constraints[] = {\n", rows, name);
     for (int i = 0; i < n; i++) {
-        printf("    {NULL, %d, %d,\n", list[i].body1, list[i].body2);
+        printf("    {");
+        print_c_string(list[i].name);
+        printf(", %d, %d,\n", list[i].body1, list[i].body2);
         for (int side = 0; side < 2; side++) print_frame(&list[i], side, r->urdf.bodies);
         printf("     {%d, %d, %d, %d, %d, %d}, ", list[i].axes[0], list[i].axes[1], list[i].axes[2],
                list[i].axes[3], list[i].axes[4], list[i].axes[5]);

@@ -67,7 +67,7 @@ static void joint_cells(const rbd_body *b, row cells) {
     char mimic[CELL] = "";
     if (b->mimic) mimic_text(b, mimic);
     snprintf(cells[2], CELL, "%s%.120s", joint_type_name(b->type), mimic);
-    if (b->type != RBD_FLOATING && b->type != RBD_PLANAR) axis_cell(b, cells[3]);
+    if (b->type != RBD_FLOATING && b->type != RBD_PLANAR && b->type != RBD_SPHERICAL) axis_cell(b, cells[3]);
     limits_cell(b, cells[4]);
 }
 
@@ -144,17 +144,35 @@ static void print_table(const rbd_urdf *u) {
 
 static const char *plural(int n) { return n == 1 ? "" : "s"; }
 
+/* Of a robot for kinematics alone: the first joint that moves no mass. */
+static void print_massless(const rbd_model *m) {
+    const size_t size = rbd_work_size(m);
+    void *memory = allocate(size, 1);
+    rbd_work *w;
+    rbd_work_init(m, memory, size, &w);
+    if (rbd_singular_dof(w) >= 0) {
+        const int body = rbd_dof_body(m, rbd_singular_dof(w));
+        printf("for kinematics alone: joint %s moves no mass\n",
+               rbd_joint_name(m, body) ? rbd_joint_name(m, body) : "");
+    }
+    free(memory);
+}
+
 void print_summary(const robot *r) {
     const rbd_urdf *u = &r->urdf;
     const int nv = rbd_nv(r->model), nq = rbd_nq(r->model);
     printf("%s: %d link%s, %d bod%s, %d degree%s of freedom (q has %d number%s)\n", u->name, u->nframes,
            plural(u->nframes), u->nb, u->nb == 1 ? "y" : "ies", nv, plural(nv), nq, plural(nq));
+    print_massless(r->model);
     printf("moving mass %.6g kg", rbd_mass(r->model));
     if (u->fixed_mass > 0)
         printf("; fixed to the world %.6g kg%s", u->fixed_mass,
                strcmp(u->frames[0].link, "world") ? " (--floating for a free base)" : "");
     printf("\n\n");
     print_table(u);
+    if (r->nconstraints > 0) printf("\n");
+    for (int i = 0; i < r->nconstraints; i++)
+        printf("constraint %s: %s\n", r->constraints[i].name, r->constraints[i].axes[0] ? "weld" : "connect");
     printf("\n%d warning%s\n", u->nwarnings, plural(u->nwarnings));
     for (int i = 0; i < u->nwarnings; i++) {
         if (u->warnings[i].line) printf("line %d: ", u->warnings[i].line);

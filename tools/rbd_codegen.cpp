@@ -22,7 +22,7 @@ const char *program = "rbd-codegen";
 namespace {
 
 const char help[] =
-    "usage: rbd-codegen [OPTION...] FILE.urdf\n"
+    "usage: rbd-codegen [OPTION...] FILE\n"
     "\n"
     "Writes NAME_code.h and NAME_code.c: functions of one robot as straight-line C99, which "
     "need no rbd.h.\n"
@@ -639,8 +639,7 @@ int run(options *o) {
         robot_print_warnings(&r);
         o->robot.bodies = r.urdf.bodies;
         o->robot.nb = r.urdf.nb;
-        const double usual[3] = {0, 0, -9.81};
-        std::memcpy(o->robot.gravity, o->read.urdf.gravity ? o->read.gravity : usual, sizeof usual);
+        std::memcpy(o->robot.gravity, r.urdf.gravity, sizeof r.urdf.gravity);
         try {
             check_folder(o);
             o->robot.actuated = motors(o, r.model);

@@ -12,7 +12,7 @@
 const char *program = "rbd-eval";
 
 static const char help[] =
-    "usage: rbd-eval FILE.urdf --algorithm NAME [OPTION...] < states.csv > results.csv\n"
+    "usage: rbd-eval FILE --algorithm NAME [OPTION...] < states.csv > results.csv\n"
     "\n"
     "Evaluates an algorithm on every row of a table of states, with 17 digits. The first row of a table "
     "names\n"
@@ -132,9 +132,20 @@ static int read_numbers(const csv *row, const columns *names, const int *where, 
     return 0;
 }
 
+/* Of dynamics with --kinematic. */
+static int report_massless(const csv *row, const state *s) {
+    const int body = rbd_dof_body(s->m, rbd_singular_dof(s->w));
+    const char *joint = rbd_joint_name(s->m, body), *link = rbd_body_name(s->m, body);
+    return csv_error(row,
+                     "dynamics needs masses, and joint '%s', which carries link '%s', moves none: with "
+                     "--kinematic there are poses and Jacobians alone",
+                     joint ? joint : "", link ? link : "");
+}
+
 static int report_failure(const csv *row, const state *s, rbd_status status) {
     const int dof = status == RBD_ERR_SINGULAR || status == RBD_ERR_NAN ? rbd_singular_dof(s->w) : -1;
     columns dofs = {0};
+    if (status == RBD_ERR_MASSLESS) return report_massless(row, s);
     if (status == RBD_ERR_INFEASIBLE)
         return csv_error(row, "%s, at lambda.%d", rbd_status_string(status), rbd_infeasible_row(s->c));
     if (dof < 0) return csv_error(row, "%s", rbd_status_string(status));

@@ -9,9 +9,10 @@
 const char *program = "rbd-model";
 
 static const char help[] =
-    "usage: rbd-model [OPTION...] FILE.urdf\n"
+    "usage: rbd-model [OPTION...] FILE\n"
     "\n"
-    "Prints a summary of a robot's URDF file (- is standard input): links, joints, masses, odd data.\n"
+    "Prints a summary of a robot's file, URDF or MJCF (- is standard input): links, joints, masses, odd "
+    "data.\n"
     "With one of these it writes something else to standard output, and the warnings to standard error:\n"
     "  --c NAME            the description, NAME_bodies, a C table for rbd_model_build\n"
     "  --c-model NAME      the built model, NAME_model and NAME_FEATURES, a C table for firmware\n"
@@ -21,7 +22,7 @@ static const char help[] =
     "  --constraints FILE  with --c or --c-model: NAME_constraints too, a C table for "
     "rbd_constraint_set_init, "
     "of\n"
-    "                      the table of constraints that rbd-eval reads\n"
+    "                      the table of constraints that rbd-eval reads, in place of those of an MJCF file\n"
     "How the file is read:\n";
 static const char help_end[] =
     "\n"
@@ -129,15 +130,36 @@ static int read_constraints(const options *o, const robot *r, rbd_constraint **l
     return n;
 }
 
+/* What a file says and an output of this kind cannot: a ball joint in URDF, gravity but in a built model. */
+static int check_output(const options *o, const robot *r) {
+    const double *g = r->urdf.gravity;
+    if (o->output == C || o->output == URDF)
+        if (g[0] != 0 || g[1] != 0 || g[2] != -9.81)
+            fprintf(stderr, "%s: warning: gravity %g,%g,%g of the file is not in this output\n", r->path,
+                    g[0], g[1], g[2]);
+    for (int i = 0; o->output == URDF && i < r->urdf.nb; i++) {
+        if (r->urdf.bodies[i].type != RBD_SPHERICAL) continue;
+        fprintf(stderr, "%s: error: --urdf: joint '%s' is a ball, which URDF has not\n", r->path,
+                r->urdf.bodies[i].joint);
+        return EXIT_BAD;
+    }
+    return 0;
+}
+
 static int run(const options *o) {
     robot r;
     rbd_constraint *list = NULL;
     int n = 0, status = robot_open(&r, o->path, &o->settings);
+    const int with_constraints = o->output == C || o->output == C_MODEL;
     if (status == 0 && o->constraints && (n = read_constraints(o, &r, &list)) < 0) status = EXIT_BAD;
+    if (status == 0) status = check_output(o, &r);
     if (status == 0) {
         if (o->output != SUMMARY) robot_print_warnings(&r);
         print_output(o, &r);
-        if (o->constraints) print_c_constraints(&r, o->name, list, n);
+        if (o->constraints)
+            print_c_constraints(&r, o->name, list, n);
+        else if (with_constraints && r.nconstraints > 0)
+            print_c_constraints(&r, o->name, r.constraints, r.nconstraints);
         if (fflush(stdout) != 0 || ferror(stdout)) {
             fprintf(stderr, "%s: cannot write the output\n", program);
             status = EXIT_BAD;

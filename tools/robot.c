@@ -74,6 +74,8 @@ const char settings_help[] =
     "  --lock JOINT=VALUE  hold this joint still there, in rad or m (JOINT alone: at 0), and those that\n"
     "                      mimic it; may stand several times\n"
     "  --lock-massless     hold joints still that move no mass (else they are an error)\n"
+    "  --kinematic         let them move, for poses, Jacobians and inverse kinematics alone\n"
+    "  --free-mimics       let joints move freely that mimic a missing joint (else they are an error)\n"
     "  --strict            warnings are errors\n"
     "  --messages          show the messages of urdfdom\n"
     "  --help, --version\n";
@@ -166,6 +168,10 @@ int settings_read(settings *s, char **argv, int *i) {
         s->urdf.strict = 1;
     else if (strcmp(argument, "--lock-massless") == 0 || is_lock_alone(argument, argv[*i + 1]))
         s->urdf.lock_massless = 1;
+    else if (strcmp(argument, "--kinematic") == 0)
+        s->urdf.kinematic = 1;
+    else if (strcmp(argument, "--free-mimics") == 0)
+        s->urdf.free_mimics = 1;
     else if (strcmp(argument, "--messages") == 0)
         s->urdf.show_messages = 1;
     else if (option_is(argument, "--gravity"))
@@ -249,7 +255,8 @@ static int load(robot *r, const settings *s) {
         fprintf(stderr, "%s: error: it cannot be read: %s\n", r->path, strerror(errno));
         return EXIT_BAD;
     }
-    status = load_text(r->path, &r->urdf, text, length, s);
+    status =
+        is_mjcf(text, length) ? load_mjcf(r, text, length, s) : load_text(r->path, &r->urdf, text, length, s);
     if (status != 0) print_finding(r->path, "error", &r->urdf.error);
     free(text);
     return status;
@@ -260,8 +267,14 @@ static int build(robot *r) {
     char text[200];
     const size_t size = rbd_model_size(r->urdf.bodies, r->urdf.nb);
     rbd_model *model;
+    rbd_status status;
     r->model_memory = allocate(size, 1);
-    if (rbd_model_build(r->urdf.bodies, r->urdf.nb, r->model_memory, size, &r->model, &report) != RBD_OK) {
+    if (r->kinematic)
+        status =
+            rbd_model_build_kinematic(r->urdf.bodies, r->urdf.nb, r->model_memory, size, &r->model, &report);
+    else
+        status = rbd_model_build(r->urdf.bodies, r->urdf.nb, r->model_memory, size, &r->model, &report);
+    if (status != RBD_OK) {
         fprintf(stderr, "%s: error: %s\n", r->path, rbd_finding_text(&report.error, text, sizeof text));
         return EXIT_BAD;
     }
@@ -276,6 +289,7 @@ int robot_open(robot *r, const char *path, const settings *s) {
     memset(r, 0, sizeof *r);
     r->path = path;
     r->command = s->command;
+    r->kinematic = s->urdf.kinematic;
     return load(r, s) == 0 ? build(r) : EXIT_BAD;
 }
 
@@ -306,5 +320,6 @@ void robot_close(robot *r) {
     free(r->urdf.names);
     free(r->urdf.frames);
     free(r->urdf.warnings);
+    free(r->constraints);
     free(r->model_memory);
 }

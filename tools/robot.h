@@ -3,6 +3,7 @@
 #ifndef TOOLS_ROBOT_H
 #define TOOLS_ROBOT_H
 
+#include "rbd_constraints.h"
 #include "rbd_urdf.h"
 
 enum { REASON = 500 };                 /* characters of a sentence */
@@ -46,9 +47,12 @@ int read_vector(const char *option, const char *text, double v[3]);
 
 typedef struct robot {
     const char *path;
-    const char *command; /* that reads it, for what is written of it; NULL: not known */
-    rbd_urdf urdf;
+    const char *command;         /* that reads it, for what is written of it; NULL: not known */
+    rbd_urdf urdf;               /* of an MJCF file too */
+    rbd_constraint *constraints; /* of an MJCF file */
+    int nconstraints;
     const rbd_model *model; /* with the gravity asked for */
+    int kinematic;          /* it may have joints that move no mass */
     void *model_memory;
 } robot;
 
@@ -56,6 +60,13 @@ typedef struct robot {
  * 0 or EXIT_BAD. */
 int robot_open(robot *r, const char *path, const settings *s);
 void robot_close(robot *r);
+
+/* Whether a text is MJCF, by its root element. */
+int is_mjcf(const char *text, size_t length);
+
+/* Loads it into r->urdf and r->constraints by rbd_mjcf.h; r->urdf.error has the error. Returns 0 or
+   EXIT_BAD. */
+int load_mjcf(robot *r, const char *text, size_t length, const settings *s);
 
 /* The body that is this link, or -1, with the reason in text: it is merged into another, or is not there. */
 int robot_link(const robot *r, const char *link, char text[REASON]);

@@ -7,8 +7,8 @@ import re
 from dataclasses import dataclass, field
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-HEADERS = (ROOT / "src/headers.txt").read_text().split() + ["rbd_urdf.h"]
-ENDS = {"rbd_urdf.h": "\n   Implementation\n", "rbd_spatial.h": None}  # of the public part; the others:
+HEADERS = (ROOT / "src/headers.txt").read_text().split() + ["rbd_urdf.h", "rbd_mjcf.h"]
+ENDS = {"rbd_urdf.h": "\n   Implementation\n", "rbd_mjcf.h": "\n   Implementation\n", "rbd_spatial.h": None}  # of the public part; the others:
 STOP = "   Stop here if you only use it."
 SECTION = re.compile(r"/\* -+ (.*?) \[([\w ]+)\] -+\s*(.*?)\*/", re.S)
 TOKEN = re.compile(r"/\*.*?\*/|^[ \t]*#(?:[^\n\\/]|\\.|\\\n|/(?!\*))*|\n[ \t]*(?=\n)|[^\s]", re.S | re.M)

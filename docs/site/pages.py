@@ -19,20 +19,20 @@ from extract import ROOT
 HERE = pathlib.Path(__file__).resolve().parent
 # Guides, in order: title of the part, and files.
 GUIDES = [
-    ("Begin", ["docs/first_minutes.md", "docs/install.md", "docs/robot.md", "docs/conventions.md", "examples/README.md",
+    ("Begin", ["docs/first_minutes.md", "docs/install.md", "docs/robot.md", "docs/robot_files.md", "docs/conventions.md", "examples/README.md",
                "python/README.md"]),
     ("In a controller", ["docs/control_loop.md", "docs/contacts.md", "docs/contact_step.md", "docs/inverse_kinematics.md",
                          "docs/qp.md", "docs/tasks.md", "docs/gradients.md", "docs/generated_code.md", "docs/gpu.md", "docs/firmware.md",
                          "docs/porting.md", "docs/reproducible.md",
                          "examples/firmware/README.md"]),
-    ("Tools and other libraries", ["docs/other_libraries.md", "docs/tools.md", "models/README.md"]),
+    ("Tools and other libraries", ["docs/other_libraries.md", "docs/mjcf.md", "docs/tools.md", "models/README.md"]),
     ("Accuracy and measurements", ["docs/accuracy.md", "docs/performance.md", "bench/results/2026-11-27-xeon/report.md",
                                    "bench/results/2026-11-25-contact/contact.md", "bench/results/2026-11-27-h200/report.md",
                                    "bench/README.md"]),
     ("The project", ["README.md", "docs/interface.md", "CONTRIBUTING.md", "CHANGELOG.md", "packaging/README.md"]),
 ]
 # Shorter names in the list of guides.
-TITLES = {"docs/control_loop.md": "Control loop", "docs/gradients.md": "Gradients and predictive control",
+TITLES = {"docs/mjcf.md": "MJCF files", "docs/control_loop.md": "Control loop", "docs/gradients.md": "Gradients and predictive control",
           "docs/firmware.md": "Firmware: what it costs", "docs/porting.md": "Firmware: your board",
           "examples/firmware/README.md": "Firmware: examples", "bench/results/2026-11-27-xeon/report.md": "Measurements",
           "bench/results/2026-11-25-contact/contact.md": "Measurements of contacts",
@@ -372,7 +372,7 @@ def function_lines(functions, comment, header):
     if rows:
         out += ["| argument | | shape | meaning |", "|---|---|---|---|"]
         out += [f"| `{n}` | {way} | {shape} | {linked(text, header)} |" for n, way, shape, text in rows] + [""]
-    found = dict.fromkeys(s for i in functions for s in status_list(i.name) if re.match("rbd(_urdf)?_status ", signature(i)))
+    found = dict.fromkeys(s for i in functions for s in status_list(i.name) if re.match("rbd(_urdf|_mjcf)?_status ", signature(i)))
     if found:
         out.append("**Errors** " + ", ".join(f"{{c:enumerator}}`{s}`" for s in found) + "\n")
     out += cost_lines(functions)
@@ -469,7 +469,7 @@ def top_page(header):
 
 def owner(name):
     """The header in whose first comment this macro is explained."""
-    return {"RBD_IMPLEMENTATION": "rbd.h", "RBD_URDF_IMPLEMENTATION": "rbd_urdf.h",
+    return {"RBD_IMPLEMENTATION": "rbd.h", "RBD_URDF_IMPLEMENTATION": "rbd_urdf.h", "RBD_MJCF_IMPLEMENTATION": "rbd_mjcf.h",
             "RBD_CHECK_FRAMES": "rbd_spatial.h"}.get(name, "rbd.h" if name in extract.named_in_top(headers()[0]) else None)
 
 

@@ -36,20 +36,23 @@ from ._calls import RESULTS as _RESULTS
 from ._constraints import ConstraintSet
 from ._contacts import ContactResult, ContactSet, ContactSolution
 from ._descriptions import Body, Constraint, Contact, ContactOptions, load_table
-from ._headers import (SOURCES, Array, ContactState, IkKind, IkStatus, JointType, Matrix, Numbers, QpStatus, RbdError,
-                       RbdWarning, Status, UrdfStatus, __version__, structure)
+from ._headers import (SOURCES, Array, ContactState, IkKind, IkStatus, JointType, Matrix, MjcfStatus, Numbers, QpStatus,
+                       RbdError, RbdWarning, Status, TaskKind, TasksStatus, UrdfStatus, __version__, structure)
 from ._ik import IkResult, IkTarget
 from ._library import Library
+from ._mjcf import Mjcf, load_mjcf, parse_mjcf
 from ._model import Model, _again
 from ._names import JointInfo
 from ._qp import QpSolution, qp
 from ._spatial import AxisAngle, Placement, Spatial
+from ._tasks import Task, TaskContact, Tasks, TasksAcceleration, TasksVelocity
 from ._urdf import Frame, Urdf, load_urdf, parse_urdf
 
 __all__ = ["AxisAngle", "Body", "Constraint", "ConstraintSet", "Contact", "ContactOptions", "ContactResult",
            "ContactSet", "ContactSolution", "ContactState", "Frame", "IkKind", "IkResult", "IkStatus", "IkTarget",
-           "JointInfo", "JointType", "Library", "Model", "Placement", "QpSolution", "QpStatus", "RbdError", "RbdWarning",
-           "SOURCES", "Spatial", "Status", "Urdf", "UrdfStatus", "load_table", "load_urdf", "parse_urdf", "qp"]
+           "JointInfo", "JointType", "Library", "Mjcf", "MjcfStatus", "Model", "Placement", "QpSolution", "QpStatus", "RbdError", "RbdWarning",
+           "SOURCES", "Spatial", "Status", "Task", "TaskContact", "TaskKind", "Tasks", "TasksAcceleration", "TasksStatus",
+           "TasksVelocity", "Urdf", "UrdfStatus", "load_mjcf", "load_table", "load_urdf", "parse_mjcf", "parse_urdf", "qp"]
 
 
 def __dir__():

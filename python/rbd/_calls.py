@@ -24,7 +24,8 @@ def _c(memory, gives="", batch=False, struct=False, c_name="", c_inputs="", **sh
     memory   the memory that C computes in, besides the model
     gives    the results in C's order; "dtau_dq?" is left out where the keyword dtau_dq is False, "A_dot_v?v"
              where v is None
-    batch    whether C has the call for n states, as rbd_batch_...
+    batch    whether C has the call for n states, as rbd_batch_...; or the name of one that gives the same of q, v = 0
+             and no f_ext
     struct   whether C takes the results as a struct of pointers
     shapes   of quantities that have another shape here than in the table
     """
@@ -212,7 +213,7 @@ class _Bound:
                                if np.ndim(value) > len(self.cores[name]))
             raise ValueError(f"{call.name}: {name} has the shape {shape}: this call takes one state, and "
                              "other calls read its results")
-        blocks = call.batch and owner._layout() == "blocks"
+        blocks = bool(call.batch) and owner._layout() == "blocks"
         lanes = (owner.library.lanes,) if blocks else ()
         cores = {name: core + lanes for name, core in self.cores.items()}
         dtype, given = owner.library.dtype, dict(zip(call.inputs, values))
@@ -243,13 +244,16 @@ class _Bound:
         """Calls C's batch."""
         call, owner = self.call, self.owner
         states = loop + (owner.library.lanes,) if blocks else loop
-        inputs = [arrays.get(name) for name in call.inputs]
+        inputs, function = [arrays.get(name) for name in call.inputs], call.name
+        if isinstance(call.batch, str):
+            function, v = call.batch, np.zeros((math.prod(states), owner.nv), owner.library.dtype)
+            inputs += [v, None]
         memory = ["batch" if kind == "work" else f"batch_{kind}" for kind in call.memory]
         with owner._lock:
             layout = functools.partial(owner.library.call, "batch_set_layout", owner._address("batch"))
             layout(int(blocks))
             try:
-                return owner._run(f"batch_{call.name}", memory, [math.prod(states), *inputs], outputs,
+                return owner._run(f"batch_{function}", memory, [math.prod(states), *inputs], outputs,
                                   results, call.name, states)
             finally:
                 layout(0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors.
-"""Libraries that a wheel brings compiled, so that its users need no compiler. python/wheel.py makes them."""
+"""Libraries that a wheel brings compiled, so that its users need no compiler. python/make_wheel.py makes them."""
 from __future__ import annotations
 
 import ctypes

@@ -24,7 +24,7 @@ class Dynamics(_Owner):
         """Bias force c, the part of inverse dynamics that does not depend on a: velocity terms, gravity, minus
         external wrenches."""
 
-    @_c("work", "g")
+    @_c("work", "g", batch="bias")
     def gravity_torque(self, q):
         """Gravity torque g, which holds the robot still: inverse dynamics at v = a = 0, without f_ext."""
 

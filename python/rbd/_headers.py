@@ -53,11 +53,14 @@ def _enum(python_name, c_name, prefix):
 
 Status = _enum("Status", "rbd_status", "RBD_")
 UrdfStatus = _enum("UrdfStatus", "rbd_urdf_status", "RBD_URDF_")
+MjcfStatus = _enum("MjcfStatus", "rbd_mjcf_status", "RBD_MJCF_")
 QpStatus = _enum("QpStatus", "rbd_qp_status", "RBD_QP_")
 JointType = _enum("JointType", "rbd_joint_type", "RBD_")
 ContactState = _enum("ContactState", "rbd_contact_state", "RBD_")
 IkKind = _enum("IkKind", "rbd_ik_kind", "RBD_IK_")
 IkStatus = _enum("IkStatus", "rbd_ik_status", "RBD_IK_")
+TaskKind = _enum("TaskKind", "rbd_task_kind", "RBD_TASK_")
+TasksStatus = _enum("TasksStatus", "rbd_tasks_status", "RBD_TASKS_")
 
 
 @functools.lru_cache(maxsize=None)
@@ -65,7 +68,9 @@ def structure(name, real=ctypes.c_double, text=_TEXT):
     """A C struct of a header as a ctypes.Structure of the same layout; `real` is rbd_real and rbd_const."""
     known = {"double": ctypes.c_double, "int": ctypes.c_int, "size_t": ctypes.c_size_t, "char": ctypes.c_char,
              "rbd_const": real, "rbd_real": real, "rbd_status": ctypes.c_int, "rbd_urdf_status": ctypes.c_int,
-             "rbd_joint_type": ctypes.c_int, "rbd_ik_kind": ctypes.c_int}
+             "rbd_mjcf_status": ctypes.c_int, "rbd_joint_type": ctypes.c_int, "rbd_ik_kind": ctypes.c_int,
+             "rbd_task_kind": ctypes.c_int, "rbd_tasks_part": ctypes.c_int, "rbd_qp_status": ctypes.c_int,
+             "unsigned": ctypes.c_ubyte}  # unsigned char
     body = re.search(rf"typedef struct {name} \{{(.*?)\n\}} {name};", text, re.S)[1]
     members = []
     for declaration in re.sub(r"/\*.*?\*/", "", body, flags=re.S).split(";")[:-1]:
@@ -87,13 +92,13 @@ def structure(name, real=ctypes.c_double, text=_TEXT):
 class RbdError(Exception):
     """An error of the library.
 
-    status   a Status, or a UrdfStatus where a URDF is read, or a QpStatus of qp
+    status   a Status, or a UrdfStatus or MjcfStatus where such a file is read, or a QpStatus of qp
     results  the results of the call that are valid all the same: of n states those that have no error
     """
-    status: Status | UrdfStatus | QpStatus
+    status: Status | UrdfStatus | MjcfStatus | QpStatus
     results: Any
 
-    def __init__(self, status: Status | UrdfStatus | QpStatus, text: str, results: Any = None):
+    def __init__(self, status: Status | UrdfStatus | MjcfStatus | QpStatus, text: str, results: Any = None):
         super().__init__(text)
         self.status = status
         self.results = results
@@ -120,11 +125,13 @@ def _python_words(text):
     joints, in quotes, stay as they are, and so do macros."""
     def word(found):
         option, value = found.groups()
+        if found[0] == "rbd_mjcf.h":
+            return "load_mjcf"
         if not option:
             return found[0] if found[0].startswith("'") else ""
         option = option.replace("-", "_")
-        flags = "floating", "keep_all", "lock_massless", "strict", "messages"
+        flags = "floating", "keep_all", "lock_massless", "kinematic", "free_mimics", "strict", "messages"
         return f"{option}={value}" if value else f"{option}=True" if option in flags else option
 
-    return re.sub(r"'[^']*'|(?:options\.\w+, )?(?:rbd-\w+ )?(?<![\w-])--([a-z][a-z-]*)(?: ('[^']*'))?|"
-                  r"\b(?:RBD_(?!NO_)(?:URDF_)?|rbd_(?:urdf_)?)(?=\w)", word, text)
+    return re.sub(r"'[^']*'|rbd_mjcf\.h|(?:options\.\w+, )?(?:rbd-\w+ )?(?<![\w-])--([a-z][a-z-]*)(?: ('[^']*'))?|"
+                  r"\b(?:RBD_(?!NO_)(?:URDF_|MJCF_)?|rbd_(?:urdf_|mjcf_)?)(?=\w)", word, text)

@@ -13,7 +13,7 @@ from typing import Iterable, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._arguments import _number, _numbers
+from ._arguments import _flag, _number, _numbers
 from ._calls import _state
 from ._constraints import ConstraintSet
 from ._contacts import ContactSet
@@ -25,6 +25,7 @@ from ._kinematics import Kinematics
 from ._library import Library, _default_library
 from ._names import Names
 from ._tables import _print_c
+from ._mjcf import _load_mjcf, _takes_mjcf_options
 from ._urdf import Urdf, _load_urdf, _takes_urdf_options
 
 _MEMORIES = {  # what C computes in, and what it stands on
@@ -38,9 +39,11 @@ _MEMORIES = {  # what C computes in, and what it stands on
 class Model(Derivatives, Kinematics, Names):
     """A robot: constants, and the memory that one thread computes in.
 
-    bodies   list of Body, parents first; or the result of load_urdf, whose gravity it takes
-    gravity  3, world frame, m/s^2; None = (0, 0, -9.81)
-    library  a Library; None = double, compiled for this machine
+    bodies     list of Body, parents first; or the result of load_urdf, whose gravity it takes
+    gravity    3, world frame, m/s^2; None = (0, 0, -9.81)
+    library    a Library; None = double, compiled for this machine
+    kinematic  let joints move no mass: if one does, poses, Jacobians and inverse kinematics are computed, and
+               dynamics is ERR_MASSLESS. None = as the file was loaded, else False
 
     If a body cannot be real, but can be computed with, an RbdWarning says so; `warnings` keeps the sentences.
     Of a URDF these are those of the loader, which sees the single links and their lines.
@@ -51,10 +54,12 @@ class Model(Derivatives, Kinematics, Names):
     nb: int                 #: number of bodies
     nq: int                 #: number of coordinates: the length of q
     nv: int                 #: number of degrees of freedom: the length of v
+    kinematic: bool         #: whether joints may move no mass
 
     def __init__(self, bodies: Urdf | Iterable[Body], *, gravity: ArrayLike | None = None,
-                 library: Library | None = None):
+                 library: Library | None = None, kinematic: bool | None = None):
         urdf = bodies if isinstance(bodies, Urdf) else None
+        kinematic = bool(urdf and urdf.kinematic) if kinematic is None else _flag("Model", "kinematic", kinematic)
         if urdf:
             gravity = urdf.gravity if gravity is None else gravity
             bodies = urdf.bodies
@@ -62,18 +67,19 @@ class Model(Derivatives, Kinematics, Names):
             file = isinstance(bodies, (str, os.PathLike))
             raise TypeError("Model: bodies must be a list of Body, or the result of load_urdf, not "
                             f"{type(bodies).__name__}" + "; Model.from_urdf takes the name of a file" * file)
-        self._setup(bodies, gravity, _default_library() if library is None else library)
+        self._setup(bodies, gravity, _default_library() if library is None else library, kinematic)
         if urdf and urdf.warnings:
             self.warnings = list(urdf.warnings)
         else:
             _warn(self.warnings)
 
-    def _setup(self, bodies, gravity, library, layout="rows"):
+    def _setup(self, bodies, gravity, library, kinematic, layout="rows"):
         """What a new model and a copy have in common."""
         if not isinstance(library, Library):
             raise TypeError(f"library must be a Library, as Library('float'), not {library!r}")
         super().__init__(library, threading.RLock())
         self._batch_layout = layout
+        self.kinematic = bool(kinematic)
         bodies = list(bodies)
         self._rows = _rows(bodies)
         self.bodies = copy.deepcopy(bodies)  # the caller may change his, and copies are built of these
@@ -89,6 +95,12 @@ class Model(Derivatives, Kinematics, Names):
         """A model of a URDF file."""
         return cls(_load_urdf("from_urdf", path, options), library=library)
 
+    @classmethod
+    @_takes_mjcf_options
+    def from_mjcf(cls, path: str | os.PathLike[str], *, library: Library | None = None, **options) -> Model:
+        """A model of an MJCF file, MuJoCo's format. load_mjcf gives its constraints too, and maps of MuJoCo's states."""
+        return cls(_load_mjcf("from_mjcf", path, options), library=library)
+
     def _build(self):
         """Builds the model from its rows."""
         rows, nb, call = self._rows, len(self._rows), self.library.call
@@ -96,7 +108,8 @@ class Model(Derivatives, Kinematics, Names):
         self._memories["model"] = memory = ctypes.create_string_buffer(max(size, 1))
         self._addresses["model"] = model = ctypes.c_void_p()
         report = structure("rbd_report", self.library.scalar)()
-        status = call("model_build", rows, nb, memory, ctypes.c_size_t(size), ctypes.byref(model), report)
+        build = "model_build_kinematic" if self.kinematic else "model_build"
+        status = call(build, rows, nb, memory, ctypes.c_size_t(size), ctypes.byref(model), report)
         if status:
             raise RbdError(Status(status), self.library.finding_text(report.error))
         found = report.warning[:min(report.warnings, len(report.warning))]
@@ -121,7 +134,10 @@ class Model(Derivatives, Kinematics, Names):
         """The exception for a status: the library's sentence, and where it happened. states: of a batch, the
         axes of its states."""
         text = f"{call}: {self.library.status_string(status)}"
-        if status in (Status.ERR_SINGULAR, Status.ERR_NAN):
+        if status == Status.ERR_MASSLESS:
+            body = self.library.call("dof_body", self._address("model"), self.singular_dof())
+            text += f"; joint '{self.joint_names[body]}', which carries '{self.body_names[body]}'"
+        elif status in (Status.ERR_SINGULAR, Status.ERR_NAN):
             dof = self.singular_dof()
             if states is not None:
                 state, dof = self.batch_singular()
@@ -151,7 +167,8 @@ class Model(Derivatives, Kinematics, Names):
         return _again(*self.__reduce__()[1])
 
     def __reduce__(self):
-        return _again, (self.bodies, self.get_gravity(), self.library, self._batch_layout, self.warnings)
+        return _again, (self.bodies, self.get_gravity(), self.library, self.kinematic, self._batch_layout,
+                        self.warnings)
 
     def __repr__(self):
         return f"<rbd.Model of {self.nb} bodies, nq = {self.nq}, nv = {self.nv}, {self.library.real}>"
@@ -223,11 +240,11 @@ class Model(Derivatives, Kinematics, Names):
             raise RbdError(Status(status), "lock_joints: " + self.library.finding_text(report.error))
         bodies = [body if row.type == new.type else _from_c(new)
                   for body, row, new in zip(self.bodies, rows, held)]
-        return _again(bodies, self.get_gravity(), self.library, self._batch_layout, self.warnings)
+        return _again(bodies, self.get_gravity(), self.library, self.kinematic, self._batch_layout, self.warnings)
 
     def singular_dof(self) -> int:
         """After Status.ERR_SINGULAR or ERR_NAN: the degree of freedom whose pivot is not above its rounding,
-        or not a number; else -1."""
+        or not a number; after ERR_MASSLESS the first that moves no mass; else -1."""
         return self.library.call("singular_dof", self._address("work"))
 
     def batch_singular(self) -> tuple[int, int]:
@@ -300,9 +317,9 @@ for _part in (Dynamics, Derivatives, Kinematics, Names):
         _member.__qualname__ = f"Model.{_member.__name__}"
 
 
-def _again(bodies, gravity, library, layout, warnings):
+def _again(bodies, gravity, library, kinematic, layout, warnings):
     """A Model that was built before, and has warned."""
     model = Model.__new__(Model)
-    model._setup(bodies, gravity, library, layout)
+    model._setup(bodies, gravity, library, kinematic, layout)
     model.warnings = list(warnings)
     return model

@@ -41,12 +41,13 @@ void *allocate(size_t n, size_t size) {
 }
 
 int rbd_print(const char *path, int built, const char *name, const char *source, rbd_body *bodies, int nb,
-              const double gravity[3]) {
+              int kinematic, const double gravity[3]) {
     rbd_urdf_frame root = {0};
     robot r = {0};
     size_t size = rbd_model_size(bodies, nb);
     r.model_memory = allocate(size, 1);
-    if (rbd_model_build(bodies, nb, r.model_memory, size, &r.model, NULL) == RBD_OK &&
+    r.kinematic = kinematic;
+    if (rbd_model_build_kinematic(bodies, nb, r.model_memory, size, &r.model, NULL) == RBD_OK &&
         (rbd_out = fopen(path, "w"))) {
         rbd_model *m = (rbd_model *)r.model;
         m->gravity.x = gravity[0], m->gravity.y = gravity[1], m->gravity.z = gravity[2];
@@ -87,6 +88,6 @@ def _print_c(model, name, source, built):
     with tempfile.TemporaryDirectory() as folder, _print_lock:
         path = Path(folder, "table.h")
         if library.rbd_print(os.fsencode(path), built, name.encode(), source.encode(), rows, len(rows),
-                             gravity):
+                             model.kinematic, gravity):
             raise RuntimeError(f"{path}: cannot be written")
         return path.read_text()

@@ -46,6 +46,7 @@ class Urdf:
     warnings: list[str]     #: sentences
     gravity: Numbers        #: world frame, m/s^2
     fixed_mass: float       #: kg, of the links that are fixed to the world: in no body
+    kinematic = False       #: whether joints may move no mass: if one does, Model(urdf) is for kinematics alone
 
 
 @functools.lru_cache(maxsize=None)
@@ -83,7 +84,7 @@ def _texts(call, what, names):
 def _urdf_options(call, *, floating: bool = False, root: str | None = None, root_joint: str | None = None,
                   gravity: ArrayLike | None = None, keep: str | Iterable[str] = (), keep_all: bool = False,
                   lock: str | Iterable[str] | Mapping[str, float] = (), lock_massless: bool = False,
-                  strict: bool = False, messages: bool = False):
+                  kinematic: bool = False, free_mimics: bool = False, strict: bool = False, messages: bool = False):
     """The options are those of the command-line tools (rbd-model --help).
 
     floating       the root link is on a floating joint, not fixed to the world
@@ -94,6 +95,8 @@ def _urdf_options(call, *, floating: bool = False, root: str | None = None, root
     keep_all       keep all links on fixed joints
     lock           joints to hold still, and those that mimic them: {joint: value, rad or m}, or names (at 0)
     lock_massless  hold joints still that move no mass, which else are an error
+    kinematic      let them move, for poses, Jacobians and inverse kinematics alone
+    free_mimics    let joints move freely whose <mimic> is wrong, which else is an error
     strict         warnings are errors
     messages       let urdfdom write its messages to standard error
     """
@@ -103,7 +106,8 @@ def _urdf_options(call, *, floating: bool = False, root: str | None = None, root
         if value is not None and not isinstance(value, str):
             raise TypeError(f"{call}: {option} must be a name or None, not {value!r}")
         names[name] = value if value is None else _texts(call, option, value)[0]
-    flags = {"keep_all": keep_all, "lock_massless": lock_massless, "strict": strict, "messages": messages}
+    flags = {"keep_all": keep_all, "lock_massless": lock_massless, "kinematic": kinematic,
+             "free_mimics": free_mimics, "strict": strict, "messages": messages}
     flags = {name: _flag(call, name, value) for name, value in flags.items()}
     flags["show_messages"] = flags.pop("messages")
     g = None if gravity is None else (ctypes.c_double * 3)(*_numbers(call, "gravity", gravity, (3,)))
@@ -121,27 +125,32 @@ def _urdf_options(call, *, floating: bool = False, root: str | None = None, root
     return options
 
 
-def _takes_urdf_options(function):
-    """Puts the options of _urdf_options into the signature and the docstring of a function that takes
-    **options: their one place is there."""
-    own, options = inspect.signature(function), inspect.signature(_urdf_options)
-    parameters = [p for p in own.parameters.values() if p.kind is not p.VAR_KEYWORD]
-    first = [p for p in parameters if p.kind is not p.KEYWORD_ONLY]
-    options = list(options.parameters.values())[1:]
-    signature = own.replace(parameters=[*first, *options, *parameters[len(first):]])
-    known = list(signature.parameters)
+def _takes_options(reader):
+    """A decorator that puts the options of a reader, as _urdf_options, into the signature and the docstring of a
+    function that takes **options: their one place is there."""
+    def decorator(function):
+        own, options = inspect.signature(function), inspect.signature(reader)
+        parameters = [p for p in own.parameters.values() if p.kind is not p.VAR_KEYWORD]
+        first = [p for p in parameters if p.kind is not p.KEYWORD_ONLY]
+        options = list(options.parameters.values())[1:]
+        signature = own.replace(parameters=[*first, *options, *parameters[len(first):]])
+        known = list(signature.parameters)
 
-    @functools.wraps(function)
-    def wrapper(*arguments, **keywords):
-        for name in keywords:
-            if name not in known:
-                near = difflib.get_close_matches(name, known, 1)
-                raise TypeError(f"{function.__name__}: there is no option '{name}'" +
-                                (f"; did you mean '{near[0]}'?" if near else ""))
-        return function(*arguments, **keywords)
-    wrapper.__signature__ = signature
-    wrapper.__doc__ = f"{inspect.getdoc(function)}\n\n{inspect.getdoc(_urdf_options)}"
-    return wrapper
+        @functools.wraps(function)
+        def wrapper(*arguments, **keywords):
+            for name in keywords:
+                if name not in known:
+                    near = difflib.get_close_matches(name, known, 1)
+                    raise TypeError(f"{function.__name__}: there is no option '{name}'" +
+                                    (f"; did you mean '{near[0]}'?" if near else ""))
+            return function(*arguments, **keywords)
+        wrapper.__signature__ = signature
+        wrapper.__doc__ = f"{inspect.getdoc(function)}\n\n{inspect.getdoc(reader)}"
+        return wrapper
+    return decorator
+
+
+_takes_urdf_options = _takes_options(_urdf_options)
 
 
 @_takes_urdf_options
@@ -198,7 +207,9 @@ def _read_urdf(call, text, source, options):
     robot.names, robot.names_max = ctypes.addressof(names), len(names)
     sentences = read(robot.nwarnings)
     _warn(sentences)
-    return Urdf(robot.name.decode(), [_from_c(row) for row in bodies],
+    urdf = Urdf(robot.name.decode(), [_from_c(row) for row in bodies],
                 [Frame(frame.link.decode(), frame.joint and frame.joint.decode(), frame.parent, frame.body,
                        np.array(frame.position), np.array(frame.rotation).reshape(3, 3)) for frame in frames],
                 sentences, tuple(robot.gravity), robot.fixed_mass)
+    urdf.kinematic = bool(options.kinematic)
+    return urdf

@@ -31,8 +31,12 @@ NOT_WRAPPED = {
     "rbd_urdf_status_string": "the sentence of a finding says more; UrdfStatus has the names",
     "rbd_urdf_joint_index": "Urdf.bodies and Urdf.frames are lists to look in",
     "rbd_urdf_link_index": "likewise",
+    "rbd_mjcf_status_string": "as of URDF",
+    "rbd_mjcf_convert": "an mjModel of Python's package mujoco has no address that is public",
     "rbd_ik_size": "Model.ik makes its memory",
     "rbd_ik_text": "an RbdError has the sentence, and IkResult the numbers",
+    "rbd_tasks_size": "Tasks makes its memory",
+    "rbd_tasks_text": "an RbdError has the sentence",
     "rbd_vec3_of": "three numbers are an array",
     "rbd_rotation_identity": "numpy.eye(3)",
     "rbd_placement_of": "a pair",
@@ -52,7 +56,7 @@ NOT_WRAPPED = {
 }
 # Those that have another name or place here.
 ELSEWHERE = {
-    "rbd_model_build": "Model", "rbd_model_size": "Model", "rbd_work_init": "Model", "rbd_work_size": "Model",
+    "rbd_model_build": "Model", "rbd_model_build_kinematic": "Model", "rbd_model_size": "Model", "rbd_work_init": "Model", "rbd_work_size": "Model",
     "rbd_derivatives_init": "Model", "rbd_derivatives_size": "Model", "rbd_batch_init": "Model",
     "rbd_batch_size": "Model", "rbd_batch_derivatives_init": "Model", "rbd_batch_derivatives_size": "Model",
     "rbd_constraint_set_init": "ConstraintSet", "rbd_constraint_set_size": "ConstraintSet",
@@ -66,7 +70,10 @@ ELSEWHERE = {
     "rbd_contact_finding_text": "ContactSet", "rbd_contact_solve_size": "Library.contact_solve",
     **{f"rbd_contact_{name}": f"ContactSet.{name}" for name in ("step", "fd", "plane", "reset", "get", "last")},
     "rbd_contact_step_derivatives": "ContactSet.step_derivatives",
+    "rbd_tasks_velocity": "Tasks.velocity", "rbd_tasks_acceleration": "Tasks.acceleration",
     "rbd_urdf_load": "load_urdf", "rbd_urdf_parse": "parse_urdf",
+    "rbd_mjcf_load": "load_mjcf", "rbd_mjcf_parse": "parse_mjcf",
+    **{f"rbd_mjcf_{name}": f"Mjcf.{name}" for name in ("q_of_qpos", "v_of_qvel", "qpos_of_q", "qvel_of_v")},
     "rbd_qp_solve": "qp", "rbd_qp_text": "qp",
 }
 
@@ -78,10 +85,9 @@ def public_functions():
         text = re.sub(r"/\*.*?\*/", "", text.partition("Stop here if you only use it.")[0], flags=re.S)
         if name == "rbd_spatial.h":
             found |= set(re.findall(r"^(?:RBDI_INLINE|RBDI_PART) \w+ (rbd_\w+)\(", text, re.M))
-        elif name == "rbd_urdf.h":
-            text = text.partition("#endif")[0] + text.partition("calls [calls]")[2]
+        elif name in ("rbd_urdf.h", "rbd_mjcf.h"):
             text = _HEADERS[name].partition("Implementation\n")[0]
-            found |= set(re.findall(r"^(?:const char \*|int |rbd_urdf_status )(rbd_urdf_\w+)\(", text, re.M))
+            found |= set(re.findall(r"^(?:const char \*|int |void |rbd_\w+_status )(rbd_(?:urdf|mjcf)_\w+)\(", text, re.M))
         else:
             found |= set(re.findall(r"^RBDI_(?:BATCH_)?API [\w ]*?\*?(rbd_\w+)\(", text, re.M))
     return found
@@ -118,8 +124,8 @@ def test_arguments_are_those_of_the_header():
     assert len(table_calls()) >= 50
     for call in table_calls():
         expected = [IN_C.get(x, x) for x in call.c_inputs + (["out"] if call.struct else call.outputs)]
-        for prefix in ["rbd_", "rbd_batch_"] if call.batch else ["rbd_"]:
-            declared = re.search(rf"\b{prefix}{call.c_name}\(([^;]*)\);", text)[1]
+        for prefix in ["rbd_", "rbd_batch_"] if call.batch is True else ["rbd_"]:
+            declared = re.search(rf"^RBDI_(?:BATCH_)?API\b[^;({{]*\b{prefix}{call.c_name}\(([^;{{]*)\);", text, re.M)[1]
             arguments = [re.search(r"(\w+)(\[\d+\])?$", item.strip())[1] for item in declared.split(",")]
             first = len(arguments) - len(expected)
             assert arguments[first:] == expected, call.name
@@ -144,13 +150,17 @@ def test_structures_are_those_of_the_header(double):
         assert [f.name for f in fields(kind)] == [member for member, _ in rbd.structure(name)._fields_
                                                   if member != "on_body"]  # which follows from body2
     assert rbd.ContactSolution._fields == tuple(n for n, _ in rbd.structure("rbd_contact_solution")._fields_)
+    for kind, name, missing in (rbd.Task, "rbd_task", {"rows"}), (rbd.TaskContact, "rbd_task_contact", set()):
+        assert {f.name for f in fields(kind)} | missing == {member for member, _ in rbd.structure(name)._fields_}
     assert [f.name for f in fields(rbd.IkTarget)] == [name for name, _ in rbd.structure("rbd_ik_target")._fields_]
     assert rbd.JointInfo._fields == tuple(name for name, _ in rbd.structure("rbd_joint_info")._fields_)
     names = ["rbd_body", "rbd_finding", "rbd_report", "rbd_joint_info", "rbd_constraint",
              "rbd_contact", "rbd_contact_options", "rbd_contact_problem", "rbd_contact_solution",
              "rbd_ik_target", "rbd_ik_options", "rbd_ik_result",
-             "rbd_urdf_options", "rbd_urdf_lock", "rbd_urdf_frame", "rbd_urdf_finding", "rbd_urdf"]
-    unit = '#include "rbd_contact.h"\n#include "rbd_ik.h"\n#include "rbd_urdf.h"\nconst size_t sizes[] = {%s};' % ", ".join(
+             "rbd_task", "rbd_task_contact", "rbd_tasks", "rbd_tasks_result",
+             "rbd_urdf_options", "rbd_urdf_lock", "rbd_urdf_frame", "rbd_urdf_finding", "rbd_urdf",
+             "rbd_mjcf_options", "rbd_mjcf_lock", "rbd_mjcf_frame", "rbd_mjcf_place", "rbd_mjcf_finding", "rbd_mjcf"]
+    unit = '#include "rbd_contact.h"\n#include "rbd_tasks.h"\n#include "rbd_urdf.h"\n#include "rbd_mjcf.h"\nconst size_t sizes[] = {%s};' % ", ".join(
         f"sizeof({name})" for name in names)
     sizes = (ctypes.c_size_t * len(names)).in_dll(_compile([unit], ["cc"]), "sizes")
     assert list(sizes) == [ctypes.sizeof(rbd.structure(name)) for name in names]
@@ -396,7 +406,7 @@ def test_blocks_of_lanes_are_not_transposed(iiwa):
         return np.moveaxis(x.reshape(3, lanes, *x.shape[1:]), 1, -1)
 
     constraints = iiwa.constraint_set([rbd.Constraint(body1=iiwa.nb - 1, axes=(0, 0, 0, 1, 0, 0))])
-    for call, inputs in ((iiwa.rnea, [*rows, f]), (iiwa.aba, rows), (iiwa.crba, rows[:1]),
+    for call, inputs in ((iiwa.rnea, [*rows, f]), (iiwa.aba, rows), (iiwa.crba, rows[:1]), (iiwa.gravity_torque, rows[:1]),
                          (iiwa.id_derivatives, rows), (constraints.constrained_fd, rows)):
         expected = call(*inputs)
         iiwa.batch_set_layout("blocks")
@@ -924,12 +934,21 @@ def test_models_travel_to_processes(iiwa):
         assert caught.value.status == rbd.Status.ERR_INDEX
 
 
+def table_for_a_compiler(folder):
+    """A table that is not read without one."""
+    text = (rbd.SOURCES / "models/pendulum.h").read_text()
+    path = folder / "table.h"
+    path.write_text(text.replace("_NB] = {\n", "_NB] = {\n#if 1\n#endif\n", 1))
+    assert "#if 1" in path.read_text()
+    return path
+
+
 def test_processes_may_compile_at_once(tmp_path):
     """Four with an empty cache: all get the same file, and nothing else stays."""
-    program = ("import sys; sys.path.insert(0, sys.argv[1]); import rbd; "
-               "print(len(rbd.load_table(rbd.SOURCES / 'models/pendulum.h')))")
+    program = "import sys; sys.path.insert(0, sys.argv[1]); import rbd; print(len(rbd.load_table(sys.argv[2])))"
     environment = {**os.environ, "RBD_CACHE": str(tmp_path / "cache")}
-    jobs = [subprocess.Popen([sys.executable, "-c", program, str(HERE.parent)], env=environment,
+    table = table_for_a_compiler(tmp_path)
+    jobs = [subprocess.Popen([sys.executable, "-c", program, str(HERE.parent), str(table)], env=environment,
                              stdout=subprocess.PIPE, text=True) for _ in range(4)]
     assert [job.communicate()[0] for job in jobs] == ["1\n"] * 4
     assert [path.suffix for path in (tmp_path / "cache").iterdir()] == [".so"]
@@ -959,7 +978,7 @@ def test_compilers_and_folders_that_are_not_there(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("RBD_CACHE", str(tmp_path / "file/cache"))
     with pytest.raises(RuntimeError, match=r"set \$RBD_CACHE to a folder"):
-        rbd.load_table(rbd.SOURCES / "models/pendulum.h")
+        rbd.load_table(table_for_a_compiler(tmp_path))
 
 
 def test_a_long_compile_is_announced_once(tmp_path, monkeypatch, capfd):
@@ -972,6 +991,50 @@ def test_a_long_compile_is_announced_once(tmp_path, monkeypatch, capfd):
     monkeypatch.setenv("RBD_QUIET", "1")
     _compile(["int y;"], ["cc"], what="y")
     assert capfd.readouterr().err == ""
+
+
+BARE = """<robot name="bare"><link name="base"/><link name="upper"/><link name="lower"/><link name="tool"/>
+<joint name="shoulder" type="continuous"><parent link="base"/><child link="upper"/><axis xyz="0 0 1"/></joint>
+<joint name="elbow" type="continuous"><parent link="upper"/><child link="lower"/><origin xyz="2 0 0"/>
+<axis xyz="0 0 1"/></joint>
+<joint name="mount" type="fixed"><parent link="lower"/><child link="tool"/><origin xyz="1 0 0"/></joint></robot>"""
+
+
+def test_a_robot_without_masses_has_kinematics_alone():
+    with pytest.raises(rbd.RbdError, match="no link that moves has mass: .*: kinematic=True$"):
+        rbd.parse_urdf(BARE)
+    urdf = rbd.parse_urdf(BARE, kinematic=True, keep="tool")
+    with pytest.raises(rbd.RbdError, match="a movable leaf needs mass"):
+        rbd.Model(urdf.bodies)
+    bare = rbd.Model(urdf.bodies, kinematic=True)
+    for model in rbd.Model(urdf), bare, bare.copy(), pickle.loads(pickle.dumps(bare)):
+        assert model.kinematic
+        q = [0, np.pi / 2]
+        model.kinematics(q)
+        rotation, position = model.body_pose("tool")
+        np.testing.assert_allclose(position, [2, 1, 0], atol=1e-12)
+        found = model.ik(rbd.IkTarget("point", "tool", position=position), [0.1, 1.2])
+        assert found.status == rbd.IkStatus.REACHED
+        with pytest.raises(rbd.RbdError, match="^rnea: dynamics needs masses.*; joint 'shoulder', which carries 'upper'$"
+                           ) as caught:
+            model.rnea(q, q, q)
+        assert caught.value.status == rbd.Status.ERR_MASSLESS
+        for call in model.crba, model.gravity_torque, model.minverse:
+            with pytest.raises(rbd.RbdError, match="joint 'shoulder'"):
+                call(np.zeros((5, 2)))
+        with pytest.raises(rbd.RbdError, match="joint 'shoulder'"):
+            model.com()
+    assert not rbd.Model(urdf.bodies[:1] + [replace(urdf.bodies[1], mass=1.0)] + urdf.bodies[2:]).kinematic
+    assert "rbd_model_build_kinematic" in bare.c_table("bare")
+
+
+def test_wrong_mimics_may_move_freely():
+    wrong = BARE.replace('<origin xyz="2 0 0"/>', '<mimic joint="sholder"/>')
+    with pytest.raises(rbd.RbdError, match="let all such joints move freely: free_mimics=True"):
+        rbd.parse_urdf(wrong, kinematic=True)
+    with pytest.warns(rbd.RbdWarning, match="it mimics 'sholder', which is missing; .*; it moves freely"):
+        urdf = rbd.parse_urdf(wrong, kinematic=True, free_mimics=True)
+    assert urdf.bodies[1].mimic is None
 
 
 def test_names_are_those_of_python():
@@ -987,7 +1050,10 @@ def test_names_are_those_of_python():
             ("link 'rbd_a --keep', joint '--lock': rbd_rnea", "link 'rbd_a --keep', joint '--lock': rnea"),
             ("still: options.lock, rbd-model --lock 'a b', or --lock-massless for all",
              "still: lock='a b', or lock_massless=True for all"),
+            ("alone: options.kinematic, rbd-model --kinematic", "alone: kinematic=True"),
+            ("freely: options.free_mimics, rbd-model --free-mimics", "freely: free_mimics=True"),
             ("float (options.root, rbd-model --floating)", "float (floating=True)"),
+            ("MJCF: rbd_mjcf.h reads it", "MJCF: load_mjcf reads it"),
             ("otherwise: options.root_joint, rbd-model --root-joint", "otherwise: root_joint")):
         assert _python_words(sentence) == expected
 

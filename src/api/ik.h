@@ -78,8 +78,9 @@ typedef struct rbd_ik_result {
    set on it, and the others solved for again (Flacco, De Luca and Khatib 2015).
    Errors, in result->error: RBD_ERR_NULL, but without a result RBD_IK_ERROR alone; _WORK; _MEMORY; _COUNT, n
    below 1 or above 1000; _INDEX, a body; _TYPE, no kind; _POSITION, _ROTATION, _AXIS; _MASS, a centre of mass
-   of a robot without mass; _RANGE, a weight, an option or q; _INFEASIBLE, a part of a joint is held; _NAN, q
-   is not finite, or the errors at each start overflow. */
+   of a robot without mass; _MASSLESS, that of a robot some of whose joints move none; _RANGE, a weight, an
+   option or q; _INFEASIBLE, a part of a joint is held; _NAN, q is not finite, or the errors at each start
+   overflow. */
 RBDI_API rbd_ik_status rbd_ik(const rbd_model *m, rbd_work *w, const rbd_ik_target *targets, int n,
                               const rbd_ik_options *options, void *memory, size_t size, rbd_real *q,
                               rbd_ik_result *result);

@@ -19,6 +19,14 @@
 RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory, size_t size,
                                     const rbd_model **model, rbd_report *report);
 
+/* The same for kinematics alone: joints may move no mass, as in a robot whose file has geometry only. If each
+   joint moves mass, inertia or armature, or one does that mimics it, the model is that of rbd_model_build.
+   Otherwise all calls that need masses return RBD_ERR_MASSLESS, and rbd_singular_dof says which joint moves
+   none. Poses, velocities, accelerations, Jacobians, inverse kinematics, coordinates, rows of constraints and
+   rbd_assemble are computed as for any model. Errors: those of rbd_model_build but RBD_ERR_LEAF. */
+RBDI_API rbd_status rbd_model_build_kinematic(const rbd_body *bodies, int nb, void *memory, size_t size,
+                                              const rbd_model **model, rbd_report *report);
+
 /* Bytes that rbd_model_build needs for this description; 0 if nb is out of range. */
 RBDI_API size_t rbd_model_size(const rbd_body *bodies, int nb);
 
@@ -79,7 +87,8 @@ RBDI_API rbd_status rbd_get_gravity(const rbd_work *w, rbd_const gravity[3]);
    that this dof moves, or of its own joint if that has several dofs, or an overflow there. -1 after a call
    that factors M and finds it regular: then RBD_ERR_NAN of rbd_contact_step came from v, tau, f_ext, damping,
    a gap, or a coordinate that M does not depend on, as the place of a floating root. Other calls do not
-   change it. With lanes: of all states together. */
+   change it. With lanes: of all states together. After RBD_ERR_MASSLESS the first degree of freedom that
+   moves no mass. */
 RBDI_API int rbd_singular_dof(const rbd_work *w);
 
 #endif

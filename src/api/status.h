@@ -36,6 +36,8 @@ typedef enum rbd_status {
     RBD_ERR_INFEASIBLE = -27, /* constraints contradict each other */
     RBD_ERR_LEFT_OUT = -28,   /* the model needs code that RBD_FEATURES or RBD_NO_CHOLESKY leave out */
     RBD_ERR_ARITHMETIC = -29, /* RBD_REPRODUCIBLE, and arithmetic does not round as in [guarantees] */
+    RBD_ERR_MASSLESS = -30,   /* built for kinematics alone, and this call needs the mass that a joint moves:
+                                 rbd_singular_dof says which joint has none */
     /* warnings of the build: dynamics computes with such a body, but no real one is like this */
     RBD_WARN_INERTIA_NEGATIVE = 1, /* inertia has a negative eigenvalue */
     RBD_WARN_INERTIA_TRIANGLE = 2, /* one principal moment exceeds the sum of the others */

@@ -16,6 +16,7 @@
 #define RBDI_SYMBOL(name) RBDI_OF_SCALAR(name)
 #endif
 #define rbd_model_build RBDI_SYMBOL(rbd_model_build)
+#define rbd_model_build_kinematic RBDI_SYMBOL(rbd_model_build_kinematic)
 #define rbd_model_size RBDI_SYMBOL(rbd_model_size)
 #define rbd_add_payload RBDI_SYMBOL(rbd_add_payload)
 #define rbd_lock_joints RBDI_SYMBOL(rbd_lock_joints)

@@ -48,7 +48,8 @@ typedef struct rbd_task {
     rbd_real direction[3]; /* where the axis shall point, world axes, of such a length */
 
     /* Wanted (omega; v) and its rate, of the point, in the axes of `position`; of a momentum (kg m^2/s;
-       kg m/s) and its rate. A kind of 3 rows reads its three: POINT and COM the last, the others the first. */
+       kg m/s) and its rate. A kind of 3 rows reads its three: POINT and COM the
+       last, the others the first. */
     rbd_real velocity[6], acceleration[6];
     unsigned char loose[6]; /* not 0: this row, angular x y z or linear x y z, does not count */
 
@@ -77,7 +78,11 @@ typedef struct rbd_task_contact {
 /* ---- problem [problem of tasks] ---- */
 
 /* Limits that do not count: rbd_tasks.without is their sum. */
-enum { RBD_WITHOUT_POSITION = 1, RBD_WITHOUT_SPEED = 2, RBD_WITHOUT_TORQUE = 4 };
+typedef enum rbd_tasks_without {
+    RBD_WITHOUT_POSITION = 1,
+    RBD_WITHOUT_SPEED = 2,
+    RBD_WITHOUT_TORQUE = 4
+} rbd_tasks_without;
 
 /* What shall be done in one tick. Keep it and change what moves. 0 is the default in brackets. */
 typedef struct rbd_tasks {
@@ -87,12 +92,11 @@ typedef struct rbd_tasks {
     int contacts;
     rbd_real dt; /* s: until the next tick, above 0 */
 
-    /* Limits of dofs, nv each. NULL: those of the model, of joints with one dof and of those that mimic them. */
-    const rbd_real *lower,
-        *upper;                   /* rad or m, of joints with one coordinate; RBD_QP_NONE and more is none. If
-                                      one is NULL, there is none at that side */
-    const rbd_real *speed;        /* rad/s or m/s; 0: none */
-    const rbd_real *torque;       /* N m or N; 0: none */
+    /* Limits of dofs, nv each. NULL: those of the model, of joints with one dof and of their mimics. */
+    const rbd_real *lower;  /* rad or m, of joints with one coordinate; -RBD_QP_NONE and less: none */
+    const rbd_real *upper;  /* RBD_QP_NONE and more: none. If only one is given, the other side has none */
+    const rbd_real *speed;  /* rad/s or m/s; 0: none */
+    const rbd_real *torque; /* N m or N; 0: none */
     const rbd_real *acceleration; /* rad/s^2 or m/s^2; 0: none. NULL: none */
     rbd_real braking;       /* rad/s^2 or m/s^2: limits of position and speed ask for no more, where there is
                                no limit of acceleration [10] */
@@ -105,8 +109,9 @@ typedef struct rbd_tasks {
     const rbd_real *f_ext;        /* nb x 6, known forces, as of rbd_rnea; NULL: none */
     rbd_real motion_cost;         /* of each component of x squared, at all levels [1e-6, float 1e-4] */
     rbd_real force_cost;          /* of each newton squared [motion_cost / mass^2 of the robot] */
-    int warm;                     /* not 0: memory is as the last call left it, and the QP begins there */
-    int steps;                    /* of each level's QP, at most: rbd_qp_options */
+    int warm;  /* not 0: memory is as the last call of the same model and number of contacts left it, and
+                 the QP begins there */
+    int steps; /* of each level's QP, at most: rbd_qp_options */
 } rbd_tasks;
 
 /* Hard rows that may contradict each other. */
@@ -147,10 +152,11 @@ typedef struct rbd_tasks_result {
    and limits are kept. w: what rbd_kinematics left there is replaced.
    memory    size bytes of any alignment: RBD_TASKS_SIZE. Leave it alone between ticks if `warm` is set
    result    what was reached
-   Errors, in result->error: RBD_ERR_NULL, but without a result RBD_TASKS_ERROR alone; _WORK; _MEMORY; _COUNT, a
-   number below 0 or above 1000; _INDEX, a body; _TYPE, a kind; _POSITION, _ROTATION, _AXIS; _MASS, a centre of
-   mass of a robot without mass; _LIMITS, lower above upper; _RANGE, any other number, with its field; _NAN, q, v
-   or f_ext is not finite, or there is an overflow. */
+   Errors, in result->error: RBD_ERR_NULL, but without a result RBD_TASKS_ERROR alone; _WORK; _MEMORY; _COUNT,
+   a number below 0 or above 1000; _INDEX, a body; _TYPE, a kind; _POSITION, _ROTATION, _AXIS; _MASS, a centre
+   of mass of a robot without mass; _MASSLESS, accelerations, or a centre of mass, of one some of whose joints
+   move none; _LIMITS, lower above upper; _RANGE, any other number, with its field;
+   _NAN, q, v or f_ext is not finite, or there is an overflow. */
 
 /* Velocities for inverse kinematics at each tick. Contacts are held by J x = 0; forces have no part in it.
    q   nq
@@ -159,8 +165,8 @@ RBDI_API rbd_tasks_status rbd_tasks_velocity(const rbd_model *m, rbd_work *w, co
                                              const rbd_real *q, void *memory, size_t size, rbd_real *v,
                                              rbd_tasks_result *result);
 
-/* Accelerations, forces of contacts and torques that go together: M a + c = tau + sum J' f, tau = 0 of passive
-   dofs, forces within friction. Herzog, Rotella, Mason and others (2016).
+/* Accelerations, forces of contacts and torques that go together: M a + c = tau + sum J' f, tau = 0 of
+   passive dofs, forces within friction. Herzog, Rotella, Mason and others (2016).
    q, v     nq, nv
    a        nv, out
    forces   contacts x 3, out: on the robot, world axes, N; 0 of open ones. May be NULL without contacts
@@ -173,9 +179,9 @@ RBDI_API rbd_tasks_status rbd_tasks_acceleration(const rbd_model *m, rbd_work *w
 /* Bytes that either call needs; 0 if the problem's counts are out of range. */
 RBDI_API size_t rbd_tasks_size(const rbd_model *m, const rbd_tasks *problem);
 
-/* Writes what a status and result say as a sentence, e.g. "task 1, field 'body': no such body", or "the torque
-   of dof 8 contradicts the friction of contact 2", cut to fit, always terminated. text: size bytes. Returns
-   text. */
+/* Writes what a status and result say as a sentence, e.g. "task 1, field 'body': no such body", or "the
+   torque of dof 8 contradicts the friction of contact 2", cut to fit, always terminated. text: size bytes.
+   Returns text. */
 RBDI_API char *rbd_tasks_text(rbd_tasks_status status, const rbd_tasks_result *result, char *text,
                               size_t size);
 

@@ -3,7 +3,7 @@
 #include "dynamics/rnea.h"
 #include "constraints/articulated.h"
 
-/* Interface: rbdi_check_constraints, rbdi_constraint_bias */
+/* Interface: rbdi_check_constrained, rbdi_constraint_bias */
 
 /* ---- call code [call code] ---- */
 
@@ -12,6 +12,12 @@ RBDI_LOCAL rbd_status rbdi_check_constraints(const rbd_model *m, const rbd_const
     for (int k = 0; k < RBDI_SHAPE; ++k)
         if (c->shape[k] != m->shape[k]) return RBD_ERR_WORK;
     return rbdi_check(m, c->w, 1);
+}
+
+/* The same of a call that needs masses. */
+RBDI_LOCAL rbd_status rbdi_check_constrained(const rbd_model *m, const rbd_constraint_set *c, int arrays) {
+    const rbd_status status = rbdi_check_constraints(m, c, arrays);
+    return status ? status : rbdi_check_dynamics(m, c->w, 1);
 }
 
 /* x += D^-1 Y lambda, with lambda of least norm so that Y' x = target. check: whether to note a row that
@@ -158,7 +164,7 @@ RBDI_LOCAL rbd_status rbdi_constrained(const rbd_model *m, rbd_constraint_set *c
 RBDI_API rbd_status rbd_constrained_fd(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                        const rbd_real *v, const rbd_real *tau, const rbd_real *f_ext,
                                        rbd_real *a, rbd_real *lambda) {
-    const rbd_status status = rbdi_check_constraints(m, c, q && v && tau && a);
+    const rbd_status status = rbdi_check_constrained(m, c, q && v && tau && a);
     return status ? status : rbdi_constrained(m, c, q, v, tau, f_ext, NULL, a, lambda);
 }
 
@@ -172,7 +178,7 @@ RBDI_LOCAL int rbdi_restitution_fits(rbd_real restitution) {
 
 RBDI_API rbd_status rbd_impact(const rbd_model *m, rbd_constraint_set *c, const rbd_real *q,
                                const rbd_real *v, rbd_real restitution, rbd_real *v_plus, rbd_real *impulse) {
-    rbd_status status = rbdi_check_constraints(m, c, q && v && v_plus);
+    rbd_status status = rbdi_check_constrained(m, c, q && v && v_plus);
     if (status) return status;
     if (!rbdi_restitution_fits(restitution)) return RBD_ERR_RANGE;
 

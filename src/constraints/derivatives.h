@@ -403,7 +403,7 @@ RBDI_API rbd_status rbd_constrained_fd_derivatives(const rbd_model *m, rbd_const
     rbd_status status, solved;
 
     for (int x = 0; x < 3; ++x) pairs &= !of_a[x] == !of_lambda[x];
-    status = rbdi_check_constraints(m, c, d && q && v && tau && out && pairs);
+    status = rbdi_check_constrained(m, c, d && q && v && tau && out && pairs);
     if (!status) status = rbdi_check_derivatives(m, d, 1);
     if (status) return status;
     if (d->work != c->w) return RBD_ERR_WORK;

@@ -53,7 +53,7 @@ RBDI_API rbd_status rbd_constrained_id(const rbd_model *m, rbd_constraint_set *c
                                        const rbd_real *v, const rbd_real *a, const rbd_real *f_ext,
                                        const unsigned char *actuated, const rbd_const *weight, rbd_real *tau,
                                        rbd_real *lambda) {
-    const rbd_status status = rbdi_check_constraints(m, c, q && v && a && tau);
+    const rbd_status status = rbdi_check_constrained(m, c, q && v && a && tau);
     rbd_real *root; /* of 1 / weight */
     rbd_const free;
     if (status) return status;

@@ -257,7 +257,7 @@ RBDI_API rbd_status rbd_derivatives_init(const rbd_model *m, rbd_work *w, void *
 /* The checks of every call: arguments, the model that the constants are of, work. */
 RBDI_INLINE rbd_status rbdi_check_derivatives(const rbd_model *m, const rbd_derivatives *d, int arrays) {
     if (!m || !d || !arrays) return RBD_ERR_NULL;
-    return d->model == m ? rbdi_check(m, d->work, 1) : RBD_ERR_WORK;
+    return d->model == m ? rbdi_check_dynamics(m, d->work, 1) : RBD_ERR_WORK;
 }
 
 #endif

@@ -328,7 +328,7 @@ RBDI_PART void rbdi_crba_of_joints(const rbd_model *m, rbd_work *w, rbd_real *H)
 }
 
 RBDI_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *H) {
-    const rbd_status status = rbdi_check(m, w, q && H);
+    const rbd_status status = rbdi_check_dynamics(m, w, q && H);
     if (status) return status;
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
     rbdi_crba_of_joints(m, w, H);
@@ -336,7 +336,7 @@ RBDI_API rbd_status rbd_crba_packed(const rbd_model *m, rbd_work *w, const rbd_r
 }
 
 RBDI_API rbd_status rbd_crba(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *M) {
-    const rbd_status status = rbdi_check(m, w, q && M);
+    const rbd_status status = rbdi_check_dynamics(m, w, q && M);
     if (status) return status;
 
     if (m->nh < m->nv * (m->nv + 1) / 2) rbdi_clear(M, m->nv * m->nv);

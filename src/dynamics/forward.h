@@ -11,7 +11,7 @@
 RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                             const rbd_real *tau, const rbd_real *f_ext, rbd_real *a) {
     rbdi_mask doubt;
-    const rbd_status status = rbdi_check(m, w, q && v && tau && a);
+    const rbd_status status = rbdi_check_dynamics(m, w, q && v && tau && a);
     if (status) return status;
 #ifndef RBD_NO_CHOLESKY
     if (rbdi_mimics(m)) return rbd_fd_cholesky(m, w, q, v, tau, f_ext, a);
@@ -29,7 +29,7 @@ RBDI_API rbd_status rbd_aba(const rbd_model *m, rbd_work *w, const rbd_real *q, 
 RBDI_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                     const rbd_real *tau, const rbd_real *f_ext, rbd_real *a) {
     rbdi_mask doubt;
-    const rbd_status status = rbdi_check(m, w, q && v && tau && a);
+    const rbd_status status = rbdi_check_dynamics(m, w, q && v && tau && a);
     if (status) return status;
 
     rbd_crba_packed(m, w, q, w->H);
@@ -43,14 +43,14 @@ RBDI_API rbd_status rbd_fd_cholesky(const rbd_model *m, rbd_work *w, const rbd_r
 
 RBDI_API rbd_status rbd_cholesky_factor_packed(const rbd_model *m, rbd_work *w, rbd_real *H) {
     rbdi_mask doubt;
-    const rbd_status status = rbdi_check(m, w, H != NULL);
+    const rbd_status status = rbdi_check_dynamics(m, w, H != NULL);
     if (status) return status;
     doubt = rbdi_factor(m, w, H);
     return rbdi_factor_status(m, w, H, doubt, H, rbd_packed_size(m));
 }
 
 RBDI_API rbd_status rbd_cholesky_factor(const rbd_model *m, rbd_work *w, const rbd_real *M, rbd_real *L) {
-    const rbd_status status = rbdi_check(m, w, M && L);
+    const rbd_status status = rbdi_check_dynamics(m, w, M && L);
     if (status) return status;
 
     for (int i = 0; i < m->nv; ++i) { /* L may be M, because packed rows end before the full ones do */
@@ -84,7 +84,7 @@ RBDI_API rbd_status rbd_cholesky_solve_many(const rbd_model *m, rbd_work *w, con
 
 RBDI_API rbd_status rbd_minverse(const rbd_model *m, rbd_work *w, const rbd_real *q, rbd_real *Minv) {
     rbdi_mask doubt;
-    const rbd_status status = rbdi_check(m, w, q && Minv);
+    const rbd_status status = rbdi_check_dynamics(m, w, q && Minv);
     if (status) return status;
     rbd_crba_packed(m, w, q, w->H);
     doubt = rbdi_factor(m, w, w->H);

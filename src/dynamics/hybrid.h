@@ -83,7 +83,7 @@ RBDI_COLD rbd_status rbdi_check_free(const rbd_model *m, rbd_work *w, const unsi
 RBDI_API rbd_status rbd_hybrid(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                const unsigned char *given, rbd_real *a, rbd_real *tau,
                                const rbd_real *f_ext) {
-    const rbd_status status = rbdi_check(m, w, q && v && given && a && tau);
+    const rbd_status status = rbdi_check_dynamics(m, w, q && v && given && a && tau);
     rbdi_mask doubt;
     if (status) return status;
 

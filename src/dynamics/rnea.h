@@ -76,7 +76,7 @@ RBDI_PART void rbdi_rnea(const rbd_model *m, rbd_work *w, const rbd_real *v, con
 
 RBDI_API rbd_status rbd_rnea(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                              const rbd_real *a, const rbd_real *f_ext, rbd_real *tau) {
-    const rbd_status status = rbdi_check(m, w, q && v && a && tau);
+    const rbd_status status = rbdi_check_dynamics(m, w, q && v && a && tau);
     if (status) return status;
 
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
@@ -137,7 +137,7 @@ RBDI_PART void rbdi_momenta(const rbd_model *m, rbd_work *w, const rbd_real *v, 
 
 RBDI_API rbd_status rbd_generalized_momentum(const rbd_model *m, rbd_work *w, const rbd_real *q,
                                              const rbd_real *v, rbd_real *p, rbd_real *ctv) {
-    const rbd_status status = rbdi_check(m, w, q && v);
+    const rbd_status status = rbdi_check_dynamics(m, w, q && v);
     if (status) return status;
 
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));

@@ -2,6 +2,8 @@
 #define RBDI_IK_CHECK_H
 #include "ik/targets.h"
 
+/* Interface: rbdi_ik_is_axis, rbdi_ik_is_place, rbdi_ik_is_rotation, rbdi_ik_within */
+
 /* ---- checks [checks] ---- */
 
 /* Notes an error; returns it. */
@@ -51,6 +53,7 @@ RBDI_LOCAL rbd_status rbdi_ik_check_target(const rbd_model *m, const rbd_ik_targ
         return rbdi_ik_refuse(result, RBD_ERR_TYPE, i, "kind");
     if (!com && (t->body < 0 || t->body >= m->nb)) return rbdi_ik_refuse(result, RBD_ERR_INDEX, i, "body");
     if (com && !(rbd_mass(m) > 0)) return rbdi_ik_refuse(result, RBD_ERR_MASS, i, "kind");
+    if (com && rbdi_massless_dof(m) >= 0) return rbdi_ik_refuse(result, RBD_ERR_MASSLESS, i, "kind");
 
     if (!com && !rbdi_ik_is_place(t->point)) return rbdi_ik_refuse(result, RBD_ERR_POSITION, i, "point");
     if ((com || rbdi_ik_moves_point(t->kind)) && !rbdi_ik_is_place(t->position))

@@ -4,6 +4,8 @@
 #include "dynamics/crba.h"
 #include "ik/layout.h"
 
+/* Interface: rbdi_ik_limits */
+
 /* ---- dofs [dofs] ---- */
 
 /* Marks the dofs that move link i: 1, or 2 if they turn. With mimic joints those that they follow. */

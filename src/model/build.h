@@ -21,8 +21,9 @@ RBDI_API size_t rbd_model_size(const rbd_body *bodies, int nb) {
     return RBDI_MODEL_BYTES(nb, n.nl, n.nblock, n.ndof, n.nmimic);
 }
 
-RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory, size_t size,
-                                    const rbd_model **model, rbd_report *report) {
+/* Builds a model. kinematic: joints may move no mass. */
+RBDI_LOCAL rbd_status rbdi_build_model(const rbd_body *bodies, int nb, int kinematic, void *memory,
+                                       size_t size, const rbd_model **model, rbd_report *report) {
     rbd_report own;
 
     if (!report) report = &own;
@@ -52,12 +53,23 @@ RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory
         rbdi_build_mass(&bodies[i], &b.place[i], b.links);
     }
 
-    if (rbdi_check_moves(bodies, nb, b.place, report)) return RBD_ERR_LEAF;
+    b.massless = kinematic ? rbdi_massless_dof_of(bodies, nb, b.place) : -1;
+    if (!kinematic && rbdi_check_moves(bodies, nb, b.place, report)) return RBD_ERR_LEAF;
 
     rbdi_build_solve(b.links, b.n.nl);
     rbdi_emit(&b);
     *model = b.m;
     return RBD_OK;
+}
+
+RBDI_API rbd_status rbd_model_build(const rbd_body *bodies, int nb, void *memory, size_t size,
+                                    const rbd_model **model, rbd_report *report) {
+    return rbdi_build_model(bodies, nb, 0, memory, size, model, report);
+}
+
+RBDI_API rbd_status rbd_model_build_kinematic(const rbd_body *bodies, int nb, void *memory, size_t size,
+                                              const rbd_model **model, rbd_report *report) {
+    return rbdi_build_model(bodies, nb, 1, memory, size, model, report);
 }
 
 #endif

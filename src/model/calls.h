@@ -4,18 +4,31 @@
 #include "model/work.h"
 #include "model/features.h"
 
-/* Interface: rbdi_check, rbdi_stride */
+/* Interface: rbdi_check, rbdi_check_dynamics, rbdi_stride */
+
+/* Whether the work's arrays have the lengths that the model needs. The model's address is not compared:
+   another model may have been built there, and one table may stand at two. */
+RBDI_INLINE int rbdi_fits(const rbd_model *m, const rbd_work *w) {
+    return m->shape[0] == w->shape[0] && m->shape[1] == w->shape[1] && m->shape[2] == w->shape[2];
+}
 
 /* The first check of every call with a model and a work. arrays: none of the caller's required ones is
-   NULL. The program must support the model, and the work's arrays must have the lengths that the model
-   needs. The model's address is not compared: another model may have been built there, and one table may
-   stand at two. */
+   NULL. The program must support the model, and the work must fit it. */
 RBDI_INLINE rbd_status rbdi_check(const rbd_model *m, const rbd_work *w, int arrays) {
     if (!m || !w || !arrays) return RBD_ERR_NULL;
-    return rbdi_supported(m) && m->shape[0] == w->shape[0] && m->shape[1] == w->shape[1] &&
-                   m->shape[2] == w->shape[2]
-               ? RBD_OK
-               : RBD_ERR_WORK;
+    return rbdi_supported(m) && rbdi_fits(m, w) ? RBD_OK : RBD_ERR_WORK;
+}
+
+/* Why a model's dynamics cannot be computed. */
+RBDI_COLD rbd_status rbdi_no_dynamics(const rbd_model *m, const rbd_work *w) {
+    return rbdi_supported(m) && rbdi_fits(m, w) ? RBD_ERR_MASSLESS : RBD_ERR_WORK;
+}
+
+/* rbdi_check of a call that needs masses. */
+RBDI_INLINE rbd_status rbdi_check_dynamics(const rbd_model *m, const rbd_work *w, int arrays) {
+    if (!m || !w || !arrays) return RBD_ERR_NULL;
+    if (rbdi_supports_dynamics(m) && rbdi_fits(m, w)) return RBD_OK;
+    return rbdi_no_dynamics(m, w);
 }
 
 /* From one component of the wrenches in w->F to the next. */

@@ -322,6 +322,33 @@ RBDI_LOCAL rbd_status rbdi_check_moves(const rbd_body *bodies, int nb, rbdi_plac
     return status;
 }
 
+/* Marks the bodies whose joint moves mass or inertia, or has armature; or such a joint mimics it, or it
+   mimics one. Unlike rbdi_check_moves this is strict: armature of a joint is none of the joints that carry
+   it. */
+RBDI_LOCAL void rbdi_mark_movers(const rbd_body *bodies, int nb, rbdi_place *place) {
+    for (int i = 0; i < nb; ++i) place[i].moves = bodies[i].mass > 0 || !rbdi_all_zero(bodies[i].inertia, 6);
+    for (int i = nb - 1; i >= 0; --i)
+        if (bodies[i].parent >= 0 && place[i].moves) place[bodies[i].parent].moves = 1;
+
+    for (int i = 0; i < nb; ++i)
+        if (!rbdi_all_zero(bodies[i].armature, rbdi_joint_facts((int)bodies[i].type)->nv)) place[i].moves = 1;
+
+    for (int i = 0; i < nb; ++i)
+        if (bodies[i].mimic && place[i].moves) place[rbdi_mimic_source(bodies, nb, i)].moves = 1;
+    for (int i = 0; i < nb; ++i)
+        if (bodies[i].mimic) place[i].moves = place[rbdi_mimic_source(bodies, nb, i)].moves;
+}
+
+/* The first dof of the first body whose joint moves no mass, or of the joint that it mimics; -1 if there is
+   none. */
+RBDI_LOCAL int rbdi_massless_dof_of(const rbd_body *bodies, int nb, rbdi_place *place) {
+    rbdi_mark_movers(bodies, nb, place);
+    for (int i = 0; i < nb; ++i)
+        if (bodies[i].type != RBD_FIXED && !place[i].moves)
+            return place[bodies[i].mimic ? rbdi_mimic_source(bodies, nb, i) : i].iv;
+    return -1;
+}
+
 /* -- the steps of the build -- */
 
 /* Lengths of the model's arrays. */
@@ -334,6 +361,7 @@ typedef struct rbdi_build {
     const rbd_body *bodies;
     int nb;
     rbdi_counts n;
+    int massless; /* the first dof that moves no mass, -1: none */
     rbd_model *m;
     RBDI_MODEL_ARRAYS(RBDI_ARRAY_FIELD, 0, 0, 0, 0, 0)
 } rbdi_build;

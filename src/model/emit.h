@@ -227,10 +227,12 @@ RBDI_LOCAL void rbdi_place_coordinates(const rbdi_build *build) {
     }
 }
 
-/* All numbers that rbd_work_size and rbd_batch_size depend on, side by side in few words to compare. */
-RBDI_LOCAL void rbdi_shape(const rbd_model *m, uint64_t shape[RBDI_SHAPE]) {
+/* All numbers that rbd_work_size and rbd_batch_size depend on, side by side in few words to compare; and the
+   first dof that moves no mass, see rbdi_massless_dof. */
+RBDI_LOCAL void rbdi_shape(const rbd_model *m, int massless, uint64_t shape[RBDI_SHAPE]) {
     shape[0] = (uint64_t)m->nb << 48 | (uint64_t)m->nq << 32 | (uint64_t)m->nv << 16 | (uint64_t)m->nl;
-    shape[1] = (uint64_t)m->nblock << 32 | (uint64_t)m->nbranch << 16 | (uint64_t)m->nmimic;
+    shape[1] = (uint64_t)(massless + 1) << 48 | (uint64_t)m->nblock << 32 | (uint64_t)m->nbranch << 16 |
+               (uint64_t)m->nmimic;
     shape[2] = (uint64_t)m->nh << 32 | (uint64_t)m->nhx;
 }
 
@@ -391,8 +393,8 @@ RBDI_LOCAL void rbdi_emit(const rbdi_build *build) {
     rbdi_emit_frames(build);
     rbdi_emit_tree(build);
     rbdi_emit_order(build);
-    m->features = rbdi_features(m);
-    rbdi_shape(m, m->shape);
+    m->features = rbdi_features(m) | (build->massless < 0 ? 0 : RBDI_MASSLESS);
+    rbdi_shape(m, build->massless, m->shape);
 }
 
 #endif

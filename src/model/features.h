@@ -3,8 +3,8 @@
 #include "model/layout.h"
 #include "base/compiler.h"
 
-/* Interface: rbdi_block_of, rbdi_flags, rbdi_is, rbdi_mimics, rbdi_on_world, RBDI_FEATURES, RBDI_OTHER_BLOCKS
-   */
+/* Interface: rbdi_block_of, rbdi_flags, rbdi_is, rbdi_massless_dof, rbdi_mimics, rbdi_on_world,
+   RBDI_FEATURES, RBDI_OTHER_BLOCKS */
 
 /* ---- features [features] ----
    The features of a model, as bits: flags that some link has, flags that some link has not, kinds of links,
@@ -18,6 +18,7 @@
 #define RBDI_MIMICS (UINT32_C(1) << 26)
 #define RBDI_OTHER_BLOCKS (UINT32_C(1) << 27) /* not floating on the world, in its axes */
 #define RBDI_ALL_FEATURES UINT32_C(0xfffffff)
+#define RBDI_MASSLESS (UINT32_C(1) << 28) /* a joint moves no mass: no code, and none of dynamics */
 #ifdef RBD_FEATURES
 #define RBDI_FEATURES ((uint32_t)(RBD_FEATURES))
 #else
@@ -49,13 +50,22 @@ RBDI_INLINE int rbdi_on_world(const rbdi_link *block) {
     return RBDI_FEATURES & RBDI_OTHER_BLOCKS ? block->parent < 0 : 1;
 }
 
-/* Whether this program has all features of the model. rbd_aba needs Cholesky's factor for mimic joints. */
-RBDI_INLINE int rbdi_supported(const rbd_model *m) {
+/* Whether this program has all features of the model; others: features that count as had. rbd_aba needs
+   Cholesky's factor for mimic joints. */
+RBDI_INLINE int rbdi_supported_but(const rbd_model *m, uint32_t others) {
 #ifdef RBD_NO_CHOLESKY
     if (m->nmimic) return 0;
 #endif
-    return (m->features & ~RBDI_FEATURES) == 0;
+    return (m->features & ~((RBDI_FEATURES & ~RBDI_MASSLESS) | others)) == 0;
 }
+
+/* Whether this program can compute the model's kinematics; its dynamics. */
+RBDI_INLINE int rbdi_supported(const rbd_model *m) { return rbdi_supported_but(m, RBDI_MASSLESS); }
+RBDI_INLINE int rbdi_supports_dynamics(const rbd_model *m) { return rbdi_supported_but(m, 0); }
+
+/* The first dof that moves no mass, -1 if there is none. It is part of the shape, so that no work of another
+   model is taken: rbd_singular_dof reads it there. */
+RBDI_INLINE int rbdi_massless_dof(const rbd_model *m) { return (int)(m->shape[1] >> 48) - 1; }
 
 /* Number of mimic joints. */
 RBDI_INLINE int rbdi_mimics(const rbd_model *m) { return RBDI_FEATURES & RBDI_MIMICS ? m->nmimic : 0; }

@@ -35,16 +35,16 @@ RBDI_MESSAGES RBDI_API const char *rbd_status_string(rbd_status status) {
     case RBD_ERR_FRICTION: return "negative or not finite";
     case RBD_ERR_LIMITS: return "not a number, or a negative limit";
     case RBD_ERR_MIMIC:
-        return "ratio 0 or not finite, offset not finite, not a one-dof joint, or it follows a joint that is "
+        return "ratio 0 or not finite, offset not finite, not a one-dof joint, or it follows one that is "
                "missing or mimics too";
     case RBD_ERR_WORK: return "made for another model or another work";
     case RBD_ERR_NAN: return "NaN in q (rbd_singular_dof says where), v, a force or a gap; or overflow";
     case RBD_ERR_RANGE: return "negative, not finite or out of range";
     case RBD_ERR_INFEASIBLE: return "the constraints contradict each other";
     case RBD_ERR_ARITHMETIC:
-        return "RBD_REPRODUCIBLE: products and sums are contracted, or not rounded to nearest, or square "
-               "roots "
-               "are rounded twice, or denormals are 0";
+        return "RBD_REPRODUCIBLE: results are contracted, rounded twice or not to nearest, or denormals are "
+               "0";
+    case RBD_ERR_MASSLESS: return "dynamics needs masses, a joint moves none: rbd_singular_dof says which";
     case RBD_ERR_LEFT_OUT: return "the model needs code that RBD_FEATURES or RBD_NO_CHOLESKY leave out";
     case RBD_WARN_INERTIA_NEGATIVE: return "has a negative principal moment: no real body is like this";
     case RBD_WARN_INERTIA_TRIANGLE:

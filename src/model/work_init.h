@@ -15,10 +15,10 @@ RBDI_API size_t rbd_work_size(const rbd_model *m) {
 }
 
 #if RBDI_REPRODUCIBLE
-/* Whether products, sums and roots are rounded one by one and to nearest, and denormals are numbers. 1 - x low
-   finds libgcc's double sums on ARMv7-M: they are wrong if one exponent is 33 above the other and that of the
-   result is lower. The root of 1 + 3 eps is 1 + 3/2 eps - 9/8 eps^2: one that is rounded to 80 bits before
-   loses the last term, and then is 1 + 2 eps. */
+/* Whether products, sums and roots are rounded one by one and to nearest, and denormals are numbers.
+   1 - x low finds libgcc's double sums on ARMv7-M: they are wrong if one exponent is 33 above the other and
+   that of the result is lower. The root of 1 + 3 eps is 1 + 3/2 eps - 9/8 eps^2: one that is rounded to 80
+   bits before loses the last term, and then is 1 + 2 eps. */
 RBDI_COLD int rbdi_rounds(void) {
     const volatile RBD_REAL given[5] = {1, RBDI_EPS, 1 + RBDI_EPS, 1 + 2 * RBDI_EPS, RBDI_TINY};
     const RBD_REAL one = given[0], e = given[1], x = given[2], square = given[3], tiny = given[4];
@@ -51,7 +51,7 @@ RBDI_API rbd_status rbd_work_init(const rbd_model *m, void *memory, size_t size,
     for (int k = 0; k < RBDI_SHAPE; ++k) w->shape[k] = m->shape[k];
     w->gravity = m->gravity;
     rbdi_require_ieee();
-    w->singular = -1;
+    w->singular = rbdi_massless_dof(m);
     w->kinematics_of = RBDI_NO_KINEMATICS;
 #define RBDI_TAKE(type, name, length) w->name = (type *)rbdi_take(&p, (int)(length), sizeof(type));
     RBDI_WORK_ARRAYS(RBDI_TAKE, m->nl, m->nblock, m->nbranch, n, nqx, m->nv, m->nh + m->nhx)

@@ -105,7 +105,7 @@ RBDI_API rbd_status rbd_free_step(const rbd_model *m, rbd_work *w, const rbd_rea
     const rbd_real half = dt * RBD_C(0.5);
     rbd_real *nu;
     rbdi_mask doubt;
-    rbd_status status = rbdi_check(m, w, q && v && tau && q_next && v_next);
+    rbd_status status = rbdi_check_dynamics(m, w, q && v && tau && q_next && v_next);
     if (status) return status;
 
     /* q_mid and v_mid, and K there */

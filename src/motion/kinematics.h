@@ -187,7 +187,7 @@ RBDI_LOCAL rbd_status rbdi_check_body_call(const rbd_model *m, const rbd_work *w
 }
 
 RBDI_LOCAL rbd_status rbdi_check_robot_call(const rbd_model *m, const rbd_work *w) {
-    const rbd_status status = rbdi_check(m, w, 1);
+    const rbd_status status = rbdi_check_dynamics(m, w, 1);
     return status ? status : rbdi_have_kinematics(m, w, -1);
 }
 
@@ -395,8 +395,10 @@ RBDI_LOCAL rbdi_force rbdi_wrench_to_parent(const rbd_model *m, const rbd_work *
 
 RBDI_API rbd_status rbd_joint_wrench(const rbd_model *m, rbd_work *w, const rbd_real *q, const rbd_real *v,
                                      const rbd_real *a, const rbd_real *f_ext, rbd_real *wrench) {
-    const rbd_status status = wrench ? rbd_kinematics(m, w, q, v, a) : RBD_ERR_NULL;
+    const rbd_status status = rbdi_check_dynamics(m, w, q && wrench);
     if (status) return status;
+
+    rbd_kinematics(m, w, q, v, a);
 
     for (int body = 0; body < m->nb; ++body) {
         const rbdi_moving b = rbdi_moving_body(m, w, body);

@@ -35,11 +35,16 @@ RBDI_LOCAL void rbdi_put_origin(const rbdi_frame *u, rbdi_v3 p, rbd_real *q) {
     if (u->type == RBD_FLOATING) rbdi_store_vec(q, 1, p);
 }
 
+/* E of a joint of the description, compiled once. */
+RBDI_PART rbdi_mat rbdi_attitude_of(const rbdi_frame *u, const rbd_real *q) {
+    return rbdi_joint_attitude(u->type, q);
+}
+
 /* q_next of a joint that turns by e in its own axes, with its origin moved by the shift in the axes of q:
    p_next = p + E' shift, and the turn. */
 RBDI_LOCAL void rbdi_turn_joint(const rbdi_frame *u, const rbd_real *q, rbdi_exp e, rbdi_v3 turn,
                                 rbdi_v3 shift, rbd_real *q_next) {
-    shift = rbdi_mul_t(rbdi_joint_attitude(u->type, q), shift);
+    shift = rbdi_mul_t(rbdi_attitude_of(u, q), shift);
     rbdi_put_origin(u, rbdi_add(rbdi_joint_origin(u->type, q), shift), q_next);
     if (u->type == RBD_PLANAR)
         q_next[2] = q[2] + turn.z;
@@ -71,11 +76,6 @@ RBDI_LOCAL rbd_real rbdi_within_half_turn(rbd_real angle) {
     rbd_real c, s;
     rbdi_sincos(angle, &s, &c);
     return rbdi_select(rbdi_less(pi2, angle * angle), rbdi_signed_angle(s, c), angle);
-}
-
-/* E of a joint of the description, compiled once for the calls of which no loop waits. */
-RBDI_PART rbdi_mat rbdi_attitude_of(const rbdi_frame *u, const rbd_real *q) {
-    return rbdi_joint_attitude(u->type, q);
 }
 
 /* d with q0 (+) d = q1, for one joint. */
@@ -275,7 +275,7 @@ RBDI_LOCAL rbd_const rbdi_uniform(uint64_t *seed) {
 }
 
 /* A number uniform between two bounds; each lane draws its own. */
-RBDI_LOCAL rbd_real rbdi_draw(uint64_t *seed, rbd_const lower, rbd_const upper) {
+RBDI_COLD rbd_real rbdi_draw(uint64_t *seed, rbd_const lower, rbd_const upper) {
 #ifdef RBD_LANES
     rbd_real x = rbdi_zero();
 
@@ -293,7 +293,7 @@ RBDI_LOCAL rbd_real rbdi_draw(uint64_t *seed, rbd_const lower, rbd_const upper) 
 }
 
 /* A uniform orientation: two points on circles with radii sqrt(x), sqrt(1 - x), x uniform (Shoemake 1992). */
-RBDI_LOCAL void rbdi_draw_quaternion(uint64_t *seed, rbd_real *q) {
+RBDI_COLD void rbdi_draw_quaternion(uint64_t *seed, rbd_real *q) {
     rbd_real x = rbdi_draw(seed, RBD_C(0), RBD_C(1)), radius = rbdi_sqrt(x), c, s;
 
     rbdi_sincos(rbdi_draw(seed, -RBDI_PI(rbd_const), RBDI_PI(rbd_const)), &s, &c);
@@ -307,7 +307,7 @@ RBDI_LOCAL void rbdi_draw_quaternion(uint64_t *seed, rbd_real *q) {
 
 /* Random coordinates of one joint: within its limits, or angles in [-pi, pi), lengths in [-1, 1) and uniform
    orientations. */
-RBDI_LOCAL void rbdi_random_joint(const rbdi_frame *u, uint64_t *seed, rbd_real *q) {
+RBDI_COLD void rbdi_random_joint(const rbdi_frame *u, uint64_t *seed, rbd_real *q) {
     const rbd_const pi = RBDI_PI(rbd_const), one = RBD_C(1);
     int angles = u->nv, shifts = 0; /* shifts come first, but with cylindrical joints */
     if (u->nv == 1 && u->lower < u->upper) {

@@ -3,17 +3,20 @@
 #include "tasks/levels.h"
 
 /* ---- contradictions [contradictions] ----
-   The multipliers of a QP without solution are a proof: lambda' rows = 0, and yet the sides that they name would
-   have the sum below 0. Each row counts by |lambda| times its length. */
+   The multipliers of a QP without solution are a proof: lambda' rows = 0, and yet the sides that they name
+   would have the sum below 0. Each row counts by |lambda| (its length + |its side|): friction, whose side is
+   0, counts by the first, a force or torque by the second. */
 
 RBDI_LOCAL rbd_real rbdi_tasks_share(const rbdi_tasks *k, int row) {
     const rbd_real *c = &k->C[(ptrdiff_t)(row - k->n) * k->n];
     const rbd_real length = row < k->n ? rbdi_set(RBD_C(1)) : rbdi_sqrt(rbdi_tasks_dot(c, c, k->n));
-    return length * rbdi_abs(k->lambda[row]);
+    const rbd_real side = k->lambda[row] > 0 ? k->upper[row] : k->lower[row];
+    if (!(k->lambda[row] < 0 || k->lambda[row] > 0)) return rbdi_zero();
+    return rbdi_abs(k->lambda[row]) * (length + rbdi_abs(side));
 }
 
-/* Names the part that counts most, limits before contacts that are held and dofs without a motor; then the one
-   that counts most of those of another kind. */
+/* Names the part that counts most, limits before contacts that are held and dofs without a motor; then the
+   one that counts most of those of another kind. */
 RBDI_LOCAL void rbdi_tasks_blame(rbdi_tasks *k, int rows) {
     rbd_tasks_result *result = k->result;
 

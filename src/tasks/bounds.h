@@ -1,7 +1,7 @@
 #ifndef RBDI_TASKS_BOUNDS_H
 #define RBDI_TASKS_BOUNDS_H
-#include "ik/dofs.h"
 #include "ik/step.h"
+#include "ik/dofs.h"
 #include "tasks/layout.h"
 
 /* ---- limits of motion [limits of motion] ----
@@ -9,9 +9,9 @@
 
        speed(s) = (2 s / dt) / (1 + sqrt(1 + 2 s / (b dt^2))),   the v of v^2 + 2 b dt v = 2 b s.
 
-   Then v dt is not more than s, and as after it s' = s - v dt and v^2 = 2 b s', the next such speed is less by b
-   dt at most: the limit is approached without a jump, and not passed. So it is if the dof moves by the mean
-   of its velocities before and after, but for b dt^2 / 2. Del Prete (2018) calls such states viable. */
+   Then v dt is not more than s, and as after it s' = s - v dt and v^2 = 2 b s', the next such speed is less
+   by b dt at most: the limit is approached without a jump, and not passed. So it is if the dof moves by the
+   mean of its velocities before and after, but for b dt^2 / 2. Del Prete (2018) calls such states viable. */
 
 /* The most strict limits of a dof: that on its coordinate and on its velocity. */
 typedef struct rbdi_tasks_range {

@@ -80,12 +80,14 @@ RBDI_INLINE int rbdi_tasks_has_place(rbd_task_kind kind) {
 
 RBDI_LOCAL rbd_status rbdi_tasks_check_task(const rbd_model *m, const rbd_task *t, rbd_tasks_result *result) {
     const int robot = rbdi_tasks_of_robot(t->kind);
-    if ((int)t->kind < 0 || t->kind > RBD_TASK_ROWS) return rbdi_tasks_refuse(result, RBD_ERR_TYPE, "kind");
+    if ((int)t->kind < (int)RBD_TASK_POINT || t->kind > RBD_TASK_ROWS)
+        return rbdi_tasks_refuse(result, RBD_ERR_TYPE, "kind");
     if (rbdi_tasks_check_scales(t, result)) return result->error;
     if (t->kind >= RBD_TASK_POSTURE) return rbdi_tasks_check_arrays(m, t, result);
 
     if (!robot && (t->body < 0 || t->body >= m->nb)) return rbdi_tasks_refuse(result, RBD_ERR_INDEX, "body");
     if (robot && !(rbd_mass(m) > 0)) return rbdi_tasks_refuse(result, RBD_ERR_MASS, "kind");
+    if (robot && rbdi_massless_dof(m) >= 0) return rbdi_tasks_refuse(result, RBD_ERR_MASSLESS, "kind");
     if (t->kind == RBD_TASK_RELATIVE && (t->reference < -1 || t->reference >= m->nb))
         return rbdi_tasks_refuse(result, RBD_ERR_INDEX, "reference");
 
@@ -164,10 +166,12 @@ RBDI_LOCAL rbd_status rbdi_tasks_check_state(const rbd_model *m, const rbd_tasks
     return RBD_OK;
 }
 
-/* All checks, in the order of the arguments. given: the pointers that must not be NULL are not. */
+/* All checks, in the order of the arguments. given: the pointers that must not be NULL are not. dynamics:
+   whether masses are needed. */
 RBDI_LOCAL rbd_status rbdi_tasks_check(const rbd_model *m, const rbd_work *w, const rbd_tasks *p, int given,
-                                       size_t size, rbd_tasks_result *result) {
-    const rbd_status status = rbdi_check(m, w, p && given);
+                                       int dynamics, size_t size, rbd_tasks_result *result) {
+    const int all = p && given;
+    const rbd_status status = dynamics ? rbdi_check_dynamics(m, w, all) : rbdi_check(m, w, all);
     if (status) return rbdi_tasks_refuse(result, status, NULL);
     if (p->tasks < 0 || p->tasks > RBDI_TASKS_MOST) return rbdi_tasks_refuse(result, RBD_ERR_COUNT, "tasks");
     if (p->contacts < 0 || p->contacts > RBDI_TASKS_MOST)

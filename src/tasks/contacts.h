@@ -1,9 +1,5 @@
 #ifndef RBDI_TASKS_CONTACTS_H
 #define RBDI_TASKS_CONTACTS_H
-#include "motion/points.h"
-#include "motion/kinematics.h"
-#include "dynamics/crba.h"
-#include "dynamics/rnea.h"
 #include "ik/targets.h"
 #include "tasks/layout.h"
 
@@ -98,8 +94,8 @@ RBDI_LOCAL void rbdi_tasks_put_dynamics(rbdi_tasks *k, const rbd_real *M) {
     }
 }
 
-/* Rows of friction: along each side of the pyramid, whose edges lie on the cone, f is at most mu cos(pi / sides)
-   of the normal force. */
+/* Rows of friction: along each side of the pyramid, whose edges lie on the cone, f is at most
+   mu cos(pi / sides) of the normal force. */
 RBDI_LOCAL void rbdi_tasks_put_friction(rbdi_tasks *k) {
     const rbd_const diagonal = RBD_C(0.70710678118654752440); /* of a square; cos(pi / 4) */
     const rbd_const octagon = RBD_C(0.92387953251128675613);  /* cos(pi / 8) */

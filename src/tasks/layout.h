@@ -1,32 +1,33 @@
 #ifndef RBDI_TASKS_LAYOUT_H
 #define RBDI_TASKS_LAYOUT_H
-#include "base/types.h"
-#include "ik/layout.h"
+#include "model/work.h"
 #include "api/tasks.h"
 
 /* ---- method [method of tasks] ----
-   x are the nv velocities; or the nv accelerations a, and then the forces f of the closed contacts, each along
-   two tangents and the normal of its ground. Rows of the QP, after the bounds of x:
+   x are the nv velocities; or the nv accelerations a, and then the forces f of the closed contacts, each
+   along two tangents and the normal of its ground. Rows of the QP, after the bounds of x:
 
        held contacts   J a = -dJ/dt v - gain J v                     3 each; with velocities J x = 0
        dynamics        lower <= M a - J'f <= upper                   nv, if x are accelerations
        friction        along each side of the pyramid                4 or 8 each
        tasks           of levels that are solved: J x as it came out
 
-   A row of the dynamics is an equality of a passive dof, the limits of torque of another, and torques are read
-   from it. The contacts stand before it because their zeros spare work (rbd_qp.h).
+   A row of the dynamics is an equality of a passive dof, the limits of torque of another, and torques are
+   read from it. The contacts stand before it because their zeros spare work (rbd_qp.h).
 
-   A level minimises the sum of its tasks' weight |J x - y|^2 / 2, and a little of |x|^2. For the next level its
-   rows become equalities at what they reached, soft rows become hard where they are, and each limit is widened
-   to hold the x that was found: so a next level always has a solution, rounding included. */
+   A level minimises the sum of its tasks' weight |J x - y|^2 / 2, and a little of |x|^2. For the next level
+   its rows become equalities at what they reached, soft rows become hard where they are, and each limit is
+   widened to hold the x that was found: so a next level always has a solution, rounding included. */
 
 #define RBDI_TASKS_MOST 1000 /* tasks, contacts, rows of one task */
 #define RBDI_TASKS_BRAKING RBD_C(10)
 #define RBDI_TASKS_HELD RBD_C(20)
 #if RBDI_KIND(RBD_CONST) == 2
 #define RBDI_TASKS_MOTION_COST RBD_C(1e-4)
+#define RBDI_TASKS_ACCURACY RBD_C(1e-3)
 #else
 #define RBDI_TASKS_MOTION_COST RBD_C(1e-6)
+#define RBDI_TASKS_ACCURACY RBD_C(1e-7) /* shares of rows and optimum that are good enough for a tick */
 #endif
 #define RBDI_TASKS_SIDES 8                        /* of a pyramid, at most */
 #define RBDI_TASKS_CONTACT (1 + RBDI_TASKS_SIDES) /* limits of a contact: the normal force, the sides */
@@ -45,7 +46,7 @@ typedef struct rbdi_tasks {
     int rows;               /* of C so far */
     size_t scratch_size;
 
-    signed char *kept;   /* of each level, the sides at which its limits hold: see rbdi_tasks_limits */
+    signed char *kept;   /* of each level, the sides at which its limits hold: see rbdi_tasks_limit */
     signed char *side;   /* n + rows: those of one QP */
     int16_t *contact;    /* closed: which */
     rbd_real *H, *f, *C; /* n x n, n, rows x n */

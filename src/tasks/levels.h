@@ -1,12 +1,11 @@
 #ifndef RBDI_TASKS_LEVELS_H
 #define RBDI_TASKS_LEVELS_H
-#include "qp/solve.h"
 #include "tasks/rows.h"
 
 /* ---- levels [levels] ---- */
 
-/* Which limit a row of the QP is: of motion, of torque, or of contact `at`, there the normal force or a side of
-   its friction. */
+/* Which limit a row of the QP is: of motion, of torque, or of contact `at`, there the normal force or a side
+   of its friction. */
 typedef struct rbdi_tasks_limit {
     rbd_tasks_part part; /* RBD_TASKS_NOTHING: a tangential force, or a row of a task */
     int at;              /* dof or contact */
@@ -61,7 +60,8 @@ RBDI_LOCAL void rbdi_tasks_keep(rbdi_tasks *k, int level, int rows, int back) {
     }
 }
 
-/* The squares that every level has: of x alone. A newton counts as the acceleration that it gives the robot. */
+/* The squares that every level has: of x alone. A newton counts as its acceleration of the
+   robot. */
 RBDI_LOCAL void rbdi_tasks_clear_squares(rbdi_tasks *k) {
     const rbd_tasks *p = k->given;
     const rbd_real motion = p->motion_cost > 0 ? p->motion_cost : rbdi_set(RBDI_TASKS_MOTION_COST);
@@ -107,6 +107,8 @@ RBDI_LOCAL rbd_qp_status rbdi_tasks_solve_level(rbdi_tasks *k, int level, int ro
     result->steps += done.steps;
     result->primal = rbdi_ik_larger(result->primal, done.primal);
     result->dual = rbdi_ik_larger(result->dual, done.dual);
+    if (result->qp == RBD_QP_INACCURATE && rbdi_ik_larger(done.primal, done.dual) < RBDI_TASKS_ACCURACY)
+        return RBD_QP_OK;
     return result->qp;
 }
 
@@ -144,22 +146,30 @@ RBDI_LOCAL int rbdi_tasks_put_level(rbdi_tasks *k, int level) {
     return tasks;
 }
 
+/* Whether a QP has ended with an x that is of use, though perhaps not the best. */
+RBDI_LOCAL int rbdi_tasks_has_answer(rbd_qp_status status) {
+    return status == RBD_QP_OK || status == RBD_QP_INACCURATE || status == RBD_QP_ITERATIONS ||
+           status == RBD_QP_UNBOUNDED;
+}
+
 /* Solves level by level. k->found is the answer, if there is any. */
 RBDI_LOCAL rbd_tasks_status rbdi_tasks_descend(rbdi_tasks *k) {
     int solved = 0;
 
-    for (int level = 0; level < RBD_TASK_LEVELS; ++level) {
+    for (int level = 0; level < RBD_TASK_LEVELS && k->n > 0; ++level) {
         const int rows = k->rows;
         rbd_qp_status status;
         if (!rbdi_tasks_put_level(k, level) && level > 0) continue;
 
         status = rbdi_tasks_solve_level(k, level, rows);
-        if (status == RBD_QP_INFEASIBLE && !solved) return RBD_TASKS_INFEASIBLE;
-        if (status != RBD_QP_OK && status != RBD_QP_ITERATIONS && status != RBD_QP_INACCURATE && !solved) {
+        if (status != RBD_QP_OK && solved) return RBD_TASKS_INEXACT;
+        if (status == RBD_QP_INFEASIBLE) return RBD_TASKS_INFEASIBLE;
+        if (!rbdi_tasks_has_answer(status)) {
             rbdi_tasks_refuse(k->result, RBD_ERR_NAN, NULL);
             return RBD_TASKS_ERROR;
         }
-        if (status == RBD_QP_OK || !solved) rbdi_ik_copy(k->x, k->n, k->found);
+
+        rbdi_ik_copy(k->x, k->n, k->found);
         if (status != RBD_QP_OK) return RBD_TASKS_INEXACT;
         solved = 1;
         rbdi_tasks_freeze(k, rows);

@@ -1,6 +1,6 @@
 #ifndef RBDI_TASKS_ROWS_H
 #define RBDI_TASKS_ROWS_H
-#include "motion/manifold.h"
+#include "tasks/check.h"
 #include "tasks/contacts.h"
 
 /* ---- rows of tasks [rows of tasks] ---- */
@@ -13,9 +13,9 @@ typedef struct rbdi_tasks_error {
     rbd_real stiffness, damping; /* 1/s^2 or 1/s; 1/s */
 } rbdi_tasks_error;
 
-/* Momentum of the robot for each unit velocity, about its centre of mass, world axes: k->J. A dof moves a body
-   with a velocity v of its centre of mass, at r from that of the robot, and omega: it adds m v, and R I R'
-   omega + r x m v. */
+/* Momentum of the robot for each unit velocity, about its centre of mass, world axes: k->J. A dof moves a
+   body with a velocity v of its centre of mass, at r from that of the robot, and omega: it adds m v, and
+   R I R' omega + r x m v. */
 RBDI_LOCAL void rbdi_tasks_put_momentum(rbdi_tasks *k) {
     const rbd_model *m = k->m;
     rbd_real com[3], centre[3];
@@ -73,8 +73,8 @@ RBDI_LOCAL void rbdi_tasks_of_momentum(rbdi_tasks *k, const rbd_task *t, rbdi_ta
     s->first = 3;
 }
 
-/* The rates of the motion of a point at d from the origin of a moving frame of motion V and accelerations A, as
-   seen there: V_p and A_p are those of the point itself, all in world axes. */
+/* The rates of the motion of a point at d from the origin of a moving frame of motion V and accelerations A,
+   as seen there: V_p and A_p are those of the point itself, all in world axes. */
 RBDI_LOCAL rbdi_motion rbdi_tasks_relative_drift(rbdi_motion V, rbdi_motion A, rbdi_motion V_p,
                                                  rbdi_motion A_p, rbdi_v3 d) {
     const rbdi_v3 seen = rbdi_sub(rbdi_sub(V_p.v, V.v), rbdi_cross(V.omega, d));

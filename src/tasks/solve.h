@@ -2,7 +2,6 @@
 #define RBDI_TASKS_SOLVE_H
 #include "base/pieces.h"
 #include "tasks/bounds.h"
-#include "tasks/check.h"
 #include "tasks/blame.h"
 
 /* ---- solve [code of tasks] ---- */
@@ -128,7 +127,7 @@ RBDI_API rbd_tasks_status rbd_tasks_velocity(const rbd_model *m, rbd_work *w, co
     if (!result) return RBD_TASKS_ERROR;
 
     rbdi_tasks_clear_result(result);
-    if (rbdi_tasks_check(m, w, p, q && memory && v, size, result) ||
+    if (rbdi_tasks_check(m, w, p, q && memory && v, 0, size, result) ||
         rbdi_tasks_check_state(m, p, q, p->acceleration ? v : NULL, result))
         return RBD_TASKS_ERROR;
 
@@ -158,7 +157,7 @@ RBDI_API rbd_tasks_status rbd_tasks_acceleration(const rbd_model *m, rbd_work *w
     if (!result) return RBD_TASKS_ERROR;
 
     rbdi_tasks_clear_result(result);
-    if (rbdi_tasks_check(m, w, p, q && v && memory && a && tau, size, result) ||
+    if (rbdi_tasks_check(m, w, p, q && v && memory && a && tau, 1, size, result) ||
         rbdi_tasks_check_state(m, p, q, v, result))
         return RBD_TASKS_ERROR;
 

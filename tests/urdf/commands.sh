@@ -158,7 +158,8 @@ cat >massless.urdf <<'END'
 <joint name="k" type="continuous"><parent link="b"/><child link="c"/><axis xyz="1 0 0"/></joint></robot>
 END
 expect 1 "massless.urdf:4: error: link 'c', joint 'k', mass: a movable leaf needs mass, inertia or armature: forward \
-dynamics would be singular; to hold it still: options.lock, rbd-model --lock 'k', or --lock-massless for all such" \
+dynamics would be singular; to hold it still: options.lock, rbd-model --lock 'k', or --lock-massless for all such; \
+for kinematics alone, as poses and Jacobians: options.kinematic, rbd-model --kinematic" \
     "$rbd_model" massless.urdf
 held="massless.urdf:4: warning: joint 'k': it moves no mass; held still"
 expect 0 "$held" "$rbd_model" --check massless.urdf --lock-massless
@@ -167,6 +168,62 @@ expect 0 "$held" "$rbd_model" --check --lock massless.urdf
 expect 0 "$held" "$rbd_model" --lock --check massless.urdf
 expect 0 "$held" "$rbd_eval" --lock --model massless.urdf --algorithm id --layout
 expect 0 "" "$rbd_model" --check --lock k massless.urdf
+
+# an arm without masses, with a gripper of which one finger mimics the other: read for kinematics alone
+cat >bare.urdf <<'END'
+<robot name="bare"><link name="base"/><link name="upper"/><link name="lower"/><link name="left"/><link name="right"/>
+<joint name="shoulder" type="continuous"><parent link="base"/><child link="upper"/><axis xyz="0 0 1"/></joint>
+<joint name="elbow" type="continuous"><parent link="upper"/><child link="lower"/><origin xyz="2 0 0"/><axis xyz="0 0 1"/></joint>
+<joint name="finger" type="continuous"><parent link="lower"/><child link="left"/><origin xyz="1 0 0"/><axis xyz="0 0 1"/></joint>
+<joint name="other" type="continuous"><parent link="lower"/><child link="right"/><axis xyz="0 0 1"/>
+<mimic joint="finger"/></joint></robot>
+END
+expect 1 "bare.urdf:2: error: no link that moves has mass: dynamics needs <inertial>; for kinematics alone, as poses and \
+Jacobians: options.kinematic, rbd-model --kinematic" "$rbd_model" bare.urdf
+expect 0 "" "$rbd_model" --kinematic --strict bare.urdf
+grep -qx "for kinematics alone: joint shoulder moves no mass" out || { fail "no word of kinematics alone"; cat out; }
+printf 'q.shoulder,q.elbow,q.finger\n0,1.5707963267948966,0\n' >table
+"$rbd_eval" --kinematic bare.urdf --algorithm pose <table >out || fail "rbd-eval --kinematic"
+awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i }
+         NR == 2 { x = $at["p.left.x"] - 2; y = $at["p.left.y"] - 1 }
+         END { exit !(NR == 2 && x * x + y * y < 1e-24) }' out || { fail "the finger is elsewhere"; cat out; }
+for algorithm in gravity_torque mm energy com; do
+    sed -e 's/$/,0,0,0/' -e '1s/,0,0,0/,v.shoulder,v.elbow,v.finger/' table |
+        "$rbd_eval" --kinematic bare.urdf --algorithm $algorithm >out 2>err && fail "$algorithm without masses"
+    grep -qF "dynamics needs masses, and joint 'shoulder', which carries link 'upper', moves none: with --kinematic there \
+are poses and Jacobians alone" err || { fail "$algorithm without masses:"; cat err; }
+done
+expect 1 "bare.urdf: error: lock_massless holds the joints still that kinematic lets move: give one of them" \
+    "$rbd_model" --kinematic --lock-massless bare.urdf
+"$rbd_model" --kinematic bare.urdf --c-model bare >bare_model.h && cat >bare.c <<'END'
+#define RBD_IMPLEMENTATION
+#define RBD_FEATURES BARE_FEATURES
+#include "bare_model.h"
+#include "rbd.h"
+#include "bare_model.h"
+int main(void) {
+    static unsigned char memory[BARE_WORK_SIZE];
+    const double q[3] = {0, 1, 0};
+    double p[3], g[3];
+    rbd_work *w;
+    if (rbd_work_init(&bare_model, memory, sizeof memory, &w) || rbd_kinematics(&bare_model, w, q, NULL, NULL)) return 1;
+    if (rbd_body_pose(&bare_model, w, BARE_BODY_LEFT, NULL, p) || !(p[0] > 2.5 && p[0] < 2.6)) return 2;
+    return rbd_gravity_torque(&bare_model, w, q, g) != RBD_ERR_MASSLESS || rbd_singular_dof(w) != BARE_DOF_SHOULDER;
+}
+END
+# shellcheck disable=SC2086 # CC may be "ccache cc"
+${CC:-cc} -std=c99 $unforced -I"$root" -I. bare.c -o bare -lm && ./bare || fail "a table for kinematics alone: $?"
+"$rbd_model" --kinematic bare.urdf --urdf >again.urdf && expect 0 "" "$rbd_model" --check --strict --kinematic again.urdf
+"$rbd_model" --kinematic bare.urdf --c bare >out && grep -q "the description that rbd_model_build_kinematic takes" out ||
+    fail "--c of a robot without masses"
+
+# joints that mimic a missing one may move freely
+sed 's/mimic joint="finger"/mimic joint="fingr"/' bare.urdf >wrong.urdf
+expect 1 "wrong.urdf:5: error: joint 'other': it mimics 'fingr', which is missing; did you mean 'finger'?; to hold it still: \
+options.lock, rbd-model --lock 'other'; to let all such joints move freely: options.free_mimics, rbd-model --free-mimics" \
+    "$rbd_model" --kinematic wrong.urdf
+expect 0 "wrong.urdf:5: warning: joint 'other': it mimics 'fingr', which is missing; did you mean 'finger'?; it moves freely" \
+    "$rbd_model" --check --kinematic --free-mimics wrong.urdf
 
 # ---- rbd-model: the summary, line by line ----
 

@@ -353,7 +353,15 @@ START_TEST(chains_of_mimic_joints_end_at_the_one_that_leads) {
     ck_assert_int_eq(parse(&robot, circle, NULL), RBD_URDF_ERR_MIMIC);
     ck_assert_str_eq(robot.error.text,
                      "joint '0': it mimics joints that mimic each other in a circle; to hold it "
-                     "still: options.lock, rbd-model --lock '0'");
+                     "still: options.lock, rbd-model --lock '0'; to let all such joints move freely: "
+                     "options.free_mimics, rbd-model --free-mimics");
+
+    const rbd_urdf_options free_mimics = {.free_mimics = 1}; /* one of the circle leads the others */
+    ck_assert_msg(parse(&robot, circle, &free_mimics) == RBD_URDF_OK, "%s", robot.error.text);
+    ck_assert_int_eq(robot.nwarnings, 2); /* and the last has no axis */
+    int leaders = 0;
+    for (int i = 0; i < RBD_MAX_BODIES; i++) leaders += robot.bodies[i].mimic == NULL;
+    ck_assert_int_eq(leaders, 1);
     free(good);
     free(circle);
 }
@@ -696,7 +704,7 @@ START_TEST(what_is_known_to_say_nothing_of_dynamics_gives_no_warning) {
         &x,
         "<robot name='r' version='1.0' xmlns='x' xmlns:drake='y'>"
         "<material name='m'/><gazebo><plugin/></gazebo><transmission/><sensor/><ros2_control/><mujoco/>"
-        "<frame/><drake:joint/>"
+        "<frame/><drake:proximity_properties/>"
         "<link name='a' type='camera' drake:x='1'><visual><orgin/></visual><collision/><contact/><sensor/>"
         "<self_collision_checking/><origin xyz='0 0 0' rpy='0.0 -0 0'/><drake:inertial/></link>" UNIT_LINK(
             "b") JOINT("j", "revolute", "a", "b",
@@ -973,7 +981,9 @@ START_TEST(a_joint_that_moves_no_mass_with_those_that_mimic_it_gives_a_warning) 
     ck_assert_str_eq(
         robot.warnings[0].text,
         "joint 'drive': neither it nor joints that mimic it move mass: forward dynamics is singular; to "
-        "hold it still: options.lock, rbd-model --lock 'drive', or --lock-massless for all such");
+        "hold it still: options.lock, rbd-model --lock 'drive', or --lock-massless for all such; for "
+        "kinematics "
+        "alone, as poses and Jacobians: options.kinematic, rbd-model --kinematic");
 }
 END_TEST
 
@@ -1013,12 +1023,346 @@ START_TEST(a_robot_without_masses_is_told_how_to_be_read) {
     for (int i = 0; i < 4; i++) {
         ck_assert_int_eq(parse(&robot, NO_MASSES(""), &options[i]), RBD_URDF_ERR_MODEL);
         ck_assert(strncmp(robot.error.text, "no link that moves has mass: ", 29) == 0);
-        ck_assert_ptr_nonnull(strstr(robot.error.text, "<dynamics armature=\"1\"/>"));
+        ck_assert_ptr_nonnull(strstr(robot.error.text, "options.kinematic, rbd-model --kinematic"));
     }
 
     ck_assert_int_eq(parse(&robot, NO_MASSES("<dynamics armature='1'/>"), &options[3]), RBD_URDF_OK);
     ck_assert_int_eq(robot.nwarnings, 0);
     ck_assert_int_eq(robot.nb, 3);
+}
+END_TEST
+
+/* With options.kinematic it is read without a word, and rbd_model_build_kinematic takes it. */
+START_TEST(a_robot_without_masses_is_read_for_kinematics) {
+    static const rbd_urdf_options options[3] = {{.kinematic = 1, .strict = 1},
+                                                {.kinematic = 1, .strict = 1, .root = RBD_FLOATING},
+                                                {.kinematic = 1, .strict = 1, .keep_all = 1}};
+    static const char *const texts[2] = {NO_MASSES(""), massless};
+    static unsigned char memory[RBD_MODEL_SIZE(9)], work_memory[RBD_WORK_SIZE_MIMIC(9, 14)];
+    for (int i = 0; i < 6; i++) {
+        static room x;
+        const rbd_urdf robot = parsed(&x, texts[i % 2], &options[i / 2]);
+        const double q[15] = {0};
+        double g[14];
+        const rbd_model *m;
+        rbd_work *w;
+        ck_assert_int_eq(robot.nwarnings, 0);
+        ck_assert_int_eq(rbd_model_build_kinematic(robot.bodies, robot.nb, memory, sizeof memory, &m, NULL),
+                         RBD_OK);
+        ck_assert_int_eq(rbd_work_init(m, work_memory, sizeof work_memory, &w), RBD_OK);
+        ck_assert_int_eq(rbd_kinematics(m, w, q, NULL, NULL), RBD_OK);
+        ck_assert_int_eq(rbd_gravity_torque(m, w, q, g), RBD_ERR_MASSLESS);
+    }
+}
+END_TEST
+
+/* Where each joint moves mass the option changes nothing; with lock_massless it is a contradiction. */
+START_TEST(kinematic_changes_no_robot_with_masses) {
+    static const char text[] = ROBOT(UNIT_LINK("a") UNIT_LINK("b") UNIT_LINK("c") JOINT(
+        "j", "continuous", "a", "b", "<origin xyz='1 2 3'/>") JOINT("k", "prismatic", "b", "c", LIMIT));
+    const rbd_urdf_options kinematic = {.kinematic = 1}, both = {.kinematic = 1, .lock_massless = 1};
+    static room x, y;
+    rbd_urdf usual = parsed(&x, text, NULL), robot = parsed(&y, text, &kinematic);
+    ck_assert_int_eq(robot.nb, usual.nb);
+    expect_same_results(robot.bodies, robot.nb, usual.bodies, usual.nb);
+    ck_assert_int_eq(parse(&robot, text, &both), RBD_URDF_ERR_OPTION);
+    ck_assert_ptr_nonnull(strstr(robot.error.text, "kinematic"));
+}
+END_TEST
+
+/* ---- wrong mimics ---- */
+
+/* Joints that mimic what is missing, itself, each other, or what cannot lead; and one that is right. */
+#define WRONG_MIMICS \
+    ROBOT(UNIT_LINK("a") UNIT_LINK("b") UNIT_LINK("c") UNIT_LINK("d") UNIT_LINK("e") UNIT_LINK("f") \
+              UNIT_LINK("g") UNIT_LINK("h") JOINT("knuckle", "continuous", "a", "b", "") \
+                  JOINT("tip", "continuous", "b", "c", "<mimic joint='Knuckl' multiplier='2' offset='1'/>") \
+                      JOINT("self", "continuous", "a", "d", "<mimic joint='self'/>") \
+                          JOINT("one", "continuous", "a", "e", "<mimic joint='two'/>") \
+                              JOINT("two", "continuous", "a", "f", "<mimic joint='one'/>") \
+                                  JOINT("plane", "planar", "a", "g", "<mimic joint='knuckle'/>") \
+                                      JOINT("of_plane", "continuous", "a", "h", "<mimic joint='plane'/>"))
+
+START_TEST(wrong_mimics_may_move_freely) {
+    static room x;
+    static const char *const told[5] = {
+        "joint 'plane': only revolute, continuous and prismatic joints can mimic; it moves freely",
+        "joint 'tip': it mimics 'Knuckl', which is missing; did you mean 'knuckle'?; it moves freely",
+        "joint 'self': it mimics itself; it moves freely",
+        "joint 'one': it mimics itself through others; it moves freely",
+        "joint 'of_plane': it mimics 'plane', which is not revolute, continuous or prismatic; it moves "
+        "freely"};
+    const rbd_urdf_options options = {.free_mimics = 1};
+    rbd_urdf robot = with_room(&x);
+    ck_assert_int_eq(parse(&robot, WRONG_MIMICS, NULL), RBD_URDF_ERR_MIMIC);
+    ck_assert_ptr_nonnull(strstr(robot.error.text, "options.free_mimics, rbd-model --free-mimics"));
+
+    robot = parsed(&x, WRONG_MIMICS, &options);
+    ck_assert_int_eq(robot.nwarnings, 5);
+    for (int i = 0; i < 5; i++) {
+        ck_assert_str_eq(robot.warnings[i].text, told[i]);
+        ck_assert_int_eq(robot.warnings[i].status, RBD_URDF_WARN_MIMIC);
+    }
+    for (int i = 0; i < robot.nb; i++) {
+        const rbd_body *b = &robot.bodies[i];
+        if (b->joint && strcmp(b->joint, "two") == 0)
+            ck_assert_str_eq(b->mimic, "one"); /* which leads now */
+        else
+            ck_assert_ptr_null(b->mimic);
+    }
+}
+END_TEST
+
+/* Four fingers whose mimics lack the prefix of the hand: all are named, and the advice stands before them. */
+START_TEST(mimics_without_their_prefix_are_named_at_once) {
+    static const char *const fingers[4] = {"index", "middle", "ring", "little"};
+    static room x;
+    char text[6000], *end = text + sprintf(text, "<robot name='hand'>" UNIT_LINK("palm"));
+    for (int i = 0; i < 4; i++)
+        end += sprintf(
+            end,
+            "<link name='r_%s_1'><inertial><mass value='1'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' "
+            "izz='1'/></inertial></link><link name='r_%s_2'><inertial><mass value='1'/><inertia ixx='1' "
+            "ixy='0' "
+            "ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link>"
+            "<joint name='r_%s' type='continuous'><parent link='palm'/><child link='r_%s_1'/>"
+            "<axis xyz='0 1 0'/></joint><joint name='r_%s_tip' type='continuous'><parent link='r_%s_1'/>"
+            "<child link='r_%s_2'/><axis xyz='0 1 0'/><mimic joint='%s'/></joint>",
+            fingers[i], fingers[i], fingers[i], fingers[i], fingers[i], fingers[i], fingers[i], fingers[i]);
+    strcpy(end, "</robot>");
+    const rbd_urdf_options options = {.free_mimics = 1};
+    rbd_urdf robot = with_room(&x);
+    ck_assert_int_eq(parse(&robot, text, NULL), RBD_URDF_ERR_MIMIC);
+    ck_assert_ptr_nonnull(strstr(robot.error.text, "--free-mimics; missing too: 'middle' of 'r_middle_tip', "
+                                                   "'ring' of 'r_ring_tip', 'little' of 'r_little_tip'"));
+    ck_assert_int_eq(parse(&robot, text, &options), RBD_URDF_OK);
+    ck_assert_int_eq(robot.nwarnings, 4);
+}
+END_TEST
+
+/* ---- URDF 1.1 and 1.2 ---- */
+
+/* Turns v by the unit quaternion q: v + 2 w (u x v) + 2 u x (u x v), of u its vector part. */
+static void turned_by(const double q[4], const double v[3], double out[3]) {
+    double t[3];
+    for (int i = 0; i < 3; i++)
+        t[i] = 2 * (q[(i + 1) % 3] * v[(i + 2) % 3] - q[(i + 2) % 3] * v[(i + 1) % 3]);
+    for (int i = 0; i < 3; i++)
+        out[i] = v[i] + q[3] * t[i] + q[(i + 1) % 3] * t[(i + 2) % 3] - q[(i + 2) % 3] * t[(i + 1) % 3];
+}
+
+START_TEST(quaternions_turn_joints_and_inertias) {
+    static room x;
+    const double half = sqrt(0.5), q[4] = {0.5, -0.1, 0.7, 0.5}, nearly[4] = {0, half, 0, half};
+    const double *all[2] = {q, nearly}; /* the second is a pitch of 90 degrees */
+    for (int k = 0; k < 2; k++) {
+        char text[900];
+        snprintf(text, sizeof text,
+                 ROBOT(LINK("a") "<link name='b'><inertial><origin quat_xyzw='%.17g %.17g %.17g %.17g'/>"
+                                 "<mass value='1'/><inertia ixx='3' ixy='0' ixz='0' iyy='4' iyz='0' izz='5'/>"
+                                 "</inertial></link>" JOINT("j", "continuous", "a", "b",
+                                                            "<origin quat_xyzw='%.17g %.17g %.17g %.17g'/>")),
+                 all[k][0], all[k][1], all[k][2], all[k][3], all[k][0], all[k][1], all[k][2], all[k][3]);
+        const rbd_urdf robot = parsed(&x, text, NULL);
+        double length = 0, columns[3][3], inertia[9] = {0};
+        ck_assert_int_eq(robot.nwarnings, 0);
+        for (int i = 0; i < 4; i++) length += all[k][i] * all[k][i];
+        for (int j = 0; j < 3; j++) {
+            const double e[3] = {j == 0, j == 1, j == 2};
+            double unit[4];
+            for (int i = 0; i < 4; i++) unit[i] = all[k][i] / sqrt(length);
+            turned_by(unit, e, columns[j]);
+            for (int i = 0; i < 3; i++)
+                ck_assert_double_eq_tol(robot.bodies[0].rotation[3 * i + j], columns[j][i], 1e-15);
+        }
+        for (int i = 0; i < 3; i++) /* sum of 3, 4, 5 times the axis' dyad */
+            for (int j = 0; j < 3; j++)
+                for (int n = 0; n < 3; n++) inertia[3 * i + j] += (3 + n) * columns[n][i] * columns[n][j];
+        const int upper[6] = {0, 1, 2, 4, 5, 8};
+        for (int i = 0; i < 6; i++)
+            ck_assert_double_eq_tol(robot.bodies[0].inertia[i], inertia[upper[i]], 1e-14);
+    }
+}
+END_TEST
+
+/* Capsules, limits of acceleration and jerk, and the number of the version are known. */
+START_TEST(later_versions_of_urdf_are_read) {
+    static room x;
+    const rbd_urdf_options strict = {.strict = 1};
+    const rbd_urdf robot = parsed(
+        &x,
+        "<robot name='r' version='1.2'><link name='a'/><link name='b'><inertial><mass value='1'/><inertia "
+        "ixx='1' "
+        "ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial><collision><geometry><capsule radius='1' "
+        "length='2'/></geometry></collision></link><joint name='j' type='revolute'><parent link='a'/><child "
+        "link='b'/><axis xyz='0 0 1'/><limit lower='-1' upper='1' effort='2' velocity='3' acceleration='4' "
+        "deceleration='5' jerk='6'/></joint></robot>",
+        &strict);
+    ck_assert_double_eq(robot.bodies[0].velocity, 3);
+    ck_assert_int_eq(robot.nwarnings, 0);
+}
+END_TEST
+
+/* ---- encodings and other formats ---- */
+
+/* A text of ASCII in UTF-16, with a byte order mark or without; returns its bytes. */
+static size_t in_utf16(const char *text, int little, int mark, char *to) {
+    size_t n = 0;
+    if (mark) {
+        memcpy(to, little ? "\xff\xfe" : "\xfe\xff", 2);
+        n = 2;
+    }
+    for (; *text; text++, n += 2) {
+        to[n + (size_t)!little] = *text;
+        to[n + (size_t)little] = 0;
+    }
+    return n;
+}
+
+START_TEST(text_in_utf16_is_read) {
+    static room x, y;
+    const rbd_urdf usual = parsed(&x, fixed_links, NULL);
+    static char wide[20000];
+    for (int i = 0; i < 4; i++) {
+        rbd_urdf robot = with_room(&y);
+        const size_t n = in_utf16(fixed_links, i & 1, i >> 1, wide);
+        ck_assert_msg(rbd_urdf_parse(wide, n, NULL, &robot) == RBD_URDF_OK, "%d: %s", i, robot.error.text);
+        ck_assert_int_eq(robot.nb, usual.nb);
+        expect_same_results(robot.bodies, robot.nb, usual.bodies, usual.nb);
+        ck_assert_int_eq(rbd_urdf_parse(wide, n - 1, NULL, &robot), RBD_URDF_ERR_XML);
+        ck_assert_str_eq(robot.error.text, "it is text in UTF-16, but ends within a character");
+    }
+}
+END_TEST
+
+/* U+1F916, which takes two units, and the first of them alone. */
+START_TEST(pairs_of_utf16_are_characters) {
+    static room x;
+    static char wide[4000];
+    rbd_urdf robot = with_room(&x);
+    const char text[] =
+        "<robot name='--'>" UNIT_LINK("a") UNIT_LINK("b") JOINT("j", "continuous", "a", "b", "");
+    size_t n = in_utf16(text, 1, 1, wide);
+    n += in_utf16("</robot>", 1, 0, wide + n);
+    memcpy(wide + 2 + 2 * 13, "\x3e\xd8\x16\xdd", 4);
+    ck_assert_msg(rbd_urdf_parse(wide, n, NULL, &robot) == RBD_URDF_OK, "%s", robot.error.text);
+    ck_assert_str_eq(robot.name, "\xf0\x9f\xa4\x96");
+    memcpy(wide + 2 + 2 * 13, "\x3e\xd8\x3e\xd8", 4);
+    ck_assert_int_eq(rbd_urdf_parse(wide, n, NULL, &robot), RBD_URDF_ERR_XML);
+    ck_assert_str_eq(robot.error.text, "it is text in UTF-16 that has half a character: save it as UTF-8");
+}
+END_TEST
+
+/* How files of other formats begin, and a word of the sentence. */
+static const struct {
+    const char *text, *word;
+} formats[] = {{"PK\003\004xx", "zip archive"},
+               {"\037\213xx", "gzip"},
+               {"PXR-USDC", "USD"},
+               {"#usda 1.0\n", "USD"},
+               {" \n<!DOCTYPE html>\n<html lang=en>", "raw file"},
+               {"\xef\xbb\xbf<HTML>", "raw file"},
+               {"version https://git-lfs.github.com/spec/v1\n", "git lfs pull"},
+               {"404: Not Found", "404"},
+               {"glTF\2", "glTF"},
+               {"solid part\nfacet", "STL"},
+               {"ply\nformat", "PLY"},
+               {"mtllib a.mtl", "OBJ"},
+               {"%PDF-1.4", "PDF"},
+               {"{\"links\": []}", "JSON"},
+               {"[1, 2]", "JSON"},
+               {"---\nrobot: r", "YAML"},
+               {"robot:\n  links:", "YAML"},
+               {"robot_name: r", "YAML"},
+               {"<mujoco model='m'/>", "MJCF, the format of MuJoCo"},
+               {"<mujocoinclude/>", "MJCF"},
+               {"<sdf version='1.7'/>", "SDF, the format of Gazebo"},
+               {"<COLLADA/>", "COLLADA"},
+               {"<KinBody/>", "OpenRAVE"},
+               {"<OpenSimDocument/>", "OpenSim"},
+               {"<launch/>", "launch file"},
+               {"<package/>", "package.xml"}};
+
+START_TEST(other_formats_are_named) {
+    static room x;
+    rbd_urdf robot = with_room(&x);
+    ck_assert_int_eq(parse(&robot, formats[_i].text, NULL), RBD_URDF_ERR_ROBOT);
+    ck_assert_msg(strstr(robot.error.text, formats[_i].word) != NULL, "%s", robot.error.text);
+    ck_assert_int_ge(robot.error.line, 1);
+}
+END_TEST
+
+START_TEST(a_binary_mesh_is_named) {
+    static room x;
+    char mesh[84 + 2 * 50] = "exported by a program";
+    rbd_urdf robot = with_room(&x);
+    mesh[80] = 2;
+    ck_assert_int_eq(rbd_urdf_parse(mesh, sizeof mesh, NULL, &robot), RBD_URDF_ERR_ROBOT);
+    ck_assert_ptr_nonnull(strstr(robot.error.text, "STL"));
+    mesh[80] = 3; /* of another length: text that is none of URDF */
+    ck_assert_int_eq(rbd_urdf_parse(mesh, sizeof mesh, NULL, &robot), RBD_URDF_ERR_XML);
+}
+END_TEST
+
+/* The file has a free joint of its own. */
+START_TEST(a_second_free_joint_is_told) {
+    static room x;
+    const rbd_urdf_options floating = {.root = RBD_FLOATING};
+    static const char *const texts[2] = {
+        ROBOT(LINK("world") UNIT_LINK("trunk") BARE_JOINT("free", "floating", "world", "trunk", "")),
+        ROBOT(UNIT_LINK("base") UNIT_LINK("trunk") BARE_JOINT("free", "floating", "base", "trunk", ""))};
+    static const char *const told[2] = {
+        "link 'world': the floating root link has no mass; joint 'free' floats already: leave out "
+        "options.root, "
+        "rbd-model --floating",
+        "link 'base': the root link floats; joint 'free' floats already: leave out options.root, rbd-model "
+        "--floating"};
+    for (int i = 0; i < 2; i++) {
+        rbd_urdf robot = parsed(&x, texts[i], &floating);
+        ck_assert_int_eq(robot.nwarnings, 1);
+        ck_assert_int_eq(robot.warnings[0].status, RBD_URDF_WARN_ROOT);
+        ck_assert_str_eq(robot.warnings[0].text, told[i]);
+        robot = parsed(&x, texts[i], NULL);
+        ck_assert_int_eq(robot.nwarnings, 0);
+    }
+}
+END_TEST
+
+/* ---- xacro ---- */
+
+/* What a text has, whether it is read, and a word of what is told. */
+#define LEFTOVER(inside) ROBOT(LINK("a") UNIT_LINK("b") JOINT("j", "continuous", "a", "b", "") inside)
+static const struct {
+    const char *text;
+    int read;
+    const char *word;
+} xacros[] = {
+    {LEFTOVER("<xacro:imu parent='b'/>"), 1, "<xacro:imu> is not read; xacro left it there"},
+    {LEFTOVER("<xacro:property name='l' value='2'/>"), 1, "<xacro:property> is not read"},
+    {LEFTOVER("<xacro:macro name='leg'><link name='${x}'/></xacro:macro>"), 1, "<xacro:macro> is not read"},
+    {LEFTOVER("<xacro:macro name='leg'/><xacro:leg/>"), 0, "<xacro:leg> is of xacro: expand"},
+    {LEFTOVER("<xacro:include filename='x'/>"), 0, "<xacro:include> is of xacro: expand"},
+    {LEFTOVER("<xacro:if value='1'/>"), 0, "xacro FILE -o robot.urdf"},
+    {LEFTOVER("<include filename='x'/>"), 0, "<include> is of xacro"},
+    {LEFTOVER("<property name='l' value='2'/>"), 0, "<property> is of xacro"},
+    {LEFTOVER("<gazebo><property name='l'/><include/><xacro:leg x='${l}'/></gazebo>"), 1, NULL},
+    {LEFTOVER("<link name='c'><visual><origin xyz='${l} 0 0'/></visual></link>"
+              "<joint name='k' type='fixed'><parent link='b'/><child link='c'/></joint>"),
+     1, NULL},
+    {LEFTOVER("<link name='${p}c'/>"), 0, "link '${p}c': <link name>: '${p}c' is of xacro"},
+    {LEFTOVER("<link name='c'/><joint name='k' type='$(arg t)'><parent link='b'/><child link='c'/></joint>"),
+     0, "joint 'k': <joint type>: '$(arg t)' is of xacro"},
+    {ROBOT("<xacro:arg name='x' default='1'/>"), 0,
+     "the robot has no link; the file has <xacro:arg> of line 1"}};
+
+START_TEST(sources_of_xacro_are_told_from_leftovers) {
+    static room x;
+    rbd_urdf robot = with_room(&x);
+    const int status = parse(&robot, xacros[_i].text, NULL);
+    const char *told = status ? robot.error.text : robot.nwarnings ? robot.warnings[0].text : NULL;
+    ck_assert_msg((status == RBD_URDF_OK) == xacros[_i].read, "%s", robot.error.text);
+    ck_assert_int_eq(xacros[_i].word == NULL, told == NULL);
+    if (told) ck_assert_msg(strstr(told, xacros[_i].word) != NULL, "%s", told);
 }
 END_TEST
 
@@ -1455,7 +1799,9 @@ START_TEST(parts_that_cannot_be_are_errors_by_name) {
          {0},
          {{0}},
          RBD_URDF_ERR_ROBOT,
-         "<sdf> is not a robot of URDF, but of SDF, the format of Gazebo: convert it to URDF first"},
+         "<sdf> is not a robot of URDF, but of SDF, the format of Gazebo: export the robot as URDF from the "
+         "program "
+         "that wrote it"},
         /* it leads itself; on a part, what stands outside is not there */
         {ROBOT(UNIT_LINK("a") UNIT_LINK("b") JOINT("j", "continuous", "a", "b", "")
                    JOINT("k", "continuous", "b", "a", "")),
@@ -1470,7 +1816,9 @@ START_TEST(parts_that_cannot_be_are_errors_by_name) {
          {0},
          {{0}},
          RBD_URDF_ERR_MIMIC,
-         "joint 'k': it mimics 'j', which is missing; to hold it still: options.lock, rbd-model --lock 'k'"},
+         "joint 'k': it mimics 'j', which is missing; to hold it still: options.lock, rbd-model --lock 'k'; "
+         "to let "
+         "all such joints move freely: options.free_mimics, rbd-model --free-mimics"},
         /* what is misspelt may belong to the part */
         {ROBOT(UNIT_LINK("arm") UNIT_LINK("b") JOINT("j", "continuous", "Arm", "b", "")),
          "arm",
@@ -1605,6 +1953,18 @@ int main(void) {
     tcase_add_test(c, a_joint_that_moves_no_mass_with_those_that_mimic_it_gives_a_warning);
     tcase_add_test(c, a_joint_that_carries_only_joints_without_mass_gives_a_warning);
     tcase_add_test(c, a_robot_without_masses_is_told_how_to_be_read);
+    tcase_add_test(c, a_robot_without_masses_is_read_for_kinematics);
+    tcase_add_test(c, kinematic_changes_no_robot_with_masses);
+    tcase_add_test(c, wrong_mimics_may_move_freely);
+    tcase_add_test(c, mimics_without_their_prefix_are_named_at_once);
+    tcase_add_test(c, quaternions_turn_joints_and_inertias);
+    tcase_add_test(c, later_versions_of_urdf_are_read);
+    tcase_add_test(c, text_in_utf16_is_read);
+    tcase_add_test(c, pairs_of_utf16_are_characters);
+    tcase_add_loop_test(c, other_formats_are_named, 0, sizeof formats / sizeof *formats);
+    tcase_add_test(c, a_binary_mesh_is_named);
+    tcase_add_test(c, a_second_free_joint_is_told);
+    tcase_add_loop_test(c, sources_of_xacro_are_told_from_leftovers, 0, sizeof xacros / sizeof *xacros);
     tcase_add_test(c, odd_files_give_the_warning_expected);
     tcase_add_loop_test(c, what_looks_like_degrees_gives_a_warning, 0, sizeof degrees / sizeof *degrees);
     tcase_add_test(c, a_joint_held_still_at_degrees_gives_a_warning);

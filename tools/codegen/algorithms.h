@@ -164,7 +164,7 @@ struct session {
     session(const robot &r, const std::string &name, int stance = 0) : c(), row() {
         const rbd_body *bodies = reinterpret_cast<const rbd_body *>(r.bodies); /* of this namespace */
         model_memory.resize(rbd_model_size(bodies, r.nb));
-        demand(rbd_model_build(bodies, r.nb, model_memory.data(), model_memory.size(), &c.m, NULL));
+        demand(rbd_model_build_kinematic(bodies, r.nb, model_memory.data(), model_memory.size(), &c.m, NULL));
         work_memory.resize(rbd_work_size(c.m));
         demand(rbd_work_init(c.m, work_memory.data(), work_memory.size(), &c.w));
         derivatives_memory.resize(rbd_derivatives_size(c.m));
@@ -216,12 +216,16 @@ struct session {
             c.out[k] = out[k].data();
         }
         const rbd_status status = run_call(c);
-        if (status == RBD_ERR_SINGULAR) {
+        if (status == RBD_ERR_SINGULAR || status == RBD_ERR_MASSLESS) {
             const int body = c.m->dof[rbd_singular_dof(c.w)].body;
             const char *name = rbd_body_name(c.m, body);
+            const std::string link =
+                name ? "link '" + std::string(name) + "'" : "body " + std::to_string(body);
             throw std::runtime_error(
-                std::string(rbd_status_string(status)) + " at the joint of " +
-                (name ? "link '" + std::string(name) + "'" : "body " + std::to_string(body)));
+                status == RBD_ERR_MASSLESS
+                    ? "dynamics needs masses, and the joint of " + link +
+                          " moves none: with --kinematic there are jacobian:LINK and pose:LINK alone"
+                    : rbd_status_string(status) + (" at the joint of " + link));
         }
         demand(status == RBD_ERR_INFEASIBLE ? RBD_OK : status); /* by rows that depend on each other */
         for (int k = 0; k < 4; k++) {

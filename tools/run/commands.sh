@@ -151,7 +151,7 @@ cmd_wheel() {
     install wheels
     takes "five minutes of a processor for each platform"
     for platform; do
-        /usr/bin/python3 "$root/python/wheel.py" "$platform" "$build/wheels" || exit
+        /usr/bin/python3 "$root/python/make_wheel.py" "$platform" "$build/wheels" || exit
     done
 }
 

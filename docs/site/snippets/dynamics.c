@@ -239,6 +239,28 @@ void example_rbd_model_build(void) {
     if (rbd_model_size(rod, 1) > sizeof room || !rbd_status_string(status)) status = RBD_ERR_MEMORY;
 }
 
+void example_rbd_model_build_kinematic(void) {
+    static const rbd_body arm[2] = {
+        {.name = "upper", .joint = "shoulder", .parent = -1, .type = RBD_REVOLUTE, .axis = {0, 0, 1}},
+        {.name = "lower",
+         .joint = "elbow",
+         .parent = 0,
+         .type = RBD_REVOLUTE,
+         .axis = {0, 0, 1},
+         .position = {0.4, 0, 0}}};
+    static unsigned char room[RBD_MODEL_SIZE(2)], work[RBD_WORK_SIZE(2, 2)];
+    const rbd_model *bare; /* no masses: poses and Jacobians alone */
+    rbd_work *at;
+    double p[3], torque[2];
+    status = rbd_model_build_kinematic(arm, 2, room, sizeof room, &bare, NULL);
+    if (status == RBD_OK) status = rbd_work_init(bare, work, sizeof work, &at);
+    if (status == RBD_OK) status = rbd_kinematics(bare, at, q, NULL, NULL);
+    if (status == RBD_OK) status = rbd_body_pose(bare, at, 1, NULL, p);
+    if (status == RBD_OK && rbd_gravity_torque(bare, at, q, torque) != RBD_ERR_MASSLESS)
+        status = RBD_ERR_MASS;
+    if (status == RBD_OK && rbd_singular_dof(at) != 0) status = RBD_ERR_MASS; /* the shoulder moves no mass */
+}
+
 void example_rbd_lock_joints(void) {
     static rbd_body rows[HYQ_NB];
     static unsigned char room[RBD_MODEL_SIZE(HYQ_NB)];

@@ -28,21 +28,32 @@ static bool moderate(const rbd_body *bodies, int nb) {
     return true;
 }
 
-/* Inverse dynamics of a state: numbers of a sensible size give finite torques. */
-static void compute(const rbd_body *bodies, int nb) {
+/* Poses and inverse dynamics of a state: numbers of a sensible size give finite ones. Dynamics may be refused
+   if a joint moves no mass, in a model for kinematics alone. */
+static void compute(const rbd_body *bodies, int nb, bool kinematic) {
     std::vector<unsigned char> memory(rbd_model_size(bodies, nb)), scratch;
     const rbd_model *m;
     rbd_work *w;
     uint64_t seed = 1;
-    require(rbd_model_build(bodies, nb, memory.data(), memory.size(), &m, NULL) == RBD_OK);
+    if (kinematic)
+        require(rbd_model_build_kinematic(bodies, nb, memory.data(), memory.size(), &m, NULL) == RBD_OK);
+    else
+        require(rbd_model_build(bodies, nb, memory.data(), memory.size(), &m, NULL) == RBD_OK);
     scratch.resize(rbd_work_size(m));
     require(rbd_work_init(m, scratch.data(), scratch.size(), &w) == RBD_OK);
     const size_t nv = (size_t)rbd_nv(m);
     std::vector<double> q((size_t)rbd_nq(m) + 1), v(nv + 1, 1), tau(nv + 1);
     rbd_random(m, &seed, q.data());
-    require(rbd_rnea(m, w, q.data(), v.data(), v.data(), NULL, tau.data()) == RBD_OK);
+    require(rbd_kinematics(m, w, q.data(), NULL, NULL) == RBD_OK);
+    double p[3];
+    require(rbd_body_pose(m, w, nb - 1, NULL, p) == RBD_OK);
+    const int massless = rbd_singular_dof(w);
+    require(massless < 0 || kinematic);
+    require(rbd_rnea(m, w, q.data(), v.data(), v.data(), NULL, tau.data()) ==
+            (massless < 0 ? RBD_OK : RBD_ERR_MASSLESS));
     if (!moderate(bodies, nb)) return;
-    for (size_t i = 0; i < nv; i++) require(std::isfinite(tau[i]));
+    for (size_t i = 0; i < 3; i++) require(std::isfinite(p[i]));
+    for (size_t i = 0; massless < 0 && i < nv; i++) require(std::isfinite(tau[i]));
 }
 
 /* What a text gave; strings lie in names. */
@@ -66,7 +77,7 @@ static bool load(const char *text, size_t length, const rbd_urdf_options &option
     robot.frames = to.frames.data(), robot.frames_max = robot.nframes;
     robot.names = to.names.data(), robot.names_max = robot.names_size;
     require(rbd_urdf_parse(text, length, &options, &robot) == RBD_URDF_OK);
-    compute(robot.bodies, robot.nb);
+    compute(robot.bodies, robot.nb, options.kinematic != 0);
     return true;
 }
 
@@ -75,7 +86,9 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     rbd_urdf_options options = {};
     options.root = data[0] & 1 ? RBD_FLOATING : RBD_FIXED;
     options.keep_all = data[0] >> 1 & 1;
-    options.lock_massless = data[0] >> 2 & 1;
+    options.lock_massless = (data[0] >> 2 & 3) == 1;
+    options.kinematic = (data[0] >> 2 & 3) == 3;
+    options.free_mimics = !(data[0] >> 4 & 1); /* digits have this bit */
     options.strict = (data[0] >> 3 & 7) == 7;
     const char *text = (const char *)data + 1;
     loaded whole, part;

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Makes a wheel with compiled libraries: its users need numpy alone, no compiler.
 
-usage: wheel.py [--quick] PLATFORM FOLDER
+usage: make_wheel.py [--quick] PLATFORM FOLDER
 
 PLATFORM  linux-x86-64, linux-aarch64 or windows-x86-64; compilers of Debian's names. On x86-64 there are libraries for three
           generations of processors, of which the fastest that runs is taken. The loader of URDF files comes with urdfdom for

@@ -1,0 +1,51 @@
+#!/bin/sh
+# windows.sh ROOT: the headers compile without a warning for Windows, by clang as it works beside Visual Studio, and by
+# mingw-w64. Skipped (77) if neither is there.
+set -eu
+root=$(realpath "$1")
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+strict="-std=c99 -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Wvla -Wundef -Werror -fsyntax-only"
+mingw=x86_64-w64-mingw32-gcc
+checks=0 failed=0
+
+clang=
+for name in clang-19 clang-18 clang-17 clang-16 clang; do
+    command -v $name >/dev/null && clang=$name && break
+done
+
+# The library of Visual Studio is not there: this is all that the headers take from it.
+mkdir "$scratch/include"
+echo 'double sqrt(double); float sqrtf(float); double sin(double); double cos(double);' >"$scratch/include/math.h"
+
+# compiles WHAT COMPILER...: each header by it, with each scalar, and as static functions
+compiles() {
+    what=$1
+    shift
+    while read -r header; do
+        for macro in RBD_REAL=double RBD_REAL=float RBD_STATIC; do
+            printf '#define RBD_IMPLEMENTATION\n#include "%s"\n' "$header" >"$scratch/file.c"
+            checks=$((checks + 1))
+            # shellcheck disable=SC2086 # flags
+            "$@" $strict -Dalways_inline=unused "-D$macro" -I"$root" "$scratch/file.c" 2>"$scratch/err" && continue
+            failed=$((failed + 1))
+            echo "FAILED: $header, $macro, $what"
+            head -n 20 "$scratch/err"
+        done
+    done <"$root/src/headers.txt"
+}
+
+if [ -n "$clang" ]; then
+    compiles "clang for Visual Studio" "$clang" --target=x86_64-pc-windows-msvc -I"$scratch/include"
+else
+    echo "SKIPPED: clang for Visual Studio, which needs clang"
+fi
+if command -v $mingw >/dev/null; then
+    compiles "mingw-w64" $mingw
+else
+    echo "SKIPPED: mingw-w64 ($mingw)"
+fi
+
+[ $checks -gt 0 ] || exit 77
+echo "$checks checks, $failed failed"
+[ $failed -eq 0 ]
