@@ -3122,8 +3122,8 @@ RBDI_PART uint32_t rbdi_features(const rbd_model *m) {
      its fields  model/describe.h: rbdi_describe_joint, if a description has axes or a pitch
 
    Floating joints are known in four more places, as bases of robots: model/features.h,
-   constraints/weights.h, contact/momentum.h, tasks/contacts.h. model/check.h asks whether a joint is fixed. No
-   other room names a type: the test `rooms` compares. */
+   constraints/weights.h, contact/momentum.h, tasks/contacts.h. model/check.h asks whether a joint is fixed.
+   No other room names a type: the test `rooms` compares. */
 
 /* Numbers of coordinates and dofs, and the axes of one-axis links, in order: 'a' axis, 'b' axis2, 'x' 'y' 'z'
    those of the joint frame. A type without axes is a block. */
@@ -6481,6 +6481,7 @@ RBDI_INLINE int rbdi_joint_turns(const rbdi_frame *u) { return rbdi_type_turns(u
 /* The motion in body axes from the joint's components in v, which are a stride apart, and back. */
 RBDI_LOCAL rbdi_motion rbdi_joint_motion(const rbdi_frame *u, const rbd_real *v, ptrdiff_t stride) {
     rbd_real array[6];
+    if (u->nv == 6) return rbdi_load_motion(v, stride);
     for (int k = 0; k < 6; ++k) array[k] = rbdi_zero();
     for (int k = 0; k < u->nv; ++k) array[rbdi_first_axis(u->type) + k] = v[k * stride];
     return rbdi_load_motion(array, 1);
@@ -6488,6 +6489,10 @@ RBDI_LOCAL rbdi_motion rbdi_joint_motion(const rbdi_frame *u, const rbd_real *v,
 
 RBDI_LOCAL void rbdi_put_joint_motion(const rbdi_frame *u, rbdi_motion V, rbd_real *v, ptrdiff_t stride) {
     rbd_real array[6];
+    if (u->nv == 6) {
+        rbdi_store_motion(v, stride, V);
+        return;
+    }
     rbdi_store_motion(array, 1, V);
     for (int k = 0; k < u->nv; ++k) v[k * stride] = array[rbdi_first_axis(u->type) + k];
 }

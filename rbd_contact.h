@@ -3,8 +3,9 @@
    SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end of rbd.h.
 
    Points and balls on bodies touch planes of the world or of other bodies, with friction. A step finds the
-   impulses by the exact laws of Signorini and Coulomb, and moves the robot. Implemented by the same
-   RBD_IMPLEMENTATION as rbd.h, in the same file. A box of which two corners may touch the ground:
+   impulses by the exact laws of Signorini and Coulomb, with those of joint limits, of dry friction of joints
+   and of bounded rows of yours, and moves the robot. Implemented by the same RBD_IMPLEMENTATION as rbd.h, in
+   the same file. A box of which two corners may touch the ground:
 
        #define RBD_IMPLEMENTATION
        #include "rbd_contact.h"
@@ -23,7 +24,7 @@
      [solver] [set] [step] [step derivatives]
      --- stop here if you only use it ---
      [layout] [tolerances] [one contact] [laws] [newton] [solver code]
-     [joints] [set code] [contact rows] [biases] [row reduction]
+     [joints] [bounded rows] [set code] [contact rows] [biases] [row reduction]
      [momentum code] [step code]
      [step derivatives code]
 
@@ -69,6 +70,10 @@ RBDI_EXTERN_C_BEGIN
 #define rbd_contact_step RBDI_SYMBOL(rbd_contact_step)
 #define rbd_contact_fd RBDI_SYMBOL(rbd_contact_fd)
 #define rbd_contact_plane RBDI_SYMBOL(rbd_contact_plane)
+#define rbd_contact_friction RBDI_SYMBOL(rbd_contact_friction)
+#define rbd_contact_row_set RBDI_SYMBOL(rbd_contact_row_set)
+#define rbd_contact_row_get RBDI_SYMBOL(rbd_contact_row_get)
+#define rbd_contact_inertia RBDI_SYMBOL(rbd_contact_inertia)
 #define rbd_contact_reset RBDI_SYMBOL(rbd_contact_reset)
 #define rbd_contact_get RBDI_SYMBOL(rbd_contact_get)
 #define rbd_contact_last RBDI_SYMBOL(rbd_contact_last)
@@ -151,7 +156,25 @@ typedef struct rbd_contact_options {
     int first_order;    /* not 0: steps of semi-implicit Euler, q_next is q moved by v_next: for planners */
     int momentum;       /* not 0: robots that float keep their momentum to rounding while nothing touches;
                            refused with first_order */
+    int rows;           /* bounded rows of the caller's, for rbd_contact_row_set [0] */
 } rbd_contact_options;
+
+/* A bounded row: a shaft with its friction, a bristle, a brake. Its force f acts on its dofs by J' f, and
+
+       lower <= f <= upper,   s > 0 only if f = lower,   s < 0 only if f = upper,
+       s = J v_next + bias + compliance dt f
+
+   So between its bounds it sticks, s = 0; at one it may slip. Dry friction, without bias and compliance, that
+   turns around within a step has less force in it, so that it makes no energy. */
+typedef struct rbd_contact_row {
+    int dofs;             /* number of its dofs: 1 to 3; 0: it does nothing */
+    int dof[3];           /* each once */
+    rbd_real jacobian[3]; /* J: speed of the row per speed of each dof, in the middle of the step */
+    rbd_real bias;        /* rad/s or m/s */
+    rbd_real lower;       /* N m or N; +-1e30 and beyond: no bound */
+    rbd_real upper;
+    rbd_real compliance; /* speed per impulse, 1/(kg m^2) or 1/kg; 0 = rigid */
+} rbd_contact_row;
 
 typedef struct rbd_contact_set rbd_contact_set; /* contacts, impulses of the last step, scratch */
 
@@ -161,8 +184,8 @@ typedef struct rbd_contact_set rbd_contact_set; /* contacts, impulses of the las
              have no meaning here; position errors are corrected as penetration is. May be NULL
    options   NULL: all defaults
    memory    size bytes of any alignment; rbd_contact_set_size is exact. For n contacts and `bounded` other
-             rows (held axes, two limits of each joint, dry friction) RBD_CONTACT_SET_SIZE(nv, n, bounded)
-             suffices without the option `derivatives`
+             rows (held axes, two limits of each joint, dry friction, the option `rows`)
+             RBD_CONTACT_SET_SIZE(nv, n, bounded) suffices without the option `derivatives`
    c         receives the set, which lies inside memory: do not move it; NULL after an error
    Errors: RBD_ERR_NULL, _MEMORY, _WORK, _COUNT (more than RBD_MAX_CONSTRAINTS); with the contact in
    report->error.body: _INDEX, _POSITION (point or height), _AXIS (normal), _RANGE; with a constraint, n + its
@@ -218,6 +241,32 @@ RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const
    Errors: RBD_ERR_NULL, _INDEX, _AXIS, _POSITION. */
 RBDI_API rbd_status rbd_contact_plane(const rbd_model *m, rbd_contact_set *c, int i, const double normal[3],
                                       double height);
+
+/* Changes the dry friction of a dof, from the next step on: of a motor that is loaded, or warm. The set has a
+   row for it if the option `joint_friction` is on and the description's friction there is above 0.
+   bound      largest force, N m or N; 0: none
+   Errors: RBD_ERR_NULL; _INDEX, no such row; _RANGE, negative or not finite. */
+RBDI_API rbd_status rbd_contact_friction(const rbd_model *m, rbd_contact_set *c, int dof, rbd_real bound);
+
+/* Changes bounded row i of the option `rows`, from the next step on; until then it does nothing. See
+   docs/contact_step.md, Bounded rows: friction of shafts, bristles, brakes.
+   Errors: RBD_ERR_NULL; _INDEX, no row i, or a dof that is not there or twice; _COUNT, dofs; _RANGE, not
+   finite, a compliance below 0, lower > upper. Then the row is as it was. */
+RBDI_API rbd_status rbd_contact_row_set(const rbd_model *m, rbd_contact_set *c, int i,
+                                        const rbd_contact_row *row);
+
+/* Returns what bounded row i of the caller's did in the last step: RBD_STICKS, s = 0; RBD_SLIPS, it moved;
+   RBD_APART, nothing: it has no force, or moves nothing, or there is no such row.
+   force      f, N m or N; may be NULL */
+RBDI_API rbd_contact_state rbd_contact_row_get(const rbd_contact_set *c, int i, rbd_real *force);
+
+/* Adds a matrix to M, from the next step on: rotors that several joints drive, G' J G; with dt G' D G their
+   damping is implicit, if tau has -G' D G v. It does not depend on q within a step, has no velocity terms,
+   and multiplies the change of v.
+   added      rbd_packed_size, as of rbd_crba_packed: M + added is positive definite. Kept, not copied: it
+              must be there in the steps. NULL: nothing
+   Errors: RBD_ERR_NULL, of m or c; one that is not finite is RBD_ERR_NAN of the step. */
+RBDI_API rbd_status rbd_contact_inertia(const rbd_model *m, rbd_contact_set *c, const rbd_real *added);
 
 /* Clears the last impulses, with which a step begins; rbd_contact_get then returns RBD_APART, gaps of 0 and
    no force. Call it after a jump of the state. */
@@ -389,29 +438,41 @@ typedef struct rbdi_contact {
     rbd_contact_state state;
 } rbdi_contact;
 
-/* A row of one degree of freedom: a limit of its joint or its dry friction. */
-typedef struct rbdi_dof_row {
-    int16_t dof, iq;        /* iq: of the limited coordinate, -1 = dry friction */
-    rbd_const lower, upper; /* limits, rad or m; the largest forces of dry friction, N m or N */
+/* A limit of a joint of one degree of freedom. */
+typedef struct rbdi_limit_row {
+    int16_t dof, iq;        /* and index of the coordinate */
+    rbd_const lower, upper; /* rad or m */
     rbdi_gap gap;           /* to the limit */
     rbd_real side;          /* the row's sign: 1 at the lower limit, -1 at the upper one */
     int row;                /* of the step, -1 = none */
     int rebounds;           /* as of a contact: a limit does if it leaves */
-} rbdi_dof_row;
+} rbdi_limit_row;
+
+/* A row with bounds on its force: the dry friction of a degree of freedom, or the caller's. */
+typedef struct rbdi_bounded_row {
+    rbd_contact_row law;
+    rbd_real turn;  /* added to the bias: the speed before, if dry friction turns around in the step */
+    rbd_real force; /* of the last step, as its state */
+    rbd_contact_state state;
+    int row; /* of the step, -1 = none */
+} rbdi_bounded_row;
 
 /* A set of contacts has a set of constraints, whose rows are listed anew at each step: three of each contact
-   that is near, those of held constraints, those of single dofs. A row's place is the number that it has if
+   that is near, those of held constraints, limits, bounded rows. A row's place is the number that it has if
    all rows are present. Impulses are kept by place. */
 struct rbd_contact_set {
     rbd_constraint_set *rows;
     rbd_contact_options options;
-    int n, dof_rows;         /* numbers of contacts and, at most, of rows of dofs */
+    int n, limits;           /* numbers of contacts, and of limits */
+    int frictions, bounds;   /* of rows of dry friction; of these, and the caller's behind them */
     int max_rows;            /* rows at most */
     int contacts;            /* that are rows of the step */
     int points;              /* that move straight: RBDI_ORIGINS or RBDI_CENTRES */
     int differ;              /* whether `nu` and `moved` differ */
     rbdi_contact *contact;   /* n */
-    rbdi_dof_row *dof_row;   /* dof_rows */
+    rbdi_limit_row *limit;   /* limits */
+    rbdi_bounded_row *bound; /* bounds */
+    const rbd_real *added;   /* the caller's, packed: added to M; NULL = nothing */
     int16_t *place;          /* max_rows: of each row of the step */
     rbd_real *impulse;       /* max_rows: of the last step, by place; 0 where it had no row */
     rbd_real *early;         /* max_rows: impulses of the step's first solution, by row */
@@ -432,15 +493,19 @@ struct rbd_contact_set {
     rbdi_contact_solver solver;
 };
 
-/* Bytes for n contacts, so many held constraints and, at most, `bounded` other rows. nq <= 2 nv. */
-#define RBDI_CONTACT_SET_BYTES(nq, nv, n, constraints, bounded, stride) \
+/* Bytes for n contacts, so many held constraints and, at most, `bounded` other rows, of which limits and
+   bounded rows take `dof_bytes`. nq <= 2 nv. */
+#define RBDI_CONTACT_SET_BYTES(nq, nv, n, constraints, bounded, stride, dof_bytes) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_contact_set)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_contact)) + \
-     RBDI_ROUND((size_t)(bounded) * sizeof(rbdi_dof_row)) + \
-     RBDI_ROUND(RBDI_CONTACT_ROWS(n, bounded) * sizeof(int16_t)) + \
+     (dof_bytes) + RBDI_ROUND(RBDI_CONTACT_ROWS(n, bounded) * sizeof(int16_t)) + \
      RBDI_ROUND(sizeof(rbd_real) * ((size_t)(n) + 2 * (size_t)(bounded) + \
                                     3 * RBDI_CONTACT_ROWS(n, bounded) + (size_t)(nq) + 11 * (size_t)(nv))) + \
      RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded)) + \
      RBDI_CONSTRAINTS_BYTES(nv, (n) + (constraints), RBDI_CONTACT_ROWS(n, bounded), stride))
+
+#define RBDI_DOF_BYTES(limits, bounded) \
+    (RBDI_ROUND((size_t)(limits) * sizeof(rbdi_limit_row)) + \
+     RBDI_ROUND((size_t)(bounded) * sizeof(rbdi_bounded_row)))
 
 /* Scalars for the option `derivatives`: sigma; M or G; four matrices; three rows for each of n contacts. */
 #define RBDI_CONTACT_SHARED(nv, rows) ((int)RBDI_LARGER((nv) * (nv), (rows) * ((rows) + (nv) + RBDI_CHUNK)))
@@ -448,10 +513,10 @@ struct rbd_contact_set {
     ((rows) * (nv) + RBDI_CONTACT_SHARED(nv, rows) + 4 * (nv) * (nv) + 3 * (n) * (nv))
 
 /* Bytes that suffice for n contacts and so many other rows: held axes, two limits of each joint, dry
-   friction. */
+   friction, the caller's. */
 #define RBD_CONTACT_SET_SIZE(nv, n, bounded) \
     RBDI_CONTACT_SET_BYTES(2 * (size_t)(nv), nv, n, bounded, bounded, \
-                           3 * (n) + (bounded) + 4 * RBDI_ROW_BATCH)
+                           3 * (n) + (bounded) + 4 * RBDI_ROW_BATCH, RBDI_DOF_BYTES(bounded, bounded))
 
 /* ==== src/rbd_contact.h ==== */
 #endif /* RBDI_CONTACT_LAYOUT */
@@ -925,6 +990,14 @@ RBDI_INLINE const rbd_real *rbdi_newton_row(rbdi_contact_solver *s, const rbdi_c
     return s->scratch;
 }
 
+/* y -= factor x, of n right-hand sides: one, but for derivatives. */
+RBDI_INLINE void rbdi_subtract_sides(rbd_real *y, rbd_real factor, const rbd_real *x, int n) {
+    if (n == 1)
+        y[0] = y[0] - factor * x[0];
+    else
+        rbdi_subtract(y, factor, x, n);
+}
+
 /* G, or its upper triangle if it is symmetric, followed by -T'u. u: rows x sides. */
 RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, rbd_const proximal, const rbd_real *u) {
     const int n = s->unknowns, stride = s->stride, sides = s->sides;
@@ -932,16 +1005,17 @@ RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, rbd_const proximal, co
     for (int i = 0; i < n; ++i) {
         const rbdi_contact_unknown *x = &s->unknown[i];
         const rbd_real *row = rbdi_newton_row(s, x);
+        const rbdi_contact_unknown *y = s->symmetric ? x : s->unknown;
         rbd_real *g = &s->G[i * stride];
-        for (int k = s->symmetric ? i : 0; k < n; ++k) {
-            const rbdi_contact_unknown *y = &s->unknown[k];
+        for (int k = s->symmetric ? i : 0; k < n; ++k, ++y) {
             g[k] = row[y->first];
             if (y->rows == 3)
                 g[k] =
                     g[k] * y->column[0] + row[y->first + 1] * y->column[1] + row[y->first + 2] * y->column[2];
         }
         g[i] = g[i] + x->alpha + x->scale * proximal;
-        for (int j = 0; j < x->rows; ++j) rbdi_subtract(&g[n], x->row[j], &u[(x->first + j) * sides], sides);
+        for (int j = 0; j < x->rows; ++j)
+            rbdi_subtract_sides(&g[n], x->row[j], &u[(x->first + j) * sides], sides);
     }
 }
 
@@ -1000,12 +1074,13 @@ RBDI_PART int rbdi_newton_cholesky(rbdi_contact_solver *s) {
 
 /* Replaces the right-hand sides by dx. Returns 0 if G is singular. */
 RBDI_PART int rbdi_newton_solve(rbdi_contact_solver *s) {
-    const int n = s->unknowns, stride = s->stride;
+    const int n = s->unknowns, stride = s->stride, sides = s->sides;
     if (!(s->symmetric ? rbdi_newton_cholesky(s) : rbdi_newton_gauss(s))) return 0;
     for (int k = n - 1; k >= 0; --k) {
         rbd_real *g = &s->G[k * stride];
-        for (int j = k + 1; j < n; ++j) rbdi_subtract(&g[n], g[j], &s->G[j * stride + n], s->sides);
-        rbdi_multiply(&g[n], 1 / g[k], s->sides);
+        const rbd_real *x = g + stride + n;
+        for (int j = k + 1; j < n; ++j, x += stride) rbdi_subtract_sides(&g[n], g[j], x, sides);
+        rbdi_multiply(&g[n], 1 / g[k], sides);
     }
     return 1;
 }
@@ -1031,7 +1106,7 @@ RBDI_PART void rbdi_add_increments(const rbdi_contact_solver *s, rbd_real *p) {
     for (int i = 0; i < n; ++i) {
         const rbdi_contact_unknown *x = &s->unknown[i];
         for (int j = 0; j < x->rows; ++j)
-            rbdi_subtract(&p[(x->first + j) * sides], -x->column[j], &s->G[i * s->stride + n], sides);
+            rbdi_subtract_sides(&p[(x->first + j) * sides], -x->column[j], &s->G[i * s->stride + n], sides);
     }
 }
 
@@ -1302,6 +1377,195 @@ RBDI_LOCAL rbdi_limits rbdi_joint_limits(const rbd_model *m, const rbdi_frame *u
     return all;
 }
 
+/* ==== src/contact/bounded.h ==== */
+/* ---- bounded rows [bounded rows] ----
+   Dry friction of the description, and rows of the caller's, whose force is f = p / dt. A row
+
+       s = J nu + bias + compliance p,   dt lower <= p <= dt upper
+
+   takes its compliance on Delta's diagonal. A bristle of stiffness k that is bent by z has bias z / dt and
+   compliance 1 / (dt^2 k): p = -dt k (z + dt J nu), implicit, within the bounds.
+
+   Dry friction has neither. Its law p (J nu) <= 0 makes no energy in a step of first order. In the midpoint
+   scheme its work is p (u + J nu) / 2 with the speed u before: if the row turns around in the step, that may
+   be above 0. So the first solution tells the sign of p, and the others have bounds, and a bias, by which
+
+       p against u     p within 0 and that bound; it may stop: J nu = 0
+       p along u       p within 0 and that bound; it turns around: J nu <= -u where p is not 0
+
+   Both take energy or keep it, whichever is chosen. In between it coasts: p = 0. */
+
+/* The row without force, as before the first step. */
+RBDI_LOCAL void rbdi_rest_bounded(rbdi_bounded_row *row) {
+    row->row = -1;
+    row->state = RBD_APART;
+    row->force = rbdi_zero();
+}
+
+/* A row that does nothing, until it is set. */
+RBDI_LOCAL void rbdi_begin_bounded(rbdi_bounded_row *row) {
+    rbd_contact_row *law = &row->law;
+    law->dofs = 0;
+    for (int j = 0; j < 3; ++j) {
+        law->dof[j] = 0;
+        law->jacobian[j] = rbdi_zero();
+    }
+    law->bias = law->lower = law->upper = law->compliance = rbdi_zero();
+    rbdi_rest_bounded(row);
+}
+
+/* Lists the dofs that have dry friction, or counts them; NULL: counts. */
+RBDI_LOCAL int rbdi_list_frictions(const rbd_model *m, const rbd_contact_options *o, rbdi_bounded_row *row) {
+    int n = 0;
+    for (int k = 0; o->joint_friction && k < m->nv; ++k) {
+        const rbd_const friction = rbdi_joint_friction(m, k);
+        if (!(friction > 0)) continue;
+        if (row) {
+            rbdi_begin_bounded(&row[n]);
+            row[n].law.dofs = 1;
+            row[n].law.dof[0] = k;
+            row[n].law.jacobian[0] = rbdi_set(RBD_C(1));
+            row[n].law.lower = rbdi_set(-friction);
+            row[n].law.upper = rbdi_set(friction);
+        }
+        ++n;
+    }
+    return n;
+}
+
+/* Whether the row may have a force. */
+RBDI_INLINE int rbdi_bounded_acts(const rbdi_bounded_row *row) {
+    return row->law.dofs > 0 && (row->law.lower < 0 || row->law.upper > 0);
+}
+
+/* Writes a dof and its ancestors, ascending, to s->path. Returns how many. */
+RBDI_LOCAL int rbdi_path_to(const rbd_model *m, const rbd_constraint_set *s, int dof) {
+    const int n = m->dof[dof].depth + 1;
+    for (int t = n - 1; t >= 0; --t, dof = m->dof[dof].lambda) s->path[t] = (int16_t)dof;
+    return n;
+}
+
+/* The same for all dofs of a row. */
+RBDI_LOCAL int rbdi_paths_to(const rbd_model *m, const rbd_constraint_set *s, const rbd_contact_row *law) {
+    int next[3] = {-1, -1, -1}, n = 0;
+    if (law->dofs == 1) return rbdi_path_to(m, s, law->dof[0]);
+    for (int j = 0; j < law->dofs; ++j) next[j] = law->dof[j];
+
+    /* the largest of those that are next, from the end of the path on */
+    for (;;) {
+        const int two = next[0] > next[1] ? next[0] : next[1], most = two > next[2] ? two : next[2];
+        if (most < 0) break;
+        s->path[m->nv - ++n] = (int16_t)most;
+        for (int j = 0; j < 3; ++j)
+            if (next[j] == most) next[j] = m->dof[most].lambda;
+    }
+
+    for (int t = 0; t < n; ++t) s->path[t] = s->path[m->nv - n + t];
+    return n;
+}
+
+/* Writes the row of J', and J v_mid. */
+RBDI_LOCAL void rbdi_write_bounded(const rbd_contact_set *c, const rbdi_bounded_row *row) {
+    const rbd_contact_row *law = &row->law;
+    rbd_constraint_set *s = c->rows;
+    for (int j = 0; row->row >= 0 && j < law->dofs; ++j) {
+        s->Y[law->dof[j] * s->stride + row->row] = law->jacobian[j];
+        s->velocity[row->row] = s->velocity[row->row] + law->jacobian[j] * c->v_mid[law->dof[j]];
+    }
+}
+
+/* Makes dry friction take energy, by the sign of the force in the first solution. */
+RBDI_LOCAL void rbdi_find_turn(const rbd_contact_set *c, rbdi_bounded_row *row) {
+    const rbd_contact_row *law = &row->law;
+    const int r = row->row, i = r - 3 * c->contacts;
+    rbd_real u, p;
+    int brakes;
+    if (r < 0 || law->compliance > 0 || rbdi_abs(law->bias) > 0) return;
+    if (law->lower > 0 || law->upper < 0) return;
+
+    u = c->rows->velocity[r];
+    p = c->rows->lambda[r];
+    if (!(rbdi_abs(u) > c->solver.given.tolerance)) return;
+    brakes = u > 0 ? p <= 0 : p >= 0;
+    if (brakes == (u > 0))
+        c->upper[i] = rbdi_zero();
+    else
+        c->lower[i] = rbdi_zero();
+    if (!brakes) row->turn = u;
+}
+
+/* Keeps force and state for the caller. At a bound the force is that bound: p / dt is, but for rounding. */
+RBDI_LOCAL void rbdi_keep_bounded(const rbd_contact_set *c, rbdi_bounded_row *row) {
+    const int r = row->row, i = r - 3 * c->contacts;
+    const rbd_contact_row *law = &row->law;
+    row->force = rbdi_zero();
+    row->state = RBD_APART;
+    if (r < 0) return;
+
+    row->force = c->rows->lambda[r] / c->dt;
+    if (c->rows->lambda[r] <= c->dt * law->lower) row->force = law->lower;
+    if (c->rows->lambda[r] >= c->dt * law->upper) row->force = law->upper;
+    row->state = c->solver.bound[i];
+    if (row->state == RBD_OPENS || rbdi_abs(row->turn) > 0) row->state = RBD_SLIPS;
+}
+
+RBDI_API rbd_status rbd_contact_friction(const rbd_model *m, rbd_contact_set *c, int dof, rbd_real bound) {
+    if (!m || !c) return RBD_ERR_NULL;
+    for (int i = 0; i < c->frictions; ++i) {
+        rbd_contact_row *law = &c->bound[i].law;
+        if (law->dof[0] != dof) continue;
+        if (!(bound >= 0 && bound < RBDI_UNBOUNDED)) return RBD_ERR_RANGE;
+        law->lower = -bound;
+        law->upper = bound;
+        return RBD_OK;
+    }
+    return RBD_ERR_INDEX;
+}
+
+RBDI_LOCAL rbd_status rbdi_check_bounded(const rbd_model *m, const rbd_contact_row *law) {
+    if (law->dofs < 0 || law->dofs > 3) return RBD_ERR_COUNT;
+    for (int j = 0; j < law->dofs; ++j) {
+        if (law->dof[j] < 0 || law->dof[j] >= m->nv) return RBD_ERR_INDEX;
+        for (int i = 0; i < j; ++i)
+            if (law->dof[i] == law->dof[j]) return RBD_ERR_INDEX;
+    }
+
+    if (!rbdi_all_finite(law->jacobian, law->dofs) || !rbdi_all_finite(&law->bias, 1)) return RBD_ERR_RANGE;
+    if (!(law->compliance >= 0) || !rbdi_all_finite(&law->compliance, 1)) return RBD_ERR_RANGE;
+    if (!(law->lower < RBDI_UNBOUNDED) || !(law->upper > -RBDI_UNBOUNDED)) return RBD_ERR_RANGE;
+    return law->lower <= law->upper ? RBD_OK : RBD_ERR_RANGE;
+}
+
+RBDI_API rbd_status rbd_contact_row_set(const rbd_model *m, rbd_contact_set *c, int i,
+                                        const rbd_contact_row *row) {
+    const rbd_real most = rbdi_set(RBDI_UNBOUNDED);
+    rbd_contact_row *law;
+    rbd_status status;
+    if (!m || !c || !row) return RBD_ERR_NULL;
+    if (i < 0 || i >= c->options.rows) return RBD_ERR_INDEX;
+    status = rbdi_check_bounded(m, row);
+    if (status) return status;
+
+    law = &c->bound[c->frictions + i].law;
+    *law = *row;
+    if (law->lower < -most) law->lower = -most;
+    if (law->upper > most) law->upper = most;
+    return RBD_OK;
+}
+
+RBDI_API rbd_contact_state rbd_contact_row_get(const rbd_contact_set *c, int i, rbd_real *force) {
+    const int there = c && i >= 0 && i < c->options.rows;
+    const rbdi_bounded_row *row = there ? &c->bound[c->frictions + i] : NULL;
+    if (force) *force = there ? row->force : rbdi_zero();
+    return there ? row->state : RBD_APART;
+}
+
+RBDI_API rbd_status rbd_contact_inertia(const rbd_model *m, rbd_contact_set *c, const rbd_real *added) {
+    if (!m || !c) return RBD_ERR_NULL;
+    c->added = added;
+    return RBD_OK;
+}
+
 /* ==== src/contact/set.h ==== */
 /* ---- set code [set code] ---- */
 
@@ -1393,7 +1657,7 @@ RBDI_LOCAL rbd_status rbdi_check_options(const rbd_contact_options *o, rbd_repor
 }
 
 RBDI_LOCAL rbd_contact_options rbdi_contact_defaults(const rbd_contact_options *given) {
-    const rbd_contact_options none = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+    const rbd_contact_options none = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
     rbd_contact_options o = given ? *given : none;
     if (!(o.margin > 0)) o.margin = 0.005;
     if (!(o.slop > 0)) o.slop = 1e-5;
@@ -1403,7 +1667,7 @@ RBDI_LOCAL rbd_contact_options rbdi_contact_defaults(const rbd_contact_options *
 }
 
 /* Appends the two limits of a joint to the rows, or counts them; a limit of infinity is none. */
-RBDI_LOCAL int rbdi_list_limits(const rbd_model *m, const rbdi_frame *u, rbdi_dof_row *row) {
+RBDI_LOCAL int rbdi_limits_of_joint(const rbd_model *m, const rbdi_frame *u, rbdi_limit_row *row) {
     const rbdi_limits limits = rbdi_joint_limits(m, u);
     int n = 0;
     for (int upper = 0; upper < 2; ++upper) {
@@ -1420,36 +1684,27 @@ RBDI_LOCAL int rbdi_list_limits(const rbd_model *m, const rbdi_frame *u, rbdi_do
     return n;
 }
 
-/* Lists the rows of single dofs: limits of one-dof joints, then dry friction; NULL: counts them. */
-RBDI_LOCAL int rbdi_list_dof_rows(const rbd_model *m, const rbd_contact_options *o, rbdi_dof_row *row) {
+/* Lists the limits of all joints of one dof; NULL: counts them. */
+RBDI_LOCAL int rbdi_list_limits(const rbd_model *m, const rbd_contact_options *o, rbdi_limit_row *row) {
     int n = 0;
     for (int b = 0; o->joint_limits && b < m->nb; ++b)
-        if (m->frame[b].nv == 1) n += rbdi_list_limits(m, &m->frame[b], row ? &row[n] : NULL);
-
-    for (int k = 0; o->joint_friction && k < m->nv; ++k) {
-        const rbd_const friction = rbdi_joint_friction(m, k);
-        if (!(friction > 0)) continue;
-        if (row) {
-            row[n].dof = (int16_t)k;
-            row[n].iq = -1;
-            row[n].lower = -friction;
-            row[n].upper = friction;
-            row[n].side = rbdi_set(RBD_C(1));
-        }
-        ++n;
-    }
+        if (m->frame[b].nv == 1) n += rbdi_limits_of_joint(m, &m->frame[b], row ? &row[n] : NULL);
     return n;
 }
 
 RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constraint *held, int n_held,
                                      const rbd_contact_options *options) {
     const rbd_contact_options o = rbdi_contact_defaults(options);
-    int bounded, most;
+    int limits, rows, bounded, most;
     if (!m || n < 0 || n_held < 0 || n > RBD_MAX_CONSTRAINTS || n_held > RBD_MAX_CONSTRAINTS - n) return 0;
     if (!held && n_held > 0) return 0;
-    bounded = rbdi_rows_of(held, n_held) + rbdi_list_dof_rows(m, &o, NULL);
+    if (o.rows < 0 || o.rows > RBD_MAX_CONSTRAINTS) return 0;
+    limits = rbdi_list_limits(m, &o, NULL);
+    rows = rbdi_list_frictions(m, &o, NULL) + o.rows;
+    bounded = rbdi_rows_of(held, n_held) + limits + rows;
     most = 3 * n + bounded;
-    return RBDI_CONTACT_SET_BYTES(m->nq, m->nv, n, n_held, bounded, rbdi_row_stride(most)) +
+    return RBDI_CONTACT_SET_BYTES(m->nq, m->nv, n, n_held, bounded, rbdi_row_stride(most),
+                                  RBDI_DOF_BYTES(limits, rows)) +
            (o.derivatives ? RBDI_ROUND(sizeof(rbd_real) * (size_t)RBDI_CONTACT_SIDES(m->nv, n, most)) : 0);
 }
 
@@ -1465,7 +1720,7 @@ RBDI_LOCAL rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work
         return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
     if (least == 0) {
         rbdi_refuse(report, RBD_ERR_COUNT, -1, NULL, NULL);
-        report->error.text = "a number of contacts or constraints is below 0, or there are more than 1000";
+        report->error.text = "a number of contacts, constraints or rows is below 0, or above 1000";
         return RBD_ERR_COUNT;
     }
     if (rbdi_check(m, w, 1)) return rbdi_refuse(report, RBD_ERR_WORK, -1, NULL, NULL);
@@ -1478,15 +1733,19 @@ RBDI_LOCAL rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work
 /* Lays out the arrays of a set in the memory. */
 RBDI_LOCAL rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held, int held_rows,
                                               const rbd_contact_options *o, void *memory) {
-    const int dof_rows = rbdi_list_dof_rows(m, o, NULL), bounded = held_rows + dof_rows, nv = m->nv;
+    const int limits = rbdi_list_limits(m, o, NULL), frictions = rbdi_list_frictions(m, o, NULL),
+              bounded = held_rows + limits + frictions + o->rows, nv = m->nv;
     unsigned char *at = rbdi_aligned(memory);
     rbd_contact_set *c = RBDI_CUT(rbd_contact_set, 1);
     c->options = *o;
     c->n = n;
-    c->dof_rows = dof_rows;
+    c->limits = limits;
+    c->frictions = frictions;
+    c->bounds = frictions + o->rows;
     c->max_rows = 3 * n + bounded;
     c->contact = RBDI_CUT(rbdi_contact, n);
-    c->dof_row = RBDI_CUT(rbdi_dof_row, bounded);
+    c->limit = RBDI_CUT(rbdi_limit_row, limits);
+    c->bound = RBDI_CUT(rbdi_bounded_row, c->bounds);
     c->place = RBDI_CUT(int16_t, c->max_rows);
     c->friction = RBDI_CUT(rbd_real, n + 2 * bounded + 3 * c->max_rows + m->nq + 11 * nv);
     c->lower = c->friction + n;
@@ -1538,6 +1797,7 @@ RBDI_API void rbd_contact_reset(rbd_contact_set *c) {
         contact->gap.start = rbdi_zero();
         contact->row = -1;
     }
+    for (int i = 0; i < c->bounds; ++i) rbdi_rest_bounded(&c->bound[i]);
 }
 
 RBDI_API rbd_status rbd_contact_set_init(const rbd_model *m, rbd_work *w, const rbd_contact *list, int n,
@@ -1560,7 +1820,10 @@ RBDI_API rbd_status rbd_contact_set_init(const rbd_model *m, rbd_work *w, const 
         rbdi_place_constraint(m, &held[i - n], 0, &c->rows->constraint[i]);
         c->rows->constraint[i].kp = 1; /* any value above 0: derivatives need the position error */
     }
-    rbdi_list_dof_rows(m, &o, c->dof_row);
+    rbdi_list_limits(m, &o, c->limit);
+    rbdi_list_frictions(m, &o, c->bound);
+    for (int i = c->frictions; i < c->bounds; ++i) rbdi_begin_bounded(&c->bound[i]);
+    c->added = NULL;
     rbdi_clear(c->straight, m->nv);
     rbdi_begin_set(m, w, c->rows);
     rbd_contact_reset(c);
@@ -1580,7 +1843,7 @@ RBDI_API rbd_status rbd_contact_plane(const rbd_model *m, rbd_contact_set *c, in
 
 /* ==== src/contact/rows.h ==== */
 /* ---- contact rows [contact rows] ----
-   The rows of a step: contacts first, three each, then held constraints, then single dofs. By the factor
+   The rows of a step: contacts first, three each, then held constraints, limits, bounded rows. By the factor
    M + dt damping = L'DL of [packed matrix], with Y = L^-T J' and x = L^-T dt (tau - c - damping v):
 
        Delta = Y' D^-1 Y,   J nu_0 = J v + Y' D^-1 x,   nu = v + L^-1 D^-1 (x + Y p)                      (4)
@@ -1606,6 +1869,16 @@ RBDI_INLINE rbdi_v3 rbdi_contact_normal(const rbd_constraint_set *s, const rbdi_
     const rbdi_v3 normal =
         rbdi_vec(rbdi_set(con->held[0][2]), rbdi_set(con->held[1][2]), rbdi_set(con->held[2][2]));
     return con->link[1] < 0 ? normal : rbdi_mul_t(s->w->kin[con->link[1]].X.E, normal);
+}
+
+/* World axes of a vector along the rows of a contact. */
+RBDI_INLINE rbdi_v3 rbdi_contact_vector(const rbd_constraint_set *s, const rbdi_constraint *con,
+                                        const rbd_real *x) {
+    rbdi_v3 local;
+    local.x = con->held[0][0] * x[0] + con->held[0][1] * x[1] + con->held[0][2] * x[2];
+    local.y = con->held[1][0] * x[0] + con->held[1][1] * x[1] + con->held[1][2] * x[2];
+    local.z = con->held[2][0] * x[0] + con->held[2][1] * x[1] + con->held[2][2] * x[2];
+    return con->link[1] < 0 ? local : rbdi_mul_t(s->w->kin[con->link[1]].X.E, local);
 }
 
 /* A gap from that of the middle, with its first and second rate there. If the velocity then was u - half
@@ -1693,23 +1966,14 @@ RBDI_LOCAL void rbdi_find_places(const rbd_contact_set *c) {
     }
 }
 
-/* Computes the gap to the limit. Returns whether it may be reached; dry friction always acts. */
-RBDI_LOCAL int rbdi_find_limit(const rbd_contact_set *c, rbdi_dof_row *limit, const rbd_real *q,
+/* Computes the gap to the limit. Returns whether it may be reached. */
+RBDI_LOCAL int rbdi_find_limit(const rbd_contact_set *c, rbdi_limit_row *limit, const rbd_real *q,
                                const rbd_real *v) {
     rbdi_gap *gap = &limit->gap;
-    gap->start = gap->rate = gap->reach = rbdi_zero();
-    if (limit->iq < 0) return 1;
     gap->start = limit->side > 0 ? q[limit->iq] - limit->lower : limit->upper - q[limit->iq];
     gap->rate = limit->side * v[limit->dof];
     gap->reach = gap->start + c->half * gap->rate;
     return rbdi_may_touch(*gap, c->dt, rbdi_set(RBDI_NEAR_LIMIT));
-}
-
-/* Writes a dof and its ancestors, ascending, to s->path. Returns how many. */
-RBDI_LOCAL int rbdi_path_to(const rbd_model *m, const rbd_constraint_set *s, int dof) {
-    const int n = m->dof[dof].depth + 1;
-    for (int t = n - 1; t >= 0; --t, dof = m->dof[dof].lambda) s->path[t] = (int16_t)dof;
-    return n;
 }
 
 /* Appends n rows, of this place and those behind it, with entries in these dofs. Returns the first. */
@@ -1755,14 +2019,24 @@ RBDI_LOCAL int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_
         }
     }
 
-    for (int i = 0; i < c->dof_rows; ++i) {
-        rbdi_dof_row *limit = &c->dof_row[i];
+    for (int i = 0; i < c->limits; ++i, ++place) {
+        rbdi_limit_row *limit = &c->limit[i];
         const int r = s->rows - 3 * contacts, acts = rbdi_find_limit(c, limit, q, v);
         limit->rebounds = 0;
-        limit->row = acts ? rbdi_open_rows(c, place + i, 1, s->path, rbdi_path_to(m, s, limit->dof)) : -1;
+        limit->row = acts ? rbdi_open_rows(c, place, 1, s->path, rbdi_path_to(m, s, limit->dof)) : -1;
         if (!acts) continue;
-        c->lower[r] = limit->iq < 0 ? dt * limit->lower : rbdi_zero();
-        c->upper[r] = limit->iq < 0 ? dt * limit->upper : rbdi_set(RBDI_UNBOUNDED);
+        c->lower[r] = rbdi_zero();
+        c->upper[r] = rbdi_set(RBDI_UNBOUNDED);
+    }
+
+    for (int i = 0; i < c->bounds; ++i, ++place) {
+        rbdi_bounded_row *row = &c->bound[i];
+        const int r = s->rows - 3 * contacts, acts = rbdi_bounded_acts(row);
+        row->turn = rbdi_zero();
+        row->row = acts ? rbdi_open_rows(c, place, 1, s->path, rbdi_paths_to(m, s, &row->law)) : -1;
+        if (!acts) continue;
+        c->lower[r] = dt * row->law.lower;
+        c->upper[r] = dt * row->law.upper;
     }
 
     s->stride = rbdi_row_stride(s->rows);
@@ -1790,12 +2064,14 @@ RBDI_LOCAL void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     for (int i = 0; i < c->n; ++i)
         if (c->contact[i].row >= 0) rbdi_add_roll(s, &s->constraint[i], &c->contact[i]);
 
-    for (int i = 0; i < c->dof_rows; ++i) {
-        const rbdi_dof_row *limit = &c->dof_row[i];
+    for (int i = 0; i < c->limits; ++i) {
+        const rbdi_limit_row *limit = &c->limit[i];
         if (limit->row < 0) continue;
         s->Y[limit->dof * s->stride + limit->row] = limit->side;
         s->velocity[limit->row] = limit->side * c->v_mid[limit->dof];
     }
+
+    for (int i = 0; i < c->bounds; ++i) rbdi_write_bounded(c, &c->bound[i]);
 
     for (int r = 0; r < s->rows; ++r) s->target[r] = -s->velocity[r] - c->half * s->gamma[r];
 }
@@ -1816,7 +2092,7 @@ RBDI_LOCAL void rbdi_find_falls(rbd_contact_set *c) {
 }
 
 /* Delta of (4), rows x rows, in s->R; first the upper triangle, in rows of s->stride. Rows that rounding
-   alone moves get 0 on the diagonal: no impulse changes their velocity. Slip is added last. */
+   alone moves get 0 on the diagonal: no impulse changes their velocity. Slip and compliance come last. */
 RBDI_LOCAL void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     const int n = s->rows;
@@ -1824,13 +2100,19 @@ RBDI_LOCAL void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
     rbdi_bound_noise(m, s);
     for (const rbdi_constraint *con = s->constraint; con < s->constraint + s->n; ++con)
         if (con->row >= 0) rbdi_delta(s, con->dof, con->dofs, con->row, con->rows);
-    for (int i = 0; i < c->dof_rows; ++i) {
-        const rbdi_dof_row *limit = &c->dof_row[i];
+    for (int i = 0; i < c->limits; ++i) {
+        const rbdi_limit_row *limit = &c->limit[i];
         if (limit->row >= 0) rbdi_delta(s, s->path, rbdi_path_to(m, s, limit->dof), limit->row, 1);
     }
+    for (int i = 0; i < c->bounds; ++i) {
+        const rbdi_bounded_row *row = &c->bound[i];
+        if (row->row >= 0) rbdi_delta(s, s->path, rbdi_paths_to(m, s, &row->law), row->row, 1);
+    }
     for (int r = 0; r < n; ++r) {
-        for (int t = 0; t < r; ++t) delta[r * n + t] = delta[t * n + r];
-        for (int t = r; t < n; ++t) delta[r * n + t] = delta[r * s->stride + t];
+        rbd_real *to = &delta[r * n];
+        const rbd_real *from = &delta[r * s->stride], *above = &delta[r];
+        for (int t = 0; t < r; ++t, above += n) to[t] = *above;
+        for (int t = r; t < n; ++t) to[t] = from[t];
         if (delta[r * n + r] <= s->noise) delta[r * n + r] = rbdi_zero();
     }
     for (const rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact)
@@ -1838,6 +2120,8 @@ RBDI_LOCAL void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
             rbd_real *d = &delta[(contact->row + j) * (n + 1)];
             *d = *d + RBD_C(c->options.slip) / c->dt;
         }
+    for (const rbdi_bounded_row *row = c->bound; row < c->bound + c->bounds; ++row)
+        if (row->row >= 0) delta[row->row * (n + 1)] = delta[row->row * (n + 1)] + row->law.compliance;
 }
 
 /* Adds springs to the normals of Delta and of the solver's laws. Where nothing moves along the normal, the
@@ -1895,7 +2179,7 @@ RBDI_INLINE rbdi_bias rbdi_no_bias(void) {
     return x;
 }
 
-/* The bias of a rigid row. Dry friction, at 0, has none. */
+/* The bias of a rigid row. */
 RBDI_INLINE rbdi_bias rbdi_rigid_bias(const rbd_contact_set *c, int purpose, const rbdi_gap *gap) {
     const rbd_real inverse = 1 / c->way, slop = RBD_C(c->options.slop), least = -slop * RBDI_LEFT_OF_SLOP,
                    made = gap->reach - gap->start, deeper = gap->start + slop;
@@ -1963,7 +2247,7 @@ RBDI_LOCAL rbdi_bias rbdi_contact_bias(const rbd_contact_set *c, int purpose, co
     return contact->springs ? rbdi_spring_bias(c, contact) : rbdi_rigid_bias(c, purpose, &contact->gap);
 }
 
-RBDI_LOCAL rbdi_bias rbdi_limit_bias(const rbd_contact_set *c, int purpose, const rbdi_dof_row *limit) {
+RBDI_LOCAL rbdi_bias rbdi_limit_bias(const rbd_contact_set *c, int purpose, const rbdi_limit_row *limit) {
     if (purpose == RBDI_FOR_VELOCITIES && limit->rebounds) return rbdi_leaving_bias(&limit->gap);
     return rbdi_rigid_bias(c, purpose, &limit->gap);
 }
@@ -1985,8 +2269,8 @@ RBDI_LOCAL void rbdi_find_rebounds(rbd_contact_set *c) {
 
     for (rbdi_contact *contact = c->contact; any && contact < c->contact + c->n; ++contact)
         if (contact->row >= 0 && !contact->springs && rbdi_leaves(c, &contact->gap)) contact->rebounds = 1;
-    for (rbdi_dof_row *limit = c->dof_row; limit < c->dof_row + c->dof_rows; ++limit)
-        limit->rebounds = any && limit->row >= 0 && limit->iq >= 0 && rbdi_leaves(c, &limit->gap);
+    for (rbdi_limit_row *limit = c->limit; limit < c->limit + c->limits; ++limit)
+        limit->rebounds = any && limit->row >= 0 && rbdi_leaves(c, &limit->gap);
 }
 
 /* The bias of a held row: its error counts as a penetration on either side. */
@@ -2025,9 +2309,11 @@ RBDI_LOCAL int rbdi_write_biases(rbd_contact_set *c, int purpose) {
     for (const rbdi_constraint *con = s->constraint + c->n; con < s->constraint + s->n; ++con)
         for (int r = con->row; r < con->row + con->rows; ++r)
             changed |= rbdi_write_bias(c, r, rbdi_held_bias(c, purpose, r).value);
-    for (const rbdi_dof_row *limit = c->dof_row; limit < c->dof_row + c->dof_rows; ++limit)
+    for (const rbdi_limit_row *limit = c->limit; limit < c->limit + c->limits; ++limit)
         if (limit->row >= 0)
             changed |= rbdi_write_bias(c, limit->row, rbdi_limit_bias(c, purpose, limit).value);
+    for (const rbdi_bounded_row *row = c->bound; row < c->bound + c->bounds; ++row)
+        if (row->row >= 0) changed |= rbdi_write_bias(c, row->row, row->law.bias + row->turn);
     return changed;
 }
 
@@ -2075,11 +2361,13 @@ RBDI_LOCAL int rbdi_root_of(const rbd_model *m, int link) {
 }
 
 /* Whether a body floats over the world, and nothing outside has pushed what it carries: neither contacts nor
-   constraints, nor dry friction of its own joint. Armature there is no momentum. */
+   constraints, nor dry friction of its own joint, nor bounded rows. Armature there is no momentum. */
 RBDI_LOCAL int rbdi_flies(const rbd_model *m, const rbd_contact_set *c, const rbdi_frame *u) {
     if (u->type != RBD_FLOATING || u->link < 0 || m->link[u->link].parent >= 0) return 0;
-    for (int k = u->iv; k < u->iv + 6; ++k)
+    for (int k = u->iv; k < u->iv + 6; ++k) {
         if (m->dof[k].armature > 0) return 0;
+        if (c->added && rbdi_abs(c->added[m->dof[k].row + m->dof[k].depth]) > 0) return 0;
+    }
 
     for (int i = 0; i < c->rows->n; ++i) {
         const rbdi_constraint *con = &c->rows->constraint[i];
@@ -2089,9 +2377,10 @@ RBDI_LOCAL int rbdi_flies(const rbd_model *m, const rbd_contact_set *c, const rb
         if (one == u->link || two == u->link) return 0;
     }
 
-    for (int i = 0; i < c->dof_rows; ++i) {
-        const rbdi_dof_row *own = &c->dof_row[i];
-        if (own->row >= 0 && own->dof >= u->iv && own->dof < u->iv + 6) return 0;
+    for (int i = 0; i < c->bounds; ++i) {
+        const rbd_contact_row *law = &c->bound[i].law;
+        for (int j = 0; j < law->dofs && c->bound[i].row >= 0; ++j)
+            if (law->dof[j] >= u->iv && law->dof[j] < u->iv + 6) return 0;
     }
     return 1;
 }
@@ -2222,15 +2511,14 @@ RBDI_LOCAL void rbdi_restore_momentum(const rbd_model *m, const rbd_contact_set 
    by v: to q_mid, and v_mid is v in its axes. There all matrices are made, once. Then nu is solved for, and
    makes the other half of the way:
 
-       K = M + dt d,   nu = v_mid + K^-1 (dt (tau - c(w) - d v_mid) + J' p),   c(w) = ID(q_mid, w, a(w))
+       K = M + A + dt d,   nu = v_mid + K^-1 (dt (tau - c(w) - d v_mid) + J' p),   c(w) = ID(q_mid, w, a(w))
 
-   with the damping d, and the accelerations a(w) of [straight moves]. The velocity terms are
-   those of the mean velocity: first w = v_mid, then twice w = (v_mid + nu) / 2 of the nu before. Contacts are
-   solved for the first and the last time; the nu between has the impulses of the first. Without
-   these, light links that the ground holds would race away. For a vector that turns by x a step
-   the length grows in order x^4 / 8 with one correction, and falls in that order with two; from
-   x = 1.4 on rbdi_guard_solution sums the series. Energy then changes by half of
-   p'(u before + u after). */
+   with the matrix A that the caller adds, the damping d, and the accelerations a(w) of [straight moves]. The
+   velocity terms are those of the mean velocity: first w = v_mid, then twice w = (v_mid + nu) / 2 of the nu
+   before. Contacts are solved for the first and the last time; the nu between has the impulses of the first.
+   Without these, light links that the ground holds would race away. For a vector that turns by x a step the
+   length grows in order x^4 / 8 with one correction, and falls in that order with two; from x = 1.4 on
+   rbdi_guard_solution sums the series. Energy then changes by half of p'(u before + u after). */
 
 /* x = L^-T dt (tau - w->bias - damping v_mid). */
 RBDI_LOCAL void rbdi_free_impulse(const rbd_model *m, const rbd_contact_set *c, const rbd_real *tau,
@@ -2241,11 +2529,12 @@ RBDI_LOCAL void rbdi_free_impulse(const rbd_model *m, const rbd_contact_set *c, 
     rbdi_vector_transposed(m, w, w->H, x);
 }
 
-/* Adds dt damping to M, and factors it. */
+/* Adds dt damping, and the caller's matrix, to M, and factors it. */
 RBDI_LOCAL rbdi_mask rbdi_factor_damped(const rbd_model *m, rbd_contact_set *c, const rbd_real *damping) {
     rbd_constraint_set *s = c->rows;
     rbd_work *w = s->w;
     rbdi_mask doubt;
+    for (int k = 0; c->added && k < m->nh; ++k) w->H[k] = w->H[k] + c->added[k];
     for (int k = 0; k < m->nv; ++k) {
         rbd_real *diagonal = &w->H[m->dof[k].row + m->dof[k].depth];
         c->damping[k] = damping ? damping[k] : rbdi_zero();
@@ -2354,8 +2643,9 @@ RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const r
                       &s->Y[k * s->stride + span.first], span.end - span.first);
     }
     for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
-    (void)rbdi_write_biases(c, RBDI_FOR_POSITIONS);
     c->solver.given.tolerance = c->solver.given.tolerance / RBDI_LOOSE;
+    for (int i = 0; i < c->bounds; ++i) rbdi_find_turn(c, &c->bound[i]);
+    (void)rbdi_write_biases(c, RBDI_FOR_POSITIONS);
     rbdi_contact_iterate(&c->solver);
     c->solver.solution.sweeps += first.sweeps;
     c->solver.solution.newton_steps += first.newton_steps;
@@ -2387,22 +2677,21 @@ RBDI_LOCAL rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *
 /* Keeps impulses, states and forces for the next step and the caller. */
 RBDI_LOCAL void rbdi_keep_impulses(rbd_contact_set *c) {
     const rbd_constraint_set *s = c->rows;
+    const rbd_real inverse = 1 / c->dt;
     c->last_dt = c->dt;
     rbdi_clear(c->impulse, c->max_rows);
     for (int r = 0; r < s->rows; ++r) c->impulse[c->place[r]] = s->lambda[r];
     for (int i = 0; i < c->n; ++i) {
         rbdi_contact *contact = &c->contact[i];
-        rbdi_axes_held h;
-        for (int j = 0; j < 3; ++j) contact->force[j] = rbdi_zero();
+        rbdi_v3 impulse;
+        rbdi_clear(contact->force, 3);
         if (contact->row < 0) continue;
         contact->state = c->solver.law[contact->row / 3].state;
         contact->pushes |= s->lambda[contact->row + 2] > 0;
-        rbdi_set_axes(s, &s->constraint[i], &h);
-        for (int r = 0; r < 3; ++r)
-            for (int j = 0; j < 3; ++j)
-                contact->force[j] =
-                    contact->force[j] + h.axis[3 + j][r] * s->lambda[contact->row + r] / c->dt;
+        impulse = rbdi_contact_vector(s, &s->constraint[i], &s->lambda[contact->row]);
+        rbdi_store_vec(contact->force, 1, rbdi_scale(inverse, impulse));
     }
+    for (int i = 0; i < c->bounds; ++i) rbdi_keep_bounded(c, &c->bound[i]);
 }
 
 /* Computes c->nu, the velocities at the end, in the axes of the beginning. They differ from c->moved if
@@ -2519,9 +2808,10 @@ RBDI_CODE_BEGIN
        K dnu/dx = J' dp/dx - rho,     rho = dt dID(q_mid, w, a)/dx - d(J' p)/dx at fixed nu and p
        du/dx = J dnu/dx + sigma,      sigma = d(J nu + dt/2 gamma + bias)/dx at fixed nu
 
-   where dID has, by w, also a(w); by v_mid, -M of a; by tau, rho = -dt. Each solution's dnu enters the next
-   by w. rbd_id_derivatives gives d ID; d(J nu), d gamma and d(J' p) are as in [derivatives code] but for
-   balls, over which the place of contact rolls. With Z = L^-T rho and the S, T and G of [newton]
+   where dID has, by w, also a(w); by v_mid, -M of a, and -A of the caller's matrix; by tau, rho = -dt. Each
+   solution's dnu enters the next by w. rbd_id_derivatives gives d ID; d(J nu), d gamma and d(J' p) are as in
+   [derivatives code] but for balls, over which the place of contact rolls. With Z = L^-T rho and the S, T
+   and G of [newton]
 
        G y = -T' (sigma - Y' D^-1 Z),   dp = S y,   dnu = -L^-1 D^-1 (Z - Y dp)                         (5)
 
@@ -2553,6 +2843,17 @@ RBDI_LOCAL void rbdi_write_sides(const rbd_model *m, rbd_contact_set *c, rbd_der
     if (Q) rbdi_multiply(Q, c->dt, size);
 }
 
+/* X -= A, packed, of which X has all entries. */
+RBDI_LOCAL void rbdi_subtract_packed(const rbd_model *m, const rbd_real *A, rbd_real *X) {
+    for (int i = 0; i < m->nv; ++i) {
+        const rbd_real *entry = &A[m->dof[i].row + m->dof[i].depth];
+        for (int j = i; j >= 0; j = m->dof[j].lambda, --entry) {
+            X[i * m->nv + j] = X[i * m->nv + j] - *entry;
+            if (j < i) X[j * m->nv + i] = X[j * m->nv + i] - *entry;
+        }
+    }
+}
+
 /* Adds rho without the terms by q_mid at fixed w, which come into Q, and without d(J' p). last: dnu of the
    solution before, NULL = w is v_mid. */
 RBDI_LOCAL void rbdi_add_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d, const rbd_real *nu,
@@ -2566,6 +2867,7 @@ RBDI_LOCAL void rbdi_add_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivat
         if (rho[1]) rho[1][k] = rho[1][k] - M[k];
         if (rho[2] && k % (n + 1) == 0) rho[2][k] = rho[2][k] - c->dt;
     }
+    if (c->added && rho[1]) rbdi_subtract_packed(m, c->added, rho[1]);
     rbdi_unforced_columns(m, c->points, c->at, c->dt, n, M);
     for (int k = 0; k < n * n; ++k) {
         B[k] = last ? (B[k] - M[k]) * half : B[k] - M[k];
@@ -2749,7 +3051,8 @@ RBDI_LOCAL void rbdi_write_falls(const rbd_model *m, rbd_contact_set *c, const r
     }
 }
 
-/* Adds the terms of what contacts that rebound fall, by any x, and of limits, by q_mid and v_mid. */
+/* Adds the terms of what contacts that rebound fall, by any x, of limits, by q_mid and v_mid, and of dry
+   friction that turns around, by v_mid. */
 RBDI_LOCAL void rbdi_other_terms(const rbd_model *m, rbd_contact_set *c, int purpose, int x) {
     for (int i = 0; i < c->n; ++i) {
         const rbdi_contact *contact = &c->contact[i];
@@ -2760,12 +3063,17 @@ RBDI_LOCAL void rbdi_other_terms(const rbd_model *m, rbd_contact_set *c, int pur
             rbdi_subtract(&c->sigma[(contact->row + 2) * m->nv], -by_falls, rbdi_fall_columns(m, c, i, x),
                           m->nv);
     }
-    for (const rbdi_dof_row *limit = c->dof_row; x < 2 && limit < c->dof_row + c->dof_rows; ++limit) {
+    for (const rbdi_limit_row *limit = c->limit; x < 2 && limit < c->limit + c->limits; ++limit) {
         rbdi_bias bias;
         if (limit->row < 0) continue;
         bias = rbdi_limit_bias(c, purpose, limit);
         c->sigma[limit->row * m->nv + limit->dof] =
             limit->side * (x == 0 ? bias.by_start + bias.by_reach : bias.by_rate - c->half * bias.by_start);
+    }
+    for (const rbdi_bounded_row *row = c->bound; x == 1 && row < c->bound + c->bounds; ++row) {
+        if (row->row < 0 || !(rbdi_abs(row->turn) > 0)) continue;
+        for (int j = 0; j < row->law.dofs; ++j)
+            c->sigma[row->row * m->nv + row->law.dof[j]] = row->law.jacobian[j];
     }
 }
 

@@ -2,8 +2,9 @@
    SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end of rbd.h.
 
    Points and balls on bodies touch planes of the world or of other bodies, with friction. A step finds the
-   impulses by the exact laws of Signorini and Coulomb, and moves the robot. Implemented by the same
-   RBD_IMPLEMENTATION as rbd.h, in the same file. A box of which two corners may touch the ground:
+   impulses by the exact laws of Signorini and Coulomb, with those of joint limits, of dry friction of joints
+   and of bounded rows of yours, and moves the robot. Implemented by the same RBD_IMPLEMENTATION as rbd.h, in
+   the same file. A box of which two corners may touch the ground:
 
        #define RBD_IMPLEMENTATION
        #include "rbd_contact.h"
@@ -22,7 +23,7 @@
      [solver] [set] [step] [step derivatives]
      --- stop here if you only use it ---
      [layout] [tolerances] [one contact] [laws] [newton] [solver code]
-     [joints] [set code] [contact rows] [biases] [row reduction]
+     [joints] [bounded rows] [set code] [contact rows] [biases] [row reduction]
      [momentum code] [step code]
      [step derivatives code]
 
@@ -100,6 +101,7 @@ RBDI_CODE_BEGIN
 #include "contact/newton.h"
 #include "contact/solver.h"
 #include "contact/joints.h"
+#include "contact/bounded.h"
 #include "contact/set.h"
 #include "contact/rows.h"
 #include "contact/biases.h"

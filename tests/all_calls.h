@@ -280,8 +280,17 @@ static void all_calls_contact_problem(all_calls *s, uint64_t *seed) {
 static void all_calls_contact(all_calls *s) {
     rbd_contact list[2] = {{.body1 = s->nb - 1, .body2 = -1, .point = {0.125, 0, 0.25}, .friction = 0.5},
                            {.body1 = s->nb / 2, .body2 = -1, .radius = 0.25, .friction = 0.75}};
-    const rbd_contact_options options = {
-        .margin = 100, .joint_limits = 1, .joint_friction = 1, .joint_damping = 1, .derivatives = 1};
+    const rbd_contact_options options = {.margin = 100,
+                                         .joint_limits = 1,
+                                         .joint_friction = 1,
+                                         .joint_damping = 1,
+                                         .derivatives = 1,
+                                         .rows = 1};
+    const rbd_contact_row row = {.dofs = s->nv > 1 ? 2 : 1,
+                                 .dof = {s->nv - 1, 0},
+                                 .jacobian = {1, (rbd_real)0.5},
+                                 .lower = (rbd_real)-0.5,
+                                 .upper = (rbd_real)0.25};
     const double slope[3] = {0.25, -0.5, 2};
     const size_t size = rbd_contact_set_size(s->m, 2, NULL, 0, &options),
                  derivatives_size = rbd_derivatives_size(s->m);
@@ -289,7 +298,8 @@ static void all_calls_contact(all_calls *s) {
     const int nq = s->nq, nv = s->nv, n = nv * nv;
     rbd_contact_set *c;
     rbd_derivatives *d;
-    rbd_real *o = s->out;
+    rbd_real *o = s->out, *added = calloc((size_t)s->nh, sizeof *added);
+    for (int k = 0; k < s->nv; k++) added[rbd_packed_index(s->m, k, k)] = (rbd_real)0.125;
     s->header = "rbd_contact.h";
     ALL_CALLS_RUN(rbd_contact_set_init(s->m, s->w, list, 2, NULL, 0, &options, memory, size, &c, NULL), 0);
     ALL_CALLS_RUN(
@@ -303,6 +313,9 @@ static void all_calls_contact(all_calls *s) {
     ALL_CALLS_RUN(rbd_contact_fd(s->m, c, s->q, s->v, s->tau, s->f_ext, NULL, (rbd_real)0.0078125, o), nv);
     ALL_CALLS_RUN(rbd_contact_plane(s->m, c, 0, slope, 0.125), 0);
     ALL_CALLS_RUN((rbd_contact_reset(c), RBD_OK), 0);
+    ALL_CALLS_RUN(rbd_contact_row_set(s->m, c, 0, &row), 0);
+    ALL_CALLS_RUN(rbd_contact_friction(s->m, c, nv - 1, (rbd_real)0.25), 0);
+    ALL_CALLS_RUN(rbd_contact_inertia(s->m, c, added), 0);
     ALL_CALLS_RUN(rbd_derivatives_init(s->m, s->w, derivatives_memory, derivatives_size, &d), 0);
     rbd_real *by = o + nq + nv;
     const rbd_contact_step_results out = {.q_next = o,
@@ -316,7 +329,8 @@ static void all_calls_contact(all_calls *s) {
     ALL_CALLS_RUN(rbd_contact_step_derivatives(s->m, c, d, s->q, s->v, s->tau, s->f_ext, NULL,
                                                (rbd_real)0.0078125, &out),
                   nq + nv + 6 * n);
-    free(memory), free(derivatives_memory);
+    ALL_CALLS_RUN((o[1] = (rbd_real)rbd_contact_row_get(c, 0, o), RBD_OK), 2);
+    free(memory), free(derivatives_memory), free(added);
 }
 
 /* Inverse kinematics: the last body's pose at q2 from q, two axes and places that need not be reached, and

@@ -147,6 +147,43 @@ static void lift(void) {
     expect(fabsf(at[0]) < 1e-6f, "the lift's height, m", at[0]);
 }
 
+/* Two motors move a head of 3 kg by one belt, at speeds x + y and x - y. They hold it with 2 N each, also
+   under 3.9 N along x; 6 N give (6 - 4) / (3 + 2 J) m/s^2, J = 0.5 kg of each rotor. */
+static void belt(void) {
+    const rbd_body head[2] = {
+        {.parent = -1, .type = RBD_PRISMATIC, .axis = {1, 0, 0}},
+        {.parent = 0, .type = RBD_PRISMATIC, .axis = {0, 1, 0}, .mass = 3, .inertia = {1, 0, 0, 1, 0, 1}}};
+    static unsigned char model_memory[RBD_MODEL_SIZE(2)], work_memory[RBD_WORK_SIZE(2, 2)], memory[20000];
+    const rbd_contact_options options = {.rows = 2};
+    float at[2] = {0, 0}, speed[2] = {0, 0}, tau[2] = {3.9f, 0}, added[3] = {0}, force[2];
+    if (rbd_model_build(head, 2, model_memory, sizeof model_memory, &model, NULL) != RBD_OK ||
+        rbd_work_init(model, work_memory, sizeof work_memory, &work) != RBD_OK ||
+        rbd_contact_set_init(model, work, NULL, 0, NULL, 0, &options, memory, sizeof memory, &set, NULL) !=
+            RBD_OK)
+        exit(2);
+    for (int i = 0; i < 2; i++) {
+        const rbd_contact_row motor = {
+            .dofs = 2, .dof = {0, 1}, .jacobian = {1, i == 0 ? 1.f : -1.f}, .lower = -2, .upper = 2};
+        added[rbd_packed_index(model, i, i)] = 2 * 0.5f;
+        expect(rbd_contact_row_set(model, set, i, &motor) == RBD_OK, "a motor of the belt", i);
+    }
+    expect(rbd_contact_inertia(model, set, added) == RBD_OK, "its rotors", 0);
+
+    for (int k = 0; k < 1000; k++)
+        (void)rbd_contact_step(model, set, at, speed, tau, NULL, NULL, 1e-3f, at, speed);
+    expect(fabsf(at[0]) < 1e-7f && fabsf(at[1]) < 1e-7f, "the belt holds, m", at[0]);
+    for (int i = 0; i < 2; i++)
+        expect(rbd_contact_row_get(set, i, &force[i]) == RBD_STICKS, "a motor sticks", i);
+    expect(fabsf(force[0] + force[1] + 3.9f) < 1e-5f, "their force, N", force[0] + force[1]);
+
+    tau[0] = 6;
+    for (int k = 0; k < 1000; k++)
+        (void)rbd_contact_step(model, set, at, speed, tau, NULL, NULL, 1e-3f, at, speed);
+    expect(fabsf(speed[0] - 0.5f) < 1e-5f && fabsf(speed[1]) < 1e-6f, "the belt slides, m/s", speed[0]);
+    expect(rbd_contact_row_get(set, 0, force) == RBD_SLIPS && !(force[0] < -2) && !(force[0] > -2),
+           "at its bound", force[0]);
+}
+
 /* Limits that are equal in float mean none, which is a warning. */
 static void narrow(void) {
     const rbd_body slide = {.parent = -1,
@@ -168,6 +205,7 @@ static void narrow(void) {
 
 int main(void) {
     lift();
+    belt();
     narrow();
     drop(5e-4f), drop(1e-3f), drop(1e-2f);
     differentiate("HyQ stands", 0, RBD_STICKS, 1e-3);

@@ -460,6 +460,67 @@ START_TEST(hyq_at_its_limits) {
 }
 END_TEST
 
+/* 2 kg at 1 mm/s with 2 N of friction, which a load turns around within the step: it coasts, leaves as fast
+   as it came, or slides away. */
+START_TEST(dry_friction_turns_around) {
+    const double load[3] = {-3, -5, -8}, end[3] = {-0.0005, -0.001, -0.002}, by_v[3] = {1, -1, 1};
+    for (int k = 0; k < 3; k++) {
+        rbd_body body = {
+            .parent = -1, .type = RBD_PRISMATIC, .axis = {1}, .mass = 2, .inertia = {1, 0, 0, 1, 0, 1}};
+        double q, v;
+        scene s;
+        body.friction[0] = 2;
+        open_scene(&s, "slider", &body, 1, 1e-3);
+        s.options.joint_friction = 1;
+        begin_scene(&s);
+        s.v[0] = 1e-3, s.tau[0] = load[k];
+        ck_assert_int_eq(differentiate(&s, &found, &q, &v), RBD_OK);
+        ck_assert_double_eq_tol(v, end[k], 1e-15);
+        ck_assert_double_eq_tol(found.by[4][0], by_v[k], 1e-10);
+        ck_assert_double_eq_tol(found.by[5][0], k == 1 ? 0 : 5e-4, 1e-10);
+        ck_assert_double_eq_tol(found.by[1][0], s.h * (1 + by_v[k]) / 2, 1e-12);
+        close_scene(&s);
+    }
+}
+END_TEST
+
+/* Bounded rows of HyQ's legs: one that holds, one that slides, a bristle, and one that drives against its
+   bound; and motors that three joints share. In flight, and on the feet. */
+START_TEST(hyq_with_bounded_rows) {
+    for (int stands = 0; stands < 2; stands++) {
+        const rbd_contact_row row[4] = {
+            {.dofs = 3, .dof = {6, 10, 14}, .jacobian = {1, -0.5, 0.7}, .lower = -900, .upper = 900},
+            {.dofs = 2, .dof = {11, 7}, .jacobian = {1, 2}, .lower = -3, .upper = 2},
+            {.dofs = 2,
+             .dof = {8, 12},
+             .jacobian = {1, -1},
+             .bias = 0.2,
+             .lower = -500,
+             .upper = 500,
+             .compliance = 0.4},
+            {.dofs = 1, .dof = {17}, .jacobian = {1.5}, .bias = -90, .lower = -30, .upper = 30}};
+        const rbd_contact_state wanted[4] = {RBD_STICKS, RBD_SLIPS, RBD_STICKS, RBD_SLIPS};
+        double added[18 * 19 / 2] = {0};
+        scene s;
+        open_hyq(&s, hyq_bodies, 0);
+        s.options.rows = 4;
+        begin_scene(&s);
+        if (stands) run_hyq(&s, 30, 0);
+        if (!stands) s.q[2] = 5;
+        for (int k = 0; k < s.r.nv; k++) s.v[k] += 0.3 * sin(1 + 5 * k);
+        for (int i = 0; i < 4; i++) ck_assert_int_eq(rbd_contact_row_set(s.r.m, s.c, i, &row[i]), RBD_OK);
+        for (int i = 0; i < 9; i++)
+            added[rbd_packed_index(s.r.m, 9 + i / 3 * 4, 9 + i % 3 * 4)] = i % 4 == 0 ? 0.5 : 0.1;
+        ck_assert_int_eq(rbd_contact_inertia(s.r.m, s.c, added), RBD_OK);
+
+        ck_assert_int_eq(compare(&s, stands ? "rows of HyQ on its feet" : "rows of HyQ in flight", 1e-6),
+                         3 * s.r.nv);
+        for (int i = 0; i < 4; i++) ck_assert_int_eq(rbd_contact_row_get(s.c, i, NULL), wanted[i]);
+        close_scene(&s);
+    }
+}
+END_TEST
+
 /* Both feet flat on the ground, four points each: 24 rows of rank 12. */
 START_TEST(atlas_stands) {
     scene s;
@@ -686,6 +747,8 @@ Suite *contact_derivatives_suite(void) {
     tcase_add_test(c, slip_lets_contacts_creep);
     tcase_add_test(slow, hyq_stands_trots_and_slips);
     tcase_add_test(slow, hyq_at_its_limits);
+    tcase_add_test(slow, hyq_with_bounded_rows);
+    tcase_add_test(c, dry_friction_turns_around);
     tcase_add_test(slow, atlas_stands);
     tcase_add_test(slow, random_trees);
     tcase_add_test(c, parts_are_as_the_whole);

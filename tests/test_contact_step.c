@@ -1011,7 +1011,7 @@ START_TEST(contacts_without_body2_are_refused) {
                      "held constraint 0, field 'body1': no such body");
     ck_assert_int_eq(INIT(&held, -1), RBD_ERR_COUNT);
     ck_assert_str_eq(rbd_contact_finding_text(&report.error, 2, text, sizeof text),
-                     "a number of contacts or constraints is below 0, or there are more than 1000");
+                     "a number of contacts, constraints or rows is below 0, or above 1000");
     ck_assert_ptr_eq(rbd_contact_finding_text(NULL, 2, text, sizeof text), text);
 #undef INIT
     free(memory);

@@ -34,7 +34,7 @@ import types
 
 from ._calls import RESULTS as _RESULTS
 from ._constraints import ConstraintSet
-from ._contacts import ContactResult, ContactSet, ContactSolution
+from ._contacts import ContactResult, ContactSet, ContactSolution, RowResult
 from ._descriptions import Body, Constraint, Contact, ContactOptions, load_table
 from ._headers import (SOURCES, Array, ContactState, IkKind, IkStatus, JointType, Matrix, MjcfStatus, Numbers, QpStatus,
                        RbdError, RbdWarning, Status, TaskKind, TasksStatus, UrdfStatus, __version__, structure)
@@ -50,9 +50,10 @@ from ._urdf import Frame, Urdf, load_urdf, parse_urdf
 
 __all__ = ["AxisAngle", "Body", "Constraint", "ConstraintSet", "Contact", "ContactOptions", "ContactResult",
            "ContactSet", "ContactSolution", "ContactState", "Frame", "IkKind", "IkResult", "IkStatus", "IkTarget",
-           "JointInfo", "JointType", "Library", "Mjcf", "MjcfStatus", "Model", "Placement", "QpSolution", "QpStatus", "RbdError", "RbdWarning",
-           "SOURCES", "Spatial", "Status", "Task", "TaskContact", "TaskKind", "Tasks", "TasksAcceleration", "TasksStatus",
-           "TasksVelocity", "Urdf", "UrdfStatus", "load_mjcf", "load_table", "load_urdf", "parse_mjcf", "parse_urdf", "qp"]
+           "JointInfo", "JointType", "Library", "Mjcf", "MjcfStatus", "Model", "Placement", "QpSolution", "QpStatus",
+           "RbdError", "RbdWarning", "RowResult", "SOURCES", "Spatial", "Status", "Task", "TaskContact", "TaskKind", "Tasks",
+           "TasksAcceleration", "TasksStatus", "TasksVelocity", "Urdf", "UrdfStatus", "load_mjcf", "load_table", "load_urdf",
+           "parse_mjcf", "parse_urdf", "qp"]
 
 
 def __dir__():

@@ -28,6 +28,12 @@ class ContactResult(NamedTuple):
     force: Array            #: 3, on body 1, world axes, N
 
 
+class RowResult(NamedTuple):
+    """What a bounded row did in the last step."""
+    state: ContactState     #: STICKS within the bounds, SLIPS at one, APART without a force
+    force: float            #: N m or N
+
+
 class ContactSolution(NamedTuple):
     """How well and how fast contacts were solved."""
     residual: float         #: m/s: 0 where all laws hold
@@ -62,6 +68,7 @@ class ContactSet(_Owner):
             raise TypeError(f"contacts: options must be ContactOptions, not {type(options).__name__}")
         self.options = replace(options)
         self._planes = {}  # those that plane() set: normal and height, by number of the contact
+        self._bounded, self._friction, self._added = {}, {}, None  # of row_set(), friction() and inertia()
         self._options = structure("rbd_contact_options")()
         _to_c(self.options, self._options, "options")
         self._address("contact_set")
@@ -88,11 +95,18 @@ class ContactSet(_Owner):
         return super()._address(kind) if kind == "contact_set" else self.model._address(kind)
 
     def __reduce__(self):
-        return ContactSet, (self.model, list(self.list), list(self.held), self.options), self._planes
+        state = self._planes, self._bounded, self._friction, self._added
+        return ContactSet, (self.model, list(self.list), list(self.held), self.options), state
 
-    def __setstate__(self, planes):
+    def __setstate__(self, state):
+        planes, rows, friction, added = state
         for contact, (normal, height) in planes.items():
             self.plane(contact, normal, height)
+        for row, arguments in rows.items():
+            self.row_set(row, **arguments)
+        for dof, bound in friction.items():
+            self.friction(dof, bound)
+        self.inertia(added)
 
     def _layout(self):
         return self.model._layout()
@@ -112,6 +126,20 @@ class ContactSet(_Owner):
         number = _whole(call, "contact", contact)
         if not 0 <= number < len(names):
             raise IndexError(f"{call}: no such contact: {number}; the set has {len(names)}")
+        return number
+
+    def _row(self, call, row):
+        """The number of a bounded row."""
+        number = _whole(call, "row", row)
+        if not 0 <= number < self.options.rows:
+            raise IndexError(f"{call}: no such row: {number}; the set has {self.options.rows}: ContactOptions(rows=...)")
+        return number
+
+    def _dof(self, call, dof):
+        """The number of a degree of freedom."""
+        number = _whole(call, "dof", dof)
+        if not 0 <= number < self.nv:
+            raise IndexError(f"{call}: no such dof: {number}; the model has {self.nv}")
         return number
 
     @_c("contact_set", "q_next v_next", c_name="contact_step", c_inputs="q v tau f_ext damping dt")
@@ -147,6 +175,68 @@ class ContactSet(_Owner):
             if status:
                 raise self._error("plane", status)
             self._planes[number] = normal, height
+
+    def friction(self, dof: int, bound: float) -> None:
+        """Another dry friction of a degree of freedom from the next step on, up to `bound`, N m or N. Needs
+        ContactOptions(joint_friction=True), and friction in the description of that joint."""
+        dof, bound = self._dof("friction", dof), _number("friction", "bound", bound)
+        with self._lock:
+            status = self.library.call("contact_friction", self._address("model"), self._address("contact_set"),
+                                       dof, self.library.scalar(bound))
+            if status:
+                raise self._error("friction", status)
+            self._friction[dof] = bound
+
+    def row_set(self, row: int, dofs: Sequence[int] = (), jacobian: ArrayLike = (), *, lower: float = 0.0,
+                upper: float = 0.0, bias: float = 0.0, compliance: float = 0.0) -> None:
+        """Another bounded row from the next step on, of ContactOptions(rows=...): a shaft with its friction, a
+        bristle, a brake. Its force f, lower <= f <= upper, acts on the dofs by jacobian' f; at the end of the step
+        jacobian v + bias + compliance dt f is 0, above 0 only if f is lower, below 0 only if it is upper.
+
+            dofs         at most 3, each once; none: the row does nothing
+            jacobian     of each: speed of the row per speed of the dof
+            lower, upper N m or N; +-1e30 and beyond: no bound
+            bias         rad/s or m/s
+            compliance   speed per impulse, 1/(kg m^2) or 1/kg
+        """
+        call, n = "row_set", len(dofs)
+        if n > 3:
+            raise ValueError(f"{call}: dofs has {n} entries, and a row has 3 at most")
+        law = structure("rbd_contact_row", self.library.scalar)(dofs=n)
+        law.dof[:n] = [self._dof(call, dof) for dof in dofs]
+        law.jacobian[:n] = [float(x) for x in _numbers(call, "jacobian", jacobian, (n,))]
+        law.bias, law.compliance = _number(call, "bias", bias), _number(call, "compliance", compliance)
+        law.lower, law.upper = _number(call, "lower", lower), _number(call, "upper", upper)
+        number = self._row(call, row)
+        with self._lock:
+            status = self.library.call("contact_row_set", self._address("model"), self._address("contact_set"),
+                                       number, ctypes.byref(law))
+            if status:
+                raise self._error(call, status)
+            self._bounded[number] = {"dofs": list(dofs), "jacobian": list(law.jacobian[:n]), "lower": law.lower,
+                                     "upper": law.upper, "bias": law.bias, "compliance": law.compliance}
+
+    def row_get(self, row: int) -> RowResult:
+        """What a bounded row did in the last step."""
+        number, force = self._row("row_get", row), self.library.scalar()
+        with self._lock:
+            state = self.library.call("contact_row_get", self._address("contact_set"), number,
+                                      ctypes.byref(force))
+        return RowResult(ContactState(state), force.value)
+
+    def inertia(self, added: ArrayLike | None) -> None:
+        """Adds a packed matrix to M from the next step on, as of rotors that several joints drive; None: nothing.
+
+            added     nh, as of Model.crba_packed; copied
+        """
+        if added is not None:
+            added = _numbers("inertia", "added", added, (self._dims["nh"],), self.library.dtype).copy()
+        with self._lock:
+            status = self.library.call("contact_inertia", self._address("model"), self._address("contact_set"),
+                                       added)
+            if status:
+                raise self._error("inertia", status)
+            self._added = added  # C keeps the address
 
     def reset(self) -> None:
         """Forgets the last impulses, with which a step begins: after a jump of the state."""

@@ -103,6 +103,7 @@ class ContactOptions:
     derivatives: bool = False       #: memory for step_derivatives
     first_order: bool = False       #: semi-implicit Euler: q_next is q moved by v_next, for planners
     momentum: bool = False          #: robots that float keep their momentum to rounding while nothing touches
+    rows: int = 0               #: bounded rows of yours, for row_set [0]
 
 
 _PER_DOF = ("armature", "damping", "friction")

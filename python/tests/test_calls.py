@@ -68,7 +68,8 @@ ELSEWHERE = {
     "rbd_constraint_finding_text": "ConstraintSet",
     "rbd_contact_set_init": "ContactSet", "rbd_contact_set_size": "ContactSet",
     "rbd_contact_finding_text": "ContactSet", "rbd_contact_solve_size": "Library.contact_solve",
-    **{f"rbd_contact_{name}": f"ContactSet.{name}" for name in ("step", "fd", "plane", "reset", "get", "last")},
+    **{f"rbd_contact_{name}": f"ContactSet.{name}" for name in
+       ("step", "fd", "plane", "friction", "row_set", "row_get", "inertia", "reset", "get", "last")},
     "rbd_contact_step_derivatives": "ContactSet.step_derivatives",
     "rbd_tasks_velocity": "Tasks.velocity", "rbd_tasks_acceleration": "Tasks.acceleration",
     "rbd_urdf_load": "load_urdf", "rbd_urdf_parse": "parse_urdf",

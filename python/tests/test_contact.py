@@ -97,6 +97,64 @@ def test_a_copied_set_has_its_planes(block):
         assert which.get(0).state != rbd.ContactState.APART and abs(which.get(0).gap - 1e-3) < 1e-7
 
 
+def sliders(double, friction=0.0):
+    """Two masses of 2 kg on rails of their own."""
+    return rbd.Model([rbd.Body(joint=name, type="prismatic", axis=axis, mass=2.0, friction=friction,
+                               inertia=(0.1, 0, 0, 0.1, 0, 0.1))
+                      for name, axis in (("x", (1, 0, 0)), ("y", (0, 1, 0)))], library=double)
+
+
+def test_bounded_rows_hold_brake_and_bend(double):
+    """The same of copies, which have the rows, the friction and the matrix."""
+    model = sliders(double, 4.0)
+    first = model.contacts([], options=rbd.ContactOptions(rows=2, joint_friction=True))
+    first.friction(0, 1.0)
+    first.friction(1, 0.0)
+    first.row_set(0, [0, 1], [1, -0.5], lower=-3, upper=3)
+    first.row_set(1, [1], [1], lower=-1e30, upper=1e30, bias=0.25, compliance=0.5)
+    added = np.zeros(model.packed_size())
+    added[model.packed_index(1, 1)] = 2
+    first.inertia(added)
+    added[:] = math.nan  # it was copied
+    for which in (first, copy.copy(first), pickle.loads(pickle.dumps(first))):
+        q, v = which.step(np.zeros(2), [1.0, 0.0], np.zeros(2), DT)
+        # x: friction 1 N and row 0's 3 N brake 2 kg; y: 4 kg, 1.5 N of row 0, and v + 0.25 + 0.5 p = 0
+        p = -(0.25 + 1.5 * DT / 4) / (1 / 4 + 0.5)
+        assert np.allclose(v, [1 - 2 * DT, (1.5 * DT + p) / 4], rtol=0, atol=1e-9)
+        assert which.row_get(0) == rbd.RowResult(rbd.ContactState.SLIPS, -3.0)
+        assert which.row_get(1).state == rbd.ContactState.STICKS and abs(which.row_get(1).force - p / DT) < 1e-5
+    first.row_set(0)
+    first.row_set(1)
+    first.friction(0, 0)
+    first.inertia(None)
+    assert np.allclose(first.step(np.zeros(2), [1.0, 0], [0, 1], DT)[1], [1, DT / 2], rtol=0, atol=1e-15)
+    assert first.row_get(0) == rbd.RowResult(rbd.ContactState.APART, 0.0)
+
+
+def test_bad_bounded_rows_are_refused_by_name(double):
+    rows = sliders(double).contacts([], options=rbd.ContactOptions(rows=1))
+    with pytest.raises(ValueError, match="row_set: dofs has 4 entries"):
+        rows.row_set(0, [0, 1, 0, 1], [1, 1, 1, 1])
+    with pytest.raises(IndexError, match="row_set: no such row: 1; the set has 1"):
+        rows.row_set(1, [0], [1])
+    with pytest.raises(IndexError, match="row_set: no such dof: 2; the model has 2"):
+        rows.row_set(0, [2], [1])
+    with pytest.raises(ValueError, match="jacobian"):
+        rows.row_set(0, [0, 1], [1])
+    with pytest.raises(ValueError, match="row_set: upper is inf"):
+        rows.row_set(0, [0], [1], upper=math.inf)
+    with pytest.raises(rbd.RbdError) as error:
+        rows.row_set(0, [0], [1], lower=2, upper=1)
+    assert error.value.status == rbd.Status.ERR_RANGE
+    with pytest.raises(rbd.RbdError) as error:
+        rows.friction(0, 1.0)
+    assert error.value.status == rbd.Status.ERR_INDEX
+    with pytest.raises(IndexError, match="row_get: no such row: -1"):
+        rows.row_get(-1)
+    with pytest.raises(ValueError, match="inertia: added"):
+        rows.inertia(np.zeros(1))
+
+
 def test_options_and_held_constraints_count(double):
     rod = dict(type="revolute", axis=(0, 1, 0), mass=1, com=(0, 0, -0.5), inertia=(0.1, 0, 0, 0.1, 0, 1e-3),
                lower=-0.5, upper=0.5)

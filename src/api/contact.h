@@ -10,6 +10,10 @@
 #define rbd_contact_step RBDI_SYMBOL(rbd_contact_step)
 #define rbd_contact_fd RBDI_SYMBOL(rbd_contact_fd)
 #define rbd_contact_plane RBDI_SYMBOL(rbd_contact_plane)
+#define rbd_contact_friction RBDI_SYMBOL(rbd_contact_friction)
+#define rbd_contact_row_set RBDI_SYMBOL(rbd_contact_row_set)
+#define rbd_contact_row_get RBDI_SYMBOL(rbd_contact_row_get)
+#define rbd_contact_inertia RBDI_SYMBOL(rbd_contact_inertia)
 #define rbd_contact_reset RBDI_SYMBOL(rbd_contact_reset)
 #define rbd_contact_get RBDI_SYMBOL(rbd_contact_get)
 #define rbd_contact_last RBDI_SYMBOL(rbd_contact_last)
@@ -92,7 +96,25 @@ typedef struct rbd_contact_options {
     int first_order;    /* not 0: steps of semi-implicit Euler, q_next is q moved by v_next: for planners */
     int momentum;       /* not 0: robots that float keep their momentum to rounding while nothing touches;
                            refused with first_order */
+    int rows;           /* bounded rows of the caller's, for rbd_contact_row_set [0] */
 } rbd_contact_options;
+
+/* A bounded row: a shaft with its friction, a bristle, a brake. Its force f acts on its dofs by J' f, and
+
+       lower <= f <= upper,   s > 0 only if f = lower,   s < 0 only if f = upper,
+       s = J v_next + bias + compliance dt f
+
+   So between its bounds it sticks, s = 0; at one it may slip. Dry friction, without bias and compliance, that
+   turns around within a step has less force in it, so that it makes no energy. */
+typedef struct rbd_contact_row {
+    int dofs;             /* number of its dofs: 1 to 3; 0: it does nothing */
+    int dof[3];           /* each once */
+    rbd_real jacobian[3]; /* J: speed of the row per speed of each dof, in the middle of the step */
+    rbd_real bias;        /* rad/s or m/s */
+    rbd_real lower;       /* N m or N; +-1e30 and beyond: no bound */
+    rbd_real upper;
+    rbd_real compliance; /* speed per impulse, 1/(kg m^2) or 1/kg; 0 = rigid */
+} rbd_contact_row;
 
 typedef struct rbd_contact_set rbd_contact_set; /* contacts, impulses of the last step, scratch */
 
@@ -102,8 +124,8 @@ typedef struct rbd_contact_set rbd_contact_set; /* contacts, impulses of the las
              have no meaning here; position errors are corrected as penetration is. May be NULL
    options   NULL: all defaults
    memory    size bytes of any alignment; rbd_contact_set_size is exact. For n contacts and `bounded` other
-             rows (held axes, two limits of each joint, dry friction) RBD_CONTACT_SET_SIZE(nv, n, bounded)
-             suffices without the option `derivatives`
+             rows (held axes, two limits of each joint, dry friction, the option `rows`)
+             RBD_CONTACT_SET_SIZE(nv, n, bounded) suffices without the option `derivatives`
    c         receives the set, which lies inside memory: do not move it; NULL after an error
    Errors: RBD_ERR_NULL, _MEMORY, _WORK, _COUNT (more than RBD_MAX_CONSTRAINTS); with the contact in
    report->error.body: _INDEX, _POSITION (point or height), _AXIS (normal), _RANGE; with a constraint, n + its
@@ -159,6 +181,32 @@ RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const
    Errors: RBD_ERR_NULL, _INDEX, _AXIS, _POSITION. */
 RBDI_API rbd_status rbd_contact_plane(const rbd_model *m, rbd_contact_set *c, int i, const double normal[3],
                                       double height);
+
+/* Changes the dry friction of a dof, from the next step on: of a motor that is loaded, or warm. The set has a
+   row for it if the option `joint_friction` is on and the description's friction there is above 0.
+   bound      largest force, N m or N; 0: none
+   Errors: RBD_ERR_NULL; _INDEX, no such row; _RANGE, negative or not finite. */
+RBDI_API rbd_status rbd_contact_friction(const rbd_model *m, rbd_contact_set *c, int dof, rbd_real bound);
+
+/* Changes bounded row i of the option `rows`, from the next step on; until then it does nothing. See
+   docs/contact_step.md, Bounded rows: friction of shafts, bristles, brakes.
+   Errors: RBD_ERR_NULL; _INDEX, no row i, or a dof that is not there or twice; _COUNT, dofs; _RANGE, not
+   finite, a compliance below 0, lower > upper. Then the row is as it was. */
+RBDI_API rbd_status rbd_contact_row_set(const rbd_model *m, rbd_contact_set *c, int i,
+                                        const rbd_contact_row *row);
+
+/* Returns what bounded row i of the caller's did in the last step: RBD_STICKS, s = 0; RBD_SLIPS, it moved;
+   RBD_APART, nothing: it has no force, or moves nothing, or there is no such row.
+   force      f, N m or N; may be NULL */
+RBDI_API rbd_contact_state rbd_contact_row_get(const rbd_contact_set *c, int i, rbd_real *force);
+
+/* Adds a matrix to M, from the next step on: rotors that several joints drive, G' J G; with dt G' D G their
+   damping is implicit, if tau has -G' D G v. It does not depend on q within a step, has no velocity terms,
+   and multiplies the change of v.
+   added      rbd_packed_size, as of rbd_crba_packed: M + added is positive definite. Kept, not copied: it
+              must be there in the steps. NULL: nothing
+   Errors: RBD_ERR_NULL, of m or c; one that is not finite is RBD_ERR_NAN of the step. */
+RBDI_API rbd_status rbd_contact_inertia(const rbd_model *m, rbd_contact_set *c, const rbd_real *added);
 
 /* Clears the last impulses, with which a step begins; rbd_contact_get then returns RBD_APART, gaps of 0 and
    no force. Call it after a jump of the state. */

@@ -39,7 +39,7 @@ RBDI_INLINE rbdi_bias rbdi_no_bias(void) {
     return x;
 }
 
-/* The bias of a rigid row. Dry friction, at 0, has none. */
+/* The bias of a rigid row. */
 RBDI_INLINE rbdi_bias rbdi_rigid_bias(const rbd_contact_set *c, int purpose, const rbdi_gap *gap) {
     const rbd_real inverse = 1 / c->way, slop = RBD_C(c->options.slop), least = -slop * RBDI_LEFT_OF_SLOP,
                    made = gap->reach - gap->start, deeper = gap->start + slop;
@@ -107,7 +107,7 @@ RBDI_LOCAL rbdi_bias rbdi_contact_bias(const rbd_contact_set *c, int purpose, co
     return contact->springs ? rbdi_spring_bias(c, contact) : rbdi_rigid_bias(c, purpose, &contact->gap);
 }
 
-RBDI_LOCAL rbdi_bias rbdi_limit_bias(const rbd_contact_set *c, int purpose, const rbdi_dof_row *limit) {
+RBDI_LOCAL rbdi_bias rbdi_limit_bias(const rbd_contact_set *c, int purpose, const rbdi_limit_row *limit) {
     if (purpose == RBDI_FOR_VELOCITIES && limit->rebounds) return rbdi_leaving_bias(&limit->gap);
     return rbdi_rigid_bias(c, purpose, &limit->gap);
 }
@@ -129,8 +129,8 @@ RBDI_LOCAL void rbdi_find_rebounds(rbd_contact_set *c) {
 
     for (rbdi_contact *contact = c->contact; any && contact < c->contact + c->n; ++contact)
         if (contact->row >= 0 && !contact->springs && rbdi_leaves(c, &contact->gap)) contact->rebounds = 1;
-    for (rbdi_dof_row *limit = c->dof_row; limit < c->dof_row + c->dof_rows; ++limit)
-        limit->rebounds = any && limit->row >= 0 && limit->iq >= 0 && rbdi_leaves(c, &limit->gap);
+    for (rbdi_limit_row *limit = c->limit; limit < c->limit + c->limits; ++limit)
+        limit->rebounds = any && limit->row >= 0 && rbdi_leaves(c, &limit->gap);
 }
 
 /* The bias of a held row: its error counts as a penetration on either side. */
@@ -169,9 +169,11 @@ RBDI_LOCAL int rbdi_write_biases(rbd_contact_set *c, int purpose) {
     for (const rbdi_constraint *con = s->constraint + c->n; con < s->constraint + s->n; ++con)
         for (int r = con->row; r < con->row + con->rows; ++r)
             changed |= rbdi_write_bias(c, r, rbdi_held_bias(c, purpose, r).value);
-    for (const rbdi_dof_row *limit = c->dof_row; limit < c->dof_row + c->dof_rows; ++limit)
+    for (const rbdi_limit_row *limit = c->limit; limit < c->limit + c->limits; ++limit)
         if (limit->row >= 0)
             changed |= rbdi_write_bias(c, limit->row, rbdi_limit_bias(c, purpose, limit).value);
+    for (const rbdi_bounded_row *row = c->bound; row < c->bound + c->bounds; ++row)
+        if (row->row >= 0) changed |= rbdi_write_bias(c, row->row, row->law.bias + row->turn);
     return changed;
 }
 

@@ -12,9 +12,10 @@
        K dnu/dx = J' dp/dx - rho,     rho = dt dID(q_mid, w, a)/dx - d(J' p)/dx at fixed nu and p
        du/dx = J dnu/dx + sigma,      sigma = d(J nu + dt/2 gamma + bias)/dx at fixed nu
 
-   where dID has, by w, also a(w); by v_mid, -M of a; by tau, rho = -dt. Each solution's dnu enters the next
-   by w. rbd_id_derivatives gives d ID; d(J nu), d gamma and d(J' p) are as in [derivatives code] but for
-   balls, over which the place of contact rolls. With Z = L^-T rho and the S, T and G of [newton]
+   where dID has, by w, also a(w); by v_mid, -M of a, and -A of the caller's matrix; by tau, rho = -dt. Each
+   solution's dnu enters the next by w. rbd_id_derivatives gives d ID; d(J nu), d gamma and d(J' p) are as in
+   [derivatives code] but for balls, over which the place of contact rolls. With Z = L^-T rho and the S, T
+   and G of [newton]
 
        G y = -T' (sigma - Y' D^-1 Z),   dp = S y,   dnu = -L^-1 D^-1 (Z - Y dp)                         (5)
 
@@ -46,6 +47,17 @@ RBDI_LOCAL void rbdi_write_sides(const rbd_model *m, rbd_contact_set *c, rbd_der
     if (Q) rbdi_multiply(Q, c->dt, size);
 }
 
+/* X -= A, packed, of which X has all entries. */
+RBDI_LOCAL void rbdi_subtract_packed(const rbd_model *m, const rbd_real *A, rbd_real *X) {
+    for (int i = 0; i < m->nv; ++i) {
+        const rbd_real *entry = &A[m->dof[i].row + m->dof[i].depth];
+        for (int j = i; j >= 0; j = m->dof[j].lambda, --entry) {
+            X[i * m->nv + j] = X[i * m->nv + j] - *entry;
+            if (j < i) X[j * m->nv + i] = X[j * m->nv + i] - *entry;
+        }
+    }
+}
+
 /* Adds rho without the terms by q_mid at fixed w, which come into Q, and without d(J' p). last: dnu of the
    solution before, NULL = w is v_mid. */
 RBDI_LOCAL void rbdi_add_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d, const rbd_real *nu,
@@ -59,6 +71,7 @@ RBDI_LOCAL void rbdi_add_rho(const rbd_model *m, rbd_contact_set *c, rbd_derivat
         if (rho[1]) rho[1][k] = rho[1][k] - M[k];
         if (rho[2] && k % (n + 1) == 0) rho[2][k] = rho[2][k] - c->dt;
     }
+    if (c->added && rho[1]) rbdi_subtract_packed(m, c->added, rho[1]);
     rbdi_unforced_columns(m, c->points, c->at, c->dt, n, M);
     for (int k = 0; k < n * n; ++k) {
         B[k] = last ? (B[k] - M[k]) * half : B[k] - M[k];
@@ -242,7 +255,8 @@ RBDI_LOCAL void rbdi_write_falls(const rbd_model *m, rbd_contact_set *c, const r
     }
 }
 
-/* Adds the terms of what contacts that rebound fall, by any x, and of limits, by q_mid and v_mid. */
+/* Adds the terms of what contacts that rebound fall, by any x, of limits, by q_mid and v_mid, and of dry
+   friction that turns around, by v_mid. */
 RBDI_LOCAL void rbdi_other_terms(const rbd_model *m, rbd_contact_set *c, int purpose, int x) {
     for (int i = 0; i < c->n; ++i) {
         const rbdi_contact *contact = &c->contact[i];
@@ -253,12 +267,17 @@ RBDI_LOCAL void rbdi_other_terms(const rbd_model *m, rbd_contact_set *c, int pur
             rbdi_subtract(&c->sigma[(contact->row + 2) * m->nv], -by_falls, rbdi_fall_columns(m, c, i, x),
                           m->nv);
     }
-    for (const rbdi_dof_row *limit = c->dof_row; x < 2 && limit < c->dof_row + c->dof_rows; ++limit) {
+    for (const rbdi_limit_row *limit = c->limit; x < 2 && limit < c->limit + c->limits; ++limit) {
         rbdi_bias bias;
         if (limit->row < 0) continue;
         bias = rbdi_limit_bias(c, purpose, limit);
         c->sigma[limit->row * m->nv + limit->dof] =
             limit->side * (x == 0 ? bias.by_start + bias.by_reach : bias.by_rate - c->half * bias.by_start);
+    }
+    for (const rbdi_bounded_row *row = c->bound; x == 1 && row < c->bound + c->bounds; ++row) {
+        if (row->row < 0 || !(rbdi_abs(row->turn) > 0)) continue;
+        for (int j = 0; j < row->law.dofs; ++j)
+            c->sigma[row->row * m->nv + row->law.dof[j]] = row->law.jacobian[j];
     }
 }
 

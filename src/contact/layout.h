@@ -75,29 +75,41 @@ typedef struct rbdi_contact {
     rbd_contact_state state;
 } rbdi_contact;
 
-/* A row of one degree of freedom: a limit of its joint or its dry friction. */
-typedef struct rbdi_dof_row {
-    int16_t dof, iq;        /* iq: of the limited coordinate, -1 = dry friction */
-    rbd_const lower, upper; /* limits, rad or m; the largest forces of dry friction, N m or N */
+/* A limit of a joint of one degree of freedom. */
+typedef struct rbdi_limit_row {
+    int16_t dof, iq;        /* and index of the coordinate */
+    rbd_const lower, upper; /* rad or m */
     rbdi_gap gap;           /* to the limit */
     rbd_real side;          /* the row's sign: 1 at the lower limit, -1 at the upper one */
     int row;                /* of the step, -1 = none */
     int rebounds;           /* as of a contact: a limit does if it leaves */
-} rbdi_dof_row;
+} rbdi_limit_row;
+
+/* A row with bounds on its force: the dry friction of a degree of freedom, or the caller's. */
+typedef struct rbdi_bounded_row {
+    rbd_contact_row law;
+    rbd_real turn;  /* added to the bias: the speed before, if dry friction turns around in the step */
+    rbd_real force; /* of the last step, as its state */
+    rbd_contact_state state;
+    int row; /* of the step, -1 = none */
+} rbdi_bounded_row;
 
 /* A set of contacts has a set of constraints, whose rows are listed anew at each step: three of each contact
-   that is near, those of held constraints, those of single dofs. A row's place is the number that it has if
+   that is near, those of held constraints, limits, bounded rows. A row's place is the number that it has if
    all rows are present. Impulses are kept by place. */
 struct rbd_contact_set {
     rbd_constraint_set *rows;
     rbd_contact_options options;
-    int n, dof_rows;         /* numbers of contacts and, at most, of rows of dofs */
+    int n, limits;           /* numbers of contacts, and of limits */
+    int frictions, bounds;   /* of rows of dry friction; of these, and the caller's behind them */
     int max_rows;            /* rows at most */
     int contacts;            /* that are rows of the step */
     int points;              /* that move straight: RBDI_ORIGINS or RBDI_CENTRES */
     int differ;              /* whether `nu` and `moved` differ */
     rbdi_contact *contact;   /* n */
-    rbdi_dof_row *dof_row;   /* dof_rows */
+    rbdi_limit_row *limit;   /* limits */
+    rbdi_bounded_row *bound; /* bounds */
+    const rbd_real *added;   /* the caller's, packed: added to M; NULL = nothing */
     int16_t *place;          /* max_rows: of each row of the step */
     rbd_real *impulse;       /* max_rows: of the last step, by place; 0 where it had no row */
     rbd_real *early;         /* max_rows: impulses of the step's first solution, by row */
@@ -118,15 +130,19 @@ struct rbd_contact_set {
     rbdi_contact_solver solver;
 };
 
-/* Bytes for n contacts, so many held constraints and, at most, `bounded` other rows. nq <= 2 nv. */
-#define RBDI_CONTACT_SET_BYTES(nq, nv, n, constraints, bounded, stride) \
+/* Bytes for n contacts, so many held constraints and, at most, `bounded` other rows, of which limits and
+   bounded rows take `dof_bytes`. nq <= 2 nv. */
+#define RBDI_CONTACT_SET_BYTES(nq, nv, n, constraints, bounded, stride, dof_bytes) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_contact_set)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_contact)) + \
-     RBDI_ROUND((size_t)(bounded) * sizeof(rbdi_dof_row)) + \
-     RBDI_ROUND(RBDI_CONTACT_ROWS(n, bounded) * sizeof(int16_t)) + \
+     (dof_bytes) + RBDI_ROUND(RBDI_CONTACT_ROWS(n, bounded) * sizeof(int16_t)) + \
      RBDI_ROUND(sizeof(rbd_real) * ((size_t)(n) + 2 * (size_t)(bounded) + \
                                     3 * RBDI_CONTACT_ROWS(n, bounded) + (size_t)(nq) + 11 * (size_t)(nv))) + \
      RBDI_ROUND(RBDI_CONTACT_SOLVER_BYTES(n, bounded)) + \
      RBDI_CONSTRAINTS_BYTES(nv, (n) + (constraints), RBDI_CONTACT_ROWS(n, bounded), stride))
+
+#define RBDI_DOF_BYTES(limits, bounded) \
+    (RBDI_ROUND((size_t)(limits) * sizeof(rbdi_limit_row)) + \
+     RBDI_ROUND((size_t)(bounded) * sizeof(rbdi_bounded_row)))
 
 /* Scalars for the option `derivatives`: sigma; M or G; four matrices; three rows for each of n contacts. */
 #define RBDI_CONTACT_SHARED(nv, rows) ((int)RBDI_LARGER((nv) * (nv), (rows) * ((rows) + (nv) + RBDI_CHUNK)))
@@ -134,9 +150,9 @@ struct rbd_contact_set {
     ((rows) * (nv) + RBDI_CONTACT_SHARED(nv, rows) + 4 * (nv) * (nv) + 3 * (n) * (nv))
 
 /* Bytes that suffice for n contacts and so many other rows: held axes, two limits of each joint, dry
-   friction. */
+   friction, the caller's. */
 #define RBD_CONTACT_SET_SIZE(nv, n, bounded) \
     RBDI_CONTACT_SET_BYTES(2 * (size_t)(nv), nv, n, bounded, bounded, \
-                           3 * (n) + (bounded) + 4 * RBDI_ROW_BATCH)
+                           3 * (n) + (bounded) + 4 * RBDI_ROW_BATCH, RBDI_DOF_BYTES(bounded, bounded))
 
 #endif

@@ -27,11 +27,13 @@ RBDI_LOCAL int rbdi_root_of(const rbd_model *m, int link) {
 }
 
 /* Whether a body floats over the world, and nothing outside has pushed what it carries: neither contacts nor
-   constraints, nor dry friction of its own joint. Armature there is no momentum. */
+   constraints, nor dry friction of its own joint, nor bounded rows. Armature there is no momentum. */
 RBDI_LOCAL int rbdi_flies(const rbd_model *m, const rbd_contact_set *c, const rbdi_frame *u) {
     if (u->type != RBD_FLOATING || u->link < 0 || m->link[u->link].parent >= 0) return 0;
-    for (int k = u->iv; k < u->iv + 6; ++k)
+    for (int k = u->iv; k < u->iv + 6; ++k) {
         if (m->dof[k].armature > 0) return 0;
+        if (c->added && rbdi_abs(c->added[m->dof[k].row + m->dof[k].depth]) > 0) return 0;
+    }
 
     for (int i = 0; i < c->rows->n; ++i) {
         const rbdi_constraint *con = &c->rows->constraint[i];
@@ -41,9 +43,10 @@ RBDI_LOCAL int rbdi_flies(const rbd_model *m, const rbd_contact_set *c, const rb
         if (one == u->link || two == u->link) return 0;
     }
 
-    for (int i = 0; i < c->dof_rows; ++i) {
-        const rbdi_dof_row *own = &c->dof_row[i];
-        if (own->row >= 0 && own->dof >= u->iv && own->dof < u->iv + 6) return 0;
+    for (int i = 0; i < c->bounds; ++i) {
+        const rbd_contact_row *law = &c->bound[i].law;
+        for (int j = 0; j < law->dofs && c->bound[i].row >= 0; ++j)
+            if (law->dof[j] >= u->iv && law->dof[j] < u->iv + 6) return 0;
     }
     return 1;
 }

@@ -77,6 +77,14 @@ RBDI_INLINE const rbd_real *rbdi_newton_row(rbdi_contact_solver *s, const rbdi_c
     return s->scratch;
 }
 
+/* y -= factor x, of n right-hand sides: one, but for derivatives. */
+RBDI_INLINE void rbdi_subtract_sides(rbd_real *y, rbd_real factor, const rbd_real *x, int n) {
+    if (n == 1)
+        y[0] = y[0] - factor * x[0];
+    else
+        rbdi_subtract(y, factor, x, n);
+}
+
 /* G, or its upper triangle if it is symmetric, followed by -T'u. u: rows x sides. */
 RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, rbd_const proximal, const rbd_real *u) {
     const int n = s->unknowns, stride = s->stride, sides = s->sides;
@@ -84,16 +92,17 @@ RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, rbd_const proximal, co
     for (int i = 0; i < n; ++i) {
         const rbdi_contact_unknown *x = &s->unknown[i];
         const rbd_real *row = rbdi_newton_row(s, x);
+        const rbdi_contact_unknown *y = s->symmetric ? x : s->unknown;
         rbd_real *g = &s->G[i * stride];
-        for (int k = s->symmetric ? i : 0; k < n; ++k) {
-            const rbdi_contact_unknown *y = &s->unknown[k];
+        for (int k = s->symmetric ? i : 0; k < n; ++k, ++y) {
             g[k] = row[y->first];
             if (y->rows == 3)
                 g[k] =
                     g[k] * y->column[0] + row[y->first + 1] * y->column[1] + row[y->first + 2] * y->column[2];
         }
         g[i] = g[i] + x->alpha + x->scale * proximal;
-        for (int j = 0; j < x->rows; ++j) rbdi_subtract(&g[n], x->row[j], &u[(x->first + j) * sides], sides);
+        for (int j = 0; j < x->rows; ++j)
+            rbdi_subtract_sides(&g[n], x->row[j], &u[(x->first + j) * sides], sides);
     }
 }
 
@@ -152,12 +161,13 @@ RBDI_PART int rbdi_newton_cholesky(rbdi_contact_solver *s) {
 
 /* Replaces the right-hand sides by dx. Returns 0 if G is singular. */
 RBDI_PART int rbdi_newton_solve(rbdi_contact_solver *s) {
-    const int n = s->unknowns, stride = s->stride;
+    const int n = s->unknowns, stride = s->stride, sides = s->sides;
     if (!(s->symmetric ? rbdi_newton_cholesky(s) : rbdi_newton_gauss(s))) return 0;
     for (int k = n - 1; k >= 0; --k) {
         rbd_real *g = &s->G[k * stride];
-        for (int j = k + 1; j < n; ++j) rbdi_subtract(&g[n], g[j], &s->G[j * stride + n], s->sides);
-        rbdi_multiply(&g[n], 1 / g[k], s->sides);
+        const rbd_real *x = g + stride + n;
+        for (int j = k + 1; j < n; ++j, x += stride) rbdi_subtract_sides(&g[n], g[j], x, sides);
+        rbdi_multiply(&g[n], 1 / g[k], sides);
     }
     return 1;
 }
@@ -183,7 +193,7 @@ RBDI_PART void rbdi_add_increments(const rbdi_contact_solver *s, rbd_real *p) {
     for (int i = 0; i < n; ++i) {
         const rbdi_contact_unknown *x = &s->unknown[i];
         for (int j = 0; j < x->rows; ++j)
-            rbdi_subtract(&p[(x->first + j) * sides], -x->column[j], &s->G[i * s->stride + n], sides);
+            rbdi_subtract_sides(&p[(x->first + j) * sides], -x->column[j], &s->G[i * s->stride + n], sides);
     }
 }
 

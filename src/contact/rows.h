@@ -2,10 +2,10 @@
 #define RBDI_CONTACT_ROWS_H
 #include "constraints/factor.h"
 #include "constraints/set.h"
-#include "contact/one_contact.h"
+#include "contact/bounded.h"
 
 /* ---- contact rows [contact rows] ----
-   The rows of a step: contacts first, three each, then held constraints, then single dofs. By the factor
+   The rows of a step: contacts first, three each, then held constraints, limits, bounded rows. By the factor
    M + dt damping = L'DL of [packed matrix], with Y = L^-T J' and x = L^-T dt (tau - c - damping v):
 
        Delta = Y' D^-1 Y,   J nu_0 = J v + Y' D^-1 x,   nu = v + L^-1 D^-1 (x + Y p)                      (4)
@@ -31,6 +31,16 @@ RBDI_INLINE rbdi_v3 rbdi_contact_normal(const rbd_constraint_set *s, const rbdi_
     const rbdi_v3 normal =
         rbdi_vec(rbdi_set(con->held[0][2]), rbdi_set(con->held[1][2]), rbdi_set(con->held[2][2]));
     return con->link[1] < 0 ? normal : rbdi_mul_t(s->w->kin[con->link[1]].X.E, normal);
+}
+
+/* World axes of a vector along the rows of a contact. */
+RBDI_INLINE rbdi_v3 rbdi_contact_vector(const rbd_constraint_set *s, const rbdi_constraint *con,
+                                        const rbd_real *x) {
+    rbdi_v3 local;
+    local.x = con->held[0][0] * x[0] + con->held[0][1] * x[1] + con->held[0][2] * x[2];
+    local.y = con->held[1][0] * x[0] + con->held[1][1] * x[1] + con->held[1][2] * x[2];
+    local.z = con->held[2][0] * x[0] + con->held[2][1] * x[1] + con->held[2][2] * x[2];
+    return con->link[1] < 0 ? local : rbdi_mul_t(s->w->kin[con->link[1]].X.E, local);
 }
 
 /* A gap from that of the middle, with its first and second rate there. If the velocity then was u - half
@@ -118,23 +128,14 @@ RBDI_LOCAL void rbdi_find_places(const rbd_contact_set *c) {
     }
 }
 
-/* Computes the gap to the limit. Returns whether it may be reached; dry friction always acts. */
-RBDI_LOCAL int rbdi_find_limit(const rbd_contact_set *c, rbdi_dof_row *limit, const rbd_real *q,
+/* Computes the gap to the limit. Returns whether it may be reached. */
+RBDI_LOCAL int rbdi_find_limit(const rbd_contact_set *c, rbdi_limit_row *limit, const rbd_real *q,
                                const rbd_real *v) {
     rbdi_gap *gap = &limit->gap;
-    gap->start = gap->rate = gap->reach = rbdi_zero();
-    if (limit->iq < 0) return 1;
     gap->start = limit->side > 0 ? q[limit->iq] - limit->lower : limit->upper - q[limit->iq];
     gap->rate = limit->side * v[limit->dof];
     gap->reach = gap->start + c->half * gap->rate;
     return rbdi_may_touch(*gap, c->dt, rbdi_set(RBDI_NEAR_LIMIT));
-}
-
-/* Writes a dof and its ancestors, ascending, to s->path. Returns how many. */
-RBDI_LOCAL int rbdi_path_to(const rbd_model *m, const rbd_constraint_set *s, int dof) {
-    const int n = m->dof[dof].depth + 1;
-    for (int t = n - 1; t >= 0; --t, dof = m->dof[dof].lambda) s->path[t] = (int16_t)dof;
-    return n;
 }
 
 /* Appends n rows, of this place and those behind it, with entries in these dofs. Returns the first. */
@@ -180,14 +181,24 @@ RBDI_LOCAL int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_
         }
     }
 
-    for (int i = 0; i < c->dof_rows; ++i) {
-        rbdi_dof_row *limit = &c->dof_row[i];
+    for (int i = 0; i < c->limits; ++i, ++place) {
+        rbdi_limit_row *limit = &c->limit[i];
         const int r = s->rows - 3 * contacts, acts = rbdi_find_limit(c, limit, q, v);
         limit->rebounds = 0;
-        limit->row = acts ? rbdi_open_rows(c, place + i, 1, s->path, rbdi_path_to(m, s, limit->dof)) : -1;
+        limit->row = acts ? rbdi_open_rows(c, place, 1, s->path, rbdi_path_to(m, s, limit->dof)) : -1;
         if (!acts) continue;
-        c->lower[r] = limit->iq < 0 ? dt * limit->lower : rbdi_zero();
-        c->upper[r] = limit->iq < 0 ? dt * limit->upper : rbdi_set(RBDI_UNBOUNDED);
+        c->lower[r] = rbdi_zero();
+        c->upper[r] = rbdi_set(RBDI_UNBOUNDED);
+    }
+
+    for (int i = 0; i < c->bounds; ++i, ++place) {
+        rbdi_bounded_row *row = &c->bound[i];
+        const int r = s->rows - 3 * contacts, acts = rbdi_bounded_acts(row);
+        row->turn = rbdi_zero();
+        row->row = acts ? rbdi_open_rows(c, place, 1, s->path, rbdi_paths_to(m, s, &row->law)) : -1;
+        if (!acts) continue;
+        c->lower[r] = dt * row->law.lower;
+        c->upper[r] = dt * row->law.upper;
     }
 
     s->stride = rbdi_row_stride(s->rows);
@@ -215,12 +226,14 @@ RBDI_LOCAL void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     for (int i = 0; i < c->n; ++i)
         if (c->contact[i].row >= 0) rbdi_add_roll(s, &s->constraint[i], &c->contact[i]);
 
-    for (int i = 0; i < c->dof_rows; ++i) {
-        const rbdi_dof_row *limit = &c->dof_row[i];
+    for (int i = 0; i < c->limits; ++i) {
+        const rbdi_limit_row *limit = &c->limit[i];
         if (limit->row < 0) continue;
         s->Y[limit->dof * s->stride + limit->row] = limit->side;
         s->velocity[limit->row] = limit->side * c->v_mid[limit->dof];
     }
+
+    for (int i = 0; i < c->bounds; ++i) rbdi_write_bounded(c, &c->bound[i]);
 
     for (int r = 0; r < s->rows; ++r) s->target[r] = -s->velocity[r] - c->half * s->gamma[r];
 }
@@ -241,7 +254,7 @@ RBDI_LOCAL void rbdi_find_falls(rbd_contact_set *c) {
 }
 
 /* Delta of (4), rows x rows, in s->R; first the upper triangle, in rows of s->stride. Rows that rounding
-   alone moves get 0 on the diagonal: no impulse changes their velocity. Slip is added last. */
+   alone moves get 0 on the diagonal: no impulse changes their velocity. Slip and compliance come last. */
 RBDI_LOCAL void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     const int n = s->rows;
@@ -249,13 +262,19 @@ RBDI_LOCAL void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
     rbdi_bound_noise(m, s);
     for (const rbdi_constraint *con = s->constraint; con < s->constraint + s->n; ++con)
         if (con->row >= 0) rbdi_delta(s, con->dof, con->dofs, con->row, con->rows);
-    for (int i = 0; i < c->dof_rows; ++i) {
-        const rbdi_dof_row *limit = &c->dof_row[i];
+    for (int i = 0; i < c->limits; ++i) {
+        const rbdi_limit_row *limit = &c->limit[i];
         if (limit->row >= 0) rbdi_delta(s, s->path, rbdi_path_to(m, s, limit->dof), limit->row, 1);
     }
+    for (int i = 0; i < c->bounds; ++i) {
+        const rbdi_bounded_row *row = &c->bound[i];
+        if (row->row >= 0) rbdi_delta(s, s->path, rbdi_paths_to(m, s, &row->law), row->row, 1);
+    }
     for (int r = 0; r < n; ++r) {
-        for (int t = 0; t < r; ++t) delta[r * n + t] = delta[t * n + r];
-        for (int t = r; t < n; ++t) delta[r * n + t] = delta[r * s->stride + t];
+        rbd_real *to = &delta[r * n];
+        const rbd_real *from = &delta[r * s->stride], *above = &delta[r];
+        for (int t = 0; t < r; ++t, above += n) to[t] = *above;
+        for (int t = r; t < n; ++t) to[t] = from[t];
         if (delta[r * n + r] <= s->noise) delta[r * n + r] = rbdi_zero();
     }
     for (const rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact)
@@ -263,6 +282,8 @@ RBDI_LOCAL void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
             rbd_real *d = &delta[(contact->row + j) * (n + 1)];
             *d = *d + RBD_C(c->options.slip) / c->dt;
         }
+    for (const rbdi_bounded_row *row = c->bound; row < c->bound + c->bounds; ++row)
+        if (row->row >= 0) delta[row->row * (n + 1)] = delta[row->row * (n + 1)] + row->law.compliance;
 }
 
 /* Adds springs to the normals of Delta and of the solver's laws. Where nothing moves along the normal, the

@@ -1,8 +1,7 @@
 #ifndef RBDI_CONTACT_SET_H
 #define RBDI_CONTACT_SET_H
 #include "constraints/set.h"
-#include "contact/solver.h"
-#include "contact/joints.h"
+#include "contact/bounded.h"
 
 /* ---- set code [set code] ---- */
 
@@ -94,7 +93,7 @@ RBDI_LOCAL rbd_status rbdi_check_options(const rbd_contact_options *o, rbd_repor
 }
 
 RBDI_LOCAL rbd_contact_options rbdi_contact_defaults(const rbd_contact_options *given) {
-    const rbd_contact_options none = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+    const rbd_contact_options none = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
     rbd_contact_options o = given ? *given : none;
     if (!(o.margin > 0)) o.margin = 0.005;
     if (!(o.slop > 0)) o.slop = 1e-5;
@@ -104,7 +103,7 @@ RBDI_LOCAL rbd_contact_options rbdi_contact_defaults(const rbd_contact_options *
 }
 
 /* Appends the two limits of a joint to the rows, or counts them; a limit of infinity is none. */
-RBDI_LOCAL int rbdi_list_limits(const rbd_model *m, const rbdi_frame *u, rbdi_dof_row *row) {
+RBDI_LOCAL int rbdi_limits_of_joint(const rbd_model *m, const rbdi_frame *u, rbdi_limit_row *row) {
     const rbdi_limits limits = rbdi_joint_limits(m, u);
     int n = 0;
     for (int upper = 0; upper < 2; ++upper) {
@@ -121,36 +120,27 @@ RBDI_LOCAL int rbdi_list_limits(const rbd_model *m, const rbdi_frame *u, rbdi_do
     return n;
 }
 
-/* Lists the rows of single dofs: limits of one-dof joints, then dry friction; NULL: counts them. */
-RBDI_LOCAL int rbdi_list_dof_rows(const rbd_model *m, const rbd_contact_options *o, rbdi_dof_row *row) {
+/* Lists the limits of all joints of one dof; NULL: counts them. */
+RBDI_LOCAL int rbdi_list_limits(const rbd_model *m, const rbd_contact_options *o, rbdi_limit_row *row) {
     int n = 0;
     for (int b = 0; o->joint_limits && b < m->nb; ++b)
-        if (m->frame[b].nv == 1) n += rbdi_list_limits(m, &m->frame[b], row ? &row[n] : NULL);
-
-    for (int k = 0; o->joint_friction && k < m->nv; ++k) {
-        const rbd_const friction = rbdi_joint_friction(m, k);
-        if (!(friction > 0)) continue;
-        if (row) {
-            row[n].dof = (int16_t)k;
-            row[n].iq = -1;
-            row[n].lower = -friction;
-            row[n].upper = friction;
-            row[n].side = rbdi_set(RBD_C(1));
-        }
-        ++n;
-    }
+        if (m->frame[b].nv == 1) n += rbdi_limits_of_joint(m, &m->frame[b], row ? &row[n] : NULL);
     return n;
 }
 
 RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constraint *held, int n_held,
                                      const rbd_contact_options *options) {
     const rbd_contact_options o = rbdi_contact_defaults(options);
-    int bounded, most;
+    int limits, rows, bounded, most;
     if (!m || n < 0 || n_held < 0 || n > RBD_MAX_CONSTRAINTS || n_held > RBD_MAX_CONSTRAINTS - n) return 0;
     if (!held && n_held > 0) return 0;
-    bounded = rbdi_rows_of(held, n_held) + rbdi_list_dof_rows(m, &o, NULL);
+    if (o.rows < 0 || o.rows > RBD_MAX_CONSTRAINTS) return 0;
+    limits = rbdi_list_limits(m, &o, NULL);
+    rows = rbdi_list_frictions(m, &o, NULL) + o.rows;
+    bounded = rbdi_rows_of(held, n_held) + limits + rows;
     most = 3 * n + bounded;
-    return RBDI_CONTACT_SET_BYTES(m->nq, m->nv, n, n_held, bounded, rbdi_row_stride(most)) +
+    return RBDI_CONTACT_SET_BYTES(m->nq, m->nv, n, n_held, bounded, rbdi_row_stride(most),
+                                  RBDI_DOF_BYTES(limits, rows)) +
            (o.derivatives ? RBDI_ROUND(sizeof(rbd_real) * (size_t)RBDI_CONTACT_SIDES(m->nv, n, most)) : 0);
 }
 
@@ -166,7 +156,7 @@ RBDI_LOCAL rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work
         return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
     if (least == 0) {
         rbdi_refuse(report, RBD_ERR_COUNT, -1, NULL, NULL);
-        report->error.text = "a number of contacts or constraints is below 0, or there are more than 1000";
+        report->error.text = "a number of contacts, constraints or rows is below 0, or above 1000";
         return RBD_ERR_COUNT;
     }
     if (rbdi_check(m, w, 1)) return rbdi_refuse(report, RBD_ERR_WORK, -1, NULL, NULL);
@@ -179,15 +169,19 @@ RBDI_LOCAL rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work
 /* Lays out the arrays of a set in the memory. */
 RBDI_LOCAL rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held, int held_rows,
                                               const rbd_contact_options *o, void *memory) {
-    const int dof_rows = rbdi_list_dof_rows(m, o, NULL), bounded = held_rows + dof_rows, nv = m->nv;
+    const int limits = rbdi_list_limits(m, o, NULL), frictions = rbdi_list_frictions(m, o, NULL),
+              bounded = held_rows + limits + frictions + o->rows, nv = m->nv;
     unsigned char *at = rbdi_aligned(memory);
     rbd_contact_set *c = RBDI_CUT(rbd_contact_set, 1);
     c->options = *o;
     c->n = n;
-    c->dof_rows = dof_rows;
+    c->limits = limits;
+    c->frictions = frictions;
+    c->bounds = frictions + o->rows;
     c->max_rows = 3 * n + bounded;
     c->contact = RBDI_CUT(rbdi_contact, n);
-    c->dof_row = RBDI_CUT(rbdi_dof_row, bounded);
+    c->limit = RBDI_CUT(rbdi_limit_row, limits);
+    c->bound = RBDI_CUT(rbdi_bounded_row, c->bounds);
     c->place = RBDI_CUT(int16_t, c->max_rows);
     c->friction = RBDI_CUT(rbd_real, n + 2 * bounded + 3 * c->max_rows + m->nq + 11 * nv);
     c->lower = c->friction + n;
@@ -239,6 +233,7 @@ RBDI_API void rbd_contact_reset(rbd_contact_set *c) {
         contact->gap.start = rbdi_zero();
         contact->row = -1;
     }
+    for (int i = 0; i < c->bounds; ++i) rbdi_rest_bounded(&c->bound[i]);
 }
 
 RBDI_API rbd_status rbd_contact_set_init(const rbd_model *m, rbd_work *w, const rbd_contact *list, int n,
@@ -261,7 +256,10 @@ RBDI_API rbd_status rbd_contact_set_init(const rbd_model *m, rbd_work *w, const 
         rbdi_place_constraint(m, &held[i - n], 0, &c->rows->constraint[i]);
         c->rows->constraint[i].kp = 1; /* any value above 0: derivatives need the position error */
     }
-    rbdi_list_dof_rows(m, &o, c->dof_row);
+    rbdi_list_limits(m, &o, c->limit);
+    rbdi_list_frictions(m, &o, c->bound);
+    for (int i = c->frictions; i < c->bounds; ++i) rbdi_begin_bounded(&c->bound[i]);
+    c->added = NULL;
     rbdi_clear(c->straight, m->nv);
     rbdi_begin_set(m, w, c->rows);
     rbd_contact_reset(c);

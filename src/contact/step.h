@@ -2,8 +2,6 @@
 #define RBDI_CONTACT_STEP_H
 #include "motion/free_step.h"
 #include "constraints/calls.h"
-#include "contact/solver.h"
-#include "contact/joints.h"
 #include "contact/biases.h"
 #include "contact/reduction.h"
 #include "contact/momentum.h"
@@ -13,15 +11,14 @@
    by v: to q_mid, and v_mid is v in its axes. There all matrices are made, once. Then nu is solved for, and
    makes the other half of the way:
 
-       K = M + dt d,   nu = v_mid + K^-1 (dt (tau - c(w) - d v_mid) + J' p),   c(w) = ID(q_mid, w, a(w))
+       K = M + A + dt d,   nu = v_mid + K^-1 (dt (tau - c(w) - d v_mid) + J' p),   c(w) = ID(q_mid, w, a(w))
 
-   with the damping d, and the accelerations a(w) of [straight moves]. The velocity terms are
-   those of the mean velocity: first w = v_mid, then twice w = (v_mid + nu) / 2 of the nu before. Contacts are
-   solved for the first and the last time; the nu between has the impulses of the first. Without
-   these, light links that the ground holds would race away. For a vector that turns by x a step
-   the length grows in order x^4 / 8 with one correction, and falls in that order with two; from
-   x = 1.4 on rbdi_guard_solution sums the series. Energy then changes by half of
-   p'(u before + u after). */
+   with the matrix A that the caller adds, the damping d, and the accelerations a(w) of [straight moves]. The
+   velocity terms are those of the mean velocity: first w = v_mid, then twice w = (v_mid + nu) / 2 of the nu
+   before. Contacts are solved for the first and the last time; the nu between has the impulses of the first.
+   Without these, light links that the ground holds would race away. For a vector that turns by x a step the
+   length grows in order x^4 / 8 with one correction, and falls in that order with two; from x = 1.4 on
+   rbdi_guard_solution sums the series. Energy then changes by half of p'(u before + u after). */
 
 /* x = L^-T dt (tau - w->bias - damping v_mid). */
 RBDI_LOCAL void rbdi_free_impulse(const rbd_model *m, const rbd_contact_set *c, const rbd_real *tau,
@@ -32,11 +29,12 @@ RBDI_LOCAL void rbdi_free_impulse(const rbd_model *m, const rbd_contact_set *c, 
     rbdi_vector_transposed(m, w, w->H, x);
 }
 
-/* Adds dt damping to M, and factors it. */
+/* Adds dt damping, and the caller's matrix, to M, and factors it. */
 RBDI_LOCAL rbdi_mask rbdi_factor_damped(const rbd_model *m, rbd_contact_set *c, const rbd_real *damping) {
     rbd_constraint_set *s = c->rows;
     rbd_work *w = s->w;
     rbdi_mask doubt;
+    for (int k = 0; c->added && k < m->nh; ++k) w->H[k] = w->H[k] + c->added[k];
     for (int k = 0; k < m->nv; ++k) {
         rbd_real *diagonal = &w->H[m->dof[k].row + m->dof[k].depth];
         c->damping[k] = damping ? damping[k] : rbdi_zero();
@@ -145,8 +143,9 @@ RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const r
                       &s->Y[k * s->stride + span.first], span.end - span.first);
     }
     for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
-    (void)rbdi_write_biases(c, RBDI_FOR_POSITIONS);
     c->solver.given.tolerance = c->solver.given.tolerance / RBDI_LOOSE;
+    for (int i = 0; i < c->bounds; ++i) rbdi_find_turn(c, &c->bound[i]);
+    (void)rbdi_write_biases(c, RBDI_FOR_POSITIONS);
     rbdi_contact_iterate(&c->solver);
     c->solver.solution.sweeps += first.sweeps;
     c->solver.solution.newton_steps += first.newton_steps;
@@ -178,22 +177,21 @@ RBDI_LOCAL rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *
 /* Keeps impulses, states and forces for the next step and the caller. */
 RBDI_LOCAL void rbdi_keep_impulses(rbd_contact_set *c) {
     const rbd_constraint_set *s = c->rows;
+    const rbd_real inverse = 1 / c->dt;
     c->last_dt = c->dt;
     rbdi_clear(c->impulse, c->max_rows);
     for (int r = 0; r < s->rows; ++r) c->impulse[c->place[r]] = s->lambda[r];
     for (int i = 0; i < c->n; ++i) {
         rbdi_contact *contact = &c->contact[i];
-        rbdi_axes_held h;
-        for (int j = 0; j < 3; ++j) contact->force[j] = rbdi_zero();
+        rbdi_v3 impulse;
+        rbdi_clear(contact->force, 3);
         if (contact->row < 0) continue;
         contact->state = c->solver.law[contact->row / 3].state;
         contact->pushes |= s->lambda[contact->row + 2] > 0;
-        rbdi_set_axes(s, &s->constraint[i], &h);
-        for (int r = 0; r < 3; ++r)
-            for (int j = 0; j < 3; ++j)
-                contact->force[j] =
-                    contact->force[j] + h.axis[3 + j][r] * s->lambda[contact->row + r] / c->dt;
+        impulse = rbdi_contact_vector(s, &s->constraint[i], &s->lambda[contact->row]);
+        rbdi_store_vec(contact->force, 1, rbdi_scale(inverse, impulse));
     }
+    for (int i = 0; i < c->bounds; ++i) rbdi_keep_bounded(c, &c->bound[i]);
 }
 
 /* Computes c->nu, the velocities at the end, in the axes of the beginning. They differ from c->moved if

@@ -294,6 +294,7 @@ typedef struct scene {
     double gap[MOST_CONTACTS]; /* that was asked for */
     double damping[WORLD_DOFS];
     rbd_contact_options options;
+    rbd_contact_row row[3]; /* bounded: options.rows */
     double dt;
     uint64_t seed;
 } scene;
@@ -375,7 +376,26 @@ static int has_limits(const rbd_body *b) {
     return b->type == RBD_REVOLUTE || b->type == RBD_PRISMATIC || b->type == RBD_HELICAL;
 }
 
-/* Limits near the state's coordinates, and dry friction. */
+/* Bounded rows of one to three dofs: friction, drives and bristles. */
+static void draw_rows(scene *s) {
+    int dofs = 0;
+    for (int i = 0; i < s->robot.nb; i++) dofs += world_nv(&s->robot.bodies[i]);
+    for (int i = 0; i < 3 && dofs > 0 && one_in(&s->seed, 2); i++) {
+        rbd_contact_row *row = &s->row[s->options.rows++];
+        const int first = below(&s->seed, dofs), kind = below(&s->seed, 3);
+        memset(row, 0, sizeof *row);
+        row->dofs = 1 + below(&s->seed, dofs < 3 ? dofs : 3);
+        for (int j = 0; j < row->dofs; j++) {
+            row->dof[j] = (first + j) % dofs;
+            row->jacobian[j] = (rbd_real)uniform(&s->seed, -2, 2);
+        }
+        row->lower = -(rbd_real)power(&s->seed, -2, 2), row->upper = (rbd_real)power(&s->seed, -2, 2);
+        if (kind > 0) row->bias = (rbd_real)uniform(&s->seed, -1, 1);
+        if (kind > 1) row->compliance = (rbd_real)power(&s->seed, -3, 1);
+    }
+}
+
+/* Limits near the state's coordinates, dry friction, and bounded rows. */
 static void draw_limits(scene *s) {
     static const double room[6] = {0, 1e-7, 1e-3, 0.01, 0.5, -1e-3}; /* beyond: of any problem only */
     s->options.joint_limits = s->options.joint_friction = 1;
@@ -389,6 +409,7 @@ static void draw_limits(scene *s) {
             for (int k = 0; k < world_nv(b); k++) b->friction[k] = power(&s->seed, -2, 2);
         iq += world_nq(b);
     }
+    draw_rows(s);
 }
 
 static void count_dofs(sample *s) {
@@ -539,19 +560,69 @@ static void turned(const quad *quaternion, const quad x[3], quad out[3]) {
     for (int j = 0; j < 3; j++) out[j] = x[j] + 2 * (u[3] * once[j] + twice[j]);
 }
 
-static const rbd_model *model;
+/* Mass and first moment of a body and of what its hinges carry, in its axes, as far as no motion of a hinge
+   changes them. */
+typedef struct carried {
+    quad mass, moment[3];
+} carried;
+static carried carried_by[WORLD_BODIES];
+
+/* Of a moment, the part along an axis. */
+static void keep_along(const double *axis, quad *moment) {
+    const quad square = (quad)axis[0] * axis[0] + (quad)axis[1] * axis[1] + (quad)axis[2] * axis[2],
+               share = (axis[0] * moment[0] + axis[1] * moment[1] + axis[2] * moment[2]) / square;
+    for (int j = 0; j < 3; j++) moment[j] = share * axis[j];
+}
+
+/* The part that a joint passes on of what its body carries: a turn about an axis through the origin keeps the
+   moment along that axis, turns about three axes keep none. A joint that slides passes nothing on. */
+static carried passed_on(const rbd_body *b, carried x) {
+    static const carried nothing;
+    switch (b->type) {
+    case RBD_FIXED: break;
+    case RBD_REVOLUTE:
+    case RBD_CONTINUOUS:
+    case RBD_CONTINUOUS_CS: keep_along(b->axis, x.moment); break;
+    case RBD_UNIVERSAL:
+        keep_along(b->axis2, x.moment);
+        keep_along(b->axis, x.moment);
+        break;
+    case RBD_SPHERICAL:
+    case RBD_EULER_ZYX:
+    case RBD_EULER_XYZ:
+    case RBD_EULER_YXZ:
+    case RBD_EULER_ZXY: memset(x.moment, 0, sizeof x.moment); break;
+    default: return nothing;
+    }
+    return x;
+}
+
+/* Writes carried_by, from the leaves. */
+static void find_carried(void) {
+    for (int i = 0; i < now.robot.nb; i++) {
+        const rbd_body *b = &now.robot.bodies[i];
+        carried_by[i].mass = b->mass;
+        for (int j = 0; j < 3; j++) carried_by[i].moment[j] = (quad)b->mass * b->com[j];
+    }
+    for (int i = now.robot.nb - 1; i >= 0; i--) {
+        const rbd_body *b = &now.robot.bodies[i];
+        const carried x = passed_on(b, carried_by[i]);
+        quad R[9];
+        if (b->parent < 0) continue;
+        carried *to = &carried_by[b->parent];
+        world_rotation(b->rotation, R);
+        to->mass += x.mass;
+        for (int j = 0; j < 3; j++)
+            to->moment[j] += x.mass * b->position[j] + R[3 * j] * x.moment[0] + R[3 * j + 1] * x.moment[1] +
+                             R[3 * j + 2] * x.moment[2];
+    }
+}
 
 /* The point of body i that moves straight, in its axes: its origin in steps of first order. In others any
-   point will do, and the library's is taken; of one body it is the centre of mass:
-   tests/test_contact_energy.c. */
+   point will do: that of a body that floats is the centre of mass of what it carries. */
 static void straight_point(int i, quad point[3]) {
-    for (int k = 0; k < 3; k++) point[k] = 0;
-    if (half == 0) return;
-
-    const rbdi_v3 c = rbdi_straight_point(model, &model->frame[i], RBDI_CENTRES);
-    point[0] = (quad)c.x;
-    point[1] = (quad)c.y;
-    point[2] = (quad)c.z;
+    const carried *x = &carried_by[i];
+    for (int k = 0; k < 3; k++) point[k] = half == 0 || !(x->mass > 0) ? 0 : x->moment[k] / x->mass;
 }
 
 /* Adds `sign` times the velocity of the point c over the origin. */
@@ -651,6 +722,7 @@ static int find_motion(int first_order) {
     static dense_rows no_rows;
     quad q[WORLD_COORDINATES], v[WORLD_DOFS];
     half = first_order ? 0 : now.dt / (quad)2, way = now.dt - half;
+    find_carried();
     widen(now.state.q, now.robot.nq, q);
     widen(now.state.v, nv, v);
     move(q, v, v, half, middle, begin);
@@ -721,14 +793,21 @@ static void keep_rows(int row, int n, const quad *gamma_of) {
     }
 }
 
-static void keep_dof(int row, int dof, double side) {
+static void keep_dofs(int row, int n, const int *dof, const rbd_real *jacobian) {
     memset(J[row], 0, sizeof *J);
     memset(J_size[row], 0, sizeof *J);
-    J[row][dof] = side, lever[row] = exact.inverse[dof], gamma_of_row[row] = 0;
+    lever[row] = gamma_of_row[row] = 0;
+    for (int j = 0; j < n; j++) {
+        J[row][dof[j]] = jacobian[j];
+        lever[row] += (quad)jacobian[j] * jacobian[j] * exact.inverse[dof[j]];
+    }
 }
+
+static void keep_dof(int row, int dof, rbd_real side) { keep_dofs(row, 1, &dof, &side); }
 
 /* ---- a problem in the library ---- */
 
+static const rbd_model *model;
 static rbd_work *work;
 static rbd_contact_set *set;
 static void *memory[3];
@@ -748,8 +827,12 @@ static int build(void) {
 static int build_set(void) {
     const size_t size = rbd_contact_set_size(model, now.n, now.held, now.n_held, &now.options);
     memory[2] = memory_of(size);
-    return rbd_contact_set_init(model, work, now.list, now.n, now.held, now.n_held, &now.options, memory[2],
-                                size, &set, NULL) == RBD_OK;
+    if (rbd_contact_set_init(model, work, now.list, now.n, now.held, now.n_held, &now.options, memory[2],
+                             size, &set, NULL))
+        return 0;
+    for (int i = 0; i < now.options.rows; i++)
+        if (rbd_contact_row_set(model, set, i, &now.row[i])) return 0;
+    return 1;
 }
 
 static void release(void) {
@@ -931,9 +1014,32 @@ static void add_limit(const rbd_body *b, double q, double v, int dof, int upper,
     x->rows++;
 }
 
-/* Limits of joints, then their dry friction. */
-static void add_joint_rows(int any) {
+/* The laws of a bounded row. In steps of second order the work of dry friction, by the mean of the speeds
+   before and at the end, is not above 0: with the sign of the first solution's impulse it brakes, and may
+   stop; or it pushes the way in which the row moves, which must then turn around. */
+static void add_bounded(const rbd_contact_row *row) {
     laws *x = &exact_laws;
+    const int r = x->rows++;
+    const quad first = r < set->rows->rows ? (quad)set->early[r] : 0;
+    const double tolerance =
+        now.options.tolerance > 0 ? now.options.tolerance : (double)RBDI_CONTACT_TOLERANCE;
+    keep_dofs(r, row->dofs, row->dof, row->jacobian);
+    x->lower[r] = now.dt * (double)row->lower, x->upper[r] = now.dt * (double)row->upper;
+    x->b[r] = row->bias, x->delta[r][r] = row->compliance;
+
+    const quad u = along(J[r], begin);
+    const int brakes = u * first <= 0;
+    if (half == 0 || row->compliance > 0 || fabs((double)row->bias) > 0) return;
+    if (!(fabs((double)u) > tolerance)) return;
+    if (brakes == (u > 0))
+        x->upper[r] = 0;
+    else
+        x->lower[r] = 0;
+    if (!brakes) x->b[r] = u;
+}
+
+/* Limits of joints, their dry friction, and bounded rows. */
+static void add_joint_rows(int any) {
     for (int i = 0, iq = 0, iv = 0; now.options.joint_limits && i < now.robot.nb; i++) {
         const rbd_body *b = &now.robot.bodies[i];
         for (int upper = 0; !b->mimic && upper < 2 && has_limits(b) && b->lower < b->upper; upper++)
@@ -943,12 +1049,13 @@ static void add_joint_rows(int any) {
     for (int i = 0, iv = 0; now.options.joint_friction && i < now.robot.nb; i++) {
         const rbd_body *b = &now.robot.bodies[i];
         for (int k = 0; !b->mimic && k < world_nv(b); k++, iv++) {
-            if (!(b->friction[k] > 0)) continue;
-            keep_dof(x->rows, iv, 1);
-            x->upper[x->rows] = now.dt * b->friction[k], x->lower[x->rows] = -x->upper[x->rows];
-            x->rows++;
+            const rbd_real most = (rbd_real)b->friction[k];
+            const rbd_contact_row row = {
+                .dofs = 1, .dof = {iv}, .jacobian = {1}, .lower = -most, .upper = most};
+            if (most > 0) add_bounded(&row);
         }
     }
+    for (int i = 0; i < now.options.rows; i++) add_bounded(&now.row[i]);
 }
 
 /* All rows of the step by their definition, in the library's order, and its impulses. Returns 0 if it has
@@ -966,6 +1073,8 @@ static int find_rows(int *energy_holds) {
     }
     x->contacts = x->rows / 3;
     if (any) *energy_holds = 0;
+    for (int i = 0; i < now.options.rows; i++)
+        if (fabs((double)now.row[i].bias) > 0) *energy_holds = 0; /* it drives */
     for (int i = 0; i < now.n; i++) {
         const int normal = set->contact[i].row + 2;
         if (normal < 2 || normal >= x->rows) continue;

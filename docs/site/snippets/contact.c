@@ -27,7 +27,7 @@ void example_rbd_contact_set_init(void) {
                                          .point = {0.33, 0, 0},
                                          .radius = 0.02,
                                          .friction = 0.7}};
-    const rbd_contact_options options = {.joint_limits = 1, .derivatives = 1};
+    const rbd_contact_options options = {.joint_limits = 1, .joint_friction = 1, .derivatives = 1, .rows = 1};
     status = rbd_work_init(m, work_memory, sizeof work_memory, &w);
     if (status == RBD_OK) status = rbd_neutral(m, q);
     q[2] = 0.5;
@@ -54,6 +54,29 @@ void example_rbd_contact_fd(void) { status = rbd_contact_fd(m, c, q, v, tau, NUL
 void example_rbd_contact_plane(void) {
     const double slope[3] = {-0.1, 0, 1};
     status = rbd_contact_plane(m, c, 0, slope, 0.05); /* terrain under foot 0 from the next step on */
+}
+
+void example_rbd_contact_friction(void) {
+    status = rbd_contact_friction(m, c, 6, 1.5); /* the hip's motor is warm: N m, from the next step on */
+}
+
+void example_rbd_contact_row_set(void) {
+    /* shaft 0 turns with two joints of a leg, and has friction */
+    const rbd_contact_row shaft = {
+        .dofs = 2, .dof = {6, 10}, .jacobian = {1, -1}, .lower = -0.8, .upper = 0.8};
+    status = rbd_contact_row_set(m, c, 0, &shaft);
+}
+
+void example_rbd_contact_row_get(void) {
+    double force;
+    if (rbd_contact_row_get(c, 0, &force) == RBD_STICKS) tau[6] += force; /* N m, within the bounds */
+}
+
+void example_rbd_contact_inertia(void) {
+    static double added[NV * (NV + 1) / 2]; /* kept: 0 but where two joints share a rotor of 0.02 kg m^2 */
+    added[rbd_packed_index(m, 10, 6)] = -0.02;
+    added[rbd_packed_index(m, 6, 6)] = added[rbd_packed_index(m, 10, 10)] = 0.02;
+    status = rbd_contact_inertia(m, c, added);
 }
 
 void example_rbd_contact_reset(void) {
