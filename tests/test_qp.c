@@ -1088,7 +1088,7 @@ START_TEST(ways_without_end_are_found_without_h) {
 }
 END_TEST
 
-/* The optimum without rows is far away, the solution next to 0: as a share of x the rows hold all the same. */
+/* The optimum without rows is far away, the solution next to 0: rows hold as a share of x all the same. */
 START_TEST(rows_hold_as_a_share_of_a_small_solution) {
     const double small = sizeof(rbd_real) == 4 ? 1e-3 : 1e-7;
     seed = 47;
@@ -1108,8 +1108,8 @@ START_TEST(rows_hold_as_a_share_of_a_small_solution) {
 }
 END_TEST
 
-/* A soft row of zeros that misses its side by 1e25, at a weight of 1e25: its multiplier is too large in float,
-   and what is said of it is a number in any case. */
+/* A soft row of zeros that misses its side by 1e25, at a weight of 1e25: its multiplier is too large in
+   float, and what is said of it is a number in any case. */
 START_TEST(multipliers_that_overflow_are_named) {
     rbd_qp_problem p = problem_of(1, 0, 1);
     H[0] = 1;
