@@ -25,6 +25,7 @@ includes() {
         e) echo '#include "rbd_estimate.h"' ;;
         a) echo '#include "rbd_actuator.h"' ;;
         q) echo '#include "rbd_qp.h"' ;;
+        t) echo '#include "rbd_tasks.h"' ;;
         esac
     done
 }
@@ -45,10 +46,11 @@ file() {
     [ -n "$2" ] && echo "#define RBD_IMPLEMENTATION"
     includes "$2"
     case $2 in *[de]*) echo "#define EXPECTED_DERIVATIVES" ;; esac
-    expect RBDI_IMPLEMENTED '*[rdckbsiea]*' "$2"
-    expect RBDI_QP_IMPLEMENTED '*q*' "$2"
-    expect RBDI_IK_IMPLEMENTED '*i*' "$2"
+    expect RBDI_IMPLEMENTED '*[rdckbsieat]*' "$2"
+    expect RBDI_QP_IMPLEMENTED '*[qt]*' "$2"
+    expect RBDI_IK_IMPLEMENTED '*[it]*' "$2"
     expect RBDI_ESTIMATE_IMPLEMENTED '*e*' "$2"
+    expect RBDI_TASKS_IMPLEMENTED '*t*' "$2"
     expect RBDI_ACTUATOR_IMPLEMENTED '*a*' "$2"
     case $2 in *[ck]*) echo "#define EXPECTED_CONSTRAINTS" ;; esac
     case $2 in *k*) echo "#define EXPECTED_CONTACT" ;; esac
@@ -155,7 +157,7 @@ if command -v tcc >/dev/null 2>&1; then
     for order in $orders; do compile "${order#??}" "$order" tcc -std=c99 -c -o "$scratch/file.o"; done
 fi
 # The other compilers take half a second: each header stands first, and last, and either way round with each other one.
-for order in rdcs csrd sdrc qkdr kqds ikdr kids akdr kads; do
+for order in rdcs csrd sdrc qkdr kqds ikdr kids akdr kads tkqi qkdt; do
     compile "${order#??}" "$order" "${CC:-cc}" -std=c99 -Wall -Wextra -Werror -fsyntax-only
     compile "${order#??}" "$order" "${CXX:-c++}" -std=c++17 -Wall -Wextra -Werror -fsyntax-only
 done

@@ -7,3 +7,4 @@
 #include "rbd_estimate.h"
 #include "rbd_actuator.h"
 #include "rbd_qp.h"
+#include "rbd_tasks.h"

@@ -8,3 +8,7 @@
 #include "rbd_estimate.h"
 
 #include "rbd_actuator.h"
+
+#include "rbd_qp.h"
+
+#include "rbd_tasks.h"

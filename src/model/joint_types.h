@@ -21,8 +21,8 @@
      its fields  model/describe.h: rbdi_describe_joint, if a description has axes or a pitch
 
    Floating joints are known in four more places, as bases of robots: model/features.h,
-   constraints/weights.h, contact/momentum.h, estimate/estimate.h. model/check.h asks whether a joint is
-   fixed. No other room names a type: the test `rooms` compares. */
+   constraints/weights.h, contact/momentum.h, estimate/estimate.h, tasks/contacts.h. model/check.h asks
+   whether a joint is fixed. No other room names a type: the test `rooms` compares. */
 
 /* Numbers of coordinates and dofs, and the axes of one-axis links, in order: 'a' axis, 'b' axis2, 'x' 'y' 'z'
    those of the joint frame. A type without axes is a block. */
