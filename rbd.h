@@ -117,8 +117,9 @@
 
      The model is a table, which host and GPU both have (&arm_model), or rbd_model_build made it in memory
      that both see: RBD_MODEL_SIZE(nb) bytes of cudaMallocManaged. Names in such a model are the host's alone.
-     rbd_derivatives.h, rbd_constraints.h, rbd_contact.h, rbd_ik.h, rbd_tasks.h and rbd_qp.h are so, too;
-     rbd_batch.h is for lanes of a CPU. Compile without --use_fast_math, which nvcc does not tell.
+     rbd_derivatives.h, rbd_constraints.h, rbd_contact.h, rbd_ik.h, rbd_actuator.h, rbd_tasks.h and rbd_qp.h
+     are called in the same way; rbd_batch.h is for lanes of a CPU. Compile without --use_fast_math, which
+     nvcc does not tell.
 
    [guarantees]
      No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant: calls change the caller's
@@ -3022,7 +3023,7 @@ RBDI_PART unsigned char *rbdi_aligned(void *memory) {
 
 /* ==== src/model/features.h ==== */
 /* Interface: rbdi_block_of, rbdi_flags, rbdi_is, rbdi_massless_dof, rbdi_mimics, rbdi_on_world,
-   RBDI_FEATURES, RBDI_OTHER_BLOCKS */
+   rbdi_supported, RBDI_FEATURES, RBDI_OTHER_BLOCKS */
 
 /* ---- features [features] ----
    The features of a model, as bits: flags that some link has, flags that some link has not, kinds of links,
@@ -6481,7 +6482,6 @@ RBDI_INLINE int rbdi_joint_turns(const rbdi_frame *u) { return rbdi_type_turns(u
 /* The motion in body axes from the joint's components in v, which are a stride apart, and back. */
 RBDI_LOCAL rbdi_motion rbdi_joint_motion(const rbdi_frame *u, const rbd_real *v, ptrdiff_t stride) {
     rbd_real array[6];
-    if (u->nv == 6) return rbdi_load_motion(v, stride);
     for (int k = 0; k < 6; ++k) array[k] = rbdi_zero();
     for (int k = 0; k < u->nv; ++k) array[rbdi_first_axis(u->type) + k] = v[k * stride];
     return rbdi_load_motion(array, 1);
@@ -6489,10 +6489,6 @@ RBDI_LOCAL rbdi_motion rbdi_joint_motion(const rbdi_frame *u, const rbd_real *v,
 
 RBDI_LOCAL void rbdi_put_joint_motion(const rbdi_frame *u, rbdi_motion V, rbd_real *v, ptrdiff_t stride) {
     rbd_real array[6];
-    if (u->nv == 6) {
-        rbdi_store_motion(v, stride, V);
-        return;
-    }
     rbdi_store_motion(array, 1, V);
     for (int k = 0; k < u->nv; ++k) v[k * stride] = array[rbdi_first_axis(u->type) + k];
 }

@@ -1,7 +1,7 @@
 /* all_calls.h - the results of the library's calls for one model, one after the other: for comparing builds.
    States follow from whole numbers, so that every build has the same. The file that includes this has
-   included rbd_derivatives.h and, after it, rbd_contact.h and rbd_ik.h, with or without the implementation.
-   */
+   included rbd_derivatives.h and, after it, rbd_contact.h, rbd_ik.h and rbd_actuator.h, with or without the
+   implementation. */
 #ifndef TESTS_ALL_CALLS_H
 #define TESTS_ALL_CALLS_H
 
@@ -362,6 +362,94 @@ static void all_calls_ik(all_calls *s) {
     free(memory);
 }
 
+/* A motor for each of up to six joints: of all kinds, in turn. Returns how many. */
+static int all_calls_motors(const all_calls *s, rbd_motor *motors) {
+    int n = 0;
+    memset(motors, 0, 6 * sizeof *motors);
+    for (int k = 0; k < s->nv && n < 6; k++) {
+        const int body = rbd_dof_body(s->m, k);
+        rbd_joint_info joint;
+        rbd_motor *motor = &motors[n];
+        rbd_joint(s->m, body, &joint);
+        if (joint.nv != 1 || joint.nq != 1 || !rbd_joint_name(s->m, body)) continue;
+        motor->joint = rbd_joint_name(s->m, body);
+        motor->gear = (rbd_const)(n % 2 ? -30 : 50), motor->constant = (rbd_const)0.0625;
+        motor->resistance = (rbd_const)0.5, motor->current = 20, motor->voltage = 24;
+        motor->copper = (rbd_const)0.00390625, motor->heat_winding = 20, motor->heat_case = 300;
+        motor->flow_winding = (rbd_const)1.5, motor->flow_case = 3, motor->hot = 80, motor->hottest = 120;
+        motor->cogging = (rbd_const)0.015625, motor->teeth = 12, motor->step = (rbd_const)0.0009765625;
+        motor->delay = n % 2, motor->sampled = n % 5 == 4;
+        if (n % 3 == 1) motor->stiffness = 2000, motor->damping = 2, motor->backlash = (rbd_const)0.0078125;
+        if (n % 3 == 2) motor->friction.bristle = 1000;
+        motor->friction.coulomb = 1, motor->friction.viscous = (rbd_const)0.5,
+        motor->friction.rest = (rbd_const)0.5;
+        motor->friction.load_motor = (rbd_const)0.125, motor->friction.load_joint = (rbd_const)0.0625;
+        motor->friction.rest_motor = (rbd_const)0.0625, motor->friction.rest_joint = (rbd_const)0.03125;
+        motor->friction.square_motor = motor->friction.square_joint = (rbd_const)0.00390625;
+        motor->friction.speed = (rbd_const)0.25, motor->friction.power = (rbd_const)1.375;
+        motor->inertia = n % 3 == 1 ? (rbd_const)0.0001220703125 : 0;
+        n++;
+    }
+    return n;
+}
+
+/* Actuators without and with a transmission, and a rotor. A joint with armature is refused a spring. */
+static void all_calls_actuator(all_calls *s) {
+    const int nv = s->nv;
+    rbd_motor motors[6];
+    rbd_command commands[6] = {{0}};
+    rbd_drive drives[6];
+    rbd_actuator_state state;
+    rbd_actuators *a = NULL;
+    rbd_transmission both = {.kind = RBD_BY_MATRIX, .n = 2, .matrix = {1, 0, 1, -1}};
+    const rbd_rotor rotor = {
+        .body = s->nb - 1, .dof = 0, .axis = {1, 2, 2}, .gear = 9, .inertia = (rbd_const)0.0078125};
+    const int n = all_calls_motors(s, motors);
+    const size_t size = rbd_actuators_size(6, 1, 1);
+    void *memory = malloc(size);
+    rbd_real *o = s->out;
+    s->header = "rbd_actuator.h";
+    for (int i = 0; i < 6; i++)
+        commands[i].kp = 200, commands[i].kd = 2, commands[i].torque = (rbd_real)(i - 2);
+    for (int coupled = 0; coupled < 2 && n > coupled; coupled++) {
+        if (coupled) {
+            both.joint[0] = motors[0].joint, both.joint[1] = motors[1].joint;
+            motors[0].joint = motors[1].joint = NULL;
+        }
+        ALL_CALLS_RUN(rbd_actuators_init(s->m, motors, n, &both, coupled, memory, size, &a, NULL), 0);
+        if (!a) continue;
+        ALL_CALLS_RUN(rbd_actuators_reset(a, s->q2, 25), 0);
+        ALL_CALLS_RUN(rbd_actuators_map(a, s->q, s->v, o, o + n), 2 * n);
+        ALL_CALLS_RUN((o[0] = (rbd_real)rbd_actuators_fault(a), RBD_OK), 1);
+        for (int k = 0; k < 2; k++) {
+            rbd_real dt = (rbd_real)0.0078125;
+            ALL_CALLS_RUN(rbd_actuators_begin(a, commands, s->q, s->v, dt, k, o, o + nv), 2 * nv);
+            ALL_CALLS_RUN(rbd_actuators_derivatives(a, o, o + nv * nv, o + 2 * nv * nv),
+                          2 * nv * nv + nv * n);
+            ALL_CALLS_RUN((o[2 * nv] = (rbd_real)rbd_actuators_again(a, s->v, o, o + nv), RBD_OK),
+                          2 * nv + 1);
+            while (rbd_actuators_again(a, s->v, o, o + nv)) {
+            }
+        }
+        for (int i = 0; i < n; i++) {
+            ALL_CALLS_RUN((rbd_actuators_get(a, i, &state), o[0] = state.angle, o[1] = state.speed,
+                           o[2] = state.motor, o[3] = state.joint, o[4] = state.friction,
+                           o[5] = state.winding, RBD_OK),
+                          6);
+            ALL_CALLS_RUN(
+                (o[0] = rbd_friction_level(&motors[i].friction, s->v[0], s->tau[0], s->a[0]), RBD_OK), 1);
+        }
+        ALL_CALLS_RUN(rbd_actuators_inverse(a, s->q, s->v, s->a, s->tau, drives), 0);
+        for (int i = 0; i < n; i++)
+            ALL_CALLS_RUN((o[0] = drives[i].torque, o[1] = drives[i].current, o[2] = drives[i].voltage,
+                           o[3] = drives[i].by_torque, RBD_OK),
+                          4);
+    }
+    for (int i = 0; i < 6 * s->nb; i++) o[nv + i] = 0;
+    ALL_CALLS_RUN(rbd_rotor_torque(s->m, s->w, &rotor, 1, s->q, s->v, s->a, o + nv, o), nv);
+    free(memory);
+}
+
 /* All of it, at `states` states. */
 static void all_calls_of(const rbd_model *m, int states, all_calls_sink *sink, void *to) {
     uint64_t seed = 1;
@@ -406,6 +494,7 @@ static void all_calls_of(const rbd_model *m, int states, all_calls_sink *sink, v
         all_calls_contact(s);
         all_calls_contact_problem(s, &seed);
         all_calls_ik(s);
+        all_calls_actuator(s);
     }
     free(memory), free(d_memory), free(x), free(s->given), free(s->weights);
 }

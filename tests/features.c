@@ -16,6 +16,8 @@
 #include "rbd_contact.h"
 #include "rbd_ik.h"
 
+#include "rbd_actuator.h"
+
 #include "all_calls.h"
 #include <math.h>
 #include <stdio.h>

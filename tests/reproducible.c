@@ -19,6 +19,7 @@
 #include "rbd_contact.h"
 
 #include "rbd_ik.h"
+#include "rbd_actuator.h"
 
 #include "rbd_tasks.h"
 
@@ -63,10 +64,10 @@ static void hash_number(uint64_t *hash, rbd_real x) {
     hash_word(hash, bits, (int)sizeof bits);
 }
 
-enum { HEADERS = 8 };
+enum { HEADERS = 9 };
 static const char *const headers[HEADERS] = {"rbd.h",         "rbd_derivatives.h", "rbd_constraints.h",
                                              "rbd_contact.h", "rbd_ik.h",          "rbd_spatial.h",
-                                             "rbd_qp.h",      "rbd_tasks.h"};
+                                             "rbd_qp.h",      "rbd_actuator.h",    "rbd_tasks.h"};
 
 typedef struct hashes {
     uint64_t of[HEADERS];

@@ -968,7 +968,7 @@ START_TEST(far_from_the_common_frame_the_inverse_is_that_of_rbd_minverse) {
         expect_ok("fd_derivatives", &r, i,
                   rbd_fd_derivatives(r.m, d, s.q, s.v, s.tau, NULL, NULL, NULL, NULL, M[0]));
         expect_ok("minverse", &r, i, rbd_minverse(r.m, r.w, s.q, M[1]));
-        expect_close("far arm, inverse", &r, i, M[0], M[1], 49, 1e-8); /* some eps / 1e-7: docs/accuracy.md */
+        expect_close("far arm, inverse", &r, i, M[0], M[1], 49, 1e-8); /* some eps / 1e-7 */
         free(d_memory);
         robot_free(&r);
     }

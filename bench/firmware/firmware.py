@@ -57,6 +57,7 @@ EXAMPLES["cortex-m7", "whole_body"] = {"controller": r"controller (\d+)", "contr
                                        "tasks": r"tasks (\d+)", "stack": r"stack (\d+) bytes"}
 EXAMPLES["cortex-m7", "recorded_control"] = {"push": r"push takes (\d+)", "controller": r"controller (\d+) instructions",
                                              "ring": r"ring (\d+) bytes"}
+EXAMPLES["cortex-m4f", "servo_arm"] = {"inverse": r"torques (\d+) instructions", "memory": r"memory (\d+)"}
 EXAMPLES.update({(target, "inverse_kinematics"): {
     "pose": r"far start (\d+)", "worst": r"instructions, (\d+) at worst", "evaluation": r"(\d+) an evaluation",
     "line": r"along a line (\d+)", "line_worst": r"line \d+, (\d+) at worst", "memory": r"memory (\d+)",
@@ -200,10 +201,10 @@ def prove(target, folder, scalars, levels, parts):
     if "calls" in parts and len(lines) < (1 + 2 * len(levels)) * len(scalars):
         problem(f"{target}: libraries are missing: {lines}")
     programs = ("collision", "computed_torque", "five_bar", "gravity_compensation", "inverse_kinematics", "mpc_cart_pole",
-                "mpc_iiwa", "quadratic_programs", "recorded_control", "standing",
+                "mpc_iiwa", "quadratic_programs", "recorded_control", "servo_arm", "standing",
                 "whole_body")
     for program in programs if "examples" in parts else ():
-        if not (folder / "examples/firmware" / program).exists() and program.startswith(("five", "inverse", "mpc", "quad", "record", "stand", "whole")):  # an FPU
+        if not (folder / "examples/firmware" / program).exists() and program.startswith(("five", "inverse", "mpc", "quad", "record", "servo", "stand", "whole")):  # an FPU
             continue
         symbols = output_of(tool(target, "nm"), folder / "examples/firmware" / program)
         names = {line.split()[-1] for line in symbols.splitlines()}
@@ -490,6 +491,18 @@ def own_table(rows):
     return lines
 
 
+def short_table(rows):
+    """Of docs/firmware.md: what a controller costs on a Cortex-M4F, in three lines."""
+    some = {(r["robot"], r["algorithm"]): r for r in rows if r["target"] == "cortex-m4f" and r["scalar"] == "float" and r["level"] == "s"}
+    lines = ["| on a Cortex-M4F, float, -Os | flash, whole program | RAM, the work | stack | instructions per call |", "|---|--:|--:|--:|--:|"]
+    for words, call in (("torques of a motion, an arm of seven joints", ("iiwa", "id_own")),
+                        ("accelerations of the same arm", ("iiwa", "fd_own")),
+                        ("torques of a motion, a robot with four legs", ("hyq", "id_own"))):
+        r = {**some[call], "work": some[call[0], "id"]["work"]}  # without the constraints that HyQ's program has room for
+        lines.append(f"| {words}: `{OWN[call[1]]}` | " + " | ".join(number(r[k]) for k in ("program", "work", "stack", "instructions")) + " |")
+    return lines
+
+
 def calls_table(rows):
     """Of docs/firmware.md: a line per target, float at -O2; and what each robot needs, which hardly depends on it."""
     some = {(r["target"], r["robot"], r["algorithm"]): r for r in rows if r["scalar"] == "float" and r["level"] == "2"}
@@ -641,6 +654,7 @@ BLOCKS = {"five_bar": ("examples/firmware/README.md", five_bar_table), "mpc": ("
           "ik": ("examples/firmware/README.md", ik_table),
           "qp": ("examples/firmware/README.md", qp_table),
           "contacts": ("examples/firmware/README.md", contacts_table), "flash": ("docs/porting.md", alone_table),
+          "short": ("docs/firmware.md", lambda _, __: short_table(read_accepted())),
           "own": ("docs/firmware.md", lambda _, __: own_table(read_accepted())),
           "cold": ("docs/firmware.md", lambda _, __: cold.table()),
           "calls": ("docs/firmware.md", lambda _, __: calls_table(read_accepted()).split("\n"))}
@@ -663,7 +677,8 @@ def documents(write):
         if name == "ik" and not write:
             stale += [f"{document}: no figure accepted in '{line}'; ./run firmware --accept" for line in table_now if "–" in line]
         stale += [f"{document}: '{line}' is missing" for line in table_now if line not in shown.split("\n")]
-    if write:  # the sentences too
+    if write:  # the sentences and the picture too
+        subprocess.run([sys.executable, ROOT / "docs/site/draw.py", "--write"], check=True)
         subprocess.run([sys.executable, ROOT / "tests/figures.py", "--write"], stdout=subprocess.DEVNULL, check=False)
     return stale
 

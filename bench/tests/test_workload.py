@@ -597,12 +597,14 @@ class Page(unittest.TestCase):
         for algorithm in ("id", "fd_derivatives"):
             self.assertEqual(drawn.cells(algorithm, drawn.bars), (drawn.bars, data.robots))
 
-    def test_rbd_has_another_shade_than_others_where_nothing_is_stacked(self):
+    def test_each_library_has_a_shade_of_its_own_where_nothing_is_stacked(self):
         data = type("data", (), {"robots": [("iiwa", "iiwa")]})
         ours, peer = figures.Bar("a", "A", "rbd", "run-time"), figures.Bar("b", "B", "KDL", "run-time")
-        plain = figures.Bars(data, [ours, peer], ["time"], lambda *_: [2.0], "us")
-        self.assertEqual(dict(plain.key()), {"rbd": plain.shade(ours, 0), "other libraries": plain.shade(peer, 0)})
-        self.assertNotEqual(plain.shade(ours, 0), plain.shade(peer, 0))
+        third, code = figures.Bar("c", "C", "RBDL", "run-time"), figures.Bar("d", "D", "RBDL", "generated")
+        plain = figures.Bars(data, [ours, peer, third, code], ["time"], lambda *_: [2.0], "us")
+        self.assertEqual(dict(plain.key()), {"rbd": plain.shade(ours, 0), "KDL": plain.shade(peer, 0), "RBDL": plain.shade(third, 0)})
+        self.assertEqual(len({plain.shade(b, 0) for b in plain.bars}), 3)
+        self.assertEqual(plain.shade(third, 0), plain.shade(code, 0))
         self.assertEqual(figures.Bars(data, [ours], ["time"], lambda *_: [2.0], "us").key(), [])
         stacked = figures.Bars(data, [ours, peer], ["x", "y"], lambda *_: [1.0, 1.0], "us")
         self.assertEqual(dict(stacked.key()), {"x": stacked.shade(peer, 0), "y": stacked.shade(peer, 1)})

@@ -7,6 +7,7 @@ from data import ALGORITHMS, GENERATED_LANES, Bar, RUN_TIME, is_disturbed
 
 # From dark to light, so that black and white tell them apart; every area has a black edge.
 SHADES = ["#1f2d4d", "#5f86b3", "#f0b860", "#fbf1dc"]
+RIVALS = ["#f0b860", "#b5482f", "#8fae5d", "#7d5ba6", "#c9c9c9", "#3f9c9c", "#fbf1dc"]  # a library each
 TOP_KEY = "at screen 0.5, screen 0.925 center top horizontal samplen 2 font ',12'"
 GAP = 1.2  # between clusters, in bars
 DWARFED = 4  # a bar is hard to read beside one that is so many times as high
@@ -28,8 +29,9 @@ def run_gnuplot(script, data, folder, name, title, panels, top=3.5, bottom=8, ro
     data_file = os.path.join(folder, name + ".dat")
     with open(data_file, "w") as f:
         f.write(data)
-    for kind, terminal in (("svg", "svg size 1560,%d font 'Helvetica,13' background '#ffffff'" % (470 * rows)),
-                           ("png", "pngcairo size 1950,%d font 'Helvetica,14' background '#ffffff'" % (590 * rows))):
+    # As wide as report.html's text, so that letters are as large as they say.
+    for kind, terminal in (("svg", "svg size 1240,%d font 'Helvetica,14' background '#ffffff'" % (470 * rows)),
+                           ("png", "pngcairo size 1550,%d font 'Helvetica,17' background '#ffffff'" % (590 * rows))):
         head = HEAD.format(terminal=terminal, output=os.path.join(folder, "%s.%s" % (name, kind)), panels=panels,
                            title=title, top=top, bottom=bottom, rows=rows)
         text = head + script.replace("DATA", data_file) + "unset multiplot\n"
@@ -84,15 +86,23 @@ class Bars:
         """Whether these are the bars of rbd, without others'."""
         return len(shown) < len(self.bars) and all(b.library == "rbd" for b in shown)
 
+    def rivals(self):
+        return list(dict.fromkeys(b.library for b in self.bars if b.library != "rbd"))
+
     def shade(self, bar, part):
-        """Of a part of a bar; where nothing is stacked, rbd's bars differ from others'."""
-        return SHADES[part if len(self.parts) > 1 else 1 if bar.library == "rbd" else 2]
+        """Of a part of a bar; where nothing is stacked, each library has its own."""
+        if len(self.parts) > 1:
+            return SHADES[part]
+        return SHADES[1] if bar.library == "rbd" else RIVALS[self.rivals().index(bar.library) % len(RIVALS)]
 
     def key(self):
         """What the shades mean: (text, shade)."""
         if len(self.parts) > 1:
             return list(zip(self.parts, SHADES))
-        return [("rbd", SHADES[1]), ("other libraries", SHADES[2])] if {b.library for b in self.bars} > {"rbd"} else []
+        ours, others = [b for b in self.bars if b.library == "rbd"], {b.library: b for b in self.bars if b.library != "rbd"}
+        if not ours or not others:
+            return []
+        return [("rbd", SHADES[1])] + [(name, self.shade(others[name], 0)) for name in self.rivals()]
 
     def found(self, bars, group):
         values = [self.value(bar, robot, algorithm) for bar in bars for robot, _ in self.data.robots
@@ -159,7 +169,7 @@ class Bars:
             first = len(blocks)
             ticks, clusters, marks, end, top = self.panel(algorithm, shown, blocks)
             script += "unset label\nset key off\nset title '%s' offset 0,-0.3\n" % (
-                panel_title + (", rbd alone" if self.is_part(shown) else ""))
+                panel_title + (", rbd" if self.is_part(shown) else ""))
             script += "set xrange [-1:%g]\n" % end
             script += "set xtics rotate by 90 right font ',11' (%s) scale 0\n" % ", ".join(ticks)
             script += "set ylabel \"%s\"\n" % (self.ylabel if column == 0 else "")
@@ -209,14 +219,6 @@ def counts_of(data, names, divide_by=None):
             return None
         unit = divide_by(RUN_TIME, robot, algorithm) if divide_by else 1
         return [n / unit for n in numbers] if unit else None
-
-    return value
-
-
-def other_instructions(data):
-    def value(bar, robot, algorithm):
-        numbers = [data.count(bar, robot, algorithm, n) for n in ("instructions", "loads", "stores", "branches")]
-        return None if None in numbers else max(0, numbers[0] - sum(numbers[1:]))
 
     return value
 

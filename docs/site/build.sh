@@ -8,7 +8,7 @@ scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 if [ "${RBD_PLAYGROUND-no}" = yes ]; then # first: the pages link it
     status=0
-    sh "$root/web/playground/build.sh" "$scratch/playground" || status=$?
+    RBD_HOME=../index.html sh "$root/web/playground/build.sh" "$scratch/playground" || status=$?
     case $status in
     0) ;;
     77) export RBD_PLAYGROUND=no; echo "the site is without its playground" >&2 ;;
@@ -23,8 +23,9 @@ mkdir -p "$scratch/pages/extra/licences"
 for package in libjs-katex fonts-katex furo node-normalize.css sphinx-common; do
     [ ! -f "/usr/share/doc/$package/copyright" ] || cp "/usr/share/doc/$package/copyright" "$scratch/pages/extra/licences/$package.txt"
 done
-python3 -m sphinx -q -b html -d "$scratch/trees" "$@" "$scratch/pages" "$scratch/site"
+RBD_ROOT=$root python3 -m sphinx -q -b html -d "$scratch/trees" "$@" "$scratch/pages" "$scratch/site"
 python3 "$here/theme.py" "$scratch/site"
+python3 "$here/search_index.py" "$scratch/site" >/dev/null
 rm -f "$scratch/site/objects.inv" "$scratch/site/.buildinfo"
 [ "${RBD_PLAYGROUND-no}" = no ] || mv "$scratch/playground" "$scratch/site/playground"
 mkdir -p "$(dirname -- "$out")"

@@ -17,26 +17,39 @@ import extract
 from extract import ROOT
 
 HERE = pathlib.Path(__file__).resolve().parent
-# Guides, in order: title of the part, and files.
+# Guides, in order: title of the part, and files; those that are not there are left out.
 GUIDES = [
-    ("Begin", ["docs/first_minutes.md", "docs/install.md", "docs/robot.md", "docs/robot_files.md", "docs/conventions.md", "examples/README.md",
-               "python/README.md"]),
-    ("In a controller", ["docs/control_loop.md", "docs/contacts.md", "docs/contact_step.md", "docs/inverse_kinematics.md",
-                         "docs/qp.md", "docs/tasks.md", "docs/gradients.md", "docs/generated_code.md", "docs/gpu.md", "docs/firmware.md",
-                         "docs/porting.md", "docs/reproducible.md",
-                         "examples/firmware/README.md"]),
-    ("Tools and other libraries", ["docs/other_libraries.md", "docs/mjcf.md", "docs/tools.md", "models/README.md"]),
-    ("Accuracy and measurements", ["docs/accuracy.md", "docs/performance.md", "bench/results/2026-11-27-xeon/report.md",
-                                   "bench/results/2026-11-25-contact/contact.md", "bench/results/2026-11-27-h200/report.md",
-                                   "bench/README.md"]),
-    ("The project", ["README.md", "docs/interface.md", "CONTRIBUTING.md", "CHANGELOG.md", "packaging/README.md"]),
+    ("Begin", ["docs/first_minutes.md", "docs/install.md", "docs/robot.md", "docs/robot_files.md", "docs/mjcf.md",
+               "docs/which_call.md", "docs/conventions.md", "examples/README.md", "python/README.md", "docs/faq.md", "docs/glossary.md"]),
+    ("An arm", ["docs/gravity_compensation.md", "docs/computed_torque.md", "docs/inverse_kinematics.md", "docs/actuators.md",
+                "docs/identification.md"]),
+    ("A robot with legs", ["docs/floating_base.md", "docs/contacts.md", "docs/contact_step.md", "docs/qp.md",
+                           "docs/tasks.md", "docs/gradients.md"]),
+    ("On the robot", ["docs/control_loop.md", "docs/porting.md", "docs/firmware.md", "examples/firmware/README.md",
+                      "docs/reproducible.md", "docs/generated_code.md"]),
+    ("Research", ["docs/other_libraries.md", "docs/gpu.md", "docs/tools.md", "models/README.md", "docs/accuracy.md",
+                  "docs/accuracy_tables.md",
+                  "docs/performance.md", "bench/results/2026-11-27-xeon/report.md",
+                  "bench/results/2026-11-25-contact/contact.md", "bench/results/2026-11-27-h200/report.md", "bench/README.md"]),
+    ("The project", ["README.md", "CHANGELOG.md", "docs/migration.md", "CONTRIBUTING.md", "packaging/README.md"]),
 ]
-# Shorter names in the list of guides.
-TITLES = {"docs/mjcf.md": "MJCF files", "docs/control_loop.md": "Control loop", "docs/gradients.md": "Gradients and predictive control",
-          "docs/firmware.md": "Firmware: what it costs", "docs/porting.md": "Firmware: your board",
-          "examples/firmware/README.md": "Firmware: examples", "bench/results/2026-11-27-xeon/report.md": "Measurements",
+# Titles that are not those of their files, in the menu and on the page.
+TITLES = {"docs/mjcf.md": "MJCF files", "examples/firmware/README.md": "Firmware: examples", "bench/results/2026-11-27-xeon/report.md": "Measurements",
           "bench/results/2026-11-25-contact/contact.md": "Measurements of contacts",
-          "bench/results/2026-11-27-h200/report.md": "Measurements on a GPU"}
+          "bench/results/2026-11-27-h200/report.md": "Measurements on a GPU", "README.md": "Overview"}
+# Pages that no menu needs: they are reached by links.
+HIDDEN = ["docs/migration.md"]
+# The four doors of the first page: who comes, and the guides for it.
+DOORS = [
+    ("An arm", "Torques that carry its weight, motions that follow a path, a hand at a place.",
+     ["docs/gravity_compensation.md", "docs/computed_torque.md", "docs/inverse_kinematics.md"]),
+    ("A robot with legs", "A base that floats, feet that stand, slip and land, forces within friction.",
+     ["docs/floating_base.md", "docs/contacts.md", "docs/contact_step.md"]),
+    ("A microcontroller", "No heap, the model in flash, the same code in float: what it costs, and how to bring it to your board.",
+     ["docs/firmware.md", "docs/porting.md", "examples/firmware/README.md"]),
+    ("Research", "Derivatives, thousands of states at once, a GPU, other libraries' conventions, and how exact results are.",
+     ["docs/gradients.md", "docs/gpu.md", "docs/other_libraries.md", "python/README.md"]),
+]
 # Rows of bench/instructions.csv, and the call that each is of.
 COSTS = {"id": "rbd_rnea", "mm": "rbd_crba", "mm_packed": "rbd_crba_packed", "fd": "rbd_aba",
          "fd_cholesky": "rbd_fd_cholesky", "hybrid": "rbd_hybrid", "id_free_base": "rbd_id_free_base",
@@ -280,6 +293,11 @@ def rendered(comment, header, leave=()):
 
 # ---- entries ----
 
+def together(signatures):
+    """Signatures of one entry, on the directive's line: conf.py takes them apart, and each has its anchor."""
+    return " ; ".join(signatures)
+
+
 def signature(item):
     text = re.sub(r"/\*.*?\*/", " ", item.text, flags=re.S).split("{")[0]
     text = re.sub(r"\b(RBDI_API|RBDI_BATCH_API|RBDI_INLINE|RBDI_PART|static|RBDI_UNUSED|RBDI_AT)\b", "", text)
@@ -358,7 +376,7 @@ def type_lines(item, header, with_text):
 
 
 def macro_lines(macros, text, header):
-    return ["`````{c:macro} " + "\n".join(i.text for i in macros) + "\n", rendered(text, header),
+    return ["`````{c:macro} " + together(i.text for i in macros) + "\n", rendered(text, header),
             source(macros[0], header) + "\n`````\n"]
 
 
@@ -366,7 +384,7 @@ def function_lines(functions, comment, header):
     """Results, arguments, errors, cost and examples of functions with one comment."""
     rows, _, _ = argument_rows(functions, header)
     short = "; ".join(dict.fromkeys(summaries().get(i.name, "") for i in functions))
-    out = ["`````{c:function} " + "\n".join(signature(i) for i in functions) + "\n",
+    out = ["`````{c:function} " + together(signature(i) for i in functions) + "\n",
            rendered(comment, header, leave=[r[0] for r in rows]) or short[:1].upper() + short[1:] + ".\n"]
     out += ["```{math}\n" + formulas()[i.name] + "\n```\n" for i in functions if i.name in formulas()]
     if rows:
@@ -385,6 +403,8 @@ def entry(group, header):
     types, macros, functions = ([i for i in group if i.kind == kind] for kind in ("type", "macro", "function"))
     macros = [i for i in macros if i.name not in extract.named_in_top(header)]
     comment = "\n".join(i.comment for i in group if i.comment)
+    if len(functions) > 1 and all(i.comment for i in group):  # each has a line of its own
+        comment = "\n".join(f"{i.name}  {i.comment}" for i in group)
     out = [line for item in types for line in type_lines(item, header, with_text=not functions)]
     if macros:
         out += macro_lines(macros, comment or summaries().get(group[0].name, ""), header)
@@ -429,7 +449,7 @@ def top_part(body):
 def top_macro(name, text, header):
     names = re.findall(r"RBD_\w+(?:\(\w\))?", name) if "(" in name else [name.split()[0]]
     code, sentence = re.findall(r"\n(#.*)", text), re.sub(r"\n#[^\n]*", "", text)
-    return ["`````{c:macro} " + "\n".join(names) + "\n\n" + linked(sentence, header) + "\n",
+    return ["`````{c:macro} " + together(names) + "\n\n" + linked(sentence, header) + "\n",
             (fence("\n".join(code)) if code else "") + "`````\n"]
 
 
@@ -494,7 +514,20 @@ def reference():
                     where.append(entry(fresh, header))
             if section.note:
                 where.append(rendered(section.note, header))
-    return {page: "\n".join(parts) for page, parts in pages.items()}
+    return {page: with_contents("\n".join(parts), page) for page, parts in pages.items()}
+
+
+def with_contents(text, page):
+    """The page with the names of its calls, each with its short line, behind its title."""
+    here = [(name, kind) for name, (where, kind) in places().items() if where == page]
+    shown = [entry for entry in here if entry[1] == "func"]
+    shown = shown if len(shown) > 2 else [entry for entry in here if entry[1] != "macro"]
+    if len(shown) < 3:
+        return text
+    rows = [f"| {{c:{kind}}}`{name}` | {summaries().get(name, '')} |" for name, kind in shown]
+    rows = [re.sub(r"\]\((\w+)\.md\)", r"](/guides/\1.md)", row) for row in rows]
+    end = re.search(r"^# .*\n", text, re.M).end()
+    return text[:end] + "\n" + "\n".join(["| name | |", "|---|---|", *rows]) + "\n" + text[end:]
 
 
 # ---- guides ----
@@ -516,7 +549,7 @@ def guide(path, files):
     def link(match):
         label, target = match[1], match[2]
         if target is None:  # code
-            return match[0]
+            return named(match[0])
         if re.match(r"\w+:|#", target):
             return match[0]
         bare, _, anchor = target.partition("#")
@@ -528,28 +561,80 @@ def guide(path, files):
         files.add(goal)
         if match[0].startswith("!"):
             return f"![{label}](/files/{goal})"
+        if goal == "docs/interface.md":  # the site has these names as pages
+            return f"[{label}](../reference/names.md)"
         if goal in guides():
             return f"[{label}]({page_name(goal).split('/')[1]}.md" + (f"#{anchor}" if anchor else "") + ")"
         return f'<a href="../files/{goal}{"" if goal.endswith((".png", ".svg")) or (ROOT / goal).is_dir() else ".html"}">' + label + "</a>"
 
-    text = re.sub(r"^```.*?^```|!?\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^)\s]+)\)|`[^`\n]+`|^(?: {4}\S[^\n]*\n)+", link, text,
+    if path in TITLES:
+        text = re.sub(r"^# .*$", f"# {TITLES[path]}", text, count=1, flags=re.M)
+    text = re.sub(r"^```.*?^```|!?\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^)\s]+)\)|^#[^\n]*|`[^`\n]+`|^(?: {4}\S[^\n]*\n)+", link, text,
                   flags=re.S | re.M)
     text = re.sub(r"^```(\w+) \w+$", r"```\1", text, flags=re.M)  # names of output, for tests
     return text
 
 
+def named(code):
+    """`rbd_aba` or `rbd_aba()` as a link to its entry; other code as it stands."""
+    name = re.fullmatch(r"`((?:rbd|RBD)_\w+)(?:\(\))?`", code)
+    return f"{{c:{places()[name[1]][1]}}}{code[:-1]} <{name[1]}>`" if name and name[1] in places() else code
+
+
+def title_of(path):
+    return TITLES.get(path) or re.search(r"^# (.*)$", (ROOT / path).read_text(), re.M)[1]
+
+
+def numbers():
+    """Three numbers with what they are of, from the documents that the measurements write."""
+    readme = (ROOT / "README.md").read_text()
+    time = re.search(r"^\| inverse dynamics \| ([\d.]+) / .*? \| .*? \| ([\d.]+) / ", readme, re.M)
+    flash = re.search(r"^\| cortex-m4f \| ([\d,]+) \|", (ROOT / "docs/firmware.md").read_text(), re.M)
+    error = re.search(r"was ([\d.e-]+) in inverse dynamics", (ROOT / "docs/performance.md").read_text())
+    nanoseconds, times = float(time[1]), float(time[2])
+    return [(f"{nanoseconds / 1000:.2f} µs", f"inverse dynamics of an arm with seven joints on one core, {times:.1f} times as fast as Pinocchio"),
+            (f"{int(flash[1].replace(',', '')) / 1000:.1f} kB", "of flash for the same on a Cortex-M4F: the whole program with the robot, without a heap"),
+            (error[1], "the largest relative error of dynamics in double, against quad precision")]
+
+
+def quick_start():
+    """The README's first program and what it prints; a test runs it."""
+    readme = (ROOT / "README.md").read_text()
+    return [re.search(rf"^```{kind}\n.*?^```$", readme, re.S | re.M)[0] for kind in ("c", "text")]
+
+
+def doors():
+    out = ['<div class="doors">']
+    for title, words, paths in DOORS:
+        links = " · ".join(f'<a href="{page_name(p)}.html">{html.escape(title_of(p))}</a>' for p in paths if (ROOT / p).exists())
+        out.append(f"<div><b>{title}</b><p>{words}</p><p>{links}</p></div>")
+    return out + ["</div>", ""]
+
+
 def index():
-    out = ["---", "hide-toc: true", "---", "", "# rbd", "", "Rigid-body dynamics of robots in one C99 header.", ""]
+    """The first page: what this is in one sentence, the playground, a program, three numbers, four doors."""
+    playground = os.environ.get("RBD_PLAYGROUND") == "yes"
+    out = ["---", "hide-toc: true", "---", "", "# rbd", ""]
+    out += ['<p class="landing">Torques, accelerations, contacts and inverse kinematics of any robot, computed by C headers that '
+            "run unchanged on a PC and on a microcontroller.</p>", ""]
+    picture = '<img src="files/docs/playground.png" alt="A robot in the browser with its joints, torques and mass matrix">'
+    if playground:
+        out += [f'<a class="look" id="playground" href="playground/index.html">{picture}<b>Open the playground: your URDF, in this browser</b></a>', ""]
+    code, printed = quick_start()
+    out += ["The torques that hold an arm still, in N m:", "", code, "", printed, ""]
+    out += ['<div class="three">' + "".join(f"<div><b>{n}</b><span>{html.escape(what)}</span></div>" for n, what in numbers()) + "</div>", ""]
+    out += doors()
+    out += ["It allocates nothing, links nothing but libm, and takes a robot from a URDF file or from a table of your own. "
+            "[First five minutes](guides/first_minutes.md) goes from a clone to torques; "
+            "[Which call do I need?](guides/which_call.md) leads from a question to a function.", ""]
     first = ROOT / "docs/overview.svg"
     out += ["![A description is built into a constant model; the algorithms take it with the state and the caller's work "
             "memory](/files/docs/overview.svg)", ""] if first.exists() else []
-    if os.environ.get("RBD_PLAYGROUND") == "yes":
-        out += ['<p id="playground"><a href="playground/index.html">Playground</a>: drop a URDF file into the page, move the '
-                "robot, take its table home. Nothing leaves your browser.</p>", ""]
     for title, paths in GUIDES:
-        out += ["```{toctree}", f":caption: {title}", ":maxdepth: 1", ""]
-        out += [f"{TITLES[p]} <{page_name(p)}>" if p in TITLES else page_name(p) for p in paths if (ROOT / p).exists()] + ["```", ""]
-    out += ["```{toctree}", ":caption: Reference", ":maxdepth: 1", "", *reference(), "reference/names", "```", ""]
+        out += ["```{toctree}", f":caption: {title}", ":maxdepth: 1", ":hidden:", ""]
+        out += ["Playground <playground>"] if playground and title == "Begin" else []
+        out += [page_name(p) for p in paths if (ROOT / p).exists() and p not in HIDDEN] + ["```", ""]
+    out += ["```{toctree}", ":caption: Reference", ":maxdepth: 1", ":hidden:", "", "reference/names", *reference(), "```", ""]
     return "\n".join(out)
 
 
@@ -599,9 +684,12 @@ def write_file(path, folder):
 def write(folder):
     """The pages for Sphinx in folder/, and in folder/extra/ what is copied as it is."""
     files = {h.name for h in headers()} | {"docs/overview.svg"}
+    files.add("docs/playground.png")
     pages = {**reference(), "reference/names": names_page(), "index": index()}
+    if os.environ.get("RBD_PLAYGROUND") == "yes":
+        pages["playground"] = "# Playground\n"  # of the menu; theme.py leads it to the playground itself
     for path in guides():
-        pages[page_name(path)] = guide(path, files)
+        pages[page_name(path)] = ("---\norphan: true\n---\n" if path in HIDDEN else "") + guide(path, files)
     for name, text in pages.items():
         path = folder / (name + ".md")
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -630,7 +718,7 @@ def problems():
     declared = set().union(*map(interface.public, interface.HEADERS))
     shown = set()
     for block in re.findall(r"^`{4,5}\{c:\w+\} ([^`]*?)\n\n|^````\{c:enumerator\} (\w+)", text, re.M):
-        for line in (block[0] or block[1]).split("\n"):
+        for line in re.split(r" ; |\n", block[0] or block[1]):
             names = re.findall(r"\b(?:rbd|RBD)_\w+(?=\(|$| *\*?$|\[)", line.strip())
             shown |= set(names[:1]) if "(" in line else set(names[-1:])
     for name in sorted(declared - shown):
@@ -663,9 +751,10 @@ def problems():
     yield from (f"{call} has a cost and is no function" for call in COSTS.values() if call not in declared)
     for path in guides():
         guide(path, set())  # ends with the link that leads nowhere
-    for path in (p for _, paths in GUIDES for p in paths):
-        if not (ROOT / path).exists():
-            yield f"there is no guide {path}"
+    listed = {p for _, paths in GUIDES for p in paths} | {"docs/interface.md"}  # whose rows are pages of the reference
+    for path in sorted(p.relative_to(ROOT).as_posix() for p in (ROOT / "docs").glob("*.md")):
+        if path not in listed:
+            yield f"{path} is in no part of GUIDES"
 
 
 def main_of(family):

@@ -21,12 +21,17 @@ program_of() {
 }
 
 case ${1-} in
-names) python3 -B "$here/pages.py" --check ;;
+names)
+    python3 -B "$here/pages.py" --check
+    python3 -B "$here/draw.py"
+    ;;
 pages)
     /usr/bin/python3 -c 'import sphinx, furo, myst_parser' && [ -f /usr/share/javascript/katex/katex.min.js ] ||
         { echo "Sphinx, furo, MyST or KaTeX is not installed"; exit 77; }
     PYTHONDONTWRITEBYTECODE=1 RBD_PLAYGROUND=no "$here/build.sh" "$scratch/site" -W --keep-going
     python3 -B "$here/links.py" "$scratch/site"
+    python3 -B "$here/anchors.py" "$scratch/site"
+    ! command -v node >/dev/null || node "$here/search_test.js" "$scratch/site/_static/search_index.js"
     # Nothing is asked of a server by the theme, its script is no module, and it has dark colours.
     cd "$scratch/site/_static"
     if grep -n 'url(/' styles/*.css || grep -n '^import ' scripts/furo.js; then exit 1; fi
@@ -34,7 +39,7 @@ pages)
     ;;
 guides) # their programs compile as shown and print what is shown
     cd "$here/../.."
-    for page in first_minutes gradients contacts inverse_kinematics qp tasks other_libraries; do program_of $page; done
+    for page in first_minutes gradients contacts inverse_kinematics qp tasks other_libraries gravity_compensation computed_torque floating_base; do program_of $page; done
     ;;
 generated)
     codegen=$(realpath "$2")

@@ -1,7 +1,9 @@
 """Makes Debian's furo work from any place: theme.py FOLDER, after Sphinx has built the site there.
 
 Its style sheet asks a server for /javascript/normalize.css, and its Sass compiler has lost the colours of those who prefer
-dark; its script imports another one, which a page from file:// must not. SPDX-License-Identifier: MIT"""
+dark; its script imports another one, which a page from file:// must not. Sphinx's search asks a server for each page: it gives
+way to ours. Names of the library in blocks of code become links to their entries; the menu's line of the playground leads to
+it. SPDX-License-Identifier: MIT"""
 import pathlib
 import re
 import sys
@@ -25,8 +27,45 @@ def script(folder):
     return (folder / imported[1]).read_text() + text[imported.end():] if imported else text
 
 
+SEARCH = re.compile(r'<script[^>]*src="(?:_static/(?:searchtools|language_data)|searchindex)\.js"[^>]*></script>|<script>[^<]*loadIndex[^<]*</script>')
+
+
+def search(page):
+    """The page of results with our search in place of Sphinx's."""
+    ours = "".join(f'<script src="_static/{name}"></script>' for name in ("search_index.js", "search.js"))
+    text = SEARCH.sub("", page)
+    text = re.sub(r"<script[^>]*>\s*</script>(?=\s*<noscript)", "", text)
+    return text.replace("</body>", ours + "</body>")
+
+
+def anchors(folder):
+    """Name and the page with its entry."""
+    found = {}
+    for page in sorted((folder / "reference").glob("*.html")):
+        for anchor in re.findall(r'<dt[^>]* id="(c\.[\w.]+)"', page.read_text()):
+            found.setdefault(anchor.split(".")[-1], f"reference/{page.name}#{anchor}")
+    return found
+
+
+def linked(page, places, up):
+    """The page with links from its code to the reference."""
+    def link(match):
+        goal = places.get(match[2])
+        return f'<a class="api" href="{up}{goal}">{match[0]}</a>' if goal else match[0]
+    return re.sub(r'<span class="(n|nf|nc)">((?:rbd|RBD)_\w+)</span>', link, page)
+
+
 def main():
-    static = pathlib.Path(sys.argv[1]) / "_static"
+    folder = pathlib.Path(sys.argv[1])
+    places = anchors(folder)
+    for page in [*folder.glob("*.html"), *folder.glob("guides/*.html"), *folder.glob("reference/*.html")]:
+        up = "" if page.parent == folder else "../"
+        text = linked(page.read_text(), places, up)
+        text = re.sub(r'href="(\.\./)?playground\.html"', lambda m: f'href="{m[1] or ""}playground/index.html"', text)
+        page.write_text(search(text) if page.name == "search.html" else text)
+    for name in ("playground.html", "searchindex.js"):
+        (folder / name).unlink(missing_ok=True)
+    static = folder / "_static"
     sheet = static / "styles/furo.css"
     sheet.write_text(styles(sheet.read_text()))
     (static / "scripts/furo.js").write_text(script(static / "scripts"))

@@ -6,6 +6,8 @@
 
 #include "rbd_ik.h"
 
+#include "rbd_actuator.h"
+
 #include "rbd_qp.h"
 
 #include "rbd_tasks.h"

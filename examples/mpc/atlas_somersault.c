@@ -137,7 +137,7 @@ static const int left_side[] = {ATLAS_BODY_L_HAND, ATLAS_BODY_L_LARM, ATLAS_BODY
                  right_side[] = {ATLAS_BODY_R_HAND, ATLAS_BODY_R_LARM, ATLAS_BODY_R_UARM, ATLAS_BODY_UTORSO,
                                  ATLAS_BODY_PELVIS, ATLAS_BODY_R_ULEG, ATLAS_BODY_R_LLEG, ATLAS_BODY_R_FOOT};
 
-/* Side view at q from hand to foot, on either side, and the head; moved. */
+/* Side view at q from hand to foot, on either side, the back, and the head on it; moved. */
 static void figure(const double *q, double right, double up) {
     double at[3];
     check(rbd_kinematics(&atlas_model, w, q, NULL, NULL));
@@ -147,8 +147,13 @@ static void figure(const double *q, double right, double up) {
             check(rbd_point_position(&atlas_model, w, side ? left_side[i] : right_side[i], toe, at));
             printf("%.3f,%.3f,%d\n", at[0] + right, at[2] + up, side);
         }
-    check(rbd_point_position(&atlas_model, w, ATLAS_BODY_HEAD, NULL, at));
-    printf("%.3f,%.3f,2\n\n", at[0] + right, at[2] + up);
+    for (int i = 0; i < 4; i++) { /* waist, chest, head; and the head's mark */
+        static const double point[4][3] = {{0, 0, 0}, {0.14, 0, 0.48}, {-0.05, 0, 0.03}, {-0.05, 0, 0.03}};
+        check(rbd_point_position(&atlas_model, w, i < 2 ? ATLAS_BODY_UTORSO : ATLAS_BODY_HEAD, point[i], at));
+        if (i == 3) puts("");
+        printf("%.3f,%.3f,%d\n", at[0] + right, at[2] + up, i < 3 ? 1 : 2);
+    }
+    puts("");
 }
 
 typedef struct outcome {

@@ -3,7 +3,7 @@
 #     gnuplot mpc/atlas_somersault.gp
 if (!exists("csv")) csv = "mpc_atlas_somersault.csv"
 if (!exists("png")) png = "mpc/atlas_somersault.png"
-set terminal pngcairo size 960, 760 font ",10"
+set terminal pngcairo size 960, 760 font ",11"
 set output png
 set datafile separator comma
 set multiplot
@@ -20,7 +20,7 @@ set size ratio -1
 do for [i = 0:8] { set label i + 1 sprintf("%.1f s", 0.1 * i) at 1.6 * i, -1.25 center }
 plot csv index 1 using 1:($3 == 0 ? $2 : NaN) with lines lw 3 lc "gray60" notitle, \
      "" index 1 using 1:($3 == 1 ? $2 : NaN) with lines lw 3 lc "black" notitle, \
-     "" index 1 using 1:($3 == 2 ? $2 : NaN) with points pt 7 ps 1.6 lc "0x4682b4" notitle
+     "" index 1 using 1:($3 == 2 ? $2 : NaN) with points pt 7 ps 2.2 lc "0x4682b4" notitle
 unset label
 set size noratio
 set border

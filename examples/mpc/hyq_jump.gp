@@ -18,9 +18,15 @@ set xrange [-0.65:9.55]
 set yrange [-0.2:0.9]
 set size ratio -1
 set arrow 1 from -0.65, 0 to 9.55, 0 nohead lc "gray50"
+deeds = "', stands' ', crouches' ', leaves' ', highest' ', lands' ', yields' ', stands'"
 times = "0 0.24 0.30 0.48 0.66 0.75 1.49"
-do for [i = 1:7] { set label i word(times, i) . " s" at 1.42 * (i - 1) + 0.08 * (i - 1), -0.13 center }
-plot csv index 1 using 1:($3 == 2 ? $2 : NaN) with lines lw 3 lc "gray60" notitle, \
+# Where the figure of a time stands; between two of them in proportion: the way of the trunk joins the figures.
+after(i, t) = word(times, i) + 0 <= t && (i == 7 || t < word(times, i + 1) + 0)
+part(i, t) = i == 7 ? 0 : (t - word(times, i)) / (word(times, i + 1) - word(times, i))
+place(t) = 1.5 * sum [i = 1:7] (after(i, t) ? i - 1 + part(i, t) : 0)
+do for [i = 1:7] { set label i word(times, i) . " s" . word(deeds, i) at 1.42 * (i - 1) + 0.08 * (i - 1), -0.13 center }
+plot csv index 0 every ::1 using (place($1)):2 with lines lw 2 dt 3 lc "0xc02626" notitle, \
+     "" index 1 using 1:($3 == 2 ? $2 : NaN) with lines lw 3 lc "gray60" notitle, \
      "" index 1 using 1:($3 == 0 ? $2 : NaN) with filledcurves closed fc "0x4682b4" notitle, \
      "" index 1 using 1:($3 == 1 ? $2 : NaN) with lines lw 3 lc "black" notitle
 unset arrow

@@ -32,6 +32,7 @@ of bodies, coordinates and degrees of freedom, which stand in the order of the d
 """
 import types
 
+from ._actuator import Actuators, ActuatorStates, Drives, Friction, Motor, Rod, Rotor, Transmission
 from ._calls import RESULTS as _RESULTS
 from ._constraints import ConstraintSet
 from ._contacts import ContactResult, ContactSet, ContactSolution, RowResult
@@ -48,12 +49,13 @@ from ._spatial import AxisAngle, Placement, Spatial
 from ._tasks import Task, TaskContact, Tasks, TasksAcceleration, TasksVelocity
 from ._urdf import Frame, Urdf, load_urdf, parse_urdf
 
-__all__ = ["AxisAngle", "Body", "Constraint", "ConstraintSet", "Contact", "ContactOptions", "ContactResult",
-           "ContactSet", "ContactSolution", "ContactState", "Frame", "IkKind", "IkResult", "IkStatus", "IkTarget",
-           "JointInfo", "JointType", "Library", "Mjcf", "MjcfStatus", "Model", "Placement", "QpSolution", "QpStatus",
-           "RbdError", "RbdWarning", "RowResult", "SOURCES", "Spatial", "Status", "Task", "TaskContact", "TaskKind", "Tasks",
-           "TasksAcceleration", "TasksStatus", "TasksVelocity", "Urdf", "UrdfStatus", "load_mjcf", "load_table", "load_urdf",
-           "parse_mjcf", "parse_urdf", "qp"]
+__all__ = ["ActuatorStates", "Actuators", "AxisAngle", "Body", "Constraint", "ConstraintSet", "Contact", "ContactOptions",
+           "ContactResult", "ContactSet", "ContactSolution", "ContactState", "Drives", "Frame", "Friction", "IkKind",
+           "IkResult", "IkStatus", "IkTarget", "JointInfo", "JointType", "Library", "Mjcf", "MjcfStatus", "Model", "Motor",
+           "Placement", "QpSolution", "QpStatus", "RbdError", "RbdWarning", "Rod", "Rotor", "RowResult", "SOURCES", "Spatial",
+           "Status", "Task", "TaskContact", "TaskKind", "Tasks", "TasksAcceleration", "TasksStatus", "TasksVelocity", "Transmission",
+           "Urdf", "UrdfStatus", "load_mjcf", "load_table", "load_urdf", "parse_mjcf", "parse_urdf",
+           "qp"]
 
 
 def __dir__():

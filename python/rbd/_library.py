@@ -26,6 +26,7 @@ _SINGLE = """
 #include "rbd_contact.h"
 #include "rbd_ik.h"
 #include "rbd_tasks.h"
+#include "rbd_actuator.h"
 #include "rbd_spatial.h"
 #include "rbd_qp.h"
 size_t rbd_qp_size(int n, int bounds, int rows, int soft) { return RBD_QP_SIZE(n, bounds, rows, soft); }

@@ -13,6 +13,7 @@ from typing import Iterable, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ._actuator import Actuators, Motor, Rotor, Transmission, _rotor_torque
 from ._arguments import _flag, _number, _numbers
 from ._calls import _state
 from ._constraints import ConstraintSet
@@ -298,6 +299,18 @@ class Model(Derivatives, Kinematics, Names):
         """Contacts that open and slip, from a list of Contact, for simulation: see ContactSet. held: a list of
         Constraint that hold at the same time, as loops; their kp and kd have no meaning here."""
         return ContactSet(self, rows, held, options)
+
+    # -- actuators: rbd_actuator.h --
+
+    def actuators(self, motors: Iterable[Motor], transmissions: Iterable[Transmission] = ()) -> Actuators:
+        """The motors of this robot, from a list of Motor and one of Transmission: see Actuators."""
+        return Actuators(self, motors, transmissions)
+
+    def rotor_torque(self, rotors: Iterable[Rotor], q: ArrayLike, v: ArrayLike, a: ArrayLike,
+                     f_ext: ArrayLike | None = None) -> Array:
+        """Inverse dynamics as rnea, of one state, with what armature leaves out of spinning rotors: their gyroscopic torques,
+        and those by accelerations of the bodies that carry them. rotors: a list of Rotor. It calls `kinematics`."""
+        return _rotor_torque(self, rotors, q, v, a, f_ext)
 
     # -- for firmware --
 

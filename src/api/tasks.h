@@ -48,8 +48,8 @@ typedef struct rbd_task {
     rbd_real direction[3]; /* where the axis shall point, world axes, of such a length */
 
     /* Wanted (omega; v) and its rate, of the point, in the axes of `position`; of a momentum (kg m^2/s;
-       kg m/s) and its rate. A kind of 3 rows reads its three: POINT and COM the
-       last, the others the first. */
+       kg m/s) and its rate. A kind of 3 rows reads its three: POINT and COM
+       the last, the others the first. */
     rbd_real velocity[6], acceleration[6];
     unsigned char loose[6]; /* not 0: this row, angular x y z or linear x y z, does not count */
 
@@ -135,14 +135,13 @@ typedef enum rbd_tasks_status {
 } rbd_tasks_status;
 
 typedef struct rbd_tasks_result {
-    int steps;             /* rows of the QPs that joined or left */
-    int level;             /* of the last QP */
-    rbd_qp_status qp;      /* its status */
-    rbd_real primal, dual; /* the largest of rbd_qp_result, of all levels */
-    rbd_tasks_part
-        part[2];      /* INFEASIBLE: the two parts that contradict most, of several; NOTHING: one alone */
-    int at[2];        /* their contacts or dofs; -1: none */
-    rbd_status error; /* RBD_OK but after RBD_TASKS_ERROR */
+    int steps;              /* rows of the QPs that joined or left */
+    int level;              /* of the last QP */
+    rbd_qp_status qp;       /* its status */
+    rbd_real primal, dual;  /* the largest of rbd_qp_result, of all levels */
+    rbd_tasks_part part[2]; /* INFEASIBLE: the two that contradict most; NOTHING: it is one alone */
+    int at[2];              /* their contacts or dofs; -1: none */
+    rbd_status error;       /* RBD_OK but after RBD_TASKS_ERROR */
     int task, contact, dof; /* after an error: where; -1: none */
     const char *field; /* after an error: of rbd_task, rbd_task_contact or rbd_tasks, or "q", "v"; or NULL */
 } rbd_tasks_result;
@@ -155,8 +154,8 @@ typedef struct rbd_tasks_result {
    Errors, in result->error: RBD_ERR_NULL, but without a result RBD_TASKS_ERROR alone; _WORK; _MEMORY; _COUNT,
    a number below 0 or above 1000; _INDEX, a body; _TYPE, a kind; _POSITION, _ROTATION, _AXIS; _MASS, a centre
    of mass of a robot without mass; _MASSLESS, accelerations, or a centre of mass, of one some of whose joints
-   move none; _LIMITS, lower above upper; _RANGE, any other number, with its field;
-   _NAN, q, v or f_ext is not finite, or there is an overflow. */
+   move none; _LIMITS, lower above upper; _RANGE, any other number, with its field; _NAN, q, v or
+   f_ext is not finite, or there is an overflow. */
 
 /* Velocities for inverse kinematics at each tick. Contacts are held by J x = 0; forces have no part in it.
    q   nq
@@ -169,7 +168,7 @@ RBDI_API rbd_tasks_status rbd_tasks_velocity(const rbd_model *m, rbd_work *w, co
    passive dofs, forces within friction. Herzog, Rotella, Mason and others (2016).
    q, v     nq, nv
    a        nv, out
-   forces   contacts x 3, out: on the robot, world axes, N; 0 of open ones. May be NULL without contacts
+   forces   contacts x 3, out: on the robot, world axes, N; 0 of open ones. May be NULL
    tau      nv, out: torques of the motors, without damping and friction of the joints: see rbd_passive */
 RBDI_API rbd_tasks_status rbd_tasks_acceleration(const rbd_model *m, rbd_work *w, const rbd_tasks *problem,
                                                  const rbd_real *q, const rbd_real *v, void *memory,

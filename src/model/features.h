@@ -4,7 +4,7 @@
 #include "base/compiler.h"
 
 /* Interface: rbdi_block_of, rbdi_flags, rbdi_is, rbdi_massless_dof, rbdi_mimics, rbdi_on_world,
-   RBDI_FEATURES, RBDI_OTHER_BLOCKS */
+   rbdi_supported, RBDI_FEATURES, RBDI_OTHER_BLOCKS */
 
 /* ---- features [features] ----
    The features of a model, as bits: flags that some link has, flags that some link has not, kinds of links,

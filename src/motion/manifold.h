@@ -15,7 +15,6 @@ RBDI_INLINE int rbdi_joint_turns(const rbdi_frame *u) { return rbdi_type_turns(u
 /* The motion in body axes from the joint's components in v, which are a stride apart, and back. */
 RBDI_LOCAL rbdi_motion rbdi_joint_motion(const rbdi_frame *u, const rbd_real *v, ptrdiff_t stride) {
     rbd_real array[6];
-    if (u->nv == 6) return rbdi_load_motion(v, stride);
     for (int k = 0; k < 6; ++k) array[k] = rbdi_zero();
     for (int k = 0; k < u->nv; ++k) array[rbdi_first_axis(u->type) + k] = v[k * stride];
     return rbdi_load_motion(array, 1);
@@ -23,10 +22,6 @@ RBDI_LOCAL rbdi_motion rbdi_joint_motion(const rbdi_frame *u, const rbd_real *v,
 
 RBDI_LOCAL void rbdi_put_joint_motion(const rbdi_frame *u, rbdi_motion V, rbd_real *v, ptrdiff_t stride) {
     rbd_real array[6];
-    if (u->nv == 6) {
-        rbdi_store_motion(v, stride, V);
-        return;
-    }
     rbdi_store_motion(array, 1, V);
     for (int k = 0; k < u->nv; ++k) v[k * stride] = array[rbdi_first_axis(u->type) + k];
 }

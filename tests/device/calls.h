@@ -5,11 +5,12 @@
 #include "rbd_contact.h"
 #include "rbd_derivatives.h"
 #include "rbd_ik.h"
+#include "rbd_actuator.h"
 #include "rbd_qp.h"
 #include "rbd_tasks.h"
 #include "models/hyq_model.h"
 
-enum { NQ = HYQ_NQ, NV = HYQ_NV, FEET = 4, LARGEST = 2 * NV * NV + NV };
+enum { NQ = HYQ_NQ, NV = HYQ_NV, FEET = 4, LEGS_DOFS = NV - 6, LARGEST = 2 * NV * NV + NV };
 
 typedef struct state {
     rbd_real q[NQ], v[NV], x[NV]; /* x: accelerations or torques */
@@ -167,6 +168,36 @@ HERE int whole_body(const rbd_model *m, const state *s, rbd_real *out) {
     return RBD_OK;
 }
 
+/* Currents of the legs' motors, and the level of their friction. */
+HERE int motor_currents(const rbd_model *m, const state *s, rbd_real *out) {
+    unsigned char memory[RBD_ACTUATORS_SIZE(LEGS_DOFS, 0, 0)];
+    rbd_motor motors[LEGS_DOFS];
+    rbd_drive drives[LEGS_DOFS];
+    rbd_actuators *a;
+    rbd_status status;
+    for (int k = 0; k < LEGS_DOFS; ++k) {
+        const rbd_motor none = {0};
+        motors[k] = none;
+        motors[k].joint = rbd_joint_name(m, rbd_dof_body(m, 6 + k));
+        motors[k].gear = 20;
+        motors[k].constant = (rbd_const)0.0625;
+        motors[k].inertia = (rbd_const)0.0001;
+        motors[k].friction.coulomb = (rbd_const)(k + 1);
+        motors[k].friction.rest = (rbd_const)0.5;
+        motors[k].friction.speed = (rbd_const)0.25;
+        motors[k].friction.power = (rbd_const)1.5;
+        motors[k].friction.load_motor = (rbd_const)0.125;
+    }
+
+    status = rbd_actuators_init(m, motors, LEGS_DOFS, NULL, 0, memory, sizeof memory, &a, NULL);
+    if (!status) status = rbd_actuators_inverse(a, s->q, s->v, s->x, s->x, drives);
+    for (int k = 0; k < LEGS_DOFS; ++k) {
+        out[k] = status ? 0 : drives[k].current;
+        out[LEGS_DOFS + k] = rbd_friction_level(&motors[k].friction, s->v[6 + k], s->x[6 + k], -s->x[6 + k]);
+    }
+    return status;
+}
+
 /* name, numbers of results */
 #define EACH_CALL(CALL) \
     CALL(inverse_dynamics, NV) \
@@ -177,4 +208,5 @@ HERE int whole_body(const rbd_model *m, const state *s, rbd_real *out) {
     CALL(quadratic_program, 2 * NV + 1) \
     CALL(inverse_kinematics, NQ) \
     CALL(whole_body, NV) \
+    CALL(motor_currents, 2 * LEGS_DOFS) \
     CALL(contact_step, NQ + NV + 3 * FEET)

@@ -1,11 +1,11 @@
 /* constraints.c - the fuzzer of rbd_constraints.h: random problems (problems.c) against dense matrices in
-   long double (dense.c). It prints the worst error of each quantity in each class; docs/accuracy.md says
-   what is measured.
+   long double (dense.c). It prints the worst error of each quantity in each class; docs/accuracy_tables.md
+   says what is measured.
        constraints [--seconds N | --problems N]   for so long, or so many problems of all classes together;
        10000
                    [--from N]                     begins with problem N of each class
                    [--class NAME]                 of this class only
-                   [--publish]                    prints the rows of docs/accuracy.md
+                   [--publish]                    prints the rows of docs/accuracy_tables.md
                    [--hold FILE]                  fails if an error exceeds that of the document's table
        constraints --one CLASS NUMBER             shows one problem, as C source, and its errors */
 #include "rbd_derivatives.h"
@@ -52,7 +52,7 @@ enum {
     QUANTITIES
 };
 
-/* Where an error above the bound is a failure, whatever docs/accuracy.md says. */
+/* Where an error above the bound is a failure, whatever docs/accuracy_tables.md says. */
 static const struct quantity {
     const char *name;
     double bound;

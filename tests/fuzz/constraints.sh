@@ -1,13 +1,13 @@
 #!/bin/sh
 # constraints.sh FOLDER [SECONDS | --problems N] [OPTION...] [--publish [PROBLEMS]]: builds the fuzzer of
 # rbd_constraints.h in FOLDER and runs it for so long, a minute, or on so many problems, against the bounds of
-# docs/accuracy.md. With --publish: runs so many problems, 100000, and writes those bounds. Options: those of
+# docs/accuracy_tables.md. With --publish: runs so many problems, 100000, and writes those bounds. Options: those of
 # constraints.c.
 set -eu
 folder=${1:?usage: constraints.sh FOLDER [SECONDS | --problems N] [OPTION...] [--publish [PROBLEMS]]}
 shift
 root=$(CDPATH='' cd -- "$(dirname -- "$0")/../.." && pwd)
-document=$root/docs/accuracy.md
+document=$root/docs/accuracy_tables.md
 program=$folder/constraints
 mkdir -p "$folder"
 

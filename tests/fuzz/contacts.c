@@ -1,5 +1,5 @@
 /* contacts.c - the fuzzer of rbd_contact.h. It prints how many problems of each kind there were, the worst of
-   each quantity, and how many stayed above the tolerance; docs/accuracy.md says what is measured.
+   each quantity, and how many stayed above the tolerance; docs/accuracy_tables.md says what is measured.
        contacts [--problems N]   N single contacts, N/10 problems on random trees, N steps of robots and N/10
                                  broken descriptions; 100000
                 [--seconds S]    as many of these as there is time for, ten thousand by ten thousand
@@ -7,7 +7,7 @@
                 [--from N]       begins with problem N of each kind
                 [--long N]       two runs of N steps instead, HyQ in space and Atlas that falls: their energy
                 [--publish FOLDER]   writes contact_accuracy.csv and contact_runs.csv there, of float
-                                     contact_accuracy_float.csv and so on: tables of docs/accuracy.md
+                                     contact_accuracy_float.csv and so on: tables of docs/accuracy_tables.md
        contacts --one CLASS N    shows one problem of a class of trees
    In float (RBD_REAL): single contacts, runs and broken descriptions only. */
 #define RBD_IMPLEMENTATION

@@ -1,7 +1,7 @@
 #!/bin/sh
 # contacts.sh FOLDER [SECONDS | --problems N] [OPTION...] [--publish [PROBLEMS]]: builds the fuzzer of rbd_contact.h in
 # FOLDER, in double and in float, and runs one after the other for so long, a minute, or on so many problems. With
-# --publish: runs so many, a million, and writes the tables of docs/accuracy.md and their files in bench/results.
+# --publish: runs so many, a million, and writes the tables of docs/accuracy_tables.md and their files in bench/results.
 # Options: those of contacts.c.
 set -eu
 folder=${1:?usage: contacts.sh FOLDER [SECONDS | --problems N] [OPTION...] [--publish [PROBLEMS]]}

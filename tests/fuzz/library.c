@@ -1,8 +1,9 @@
 /* library.c - the library's fuzzer: random robots against Kane's equations in quad precision (world.c). It
    prints the worst error of each algorithm in each class of robots, relative to what the algorithm has to add
-   up; see docs/accuracy.md for what is measured. library [--seconds N | --robots N]   for so long, or so many
-   robots of each class; 200 by default
-               [--publish]                  prints the rows of docs/accuracy.md
+   up; see docs/accuracy_tables.md for what is measured.
+               library [--seconds N | --robots N]   for so long, or so many robots of each class; 200 by
+                                            default
+               [--publish]                  prints the rows of docs/accuracy_tables.md
                [--hold FILE]                fails if an error exceeds that of the document's table
        library --one CLASS NUMBER           shows one robot and its errors
    Compiled with -DRBD_REAL=double or float. */

@@ -1,6 +1,6 @@
 #!/bin/sh
 # library.sh FOLDER [SECONDS] [--publish [ROBOTS]]: builds the fuzzer of the library in FOLDER, in double and in
-# float, and runs both for so long, against the bounds of docs/accuracy.md. With --publish: runs so many robots of
+# float, and runs both for so long, against the bounds of docs/accuracy_tables.md. With --publish: runs so many robots of
 # each class and writes those bounds.
 set -eu
 folder=${1:?usage: library.sh FOLDER [SECONDS] [--publish [ROBOTS]]}
@@ -15,7 +15,7 @@ while [ $# -gt 0 ]; do
     esac
 done
 root=$(CDPATH='' cd -- "$(dirname -- "$0")/../.." && pwd)
-document=$root/docs/accuracy.md
+document=$root/docs/accuracy_tables.md
 mkdir -p "$folder"
 
 for scalar in double float; do

@@ -78,7 +78,7 @@ cmd_contact() {
 }
 
 #+ fuzz [SECONDS]              feed broken URDF files to the loader, for a minute or so long; needs clang
-#+ fuzz --library [SECONDS]    random robots against quad precision and the bounds of docs/accuracy.md;
+#+ fuzz --library [SECONDS]    random robots against quad precision and the bounds of docs/accuracy_tables.md;
 #+                             with --publish [ROBOTS] it measures and writes them
 #+ fuzz --constraints [SECONDS | --problems N]  the same of rbd_constraints.h against dense matrices in long
 #+                             double; --publish [PROBLEMS]

@@ -30,7 +30,7 @@ PROGRAMS = {"batch": "tests/batch_double__2_lanes", "sincos": "tests/sincos_doub
 # Suites for rooms that no name says one of.
 STOREYS = {"model": ["build", "joints", "work"], "dynamics": ["rnea", "crba", "aba", "cholesky", "singular"],
            "motion": ["kinematics", "points"]}
-FAMILIES = ["derivatives", "constraints", "contact", "ik", "batch", "spatial", "qp"]  # storeys with suites of their own
+FAMILIES = ["derivatives", "constraints", "contact", "ik", "actuator", "batch", "spatial", "qp"]  # storeys with suites of their own
 
 
 def all_suites():

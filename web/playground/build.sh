@@ -1,7 +1,7 @@
 #!/bin/sh
 # Builds the playground: OUT/index.html, which holds all, and OUT/LICENCES.txt. Needs what web/wasm/tools.sh needs
 # (`./run deps web`), node and npm, which fetches the packages of package-lock.json into node_modules/.
-# usage: build.sh OUT [WORK]   WORK keeps what is built on the way: build/web
+# usage: build.sh OUT [WORK]   WORK keeps what is built on the way: build/web. RBD_HOME: the page that its title leads to
 set -eu
 
 usage='usage: build.sh OUT [WORK]'

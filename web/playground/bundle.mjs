@@ -42,8 +42,10 @@ if (/<\/script/i.test(script)) throw new Error("the script would end its element
 const hash = (text) => `'sha256-${createHash("sha256").update(text).digest("base64")}'`;
 const policy = `default-src 'none'; script-src ${hash(script)} 'wasm-unsafe-eval'; style-src ${hash(style)}; `
   + "img-src data: blob:; connect-src data: blob:; base-uri 'none'; form-action 'none'";
-const parts = { POLICY: policy, STYLE: style, SCRIPT: script };
-const page = readFileSync(join(here, "src/index.html"), "utf8").replace(/POLICY|STYLE|SCRIPT/g, (name) => parts[name]);
+// Where the page is part of the site, its title leads there: RBD_HOME is the way.
+const home = process.env.RBD_HOME ? `<a href="${process.env.RBD_HOME}">rbd</a> · ` : "";
+const parts = { POLICY: policy, STYLE: style, SCRIPT: script, HOME: home };
+const page = readFileSync(join(here, "src/index.html"), "utf8").replace(/POLICY|STYLE|SCRIPT|HOME/g, (name) => parts[name]);
 mkdirSync(out, { recursive: true });
 writeFileSync(join(out, "index.html"), page);
 writeFileSync(join(out, "LICENCES.txt"), licences());

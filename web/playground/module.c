@@ -5,6 +5,7 @@
 #define RBD_IMPLEMENTATION
 #include "rbd_derivatives.h"
 #include "rbd_contact.h"
+#include "rbd_ik.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,10 +19,16 @@ static rbd_contact_set *contacts;
 static void *contact_memory;
 static int ncontacts;
 
+enum { BALLS = 300, TARGETS = 40, TARGET = 18 }; /* at most so many; numbers of a target */
+
 /* ---- arrays that the page reads and writes ---- */
 
 static double *q, *v, *tau, *damping, *stiffness, *wanted, *f_ext; /* state, and what moves it */
 static double *poses, *com, *energy, *gravity, *mass_matrix, *jacobian, *out;
+static double *contact_forces;                /* 4 for each ball: state, force */
+static double *standing, *feet, *foot_forces; /* torques; body, x, y, z of each foot; 3 for each */
+static double *targets, *reached;             /* of inverse kinematics; m, dof of the limit or -1 */
+static char sentence[200];
 
 static void *allocate(size_t n, size_t size) {
     void *memory = calloc(n ? n : 1, size);
@@ -102,9 +109,11 @@ static rbd_urdf_status parse(const char *xml, size_t length, const rbd_urdf_opti
     return rbd_urdf_parse(xml, length, o, r);
 }
 
-static rbd_status build(const rbd_urdf *r, rbd_report *report) {
+static rbd_status build(const rbd_urdf *r, int kinematic, rbd_report *report) {
     const size_t size = rbd_model_size(r->bodies, r->nb);
-    rbd_status status = rbd_model_build(r->bodies, r->nb, allocate(size, 1), size, &m, report);
+    void *memory = allocate(size, 1);
+    rbd_status status = kinematic ? rbd_model_build_kinematic(r->bodies, r->nb, memory, size, &m, report)
+                                  : rbd_model_build(r->bodies, r->nb, memory, size, &m, report);
     if (status) return status;
     const size_t work = rbd_work_size(m);
     status = rbd_work_init(m, allocate(work, 1), work, &w);
@@ -149,16 +158,22 @@ static void tell_arrays(void) {
     f_ext = array("f_ext", 6 * nb), poses = array("poses", 12 * nb), com = array("com", 3);
     energy = array("energy", 2), mass_matrix = array("mass_matrix", nv * nv);
     jacobian = array("jacobian", 6 * nv), out = array("out", 2 * nv * nv);
+    contact_forces = array("contact_forces", 4 * BALLS);
+    standing = array("standing", nv), feet = array("feet", 4 * BALLS),
+    foot_forces = array("foot_forces", 3 * BALLS);
+    targets = array("targets", TARGET * TARGETS), reached = array("reached", 2);
     text("}");
 }
 
 /* src/robot.js knows these by number. */
 typedef char types_are_those_of_robot_js
     [RBD_FIXED == 0 && RBD_PRISMATIC == 4 && RBD_PLANAR == 13 && RBD_FLOATING == 15 ? 1 : -1];
+typedef char kinds_are_those_of_robot_js[RBD_IK_POINT == 0 && RBD_IK_POSE == 1 ? 1 : -1];
 
 /* 0, or a status; web_json says more. */
-EXPORT int web_load(const char *xml, size_t length, int floating, int lock_massless) {
-    const rbd_urdf_options o = {.root = floating ? RBD_FLOATING : RBD_FIXED, .lock_massless = lock_massless};
+EXPORT int web_load(const char *xml, size_t length, int floating, int lock_massless, int kinematic) {
+    const rbd_urdf_options o = {
+        .root = floating ? RBD_FLOATING : RBD_FIXED, .lock_massless = lock_massless, .kinematic = kinematic};
     rbd_urdf r = {0};
     rbd_report report;
     int status = parse(xml, length, &o, &r);
@@ -167,7 +182,8 @@ EXPORT int web_load(const char *xml, size_t length, int floating, int lock_massl
     text("]"), key("warnings"), text("[");
     for (int i = 0; i < r.nwarnings && i < r.warnings_max; i++) text(i ? "," : ""), finding(&r.warnings[i]);
     text("]");
-    if (!status && (status = build(&r, &report)) != 0) named_string("build", rbd_status_string(status));
+    if (!status && (status = build(&r, kinematic, &report)) != 0)
+        named_string("build", rbd_status_string(status));
     if (!status) tell_robot(&r), tell_arrays(), rbd_neutral(m, q);
     text("}");
     return status;
@@ -198,6 +214,62 @@ EXPORT int web_jacobian(int body, double x, double y, double z) {
     return rbd_jacobian(m, w, body, point, RBD_WORLD_AXES, jacobian);
 }
 
+/* Torques that hold the robot at rest on `feet`, n points that stay where they are, and the forces there, of
+   least squares: `standing` and `foot_forces`. A force may pull; what motors cannot give is at the root. */
+EXPORT int web_stand(int n) {
+    rbd_constraint list[BALLS];
+    rbd_constraint_set *set;
+    for (int i = 0; i < n; i++) list[i] = rbd_point_contact((int)feet[4 * i], feet + 4 * i + 1, NULL);
+
+    const size_t size = rbd_constraint_set_size(m, list, n);
+    void *memory = allocate(size, 1);
+    double *rest = allocate((size_t)rbd_nv(m), sizeof *rest);
+    rbd_status status = rbd_constraint_set_init(m, w, list, n, memory, size, &set, NULL);
+    if (!status) status = rbd_constrained_id(m, set, q, rest, rest, NULL, NULL, NULL, standing, foot_forces);
+
+    free(rest);
+    free(memory);
+    return status;
+}
+
+/* ---- inverse kinematics: q follows the mouse ---- */
+
+static rbd_ik_target target_of(const double *t) {
+    rbd_ik_target target = {.kind = (rbd_ik_kind)t[0], .body = (int)t[1], .weight = t[2]};
+    memcpy(target.point, t + 3, 3 * sizeof *t);
+    memcpy(target.position, t + 6, 3 * sizeof *t);
+    memcpy(target.rotation, t + 9, 9 * sizeof *t);
+    return target;
+}
+
+/* n of `targets` by motions near q: kind, body, weight, point, position, rotation. hold_root: the first joint
+   stays. Returns the status of rbd_ik; web_sentence says it in words. */
+EXPORT int web_ik(int n, int hold_root) {
+    rbd_ik_target list[TARGETS];
+    for (int i = 0; i < n; i++) list[i] = target_of(targets + TARGET * i);
+
+    unsigned char *held = allocate((size_t)rbd_nv(m), 1);
+    rbd_joint_info root;
+    rbd_joint(m, 0, &root);
+    for (int k = root.iv; hold_root && k < root.iv + root.nv; k++) held[k] = 1;
+
+    const size_t size = rbd_ik_size(m, n);
+    void *memory = allocate(size, 1);
+    const rbd_ik_options near = {
+        .starts = 1, .evaluations = 100, .metres = 1e-5, .radians = 1e-4, .held = held};
+    rbd_ik_result result;
+    const rbd_ik_status status = rbd_ik(m, w, list, n, &near, memory, size, q, &result);
+    rbd_ik_text(status, &result, sentence, sizeof sentence);
+    reached[0] = result.metres;
+    reached[1] = result.limit;
+
+    free(memory);
+    free(held);
+    return status;
+}
+
+EXPORT const char *web_sentence(void) { return sentence; }
+
 /* ---- motion ---- */
 
 /* Balls that may touch the floor: for each body, x, y, z, radius. */
@@ -221,10 +293,11 @@ EXPORT int web_contacts(const double *balls, int n, double friction, double floo
     return status;
 }
 
-/* States and forces of the contacts in the last step: 4 for each. */
-EXPORT void web_contact_forces(double *forces) {
-    for (int i = 0; i < ncontacts; i++)
-        forces[4 * i] = rbd_contact_get(contacts, i, NULL, &forces[4 * i + 1]);
+/* contact_forces, of the last step. Returns how many there are. */
+EXPORT int web_contact_forces(void) {
+    double *f = contact_forces;
+    for (int i = 0; i < ncontacts; i++, f += 4) f[0] = rbd_contact_get(contacts, i, NULL, f + 1);
+    return ncontacts;
 }
 
 /* Motors of joints with one degree of freedom, which hold `wanted`: an implicit spring. */

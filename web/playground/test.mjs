@@ -1,6 +1,6 @@
 // Opens the playground in Chromium, uses it as people do, and compares what it writes with the native tools.
 // test.mjs PAGE TOOLS [PICTURES]: PAGE is index.html, TOOLS the folder of rbd-model and rbd-codegen. Ends with 77 where
-// Chromium or puppeteer-core is missing.
+// Chromium or puppeteer-core is missing. ONLY=REGEX: the tests of such a name.
 import assert from "node:assert/strict";
 import { execFileSync, spawn, spawnSync } from "node:child_process";
 import { copyFileSync, existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
@@ -142,6 +142,67 @@ const tests = {
     await page.keyboard.press("ArrowLeft");
     assert.notDeepEqual(await camera(), turned);
   },
+  async "a hand that is dragged follows the mouse by inverse kinematics; by one joint it does not"() {
+    const distance = async (way) => {
+      await page.click("#reset");
+      await page.select("#drag", way);
+      const spot = await spotOf(6), before = await q();
+      await page.mouse.move(...spot);
+      await page.mouse.down();
+      await page.mouse.move(spot[0] - 25, spot[1] - 25, { steps: 5 });
+      const [taken, shown, changed] = await page.evaluate(() => {
+        const { view } = playground, { robot } = playground.current(), { body, point } = view.taken;
+        return [view.taken.body, view.com.position.clone().set(...robot.world(body, point.toArray())).project(view.camera).toArray(), [...robot.q()]];
+      });
+      await page.mouse.up();
+      assert.ok(taken >= 5, `body ${taken} is taken`);
+      const box = await page.$eval("#canvas", (c) => { const b = c.getBoundingClientRect(); return [b.left, b.top, b.width, b.height]; });
+      const at = [box[0] + ((shown[0] + 1) / 2) * box[2], box[1] + ((1 - shown[1]) / 2) * box[3]];
+      return [Math.hypot(at[0] - spot[0] + 25, at[1] - spot[1] + 25), changed.filter((x, k) => Math.abs(x - before[k]) > 1e-6).length];
+    };
+    const [near, joints] = await distance("reach"), [far, one] = await distance("joint");
+    await page.select("#drag", "reach");
+    assert.ok(near < 0.5 && joints > 2, `${near} pixels off, ${joints} joints moved`);
+    assert.ok(far > 3 && one === 1, `${far} pixels off, ${one} joints moved`);
+  },
+  async "what is out of reach is said, with the distance"() {
+    await page.click("#reset");
+    await page.evaluate(() => {
+      const { robot } = playground.current();
+      playground.view.events.taken(6);
+      playground.view.events.pulled(6, [0, 0, 0], [3, 0, 0.5]);
+      window.left = Math.hypot(...robot.world(6, [0, 0, 0]).map((x, k) => x - [3, 0, 0.5][k]));
+    });
+    const [, said] = /Out of reach by ([\d.]+) cm/.exec(await text("status"));
+    await page.evaluate(() => { playground.current().robot.update(); });
+    const left = await page.evaluate(() => Math.hypot(...playground.current().robot.world(6, [0, 0, 0]).map((x, k) => x - [3, 0, 0.5][k])));
+    assert.ok(left > 1 && Math.abs(100 * left - said) < 0.1, `${left} m, said ${said} cm`);
+    await page.click("#reset");
+  },
+  async "a joint takes a typed value, within its limits"() {
+    const type = (value) => page.$eval('[data-value="lbr_iiwa_joint_2"]', (e, v) => { e.value = v; e.dispatchEvent(new Event("change")); }, value);
+    await type("0.25");
+    assert.equal((await q())[1], 0.25);
+    await type("9");
+    const { upper } = await page.evaluate(() => playground.current().robot.bodies[1]);
+    assert.equal((await q())[1], upper);
+    await type("");
+    assert.equal((await q())[1], upper);
+    await page.click("#reset");
+  },
+  async "the mouse over a link tells its name and its joint's position; what is not shown is not there"() {
+    const [x, y] = await spotOf(4), hover = () => page.$eval("#hover", (e) => (e.hidden ? "" : e.textContent));
+    await page.mouse.move(x, y);
+    await until("!document.getElementById('hover').hidden");
+    assert.match(await hover(), /link_\d: .* kg; lbr_iiwa_joint_\d = -?\d/);
+    await page.$eval("#shown", (e) => { e.open = true; });
+    for (const key of ["links", "joints", "inertia"]) await page.$eval(`[data-drawn="${key}"]`, (box) => box.click());
+    assert.deepEqual(await page.evaluate(() => playground.view.rods.map((r) => r.visible)), [false, false, false]);
+    await page.mouse.move(x + 1, y);
+    await until("document.getElementById('hover').hidden");
+    for (const key of ["links", "joints", "inertia"]) await page.$eval(`[data-drawn="${key}"]`, (box) => box.click());
+    assert.deepEqual(await page.evaluate(() => playground.view.rods.map((r) => r.visible)), [true, true, true]);
+  },
   async "the iiwa that moves loses energy by its damping only"() {
     await page.click("#reset");
     await page.click("#move");
@@ -196,6 +257,77 @@ const tests = {
     await page.click("#reset");
     (await q()).forEach((x, k) => assert.ok(Math.abs(x - begin[k]) < 1e-12, "starting again, it stands as before"));
   },
+  async "standing, the forces of the floor carry the weight, and the torques of the motors do the work of sinking"() {
+    await page.click("#reset");
+    const { forces, how, com, weight, torques } = await page.evaluate(() => {
+      const { robot } = playground.current();
+      return { ...robot.rest, torques: [...robot.rest.torques], com: robot.com, weight: 9.81 * robot.model.mass };
+    });
+    assert.equal(how, "standing");
+    assert.equal(forces.length, 4);
+    const sum = forces.reduce((s, { force }) => s.map((x, k) => x + force[k]), [0, 0, 0]);
+    sum.forEach((x, k) => assert.ok(Math.abs(x - [0, 0, weight][k]) < 1e-9 * weight, String(sum)));
+    for (const k of [0, 1]) { // about the centre of mass
+      const other = 1 - k, moment = forces.reduce((s, { place, force }) => s + (place[k] - com[k]) * force[2] - place[2] * force[k], 0)
+        + com[2] * sum[k];
+      assert.ok(Math.abs(moment) < 1e-9 * weight, `${moment} N m about axis ${other}`);
+    }
+    assert.match(await text("how"), /stands/);
+    // The trunk sinks by 1 mm over feet that stay: work of the motors = change of the potential energy.
+    const work = await page.evaluate(() => {
+      const { robot } = playground.current(), before = [...robot.q()], energy = robot.energy[1], trunk = robot.world(0, [0, 0, 0]);
+      const feet = robot.footing();
+      const grab = robot.grab(0);
+      robot.reach(grab, [0, 0, 0], [trunk[0], trunk[1], trunk[2] - 1e-3]);
+      robot.update();
+      const dq = robot.motors().map((b) => robot.q()[b.iq] - before[b.iq]);
+      const slid = Math.max(...robot.footing().map((p, i) => Math.hypot(...[0, 1, 2].map((k) => p[k] - feet[i][k]))));
+      return { dq, iv: robot.motors().map((b) => b.iv), change: robot.energy[1] - energy, slid };
+    });
+    const done = work.dq.reduce((s, x, k) => s + x * torques[work.iv[k]], 0);
+    assert.ok(work.change < -0.5 && work.slid < 1e-5, JSON.stringify(work));
+    assert.ok(Math.abs(done - work.change) < 0.02 * Math.abs(work.change), `${done} J of work, ${work.change} J`);
+    await page.click("#reset");
+  },
+  async "the trunk is dragged and the feet stay; balls of the floor are drawn once, however often one starts again"() {
+    await page.click("#reset");
+    const feet = () => page.evaluate(() => playground.current().robot.footing().map((p) => p.slice(0, 3)));
+    const before = await feet(), spot = await spotOf(0), height = (await q())[2];
+    await page.mouse.move(...spot);
+    await page.mouse.down();
+    await page.mouse.move(spot[0], spot[1] + 25, { steps: 5 });
+    await page.mouse.up();
+    const after = await feet();
+    assert.ok((await q())[2] < height - 0.01, `${height} m, then ${(await q())[2]} m`);
+    assert.equal(after.length, 4);
+    after.forEach((p, i) => assert.ok(Math.hypot(...p.map((x, k) => x - before[i][k])) < 1e-3, `${p} was ${before[i]}`));
+    const instanced = () => page.evaluate(() => playground.view.root.children.filter((c) => c.isInstancedMesh).length), n = await instanced();
+    for (let k = 0; k < 3; k++) await page.click("#reset");
+    assert.equal(await instanced(), n);
+  },
+  async "curves over time: the floor carries the weight of what stands; another robot begins with none"() {
+    await page.click("#hold");
+    await page.select("#curves", "force");
+    await page.click("#move");
+    await until("playground.motion.steps > 1500");
+    assert.match(await text("rate"), /^\d+\.\d\d × real time$/);
+    await page.click("#move");
+    const [up, weight] = await page.evaluate(() => [playground.motion.history.at(-1).up, 9.81 * playground.current().robot.model.mass]);
+    assert.ok(Math.abs(up - weight) < 0.05 * weight, `${up} N of ${weight} N`);
+    assert.match(await text("plotted"), /of the floor, upwards \d+/);
+    const inked = () => page.$eval("#plot", (c) => c.toDataURL() !== Object.assign(document.createElement("canvas"), { width: c.width, height: c.height }).toDataURL());
+    for (const kind of ["energy", "joints", "torques"]) {
+      await page.select("#curves", kind);
+      assert.match(await text("plotted"), kind === "energy" ? /kinetic .*J$/ : /_joint -?\d.* or /);
+      assert.equal(await inked(), true);
+    }
+    await page.select("#curves", "energy");
+    await page.click("#hold");
+    await choose("cart_pole");
+    assert.equal(await text("plotted"), "");
+    assert.equal(await inked(), false);
+    await choose("hyq");
+  },
   async "points that touch are guessed where the file has no shapes, and can be chosen"() {
     await page.click("#reset");
     assert.match(await text("guessed"), /guessed/);
@@ -233,6 +365,13 @@ const tests = {
       await until("document.querySelectorAll('#cost td').length === 10");
       await picture(id);
     }
+    await choose("hyq");
+    await until("document.querySelectorAll('#cost td').length === 10");
+    const [, ...rows] = readFileSync(join(root, "bench/instructions.csv"), "utf8").trim().split("\n").map((line) => line.split(","));
+    const ofGcc = (id) => rows.find((r) => r[0].startsWith("gcc") && r[1] === "hyq" && r[2] === id && r[3] === "double" && r[7] === "run-time")[4];
+    assert.deepEqual(await page.$$eval("#cost td:nth-child(3)", (cells) => cells.map((c) => c.textContent)), ["id", "mm", "fd", "minv", "id_derivatives"].map(ofGcc));
+    await choose("cart_pole");
+    await until("document.querySelectorAll('#cost td').length === 10");
     const times = await page.$$eval("#cost td:nth-child(2)", (cells) => cells.map((c) => c.textContent));
     assert.ok(times.length === 5 && times.every((t) => /µs$/.test(t) && parseFloat(t) > 0), String(times)); // of two bodies
   },
@@ -288,11 +427,21 @@ const tests = {
     await page.click("#findings button");
     assert.match(await page.evaluate(() => getSelection().toString() || document.getElementById("text").value.slice(...["selectionStart", "selectionEnd"].map((k) => document.getElementById("text")[k]))), /type='revolute'/);
     await picture("broken");
+    const seen = await page.$eval("#message", (e) => { const b = e.getBoundingClientRect(); return !e.hidden && b.top >= 0 && b.bottom <= innerHeight && /line 3.*picture is of the robot before/.test(e.textContent); });
+    assert.equal(seen, true);
     const urdf = readFileSync(join(root, "models/double_pendulum.urdf"), "utf8");
     await page.$eval("#text", (t, value) => { t.value = value; }, urdf);
     await page.$eval("#read", (b) => b.click());
     await until("playground.current().robot.model.nv === 2");
     assert.equal(await page.$eval("#problems", (p) => p.hidden), true);
+  },
+  async "a file of another format is named"() {
+    for (const [name, root] of [["robot.xml", "mujoco"], ["robot.urdf", "sdf"]]) {
+      await drop(name, `<?xml version="1.0"?>\n<${root} name="x"></${root}>`);
+      await until(`document.getElementById("status").textContent.includes(${root === "sdf" ? '"SDF"' : '"MJCF"'})`);
+    }
+    await page.click("#close");
+    assert.equal(await page.$eval("#message", (e) => e.hidden), true);
   },
   async "a hostile file: its text is never markup, and nothing is fetched"() {
     const bad = "&lt;img src=x onerror=alert(1)&gt;&lt;script&gt;alert(2)&lt;/script&gt;&quot;'";
@@ -305,9 +454,47 @@ const tests = {
     assert.match(await text("findings"), /<script>/);
     assert.equal(await page.$$eval("aside img, aside script, header img", (e) => e.length), 0);
   },
+  async "meshes that are not there are named, and rods are drawn for them; a root with mass is asked whether it floats"() {
+    const link = (name, mesh) => `<link name="${name}"><inertial><mass value="2"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>
+<visual><geometry><mesh filename="${mesh}"/></geometry></visual></link>`;
+    await drop("bare.urdf", `<robot name="bare">${link("trunk", "package://bare/meshes/trunk.stl")}${link("leg", "leg.ply")}
+<joint name="hip" type="continuous"><parent link="trunk"/><child link="leg"/><origin xyz="0 0 0.4"/><axis xyz="0 1 0"/></joint></robot>`);
+    await until("playground.current().source.name === 'bare.urdf'");
+    assert.match(await text("missing"), /2 of the file's meshes are not drawn: trunk.stl \(it is not there\), leg.ply \(only STL/);
+    assert.equal(await page.evaluate(() => playground.view.rods[1].count), 1); // the hip
+    assert.equal(await page.$eval("#ask", (e) => e.hidden), false);
+    assert.match(await text("asked"), /trunk has mass/);
+    await picture("missing");
+    await page.click("#floats");
+    await until("playground.current().robot.model.nv === 7");
+    assert.equal(await page.$eval("#ask", (e) => e.hidden), true);
+    assert.equal(await page.$eval("#floating", (e) => e.checked), true);
+    await choose("hyq");
+    assert.deepEqual(await page.evaluate(() => ["ask", "missing"].map((id) => document.getElementById(id).hidden)), [true, true]);
+  },
+  async "a robot without masses has poses and inverse kinematics"() {
+    const joint = (i) => `<link name="l${i}"/><joint name="j${i}" type="revolute"><parent link="${i ? `l${i - 1}` : "base"}"/><child link="l${i}"/><origin xyz="0 0 0.3"/>
+<axis xyz="${i % 2} ${1 - (i % 2)} 0"/><limit lower="-2" upper="2" effort="9" velocity="9"/></joint>`;
+    await drop("bones.urdf", `<robot name="bones"><link name="base"/>${[0, 1, 2, 3].map(joint).join("\n")}</robot>`);
+    await until("playground.current().source.name === 'bones.urdf'");
+    assert.match(await text("status"), /No link has mass/);
+    assert.equal(await page.$eval("#move", (b) => b.disabled), true);
+    const far = await page.evaluate(() => {
+      const { robot } = playground.current(), pose = (x) => { robot.q().set([0.3 + x, 0.4, 0.5 - x, 0.2]); robot.update(); };
+      pose(0);
+      const place = robot.world(3, [0, 0, 0.2]);
+      pose(0.2);
+      const said = robot.reach(robot.grab(3), [0, 0, 0.2], place);
+      robot.update();
+      return [said, Math.hypot(...robot.world(3, [0, 0, 0.2]).map((x, k) => x - place[k]))];
+    });
+    assert.ok(far[0] === "" && far[1] < 1e-4, String(far));
+    await choose("hyq");
+    assert.equal(await page.$eval("#move", (b) => b.disabled), false);
+  },
   async "a zip with a xacro, an include and a mesh"() {
     const { zipSync, strToU8 } = await import("fflate");
-    const triangle = "solid t\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0.3 0 0\nvertex 0 0.3 0\nendloop\nendfacet\nendsolid t\n";
+    const triangle = "solid t\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 0.3 0 0\nvertex 0 0.3 0\nendloop\nendfacet\nendsolid t\n";
     const macros = `<robot xmlns:xacro="http://ros.org/wiki/xacro"><xacro:macro name="arm" params="n parent length:=\${2*0.25} *at">
 <link name="l\${n}"><inertial><origin xyz="0 0 \${length/2}"/><mass value="\${1+n}"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>
 <visual><geometry><mesh filename="package://arm/meshes/t.stl"/></geometry></visual></link>
@@ -321,6 +508,8 @@ const tests = {
     assert.deepEqual([first.mass, first.com, second.mass, second.com], [2, 0.25, 3, 0.5]);
     assert.ok(Math.abs(first.z - Math.PI / 10) < 1e-12);
     assert.equal(await page.evaluate(() => { let n = 0; playground.view.root.traverse((o) => { n += o.geometry?.type === "BufferGeometry" && o.geometry.attributes.position?.count === 3 ? 1 : 0; }); return n; }), 2);
+    const normals = await page.evaluate(() => playground.view.shapes.map((link) => { let n; link.traverse((o) => { if (o.isMesh) n = [...o.geometry.attributes.normal.array]; }); return n; }));
+    for (const normal of normals) assert.deepEqual(normal, [0, 0, 1, 0, 0, 1, 0, 0, 1]); // the file says 0 0 0
   },
   async "meshes of Collada and Wavefront, dropped on the page"() {
     const { zipSync, strToU8 } = await import("fflate");
@@ -413,6 +602,12 @@ const tests = {
     await page.setViewport({ width: 400, height: 800, hasTouch: true, isMobile: true });
     await choose("hyq");
     assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= 400);
+    assert.ok(await page.evaluate(() => { // a message is seen wherever the page is scrolled to
+      scrollTo(0, 900);
+      document.getElementById("link").click();
+      const b = document.getElementById("message").getBoundingClientRect();
+      return new Promise((done) => setTimeout(() => { const c = document.getElementById("message").getBoundingClientRect(); done(c.height > 0 && c.bottom <= innerHeight && c.left >= 0 && c.right <= innerWidth); }, 300));
+    }));
     await picture("phone", 400, 800);
     await page.evaluate(() => scrollTo(0, 560));
     await picture("phone_numbers", 400, 800);
@@ -431,6 +626,7 @@ const tests = {
 let failed = 0;
 try {
   for (const [name, test] of Object.entries(tests)) {
+    if (process.env.ONLY && !name.startsWith("iiwa is there") && !new RegExp(process.env.ONLY).test(name)) continue;
     const start = Date.now();
     try {
       await test();

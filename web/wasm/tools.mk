@@ -22,7 +22,9 @@ scalars := double float
 record := $(scalars:%=$(objects)/record_%.o)
 sines := $(scalars:%=$(objects)/own_sines_%.o)
 object = $(patsubst $(1)/%,$(objects)/%.o,$(basename $(2)))
-ours := $(filter-out $(mains:%=$(objects)/tools/%.o) $(addprefix $(objects)/tools/codegen/,record.o own_sines.o), \
+# MuJoCo's library, which reads MJCF, is not built: of such a file the commands say so.
+ours := $(filter-out $(mains:%=$(objects)/tools/%.o) $(objects)/tools/rbd_mjcf.o \
+    $(addprefix $(objects)/tools/codegen/,record.o own_sines.o), \
     $(call object,$(ROOT),$(wildcard $(ROOT)/tools/*.c $(ROOT)/tools/*.cpp $(ROOT)/tools/codegen/*.cpp) \
     $(ROOT)/web/wasm/exceptions.cpp)) $(record) $(sines)
 theirs := $(call object,$(urdfdom),$(addprefix $(urdfdom)/, \

@@ -72,5 +72,9 @@ void example_rbd_hinge_loop(void) {
     const double pin[3] = {0.35, 0, 0}, axis[3] = {0, 1, 0};
     const rbd_constraint loops[3] = {rbd_hinge_loop(1, pin, axis, 2, pin, axis),
                                      rbd_ball_loop(1, pin, 2, pin), rbd_flat_contact(1, pin, NULL)};
-    if (!loops[0].axes[5] || loops[1].axes[0] || !loops[2].axes[0]) status = RBD_ERR_AXIS;
+    for (int i = 0; i < 3; i++) { /* 5 axes are held, 3, and 6 */
+        int rows = 0;
+        for (int k = 0; k < 6; k++) rows += loops[i].axes[k];
+        printf("constraint %d holds %d axes\n", i, rows);
+    }
 }

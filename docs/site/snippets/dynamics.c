@@ -2,6 +2,8 @@
 
 #include "models/hyq_model.h"
 
+#include <stdio.h>
+
 const rbd_model *m = &hyq_model;
 unsigned char memory[HYQ_WORK_SIZE];
 rbd_work *w;
@@ -46,14 +48,15 @@ void example_rbd_crba(void) {
 
 void example_rbd_crba_packed(void) {
     static double packed[HYQ_NV * (HYQ_NV + 1) / 2];
-    int at = rbd_packed_index(m, HYQ_NV - 1, 0); /* row below column: the lower triangle */
+    const int at = rbd_packed_index(m, HYQ_NV - 1, 0); /* of M(row, column); row below column */
     status = rbd_crba_packed(m, w, q, packed);
-    if (status == RBD_OK && at >= 0 && at < rbd_packed_size(m)) tau[0] = packed[at];
+    if (status == RBD_OK)
+        printf("%d numbers; the last joint and the trunk share %g\n", rbd_packed_size(m), packed[at]);
 }
 
 void example_rbd_aba(void) {
     status = rbd_aba(m, w, q, v, tau, NULL, a);
-    if (status == RBD_ERR_SINGULAR) tau[0] = rbd_singular_dof(w);
+    if (status == RBD_ERR_SINGULAR) printf("degree of freedom %d moves no inertia\n", rbd_singular_dof(w));
 }
 
 void example_rbd_fd_cholesky(void) { status = rbd_fd_cholesky(m, w, q, v, tau, NULL, a); }
@@ -113,7 +116,8 @@ void example_rbd_com(void) {
     status = rbd_kinematics(m, w, q, v, NULL);
     if (status == RBD_OK) status = rbd_energy(m, w, &kinetic, &potential);
     if (status == RBD_OK) status = rbd_com(m, w, c, c_dot, NULL);
-    if (status == RBD_OK) tau[2] = -9.81 * rbd_mass(m); /* the weight */
+    if (status == RBD_OK)
+        printf("%g kg at a height of %g m, with %g J\n", rbd_mass(m), c[2], kinetic + potential);
 }
 
 void example_rbd_joint_wrench(void) {
@@ -211,11 +215,9 @@ void example_rbd_joint(void) {
 }
 
 void example_rbd_body_name(void) {
-    for (int body = 0; body < rbd_nb(m); body++)
-        if (rbd_body_name(m, body) && rbd_body_index(m, rbd_body_name(m, body)) != body)
-            status = RBD_ERR_NAME;
-    for (int i = 0; i < rbd_nv(m) && i < rbd_nq(m); i++)
-        if (rbd_dof_body(m, i) < 0) status = RBD_ERR_INDEX;
+    for (int body = 0; body < rbd_nb(m); body++) printf("body %d is %s\n", body, rbd_body_name(m, body));
+    for (int i = 0; i < rbd_nv(m); i++) printf("v[%d] moves body %d\n", i, rbd_dof_body(m, i));
+    printf("q has %d numbers; the left fore foot is body %d\n", rbd_nq(m), rbd_body_index(m, "lf_lowerleg"));
 }
 
 void example_rbd_model_build(void) {
@@ -225,7 +227,8 @@ void example_rbd_model_build(void) {
                                      .type = RBD_REVOLUTE,
                                      .axis = {0, 1, 0},
                                      .mass = 1,
-                                     .com = {0, 0, -0.5}}};
+                                     .com = {0, 0, -0.5},
+                                     .inertia = {1. / 12, 0, 0, 1. / 12, 0, 0}}};
     static unsigned char room[RBD_MODEL_SIZE(1)];
     const double end[3] = {0, 0, -1};
     const rbd_model *pendulum;
@@ -236,7 +239,7 @@ void example_rbd_model_build(void) {
     if (status != RBD_OK) rbd_finding_text(&report.error, text, sizeof text); /* body, field and reason */
     if (status == RBD_OK) status = rbd_add_payload(room, 0, 0.5, end, NULL);
     if (status == RBD_OK) status = rbd_describe(pendulum, 0, &row);
-    if (rbd_model_size(rod, 1) > sizeof room || !rbd_status_string(status)) status = RBD_ERR_MEMORY;
+    printf("%s; the model takes %u bytes\n", rbd_status_string(status), (unsigned)rbd_model_size(rod, 1));
 }
 
 void example_rbd_model_build_kinematic(void) {
@@ -272,5 +275,5 @@ void example_rbd_lock_joints(void) {
 }
 
 void example_rbd_work_size(void) {
-    if (rbd_work_size(m) > sizeof memory) status = RBD_ERR_MEMORY;
+    printf("a work of this robot takes %u bytes\n", (unsigned)rbd_work_size(m)); /* HYQ_WORK_SIZE */
 }

@@ -26,15 +26,14 @@ void example_rbd_urdf_load(void) {
 
 void example_rbd_urdf_joint_index(void) {
     const int pole = rbd_urdf_joint_index(&robot, "hinge"); /* the body that it moves */
-    if (pole < 0 || robot.bodies[pole].type != RBD_CONTINUOUS) status = RBD_ERR_TYPE;
+    if (pole < 0) status = RBD_ERR_NAME;                    /* no such joint */
+    if (pole >= 0) printf("it carries %g kg\n", robot.bodies[pole].mass);
 }
 
 void example_rbd_urdf_link_index(void) {
     const int link = rbd_urdf_link_index(&robot, "pole");
-    if (link < 0)
-        status = RBD_ERR_INDEX;
-    else if (robot.frames[link].body < 0)
-        status = RBD_ERR_INDEX; /* it is fixed to the world */
+    if (link < 0) status = RBD_ERR_NAME; /* no such link */
+    if (link >= 0) printf("the link is part of body %d; -1: of the world\n", robot.frames[link].body);
 }
 
 void example_rbd_urdf_parse(void) {

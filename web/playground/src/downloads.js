@@ -12,7 +12,8 @@ const flags = ["f-ext", "gravity-argument", "bounded-angles", "short-sums", "rep
 export const identifier = (s) => s.replace(/\.[^.]*$/, "").replace(/[^A-Za-z0-9_]/g, "_").replace(/^(?=\d|$)/, "_");
 
 // How the file is read, as the page reads it.
-const reading = (source) => [...(source.floating ? ["--floating"] : []), ...(source.massless ? ["--lock-massless"] : [])];
+const reading = (source) => [...(source.floating ? ["--floating"] : []), ...(source.massless ? ["--lock-massless"] : []),
+  ...(source.kinematic ? ["--kinematic"] : [])];
 const modelOptions = (source) => [...reading(source), "--c-model", $("name").value];
 
 function codeOptions(source) {

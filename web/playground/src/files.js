@@ -33,7 +33,11 @@ export async function readFiles(list) {
   }
   const path = mainFile(files);
   if (!path) throw new Error("There is no .urdf or .xacro in what was dropped.");
-  const text = decode(files[path]), name = path.split("/").pop();
+  const text = decode(files[path]), name = path.split("/").pop(), root = /<(mujoco|sdf)[\s>]/.exec(text)?.[1];
+  if (root) {
+    throw new Error(root === "mujoco" ? `${name} is MJCF, which this page does not read. rbd-model --urdf ${name} makes a URDF of it, with MuJoCo's library.`
+      : `${name} is SDF, which rbd does not read: convert it to URDF first.`);
+  }
   if (!/\.xacro$/i.test(path) && !/<xacro:/.test(text)) return { name, text, files };
   return { name: name.replace(/(\.urdf)?\.xacro$/i, "") + ".urdf", text: expandXacro(text, files, name), files };
 }

@@ -30,8 +30,22 @@ export function textureManager(files) {
 }
 
 const text = (bytes) => new TextDecoder().decode(bytes);
+
+// A surface without normals, or with zeros for them, as some programs write STL, would be drawn black.
+function withNormals(object) {
+  object.traverse((o) => {
+    const normal = o.isMesh && o.geometry.attributes.normal;
+    if (o.isMesh && (!normal || normal.array.every((x) => x === 0))) o.geometry.computeVertexNormals();
+  });
+  return object;
+}
+
 const readers = {
-  stl: (bytes, material) => new THREE.Mesh(new STLLoader().parse(bytes.slice().buffer), material),
+  stl: (bytes, material) => {
+    const geometry = new STLLoader().parse(bytes.slice().buffer);
+    geometry.computeVertexNormals(); // of the triangles: what the file says of them may be zeros
+    return new THREE.Mesh(geometry, material);
+  },
   // In the link's axes as it stands, as RViz takes it: the loader would turn what has z upwards.
   dae: (bytes, material, manager) => new ColladaLoader(manager).parse(text(bytes).replace(/(<up_axis>)[^<]*/, "$1Y_UP"), "").scene,
   obj: (bytes, material, manager) => {
@@ -41,13 +55,16 @@ const readers = {
   },
 };
 
-// For urdf-loader; failures leave the place empty.
-export function meshLoader(files, drawn) {
+// For urdf-loader; missing(uri, why) is told of each mesh that leaves its place empty.
+export function meshLoader(files, drawn, missing) {
   return (uri, manager, material, done) => {
-    const name = find(files, uri), reader = readers[name?.split(".").pop().toLowerCase()];
+    const name = find(files, uri), reader = readers[(name ?? uri).split(".").pop().toLowerCase()];
     try {
-      if (reader) done(reader(files[name], material, manager));
-    } catch { done(null); }
+      if (name && reader) done(withNormals(reader(files[name], material, manager)));
+      else missing(uri, reader ? "it is not there" : "only STL, Collada and Wavefront are read");
+    } catch {
+      missing(uri, "it is broken");
+    }
     drawn();
   };
 }

@@ -16,7 +16,7 @@ function compile(bytes) {
 // One robot: an instance of its own, so that nothing is left of the one before.
 export class Model {
   // Resolves to { status, errors, warnings } and, where status is 0, a model with its arrays.
-  static async load(text, { floating = false, massless = false } = {}) {
+  static async load(text, { floating = false, massless = false, kinematic = false } = {}) {
     const module = await compile(pageModule);
     const imports = { wasi_snapshot_preview1: {} };
     for (const { name } of WebAssembly.Module.imports(module)) imports.wasi_snapshot_preview1[name] = () => 8; // EBADF
@@ -26,7 +26,7 @@ export class Model {
     model.exports = exports;
     const bytes = new TextEncoder().encode(text), at = exports.web_malloc(bytes.length + 1);
     new Uint8Array(exports.memory.buffer, at, bytes.length).set(bytes);
-    exports.web_load(at, bytes.length, floating ? 1 : 0, massless ? 1 : 0);
+    exports.web_load(at, bytes.length, floating ? 1 : 0, massless ? 1 : 0, kinematic ? 1 : 0);
     return Object.assign(model, JSON.parse(model.string(exports.web_json())));
   }
 

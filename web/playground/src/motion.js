@@ -13,6 +13,8 @@ export class Motion {
     this.steps = 0;
     this.history = [];
     this.last = null;
+    this.forces = [];
+    this.rate = null;
     this.place = robot.model.copy(new Array(8).fill(0));
     this.setMotors();
   }
@@ -57,9 +59,24 @@ export class Motion {
       this.steps += n;
     }
     this.robot.updatePose();
-    const [kinetic, potential] = this.robot.energy;
-    this.history.push({ t: this.steps * dt, kinetic, potential });
-    if (this.history.length > 600) this.history.shift();
+    this.record(time);
     return 0;
+  }
+
+  // What the curves show, and how much of the clock's time passes for the robot: of the last second.
+  record(time) {
+    const { robot, history } = this, [kinetic, potential] = robot.energy, t = this.steps * dt;
+    this.forces = robot.floorForces();
+    const up = this.forces.reduce((sum, { force }) => sum + force[2], 0);
+    history.push({ t, time, kinetic, potential, up, joints: robot.motors().map((b) => robot.q()[b.iq]), torques: this.torques() });
+    if (history.length > 600) history.shift();
+    const first = history.find((h) => time - h.time < 1000);
+    this.rate = time > first.time ? (1e3 * (t - first.t)) / (time - first.time) : null;
+  }
+
+  // What the springs that hold the pose give, N m or N.
+  torques() {
+    const [k, d, wanted, v] = ["stiffness", "damping", "wanted", "v"].map((name) => this.robot.model.array(name)), q = this.robot.q();
+    return this.robot.motors().map(({ iq, iv }) => k[iv] * (wanted[iq] - q[iq]) - Math.min(d[iv], 0.03 * k[iv]) * v[iv]);
   }
 }

@@ -14,25 +14,43 @@ const digits = (x) => (Math.abs(x) >= 1000 ? x.toFixed(0) : Math.abs(x) >= 10 ? 
 export function buildJoints(robot, moved) {
   const rows = robot.coordinates.map((c) => {
     const slider = element("input", { type: "range", min: c.low, max: c.high, step: "any" });
-    const value = element("output");
+    const value = element("input", { type: "number", step: 0.01 });
     slider.dataset.joint = c.label;
+    value.dataset.value = c.label;
+    value.setAttribute("aria-label", `${c.label}, ${c.unit}`);
     slider.addEventListener("input", () => { c.set(Number(slider.value)); moved(); });
-    $("joints").append(element("label", {}, element("span", { textContent: c.label, title: c.label }), slider, value));
+    // What is typed is taken as it is within the joint's limits; a coordinate without limits takes any number.
+    const bounded = c.body.lower < c.body.upper;
+    value.addEventListener("change", () => {
+      const x = Number(value.value);
+      if (value.value !== "" && Number.isFinite(x)) c.set(bounded ? Math.min(c.high, Math.max(c.low, x)) : x);
+      moved();
+    });
+    $("joints").append(element("label", {}, element("span", { textContent: c.label, title: c.label }), slider, value,
+      element("small", { textContent: c.unit })));
     return { c, slider, value };
   });
   return () => {
     for (const { c, slider, value } of rows) {
-      const x = c.get(), shown = `${x.toFixed(3)} ${c.unit}`;
+      const x = c.get(), shown = x.toFixed(3);
       if (document.activeElement !== slider || Math.abs(slider.value - x) > 1e-3) slider.value = x;
-      slider.setAttribute("aria-valuetext", shown);
-      value.textContent = shown;
+      slider.setAttribute("aria-valuetext", `${shown} ${c.unit}`);
+      if (document.activeElement !== value || Math.abs(value.value - x) > 1e-3) value.value = shown;
     }
   };
 }
 
-// ---- gravity torques ----
+// ---- torques at rest ----
 
-export function buildGravity(robot) {
+const ways = {
+  fixed: "",
+  massless: "No link has mass: there are none.",
+  standing: "It stands: the floor pushes with the least squares of forces, drawn as arrows.",
+  hanging: "Nothing carries it: these are the torques if it hung by its root. Put at least three points on the floor.",
+  tipping: "It tips over: the centre of mass is not above what it stands on. These are the torques if it hung by its root.",
+};
+
+export function buildTorques(robot) {
   const rows = robot.motors().map((b) => {
     const fill = element("i"), value = element("td");
     $("gravity").append(element("tr", {}, element("th", { textContent: b.joint ?? "", title: b.joint ?? "", scope: "row" }),
@@ -40,9 +58,10 @@ export function buildGravity(robot) {
     return { b, fill, value, unit: b.type === 4 ? "N" : "N m" };
   });
   return () => {
-    const most = Math.max(1e-9, ...rows.map(({ b }) => Math.abs(robot.gravity[b.iv])));
+    const { torques, how } = robot.rest, most = Math.max(1e-9, ...rows.map(({ b }) => Math.abs(torques[b.iv])));
+    $("how").textContent = ways[how];
     for (const { b, fill, value, unit } of rows) {
-      const x = robot.gravity[b.iv], share = 50 * Math.min(1, Math.abs(x) / (b.effort > 0 ? b.effort : most));
+      const x = torques[b.iv], share = 50 * Math.min(1, Math.abs(x) / (b.effort > 0 ? b.effort : most));
       fill.style.left = `${x < 0 ? 50 - share : 50}%`;
       fill.style.width = `${share}%`;
       fill.classList.toggle("over", b.effort > 0 && Math.abs(x) > b.effort);
@@ -105,7 +124,7 @@ export function buildLinks(robot, changed) {
   $("at").replaceChildren(...robot.frames.map((f, i) => ({ f, i })).filter(({ f }) => f.body >= 0)
     .map(({ f, i }) => element("option", { value: i, textContent: f.link })));
   $("at").selectedIndex = $("at").options.length - 1;
-  $("at").onchange = $("ellipsoid").onchange = changed;
+  $("at").onchange = changed;
 }
 
 export function updateReach(ellipsoid) {
@@ -113,6 +132,18 @@ export function updateReach(ellipsoid) {
     ? "Speed of the link's origin, in m/s, where the motors' speeds have length 1: "
       + ellipsoid.axes.map((a) => Math.sqrt(Math.max(0, a.value)).toFixed(3)).sort().reverse().join(", ") + "."
     : "";
+}
+
+// ---- what is drawn: its colours, and which of it is ----
+
+export function buildLegend(drawn, changed) {
+  $("legend").replaceChildren(...Object.entries(drawn).map(([key, { label, colour, on }]) => {
+    const box = element("input", { type: "checkbox", checked: on }), swatch = element("i");
+    box.dataset.drawn = key;
+    swatch.style.background = `#${colour.toString(16).padStart(6, "0")}`;
+    box.addEventListener("change", () => { drawn[key].on = box.checked; changed(); });
+    return element("label", {}, box, swatch, label);
+  }));
 }
 
 // ---- what may touch the floor ----
@@ -136,11 +167,12 @@ export function buildContacts(robot, changed) {
 const calls = [["inverse dynamics", "id"], ["mass matrix", "mm"], ["forward dynamics", "fd"], ["inverse of the mass matrix", "minv"],
   ["derivatives of inverse dynamics", "id_derivatives"]];
 const kept = new Map(keptTable.trim().split("\n").map((line) => line.split(","))
-  .filter((row) => row[3] === "double" && row[7] === "run-time").map((row) => [`${row[1]} ${row[2]}`, Number(row[4])]));
+  .filter((row) => row[0].startsWith("gcc") && row[3] === "double" && row[7] === "run-time").map((row) => [`${row[1]} ${row[2]}`, Number(row[4])]));
 
 // Microseconds of each call: the least of several runs, each long enough for the browser's clock.
 export async function measureCost(robot) {
   const rows = [], exports = robot.exports();
+  if (robot.source.kinematic) return rows; // these calls are refused
   robot.model.array("v").fill(0);
   for (const [k, [label, id]] of calls.entries()) {
     let best = Infinity, n = 200;
@@ -165,31 +197,6 @@ export function showCost(rows) {
   $("cost").replaceChildren(element("thead", {}, head), element("tbody", {}, ...rows.map((r) => element("tr", {},
     element("th", { textContent: r.label, scope: "row" }), element("td", { textContent: `${r.time.toFixed(2)} µs` }),
     element("td", { textContent: r.kept ? String(r.kept) : "–" })))));
-}
-
-// ---- energy over time ----
-
-export function drawEnergy(history) {
-  const canvas = $("plot"), { clientWidth: width, clientHeight: height } = canvas;
-  if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
-  const c = canvas.getContext("2d"), style = getComputedStyle(document.body);
-  c.clearRect(0, 0, width, height);
-  if (history.length < 2) return;
-  const values = history.flatMap((h) => [h.kinetic, h.potential, h.kinetic + h.potential]);
-  const low = Math.min(...values), high = Math.max(...values, low + 1e-9), first = history[0].t, last = history.at(-1).t;
-  const curves = [["kinetic", "#d8702a", (h) => h.kinetic], ["potential", "#2f6fde", (h) => h.potential],
-    ["sum", style.color, (h) => h.kinetic + h.potential]];
-  c.font = "12px sans-serif";
-  curves.forEach(([name, colour, value], k) => {
-    c.strokeStyle = c.fillStyle = colour;
-    c.beginPath();
-    for (const h of history) c.lineTo(((h.t - first) / (last - first)) * width, height - 4 - ((value(h) - low) / (high - low)) * (height - 24));
-    c.stroke();
-    c.fillText(name, 6 + 70 * k, 12);
-  });
-  const now = history.at(-1);
-  $("energy").textContent = `${now.t.toFixed(2)} s: kinetic ${digits(now.kinetic)} J, potential ${digits(now.potential)} J, `
-    + `sum ${digits(now.kinetic + now.potential)} J`;
 }
 
 // ---- problems ----

@@ -19,6 +19,9 @@ export function eigen(matrix) {
 
 const times = (R, x) => [0, 1, 2].map((i) => R[3 * i] * x[0] + R[3 * i + 1] * x[1] + R[3 * i + 2] * x[2]);
 const plus = (a, b) => a.map((x, i) => x + b[i]);
+const timesBack = (R, x) => [0, 1, 2].map((i) => R[i] * x[0] + R[3 + i] * x[1] + R[6 + i] * x[2]);
+const POINT = 0, POSE = 1; // rbd_ik_kind; module.c compares
+const near = 0.01;         // m: a ball that is this near to the floor touches it
 
 function quaternion(roll, pitch, yaw) {
   const [cr, sr, cp, sp, cy, sy] = [roll, pitch, yaw].flatMap((a) => [Math.cos(a / 2), Math.sin(a / 2)]);
@@ -32,7 +35,7 @@ function angles([x, y, z, w]) {
 }
 
 export class Robot {
-  // source: { name (of the file), text, files, floating, massless }
+  // source: { name (of the file), text, files, floating, massless, soles }
   constructor(model, source) {
     Object.assign(this, { model, source, bodies: model.bodies, frames: model.frames });
     this.neutral = [...this.q()];
@@ -109,6 +112,7 @@ export class Robot {
     this.model.exports.web_dynamics();
     this.gravity = this.model.array("gravity").slice();
     this.matrix = this.model.array("mass_matrix").slice();
+    this.rest = this.atRest();
   }
 
   rotation(body) { return body < 0 ? [1, 0, 0, 0, 1, 0, 0, 0, 1] : this.poses.subarray(12 * body, 12 * body + 9); }
@@ -134,8 +138,9 @@ export class Robot {
   get balls() { return this.found.filter(([body]) => this.touching.has(body)); }
 
   guessedBalls() {
-    const balls = [], radius = 0.012 * this.size, seen = new Set();
+    const balls = [], radius = 0.012 * this.size, seen = new Set(), { soles = {} } = this.source;
     this.bodies.forEach((b, i) => {
+      if (Object.hasOwn(soles, b.name)) return balls.push(...soles[b.name].map((p) => [i, ...p, 0]));
       for (const tip of this.tips[i]) {
         const key = `${i} ${tip.map((x) => x.toFixed(4))}`;
         if (!seen.has(key)) balls.push([i, ...tip, radius]);
@@ -161,6 +166,28 @@ export class Robot {
     return balls.filter((b) => b.every(Number.isFinite)).slice(0, 300);
   }
 
+  // Whether any link has mass; without, a robot has poses and no dynamics.
+  static hasMass(text) {
+    const file = new DOMParser().parseFromString(text, "text/xml");
+    return file.querySelector("parsererror") !== null || [...file.querySelectorAll("link > inertial > mass")].some((m) => Number(m.getAttribute("value")) !== 0);
+  }
+
+  // Whether the file's root link has mass, so that only its user knows if it floats.
+  static rootHasMass(text) {
+    const file = new DOMParser().parseFromString(text, "text/xml"), name = (e) => e.getAttribute("name");
+    const children = new Set([...file.querySelectorAll("robot > joint > child")].map((c) => c.getAttribute("link")));
+    const root = [...file.querySelectorAll("robot > link")].find((l) => !children.has(name(l)));
+    return root && Number(root.querySelector("inertial > mass")?.getAttribute("value")) > 0 ? name(root) : null;
+  }
+
+  // Forces of the floor in the last step: [{ place, force }].
+  floorForces() {
+    const n = this.exports().web_contact_forces(), f = this.model.array("contact_forces"), { balls } = this;
+    return balls.slice(0, n).map(([body, x, y, z, r], i) => ({
+      place: plus(this.world(body, [x, y, z]), [0, 0, -r]), force: [...f.subarray(4 * i + 1, 4 * i + 4)],
+    })).filter(({ force }) => Math.hypot(...force) > 0);
+  }
+
   makeContacts(floor = this.isFloating(), friction = 0.7) {
     this.floor = floor;
     const balls = floor ? this.balls : [];
@@ -176,10 +203,69 @@ export class Robot {
     this.update();
   }
 
-  // Corners of the polygon that carries the robot: convex hull of the balls on the floor.
+  // Where balls touch the floor: [x, y, z, body, radius], the lowest point of each.
+  footing() {
+    if (!this.floor || !this.found) return [];
+    return this.balls.map(([body, x, y, z, r]) => [...plus(this.world(body, [x, y, z]), [0, 0, -r]), body, r])
+      .filter((p) => p[2] < near);
+  }
+
+  // A place of the world in a body's axes.
+  local(body, place) { return timesBack(this.rotation(body), plus(place, this.origin(body).map((x) => -x))); }
+
+  // Torques of the motors that hold this pose: { torques, forces: [{ place, force }], how }. A robot that floats stands
+  // on what touches the floor, if that pushes only; points that would have to pull are left out, one by one.
+  atRest() {
+    const hanging = { torques: this.gravity, forces: [], how: this.isFloating() ? "hanging" : "fixed" };
+    if (this.source.kinematic) return { ...hanging, how: "massless" };
+    if (!this.isFloating() || !this.found) return hanging;
+    for (let feet = this.support(); feet.length > 2;) {
+      this.model.array("feet").set(feet.flatMap((p) => [p[3], ...this.local(p[3], p.slice(0, 3))]));
+      if (this.exports().web_stand(feet.length) !== 0) return hanging;
+      const f = this.model.array("foot_forces"), forces = feet.map((place, i) => ({ place, force: [...f.subarray(3 * i, 3 * i + 3)] }));
+      const torques = this.model.array("standing").slice(), weight = 9.81 * this.model.mass;
+      const missing = Math.hypot(...torques.subarray(0, 6)) / weight, least = Math.min(...forces.map((x) => x.force[2]));
+      if (least >= -1e-9 * weight) return missing < 1e-6 ? { torques, forces, how: "standing" } : { ...hanging, how: "tipping" };
+      feet = feet.filter((_, i) => forces[i].force[2] > least);
+    }
+    return this.margin() < 0 && this.margin() > -Infinity ? { ...hanging, how: "tipping" } : hanging;
+  }
+
+  // ---- inverse kinematics ----
+
+  // What stays while a point of this body follows the mouse: the feet on the floor, or the root.
+  grab(body) {
+    const feet = new Map();
+    for (const p of this.isFloating() ? this.footing() : []) {
+      const [x, y, z, foot, radius] = p;
+      if (foot !== body) feet.set(foot, [...(feet.get(foot) ?? []), [x, y, z + radius]]); // the ball rolls in place
+    }
+    const stay = [...feet].slice(0, 39).map(([b, points]) => {
+      const middle = [0, 1, 2].map((k) => points.reduce((sum, p) => sum + p[k], 0) / points.length);
+      return this.target(points.length > 2 ? POSE : POINT, b, 1e4, this.local(b, middle), middle);
+    });
+    return { body, stay, holdRoot: this.isFloating() && stay.length === 0 };
+  }
+
+  target(kind, body, weight, point, place) { return [kind, body, weight, ...point, ...place, ...this.rotation(body)]; }
+
+  // Moves q so that the point comes to the place, or near it. Returns a sentence where it does not.
+  reach({ body, stay, holdRoot }, point, place) {
+    const list = [this.target(POINT, body, 1, point, place), ...stay];
+    this.model.array("targets").set(list.flat());
+    const status = this.exports().web_ik(list.length, holdRoot ? 1 : 0);
+    const [metres, limit] = this.model.array("reached");
+    if (status < 0) return this.model.string(this.exports().web_sentence());
+    if (metres < 1e-3) return "";
+    const stop = this.bodies.find((b) => b.iv <= limit && limit < b.iv + b.nv);
+    return `Out of reach by ${(100 * metres).toFixed(1)} cm${status === 1 && stop ? `: ${stop.joint} is at its limit` : ""}.`;
+  }
+
+  // ---- what it stands on ----
+
+  // Corners of the polygon that carries the robot: convex hull of the points on the floor.
   support() {
-    const points = this.balls.map(([body, x, y, z, r]) => [...this.world(body, [x, y, z]), r])
-      .filter((p) => p[2] - p[3] < 0.01).sort((a, b) => a[0] - b[0] || a[1] - b[1]);
+    const points = this.footing().sort((a, b) => a[0] - b[0] || a[1] - b[1]);
     const left = (a, b, c) => (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 1e-9;
     const half = (list) => list.reduce((hull, p) => {
       while (hull.length > 1 && !left(hull.at(-2), hull.at(-1), p)) hull.pop();

@@ -10,7 +10,9 @@ const paint = (color, opacity = 1) => new THREE.MeshStandardMaterial({
   color, roughness: 0.55, transparent: opacity < 1, opacity, depthWrite: opacity === 1,
 });
 const colours = { link: paint(0xe8862e), joint: paint(0x3d4a57), inertia: paint(0x2f6fde, 0.16), com: paint(0xc02626),
-  reach: paint(0x128a4a, 0.35), support: paint(0x128a4a, 0.3), grip: paint(0xc02626), contact: paint(0x128a4a) };
+  reach: paint(0x7b4fc7, 0.35), support: paint(0x128a4a, 0.3), grip: paint(0xc02626), contact: paint(0x128a4a), force: paint(0xc2187a) };
+colours.support.side = THREE.DoubleSide;
+const mostForces = 100; // arrows
 const vector = (x) => new THREE.Vector3(...x);
 
 // Makes a cylinder, or what stands for one, reach from one place to another.
@@ -47,10 +49,27 @@ function everywhere(shape, material, places) {
   return mesh;
 }
 
+function hasSurface(object) {
+  let found = false;
+  object.traverse((o) => { found ||= Boolean(o.isMesh); });
+  return found;
+}
+
 export class View {
   constructor(canvas, events) {
     this.canvas = canvas;
-    this.events = events; // moved(robot), pulled(body, point, place), released()
+    this.events = events; // moved(), taken(body), pulled(body, point, place), released(), hover(body or null, event)
+    this.drawn = {
+      links: { label: "links", colour: 0xe8862e, on: true },
+      joints: { label: "joint axes", colour: 0x3d4a57, on: true },
+      inertia: { label: "inertia, as an ellipsoid of the same mass", colour: 0x9db8ea, on: true },
+      com: { label: "centre of mass, and below it", colour: 0xc02626, on: true },
+      contacts: { label: "points that may touch the floor", colour: 0x128a4a, on: true },
+      support: { label: "what it stands on", colour: 0xa6cfb6, on: true },
+      forces: { label: "forces of the floor", colour: 0xc2187a, on: true },
+      reach: { label: "Jacobian's ellipsoid", colour: 0x7b4fc7, on: true },
+      frames: { label: "link frames: x red, y green, z blue", colour: 0x888888, on: false },
+    };
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true });
     this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
     this.scene = new THREE.Scene();
@@ -68,7 +87,8 @@ export class View {
 
   show(robot) {
     if (this.root) this.scene.remove(this.root, this.grid);
-    for (const mesh of this.rods ?? []) mesh.dispose();
+    for (const mesh of [...(this.rods ?? []), this.contacts, this.arrows]) mesh?.dispose();
+    this.contacts = null;
     this.robot = robot;
     this.root = new THREE.Group();
     this.groups = robot.bodies.map((b, i) => this.bodyGroup(i));
@@ -79,6 +99,8 @@ export class View {
     this.root.add(this.base, this.marks, ...this.groups, ...this.rods);
     this.drawMarks();
     this.drawContacts();
+    this.axes = robot.bodies.map((_, i) => this.groups[i].add(new THREE.AxesHelper(0.12 * robot.size)).children.at(-1));
+    this.choose();
     const cells = Math.ceil(robot.size * 4);
     this.grid = new THREE.GridHelper(cells, 4 * cells, 0x8899aa, 0xbcc6d0);
     this.grid.rotation.x = Math.PI / 2;
@@ -87,6 +109,22 @@ export class View {
     this.controls.target.set(0, 0, 0);
     this.camera.position.set(1.1, -1.3, 0.5);
     this.frame();
+  }
+
+  // Shows what is chosen of `drawn`.
+  choose() {
+    const { drawn } = this, [links, joints, inertias] = this.rods;
+    const set = (on, ...objects) => { for (const o of objects) o.visible = on; };
+    set(drawn.links.on, links, ...this.shapes);
+    set(drawn.joints.on, joints);
+    set(drawn.inertia.on, inertias);
+    set(drawn.com.on, this.com, this.plumb);
+    set(drawn.contacts.on, this.contacts);
+    set(drawn.forces.on, this.arrows);
+    set(drawn.frames.on, ...this.axes);
+    this.support.visible = drawn.support.on && this.stands;
+    this.reach.visible = drawn.reach.on && this.reaches;
+    this.dirty = true;
   }
 
   bodyGroup(index) {
@@ -117,36 +155,56 @@ export class View {
 
   // The points that may touch the floor.
   drawContacts() {
-    const { robot } = this, least = 0.015 * robot.size;
-    if (this.contacts) this.root.remove(this.contacts.dispose());
+    const { robot } = this, least = 0.008 * robot.size;
+    if (this.contacts) {
+      this.root.remove(this.contacts);
+      this.contacts.dispose();
+    }
     this.contacts = everywhere(coarseBall, colours.contact, robot.floor ? robot.balls.map(([body, x, y, z, radius]) => {
       const object = new THREE.Object3D();
       object.position.set(x, y, z);
       object.scale.setScalar(Math.max(radius, least));
       return [body, object];
     }) : []);
+    this.contacts.visible = this.drawn.contacts.on;
     this.root.add(this.contacts);
   }
 
-  // The file's visual shapes in place of rods. A name or a number that urdf-loader does not take: rods stay.
-  // Returns the bodies that have some.
+  // Arrows from where the floor pushes: a third of the robot's size for its weight.
+  showForces(forces) {
+    const { robot, arrows } = this, scale = robot.size / 3 / (9.81 * robot.model.mass), object = new THREE.Object3D();
+    arrows.count = Math.min(mostForces, forces.length);
+    forces.slice(0, arrows.count).forEach(({ place, force }, k) => {
+      const from = vector(place);
+      between(from, from.clone().addScaledVector(vector(force), scale), 0.008 * robot.size, object).updateMatrix();
+      arrows.setMatrixAt(k, object.matrix);
+    });
+    arrows.instanceMatrix.needsUpdate = true;
+    this.dirty = true;
+  }
+
+  // The file's visual shapes in place of rods, where at least one of a body can be drawn. A name or a number that
+  // urdf-loader does not take: rods stay. Returns the bodies that have some; this.missing names the meshes that are not drawn.
   drawShapes() {
     const { source, frames } = this.robot, shaped = new Set();
+    this.shapes = [];
+    this.missing = new Map();
     let drawn;
     try {
       const loader = new URDFLoader(textureManager(source.files));
-      loader.loadMeshCb = meshLoader(source.files, () => { this.dirty = true; });
+      loader.loadMeshCb = meshLoader(source.files, () => { this.dirty = true; }, (uri, why) => this.missing.set(uri, why));
       loader.packages = (name) => name;
       drawn = loader.parse(source.text);
     } catch { return shaped; }
     for (const f of frames) {
-      const shapes = drawn.links[f.link]?.children.filter((c) => c.isURDFVisual) ?? [];
+      const shapes = drawn.links[f.link]?.children.filter((c) => c.isURDFVisual && hasSurface(c)) ?? [];
       if (shapes.length === 0) continue;
       const [a, b, c, d, e, g, h, i, j] = f.rotation, link = new THREE.Group();
       link.matrixAutoUpdate = false;
       link.matrix.set(a, b, c, f.position[0], d, e, g, f.position[1], h, i, j, f.position[2], 0, 0, 0, 1);
       link.add(...shapes);
       (this.groups[f.body] ?? this.base).add(link);
+      this.shapes.push(link);
       shaped.add(f.body);
     }
     return shaped;
@@ -159,10 +217,12 @@ export class View {
     this.plumb = between(new THREE.Vector3(), new THREE.Vector3(0, 0, 1), 0.003 * size, new THREE.Mesh(rod, colours.com));
     this.reach = new THREE.Mesh(ball, colours.reach);
     this.support = new THREE.Mesh(new THREE.BufferGeometry(), colours.support);
-    colours.support.side = THREE.DoubleSide;
     this.arrow = new THREE.Mesh(rod, colours.grip);
     this.arrow.visible = false;
-    this.marks.add(this.com, this.plumb, this.reach, this.support, this.arrow);
+    this.arrows = new THREE.InstancedMesh(rod, colours.force, mostForces);
+    this.arrows.frustumCulled = false;
+    this.arrows.count = 0;
+    this.marks.add(this.arrows, this.com, this.plumb, this.reach, this.support, this.arrow);
   }
 
   // After the robot has a new pose.
@@ -183,8 +243,9 @@ export class View {
     this.plumb.position.set(x, y, z / 2);
     this.plumb.scale.y = Math.abs(z) || 1e-6;
     const hull = robot.isFloating() ? robot.support() : [];
-    this.support.visible = hull.length > 2;
-    if (this.support.visible) {
+    this.stands = hull.length > 2;
+    this.support.visible = this.drawn.support.on && this.stands;
+    if (this.stands) {
       const corners = hull.slice(1, -1).flatMap((c, i) => [hull[0], hull[i + 1], hull[i + 2]]).flatMap((c) => [c[0], c[1], 0.002]);
       this.support.geometry.dispose();
       this.support.geometry = new THREE.BufferGeometry().setAttribute("position", new THREE.Float32BufferAttribute(corners, 3));
@@ -194,7 +255,8 @@ export class View {
   }
 
   showEllipsoid(e) {
-    this.reach.visible = Boolean(e);
+    this.reaches = Boolean(e);
+    this.reach.visible = this.drawn.reach.on && this.reaches;
     this.dirty = true;
     if (!e) return;
     const lengths = e.axes.map((a) => Math.sqrt(Math.max(0, a.value))), scale = (0.17 * this.robot.size) / (Math.max(...lengths) || 1);
@@ -249,6 +311,7 @@ export class View {
 
   draw() {
     this.resize();
+    this.look();
     if (!this.dirty) return;
     this.dirty = false;
     this.renderer.render(this.scene, this.camera);
@@ -266,7 +329,14 @@ export class View {
   // Before OrbitControls, which must not turn the view when a link is taken.
   listen() {
     this.canvas.addEventListener("pointerdown", (event) => this.take(event), { capture: true });
-    this.canvas.addEventListener("pointermove", (event) => { if (this.taken) this.drag(event); });
+    this.canvas.addEventListener("pointermove", (event) => {
+      if (this.taken) this.drag(event);
+      else if (event.buttons === 0 && event.pointerType === "mouse") this.pointed = event; // looked at in the next frame
+    });
+    this.canvas.addEventListener("pointerleave", () => {
+      this.pointed = null;
+      this.events.hover(null);
+    });
     for (const end of ["pointerup", "pointercancel"]) {
       this.canvas.addEventListener(end, () => {
         if (this.taken) this.events.released();
@@ -283,16 +353,36 @@ export class View {
     });
   }
 
+  // The link under the mouse: { body, point (world) }, or null. What is not shown is not there.
+  hit(event) {
+    this.aim(event);
+    const seen = [...this.groups, ...this.rods].filter((o) => o.visible);
+    const found = this.ray.intersectObjects(seen, true).find(({ object }) => object.isMesh && object.visible && object.parent.visible);
+    if (!found) return null;
+    let at = found.object, body = at.userData.places?.[found.instanceId].body;
+    for (; body === undefined; at = at.parent) body = at.userData.body;
+    return { body, point: found.point };
+  }
+
+  // Tells which link the mouse is over.
+  look() {
+    if (!this.pointed || !this.robot) return;
+    const event = this.pointed, hit = this.hit(event);
+    this.pointed = null;
+    this.canvas.style.cursor = hit ? "grab" : "";
+    this.events.hover(hit, event);
+  }
+
   take(event) {
     if (!this.robot) return;
-    this.aim(event);
-    const hit = this.ray.intersectObjects([...this.groups, ...this.rods], true)[0];
+    const hit = this.hit(event);
+    this.events.hover(null);
     if (!hit) return;
-    let at = hit.object, body = at.userData.places?.[hit.instanceId].body;
-    for (; body === undefined; at = at.parent) body = at.userData.body;
+    const { body } = hit;
     const point = hit.point.clone().applyMatrix4(this.groups[body].matrix.clone().invert());
     const plane = new THREE.Plane().setFromNormalAndCoplanarPoint(this.camera.getWorldDirection(new THREE.Vector3()), hit.point);
     this.taken = { body, point, plane };
+    this.events.taken(body);
     this.controls.enabled = false;
     this.canvas.setPointerCapture(event.pointerId);
     this.canvas.focus();
@@ -303,12 +393,10 @@ export class View {
     this.aim(event);
     const { body, point, plane } = this.taken, place = this.ray.ray.intersectPlane(plane, new THREE.Vector3());
     if (!place) return;
-    if (this.events.pulled(body, point.toArray(), place.toArray())) {
-      this.taken.place = place;
-      return;
-    }
-    this.turnJoint(body, point, place);
-    this.events.moved();
+    const way = this.events.pulled(body, point.toArray(), place.toArray());
+    if (way === "pull") this.taken.place = place;
+    if (way === "turn") this.turnJoint(body, point, place);
+    if (way !== "pull") this.events.moved();
   }
 
   // Moves the joint above the taken link so that the point follows as near as this joint lets it.

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: MIT
+"""Motors, gears and transmissions: rbd_actuator.h."""
+import pickle
+
+import numpy as np
+import pytest
+
+import rbd
+
+
+def leg(library, **joint):
+    return rbd.Model([rbd.Body("thigh", "hip", type="revolute", axis=(0, 1, 0), mass=4, com=(0, 0, -0.2), inertia=(0.05, 0, 0, 0.05, 0, 0.01)),
+                      rbd.Body("shank", "knee", "thigh", "revolute", axis=(0, 1, 0), position=(0, 0, -0.4), mass=1.5,
+                               com=(0, 0, -0.2), inertia=(0.02, 0, 0, 0.02, 0, 0.002), **joint)], library=library)
+
+
+def test_efficiency_and_limits(library):
+    model = leg(library)
+    close = 1e-4 if library.real == "float" else 1e-12
+    motors = [rbd.Motor(joint="hip", gear=50, constant=0.03, resistance=0.6, voltage=24, current=15),
+              rbd.Motor(joint="knee", gear=1, constant=1, friction=rbd.Friction(load_motor=0.2))]
+    arm = model.actuators(motors)
+    up = arm.inverse([0, 0], [4, 1], [0, 0], [1000, 8])
+    assert np.allclose(up.torque, [22.5, 10], atol=close) and list(up.saturated) == [1, 0]
+    assert np.allclose(up.current, [15, 10], atol=close) and up.torque.dtype == library.dtype
+    assert abs(arm.inverse([0, 0], [0, -1], [0, 0], [0, 8]).torque[1] - 8 / 1.2) < close
+    assert abs(arm.friction(1, 1.0, 10, -8) - 2) < close
+    assert pickle.loads(pickle.dumps(arm)).n == 2
+
+
+def test_a_spring_keeps_its_load(double):
+    """A knee on a spring, whose rotor is held by friction, hangs at gravity's torque over the stiffness."""
+    model = leg(double)
+    arm = model.actuators([rbd.Motor(joint="hip", gear=50, constant=1, friction=rbd.Friction(coulomb=100)),
+                           rbd.Motor(joint="knee", gear=50, constant=1, inertia=1e-4, stiffness=50, damping=1,
+                                     friction=rbd.Friction(coulomb=100))])
+    q, v = np.array([0.5, 0.2]), np.zeros(2)
+    arm.reset(q, air=20)
+    for _ in range(3000):
+        q, v = arm.step(q, v, 1e-3)
+    state = arm.get()
+    assert abs(q[0] - 0.5) < 1e-6 and state.angle[1] == 0.2 and state.winding[1] == 20
+    assert abs(-50 * (q[1] - 0.2) - model.gravity_torque(q)[1]) < 1e-6
+
+
+def test_drives_follow_their_commands(library):
+    model = leg(library)
+    arm = model.actuators([rbd.Motor(joint=joint, gear=20, constant=0.1) for joint in ("hip", "knee")])
+    feet = model.contacts([], options=rbd.ContactOptions(first_order=True))
+    q, v = np.zeros(2), np.zeros(2)
+    for _ in range(1000):
+        q, v = arm.step(q, v, 1e-3, position=[0.3, -0.5], kp=[3000, 3000], kd=60, torque=model.gravity_torque([0.3, -0.5]),
+                        contacts=feet)
+    assert np.allclose(q, [0.3, -0.5], atol=1e-3)
+
+
+def test_transmissions(double):
+    model = leg(double)
+    motors = [rbd.Motor(gear=2, constant=1), rbd.Motor(gear=3, constant=1)]
+    both = rbd.Transmission(0, ("hip", "knee"), matrix=[[1, 0], [1, 1]])
+    angle, speed = model.actuators(motors, [both]).map([0.1, 0.2], [1, 2])
+    assert np.allclose(angle, [0.1, 0.3]) and np.allclose(speed, [1, 3])
+    rod = rbd.Rod(place=(0, 0.05, -0.1), axis=(0, 1, 0), zero=(-1, 0, 0), crank=0.03, length=0.285, point=(-0.05, 0.05, 0.01))
+    knee = model.actuators([rbd.Motor(joint="hip", gear=1, constant=1), motors[1]], [rbd.Transmission(1, "knee", rod=[rod])])
+    high, low = (knee.map([0, x])[0][1] for x in (1e-6, -1e-6))
+    assert abs((high - low) / 2e-6 - knee.map([0, 0], [0, 1])[1][1]) < 1e-8
+    with pytest.raises(rbd.RbdError, match="transmission 0: a rod does not reach"):
+        knee.map([0, -1.5])
+
+
+def test_rotors(iiwa):
+    """A rotor on the world has armature's torque alone; one on a body more."""
+    v, a = np.ones(7), np.ones(7)
+    q = np.linspace(-1, 1, 7)
+    plain = iiwa.rnea(q, v, a)
+    assert (iiwa.rotor_torque([rbd.Rotor(-1, 0, (0, 0, 1), 10, 1e-3)], q, v, a) == plain).all()
+    assert np.abs(iiwa.rotor_torque([rbd.Rotor("lbr_iiwa_link_2", 2, (0, 1, 1), 10, 1e-3)], q, v, a) - plain).max() > 1e-3
+    with pytest.raises(rbd.RbdError, match="rotor_torque"):
+        iiwa.rotor_torque([rbd.Rotor(0, 0, (0, 0, 0), 1, 1)], q, v, a)
+
+
+def test_bad_tables_are_named(double):
+    model = leg(double, armature=0.1)
+    good = rbd.Motor("M1", "knee", 10, 1)
+    for motor, kind, text in (
+            (rbd.Motor("M1", "knee", constant=1), rbd.RbdError, "actuators: motor 0 'M1', field 'gear': missing"),
+            (rbd.Motor("M1", "ankle", 10, 1), rbd.RbdError, "field 'joint': no such joint"),
+            (rbd.Motor("M1", "knee", 10, 1, inertia=1e-4), rbd.RbdError, "field 'inertia': the rotor counts twice"),
+            (rbd.Motor("M1", "knee", 10, 1, friction=rbd.Friction(coulomb=-1)), rbd.RbdError, "field 'coulomb'"),
+            (rbd.Motor("M1", "knee", 10, 1, friction=1), TypeError, "field 'friction': must be a Friction"),
+            (rbd.Motor("M1", "knee", np.nan, 1), ValueError, "gear is nan"),
+            ("M1", TypeError, "must be a Motor")):
+        with pytest.raises(kind, match=text):
+            model.actuators([motor])
+    with pytest.raises(ValueError, match="either a matrix or rods"):
+        model.actuators([good], [rbd.Transmission(0, ("knee",))])
+    with pytest.raises(rbd.RbdError, match="a command|out of range|negative"):
+        model.actuators([good]).step([0, 0], [0, 0], 1e-3, kp=-1)
+    with pytest.raises(ValueError, match="inverse: tau"):
+        model.actuators([good]).inverse([0, 0], [0, 0], [0, 0], [0])

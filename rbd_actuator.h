@@ -1,0 +1,1973 @@
+/* rbd_actuator.h - what stands between a motor's command and a joint's torque, on rbd.h.
+   Made by src/amalgamate.py from src/rbd_actuator.h and the files that it includes: edit those.
+   SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors. Licence in full at the end of rbd.h.
+
+   Motors with limits and heat, drives, gears with friction, springs and play, transmissions by matrix or
+   rods, as const tables. One way for controllers: from wanted joint torques to currents. The other way for
+   simulations: from commands to joint torques. Implemented by the same RBD_IMPLEMENTATION as rbd.h, in the
+   same file. The currents that move an arm as planned:
+
+       #define RBD_IMPLEMENTATION
+       #include "rbd_actuator.h"
+
+       static const rbd_motor motors[2] = {
+           {.joint = "shoulder", .gear = 50, .constant = RBD_C(0.06), .inertia = RBD_C(1e-5),
+            .friction = {.coulomb = RBD_C(0.4), .viscous = RBD_C(0.1)}},
+           {.joint = "elbow", .gear = 30, .constant = RBD_C(0.06), .inertia = RBD_C(1e-5),
+            .friction = {.coulomb = RBD_C(0.2), .viscous = RBD_C(0.05)}}};
+       static unsigned char memory[RBD_ACTUATORS_SIZE(2, 0, 0)];
+       rbd_actuators *a;
+       rbd_drive drives[2];
+       rbd_actuators_init(m, motors, 2, NULL, 0, memory, sizeof memory, &a, &report);
+
+       rbd_rnea(m, w, q, v, acc, NULL, tau);   // of the plan
+       rbd_actuators_inverse(a, q, v, acc, tau, drives);
+       send(drives[0].current, drives[1].current);
+
+   CONTENTS (search for the tag)
+     [conventions] [configuration] [guarantees] [limits]
+     [tables] [actuators] [inverse] [forward] [rotors]
+     --- stop here if you only use it ---
+     [method] [exponential] [friction code] [motor code] [drive code] [rods] [transmission code]
+     [inverse code] [laws of shafts] [forward code] [derivatives code] [checks] [tables code]
+     [rotors code] [text code]
+
+   [conventions] Those of rbd.h, beyond them:
+     shaft        the output of one motor's gear, in the data sheet's coordinate. Its angle times gear is the
+                  rotor's. Torques, speeds, friction and gains of a motor are those at its shaft
+     joint side   of a shaft: behind its spring, or the shaft itself if it is rigid. Without a transmission it
+                  is the joint, with the same sign
+     rigid        without a stiffness
+
+   [configuration] That of rbd.h. RBD_LANES and RBD_REAL_CUSTOM do not go with it: friction branches on its
+     data. With __float128 the part of friction at rest has the accuracy of double.
+
+   [guarantees]
+     Finite input gives finite output. Springs and play add no energy, whatever the step is, and friction
+     opposes the speed at the step's end. A rotor that friction holds on a spring stays to the bit. The bits
+     are the same on every machine with RBD_REPRODUCIBLE.
+
+   [limits]
+     A rigid shaft that its friction holds creeps by 1e-9 rad/s at most (float: 1e-6), or gives way as its
+     bristle says. The level of friction is that of the state before a step, and of the loads of the last one.
+     Speeds of shafts that a transmission couples converge by repeats; those that are coupled closely and held
+     by much friction may need more than there are. Not here: inductance and the dynamics of the current's
+     loop, rods with mass, tendons with slack, hysteresis of strain-wave gears, friction by temperature.
+*/
+#include "rbd.h"
+
+#ifndef RBD_ACTUATOR_H
+#define RBD_ACTUATOR_H
+
+#if RBD_VERSION_NUMBER < 400 || RBD_MODEL_VERSION != 6
+#error "rbd: rbd_actuator.h is of another version than rbd.h"
+#endif
+
+#if defined RBD_LANES || defined RBD_REAL_CUSTOM
+#error "rbd: rbd_actuator.h needs a scalar, without RBD_LANES and RBD_REAL_CUSTOM"
+#endif
+
+RBDI_EXTERN_C_BEGIN
+
+/* ==== src/api/actuator.h ==== */
+/* ---- tables [tables] ----
+   Constants of drives: const tables, which firmware keeps in flash. In float write RBD_C(0.05) or 0.05f. */
+
+/* Friction of a gear, at its shaft. The level of dry friction at speed x, with torque t_m of the motor and
+   t_x of the joint on the shaft, S = exp(-|x / speed|^power):
+
+       coulomb + |load_joint t_x - load_motor t_m| + S (rest + |rest_joint t_x - rest_motor t_m| + Q)
+
+   Q = square_joint t_x^2 if |t_x| < |t_m|, square_motor t_m^2 if |t_x| > |t_m|, and only where t_x and t_m do
+   not have the same sign. It is M6 of Duclusaud and Passault (2024, arXiv 2410.08650); with fewer fields M1
+   to M5. An efficiency eta is load_motor = 1 - eta; with load_joint = 1 the joint cannot drive the motor.
+   Zero is a sensible default for every field. */
+typedef struct rbd_friction {
+    rbd_const coulomb;                    /* N m: without load, at any speed */
+    rbd_const viscous;                    /* N m s: times the speed, beside the level */
+    rbd_const load_motor, load_joint;     /* shares of both torques, 0 to 10; load_motor below 1 */
+    rbd_const rest;                       /* N m more at rest: Stribeck's effect */
+    rbd_const rest_motor, rest_joint;     /* shares of both torques at rest, 0 to 10 */
+    rbd_const square_motor, square_joint; /* 1/(N m): at rest, of the squares of both torques */
+    rbd_const speed, power; /* rad/s, and 0.1 to 10: how the part of rest fades; needed if there is one */
+    rbd_const bristle;      /* N m/rad: stiffness before it slips; 0: rigid */
+    rbd_const still; /* rad/s: the inverse compensates slower motion in proportion; 0: in full at any speed */
+} rbd_friction;
+
+/* A motor with drive, gear and, perhaps, a spring or play behind the gear. The shaft is the gear's output:
+   its angle is that of the rotor divided by gear. Zero is a sensible default for all but gear, constant and,
+   without a transmission, joint. For joints that slide read m for rad and N for N m. */
+typedef struct rbd_motor {
+    const char *name;     /* for findings; NULL = nameless */
+    const char *joint;    /* name of the joint that it moves; NULL if a transmission moves it */
+    rbd_const gear;       /* turns of the rotor for a turn of the shaft, or rad/m; signed, not 0 */
+    rbd_const constant;   /* N m/A at the rotor; 1 for a drive that takes torques. Not 0 */
+    rbd_const inertia;    /* kg m^2, of the rotor about its axis. 0 if the model has it as armature */
+    rbd_const resistance; /* ohm */
+    rbd_const current;    /* A: limit; 0: none */
+    rbd_const voltage;    /* V: limit; with the resistance it gives the torque-speed line; 0: none */
+    rbd_const copper;     /* 1/K: growth of the resistance above 25 degrees; copper 0.0039 */
+    rbd_const heat_winding, heat_case; /* J/K; heat_winding 0: no heat; heat_case 0: the case stays as cold
+                                          as the air */
+    rbd_const flow_winding, flow_case; /* K/W: from the winding to the case, from there to the air */
+    rbd_const hot, hottest;          /* degrees: the limit of current falls between them to 0; both 0: none */
+    rbd_const cogging, teeth, phase; /* N m at the rotor, periods in a turn of the rotor, rad */
+    rbd_const step, offset;          /* rad at the shaft: of the encoder, its resolution and its error */
+    rbd_const stiffness, damping; /* N m/rad, N m s/rad: of a spring from the gear to the joint; 0: rigid */
+    rbd_const backlash;           /* rad: play of the spring; needs a stiffness */
+    int delay;                    /* steps that a command takes to arrive, at most 1000 */
+    int sampled; /* not 0: the drive is as slow as the step, and may be unstable; 0: much faster, implicit */
+    rbd_friction friction;
+} rbd_motor;
+
+/* A crank on the rods' base, and a rod from its end to a point of the body that the joints move. */
+typedef struct rbd_rod {
+    rbd_const place[3];      /* of the crank's axis, m, axes of the base: the body before the first joint */
+    rbd_const axis[3];       /* of the crank, of unit length, base's axes */
+    rbd_const zero[3];       /* direction of the crank at angle 0, of unit length, across the axis */
+    rbd_const crank, length; /* m */
+    rbd_const point[3];      /* m, of the last joint's body, link axes */
+    int elbow;               /* 1 or -1: which of the two angles that the rod allows */
+} rbd_rod;
+
+typedef enum rbd_transmission_kind {
+    RBD_BY_MATRIX, /* shaft speeds = matrix times joint speeds: differentials, belts across joints */
+    RBD_BY_RODS    /* a crank and a rod for each of one or two joints in series: ankles, crank-rockers */
+} rbd_transmission_kind;
+
+/* As many motors as joints that move together: shaft speeds x = G(q) v, joint torques G' t. */
+typedef struct rbd_transmission {
+    const char *name; /* for findings; NULL = nameless */
+    rbd_transmission_kind kind;
+    int n;                /* motors and joints, 1 to 3; by rods 1 or 2 */
+    int motor;            /* the first of its motors, which stand together in the table */
+    const char *joint[3]; /* names of the joints; by rods from the base outwards */
+    rbd_const matrix[9];  /* n x n, row-major: RBD_BY_MATRIX */
+    rbd_rod rod[2];       /* n: RBD_BY_RODS */
+} rbd_transmission;
+
+/* The level of dry friction at a shaft's speed, N m.
+   speed           rad/s, of the shaft
+   motor, joint    N m at the shaft: torques of the motor and of the joint on it; at rest they cancel, joint =
+                   -motor
+   Returns 0 without a friction. */
+RBDI_API rbd_real rbd_friction_level(const rbd_friction *friction, rbd_real speed, rbd_real motor,
+                                     rbd_real joint);
+
+/* ---- actuators [actuators] ---- */
+
+typedef struct rbd_actuators rbd_actuators; /* of one robot: its tables, and the state of each shaft */
+
+/* Checks motors and transmissions, and prepares them in the caller's memory.
+   motors          n of them, 1 or more; they must stay
+   transmissions   `groups` of them, they must stay; may be NULL if groups is 0
+   memory          size bytes of any alignment: RBD_ACTUATORS_SIZE or rbd_actuators_size
+   a               receives the actuators, inside memory: do not move it; NULL after an error
+   report          receives the error; may be NULL. body: the motor's index, or n + the transmission's;
+                   field: of rbd_motor, rbd_friction, rbd_transmission or rbd_rod
+   Errors: RBD_ERR_NULL, _WORK, _MEMORY; _COUNT, n or groups, or a transmission's n; _INDEX, a joint that does
+   not exist, has not one degree of freedom, or moves twice; motors that a transmission has not, or joints of
+   rods that do not follow each other; _TYPE, a kind; _RANGE, a field that is missing, negative, not finite or
+   out of range; _AXIS, of a crank; _ARMATURE, the model has the rotor's inertia too; _SINGULAR, a matrix. All
+   shafts are at rest at angle 0, at 25 degrees: rbd_actuators_reset. */
+RBDI_API rbd_status rbd_actuators_init(const rbd_model *m, const rbd_motor *motors, int n,
+                                       const rbd_transmission *transmissions, int groups, void *memory,
+                                       size_t size, rbd_actuators **a, rbd_report *report);
+
+/* Bytes that rbd_actuators_init needs; 0 if a number is out of range.
+   delay   the largest of the motors' */
+RBDI_API size_t rbd_actuators_size(int n, int groups, int delay);
+
+/* As rbd_finding_text, e.g. "motor 3 'elbow', field 'gear': missing".
+   n   number of motors: the transmissions behind them are transmission 0, 1, ... */
+RBDI_API char *rbd_actuators_finding_text(const rbd_finding *finding, int n, char *text, size_t size);
+
+/* Shaft angles and speeds of a state of the robot, as encoders on the shafts see them where these are rigid.
+   The calls below do it themselves.
+   q, v           nq, nv; v may be NULL for zero
+   angle, speed   n, rad and rad/s; each may be NULL
+   Errors: RBD_ERR_NULL; _NAN, q or v is not finite or above 1e9; _INFEASIBLE, a rod does not reach;
+   _SINGULAR, a rod at its dead centre. rbd_actuators_fault has the transmission. */
+RBDI_API rbd_status rbd_actuators_map(rbd_actuators *a, const rbd_real *q, const rbd_real *v, rbd_real *angle,
+                                      rbd_real *speed);
+
+/* The transmission at which the last rbd_actuators_map, _inverse or _begin failed; -1: none. */
+RBDI_API int rbd_actuators_fault(const rbd_actuators *a);
+
+/* ---- inverse [inverse] ---- */
+
+/* What a motor shall do. */
+typedef struct rbd_drive {
+    rbd_real torque;  /* N m at the shaft, of the motor; within its limits */
+    rbd_real current; /* A */
+    rbd_real voltage; /* V */
+    rbd_real angle;   /* rad, of the shaft on the motor's side of a spring: for a position controller */
+    int saturated;    /* 1 or -1: a limit cut the torque at its upper or lower end; else 0 */
+    rbd_real by_torque, by_speed, by_acceleration; /* slopes of the uncut torque by what the joints ask of the
+                                                      shaft: its torque, viscous speed and acceleration */
+} rbd_drive;
+
+/* Motor torques, currents and voltages for wanted joint torques: adds friction, the rotors' inertia and
+   cogging, and obeys the limits at the present temperatures.
+   q      nq
+   v, acc   nv: the planned velocities and accelerations. With measured ones in place of planned, friction
+   that
+          is compensated in full makes a limit cycle: then at most 80 %
+   tau    nv: wanted joint torques, as from rbd_rnea
+   drives n
+   Errors: as rbd_actuators_map, _NAN of acc and tau too. */
+RBDI_API rbd_status rbd_actuators_inverse(rbd_actuators *a, const rbd_real *q, const rbd_real *v,
+                                          const rbd_real *acc, const rbd_real *tau, rbd_drive *drives);
+
+/* ---- forward [forward] ----
+   A step of a simulation:
+
+       rbd_actuators_begin(a, commands, q, v, dt, 0, tau, damping);
+       do rbd_contact_step(m, c, q, v, tau, NULL, damping, dt, q_next, v_next);
+       while (rbd_actuators_again(a, v_next, tau, damping));
+
+   Any other step that takes a damping will do. It starts each time from the same q and v, so q_next and
+   v_next are other arrays. Other torques are added behind each of both calls. */
+
+/* What the drive of a shaft is told: torque + kp (q - angle) + kd (v - speed). */
+typedef struct rbd_command {
+    rbd_real q, v;   /* rad, rad/s, of the shaft */
+    rbd_real kp, kd; /* N m/rad, N m s/rad; not negative */
+    rbd_real torque; /* N m at the shaft */
+} rbd_command;
+
+/* Puts all shafts at rest where q has them, and their temperatures at that of the air, in degrees. Commands
+   under way are 0. Errors: as rbd_actuators_map; RBD_ERR_RANGE, air not within -273 and 1000. */
+RBDI_API rbd_status rbd_actuators_reset(rbd_actuators *a, const rbd_real *q, rbd_real air);
+
+/* Begins a step: what the shafts do to the joints, linear in the speeds at the step's end.
+   commands       n
+   first_order    how the step moves q. Not 0: by v_next alone, as rbd_contact_step with its option
+   first_order
+                  does; 0: half of the way by v, as it does without, and as rbd_free_step does. Springs that
+                  are so stiff that they would vibrate faster than the step are damped by the first, and ring
+                  with the second
+   tau, damping   nv: torques tau - damping v_next; 0 where there is no motor
+   Errors: as rbd_actuators_map; RBD_ERR_RANGE, dt not between 1e-9 and 1e3, or a command negative where it
+   must not be, not finite or above 1e9. */
+RBDI_API rbd_status rbd_actuators_begin(rbd_actuators *a, const rbd_command *commands, const rbd_real *q,
+                                        const rbd_real *v, rbd_real dt, int first_order, rbd_real *tau,
+                                        rbd_real *damping);
+
+/* Ends a step, and returns 0, if all shafts do at v_next what the step was told. Else returns 1: the step
+   must be made again with the new tau and damping. After 50 repeats it takes what there is. A v_next that is
+   not finite ends the step; the shafts stay as they were. */
+RBDI_API int rbd_actuators_again(rbd_actuators *a, const rbd_real *v_next, rbd_real *tau, rbd_real *damping);
+
+/* A shaft after its last step. */
+typedef struct rbd_actuator_state {
+    rbd_real angle, speed; /* rad, rad/s: of the rotor, divided by gear */
+    rbd_real motor, joint; /* N m at the shaft: torques of the motor, and of the shaft on the joint's side */
+    rbd_real friction;     /* N m: the level of dry friction in the step */
+    rbd_real current;      /* A */
+    rbd_real winding, housing; /* degrees */
+    int saturated;             /* as in rbd_drive */
+    int repeats;               /* of the step; 50: it did not settle */
+} rbd_actuator_state;
+
+/* Errors: RBD_ERR_NULL, _INDEX. */
+RBDI_API rbd_status rbd_actuators_get(const rbd_actuators *a, int motor, rbd_actuator_state *state);
+
+/* Derivatives of the joint torques in the state at which rbd_actuators_begin was called, in continuous time:
+   the drives' gains or springs that are in touch, viscous friction, and the transmissions. The level of dry
+   friction counts as constant; cogging, the bias of the rotors' inertia and delayed commands are left out.
+   dq, dv     nv x nv: by positions, in the sense of v, and by velocities; each may be NULL
+   dcommand   nv x n, by the commands' torques; may be NULL
+   Errors: RBD_ERR_NULL; _ORDER, but between rbd_actuators_begin and the first rbd_actuators_again. */
+RBDI_API rbd_status rbd_actuators_derivatives(const rbd_actuators *a, rbd_real *dq, rbd_real *dv,
+                                              rbd_real *dcommand);
+
+/* ---- rotors [rotors] ---- */
+
+/* A rotor on a body, which is round about its axis. Its mass and its inertia at a standstill belong to the
+   body; gear^2 inertia to the armature of the joint. */
+typedef struct rbd_rotor {
+    int body;          /* that it is mounted on; -1: the world */
+    int dof;           /* index into v, that turns it */
+    rbd_const axis[3]; /* body's axes, of any length; of a positive turn where gear is positive */
+    rbd_const gear;    /* turns of the rotor relative to the body for a unit of v */
+    rbd_const inertia; /* kg m^2, about the axis */
+} rbd_rotor;
+
+/* Inverse dynamics as rbd_rnea, with what armature leaves out of n spinning rotors: their gyroscopic torques,
+   and those by accelerations of the bodies that carry them. Featherstone (2008) section 9.6; Murphy, Wen and
+   Saridis (1990). It calls rbd_kinematics with q, v and a.
+   q, v, a, tau   nq, nv, nv, nv
+   f_ext          nb x 6, in: external wrenches as for rbd_rnea, 0 without; out: with those of the rotors
+   Errors: RBD_ERR_NULL, _WORK; _COUNT, n below 0; _INDEX, a body or dof; _AXIS; _RANGE, gear or inertia. */
+RBDI_API rbd_status rbd_rotor_torque(const rbd_model *m, rbd_work *w, const rbd_rotor *rotors, int n,
+                                     const rbd_real *q, const rbd_real *v, const rbd_real *a, rbd_real *f_ext,
+                                     rbd_real *tau);
+
+/* ==== src/rbd_actuator.h ==== */
+RBDI_EXTERN_C_END
+
+#endif /* RBD_ACTUATOR_H */
+
+/* ====================================================================================================
+   Stop here if you only use it.
+   ================================================================================================= */
+
+/* As in rbd.h: the caller's macros of these names come back at the end. */
+
+/* ==== src/base/letters_begin.h ==== */
+#pragma push_macro("A")
+#undef A
+#pragma push_macro("E")
+#undef E
+#pragma push_macro("G")
+#undef G
+#pragma push_macro("H")
+#undef H
+#pragma push_macro("J")
+#undef J
+#pragma push_macro("K")
+#undef K
+#pragma push_macro("L")
+#undef L
+#pragma push_macro("P")
+#undef P
+#pragma push_macro("S")
+#undef S
+#pragma push_macro("X")
+#undef X
+
+/* ==== src/rbd_actuator.h ==== */
+#ifndef RBDI_ACTUATOR_LAYOUT
+#define RBDI_ACTUATOR_LAYOUT
+
+/* ==== src/actuator/layout.h ==== */
+/* ---- method [method] ----
+   Each drive is a shaft with angle g(q) and speed x = G v on the joints' side; t there is the torque t' G of
+   the joints. Everything between command and joint is a law p(x) of one shaft, monotone: at the end of a step
+   of length dt the joint gets the impulse p, and a larger speed x never a larger p. Such laws make no energy
+   whatever dt is.
+
+   A law is piecewise linear, p / dt = s - slope x, but for dry friction, which is vertical at x = 0. A step
+   is told s and slope of the piece (the branch) at the last known x. If no shaft is on another branch at the
+   speeds that come out, they are those of the laws themselves, exactly. Else the step is made again with the
+   branches that were found; from the fourth time on, of those half way to the new speeds. A shaft with dry
+   friction goes from one direction of sliding to the other by way of sticking.
+
+   Shafts that a transmission couples have the damping A = G' diag(slope) G, which is no diagonal. The step is
+   told a diagonal above it, L_jj = sum |A_jk|, and the torque (L - A) v of the v before: repeated, it
+   converges for every A. */
+
+#define RBDI_ACTUATOR_MOST RBD_C(1e9)     /* of a field, a command, q and v */
+#define RBDI_ACTUATOR_LARGEST RBD_C(1e12) /* N m: torques in a level of friction; their squares are finite */
+#define RBDI_ACTUATOR_UNLIMITED RBD_C(1e15) /* A: of a motor without limit of current */
+#define RBDI_ACTUATOR_MOST_MOTORS 1000
+#define RBDI_ACTUATOR_MOST_DELAY 1000
+#define RBDI_ACTUATOR_REPEATS 50
+#define RBDI_ACTUATOR_SOFT 3            /* repeats after which speeds go half way */
+#define RBDI_ACTUATOR_SLOPE RBD_C(0.05) /* least slope of the equation of the inverse */
+#define RBDI_ACTUATOR_DEAD RBD_C(1e-6) /* of crank times length: a rod nearer to its dead centre is refused */
+#define RBDI_ACTUATOR_HOTTEST RBD_C(1e6) /* degrees: no winding gets there */
+#define RBDI_ACTUATOR_WARM RBD_C(25)     /* degrees at which resistances are given */
+#if RBDI_KIND(RBD_CONST) == 2
+#define RBDI_ACTUATOR_CREEP RBD_C(1e-6) /* rad/s: a rigid shaft under its level of friction creeps so fast */
+#define RBDI_ACTUATOR_SETTLED RBD_C(1e-5)
+#else
+#define RBDI_ACTUATOR_CREEP RBD_C(1e-9)
+#define RBDI_ACTUATOR_SETTLED \
+    RBD_C(1e-12) /* of the torque of coupled shafts, that a repeat may still change */
+#endif
+
+/* A shaft. */
+typedef struct rbdi_act_shaft {
+    int16_t dof, at;   /* that it moves directly, and its coordinate in q; -1: a transmission does */
+    int16_t saturated; /* as in rbd_drive */
+    int16_t branch;    /* of its law: of dry friction -1, 0, 1; of a spring see rbdi_act_elastic_law */
+    int16_t oldest;    /* command of the ring */
+
+    /* state */
+    rbd_real angle, speed;     /* of the rotor */
+    rbd_real winding, housing; /* degrees above the air */
+    rbd_real bristle;          /* N m: of the bristle, or 0 */
+    rbd_real motor, joint; /* N m, of the last step: the motor's torque, the shaft's on the joint's side */
+
+    /* of the step */
+    rbd_real g, x, bias; /* angle and speed of the joint's side at its beginning; G' v */
+    rbd_real t, braking; /* the motor's torque is t - braking speed at the step's end */
+    rbd_real now;        /* N m: the motor's torque at its beginning */
+    rbd_real gain, rate; /* its slopes by angle and speed in continuous time, both negative there */
+    rbd_real cogging;    /* N m, a part of t that no current makes */
+    rbd_real level;      /* of dry friction */
+    rbd_real told;       /* speed whose branch the step was told */
+    rbd_real s, slope;   /* what it was told: the torque s - slope x */
+} rbdi_act_shaft;
+
+/* Joints that motors move together. */
+typedef struct rbdi_act_group {
+    const rbd_transmission *by;
+    int16_t n, first; /* shafts */
+    int16_t dof[3];   /* of the joints */
+    int16_t at[3];    /* their coordinates in q */
+    rbdi_mat turn[2]; /* rods: joint frames at q = 0 in the frame before: axes, origin, joint axis */
+    rbdi_v3 origin[2], axis[2];
+    rbd_real G[9];       /* n x n: shaft speeds by joint speeds */
+    rbd_real H[8];       /* rods, n x n x n: G by q */
+    rbd_real inverse[9]; /* of G */
+    rbd_real v[3];       /* speeds that the step was told last */
+} rbdi_act_group;
+
+struct rbd_actuators {
+    const rbd_motor *motor;
+    int n, groups, nq, nv, ring; /* ring: commands that each motor keeps */
+    int fault;                   /* see rbd_actuators_fault */
+    int begun, repeats;
+    rbd_real dt, air;
+    rbd_real share; /* of the way of a step that v_next makes: 1, or 1/2 */
+    rbdi_act_shaft *shaft;
+    rbdi_act_group *group;
+    rbd_command *commands; /* n x ring */
+};
+
+#define RBDI_ACTUATORS_BYTES(n, groups, delay) \
+    (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_actuators)) + RBDI_ROUND((size_t)(n) * sizeof(rbdi_act_shaft)) + \
+     RBDI_ROUND((size_t)(groups) * sizeof(rbdi_act_group)) + \
+     RBDI_ROUND((size_t)(n) * (size_t)(delay) * sizeof(rbd_command)))
+
+/* Bytes that rbd_actuators_init needs for n motors and so many transmissions; a constant. delay: the largest
+   of the motors' */
+#define RBD_ACTUATORS_SIZE(n, groups, delay) RBDI_ACTUATORS_BYTES(n, groups, delay)
+
+/* ==== src/rbd_actuator.h ==== */
+#endif /* RBDI_ACTUATOR_LAYOUT */
+
+#if defined RBD_IMPLEMENTATION && !defined RBDI_ACTUATOR_IMPLEMENTED
+#define RBDI_ACTUATOR_IMPLEMENTED
+
+RBDI_CODE_BEGIN
+
+/* ==== src/actuator/exponential.h ==== */
+/* ---- exponential [exponential] ----
+   Exponential and logarithm from sums and products alone, as libm's differ between machines. Errors are below
+   4 roundings. */
+
+#define RBDI_LOG2_HIGH RBD_C(0.693145751953125) /* log 2 in two parts: multiples of the first are exact */
+#define RBDI_LOG2_LOW RBD_C(1.42860682030941723e-6)
+#if RBDI_REAL_KIND == 2
+#define RBDI_EXP_TERMS 7
+#define RBDI_LOG_TERMS 5
+#else
+#define RBDI_EXP_TERMS 14
+#define RBDI_LOG_TERMS 12
+#endif
+
+/* 2^k for |k| <= 127. */
+RBDI_PART rbd_real rbdi_act_power_of_two(int k) {
+    rbd_real power = rbdi_set(RBD_C(1)), base = rbdi_set(k < 0 ? RBD_C(0.5) : RBD_C(2));
+    for (int n = k < 0 ? -k : k; n > 0; n /= 2) {
+        if (n % 2) power = power * base;
+        base = base * base;
+    }
+    return power;
+}
+
+/* exp(x) for x up to 80; 0 below -80. */
+RBDI_PART rbd_real rbdi_act_exponential(rbd_real x) {
+    rbd_real r, sum = rbdi_set(RBD_C(1));
+    int k;
+    if (!(x > RBD_C(-80))) return rbdi_zero();
+
+    /* x = k log 2 + r, |r| <= log(2) / 2;  exp(r) = 1 + r (1 + r/2 (1 + r/3 (...))) */
+    k = (int)(x * RBD_C(1.4426950408889634) + (x < 0 ? RBD_C(-0.5) : RBD_C(0.5)));
+    r = (x - (rbd_real)k * RBDI_LOG2_HIGH) - (rbd_real)k * RBDI_LOG2_LOW;
+    for (int n = RBDI_EXP_TERMS; n > 0; --n) sum = 1 + sum * r / (rbd_real)n;
+    return sum * rbdi_act_power_of_two(k);
+}
+
+/* log(x) for x from 1e-30 to 1e30. */
+RBDI_PART rbd_real rbdi_act_logarithm(rbd_real x) {
+    const rbd_const power[7] = {RBD_C(18446744073709551616.0), RBD_C(4294967296.0), 65536, 256, 16, 4, 2};
+    rbd_real f, square, sum = rbdi_zero();
+    int k = 0;
+
+    /* x = 2^k y, y from sqrt(1/2) to sqrt(2); power[i] = 2^(64 >> i) */
+    for (int i = 0; i < 7; ++i) {
+        if (x >= power[i]) {
+            x = x / power[i];
+            k += 64 >> i;
+        } else if (x * power[i] < 2) {
+            x = x * power[i];
+            k -= 64 >> i;
+        }
+    }
+    if (x > RBD_C(1.4142135623730951)) {
+        x = x / 2;
+        k += 1;
+    }
+
+    /* log y = 2 (f + f^3/3 + f^5/5 + ...), f = (y - 1) / (y + 1) */
+    f = (x - 1) / (x + 1);
+    square = f * f;
+    for (int n = RBDI_LOG_TERMS; n >= 0; --n) sum = sum * square + 1 / (rbd_real)(2 * n + 1);
+    return (2 * f * sum + (rbd_real)k * RBDI_LOG2_LOW) + (rbd_real)k * RBDI_LOG2_HIGH;
+}
+
+/* ==== src/actuator/friction.h ==== */
+/* ---- friction [friction code] ---- */
+
+RBDI_INLINE rbd_real rbdi_act_clamp(rbd_real x, rbd_real lower, rbd_real upper) {
+    return x < lower ? lower : x > upper ? upper : x;
+}
+
+/* -1, 0 or 1. */
+RBDI_INLINE int rbdi_act_sign(rbd_real x) { return (x > 0) - (x < 0); }
+
+/* Whether friction at rest differs from that of motion. */
+RBDI_INLINE int rbdi_act_has_rest(const rbd_friction *f) {
+    return f->rest > 0 || f->rest_motor > 0 || f->rest_joint > 0 || f->square_motor > 0 ||
+           f->square_joint > 0;
+}
+
+/* S = exp(-|x / speed|^power): the share of friction at rest. */
+RBDI_PART rbd_real rbdi_act_rest_share(const rbd_friction *f, rbd_real x) {
+    rbd_real ratio;
+    if (!rbdi_act_has_rest(f)) return rbdi_zero();
+    ratio = rbdi_abs(x) / f->speed;
+    if (!(ratio > RBD_C(1e-30))) return rbdi_set(RBD_C(1));
+    if (ratio > RBD_C(1e30)) return rbdi_zero();
+    ratio = f->power * rbdi_act_logarithm(ratio);
+    return ratio > 5 ? rbdi_zero() : rbdi_act_exponential(-rbdi_act_exponential(ratio));
+}
+
+/* The level of rbd_friction, where S is known. */
+RBDI_PART rbd_real rbdi_act_level(const rbd_friction *f, rbd_real S, rbd_real motor, rbd_real joint) {
+    const rbd_real most = rbdi_set(RBDI_ACTUATOR_LARGEST);
+    const rbd_real t_m = rbdi_act_clamp(motor, -most, most), t_x = rbdi_act_clamp(joint, -most, most);
+    rbd_real level = f->coulomb + rbdi_abs(f->load_joint * t_x - f->load_motor * t_m);
+    rbd_real rest;
+    if (!(S > 0)) return level;
+
+    rest = f->rest + rbdi_abs(f->rest_joint * t_x - f->rest_motor * t_m);
+    if (rbdi_act_sign(t_x) != rbdi_act_sign(t_m)) {
+        if (rbdi_abs(t_x) < rbdi_abs(t_m)) rest = rest + f->square_joint * t_x * t_x;
+        if (rbdi_abs(t_x) > rbdi_abs(t_m)) rest = rest + f->square_motor * t_m * t_m;
+    }
+    level = level + S * rest;
+    return level < most ? level : most;
+}
+
+RBDI_API rbd_real rbd_friction_level(const rbd_friction *friction, rbd_real speed, rbd_real motor,
+                                     rbd_real joint) {
+    if (!friction) return rbdi_zero();
+    return rbdi_act_level(friction, rbdi_act_rest_share(friction, speed), motor, joint);
+}
+
+/* ==== src/actuator/motor.h ==== */
+/* ---- motor [motor code] ---- */
+
+/* Torque at the shaft for an ampere; volts for a rad/s. */
+RBDI_INLINE rbd_real rbdi_act_torque_constant(const rbd_motor *m) { return (rbd_real)m->gear * m->constant; }
+
+/* Inertia of the rotor at the shaft. */
+RBDI_INLINE rbd_real rbdi_act_rotor_inertia(const rbd_motor *m) {
+    return (rbd_real)m->gear * m->gear * m->inertia;
+}
+
+/* Resistance of a winding of so many degrees. A cold one keeps a tenth of it. */
+RBDI_INLINE rbd_real rbdi_act_resistance(const rbd_motor *m, rbd_real winding) {
+    const rbd_real factor = 1 + m->copper * (winding - RBDI_ACTUATOR_WARM);
+    return m->resistance * (factor > RBD_C(0.1) ? factor : rbdi_set(RBD_C(0.1)));
+}
+
+/* The limit of current at a temperature of the winding. */
+RBDI_PART rbd_real rbdi_act_most_current(const rbd_motor *m, rbd_real winding) {
+    const rbd_real most = m->current > 0 ? m->current : RBDI_ACTUATOR_UNLIMITED;
+    if (!(m->hottest > m->hot)) return most;
+    return most *
+           rbdi_act_clamp((m->hottest - winding) / (m->hottest - m->hot), rbdi_zero(), rbdi_set(RBD_C(1)));
+}
+
+/* Least and largest current at shaft speed x: |I| <= most and |R I + K x| <= voltage. */
+RBDI_PART void rbdi_act_current_range(const rbd_motor *m, rbd_real winding, rbd_real x, rbd_real *lower,
+                                      rbd_real *upper) {
+    const rbd_real most = rbdi_act_most_current(m, winding), back = rbdi_act_torque_constant(m) * x;
+    *lower = -most;
+    *upper = most;
+    if (m->voltage > 0) {
+        const rbd_real conductance = 1 / rbdi_act_resistance(m, winding);
+        *lower = rbdi_act_clamp((-m->voltage - back) * conductance, -most, most);
+        *upper = rbdi_act_clamp((m->voltage - back) * conductance, -most, most);
+    }
+}
+
+/* Torque of cogging at the shaft. */
+RBDI_PART rbd_real rbdi_act_cogging(const rbd_motor *m, rbd_real angle) {
+    rbd_real sine, cosine;
+    if (!(m->cogging > 0)) return rbdi_zero();
+    rbdi_sincos((rbd_real)m->teeth * m->gear * angle + m->phase, &sine, &cosine);
+    return (rbd_real)m->gear * m->cogging * sine;
+}
+
+/* A step of heat by implicit Euler; C_w, C_c capacities, g_w, g_c conductances, T above the air:
+
+       C_w (T_w' - T_w) / dt = I^2 R - g_w (T_w' - T_c'),   C_c (T_c' - T_c) / dt = g_w (T_w' - T_c') - g_c
+       T_c' */
+RBDI_PART void rbdi_act_heat(const rbd_motor *m, rbdi_act_shaft *s, rbd_real current, rbd_real air,
+                             rbd_real dt) {
+    const rbd_real most = rbdi_set(RBDI_ACTUATOR_MOST), hottest = rbdi_set(RBDI_ACTUATOR_HOTTEST);
+    rbd_real power, g_w, g_c, a_ww, a_cc, b_w, b_c, determinant;
+    if (!(m->heat_winding > 0)) return;
+
+    current = rbdi_act_clamp(current, -most, most);
+    power = current * current * rbdi_act_resistance(m, s->winding + air);
+    g_w = 1 / (rbd_real)m->flow_winding;
+    a_ww = m->heat_winding / dt + g_w;
+    b_w = m->heat_winding / dt * s->winding + power;
+    if (!(m->heat_case > 0)) {
+        s->winding = rbdi_act_clamp(b_w / a_ww, -hottest, hottest);
+        return;
+    }
+
+    g_c = 1 / (rbd_real)m->flow_case;
+    a_cc = m->heat_case / dt + g_w + g_c;
+    b_c = m->heat_case / dt * s->housing;
+    determinant = a_ww * a_cc - g_w * g_w;
+    s->winding = rbdi_act_clamp((a_cc * b_w + g_w * b_c) / determinant, -hottest, hottest);
+    s->housing = rbdi_act_clamp((g_w * b_w + a_ww * b_c) / determinant, -hottest, hottest);
+}
+
+/* ---- drive [drive code] ---- */
+
+/* What the encoder says: (angle + offset) in whole steps. */
+RBDI_PART rbd_real rbdi_act_encoder(const rbd_motor *m, rbd_real angle) {
+    const rbd_real seen = angle + m->offset;
+    rbd_real steps;
+    if (!(m->step > 0)) return seen;
+
+    steps = seen / m->step;
+    if (!(rbdi_abs(steps) < RBD_C(1e9))) return seen; /* no int has the number */
+    return (rbd_real)(int32_t)(steps + (steps < 0 ? RBD_C(-0.5) : RBD_C(0.5))) * m->step;
+}
+
+/* A limit cuts the torque: t and braking are its. That of the current is constant. That of the voltage falls
+   with the speed, (K^2 / R) x, and acts implicitly: with the speed before the step it would not be stable. */
+RBDI_PART void rbdi_act_saturate(const rbd_motor *m, rbdi_act_shaft *s, rbd_real winding, rbd_real limit,
+                                 int side) {
+    const rbd_real constant = rbdi_abs(rbdi_act_torque_constant(m));
+    s->saturated = (int16_t)side;
+    s->t = limit;
+    s->now = limit;
+    s->braking = rbdi_zero();
+    s->gain = rbdi_zero();
+
+    if (m->voltage > 0 && rbdi_abs(limit) < constant * rbdi_act_most_current(m, winding)) {
+        const rbd_real resistance = rbdi_act_resistance(m, winding);
+        s->t = (rbd_real)side * constant * m->voltage / resistance;
+        s->braking = constant * constant / resistance;
+    }
+    s->rate = s->braking;
+}
+
+/* The motor's torque t - braking x under a command, at the angle and speed of its rotor. An implicit drive
+   has the angle of the step's end: angle + dt ((1 - share) speed + share x). */
+RBDI_PART void rbdi_act_drive_motor(const rbd_motor *m, rbdi_act_shaft *s, const rbd_command *c, rbd_real air,
+                                    rbd_real dt, rbd_real share) {
+    const rbd_real winding = s->winding + air, constant = rbdi_act_torque_constant(m);
+    rbd_real lower, upper;
+
+    s->cogging = rbdi_act_cogging(m, s->angle);
+    s->saturated = 0;
+    s->gain = c->kp;
+    s->rate = c->kd;
+    s->t = c->torque + c->kp * (c->q - rbdi_act_encoder(m, s->angle)) + c->kd * c->v;
+    s->now = s->t - c->kd * s->speed;
+    if (m->sampled) {
+        s->t = s->now;
+        s->braking = rbdi_zero();
+    } else {
+        s->t = s->t - c->kp * dt * (1 - share) * s->speed;
+        s->braking = c->kd + c->kp * dt * share;
+    }
+
+    rbdi_act_current_range(m, winding, s->speed, &lower, &upper);
+    lower = lower * constant;
+    upper = upper * constant;
+    if (s->now > (lower > upper ? lower : upper))
+        rbdi_act_saturate(m, s, winding, lower > upper ? lower : upper, 1);
+    if (s->now < (lower > upper ? upper : lower))
+        rbdi_act_saturate(m, s, winding, lower > upper ? upper : lower, -1);
+    s->t = s->t + s->cogging;
+    s->now = s->now + s->cogging;
+}
+
+/* ==== src/actuator/rods.h ==== */
+/* ---- rods [rods] ----
+   The rod of length L joins the crank's end C(theta) = place + c (zero cos + across sin), across = axis x
+   zero, to the point P(q). With r = P - place, r_x = r.zero, r_y = r.across, rho = r_x^2 + r_y^2, |P - C| = L
+   is
+
+       r_x cos + r_y sin = h,   h = (r.r + c^2 - L^2) / (2 c)
+
+   with d = P - C, primes by theta and indices by q:
+
+       theta_k = d.P_k / w,  w = d.C'
+       theta_jk = (d_k.P_j + d.P_jk - theta_j (d_k.C' + d.C'' theta_k)) / w,   d_k = P_k - C' theta_k
+       P_k = e_k x (P - o_k),  P_jk = e_j x P_k, j the joint nearer to the base */
+
+/* The rotation about the unit vector e whose sine and cosine are these. */
+RBDI_LOCAL rbdi_mat rbdi_act_turn_about(rbdi_v3 e, rbd_real s, rbd_real c) {
+    const rbdi_v3 u = rbdi_scale(1 - c, e);
+    return rbdi_mat_of(c + u.x * e.x, u.x * e.y - s * e.z, u.x * e.z + s * e.y, u.y * e.x + s * e.z,
+                       c + u.y * e.y, u.y * e.z - s * e.x, u.z * e.x - s * e.y, u.z * e.y + s * e.x,
+                       c + u.z * e.z);
+}
+
+RBDI_INLINE rbdi_v3 rbdi_act_vec_of(const rbd_const x[3]) { return rbdi_vec(x[0], x[1], x[2]); }
+
+/* The joints at q: where they are, and the pose of the last one's body; in the base's axes. */
+typedef struct rbdi_act_rod_joints {
+    int n;
+    rbdi_v3 origin[2], axis[2];
+    rbdi_mat turn;
+} rbdi_act_rod_joints;
+
+RBDI_LOCAL rbdi_act_rod_joints rbdi_act_place_joints(const rbdi_act_group *g, const rbd_real *q) {
+    rbdi_act_rod_joints J;
+    rbdi_v3 at = rbdi_vec0();
+    J.n = g->n;
+    J.turn = rbdi_mat_of(1, 0, 0, 0, 1, 0, 0, 0, 1);
+    J.origin[1] = J.axis[1] = at;
+    for (int j = 0; j < g->n; ++j) {
+        rbd_real s, c;
+        at = rbdi_add(at, rbdi_mul(J.turn, g->origin[j]));
+        J.turn = rbdi_mul_mat(J.turn, g->turn[j]);
+        J.origin[j] = at;
+        J.axis[j] = rbdi_mul(J.turn, g->axis[j]);
+
+        rbdi_sincos(q[g->at[j]], &s, &c);
+        J.turn = rbdi_mul_mat(J.turn, rbdi_act_turn_about(g->axis[j], s, c));
+    }
+    return J;
+}
+
+/* Cosine and sine of the crank, for the rod's end at r from its axis. Whether it reaches. */
+RBDI_LOCAL int rbdi_act_find_crank(const rbd_rod *rod, rbdi_v3 r, rbdi_v3 zero, rbdi_v3 across,
+                                   rbd_real *cosine, rbd_real *sine) {
+    const rbd_real c = rod->crank, L = rod->length, r_x = rbdi_dot(r, zero), r_y = rbdi_dot(r, across);
+    const rbd_real rho = r_x * r_x + r_y * r_y, h = (rbdi_dot(r, r) + (c - L) * (c + L)) / (2 * c);
+    const rbd_real left = rho - h * h;
+    rbd_real root;
+    if (!(left >= 0) || !(rho > 0)) return 0;
+
+    root = rod->elbow < 0 ? -rbdi_sqrt(left) : rbdi_sqrt(left);
+    *cosine = (h * r_x - root * r_y) / rho;
+    *sine = (h * r_y + root * r_x) / rho;
+    return 1;
+}
+
+/* Row i of G, its derivatives in H, and the crank's angle. */
+RBDI_LOCAL rbd_status rbdi_act_map_rod(rbdi_act_group *g, const rbdi_act_rod_joints *J, int i,
+                                       rbd_real *angle) {
+    const rbd_rod *rod = &g->by->rod[i];
+    const rbdi_v3 zero = rbdi_act_vec_of(rod->zero), across = rbdi_cross(rbdi_act_vec_of(rod->axis), zero);
+    const rbdi_v3 P = rbdi_add(J->origin[J->n - 1], rbdi_mul(J->turn, rbdi_act_vec_of(rod->point)));
+    const rbdi_v3 r = rbdi_sub(P, rbdi_act_vec_of(rod->place));
+    rbdi_v3 C1, C2, d, P_j[2];
+    rbd_real cosine, sine, w, *G = &g->G[i * J->n];
+    if (!rbdi_act_find_crank(rod, r, zero, across, &cosine, &sine)) return RBD_ERR_INFEASIBLE;
+
+    C2 = rbdi_scale(-(rbd_real)rod->crank, rbdi_add(rbdi_scale(cosine, zero), rbdi_scale(sine, across)));
+    C1 = rbdi_scale(rod->crank, rbdi_sub(rbdi_scale(cosine, across), rbdi_scale(sine, zero)));
+    d = rbdi_add(r, C2);
+    w = rbdi_dot(d, C1);
+    if (!(rbdi_abs(w) > RBDI_ACTUATOR_DEAD * rod->crank * rod->length)) return RBD_ERR_SINGULAR;
+
+    *angle = rbdi_signed_angle(sine, cosine);
+    for (int j = 0; j < J->n; ++j) {
+        P_j[j] = rbdi_cross(J->axis[j], rbdi_sub(P, J->origin[j]));
+        G[j] = rbdi_dot(d, P_j[j]) / w;
+    }
+    for (int j = 0; j < J->n; ++j)
+        for (int k = 0; k < J->n; ++k) {
+            const int nearer = j < k ? j : k, farther = j < k ? k : j;
+            const rbdi_v3 P_jk = rbdi_cross(J->axis[nearer], P_j[farther]);
+            const rbdi_v3 d_k = rbdi_sub(P_j[k], rbdi_scale(G[k], C1));
+            const rbd_real turns = rbdi_dot(d_k, C1) + rbdi_dot(d, C2) * G[k];
+            g->H[(i * J->n + j) * J->n + k] = (rbdi_dot(d_k, P_j[j]) + rbdi_dot(d, P_jk) - G[j] * turns) / w;
+        }
+    return RBD_OK;
+}
+
+/* G, H and the cranks' angles at q. */
+RBDI_LOCAL rbd_status rbdi_act_map_rods(rbdi_act_group *g, const rbd_real *q, rbd_real *angle) {
+    const rbdi_act_rod_joints J = rbdi_act_place_joints(g, q);
+    rbd_status status = RBD_OK;
+    for (int i = 0; i < g->n && !status; ++i) status = rbdi_act_map_rod(g, &J, i, &angle[i]);
+    return status;
+}
+
+/* ==== src/actuator/transmission.h ==== */
+/* ---- transmission [transmission code] ---- */
+
+/* The inverse of G, n x n. Gauss and Jordan's method with row pivots. */
+RBDI_LOCAL int rbdi_act_invert_small(const rbd_real *G, int n, rbd_real *inverse) {
+    rbd_real a[9], largest = rbdi_zero();
+    for (int i = 0; i < n * n; ++i) {
+        a[i] = G[i];
+        inverse[i] = rbdi_set(i % (n + 1) ? RBD_C(0) : RBD_C(1));
+        if (rbdi_abs(a[i]) > largest) largest = rbdi_abs(a[i]);
+    }
+
+    for (int k = 0; k < n; ++k) {
+        rbd_real pivot;
+        int best = k;
+        for (int i = k + 1; i < n; ++i)
+            if (rbdi_abs(a[n * i + k]) > rbdi_abs(a[n * best + k])) best = i;
+        if (!(rbdi_abs(a[n * best + k]) > RBDI_ACTUATOR_DEAD * largest)) return 0;
+
+        for (int j = 0; j < n; ++j) {
+            const rbd_real x = a[n * k + j], y = inverse[n * k + j];
+            a[n * k + j] = a[n * best + j];
+            inverse[n * k + j] = inverse[n * best + j];
+            a[n * best + j] = x;
+            inverse[n * best + j] = y;
+        }
+
+        pivot = 1 / a[n * k + k];
+        for (int j = 0; j < n; ++j) {
+            a[n * k + j] = pivot * a[n * k + j];
+            inverse[n * k + j] = pivot * inverse[n * k + j];
+        }
+        for (int i = 0; i < n; ++i) {
+            const rbd_real factor = a[n * i + k];
+            for (int j = 0; j < n && i != k; ++j) {
+                a[n * i + j] = a[n * i + j] - factor * a[n * k + j];
+                inverse[n * i + j] = inverse[n * i + j] - factor * inverse[n * k + j];
+            }
+        }
+    }
+    return 1;
+}
+
+/* G, its inverse, shaft angles and speeds of a group; bias: dG/dt v. */
+RBDI_LOCAL rbd_status rbdi_act_map_group(const rbd_actuators *a, rbdi_act_group *g, const rbd_real *q,
+                                         const rbd_real *v) {
+    rbdi_act_shaft *s = &a->shaft[g->first];
+    rbd_real angle[3] = {0, 0, 0};
+    const int n = g->n;
+    if (g->by->kind == RBD_BY_RODS) {
+        const rbd_status status = rbdi_act_map_rods(g, q, angle);
+        if (status) return status;
+        if (!rbdi_act_invert_small(g->G, n, g->inverse)) return RBD_ERR_SINGULAR;
+    }
+
+    for (int i = 0; i < n; ++i) {
+        s[i].g = angle[i];
+        s[i].x = rbdi_zero();
+        s[i].bias = rbdi_zero();
+        for (int j = 0; j < n; ++j) {
+            if (g->by->kind != RBD_BY_RODS) s[i].g = s[i].g + g->G[n * i + j] * q[g->at[j]];
+            if (v) s[i].x = s[i].x + g->G[n * i + j] * v[g->dof[j]];
+            for (int k = 0; k < n && v && g->by->kind == RBD_BY_RODS; ++k)
+                s[i].bias = s[i].bias + g->H[(n * i + j) * n + k] * v[g->dof[j]] * v[g->dof[k]];
+        }
+    }
+    return RBD_OK;
+}
+
+/* Whether all are finite and can be computed with: their squares' sum is; not of NaN. */
+RBDI_PART int rbdi_act_all_moderate(const rbd_real *x, int n) {
+    rbd_real sum = rbdi_zero();
+    for (int i = 0; i < n; ++i) sum = sum + x[i] * x[i];
+    return sum <= RBDI_ACTUATOR_MOST * RBDI_ACTUATOR_MOST;
+}
+
+/* Angles and speeds of all shafts; v may be NULL. */
+RBDI_LOCAL rbd_status rbdi_act_map(rbd_actuators *a, const rbd_real *q, const rbd_real *v) {
+    a->fault = -1;
+    if (!rbdi_act_all_moderate(q, a->nq) || (v && !rbdi_act_all_moderate(v, a->nv))) return RBD_ERR_NAN;
+
+    for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) {
+        if (s->dof < 0) continue;
+        s->g = q[s->at];
+        s->x = v ? v[s->dof] : rbdi_zero();
+    }
+    for (int i = 0; i < a->groups; ++i) {
+        const rbd_status status = rbdi_act_map_group(a, &a->group[i], q, v);
+        if (status) a->fault = i;
+        if (status) return status;
+    }
+    return RBD_OK;
+}
+
+/* Speed of shaft i of a group at joint speeds v. */
+RBDI_INLINE rbd_real rbdi_act_shaft_speed(const rbdi_act_group *g, int i, const rbd_real *v) {
+    rbd_real x = rbdi_zero();
+    for (int j = 0; j < g->n; ++j) x = x + g->G[g->n * i + j] * v[g->dof[j]];
+    return x;
+}
+
+RBDI_API rbd_status rbd_actuators_map(rbd_actuators *a, const rbd_real *q, const rbd_real *v, rbd_real *angle,
+                                      rbd_real *speed) {
+    rbd_status status;
+    if (!a || !q) return RBD_ERR_NULL;
+    status = rbdi_act_map(a, q, v);
+    for (int i = 0; i < a->n && !status; ++i) {
+        if (angle) angle[i] = a->shaft[i].g;
+        if (speed) speed[i] = a->shaft[i].x;
+    }
+    return status;
+}
+
+RBDI_API int rbd_actuators_fault(const rbd_actuators *a) { return a ? a->fault : -1; }
+
+/* ==== src/actuator/inverse.h ==== */
+/* ---- inverse [inverse code] ---- */
+
+/* What the joints ask of a shaft. side: direction of its friction, -1 to 1. */
+typedef struct rbdi_act_wanted {
+    rbd_real torque, speed, acceleration, side;
+} rbdi_act_wanted;
+
+/* Newton's method for u = base + side F(u, -t), F the level at rest share S. It is linear in pieces but for
+   the squares: two steps do as a rule. Writes the slopes by t, base and so on. */
+RBDI_PART rbd_real rbdi_act_carry_load(const rbd_friction *f, rbd_real S, const rbdi_act_wanted *want,
+                                       rbd_real base, rbd_real *slope, rbd_real *by_torque) {
+    const rbd_real t = want->torque, one = rbdi_set(RBD_C(1));
+    rbd_real u = base;
+    *slope = one;
+    *by_torque = one;
+    for (int k = 0; k < 8; ++k) {
+        const rbd_real error = u - base - want->side * rbdi_act_level(f, S, u, -t);
+        const rbd_real moving = (rbd_real)rbdi_act_sign(f->load_joint * t + f->load_motor * u);
+        const rbd_real resting = S * (rbd_real)rbdi_act_sign(f->rest_joint * t + f->rest_motor * u);
+        const int driven = t * u > 0 && rbdi_abs(u) < rbdi_abs(t);
+        const int drives = t * u > 0 && rbdi_abs(u) > rbdi_abs(t);
+        const rbd_real of_u = moving * f->load_motor + resting * f->rest_motor +
+                              (driven ? 2 * S * f->square_motor * u : rbdi_zero());
+        const rbd_real of_t = moving * f->load_joint + resting * f->rest_joint +
+                              (drives ? 2 * S * f->square_joint * t : rbdi_zero());
+
+        *slope = one - want->side * of_u;
+        if (*slope < RBDI_ACTUATOR_SLOPE) *slope = rbdi_set(RBDI_ACTUATOR_SLOPE);
+        *by_torque = one + want->side * of_t;
+        if (!(rbdi_abs(error) > 4 * RBDI_EPS * (rbdi_abs(u) + rbdi_abs(base)))) break;
+        u = u - error / *slope;
+    }
+    return u;
+}
+
+/* One shaft: u = t + J x' + viscous x + side F - cogging, within the limits. */
+RBDI_ONCE void rbdi_act_invert_shaft(const rbd_motor *m, const rbdi_act_shaft *s, const rbdi_act_wanted *want,
+                                     rbd_real air, rbd_drive *drive) {
+    const rbd_friction *f = &m->friction;
+    const rbd_real constant = rbdi_act_torque_constant(m), J = rbdi_act_rotor_inertia(m),
+                   winding = s->winding + air;
+    rbd_real u = want->torque + J * want->acceleration + f->viscous * want->speed;
+    rbd_real slope = rbdi_set(RBD_C(1)), by_torque = slope, current, lower, upper;
+
+    if (f->load_motor > 0 || f->load_joint > 0 || rbdi_act_has_rest(f)) {
+        const rbd_real S = rbdi_act_rest_share(f, want->speed);
+        u = rbdi_act_carry_load(f, S, want, u, &slope, &by_torque);
+    } else {
+        u = u + want->side * f->coulomb;
+    }
+    drive->by_torque = by_torque / slope;
+    drive->by_speed = f->viscous / slope;
+    drive->by_acceleration = J / slope;
+    drive->angle = s->g;
+    if (m->stiffness > 0) drive->angle = s->g + want->torque / m->stiffness;
+
+    if (m->cogging > 0) u = u - rbdi_act_cogging(m, drive->angle);
+    current = u / constant;
+    rbdi_act_current_range(m, winding, want->speed, &lower, &upper);
+    drive->saturated = 0;
+    if (current > upper) {
+        drive->saturated = constant > 0 ? 1 : -1;
+        current = upper;
+    }
+    if (current < lower) {
+        drive->saturated = constant > 0 ? -1 : 1;
+        current = lower;
+    }
+    drive->current = current;
+    drive->torque = drive->saturated ? current * constant : u;
+    drive->voltage = rbdi_act_resistance(m, winding) * current + constant * want->speed;
+}
+
+/* The direction of friction at a planned speed. */
+RBDI_INLINE rbd_real rbdi_act_side(const rbd_friction *f, rbd_real x) {
+    if (!(f->still > 0)) return (rbd_real)rbdi_act_sign(x);
+    return rbdi_act_clamp(x / f->still, rbdi_set(RBD_C(-1)), rbdi_set(RBD_C(1)));
+}
+
+/* The shafts of a transmission: t = G^-T tau, x' = G v' + bias. */
+RBDI_LOCAL void rbdi_act_invert_group(const rbd_actuators *a, const rbdi_act_group *g, const rbd_real *acc,
+                                      const rbd_real *tau, rbd_drive *drives) {
+    for (int i = 0; i < g->n; ++i) {
+        const rbdi_act_shaft *s = &a->shaft[g->first + i];
+        const rbd_motor *m = &a->motor[g->first + i];
+        rbdi_act_wanted want;
+        want.torque = rbdi_zero();
+        want.speed = s->x;
+        want.acceleration = s->bias + rbdi_act_shaft_speed(g, i, acc);
+        want.side = rbdi_act_side(&m->friction, s->x);
+        for (int j = 0; j < g->n; ++j) want.torque = want.torque + g->inverse[g->n * j + i] * tau[g->dof[j]];
+        rbdi_act_invert_shaft(m, s, &want, a->air, &drives[g->first + i]);
+    }
+}
+
+RBDI_API rbd_status rbd_actuators_inverse(rbd_actuators *a, const rbd_real *q, const rbd_real *v,
+                                          const rbd_real *acc, const rbd_real *tau, rbd_drive *drives) {
+    rbd_status status;
+    if (!a || !q || !v || !acc || !tau || !drives) return RBD_ERR_NULL;
+    status = rbdi_act_map(a, q, v);
+    if (status) return status;
+    if (!rbdi_act_all_moderate(acc, a->nv) || !rbdi_act_all_moderate(tau, a->nv)) return RBD_ERR_NAN;
+
+    for (int i = 0; i < a->n; ++i) {
+        const rbdi_act_shaft *s = &a->shaft[i];
+        rbdi_act_wanted want;
+        if (s->dof < 0) continue;
+        want.torque = tau[s->dof];
+        want.speed = s->x;
+        want.acceleration = acc[s->dof];
+        want.side = rbdi_act_side(&a->motor[i].friction, s->x);
+        rbdi_act_invert_shaft(&a->motor[i], s, &want, a->air, &drives[i]);
+    }
+    for (int i = 0; i < a->groups; ++i) rbdi_act_invert_group(a, &a->group[i], acc, tau, drives);
+    return RBD_OK;
+}
+
+/* ==== src/actuator/laws.h ==== */
+/* ---- laws [laws of shafts] ----
+   A rigid shaft, whose rotor turns with the joint. At the end's speed x it gives the torque
+
+       t - (braking + viscous) x - J ((x - x_0) / dt + bias) - w,   w = clamp(b + k dt x_m, -F, F)
+
+   with the motor's torque t, the level F, a bristle of stiffness k that now has the torque b, and the mean
+   speed x_m by which the joint moves, (1 - share) x_0 + share x. Without a bristle w = clamp(F x / creep, -F,
+   F): what sticks creeps, at most by RBDI_ACTUATOR_CREEP.
+
+   A shaft with a spring, whose rotor has an angle and a speed y of its own. With delta = angle - g, play 2 h,
+   K = dt k + d, r = y - x_m the joint gets the impulse
+
+       p = max(0, dt k (delta - h) + dt K r) + min(0, dt k (delta + h) + dt K r)
+       J (y - y_0) = dt (t - (braking + viscous) y) - p + p_f,   p_f = -dt F sign(y), or less at y = 0
+
+   Both are solved exactly: first with y = 0; if friction cannot hold the rotor so, with p_f = +-dt F. The
+   energy of the spring changes by p r at most, that of the joints by p x_m, and that of the rotor by (p_f -
+   p) y at most: together they do not grow. */
+
+/* Mean speed of a step on the joint's side. */
+RBDI_INLINE rbd_real rbdi_act_mean(const rbd_actuators *a, const rbdi_act_shaft *s, rbd_real x) {
+    return (1 - a->share) * s->x + a->share * x;
+}
+
+/* Torque of dry friction where it does not slide: w = offset + slope x. */
+typedef struct rbdi_act_stiction {
+    rbd_real offset, slope;
+} rbdi_act_stiction;
+
+RBDI_PART rbdi_act_stiction rbdi_act_sticks(const rbd_motor *m, const rbdi_act_shaft *s,
+                                            const rbd_actuators *a) {
+    rbdi_act_stiction w;
+    w.offset = rbdi_zero();
+    w.slope = s->level / RBDI_ACTUATOR_CREEP;
+    if (m->friction.bristle > 0) {
+        w.offset = s->bristle + m->friction.bristle * a->dt * (1 - a->share) * s->x;
+        w.slope = m->friction.bristle * a->dt * a->share;
+    }
+    return w;
+}
+
+/* The branch of the friction of a rigid shaft at speed x: 1 or -1 where it slides. */
+RBDI_PART int rbdi_act_rigid_branch(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real x,
+                                    const rbd_actuators *a) {
+    const rbdi_act_stiction sticks = rbdi_act_sticks(m, s, a);
+    const rbd_real w = sticks.offset + sticks.slope * x;
+    const int branch = w > s->level ? 1 : w < -s->level ? -1 : 0;
+    return branch * s->branch < 0 ? 0 : branch;
+}
+
+/* Tells the step the piece of the branch. */
+RBDI_PART void rbdi_act_rigid_law(const rbd_motor *m, rbdi_act_shaft *s, const rbd_actuators *a) {
+    const rbd_real J = rbdi_act_rotor_inertia(m);
+    s->s = s->t + J * (s->x / a->dt - s->bias);
+    s->slope = s->braking + m->friction.viscous + J / a->dt;
+    if (s->branch) {
+        s->s = s->s - (rbd_real)s->branch * s->level;
+    } else {
+        const rbdi_act_stiction sticks = rbdi_act_sticks(m, s, a);
+        s->s = s->s - sticks.offset;
+        s->slope = s->slope + sticks.slope;
+    }
+}
+
+/* What a spring does: the impulse on the joint, its slope by -x_m, the rotor's speed. */
+typedef struct rbdi_act_spring {
+    rbd_real p, slope, y;
+} rbdi_act_spring;
+
+/* The spring where the rotor's speed would be r + x_m without it, and falls by e for each unit of p. */
+RBDI_PART rbd_real rbdi_act_mesh(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real r, rbd_real e,
+                                 rbd_real dt) {
+    const rbd_real delta = s->angle - s->g, half = m->backlash / 2, K = dt * m->stiffness + m->damping;
+    const rbd_real up = dt * (m->stiffness * (delta - half) + K * r) / (1 + dt * K * e);
+    const rbd_real down = dt * (m->stiffness * (delta + half) + K * r) / (1 + dt * K * e);
+    return up > 0 ? up : down < 0 ? down : rbdi_zero();
+}
+
+/* The spring's law at the speed x of the joint's side. */
+RBDI_PART rbdi_act_spring rbdi_act_spring_at(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real x,
+                                             const rbd_actuators *a) {
+    const rbd_real dt = a->dt, x_m = rbdi_act_mean(a, s, x), most = dt * s->level;
+    const rbd_real J = rbdi_act_rotor_inertia(m), J_t = J + dt * (s->braking + m->friction.viscous);
+    const rbd_real K = dt * m->stiffness + m->damping, given = J * s->speed + dt * s->t;
+    rbdi_act_spring spring;
+
+    spring.y = rbdi_zero();
+    spring.slope = K;
+    spring.p = rbdi_act_mesh(m, s, -x_m, rbdi_zero(), dt);
+    if (rbdi_abs(spring.p - given) > most) {
+        const rbd_real friction = spring.p > given ? most : -most;
+        spring.slope = K / (1 + dt * K / J_t);
+        spring.p = rbdi_act_mesh(m, s, (given + friction) / J_t - x_m, 1 / J_t, dt);
+        spring.y = (given + friction - spring.p) / J_t;
+    }
+    if (!(rbdi_abs(spring.p) > 0)) spring.slope = rbdi_zero();
+    return spring;
+}
+
+/* Its branch: the side of the play that touches, and the rotor's direction. */
+RBDI_INLINE int rbdi_act_spring_branch(const rbdi_act_spring *spring) {
+    return rbdi_act_sign(spring->p) + 3 * rbdi_act_sign(spring->y);
+}
+
+/* Tells the step the piece at the speed s->told. */
+RBDI_PART void rbdi_act_elastic_law(const rbd_motor *m, rbdi_act_shaft *s, const rbd_actuators *a) {
+    const rbdi_act_spring spring = rbdi_act_spring_at(m, s, s->told, a);
+    s->branch = (int16_t)rbdi_act_spring_branch(&spring);
+    s->slope = a->share * spring.slope;
+    s->s = spring.p / a->dt + s->slope * s->told;
+}
+
+RBDI_INLINE void rbdi_act_tell(const rbd_motor *m, rbdi_act_shaft *s, const rbd_actuators *a) {
+    if (m->stiffness > 0)
+        rbdi_act_elastic_law(m, s, a);
+    else
+        rbdi_act_rigid_law(m, s, a);
+}
+
+/* Whether the shaft is on its branch at speed x. If not, takes the branch there, or half way. */
+RBDI_PART int rbdi_act_stays(const rbd_motor *m, rbdi_act_shaft *s, rbd_real x, const rbd_actuators *a) {
+    int branch, same;
+    if (m->stiffness > 0) {
+        const rbdi_act_spring spring = rbdi_act_spring_at(m, s, x, a);
+        s->told = a->repeats > RBDI_ACTUATOR_SOFT ? (s->told + x) / 2 : x;
+        return rbdi_act_spring_branch(&spring) == s->branch;
+    }
+    branch = rbdi_act_rigid_branch(m, s, x, a);
+    same = branch == s->branch;
+    s->branch = (int16_t)branch;
+    return same;
+}
+
+/* The state of the shaft at the end of the step, where the joint's side has speed x. */
+RBDI_PART void rbdi_act_end_shaft(const rbd_motor *m, rbdi_act_shaft *s, rbd_real x, const rbd_actuators *a) {
+    if (m->stiffness > 0) {
+        const rbdi_act_spring spring = rbdi_act_spring_at(m, s, x, a);
+        s->joint = spring.p / a->dt;
+        s->speed = spring.y;
+        s->angle = s->angle + a->dt * spring.y;
+    } else {
+        const rbdi_act_stiction sticks = rbdi_act_sticks(m, s, a);
+        s->joint = s->s - s->slope * x;
+        s->speed = x;
+        s->angle = s->g + a->dt * rbdi_act_mean(a, s, x);
+        if (m->friction.bristle > 0)
+            s->bristle = rbdi_act_clamp(sticks.offset + sticks.slope * x, -s->level, s->level);
+    }
+    s->motor = s->t - s->braking * s->speed;
+    rbdi_act_heat(m, s, (s->motor - s->cogging) / rbdi_act_torque_constant(m), a->air, a->dt);
+}
+
+/* ==== src/actuator/step.h ==== */
+/* ---- forward [forward code] ---- */
+
+/* All shafts at rest at their angles g, as warm as the air. */
+RBDI_LOCAL void rbdi_act_rest(rbd_actuators *a, rbd_real air) {
+    a->air = air;
+    a->begun = 0;
+    a->repeats = 0;
+    for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) {
+        s->angle = s->g;
+        s->speed = s->winding = s->housing = s->bristle = rbdi_zero();
+        s->motor = s->joint = s->level = s->cogging = rbdi_zero();
+        s->t = s->now = s->braking = s->gain = s->rate = rbdi_zero();
+        s->s = s->slope = s->told = rbdi_zero();
+        s->branch = s->saturated = s->oldest = 0;
+    }
+    for (int i = 0; i < a->n * a->ring; ++i) {
+        rbd_command *c = &a->commands[i];
+        c->q = c->v = c->kp = c->kd = c->torque = rbdi_zero();
+    }
+}
+
+RBDI_API rbd_status rbd_actuators_reset(rbd_actuators *a, const rbd_real *q, rbd_real air) {
+    rbd_status status;
+    if (!a || !q) return RBD_ERR_NULL;
+    if (!(air >= -273 && air <= 1000)) return RBD_ERR_RANGE;
+    status = rbdi_act_map(a, q, NULL);
+    if (!status) rbdi_act_rest(a, air);
+    return status;
+}
+
+/* Puts a command into the motor's ring, and takes out the one that arrives. */
+RBDI_LOCAL rbd_command rbdi_act_delay(rbd_actuators *a, int i, const rbd_command *given) {
+    rbdi_act_shaft *s = &a->shaft[i];
+    rbd_command *oldest = &a->commands[i * a->ring + s->oldest];
+    rbd_command arrives;
+    if (a->motor[i].delay < 1) return *given;
+    arrives = *oldest;
+    *oldest = *given;
+    s->oldest = (int16_t)((s->oldest + 1) % a->motor[i].delay);
+    return arrives;
+}
+
+RBDI_LOCAL int rbdi_act_is_command(const rbd_command *c) {
+    const rbd_real x[5] = {c->q, c->v, c->kp, c->kd, c->torque};
+    return rbdi_act_all_moderate(x, 5) && c->kp >= 0 && c->kd >= 0;
+}
+
+/* What the shafts of a group tell: with A = G' diag(slope) G, L_jj = sum |A_jk| and their last speeds v
+
+       damping = L,   tau = G's + (L - A) v */
+RBDI_LOCAL void rbdi_act_tell_group(const rbd_actuators *a, const rbdi_act_group *g, rbd_real *tau,
+                                    rbd_real *damping) {
+    const rbdi_act_shaft *s = &a->shaft[g->first];
+    const int n = g->n;
+    for (int j = 0; j < n; ++j) {
+        rbd_real sum = rbdi_zero(), bound = rbdi_zero();
+        for (int i = 0; i < n; ++i) sum = sum + g->G[n * i + j] * s[i].s;
+        for (int k = 0; k < n; ++k) {
+            rbd_real A = rbdi_zero();
+            for (int i = 0; i < n; ++i) A = A + g->G[n * i + j] * s[i].slope * g->G[n * i + k];
+            bound = bound + rbdi_abs(A);
+            sum = sum - A * g->v[k];
+        }
+        tau[g->dof[j]] = sum + bound * g->v[j];
+        damping[g->dof[j]] = bound;
+    }
+}
+
+/* What all shafts tell the step. */
+RBDI_LOCAL void rbdi_act_tell_all(const rbd_actuators *a, rbd_real *tau, rbd_real *damping) {
+    rbdi_clear(tau, a->nv);
+    rbdi_clear(damping, a->nv);
+    for (int i = 0; i < a->n; ++i) {
+        rbdi_act_shaft *s = &a->shaft[i];
+        rbdi_act_tell(&a->motor[i], s, a);
+        if (s->dof < 0) continue;
+        tau[s->dof] = s->s;
+        damping[s->dof] = s->slope;
+    }
+    for (int i = 0; i < a->groups; ++i) rbdi_act_tell_group(a, &a->group[i], tau, damping);
+}
+
+/* Notes the speeds of a group. Whether what it told for its last speeds holds for these. */
+RBDI_LOCAL int rbdi_act_group_settles(const rbd_actuators *a, rbdi_act_group *g, const rbd_real *v) {
+    const rbdi_act_shaft *s = &a->shaft[g->first];
+    const int n = g->n;
+    rbd_real change[3];
+    int settled = 1;
+    for (int j = 0; j < n; ++j) {
+        change[j] = v[g->dof[j]] - g->v[j];
+        g->v[j] = v[g->dof[j]];
+    }
+
+    for (int j = 0; j < n; ++j) {
+        rbd_real error = rbdi_zero(), size = rbdi_zero();
+        for (int k = 0; k < n; ++k) {
+            rbd_real A = rbdi_zero();
+            for (int i = 0; i < n; ++i) A = A + g->G[n * i + j] * s[i].slope * g->G[n * i + k];
+            error = error + rbdi_abs(A) * change[j] - A * change[k];
+            size = size + rbdi_abs(A) * (rbdi_abs(g->v[j]) + rbdi_abs(g->v[k]));
+        }
+        for (int i = 0; i < n; ++i) size = size + rbdi_abs(g->G[n * i + j] * s[i].s);
+        settled &= rbdi_abs(error) <= RBDI_ACTUATOR_SETTLED * size;
+    }
+    return settled;
+}
+
+RBDI_API rbd_status rbd_actuators_begin(rbd_actuators *a, const rbd_command *commands, const rbd_real *q,
+                                        const rbd_real *v, rbd_real dt, int first_order, rbd_real *tau,
+                                        rbd_real *damping) {
+    rbd_status status;
+    if (!a || !commands || !q || !v || !tau || !damping) return RBD_ERR_NULL;
+    if (!(dt >= RBD_C(1e-9) && dt <= RBD_C(1e3))) return RBD_ERR_RANGE;
+    for (int i = 0; i < a->n; ++i)
+        if (!rbdi_act_is_command(&commands[i])) return RBD_ERR_RANGE;
+    status = rbdi_act_map(a, q, v);
+    if (status) return status;
+
+    a->dt = dt;
+    a->share = rbdi_set(first_order ? RBD_C(1) : RBD_C(0.5));
+    a->begun = 1;
+    a->repeats = 0;
+    for (int i = 0; i < a->n; ++i) {
+        const rbd_motor *m = &a->motor[i];
+        rbdi_act_shaft *s = &a->shaft[i];
+        const rbd_command c = rbdi_act_delay(a, i, &commands[i]);
+        if (!(m->stiffness > 0)) {
+            s->angle = s->g;
+            s->speed = s->x;
+        }
+        rbdi_act_drive_motor(m, s, &c, a->air, dt, m->stiffness > 0 ? rbdi_set(RBD_C(1)) : a->share);
+        s->level = rbd_friction_level(&m->friction, s->speed, s->motor, -s->joint);
+        s->told = s->x;
+        if (!(m->stiffness > 0)) s->branch = (int16_t)rbdi_act_rigid_branch(m, s, s->x, a);
+    }
+    for (int i = 0; i < a->groups; ++i)
+        for (int j = 0; j < a->group[i].n; ++j) a->group[i].v[j] = v[a->group[i].dof[j]];
+    rbdi_act_tell_all(a, tau, damping);
+    return RBD_OK;
+}
+
+/* Calls for each shaft with its speed at joint speeds v; whether all settle. */
+RBDI_LOCAL int rbdi_act_settles(rbd_actuators *a, const rbd_real *v) {
+    int settled = 1;
+    for (int i = 0; i < a->n; ++i) {
+        rbdi_act_shaft *s = &a->shaft[i];
+        if (s->dof >= 0) settled &= rbdi_act_stays(&a->motor[i], s, v[s->dof], a);
+    }
+    for (int k = 0; k < a->groups; ++k) {
+        rbdi_act_group *g = &a->group[k];
+        settled &= rbdi_act_group_settles(a, g, v);
+        for (int i = 0; i < g->n; ++i) {
+            const int at = g->first + i;
+            settled &= rbdi_act_stays(&a->motor[at], &a->shaft[at], rbdi_act_shaft_speed(g, i, v), a);
+        }
+    }
+    return settled;
+}
+
+/* Ends the step at joint speeds v. */
+RBDI_LOCAL void rbdi_act_end_step(rbd_actuators *a, const rbd_real *v) {
+    for (int i = 0; i < a->n; ++i) {
+        rbdi_act_shaft *s = &a->shaft[i];
+        if (s->dof >= 0) rbdi_act_end_shaft(&a->motor[i], s, v[s->dof], a);
+    }
+    for (int k = 0; k < a->groups; ++k) {
+        const rbdi_act_group *g = &a->group[k];
+        for (int i = 0; i < g->n; ++i) {
+            const int at = g->first + i;
+            rbdi_act_end_shaft(&a->motor[at], &a->shaft[at], rbdi_act_shaft_speed(g, i, v), a);
+        }
+    }
+}
+
+RBDI_API int rbd_actuators_again(rbd_actuators *a, const rbd_real *v_next, rbd_real *tau, rbd_real *damping) {
+    int finite;
+    if (!a || !v_next || !tau || !damping || !a->begun) return 0;
+    finite = rbdi_act_all_moderate(v_next, a->nv);
+    if (finite && !rbdi_act_settles(a, v_next) && a->repeats < RBDI_ACTUATOR_REPEATS) {
+        ++a->repeats;
+        rbdi_act_tell_all(a, tau, damping);
+        return 1;
+    }
+    if (finite) rbdi_act_end_step(a, v_next);
+    a->begun = 0;
+    return 0;
+}
+
+RBDI_API rbd_status rbd_actuators_get(const rbd_actuators *a, int motor, rbd_actuator_state *state) {
+    const rbdi_act_shaft *s;
+    if (!a || !state) return RBD_ERR_NULL;
+    if (motor < 0 || motor >= a->n) return RBD_ERR_INDEX;
+
+    s = &a->shaft[motor];
+    state->angle = s->angle;
+    state->speed = s->speed;
+    state->motor = s->motor;
+    state->joint = s->joint;
+    state->friction = s->level;
+    state->current = (s->motor - s->cogging) / rbdi_act_torque_constant(&a->motor[motor]);
+    state->winding = s->winding + a->air;
+    state->housing = s->housing + a->air;
+    state->saturated = s->saturated;
+    state->repeats = a->repeats;
+    return RBD_OK;
+}
+
+/* ==== src/actuator/derivatives.h ==== */
+/* ---- derivatives [derivatives code] ---- */
+
+/* The torque on the joint's side of a shaft, and how it falls with its angle and speed there. */
+typedef struct rbdi_act_slopes {
+    rbd_real torque, by_angle, by_speed;
+} rbdi_act_slopes;
+
+RBDI_LOCAL rbdi_act_slopes rbdi_act_slopes_of(const rbd_motor *m, const rbdi_act_shaft *s) {
+    rbdi_act_slopes out;
+    if (m->stiffness > 0) {
+        const rbd_real k = m->stiffness, d = m->damping, half = m->backlash / 2;
+        const rbd_real free = k * (s->angle - s->g) + d * (s->speed - s->x);
+        const int side = free > k * half ? 1 : free < -k * half ? -1 : 0;
+        out.torque = side ? free - (rbd_real)side * k * half : rbdi_zero();
+        out.by_angle = side ? k : rbdi_zero();
+        out.by_speed = side ? d : rbdi_zero();
+        return out;
+    }
+    out.by_angle = s->gain;
+    out.by_speed = s->rate + m->friction.viscous;
+    out.torque = s->now - m->friction.viscous * s->x;
+    if (s->branch) out.torque = out.torque - (rbd_real)s->branch * s->level;
+    return out;
+}
+
+/* Of a transmission: with slopes K by angle, D by speed and torques t of its shafts
+
+       dtau/dq = sum t_i H_i - G' (K G + D H v),   dtau/dv = -G' D G,   dtau/dcommand = G' */
+RBDI_LOCAL void rbdi_act_group_derivatives(const rbd_actuators *a, const rbdi_act_group *g, int j, int k,
+                                           rbd_real *dq, rbd_real *dv) {
+    const int n = g->n;
+    *dq = *dv = rbdi_zero();
+    for (int i = 0; i < n; ++i) {
+        const int at = g->first + i;
+        const rbdi_act_slopes s = rbdi_act_slopes_of(&a->motor[at], &a->shaft[at]);
+        const rbd_real G_ij = g->G[n * i + j], G_ik = g->G[n * i + k];
+        rbd_real H_v = rbdi_zero();
+        if (g->by->kind == RBD_BY_RODS) {
+            for (int l = 0; l < n; ++l) H_v = H_v + g->H[(n * i + l) * n + k] * g->v[l];
+            *dq = *dq + s.torque * g->H[(n * i + j) * n + k];
+        }
+        *dq = *dq - G_ij * (s.by_angle * G_ik + s.by_speed * H_v);
+        *dv = *dv - G_ij * s.by_speed * G_ik;
+    }
+}
+
+/* Whether a command's torque reaches the joint at once: it is no spring's, not cut by a limit, and not late.
+   */
+RBDI_LOCAL rbd_real rbdi_act_passes(const rbd_actuators *a, int i) {
+    const rbd_motor *m = &a->motor[i];
+    return rbdi_set(m->stiffness > 0 || m->delay > 0 || a->shaft[i].saturated ? RBD_C(0) : RBD_C(1));
+}
+
+RBDI_API rbd_status rbd_actuators_derivatives(const rbd_actuators *a, rbd_real *dq, rbd_real *dv,
+                                              rbd_real *dcommand) {
+    if (!a) return RBD_ERR_NULL;
+    if (!a->begun || a->repeats) return RBD_ERR_ORDER;
+    if (dq) rbdi_clear(dq, a->nv * a->nv);
+    if (dv) rbdi_clear(dv, a->nv * a->nv);
+    if (dcommand) rbdi_clear(dcommand, a->nv * a->n);
+
+    for (int i = 0; i < a->n; ++i) {
+        const rbdi_act_shaft *s = &a->shaft[i];
+        const rbdi_act_slopes slopes = rbdi_act_slopes_of(&a->motor[i], s);
+        if (s->dof < 0) continue;
+        if (dq) dq[(a->nv + 1) * s->dof] = -slopes.by_angle;
+        if (dv) dv[(a->nv + 1) * s->dof] = -slopes.by_speed;
+        if (dcommand) dcommand[a->n * s->dof + i] = rbdi_act_passes(a, i);
+    }
+    for (const rbdi_act_group *g = a->group; g < a->group + a->groups; ++g)
+        for (int j = 0; j < g->n; ++j)
+            for (int k = 0; k < g->n; ++k) {
+                rbd_real by_q, by_v;
+                rbdi_act_group_derivatives(a, g, j, k, &by_q, &by_v);
+                if (dq) dq[a->nv * g->dof[j] + g->dof[k]] = by_q;
+                if (dv) dv[a->nv * g->dof[j] + g->dof[k]] = by_v;
+                if (dcommand)
+                    dcommand[a->n * g->dof[j] + g->first + k] =
+                        rbdi_act_passes(a, g->first + k) * g->G[g->n * k + j];
+            }
+    return RBD_OK;
+}
+
+/* ==== src/actuator/check.h ==== */
+/* ---- checks [checks] ---- */
+
+#define RBDI_ACTUATOR_MOST_GEAR RBD_C(1e6)
+#define RBDI_ACTUATOR_MOST_INERTIA RBD_C(1e3)      /* kg m^2 */
+#define RBDI_ACTUATOR_LEAST RBD_C(1e-9)            /* of what divides */
+#define RBDI_ACTUATOR_LEAST_REFLECTED RBD_C(1e-12) /* kg m^2: of a rotor behind a spring, at the shaft */
+
+/* A field and its range, and whether 0 means that it is not used. */
+typedef struct rbdi_act_field {
+    const char *name;
+    rbd_const value, least, most;
+    int optional;
+} rbdi_act_field;
+
+/* Where a finding is: the motor or, behind them, the transmission. */
+typedef struct rbdi_act_where {
+    rbd_report *report;
+    int at;
+    const char *name;
+} rbdi_act_where;
+
+RBDI_LOCAL rbd_status rbdi_act_refuse_field(const rbdi_act_where *where, rbd_status status, const char *field,
+                                            const char *sentence) {
+    return rbdi_refuse_saying(where->report, status, where->at, where->name, field, sentence);
+}
+
+/* Checks n fields; one that is 0 and must not be is missing. */
+RBDI_LOCAL rbd_status rbdi_act_check_fields(const rbdi_act_where *where, const rbdi_act_field *field, int n) {
+    for (int i = 0; i < n; ++i) {
+        const rbd_const x = field[i].value;
+        if (x <= 0 && x >= 0 && field[i].optional) continue;
+        if (x <= 0 && x >= 0 && field[i].least > 0)
+            return rbdi_act_refuse_field(where, RBD_ERR_RANGE, field[i].name, "missing");
+        if (!(x >= field[i].least && x <= field[i].most))
+            return rbdi_act_refuse_field(where, RBD_ERR_RANGE, field[i].name, NULL);
+    }
+    return RBD_OK;
+}
+
+#define RBDI_ACTUATOR_FIELDS(where, list) \
+    rbdi_act_check_fields(where, list, (int)(sizeof(list) / sizeof((list)[0])))
+
+RBDI_LOCAL rbd_status rbdi_act_check_friction(const rbdi_act_where *where, const rbd_friction *f) {
+    const rbd_const most = RBDI_ACTUATOR_MOST, least = RBDI_ACTUATOR_LEAST;
+    const int rest = rbdi_act_has_rest(f);
+    const rbdi_act_field field[] = {{"coulomb", f->coulomb, 0, most, 1},
+                                    {"viscous", f->viscous, 0, most, 1},
+                                    {"load_motor", f->load_motor, 0, RBD_C(0.999), 1},
+                                    {"load_joint", f->load_joint, 0, 10, 1},
+                                    {"rest", f->rest, 0, most, 1},
+                                    {"rest_motor", f->rest_motor, 0, 10, 1},
+                                    {"rest_joint", f->rest_joint, 0, 10, 1},
+                                    {"square_motor", f->square_motor, 0, RBD_C(1e6), 1},
+                                    {"square_joint", f->square_joint, 0, RBD_C(1e6), 1},
+                                    {"bristle", f->bristle, least, most, 1},
+                                    {"still", f->still, least, most, 1},
+                                    {"speed", f->speed, least, most, !rest},
+                                    {"power", f->power, RBD_C(0.1), 10, !rest}};
+    return RBDI_ACTUATOR_FIELDS(where, field);
+}
+
+/* Resistance, limits and heat. */
+RBDI_LOCAL rbd_status rbdi_act_check_electric(const rbdi_act_where *where, const rbd_motor *m) {
+    const rbd_const most = RBDI_ACTUATOR_MOST, least = RBDI_ACTUATOR_LEAST;
+    const int heat = m->heat_winding > 0, limit = !(m->hot <= 0 && m->hottest <= 0);
+    const rbdi_act_field field[] = {
+        {"current", m->current, 0, most, 1},
+        {"voltage", m->voltage, 0, most, 1},
+        {"copper", m->copper, 0, 1, 1},
+        {"heat_winding", m->heat_winding, least, RBD_C(1e6), !limit},
+        {"heat_case", m->heat_case, least, RBD_C(1e6), 1},
+        {"flow_winding", m->flow_winding, least, RBD_C(1e6), !heat},
+        {"flow_case", m->flow_case, least, RBD_C(1e6), !(heat && m->heat_case > 0)},
+        {"hot", m->hot, least, RBD_C(1e4), !limit},
+        {"hottest", m->hottest, least, RBD_C(1e4), !limit},
+        {"resistance", m->resistance, least, most, !heat && !(m->voltage > 0)}};
+    const rbd_status status = RBDI_ACTUATOR_FIELDS(where, field);
+    if (status) return status;
+    if (limit && !(m->hottest > m->hot))
+        return rbdi_act_refuse_field(where, RBD_ERR_RANGE, "hottest", "not above 'hot'");
+    if (limit && !(m->current > 0))
+        return rbdi_act_refuse_field(where, RBD_ERR_RANGE, "current", "missing: heat lowers this limit");
+    return RBD_OK;
+}
+
+/* Rotor, drive and spring. */
+RBDI_LOCAL rbd_status rbdi_act_check_mechanical(const rbdi_act_where *where, const rbd_motor *m) {
+    const rbd_const most = RBDI_ACTUATOR_MOST, least = RBDI_ACTUATOR_LEAST;
+    const rbd_const gear = m->gear < 0 ? -m->gear : m->gear;
+    const int spring = m->stiffness > 0, springs = m->damping > 0 || m->backlash > 0;
+    const rbdi_act_field field[] = {{"gear", gear, RBD_C(1e-6), RBDI_ACTUATOR_MOST_GEAR, 0},
+                                    {"constant", m->constant, least, most, 0},
+                                    {"inertia", m->inertia, 0, RBDI_ACTUATOR_MOST_INERTIA, 1},
+                                    {"cogging", m->cogging, 0, most, 1},
+                                    {"teeth", m->teeth, RBD_C(1), RBD_C(1e6), !(m->cogging > 0)},
+                                    {"phase", m->phase, -most, most, 1},
+                                    {"step", m->step, least, most, 1},
+                                    {"offset", m->offset, -most, most, 1},
+                                    {"stiffness", m->stiffness, least, most, !springs},
+                                    {"damping", m->damping, 0, most, 1},
+                                    {"backlash", m->backlash, 0, most, 1}};
+    const rbd_status status = RBDI_ACTUATOR_FIELDS(where, field);
+    if (status) return status;
+    if (m->delay < 0 || m->delay > RBDI_ACTUATOR_MOST_DELAY)
+        return rbdi_act_refuse_field(where, RBD_ERR_RANGE, "delay", "below 0 or above 1000");
+    if (m->sampled != 0 && m->sampled != 1)
+        return rbdi_act_refuse_field(where, RBD_ERR_RANGE, "sampled", "neither 0 nor 1");
+    if (spring && !(gear * gear * m->inertia >= RBDI_ACTUATOR_LEAST_REFLECTED))
+        return rbdi_act_refuse_field(where, RBD_ERR_RANGE, "inertia",
+                                     "missing: a rotor on a spring needs it");
+    if (spring && m->friction.bristle > 0)
+        return rbdi_act_refuse_field(where, RBD_ERR_RANGE, "bristle", "not beside a stiffness");
+    return RBD_OK;
+}
+
+/* The coordinate and dof of a joint: it must have one of each, and no motor yet. dofs: count of those that
+   have one, in a list. */
+RBDI_LOCAL rbd_status rbdi_act_find_joint(const rbd_model *m, const rbdi_act_where *where, const char *joint,
+                                          const rbd_motor *motor, int16_t *dof, int16_t *at) {
+    const rbdi_frame *u;
+    int body = -1;
+    for (int b = 0; b < m->nb; ++b)
+        if (rbdi_same(m->frame[b].joint, joint)) body = b;
+    if (body < 0) return rbdi_act_refuse_field(where, RBD_ERR_INDEX, "joint", "no such joint");
+
+    u = &m->frame[body];
+    if (u->nv != 1 || u->nq != 1)
+        return rbdi_act_refuse_field(where, RBD_ERR_INDEX, "joint",
+                                     "has not one coordinate and one degree of freedom of its own");
+    if (motor->inertia > 0 && m->dof[u->iv].armature > 0)
+        return rbdi_act_refuse_field(where, RBD_ERR_ARMATURE, "inertia",
+                                     "the rotor counts twice: the model has it as armature of the joint");
+    if (motor->stiffness > 0 && m->dof[u->iv].armature > 0)
+        return rbdi_act_refuse_field(where, RBD_ERR_ARMATURE, "stiffness",
+                                     "the model has the rotor as armature, but a spring lies between");
+    *dof = u->iv;
+    *at = u->iq;
+    return RBD_OK;
+}
+
+RBDI_LOCAL rbd_status rbdi_act_check_motor(const rbdi_act_where *where, const rbd_motor *m) {
+    rbd_status status = rbdi_act_check_mechanical(where, m);
+    if (!status) status = rbdi_act_check_electric(where, m);
+    return status ? status : rbdi_act_check_friction(where, &m->friction);
+}
+
+RBDI_LOCAL int rbdi_act_is_vector(const rbd_const x[3]) {
+    for (int i = 0; i < 3; ++i)
+        if (!(rbdi_abs((rbd_real)x[i]) <= RBD_C(1e6))) return 0;
+    return 1;
+}
+
+RBDI_LOCAL rbd_real rbdi_act_dot_of(const rbd_const a[3], const rbd_const b[3]) {
+    return (rbd_real)a[0] * b[0] + (rbd_real)a[1] * b[1] + (rbd_real)a[2] * b[2];
+}
+
+/* A crank's directions are of unit length and across to 1e-6: six decimals in a file will do. */
+RBDI_LOCAL rbd_status rbdi_act_check_rod(const rbdi_act_where *where, const rbd_rod *rod) {
+    const rbd_real off = RBD_C(RBDI_ORTHONORMAL), one = rbdi_set(RBD_C(1));
+    const rbdi_act_field field[] = {{"crank", rod->crank, RBDI_ACTUATOR_LEAST, RBD_C(1e6), 0},
+                                    {"length", rod->length, RBDI_ACTUATOR_LEAST, RBD_C(1e6), 0}};
+    const rbd_status status = RBDI_ACTUATOR_FIELDS(where, field);
+    if (status) return status;
+    if (!rbdi_act_is_vector(rod->place)) return rbdi_act_refuse_field(where, RBD_ERR_RANGE, "place", NULL);
+    if (!rbdi_act_is_vector(rod->point)) return rbdi_act_refuse_field(where, RBD_ERR_RANGE, "point", NULL);
+    if (!rbdi_act_is_vector(rod->axis) || !(rbdi_abs(rbdi_act_dot_of(rod->axis, rod->axis) - one) <= off))
+        return rbdi_act_refuse_field(where, RBD_ERR_AXIS, "axis", "not of unit length");
+    if (!rbdi_act_is_vector(rod->zero) || !(rbdi_abs(rbdi_act_dot_of(rod->zero, rod->zero) - one) <= off))
+        return rbdi_act_refuse_field(where, RBD_ERR_AXIS, "zero", "not of unit length");
+    if (!(rbdi_abs(rbdi_act_dot_of(rod->axis, rod->zero)) <= off))
+        return rbdi_act_refuse_field(where, RBD_ERR_AXIS, "zero", "not across the axis");
+    if (rod->elbow != 1 && rod->elbow != -1)
+        return rbdi_act_refuse_field(where, RBD_ERR_RANGE, "elbow", "neither 1 nor -1");
+    return RBD_OK;
+}
+
+/* A transmission beside n motors; its joints are checked where they are looked up. */
+RBDI_LOCAL rbd_status rbdi_act_check_transmission(const rbdi_act_where *where, const rbd_transmission *t,
+                                                  const rbd_motor *motors, int n) {
+    const int kind = (int)t->kind, most = t->kind == RBD_BY_RODS ? 2 : 3;
+    if (kind < 0 || kind > (int)RBD_BY_RODS)
+        return rbdi_act_refuse_field(where, RBD_ERR_TYPE, "kind", "unknown kind of transmission");
+    if (t->n < 1 || t->n > most)
+        return rbdi_act_refuse_field(where, RBD_ERR_COUNT, "n", "below 1 or above 3, or above 2 by rods");
+    if (t->motor < 0 || t->motor > n - t->n)
+        return rbdi_act_refuse_field(where, RBD_ERR_INDEX, "motor", "the table has no such motors");
+    for (int i = 0; i < t->n; ++i)
+        if (motors[t->motor + i].joint)
+            return rbdi_act_refuse_field(where, RBD_ERR_INDEX, "motor",
+                                         "one of its motors has a joint of its own");
+
+    for (int i = 0; i < t->n * t->n && t->kind == RBD_BY_MATRIX; ++i)
+        if (!(rbdi_abs((rbd_real)t->matrix[i]) <= RBD_C(1e6)))
+            return rbdi_act_refuse_field(where, RBD_ERR_RANGE, "matrix", NULL);
+    for (int i = 0; i < t->n && t->kind == RBD_BY_RODS; ++i) {
+        const rbd_status status = rbdi_act_check_rod(where, &t->rod[i]);
+        if (status) return status;
+    }
+    return RBD_OK;
+}
+
+/* ==== src/actuator/init.h ==== */
+/* ---- tables [tables code] ---- */
+
+RBDI_LOCAL int rbdi_act_is_number_of(int n, int groups, int delay) {
+    return n >= 1 && n <= RBDI_ACTUATOR_MOST_MOTORS && groups >= 0 && groups <= n && delay >= 0 &&
+           delay <= RBDI_ACTUATOR_MOST_DELAY;
+}
+
+RBDI_API size_t rbd_actuators_size(int n, int groups, int delay) {
+    return rbdi_act_is_number_of(n, groups, delay) ? RBDI_ACTUATORS_BYTES(n, groups, delay) : 0;
+}
+
+/* Lays out the arrays in the memory. */
+RBDI_LOCAL rbd_actuators *rbdi_act_lay_actuators(const rbd_model *m, const rbd_motor *motors, int n,
+                                                 int groups, int ring, void *memory) {
+    unsigned char *at = rbdi_aligned(memory);
+    rbd_actuators *a = RBDI_CUT(rbd_actuators, 1);
+    a->shaft = RBDI_CUT(rbdi_act_shaft, n);
+    a->group = RBDI_CUT(rbdi_act_group, groups);
+    a->commands = RBDI_CUT(rbd_command, n * ring);
+    a->motor = motors;
+    a->n = n;
+    a->groups = groups;
+    a->nq = m->nq;
+    a->nv = m->nv;
+    a->ring = ring;
+    a->fault = -1;
+    a->begun = 0;
+    a->dt = rbdi_zero();
+    return a;
+}
+
+/* Whether a shaft or group before moves the dof. */
+RBDI_LOCAL int rbdi_act_is_moved(const rbd_actuators *a, int dof, int groups) {
+    for (int i = 0; i < a->n; ++i)
+        if (a->shaft[i].dof == dof) return 1;
+    for (int k = 0; k < groups; ++k)
+        for (int j = 0; j < a->group[k].n; ++j)
+            if (a->group[k].dof[j] == dof) return 1;
+    return 0;
+}
+
+/* The shafts that move a joint directly. A motor without a joint must be in one transmission. */
+RBDI_LOCAL rbd_status rbdi_act_place_motors(const rbd_model *m, rbd_actuators *a, const rbd_transmission *t,
+                                            int groups, rbd_report *report) {
+    for (int i = 0; i < a->n; ++i) {
+        a->shaft[i].dof = a->shaft[i].at = -1;
+        a->shaft[i].g = a->shaft[i].x = a->shaft[i].bias = rbdi_zero();
+    }
+    for (int i = 0; i < a->n; ++i) {
+        const rbd_motor *motor = &a->motor[i];
+        const rbdi_act_where where = {report, i, motor->name};
+        int16_t dof, at;
+        rbd_status status;
+        int moves = 0;
+        for (int k = 0; k < groups; ++k) moves += i >= t[k].motor && i < t[k].motor + t[k].n;
+        if (moves > 1) return rbdi_act_refuse_field(&where, RBD_ERR_INDEX, NULL, "in two transmissions");
+        if (moves) continue;
+        if (!motor->joint)
+            return rbdi_act_refuse_field(&where, RBD_ERR_INDEX, "joint",
+                                         "missing, and no transmission has the motor");
+
+        status = rbdi_act_find_joint(m, &where, motor->joint, motor, &dof, &at);
+        if (status) return status;
+        if (rbdi_act_is_moved(a, dof, 0))
+            return rbdi_act_refuse_field(&where, RBD_ERR_INDEX, "joint", "another motor moves this joint");
+        a->shaft[i].dof = dof;
+        a->shaft[i].at = at;
+    }
+    return RBD_OK;
+}
+
+/* Frame of a body on its link: x_body = E (x_link - r); of the world itself without one. */
+RBDI_LOCAL rbdi_pose rbdi_act_body_frame(const rbd_model *m, int body) {
+    rbdi_pose X = rbdi_world_pose();
+    if (body < 0) return X;
+    X.E = rbdi_mat_c(m->frame[body].E);
+    X.r = rbdi_vec_c(m->frame[body].r);
+    return X;
+}
+
+/* The joint j of rods at q = 0, in the axes of the body before, and the axis in its own body's. */
+RBDI_LOCAL void rbdi_act_place_rod_joint(const rbd_model *m, rbdi_act_group *g, int j, int before) {
+    const int body = m->dof[g->dof[j]].body;
+    const rbdi_link *l = &m->link[m->frame[body].link];
+    const rbdi_pose base = rbdi_act_body_frame(m, before), own = rbdi_act_body_frame(m, body);
+    rbdi_trig trig;
+    rbdi_pose X;
+    trig.c = rbdi_set(l->cg);
+    trig.s = rbdi_set(l->sg);
+    trig.d = rbdi_set(l->d);
+    X = rbdi_pose_step(l, l->flags & ~RBDI_ROOT, trig, rbdi_world_pose());
+
+    /* origin = E_before (X.r + X.E' r_body - r_before),  turn = E_before X.E' E_body' */
+    g->origin[j] = rbdi_mul(base.E, rbdi_sub(rbdi_add(X.r, rbdi_mul_t(X.E, own.r)), base.r));
+    g->turn[j] = rbdi_mul_mat(base.E, rbdi_mul_mat(rbdi_transpose(X.E), rbdi_transpose(own.E)));
+    g->axis[j] = rbdi_mul(own.E, rbdi_vec(rbdi_zero(), rbdi_zero(), rbdi_set(l->rho)));
+}
+
+RBDI_LOCAL rbd_status rbdi_act_place_rods(const rbd_model *m, const rbdi_act_where *where,
+                                          rbdi_act_group *g) {
+    int before = m->frame[m->dof[g->dof[0]].body].parent;
+    for (int j = 0; j < g->n; ++j) {
+        const int body = m->dof[g->dof[j]].body;
+        const rbdi_frame *u = &m->frame[body];
+        if (m->link[u->link].kind != RBDI_REVOLUTE)
+            return rbdi_act_refuse_field(where, RBD_ERR_INDEX, "joint", "a joint of rods does not turn");
+        if (m->link[u->link].parent != (before < 0 ? -1 : m->frame[before].link))
+            return rbdi_act_refuse_field(where, RBD_ERR_INDEX, "joint",
+                                         "joints of rods do not follow each other");
+        rbdi_act_place_rod_joint(m, g, j, before);
+        before = body;
+    }
+    return RBD_OK;
+}
+
+/* Checks a transmission, and looks its joints up. */
+RBDI_LOCAL rbd_status rbdi_act_place_transmission(const rbd_model *m, rbd_actuators *a,
+                                                  const rbd_transmission *t, int k, rbd_report *report) {
+    const rbdi_act_where where = {report, a->n + k, t->name};
+    rbdi_act_group *g = &a->group[k];
+    g->by = t;
+    g->n = 0;
+    g->first = (int16_t)t->motor;
+    for (int j = 0; j < t->n; ++j) {
+        const rbd_status status =
+            rbdi_act_find_joint(m, &where, t->joint[j], &a->motor[t->motor + j], &g->dof[j], &g->at[j]);
+        int twice;
+        if (status) return status;
+        twice = rbdi_act_is_moved(a, g->dof[j], k);
+        for (int i = 0; i < j; ++i) twice |= g->dof[i] == g->dof[j];
+        if (twice)
+            return rbdi_act_refuse_field(&where, RBD_ERR_INDEX, "joint", "another motor moves this joint");
+    }
+    g->n = (int16_t)t->n;
+    if (t->kind == RBD_BY_RODS) return rbdi_act_place_rods(m, &where, g);
+
+    for (int i = 0; i < t->n * t->n; ++i) g->G[i] = rbdi_set(t->matrix[i]);
+    if (rbdi_act_invert_small(g->G, t->n, g->inverse)) return RBD_OK;
+    return rbdi_act_refuse_field(&where, RBD_ERR_SINGULAR, "matrix", "singular: some motion has no motor");
+}
+
+/* Checks the tables by themselves. ring: the largest delay. */
+RBDI_LOCAL rbd_status rbdi_act_check_tables(const rbd_motor *motors, int n,
+                                            const rbd_transmission *transmissions, int groups, int *ring,
+                                            rbd_report *report) {
+    for (int i = 0; i < n; ++i) {
+        const rbdi_act_where where = {report, i, motors[i].name};
+        const rbd_status status = rbdi_act_check_motor(&where, &motors[i]);
+        if (status) return status;
+        if (motors[i].delay > *ring) *ring = motors[i].delay;
+    }
+    for (int k = 0; k < groups; ++k) {
+        const rbdi_act_where where = {report, n + k, transmissions[k].name};
+        const rbd_status status = rbdi_act_check_transmission(&where, &transmissions[k], motors, n);
+        if (status) return status;
+    }
+    return RBD_OK;
+}
+
+RBDI_API rbd_status rbd_actuators_init(const rbd_model *m, const rbd_motor *motors, int n,
+                                       const rbd_transmission *transmissions, int groups, void *memory,
+                                       size_t size, rbd_actuators **a, rbd_report *report) {
+    rbd_report own;
+    rbd_status status;
+    rbd_actuators *x;
+    int ring = 0;
+    if (!report) report = &own;
+    report->warnings = 0;
+    rbdi_refuse(report, RBD_OK, -1, NULL, NULL);
+    if (a) *a = NULL;
+    if (!m || !motors || (!transmissions && groups) || !memory || !a)
+        return rbdi_refuse(report, RBD_ERR_NULL, -1, NULL, NULL);
+    if (!rbdi_supported(m)) return rbdi_refuse(report, RBD_ERR_WORK, -1, NULL, NULL);
+    if (!rbdi_act_is_number_of(n, groups, 0))
+        return rbdi_refuse_saying(report, RBD_ERR_COUNT, -1, NULL, NULL,
+                                  "below 1 or above 1000 motors, or more transmissions than motors");
+    status = rbdi_act_check_tables(motors, n, transmissions, groups, &ring, report);
+    if (status) return status;
+    if (size < rbd_actuators_size(n, groups, ring))
+        return rbdi_refuse(report, RBD_ERR_MEMORY, -1, NULL, NULL);
+
+    x = rbdi_act_lay_actuators(m, motors, n, groups, ring, memory);
+    status = rbdi_act_place_motors(m, x, transmissions, groups, report);
+    for (int k = 0; k < groups && !status; ++k)
+        status = rbdi_act_place_transmission(m, x, &transmissions[k], k, report);
+    if (status) return status;
+    rbdi_act_rest(x, RBDI_ACTUATOR_WARM);
+    *a = x;
+    return RBD_OK;
+}
+
+/* ==== src/actuator/rotor.h ==== */
+/* ---- rotors [rotors code] ----
+   A rotor with inertia I about its axis s, that spins with W = gear v relative to its body, which turns with
+   omega: its angular momentum is I W s beside that of the locked rotor, which the body has. The body gets the
+   moment -(I W' s + omega x I W s), and the shaft's motor gives gear I s.omega' beside gear^2 I v', which is
+   the armature's. */
+
+RBDI_LOCAL rbd_status rbdi_act_check_rotor(const rbd_model *m, const rbd_rotor *r) {
+    rbd_real square = rbdi_zero();
+    if (r->body < -1 || r->body >= m->nb || r->dof < 0 || r->dof >= m->nv) return RBD_ERR_INDEX;
+    for (int i = 0; i < 3; ++i) square = square + (rbd_real)r->axis[i] * r->axis[i];
+    if (!(square > RBD_C(1e-18) && square < RBD_C(1e18))) return RBD_ERR_AXIS;
+    if (!(r->inertia >= 0 && r->inertia <= RBDI_ACTUATOR_MOST)) return RBD_ERR_RANGE;
+    return rbdi_abs(r->gear) <= RBDI_ACTUATOR_MOST ? RBD_OK : RBD_ERR_RANGE;
+}
+
+/* The axis, of unit length. */
+RBDI_INLINE rbdi_v3 rbdi_act_rotor_axis(const rbd_rotor *r) {
+    const rbdi_v3 s = rbdi_vec(r->axis[0], r->axis[1], r->axis[2]);
+    return rbdi_scale(1 / rbdi_sqrt(rbdi_dot(s, s)), s);
+}
+
+/* Adds the moment on the rotor's body to f_ext, after rbd_kinematics. */
+RBDI_LOCAL void rbdi_act_add_rotor(const rbd_model *m, const rbd_work *w, const rbd_rotor *r, rbd_real spin,
+                                   rbd_real rate, rbd_real *f_ext) {
+    const rbdi_v3 s = rbdi_act_rotor_axis(r);
+    rbd_real velocity[6];
+    rbdi_v3 moment;
+    (void)rbd_body_velocity(m, w, r->body, velocity);
+
+    moment = rbdi_cross(rbdi_load_vec(velocity, 1), rbdi_scale(spin, s));
+    moment = rbdi_scale(-(rbd_real)r->inertia, rbdi_add(moment, rbdi_scale(rate, s)));
+    f_ext[0] = f_ext[0] + moment.x;
+    f_ext[1] = f_ext[1] + moment.y;
+    f_ext[2] = f_ext[2] + moment.z;
+}
+
+RBDI_API rbd_status rbd_rotor_torque(const rbd_model *m, rbd_work *w, const rbd_rotor *rotors, int n,
+                                     const rbd_real *q, const rbd_real *v, const rbd_real *a, rbd_real *f_ext,
+                                     rbd_real *tau) {
+    rbd_status status = rbdi_check(m, w, (rotors || !n) && q && v && a && f_ext && tau);
+    if (status) return status;
+    if (n < 0) return RBD_ERR_COUNT;
+    for (int i = 0; i < n; ++i) {
+        status = rbdi_act_check_rotor(m, &rotors[i]);
+        if (status) return status;
+    }
+
+    (void)rbd_kinematics(m, w, q, v, a);
+    for (int i = 0; i < n; ++i) {
+        const rbd_rotor *r = &rotors[i];
+        if (r->body < 0) continue;
+        rbdi_act_add_rotor(m, w, r, r->gear * v[r->dof], r->gear * a[r->dof], &f_ext[6 * r->body]);
+    }
+    (void)rbd_rnea(m, w, q, v, a, f_ext, tau);
+
+    for (int i = 0; i < n; ++i) {
+        const rbd_rotor *r = &rotors[i];
+        rbd_real acceleration[6];
+        if (r->body < 0) continue;
+        (void)rbd_body_acceleration(m, w, r->body, acceleration);
+        tau[r->dof] = tau[r->dof] + (rbd_real)r->gear * r->inertia *
+                                        rbdi_dot(rbdi_act_rotor_axis(r), rbdi_load_vec(acceleration, 1));
+    }
+    return RBD_OK;
+}
+
+/* ==== src/actuator/text.h ==== */
+/* ---- text [text code] ---- */
+
+RBDI_API char *rbd_actuators_finding_text(const rbd_finding *finding, int n, char *text, size_t size) {
+    rbd_finding behind;
+    if (!finding || finding->body < n) return rbdi_write_finding(finding, "motor", text, size);
+    behind = *finding;
+    behind.body = finding->body - n;
+    return rbdi_write_finding(&behind, "transmission", text, size);
+}
+
+/* ==== src/rbd_actuator.h ==== */
+RBDI_CODE_END
+
+#endif /* RBD_IMPLEMENTATION */
+
+/* ==== src/base/letters_end.h ==== */
+#pragma pop_macro("A")
+#pragma pop_macro("E")
+#pragma pop_macro("G")
+#pragma pop_macro("H")
+#pragma pop_macro("J")
+#pragma pop_macro("K")
+#pragma pop_macro("L")
+#pragma pop_macro("P")
+#pragma pop_macro("S")
+#pragma pop_macro("X")

@@ -1,0 +1,309 @@
+/* actuator_scalars.c - rbd_actuator.h in double and in float: friction beside the published formula,
+   exponentials, inverse and forward, limits, heat, energy, rods that close. */
+#define RBD_STATIC
+#define RBD_IMPLEMENTATION
+#include "rbd_actuator.h"
+
+#include "models/iiwa.h"
+#include "servos.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { IN_FLOAT = sizeof(rbd_real) == 4 };
+
+static int failures;
+static void expect(int holds, const char *what, double value) {
+    if (holds) return;
+    failures++;
+    printf("FAILED: %s: %g\n", what, value);
+}
+
+/* A bound for double, or for float. */
+static double bound(double exact, double rough) { return IN_FLOAT ? rough : exact; }
+
+static uint64_t seed = 1;
+static rbd_real draw(double low, double high) {
+    seed = seed * 6364136223846793005u + 1442695040888963407u;
+    return (rbd_real)(low + (high - low) * ldexp((double)(seed >> 11), -53));
+}
+
+static const rbd_model *m;
+static rbd_work *w;
+static rbd_actuators *a;
+static unsigned char model_memory[100000], work_memory[200000], memory[100000];
+
+static void build(const rbd_body *bodies, int nb, const rbd_motor *motors, int n, const rbd_transmission *t,
+                  int groups) {
+    rbd_report report;
+    char text[200];
+    if (rbd_model_build(bodies, nb, model_memory, sizeof model_memory, &m, &report) != RBD_OK ||
+        rbd_work_init(m, work_memory, sizeof work_memory, &w) != RBD_OK)
+        exit(2);
+    if (rbd_actuators_init(m, motors, n, t, groups, memory, sizeof memory, &a, &report) != RBD_OK) {
+        puts(rbd_actuators_finding_text(&report.error, n, text, sizeof text));
+        exit(2);
+    }
+}
+
+static const rbd_body wheel[1] = {{.joint = "axle",
+                                   .parent = -1,
+                                   .type = RBD_REVOLUTE,
+                                   .axis = {0, 0, 1},
+                                   .mass = 1,
+                                   .inertia = {0.1, 0, 0, 0.1, 0, 0.1}}};
+
+/* A step of second order; how often it was repeated. */
+static int step(const rbd_command *commands, const rbd_real *other, rbd_real *q, rbd_real *v, rbd_real dt) {
+    rbd_real tau[7], damping[7], q_next[7], v_next[7];
+    rbd_actuator_state s;
+    rbd_status status = rbd_actuators_begin(a, commands, q, v, dt, 0, tau, damping);
+    do {
+        for (int k = 0; k < rbd_nv(m); k++) tau[k] += other[k];
+        if (status == RBD_OK) status = rbd_free_step(m, w, q, v, tau, NULL, damping, dt, q_next, v_next);
+    } while (status == RBD_OK && rbd_actuators_again(a, v_next, tau, damping));
+    expect(status == RBD_OK, "a step", status);
+    memcpy(q, q_next, (size_t)rbd_nq(m) * sizeof *q);
+    memcpy(v, v_next, (size_t)rbd_nv(m) * sizeof *v);
+    rbd_actuators_get(a, 0, &s);
+    return s.repeats;
+}
+
+/* ---- functions ---- */
+
+static void check_exponentials(void) {
+    double worst = 0, worst_log = 0;
+    for (int k = 0; k < 100000; k++) {
+        const rbd_real x = draw(-79, 79), y = (rbd_real)exp((double)draw(-60, 60));
+        worst = fmax(worst,
+                     fabs((double)rbdi_act_exponential(x) / exp((double)x) - 1) / (1 + fabs((double)x) / 8));
+        worst_log = fmax(worst_log,
+                         fabs((double)rbdi_act_logarithm(y) - log((double)y)) / (1 + fabs(log((double)y))));
+    }
+    expect(worst < bound(1e-15, 4e-7), "exponential", worst);
+    expect(worst_log < bound(1e-15, 4e-7), "logarithm", worst_log);
+    expect(rbdi_act_exponential(-1000) <= 0, "exponential of -1000", 0);
+}
+
+static double published(const rbd_friction *f, double x, double t_m, double t_x) {
+    const int opposed = (t_x > 0) - (t_x < 0) != (t_m > 0) - (t_m < 0);
+    const double S = exp(-pow(fabs(x / (double)f->speed), (double)f->power));
+    double rest = (double)f->rest + fabs((double)f->rest_joint * t_x - (double)f->rest_motor * t_m);
+    if (opposed && fabs(t_x) < fabs(t_m)) rest += (double)f->square_joint * t_x * t_x;
+    if (opposed && fabs(t_x) > fabs(t_m)) rest += (double)f->square_motor * t_m * t_m;
+    return (double)f->coulomb + fabs((double)f->load_joint * t_x - (double)f->load_motor * t_m) + S * rest;
+}
+
+static void check_servos(void) {
+    double worst = 0;
+    for (int k = 0; k < 100000; k++) {
+        const rbd_friction *f = &servos[k % 7].friction;
+        const rbd_real x = draw(-10, 10), t_m = draw(-9, 9), t_x = draw(-9, 9);
+        const double expected = published(f, (double)x, (double)t_m, (double)t_x);
+        worst = fmax(worst, fabs((double)rbd_friction_level(f, x, t_m, t_x) - expected) / (1 + expected));
+    }
+    expect(worst < bound(1e-14, 2e-6), "friction of servos", worst);
+}
+
+/* ---- inverse ---- */
+
+static void check_inverse(void) {
+    rbd_motor motor = {.joint = "axle", .gear = 50, .constant = RBD_C(0.05), .resistance = RBD_C(0.5)};
+    const rbd_real q[1] = {0};
+    double worst = 0;
+    int jumps = 0;
+    build(wheel, 1, &motor, 1, NULL, 0);
+    for (int k = 0; k < 100000; k++) {
+        const rbd_real v[1] = {draw(-3, 3)}, acc[1] = {draw(-10, 10)}, tau[1] = {draw(-20, 20)};
+        rbd_drive o;
+        motor.friction = servos[k % 7].friction;
+        motor.inertia = draw(1e-5, 2e-5);
+        motor.gear = draw(20, 100);
+        expect(rbd_actuators_inverse(a, q, v, acc, tau, &o) == RBD_OK, "inverse", 0);
+        const double level = published(&motor.friction, (double)v[0], (double)o.torque, (double)-tau[0]);
+        const double J = (double)motor.gear * (double)motor.gear * (double)motor.inertia;
+        const double out = (double)o.torque - J * (double)acc[0] -
+                           (double)motor.friction.viscous * (double)v[0] - (v[0] > 0 ? level : -level);
+        const double error = fabs(out - (double)tau[0]) / (1 + fabs((double)tau[0]) + fabs((double)o.torque));
+        if (error > bound(1e-13, 1e-5))
+            jumps++;
+        else
+            worst = fmax(worst, error);
+    }
+    expect(jumps <= 100, "motors on the jump of the squares", jumps);
+    expect(worst < bound(1e-13, 1e-5), "forward of the inverse", worst);
+}
+
+static void check_limits(void) {
+    const rbd_motor motor = {.joint = "axle",
+                             .gear = 50,
+                             .constant = RBD_C(0.03),
+                             .resistance = RBD_C(0.6),
+                             .voltage = 24,
+                             .current = 15};
+    const double line[5] = {22.5, 22.5, 22.5, 15, 0};
+    build(wheel, 1, &motor, 1, NULL, 0);
+    for (int k = 0; k < 5; k++) {
+        const rbd_command c = {.torque = 1000};
+        const rbd_real q[1] = {0}, v[1] = {(rbd_real)(4 * k)};
+        rbd_real tau[1], damping[1];
+        rbd_actuators_begin(a, &c, q, v, RBD_C(1e-3), 0, tau, damping);
+        expect(fabs((double)(tau[0] - damping[0] * v[0]) - line[k]) < bound(1e-12, 1e-4), "torque-speed line",
+               k);
+    }
+}
+
+/* ---- steps ---- */
+
+static void check_heat(void) {
+    const rbd_motor motor = {.joint = "axle",
+                             .gear = 1,
+                             .constant = 1,
+                             .resistance = RBD_C(0.5),
+                             .heat_winding = 20,
+                             .heat_case = 300,
+                             .flow_winding = RBD_C(1.5),
+                             .flow_case = 3};
+    const rbd_command c = {.torque = 4};
+    const rbd_real none[1] = {0};
+    rbd_real q[1] = {0}, v[1] = {0};
+    rbd_actuator_state s;
+    build(wheel, 1, &motor, 1, NULL, 0);
+    for (int k = 0; k < 8000; k++) {
+        v[0] = 0;
+        step(&c, none, q, v, 10);
+    }
+    rbd_actuators_get(a, 0, &s);
+    expect(fabs((double)s.winding - 61) < bound(1e-6, 0.02), "winding", (double)s.winding);
+    expect(fabs((double)s.housing - 49) < bound(1e-6, 0.02), "housing", (double)s.housing);
+}
+
+/* What its friction holds moves by no more than the creep. */
+static void check_holding(void) {
+    rbd_motor motors[7];
+    const rbd_command none[7] = {{0}};
+    const rbd_real other[7] = {0},
+                   start[7] = {0, (rbd_real)0.7, (rbd_real)0.2, -1, (rbd_real)0.3, (rbd_real)0.6, 0};
+    rbd_real q[7], v[7] = {0}, g[7];
+    double moved = 0;
+    memset(motors, 0, sizeof motors);
+    for (int i = 0; i < 7; i++)
+        motors[i] = (rbd_motor){.joint = iiwa_bodies[i].joint, .gear = 1, .constant = 1};
+    build(iiwa_bodies, 7, motors, 7, NULL, 0);
+    rbd_gravity_torque(m, w, start, g);
+    for (int i = 0; i < 7; i++)
+        motors[i].friction.coulomb = (rbd_const)fabs(1.001 * (double)g[i]) + (i % 6 ? 0 : RBD_C(0.1));
+    memcpy(q, start, sizeof q);
+    for (int k = 0; k < 1000; k++) step(none, other, q, v, RBD_C(1e-3));
+    for (int i = 0; i < 7; i++) moved = fmax(moved, fabs((double)(q[i] - start[i])));
+    expect(moved < bound(2e-9, 5e-6), "held by friction, moved by", moved);
+}
+
+/* Two masses, spring, play, friction: the energy never grows. */
+static void check_energy(double stiffness, double backlash, double dt) {
+    const rbd_motor motor = {.joint = "axle",
+                             .gear = 50,
+                             .constant = 1,
+                             .inertia = RBD_C(2e-5),
+                             .stiffness = (rbd_const)stiffness,
+                             .damping = RBD_C(0.01),
+                             .backlash = (rbd_const)backlash,
+                             .friction = {.coulomb = backlash > 0 ? 0 : RBD_C(0.02)}};
+    const rbd_command c = {0};
+    const rbd_real none[1] = {0};
+    rbd_real q[1] = {0}, v[1] = {2};
+    double last = 1e9, grown = 0;
+    build(wheel, 1, &motor, 1, NULL, 0);
+    for (int k = 0; k < (int)(2 / dt); k++) {
+        rbd_actuator_state s;
+        step(&c, none, q, v, (rbd_real)dt);
+        rbd_actuators_get(a, 0, &s);
+        const double wound = fmax(0, fabs((double)s.angle - (double)q[0]) - backlash / 2);
+        const double energy = 0.05 * (double)v[0] * (double)v[0] + 0.025 * (double)s.speed * (double)s.speed +
+                              0.5 * stiffness * wound * wound;
+        grown = fmax(grown, energy - last);
+        last = energy;
+    }
+    expect(grown < bound(1e-14, 1e-5 * (1 + stiffness * 1e-5)), "energy grown by", grown);
+}
+
+/* ---- rods ---- */
+
+static const rbd_body shank[2] = {{.joint = "pitch",
+                                   .parent = -1,
+                                   .type = RBD_REVOLUTE,
+                                   .axis = {0, 1, 0},
+                                   .position = {0.02, 0, -0.4},
+                                   .mass = 0.1,
+                                   .inertia = {1e-3, 0, 0, 1e-3, 0, 1e-3}},
+                                  {.joint = "roll",
+                                   .parent = 0,
+                                   .type = RBD_REVOLUTE,
+                                   .axis = {1, 0, 0},
+                                   .position = {0, 0, -0.03},
+                                   .mass = 1,
+                                   .inertia = {1e-3, 0, 0, 1e-3, 0, 1e-3}}};
+
+/* The ends of crank and rod are a rod's length apart, at every angle; power is the same on both sides. */
+static void check_rods(void) {
+    const rbd_transmission t = {.kind = RBD_BY_RODS,
+                                .n = 2,
+                                .joint = {"pitch", "roll"},
+                                .rod = {{.place = {0, RBD_C(0.05), RBD_C(-0.1)},
+                                         .axis = {0, 1, 0},
+                                         .zero = {-1, 0, 0},
+                                         .crank = RBD_C(0.06),
+                                         .length = RBD_C(0.3),
+                                         .point = {RBD_C(-0.05), RBD_C(0.045), RBD_C(0.01)},
+                                         .elbow = 1},
+                                        {.place = {0, RBD_C(-0.05), RBD_C(-0.15)},
+                                         .axis = {0, 1, 0},
+                                         .zero = {-1, 0, 0},
+                                         .crank = RBD_C(0.065),
+                                         .length = RBD_C(0.26),
+                                         .point = {RBD_C(-0.055), RBD_C(-0.045), RBD_C(0.015)},
+                                         .elbow = 1}}};
+    const rbd_motor motors[2] = {{.gear = 1, .constant = 1}, {.gear = 1, .constant = 1}};
+    double open = 0, power = 0;
+    build(shank, 2, motors, 2, &t, 1);
+    for (int k = 0; k < 1000; k++) {
+        const rbd_real q[2] = {draw(-0.3, 0.3), draw(-0.2, 0.2)}, v[2] = {draw(-2, 2), draw(-2, 2)};
+        const rbd_real tau[2] = {draw(-5, 5), draw(-5, 5)}, zero[2] = {0, 0};
+        rbd_real angle[2], speed[2];
+        rbd_drive o[2];
+        expect(rbd_actuators_map(a, q, v, angle, speed) == RBD_OK, "map of rods", k);
+        rbd_kinematics(m, w, q, NULL, NULL);
+        for (int i = 0; i < 2; i++) {
+            const rbd_rod *rod = &t.rod[i];
+            const rbd_real at[3] = {rod->point[0], rod->point[1], rod->point[2]};
+            rbd_real P[3];
+            double square = 0;
+            rbd_point_position(m, w, 1, at, P);
+            const double c = (double)rod->crank, s = (double)angle[i];
+            const double C[3] = {-c * cos(s), (double)rod->place[1], (double)rod->place[2] + c * sin(s)};
+            for (int j = 0; j < 3; j++) square += ((double)P[j] - C[j]) * ((double)P[j] - C[j]);
+            open = fmax(open, fabs(sqrt(square) - (double)rod->length));
+        }
+        expect(rbd_actuators_inverse(a, q, v, zero, tau, o) == RBD_OK, "inverse of rods", k);
+        power = fmax(power, fabs((double)(o[0].torque * speed[0] + o[1].torque * speed[1] - tau[0] * v[0] -
+                                          tau[1] * v[1])));
+    }
+    expect(open < bound(1e-14, 1e-6), "rods open by", open);
+    expect(power < bound(1e-12, 1e-3), "power lost in rods", power);
+}
+
+int main(void) {
+    const double stiffness[3] = {100, 1e4, 1e6}, dt[3] = {5e-4, 1e-3, 1e-2};
+    check_exponentials();
+    check_servos();
+    check_inverse();
+    check_limits();
+    check_heat();
+    check_holding();
+    for (int i = 0; i < 18; i++) check_energy(stiffness[i / 6], i % 2 ? 0.01 : 0, dt[i / 2 % 3]);
+    check_rods();
+    printf("%s\n", failures ? "FAILED" : "rbd_actuator.h: ok");
+    return failures > 0;
+}
