@@ -127,7 +127,7 @@ implements() {
 }
 
 # Each header meets each other one; the four of the core, of which some stand on others, meet in pairs too.
-singles="r d c k s b q i e a"
+singles="r d c k s b q i e a t"
 core="r d c k"
 pairs=
 for a in $core; do
