@@ -201,7 +201,8 @@ typedef struct rbd_drive {
     rbd_real torque;  /* N m at the shaft, of the motor; within its limits */
     rbd_real current; /* A */
     rbd_real voltage; /* V */
-    rbd_real angle;   /* rad, of the shaft on the motor's side of a spring: for a position controller */
+    rbd_real angle;   /* rad, of the shaft on the motor's side of a spring, beyond the play: for a position
+                         controller */
     int saturated;    /* 1 or -1: a limit cut the torque at its upper or lower end; else 0 */
     rbd_real by_torque, by_speed, by_acceleration; /* slopes of the uncut torque by what the joints ask of the
                                                       shaft: its torque, viscous speed and acceleration */
@@ -956,6 +957,13 @@ RBDI_PART rbd_real rbdi_act_carry_load(const rbd_friction *f, rbd_real S, const 
     return u;
 }
 
+/* How far the motor's side of a spring is ahead of the joint's where it gives torque t: it is beyond half of
+   the play. */
+RBDI_PART rbd_real rbdi_act_winding_of(const rbd_motor *m, rbd_real t) {
+    if (!(m->stiffness > 0)) return rbdi_zero();
+    return t / m->stiffness + (rbd_real)rbdi_act_sign(t) * (m->backlash / 2);
+}
+
 /* One shaft: u = t + J x' + viscous x + side F - cogging, within the limits. */
 RBDI_ONCE void rbdi_act_invert_shaft(const rbd_motor *m, const rbdi_act_shaft *s, const rbdi_act_wanted *want,
                                      rbd_real air, rbd_drive *drive) {
@@ -974,8 +982,7 @@ RBDI_ONCE void rbdi_act_invert_shaft(const rbd_motor *m, const rbdi_act_shaft *s
     drive->by_torque = by_torque / slope;
     drive->by_speed = f->viscous / slope;
     drive->by_acceleration = J / slope;
-    drive->angle = s->g;
-    if (m->stiffness > 0) drive->angle = s->g + want->torque / m->stiffness;
+    drive->angle = s->g + rbdi_act_winding_of(m, want->torque);
 
     if (m->cogging > 0) u = u - rbdi_act_cogging(m, drive->angle);
     current = u / constant;

@@ -666,6 +666,30 @@ START_TEST(friction_holds_a_rotor_behind_its_spring) {
 }
 END_TEST
 
+/* A servo at the inverse's angle holds a load at the planned position: it stands beyond the play, and has the
+   spring wound up. */
+START_TEST(a_servo_behind_play_holds_the_plan) {
+    const rbd_motor motor = {.joint = "axle",
+                             .gear = 50,
+                             .constant = 1,
+                             .inertia = 2e-5,
+                             .stiffness = 300,
+                             .damping = 1,
+                             .backlash = 0.02};
+    const double wanted = _i ? -0.45 : 0.45, zero = 0;
+    driven d = drive_wheel(&motor);
+    rbd_drive servo;
+    ck_assert_int_eq(rbd_actuators_inverse(d.a, &zero, &zero, &zero, &wanted, &servo), RBD_OK);
+
+    d.other[0] = -wanted;
+    d.command[0] = (rbd_command){.q = servo.angle, .kp = 1e4, .kd = 10, .torque = servo.torque};
+    for (int k = 0; k < 5000; k++) step(&d, 1e-3);
+    ck_assert_msg(fabs(d.v[0]) < 1e-9, "%g", d.v[0]);
+    ck_assert_msg(fabs(d.q[0]) < 1e-9, "%g", d.q[0]);
+    drive_free(&d);
+}
+END_TEST
+
 /* Free vibration of both masses against its cosine, at two steps: first order. */
 START_TEST(a_spring_vibrates_as_theory_says) {
     const rbd_motor motor = {.joint = "axle", .gear = 50, .constant = 1, .inertia = 2e-5, .stiffness = 300};
@@ -1686,6 +1710,7 @@ Suite *actuator_suite(void) {
     tcase_add_test(slow, feed_forward_follows_a_plan_to_first_order);
     tcase_add_loop_test(c, springs_and_play_make_no_energy, 0, 36);
     tcase_add_test(c, friction_holds_a_rotor_behind_its_spring);
+    tcase_add_loop_test(c, a_servo_behind_play_holds_the_plan, 0, 2);
     tcase_add_test(c, a_spring_vibrates_as_theory_says);
     tcase_add_loop_test(slow, repeated_steps_obey_the_laws_of_all_shafts_at_once, 0, 2 * LENGTH(steps));
     tcase_add_loop_test(slow, a_robot_stands_on_elastic_legs, 0, LENGTH(steps));

@@ -134,7 +134,8 @@ typedef struct rbd_drive {
     rbd_real torque;  /* N m at the shaft, of the motor; within its limits */
     rbd_real current; /* A */
     rbd_real voltage; /* V */
-    rbd_real angle;   /* rad, of the shaft on the motor's side of a spring: for a position controller */
+    rbd_real angle;   /* rad, of the shaft on the motor's side of a spring, beyond the play: for a position
+                         controller */
     int saturated;    /* 1 or -1: a limit cut the torque at its upper or lower end; else 0 */
     rbd_real by_torque, by_speed, by_acceleration; /* slopes of the uncut torque by what the joints ask of the
                                                       shaft: its torque, viscous speed and acceleration */
