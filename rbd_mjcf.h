@@ -1263,20 +1263,18 @@ static void rbdi_mjcf_check_build(rbdi_mjcf_load *l) {
     free(memory);
 }
 
-static void rbdi_mjcf_check_room(rbdi_mjcf_load *l, const char *what, int is_asked, size_t room,
-                                 size_t needed) {
-    if (is_asked && room < needed)
-        rbdi_mjcf_fail(l, RBD_MJCF_ERR_ROOM, "room for %s is needed: %lu", what, (unsigned long)needed);
+static void rbdi_mjcf_lack(rbdi_mjcf_load *l, const char *what, size_t needed) {
+    rbdi_mjcf_fail(l, RBD_MJCF_ERR_ROOM, "room for %s is needed: %lu", what, (unsigned long)needed);
 }
 
 static void rbdi_mjcf_check_rooms(rbdi_mjcf_load *l, const rbd_mjcf *r) {
     const size_t nb = (size_t)l->nb;
-    rbdi_mjcf_check_room(l, "bodies", 1, r->bodies ? (size_t)r->bodies_max : 0, nb);
-    rbdi_mjcf_check_room(l, "bytes of names", 1, r->names ? r->names_max : 0, l->names_size);
-    rbdi_mjcf_check_room(l, "frames", r->frames != NULL, (size_t)r->frames_max, (size_t)l->nframes);
-    rbdi_mjcf_check_room(l, "places", r->places != NULL, (size_t)r->places_max, nb);
-    rbdi_mjcf_check_room(l, "constraints", r->constraints != NULL, (size_t)r->constraints_max,
-                         (size_t)l->nconstraints);
+    if (!r->bodies || r->bodies_max < l->nb) rbdi_mjcf_lack(l, "bodies", nb);
+    if (!r->names || r->names_max < l->names_size) rbdi_mjcf_lack(l, "bytes of names", l->names_size);
+    if (r->frames && r->frames_max < l->nframes) rbdi_mjcf_lack(l, "frames", (size_t)l->nframes);
+    if (r->places && r->places_max < l->nb) rbdi_mjcf_lack(l, "places", nb);
+    if (r->constraints && r->constraints_max < l->nconstraints)
+        rbdi_mjcf_lack(l, "constraints", (size_t)l->nconstraints);
 }
 
 static void rbdi_mjcf_write_frame(const rbdi_mjcf_item *f, const char *names, rbd_mjcf_frame *out) {

@@ -635,6 +635,11 @@ START_TEST(short_arrays_are_refused) {
         r.constraints_max = count.nconstraints - (i == 5);
         ck_assert_int_eq(rbd_mjcf_load(path_of("equalities"), NULL, &r), i ? RBD_MJCF_ERR_ROOM : RBD_MJCF_OK);
     }
+    for (int i = 0; i < 4; i++) {
+        r = with_room(&x);
+        *(i == 0 ? &r.bodies_max : i == 1 ? &r.frames_max : i == 2 ? &r.places_max : &r.constraints_max) = -1;
+        ck_assert_int_eq(rbd_mjcf_load(path_of("equalities"), NULL, &r), RBD_MJCF_ERR_ROOM);
+    }
 }
 END_TEST
 
