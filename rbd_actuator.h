@@ -116,7 +116,7 @@ typedef struct rbd_motor {
     rbd_const stiffness, damping; /* N m/rad, N m s/rad: of a spring from the gear to the joint; 0: rigid */
     rbd_const backlash;           /* rad: play of the spring; needs a stiffness */
     int delay;                    /* steps that a command takes to arrive, at most 1000 */
-    int sampled; /* not 0: the drive is as slow as the step, and may be unstable; 0: much faster, implicit */
+    int sampled; /* 1: the drive is as slow as the step, and may be unstable; 0: much faster, implicit */
     rbd_friction friction;
 } rbd_motor;
 
@@ -124,7 +124,8 @@ typedef struct rbd_motor {
 typedef struct rbd_rod {
     rbd_const place[3];      /* of the crank's axis, m, axes of the base: the body before the first joint */
     rbd_const axis[3];       /* of the crank, of unit length, base's axes */
-    rbd_const zero[3];       /* direction of the crank at angle 0, of unit length, across the axis */
+    rbd_const zero[3];       /* direction of the crank at angle 0, of unit length, across the axis. Angles are
+                                within -pi and pi: the crank must not pass the opposite direction */
     rbd_const crank, length; /* m */
     rbd_const point[3];      /* m, of the last joint's body, link axes */
     int elbow;               /* 1 or -1: which of the two angles that the rod allows */
@@ -212,8 +213,7 @@ typedef struct rbd_drive {
    cogging, and obeys the limits at the present temperatures.
    q      nq
    v, acc   nv: the planned velocities and accelerations. With measured ones in place of planned, friction
-   that
-          is compensated in full makes a limit cycle: then at most 80 %
+            that is compensated in full makes a limit cycle: then at most 80 %
    tau    nv: wanted joint torques, as from rbd_rnea
    drives n
    Errors: as rbd_actuators_map, _NAN of acc and tau too. */
