@@ -85,7 +85,7 @@ RBDI_EXTERN_C_BEGIN
 typedef struct rbd_friction {
     rbd_const coulomb;                    /* N m: without load, at any speed */
     rbd_const viscous;                    /* N m s: times the speed, beside the level */
-    rbd_const load_motor, load_joint;     /* shares of both torques, 0 to 10; load_motor below 1 */
+    rbd_const load_motor, load_joint;     /* shares of both torques, 0 to 10; load_motor to 0.999 */
     rbd_const rest;                       /* N m more at rest: Stribeck's effect */
     rbd_const rest_motor, rest_joint;     /* shares of both torques at rest, 0 to 10 */
     rbd_const square_motor, square_joint; /* 1/(N m): at rest, of the squares of both torques */
@@ -366,7 +366,7 @@ RBDI_EXTERN_C_END
 #define RBDI_ACTUATOR_MOST_DELAY 1000
 #define RBDI_ACTUATOR_REPEATS 50
 #define RBDI_ACTUATOR_SOFT 3            /* repeats after which speeds go half way */
-#define RBDI_ACTUATOR_SLOPE RBD_C(0.05) /* least slope of the equation of the inverse */
+#define RBDI_ACTUATOR_SLOPE RBD_C(1e-3) /* least slope of the inverse's equation: that of load_motor 0.999 */
 #define RBDI_ACTUATOR_DEAD RBD_C(1e-6) /* of crank times length: a rod nearer to its dead centre is refused */
 #define RBDI_ACTUATOR_HOTTEST RBD_C(1e6) /* degrees: no winding gets there */
 #define RBDI_ACTUATOR_WARM RBD_C(25)     /* degrees at which resistances are given */

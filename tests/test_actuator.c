@@ -464,6 +464,12 @@ START_TEST(efficiency_and_self_locking) {
     ck_assert(fabs(o.torque - 10) < 1e-12);
     ck_assert_int_eq(rbd_actuators_inverse(d.a, d.q, down, zero, tau, &o), RBD_OK);
     ck_assert(fabs(o.torque - 8 / 1.2) < 1e-12);
+    for (int k = 0; k < 3; k++) { /* the least efficiency that a table may have is 0.001 */
+        motor.friction.load_motor = k == 0 ? 0.96 : k == 1 ? 0.99 : 0.999;
+        ck_assert_int_eq(rbd_actuators_inverse(d.a, d.q, up, zero, tau, &o), RBD_OK);
+        ck_assert_msg(fabs(o.torque * (1 - motor.friction.load_motor) - 8) < 1e-12, "%g", o.torque);
+    }
+    motor.friction.load_motor = 0.2;
     motor.friction.load_joint = 1.1;
     ck_assert_int_eq(rbd_actuators_inverse(d.a, d.q, down, zero, tau, &o), RBD_OK);
     ck_assert(o.torque < 0);

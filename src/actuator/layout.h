@@ -27,7 +27,7 @@
 #define RBDI_ACTUATOR_MOST_DELAY 1000
 #define RBDI_ACTUATOR_REPEATS 50
 #define RBDI_ACTUATOR_SOFT 3            /* repeats after which speeds go half way */
-#define RBDI_ACTUATOR_SLOPE RBD_C(0.05) /* least slope of the equation of the inverse */
+#define RBDI_ACTUATOR_SLOPE RBD_C(1e-3) /* least slope of the inverse's equation: that of load_motor 0.999 */
 #define RBDI_ACTUATOR_DEAD RBD_C(1e-6) /* of crank times length: a rod nearer to its dead centre is refused */
 #define RBDI_ACTUATOR_HOTTEST RBD_C(1e6) /* degrees: no winding gets there */
 #define RBDI_ACTUATOR_WARM RBD_C(25)     /* degrees at which resistances are given */
