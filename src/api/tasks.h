@@ -26,9 +26,9 @@ typedef enum rbd_task_kind {
 
 #define RBD_TASK_LEVELS 3
 
-/* One wish, of the form J x = y. Zero is a sensible default for every field that the kind needs not; a kind of
-   0 is an error, so that a forgotten task is not a wish. With e
-   from where it is to where it shall be, u its velocity and k the gain,
+/* One wish, of the form J x = y. Zero is a sensible default for every field that the kind needs not; a kind
+   of 0 is an error, so that a forgotten task is not a wish. With e from where it is to where it shall be, u
+   its velocity and k the gain,
        velocities      y = velocity + k e
        accelerations   y = acceleration + k^2 e + 2 damping k (velocity - u) - dJ/dt v
    A momentum h has no e: y = velocity, or acceleration + k (velocity - h), less what h gains without x. */
@@ -152,11 +152,11 @@ typedef struct rbd_tasks_result {
    and limits are kept. w: what rbd_kinematics left there is replaced.
    memory    size bytes of any alignment: RBD_TASKS_SIZE. Leave it alone between ticks if `warm` is set
    result    what was reached
-   Errors, in result->error: RBD_ERR_NULL, but without a result RBD_TASKS_ERROR alone; _WORK; _MEMORY; _COUNT,
-   a number below 0 or above 1000; _INDEX, a body; _TYPE, no kind; _POSITION, _ROTATION, _AXIS; _MASS, a centre
-   of mass of a robot without mass; _MASSLESS, accelerations, or a centre of mass, of one some of whose joints
-   move none; _LIMITS, lower above upper; _RANGE, any other number, with its field; _NAN, q, v or
-   f_ext is not finite, or there is an overflow. */
+   Errors, in result->error: RBD_ERR_NULL, but without a result RBD_TASKS_ERROR alone; _WORK; _MEMORY;
+   _COUNT, a number below 0 or above 1000; _INDEX, a body; _TYPE, no kind; _POSITION, _ROTATION, _AXIS;
+   _MASS, a centre of mass of a robot without mass; _MASSLESS, accelerations, or a centre of mass, of one
+   some of whose joints move none; _LIMITS, lower above upper; _RANGE, any other number, with its field;
+   _NAN, q, v or f_ext is not finite, or there is an overflow. */
 
 /* Velocities for inverse kinematics at each tick. Contacts are held by J x = 0; forces have no part in it.
    q   nq

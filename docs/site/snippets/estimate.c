@@ -45,7 +45,8 @@ void example_rbd_estimate_init(void) {
     static unsigned char memory[RBD_ESTIMATE_SIZE(IIWA_NV)];
     const rbd_estimate_options options = {.mass = 3, .forgetting = 0.999};
     status = rbd_derivatives_init(m, w, derivatives_memory, sizeof derivatives_memory, &d);
-    if (status == RBD_OK) status = rbd_estimate_init(m, IIWA_NB - 1, &options, memory, sizeof memory, &e, &fault);
+    if (status == RBD_OK)
+        status = rbd_estimate_init(m, IIWA_NB - 1, &options, memory, sizeof memory, &e, &fault);
 }
 
 /* Memory at run time. */
