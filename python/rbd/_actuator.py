@@ -290,10 +290,16 @@ class Actuators:
         with self._lock:
             self._checked("step", call("actuators_begin", self._actuators, commands, q, v, self._real("dt", dt),
                                        int(first_order), told, damping))
-            while True:
-                q_next, v_next = move(q, v, told + more, dt=dt, f_ext=f_ext, damping=damping)
-                if not call("actuators_again", self._actuators, v_next, told, damping):
-                    return q_next, v_next
+            v_next = np.full(model.nv, np.nan, dtype)
+            try:
+                while True:
+                    q_next, v_next = move(q, v, told + more, dt=dt, f_ext=f_ext, damping=damping)
+                    if not call("actuators_again", self._actuators, v_next, told, damping):
+                        return q_next, v_next
+            except Exception:  # a step that failed is none: the shafts stay as they were
+                v_next[:] = np.nan
+                call("actuators_again", self._actuators, v_next, told, damping)
+                raise
 
     def get(self) -> ActuatorStates:
         """The shafts after the last step."""

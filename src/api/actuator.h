@@ -40,7 +40,8 @@ typedef struct rbd_motor {
     rbd_const current;    /* A: limit; 0: none */
     rbd_const voltage;    /* V: limit; with the resistance it gives the torque-speed line; 0: none */
     rbd_const copper;     /* 1/K: growth of the resistance above 25 degrees; copper 0.0039 */
-    rbd_const heat_winding, heat_case; /* J/K; heat_winding 0: no heat; heat_case 0: the case stays as cold
+    rbd_const heat_winding,
+        heat_case; /* J/K; these and the flows 0: no heat; heat_case 0: the case stays as cold
                                           as the air */
     rbd_const flow_winding, flow_case; /* K/W: from the winding to the case, from there to the air */
     rbd_const hot, hottest;          /* degrees: the limit of current falls between them to 0; both 0: none */
@@ -120,7 +121,8 @@ RBDI_API char *rbd_actuators_finding_text(const rbd_finding *finding, int n, cha
    q, v           nq, nv; v may be NULL for zero
    angle, speed   n, rad and rad/s; each may be NULL
    Errors: RBD_ERR_NULL; _NAN, q or v is not finite or above 1e9; _INFEASIBLE, a rod does not reach;
-   _SINGULAR, a rod at its dead centre. rbd_actuators_fault has the transmission. */
+   _SINGULAR, a rod at its dead centre: rbd_actuators_fault has the transmission; _ORDER, within a step: between
+   rbd_actuators_begin and the rbd_actuators_again that returns 0, or rbd_actuators_reset. */
 RBDI_API rbd_status rbd_actuators_map(rbd_actuators *a, const rbd_real *q, const rbd_real *v, rbd_real *angle,
                                       rbd_real *speed);
 
