@@ -476,9 +476,9 @@ START_TEST(encoder_and_cogging_are_seen) {
 }
 END_TEST
 
-/* Cogging is a field of force: a rotor that swings between two teeth, or runs over them by a quarter of a radian in a
-   step, gains no more than a
-   tenth of their height, by both kinds of steps. behind: whether a spring lies between. Energy of the cogging: (cos(1200 angle) + 1) / 1200. */
+/* Cogging is a field of force: a rotor that swings between two teeth, or runs over them by a quarter of a
+   radian in a step, gains no more than a tenth of their height, by both kinds of steps. behind: whether a
+   spring lies between. Energy of the cogging: (cos(1200 angle) + 1) / 1200. */
 START_TEST(cogging_makes_no_energy) {
     const int behind = _i % 2;
     const rbd_motor motor = {.joint = "axle",
@@ -1358,6 +1358,7 @@ START_TEST(bad_rotors_are_refused) {
     REFUSES(RBD_ERR_RANGE, x.inertia = -1);
     REFUSES(RBD_ERR_RANGE, x.inertia = NAN);
     REFUSES(RBD_ERR_RANGE, x.gear = INFINITY);
+    REFUSES(RBD_ERR_RANGE, x.gear = 0);
     ck_assert_int_eq(rbd_rotor_torque(r.m, r.w, &good, -1, q, v, v, f_ext, tau), RBD_ERR_COUNT);
     ck_assert_int_eq(rbd_rotor_torque(r.m, r.w, NULL, 1, q, v, v, f_ext, tau), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_rotor_torque(r.m, NULL, &good, 1, q, v, v, f_ext, tau), RBD_ERR_NULL);

@@ -225,7 +225,7 @@ typedef struct rbd_rotor {
     int body;          /* that it is mounted on; -1: the world */
     int dof;           /* index into v, that turns it */
     rbd_const axis[3]; /* body's axes, of any length; of a positive turn where gear is positive */
-    rbd_const gear;    /* turns of the rotor relative to the body for a unit of v */
+    rbd_const gear;    /* turns of the rotor relative to the body for a unit of v; not 0 */
     rbd_const inertia; /* kg m^2, about the axis */
 } rbd_rotor;
 
