@@ -117,9 +117,9 @@
 
      The model is a table, which host and GPU both have (&arm_model), or rbd_model_build made it in memory
      that both see: RBD_MODEL_SIZE(nb) bytes of cudaMallocManaged. Names in such a model are the host's alone.
-     rbd_derivatives.h, rbd_constraints.h, rbd_contact.h, rbd_ik.h, rbd_actuator.h and rbd_qp.h are called in
-     the same way; rbd_batch.h is for lanes of a CPU. Compile without --use_fast_math, which nvcc does not
-     tell.
+     rbd_derivatives.h, rbd_constraints.h, rbd_contact.h, rbd_ik.h, rbd_actuator.h, rbd_tasks.h and rbd_qp.h
+     are called in the same way; rbd_batch.h is for lanes of a CPU. Compile without --use_fast_math, which
+     nvcc does not tell.
 
    [guarantees]
      No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant: calls change the caller's
@@ -3122,9 +3122,9 @@ RBDI_PART uint32_t rbdi_features(const rbd_model *m) {
      of q        rbdi_joint_rates, rbdi_joint_velocity, rbdi_neutral_joint, rbdi_random_joint
      its fields  model/describe.h: rbdi_describe_joint, if a description has axes or a pitch
 
-   Floating joints are known in three more places, as bases of robots: model/features.h,
-   constraints/weights.h, contact/momentum.h. model/check.h asks whether a joint is fixed. No other room names
-   a type: the test `rooms` compares. */
+   Floating joints are known in four more places, as bases of robots: model/features.h,
+   constraints/weights.h, contact/momentum.h, estimate/estimate.h, tasks/contacts.h. model/check.h asks
+   whether a joint is fixed. No other room names a type: the test `rooms` compares. */
 
 /* Numbers of coordinates and dofs, and the axes of one-axis links, in order: 'a' axis, 'b' axis2, 'x' 'y' 'z'
    those of the joint frame. A type without axes is a block. */

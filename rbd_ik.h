@@ -71,14 +71,15 @@ RBDI_EXTERN_C_BEGIN
 /* ---- targets [targets] ---- */
 
 typedef enum rbd_ik_kind {
-    RBD_IK_POINT,    /* a point of the body at a place */
-    RBD_IK_POSE,     /* the point at a place, and the body turned to a rotation */
-    RBD_IK_ROTATION, /* the body turned to a rotation */
-    RBD_IK_AXIS,     /* an axis of the body along a direction; the turn about it is free */
-    RBD_IK_COM       /* the centre of mass of the robot at a place */
+    RBD_IK_POINT = 1, /* a point of the body at a place */
+    RBD_IK_POSE,      /* the point at a place, and the body turned to a rotation */
+    RBD_IK_ROTATION,  /* the body turned to a rotation */
+    RBD_IK_AXIS,      /* an axis of the body along a direction; the turn about it is free */
+    RBD_IK_COM        /* the centre of mass of the robot at a place */
 } rbd_ik_kind;
 
-/* One wish. Zero is a sensible default for every field that the kind needs not. */
+/* One wish. Zero is a sensible default for every field that the kind needs not; a kind of 0 is an error, so
+   that a forgotten target is not a wish. */
 typedef struct rbd_ik_target {
     rbd_ik_kind kind;
     int body;              /* index in the description; a centre of mass has none */
@@ -136,7 +137,7 @@ typedef struct rbd_ik_result {
    Damped least squares (Wampler 1986) with the damping of Sugihara (2011); joints that would pass a limit are
    set on it, and the others solved for again (Flacco, De Luca and Khatib 2015).
    Errors, in result->error: RBD_ERR_NULL, but without a result RBD_IK_ERROR alone; _WORK; _MEMORY; _COUNT, n
-   below 1 or above 1000; _INDEX, a body; _TYPE, a kind; _POSITION, _ROTATION, _AXIS; _MASS, a centre of mass
+   below 1 or above 1000; _INDEX, a body; _TYPE, no kind; _POSITION, _ROTATION, _AXIS; _MASS, a centre of mass
    of a robot without mass; _MASSLESS, that of a robot some of whose joints move none; _RANGE, a weight, an
    option or q; _INFEASIBLE, a part of a joint is held; _NAN, q is not finite, or the errors at each start
    overflow. */
@@ -181,6 +182,8 @@ RBDI_EXTERN_C_END
 #define RBDI_IK_LAYOUT
 
 /* ==== src/ik/layout.h ==== */
+/* Interface: rbdi_ik_dof, RBDI_IK_MOST */
+
 /* ---- method [method] ----
    The errors e of all targets, angles times `length`, times the root of the target's weight, stand in one
    vector; J is its Jacobian over the dofs that move a target. A step d minimises
@@ -298,6 +301,8 @@ typedef struct rbdi_ik {
 RBDI_CODE_BEGIN
 
 /* ==== src/ik/step.h ==== */
+/* Interface: rbdi_ik_copy, rbdi_ik_larger, rbdi_ik_smaller */
+
 /* ---- step [step] ---- */
 
 RBDI_LOCAL void rbdi_ik_copy(const rbd_real *from, int n, rbd_real *to) {
@@ -489,6 +494,8 @@ RBDI_LOCAL void rbdi_ik_move(rbdi_ik *k, rbd_real share, rbd_real *q_next) {
 }
 
 /* ==== src/ik/targets.h ==== */
+/* Interface: rbdi_ik_across, rbdi_ik_rotation, rbdi_ik_turn, rbdi_ik_unit */
+
 /* ---- targets [targets code] ---- */
 
 RBDI_INLINE int rbdi_ik_turns_body(rbd_ik_kind kind) {
@@ -809,6 +816,8 @@ RBDI_LOCAL void rbdi_ik_curve(rbdi_ik *k) {
 }
 
 /* ==== src/ik/dofs.h ==== */
+/* Interface: rbdi_ik_limits */
+
 /* ---- dofs [dofs] ---- */
 
 /* Marks the dofs that move link i: 1, or 2 if they turn. With mimic joints those that they follow. */
@@ -817,8 +826,8 @@ RBDI_LOCAL void rbdi_ik_mark(const rbd_model *m, int i, int16_t *mark) {
         const rbdi_link *l = &m->link[i];
         const int block = rbdi_is(l, RBDI_BLOCK);
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
-            const int slides = block ? rbdi_block_of(m, l)->first + j >= 3
-                                     : rbdi_is(l, RBDI_SCREW) && !(l->rho < 0 || l->rho > 0);
+            const int slides =
+                block ? rbdi_block_of(m, l)->first + j >= 3 : rbdi_is(l, RBDI_SCREW) && !(l->rho > 0);
             int16_t *to = &mark[rbdi_source(m, l->iv + j)];
             if (!slides)
                 *to = 2;
@@ -1135,6 +1144,8 @@ RBDI_LOCAL rbd_ik_status rbdi_ik_judge(rbdi_ik *k) {
 }
 
 /* ==== src/ik/check.h ==== */
+/* Interface: rbdi_ik_is_axis, rbdi_ik_is_place, rbdi_ik_is_rotation, rbdi_ik_within */
+
 /* ---- checks [checks] ---- */
 
 /* Notes an error; returns it. */
@@ -1180,7 +1191,8 @@ RBDI_LOCAL rbd_status rbdi_ik_check_target(const rbd_model *m, const rbd_ik_targ
                                            rbd_ik_result *result) {
     const int kind = (int)t->kind;
     const int com = t->kind == RBD_IK_COM;
-    if (kind < 0 || kind > (int)RBD_IK_COM) return rbdi_ik_refuse(result, RBD_ERR_TYPE, i, "kind");
+    if (kind < (int)RBD_IK_POINT || kind > (int)RBD_IK_COM)
+        return rbdi_ik_refuse(result, RBD_ERR_TYPE, i, "kind");
     if (!com && (t->body < 0 || t->body >= m->nb)) return rbdi_ik_refuse(result, RBD_ERR_INDEX, i, "body");
     if (com && !(rbd_mass(m) > 0)) return rbdi_ik_refuse(result, RBD_ERR_MASS, i, "kind");
     if (com && rbdi_massless_dof(m) >= 0) return rbdi_ik_refuse(result, RBD_ERR_MASSLESS, i, "kind");
@@ -1374,7 +1386,7 @@ RBDI_MESSAGES RBDI_PART const char *rbdi_ik_sentence(rbd_ik_status status) {
 RBDI_MESSAGES RBDI_PART const char *rbdi_ik_error(rbd_status error) {
     switch ((int)error) {
     case RBD_ERR_COUNT: return "fewer than 1 target, or more than 1000";
-    case RBD_ERR_TYPE: return "unknown kind of target";
+    case RBD_ERR_TYPE: return "no kind of target";
     case RBD_ERR_POSITION: return "not finite, or farther than 1e9 m";
     case RBD_ERR_AXIS: return "not finite, or of a length out of 1e-9 to 1e9";
     case RBD_ERR_INFEASIBLE: return "only a part of a spherical, planar or floating joint is held";

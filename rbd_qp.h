@@ -53,8 +53,8 @@
      _INACCURATE, never in _INFEASIBLE: hard rows are better there. Linear programs whose vertices lie far
      apart, as those of Klee and Minty do from 7 variables on (float: 5), may end in RBD_QP_ITERATIONS: more
      options->rounds. In float RBD_QP_UNBOUNDED is said where f falls by a tenth of its terms; less is
-     RBD_QP_INACCURATE. Without H (all 0) a problem that is unbounded, or that has soft rows alone, may end in
-     RBD_QP_ITERATIONS or _NAN instead.
+     RBD_QP_INACCURATE. Of problems without H (all 0) that are unbounded a few of a thousand end in
+     RBD_QP_ITERATIONS or _NAN instead, of those with soft rows alone a few of a hundred.
 */
 
 /* ==== src/api/configuration.h ==== */
@@ -1022,24 +1022,24 @@ RBDI_PART void rbdi_qp_place(rbdi_qp *s, void *memory) {
 RBDI_INLINE rbd_real rbdi_qp_larger(rbd_real a, rbd_real b) { return a > b ? a : b; }
 
 /* The weight of a row, 0 if it is hard. */
-RBDI_INLINE rbd_real rbdi_qp_weight(const rbdi_qp *s, int row) {
+RBDI_ONCE rbd_real rbdi_qp_weight(const rbdi_qp *s, int row) {
     return s->given.soft ? s->given.soft[row] : 0;
 }
-RBDI_INLINE int rbdi_qp_is_equality(const rbdi_qp *s, int row) {
+RBDI_ONCE int rbdi_qp_is_equality(const rbdi_qp *s, int row) {
     return s->given.lower[row] == s->given.upper[row];
 }
 /* The sign of the normal: 1 at the lower side, -1 at the upper one. */
 RBDI_INLINE rbd_real rbdi_qp_sign(int side) { return side > 0 ? -1 : 1; }
 
 /* The side at which an active row holds. */
-RBDI_INLINE rbd_real rbdi_qp_side(const rbdi_qp *s, int row) {
+RBDI_ONCE rbd_real rbdi_qp_side(const rbdi_qp *s, int row) {
     return s->side[row] > 0 ? s->given.upper[row] : s->given.lower[row];
 }
 /* Row of C, from where it is not 0; not for a bound. */
 RBDI_INLINE const rbd_real *rbdi_qp_c(const rbdi_qp *s, int row) {
     return s->given.C + (row - s->given.bounds) * s->n + s->from[row];
 }
-RBDI_INLINE rbd_real *rbdi_qp_column(const rbdi_qp *s, int k) { return s->R + k * (k + 1) / 2; }
+RBDI_ONCE rbd_real *rbdi_qp_column(const rbdi_qp *s, int k) { return s->R + k * (k + 1) / 2; }
 RBDI_INLINE rbd_real *rbdi_qp_j(const rbdi_qp *s, int k) { return s->J + k * s->n; }
 
 /* ==== src/qp/vectors.h ==== */
@@ -2038,13 +2038,13 @@ RBDI_PART void rbdi_qp_correct(rbdi_qp *s, rbd_real *x) {
     for (int j = 0; j < s->q; ++j) s->u[j] = s->u[j] + s->r[j];
 }
 
-/* The multipliers of the equalities; result.dual; and corrections where the residuals exceed rounding. */
+/* The multipliers of the equalities; result.dual; and corrections where the residuals exceed rounding of x,
+   which may be far less than it was on the way. */
 RBDI_PART void rbdi_qp_refine(rbdi_qp *s, rbd_real *x) {
-    const rbd_real furthest = rbdi_qp_largest(s->reach, s->n);
-
     for (int corrections = 0;; ++corrections) {
         rbd_real size, worst;
         const rbd_real missed = rbdi_qp_residuals(s, x, &size);
+        const rbd_real furthest = rbdi_qp_larger(rbdi_qp_largest(x, s->n), RBDI_QP_CANCELLED * s->furthest);
 
         rbdi_qp_balance(s, s->t, s->z);
         worst = rbdi_qp_largest(s->t, s->n);
@@ -2184,12 +2184,12 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
 
 #define RBDI_QP_BENT (8 * RBDI_EPS) /* of H times a way, for each variable: less is rounding */
 
-/* z = x - centre; whether the value falls on this way, and H does not bend it, but for rounding. */
-RBDI_PART int rbdi_qp_straight(rbdi_qp *s, const rbd_real *x) {
+/* z = x, or x - from; whether the value falls on this way, and H does not bend it, but for rounding. */
+RBDI_PART int rbdi_qp_straight(rbdi_qp *s, const rbd_real *x, const rbd_real *from) {
     rbd_real down = 0, curvature = 0, length = 0, largest = 0, rounding;
 
     for (int k = 0; k < s->n; ++k) {
-        s->z[k] = x[k] - s->centre[k];
+        s->z[k] = from ? x[k] - from[k] : x[k];
         down = down + s->given.f[k] * s->z[k];
         length = rbdi_qp_larger(length, rbdi_abs(s->z[k]));
         largest = rbdi_qp_larger(largest, s->given.H[k * s->n + k]);
@@ -2257,8 +2257,10 @@ RBDI_PART rbd_qp_status rbdi_qp_rounds(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mi
             return RBD_QP_OK;
         if (s->result.rounds >= s->options.rounds) return RBD_QP_ITERATIONS;
 
-        ahead = rbdi_qp_straight(s, x) ? 2 * ahead : 1;
-        if (ahead > 4 && rbdi_qp_endless(s)) return rbdi_qp_falls(s) ? RBD_QP_UNBOUNDED : RBD_QP_INACCURATE;
+        /* Far away x itself points along the way, also where the last round went along rows that end. */
+        ahead = rbdi_qp_straight(s, x, s->centre) ? 2 * ahead : 1;
+        if (ahead > 4 && (rbdi_qp_endless(s) || (rbdi_qp_straight(s, x, NULL) && rbdi_qp_endless(s))))
+            return rbdi_qp_falls(s) ? RBD_QP_UNBOUNDED : RBD_QP_INACCURATE;
         for (int k = 0; k < s->n; ++k) {
             s->centre[k] = s->centre[k] + ahead * (x[k] - s->centre[k]);
             s->g[k] = s->given.f[k] - s->rho * s->centre[k];
@@ -2282,7 +2284,7 @@ RBDI_PART rbd_qp_status rbdi_qp_refuse(rbdi_qp *s, rbd_qp_status status, int at,
     return status;
 }
 
-RBDI_INLINE int rbdi_qp_finite(rbd_real x) { return rbdi_abs(x) < RBDI_QP_NONE; }
+RBDI_ONCE int rbdi_qp_finite(rbd_real x) { return rbdi_abs(x) < RBDI_QP_NONE; }
 
 /* Whether numbers, pointers and options make sense; completes the options. */
 RBDI_PART rbd_qp_status rbdi_qp_check_problem(rbdi_qp *s) {

@@ -14,7 +14,7 @@ for file; do
     ${CC:-cc} -std=c99 -I"$root" -dM -E "$file" | awk '{ print $2 }' >"$scratch/macros"
     grep -qx 'RBD_H\|RBD_QP_H' "$scratch/macros" ||
         { echo "FAILED: $file does not include rbd.h" && failures=$((failures + 1)); }
-    for part in '' _DERIVATIVES _CONSTRAINTS _CONTACT _QP; do
+    for part in '' _DERIVATIVES _CONSTRAINTS _CONTACT _IK _QP _TASKS; do
         ! grep -qx "RBD${part}_H" "$scratch/macros" || grep -qx "RBDI${part}_IMPLEMENTED" "$scratch/macros" ||
             { echo "FAILED: $file does not implement the header of RBD${part}_H" && failures=$((failures + 1)); }
     done

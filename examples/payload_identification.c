@@ -1,18 +1,19 @@
-/* payload_identification.c - what an iiwa took up, from the torques of a motion: those that the arm alone
-   does not explain are linear in the ten inertial parameters of its last link, by the regressor (Atkeson, An
-   and Hollerbach 1986); least squares, then the model is corrected at run time. */
+/* payload_identification.c - what an iiwa took up, and the friction of its joints, from the torques of a
+   motion with noise: a recursive estimate by rbd_estimate.h, which is a body that can exist at each tick. The
+   model is corrected at run time. Then the hand opens, and the estimate is told. */
 #define RBD_IMPLEMENTATION
-#include "rbd_derivatives.h"
+#include "rbd_estimate.h"
 #include "models/iiwa.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { NB = IIWA_NB, NV = IIWA_NV, LAST = NB - 1, SAMPLES = 400, P = 10 };
+enum { NB = IIWA_NB, NV = IIWA_NV, LAST = NB - 1, SAMPLES = 400 };
 
-/* The truth that the program below does not know: 2.5 kg, off the flange's axis. */
+/* The truth that the estimate does not know: 2.5 kg, off the flange's axis; and friction, N m, N m s. */
 static const double mass = 2.5, com[3] = {0.02, -0.03, 0.11}, inertia[6] = {0.012, 0, 0.001, 0.010, 0, 0.006};
+static const double coulomb[NV] = {3, 4, 2, 2.5, 1, 0.8, 0.4}, viscous[NV] = {1, 1.5, 0.8, 1, 0.4, 0.3, 0.1};
 
 typedef struct arm {
     unsigned char model[RBD_MODEL_SIZE(NB)], work[RBD_WORK_SIZE(NB, NV)], more[RBD_DERIVATIVES_SIZE(NB, NV)];
@@ -30,6 +31,7 @@ static void check(rbd_status status) {
 static void build(arm *r) {
     check(rbd_model_build(iiwa_bodies, NB, r->model, sizeof r->model, &r->m, NULL));
     check(rbd_work_init(r->m, r->work, sizeof r->work, &r->w));
+    check(rbd_derivatives_init(r->m, r->w, r->more, sizeof r->more, &r->d));
 }
 
 /* A motion in which every joint swings at frequencies of its own. */
@@ -42,71 +44,69 @@ static void motion(double t, double q[NV], double v[NV], double a[NV]) {
     }
 }
 
-/* x = A^-1 x for a positive definite matrix. */
-static void solve(double A[P][P], double x[P]) {
-    for (int k = 0; k < P; k++)
-        for (int i = k + 1; i < P; i++) {
-            const double factor = A[i][k] / A[k][k];
-            for (int j = k; j < P; j++) A[i][j] -= factor * A[k][j];
-            x[i] -= factor * x[k];
-        }
-    for (int k = P - 1; k >= 0; k--) {
-        for (int j = k + 1; j < P; j++) x[k] -= A[k][j] * x[j];
-        x[k] /= A[k][k];
+/* What the motors of an arm give, with the noise of a sensor, N m. */
+static void measure(const arm *r, double t, double noise, double *q, double *v, double *a, double *tau) {
+    static uint32_t seed = 1;
+    motion(t, q, v, a);
+    check(rbd_rnea(r->m, r->w, q, v, a, NULL, tau));
+    for (int i = 0; i < NV; i++) {
+        seed = seed * 1664525u + 1013904223u;
+        tau[i] += coulomb[i] * (v[i] > 0 ? 1 : -1) + viscous[i] * v[i] + noise * ((double)seed * 0x1p-31 - 1);
     }
 }
 
-/* The payload's parameters pi, of which Y pi are the torques left over: Y'Y pi = Y' left over. noise: of a
-   torque sensor, N m. */
-static void identify(double noise, double pi[P]) {
-    double A[P][P] = {{0}}, q[NV], v[NV], a[NV], measured[NV], expected[NV];
-    static double Y[NV * P * NB];
-    uint32_t seed = 1;
-    for (int k = 0; k < P; k++) pi[k] = 0;
+/* The estimate after a motion that begins at t; each one on the way is a body. */
+static void learn(rbd_estimate *e, const arm *r, double t, double pi[10], rbd_joint_friction f[NV]) {
+    double q[NV], v[NV], a[NV], tau[NV];
     for (int n = 0; n < SAMPLES; n++) {
-        motion(0.02 * n, q, v, a);
-        check(rbd_rnea(loaded.m, loaded.w, q, v, a, NULL, measured));
-        check(rbd_rnea(known.m, known.w, q, v, a, NULL, expected));
-        check(rbd_regressor(known.m, known.d, q, v, a, Y));
-        for (int i = 0; i < NV; i++) {
-            const double *y = &Y[(i * NB + LAST) * P];
-            seed = seed * 1664525u + 1013904223u;
-            const double left = measured[i] + noise * ((double)seed * 0x1p-31 - 1) - expected[i];
-            for (int j = 0; j < P; j++) {
-                pi[j] += y[j] * left;
-                for (int k = 0; k < P; k++) A[j][k] += y[j] * y[k];
-            }
-        }
+        measure(r, t + 0.02 * n, 0.2, q, v, a, tau);
+        check(rbd_estimate_add(known.m, known.d, e, q, v, a, tau, NULL));
+        check(rbd_estimate_solve(e, pi, f, NULL));
+        check(rbd_check_parameters(pi));
     }
-    solve(A, pi);
 }
 
-/* The largest torque that the known arm does not explain. */
-static double unexplained(void) {
+/* The largest torque that the arm and its friction do not explain, on another motion. */
+static double unexplained(const rbd_joint_friction *f) {
     double worst = 0, q[NV], v[NV], a[NV], tau[2][NV];
     for (int n = 0; n < SAMPLES; n++) {
-        motion(10 + 0.02 * n, q, v, a);
-        check(rbd_rnea(loaded.m, loaded.w, q, v, a, NULL, tau[0]));
+        measure(&loaded, 20 + 0.02 * n, 0, q, v, a, tau[0]);
         check(rbd_rnea(known.m, known.w, q, v, a, NULL, tau[1]));
-        for (int i = 0; i < NV; i++) worst = fmax(worst, fabs(tau[0][i] - tau[1][i]));
+        for (int i = 0; i < NV; i++) {
+            if (f) tau[1][i] += f[i].coulomb * (v[i] > 0 ? 1 : -1) + f[i].viscous * v[i] + f[i].offset;
+            worst = fmax(worst, fabs(tau[0][i] - tau[1][i]));
+        }
     }
     return worst;
 }
 
 int main(void) {
+    static unsigned char memory[RBD_ESTIMATE_SIZE(NV)];
+    rbd_joint_friction friction[NV];
     rbd_body load = {.mass = 0};
-    double pi[P], before, after;
+    double pi[10], sure[10], before, after;
+    rbd_estimate *e;
     build(&known), build(&loaded);
-    check(rbd_derivatives_init(known.m, known.w, known.more, sizeof known.more, &known.d));
+    check(rbd_estimate_init(known.m, LAST, NULL, memory, sizeof memory, &e, NULL));
     check(rbd_add_payload(loaded.model, LAST, mass, com, inertia));
-    before = unexplained();
-    identify(0.2, pi);
-    check(rbd_check_parameters(pi));
+
+    before = unexplained(NULL);
+    learn(e, &loaded, 0, pi, friction);
+    check(rbd_estimate_deviations(e, sure, NULL));
     check(rbd_set_parameters(&load, pi));
     check(rbd_add_payload(known.model, LAST, load.mass, load.com, load.inertia));
-    after = unexplained();
-    printf("payload %.2f kg at (%.3f, %.3f, %.3f) m\n", load.mass, load.com[0], load.com[1], load.com[2]);
-    printf("torques left over: %.0f N m before, below 0.1 N m after: %s\n", before,
-           after < 0.1 ? "yes" : "no");
-    return after < 0.1 && fabs(load.mass - mass) < 0.01 ? EXIT_SUCCESS : EXIT_FAILURE;
+    after = unexplained(friction);
+    printf("payload %.2f kg at (%.2f, %.2f, %.2f) m; Coulomb friction of the joints", load.mass, load.com[0],
+           load.com[1], load.com[2]);
+    for (int i = 0; i < NV; i++) printf(" %.1f", friction[i].coulomb);
+    printf(" N m\ntorques left over: %.0f N m before, below 0.3 N m after: %s\n", before,
+           after < 0.3 ? "yes" : "no");
+    if (after >= 0.3 || fabs(load.mass - mass) > 4 * sure[0]) return EXIT_FAILURE;
+
+    /* the hand opens: the arm alone again, and the estimate is told */
+    build(&known), build(&loaded);
+    check(rbd_estimate_grip(e));
+    learn(e, &loaded, 8, pi, friction);
+    printf("in the hand after it has opened: less than 0.02 kg: %s\n", pi[0] < 0.02 ? "yes" : "no");
+    return pi[0] < 0.02 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -116,9 +116,9 @@
 
      The model is a table, which host and GPU both have (&arm_model), or rbd_model_build made it in memory
      that both see: RBD_MODEL_SIZE(nb) bytes of cudaMallocManaged. Names in such a model are the host's alone.
-     rbd_derivatives.h, rbd_constraints.h, rbd_contact.h, rbd_ik.h, rbd_actuator.h and rbd_qp.h are called in
-     the same way; rbd_batch.h is for lanes of a CPU. Compile without --use_fast_math, which nvcc does not
-     tell.
+     rbd_derivatives.h, rbd_constraints.h, rbd_contact.h, rbd_ik.h, rbd_actuator.h, rbd_tasks.h and rbd_qp.h
+     are called in the same way; rbd_batch.h is for lanes of a CPU. Compile without --use_fast_math, which
+     nvcc does not tell.
 
    [guarantees]
      No allocation, recursion, VLA, global, stdio, locale or errno. Reentrant: calls change the caller's

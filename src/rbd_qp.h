@@ -52,8 +52,8 @@
      _INACCURATE, never in _INFEASIBLE: hard rows are better there. Linear programs whose vertices lie far
      apart, as those of Klee and Minty do from 7 variables on (float: 5), may end in RBD_QP_ITERATIONS: more
      options->rounds. In float RBD_QP_UNBOUNDED is said where f falls by a tenth of its terms; less is
-     RBD_QP_INACCURATE. Without H (all 0) a problem that is unbounded, or that has soft rows alone, may end in
-     RBD_QP_ITERATIONS or _NAN instead.
+     RBD_QP_INACCURATE. Of problems without H (all 0) that are unbounded a few of a thousand end in
+     RBD_QP_ITERATIONS or _NAN instead, of those with soft rows alone a few of a hundred.
 */
 
 #include "api/configuration.h"

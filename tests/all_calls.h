@@ -1,7 +1,7 @@
 /* all_calls.h - the results of the library's calls for one model, one after the other: for comparing builds.
    States follow from whole numbers, so that every build has the same. The file that includes this has
-   included rbd_derivatives.h and, after it, rbd_contact.h, rbd_ik.h and rbd_actuator.h, with or without the
-   implementation. */
+   included rbd_derivatives.h and, after it, rbd_contact.h, rbd_ik.h, rbd_estimate.h and rbd_actuator.h, with
+   or without the implementation. */
 #ifndef TESTS_ALL_CALLS_H
 #define TESTS_ALL_CALLS_H
 
@@ -362,6 +362,50 @@ static void all_calls_ik(all_calls *s) {
     free(memory);
 }
 
+/* External torques between the states q and q2; friction and payload of the last body from a few samples. */
+static void all_calls_observer(all_calls *s) {
+    const size_t size = rbd_observer_size(s->m);
+    rbd_joint_friction *friction = (rbd_joint_friction *)calloc((size_t)s->nv + 1, sizeof *friction);
+    rbd_observer_options options = {.gain = 40, .share = (rbd_real)0.25, .least = 1, .friction = friction};
+    rbd_real *o = s->out;
+    void *memory = malloc(size);
+    rbd_observer *x;
+    for (int i = 0; i < s->nv; i++) friction[i].coulomb = friction[i].viscous = (rbd_real)(i % 3);
+    ALL_CALLS_RUN(rbd_observer_init(s->m, &options, memory, size, &x, NULL), 0);
+    for (int k = 0; k < 3 && x; k++)
+        ALL_CALLS_RUN(rbd_observer_step(s->m, s->w, x, k % 2 ? s->q2 : s->q, s->v, s->tau, (rbd_real)0.0625,
+                                        o, o + s->nv, NULL),
+                      2 * s->nv);
+    if (x) ALL_CALLS_RUN(rbd_observer_reset(x), 0);
+    free(memory), free(friction);
+}
+
+static void all_calls_estimate(all_calls *s) {
+    const size_t size = rbd_estimate_size(s->m);
+    rbd_joint_friction *friction = (rbd_joint_friction *)calloc((size_t)s->nv + 1, sizeof *friction);
+    rbd_real *o = s->out;
+    rbd_const payload[10];
+    void *memory = malloc(size);
+    rbd_estimate *e;
+    s->header = "rbd_estimate.h";
+    all_calls_observer(s);
+    ALL_CALLS_RUN(rbd_estimate_init(s->m, s->nb - 1, NULL, memory, size, &e, NULL), 0);
+    for (int k = 0; k < 4 && e; k++) {
+        ALL_CALLS_RUN(
+            rbd_estimate_add(s->m, s->d, e, k % 2 ? s->q2 : s->q, k < 2 ? s->v : s->a, s->a, s->tau, NULL),
+            0);
+        ALL_CALLS_RUN(rbd_estimate_solve(e, payload, friction, o), 1);
+        all_calls_put(o, payload, 10), memcpy(o + 10, friction, sizeof *friction * (size_t)s->nv);
+        s->sink(s->to, s->header, "friction and payload", RBD_OK, o, 10 + 3 * s->nv);
+        ALL_CALLS_RUN(rbd_estimate_deviations(e, payload, friction), 0);
+        all_calls_put(o, payload, 10), memcpy(o + 10, friction, sizeof *friction * (size_t)s->nv);
+        s->sink(s->to, s->header, "deviations", RBD_OK, o, 10 + 3 * s->nv);
+        if (k == 1) ALL_CALLS_RUN(rbd_estimate_grip(e), 0);
+        if (k == 2) ALL_CALLS_RUN(rbd_estimate_release(e), 0);
+    }
+    free(memory), free(friction);
+}
+
 /* A motor for each of up to six joints: of all kinds, in turn. Returns how many. */
 static int all_calls_motors(const all_calls *s, rbd_motor *motors) {
     int n = 0;
@@ -494,6 +538,7 @@ static void all_calls_of(const rbd_model *m, int states, all_calls_sink *sink, v
         all_calls_contact(s);
         all_calls_contact_problem(s, &seed);
         all_calls_ik(s);
+        all_calls_estimate(s);
         all_calls_actuator(s);
     }
     free(memory), free(d_memory), free(x), free(s->given), free(s->weights);

@@ -5,7 +5,7 @@
 #include "rbd_derivatives.h"
 
 #include "rbd_contact.h"
-#include "rbd_ik.h"
+#include "rbd_tasks.h"
 
 #include "models/hyq_model.h"
 #include <stdio.h>
@@ -15,7 +15,7 @@ enum { NB = HYQ_NB, NQ = HYQ_NQ, NV = HYQ_NV, ROWS = 12, MARK = 77, SIZE = 40 * 
 
 static unsigned char work_memory[HYQ_WORK_SIZE], d_memory[RBD_DERIVATIVES_SIZE(NB, NV)],
     c_memory[RBD_CONSTRAINT_SET_SIZE(NV, ROWS)], ground_memory[RBD_CONTACT_SET_SIZE(NV, 4, 0)],
-    ik_memory[RBD_IK_SIZE(NB, NV, 1)];
+    ik_memory[RBD_IK_SIZE(NB, NV, 1)], tasks_memory[RBD_TASKS_SIZE(NV, 3 + NV, 4, 0)];
 static rbd_work *w;
 static rbd_derivatives *d;
 static rbd_constraint_set *c;
@@ -30,11 +30,31 @@ static unsigned char given[NV];
 
 /* Inverse kinematics of the last body; a q that is not finite is an error. */
 static rbd_status solve(void) {
-    const rbd_ik_target t = {.body = NB - 1, .point = {0.1, 0.2, 0.3}};
+    const rbd_ik_target t = {.kind = RBD_IK_POINT, .body = NB - 1, .point = {0.1, 0.2, 0.3}};
     const rbd_ik_options o = {.starts = 1, .evaluations = 5};
     rbd_ik_result result;
     memcpy(out, q, sizeof q);
     rbd_ik(m, w, &t, 1, &o, ik_memory, sizeof ik_memory, out, &result);
+    return result.error;
+}
+
+/* Whole-body control: the last body's point at a place, joints as they are, four feet on the ground. */
+static rbd_status control(int accelerations) {
+    const rbd_task wishes[2] = {{.kind = RBD_TASK_POINT, .body = NB - 1, .gain = 10},
+                                {.kind = RBD_TASK_POSTURE, .q = q, .gain = 10, .weight = (rbd_real)1e-3}};
+    rbd_task_contact feet[4] = {{0}};
+    const rbd_tasks problem = {.task = wishes, .tasks = 2, .contact = feet, .contacts = 4, .dt = dt};
+    rbd_tasks_result result;
+    for (int i = 0; i < 4; i++) {
+        feet[i].body = HYQ_BODY_LF_LOWERLEG + i;
+        feet[i].point[0] = (rbd_real)0.33;
+        feet[i].friction = 1;
+    }
+    if (accelerations)
+        rbd_tasks_acceleration(m, w, &problem, q, v, tasks_memory, sizeof tasks_memory, out, out + NV,
+                               out + NV + 12, &result);
+    else
+        rbd_tasks_velocity(m, w, &problem, q, tasks_memory, sizeof tasks_memory, out, &result);
     return result.error;
 }
 
@@ -64,6 +84,8 @@ static rbd_status solve(void) {
     CALL(rbd_kinematics, rbd_kinematics(m, w, q, v, a)) \
     CALL(rbd_body_kinematics, rbd_body_kinematics(m, w, NB - 1, q, v, a)) \
     CALL(rbd_ik, solve()) \
+    CALL(rbd_tasks_velocity, control(0)) \
+    CALL(rbd_tasks_acceleration, control(1)) \
     CALL(rbd_joint_wrench, rbd_joint_wrench(m, w, q, v, a, NULL, out)) \
     CALL(rbd_momentum_matrix, rbd_momentum_matrix(m, d, q, v, out, out + 6 * NV)) \
     CALL(rbd_com_jacobian, rbd_com_jacobian(m, d, q, out)) \

@@ -55,7 +55,7 @@ done
 for word in $(grep -o 'RBD_ERR_[A-Z_]*' "$page" | sort -u); do grep -qx "$word" all || fail "there is no $word"; done
 for call in $(grep -o '`rbd_[a-z_]*`' "$page" | tr -d '`' | sort -u); do
     grep -q "[ *]$call(" "$root/rbd.h" "$root/rbd_derivatives.h" "$root/rbd_constraints.h" "$root/rbd_contact.h" \
-        "$root/rbd_ik.h" ||
+        "$root/rbd_ik.h" "$root/rbd_tasks.h" ||
         grep -q "} $call;\|struct $call " "$root/rbd.h" || fail "there is no $call"
 done
 

@@ -15,6 +15,7 @@
 
 #include "rbd_contact.h"
 #include "rbd_ik.h"
+#include "rbd_estimate.h"
 
 #include "rbd_actuator.h"
 

@@ -55,7 +55,7 @@ static void draw_targets(int nb, int n, double away, rbd_real *q, rbd_ik_target 
     rbd_real there[MOST_Q], v[MOST_Q];
 
     for (int i = 0; i < n; i++)
-        t[i] = (rbd_ik_target){.kind = (rbd_ik_kind)i,
+        t[i] = (rbd_ik_target){.kind = (rbd_ik_kind)(1 + i),
                                .body = nb - 1 - i % 2,
                                .point = {0, (rbd_real)0.1, (rbd_real)0.2},
                                .axis = {1, 2, -2},
@@ -183,6 +183,7 @@ static void check_step(void) {
     expect(on_limits > 50, "dofs on limits", on_limits);
 
     build(hyq_bodies, HYQ_NB);
+    t.kind = RBD_IK_POINT;
     t.body = HYQ_BODY_LF_LOWERLEG;
     rbd_neutral(m, q);
     rbdi_ik *k = rbdi_ik_begin(m, w, &t, 1, NULL, memory, q, &result);
@@ -196,7 +197,7 @@ static void check_turns(void) {
         {.parent = -1, .type = RBD_HELICAL, .axis = {0, 0, 1}, .pitch = 0.1, .armature = {1}},
         {.parent = 0, .type = RBD_PRISMATIC, .axis = {0, 0, 1}, .armature = {1}},
         {.parent = 1, .type = RBD_CYLINDRICAL, .axis = {0, 0, 1}, .armature = {1, 1}}};
-    const rbd_ik_target t = {.body = 2};
+    const rbd_ik_target t = {.kind = RBD_IK_POINT, .body = 2};
     rbd_ik_result result = {0};
     rbd_real q[MOST_Q] = {0};
     build(bodies, 3);
@@ -288,7 +289,7 @@ static void check_planar(void) {
         build(bodies, 2);
         for (int i = 0; i < 20; i++) {
             const double beyond = 0.05 * (i + 1), angle = 0.1 * i;
-            rbd_ik_target t = {.body = 1, .point = {(rbd_real)0.3, 0, 0}};
+            rbd_ik_target t = {.kind = RBD_IK_POINT, .body = 1, .point = {(rbd_real)0.3, 0, 0}};
             rbd_real q[2] = {0, 1};
             rbd_ik_result result;
             t.position[0] = (rbd_real)((reach + beyond) * cos(angle));

@@ -22,7 +22,8 @@ PAGE, PLAIN_CALLS = ROOT / "docs/interface.md", ROOT / "tests/plain_calls.h"
 HEADERS = (ROOT / "src/headers.txt").read_text().split() + ["rbd_urdf.h", "rbd_mjcf.h"]
 NAME = re.compile(r"\b(?:rbd|RBD)_\w*[A-Za-z0-9]\b")
 TEXTS = ["rbd_status_string", "rbd_finding_text", "rbd_constraint_finding_text",
-         "rbd_contact_finding_text", "rbd_ik_text", "rbd_actuators_finding_text", "rbd_qp_text"]  # words, not numbers
+         "rbd_contact_finding_text", "rbd_estimate_text", "rbd_ik_text", "rbd_actuators_finding_text", "rbd_qp_text",
+         "rbd_tasks_text"]  # words, not numbers
 MACRO = re.compile(r"^ *# *(?:define|ifdef|ifndef|if|elif)\b.*$", re.M)
 
 

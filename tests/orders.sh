@@ -22,8 +22,10 @@ includes() {
         b) echo '#include "rbd_batch.h"' ;;
         s) echo '#include "rbd_spatial.h"' ;;
         i) echo '#include "rbd_ik.h"' ;;
+        e) echo '#include "rbd_estimate.h"' ;;
         a) echo '#include "rbd_actuator.h"' ;;
         q) echo '#include "rbd_qp.h"' ;;
+        t) echo '#include "rbd_tasks.h"' ;;
         esac
     done
 }
@@ -43,18 +45,20 @@ file() {
     includes "$1"
     [ -n "$2" ] && echo "#define RBD_IMPLEMENTATION"
     includes "$2"
-    case $2 in *d*) echo "#define EXPECTED_DERIVATIVES" ;; esac
-    expect RBDI_IMPLEMENTED '*[rdckbsia]*' "$2"
-    expect RBDI_QP_IMPLEMENTED '*q*' "$2"
-    expect RBDI_IK_IMPLEMENTED '*i*' "$2"
+    case $2 in *[de]*) echo "#define EXPECTED_DERIVATIVES" ;; esac
+    expect RBDI_IMPLEMENTED '*[rdckbsieat]*' "$2"
+    expect RBDI_QP_IMPLEMENTED '*[qt]*' "$2"
+    expect RBDI_IK_IMPLEMENTED '*[it]*' "$2"
+    expect RBDI_ESTIMATE_IMPLEMENTED '*e*' "$2"
+    expect RBDI_TASKS_IMPLEMENTED '*t*' "$2"
     expect RBDI_ACTUATOR_IMPLEMENTED '*a*' "$2"
     case $2 in *[ck]*) echo "#define EXPECTED_CONSTRAINTS" ;; esac
     case $2 in *k*) echo "#define EXPECTED_CONTACT" ;; esac
-    case $1$2 in *d*[ck]* | *[ck]*d*) echo "#define EXPECTED_BOTH" ;; esac
-    case $1$2 in *d*k* | *k*d*) echo "#define EXPECTED_CONTACT_DERIVATIVES" ;; esac
-    case $1$2 in *d*b*) echo "#define EXPECTED_BATCH_DERIVATIVES" ;; esac
+    case $1$2 in *[de]*[ck]* | *[ck]*[de]*) echo "#define EXPECTED_BOTH" ;; esac
+    case $1$2 in *[de]*k* | *k*[de]*) echo "#define EXPECTED_CONTACT_DERIVATIVES" ;; esac
+    case $1$2 in *[de]*b*) echo "#define EXPECTED_BATCH_DERIVATIVES" ;; esac
     case $1$2 in *[ck]*b*) echo "#define EXPECTED_BATCH_CONSTRAINTS" ;; esac
-    case $1:$2 in *:*[ck]*d* | *d*:*[ck]* | *:*d*[ck]*) echo "#define EXPECTED_BOTH_IMPLEMENTED" ;; esac
+    case $1:$2 in *:*[ck]*[de]* | *[de]*:*[ck]* | *:*[de]*[ck]*) echo "#define EXPECTED_BOTH_IMPLEMENTED" ;; esac
     case $2 in *[ck]*) ;; *) echo "#define NOT_EXPECTED_CONSTRAINTS" ;; esac
     cat <<'END'
 #if defined EXPECTED_DERIVATIVES && !defined RBDI_DERIVATIVES_IMPLEMENTED
@@ -123,7 +127,7 @@ implements() {
 }
 
 # Each header meets each other one; the four of the core, of which some stand on others, meet in pairs too.
-singles="r d c k s b q i a"
+singles="r d c k s b q i e a t"
 core="r d c k"
 pairs=
 for a in $core; do
@@ -153,7 +157,7 @@ if command -v tcc >/dev/null 2>&1; then
     for order in $orders; do compile "${order#??}" "$order" tcc -std=c99 -c -o "$scratch/file.o"; done
 fi
 # The other compilers take half a second: each header stands first, and last, and either way round with each other one.
-for order in rdcs csrd sdrc qkdr kqds ikdr kids akdr kads; do
+for order in rdcs csrd sdrc qkdr kqds ikdr kids akdr kads tkqi qkdt; do
     compile "${order#??}" "$order" "${CC:-cc}" -std=c99 -Wall -Wextra -Werror -fsyntax-only
     compile "${order#??}" "$order" "${CXX:-c++}" -std=c++17 -Wall -Wextra -Werror -fsyntax-only
 done

@@ -4,5 +4,7 @@
 #include "rbd_constraints.h"
 #include "rbd_contact.h"
 #include "rbd_ik.h"
+#include "rbd_estimate.h"
 #include "rbd_actuator.h"
 #include "rbd_qp.h"
+#include "rbd_tasks.h"

@@ -19,7 +19,10 @@
 #include "rbd_contact.h"
 
 #include "rbd_ik.h"
+#include "rbd_estimate.h"
 #include "rbd_actuator.h"
+
+#include "rbd_tasks.h"
 
 #ifdef ALONE
 #include MODEL_FILE
@@ -62,10 +65,10 @@ static void hash_number(uint64_t *hash, rbd_real x) {
     hash_word(hash, bits, (int)sizeof bits);
 }
 
-enum { HEADERS = 8 };
-static const char *const headers[HEADERS] = {"rbd.h",         "rbd_derivatives.h", "rbd_constraints.h",
-                                             "rbd_contact.h", "rbd_ik.h",          "rbd_spatial.h",
-                                             "rbd_qp.h",      "rbd_actuator.h"};
+enum { HEADERS = 10 };
+static const char *const headers[HEADERS] = {
+    "rbd.h",          "rbd_derivatives.h", "rbd_constraints.h", "rbd_contact.h",  "rbd_ik.h",
+    "rbd_estimate.h", "rbd_spatial.h",     "rbd_qp.h",          "rbd_actuator.h", "rbd_tasks.h"};
 
 typedef struct hashes {
     uint64_t of[HEADERS];
@@ -279,6 +282,52 @@ static void hash_qp(hashes *h) {
     }
 }
 
+/* Tasks of all kinds but rows of one's own on two levels, with two contacts: velocities, then accelerations
+   cold and warm. */
+static void hash_tasks(const char *name, const rbd_model *m, hashes *h) {
+    enum { TASKS = RBD_TASK_POSTURE, CONTACTS = 2 };
+    const int nq = rbd_nq(m), nv = rbd_nv(m), nb = rbd_nb(m);
+    rbd_real *x = (rbd_real *)calloc((size_t)(2 * nq + 4 * nv + 3 * CONTACTS), sizeof *x);
+    rbd_real *q = x, *home = q + nq, *v = home + nq, *out = v + nv;
+    rbd_task task[TASKS] = {{0}};
+    rbd_task_contact contact[CONTACTS] = {{0}};
+    rbd_tasks p = {0};
+    uint64_t seed = 12;
+    h->robot = name;
+    rbd_neutral(m, home);
+    for (int i = 0; i < TASKS; i++) {
+        task[i].kind = (rbd_task_kind)(i + 1), task[i].level = i % 2, task[i].gain = 3;
+        task[i].body = nb - 1 - i % 3, task[i].reference = nb / 2, task[i].q = home;
+        task[i].axis[i % 3] = task[i].direction[1] = 1;
+        task[i].position[2] = (rbd_real)0.5;
+    }
+    for (int i = 0; i < CONTACTS; i++) {
+        contact[i].body = nb - 1 - 2 * i, contact[i].friction = (rbd_real)0.75, contact[i].sides = 4 + 4 * i;
+        contact[i].point[i] = (rbd_real)0.25, contact[i].normal[i + 1] = 2;
+    }
+    p.task = task, p.tasks = TASKS, p.contact = contact, p.contacts = CONTACTS, p.dt = (rbd_real)0.0078125;
+
+    const size_t size = rbd_tasks_size(m, &p), work_size = rbd_work_size(m);
+    void *memory = malloc(size), *work_memory = malloc(work_size);
+    rbd_tasks_result result;
+    rbd_work *w;
+    rbd_work_init(m, work_memory, work_size, &w);
+    for (int n = 0; n < 4; n++) {
+        all_calls_numbers(&seed, (rbd_real)0.5, v, nv);
+        rbd_integrate(m, home, v, 1, q);
+        rbd_tasks_status status = rbd_tasks_velocity(m, w, &p, q, memory, size, out, &result);
+        hash_call(h, "rbd_tasks.h", "rbd_tasks_velocity", (rbd_status)status, out, nv);
+        for (p.warm = 0; p.warm < 2; p.warm++) {
+            status =
+                rbd_tasks_acceleration(m, w, &p, q, v, memory, size, out, out + 2 * nv, out + nv, &result);
+            hash_call(h, "rbd_tasks.h", "rbd_tasks_acceleration", (rbd_status)status, out,
+                      2 * nv + 3 * CONTACTS);
+        }
+        p.warm = 0;
+    }
+    free(memory), free(work_memory), free(x);
+}
+
 int main(void) {
     static hashes h;
 #ifdef EACH_CALL
@@ -296,6 +345,9 @@ int main(void) {
     hash_random(3, &h);
     hash_spatial(&h);
     hash_qp(&h);
+    hash_tasks("iiwa-tasks", &iiwa_model, &h);
+    hash_tasks("hyq-tasks", &hyq_model, &h);
+    hash_tasks("atlas-tasks", &atlas_model, &h);
 #endif
     for (int k = 0; !h.each && k < HEADERS; k++)
         printf("%s %s %08lx%08lx\n", QUOTE(RBD_REAL), headers[k], (unsigned long)(h.of[k] >> 32),

@@ -10,7 +10,7 @@
         x(passive) x(kinematics) x(wrench) x(points) x(manifold) x(lookup) x(joints) x(mimic) x(massless) \
             x(singular) x(simulation) x(textbook) x(guarded) x(control) x(derivatives) x(jacobians) \
                 x(constraints) x(contact) x(contact_step) x(contact_bounded) x(contact_energy) \
-                    x(contact_derivatives) x(ik) x(actuator)
+                    x(contact_derivatives) x(ik) x(estimate) x(actuator) x(tasks)
 
 #define DECLARE_SUITE(name) Suite *name##_suite(void);
 SUITES(DECLARE_SUITE)

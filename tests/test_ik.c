@@ -188,8 +188,10 @@ static const rbd_body two_links[2] = {
     {.parent = 0, .type = RBD_REVOLUTE, .axis = {0, 0, 1}, .position = {0.5, 0, 0}, .armature = {1}}};
 
 static rbd_ik_target tip(double distance, double angle) {
-    const rbd_ik_target t = {
-        .body = 1, .point = {0.3, 0, 0}, .position = {distance * cos(angle), distance * sin(angle), 0}};
+    const rbd_ik_target t = {.kind = RBD_IK_POINT,
+                             .body = 1,
+                             .point = {0.3, 0, 0},
+                             .position = {distance * cos(angle), distance * sin(angle), 0}};
     return t;
 }
 
@@ -229,7 +231,8 @@ START_TEST(a_stretched_arm_folds) {
     robot_free(&r);
 
     rbd_body one[1] = {two_links[0]};
-    const rbd_ik_target behind = {.body = 0, .point = {1, 0, 0}, .position = {-1, 0, 0}};
+    const rbd_ik_target behind = {
+        .kind = RBD_IK_POINT, .body = 0, .point = {1, 0, 0}, .position = {-1, 0, 0}};
     one[0].lower = -1, one[0].upper = 1;
     r = BUILD(one);
     q[0] = 0;
@@ -273,7 +276,7 @@ START_TEST(an_iiwa_stretches_to_places_beyond_its_reach) {
     rbd_point_position(r.m, r.w, 6, iiwa_tool, end);
     const double reach = end[2] - shoulder[2];
     for (int k = 0; k < 40 / PART_OF_TREES; k++) {
-        rbd_ik_target t = {.body = 6, .point = {0, 0, 0.15}};
+        rbd_ik_target t = {.kind = RBD_IK_POINT, .body = 6, .point = {0, 0, 0.15}};
         const double beyond = uniform(&seed, 0.001, 0.5), up = uniform(&seed, 0, 0.95),
                      turn = uniform(&seed, -pi, pi);
         double q[7];
@@ -441,7 +444,8 @@ START_TEST(weights_decide_between_targets) {
     static const rbd_body slide[1] = {
         {.parent = -1, .type = RBD_PRISMATIC, .axis = {1, 0, 0}, .armature = {1}}};
     robot r = BUILD(slide);
-    const rbd_ik_target t[2] = {{.weight = 3}, {.position = {1, 0, 0}}};
+    const rbd_ik_target t[2] = {{.kind = RBD_IK_POINT, .weight = 3},
+                                {.kind = RBD_IK_POINT, .position = {1, 0, 0}}};
     double q[1] = {5};
     rbd_ik_result result;
     expect_status("weights", solve(&r, t, 2, q, &result), RBD_IK_NEAREST, &result);
@@ -461,6 +465,7 @@ START_TEST(a_floating_robot_takes_feet_and_centre_of_mass) {
         double q[MAX_Q], start[MAX_Q];
         rbd_ik_result result;
         for (int i = 0; i < 4; i++) {
+            t[i].kind = RBD_IK_POINT;
             t[i].body = HYQ_BODY_LF_LOWERLEG + i;
             t[i].point[0] = 0.33;
         }
@@ -602,7 +607,7 @@ START_TEST(limits_that_touch_leave_one_place) {
                                  .upper = 0.04}};
     robot r = BUILD(finger);
     for (int k = 0; k < 3; k++) {
-        const rbd_ik_target t = {.body = k % 2, .position = {k == 2 ? 0 : 0.02, 0, 0}};
+        const rbd_ik_target t = {.kind = RBD_IK_POINT, .body = k % 2, .position = {k == 2 ? 0 : 0.02, 0, 0}};
         double q[1] = {0.03};
         rbd_ik_result result;
         expect_status("touch", solve(&r, &t, 1, q, &result), k == 2 ? RBD_IK_REACHED : RBD_IK_AT_LIMIT,
@@ -613,13 +618,83 @@ START_TEST(limits_that_touch_leave_one_place) {
 }
 END_TEST
 
+/* Screws of either hand: steep, fine, and so fine that no turn within reason moves the target. */
+START_TEST(screws_go_where_they_lead) {
+    static const double pitches[] = {5, -5, 0.02, -0.02, 1e-10};
+    for (int k = 0; k < LENGTH(pitches); k++) {
+        const rbd_body bodies[2] = {{.parent = -1,
+                                     .type = RBD_HELICAL,
+                                     .axis = {0, 0, k % 2 ? -1 : 1},
+                                     .pitch = pitches[k],
+                                     .lower = -1e8,
+                                     .upper = 1e8,
+                                     .armature = {1}},
+                                    {.parent = 0, .type = RBD_PRISMATIC, .axis = {0, 0, 1}, .armature = {1}}};
+        robot r = BUILD(bodies);
+        for (int i = 0; i < 8; i++) {
+            const double there[2] = {0.5 * i, 0.3 + 0.1 * i};
+            rbd_ik_target t = {.kind = RBD_IK_POINT, .body = 1, .point = {0.3, 0, 0}};
+            double q[2] = {-1, 0};
+            rbd_ik_result result;
+            aim(&r, there, &t, 1);
+            expect_status("screw", solve(&r, &t, 1, q, &result), RBD_IK_REACHED, &result);
+
+            t.position[0] *= 2; /* twice as far from the axis */
+            t.position[1] *= 2;
+            expect_status("screw", solve(&r, &t, 1, q, &result), RBD_IK_NEAREST, &result);
+            ck_assert(fabs(result.metres - 0.3) < 1e-6);
+        }
+        robot_free(&r);
+    }
+}
+END_TEST
+
+/* A slide with an upper limit alone. */
+START_TEST(one_limit_is_enough) {
+    const rbd_body bodies[1] = {{.parent = -1,
+                                 .type = RBD_PRISMATIC,
+                                 .axis = {1, 0, 0},
+                                 .armature = {1},
+                                 .lower = -1e30,
+                                 .upper = 0.5}};
+    robot r = BUILD(bodies);
+    for (int k = 0; k < 2; k++) {
+        const rbd_ik_target t = {.kind = RBD_IK_POINT, .position = {k ? -7 : 0.75, 0, 0}};
+        double q[1] = {0};
+        rbd_ik_result result;
+        expect_status("limit", solve(&r, &t, 1, q, &result), k ? RBD_IK_REACHED : RBD_IK_AT_LIMIT, &result);
+        ck_assert(fabs(q[0] - (k ? -7 : 0.5)) < 1e-6);
+    }
+    robot_free(&r);
+}
+END_TEST
+
+/* A tool without mass has no part in the centre of mass. */
+START_TEST(what_has_no_mass_does_not_move_the_centre_of_mass) {
+    const rbd_body bodies[2] = {{.parent = -1,
+                                 .type = RBD_PRISMATIC,
+                                 .axis = {1, 0, 0},
+                                 .mass = 2,
+                                 .com = {0.1, 0, 0},
+                                 .inertia = {1, 0, 0, 1, 0, 1}},
+                                {.parent = 0, .type = RBD_PRISMATIC, .axis = {1, 0, 0}, .armature = {1}}};
+    robot r = BUILD(bodies);
+    const rbd_ik_target t = {.kind = RBD_IK_COM, .position = {0.4, 0, 0}};
+    double q[2] = {0, 0.25};
+    rbd_ik_result result;
+    expect_status("tool", solve(&r, &t, 1, q, &result), RBD_IK_REACHED, &result);
+    ck_assert(fabs(q[0] - 0.3) < 1e-6 && q[1] == 0.25);
+    robot_free(&r);
+}
+END_TEST
+
 /* Joints that move no target stay to the bit, held ones too; a start out of the limits is put within them. */
 START_TEST(what_need_not_move_stays) {
     robot r = robot_build("hyq", hyq_bodies, HYQ_NB);
     const int haa = HYQ_Q_LF_HAA_JOINT, hfe = HYQ_Q_LF_HFE_JOINT;
     unsigned char held[HYQ_NV] = {1, 1, 1, 1, 1, 1};
     const rbd_ik_options o = {.held = held};
-    rbd_ik_target t = {.body = HYQ_BODY_LF_LOWERLEG, .point = {0.33, 0, 0}};
+    rbd_ik_target t = {.kind = RBD_IK_POINT, .body = HYQ_BODY_LF_LOWERLEG, .point = {0.33, 0, 0}};
     double q[MAX_Q], start[MAX_Q];
     rbd_ik_result result;
     uint64_t seed = 9;
@@ -651,7 +726,8 @@ START_TEST(a_joint_is_held_as_a_whole) {
                                    .axis2 = {0, 1, 0},
                                    .armature = {1, 1, 1, 1, 1, 1}}};
         robot r = BUILD(body);
-        const rbd_ik_target t = {.body = 1, .point = {0.1, 0.2, 0.3}, .position = {0.2, 0.1, 0.25}};
+        const rbd_ik_target t = {
+            .kind = RBD_IK_POINT, .body = 1, .point = {0.1, 0.2, 0.3}, .position = {0.2, 0.1, 0.25}};
         void *memory = malloc(rbd_ik_size(r.m, 1));
         for (int set = 0; set < 1 << (r.nv - 1); set++) {
             unsigned char held[MAX_V] = {0};
@@ -686,7 +762,7 @@ START_TEST(a_fixed_body_is_where_it_is) {
         {.parent = -1, .type = RBD_FIXED, .position = {1, 2, 3}},
         {.parent = -1, .type = RBD_REVOLUTE, .axis = {0, 0, 1}, .armature = {1}}};
     robot r = BUILD(fixed);
-    rbd_ik_target t = {.position = {1, 2, 3}};
+    rbd_ik_target t = {.kind = RBD_IK_POINT, .position = {1, 2, 3}};
     double q[1] = {0.5};
     rbd_ik_result result;
     expect_status("there", solve(&r, &t, 1, q, &result), RBD_IK_REACHED, &result);
@@ -778,7 +854,8 @@ typedef void spoil(rbd_ik_target *t, rbd_ik_options *o, double *q);
         (void)t, (void)o, (void)q; \
         change; \
     }
-SPOIL(bad_kind, t->kind = (rbd_ik_kind)5)
+SPOIL(bad_kind, t->kind = (rbd_ik_kind)6)
+SPOIL(no_kind, memset(&t->kind, 0, sizeof t->kind))
 SPOIL(bad_kind_below, *(int *)&t->kind = -1)
 SPOIL(body_below, t->body = -1)
 SPOIL(body_above, t->body = 7)
@@ -787,7 +864,14 @@ SPOIL(far_point, t->point[2] = 2e9)
 SPOIL(nan_position, t->position[2] = NAN)
 SPOIL(infinite_position, t->position[0] = -INFINITY)
 SPOIL(nan_rotation, t->rotation[8] = NAN)
+SPOIL(nan_first_row, t->rotation[2] = NAN)
+SPOIL(nan_second_row, t->rotation[3] = NAN)
 SPOIL(stretched, t->rotation[0] = 1.1)
+SPOIL(stretched_y, t->rotation[4] = 1.1)
+SPOIL(stretched_z, t->rotation[8] = 1.1)
+SPOIL(sheared_xy, t->rotation[0] = cos(0.01); t->rotation[1] = sin(0.01))
+SPOIL(sheared_xz, t->rotation[0] = cos(0.01); t->rotation[2] = sin(0.01))
+SPOIL(sheared_yz, t->rotation[4] = cos(0.01); t->rotation[5] = sin(0.01))
 SPOIL(sheared, t->rotation[1] = 0.01)
 SPOIL(mirrored, t->rotation[0] = -1)
 SPOIL(no_axis, t->kind = RBD_IK_AXIS; t->axis[0] = 0)
@@ -800,6 +884,8 @@ SPOIL(negative_weight, t->weight = -1)
 SPOIL(tiny_weight, t->weight = 1e-9)
 SPOIL(huge_weight, t->weight = 1e9)
 SPOIL(negative_starts, o->starts = -1)
+static const unsigned char nothing_held[7];
+SPOIL(negative_starts_of_a_held_robot, o->starts = -1; o->held = nothing_held)
 SPOIL(negative_evaluations, o->evaluations = -5)
 SPOIL(one_evaluation, o->evaluations = 1)
 SPOIL(nan_metres, o->metres = NAN)
@@ -816,8 +902,9 @@ static const struct {
     int target;
     const char *field, *text; /* NULL: that of the status */
 } bad[] = {
-    {bad_kind, RBD_ERR_TYPE, 1, "kind", "unknown kind of target"},
-    {bad_kind_below, RBD_ERR_TYPE, 1, "kind", "unknown kind of target"},
+    {bad_kind, RBD_ERR_TYPE, 1, "kind", "no kind of target"},
+    {no_kind, RBD_ERR_TYPE, 1, "kind", "no kind of target"},
+    {bad_kind_below, RBD_ERR_TYPE, 1, "kind", "no kind of target"},
     {body_below, RBD_ERR_INDEX, 1, "body", NULL},
     {body_above, RBD_ERR_INDEX, 1, "body", NULL},
     {nan_point, RBD_ERR_POSITION, 1, "point", "not finite, or farther than 1e9 m"},
@@ -825,7 +912,14 @@ static const struct {
     {nan_position, RBD_ERR_POSITION, 1, "position", "not finite, or farther than 1e9 m"},
     {infinite_position, RBD_ERR_POSITION, 1, "position", "not finite, or farther than 1e9 m"},
     {nan_rotation, RBD_ERR_ROTATION, 1, "rotation", NULL},
+    {nan_first_row, RBD_ERR_ROTATION, 1, "rotation", NULL},
+    {nan_second_row, RBD_ERR_ROTATION, 1, "rotation", NULL},
     {stretched, RBD_ERR_ROTATION, 1, "rotation", NULL},
+    {stretched_y, RBD_ERR_ROTATION, 1, "rotation", NULL},
+    {stretched_z, RBD_ERR_ROTATION, 1, "rotation", NULL},
+    {sheared_xy, RBD_ERR_ROTATION, 1, "rotation", NULL},
+    {sheared_xz, RBD_ERR_ROTATION, 1, "rotation", NULL},
+    {sheared_yz, RBD_ERR_ROTATION, 1, "rotation", NULL},
     {sheared, RBD_ERR_ROTATION, 1, "rotation", NULL},
     {mirrored, RBD_ERR_ROTATION, 1, "rotation", NULL},
     {no_axis, RBD_ERR_AXIS, 1, "axis", "not finite, or of a length out of 1e-9 to 1e9"},
@@ -838,6 +932,7 @@ static const struct {
     {tiny_weight, RBD_ERR_RANGE, 1, "weight", NULL},
     {huge_weight, RBD_ERR_RANGE, 1, "weight", NULL},
     {negative_starts, RBD_ERR_RANGE, -1, "starts", NULL},
+    {negative_starts_of_a_held_robot, RBD_ERR_RANGE, -1, "starts", NULL},
     {negative_evaluations, RBD_ERR_RANGE, -1, "evaluations", NULL},
     {one_evaluation, RBD_ERR_RANGE, -1, "evaluations", NULL},
     {nan_metres, RBD_ERR_RANGE, -1, "metres", NULL},
@@ -852,7 +947,7 @@ static const struct {
 START_TEST(bad_input_is_named_and_changes_nothing) {
     robot r = robot_build("iiwa", iiwa_bodies, 7);
     unsigned char memory[RBD_IK_SIZE(7, 7, 2)];
-    rbd_ik_target t[2] = {{.body = 3},
+    rbd_ik_target t[2] = {{.kind = RBD_IK_POINT, .body = 3},
                           {.kind = RBD_IK_POSE,
                            .body = 6,
                            .rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1},
@@ -882,7 +977,7 @@ END_TEST
 START_TEST(missing_arguments_are_errors) {
     robot r = robot_build("iiwa", iiwa_bodies, 7), other = robot_build("UR10e", ur10e, 6);
     unsigned char memory[RBD_IK_SIZE(7, 7, 1)];
-    const rbd_ik_target t = {.body = 3};
+    const rbd_ik_target t = {.kind = RBD_IK_POINT, .body = 3};
     const size_t size = rbd_ik_size(r.m, 1);
     double q[7] = {0};
     rbd_ik_result x;
@@ -901,6 +996,9 @@ START_TEST(missing_arguments_are_errors) {
     ck_assert_int_eq(x.error, RBD_ERR_WORK);
     ck_assert_int_eq(rbd_ik(r.m, r.w, &t, 1, NULL, memory, size - 1, q, &x), RBD_IK_ERROR);
     ck_assert_int_eq(x.error, RBD_ERR_MEMORY);
+    const rbd_ik_target forgotten[2] = {{.body = 3}, t};
+    ck_assert_int_eq(rbd_ik(r.m, r.w, forgotten, 2, NULL, memory, size, q, &x), RBD_IK_ERROR);
+    ck_assert(x.error == RBD_ERR_TYPE && x.target == 0);
     ck_assert_int_eq(rbd_ik(r.m, r.w, &t, 0, NULL, memory, size, q, &x), RBD_IK_ERROR);
     ck_assert_int_eq(x.error, RBD_ERR_COUNT);
     ck_assert_int_eq(rbd_ik(r.m, r.w, &t, 1001, NULL, memory, size, q, &x), RBD_IK_ERROR);
@@ -914,6 +1012,11 @@ START_TEST(missing_arguments_are_errors) {
     ck_assert_str_eq(rbd_ik_text(RBD_IK_NEAREST, NULL, text, 12), "not reached");
     ck_assert_str_eq(rbd_ik_text(RBD_IK_EVALUATIONS, NULL, text, sizeof text),
                      "not reached: more evaluations might come nearer");
+    x.limit = -1;
+    ck_assert_str_eq(rbd_ik_text(RBD_IK_AT_LIMIT, &x, text, 12), "not reached");
+    ck_assert_str_eq(rbd_ik_text(RBD_IK_AT_LIMIT, NULL, text, 12), "not reached");
+    ck_assert_ptr_eq(rbd_ik_text(RBD_IK_REACHED, NULL, text, 0), text);
+    ck_assert_str_eq(text, "not reached");
     ck_assert_str_eq(rbd_ik_text((rbd_ik_status)9, NULL, text, sizeof text), "unknown status");
     ck_assert_ptr_null(rbd_ik_text(RBD_IK_REACHED, NULL, NULL, 5));
     robot_free(&r);
@@ -957,7 +1060,7 @@ START_TEST(strange_targets_leave_finite_answers) {
     const double values[] = {0, 1e9, -1e9, 1e-300, -0.0, 1e5};
     uint64_t seed = 12;
     for (int k = 0; k < 60 / PART_OF_TREES; k++) {
-        rbd_ik_target t = {.kind = (rbd_ik_kind)(k % 5),
+        rbd_ik_target t = {.kind = (rbd_ik_kind)(1 + k % 5),
                            .body = below(&seed, r.nb),
                            .axis = {1e9, 1, 0},
                            .direction = {0, 0, 1e-9}};
@@ -1004,6 +1107,9 @@ Suite *ik_suite(void) {
     tcase_add_test(c, limits_of_a_mimic_joint_bind_what_it_follows);
     tcase_add_test(c, limits_that_contradict_do_not_count);
     tcase_add_test(c, limits_that_touch_leave_one_place);
+    tcase_add_test(c, screws_go_where_they_lead);
+    tcase_add_test(c, one_limit_is_enough);
+    tcase_add_test(c, what_has_no_mass_does_not_move_the_centre_of_mass);
     tcase_add_test(c, what_need_not_move_stays);
     tcase_add_test(c, a_joint_is_held_as_a_whole);
     tcase_add_test(c, a_fixed_body_is_where_it_is);

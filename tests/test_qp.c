@@ -1046,6 +1046,87 @@ START_TEST(ways_without_end_are_found) {
 }
 END_TEST
 
+/* Draws a problem without H that a ray, of which no row ends any, makes unbounded: rows and bounds with sides
+   only where the ray leads away from them. */
+static rbd_qp_problem draw_ray(int softly) {
+    const int n = between(2, 9), bounds = between(0, n);
+    rbd_qp_problem p = problem_of(n, bounds, between(0, 2 * n));
+    double ray[9], down = 0;
+    memset(H, 0, sizeof H);
+    for (int i = 0; i < n; i++) {
+        ray[i] = normal();
+        f[i] = (rbd_real)normal();
+        down += ray[i] * (double)f[i];
+    }
+    for (int i = 0; i < n && down > 0; i++) f[i] = -f[i];
+
+    for (int i = 0; i < p.rows * n; i++) C[i] = (rbd_real)normal();
+    for (int row = 0; row < bounds + p.rows; row++) {
+        double along = 0;
+        for (int i = 0; i < n; i++) along += entry(&p, row, i) * ray[i];
+        lower[row] = along > 0 ? (rbd_real)-fabs(uniform()) : -NONE;
+        upper[row] = along > 0 ? NONE : (rbd_real)fabs(uniform());
+        soft[row] = (rbd_real)exp(3 * normal());
+    }
+    if (softly) p.soft = soft;
+    return p;
+}
+
+/* Without H: nearly all are found, and of the others nothing wrong is said. */
+START_TEST(ways_without_end_are_found_without_h) {
+    const int softly = _i, most_missed = softly ? 100 : 20;
+    int missed = 0;
+    seed = 43;
+    for (int k = 0; k < 1000; k++) {
+        const rbd_qp_problem p = draw_ray(softly);
+        const rbd_qp_status status = solve(&p);
+        missed += status != RBD_QP_UNBOUNDED;
+        ck_assert_msg(status != RBD_QP_OK && status != RBD_QP_INFEASIBLE, "problem %d: status %d", k, status);
+        for (int i = 0; i < p.n; i++) ck_assert(fabs((double)x[i]) < RBD_QP_NONE);
+    }
+    ck_assert_int_lt(missed, most_missed);
+}
+END_TEST
+
+/* The optimum without rows is far away, the solution next to 0: rows hold as a share of x all the same. */
+START_TEST(rows_hold_as_a_share_of_a_small_solution) {
+    const double small = sizeof(rbd_real) == 4 ? 1e-3 : 1e-7;
+    seed = 47;
+    for (int k = 0; k < 500; k++) {
+        rbd_qp_problem p = random_problem(CONVEX);
+        p.bounds = p.n;
+        p.rows = 0;
+        for (int i = 0; i < p.n; i++) {
+            f[i] = (rbd_real)(50 * normal());
+            lower[i] = (rbd_real)(-small * (1 + uniform() / 2));
+            upper[i] = (rbd_real)(small * (1 + uniform() / 2));
+        }
+        const rbd_qp_status status = solve(&p);
+        ck_assert_msg(status == RBD_QP_OK, "problem %d: status %d, primal %g", k, status,
+                      (double)result.primal);
+    }
+}
+END_TEST
+
+/* A soft row of zeros that misses its side by 1e25, at a weight of 1e25: its multiplier is too large in
+   float, and what is said of it is a number in any case. */
+START_TEST(multipliers_that_overflow_are_named) {
+    rbd_qp_problem p = problem_of(1, 0, 1);
+    H[0] = 1;
+    f[0] = -1;
+    C[0] = 0;
+    lower[0] = (rbd_real)1e25;
+    upper[0] = NONE;
+    soft[0] = (rbd_real)1e25;
+    p.soft = soft;
+    const rbd_qp_status status = solve(&p);
+    ck_assert(fabs((double)lambda[0]) < 1e60 && fabs((double)x[0]) < RBD_QP_NONE);
+    if (sizeof(rbd_real) == 8) return;
+    ck_assert_int_eq(status, RBD_QP_NAN);
+    ck_assert(lambda[0] == 0 && result.at == 0 && !strcmp(result.field, "lambda"));
+}
+END_TEST
+
 /* In float squares of 1e18 |x| overflow: no answer may be OK then. */
 START_TEST(sums_that_overflow_are_not_ok) {
     const double large = sizeof(rbd_real) == 4 ? 1e18 : 1e153;
@@ -1172,6 +1253,9 @@ int main(void) {
     tcase_add_test(c, rows_of_zeros_move_nothing);
     tcase_add_test(c, saddles_are_refused);
     tcase_add_test(c, ways_without_end_are_found);
+    tcase_add_loop_test(c, ways_without_end_are_found_without_h, 0, 2);
+    tcase_add_test(c, rows_hold_as_a_share_of_a_small_solution);
+    tcase_add_test(c, multipliers_that_overflow_are_named);
     tcase_add_test(c, sums_that_overflow_are_not_ok);
     tcase_add_test(c, results_that_are_too_large_are_none);
     tcase_add_test(c, the_memory_is_enough);

@@ -52,6 +52,9 @@ for name in ("mpc_cart_pole", "mpc_iiwa"):
 EXAMPLES["cortex-m7", "standing"] = {"controller": r"controller (\d+)", "robot": r"robot (\d+) instructions",
                                      "worst": r"(\d+) at worst", "rate": r"(\d+) Hz", "set": r"set (\d+)",
                                      "stack": r"stack (\d+) bytes"}
+EXAMPLES["cortex-m7", "whole_body"] = {"controller": r"controller (\d+)", "controller_worst": r"controller \d+ instructions, (\d+)",
+                                       "robot": r"robot (\d+)", "robot_worst": r"robot \d+, (\d+)", "rate": r"(\d+) Hz",
+                                       "tasks": r"tasks (\d+)", "stack": r"stack (\d+) bytes"}
 EXAMPLES["cortex-m7", "recorded_control"] = {"push": r"push takes (\d+)", "controller": r"controller (\d+) instructions",
                                              "ring": r"ring (\d+) bytes"}
 EXAMPLES["cortex-m4f", "servo_arm"] = {"inverse": r"torques (\d+) instructions", "memory": r"memory (\d+)"}
@@ -59,6 +62,12 @@ EXAMPLES.update({(target, "inverse_kinematics"): {
     "pose": r"far start (\d+)", "worst": r"instructions, (\d+) at worst", "evaluation": r"(\d+) an evaluation",
     "line": r"along a line (\d+)", "line_worst": r"line \d+, (\d+) at worst", "memory": r"memory (\d+)",
     "stack": r"stack (\d+) bytes"} for target in ("cortex-m4f", "cortex-m7")})
+EXAMPLES.update({(target, "quadratic_programs"): {
+    **{f"{kind}_{form}": rf"{kind}: [^\n]*{words} (\d+)" for kind in ("mild", "hard")
+       for form, words in {"forces": "12 forces", "body": "accelerations too"}.items()},
+    **{f"{kind}_{form}_worst": rf"{kind}: [^\n]*{words} \d+[^(]*\(at most (\d+)" for kind in ("mild", "hard")
+       for form, words in {"forces": "12 forces", "body": "accelerations too"}.items()},
+    "memory": r"memory (\d+)", "stack": r"stack (\d+) bytes"} for target in ("cortex-m4f", "cortex-m7")})
 KEYS = ["target", "compiler", "scalar", "level", "robot", "algorithm"]
 FIGURES = ["code", "program", "model", "work", "stack", "frames", "instructions"]
 BUDGETS = ["code", "program", "model", "work", "stack", "frames"]
@@ -192,13 +201,14 @@ def prove(target, folder, scalars, levels, parts):
     if "calls" in parts and len(lines) < (1 + 2 * len(levels)) * len(scalars):
         problem(f"{target}: libraries are missing: {lines}")
     programs = ("collision", "computed_torque", "five_bar", "gravity_compensation", "inverse_kinematics", "mpc_cart_pole",
-                "mpc_iiwa", "recorded_control", "servo_arm", "standing")
+                "mpc_iiwa", "quadratic_programs", "recorded_control", "servo_arm", "standing",
+                "whole_body")
     for program in programs if "examples" in parts else ():
-        if not (folder / "examples/firmware" / program).exists() and program.startswith(("five", "inverse", "mpc", "record", "servo", "stand")):  # an FPU
+        if not (folder / "examples/firmware" / program).exists() and program.startswith(("five", "inverse", "mpc", "quad", "record", "servo", "stand", "whole")):  # an FPU
             continue
         symbols = output_of(tool(target, "nm"), folder / "examples/firmware" / program)
         names = {line.split()[-1] for line in symbols.splitlines()}
-        checked = program in ("five_bar", "standing")  # their ..._set_init checks a description, which is in double
+        checked = program in ("five_bar", "standing", "whole_body")  # their ..._set_init checks a description, which is in double
         unwanted = sorted(n for n in names if DOUBLE.fullmatch(n) and not checked
                           or n in ("malloc", "free", "sbrk", "_sbrk"))
         lines.append(f"{program}: of {len(names)} symbols, {'' if checked else 'double arithmetic or '}a heap: "
@@ -571,6 +581,16 @@ def standing_table(_, examples):
                                     for figure, name in names.items())]
 
 
+def whole_body_table(_, examples):
+    names = {"controller": "the controller, `rbd_tasks_acceleration`, instructions", "controller_worst": "its worst tick",
+             "robot": "the robot, `rbd_contact_step`, instructions", "robot_worst": "its worst tick",
+             "rate": "ticks of both a second, of the worst",
+             "flash": "flash, of the whole program with `printf`, bytes",
+             "ram": "RAM without stack, bytes", "tasks": "of these the memory of the tasks", "stack": "stack, painted, bytes"}
+    return ["| | |", "|---|--:|", *(f"| {name} | {number(examples['cortex-m7', 'whole_body', figure])} |"
+                                    for figure, name in names.items())]
+
+
 def ik_table(_, examples):
     names = {"pose": "a pose from a far start, instructions", "worst": "the worst of 60",
              "evaluation": "of these each evaluation", "line": "a millimetre along a line", "line_worst": "the worst of 200",
@@ -580,6 +600,20 @@ def ik_table(_, examples):
     for figure, name in names.items():
         cells = [examples.get((target, "inverse_kinematics", figure)) for target in ("cortex-m4f", "cortex-m7")]
         lines.append(f"| {name} | " + " | ".join("–" if x is None else number(x) for x in cells) + " |")
+    return lines
+
+
+def qp_table(_, examples):
+    names = {"mild_forces": "12 forces, 28 rows, mild: instructions", "mild_forces_worst": "the worst of 32",
+             "hard_forces": "the same, hard", "hard_forces_worst": "the worst of 32",
+             "mild_body": "18 accelerations and 12 forces, 46 rows, mild", "mild_body_worst": "the worst of 32",
+             "hard_body": "the same, hard", "hard_body_worst": "the worst of 32",
+             "memory": "memory of `rbd_qp_solve` for the larger, RAM, bytes", "stack": "stack, painted, bytes",
+             "flash": "flash, of the whole program with HyQ and `printf`, bytes"}
+    lines = ["| HyQ, float, -O2 | Cortex-M4F | Cortex-M7 |", "|---|--:|--:|"]
+    for figure, name in names.items():
+        cells = [examples[target, "quadratic_programs", figure] for target in ("cortex-m4f", "cortex-m7")]
+        lines.append(f"| {name} | " + " | ".join(map(number, cells)) + " |")
     return lines
 
 
@@ -615,8 +649,10 @@ def alone_table(some, _):
 # In which document each stands, between <!-- firmware NAME --> and <!-- end -->.
 BLOCKS = {"five_bar": ("examples/firmware/README.md", five_bar_table), "mpc": ("examples/firmware/README.md", mpc_table),
           "standing": ("examples/firmware/README.md", standing_table),
+          "whole_body": ("examples/firmware/README.md", whole_body_table),
           "recorded": ("examples/firmware/README.md", recorded_table),
           "ik": ("examples/firmware/README.md", ik_table),
+          "qp": ("examples/firmware/README.md", qp_table),
           "contacts": ("examples/firmware/README.md", contacts_table), "flash": ("docs/porting.md", alone_table),
           "short": ("docs/firmware.md", lambda _, __: short_table(read_accepted())),
           "own": ("docs/firmware.md", lambda _, __: own_table(read_accepted())),

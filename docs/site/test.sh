@@ -39,7 +39,7 @@ pages)
     ;;
 guides) # their programs compile as shown and print what is shown
     cd "$here/../.."
-    for page in first_minutes gradients contacts inverse_kinematics other_libraries gravity_compensation computed_torque floating_base; do program_of $page; done
+    for page in first_minutes gradients contacts inverse_kinematics qp tasks other_libraries gravity_compensation computed_torque floating_base; do program_of $page; done
     ;;
 generated)
     codegen=$(realpath "$2")

@@ -5,5 +5,10 @@
 #include "rbd_contact.h"
 
 #include "rbd_ik.h"
+#include "rbd_estimate.h"
 
 #include "rbd_actuator.h"
+
+#include "rbd_qp.h"
+
+#include "rbd_tasks.h"

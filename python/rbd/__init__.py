@@ -37,8 +37,9 @@ from ._calls import RESULTS as _RESULTS
 from ._constraints import ConstraintSet
 from ._contacts import ContactResult, ContactSet, ContactSolution, RowResult
 from ._descriptions import Body, Constraint, Contact, ContactOptions, load_table
+from ._estimate import Deviations, Estimate, Estimator, Felt, Observer
 from ._headers import (SOURCES, Array, ContactState, IkKind, IkStatus, JointType, Matrix, MjcfStatus, Numbers, QpStatus,
-                       RbdError, RbdWarning, Status, UrdfStatus, __version__, structure)
+                       RbdError, RbdWarning, Status, TaskKind, TasksStatus, UrdfStatus, __version__, structure)
 from ._ik import IkResult, IkTarget
 from ._library import Library
 from ._mjcf import Mjcf, load_mjcf, parse_mjcf
@@ -46,14 +47,16 @@ from ._model import Model, _again
 from ._names import JointInfo
 from ._qp import QpSolution, qp
 from ._spatial import AxisAngle, Placement, Spatial
+from ._tasks import Task, TaskContact, Tasks, TasksAcceleration, TasksVelocity
 from ._urdf import Frame, Urdf, load_urdf, parse_urdf
 
 __all__ = ["ActuatorStates", "Actuators", "AxisAngle", "Body", "Constraint", "ConstraintSet", "Contact", "ContactOptions",
-           "ContactResult", "ContactSet", "ContactSolution", "ContactState", "Drives", "Frame", "Friction", "IkKind",
-           "IkResult", "IkStatus", "IkTarget", "JointInfo", "JointType", "Library", "Mjcf", "MjcfStatus", "Model", "Motor",
-           "Placement", "QpSolution", "QpStatus", "RbdError", "RbdWarning", "Rod", "Rotor", "RowResult", "SOURCES", "Spatial",
-           "Status", "Transmission", "Urdf", "UrdfStatus", "load_mjcf", "load_table", "load_urdf", "parse_mjcf", "parse_urdf",
-           "qp"]
+           "ContactResult", "ContactSet", "ContactSolution", "ContactState", "Deviations", "Drives", "Estimate",
+           "Estimator", "Felt", "Frame", "Friction", "IkKind", "IkResult", "IkStatus", "IkTarget", "JointInfo",
+           "JointType", "Library", "Mjcf", "MjcfStatus", "Model", "Motor", "Observer", "Placement", "QpSolution",
+           "QpStatus", "RbdError", "RbdWarning", "Rod", "Rotor", "RowResult", "SOURCES", "Spatial", "Status", "Task",
+           "TaskContact", "TaskKind", "Tasks", "TasksAcceleration", "TasksStatus", "TasksVelocity", "Transmission",
+           "Urdf", "UrdfStatus", "load_mjcf", "load_table", "load_urdf", "parse_mjcf", "parse_urdf", "qp"]
 
 
 def __dir__():

@@ -60,6 +60,8 @@ ContactState = _enum("ContactState", "rbd_contact_state", "RBD_")
 IkKind = _enum("IkKind", "rbd_ik_kind", "RBD_IK_")
 TransmissionKind = _enum("TransmissionKind", "rbd_transmission_kind", "RBD_BY_")
 IkStatus = _enum("IkStatus", "rbd_ik_status", "RBD_IK_")
+TaskKind = _enum("TaskKind", "rbd_task_kind", "RBD_TASK_")
+TasksStatus = _enum("TasksStatus", "rbd_tasks_status", "RBD_TASKS_")
 
 
 @functools.lru_cache(maxsize=None)
@@ -67,9 +69,10 @@ def structure(name, real=ctypes.c_double, text=_TEXT):
     """A C struct of a header as a ctypes.Structure of the same layout; `real` is rbd_real and rbd_const."""
     known = {"double": ctypes.c_double, "int": ctypes.c_int, "size_t": ctypes.c_size_t, "char": ctypes.c_char,
              "rbd_const": real, "rbd_real": real, "rbd_status": ctypes.c_int, "rbd_urdf_status": ctypes.c_int,
-             "rbd_mjcf_status": ctypes.c_int,
-             "rbd_joint_type": ctypes.c_int, "rbd_ik_kind": ctypes.c_int,
-             "rbd_transmission_kind": ctypes.c_int}
+             "rbd_mjcf_status": ctypes.c_int, "rbd_joint_type": ctypes.c_int, "rbd_ik_kind": ctypes.c_int,
+             "rbd_transmission_kind": ctypes.c_int,
+             "rbd_task_kind": ctypes.c_int, "rbd_tasks_part": ctypes.c_int, "rbd_qp_status": ctypes.c_int,
+             "unsigned": ctypes.c_ubyte}  # unsigned char
     body = re.search(rf"typedef struct {name} \{{(.*?)\n\}} {name};", text, re.S)[1]
     members = []
     for declaration in re.sub(r"/\*.*?\*/", "", body, flags=re.S).split(";")[:-1]:

@@ -16,7 +16,7 @@ from ._headers import Array, IkKind, IkStatus, Matrix, Numbers, RbdError, Status
 class IkTarget:
     """Something of the robot and where it shall be: rbd_ik_target of rbd_ik.h. Zero will do for every field that the
     kind needs not."""
-    kind: str = "point"                 #: "point", "pose", "rotation", "axis" or "com"
+    kind: str                           #: "point", "pose", "rotation", "axis" or "com"
     body: int | str = 0                 #: index, or name of the link; a centre of mass has none
     point: Numbers = (0, 0, 0)          #: of the body, link axes, m
     position: Numbers = (0, 0, 0)       #: where the point, or the centre of mass, shall be, world, m

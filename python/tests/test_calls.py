@@ -36,6 +36,8 @@ NOT_WRAPPED = {
     "rbd_ik_size": "Model.ik makes its memory",
     "rbd_actuators_derivatives": "Actuators.step has no place between both halves of a step",
     "rbd_ik_text": "an RbdError has the sentence, and IkResult the numbers",
+    "rbd_tasks_size": "Tasks makes its memory",
+    "rbd_tasks_text": "an RbdError has the sentence",
     "rbd_vec3_of": "three numbers are an array",
     "rbd_rotation_identity": "numpy.eye(3)",
     "rbd_placement_of": "a pair",
@@ -70,6 +72,7 @@ ELSEWHERE = {
     **{f"rbd_contact_{name}": f"ContactSet.{name}" for name in
        ("step", "fd", "plane", "friction", "row_set", "row_get", "inertia", "reset", "get", "last")},
     "rbd_contact_step_derivatives": "ContactSet.step_derivatives",
+    "rbd_tasks_velocity": "Tasks.velocity", "rbd_tasks_acceleration": "Tasks.acceleration",
     "rbd_urdf_load": "load_urdf", "rbd_urdf_parse": "parse_urdf",
     "rbd_mjcf_load": "load_mjcf", "rbd_mjcf_parse": "parse_mjcf",
     **{f"rbd_mjcf_{name}": f"Mjcf.{name}" for name in ("q_of_qpos", "v_of_qvel", "qpos_of_q", "qvel_of_v")},
@@ -153,6 +156,8 @@ def test_structures_are_those_of_the_header(double):
         assert [f.name for f in fields(kind)] == [member for member, _ in rbd.structure(name)._fields_
                                                   if member != "on_body"]  # which follows from body2
     assert rbd.ContactSolution._fields == tuple(n for n, _ in rbd.structure("rbd_contact_solution")._fields_)
+    for kind, name, missing in (rbd.Task, "rbd_task", {"rows"}), (rbd.TaskContact, "rbd_task_contact", set()):
+        assert {f.name for f in fields(kind)} | missing == {member for member, _ in rbd.structure(name)._fields_}
     assert [f.name for f in fields(rbd.IkTarget)] == [name for name, _ in rbd.structure("rbd_ik_target")._fields_]
     assert rbd.JointInfo._fields == tuple(name for name, _ in rbd.structure("rbd_joint_info")._fields_)
     for kind, name in ((rbd.Friction, "rbd_friction"), (rbd.Motor, "rbd_motor"), (rbd.Rod, "rbd_rod"),
@@ -163,10 +168,12 @@ def test_structures_are_those_of_the_header(double):
     names = ["rbd_body", "rbd_finding", "rbd_report", "rbd_joint_info", "rbd_constraint",
              "rbd_contact", "rbd_contact_options", "rbd_contact_problem", "rbd_contact_solution",
              "rbd_ik_target", "rbd_ik_options", "rbd_ik_result",
+             "rbd_task", "rbd_task_contact", "rbd_tasks", "rbd_tasks_result",
+             "rbd_joint_friction", "rbd_estimate_fault", "rbd_observer_options", "rbd_estimate_options",
              "rbd_friction", "rbd_motor", "rbd_rod", "rbd_transmission", "rbd_drive", "rbd_command", "rbd_actuator_state", "rbd_rotor",
              "rbd_urdf_options", "rbd_urdf_lock", "rbd_urdf_frame", "rbd_urdf_finding", "rbd_urdf",
              "rbd_mjcf_options", "rbd_mjcf_lock", "rbd_mjcf_frame", "rbd_mjcf_place", "rbd_mjcf_finding", "rbd_mjcf"]
-    unit = '#include "rbd_contact.h"\n#include "rbd_ik.h"\n#include "rbd_actuator.h"\n#include "rbd_urdf.h"\n#include "rbd_mjcf.h"\nconst size_t sizes[] = {%s};' % ", ".join(
+    unit = '#include "rbd_contact.h"\n#include "rbd_tasks.h"\n#include "rbd_estimate.h"\n#include "rbd_actuator.h"\n#include "rbd_urdf.h"\n#include "rbd_mjcf.h"\nconst size_t sizes[] = {%s};' % ", ".join(
         f"sizeof({name})" for name in names)
     sizes = (ctypes.c_size_t * len(names)).in_dll(_compile([unit], ["cc"]), "sizes")
     assert list(sizes) == [ctypes.sizeof(rbd.structure(name)) for name in names]

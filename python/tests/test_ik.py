@@ -62,14 +62,14 @@ def test_bad_targets_are_named(iiwa):
         with pytest.raises(kind, match=text.replace("(", r"\(")):
             iiwa.ik([target])
     with pytest.raises(ValueError, match="held must be 0 or 1"):
-        iiwa.ik([rbd.IkTarget()], held=[2] * 7)
+        iiwa.ik([rbd.IkTarget("point")], held=[2] * 7)
     with pytest.raises(rbd.RbdError):
         iiwa.ik([])
     with pytest.raises(rbd.RbdError, match="field 'starts'"):
-        iiwa.ik(rbd.IkTarget(), starts=-1)
+        iiwa.ik(rbd.IkTarget("point"), starts=-1)
     with pytest.raises(rbd.RbdError, match="field 'evaluations'") as error:
-        iiwa.ik(rbd.IkTarget(), evaluations=1)
+        iiwa.ik(rbd.IkTarget("point"), evaluations=1)
     assert error.value.status == rbd.Status.ERR_RANGE
     ball = rbd.Model([rbd.Body("ball", type="spherical", mass=1, inertia=(1, 0, 0, 1, 0, 1))])
     with pytest.raises(rbd.RbdError, match="field 'held': only a part of a spherical, planar or floating joint is held"):
-        ball.ik(rbd.IkTarget(), held=[1, 0, 1])
+        ball.ik(rbd.IkTarget("point"), held=[1, 0, 1])

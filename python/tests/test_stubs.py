@@ -74,8 +74,9 @@ def test_stubs_have_every_public_name(stubs):
         thing = getattr(rbd, name)
         if not isinstance(thing, type) or issubclass(thing, (tuple, enum.Enum, Warning)):
             continue
-        methods = {node.name for node in found[name].body if isinstance(node, ast.FunctionDef)}
-        methods |= {node.target.id for node in found[name].body if isinstance(node, ast.AnnAssign)}
+        body = [node for owner in thing.__mro__ if owner.__name__ in found for node in found[owner.__name__].body]
+        methods = {node.name for node in body if isinstance(node, ast.FunctionDef)}
+        methods |= {node.target.id for node in body if isinstance(node, ast.AnnAssign)}
         seen = {member for member in dir(thing) if not member.startswith("_")} - set(dir(Exception))
         assert seen <= methods, f"{name}: {seen - methods}"
     assert (PYTHON / "rbd/py.typed").is_file()

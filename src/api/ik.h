@@ -11,14 +11,15 @@
 /* ---- targets [targets] ---- */
 
 typedef enum rbd_ik_kind {
-    RBD_IK_POINT,    /* a point of the body at a place */
-    RBD_IK_POSE,     /* the point at a place, and the body turned to a rotation */
-    RBD_IK_ROTATION, /* the body turned to a rotation */
-    RBD_IK_AXIS,     /* an axis of the body along a direction; the turn about it is free */
-    RBD_IK_COM       /* the centre of mass of the robot at a place */
+    RBD_IK_POINT = 1, /* a point of the body at a place */
+    RBD_IK_POSE,      /* the point at a place, and the body turned to a rotation */
+    RBD_IK_ROTATION,  /* the body turned to a rotation */
+    RBD_IK_AXIS,      /* an axis of the body along a direction; the turn about it is free */
+    RBD_IK_COM        /* the centre of mass of the robot at a place */
 } rbd_ik_kind;
 
-/* One wish. Zero is a sensible default for every field that the kind needs not. */
+/* One wish. Zero is a sensible default for every field that the kind needs not; a kind of 0 is an error, so
+   that a forgotten target is not a wish. */
 typedef struct rbd_ik_target {
     rbd_ik_kind kind;
     int body;              /* index in the description; a centre of mass has none */
@@ -76,7 +77,7 @@ typedef struct rbd_ik_result {
    Damped least squares (Wampler 1986) with the damping of Sugihara (2011); joints that would pass a limit are
    set on it, and the others solved for again (Flacco, De Luca and Khatib 2015).
    Errors, in result->error: RBD_ERR_NULL, but without a result RBD_IK_ERROR alone; _WORK; _MEMORY; _COUNT, n
-   below 1 or above 1000; _INDEX, a body; _TYPE, a kind; _POSITION, _ROTATION, _AXIS; _MASS, a centre of mass
+   below 1 or above 1000; _INDEX, a body; _TYPE, no kind; _POSITION, _ROTATION, _AXIS; _MASS, a centre of mass
    of a robot without mass; _MASSLESS, that of a robot some of whose joints move none; _RANGE, a weight, an
    option or q; _INFEASIBLE, a part of a joint is held; _NAN, q is not finite, or the errors at each start
    overflow. */

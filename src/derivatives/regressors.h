@@ -3,6 +3,8 @@
 #include "model/wide.h"
 #include "derivatives/momentum.h"
 
+/* Interface: rbdi_regress_body, rbdi_regressor_motion */
+
 /* ---- regressors and inertial parameters [identification code] ----
    f = I a + v x* I v (RBDA table 5.1) is linear in a body's parameters, f = K pi: row i of Y is S_i' K. */
 
@@ -168,51 +170,55 @@ RBDI_INLINE void rbdi_regress(const rbd_real *K, ptrdiff_t stride, rbdi_motion S
     RBDI_UNROLL_SIX for (int j = 0; j < 3; ++j) { *(rbdi_four *)&y[at[j]] = sum[j]; }
 }
 
-/* A free base's six rows are the unit wrenches themselves. */
+/* A body's ten columns of the regressor, Y, whose rows are `columns` apart; after rbdi_link_motions. A free
+   base's six rows are the unit wrenches themselves. */
+RBDI_PART void rbdi_regress_body(const rbd_model *m, const rbd_derivatives *d, const rbdi_frame *body,
+                                 rbd_real *Y, ptrdiff_t columns) {
+    /* copies, which no store can change */
+    const rbdi_entry *entry = d->entry;
+    const rbd_real *S = RBDI_FIELD(d, S);
+    const int base = d->base;
+    const ptrdiff_t stride = base ? columns : 10;
+    rbd_real own[60], *K = base ? Y : own;
+    rbdi_placement p;
+    int k = rbdi_last_dof(m, body->link);
+
+    rbdi_place_body(m, d, body, &p);
+    rbdi_unit_wrenches(d, k, &p, K, stride);
+
+    for (; k >= base; k = entry[k].parent) {
+        rbd_real *y = Y + entry[k].user * columns;
+        const rbdi_motion S_k = rbdi_load_motion(S + entry[k].at, RBDI_BATCH);
+
+        if (rbdi_mimics(m)) {
+            const rbd_real ratio = rbdi_ratio(m, entry[k].source);
+            rbd_real part[10];
+            rbdi_regress(K, stride, S_k, part);
+            for (int j = 0; j < 10; ++j) y[j] = y[j] + part[j] * ratio;
+        } else
+            rbdi_regress(K, stride, S_k, y);
+    }
+}
+
+/* The motion that the regressor of every body is made of. */
+RBDI_PART void rbdi_regressor_motion(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
+                                     const rbd_real *v, const rbd_real *a) {
+    const int base = d->base;
+    rbdi_common_motion(m, d, base, q, v, a, d->work->gravity, RBDI_NEED_WRENCH | RBDI_NEED_WHOLE);
+    rbdi_link_motions(d, base);
+}
+
 RBDI_API rbd_status rbd_regressor(const rbd_model *m, rbd_derivatives *d, const rbd_real *q,
                                   const rbd_real *v, const rbd_real *a, rbd_real *Y) {
     const rbd_status status = rbdi_check_derivatives(m, d, q && v && a && Y);
     const ptrdiff_t columns = m ? 10 * m->nb : 0;
-    const rbdi_entry *entry;
-    const rbd_real *S;
-    rbd_real own[60], *K = own;
-    int base;
     if (status) return status;
 
-    /* copies, which no store can change */
-    entry = d->entry;
-    S = RBDI_FIELD(d, S);
-    base = d->base;
-
-    rbdi_common_motion(m, d, base, q, v, a, d->work->gravity, RBDI_NEED_WRENCH | RBDI_NEED_WHOLE);
-    rbdi_link_motions(d, base);
+    rbdi_regressor_motion(m, d, q, v, a);
     if (!d->keep_zeros || rbdi_mimics(m)) rbdi_clear(Y, m->nv * 10 * m->nb);
 
-    for (int i = 0; i < m->nb; ++i, Y += 10) {
-        const rbdi_frame *body = &m->frame[i];
-        const ptrdiff_t stride = base ? columns : 10;
-        rbdi_placement p;
-        int k;
-        if (body->link < 0) continue;
-
-        if (base) K = Y;
-        rbdi_place_body(m, d, body, &p);
-        k = rbdi_last_dof(m, body->link);
-        rbdi_unit_wrenches(d, k, &p, K, stride);
-
-        for (; k >= base; k = entry[k].parent) {
-            rbd_real *y = Y + entry[k].user * columns;
-            const rbdi_motion S_k = rbdi_load_motion(S + entry[k].at, RBDI_BATCH);
-
-            if (rbdi_mimics(m)) {
-                const rbd_real ratio = rbdi_ratio(m, entry[k].source);
-                rbd_real part[10];
-                rbdi_regress(K, stride, S_k, part);
-                for (int j = 0; j < 10; ++j) y[j] = y[j] + part[j] * ratio;
-            } else
-                rbdi_regress(K, stride, S_k, y);
-        }
-    }
+    for (int i = 0; i < m->nb; ++i, Y += 10)
+        if (m->frame[i].link >= 0) rbdi_regress_body(m, d, &m->frame[i], Y, columns);
     return RBD_OK;
 }
 

@@ -2,6 +2,8 @@
 #define RBDI_IK_CHECK_H
 #include "ik/targets.h"
 
+/* Interface: rbdi_ik_is_axis, rbdi_ik_is_place, rbdi_ik_is_rotation, rbdi_ik_within */
+
 /* ---- checks [checks] ---- */
 
 /* Notes an error; returns it. */
@@ -47,7 +49,8 @@ RBDI_LOCAL rbd_status rbdi_ik_check_target(const rbd_model *m, const rbd_ik_targ
                                            rbd_ik_result *result) {
     const int kind = (int)t->kind;
     const int com = t->kind == RBD_IK_COM;
-    if (kind < 0 || kind > (int)RBD_IK_COM) return rbdi_ik_refuse(result, RBD_ERR_TYPE, i, "kind");
+    if (kind < (int)RBD_IK_POINT || kind > (int)RBD_IK_COM)
+        return rbdi_ik_refuse(result, RBD_ERR_TYPE, i, "kind");
     if (!com && (t->body < 0 || t->body >= m->nb)) return rbdi_ik_refuse(result, RBD_ERR_INDEX, i, "body");
     if (com && !(rbd_mass(m) > 0)) return rbdi_ik_refuse(result, RBD_ERR_MASS, i, "kind");
     if (com && rbdi_massless_dof(m) >= 0) return rbdi_ik_refuse(result, RBD_ERR_MASSLESS, i, "kind");

@@ -4,6 +4,8 @@
 #include "dynamics/crba.h"
 #include "ik/layout.h"
 
+/* Interface: rbdi_ik_limits */
+
 /* ---- dofs [dofs] ---- */
 
 /* Marks the dofs that move link i: 1, or 2 if they turn. With mimic joints those that they follow. */
@@ -12,8 +14,8 @@ RBDI_LOCAL void rbdi_ik_mark(const rbd_model *m, int i, int16_t *mark) {
         const rbdi_link *l = &m->link[i];
         const int block = rbdi_is(l, RBDI_BLOCK);
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
-            const int slides = block ? rbdi_block_of(m, l)->first + j >= 3
-                                     : rbdi_is(l, RBDI_SCREW) && !(l->rho < 0 || l->rho > 0);
+            const int slides =
+                block ? rbdi_block_of(m, l)->first + j >= 3 : rbdi_is(l, RBDI_SCREW) && !(l->rho > 0);
             int16_t *to = &mark[rbdi_source(m, l->iv + j)];
             if (!slides)
                 *to = 2;

@@ -4,6 +4,8 @@
 #include "base/tolerances.h"
 #include "api/ik.h"
 
+/* Interface: rbdi_ik_dof, RBDI_IK_MOST */
+
 /* ---- method [method] ----
    The errors e of all targets, angles times `length`, times the root of the target's weight, stand in one
    vector; J is its Jacobian over the dofs that move a target. A step d minimises

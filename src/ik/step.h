@@ -3,6 +3,8 @@
 #include "motion/manifold.h"
 #include "ik/layout.h"
 
+/* Interface: rbdi_ik_copy, rbdi_ik_larger, rbdi_ik_smaller */
+
 /* ---- step [step] ---- */
 
 RBDI_LOCAL void rbdi_ik_copy(const rbd_real *from, int n, rbd_real *to) {

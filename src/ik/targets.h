@@ -3,6 +3,8 @@
 #include "motion/points.h"
 #include "ik/step.h"
 
+/* Interface: rbdi_ik_across, rbdi_ik_rotation, rbdi_ik_turn, rbdi_ik_unit */
+
 /* ---- targets [targets code] ---- */
 
 RBDI_INLINE int rbdi_ik_turns_body(rbd_ik_kind kind) {

@@ -20,7 +20,7 @@ RBDI_MESSAGES RBDI_PART const char *rbdi_ik_sentence(rbd_ik_status status) {
 RBDI_MESSAGES RBDI_PART const char *rbdi_ik_error(rbd_status error) {
     switch ((int)error) {
     case RBD_ERR_COUNT: return "fewer than 1 target, or more than 1000";
-    case RBD_ERR_TYPE: return "unknown kind of target";
+    case RBD_ERR_TYPE: return "no kind of target";
     case RBD_ERR_POSITION: return "not finite, or farther than 1e9 m";
     case RBD_ERR_AXIS: return "not finite, or of a length out of 1e-9 to 1e9";
     case RBD_ERR_INFEASIBLE: return "only a part of a spherical, planar or floating joint is held";

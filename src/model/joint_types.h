@@ -20,9 +20,9 @@
      of q        rbdi_joint_rates, rbdi_joint_velocity, rbdi_neutral_joint, rbdi_random_joint
      its fields  model/describe.h: rbdi_describe_joint, if a description has axes or a pitch
 
-   Floating joints are known in three more places, as bases of robots: model/features.h,
-   constraints/weights.h, contact/momentum.h. model/check.h asks whether a joint is fixed. No other room names
-   a type: the test `rooms` compares. */
+   Floating joints are known in four more places, as bases of robots: model/features.h,
+   constraints/weights.h, contact/momentum.h, estimate/estimate.h, tasks/contacts.h. model/check.h asks
+   whether a joint is fixed. No other room names a type: the test `rooms` compares. */
 
 /* Numbers of coordinates and dofs, and the axes of one-axis links, in order: 'a' axis, 'b' axis2, 'x' 'y' 'z'
    those of the joint frame. A type without axes is a block. */

@@ -156,24 +156,24 @@ RBDI_PART void rbdi_qp_place(rbdi_qp *s, void *memory) {
 RBDI_INLINE rbd_real rbdi_qp_larger(rbd_real a, rbd_real b) { return a > b ? a : b; }
 
 /* The weight of a row, 0 if it is hard. */
-RBDI_INLINE rbd_real rbdi_qp_weight(const rbdi_qp *s, int row) {
+RBDI_ONCE rbd_real rbdi_qp_weight(const rbdi_qp *s, int row) {
     return s->given.soft ? s->given.soft[row] : 0;
 }
-RBDI_INLINE int rbdi_qp_is_equality(const rbdi_qp *s, int row) {
+RBDI_ONCE int rbdi_qp_is_equality(const rbdi_qp *s, int row) {
     return s->given.lower[row] == s->given.upper[row];
 }
 /* The sign of the normal: 1 at the lower side, -1 at the upper one. */
 RBDI_INLINE rbd_real rbdi_qp_sign(int side) { return side > 0 ? -1 : 1; }
 
 /* The side at which an active row holds. */
-RBDI_INLINE rbd_real rbdi_qp_side(const rbdi_qp *s, int row) {
+RBDI_ONCE rbd_real rbdi_qp_side(const rbdi_qp *s, int row) {
     return s->side[row] > 0 ? s->given.upper[row] : s->given.lower[row];
 }
 /* Row of C, from where it is not 0; not for a bound. */
 RBDI_INLINE const rbd_real *rbdi_qp_c(const rbdi_qp *s, int row) {
     return s->given.C + (row - s->given.bounds) * s->n + s->from[row];
 }
-RBDI_INLINE rbd_real *rbdi_qp_column(const rbdi_qp *s, int k) { return s->R + k * (k + 1) / 2; }
+RBDI_ONCE rbd_real *rbdi_qp_column(const rbdi_qp *s, int k) { return s->R + k * (k + 1) / 2; }
 RBDI_INLINE rbd_real *rbdi_qp_j(const rbdi_qp *s, int k) { return s->J + k * s->n; }
 
 #endif

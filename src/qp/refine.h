@@ -71,13 +71,13 @@ RBDI_PART void rbdi_qp_correct(rbdi_qp *s, rbd_real *x) {
     for (int j = 0; j < s->q; ++j) s->u[j] = s->u[j] + s->r[j];
 }
 
-/* The multipliers of the equalities; result.dual; and corrections where the residuals exceed rounding. */
+/* The multipliers of the equalities; result.dual; and corrections where the residuals exceed rounding of x,
+   which may be far less than it was on the way. */
 RBDI_PART void rbdi_qp_refine(rbdi_qp *s, rbd_real *x) {
-    const rbd_real furthest = rbdi_qp_largest(s->reach, s->n);
-
     for (int corrections = 0;; ++corrections) {
         rbd_real size, worst;
         const rbd_real missed = rbdi_qp_residuals(s, x, &size);
+        const rbd_real furthest = rbdi_qp_larger(rbdi_qp_largest(x, s->n), RBDI_QP_CANCELLED * s->furthest);
 
         rbdi_qp_balance(s, s->t, s->z);
         worst = rbdi_qp_largest(s->t, s->n);

@@ -130,12 +130,12 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
 
 #define RBDI_QP_BENT (8 * RBDI_EPS) /* of H times a way, for each variable: less is rounding */
 
-/* z = x - centre; whether the value falls on this way, and H does not bend it, but for rounding. */
-RBDI_PART int rbdi_qp_straight(rbdi_qp *s, const rbd_real *x) {
+/* z = x, or x - from; whether the value falls on this way, and H does not bend it, but for rounding. */
+RBDI_PART int rbdi_qp_straight(rbdi_qp *s, const rbd_real *x, const rbd_real *from) {
     rbd_real down = 0, curvature = 0, length = 0, largest = 0, rounding;
 
     for (int k = 0; k < s->n; ++k) {
-        s->z[k] = x[k] - s->centre[k];
+        s->z[k] = from ? x[k] - from[k] : x[k];
         down = down + s->given.f[k] * s->z[k];
         length = rbdi_qp_larger(length, rbdi_abs(s->z[k]));
         largest = rbdi_qp_larger(largest, s->given.H[k * s->n + k]);
@@ -203,8 +203,10 @@ RBDI_PART rbd_qp_status rbdi_qp_rounds(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mi
             return RBD_QP_OK;
         if (s->result.rounds >= s->options.rounds) return RBD_QP_ITERATIONS;
 
-        ahead = rbdi_qp_straight(s, x) ? 2 * ahead : 1;
-        if (ahead > 4 && rbdi_qp_endless(s)) return rbdi_qp_falls(s) ? RBD_QP_UNBOUNDED : RBD_QP_INACCURATE;
+        /* Far away x itself points along the way, also where the last round went along rows that end. */
+        ahead = rbdi_qp_straight(s, x, s->centre) ? 2 * ahead : 1;
+        if (ahead > 4 && (rbdi_qp_endless(s) || (rbdi_qp_straight(s, x, NULL) && rbdi_qp_endless(s))))
+            return rbdi_qp_falls(s) ? RBD_QP_UNBOUNDED : RBD_QP_INACCURATE;
         for (int k = 0; k < s->n; ++k) {
             s->centre[k] = s->centre[k] + ahead * (x[k] - s->centre[k]);
             s->g[k] = s->given.f[k] - s->rho * s->centre[k];

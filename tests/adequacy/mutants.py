@@ -25,8 +25,8 @@ HERE = Path(__file__).resolve().parent
 TESTS = ROOT / "tests"
 FIELDS = ["function", "text", "mutated"]
 ABORT = ["-Wl,--wrap=_ck_assert_failed"]  # the first failure ends the program: see stop.c
-COUNT = {"rbd.h": 300, "rbd_derivatives.h": 100, "rbd_constraints.h": 100, "rbd_contact.h": 100, "rbd_ik.h": 60, "rbd_actuator.h": 60, "rbd_batch.h": 50, "rbd_spatial.h": 50,
-         "rbd_qp.h": 50}  # that compile
+COUNT = {"rbd.h": 300, "rbd_derivatives.h": 100, "rbd_constraints.h": 100, "rbd_contact.h": 100, "rbd_ik.h": 60, "rbd_estimate.h": 60, "rbd_actuator.h": 60, "rbd_batch.h": 50, "rbd_spatial.h": 50,
+         "rbd_qp.h": 50, "rbd_tasks.h": 60}  # that compile
 
 # ---- mutants ----
 
@@ -233,7 +233,7 @@ class Stage:
     arguments: tuple = ()
     parts: tuple = ("",) # Check's suites that are run one by one, the quickest first
     functions: str = "" # which functions' mutants it can see and the stages before it cannot; all
-    headers: str = "rbd.h|rbd_derivatives.h|rbd_constraints.h|rbd_contact.h|rbd_ik.h|rbd_actuator.h" # and which headers'
+    headers: str = "rbd.h|rbd_derivatives.h|rbd_constraints.h|rbd_contact.h|rbd_ik.h|rbd_estimate.h|rbd_actuator.h|rbd_tasks.h" # and which headers'
 
 
 def suite_sources():
@@ -295,6 +295,8 @@ def stages(header):
 
     out = [qp("double"), qp("float", "-DRBD_REAL=float"), qp("sanitized", *SANITIZE, link=SANITIZE[:2]),
            Stage("ik double", (("ik_scalars.c", ("-O1", APART)),), headers="rbd_ik"),
+           Stage("estimate double", (("estimate_scalars.c", ("-O1", APART)),), headers="rbd_estimate"),
+           Stage("tasks double", (("tasks_scalars.c", ("-O1", APART)),), headers="rbd_tasks"),
            Stage("actuator double", (("actuator_scalars.c", ("-O1", APART)),), headers="rbd_actuator"),
            spatial("double"), spatial("4 lanes", "-DRBD_LANES=4"), spatial("float", "-DRBD_REAL=float"),
            Stage("spatial frames", (("spatial_frames.c", ("-O0",)),), headers="rbd_spatial"),

@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "src"))
 import amalgamate  # noqa: E402
 
-STOREYS = ["api", "base", "qp", "algebra", "spatial", "model", "dynamics", "motion", "derivatives", "constraints", "contact", "ik", "actuator", "batch"]
+STOREYS = ["api", "base", "qp", "algebra", "spatial", "model", "dynamics", "motion", "derivatives", "constraints", "contact", "ik", "estimate", "actuator", "tasks", "batch"]
 OPEN = ["api", "base", "algebra"]
 # Files outside of src/ that have something for each joint type.
 OUTSIDE = ["tools/print.c", "tests/textbook.c", "tests/fuzz/robots.c", "tests/fuzz/world.c"]

@@ -5,8 +5,10 @@
 #include "rbd_contact.h"
 #include "rbd_derivatives.h"
 #include "rbd_ik.h"
+#include "rbd_estimate.h"
 #include "rbd_actuator.h"
 #include "rbd_qp.h"
+#include "rbd_tasks.h"
 #include "models/hyq_model.h"
 
 enum { NQ = HYQ_NQ, NV = HYQ_NV, FEET = 4, LEGS_DOFS = NV - 6, LARGEST = 2 * NV * NV + NV };
@@ -144,6 +146,29 @@ HERE int inverse_kinematics(const rbd_model *m, const state *s, rbd_real *out) {
     return RBD_OK;
 }
 
+/* Velocities that lift a foot, within the limits of the joints. */
+HERE int whole_body(const rbd_model *m, const state *s, rbd_real *out) {
+    unsigned char work[HYQ_WORK_SIZE], memory[RBD_TASKS_SIZE(NV, 3, 0, 0)];
+    const rbd_task none = {RBD_TASK_POINT};
+    const rbd_tasks nothing = {0};
+    rbd_task task = none;
+    rbd_tasks p = nothing;
+    rbd_tasks_result result;
+    rbd_work *w;
+    const rbd_status status = rbd_work_init(m, work, sizeof work, &w);
+    if (status) return status;
+
+    task.body = HYQ_BODY_LF_LOWERLEG;
+    task.point[0] = (rbd_real)0.33;
+    task.velocity[5] = (rbd_real)0.1;
+    p.task = &task;
+    p.tasks = 1;
+    p.dt = (rbd_real)1e-3;
+    if (rbd_tasks_velocity(m, w, &p, s->q, memory, sizeof memory, out, &result) == RBD_TASKS_ERROR)
+        return result.error;
+    return RBD_OK;
+}
+
 /* Currents of the legs' motors, and the level of their friction. */
 HERE int motor_currents(const rbd_model *m, const state *s, rbd_real *out) {
     unsigned char memory[RBD_ACTUATORS_SIZE(LEGS_DOFS, 0, 0)];
@@ -183,5 +208,6 @@ HERE int motor_currents(const rbd_model *m, const state *s, rbd_real *out) {
     CALL(constrained, NV + 3 * FEET) \
     CALL(quadratic_program, 2 * NV + 1) \
     CALL(inverse_kinematics, NQ) \
+    CALL(whole_body, NV) \
     CALL(motor_currents, 2 * LEGS_DOFS) \
     CALL(contact_step, NQ + NV + 3 * FEET)

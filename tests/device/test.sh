@@ -44,7 +44,7 @@ falls() {
 ptx() {
     clang++-19 -x cuda --cuda-device-only -nocudainc -nocudalib --cuda-gpu-arch="$1" "$2" -mcmodel=medium -std=c++11 \
         -Wall -Werror -Wno-unknown-cuda-version -S -I"$root" "$kernels" -o "$scratch/$1.ptx" || return 1
-    [ "$(grep -c '\.visible \.entry' "$scratch/$1.ptx")" -eq 10 ] || { echo "not ten kernels"; return 1; }
+    [ "$(grep -c '\.visible \.entry' "$scratch/$1.ptx")" -eq 11 ] || { echo "not eleven kernels"; return 1; }
     ! grep '\.extern' "$scratch/$1.ptx"
 }
 

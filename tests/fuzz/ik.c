@@ -92,7 +92,8 @@ static void try_pose(int a, uint64_t seed, tally *t) {
 /* Places beyond the sphere of the iiwa's stretched arm: the distance is known. Returns by how much it is off.
    */
 static double try_far(uint64_t seed, tally *t) {
-    rbd_ik_target target = {.body = 6, .point = {iiwa_tool[0], iiwa_tool[1], iiwa_tool[2]}};
+    rbd_ik_target target = {
+        .kind = RBD_IK_POINT, .body = 6, .point = {iiwa_tool[0], iiwa_tool[1], iiwa_tool[2]}};
     rbd_real q[MOST_Q] = {0}, shoulder[3], end[3];
     double reach, beyond, up, turn;
     rbd_ik_result result;

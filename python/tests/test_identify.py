@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: MIT
+"""rbd-identify: simulated logs, of which the truth is known."""
+import csv
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import rbd
+from rbd import _identify
+from rbd import _identifying as tool
+
+URDF = rbd.SOURCES / "models/iiwa.urdf"
+COULOMB, VISCOUS = np.array([3, 4, 2, 2.5, 1, 0.8, 0.4]), np.array([1, 1.5, 0.8, 1, 0.4, 0.3, 0.1])
+OFFSET, NOISE, DT = np.array([0.1, -0.2, 0.05, 0.1, 0, -0.05, 0.02]), 0.1, 0.005
+
+
+@pytest.fixture(scope="module")
+def robots(double):
+    """As described, and the true one, of other masses."""
+    random = np.random.default_rng(3)
+    urdf = rbd.load_urdf(URDF)
+    bodies = []
+    for body in urdf.bodies:
+        factor = random.uniform(0.8, 1.25)
+        bodies.append(replace(body, mass=body.mass * factor, inertia=tuple(factor * x for x in body.inertia),
+                              com=tuple(x + random.uniform(-0.01, 0.01) for x in body.com)))
+    return rbd.Model(urdf, library=double), rbd.Model(bodies, gravity=urdf.gravity, library=double)
+
+
+def motion(n, seed):
+    """Sums of five sines with a common period, which all joints have in other shares."""
+    random, t = np.random.default_rng(seed), DT * np.arange(n)[:, None, None]
+    rate = 2 * np.pi * 0.1 * np.arange(1, 6)[None, None, :]
+    a, b = random.uniform(-0.4, 0.4, (2, 1, 7, 5))
+    q = (a * np.sin(rate * t) + b * np.cos(rate * t)).sum(axis=2)
+    v = (rate * (a * np.cos(rate * t) - b * np.sin(rate * t))).sum(axis=2)
+    acceleration = (-rate ** 2 * (a * np.sin(rate * t) + b * np.cos(rate * t))).sum(axis=2)
+    return q, v, acceleration
+
+
+def write_log(path, truth, seed, n=4000, noise=NOISE, move=lambda q, v, a: (q, v, a), header=None):
+    q, v, a = move(*motion(n, seed))
+    random = np.random.default_rng(seed + 100)
+    tau = truth.rnea(q, v, a) + COULOMB * np.sign(v) + VISCOUS * v + OFFSET + noise * random.normal(size=q.shape)
+    names = truth.dof_names
+    with open(path, "w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(header or ["time", *(f"q:{x}" for x in names), *(f"tau:{x}" for x in names)])
+        measured = q + 1e-6 * random.normal(size=q.shape)
+        writer.writerows(np.column_stack([DT * np.arange(n), measured, tau]).tolist())
+    return path
+
+
+def test_a_simulated_log_gives_its_truth(robots, tmp_path, capsys):
+    described, truth = robots
+    log, other = write_log(tmp_path / "log.csv", truth, 1), write_log(tmp_path / "other.csv", truth, 2)
+    options = tool.parse([str(URDF), str(log), "--validate", str(other), "--out", str(tmp_path / "found")])
+    found = tool.run(options)
+    assert not found.unknown
+    assert np.abs(found.friction[:, 0] - COULOMB).max() < 0.1
+    assert np.abs(found.friction[:, 1] - VISCOUS).max() < 0.1
+    assert np.abs(found.friction[:, 2] - OFFSET).max() < 0.05
+
+    # base parameters: within their confidence, and far nearer than the description
+    independent, combinations = _identify.structure_of(truth)
+    pi = np.concatenate([truth.body_parameters(k) for k in range(truth.nb)])
+    off = np.abs(found.base - combinations @ pi) / found.base_deviation
+    assert np.median(off) < 1.5 and np.mean(off < 3) > 0.9
+    assert len(independent) == len(found.base) == np.linalg.matrix_rank(
+        described.regressor(*np.random.default_rng(0).uniform(-2, 2, (3, 300, 7))).reshape(-1, 70), tol=1e-7)
+
+    # each body exists, and the file has them: it predicts the other log to the noise
+    for body in found.parameters:
+        described.library.check_parameters(body)
+    again = rbd.Model.from_urdf(tmp_path / "found/identified.urdf")
+    q, v, a = motion(2000, 2)
+    rest = truth.rnea(q, v, a) - again.rnea(q, v, a)
+    wrong = truth.rnea(q, v, a) - described.rnea(q, v, a)
+    assert (np.sqrt((rest ** 2).mean(axis=0)) < 0.05).all()
+    assert np.sqrt((rest ** 2).mean()) < 0.02 * np.sqrt((wrong ** 2).mean())
+    body = again.describe(again.joint_names.index(found.joints[1]))
+    assert body.friction[0] == pytest.approx(found.friction[1, 0], rel=1e-6)
+    assert body.damping[0] == pytest.approx(found.friction[1, 1], rel=1e-6)
+    table = rbd.Model(rbd.load_table(tmp_path / "found/identified.h"))
+    assert np.allclose(table.rnea(q, v, a), again.rnea(q, v, a), atol=1e-6)
+    assert "<polyline" in (tmp_path / "found/residuals.svg").read_text()
+    rows = list(csv.DictReader(open(tmp_path / "found/base_parameters.csv")))
+    assert len(rows) == len(found.base) and all(float(r["low"]) < float(r["found"]) < float(r["high"]) for r in rows)
+    assert found.joints[0] in capsys.readouterr().out
+
+
+def test_currents_and_a_part_as_judge(robots, tmp_path):
+    _, truth = robots
+    names = truth.dof_names
+    log = write_log(tmp_path / "log.csv", truth, 1, header=[
+        "time", *(f"q:{x}" for x in names), f"current:{names[0]}", *(f"tau:{x}" for x in names[1:])])
+    with pytest.raises(tool.IdentifyError, match=f"'{names[0]}' has currents: give --constant"):
+        tool.run(tool.parse([str(URDF), str(log), "--out", str(tmp_path)]))
+    found = tool.run(tool.parse([str(URDF), str(log), "--out", str(tmp_path), "--constant", f"{names[0]}=1"]), str)
+    assert abs(found.friction[0, 0] - 3) < 0.15
+
+
+def test_a_log_without_excitation_names_what_it_lacks(robots, tmp_path):
+    _, truth = robots
+
+    def only(joint):
+        def move(q, v, a):
+            mask = np.arange(7) == joint
+            return np.where(mask, q, 0.3), v * mask, a * mask
+        return move
+
+    log = write_log(tmp_path / "log.csv", truth, 1, move=only(3))
+    with pytest.raises(tool.IdentifyError, match="joint '.*' moves faster than 0.02 rad/s in 0 samples only"):
+        tool.run(tool.parse([str(URDF), str(log), "--out", str(tmp_path)]), str)
+
+    def together(q, v, a):  # one joint after the other has the same motion: only some sums are told
+        return q[:, :1] * np.ones(7) * 0.01, v[:, :1] * np.ones(7) * 0.01 + 0.05, a[:, :1] * np.ones(7) * 0.0
+
+    log = write_log(tmp_path / "log.csv", truth, 1, move=together)
+    said = []
+    found = tool.run(tool.parse([str(URDF), str(log), "--out", str(tmp_path), "--slow", "0.0001"]), said.append)
+    assert found.unknown and any("not enough excitation" in line and found.unknown[0] in line for line in said)
+    for body in found.parameters:
+        truth.library.check_parameters(body)
+
+
+@pytest.mark.parametrize("change, message", [
+    (lambda rows: rows[0].__setitem__(8, "tua:" + rows[0][8][4:]), r"unknown column 'tua:.*': did you mean 'tau:"),
+    (lambda rows: [row.pop(3) for row in rows], r"joint '.*' has no column 'q:"),
+    (lambda rows: [row.pop(8) for row in rows], r"needs either a column 'tau:.*' or 'current:"),
+    (lambda rows: rows[17].__setitem__(4, "nan"), r"row 18, column 'q:.*': nan is not finite"),
+    (lambda rows: rows[17].__setitem__(4, "x"), r"row 18, column 'q:.*': 'x' is no number"),
+    (lambda rows: rows[17].pop(), r"row 18: 14 values, but the header has 15 columns"),
+    (lambda rows: rows.pop(50), r"row 51: a step of 0.01 s; the others have 0.005 s"),
+    (lambda rows: rows[0].__setitem__(2, rows[0][1]), r"column 'q:.*' stands twice"),
+    (lambda rows: [row.pop(0) for row in rows], r"no column 'time': give --dt"),
+    (lambda rows: rows.__delitem__(slice(30, None)), r"29 samples are too few"),
+    (lambda rows: rows.__delitem__(slice(1, None)), r"no samples"),
+])
+def test_a_bad_log_is_refused_by_name(robots, tmp_path, change, message, capsys):
+    path = write_log(tmp_path / "log.csv", robots[1], 1, n=200)
+    with open(path) as file:
+        rows = list(csv.reader(file))
+    change(rows)
+    with open(path, "w", newline="") as file:
+        csv.writer(file).writerows(rows)
+    with pytest.raises(tool.IdentifyError, match=message):
+        tool.run(tool.parse([str(URDF), str(path), "--out", str(tmp_path)]), str)
+    assert tool.main([str(URDF), str(path), "--out", str(tmp_path)]) == 1
+    assert capsys.readouterr().err.startswith("rbd-identify: ")
+
+
+def test_other_robots_and_words_are_refused(tmp_path):
+    assert tool.main([str(rbd.SOURCES / "models/five_bar.urdf"), str(tmp_path / "none.csv")]) == 1
+    assert tool.main([str(URDF), str(tmp_path / "none.csv")]) == 1
+    with pytest.raises(tool.IdentifyError, match="write JOINT=NUMBER"):
+        tool.constants_of(["a"])
+    assert tool.constants_of(["a=b=2.5"]) == {"a=b": 2.5}

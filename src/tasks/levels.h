@@ -1,0 +1,180 @@
+#ifndef RBDI_TASKS_LEVELS_H
+#define RBDI_TASKS_LEVELS_H
+#include "tasks/rows.h"
+
+/* ---- levels [levels] ---- */
+
+/* Which limit a row of the QP is: of motion, of torque, or of contact `at`, there the normal force or a side
+   of its friction. */
+typedef struct rbdi_tasks_limit {
+    rbd_tasks_part part; /* RBD_TASKS_NOTHING: a tangential force, or a row of a task */
+    int at;              /* dof or contact */
+    int kept;            /* its place in k->kept; -1: an equality */
+} rbdi_tasks_limit;
+
+/* row: counted with the bounds. */
+RBDI_LOCAL rbdi_tasks_limit rbdi_tasks_limit_of(const rbdi_tasks *k, int row) {
+    const int nv = k->nv, c = row - k->n, first_contact = 2 * nv;
+    rbdi_tasks_limit limit = {RBD_TASKS_NOTHING, -1, -1};
+
+    if (row < nv) {
+        limit.part = RBD_TASKS_MOTION_LIMIT;
+        limit.at = limit.kept = row;
+    } else if (c < 0) {
+        if ((row - nv) % 3 < 2) return limit;
+        limit.part = RBD_TASKS_FORCE;
+        limit.at = k->contact[(row - nv) / 3];
+        limit.kept = first_contact + RBDI_TASKS_CONTACT * limit.at;
+    } else if (c < k->dynamics) {
+        limit.part = RBD_TASKS_HELD;
+        limit.at = k->contact[c / 3];
+    } else if (c < k->friction) {
+        limit.part = rbdi_tasks_is_passive(k, c - k->dynamics) ? RBD_TASKS_PASSIVE : RBD_TASKS_TORQUE_LIMIT;
+        limit.at = c - k->dynamics;
+        limit.kept = nv + limit.at;
+    } else {
+        for (int i = 0, side = c - k->friction; i < k->closed; ++i) {
+            const int sides = k->given->contact[k->contact[i]].sides == 8 ? 8 : 4;
+            if (side < sides) {
+                limit.part = RBD_TASKS_FRICTION;
+                limit.at = k->contact[i];
+                limit.kept = first_contact + RBDI_TASKS_CONTACT * limit.at + 1 + side;
+                return limit;
+            }
+            side -= sides;
+        }
+    }
+    return limit;
+}
+
+/* Copies the sides at which limits hold from those kept of a level, or back. Rows of tasks have none. */
+RBDI_LOCAL void rbdi_tasks_keep(rbdi_tasks *k, int level, int rows, int back) {
+    signed char *kept = k->kept + (size_t)level * RBDI_TASKS_LIMITS(k->nv, k->given->contacts);
+
+    for (int row = 0; row < k->n + rows; ++row) {
+        const int at = rbdi_tasks_limit_of(k, row).kept;
+        if (!back)
+            k->side[row] = (signed char)(at < 0 ? 0 : kept[at]);
+        else if (at >= 0)
+            kept[at] = k->side[row];
+    }
+}
+
+/* The squares that every level has: of x alone. A newton counts as its acceleration of the
+   robot. */
+RBDI_LOCAL void rbdi_tasks_clear_squares(rbdi_tasks *k) {
+    const rbd_tasks *p = k->given;
+    const rbd_real motion = p->motion_cost > 0 ? p->motion_cost : rbdi_set(RBDI_TASKS_MOTION_COST);
+    const rbd_const mass = rbd_mass(k->m);
+    const rbd_real force = p->force_cost > 0 ? p->force_cost : motion / (mass > 0 ? mass * mass : RBD_C(1));
+
+    rbdi_clear(k->f, k->n);
+    rbdi_clear(k->H, k->n * k->n);
+    for (int i = 0; i < k->n; ++i) {
+        const rbd_real own = i < k->nv ? rbdi_zero() : p->contact[k->contact[(i - k->nv) / 3]].cost;
+        k->H[(ptrdiff_t)i * k->n + i] = i < k->nv ? motion : own > 0 ? own : force;
+    }
+}
+
+/* Solves the QP of a level, with the first rows of C: those of its own tasks are squares in it. */
+RBDI_LOCAL rbd_qp_status rbdi_tasks_solve_level(rbdi_tasks *k, int level, int rows) {
+    rbd_tasks_result *result = k->result;
+    rbd_qp_problem qp;
+    rbd_qp_options options;
+    rbd_qp_result done;
+
+    for (int i = 0; i < k->n; ++i)
+        for (int j = 0; j < i; ++j) k->H[(ptrdiff_t)j * k->n + i] = k->H[(ptrdiff_t)i * k->n + j];
+
+    qp.n = k->n;
+    qp.bounds = k->n;
+    qp.rows = rows;
+    qp.H = k->H;
+    qp.f = k->f;
+    qp.C = k->C;
+    qp.lower = k->lower;
+    qp.upper = k->upper;
+    qp.soft = k->soft;
+    options.steps = k->given->steps;
+    options.warm = k->given->warm;
+    options.rounds = 0;
+    options.accuracy = rbdi_zero();
+
+    if (options.warm) rbdi_tasks_keep(k, level, rows, 0);
+    result->qp = rbd_qp_solve(&qp, &options, k->scratch, k->scratch_size, k->x, k->lambda, k->side, &done);
+    rbdi_tasks_keep(k, level, rows, 1);
+    result->level = level;
+    result->steps += done.steps;
+    result->primal = rbdi_ik_larger(result->primal, done.primal);
+    result->dual = rbdi_ik_larger(result->dual, done.dual);
+    if (result->qp == RBD_QP_INACCURATE && rbdi_ik_larger(done.primal, done.dual) < RBDI_TASKS_ACCURACY)
+        return RBD_QP_OK;
+    return result->qp;
+}
+
+/* The value of a row, counted with the bounds, at x. */
+RBDI_LOCAL rbd_real rbdi_tasks_value(const rbdi_tasks *k, int row) {
+    if (row < k->n) return k->x[row];
+    return rbdi_tasks_dot(&k->C[(ptrdiff_t)(row - k->n) * k->n], k->x, k->n);
+}
+
+/* Before the next level: rows of tasks hold what they reached, and limits hold x. */
+RBDI_LOCAL void rbdi_tasks_freeze(rbdi_tasks *k, int rows) {
+    for (int row = 0; row < k->n + k->rows; ++row) {
+        const rbd_real value = rbdi_tasks_value(k, row);
+        if (row >= k->n + rows) {
+            k->lower[row] = value;
+            k->upper[row] = value;
+        } else if (k->lower[row] < k->upper[row]) {
+            k->lower[row] = rbdi_ik_smaller(k->lower[row], value);
+            k->upper[row] = rbdi_ik_larger(k->upper[row], value);
+        }
+        k->soft[row] = rbdi_zero();
+    }
+}
+
+/* Appends the rows and squares of the tasks of a level; returns how many tasks. */
+RBDI_LOCAL int rbdi_tasks_put_level(rbdi_tasks *k, int level) {
+    int tasks = 0;
+
+    rbdi_tasks_clear_squares(k);
+    for (int i = 0; i < k->given->tasks; ++i) {
+        if (k->given->task[i].level != level) continue;
+        rbdi_tasks_put_task(k, &k->given->task[i]);
+        ++tasks;
+    }
+    return tasks;
+}
+
+/* Whether a QP has ended with an x that is of use, though perhaps not the best. */
+RBDI_LOCAL int rbdi_tasks_has_answer(rbd_qp_status status) {
+    return status == RBD_QP_OK || status == RBD_QP_INACCURATE || status == RBD_QP_ITERATIONS ||
+           status == RBD_QP_UNBOUNDED;
+}
+
+/* Solves level by level. k->found is the answer, if there is any. */
+RBDI_LOCAL rbd_tasks_status rbdi_tasks_descend(rbdi_tasks *k) {
+    int solved = 0;
+
+    for (int level = 0; level < RBD_TASK_LEVELS && k->n > 0; ++level) {
+        const int rows = k->rows;
+        rbd_qp_status status;
+        if (!rbdi_tasks_put_level(k, level) && level > 0) continue;
+
+        status = rbdi_tasks_solve_level(k, level, rows);
+        if (status != RBD_QP_OK && solved) return RBD_TASKS_INEXACT;
+        if (status == RBD_QP_INFEASIBLE) return RBD_TASKS_INFEASIBLE;
+        if (!rbdi_tasks_has_answer(status)) {
+            rbdi_tasks_refuse(k->result, RBD_ERR_NAN, NULL);
+            return RBD_TASKS_ERROR;
+        }
+
+        rbdi_ik_copy(k->x, k->n, k->found);
+        if (status != RBD_QP_OK) return RBD_TASKS_INEXACT;
+        solved = 1;
+        rbdi_tasks_freeze(k, rows);
+    }
+    return RBD_TASKS_OK;
+}
+
+#endif
