@@ -483,7 +483,8 @@ START_TEST(temperatures_are_those_of_the_network) {
 }
 END_TEST
 
-/* A case that is joined to its winding 1e13 times better than to the air: 1 mW over 1e4 K/W are 10 degrees. */
+/* A case that is joined to its winding 1e13 times better than to the air: 1 mW over 1e4 K/W are 10
+   degrees. */
 START_TEST(a_winding_may_be_joined_closely_to_its_case) {
     const rbd_motor motor = {.joint = "axle",
                              .gear = 1,

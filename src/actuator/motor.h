@@ -48,9 +48,10 @@ RBDI_PART rbd_real rbdi_act_cogging(const rbd_motor *m, rbd_real angle) {
     return (rbd_real)m->gear * m->cogging * sine;
 }
 
-/* Cogging in a step, whose work is what its potential loses: its mean over the way dt x of the shaft, which is
+/* Cogging in a step, whose work is what its potential loses: its mean over the way dt x of the shaft,
 
-       gear cogging sin(theta + d/2) sin(d/2) / (d/2),   theta = teeth gear angle + phase,  d = teeth gear dt x
+       gear cogging sin(theta + d/2) sin(d/2) / (d/2)
+       theta = teeth gear angle + phase,   d = teeth gear dt x
 
    at the speed x before the step and, where it holds the rotor back and the way is short, implicit. */
 RBDI_PART void rbdi_act_cog(const rbd_motor *m, rbdi_act_shaft *s, rbd_real dt, rbd_real share) {

@@ -121,8 +121,8 @@ RBDI_API char *rbd_actuators_finding_text(const rbd_finding *finding, int n, cha
    q, v           nq, nv; v may be NULL for zero
    angle, speed   n, rad and rad/s; each may be NULL
    Errors: RBD_ERR_NULL; _NAN, q or v is not finite or above 1e9; _INFEASIBLE, a rod does not reach;
-   _SINGULAR, a rod at its dead centre: rbd_actuators_fault has the transmission; _ORDER, within a step: between
-   rbd_actuators_begin and the rbd_actuators_again that returns 0, or rbd_actuators_reset. */
+   _SINGULAR, a rod at its dead centre: rbd_actuators_fault has the transmission; _ORDER, within a step:
+   from rbd_actuators_begin to the rbd_actuators_again that returns 0, or to rbd_actuators_reset. */
 RBDI_API rbd_status rbd_actuators_map(rbd_actuators *a, const rbd_real *q, const rbd_real *v, rbd_real *angle,
                                       rbd_real *speed);
 
