@@ -483,6 +483,31 @@ START_TEST(temperatures_are_those_of_the_network) {
 }
 END_TEST
 
+/* A case that is joined to its winding 1e13 times better than to the air: 1 mW over 1e4 K/W are 10
+   degrees. */
+START_TEST(a_winding_may_be_joined_closely_to_its_case) {
+    const rbd_motor motor = {.joint = "axle",
+                             .gear = 1,
+                             .constant = 1,
+                             .resistance = 1e-3,
+                             .heat_winding = 1,
+                             .heat_case = 1,
+                             .flow_winding = 1e-9,
+                             .flow_case = 1e4};
+    rbd_body heavy[1];
+    memcpy(heavy, wheel, sizeof heavy);
+    heavy[0].inertia[5] = 1e12;
+    driven d = drive("heavy wheel", heavy, 1, &motor, 1, NULL, 0, NULL, 0, NULL);
+    rbd_actuator_state s;
+    d.command[0].torque = 1;
+    for (int k = 0; k < 1000; k++) step(&d, 1000);
+    ck_assert_int_eq(rbd_actuators_get(d.a, 0, &s), RBD_OK);
+    ck_assert_double_eq_tol(s.winding, 35, 1e-5);
+    ck_assert_double_eq_tol(s.housing, 35, 1e-5);
+    drive_free(&d);
+}
+END_TEST
+
 /* Between 60 and 80 degrees the limit of 10 A falls to 0: the winding stops where it heats as fast as it
    cools. */
 START_TEST(heat_lowers_the_limit_of_the_current) {
@@ -564,12 +589,47 @@ START_TEST(encoder_and_cogging_are_seen) {
         rbd_drive o;
         d.q[0] = q;
         d.command[0].kp = 100;
-        ck_assert_int_eq(rbd_actuators_begin(d.a, d.command, d.q, d.v, 1e-3, 0, d.tau, d.damping), RBD_OK);
-        ck_assert(fabs(d.tau[0] - (-100 * seen + 2 * 0.2 * sin(4 * 2 * q + 0.1))) < 1e-12);
         ck_assert_int_eq(rbd_actuators_inverse(d.a, d.q, zero, zero, zero, &o), RBD_OK);
         ck_assert(fabs(o.torque + 2 * 0.2 * sin(4 * 2 * q + 0.1)) < 1e-12);
+        ck_assert_int_eq(rbd_actuators_begin(d.a, d.command, d.q, d.v, 1e-3, 0, d.tau, d.damping), RBD_OK);
+        ck_assert(fabs(d.tau[0] - (-100 * seen + 2 * 0.2 * sin(4 * 2 * q + 0.1))) < 1e-12);
+        while (rbd_actuators_again(d.a, zero, d.tau, d.damping)) continue;
     }
     drive_free(&d);
+}
+END_TEST
+
+/* Cogging is a field of force: a rotor that swings between two teeth, or runs over them by a quarter of a
+   radian in a step, gains no more than a tenth of their height, by both kinds of steps. behind: whether a
+   spring lies between. Energy of the cogging: (cos(1200 angle) + 1) / 1200. */
+START_TEST(cogging_makes_no_energy) {
+    const int behind = _i % 2;
+    const rbd_motor motor = {.joint = "axle",
+                             .gear = -100,
+                             .constant = 1,
+                             .inertia = behind ? 1e-5 : 0,
+                             .stiffness = behind ? 1e4 : 0,
+                             .cogging = 0.01,
+                             .teeth = 12};
+    const double starts[3] = {1e-3, 0.1, 0.2};
+    for (int k = 0; k < 3; k++) {
+        driven d = drive_wheel_with(&motor, _i < 2 ? &first_order : NULL);
+        double first = 0, largest_energy = 0;
+        d.q[0] = pi / 1200, d.v[0] = starts[k];
+        ck_assert_int_eq(rbd_actuators_reset(d.a, d.q, 25), RBD_OK);
+        for (int i = 0; i < 10000; i++) {
+            rbd_actuator_state s;
+            step(&d, 1e-3);
+            ck_assert_int_eq(rbd_actuators_get(d.a, 0, &s), RBD_OK);
+            const double wound = s.angle - d.q[0];
+            double energy = 0.05 * d.v[0] * d.v[0] + (cos(1200 * s.angle) + 1) / 1200;
+            if (behind) energy += 0.05 * s.speed * s.speed + 0.5e4 * wound * wound;
+            if (i == 0) first = energy;
+            largest_energy = fmax(largest_energy, energy);
+        }
+        ck_assert_msg(largest_energy <= first + 1e-4, "%g after %g", largest_energy, first);
+        drive_free(&d);
+    }
 }
 END_TEST
 
@@ -1506,6 +1566,7 @@ START_TEST(bad_rotors_are_refused) {
     REFUSES(RBD_ERR_RANGE, x.inertia = -1);
     REFUSES(RBD_ERR_RANGE, x.inertia = NAN);
     REFUSES(RBD_ERR_RANGE, x.gear = INFINITY);
+    REFUSES(RBD_ERR_RANGE, x.gear = 0);
     ck_assert_int_eq(rbd_rotor_torque(r.m, r.w, &good, -1, q, v, v, f_ext, tau), RBD_ERR_COUNT);
     ck_assert_int_eq(rbd_rotor_torque(r.m, r.w, NULL, 1, q, v, v, f_ext, tau), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_rotor_torque(r.m, NULL, &good, 1, q, v, v, f_ext, tau), RBD_ERR_NULL);
@@ -1698,6 +1759,7 @@ START_TEST(mistakes_in_a_table_are_named) {
     MISTAKE(RBD_ERR_INDEX, "joint", x.joint = "ankle");
     MISTAKE(RBD_ERR_INDEX, "joint", x.joint = "hip");
     MISTAKE(RBD_ERR_RANGE, "hottest", x.hottest = 70);
+    MISTAKE(RBD_ERR_RANGE, "heat_winding", x.heat_winding = x.hot = x.hottest = 0);
     MISTAKE(RBD_ERR_RANGE, "delay", x.delay = -1);
     MISTAKE(RBD_ERR_RANGE, "delay", x.delay = 1001);
     MISTAKE(RBD_ERR_RANGE, "sampled", x.sampled = 2);
@@ -1766,6 +1828,7 @@ START_TEST(mistakes_in_a_transmission_are_named) {
     WRONG(RBD_ERR_RANGE, "matrix", t.matrix[3] = 1e30);
     WRONG(RBD_ERR_SINGULAR, "matrix", t.matrix[3] = 0);
     WRONG(RBD_ERR_SINGULAR, "matrix", memset(t.matrix, 0, sizeof t.matrix));
+    WRONG(RBD_ERR_SINGULAR, "matrix", (t.matrix[0] = t.matrix[3] = 1e-300, t.matrix[1] = t.matrix[2] = 0));
     two[1].joint = "knee";
     WRONG(RBD_ERR_INDEX, "motor", (void)0);
     two[1].joint = NULL;
@@ -1859,12 +1922,20 @@ START_TEST(arguments_are_checked) {
     ck_assert_int_eq(rbd_actuators_derivatives(NULL, NULL, NULL, NULL), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_actuators_fault(NULL), -1);
 
-    /* a step that gave no number ends, and the shafts stay */
+    /* a step that gave no number ends, and the shafts stay; within it no other state is looked at */
     ck_assert_int_eq(rbd_actuators_begin(d.a, d.command, q, q, 1e-3, 0, d.tau, d.damping), RBD_OK);
+    ck_assert_int_eq(rbd_actuators_map(d.a, q, q, NULL, NULL), RBD_ERR_ORDER);
+    ck_assert_int_eq(rbd_actuators_inverse(d.a, q, q, q, q, o), RBD_ERR_ORDER);
     ck_assert_int_eq(rbd_actuators_again(d.a, nan, d.tau, d.damping), 0);
     ck_assert_int_eq(rbd_actuators_get(d.a, 1, &s), RBD_OK);
     ck_assert(s.speed == 0 && s.angle == 0);
     ck_assert_int_eq(rbd_actuators_again(d.a, q, d.tau, d.damping), 0);
+    ck_assert_int_eq(rbd_actuators_map(d.a, q, q, NULL, NULL), RBD_OK);
+
+    /* one that could not begin is none */
+    ck_assert_int_eq(rbd_actuators_begin(d.a, d.command, q, q, 1e-3, 0, d.tau, d.damping), RBD_OK);
+    ck_assert_int_eq(rbd_actuators_begin(d.a, d.command, q, q, 0, 0, d.tau, d.damping), RBD_ERR_RANGE);
+    ck_assert_int_eq(rbd_actuators_derivatives(d.a, NULL, NULL, NULL), RBD_ERR_ORDER);
     drive_free(&d);
 }
 END_TEST
@@ -1885,10 +1956,12 @@ Suite *actuator_suite(void) {
     tcase_add_test(c, the_inverse_says_where_a_limit_cuts);
     tcase_add_test(c, a_light_wheel_ends_at_the_speed_without_load);
     tcase_add_loop_test(c, temperatures_are_those_of_the_network, 0, 3);
+    tcase_add_test(c, a_winding_may_be_joined_closely_to_its_case);
     tcase_add_test(c, heat_lowers_the_limit_of_the_current);
     tcase_add_loop_test(c, an_implicit_drive_is_stable_in_long_steps, 0, 2);
     tcase_add_loop_test(c, a_command_is_late_by_its_delay, 0, 4);
     tcase_add_test(c, encoder_and_cogging_are_seen);
+    tcase_add_loop_test(c, cogging_makes_no_energy, 0, 4);
     tcase_add_test(c, efficiency_and_self_locking);
     tcase_add_test(c, forward_of_the_inverse_is_the_identity);
     tcase_add_test(c, compensation_is_softened_near_rest);
