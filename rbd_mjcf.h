@@ -1062,6 +1062,9 @@ static void rbdi_mjcf_add_constraint(rbdi_mjcf_load *l, int equality) {
     memcpy(c->rotation2, side2.at.R, sizeof c->rotation2);
     for (int i = 0; i < 6; i++) c->axes[i] = is_weld || i >= 3;
     rbdi_mjcf_set_gains(m->eq_solref + (size_t)equality * mjNREF, c);
+    if (!(c->kp >= 0 && c->kp < HUGE_VAL && c->kd >= 0 && c->kd < HUGE_VAL))
+        rbdi_mjcf_fail(l, RBD_MJCF_ERR_MODEL, "equality '%s': solref is not finite, or of two signs",
+                       rbdi_mjcf_equality(m, equality, text));
     l->constraint_names[l->nconstraints++] = rbdi_mjcf_put(l, rbdi_mjcf_equality(m, equality, text), "", 0);
 }
 
@@ -1315,10 +1318,15 @@ static void rbdi_mjcf_write_result(rbdi_mjcf_load *l, rbd_mjcf *r) {
     for (int i = 0; r->constraints && i < l->nconstraints; i++) r->constraints[i] = l->constraints[i];
 }
 
-static void rbdi_mjcf_check_options(rbdi_mjcf_load *l) {
+static int rbdi_mjcf_is_finite(const double x[3]) {
+    return isfinite(x[0]) && isfinite(x[1]) && isfinite(x[2]);
+}
+
+static void rbdi_mjcf_check_gravity(rbdi_mjcf_load *l) {
     const double *g = l->options->gravity;
-    if (g && !(isfinite(g[0]) && isfinite(g[1]) && isfinite(g[2])))
-        rbdi_mjcf_fail(l, RBD_MJCF_ERR_OPTION, "gravity is not finite");
+    if (g && !rbdi_mjcf_is_finite(g)) rbdi_mjcf_fail(l, RBD_MJCF_ERR_OPTION, "gravity is not finite");
+    if (!g && !rbdi_mjcf_is_finite(l->m->opt.gravity))
+        rbdi_mjcf_fail(l, RBD_MJCF_ERR_MODEL, "<option>: gravity is not finite");
 }
 
 static void rbdi_mjcf_allocate(rbdi_mjcf_load *l) {
@@ -1360,7 +1368,7 @@ static void rbdi_mjcf_free(rbdi_mjcf_load *l) {
 
 static void rbdi_mjcf_describe(rbdi_mjcf_load *l, rbd_mjcf *robot) {
     static void (*const steps[])(rbdi_mjcf_load *) = {
-        rbdi_mjcf_check_options, rbdi_mjcf_allocate,    rbdi_mjcf_name_all,      rbdi_mjcf_add_all,
+        rbdi_mjcf_check_gravity, rbdi_mjcf_allocate,    rbdi_mjcf_name_all,      rbdi_mjcf_add_all,
         rbdi_mjcf_check_keep,    rbdi_mjcf_find_mimics, rbdi_mjcf_hold_all,      rbdi_mjcf_add_constraints,
         rbdi_mjcf_name_left_out, rbdi_mjcf_check_build, rbdi_mjcf_sum_fixed_mass};
     for (size_t i = 0; i < sizeof steps / sizeof *steps && rbdi_mjcf_is_ok(l); i++) steps[i](l);

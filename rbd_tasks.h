@@ -75,21 +75,22 @@ RBDI_EXTERN_C_BEGIN
 /* ---- tasks [tasks] ---- */
 
 typedef enum rbd_task_kind {
-    RBD_TASK_POINT,    /* a point of the body at a place: 3 rows */
-    RBD_TASK_POSE,     /* the body turned to a rotation, and the point at a place: 6 rows */
-    RBD_TASK_ROTATION, /* the body turned to a rotation: 3 rows */
-    RBD_TASK_AXIS,     /* an axis of the body along a direction; the turn about it is free: 3 rows */
-    RBD_TASK_COM,      /* the centre of mass of the robot at a place: 3 rows */
-    RBD_TASK_MOMENTUM, /* its momentum, angular about its centre of mass, and linear: 6 rows */
-    RBD_TASK_RELATIVE, /* the pose of the body in the axes of another, `reference`: 6 rows */
-    RBD_TASK_POSTURE,  /* all joints at q: nv rows */
-    RBD_TASK_ROWS      /* rows of your own, J x = y */
+    RBD_TASK_POINT = 1, /* a point of the body at a place: 3 rows */
+    RBD_TASK_POSE,      /* the body turned to a rotation, and the point at a place: 6 rows */
+    RBD_TASK_ROTATION,  /* the body turned to a rotation: 3 rows */
+    RBD_TASK_AXIS,      /* an axis of the body along a direction; the turn about it is free: 3 rows */
+    RBD_TASK_COM,       /* the centre of mass of the robot at a place: 3 rows */
+    RBD_TASK_MOMENTUM,  /* its momentum, angular about its centre of mass, and linear: 6 rows */
+    RBD_TASK_RELATIVE,  /* the pose of the body in the axes of another, `reference`: 6 rows */
+    RBD_TASK_POSTURE,   /* all joints at q: nv rows */
+    RBD_TASK_ROWS       /* rows of your own, J x = y */
 } rbd_task_kind;
 
 #define RBD_TASK_LEVELS 3
 
-/* One wish, of the form J x = y. Zero is a sensible default for every field that the kind needs not. With e
-   from where it is to where it shall be, u its velocity and k the gain,
+/* One wish, of the form J x = y. Zero is a sensible default for every field that the kind needs not; a kind
+   of 0 is an error, so that a forgotten task is not a wish. With e from where it is to where it shall be, u
+   its velocity and k the gain,
        velocities      y = velocity + k e
        accelerations   y = acceleration + k^2 e + 2 damping k (velocity - u) - dJ/dt v
    A momentum h has no e: y = velocity, or acceleration + k (velocity - h), less what h gains without x. */
@@ -110,8 +111,8 @@ typedef struct rbd_task {
     rbd_real direction[3]; /* where the axis shall point, world axes, of such a length */
 
     /* Wanted (omega; v) and its rate, of the point, in the axes of `position`; of a momentum (kg m^2/s;
-       kg m/s) and its rate. A kind of 3 rows reads its three: POINT and COM
-       the last, the others the first. */
+       kg m/s) and its rate. A kind of 3 rows reads its three, POINT and COM
+       the last, the others the first, and refuses others that are not 0, as it does those of `loose`. */
     rbd_real velocity[6], acceleration[6];
     unsigned char loose[6]; /* not 0: this row, angular x y z or linear x y z, does not count */
 
@@ -213,11 +214,11 @@ typedef struct rbd_tasks_result {
    and limits are kept. w: what rbd_kinematics left there is replaced.
    memory    size bytes of any alignment: RBD_TASKS_SIZE. Leave it alone between ticks if `warm` is set
    result    what was reached
-   Errors, in result->error: RBD_ERR_NULL, but without a result RBD_TASKS_ERROR alone; _WORK; _MEMORY; _COUNT,
-   a number below 0 or above 1000; _INDEX, a body; _TYPE, a kind; _POSITION, _ROTATION, _AXIS; _MASS, a centre
-   of mass of a robot without mass; _MASSLESS, accelerations, or a centre of mass, of one some of whose joints
-   move none; _LIMITS, lower above upper; _RANGE, any other number, with its field; _NAN, q, v or
-   f_ext is not finite, or there is an overflow. */
+   Errors, in result->error: RBD_ERR_NULL, but without a result RBD_TASKS_ERROR alone; _WORK; _MEMORY;
+   _COUNT, a number below 0 or above 1000; _INDEX, a body; _TYPE, no kind; _POSITION, _ROTATION, _AXIS;
+   _MASS, a centre of mass of a robot without mass; _MASSLESS, accelerations, or a centre of mass, of one
+   some of whose joints move none; _LIMITS, lower above upper; _RANGE, any other number, with its field;
+   _NAN, q, v or f_ext is not finite, or there is an overflow. */
 
 /* Velocities for inverse kinematics at each tick. Contacts are held by J x = 0; forces have no part in it.
    q   nq
@@ -550,6 +551,9 @@ RBDI_LOCAL rbd_status rbdi_tasks_check_arrays(const rbd_model *m, const rbd_task
     return RBD_OK;
 }
 
+/* Not of NaN. */
+RBDI_INLINE int rbdi_tasks_is_zero(rbd_real x) { return !(x < 0) && x <= 0; }
+
 /* Which fields a kind reads. */
 RBDI_INLINE int rbdi_tasks_turns(rbd_task_kind kind) {
     return kind == RBD_TASK_POSE || kind == RBD_TASK_ROTATION || kind == RBD_TASK_RELATIVE;
@@ -562,11 +566,31 @@ RBDI_INLINE int rbdi_tasks_has_place(rbd_task_kind kind) {
            kind == RBD_TASK_COM;
 }
 
+/* The rows of a kind, of angular x y z and linear x y z, from the first to before the end. */
+RBDI_INLINE int rbdi_tasks_first(rbd_task_kind kind) {
+    return kind == RBD_TASK_POINT || kind == RBD_TASK_COM ? 3 : 0;
+}
+RBDI_INLINE int rbdi_tasks_end(rbd_task_kind kind) {
+    return kind >= RBD_TASK_POSTURE ? 0 : kind == RBD_TASK_ROTATION || kind == RBD_TASK_AXIS ? 3 : 6;
+}
+
+/* Numbers of rows that the kind has not. */
+RBDI_LOCAL rbd_status rbdi_tasks_check_unread(const rbd_task *t, rbd_tasks_result *result) {
+    for (int r = 0; r < 6; ++r) {
+        if (r >= rbdi_tasks_first(t->kind) && r < rbdi_tasks_end(t->kind)) continue;
+        if (!rbdi_tasks_is_zero(t->velocity[r])) return rbdi_tasks_refuse(result, RBD_ERR_RANGE, "velocity");
+        if (!rbdi_tasks_is_zero(t->acceleration[r]))
+            return rbdi_tasks_refuse(result, RBD_ERR_RANGE, "acceleration");
+        if (t->loose[r]) return rbdi_tasks_refuse(result, RBD_ERR_RANGE, "loose");
+    }
+    return RBD_OK;
+}
+
 RBDI_LOCAL rbd_status rbdi_tasks_check_task(const rbd_model *m, const rbd_task *t, rbd_tasks_result *result) {
-    const int robot = rbdi_tasks_of_robot(t->kind);
-    if ((int)t->kind < (int)RBD_TASK_POINT || t->kind > RBD_TASK_ROWS)
+    const int robot = rbdi_tasks_of_robot(t->kind), kind = (int)t->kind;
+    if (kind < (int)RBD_TASK_POINT || kind > (int)RBD_TASK_ROWS)
         return rbdi_tasks_refuse(result, RBD_ERR_TYPE, "kind");
-    if (rbdi_tasks_check_scales(t, result)) return result->error;
+    if (rbdi_tasks_check_scales(t, result) || rbdi_tasks_check_unread(t, result)) return result->error;
     if (t->kind >= RBD_TASK_POSTURE) return rbdi_tasks_check_arrays(m, t, result);
 
     if (!robot && (t->body < 0 || t->body >= m->nb)) return rbdi_tasks_refuse(result, RBD_ERR_INDEX, "body");
@@ -811,9 +835,8 @@ RBDI_LOCAL void rbdi_tasks_put_robot(rbdi_tasks *k) {
 /* ==== src/tasks/rows.h ==== */
 /* ---- rows of tasks [rows of tasks] ---- */
 
-/* A task at the present state: its Jacobian is k->J, of which rows first .. end - 1 count. */
+/* A task at the present state: its Jacobian is k->J, of which the rows of its kind count. */
 typedef struct rbdi_tasks_error {
-    int first, end;
     rbdi_motion e;               /* from where it is to where it shall be */
     rbdi_motion drift;           /* dJ/dt v */
     rbd_real stiffness, damping; /* 1/s^2 or 1/s; 1/s */
@@ -824,7 +847,7 @@ typedef struct rbdi_tasks_error {
    R I R' omega + r x m v. */
 RBDI_LOCAL void rbdi_tasks_put_momentum(rbdi_tasks *k) {
     const rbd_model *m = k->m;
-    rbd_real com[3], centre[3];
+    rbd_real com[3], centre[3] = {0, 0, 0};
     rbd_com(m, k->w, centre, NULL, NULL);
     rbdi_clear(k->J, 6 * k->nv);
 
@@ -876,7 +899,6 @@ RBDI_LOCAL void rbdi_tasks_of_momentum(rbdi_tasks *k, const rbd_task *t, rbdi_ta
     rbd_com(k->m, k->w, com, NULL, a);
     s->e.v = rbdi_sub(rbdi_load_vec(t->position, 1), rbdi_load_vec(com, 1));
     s->drift.v = rbdi_load_vec(a, 1);
-    s->first = 3;
 }
 
 /* The rates of the motion of a point at d from the origin of a moving frame of motion V and accelerations A,
@@ -932,8 +954,6 @@ RBDI_LOCAL void rbdi_tasks_of_body(rbdi_tasks *k, const rbd_task *t, rbdi_tasks_
                           reference >= 0 ? RBD_LINK_AXES : RBD_WORLD_AXES, k->J);
     s->e.v = rbdi_sub(rbdi_load_vec(t->position, 1), p);
     if (rbdi_tasks_turns(t->kind)) s->e.omega = rbdi_log_rotation(rbdi_mul_mat(R, seen));
-    s->first = t->kind == RBD_TASK_POINT ? 3 : 0;
-    s->end = t->kind == RBD_TASK_ROTATION ? 3 : 6;
 }
 
 /* An axis s: its turn is omega - (omega s) s, whose rate is alpha - (alpha s) s - (omega s) omega x s. */
@@ -951,7 +971,6 @@ RBDI_LOCAL void rbdi_tasks_of_axis(rbdi_tasks *k, const rbd_task *t, rbdi_tasks_
     s->e.omega = rbdi_ik_turn(axis, rbdi_ik_unit(t->direction));
     s->drift.omega = rbdi_sub(alpha, rbdi_scale(rbdi_dot(alpha, axis), axis));
     s->drift.omega = rbdi_sub(s->drift.omega, rbdi_scale(rbdi_dot(omega, axis), rbdi_cross(omega, axis)));
-    s->end = 3;
 }
 
 /* What a row of a task asks for: y of J x = y. u: its velocity. */
@@ -979,8 +998,6 @@ RBDI_LOCAL void rbdi_tasks_square(rbdi_tasks *k, rbd_real weight) {
 RBDI_LOCAL rbdi_tasks_error rbdi_tasks_gains(const rbdi_tasks *k, const rbd_task *t) {
     const rbd_real damping = t->damping > 0 ? t->damping : rbdi_set(RBD_C(1));
     rbdi_tasks_error s;
-    s.first = 0;
-    s.end = 6;
     s.e = s.drift = rbdi_motion0();
     s.stiffness = k->accelerations ? t->gain * t->gain : t->gain;
     s.damping = 2 * damping * t->gain;
@@ -1013,7 +1030,7 @@ RBDI_LOCAL void rbdi_tasks_put_bodies(rbdi_tasks *k, const rbd_task *t, rbd_real
         (rbdi_tasks_of_robot(t->kind) ? rbdi_tasks_largest(&k->J[s.first * k->nv], (s.end - s.first) * k->nv)
                                       : rbdi_tasks_largest(k->J, 6 * k->nv));
 
-    for (int r = s.first; r < s.end; ++r) {
+    for (int r = rbdi_tasks_first(t->kind); r < rbdi_tasks_end(t->kind); ++r) {
         const rbd_real *J = &k->J[r * k->nv];
         const rbd_real u = k->accelerations ? rbdi_tasks_dot(J, k->v, k->nv) : rbdi_zero();
         const rbd_real y = rbdi_tasks_wish(k, &s, t->velocity[r], t->acceleration[r], u, e[r], drift[r]);

@@ -285,7 +285,7 @@ static void hash_qp(hashes *h) {
 /* Tasks of all kinds but rows of one's own on two levels, with two contacts: velocities, then accelerations
    cold and warm. */
 static void hash_tasks(const char *name, const rbd_model *m, hashes *h) {
-    enum { TASKS = RBD_TASK_ROWS, CONTACTS = 2 };
+    enum { TASKS = RBD_TASK_POSTURE, CONTACTS = 2 };
     const int nq = rbd_nq(m), nv = rbd_nv(m), nb = rbd_nb(m);
     rbd_real *x = (rbd_real *)calloc((size_t)(2 * nq + 4 * nv + 3 * CONTACTS), sizeof *x);
     rbd_real *q = x, *home = q + nq, *v = home + nq, *out = v + nv;
@@ -296,7 +296,7 @@ static void hash_tasks(const char *name, const rbd_model *m, hashes *h) {
     h->robot = name;
     rbd_neutral(m, home);
     for (int i = 0; i < TASKS; i++) {
-        task[i].kind = (rbd_task_kind)i, task[i].level = i % 2, task[i].gain = 3;
+        task[i].kind = (rbd_task_kind)(i + 1), task[i].level = i % 2, task[i].gain = 3;
         task[i].body = nb - 1 - i % 3, task[i].reference = nb / 2, task[i].q = home;
         task[i].axis[i % 3] = task[i].direction[1] = 1;
         task[i].position[2] = (rbd_real)0.5;

@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { MOST_Q = 32, MOST_V = 32, KINDS = RBD_TASK_POSTURE + 1, IN_FLOAT = sizeof(rbd_real) == 4 };
+enum { MOST_Q = 32, MOST_V = 32, KINDS = RBD_TASK_POSTURE, IN_FLOAT = sizeof(rbd_real) == 4 };
 
 static int failures;
 static void expect(int holds, const char *what, double value) {
@@ -114,22 +114,23 @@ static int draw_tasks(const rbd_real *q, double away, int nb, rbd_task *t, rbd_r
     rbd_kinematics(m, w, there, NULL, NULL);
 
     for (int i = 0; i < KINDS; i++) {
-        t[i] = (rbd_task){.kind = (rbd_task_kind)i,
+        const int kind = i + 1;
+        t[i] = (rbd_task){.kind = (rbd_task_kind)kind,
                           .gain = 1,
                           .body = nb - 1 - i % 2,
                           .reference = nb / 2,
                           .point = {0, (rbd_real)0.1, (rbd_real)0.2},
                           .axis = {1, 2, -2},
                           .q = there};
-        if (i == RBD_TASK_COM) rbd_com(m, w, t[i].position, NULL, NULL);
-        if (i >= RBD_TASK_COM && i != RBD_TASK_RELATIVE) continue;
+        if (kind == RBD_TASK_COM) rbd_com(m, w, t[i].position, NULL, NULL);
+        if (kind >= RBD_TASK_COM && kind != RBD_TASK_RELATIVE) continue;
         rbd_body_pose(m, w, t[i].body, R, NULL);
         rbd_point_position(m, w, t[i].body, t[i].point, t[i].position);
         for (int a = 0; a < 9; a++) t[i].rotation[a] = R[a];
         for (int a = 0; a < 3; a++)
             t[i].direction[a] =
                 R[3 * a] * t[i].axis[0] + R[3 * a + 1] * t[i].axis[1] + R[3 * a + 2] * t[i].axis[2];
-        if (i != RBD_TASK_RELATIVE) continue;
+        if (kind != RBD_TASK_RELATIVE) continue;
 
         rbd_body_pose(m, w, t[i].reference, S, p);
         for (int a = 0; a < 3; a++) p[a] = t[i].position[a] - p[a];

@@ -103,7 +103,8 @@ START_TEST(gains_are_what_the_header_says) {
         rbd_tasks p = {.task = &t, .tasks = 1, .dt = 0.01, .motion_cost = 1e-9};
         rbd_tasks_result result;
         double x[1] = {0}, a[1], tau[1];
-        t.velocity[3] = speed[0], t.acceleration[3] = rate[0], t.v = speed, t.a = rate;
+        if (kind < 2) t.velocity[3] = speed[0], t.acceleration[3] = rate[0];
+        t.v = speed, t.a = rate;
 
         expect_answer(&result, move_by(&r, &p, q, x, &result), RBD_TASKS_OK);
         ck_assert(fabs(x[0] - (0.2 + 3 * 0.7)) < 1e-7);
@@ -124,7 +125,8 @@ START_TEST(soft_limits_give_way_to_the_next_level) {
     robot r = BUILD(slide);
     const double q[1] = {0}, speed[1] = {1};
     for (int side = -1; side <= 1; side += 2) {
-        const rbd_task t[2] = {{.velocity = {0, 0, 0, 9. * side}}, {.level = 1}};
+        const rbd_task t[2] = {{.kind = RBD_TASK_POINT, .velocity = {0, 0, 0, 9. * side}},
+                               {.kind = RBD_TASK_POINT, .level = 1}};
         const rbd_tasks p = {
             .task = t, .tasks = 2, .dt = 0.1, .speed = speed, .limit_weight = 3, .motion_cost = 1e-9};
         rbd_tasks_result result;
@@ -160,7 +162,8 @@ END_TEST
 START_TEST(weights_share_and_levels_do_not) {
     robot r = BUILD(slide);
     const double q[1] = {0}, J[2] = {1, 2}, y[2] = {1, 6}, none[1] = {0};
-    rbd_task t[2] = {{.velocity = {0, 0, 0, 1}, .weight = 3}, {.velocity = {0, 0, 0, 5}}};
+    rbd_task t[2] = {{.kind = RBD_TASK_POINT, .velocity = {0, 0, 0, 1}, .weight = 3},
+                     {.kind = RBD_TASK_POINT, .velocity = {0, 0, 0, 5}}};
     rbd_tasks p = {.task = t, .tasks = 2, .dt = 0.01, .motion_cost = 1e-9};
     rbd_tasks_result result;
     double x[1];
@@ -194,7 +197,8 @@ START_TEST(a_stop_is_approached_without_a_jump) {
     rbd_body bodies[1] = {slide[0]};
     bodies[0].lower = -0.2, bodies[0].upper = 0.1, bodies[0].velocity = 0.3;
     robot r = BUILD(bodies);
-    const rbd_task t = {.velocity = {0, 0, 0, 9}, .acceleration = {0, 0, 0, 9}, .gain = 0};
+    const rbd_task t = {
+        .kind = RBD_TASK_POINT, .velocity = {0, 0, 0, 9}, .acceleration = {0, 0, 0, 9}, .gain = 0};
     const double dt = 1e-3, most[1] = {1};
     for (int k = 0; k < 8; k++) {
         const int order = k & 1, second = k & 2, limited = k & 4;
@@ -241,7 +245,7 @@ START_TEST(limits_come_from_model_or_problem) {
     bodies[0].velocity = 2, bodies[0].effort = 3, bodies[0].lower = -100, bodies[0].upper = 100;
     bodies[1].joint = NULL, bodies[1].mimic = "slide", bodies[1].mimic_ratio = -4, bodies[1].velocity = 4;
     robot r = BUILD(bodies);
-    const rbd_task t = {.velocity = {0, 0, 0, 9}, .acceleration = {0, 0, 0, 9}};
+    const rbd_task t = {.kind = RBD_TASK_POINT, .velocity = {0, 0, 0, 9}, .acceleration = {0, 0, 0, 9}};
     const double q[1] = {0}, v[1] = {0}, speed[1] = {5}, torque[1] = {17}, lower[1] = {-1e30}, upper[1] = {0};
     rbd_tasks p = {.task = &t, .tasks = 1, .dt = 0.1, .braking = 1e6, .motion_cost = 1e-9};
     rbd_tasks_result result;
@@ -576,8 +580,8 @@ END_TEST
 START_TEST(tasks_are_reached) {
     robot r = robot_build("hyq", hyq_bodies, HYQ_NB);
     uint64_t seed = 3;
-    for (int k = 0; k < 2 * (RBD_TASK_POSTURE + 1); k++) {
-        const int order = k % 2, kind = k / 2;
+    for (int k = 0; k < 2 * RBD_TASK_POSTURE; k++) {
+        const int order = k % 2, kind = k / 2 + 1;
         const double dt = order ? 2e-3 : 2e-2;
         double q[MAX_Q], v[MAX_V] = {0}, a[MAX_V], tau[MAX_V], there[MAX_Q], R[9] = {0}, S[9], p[3] = {0},
                          h[6];
@@ -754,7 +758,7 @@ static double follow(const robot *r, double beyond, const double *lower, const d
     const double dt = 2e-3, speed[7] = {1.5, 1.5, 1.5, 1.5, 1.5, 1.5, 1.5}, zero[7] = {0};
     double q[7] = {0, 0.5, 0, -1.4, 0, 1.2, 0}, v[7], p[3], top[3], shoulder[3], centre[3], worst = 0,
            sum = 0;
-    rbd_task t[2] = {{.body = 6, .point = {0, 0, 0.15}, .gain = 20},
+    rbd_task t[2] = {{.kind = RBD_TASK_POINT, .body = 6, .point = {0, 0, 0.15}, .gain = 20},
                      {.kind = RBD_TASK_POSTURE, .q = zero, .gain = 0.5, .level = 1}};
     rbd_tasks problem = {
         .task = t, .tasks = 2, .dt = dt, .lower = lower, .upper = upper, .speed = speed, .braking = 30};
@@ -892,7 +896,13 @@ typedef struct input {
 typedef void spoil(input *x);
 #define SPOIL(name, change) \
     static void name(input *x) { change; }
-SPOIL(bad_kind, x->task[1].kind = (rbd_task_kind)9)
+SPOIL(bad_kind, x->task[1].kind = (rbd_task_kind)(RBD_TASK_ROWS + 1))
+SPOIL(no_kind, x->task[1].kind = (rbd_task_kind)0)
+SPOIL(velocity_of_turn, x->task[1].kind = RBD_TASK_POINT; x->task[1].velocity[2] = 1)
+SPOIL(acceleration_of_place, x->task[1].kind = RBD_TASK_ROTATION; x->task[1].acceleration[3] = -1)
+SPOIL(loose_turn, x->task[1].kind = RBD_TASK_COM; x->task[1].loose[0] = 1)
+SPOIL(velocity_of_posture, x->task[1].kind = RBD_TASK_POSTURE; x->task[1].q = x->q;
+      x->task[1].velocity[5] = 1)
 SPOIL(level_above, x->task[1].level = RBD_TASK_LEVELS)
 SPOIL(level_below, x->task[1].level = -1)
 SPOIL(negative_weight, x->task[1].weight = -1)
@@ -967,6 +977,11 @@ static const struct {
     const char *field;
 } wrong[] = {
     {bad_kind, RBD_ERR_TYPE, 1, -1, -1, "kind"},
+    {no_kind, RBD_ERR_TYPE, 1, -1, -1, "kind"},
+    {velocity_of_turn, RBD_ERR_RANGE, 1, -1, -1, "velocity"},
+    {acceleration_of_place, RBD_ERR_RANGE, 1, -1, -1, "acceleration"},
+    {loose_turn, RBD_ERR_RANGE, 1, -1, -1, "loose"},
+    {velocity_of_posture, RBD_ERR_RANGE, 1, -1, -1, "velocity"},
     {level_above, RBD_ERR_RANGE, 1, -1, -1, "level"},
     {level_below, RBD_ERR_RANGE, 1, -1, -1, "level"},
     {negative_weight, RBD_ERR_RANGE, 1, -1, -1, "weight"},
@@ -1113,7 +1128,7 @@ START_TEST(joints_without_mass_have_velocities) {
     ck_assert_int_eq(rbd_model_build_kinematic(arm, 2, model_memory, sizeof model_memory, &m, NULL), RBD_OK);
     ck_assert_int_eq(rbd_work_init(m, work_memory, sizeof work_memory, &w), RBD_OK);
 
-    rbd_task t = {.body = 1, .velocity = {0, 0, 0, 1, 2, 0}};
+    rbd_task t = {.kind = RBD_TASK_POINT, .body = 1, .velocity = {0, 0, 0, 1, 2, 0}};
     const rbd_tasks p = {.task = &t, .tasks = 1, .dt = 1e-3};
     const double q[2] = {0, 0.5};
     double v[2] = {0}, a[2], tau[2];

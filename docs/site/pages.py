@@ -763,6 +763,7 @@ def main_of(family):
     calls = "".join(f'    {name}();\n    if (status != 0) printf("{name}: status %d\\n", status), bad = 1;\n    status = 0;\n'
                     for name in names)
     return ('#include <stdio.h>\n#include "rbd.h"\n#define HYQ_MODEL_IMPLEMENTATION\n#include "models/hyq_model.h"\n'
+            '#define IIWA_MODEL_IMPLEMENTATION\n#include "models/iiwa_model.h"\n'
             "extern rbd_status status;\n" + "".join(f"void {name}(void);\n" for name in names) +
             f"int main(void) {{\n    int bad = {int(not names)};\n{calls}    return bad;\n}}")
 

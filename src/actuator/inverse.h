@@ -102,6 +102,7 @@ RBDI_API rbd_status rbd_actuators_inverse(rbd_actuators *a, const rbd_real *q, c
                                           const rbd_real *acc, const rbd_real *tau, rbd_drive *drives) {
     rbd_status status;
     if (!a || !q || !v || !acc || !tau || !drives) return RBD_ERR_NULL;
+    if (a->begun) return RBD_ERR_ORDER;
     status = rbdi_act_map(a, q, v);
     if (status) return status;
     if (!rbdi_act_all_moderate(acc, a->nv) || !rbdi_act_all_moderate(tau, a->nv)) return RBD_ERR_NAN;

@@ -58,10 +58,11 @@ typedef struct rbdi_act_shaft {
     rbd_real t, braking; /* the motor's torque is t - braking speed at the step's end */
     rbd_real now;        /* N m: the motor's torque at its beginning */
     rbd_real gain, rate; /* its slopes by angle and speed in continuous time, both negative there */
-    rbd_real cogging;    /* N m, a part of t that no current makes */
-    rbd_real level;      /* of dry friction */
-    rbd_real told;       /* speed whose branch the step was told */
-    rbd_real s, slope;   /* what it was told: the torque s - slope x */
+    rbd_real cogging;    /* N m, a part of t that no current makes: cogging - cogging_slope speed */
+    rbd_real cogging_slope;
+    rbd_real level;    /* of dry friction */
+    rbd_real told;     /* speed whose branch the step was told */
+    rbd_real s, slope; /* what it was told: the torque s - slope x */
 } rbdi_act_shaft;
 
 /* Joints that motors move together. */

@@ -40,7 +40,8 @@ typedef struct rbd_motor {
     rbd_const current;    /* A: limit; 0: none */
     rbd_const voltage;    /* V: limit; with the resistance it gives the torque-speed line; 0: none */
     rbd_const copper;     /* 1/K: growth of the resistance above 25 degrees; copper 0.0039 */
-    rbd_const heat_winding, heat_case; /* J/K; heat_winding 0: no heat; heat_case 0: the case stays as cold
+    rbd_const heat_winding,
+        heat_case; /* J/K; these and the flows 0: no heat; heat_case 0: the case stays as cold
                                           as the air */
     rbd_const flow_winding, flow_case; /* K/W: from the winding to the case, from there to the air */
     rbd_const hot, hottest;          /* degrees: the limit of current falls between them to 0; both 0: none */
@@ -120,7 +121,8 @@ RBDI_API char *rbd_actuators_finding_text(const rbd_finding *finding, int n, cha
    q, v           nq, nv; v may be NULL for zero
    angle, speed   n, rad and rad/s; each may be NULL
    Errors: RBD_ERR_NULL; _NAN, q or v is not finite or above 1e9; _INFEASIBLE, a rod does not reach;
-   _SINGULAR, a rod at its dead centre. rbd_actuators_fault has the transmission. */
+   _SINGULAR, a rod at its dead centre: rbd_actuators_fault has the transmission; _ORDER, within a step:
+   from rbd_actuators_begin to the rbd_actuators_again that returns 0, or to rbd_actuators_reset. */
 RBDI_API rbd_status rbd_actuators_map(rbd_actuators *a, const rbd_real *q, const rbd_real *v, rbd_real *angle,
                                       rbd_real *speed);
 
@@ -223,7 +225,7 @@ typedef struct rbd_rotor {
     int body;          /* that it is mounted on; -1: the world */
     int dof;           /* index into v, that turns it */
     rbd_const axis[3]; /* body's axes, of any length; of a positive turn where gear is positive */
-    rbd_const gear;    /* turns of the rotor relative to the body for a unit of v */
+    rbd_const gear;    /* turns of the rotor relative to the body for a unit of v; not 0 */
     rbd_const inertia; /* kg m^2, about the axis */
 } rbd_rotor;
 

@@ -13,21 +13,22 @@
 /* ---- tasks [tasks] ---- */
 
 typedef enum rbd_task_kind {
-    RBD_TASK_POINT,    /* a point of the body at a place: 3 rows */
-    RBD_TASK_POSE,     /* the body turned to a rotation, and the point at a place: 6 rows */
-    RBD_TASK_ROTATION, /* the body turned to a rotation: 3 rows */
-    RBD_TASK_AXIS,     /* an axis of the body along a direction; the turn about it is free: 3 rows */
-    RBD_TASK_COM,      /* the centre of mass of the robot at a place: 3 rows */
-    RBD_TASK_MOMENTUM, /* its momentum, angular about its centre of mass, and linear: 6 rows */
-    RBD_TASK_RELATIVE, /* the pose of the body in the axes of another, `reference`: 6 rows */
-    RBD_TASK_POSTURE,  /* all joints at q: nv rows */
-    RBD_TASK_ROWS      /* rows of your own, J x = y */
+    RBD_TASK_POINT = 1, /* a point of the body at a place: 3 rows */
+    RBD_TASK_POSE,      /* the body turned to a rotation, and the point at a place: 6 rows */
+    RBD_TASK_ROTATION,  /* the body turned to a rotation: 3 rows */
+    RBD_TASK_AXIS,      /* an axis of the body along a direction; the turn about it is free: 3 rows */
+    RBD_TASK_COM,       /* the centre of mass of the robot at a place: 3 rows */
+    RBD_TASK_MOMENTUM,  /* its momentum, angular about its centre of mass, and linear: 6 rows */
+    RBD_TASK_RELATIVE,  /* the pose of the body in the axes of another, `reference`: 6 rows */
+    RBD_TASK_POSTURE,   /* all joints at q: nv rows */
+    RBD_TASK_ROWS       /* rows of your own, J x = y */
 } rbd_task_kind;
 
 #define RBD_TASK_LEVELS 3
 
-/* One wish, of the form J x = y. Zero is a sensible default for every field that the kind needs not. With e
-   from where it is to where it shall be, u its velocity and k the gain,
+/* One wish, of the form J x = y. Zero is a sensible default for every field that the kind needs not; a kind
+   of 0 is an error, so that a forgotten task is not a wish. With e from where it is to where it shall be, u
+   its velocity and k the gain,
        velocities      y = velocity + k e
        accelerations   y = acceleration + k^2 e + 2 damping k (velocity - u) - dJ/dt v
    A momentum h has no e: y = velocity, or acceleration + k (velocity - h), less what h gains without x. */
@@ -48,8 +49,8 @@ typedef struct rbd_task {
     rbd_real direction[3]; /* where the axis shall point, world axes, of such a length */
 
     /* Wanted (omega; v) and its rate, of the point, in the axes of `position`; of a momentum (kg m^2/s;
-       kg m/s) and its rate. A kind of 3 rows reads its three: POINT and COM
-       the last, the others the first. */
+       kg m/s) and its rate. A kind of 3 rows reads its three, POINT and COM
+       the last, the others the first, and refuses others that are not 0, as it does those of `loose`. */
     rbd_real velocity[6], acceleration[6];
     unsigned char loose[6]; /* not 0: this row, angular x y z or linear x y z, does not count */
 
@@ -151,11 +152,11 @@ typedef struct rbd_tasks_result {
    and limits are kept. w: what rbd_kinematics left there is replaced.
    memory    size bytes of any alignment: RBD_TASKS_SIZE. Leave it alone between ticks if `warm` is set
    result    what was reached
-   Errors, in result->error: RBD_ERR_NULL, but without a result RBD_TASKS_ERROR alone; _WORK; _MEMORY; _COUNT,
-   a number below 0 or above 1000; _INDEX, a body; _TYPE, a kind; _POSITION, _ROTATION, _AXIS; _MASS, a centre
-   of mass of a robot without mass; _MASSLESS, accelerations, or a centre of mass, of one some of whose joints
-   move none; _LIMITS, lower above upper; _RANGE, any other number, with its field; _NAN, q, v or
-   f_ext is not finite, or there is an overflow. */
+   Errors, in result->error: RBD_ERR_NULL, but without a result RBD_TASKS_ERROR alone; _WORK; _MEMORY;
+   _COUNT, a number below 0 or above 1000; _INDEX, a body; _TYPE, no kind; _POSITION, _ROTATION, _AXIS;
+   _MASS, a centre of mass of a robot without mass; _MASSLESS, accelerations, or a centre of mass, of one
+   some of whose joints move none; _LIMITS, lower above upper; _RANGE, any other number, with its field;
+   _NAN, q, v or f_ext is not finite, or there is an overflow. */
 
 /* Velocities for inverse kinematics at each tick. Contacts are held by J x = 0; forces have no part in it.
    q   nq

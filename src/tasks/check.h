@@ -66,6 +66,9 @@ RBDI_LOCAL rbd_status rbdi_tasks_check_arrays(const rbd_model *m, const rbd_task
     return RBD_OK;
 }
 
+/* Not of NaN. */
+RBDI_INLINE int rbdi_tasks_is_zero(rbd_real x) { return !(x < 0) && x <= 0; }
+
 /* Which fields a kind reads. */
 RBDI_INLINE int rbdi_tasks_turns(rbd_task_kind kind) {
     return kind == RBD_TASK_POSE || kind == RBD_TASK_ROTATION || kind == RBD_TASK_RELATIVE;
@@ -78,11 +81,31 @@ RBDI_INLINE int rbdi_tasks_has_place(rbd_task_kind kind) {
            kind == RBD_TASK_COM;
 }
 
+/* The rows of a kind, of angular x y z and linear x y z, from the first to before the end. */
+RBDI_INLINE int rbdi_tasks_first(rbd_task_kind kind) {
+    return kind == RBD_TASK_POINT || kind == RBD_TASK_COM ? 3 : 0;
+}
+RBDI_INLINE int rbdi_tasks_end(rbd_task_kind kind) {
+    return kind >= RBD_TASK_POSTURE ? 0 : kind == RBD_TASK_ROTATION || kind == RBD_TASK_AXIS ? 3 : 6;
+}
+
+/* Numbers of rows that the kind has not. */
+RBDI_LOCAL rbd_status rbdi_tasks_check_unread(const rbd_task *t, rbd_tasks_result *result) {
+    for (int r = 0; r < 6; ++r) {
+        if (r >= rbdi_tasks_first(t->kind) && r < rbdi_tasks_end(t->kind)) continue;
+        if (!rbdi_tasks_is_zero(t->velocity[r])) return rbdi_tasks_refuse(result, RBD_ERR_RANGE, "velocity");
+        if (!rbdi_tasks_is_zero(t->acceleration[r]))
+            return rbdi_tasks_refuse(result, RBD_ERR_RANGE, "acceleration");
+        if (t->loose[r]) return rbdi_tasks_refuse(result, RBD_ERR_RANGE, "loose");
+    }
+    return RBD_OK;
+}
+
 RBDI_LOCAL rbd_status rbdi_tasks_check_task(const rbd_model *m, const rbd_task *t, rbd_tasks_result *result) {
-    const int robot = rbdi_tasks_of_robot(t->kind);
-    if ((int)t->kind < (int)RBD_TASK_POINT || t->kind > RBD_TASK_ROWS)
+    const int robot = rbdi_tasks_of_robot(t->kind), kind = (int)t->kind;
+    if (kind < (int)RBD_TASK_POINT || kind > (int)RBD_TASK_ROWS)
         return rbdi_tasks_refuse(result, RBD_ERR_TYPE, "kind");
-    if (rbdi_tasks_check_scales(t, result)) return result->error;
+    if (rbdi_tasks_check_scales(t, result) || rbdi_tasks_check_unread(t, result)) return result->error;
     if (t->kind >= RBD_TASK_POSTURE) return rbdi_tasks_check_arrays(m, t, result);
 
     if (!robot && (t->body < 0 || t->body >= m->nb)) return rbdi_tasks_refuse(result, RBD_ERR_INDEX, "body");

@@ -5,9 +5,8 @@
 
 /* ---- rows of tasks [rows of tasks] ---- */
 
-/* A task at the present state: its Jacobian is k->J, of which rows first .. end - 1 count. */
+/* A task at the present state: its Jacobian is k->J, of which the rows of its kind count. */
 typedef struct rbdi_tasks_error {
-    int first, end;
     rbdi_motion e;               /* from where it is to where it shall be */
     rbdi_motion drift;           /* dJ/dt v */
     rbd_real stiffness, damping; /* 1/s^2 or 1/s; 1/s */
@@ -18,7 +17,7 @@ typedef struct rbdi_tasks_error {
    R I R' omega + r x m v. */
 RBDI_LOCAL void rbdi_tasks_put_momentum(rbdi_tasks *k) {
     const rbd_model *m = k->m;
-    rbd_real com[3], centre[3];
+    rbd_real com[3], centre[3] = {0, 0, 0};
     rbd_com(m, k->w, centre, NULL, NULL);
     rbdi_clear(k->J, 6 * k->nv);
 
@@ -70,7 +69,6 @@ RBDI_LOCAL void rbdi_tasks_of_momentum(rbdi_tasks *k, const rbd_task *t, rbdi_ta
     rbd_com(k->m, k->w, com, NULL, a);
     s->e.v = rbdi_sub(rbdi_load_vec(t->position, 1), rbdi_load_vec(com, 1));
     s->drift.v = rbdi_load_vec(a, 1);
-    s->first = 3;
 }
 
 /* The rates of the motion of a point at d from the origin of a moving frame of motion V and accelerations A,
@@ -126,8 +124,6 @@ RBDI_LOCAL void rbdi_tasks_of_body(rbdi_tasks *k, const rbd_task *t, rbdi_tasks_
                           reference >= 0 ? RBD_LINK_AXES : RBD_WORLD_AXES, k->J);
     s->e.v = rbdi_sub(rbdi_load_vec(t->position, 1), p);
     if (rbdi_tasks_turns(t->kind)) s->e.omega = rbdi_log_rotation(rbdi_mul_mat(R, seen));
-    s->first = t->kind == RBD_TASK_POINT ? 3 : 0;
-    s->end = t->kind == RBD_TASK_ROTATION ? 3 : 6;
 }
 
 /* An axis s: its turn is omega - (omega s) s, whose rate is alpha - (alpha s) s - (omega s) omega x s. */
@@ -145,7 +141,6 @@ RBDI_LOCAL void rbdi_tasks_of_axis(rbdi_tasks *k, const rbd_task *t, rbdi_tasks_
     s->e.omega = rbdi_ik_turn(axis, rbdi_ik_unit(t->direction));
     s->drift.omega = rbdi_sub(alpha, rbdi_scale(rbdi_dot(alpha, axis), axis));
     s->drift.omega = rbdi_sub(s->drift.omega, rbdi_scale(rbdi_dot(omega, axis), rbdi_cross(omega, axis)));
-    s->end = 3;
 }
 
 /* What a row of a task asks for: y of J x = y. u: its velocity. */
@@ -173,8 +168,6 @@ RBDI_LOCAL void rbdi_tasks_square(rbdi_tasks *k, rbd_real weight) {
 RBDI_LOCAL rbdi_tasks_error rbdi_tasks_gains(const rbdi_tasks *k, const rbd_task *t) {
     const rbd_real damping = t->damping > 0 ? t->damping : rbdi_set(RBD_C(1));
     rbdi_tasks_error s;
-    s.first = 0;
-    s.end = 6;
     s.e = s.drift = rbdi_motion0();
     s.stiffness = k->accelerations ? t->gain * t->gain : t->gain;
     s.damping = 2 * damping * t->gain;
@@ -207,7 +200,7 @@ RBDI_LOCAL void rbdi_tasks_put_bodies(rbdi_tasks *k, const rbd_task *t, rbd_real
         (rbdi_tasks_of_robot(t->kind) ? rbdi_tasks_largest(&k->J[s.first * k->nv], (s.end - s.first) * k->nv)
                                       : rbdi_tasks_largest(k->J, 6 * k->nv));
 
-    for (int r = s.first; r < s.end; ++r) {
+    for (int r = rbdi_tasks_first(t->kind); r < rbdi_tasks_end(t->kind); ++r) {
         const rbd_real *J = &k->J[r * k->nv];
         const rbd_real u = k->accelerations ? rbdi_tasks_dot(J, k->v, k->nv) : rbdi_zero();
         const rbd_real y = rbdi_tasks_wish(k, &s, t->velocity[r], t->acceleration[r], u, e[r], drift[r]);

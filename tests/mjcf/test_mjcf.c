@@ -578,6 +578,19 @@ START_TEST(errors_say_what_is_wrong) {
          RBD_MJCF_ERR_COMPILER,
          0,
          "'m'"},
+        {"<mujoco><option gravity='0 0 nan'/><worldbody><body><joint/><geom "
+         "size='1'/></body></worldbody></mujoco>",
+         {0},
+         RBD_MJCF_ERR_MODEL,
+         0,
+         "gravity"},
+        {"<mujoco><worldbody><body name='b'><joint/><geom size='1'/></body></worldbody><equality><connect "
+         "name='pin' "
+         "body1='b' anchor='0 0 0' solref='nan 1'/></equality></mujoco>",
+         {0},
+         RBD_MJCF_ERR_MODEL,
+         0,
+         "'pin': solref"},
         {"no xml at all", {0}, RBD_MJCF_ERR_COMPILER, 0, "MuJoCo"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

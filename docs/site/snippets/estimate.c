@@ -3,6 +3,7 @@
 #include "models/iiwa_model.h"
 
 const rbd_model *m = &iiwa_model;
+unsigned char work_memory[IIWA_WORK_SIZE], derivatives_memory[RBD_DERIVATIVES_SIZE(IIWA_NB, IIWA_NV)];
 rbd_work *w;
 rbd_derivatives *d;
 rbd_observer *observer;
@@ -11,14 +12,15 @@ rbd_estimate_fault fault;
 rbd_status status;
 double q[IIWA_NV], v[IIWA_NV], a[IIWA_NV], tau[IIWA_NV], r[IIWA_NV], band[IIWA_NV];
 rbd_joint_friction friction[IIWA_NV];
-int pushed;
+int pushed, known;
 
 /* An observer that follows within 25 ms, and knows the friction to a fifth. */
 void example_rbd_observer_init(void) {
     static unsigned char memory[RBD_OBSERVER_SIZE(IIWA_NV)];
     const rbd_observer_options options = {.gain = 40, .share = 0.2, .least = 0.5, .friction = friction};
     char text[100];
-    status = rbd_observer_init(m, &options, memory, sizeof memory, &observer, &fault);
+    status = rbd_work_init(m, work_memory, sizeof work_memory, &w);
+    if (status == RBD_OK) status = rbd_observer_init(m, &options, memory, sizeof memory, &observer, &fault);
     if (status != RBD_OK) rbd_estimate_text(status, &fault, text, sizeof text);
 }
 
@@ -42,7 +44,9 @@ void example_rbd_observer_reset(void) { status = rbd_observer_reset(observer); }
 void example_rbd_estimate_init(void) {
     static unsigned char memory[RBD_ESTIMATE_SIZE(IIWA_NV)];
     const rbd_estimate_options options = {.mass = 3, .forgetting = 0.999};
-    status = rbd_estimate_init(m, IIWA_NB - 1, &options, memory, sizeof memory, &e, &fault);
+    status = rbd_derivatives_init(m, w, derivatives_memory, sizeof derivatives_memory, &d);
+    if (status == RBD_OK)
+        status = rbd_estimate_init(m, IIWA_NB - 1, &options, memory, sizeof memory, &e, &fault);
 }
 
 /* Memory at run time. */
@@ -66,7 +70,7 @@ void example_rbd_estimate_solve(void) {
 void example_rbd_estimate_deviations(void) {
     rbd_const deviation[10];
     status = rbd_estimate_deviations(e, deviation, NULL);
-    if (status == RBD_OK && deviation[0] > 0.1) status = RBD_ERR_RANGE; /* move more */
+    known = status == RBD_OK && deviation[0] < 0.1; /* kg; else move more */
 }
 
 /* The gripper has closed; it has opened. */
