@@ -3,12 +3,12 @@
    usage: actuators [--problems N | --seconds N] [--seed N]     so many problems of each kind, 300
 
    Kinds: an iiwa with random motors under random commands, whose states stay finite, and whose inverse
-   stays within limits of current and voltage (a step decides on saturation at its start, and may pass them: this
-   is counted); a wheel whose inverse is put forward again, by the formulas of the header; a
-   wheel behind a spring with play and friction, to which no step of 0.5 to 10 ms that settles adds energy (runs in
-   which another one does are counted); a table with one
-   field that is NaN, infinite, 1e30 or -1, which is refused by that name. Prints a table. Fails if anything is
-   wrong, or if more than 1 % of the steps do not settle. */
+   stays within limits of current and voltage (a step decides on saturation at its start, and may pass
+   them: this is counted); a wheel whose inverse is put forward again, by the formulas of the header; a
+   wheel behind a spring with play and friction, to which no step of 0.5 to 10 ms that settles adds energy
+   (runs in which another one does are counted); a table with one field that is NaN, infinite, 1e30 or -1,
+   which is refused by that name. Prints a line. Fails if anything is wrong, or if more than 4 % of the steps
+   do not settle. */
 #define RBD_IMPLEMENTATION
 #include "rbd_actuator.h"
 #include "rbd_contact.h"
@@ -408,5 +408,5 @@ int main(int count, char **arguments) {
            "the limit of the current in a step, %ld runs gain energy in a step that does not settle, wrong: "
            "%ld\n",
            tried, steps, unsettled, jumps, 20 * tried, passes, gains, wrong);
-    return wrong > 0 || unsettled * 100 > steps || jumps * 100 > 20 * tried;
+    return wrong > 0 || unsettled * 100 > 4 * steps || jumps * 100 > 20 * tried;
 }

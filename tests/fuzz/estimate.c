@@ -5,9 +5,10 @@
    A robot learns the friction of its joints and a payload over 10,000 ticks, or fewer of a run of a few
    robots. Torques are those of rbd_rnea of the robot with the payload, friction and noise; some ticks are at
    rest, some repeat one motion. Each solve must give a body that can exist (rbd_check_parameters), friction
-   that is not negative, finite numbers. An observer runs beside it: what it feels is finite and, where friction
-   is known to the share that it was told, within the band. NaN, infinity and huge numbers in between are
-   refused by name, and a twin that never saw them goes the same way, to the bit. Prints a line. Fails if
+   that is not negative, finite numbers. An observer runs beside it: what it feels is finite, and
+   within the band, as friction is known to the share that it was told. NaN, infinity and huge numbers in
+   between are refused by name, and a twin that never saw them goes the same way, to the bit. Prints a line.
+   Fails if
    anything is wrong. */
 #define RBD_IMPLEMENTATION
 #include "rbd_estimate.h"
@@ -190,8 +191,8 @@ static void judge(void) {
             fail("deviation of friction", (double)spread[i].coulomb);
 }
 
-/* The observer of both robots. tau is constant in a tick: that of the momentum, so that nothing but friction is
-   felt. */
+/* The observer of both robots. tau is constant in a tick: that of the momentum, so that nothing but friction
+   is felt. */
 static void observe(const tick *x, double dt, rbd_real *r, rbd_real *band) {
     rbd_real other[DOFS];
     const rbd_status status =
@@ -206,8 +207,8 @@ static void observe(const tick *x, double dt, rbd_real *r, rbd_real *band) {
     }
 }
 
-/* Motor torques by which the momentum changes as it does, by the observer's own rule of a mean of both ends, with
-   the true friction. At rest it is anything within the dry part. */
+/* Motor torques by which the momentum changes as it does, by the observer's own rule of a mean of both ends,
+   with the true friction. At rest it is anything within the dry part. */
 static void push(uint64_t *seed, double dt, const rbd_real *last_p, const rbd_real *last_rate,
                  const rbd_real *p, const rbd_real *rate, tick *x) {
     for (int i = 0; i < nv; i++) {
