@@ -1007,10 +1007,19 @@ RBDI_LOCAL rbdi_tasks_error rbdi_tasks_gains(const rbdi_tasks *k, const rbd_task
     return s;
 }
 
-/* Appends the rows of a task of bodies. */
+/* The largest entry of n, by size. */
+RBDI_LOCAL rbd_real rbdi_tasks_largest(const rbd_real *x, int n) {
+    rbd_real most = rbdi_zero();
+    for (int i = 0; i < n; ++i) most = rbdi_ik_larger(most, rbdi_abs(x[i]));
+    return most;
+}
+
+/* Appends the rows of a task of bodies. A row of which rounding alone is left does not count: the next levels
+   would have to keep it. */
 RBDI_LOCAL void rbdi_tasks_put_bodies(rbdi_tasks *k, const rbd_task *t, rbd_real weight) {
     rbdi_tasks_error s = rbdi_tasks_gains(k, t);
-    rbd_real e[6], drift[6];
+    const int first = rbdi_tasks_first(t->kind), end = rbdi_tasks_end(t->kind);
+    rbd_real e[6], drift[6], rounding;
 
     if (rbdi_tasks_of_robot(t->kind))
         rbdi_tasks_of_momentum(k, t, &s);
@@ -1020,12 +1029,17 @@ RBDI_LOCAL void rbdi_tasks_put_bodies(rbdi_tasks *k, const rbd_task *t, rbd_real
         rbdi_tasks_of_body(k, t, &s);
     rbdi_store_motion(e, 1, s.e);
     rbdi_store_motion(drift, 1, s.drift);
+    rounding = rbdi_set(64 * RBDI_EPS);
+    if (rbdi_tasks_of_robot(t->kind))
+        rounding = rounding * rbdi_tasks_largest(&k->J[first * k->nv], (end - first) * k->nv);
+    else
+        rounding = rounding * rbdi_tasks_largest(k->J, 6 * k->nv);
 
-    for (int r = rbdi_tasks_first(t->kind); r < rbdi_tasks_end(t->kind); ++r) {
+    for (int r = first; r < end; ++r) {
         const rbd_real *J = &k->J[r * k->nv];
         const rbd_real u = k->accelerations ? rbdi_tasks_dot(J, k->v, k->nv) : rbdi_zero();
         const rbd_real y = rbdi_tasks_wish(k, &s, t->velocity[r], t->acceleration[r], u, e[r], drift[r]);
-        if (t->loose[r]) continue;
+        if (t->loose[r] || !(rbdi_tasks_largest(J, k->nv) > rounding)) continue;
         rbdi_ik_copy(J, k->nv, rbdi_tasks_append(k, y, y));
         rbdi_tasks_square(k, weight);
     }
@@ -1227,6 +1241,8 @@ RBDI_LOCAL rbd_tasks_status rbdi_tasks_descend(rbdi_tasks *k) {
         if (!rbdi_tasks_put_level(k, level) && level > 0) continue;
 
         status = rbdi_tasks_solve_level(k, level, rows);
+        if (status == RBD_QP_OK && !rbdi_tasks_are_within(k->x, k->n, -RBDI_IK_MOST, RBDI_IK_MOST))
+            status = k->result->qp = RBD_QP_INACCURATE; /* rows that nearly contradict each other */
         if (status != RBD_QP_OK && solved) return RBD_TASKS_INEXACT;
         if (status == RBD_QP_INFEASIBLE) return RBD_TASKS_INFEASIBLE;
         if (!rbdi_tasks_has_answer(status)) {

@@ -669,6 +669,29 @@ START_TEST(tasks_are_reached) {
 }
 END_TEST
 
+/* A point on a joint's axis stays: its rows are zero but for rounding, and must not bind the next level. */
+START_TEST(rounding_is_not_held_for_the_next_level) {
+    static const rbd_body bodies[1] = {{.parent = -1,
+                                        .type = RBD_REVOLUTE,
+                                        .axis = {0.3, 0.5, 0.7},
+                                        .position = {0.1, 0.7, 0.3},
+                                        .mass = 1}};
+    robot r = BUILD(bodies);
+    const double wanted[1] = {0.7};
+    for (int k = 0; k < 100; k++) {
+        const double q[1] = {0.1 + 0.37 * k}, far = 0.1 + 0.01 * k;
+        const rbd_task t[2] = {{.kind = RBD_TASK_POINT, .point = {0.3 * far, 0.5 * far, 0.7 * far}},
+                               {.kind = RBD_TASK_POSTURE, .q = q, .v = wanted, .level = 1}};
+        const rbd_tasks p = {.task = t, .tasks = 2, .dt = 0.01, .motion_cost = 1e-9};
+        rbd_tasks_result result;
+        double x[1] = {0};
+        expect_answer(&result, move_by(&r, &p, q, x, &result), RBD_TASKS_OK);
+        ck_assert_msg(fabs(x[0] - wanted[0]) < 1e-7, "state %d: %g", k, x[0]);
+    }
+    robot_free(&r);
+}
+END_TEST
+
 /* A task of level 1 leaves one of level 0 as it is, to 1e-8, though it moves what is left; loose rows are
    left. */
 START_TEST(a_level_never_worsens_the_one_before) {
@@ -1204,6 +1227,7 @@ Suite *tasks_suite(void) {
     tcase_add_test(c, feet_bear_the_weight);
     tcase_add_test(c, feet_push_along_their_normals);
     tcase_add_loop_test(c, the_answer_depends_on_the_problem_alone, 0, 2);
+    tcase_add_test(c, rounding_is_not_held_for_the_next_level);
     tcase_add_test(c, a_level_never_worsens_the_one_before);
     tcase_add_test(c, work_is_bounded);
     tcase_add_test(c, a_robot_without_joints_has_an_answer);

@@ -162,6 +162,8 @@ RBDI_LOCAL rbd_tasks_status rbdi_tasks_descend(rbdi_tasks *k) {
         if (!rbdi_tasks_put_level(k, level) && level > 0) continue;
 
         status = rbdi_tasks_solve_level(k, level, rows);
+        if (status == RBD_QP_OK && !rbdi_tasks_are_within(k->x, k->n, -RBDI_IK_MOST, RBDI_IK_MOST))
+            status = k->result->qp = RBD_QP_INACCURATE; /* rows that nearly contradict each other */
         if (status != RBD_QP_OK && solved) return RBD_TASKS_INEXACT;
         if (status == RBD_QP_INFEASIBLE) return RBD_TASKS_INFEASIBLE;
         if (!rbdi_tasks_has_answer(status)) {

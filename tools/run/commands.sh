@@ -86,6 +86,8 @@ cmd_contact() {
 #+                             robots, broken descriptions; prints tables; --publish [PROBLEMS]
 #+ fuzz --qp [SECONDS | --problems N]  random quadratic programs, each answer judged by its own conditions
 #+ fuzz --ik [SECONDS | --poses N]  inverse kinematics: 10,000 random poses of each of four arms, places out of reach
+#+ fuzz --tasks | --actuators | --estimate [SECONDS | --problems N]  random robots for rbd_tasks.h, rbd_actuator.h or
+#+                             rbd_estimate.h, each answer judged by laws and formulas of its own
 #+ fuzz --codegen [models | ROBOTS [FIRST]]  generated code of the models and of 200 random robots against rbd.h, by
 #+                             gcc and clang with sanitizers; or of one of the two
 cmd_fuzz() {
@@ -99,7 +101,7 @@ cmd_fuzz() {
             "$build/fuzz/codegen" "$@"
         return
         ;;
-    --library | --constraints | --contacts | --qp | --ik)
+    --library | --constraints | --contacts | --qp | --ik | --tasks | --actuators | --estimate)
         fuzzer=${1#--}
         shift
         install quad

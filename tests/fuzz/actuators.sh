@@ -1,0 +1,20 @@
+#!/bin/sh
+# actuators.sh FOLDER [SECONDS | --problems N] [--seed N]: builds the fuzzer of rbd_actuator.h in FOLDER, in double and in float,
+# and runs one after the other for so long, or on so many problems of each kind, 300.
+set -eu
+folder=${1:?usage: actuators.sh FOLDER [SECONDS | --problems N] [--seed N]}
+shift
+root=$(CDPATH='' cd -- "$(dirname -- "$0")/../.." && pwd)
+mkdir -p "$folder"
+case ${1-} in
+'' | *[!0-9]*) ;;
+*) seconds=$1
+   shift
+   set -- --seconds "$seconds" "$@" ;;
+esac
+for scalar in double float; do
+    "${CC:-gcc}" -std=gnu99 -O2 -I"$root" -I"$root/tests" -DRBD_REAL=$scalar -DWORLD_LONG_DOUBLE \
+        "$root/tests/fuzz/actuators.c" "$root/tests/fuzz/robots.c" "$root/tests/fuzz/world.c" -lm -o "$folder/actuators-$scalar"
+    echo "$scalar:"
+    "$folder/actuators-$scalar" "$@"
+done
