@@ -578,7 +578,14 @@ START_TEST(errors_say_what_is_wrong) {
          RBD_MJCF_ERR_COMPILER,
          0,
          "'m'"},
-        {"no xml at all", {0}, RBD_MJCF_ERR_COMPILER, 0, "MuJoCo"},
+        {"no xml at all", {0}, RBD_MJCF_ERR_COMPILER, 1, "MuJoCo"},
+        {"<mujoco>\n<worldbody>\n<body\n</worldbody></mujoco>", {0}, RBD_MJCF_ERR_COMPILER, 3, "MuJoCo"},
+        {"<mujoco>\n<worldbody>\n<body>\n<joint type='free'/><joint/>\n<geom "
+         "size='1'/></body></worldbody></mujoco>",
+         {0},
+         RBD_MJCF_ERR_COMPILER,
+         3,
+         "dofs"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         rbd_mjcf r = with_room(&x);
