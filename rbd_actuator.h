@@ -99,7 +99,7 @@ RBDI_EXTERN_C_BEGIN
 typedef struct rbd_friction {
     rbd_const coulomb;                    /* N m: without load, at any speed */
     rbd_const viscous;                    /* N m s: times the speed, beside the level */
-    rbd_const load_motor, load_joint;     /* shares of both torques, 0 to 10; load_motor below 1 */
+    rbd_const load_motor, load_joint;     /* shares of both torques, 0 to 10; load_motor to 0.999 */
     rbd_const rest;                       /* N m more at rest: Stribeck's effect */
     rbd_const rest_motor, rest_joint;     /* shares of both torques at rest, 0 to 10 */
     rbd_const square_motor, square_joint; /* 1/(N m): at rest, of the squares of both torques */
@@ -121,7 +121,8 @@ typedef struct rbd_motor {
     rbd_const current;    /* A: limit; 0: none */
     rbd_const voltage;    /* V: limit; with the resistance it gives the torque-speed line; 0: none */
     rbd_const copper;     /* 1/K: growth of the resistance above 25 degrees; copper 0.0039 */
-    rbd_const heat_winding, heat_case; /* J/K; heat_winding 0: no heat; heat_case 0: the case stays as cold
+    rbd_const heat_winding,
+        heat_case; /* J/K; these and the flows 0: no heat; heat_case 0: the case stays as cold
                                           as the air */
     rbd_const flow_winding, flow_case; /* K/W: from the winding to the case, from there to the air */
     rbd_const hot, hottest;          /* degrees: the limit of current falls between them to 0; both 0: none */
@@ -130,7 +131,7 @@ typedef struct rbd_motor {
     rbd_const stiffness, damping; /* N m/rad, N m s/rad: of a spring from the gear to the joint; 0: rigid */
     rbd_const backlash;           /* rad: play of the spring; needs a stiffness */
     int delay;                    /* steps that a command takes to arrive, at most 1000 */
-    int sampled; /* not 0: the drive is as slow as the step, and may be unstable; 0: much faster, implicit */
+    int sampled; /* 1: the drive is as slow as the step, and may be unstable; 0: much faster, implicit */
     rbd_friction friction;
 } rbd_motor;
 
@@ -138,7 +139,8 @@ typedef struct rbd_motor {
 typedef struct rbd_rod {
     rbd_const place[3];      /* of the crank's axis, m, axes of the base: the body before the first joint */
     rbd_const axis[3];       /* of the crank, of unit length, base's axes */
-    rbd_const zero[3];       /* direction of the crank at angle 0, of unit length, across the axis */
+    rbd_const zero[3];       /* direction of the crank at angle 0, of unit length, across the axis. Angles are
+                                within -pi and pi: the crank must not pass the opposite direction */
     rbd_const crank, length; /* m */
     rbd_const point[3];      /* m, of the last joint's body, link axes */
     int elbow;               /* 1 or -1: which of the two angles that the rod allows */
@@ -201,7 +203,8 @@ RBDI_API char *rbd_actuators_finding_text(const rbd_finding *finding, int n, cha
    q, v           nq, nv; v may be NULL for zero
    angle, speed   n, rad and rad/s; each may be NULL
    Errors: RBD_ERR_NULL; _NAN, q or v is not finite or above 1e9; _INFEASIBLE, a rod does not reach;
-   _SINGULAR, a rod at its dead centre. rbd_actuators_fault has the transmission. */
+   _SINGULAR, a rod at its dead centre: rbd_actuators_fault has the transmission; _ORDER, within a step:
+   from rbd_actuators_begin to the rbd_actuators_again that returns 0, or to rbd_actuators_reset. */
 RBDI_API rbd_status rbd_actuators_map(rbd_actuators *a, const rbd_real *q, const rbd_real *v, rbd_real *angle,
                                       rbd_real *speed);
 
@@ -215,7 +218,8 @@ typedef struct rbd_drive {
     rbd_real torque;  /* N m at the shaft, of the motor; within its limits */
     rbd_real current; /* A */
     rbd_real voltage; /* V */
-    rbd_real angle;   /* rad, of the shaft on the motor's side of a spring: for a position controller */
+    rbd_real angle;   /* rad, of the shaft on the motor's side of a spring, beyond the play: for a position
+                         controller */
     int saturated;    /* 1 or -1: a limit cut the torque at its upper or lower end; else 0 */
     rbd_real by_torque, by_speed, by_acceleration; /* slopes of the uncut torque by what the joints ask of the
                                                       shaft: its torque, viscous speed and acceleration */
@@ -302,7 +306,7 @@ typedef struct rbd_rotor {
     int body;          /* that it is mounted on; -1: the world */
     int dof;           /* index into v, that turns it */
     rbd_const axis[3]; /* body's axes, of any length; of a positive turn where gear is positive */
-    rbd_const gear;    /* turns of the rotor relative to the body for a unit of v */
+    rbd_const gear;    /* turns of the rotor relative to the body for a unit of v; not 0 */
     rbd_const inertia; /* kg m^2, about the axis */
 } rbd_rotor;
 
@@ -377,7 +381,7 @@ RBDI_EXTERN_C_END
 #define RBDI_ACTUATOR_MOST_DELAY 1000
 #define RBDI_ACTUATOR_REPEATS 50
 #define RBDI_ACTUATOR_SOFT 3            /* repeats after which speeds go half way */
-#define RBDI_ACTUATOR_SLOPE RBD_C(0.05) /* least slope of the equation of the inverse */
+#define RBDI_ACTUATOR_SLOPE RBD_C(1e-3) /* least slope of the inverse's equation: that of load_motor 0.999 */
 #define RBDI_ACTUATOR_DEAD RBD_C(1e-6) /* of crank times length: a rod nearer to its dead centre is refused */
 #define RBDI_ACTUATOR_HOTTEST RBD_C(1e6) /* degrees: no winding gets there */
 #define RBDI_ACTUATOR_WARM RBD_C(25)     /* degrees at which resistances are given */
@@ -408,10 +412,11 @@ typedef struct rbdi_act_shaft {
     rbd_real t, braking; /* the motor's torque is t - braking speed at the step's end */
     rbd_real now;        /* N m: the motor's torque at its beginning */
     rbd_real gain, rate; /* its slopes by angle and speed in continuous time, both negative there */
-    rbd_real cogging;    /* N m, a part of t that no current makes */
-    rbd_real level;      /* of dry friction */
-    rbd_real told;       /* speed whose branch the step was told */
-    rbd_real s, slope;   /* what it was told: the torque s - slope x */
+    rbd_real cogging;    /* N m, a part of t that no current makes: cogging - cogging_slope speed */
+    rbd_real cogging_slope;
+    rbd_real level;    /* of dry friction */
+    rbd_real told;     /* speed whose branch the step was told */
+    rbd_real s, slope; /* what it was told: the torque s - slope x */
 } rbdi_act_shaft;
 
 /* Joints that motors move together. */
@@ -619,6 +624,30 @@ RBDI_PART rbd_real rbdi_act_cogging(const rbd_motor *m, rbd_real angle) {
     return (rbd_real)m->gear * m->cogging * sine;
 }
 
+/* Cogging in a step, whose work is what its potential loses: its mean over the way dt x of the shaft,
+
+       gear cogging sin(theta + d/2) sin(d/2) / (d/2)
+       theta = teeth gear angle + phase,   d = teeth gear dt x
+
+   at the speed x before the step and, where it holds the rotor back and the way is short, implicit. */
+RBDI_PART void rbdi_act_cog(const rbd_motor *m, rbdi_act_shaft *s, rbd_real dt, rbd_real share) {
+    const rbd_real most = (rbd_real)m->gear * m->cogging, rate = (rbd_real)m->teeth * m->gear;
+    const rbd_real half = rate * dt * s->speed / 2;
+    rbd_real sine, cosine, mean = rbdi_set(RBD_C(1));
+    s->cogging = s->cogging_slope = rbdi_zero();
+    if (!(m->cogging > 0)) return;
+
+    if (rbdi_abs(half) > RBD_C(1e-4)) {
+        rbdi_sincos(half, &sine, &cosine);
+        mean = sine / half;
+    }
+    rbdi_sincos(rate * s->angle + m->phase + half, &sine, &cosine);
+    s->cogging = most * sine * mean;
+    if (!(rate * most * cosine < 0) || rbdi_abs(half) > RBD_C(0.5)) return;
+    s->cogging_slope = -most * rate * cosine * dt * share / 2;
+    s->cogging = s->cogging + s->cogging_slope * s->speed;
+}
+
 /* A step of heat by implicit Euler; C_w, C_c capacities, g_w, g_c conductances, T above the air:
 
        C_w (T_w' - T_w) / dt = I^2 R - g_w (T_w' - T_c'),   C_c (T_c' - T_c) / dt = g_w (T_w' - T_c') - g_c
@@ -642,7 +671,7 @@ RBDI_PART void rbdi_act_heat(const rbd_motor *m, rbdi_act_shaft *s, rbd_real cur
     g_c = 1 / (rbd_real)m->flow_case;
     a_cc = m->heat_case / dt + g_w + g_c;
     b_c = m->heat_case / dt * s->housing;
-    determinant = a_ww * a_cc - g_w * g_w;
+    determinant = m->heat_winding / dt * a_cc + g_w * (m->heat_case / dt + g_c); /* a_ww a_cc - g_w^2 */
     s->winding = rbdi_act_clamp((a_cc * b_w + g_w * b_c) / determinant, -hottest, hottest);
     s->housing = rbdi_act_clamp((g_w * b_w + a_ww * b_c) / determinant, -hottest, hottest);
 }
@@ -686,7 +715,7 @@ RBDI_PART void rbdi_act_drive_motor(const rbd_motor *m, rbdi_act_shaft *s, const
     const rbd_real winding = s->winding + air, constant = rbdi_act_torque_constant(m);
     rbd_real lower, upper;
 
-    s->cogging = rbdi_act_cogging(m, s->angle);
+    rbdi_act_cog(m, s, dt, share);
     s->saturated = 0;
     s->gain = c->kp;
     s->rate = c->kd;
@@ -708,6 +737,7 @@ RBDI_PART void rbdi_act_drive_motor(const rbd_motor *m, rbdi_act_shaft *s, const
     if (s->now < (lower > upper ? upper : lower))
         rbdi_act_saturate(m, s, winding, lower > upper ? upper : lower, -1);
     s->t = s->t + s->cogging;
+    s->braking = s->braking + s->cogging_slope;
     s->now = s->now + s->cogging;
 }
 
@@ -834,7 +864,8 @@ RBDI_LOCAL int rbdi_act_invert_small(const rbd_real *G, int n, rbd_real *inverse
         int best = k;
         for (int i = k + 1; i < n; ++i)
             if (rbdi_abs(a[n * i + k]) > rbdi_abs(a[n * best + k])) best = i;
-        if (!(rbdi_abs(a[n * best + k]) > RBDI_ACTUATOR_DEAD * largest)) return 0;
+        if (!(rbdi_abs(a[n * best + k]) > RBDI_ACTUATOR_DEAD * largest) || largest < RBDI_ACTUATOR_DEAD)
+            return 0;
 
         for (int j = 0; j < n; ++j) {
             const rbd_real x = a[n * k + j], y = inverse[n * k + j];
@@ -922,6 +953,7 @@ RBDI_API rbd_status rbd_actuators_map(rbd_actuators *a, const rbd_real *q, const
                                       rbd_real *speed) {
     rbd_status status;
     if (!a || !q) return RBD_ERR_NULL;
+    if (a->begun) return RBD_ERR_ORDER;
     status = rbdi_act_map(a, q, v);
     for (int i = 0; i < a->n && !status; ++i) {
         if (angle) angle[i] = a->shaft[i].g;
@@ -968,6 +1000,13 @@ RBDI_PART rbd_real rbdi_act_carry_load(const rbd_friction *f, rbd_real S, const 
     return u;
 }
 
+/* How far the motor's side of a spring is ahead of the joint's where it gives torque t: it is beyond half of
+   the play. */
+RBDI_PART rbd_real rbdi_act_winding_of(const rbd_motor *m, rbd_real t) {
+    if (!(m->stiffness > 0)) return rbdi_zero();
+    return t / m->stiffness + (rbd_real)rbdi_act_sign(t) * (m->backlash / 2);
+}
+
 /* One shaft: u = t + J x' + viscous x + side F - cogging, within the limits. */
 RBDI_ONCE void rbdi_act_invert_shaft(const rbd_motor *m, const rbdi_act_shaft *s, const rbdi_act_wanted *want,
                                      rbd_real air, rbd_drive *drive) {
@@ -986,8 +1025,7 @@ RBDI_ONCE void rbdi_act_invert_shaft(const rbd_motor *m, const rbdi_act_shaft *s
     drive->by_torque = by_torque / slope;
     drive->by_speed = f->viscous / slope;
     drive->by_acceleration = J / slope;
-    drive->angle = s->g;
-    if (m->stiffness > 0) drive->angle = s->g + want->torque / m->stiffness;
+    drive->angle = s->g + rbdi_act_winding_of(m, want->torque);
 
     if (m->cogging > 0) u = u - rbdi_act_cogging(m, drive->angle);
     current = u / constant;
@@ -1032,6 +1070,7 @@ RBDI_API rbd_status rbd_actuators_inverse(rbd_actuators *a, const rbd_real *q, c
                                           const rbd_real *acc, const rbd_real *tau, rbd_drive *drives) {
     rbd_status status;
     if (!a || !q || !v || !acc || !tau || !drives) return RBD_ERR_NULL;
+    if (a->begun) return RBD_ERR_ORDER;
     status = rbdi_act_map(a, q, v);
     if (status) return status;
     if (!rbdi_act_all_moderate(acc, a->nv) || !rbdi_act_all_moderate(tau, a->nv)) return RBD_ERR_NAN;
@@ -1200,6 +1239,7 @@ RBDI_PART void rbdi_act_end_shaft(const rbd_motor *m, rbdi_act_shaft *s, rbd_rea
             s->bristle = rbdi_act_clamp(sticks.offset + sticks.slope * x, -s->level, s->level);
     }
     s->motor = s->t - s->braking * s->speed;
+    s->cogging = s->cogging - s->cogging_slope * s->speed;
     rbdi_act_heat(m, s, (s->motor - s->cogging) / rbdi_act_torque_constant(m), a->air, a->dt);
 }
 
@@ -1214,7 +1254,8 @@ RBDI_LOCAL void rbdi_act_rest(rbd_actuators *a, rbd_real air) {
     for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) {
         s->angle = s->g;
         s->speed = s->winding = s->housing = s->bristle = rbdi_zero();
-        s->motor = s->joint = s->level = s->cogging = rbdi_zero();
+        s->motor = s->joint = s->level = rbdi_zero();
+        s->cogging = s->cogging_slope = rbdi_zero();
         s->t = s->now = s->braking = s->gain = s->rate = rbdi_zero();
         s->s = s->slope = s->told = rbdi_zero();
         s->branch = s->saturated = s->oldest = 0;
@@ -1316,6 +1357,7 @@ RBDI_API rbd_status rbd_actuators_begin(rbd_actuators *a, const rbd_command *com
                                         rbd_real *damping) {
     rbd_status status;
     if (!a || !commands || !q || !v || !tau || !damping) return RBD_ERR_NULL;
+    a->begun = 0;
     if (!(dt >= RBD_C(1e-9) && dt <= RBD_C(1e3))) return RBD_ERR_RANGE;
     for (int i = 0; i < a->n; ++i)
         if (!rbdi_act_is_command(&commands[i])) return RBD_ERR_RANGE;
@@ -1560,12 +1602,13 @@ RBDI_LOCAL rbd_status rbdi_act_check_friction(const rbdi_act_where *where, const
 /* Resistance, limits and heat. */
 RBDI_LOCAL rbd_status rbdi_act_check_electric(const rbdi_act_where *where, const rbd_motor *m) {
     const rbd_const most = RBDI_ACTUATOR_MOST, least = RBDI_ACTUATOR_LEAST;
+    const int network = m->heat_case > 0 || m->flow_winding > 0 || m->flow_case > 0;
     const int heat = m->heat_winding > 0, limit = !(m->hot <= 0 && m->hottest <= 0);
     const rbdi_act_field field[] = {
         {"current", m->current, 0, most, 1},
         {"voltage", m->voltage, 0, most, 1},
         {"copper", m->copper, 0, 1, 1},
-        {"heat_winding", m->heat_winding, least, RBD_C(1e6), !limit},
+        {"heat_winding", m->heat_winding, least, RBD_C(1e6), !limit && !network},
         {"heat_case", m->heat_case, least, RBD_C(1e6), 1},
         {"flow_winding", m->flow_winding, least, RBD_C(1e6), !heat},
         {"flow_case", m->flow_case, least, RBD_C(1e6), !(heat && m->heat_case > 0)},
@@ -1902,7 +1945,7 @@ RBDI_LOCAL rbd_status rbdi_act_check_rotor(const rbd_model *m, const rbd_rotor *
     for (int i = 0; i < 3; ++i) square = square + (rbd_real)r->axis[i] * r->axis[i];
     if (!(square > RBD_C(1e-18) && square < RBD_C(1e18))) return RBD_ERR_AXIS;
     if (!(r->inertia >= 0 && r->inertia <= RBDI_ACTUATOR_MOST)) return RBD_ERR_RANGE;
-    return rbdi_abs(r->gear) <= RBDI_ACTUATOR_MOST ? RBD_OK : RBD_ERR_RANGE;
+    return rbdi_abs(r->gear) > 0 && rbdi_abs(r->gear) <= RBDI_ACTUATOR_MOST ? RBD_OK : RBD_ERR_RANGE;
 }
 
 /* The axis, of unit length. */

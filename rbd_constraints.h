@@ -1774,7 +1774,7 @@ RBDI_LOCAL int rbdi_articulated_solve(const rbd_model *m, rbd_constraint_set *c,
 }
 
 /* ==== src/constraints/calls.h ==== */
-/* Interface: rbdi_check_constrained, rbdi_constraint_bias */
+/* Interface: rbdi_check_constrained, rbdi_check_constraints, rbdi_constraint_bias */
 
 /* ---- call code [call code] ---- */
 

@@ -238,20 +238,20 @@ RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const
                                    const rbd_real *damping, rbd_real dt, rbd_real *a);
 
 /* Changes the plane of contact i, as in rbd_contact, from the next step on: to the tangent plane of terrain.
-   Errors: RBD_ERR_NULL, _INDEX, _AXIS, _POSITION. */
+   Errors: RBD_ERR_NULL, _WORK, _INDEX, _AXIS, _POSITION. */
 RBDI_API rbd_status rbd_contact_plane(const rbd_model *m, rbd_contact_set *c, int i, const double normal[3],
                                       double height);
 
 /* Changes the dry friction of a dof, from the next step on: of a motor that is loaded, or warm. The set has a
    row for it if the option `joint_friction` is on and the description's friction there is above 0.
    bound      largest force, N m or N; 0: none
-   Errors: RBD_ERR_NULL; _INDEX, no such row; _RANGE, negative or not finite. */
+   Errors: RBD_ERR_NULL, _WORK; _INDEX, no such row; _RANGE, negative or not finite. */
 RBDI_API rbd_status rbd_contact_friction(const rbd_model *m, rbd_contact_set *c, int dof, rbd_real bound);
 
 /* Changes bounded row i of the option `rows`, from the next step on; until then it does nothing. See
    docs/contact_step.md, Bounded rows: friction of shafts, bristles, brakes.
-   Errors: RBD_ERR_NULL; _INDEX, no row i, or a dof that is not there or twice; _COUNT, dofs; _RANGE, not
-   finite, a compliance below 0, lower > upper. Then the row is as it was. */
+   Errors: RBD_ERR_NULL, _WORK; _INDEX, no row i, or a dof that is not there or twice; _COUNT, dofs; _RANGE,
+   not finite, a compliance below 0, lower > upper. Then the row is as it was. */
 RBDI_API rbd_status rbd_contact_row_set(const rbd_model *m, rbd_contact_set *c, int i,
                                         const rbd_contact_row *row);
 
@@ -265,7 +265,7 @@ RBDI_API rbd_contact_state rbd_contact_row_get(const rbd_contact_set *c, int i, 
    and multiplies the change of v.
    added      rbd_packed_size, as of rbd_crba_packed: M + added is positive definite. Kept, not copied: it
               must be there in the steps. NULL: nothing
-   Errors: RBD_ERR_NULL, of m or c; one that is not finite is RBD_ERR_NAN of the step. */
+   Errors: RBD_ERR_NULL, of m or c; _WORK; one that is not finite is RBD_ERR_NAN of the step. */
 RBDI_API rbd_status rbd_contact_inertia(const rbd_model *m, rbd_contact_set *c, const rbd_real *added);
 
 /* Clears the last impulses, with which a step begins; rbd_contact_get then returns RBD_APART, gaps of 0 and
@@ -1510,7 +1510,8 @@ RBDI_LOCAL void rbdi_keep_bounded(const rbd_contact_set *c, rbdi_bounded_row *ro
 }
 
 RBDI_API rbd_status rbd_contact_friction(const rbd_model *m, rbd_contact_set *c, int dof, rbd_real bound) {
-    if (!m || !c) return RBD_ERR_NULL;
+    const rbd_status status = rbdi_check_constraints(m, c ? c->rows : NULL, 1);
+    if (status) return status;
     for (int i = 0; i < c->frictions; ++i) {
         rbd_contact_row *law = &c->bound[i].law;
         if (law->dof[0] != dof) continue;
@@ -1540,8 +1541,8 @@ RBDI_API rbd_status rbd_contact_row_set(const rbd_model *m, rbd_contact_set *c, 
                                         const rbd_contact_row *row) {
     const rbd_real most = rbdi_set(RBDI_UNBOUNDED);
     rbd_contact_row *law;
-    rbd_status status;
-    if (!m || !c || !row) return RBD_ERR_NULL;
+    rbd_status status = rbdi_check_constraints(m, c ? c->rows : NULL, row != NULL);
+    if (status) return status;
     if (i < 0 || i >= c->options.rows) return RBD_ERR_INDEX;
     status = rbdi_check_bounded(m, row);
     if (status) return status;
@@ -1561,9 +1562,9 @@ RBDI_API rbd_contact_state rbd_contact_row_get(const rbd_contact_set *c, int i, 
 }
 
 RBDI_API rbd_status rbd_contact_inertia(const rbd_model *m, rbd_contact_set *c, const rbd_real *added) {
-    if (!m || !c) return RBD_ERR_NULL;
-    c->added = added;
-    return RBD_OK;
+    const rbd_status status = rbdi_check_constraints(m, c ? c->rows : NULL, 1);
+    if (!status) c->added = added;
+    return status;
 }
 
 /* ==== src/contact/set.h ==== */
@@ -1833,7 +1834,8 @@ RBDI_API rbd_status rbd_contact_set_init(const rbd_model *m, rbd_work *w, const 
 
 RBDI_API rbd_status rbd_contact_plane(const rbd_model *m, rbd_contact_set *c, int i, const double normal[3],
                                       double height) {
-    if (!m || !c || !normal) return RBD_ERR_NULL;
+    const rbd_status status = rbdi_check_constraints(m, c ? c->rows : NULL, normal != NULL);
+    if (status) return status;
     if (i < 0 || i >= c->n) return RBD_ERR_INDEX;
     if (!rbdi_finite(normal, 3)) return RBD_ERR_AXIS;
     if (!rbdi_finite(&height, 1)) return RBD_ERR_POSITION;

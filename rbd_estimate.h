@@ -199,8 +199,8 @@ RBDI_API rbd_status rbd_estimate_solve(rbd_estimate *e, rbd_const payload[10], r
 RBDI_API rbd_status rbd_estimate_deviations(const rbd_estimate *e, rbd_const payload[10],
                                             rbd_joint_friction *friction);
 
-/* The hand took something, or changed it: the payload is unknown from here on; friction stays known.
-   Errors: RBD_ERR_NULL; _INDEX, the estimate has no body. */
+/* The hand took something, or changed it: the payload is unknown from here on; friction stays known. Takes as
+   long as rbd_estimate_solve. Errors: RBD_ERR_NULL; _INDEX, the estimate has no body. */
 RBDI_API rbd_status rbd_estimate_grip(rbd_estimate *e);
 
 /* The hand is empty: the payload is 0, and samples tell of friction alone. Errors: as rbd_estimate_grip. */
@@ -1108,7 +1108,7 @@ RBDI_PART void rbdi_friction_deviations(const rbd_estimate *e, int i, const rbd_
    f alone: with B = 1 + F C F' = L L', L^-1 R f = L^-1 (z - F p). */
 RBDI_PART void rbdi_forget_load_of(rbd_estimate *e, int i, const rbd_real load[RBDI_LOAD_TRIANGLE]) {
     rbd_real *R = e->joint + i * RBDI_JOINT_TRIANGLE, x[RBDI_FRICTIONS][RBDI_WHOLE_ROW],
-             F[RBDI_FRICTIONS][RBDI_TEN], B[RBDI_FRICTIONS * 4];
+             F[RBDI_FRICTIONS][RBDI_TEN], B[RBDI_FRICTIONS * RBDI_FRICTIONS];
 
     /* the rows, and F load^-1 */
     for (int k = 0; k < RBDI_FRICTIONS; ++k) {
@@ -1263,12 +1263,13 @@ RBDI_API rbd_status rbd_estimate_deviations(const rbd_estimate *e, rbd_const pay
     return RBD_OK;
 }
 
-/* Forgets the payload, not the friction. */
+/* Forgets the payload, not the friction, which is kept for the payload that the samples so far tell of. */
 RBDI_LOCAL rbd_status rbdi_change_load(rbd_estimate *e, int known) {
     rbd_real T[RBDI_LOAD_TRIANGLE];
     if (!e) return RBD_ERR_NULL;
     if (e->body < 0) return RBD_ERR_INDEX;
 
+    if (!e->known) rbdi_find_load(e);
     rbdi_load_triangle(e, T);
     for (int i = 0; i < e->nv && !e->known; ++i) rbdi_forget_load_of(e, i, T);
     rbdi_begin_load(e);

@@ -1071,6 +1071,9 @@ static void rbdi_mjcf_add_constraint(rbdi_mjcf_load *l, int equality) {
     memcpy(c->rotation2, side2.at.R, sizeof c->rotation2);
     for (int i = 0; i < 6; i++) c->axes[i] = is_weld || i >= 3;
     rbdi_mjcf_set_gains(m->eq_solref + (size_t)equality * mjNREF, c);
+    if (!(c->kp >= 0 && c->kp < HUGE_VAL && c->kd >= 0 && c->kd < HUGE_VAL))
+        rbdi_mjcf_fail(l, RBD_MJCF_ERR_MODEL, "equality '%s': solref is not finite, or of two signs",
+                       rbdi_mjcf_equality(m, equality, text));
     l->constraint_names[l->nconstraints++] = rbdi_mjcf_put(l, rbdi_mjcf_equality(m, equality, text), "", 0);
 }
 
@@ -1272,20 +1275,18 @@ static void rbdi_mjcf_check_build(rbdi_mjcf_load *l) {
     free(memory);
 }
 
-static void rbdi_mjcf_check_room(rbdi_mjcf_load *l, const char *what, int is_asked, size_t room,
-                                 size_t needed) {
-    if (is_asked && room < needed)
-        rbdi_mjcf_fail(l, RBD_MJCF_ERR_ROOM, "room for %s is needed: %lu", what, (unsigned long)needed);
+static void rbdi_mjcf_lack(rbdi_mjcf_load *l, const char *what, size_t needed) {
+    rbdi_mjcf_fail(l, RBD_MJCF_ERR_ROOM, "room for %s is needed: %lu", what, (unsigned long)needed);
 }
 
 static void rbdi_mjcf_check_rooms(rbdi_mjcf_load *l, const rbd_mjcf *r) {
     const size_t nb = (size_t)l->nb;
-    rbdi_mjcf_check_room(l, "bodies", 1, r->bodies ? (size_t)r->bodies_max : 0, nb);
-    rbdi_mjcf_check_room(l, "bytes of names", 1, r->names ? r->names_max : 0, l->names_size);
-    rbdi_mjcf_check_room(l, "frames", r->frames != NULL, (size_t)r->frames_max, (size_t)l->nframes);
-    rbdi_mjcf_check_room(l, "places", r->places != NULL, (size_t)r->places_max, nb);
-    rbdi_mjcf_check_room(l, "constraints", r->constraints != NULL, (size_t)r->constraints_max,
-                         (size_t)l->nconstraints);
+    if (!r->bodies || r->bodies_max < l->nb) rbdi_mjcf_lack(l, "bodies", nb);
+    if (!r->names || r->names_max < l->names_size) rbdi_mjcf_lack(l, "bytes of names", l->names_size);
+    if (r->frames && r->frames_max < l->nframes) rbdi_mjcf_lack(l, "frames", (size_t)l->nframes);
+    if (r->places && r->places_max < l->nb) rbdi_mjcf_lack(l, "places", nb);
+    if (r->constraints && r->constraints_max < l->nconstraints)
+        rbdi_mjcf_lack(l, "constraints", (size_t)l->nconstraints);
 }
 
 static void rbdi_mjcf_write_frame(const rbdi_mjcf_item *f, const char *names, rbd_mjcf_frame *out) {
@@ -1324,10 +1325,15 @@ static void rbdi_mjcf_write_result(rbdi_mjcf_load *l, rbd_mjcf *r) {
     for (int i = 0; r->constraints && i < l->nconstraints; i++) r->constraints[i] = l->constraints[i];
 }
 
-static void rbdi_mjcf_check_options(rbdi_mjcf_load *l) {
+static int rbdi_mjcf_is_finite(const double x[3]) {
+    return isfinite(x[0]) && isfinite(x[1]) && isfinite(x[2]);
+}
+
+static void rbdi_mjcf_check_gravity(rbdi_mjcf_load *l) {
     const double *g = l->options->gravity;
-    if (g && !(isfinite(g[0]) && isfinite(g[1]) && isfinite(g[2])))
-        rbdi_mjcf_fail(l, RBD_MJCF_ERR_OPTION, "gravity is not finite");
+    if (g && !rbdi_mjcf_is_finite(g)) rbdi_mjcf_fail(l, RBD_MJCF_ERR_OPTION, "gravity is not finite");
+    if (!g && !rbdi_mjcf_is_finite(l->m->opt.gravity))
+        rbdi_mjcf_fail(l, RBD_MJCF_ERR_MODEL, "<option>: gravity is not finite");
 }
 
 static void rbdi_mjcf_allocate(rbdi_mjcf_load *l) {
@@ -1369,7 +1375,7 @@ static void rbdi_mjcf_free(rbdi_mjcf_load *l) {
 
 static void rbdi_mjcf_describe(rbdi_mjcf_load *l, rbd_mjcf *robot) {
     static void (*const steps[])(rbdi_mjcf_load *) = {
-        rbdi_mjcf_check_options, rbdi_mjcf_allocate,    rbdi_mjcf_name_all,      rbdi_mjcf_add_all,
+        rbdi_mjcf_check_gravity, rbdi_mjcf_allocate,    rbdi_mjcf_name_all,      rbdi_mjcf_add_all,
         rbdi_mjcf_check_keep,    rbdi_mjcf_find_mimics, rbdi_mjcf_hold_all,      rbdi_mjcf_add_constraints,
         rbdi_mjcf_name_left_out, rbdi_mjcf_check_build, rbdi_mjcf_sum_fixed_mass};
     for (size_t i = 0; i < sizeof steps / sizeof *steps && rbdi_mjcf_is_ok(l); i++) steps[i](l);

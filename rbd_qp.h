@@ -2269,6 +2269,8 @@ RBDI_PART rbd_qp_status rbdi_qp_rounds(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mi
 }
 
 /* ==== src/qp/solve.h ==== */
+/* Interface: RBDI_QP_MOST */
+
 /* ---- solve [solve code] ---- */
 
 #define RBDI_QP_MOST 20000 /* variables with soft rows, rows: their matrices have ints for an index */

@@ -215,10 +215,10 @@ typedef struct rbd_tasks_result {
    memory    size bytes of any alignment: RBD_TASKS_SIZE. Leave it alone between ticks if `warm` is set
    result    what was reached
    Errors, in result->error: RBD_ERR_NULL, but without a result RBD_TASKS_ERROR alone; _WORK; _MEMORY;
-   _COUNT, a number below 0 or above 1000; _INDEX, a body; _TYPE, no kind; _POSITION, _ROTATION, _AXIS;
-   _MASS, a centre of mass of a robot without mass; _MASSLESS, accelerations, or a centre of mass, of one
-   some of whose joints move none; _LIMITS, lower above upper; _RANGE, any other number, with its field;
-   _NAN, q, v or f_ext is not finite, or there is an overflow. */
+   _COUNT, a number below 0 or above 1000, or more than 20000 rows or variables of the QP; _INDEX, a body;
+   _TYPE, no kind; _POSITION, _ROTATION, _AXIS; _MASS, a centre of mass of a robot without mass; _MASSLESS,
+   accelerations, or a centre of mass, of one some of whose joints move none; _LIMITS, lower above upper;
+   _RANGE, any other number, with its field; _NAN, q, v or f_ext is not finite, or there is an overflow. */
 
 /* Velocities for inverse kinematics at each tick. Contacts are held by J x = 0; forces have no part in it.
    q   nq
@@ -679,6 +679,7 @@ RBDI_LOCAL rbd_status rbdi_tasks_check_state(const rbd_model *m, const rbd_tasks
 RBDI_LOCAL rbd_status rbdi_tasks_check(const rbd_model *m, const rbd_work *w, const rbd_tasks *p, int given,
                                        int dynamics, size_t size, rbd_tasks_result *result) {
     const int all = p && given;
+    size_t needed;
     const rbd_status status = dynamics ? rbdi_check_dynamics(m, w, all) : rbdi_check(m, w, all);
     if (status) return rbdi_tasks_refuse(result, status, NULL);
     if (p->tasks < 0 || p->tasks > RBDI_TASKS_MOST) return rbdi_tasks_refuse(result, RBD_ERR_COUNT, "tasks");
@@ -695,7 +696,9 @@ RBDI_LOCAL rbd_status rbdi_tasks_check(const rbd_model *m, const rbd_work *w, co
     result->contact = -1;
 
     if (rbdi_tasks_check_limits(m, p, result)) return result->error;
-    return size < rbd_tasks_size(m, p) ? rbdi_tasks_refuse(result, RBD_ERR_MEMORY, NULL) : RBD_OK;
+    needed = rbd_tasks_size(m, p);
+    if (needed == 0) return rbdi_tasks_refuse(result, RBD_ERR_COUNT, "tasks"); /* their rows, with contacts */
+    return size < needed ? rbdi_tasks_refuse(result, RBD_ERR_MEMORY, NULL) : RBD_OK;
 }
 
 /* ==== src/tasks/contacts.h ==== */
@@ -795,7 +798,7 @@ RBDI_LOCAL void rbdi_tasks_put_dynamics(rbdi_tasks *k, const rbd_real *M) {
 RBDI_LOCAL void rbdi_tasks_put_friction(rbdi_tasks *k) {
     const rbd_const diagonal = RBD_C(0.70710678118654752440); /* of a square; cos(pi / 4) */
     const rbd_const octagon = RBD_C(0.92387953251128675613);  /* cos(pi / 8) */
-    const rbd_const cosine[10] = {1, diagonal, 0, -diagonal, -1, -diagonal, 0, diagonal, 1, diagonal};
+    const rbd_const cosine[8] = {1, diagonal, 0, -diagonal, -1, -diagonal, 0, diagonal};
 
     k->friction = k->rows;
     for (int i = 0; i < k->closed; ++i) {
@@ -1308,6 +1311,9 @@ RBDI_API size_t rbd_tasks_size(const rbd_model *m, const rbd_tasks *p) {
         if (p->task[i].kind == RBD_TASK_ROWS && (p->task[i].rows < 0 || p->task[i].rows > RBDI_TASKS_MOST))
             return 0;
     rows = rbdi_tasks_count(m, p, &soft);
+    if (RBDI_TASKS_C(m->nv, rows, p->contacts) > RBDI_QP_MOST ||
+        RBDI_TASKS_N(m->nv, p->contacts) + (size_t)soft > RBDI_QP_MOST)
+        return 0;
     return RBD_TASKS_SIZE(m->nv, rows, p->contacts, soft);
 }
 
@@ -1477,7 +1483,7 @@ RBDI_MESSAGES RBDI_PART const char *rbdi_tasks_part_name(rbd_tasks_part part) {
 /* The sentence of an error, where that of rbd_status_string speaks of a model. */
 RBDI_MESSAGES RBDI_PART const char *rbdi_tasks_error_text(rbd_status error) {
     switch ((int)error) {
-    case RBD_ERR_COUNT: return "below 0 or above 1000";
+    case RBD_ERR_COUNT: return "below 0 or above 1000, or more than 20000 rows in all";
     case RBD_ERR_TYPE: return "unknown kind of task";
     case RBD_ERR_POSITION: return "not finite, or farther than 1e9 m";
     case RBD_ERR_AXIS: return "not finite, or of a length out of 1e-9 to 1e9";

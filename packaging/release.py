@@ -55,6 +55,8 @@ class Release:
         self.seconds = int(git("log", "-1", "--format=%ct"))
         self.date = time.gmtime(self.seconds)
         out.mkdir(parents=True, exist_ok=True)
+        if any(out.iterdir()):
+            sys.exit(f"release: {out} is not empty: what lies there would be part of the release")
 
     def zip(self, kind, files):
         """An archive of {name in it: path}, in a folder of the release's name."""
@@ -92,6 +94,8 @@ class Release:
         if not found:
             sys.exit(f"release: {folder} has no wheel of {self.number}: ./run wheel makes it")
         for path in found:
+            if any(zipfile.ZipFile(path).read(f"rbd/sources/{name}") != (ROOT / name).read_bytes() for name in HEADERS):
+                sys.exit(f"release: {path.name} has other headers than this commit: ./run wheel makes it anew")
             (self.out / path.name).write_bytes(path.read_bytes())
 
     def files(self):

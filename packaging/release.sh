@@ -29,8 +29,20 @@ git commit -qam "A date"
 ! release --wheels "$scratch" "$scratch/refused" || fail "a folder without wheels is taken"
 grep -q "has no wheel of $version" "$scratch/messages" || fail "missing wheels are not named"
 
+mkdir "$scratch/wheels"
+python3 - "$scratch/wheels/rbd-$version-py3-none-any.whl" <<'PYTHON'
+import pathlib, sys, zipfile
+with zipfile.ZipFile(sys.argv[1], "w") as wheel:
+    for path in pathlib.Path().glob("rbd*.h"):
+        wheel.writestr(f"rbd/sources/{path.name}", path.read_text() + "\n")
+PYTHON
+! release --wheels "$scratch/wheels" "$scratch/old" || fail "a wheel of other headers is taken"
+grep -q "has other headers" "$scratch/messages" || fail "a wheel of other headers is not named"
+
 release "$scratch/out" >/dev/null || fail "$(cat "$scratch/messages")"
 release "$scratch/again" >/dev/null
+! release "$scratch/out" >/dev/null || fail "what lay in the folder is released"
+grep -q "is not empty" "$scratch/messages" || fail "a folder that is not empty is not named"
 (cd "$scratch/out" && sha256sum -c --quiet SHA256SUMS)
 cmp "$scratch/out/SHA256SUMS" "$scratch/again/SHA256SUMS" || fail "the same commit gives other bytes"
 python3 -c 'import json, sys; assert json.load(open(sys.argv[1]))["spdxVersion"] == "SPDX-2.3"' "$scratch/out/rbd-$version.spdx.json"

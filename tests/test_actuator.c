@@ -240,6 +240,128 @@ START_TEST(dry_friction_is_that_of_the_contact_step) {
 }
 END_TEST
 
+/* ---- friction as rows of the contact step ----
+   Motors without dry friction in their table; its level goes to the step. */
+
+/* Motor torques carry half of an iiwa, friction of `share` of what it needs the other half, by
+   rbd_contact_friction. How far it moves. */
+static double slides_by_rows(double share, double dt) {
+    const rbd_contact_options rows = {.joint_friction = 1, .tolerance = 1e-13, .iterations = 200};
+    rbd_body bodies[7];
+    rbd_motor motors[7];
+    rbd_friction friction[7] = {{0}};
+    double g[7], moved = 0;
+    memcpy(bodies, iiwa_bodies, sizeof bodies);
+    for (int i = 0; i < 7; i++) {
+        motors[i] = (rbd_motor){.joint = iiwa_joints[i], .gear = 1, .constant = 1};
+        bodies[i].friction[0] = 1;
+    }
+    driven d = drive("iiwa", bodies, 7, motors, 7, NULL, 0, NULL, 0, &rows);
+    memcpy(d.q, bent, sizeof bent);
+    ck_assert_int_eq(rbd_gravity_torque(d.r.m, d.r.w, d.q, g), RBD_OK);
+    for (int i = 0; i < 7; i++) {
+        friction[i].load_joint = friction[i].load_motor = 0.2; /* 0.2 |g + g/2| */
+        friction[i].coulomb = fabs(0.2 * g[i]) * (i == 1 ? share : 1 + 1e-9) + (i % 6 == 0 ? 0.1 : 0);
+        d.command[i].torque = g[i] / 2;
+    }
+
+    for (int k = 0; k < (int)(2 / dt); k++) {
+        ck_assert_int_eq(rbd_gravity_torque(d.r.m, d.r.w, d.q, g), RBD_OK);
+        for (int i = 0; i < 7; i++) {
+            const double level = rbd_friction_level(&friction[i], d.v[i], d.command[i].torque, -g[i]);
+            ck_assert_int_eq(rbd_contact_friction(d.r.m, d.c, i, level), RBD_OK);
+        }
+        step(&d, dt);
+    }
+    for (int i = 0; i < 7; i++) moved = fmax(moved, fabs(d.q[i] - bent[i]));
+    drive_free(&d);
+    return moved;
+}
+
+/* A thousandth of the creep of the actuators' own law, at most. */
+START_TEST(friction_as_rows_holds_without_creep) {
+    ck_assert(slides_by_rows(1 + 1e-9, steps[_i]) < 1e-12);
+    ck_assert(slides_by_rows(0.95, steps[_i]) > 0.01);
+}
+END_TEST
+
+/* One step of the robot d, whose n shafts turn by G v and have the level of `friction` in rows. load: torque
+   of the joint on each shaft in the last step; receives that of this one. */
+static void step_by_rows(driven *d, const rbd_friction *friction, const double *G, int n, double *load,
+                         double dt) {
+    rbd_actuator_state s;
+    double f, speed[7];
+    ck_assert_int_eq(rbd_actuators_map(d->a, d->q, d->v, NULL, speed), RBD_OK);
+    for (int i = 0; i < n; i++) {
+        rbd_contact_row row = {.dofs = 0};
+        ck_assert_int_eq(rbd_actuators_get(d->a, i, &s), RBD_OK);
+        row.upper = rbd_friction_level(&friction[i], speed[i], s.motor, load[i]);
+        row.lower = -row.upper;
+        for (int j = 0; j < n; j++) {
+            if (!(fabs(G[n * i + j]) > 0)) continue;
+            row.dof[row.dofs] = j;
+            row.jacobian[row.dofs++] = G[n * i + j];
+        }
+        ck_assert_int_eq(rbd_contact_row_set(d->r.m, d->c, i, &row), RBD_OK);
+    }
+    step(d, dt);
+    for (int i = 0; i < n; i++) {
+        ck_assert_int_eq(rbd_actuators_get(d->a, i, &s), RBD_OK);
+        rbd_contact_row_get(d->c, i, &f);
+        load[i] = -(s.joint + f);
+    }
+}
+
+/* How far an iiwa that slides, sticks and turns back under loads is off, in a second, if its friction is in
+   rows. */
+static double difference_by_rows(double dt) {
+    const rbd_contact_options rows = {.rows = 7, .tolerance = 1e-13, .iterations = 200};
+    rbd_motor motors[7], without[7];
+    rbd_friction friction[7];
+    double load[7] = {0}, G[49] = {0}, most = 0, moved = 0;
+    int stuck = 0;
+    for (int i = 0; i < 7; i++) {
+        friction[i] = (rbd_friction){.coulomb = 1 - 0.1 * i,
+                                     .viscous = 0.4,
+                                     .load_motor = 0.1,
+                                     .load_joint = 0.15,
+                                     .rest = 0.3,
+                                     .rest_joint = 0.05,
+                                     .speed = 0.2,
+                                     .power = 1.5};
+        motors[i] = (rbd_motor){.joint = iiwa_joints[i], .gear = 1, .constant = 1, .friction = friction[i]};
+        without[i] = motors[i];
+        without[i].friction = (rbd_friction){.viscous = friction[i].viscous};
+        G[8 * i] = 1;
+    }
+    driven d = drive("iiwa", iiwa_bodies, 7, motors, 7, NULL, 0, NULL, 0, NULL);
+    driven e = drive("iiwa", iiwa_bodies, 7, without, 7, NULL, 0, NULL, 0, &rows);
+    memcpy(d.q, bent, sizeof bent), memcpy(e.q, bent, sizeof bent);
+    for (int k = 0; k * dt < 1; k++) {
+        for (int i = 0; i < 7; i++)
+            d.command[i] = (rbd_command){.q = bent[i] + 0.3 * sin(3 * k * dt + i), .kp = 200, .kd = 10};
+        memcpy(e.command, d.command, sizeof d.command);
+        step(&d, dt);
+        step_by_rows(&e, friction, G, 7, load, dt);
+        for (int i = 0; i < 7; i++) {
+            most = fmax(most, fabs(d.q[i] - e.q[i]));
+            moved = fmax(moved, fabs(d.q[i] - bent[i]));
+            stuck += fabs(e.v[i]) < 1e-8;
+        }
+    }
+    ck_assert(moved > 0.2);
+    ck_assert_int_gt(stuck, 50);
+    drive_free(&d), drive_free(&e);
+    return most;
+}
+
+/* Up to the step in which a row turns around: there it has less force. */
+START_TEST(friction_as_rows_is_that_of_the_actuators) {
+    const double coarse = difference_by_rows(1e-3), fine = difference_by_rows(2e-4);
+    ck_assert_msg(coarse < 5e-4 && fine < 0.3 * coarse, "%g rad, %g rad", coarse, fine);
+}
+END_TEST
+
 /* Half of the level is held still after the first step, whatever the step is; friction takes energy
    always. */
 START_TEST(what_sticks_does_not_chatter) {
@@ -361,6 +483,31 @@ START_TEST(temperatures_are_those_of_the_network) {
 }
 END_TEST
 
+/* A case that is joined to its winding 1e13 times better than to the air: 1 mW over 1e4 K/W are 10
+   degrees. */
+START_TEST(a_winding_may_be_joined_closely_to_its_case) {
+    const rbd_motor motor = {.joint = "axle",
+                             .gear = 1,
+                             .constant = 1,
+                             .resistance = 1e-3,
+                             .heat_winding = 1,
+                             .heat_case = 1,
+                             .flow_winding = 1e-9,
+                             .flow_case = 1e4};
+    rbd_body heavy[1];
+    memcpy(heavy, wheel, sizeof heavy);
+    heavy[0].inertia[5] = 1e12;
+    driven d = drive("heavy wheel", heavy, 1, &motor, 1, NULL, 0, NULL, 0, NULL);
+    rbd_actuator_state s;
+    d.command[0].torque = 1;
+    for (int k = 0; k < 1000; k++) step(&d, 1000);
+    ck_assert_int_eq(rbd_actuators_get(d.a, 0, &s), RBD_OK);
+    ck_assert_double_eq_tol(s.winding, 35, 1e-5);
+    ck_assert_double_eq_tol(s.housing, 35, 1e-5);
+    drive_free(&d);
+}
+END_TEST
+
 /* Between 60 and 80 degrees the limit of 10 A falls to 0: the winding stops where it heats as fast as it
    cools. */
 START_TEST(heat_lowers_the_limit_of_the_current) {
@@ -442,12 +589,47 @@ START_TEST(encoder_and_cogging_are_seen) {
         rbd_drive o;
         d.q[0] = q;
         d.command[0].kp = 100;
-        ck_assert_int_eq(rbd_actuators_begin(d.a, d.command, d.q, d.v, 1e-3, 0, d.tau, d.damping), RBD_OK);
-        ck_assert(fabs(d.tau[0] - (-100 * seen + 2 * 0.2 * sin(4 * 2 * q + 0.1))) < 1e-12);
         ck_assert_int_eq(rbd_actuators_inverse(d.a, d.q, zero, zero, zero, &o), RBD_OK);
         ck_assert(fabs(o.torque + 2 * 0.2 * sin(4 * 2 * q + 0.1)) < 1e-12);
+        ck_assert_int_eq(rbd_actuators_begin(d.a, d.command, d.q, d.v, 1e-3, 0, d.tau, d.damping), RBD_OK);
+        ck_assert(fabs(d.tau[0] - (-100 * seen + 2 * 0.2 * sin(4 * 2 * q + 0.1))) < 1e-12);
+        while (rbd_actuators_again(d.a, zero, d.tau, d.damping)) continue;
     }
     drive_free(&d);
+}
+END_TEST
+
+/* Cogging is a field of force: a rotor that swings between two teeth, or runs over them by a quarter of a
+   radian in a step, gains no more than a tenth of their height, by both kinds of steps. behind: whether a
+   spring lies between. Energy of the cogging: (cos(1200 angle) + 1) / 1200. */
+START_TEST(cogging_makes_no_energy) {
+    const int behind = _i % 2;
+    const rbd_motor motor = {.joint = "axle",
+                             .gear = -100,
+                             .constant = 1,
+                             .inertia = behind ? 1e-5 : 0,
+                             .stiffness = behind ? 1e4 : 0,
+                             .cogging = 0.01,
+                             .teeth = 12};
+    const double starts[3] = {1e-3, 0.1, 0.2};
+    for (int k = 0; k < 3; k++) {
+        driven d = drive_wheel_with(&motor, _i < 2 ? &first_order : NULL);
+        double first = 0, largest_energy = 0;
+        d.q[0] = pi / 1200, d.v[0] = starts[k];
+        ck_assert_int_eq(rbd_actuators_reset(d.a, d.q, 25), RBD_OK);
+        for (int i = 0; i < 10000; i++) {
+            rbd_actuator_state s;
+            step(&d, 1e-3);
+            ck_assert_int_eq(rbd_actuators_get(d.a, 0, &s), RBD_OK);
+            const double wound = s.angle - d.q[0];
+            double energy = 0.05 * d.v[0] * d.v[0] + (cos(1200 * s.angle) + 1) / 1200;
+            if (behind) energy += 0.05 * s.speed * s.speed + 0.5e4 * wound * wound;
+            if (i == 0) first = energy;
+            largest_energy = fmax(largest_energy, energy);
+        }
+        ck_assert_msg(largest_energy <= first + 1e-4, "%g after %g", largest_energy, first);
+        drive_free(&d);
+    }
 }
 END_TEST
 
@@ -464,6 +646,12 @@ START_TEST(efficiency_and_self_locking) {
     ck_assert(fabs(o.torque - 10) < 1e-12);
     ck_assert_int_eq(rbd_actuators_inverse(d.a, d.q, down, zero, tau, &o), RBD_OK);
     ck_assert(fabs(o.torque - 8 / 1.2) < 1e-12);
+    for (int k = 0; k < 3; k++) { /* the least efficiency that a table may have is 0.001 */
+        motor.friction.load_motor = k == 0 ? 0.96 : k == 1 ? 0.99 : 0.999;
+        ck_assert_int_eq(rbd_actuators_inverse(d.a, d.q, up, zero, tau, &o), RBD_OK);
+        ck_assert_msg(fabs(o.torque * (1 - motor.friction.load_motor) - 8) < 1e-12, "%g", o.torque);
+    }
+    motor.friction.load_motor = 0.2;
     motor.friction.load_joint = 1.1;
     ck_assert_int_eq(rbd_actuators_inverse(d.a, d.q, down, zero, tau, &o), RBD_OK);
     ck_assert(o.torque < 0);
@@ -666,6 +854,30 @@ START_TEST(friction_holds_a_rotor_behind_its_spring) {
 }
 END_TEST
 
+/* A servo at the inverse's angle holds a load at the planned position: it stands beyond the play, and has the
+   spring wound up. */
+START_TEST(a_servo_behind_play_holds_the_plan) {
+    const rbd_motor motor = {.joint = "axle",
+                             .gear = 50,
+                             .constant = 1,
+                             .inertia = 2e-5,
+                             .stiffness = 300,
+                             .damping = 1,
+                             .backlash = 0.02};
+    const double wanted = _i ? -0.45 : 0.45, zero = 0;
+    driven d = drive_wheel(&motor);
+    rbd_drive servo;
+    ck_assert_int_eq(rbd_actuators_inverse(d.a, &zero, &zero, &zero, &wanted, &servo), RBD_OK);
+
+    d.other[0] = -wanted;
+    d.command[0] = (rbd_command){.q = servo.angle, .kp = 1e4, .kd = 10, .torque = servo.torque};
+    for (int k = 0; k < 5000; k++) step(&d, 1e-3);
+    ck_assert_msg(fabs(d.v[0]) < 1e-9, "%g", d.v[0]);
+    ck_assert_msg(fabs(d.q[0]) < 1e-9, "%g", d.q[0]);
+    drive_free(&d);
+}
+END_TEST
+
 /* Free vibration of both masses against its cosine, at two steps: first order. */
 START_TEST(a_spring_vibrates_as_theory_says) {
     const rbd_motor motor = {.joint = "axle", .gear = 50, .constant = 1, .inertia = 2e-5, .stiffness = 300};
@@ -851,6 +1063,61 @@ START_TEST(coupled_shafts_have_the_inertia_and_damping_of_the_matrix) {
         for (int j = 0; j < 2; j++) ck_assert(fabs(d.v[j] - expected[j]) < 1e-10 * (1 + fabs(expected[j])));
     }
     ck_assert_int_eq(d.unsettled, 0);
+    drive_free(&d);
+}
+END_TEST
+
+/* Friction of coupled shafts as rows, rotors and viscous friction as a matrix A = G' (J + dt D) G: each step
+   is (M + A) (v_next - v) = dt (tau - c + G' f), where f holds a shaft still or brakes it with its level. */
+START_TEST(coupled_shafts_stick_and_slide_as_rows) {
+    const double J = 2500 * 1e-5, D = 3, G[4] = {1, 0, 1, 1}, dt = steps[_i];
+    const rbd_contact_options rows = {.first_order = 1, .rows = 2, .tolerance = 1e-13, .iterations = 200};
+    const rbd_friction friction[2] = {{.coulomb = 6}, {.coulomb = 2}};
+    const rbd_motor motors[2] = {{.gear = 50, .constant = 1}, {.gear = 50, .constant = 1}};
+    double load[2] = {0}, added[3] = {0};
+    int stuck[2] = {0}, slid[2] = {0};
+    driven d = drive("leg", leg, 2, motors, 2, &belt, 1, NULL, 0, &rows);
+    for (int i = 0; i < 2; i++)
+        for (int j = 0; j < 2; j++)
+            for (int k = 0; k <= j; k++)
+                added[rbd_packed_index(d.r.m, j, k)] += G[2 * i + j] * (J + dt * D) * G[2 * i + k];
+    ck_assert_int_eq(rbd_contact_inertia(d.r.m, d.c, added), RBD_OK);
+    d.q[0] = 0.3, d.q[1] = -0.7, d.v[0] = 1, d.v[1] = -2;
+
+    for (int k = 0; k * dt < 2; k++) {
+        double M[4], c[2], f[2], v[2], x[2];
+        ck_assert_int_eq(rbd_crba(d.r.m, d.r.w, d.q, M), RBD_OK);
+        ck_assert_int_eq(rbd_bias(d.r.m, d.r.w, d.q, d.v, NULL, c), RBD_OK);
+        for (int j = 0; j < 2; j++) {
+            v[j] = d.v[j];
+            d.other[j] = -40 * d.q[j] + 25 * sin(5 * k * dt);
+            for (int i = 0; i < 2; i++)
+                d.other[j] -= G[2 * i + j] * D * (G[2 * i] * d.v[0] + G[2 * i + 1] * d.v[1]);
+        }
+        step_by_rows(&d, friction, G, 2, load, dt);
+
+        for (int i = 0; i < 2; i++) {
+            const double before = G[2 * i] * v[0] + G[2 * i + 1] * v[1], F = friction[i].coulomb;
+            x[i] = G[2 * i] * d.v[0] + G[2 * i + 1] * d.v[1];
+            rbd_contact_row_get(d.c, i, &f[i]);
+            ck_assert(fabs(f[i]) <= F * (1 + 1e-12));
+            if (fabs(x[i]) > 1e-9 && before * x[i] > 0) ck_assert(fabs(f[i] + copysign(F, x[i])) < 1e-9);
+            stuck[i] += fabs(x[i]) < 1e-12;
+            slid[i] += fabs(x[i]) > 0.1;
+        }
+        for (int j = 0; j < 2; j++) {
+            double rest = dt * (c[j] - d.other[j]);
+            for (int l = 0; l < 2; l++)
+                rest += (M[2 * j + l] + added[rbd_packed_index(d.r.m, j, l)]) * (d.v[l] - v[l]) -
+                        dt * G[2 * l + j] * f[l];
+            ck_assert(fabs(rest) < 1e-11);
+        }
+    }
+    for (int i = 0; i < 2; i++) {
+        ck_assert_int_gt(stuck[i], (int)(0.04 / dt));
+        ck_assert_int_gt(slid[i], (int)(0.1 / dt));
+    }
+    ck_assert_int_eq(d.repeats, 0);
     drive_free(&d);
 }
 END_TEST
@@ -1299,6 +1566,7 @@ START_TEST(bad_rotors_are_refused) {
     REFUSES(RBD_ERR_RANGE, x.inertia = -1);
     REFUSES(RBD_ERR_RANGE, x.inertia = NAN);
     REFUSES(RBD_ERR_RANGE, x.gear = INFINITY);
+    REFUSES(RBD_ERR_RANGE, x.gear = 0);
     ck_assert_int_eq(rbd_rotor_torque(r.m, r.w, &good, -1, q, v, v, f_ext, tau), RBD_ERR_COUNT);
     ck_assert_int_eq(rbd_rotor_torque(r.m, r.w, NULL, 1, q, v, v, f_ext, tau), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_rotor_torque(r.m, NULL, &good, 1, q, v, v, f_ext, tau), RBD_ERR_NULL);
@@ -1491,6 +1759,7 @@ START_TEST(mistakes_in_a_table_are_named) {
     MISTAKE(RBD_ERR_INDEX, "joint", x.joint = "ankle");
     MISTAKE(RBD_ERR_INDEX, "joint", x.joint = "hip");
     MISTAKE(RBD_ERR_RANGE, "hottest", x.hottest = 70);
+    MISTAKE(RBD_ERR_RANGE, "heat_winding", x.heat_winding = x.hot = x.hottest = 0);
     MISTAKE(RBD_ERR_RANGE, "delay", x.delay = -1);
     MISTAKE(RBD_ERR_RANGE, "delay", x.delay = 1001);
     MISTAKE(RBD_ERR_RANGE, "sampled", x.sampled = 2);
@@ -1559,6 +1828,7 @@ START_TEST(mistakes_in_a_transmission_are_named) {
     WRONG(RBD_ERR_RANGE, "matrix", t.matrix[3] = 1e30);
     WRONG(RBD_ERR_SINGULAR, "matrix", t.matrix[3] = 0);
     WRONG(RBD_ERR_SINGULAR, "matrix", memset(t.matrix, 0, sizeof t.matrix));
+    WRONG(RBD_ERR_SINGULAR, "matrix", (t.matrix[0] = t.matrix[3] = 1e-300, t.matrix[1] = t.matrix[2] = 0));
     two[1].joint = "knee";
     WRONG(RBD_ERR_INDEX, "motor", (void)0);
     two[1].joint = NULL;
@@ -1652,12 +1922,20 @@ START_TEST(arguments_are_checked) {
     ck_assert_int_eq(rbd_actuators_derivatives(NULL, NULL, NULL, NULL), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_actuators_fault(NULL), -1);
 
-    /* a step that gave no number ends, and the shafts stay */
+    /* a step that gave no number ends, and the shafts stay; within it no other state is looked at */
     ck_assert_int_eq(rbd_actuators_begin(d.a, d.command, q, q, 1e-3, 0, d.tau, d.damping), RBD_OK);
+    ck_assert_int_eq(rbd_actuators_map(d.a, q, q, NULL, NULL), RBD_ERR_ORDER);
+    ck_assert_int_eq(rbd_actuators_inverse(d.a, q, q, q, q, o), RBD_ERR_ORDER);
     ck_assert_int_eq(rbd_actuators_again(d.a, nan, d.tau, d.damping), 0);
     ck_assert_int_eq(rbd_actuators_get(d.a, 1, &s), RBD_OK);
     ck_assert(s.speed == 0 && s.angle == 0);
     ck_assert_int_eq(rbd_actuators_again(d.a, q, d.tau, d.damping), 0);
+    ck_assert_int_eq(rbd_actuators_map(d.a, q, q, NULL, NULL), RBD_OK);
+
+    /* one that could not begin is none */
+    ck_assert_int_eq(rbd_actuators_begin(d.a, d.command, q, q, 1e-3, 0, d.tau, d.damping), RBD_OK);
+    ck_assert_int_eq(rbd_actuators_begin(d.a, d.command, q, q, 0, 0, d.tau, d.damping), RBD_ERR_RANGE);
+    ck_assert_int_eq(rbd_actuators_derivatives(d.a, NULL, NULL, NULL), RBD_ERR_ORDER);
     drive_free(&d);
 }
 END_TEST
@@ -1671,25 +1949,31 @@ Suite *actuator_suite(void) {
     tcase_add_loop_test(slow, friction_holds_up_to_its_level_and_not_beyond, 0, LENGTH(steps));
     tcase_add_loop_test(c, a_bristle_gives_way_and_does_not_drift, 0, LENGTH(steps));
     tcase_add_test(c, dry_friction_is_that_of_the_contact_step);
+    tcase_add_loop_test(slow, friction_as_rows_holds_without_creep, 0, LENGTH(steps));
+    tcase_add_test(slow, friction_as_rows_is_that_of_the_actuators);
     tcase_add_loop_test(c, what_sticks_does_not_chatter, 0, LENGTH(steps));
     tcase_add_test(c, a_motor_has_its_torque_speed_line);
     tcase_add_test(c, the_inverse_says_where_a_limit_cuts);
     tcase_add_test(c, a_light_wheel_ends_at_the_speed_without_load);
     tcase_add_loop_test(c, temperatures_are_those_of_the_network, 0, 3);
+    tcase_add_test(c, a_winding_may_be_joined_closely_to_its_case);
     tcase_add_test(c, heat_lowers_the_limit_of_the_current);
     tcase_add_loop_test(c, an_implicit_drive_is_stable_in_long_steps, 0, 2);
     tcase_add_loop_test(c, a_command_is_late_by_its_delay, 0, 4);
     tcase_add_test(c, encoder_and_cogging_are_seen);
+    tcase_add_loop_test(c, cogging_makes_no_energy, 0, 4);
     tcase_add_test(c, efficiency_and_self_locking);
     tcase_add_test(c, forward_of_the_inverse_is_the_identity);
     tcase_add_test(c, compensation_is_softened_near_rest);
     tcase_add_test(slow, feed_forward_follows_a_plan_to_first_order);
     tcase_add_loop_test(c, springs_and_play_make_no_energy, 0, 36);
     tcase_add_test(c, friction_holds_a_rotor_behind_its_spring);
+    tcase_add_loop_test(c, a_servo_behind_play_holds_the_plan, 0, 2);
     tcase_add_test(c, a_spring_vibrates_as_theory_says);
     tcase_add_loop_test(slow, repeated_steps_obey_the_laws_of_all_shafts_at_once, 0, 2 * LENGTH(steps));
     tcase_add_loop_test(slow, a_robot_stands_on_elastic_legs, 0, LENGTH(steps));
     tcase_add_loop_test(c, coupled_shafts_have_the_inertia_and_damping_of_the_matrix, 0, 2);
+    tcase_add_loop_test(c, coupled_shafts_stick_and_slide_as_rows, 0, LENGTH(steps));
     tcase_add_test(c, a_matrix_keeps_the_power);
     tcase_add_loop_test(c, rods_have_the_derivatives_of_their_angles, 0, 2);
     tcase_add_loop_test(c, rods_are_the_loops_of_the_same_mechanism, 0, 2);

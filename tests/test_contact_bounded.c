@@ -568,6 +568,17 @@ START_TEST(rows_begin_with_their_last_force) {
 }
 END_TEST
 
+/* A set of one slider does not take the dofs of a robot of two. */
+static void refuse_another_robot(rbd_contact_set *c) {
+    const rbd_body bodies[2] = {slider(-1, 1, 0, 2), slider(0, 0, 1, 2)};
+    const rbd_contact_row row = friction_row(1, 1);
+    robot other = robot_build("two sliders", bodies, 2);
+    ck_assert_int_eq(rbd_contact_row_set(other.m, c, 1, &row), RBD_ERR_WORK);
+    ck_assert_int_eq(rbd_contact_friction(other.m, c, 0, 1), RBD_ERR_WORK);
+    ck_assert_int_eq(rbd_contact_inertia(other.m, c, NULL), RBD_ERR_WORK);
+    robot_free(&other);
+}
+
 START_TEST(bad_rows_are_refused) {
     const rbd_body body = slider(-1, 1, 0, 2);
     const rbd_contact_row good = friction_row(0, 1);
@@ -612,6 +623,7 @@ START_TEST(bad_rows_are_refused) {
     ck_assert_int_eq(rbd_contact_friction(s.r.m, NULL, 0, 1), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_contact_inertia(NULL, s.c, NULL), RBD_ERR_NULL);
     ck_assert_int_eq(rbd_contact_inertia(s.r.m, NULL, NULL), RBD_ERR_NULL);
+    refuse_another_robot(s.c);
     ck_assert_int_eq(rbd_contact_row_get(NULL, 0, &f), RBD_APART);
     ck_assert_double_eq(f, 0);
     ck_assert_int_eq(rbd_contact_row_get(s.c, 2, NULL), RBD_APART);

@@ -841,6 +841,10 @@ START_TEST(planes_may_change) {
     ck_assert_int_eq(rbd_contact_plane(s.r.m, s.c, 0, slope, NAN), RBD_ERR_POSITION);
     const double bad[3] = {0, INFINITY, 0};
     ck_assert_int_eq(rbd_contact_plane(s.r.m, s.c, 0, bad, 0), RBD_ERR_AXIS);
+    const rbd_body two[2] = {ball(1, 0.01), ball(1, 0.01)};
+    robot other = robot_build("two balls", two, 2);
+    ck_assert_int_eq(rbd_contact_plane(other.m, s.c, 0, slope, 0), RBD_ERR_WORK);
+    robot_free(&other);
     close_scene(&s);
 }
 END_TEST

@@ -732,6 +732,24 @@ START_TEST(a_released_hand_is_empty) {
 }
 END_TEST
 
+/* A grip or release closes the estimate by itself: nobody need have asked for it before. */
+START_TEST(a_grip_needs_no_solve_before) {
+    const noises none = {0, 0, 0};
+    for (int released = 0; released < 2; released++) {
+        double pi[10];
+        rbd_joint_friction f[ARM];
+        learner x;
+        learner_begin(&x, iiwa_bodies, IIWA_NB, HAND, &box, NULL);
+        for (int k = 0; k < 300; k++) learn(&x, 0.01 * k, 1, none);
+
+        ck_assert_int_eq(released ? rbd_estimate_release(x.e) : rbd_estimate_grip(x.e), RBD_OK);
+        ck_assert_int_eq(rbd_estimate_solve(x.e, pi, f, NULL), RBD_OK);
+        ck_assert_msg(friction_error(f) < 1e-3, "%g", friction_error(f));
+        learner_end(&x);
+    }
+}
+END_TEST
+
 START_TEST(friction_can_be_learnt_alone) {
     double pi[10];
     rbd_joint_friction f[ARM];
@@ -1026,6 +1044,7 @@ Suite *estimate_suite(void) {
     tcase_add_test(c, all_types_of_joints_learn);
     tcase_add_test(c, a_floating_base_weighs_its_payload);
     tcase_add_test(c, a_released_hand_is_empty);
+    tcase_add_test(c, a_grip_needs_no_solve_before);
     tcase_add_test(c, friction_can_be_learnt_alone);
     tcase_add_test(c, errors_of_the_observer_have_their_names);
     tcase_add_test(c, errors_of_the_estimate_have_their_names);

@@ -1052,6 +1052,37 @@ START_TEST(bad_input_is_named) {
 }
 END_TEST
 
+/* The QP takes 20000 rows at most. More are counted before anything is laid out. */
+START_TEST(too_many_rows_are_refused) {
+    enum { TASKS = 30, ROWS = 1000 };
+    static const double zero[ROWS * 7];
+    robot r = robot_build("iiwa", iiwa_bodies, 7);
+    double q[7] = {0}, v[7] = {0};
+    unsigned char memory[1000];
+    rbd_task task[TASKS];
+    rbd_tasks p = {.task = task, .tasks = TASKS, .dt = 1e-3};
+    rbd_tasks_result x;
+    char text[100];
+
+    memset(task, 0, sizeof task);
+    for (int i = 0; i < TASKS; i++) {
+        task[i].kind = RBD_TASK_ROWS;
+        task[i].rows = ROWS;
+        task[i].jacobian = zero;
+        task[i].y = zero;
+    }
+    ck_assert_uint_eq(rbd_tasks_size(r.m, &p), 0);
+    ck_assert_int_eq(rbd_tasks_velocity(r.m, r.w, &p, q, memory, sizeof memory, v, &x), RBD_TASKS_ERROR);
+    ck_assert_int_eq(x.error, RBD_ERR_COUNT);
+    ck_assert_str_eq(rbd_tasks_text(RBD_TASKS_ERROR, &x, text, sizeof text),
+                     "field 'tasks': below 0 or above 1000, or more than 20000 rows in all");
+
+    p.tasks = 19;
+    ck_assert_uint_gt(rbd_tasks_size(r.m, &p), 0);
+    robot_free(&r);
+}
+END_TEST
+
 /* NULL, a work of another robot, too little memory, no mass. */
 START_TEST(calls_without_what_they_need_are_refused) {
     static const rbd_body light[1] = {
@@ -1178,6 +1209,7 @@ Suite *tasks_suite(void) {
     tcase_add_test(c, a_robot_without_joints_has_an_answer);
     tcase_add_test(c, contradictions_are_named);
     tcase_add_test(c, bad_input_is_named);
+    tcase_add_test(c, too_many_rows_are_refused);
     tcase_add_test(c, calls_without_what_they_need_are_refused);
     tcase_add_test(c, joints_without_mass_have_velocities);
     tcase_add_test(c, a_constant_has_room);

@@ -156,7 +156,7 @@ def _transmission(given, row, where):
     """Writes a Transmission into a C struct."""
     if not isinstance(given, Transmission):
         raise TypeError(f"{where}: must be a Transmission, not {type(given).__name__}")
-    rods, joints = list(given.rod), [given.joint] if isinstance(given.joint, str) else list(given.joint)
+    rods, joints = list(given.rod or ()), [given.joint] if isinstance(given.joint, str) else list(given.joint or ())
     if (given.matrix is None) == (not rods):
         raise ValueError(f"{where}: must have either a matrix or rods")
     if len(joints) > 3 or rods and len(rods) != len(joints) or len(rods) > 2:
@@ -165,7 +165,10 @@ def _transmission(given, row, where):
     row.name = None if given.name is None else _utf8(given.name)
     row.kind = TransmissionKind.RODS if rods else TransmissionKind.MATRIX
     row.n, row.motor = len(joints), _int(_whole(where, "motor", given.motor))
-    row.joint[:len(joints)] = [_utf8(joint) for joint in joints]
+    try:
+        row.joint[:len(joints)] = [_utf8(joint) for joint in joints]
+    except (TypeError, ValueError) as error:
+        raise type(error)(f"{where}, field 'joint' {error}") from None
     if not rods:
         row.matrix[:len(joints)**2] = _numbers(where, "matrix", given.matrix, (len(joints),) * 2).reshape(-1)
     for number, rod in enumerate(rods):
@@ -182,7 +185,8 @@ class Actuators:
         q, v = arm.step(q, v, dt=1e-3, torque=drives.torque) # of a simulation
 
     docs/actuators.md leads from a data sheet to a table. The states of the shafts are those after the last step;
-    `reset` begins anew."""
+    `reset` begins anew. A copy, or what was pickled, has the tables alone: its shafts are at rest at angle 0, call
+    `reset`."""
     model: Model
     motors: Sequence[Motor]
     transmissions: Sequence[Transmission]
@@ -280,9 +284,9 @@ class Actuators:
         q, v = self._state("step", "q", q, model.nq), self._state("step", "v", v, model.nv)
         more = np.zeros(model.nv, dtype) if tau is None else self._state("step", "tau", tau, model.nv)
         commands = (structure("rbd_command", self.library.scalar) * self.n)()
-        for name, value in (("q", position), ("v", speed), ("kp", kp), ("kd", kd), ("torque", torque)):
-            full = np.broadcast_to(np.asarray(value, dtype), (self.n,))
-            for row, x in zip(commands, full):
+        for name, given, value in (("q", "position", position), ("v", "speed", speed), ("kp", "kp", kp), ("kd", "kd", kd),
+                                   ("torque", "torque", torque)):
+            for row, x in zip(commands, self._command(given, value, name in ("kp", "kd"))):
                 setattr(row, name, x)
         first_order = bool(contacts is not None and contacts.options.first_order)
         told, damping = np.zeros((2, model.nv), dtype)
@@ -290,10 +294,25 @@ class Actuators:
         with self._lock:
             self._checked("step", call("actuators_begin", self._actuators, commands, q, v, self._real("dt", dt),
                                        int(first_order), told, damping))
-            while True:
-                q_next, v_next = move(q, v, told + more, dt=dt, f_ext=f_ext, damping=damping)
-                if not call("actuators_again", self._actuators, v_next, told, damping):
-                    return q_next, v_next
+            v_next = np.full(model.nv, np.nan, dtype)
+            try:
+                while True:
+                    q_next, v_next = move(q, v, told + more, dt=dt, f_ext=f_ext, damping=damping)
+                    if not call("actuators_again", self._actuators, v_next, told, damping):
+                        return q_next, v_next
+            except Exception:  # a step that failed is none: the shafts stay as they were
+                v_next[:] = np.nan
+                call("actuators_again", self._actuators, v_next, told, damping)
+                raise
+
+    def _command(self, name, value, positive):
+        """A number for each motor, from one or n."""
+        if np.ndim(value) == 0:
+            value = np.full(self.n, _number("step", name, value))
+        array = _numbers("step", name, value, (self.n,), self.library.dtype)
+        if positive and (array < 0).any():
+            raise ValueError(f"step: {name}[{int(np.argmin(array))}] is negative")
+        return array
 
     def get(self) -> ActuatorStates:
         """The shafts after the last step."""
@@ -325,6 +344,8 @@ def _rotor_torque(model, rotors, q, v, a, f_ext):
         where = f"rotor_torque: rotor {number}"
         if not isinstance(rotor, Rotor):
             raise TypeError(f"{where}: must be a Rotor, not {type(rotor).__name__}")
+        if not 0 <= _whole(where, "dof", rotor.dof) < model.nv:
+            raise IndexError(f"{where}: no such dof: {rotor.dof}; there are {model.nv}")
         _fill(Rotor(model._body(rotor.body, where, world=True), rotor.dof, rotor.axis, rotor.gear, rotor.inertia),
               rows[number], where)
     arrays = [_numbers("rotor_torque", name, x, (size,), dtype) for name, x, size in

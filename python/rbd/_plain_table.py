@@ -14,6 +14,11 @@ _TOKEN = re.compile(r"""\s+ | /\*.*?\*/ | //[^\n]*
                         | (?P<mark>[{},;])""", re.S | re.X)
 
 
+_COMMENT = re.compile(r'"(?:[^"\\\n]|\\.)*"|/\*.*?\*/|//[^\n]*', re.S)
+_CONDITION = re.compile(r"^[ \t]*#[ \t]*(ifndef|ifdef|if|elif|else|endif)\b[ \t]*(\w*)[^\n]*"
+                        r"(?:(?=\n\s*#[ \t]*define[ \t]+(\w+))|)", re.M)
+
+
 class _NotPlain(Exception):
     """What only a compiler understands."""
 
@@ -38,6 +43,8 @@ def _value(kind, text):
     if kind == "text":
         return re.sub(rb"\\([0-7]{3}|.)", _character, text[1:-1].encode())
     if kind == "number":
+        if re.fullmatch(r"[-+]?0\d+", text):  # octal
+            raise _NotPlain
         return float(text) if re.search(r"[.eE]", text) else int(text)
     if text == "NULL":
         return None
@@ -74,16 +81,37 @@ def _set(row, member, kind, value):
         if not isinstance(value, list) or not 1 <= len(value) <= kind._length_:
             raise _NotPlain
         value = kind(*value)
-    elif isinstance(value, list):
+    elif isinstance(value, list) or kind is ctypes.c_int and isinstance(value, int) and not -2**31 <= value < 2**31:
         raise _NotPlain
     setattr(row, member, value)
+
+
+def _may_be_skipped(before):
+    """Whether what stands behind this text is within an #if that is no guard."""
+    guards = []
+    for word, name, defined in _CONDITION.findall(before):
+        if word.startswith("if"):
+            guards.append(word == "ifndef" and name == defined)
+        elif guards and word == "endif":
+            guards.pop()
+        elif guards:
+            guards[-1] = False
+    return not all(guards)
+
+
+def _has_length(text, length, rows):
+    """Whether an array of this length in C, a number, a name or nothing, has so many rows."""
+    defined = re.search(rf"^\s*#\s*define\s+{length}\s+(\d+)\s*$", text, re.M) if length and not length.isdigit() else None
+    return not length or (defined[1] if defined else length) == str(rows)
 
 
 def _plain_rows(text, array):
     """Rows of this array of rbd_body in the text of a C header, or None if it is not as plain as rbd-model
     writes it: then a compiler reads it."""
-    begin = re.search(rf"\brbd_body\s+{array}\s*\[\s*\w*\s*\]\s*=\s*(?={{)", text)
-    if not begin or re.search(r"^\s*#\s*(?:if|elif|else|include)\b", text[begin.end():].partition(";")[0], re.M):
+    text = _COMMENT.sub(lambda found: found.group() if found.group()[0] == '"' else " ", text)
+    found = list(re.finditer(rf"\brbd_body\s+{array}\s*\[\s*(\w*)\s*\]\s*=\s*(?={{)", text))
+    begin = found[0] if len(found) == 1 else None
+    if not begin or _may_be_skipped(text[:begin.start()]) or re.search(r"^\s*#\s*(?:if|elif|else|include)\b", text[begin.end():].partition(";")[0], re.M):
         return None
     try:
         rows = []
@@ -94,6 +122,6 @@ def _plain_rows(text, array):
             for (member, kind), value in zip(row._fields_, values):
                 _set(row, member, kind, value)
             rows.append(row)
-        return rows
+        return rows if _has_length(text, begin[1], len(rows)) else None
     except (_NotPlain, TypeError, ValueError, SyntaxError):
         return None

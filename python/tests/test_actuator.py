@@ -94,7 +94,17 @@ def test_bad_tables_are_named(double):
             model.actuators([motor])
     with pytest.raises(ValueError, match="either a matrix or rods"):
         model.actuators([good], [rbd.Transmission(0, ("knee",))])
-    with pytest.raises(rbd.RbdError, match="a command|out of range|negative"):
-        model.actuators([good]).step([0, 0], [0, 0], 1e-3, kp=-1)
+    arm = model.actuators([good])
+    for value, kind, text in ((-1, ValueError, r"step: kp\[0\] is negative"), ([1, 2], ValueError, "step: kp must have the shape"),
+                              (None, TypeError, "step: kp must be"), (np.nan, ValueError, "step: kp is nan")):
+        with pytest.raises(kind, match=text):
+            arm.step([0, 0], [0, 0], 1e-3, kp=value)
+    with pytest.raises(TypeError, match="transmission 0, field 'joint' must be text, not 3"):
+        model.actuators([good], [rbd.Transmission(0, (3,), [[1]])])
+    with pytest.raises(IndexError, match="rotor 0: no such dof: 2; there are 2"):
+        model.rotor_torque([rbd.Rotor(0, 2, (0, 0, 1), 1, 1)], [0, 0], [0, 0], [0, 0])
+    with pytest.raises(ValueError, match="f_ext"):
+        arm.step([0, 0], [0, 0], 1e-3, f_ext=[1])
+    arm.map([0, 0])  # a step that failed is over
     with pytest.raises(ValueError, match="inverse: tau"):
         model.actuators([good]).inverse([0, 0], [0, 0], [0, 0], [0])

@@ -67,6 +67,19 @@ def test_fall(tmp_path, monkeypatch):
     assert len(frames) == 30 and all(path.read_bytes().startswith(b"\x89PNG") for path in frames)
 
 
+def test_servo_arm(tmp_path, monkeypatch):
+    """What was identified explains the friction, and compensates it at each joint."""
+    monkeypatch.setenv("PYTHONPATH", str(PYTHON))
+    printed = run(sys.executable, PYTHON / "examples/servo_arm.py", tmp_path)
+    table = np.array(re.findall(r"^.+? +([\d.]+) +([\d.]+) +([\d.]+) +([\d.]+)$", printed, re.M), float)
+    friction, left, before, after = table.T
+    assert table.shape == (7, 4) and (left < 0.15 * friction).all()
+    assert (before > 5).all() and (after < before / 7).all()
+    factor = float(re.search(r"falls by a factor of ([\d.]+)", printed).group(1))
+    assert factor > 18 and abs(factor - np.linalg.norm(before) / np.linalg.norm(after)) < 0.1
+    assert (tmp_path / "servo_arm.png").read_bytes().startswith(b"\x89PNG")
+
+
 def test_package_installs_without_network(tmp_path):
     """In a venv that sees the system's numpy, pip and setuptools, away from the repository."""
     run(sys.executable, "-m", "venv", "--system-site-packages", "--without-pip", tmp_path / "venv")

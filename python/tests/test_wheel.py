@@ -109,8 +109,18 @@ def test_a_table_that_was_written_is_read(tmp_path):
 @pytest.mark.parametrize("change", [
     ("{1, 0, 0", "{.x = 1, 0, 0"), ("4, {", "(4), {"), ("4, {", "4 + 0, {"), ("RBD_REVOLUTE", "TYPE"), ('", "', '" "'),
     ("{0}, {0}", "{0} {0}"), ("4, {", "4,, {"), ("NULL, 0, 0}", "NULL, 0, 0, 0}"), ("4, {", "0x4, {"), ("4, {", "4.f, {"),
-    ("{1, 0, 0", "{{1}, 0, 0"), ("};\n/* clang", "}, 0;\n/* clang")])
+    ("{1, 0, 0", "{{1}, 0, 0"), ("};\n/* clang", "}, 0;\n/* clang"), ("4, {", "04, {"), ("-1, RBD_REVOLUTE", "99999999999, RBD_REVOLUTE"),
+    ("IIWA_NB 7", "IIWA_NB 8"), ("[IIWA_NB]", "[6]"), ("static const rbd_body", "#ifdef OTHER\nstatic const rbd_body"),
+    ("static const rbd_body", "#if 1\n#else\nstatic const rbd_body"),
+    ("static const rbd_body", "rbd_body iiwa_bodies[1] = {{0}};\nstatic const rbd_body")])
 def test_what_is_not_plain_is_left_to_a_compiler(change):
     text = (rbd.SOURCES / "models/iiwa.h").read_text()
     assert change[0] in text
     assert _plain_table._plain_rows(text.replace(*change, 1), "iiwa_bodies") is None
+
+
+def test_a_table_in_a_comment_is_none():
+    text = (rbd.SOURCES / "models/iiwa.h").read_text()
+    rows = _plain_table._plain_rows("/* rbd_body iiwa_bodies[1] = {{0}}; */\n// rbd_body iiwa_bodies[1] = {{0}};\n" + text,
+                                    "iiwa_bodies")
+    assert len(rows) == 7

@@ -68,12 +68,13 @@ RBDI_LOCAL rbd_status rbdi_act_check_friction(const rbdi_act_where *where, const
 /* Resistance, limits and heat. */
 RBDI_LOCAL rbd_status rbdi_act_check_electric(const rbdi_act_where *where, const rbd_motor *m) {
     const rbd_const most = RBDI_ACTUATOR_MOST, least = RBDI_ACTUATOR_LEAST;
+    const int network = m->heat_case > 0 || m->flow_winding > 0 || m->flow_case > 0;
     const int heat = m->heat_winding > 0, limit = !(m->hot <= 0 && m->hottest <= 0);
     const rbdi_act_field field[] = {
         {"current", m->current, 0, most, 1},
         {"voltage", m->voltage, 0, most, 1},
         {"copper", m->copper, 0, 1, 1},
-        {"heat_winding", m->heat_winding, least, RBD_C(1e6), !limit},
+        {"heat_winding", m->heat_winding, least, RBD_C(1e6), !limit && !network},
         {"heat_case", m->heat_case, least, RBD_C(1e6), 1},
         {"flow_winding", m->flow_winding, least, RBD_C(1e6), !heat},
         {"flow_case", m->flow_case, least, RBD_C(1e6), !(heat && m->heat_case > 0)},

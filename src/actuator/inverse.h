@@ -38,6 +38,13 @@ RBDI_PART rbd_real rbdi_act_carry_load(const rbd_friction *f, rbd_real S, const 
     return u;
 }
 
+/* How far the motor's side of a spring is ahead of the joint's where it gives torque t: it is beyond half of
+   the play. */
+RBDI_PART rbd_real rbdi_act_winding_of(const rbd_motor *m, rbd_real t) {
+    if (!(m->stiffness > 0)) return rbdi_zero();
+    return t / m->stiffness + (rbd_real)rbdi_act_sign(t) * (m->backlash / 2);
+}
+
 /* One shaft: u = t + J x' + viscous x + side F - cogging, within the limits. */
 RBDI_ONCE void rbdi_act_invert_shaft(const rbd_motor *m, const rbdi_act_shaft *s, const rbdi_act_wanted *want,
                                      rbd_real air, rbd_drive *drive) {
@@ -56,8 +63,7 @@ RBDI_ONCE void rbdi_act_invert_shaft(const rbd_motor *m, const rbdi_act_shaft *s
     drive->by_torque = by_torque / slope;
     drive->by_speed = f->viscous / slope;
     drive->by_acceleration = J / slope;
-    drive->angle = s->g;
-    if (m->stiffness > 0) drive->angle = s->g + want->torque / m->stiffness;
+    drive->angle = s->g + rbdi_act_winding_of(m, want->torque);
 
     if (m->cogging > 0) u = u - rbdi_act_cogging(m, drive->angle);
     current = u / constant;
@@ -102,6 +108,7 @@ RBDI_API rbd_status rbd_actuators_inverse(rbd_actuators *a, const rbd_real *q, c
                                           const rbd_real *acc, const rbd_real *tau, rbd_drive *drives) {
     rbd_status status;
     if (!a || !q || !v || !acc || !tau || !drives) return RBD_ERR_NULL;
+    if (a->begun) return RBD_ERR_ORDER;
     status = rbdi_act_map(a, q, v);
     if (status) return status;
     if (!rbdi_act_all_moderate(acc, a->nv) || !rbdi_act_all_moderate(tau, a->nv)) return RBD_ERR_NAN;

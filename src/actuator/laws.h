@@ -151,6 +151,7 @@ RBDI_PART void rbdi_act_end_shaft(const rbd_motor *m, rbdi_act_shaft *s, rbd_rea
             s->bristle = rbdi_act_clamp(sticks.offset + sticks.slope * x, -s->level, s->level);
     }
     s->motor = s->t - s->braking * s->speed;
+    s->cogging = s->cogging - s->cogging_slope * s->speed;
     rbdi_act_heat(m, s, (s->motor - s->cogging) / rbdi_act_torque_constant(m), a->air, a->dt);
 }
 

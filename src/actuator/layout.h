@@ -27,7 +27,7 @@
 #define RBDI_ACTUATOR_MOST_DELAY 1000
 #define RBDI_ACTUATOR_REPEATS 50
 #define RBDI_ACTUATOR_SOFT 3            /* repeats after which speeds go half way */
-#define RBDI_ACTUATOR_SLOPE RBD_C(0.05) /* least slope of the equation of the inverse */
+#define RBDI_ACTUATOR_SLOPE RBD_C(1e-3) /* least slope of the inverse's equation: that of load_motor 0.999 */
 #define RBDI_ACTUATOR_DEAD RBD_C(1e-6) /* of crank times length: a rod nearer to its dead centre is refused */
 #define RBDI_ACTUATOR_HOTTEST RBD_C(1e6) /* degrees: no winding gets there */
 #define RBDI_ACTUATOR_WARM RBD_C(25)     /* degrees at which resistances are given */
@@ -58,10 +58,11 @@ typedef struct rbdi_act_shaft {
     rbd_real t, braking; /* the motor's torque is t - braking speed at the step's end */
     rbd_real now;        /* N m: the motor's torque at its beginning */
     rbd_real gain, rate; /* its slopes by angle and speed in continuous time, both negative there */
-    rbd_real cogging;    /* N m, a part of t that no current makes */
-    rbd_real level;      /* of dry friction */
-    rbd_real told;       /* speed whose branch the step was told */
-    rbd_real s, slope;   /* what it was told: the torque s - slope x */
+    rbd_real cogging;    /* N m, a part of t that no current makes: cogging - cogging_slope speed */
+    rbd_real cogging_slope;
+    rbd_real level;    /* of dry friction */
+    rbd_real told;     /* speed whose branch the step was told */
+    rbd_real s, slope; /* what it was told: the torque s - slope x */
 } rbdi_act_shaft;
 
 /* Joints that motors move together. */

@@ -48,6 +48,30 @@ RBDI_PART rbd_real rbdi_act_cogging(const rbd_motor *m, rbd_real angle) {
     return (rbd_real)m->gear * m->cogging * sine;
 }
 
+/* Cogging in a step, whose work is what its potential loses: its mean over the way dt x of the shaft,
+
+       gear cogging sin(theta + d/2) sin(d/2) / (d/2)
+       theta = teeth gear angle + phase,   d = teeth gear dt x
+
+   at the speed x before the step and, where it holds the rotor back and the way is short, implicit. */
+RBDI_PART void rbdi_act_cog(const rbd_motor *m, rbdi_act_shaft *s, rbd_real dt, rbd_real share) {
+    const rbd_real most = (rbd_real)m->gear * m->cogging, rate = (rbd_real)m->teeth * m->gear;
+    const rbd_real half = rate * dt * s->speed / 2;
+    rbd_real sine, cosine, mean = rbdi_set(RBD_C(1));
+    s->cogging = s->cogging_slope = rbdi_zero();
+    if (!(m->cogging > 0)) return;
+
+    if (rbdi_abs(half) > RBD_C(1e-4)) {
+        rbdi_sincos(half, &sine, &cosine);
+        mean = sine / half;
+    }
+    rbdi_sincos(rate * s->angle + m->phase + half, &sine, &cosine);
+    s->cogging = most * sine * mean;
+    if (!(rate * most * cosine < 0) || rbdi_abs(half) > RBD_C(0.5)) return;
+    s->cogging_slope = -most * rate * cosine * dt * share / 2;
+    s->cogging = s->cogging + s->cogging_slope * s->speed;
+}
+
 /* A step of heat by implicit Euler; C_w, C_c capacities, g_w, g_c conductances, T above the air:
 
        C_w (T_w' - T_w) / dt = I^2 R - g_w (T_w' - T_c'),   C_c (T_c' - T_c) / dt = g_w (T_w' - T_c') - g_c
@@ -71,7 +95,7 @@ RBDI_PART void rbdi_act_heat(const rbd_motor *m, rbdi_act_shaft *s, rbd_real cur
     g_c = 1 / (rbd_real)m->flow_case;
     a_cc = m->heat_case / dt + g_w + g_c;
     b_c = m->heat_case / dt * s->housing;
-    determinant = a_ww * a_cc - g_w * g_w;
+    determinant = m->heat_winding / dt * a_cc + g_w * (m->heat_case / dt + g_c); /* a_ww a_cc - g_w^2 */
     s->winding = rbdi_act_clamp((a_cc * b_w + g_w * b_c) / determinant, -hottest, hottest);
     s->housing = rbdi_act_clamp((g_w * b_w + a_ww * b_c) / determinant, -hottest, hottest);
 }
@@ -115,7 +139,7 @@ RBDI_PART void rbdi_act_drive_motor(const rbd_motor *m, rbdi_act_shaft *s, const
     const rbd_real winding = s->winding + air, constant = rbdi_act_torque_constant(m);
     rbd_real lower, upper;
 
-    s->cogging = rbdi_act_cogging(m, s->angle);
+    rbdi_act_cog(m, s, dt, share);
     s->saturated = 0;
     s->gain = c->kp;
     s->rate = c->kd;
@@ -137,6 +161,7 @@ RBDI_PART void rbdi_act_drive_motor(const rbd_motor *m, rbdi_act_shaft *s, const
     if (s->now < (lower > upper ? upper : lower))
         rbdi_act_saturate(m, s, winding, lower > upper ? upper : lower, -1);
     s->t = s->t + s->cogging;
+    s->braking = s->braking + s->cogging_slope;
     s->now = s->now + s->cogging;
 }
 

@@ -18,7 +18,7 @@ RBDI_LOCAL rbd_status rbdi_act_check_rotor(const rbd_model *m, const rbd_rotor *
     for (int i = 0; i < 3; ++i) square = square + (rbd_real)r->axis[i] * r->axis[i];
     if (!(square > RBD_C(1e-18) && square < RBD_C(1e18))) return RBD_ERR_AXIS;
     if (!(r->inertia >= 0 && r->inertia <= RBDI_ACTUATOR_MOST)) return RBD_ERR_RANGE;
-    return rbdi_abs(r->gear) <= RBDI_ACTUATOR_MOST ? RBD_OK : RBD_ERR_RANGE;
+    return rbdi_abs(r->gear) > 0 && rbdi_abs(r->gear) <= RBDI_ACTUATOR_MOST ? RBD_OK : RBD_ERR_RANGE;
 }
 
 /* The axis, of unit length. */

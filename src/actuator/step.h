@@ -14,7 +14,8 @@ RBDI_LOCAL void rbdi_act_rest(rbd_actuators *a, rbd_real air) {
     for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) {
         s->angle = s->g;
         s->speed = s->winding = s->housing = s->bristle = rbdi_zero();
-        s->motor = s->joint = s->level = s->cogging = rbdi_zero();
+        s->motor = s->joint = s->level = rbdi_zero();
+        s->cogging = s->cogging_slope = rbdi_zero();
         s->t = s->now = s->braking = s->gain = s->rate = rbdi_zero();
         s->s = s->slope = s->told = rbdi_zero();
         s->branch = s->saturated = s->oldest = 0;
@@ -116,6 +117,7 @@ RBDI_API rbd_status rbd_actuators_begin(rbd_actuators *a, const rbd_command *com
                                         rbd_real *damping) {
     rbd_status status;
     if (!a || !commands || !q || !v || !tau || !damping) return RBD_ERR_NULL;
+    a->begun = 0;
     if (!(dt >= RBD_C(1e-9) && dt <= RBD_C(1e3))) return RBD_ERR_RANGE;
     for (int i = 0; i < a->n; ++i)
         if (!rbdi_act_is_command(&commands[i])) return RBD_ERR_RANGE;

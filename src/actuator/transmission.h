@@ -18,7 +18,8 @@ RBDI_LOCAL int rbdi_act_invert_small(const rbd_real *G, int n, rbd_real *inverse
         int best = k;
         for (int i = k + 1; i < n; ++i)
             if (rbdi_abs(a[n * i + k]) > rbdi_abs(a[n * best + k])) best = i;
-        if (!(rbdi_abs(a[n * best + k]) > RBDI_ACTUATOR_DEAD * largest)) return 0;
+        if (!(rbdi_abs(a[n * best + k]) > RBDI_ACTUATOR_DEAD * largest) || largest < RBDI_ACTUATOR_DEAD)
+            return 0;
 
         for (int j = 0; j < n; ++j) {
             const rbd_real x = a[n * k + j], y = inverse[n * k + j];
@@ -106,6 +107,7 @@ RBDI_API rbd_status rbd_actuators_map(rbd_actuators *a, const rbd_real *q, const
                                       rbd_real *speed) {
     rbd_status status;
     if (!a || !q) return RBD_ERR_NULL;
+    if (a->begun) return RBD_ERR_ORDER;
     status = rbdi_act_map(a, q, v);
     for (int i = 0; i < a->n && !status; ++i) {
         if (angle) angle[i] = a->shaft[i].g;

@@ -33,7 +33,7 @@
 typedef struct rbd_friction {
     rbd_const coulomb;                    /* N m: without load, at any speed */
     rbd_const viscous;                    /* N m s: times the speed, beside the level */
-    rbd_const load_motor, load_joint;     /* shares of both torques, 0 to 10; load_motor below 1 */
+    rbd_const load_motor, load_joint;     /* shares of both torques, 0 to 10; load_motor to 0.999 */
     rbd_const rest;                       /* N m more at rest: Stribeck's effect */
     rbd_const rest_motor, rest_joint;     /* shares of both torques at rest, 0 to 10 */
     rbd_const square_motor, square_joint; /* 1/(N m): at rest, of the squares of both torques */
@@ -55,7 +55,8 @@ typedef struct rbd_motor {
     rbd_const current;    /* A: limit; 0: none */
     rbd_const voltage;    /* V: limit; with the resistance it gives the torque-speed line; 0: none */
     rbd_const copper;     /* 1/K: growth of the resistance above 25 degrees; copper 0.0039 */
-    rbd_const heat_winding, heat_case; /* J/K; heat_winding 0: no heat; heat_case 0: the case stays as cold
+    rbd_const heat_winding,
+        heat_case; /* J/K; these and the flows 0: no heat; heat_case 0: the case stays as cold
                                           as the air */
     rbd_const flow_winding, flow_case; /* K/W: from the winding to the case, from there to the air */
     rbd_const hot, hottest;          /* degrees: the limit of current falls between them to 0; both 0: none */
@@ -64,7 +65,7 @@ typedef struct rbd_motor {
     rbd_const stiffness, damping; /* N m/rad, N m s/rad: of a spring from the gear to the joint; 0: rigid */
     rbd_const backlash;           /* rad: play of the spring; needs a stiffness */
     int delay;                    /* steps that a command takes to arrive, at most 1000 */
-    int sampled; /* not 0: the drive is as slow as the step, and may be unstable; 0: much faster, implicit */
+    int sampled; /* 1: the drive is as slow as the step, and may be unstable; 0: much faster, implicit */
     rbd_friction friction;
 } rbd_motor;
 
@@ -72,7 +73,8 @@ typedef struct rbd_motor {
 typedef struct rbd_rod {
     rbd_const place[3];      /* of the crank's axis, m, axes of the base: the body before the first joint */
     rbd_const axis[3];       /* of the crank, of unit length, base's axes */
-    rbd_const zero[3];       /* direction of the crank at angle 0, of unit length, across the axis */
+    rbd_const zero[3];       /* direction of the crank at angle 0, of unit length, across the axis. Angles are
+                                within -pi and pi: the crank must not pass the opposite direction */
     rbd_const crank, length; /* m */
     rbd_const point[3];      /* m, of the last joint's body, link axes */
     int elbow;               /* 1 or -1: which of the two angles that the rod allows */
@@ -135,7 +137,8 @@ RBDI_API char *rbd_actuators_finding_text(const rbd_finding *finding, int n, cha
    q, v           nq, nv; v may be NULL for zero
    angle, speed   n, rad and rad/s; each may be NULL
    Errors: RBD_ERR_NULL; _NAN, q or v is not finite or above 1e9; _INFEASIBLE, a rod does not reach;
-   _SINGULAR, a rod at its dead centre. rbd_actuators_fault has the transmission. */
+   _SINGULAR, a rod at its dead centre: rbd_actuators_fault has the transmission; _ORDER, within a step:
+   from rbd_actuators_begin to the rbd_actuators_again that returns 0, or to rbd_actuators_reset. */
 RBDI_API rbd_status rbd_actuators_map(rbd_actuators *a, const rbd_real *q, const rbd_real *v, rbd_real *angle,
                                       rbd_real *speed);
 
@@ -149,7 +152,8 @@ typedef struct rbd_drive {
     rbd_real torque;  /* N m at the shaft, of the motor; within its limits */
     rbd_real current; /* A */
     rbd_real voltage; /* V */
-    rbd_real angle;   /* rad, of the shaft on the motor's side of a spring: for a position controller */
+    rbd_real angle;   /* rad, of the shaft on the motor's side of a spring, beyond the play: for a position
+                         controller */
     int saturated;    /* 1 or -1: a limit cut the torque at its upper or lower end; else 0 */
     rbd_real by_torque, by_speed, by_acceleration; /* slopes of the uncut torque by what the joints ask of the
                                                       shaft: its torque, viscous speed and acceleration */
@@ -236,7 +240,7 @@ typedef struct rbd_rotor {
     int body;          /* that it is mounted on; -1: the world */
     int dof;           /* index into v, that turns it */
     rbd_const axis[3]; /* body's axes, of any length; of a positive turn where gear is positive */
-    rbd_const gear;    /* turns of the rotor relative to the body for a unit of v */
+    rbd_const gear;    /* turns of the rotor relative to the body for a unit of v; not 0 */
     rbd_const inertia; /* kg m^2, about the axis */
 } rbd_rotor;
 

@@ -178,20 +178,20 @@ RBDI_API rbd_status rbd_contact_fd(const rbd_model *m, rbd_contact_set *c, const
                                    const rbd_real *damping, rbd_real dt, rbd_real *a);
 
 /* Changes the plane of contact i, as in rbd_contact, from the next step on: to the tangent plane of terrain.
-   Errors: RBD_ERR_NULL, _INDEX, _AXIS, _POSITION. */
+   Errors: RBD_ERR_NULL, _WORK, _INDEX, _AXIS, _POSITION. */
 RBDI_API rbd_status rbd_contact_plane(const rbd_model *m, rbd_contact_set *c, int i, const double normal[3],
                                       double height);
 
 /* Changes the dry friction of a dof, from the next step on: of a motor that is loaded, or warm. The set has a
    row for it if the option `joint_friction` is on and the description's friction there is above 0.
    bound      largest force, N m or N; 0: none
-   Errors: RBD_ERR_NULL; _INDEX, no such row; _RANGE, negative or not finite. */
+   Errors: RBD_ERR_NULL, _WORK; _INDEX, no such row; _RANGE, negative or not finite. */
 RBDI_API rbd_status rbd_contact_friction(const rbd_model *m, rbd_contact_set *c, int dof, rbd_real bound);
 
 /* Changes bounded row i of the option `rows`, from the next step on; until then it does nothing. See
    docs/contact_step.md, Bounded rows: friction of shafts, bristles, brakes.
-   Errors: RBD_ERR_NULL; _INDEX, no row i, or a dof that is not there or twice; _COUNT, dofs; _RANGE, not
-   finite, a compliance below 0, lower > upper. Then the row is as it was. */
+   Errors: RBD_ERR_NULL, _WORK; _INDEX, no row i, or a dof that is not there or twice; _COUNT, dofs; _RANGE,
+   not finite, a compliance below 0, lower > upper. Then the row is as it was. */
 RBDI_API rbd_status rbd_contact_row_set(const rbd_model *m, rbd_contact_set *c, int i,
                                         const rbd_contact_row *row);
 
@@ -205,7 +205,7 @@ RBDI_API rbd_contact_state rbd_contact_row_get(const rbd_contact_set *c, int i, 
    and multiplies the change of v.
    added      rbd_packed_size, as of rbd_crba_packed: M + added is positive definite. Kept, not copied: it
               must be there in the steps. NULL: nothing
-   Errors: RBD_ERR_NULL, of m or c; one that is not finite is RBD_ERR_NAN of the step. */
+   Errors: RBD_ERR_NULL, of m or c; _WORK; one that is not finite is RBD_ERR_NAN of the step. */
 RBDI_API rbd_status rbd_contact_inertia(const rbd_model *m, rbd_contact_set *c, const rbd_real *added);
 
 /* Clears the last impulses, with which a step begins; rbd_contact_get then returns RBD_APART, gaps of 0 and

@@ -142,8 +142,8 @@ RBDI_API rbd_status rbd_estimate_solve(rbd_estimate *e, rbd_const payload[10], r
 RBDI_API rbd_status rbd_estimate_deviations(const rbd_estimate *e, rbd_const payload[10],
                                             rbd_joint_friction *friction);
 
-/* The hand took something, or changed it: the payload is unknown from here on; friction stays known.
-   Errors: RBD_ERR_NULL; _INDEX, the estimate has no body. */
+/* The hand took something, or changed it: the payload is unknown from here on; friction stays known. Takes as
+   long as rbd_estimate_solve. Errors: RBD_ERR_NULL; _INDEX, the estimate has no body. */
 RBDI_API rbd_status rbd_estimate_grip(rbd_estimate *e);
 
 /* The hand is empty: the payload is 0, and samples tell of friction alone. Errors: as rbd_estimate_grip. */

@@ -153,10 +153,10 @@ typedef struct rbd_tasks_result {
    memory    size bytes of any alignment: RBD_TASKS_SIZE. Leave it alone between ticks if `warm` is set
    result    what was reached
    Errors, in result->error: RBD_ERR_NULL, but without a result RBD_TASKS_ERROR alone; _WORK; _MEMORY;
-   _COUNT, a number below 0 or above 1000; _INDEX, a body; _TYPE, no kind; _POSITION, _ROTATION, _AXIS;
-   _MASS, a centre of mass of a robot without mass; _MASSLESS, accelerations, or a centre of mass, of one
-   some of whose joints move none; _LIMITS, lower above upper; _RANGE, any other number, with its field;
-   _NAN, q, v or f_ext is not finite, or there is an overflow. */
+   _COUNT, a number below 0 or above 1000, or more than 20000 rows or variables of the QP; _INDEX, a body;
+   _TYPE, no kind; _POSITION, _ROTATION, _AXIS; _MASS, a centre of mass of a robot without mass; _MASSLESS,
+   accelerations, or a centre of mass, of one some of whose joints move none; _LIMITS, lower above upper;
+   _RANGE, any other number, with its field; _NAN, q, v or f_ext is not finite, or there is an overflow. */
 
 /* Velocities for inverse kinematics at each tick. Contacts are held by J x = 0; forces have no part in it.
    q   nq

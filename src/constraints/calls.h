@@ -3,7 +3,7 @@
 #include "dynamics/rnea.h"
 #include "constraints/articulated.h"
 
-/* Interface: rbdi_check_constrained, rbdi_constraint_bias */
+/* Interface: rbdi_check_constrained, rbdi_check_constraints, rbdi_constraint_bias */
 
 /* ---- call code [call code] ---- */
 

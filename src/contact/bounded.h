@@ -1,5 +1,6 @@
 #ifndef RBDI_CONTACT_BOUNDED_H
 #define RBDI_CONTACT_BOUNDED_H
+#include "constraints/calls.h"
 #include "contact/solver.h"
 #include "contact/joints.h"
 
@@ -135,7 +136,8 @@ RBDI_LOCAL void rbdi_keep_bounded(const rbd_contact_set *c, rbdi_bounded_row *ro
 }
 
 RBDI_API rbd_status rbd_contact_friction(const rbd_model *m, rbd_contact_set *c, int dof, rbd_real bound) {
-    if (!m || !c) return RBD_ERR_NULL;
+    const rbd_status status = rbdi_check_constraints(m, c ? c->rows : NULL, 1);
+    if (status) return status;
     for (int i = 0; i < c->frictions; ++i) {
         rbd_contact_row *law = &c->bound[i].law;
         if (law->dof[0] != dof) continue;
@@ -165,8 +167,8 @@ RBDI_API rbd_status rbd_contact_row_set(const rbd_model *m, rbd_contact_set *c, 
                                         const rbd_contact_row *row) {
     const rbd_real most = rbdi_set(RBDI_UNBOUNDED);
     rbd_contact_row *law;
-    rbd_status status;
-    if (!m || !c || !row) return RBD_ERR_NULL;
+    rbd_status status = rbdi_check_constraints(m, c ? c->rows : NULL, row != NULL);
+    if (status) return status;
     if (i < 0 || i >= c->options.rows) return RBD_ERR_INDEX;
     status = rbdi_check_bounded(m, row);
     if (status) return status;
@@ -186,9 +188,9 @@ RBDI_API rbd_contact_state rbd_contact_row_get(const rbd_contact_set *c, int i, 
 }
 
 RBDI_API rbd_status rbd_contact_inertia(const rbd_model *m, rbd_contact_set *c, const rbd_real *added) {
-    if (!m || !c) return RBD_ERR_NULL;
-    c->added = added;
-    return RBD_OK;
+    const rbd_status status = rbdi_check_constraints(m, c ? c->rows : NULL, 1);
+    if (!status) c->added = added;
+    return status;
 }
 
 #endif

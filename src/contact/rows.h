@@ -1,6 +1,5 @@
 #ifndef RBDI_CONTACT_ROWS_H
 #define RBDI_CONTACT_ROWS_H
-#include "constraints/factor.h"
 #include "constraints/set.h"
 #include "contact/bounded.h"
 

@@ -269,7 +269,8 @@ RBDI_API rbd_status rbd_contact_set_init(const rbd_model *m, rbd_work *w, const 
 
 RBDI_API rbd_status rbd_contact_plane(const rbd_model *m, rbd_contact_set *c, int i, const double normal[3],
                                       double height) {
-    if (!m || !c || !normal) return RBD_ERR_NULL;
+    const rbd_status status = rbdi_check_constraints(m, c ? c->rows : NULL, normal != NULL);
+    if (status) return status;
     if (i < 0 || i >= c->n) return RBD_ERR_INDEX;
     if (!rbdi_finite(normal, 3)) return RBD_ERR_AXIS;
     if (!rbdi_finite(&height, 1)) return RBD_ERR_POSITION;

@@ -1,7 +1,6 @@
 #ifndef RBDI_CONTACT_STEP_H
 #define RBDI_CONTACT_STEP_H
 #include "motion/free_step.h"
-#include "constraints/calls.h"
 #include "contact/biases.h"
 #include "contact/reduction.h"
 #include "contact/momentum.h"

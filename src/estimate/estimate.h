@@ -126,12 +126,13 @@ RBDI_API rbd_status rbd_estimate_deviations(const rbd_estimate *e, rbd_const pay
     return RBD_OK;
 }
 
-/* Forgets the payload, not the friction. */
+/* Forgets the payload, not the friction, which is kept for the payload that the samples so far tell of. */
 RBDI_LOCAL rbd_status rbdi_change_load(rbd_estimate *e, int known) {
     rbd_real T[RBDI_LOAD_TRIANGLE];
     if (!e) return RBD_ERR_NULL;
     if (e->body < 0) return RBD_ERR_INDEX;
 
+    if (!e->known) rbdi_find_load(e);
     rbdi_load_triangle(e, T);
     for (int i = 0; i < e->nv && !e->known; ++i) rbdi_forget_load_of(e, i, T);
     rbdi_begin_load(e);

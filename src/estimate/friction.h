@@ -79,7 +79,7 @@ RBDI_PART void rbdi_friction_deviations(const rbd_estimate *e, int i, const rbd_
    f alone: with B = 1 + F C F' = L L', L^-1 R f = L^-1 (z - F p). */
 RBDI_PART void rbdi_forget_load_of(rbd_estimate *e, int i, const rbd_real load[RBDI_LOAD_TRIANGLE]) {
     rbd_real *R = e->joint + i * RBDI_JOINT_TRIANGLE, x[RBDI_FRICTIONS][RBDI_WHOLE_ROW],
-             F[RBDI_FRICTIONS][RBDI_TEN], B[RBDI_FRICTIONS * 4];
+             F[RBDI_FRICTIONS][RBDI_TEN], B[RBDI_FRICTIONS * RBDI_FRICTIONS];
 
     /* the rows, and F load^-1 */
     for (int k = 0; k < RBDI_FRICTIONS; ++k) {

@@ -2,6 +2,8 @@
 #define RBDI_QP_SOLVE_H
 #include "qp/rounds.h"
 
+/* Interface: RBDI_QP_MOST */
+
 /* ---- solve [solve code] ---- */
 
 #define RBDI_QP_MOST 20000 /* variables with soft rows, rows: their matrices have ints for an index */

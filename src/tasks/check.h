@@ -194,6 +194,7 @@ RBDI_LOCAL rbd_status rbdi_tasks_check_state(const rbd_model *m, const rbd_tasks
 RBDI_LOCAL rbd_status rbdi_tasks_check(const rbd_model *m, const rbd_work *w, const rbd_tasks *p, int given,
                                        int dynamics, size_t size, rbd_tasks_result *result) {
     const int all = p && given;
+    size_t needed;
     const rbd_status status = dynamics ? rbdi_check_dynamics(m, w, all) : rbdi_check(m, w, all);
     if (status) return rbdi_tasks_refuse(result, status, NULL);
     if (p->tasks < 0 || p->tasks > RBDI_TASKS_MOST) return rbdi_tasks_refuse(result, RBD_ERR_COUNT, "tasks");
@@ -210,7 +211,9 @@ RBDI_LOCAL rbd_status rbdi_tasks_check(const rbd_model *m, const rbd_work *w, co
     result->contact = -1;
 
     if (rbdi_tasks_check_limits(m, p, result)) return result->error;
-    return size < rbd_tasks_size(m, p) ? rbdi_tasks_refuse(result, RBD_ERR_MEMORY, NULL) : RBD_OK;
+    needed = rbd_tasks_size(m, p);
+    if (needed == 0) return rbdi_tasks_refuse(result, RBD_ERR_COUNT, "tasks"); /* their rows, with contacts */
+    return size < needed ? rbdi_tasks_refuse(result, RBD_ERR_MEMORY, NULL) : RBD_OK;
 }
 
 #endif

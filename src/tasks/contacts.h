@@ -99,7 +99,7 @@ RBDI_LOCAL void rbdi_tasks_put_dynamics(rbdi_tasks *k, const rbd_real *M) {
 RBDI_LOCAL void rbdi_tasks_put_friction(rbdi_tasks *k) {
     const rbd_const diagonal = RBD_C(0.70710678118654752440); /* of a square; cos(pi / 4) */
     const rbd_const octagon = RBD_C(0.92387953251128675613);  /* cos(pi / 8) */
-    const rbd_const cosine[10] = {1, diagonal, 0, -diagonal, -1, -diagonal, 0, diagonal, 1, diagonal};
+    const rbd_const cosine[8] = {1, diagonal, 0, -diagonal, -1, -diagonal, 0, diagonal};
 
     k->friction = k->rows;
     for (int i = 0; i < k->closed; ++i) {

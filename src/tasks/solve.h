@@ -1,6 +1,6 @@
 #ifndef RBDI_TASKS_SOLVE_H
 #define RBDI_TASKS_SOLVE_H
-#include "base/pieces.h"
+#include "qp/solve.h"
 #include "tasks/bounds.h"
 #include "tasks/blame.h"
 
@@ -35,6 +35,9 @@ RBDI_API size_t rbd_tasks_size(const rbd_model *m, const rbd_tasks *p) {
         if (p->task[i].kind == RBD_TASK_ROWS && (p->task[i].rows < 0 || p->task[i].rows > RBDI_TASKS_MOST))
             return 0;
     rows = rbdi_tasks_count(m, p, &soft);
+    if (RBDI_TASKS_C(m->nv, rows, p->contacts) > RBDI_QP_MOST ||
+        RBDI_TASKS_N(m->nv, p->contacts) + (size_t)soft > RBDI_QP_MOST)
+        return 0;
     return RBD_TASKS_SIZE(m->nv, rows, p->contacts, soft);
 }
 

@@ -32,7 +32,7 @@ RBDI_MESSAGES RBDI_PART const char *rbdi_tasks_part_name(rbd_tasks_part part) {
 /* The sentence of an error, where that of rbd_status_string speaks of a model. */
 RBDI_MESSAGES RBDI_PART const char *rbdi_tasks_error_text(rbd_status error) {
     switch ((int)error) {
-    case RBD_ERR_COUNT: return "below 0 or above 1000";
+    case RBD_ERR_COUNT: return "below 0 or above 1000, or more than 20000 rows in all";
     case RBD_ERR_TYPE: return "unknown kind of task";
     case RBD_ERR_POSITION: return "not finite, or farther than 1e9 m";
     case RBD_ERR_AXIS: return "not finite, or of a length out of 1e-9 to 1e9";

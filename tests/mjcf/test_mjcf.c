@@ -586,6 +586,19 @@ START_TEST(errors_say_what_is_wrong) {
          RBD_MJCF_ERR_COMPILER,
          3,
          "dofs"},
+        {"<mujoco><option gravity='0 0 nan'/><worldbody><body><joint/><geom "
+         "size='1'/></body></worldbody></mujoco>",
+         {0},
+         RBD_MJCF_ERR_MODEL,
+         0,
+         "gravity"},
+        {"<mujoco><worldbody><body name='b'><joint/><geom size='1'/></body></worldbody><equality><connect "
+         "name='pin' "
+         "body1='b' anchor='0 0 0' solref='nan 1'/></equality></mujoco>",
+         {0},
+         RBD_MJCF_ERR_MODEL,
+         0,
+         "'pin': solref"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         rbd_mjcf r = with_room(&x);
@@ -641,6 +654,11 @@ START_TEST(short_arrays_are_refused) {
         r.places_max = count.nb - (i == 4);
         r.constraints_max = count.nconstraints - (i == 5);
         ck_assert_int_eq(rbd_mjcf_load(path_of("equalities"), NULL, &r), i ? RBD_MJCF_ERR_ROOM : RBD_MJCF_OK);
+    }
+    for (int i = 0; i < 4; i++) {
+        r = with_room(&x);
+        *(i == 0 ? &r.bodies_max : i == 1 ? &r.frames_max : i == 2 ? &r.places_max : &r.constraints_max) = -1;
+        ck_assert_int_eq(rbd_mjcf_load(path_of("equalities"), NULL, &r), RBD_MJCF_ERR_ROOM);
     }
 }
 END_TEST
