@@ -70,6 +70,20 @@
 RBDI_EXTERN_C_BEGIN
 
 /* ==== src/api/actuator.h ==== */
+#define rbd_friction_level RBDI_SYMBOL(rbd_friction_level)
+#define rbd_actuators_init RBDI_SYMBOL(rbd_actuators_init)
+#define rbd_actuators_size RBDI_SYMBOL(rbd_actuators_size)
+#define rbd_actuators_finding_text RBDI_SYMBOL(rbd_actuators_finding_text)
+#define rbd_actuators_map RBDI_SYMBOL(rbd_actuators_map)
+#define rbd_actuators_fault RBDI_SYMBOL(rbd_actuators_fault)
+#define rbd_actuators_inverse RBDI_SYMBOL(rbd_actuators_inverse)
+#define rbd_actuators_reset RBDI_SYMBOL(rbd_actuators_reset)
+#define rbd_actuators_begin RBDI_SYMBOL(rbd_actuators_begin)
+#define rbd_actuators_again RBDI_SYMBOL(rbd_actuators_again)
+#define rbd_actuators_get RBDI_SYMBOL(rbd_actuators_get)
+#define rbd_actuators_derivatives RBDI_SYMBOL(rbd_actuators_derivatives)
+#define rbd_rotor_torque RBDI_SYMBOL(rbd_rotor_torque)
+
 /* ---- tables [tables] ----
    Constants of drives: const tables, which firmware keeps in flash. In float write RBD_C(0.05) or 0.05f. */
 
@@ -213,11 +227,11 @@ typedef struct rbd_drive {
 
 /* Motor torques, currents and voltages for wanted joint torques: adds friction, the rotors' inertia and
    cogging, and obeys the limits at the present temperatures.
-   q      nq
+   q        nq
    v, acc   nv: the planned velocities and accelerations. With measured ones in place of planned, friction
             that is compensated in full makes a limit cycle: then at most 80 %
-   tau    nv: wanted joint torques, as from rbd_rnea
-   drives n
+   tau      nv: wanted joint torques, as from rbd_rnea
+   drives   n
    Errors: as rbd_actuators_map, _NAN of acc and tau too. */
 RBDI_API rbd_status rbd_actuators_inverse(rbd_actuators *a, const rbd_real *q, const rbd_real *v,
                                           const rbd_real *acc, const rbd_real *tau, rbd_drive *drives);
@@ -246,10 +260,9 @@ RBDI_API rbd_status rbd_actuators_reset(rbd_actuators *a, const rbd_real *q, rbd
 /* Begins a step: what the shafts do to the joints, linear in the speeds at the step's end.
    commands       n
    first_order    how the step moves q. Not 0: by v_next alone, as rbd_contact_step with its option
-   first_order
-                  does; 0: half of the way by v, as it does without, and as rbd_free_step does. Springs that
-                  are so stiff that they would vibrate faster than the step are damped by the first, and ring
-                  with the second
+                  first_order does; 0: half of the way by v, as it does without, and as rbd_free_step does.
+                  Springs that are so stiff that they would vibrate faster than the step are damped by the
+                  first, and ring with the second
    tau, damping   nv: torques tau - damping v_next; 0 where there is no motor
    Errors: as rbd_actuators_map; RBD_ERR_RANGE, dt not between 1e-9 and 1e3, or a command negative where it
    must not be, not finite or above 1e9. */

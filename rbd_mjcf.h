@@ -310,10 +310,20 @@ static int rbdi_mjcf_is_ok(const rbdi_mjcf_load *l) { return l->error.status == 
 
 /* ---- findings [findings] ---- */
 
+/* The line of the file that a message of MuJoCo's names, in one of its three ways; 0: none. */
+static int rbdi_mjcf_line(const char *text) {
+    static const char *const marks[] = {"line ", "line = ", "Line number="};
+    int number = 0;
+    for (size_t i = 0; i < sizeof marks / sizeof *marks && number <= 0; i++) {
+        const char *mark = strstr(text, marks[i]);
+        if (mark) number = atoi(mark + strlen(marks[i]));
+    }
+    return number > 0 ? number : 0;
+}
+
 /* Writes a sentence: MuJoCo's have several lines, with spaces. */
 static void rbdi_mjcf_write(rbd_mjcf_finding *f, rbd_mjcf_status status, const char *format,
                             va_list arguments) {
-    const char *line;
     char *to = f->text;
     f->status = status;
     vsnprintf(f->text, sizeof f->text, format, arguments);
@@ -324,8 +334,7 @@ static void rbdi_mjcf_write(rbd_mjcf_finding *f, rbd_mjcf_status status, const c
     }
     if (to > f->text && to[-1] == ' ') to--;
     *to = 0;
-    line = strstr(f->text, "line ");
-    f->line = line ? atoi(line + 5) : 0;
+    f->line = rbdi_mjcf_line(f->text);
 }
 
 static void rbdi_mjcf_fail(rbdi_mjcf_load *l, rbd_mjcf_status status, const char *format, ...) {
@@ -1436,9 +1445,13 @@ static mjModel *rbdi_mjcf_compile_caught(const char *path, const mjVFS *files) {
     return m;
 }
 
-/* Whether the compiler met an element, attribute or keyword that it does not know. */
+/* Whether the compiler met an element, attribute or keyword that it does not know, or a range without the limits
+   that newer versions take from it. */
 static int rbdi_mjcf_may_be_newer(void) {
-    return strstr(rbdi_mjcf_caught.error, "Schema") || strstr(rbdi_mjcf_caught.error, "invalid keyword");
+    static const char *const signs[] = {"Schema", "invalid keyword", "autolimits"};
+    for (size_t i = 0; i < sizeof signs / sizeof *signs; i++)
+        if (strstr(rbdi_mjcf_caught.error, signs[i])) return 1;
+    return 0;
 }
 
 /* What MuJoCo's compiler makes of a file; NULL after an error. */

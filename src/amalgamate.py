@@ -127,8 +127,12 @@ def symbols(header, src=SRC):
         if any(SYMBOL.fullmatch(line) for line in text.split("\n")):
             last, texts[room], names[room] = room, text, []
         declared = DECLARED.findall(re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL))
+        declared = [name for name in declared if name not in NO_SCALAR]
         if last:
-            names[last] += [name for name in declared if name not in NO_SCALAR + names[last]]
+            names[last] += [name for name in declared if name not in names[last]]
+        elif declared and header not in ALONE:
+            sys.exit(f"src/{room}: {declared[0]} has no symbol of its scalar: begin the room with the line\n"
+                     f"#define {declared[0]} RBDI_SYMBOL({declared[0]})")
     return {room: with_symbols(text, names[room]) for room, text in texts.items()}
 
 

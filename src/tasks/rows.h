@@ -54,7 +54,7 @@ RBDI_LOCAL void rbdi_tasks_put_momentum(rbdi_tasks *k) {
 /* Momentum, or the centre of mass, which moves by the linear momentum over the mass. */
 RBDI_LOCAL void rbdi_tasks_of_momentum(rbdi_tasks *k, const rbd_task *t, rbdi_tasks_error *s) {
     const rbd_real share = rbdi_set(1 / rbd_mass(k->m));
-    rbd_real h_dot[6], com[3], a[3];
+    rbd_real h_dot[6] = {0}, com[3] = {0}, a[3] = {0};
 
     rbdi_tasks_put_momentum(k);
     if (t->kind == RBD_TASK_MOMENTUM) {

@@ -578,6 +578,14 @@ START_TEST(errors_say_what_is_wrong) {
          RBD_MJCF_ERR_COMPILER,
          0,
          "'m'"},
+        {"no xml at all", {0}, RBD_MJCF_ERR_COMPILER, 1, "MuJoCo"},
+        {"<mujoco>\n<worldbody>\n<body\n</worldbody></mujoco>", {0}, RBD_MJCF_ERR_COMPILER, 3, "MuJoCo"},
+        {"<mujoco>\n<worldbody>\n<body>\n<joint type='free'/><joint/>\n<geom "
+         "size='1'/></body></worldbody></mujoco>",
+         {0},
+         RBD_MJCF_ERR_COMPILER,
+         3,
+         "dofs"},
         {"<mujoco><option gravity='0 0 nan'/><worldbody><body><joint/><geom "
          "size='1'/></body></worldbody></mujoco>",
          {0},
@@ -591,7 +599,6 @@ START_TEST(errors_say_what_is_wrong) {
          RBD_MJCF_ERR_MODEL,
          0,
          "'pin': solref"},
-        {"no xml at all", {0}, RBD_MJCF_ERR_COMPILER, 0, "MuJoCo"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         rbd_mjcf r = with_room(&x);
