@@ -63,7 +63,7 @@ holds() {
 
 leave_out
 cp "$scratch/defined" "$scratch/all"
-holds BUILD rbd_model_build rbd_model_size rbd_add_payload rbd_lock_joints rbd_describe
+holds BUILD rbd_model_build rbd_model_build_kinematic rbd_model_size rbd_add_payload rbd_lock_joints rbd_describe
 factor="rbd_cholesky_factor rbd_cholesky_factor_packed rbd_cholesky_solve rbd_cholesky_solve_many rbd_fd_cholesky rbd_minverse
     rbd_hybrid rbd_free_step"
 # shellcheck disable=SC2086 # words wanted
@@ -74,7 +74,7 @@ echo '#include "rbd_derivatives.h"' >"$scratch/declarations.c"
 printf '#define RBD_IMPLEMENTATION\n#include "rbd_derivatives.h"\n' >"$scratch/rbd.c"
 leave_out
 cp "$scratch/defined" "$scratch/all"
-holds BUILD rbd_model_build rbd_model_size rbd_add_payload rbd_lock_joints rbd_describe rbd_set_parameters rbd_check_parameters
+holds BUILD rbd_model_build rbd_model_build_kinematic rbd_model_size rbd_add_payload rbd_lock_joints rbd_describe rbd_set_parameters rbd_check_parameters
 # shellcheck disable=SC2086 # words wanted
 holds CHOLESKY $factor rbd_fd_derivatives rbd_id_free_base
 leave_out BUILD CHOLESKY
