@@ -30,12 +30,12 @@ GUIDES = [
     ("Research", ["docs/other_libraries.md", "docs/gpu.md", "docs/tools.md", "models/README.md", "docs/accuracy.md",
                   "docs/accuracy_tables.md",
                   "docs/performance.md", "bench/results/2026-11-27-xeon/report.md",
-                  "bench/results/2026-11-25-contact/contact.md", "bench/results/2026-11-27-h200/report.md", "bench/README.md"]),
+                  "bench/results/2026-11-27-contact/contact.md", "bench/results/2026-11-27-h200/report.md", "bench/README.md"]),
     ("The project", ["README.md", "CHANGELOG.md", "docs/migration.md", "CONTRIBUTING.md", "packaging/README.md"]),
 ]
 # Titles that are not those of their files, in the menu and on the page.
 TITLES = {"docs/mjcf.md": "MJCF files", "examples/firmware/README.md": "Firmware: examples", "bench/results/2026-11-27-xeon/report.md": "Measurements",
-          "bench/results/2026-11-25-contact/contact.md": "Measurements of contacts",
+          "bench/results/2026-11-27-contact/contact.md": "Measurements of contacts",
           "bench/results/2026-11-27-h200/report.md": "Measurements on a GPU", "README.md": "Overview"}
 # Pages that no menu needs: they are reached by links.
 HIDDEN = ["docs/migration.md"]
