@@ -45,10 +45,15 @@ def _enumerators(name, text):
     return found
 
 
+class _Named(enum.IntEnum):
+    """A number that is printed by its name."""
+    __str__ = enum.Enum.__str__
+
+
 def _enum(python_name, c_name, prefix):
     """A C enum as one of Python, without the prefix of its names."""
     members = {key[len(prefix):]: value for key, value in _enumerators(c_name, _TEXT).items()}
-    return enum.IntEnum(python_name, members, module=__package__)
+    return _Named(python_name, members, module=__package__)
 
 
 Status = _enum("Status", "rbd_status", "RBD_")

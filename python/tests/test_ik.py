@@ -73,3 +73,9 @@ def test_bad_targets_are_named(iiwa):
     ball = rbd.Model([rbd.Body("ball", type="spherical", mass=1, inertia=(1, 0, 0, 1, 0, 1))])
     with pytest.raises(rbd.RbdError, match="field 'held': only a part of a spherical, planar or floating joint is held"):
         ball.ik(rbd.IkTarget("point"), held=[1, 0, 1])
+
+
+def test_enumerators_are_printed_by_name():
+    assert f"{rbd.IkStatus.REACHED} {rbd.Status.ERR_INDEX} {rbd.JointType.REVOLUTE!s}" == \
+        "IkStatus.REACHED Status.ERR_INDEX JointType.REVOLUTE"
+    assert rbd.Status.ERR_INDEX == -4 and rbd.Status(-4) is rbd.Status.ERR_INDEX

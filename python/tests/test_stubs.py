@@ -77,6 +77,7 @@ def test_stubs_have_every_public_name(stubs):
         body = [node for owner in thing.__mro__ if owner.__name__ in found for node in found[owner.__name__].body]
         methods = {node.name for node in body if isinstance(node, ast.FunctionDef)}
         methods |= {node.target.id for node in body if isinstance(node, ast.AnnAssign)}
+        methods |= {target.id for node in body if isinstance(node, ast.Assign) for target in node.targets}
         seen = {member for member in dir(thing) if not member.startswith("_")} - set(dir(Exception))
         assert seen <= methods, f"{name}: {seen - methods}"
     assert (PYTHON / "rbd/py.typed").is_file()
