@@ -60,7 +60,7 @@ void example_rbd_contact_plane(void) {
 }
 
 void example_rbd_contact_friction(void) {
-    status = rbd_contact_friction(m, c, 6, 1.5); /* the hip's motor is warm: N m, from the next step on */
+    status = rbd_contact_friction(m, c, 6, 1.5);  /* the hip's motor is warm: N m, from the next step on */
     if (status == RBD_ERR_INDEX) status = RBD_OK; /* no friction in the description: take a bounded row */
 }
 
