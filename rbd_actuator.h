@@ -606,7 +606,8 @@ RBDI_PART rbd_real rbdi_act_most_current(const rbd_motor *m, rbd_real winding) {
 /* Least and largest current at shaft speed x: |I| <= most and |R I + K x| <= voltage. */
 RBDI_PART void rbdi_act_current_range(const rbd_motor *m, rbd_real winding, rbd_real x, rbd_real *lower,
                                       rbd_real *upper) {
-    const rbd_real most = rbdi_act_most_current(m, winding), back = rbdi_act_torque_constant(m) * x;
+    const rbd_real most = rbdi_act_most_current(m, winding);
+    const rbd_real back = rbdi_act_torque_constant(m) * x;
     *lower = -most;
     *upper = most;
     if (m->voltage > 0) {
@@ -631,7 +632,8 @@ RBDI_PART rbd_real rbdi_act_cogging(const rbd_motor *m, rbd_real angle) {
 
    at the speed x before the step and, where it holds the rotor back and the way is short, implicit. */
 RBDI_PART void rbdi_act_cog(const rbd_motor *m, rbdi_act_shaft *s, rbd_real dt, rbd_real share) {
-    const rbd_real most = (rbd_real)m->gear * m->cogging, rate = (rbd_real)m->teeth * m->gear;
+    const rbd_real most = (rbd_real)m->gear * m->cogging;
+    const rbd_real rate = (rbd_real)m->teeth * m->gear;
     const rbd_real half = rate * dt * s->speed / 2;
     rbd_real sine, cosine, mean = rbdi_set(RBD_C(1));
     s->cogging = s->cogging_slope = rbdi_zero();
@@ -795,7 +797,8 @@ RBDI_LOCAL rbdi_act_rod_joints rbdi_act_place_joints(const rbdi_act_group *g, co
 RBDI_LOCAL int rbdi_act_find_crank(const rbd_rod *rod, rbdi_v3 r, rbdi_v3 zero, rbdi_v3 across,
                                    rbd_real *cosine, rbd_real *sine) {
     const rbd_real c = rod->crank, L = rod->length, r_x = rbdi_dot(r, zero), r_y = rbdi_dot(r, across);
-    const rbd_real rho = r_x * r_x + r_y * r_y, h = (rbdi_dot(r, r) + (c - L) * (c + L)) / (2 * c);
+    const rbd_real rho = r_x * r_x + r_y * r_y;
+    const rbd_real h = (rbdi_dot(r, r) + (c - L) * (c + L)) / (2 * c);
     const rbd_real left = rho - h * h;
     rbd_real root;
     if (!(left >= 0) || !(rho > 0)) return 0;
@@ -1162,7 +1165,9 @@ typedef struct rbdi_act_spring {
 /* The spring where the rotor's speed would be r + x_m without it, and falls by e for each unit of p. */
 RBDI_PART rbd_real rbdi_act_mesh(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real r, rbd_real e,
                                  rbd_real dt) {
-    const rbd_real delta = s->angle - s->g, half = m->backlash / 2, K = dt * m->stiffness + m->damping;
+    const rbd_real delta = s->angle - s->g;
+    const rbd_real half = m->backlash / 2;
+    const rbd_real K = dt * m->stiffness + m->damping;
     const rbd_real up = dt * (m->stiffness * (delta - half) + K * r) / (1 + dt * K * e);
     const rbd_real down = dt * (m->stiffness * (delta + half) + K * r) / (1 + dt * K * e);
     return up > 0 ? up : down < 0 ? down : rbdi_zero();
@@ -1173,7 +1178,8 @@ RBDI_PART rbdi_act_spring rbdi_act_spring_at(const rbd_motor *m, const rbdi_act_
                                              const rbd_actuators *a) {
     const rbd_real dt = a->dt, x_m = rbdi_act_mean(a, s, x), most = dt * s->level;
     const rbd_real J = rbdi_act_rotor_inertia(m), J_t = J + dt * (s->braking + m->friction.viscous);
-    const rbd_real K = dt * m->stiffness + m->damping, given = J * s->speed + dt * s->t;
+    const rbd_real K = dt * m->stiffness + m->damping;
+    const rbd_real given = J * s->speed + dt * s->t;
     rbdi_act_spring spring;
 
     spring.y = rbdi_zero();

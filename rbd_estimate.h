@@ -580,7 +580,8 @@ RBDI_LOCAL rbd_real rbdi_observed_friction(const rbd_observer *o, int i, rbd_rea
 /* r_next = (r + gain (p_next - p - dt x)) / (1 + gain dt), and the band by the same step. The first step has
    no past: both are 0. */
 RBDI_LOCAL void rbdi_observe(rbd_observer *o, int nv, const rbd_real *v, const rbd_real *tau, rbd_real dt) {
-    const rbd_real gain = o->options.gain, all = 1 + gain * dt;
+    const rbd_real gain = o->options.gain;
+    const rbd_real all = 1 + gain * dt;
 
     for (int i = 0; i < nv; ++i) {
         rbd_real x, friction, bound;
@@ -737,7 +738,8 @@ RBDI_PART void rbdi_pseudo_factors(const rbd_real y[10], const rbd_real scale[3]
 
 /* Where the estimate begins. */
 RBDI_PART void rbdi_begin_ball(rbd_real P[RBDI_TEN]) {
-    const rbd_const mass = RBDI_ESTIMATE_BALL, second = mass * mass * mass;
+    const rbd_const mass = RBDI_ESTIMATE_BALL;
+    const rbd_const second = mass * mass * mass;
 
     for (int k = 0; k < RBDI_TEN; ++k) P[k] = rbdi_zero();
     for (int i = 0; i < 3; ++i) P[rbdi_packed_at(i, i)] = rbdi_set(second);

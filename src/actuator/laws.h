@@ -74,7 +74,9 @@ typedef struct rbdi_act_spring {
 /* The spring where the rotor's speed would be r + x_m without it, and falls by e for each unit of p. */
 RBDI_PART rbd_real rbdi_act_mesh(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real r, rbd_real e,
                                  rbd_real dt) {
-    const rbd_real delta = s->angle - s->g, half = m->backlash / 2, K = dt * m->stiffness + m->damping;
+    const rbd_real delta = s->angle - s->g;
+    const rbd_real half = m->backlash / 2;
+    const rbd_real K = dt * m->stiffness + m->damping;
     const rbd_real up = dt * (m->stiffness * (delta - half) + K * r) / (1 + dt * K * e);
     const rbd_real down = dt * (m->stiffness * (delta + half) + K * r) / (1 + dt * K * e);
     return up > 0 ? up : down < 0 ? down : rbdi_zero();
@@ -85,7 +87,8 @@ RBDI_PART rbdi_act_spring rbdi_act_spring_at(const rbd_motor *m, const rbdi_act_
                                              const rbd_actuators *a) {
     const rbd_real dt = a->dt, x_m = rbdi_act_mean(a, s, x), most = dt * s->level;
     const rbd_real J = rbdi_act_rotor_inertia(m), J_t = J + dt * (s->braking + m->friction.viscous);
-    const rbd_real K = dt * m->stiffness + m->damping, given = J * s->speed + dt * s->t;
+    const rbd_real K = dt * m->stiffness + m->damping;
+    const rbd_real given = J * s->speed + dt * s->t;
     rbdi_act_spring spring;
 
     spring.y = rbdi_zero();

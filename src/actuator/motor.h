@@ -30,7 +30,8 @@ RBDI_PART rbd_real rbdi_act_most_current(const rbd_motor *m, rbd_real winding) {
 /* Least and largest current at shaft speed x: |I| <= most and |R I + K x| <= voltage. */
 RBDI_PART void rbdi_act_current_range(const rbd_motor *m, rbd_real winding, rbd_real x, rbd_real *lower,
                                       rbd_real *upper) {
-    const rbd_real most = rbdi_act_most_current(m, winding), back = rbdi_act_torque_constant(m) * x;
+    const rbd_real most = rbdi_act_most_current(m, winding);
+    const rbd_real back = rbdi_act_torque_constant(m) * x;
     *lower = -most;
     *upper = most;
     if (m->voltage > 0) {
@@ -55,7 +56,8 @@ RBDI_PART rbd_real rbdi_act_cogging(const rbd_motor *m, rbd_real angle) {
 
    at the speed x before the step and, where it holds the rotor back and the way is short, implicit. */
 RBDI_PART void rbdi_act_cog(const rbd_motor *m, rbdi_act_shaft *s, rbd_real dt, rbd_real share) {
-    const rbd_real most = (rbd_real)m->gear * m->cogging, rate = (rbd_real)m->teeth * m->gear;
+    const rbd_real most = (rbd_real)m->gear * m->cogging;
+    const rbd_real rate = (rbd_real)m->teeth * m->gear;
     const rbd_real half = rate * dt * s->speed / 2;
     rbd_real sine, cosine, mean = rbdi_set(RBD_C(1));
     s->cogging = s->cogging_slope = rbdi_zero();

@@ -56,7 +56,8 @@ RBDI_LOCAL rbdi_act_rod_joints rbdi_act_place_joints(const rbdi_act_group *g, co
 RBDI_LOCAL int rbdi_act_find_crank(const rbd_rod *rod, rbdi_v3 r, rbdi_v3 zero, rbdi_v3 across,
                                    rbd_real *cosine, rbd_real *sine) {
     const rbd_real c = rod->crank, L = rod->length, r_x = rbdi_dot(r, zero), r_y = rbdi_dot(r, across);
-    const rbd_real rho = r_x * r_x + r_y * r_y, h = (rbdi_dot(r, r) + (c - L) * (c + L)) / (2 * c);
+    const rbd_real rho = r_x * r_x + r_y * r_y;
+    const rbd_real h = (rbdi_dot(r, r) + (c - L) * (c + L)) / (2 * c);
     const rbd_real left = rho - h * h;
     rbd_real root;
     if (!(left >= 0) || !(rho > 0)) return 0;

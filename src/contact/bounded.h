@@ -79,7 +79,8 @@ RBDI_LOCAL int rbdi_paths_to(const rbd_model *m, const rbd_constraint_set *s, co
 
     /* the largest of those that are next, from the end of the path on */
     for (;;) {
-        const int two = next[0] > next[1] ? next[0] : next[1], most = two > next[2] ? two : next[2];
+        const int two = next[0] > next[1] ? next[0] : next[1];
+        const int most = two > next[2] ? two : next[2];
         if (most < 0) break;
         s->path[m->nv - ++n] = (int16_t)most;
         for (int j = 0; j < 3; ++j)

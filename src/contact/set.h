@@ -169,8 +169,10 @@ RBDI_LOCAL rbd_status rbdi_check_contact_list(const rbd_model *m, const rbd_work
 /* Lays out the arrays of a set in the memory. */
 RBDI_LOCAL rbd_contact_set *rbdi_lay_contacts(const rbd_model *m, int n, int n_held, int held_rows,
                                               const rbd_contact_options *o, void *memory) {
-    const int limits = rbdi_list_limits(m, o, NULL), frictions = rbdi_list_frictions(m, o, NULL),
-              bounded = held_rows + limits + frictions + o->rows, nv = m->nv;
+    const int limits = rbdi_list_limits(m, o, NULL);
+    const int frictions = rbdi_list_frictions(m, o, NULL);
+    const int bounded = held_rows + limits + frictions + o->rows;
+    const int nv = m->nv;
     unsigned char *at = rbdi_aligned(memory);
     rbd_contact_set *c = RBDI_CUT(rbd_contact_set, 1);
     c->options = *o;

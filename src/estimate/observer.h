@@ -81,7 +81,8 @@ RBDI_LOCAL rbd_real rbdi_observed_friction(const rbd_observer *o, int i, rbd_rea
 /* r_next = (r + gain (p_next - p - dt x)) / (1 + gain dt), and the band by the same step. The first step has
    no past: both are 0. */
 RBDI_LOCAL void rbdi_observe(rbd_observer *o, int nv, const rbd_real *v, const rbd_real *tau, rbd_real dt) {
-    const rbd_real gain = o->options.gain, all = 1 + gain * dt;
+    const rbd_real gain = o->options.gain;
+    const rbd_real all = 1 + gain * dt;
 
     for (int i = 0; i < nv; ++i) {
         rbd_real x, friction, bound;

@@ -91,7 +91,8 @@ RBDI_PART void rbdi_pseudo_factors(const rbd_real y[10], const rbd_real scale[3]
 
 /* Where the estimate begins. */
 RBDI_PART void rbdi_begin_ball(rbd_real P[RBDI_TEN]) {
-    const rbd_const mass = RBDI_ESTIMATE_BALL, second = mass * mass * mass;
+    const rbd_const mass = RBDI_ESTIMATE_BALL;
+    const rbd_const second = mass * mass * mass;
 
     for (int k = 0; k < RBDI_TEN; ++k) P[k] = rbdi_zero();
     for (int i = 0; i < 3; ++i) P[rbdi_packed_at(i, i)] = rbdi_set(second);
