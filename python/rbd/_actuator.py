@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 @dataclass
 class Friction:
-    """Friction of a gear at its shaft: rbd_friction of rbd_actuator.h, which has the formula. Zero will do for every
-    field."""
+    """Friction of a gear at its shaft: rbd_gear_friction of rbd_actuator.h, which has the formula. Zero will do for
+    every field."""
     coulomb: float = 0.0        #: N m: without load, at any speed
     viscous: float = 0.0        #: N m s: times the speed, beside the level
     load_motor: float = 0.0     #: share of the motor's torque: 1 - efficiency; below 1
