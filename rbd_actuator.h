@@ -29,8 +29,8 @@
      [tables] [actuators] [inverse] [forward] [rotors]
      --- stop here if you only use it ---
      [method] [exponential] [friction code] [motor code] [drive code] [rods] [transmission code]
-     [inverse code] [laws of shafts] [coupled shafts] [forward code] [derivatives code] [checks] [tables code]
-     [rotors code] [text code]
+     [inverse code] [laws of shafts] [coupled shafts] [learning] [forward code] [derivatives code] [checks]
+     [tables code] [rotors code] [text code]
 
    [conventions] Those of rbd.h, beyond them:
      shaft        the output of one motor's gear, in the data sheet's coordinate. Its angle times gear is the
@@ -1551,7 +1551,7 @@ RBDI_LOCAL int rbdi_act_group_settles(const rbd_actuators *a, const rbdi_act_gro
     return 1;
 }
 
-/* ---- motion that is learnt ---- */
+/* ---- motion that is learnt [learning] ---- */
 
 /* A first guess of the mass, kg m^2: the torque that was there, by a change of speed of its size. */
 RBDI_LOCAL void rbdi_act_guess_mass(const rbd_actuators *a, rbdi_act_group *g) {

@@ -28,8 +28,8 @@
      [tables] [actuators] [inverse] [forward] [rotors]
      --- stop here if you only use it ---
      [method] [exponential] [friction code] [motor code] [drive code] [rods] [transmission code]
-     [inverse code] [laws of shafts] [coupled shafts] [forward code] [derivatives code] [checks] [tables code]
-     [rotors code] [text code]
+     [inverse code] [laws of shafts] [coupled shafts] [learning] [forward code] [derivatives code] [checks]
+     [tables code] [rotors code] [text code]
 
    [conventions] Those of rbd.h, beyond them:
      shaft        the output of one motor's gear, in the data sheet's coordinate. Its angle times gear is the

@@ -179,7 +179,7 @@ RBDI_LOCAL int rbdi_act_group_settles(const rbd_actuators *a, const rbdi_act_gro
     return 1;
 }
 
-/* ---- motion that is learnt ---- */
+/* ---- motion that is learnt [learning] ---- */
 
 /* A first guess of the mass, kg m^2: the torque that was there, by a change of speed of its size. */
 RBDI_LOCAL void rbdi_act_guess_mass(const rbd_actuators *a, rbdi_act_group *g) {

@@ -1,11 +1,12 @@
-/* actuators.c - motors of rbd_actuator.h beside MuJoCo's, on actuators.xml: a position actuator with kp, kd and gear,
-   and the joint's armature, damping and frictionloss. SPDX-License-Identifier: MIT
+/* actuators.c - motors of rbd_actuator.h beside MuJoCo's, on actuators.xml: a position actuator with kp, kd
+   and gear, and the joint's armature, damping and frictionloss. SPDX-License-Identifier: MIT
 
-   Where both have the same model they agree to rounding: a drive of speeds, viscous and dry friction of a wheel that
-   turns. They differ, and are compared as dt gets smaller:
-   - MuJoCo's integrator "implicit" has the actuator's kd and the damping at the step's end, kp at its beginning; rbd
-     has both at the end, and is stable for every kp. The difference is of first order in dt.
-   - MuJoCo's frictionloss is a soft constraint: what it holds creeps under a load; rbd's by 1e-9 rad/s at most.
+   Where both have the same model they agree to rounding: a drive of speeds, viscous and dry friction of a
+   wheel that turns. They differ, and are compared as dt gets smaller:
+
+   - MuJoCo's integrator "implicit" has the actuator's kd and the damping at the step's end, kp at its
+     beginning; rbd has both at the end, and is stable for every kp. The difference is of first order in dt.
+   - MuJoCo's frictionloss is a soft constraint: what it holds creeps under a load; rbd's by 1e-9 rad/s.
    - MuJoCo's gains are at the actuator, which turns gear times the joint; rbd's at the joint: gear^2 of them.
 
    usage: actuators actuators.xml */
@@ -125,7 +126,8 @@ static void both(pair *p) {
     step(p->control, p->model->opt.timestep, p->q, p->v);
 }
 
-/* A drive of speeds turns the wheel one way and back; then dry friction stops it, and holds half of its level. */
+/* A drive of speeds turns the wheel one way and back; then dry friction stops it, and holds half of its
+   level. */
 static void check_wheel(pair *p) {
     const double q[N] = {0}, v[N] = {0, 0, 5};
     double off = 0;
