@@ -13,7 +13,7 @@ from typing import Iterable, Mapping, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._arguments import _flag, _number, _numbers, _utf8
+from ._arguments import _Declared, _flag, _number, _numbers, _utf8
 from ._compiled import _compiled_urdf
 from ._compiling import _QUICK, _compile, _run, _words
 from ._descriptions import Body, _from_c
@@ -38,7 +38,7 @@ class Frame(NamedTuple):
 
 
 @dataclass
-class Urdf:
+class Urdf(_Declared):
     """The content of a URDF file: `Model(urdf)` takes it."""
     name: str           #: of the robot
     bodies: list[Body]
