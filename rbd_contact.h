@@ -1007,9 +1007,10 @@ RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, rbd_const proximal, co
     for (int i = 0; i < n; ++i) {
         const rbdi_contact_unknown *x = &s->unknown[i];
         const rbd_real *row = rbdi_newton_row(s, x);
-        const rbdi_contact_unknown *y = s->symmetric ? x : s->unknown;
+        const rbdi_contact_unknown *y = s->unknown;
         rbd_real *g = &s->G[i * stride];
-        for (int k = s->symmetric ? i : 0; k < n; ++k, ++y) {
+        for (int k = i; s->symmetric && k < n; ++k) g[k] = row[y[k].first];
+        for (int k = 0; !s->symmetric && k < n; ++k, ++y) {
             g[k] = row[y->first];
             if (y->rows == 3)
                 g[k] =
@@ -2635,35 +2636,54 @@ RBDI_LOCAL void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int pur
     rbdi_contact_respond(m, c, c->x[0], c->moved);
 }
 
-/* Corrects the velocity terms for the first time: c->x[1], and c->moved with the impulses as they are. */
-RBDI_LOCAL void rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
-                                   const rbd_real *f_ext) {
-    rbd_real *change = c->rows->x;
+/* Corrects the velocity terms for the first time: c->x[1], and c->moved with the impulses as they are.
+   Returns whether velocities change by more than rounding: they do not at rest, or where nothing turns. */
+RBDI_LOCAL int rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
+                                  const rbd_real *f_ext) {
+    rbd_real *change = c->rows->x, changes = rbdi_zero(), speeds = c->solver.given.tolerance;
     rbdi_correct(m, c, c->moved, tau, f_ext, c->x[1]);
     for (int k = 0; k < m->nv; ++k) change[k] = c->x[1][k] - c->x[0][k];
     rbdi_vector_forward(m, c->rows->w, c->rows->w->H, change);
-    for (int k = 0; k < m->nv; ++k) c->moved[k] = c->moved[k] + change[k];
+
+    for (int k = 0; k < m->nv; ++k) {
+        changes = changes + rbdi_abs(change[k]);
+        speeds = speeds + rbdi_abs(c->moved[k]);
+        c->moved[k] = c->moved[k] + change[k];
+    }
+    return !(changes <= RBDI_EPS * speeds);
 }
 
-/* Corrects them again: c->x[2]. Solves with the biases of positions, and computes c->moved. Keeps the
-   impulses of the first solution in c->early. */
-RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
-                                 const rbd_real *f_ext) {
-    const rbd_contact_solution first = c->solver.solution;
+/* Corrects them again: c->x[2], and the velocities without impulses. */
+RBDI_LOCAL void rbdi_correct_again(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
+                                   const rbd_real *f_ext) {
     rbd_constraint_set *s = c->rows;
     rbdi_correct(m, c, c->moved, tau, f_ext, c->x[2]);
     rbdi_guard_solution(m, s->w->H, c->x[0], c->x[1], c->x[2]);
 
-    for (int r = 0; r < s->rows; ++r) c->early[r] = s->lambda[r];
     for (int k = 0; k < m->nv; ++k) {
         const rbdi_span span = s->span[k];
         rbdi_subtract(&s->b[span.first], (c->x[2][k] - c->x[0][k]) * s->D_inverse[k],
                       &s->Y[k * s->stride + span.first], span.end - span.first);
     }
     for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
+}
+
+/* Corrects again, if the first correction changed anything. Solves with the biases of positions, and computes
+   c->moved. Keeps the impulses of the first solution in c->early; if no bias changed either, that solution may
+   be good enough. */
+RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
+                                 const rbd_real *f_ext, int changed) {
+    const rbd_contact_solution first = c->solver.solution;
+    const rbd_constraint_set *s = c->rows;
+    if (changed) rbdi_correct_again(m, c, tau, f_ext);
+    for (int k = 0; !changed && k < m->nv; ++k) c->x[2][k] = c->x[1][k];
+
+    for (int r = 0; r < s->rows; ++r) c->early[r] = s->lambda[r];
     c->solver.given.tolerance = c->solver.given.tolerance / RBDI_LOOSE;
     for (int i = 0; i < c->bounds; ++i) rbdi_find_turn(c, &c->bound[i]);
-    (void)rbdi_write_biases(c, RBDI_FOR_POSITIONS);
+    changed |= rbdi_write_biases(c, RBDI_FOR_POSITIONS);
+    if (!changed && first.residual <= c->solver.given.tolerance) return;
+
     rbdi_contact_iterate(&c->solver);
     c->solver.solution.sweeps += first.sweeps;
     c->solver.solution.newton_steps += first.newton_steps;
@@ -2687,8 +2707,7 @@ RBDI_LOCAL rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *
     if (status) return status;
     rbdi_solve_first(m, c, first_order ? RBDI_FOR_POSITIONS : RBDI_FOR_VELOCITIES);
     if (first_order) return RBD_OK;
-    rbdi_solve_between(m, c, tau, f_ext);
-    rbdi_solve_again(m, c, tau, f_ext);
+    rbdi_solve_again(m, c, tau, f_ext, rbdi_solve_between(m, c, tau, f_ext));
     return RBD_OK;
 }
 
@@ -3152,14 +3171,14 @@ RBDI_LOCAL int rbdi_differentiate_corrections(const rbd_model *m, rbd_contact_se
                                               const rbdi_step_columns *to) {
     const int size = m->nv * m->nv;
     rbd_work *w = c->rows->w;
-    int solved;
+    int solved, changed;
     rbdi_copy_columns(m, to->dq, to->dv);
     rbdi_add_side(m, c, to->dv);
     for (int x = 0; x < 3; ++x)
         if (to->dv[x]) rbdi_multiply(to->dv[x], -rbdi_set(RBD_C(1)), size);
     solved = rbdi_differentiate_solution(m, c, d, c->moved, RBDI_FOR_VELOCITIES, to->dq);
 
-    rbdi_solve_between(m, c, tau, f_ext);
+    changed = rbdi_solve_between(m, c, tau, f_ext);
     rbdi_add_rho(m, c, d, c->moved, f_ext, to->dq, to->dv);
     rbdi_add_side(m, c, to->dv);
     for (int x = 0; x < 3; ++x) {
@@ -3167,7 +3186,7 @@ RBDI_LOCAL int rbdi_differentiate_corrections(const rbd_model *m, rbd_contact_se
         rbdi_solve_columns(m, w, w->H, -1, m->nv, m->nv, to->dv[x]);
         rbdi_subtract(to->dv[x], -rbdi_set(RBD_C(1)), to->dq[x], size);
     }
-    rbdi_solve_again(m, c, tau, f_ext);
+    rbdi_solve_again(m, c, tau, f_ext, changed);
     return solved;
 }
 
