@@ -46,6 +46,7 @@ class Urdf(_Declared):
     warnings: list[str]     #: sentences
     gravity: Numbers        #: world frame, m/s^2
     fixed_mass: float       #: kg, of the links that are fixed to the world: in no body
+    _path = None            #  of the file, where it was one
     kinematic = False       #: whether joints may move no mass: if one does, Model(urdf) is for kinematics alone
 
 
@@ -175,7 +176,9 @@ def _load_urdf(call, path, options):
     path = os.fspath(path)
     with open(path, "rb") as file:
         text = file.read()
-    return _read_urdf(call, text, os.fsdecode(path), options)
+    urdf = _read_urdf(call, text, os.fsdecode(path), options)
+    urdf._path = os.path.abspath(os.fsdecode(path))
+    return urdf
 
 
 def _read_urdf(call, text, source, options):
