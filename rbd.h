@@ -3001,6 +3001,13 @@ RBDI_PART void rbdi_clear(rbd_real *x, int n) {
         RBDI_ONE_INDEX(x);
         *(rbdi_batch *)x = zero;
     }
+#else
+    for (; n >= 4; n -= 4, x += 4) {
+        x[0] = rbdi_zero();
+        x[1] = rbdi_zero();
+        x[2] = rbdi_zero();
+        x[3] = rbdi_zero();
+    }
 #endif
 
     for (; n > 0; --n, ++x) *x = rbdi_zero();
@@ -5059,8 +5066,8 @@ RBDI_PART void rbdi_subtract_product(const rbd_real *x, const rbd_real *X, int c
 }
 
 /* ==== src/dynamics/packed.h ==== */
-/* Interface: rbdi_factor, rbdi_invert, rbdi_solve, rbdi_solve_columns, rbdi_solve_forward, rbdi_solve_half,
-   rbdi_solve_transposed, rbdi_vector_forward, rbdi_vector_transposed */
+/* Interface: rbdi_factor, rbdi_invert, rbdi_mirror, rbdi_solve, rbdi_solve_columns, rbdi_solve_forward,
+   rbdi_solve_half, rbdi_solve_transposed, rbdi_vector_forward, rbdi_vector_transposed */
 
 /* -- the factor, and what it solves -- */
 

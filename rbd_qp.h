@@ -343,7 +343,7 @@ typedef struct rbd_qp_result {
          (((size_t)(n) + (size_t)(soft)) * (size_t)(n) + (size_t)(n) * ((size_t)(n) + 1) / 2 + \
           ((size_t)(n) + (size_t)(soft)) * ((size_t)(n) + (size_t)(soft) + 1) / 2 + 10 * (size_t)(n) + \
           5 * ((size_t)(n) + (size_t)(soft)) + 2 * ((size_t)(bounds) + (size_t)(rows))) + \
-     sizeof(int) * (4 * (size_t)(n) + (size_t)(soft) + 3 * ((size_t)(bounds) + (size_t)(rows))) + \
+     sizeof(int) * (5 * (size_t)(n) + (size_t)(soft) + 3 * ((size_t)(bounds) + (size_t)(rows))) + \
      2 * sizeof(rbd_real))
 
 /* Solves the problem by the dual active-set method of Goldfarb and Idnani (1983).
@@ -971,6 +971,8 @@ typedef struct rbdi_qp {
     int *watched;   /* watches: rows that x may miss */
     int *equality;  /* equalities: rows */
     int *first;     /* of each row of L: where it begins */
+    int coupled;    /* rows of L: behind them it has nothing but its diagonal */
+    int *last;      /* of each row of H: behind its last entry that is not 0, a multiple of four or n */
     int *end;       /* of each reflection: behind its last component */
 } rbdi_qp;
 
@@ -1016,6 +1018,7 @@ RBDI_PART void rbdi_qp_place(rbdi_qp *s, void *memory) {
     s->to = rbdi_qp_ints(&at, s->all);
     s->equality = rbdi_qp_ints(&at, n);
     s->first = rbdi_qp_ints(&at, n);
+    s->last = rbdi_qp_ints(&at, n);
     s->end = rbdi_qp_ints(&at, n);
 }
 
@@ -1039,6 +1042,8 @@ RBDI_ONCE rbd_real rbdi_qp_side(const rbdi_qp *s, int row) {
 RBDI_INLINE const rbd_real *rbdi_qp_c(const rbdi_qp *s, int row) {
     return s->given.C + (row - s->given.bounds) * s->n + s->from[row];
 }
+/* The diagonal of L, inverted. */
+RBDI_INLINE rbd_real rbdi_qp_pivot(const rbdi_qp *s, int i) { return s->L[i * (i + 3) / 2]; }
 RBDI_ONCE rbd_real *rbdi_qp_column(const rbdi_qp *s, int k) { return s->R + k * (k + 1) / 2; }
 RBDI_INLINE rbd_real *rbdi_qp_j(const rbdi_qp *s, int k) { return s->J + k * s->n; }
 
@@ -1112,7 +1117,15 @@ RBDI_ONCE void rbdi_qp_group_dots(const rbd_real *a, const rbd_real *b, const rb
 /* t += k a + l b. */
 RBDI_ONCE void rbdi_qp_group_adds(rbdi_qp_group k, const rbd_real *a, rbdi_qp_group l, const rbd_real *b,
                                   rbdi_qp_group *t, int n) {
-    for (int i = 0; i < n; ++i) t[i] = t[i] + k * a[i] + l * b[i];
+    int i = 0;
+
+    for (; i + 4 <= n; i += 4) {
+        t[i] = t[i] + k * a[i] + l * b[i];
+        t[i + 1] = t[i + 1] + k * a[i + 1] + l * b[i + 1];
+        t[i + 2] = t[i + 2] + k * a[i + 2] + l * b[i + 2];
+        t[i + 3] = t[i + 3] + k * a[i + 3] + l * b[i + 3];
+    }
+    for (; i < n; ++i) t[i] = t[i] + k * a[i] + l * b[i];
 }
 
 /* t += k a, of each vector t of a group, with its k */
@@ -1306,6 +1319,29 @@ RBDI_ONCE void rbdi_qp_add_row(const rbdi_qp *s, int row, rbd_real k, rbd_real *
    blocks, costs next to nothing. Rows and right sides begin at a multiple of four, so that dot products have
    the same four sums whatever other vectors share a group. */
 
+/* How many rows of L have more than their diagonal; and where the rows of H end: row k with the last row of L
+   that reaches to k, for H is symmetric. */
+RBDI_PART void rbdi_qp_find_ends(rbdi_qp *s) {
+    int k = s->n;
+
+    s->coupled = s->n;
+    while (s->coupled > 0 && s->first[s->coupled - 1] == s->coupled - 1) s->coupled--;
+    for (int i = s->n - 1; i >= 0; --i) {
+        const int end = (i + 4) / 4 * 4;
+        while (k > s->first[i]) s->last[--k] = end < s->n ? end : s->n;
+    }
+}
+
+/* Component i of H x, and of |H| |x|: with the sums of all of the row, for both ends are multiples of four. */
+RBDI_ONCE rbd_real rbdi_qp_h_times(const rbdi_qp *s, int i, const rbd_real *x) {
+    const int from = s->first[i] / 4 * 4;
+    return rbdi_qp_dot(s->given.H + i * s->n + from, x + from, s->last[i] - from);
+}
+RBDI_ONCE rbd_real rbdi_qp_h_times_and_terms(const rbdi_qp *s, int i, const rbd_real *x, rbd_real *terms) {
+    const int from = s->first[i] / 4 * 4;
+    return rbdi_qp_dot_and_terms(s->given.H + i * s->n + from, x + from, s->last[i] - from, terms);
+}
+
 /* L L' = H + rho 1. Returns the first variable whose pivot is too small, or n. */
 RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
     const int n = s->n;
@@ -1332,6 +1368,7 @@ RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
         if (!(pivot > RBDI_QP_PIVOT * diagonal)) return i; /* nor if diagonal <= 0: pivot <= diagonal */
         l[i] = 1 / rbdi_sqrt(pivot);
     }
+    rbdi_qp_find_ends(s);
     return n;
 }
 
@@ -1339,11 +1376,15 @@ RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
 #define RBDI_T rbd_real
 /* t := L^-1 t, where t is 0 before `from`, a multiple of four. */
 RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, RBDI_T *t, int from) {
-    for (int i = from; i < s->n; ++i) {
+    int i = from;
+
+    for (; i < s->coupled; ++i) {
         const rbd_real *l = s->L + i * (i + 1) / 2;
         const int k = s->first[i] > from ? s->first[i] : from;
-        t[i] = (t[i] - rbdi_qp_dot(l + k, t + k, i - k)) * l[i];
+        if (k < i) t[i] = t[i] - rbdi_qp_dot(l + k, t + k, i - k);
+        t[i] = t[i] * l[i];
     }
+    for (; i < s->n; ++i) t[i] = t[i] * rbdi_qp_pivot(s, i);
 }
 
 /* t := (1 - beta v v') t, of reflection e. */
@@ -1397,11 +1438,15 @@ RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, RBDI_T *t) {
 #define rbdi_qp_reflect_back rbdi_qp_group_reflect_back
 /* t := L^-1 t, where t is 0 before `from`, a multiple of four. */
 RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, RBDI_T *t, int from) {
-    for (int i = from; i < s->n; ++i) {
+    int i = from;
+
+    for (; i < s->coupled; ++i) {
         const rbd_real *l = s->L + i * (i + 1) / 2;
         const int k = s->first[i] > from ? s->first[i] : from;
-        t[i] = (t[i] - rbdi_qp_dot(l + k, t + k, i - k)) * l[i];
+        if (k < i) t[i] = t[i] - rbdi_qp_dot(l + k, t + k, i - k);
+        t[i] = t[i] * l[i];
     }
+    for (; i < s->n; ++i) t[i] = t[i] * rbdi_qp_pivot(s, i);
 }
 
 /* t := (1 - beta v v') t, of reflection e. */
@@ -1458,7 +1503,10 @@ RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, RBDI_T *t) {
 
 /* t := L'^-1 t */
 RBDI_PART void rbdi_qp_solve_upper(const rbdi_qp *s, rbd_real *t) {
-    for (int i = s->n - 1; i >= 0; --i) {
+    int i = s->n - 1;
+
+    for (; i >= s->coupled; --i) t[i] = t[i] * rbdi_qp_pivot(s, i);
+    for (; i >= 0; --i) {
         const rbd_real *l = s->L + i * (i + 1) / 2;
         const int k = s->first[i];
         if (t[i] == 0) continue;
@@ -1555,11 +1603,13 @@ RBDI_PART void rbdi_qp_eliminate_equalities(rbdi_qp *s) {
 /* t := L'^-1 Q t of a group, which is 0 behind component `to`. */
 RBDI_PART void rbdi_qp_basis_of(const rbdi_qp *s, rbdi_qp_group *t, int to) {
     rbdi_qp_group_reflect_back(s, t);
-    for (int i = to - 1; i >= 0; --i) {
+    int i = to - 1;
+    for (; i >= s->coupled; --i) t[i] = rbdi_qp_pivot(s, i) * t[i];
+    for (; i >= 0; --i) {
         const rbd_real *l = s->L + i * (i + 1) / 2;
         const int k = s->first[i];
         t[i] = l[i] * t[i];
-        rbdi_qp_group_add(-t[i], l + k, t + k, i - k);
+        if (k < i) rbdi_qp_group_add(-t[i], l + k, t + k, i - k);
     }
 }
 
@@ -1990,7 +2040,7 @@ RBDI_PART rbd_real rbdi_qp_residuals(rbdi_qp *s, const rbd_real *x, rbd_real *si
 
     *size = 0;
     for (int i = 0; i < n; ++i) {
-        const rbd_real h = rbdi_qp_dot(s->given.H + i * n, x, n);
+        const rbd_real h = rbdi_qp_h_times(s, i, x);
         s->t[i] = -(h + s->rho * x[i] + s->g[i]);
         *size = rbdi_qp_larger(*size, rbdi_qp_larger(rbdi_abs(h), rbdi_abs(s->g[i])));
     }
@@ -2195,7 +2245,7 @@ RBDI_PART int rbdi_qp_straight(rbdi_qp *s, const rbd_real *x, const rbd_real *fr
         largest = rbdi_qp_larger(largest, s->given.H[k * s->n + k]);
     }
     for (int k = 0; k < s->n; ++k)
-        curvature = rbdi_qp_larger(curvature, rbdi_abs(rbdi_qp_dot(s->given.H + k * s->n, s->z, s->n)));
+        curvature = rbdi_qp_larger(curvature, rbdi_abs(rbdi_qp_h_times(s, k, s->z)));
     rounding = RBDI_QP_BENT * (rbd_real)s->n * largest * length;
     return down < 0 && curvature <= rounding;
 }
@@ -2227,7 +2277,7 @@ RBDI_PART rbd_real rbdi_qp_gradient(const rbdi_qp *s, const rbd_real *x, rbd_rea
 
     for (int k = 0; k < s->n; ++k) {
         const rbd_real f = s->given.f[k];
-        y[k] = rbdi_qp_dot_and_terms(s->given.H + k * s->n, x, s->n, &terms) + f;
+        y[k] = rbdi_qp_h_times_and_terms(s, k, x, &terms) + f;
         largest = rbdi_qp_larger(largest, rbdi_abs(f) + terms);
     }
     return largest;
@@ -2340,9 +2390,10 @@ RBDI_PART rbd_qp_status rbdi_qp_check_value(rbdi_qp *s) {
         if (!rbdi_qp_finite(diagonal)) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "H");
         if (diagonal < 0) return rbdi_qp_refuse(s, RBD_QP_CONVEX, i, "H");
         s->t[i] = RBDI_QP_ASYMMETRY * diagonal;
-        for (int j = 0; j < i; ++j)
-            if (!(rbdi_abs(H[i * n + j] - H[j * n + i]) <= s->t[i] + s->t[j]))
-                return rbdi_qp_refuse_pair(s, i, j);
+        for (int j = 0; j < i; ++j) {
+            const rbd_real apart = H[i * n + j] - H[j * n + i];
+            if (!(apart == 0) && !(rbdi_abs(apart) <= s->t[i] + s->t[j])) return rbdi_qp_refuse_pair(s, i, j);
+        }
     }
     return RBD_QP_OK;
 }

@@ -1060,7 +1060,10 @@ RBDI_LOCAL void rbdi_tasks_put_posture(rbdi_tasks *k, const rbd_task *t, rbd_rea
                                                            : rbdi_set(RBD_C(1));
         if (!(own > 0)) continue;
         rbdi_tasks_append(k, y, y)[i] = rbdi_set(RBD_C(1));
-        rbdi_tasks_square(k, weight * own);
+
+        /* its square is one entry */
+        k->f[i] = k->f[i] - weight * own * y;
+        k->H[(ptrdiff_t)i * (k->n + 1)] = k->H[(ptrdiff_t)i * (k->n + 1)] + weight * own;
     }
 }
 
@@ -1231,6 +1234,13 @@ RBDI_LOCAL int rbdi_tasks_has_answer(rbd_qp_status status) {
            status == RBD_QP_UNBOUNDED;
 }
 
+/* Whether a level above this one has tasks. */
+RBDI_LOCAL int rbdi_tasks_goes_on(const rbdi_tasks *k, int level) {
+    for (int i = 0; i < k->given->tasks; ++i)
+        if (k->given->task[i].level > level) return 1;
+    return 0;
+}
+
 /* Solves level by level. k->found is the answer, if there is any. */
 RBDI_LOCAL rbd_tasks_status rbdi_tasks_descend(rbdi_tasks *k) {
     int solved = 0;
@@ -1252,6 +1262,7 @@ RBDI_LOCAL rbd_tasks_status rbdi_tasks_descend(rbdi_tasks *k) {
 
         rbdi_ik_copy(k->x, k->n, k->found);
         if (status != RBD_QP_OK) return RBD_TASKS_INEXACT;
+        if (!rbdi_tasks_goes_on(k, level)) return RBD_TASKS_OK;
         solved = 1;
         rbdi_tasks_freeze(k, rows);
     }

@@ -7,6 +7,29 @@
    blocks, costs next to nothing. Rows and right sides begin at a multiple of four, so that dot products have
    the same four sums whatever other vectors share a group. */
 
+/* How many rows of L have more than their diagonal; and where the rows of H end: row k with the last row of L
+   that reaches to k, for H is symmetric. */
+RBDI_PART void rbdi_qp_find_ends(rbdi_qp *s) {
+    int k = s->n;
+
+    s->coupled = s->n;
+    while (s->coupled > 0 && s->first[s->coupled - 1] == s->coupled - 1) s->coupled--;
+    for (int i = s->n - 1; i >= 0; --i) {
+        const int end = (i + 4) / 4 * 4;
+        while (k > s->first[i]) s->last[--k] = end < s->n ? end : s->n;
+    }
+}
+
+/* Component i of H x, and of |H| |x|: with the sums of all of the row, for both ends are multiples of four. */
+RBDI_ONCE rbd_real rbdi_qp_h_times(const rbdi_qp *s, int i, const rbd_real *x) {
+    const int from = s->first[i] / 4 * 4;
+    return rbdi_qp_dot(s->given.H + i * s->n + from, x + from, s->last[i] - from);
+}
+RBDI_ONCE rbd_real rbdi_qp_h_times_and_terms(const rbdi_qp *s, int i, const rbd_real *x, rbd_real *terms) {
+    const int from = s->first[i] / 4 * 4;
+    return rbdi_qp_dot_and_terms(s->given.H + i * s->n + from, x + from, s->last[i] - from, terms);
+}
+
 /* L L' = H + rho 1. Returns the first variable whose pivot is too small, or n. */
 RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
     const int n = s->n;
@@ -33,6 +56,7 @@ RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
         if (!(pivot > RBDI_QP_PIVOT * diagonal)) return i; /* nor if diagonal <= 0: pivot <= diagonal */
         l[i] = 1 / rbdi_sqrt(pivot);
     }
+    rbdi_qp_find_ends(s);
     return n;
 }
 
@@ -69,7 +93,10 @@ RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
 
 /* t := L'^-1 t */
 RBDI_PART void rbdi_qp_solve_upper(const rbdi_qp *s, rbd_real *t) {
-    for (int i = s->n - 1; i >= 0; --i) {
+    int i = s->n - 1;
+
+    for (; i >= s->coupled; --i) t[i] = t[i] * rbdi_qp_pivot(s, i);
+    for (; i >= 0; --i) {
         const rbd_real *l = s->L + i * (i + 1) / 2;
         const int k = s->first[i];
         if (t[i] == 0) continue;
@@ -166,11 +193,13 @@ RBDI_PART void rbdi_qp_eliminate_equalities(rbdi_qp *s) {
 /* t := L'^-1 Q t of a group, which is 0 behind component `to`. */
 RBDI_PART void rbdi_qp_basis_of(const rbdi_qp *s, rbdi_qp_group *t, int to) {
     rbdi_qp_group_reflect_back(s, t);
-    for (int i = to - 1; i >= 0; --i) {
+    int i = to - 1;
+    for (; i >= s->coupled; --i) t[i] = rbdi_qp_pivot(s, i) * t[i];
+    for (; i >= 0; --i) {
         const rbd_real *l = s->L + i * (i + 1) / 2;
         const int k = s->first[i];
         t[i] = l[i] * t[i];
-        rbdi_qp_group_add(-t[i], l + k, t + k, i - k);
+        if (k < i) rbdi_qp_group_add(-t[i], l + k, t + k, i - k);
     }
 }
 

@@ -105,6 +105,8 @@ typedef struct rbdi_qp {
     int *watched;   /* watches: rows that x may miss */
     int *equality;  /* equalities: rows */
     int *first;     /* of each row of L: where it begins */
+    int coupled;    /* rows of L: behind them it has nothing but its diagonal */
+    int *last;      /* of each row of H: behind its last entry that is not 0, a multiple of four or n */
     int *end;       /* of each reflection: behind its last component */
 } rbdi_qp;
 
@@ -150,6 +152,7 @@ RBDI_PART void rbdi_qp_place(rbdi_qp *s, void *memory) {
     s->to = rbdi_qp_ints(&at, s->all);
     s->equality = rbdi_qp_ints(&at, n);
     s->first = rbdi_qp_ints(&at, n);
+    s->last = rbdi_qp_ints(&at, n);
     s->end = rbdi_qp_ints(&at, n);
 }
 
@@ -173,6 +176,8 @@ RBDI_ONCE rbd_real rbdi_qp_side(const rbdi_qp *s, int row) {
 RBDI_INLINE const rbd_real *rbdi_qp_c(const rbdi_qp *s, int row) {
     return s->given.C + (row - s->given.bounds) * s->n + s->from[row];
 }
+/* The diagonal of L, inverted. */
+RBDI_INLINE rbd_real rbdi_qp_pivot(const rbdi_qp *s, int i) { return s->L[i * (i + 3) / 2]; }
 RBDI_ONCE rbd_real *rbdi_qp_column(const rbdi_qp *s, int k) { return s->R + k * (k + 1) / 2; }
 RBDI_INLINE rbd_real *rbdi_qp_j(const rbdi_qp *s, int k) { return s->J + k * s->n; }
 

@@ -23,7 +23,7 @@ RBDI_PART rbd_real rbdi_qp_residuals(rbdi_qp *s, const rbd_real *x, rbd_real *si
 
     *size = 0;
     for (int i = 0; i < n; ++i) {
-        const rbd_real h = rbdi_qp_dot(s->given.H + i * n, x, n);
+        const rbd_real h = rbdi_qp_h_times(s, i, x);
         s->t[i] = -(h + s->rho * x[i] + s->g[i]);
         *size = rbdi_qp_larger(*size, rbdi_qp_larger(rbdi_abs(h), rbdi_abs(s->g[i])));
     }

@@ -1,10 +1,14 @@
 /* t := L^-1 t, where t is 0 before `from`, a multiple of four. */
 RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, RBDI_T *t, int from) {
-    for (int i = from; i < s->n; ++i) {
+    int i = from;
+
+    for (; i < s->coupled; ++i) {
         const rbd_real *l = s->L + i * (i + 1) / 2;
         const int k = s->first[i] > from ? s->first[i] : from;
-        t[i] = (t[i] - rbdi_qp_dot(l + k, t + k, i - k)) * l[i];
+        if (k < i) t[i] = t[i] - rbdi_qp_dot(l + k, t + k, i - k);
+        t[i] = t[i] * l[i];
     }
+    for (; i < s->n; ++i) t[i] = t[i] * rbdi_qp_pivot(s, i);
 }
 
 /* t := (1 - beta v v') t, of reflection e. */

@@ -141,7 +141,7 @@ RBDI_PART int rbdi_qp_straight(rbdi_qp *s, const rbd_real *x, const rbd_real *fr
         largest = rbdi_qp_larger(largest, s->given.H[k * s->n + k]);
     }
     for (int k = 0; k < s->n; ++k)
-        curvature = rbdi_qp_larger(curvature, rbdi_abs(rbdi_qp_dot(s->given.H + k * s->n, s->z, s->n)));
+        curvature = rbdi_qp_larger(curvature, rbdi_abs(rbdi_qp_h_times(s, k, s->z)));
     rounding = RBDI_QP_BENT * (rbd_real)s->n * largest * length;
     return down < 0 && curvature <= rounding;
 }
@@ -173,7 +173,7 @@ RBDI_PART rbd_real rbdi_qp_gradient(const rbdi_qp *s, const rbd_real *x, rbd_rea
 
     for (int k = 0; k < s->n; ++k) {
         const rbd_real f = s->given.f[k];
-        y[k] = rbdi_qp_dot_and_terms(s->given.H + k * s->n, x, s->n, &terms) + f;
+        y[k] = rbdi_qp_h_times_and_terms(s, k, x, &terms) + f;
         largest = rbdi_qp_larger(largest, rbdi_abs(f) + terms);
     }
     return largest;

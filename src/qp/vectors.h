@@ -72,7 +72,15 @@ RBDI_ONCE void rbdi_qp_group_dots(const rbd_real *a, const rbd_real *b, const rb
 /* t += k a + l b. */
 RBDI_ONCE void rbdi_qp_group_adds(rbdi_qp_group k, const rbd_real *a, rbdi_qp_group l, const rbd_real *b,
                                   rbdi_qp_group *t, int n) {
-    for (int i = 0; i < n; ++i) t[i] = t[i] + k * a[i] + l * b[i];
+    int i = 0;
+
+    for (; i + 4 <= n; i += 4) {
+        t[i] = t[i] + k * a[i] + l * b[i];
+        t[i + 1] = t[i + 1] + k * a[i + 1] + l * b[i + 1];
+        t[i + 2] = t[i + 2] + k * a[i + 2] + l * b[i + 2];
+        t[i + 3] = t[i + 3] + k * a[i + 3] + l * b[i + 3];
+    }
+    for (; i < n; ++i) t[i] = t[i] + k * a[i] + l * b[i];
 }
 
 /* t += k a, of each vector t of a group, with its k */

@@ -227,7 +227,10 @@ RBDI_LOCAL void rbdi_tasks_put_posture(rbdi_tasks *k, const rbd_task *t, rbd_rea
                                                            : rbdi_set(RBD_C(1));
         if (!(own > 0)) continue;
         rbdi_tasks_append(k, y, y)[i] = rbdi_set(RBD_C(1));
-        rbdi_tasks_square(k, weight * own);
+
+        /* its square is one entry */
+        k->f[i] = k->f[i] - weight * own * y;
+        k->H[(ptrdiff_t)i * (k->n + 1)] = k->H[(ptrdiff_t)i * (k->n + 1)] + weight * own;
     }
 }
 
