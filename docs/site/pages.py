@@ -224,11 +224,14 @@ def linked(text, header):
     out, k = [], 0
     tags = {tag: page_of(h, None) for h in (headers()[0], header) for tag in re.findall(r"^ *\[(\w+)\](?! *\[)", h.top, re.M)}
     tags |= {s.tag: page_of(header, s) for s in header.sections if s.tag}
-    for match in re.finditer(r"`[^`\n]*`|\b(?:rbd|RBD)_\w*[A-Za-z0-9](?:\(\))?|(?<=[ ;(])_[A-Z]+\b|\[[a-z ]+\]", text):
+    for match in re.finditer(r"`[^`\n]*`|\brbd(?:_\w+)?\.h\b|\b(?:rbd|RBD)_\w*[A-Za-z0-9](?:\(\))?|(?<=[ ;(])_[A-Z]+\b|\[[a-z ]+\]", text):
         word = match[0]
         out.append(escaped(text[k:match.start()]))
         name = "RBD_ERR" + word if word.startswith("_") else word.rstrip("()")
-        if word.startswith("["):
+        if re.fullmatch(r"rbd\w*\.h", word):
+            page = "reference/" + word[:-2]
+            out.append(f"[{word}](/{page}.md)" if word in extract.HEADERS and word != header.name else word.replace("_", "\\_"))
+        elif word.startswith("["):
             page = tags.get(word[1:-1])
             out.append(f"[{word[1:-1]}](/{page}.md)" if page else f"[{word[1:-1]}]".replace("[", "\\[").replace("]", "\\]"))
         elif name in places():
