@@ -963,7 +963,7 @@ typedef struct rbdi_qp {
     rbd_real *cross; /* equalities: product of the vectors of reflection e, which is even, and the next one */
     rbd_real *diagonal; /* equalities: of their R, inverted */
     rbd_real *u_equal;  /* equalities: multipliers */
-    rbd_real *unit;     /* of each row: 1 over its length, or 1 if it is 0 */
+    rbd_real *unit;     /* of each row: 1 over its length */
     rbd_real *score;    /* watches: by how much x misses the row, in lengths of it */
 
     int *active;    /* q: rows */
@@ -1053,28 +1053,45 @@ RBDI_INLINE rbd_real *rbdi_qp_j(const rbdi_qp *s, int k) { return s->J + k * s->
    added in one order everywhere, so that RBD_REPRODUCIBLE holds with every SIMD unit.
 
    A pack: as many scalars as a SIMD register has, two or four. A group: like components of RBDI_QP_GROUP
-   vectors side by side, in a pack. A loop over its components has no sum across lanes, so that each vector
+   vectors side by side, in a pack; without a SIMD unit two of them, as the parts of a complex number, for
+   which compilers take two registers. A loop over its components has no sum across lanes, so that each vector
    comes out as if it were alone. */
 
 #if RBDI_GNU && RBDI_SIMD > 0
 #if RBDI_REAL_KIND == 2 || RBDI_SIMD == 4
-#define RBDI_QP_GROUP 4
+#define RBDI_QP_PACK 4
 #else
-#define RBDI_QP_GROUP 2
+#define RBDI_QP_PACK 2
 #endif
+#define RBDI_QP_GROUP RBDI_QP_PACK
 typedef rbd_real rbdi_pack
-    __attribute__((vector_size(RBDI_QP_GROUP * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
+    __attribute__((vector_size(RBDI_QP_PACK * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
 typedef __typeof__(*(rbdi_pack *)0 < *(rbdi_pack *)0) rbdi_pack_bits; /* integers as wide */
 typedef rbdi_pack rbdi_qp_group;
+#elif RBDI_GNU && RBDI_FOR_SPEED && !RBDI_GPU
+#define RBDI_QP_PACK 1
+#define RBDI_QP_GROUP 2
+#if RBDI_REAL_KIND == 2
+__extension__ typedef float _Complex rbdi_qp_group __attribute__((may_alias));
 #else
+__extension__ typedef double _Complex rbdi_qp_group __attribute__((may_alias));
+#endif
+#else
+#define RBDI_QP_PACK 1
 #define RBDI_QP_GROUP 1
 typedef rbd_real rbdi_qp_group;
 #endif
 
-/* sum of a_i t_i, of each vector t of a group */
-RBDI_ONCE rbdi_qp_group rbdi_qp_group_dot(const rbd_real *a, const rbdi_qp_group *t, int n) {
-    const rbdi_qp_group zero = {0};
-    rbdi_qp_group s0 = zero, s1 = zero, s2 = zero, s3 = zero, rest = zero;
+#if RBDI_QP_GROUP > 1
+#define RBDI_T rbdi_qp_group
+#define rbdi_qp_dot rbdi_qp_group_dot
+#define rbdi_qp_dots rbdi_qp_group_dots
+#define rbdi_qp_add rbdi_qp_group_add
+#define rbdi_qp_adds rbdi_qp_group_adds
+/* The sum of a_i t_i. */
+RBDI_ONCE RBDI_T rbdi_qp_dot(const rbd_real *a, const RBDI_T *t, int n) {
+    const RBDI_T zero = {0};
+    RBDI_T s0 = zero, s1 = zero, s2 = zero, s3 = zero, rest = zero;
     int i = 0;
 
     for (; i + 4 <= n; i += 4) {
@@ -1088,15 +1105,15 @@ RBDI_ONCE rbdi_qp_group rbdi_qp_group_dot(const rbd_real *a, const rbdi_qp_group
 }
 
 /* The sums of a_i t_i and of b_i t_i. */
-RBDI_ONCE void rbdi_qp_group_dots(const rbd_real *a, const rbd_real *b, const rbdi_qp_group *t, int n,
-                                  rbdi_qp_group *with_a, rbdi_qp_group *with_b) {
-    const rbdi_qp_group zero = {0};
-    rbdi_qp_group a0 = zero, a1 = zero, a2 = zero, a3 = zero, rest_a = zero;
-    rbdi_qp_group b0 = zero, b1 = zero, b2 = zero, b3 = zero, rest_b = zero;
+RBDI_ONCE void rbdi_qp_dots(const rbd_real *a, const rbd_real *b, const RBDI_T *t, int n, RBDI_T *with_a,
+                            RBDI_T *with_b) {
+    const RBDI_T zero = {0};
+    RBDI_T a0 = zero, a1 = zero, a2 = zero, a3 = zero, rest_a = zero;
+    RBDI_T b0 = zero, b1 = zero, b2 = zero, b3 = zero, rest_b = zero;
     int i = 0;
 
     for (; i + 4 <= n; i += 4) {
-        const rbdi_qp_group t0 = t[i], t1 = t[i + 1], t2 = t[i + 2], t3 = t[i + 3];
+        const RBDI_T t0 = t[i], t1 = t[i + 1], t2 = t[i + 2], t3 = t[i + 3];
         a0 = a0 + a[i] * t0;
         b0 = b0 + b[i] * t0;
         a1 = a1 + a[i + 1] * t1;
@@ -1115,8 +1132,7 @@ RBDI_ONCE void rbdi_qp_group_dots(const rbd_real *a, const rbd_real *b, const rb
 }
 
 /* t += k a + l b. */
-RBDI_ONCE void rbdi_qp_group_adds(rbdi_qp_group k, const rbd_real *a, rbdi_qp_group l, const rbd_real *b,
-                                  rbdi_qp_group *t, int n) {
+RBDI_ONCE void rbdi_qp_adds(RBDI_T k, const rbd_real *a, RBDI_T l, const rbd_real *b, RBDI_T *t, int n) {
     int i = 0;
 
     for (; i + 4 <= n; i += 4) {
@@ -1128,8 +1144,8 @@ RBDI_ONCE void rbdi_qp_group_adds(rbdi_qp_group k, const rbd_real *a, rbdi_qp_gr
     for (; i < n; ++i) t[i] = t[i] + k * a[i] + l * b[i];
 }
 
-/* t += k a, of each vector t of a group, with its k */
-RBDI_ONCE void rbdi_qp_group_add(rbdi_qp_group k, const rbd_real *a, rbdi_qp_group *t, int n) {
+/* t += k a. */
+RBDI_ONCE void rbdi_qp_add(RBDI_T k, const rbd_real *a, RBDI_T *t, int n) {
     int i = 0;
 
     for (; i + 4 <= n; i += 4) {
@@ -1140,13 +1156,19 @@ RBDI_ONCE void rbdi_qp_group_add(rbdi_qp_group k, const rbd_real *a, rbdi_qp_gro
     }
     for (; i < n; ++i) t[i] = t[i] + k * a[i];
 }
+#undef RBDI_T
+#undef rbdi_qp_dot
+#undef rbdi_qp_dots
+#undef rbdi_qp_add
+#undef rbdi_qp_adds
+#endif
 
-#if RBDI_QP_GROUP > 1
+#if RBDI_QP_PACK > 1
 RBDI_INLINE rbdi_pack rbdi_qp_load(const rbd_real *a) { return *(const rbdi_pack *)a; }
 
 /* The sum of four sums: s0 and s2 first, s1 and s3. Packs of two: a has s0 and s1, b the others. */
 RBDI_INLINE rbd_real rbdi_qp_total(rbdi_pack a, rbdi_pack b) {
-#if RBDI_QP_GROUP == 4
+#if RBDI_QP_PACK == 4
     (void)b;
     return (a[0] + a[2]) + (a[1] + a[3]);
 #else
@@ -1163,7 +1185,7 @@ RBDI_INLINE rbd_real rbdi_qp_dot(const rbd_real *a, const rbd_real *b, int n) {
 
     for (; i + 4 <= n; i += 4) {
         sum = sum + rbdi_qp_load(a + i) * rbdi_qp_load(b + i);
-        if (RBDI_QP_GROUP == 2) more = more + rbdi_qp_load(a + i + 2) * rbdi_qp_load(b + i + 2);
+        if (RBDI_QP_PACK == 2) more = more + rbdi_qp_load(a + i + 2) * rbdi_qp_load(b + i + 2);
     }
     for (; i < n; ++i) rest = rest + a[i] * b[i];
     return rbdi_qp_total(sum, more) + rest;
@@ -1181,7 +1203,7 @@ RBDI_INLINE rbd_real rbdi_qp_dot_and_terms(const rbd_real *a, const rbd_real *b,
         const rbdi_pack product = rbdi_qp_load(a + i) * rbdi_qp_load(b + i);
         sum = sum + product;
         sum_size = sum_size + (rbdi_pack)((rbdi_pack_bits)product & size);
-        if (RBDI_QP_GROUP == 2) {
+        if (RBDI_QP_PACK == 2) {
             const rbdi_pack next = rbdi_qp_load(a + i + 2) * rbdi_qp_load(b + i + 2);
             more = more + next;
             more_size = more_size + (rbdi_pack)((rbdi_pack_bits)next & size);
@@ -1200,7 +1222,7 @@ RBDI_INLINE void rbdi_qp_add(rbd_real k, const rbd_real *a, rbd_real *b, int n) 
     const rbdi_pack zero = {0}, all = k - zero;
     int i = 0;
 
-    for (; i + RBDI_QP_GROUP <= n; i += RBDI_QP_GROUP)
+    for (; i + RBDI_QP_PACK <= n; i += RBDI_QP_PACK)
         *(rbdi_pack *)(b + i) = rbdi_qp_load(b + i) + all * rbdi_qp_load(a + i);
     for (; i < n; ++i) b[i] = b[i] + k * a[i];
 }
@@ -1215,7 +1237,7 @@ RBDI_INLINE void rbdi_qp_adds(rbd_real k, const rbd_real *a, rbd_real l, const r
     const rbdi_pack zero = {0}, all_k = k - zero, all_l = l - zero;
     int i = 0;
 
-    for (; i + RBDI_QP_GROUP <= n; i += RBDI_QP_GROUP)
+    for (; i + RBDI_QP_PACK <= n; i += RBDI_QP_PACK)
         *(rbdi_pack *)(t + i) =
             rbdi_qp_load(t + i) + all_k * rbdi_qp_load(a + i) + all_l * rbdi_qp_load(b + i);
     for (; i < n; ++i) t[i] = t[i] + k * a[i] + l * b[i];
@@ -1227,7 +1249,7 @@ RBDI_INLINE void rbdi_qp_rotate(rbd_real *a, rbd_real *b, int n, rbd_real cosine
     const rbd_real less = -sine;
     int i = 0;
 
-    for (; i + RBDI_QP_GROUP <= n; i += RBDI_QP_GROUP) {
+    for (; i + RBDI_QP_PACK <= n; i += RBDI_QP_PACK) {
         const rbdi_pack x = rbdi_qp_load(a + i), y = rbdi_qp_load(b + i);
         *(rbdi_pack *)(a + i) = c * x + s * y;
         *(rbdi_pack *)(b + i) = c * y + minus * x;
@@ -1239,9 +1261,77 @@ RBDI_INLINE void rbdi_qp_rotate(rbd_real *a, rbd_real *b, int n, rbd_real cosine
     }
 }
 #else
-RBDI_INLINE rbd_real rbdi_qp_dot(const rbd_real *a, const rbd_real *b, int n) {
-    return rbdi_qp_group_dot(a, b, n);
+#define RBDI_T rbd_real
+/* The sum of a_i t_i. */
+RBDI_ONCE RBDI_T rbdi_qp_dot(const rbd_real *a, const RBDI_T *t, int n) {
+    const RBDI_T zero = {0};
+    RBDI_T s0 = zero, s1 = zero, s2 = zero, s3 = zero, rest = zero;
+    int i = 0;
+
+    for (; i + 4 <= n; i += 4) {
+        s0 = s0 + a[i] * t[i];
+        s1 = s1 + a[i + 1] * t[i + 1];
+        s2 = s2 + a[i + 2] * t[i + 2];
+        s3 = s3 + a[i + 3] * t[i + 3];
+    }
+    for (; i < n; ++i) rest = rest + a[i] * t[i];
+    return ((s0 + s2) + (s1 + s3)) + rest;
 }
+
+/* The sums of a_i t_i and of b_i t_i. */
+RBDI_ONCE void rbdi_qp_dots(const rbd_real *a, const rbd_real *b, const RBDI_T *t, int n, RBDI_T *with_a,
+                            RBDI_T *with_b) {
+    const RBDI_T zero = {0};
+    RBDI_T a0 = zero, a1 = zero, a2 = zero, a3 = zero, rest_a = zero;
+    RBDI_T b0 = zero, b1 = zero, b2 = zero, b3 = zero, rest_b = zero;
+    int i = 0;
+
+    for (; i + 4 <= n; i += 4) {
+        const RBDI_T t0 = t[i], t1 = t[i + 1], t2 = t[i + 2], t3 = t[i + 3];
+        a0 = a0 + a[i] * t0;
+        b0 = b0 + b[i] * t0;
+        a1 = a1 + a[i + 1] * t1;
+        b1 = b1 + b[i + 1] * t1;
+        a2 = a2 + a[i + 2] * t2;
+        b2 = b2 + b[i + 2] * t2;
+        a3 = a3 + a[i + 3] * t3;
+        b3 = b3 + b[i + 3] * t3;
+    }
+    for (; i < n; ++i) {
+        rest_a = rest_a + a[i] * t[i];
+        rest_b = rest_b + b[i] * t[i];
+    }
+    *with_a = ((a0 + a2) + (a1 + a3)) + rest_a;
+    *with_b = ((b0 + b2) + (b1 + b3)) + rest_b;
+}
+
+/* t += k a + l b. */
+RBDI_ONCE void rbdi_qp_adds(RBDI_T k, const rbd_real *a, RBDI_T l, const rbd_real *b, RBDI_T *t, int n) {
+    int i = 0;
+
+    for (; i + 4 <= n; i += 4) {
+        t[i] = t[i] + k * a[i] + l * b[i];
+        t[i + 1] = t[i + 1] + k * a[i + 1] + l * b[i + 1];
+        t[i + 2] = t[i + 2] + k * a[i + 2] + l * b[i + 2];
+        t[i + 3] = t[i + 3] + k * a[i + 3] + l * b[i + 3];
+    }
+    for (; i < n; ++i) t[i] = t[i] + k * a[i] + l * b[i];
+}
+
+/* t += k a. */
+RBDI_ONCE void rbdi_qp_add(RBDI_T k, const rbd_real *a, RBDI_T *t, int n) {
+    int i = 0;
+
+    for (; i + 4 <= n; i += 4) {
+        t[i] = t[i] + k * a[i];
+        t[i + 1] = t[i + 1] + k * a[i + 1];
+        t[i + 2] = t[i + 2] + k * a[i + 2];
+        t[i + 3] = t[i + 3] + k * a[i + 3];
+    }
+    for (; i < n; ++i) t[i] = t[i] + k * a[i];
+}
+#undef RBDI_T
+
 RBDI_PART rbd_real rbdi_qp_dot_and_terms(const rbd_real *a, const rbd_real *b, int n, rbd_real *terms) {
     rbd_real s0 = 0, s1 = 0, s2 = 0, s3 = 0, rest = 0, t0 = 0, t1 = 0, t2 = 0, t3 = 0, rest_size = 0;
     int i = 0;
@@ -1265,11 +1355,7 @@ RBDI_PART rbd_real rbdi_qp_dot_and_terms(const rbd_real *a, const rbd_real *b, i
     *terms = ((t0 + t2) + (t1 + t3)) + rest_size;
     return ((s0 + s2) + (s1 + s3)) + rest;
 }
-RBDI_INLINE void rbdi_qp_add(rbd_real k, const rbd_real *a, rbd_real *b, int n) {
-    rbdi_qp_group_add(k, a, b, n);
-}
-#define rbdi_qp_dots rbdi_qp_group_dots
-#define rbdi_qp_adds rbdi_qp_group_adds
+
 RBDI_ONCE void rbdi_qp_rotate(rbd_real *a, rbd_real *b, int n, rbd_real cosine, rbd_real sine) {
     const rbd_real less = -sine;
 
@@ -1499,6 +1585,7 @@ RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, RBDI_T *t) {
 #define rbdi_qp_group_solve_lower rbdi_qp_solve_lower
 #define rbdi_qp_group_reflect_two rbdi_qp_reflect_two
 #define rbdi_qp_group_reflect_back rbdi_qp_reflect_back
+#define rbdi_qp_group_add rbdi_qp_add
 #endif
 
 /* t := L'^-1 t */
@@ -1699,10 +1786,17 @@ RBDI_INLINE int rbdi_qp_depends(const rbdi_qp *s, int row, rbd_real square) {
     return !(rbdi_qp_weight(s, row) > 0) && square <= least * least;
 }
 
+/* y += J d of the columns from j on, two at a time */
+RBDI_PART void rbdi_qp_add_columns(const rbdi_qp *s, int j, const rbd_real *d, rbd_real *y) {
+    for (; j + 2 <= s->columns; j += 2)
+        rbdi_qp_adds(d[j], rbdi_qp_j(s, j), d[j + 1], rbdi_qp_j(s, j + 1), y, s->n);
+    if (j < s->columns) rbdi_qp_add(d[j], rbdi_qp_j(s, j), y, s->n);
+}
+
 /* z = J2 d2 */
 RBDI_PART void rbdi_qp_way(rbdi_qp *s) {
     rbdi_qp_clear(s->z, s->n);
-    for (int j = s->q; j < s->columns; ++j) rbdi_qp_add(s->d[j], rbdi_qp_j(s, j), s->z, s->n);
+    rbdi_qp_add_columns(s, s->q, s->d, s->z);
 }
 
 /* The row joins, with d and z = J2 d2 as they are; square: |d2|^2. A reflection turns d2 onto its first
@@ -2084,7 +2178,7 @@ RBDI_PART void rbdi_qp_correct(rbdi_qp *s, rbd_real *x) {
     rbdi_qp_solve_r(s, s->r);
 
     for (int k = 0; k < n; ++k) x[k] = x[k] + s->z[k];
-    for (int j = 0; j < s->columns; ++j) rbdi_qp_add(s->d[j], rbdi_qp_j(s, j), x, n);
+    rbdi_qp_add_columns(s, 0, s->d, x);
     for (int j = 0; j < s->q; ++j) s->u[j] = s->u[j] + s->r[j];
 }
 
@@ -2437,7 +2531,7 @@ RBDI_PART rbd_qp_status rbdi_qp_check_rows(rbdi_qp *s) {
         }
         s->from[row] = from;
         s->to[row] = to;
-        s->unit[row] = square > 0 ? 1 / rbdi_sqrt(square) : 1;
+        s->unit[row] = square > 0 ? 1 / rbdi_sqrt(square) : RBDI_QP_NONE;
         if (lower > upper) return rbdi_qp_refuse(s, RBD_QP_SIDES, row, "lower");
         if (from < to && (lower > -RBDI_QP_NONE || upper < RBDI_QP_NONE)) s->watched[s->watches++] = row;
     }
@@ -2506,7 +2600,8 @@ RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lam
         }
         if (by <= 0) continue;
         const rbd_real side = at_upper ? s->given.upper[row] : s->given.lower[row];
-        if (by <= s->result.primal * rbdi_abs(side)) continue;
+        /* its terms are more than this, for a sum is more than a root of squares */
+        if (by <= s->result.primal * (rbdi_abs(side) + furthest / s->unit[row])) continue;
         const rbd_real share = by / (rbdi_qp_terms(s, row, side) + rbdi_abs(miss));
         if (rbdi_qp_finite(share))
             s->result.primal = rbdi_qp_larger(s->result.primal, share);

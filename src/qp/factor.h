@@ -89,6 +89,7 @@ RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
 #define rbdi_qp_group_solve_lower rbdi_qp_solve_lower
 #define rbdi_qp_group_reflect_two rbdi_qp_reflect_two
 #define rbdi_qp_group_reflect_back rbdi_qp_reflect_back
+#define rbdi_qp_group_add rbdi_qp_add
 #endif
 
 /* t := L'^-1 t */

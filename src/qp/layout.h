@@ -97,7 +97,7 @@ typedef struct rbdi_qp {
     rbd_real *cross; /* equalities: product of the vectors of reflection e, which is even, and the next one */
     rbd_real *diagonal; /* equalities: of their R, inverted */
     rbd_real *u_equal;  /* equalities: multipliers */
-    rbd_real *unit;     /* of each row: 1 over its length, or 1 if it is 0 */
+    rbd_real *unit;     /* of each row: 1 over its length */
     rbd_real *score;    /* watches: by how much x misses the row, in lengths of it */
 
     int *active;    /* q: rows */

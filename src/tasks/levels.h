@@ -9,36 +9,32 @@
 typedef struct rbdi_tasks_limit {
     rbd_tasks_part part; /* RBD_TASKS_NOTHING: a tangential force, or a row of a task */
     int at;              /* dof or contact */
-    int kept;            /* its place in k->kept; -1: an equality */
 } rbdi_tasks_limit;
 
 /* row: counted with the bounds. */
 RBDI_LOCAL rbdi_tasks_limit rbdi_tasks_limit_of(const rbdi_tasks *k, int row) {
-    const int nv = k->nv, c = row - k->n, first_contact = 2 * nv;
-    rbdi_tasks_limit limit = {RBD_TASKS_NOTHING, -1, -1};
+    const int nv = k->nv, c = row - k->n;
+    rbdi_tasks_limit limit = {RBD_TASKS_NOTHING, -1};
 
     if (row < nv) {
         limit.part = RBD_TASKS_MOTION_LIMIT;
-        limit.at = limit.kept = row;
+        limit.at = row;
     } else if (c < 0) {
         if ((row - nv) % 3 < 2) return limit;
         limit.part = RBD_TASKS_FORCE;
         limit.at = k->contact[(row - nv) / 3];
-        limit.kept = first_contact + RBDI_TASKS_CONTACT * limit.at;
     } else if (c < k->dynamics) {
         limit.part = RBD_TASKS_HELD;
         limit.at = k->contact[c / 3];
     } else if (c < k->friction) {
         limit.part = rbdi_tasks_is_passive(k, c - k->dynamics) ? RBD_TASKS_PASSIVE : RBD_TASKS_TORQUE_LIMIT;
         limit.at = c - k->dynamics;
-        limit.kept = nv + limit.at;
     } else {
         for (int i = 0, side = c - k->friction; i < k->closed; ++i) {
             const int sides = k->given->contact[k->contact[i]].sides == 8 ? 8 : 4;
             if (side < sides) {
                 limit.part = RBD_TASKS_FRICTION;
                 limit.at = k->contact[i];
-                limit.kept = first_contact + RBDI_TASKS_CONTACT * limit.at + 1 + side;
                 return limit;
             }
             side -= sides;
@@ -47,16 +43,33 @@ RBDI_LOCAL rbdi_tasks_limit rbdi_tasks_limit_of(const rbdi_tasks *k, int row) {
     return limit;
 }
 
+/* Copies sides of limits from those kept, or back. */
+RBDI_LOCAL void rbdi_tasks_keep_some(signed char *side, signed char *kept, int n, int back) {
+    for (int i = 0; i < n; ++i) {
+        if (back)
+            kept[i] = side[i];
+        else
+            side[i] = kept[i];
+    }
+}
+
 /* Copies the sides at which limits hold from those kept of a level, or back. Rows of tasks have none. */
 RBDI_LOCAL void rbdi_tasks_keep(rbdi_tasks *k, int level, int rows, int back) {
     signed char *kept = k->kept + (size_t)level * RBDI_TASKS_LIMITS(k->nv, k->given->contacts);
+    signed char *side = k->side, *friction = side + k->n + k->friction;
 
-    for (int row = 0; row < k->n + rows; ++row) {
-        const int at = rbdi_tasks_limit_of(k, row).kept;
-        if (!back)
-            k->side[row] = (signed char)(at < 0 ? 0 : kept[at]);
-        else if (at >= 0)
-            kept[at] = k->side[row];
+    for (int row = 0; row < k->n + rows && !back; ++row) side[row] = 0;
+    rbdi_tasks_keep_some(side, kept, k->nv, back);
+    if (!k->accelerations) return;
+
+    rbdi_tasks_keep_some(side + k->n + k->dynamics, kept + k->nv, k->nv, back);
+    for (int i = 0; i < k->closed; ++i) {
+        const int contact = k->contact[i], sides = k->given->contact[contact].sides == 8 ? 8 : 4;
+        signed char *of_contact = kept + 2 * k->nv + RBDI_TASKS_CONTACT * contact;
+
+        rbdi_tasks_keep_some(side + k->nv + 3 * i + 2, of_contact, 1, back);
+        rbdi_tasks_keep_some(friction, of_contact + 1, sides, back);
+        friction += sides;
     }
 }
 
