@@ -5066,8 +5066,8 @@ RBDI_PART void rbdi_subtract_product(const rbd_real *x, const rbd_real *X, int c
 }
 
 /* ==== src/dynamics/packed.h ==== */
-/* Interface: rbdi_factor, rbdi_invert, rbdi_solve, rbdi_solve_columns, rbdi_solve_forward, rbdi_solve_half,
-   rbdi_solve_transposed, rbdi_vector_forward, rbdi_vector_transposed */
+/* Interface: rbdi_factor, rbdi_invert, rbdi_mirror, rbdi_solve, rbdi_solve_columns, rbdi_solve_forward,
+   rbdi_solve_half, rbdi_solve_transposed, rbdi_vector_forward, rbdi_vector_transposed */
 
 /* -- the factor, and what it solves -- */
 

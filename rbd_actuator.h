@@ -96,7 +96,7 @@ RBDI_EXTERN_C_BEGIN
    not have the same sign. It is M6 of Duclusaud and Passault (2024, arXiv 2410.08650); with fewer fields M1
    to M5. An efficiency eta is load_motor = 1 - eta; with load_joint = 1 the joint cannot drive the motor.
    Zero is a sensible default for every field. */
-typedef struct rbd_friction {
+typedef struct rbd_gear_friction {
     rbd_const coulomb;                    /* N m: without load, at any speed */
     rbd_const viscous;                    /* N m s: times the speed, beside the level */
     rbd_const load_motor, load_joint;     /* shares of both torques, 0 to 10; load_motor to 0.999 */
@@ -106,7 +106,7 @@ typedef struct rbd_friction {
     rbd_const speed, power; /* rad/s, and 0.1 to 10: how the part of rest fades; needed if there is one */
     rbd_const bristle;      /* N m/rad: stiffness before it slips; 0: rigid */
     rbd_const still; /* rad/s: the inverse compensates slower motion in proportion; 0: in full at any speed */
-} rbd_friction;
+} rbd_gear_friction;
 
 /* A motor with drive, gear and, perhaps, a spring or play behind the gear. The shaft is the gear's output:
    its angle is that of the rotor divided by gear. Zero is a sensible default for all but gear, constant and,
@@ -132,7 +132,7 @@ typedef struct rbd_motor {
     rbd_const backlash;           /* rad: play of the spring; needs a stiffness */
     int delay;                    /* steps that a command takes to arrive, at most 1000 */
     int sampled; /* 1: the drive is as slow as the step, and may be unstable; 0: much faster, implicit */
-    rbd_friction friction;
+    rbd_gear_friction friction;
 } rbd_motor;
 
 /* A crank on the rods' base, and a rod from its end to a point of the body that the joints move. */
@@ -167,7 +167,7 @@ typedef struct rbd_transmission {
    motor, joint    N m at the shaft: torques of the motor and of the joint on it; at rest they cancel, joint =
                    -motor
    Returns 0 without a friction. */
-RBDI_API rbd_real rbd_friction_level(const rbd_friction *friction, rbd_real speed, rbd_real motor,
+RBDI_API rbd_real rbd_friction_level(const rbd_gear_friction *friction, rbd_real speed, rbd_real motor,
                                      rbd_real joint);
 
 /* ---- actuators [actuators] ---- */
@@ -180,7 +180,7 @@ typedef struct rbd_actuators rbd_actuators; /* of one robot: its tables, and the
    memory          size bytes of any alignment: RBD_ACTUATORS_SIZE or rbd_actuators_size
    a               receives the actuators, inside memory: do not move it; NULL after an error
    report          receives the error; may be NULL. body: the motor's index, or n + the transmission's;
-                   field: of rbd_motor, rbd_friction, rbd_transmission or rbd_rod
+                   field: of rbd_motor, rbd_gear_friction, rbd_transmission or rbd_rod
    Errors: RBD_ERR_NULL, _WORK, _MEMORY; _COUNT, n or groups, or a transmission's n; _INDEX, a joint that does
    not exist, has not one degree of freedom, or moves twice; motors that a transmission has not, or joints of
    rods that do not follow each other; _TYPE, a kind; _RANGE, a field that is missing, negative, not finite or
@@ -539,13 +539,13 @@ RBDI_INLINE rbd_real rbdi_act_clamp(rbd_real x, rbd_real lower, rbd_real upper) 
 RBDI_INLINE int rbdi_act_sign(rbd_real x) { return (x > 0) - (x < 0); }
 
 /* Whether friction at rest differs from that of motion. */
-RBDI_INLINE int rbdi_act_has_rest(const rbd_friction *f) {
+RBDI_INLINE int rbdi_act_has_rest(const rbd_gear_friction *f) {
     return f->rest > 0 || f->rest_motor > 0 || f->rest_joint > 0 || f->square_motor > 0 ||
            f->square_joint > 0;
 }
 
 /* S = exp(-|x / speed|^power): the share of friction at rest. */
-RBDI_PART rbd_real rbdi_act_rest_share(const rbd_friction *f, rbd_real x) {
+RBDI_PART rbd_real rbdi_act_rest_share(const rbd_gear_friction *f, rbd_real x) {
     rbd_real ratio;
     if (!rbdi_act_has_rest(f)) return rbdi_zero();
     ratio = rbdi_abs(x) / f->speed;
@@ -555,8 +555,8 @@ RBDI_PART rbd_real rbdi_act_rest_share(const rbd_friction *f, rbd_real x) {
     return ratio > 5 ? rbdi_zero() : rbdi_act_exponential(-rbdi_act_exponential(ratio));
 }
 
-/* The level of rbd_friction, where S is known. */
-RBDI_PART rbd_real rbdi_act_level(const rbd_friction *f, rbd_real S, rbd_real motor, rbd_real joint) {
+/* The level of rbd_gear_friction, where S is known. */
+RBDI_PART rbd_real rbdi_act_level(const rbd_gear_friction *f, rbd_real S, rbd_real motor, rbd_real joint) {
     const rbd_real most = rbdi_set(RBDI_ACTUATOR_LARGEST);
     const rbd_real t_m = rbdi_act_clamp(motor, -most, most), t_x = rbdi_act_clamp(joint, -most, most);
     rbd_real level = f->coulomb + rbdi_abs(f->load_joint * t_x - f->load_motor * t_m);
@@ -572,7 +572,7 @@ RBDI_PART rbd_real rbdi_act_level(const rbd_friction *f, rbd_real S, rbd_real mo
     return level < most ? level : most;
 }
 
-RBDI_API rbd_real rbd_friction_level(const rbd_friction *friction, rbd_real speed, rbd_real motor,
+RBDI_API rbd_real rbd_friction_level(const rbd_gear_friction *friction, rbd_real speed, rbd_real motor,
                                      rbd_real joint) {
     if (!friction) return rbdi_zero();
     return rbdi_act_level(friction, rbdi_act_rest_share(friction, speed), motor, joint);
@@ -977,7 +977,7 @@ typedef struct rbdi_act_wanted {
 
 /* Newton's method for u = base + side F(u, -t), F the level at rest share S. It is linear in pieces but for
    the squares: two steps do as a rule. Writes the slopes by t, base and so on. */
-RBDI_PART rbd_real rbdi_act_carry_load(const rbd_friction *f, rbd_real S, const rbdi_act_wanted *want,
+RBDI_PART rbd_real rbdi_act_carry_load(const rbd_gear_friction *f, rbd_real S, const rbdi_act_wanted *want,
                                        rbd_real base, rbd_real *slope, rbd_real *by_torque) {
     const rbd_real t = want->torque, one = rbdi_set(RBD_C(1));
     rbd_real u = base;
@@ -1013,7 +1013,7 @@ RBDI_PART rbd_real rbdi_act_winding_of(const rbd_motor *m, rbd_real t) {
 /* One shaft: u = t + J x' + viscous x + side F - cogging, within the limits. */
 RBDI_ONCE void rbdi_act_invert_shaft(const rbd_motor *m, const rbdi_act_shaft *s, const rbdi_act_wanted *want,
                                      rbd_real air, rbd_drive *drive) {
-    const rbd_friction *f = &m->friction;
+    const rbd_gear_friction *f = &m->friction;
     const rbd_real constant = rbdi_act_torque_constant(m), J = rbdi_act_rotor_inertia(m),
                    winding = s->winding + air;
     rbd_real u = want->torque + J * want->acceleration + f->viscous * want->speed;
@@ -1048,7 +1048,7 @@ RBDI_ONCE void rbdi_act_invert_shaft(const rbd_motor *m, const rbdi_act_shaft *s
 }
 
 /* The direction of friction at a planned speed. */
-RBDI_INLINE rbd_real rbdi_act_side(const rbd_friction *f, rbd_real x) {
+RBDI_INLINE rbd_real rbdi_act_side(const rbd_gear_friction *f, rbd_real x) {
     if (!(f->still > 0)) return (rbd_real)rbdi_act_sign(x);
     return rbdi_act_clamp(x / f->still, rbdi_set(RBD_C(-1)), rbdi_set(RBD_C(1)));
 }
@@ -1586,7 +1586,7 @@ RBDI_LOCAL rbd_status rbdi_act_check_fields(const rbdi_act_where *where, const r
 #define RBDI_ACTUATOR_FIELDS(where, list) \
     rbdi_act_check_fields(where, list, (int)(sizeof(list) / sizeof((list)[0])))
 
-RBDI_LOCAL rbd_status rbdi_act_check_friction(const rbdi_act_where *where, const rbd_friction *f) {
+RBDI_LOCAL rbd_status rbdi_act_check_friction(const rbdi_act_where *where, const rbd_gear_friction *f) {
     const rbd_const most = RBDI_ACTUATOR_MOST, least = RBDI_ACTUATOR_LEAST;
     const int rest = rbdi_act_has_rest(f);
     const rbdi_act_field field[] = {{"coulomb", f->coulomb, 0, most, 1},

@@ -39,8 +39,8 @@
 
    [guarantees]
      Those of rbd.h: no allocation, reentrant. With RBD_TASKS_OK contacts are held, hard limits kept and the
-     equations of motion solved to result->primal, a share of their terms that is at most 1e-7 (float 1e-3),
-     and mostly some roundings. With a status below 0 all outputs stay as they were. Outputs are finite. The
+     equations of motion solved to result->primal, a share of each row's terms that is at most 1e-7 (float
+     1e-3), and mostly some roundings. With a status below 0 all outputs stay as they were. Outputs are finite. The
      bits are the same on every machine with RBD_REPRODUCIBLE.
 
    [limits]
@@ -192,16 +192,20 @@ typedef enum rbd_tasks_part {
 typedef enum rbd_tasks_status {
     RBD_TASKS_OK = 0,
     RBD_TASKS_INEXACT = 1,     /* the QP of ->level did not end well: ->qp says why, ->primal by how much hard
-                                  rows are missed. Of level 1 and 2 the answer of the level before stands */
+                                  rows are missed, as where they nearly contradict each other and x is huge.
+                                  Of level 1 and 2 the answer of the level before stands */
     RBD_TASKS_INFEASIBLE = -1, /* hard rows contradict each other: result->part, ->at say which */
     RBD_TASKS_ERROR = -2       /* result->error says why */
 } rbd_tasks_status;
 
 typedef struct rbd_tasks_result {
-    int steps;              /* rows of the QPs that joined or left */
-    int level;              /* of the last QP */
-    rbd_qp_status qp;       /* its status */
-    rbd_real primal, dual;  /* the largest of rbd_qp_result, of all levels */
+    int steps;        /* rows of the QPs that joined or left */
+    int level;        /* of the last QP */
+    rbd_qp_status qp; /* its status */
+    rbd_real primal;  /* the largest miss of a hard row, of all levels, as a share of its terms: the side, and
+                        the entries times x, where a component counts as 1 rad/s, m/s, rad/s^2 or m/s^2 at
+                        least, and a force as what gives the robot 1 m/s^2; and that of rbd_qp_result */
+    rbd_real dual;    /* the largest of rbd_qp_result */
     rbd_tasks_part part[2]; /* INFEASIBLE: the two that contradict most; NOTHING: it is one alone */
     int at[2];              /* their contacts or dofs; -1: none */
     rbd_status error;       /* RBD_OK but after RBD_TASKS_ERROR */
@@ -1155,13 +1159,18 @@ RBDI_LOCAL void rbdi_tasks_keep(rbdi_tasks *k, int level, int rows, int back) {
     }
 }
 
-/* The squares that every level has: of x alone. A newton counts as its acceleration of the
-   robot. */
+/* The force that counts as 1 m/s^2: that which gives the robot so much. */
+RBDI_LOCAL rbd_const rbdi_tasks_unit_force(const rbdi_tasks *k) {
+    const rbd_const mass = rbd_mass(k->m);
+    return mass > 0 ? mass : RBD_C(1);
+}
+
+/* The squares that every level has: of x alone. */
 RBDI_LOCAL void rbdi_tasks_clear_squares(rbdi_tasks *k) {
     const rbd_tasks *p = k->given;
     const rbd_real motion = p->motion_cost > 0 ? p->motion_cost : rbdi_set(RBDI_TASKS_MOTION_COST);
-    const rbd_const mass = rbd_mass(k->m);
-    const rbd_real force = p->force_cost > 0 ? p->force_cost : motion / (mass > 0 ? mass * mass : RBD_C(1));
+    const rbd_const unit = rbdi_tasks_unit_force(k);
+    const rbd_real force = p->force_cost > 0 ? p->force_cost : motion / (unit * unit);
 
     rbdi_clear(k->f, k->n);
     rbdi_clear(k->H, k->n * k->n);
@@ -1213,6 +1222,34 @@ RBDI_LOCAL rbd_real rbdi_tasks_value(const rbdi_tasks *k, int row) {
     return rbdi_tasks_dot(&k->C[(ptrdiff_t)(row - k->n) * k->n], k->x, k->n);
 }
 
+/* The size of what is added up in a row: sum |c_i| (|x_i| + a unit of x_i). */
+RBDI_LOCAL rbd_real rbdi_tasks_terms(const rbdi_tasks *k, int row) {
+    const rbd_real force = rbdi_set(rbdi_tasks_unit_force(k)), motion = rbdi_set(RBD_C(1));
+    rbd_real sum = rbdi_zero();
+    if (row < k->n) return rbdi_abs(k->x[row]) + (row < k->nv ? motion : force);
+
+    for (int i = 0; i < k->n; ++i) {
+        const rbd_real c = k->C[(ptrdiff_t)(row - k->n) * k->n + i];
+        sum = sum + rbdi_abs(c) * (rbdi_abs(k->x[i]) + (i < k->nv ? motion : force));
+    }
+    return sum;
+}
+
+/* By how much x misses hard rows, at most, as a share of each row's own terms. That of rbd_qp_result counts
+   all components of x as the largest: one may be missed by all of itself, where another is a million. */
+RBDI_LOCAL rbd_real rbdi_tasks_missed(const rbdi_tasks *k, int rows) {
+    rbd_real most = rbdi_zero();
+
+    for (int row = 0; row < k->n + rows; ++row) {
+        const rbd_real value = rbdi_tasks_value(k, row), below = k->lower[row] - value;
+        const rbd_real by = rbdi_ik_larger(below, value - k->upper[row]);
+        const rbd_real side = below > 0 ? k->lower[row] : k->upper[row];
+        if (by > 0 && !(k->soft[row] > 0))
+            most = rbdi_ik_larger(most, by / (rbdi_abs(side) + rbdi_tasks_terms(k, row)));
+    }
+    return most;
+}
+
 /* Before the next level: rows of tasks hold what they reached, and limits hold x. */
 RBDI_LOCAL void rbdi_tasks_freeze(rbdi_tasks *k, int rows) {
     for (int row = 0; row < k->n + k->rows; ++row) {
@@ -1226,6 +1263,13 @@ RBDI_LOCAL void rbdi_tasks_freeze(rbdi_tasks *k, int rows) {
         }
         k->soft[row] = rbdi_zero();
     }
+}
+
+/* Whether x keeps its rows well enough for a tick; result->primal. */
+RBDI_LOCAL int rbdi_tasks_keeps_rows(rbdi_tasks *k, int rows) {
+    const rbd_real missed = rbdi_tasks_missed(k, rows);
+    k->result->primal = rbdi_ik_larger(k->result->primal, missed);
+    return missed < RBDI_TASKS_ACCURACY && rbdi_tasks_are_within(k->x, k->n, -RBDI_IK_MOST, RBDI_IK_MOST);
 }
 
 /* Appends the rows and squares of the tasks of a level; returns how many tasks. */
@@ -1264,7 +1308,7 @@ RBDI_LOCAL rbd_tasks_status rbdi_tasks_descend(rbdi_tasks *k) {
         if (!rbdi_tasks_put_level(k, level) && level > 0) continue;
 
         status = rbdi_tasks_solve_level(k, level, rows);
-        if (status == RBD_QP_OK && !rbdi_tasks_are_within(k->x, k->n, -RBDI_IK_MOST, RBDI_IK_MOST))
+        if (status == RBD_QP_OK && !rbdi_tasks_keeps_rows(k, rows))
             status = k->result->qp = RBD_QP_INACCURATE; /* rows that nearly contradict each other */
         if (status != RBD_QP_OK && solved) return RBD_TASKS_INEXACT;
         if (status == RBD_QP_INFEASIBLE) return RBD_TASKS_INFEASIBLE;

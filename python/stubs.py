@@ -59,7 +59,8 @@ def source(name):
                 first = min(node.lineno, *(d.lineno for d in node.decorator_list or [node]))
                 lines = enumerate(text.split("\n")[first - 1:node.end_lineno], first)
                 hidden = hidden_lines(node)
-                return "\n".join(line for number, line in lines if number not in hidden).rstrip() + "\n"
+                kept = "\n".join(line for number, line in lines if number not in hidden).rstrip() + "\n"
+                return kept.replace("(_Declared):", ":", 1)  # which only refuses what a type checker sees
     raise KeyError(name)
 
 

@@ -116,7 +116,7 @@ static const char *const iiwa_joints[7] = {"lbr_iiwa_joint_1", "lbr_iiwa_joint_2
 /* ---- friction ---- */
 
 /* What BAM's paper gives as its sixth model, by libm. */
-static double published(const rbd_friction *f, double x, double t_m, double t_x) {
+static double published(const rbd_gear_friction *f, double x, double t_m, double t_x) {
     const int opposed = (t_x > 0) - (t_x < 0) != (t_m > 0) - (t_m < 0);
     const double S = exp(-pow(fabs(x / f->speed), f->power));
     double rest = f->rest + fabs(f->rest_joint * t_x - f->rest_motor * t_m);
@@ -126,7 +126,7 @@ static double published(const rbd_friction *f, double x, double t_m, double t_x)
 }
 
 START_TEST(friction_of_seven_servos_is_the_published_formula) {
-    const rbd_friction *f = &servos[_i].friction;
+    const rbd_gear_friction *f = &servos[_i].friction;
     for (int i = -20; i <= 20; i++)
         for (int j = -20; j <= 20; j++)
             for (int k = -20; k <= 20; k++) {
@@ -141,14 +141,14 @@ END_TEST
 
 /* With fewer fields: Coulomb alone, and the same load on both sides. */
 START_TEST(simpler_laws_of_friction_are_special_cases) {
-    const rbd_friction one = {.coulomb = 0.3, .viscous = 2},
-                       three = {.coulomb = 0.3, .load_motor = 0.2, .load_joint = 0.2};
+    const rbd_gear_friction one = {.coulomb = 0.3, .viscous = 2},
+                            three = {.coulomb = 0.3, .load_motor = 0.2, .load_joint = 0.2};
     ck_assert(rbd_friction_level(&one, 3, 10, -4) == 0.3);
     ck_assert(fabs(rbd_friction_level(&three, 3, 10, -4) - (0.3 + 0.2 * 14)) < 1e-15);
     ck_assert(rbd_friction_level(NULL, 1, 1, 1) == 0);
 
     /* the squares where one torque is the larger one, and neither is */
-    const rbd_friction six = {.square_motor = 0.1, .square_joint = 0.2, .speed = 1, .power = 1};
+    const rbd_gear_friction six = {.square_motor = 0.1, .square_joint = 0.2, .speed = 1, .power = 1};
     ck_assert(rbd_friction_level(&six, 0, 2, -2) == 0);
     ck_assert(fabs(rbd_friction_level(&six, 0, 2, -3) - 0.4) < 1e-15);
     ck_assert(fabs(rbd_friction_level(&six, 0, 2, -1) - 0.2) < 1e-15);
@@ -249,7 +249,7 @@ static double slides_by_rows(double share, double dt) {
     const rbd_contact_options rows = {.joint_friction = 1, .tolerance = 1e-13, .iterations = 200};
     rbd_body bodies[7];
     rbd_motor motors[7];
-    rbd_friction friction[7] = {{0}};
+    rbd_gear_friction friction[7] = {{0}};
     double g[7], moved = 0;
     memcpy(bodies, iiwa_bodies, sizeof bodies);
     for (int i = 0; i < 7; i++) {
@@ -287,7 +287,7 @@ END_TEST
 
 /* One step of the robot d, whose n shafts turn by G v and have the level of `friction` in rows. load: torque
    of the joint on each shaft in the last step; receives that of this one. */
-static void step_by_rows(driven *d, const rbd_friction *friction, const double *G, int n, double *load,
+static void step_by_rows(driven *d, const rbd_gear_friction *friction, const double *G, int n, double *load,
                          double dt) {
     rbd_actuator_state s;
     double f, speed[7];
@@ -317,21 +317,21 @@ static void step_by_rows(driven *d, const rbd_friction *friction, const double *
 static double difference_by_rows(double dt) {
     const rbd_contact_options rows = {.rows = 7, .tolerance = 1e-13, .iterations = 200};
     rbd_motor motors[7], without[7];
-    rbd_friction friction[7];
+    rbd_gear_friction friction[7];
     double load[7] = {0}, G[49] = {0}, most = 0, moved = 0;
     int stuck = 0;
     for (int i = 0; i < 7; i++) {
-        friction[i] = (rbd_friction){.coulomb = 1 - 0.1 * i,
-                                     .viscous = 0.4,
-                                     .load_motor = 0.1,
-                                     .load_joint = 0.15,
-                                     .rest = 0.3,
-                                     .rest_joint = 0.05,
-                                     .speed = 0.2,
-                                     .power = 1.5};
+        friction[i] = (rbd_gear_friction){.coulomb = 1 - 0.1 * i,
+                                          .viscous = 0.4,
+                                          .load_motor = 0.1,
+                                          .load_joint = 0.15,
+                                          .rest = 0.3,
+                                          .rest_joint = 0.05,
+                                          .speed = 0.2,
+                                          .power = 1.5};
         motors[i] = (rbd_motor){.joint = iiwa_joints[i], .gear = 1, .constant = 1, .friction = friction[i]};
         without[i] = motors[i];
-        without[i].friction = (rbd_friction){.viscous = friction[i].viscous};
+        without[i].friction = (rbd_gear_friction){.viscous = friction[i].viscous};
         G[8 * i] = 1;
     }
     driven d = drive("iiwa", iiwa_bodies, 7, motors, 7, NULL, 0, NULL, 0, NULL);
@@ -666,7 +666,7 @@ START_TEST(efficiency_and_self_locking) {
 }
 END_TEST
 
-static void draw_friction(uint64_t *seed, rbd_friction *f) {
+static void draw_friction(uint64_t *seed, rbd_gear_friction *f) {
     f->coulomb = uniform(seed, 0, 0.5), f->viscous = uniform(seed, 0, 0.2);
     f->rest = uniform(seed, 0, 0.5), f->speed = uniform(seed, 0.1, 0.6), f->power = uniform(seed, 0.7, 3);
     f->load_motor = uniform(seed, 0, 0.25), f->load_joint = uniform(seed, 0, 0.25);
@@ -1072,7 +1072,7 @@ END_TEST
 START_TEST(coupled_shafts_stick_and_slide_as_rows) {
     const double J = 2500 * 1e-5, D = 3, G[4] = {1, 0, 1, 1}, dt = steps[_i];
     const rbd_contact_options rows = {.first_order = 1, .rows = 2, .tolerance = 1e-13, .iterations = 200};
-    const rbd_friction friction[2] = {{.coulomb = 6}, {.coulomb = 2}};
+    const rbd_gear_friction friction[2] = {{.coulomb = 6}, {.coulomb = 2}};
     const rbd_motor motors[2] = {{.gear = 50, .constant = 1}, {.gear = 50, .constant = 1}};
     double load[2] = {0}, added[3] = {0};
     int stuck[2] = {0}, slid[2] = {0};
@@ -1652,7 +1652,7 @@ static const struct {
 } field[] = {
 #define MOTOR(name, needed, sign) {#name, offsetof(rbd_motor, name), needed, sign}
 #define FRICTION(name, needed) \
-    {#name, offsetof(rbd_motor, friction) + offsetof(rbd_friction, name), needed, 0}
+    {#name, offsetof(rbd_motor, friction) + offsetof(rbd_gear_friction, name), needed, 0}
     MOTOR(gear, 1, 1),         MOTOR(constant, 1, 0),     MOTOR(inertia, 1, 0),    MOTOR(resistance, 1, 0),
     MOTOR(current, 1, 0),      MOTOR(voltage, 0, 0),      MOTOR(copper, 0, 0),     MOTOR(heat_winding, 1, 0),
     MOTOR(heat_case, 0, 0),    MOTOR(flow_winding, 1, 0), MOTOR(flow_case, 1, 0),  MOTOR(hot, 1, 0),

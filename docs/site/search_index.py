@@ -34,7 +34,8 @@ class Sections(html.parser.HTMLParser):
             if self.last == "dt":
                 self.joined.add(len(self.found) - 1)
             self.found.append([anchor, anchor.split(".")[-1], "", 2])
-        if self.skip or "headerlink" in attributes.get("class", "") or tag in ("script", "style", "annotation"):
+        kind = attributes.get("class", "")
+        if self.skip or "headerlink" in kind or kind.split()[:1] == ["math"] or tag in ("script", "style", "annotation"):
             self.skip += 1
 
     def handle_endtag(self, tag):

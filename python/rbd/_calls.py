@@ -10,7 +10,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from ._arguments import (_GAINS, _INTEGERS, _MASKS, _QUANTITIES, _SCALARS, _array, _axes, _broadcast, _finite,
+from ._arguments import (_Declared, _GAINS, _INTEGERS, _MASKS, _QUANTITIES, _SCALARS, _array, _axes, _broadcast, _finite,
                          _flag, _number, _numbers, _shape)
 from ._headers import RbdError, Status
 
@@ -275,7 +275,7 @@ def _state(number, loop):
     return number if len(loop) < 2 else tuple(map(int, np.unravel_index(number, loop)))
 
 
-class _Owner:
+class _Owner(_Declared):
     """What Model, ConstraintSet and ContactSet have in common: memory for C, and the calls in it."""
 
     def __init__(self, library, lock):

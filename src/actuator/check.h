@@ -46,7 +46,7 @@ RBDI_LOCAL rbd_status rbdi_act_check_fields(const rbdi_act_where *where, const r
 #define RBDI_ACTUATOR_FIELDS(where, list) \
     rbdi_act_check_fields(where, list, (int)(sizeof(list) / sizeof((list)[0])))
 
-RBDI_LOCAL rbd_status rbdi_act_check_friction(const rbdi_act_where *where, const rbd_friction *f) {
+RBDI_LOCAL rbd_status rbdi_act_check_friction(const rbdi_act_where *where, const rbd_gear_friction *f) {
     const rbd_const most = RBDI_ACTUATOR_MOST, least = RBDI_ACTUATOR_LEAST;
     const int rest = rbdi_act_has_rest(f);
     const rbdi_act_field field[] = {{"coulomb", f->coulomb, 0, most, 1},

@@ -130,16 +130,20 @@ typedef enum rbd_tasks_part {
 typedef enum rbd_tasks_status {
     RBD_TASKS_OK = 0,
     RBD_TASKS_INEXACT = 1,     /* the QP of ->level did not end well: ->qp says why, ->primal by how much hard
-                                  rows are missed. Of level 1 and 2 the answer of the level before stands */
+                                  rows are missed, as where they nearly contradict each other and x is huge.
+                                  Of level 1 and 2 the answer of the level before stands */
     RBD_TASKS_INFEASIBLE = -1, /* hard rows contradict each other: result->part, ->at say which */
     RBD_TASKS_ERROR = -2       /* result->error says why */
 } rbd_tasks_status;
 
 typedef struct rbd_tasks_result {
-    int steps;              /* rows of the QPs that joined or left */
-    int level;              /* of the last QP */
-    rbd_qp_status qp;       /* its status */
-    rbd_real primal, dual;  /* the largest of rbd_qp_result, of all levels */
+    int steps;        /* rows of the QPs that joined or left */
+    int level;        /* of the last QP */
+    rbd_qp_status qp; /* its status */
+    rbd_real primal;  /* the largest miss of a hard row, of all levels, as a share of its terms: the side, and
+                        the entries times x, where a component counts as 1 rad/s, m/s, rad/s^2 or m/s^2 at
+                        least, and a force as what gives the robot 1 m/s^2; and that of rbd_qp_result */
+    rbd_real dual;    /* the largest of rbd_qp_result */
     rbd_tasks_part part[2]; /* INFEASIBLE: the two that contradict most; NOTHING: it is one alone */
     int at[2];              /* their contacts or dofs; -1: none */
     rbd_status error;       /* RBD_OK but after RBD_TASKS_ERROR */

@@ -79,7 +79,7 @@ static void build(const rbd_body *bodies, int nb, const rbd_motor *motors, int f
     exit(2);
 }
 
-static void draw_friction(uint64_t *seed, rbd_friction *f) {
+static void draw_friction(uint64_t *seed, rbd_gear_friction *f) {
     f->coulomb = (rbd_const)uniform(seed, 0, 0.5);
     f->viscous = (rbd_const)uniform(seed, 0, 0.2);
     f->load_motor = (rbd_const)uniform(seed, 0, 0.25);
@@ -205,7 +205,7 @@ static void try_robot(uint64_t seed) {
 /* ---- inverse and forward ---- */
 
 /* The level of friction, as the header says. */
-static double level_of(const rbd_friction *f, double x, double motor, double joint) {
+static double level_of(const rbd_gear_friction *f, double x, double motor, double joint) {
     const double S = exp(-pow(fabs(x) / (double)f->speed, (double)f->power));
     double Q = 0;
     if (!(motor * joint > 0) && fabs(joint) < fabs(motor)) Q = (double)f->square_joint * joint * joint;
@@ -305,7 +305,7 @@ static const struct {
     int sign; /* a negative number is right */
 } field[] = {
 #define MOTOR(name, sign) {#name, offsetof(rbd_motor, name), sign}
-#define FRICTION(name) {#name, offsetof(rbd_motor, friction) + offsetof(rbd_friction, name), 0}
+#define FRICTION(name) {#name, offsetof(rbd_motor, friction) + offsetof(rbd_gear_friction, name), 0}
     MOTOR(gear, 1),         MOTOR(constant, 0),     MOTOR(inertia, 0),    MOTOR(resistance, 0),
     MOTOR(current, 0),      MOTOR(voltage, 0),      MOTOR(copper, 0),     MOTOR(heat_winding, 0),
     MOTOR(heat_case, 0),    MOTOR(flow_winding, 0), MOTOR(flow_case, 0),  MOTOR(hot, 0),
