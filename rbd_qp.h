@@ -934,6 +934,7 @@ typedef struct rbdi_qp {
     int n, all, soft;  /* variables, rows with bounds, soft rows */
     int watches;       /* rows that x may miss: not 0, with a side, no equality that is eliminated */
     int equalities;    /* eliminated: the first reflections */
+    int reflections;   /* equalities, and until there is J the rows of the guess */
     int columns;       /* of J: n - equalities, and the slacks of active soft rows */
     int q;             /* active rows that are not eliminated */
     rbd_real rho;      /* added to H's diagonal */
@@ -944,8 +945,7 @@ typedef struct rbdi_qp {
     int loosen;        /* the number of steps at which accuracy grows next */
 
     rbd_real *L; /* packed rows, its diagonal inverted */
-    rbd_real
-        *V; /* equalities x n: vectors of the reflections from the diagonal on; R of the equalities above */
+    rbd_real *V; /* reflections x n: their vectors from the diagonal on; R of the equalities above */
     rbd_real *J; /* columns x n: each column of J is a row here */
     rbd_real *R; /* packed columns, its diagonal inverted */
 
@@ -959,9 +959,10 @@ typedef struct rbdi_qp {
     rbd_real *centre;  /* n: of the proximal round */
     rbd_real *g;       /* n: f - rho centre */
     rbd_real *t;       /* n: scratch */
-    rbd_real *beta;    /* equalities: 2/|v|^2 of each reflection */
-    rbd_real *cross; /* equalities: product of the vectors of reflection e, which is even, and the next one */
-    rbd_real *diagonal; /* equalities: of their R, inverted */
+    rbd_real *beta;    /* reflections: 2/|v|^2 */
+    rbd_real
+        *cross; /* reflections: product of the vectors of reflection e, which is even, and the next one */
+    rbd_real *diagonal; /* reflections: of their R, inverted */
     rbd_real *u_equal;  /* equalities: multipliers */
     rbd_real *unit;     /* of each row: 1 over its length */
     rbd_real *score;    /* watches: by how much x misses the row, in lengths of it */
@@ -1441,7 +1442,7 @@ RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
         rbd_real pivot;
         int start = 0;
 
-        while (start < i && h[start] == 0) l[start++] = 0;
+        while (start < i && h[start] == 0) start++;
         if (start < i) start = start / 4 * 4;
         s->first[i] = start;
 
@@ -1506,9 +1507,8 @@ RBDI_PART void rbdi_qp_reflect_two(const rbdi_qp *s, int e, int backwards, RBDI_
     rbdi_qp_adds(-a, v + from, -b, w + from, t + from, end - from);
 }
 
-/* t := Q t */
-RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, RBDI_T *t) {
-    const int k = s->equalities;
+/* t := Q t, of the first k reflections */
+RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, int k, RBDI_T *t) {
     if (k % 2) rbdi_qp_reflect(s, k - 1, t);
     for (int e = k / 2 * 2 - 2; e >= 0; e -= 2) rbdi_qp_reflect_two(s, e, 1, t);
 }
@@ -1568,9 +1568,8 @@ RBDI_PART void rbdi_qp_reflect_two(const rbdi_qp *s, int e, int backwards, RBDI_
     rbdi_qp_adds(-a, v + from, -b, w + from, t + from, end - from);
 }
 
-/* t := Q t */
-RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, RBDI_T *t) {
-    const int k = s->equalities;
+/* t := Q t, of the first k reflections */
+RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, int k, RBDI_T *t) {
     if (k % 2) rbdi_qp_reflect(s, k - 1, t);
     for (int e = k / 2 * 2 - 2; e >= 0; e -= 2) rbdi_qp_reflect_two(s, e, 1, t);
 }
@@ -1621,11 +1620,11 @@ RBDI_PART void rbdi_qp_reflect_all(const rbdi_qp *s, rbd_real *t) {
     if (k % 2) rbdi_qp_reflect(s, k - 1, t);
 }
 
-/* Reflection e = s->equalities of a row, whose L^-1 row', behind the earlier reflections, is v. Returns 0 if
+/* Reflection e = s->reflections of a row, whose L^-1 row', behind the earlier reflections, is v. Returns 0 if
    the row depends on the earlier ones: that is set aside, and whether it agrees with them is seen later, like
    any row. Sparse rows first make the vectors short. */
 RBDI_PART int rbdi_qp_make_reflection(rbdi_qp *s, int row, rbd_real *v) {
-    const int n = s->n, e = s->equalities;
+    const int n = s->n, e = s->reflections;
     const rbd_real gone = rbdi_qp_dot(v, v, e), rest = rbdi_qp_dot(v + e, v + e, n - e);
     rbd_real length, onto;
     if (rest <= RBDI_QP_DEPENDENT * RBDI_QP_DEPENDENT * (gone + rest)) return 0;
@@ -1640,17 +1639,22 @@ RBDI_PART int rbdi_qp_make_reflection(rbdi_qp *s, int row, rbd_real *v) {
     s->end[e] = n;
     while (s->end[e] > e + 1 && v[s->end[e] - 1] == 0) s->end[e]--;
     if (e % 2) s->cross[e - 1] = rbdi_qp_dot(v + e - n, v + e, n - e);
-    s->equality[e] = row;
-    s->side[row] = 1;
-    s->equalities = e + 1;
+    s->reflections = e + 1;
+
+    if (rbdi_qp_is_equality(s, row)) {
+        s->equality[s->equalities++] = row;
+        s->side[row] = 1;
+    } else {
+        s->active[s->q] = row;
+        s->length[s->q++] = rbdi_sqrt(gone + rest);
+    }
     return 1;
 }
 
-/* Eliminates equalities by reflections (Householder 1958), a group of them: L^-1 row' of each goes onto an
-   axis. The memory of R and what follows is not in use yet: the group lies there. */
+/* Reflects rows (Householder 1958), a group of them: L^-1 row' of each goes onto an axis. */
 RBDI_PART void rbdi_qp_eliminate(rbdi_qp *s, const int *rows, int lanes) {
     const int n = s->n;
-    rbdi_qp_group *t = (rbdi_qp_group *)s->R;
+    rbdi_qp_group *t = (rbdi_qp_group *)s->x0;
     int from = n;
 
     rbdi_qp_clear((rbd_real *)t, n * RBDI_QP_GROUP);
@@ -1662,26 +1666,40 @@ RBDI_PART void rbdi_qp_eliminate(rbdi_qp *s, const int *rows, int lanes) {
         from = begin < from ? begin : from;
         for (int k = 0; k < s->to[row] - begin; ++k) to[k * RBDI_QP_GROUP] = c[k];
     }
-    rbdi_qp_group_solve_lower(s, t, from / 4 * 4);
-    for (int e = 0; e + 1 < s->equalities; e += 2) rbdi_qp_group_reflect_two(s, e, 0, t);
+    from = from / 4 * 4;
+    rbdi_qp_group_solve_lower(s, t, from);
+    for (int e = 0; e + 1 < s->reflections; e += 2)
+        if (s->end[e] > from || s->end[e + 1] > from) rbdi_qp_group_reflect_two(s, e, 0, t);
 
-    for (int lane = 0; lane < lanes && s->equalities < n; ++lane) {
-        const int e = s->equalities;
+    for (int lane = 0; lane < lanes; ++lane) {
+        const int e = s->reflections;
         rbd_real *v = s->V + e * n;
-        for (int k = 0; k < n; ++k) v[k] = ((const rbd_real *)t)[k * RBDI_QP_GROUP + lane];
-        if (e % 2) rbdi_qp_reflect(s, e - 1, v);
-        if (!rbdi_qp_make_reflection(s, rows[lane], v)) continue;
-        if (e % 2 && lane + 1 < lanes) rbdi_qp_group_reflect_two(s, e - 1, 0, t);
+        int made = 0;
+
+        if (e < n) {
+            for (int k = 0; k < n; ++k) v[k] = ((const rbd_real *)t)[k * RBDI_QP_GROUP + lane];
+            if (e % 2) rbdi_qp_reflect(s, e - 1, v);
+            made = rbdi_qp_make_reflection(s, rows[lane], v);
+        }
+        if (!made) s->side[rows[lane]] = 0;
+        if (made && e % 2 && lane + 1 < lanes) rbdi_qp_group_reflect_two(s, e - 1, 0, t);
     }
 }
 
-RBDI_PART void rbdi_qp_eliminate_equalities(rbdi_qp *s) {
+/* Whether a hard row is one of the guess. */
+RBDI_PART int rbdi_qp_is_guessed(const rbdi_qp *s, int row) {
+    return s->side[row] && s->from[row] < s->to[row] && !rbdi_qp_is_equality(s, row) &&
+           rbdi_abs(rbdi_qp_side(s, row)) < RBDI_QP_NONE;
+}
+
+/* Eliminates the equalities, or then the rows of the guess. Soft rows have no part in it. */
+RBDI_PART void rbdi_qp_eliminate_all(rbdi_qp *s, int guess) {
     int rows[RBDI_QP_GROUP], lanes = 0;
 
     for (int row = 0; row < s->all; ++row) {
-        if (!rbdi_qp_is_equality(s, row)) continue;
-        s->side[row] = 0;
-        if (!(rbdi_qp_weight(s, row) > 0)) rows[lanes++] = row;
+        if (!(guess ? rbdi_qp_is_guessed(s, row) : rbdi_qp_is_equality(s, row))) continue;
+        if (rbdi_qp_weight(s, row) > 0) continue;
+        rows[lanes++] = row;
         if (lanes < RBDI_QP_GROUP) continue;
         rbdi_qp_eliminate(s, rows, lanes);
         lanes = 0;
@@ -1689,10 +1707,10 @@ RBDI_PART void rbdi_qp_eliminate_equalities(rbdi_qp *s) {
     if (lanes) rbdi_qp_eliminate(s, rows, lanes);
 }
 
-/* t := L'^-1 Q t of a group, which is 0 behind component `to`. */
-RBDI_PART void rbdi_qp_basis_of(const rbdi_qp *s, rbdi_qp_group *t, int to) {
-    rbdi_qp_group_reflect_back(s, t);
+/* t := L'^-1 t of a group, which is 0 behind component `to`. */
+RBDI_PART void rbdi_qp_group_solve_upper(const rbdi_qp *s, rbdi_qp_group *t, int to) {
     int i = to - 1;
+
     for (; i >= s->coupled; --i) t[i] = rbdi_qp_pivot(s, i) * t[i];
     for (; i >= 0; --i) {
         const rbd_real *l = s->L + i * (i + 1) / 2;
@@ -1702,25 +1720,43 @@ RBDI_PART void rbdi_qp_basis_of(const rbdi_qp *s, rbdi_qp_group *t, int to) {
     }
 }
 
-/* J = L'^-1 Q [0; 1], for no active row. Its groups stand in the memory of R and of what follows R. */
+/* R of the rows of the guess: their reflections' diagonals, and what stands above. */
+RBDI_PART void rbdi_qp_take_guess(rbdi_qp *s) {
+    const int k = s->equalities;
+
+    for (int j = 0; j < s->q; ++j) {
+        const int side = s->side[s->active[j]] > 0 ? 1 : -1;
+        const rbd_real sign = rbdi_qp_sign(side), *above = s->V + (k + j) * s->n + k;
+        rbd_real *column = rbdi_qp_column(s, j);
+
+        for (int i = 0; i < j; ++i) column[i] = sign * above[i];
+        column[j] = sign * s->diagonal[k + j];
+        s->side[s->active[j]] = (signed char)side;
+        s->u[j] = 0;
+    }
+}
+
+/* J = L'^-1 Q [0; 1], the last columns first: they come to lie where the vectors of the guess were, which the
+   columns before have no use for. */
 RBDI_PART void rbdi_qp_basis(rbdi_qp *s) {
     const int n = s->n, k = s->equalities;
-    rbdi_qp_group *t = (rbdi_qp_group *)s->R;
+    rbdi_qp_group *t = (rbdi_qp_group *)s->x0;
 
     s->J = s->V + k * n;
     s->columns = n - k;
-    s->q = 0;
-    for (int j = 0; j < s->columns; j += RBDI_QP_GROUP) {
+    for (int j = (s->columns - 1) / RBDI_QP_GROUP * RBDI_QP_GROUP; j >= 0; j -= RBDI_QP_GROUP) {
         const int left = s->columns - j, lanes = left < RBDI_QP_GROUP ? left : RBDI_QP_GROUP;
-        const int to = k ? n : j + lanes;
+        const int end = k + j + lanes, count = end < s->reflections ? end : s->reflections;
 
         rbdi_qp_clear((rbd_real *)t, n * RBDI_QP_GROUP);
         for (int lane = 0; lane < lanes; ++lane) ((rbd_real *)t)[(k + j + lane) * RBDI_QP_GROUP + lane] = 1;
-        rbdi_qp_basis_of(s, t, to);
+        rbdi_qp_group_reflect_back(s, count, t);
+        rbdi_qp_group_solve_upper(s, t, count ? n : end);
         for (int lane = 0; lane < lanes; ++lane)
             for (int i = 0; i < n; ++i)
                 rbdi_qp_j(s, j + lane)[i] = ((const rbd_real *)t)[i * RBDI_QP_GROUP + lane];
     }
+    s->reflections = k;
 }
 
 /* t := L'^-1 Q (y; t2), R' y = b - A x, for the equalities A x = b; x NULL: 0. t2: t from there on. */
@@ -1731,7 +1767,7 @@ RBDI_PART void rbdi_qp_onto_equalities(const rbdi_qp *s, const rbd_real *x, rbd_
         if (x) b = b - rbdi_qp_row_times(s, row, x);
         t[e] = (b - rbdi_qp_dot(s->V + e * s->n, t, e)) * s->diagonal[e];
     }
-    rbdi_qp_reflect_back(s, t);
+    rbdi_qp_reflect_back(s, s->equalities, t);
     rbdi_qp_solve_upper(s, t);
 }
 
@@ -2217,29 +2253,22 @@ RBDI_PART void rbdi_qp_optimum_on_equalities(rbdi_qp *s) {
     rbdi_qp_onto_equalities(s, NULL, s->x0);
 }
 
-/* Joins a row without a step, if it is independent of the active ones. */
-RBDI_PART void rbdi_qp_guess(rbdi_qp *s, int row, int side) {
-    const int hard = !(rbdi_qp_weight(s, row) > 0);
-    const rbd_real bound = side > 0 ? s->given.upper[row] : s->given.lower[row];
-    rbd_real square;
+/* The soft equalities, and with `warm` the soft rows of the guess, join without a step: none depends on others.
+   Rows that pull leave then, so that the dual method may begin here. */
+RBDI_PART void rbdi_qp_first_soft_rows(rbdi_qp *s) {
+    for (int row = 0; row < s->all && s->soft; ++row) {
+        const int equal = rbdi_qp_is_equality(s, row), guess = s->side[row];
+        const int side = equal || guess > 0 ? 1 : -1;
+        if (!(rbdi_qp_weight(s, row) > 0)) continue;
 
-    if (s->from[row] == s->to[row] || rbdi_abs(bound) >= RBDI_QP_NONE || (hard && s->q >= s->columns)) return;
-    s->own = rbdi_qp_enter(s, row, side);
-    square = rbdi_qp_free_part(s);
-    if (rbdi_qp_depends(s, row, square)) return;
-    rbdi_qp_way(s);
-    rbdi_qp_join(s, row, side, 0, square);
-}
-
-/* The soft equalities, and with `warm` the rows of the guess. Those that pull leave, so that the dual method
-   may begin here. */
-RBDI_PART void rbdi_qp_first_rows(rbdi_qp *s) {
-    for (int row = 0; row < s->all; ++row) {
-        const int equal = rbdi_qp_is_equality(s, row), soft = rbdi_qp_weight(s, row) > 0;
-        const int side = equal || s->options.warm ? s->side[row] : 0;
-        if (equal && !soft) continue;
         s->side[row] = 0;
-        if (equal || side) rbdi_qp_guess(s, row, equal || side > 0 ? 1 : -1);
+        if (!equal && !guess) continue;
+        if (s->from[row] == s->to[row] ||
+            rbdi_abs(side > 0 ? s->given.upper[row] : s->given.lower[row]) >= RBDI_QP_NONE)
+            continue;
+        s->own = rbdi_qp_enter(s, row, side);
+        rbdi_qp_way(s);
+        rbdi_qp_join(s, row, side, 0, rbdi_qp_free_part(s));
     }
 }
 
@@ -2389,7 +2418,7 @@ RBDI_PART rbd_qp_status rbdi_qp_rounds(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mi
         rbd_qp_status status;
 
         rbdi_qp_optimum_on_equalities(s);
-        if (s->result.rounds == 0) rbdi_qp_first_rows(s);
+        if (s->result.rounds == 0) rbdi_qp_first_soft_rows(s);
         status = rbdi_qp_round(s, x, miss);
         if (status != RBD_QP_OK || !(s->rho > 0)) return status;
 
@@ -2592,6 +2621,7 @@ RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lam
     for (int row = 0; row < s->all; ++row) {
         const rbd_real weight = rbdi_qp_weight(s, row), miss = weight > 0 ? lambda[row] / weight : 0;
         const rbd_real value = rbdi_qp_row_times(s, row, x) - miss;
+        if (lambda[row] == 0 && value >= s->given.lower[row] && value <= s->given.upper[row]) continue;
         const rbd_real below = rbdi_qp_below(s, row, value), above = rbdi_qp_above(s, row, value);
         const int at_upper = lambda[row] > 0 || (!(lambda[row] < 0) && above > below);
         const rbd_real by = lambda[row] != 0 ? rbdi_abs(at_upper ? above : below) : at_upper ? above : below;
@@ -2635,7 +2665,9 @@ RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
     if (status == RBD_QP_OK) status = rbdi_qp_factor_any(s);
     if (status != RBD_QP_OK) return status;
 
-    rbdi_qp_eliminate_equalities(s);
+    rbdi_qp_eliminate_all(s, 0);
+    if (s->options.warm) rbdi_qp_eliminate_all(s, 1);
+    rbdi_qp_take_guess(s);
     rbdi_qp_basis(s);
     for (int k = 0; k < s->n; ++k) {
         s->reach[k] = 0;
@@ -2697,6 +2729,7 @@ RBDI_API rbd_qp_status rbd_qp_solve(const rbd_qp_problem *problem, const rbd_qp_
     s.soft = 0;
     s.q = 0;
     s.equalities = 0;
+    s.reflections = 0;
     s.rho = 0;
     s.doubtful = 0;
     s.furthest = 0;
