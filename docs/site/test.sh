@@ -26,8 +26,8 @@ names)
     python3 -B "$here/draw.py"
     ;;
 pages)
-    /usr/bin/python3 -c 'import sphinx, furo, myst_parser' && [ -f /usr/share/javascript/katex/katex.min.js ] ||
-        { echo "Sphinx, furo, MyST or KaTeX is not installed"; exit 77; }
+    /usr/bin/python3 -c 'import sphinx, furo, myst_parser, numpy' && [ -f /usr/share/javascript/katex/katex.min.js ] ||
+        { echo "Sphinx, furo, MyST, numpy or KaTeX is not installed"; exit 77; }
     PYTHONDONTWRITEBYTECODE=1 RBD_PLAYGROUND=no "$here/build.sh" "$scratch/site" -W --keep-going
     python3 -B "$here/links.py" "$scratch/site"
     python3 -B "$here/anchors.py" "$scratch/site"
