@@ -219,8 +219,11 @@ def what(name):
 
 # ---- pages ----
 
-def pages(linked):
-    """Name and text of each page; linked: makes links of names of C in a sentence."""
+def pages(of_c):
+    """Name and text of each page; of_c: makes links of names of C in a sentence."""
+    def linked(text):
+        return of_c(re.sub(r"\brbd(_\w+)?\.h\b", r"`\g<0>`", text))
+
     texts = {page: [f"# {title}\n"] for page, title in TITLE.items()}
     texts["python"].append(markdown(inspect.getdoc(rbd), linked))
     rows = [f"| {{py:{places()[name]}}}`{name} <rbd.{name}>` | {linked(what(name))} |"
@@ -241,4 +244,4 @@ def summary(member):
 
 
 if __name__ == "__main__":
-    print("\n".join(pages(lambda text: text).values()))
+    print("\n".join(pages(str).values()))
