@@ -402,7 +402,6 @@ typedef struct rbdi_contact_solver {
     rbd_real *G;                   /* the matrix of a Newton step, and behind it its right-hand sides */
     int unknowns, sides, stride;   /* of G: rows; right-hand sides; entries from one row to the next */
     int symmetric;                 /* whether G is: no contact slips */
-    int newton_first;              /* whether a solution begins with a Newton step, not with a sweep */
     rbd_real unmoved;              /* smaller entries of a bounded row on Delta's diagonal are rounding */
     rbd_contact_solution solution;
 } rbdi_contact_solver;
@@ -472,7 +471,6 @@ struct rbd_contact_set {
     int contacts;            /* that are rows of the step */
     int points;              /* that move straight: RBDI_ORIGINS or RBDI_CENTRES */
     int differ;              /* whether `nu` and `moved` differ */
-    int newton;              /* whether the first solution of the last step took one Newton step */
     rbdi_contact *contact;   /* n */
     rbdi_limit_row *limit;   /* limits */
     rbdi_bounded_row *bound; /* bounds */
@@ -1166,8 +1164,7 @@ RBDI_PART int rbdi_newton_step(rbdi_contact_solver *s, rbd_const proximal) {
 /* ==== src/contact/solver.h ==== */
 /* ---- solver code [solver code] ----
    The first sweep is enough if contacts hardly affect each other. Newton steps follow. If none reduces the
-   residual, some sweeps follow, twice as many each time. The best p of all is kept. Where the step before took
-   a sweep and a Newton step, the states are likely to be those of its impulses, and the sweep is left out. */
+   residual, some sweeps follow, twice as many each time. The best p of all is kept. */
 
 /* Sweeps and Newton steps that are left. */
 RBDI_PART int rbdi_iterations_left(const rbdi_contact_solver *s) {
@@ -1225,10 +1222,7 @@ RBDI_PART void rbdi_contact_iterate(rbdi_contact_solver *s) {
     rbdi_clear(s->best, s->rows);
 
     rbdi_contact_velocities(s);
-    if (s->newton_first)
-        rbdi_project_laws(s);
-    else
-        rbdi_sweep_back_and_forth(s, 1);
+    rbdi_sweep_back_and_forth(s, 1);
 
     while (s->solution.residual > s->given.tolerance || !rbdi_contact_end(s)) {
         int tried = 0;
@@ -1254,7 +1248,6 @@ RBDI_PART void rbdi_contact_iterate(rbdi_contact_solver *s) {
 /* Lays out a solver's arrays in the memory. */
 RBDI_PART void rbdi_lay_solver(rbdi_contact_solver *s, int contacts, int bounded, unsigned char *at) {
     const int rows = 3 * contacts + bounded;
-    s->newton_first = 0;
     s->law = RBDI_CUT(rbdi_contact_law, contacts);
     s->bound = RBDI_CUT(rbd_contact_state, bounded);
     s->unknown = RBDI_CUT(rbdi_contact_unknown, rows);
@@ -1805,7 +1798,6 @@ RBDI_API void rbd_contact_reset(rbd_contact_set *c) {
     const rbd_contact_solution none = {0, 0, 0};
     if (!c) return;
     c->last_dt = rbdi_set(RBD_C(1));
-    c->newton = 0;
     c->solver.solution = none;
     rbdi_clear(c->impulse, c->max_rows);
     for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {
@@ -2645,11 +2637,7 @@ RBDI_LOCAL void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int pur
     rbdi_contact_begin(&c->solver, &given, s->lambda);
     if (purpose == RBDI_FOR_VELOCITIES) c->solver.given.tolerance = c->solver.given.tolerance * RBDI_LOOSE;
     rbdi_add_springs(c);
-
-    c->solver.newton_first = c->newton;
     rbdi_contact_iterate(&c->solver);
-    c->solver.newton_first = 0;
-    c->newton = c->solver.solution.newton_steps == 1;
     rbdi_contact_respond(m, c, c->x[0], c->moved);
 }
 

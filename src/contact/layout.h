@@ -39,7 +39,6 @@ typedef struct rbdi_contact_solver {
     rbd_real *G;                   /* the matrix of a Newton step, and behind it its right-hand sides */
     int unknowns, sides, stride;   /* of G: rows; right-hand sides; entries from one row to the next */
     int symmetric;                 /* whether G is: no contact slips */
-    int newton_first;              /* whether a solution begins with a Newton step, not with a sweep */
     rbd_real unmoved;              /* smaller entries of a bounded row on Delta's diagonal are rounding */
     rbd_contact_solution solution;
 } rbdi_contact_solver;
@@ -109,7 +108,6 @@ struct rbd_contact_set {
     int contacts;            /* that are rows of the step */
     int points;              /* that move straight: RBDI_ORIGINS or RBDI_CENTRES */
     int differ;              /* whether `nu` and `moved` differ */
-    int newton;              /* whether the first solution of the last step took one Newton step */
     rbdi_contact *contact;   /* n */
     rbdi_limit_row *limit;   /* limits */
     rbdi_bounded_row *bound; /* bounds */

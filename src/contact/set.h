@@ -227,7 +227,6 @@ RBDI_API void rbd_contact_reset(rbd_contact_set *c) {
     const rbd_contact_solution none = {0, 0, 0};
     if (!c) return;
     c->last_dt = rbdi_set(RBD_C(1));
-    c->newton = 0;
     c->solver.solution = none;
     rbdi_clear(c->impulse, c->max_rows);
     for (rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact) {

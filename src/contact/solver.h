@@ -5,8 +5,7 @@
 
 /* ---- solver code [solver code] ----
    The first sweep is enough if contacts hardly affect each other. Newton steps follow. If none reduces the
-   residual, some sweeps follow, twice as many each time. The best p of all is kept. Where the step before took
-   a sweep and a Newton step, the states are likely to be those of its impulses, and the sweep is left out. */
+   residual, some sweeps follow, twice as many each time. The best p of all is kept. */
 
 /* Sweeps and Newton steps that are left. */
 RBDI_PART int rbdi_iterations_left(const rbdi_contact_solver *s) {
@@ -64,10 +63,7 @@ RBDI_PART void rbdi_contact_iterate(rbdi_contact_solver *s) {
     rbdi_clear(s->best, s->rows);
 
     rbdi_contact_velocities(s);
-    if (s->newton_first)
-        rbdi_project_laws(s);
-    else
-        rbdi_sweep_back_and_forth(s, 1);
+    rbdi_sweep_back_and_forth(s, 1);
 
     while (s->solution.residual > s->given.tolerance || !rbdi_contact_end(s)) {
         int tried = 0;
@@ -93,7 +89,6 @@ RBDI_PART void rbdi_contact_iterate(rbdi_contact_solver *s) {
 /* Lays out a solver's arrays in the memory. */
 RBDI_PART void rbdi_lay_solver(rbdi_contact_solver *s, int contacts, int bounded, unsigned char *at) {
     const int rows = 3 * contacts + bounded;
-    s->newton_first = 0;
     s->law = RBDI_CUT(rbdi_contact_law, contacts);
     s->bound = RBDI_CUT(rbd_contact_state, bounded);
     s->unknown = RBDI_CUT(rbdi_contact_unknown, rows);

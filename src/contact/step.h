@@ -115,11 +115,7 @@ RBDI_LOCAL void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int pur
     rbdi_contact_begin(&c->solver, &given, s->lambda);
     if (purpose == RBDI_FOR_VELOCITIES) c->solver.given.tolerance = c->solver.given.tolerance * RBDI_LOOSE;
     rbdi_add_springs(c);
-
-    c->solver.newton_first = c->newton;
     rbdi_contact_iterate(&c->solver);
-    c->solver.newton_first = 0;
-    c->newton = c->solver.solution.newton_steps == 1;
     rbdi_contact_respond(m, c, c->x[0], c->moved);
 }
 
