@@ -19,7 +19,15 @@ RBDI_LOCAL rbd_real *rbdi_tasks_append(rbdi_tasks *k, rbd_real lower, rbd_real u
 
 RBDI_LOCAL rbd_real rbdi_tasks_dot(const rbd_real *a, const rbd_real *b, int n) {
     rbd_real sum = rbdi_zero();
-    for (int i = 0; i < n; ++i) sum = sum + a[i] * b[i];
+    int i = 0;
+
+    for (; i + 4 <= n; i += 4) {
+        sum = sum + a[i] * b[i];
+        sum = sum + a[i + 1] * b[i + 1];
+        sum = sum + a[i + 2] * b[i + 2];
+        sum = sum + a[i + 3] * b[i + 3];
+    }
+    for (; i < n; ++i) sum = sum + a[i] * b[i];
     return sum;
 }
 
