@@ -858,7 +858,7 @@ RBDI_API rbd_status rbd_step(const rbd_model *m, const rbd_real *q, const rbd_re
 /* One step of second order from torques, without contacts: the midpoint scheme of rbd_contact_step, which
    keeps energy and momentum of what turns to second order in dt. Of a single body it takes some energy where
    it turns by more than a quarter of a radian a step, and is stable up to two radians; joints that turn by
-   more than a tenth of a radian a step may gain energy. The option `momentum` of rbd_contact_step, also of a
+   more than a twentieth of a radian a step may gain energy. The option `momentum` of rbd_contact_step, also of a
    set without contacts, keeps momentum to rounding. Some three times the work of rbd_aba and rbd_step.
    tau, damping   nv. damping is implicit: tau acts as tau - damping v_next. NULL: 0
    f_ext          nb x 6 or NULL: in the axes that bodies have in the middle of the step
@@ -3002,6 +3002,13 @@ RBDI_PART void rbdi_clear(rbd_real *x, int n) {
         RBDI_ONE_INDEX(x);
         *(rbdi_batch *)x = zero;
     }
+#else
+    for (; n >= 4; n -= 4, x += 4) {
+        x[0] = rbdi_zero();
+        x[1] = rbdi_zero();
+        x[2] = rbdi_zero();
+        x[3] = rbdi_zero();
+    }
 #endif
 
     for (; n > 0; --n, ++x) *x = rbdi_zero();
@@ -5060,8 +5067,8 @@ RBDI_PART void rbdi_subtract_product(const rbd_real *x, const rbd_real *X, int c
 }
 
 /* ==== src/dynamics/packed.h ==== */
-/* Interface: rbdi_factor, rbdi_invert, rbdi_solve, rbdi_solve_columns, rbdi_solve_forward, rbdi_solve_half,
-   rbdi_solve_transposed, rbdi_vector_forward, rbdi_vector_transposed */
+/* Interface: rbdi_factor, rbdi_invert, rbdi_mirror, rbdi_solve, rbdi_solve_columns, rbdi_solve_forward,
+   rbdi_solve_half, rbdi_solve_transposed, rbdi_vector_forward, rbdi_vector_transposed */
 
 /* -- the factor, and what it solves -- */
 
