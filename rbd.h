@@ -573,8 +573,9 @@ RBDI_API size_t rbd_model_size(const rbd_body *bodies, int nb);
 /* Adds a payload, such as an object in the hand, to a body of a built model. Later results are those of a new
    build, to rounding. It costs a step for each link on the way to the root. To take the payload off, add it
    with mass and inertia negated. Every rbd_work and set of constraints stays valid; but make a set anew after
-   taking off mass that the model was built with. Make every rbd_derivatives anew: it has copies of masses. No
-   other call may use the model meanwhile. A model in a table of constants cannot be changed.
+   taking off mass that the model was built with. Make every rbd_derivatives anew: it has copies of masses. A
+   model for kinematics alone stays one: if its joints move mass now, build it anew. No other call may use the
+   model meanwhile. A model in a table of constants cannot be changed.
    memory   the memory that was given to rbd_model_build
    mass     kg, may be negative
    com      centre of mass of the payload, link frame, m
@@ -857,7 +858,7 @@ RBDI_API rbd_status rbd_step(const rbd_model *m, const rbd_real *q, const rbd_re
 /* One step of second order from torques, without contacts: the midpoint scheme of rbd_contact_step, which
    keeps energy and momentum of what turns to second order in dt. Of a single body it takes some energy where
    it turns by more than a quarter of a radian a step, and is stable up to two radians; joints that turn by
-   more than a tenth of a radian a step may gain energy. The option `momentum` of rbd_contact_step, also of a
+   more than a twentieth of a radian a step may gain energy. The option `momentum` of rbd_contact_step, also of a
    set without contacts, keeps momentum to rounding. Some three times the work of rbd_aba and rbd_step.
    tau, damping   nv. damping is implicit: tau acts as tau - damping v_next. NULL: 0
    f_ext          nb x 6 or NULL: in the axes that bodies have in the middle of the step

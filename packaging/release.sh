@@ -24,6 +24,27 @@ cp "$scratch/changelog" CHANGELOG.md
 grep -q "the date of $version is 'soon'" "$scratch/messages" || fail "the date is not named"
 grep -q "not committed" "$scratch/messages" || fail "changes are not named"
 
+sed "s/^## $version - .*/## $version - 2030-02-30/" "$scratch/changelog" >CHANGELOG.md
+! release "$scratch/refused" || fail "30 February is a date"
+grep -q "the date of $version is '2030-02-30'" "$scratch/messages" || fail "a day that is none is not named"
+
+# A draft has what lies there, in all of its archives, and leaves the repository as it was.
+echo "// changed" >>rbd.h
+echo new >models/new.h
+git status --porcelain >"$scratch/before"
+release --draft "$scratch/draft" >/dev/null || fail "$(cat "$scratch/messages")"
+git status --porcelain | cmp - "$scratch/before" || fail "a draft changes the index"
+mkdir "$scratch/unpacked"
+tar -xzf "$scratch/draft/rbd-$version.tar.gz" -C "$scratch/unpacked"
+cmp rbd.h "$scratch/unpacked/rbd-$version/rbd.h" || fail "the source of a draft is another than its tree"
+mv "$scratch/unpacked/rbd-$version" "$scratch/unpacked/source"
+python3 -m zipfile -e "$scratch/draft/rbd-$version-headers.zip" "$scratch/unpacked"
+for name in rbd.h models/new.h CHANGELOG.md; do
+    cmp "$name" "$scratch/unpacked/rbd-$version/$name" && cmp "$name" "$scratch/unpacked/source/$name" || fail "a draft has another $name"
+done
+rm models/new.h
+git checkout -q rbd.h
+
 sed "s/^## $version - .*/## $version - 2030-01-31/" "$scratch/changelog" >CHANGELOG.md
 git commit -qam "A date"
 ! release --wheels "$scratch" "$scratch/refused" || fail "a folder without wheels is taken"

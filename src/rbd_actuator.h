@@ -101,6 +101,7 @@ RBDI_CODE_BEGIN
 #include "actuator/transmission.h"
 #include "actuator/inverse.h"
 #include "actuator/laws.h"
+#include "actuator/coupled.h"
 #include "actuator/step.h"
 #include "actuator/derivatives.h"
 #include "actuator/check.h"

@@ -640,8 +640,16 @@ def index():
         out += ["```{toctree}", f":caption: {title}", ":maxdepth: 1", ":hidden:", ""]
         out += ["Playground <playground>"] if playground and title == "Begin" else []
         out += [page_name(p) for p in paths if (ROOT / p).exists() and p not in HIDDEN] + ["```", ""]
+    out += ["```{toctree}", ":caption: Python", ":maxdepth: 1", ":hidden:", "", *python_pages(), "```", ""]
     out += ["```{toctree}", ":caption: Reference", ":maxdepth: 1", ":hidden:", "", "reference/names", *reference(), "```", ""]
     return "\n".join(out)
+
+
+@functools.lru_cache(None)
+def python_pages():
+    """Pages of Python's reference: name and text."""
+    import python_reference  # needs numpy, which pages.py --check does without
+    return python_reference.pages(lambda text: linked(text, headers()[0]))
 
 
 def names_page():
@@ -691,7 +699,7 @@ def write(folder):
     """The pages for Sphinx in folder/, and in folder/extra/ what is copied as it is."""
     files = {h.name for h in headers()} | {"docs/overview.svg"}
     files.add("docs/playground.png")
-    pages = {**reference(), "reference/names": names_page(), "index": index()}
+    pages = {**reference(), **python_pages(), "reference/names": names_page(), "index": index()}
     if os.environ.get("RBD_PLAYGROUND") == "yes":
         pages["playground"] = "# Playground\n"  # of the menu; theme.py leads it to the playground itself
     for path in guides():

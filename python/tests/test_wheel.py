@@ -26,6 +26,12 @@ try:
     said["nv"] = rbd.Model.from_urdf(rbd.SOURCES / "models/hyq.urdf", floating=True).nv
 except RuntimeError as error:
     said["nv"] = str(error)
+try:
+    robot = rbd.parse_mjcf('<mujoco><worldbody><body><joint axis="0 1 0"/><geom size="0.1" pos="1 0 0" mass="2"/></body></worldbody></mujoco>')
+    said["mjcf"] = rbd.Model(robot).gravity_torque([0]).tolist()
+except RuntimeError as error:
+    said["mjcf"] = str(error)
+said["page"] = len(model.show(q, file="page.html").html)
 print(json.dumps(said))
 """
 
@@ -63,6 +69,9 @@ def test_package_of_a_wheel_compiles_nothing(installed):
     np.testing.assert_allclose(said["many"], model.rnea(model.random(2, n=50), v, a).sum(), rtol=1e-10)
     assert said["table"] == model.c_model("iiwa")
     assert said["nv"] == 18 or "urdfdom" in said["nv"]
+    if sysconfig.get_platform() == "linux-x86_64":
+        assert said["mjcf"] == pytest.approx([-2 * 9.81])
+    assert said["page"] > 10000
     assert not list(installed.glob("cache/*"))
 
 

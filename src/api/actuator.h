@@ -65,7 +65,8 @@ typedef struct rbd_motor {
     rbd_const stiffness, damping; /* N m/rad, N m s/rad: of a spring from the gear to the joint; 0: rigid */
     rbd_const backlash;           /* rad: play of the spring; needs a stiffness */
     int delay;                    /* steps that a command takes to arrive, at most 1000 */
-    int sampled; /* 1: the drive is as slow as the step, and may be unstable; 0: much faster, implicit */
+    int by_voltage; /* 1: the drive sets volts, as of a hobby servo, and needs a resistance; 0: the current */
+    int sampled;    /* 1: the drive is as slow as the step, and may be unstable; 0: much faster, implicit */
     rbd_gear_friction friction;
 } rbd_motor;
 
@@ -180,11 +181,14 @@ RBDI_API rbd_status rbd_actuators_inverse(rbd_actuators *a, const rbd_real *q, c
    Any other step that takes a damping will do. It starts each time from the same q and v, so q_next and
    v_next are other arrays. Other torques are added behind each of both calls. */
 
-/* What the drive of a shaft is told: torque + kp (q - angle) + kd (v - speed). */
+/* What the drive of a shaft is told: torque + kp (q - angle) + kd (v - speed). A motor with by_voltage has no
+   torque but a voltage at its terminals, to which the gains add volts that turn the shaft that way. Its
+   current is (volts - gear constant speed) / resistance. */
 typedef struct rbd_command {
-    rbd_real q, v;   /* rad, rad/s, of the shaft */
-    rbd_real kp, kd; /* N m/rad, N m s/rad; not negative */
-    rbd_real torque; /* N m at the shaft */
+    rbd_real q, v;    /* rad, rad/s, of the shaft */
+    rbd_real kp, kd;  /* N m/rad, N m s/rad, or V/rad, V s/rad; not negative */
+    rbd_real torque;  /* N m at the shaft; 0 by voltage */
+    rbd_real voltage; /* V, positive as the rotor turns; 0 if not by voltage */
 } rbd_command;
 
 /* Puts all shafts at rest where q has them, and their temperatures at that of the air, in degrees. Commands

@@ -52,6 +52,7 @@ RBDI_LOCAL rbd_status rbdi_begin_step(const rbd_model *m, rbd_contact_set *c, co
     rbd_constraint_set *s = c->rows;
     rbd_work *w = s->w;
     rbdi_mask doubt;
+    if (c->added && !rbdi_all_finite(c->added, m->nh)) return RBD_ERR_NAN;
 
     rbdi_move_joints(m, c->points, q, v, v, c->half, c->q_mid, c->v_mid);
     for (int k = 0; k < m->nv; ++k) c->at[k] = c->v_mid[k];
@@ -94,8 +95,10 @@ RBDI_LOCAL void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int pur
     rbd_constraint_set *s = c->rows;
     rbd_contact_problem given;
     for (int k = 0; k < m->nv; ++k) s->x[k] = c->x[0][k];
-    rbdi_reduce_rows(m, s, s->w->H);
-    rbdi_write_delta(m, c);
+    if (s->rows > 0) {
+        rbdi_reduce_rows(m, s, s->w->H);
+        rbdi_write_delta(m, c);
+    }
     rbdi_find_falls(c);
     for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
     (void)rbdi_write_biases(c, purpose);

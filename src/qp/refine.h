@@ -67,7 +67,7 @@ RBDI_PART void rbdi_qp_correct(rbdi_qp *s, rbd_real *x) {
     rbdi_qp_solve_r(s, s->r);
 
     for (int k = 0; k < n; ++k) x[k] = x[k] + s->z[k];
-    for (int j = 0; j < s->columns; ++j) rbdi_qp_add(s->d[j], rbdi_qp_j(s, j), x, n);
+    rbdi_qp_add_columns(s, 0, s->d, x);
     for (int j = 0; j < s->q; ++j) s->u[j] = s->u[j] + s->r[j];
 }
 

@@ -42,9 +42,8 @@ RBDI_PART void rbdi_qp_reflect_two(const rbdi_qp *s, int e, int backwards, RBDI_
     rbdi_qp_adds(-a, v + from, -b, w + from, t + from, end - from);
 }
 
-/* t := Q t */
-RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, RBDI_T *t) {
-    const int k = s->equalities;
+/* t := Q t, of the first k reflections */
+RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, int k, RBDI_T *t) {
     if (k % 2) rbdi_qp_reflect(s, k - 1, t);
     for (int e = k / 2 * 2 - 2; e >= 0; e -= 2) rbdi_qp_reflect_two(s, e, 1, t);
 }
