@@ -30,7 +30,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 HEADERS = (ROOT / "src/headers.txt").read_text().split() + ["rbd_urdf.h", "rbd_mjcf.h"]
-DEBIAN = re.compile(r"(?:/LICENSE\.|/site/licences/)(.+?)(?:\.txt)?$")  # Debian's packages of which a wheel or the site has parts
+DEBIAN = re.compile(r"(?:/compiled/LICENSE\.|/site/licences/)(.+?)(?:\.txt)?$")  # Debian's packages of which a wheel or the site has parts
 OTHERS = re.compile(r"^==== (\S+)(?: (\d\S*), (\S+)| \(.*)$", re.M)  # what the playground has parts of
 
 
@@ -182,7 +182,7 @@ def brought(path):
     playground = [archive.read(name).decode() for name in archive.namelist() if name.endswith("/playground/LICENCES.txt")]
     others = [found for text in playground for found in OTHERS.findall(text) if found[0] != "rbd"]
     return [*((name, debian_version(name), "NOASSERTION") for name in debian),
-            *((name, version or "unknown", licence or "NOASSERTION") for name, version, licence in others)]
+            *((name, version or debian_version(name), licence or "NOASSERTION") for name, version, licence in others)]
 
 
 def debian_version(name):
