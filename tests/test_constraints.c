@@ -1827,54 +1827,65 @@ START_TEST(rows_of_tiny_links_hold_or_are_an_error) {
 }
 END_TEST
 
+/* How far the columns of da/dtau are from the rows J of the constraints, as a share of what they multiply. */
+static double misses_of_columns(const set *c, const double *J, const double *da_dtau, int nv) {
+    double worst = 0;
+    for (int j = 0; j < nv; j++)
+        for (int w = 0; w < c->rows; w++) {
+            double sum = 0, row = 1e-30, column = 1;
+            for (int k = 0; k < nv; k++) {
+                const double x = da_dtau[k * nv + j];
+                sum += J[w * nv + k] * x;
+                row += J[w * nv + k] * J[w * nv + k];
+                column += x * x;
+            }
+            worst = fmax(worst, fabs(sum) / sqrt(row * column));
+        }
+    return worst;
+}
+
 /* The same for columns of derivatives: rounding may miss a row in a column alone. Two constraints hold an arm
-   of any joints. The seeds are of such columns, found by trying 60,000. */
-START_TEST(columns_of_tiny_links_hold_or_are_an_error) {
-
+   of any joints. */
+static void check_columns_of_tiny_links(uint64_t seed) {
     static slopes found;
-    for (int number = 0; number < 60000; number++) {
-        uint64_t seed = (uint64_t)number;
-        double worst = 0;
-        rbd_body arm[9];
-        double q[9], v[9] = {0}, tau[9], a[9], lambda[9];
-        const int links = 1 + below(&seed, 3), size = 8 + below(&seed, 18);
-        robot r = arm_with_tiny_links(&seed, arm, links, pow(10, -size));
-        robot_free(&r);
-        for (int i = 0; i < 9; i++)
-            if (below(&seed, 4) == 0) arm[i].type = RBD_PRISMATIC;
-        r = robot_build("arm of turns and slides", arm, 9);
+    const uint64_t number = seed;
+    rbd_body arm[9];
+    double q[9], v[9] = {0}, tau[9], a[9], lambda[9], J[81];
 
-        const rbd_constraint list[2] = {
-            {.body1 = 8, .body2 = -1, .axes = {1, 1, 1, 1, 1, 1}},
-            {.body1 = 1 + below(&seed, 7), .body2 = -1, .axes = {0, 0, 0, 1, 0, 1}}};
-        set c = set_of(&r, list, 2);
-        for (int k = 0; k < 9; k++) {
-            q[k] = uniform(&seed, -1, 1);
-            tau[k] = uniform(&seed, -10, 10);
-        }
+    const int links = 1 + below(&seed, 3), size = 8 + below(&seed, 18);
+    robot r = arm_with_tiny_links(&seed, arm, links, pow(10, -size));
+    robot_free(&r);
+    for (int i = 0; i < 9; i++)
+        if (below(&seed, 4) == 0) arm[i].type = RBD_PRISMATIC;
+    r = robot_build("arm of turns and slides", arm, 9);
 
-        const rbd_status status = differentiate(&r, &c, q, v, tau, NULL, a, lambda, &found);
-        ck_assert(status == RBD_OK || status == RBD_ERR_INFEASIBLE);
-        ck_assert_int_eq(rbd_infeasible_row(c.c) >= 0, status == RBD_ERR_INFEASIBLE);
-        if (status == RBD_OK) {
-            double J[81];
-            rbd_constraint_jacobian(r.m, c.c, q, v, J, NULL, NULL);
-            for (int j = 0; j < 9; j++)
-                for (int w = 0; w < c.rows; w++) {
-                    double t = 0, A = 1e-30, B = 1;
-                    for (int k = 0; k < 9; k++) {
-                        double x = found.a[2][k * 9 + j];
-                        t += J[w * 9 + k] * x;
-                        A += J[w * 9 + k] * J[w * 9 + k];
-                        B += x * x;
-                    }
-                    worst = fmax(worst, fabs(t) / sqrt(A * B));
-                }
-            if (worst > 2e-9) printf("SEED %d %g piv %d %d %d\n", number, worst, c.c->pivoted, links, size);
-        }
-        free(c.memory);
-        robot_free(&r);
+    const rbd_constraint list[2] = {{.body1 = 8, .body2 = -1, .axes = {1, 1, 1, 1, 1, 1}},
+                                    {.body1 = 1 + below(&seed, 7), .body2 = -1, .axes = {0, 0, 0, 1, 0, 1}}};
+    set c = set_of(&r, list, 2);
+    for (int k = 0; k < 9; k++) {
+        q[k] = uniform(&seed, -1, 1);
+        tau[k] = uniform(&seed, -10, 10);
     }
+
+    const rbd_status status = differentiate(&r, &c, q, v, tau, NULL, a, lambda, &found);
+    ck_assert(status == RBD_OK || status == RBD_ERR_INFEASIBLE);
+    ck_assert_int_eq(rbd_infeasible_row(c.c) >= 0, status == RBD_ERR_INFEASIBLE);
+    if (status == RBD_OK) {
+        rbd_constraint_jacobian(r.m, c.c, q, v, J, NULL, NULL);
+        const double worst = misses_of_columns(&c, J, found.a[2], 9);
+        ck_assert_msg(worst <= 2e-9, "seed %d: a column is off by %g", (int)number, worst);
+    }
+
+    free(c.memory);
+    robot_free(&r);
+}
+
+/* Of 60,000 seeds these 15 had columns that were off by 7e-8 to 0.2, with RBD_OK. */
+START_TEST(columns_of_tiny_links_hold_or_are_an_error) {
+    const int found[] = {1464,  4880,  7802,  10016, 11502, 14824, 19393, 38085,
+                         42759, 42761, 44922, 47255, 49759, 51076, 54472};
+    for (size_t i = 0; i < sizeof found / sizeof *found; i++) check_columns_of_tiny_links((uint64_t)found[i]);
+    for (uint64_t seed = 0; seed < 300; seed++) check_columns_of_tiny_links(seed);
 }
 END_TEST
 

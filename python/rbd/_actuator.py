@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Iterable, NamedTuple, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._arguments import _int, _number, _numbers, _utf8, _whole
+from ._arguments import _Declared, _int, _number, _numbers, _utf8, _whole
 from ._contacts import ContactSet
 from ._headers import Array, Matrix, Numbers, RbdError, Status, TransmissionKind, structure
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @dataclass
-class Friction:
+class Friction(_Declared):
     """Friction of a gear at its shaft: rbd_gear_friction of rbd_actuator.h, which has the formula. Zero will do for
     every field."""
     coulomb: float = 0.0        #: N m: without load, at any speed
@@ -39,7 +39,7 @@ class Friction:
 
 
 @dataclass
-class Motor:
+class Motor(_Declared):
     """A motor with drive, gear and, perhaps, a spring behind the gear: rbd_motor of rbd_actuator.h. gear, constant and,
     without a Transmission, joint must be given."""
     name: str | None = None         #: for messages
@@ -72,7 +72,7 @@ class Motor:
 
 
 @dataclass
-class Rod:
+class Rod(_Declared):
     """A crank on the body before the first joint, and a rod to a point of the last joint's body: rbd_rod."""
     place: Numbers = (0, 0, 0)      #: of the crank's axis, m, axes of the body before the first joint
     axis: Numbers = (0, 0, 0)       #: of the crank, of unit length
@@ -84,7 +84,7 @@ class Rod:
 
 
 @dataclass
-class Transmission:
+class Transmission(_Declared):
     """As many motors as joints that move together: rbd_transmission of rbd_actuator.h. By a matrix, shaft speeds =
     matrix @ joint speeds, or by a rod for each of one or two joints."""
     motor: int = 0                  #: the first of its motors, which stand together in the table
@@ -95,7 +95,7 @@ class Transmission:
 
 
 @dataclass
-class Rotor:
+class Rotor(_Declared):
     """A rotor on a body, round about its axis: rbd_rotor of rbd_actuator.h."""
     body: int | str = -1            #: that it is mounted on, index or name; -1: the world
     dof: int = 0                    #: that turns it, index into v
@@ -178,7 +178,7 @@ def _transmission(given, row, where):
         _fill(rod, row.rod[number], f"{where}, rod {number}")
 
 
-class Actuators:
+class Actuators(_Declared):
     """The motors of a Model, rbd_actuators; made by Model.actuators(motors):
 
         arm = model.actuators([rbd.Motor(joint="elbow", gear=50, constant=0.06), ...])
