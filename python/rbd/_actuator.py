@@ -291,6 +291,10 @@ class Actuators(_Declared):
                                    ("torque", "torque", torque), ("voltage", "voltage", voltage)):
             for row, x in zip(commands, self._command(given, value, name in ("kp", "kd"))):
                 setattr(row, name, x)
+        for number, (motor, row) in enumerate(zip(self._rows, commands)):
+            if row.torque if motor.by_voltage else row.voltage:
+                raise ValueError(f"step: motor {number} has a " + ("voltage, not a torque: by_voltage is 1" if motor.by_voltage
+                                                                   else "torque, not a voltage: by_voltage is 0"))
         first_order = bool(contacts is not None and contacts.options.first_order)
         told, damping = np.zeros((2, model.nv), dtype)
         move = model.free_step if contacts is None else contacts.step

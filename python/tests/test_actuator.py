@@ -54,6 +54,24 @@ def test_drives_follow_their_commands(library):
     assert np.allclose(q, [0.3, -0.5], atol=1e-3)
 
 
+def test_drives_by_voltage(double):
+    """12 V through 0.6 ohm and 1.5 V s: 8 rad/s without a load, which the inverse asks 12 V for; 24 V are the supply's."""
+    wheel = rbd.Model([rbd.Body("wheel", joint="axle", type=rbd.JointType.CONTINUOUS, axis=(0, 0, 1), mass=1,
+                                inertia=(0.1, 0, 0, 0.1, 0, 0.1))], library=double)
+    motor = wheel.actuators([rbd.Motor(joint="axle", gear=50, constant=0.03, resistance=0.6, voltage=24, by_voltage=1)])
+    q, v = wheel.neutral(), np.zeros(1)
+    for _ in range(300):
+        q, v = motor.step(q, v, 1e-2, voltage=12)
+    assert abs(v[0] - 8) < 1e-10
+    assert abs(motor.inverse(q, v, [0], [0]).voltage[0] - 12) < 1e-10
+    far = motor.inverse(q, v, [0], [50])
+    assert far.saturated[0] == 1 and abs(far.voltage[0] - 24) < 1e-12
+    with pytest.raises(ValueError, match="step: motor 0 has a voltage, not a torque"):
+        motor.step(q, v, 1e-2, torque=1)
+    with pytest.raises(ValueError, match="step: motor 0 has a torque, not a voltage"):
+        wheel.actuators([rbd.Motor(joint="axle", gear=50, constant=0.03)]).step(q, v, 1e-2, voltage=1)
+
+
 def test_transmissions(double):
     model = leg(double)
     motors = [rbd.Motor(gear=2, constant=1), rbd.Motor(gear=3, constant=1)]
@@ -87,6 +105,8 @@ def test_bad_tables_are_named(double):
             (rbd.Motor("M1", "ankle", 10, 1), rbd.RbdError, "field 'joint': no such joint"),
             (rbd.Motor("M1", "knee", 10, 1, inertia=1e-4), rbd.RbdError, "field 'inertia': the rotor counts twice"),
             (rbd.Motor("M1", "knee", 10, 1, friction=rbd.Friction(coulomb=-1)), rbd.RbdError, "field 'coulomb'"),
+            (rbd.Motor("M1", "knee", 10, 1, teeth=12), rbd.RbdError, "field 'teeth': does nothing without 'cogging'"),
+            (rbd.Motor("M1", "knee", 10, 1, by_voltage=1), rbd.RbdError, "field 'resistance': missing"),
             (rbd.Motor("M1", "knee", 10, 1, friction=1), TypeError, "field 'friction': must be a Friction"),
             (rbd.Motor("M1", "knee", np.nan, 1), ValueError, "gear is nan"),
             ("M1", TypeError, "must be a Motor")):
