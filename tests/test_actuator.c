@@ -668,13 +668,21 @@ START_TEST(a_limit_is_decided_at_the_steps_end) {
     int cut = 0, free = 0;
     for (int h = 0; h < 3; h++) {
         driven d = drive_wheel(&motor);
+        double rotor = 0;
         for (int k = 0; k < 500; k++) {
             const double kp = pow(10, uniform(&seed, 0, 4));
             d.command[0] = (rbd_command){.q = uniform(&seed, -1, 1), .kp = kp, .kd = kp / 10};
+            const double J = 2500 * 1e-5, dt = steps[h], before = _i & 2 ? rotor : d.v[0], v = d.v[0];
             rbd_actuator_state s;
-            step(&d, steps[h]);
+            step(&d, dt);
             ck_assert_int_eq(rbd_actuators_get(d.a, 0, &s), RBD_OK);
             expect_within_limits(&d, 0, &motor, s.angle);
+
+            /* and it is what rotor and wheel got */
+            const double kept = 1e-9 * (1 + fabs(s.motor)) + 1e-12 * fabs(s.speed) / dt;
+            ck_assert(fabs(s.motor - s.joint - J * (s.speed - before) / dt) <= kept);
+            ck_assert(fabs(s.joint - 0.1 * (d.v[0] - v) / dt) <= kept);
+            rotor = s.speed;
             cut += s.saturated != 0, free += s.saturated == 0;
         }
         ck_assert_int_eq(d.unsettled, 0);
