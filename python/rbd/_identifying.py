@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import Model, load_urdf
+from . import Model, RbdError, load_urdf
 from ._descriptions import Body
 from ._headers import JointType
 from ._identify import (FRICTION, Identified, IdentifyError, Log, identify, predict, smooth, steady, together, told)
@@ -325,7 +325,11 @@ def part(log, rows):
 
 
 def run(options, show=print):
-    urdf = load_urdf(options.urdf)
+    try:
+        urdf = load_urdf(options.urdf)
+    except RbdError as error:
+        hint = "; rbd-identify takes URDF: rbd-model --urdf ROBOT.xml makes one" if "of MJCF" in str(error) else ""
+        raise IdentifyError(f"{error}{hint}") from None
     model = Model(urdf)
     if model.nq != model.nv or len(model.dof_names) != len(set(model.dof_names)) or any("[" in x for x in model.dof_names):
         raise IdentifyError(f"{options.urdf}: only robots on a fixed base, whose joints have one degree of freedom")

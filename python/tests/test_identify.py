@@ -217,6 +217,8 @@ def test_other_robots_and_words_are_refused(robots, tmp_path, capsys):
     assert tool.main([str(rbd.SOURCES / "models/five_bar.urdf"), str(tmp_path / "none.csv")]) == 1
     assert tool.main([str(URDF), str(tmp_path / "none.csv")]) == 1
     assert "none.csv: No such file or directory" in capsys.readouterr().err
+    assert tool.main([str(rbd.SOURCES / "tests/mjcf/joints.xml"), str(tmp_path / "none.csv")]) == 1
+    assert "takes URDF: rbd-model --urdf" in capsys.readouterr().err
     for word in "a", "a=nan", "a=0", "a=x":
         with pytest.raises(tool.IdentifyError, match=f"--constant '{word}': write JOINT=NUMBER"):
             tool.constants_of([word])
