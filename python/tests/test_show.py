@@ -181,10 +181,11 @@ def test_wrong_arguments(iiwa, tmp_path):
 
 def test_names_are_text(double, tmp_path):
     """A name of a file or link ends no element of the page."""
-    path = tmp_path / "a&lt;<script>.urdf"
+    path = tmp_path / "a&lt;<script>TITLE SCENE.urdf"
     path.write_text(ARM.replace("upper", "&lt;/script&gt;upper"))
     page = rbd.Model.from_urdf(path, library=double).show(file=tmp_path / "page.html").html
-    assert page.count("<script") == page.count("</script") == 1 and "<title>a&amp;lt;&lt;script&gt;</title>" in page
+    assert page.count("<script") == page.count("</script") == 1 and "<title>a&amp;lt;&lt;script&gt;TITLE SCENE</title>" in page
+    assert scene_of(rbd.Model.from_urdf(path, library=double).show(file=tmp_path / "page.html"))["title"] == path.stem
 
 
 # Counts red and orange pixels of the page's picture, into its title.
