@@ -14,8 +14,8 @@
    - a field that is NaN, 1e30 or -1 where it must not be is refused by name, and outputs are as they were.
 
    An answer of a QP that is not exact, but near enough to be called so, is judged by its rows alone. Prints a
-   table. Fails if anything is wrong, if a move gains more than 1 % of the last level's terms in one answer of 200
-   (in double, 1e-5 in any), or if more than 1 % of the answers are inexact, 3 % in float. */
+   table. Fails if anything is wrong, if in float a move gains more than 1 % of the objective's terms in one
+   answer of 200, or if more than 1 % of the answers are inexact, 3 % in float. */
 #define RBD_IMPLEMENTATION
 #include "rbd_tasks.h"
 
@@ -675,8 +675,8 @@ static double fall_along(const level_state *s, const double *d) {
     return -(t * slope + t * t * bend / 2);
 }
 
-/* In float weights and costs of motion are six decades apart, and a flat way is found to some share only: that
-   of one answer in 500 is above 1 %. */
+/* In float weights and costs of motion are six decades apart, and a flat way is found to some share only:
+   that of one answer in 500 is above 1 %. */
 static int loose;
 static long loose_ones;
 
