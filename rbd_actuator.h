@@ -29,7 +29,7 @@
      [tables] [actuators] [inverse] [forward] [rotors]
      --- stop here if you only use it ---
      [method] [exponential] [friction code] [motor code] [drive code] [rods] [transmission code]
-     [inverse code] [laws of shafts] [forward code] [derivatives code] [checks] [tables code]
+     [inverse code] [laws of shafts] [coupled shafts] [forward code] [derivatives code] [checks] [tables code]
      [rotors code] [text code]
 
    [conventions] Those of rbd.h, beyond them:
@@ -44,15 +44,16 @@
 
    [guarantees]
      Finite input gives finite output. Springs and play add no energy, whatever the step is, and friction
-     opposes the speed at the step's end. A rotor that friction holds on a spring stays to the bit. The bits
-     are the same on every machine with RBD_REPRODUCIBLE.
+     opposes the speed at the step's end. No motor passes its limits there. A rotor that friction holds on a
+     spring stays to the bit. The bits are the same on every machine with RBD_REPRODUCIBLE.
 
    [limits]
      A rigid shaft that its friction holds creeps by 1e-9 rad/s at most (float: 1e-6), or gives way as its
      bristle says. The level of friction is that of the state before a step, and of the loads of the last one.
-     Speeds of shafts that a transmission couples converge by repeats; those that are coupled closely and held
-     by much friction may need more than there are. Not here: inductance and the dynamics of the current's
-     loop, rods with mass, tendons with slack, hysteresis of strain-wave gears, friction by temperature.
+     Steps settle by repeats, of which there are 50 at most; several transmissions along one limb may need
+     more. Not here: inductance, whose time constant is a millisecond or less, and the dynamics of the
+     current's loop, rods with mass, tendons with slack, hysteresis of strain-wave gears, friction by
+     temperature. That actuators belong to another robot cannot be seen: no call but the first takes a model.
 */
 #include "rbd.h"
 
@@ -184,9 +185,9 @@ typedef struct rbd_actuators rbd_actuators; /* of one robot: its tables, and the
                    field: of rbd_motor, rbd_gear_friction, rbd_transmission or rbd_rod
    Errors: RBD_ERR_NULL, _WORK, _MEMORY; _COUNT, n or groups, or a transmission's n; _INDEX, a joint that does
    not exist, has not one degree of freedom, or moves twice; motors that a transmission has not, or joints of
-   rods that do not follow each other; _TYPE, a kind; _RANGE, a field that is missing, negative, not finite or
-   out of range; _AXIS, of a crank; _ARMATURE, the model has the rotor's inertia too; _SINGULAR, a matrix. All
-   shafts are at rest at angle 0, at 25 degrees: rbd_actuators_reset. */
+   rods that do not follow each other; _TYPE, a kind; _RANGE, a field that is missing, negative, not finite,
+   out of range, or does nothing without another; _AXIS, of a crank; _ARMATURE, the model has the rotor's
+   inertia too; _SINGULAR, a matrix. All shafts are at rest at angle 0, at 25 degrees: rbd_actuators_reset. */
 RBDI_API rbd_status rbd_actuators_init(const rbd_model *m, const rbd_motor *motors, int n,
                                        const rbd_transmission *transmissions, int groups, void *memory,
                                        size_t size, rbd_actuators **a, rbd_report *report);
@@ -218,7 +219,7 @@ RBDI_API int rbd_actuators_fault(const rbd_actuators *a);
 typedef struct rbd_drive {
     rbd_real torque;  /* N m at the shaft, of the motor; within its limits */
     rbd_real current; /* A */
-    rbd_real voltage; /* V */
+    rbd_real voltage; /* V, at the terminals: resistance times current, and the back-EMF */
     rbd_real angle;   /* rad, of the shaft on the motor's side of a spring, beyond the play: for a position
                          controller */
     int saturated;    /* 1 or -1: a limit cut the torque at its upper or lower end; else 0 */
@@ -268,15 +269,16 @@ RBDI_API rbd_status rbd_actuators_reset(rbd_actuators *a, const rbd_real *q, rbd
                   Springs that are so stiff that they would vibrate faster than the step are damped by the
                   first, and ring with the second
    tau, damping   nv: torques tau - damping v_next; 0 where there is no motor
-   Errors: as rbd_actuators_map; RBD_ERR_RANGE, dt not between 1e-9 and 1e3, or a command negative where it
-   must not be, not finite or above 1e9. */
+   A step that was begun before and has not ended is none.
+   Errors: as rbd_actuators_map but _ORDER; RBD_ERR_RANGE, dt not between 1e-9 and 1e3, or a command negative
+   where it must not be, not finite or above 1e9, with a torque by voltage or a voltage by torque. */
 RBDI_API rbd_status rbd_actuators_begin(rbd_actuators *a, const rbd_command *commands, const rbd_real *q,
                                         const rbd_real *v, rbd_real dt, int first_order, rbd_real *tau,
                                         rbd_real *damping);
 
 /* Ends a step, and returns 0, if all shafts do at v_next what the step was told. Else returns 1: the step
    must be made again with the new tau and damping. After 50 repeats it takes what there is. A v_next that is
-   not finite ends the step; the shafts stay as they were. */
+   not finite ends the step; the shafts, and the commands under way, stay as they were. */
 RBDI_API int rbd_actuators_again(rbd_actuators *a, const rbd_real *v_next, rbd_real *tau, rbd_real *damping);
 
 /* A shaft after its last step. */
@@ -297,7 +299,7 @@ RBDI_API rbd_status rbd_actuators_get(const rbd_actuators *a, int motor, rbd_act
    the drives' gains or springs that are in touch, viscous friction, and the transmissions. The level of dry
    friction counts as constant; cogging, the bias of the rotors' inertia and delayed commands are left out.
    dq, dv     nv x nv: by positions, in the sense of v, and by velocities; each may be NULL
-   dcommand   nv x n, by the commands' torques; may be NULL
+   dcommand   nv x n, by the commands' torques, or voltages; may be NULL
    Errors: RBD_ERR_NULL; _ORDER, but between rbd_actuators_begin and the first rbd_actuators_again. */
 RBDI_API rbd_status rbd_actuators_derivatives(const rbd_actuators *a, rbd_real *dq, rbd_real *dv,
                                               rbd_real *dcommand);
@@ -397,9 +399,9 @@ RBDI_EXTERN_C_END
 #define RBDI_ACTUATOR_HALVINGS 40       /* that find the least value on a way */
 #define RBDI_ACTUATOR_SLOPE RBD_C(1e-3) /* least slope of the inverse's equation: that of load_motor 0.999 */
 #define RBDI_ACTUATOR_DEAD RBD_C(1e-6) /* of crank times length: a rod nearer to its dead centre is refused */
-#define RBDI_ACTUATOR_HOTTEST RBD_C(1e6)      /* degrees: no winding gets there */
-#define RBDI_ACTUATOR_WARM RBD_C(25)          /* degrees at which resistances are given */
-#define RBDI_ACTUATOR_NOISE (1000 * RBDI_EPS) /* changes of speed below this share are rounding */
+#define RBDI_ACTUATOR_HOTTEST RBD_C(1e6)    /* degrees: no winding gets there */
+#define RBDI_ACTUATOR_WARM RBD_C(25)        /* degrees at which resistances are given */
+#define RBDI_ACTUATOR_NOISE (30 * RBDI_EPS) /* changes of speed below this share are rounding */
 #if RBDI_KIND(RBD_CONST) == 2
 #define RBDI_ACTUATOR_CREEP RBD_C(1e-6) /* rad/s: a rigid shaft under its level of friction creeps so fast */
 #define RBDI_ACTUATOR_SETTLED RBD_C(1e-5)
@@ -1541,7 +1543,7 @@ RBDI_LOCAL int rbdi_act_group_settles(const rbd_actuators *a, const rbdi_act_gro
     for (int i = 0; i < g->n; ++i) {
         const rbd_motor *m = &a->motor[g->first + i];
         const rbd_real off = rbdi_abs(rbdi_act_off(m, &s[i], s[i].force, s[i].next, a));
-        rbd_real size = rbdi_act_size(m, &s[i], a);
+        rbd_real size = rbdi_act_size(m, &s[i], a) + a->dt * m->friction.bristle * s[i].scale;
         for (int k = 0; k < g->n && g->known; ++k)
             size = size + rbdi_abs(g->mass[g->n * i + k]) / a->dt * s[k].scale;
         if (off > RBDI_ACTUATOR_SETTLED * size) return 0;

@@ -1138,7 +1138,7 @@ RBDI_ONCE void rbdi_qp_dots(const rbd_real *a, const rbd_real *b, const RBDI_T *
 RBDI_ONCE void rbdi_qp_adds(RBDI_T k, const rbd_real *a, RBDI_T l, const rbd_real *b, RBDI_T *t, int n) {
     int i = 0;
 
-    for (; i + 4 <= n; i += 4) {
+    for (; RBDI_FOR_SPEED && i + 4 <= n; i += 4) {
         t[i] = t[i] + k * a[i] + l * b[i];
         t[i + 1] = t[i + 1] + k * a[i + 1] + l * b[i + 1];
         t[i + 2] = t[i + 2] + k * a[i + 2] + l * b[i + 2];
@@ -1151,7 +1151,7 @@ RBDI_ONCE void rbdi_qp_adds(RBDI_T k, const rbd_real *a, RBDI_T l, const rbd_rea
 RBDI_ONCE void rbdi_qp_add(RBDI_T k, const rbd_real *a, RBDI_T *t, int n) {
     int i = 0;
 
-    for (; i + 4 <= n; i += 4) {
+    for (; RBDI_FOR_SPEED && i + 4 <= n; i += 4) {
         t[i] = t[i] + k * a[i];
         t[i + 1] = t[i + 1] + k * a[i + 1];
         t[i + 2] = t[i + 2] + k * a[i + 2];
@@ -1312,7 +1312,7 @@ RBDI_ONCE void rbdi_qp_dots(const rbd_real *a, const rbd_real *b, const RBDI_T *
 RBDI_ONCE void rbdi_qp_adds(RBDI_T k, const rbd_real *a, RBDI_T l, const rbd_real *b, RBDI_T *t, int n) {
     int i = 0;
 
-    for (; i + 4 <= n; i += 4) {
+    for (; RBDI_FOR_SPEED && i + 4 <= n; i += 4) {
         t[i] = t[i] + k * a[i] + l * b[i];
         t[i + 1] = t[i + 1] + k * a[i + 1] + l * b[i + 1];
         t[i + 2] = t[i + 2] + k * a[i + 2] + l * b[i + 2];
@@ -1325,7 +1325,7 @@ RBDI_ONCE void rbdi_qp_adds(RBDI_T k, const rbd_real *a, RBDI_T l, const rbd_rea
 RBDI_ONCE void rbdi_qp_add(RBDI_T k, const rbd_real *a, RBDI_T *t, int n) {
     int i = 0;
 
-    for (; i + 4 <= n; i += 4) {
+    for (; RBDI_FOR_SPEED && i + 4 <= n; i += 4) {
         t[i] = t[i] + k * a[i];
         t[i + 1] = t[i + 1] + k * a[i + 1];
         t[i + 2] = t[i + 2] + k * a[i + 2];
@@ -1686,10 +1686,9 @@ RBDI_PART void rbdi_qp_eliminate(rbdi_qp *s, const int *rows, int lanes) {
     }
 }
 
-/* Whether a hard row is one of the guess. */
-RBDI_PART int rbdi_qp_is_guessed(const rbdi_qp *s, int row) {
-    return s->side[row] && s->from[row] < s->to[row] && !rbdi_qp_is_equality(s, row) &&
-           rbdi_abs(rbdi_qp_side(s, row)) < RBDI_QP_NONE;
+/* Whether a row can hold at the side of the guess. */
+RBDI_PART int rbdi_qp_can_hold(const rbdi_qp *s, int row) {
+    return s->side[row] && s->from[row] < s->to[row] && rbdi_abs(rbdi_qp_side(s, row)) < RBDI_QP_NONE;
 }
 
 /* Eliminates the equalities, or then the rows of the guess. Soft rows have no part in it. */
@@ -1697,8 +1696,11 @@ RBDI_PART void rbdi_qp_eliminate_all(rbdi_qp *s, int guess) {
     int rows[RBDI_QP_GROUP], lanes = 0;
 
     for (int row = 0; row < s->all; ++row) {
-        if (!(guess ? rbdi_qp_is_guessed(s, row) : rbdi_qp_is_equality(s, row))) continue;
-        if (rbdi_qp_weight(s, row) > 0) continue;
+        if (rbdi_qp_is_equality(s, row) == guess || rbdi_qp_weight(s, row) > 0) continue;
+        if (guess && !rbdi_qp_can_hold(s, row)) {
+            s->side[row] = 0;
+            continue;
+        }
         rows[lanes++] = row;
         if (lanes < RBDI_QP_GROUP) continue;
         rbdi_qp_eliminate(s, rows, lanes);
@@ -2257,15 +2259,14 @@ RBDI_PART void rbdi_qp_optimum_on_equalities(rbdi_qp *s) {
    Rows that pull leave then, so that the dual method may begin here. */
 RBDI_PART void rbdi_qp_first_soft_rows(rbdi_qp *s) {
     for (int row = 0; row < s->all && s->soft; ++row) {
-        const int equal = rbdi_qp_is_equality(s, row), guess = s->side[row];
-        const int side = equal || guess > 0 ? 1 : -1;
+        int side;
         if (!(rbdi_qp_weight(s, row) > 0)) continue;
 
+        if (rbdi_qp_is_equality(s, row)) s->side[row] = 1;
+        side = !rbdi_qp_can_hold(s, row) ? 0 : s->side[row] > 0 ? 1 : -1;
         s->side[row] = 0;
-        if (!equal && !guess) continue;
-        if (s->from[row] == s->to[row] ||
-            rbdi_abs(side > 0 ? s->given.upper[row] : s->given.lower[row]) >= RBDI_QP_NONE)
-            continue;
+        if (!side) continue;
+
         s->own = rbdi_qp_enter(s, row, side);
         rbdi_qp_way(s);
         rbdi_qp_join(s, row, side, 0, rbdi_qp_free_part(s));

@@ -339,6 +339,7 @@ typedef struct rbdi_tasks {
     rbd_real *lower, *upper, *soft; /* n + rows; a task's row has y in both until its level is solved */
     rbd_real *x, *lambda;           /* n, n + rows */
     rbd_real *found;                /* n: x of the level before */
+    rbd_real *terms;                /* n: |x_i| and a unit of it */
     rbd_real *bias;                 /* nv: torque at a = 0 */
     rbd_real *J;                    /* 6 x nv: of one task or contact */
     void *scratch;                  /* memory of the QP */
@@ -353,7 +354,7 @@ typedef struct rbdi_tasks {
     ((size_t)(nv) + (size_t)(rows) + (3 + RBDI_TASKS_SIDES) * (size_t)(contacts))
 #define RBDI_TASKS_ALL(nv, rows, contacts) (RBDI_TASKS_N(nv, contacts) + RBDI_TASKS_C(nv, rows, contacts))
 #define RBDI_TASKS_SCALARS(nv, rows, contacts) \
-    (RBDI_TASKS_N(nv, contacts) * (RBDI_TASKS_ALL(nv, rows, contacts) + 3) + \
+    (RBDI_TASKS_N(nv, contacts) * (RBDI_TASKS_ALL(nv, rows, contacts) + 4) + \
      4 * RBDI_TASKS_ALL(nv, rows, contacts) + 7 * (size_t)(nv))
 #define RBDI_TASKS_CHARS(nv, rows, contacts) \
     (RBD_TASK_LEVELS * RBDI_TASKS_LIMITS(nv, contacts) + RBDI_TASKS_ALL(nv, rows, contacts))
@@ -1221,28 +1222,27 @@ RBDI_LOCAL rbd_real rbdi_tasks_value(const rbdi_tasks *k, int row) {
 
 /* The size of what is added up in a row: sum |c_i| (|x_i| + a unit of x_i). */
 RBDI_LOCAL rbd_real rbdi_tasks_terms(const rbdi_tasks *k, int row) {
-    const rbd_real force = rbdi_set(rbdi_tasks_unit_force(k)), motion = rbdi_set(RBD_C(1));
+    const rbd_real *c = &k->C[(ptrdiff_t)(row - k->n) * k->n];
     rbd_real sum = rbdi_zero();
-    if (row < k->n) return rbdi_abs(k->x[row]) + (row < k->nv ? motion : force);
-
-    for (int i = 0; i < k->n; ++i) {
-        const rbd_real c = k->C[(ptrdiff_t)(row - k->n) * k->n + i];
-        sum = sum + rbdi_abs(c) * (rbdi_abs(k->x[i]) + (i < k->nv ? motion : force));
-    }
+    if (row < k->n) return k->terms[row];
+    for (int i = 0; i < k->n; ++i) sum = sum + rbdi_abs(c[i]) * k->terms[i];
     return sum;
 }
 
 /* By how much x misses hard rows, at most, as a share of each row's own terms. That of rbd_qp_result counts
    all components of x as the largest: one may be missed by all of itself, where another is a million. */
 RBDI_LOCAL rbd_real rbdi_tasks_missed(const rbdi_tasks *k, int rows) {
+    const rbd_real force = rbdi_set(rbdi_tasks_unit_force(k)), motion = rbdi_set(RBD_C(1));
     rbd_real most = rbdi_zero();
 
+    for (int i = 0; i < k->n; ++i) k->terms[i] = rbdi_abs(k->x[i]) + (i < k->nv ? motion : force);
     for (int row = 0; row < k->n + rows; ++row) {
         const rbd_real value = rbdi_tasks_value(k, row), below = k->lower[row] - value;
         const rbd_real by = rbdi_ik_larger(below, value - k->upper[row]);
         const rbd_real side = below > 0 ? k->lower[row] : k->upper[row];
-        if (by > 0 && !(k->soft[row] > 0))
-            most = rbdi_ik_larger(most, by / (rbdi_abs(side) + rbdi_tasks_terms(k, row)));
+        if (!(by > 0) || k->soft[row] > 0) continue;
+        if (by <= most * (rbdi_abs(side) + rbdi_abs(value))) continue; /* the terms are more than the value */
+        most = rbdi_ik_larger(most, by / (rbdi_abs(side) + rbdi_tasks_terms(k, row)));
     }
     return most;
 }
@@ -1421,7 +1421,8 @@ RBDI_LOCAL rbdi_tasks *rbdi_tasks_lay_out(const rbd_model *m, const rbd_tasks *p
     k->f = k->lambda + all;
     k->x = k->f + n;
     k->found = k->x + n;
-    k->bias = k->found + n;
+    k->terms = k->found + n;
+    k->bias = k->terms + n;
     k->J = k->bias + nv;
     k->scratch = at;
     k->scratch_size = RBD_QP_SIZE(n, n, rows, soft);

@@ -117,11 +117,11 @@ def main():
 
         said = next(package.glob("*.dist-info")) / "WHEEL"
         text = said.read_text().replace("Root-Is-Purelib: true", "Root-Is-Purelib: false")
-        said.write_text(text.replace("py3-none-any", f"py3-none-{compiler.oldest_system()}"))
+        tag = f"py3-none-{compiler.oldest_system()}"
+        said.write_text(text.replace("py3-none-any", tag))
         options.folder.mkdir(parents=True, exist_ok=True)
         run(sys.executable, "-m", "wheel", "pack", package, "-d", options.folder)
-    for path in options.folder.glob("*.whl"):
-        print(path)
+    print(options.folder / f"{package.name}-{tag}.whl")
 
 
 if __name__ == "__main__":

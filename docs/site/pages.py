@@ -624,7 +624,10 @@ def index():
     if playground:
         out += [f'<a class="look" id="playground" href="playground/index.html">{picture}<b>Open the playground: your URDF, in this browser</b></a>', ""]
     code, printed = quick_start()
-    out += ["The torques that hold an arm still, in N m:", "", code, "", printed, ""]
+    out += ["The torques that hold an arm still, in N m. As `hold.c` in the folder of `rbd.h`:", "", code, "",
+            "    cc -std=c99 -O2 hold.c -lm && ./a.out", "", printed, ""]
+    out += ["**Get it:** copy the headers that you use beside your program: [Install](guides/install.md) has the lines for each build "
+            "system. In Python `pip install ./python`: [rbd from Python](guides/python.md).", ""]
     out += ['<div class="three">' + "".join(f"<div><b>{n}</b><span>{html.escape(what)}</span></div>" for n, what in numbers()) + "</div>", ""]
     out += doors()
     out += ["It allocates nothing, links nothing but libm, and takes a robot from a URDF file or from a table of your own. "

@@ -171,7 +171,7 @@ RBDI_LOCAL int rbdi_act_group_settles(const rbd_actuators *a, const rbdi_act_gro
     for (int i = 0; i < g->n; ++i) {
         const rbd_motor *m = &a->motor[g->first + i];
         const rbd_real off = rbdi_abs(rbdi_act_off(m, &s[i], s[i].force, s[i].next, a));
-        rbd_real size = rbdi_act_size(m, &s[i], a);
+        rbd_real size = rbdi_act_size(m, &s[i], a) + a->dt * m->friction.bristle * s[i].scale;
         for (int k = 0; k < g->n && g->known; ++k)
             size = size + rbdi_abs(g->mass[g->n * i + k]) / a->dt * s[k].scale;
         if (off > RBDI_ACTUATOR_SETTLED * size) return 0;

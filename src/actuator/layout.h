@@ -37,9 +37,9 @@
 #define RBDI_ACTUATOR_HALVINGS 40       /* that find the least value on a way */
 #define RBDI_ACTUATOR_SLOPE RBD_C(1e-3) /* least slope of the inverse's equation: that of load_motor 0.999 */
 #define RBDI_ACTUATOR_DEAD RBD_C(1e-6) /* of crank times length: a rod nearer to its dead centre is refused */
-#define RBDI_ACTUATOR_HOTTEST RBD_C(1e6)      /* degrees: no winding gets there */
-#define RBDI_ACTUATOR_WARM RBD_C(25)          /* degrees at which resistances are given */
-#define RBDI_ACTUATOR_NOISE (1000 * RBDI_EPS) /* changes of speed below this share are rounding */
+#define RBDI_ACTUATOR_HOTTEST RBD_C(1e6)    /* degrees: no winding gets there */
+#define RBDI_ACTUATOR_WARM RBD_C(25)        /* degrees at which resistances are given */
+#define RBDI_ACTUATOR_NOISE (30 * RBDI_EPS) /* changes of speed below this share are rounding */
 #if RBDI_KIND(RBD_CONST) == 2
 #define RBDI_ACTUATOR_CREEP RBD_C(1e-6) /* rad/s: a rigid shaft under its level of friction creeps so fast */
 #define RBDI_ACTUATOR_SETTLED RBD_C(1e-5)

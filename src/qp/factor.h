@@ -189,10 +189,9 @@ RBDI_PART void rbdi_qp_eliminate(rbdi_qp *s, const int *rows, int lanes) {
     }
 }
 
-/* Whether a hard row is one of the guess. */
-RBDI_PART int rbdi_qp_is_guessed(const rbdi_qp *s, int row) {
-    return s->side[row] && s->from[row] < s->to[row] && !rbdi_qp_is_equality(s, row) &&
-           rbdi_abs(rbdi_qp_side(s, row)) < RBDI_QP_NONE;
+/* Whether a row can hold at the side of the guess. */
+RBDI_PART int rbdi_qp_can_hold(const rbdi_qp *s, int row) {
+    return s->side[row] && s->from[row] < s->to[row] && rbdi_abs(rbdi_qp_side(s, row)) < RBDI_QP_NONE;
 }
 
 /* Eliminates the equalities, or then the rows of the guess. Soft rows have no part in it. */
@@ -200,8 +199,11 @@ RBDI_PART void rbdi_qp_eliminate_all(rbdi_qp *s, int guess) {
     int rows[RBDI_QP_GROUP], lanes = 0;
 
     for (int row = 0; row < s->all; ++row) {
-        if (!(guess ? rbdi_qp_is_guessed(s, row) : rbdi_qp_is_equality(s, row))) continue;
-        if (rbdi_qp_weight(s, row) > 0) continue;
+        if (rbdi_qp_is_equality(s, row) == guess || rbdi_qp_weight(s, row) > 0) continue;
+        if (guess && !rbdi_qp_can_hold(s, row)) {
+            s->side[row] = 0;
+            continue;
+        }
         rows[lanes++] = row;
         if (lanes < RBDI_QP_GROUP) continue;
         rbdi_qp_eliminate(s, rows, lanes);

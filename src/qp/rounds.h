@@ -21,15 +21,14 @@ RBDI_PART void rbdi_qp_optimum_on_equalities(rbdi_qp *s) {
    Rows that pull leave then, so that the dual method may begin here. */
 RBDI_PART void rbdi_qp_first_soft_rows(rbdi_qp *s) {
     for (int row = 0; row < s->all && s->soft; ++row) {
-        const int equal = rbdi_qp_is_equality(s, row), guess = s->side[row];
-        const int side = equal || guess > 0 ? 1 : -1;
+        int side;
         if (!(rbdi_qp_weight(s, row) > 0)) continue;
 
+        if (rbdi_qp_is_equality(s, row)) s->side[row] = 1;
+        side = !rbdi_qp_can_hold(s, row) ? 0 : s->side[row] > 0 ? 1 : -1;
         s->side[row] = 0;
-        if (!equal && !guess) continue;
-        if (s->from[row] == s->to[row] ||
-            rbdi_abs(side > 0 ? s->given.upper[row] : s->given.lower[row]) >= RBDI_QP_NONE)
-            continue;
+        if (!side) continue;
+
         s->own = rbdi_qp_enter(s, row, side);
         rbdi_qp_way(s);
         rbdi_qp_join(s, row, side, 0, rbdi_qp_free_part(s));

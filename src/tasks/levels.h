@@ -138,28 +138,27 @@ RBDI_LOCAL rbd_real rbdi_tasks_value(const rbdi_tasks *k, int row) {
 
 /* The size of what is added up in a row: sum |c_i| (|x_i| + a unit of x_i). */
 RBDI_LOCAL rbd_real rbdi_tasks_terms(const rbdi_tasks *k, int row) {
-    const rbd_real force = rbdi_set(rbdi_tasks_unit_force(k)), motion = rbdi_set(RBD_C(1));
+    const rbd_real *c = &k->C[(ptrdiff_t)(row - k->n) * k->n];
     rbd_real sum = rbdi_zero();
-    if (row < k->n) return rbdi_abs(k->x[row]) + (row < k->nv ? motion : force);
-
-    for (int i = 0; i < k->n; ++i) {
-        const rbd_real c = k->C[(ptrdiff_t)(row - k->n) * k->n + i];
-        sum = sum + rbdi_abs(c) * (rbdi_abs(k->x[i]) + (i < k->nv ? motion : force));
-    }
+    if (row < k->n) return k->terms[row];
+    for (int i = 0; i < k->n; ++i) sum = sum + rbdi_abs(c[i]) * k->terms[i];
     return sum;
 }
 
 /* By how much x misses hard rows, at most, as a share of each row's own terms. That of rbd_qp_result counts
    all components of x as the largest: one may be missed by all of itself, where another is a million. */
 RBDI_LOCAL rbd_real rbdi_tasks_missed(const rbdi_tasks *k, int rows) {
+    const rbd_real force = rbdi_set(rbdi_tasks_unit_force(k)), motion = rbdi_set(RBD_C(1));
     rbd_real most = rbdi_zero();
 
+    for (int i = 0; i < k->n; ++i) k->terms[i] = rbdi_abs(k->x[i]) + (i < k->nv ? motion : force);
     for (int row = 0; row < k->n + rows; ++row) {
         const rbd_real value = rbdi_tasks_value(k, row), below = k->lower[row] - value;
         const rbd_real by = rbdi_ik_larger(below, value - k->upper[row]);
         const rbd_real side = below > 0 ? k->lower[row] : k->upper[row];
-        if (by > 0 && !(k->soft[row] > 0))
-            most = rbdi_ik_larger(most, by / (rbdi_abs(side) + rbdi_tasks_terms(k, row)));
+        if (!(by > 0) || k->soft[row] > 0) continue;
+        if (by <= most * (rbdi_abs(side) + rbdi_abs(value))) continue; /* the terms are more than the value */
+        most = rbdi_ik_larger(most, by / (rbdi_abs(side) + rbdi_tasks_terms(k, row)));
     }
     return most;
 }

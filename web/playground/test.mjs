@@ -485,6 +485,14 @@ const tests = {
     await until("playground.current().source.name === 'bones.urdf'");
     assert.match(await text("status"), /No link has mass/);
     assert.equal(await page.$eval("#move", (b) => b.disabled), true);
+    assert.match(await text("facts"), /4 degrees of freedom, no masses/);
+    const shown = await page.$$eval(".dynamic", (parts) => parts.map((e) => e.innerText.trim().split("\n").filter((line) => line).slice(1).join(" ")));
+    assert.equal(shown.length, 5);
+    for (const part of shown) assert.match(part, /^No link of this robot has mass\. [^0-9]*$/); // a reason, and no number
+    const [code] = await download("#save-code", ["bones_code.h"]);
+    assert.match(code, /bones_pose_l3/);
+    await page.$eval("#save-main", (b) => b.click());
+    await until('document.getElementById("status").textContent.includes("no link of this robot has mass")');
     const far = await page.evaluate(() => {
       const { robot } = playground.current(), pose = (x) => { robot.q().set([0.3 + x, 0.4, 0.5 - x, 0.2]); robot.update(); };
       pose(0);
