@@ -1085,7 +1085,7 @@ static void learn_on_a_stand(learner *x, int kinematic, unsigned char memory[4][
     ck_assert_int_eq(rbd_estimate_init(r->m, 0, &options, memory[3], 20000, &x->e, NULL), RBD_OK);
 }
 
-/* What a body at rest carries no torque tells: it stays unknown, and friction is found: 3 + 0.5 |v|, less 0.25.
+/* No torque tells what a body of the world carries: it stays unknown. Friction is found, 3 + 0.5 |v| less 0.25.
    Results that are not wanted need no arrays. */
 START_TEST(a_payload_of_the_world_is_not_felt) {
     static unsigned char memory[4][20000];
@@ -1126,8 +1126,8 @@ START_TEST(a_robot_without_masses_tells_nothing) {
 }
 END_TEST
 
-/* A slide of 2 kg at 0.3 m/s, with friction of 3 N. If 0.5 m/s counts as slow it is at rest, and the band has all of the
-   friction; else it moves, and the band is 0. */
+/* A slide of 2 kg at 0.3 m/s, with friction of 3 N. If 0.5 m/s counts as slow it is at rest, and the band has
+   all of the friction; else it moves, and the band is 0. */
 START_TEST(slow_is_as_the_option_says) {
     static unsigned char memory[4][20000], more[RBD_OBSERVER_SIZE(1)];
     const rbd_joint_friction friction = {.coulomb = 3};
