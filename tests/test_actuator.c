@@ -1680,6 +1680,37 @@ START_TEST(rods_out_of_reach_are_errors) {
 }
 END_TEST
 
+/* Each array that a call needs is missed by its status. */
+START_TEST(calls_without_their_arrays_are_refused) {
+    driven d = drive("ankle", shank_and_foot, 2, cranks, 1, &ankles[1], 1, NULL, 0, NULL);
+    double one[4];
+    rbd_actuator_state s;
+    rbd_drive o[2];
+#define NEEDS(call) ck_assert_int_eq(call, RBD_ERR_NULL)
+
+    NEEDS(rbd_actuators_map(NULL, d.q, NULL, one, NULL));
+    NEEDS(rbd_actuators_map(d.a, NULL, NULL, one, NULL));
+    NEEDS(rbd_actuators_inverse(NULL, d.q, d.v, d.v, d.tau, o));
+    NEEDS(rbd_actuators_inverse(d.a, NULL, d.v, d.v, d.tau, o));
+    NEEDS(rbd_actuators_inverse(d.a, d.q, NULL, d.v, d.tau, o));
+    NEEDS(rbd_actuators_inverse(d.a, d.q, d.v, NULL, d.tau, o));
+    NEEDS(rbd_actuators_inverse(d.a, d.q, d.v, d.v, NULL, o));
+    NEEDS(rbd_actuators_inverse(d.a, d.q, d.v, d.v, d.tau, NULL));
+    NEEDS(rbd_actuators_reset(NULL, d.q, 25));
+    NEEDS(rbd_actuators_reset(d.a, NULL, 25));
+    NEEDS(rbd_actuators_begin(NULL, d.command, d.q, d.v, 1e-3, 0, d.tau, d.damping));
+    NEEDS(rbd_actuators_begin(d.a, NULL, d.q, d.v, 1e-3, 0, d.tau, d.damping));
+    NEEDS(rbd_actuators_begin(d.a, d.command, NULL, d.v, 1e-3, 0, d.tau, d.damping));
+    NEEDS(rbd_actuators_begin(d.a, d.command, d.q, NULL, 1e-3, 0, d.tau, d.damping));
+    NEEDS(rbd_actuators_begin(d.a, d.command, d.q, d.v, 1e-3, 0, NULL, d.damping));
+    NEEDS(rbd_actuators_begin(d.a, d.command, d.q, d.v, 1e-3, 0, d.tau, NULL));
+    NEEDS(rbd_actuators_get(NULL, 0, &s));
+    NEEDS(rbd_actuators_get(d.a, 0, NULL));
+    drive_free(&d);
+#undef NEEDS
+}
+END_TEST
+
 /* ---- derivatives ---- */
 
 /* Ends a step, and leaves the shafts as they are. */
@@ -2298,6 +2329,7 @@ Suite *actuator_suite(void) {
     tcase_add_loop_test(c, rods_have_the_derivatives_of_their_angles, 0, 2);
     tcase_add_loop_test(c, rods_are_the_loops_of_the_same_mechanism, 0, 2);
     tcase_add_test(c, rods_out_of_reach_are_errors);
+    tcase_add_test(c, calls_without_their_arrays_are_refused);
     tcase_add_loop_test(c, derivatives_are_those_of_differences, 0, 5);
     tcase_add_loop_test(c, rotors_are_those_bodies, 0, 3);
     tcase_add_test(c, bad_rotors_are_refused);

@@ -882,6 +882,7 @@ START_TEST(errors_of_the_observer_have_their_names) {
 
     REFUSE_OPTION(gain, 0, "gain: out of range");
     REFUSE_OPTION(gain, -1, "gain: out of range");
+    REFUSE_OPTION(gain, 1e10, "gain: out of range");
     REFUSE_OPTION(gain, (double)NAN, "gain: out of range");
     REFUSE_OPTION(slow, -1, "slow: out of range");
     REFUSE_OPTION(share, 1.5, "share: out of range");
@@ -1034,6 +1035,123 @@ START_TEST(errors_of_the_estimate_have_their_names) {
 }
 END_TEST
 
+/* Arrays of a robot that floats, nq = nv + 1: behind the last entry of each stands one that is refused. */
+START_TEST(no_entry_behind_an_array_is_read) {
+    enum { NV = HYQ_NV, NQ = HYQ_NQ };
+    double q[NQ + 1], v[NV + 1], a[NV + 1], tau[NV + 1], noise[NV + 1];
+    rbd_joint_friction friction[NV + 1];
+    const rbd_observer_options watched = {.gain = 10, .friction = friction};
+    const rbd_estimate_options options = {.noise = noise};
+    static unsigned char memory[RBD_OBSERVER_SIZE(NV)], more[RBD_ESTIMATE_SIZE(NV)];
+    rbd_estimate_fault fault;
+    rbd_observer *o;
+    rbd_estimate *e;
+    learner x;
+
+    learner_begin(&x, hyq_bodies, HYQ_NB, 0, NULL, NULL);
+    ck_assert_int_eq(rbd_neutral(x.bare.m, q), RBD_OK);
+    for (int i = 0; i < NV; i++) {
+        v[i] = a[i] = tau[i] = 0.5;
+        noise[i] = 1;
+        friction[i] = (rbd_joint_friction){1, 1, 1};
+    }
+    q[NQ] = v[NV] = a[NV] = tau[NV] = noise[NV] = friction[NV].coulomb = NAN;
+
+    ck_assert_int_eq(rbd_observer_init(x.bare.m, &watched, memory, sizeof memory, &o, &fault), RBD_OK);
+    ck_assert_int_eq(rbd_observer_step(x.bare.m, x.bare.w, o, q, v, tau, 0.01, NULL, NULL, &fault), RBD_OK);
+    ck_assert_int_eq(rbd_estimate_init(x.bare.m, 0, &options, more, sizeof more, &e, &fault), RBD_OK);
+    ck_assert_int_eq(rbd_estimate_add(x.bare.m, x.d, e, q, v, a, tau, &fault), RBD_OK);
+    learner_end(&x);
+}
+END_TEST
+
+/* A slide on a stand that is fixed to the world; masses or none. */
+static void learn_on_a_stand(learner *x, int kinematic, unsigned char memory[4][20000]) {
+    const double mass = kinematic ? 0 : 2;
+    const rbd_body bodies[2] = {{.name = "stand", .parent = -1, .type = RBD_FIXED},
+                                {.name = "slide",
+                                 .joint = "slide",
+                                 .parent = 0,
+                                 .type = RBD_PRISMATIC,
+                                 .axis = {1, 0, 0},
+                                 .mass = mass}};
+    const rbd_estimate_options options = {.forgetting = 1};
+    robot *r = &x->bare;
+    ck_assert_int_eq(
+        (kinematic ? rbd_model_build_kinematic : rbd_model_build)(bodies, 2, memory[0], 20000, &r->m, NULL),
+        RBD_OK);
+    ck_assert_int_eq(rbd_work_init(r->m, memory[1], 20000, &r->w), RBD_OK);
+    ck_assert_int_eq(rbd_derivatives_init(r->m, r->w, memory[2], 20000, &x->d), RBD_OK);
+    ck_assert_int_eq(rbd_estimate_init(r->m, 0, &options, memory[3], 20000, &x->e, NULL), RBD_OK);
+}
+
+/* No torque tells what a body of the world carries: it stays unknown. Friction is found, 3 + 0.5 |v| less 0.25.
+   Results that are not wanted need no arrays. */
+START_TEST(a_payload_of_the_world_is_not_felt) {
+    static unsigned char memory[4][20000];
+    double pi[10], deviation[10];
+    rbd_joint_friction f, df, again;
+    learner x;
+    learn_on_a_stand(&x, 0, memory);
+    for (int k = 0; k < 400; k++) {
+        const double q = 0, v = sin(k), a = cos(3 * k), side = v > 0 ? 1 : -1,
+                     tau = 2 * a + 3 * side + 0.5 * v - 0.25;
+        ck_assert_int_eq(rbd_estimate_add(x.bare.m, x.d, x.e, &q, &v, &a, &tau, NULL), RBD_OK);
+    }
+    ck_assert_int_eq(rbd_estimate_solve(x.e, pi, &f, NULL), RBD_OK);
+    ck_assert_double_eq_tol(pi[0], 0.5, 1e-6);
+    ck_assert(fabs(f.coulomb - 3) < 1e-4 && fabs(f.viscous - 0.5) < 1e-4 && fabs(f.offset + 0.25) < 1e-4);
+
+    ck_assert_int_eq(rbd_estimate_deviations(x.e, deviation, NULL), RBD_OK);
+    ck_assert_double_eq_tol(deviation[0], 5, 1e-9);
+    ck_assert_int_eq(rbd_estimate_deviations(x.e, NULL, &df), RBD_OK);
+    ck_assert_int_eq(rbd_estimate_deviations(x.e, deviation, &again), RBD_OK);
+    ck_assert(memcmp(&df, &again, sizeof df) == 0);
+    ck_assert_int_eq(rbd_estimate_solve(x.e, NULL, NULL, NULL), RBD_OK);
+}
+END_TEST
+
+/* A model for kinematics alone has no momentum, and no torques to learn from. */
+START_TEST(a_robot_without_masses_tells_nothing) {
+    static unsigned char memory[4][20000], more[RBD_OBSERVER_SIZE(1)];
+    const rbd_observer_options options = {.gain = 1};
+    const double one = 1;
+    rbd_observer *o;
+    learner x;
+    learn_on_a_stand(&x, 1, memory);
+    ck_assert_int_eq(rbd_estimate_add(x.bare.m, x.d, x.e, &one, &one, &one, &one, NULL), RBD_ERR_MASSLESS);
+    ck_assert_int_eq(rbd_observer_init(x.bare.m, &options, more, sizeof more, &o, NULL), RBD_OK);
+    ck_assert_int_eq(rbd_observer_step(x.bare.m, x.bare.w, o, &one, &one, &one, 0.01, NULL, NULL, NULL),
+                     RBD_ERR_MASSLESS);
+}
+END_TEST
+
+/* A slide of 2 kg at 0.3 m/s, with friction of 3 N. If 0.5 m/s counts as slow it is at rest, and the band has
+   all of the friction; else it moves, and the band is 0. */
+START_TEST(slow_is_as_the_option_says) {
+    static unsigned char memory[4][20000], more[RBD_OBSERVER_SIZE(1)];
+    const rbd_joint_friction friction = {.coulomb = 3};
+    learner x;
+    learn_on_a_stand(&x, 0, memory);
+    for (int slow = 0; slow < 2; slow++) {
+        const rbd_observer_options options = {.gain = 100, .slow = slow ? 0.5 : 0.1, .friction = &friction};
+        const double q = 0, v = 0.3, tau = 3, huge = 1e308;
+        double r, band = -1;
+        rbd_estimate_fault fault;
+        rbd_observer *o;
+        ck_assert_int_eq(rbd_observer_init(x.bare.m, &options, more, sizeof more, &o, NULL), RBD_OK);
+        for (int k = 0; k < 100; k++)
+            ck_assert_int_eq(rbd_observer_step(x.bare.m, x.bare.w, o, &q, &v, &tau, 0.1, &r, &band, NULL),
+                             RBD_OK);
+        ck_assert_double_eq_tol(band, slow ? 3 : 0, 1e-9);
+        ck_assert_double_eq_tol(r, slow ? -3 : 0, 1e-9);
+        ck_assert_int_eq(rbd_observer_step(x.bare.m, x.bare.w, o, &q, &huge, &tau, 0.1, &r, &band, &fault),
+                         RBD_ERR_NAN); /* M v overflows */
+        ck_assert_str_eq(fault.field, "v");
+    }
+}
+END_TEST
+
 START_TEST(texts_fit_their_memory) {
     const rbd_estimate_fault fault = {"tau", 12}, none = {NULL, -1};
     char text[40];
@@ -1069,6 +1187,10 @@ Suite *estimate_suite(void) {
     tcase_add_test(c, friction_can_be_learnt_alone);
     tcase_add_test(c, errors_of_the_observer_have_their_names);
     tcase_add_test(c, errors_of_the_estimate_have_their_names);
+    tcase_add_test(c, no_entry_behind_an_array_is_read);
+    tcase_add_test(c, a_payload_of_the_world_is_not_felt);
+    tcase_add_test(c, a_robot_without_masses_tells_nothing);
+    tcase_add_test(c, slow_is_as_the_option_says);
     tcase_add_test(c, texts_fit_their_memory);
     tcase_add_test(slow, noise_costs_what_it_must);
     tcase_add_test(slow, deviations_are_those_of_the_errors);

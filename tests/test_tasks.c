@@ -924,6 +924,7 @@ SPOIL(nan_velocity, x->task[1].velocity[5] = NAN)
 SPOIL(infinite_acceleration, x->task[1].acceleration[0] = INFINITY)
 SPOIL(body_above, x->task[1].body = 7)
 SPOIL(body_below, x->task[1].body = -1)
+SPOIL(reference_below, x->task[1].kind = RBD_TASK_RELATIVE; x->task[1].reference = -2)
 SPOIL(bad_reference, x->task[1].kind = RBD_TASK_RELATIVE; x->task[1].reference = 7)
 SPOIL(nan_point, x->task[1].point[0] = NAN)
 SPOIL(nan_position, x->task[1].position[1] = NAN)
@@ -938,6 +939,7 @@ SPOIL(nan_posture_v, x->task[1].kind = RBD_TASK_POSTURE; x->task[1].q = x->q; x-
       x->arrays[0][6] = NAN)
 SPOIL(nan_posture_a, x->task[1].kind = RBD_TASK_POSTURE; x->task[1].q = x->q; x->task[1].a = x->arrays[0];
       x->arrays[0][6] = NAN)
+SPOIL(negative_rows, x->task[1].kind = RBD_TASK_ROWS; x->task[1].rows = -1)
 SPOIL(many_rows, x->task[1].kind = RBD_TASK_ROWS; x->task[1].rows = 1001)
 SPOIL(no_jacobian, x->task[1].kind = RBD_TASK_ROWS; x->task[1].rows = 1)
 SPOIL(no_y, x->task[1].kind = RBD_TASK_ROWS; x->task[1].rows = 1; x->task[1].jacobian = x->arrays[0])
@@ -945,6 +947,7 @@ SPOIL(nan_jacobian, x->task[1].kind = RBD_TASK_ROWS; x->task[1].rows = 1; x->tas
       x->task[1].y = x->arrays[1]; x->arrays[0][6] = NAN)
 SPOIL(nan_y, x->task[1].kind = RBD_TASK_ROWS; x->task[1].rows = 1; x->task[1].jacobian = x->arrays[0];
       x->task[1].y = x->arrays[1]; x->arrays[1][0] = NAN)
+SPOIL(contact_body_below, x->contact->body = -1)
 SPOIL(contact_body, x->contact->body = 7)
 SPOIL(contact_point, x->contact->point[2] = NAN)
 SPOIL(contact_normal, x->contact->normal[2] = NAN)
@@ -957,6 +960,7 @@ SPOIL(least_above_most, x->contact->most = 1; x->contact->least = 2)
 SPOIL(nan_most, x->contact->most = NAN)
 SPOIL(nan_cost, x->contact->cost = NAN)
 SPOIL(nan_gain, x->contact->gain = NAN)
+SPOIL(infinite_dt, x->problem.dt = INFINITY)
 SPOIL(no_dt, x->problem.dt = 0)
 SPOIL(negative_dt, x->problem.dt = -1e-3)
 SPOIL(nan_dt, x->problem.dt = NAN)
@@ -977,6 +981,8 @@ SPOIL(without_negative, x->problem.without = -1)
 SPOIL(nan_q, x->q[2] = NAN)
 SPOIL(nan_v, x->v[2] = NAN)
 SPOIL(nan_force, x->problem.f_ext = x->arrays[0]; x->arrays[0][4] = NAN)
+SPOIL(many_tasks, x->problem.tasks = 1001)
+SPOIL(many_contacts, x->problem.contacts = 1001)
 SPOIL(negative_count, x->problem.tasks = -1)
 SPOIL(negative_contacts, x->problem.contacts = -1)
 SPOIL(no_tasks, x->problem.task = NULL)
@@ -1005,6 +1011,7 @@ static const struct {
     {infinite_acceleration, RBD_ERR_RANGE, 1, -1, -1, "acceleration"},
     {body_above, RBD_ERR_INDEX, 1, -1, -1, "body"},
     {body_below, RBD_ERR_INDEX, 1, -1, -1, "body"},
+    {reference_below, RBD_ERR_INDEX, 1, -1, -1, "reference"},
     {bad_reference, RBD_ERR_INDEX, 1, -1, -1, "reference"},
     {nan_point, RBD_ERR_POSITION, 1, -1, -1, "point"},
     {nan_position, RBD_ERR_POSITION, 1, -1, -1, "position"},
@@ -1016,11 +1023,13 @@ static const struct {
     {nan_posture_v, RBD_ERR_RANGE, 1, -1, -1, "v"},
     {nan_posture_a, RBD_ERR_RANGE, 1, -1, -1, "a"},
     {negative_posture, RBD_ERR_RANGE, 1, -1, -1, "weights"},
+    {negative_rows, RBD_ERR_COUNT, 1, -1, -1, "rows"},
     {many_rows, RBD_ERR_COUNT, 1, -1, -1, "rows"},
     {no_jacobian, RBD_ERR_NULL, 1, -1, -1, "jacobian"},
     {no_y, RBD_ERR_NULL, 1, -1, -1, "y"},
     {nan_jacobian, RBD_ERR_RANGE, 1, -1, -1, "jacobian"},
     {nan_y, RBD_ERR_RANGE, 1, -1, -1, "y"},
+    {contact_body_below, RBD_ERR_INDEX, -1, 0, -1, "body"},
     {contact_body, RBD_ERR_INDEX, -1, 0, -1, "body"},
     {contact_point, RBD_ERR_POSITION, -1, 0, -1, "point"},
     {contact_normal, RBD_ERR_AXIS, -1, 0, -1, "normal"},
@@ -1033,6 +1042,7 @@ static const struct {
     {nan_most, RBD_ERR_RANGE, -1, 0, -1, "most"},
     {nan_cost, RBD_ERR_RANGE, -1, 0, -1, "cost"},
     {nan_gain, RBD_ERR_RANGE, -1, 0, -1, "gain"},
+    {infinite_dt, RBD_ERR_RANGE, -1, -1, -1, "dt"},
     {no_dt, RBD_ERR_RANGE, -1, -1, -1, "dt"},
     {negative_dt, RBD_ERR_RANGE, -1, -1, -1, "dt"},
     {nan_dt, RBD_ERR_RANGE, -1, -1, -1, "dt"},
@@ -1053,6 +1063,8 @@ static const struct {
     {nan_q, RBD_ERR_NAN, -1, -1, -1, "q"},
     {nan_v, RBD_ERR_NAN, -1, -1, -1, "v"},
     {nan_force, RBD_ERR_NAN, -1, -1, -1, "f_ext"},
+    {many_tasks, RBD_ERR_COUNT, -1, -1, -1, "tasks"},
+    {many_contacts, RBD_ERR_COUNT, -1, -1, -1, "contacts"},
     {negative_count, RBD_ERR_COUNT, -1, -1, -1, "tasks"},
     {negative_contacts, RBD_ERR_COUNT, -1, -1, -1, "contacts"},
     {no_tasks, RBD_ERR_NULL, -1, -1, -1, "task"},
