@@ -74,8 +74,8 @@ RBDI_PART rbd_qp_status rbdi_qp_check_value(rbdi_qp *s) {
         if (diagonal < 0) return rbdi_qp_refuse(s, RBD_QP_CONVEX, i, "H");
         s->t[i] = RBDI_QP_ASYMMETRY * diagonal;
         for (int j = 0; j < i; ++j) {
-            const rbd_real apart = H[i * n + j] - H[j * n + i];
-            if (!(apart == 0) && !(rbdi_abs(apart) <= s->t[i] + s->t[j])) return rbdi_qp_refuse_pair(s, i, j);
+            const rbd_real apart = rbdi_abs(H[i * n + j] - H[j * n + i]);
+            if (!(apart <= s->t[i]) && !(apart <= s->t[i] + s->t[j])) return rbdi_qp_refuse_pair(s, i, j);
         }
     }
     return RBD_QP_OK;
