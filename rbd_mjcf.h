@@ -231,7 +231,7 @@ void rbd_mjcf_qvel_of_v(const rbd_mjcf *robot, const double *qpos, const double 
 
 #include <mujoco/mujoco.h>
 
-/* What newer versions of MuJoCo call otherwise. 2.2.2 is 222, 3.9.0 is 390, 3.12.0 is 3012000. */
+/* What newer versions of MuJoCo call otherwise. 2.2.2 is 222, 3.4.0 is 340, 3.5.0 is 3005000. */
 #if mjVERSION_HEADER >= 300
 #define RBDI_MJCF_EQ_ACTIVE eq_active0
 #else
@@ -1100,7 +1100,7 @@ static void rbdi_mjcf_add_constraints(rbdi_mjcf_load *l) {
    Things of one kind that rbd has no place for, in one warning that names them. */
 
 static int rbdi_mjcf_has_spring(const mjModel *m, int joint) {
-#if mjVERSION_HEADER >= 370
+#if mjVERSION_HEADER >= 3007000
     for (int i = 0; i < mjNPOLY; i++)
         if (m->jnt_stiffnesspoly[joint * mjNPOLY + i] != 0) return 1;
 #endif
@@ -1108,7 +1108,7 @@ static int rbdi_mjcf_has_spring(const mjModel *m, int joint) {
 }
 
 static int rbdi_mjcf_has_drag(const mjModel *m, int joint) {
-#if mjVERSION_HEADER >= 370
+#if mjVERSION_HEADER >= 3007000
     for (int i = 0; i < mjNPOLY; i++)
         if (m->dof_dampingpoly[m->jnt_dofadr[joint] * mjNPOLY + i] != 0) return 1;
 #endif

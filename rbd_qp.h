@@ -1049,6 +1049,8 @@ RBDI_ONCE rbd_real *rbdi_qp_column(const rbdi_qp *s, int k) { return s->R + k * 
 RBDI_INLINE rbd_real *rbdi_qp_j(const rbdi_qp *s, int k) { return s->J + k * s->n; }
 
 /* ==== src/qp/vectors.h ==== */
+/* Interface: rbdi_qp_dot, rbdi_qp_largest */
+
 /* ---- vectors [vectors] ----
    Loops over rows of n scalars, four at a time. A dot product has four sums and one for the rest, which are
    added in one order everywhere, so that RBD_REPRODUCIBLE holds with every SIMD unit.

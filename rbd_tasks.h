@@ -140,7 +140,7 @@ typedef struct rbd_task_contact {
 
 /* ---- problem [problem of tasks] ---- */
 
-/* Limits that do not count: rbd_tasks.without is their sum. */
+/* Limits that do not count: rbd_tasks.without is their sum; other numbers are an error. */
 typedef enum rbd_tasks_without {
     RBD_WITHOUT_POSITION = 1,
     RBD_WITHOUT_SPEED = 2,
@@ -155,7 +155,8 @@ typedef struct rbd_tasks {
     int contacts;
     rbd_real dt; /* s: until the next tick, above 0 */
 
-    /* Limits of dofs, nv each. NULL: those of the model, of joints with one dof and of their mimics. */
+    /* Limits of dofs, nv each. NULL: those of the model, of joints with one dof and of their mimics: q, v and
+       tau of a dof are such that each of these joints keeps its limits, whichever bears all of tau. */
     const rbd_real *lower;  /* rad or m, of joints with one coordinate; -RBD_QP_NONE and less: none */
     const rbd_real *upper;  /* RBD_QP_NONE and more: none. If only one is given, the other side has none */
     const rbd_real *speed;  /* rad/s or m/s; 0: none */
@@ -269,6 +270,8 @@ RBDI_EXTERN_C_END
 #undef C
 #pragma push_macro("E")
 #undef E
+#pragma push_macro("F")
+#undef F
 #pragma push_macro("H")
 #undef H
 #pragma push_macro("I")
@@ -277,8 +280,6 @@ RBDI_EXTERN_C_END
 #undef J
 #pragma push_macro("M")
 #undef M
-#pragma push_macro("R")
-#undef R
 #pragma push_macro("V")
 #undef V
 
@@ -304,6 +305,7 @@ RBDI_EXTERN_C_END
    widened to hold the x that was found: so a next level always has a solution, rounding included. */
 
 #define RBDI_TASKS_MOST 1000 /* tasks, contacts, rows of one task */
+#define RBDI_TASKS_WITHOUT (RBD_WITHOUT_POSITION + RBD_WITHOUT_SPEED + RBD_WITHOUT_TORQUE) /* all */
 #define RBDI_TASKS_BRAKING RBD_C(10)
 #define RBDI_TASKS_HELD RBD_C(20)
 #if RBDI_KIND(RBD_CONST) == 2
@@ -665,6 +667,8 @@ RBDI_LOCAL rbd_status rbdi_tasks_check_limits(const rbd_model *m, const rbd_task
         if (!rbdi_tasks_is_measure(scales[k]))
             return rbdi_tasks_refuse(result, RBD_ERR_RANGE, scale_names[k]);
     if (p->steps < 0) return rbdi_tasks_refuse(result, RBD_ERR_RANGE, "steps");
+    if (p->without < 0 || p->without > RBDI_TASKS_WITHOUT)
+        return rbdi_tasks_refuse(result, RBD_ERR_RANGE, "without");
     return RBD_OK;
 }
 
@@ -721,20 +725,6 @@ RBDI_LOCAL rbd_real *rbdi_tasks_append(rbdi_tasks *k, rbd_real lower, rbd_real u
     return row;
 }
 
-RBDI_LOCAL rbd_real rbdi_tasks_dot(const rbd_real *a, const rbd_real *b, int n) {
-    rbd_real sum = rbdi_zero();
-    int i = 0;
-
-    for (; i + 4 <= n; i += 4) {
-        sum = sum + a[i] * b[i];
-        sum = sum + a[i + 1] * b[i + 1];
-        sum = sum + a[i + 2] * b[i + 2];
-        sum = sum + a[i + 3] * b[i + 3];
-    }
-    for (; i < n; ++i) sum = sum + a[i] * b[i];
-    return sum;
-}
-
 /* Two tangents and the normal of a contact's ground, as rows. */
 RBDI_LOCAL rbdi_mat rbdi_tasks_ground(const rbd_task_contact *c) {
     const rbdi_v3 given = rbdi_load_vec(c->normal, 1);
@@ -777,16 +767,21 @@ RBDI_LOCAL int rbdi_tasks_is_passive(const rbdi_tasks *k, int dof) {
     return k->m->frame[k->m->dof[dof].body].type == RBD_FLOATING;
 }
 
-/* The largest torque of a motor; RBDI_UNBOUNDED: any. */
+/* The largest torque of a dof; RBDI_UNBOUNDED: any. That of a mimic, x = ratio q, comes to ratio times its
+   own: whichever of the joints bears all, none bears more than its limit. */
 RBDI_LOCAL rbd_real rbdi_tasks_torque(const rbdi_tasks *k, int dof) {
-    const rbdi_frame *u = &k->m->frame[k->m->dof[dof].body];
-    rbd_real most = rbdi_zero();
+    const rbd_model *m = k->m;
+    const rbdi_frame *u = &m->frame[m->dof[dof].body];
+    rbd_real most = rbdi_set(RBDI_UNBOUNDED);
+    if (k->given->without & RBD_WITHOUT_TORQUE) return most;
+    if (k->given->torque) return k->given->torque[dof] > 0 ? k->given->torque[dof] : most;
 
-    if (k->given->torque)
-        most = k->given->torque[dof];
-    else if (u->nv == 1)
-        most = rbdi_set(u->effort);
-    if (!(most > 0) || (k->given->without & RBD_WITHOUT_TORQUE)) most = rbdi_set(RBDI_UNBOUNDED);
+    if (u->nv == 1 && u->effort > 0) most = rbdi_set(u->effort);
+    for (int i = 0; i < rbdi_mimics(m); ++i) {
+        const rbd_const own = m->frame[m->dof[m->nv + i].body].effort;
+        if (m->mimic[i].source_v == dof && own > 0)
+            most = rbdi_ik_smaller(most, rbdi_abs(rbdi_set(own * m->mimic[i].ratio)));
+    }
     return most;
 }
 
@@ -863,7 +858,7 @@ typedef struct rbdi_tasks_error {
    R I R' omega + r x m v. */
 RBDI_LOCAL void rbdi_tasks_put_momentum(rbdi_tasks *k) {
     const rbd_model *m = k->m;
-    rbd_real com[3], centre[3] = {0, 0, 0};
+    rbd_real centre[3] = {0, 0, 0};
     rbd_com(m, k->w, centre, NULL, NULL);
     rbdi_clear(k->J, 6 * k->nv);
 
@@ -874,9 +869,8 @@ RBDI_LOCAL void rbdi_tasks_put_momentum(rbdi_tasks *k) {
         rbdi_v3 p, r;
         if (u->link < 0) continue;
 
-        rbdi_store_vec(com, 1, rbdi_vec_c(u->com));
         E = rbdi_axes_of(m, k->w, body);
-        p = rbdi_point_position(m, k->w, body, com);
+        p = rbdi_ik_body_com(m, k->w, u);
         r = rbdi_sub(p, rbdi_load_vec(centre, 1));
 
         for (int i = u->link; i >= 0; i = m->link[i].parent) {
@@ -897,23 +891,24 @@ RBDI_LOCAL void rbdi_tasks_put_momentum(rbdi_tasks *k) {
     }
 }
 
-/* Momentum, or the centre of mass, which moves by the linear momentum over the mass. */
+/* Momentum, which has no place. */
 RBDI_LOCAL void rbdi_tasks_of_momentum(rbdi_tasks *k, const rbd_task *t, rbdi_tasks_error *s) {
-    const rbd_real share = rbdi_set(1 / rbd_mass(k->m));
-    rbd_real h_dot[6] = {0}, com[3] = {0}, a[3] = {0};
+    rbd_real h_dot[6] = {0};
 
     rbdi_tasks_put_momentum(k);
-    if (t->kind == RBD_TASK_MOMENTUM) {
-        rbd_momentum(k->m, k->w, NULL, h_dot);
-        s->drift = rbdi_load_motion(h_dot, 1);
-        s->stiffness = rbdi_zero();
-        s->damping = t->gain;
-        return;
-    }
+    rbd_momentum(k->m, k->w, NULL, h_dot);
+    s->drift = rbdi_load_motion(h_dot, 1);
+    s->stiffness = rbdi_zero();
+    s->damping = t->gain;
+}
 
-    for (int i = 3 * k->nv; i < 6 * k->nv; ++i) k->J[i] = share * k->J[i];
+/* The centre of mass. */
+RBDI_LOCAL void rbdi_tasks_of_com(rbdi_tasks *k, const rbd_task *t, rbdi_tasks_error *s) {
+    rbd_real com[3] = {0}, a[3] = {0};
+
+    rbdi_ik_com_jacobian(k->m, k->w, k->w->F, &k->J[3 * k->nv]);
     rbd_com(k->m, k->w, com, NULL, a);
-    s->e.v = rbdi_sub(rbdi_load_vec(t->position, 1), rbdi_load_vec(com, 1));
+    s->e.v = rbdi_ik_way(t->position, rbdi_load_vec(com, 1));
     s->drift.v = rbdi_load_vec(a, 1);
 }
 
@@ -947,7 +942,6 @@ RBDI_LOCAL rbdi_motion rbdi_tasks_motion(const rbdi_tasks *k, int body, const rb
 /* A point, pose or rotation, in the world or in the axes of another body. */
 RBDI_LOCAL void rbdi_tasks_of_body(rbdi_tasks *k, const rbd_task *t, rbdi_tasks_error *s) {
     const int reference = t->kind == RBD_TASK_RELATIVE ? t->reference : -1;
-    const rbdi_mat R = rbdi_ik_rotation(t->rotation);
     rbdi_mat seen = rbdi_axes_of(k->m, k->w, t->body); /* from the axes of `position` to the body's */
     rbdi_v3 p = rbdi_point_position(k->m, k->w, t->body, t->point);
 
@@ -968,24 +962,24 @@ RBDI_LOCAL void rbdi_tasks_of_body(rbdi_tasks *k, const rbd_task *t, rbdi_tasks_
 
     rbd_relative_jacobian(k->m, k->w, t->body, t->point, reference,
                           reference >= 0 ? RBD_LINK_AXES : RBD_WORLD_AXES, k->J);
-    s->e.v = rbdi_sub(rbdi_load_vec(t->position, 1), p);
-    if (rbdi_tasks_turns(t->kind)) s->e.omega = rbdi_log_rotation(rbdi_mul_mat(R, seen));
+    s->e.v = rbdi_ik_way(t->position, p);
+    if (rbdi_tasks_turns(t->kind)) s->e.omega = rbdi_ik_turn_to(t->rotation, seen);
 }
 
 /* An axis s: its turn is omega - (omega s) s, whose rate is alpha - (alpha s) s - (omega s) omega x s. */
 RBDI_LOCAL void rbdi_tasks_of_axis(rbdi_tasks *k, const rbd_task *t, rbdi_tasks_error *s) {
-    const rbdi_v3 axis = rbdi_mul_t(rbdi_axes_of(k->m, k->w, t->body), rbdi_ik_unit(t->axis));
+    const rbdi_v3 axis = rbdi_ik_axis(k->m, k->w, t->body, t->axis);
     const rbdi_v3 omega = rbdi_tasks_motion(k, t->body, NULL, 0).omega;
     const rbdi_v3 alpha = rbdi_tasks_motion(k, t->body, NULL, 1).omega;
 
     rbd_jacobian(k->m, k->w, t->body, NULL, RBD_WORLD_AXES, k->J);
     for (int i = 0; i < k->nv; ++i) {
         const rbdi_v3 c = rbdi_load_vec(&k->J[i], k->nv);
-        rbdi_store_vec(&k->J[i], k->nv, rbdi_sub(c, rbdi_scale(rbdi_dot(axis, c), axis)));
+        rbdi_store_vec(&k->J[i], k->nv, rbdi_ik_part_across(c, axis));
     }
 
     s->e.omega = rbdi_ik_turn(axis, rbdi_ik_unit(t->direction));
-    s->drift.omega = rbdi_sub(alpha, rbdi_scale(rbdi_dot(alpha, axis), axis));
+    s->drift.omega = rbdi_ik_part_across(alpha, axis);
     s->drift.omega = rbdi_sub(s->drift.omega, rbdi_scale(rbdi_dot(omega, axis), rbdi_cross(omega, axis)));
 }
 
@@ -1020,13 +1014,6 @@ RBDI_LOCAL rbdi_tasks_error rbdi_tasks_gains(const rbdi_tasks *k, const rbd_task
     return s;
 }
 
-/* The largest entry of n, by size. */
-RBDI_LOCAL rbd_real rbdi_tasks_largest(const rbd_real *x, int n) {
-    rbd_real most = rbdi_zero();
-    for (int i = 0; i < n; ++i) most = rbdi_ik_larger(most, rbdi_abs(x[i]));
-    return most;
-}
-
 /* Appends the rows of a task of bodies. A row of which rounding alone is left does not count: the next levels
    would have to keep it. */
 RBDI_LOCAL void rbdi_tasks_put_bodies(rbdi_tasks *k, const rbd_task *t, rbd_real weight) {
@@ -1034,8 +1021,10 @@ RBDI_LOCAL void rbdi_tasks_put_bodies(rbdi_tasks *k, const rbd_task *t, rbd_real
     const int first = rbdi_tasks_first(t->kind), end = rbdi_tasks_end(t->kind);
     rbd_real e[6], drift[6], rounding;
 
-    if (rbdi_tasks_of_robot(t->kind))
+    if (t->kind == RBD_TASK_MOMENTUM)
         rbdi_tasks_of_momentum(k, t, &s);
+    else if (t->kind == RBD_TASK_COM)
+        rbdi_tasks_of_com(k, t, &s);
     else if (t->kind == RBD_TASK_AXIS)
         rbdi_tasks_of_axis(k, t, &s);
     else
@@ -1044,15 +1033,15 @@ RBDI_LOCAL void rbdi_tasks_put_bodies(rbdi_tasks *k, const rbd_task *t, rbd_real
     rbdi_store_motion(drift, 1, s.drift);
     rounding = rbdi_set(64 * RBDI_EPS);
     if (rbdi_tasks_of_robot(t->kind))
-        rounding = rounding * rbdi_tasks_largest(&k->J[first * k->nv], (end - first) * k->nv);
+        rounding = rounding * rbdi_qp_largest(&k->J[first * k->nv], (end - first) * k->nv);
     else
-        rounding = rounding * rbdi_tasks_largest(k->J, 6 * k->nv);
+        rounding = rounding * rbdi_qp_largest(k->J, 6 * k->nv);
 
     for (int r = first; r < end; ++r) {
         const rbd_real *J = &k->J[r * k->nv];
-        const rbd_real u = k->accelerations ? rbdi_tasks_dot(J, k->v, k->nv) : rbdi_zero();
+        const rbd_real u = k->accelerations ? rbdi_qp_dot(J, k->v, k->nv) : rbdi_zero();
         const rbd_real y = rbdi_tasks_wish(k, &s, t->velocity[r], t->acceleration[r], u, e[r], drift[r]);
-        if (t->loose[r] || !(rbdi_tasks_largest(J, k->nv) > rounding)) continue;
+        if (t->loose[r] || !(rbdi_qp_largest(J, k->nv) > rounding)) continue;
         rbdi_ik_copy(J, k->nv, rbdi_tasks_append(k, y, y));
         rbdi_tasks_square(k, weight);
     }
@@ -1228,7 +1217,7 @@ RBDI_LOCAL rbd_qp_status rbdi_tasks_solve_level(rbdi_tasks *k, int level, int ro
 /* The value of a row, counted with the bounds, at x. */
 RBDI_LOCAL rbd_real rbdi_tasks_value(const rbdi_tasks *k, int row) {
     if (row < k->n) return k->x[row];
-    return rbdi_tasks_dot(&k->C[(ptrdiff_t)(row - k->n) * k->n], k->x, k->n);
+    return rbdi_qp_dot(&k->C[(ptrdiff_t)(row - k->n) * k->n], k->x, k->n);
 }
 
 /* The size of what is added up in a row: sum |c_i| (|x_i| + a unit of x_i). */
@@ -1342,7 +1331,7 @@ RBDI_LOCAL rbd_tasks_status rbdi_tasks_descend(rbdi_tasks *k) {
 
 RBDI_LOCAL rbd_real rbdi_tasks_share(const rbdi_tasks *k, int row) {
     const rbd_real *c = &k->C[(ptrdiff_t)(row - k->n) * k->n];
-    const rbd_real length = row < k->n ? rbdi_set(RBD_C(1)) : rbdi_sqrt(rbdi_tasks_dot(c, c, k->n));
+    const rbd_real length = row < k->n ? rbdi_set(RBD_C(1)) : rbdi_sqrt(rbdi_qp_dot(c, c, k->n));
     const rbd_real side = k->lambda[row] > 0 ? k->upper[row] : k->lower[row];
     if (!(k->lambda[row] < 0 || k->lambda[row] > 0)) return rbdi_zero();
     return rbdi_abs(k->lambda[row]) * (length + rbdi_abs(side));
@@ -1540,7 +1529,7 @@ RBDI_API rbd_tasks_status rbd_tasks_acceleration(const rbd_model *m, rbd_work *w
     rbdi_ik_copy(k->found, k->nv, a);
     for (int i = 0; i < k->nv; ++i) {
         const rbd_real *row = &k->C[(ptrdiff_t)(k->dynamics + i) * k->n];
-        tau[i] = rbdi_tasks_is_passive(k, i) ? rbdi_zero() : rbdi_tasks_dot(row, k->found, k->n) + k->bias[i];
+        tau[i] = rbdi_tasks_is_passive(k, i) ? rbdi_zero() : rbdi_qp_dot(row, k->found, k->n) + k->bias[i];
     }
     if (forces && p->contacts) rbdi_tasks_put_forces(k, forces);
     return status;
@@ -1632,9 +1621,9 @@ RBDI_CODE_END
 #pragma pop_macro("A")
 #pragma pop_macro("C")
 #pragma pop_macro("E")
+#pragma pop_macro("F")
 #pragma pop_macro("H")
 #pragma pop_macro("I")
 #pragma pop_macro("J")
 #pragma pop_macro("M")
-#pragma pop_macro("R")
 #pragma pop_macro("V")

@@ -99,7 +99,7 @@ static rbdi_tasks *rows_at(const rbd_tasks *p, const rbd_real *q, const rbd_real
 /* J v of all rows, at q. */
 static void rates(const rbd_tasks *p, const rbd_real *q, const rbd_real *v, double *u) {
     const rbdi_tasks *k = rows_at(p, q, v, 0);
-    for (int r = 0; r < k->rows; r++) u[r] = (double)rbdi_tasks_dot(&k->C[r * k->n], v, m->nv);
+    for (int r = 0; r < k->rows; r++) u[r] = (double)rbdi_qp_dot(&k->C[r * k->n], v, m->nv);
 }
 
 static void move(const rbd_real *q, const rbd_real *v, double h, rbd_real *to) {

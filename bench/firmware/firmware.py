@@ -203,7 +203,7 @@ def prove(target, folder, scalars, levels, parts):
     if "calls" in parts and len(lines) < (1 + 2 * len(levels)) * len(scalars):
         problem(f"{target}: libraries are missing: {lines}")
     programs = ("collision", "computed_torque", "five_bar", "gravity_compensation", "inverse_kinematics", "mpc_cart_pole",
-                "mpc_iiwa", "quadratic_programs", "recorded_control", "servo_arm", "standing",
+                "mpc_iiwa", "quadratic_programs", "recorded_control", "recorded_servos", "servo_arm", "standing",
                 "whole_body")
     for program in programs if "examples" in parts else ():
         if not (folder / "examples/firmware" / program).exists() and program.startswith(("five", "inverse", "mpc", "quad", "record", "servo", "stand", "whole")):  # an FPU

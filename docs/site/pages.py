@@ -624,7 +624,10 @@ def index():
     if playground:
         out += [f'<a class="look" id="playground" href="playground/index.html">{picture}<b>Open the playground: your URDF, in this browser</b></a>', ""]
     code, printed = quick_start()
-    out += ["The torques that hold an arm still, in N m:", "", code, "", printed, ""]
+    out += ["The torques that hold an arm still, in N m. As `hold.c` in the folder of `rbd.h`:", "", code, "",
+            "    cc -std=c99 -O2 hold.c -lm && ./a.out", "", printed, ""]
+    out += ["**Get it:** copy the headers that you use beside your program: [Install](guides/install.md) has the lines for each build "
+            "system. In Python `pip install ./python`: [rbd from Python](guides/python.md).", ""]
     out += ['<div class="three">' + "".join(f"<div><b>{n}</b><span>{html.escape(what)}</span></div>" for n, what in numbers()) + "</div>", ""]
     out += doors()
     out += ["It allocates nothing, links nothing but libm, and takes a robot from a URDF file or from a table of your own. "
@@ -637,8 +640,16 @@ def index():
         out += ["```{toctree}", f":caption: {title}", ":maxdepth: 1", ":hidden:", ""]
         out += ["Playground <playground>"] if playground and title == "Begin" else []
         out += [page_name(p) for p in paths if (ROOT / p).exists() and p not in HIDDEN] + ["```", ""]
+    out += ["```{toctree}", ":caption: Python", ":maxdepth: 1", ":hidden:", "", *python_pages(), "```", ""]
     out += ["```{toctree}", ":caption: Reference", ":maxdepth: 1", ":hidden:", "", "reference/names", *reference(), "```", ""]
     return "\n".join(out)
+
+
+@functools.lru_cache(None)
+def python_pages():
+    """Pages of Python's reference: name and text."""
+    import python_reference  # needs numpy, which pages.py --check does without
+    return python_reference.pages(lambda text: linked(text, headers()[0]))
 
 
 def names_page():
@@ -688,7 +699,7 @@ def write(folder):
     """The pages for Sphinx in folder/, and in folder/extra/ what is copied as it is."""
     files = {h.name for h in headers()} | {"docs/overview.svg"}
     files.add("docs/playground.png")
-    pages = {**reference(), "reference/names": names_page(), "index": index()}
+    pages = {**reference(), **python_pages(), "reference/names": names_page(), "index": index()}
     if os.environ.get("RBD_PLAYGROUND") == "yes":
         pages["playground"] = "# Playground\n"  # of the menu; theme.py leads it to the playground itself
     for path in guides():

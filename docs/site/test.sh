@@ -28,8 +28,8 @@ names)
     ${CC:-cc} -std=c99 -fsyntax-only -Wall -Wextra -Wconversion -Werror "-I$here/../.." "$here/../../web/playground/module.c"
     ;;
 pages)
-    /usr/bin/python3 -c 'import sphinx, furo, myst_parser' && [ -f /usr/share/javascript/katex/katex.min.js ] ||
-        { echo "Sphinx, furo, MyST or KaTeX is not installed"; exit 77; }
+    /usr/bin/python3 -c 'import sphinx, furo, myst_parser, numpy' && [ -f /usr/share/javascript/katex/katex.min.js ] ||
+        { echo "Sphinx, furo, MyST, numpy or KaTeX is not installed"; exit 77; }
     PYTHONDONTWRITEBYTECODE=1 RBD_PLAYGROUND=no "$here/build.sh" "$scratch/site" -W --keep-going
     python3 -B "$here/links.py" "$scratch/site"
     python3 -B "$here/anchors.py" "$scratch/site"

@@ -66,6 +66,7 @@ class Motor(_Declared):
     damping: float = 0.0            #: N m s/rad, of this spring
     backlash: float = 0.0           #: rad: play of the spring
     delay: int = 0                  #: steps that a command takes
+    by_voltage: int = 0             #: 1: the drive sets volts, as of a hobby servo, and needs a resistance; 0: the current
     sampled: int = 0                #: 1: the drive is as slow as the step; 0: much faster
     friction: Friction | None = None  #: None: none
 
@@ -272,10 +273,12 @@ class Actuators(_Declared):
         return self.library.scalar(_number("actuators", name, value))
 
     def step(self, q: ArrayLike, v: ArrayLike, dt: float, *, torque: ArrayLike = 0.0, position: ArrayLike = 0.0,
-             speed: ArrayLike = 0.0, kp: ArrayLike = 0.0, kd: ArrayLike = 0.0, tau: ArrayLike | None = None,
-             f_ext: ArrayLike | None = None, contacts: ContactSet | None = None) -> tuple[Array, Array]:
+             speed: ArrayLike = 0.0, kp: ArrayLike = 0.0, kd: ArrayLike = 0.0, voltage: ArrayLike = 0.0,
+             tau: ArrayLike | None = None, f_ext: ArrayLike | None = None,
+             contacts: ContactSet | None = None) -> tuple[Array, Array]:
         """A time step of the robot with its motors: q and v after dt. Each drive gives torque + kp (position - angle) +
-        kd (speed - shaft's speed) at its shaft, numbers or arrays of n.
+        kd (speed - shaft's speed) at its shaft, numbers or arrays of n. Drives with by_voltage have a voltage, V, in place
+        of the torque, and gains in V/rad and V s/rad.
 
             tau        nv: further torques of the joints; None = none
             f_ext      nb x 6: external wrenches; None = none
@@ -285,7 +288,7 @@ class Actuators(_Declared):
         more = np.zeros(model.nv, dtype) if tau is None else self._state("step", "tau", tau, model.nv)
         commands = (structure("rbd_command", self.library.scalar) * self.n)()
         for name, given, value in (("q", "position", position), ("v", "speed", speed), ("kp", "kp", kp), ("kd", "kd", kd),
-                                   ("torque", "torque", torque)):
+                                   ("torque", "torque", torque), ("voltage", "voltage", voltage)):
             for row, x in zip(commands, self._command(given, value, name in ("kp", "kd"))):
                 setattr(row, name, x)
         first_order = bool(contacts is not None and contacts.options.first_order)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ._arguments import _flag, _number, _numbers
+from ._compiled import _compiled_loader
 from ._compiling import _QUICK, _compile, _words
 from ._descriptions import Body, Constraint, _from_c, _rows
 from ._headers import Array, MjcfStatus, RbdError, _python_words, _warn, structure
@@ -102,13 +103,19 @@ def _installed_mujoco():
 
 @functools.lru_cache(maxsize=None)
 def _mjcf_library():
-    """The loader, compiled with MuJoCo: of Python's package, else of the system."""
+    """The loader with MuJoCo: compiled with that of Python's package, else as the wheel brings it, else compiled with that
+    of the system."""
     flags, libraries = _installed_mujoco()
+    brought = _compiled_loader("mjcf")
+    if brought and not flags:
+        return brought
     compiler = _words("$CXX", os.environ.get("CXX", "").strip() or "c++")
     try:
         return _compile([_MJCF], [*compiler, *_QUICK, "-std=c++17", *flags], libraries,
                         "rbd_mjcf.h with MuJoCo, which takes some seconds")
     except RuntimeError as error:
+        if brought:  # no compiler: the wheel's MuJoCo reads the file, which may be older
+            return brought
         raise RuntimeError("MJCF files need MuJoCo with its headers (Debian: libmujoco-dev; or pip install mujoco) and a "
                            "C++ compiler. Without them a model is made of rows (Body) or of a C table (load_table), which "
                            f"rbd-model writes on another machine.\n{error}") from None

@@ -208,6 +208,8 @@ class Tasks(_Declared):
         if self.passive is not None:
             kept.append(_numbers("Tasks", "passive", self.passive, (self.model.nv,)).astype(np.uint8))
             problem.passive = _pointer(kept[-1])
+        if isinstance(self.without, (str, int)):
+            raise TypeError(f"Tasks: without must be a list of names, such as ['torque'], not {self.without!r}")
         for name in self.without:
             if name not in _LIMITS:
                 raise ValueError(f"Tasks: without must be of 'position', 'speed' and 'torque', not {name!r}")

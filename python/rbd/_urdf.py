@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ._arguments import _Declared, _flag, _number, _numbers, _utf8
-from ._compiled import _compiled_urdf
+from ._compiled import _compiled_loader
 from ._compiling import _QUICK, _compile, _run, _words
 from ._descriptions import Body, _from_c
 from ._headers import Array, JointType, Numbers, RbdError, UrdfStatus, _python_words, _warn, structure
@@ -53,7 +53,7 @@ class Urdf(_Declared):
 @functools.lru_cache(maxsize=None)
 def _urdf_library():
     """The loader with urdfdom: as the wheel brings it, else compiled."""
-    if brought := _compiled_urdf():
+    if brought := _compiled_loader("urdf"):
         return brought
     try:
         words = _run(["pkg-config", "--cflags", "--libs", "urdfdom"]).split()

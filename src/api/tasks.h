@@ -78,7 +78,7 @@ typedef struct rbd_task_contact {
 
 /* ---- problem [problem of tasks] ---- */
 
-/* Limits that do not count: rbd_tasks.without is their sum. */
+/* Limits that do not count: rbd_tasks.without is their sum; other numbers are an error. */
 typedef enum rbd_tasks_without {
     RBD_WITHOUT_POSITION = 1,
     RBD_WITHOUT_SPEED = 2,
@@ -93,7 +93,8 @@ typedef struct rbd_tasks {
     int contacts;
     rbd_real dt; /* s: until the next tick, above 0 */
 
-    /* Limits of dofs, nv each. NULL: those of the model, of joints with one dof and of their mimics. */
+    /* Limits of dofs, nv each. NULL: those of the model, of joints with one dof and of their mimics: q, v and
+       tau of a dof are such that each of these joints keeps its limits, whichever bears all of tau. */
     const rbd_real *lower;  /* rad or m, of joints with one coordinate; -RBD_QP_NONE and less: none */
     const rbd_real *upper;  /* RBD_QP_NONE and more: none. If only one is given, the other side has none */
     const rbd_real *speed;  /* rad/s or m/s; 0: none */

@@ -3,6 +3,8 @@
 #include "base/scalar.h"
 #include "qp/layout.h"
 
+/* Interface: rbdi_qp_dot, rbdi_qp_largest */
+
 /* ---- vectors [vectors] ----
    Loops over rows of n scalars, four at a time. A dot product has four sums and one for the rest, which are
    added in one order everywhere, so that RBD_REPRODUCIBLE holds with every SIMD unit.

@@ -20,6 +20,7 @@
    widened to hold the x that was found: so a next level always has a solution, rounding included. */
 
 #define RBDI_TASKS_MOST 1000 /* tasks, contacts, rows of one task */
+#define RBDI_TASKS_WITHOUT (RBD_WITHOUT_POSITION + RBD_WITHOUT_SPEED + RBD_WITHOUT_TORQUE) /* all */
 #define RBDI_TASKS_BRAKING RBD_C(10)
 #define RBDI_TASKS_HELD RBD_C(20)
 #if RBDI_KIND(RBD_CONST) == 2

@@ -133,7 +133,7 @@ RBDI_LOCAL rbd_qp_status rbdi_tasks_solve_level(rbdi_tasks *k, int level, int ro
 /* The value of a row, counted with the bounds, at x. */
 RBDI_LOCAL rbd_real rbdi_tasks_value(const rbdi_tasks *k, int row) {
     if (row < k->n) return k->x[row];
-    return rbdi_tasks_dot(&k->C[(ptrdiff_t)(row - k->n) * k->n], k->x, k->n);
+    return rbdi_qp_dot(&k->C[(ptrdiff_t)(row - k->n) * k->n], k->x, k->n);
 }
 
 /* The size of what is added up in a row: sum |c_i| (|x_i| + a unit of x_i). */

@@ -13,8 +13,9 @@
    - of a problem that is called infeasible projections onto its rows find no answer either;
    - a field that is NaN, 1e30 or -1 where it must not be is refused by name, and outputs are as they were.
 
-   Prints a table. Fails if anything is wrong, or if more than 1 % of the answers are inexact, 3 % in
-   float. */
+   An answer of a QP that is not exact, but near enough to be called so, is judged by its rows alone. Prints a
+   table. Fails if anything is wrong, if in float a move gains more than 1 % of the objective's terms in one
+   answer of 200, or if more than 1 % of the answers are inexact, 3 % in float. */
 #define RBD_IMPLEMENTATION
 #include "rbd_tasks.h"
 
@@ -674,9 +675,15 @@ static double fall_along(const level_state *s, const double *d) {
     return -(t * slope + t * t * bend / 2);
 }
 
+/* In float weights and costs of motion are six decades apart, and a flat way is found to some share only:
+   that of one answer in 500 is above 1 %. */
+static int loose;
+static long loose_ones;
+
 static void judge_move(const level_state *s, const double *d) {
     const double by = fall_along(s, d) / s->size;
     if (!(by < (in_float ? 0.3 : 1e-5))) fail("a feasible move is better", by);
+    if (!(by < 0.01)) loose = 1;
 }
 
 /* d without what leaves the rows: those of equalities, of levels before, and limits that hold, but one. A d
@@ -782,7 +789,10 @@ static void judge(const answer *a, int tasks, int level) {
             memcpy(append_square(&before, one.weight[k], one.r[k]), one.c[k], sizeof one.c[k]);
     }
     put_level(level, tasks, a->x, &o);
-    if (!half_turn) judge_optimum(&h, &o, &before, a);
+    if (half_turn || a->result.qp != RBD_QP_OK) return;
+    loose = 0;
+    judge_optimum(&h, &o, &before, a);
+    loose_ones += loose;
 }
 
 /* The residuals of level 0 are the same with the levels after as without. */
@@ -943,6 +953,6 @@ int main(int count, char **arguments) {
         inexact += t->inexact;
         answers += t->exact + t->inexact;
     }
-    printf("wrong: %ld\n", wrong);
-    return wrong > 0 || inexact * 100 > answers * (in_float ? 3 : 1);
+    printf("wrong: %ld; a move gains more than 1 %%: %ld\n", wrong, loose_ones);
+    return wrong > 0 || inexact * 100 > answers * (in_float ? 3 : 1) || loose_ones * 200 > answers;
 }
