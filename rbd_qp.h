@@ -20,7 +20,7 @@
        rbd_qp_solve(&p, NULL, memory, sizeof memory, x, lambda, side, NULL);   // x = (0.75, 0.25)
 
    CONTENTS (search for the tag)
-     [conventions] [configuration] [guarantees] [limits]
+     [conventions] [configuration] [guarantees] [limits] [cost]
      [problem] [solve]
      --- stop here if you only use it ---
      [layout] [compiler] [tolerances] [scalar] [pieces]
@@ -55,6 +55,15 @@
      options->rounds. In float RBD_QP_UNBOUNDED is said where f falls by a tenth of its terms; less is
      RBD_QP_INACCURATE. Of problems without H (all 0) that are unbounded a few of a thousand end in
      RBD_QP_ITERATIONS or _NAN instead, of those with soft rows alone a few of a hundred.
+
+   [cost] Flash for a Cortex-M4F at -Os: 13.2 kB of rbd_qp_solve; DAQP 0.9.1 takes 29.5 kB. Contact forces of
+   HyQ without a warm start, DAQP first, both by gcc 12.2 -O2: instructions of a Cortex-M4F in float, the mean
+   of 32 problems; microseconds of a PC in double with -march=native, of 400 in the same run:
+
+     12 forces, 28 rows, few limits reached       108,526   43,105     4.3   3.5
+     the same, many                               193,063   99,575    10.1   8.3
+     18 accelerations too, 46 rows, few           447,307  149,759    21.5  10.1
+     the same, many                               499,026  221,909    23.0  14.6
 */
 
 /* ==== src/api/configuration.h ==== */
@@ -1094,9 +1103,10 @@ typedef rbd_real rbdi_qp_group;
 /* The sum of a_i t_i. */
 RBDI_ONCE RBDI_T rbdi_qp_dot(const rbd_real *a, const RBDI_T *t, int n) {
     const RBDI_T zero = {0};
-    RBDI_T s0 = zero, s1 = zero, s2 = zero, s3 = zero, rest = zero;
+    RBDI_T s0, s1, s2, s3, rest;
     int i = 0;
 
+    s0 = s1 = s2 = s3 = rest = zero;
     for (; i + 4 <= n; i += 4) {
         s0 = s0 + a[i] * t[i];
         s1 = s1 + a[i + 1] * t[i + 1];
@@ -1111,10 +1121,11 @@ RBDI_ONCE RBDI_T rbdi_qp_dot(const rbd_real *a, const RBDI_T *t, int n) {
 RBDI_ONCE void rbdi_qp_dots(const rbd_real *a, const rbd_real *b, const RBDI_T *t, int n, RBDI_T *with_a,
                             RBDI_T *with_b) {
     const RBDI_T zero = {0};
-    RBDI_T a0 = zero, a1 = zero, a2 = zero, a3 = zero, rest_a = zero;
-    RBDI_T b0 = zero, b1 = zero, b2 = zero, b3 = zero, rest_b = zero;
+    RBDI_T a0, a1, a2, a3, rest_a, b0, b1, b2, b3, rest_b;
     int i = 0;
 
+    a0 = a1 = a2 = a3 = rest_a = zero;
+    b0 = b1 = b2 = b3 = rest_b = zero;
     for (; i + 4 <= n; i += 4) {
         const RBDI_T t0 = t[i], t1 = t[i + 1], t2 = t[i + 2], t3 = t[i + 3];
         a0 = a0 + a[i] * t0;
@@ -1268,9 +1279,10 @@ RBDI_INLINE void rbdi_qp_rotate(rbd_real *a, rbd_real *b, int n, rbd_real cosine
 /* The sum of a_i t_i. */
 RBDI_ONCE RBDI_T rbdi_qp_dot(const rbd_real *a, const RBDI_T *t, int n) {
     const RBDI_T zero = {0};
-    RBDI_T s0 = zero, s1 = zero, s2 = zero, s3 = zero, rest = zero;
+    RBDI_T s0, s1, s2, s3, rest;
     int i = 0;
 
+    s0 = s1 = s2 = s3 = rest = zero;
     for (; i + 4 <= n; i += 4) {
         s0 = s0 + a[i] * t[i];
         s1 = s1 + a[i + 1] * t[i + 1];
@@ -1285,10 +1297,11 @@ RBDI_ONCE RBDI_T rbdi_qp_dot(const rbd_real *a, const RBDI_T *t, int n) {
 RBDI_ONCE void rbdi_qp_dots(const rbd_real *a, const rbd_real *b, const RBDI_T *t, int n, RBDI_T *with_a,
                             RBDI_T *with_b) {
     const RBDI_T zero = {0};
-    RBDI_T a0 = zero, a1 = zero, a2 = zero, a3 = zero, rest_a = zero;
-    RBDI_T b0 = zero, b1 = zero, b2 = zero, b3 = zero, rest_b = zero;
+    RBDI_T a0, a1, a2, a3, rest_a, b0, b1, b2, b3, rest_b;
     int i = 0;
 
+    a0 = a1 = a2 = a3 = rest_a = zero;
+    b0 = b1 = b2 = b3 = rest_b = zero;
     for (; i + 4 <= n; i += 4) {
         const RBDI_T t0 = t[i], t1 = t[i + 1], t2 = t[i + 2], t3 = t[i + 3];
         a0 = a0 + a[i] * t0;
@@ -2511,14 +2524,14 @@ RBDI_PART rbd_qp_status rbdi_qp_check_value(rbdi_qp *s) {
     const int n = s->n;
 
     for (int i = 0; i < n; ++i) {
-        const rbd_real diagonal = H[i * n + i];
+        const rbd_real diagonal = H[i * n + i], own = RBDI_QP_ASYMMETRY * diagonal;
         if (!rbdi_qp_finite(s->given.f[i])) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "f");
         if (!rbdi_qp_finite(diagonal)) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "H");
         if (diagonal < 0) return rbdi_qp_refuse(s, RBD_QP_CONVEX, i, "H");
-        s->t[i] = RBDI_QP_ASYMMETRY * diagonal;
+        s->t[i] = own;
         for (int j = 0; j < i; ++j) {
-            const rbd_real apart = H[i * n + j] - H[j * n + i];
-            if (!(apart == 0) && !(rbdi_abs(apart) <= s->t[i] + s->t[j])) return rbdi_qp_refuse_pair(s, i, j);
+            const rbd_real apart = rbdi_abs(H[i * n + j] - H[j * n + i]);
+            if (!(apart <= own) && !(apart <= own + s->t[j])) return rbdi_qp_refuse_pair(s, i, j);
         }
     }
     return RBD_QP_OK;

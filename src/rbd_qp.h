@@ -19,7 +19,7 @@
        rbd_qp_solve(&p, NULL, memory, sizeof memory, x, lambda, side, NULL);   // x = (0.75, 0.25)
 
    CONTENTS (search for the tag)
-     [conventions] [configuration] [guarantees] [limits]
+     [conventions] [configuration] [guarantees] [limits] [cost]
      [problem] [solve]
      --- stop here if you only use it ---
      [layout] [compiler] [tolerances] [scalar] [pieces]
@@ -54,6 +54,15 @@
      options->rounds. In float RBD_QP_UNBOUNDED is said where f falls by a tenth of its terms; less is
      RBD_QP_INACCURATE. Of problems without H (all 0) that are unbounded a few of a thousand end in
      RBD_QP_ITERATIONS or _NAN instead, of those with soft rows alone a few of a hundred.
+
+   [cost] Flash for a Cortex-M4F at -Os: 13.2 kB of rbd_qp_solve; DAQP 0.9.1 takes 29.5 kB. Contact forces of
+   HyQ without a warm start, DAQP first, both by gcc 12.2 -O2: instructions of a Cortex-M4F in float, the mean
+   of 32 problems; microseconds of a PC in double with -march=native, of 400 in the same run:
+
+     12 forces, 28 rows, few limits reached       108,526   43,105     4.3   3.5
+     the same, many                               193,063   99,575    10.1   8.3
+     18 accelerations too, 46 rows, few           447,307  149,759    21.5  10.1
+     the same, many                               499,026  221,909    23.0  14.6
 */
 
 #include "api/configuration.h"

@@ -68,14 +68,14 @@ RBDI_PART rbd_qp_status rbdi_qp_check_value(rbdi_qp *s) {
     const int n = s->n;
 
     for (int i = 0; i < n; ++i) {
-        const rbd_real diagonal = H[i * n + i];
+        const rbd_real diagonal = H[i * n + i], own = RBDI_QP_ASYMMETRY * diagonal;
         if (!rbdi_qp_finite(s->given.f[i])) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "f");
         if (!rbdi_qp_finite(diagonal)) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "H");
         if (diagonal < 0) return rbdi_qp_refuse(s, RBD_QP_CONVEX, i, "H");
-        s->t[i] = RBDI_QP_ASYMMETRY * diagonal;
+        s->t[i] = own;
         for (int j = 0; j < i; ++j) {
-            const rbd_real apart = H[i * n + j] - H[j * n + i];
-            if (!(apart == 0) && !(rbdi_abs(apart) <= s->t[i] + s->t[j])) return rbdi_qp_refuse_pair(s, i, j);
+            const rbd_real apart = rbdi_abs(H[i * n + j] - H[j * n + i]);
+            if (!(apart <= own) && !(apart <= own + s->t[j])) return rbdi_qp_refuse_pair(s, i, j);
         }
     }
     return RBD_QP_OK;

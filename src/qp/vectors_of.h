@@ -1,9 +1,10 @@
 /* The sum of a_i t_i. */
 RBDI_ONCE RBDI_T rbdi_qp_dot(const rbd_real *a, const RBDI_T *t, int n) {
     const RBDI_T zero = {0};
-    RBDI_T s0 = zero, s1 = zero, s2 = zero, s3 = zero, rest = zero;
+    RBDI_T s0, s1, s2, s3, rest;
     int i = 0;
 
+    s0 = s1 = s2 = s3 = rest = zero;
     for (; i + 4 <= n; i += 4) {
         s0 = s0 + a[i] * t[i];
         s1 = s1 + a[i + 1] * t[i + 1];
@@ -18,10 +19,11 @@ RBDI_ONCE RBDI_T rbdi_qp_dot(const rbd_real *a, const RBDI_T *t, int n) {
 RBDI_ONCE void rbdi_qp_dots(const rbd_real *a, const rbd_real *b, const RBDI_T *t, int n, RBDI_T *with_a,
                             RBDI_T *with_b) {
     const RBDI_T zero = {0};
-    RBDI_T a0 = zero, a1 = zero, a2 = zero, a3 = zero, rest_a = zero;
-    RBDI_T b0 = zero, b1 = zero, b2 = zero, b3 = zero, rest_b = zero;
+    RBDI_T a0, a1, a2, a3, rest_a, b0, b1, b2, b3, rest_b;
     int i = 0;
 
+    a0 = a1 = a2 = a3 = rest_a = zero;
+    b0 = b1 = b2 = b3 = rest_b = zero;
     for (; i + 4 <= n; i += 4) {
         const RBDI_T t0 = t[i], t1 = t[i + 1], t2 = t[i + 2], t3 = t[i + 3];
         a0 = a0 + a[i] * t0;
