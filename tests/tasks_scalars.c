@@ -238,6 +238,8 @@ static void check_standing(void) {
             rbd_tasks_acceleration(m, w, &p, q, v, memory, sizeof memory, a, f, tau, &result);
         expect(status == RBD_TASKS_OK, rbd_tasks_text(status, &result, text, sizeof text),
                (double)result.primal);
+        for (int i = 0; i < 2; i++)
+            expect(result.part[i] == RBD_TASKS_NOTHING && result.at[i] == -1, "no blame", result.at[i]);
         up = f[2] + f[5] + f[8] + f[11];
         expect(fabs((double)up / (9.81 * (double)rbd_mass(m)) - 1) < bound, "weight", (double)up);
         for (int i = 0; i < m->nv; i++)
