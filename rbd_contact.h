@@ -210,10 +210,11 @@ RBDI_API size_t rbd_contact_set_size(const rbd_model *m, int n, const rbd_constr
    damping    implicit: tau acts as tau - damping v_next. A position controller of gains kp, kd that runs with
               the step has tau = kp (q_wanted - q) and damping = kd + dt kp / 2, which is neutral: it neither
               adds nor takes energy beyond kd. kd + dt kp is stable at every dt, and brakes. NULL: 0
-   Errors: RBD_ERR_NULL, _WORK; _RANGE, dt not between 1e-30 and 1e30; _SINGULAR if M + dt D is, D the
-   damping: damping makes a joint sound that moves no mass; _NAN as rbd_constrained_fd, _NAN also of q or a
-   gap that is not a number and of speeds above 1e12: then q_next is q, v_next or a is 0, and the set is as
-   after rbd_contact_reset. A solution above the tolerance is no error: rbd_contact_last. */
+   Errors: RBD_ERR_NULL, _WORK; _MASSLESS, of a model for kinematics alone; _RANGE, dt not between 1e-30 and
+   1e30; _SINGULAR if M + dt D is, D the damping: damping makes a joint sound that moves no mass; _NAN as
+   rbd_constrained_fd, _NAN also of q or a gap that is not a number and of speeds above 1e12: then q_next is
+   q, v_next or a is 0, and the set is as after rbd_contact_reset. A solution above the tolerance is no error:
+   rbd_contact_last. */
 
 /* One time step dt by the midpoint scheme of Moreau (1999), of second order: half of the way by v, to q_mid;
    there, with v in its axes,
@@ -2673,9 +2674,9 @@ RBDI_LOCAL void rbdi_correct_again(const rbd_model *m, rbd_contact_set *c, const
     for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
 }
 
-/* Corrects again, if the first correction changed anything. Solves with the biases of positions, and computes
-   c->moved. Keeps the impulses of the first solution in c->early; if no bias changed either, that solution may
-   be good enough. */
+/* Corrects again, if the first correction changed anything. Solves with the biases of positions, and
+   computes c->moved. Keeps the impulses of the first solution in c->early; if no bias changed either, that
+   solution may be good enough. */
 RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
                                  const rbd_real *f_ext, int changed) {
     const rbd_contact_solution first = c->solver.solution;

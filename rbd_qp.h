@@ -1138,7 +1138,7 @@ RBDI_ONCE void rbdi_qp_dots(const rbd_real *a, const rbd_real *b, const RBDI_T *
 RBDI_ONCE void rbdi_qp_adds(RBDI_T k, const rbd_real *a, RBDI_T l, const rbd_real *b, RBDI_T *t, int n) {
     int i = 0;
 
-    for (; i + 4 <= n; i += 4) {
+    for (; RBDI_FOR_SPEED && i + 4 <= n; i += 4) {
         t[i] = t[i] + k * a[i] + l * b[i];
         t[i + 1] = t[i + 1] + k * a[i + 1] + l * b[i + 1];
         t[i + 2] = t[i + 2] + k * a[i + 2] + l * b[i + 2];
@@ -1151,7 +1151,7 @@ RBDI_ONCE void rbdi_qp_adds(RBDI_T k, const rbd_real *a, RBDI_T l, const rbd_rea
 RBDI_ONCE void rbdi_qp_add(RBDI_T k, const rbd_real *a, RBDI_T *t, int n) {
     int i = 0;
 
-    for (; i + 4 <= n; i += 4) {
+    for (; RBDI_FOR_SPEED && i + 4 <= n; i += 4) {
         t[i] = t[i] + k * a[i];
         t[i + 1] = t[i + 1] + k * a[i + 1];
         t[i + 2] = t[i + 2] + k * a[i + 2];
@@ -1312,7 +1312,7 @@ RBDI_ONCE void rbdi_qp_dots(const rbd_real *a, const rbd_real *b, const RBDI_T *
 RBDI_ONCE void rbdi_qp_adds(RBDI_T k, const rbd_real *a, RBDI_T l, const rbd_real *b, RBDI_T *t, int n) {
     int i = 0;
 
-    for (; i + 4 <= n; i += 4) {
+    for (; RBDI_FOR_SPEED && i + 4 <= n; i += 4) {
         t[i] = t[i] + k * a[i] + l * b[i];
         t[i + 1] = t[i + 1] + k * a[i + 1] + l * b[i + 1];
         t[i + 2] = t[i + 2] + k * a[i + 2] + l * b[i + 2];
@@ -1325,7 +1325,7 @@ RBDI_ONCE void rbdi_qp_adds(RBDI_T k, const rbd_real *a, RBDI_T l, const rbd_rea
 RBDI_ONCE void rbdi_qp_add(RBDI_T k, const rbd_real *a, RBDI_T *t, int n) {
     int i = 0;
 
-    for (; i + 4 <= n; i += 4) {
+    for (; RBDI_FOR_SPEED && i + 4 <= n; i += 4) {
         t[i] = t[i] + k * a[i];
         t[i + 1] = t[i + 1] + k * a[i + 1];
         t[i + 2] = t[i + 2] + k * a[i + 2];

@@ -30,7 +30,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 HEADERS = (ROOT / "src/headers.txt").read_text().split() + ["rbd_urdf.h", "rbd_mjcf.h"]
-DEBIAN = re.compile(r"LICENSE\.(.+)$")  # of what a wheel brings
+DEBIAN = re.compile(r"(?:/compiled/LICENSE\.|/site/licences/)(.+?)(?:\.txt)?$")  # Debian's packages of which a wheel or the site has parts
+OTHERS = re.compile(r"^==== (\S+)(?: (\d\S*), (\S+)| \(.*)$", re.M)  # what the playground has parts of
 
 
 def git(*command, **more):
@@ -137,16 +138,18 @@ class Release:
         return sorted(path for path in self.out.iterdir() if path.suffix in (".zip", ".gz", ".whl"))
 
     def materials(self):
-        """SPDX: a package for each file, and one for each library of others that a wheel brings."""
+        """SPDX: a package for each file, and one for each work of others of which a wheel or the site has parts."""
         packages, relations = [], []
         for number, path in enumerate(self.files()):
             name = f"SPDXRef-file-{number}"
+            others = brought(path)
             packages.append(package(name, path.name, self.number, "MIT", hashlib.sha256(path.read_bytes()).hexdigest()))
+            packages[-1]["licenseConcluded"] = "NOASSERTION" if others else "MIT"  # these have licences of their own
             relations.append(("SPDXRef-DOCUMENT", "DESCRIBES", name))
-            for other in brought(path):
-                place = f"SPDXRef-debian-{re.sub('[^a-zA-Z0-9.-]', '-', other)}"
+            for other, *rest in others:
+                place = f"SPDXRef-other-{re.sub('[^a-zA-Z0-9.-]', '-', other)}"
                 if place not in [p["SPDXID"] for p in packages]:
-                    packages.append(package(place, other, debian_version(other), "NOASSERTION"))
+                    packages.append(package(place, other, *rest))
                 relations.append((name, "CONTAINS", place))
         document = {
             "spdxVersion": "SPDX-2.3", "dataLicense": "CC0-1.0", "SPDXID": "SPDXRef-DOCUMENT", "name": f"rbd-{self.number}",
@@ -171,10 +174,15 @@ def package(place, name, number, licence, checksum=None):
 
 
 def brought(path):
-    """Debian's packages of which a wheel has libraries."""
-    if path.suffix != ".whl":
+    """Name, version and licence of the works of others that a wheel or the site has parts of."""
+    if path.suffix not in (".whl", ".zip"):
         return []
-    return sorted(found[1] for found in map(DEBIAN.search, zipfile.ZipFile(path).namelist()) if found)
+    archive = zipfile.ZipFile(path)
+    debian = sorted(found[1] for found in map(DEBIAN.search, archive.namelist()) if found)
+    playground = [archive.read(name).decode() for name in archive.namelist() if name.endswith("/playground/LICENCES.txt")]
+    others = [found for text in playground for found in OTHERS.findall(text) if found[0] != "rbd"]
+    return [*((name, debian_version(name), "NOASSERTION") for name in debian),
+            *((name, version or debian_version(name), licence or "NOASSERTION") for name, version, licence in others)]
 
 
 def debian_version(name):

@@ -60,6 +60,19 @@ PYTHON
 ! release --wheels "$scratch/wheels" "$scratch/old" || fail "a wheel of other headers is taken"
 grep -q "has other headers" "$scratch/messages" || fail "a wheel of other headers is not named"
 
+mkdir -p "$scratch/site/licences" "$scratch/site/playground"
+touch "$scratch/site/index.html" "$scratch/site/licences/furo.txt"
+printf '==== rbd\n\n==== three 0.1.2, MIT\n\n==== urdfdom (in the WebAssembly modules)\n' >"$scratch/site/playground/LICENCES.txt"
+release --site "$scratch/site" "$scratch/with_site" >/dev/null || fail "$(cat "$scratch/messages")"
+python3 - "$scratch/with_site/rbd-$version.spdx.json" <<'PYTHON' || fail "the bill of materials is another"
+import json, sys
+bill = json.load(open(sys.argv[1]))
+packages = {p["SPDXID"]: p for p in bill["packages"]}
+inside = [packages[r["relatedSpdxElement"]] for r in bill["relationships"] if r["relationshipType"] == "CONTAINS"]
+assert [(p["name"], p["licenseDeclared"]) for p in inside] == [("furo", "NOASSERTION"), ("three", "MIT"), ("urdfdom", "NOASSERTION")]
+assert [p["licenseConcluded"] for p in packages.values()].count("MIT") == 4  # three other files, and three
+PYTHON
+
 release "$scratch/out" >/dev/null || fail "$(cat "$scratch/messages")"
 release "$scratch/again" >/dev/null
 ! release "$scratch/out" >/dev/null || fail "what lay in the folder is released"

@@ -1,7 +1,7 @@
-/* horizon.c - what a plan is worth on a robot that is not quite the model. A cart swings up a pole that is 10 %
-   heavier than it believes, and is pushed when the pole stands. Four controllers: the plan's forces alone; the
-   plan with its gains; a plan made anew at each tick, 2 s ahead; the same 0.4 s ahead. Prints a table for
-   horizon.gp, and to stderr what must be true. SPDX-License-Identifier: MIT */
+/* horizon.c - what a plan is worth on a robot that is not quite the model. A cart swings up a pole that is
+   10 % heavier than it believes, and is pushed when the pole stands. Four controllers: the plan's forces
+   alone; the plan with its gains; a plan made anew at each tick, 2 s ahead; the same 0.4 s ahead. Prints a
+   table for horizon.gp, and to stderr what must be true. SPDX-License-Identifier: MIT */
 #define RBD_IMPLEMENTATION
 #include "squares.h"
 

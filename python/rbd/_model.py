@@ -320,7 +320,7 @@ class Model(Derivatives, Kinematics, Names):
     def show(self, q: ArrayLike | None = None, times: ArrayLike | None = None, *,
              file: str | os.PathLike[str] | None = None) -> Picture:
         """Shows the robot in the browser, or in a notebook, as a page that needs neither server nor network. Bodies are
-        drawn as the URDF file has them (boxes, cylinders, balls, and meshes of STL and OBJ files), others as rods from
+        drawn as the URDF file has them (boxes, cylinders, balls, and meshes of STL, OBJ and Collada files), others as rods from
         joint to joint, with the ellipsoids of their inertia.
 
             q       nq: a configuration, None = neutral; or n x nq: a motion, which the page plays

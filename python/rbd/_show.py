@@ -2,12 +2,10 @@
 """Pictures of a robot: a page for the browser that needs no server and no network."""
 from __future__ import annotations
 
-import html
 import json
 import os
 import sys
 import tempfile
-import webbrowser
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,7 +13,6 @@ import numpy as np
 
 from ._arguments import _Declared, _numbers
 from ._headers import JointType, _warn
-from ._visuals import _packed, _visuals
 
 if TYPE_CHECKING:
     from ._model import Model
@@ -43,6 +40,7 @@ class Picture(_Declared):
         self.html, self.path = text, path
 
     def _repr_html_(self):
+        import html
         return (f'<iframe srcdoc="{html.escape(self.html)}" style="width: 100%; height: 480px; border: 0" '
                 'title="rbd"></iframe>')
 
@@ -52,11 +50,14 @@ class Picture(_Declared):
 
 def _show(model, q, times, file):
     """The picture of a model; opens the browser if it shall go into no file and no notebook."""
+    import html  # these are read when a picture is asked for: rbd is imported sooner
+    import webbrowser
+
     states, times = _states(model, q, times)
     states, step = _at_rate(model, states, times)
     scene = _scene(model, states, step, times[0])
     text = json.dumps(scene, allow_nan=False).replace("<", "\\u003c")
-    page = _PAGE.read_text(encoding="utf-8").replace("TITLE", html.escape(scene["title"]), 1).replace("SCENE", text, 1)
+    page = _PAGE.read_text(encoding="utf-8").replace("SCENE", text, 1).replace("TITLE", html.escape(scene["title"]), 1)
 
     if file is None and "ipykernel" in sys.modules:
         return Picture(page, None)
@@ -103,6 +104,8 @@ def _at_rate(model, states, times):
 
 def _scene(model, states, step, start):
     """All that the page draws."""
+    from ._visuals import _packed, _visuals
+
     rows, (path, _) = model._rows, model._drawn
     poses, centres = _poses(model.copy(), states)
     tips = _tips(model, rows)

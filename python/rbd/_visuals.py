@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors.
-"""The visual shapes of a URDF, for pictures: boxes, cylinders, balls, and meshes of STL and OBJ files."""
+"""The visual shapes of a URDF, for pictures: boxes, cylinders, balls, and meshes of STL, OBJ and Collada files."""
 from __future__ import annotations
 
 import base64
@@ -98,8 +98,10 @@ def _triangles(path):
     data, ending = path.read_bytes(), path.suffix.lower()
     if ending == ".obj":
         return _obj(data.decode(errors="replace"))
+    if ending == ".dae":
+        return _collada(path)
     if ending != ".stl":
-        raise _Unreadable(f"'{path.name}': STL and OBJ files are drawn, not {ending or 'such'}")
+        raise _Unreadable(f"'{path.name}': STL, OBJ and Collada files are drawn, not {ending or 'such'}")
     count = struct.unpack_from("<I", data, 80)[0] if len(data) >= 84 else 0
     if len(data) == 84 + 50 * count and count:
         rows = np.frombuffer(data, np.uint8, 50 * count, 84).reshape(count, 50)
@@ -126,6 +128,73 @@ def _obj(text):
     if not corners:
         raise _Unreadable("an OBJ without faces")
     return np.array(corners, float)
+
+
+def _collada(path):
+    """Corners of the triangles of a Collada file, in metres. Its upward axis is not heeded, as nowhere in ROS."""
+    try:
+        root = ElementTree.parse(path).getroot()
+        found = {f"#{part.get('id')}": part for part in root.iter() if part.get("id")}
+        unit = root.find("{*}asset/{*}unit")
+        corners = []
+        for scene in root.findall("{*}library_visual_scenes/{*}visual_scene"):
+            corners += _of_node(scene, np.eye(4), found)
+        return np.concatenate(corners) * float(unit.get("meter", 1) if unit is not None else 1)
+    except (ElementTree.ParseError, AttributeError, KeyError, IndexError, ValueError, RecursionError) as error:
+        raise _Unreadable(f"'{path.name}' is no Collada that can be drawn: {error}") from None
+
+
+def _of_node(node, place, found):
+    """Corners of the meshes of a node and of those that it carries."""
+    corners = []
+    for part in node:
+        kind = part.tag.rpartition("}")[2]
+        if kind in ("matrix", "translate", "rotate", "scale"):
+            place = place @ _transform(kind, np.array(part.text.split(), float))
+        elif kind == "instance_geometry":
+            for mesh in found[part.get("url")].findall("{*}mesh"):
+                corners += [points @ place[:3, :3].T + place[:3, 3] for points in _of_mesh(mesh, found)]
+        elif kind in ("node", "instance_node"):
+            corners += _of_node(part if kind == "node" else found[part.get("url")], place, found)
+    return corners
+
+
+def _transform(kind, x):
+    """A step of a node's place: 4 x 4."""
+    if kind == "matrix":
+        return x.reshape(4, 4)
+    result = np.eye(4)
+    if kind == "translate":
+        result[:3, 3] = x
+    elif kind == "scale":
+        result[:3, :3] = np.diag(x)
+    else:  # an axis, and degrees
+        (a, b, c), angle = x[:3] / np.linalg.norm(x[:3]), np.radians(x[3])
+        K = np.array([[0, -c, b], [c, 0, -a], [-b, a, 0]])
+        result[:3, :3] += np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
+    return result
+
+
+def _of_mesh(mesh, found):
+    """Corners of the triangles of a mesh; polygons as fans."""
+    for part in mesh:
+        if part.tag.rpartition("}")[2] not in ("triangles", "polylist", "polygons"):
+            continue
+        inputs = part.findall("{*}input")
+        wide = 1 + max(int(entry.get("offset")) for entry in inputs)
+        vertex = next(entry for entry in inputs if entry.get("semantic") == "VERTEX")
+        source = next(entry for entry in found[vertex.get("source")] if entry.get("semantic") == "POSITION").get("source")
+        points = np.array(found[source].find("{*}float_array").text.split(), float).reshape(-1, 3)
+        lists = [np.array((p.text or "").split(), int).reshape(-1, wide)[:, int(vertex.get("offset"))] for p in part.findall("{*}p")]
+        counts = part.find("{*}vcount")
+        for corners in lists:
+            if counts is not None:
+                faces = np.split(corners, np.cumsum(np.array(counts.text.split(), int))[:-1])
+            else:
+                faces = [corners] if part.tag.endswith("polygons") else corners.reshape(-1, 3)
+            fans = [k for face in faces for k in zip(face[:1].repeat(len(face) - 2), face[1:], face[2:])]
+            if fans:
+                yield points[np.array(fans).ravel()]
 
 
 def _packed(numbers):

@@ -119,7 +119,7 @@ def test_shapes_of_the_file(arm_file, double, tmp_path):
     model = rbd.Model.from_urdf(arm_file, library=double)
     scene = scene_of(model.show(file=tmp_path / "page.html"))
     assert [line.split(":")[0] for line in scene["missing"]] == ["Link 'upper'"] * 2
-    assert "'gone.dae' is not there" in scene["missing"][0] and "'other.dae': STL and OBJ files" in scene["missing"][1]
+    assert "'gone.dae' is not there" in scene["missing"][0] and "'other.dae' is no Collada that can be drawn" in scene["missing"][1]
     assert not [item for item in scene["items"] if item["kind"] in ("links", "joints", "inertias")]
 
     [(shape, M, p, item)] = places(scene, "shapes", -1)  # the base is the world
@@ -143,6 +143,35 @@ def test_shapes_of_the_file(arm_file, double, tmp_path):
         assert scene_of(other.show(file=tmp_path / "copy.html"))["items"] == scene["items"]
     arm_file.unlink()  # rods, where the file has gone
     assert places(scene_of(model.show(file=tmp_path / "rods.html")), "links", 0)
+
+
+COLLADA = """<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema"><asset><unit meter="0.01"/><up_axis>Y_UP</up_axis></asset>
+<library_geometries><geometry id="g"><mesh><source id="s"><float_array id="a" count="15">{points}</float_array></source>
+<source id="n"><float_array id="b" count="3">0 0 1</float_array></source>
+<vertices id="v"><input semantic="POSITION" source="#s"/></vertices>
+<triangles count="2"><input semantic="VERTEX" source="#v" offset="0"/><input semantic="NORMAL" source="#n" offset="1"/>
+<p>0 0 1 0 2 0 0 0 2 0 3 0</p></triangles>
+<polylist count="2"><input semantic="NORMAL" source="#n" offset="0"/><input semantic="VERTEX" source="#v" offset="1"/>
+<vcount>3 4</vcount><p>0 0 0 3 0 4 0 1 0 2 0 3 0 4</p></polylist></mesh></geometry></library_geometries>
+<library_nodes><node id="part"><scale>2 2 2</scale><instance_geometry url="#g"/></node></library_nodes>
+<library_visual_scenes><visual_scene id="w"><node><matrix>1 0 0 10 0 1 0 0 0 0 1 0 0 0 0 1</matrix>
+<node><translate>0 5 0</translate><rotate>0 0 1 90</rotate><instance_node url="#part"/></node></node></visual_scene></library_visual_scenes>
+</COLLADA>"""
+
+
+def test_collada(arm_file, double, tmp_path):
+    """Triangles and polygons, where the nodes place them, in metres; axes as they stand in the file."""
+    mesh = arm_file.parent.parent / "meshes/other.dae"
+    mesh.write_text(COLLADA.format(points=" ".join(map(str, PYRAMID.ravel()))))
+    scene = scene_of(rbd.Model.from_urdf(arm_file, library=double).show(file=tmp_path / "page.html"))
+    corners = numbers(scene["meshes"]["../meshes/other.dae"]).reshape(-1, 3, 3)
+    x, y, z = np.moveaxis(PYRAMID, 1, 0)
+    placed = np.stack([10 - 2 * y, 5 + 2 * x, 2 * z], axis=1) / 100
+    assert np.allclose(corners, placed[[[0, 1, 2], [0, 2, 3], [0, 3, 4], [1, 2, 3], [1, 3, 4]]], atol=1e-6)
+    for wrong in ("<COLLADA", COLLADA.replace("#part", "#gone"), COLLADA.replace('url="#g"', 'url="#part"').format(points="0")):
+        mesh.write_text(wrong)
+        scene = scene_of(rbd.Model.from_urdf(arm_file, library=double).show(file=tmp_path / "page.html"))
+        assert len(scene["missing"]) == 2 and "other.dae" in scene["missing"][1]
 
 
 def test_kinematic_robot(double, tmp_path):
@@ -181,10 +210,11 @@ def test_wrong_arguments(iiwa, tmp_path):
 
 def test_names_are_text(double, tmp_path):
     """A name of a file or link ends no element of the page."""
-    path = tmp_path / "a&lt;<script>.urdf"
+    path = tmp_path / "a&lt;<script>TITLE SCENE.urdf"
     path.write_text(ARM.replace("upper", "&lt;/script&gt;upper"))
     page = rbd.Model.from_urdf(path, library=double).show(file=tmp_path / "page.html").html
-    assert page.count("<script") == page.count("</script") == 1 and "<title>a&amp;lt;&lt;script&gt;</title>" in page
+    assert page.count("<script") == page.count("</script") == 1 and "<title>a&amp;lt;&lt;script&gt;TITLE SCENE</title>" in page
+    assert scene_of(rbd.Model.from_urdf(path, library=double).show(file=tmp_path / "page.html"))["title"] == path.stem
 
 
 # Counts red and orange pixels of the page's picture, into its title.

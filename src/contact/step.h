@@ -151,9 +151,9 @@ RBDI_LOCAL void rbdi_correct_again(const rbd_model *m, rbd_contact_set *c, const
     for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
 }
 
-/* Corrects again, if the first correction changed anything. Solves with the biases of positions, and computes
-   c->moved. Keeps the impulses of the first solution in c->early; if no bias changed either, that solution may
-   be good enough. */
+/* Corrects again, if the first correction changed anything. Solves with the biases of positions, and
+   computes c->moved. Keeps the impulses of the first solution in c->early; if no bias changed either, that
+   solution may be good enough. */
 RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
                                  const rbd_real *f_ext, int changed) {
     const rbd_contact_solution first = c->solver.solution;
