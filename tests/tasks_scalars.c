@@ -333,6 +333,18 @@ static void check_places(void) {
     }
 }
 
+/* A wall's normal is its own, whatever the axis. */
+static void check_grounds(void) {
+    for (int axis = 0; axis < 3; axis++) {
+        rbd_task_contact wall = {0};
+        wall.normal[axis] = 2;
+        const rbdi_mat ground = rbdi_tasks_ground(&wall);
+        const rbd_real normal[3] = {ground.zx, ground.zy, ground.zz};
+        for (int i = 0; i < 3; i++)
+            expect(fabs((double)normal[i] - (i == axis)) < 1e-6, "a normal", (double)normal[i]);
+    }
+}
+
 /* ---- what is read ---- */
 
 /* What stands behind the wrenches is no input. */
@@ -401,6 +413,7 @@ int main(void) {
     check_standing();
     check_limits();
     check_places();
+    check_grounds();
     check_wrenches();
     check_missed();
     printf("%s\n", failures ? "FAILED" : "rbd_tasks.h: ok");

@@ -619,13 +619,15 @@ static void all_of(const answer *a, double *x) {
     for (int i = g.nv; i < g.n; i++) x[i] = (double)a->forces[i - g.nv];
 }
 
-/* Terms of forces are less than twice as large along the axes of the ground, where the library counts them. */
+/* Terms of forces are less than twice as large along the axes of the ground, where the library counts
+   them. */
 static void judge_rows(const hard_rows *h, const double *x) {
     for (int k = 0; k < h->count; k++) {
         const double by = missed(h, k, x), size = size_of_row(h, k, x);
         double rounding = h->rounding[k];
         for (int i = 0; i < g.nv && h->of_place[k]; i++) rounding += epsilon * fabs(x[i]);
-        if (!(by <= 2 * RBDI_TASKS_ACCURACY * size + 10 * rounding)) fail("a hard row is missed", by / size);
+        const double most = 2 * RBDI_TASKS_ACCURACY * size + 10 * rounding;
+        if (!(by <= most)) fail("a hard row is missed", by / size);
     }
 }
 
