@@ -168,7 +168,10 @@ static int finite(const rbd_real *x, int n) {
 
 /* ---- laws, from outside ---- */
 
-enum { MOST_CONTACTS = 16, MOST_ROWS = 64 };
+enum {
+    MOST_CONTACTS = 16,
+    MOST_ROWS = 192
+}; /* contacts, held rows, limits, friction of each dof, bounded rows */
 
 /* A problem by its definition: u = Delta p + b, contacts first, then bounded rows. */
 typedef struct laws {
