@@ -40,14 +40,15 @@
    [guarantees]
      Those of rbd.h: no allocation, reentrant. With RBD_TASKS_OK contacts are held, hard limits kept and the
      equations of motion solved to result->primal, a share of each row's terms that is at most 1e-7 (float
-     1e-3), and mostly some roundings. With a status below 0 all outputs stay as they were. Outputs are finite. The
-     bits are the same on every machine with RBD_REPRODUCIBLE.
+     1e-3), and mostly some roundings. With a status below 0 all outputs stay as they were. Outputs are finite.
+     The bits are the same on every machine with RBD_REPRODUCIBLE.
 
    [limits]
      A tick costs kinematics, the mass matrix, a Jacobian for each task and contact, and a QP of nv + 3
      contacts variables for each level: see rbd_qp.h; the option `steps` bounds it. A level misses what it
      could do by what motion_cost and force_cost take: a share of some motion_cost / weight. Tasks in float
-     should differ by at most three decades in weight; levels are better. Friction of contacts is that of
+     should differ by at most three decades in weight; levels are better, and a momentum, whose rows are as
+     large as masses, is best with a weight of 1 / mass^2. Friction of contacts is that of
      points: a flat foot has several, and their forces share its torsion. Contacts may contradict each other
      or limits, as where a joint is at its stop: RBD_TASKS_INFEASIBLE. Soft limits, an open contact or a lower
      `least` help. Closed loops of rbd_constraints.h are not known here; RBD_TASK_ROWS can state them softly.
@@ -203,9 +204,10 @@ typedef struct rbd_tasks_result {
     int steps;        /* rows of the QPs that joined or left */
     int level;        /* of the last QP */
     rbd_qp_status qp; /* its status */
-    rbd_real primal;  /* the largest miss of a hard row, of all levels, as a share of its terms: the side, and
-                        the entries times x, where a component counts as 1 rad/s, m/s, rad/s^2 or m/s^2 at
-                        least, and a force as what gives the robot 1 m/s^2; and that of rbd_qp_result */
+    rbd_real primal;  /* the largest miss of a hard row, summed over the levels, as a share of its terms: the
+                        side, and the entries times x, where a component counts as 1 rad/s, m/s, rad/s^2 or
+                        m/s^2 at least, and a force as what gives the robot 1 m/s^2; or that of rbd_qp_result,
+                        if it is larger */
     rbd_real dual;    /* the largest of rbd_qp_result */
     rbd_tasks_part part[2]; /* INFEASIBLE: the two that contradict most; NOTHING: it is one alone */
     int at[2];              /* their contacts or dofs; -1: none */
@@ -330,6 +332,7 @@ typedef struct rbdi_tasks {
     int closed;             /* contacts */
     int dynamics, friction; /* the first row of each kind: a row of C is counted from 0 */
     int rows;               /* of C so far */
+    rbd_real missed;        /* sum over the levels of the largest miss of a row, as a share of its terms */
     size_t scratch_size;
 
     signed char *kept;   /* of each level, the sides at which its limits hold: see rbdi_tasks_limit */
@@ -1262,11 +1265,12 @@ RBDI_LOCAL void rbdi_tasks_freeze(rbdi_tasks *k, int rows) {
     }
 }
 
-/* Whether x keeps its rows well enough for a tick; result->primal. */
+/* Whether x keeps its rows well enough for a tick; result->primal. Limits were widened by what the levels
+   before missed. */
 RBDI_LOCAL int rbdi_tasks_keeps_rows(rbdi_tasks *k, int rows) {
-    const rbd_real missed = rbdi_tasks_missed(k, rows);
-    k->result->primal = rbdi_ik_larger(k->result->primal, missed);
-    return missed < RBDI_TASKS_ACCURACY && rbdi_tasks_are_within(k->x, k->n, -RBDI_IK_MOST, RBDI_IK_MOST);
+    k->missed = k->missed + rbdi_tasks_missed(k, rows);
+    k->result->primal = rbdi_ik_larger(k->result->primal, k->missed);
+    return k->missed < RBDI_TASKS_ACCURACY && rbdi_tasks_are_within(k->x, k->n, -RBDI_IK_MOST, RBDI_IK_MOST);
 }
 
 /* Appends the rows and squares of the tasks of a level; returns how many tasks. */
@@ -1442,6 +1446,7 @@ RBDI_LOCAL rbdi_tasks *rbdi_tasks_begin(const rbd_model *m, rbd_work *w, const r
     k->result = result;
     k->accelerations = accelerations;
     k->nv = m->nv;
+    k->missed = rbdi_zero();
 
     k->closed = 0;
     for (int i = 0; i < p->contacts; ++i)

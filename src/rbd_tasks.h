@@ -39,14 +39,15 @@
    [guarantees]
      Those of rbd.h: no allocation, reentrant. With RBD_TASKS_OK contacts are held, hard limits kept and the
      equations of motion solved to result->primal, a share of each row's terms that is at most 1e-7 (float
-     1e-3), and mostly some roundings. With a status below 0 all outputs stay as they were. Outputs are finite. The
-     bits are the same on every machine with RBD_REPRODUCIBLE.
+     1e-3), and mostly some roundings. With a status below 0 all outputs stay as they were. Outputs are finite.
+     The bits are the same on every machine with RBD_REPRODUCIBLE.
 
    [limits]
      A tick costs kinematics, the mass matrix, a Jacobian for each task and contact, and a QP of nv + 3
      contacts variables for each level: see rbd_qp.h; the option `steps` bounds it. A level misses what it
      could do by what motion_cost and force_cost take: a share of some motion_cost / weight. Tasks in float
-     should differ by at most three decades in weight; levels are better. Friction of contacts is that of
+     should differ by at most three decades in weight; levels are better, and a momentum, whose rows are as
+     large as masses, is best with a weight of 1 / mass^2. Friction of contacts is that of
      points: a flat foot has several, and their forces share its torsion. Contacts may contradict each other
      or limits, as where a joint is at its stop: RBD_TASKS_INFEASIBLE. Soft limits, an open contact or a lower
      `least` help. Closed loops of rbd_constraints.h are not known here; RBD_TASK_ROWS can state them softly.

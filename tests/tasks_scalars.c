@@ -238,6 +238,8 @@ static void check_standing(void) {
             rbd_tasks_acceleration(m, w, &p, q, v, memory, sizeof memory, a, f, tau, &result);
         expect(status == RBD_TASKS_OK, rbd_tasks_text(status, &result, text, sizeof text),
                (double)result.primal);
+        for (int i = 0; i < 2; i++)
+            expect(result.part[i] == RBD_TASKS_NOTHING && result.at[i] == -1, "no blame", result.at[i]);
         up = f[2] + f[5] + f[8] + f[11];
         expect(fabs((double)up / (9.81 * (double)rbd_mass(m)) - 1) < bound, "weight", (double)up);
         for (int i = 0; i < m->nv; i++)
@@ -292,6 +294,75 @@ static void check_limits(void) {
     expect(hardest < 10 + (IN_FLOAT ? 0.5 : 1e-6), "braking", hardest);
 }
 
+/* ---- which limit a row is ---- */
+
+static int is_limit(const rbdi_tasks *k, int row) {
+    const rbd_tasks_part part = rbdi_tasks_limit_of(k, row).part;
+    return part != RBD_TASKS_NOTHING && part != RBD_TASKS_HELD && part != RBD_TASKS_PASSIVE;
+}
+
+/* Sides of all limits come back as they were kept; friction has as many rows as its pyramid has sides. */
+static void check_places(void) {
+    rbd_task_contact c[4] = {{.sides = 8}, {.open = 1}, {.sides = 4}, {.sides = 8}};
+    rbd_real q[MOST_Q], v[MOST_V] = {0};
+    int friction[4] = {0}, forces[4] = {0};
+    const rbd_tasks p = {.contact = c, .contacts = 4, .dt = 1};
+    rbd_tasks_result result;
+    build(hyq_bodies, HYQ_NB);
+    rbd_neutral(m, q);
+    for (int i = 0; i < 4; i++) c[i].body = HYQ_BODY_LF_LOWERLEG;
+
+    rbdi_tasks *k = rbdi_tasks_begin(m, w, &p, q, v, 1, memory, &result);
+    const int all = k->n + k->rows;
+    for (int row = 0; row < all; row++) {
+        const rbdi_tasks_limit limit = rbdi_tasks_limit_of(k, row);
+        if (limit.part == RBD_TASKS_FRICTION) friction[limit.at]++;
+        if (limit.part == RBD_TASKS_FORCE) forces[limit.at]++;
+        k->side[row] = (signed char)(row * row % 3 - row % 2);
+    }
+    rbdi_tasks_keep(k, 1, k->rows, 1);
+    for (int row = 0; row < all; row++) k->side[row] = 0;
+    rbdi_tasks_keep(k, 1, k->rows, 0);
+    for (int row = 0; row < all; row++)
+        if (is_limit(k, row)) expect(k->side[row] == row * row % 3 - row % 2, "a side is kept", row);
+
+    expect(k->rows - k->friction == 8 + 4 + 8, "sides of all pyramids", k->rows - k->friction);
+    for (int i = 0; i < 4; i++) {
+        expect(friction[i] == (c[i].open ? 0 : c[i].sides), "rows of friction", friction[i]);
+        expect(forces[i] == !c[i].open, "rows of a force", forces[i]);
+    }
+}
+
+/* A wall's normal is its own, whatever the axis. */
+static void check_grounds(void) {
+    for (int axis = 0; axis < 3; axis++) {
+        rbd_task_contact wall = {0};
+        wall.normal[axis] = 2;
+        const rbdi_mat ground = rbdi_tasks_ground(&wall);
+        const rbd_real normal[3] = {ground.zx, ground.zy, ground.zz};
+        for (int i = 0; i < 3; i++)
+            expect(fabs((double)normal[i] - (i == axis)) < 1e-6, "a normal", (double)normal[i]);
+    }
+}
+
+/* ---- what is read ---- */
+
+/* What stands behind the wrenches is no input. */
+static void check_wrenches(void) {
+    rbd_real f_ext[7 * IIWA_NB] = {0}, q[7] = {0}, v[7] = {0}, a[7], tau[7];
+    const rbd_tasks p = {.dt = 1, .f_ext = f_ext};
+    rbd_tasks_result result;
+    build(iiwa_bodies, IIWA_NB);
+    for (int i = 6 * m->nb; i < 7 * IIWA_NB; i++) f_ext[i] = (rbd_real)NAN;
+    expect(rbd_tasks_acceleration(m, w, &p, q, v, memory, sizeof memory, a, NULL, tau, &result) ==
+               RBD_TASKS_OK,
+           "wrenches", result.error);
+    f_ext[6 * m->nb - 1] = (rbd_real)NAN;
+    expect(rbd_tasks_acceleration(m, w, &p, q, v, memory, sizeof memory, a, NULL, tau, &result) ==
+               RBD_TASKS_ERROR,
+           "the last wrench", result.error);
+}
+
 /* ---- rows missed ---- */
 
 /* Three slides in a row, the last of which is held: x0 + x1 + x2 = 0. The first is behind its stop and must
@@ -341,6 +412,9 @@ int main(void) {
     }
     check_standing();
     check_limits();
+    check_places();
+    check_grounds();
+    check_wrenches();
     check_missed();
     printf("%s\n", failures ? "FAILED" : "rbd_tasks.h: ok");
     return failures > 0;

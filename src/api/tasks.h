@@ -141,9 +141,10 @@ typedef struct rbd_tasks_result {
     int steps;        /* rows of the QPs that joined or left */
     int level;        /* of the last QP */
     rbd_qp_status qp; /* its status */
-    rbd_real primal;  /* the largest miss of a hard row, of all levels, as a share of its terms: the side, and
-                        the entries times x, where a component counts as 1 rad/s, m/s, rad/s^2 or m/s^2 at
-                        least, and a force as what gives the robot 1 m/s^2; and that of rbd_qp_result */
+    rbd_real primal;  /* the largest miss of a hard row, summed over the levels, as a share of its terms: the
+                        side, and the entries times x, where a component counts as 1 rad/s, m/s, rad/s^2 or
+                        m/s^2 at least, and a force as what gives the robot 1 m/s^2; or that of rbd_qp_result,
+                        if it is larger */
     rbd_real dual;    /* the largest of rbd_qp_result */
     rbd_tasks_part part[2]; /* INFEASIBLE: the two that contradict most; NOTHING: it is one alone */
     int at[2];              /* their contacts or dofs; -1: none */

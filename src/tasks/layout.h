@@ -45,6 +45,7 @@ typedef struct rbdi_tasks {
     int closed;             /* contacts */
     int dynamics, friction; /* the first row of each kind: a row of C is counted from 0 */
     int rows;               /* of C so far */
+    rbd_real missed;        /* sum over the levels of the largest miss of a row, as a share of its terms */
     size_t scratch_size;
 
     signed char *kept;   /* of each level, the sides at which its limits hold: see rbdi_tasks_limit */

@@ -178,11 +178,12 @@ RBDI_LOCAL void rbdi_tasks_freeze(rbdi_tasks *k, int rows) {
     }
 }
 
-/* Whether x keeps its rows well enough for a tick; result->primal. */
+/* Whether x keeps its rows well enough for a tick; result->primal. Limits were widened by what the levels
+   before missed. */
 RBDI_LOCAL int rbdi_tasks_keeps_rows(rbdi_tasks *k, int rows) {
-    const rbd_real missed = rbdi_tasks_missed(k, rows);
-    k->result->primal = rbdi_ik_larger(k->result->primal, missed);
-    return missed < RBDI_TASKS_ACCURACY && rbdi_tasks_are_within(k->x, k->n, -RBDI_IK_MOST, RBDI_IK_MOST);
+    k->missed = k->missed + rbdi_tasks_missed(k, rows);
+    k->result->primal = rbdi_ik_larger(k->result->primal, k->missed);
+    return k->missed < RBDI_TASKS_ACCURACY && rbdi_tasks_are_within(k->x, k->n, -RBDI_IK_MOST, RBDI_IK_MOST);
 }
 
 /* Appends the rows and squares of the tasks of a level; returns how many tasks. */

@@ -85,6 +85,7 @@ RBDI_LOCAL rbdi_tasks *rbdi_tasks_begin(const rbd_model *m, rbd_work *w, const r
     k->result = result;
     k->accelerations = accelerations;
     k->nv = m->nv;
+    k->missed = rbdi_zero();
 
     k->closed = 0;
     for (int i = 0; i < p->contacts; ++i)
