@@ -573,8 +573,9 @@ RBDI_API size_t rbd_model_size(const rbd_body *bodies, int nb);
 /* Adds a payload, such as an object in the hand, to a body of a built model. Later results are those of a new
    build, to rounding. It costs a step for each link on the way to the root. To take the payload off, add it
    with mass and inertia negated. Every rbd_work and set of constraints stays valid; but make a set anew after
-   taking off mass that the model was built with. Make every rbd_derivatives anew: it has copies of masses. No
-   other call may use the model meanwhile. A model in a table of constants cannot be changed.
+   taking off mass that the model was built with. Make every rbd_derivatives anew: it has copies of masses. A
+   model for kinematics alone stays one: if its joints move mass now, build it anew. No other call may use the
+   model meanwhile. A model in a table of constants cannot be changed.
    memory   the memory that was given to rbd_model_build
    mass     kg, may be negative
    com      centre of mass of the payload, link frame, m
@@ -857,7 +858,7 @@ RBDI_API rbd_status rbd_step(const rbd_model *m, const rbd_real *q, const rbd_re
 /* One step of second order from torques, without contacts: the midpoint scheme of rbd_contact_step, which
    keeps energy and momentum of what turns to second order in dt. Of a single body it takes some energy where
    it turns by more than a quarter of a radian a step, and is stable up to two radians; joints that turn by
-   more than a tenth of a radian a step may gain energy. The option `momentum` of rbd_contact_step, also of a
+   more than a twentieth of a radian a step may gain energy. The option `momentum` of rbd_contact_step, also of a
    set without contacts, keeps momentum to rounding. Some three times the work of rbd_aba and rbd_step.
    tau, damping   nv. damping is implicit: tau acts as tau - damping v_next. NULL: 0
    f_ext          nb x 6 or NULL: in the axes that bodies have in the middle of the step
@@ -3001,6 +3002,13 @@ RBDI_PART void rbdi_clear(rbd_real *x, int n) {
         RBDI_ONE_INDEX(x);
         *(rbdi_batch *)x = zero;
     }
+#else
+    for (; n >= 4; n -= 4, x += 4) {
+        x[0] = rbdi_zero();
+        x[1] = rbdi_zero();
+        x[2] = rbdi_zero();
+        x[3] = rbdi_zero();
+    }
 #endif
 
     for (; n > 0; --n, ++x) *x = rbdi_zero();
@@ -5059,8 +5067,8 @@ RBDI_PART void rbdi_subtract_product(const rbd_real *x, const rbd_real *X, int c
 }
 
 /* ==== src/dynamics/packed.h ==== */
-/* Interface: rbdi_factor, rbdi_invert, rbdi_solve, rbdi_solve_columns, rbdi_solve_forward, rbdi_solve_half,
-   rbdi_solve_transposed, rbdi_vector_forward, rbdi_vector_transposed */
+/* Interface: rbdi_factor, rbdi_invert, rbdi_mirror, rbdi_solve, rbdi_solve_columns, rbdi_solve_forward,
+   rbdi_solve_half, rbdi_solve_transposed, rbdi_vector_forward, rbdi_vector_transposed */
 
 /* -- the factor, and what it solves -- */
 

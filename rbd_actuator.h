@@ -29,7 +29,7 @@
      [tables] [actuators] [inverse] [forward] [rotors]
      --- stop here if you only use it ---
      [method] [exponential] [friction code] [motor code] [drive code] [rods] [transmission code]
-     [inverse code] [laws of shafts] [forward code] [derivatives code] [checks] [tables code]
+     [inverse code] [laws of shafts] [coupled shafts] [forward code] [derivatives code] [checks] [tables code]
      [rotors code] [text code]
 
    [conventions] Those of rbd.h, beyond them:
@@ -44,15 +44,16 @@
 
    [guarantees]
      Finite input gives finite output. Springs and play add no energy, whatever the step is, and friction
-     opposes the speed at the step's end. A rotor that friction holds on a spring stays to the bit. The bits
-     are the same on every machine with RBD_REPRODUCIBLE.
+     opposes the speed at the step's end. No motor passes its limits there. A rotor that friction holds on a
+     spring stays to the bit. The bits are the same on every machine with RBD_REPRODUCIBLE.
 
    [limits]
      A rigid shaft that its friction holds creeps by 1e-9 rad/s at most (float: 1e-6), or gives way as its
      bristle says. The level of friction is that of the state before a step, and of the loads of the last one.
-     Speeds of shafts that a transmission couples converge by repeats; those that are coupled closely and held
-     by much friction may need more than there are. Not here: inductance and the dynamics of the current's
-     loop, rods with mass, tendons with slack, hysteresis of strain-wave gears, friction by temperature.
+     Steps settle by repeats, of which there are 50 at most; several transmissions along one limb may need
+     more. Not here: inductance, whose time constant is a millisecond or less, and the dynamics of the
+     current's loop, rods with mass, tendons with slack, hysteresis of strain-wave gears, friction by
+     temperature. That actuators belong to another robot cannot be seen: no call but the first takes a model.
 */
 #include "rbd.h"
 
@@ -96,7 +97,7 @@ RBDI_EXTERN_C_BEGIN
    not have the same sign. It is M6 of Duclusaud and Passault (2024, arXiv 2410.08650); with fewer fields M1
    to M5. An efficiency eta is load_motor = 1 - eta; with load_joint = 1 the joint cannot drive the motor.
    Zero is a sensible default for every field. */
-typedef struct rbd_friction {
+typedef struct rbd_gear_friction {
     rbd_const coulomb;                    /* N m: without load, at any speed */
     rbd_const viscous;                    /* N m s: times the speed, beside the level */
     rbd_const load_motor, load_joint;     /* shares of both torques, 0 to 10; load_motor to 0.999 */
@@ -106,7 +107,7 @@ typedef struct rbd_friction {
     rbd_const speed, power; /* rad/s, and 0.1 to 10: how the part of rest fades; needed if there is one */
     rbd_const bristle;      /* N m/rad: stiffness before it slips; 0: rigid */
     rbd_const still; /* rad/s: the inverse compensates slower motion in proportion; 0: in full at any speed */
-} rbd_friction;
+} rbd_gear_friction;
 
 /* A motor with drive, gear and, perhaps, a spring or play behind the gear. The shaft is the gear's output:
    its angle is that of the rotor divided by gear. Zero is a sensible default for all but gear, constant and,
@@ -131,8 +132,9 @@ typedef struct rbd_motor {
     rbd_const stiffness, damping; /* N m/rad, N m s/rad: of a spring from the gear to the joint; 0: rigid */
     rbd_const backlash;           /* rad: play of the spring; needs a stiffness */
     int delay;                    /* steps that a command takes to arrive, at most 1000 */
-    int sampled; /* 1: the drive is as slow as the step, and may be unstable; 0: much faster, implicit */
-    rbd_friction friction;
+    int by_voltage; /* 1: the drive sets volts, as of a hobby servo, and needs a resistance; 0: the current */
+    int sampled;    /* 1: the drive is as slow as the step, and may be unstable; 0: much faster, implicit */
+    rbd_gear_friction friction;
 } rbd_motor;
 
 /* A crank on the rods' base, and a rod from its end to a point of the body that the joints move. */
@@ -167,7 +169,7 @@ typedef struct rbd_transmission {
    motor, joint    N m at the shaft: torques of the motor and of the joint on it; at rest they cancel, joint =
                    -motor
    Returns 0 without a friction. */
-RBDI_API rbd_real rbd_friction_level(const rbd_friction *friction, rbd_real speed, rbd_real motor,
+RBDI_API rbd_real rbd_friction_level(const rbd_gear_friction *friction, rbd_real speed, rbd_real motor,
                                      rbd_real joint);
 
 /* ---- actuators [actuators] ---- */
@@ -180,12 +182,12 @@ typedef struct rbd_actuators rbd_actuators; /* of one robot: its tables, and the
    memory          size bytes of any alignment: RBD_ACTUATORS_SIZE or rbd_actuators_size
    a               receives the actuators, inside memory: do not move it; NULL after an error
    report          receives the error; may be NULL. body: the motor's index, or n + the transmission's;
-                   field: of rbd_motor, rbd_friction, rbd_transmission or rbd_rod
+                   field: of rbd_motor, rbd_gear_friction, rbd_transmission or rbd_rod
    Errors: RBD_ERR_NULL, _WORK, _MEMORY; _COUNT, n or groups, or a transmission's n; _INDEX, a joint that does
    not exist, has not one degree of freedom, or moves twice; motors that a transmission has not, or joints of
-   rods that do not follow each other; _TYPE, a kind; _RANGE, a field that is missing, negative, not finite or
-   out of range; _AXIS, of a crank; _ARMATURE, the model has the rotor's inertia too; _SINGULAR, a matrix. All
-   shafts are at rest at angle 0, at 25 degrees: rbd_actuators_reset. */
+   rods that do not follow each other; _TYPE, a kind; _RANGE, a field that is missing, negative, not finite,
+   out of range, or does nothing without another; _AXIS, of a crank; _ARMATURE, the model has the rotor's
+   inertia too; _SINGULAR, a matrix. All shafts are at rest at angle 0, at 25 degrees: rbd_actuators_reset. */
 RBDI_API rbd_status rbd_actuators_init(const rbd_model *m, const rbd_motor *motors, int n,
                                        const rbd_transmission *transmissions, int groups, void *memory,
                                        size_t size, rbd_actuators **a, rbd_report *report);
@@ -217,7 +219,7 @@ RBDI_API int rbd_actuators_fault(const rbd_actuators *a);
 typedef struct rbd_drive {
     rbd_real torque;  /* N m at the shaft, of the motor; within its limits */
     rbd_real current; /* A */
-    rbd_real voltage; /* V */
+    rbd_real voltage; /* V, at the terminals: resistance times current, and the back-EMF */
     rbd_real angle;   /* rad, of the shaft on the motor's side of a spring, beyond the play: for a position
                          controller */
     int saturated;    /* 1 or -1: a limit cut the torque at its upper or lower end; else 0 */
@@ -246,11 +248,14 @@ RBDI_API rbd_status rbd_actuators_inverse(rbd_actuators *a, const rbd_real *q, c
    Any other step that takes a damping will do. It starts each time from the same q and v, so q_next and
    v_next are other arrays. Other torques are added behind each of both calls. */
 
-/* What the drive of a shaft is told: torque + kp (q - angle) + kd (v - speed). */
+/* What the drive of a shaft is told: torque + kp (q - angle) + kd (v - speed). A motor with by_voltage has no
+   torque but a voltage at its terminals, to which the gains add volts that turn the shaft that way. Its
+   current is (volts - gear constant speed) / resistance. */
 typedef struct rbd_command {
-    rbd_real q, v;   /* rad, rad/s, of the shaft */
-    rbd_real kp, kd; /* N m/rad, N m s/rad; not negative */
-    rbd_real torque; /* N m at the shaft */
+    rbd_real q, v;    /* rad, rad/s, of the shaft */
+    rbd_real kp, kd;  /* N m/rad, N m s/rad, or V/rad, V s/rad; not negative */
+    rbd_real torque;  /* N m at the shaft; 0 by voltage */
+    rbd_real voltage; /* V, positive as the rotor turns; 0 if not by voltage */
 } rbd_command;
 
 /* Puts all shafts at rest where q has them, and their temperatures at that of the air, in degrees. Commands
@@ -264,15 +269,16 @@ RBDI_API rbd_status rbd_actuators_reset(rbd_actuators *a, const rbd_real *q, rbd
                   Springs that are so stiff that they would vibrate faster than the step are damped by the
                   first, and ring with the second
    tau, damping   nv: torques tau - damping v_next; 0 where there is no motor
-   Errors: as rbd_actuators_map; RBD_ERR_RANGE, dt not between 1e-9 and 1e3, or a command negative where it
-   must not be, not finite or above 1e9. */
+   A step that was begun before and has not ended is none.
+   Errors: as rbd_actuators_map but _ORDER; RBD_ERR_RANGE, dt not between 1e-9 and 1e3, or a command negative
+   where it must not be, not finite or above 1e9, with a torque by voltage or a voltage by torque. */
 RBDI_API rbd_status rbd_actuators_begin(rbd_actuators *a, const rbd_command *commands, const rbd_real *q,
                                         const rbd_real *v, rbd_real dt, int first_order, rbd_real *tau,
                                         rbd_real *damping);
 
 /* Ends a step, and returns 0, if all shafts do at v_next what the step was told. Else returns 1: the step
    must be made again with the new tau and damping. After 50 repeats it takes what there is. A v_next that is
-   not finite ends the step; the shafts stay as they were. */
+   not finite ends the step; the shafts, and the commands under way, stay as they were. */
 RBDI_API int rbd_actuators_again(rbd_actuators *a, const rbd_real *v_next, rbd_real *tau, rbd_real *damping);
 
 /* A shaft after its last step. */
@@ -293,7 +299,7 @@ RBDI_API rbd_status rbd_actuators_get(const rbd_actuators *a, int motor, rbd_act
    the drives' gains or springs that are in touch, viscous friction, and the transmissions. The level of dry
    friction counts as constant; cogging, the bias of the rotors' inertia and delayed commands are left out.
    dq, dv     nv x nv: by positions, in the sense of v, and by velocities; each may be NULL
-   dcommand   nv x n, by the commands' torques; may be NULL
+   dcommand   nv x n, by the commands' torques, or voltages; may be NULL
    Errors: RBD_ERR_NULL; _ORDER, but between rbd_actuators_begin and the first rbd_actuators_again. */
 RBDI_API rbd_status rbd_actuators_derivatives(const rbd_actuators *a, rbd_real *dq, rbd_real *dv,
                                               rbd_real *dcommand);
@@ -350,6 +356,8 @@ RBDI_EXTERN_C_END
 #undef P
 #pragma push_macro("S")
 #undef S
+#pragma push_macro("T")
+#undef T
 #pragma push_macro("X")
 #undef X
 
@@ -360,19 +368,27 @@ RBDI_EXTERN_C_END
 /* ==== src/actuator/layout.h ==== */
 /* ---- method [method] ----
    Each drive is a shaft with angle g(q) and speed x = G v on the joints' side; t there is the torque t' G of
-   the joints. Everything between command and joint is a law p(x) of one shaft, monotone: at the end of a step
-   of length dt the joint gets the impulse p, and a larger speed x never a larger p. Such laws make no energy
-   whatever dt is.
+   the joints. Everything between command and joint is a law t(x) of one shaft, monotone: at the end of a step
+   of length dt the joint gets the impulse dt t, and a larger speed x never a larger t. Such laws make no
+   energy whatever dt is.
 
-   A law is piecewise linear, p / dt = s - slope x, but for dry friction, which is vertical at x = 0. A step
-   is told s and slope of the piece (the branch) at the last known x. If no shaft is on another branch at the
-   speeds that come out, they are those of the laws themselves, exactly. Else the step is made again with the
-   branches that were found; from the fourth time on, of those half way to the new speeds. A shaft with dry
-   friction goes from one direction of sliding to the other by way of sticking.
+   A law is piecewise linear, t = s - slope x; dry friction is steep at x = 0. A step is told s and slope of
+   the piece at a point of speeds x_p. If each law has at the speeds that come out the torque that the step
+   was told, they are those of the laws themselves, exactly. Else the step is made again with another point.
+   This is Newton's method for the least value of a convex function: that of the joints' motion, which is
+   quadratic, and for each shaft the integral of -t(x). From the second time on the point is where this
+   function is least on the way from the last point to the new speeds. There, at the share c of the way d,
 
-   Shafts that a transmission couples have the damping A = G' diag(slope) G, which is no diagonal. The step is
-   told a diagonal above it, L_jj = sum |A_jk|, and the torque (L - A) v of the v before: repeated, it
-   converges for every A. */
+       sum over shafts (T + c (T_new - T) - t(x_p + c d)) d = 0
+
+   with the torque T by which the joints are in motion at the point. It is known, since the step was told it.
+   So the repeats end for all laws, however steep.
+
+   Shafts that a transmission couples have slopes G' diag(slope) G, which are no diagonal, and what sticks is
+   no joint. For them the motion of the joints is learnt: T = T_p + P (x - x_p) with a matrix P, by a
+   correction of rank one for each repeat (SR1; Nocedal and Wright 2006, section 6.2). With P the speeds of up
+   to three shafts are found exactly, by trying which of them slide, and in which direction. The step is told
+   the torque that belongs to them, and a damping that is a diagonal. P is kept from step to step. */
 
 #define RBDI_ACTUATOR_MOST RBD_C(1e9)     /* of a field, a command, q and v */
 #define RBDI_ACTUATOR_LARGEST RBD_C(1e12) /* N m: torques in a level of friction; their squares are finite */
@@ -380,11 +396,12 @@ RBDI_EXTERN_C_END
 #define RBDI_ACTUATOR_MOST_MOTORS 1000
 #define RBDI_ACTUATOR_MOST_DELAY 1000
 #define RBDI_ACTUATOR_REPEATS 50
-#define RBDI_ACTUATOR_SOFT 3            /* repeats after which speeds go half way */
+#define RBDI_ACTUATOR_HALVINGS 40       /* that find the least value on a way */
 #define RBDI_ACTUATOR_SLOPE RBD_C(1e-3) /* least slope of the inverse's equation: that of load_motor 0.999 */
 #define RBDI_ACTUATOR_DEAD RBD_C(1e-6) /* of crank times length: a rod nearer to its dead centre is refused */
-#define RBDI_ACTUATOR_HOTTEST RBD_C(1e6) /* degrees: no winding gets there */
-#define RBDI_ACTUATOR_WARM RBD_C(25)     /* degrees at which resistances are given */
+#define RBDI_ACTUATOR_HOTTEST RBD_C(1e6)    /* degrees: no winding gets there */
+#define RBDI_ACTUATOR_WARM RBD_C(25)        /* degrees at which resistances are given */
+#define RBDI_ACTUATOR_NOISE (30 * RBDI_EPS) /* changes of speed below this share are rounding */
 #if RBDI_KIND(RBD_CONST) == 2
 #define RBDI_ACTUATOR_CREEP RBD_C(1e-6) /* rad/s: a rigid shaft under its level of friction creeps so fast */
 #define RBDI_ACTUATOR_SETTLED RBD_C(1e-5)
@@ -398,7 +415,7 @@ RBDI_EXTERN_C_END
 typedef struct rbdi_act_shaft {
     int16_t dof, at;   /* that it moves directly, and its coordinate in q; -1: a transmission does */
     int16_t saturated; /* as in rbd_drive */
-    int16_t branch;    /* of its law: of dry friction -1, 0, 1; of a spring see rbdi_act_elastic_law */
+    int16_t branch;    /* of dry friction at the step's beginning: -1, 1 where it slides */
     int16_t oldest;    /* command of the ring */
 
     /* state */
@@ -408,15 +425,21 @@ typedef struct rbdi_act_shaft {
     rbd_real motor, joint; /* N m, of the last step: the motor's torque, the shaft's on the joint's side */
 
     /* of the step */
+    rbd_command arrived;
     rbd_real g, x, bias; /* angle and speed of the joint's side at its beginning; G' v */
-    rbd_real t, braking; /* the motor's torque is t - braking speed at the step's end */
-    rbd_real now;        /* N m: the motor's torque at its beginning */
-    rbd_real gain, rate; /* its slopes by angle and speed in continuous time, both negative there */
-    rbd_real cogging;    /* N m, a part of t that no current makes: cogging - cogging_slope speed */
+    rbd_real t, braking; /* the drive asks for the torque t - braking speed, at the speed of the step's end */
+    rbd_real most;       /* N m: limit of the current */
+    rbd_real stall, droop; /* limits of the voltage: stall - droop speed, -stall - droop speed */
+    rbd_real now;          /* N m: the motor's torque at its beginning */
+    rbd_real gain, rate;   /* its slopes by angle and speed in continuous time, both negative there */
+    rbd_real pass;         /* its slope by the command's torque or voltage */
+    rbd_real cogging;      /* N m, that no current makes: cogging - cogging_slope speed */
     rbd_real cogging_slope;
-    rbd_real level;    /* of dry friction */
-    rbd_real told;     /* speed whose branch the step was told */
-    rbd_real s, slope; /* what it was told: the torque s - slope x */
+    rbd_real level;       /* of dry friction */
+    rbd_real point, base; /* the speed whose piece the step was told, and the joints' torque there */
+    rbd_real s, slope;    /* what it was told: the torque s - slope x */
+    rbd_real scale;       /* of coupled shafts, rad/s: the joints' shares in the speed that came out */
+    rbd_real next, force; /* the speed that came out, and the torque that the joints had there */
 } rbdi_act_shaft;
 
 /* Joints that motors move together. */
@@ -427,10 +450,13 @@ typedef struct rbdi_act_group {
     int16_t at[3];    /* their coordinates in q */
     rbdi_mat turn[2]; /* rods: joint frames at q = 0 in the frame before: axes, origin, joint axis */
     rbdi_v3 origin[2], axis[2];
-    rbd_real G[9];       /* n x n: shaft speeds by joint speeds */
-    rbd_real H[8];       /* rods, n x n x n: G by q */
-    rbd_real inverse[9]; /* of G */
-    rbd_real v[3];       /* speeds that the step was told last */
+    rbd_real G[9];             /* n x n: shaft speeds by joint speeds */
+    rbd_real H[8];             /* rods, n x n x n: G by q */
+    rbd_real inverse[9];       /* of G */
+    rbd_real v[3];             /* of the joints at the step's beginning */
+    rbd_real s[3], damping[3]; /* what the joints were told */
+    rbd_real mass[9];          /* kg m^2: dt P, n x n, by shaft speeds */
+    int known;                 /* whether there is a mass */
 } rbdi_act_group;
 
 struct rbd_actuators {
@@ -539,13 +565,13 @@ RBDI_INLINE rbd_real rbdi_act_clamp(rbd_real x, rbd_real lower, rbd_real upper) 
 RBDI_INLINE int rbdi_act_sign(rbd_real x) { return (x > 0) - (x < 0); }
 
 /* Whether friction at rest differs from that of motion. */
-RBDI_INLINE int rbdi_act_has_rest(const rbd_friction *f) {
+RBDI_INLINE int rbdi_act_has_rest(const rbd_gear_friction *f) {
     return f->rest > 0 || f->rest_motor > 0 || f->rest_joint > 0 || f->square_motor > 0 ||
            f->square_joint > 0;
 }
 
 /* S = exp(-|x / speed|^power): the share of friction at rest. */
-RBDI_PART rbd_real rbdi_act_rest_share(const rbd_friction *f, rbd_real x) {
+RBDI_PART rbd_real rbdi_act_rest_share(const rbd_gear_friction *f, rbd_real x) {
     rbd_real ratio;
     if (!rbdi_act_has_rest(f)) return rbdi_zero();
     ratio = rbdi_abs(x) / f->speed;
@@ -555,8 +581,8 @@ RBDI_PART rbd_real rbdi_act_rest_share(const rbd_friction *f, rbd_real x) {
     return ratio > 5 ? rbdi_zero() : rbdi_act_exponential(-rbdi_act_exponential(ratio));
 }
 
-/* The level of rbd_friction, where S is known. */
-RBDI_PART rbd_real rbdi_act_level(const rbd_friction *f, rbd_real S, rbd_real motor, rbd_real joint) {
+/* The level of rbd_gear_friction, where S is known. */
+RBDI_PART rbd_real rbdi_act_level(const rbd_gear_friction *f, rbd_real S, rbd_real motor, rbd_real joint) {
     const rbd_real most = rbdi_set(RBDI_ACTUATOR_LARGEST);
     const rbd_real t_m = rbdi_act_clamp(motor, -most, most), t_x = rbdi_act_clamp(joint, -most, most);
     rbd_real level = f->coulomb + rbdi_abs(f->load_joint * t_x - f->load_motor * t_m);
@@ -572,7 +598,7 @@ RBDI_PART rbd_real rbdi_act_level(const rbd_friction *f, rbd_real S, rbd_real mo
     return level < most ? level : most;
 }
 
-RBDI_API rbd_real rbd_friction_level(const rbd_friction *friction, rbd_real speed, rbd_real motor,
+RBDI_API rbd_real rbd_friction_level(const rbd_gear_friction *friction, rbd_real speed, rbd_real motor,
                                      rbd_real joint) {
     if (!friction) return rbdi_zero();
     return rbdi_act_level(friction, rbdi_act_rest_share(friction, speed), motor, joint);
@@ -691,56 +717,101 @@ RBDI_PART rbd_real rbdi_act_encoder(const rbd_motor *m, rbd_real angle) {
     return (rbd_real)(int32_t)(steps + (steps < 0 ? RBD_C(-0.5) : RBD_C(0.5))) * m->step;
 }
 
-/* A limit cuts the torque: t and braking are its. That of the current is constant. That of the voltage falls
-   with the speed, (K^2 / R) x, and acts implicitly: with the speed before the step it would not be stable. */
-RBDI_PART void rbdi_act_saturate(const rbd_motor *m, rbdi_act_shaft *s, rbd_real winding, rbd_real limit,
-                                 int side) {
-    const rbd_real constant = rbdi_abs(rbdi_act_torque_constant(m));
-    s->saturated = (int16_t)side;
-    s->t = limit;
-    s->now = limit;
-    s->braking = rbdi_zero();
-    s->gain = rbdi_zero();
+/* A line t - braking x of a motor's torque by its speed. */
+typedef struct rbdi_act_line {
+    rbd_real t, braking;
+    int saturated; /* as in rbd_drive */
+} rbdi_act_line;
 
-    if (m->voltage > 0 && rbdi_abs(limit) < constant * rbdi_act_most_current(m, winding)) {
-        const rbd_real resistance = rbdi_act_resistance(m, winding);
-        s->t = (rbd_real)side * constant * m->voltage / resistance;
-        s->braking = constant * constant / resistance;
+/* The line within the limits at speed x, which all fall with the speed:
+
+       |t| <= most,   |t + droop x| <= stall */
+RBDI_PART rbdi_act_line rbdi_act_limit(const rbdi_act_shaft *s, rbdi_act_line line, rbd_real x) {
+    const rbd_real asked = line.t - line.braking * x;
+    rbd_real given;
+    line.saturated = 0;
+    if (asked > s->stall - s->droop * x) line.saturated = 1;
+    if (asked < -s->stall - s->droop * x) line.saturated = -1;
+    if (line.saturated) {
+        line.t = (rbd_real)line.saturated * s->stall;
+        line.braking = s->droop;
     }
-    s->rate = s->braking;
+
+    given = line.t - line.braking * x;
+    if (given <= s->most && given >= -s->most) return line;
+    if (!line.saturated) line.saturated = given > 0 ? 1 : -1;
+    line.t = given > 0 ? s->most : -s->most;
+    line.braking = rbdi_zero();
+    return line;
 }
 
-/* The motor's torque t - braking x under a command, at the angle and speed of its rotor. An implicit drive
-   has the angle of the step's end: angle + dt ((1 - share) speed + share x). */
+/* The motor's line at the speed x of its shaft at the step's end, without cogging. */
+RBDI_PART rbdi_act_line rbdi_act_motor_at(const rbdi_act_shaft *s, rbd_real x) {
+    rbdi_act_line line;
+    line.t = s->t;
+    line.braking = s->braking;
+    line.saturated = 0;
+    return rbdi_act_limit(s, line, x);
+}
+
+/* The limits at the winding's temperature. */
+RBDI_PART void rbdi_act_note_limits(const rbd_motor *m, rbdi_act_shaft *s, rbd_real winding) {
+    const rbd_real constant = rbdi_abs(rbdi_act_torque_constant(m));
+    s->most = constant * rbdi_act_most_current(m, winding);
+    s->stall = constant * RBDI_ACTUATOR_UNLIMITED;
+    s->droop = rbdi_zero();
+    if (m->voltage > 0 || m->by_voltage)
+        s->droop = rbdi_act_clamp(constant * constant / rbdi_act_resistance(m, winding), rbdi_zero(),
+                                  rbdi_set(RBDI_ACTUATOR_UNLIMITED));
+    if (m->voltage > 0) s->stall = constant * m->voltage / rbdi_act_resistance(m, winding);
+}
+
+/* What the drive asks for under a command, at the angle and speed of its rotor:
+
+       torque + kp (q - angle) + kd (v - speed)
+
+   A drive by voltage sets volts, which are the torque K volts / R - droop speed. A quick drive has the angle
+   and the speed of the step's end, angle + dt ((1 - share) speed + share x); one that samples those of its
+   beginning. */
 RBDI_PART void rbdi_act_drive_motor(const rbd_motor *m, rbdi_act_shaft *s, const rbd_command *c, rbd_real air,
                                     rbd_real dt, rbd_real share) {
     const rbd_real winding = s->winding + air, constant = rbdi_act_torque_constant(m);
-    rbd_real lower, upper;
+    rbd_real kp = c->kp, kd = c->kd, droop = rbdi_zero(), feed = c->torque;
+    rbdi_act_line line;
 
     rbdi_act_cog(m, s, dt, share);
-    s->saturated = 0;
-    s->gain = c->kp;
-    s->rate = c->kd;
-    s->t = c->torque + c->kp * (c->q - rbdi_act_encoder(m, s->angle)) + c->kd * c->v;
-    s->now = s->t - c->kd * s->speed;
-    if (m->sampled) {
-        s->t = s->now;
-        s->braking = rbdi_zero();
-    } else {
-        s->t = s->t - c->kp * dt * (1 - share) * s->speed;
-        s->braking = c->kd + c->kp * dt * share;
+    rbdi_act_note_limits(m, s, winding);
+    s->pass = rbdi_set(RBD_C(1));
+    if (m->by_voltage) {
+        const rbd_real conductance = 1 / rbdi_act_resistance(m, winding);
+        s->pass = constant * conductance;
+        feed = s->pass * c->voltage;
+        kp = rbdi_abs(s->pass) * kp;
+        kd = rbdi_abs(s->pass) * kd;
+        droop = s->droop;
     }
 
-    rbdi_act_current_range(m, winding, s->speed, &lower, &upper);
-    lower = lower * constant;
-    upper = upper * constant;
-    if (s->now > (lower > upper ? lower : upper))
-        rbdi_act_saturate(m, s, winding, lower > upper ? lower : upper, 1);
-    if (s->now < (lower > upper ? upper : lower))
-        rbdi_act_saturate(m, s, winding, lower > upper ? upper : lower, -1);
-    s->t = s->t + s->cogging;
-    s->braking = s->braking + s->cogging_slope;
-    s->now = s->now + s->cogging;
+    s->t = feed + kp * (c->q - rbdi_act_encoder(m, s->angle)) + kd * c->v;
+    s->now = s->t - (kd + droop) * s->speed;
+    s->gain = kp;
+    s->rate = kd + droop;
+    if (m->sampled) {
+        s->t = s->t - kd * s->speed;
+        s->braking = droop;
+    } else {
+        s->t = s->t - kp * dt * (1 - share) * s->speed;
+        s->braking = kd + droop + kp * dt * share;
+    }
+
+    /* in continuous time, at the step's beginning */
+    line.t = s->now;
+    line.braking = rbdi_zero();
+    line = rbdi_act_limit(s, line, s->speed);
+    s->saturated = (int16_t)line.saturated;
+    s->now = line.t - line.braking * s->speed + s->cogging;
+    if (!line.saturated) return;
+    s->pass = s->gain = rbdi_zero();
+    s->rate = line.braking;
 }
 
 /* ==== src/actuator/rods.h ==== */
@@ -977,7 +1048,7 @@ typedef struct rbdi_act_wanted {
 
 /* Newton's method for u = base + side F(u, -t), F the level at rest share S. It is linear in pieces but for
    the squares: two steps do as a rule. Writes the slopes by t, base and so on. */
-RBDI_PART rbd_real rbdi_act_carry_load(const rbd_friction *f, rbd_real S, const rbdi_act_wanted *want,
+RBDI_PART rbd_real rbdi_act_carry_load(const rbd_gear_friction *f, rbd_real S, const rbdi_act_wanted *want,
                                        rbd_real base, rbd_real *slope, rbd_real *by_torque) {
     const rbd_real t = want->torque, one = rbdi_set(RBD_C(1));
     rbd_real u = base;
@@ -1013,7 +1084,7 @@ RBDI_PART rbd_real rbdi_act_winding_of(const rbd_motor *m, rbd_real t) {
 /* One shaft: u = t + J x' + viscous x + side F - cogging, within the limits. */
 RBDI_ONCE void rbdi_act_invert_shaft(const rbd_motor *m, const rbdi_act_shaft *s, const rbdi_act_wanted *want,
                                      rbd_real air, rbd_drive *drive) {
-    const rbd_friction *f = &m->friction;
+    const rbd_gear_friction *f = &m->friction;
     const rbd_real constant = rbdi_act_torque_constant(m), J = rbdi_act_rotor_inertia(m),
                    winding = s->winding + air;
     rbd_real u = want->torque + J * want->acceleration + f->viscous * want->speed;
@@ -1048,7 +1119,7 @@ RBDI_ONCE void rbdi_act_invert_shaft(const rbd_motor *m, const rbdi_act_shaft *s
 }
 
 /* The direction of friction at a planned speed. */
-RBDI_INLINE rbd_real rbdi_act_side(const rbd_friction *f, rbd_real x) {
+RBDI_INLINE rbd_real rbdi_act_side(const rbd_gear_friction *f, rbd_real x) {
     if (!(f->still > 0)) return (rbd_real)rbdi_act_sign(x);
     return rbdi_act_clamp(x / f->still, rbdi_set(RBD_C(-1)), rbdi_set(RBD_C(1)));
 }
@@ -1094,23 +1165,35 @@ RBDI_API rbd_status rbd_actuators_inverse(rbd_actuators *a, const rbd_real *q, c
 
 /* ==== src/actuator/laws.h ==== */
 /* ---- laws [laws of shafts] ----
-   A rigid shaft, whose rotor turns with the joint. At the end's speed x it gives the torque
+   The motor's torque m(y) at its speed y of the step's end is what the drive asks for within its limits,
+   rbdi_act_motor_at, and cogging; it falls with y. A rigid shaft, whose rotor turns with the joint, gives at
+   the end's speed x = y the torque
 
-       t - (braking + viscous) x - J ((x - x_0) / dt + bias) - w,   w = clamp(b + k dt x_m, -F, F)
+       m(x) - viscous x - J ((x - x_0) / dt + bias) - w,   w = clamp(b + k dt x_m, -F, F)
 
-   with the motor's torque t, the level F, a bristle of stiffness k that now has the torque b, and the mean
-   speed x_m by which the joint moves, (1 - share) x_0 + share x. Without a bristle w = clamp(F x / creep, -F,
-   F): what sticks creeps, at most by RBDI_ACTUATOR_CREEP.
+   with the level F, a bristle of stiffness k that now has the torque b, and the mean speed x_m by which the
+   joint moves, (1 - share) x_0 + share x. Without a bristle w = clamp(F x / creep, -F, F): what sticks
+   creeps, at most by RBDI_ACTUATOR_CREEP.
 
    A shaft with a spring, whose rotor has an angle and a speed y of its own. With delta = angle - g, play 2 h,
    K = dt k + d, r = y - x_m the joint gets the impulse
 
        p = max(0, dt k (delta - h) + dt K r) + min(0, dt k (delta + h) + dt K r)
-       J (y - y_0) = dt (t - (braking + viscous) y) - p + p_f,   p_f = -dt F sign(y), or less at y = 0
+       J (y - y_0) = dt (m(y) - viscous y) - p + p_f,   p_f = -dt F sign(y), or less at y = 0
 
-   Both are solved exactly: first with y = 0; if friction cannot hold the rotor so, with p_f = +-dt F. The
-   energy of the spring changes by p r at most, that of the joints by p x_m, and that of the rotor by (p_f -
-   p) y at most: together they do not grow. */
+   Both are solved exactly for each line of m: first with y = 0; if friction cannot hold the rotor so, with
+   p_f = +-dt F. The line is the right one if it is that of m at the y that comes out. The energy of the
+   spring changes by p r at most, that of the joints by p x_m, and that of the rotor by (p_f - p) y at most:
+   together they do not grow. */
+
+/* A piece of a law: the torque s - slope x. */
+typedef struct rbdi_act_piece {
+    rbd_real s, slope;
+} rbdi_act_piece;
+
+RBDI_INLINE rbd_real rbdi_act_torque_of(rbdi_act_piece piece, rbd_real x) {
+    return piece.s - piece.slope * x;
+}
 
 /* Mean speed of a step on the joint's side. */
 RBDI_INLINE rbd_real rbdi_act_mean(const rbd_actuators *a, const rbdi_act_shaft *s, rbd_real x) {
@@ -1134,27 +1217,35 @@ RBDI_PART rbdi_act_stiction rbdi_act_sticks(const rbd_motor *m, const rbdi_act_s
     return w;
 }
 
-/* The branch of the friction of a rigid shaft at speed x: 1 or -1 where it slides. */
-RBDI_PART int rbdi_act_rigid_branch(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real x,
-                                    const rbd_actuators *a) {
-    const rbdi_act_stiction sticks = rbdi_act_sticks(m, s, a);
+/* -1 or 1 where the dry friction of a rigid shaft slides at speed x, 0 where it sticks. */
+RBDI_INLINE int rbdi_act_slides(const rbdi_act_shaft *s, rbdi_act_stiction sticks, rbd_real x) {
     const rbd_real w = sticks.offset + sticks.slope * x;
-    const int branch = w > s->level ? 1 : w < -s->level ? -1 : 0;
-    return branch * s->branch < 0 ? 0 : branch;
+    return w > s->level ? 1 : w < -s->level ? -1 : 0;
 }
 
-/* Tells the step the piece of the branch. */
-RBDI_PART void rbdi_act_rigid_law(const rbd_motor *m, rbdi_act_shaft *s, const rbd_actuators *a) {
+/* A rigid shaft without its dry friction. */
+RBDI_PART rbdi_act_piece rbdi_act_rigid_without(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real x,
+                                                const rbd_actuators *a) {
+    const rbdi_act_line line = rbdi_act_motor_at(s, x);
     const rbd_real J = rbdi_act_rotor_inertia(m);
-    s->s = s->t + J * (s->x / a->dt - s->bias);
-    s->slope = s->braking + m->friction.viscous + J / a->dt;
-    if (s->branch) {
-        s->s = s->s - (rbd_real)s->branch * s->level;
+    rbdi_act_piece piece;
+    piece.s = line.t + s->cogging + J * (s->x / a->dt - s->bias);
+    piece.slope = line.braking + s->cogging_slope + m->friction.viscous + J / a->dt;
+    return piece;
+}
+
+RBDI_PART rbdi_act_piece rbdi_act_rigid_law(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real x,
+                                            const rbd_actuators *a) {
+    const rbdi_act_stiction sticks = rbdi_act_sticks(m, s, a);
+    const int slides = rbdi_act_slides(s, sticks, x);
+    rbdi_act_piece piece = rbdi_act_rigid_without(m, s, x, a);
+    if (slides) {
+        piece.s = piece.s - (rbd_real)slides * s->level;
     } else {
-        const rbdi_act_stiction sticks = rbdi_act_sticks(m, s, a);
-        s->s = s->s - sticks.offset;
-        s->slope = s->slope + sticks.slope;
+        piece.s = piece.s - sticks.offset;
+        piece.slope = piece.slope + sticks.slope;
     }
+    return piece;
 }
 
 /* What a spring does: the impulse on the joint, its slope by -x_m, the rotor's speed. */
@@ -1173,13 +1264,14 @@ RBDI_PART rbd_real rbdi_act_mesh(const rbd_motor *m, const rbdi_act_shaft *s, rb
     return up > 0 ? up : down < 0 ? down : rbdi_zero();
 }
 
-/* The spring's law at the speed x of the joint's side. */
-RBDI_PART rbdi_act_spring rbdi_act_spring_at(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real x,
-                                             const rbd_actuators *a) {
+/* The spring's law at the speed x of the joint's side, if this is the motor's line. */
+RBDI_PART rbdi_act_spring rbdi_act_spring_by(const rbd_motor *m, const rbdi_act_shaft *s, rbdi_act_line line,
+                                             rbd_real x, const rbd_actuators *a) {
     const rbd_real dt = a->dt, x_m = rbdi_act_mean(a, s, x), most = dt * s->level;
-    const rbd_real J = rbdi_act_rotor_inertia(m), J_t = J + dt * (s->braking + m->friction.viscous);
+    const rbd_real t = line.t + s->cogging, braking = line.braking + s->cogging_slope;
+    const rbd_real J = rbdi_act_rotor_inertia(m), J_t = J + dt * (braking + m->friction.viscous);
     const rbd_real K = dt * m->stiffness + m->damping;
-    const rbd_real given = J * s->speed + dt * s->t;
+    const rbd_real given = J * s->speed + dt * t;
     rbdi_act_spring spring;
 
     spring.y = rbdi_zero();
@@ -1195,42 +1287,73 @@ RBDI_PART rbdi_act_spring rbdi_act_spring_at(const rbd_motor *m, const rbdi_act_
     return spring;
 }
 
-/* Its branch: the side of the play that touches, and the rotor's direction. */
-RBDI_INLINE int rbdi_act_spring_branch(const rbdi_act_spring *spring) {
-    return rbdi_act_sign(spring->p) + 3 * rbdi_act_sign(spring->y);
+/* The lines of a motor: what the drive asks for, the limits of the current and of the voltage. */
+RBDI_PART rbdi_act_line rbdi_act_line_of(const rbdi_act_shaft *s, int number) {
+    rbdi_act_line line;
+    line.saturated = number == 0 ? 0 : number % 2 ? 1 : -1;
+    line.t = number == 0 ? s->t : (rbd_real)line.saturated * (number > 2 ? s->stall : s->most);
+    line.braking = number == 0 ? s->braking : number > 2 ? s->droop : rbdi_zero();
+    return line;
 }
 
-/* Tells the step the piece at the speed s->told. */
-RBDI_PART void rbdi_act_elastic_law(const rbd_motor *m, rbdi_act_shaft *s, const rbd_actuators *a) {
-    const rbdi_act_spring spring = rbdi_act_spring_at(m, s, s->told, a);
-    s->branch = (int16_t)rbdi_act_spring_branch(&spring);
-    s->slope = a->share * spring.slope;
-    s->s = spring.p / a->dt + s->slope * s->told;
-}
-
-RBDI_INLINE void rbdi_act_tell(const rbd_motor *m, rbdi_act_shaft *s, const rbd_actuators *a) {
-    if (m->stiffness > 0)
-        rbdi_act_elastic_law(m, s, a);
-    else
-        rbdi_act_rigid_law(m, s, a);
-}
-
-/* Whether the shaft is on its branch at speed x. If not, takes the branch there, or half way. */
-RBDI_PART int rbdi_act_stays(const rbd_motor *m, rbdi_act_shaft *s, rbd_real x, const rbd_actuators *a) {
-    int branch, same;
-    if (m->stiffness > 0) {
-        const rbdi_act_spring spring = rbdi_act_spring_at(m, s, x, a);
-        s->told = a->repeats > RBDI_ACTUATOR_SOFT ? (s->told + x) / 2 : x;
-        return rbdi_act_spring_branch(&spring) == s->branch;
+/* With the line that is the motor's at the rotor's speed. As all laws are monotone, one is. */
+RBDI_PART rbdi_act_spring rbdi_act_spring_at(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real x,
+                                             const rbd_actuators *a) {
+    rbdi_act_spring best;
+    rbd_real least = rbdi_zero();
+    for (int k = 0; k < 5; ++k) {
+        const rbdi_act_line line = rbdi_act_line_of(s, k);
+        const rbdi_act_spring spring = rbdi_act_spring_by(m, s, line, x, a);
+        const rbdi_act_line there = rbdi_act_motor_at(s, spring.y);
+        const rbd_real off =
+            rbdi_abs(line.t - line.braking * spring.y - (there.t - there.braking * spring.y));
+        if (k == 0 || off < least) {
+            least = off;
+            best = spring;
+        }
+        if (!(least > 0)) break;
     }
-    branch = rbdi_act_rigid_branch(m, s, x, a);
-    same = branch == s->branch;
-    s->branch = (int16_t)branch;
-    return same;
+    return best;
 }
 
-/* The state of the shaft at the end of the step, where the joint's side has speed x. */
+/* The piece of a shaft's law at the speed x of its joint's side. */
+RBDI_PART rbdi_act_piece rbdi_act_law(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real x,
+                                      const rbd_actuators *a) {
+    rbdi_act_piece piece;
+    rbdi_act_spring spring;
+    if (!(m->stiffness > 0)) return rbdi_act_rigid_law(m, s, x, a);
+
+    spring = rbdi_act_spring_at(m, s, x, a);
+    piece.slope = a->share * spring.slope;
+    piece.s = spring.p / a->dt + piece.slope * x;
+    return piece;
+}
+
+/* By how much the joint's torque T at speed x is not that of the law. A coupled shaft may have any within the
+   level of friction while it sticks: there x is rounding. */
+RBDI_PART rbd_real rbdi_act_off(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real T, rbd_real x,
+                                const rbd_actuators *a) {
+    if (s->dof < 0 && !(m->stiffness > 0) && !(m->friction.bristle > 0) &&
+        rbdi_abs(x) <= RBDI_ACTUATOR_CREEP * (1 + s->scale)) {
+        const rbd_real w = rbdi_act_torque_of(rbdi_act_rigid_without(m, s, x, a), x) - T;
+        return rbdi_act_clamp(w, -s->level, s->level) - w;
+    }
+    return T - rbdi_act_torque_of(rbdi_act_law(m, s, x, a), x);
+}
+
+/* The size of what the law adds up at the new speed, N m; not so small that rounding is another. */
+RBDI_PART rbd_real rbdi_act_size(const rbd_motor *m, const rbdi_act_shaft *s, const rbd_actuators *a) {
+    const rbdi_act_piece law = rbdi_act_law(m, s, s->next, a);
+    const rbd_real wound = rbdi_abs(s->angle - s->g) + m->backlash;
+    const rbd_real speeds = rbdi_abs(s->x) + rbdi_abs(s->next) + rbdi_abs(s->speed);
+    return rbdi_abs(law.s) + rbdi_abs(law.slope * s->next) + rbdi_abs(s->force) + m->stiffness * wound +
+           (a->dt * m->stiffness + m->damping) * speeds + RBD_C(1e-20);
+}
+
+/* The state of the shaft at the end of the step, where the joint's side has speed x and gets s->force. */
 RBDI_PART void rbdi_act_end_shaft(const rbd_motor *m, rbdi_act_shaft *s, rbd_real x, const rbd_actuators *a) {
+    rbdi_act_line line;
+    s->joint = s->force;
     if (m->stiffness > 0) {
         const rbdi_act_spring spring = rbdi_act_spring_at(m, s, x, a);
         s->joint = spring.p / a->dt;
@@ -1238,15 +1361,265 @@ RBDI_PART void rbdi_act_end_shaft(const rbd_motor *m, rbdi_act_shaft *s, rbd_rea
         s->angle = s->angle + a->dt * spring.y;
     } else {
         const rbdi_act_stiction sticks = rbdi_act_sticks(m, s, a);
-        s->joint = s->s - s->slope * x;
         s->speed = x;
         s->angle = s->g + a->dt * rbdi_act_mean(a, s, x);
         if (m->friction.bristle > 0)
             s->bristle = rbdi_act_clamp(sticks.offset + sticks.slope * x, -s->level, s->level);
     }
-    s->motor = s->t - s->braking * s->speed;
+
+    line = rbdi_act_motor_at(s, s->speed);
+    s->saturated = (int16_t)line.saturated;
     s->cogging = s->cogging - s->cogging_slope * s->speed;
+    s->motor = line.t - line.braking * s->speed + s->cogging;
     rbdi_act_heat(m, s, (s->motor - s->cogging) / rbdi_act_torque_constant(m), a->air, a->dt);
+}
+
+/* ==== src/actuator/coupled.h ==== */
+/* ---- coupled shafts [coupled shafts] ----
+   The shafts of a transmission. Their joints move as T = base + P (x - point), P = mass / dt. */
+
+/* Joint speeds of shaft speeds x. */
+RBDI_INLINE rbd_real rbdi_act_joint_speed(const rbdi_act_group *g, int j, const rbd_real *x) {
+    rbd_real v = rbdi_zero();
+    for (int i = 0; i < g->n; ++i) v = v + g->inverse[g->n * j + i] * x[i];
+    return v;
+}
+
+/* Solves A x = b, A symmetric and positive definite, by L D L'; b becomes x. Returns 0 if A is not so. */
+RBDI_LOCAL int rbdi_act_solve_small(rbd_real *A, int n, rbd_real *b) {
+    for (int k = 0; k < n; ++k) {
+        if (!(A[n * k + k] > 0)) return 0;
+        for (int i = k + 1; i < n; ++i) {
+            const rbd_real factor = A[n * i + k] / A[n * k + k];
+            for (int j = k + 1; j < n; ++j) A[n * i + j] = A[n * i + j] - factor * A[n * k + j];
+            b[i] = b[i] - factor * b[k];
+        }
+    }
+    for (int k = n - 1; k >= 0; --k) {
+        for (int j = k + 1; j < n; ++j) b[k] = b[k] - A[n * k + j] * b[j];
+        b[k] = b[k] / A[n * k + k];
+    }
+    return 1;
+}
+
+/* The law of each shaft at its point, without and with dry friction. */
+typedef struct rbdi_act_laws {
+    rbdi_act_piece without[3];
+    rbdi_act_stiction sticks[3];
+    rbd_real level[3];
+} rbdi_act_laws;
+
+RBDI_LOCAL void rbdi_act_take_laws(const rbd_actuators *a, const rbdi_act_group *g, rbdi_act_laws *laws) {
+    for (int i = 0; i < g->n; ++i) {
+        const rbd_motor *m = &a->motor[g->first + i];
+        const rbdi_act_shaft *s = &a->shaft[g->first + i];
+        laws->sticks[i].offset = laws->sticks[i].slope = laws->level[i] = rbdi_zero();
+        if (m->stiffness > 0) {
+            laws->without[i] = rbdi_act_law(m, s, s->point, a);
+        } else {
+            laws->without[i] = rbdi_act_rigid_without(m, s, s->point, a);
+            laws->sticks[i] = rbdi_act_sticks(m, s, a);
+            laws->level[i] = s->level;
+        }
+    }
+}
+
+/* The speeds x at which the joints' torques are those of the laws, if shaft i slides as slides[i] says.
+   Returns by how much they contradict that, N m; below 0 if there are none. */
+RBDI_LOCAL rbd_real rbdi_act_speeds_if(const rbd_actuators *a, const rbdi_act_group *g,
+                                       const rbdi_act_laws *laws, const int *slides, rbd_real *x) {
+    const rbdi_act_shaft *s = &a->shaft[g->first];
+    const int n = g->n;
+    rbd_real A[9], off = rbdi_zero();
+
+    /* (P + slope) x = s - w - base + P point */
+    for (int i = 0; i < n; ++i) {
+        const rbd_real w = slides[i] ? (rbd_real)slides[i] * laws->level[i] : laws->sticks[i].offset;
+        x[i] = laws->without[i].s - w - s[i].base;
+        for (int k = 0; k < n; ++k) {
+            A[n * i + k] = g->mass[n * i + k] / a->dt;
+            x[i] = x[i] + A[n * i + k] * s[k].point;
+        }
+    }
+    for (int i = 0; i < n; ++i) {
+        A[(n + 1) * i] = A[(n + 1) * i] + laws->without[i].slope;
+        if (!slides[i]) A[(n + 1) * i] = A[(n + 1) * i] + laws->sticks[i].slope;
+    }
+    if (!rbdi_act_solve_small(A, n, x)) return rbdi_set(RBD_C(-1));
+
+    for (int i = 0; i < n; ++i) {
+        const rbd_real w = laws->sticks[i].offset + laws->sticks[i].slope * x[i];
+        const rbd_real beyond =
+            slides[i] ? laws->level[i] - (rbd_real)slides[i] * w : rbdi_abs(w) - laws->level[i];
+        if (beyond > 0) off = off + beyond;
+    }
+    return off;
+}
+
+/* Those speeds where each shaft sticks or slides as its law says: one of 3^n ways is right, but for rounding.
+   */
+RBDI_LOCAL void rbdi_act_speeds(const rbd_actuators *a, const rbdi_act_group *g, const rbdi_act_laws *laws,
+                                rbd_real *x) {
+    const int ways = g->n == 1 ? 3 : g->n == 2 ? 9 : 27;
+    rbd_real least = rbdi_set(RBD_C(-1));
+    for (int i = 0; i < g->n; ++i) x[i] = a->shaft[g->first + i].point;
+    for (int way = 0; way < ways; ++way) {
+        const int slides[3] = {way % 3 - 1, way / 3 % 3 - 1, way / 9 - 1};
+        rbd_real tried[3], off;
+        off = rbdi_act_speeds_if(a, g, laws, slides, tried);
+        if (off < 0 || (least >= 0 && !(off < least))) continue;
+        least = off;
+        for (int i = 0; i < g->n; ++i) x[i] = tried[i];
+        if (!(off > 0)) return;
+    }
+}
+
+/* Tells the joints torques and dampings with which they have the torques T at the shaft speeds x: for A = G'
+   diag(slope) G
+
+       L_jj = sum |A_jk|,   torque = G'T + L G^-1 x,   damping = L */
+RBDI_LOCAL void rbdi_act_tell_joints(rbdi_act_group *g, const rbd_real *T, const rbd_real *x,
+                                     const rbd_real *slope) {
+    const int n = g->n;
+    for (int j = 0; j < n; ++j) {
+        rbd_real torque = rbdi_zero(), bound = rbdi_zero();
+        for (int i = 0; i < n; ++i) torque = torque + g->G[n * i + j] * T[i];
+        for (int k = 0; k < n; ++k) {
+            rbd_real A = rbdi_zero();
+            for (int i = 0; i < n; ++i) A = A + g->G[n * i + j] * slope[i] * g->G[n * i + k];
+            bound = bound + rbdi_abs(A);
+        }
+        g->s[j] = torque + bound * rbdi_act_joint_speed(g, j, x);
+        g->damping[j] = bound;
+    }
+}
+
+/* What a group tells the step: what its laws are at the point, or, where the joints' motion is known, the
+   solution. */
+RBDI_LOCAL void rbdi_act_tell_group(const rbd_actuators *a, rbdi_act_group *g) {
+    const rbdi_act_shaft *s = &a->shaft[g->first];
+    const int n = g->n;
+    rbd_real T[3], x[3], slope[3];
+    rbdi_act_laws laws;
+    if (!g->known) {
+        for (int i = 0; i < n; ++i) {
+            const rbdi_act_piece piece = rbdi_act_law(&a->motor[g->first + i], &s[i], s[i].point, a);
+            x[i] = s[i].point;
+            T[i] = rbdi_act_torque_of(piece, x[i]);
+            slope[i] = piece.slope;
+        }
+        rbdi_act_tell_joints(g, T, x, slope);
+        return;
+    }
+
+    rbdi_act_take_laws(a, g, &laws);
+    rbdi_act_speeds(a, g, &laws, x);
+    for (int i = 0; i < n; ++i) {
+        T[i] = s[i].base;
+        for (int k = 0; k < n; ++k) T[i] = T[i] + g->mass[n * i + k] / a->dt * (x[k] - s[k].point);
+        slope[i] = laws.without[i].slope;
+    }
+    rbdi_act_tell_joints(g, T, x, slope);
+}
+
+/* Notes speeds and torques of the shafts at joint speeds v. */
+RBDI_LOCAL void rbdi_act_note_group(const rbd_actuators *a, const rbdi_act_group *g, const rbd_real *v) {
+    rbdi_act_shaft *s = &a->shaft[g->first];
+    for (int i = 0; i < g->n; ++i) {
+        s[i].next = rbdi_act_shaft_speed(g, i, v);
+        s[i].force = s[i].scale = rbdi_zero();
+        for (int j = 0; j < g->n; ++j) {
+            const rbd_real torque = g->s[j] - g->damping[j] * v[g->dof[j]];
+            s[i].force = s[i].force + g->inverse[g->n * j + i] * torque;
+            s[i].scale = s[i].scale + rbdi_abs(g->G[g->n * i + j] * v[g->dof[j]]);
+        }
+    }
+}
+
+/* Whether the shafts have the torques of their laws, but for rounding of these and of the joints' momentum.
+   */
+RBDI_LOCAL int rbdi_act_group_settles(const rbd_actuators *a, const rbdi_act_group *g) {
+    const rbdi_act_shaft *s = &a->shaft[g->first];
+    for (int i = 0; i < g->n; ++i) {
+        const rbd_motor *m = &a->motor[g->first + i];
+        const rbd_real off = rbdi_abs(rbdi_act_off(m, &s[i], s[i].force, s[i].next, a));
+        rbd_real size = rbdi_act_size(m, &s[i], a) + a->dt * m->friction.bristle * s[i].scale;
+        for (int k = 0; k < g->n && g->known; ++k)
+            size = size + rbdi_abs(g->mass[g->n * i + k]) / a->dt * s[k].scale;
+        if (off > RBDI_ACTUATOR_SETTLED * size) return 0;
+    }
+    return 1;
+}
+
+/* ---- motion that is learnt ---- */
+
+/* A first guess of the mass, kg m^2: the torque that was there, by a change of speed of its size. */
+RBDI_LOCAL void rbdi_act_guess_mass(const rbd_actuators *a, rbdi_act_group *g) {
+    const rbdi_act_shaft *s = &a->shaft[g->first];
+    for (int i = 0; i < g->n * g->n; ++i) g->mass[i] = rbdi_zero();
+    for (int i = 0; i < g->n; ++i) {
+        const rbd_real change = rbdi_abs(s[i].x) + rbdi_abs(s[i].next) + a->dt; /* 1 rad/s^2 at least */
+        const rbd_real torque = rbdi_abs(s[i].force) + s[i].level + RBD_C(1e-3);
+        g->mass[(g->n + 1) * i] = a->dt * torque / change + rbdi_act_rotor_inertia(&a->motor[g->first + i]);
+    }
+    g->known = 1;
+}
+
+/* Adds factor x x'. */
+RBDI_INLINE void rbdi_act_add_square(rbd_real *A, int n, rbd_real factor, const rbd_real *x) {
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) A[n * i + j] = A[n * i + j] + factor * x[i] * x[j];
+}
+
+RBDI_LOCAL int rbdi_act_is_positive(const rbd_real *A, int n) {
+    rbd_real copy[9], none[3] = {0, 0, 0};
+    for (int i = 0; i < n * n; ++i) copy[i] = A[i];
+    return rbdi_act_solve_small(copy, n, none);
+}
+
+/* Corrects the mass so that it makes of d = next - point the change y of force dt: with r = y - P d
+
+       P + r r' / (r'd),   or, if that is not positive,   P + y y' / (y'd) - P d (P d)' / (d'P d) */
+RBDI_LOCAL void rbdi_act_learn(const rbd_actuators *a, rbdi_act_group *g) {
+    const rbdi_act_shaft *s = &a->shaft[g->first];
+    const int n = g->n;
+    rbd_real d[3], y[3], Pd[3], r[3], A[9];
+    rbd_real d_d = rbdi_zero(), y_d = d_d, r_d = d_d, r_r = d_d, dPd = d_d, size = d_d;
+    for (int i = 0; i < n; ++i) d[i] = s[i].next - s[i].point;
+    for (int i = 0; i < n; ++i) {
+        Pd[i] = rbdi_zero();
+        for (int k = 0; k < n; ++k) Pd[i] = Pd[i] + g->mass[n * i + k] * d[k];
+        y[i] = a->dt * (s[i].force - s[i].base);
+        r[i] = y[i] - Pd[i];
+        d_d = d_d + d[i] * d[i];
+        y_d = y_d + y[i] * d[i];
+        r_d = r_d + r[i] * d[i];
+        r_r = r_r + r[i] * r[i];
+        dPd = dPd + d[i] * Pd[i];
+        size = size + s[i].scale * s[i].scale;
+    }
+    if (!(d_d > RBDI_ACTUATOR_NOISE * RBDI_ACTUATOR_NOISE * size) || !(y_d > 0) || !(r_r > 0)) return;
+
+    for (int i = 0; i < n * n; ++i) A[i] = g->mass[i];
+    if (r_d * r_d > RBD_C(1e-10) * r_r * d_d) rbdi_act_add_square(A, n, 1 / r_d, r);
+    if (!rbdi_act_is_positive(A, n)) {
+        for (int i = 0; i < n * n; ++i) A[i] = g->mass[i];
+        rbdi_act_add_square(A, n, 1 / y_d, y);
+        rbdi_act_add_square(A, n, -1 / dPd, Pd);
+        if (!rbdi_act_is_positive(A, n)) return;
+    }
+    for (int i = 0; i < n * n; ++i) g->mass[i] = A[i];
+}
+
+/* The torque that the joints would have had at the speeds of the step's beginning: a guess for the next step.
+   */
+RBDI_LOCAL void rbdi_act_foresee(const rbd_actuators *a, const rbdi_act_group *g) {
+    rbdi_act_shaft *s = &a->shaft[g->first];
+    for (int i = 0; i < g->n; ++i) {
+        s[i].base = s[i].force;
+        for (int k = 0; k < g->n; ++k)
+            s[i].base = s[i].base - g->mass[g->n * i + k] / a->dt * (s[k].next - s[k].x);
+    }
 }
 
 /* ==== src/actuator/step.h ==== */
@@ -1263,12 +1636,14 @@ RBDI_LOCAL void rbdi_act_rest(rbd_actuators *a, rbd_real air) {
         s->motor = s->joint = s->level = rbdi_zero();
         s->cogging = s->cogging_slope = rbdi_zero();
         s->t = s->now = s->braking = s->gain = s->rate = rbdi_zero();
-        s->s = s->slope = s->told = rbdi_zero();
+        s->most = s->stall = s->droop = s->pass = rbdi_zero();
+        s->s = s->slope = s->point = s->base = s->next = s->force = s->scale = rbdi_zero();
         s->branch = s->saturated = s->oldest = 0;
     }
+    for (int i = 0; i < a->groups; ++i) a->group[i].known = 0;
     for (int i = 0; i < a->n * a->ring; ++i) {
         rbd_command *c = &a->commands[i];
-        c->q = c->v = c->kp = c->kd = c->torque = rbdi_zero();
+        c->q = c->v = c->kp = c->kd = c->torque = c->voltage = rbdi_zero();
     }
 }
 
@@ -1285,77 +1660,52 @@ RBDI_API rbd_status rbd_actuators_reset(rbd_actuators *a, const rbd_real *q, rbd
 RBDI_LOCAL rbd_command rbdi_act_delay(rbd_actuators *a, int i, const rbd_command *given) {
     rbdi_act_shaft *s = &a->shaft[i];
     rbd_command *oldest = &a->commands[i * a->ring + s->oldest];
-    rbd_command arrives;
+    s->arrived = *given;
     if (a->motor[i].delay < 1) return *given;
-    arrives = *oldest;
+    s->arrived = *oldest;
     *oldest = *given;
     s->oldest = (int16_t)((s->oldest + 1) % a->motor[i].delay);
-    return arrives;
+    return s->arrived;
 }
 
-RBDI_LOCAL int rbdi_act_is_command(const rbd_command *c) {
-    const rbd_real x[5] = {c->q, c->v, c->kp, c->kd, c->torque};
-    return rbdi_act_all_moderate(x, 5) && c->kp >= 0 && c->kd >= 0;
-}
-
-/* What the shafts of a group tell: with A = G' diag(slope) G, L_jj = sum |A_jk| and their last speeds v
-
-       damping = L,   tau = G's + (L - A) v */
-RBDI_LOCAL void rbdi_act_tell_group(const rbd_actuators *a, const rbdi_act_group *g, rbd_real *tau,
-                                    rbd_real *damping) {
-    const rbdi_act_shaft *s = &a->shaft[g->first];
-    const int n = g->n;
-    for (int j = 0; j < n; ++j) {
-        rbd_real sum = rbdi_zero(), bound = rbdi_zero();
-        for (int i = 0; i < n; ++i) sum = sum + g->G[n * i + j] * s[i].s;
-        for (int k = 0; k < n; ++k) {
-            rbd_real A = rbdi_zero();
-            for (int i = 0; i < n; ++i) A = A + g->G[n * i + j] * s[i].slope * g->G[n * i + k];
-            bound = bound + rbdi_abs(A);
-            sum = sum - A * g->v[k];
-        }
-        tau[g->dof[j]] = sum + bound * g->v[j];
-        damping[g->dof[j]] = bound;
+/* Takes the commands out again of a step that has not ended. */
+RBDI_LOCAL void rbdi_act_take_back(rbd_actuators *a) {
+    for (int i = 0; i < a->n && a->begun; ++i) {
+        const int delay = a->motor[i].delay;
+        rbdi_act_shaft *s = &a->shaft[i];
+        if (delay < 1) continue;
+        s->oldest = (int16_t)((s->oldest + delay - 1) % delay);
+        a->commands[i * a->ring + s->oldest] = s->arrived;
     }
+    a->begun = 0;
 }
 
-/* What all shafts tell the step. */
-RBDI_LOCAL void rbdi_act_tell_all(const rbd_actuators *a, rbd_real *tau, rbd_real *damping) {
+/* Whether a command is one for the motor: finite, no gain negative, a torque or a voltage. */
+RBDI_LOCAL int rbdi_act_is_command(const rbd_motor *m, const rbd_command *c) {
+    const rbd_real other = m->by_voltage ? c->torque : c->voltage;
+    const rbd_real x[6] = {c->q, c->v, c->kp, c->kd, c->torque, c->voltage};
+    return rbdi_act_all_moderate(x, 6) && c->kp >= 0 && c->kd >= 0 && other >= 0 && other <= 0;
+}
+
+/* What all shafts tell the step at their points. */
+RBDI_LOCAL void rbdi_act_tell_all(rbd_actuators *a, rbd_real *tau, rbd_real *damping) {
     rbdi_clear(tau, a->nv);
     rbdi_clear(damping, a->nv);
     for (int i = 0; i < a->n; ++i) {
         rbdi_act_shaft *s = &a->shaft[i];
-        rbdi_act_tell(&a->motor[i], s, a);
+        rbdi_act_piece piece;
         if (s->dof < 0) continue;
-        tau[s->dof] = s->s;
-        damping[s->dof] = s->slope;
+        piece = rbdi_act_law(&a->motor[i], s, s->point, a);
+        tau[s->dof] = s->s = piece.s;
+        damping[s->dof] = s->slope = piece.slope;
     }
-    for (int i = 0; i < a->groups; ++i) rbdi_act_tell_group(a, &a->group[i], tau, damping);
-}
-
-/* Notes the speeds of a group. Whether what it told for its last speeds holds for these. */
-RBDI_LOCAL int rbdi_act_group_settles(const rbd_actuators *a, rbdi_act_group *g, const rbd_real *v) {
-    const rbdi_act_shaft *s = &a->shaft[g->first];
-    const int n = g->n;
-    rbd_real change[3];
-    int settled = 1;
-    for (int j = 0; j < n; ++j) {
-        change[j] = v[g->dof[j]] - g->v[j];
-        g->v[j] = v[g->dof[j]];
-    }
-
-    for (int j = 0; j < n; ++j) {
-        rbd_real error = rbdi_zero(), size = rbdi_zero();
-        for (int k = 0; k < n; ++k) {
-            rbd_real A = rbdi_zero();
-            for (int i = 0; i < n; ++i) A = A + g->G[n * i + j] * s[i].slope * g->G[n * i + k];
-            error = error + rbdi_abs(A) * change[j] - A * change[k];
-            size = size + rbdi_abs(A) * (rbdi_abs(g->v[j]) + rbdi_abs(g->v[k]));
+    for (rbdi_act_group *g = a->group; g < a->group + a->groups; ++g) {
+        rbdi_act_tell_group(a, g);
+        for (int j = 0; j < g->n; ++j) {
+            tau[g->dof[j]] = g->s[j];
+            damping[g->dof[j]] = g->damping[j];
         }
-        for (int i = 0; i < n; ++i) size = size + rbdi_abs(g->G[n * i + j] * s[i].s);
-        settled &= rbdi_abs(error) <= RBDI_ACTUATOR_SETTLED * size;
     }
-    return settled;
 }
 
 RBDI_API rbd_status rbd_actuators_begin(rbd_actuators *a, const rbd_command *commands, const rbd_real *q,
@@ -1363,10 +1713,10 @@ RBDI_API rbd_status rbd_actuators_begin(rbd_actuators *a, const rbd_command *com
                                         rbd_real *damping) {
     rbd_status status;
     if (!a || !commands || !q || !v || !tau || !damping) return RBD_ERR_NULL;
-    a->begun = 0;
+    rbdi_act_take_back(a);
     if (!(dt >= RBD_C(1e-9) && dt <= RBD_C(1e3))) return RBD_ERR_RANGE;
     for (int i = 0; i < a->n; ++i)
-        if (!rbdi_act_is_command(&commands[i])) return RBD_ERR_RANGE;
+        if (!rbdi_act_is_command(&a->motor[i], &commands[i])) return RBD_ERR_RANGE;
     status = rbdi_act_map(a, q, v);
     if (status) return status;
 
@@ -1384,58 +1734,112 @@ RBDI_API rbd_status rbd_actuators_begin(rbd_actuators *a, const rbd_command *com
         }
         rbdi_act_drive_motor(m, s, &c, a->air, dt, m->stiffness > 0 ? rbdi_set(RBD_C(1)) : a->share);
         s->level = rbd_friction_level(&m->friction, s->speed, s->motor, -s->joint);
-        s->told = s->x;
-        if (!(m->stiffness > 0)) s->branch = (int16_t)rbdi_act_rigid_branch(m, s, s->x, a);
+        s->point = s->x;
+        s->branch = (int16_t)rbdi_act_slides(s, rbdi_act_sticks(m, s, a), s->x);
     }
-    for (int i = 0; i < a->groups; ++i)
-        for (int j = 0; j < a->group[i].n; ++j) a->group[i].v[j] = v[a->group[i].dof[j]];
+    for (rbdi_act_group *g = a->group; g < a->group + a->groups; ++g)
+        for (int j = 0; j < g->n; ++j) g->v[j] = v[g->dof[j]];
     rbdi_act_tell_all(a, tau, damping);
     return RBD_OK;
 }
 
-/* Calls for each shaft with its speed at joint speeds v; whether all settle. */
-RBDI_LOCAL int rbdi_act_settles(rbd_actuators *a, const rbd_real *v) {
-    int settled = 1;
-    for (int i = 0; i < a->n; ++i) {
-        rbdi_act_shaft *s = &a->shaft[i];
-        if (s->dof >= 0) settled &= rbdi_act_stays(&a->motor[i], s, v[s->dof], a);
+/* Notes the shafts' speeds at joint speeds v, and the torques that the joints have there. */
+RBDI_LOCAL void rbdi_act_note_speeds(rbd_actuators *a, const rbd_real *v) {
+    for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) {
+        if (s->dof < 0) continue;
+        s->next = v[s->dof];
+        s->force = s->s - s->slope * s->next;
     }
-    for (int k = 0; k < a->groups; ++k) {
-        rbdi_act_group *g = &a->group[k];
-        settled &= rbdi_act_group_settles(a, g, v);
-        for (int i = 0; i < g->n; ++i) {
-            const int at = g->first + i;
-            settled &= rbdi_act_stays(&a->motor[at], &a->shaft[at], rbdi_act_shaft_speed(g, i, v), a);
-        }
-    }
-    return settled;
+    for (int i = 0; i < a->groups; ++i) rbdi_act_note_group(a, &a->group[i], v);
 }
 
-/* Ends the step at joint speeds v. */
-RBDI_LOCAL void rbdi_act_end_step(rbd_actuators *a, const rbd_real *v) {
+/* Whether all shafts have the torques of their laws at the new speeds. */
+RBDI_LOCAL int rbdi_act_all_settle(const rbd_actuators *a) {
     for (int i = 0; i < a->n; ++i) {
-        rbdi_act_shaft *s = &a->shaft[i];
-        if (s->dof >= 0) rbdi_act_end_shaft(&a->motor[i], s, v[s->dof], a);
+        const rbd_motor *m = &a->motor[i];
+        const rbdi_act_shaft *s = &a->shaft[i];
+        if (s->dof < 0) continue;
+        if (rbdi_abs(rbdi_act_off(m, s, s->force, s->next, a)) > 8 * RBDI_EPS * rbdi_act_size(m, s, a))
+            return 0;
     }
-    for (int k = 0; k < a->groups; ++k) {
-        const rbdi_act_group *g = &a->group[k];
-        for (int i = 0; i < g->n; ++i) {
-            const int at = g->first + i;
-            rbdi_act_end_shaft(&a->motor[at], &a->shaft[at], rbdi_act_shaft_speed(g, i, v), a);
+    for (const rbdi_act_group *g = a->group; g < a->group + a->groups; ++g)
+        if (!rbdi_act_group_settles(a, g)) return 0;
+    return 1;
+}
+
+/* How the function of the method falls or grows at the share c of the way from the points to the new speeds.
+   */
+RBDI_LOCAL rbd_real rbdi_act_growth(const rbd_actuators *a, rbd_real c) {
+    rbd_real sum = rbdi_zero();
+    for (int i = 0; i < a->n; ++i) {
+        const rbdi_act_shaft *s = &a->shaft[i];
+        const rbd_real d = s->next - s->point, T = s->base + c * (s->force - s->base);
+        sum = sum + rbdi_act_off(&a->motor[i], s, T, s->point + c * d, a) * d;
+    }
+    return sum;
+}
+
+/* Whether the function grows at the new speeds by a quarter of what it falls at the points. */
+RBDI_LOCAL int rbdi_act_overshoots(const rbd_actuators *a) {
+    const rbd_real falls = -rbdi_act_growth(a, rbdi_zero());
+    return falls > 0 && rbdi_act_growth(a, rbdi_set(RBD_C(1))) > RBD_C(0.25) * falls;
+}
+
+/* Takes the next points: the new speeds, or, after the first repeat, where the function is least on the way
+   there. */
+RBDI_LOCAL void rbdi_act_move_points(rbd_actuators *a) {
+    rbd_real least = rbdi_zero(), most = rbdi_set(RBD_C(1));
+    const rbd_real half = rbdi_set(RBD_C(0.5));
+    if (a->repeats > 1 && rbdi_act_overshoots(a)) {
+        for (int k = 0; k < RBDI_ACTUATOR_HALVINGS; ++k) {
+            const rbd_real middle = half * (least + most);
+            if (rbdi_act_growth(a, middle) > 0)
+                most = middle;
+            else
+                least = middle;
         }
+        most = half * (least + most);
     }
+
+    for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) {
+        s->base = a->repeats > 1 ? s->base + most * (s->force - s->base) : s->force;
+        s->point = s->point + most * (s->next - s->point);
+    }
+}
+
+/* Ends the step at the speeds that were noted. */
+RBDI_LOCAL void rbdi_act_end_step(rbd_actuators *a) {
+    for (int i = 0; i < a->n; ++i) rbdi_act_end_shaft(&a->motor[i], &a->shaft[i], a->shaft[i].next, a);
+    for (int i = 0; i < a->groups; ++i)
+        if (a->group[i].known) rbdi_act_foresee(a, &a->group[i]);
+}
+
+/* Learns of the new speeds, and tells the step what follows from them. */
+RBDI_LOCAL void rbdi_act_repeat(rbd_actuators *a, rbd_real *tau, rbd_real *damping) {
+    ++a->repeats;
+    for (int i = 0; i < a->groups; ++i) {
+        if (!a->group[i].known)
+            rbdi_act_guess_mass(a, &a->group[i]);
+        else if (a->repeats > 1)
+            rbdi_act_learn(a, &a->group[i]);
+    }
+    rbdi_act_move_points(a);
+    rbdi_act_tell_all(a, tau, damping);
 }
 
 RBDI_API int rbd_actuators_again(rbd_actuators *a, const rbd_real *v_next, rbd_real *tau, rbd_real *damping) {
-    int finite;
     if (!a || !v_next || !tau || !damping || !a->begun) return 0;
-    finite = rbdi_act_all_moderate(v_next, a->nv);
-    if (finite && !rbdi_act_settles(a, v_next) && a->repeats < RBDI_ACTUATOR_REPEATS) {
-        ++a->repeats;
-        rbdi_act_tell_all(a, tau, damping);
+    if (!rbdi_act_all_moderate(v_next, a->nv)) {
+        rbdi_act_take_back(a);
+        return 0;
+    }
+
+    rbdi_act_note_speeds(a, v_next);
+    if (a->repeats < RBDI_ACTUATOR_REPEATS && !rbdi_act_all_settle(a)) {
+        rbdi_act_repeat(a, tau, damping);
         return 1;
     }
-    if (finite) rbdi_act_end_step(a, v_next);
+    rbdi_act_end_step(a);
     a->begun = 0;
     return 0;
 }
@@ -1506,11 +1910,11 @@ RBDI_LOCAL void rbdi_act_group_derivatives(const rbd_actuators *a, const rbdi_ac
     }
 }
 
-/* Whether a command's torque reaches the joint at once: it is no spring's, not cut by a limit, and not late.
-   */
+/* What a command's torque, or voltage, does to the joint at once: nothing if a spring lies between, a limit
+   cuts it, or it is late. */
 RBDI_LOCAL rbd_real rbdi_act_passes(const rbd_actuators *a, int i) {
     const rbd_motor *m = &a->motor[i];
-    return rbdi_set(m->stiffness > 0 || m->delay > 0 || a->shaft[i].saturated ? RBD_C(0) : RBD_C(1));
+    return m->stiffness > 0 || m->delay > 0 ? rbdi_zero() : a->shaft[i].pass;
 }
 
 RBDI_API rbd_status rbd_actuators_derivatives(const rbd_actuators *a, rbd_real *dq, rbd_real *dv,
@@ -1586,7 +1990,7 @@ RBDI_LOCAL rbd_status rbdi_act_check_fields(const rbdi_act_where *where, const r
 #define RBDI_ACTUATOR_FIELDS(where, list) \
     rbdi_act_check_fields(where, list, (int)(sizeof(list) / sizeof((list)[0])))
 
-RBDI_LOCAL rbd_status rbdi_act_check_friction(const rbdi_act_where *where, const rbd_friction *f) {
+RBDI_LOCAL rbd_status rbdi_act_check_friction(const rbdi_act_where *where, const rbd_gear_friction *f) {
     const rbd_const most = RBDI_ACTUATOR_MOST, least = RBDI_ACTUATOR_LEAST;
     const int rest = rbdi_act_has_rest(f);
     const rbdi_act_field field[] = {{"coulomb", f->coulomb, 0, most, 1},
@@ -1620,7 +2024,7 @@ RBDI_LOCAL rbd_status rbdi_act_check_electric(const rbdi_act_where *where, const
         {"flow_case", m->flow_case, least, RBD_C(1e6), !(heat && m->heat_case > 0)},
         {"hot", m->hot, least, RBD_C(1e4), !limit},
         {"hottest", m->hottest, least, RBD_C(1e4), !limit},
-        {"resistance", m->resistance, least, most, !heat && !(m->voltage > 0)}};
+        {"resistance", m->resistance, least, most, !heat && !(m->voltage > 0) && !m->by_voltage}};
     const rbd_status status = RBDI_ACTUATOR_FIELDS(where, field);
     if (status) return status;
     if (limit && !(m->hottest > m->hot))
@@ -1650,6 +2054,8 @@ RBDI_LOCAL rbd_status rbdi_act_check_mechanical(const rbdi_act_where *where, con
     if (status) return status;
     if (m->delay < 0 || m->delay > RBDI_ACTUATOR_MOST_DELAY)
         return rbdi_act_refuse_field(where, RBD_ERR_RANGE, "delay", "below 0 or above 1000");
+    if (m->by_voltage != 0 && m->by_voltage != 1)
+        return rbdi_act_refuse_field(where, RBD_ERR_RANGE, "by_voltage", "neither 0 nor 1");
     if (m->sampled != 0 && m->sampled != 1)
         return rbdi_act_refuse_field(where, RBD_ERR_RANGE, "sampled", "neither 0 nor 1");
     if (spring && !(gear * gear * m->inertia >= RBDI_ACTUATOR_LEAST_REFLECTED))
@@ -1685,10 +2091,36 @@ RBDI_LOCAL rbd_status rbdi_act_find_joint(const rbd_model *m, const rbdi_act_whe
     return RBD_OK;
 }
 
+RBDI_INLINE int rbdi_act_is_used(rbd_const x) { return x > 0 || x < 0; }
+
+/* Fields that do nothing without others. */
+RBDI_LOCAL rbd_status rbdi_act_check_partners(const rbdi_act_where *where, const rbd_motor *m) {
+    const rbd_gear_friction *f = &m->friction;
+    const int rest = rbdi_act_has_rest(f),
+              dry = rest || f->coulomb > 0 || f->load_motor > 0 || f->load_joint > 0;
+    const struct {
+        const char *name;
+        int lonely;
+        const char *sentence;
+    } field[] = {{"teeth", m->teeth > 0 && !(m->cogging > 0), "does nothing without 'cogging'"},
+                 {"phase", rbdi_act_is_used(m->phase) && !(m->cogging > 0), "does nothing without 'cogging'"},
+                 {"flow_case", m->flow_case > 0 && !(m->heat_case > 0), "does nothing without 'heat_case'"},
+                 {"copper", m->copper > 0 && !(m->resistance > 0), "does nothing without 'resistance'"},
+                 {"speed", f->speed > 0 && !rest, "does nothing without friction at rest"},
+                 {"power", f->power > 0 && !rest, "does nothing without friction at rest"},
+                 {"bristle", f->bristle > 0 && !dry, "does nothing without dry friction"},
+                 {"still", f->still > 0 && !dry, "does nothing without dry friction"}};
+    for (int i = 0; i < (int)(sizeof field / sizeof *field); ++i)
+        if (field[i].lonely)
+            return rbdi_act_refuse_field(where, RBD_ERR_RANGE, field[i].name, field[i].sentence);
+    return RBD_OK;
+}
+
 RBDI_LOCAL rbd_status rbdi_act_check_motor(const rbdi_act_where *where, const rbd_motor *m) {
     rbd_status status = rbdi_act_check_mechanical(where, m);
     if (!status) status = rbdi_act_check_electric(where, m);
-    return status ? status : rbdi_act_check_friction(where, &m->friction);
+    if (!status) status = rbdi_act_check_friction(where, &m->friction);
+    return status ? status : rbdi_act_check_partners(where, m);
 }
 
 RBDI_LOCAL int rbdi_act_is_vector(const rbd_const x[3]) {
@@ -2031,4 +2463,5 @@ RBDI_CODE_END
 #pragma pop_macro("L")
 #pragma pop_macro("P")
 #pragma pop_macro("S")
+#pragma pop_macro("T")
 #pragma pop_macro("X")

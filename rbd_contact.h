@@ -425,10 +425,12 @@ typedef struct rbdi_contact {
     rbdi_c3 point; /* link axes */
     rbd_const radius, friction, restitution, stiffness, damping;
     rbdi_gap gap;
-    rbd_real falls;    /* u_n that forces would add in the step without impulses, m/s */
-    rbd_real below;    /* the place of contact is so far below the centre, m: l of [contact rows] */
-    rbdi_v3 roll;      /* acceleration of the place of contact over the body, world axes, m/s^2 */
-    rbd_real force[3]; /* of the last step, world axes */
+    rbd_real falls;             /* u_n that forces would add in the step without impulses, m/s */
+    rbd_real below;             /* the place of contact is so far below the centre, m: l of [contact rows] */
+    rbd_real middle;            /* the ball's gap in the middle of the step, m */
+    rbdi_motion velocity, rate; /* there, of the body relative to the plane, world axes: turn and its rate;
+                                   velocity of the place of contact, and gamma */
+    rbd_real force[3];          /* of the last step, world axes */
     int body2;
     int row;      /* of the step, -1 = none */
     int on_plane; /* whether the place of contact is the foot of the centre on the plane */
@@ -1005,9 +1007,10 @@ RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, rbd_const proximal, co
     for (int i = 0; i < n; ++i) {
         const rbdi_contact_unknown *x = &s->unknown[i];
         const rbd_real *row = rbdi_newton_row(s, x);
-        const rbdi_contact_unknown *y = s->symmetric ? x : s->unknown;
+        const rbdi_contact_unknown *y = s->unknown;
         rbd_real *g = &s->G[i * stride];
-        for (int k = s->symmetric ? i : 0; k < n; ++k, ++y) {
+        for (int k = i; s->symmetric && k < n; ++k) g[k] = row[y[k].first];
+        for (int k = 0; !s->symmetric && k < n; ++k, ++y) {
             g[k] = row[y->first];
             if (y->rows == 3)
                 g[k] =
@@ -1214,6 +1217,8 @@ RBDI_PART void rbdi_contact_iterate(rbdi_contact_solver *s) {
     rbd_real least = rbdi_set(RBDI_UNBOUNDED);
     int sweeps = 2;
     s->solution.sweeps = s->solution.newton_steps = 0;
+    s->solution.residual = rbdi_zero();
+    if (s->rows == 0) return;
     rbdi_clear(s->best, s->rows);
 
     rbdi_contact_velocities(s);
@@ -1905,44 +1910,48 @@ RBDI_LOCAL void rbdi_place_below(const rbd_constraint_set *s, rbdi_constraint *c
     con->position[0].z = contact->point.z - (rbd_const)(contact->below * local.z);
 }
 
-/* gamma less the acceleration of the body-fixed point there: l omega x (omega x n) - l' omega x
-   n. */
-RBDI_INLINE rbdi_v3 rbdi_roll_of(rbdi_v3 omega, rbdi_v3 normal, rbd_real below, rbd_real rate) {
-    const rbdi_v3 turn = rbdi_cross(omega, normal);
-    return rbdi_sub(rbdi_scale(below, rbdi_cross(omega, turn)), rbdi_scale(rate, turn));
-}
+/* Computes motion and gap, with the place of contact on the ball:
 
-/* Computes the gap, with the place of contact on the ball. */
+       gamma = acc + l omega x (omega x n) */
 RBDI_LOCAL void rbdi_contact_gap(const rbd_contact_set *c, rbdi_constraint *con, rbdi_contact *contact) {
     const rbd_constraint_set *s = c->rows;
     const rbdi_v3 normal = rbdi_contact_normal(s, con);
     rbdi_relative_motion relative;
-    rbd_real middle, rate, gamma;
+    rbdi_v3 omega, roll;
 
     contact->on_plane = 0;
     contact->below = rbdi_set(contact->radius);
     rbdi_place_below(s, con, contact, normal);
     relative = rbdi_relative_motion_of(s, con);
-    contact->roll = rbdi_roll_of(relative.velocity.omega, normal, contact->below, rbdi_zero());
 
-    middle = rbdi_dot(normal, rbdi_sub(relative.body[0].p, rbdi_frame_origin(s, con, 1)));
-    rate = rbdi_dot(normal, relative.velocity.v);
-    gamma = rbdi_dot(normal, rbdi_add(relative.rate.v, contact->roll));
-    contact->gap = rbdi_gap_of(middle, rate, gamma, c->half);
+    omega = relative.velocity.omega;
+    roll = rbdi_scale(contact->below, rbdi_cross(omega, rbdi_cross(omega, normal)));
+    contact->velocity = relative.velocity;
+    contact->rate = relative.rate;
+    contact->rate.v = rbdi_add(relative.rate.v, roll);
+
+    contact->middle = rbdi_dot(normal, rbdi_sub(relative.body[0].p, rbdi_frame_origin(s, con, 1)));
+    contact->gap = rbdi_gap_of(contact->middle, rbdi_dot(normal, contact->velocity.v),
+                               rbdi_dot(normal, contact->rate.v), c->half);
 }
 
-/* Moves the place of contact from the ball to the plane. */
+/* Moves the place of contact from the ball to the plane: l by the gap, l' to its rate. Of the point of the
+   body that is there now,
+
+       velocity and gamma less gap omega x n and gap domega/dt x n,   and gamma less l' omega x n */
 RBDI_LOCAL void rbdi_place_on_plane(const rbd_constraint_set *s, rbdi_constraint *con,
                                     rbdi_contact *contact) {
-    const rbdi_v3 normal = rbdi_contact_normal(s, con);
-    const rbdi_relative_motion relative = rbdi_relative_motion_of(s, con);
-    const rbd_real middle = rbdi_dot(normal, rbdi_sub(relative.body[0].p, rbdi_frame_origin(s, con, 1))),
-                   rate = rbdi_dot(normal, relative.velocity.v);
+    const rbdi_v3 normal = rbdi_contact_normal(s, con), v = contact->velocity.v;
+    const rbdi_v3 turn = rbdi_cross(contact->velocity.omega, normal);
+    const rbdi_v3 faster = rbdi_cross(contact->rate.omega, normal);
 
     contact->on_plane = 1;
-    contact->below = contact->below + middle;
+    contact->below = contact->below + contact->middle;
     rbdi_place_below(s, con, contact, normal);
-    contact->roll = rbdi_roll_of(relative.velocity.omega, normal, contact->below, rate);
+
+    contact->velocity.v = rbdi_sub(v, rbdi_scale(contact->middle, turn));
+    contact->rate.v = rbdi_sub(contact->rate.v, rbdi_scale(contact->middle, faster));
+    contact->rate.v = rbdi_sub(contact->rate.v, rbdi_scale(rbdi_dot(normal, v), turn));
 }
 
 /* Whether this gap may become 0 within two steps, or is at most the margin, or not a number. */
@@ -2050,13 +2059,15 @@ RBDI_LOCAL int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_
     return contacts;
 }
 
-/* Adds the part of gamma by which the place of contact moves over the body. */
-RBDI_LOCAL void rbdi_add_roll(rbd_constraint_set *s, const rbdi_constraint *con,
-                              const rbdi_contact *contact) {
+/* Y = J', J v_mid and gamma of a contact. */
+RBDI_LOCAL void rbdi_write_contact(const rbd_model *m, rbd_constraint_set *s, const rbdi_constraint *con,
+                                   const rbdi_contact *contact) {
+    const rbdi_v3 none = rbdi_vec0();
     rbdi_axes_held h;
-    if (!(contact->radius > 0) && !contact->on_plane) return;
     rbdi_set_axes(s, con, &h);
-    rbdi_add_held(con, &h, rbdi_vec0(), contact->roll, &s->gamma[con->row]);
+    rbdi_add_held(con, &h, none, contact->velocity.v, &s->velocity[con->row]);
+    rbdi_add_held(con, &h, none, contact->rate.v, &s->gamma[con->row]);
+    rbdi_constraint_columns(m, s, con, &h, rbdi_frame_origin(s, con, 0));
 }
 
 /* Y = J', and target = -J v_mid - dt/2 gamma. */
@@ -2064,10 +2075,9 @@ RBDI_LOCAL void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     rbdi_clear(s->Y, m->nv * s->stride);
     rbdi_clear(s->target, (int)(s->e - s->target) + s->stride); /* J v and gamma too */
-    for (int i = 0; i < s->n; ++i)
-        if (s->constraint[i].row >= 0) rbdi_constraint_rows(m, s, &s->constraint[i], i >= c->n);
     for (int i = 0; i < c->n; ++i)
-        if (c->contact[i].row >= 0) rbdi_add_roll(s, &s->constraint[i], &c->contact[i]);
+        if (c->contact[i].row >= 0) rbdi_write_contact(m, s, &s->constraint[i], &c->contact[i]);
+    for (int i = c->n; i < s->n; ++i) rbdi_constraint_rows(m, s, &s->constraint[i], 1);
 
     for (int i = 0; i < c->limits; ++i) {
         const rbdi_limit_row *limit = &c->limit[i];
@@ -2096,6 +2106,16 @@ RBDI_LOCAL void rbdi_find_falls(rbd_contact_set *c) {
     }
 }
 
+/* From the upper triangle of a symmetric matrix, in rows of this stride, to all of it in rows of n: first the
+   rows, in batches that may end within the next row, then the columns below the diagonal. */
+RBDI_LOCAL void rbdi_close_up(rbd_real *x, int stride, int n) {
+    for (int r = 0; r < n; ++r)
+        for (int t = r; t < n; t += RBDI_BATCH)
+            *(rbdi_batch *)&x[r * n + t] = *(const rbdi_batch *)&x[r * stride + t];
+
+    for (int r = 0; r < n - 1; ++r) rbdi_mirror(&x[r * n + r + 1], n, n - 1 - r, &x[(r + 1) * n + r]);
+}
+
 /* Delta of (4), rows x rows, in s->R; first the upper triangle, in rows of s->stride. Rows that rounding
    alone moves get 0 on the diagonal: no impulse changes their velocity. Slip and compliance come last. */
 RBDI_LOCAL void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
@@ -2113,13 +2133,9 @@ RBDI_LOCAL void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
         const rbdi_bounded_row *row = &c->bound[i];
         if (row->row >= 0) rbdi_delta(s, s->path, rbdi_paths_to(m, s, &row->law), row->row, 1);
     }
-    for (int r = 0; r < n; ++r) {
-        rbd_real *to = &delta[r * n];
-        const rbd_real *from = &delta[r * s->stride], *above = &delta[r];
-        for (int t = 0; t < r; ++t, above += n) to[t] = *above;
-        for (int t = r; t < n; ++t) to[t] = from[t];
+    rbdi_close_up(delta, s->stride, n);
+    for (int r = 0; r < n; ++r)
         if (delta[r * n + r] <= s->noise) delta[r * n + r] = rbdi_zero();
-    }
     for (const rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact)
         for (int j = 0; j < 2 && contact->row >= 0; ++j) {
             rbd_real *d = &delta[(contact->row + j) * (n + 1)];
@@ -2558,6 +2574,7 @@ RBDI_LOCAL rbd_status rbdi_begin_step(const rbd_model *m, rbd_contact_set *c, co
     rbd_constraint_set *s = c->rows;
     rbd_work *w = s->w;
     rbdi_mask doubt;
+    if (c->added && !rbdi_all_finite(c->added, m->nh)) return RBD_ERR_NAN;
 
     rbdi_move_joints(m, c->points, q, v, v, c->half, c->q_mid, c->v_mid);
     for (int k = 0; k < m->nv; ++k) c->at[k] = c->v_mid[k];
@@ -2600,8 +2617,10 @@ RBDI_LOCAL void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int pur
     rbd_constraint_set *s = c->rows;
     rbd_contact_problem given;
     for (int k = 0; k < m->nv; ++k) s->x[k] = c->x[0][k];
-    rbdi_reduce_rows(m, s, s->w->H);
-    rbdi_write_delta(m, c);
+    if (s->rows > 0) {
+        rbdi_reduce_rows(m, s, s->w->H);
+        rbdi_write_delta(m, c);
+    }
     rbdi_find_falls(c);
     for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
     (void)rbdi_write_biases(c, purpose);
@@ -2622,35 +2641,54 @@ RBDI_LOCAL void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int pur
     rbdi_contact_respond(m, c, c->x[0], c->moved);
 }
 
-/* Corrects the velocity terms for the first time: c->x[1], and c->moved with the impulses as they are. */
-RBDI_LOCAL void rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
-                                   const rbd_real *f_ext) {
-    rbd_real *change = c->rows->x;
+/* Corrects the velocity terms for the first time: c->x[1], and c->moved with the impulses as they are.
+   Returns whether velocities change by more than rounding: they do not at rest, or where nothing turns. */
+RBDI_LOCAL int rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
+                                  const rbd_real *f_ext) {
+    rbd_real *change = c->rows->x, changes = rbdi_zero(), speeds = c->solver.given.tolerance;
     rbdi_correct(m, c, c->moved, tau, f_ext, c->x[1]);
     for (int k = 0; k < m->nv; ++k) change[k] = c->x[1][k] - c->x[0][k];
     rbdi_vector_forward(m, c->rows->w, c->rows->w->H, change);
-    for (int k = 0; k < m->nv; ++k) c->moved[k] = c->moved[k] + change[k];
+
+    for (int k = 0; k < m->nv; ++k) {
+        changes = changes + rbdi_abs(change[k]);
+        speeds = speeds + rbdi_abs(c->moved[k]);
+        c->moved[k] = c->moved[k] + change[k];
+    }
+    return !(changes <= RBDI_EPS * speeds);
 }
 
-/* Corrects them again: c->x[2]. Solves with the biases of positions, and computes c->moved. Keeps the
-   impulses of the first solution in c->early. */
-RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
-                                 const rbd_real *f_ext) {
-    const rbd_contact_solution first = c->solver.solution;
+/* Corrects them again: c->x[2], and the velocities without impulses. */
+RBDI_LOCAL void rbdi_correct_again(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
+                                   const rbd_real *f_ext) {
     rbd_constraint_set *s = c->rows;
     rbdi_correct(m, c, c->moved, tau, f_ext, c->x[2]);
     rbdi_guard_solution(m, s->w->H, c->x[0], c->x[1], c->x[2]);
 
-    for (int r = 0; r < s->rows; ++r) c->early[r] = s->lambda[r];
     for (int k = 0; k < m->nv; ++k) {
         const rbdi_span span = s->span[k];
         rbdi_subtract(&s->b[span.first], (c->x[2][k] - c->x[0][k]) * s->D_inverse[k],
                       &s->Y[k * s->stride + span.first], span.end - span.first);
     }
     for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
+}
+
+/* Corrects again, if the first correction changed anything. Solves with the biases of positions, and computes
+   c->moved. Keeps the impulses of the first solution in c->early; if no bias changed either, that solution may
+   be good enough. */
+RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
+                                 const rbd_real *f_ext, int changed) {
+    const rbd_contact_solution first = c->solver.solution;
+    const rbd_constraint_set *s = c->rows;
+    if (changed) rbdi_correct_again(m, c, tau, f_ext);
+    for (int k = 0; !changed && k < m->nv; ++k) c->x[2][k] = c->x[1][k];
+
+    for (int r = 0; r < s->rows; ++r) c->early[r] = s->lambda[r];
     c->solver.given.tolerance = c->solver.given.tolerance / RBDI_LOOSE;
     for (int i = 0; i < c->bounds; ++i) rbdi_find_turn(c, &c->bound[i]);
-    (void)rbdi_write_biases(c, RBDI_FOR_POSITIONS);
+    changed |= rbdi_write_biases(c, RBDI_FOR_POSITIONS);
+    if (!changed && first.residual <= c->solver.given.tolerance) return;
+
     rbdi_contact_iterate(&c->solver);
     c->solver.solution.sweeps += first.sweeps;
     c->solver.solution.newton_steps += first.newton_steps;
@@ -2674,8 +2712,7 @@ RBDI_LOCAL rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *
     if (status) return status;
     rbdi_solve_first(m, c, first_order ? RBDI_FOR_POSITIONS : RBDI_FOR_VELOCITIES);
     if (first_order) return RBD_OK;
-    rbdi_solve_between(m, c, tau, f_ext);
-    rbdi_solve_again(m, c, tau, f_ext);
+    rbdi_solve_again(m, c, tau, f_ext, rbdi_solve_between(m, c, tau, f_ext));
     return RBD_OK;
 }
 
@@ -3139,14 +3176,14 @@ RBDI_LOCAL int rbdi_differentiate_corrections(const rbd_model *m, rbd_contact_se
                                               const rbdi_step_columns *to) {
     const int size = m->nv * m->nv;
     rbd_work *w = c->rows->w;
-    int solved;
+    int solved, changed;
     rbdi_copy_columns(m, to->dq, to->dv);
     rbdi_add_side(m, c, to->dv);
     for (int x = 0; x < 3; ++x)
         if (to->dv[x]) rbdi_multiply(to->dv[x], -rbdi_set(RBD_C(1)), size);
     solved = rbdi_differentiate_solution(m, c, d, c->moved, RBDI_FOR_VELOCITIES, to->dq);
 
-    rbdi_solve_between(m, c, tau, f_ext);
+    changed = rbdi_solve_between(m, c, tau, f_ext);
     rbdi_add_rho(m, c, d, c->moved, f_ext, to->dq, to->dv);
     rbdi_add_side(m, c, to->dv);
     for (int x = 0; x < 3; ++x) {
@@ -3154,7 +3191,7 @@ RBDI_LOCAL int rbdi_differentiate_corrections(const rbd_model *m, rbd_contact_se
         rbdi_solve_columns(m, w, w->H, -1, m->nv, m->nv, to->dv[x]);
         rbdi_subtract(to->dv[x], -rbdi_set(RBD_C(1)), to->dq[x], size);
     }
-    rbdi_solve_again(m, c, tau, f_ext);
+    rbdi_solve_again(m, c, tau, f_ext, changed);
     return solved;
 }
 

@@ -284,48 +284,48 @@ RBDI_EXTERN_C_END
    standard deviations. If that is no body, it minimises this less weight log det P, with the least weight:
    the nearest that is one, found by interior points, anew in each call. */
 
-/* RBDI_ESTIMATE_LEAST: of the weight. A body that no sample tells of has a tenth of the options' mass.
-   RBDI_ESTIMATE_ROUNDS: at most; some 15 will do. RBDI_ESTIMATE_SMALL: share of P; a smaller step ends them.
-   RBDI_ESTIMATE_LESS: factor of the weight after a full step. RBDI_ESTIMATE_JAM: a smaller share
+/* RBDI_EST_LEAST: of the weight. A body that no sample tells of has a tenth of the options' mass.
+   RBDI_EST_ROUNDS: at most; some 15 will do. RBDI_EST_SMALL: share of P; a smaller step ends them.
+   RBDI_EST_LESS: factor of the weight after a full step. RBDI_EST_JAM: a smaller share
    makes Z anew.
-   RBDI_ESTIMATE_SHORT: share that is taken of a step to the rim; RBDI_ESTIMATE_CUTS: bisections that find it.
-   RBDI_ESTIMATE_RIM: a pivot of P must be above this share of its diagonal, and above RBDI_ESTIMATE_FLOOR, so
+   RBDI_EST_SHORT: share that is taken of a step to the rim; RBDI_EST_CUTS: bisections that find it.
+   RBDI_EST_RIM: a pivot of P must be above this share of its diagonal, and above RBDI_EST_FLOOR, so
    that no square of its inverse overflows.
-   RBDI_ESTIMATE_BALL: where the rounds begin: a ball of this mass and, about each axis, radius of gyration,
+   RBDI_EST_BALL: where the rounds begin: a ball of this mass and, about each axis, radius of gyration,
    in the units of the options. */
-#define RBDI_ESTIMATE_LEAST RBD_C(0.01)
-#define RBDI_ESTIMATE_ROUNDS 50
-#define RBDI_ESTIMATE_SMALL RBD_C(1e-3)
-#define RBDI_ESTIMATE_LESS RBD_C(0.1)
-#define RBDI_ESTIMATE_JAM RBD_C(0.01)
-#define RBDI_ESTIMATE_SHORT RBD_C(0.95)
-#define RBDI_ESTIMATE_CUTS 9
-#define RBDI_ESTIMATE_RIM (64 * RBDI_EPS)
-#define RBDI_ESTIMATE_FLOOR RBD_C(1e-12)
-#define RBDI_ESTIMATE_BALL RBD_C(0.06)
+#define RBDI_EST_LEAST RBD_C(0.01)
+#define RBDI_EST_ROUNDS 50
+#define RBDI_EST_SMALL RBD_C(1e-3)
+#define RBDI_EST_LESS RBD_C(0.1)
+#define RBDI_EST_JAM RBD_C(0.01)
+#define RBDI_EST_SHORT RBD_C(0.95)
+#define RBDI_EST_CUTS 9
+#define RBDI_EST_RIM (64 * RBDI_EPS)
+#define RBDI_EST_FLOOR RBD_C(1e-12)
+#define RBDI_EST_BALL RBD_C(0.06)
 
 /* Defaults, and the largest number that is computed with: of options, and of a row over its noise. */
-#define RBDI_ESTIMATE_MASS RBD_C(5)
-#define RBDI_ESTIMATE_REACH RBD_C(0.2)
-#define RBDI_ESTIMATE_FRICTION RBD_C(100)
-#define RBDI_ESTIMATE_FORGETTING RBD_C(0.998)
-#define RBDI_ESTIMATE_SLOW RBD_C(0.03)
-#define RBDI_ESTIMATE_NOISE RBD_C(0.1)
-#define RBDI_OBSERVER_SLOW RBD_C(0.02)
-#define RBDI_ESTIMATE_LARGE RBD_C(1e9)
+#define RBDI_EST_MASS RBD_C(5)
+#define RBDI_EST_REACH RBD_C(0.2)
+#define RBDI_EST_FRICTION RBD_C(100)
+#define RBDI_EST_FORGETTING RBD_C(0.998)
+#define RBDI_EST_SLOW RBD_C(0.03)
+#define RBDI_EST_NOISE RBD_C(0.1)
+#define RBDI_EST_OBSERVER_SLOW RBD_C(0.02)
+#define RBDI_EST_LARGE RBD_C(1e9)
 
 /* Columns of a row: offset, coulomb, viscous, ten of the payload, and the right side. */
 enum {
-    RBDI_FRICTIONS = 3,                                    /* columns of the friction of a dof */
-    RBDI_TEN = 10,                                         /* of the payload */
-    RBDI_TEN_ROW = RBDI_TEN + 1,                           /* a row of the payload alone */
-    RBDI_WHOLE_ROW = RBDI_FRICTIONS + RBDI_TEN_ROW,        /* a row of a dof */
-    RBDI_JOINT_TRIANGLE = RBDI_FRICTIONS * RBDI_WHOLE_ROW, /* scalars of the triangle of a dof */
-    RBDI_LOAD_TRIANGLE = RBDI_TEN * RBDI_TEN_ROW           /* and of the payload */
+    RBDI_EST_FRICTIONS = 3,                                            /* columns of the friction of a dof */
+    RBDI_EST_TEN = 10,                                                 /* of the payload */
+    RBDI_EST_TEN_ROW = RBDI_EST_TEN + 1,                               /* a row of the payload alone */
+    RBDI_EST_WHOLE_ROW = RBDI_EST_FRICTIONS + RBDI_EST_TEN_ROW,        /* a row of a dof */
+    RBDI_EST_JOINT_TRIANGLE = RBDI_EST_FRICTIONS * RBDI_EST_WHOLE_ROW, /* scalars of the triangle of a dof */
+    RBDI_EST_LOAD_TRIANGLE = RBDI_EST_TEN * RBDI_EST_TEN_ROW           /* and of the payload */
 };
 
 /* A dof is left out, has no friction, or has. */
-enum { RBDI_LEFT_OUT, RBDI_PLAIN, RBDI_RUBS };
+enum { RBDI_EST_LEFT_OUT, RBDI_EST_PLAIN, RBDI_EST_RUBS };
 
 struct rbd_observer {
     uint64_t shape[RBDI_SHAPE]; /* of the model */
@@ -344,26 +344,27 @@ struct rbd_estimate {
     rbd_real scale[3];   /* units of m, m c and S: the unknowns are shares of these, the prior's deviations */
     rbd_real stiff;      /* 1 / deviation of the prior of friction */
     rbd_real squares, samples; /* of what is left of the rows, and how many */
-    rbd_real P[RBDI_TEN];
-    rbd_real load[RBDI_LOAD_TRIANGLE];
+    rbd_real P[RBDI_EST_TEN];
+    rbd_real load[RBDI_EST_LOAD_TRIANGLE];
     unsigned char *kind; /* nv */
     rbd_real *certain;   /* nv: 1 / noise */
-    rbd_real *joint;     /* nv x RBDI_JOINT_TRIANGLE */
-    rbd_real *row;       /* nv x RBDI_WHOLE_ROW: of a sample */
+    rbd_real *joint;     /* nv x RBDI_EST_JOINT_TRIANGLE */
+    rbd_real *row;       /* nv x RBDI_EST_WHOLE_ROW: of a sample */
     rbd_real *y;         /* nv x 10: regressor */
     rbd_real *left;      /* nv */
 };
 
 /* Bytes for nv dofs. */
-#define RBDI_OBSERVER_BYTES(nv) \
+#define RBDI_EST_OBSERVER_BYTES(nv) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_observer)) + RBDI_ROUND(10 * (size_t)(nv) * sizeof(rbd_real)))
-#define RBDI_ESTIMATE_BYTES(nv) \
+#define RBDI_EST_BYTES(nv) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_estimate)) + RBDI_ROUND((size_t)(nv)) + \
-     RBDI_ROUND((size_t)(nv) * (RBDI_JOINT_TRIANGLE + RBDI_WHOLE_ROW + RBDI_TEN + 2) * sizeof(rbd_real)))
+     RBDI_ROUND((size_t)(nv) * (RBDI_EST_JOINT_TRIANGLE + RBDI_EST_WHOLE_ROW + RBDI_EST_TEN + 2) * \
+                sizeof(rbd_real)))
 
 /* Bytes that suffice for any model of nv degrees of freedom; constants. */
-#define RBD_OBSERVER_SIZE(nv) RBDI_OBSERVER_BYTES(nv)
-#define RBD_ESTIMATE_SIZE(nv) RBDI_ESTIMATE_BYTES(nv)
+#define RBD_OBSERVER_SIZE(nv) RBDI_EST_OBSERVER_BYTES(nv)
+#define RBD_ESTIMATE_SIZE(nv) RBDI_EST_BYTES(nv)
 
 /* ==== src/rbd_estimate.h ==== */
 #endif /* RBDI_ESTIMATE_LAYOUT */
@@ -378,7 +379,7 @@ RBDI_CODE_BEGIN
    Upper triangles of least squares, full rows of n entries: row k is 0 before entry k. */
 
 /* Turns row x into the first `rows` rows of R. x keeps what they do not take. */
-RBDI_PART void rbdi_absorb(rbd_real *R, int rows, int n, rbd_real *x) {
+RBDI_PART void rbdi_est_absorb(rbd_real *R, int rows, int n, rbd_real *x) {
     for (int k = 0; k < rows; ++k, R += n) {
         const rbd_real square = R[k] * R[k] + x[k] * x[k];
         rbd_real size, c, s;
@@ -400,16 +401,16 @@ RBDI_PART void rbdi_absorb(rbd_real *R, int rows, int n, rbd_real *x) {
 }
 
 /* Takes in factor x_k = value. x: n scalars of scratch. */
-RBDI_PART void rbdi_absorb_one(rbd_real *R, int rows, int n, int k, rbd_real factor, rbd_real value,
-                               rbd_real *x) {
+RBDI_PART void rbdi_est_absorb_one(rbd_real *R, int rows, int n, int k, rbd_real factor, rbd_real value,
+                                   rbd_real *x) {
     for (int j = 0; j < n; ++j) x[j] = rbdi_zero();
     x[k] = factor;
     x[n - 1] = value;
-    rbdi_absorb(R, rows, n, x);
+    rbdi_est_absorb(R, rows, n, x);
 }
 
 /* x = R^-1 x of the first `rows` columns. */
-RBDI_PART void rbdi_solve_upper(const rbd_real *R, int rows, int n, rbd_real *x) {
+RBDI_PART void rbdi_est_solve_upper(const rbd_real *R, int rows, int n, rbd_real *x) {
     for (int k = rows - 1; k >= 0; --k) {
         for (int j = k + 1; j < rows; ++j) x[k] = x[k] - R[k * n + j] * x[j];
         x[k] = x[k] / R[k * n + k];
@@ -417,20 +418,20 @@ RBDI_PART void rbdi_solve_upper(const rbd_real *R, int rows, int n, rbd_real *x)
 }
 
 /* x = R'^-1 x. */
-RBDI_PART void rbdi_solve_lower(const rbd_real *R, int rows, int n, rbd_real *x) {
+RBDI_PART void rbdi_est_solve_lower(const rbd_real *R, int rows, int n, rbd_real *x) {
     for (int k = 0; k < rows; ++k) {
         x[k] = x[k] / R[k * n + k];
         for (int j = k + 1; j < rows; ++j) x[j] = x[j] - R[k * n + j] * x[k];
     }
 }
 
-RBDI_PART rbd_real rbdi_sum_of_squares(const rbd_real *x, int n) {
+RBDI_PART rbd_real rbdi_est_sum_of_squares(const rbd_real *x, int n) {
     rbd_real sum = rbdi_zero();
     for (int k = 0; k < n; ++k) sum = sum + x[k] * x[k];
     return sum;
 }
 
-RBDI_PART void rbdi_scale_all(rbd_real *x, int n, rbd_real factor) {
+RBDI_PART void rbdi_est_scale_all(rbd_real *x, int n, rbd_real factor) {
     for (int k = 0; k < n; ++k) x[k] = x[k] * factor;
 }
 
@@ -438,7 +439,7 @@ RBDI_PART void rbdi_scale_all(rbd_real *x, int n, rbd_real factor) {
 /* ---- estimate checks [estimate checks] ---- */
 
 /* Notes what was refused, unless nobody asks; returns the error. */
-RBDI_PART rbd_status rbdi_fault(rbd_estimate_fault *fault, rbd_status error, const char *field, int at) {
+RBDI_PART rbd_status rbdi_est_fault(rbd_estimate_fault *fault, rbd_status error, const char *field, int at) {
     if (fault) {
         fault->field = field;
         fault->at = at;
@@ -447,83 +448,85 @@ RBDI_PART rbd_status rbdi_fault(rbd_estimate_fault *fault, rbd_status error, con
 }
 
 /* Whether low <= x <= high; not of NaN. */
-RBDI_INLINE int rbdi_between(rbd_real x, rbd_const low, rbd_const high) { return x >= low && x <= high; }
+RBDI_INLINE int rbdi_est_between(rbd_real x, rbd_const low, rbd_const high) { return x >= low && x <= high; }
 
 /* Whether an array is finite. */
-RBDI_PART rbd_status rbdi_check_finite(const rbd_real *x, int n, const char *name,
-                                       rbd_estimate_fault *fault) {
+RBDI_PART rbd_status rbdi_est_check_finite(const rbd_real *x, int n, const char *name,
+                                           rbd_estimate_fault *fault) {
     for (int i = 0; i < n; ++i)
-        if (!(x[i] - x[i] <= 0)) return rbdi_fault(fault, RBD_ERR_NAN, name, i);
+        if (!(x[i] - x[i] <= 0)) return rbdi_est_fault(fault, RBD_ERR_NAN, name, i);
     return RBD_OK;
 }
 
 /* Whether memory of a model with this shape fits the model. */
-RBDI_PART rbd_status rbdi_check_shape(const rbd_model *m, const uint64_t shape[RBDI_SHAPE]) {
+RBDI_PART rbd_status rbdi_est_check_shape(const rbd_model *m, const uint64_t shape[RBDI_SHAPE]) {
     for (int k = 0; k < RBDI_SHAPE; ++k)
         if (m->shape[k] != shape[k]) return RBD_ERR_WORK;
     return RBD_OK;
 }
 
-RBDI_PART rbd_status rbdi_check_friction(const rbd_joint_friction *f, int n, rbd_estimate_fault *fault) {
+RBDI_PART rbd_status rbdi_est_check_friction(const rbd_joint_friction *f, int n, rbd_estimate_fault *fault) {
     for (int i = 0; f && i < n; ++i, ++f) {
-        if (!rbdi_between(f->coulomb, 0, RBDI_ESTIMATE_LARGE))
-            return rbdi_fault(fault, RBD_ERR_RANGE, "coulomb", i);
-        if (!rbdi_between(f->viscous, 0, RBDI_ESTIMATE_LARGE))
-            return rbdi_fault(fault, RBD_ERR_RANGE, "viscous", i);
-        if (!rbdi_between(f->offset, -RBDI_ESTIMATE_LARGE, RBDI_ESTIMATE_LARGE))
-            return rbdi_fault(fault, RBD_ERR_RANGE, "offset", i);
+        if (!rbdi_est_between(f->coulomb, 0, RBDI_EST_LARGE))
+            return rbdi_est_fault(fault, RBD_ERR_RANGE, "coulomb", i);
+        if (!rbdi_est_between(f->viscous, 0, RBDI_EST_LARGE))
+            return rbdi_est_fault(fault, RBD_ERR_RANGE, "viscous", i);
+        if (!rbdi_est_between(f->offset, -RBDI_EST_LARGE, RBDI_EST_LARGE))
+            return rbdi_est_fault(fault, RBD_ERR_RANGE, "offset", i);
     }
     return RBD_OK;
 }
 
-RBDI_PART rbd_status rbdi_check_observer_options(const rbd_observer_options *o, int nv,
-                                                 rbd_estimate_fault *fault) {
-    if (!(o->gain > 0 && o->gain <= RBDI_ESTIMATE_LARGE)) return rbdi_fault(fault, RBD_ERR_RANGE, "gain", -1);
-    if (!rbdi_between(o->slow, 0, RBDI_ESTIMATE_LARGE)) return rbdi_fault(fault, RBD_ERR_RANGE, "slow", -1);
-    if (!rbdi_between(o->share, 0, 1)) return rbdi_fault(fault, RBD_ERR_RANGE, "share", -1);
-    if (!rbdi_between(o->least, 0, RBDI_ESTIMATE_LARGE)) return rbdi_fault(fault, RBD_ERR_RANGE, "least", -1);
-    return rbdi_check_friction(o->friction, nv, fault);
+RBDI_PART rbd_status rbdi_est_check_observer_options(const rbd_observer_options *o, int nv,
+                                                     rbd_estimate_fault *fault) {
+    if (!(o->gain > 0 && o->gain <= RBDI_EST_LARGE)) return rbdi_est_fault(fault, RBD_ERR_RANGE, "gain", -1);
+    if (!rbdi_est_between(o->slow, 0, RBDI_EST_LARGE))
+        return rbdi_est_fault(fault, RBD_ERR_RANGE, "slow", -1);
+    if (!rbdi_est_between(o->share, 0, 1)) return rbdi_est_fault(fault, RBD_ERR_RANGE, "share", -1);
+    if (!rbdi_est_between(o->least, 0, RBDI_EST_LARGE))
+        return rbdi_est_fault(fault, RBD_ERR_RANGE, "least", -1);
+    return rbdi_est_check_friction(o->friction, nv, fault);
 }
 
 /* An option is 0, or neither too little nor too large to divide by. */
-RBDI_PART rbd_status rbdi_check_estimate_options(const rbd_estimate_options *o, int nv,
-                                                 rbd_estimate_fault *fault) {
+RBDI_PART rbd_status rbdi_est_check_options(const rbd_estimate_options *o, int nv,
+                                            rbd_estimate_fault *fault) {
     const rbd_real values[4] = {o->mass, o->reach, o->friction, o->slow};
     const char *const names[4] = {"mass", "reach", "friction", "slow"};
-    const rbd_const little = RBD_C(1) / RBDI_ESTIMATE_LARGE;
+    const rbd_const little = RBD_C(1) / RBDI_EST_LARGE;
 
     for (int i = 0; i < 4; ++i)
-        if (!rbdi_between(values[i], 0, RBDI_ESTIMATE_LARGE) || (values[i] > 0 && values[i] < little))
-            return rbdi_fault(fault, RBD_ERR_RANGE, names[i], -1);
-    if (!rbdi_between(o->forgetting, 0, 1) || (o->forgetting > 0 && o->forgetting < RBD_C(0.5)))
-        return rbdi_fault(fault, RBD_ERR_RANGE, "forgetting", -1);
+        if (!rbdi_est_between(values[i], 0, RBDI_EST_LARGE) || (values[i] > 0 && values[i] < little))
+            return rbdi_est_fault(fault, RBD_ERR_RANGE, names[i], -1);
+    if (!rbdi_est_between(o->forgetting, 0, 1) || (o->forgetting > 0 && o->forgetting < RBD_C(0.5)))
+        return rbdi_est_fault(fault, RBD_ERR_RANGE, "forgetting", -1);
 
     for (int i = 0; o->noise && i < nv; ++i)
-        if (!rbdi_between(o->noise[i], little, RBDI_ESTIMATE_LARGE))
-            return rbdi_fault(fault, RBD_ERR_RANGE, "noise", i);
+        if (!rbdi_est_between(o->noise[i], little, RBDI_EST_LARGE))
+            return rbdi_est_fault(fault, RBD_ERR_RANGE, "noise", i);
     return RBD_OK;
 }
 
 /* ==== src/estimate/observer.h ==== */
 /* ---- observer [observer code] ---- */
 
-RBDI_API size_t rbd_observer_size(const rbd_model *m) { return m ? RBDI_OBSERVER_BYTES(m->nv) : 0; }
+RBDI_API size_t rbd_observer_size(const rbd_model *m) { return m ? RBDI_EST_OBSERVER_BYTES(m->nv) : 0; }
 
 RBDI_API rbd_status rbd_observer_init(const rbd_model *m, const rbd_observer_options *options, void *memory,
                                       size_t size, rbd_observer **observer, rbd_estimate_fault *fault) {
     unsigned char *at = rbdi_aligned(memory);
-    rbd_status status = rbdi_fault(fault, RBD_OK, NULL, -1);
+    rbd_status status = rbdi_est_fault(fault, RBD_OK, NULL, -1);
     rbd_observer *o;
     if (observer) *observer = NULL;
     if (!m || !options || !memory || !observer) return RBD_ERR_NULL;
-    status = rbdi_check_observer_options(options, m->nv, fault);
+    status = rbdi_est_check_observer_options(options, m->nv, fault);
     if (status) return status;
     if (size < rbd_observer_size(m)) return RBD_ERR_MEMORY;
 
     o = RBDI_CUT(rbd_observer, 1);
     for (int k = 0; k < RBDI_SHAPE; ++k) o->shape[k] = m->shape[k];
     o->options = *options;
-    if (!(o->options.slow > 0)) o->options.slow = rbdi_set(RBDI_OBSERVER_SLOW);
+    if (!(o->options.slow > 0)) o->options.slow = rbdi_set(RBDI_EST_OBSERVER_SLOW);
 
     o->p = (rbd_real *)at;
     o->rate = o->p + m->nv;
@@ -547,13 +550,13 @@ RBDI_API rbd_status rbd_observer_reset(rbd_observer *observer) {
 }
 
 /* -1 or 1, the way a dof moves, or 0 at rest. */
-RBDI_INLINE rbd_real rbdi_way_of(rbd_real v, rbd_real slow) {
+RBDI_INLINE rbd_real rbdi_est_way_of(rbd_real v, rbd_real slow) {
     return rbdi_set(v > slow ? RBD_C(1) : v < -slow ? RBD_C(-1) : RBD_C(0));
 }
 
 /* p and C'v - g of the state. */
-RBDI_LOCAL rbd_status rbdi_observe_state(const rbd_model *m, rbd_work *w, rbd_observer *o, const rbd_real *q,
-                                         const rbd_real *v) {
+RBDI_LOCAL rbd_status rbdi_est_observe_state(const rbd_model *m, rbd_work *w, rbd_observer *o,
+                                             const rbd_real *q, const rbd_real *v) {
     rbd_status status = rbd_generalized_momentum(m, w, q, v, o->p_next, o->rate_next);
     if (!status) status = rbd_gravity_torque(m, w, q, o->gravity);
     for (int i = 0; i < m->nv && !status; ++i) o->rate_next[i] = o->rate_next[i] - o->gravity[i];
@@ -561,9 +564,9 @@ RBDI_LOCAL rbd_status rbdi_observe_state(const rbd_model *m, rbd_work *w, rbd_ob
 }
 
 /* The friction of dof i that is subtracted from the motor's torque, and the bound of what this lacks. */
-RBDI_LOCAL rbd_real rbdi_observed_friction(const rbd_observer *o, int i, rbd_real v, rbd_real *bound) {
+RBDI_LOCAL rbd_real rbdi_est_observed_friction(const rbd_observer *o, int i, rbd_real v, rbd_real *bound) {
     const rbd_joint_friction *f = o->options.friction ? &o->options.friction[i] : NULL;
-    const rbd_real side = rbdi_way_of(v, o->options.slow);
+    const rbd_real side = rbdi_est_way_of(v, o->options.slow);
     const int moves = side * o->side[i] > 0;
 
     *bound = o->options.least;
@@ -579,7 +582,8 @@ RBDI_LOCAL rbd_real rbdi_observed_friction(const rbd_observer *o, int i, rbd_rea
 
 /* r_next = (r + gain (p_next - p - dt x)) / (1 + gain dt), and the band by the same step. The first step has
    no past: both are 0. */
-RBDI_LOCAL void rbdi_observe(rbd_observer *o, int nv, const rbd_real *v, const rbd_real *tau, rbd_real dt) {
+RBDI_LOCAL void rbdi_est_observe(rbd_observer *o, int nv, const rbd_real *v, const rbd_real *tau,
+                                 rbd_real dt) {
     const rbd_real gain = o->options.gain;
     const rbd_real all = 1 + gain * dt;
 
@@ -591,7 +595,7 @@ RBDI_LOCAL void rbdi_observe(rbd_observer *o, int nv, const rbd_real *v, const r
             continue;
         }
 
-        friction = rbdi_observed_friction(o, i, v[i], &bound);
+        friction = rbdi_est_observed_friction(o, i, v[i], &bound);
         x = tau[i] - friction + (o->rate[i] + o->rate_next[i]) * RBD_C(0.5);
         o->r_next[i] = (o->r[i] + gain * (o->p_next[i] - o->p[i] - dt * x)) / all;
         o->band_next[i] = (o->band[i] + gain * dt * bound) / all;
@@ -599,51 +603,51 @@ RBDI_LOCAL void rbdi_observe(rbd_observer *o, int nv, const rbd_real *v, const r
 }
 
 /* Whether nothing overflowed. */
-RBDI_LOCAL rbd_status rbdi_check_observed(const rbd_observer *o, int nv, rbd_estimate_fault *fault) {
-    rbd_status status = rbdi_check_finite(o->p_next, nv, "v", fault);
-    if (!status) status = rbdi_check_finite(o->rate_next, nv, "v", fault);
-    if (!status) status = rbdi_check_finite(o->r_next, nv, "r", fault);
-    return status ? status : rbdi_check_finite(o->band_next, nv, "band", fault);
+RBDI_LOCAL rbd_status rbdi_est_check_observed(const rbd_observer *o, int nv, rbd_estimate_fault *fault) {
+    rbd_status status = rbdi_est_check_finite(o->p_next, nv, "v", fault);
+    if (!status) status = rbdi_est_check_finite(o->rate_next, nv, "v", fault);
+    if (!status) status = rbdi_est_check_finite(o->r_next, nv, "r", fault);
+    return status ? status : rbdi_est_check_finite(o->band_next, nv, "band", fault);
 }
 
 /* Nothing was refused: the next state becomes the last. */
-RBDI_LOCAL void rbdi_observer_commit(rbd_observer *o, int nv, const rbd_real *v) {
+RBDI_LOCAL void rbdi_est_observer_commit(rbd_observer *o, int nv, const rbd_real *v) {
     for (int i = 0; i < nv; ++i) {
         o->r[i] = o->r_next[i];
         o->band[i] = o->band_next[i];
         o->p[i] = o->p_next[i];
         o->rate[i] = o->rate_next[i];
-        o->side[i] = rbdi_way_of(v[i], o->options.slow);
+        o->side[i] = rbdi_est_way_of(v[i], o->options.slow);
     }
     o->begun = 1;
 }
 
-RBDI_LOCAL rbd_status rbdi_check_observer_step(const rbd_model *m, const rbd_work *w, const rbd_observer *o,
-                                               const rbd_real *q, const rbd_real *v, const rbd_real *tau,
-                                               rbd_real dt, rbd_estimate_fault *fault) {
+RBDI_LOCAL rbd_status rbdi_est_check_observer_step(const rbd_model *m, const rbd_work *w,
+                                                   const rbd_observer *o, const rbd_real *q,
+                                                   const rbd_real *v, const rbd_real *tau, rbd_real dt,
+                                                   rbd_estimate_fault *fault) {
     rbd_status status = rbdi_check(m, w, o && q && v && tau);
-    if (!status) status = rbdi_check_shape(m, o->shape);
-    if (!status && !(dt > 0 && dt <= RBDI_ESTIMATE_LARGE))
-        status = rbdi_fault(fault, RBD_ERR_RANGE, "dt", -1);
-    if (!status) status = rbdi_check_finite(q, m->nq, "q", fault);
-    if (!status) status = rbdi_check_finite(v, m->nv, "v", fault);
-    if (!status) status = rbdi_check_finite(tau, m->nv, "tau", fault);
-    return status ? status : rbdi_check_friction(o->options.friction, m->nv, fault);
+    if (!status) status = rbdi_est_check_shape(m, o->shape);
+    if (!status && !(dt > 0 && dt <= RBDI_EST_LARGE)) status = rbdi_est_fault(fault, RBD_ERR_RANGE, "dt", -1);
+    if (!status) status = rbdi_est_check_finite(q, m->nq, "q", fault);
+    if (!status) status = rbdi_est_check_finite(v, m->nv, "v", fault);
+    if (!status) status = rbdi_est_check_finite(tau, m->nv, "tau", fault);
+    return status ? status : rbdi_est_check_friction(o->options.friction, m->nv, fault);
 }
 
 RBDI_API rbd_status rbd_observer_step(const rbd_model *m, rbd_work *w, rbd_observer *o, const rbd_real *q,
                                       const rbd_real *v, const rbd_real *tau, rbd_real dt, rbd_real *r,
                                       rbd_real *band, rbd_estimate_fault *fault) {
-    rbd_status status = rbdi_fault(fault, RBD_OK, NULL, -1);
-    status = rbdi_check_observer_step(m, w, o, q, v, tau, dt, fault);
-    if (!status) status = rbdi_observe_state(m, w, o, q, v);
+    rbd_status status = rbdi_est_fault(fault, RBD_OK, NULL, -1);
+    status = rbdi_est_check_observer_step(m, w, o, q, v, tau, dt, fault);
+    if (!status) status = rbdi_est_observe_state(m, w, o, q, v);
     if (status) return status;
 
-    rbdi_observe(o, m->nv, v, tau, dt);
-    status = rbdi_check_observed(o, m->nv, fault);
+    rbdi_est_observe(o, m->nv, v, tau, dt);
+    status = rbdi_est_check_observed(o, m->nv, fault);
     if (status) return status;
 
-    rbdi_observer_commit(o, m->nv, v);
+    rbdi_est_observer_commit(o, m->nv, v);
     for (int i = 0; r && i < m->nv; ++i) r[i] = o->r[i];
     for (int i = 0; band && i < m->nv; ++i) band[i] = o->band[i];
     return RBD_OK;
@@ -654,58 +658,59 @@ RBDI_API rbd_status rbd_observer_step(const rbd_model *m, rbd_work *w, rbd_obser
    P is packed by rows of the lower triangle: S_xx, S_xy, S_yy, S_xz, S_yz, S_zz, h_x, h_y, h_z, m. */
 
 /* The index of entry (i, j), j <= i. */
-RBDI_INLINE int rbdi_packed_at(int i, int j) { return i * (i + 1) / 2 + j; }
+RBDI_INLINE int rbdi_est_packed_at(int i, int j) { return i * (i + 1) / 2 + j; }
 
 /* Entry (i, j) of a lower triangle, 0 above the diagonal; and of a symmetric matrix. */
-RBDI_INLINE rbd_real rbdi_lower(const rbd_real A[RBDI_TEN], int i, int j) {
-    return j <= i ? A[rbdi_packed_at(i, j)] : rbdi_zero();
+RBDI_INLINE rbd_real rbdi_est_lower(const rbd_real A[RBDI_EST_TEN], int i, int j) {
+    return j <= i ? A[rbdi_est_packed_at(i, j)] : rbdi_zero();
 }
 
-RBDI_INLINE rbd_real rbdi_symmetric(const rbd_real A[RBDI_TEN], int i, int j) {
-    return A[j <= i ? rbdi_packed_at(i, j) : rbdi_packed_at(j, i)];
+RBDI_INLINE rbd_real rbdi_est_symmetric(const rbd_real A[RBDI_EST_TEN], int i, int j) {
+    return A[j <= i ? rbdi_est_packed_at(i, j) : rbdi_est_packed_at(j, i)];
 }
 
 /* P = L L'. Returns whether every pivot is above its rounding. */
-RBDI_PART int rbdi_factor_pseudo(const rbd_real P[RBDI_TEN], rbd_real L[RBDI_TEN]) {
+RBDI_PART int rbdi_est_factor_pseudo(const rbd_real P[RBDI_EST_TEN], rbd_real L[RBDI_EST_TEN]) {
     for (int i = 0; i < 4; ++i)
         for (int j = 0; j <= i; ++j) {
-            rbd_real x = P[rbdi_packed_at(i, j)];
-            for (int k = 0; k < j; ++k) x = x - L[rbdi_packed_at(i, k)] * L[rbdi_packed_at(j, k)];
+            rbd_real x = P[rbdi_est_packed_at(i, j)];
+            for (int k = 0; k < j; ++k) x = x - L[rbdi_est_packed_at(i, k)] * L[rbdi_est_packed_at(j, k)];
 
             if (j < i) {
-                L[rbdi_packed_at(i, j)] = x / L[rbdi_packed_at(j, j)];
+                L[rbdi_est_packed_at(i, j)] = x / L[rbdi_est_packed_at(j, j)];
                 continue;
             }
-            if (!(x > RBDI_ESTIMATE_FLOOR && x > RBDI_ESTIMATE_RIM * P[rbdi_packed_at(i, i)])) return 0;
-            L[rbdi_packed_at(i, i)] = rbdi_sqrt(x);
+            if (!(x > RBDI_EST_FLOOR && x > RBDI_EST_RIM * P[rbdi_est_packed_at(i, i)])) return 0;
+            L[rbdi_est_packed_at(i, i)] = rbdi_sqrt(x);
         }
     return 1;
 }
 
 /* G = L^-1. */
-RBDI_PART void rbdi_invert_lower(const rbd_real L[RBDI_TEN], rbd_real G[RBDI_TEN]) {
+RBDI_PART void rbdi_est_invert_lower(const rbd_real L[RBDI_EST_TEN], rbd_real G[RBDI_EST_TEN]) {
     for (int j = 0; j < 4; ++j) {
-        G[rbdi_packed_at(j, j)] = 1 / L[rbdi_packed_at(j, j)];
+        G[rbdi_est_packed_at(j, j)] = 1 / L[rbdi_est_packed_at(j, j)];
         for (int i = j + 1; i < 4; ++i) {
             rbd_real x = rbdi_zero();
-            for (int k = j; k < i; ++k) x = x - L[rbdi_packed_at(i, k)] * G[rbdi_packed_at(k, j)];
-            G[rbdi_packed_at(i, j)] = x / L[rbdi_packed_at(i, i)];
+            for (int k = j; k < i; ++k) x = x - L[rbdi_est_packed_at(i, k)] * G[rbdi_est_packed_at(k, j)];
+            G[rbdi_est_packed_at(i, j)] = x / L[rbdi_est_packed_at(i, i)];
         }
     }
 }
 
 /* G'G, which is P^-1. */
-RBDI_PART void rbdi_square(const rbd_real G[RBDI_TEN], rbd_real inverse[RBDI_TEN]) {
+RBDI_PART void rbdi_est_square(const rbd_real G[RBDI_EST_TEN], rbd_real inverse[RBDI_EST_TEN]) {
     for (int i = 0; i < 4; ++i)
         for (int j = 0; j <= i; ++j) {
             rbd_real sum = rbdi_zero();
-            for (int k = i; k < 4; ++k) sum = sum + G[rbdi_packed_at(k, i)] * G[rbdi_packed_at(k, j)];
-            inverse[rbdi_packed_at(i, j)] = sum;
+            for (int k = i; k < 4; ++k) sum = sum + G[rbdi_est_packed_at(k, i)] * G[rbdi_est_packed_at(k, j)];
+            inverse[rbdi_est_packed_at(i, j)] = sum;
         }
 }
 
 /* The ten parameters, from a pseudo-inertia in units: I = tr(S) 1 - S. */
-RBDI_PART void rbdi_parameters_of(const rbd_real P[RBDI_TEN], const rbd_real scale[3], rbd_const pi[10]) {
+RBDI_PART void rbdi_est_parameters_of(const rbd_real P[RBDI_EST_TEN], const rbd_real scale[3],
+                                      rbd_const pi[10]) {
     const rbd_real S = scale[2];
 
     pi[0] = (rbd_const)(scale[0] * P[9]);
@@ -721,7 +726,8 @@ RBDI_PART void rbdi_parameters_of(const rbd_real P[RBDI_TEN], const rbd_real sca
 }
 
 /* The factors of the entries of P, from those of the ten parameters: the transpose of the above. */
-RBDI_PART void rbdi_pseudo_factors(const rbd_real y[10], const rbd_real scale[3], rbd_real x[RBDI_TEN]) {
+RBDI_PART void rbdi_est_pseudo_factors(const rbd_real y[10], const rbd_real scale[3],
+                                       rbd_real x[RBDI_EST_TEN]) {
     const rbd_real S = scale[2];
 
     x[0] = S * (y[7] + y[9]);
@@ -737,54 +743,55 @@ RBDI_PART void rbdi_pseudo_factors(const rbd_real y[10], const rbd_real scale[3]
 }
 
 /* Where the estimate begins. */
-RBDI_PART void rbdi_begin_ball(rbd_real P[RBDI_TEN]) {
-    const rbd_const mass = RBDI_ESTIMATE_BALL;
+RBDI_PART void rbdi_est_begin_ball(rbd_real P[RBDI_EST_TEN]) {
+    const rbd_const mass = RBDI_EST_BALL;
     const rbd_const second = mass * mass * mass;
 
-    for (int k = 0; k < RBDI_TEN; ++k) P[k] = rbdi_zero();
-    for (int i = 0; i < 3; ++i) P[rbdi_packed_at(i, i)] = rbdi_set(second);
-    P[rbdi_packed_at(3, 3)] = rbdi_set(mass);
+    for (int k = 0; k < RBDI_EST_TEN; ++k) P[k] = rbdi_zero();
+    for (int i = 0; i < 3; ++i) P[rbdi_est_packed_at(i, i)] = rbdi_set(second);
+    P[rbdi_est_packed_at(3, 3)] = rbdi_set(mass);
 }
 
 /* ==== src/estimate/samples.h ==== */
 /* ---- samples [samples] ---- */
 
 /* Whether dof i tells something: it is measured, and moves if it has friction. */
-RBDI_INLINE int rbdi_tells(const rbd_estimate *e, int i, rbd_real v) {
-    return e->kind[i] == RBDI_PLAIN || (e->kind[i] == RBDI_RUBS && rbdi_abs(v) > e->slow);
+RBDI_INLINE int rbdi_est_tells(const rbd_estimate *e, int i, rbd_real v) {
+    return e->kind[i] == RBDI_EST_PLAIN || (e->kind[i] == RBDI_EST_RUBS && rbdi_abs(v) > e->slow);
 }
 
 /* The row of dof i, over its noise. */
-RBDI_LOCAL void rbdi_sample_row(const rbd_estimate *e, int i, rbd_real v, rbd_real *x) {
+RBDI_LOCAL void rbdi_est_sample_row(const rbd_estimate *e, int i, rbd_real v, rbd_real *x) {
     const rbd_real certain = e->certain[i];
-    const int rubs = e->kind[i] == RBDI_RUBS;
+    const int rubs = e->kind[i] == RBDI_EST_RUBS;
 
     x[0] = rbdi_set(rubs ? RBD_C(1) : RBD_C(0));
     x[1] = rbdi_set(!rubs ? RBD_C(0) : v > 0 ? RBD_C(1) : RBD_C(-1));
     x[2] = rubs ? v : rbdi_zero();
-    rbdi_pseudo_factors(e->y + 10 * i, e->scale, x + RBDI_FRICTIONS);
-    x[RBDI_WHOLE_ROW - 1] = e->left[i];
-    rbdi_scale_all(x, RBDI_WHOLE_ROW, certain);
+    rbdi_est_pseudo_factors(e->y + 10 * i, e->scale, x + RBDI_EST_FRICTIONS);
+    x[RBDI_EST_WHOLE_ROW - 1] = e->left[i];
+    rbdi_est_scale_all(x, RBDI_EST_WHOLE_ROW, certain);
 }
 
 /* The rows of all dofs that tell something; refuses what is too large. */
-RBDI_LOCAL rbd_status rbdi_sample_rows(const rbd_estimate *e, const rbd_real *v, rbd_estimate_fault *fault) {
+RBDI_LOCAL rbd_status rbdi_est_sample_rows(const rbd_estimate *e, const rbd_real *v,
+                                           rbd_estimate_fault *fault) {
     for (int i = 0; i < e->nv; ++i) {
-        rbd_real *x = e->row + i * RBDI_WHOLE_ROW;
-        if (!rbdi_tells(e, i, v[i])) continue;
+        rbd_real *x = e->row + i * RBDI_EST_WHOLE_ROW;
+        if (!rbdi_est_tells(e, i, v[i])) continue;
 
-        rbdi_sample_row(e, i, v[i], x);
-        for (int k = 0; k < RBDI_WHOLE_ROW; ++k)
-            if (!rbdi_between(x[k], -RBDI_ESTIMATE_LARGE, RBDI_ESTIMATE_LARGE))
-                return rbdi_fault(fault, RBD_ERR_RANGE, "tau", i);
+        rbdi_est_sample_row(e, i, v[i], x);
+        for (int k = 0; k < RBDI_EST_WHOLE_ROW; ++k)
+            if (!rbdi_est_between(x[k], -RBDI_EST_LARGE, RBDI_EST_LARGE))
+                return rbdi_est_fault(fault, RBD_ERR_RANGE, "tau", i);
     }
     return RBD_OK;
 }
 
 /* What the robot without payload and friction leaves of tau, and the regressor of the payload. */
-RBDI_LOCAL rbd_status rbdi_sample(const rbd_model *m, rbd_derivatives *d, const rbd_estimate *e,
-                                  const rbd_real *q, const rbd_real *v, const rbd_real *a,
-                                  const rbd_real *tau) {
+RBDI_LOCAL rbd_status rbdi_est_sample(const rbd_model *m, rbd_derivatives *d, const rbd_estimate *e,
+                                      const rbd_real *q, const rbd_real *v, const rbd_real *a,
+                                      const rbd_real *tau) {
     const rbd_status status = rbd_rnea(m, d->work, q, v, a, NULL, e->left);
     if (status) return status;
     for (int i = 0; i < m->nv; ++i) e->left[i] = tau[i] - e->left[i];
@@ -797,45 +804,46 @@ RBDI_LOCAL rbd_status rbdi_sample(const rbd_model *m, rbd_derivatives *d, const 
 }
 
 /* Takes in the rows. What is known fades only where new rows come. */
-RBDI_LOCAL void rbdi_take_rows(rbd_estimate *e, const rbd_real *v) {
+RBDI_LOCAL void rbdi_est_take_rows(rbd_estimate *e, const rbd_real *v) {
     int rows = 0;
     for (int i = 0; i < e->nv; ++i) {
-        rbd_real *x = e->row + i * RBDI_WHOLE_ROW, *joint = e->joint + i * RBDI_JOINT_TRIANGLE;
-        if (!rbdi_tells(e, i, v[i])) continue;
+        rbd_real *x = e->row + i * RBDI_EST_WHOLE_ROW, *joint = e->joint + i * RBDI_EST_JOINT_TRIANGLE;
+        if (!rbdi_est_tells(e, i, v[i])) continue;
 
         if (rows++ == 0) {
-            rbdi_scale_all(e->load, RBDI_LOAD_TRIANGLE, e->kept);
+            rbdi_est_scale_all(e->load, RBDI_EST_LOAD_TRIANGLE, e->kept);
             e->squares = e->squares * e->kept * e->kept;
             e->samples = e->samples * e->kept * e->kept;
         }
-        rbdi_scale_all(joint, RBDI_JOINT_TRIANGLE, e->kept);
+        rbdi_est_scale_all(joint, RBDI_EST_JOINT_TRIANGLE, e->kept);
 
-        rbdi_absorb(joint, RBDI_FRICTIONS, RBDI_WHOLE_ROW, x);
-        rbdi_absorb(e->load, RBDI_TEN, RBDI_TEN_ROW, x + RBDI_FRICTIONS);
-        e->squares = e->squares + x[RBDI_WHOLE_ROW - 1] * x[RBDI_WHOLE_ROW - 1];
+        rbdi_est_absorb(joint, RBDI_EST_FRICTIONS, RBDI_EST_WHOLE_ROW, x);
+        rbdi_est_absorb(e->load, RBDI_EST_TEN, RBDI_EST_TEN_ROW, x + RBDI_EST_FRICTIONS);
+        e->squares = e->squares + x[RBDI_EST_WHOLE_ROW - 1] * x[RBDI_EST_WHOLE_ROW - 1];
         e->samples = e->samples + 1;
     }
 }
 
-RBDI_LOCAL rbd_status rbdi_check_sample(const rbd_model *m, const rbd_derivatives *d, const rbd_estimate *e,
-                                        const rbd_real *q, const rbd_real *v, const rbd_real *a,
-                                        const rbd_real *tau, rbd_estimate_fault *fault) {
+RBDI_LOCAL rbd_status rbdi_est_check_sample(const rbd_model *m, const rbd_derivatives *d,
+                                            const rbd_estimate *e, const rbd_real *q, const rbd_real *v,
+                                            const rbd_real *a, const rbd_real *tau,
+                                            rbd_estimate_fault *fault) {
     rbd_status status = rbdi_check_derivatives(m, d, e && q && v && a && tau);
-    if (!status) status = rbdi_check_shape(m, e->shape);
-    if (!status) status = rbdi_check_finite(q, m->nq, "q", fault);
-    if (!status) status = rbdi_check_finite(v, m->nv, "v", fault);
-    if (!status) status = rbdi_check_finite(a, m->nv, "a", fault);
-    return status ? status : rbdi_check_finite(tau, m->nv, "tau", fault);
+    if (!status) status = rbdi_est_check_shape(m, e->shape);
+    if (!status) status = rbdi_est_check_finite(q, m->nq, "q", fault);
+    if (!status) status = rbdi_est_check_finite(v, m->nv, "v", fault);
+    if (!status) status = rbdi_est_check_finite(a, m->nv, "a", fault);
+    return status ? status : rbdi_est_check_finite(tau, m->nv, "tau", fault);
 }
 
 RBDI_API rbd_status rbd_estimate_add(const rbd_model *m, rbd_derivatives *d, rbd_estimate *e,
                                      const rbd_real *q, const rbd_real *v, const rbd_real *a,
                                      const rbd_real *tau, rbd_estimate_fault *fault) {
-    rbd_status status = rbdi_fault(fault, RBD_OK, NULL, -1);
-    status = rbdi_check_sample(m, d, e, q, v, a, tau, fault);
-    if (!status) status = rbdi_sample(m, d, e, q, v, a, tau);
-    if (!status) status = rbdi_sample_rows(e, v, fault);
-    if (!status) rbdi_take_rows(e, v);
+    rbd_status status = rbdi_est_fault(fault, RBD_OK, NULL, -1);
+    status = rbdi_est_check_sample(m, d, e, q, v, a, tau, fault);
+    if (!status) status = rbdi_est_sample(m, d, e, q, v, a, tau);
+    if (!status) status = rbdi_est_sample_rows(e, v, fault);
+    if (!status) rbdi_est_take_rows(e, v);
     return status;
 }
 
@@ -852,186 +860,187 @@ RBDI_API rbd_status rbd_estimate_add(const rbd_model *m, rbd_derivatives *d, rbd
    step; elsewhere it is better near the rim. */
 
 /* An iterate. P is in the estimate. */
-typedef struct rbdi_interior {
-    rbd_real Z[RBDI_TEN];
-    rbd_real inverse[RBDI_TEN];                              /* of P */
-    rbd_real all[RBDI_LOAD_TRIANGLE], T[RBDI_LOAD_TRIANGLE]; /* of samples and prior; of a round */
-    rbd_real P_step[RBDI_TEN], Z_step[RBDI_TEN];
+typedef struct rbdi_est_interior {
+    rbd_real Z[RBDI_EST_TEN];
+    rbd_real inverse[RBDI_EST_TEN];                                  /* of P */
+    rbd_real all[RBDI_EST_LOAD_TRIANGLE], T[RBDI_EST_LOAD_TRIANGLE]; /* of samples and prior; of a round */
+    rbd_real P_step[RBDI_EST_TEN], Z_step[RBDI_EST_TEN];
     rbd_real weight, share; /* share of the last step that was taken */
-} rbdi_interior;
+} rbdi_est_interior;
 
 /* The payload's triangle with the prior in it, T p = z. */
-RBDI_PART void rbdi_load_triangle(const rbd_estimate *e, rbd_real T[RBDI_LOAD_TRIANGLE]) {
-    rbd_real x[RBDI_TEN_ROW];
-    for (int k = 0; k < RBDI_LOAD_TRIANGLE; ++k) T[k] = e->load[k];
-    for (int k = 0; k < RBDI_TEN; ++k)
-        rbdi_absorb_one(T, RBDI_TEN, RBDI_TEN_ROW, k, rbdi_set(RBD_C(1)), rbdi_zero(), x);
+RBDI_PART void rbdi_est_load_triangle(const rbd_estimate *e, rbd_real T[RBDI_EST_LOAD_TRIANGLE]) {
+    rbd_real x[RBDI_EST_TEN_ROW];
+    for (int k = 0; k < RBDI_EST_LOAD_TRIANGLE; ++k) T[k] = e->load[k];
+    for (int k = 0; k < RBDI_EST_TEN; ++k)
+        rbdi_est_absorb_one(T, RBDI_EST_TEN, RBDI_EST_TEN_ROW, k, rbdi_set(RBD_C(1)), rbdi_zero(), x);
 }
 
 /* Its right side at P: T E = z - T P for the step E. */
-RBDI_LOCAL void rbdi_triangle_at(const rbd_real all[RBDI_LOAD_TRIANGLE], const rbd_real P[RBDI_TEN],
-                                 rbd_real T[RBDI_LOAD_TRIANGLE]) {
-    for (int k = 0; k < RBDI_LOAD_TRIANGLE; ++k) T[k] = all[k];
-    for (int k = 0; k < RBDI_TEN; ++k) {
-        rbd_real *row = T + k * RBDI_TEN_ROW;
-        for (int j = k; j < RBDI_TEN; ++j) row[RBDI_TEN] = row[RBDI_TEN] - row[j] * P[j];
+RBDI_LOCAL void rbdi_est_triangle_at(const rbd_real all[RBDI_EST_LOAD_TRIANGLE],
+                                     const rbd_real P[RBDI_EST_TEN], rbd_real T[RBDI_EST_LOAD_TRIANGLE]) {
+    for (int k = 0; k < RBDI_EST_LOAD_TRIANGLE; ++k) T[k] = all[k];
+    for (int k = 0; k < RBDI_EST_TEN; ++k) {
+        rbd_real *row = T + k * RBDI_EST_TEN_ROW;
+        for (int j = k; j < RBDI_EST_TEN; ++j) row[RBDI_EST_TEN] = row[RBDI_EST_TEN] - row[j] * P[j];
     }
 }
 
 /* Takes the rows G E Q = 0 into T, by the entries of E; those below the diagonal stand for two. */
-RBDI_LOCAL void rbdi_absorb_barrier(const rbd_real G[RBDI_TEN], const rbd_real Q[RBDI_TEN],
-                                    rbd_real T[RBDI_LOAD_TRIANGLE]) {
-    rbd_real x[RBDI_TEN_ROW];
+RBDI_LOCAL void rbdi_est_absorb_barrier(const rbd_real G[RBDI_EST_TEN], const rbd_real Q[RBDI_EST_TEN],
+                                        rbd_real T[RBDI_EST_LOAD_TRIANGLE]) {
+    rbd_real x[RBDI_EST_TEN_ROW];
     for (int a = 0; a < 4; ++a)
         for (int b = 0; b < 4; ++b) {
             for (int i = 0; i < 4; ++i)
                 for (int j = 0; j <= i; ++j) {
-                    rbd_real sum = rbdi_lower(G, a, i) * rbdi_lower(Q, j, b);
-                    if (j < i) sum = sum + rbdi_lower(G, a, j) * rbdi_lower(Q, i, b);
-                    x[rbdi_packed_at(i, j)] = sum;
+                    rbd_real sum = rbdi_est_lower(G, a, i) * rbdi_est_lower(Q, j, b);
+                    if (j < i) sum = sum + rbdi_est_lower(G, a, j) * rbdi_est_lower(Q, i, b);
+                    x[rbdi_est_packed_at(i, j)] = sum;
                 }
 
-            x[RBDI_TEN] = rbdi_zero();
-            rbdi_absorb(T, RBDI_TEN, RBDI_TEN_ROW, x);
+            x[RBDI_EST_TEN] = rbdi_zero();
+            rbdi_est_absorb(T, RBDI_EST_TEN, RBDI_EST_TEN_ROW, x);
         }
 }
 
 /* The step E for C: T'T E = T'r + the gradient of tr(C E). */
-RBDI_LOCAL void rbdi_step_of(const rbd_real T[RBDI_LOAD_TRIANGLE], const rbd_real C[RBDI_TEN],
-                             rbd_real E[RBDI_TEN]) {
+RBDI_LOCAL void rbdi_est_step_of(const rbd_real T[RBDI_EST_LOAD_TRIANGLE], const rbd_real C[RBDI_EST_TEN],
+                                 rbd_real E[RBDI_EST_TEN]) {
     for (int i = 0; i < 4; ++i)
         for (int j = 0; j <= i; ++j)
-            E[rbdi_packed_at(i, j)] = C[rbdi_packed_at(i, j)] * (j < i ? RBD_C(2) : RBD_C(1));
+            E[rbdi_est_packed_at(i, j)] = C[rbdi_est_packed_at(i, j)] * (j < i ? RBD_C(2) : RBD_C(1));
 
-    rbdi_solve_lower(T, RBDI_TEN, RBDI_TEN_ROW, E);
-    for (int k = 0; k < RBDI_TEN; ++k) E[k] = E[k] + T[k * RBDI_TEN_ROW + RBDI_TEN];
-    rbdi_solve_upper(T, RBDI_TEN, RBDI_TEN_ROW, E);
+    rbdi_est_solve_lower(T, RBDI_EST_TEN, RBDI_EST_TEN_ROW, E);
+    for (int k = 0; k < RBDI_EST_TEN; ++k) E[k] = E[k] + T[k * RBDI_EST_TEN_ROW + RBDI_EST_TEN];
+    rbdi_est_solve_upper(T, RBDI_EST_TEN, RBDI_EST_TEN_ROW, E);
 }
 
 /* C -= (X + X') / 2, X = A E F, of symmetric matrices. */
-RBDI_LOCAL void rbdi_subtract_mean(const rbd_real A[RBDI_TEN], const rbd_real E[RBDI_TEN],
-                                   const rbd_real F[RBDI_TEN], rbd_real C[RBDI_TEN]) {
+RBDI_LOCAL void rbdi_est_subtract_mean(const rbd_real A[RBDI_EST_TEN], const rbd_real E[RBDI_EST_TEN],
+                                       const rbd_real F[RBDI_EST_TEN], rbd_real C[RBDI_EST_TEN]) {
     rbd_real Y[4][4], X[4][4];
     for (int i = 0; i < 4; ++i)
         for (int j = 0; j < 4; ++j) {
             Y[i][j] = rbdi_zero();
-            for (int k = 0; k < 4; ++k) Y[i][j] = Y[i][j] + rbdi_symmetric(E, i, k) * rbdi_symmetric(F, k, j);
+            for (int k = 0; k < 4; ++k)
+                Y[i][j] = Y[i][j] + rbdi_est_symmetric(E, i, k) * rbdi_est_symmetric(F, k, j);
         }
     for (int i = 0; i < 4; ++i)
         for (int j = 0; j < 4; ++j) {
             X[i][j] = rbdi_zero();
-            for (int k = 0; k < 4; ++k) X[i][j] = X[i][j] + rbdi_symmetric(A, i, k) * Y[k][j];
+            for (int k = 0; k < 4; ++k) X[i][j] = X[i][j] + rbdi_est_symmetric(A, i, k) * Y[k][j];
         }
 
     for (int i = 0; i < 4; ++i)
         for (int j = 0; j <= i; ++j) {
-            const int at = rbdi_packed_at(i, j);
+            const int at = rbdi_est_packed_at(i, j);
             C[at] = C[at] - (X[i][j] + X[j][i]) * RBD_C(0.5);
         }
 }
 
 /* x += step, or nearly as much of it as leaves it positive definite, by bisection. Returns the share. */
-RBDI_LOCAL rbd_real rbdi_move_inside(rbd_real x[RBDI_TEN], const rbd_real step[RBDI_TEN]) {
-    rbd_real inside = rbdi_zero(), outside = rbdi_set(RBD_C(2)), next[RBDI_TEN], L[RBDI_TEN];
-    for (int cut = 0; cut <= RBDI_ESTIMATE_CUTS && inside < 1; ++cut) {
+RBDI_LOCAL rbd_real rbdi_est_move_inside(rbd_real x[RBDI_EST_TEN], const rbd_real step[RBDI_EST_TEN]) {
+    rbd_real inside = rbdi_zero(), outside = rbdi_set(RBD_C(2)), next[RBDI_EST_TEN], L[RBDI_EST_TEN];
+    for (int cut = 0; cut <= RBDI_EST_CUTS && inside < 1; ++cut) {
         const rbd_real share = (inside + outside) * RBD_C(0.5);
-        for (int k = 0; k < RBDI_TEN; ++k) next[k] = x[k] + share * step[k];
-        if (rbdi_factor_pseudo(next, L)) {
+        for (int k = 0; k < RBDI_EST_TEN; ++k) next[k] = x[k] + share * step[k];
+        if (rbdi_est_factor_pseudo(next, L)) {
             inside = share;
         } else {
             outside = share;
         }
     }
 
-    if (inside < 1) inside = inside * RBDI_ESTIMATE_SHORT;
-    for (int k = 0; k < RBDI_TEN; ++k) x[k] = x[k] + inside * step[k];
+    if (inside < 1) inside = inside * RBDI_EST_SHORT;
+    for (int k = 0; k < RBDI_EST_TEN; ++k) x[k] = x[k] + inside * step[k];
     return inside;
 }
 
 /* tr(P Z) / 4. */
-RBDI_LOCAL rbd_real rbdi_mean_product(const rbd_real P[RBDI_TEN], const rbd_real Z[RBDI_TEN]) {
+RBDI_LOCAL rbd_real rbdi_est_mean_product(const rbd_real P[RBDI_EST_TEN], const rbd_real Z[RBDI_EST_TEN]) {
     rbd_real sum = rbdi_zero();
     for (int i = 0; i < 4; ++i)
-        for (int j = 0; j < 4; ++j) sum = sum + rbdi_symmetric(P, i, j) * rbdi_symmetric(Z, i, j);
+        for (int j = 0; j < 4; ++j) sum = sum + rbdi_est_symmetric(P, i, j) * rbdi_est_symmetric(Z, i, j);
     return sum * RBD_C(0.25);
 }
 
 /* A share of tr(P Z) / 4: a tenth after full steps, nearly all of it after short ones. */
-RBDI_LOCAL rbd_real rbdi_next_weight(const rbd_estimate *e, const rbdi_interior *s) {
-    const rbd_real rest = 1 - s->share, least = rbdi_set(RBDI_ESTIMATE_LESS);
-    const rbd_real weight = (least + (1 - least) * rest * rest) * rbdi_mean_product(e->P, s->Z);
-    return weight > RBDI_ESTIMATE_LEAST ? weight : rbdi_set(RBDI_ESTIMATE_LEAST);
+RBDI_LOCAL rbd_real rbdi_est_next_weight(const rbd_estimate *e, const rbdi_est_interior *s) {
+    const rbd_real rest = 1 - s->share, least = rbdi_set(RBDI_EST_LESS);
+    const rbd_real weight = (least + (1 - least) * rest * rest) * rbdi_est_mean_product(e->P, s->Z);
+    return weight > RBDI_EST_LEAST ? weight : rbdi_set(RBDI_EST_LEAST);
 }
 
 /* Whether a step changes no entry of the diagonal much. */
-RBDI_LOCAL int rbdi_is_small_step(const rbd_real P[RBDI_TEN], const rbd_real step[RBDI_TEN]) {
+RBDI_LOCAL int rbdi_est_is_small_step(const rbd_real P[RBDI_EST_TEN], const rbd_real step[RBDI_EST_TEN]) {
     for (int i = 0; i < 4; ++i) {
-        const int at = rbdi_packed_at(i, i);
-        if (rbdi_abs(step[at]) > RBDI_ESTIMATE_SMALL * P[at]) return 0;
+        const int at = rbdi_est_packed_at(i, i);
+        if (rbdi_abs(step[at]) > RBDI_EST_SMALL * P[at]) return 0;
     }
     return 1;
 }
 
 /* One round. Returns whether it was the last: a small step at the least weight, or rounding has brought Z to
    the rim. */
-RBDI_LOCAL int rbdi_round(rbd_estimate *e, rbdi_interior *s) {
-    rbd_real L[RBDI_TEN], G[RBDI_TEN], Q[RBDI_TEN], C[RBDI_TEN], P_share, Z_share;
-    if (!rbdi_factor_pseudo(e->P, L) || !rbdi_factor_pseudo(s->Z, Q)) return 1;
+RBDI_LOCAL int rbdi_est_round(rbd_estimate *e, rbdi_est_interior *s) {
+    rbd_real L[RBDI_EST_TEN], G[RBDI_EST_TEN], Q[RBDI_EST_TEN], C[RBDI_EST_TEN], P_share, Z_share;
+    if (!rbdi_est_factor_pseudo(e->P, L) || !rbdi_est_factor_pseudo(s->Z, Q)) return 1;
 
-    rbdi_invert_lower(L, G);
-    rbdi_square(G, s->inverse);
-    rbdi_triangle_at(s->all, e->P, s->T);
-    rbdi_absorb_barrier(G, Q, s->T);
+    rbdi_est_invert_lower(L, G);
+    rbdi_est_square(G, s->inverse);
+    rbdi_est_triangle_at(s->all, e->P, s->T);
+    rbdi_est_absorb_barrier(G, Q, s->T);
 
-    s->weight = rbdi_next_weight(e, s);
-    for (int k = 0; k < RBDI_TEN; ++k) C[k] = s->weight * s->inverse[k];
-    rbdi_step_of(s->T, C, s->P_step);
-    for (int k = 0; k < RBDI_TEN; ++k) s->Z_step[k] = C[k] - s->Z[k];
-    rbdi_subtract_mean(s->inverse, s->P_step, s->Z, s->Z_step);
+    s->weight = rbdi_est_next_weight(e, s);
+    for (int k = 0; k < RBDI_EST_TEN; ++k) C[k] = s->weight * s->inverse[k];
+    rbdi_est_step_of(s->T, C, s->P_step);
+    for (int k = 0; k < RBDI_EST_TEN; ++k) s->Z_step[k] = C[k] - s->Z[k];
+    rbdi_est_subtract_mean(s->inverse, s->P_step, s->Z, s->Z_step);
 
-    P_share = rbdi_move_inside(e->P, s->P_step);
-    Z_share = rbdi_move_inside(s->Z, s->Z_step);
+    P_share = rbdi_est_move_inside(e->P, s->P_step);
+    Z_share = rbdi_est_move_inside(s->Z, s->Z_step);
     s->share = P_share < Z_share ? P_share : Z_share;
-    if (s->share < RBDI_ESTIMATE_JAM) /* the products of P and Z differ too much: make them equal */
-        for (int k = 0; k < RBDI_TEN; ++k) s->Z[k] = s->weight * s->inverse[k];
-    return !(s->weight > RBDI_ESTIMATE_LEAST) && rbdi_is_small_step(e->P, s->P_step);
+    if (s->share < RBDI_EST_JAM) /* the products of P and Z differ too much: make them equal */
+        for (int k = 0; k < RBDI_EST_TEN; ++k) s->Z[k] = s->weight * s->inverse[k];
+    return !(s->weight > RBDI_EST_LEAST) && rbdi_est_is_small_step(e->P, s->P_step);
 }
 
 /* Z = weight P^-1 at the ball. The weight is on the way from the least to one that counts as much as the
    samples. */
-RBDI_LOCAL void rbdi_begin_interior(rbd_estimate *e, rbdi_interior *s) {
+RBDI_LOCAL void rbdi_est_begin_interior(rbd_estimate *e, rbdi_est_interior *s) {
     rbd_real weight = rbdi_set(RBD_C(1));
-    for (int k = 0; k < RBDI_TEN; ++k) {
-        const rbd_real pivot = e->load[k * (RBDI_TEN_ROW + 1)];
+    for (int k = 0; k < RBDI_EST_TEN; ++k) {
+        const rbd_real pivot = e->load[k * (RBDI_EST_TEN_ROW + 1)];
         weight = weight + pivot;
     }
 
     s->share = rbdi_zero();
-    rbdi_begin_ball(e->P);
-    rbdi_clear(s->Z, RBDI_TEN);
-    for (int i = 0; i < 4; ++i) s->Z[rbdi_packed_at(i, i)] = weight / e->P[rbdi_packed_at(i, i)];
+    rbdi_est_begin_ball(e->P);
+    rbdi_clear(s->Z, RBDI_EST_TEN);
+    for (int i = 0; i < 4; ++i) s->Z[rbdi_est_packed_at(i, i)] = weight / e->P[rbdi_est_packed_at(i, i)];
 }
 
 /* The optimum without a barrier. Returns whether it is a body. */
-RBDI_LOCAL int rbdi_find_free_load(rbd_estimate *e, const rbd_real all[RBDI_LOAD_TRIANGLE]) {
-    rbd_real P[RBDI_TEN], L[RBDI_TEN];
-    for (int k = 0; k < RBDI_TEN; ++k) P[k] = all[k * RBDI_TEN_ROW + RBDI_TEN];
-    rbdi_solve_upper(all, RBDI_TEN, RBDI_TEN_ROW, P);
-    if (!rbdi_factor_pseudo(P, L)) return 0;
+RBDI_LOCAL int rbdi_est_find_free_load(rbd_estimate *e, const rbd_real all[RBDI_EST_LOAD_TRIANGLE]) {
+    rbd_real P[RBDI_EST_TEN], L[RBDI_EST_TEN];
+    for (int k = 0; k < RBDI_EST_TEN; ++k) P[k] = all[k * RBDI_EST_TEN_ROW + RBDI_EST_TEN];
+    rbdi_est_solve_upper(all, RBDI_EST_TEN, RBDI_EST_TEN_ROW, P);
+    if (!rbdi_est_factor_pseudo(P, L)) return 0;
 
-    for (int k = 0; k < RBDI_TEN; ++k) e->P[k] = P[k];
+    for (int k = 0; k < RBDI_EST_TEN; ++k) e->P[k] = P[k];
     return 1;
 }
 
 /* The optimum: without a barrier, if that is a body; else inside. */
-RBDI_PART void rbdi_find_load(rbd_estimate *e) {
-    rbdi_interior s;
-    rbdi_load_triangle(e, s.all);
-    if (rbdi_find_free_load(e, s.all)) return;
+RBDI_PART void rbdi_est_find_load(rbd_estimate *e) {
+    rbdi_est_interior s;
+    rbdi_est_load_triangle(e, s.all);
+    if (rbdi_est_find_free_load(e, s.all)) return;
 
-    rbdi_begin_interior(e, &s);
-    for (int k = 0; k < RBDI_ESTIMATE_ROUNDS; ++k)
-        if (rbdi_round(e, &s)) return;
+    rbdi_est_begin_interior(e, &s);
+    for (int k = 0; k < RBDI_EST_ROUNDS; ++k)
+        if (rbdi_est_round(e, &s)) return;
 }
 
 /* ==== src/estimate/friction.h ==== */
@@ -1040,161 +1049,165 @@ RBDI_PART void rbdi_find_load(rbd_estimate *e) {
    of coulomb and viscous with the offset eliminated. */
 
 /* The triangle of a dof with the prior in it, T. */
-RBDI_PART void rbdi_joint_triangle(const rbd_estimate *e, int i, rbd_real T[RBDI_JOINT_TRIANGLE]) {
-    rbd_real x[RBDI_WHOLE_ROW];
-    for (int k = 0; k < RBDI_JOINT_TRIANGLE; ++k) T[k] = e->joint[i * RBDI_JOINT_TRIANGLE + k];
-    for (int k = 0; k < RBDI_FRICTIONS; ++k)
-        rbdi_absorb_one(T, RBDI_FRICTIONS, RBDI_WHOLE_ROW, k, e->stiff, rbdi_zero(), x);
+RBDI_PART void rbdi_est_joint_triangle(const rbd_estimate *e, int i, rbd_real T[RBDI_EST_JOINT_TRIANGLE]) {
+    rbd_real x[RBDI_EST_WHOLE_ROW];
+    for (int k = 0; k < RBDI_EST_JOINT_TRIANGLE; ++k) T[k] = e->joint[i * RBDI_EST_JOINT_TRIANGLE + k];
+    for (int k = 0; k < RBDI_EST_FRICTIONS; ++k)
+        rbdi_est_absorb_one(T, RBDI_EST_FRICTIONS, RBDI_EST_WHOLE_ROW, k, e->stiff, rbdi_zero(), x);
 }
 
 /* The largest x >= 0 of a single unknown, ax = b in the sense of least squares with square = a'a, and the
    share of the right side that it explains. */
-RBDI_INLINE rbd_real rbdi_one_unknown(rbd_real product, rbd_real square, rbd_real *explained) {
+RBDI_INLINE rbd_real rbdi_est_one_unknown(rbd_real product, rbd_real square, rbd_real *explained) {
     *explained = product > 0 ? product * product / square : rbdi_zero();
     return product > 0 ? product / square : rbdi_zero();
 }
 
 /* Minimises |U (c, v) - (r, s)|^2 with c, v >= 0, U = [a b; 0 d], a, d > 0: free, or one of them is 0. */
-RBDI_PART void rbdi_bounded_pair(rbd_real a, rbd_real b, rbd_real d, rbd_real r, rbd_real s, rbd_real *c,
-                                 rbd_real *v) {
+RBDI_PART void rbdi_est_bounded_pair(rbd_real a, rbd_real b, rbd_real d, rbd_real r, rbd_real s, rbd_real *c,
+                                     rbd_real *v) {
     rbd_real c_explains, v_explains, c_alone, v_alone;
     *v = s / d;
     *c = (r - b * *v) / a;
     if (*c >= 0 && *v >= 0) return;
 
-    c_alone = rbdi_one_unknown(a * r, a * a, &c_explains);
-    v_alone = rbdi_one_unknown(b * r + d * s, b * b + d * d, &v_explains);
+    c_alone = rbdi_est_one_unknown(a * r, a * a, &c_explains);
+    v_alone = rbdi_est_one_unknown(b * r + d * s, b * b + d * d, &v_explains);
     *c = c_explains >= v_explains ? c_alone : rbdi_zero();
     *v = c_explains >= v_explains ? rbdi_zero() : v_alone;
 }
 
 /* The friction of dof i for the payload as it is. */
-RBDI_PART void rbdi_solve_friction(const rbd_estimate *e, int i, rbd_joint_friction *f) {
-    rbd_real T[RBDI_JOINT_TRIANGLE], z[RBDI_FRICTIONS];
-    rbdi_joint_triangle(e, i, T);
+RBDI_PART void rbdi_est_solve_friction(const rbd_estimate *e, int i, rbd_joint_friction *f) {
+    rbd_real T[RBDI_EST_JOINT_TRIANGLE], z[RBDI_EST_FRICTIONS];
+    rbdi_est_joint_triangle(e, i, T);
 
-    for (int k = 0; k < RBDI_FRICTIONS; ++k) {
-        const rbd_real *row = T + k * RBDI_WHOLE_ROW;
-        z[k] = row[RBDI_WHOLE_ROW - 1];
-        for (int j = 0; j < RBDI_TEN && !e->known; ++j) z[k] = z[k] - row[RBDI_FRICTIONS + j] * e->P[j];
+    for (int k = 0; k < RBDI_EST_FRICTIONS; ++k) {
+        const rbd_real *row = T + k * RBDI_EST_WHOLE_ROW;
+        z[k] = row[RBDI_EST_WHOLE_ROW - 1];
+        for (int j = 0; j < RBDI_EST_TEN && !e->known; ++j)
+            z[k] = z[k] - row[RBDI_EST_FRICTIONS + j] * e->P[j];
     }
 
-    rbdi_bounded_pair(T[RBDI_WHOLE_ROW + 1], T[RBDI_WHOLE_ROW + 2], T[2 * RBDI_WHOLE_ROW + 2], z[1], z[2],
-                      &f->coulomb, &f->viscous);
+    rbdi_est_bounded_pair(T[RBDI_EST_WHOLE_ROW + 1], T[RBDI_EST_WHOLE_ROW + 2], T[2 * RBDI_EST_WHOLE_ROW + 2],
+                          z[1], z[2], &f->coulomb, &f->viscous);
     f->offset = (z[0] - T[1] * f->coulomb - T[2] * f->viscous) / T[0];
 }
 
 /* Standard deviations: T f = z - F p, with p's triangle `load`. Of unknown k with u = T'^-1 e_k the variance
    is u'u + |load'^-1 F'u|^2. */
-RBDI_PART void rbdi_friction_deviations(const rbd_estimate *e, int i, const rbd_real load[RBDI_LOAD_TRIANGLE],
-                                        rbd_real deviation[RBDI_FRICTIONS]) {
-    rbd_real T[RBDI_JOINT_TRIANGLE];
-    rbdi_joint_triangle(e, i, T);
+RBDI_PART void rbdi_est_friction_deviations(const rbd_estimate *e, int i,
+                                            const rbd_real load[RBDI_EST_LOAD_TRIANGLE],
+                                            rbd_real deviation[RBDI_EST_FRICTIONS]) {
+    rbd_real T[RBDI_EST_JOINT_TRIANGLE];
+    rbdi_est_joint_triangle(e, i, T);
 
-    for (int k = 0; k < RBDI_FRICTIONS; ++k) {
-        rbd_real u[RBDI_FRICTIONS], x[RBDI_TEN];
-        for (int j = 0; j < RBDI_FRICTIONS; ++j) u[j] = rbdi_set(j == k ? RBD_C(1) : RBD_C(0));
-        rbdi_solve_lower(T, RBDI_FRICTIONS, RBDI_WHOLE_ROW, u);
+    for (int k = 0; k < RBDI_EST_FRICTIONS; ++k) {
+        rbd_real u[RBDI_EST_FRICTIONS], x[RBDI_EST_TEN];
+        for (int j = 0; j < RBDI_EST_FRICTIONS; ++j) u[j] = rbdi_set(j == k ? RBD_C(1) : RBD_C(0));
+        rbdi_est_solve_lower(T, RBDI_EST_FRICTIONS, RBDI_EST_WHOLE_ROW, u);
 
-        for (int j = 0; j < RBDI_TEN; ++j) {
+        for (int j = 0; j < RBDI_EST_TEN; ++j) {
             x[j] = rbdi_zero();
-            for (int r = 0; r < RBDI_FRICTIONS; ++r)
-                x[j] = x[j] + T[r * RBDI_WHOLE_ROW + RBDI_FRICTIONS + j] * u[r];
+            for (int r = 0; r < RBDI_EST_FRICTIONS; ++r)
+                x[j] = x[j] + T[r * RBDI_EST_WHOLE_ROW + RBDI_EST_FRICTIONS + j] * u[r];
         }
-        rbdi_solve_lower(load, RBDI_TEN, RBDI_TEN_ROW, x);
-        deviation[k] = rbdi_sqrt(rbdi_sum_of_squares(u, RBDI_FRICTIONS) + rbdi_sum_of_squares(x, RBDI_TEN));
+        rbdi_est_solve_lower(load, RBDI_EST_TEN, RBDI_EST_TEN_ROW, x);
+        deviation[k] = rbdi_sqrt(rbdi_est_sum_of_squares(u, RBDI_EST_FRICTIONS) +
+                                 rbdi_est_sum_of_squares(x, RBDI_EST_TEN));
     }
 }
 
 /* Replaces the rows R f = z - F p of dof i, where p is the estimate with the covariance of `load`, by rows of
    f alone: with B = 1 + F C F' = L L', L^-1 R f = L^-1 (z - F p). */
-RBDI_PART void rbdi_forget_load_of(rbd_estimate *e, int i, const rbd_real load[RBDI_LOAD_TRIANGLE]) {
-    rbd_real *R = e->joint + i * RBDI_JOINT_TRIANGLE, x[RBDI_FRICTIONS][RBDI_WHOLE_ROW],
-             F[RBDI_FRICTIONS][RBDI_TEN], B[RBDI_FRICTIONS * RBDI_FRICTIONS];
+RBDI_PART void rbdi_est_forget_load_of(rbd_estimate *e, int i, const rbd_real load[RBDI_EST_LOAD_TRIANGLE]) {
+    rbd_real *R = e->joint + i * RBDI_EST_JOINT_TRIANGLE, x[RBDI_EST_FRICTIONS][RBDI_EST_WHOLE_ROW],
+             F[RBDI_EST_FRICTIONS][RBDI_EST_TEN], B[RBDI_EST_FRICTIONS * RBDI_EST_FRICTIONS];
 
     /* the rows, and F load^-1 */
-    for (int k = 0; k < RBDI_FRICTIONS; ++k) {
-        for (int j = 0; j < RBDI_WHOLE_ROW; ++j) x[k][j] = R[k * RBDI_WHOLE_ROW + j];
-        for (int j = 0; j < RBDI_TEN; ++j) {
-            F[k][j] = x[k][RBDI_FRICTIONS + j];
-            x[k][RBDI_WHOLE_ROW - 1] = x[k][RBDI_WHOLE_ROW - 1] - F[k][j] * e->P[j];
-            x[k][RBDI_FRICTIONS + j] = rbdi_zero();
+    for (int k = 0; k < RBDI_EST_FRICTIONS; ++k) {
+        for (int j = 0; j < RBDI_EST_WHOLE_ROW; ++j) x[k][j] = R[k * RBDI_EST_WHOLE_ROW + j];
+        for (int j = 0; j < RBDI_EST_TEN; ++j) {
+            F[k][j] = x[k][RBDI_EST_FRICTIONS + j];
+            x[k][RBDI_EST_WHOLE_ROW - 1] = x[k][RBDI_EST_WHOLE_ROW - 1] - F[k][j] * e->P[j];
+            x[k][RBDI_EST_FRICTIONS + j] = rbdi_zero();
         }
-        rbdi_solve_lower(load, RBDI_TEN, RBDI_TEN_ROW, F[k]);
+        rbdi_est_solve_lower(load, RBDI_EST_TEN, RBDI_EST_TEN_ROW, F[k]);
     }
 
     /* L' by turns: B is the sum of squares of 1 and of the columns of F */
-    for (int k = 0; k < RBDI_FRICTIONS * RBDI_FRICTIONS; ++k)
-        B[k] = rbdi_set(k % (RBDI_FRICTIONS + 1) ? RBD_C(0) : RBD_C(1));
-    for (int j = 0; j < RBDI_TEN; ++j) {
-        rbd_real column[RBDI_FRICTIONS];
-        for (int k = 0; k < RBDI_FRICTIONS; ++k) column[k] = F[k][j];
-        rbdi_absorb(B, RBDI_FRICTIONS, RBDI_FRICTIONS, column);
+    for (int k = 0; k < RBDI_EST_FRICTIONS * RBDI_EST_FRICTIONS; ++k)
+        B[k] = rbdi_set(k % (RBDI_EST_FRICTIONS + 1) ? RBD_C(0) : RBD_C(1));
+    for (int j = 0; j < RBDI_EST_TEN; ++j) {
+        rbd_real column[RBDI_EST_FRICTIONS];
+        for (int k = 0; k < RBDI_EST_FRICTIONS; ++k) column[k] = F[k][j];
+        rbdi_est_absorb(B, RBDI_EST_FRICTIONS, RBDI_EST_FRICTIONS, column);
     }
 
     /* x = L^-1 x, which is a triangle no more */
-    rbdi_clear(R, RBDI_JOINT_TRIANGLE);
-    for (int k = 0; k < RBDI_FRICTIONS; ++k) {
-        for (int j = 0; j < RBDI_WHOLE_ROW; ++j) {
-            for (int r = 0; r < k; ++r) x[k][j] = x[k][j] - B[r * RBDI_FRICTIONS + k] * x[r][j];
-            x[k][j] = x[k][j] / B[k * RBDI_FRICTIONS + k];
+    rbdi_clear(R, RBDI_EST_JOINT_TRIANGLE);
+    for (int k = 0; k < RBDI_EST_FRICTIONS; ++k) {
+        for (int j = 0; j < RBDI_EST_WHOLE_ROW; ++j) {
+            for (int r = 0; r < k; ++r) x[k][j] = x[k][j] - B[r * RBDI_EST_FRICTIONS + k] * x[r][j];
+            x[k][j] = x[k][j] / B[k * RBDI_EST_FRICTIONS + k];
         }
     }
-    for (int k = 0; k < RBDI_FRICTIONS; ++k) rbdi_absorb(R, RBDI_FRICTIONS, RBDI_WHOLE_ROW, x[k]);
+    for (int k = 0; k < RBDI_EST_FRICTIONS; ++k)
+        rbdi_est_absorb(R, RBDI_EST_FRICTIONS, RBDI_EST_WHOLE_ROW, x[k]);
 }
 
 /* ==== src/estimate/estimate.h ==== */
 /* ---- estimate [estimate code] ---- */
 
-RBDI_API size_t rbd_estimate_size(const rbd_model *m) { return m ? RBDI_ESTIMATE_BYTES(m->nv) : 0; }
+RBDI_API size_t rbd_estimate_size(const rbd_model *m) { return m ? RBDI_EST_BYTES(m->nv) : 0; }
 
 /* Lays out the arrays in the memory. */
-RBDI_LOCAL rbd_estimate *rbdi_lay_out_estimate(int nv, void *memory) {
+RBDI_LOCAL rbd_estimate *rbdi_est_lay_out(int nv, void *memory) {
     unsigned char *at = rbdi_aligned(memory);
     rbd_estimate *e = RBDI_CUT(rbd_estimate, 1);
 
     e->kind = RBDI_CUT(unsigned char, nv);
     e->certain = (rbd_real *)at;
     e->joint = e->certain + nv;
-    e->row = e->joint + nv * RBDI_JOINT_TRIANGLE;
-    e->y = e->row + nv * RBDI_WHOLE_ROW;
-    e->left = e->y + nv * RBDI_TEN;
+    e->row = e->joint + nv * RBDI_EST_JOINT_TRIANGLE;
+    e->y = e->row + nv * RBDI_EST_WHOLE_ROW;
+    e->left = e->y + nv * RBDI_EST_TEN;
     return e;
 }
 
 /* The option, or its default. */
-RBDI_INLINE rbd_real rbdi_option(rbd_real given, rbd_const otherwise) {
+RBDI_INLINE rbd_real rbdi_est_option(rbd_real given, rbd_const otherwise) {
     return given > 0 ? given : rbdi_set(otherwise);
 }
 
-RBDI_LOCAL void rbdi_take_options(rbd_estimate *e, const rbd_estimate_options *given) {
+RBDI_LOCAL void rbdi_est_take_options(rbd_estimate *e, const rbd_estimate_options *given) {
     const rbd_real none = rbdi_zero();
-    const rbd_real reach = rbdi_option(given ? given->reach : none, RBDI_ESTIMATE_REACH);
+    const rbd_real reach = rbdi_est_option(given ? given->reach : none, RBDI_EST_REACH);
 
-    e->scale[0] = rbdi_option(given ? given->mass : none, RBDI_ESTIMATE_MASS);
+    e->scale[0] = rbdi_est_option(given ? given->mass : none, RBDI_EST_MASS);
     e->scale[1] = e->scale[0] * reach;
     e->scale[2] = e->scale[1] * reach;
-    e->stiff = 1 / rbdi_option(given ? given->friction : none, RBDI_ESTIMATE_FRICTION);
-    e->kept = rbdi_sqrt(rbdi_option(given ? given->forgetting : none, RBDI_ESTIMATE_FORGETTING));
-    e->slow = rbdi_option(given ? given->slow : none, RBDI_ESTIMATE_SLOW);
+    e->stiff = 1 / rbdi_est_option(given ? given->friction : none, RBDI_EST_FRICTION);
+    e->kept = rbdi_sqrt(rbdi_est_option(given ? given->forgetting : none, RBDI_EST_FORGETTING));
+    e->slow = rbdi_est_option(given ? given->slow : none, RBDI_EST_SLOW);
 
     for (int i = 0; i < e->nv; ++i)
-        e->certain[i] = 1 / rbdi_option(given && given->noise ? given->noise[i] : none, RBDI_ESTIMATE_NOISE);
+        e->certain[i] = 1 / rbdi_est_option(given && given->noise ? given->noise[i] : none, RBDI_EST_NOISE);
 }
 
 /* Which dofs have friction, and which are left out. */
-RBDI_LOCAL void rbdi_find_kinds(rbd_estimate *e, const rbd_model *m, const unsigned char *left_out) {
-    for (int i = 0; i < m->nv; ++i) e->kind[i] = RBDI_RUBS;
+RBDI_LOCAL void rbdi_est_find_kinds(rbd_estimate *e, const rbd_model *m, const unsigned char *left_out) {
+    for (int i = 0; i < m->nv; ++i) e->kind[i] = RBDI_EST_RUBS;
     for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
-        for (int k = 0; k < u->nv && u->type == RBD_FLOATING; ++k) e->kind[u->iv + k] = RBDI_PLAIN;
+        for (int k = 0; k < u->nv && u->type == RBD_FLOATING; ++k) e->kind[u->iv + k] = RBDI_EST_PLAIN;
     for (int i = 0; i < m->nv; ++i)
-        if (left_out && left_out[i]) e->kind[i] = RBDI_LEFT_OUT;
+        if (left_out && left_out[i]) e->kind[i] = RBDI_EST_LEFT_OUT;
 }
 
 /* An unknown payload, of which no sample tells yet. */
-RBDI_LOCAL void rbdi_begin_load(rbd_estimate *e) {
-    rbdi_clear(e->load, RBDI_LOAD_TRIANGLE);
-    rbdi_begin_ball(e->P);
+RBDI_LOCAL void rbdi_est_begin_load(rbd_estimate *e) {
+    rbdi_clear(e->load, RBDI_EST_LOAD_TRIANGLE);
+    rbdi_est_begin_ball(e->P);
     e->squares = rbdi_zero();
     e->samples = rbdi_zero();
 }
@@ -1202,25 +1215,25 @@ RBDI_LOCAL void rbdi_begin_load(rbd_estimate *e) {
 RBDI_API rbd_status rbd_estimate_init(const rbd_model *m, int body, const rbd_estimate_options *options,
                                       void *memory, size_t size, rbd_estimate **estimate,
                                       rbd_estimate_fault *fault) {
-    rbd_status status = rbdi_fault(fault, RBD_OK, NULL, -1);
+    rbd_status status = rbdi_est_fault(fault, RBD_OK, NULL, -1);
     rbd_estimate *e;
     if (estimate) *estimate = NULL;
     if (!m || !memory || !estimate) return RBD_ERR_NULL;
-    if (body < -1 || body >= m->nb) return rbdi_fault(fault, RBD_ERR_INDEX, "body", -1);
-    if (options) status = rbdi_check_estimate_options(options, m->nv, fault);
+    if (body < -1 || body >= m->nb) return rbdi_est_fault(fault, RBD_ERR_INDEX, "body", -1);
+    if (options) status = rbdi_est_check_options(options, m->nv, fault);
     if (status) return status;
     if (size < rbd_estimate_size(m)) return RBD_ERR_MEMORY;
 
-    e = rbdi_lay_out_estimate(m->nv, memory);
+    e = rbdi_est_lay_out(m->nv, memory);
     for (int k = 0; k < RBDI_SHAPE; ++k) e->shape[k] = m->shape[k];
     e->nv = m->nv;
     e->body = body;
     e->known = body < 0;
 
-    rbdi_take_options(e, options);
-    rbdi_find_kinds(e, m, options ? options->left_out : NULL);
-    rbdi_clear(e->joint, m->nv * RBDI_JOINT_TRIANGLE);
-    rbdi_begin_load(e);
+    rbdi_est_take_options(e, options);
+    rbdi_est_find_kinds(e, m, options ? options->left_out : NULL);
+    rbdi_clear(e->joint, m->nv * RBDI_EST_JOINT_TRIANGLE);
+    rbdi_est_begin_load(e);
     *estimate = e;
     return RBD_OK;
 }
@@ -1228,36 +1241,36 @@ RBDI_API rbd_status rbd_estimate_init(const rbd_model *m, int body, const rbd_es
 RBDI_API rbd_status rbd_estimate_solve(rbd_estimate *e, rbd_const payload[10], rbd_joint_friction *friction,
                                        rbd_real *misfit) {
     if (!e) return RBD_ERR_NULL;
-    if (!e->known) rbdi_find_load(e);
+    if (!e->known) rbdi_est_find_load(e);
 
-    if (payload) rbdi_parameters_of(e->P, e->scale, payload);
-    for (int k = 0; k < RBDI_TEN && payload && e->known; ++k) payload[k] = RBD_C(0);
-    for (int i = 0; i < e->nv && friction; ++i) rbdi_solve_friction(e, i, &friction[i]);
+    if (payload) rbdi_est_parameters_of(e->P, e->scale, payload);
+    for (int k = 0; k < RBDI_EST_TEN && payload && e->known; ++k) payload[k] = RBD_C(0);
+    for (int i = 0; i < e->nv && friction; ++i) rbdi_est_solve_friction(e, i, &friction[i]);
     if (misfit) *misfit = e->samples > 0 ? rbdi_sqrt(e->squares / e->samples) : rbdi_zero();
     return RBD_OK;
 }
 
 /* The deviations of the parameters are those of sums of entries of P: of the sum c'p |T'^-1 c|. */
-RBDI_LOCAL void rbdi_load_deviations(const rbd_estimate *e, const rbd_real T[RBDI_LOAD_TRIANGLE],
-                                     rbd_const pi[10]) {
-    for (int k = 0; k < RBDI_TEN; ++k) {
-        rbd_real y[10], c[RBDI_TEN];
+RBDI_LOCAL void rbdi_est_load_deviations(const rbd_estimate *e, const rbd_real T[RBDI_EST_LOAD_TRIANGLE],
+                                         rbd_const pi[10]) {
+    for (int k = 0; k < RBDI_EST_TEN; ++k) {
+        rbd_real y[10], c[RBDI_EST_TEN];
         for (int j = 0; j < 10; ++j) y[j] = rbdi_set(j == k ? RBD_C(1) : RBD_C(0));
-        rbdi_pseudo_factors(y, e->scale, c);
-        rbdi_solve_lower(T, RBDI_TEN, RBDI_TEN_ROW, c);
-        pi[k] = (rbd_const)(e->known ? rbdi_zero() : rbdi_sqrt(rbdi_sum_of_squares(c, RBDI_TEN)));
+        rbdi_est_pseudo_factors(y, e->scale, c);
+        rbdi_est_solve_lower(T, RBDI_EST_TEN, RBDI_EST_TEN_ROW, c);
+        pi[k] = (rbd_const)(e->known ? rbdi_zero() : rbdi_sqrt(rbdi_est_sum_of_squares(c, RBDI_EST_TEN)));
     }
 }
 
 RBDI_API rbd_status rbd_estimate_deviations(const rbd_estimate *e, rbd_const payload[10],
                                             rbd_joint_friction *friction) {
-    rbd_real T[RBDI_LOAD_TRIANGLE], deviation[RBDI_FRICTIONS];
+    rbd_real T[RBDI_EST_LOAD_TRIANGLE], deviation[RBDI_EST_FRICTIONS];
     if (!e) return RBD_ERR_NULL;
 
-    rbdi_load_triangle(e, T);
-    if (payload) rbdi_load_deviations(e, T, payload);
+    rbdi_est_load_triangle(e, T);
+    if (payload) rbdi_est_load_deviations(e, T, payload);
     for (int i = 0; i < e->nv && friction; ++i) {
-        rbdi_friction_deviations(e, i, T, deviation);
+        rbdi_est_friction_deviations(e, i, T, deviation);
         friction[i].offset = deviation[0];
         friction[i].coulomb = deviation[1];
         friction[i].viscous = deviation[2];
@@ -1266,28 +1279,28 @@ RBDI_API rbd_status rbd_estimate_deviations(const rbd_estimate *e, rbd_const pay
 }
 
 /* Forgets the payload, not the friction, which is kept for the payload that the samples so far tell of. */
-RBDI_LOCAL rbd_status rbdi_change_load(rbd_estimate *e, int known) {
-    rbd_real T[RBDI_LOAD_TRIANGLE];
+RBDI_LOCAL rbd_status rbdi_est_change_load(rbd_estimate *e, int known) {
+    rbd_real T[RBDI_EST_LOAD_TRIANGLE];
     if (!e) return RBD_ERR_NULL;
     if (e->body < 0) return RBD_ERR_INDEX;
 
-    if (!e->known) rbdi_find_load(e);
-    rbdi_load_triangle(e, T);
-    for (int i = 0; i < e->nv && !e->known; ++i) rbdi_forget_load_of(e, i, T);
-    rbdi_begin_load(e);
+    if (!e->known) rbdi_est_find_load(e);
+    rbdi_est_load_triangle(e, T);
+    for (int i = 0; i < e->nv && !e->known; ++i) rbdi_est_forget_load_of(e, i, T);
+    rbdi_est_begin_load(e);
     e->known = known;
     return RBD_OK;
 }
 
-RBDI_API rbd_status rbd_estimate_grip(rbd_estimate *e) { return rbdi_change_load(e, 0); }
+RBDI_API rbd_status rbd_estimate_grip(rbd_estimate *e) { return rbdi_est_change_load(e, 0); }
 
-RBDI_API rbd_status rbd_estimate_release(rbd_estimate *e) { return rbdi_change_load(e, 1); }
+RBDI_API rbd_status rbd_estimate_release(rbd_estimate *e) { return rbdi_est_change_load(e, 1); }
 
 /* ==== src/estimate/text.h ==== */
 /* ---- estimate text [estimate text] ---- */
 
 /* The sentence of an error, where that of rbd_status_string speaks of a model. */
-RBDI_MESSAGES RBDI_PART const char *rbdi_estimate_sentence(rbd_status status) {
+RBDI_MESSAGES RBDI_PART const char *rbdi_est_sentence(rbd_status status) {
     switch ((int)status) {
     case RBD_ERR_RANGE: return "out of range";
     case RBD_ERR_NAN: return "not finite";
@@ -1314,7 +1327,7 @@ RBDI_API char *rbd_estimate_text(rbd_status status, const rbd_estimate_fault *fa
         }
         piece[n++] = ": ";
     }
-    piece[n++] = rbdi_estimate_sentence(status);
+    piece[n++] = rbdi_est_sentence(status);
     return rbdi_join(piece, n, text, size);
 }
 

@@ -33,7 +33,8 @@
      several joints of one body: all but the last move links without mass, called JOINT_link
      frames       a body has MuJoCo's frame. If its last joint turns about a point that is not the body's
                   origin, the joint moves a link JOINT_link there, and the body is fixed on it (RBD_FIXED)
-     names        of joints and bodies; one without is called joint_N or body_N, by MuJoCo's number
+     names        of joints and bodies; one without is called joint_N or body_N, by MuJoCo's number, and an
+                  equality connect_N or weld_N
      sites        are listed as frames, and can be kept as bodies of type RBD_FIXED
      effort       of a joint: the least of actuatorfrcrange and of what its actuators can exert: their
                   forcerange, or for motors ctrlrange times gain, times gear
@@ -230,7 +231,7 @@ void rbd_mjcf_qvel_of_v(const rbd_mjcf *robot, const double *qpos, const double 
 
 #include <mujoco/mujoco.h>
 
-/* What newer versions of MuJoCo call otherwise. 2.2.2 is 222, 3.9.0 is 390, 3.12.0 is 3012000. */
+/* What newer versions of MuJoCo call otherwise. 2.2.2 is 222, 3.4.0 is 340, 3.5.0 is 3005000. */
 #if mjVERSION_HEADER >= 300
 #define RBDI_MJCF_EQ_ACTIVE eq_active0
 #else
@@ -817,10 +818,12 @@ static void rbdi_mjcf_check_keep(rbdi_mjcf_load *l) {
 
 /* ---- mimics [mimics] ---- */
 
-/* Name of an equality for a message. */
+/* Name of an equality; that of one without is its kind and MuJoCo's number, as weld_2. */
 static const char *rbdi_mjcf_equality(const mjModel *m, int equality, char text[32]) {
     const char *name = m->names + m->name_eqadr[equality];
-    snprintf(text, 32, "number %d", equality);
+    const int type = m->eq_type[equality];
+    const char *kind = type == mjEQ_CONNECT ? "connect" : type == mjEQ_WELD ? "weld" : "equality";
+    snprintf(text, 32, "%s_%d", kind, equality);
     return *name ? name : text;
 }
 
@@ -1097,7 +1100,7 @@ static void rbdi_mjcf_add_constraints(rbdi_mjcf_load *l) {
    Things of one kind that rbd has no place for, in one warning that names them. */
 
 static int rbdi_mjcf_has_spring(const mjModel *m, int joint) {
-#if mjVERSION_HEADER >= 370
+#if mjVERSION_HEADER >= 3007000
     for (int i = 0; i < mjNPOLY; i++)
         if (m->jnt_stiffnesspoly[joint * mjNPOLY + i] != 0) return 1;
 #endif
@@ -1105,7 +1108,7 @@ static int rbdi_mjcf_has_spring(const mjModel *m, int joint) {
 }
 
 static int rbdi_mjcf_has_drag(const mjModel *m, int joint) {
-#if mjVERSION_HEADER >= 370
+#if mjVERSION_HEADER >= 3007000
     for (int i = 0; i < mjNPOLY; i++)
         if (m->dof_dampingpoly[m->jnt_dofadr[joint] * mjNPOLY + i] != 0) return 1;
 #endif
@@ -1157,25 +1160,73 @@ static int rbdi_mjcf_has_gear(const mjModel *m, int actuator) {
     return rbdi_mjcf_is_at_joint(m, actuator) && RBDI_MJCF_GEAR(m, actuator)[0] != 1;
 }
 
+/* What a thing of a kind is called in a message. */
+typedef void rbdi_mjcf_caller(const rbdi_mjcf_load *l, int i, char *text, size_t size);
+
+static void rbdi_mjcf_call_joint(const rbdi_mjcf_load *l, int joint, char *text, size_t size) {
+    snprintf(text, size, "'%s'", rbdi_mjcf_joint(l, joint));
+}
+
+static void rbdi_mjcf_call_body(const rbdi_mjcf_load *l, int body, char *text, size_t size) {
+    snprintf(text, size, "'%s'", rbdi_mjcf_text(l, l->link_name[body]));
+}
+
+/* By its name, or by MuJoCo's number. */
+static void rbdi_mjcf_call(const mjModel *m, const char *kind, int i, int name_address, char *text,
+                           size_t size) {
+    const char *name = m->names + name_address;
+    if (*name) {
+        snprintf(text, size, "'%s'", name);
+    } else {
+        snprintf(text, size, "%s %d", kind, i);
+    }
+}
+
+static void rbdi_mjcf_call_tendon(const rbdi_mjcf_load *l, int tendon, char *text, size_t size) {
+    rbdi_mjcf_call(l->m, "tendon", tendon, l->m->name_tendonadr[tendon], text, size);
+}
+
+#if mjVERSION_HEADER >= 300
+static void rbdi_mjcf_call_flex(const rbdi_mjcf_load *l, int flex, char *text, size_t size) {
+    rbdi_mjcf_call(l->m, "flex", flex, l->m->name_flexadr[flex], text, size);
+}
+#endif
+
+/* By its name, or by MuJoCo's number and what it acts at. */
+static void rbdi_mjcf_call_actuator(const rbdi_mjcf_load *l, int actuator, char *text, size_t size) {
+    const mjModel *m = l->m;
+    const int at = m->actuator_trnid[2 * actuator], type = m->actuator_trntype[actuator];
+    size_t length;
+    rbdi_mjcf_call(m, "actuator", actuator, m->name_actuatoradr[actuator], text, size);
+    if (*text == '\'' || at < 0) return;
+
+    length = strlen(text);
+    length += (size_t)snprintf(text + length, size - length, " of %s",
+                               rbdi_mjcf_is_at_joint(m, actuator) ? "joint " : "");
+    if (rbdi_mjcf_is_at_joint(m, actuator))
+        rbdi_mjcf_call_joint(l, at, text + length, size - length);
+    else if (type == mjTRN_BODY)
+        rbdi_mjcf_call_body(l, at, text + length, size - length);
+    else if (type == mjTRN_TENDON)
+        rbdi_mjcf_call_tendon(l, at, text + length, size - length);
+    else
+        rbdi_mjcf_call(m, "site", at, m->name_siteadr[at], text + length, size - length);
+}
+
 /* Warns of those of n things for which it is true, "WHAT: 'a', 'b' and 3 more". */
 static void rbdi_mjcf_name_those(rbdi_mjcf_load *l, rbd_mjcf_status status, const char *what, int n,
-                                 const int *name_address, int (*is_so)(const mjModel *, int)) {
-    char list[300] = "";
+                                 rbdi_mjcf_caller *call, int (*is_so)(const mjModel *, int)) {
+    char list[300] = "", name[300];
     size_t length = 0;
     int named = 0, more = 0;
     for (int i = 0; i < n; i++) {
-        const char *name = l->m->names + name_address[i];
-        char number[20];
-        size_t needed;
         if (!is_so(l->m, i)) continue;
-        snprintf(number, sizeof number, "number %d", i);
-        if (!*name) name = number;
-        needed = strlen(name) + 4;
-        if (more > 0 || length + needed >= sizeof list) {
+        call(l, i, name, sizeof name);
+        if (more > 0 || length + strlen(name) + 2 >= sizeof list) {
             more++;
             continue;
         }
-        length += (size_t)snprintf(list + length, sizeof list - length, "%s'%s'", named ? ", " : "", name);
+        length += (size_t)snprintf(list + length, sizeof list - length, "%s%s", named ? ", " : "", name);
         named++;
     }
     if (named == 0 && more == 0) return;
@@ -1186,41 +1237,40 @@ static void rbdi_mjcf_name_those(rbdi_mjcf_load *l, rbd_mjcf_status status, cons
 }
 
 static void rbdi_mjcf_name_actuators(rbdi_mjcf_load *l) {
-    const mjModel *m = l->m;
-    const int n = RBDI_MJCF_ACTUATORS(m), *names = m->name_actuatoradr;
-    rbdi_mjcf_name_those(l, RBD_MJCF_WARN_ACTUATOR, "actuators that act at no joint are left out", n, names,
-                         rbdi_mjcf_is_elsewhere);
+    const int n = RBDI_MJCF_ACTUATORS(l->m);
+    rbdi_mjcf_name_those(l, RBD_MJCF_WARN_ACTUATOR, "actuators that act at no joint are left out", n,
+                         rbdi_mjcf_call_actuator, rbdi_mjcf_is_elsewhere);
     rbdi_mjcf_name_those(l, RBD_MJCF_WARN_ACTUATOR,
                          "activation of actuators (dyntype) is left out: tau is the torque at the joint", n,
-                         names, rbdi_mjcf_is_slow);
+                         rbdi_mjcf_call_actuator, rbdi_mjcf_is_slow);
     rbdi_mjcf_name_those(l, RBD_MJCF_WARN_ACTUATOR,
                          "laws of servos (gaintype, biastype) are left out: tau is the torque at the joint",
-                         n, names, rbdi_mjcf_is_servo);
+                         n, rbdi_mjcf_call_actuator, rbdi_mjcf_is_servo);
     rbdi_mjcf_name_those(l, RBD_MJCF_WARN_ACTUATOR,
                          "gears are left out: tau is the torque at the joint, gear times the actuator's", n,
-                         names, rbdi_mjcf_has_gear);
+                         rbdi_mjcf_call_actuator, rbdi_mjcf_has_gear);
 }
 
 static void rbdi_mjcf_name_left_out(rbdi_mjcf_load *l) {
     const mjModel *m = l->m;
     const mjtNum *wind = m->opt.wind;
-    const int njnt = (int)m->njnt, nbody = (int)m->nbody, *joints = m->name_jntadr;
-    rbdi_mjcf_name_those(l, RBD_MJCF_WARN_FORCE, "springs of joints (stiffness) are left out", njnt, joints,
-                         rbdi_mjcf_has_spring);
+    const int njnt = (int)m->njnt, nbody = (int)m->nbody;
+    rbdi_mjcf_name_those(l, RBD_MJCF_WARN_FORCE, "springs of joints (stiffness) are left out", njnt,
+                         rbdi_mjcf_call_joint, rbdi_mjcf_has_spring);
     rbdi_mjcf_name_those(l, RBD_MJCF_WARN_FORCE, "damping of joints beyond its linear part is left out", njnt,
-                         joints, rbdi_mjcf_has_drag);
-    rbdi_mjcf_name_those(l, RBD_MJCF_WARN_LIMIT, "limits of ball joints are left out", njnt, joints,
-                         rbdi_mjcf_is_limited_ball);
+                         rbdi_mjcf_call_joint, rbdi_mjcf_has_drag);
+    rbdi_mjcf_name_those(l, RBD_MJCF_WARN_LIMIT, "limits of ball joints are left out", njnt,
+                         rbdi_mjcf_call_joint, rbdi_mjcf_is_limited_ball);
     rbdi_mjcf_name_those(
         l, RBD_MJCF_WARN_ARMATURE,
         "armature of a free joint acts in body axes, MuJoCo's in world axes: bias forces differ", njnt,
-        joints, rbdi_mjcf_is_heavy_free);
+        rbdi_mjcf_call_joint, rbdi_mjcf_is_heavy_free);
     rbdi_mjcf_name_those(l, RBD_MJCF_WARN_FORCE, "compensation of gravity (gravcomp) is left out of bodies",
-                         nbody, m->name_bodyadr, rbdi_mjcf_has_gravcomp);
+                         nbody, rbdi_mjcf_call_body, rbdi_mjcf_has_gravcomp);
     rbdi_mjcf_name_those(l, RBD_MJCF_WARN_MOCAP, "mocap bodies are read as fixed to the world", nbody,
-                         m->name_bodyadr, rbdi_mjcf_is_mocap);
-    rbdi_mjcf_name_those(l, RBD_MJCF_WARN_TENDON, "tendons are left out", (int)m->ntendon, m->name_tendonadr,
-                         rbdi_mjcf_is_any);
+                         rbdi_mjcf_call_body, rbdi_mjcf_is_mocap);
+    rbdi_mjcf_name_those(l, RBD_MJCF_WARN_TENDON, "tendons are left out", (int)m->ntendon,
+                         rbdi_mjcf_call_tendon, rbdi_mjcf_is_any);
     rbdi_mjcf_name_actuators(l);
     if (m->opt.density != 0 || m->opt.viscosity != 0 || wind[0] != 0 || wind[1] != 0 || wind[2] != 0)
         rbdi_mjcf_warn(l, RBD_MJCF_WARN_FORCE,
@@ -1229,7 +1279,7 @@ static void rbdi_mjcf_name_left_out(rbdi_mjcf_load *l) {
     if (m->nplugin > 0) rbdi_mjcf_warn(l, RBD_MJCF_WARN_LEFT_OUT, "plugins are left out");
 #endif
 #if mjVERSION_HEADER >= 300
-    rbdi_mjcf_name_those(l, RBD_MJCF_WARN_LEFT_OUT, "flexes are left out", (int)m->nflex, m->name_flexadr,
+    rbdi_mjcf_name_those(l, RBD_MJCF_WARN_LEFT_OUT, "flexes are left out", (int)m->nflex, rbdi_mjcf_call_flex,
                          rbdi_mjcf_is_any);
 #endif
 }

@@ -343,7 +343,7 @@ typedef struct rbd_qp_result {
          (((size_t)(n) + (size_t)(soft)) * (size_t)(n) + (size_t)(n) * ((size_t)(n) + 1) / 2 + \
           ((size_t)(n) + (size_t)(soft)) * ((size_t)(n) + (size_t)(soft) + 1) / 2 + 10 * (size_t)(n) + \
           5 * ((size_t)(n) + (size_t)(soft)) + 2 * ((size_t)(bounds) + (size_t)(rows))) + \
-     sizeof(int) * (4 * (size_t)(n) + (size_t)(soft) + 3 * ((size_t)(bounds) + (size_t)(rows))) + \
+     sizeof(int) * (5 * (size_t)(n) + (size_t)(soft) + 3 * ((size_t)(bounds) + (size_t)(rows))) + \
      2 * sizeof(rbd_real))
 
 /* Solves the problem by the dual active-set method of Goldfarb and Idnani (1983).
@@ -934,6 +934,7 @@ typedef struct rbdi_qp {
     int n, all, soft;  /* variables, rows with bounds, soft rows */
     int watches;       /* rows that x may miss: not 0, with a side, no equality that is eliminated */
     int equalities;    /* eliminated: the first reflections */
+    int reflections;   /* equalities, and until there is J the rows of the guess */
     int columns;       /* of J: n - equalities, and the slacks of active soft rows */
     int q;             /* active rows that are not eliminated */
     rbd_real rho;      /* added to H's diagonal */
@@ -944,8 +945,7 @@ typedef struct rbdi_qp {
     int loosen;        /* the number of steps at which accuracy grows next */
 
     rbd_real *L; /* packed rows, its diagonal inverted */
-    rbd_real
-        *V; /* equalities x n: vectors of the reflections from the diagonal on; R of the equalities above */
+    rbd_real *V; /* reflections x n: their vectors from the diagonal on; R of the equalities above */
     rbd_real *J; /* columns x n: each column of J is a row here */
     rbd_real *R; /* packed columns, its diagonal inverted */
 
@@ -959,11 +959,12 @@ typedef struct rbdi_qp {
     rbd_real *centre;  /* n: of the proximal round */
     rbd_real *g;       /* n: f - rho centre */
     rbd_real *t;       /* n: scratch */
-    rbd_real *beta;    /* equalities: 2/|v|^2 of each reflection */
-    rbd_real *cross; /* equalities: product of the vectors of reflection e, which is even, and the next one */
-    rbd_real *diagonal; /* equalities: of their R, inverted */
+    rbd_real *beta;    /* reflections: 2/|v|^2 */
+    rbd_real
+        *cross; /* reflections: product of the vectors of reflection e, which is even, and the next one */
+    rbd_real *diagonal; /* reflections: of their R, inverted */
     rbd_real *u_equal;  /* equalities: multipliers */
-    rbd_real *unit;     /* of each row: 1 over its length, or 1 if it is 0 */
+    rbd_real *unit;     /* of each row: 1 over its length */
     rbd_real *score;    /* watches: by how much x misses the row, in lengths of it */
 
     int *active;    /* q: rows */
@@ -971,6 +972,8 @@ typedef struct rbdi_qp {
     int *watched;   /* watches: rows that x may miss */
     int *equality;  /* equalities: rows */
     int *first;     /* of each row of L: where it begins */
+    int coupled;    /* rows of L: behind them it has nothing but its diagonal */
+    int *last;      /* of each row of H: behind its last entry that is not 0, a multiple of four or n */
     int *end;       /* of each reflection: behind its last component */
 } rbdi_qp;
 
@@ -1016,6 +1019,7 @@ RBDI_PART void rbdi_qp_place(rbdi_qp *s, void *memory) {
     s->to = rbdi_qp_ints(&at, s->all);
     s->equality = rbdi_qp_ints(&at, n);
     s->first = rbdi_qp_ints(&at, n);
+    s->last = rbdi_qp_ints(&at, n);
     s->end = rbdi_qp_ints(&at, n);
 }
 
@@ -1039,37 +1043,58 @@ RBDI_ONCE rbd_real rbdi_qp_side(const rbdi_qp *s, int row) {
 RBDI_INLINE const rbd_real *rbdi_qp_c(const rbdi_qp *s, int row) {
     return s->given.C + (row - s->given.bounds) * s->n + s->from[row];
 }
+/* The diagonal of L, inverted. */
+RBDI_INLINE rbd_real rbdi_qp_pivot(const rbdi_qp *s, int i) { return s->L[i * (i + 3) / 2]; }
 RBDI_ONCE rbd_real *rbdi_qp_column(const rbdi_qp *s, int k) { return s->R + k * (k + 1) / 2; }
 RBDI_INLINE rbd_real *rbdi_qp_j(const rbdi_qp *s, int k) { return s->J + k * s->n; }
 
 /* ==== src/qp/vectors.h ==== */
+/* Interface: rbdi_qp_dot, rbdi_qp_largest */
+
 /* ---- vectors [vectors] ----
    Loops over rows of n scalars, four at a time. A dot product has four sums and one for the rest, which are
    added in one order everywhere, so that RBD_REPRODUCIBLE holds with every SIMD unit.
 
    A pack: as many scalars as a SIMD register has, two or four. A group: like components of RBDI_QP_GROUP
-   vectors side by side, in a pack. A loop over its components has no sum across lanes, so that each vector
+   vectors side by side, in a pack; without a SIMD unit two of them, as the parts of a complex number, for
+   which compilers take two registers. A loop over its components has no sum across lanes, so that each vector
    comes out as if it were alone. */
 
 #if RBDI_GNU && RBDI_SIMD > 0
 #if RBDI_REAL_KIND == 2 || RBDI_SIMD == 4
-#define RBDI_QP_GROUP 4
+#define RBDI_QP_PACK 4
 #else
-#define RBDI_QP_GROUP 2
+#define RBDI_QP_PACK 2
 #endif
+#define RBDI_QP_GROUP RBDI_QP_PACK
 typedef rbd_real rbdi_pack
-    __attribute__((vector_size(RBDI_QP_GROUP * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
+    __attribute__((vector_size(RBDI_QP_PACK * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
 typedef __typeof__(*(rbdi_pack *)0 < *(rbdi_pack *)0) rbdi_pack_bits; /* integers as wide */
 typedef rbdi_pack rbdi_qp_group;
+#elif RBDI_GNU && RBDI_FOR_SPEED && !RBDI_GPU
+#define RBDI_QP_PACK 1
+#define RBDI_QP_GROUP 2
+#if RBDI_REAL_KIND == 2
+__extension__ typedef float _Complex rbdi_qp_group __attribute__((may_alias));
 #else
+__extension__ typedef double _Complex rbdi_qp_group __attribute__((may_alias));
+#endif
+#else
+#define RBDI_QP_PACK 1
 #define RBDI_QP_GROUP 1
 typedef rbd_real rbdi_qp_group;
 #endif
 
-/* sum of a_i t_i, of each vector t of a group */
-RBDI_ONCE rbdi_qp_group rbdi_qp_group_dot(const rbd_real *a, const rbdi_qp_group *t, int n) {
-    const rbdi_qp_group zero = {0};
-    rbdi_qp_group s0 = zero, s1 = zero, s2 = zero, s3 = zero, rest = zero;
+#if RBDI_QP_GROUP > 1
+#define RBDI_T rbdi_qp_group
+#define rbdi_qp_dot rbdi_qp_group_dot
+#define rbdi_qp_dots rbdi_qp_group_dots
+#define rbdi_qp_add rbdi_qp_group_add
+#define rbdi_qp_adds rbdi_qp_group_adds
+/* The sum of a_i t_i. */
+RBDI_ONCE RBDI_T rbdi_qp_dot(const rbd_real *a, const RBDI_T *t, int n) {
+    const RBDI_T zero = {0};
+    RBDI_T s0 = zero, s1 = zero, s2 = zero, s3 = zero, rest = zero;
     int i = 0;
 
     for (; i + 4 <= n; i += 4) {
@@ -1083,15 +1108,15 @@ RBDI_ONCE rbdi_qp_group rbdi_qp_group_dot(const rbd_real *a, const rbdi_qp_group
 }
 
 /* The sums of a_i t_i and of b_i t_i. */
-RBDI_ONCE void rbdi_qp_group_dots(const rbd_real *a, const rbd_real *b, const rbdi_qp_group *t, int n,
-                                  rbdi_qp_group *with_a, rbdi_qp_group *with_b) {
-    const rbdi_qp_group zero = {0};
-    rbdi_qp_group a0 = zero, a1 = zero, a2 = zero, a3 = zero, rest_a = zero;
-    rbdi_qp_group b0 = zero, b1 = zero, b2 = zero, b3 = zero, rest_b = zero;
+RBDI_ONCE void rbdi_qp_dots(const rbd_real *a, const rbd_real *b, const RBDI_T *t, int n, RBDI_T *with_a,
+                            RBDI_T *with_b) {
+    const RBDI_T zero = {0};
+    RBDI_T a0 = zero, a1 = zero, a2 = zero, a3 = zero, rest_a = zero;
+    RBDI_T b0 = zero, b1 = zero, b2 = zero, b3 = zero, rest_b = zero;
     int i = 0;
 
     for (; i + 4 <= n; i += 4) {
-        const rbdi_qp_group t0 = t[i], t1 = t[i + 1], t2 = t[i + 2], t3 = t[i + 3];
+        const RBDI_T t0 = t[i], t1 = t[i + 1], t2 = t[i + 2], t3 = t[i + 3];
         a0 = a0 + a[i] * t0;
         b0 = b0 + b[i] * t0;
         a1 = a1 + a[i + 1] * t1;
@@ -1110,16 +1135,23 @@ RBDI_ONCE void rbdi_qp_group_dots(const rbd_real *a, const rbd_real *b, const rb
 }
 
 /* t += k a + l b. */
-RBDI_ONCE void rbdi_qp_group_adds(rbdi_qp_group k, const rbd_real *a, rbdi_qp_group l, const rbd_real *b,
-                                  rbdi_qp_group *t, int n) {
-    for (int i = 0; i < n; ++i) t[i] = t[i] + k * a[i] + l * b[i];
-}
-
-/* t += k a, of each vector t of a group, with its k */
-RBDI_ONCE void rbdi_qp_group_add(rbdi_qp_group k, const rbd_real *a, rbdi_qp_group *t, int n) {
+RBDI_ONCE void rbdi_qp_adds(RBDI_T k, const rbd_real *a, RBDI_T l, const rbd_real *b, RBDI_T *t, int n) {
     int i = 0;
 
-    for (; i + 4 <= n; i += 4) {
+    for (; RBDI_FOR_SPEED && i + 4 <= n; i += 4) {
+        t[i] = t[i] + k * a[i] + l * b[i];
+        t[i + 1] = t[i + 1] + k * a[i + 1] + l * b[i + 1];
+        t[i + 2] = t[i + 2] + k * a[i + 2] + l * b[i + 2];
+        t[i + 3] = t[i + 3] + k * a[i + 3] + l * b[i + 3];
+    }
+    for (; i < n; ++i) t[i] = t[i] + k * a[i] + l * b[i];
+}
+
+/* t += k a. */
+RBDI_ONCE void rbdi_qp_add(RBDI_T k, const rbd_real *a, RBDI_T *t, int n) {
+    int i = 0;
+
+    for (; RBDI_FOR_SPEED && i + 4 <= n; i += 4) {
         t[i] = t[i] + k * a[i];
         t[i + 1] = t[i + 1] + k * a[i + 1];
         t[i + 2] = t[i + 2] + k * a[i + 2];
@@ -1127,13 +1159,19 @@ RBDI_ONCE void rbdi_qp_group_add(rbdi_qp_group k, const rbd_real *a, rbdi_qp_gro
     }
     for (; i < n; ++i) t[i] = t[i] + k * a[i];
 }
+#undef RBDI_T
+#undef rbdi_qp_dot
+#undef rbdi_qp_dots
+#undef rbdi_qp_add
+#undef rbdi_qp_adds
+#endif
 
-#if RBDI_QP_GROUP > 1
+#if RBDI_QP_PACK > 1
 RBDI_INLINE rbdi_pack rbdi_qp_load(const rbd_real *a) { return *(const rbdi_pack *)a; }
 
 /* The sum of four sums: s0 and s2 first, s1 and s3. Packs of two: a has s0 and s1, b the others. */
 RBDI_INLINE rbd_real rbdi_qp_total(rbdi_pack a, rbdi_pack b) {
-#if RBDI_QP_GROUP == 4
+#if RBDI_QP_PACK == 4
     (void)b;
     return (a[0] + a[2]) + (a[1] + a[3]);
 #else
@@ -1150,7 +1188,7 @@ RBDI_INLINE rbd_real rbdi_qp_dot(const rbd_real *a, const rbd_real *b, int n) {
 
     for (; i + 4 <= n; i += 4) {
         sum = sum + rbdi_qp_load(a + i) * rbdi_qp_load(b + i);
-        if (RBDI_QP_GROUP == 2) more = more + rbdi_qp_load(a + i + 2) * rbdi_qp_load(b + i + 2);
+        if (RBDI_QP_PACK == 2) more = more + rbdi_qp_load(a + i + 2) * rbdi_qp_load(b + i + 2);
     }
     for (; i < n; ++i) rest = rest + a[i] * b[i];
     return rbdi_qp_total(sum, more) + rest;
@@ -1168,7 +1206,7 @@ RBDI_INLINE rbd_real rbdi_qp_dot_and_terms(const rbd_real *a, const rbd_real *b,
         const rbdi_pack product = rbdi_qp_load(a + i) * rbdi_qp_load(b + i);
         sum = sum + product;
         sum_size = sum_size + (rbdi_pack)((rbdi_pack_bits)product & size);
-        if (RBDI_QP_GROUP == 2) {
+        if (RBDI_QP_PACK == 2) {
             const rbdi_pack next = rbdi_qp_load(a + i + 2) * rbdi_qp_load(b + i + 2);
             more = more + next;
             more_size = more_size + (rbdi_pack)((rbdi_pack_bits)next & size);
@@ -1187,7 +1225,7 @@ RBDI_INLINE void rbdi_qp_add(rbd_real k, const rbd_real *a, rbd_real *b, int n) 
     const rbdi_pack zero = {0}, all = k - zero;
     int i = 0;
 
-    for (; i + RBDI_QP_GROUP <= n; i += RBDI_QP_GROUP)
+    for (; i + RBDI_QP_PACK <= n; i += RBDI_QP_PACK)
         *(rbdi_pack *)(b + i) = rbdi_qp_load(b + i) + all * rbdi_qp_load(a + i);
     for (; i < n; ++i) b[i] = b[i] + k * a[i];
 }
@@ -1202,7 +1240,7 @@ RBDI_INLINE void rbdi_qp_adds(rbd_real k, const rbd_real *a, rbd_real l, const r
     const rbdi_pack zero = {0}, all_k = k - zero, all_l = l - zero;
     int i = 0;
 
-    for (; i + RBDI_QP_GROUP <= n; i += RBDI_QP_GROUP)
+    for (; i + RBDI_QP_PACK <= n; i += RBDI_QP_PACK)
         *(rbdi_pack *)(t + i) =
             rbdi_qp_load(t + i) + all_k * rbdi_qp_load(a + i) + all_l * rbdi_qp_load(b + i);
     for (; i < n; ++i) t[i] = t[i] + k * a[i] + l * b[i];
@@ -1214,7 +1252,7 @@ RBDI_INLINE void rbdi_qp_rotate(rbd_real *a, rbd_real *b, int n, rbd_real cosine
     const rbd_real less = -sine;
     int i = 0;
 
-    for (; i + RBDI_QP_GROUP <= n; i += RBDI_QP_GROUP) {
+    for (; i + RBDI_QP_PACK <= n; i += RBDI_QP_PACK) {
         const rbdi_pack x = rbdi_qp_load(a + i), y = rbdi_qp_load(b + i);
         *(rbdi_pack *)(a + i) = c * x + s * y;
         *(rbdi_pack *)(b + i) = c * y + minus * x;
@@ -1226,9 +1264,77 @@ RBDI_INLINE void rbdi_qp_rotate(rbd_real *a, rbd_real *b, int n, rbd_real cosine
     }
 }
 #else
-RBDI_INLINE rbd_real rbdi_qp_dot(const rbd_real *a, const rbd_real *b, int n) {
-    return rbdi_qp_group_dot(a, b, n);
+#define RBDI_T rbd_real
+/* The sum of a_i t_i. */
+RBDI_ONCE RBDI_T rbdi_qp_dot(const rbd_real *a, const RBDI_T *t, int n) {
+    const RBDI_T zero = {0};
+    RBDI_T s0 = zero, s1 = zero, s2 = zero, s3 = zero, rest = zero;
+    int i = 0;
+
+    for (; i + 4 <= n; i += 4) {
+        s0 = s0 + a[i] * t[i];
+        s1 = s1 + a[i + 1] * t[i + 1];
+        s2 = s2 + a[i + 2] * t[i + 2];
+        s3 = s3 + a[i + 3] * t[i + 3];
+    }
+    for (; i < n; ++i) rest = rest + a[i] * t[i];
+    return ((s0 + s2) + (s1 + s3)) + rest;
 }
+
+/* The sums of a_i t_i and of b_i t_i. */
+RBDI_ONCE void rbdi_qp_dots(const rbd_real *a, const rbd_real *b, const RBDI_T *t, int n, RBDI_T *with_a,
+                            RBDI_T *with_b) {
+    const RBDI_T zero = {0};
+    RBDI_T a0 = zero, a1 = zero, a2 = zero, a3 = zero, rest_a = zero;
+    RBDI_T b0 = zero, b1 = zero, b2 = zero, b3 = zero, rest_b = zero;
+    int i = 0;
+
+    for (; i + 4 <= n; i += 4) {
+        const RBDI_T t0 = t[i], t1 = t[i + 1], t2 = t[i + 2], t3 = t[i + 3];
+        a0 = a0 + a[i] * t0;
+        b0 = b0 + b[i] * t0;
+        a1 = a1 + a[i + 1] * t1;
+        b1 = b1 + b[i + 1] * t1;
+        a2 = a2 + a[i + 2] * t2;
+        b2 = b2 + b[i + 2] * t2;
+        a3 = a3 + a[i + 3] * t3;
+        b3 = b3 + b[i + 3] * t3;
+    }
+    for (; i < n; ++i) {
+        rest_a = rest_a + a[i] * t[i];
+        rest_b = rest_b + b[i] * t[i];
+    }
+    *with_a = ((a0 + a2) + (a1 + a3)) + rest_a;
+    *with_b = ((b0 + b2) + (b1 + b3)) + rest_b;
+}
+
+/* t += k a + l b. */
+RBDI_ONCE void rbdi_qp_adds(RBDI_T k, const rbd_real *a, RBDI_T l, const rbd_real *b, RBDI_T *t, int n) {
+    int i = 0;
+
+    for (; RBDI_FOR_SPEED && i + 4 <= n; i += 4) {
+        t[i] = t[i] + k * a[i] + l * b[i];
+        t[i + 1] = t[i + 1] + k * a[i + 1] + l * b[i + 1];
+        t[i + 2] = t[i + 2] + k * a[i + 2] + l * b[i + 2];
+        t[i + 3] = t[i + 3] + k * a[i + 3] + l * b[i + 3];
+    }
+    for (; i < n; ++i) t[i] = t[i] + k * a[i] + l * b[i];
+}
+
+/* t += k a. */
+RBDI_ONCE void rbdi_qp_add(RBDI_T k, const rbd_real *a, RBDI_T *t, int n) {
+    int i = 0;
+
+    for (; RBDI_FOR_SPEED && i + 4 <= n; i += 4) {
+        t[i] = t[i] + k * a[i];
+        t[i + 1] = t[i + 1] + k * a[i + 1];
+        t[i + 2] = t[i + 2] + k * a[i + 2];
+        t[i + 3] = t[i + 3] + k * a[i + 3];
+    }
+    for (; i < n; ++i) t[i] = t[i] + k * a[i];
+}
+#undef RBDI_T
+
 RBDI_PART rbd_real rbdi_qp_dot_and_terms(const rbd_real *a, const rbd_real *b, int n, rbd_real *terms) {
     rbd_real s0 = 0, s1 = 0, s2 = 0, s3 = 0, rest = 0, t0 = 0, t1 = 0, t2 = 0, t3 = 0, rest_size = 0;
     int i = 0;
@@ -1252,11 +1358,7 @@ RBDI_PART rbd_real rbdi_qp_dot_and_terms(const rbd_real *a, const rbd_real *b, i
     *terms = ((t0 + t2) + (t1 + t3)) + rest_size;
     return ((s0 + s2) + (s1 + s3)) + rest;
 }
-RBDI_INLINE void rbdi_qp_add(rbd_real k, const rbd_real *a, rbd_real *b, int n) {
-    rbdi_qp_group_add(k, a, b, n);
-}
-#define rbdi_qp_dots rbdi_qp_group_dots
-#define rbdi_qp_adds rbdi_qp_group_adds
+
 RBDI_ONCE void rbdi_qp_rotate(rbd_real *a, rbd_real *b, int n, rbd_real cosine, rbd_real sine) {
     const rbd_real less = -sine;
 
@@ -1306,6 +1408,29 @@ RBDI_ONCE void rbdi_qp_add_row(const rbdi_qp *s, int row, rbd_real k, rbd_real *
    blocks, costs next to nothing. Rows and right sides begin at a multiple of four, so that dot products have
    the same four sums whatever other vectors share a group. */
 
+/* How many rows of L have more than their diagonal; and where the rows of H end: row k with the last row of L
+   that reaches to k, for H is symmetric. */
+RBDI_PART void rbdi_qp_find_ends(rbdi_qp *s) {
+    int k = s->n;
+
+    s->coupled = s->n;
+    while (s->coupled > 0 && s->first[s->coupled - 1] == s->coupled - 1) s->coupled--;
+    for (int i = s->n - 1; i >= 0; --i) {
+        const int end = (i + 4) / 4 * 4;
+        while (k > s->first[i]) s->last[--k] = end < s->n ? end : s->n;
+    }
+}
+
+/* Component i of H x, and of |H| |x|: with the sums of all of the row, for both ends are multiples of four. */
+RBDI_ONCE rbd_real rbdi_qp_h_times(const rbdi_qp *s, int i, const rbd_real *x) {
+    const int from = s->first[i] / 4 * 4;
+    return rbdi_qp_dot(s->given.H + i * s->n + from, x + from, s->last[i] - from);
+}
+RBDI_ONCE rbd_real rbdi_qp_h_times_and_terms(const rbdi_qp *s, int i, const rbd_real *x, rbd_real *terms) {
+    const int from = s->first[i] / 4 * 4;
+    return rbdi_qp_dot_and_terms(s->given.H + i * s->n + from, x + from, s->last[i] - from, terms);
+}
+
 /* L L' = H + rho 1. Returns the first variable whose pivot is too small, or n. */
 RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
     const int n = s->n;
@@ -1317,7 +1442,7 @@ RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
         rbd_real pivot;
         int start = 0;
 
-        while (start < i && h[start] == 0) l[start++] = 0;
+        while (start < i && h[start] == 0) start++;
         if (start < i) start = start / 4 * 4;
         s->first[i] = start;
 
@@ -1332,6 +1457,7 @@ RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
         if (!(pivot > RBDI_QP_PIVOT * diagonal)) return i; /* nor if diagonal <= 0: pivot <= diagonal */
         l[i] = 1 / rbdi_sqrt(pivot);
     }
+    rbdi_qp_find_ends(s);
     return n;
 }
 
@@ -1339,11 +1465,15 @@ RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
 #define RBDI_T rbd_real
 /* t := L^-1 t, where t is 0 before `from`, a multiple of four. */
 RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, RBDI_T *t, int from) {
-    for (int i = from; i < s->n; ++i) {
+    int i = from;
+
+    for (; i < s->coupled; ++i) {
         const rbd_real *l = s->L + i * (i + 1) / 2;
         const int k = s->first[i] > from ? s->first[i] : from;
-        t[i] = (t[i] - rbdi_qp_dot(l + k, t + k, i - k)) * l[i];
+        if (k < i) t[i] = t[i] - rbdi_qp_dot(l + k, t + k, i - k);
+        t[i] = t[i] * l[i];
     }
+    for (; i < s->n; ++i) t[i] = t[i] * rbdi_qp_pivot(s, i);
 }
 
 /* t := (1 - beta v v') t, of reflection e. */
@@ -1377,9 +1507,8 @@ RBDI_PART void rbdi_qp_reflect_two(const rbdi_qp *s, int e, int backwards, RBDI_
     rbdi_qp_adds(-a, v + from, -b, w + from, t + from, end - from);
 }
 
-/* t := Q t */
-RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, RBDI_T *t) {
-    const int k = s->equalities;
+/* t := Q t, of the first k reflections */
+RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, int k, RBDI_T *t) {
     if (k % 2) rbdi_qp_reflect(s, k - 1, t);
     for (int e = k / 2 * 2 - 2; e >= 0; e -= 2) rbdi_qp_reflect_two(s, e, 1, t);
 }
@@ -1397,11 +1526,15 @@ RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, RBDI_T *t) {
 #define rbdi_qp_reflect_back rbdi_qp_group_reflect_back
 /* t := L^-1 t, where t is 0 before `from`, a multiple of four. */
 RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, RBDI_T *t, int from) {
-    for (int i = from; i < s->n; ++i) {
+    int i = from;
+
+    for (; i < s->coupled; ++i) {
         const rbd_real *l = s->L + i * (i + 1) / 2;
         const int k = s->first[i] > from ? s->first[i] : from;
-        t[i] = (t[i] - rbdi_qp_dot(l + k, t + k, i - k)) * l[i];
+        if (k < i) t[i] = t[i] - rbdi_qp_dot(l + k, t + k, i - k);
+        t[i] = t[i] * l[i];
     }
+    for (; i < s->n; ++i) t[i] = t[i] * rbdi_qp_pivot(s, i);
 }
 
 /* t := (1 - beta v v') t, of reflection e. */
@@ -1435,9 +1568,8 @@ RBDI_PART void rbdi_qp_reflect_two(const rbdi_qp *s, int e, int backwards, RBDI_
     rbdi_qp_adds(-a, v + from, -b, w + from, t + from, end - from);
 }
 
-/* t := Q t */
-RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, RBDI_T *t) {
-    const int k = s->equalities;
+/* t := Q t, of the first k reflections */
+RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, int k, RBDI_T *t) {
     if (k % 2) rbdi_qp_reflect(s, k - 1, t);
     for (int e = k / 2 * 2 - 2; e >= 0; e -= 2) rbdi_qp_reflect_two(s, e, 1, t);
 }
@@ -1454,11 +1586,15 @@ RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, RBDI_T *t) {
 #define rbdi_qp_group_solve_lower rbdi_qp_solve_lower
 #define rbdi_qp_group_reflect_two rbdi_qp_reflect_two
 #define rbdi_qp_group_reflect_back rbdi_qp_reflect_back
+#define rbdi_qp_group_add rbdi_qp_add
 #endif
 
 /* t := L'^-1 t */
 RBDI_PART void rbdi_qp_solve_upper(const rbdi_qp *s, rbd_real *t) {
-    for (int i = s->n - 1; i >= 0; --i) {
+    int i = s->n - 1;
+
+    for (; i >= s->coupled; --i) t[i] = t[i] * rbdi_qp_pivot(s, i);
+    for (; i >= 0; --i) {
         const rbd_real *l = s->L + i * (i + 1) / 2;
         const int k = s->first[i];
         if (t[i] == 0) continue;
@@ -1484,11 +1620,11 @@ RBDI_PART void rbdi_qp_reflect_all(const rbdi_qp *s, rbd_real *t) {
     if (k % 2) rbdi_qp_reflect(s, k - 1, t);
 }
 
-/* Reflection e = s->equalities of a row, whose L^-1 row', behind the earlier reflections, is v. Returns 0 if
+/* Reflection e = s->reflections of a row, whose L^-1 row', behind the earlier reflections, is v. Returns 0 if
    the row depends on the earlier ones: that is set aside, and whether it agrees with them is seen later, like
    any row. Sparse rows first make the vectors short. */
 RBDI_PART int rbdi_qp_make_reflection(rbdi_qp *s, int row, rbd_real *v) {
-    const int n = s->n, e = s->equalities;
+    const int n = s->n, e = s->reflections;
     const rbd_real gone = rbdi_qp_dot(v, v, e), rest = rbdi_qp_dot(v + e, v + e, n - e);
     rbd_real length, onto;
     if (rest <= RBDI_QP_DEPENDENT * RBDI_QP_DEPENDENT * (gone + rest)) return 0;
@@ -1503,17 +1639,22 @@ RBDI_PART int rbdi_qp_make_reflection(rbdi_qp *s, int row, rbd_real *v) {
     s->end[e] = n;
     while (s->end[e] > e + 1 && v[s->end[e] - 1] == 0) s->end[e]--;
     if (e % 2) s->cross[e - 1] = rbdi_qp_dot(v + e - n, v + e, n - e);
-    s->equality[e] = row;
-    s->side[row] = 1;
-    s->equalities = e + 1;
+    s->reflections = e + 1;
+
+    if (rbdi_qp_is_equality(s, row)) {
+        s->equality[s->equalities++] = row;
+        s->side[row] = 1;
+    } else {
+        s->active[s->q] = row;
+        s->length[s->q++] = rbdi_sqrt(gone + rest);
+    }
     return 1;
 }
 
-/* Eliminates equalities by reflections (Householder 1958), a group of them: L^-1 row' of each goes onto an
-   axis. The memory of R and what follows is not in use yet: the group lies there. */
+/* Reflects rows (Householder 1958), a group of them: L^-1 row' of each goes onto an axis. */
 RBDI_PART void rbdi_qp_eliminate(rbdi_qp *s, const int *rows, int lanes) {
     const int n = s->n;
-    rbdi_qp_group *t = (rbdi_qp_group *)s->R;
+    rbdi_qp_group *t = (rbdi_qp_group *)s->x0;
     int from = n;
 
     rbdi_qp_clear((rbd_real *)t, n * RBDI_QP_GROUP);
@@ -1525,26 +1666,42 @@ RBDI_PART void rbdi_qp_eliminate(rbdi_qp *s, const int *rows, int lanes) {
         from = begin < from ? begin : from;
         for (int k = 0; k < s->to[row] - begin; ++k) to[k * RBDI_QP_GROUP] = c[k];
     }
-    rbdi_qp_group_solve_lower(s, t, from / 4 * 4);
-    for (int e = 0; e + 1 < s->equalities; e += 2) rbdi_qp_group_reflect_two(s, e, 0, t);
+    from = from / 4 * 4;
+    rbdi_qp_group_solve_lower(s, t, from);
+    for (int e = 0; e + 1 < s->reflections; e += 2)
+        if (s->end[e] > from || s->end[e + 1] > from) rbdi_qp_group_reflect_two(s, e, 0, t);
 
-    for (int lane = 0; lane < lanes && s->equalities < n; ++lane) {
-        const int e = s->equalities;
+    for (int lane = 0; lane < lanes; ++lane) {
+        const int e = s->reflections;
         rbd_real *v = s->V + e * n;
-        for (int k = 0; k < n; ++k) v[k] = ((const rbd_real *)t)[k * RBDI_QP_GROUP + lane];
-        if (e % 2) rbdi_qp_reflect(s, e - 1, v);
-        if (!rbdi_qp_make_reflection(s, rows[lane], v)) continue;
-        if (e % 2 && lane + 1 < lanes) rbdi_qp_group_reflect_two(s, e - 1, 0, t);
+        int made = 0;
+
+        if (e < n) {
+            for (int k = 0; k < n; ++k) v[k] = ((const rbd_real *)t)[k * RBDI_QP_GROUP + lane];
+            if (e % 2) rbdi_qp_reflect(s, e - 1, v);
+            made = rbdi_qp_make_reflection(s, rows[lane], v);
+        }
+        if (!made) s->side[rows[lane]] = 0;
+        if (made && e % 2 && lane + 1 < lanes) rbdi_qp_group_reflect_two(s, e - 1, 0, t);
     }
 }
 
-RBDI_PART void rbdi_qp_eliminate_equalities(rbdi_qp *s) {
+/* Whether a row can hold at the side of the guess. */
+RBDI_PART int rbdi_qp_can_hold(const rbdi_qp *s, int row) {
+    return s->side[row] && s->from[row] < s->to[row] && rbdi_abs(rbdi_qp_side(s, row)) < RBDI_QP_NONE;
+}
+
+/* Eliminates the equalities, or then the rows of the guess. Soft rows have no part in it. */
+RBDI_PART void rbdi_qp_eliminate_all(rbdi_qp *s, int guess) {
     int rows[RBDI_QP_GROUP], lanes = 0;
 
     for (int row = 0; row < s->all; ++row) {
-        if (!rbdi_qp_is_equality(s, row)) continue;
-        s->side[row] = 0;
-        if (!(rbdi_qp_weight(s, row) > 0)) rows[lanes++] = row;
+        if (rbdi_qp_is_equality(s, row) == guess || rbdi_qp_weight(s, row) > 0) continue;
+        if (guess && !rbdi_qp_can_hold(s, row)) {
+            s->side[row] = 0;
+            continue;
+        }
+        rows[lanes++] = row;
         if (lanes < RBDI_QP_GROUP) continue;
         rbdi_qp_eliminate(s, rows, lanes);
         lanes = 0;
@@ -1552,36 +1709,56 @@ RBDI_PART void rbdi_qp_eliminate_equalities(rbdi_qp *s) {
     if (lanes) rbdi_qp_eliminate(s, rows, lanes);
 }
 
-/* t := L'^-1 Q t of a group, which is 0 behind component `to`. */
-RBDI_PART void rbdi_qp_basis_of(const rbdi_qp *s, rbdi_qp_group *t, int to) {
-    rbdi_qp_group_reflect_back(s, t);
-    for (int i = to - 1; i >= 0; --i) {
+/* t := L'^-1 t of a group, which is 0 behind component `to`. */
+RBDI_PART void rbdi_qp_group_solve_upper(const rbdi_qp *s, rbdi_qp_group *t, int to) {
+    int i = to - 1;
+
+    for (; i >= s->coupled; --i) t[i] = rbdi_qp_pivot(s, i) * t[i];
+    for (; i >= 0; --i) {
         const rbd_real *l = s->L + i * (i + 1) / 2;
         const int k = s->first[i];
         t[i] = l[i] * t[i];
-        rbdi_qp_group_add(-t[i], l + k, t + k, i - k);
+        if (k < i) rbdi_qp_group_add(-t[i], l + k, t + k, i - k);
     }
 }
 
-/* J = L'^-1 Q [0; 1], for no active row. Its groups stand in the memory of R and of what follows R. */
+/* R of the rows of the guess: their reflections' diagonals, and what stands above. */
+RBDI_PART void rbdi_qp_take_guess(rbdi_qp *s) {
+    const int k = s->equalities;
+
+    for (int j = 0; j < s->q; ++j) {
+        const int side = s->side[s->active[j]] > 0 ? 1 : -1;
+        const rbd_real sign = rbdi_qp_sign(side), *above = s->V + (k + j) * s->n + k;
+        rbd_real *column = rbdi_qp_column(s, j);
+
+        for (int i = 0; i < j; ++i) column[i] = sign * above[i];
+        column[j] = sign * s->diagonal[k + j];
+        s->side[s->active[j]] = (signed char)side;
+        s->u[j] = 0;
+    }
+}
+
+/* J = L'^-1 Q [0; 1], the last columns first: they come to lie where the vectors of the guess were, which the
+   columns before have no use for. */
 RBDI_PART void rbdi_qp_basis(rbdi_qp *s) {
     const int n = s->n, k = s->equalities;
-    rbdi_qp_group *t = (rbdi_qp_group *)s->R;
+    rbdi_qp_group *t = (rbdi_qp_group *)s->x0;
 
     s->J = s->V + k * n;
     s->columns = n - k;
-    s->q = 0;
-    for (int j = 0; j < s->columns; j += RBDI_QP_GROUP) {
+    for (int j = (s->columns - 1) / RBDI_QP_GROUP * RBDI_QP_GROUP; j >= 0; j -= RBDI_QP_GROUP) {
         const int left = s->columns - j, lanes = left < RBDI_QP_GROUP ? left : RBDI_QP_GROUP;
-        const int to = k ? n : j + lanes;
+        const int end = k + j + lanes, count = end < s->reflections ? end : s->reflections;
 
         rbdi_qp_clear((rbd_real *)t, n * RBDI_QP_GROUP);
         for (int lane = 0; lane < lanes; ++lane) ((rbd_real *)t)[(k + j + lane) * RBDI_QP_GROUP + lane] = 1;
-        rbdi_qp_basis_of(s, t, to);
+        rbdi_qp_group_reflect_back(s, count, t);
+        rbdi_qp_group_solve_upper(s, t, count ? n : end);
         for (int lane = 0; lane < lanes; ++lane)
             for (int i = 0; i < n; ++i)
                 rbdi_qp_j(s, j + lane)[i] = ((const rbd_real *)t)[i * RBDI_QP_GROUP + lane];
     }
+    s->reflections = k;
 }
 
 /* t := L'^-1 Q (y; t2), R' y = b - A x, for the equalities A x = b; x NULL: 0. t2: t from there on. */
@@ -1592,7 +1769,7 @@ RBDI_PART void rbdi_qp_onto_equalities(const rbdi_qp *s, const rbd_real *x, rbd_
         if (x) b = b - rbdi_qp_row_times(s, row, x);
         t[e] = (b - rbdi_qp_dot(s->V + e * s->n, t, e)) * s->diagonal[e];
     }
-    rbdi_qp_reflect_back(s, t);
+    rbdi_qp_reflect_back(s, s->equalities, t);
     rbdi_qp_solve_upper(s, t);
 }
 
@@ -1649,10 +1826,17 @@ RBDI_INLINE int rbdi_qp_depends(const rbdi_qp *s, int row, rbd_real square) {
     return !(rbdi_qp_weight(s, row) > 0) && square <= least * least;
 }
 
+/* y += J d of the columns from j on, two at a time */
+RBDI_PART void rbdi_qp_add_columns(const rbdi_qp *s, int j, const rbd_real *d, rbd_real *y) {
+    for (; j + 2 <= s->columns; j += 2)
+        rbdi_qp_adds(d[j], rbdi_qp_j(s, j), d[j + 1], rbdi_qp_j(s, j + 1), y, s->n);
+    if (j < s->columns) rbdi_qp_add(d[j], rbdi_qp_j(s, j), y, s->n);
+}
+
 /* z = J2 d2 */
 RBDI_PART void rbdi_qp_way(rbdi_qp *s) {
     rbdi_qp_clear(s->z, s->n);
-    for (int j = s->q; j < s->columns; ++j) rbdi_qp_add(s->d[j], rbdi_qp_j(s, j), s->z, s->n);
+    rbdi_qp_add_columns(s, s->q, s->d, s->z);
 }
 
 /* The row joins, with d and z = J2 d2 as they are; square: |d2|^2. A reflection turns d2 onto its first
@@ -1990,7 +2174,7 @@ RBDI_PART rbd_real rbdi_qp_residuals(rbdi_qp *s, const rbd_real *x, rbd_real *si
 
     *size = 0;
     for (int i = 0; i < n; ++i) {
-        const rbd_real h = rbdi_qp_dot(s->given.H + i * n, x, n);
+        const rbd_real h = rbdi_qp_h_times(s, i, x);
         s->t[i] = -(h + s->rho * x[i] + s->g[i]);
         *size = rbdi_qp_larger(*size, rbdi_qp_larger(rbdi_abs(h), rbdi_abs(s->g[i])));
     }
@@ -2034,7 +2218,7 @@ RBDI_PART void rbdi_qp_correct(rbdi_qp *s, rbd_real *x) {
     rbdi_qp_solve_r(s, s->r);
 
     for (int k = 0; k < n; ++k) x[k] = x[k] + s->z[k];
-    for (int j = 0; j < s->columns; ++j) rbdi_qp_add(s->d[j], rbdi_qp_j(s, j), x, n);
+    rbdi_qp_add_columns(s, 0, s->d, x);
     for (int j = 0; j < s->q; ++j) s->u[j] = s->u[j] + s->r[j];
 }
 
@@ -2071,29 +2255,21 @@ RBDI_PART void rbdi_qp_optimum_on_equalities(rbdi_qp *s) {
     rbdi_qp_onto_equalities(s, NULL, s->x0);
 }
 
-/* Joins a row without a step, if it is independent of the active ones. */
-RBDI_PART void rbdi_qp_guess(rbdi_qp *s, int row, int side) {
-    const int hard = !(rbdi_qp_weight(s, row) > 0);
-    const rbd_real bound = side > 0 ? s->given.upper[row] : s->given.lower[row];
-    rbd_real square;
+/* The soft equalities, and with `warm` the soft rows of the guess, join without a step: none depends on others.
+   Rows that pull leave then, so that the dual method may begin here. */
+RBDI_PART void rbdi_qp_first_soft_rows(rbdi_qp *s) {
+    for (int row = 0; row < s->all && s->soft; ++row) {
+        int side;
+        if (!(rbdi_qp_weight(s, row) > 0)) continue;
 
-    if (s->from[row] == s->to[row] || rbdi_abs(bound) >= RBDI_QP_NONE || (hard && s->q >= s->columns)) return;
-    s->own = rbdi_qp_enter(s, row, side);
-    square = rbdi_qp_free_part(s);
-    if (rbdi_qp_depends(s, row, square)) return;
-    rbdi_qp_way(s);
-    rbdi_qp_join(s, row, side, 0, square);
-}
-
-/* The soft equalities, and with `warm` the rows of the guess. Those that pull leave, so that the dual method
-   may begin here. */
-RBDI_PART void rbdi_qp_first_rows(rbdi_qp *s) {
-    for (int row = 0; row < s->all; ++row) {
-        const int equal = rbdi_qp_is_equality(s, row), soft = rbdi_qp_weight(s, row) > 0;
-        const int side = equal || s->options.warm ? s->side[row] : 0;
-        if (equal && !soft) continue;
+        if (rbdi_qp_is_equality(s, row)) s->side[row] = 1;
+        side = !rbdi_qp_can_hold(s, row) ? 0 : s->side[row] > 0 ? 1 : -1;
         s->side[row] = 0;
-        if (equal || side) rbdi_qp_guess(s, row, equal || side > 0 ? 1 : -1);
+        if (!side) continue;
+
+        s->own = rbdi_qp_enter(s, row, side);
+        rbdi_qp_way(s);
+        rbdi_qp_join(s, row, side, 0, rbdi_qp_free_part(s));
     }
 }
 
@@ -2195,7 +2371,7 @@ RBDI_PART int rbdi_qp_straight(rbdi_qp *s, const rbd_real *x, const rbd_real *fr
         largest = rbdi_qp_larger(largest, s->given.H[k * s->n + k]);
     }
     for (int k = 0; k < s->n; ++k)
-        curvature = rbdi_qp_larger(curvature, rbdi_abs(rbdi_qp_dot(s->given.H + k * s->n, s->z, s->n)));
+        curvature = rbdi_qp_larger(curvature, rbdi_abs(rbdi_qp_h_times(s, k, s->z)));
     rounding = RBDI_QP_BENT * (rbd_real)s->n * largest * length;
     return down < 0 && curvature <= rounding;
 }
@@ -2227,7 +2403,7 @@ RBDI_PART rbd_real rbdi_qp_gradient(const rbdi_qp *s, const rbd_real *x, rbd_rea
 
     for (int k = 0; k < s->n; ++k) {
         const rbd_real f = s->given.f[k];
-        y[k] = rbdi_qp_dot_and_terms(s->given.H + k * s->n, x, s->n, &terms) + f;
+        y[k] = rbdi_qp_h_times_and_terms(s, k, x, &terms) + f;
         largest = rbdi_qp_larger(largest, rbdi_abs(f) + terms);
     }
     return largest;
@@ -2243,7 +2419,7 @@ RBDI_PART rbd_qp_status rbdi_qp_rounds(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mi
         rbd_qp_status status;
 
         rbdi_qp_optimum_on_equalities(s);
-        if (s->result.rounds == 0) rbdi_qp_first_rows(s);
+        if (s->result.rounds == 0) rbdi_qp_first_soft_rows(s);
         status = rbdi_qp_round(s, x, miss);
         if (status != RBD_QP_OK || !(s->rho > 0)) return status;
 
@@ -2340,9 +2516,10 @@ RBDI_PART rbd_qp_status rbdi_qp_check_value(rbdi_qp *s) {
         if (!rbdi_qp_finite(diagonal)) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "H");
         if (diagonal < 0) return rbdi_qp_refuse(s, RBD_QP_CONVEX, i, "H");
         s->t[i] = RBDI_QP_ASYMMETRY * diagonal;
-        for (int j = 0; j < i; ++j)
-            if (!(rbdi_abs(H[i * n + j] - H[j * n + i]) <= s->t[i] + s->t[j]))
-                return rbdi_qp_refuse_pair(s, i, j);
+        for (int j = 0; j < i; ++j) {
+            const rbd_real apart = H[i * n + j] - H[j * n + i];
+            if (!(apart == 0) && !(rbdi_abs(apart) <= s->t[i] + s->t[j])) return rbdi_qp_refuse_pair(s, i, j);
+        }
     }
     return RBD_QP_OK;
 }
@@ -2386,7 +2563,7 @@ RBDI_PART rbd_qp_status rbdi_qp_check_rows(rbdi_qp *s) {
         }
         s->from[row] = from;
         s->to[row] = to;
-        s->unit[row] = square > 0 ? 1 / rbdi_sqrt(square) : 1;
+        s->unit[row] = square > 0 ? 1 / rbdi_sqrt(square) : RBDI_QP_NONE;
         if (lower > upper) return rbdi_qp_refuse(s, RBD_QP_SIDES, row, "lower");
         if (from < to && (lower > -RBDI_QP_NONE || upper < RBDI_QP_NONE)) s->watched[s->watches++] = row;
     }
@@ -2445,6 +2622,7 @@ RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lam
     for (int row = 0; row < s->all; ++row) {
         const rbd_real weight = rbdi_qp_weight(s, row), miss = weight > 0 ? lambda[row] / weight : 0;
         const rbd_real value = rbdi_qp_row_times(s, row, x) - miss;
+        if (lambda[row] == 0 && value >= s->given.lower[row] && value <= s->given.upper[row]) continue;
         const rbd_real below = rbdi_qp_below(s, row, value), above = rbdi_qp_above(s, row, value);
         const int at_upper = lambda[row] > 0 || (!(lambda[row] < 0) && above > below);
         const rbd_real by = lambda[row] != 0 ? rbdi_abs(at_upper ? above : below) : at_upper ? above : below;
@@ -2455,7 +2633,8 @@ RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lam
         }
         if (by <= 0) continue;
         const rbd_real side = at_upper ? s->given.upper[row] : s->given.lower[row];
-        if (by <= s->result.primal * rbdi_abs(side)) continue;
+        /* its terms are more than this, for a sum is more than a root of squares */
+        if (by <= s->result.primal * (rbdi_abs(side) + furthest / s->unit[row])) continue;
         const rbd_real share = by / (rbdi_qp_terms(s, row, side) + rbdi_abs(miss));
         if (rbdi_qp_finite(share))
             s->result.primal = rbdi_qp_larger(s->result.primal, share);
@@ -2487,7 +2666,9 @@ RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
     if (status == RBD_QP_OK) status = rbdi_qp_factor_any(s);
     if (status != RBD_QP_OK) return status;
 
-    rbdi_qp_eliminate_equalities(s);
+    rbdi_qp_eliminate_all(s, 0);
+    if (s->options.warm) rbdi_qp_eliminate_all(s, 1);
+    rbdi_qp_take_guess(s);
     rbdi_qp_basis(s);
     for (int k = 0; k < s->n; ++k) {
         s->reach[k] = 0;
@@ -2549,6 +2730,7 @@ RBDI_API rbd_qp_status rbd_qp_solve(const rbd_qp_problem *problem, const rbd_qp_
     s.soft = 0;
     s.q = 0;
     s.equalities = 0;
+    s.reflections = 0;
     s.rho = 0;
     s.doubtful = 0;
     s.furthest = 0;

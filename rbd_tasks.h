@@ -39,8 +39,8 @@
 
    [guarantees]
      Those of rbd.h: no allocation, reentrant. With RBD_TASKS_OK contacts are held, hard limits kept and the
-     equations of motion solved to result->primal, a share of their terms that is at most 1e-7 (float 1e-3),
-     and mostly some roundings. With a status below 0 all outputs stay as they were. Outputs are finite. The
+     equations of motion solved to result->primal, a share of each row's terms that is at most 1e-7 (float
+     1e-3), and mostly some roundings. With a status below 0 all outputs stay as they were. Outputs are finite. The
      bits are the same on every machine with RBD_REPRODUCIBLE.
 
    [limits]
@@ -140,7 +140,7 @@ typedef struct rbd_task_contact {
 
 /* ---- problem [problem of tasks] ---- */
 
-/* Limits that do not count: rbd_tasks.without is their sum. */
+/* Limits that do not count: rbd_tasks.without is their sum; other numbers are an error. */
 typedef enum rbd_tasks_without {
     RBD_WITHOUT_POSITION = 1,
     RBD_WITHOUT_SPEED = 2,
@@ -155,7 +155,8 @@ typedef struct rbd_tasks {
     int contacts;
     rbd_real dt; /* s: until the next tick, above 0 */
 
-    /* Limits of dofs, nv each. NULL: those of the model, of joints with one dof and of their mimics. */
+    /* Limits of dofs, nv each. NULL: those of the model, of joints with one dof and of their mimics: q, v and
+       tau of a dof are such that each of these joints keeps its limits, whichever bears all of tau. */
     const rbd_real *lower;  /* rad or m, of joints with one coordinate; -RBD_QP_NONE and less: none */
     const rbd_real *upper;  /* RBD_QP_NONE and more: none. If only one is given, the other side has none */
     const rbd_real *speed;  /* rad/s or m/s; 0: none */
@@ -192,16 +193,20 @@ typedef enum rbd_tasks_part {
 typedef enum rbd_tasks_status {
     RBD_TASKS_OK = 0,
     RBD_TASKS_INEXACT = 1,     /* the QP of ->level did not end well: ->qp says why, ->primal by how much hard
-                                  rows are missed. Of level 1 and 2 the answer of the level before stands */
+                                  rows are missed, as where they nearly contradict each other and x is huge.
+                                  Of level 1 and 2 the answer of the level before stands */
     RBD_TASKS_INFEASIBLE = -1, /* hard rows contradict each other: result->part, ->at say which */
     RBD_TASKS_ERROR = -2       /* result->error says why */
 } rbd_tasks_status;
 
 typedef struct rbd_tasks_result {
-    int steps;              /* rows of the QPs that joined or left */
-    int level;              /* of the last QP */
-    rbd_qp_status qp;       /* its status */
-    rbd_real primal, dual;  /* the largest of rbd_qp_result, of all levels */
+    int steps;        /* rows of the QPs that joined or left */
+    int level;        /* of the last QP */
+    rbd_qp_status qp; /* its status */
+    rbd_real primal;  /* the largest miss of a hard row, of all levels, as a share of its terms: the side, and
+                        the entries times x, where a component counts as 1 rad/s, m/s, rad/s^2 or m/s^2 at
+                        least, and a force as what gives the robot 1 m/s^2; and that of rbd_qp_result */
+    rbd_real dual;    /* the largest of rbd_qp_result */
     rbd_tasks_part part[2]; /* INFEASIBLE: the two that contradict most; NOTHING: it is one alone */
     int at[2];              /* their contacts or dofs; -1: none */
     rbd_status error;       /* RBD_OK but after RBD_TASKS_ERROR */
@@ -265,6 +270,8 @@ RBDI_EXTERN_C_END
 #undef C
 #pragma push_macro("E")
 #undef E
+#pragma push_macro("F")
+#undef F
 #pragma push_macro("H")
 #undef H
 #pragma push_macro("I")
@@ -273,8 +280,6 @@ RBDI_EXTERN_C_END
 #undef J
 #pragma push_macro("M")
 #undef M
-#pragma push_macro("R")
-#undef R
 #pragma push_macro("V")
 #undef V
 
@@ -300,6 +305,7 @@ RBDI_EXTERN_C_END
    widened to hold the x that was found: so a next level always has a solution, rounding included. */
 
 #define RBDI_TASKS_MOST 1000 /* tasks, contacts, rows of one task */
+#define RBDI_TASKS_WITHOUT (RBD_WITHOUT_POSITION + RBD_WITHOUT_SPEED + RBD_WITHOUT_TORQUE) /* all */
 #define RBDI_TASKS_BRAKING RBD_C(10)
 #define RBDI_TASKS_HELD RBD_C(20)
 #if RBDI_KIND(RBD_CONST) == 2
@@ -333,6 +339,7 @@ typedef struct rbdi_tasks {
     rbd_real *lower, *upper, *soft; /* n + rows; a task's row has y in both until its level is solved */
     rbd_real *x, *lambda;           /* n, n + rows */
     rbd_real *found;                /* n: x of the level before */
+    rbd_real *terms;                /* n: |x_i| and a unit of it */
     rbd_real *bias;                 /* nv: torque at a = 0 */
     rbd_real *J;                    /* 6 x nv: of one task or contact */
     void *scratch;                  /* memory of the QP */
@@ -347,7 +354,7 @@ typedef struct rbdi_tasks {
     ((size_t)(nv) + (size_t)(rows) + (3 + RBDI_TASKS_SIDES) * (size_t)(contacts))
 #define RBDI_TASKS_ALL(nv, rows, contacts) (RBDI_TASKS_N(nv, contacts) + RBDI_TASKS_C(nv, rows, contacts))
 #define RBDI_TASKS_SCALARS(nv, rows, contacts) \
-    (RBDI_TASKS_N(nv, contacts) * (RBDI_TASKS_ALL(nv, rows, contacts) + 3) + \
+    (RBDI_TASKS_N(nv, contacts) * (RBDI_TASKS_ALL(nv, rows, contacts) + 4) + \
      4 * RBDI_TASKS_ALL(nv, rows, contacts) + 7 * (size_t)(nv))
 #define RBDI_TASKS_CHARS(nv, rows, contacts) \
     (RBD_TASK_LEVELS * RBDI_TASKS_LIMITS(nv, contacts) + RBDI_TASKS_ALL(nv, rows, contacts))
@@ -660,6 +667,8 @@ RBDI_LOCAL rbd_status rbdi_tasks_check_limits(const rbd_model *m, const rbd_task
         if (!rbdi_tasks_is_measure(scales[k]))
             return rbdi_tasks_refuse(result, RBD_ERR_RANGE, scale_names[k]);
     if (p->steps < 0) return rbdi_tasks_refuse(result, RBD_ERR_RANGE, "steps");
+    if (p->without < 0 || p->without > RBDI_TASKS_WITHOUT)
+        return rbdi_tasks_refuse(result, RBD_ERR_RANGE, "without");
     return RBD_OK;
 }
 
@@ -716,12 +725,6 @@ RBDI_LOCAL rbd_real *rbdi_tasks_append(rbdi_tasks *k, rbd_real lower, rbd_real u
     return row;
 }
 
-RBDI_LOCAL rbd_real rbdi_tasks_dot(const rbd_real *a, const rbd_real *b, int n) {
-    rbd_real sum = rbdi_zero();
-    for (int i = 0; i < n; ++i) sum = sum + a[i] * b[i];
-    return sum;
-}
-
 /* Two tangents and the normal of a contact's ground, as rows. */
 RBDI_LOCAL rbdi_mat rbdi_tasks_ground(const rbd_task_contact *c) {
     const rbdi_v3 given = rbdi_load_vec(c->normal, 1);
@@ -764,16 +767,21 @@ RBDI_LOCAL int rbdi_tasks_is_passive(const rbdi_tasks *k, int dof) {
     return k->m->frame[k->m->dof[dof].body].type == RBD_FLOATING;
 }
 
-/* The largest torque of a motor; RBDI_UNBOUNDED: any. */
+/* The largest torque of a dof; RBDI_UNBOUNDED: any. That of a mimic, x = ratio q, comes to ratio times its
+   own: whichever of the joints bears all, none bears more than its limit. */
 RBDI_LOCAL rbd_real rbdi_tasks_torque(const rbdi_tasks *k, int dof) {
-    const rbdi_frame *u = &k->m->frame[k->m->dof[dof].body];
-    rbd_real most = rbdi_zero();
+    const rbd_model *m = k->m;
+    const rbdi_frame *u = &m->frame[m->dof[dof].body];
+    rbd_real most = rbdi_set(RBDI_UNBOUNDED);
+    if (k->given->without & RBD_WITHOUT_TORQUE) return most;
+    if (k->given->torque) return k->given->torque[dof] > 0 ? k->given->torque[dof] : most;
 
-    if (k->given->torque)
-        most = k->given->torque[dof];
-    else if (u->nv == 1)
-        most = rbdi_set(u->effort);
-    if (!(most > 0) || (k->given->without & RBD_WITHOUT_TORQUE)) most = rbdi_set(RBDI_UNBOUNDED);
+    if (u->nv == 1 && u->effort > 0) most = rbdi_set(u->effort);
+    for (int i = 0; i < rbdi_mimics(m); ++i) {
+        const rbd_const own = m->frame[m->dof[m->nv + i].body].effort;
+        if (m->mimic[i].source_v == dof && own > 0)
+            most = rbdi_ik_smaller(most, rbdi_abs(rbdi_set(own * m->mimic[i].ratio)));
+    }
     return most;
 }
 
@@ -850,7 +858,7 @@ typedef struct rbdi_tasks_error {
    R I R' omega + r x m v. */
 RBDI_LOCAL void rbdi_tasks_put_momentum(rbdi_tasks *k) {
     const rbd_model *m = k->m;
-    rbd_real com[3], centre[3] = {0, 0, 0};
+    rbd_real centre[3] = {0, 0, 0};
     rbd_com(m, k->w, centre, NULL, NULL);
     rbdi_clear(k->J, 6 * k->nv);
 
@@ -861,9 +869,8 @@ RBDI_LOCAL void rbdi_tasks_put_momentum(rbdi_tasks *k) {
         rbdi_v3 p, r;
         if (u->link < 0) continue;
 
-        rbdi_store_vec(com, 1, rbdi_vec_c(u->com));
         E = rbdi_axes_of(m, k->w, body);
-        p = rbdi_point_position(m, k->w, body, com);
+        p = rbdi_ik_body_com(m, k->w, u);
         r = rbdi_sub(p, rbdi_load_vec(centre, 1));
 
         for (int i = u->link; i >= 0; i = m->link[i].parent) {
@@ -884,23 +891,24 @@ RBDI_LOCAL void rbdi_tasks_put_momentum(rbdi_tasks *k) {
     }
 }
 
-/* Momentum, or the centre of mass, which moves by the linear momentum over the mass. */
+/* Momentum, which has no place. */
 RBDI_LOCAL void rbdi_tasks_of_momentum(rbdi_tasks *k, const rbd_task *t, rbdi_tasks_error *s) {
-    const rbd_real share = rbdi_set(1 / rbd_mass(k->m));
-    rbd_real h_dot[6] = {0}, com[3] = {0}, a[3] = {0};
+    rbd_real h_dot[6] = {0};
 
     rbdi_tasks_put_momentum(k);
-    if (t->kind == RBD_TASK_MOMENTUM) {
-        rbd_momentum(k->m, k->w, NULL, h_dot);
-        s->drift = rbdi_load_motion(h_dot, 1);
-        s->stiffness = rbdi_zero();
-        s->damping = t->gain;
-        return;
-    }
+    rbd_momentum(k->m, k->w, NULL, h_dot);
+    s->drift = rbdi_load_motion(h_dot, 1);
+    s->stiffness = rbdi_zero();
+    s->damping = t->gain;
+}
 
-    for (int i = 3 * k->nv; i < 6 * k->nv; ++i) k->J[i] = share * k->J[i];
+/* The centre of mass. */
+RBDI_LOCAL void rbdi_tasks_of_com(rbdi_tasks *k, const rbd_task *t, rbdi_tasks_error *s) {
+    rbd_real com[3] = {0}, a[3] = {0};
+
+    rbdi_ik_com_jacobian(k->m, k->w, k->w->F, &k->J[3 * k->nv]);
     rbd_com(k->m, k->w, com, NULL, a);
-    s->e.v = rbdi_sub(rbdi_load_vec(t->position, 1), rbdi_load_vec(com, 1));
+    s->e.v = rbdi_ik_way(t->position, rbdi_load_vec(com, 1));
     s->drift.v = rbdi_load_vec(a, 1);
 }
 
@@ -934,7 +942,6 @@ RBDI_LOCAL rbdi_motion rbdi_tasks_motion(const rbdi_tasks *k, int body, const rb
 /* A point, pose or rotation, in the world or in the axes of another body. */
 RBDI_LOCAL void rbdi_tasks_of_body(rbdi_tasks *k, const rbd_task *t, rbdi_tasks_error *s) {
     const int reference = t->kind == RBD_TASK_RELATIVE ? t->reference : -1;
-    const rbdi_mat R = rbdi_ik_rotation(t->rotation);
     rbdi_mat seen = rbdi_axes_of(k->m, k->w, t->body); /* from the axes of `position` to the body's */
     rbdi_v3 p = rbdi_point_position(k->m, k->w, t->body, t->point);
 
@@ -955,24 +962,24 @@ RBDI_LOCAL void rbdi_tasks_of_body(rbdi_tasks *k, const rbd_task *t, rbdi_tasks_
 
     rbd_relative_jacobian(k->m, k->w, t->body, t->point, reference,
                           reference >= 0 ? RBD_LINK_AXES : RBD_WORLD_AXES, k->J);
-    s->e.v = rbdi_sub(rbdi_load_vec(t->position, 1), p);
-    if (rbdi_tasks_turns(t->kind)) s->e.omega = rbdi_log_rotation(rbdi_mul_mat(R, seen));
+    s->e.v = rbdi_ik_way(t->position, p);
+    if (rbdi_tasks_turns(t->kind)) s->e.omega = rbdi_ik_turn_to(t->rotation, seen);
 }
 
 /* An axis s: its turn is omega - (omega s) s, whose rate is alpha - (alpha s) s - (omega s) omega x s. */
 RBDI_LOCAL void rbdi_tasks_of_axis(rbdi_tasks *k, const rbd_task *t, rbdi_tasks_error *s) {
-    const rbdi_v3 axis = rbdi_mul_t(rbdi_axes_of(k->m, k->w, t->body), rbdi_ik_unit(t->axis));
+    const rbdi_v3 axis = rbdi_ik_axis(k->m, k->w, t->body, t->axis);
     const rbdi_v3 omega = rbdi_tasks_motion(k, t->body, NULL, 0).omega;
     const rbdi_v3 alpha = rbdi_tasks_motion(k, t->body, NULL, 1).omega;
 
     rbd_jacobian(k->m, k->w, t->body, NULL, RBD_WORLD_AXES, k->J);
     for (int i = 0; i < k->nv; ++i) {
         const rbdi_v3 c = rbdi_load_vec(&k->J[i], k->nv);
-        rbdi_store_vec(&k->J[i], k->nv, rbdi_sub(c, rbdi_scale(rbdi_dot(axis, c), axis)));
+        rbdi_store_vec(&k->J[i], k->nv, rbdi_ik_part_across(c, axis));
     }
 
     s->e.omega = rbdi_ik_turn(axis, rbdi_ik_unit(t->direction));
-    s->drift.omega = rbdi_sub(alpha, rbdi_scale(rbdi_dot(alpha, axis), axis));
+    s->drift.omega = rbdi_ik_part_across(alpha, axis);
     s->drift.omega = rbdi_sub(s->drift.omega, rbdi_scale(rbdi_dot(omega, axis), rbdi_cross(omega, axis)));
 }
 
@@ -1007,13 +1014,6 @@ RBDI_LOCAL rbdi_tasks_error rbdi_tasks_gains(const rbdi_tasks *k, const rbd_task
     return s;
 }
 
-/* The largest entry of n, by size. */
-RBDI_LOCAL rbd_real rbdi_tasks_largest(const rbd_real *x, int n) {
-    rbd_real most = rbdi_zero();
-    for (int i = 0; i < n; ++i) most = rbdi_ik_larger(most, rbdi_abs(x[i]));
-    return most;
-}
-
 /* Appends the rows of a task of bodies. A row of which rounding alone is left does not count: the next levels
    would have to keep it. */
 RBDI_LOCAL void rbdi_tasks_put_bodies(rbdi_tasks *k, const rbd_task *t, rbd_real weight) {
@@ -1021,8 +1021,10 @@ RBDI_LOCAL void rbdi_tasks_put_bodies(rbdi_tasks *k, const rbd_task *t, rbd_real
     const int first = rbdi_tasks_first(t->kind), end = rbdi_tasks_end(t->kind);
     rbd_real e[6], drift[6], rounding;
 
-    if (rbdi_tasks_of_robot(t->kind))
+    if (t->kind == RBD_TASK_MOMENTUM)
         rbdi_tasks_of_momentum(k, t, &s);
+    else if (t->kind == RBD_TASK_COM)
+        rbdi_tasks_of_com(k, t, &s);
     else if (t->kind == RBD_TASK_AXIS)
         rbdi_tasks_of_axis(k, t, &s);
     else
@@ -1031,15 +1033,15 @@ RBDI_LOCAL void rbdi_tasks_put_bodies(rbdi_tasks *k, const rbd_task *t, rbd_real
     rbdi_store_motion(drift, 1, s.drift);
     rounding = rbdi_set(64 * RBDI_EPS);
     if (rbdi_tasks_of_robot(t->kind))
-        rounding = rounding * rbdi_tasks_largest(&k->J[first * k->nv], (end - first) * k->nv);
+        rounding = rounding * rbdi_qp_largest(&k->J[first * k->nv], (end - first) * k->nv);
     else
-        rounding = rounding * rbdi_tasks_largest(k->J, 6 * k->nv);
+        rounding = rounding * rbdi_qp_largest(k->J, 6 * k->nv);
 
     for (int r = first; r < end; ++r) {
         const rbd_real *J = &k->J[r * k->nv];
-        const rbd_real u = k->accelerations ? rbdi_tasks_dot(J, k->v, k->nv) : rbdi_zero();
+        const rbd_real u = k->accelerations ? rbdi_qp_dot(J, k->v, k->nv) : rbdi_zero();
         const rbd_real y = rbdi_tasks_wish(k, &s, t->velocity[r], t->acceleration[r], u, e[r], drift[r]);
-        if (t->loose[r] || !(rbdi_tasks_largest(J, k->nv) > rounding)) continue;
+        if (t->loose[r] || !(rbdi_qp_largest(J, k->nv) > rounding)) continue;
         rbdi_ik_copy(J, k->nv, rbdi_tasks_append(k, y, y));
         rbdi_tasks_square(k, weight);
     }
@@ -1060,7 +1062,10 @@ RBDI_LOCAL void rbdi_tasks_put_posture(rbdi_tasks *k, const rbd_task *t, rbd_rea
                                                            : rbdi_set(RBD_C(1));
         if (!(own > 0)) continue;
         rbdi_tasks_append(k, y, y)[i] = rbdi_set(RBD_C(1));
-        rbdi_tasks_square(k, weight * own);
+
+        /* its square is one entry */
+        k->f[i] = k->f[i] - weight * own * y;
+        k->H[(ptrdiff_t)i * (k->n + 1)] = k->H[(ptrdiff_t)i * (k->n + 1)] + weight * own;
     }
 }
 
@@ -1088,36 +1093,32 @@ RBDI_LOCAL void rbdi_tasks_put_task(rbdi_tasks *k, const rbd_task *t) {
 typedef struct rbdi_tasks_limit {
     rbd_tasks_part part; /* RBD_TASKS_NOTHING: a tangential force, or a row of a task */
     int at;              /* dof or contact */
-    int kept;            /* its place in k->kept; -1: an equality */
 } rbdi_tasks_limit;
 
 /* row: counted with the bounds. */
 RBDI_LOCAL rbdi_tasks_limit rbdi_tasks_limit_of(const rbdi_tasks *k, int row) {
-    const int nv = k->nv, c = row - k->n, first_contact = 2 * nv;
-    rbdi_tasks_limit limit = {RBD_TASKS_NOTHING, -1, -1};
+    const int nv = k->nv, c = row - k->n;
+    rbdi_tasks_limit limit = {RBD_TASKS_NOTHING, -1};
 
     if (row < nv) {
         limit.part = RBD_TASKS_MOTION_LIMIT;
-        limit.at = limit.kept = row;
+        limit.at = row;
     } else if (c < 0) {
         if ((row - nv) % 3 < 2) return limit;
         limit.part = RBD_TASKS_FORCE;
         limit.at = k->contact[(row - nv) / 3];
-        limit.kept = first_contact + RBDI_TASKS_CONTACT * limit.at;
     } else if (c < k->dynamics) {
         limit.part = RBD_TASKS_HELD;
         limit.at = k->contact[c / 3];
     } else if (c < k->friction) {
         limit.part = rbdi_tasks_is_passive(k, c - k->dynamics) ? RBD_TASKS_PASSIVE : RBD_TASKS_TORQUE_LIMIT;
         limit.at = c - k->dynamics;
-        limit.kept = nv + limit.at;
     } else {
         for (int i = 0, side = c - k->friction; i < k->closed; ++i) {
             const int sides = k->given->contact[k->contact[i]].sides == 8 ? 8 : 4;
             if (side < sides) {
                 limit.part = RBD_TASKS_FRICTION;
                 limit.at = k->contact[i];
-                limit.kept = first_contact + RBDI_TASKS_CONTACT * limit.at + 1 + side;
                 return limit;
             }
             side -= sides;
@@ -1126,26 +1127,48 @@ RBDI_LOCAL rbdi_tasks_limit rbdi_tasks_limit_of(const rbdi_tasks *k, int row) {
     return limit;
 }
 
-/* Copies the sides at which limits hold from those kept of a level, or back. Rows of tasks have none. */
-RBDI_LOCAL void rbdi_tasks_keep(rbdi_tasks *k, int level, int rows, int back) {
-    signed char *kept = k->kept + (size_t)level * RBDI_TASKS_LIMITS(k->nv, k->given->contacts);
-
-    for (int row = 0; row < k->n + rows; ++row) {
-        const int at = rbdi_tasks_limit_of(k, row).kept;
-        if (!back)
-            k->side[row] = (signed char)(at < 0 ? 0 : kept[at]);
-        else if (at >= 0)
-            kept[at] = k->side[row];
+/* Copies sides of limits from those kept, or back. */
+RBDI_LOCAL void rbdi_tasks_keep_some(signed char *side, signed char *kept, int n, int back) {
+    for (int i = 0; i < n; ++i) {
+        if (back)
+            kept[i] = side[i];
+        else
+            side[i] = kept[i];
     }
 }
 
-/* The squares that every level has: of x alone. A newton counts as its acceleration of the
-   robot. */
+/* Copies the sides at which limits hold from those kept of a level, or back. Rows of tasks have none. */
+RBDI_LOCAL void rbdi_tasks_keep(rbdi_tasks *k, int level, int rows, int back) {
+    signed char *kept = k->kept + (size_t)level * RBDI_TASKS_LIMITS(k->nv, k->given->contacts);
+    signed char *side = k->side, *friction = side + k->n + k->friction;
+
+    for (int row = 0; row < k->n + rows && !back; ++row) side[row] = 0;
+    rbdi_tasks_keep_some(side, kept, k->nv, back);
+    if (!k->accelerations) return;
+
+    rbdi_tasks_keep_some(side + k->n + k->dynamics, kept + k->nv, k->nv, back);
+    for (int i = 0; i < k->closed; ++i) {
+        const int contact = k->contact[i], sides = k->given->contact[contact].sides == 8 ? 8 : 4;
+        signed char *of_contact = kept + 2 * k->nv + RBDI_TASKS_CONTACT * contact;
+
+        rbdi_tasks_keep_some(side + k->nv + 3 * i + 2, of_contact, 1, back);
+        rbdi_tasks_keep_some(friction, of_contact + 1, sides, back);
+        friction += sides;
+    }
+}
+
+/* The force that counts as 1 m/s^2: that which gives the robot so much. */
+RBDI_LOCAL rbd_const rbdi_tasks_unit_force(const rbdi_tasks *k) {
+    const rbd_const mass = rbd_mass(k->m);
+    return mass > 0 ? mass : RBD_C(1);
+}
+
+/* The squares that every level has: of x alone. */
 RBDI_LOCAL void rbdi_tasks_clear_squares(rbdi_tasks *k) {
     const rbd_tasks *p = k->given;
     const rbd_real motion = p->motion_cost > 0 ? p->motion_cost : rbdi_set(RBDI_TASKS_MOTION_COST);
-    const rbd_const mass = rbd_mass(k->m);
-    const rbd_real force = p->force_cost > 0 ? p->force_cost : motion / (mass > 0 ? mass * mass : RBD_C(1));
+    const rbd_const unit = rbdi_tasks_unit_force(k);
+    const rbd_real force = p->force_cost > 0 ? p->force_cost : motion / (unit * unit);
 
     rbdi_clear(k->f, k->n);
     rbdi_clear(k->H, k->n * k->n);
@@ -1194,7 +1217,34 @@ RBDI_LOCAL rbd_qp_status rbdi_tasks_solve_level(rbdi_tasks *k, int level, int ro
 /* The value of a row, counted with the bounds, at x. */
 RBDI_LOCAL rbd_real rbdi_tasks_value(const rbdi_tasks *k, int row) {
     if (row < k->n) return k->x[row];
-    return rbdi_tasks_dot(&k->C[(ptrdiff_t)(row - k->n) * k->n], k->x, k->n);
+    return rbdi_qp_dot(&k->C[(ptrdiff_t)(row - k->n) * k->n], k->x, k->n);
+}
+
+/* The size of what is added up in a row: sum |c_i| (|x_i| + a unit of x_i). */
+RBDI_LOCAL rbd_real rbdi_tasks_terms(const rbdi_tasks *k, int row) {
+    const rbd_real *c = &k->C[(ptrdiff_t)(row - k->n) * k->n];
+    rbd_real sum = rbdi_zero();
+    if (row < k->n) return k->terms[row];
+    for (int i = 0; i < k->n; ++i) sum = sum + rbdi_abs(c[i]) * k->terms[i];
+    return sum;
+}
+
+/* By how much x misses hard rows, at most, as a share of each row's own terms. That of rbd_qp_result counts
+   all components of x as the largest: one may be missed by all of itself, where another is a million. */
+RBDI_LOCAL rbd_real rbdi_tasks_missed(const rbdi_tasks *k, int rows) {
+    const rbd_real force = rbdi_set(rbdi_tasks_unit_force(k)), motion = rbdi_set(RBD_C(1));
+    rbd_real most = rbdi_zero();
+
+    for (int i = 0; i < k->n; ++i) k->terms[i] = rbdi_abs(k->x[i]) + (i < k->nv ? motion : force);
+    for (int row = 0; row < k->n + rows; ++row) {
+        const rbd_real value = rbdi_tasks_value(k, row), below = k->lower[row] - value;
+        const rbd_real by = rbdi_ik_larger(below, value - k->upper[row]);
+        const rbd_real side = below > 0 ? k->lower[row] : k->upper[row];
+        if (!(by > 0) || k->soft[row] > 0) continue;
+        if (by <= most * (rbdi_abs(side) + rbdi_abs(value))) continue; /* the terms are more than the value */
+        most = rbdi_ik_larger(most, by / (rbdi_abs(side) + rbdi_tasks_terms(k, row)));
+    }
+    return most;
 }
 
 /* Before the next level: rows of tasks hold what they reached, and limits hold x. */
@@ -1210,6 +1260,13 @@ RBDI_LOCAL void rbdi_tasks_freeze(rbdi_tasks *k, int rows) {
         }
         k->soft[row] = rbdi_zero();
     }
+}
+
+/* Whether x keeps its rows well enough for a tick; result->primal. */
+RBDI_LOCAL int rbdi_tasks_keeps_rows(rbdi_tasks *k, int rows) {
+    const rbd_real missed = rbdi_tasks_missed(k, rows);
+    k->result->primal = rbdi_ik_larger(k->result->primal, missed);
+    return missed < RBDI_TASKS_ACCURACY && rbdi_tasks_are_within(k->x, k->n, -RBDI_IK_MOST, RBDI_IK_MOST);
 }
 
 /* Appends the rows and squares of the tasks of a level; returns how many tasks. */
@@ -1231,6 +1288,13 @@ RBDI_LOCAL int rbdi_tasks_has_answer(rbd_qp_status status) {
            status == RBD_QP_UNBOUNDED;
 }
 
+/* Whether a level above this one has tasks. */
+RBDI_LOCAL int rbdi_tasks_goes_on(const rbdi_tasks *k, int level) {
+    for (int i = 0; i < k->given->tasks; ++i)
+        if (k->given->task[i].level > level) return 1;
+    return 0;
+}
+
 /* Solves level by level. k->found is the answer, if there is any. */
 RBDI_LOCAL rbd_tasks_status rbdi_tasks_descend(rbdi_tasks *k) {
     int solved = 0;
@@ -1241,7 +1305,7 @@ RBDI_LOCAL rbd_tasks_status rbdi_tasks_descend(rbdi_tasks *k) {
         if (!rbdi_tasks_put_level(k, level) && level > 0) continue;
 
         status = rbdi_tasks_solve_level(k, level, rows);
-        if (status == RBD_QP_OK && !rbdi_tasks_are_within(k->x, k->n, -RBDI_IK_MOST, RBDI_IK_MOST))
+        if (status == RBD_QP_OK && !rbdi_tasks_keeps_rows(k, rows))
             status = k->result->qp = RBD_QP_INACCURATE; /* rows that nearly contradict each other */
         if (status != RBD_QP_OK && solved) return RBD_TASKS_INEXACT;
         if (status == RBD_QP_INFEASIBLE) return RBD_TASKS_INFEASIBLE;
@@ -1252,6 +1316,7 @@ RBDI_LOCAL rbd_tasks_status rbdi_tasks_descend(rbdi_tasks *k) {
 
         rbdi_ik_copy(k->x, k->n, k->found);
         if (status != RBD_QP_OK) return RBD_TASKS_INEXACT;
+        if (!rbdi_tasks_goes_on(k, level)) return RBD_TASKS_OK;
         solved = 1;
         rbdi_tasks_freeze(k, rows);
     }
@@ -1266,7 +1331,7 @@ RBDI_LOCAL rbd_tasks_status rbdi_tasks_descend(rbdi_tasks *k) {
 
 RBDI_LOCAL rbd_real rbdi_tasks_share(const rbdi_tasks *k, int row) {
     const rbd_real *c = &k->C[(ptrdiff_t)(row - k->n) * k->n];
-    const rbd_real length = row < k->n ? rbdi_set(RBD_C(1)) : rbdi_sqrt(rbdi_tasks_dot(c, c, k->n));
+    const rbd_real length = row < k->n ? rbdi_set(RBD_C(1)) : rbdi_sqrt(rbdi_qp_dot(c, c, k->n));
     const rbd_real side = k->lambda[row] > 0 ? k->upper[row] : k->lower[row];
     if (!(k->lambda[row] < 0 || k->lambda[row] > 0)) return rbdi_zero();
     return rbdi_abs(k->lambda[row]) * (length + rbdi_abs(side));
@@ -1356,7 +1421,8 @@ RBDI_LOCAL rbdi_tasks *rbdi_tasks_lay_out(const rbd_model *m, const rbd_tasks *p
     k->f = k->lambda + all;
     k->x = k->f + n;
     k->found = k->x + n;
-    k->bias = k->found + n;
+    k->terms = k->found + n;
+    k->bias = k->terms + n;
     k->J = k->bias + nv;
     k->scratch = at;
     k->scratch_size = RBD_QP_SIZE(n, n, rows, soft);
@@ -1463,7 +1529,7 @@ RBDI_API rbd_tasks_status rbd_tasks_acceleration(const rbd_model *m, rbd_work *w
     rbdi_ik_copy(k->found, k->nv, a);
     for (int i = 0; i < k->nv; ++i) {
         const rbd_real *row = &k->C[(ptrdiff_t)(k->dynamics + i) * k->n];
-        tau[i] = rbdi_tasks_is_passive(k, i) ? rbdi_zero() : rbdi_tasks_dot(row, k->found, k->n) + k->bias[i];
+        tau[i] = rbdi_tasks_is_passive(k, i) ? rbdi_zero() : rbdi_qp_dot(row, k->found, k->n) + k->bias[i];
     }
     if (forces && p->contacts) rbdi_tasks_put_forces(k, forces);
     return status;
@@ -1555,9 +1621,9 @@ RBDI_CODE_END
 #pragma pop_macro("A")
 #pragma pop_macro("C")
 #pragma pop_macro("E")
+#pragma pop_macro("F")
 #pragma pop_macro("H")
 #pragma pop_macro("I")
 #pragma pop_macro("J")
 #pragma pop_macro("M")
-#pragma pop_macro("R")
 #pragma pop_macro("V")

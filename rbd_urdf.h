@@ -392,6 +392,14 @@ inline const char *other_format(const char *text, size_t length) {
         {"ply", "it is PLY, a mesh: a robot's URDF names its meshes"},
         {"mtllib", "it is OBJ, a mesh: a robot's URDF names its meshes"},
         {"%pdf", "it is PDF, a document"},
+        {"{\\rtf", "it is RTF, a document: save it as plain text"},
+        {"gif8", "it is GIF, a picture"},
+        {"\x89png", "it is PNG, a picture"},
+        {"\xff\xd8\xff", "it is JPEG, a picture"},
+        {"bzh", "it is compressed by bzip2: unpack it first, by bunzip2"},
+        {"\3757zxz", "it is compressed by xz: unpack it first, by unxz"},
+        {"7z\xbc\xaf", "it is a 7z archive: unpack it, and read the .urdf in it"},
+        {"rar!", "it is a RAR archive: unpack it, and read the .urdf in it"},
         {"{", "it is JSON: URDF is XML, and begins with <robot>"},
         {"[", "it is JSON: URDF is XML, and begins with <robot>"},
         {"---", "it is YAML: URDF is XML, and begins with <robot>"},
@@ -444,6 +452,13 @@ inline bool is_utf16(const char *text, size_t length) {
     if (length < 2) return false;
     const int first = (unsigned char)text[0], second = (unsigned char)text[1];
     return first + second == 0xff + 0xfe || (first == 0) != (second == 0);
+}
+
+/* Whether a text is in UTF-32: by its byte order mark, or because three bytes of its first four are 0. */
+inline bool is_utf32(const char *text, size_t length) {
+    if (length < 4) return false;
+    if (std::memcmp(text, "\xff\xfe\0\0", 4) == 0 || std::memcmp(text, "\0\0\xfe\xff", 4) == 0) return true;
+    return text[1] == 0 && text[2] == 0 && (text[0] == 0) != (text[3] == 0);
 }
 
 /* A text in UTF-16 as one in UTF-8. */
@@ -2294,6 +2309,7 @@ inline void load(const char *text, size_t length, const rbd_urdf_options &option
     static const double earth[3] = {0, 0, -9.81};
     check_options(options);
     std::memcpy(robot->gravity, options.gravity ? options.gravity : earth, sizeof earth);
+    if (is_utf32(text, length)) throw failure(RBD_URDF_ERR_XML, 0, "it is text in UTF-32: save it as UTF-8");
     const str read = is_utf16(text, length) ? from_utf16(text, length) : str(text, length);
     if (const char *other = other_format(read.data(), read.size()))
         throw failure(RBD_URDF_ERR_ROBOT, 1, other);

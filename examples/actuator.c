@@ -155,7 +155,7 @@ int main(int arguments, char **argument) {
         "in a second it sinks by %.3f rad with all of gravity compensated, %.3f with 85 %%, %.3f with none\n",
         all, most, none);
 
-    for (int i = 0; i < N; i++) smooth[i] = motors[i], smooth[i].friction = (rbd_friction){0};
+    for (int i = 0; i < N; i++) smooth[i] = motors[i], smooth[i].friction = (rbd_gear_friction){0};
     const double known = follow(motors), unknown = follow(smooth);
     printf("off the plan by %.3f rad with friction in the table, %.2f without\n", known, unknown);
     return all < 1e-6 && most < 1e-6 && none > 0.1 && known < 0.1 && unknown > 10 * known ? EXIT_SUCCESS

@@ -13,25 +13,54 @@ Writes into OUT, for the version X.Y.Z that src/api/configuration.h states:
     rbd-X.Y.Z.spdx.json     what is in these files, and what they contain of others (SPDX 2.3)
     SHA256SUMS
 The same commit gives the same bytes. Refuses a tree with changes and a CHANGELOG.md without the version's date, but for
---draft. SPDX-License-Identifier: MIT"""
+--draft, which takes what lies there, committed or not. SPDX-License-Identifier: MIT"""
 import argparse
+import datetime
 import gzip
 import hashlib
 import json
+import os
 import re
 import subprocess
 import sys
+import tempfile
 import time
 import zipfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 HEADERS = (ROOT / "src/headers.txt").read_text().split() + ["rbd_urdf.h", "rbd_mjcf.h"]
-DEBIAN = re.compile(r"LICENSE\.(.+)$")  # of what a wheel brings
+DEBIAN = re.compile(r"(?:/compiled/LICENSE\.|/site/licences/)(.+?)(?:\.txt)?$")  # Debian's packages of which a wheel or the site has parts
+OTHERS = re.compile(r"^==== (\S+)(?: (\d\S*), (\S+)| \(.*)$", re.M)  # what the playground has parts of
 
 
-def git(*command):
-    return subprocess.run(["git", "-C", str(ROOT), *command], check=True, stdout=subprocess.PIPE).stdout
+def git(*command, **more):
+    """What git prints; more: of its environment."""
+    environment = {**os.environ, **more}
+    return subprocess.run(["git", "-C", str(ROOT), *command], check=True, stdout=subprocess.PIPE, env=environment).stdout
+
+
+def what_lies_here():
+    """The commit; or, where there are changes, one of all files that git does not ignore, which no branch has."""
+    if not git("status", "--porcelain"):
+        return "HEAD"
+    date = git("log", "-1", "--format=%cI").decode().strip()
+    who = {f"GIT_{role}_{what}": text for role in ("AUTHOR", "COMMITTER")
+           for what, text in (("NAME", "draft"), ("EMAIL", "draft"), ("DATE", date))}
+    with tempfile.TemporaryDirectory() as scratch:
+        index = {"GIT_INDEX_FILE": f"{scratch}/index"}
+        git("read-tree", "HEAD", **index)
+        git("add", "--all", **index)
+        tree = git("write-tree", **index).decode().strip()
+    return git("commit-tree", tree, "-p", "HEAD", "-m", "draft", **who).decode().strip()
+
+
+def is_date(text):
+    """Whether it is a day, as YYYY-MM-DD."""
+    try:
+        return bool(re.fullmatch(r"\d{4}-\d\d-\d\d", text) and datetime.date.fromisoformat(text))
+    except ValueError:
+        return False
 
 
 def version():
@@ -43,7 +72,7 @@ def what_stands_in_the_way(number):
     said = re.search(rf"^## {re.escape(number)} - (.*)$", (ROOT / "CHANGELOG.md").read_text(), re.M)
     if not said:
         yield f"CHANGELOG.md has no section of {number}"
-    elif not re.fullmatch(r"\d{4}-\d\d-\d\d", said[1]):
+    elif not is_date(said[1]):
         yield f"CHANGELOG.md: the date of {number} is '{said[1]}'; write YYYY-MM-DD"
     if git("status", "--porcelain"):
         yield "git status: there are changes that are not committed"
@@ -51,50 +80,57 @@ def what_stands_in_the_way(number):
 
 class Release:
     def __init__(self, out, number):
-        self.out, self.number = out, number
+        self.out, self.number, self.commit = out, number, what_lies_here()
         self.seconds = int(git("log", "-1", "--format=%ct"))
         self.date = time.gmtime(self.seconds)
         out.mkdir(parents=True, exist_ok=True)
         if any(out.iterdir()):
             sys.exit(f"release: {out} is not empty: what lies there would be part of the release")
 
+    def names(self, folder):
+        """The files of a folder in the commit."""
+        return git("ls-tree", "-r", "--name-only", self.commit, folder).decode().split()
+
+    def file(self, name):
+        """A file of the commit."""
+        return git("show", f"{self.commit}:{name}")
+
     def zip(self, kind, files):
-        """An archive of {name in it: path}, in a folder of the release's name."""
+        """An archive of {name in it: bytes}, in a folder of the release's name."""
         path = self.out / f"rbd-{self.number}-{kind}.zip"
         with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-            for name, source in sorted(files.items()):
+            for name, data in sorted(files.items()):
                 entry = zipfile.ZipInfo(f"rbd-{self.number}/{name}", self.date[:6])
                 entry.external_attr = 0o644 << 16
                 entry.compress_type = zipfile.ZIP_DEFLATED
-                archive.writestr(entry, source.read_bytes())
+                archive.writestr(entry, data)
 
     def headers(self):
-        models = [path.relative_to(ROOT) for path in (ROOT / "models").glob("*.h")]
-        self.zip("headers", {str(name): ROOT / name for name in [*HEADERS, *models, "LICENSE", "CHANGELOG.md"]})
+        models = [name for name in self.names("models/") if name.endswith(".h")]
+        self.zip("headers", {name: self.file(name) for name in [*HEADERS, *models, "LICENSE", "CHANGELOG.md"]})
 
     def arduino(self):
         """The include path of such a library is its src/: there stand the shipped headers."""
-        files = {f"src/{name}": ROOT / name for name in HEADERS if name not in ("rbd_urdf.h", "rbd_mjcf.h")}
-        files.update({name: ROOT / name for name in ("library.properties", "LICENSE", "README.md", "CHANGELOG.md")})
-        example = ROOT / "examples/arduino_gravity"
-        files.update({str(path.relative_to(ROOT)): path for path in example.iterdir()})
+        files = {f"src/{name}": self.file(name) for name in HEADERS if name not in ("rbd_urdf.h", "rbd_mjcf.h")}
+        others = ["library.properties", "LICENSE", "README.md", "CHANGELOG.md", *self.names("examples/arduino_gravity/")]
+        files.update({name: self.file(name) for name in others})
         self.zip("arduino", files)
 
     def source(self):
-        tree = git("archive", "--format=tar", f"--prefix=rbd-{self.number}/", "HEAD")
+        tree = git("archive", "--format=tar", f"--prefix=rbd-{self.number}/", self.commit)
         (self.out / f"rbd-{self.number}.tar.gz").write_bytes(gzip.compress(tree, mtime=self.seconds))
 
     def site(self, folder):
         if not (folder / "index.html").is_file():
             sys.exit(f"release: {folder} has no index.html: ./run site makes it")
-        self.zip("site", {f"site/{path.relative_to(folder)}": path for path in folder.rglob("*") if path.is_file()})
+        self.zip("site", {f"site/{path.relative_to(folder)}": path.read_bytes() for path in folder.rglob("*") if path.is_file()})
 
     def wheels(self, folder):
         found = sorted(folder.glob(f"rbd-{self.number}-*.whl"))
         if not found:
             sys.exit(f"release: {folder} has no wheel of {self.number}: ./run wheel makes it")
         for path in found:
-            if any(zipfile.ZipFile(path).read(f"rbd/sources/{name}") != (ROOT / name).read_bytes() for name in HEADERS):
+            if any(zipfile.ZipFile(path).read(f"rbd/sources/{name}") != self.file(name) for name in HEADERS):
                 sys.exit(f"release: {path.name} has other headers than this commit: ./run wheel makes it anew")
             (self.out / path.name).write_bytes(path.read_bytes())
 
@@ -102,20 +138,22 @@ class Release:
         return sorted(path for path in self.out.iterdir() if path.suffix in (".zip", ".gz", ".whl"))
 
     def materials(self):
-        """SPDX: a package for each file, and one for each library of others that a wheel brings."""
+        """SPDX: a package for each file, and one for each work of others of which a wheel or the site has parts."""
         packages, relations = [], []
         for number, path in enumerate(self.files()):
             name = f"SPDXRef-file-{number}"
+            others = brought(path)
             packages.append(package(name, path.name, self.number, "MIT", hashlib.sha256(path.read_bytes()).hexdigest()))
+            packages[-1]["licenseConcluded"] = "NOASSERTION" if others else "MIT"  # these have licences of their own
             relations.append(("SPDXRef-DOCUMENT", "DESCRIBES", name))
-            for other in brought(path):
-                place = f"SPDXRef-debian-{re.sub('[^a-zA-Z0-9.-]', '-', other)}"
+            for other, *rest in others:
+                place = f"SPDXRef-other-{re.sub('[^a-zA-Z0-9.-]', '-', other)}"
                 if place not in [p["SPDXID"] for p in packages]:
-                    packages.append(package(place, other, debian_version(other), "NOASSERTION"))
+                    packages.append(package(place, other, *rest))
                 relations.append((name, "CONTAINS", place))
         document = {
             "spdxVersion": "SPDX-2.3", "dataLicense": "CC0-1.0", "SPDXID": "SPDXRef-DOCUMENT", "name": f"rbd-{self.number}",
-            "documentNamespace": f"urn:rbd:{self.number}:{git('rev-parse', 'HEAD').decode().strip()}",
+            "documentNamespace": f"urn:rbd:{self.number}:{git('rev-parse', self.commit).decode().strip()}",
             "creationInfo": {"created": time.strftime("%Y-%m-%dT%H:%M:%SZ", self.date), "creators": ["Tool: packaging/release.py"]},
             "packages": packages,
             "relationships": [dict(zip(("spdxElementId", "relationshipType", "relatedSpdxElement"), r)) for r in relations]}
@@ -136,10 +174,15 @@ def package(place, name, number, licence, checksum=None):
 
 
 def brought(path):
-    """Debian's packages of which a wheel has libraries."""
-    if path.suffix != ".whl":
+    """Name, version and licence of the works of others that a wheel or the site has parts of."""
+    if path.suffix not in (".whl", ".zip"):
         return []
-    return sorted(found[1] for found in map(DEBIAN.search, zipfile.ZipFile(path).namelist()) if found)
+    archive = zipfile.ZipFile(path)
+    debian = sorted(found[1] for found in map(DEBIAN.search, archive.namelist()) if found)
+    playground = [archive.read(name).decode() for name in archive.namelist() if name.endswith("/playground/LICENCES.txt")]
+    others = [found for text in playground for found in OTHERS.findall(text) if found[0] != "rbd"]
+    return [*((name, debian_version(name), "NOASSERTION") for name in debian),
+            *((name, version or debian_version(name), licence or "NOASSERTION") for name, version, licence in others)]
 
 
 def debian_version(name):

@@ -24,6 +24,27 @@ cp "$scratch/changelog" CHANGELOG.md
 grep -q "the date of $version is 'soon'" "$scratch/messages" || fail "the date is not named"
 grep -q "not committed" "$scratch/messages" || fail "changes are not named"
 
+sed "s/^## $version - .*/## $version - 2030-02-30/" "$scratch/changelog" >CHANGELOG.md
+! release "$scratch/refused" || fail "30 February is a date"
+grep -q "the date of $version is '2030-02-30'" "$scratch/messages" || fail "a day that is none is not named"
+
+# A draft has what lies there, in all of its archives, and leaves the repository as it was.
+echo "// changed" >>rbd.h
+echo new >models/new.h
+git status --porcelain >"$scratch/before"
+release --draft "$scratch/draft" >/dev/null || fail "$(cat "$scratch/messages")"
+git status --porcelain | cmp - "$scratch/before" || fail "a draft changes the index"
+mkdir "$scratch/unpacked"
+tar -xzf "$scratch/draft/rbd-$version.tar.gz" -C "$scratch/unpacked"
+cmp rbd.h "$scratch/unpacked/rbd-$version/rbd.h" || fail "the source of a draft is another than its tree"
+mv "$scratch/unpacked/rbd-$version" "$scratch/unpacked/source"
+python3 -m zipfile -e "$scratch/draft/rbd-$version-headers.zip" "$scratch/unpacked"
+for name in rbd.h models/new.h CHANGELOG.md; do
+    cmp "$name" "$scratch/unpacked/rbd-$version/$name" && cmp "$name" "$scratch/unpacked/source/$name" || fail "a draft has another $name"
+done
+rm models/new.h
+git checkout -q rbd.h
+
 sed "s/^## $version - .*/## $version - 2030-01-31/" "$scratch/changelog" >CHANGELOG.md
 git commit -qam "A date"
 ! release --wheels "$scratch" "$scratch/refused" || fail "a folder without wheels is taken"
@@ -38,6 +59,19 @@ with zipfile.ZipFile(sys.argv[1], "w") as wheel:
 PYTHON
 ! release --wheels "$scratch/wheels" "$scratch/old" || fail "a wheel of other headers is taken"
 grep -q "has other headers" "$scratch/messages" || fail "a wheel of other headers is not named"
+
+mkdir -p "$scratch/site/licences" "$scratch/site/playground"
+touch "$scratch/site/index.html" "$scratch/site/licences/furo.txt"
+printf '==== rbd\n\n==== three 0.1.2, MIT\n\n==== urdfdom (in the WebAssembly modules)\n' >"$scratch/site/playground/LICENCES.txt"
+release --site "$scratch/site" "$scratch/with_site" >/dev/null || fail "$(cat "$scratch/messages")"
+python3 - "$scratch/with_site/rbd-$version.spdx.json" <<'PYTHON' || fail "the bill of materials is another"
+import json, sys
+bill = json.load(open(sys.argv[1]))
+packages = {p["SPDXID"]: p for p in bill["packages"]}
+inside = [packages[r["relatedSpdxElement"]] for r in bill["relationships"] if r["relationshipType"] == "CONTAINS"]
+assert [(p["name"], p["licenseDeclared"]) for p in inside] == [("furo", "NOASSERTION"), ("three", "MIT"), ("urdfdom", "NOASSERTION")]
+assert [p["licenseConcluded"] for p in packages.values()].count("MIT") == 4  # three other files, and three
+PYTHON
 
 release "$scratch/out" >/dev/null || fail "$(cat "$scratch/messages")"
 release "$scratch/again" >/dev/null

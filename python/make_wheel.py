@@ -4,8 +4,8 @@
 usage: make_wheel.py [--quick] PLATFORM FOLDER
 
 PLATFORM  linux-x86-64, linux-aarch64 or windows-x86-64; compilers of Debian's names. On x86-64 there are libraries for three
-          generations of processors, of which the fastest that runs is taken. The loader of URDF files comes with urdfdom for
-          the platform that this machine is.
+          generations of processors, of which the fastest that runs is taken. The loaders of URDF and MJCF files come with
+          urdfdom and MuJoCo for the platform that this machine is.
 --quick   hardly optimised, for the oldest processors, in double alone: for tests
 SPDX-License-Identifier: MIT"""
 import argparse
@@ -19,7 +19,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "python"))
-from rbd import _compiled, _library, _tables, _urdf  # noqa: E402
+from rbd import _compiled, _library, _mjcf, _tables, _urdf  # noqa: E402
 
 X86_64 = ["-march=x86-64", "-march=x86-64-v3", "-march=x86-64-v4"]
 PLATFORMS = {  # prefix of the tools, flags of each level, ending, and the wheel's tag
@@ -27,7 +27,11 @@ PLATFORMS = {  # prefix of the tools, flags of each level, ending, and the wheel
     "linux-aarch64": ("aarch64-linux-gnu-", ["-march=armv8-a"], ".so", "manylinux_{}_aarch64"),
     "windows-x86-64": ("x86_64-w64-mingw32-", X86_64, ".dll", "win_amd64"),
 }
-BEHIND = ["liburdfdom_sensor", "liburdfdom_model_state", "liburdfdom_model", "liburdfdom_world", "libconsole_bridge", "libtinyxml"]
+# What loaders stand on beside the system's libraries: those that stand on others first.
+BEHIND = {
+    "urdf": ["liburdfdom_sensor", "liburdfdom_model_state", "liburdfdom_model", "liburdfdom_world", "libconsole_bridge", "libtinyxml"],
+    "mjcf": ["libmujoco", "libccd", "liblodepng", "libqhull_r", "libtinyxml2"],
+}
 
 
 def run(*command):
@@ -63,25 +67,24 @@ class Compiler:
 def libraries_behind(loader):
     """Libraries that the loader stands on, those that stand on none first, as the system's loader finds them."""
     found = dict(re.findall(r"(lib\S+) => (\S+)", run("ldd", loader)))
-    return [Path(found[name]) for start in reversed(BEHIND) for name in found if name.startswith(start + ".so")]
+    return [Path(found[name]) for start in reversed(BEHIND[loader.stem]) for name in found if name.startswith(start + ".so")]
 
 
-def bring_urdf(compiler):
-    """The loader of URDF files with the libraries behind it and their licences."""
-    words = run("pkg-config", "--cflags", "--libs", "urdfdom").split()
+def bring_loader(compiler, name, unit, words):
+    """The loader of a kind of files with the libraries behind it and their licences. words: of compiler and linker."""
     libraries = [word for word in words if word.startswith(("-l", "-L"))]
     flags = ["-O1", "-std=c++17", *(word for word in words if word not in libraries)]
-    compiler.library("urdf", [_urdf._URDF], flags, "c++", libraries)
+    compiler.library(name, [unit], flags, "c++", libraries)
 
-    behind = libraries_behind(compiler.folder / "urdf.so")
+    behind = libraries_behind(compiler.folder / f"{name}.so")
     for path in behind:
         shutil.copy(path, compiler.folder / path.name)
         package = run("dpkg", "-S", path.resolve().name).splitlines()[0].split(":")[0]
         shutil.copy(f"/usr/share/doc/{package}/copyright", compiler.folder / f"LICENSE.{package}")
-    (compiler.folder / "urdf.txt").write_text("\n".join(path.name for path in behind) + "\n")
+    (compiler.folder / f"{name}.txt").write_text("\n".join(path.name for path in behind) + "\n")
 
 
-def compile_all(compiler, quick, urdf):
+def compile_all(compiler, quick, loaders):
     fast = ["-O1", "-Dalways_inline=unused"] if quick else ["-O3"]
     levels = compiler.levels[:1] if quick else compiler.levels
     compiler.library("machine", [_compiled._MACHINE], ["-O1"])
@@ -90,8 +93,9 @@ def compile_all(compiler, quick, urdf):
             flags = [*fast, march, "-ffp-contract=fast", f"-DRBD_REAL={real}"]
             compiler.library(f"{real}-{level}", _library._library_units(real), flags)
     compiler.library("print", _tables._print_units(), _tables._print_flags())
-    if urdf:
-        bring_urdf(compiler)
+    if loaders:
+        bring_loader(compiler, "urdf", _urdf._URDF, run("pkg-config", "--cflags", "--libs", "urdfdom").split())
+        bring_loader(compiler, "mjcf", _mjcf._MJCF, ["-lmujoco"])
     (compiler.folder / "headers.sha256").write_text(_compiled._stamp())
 
 
@@ -113,11 +117,11 @@ def main():
 
         said = next(package.glob("*.dist-info")) / "WHEEL"
         text = said.read_text().replace("Root-Is-Purelib: true", "Root-Is-Purelib: false")
-        said.write_text(text.replace("py3-none-any", f"py3-none-{compiler.oldest_system()}"))
+        tag = f"py3-none-{compiler.oldest_system()}"
+        said.write_text(text.replace("py3-none-any", tag))
         options.folder.mkdir(parents=True, exist_ok=True)
         run(sys.executable, "-m", "wheel", "pack", package, "-d", options.folder)
-    for path in options.folder.glob("*.whl"):
-        print(path)
+    print(options.folder / f"{package.name}-{tag}.whl")
 
 
 if __name__ == "__main__":

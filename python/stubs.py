@@ -18,7 +18,7 @@ sys.path.insert(0, str(HERE))
 import rbd  # noqa: E402
 from rbd import _spatial  # noqa: E402
 
-SOURCES = [path.read_text() for path in sorted((HERE / "rbd").glob("*.py"))]
+SOURCES = [(text, ast.parse(text)) for text in (path.read_text() for path in sorted((HERE / "rbd").glob("*.py")))]
 
 HEAD = '''# SPDX-License-Identifier: MIT. Copyright (c) 2026 the rbd authors.
 # Made by stubs.py: do not edit.
@@ -53,13 +53,14 @@ def hidden_lines(node):
 
 def source(name):
     """The text of a class, wherever the package has it."""
-    for text in SOURCES:
-        for node in ast.parse(text).body:
+    for text, tree in SOURCES:
+        for node in tree.body:
             if isinstance(node, ast.ClassDef) and node.name == name:
                 first = min(node.lineno, *(d.lineno for d in node.decorator_list or [node]))
                 lines = enumerate(text.split("\n")[first - 1:node.end_lineno], first)
                 hidden = hidden_lines(node)
-                return "\n".join(line for number, line in lines if number not in hidden).rstrip() + "\n"
+                kept = "\n".join(line for number, line in lines if number not in hidden).rstrip() + "\n"
+                return kept.replace("(_Declared):", ":", 1)  # which only refuses what a type checker sees
     raise KeyError(name)
 
 

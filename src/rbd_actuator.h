@@ -28,7 +28,7 @@
      [tables] [actuators] [inverse] [forward] [rotors]
      --- stop here if you only use it ---
      [method] [exponential] [friction code] [motor code] [drive code] [rods] [transmission code]
-     [inverse code] [laws of shafts] [forward code] [derivatives code] [checks] [tables code]
+     [inverse code] [laws of shafts] [coupled shafts] [forward code] [derivatives code] [checks] [tables code]
      [rotors code] [text code]
 
    [conventions] Those of rbd.h, beyond them:
@@ -43,15 +43,16 @@
 
    [guarantees]
      Finite input gives finite output. Springs and play add no energy, whatever the step is, and friction
-     opposes the speed at the step's end. A rotor that friction holds on a spring stays to the bit. The bits
-     are the same on every machine with RBD_REPRODUCIBLE.
+     opposes the speed at the step's end. No motor passes its limits there. A rotor that friction holds on a
+     spring stays to the bit. The bits are the same on every machine with RBD_REPRODUCIBLE.
 
    [limits]
      A rigid shaft that its friction holds creeps by 1e-9 rad/s at most (float: 1e-6), or gives way as its
      bristle says. The level of friction is that of the state before a step, and of the loads of the last one.
-     Speeds of shafts that a transmission couples converge by repeats; those that are coupled closely and held
-     by much friction may need more than there are. Not here: inductance and the dynamics of the current's
-     loop, rods with mass, tendons with slack, hysteresis of strain-wave gears, friction by temperature.
+     Steps settle by repeats, of which there are 50 at most; several transmissions along one limb may need
+     more. Not here: inductance, whose time constant is a millisecond or less, and the dynamics of the
+     current's loop, rods with mass, tendons with slack, hysteresis of strain-wave gears, friction by
+     temperature. That actuators belong to another robot cannot be seen: no call but the first takes a model.
 */
 #include "rbd.h"
 
@@ -101,6 +102,7 @@ RBDI_CODE_BEGIN
 #include "actuator/transmission.h"
 #include "actuator/inverse.h"
 #include "actuator/laws.h"
+#include "actuator/coupled.h"
 #include "actuator/step.h"
 #include "actuator/derivatives.h"
 #include "actuator/check.h"

@@ -87,7 +87,7 @@ static void check_exponentials(void) {
     expect(rbdi_act_exponential(-1000) <= 0, "exponential of -1000", 0);
 }
 
-static double published(const rbd_friction *f, double x, double t_m, double t_x) {
+static double published(const rbd_gear_friction *f, double x, double t_m, double t_x) {
     const int opposed = (t_x > 0) - (t_x < 0) != (t_m > 0) - (t_m < 0);
     const double S = exp(-pow(fabs(x / (double)f->speed), (double)f->power));
     double rest = (double)f->rest + fabs((double)f->rest_joint * t_x - (double)f->rest_motor * t_m);
@@ -99,7 +99,7 @@ static double published(const rbd_friction *f, double x, double t_m, double t_x)
 static void check_servos(void) {
     double worst = 0;
     for (int k = 0; k < 100000; k++) {
-        const rbd_friction *f = &servos[k % 7].friction;
+        const rbd_gear_friction *f = &servos[k % 7].friction;
         const rbd_real x = draw(-10, 10), t_m = draw(-9, 9), t_x = draw(-9, 9);
         const double expected = published(f, (double)x, (double)t_m, (double)t_x);
         worst = fmax(worst, fabs((double)rbd_friction_level(f, x, t_m, t_x) - expected) / (1 + expected));

@@ -151,7 +151,7 @@ static void check_drift(void) {
     expect(drift < (IN_FLOAT ? 1e-1 : 1e-9), "felt torque, drift", drift);
 }
 
-/* rbdi_bounded_pair beside a search on a grid that is made finer. */
+/* rbdi_est_bounded_pair beside a search on a grid that is made finer. */
 static void check_bounded_pair(void) {
     double worst = 0;
     for (int trial = 0; trial < 300; trial++) {
@@ -159,7 +159,7 @@ static void check_bounded_pair(void) {
                      s = 4 * uniform() - 2;
         rbd_real x[2];
         double at[2] = {4, 4}, size = 4, found;
-        rbdi_bounded_pair((rbd_real)a, (rbd_real)b, (rbd_real)c, (rbd_real)r, (rbd_real)s, &x[0], &x[1]);
+        rbdi_est_bounded_pair((rbd_real)a, (rbd_real)b, (rbd_real)c, (rbd_real)r, (rbd_real)s, &x[0], &x[1]);
         found = pow(a * (double)x[0] + b * (double)x[1] - r, 2) + pow(c * (double)x[1] - s, 2);
         double best = 1e9, here[2] = {4, 4};
         for (int round = 0; round < 40; round++, size *= 0.7) {

@@ -2,7 +2,8 @@
 """Record and replay (examples/firmware): a dump, whole, damaged, altered, and from other programs.
 
     replay.py REPLAY RECORDER           programs: examples/firmware/replay.c, tests/recorder.c; CC is the compiler
-    replay.py REPLAY --emulated TARGET  records on a microcontroller under QEMU and replays; skipped (77) without
+    replay.py REPLAY --emulated TARGET  records on a microcontroller under QEMU and replays, recorded_servos.c too;
+                                        skipped (77) without
     replay.py REPLAY --record           on a Cortex-M7, and writes tests/data/recorded_iiwa.txt: where rbd's bits moved
 
 SPDX-License-Identifier: MIT"""
@@ -211,7 +212,8 @@ def cross_words(target):
     return words
 
 
-def record(program, target, keep):
+def image(name, target, ticks, scratch):
+    """What a program of examples/firmware prints on an emulated microcontroller, and its exit status."""
     words = cross_words(target)
     compiler, emulator = words["c"], words["exe_wrapper"]
     lacks = [name for name in (compiler, emulator[2]) if not shutil.which(name)]
@@ -220,23 +222,46 @@ def record(program, target, keep):
     if lacks:
         print("left out: there is no", ", no ".join(lacks))
         sys.exit(77)
+    for source in (name, "board"):
+        subprocess.run([compiler, "-std=c99", "-O2", *words["c_args"], "-DRBD_REAL=float", f"-DRECORDED_TICKS={ticks}",
+                        "-DPICOLIBC_INTEGER_PRINTF_SCANF", "-I", ROOT, "-c", EXAMPLES / (source + ".c"),
+                        "-o", f"{scratch}/{source}.o"], check=True)
+    subprocess.run([compiler, *words["c_link_args"], "-DPICOLIBC_INTEGER_PRINTF_SCANF", f"{scratch}/{name}.o",
+                    f"{scratch}/board.o", "-lm", "-o", f"{scratch}/{name}"], check=True)
+    done = subprocess.run([*emulator, f"{scratch}/{name}"], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, check=False)
+    return done.returncode, done.stdout
+
+
+def record(program, target, keep):
     ticks = KEPT if keep else 500
     with tempfile.TemporaryDirectory() as scratch:
-        for name in ("recorded_control", "board"):
-            subprocess.run([compiler, "-std=c99", "-O2", *words["c_args"], "-DRBD_REAL=float", f"-DRECORDED_TICKS={ticks}",
-                            "-DPICOLIBC_INTEGER_PRINTF_SCANF", "-I", ROOT, "-c", EXAMPLES / (name + ".c"),
-                            "-o", f"{scratch}/{name}.o"], check=True)
-        subprocess.run([compiler, *words["c_link_args"], "-DPICOLIBC_INTEGER_PRINTF_SCANF", f"{scratch}/recorded_control.o",
-                        f"{scratch}/board.o", "-lm", "-o", f"{scratch}/recorded_control"], check=True)
-        done = subprocess.run([*emulator, f"{scratch}/recorded_control"], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                              check=False)
-    report = done.stdout.decode().partition("\n")[0]
-    expect("the robot", (done.returncode, report), 0, "recorded control, iiwa")
-    got = replay(program, done.stdout)
+        status, dump = image("recorded_control", target, ticks, scratch)
+    report = dump.decode().partition("\n")[0]
+    expect("the robot", (status, report), 0, "recorded control, iiwa")
+    got = replay(program, dump)
     print(report, got[1], sep="\n")
     expect("replayed", got, SAME, f"{ticks} ticks from tick ", "all the same bits")
     if keep and not failures:
-        DUMP.write_bytes(done.stdout[done.stdout.index(b"rbd-recording"):])
+        DUMP.write_bytes(dump[dump.index(b"rbd-recording"):])
+
+
+def record_servos(target):
+    """An arm of servos with gravity and friction compensation: the currents, to the bit."""
+    with tempfile.TemporaryDirectory() as scratch:
+        status, dump = image("recorded_servos", target, 500, scratch)
+        program = f"{scratch}/replay"
+        subprocess.run([*shlex.split(os.environ.get("CC", "cc")), "-std=c99", "-O2", "-Dalways_inline=unused",
+                        "-DCONTROLLER=\"servo_controller.h\"", "-I", ROOT, EXAMPLES / "replay.c", "-o", program, "-lm"],
+                       check=True)
+        report = dump.decode().partition("\n")[0]
+        expect("the servos", (status, report), 0, "recorded servos, iiwa")
+        got = replay(program, dump)
+        print(report, got[1], sep="\n")
+        expect("servos replayed", got, SAME, "500 ticks from tick ", "all the same bits")
+        lines = dump[dump.index(b"rbd-recording"):].decode().splitlines(keepends=True)
+        expect("a current", replay(program, altered(lines, 77, 4, 3, 0)), DIFFERS, "joint 4: current recorded",
+               "1 of 500 ticks differ")
+        expect("of another controller", replay(program, DUMP.read_bytes()), UNUSABLE, "another configuration")
 
 
 def main():
@@ -245,6 +270,8 @@ def main():
     program, what = sys.argv[1:3]
     if what in ("--emulated", "--record"):
         record(program, sys.argv[3] if what == "--emulated" else "cortex-m7", what == "--record")
+        if what == "--emulated":
+            record_servos(sys.argv[3])
     else:
         check_recorder(what)
         check_dumps(program)

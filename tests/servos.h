@@ -7,7 +7,7 @@
 
 static const struct {
     const char *name;
-    rbd_friction friction;
+    rbd_gear_friction friction;
 } servos[7] = {{"Dynamixel MX-64",
                 {.coulomb = RBD_C(6.217919698787649e-07),
                  .viscous = RBD_C(0.02533701181690149),

@@ -116,7 +116,7 @@ static const char *const iiwa_joints[7] = {"lbr_iiwa_joint_1", "lbr_iiwa_joint_2
 /* ---- friction ---- */
 
 /* What BAM's paper gives as its sixth model, by libm. */
-static double published(const rbd_friction *f, double x, double t_m, double t_x) {
+static double published(const rbd_gear_friction *f, double x, double t_m, double t_x) {
     const int opposed = (t_x > 0) - (t_x < 0) != (t_m > 0) - (t_m < 0);
     const double S = exp(-pow(fabs(x / f->speed), f->power));
     double rest = f->rest + fabs(f->rest_joint * t_x - f->rest_motor * t_m);
@@ -126,7 +126,7 @@ static double published(const rbd_friction *f, double x, double t_m, double t_x)
 }
 
 START_TEST(friction_of_seven_servos_is_the_published_formula) {
-    const rbd_friction *f = &servos[_i].friction;
+    const rbd_gear_friction *f = &servos[_i].friction;
     for (int i = -20; i <= 20; i++)
         for (int j = -20; j <= 20; j++)
             for (int k = -20; k <= 20; k++) {
@@ -141,14 +141,14 @@ END_TEST
 
 /* With fewer fields: Coulomb alone, and the same load on both sides. */
 START_TEST(simpler_laws_of_friction_are_special_cases) {
-    const rbd_friction one = {.coulomb = 0.3, .viscous = 2},
-                       three = {.coulomb = 0.3, .load_motor = 0.2, .load_joint = 0.2};
+    const rbd_gear_friction one = {.coulomb = 0.3, .viscous = 2},
+                            three = {.coulomb = 0.3, .load_motor = 0.2, .load_joint = 0.2};
     ck_assert(rbd_friction_level(&one, 3, 10, -4) == 0.3);
     ck_assert(fabs(rbd_friction_level(&three, 3, 10, -4) - (0.3 + 0.2 * 14)) < 1e-15);
     ck_assert(rbd_friction_level(NULL, 1, 1, 1) == 0);
 
     /* the squares where one torque is the larger one, and neither is */
-    const rbd_friction six = {.square_motor = 0.1, .square_joint = 0.2, .speed = 1, .power = 1};
+    const rbd_gear_friction six = {.square_motor = 0.1, .square_joint = 0.2, .speed = 1, .power = 1};
     ck_assert(rbd_friction_level(&six, 0, 2, -2) == 0);
     ck_assert(fabs(rbd_friction_level(&six, 0, 2, -3) - 0.4) < 1e-15);
     ck_assert(fabs(rbd_friction_level(&six, 0, 2, -1) - 0.2) < 1e-15);
@@ -249,7 +249,7 @@ static double slides_by_rows(double share, double dt) {
     const rbd_contact_options rows = {.joint_friction = 1, .tolerance = 1e-13, .iterations = 200};
     rbd_body bodies[7];
     rbd_motor motors[7];
-    rbd_friction friction[7] = {{0}};
+    rbd_gear_friction friction[7] = {{0}};
     double g[7], moved = 0;
     memcpy(bodies, iiwa_bodies, sizeof bodies);
     for (int i = 0; i < 7; i++) {
@@ -287,7 +287,7 @@ END_TEST
 
 /* One step of the robot d, whose n shafts turn by G v and have the level of `friction` in rows. load: torque
    of the joint on each shaft in the last step; receives that of this one. */
-static void step_by_rows(driven *d, const rbd_friction *friction, const double *G, int n, double *load,
+static void step_by_rows(driven *d, const rbd_gear_friction *friction, const double *G, int n, double *load,
                          double dt) {
     rbd_actuator_state s;
     double f, speed[7];
@@ -317,21 +317,21 @@ static void step_by_rows(driven *d, const rbd_friction *friction, const double *
 static double difference_by_rows(double dt) {
     const rbd_contact_options rows = {.rows = 7, .tolerance = 1e-13, .iterations = 200};
     rbd_motor motors[7], without[7];
-    rbd_friction friction[7];
+    rbd_gear_friction friction[7];
     double load[7] = {0}, G[49] = {0}, most = 0, moved = 0;
     int stuck = 0;
     for (int i = 0; i < 7; i++) {
-        friction[i] = (rbd_friction){.coulomb = 1 - 0.1 * i,
-                                     .viscous = 0.4,
-                                     .load_motor = 0.1,
-                                     .load_joint = 0.15,
-                                     .rest = 0.3,
-                                     .rest_joint = 0.05,
-                                     .speed = 0.2,
-                                     .power = 1.5};
+        friction[i] = (rbd_gear_friction){.coulomb = 1 - 0.1 * i,
+                                          .viscous = 0.4,
+                                          .load_motor = 0.1,
+                                          .load_joint = 0.15,
+                                          .rest = 0.3,
+                                          .rest_joint = 0.05,
+                                          .speed = 0.2,
+                                          .power = 1.5};
         motors[i] = (rbd_motor){.joint = iiwa_joints[i], .gear = 1, .constant = 1, .friction = friction[i]};
         without[i] = motors[i];
-        without[i].friction = (rbd_friction){.viscous = friction[i].viscous};
+        without[i].friction = (rbd_gear_friction){.viscous = friction[i].viscous};
         G[8 * i] = 1;
     }
     driven d = drive("iiwa", iiwa_bodies, 7, motors, 7, NULL, 0, NULL, 0, NULL);
@@ -471,6 +471,7 @@ START_TEST(temperatures_are_those_of_the_network) {
     heavy[0].inertia[5] = 1e12;
     motor.copper = _i == 1 ? 0.0039 : 0;
     motor.heat_case = _i == 2 ? 0 : 300;
+    motor.flow_case = _i == 2 ? 0 : 3;
     driven d = drive("heavy wheel", heavy, 1, &motor, 1, NULL, 0, NULL, 0, NULL);
     rbd_actuator_state s;
     d.command[0].torque = 4;
@@ -633,6 +634,178 @@ START_TEST(cogging_makes_no_energy) {
 }
 END_TEST
 
+/* ---- limits at the step's end ---- */
+
+/* The torque that a motor has after a step is what its drive asks for at the angle and speed of the step's
+   end, cut by the limits there. */
+static void expect_within_limits(const driven *d, int i, const rbd_motor *m, double encoder) {
+    const double K = m->gear * m->constant;
+    rbd_actuator_state s;
+    ck_assert_int_eq(rbd_actuators_get(d->a, i, &s), RBD_OK);
+    const rbd_command *c = &d->command[i];
+    const double asked = c->torque + c->kp * (c->q - encoder) + c->kd * (c->v - s.speed);
+    double low = -fabs(K) * m->current, high = -low;
+    if (m->voltage > 0) {
+        const double line = fabs(K) * m->voltage / m->resistance, back = K * K / m->resistance * s.speed;
+        low = fmax(low, fmin(-line - back, high));
+        high = fmin(high, fmax(line - back, low));
+    }
+    const double expected = fmin(fmax(asked, low), high);
+    ck_assert_msg(fabs(s.motor - expected) <= 1e-9 * (1 + fabs(asked) + c->kp), "%g, not %g", s.motor,
+                  expected);
+    ck_assert_msg(fabs(s.current) <= m->current * (1 + 1e-12), "%g A", s.current);
+    if (fabs(asked - expected) > 1e-6) ck_assert_int_eq(s.saturated, asked > expected ? 1 : -1);
+}
+
+/* A stiff drive whose limit cuts it in most steps. _i & 1: a limit of the voltage, too; & 2: behind a spring;
+   & 4: the gear turns the other way. */
+START_TEST(a_limit_is_decided_at_the_steps_end) {
+    rbd_motor motor = {
+        .joint = "axle", .gear = _i & 4 ? -50 : 50, .constant = 0.03, .current = 4, .inertia = 1e-5};
+    if (_i & 1) motor.voltage = 12, motor.resistance = 0.6;
+    if (_i & 2) motor.stiffness = 500, motor.damping = 1;
+    uint64_t seed = 17;
+    int cut = 0, free = 0;
+    for (int h = 0; h < 3; h++) {
+        driven d = drive_wheel(&motor);
+        for (int k = 0; k < 500; k++) {
+            const double kp = pow(10, uniform(&seed, 0, 4));
+            d.command[0] = (rbd_command){.q = uniform(&seed, -1, 1), .kp = kp, .kd = kp / 10};
+            rbd_actuator_state s;
+            step(&d, steps[h]);
+            ck_assert_int_eq(rbd_actuators_get(d.a, 0, &s), RBD_OK);
+            expect_within_limits(&d, 0, &motor, s.angle);
+            cut += s.saturated != 0, free += s.saturated == 0;
+        }
+        ck_assert_int_eq(d.unsettled, 0);
+        drive_free(&d);
+    }
+    ck_assert_int_gt(cut, 100);
+    ck_assert_int_gt(free, 10);
+}
+END_TEST
+
+/* While the limit cuts it, a drive is a constant torque: 6 N m on 0.1 kg m^2, whatever the gains are. */
+START_TEST(a_drive_at_its_limit_is_a_constant_torque) {
+    const rbd_motor motor = {.joint = "axle", .gear = 50, .constant = 0.03, .current = 4};
+    driven d = drive_wheel(&motor);
+    d.command[0] = (rbd_command){.q = 1000, .kp = 1e5, .kd = 1e3};
+    for (int k = 1; k <= 20; k++) {
+        step(&d, 1e-2);
+        ck_assert_double_eq_tol(d.v[0], 60 * 1e-2 * k, 1e-12);
+    }
+    drive_free(&d);
+}
+END_TEST
+
+/* ---- drives by voltage ---- */
+
+static const rbd_motor by_voltage = {
+    .joint = "axle", .gear = 50, .constant = 0.03, .resistance = 0.6, .voltage = 24, .by_voltage = 1};
+
+/* 12 V through 0.6 ohm and 1.5 V s: 30 N m at a standstill, 8 rad/s without a load; the supply's 24 V are the
+   most it gets. A time constant of I R / K^2. */
+START_TEST(a_voltage_makes_a_torque_speed_line) {
+    const double volts[3] = {12, -6, 100}, stall[3] = {30, -15, 60}, speed[3] = {8, -4, 16};
+    for (int k = 0; k < 6; k++) {
+        rbd_motor motor = by_voltage;
+        const double sign = k < 3 ? 1 : -1; /* a gear that turns the other way */
+        motor.gear = 50 * sign;
+        driven d = drive_wheel(&motor);
+        d.command[0].voltage = volts[k % 3];
+        ck_assert_int_eq(rbd_actuators_begin(d.a, d.command, d.q, d.v, 1e-3, 0, d.tau, d.damping), RBD_OK);
+        ck_assert_double_eq_tol(d.tau[0], sign * stall[k % 3], 1e-12);
+        ck_assert_double_eq_tol(d.damping[0], 1.5 * 1.5 / 0.6, 1e-12);
+        for (int i = 0; i < 300; i++) step(&d, 1e-2);
+        ck_assert_double_eq_tol(d.v[0], sign * speed[k % 3], 1e-10);
+
+        /* a run-up in short steps against its exponential */
+        const double rate = 1.5 * 1.5 / 0.6 / 0.1;
+        memset(d.v, 0, sizeof d.v), memset(d.q, 0, sizeof d.q);
+        ck_assert_int_eq(rbd_actuators_reset(d.a, d.q, 25), RBD_OK);
+        for (int i = 0; i < 2000; i++) step(&d, 1e-5);
+        ck_assert_double_eq_tol(d.v[0], sign * speed[k % 3] * (1 - exp(-rate * 0.02)),
+                                2e-4 * fabs(speed[k % 3]));
+        drive_free(&d);
+    }
+}
+END_TEST
+
+/* Gains in volts are gains in torque times K / R, and the back-EMF is damping. With the gear turned around it
+   is the same motion. */
+START_TEST(gains_in_volts_turn_the_shaft_the_same_way) {
+    rbd_motor volts = by_voltage;
+    const rbd_motor torque = {.joint = "axle", .gear = 50, .constant = 0.03};
+    const double per_volt = 1.5 / 0.6;
+    volts.gear = _i ? -50 : 50, volts.voltage = 0;
+    driven d = drive_wheel(&volts), e = drive_wheel(&torque);
+    for (int k = 0; k < 300; k++) {
+        d.command[0] = (rbd_command){.q = sin(0.05 * k), .kp = 40, .kd = 0.5, .voltage = _i ? -2 : 2};
+        e.command[0] = (rbd_command){
+            .q = sin(0.05 * k), .kp = 40 * per_volt, .kd = (0.5 + 1.5) * per_volt, .torque = 2 * per_volt};
+        step(&d, 5e-3), step(&e, 5e-3);
+        ck_assert_double_eq_tol(d.q[0], e.q[0], 1e-12);
+    }
+    drive_free(&d), drive_free(&e);
+}
+END_TEST
+
+/* The voltage that the inverse asks for gives the wanted torque at that speed; what the supply does not have
+   is told. */
+START_TEST(a_voltage_of_the_inverse_gives_the_torque) {
+    uint64_t seed = 23;
+    int cut = 0;
+    for (int k = 0; k < 200; k++) {
+        rbd_motor motor = by_voltage;
+        const double zero[1] = {0}, v[1] = {uniform(&seed, -20, 20)}, tau[1] = {uniform(&seed, -40, 40)};
+        rbd_drive o;
+        motor.gear = k % 2 ? 50 : -50;
+        driven d = drive_wheel(&motor);
+        ck_assert_int_eq(rbd_actuators_inverse(d.a, d.q, v, zero, tau, &o), RBD_OK);
+        const double needed = 0.6 * tau[0] / (motor.gear * 0.03) + motor.gear * 0.03 * v[0];
+        ck_assert_int_eq(o.saturated != 0, fabs(needed) > 24);
+        ck_assert_double_eq_tol(o.voltage, fmax(-24, fmin(24, needed)), 1e-11);
+        d.command[0].voltage = o.voltage;
+        ck_assert_int_eq(rbd_actuators_begin(d.a, d.command, d.q, v, 1e-3, 0, d.tau, d.damping), RBD_OK);
+        ck_assert_double_eq_tol(d.tau[0] - d.damping[0] * v[0], o.torque, 1e-10);
+        cut += o.saturated != 0;
+        drive_free(&d);
+    }
+    ck_assert(cut > 20 && cut < 180);
+}
+END_TEST
+
+START_TEST(a_command_is_a_torque_or_a_voltage) {
+    const rbd_motor torque = {.joint = "axle", .gear = 50, .constant = 0.03};
+    driven d = drive_wheel(&torque), e = drive_wheel(&by_voltage);
+    d.command[0].voltage = 1, e.command[0].torque = 1;
+    ck_assert_int_eq(rbd_actuators_begin(d.a, d.command, d.q, d.v, 1e-3, 0, d.tau, d.damping), RBD_ERR_RANGE);
+    ck_assert_int_eq(rbd_actuators_begin(e.a, e.command, e.q, e.v, 1e-3, 0, e.tau, e.damping), RBD_ERR_RANGE);
+    drive_free(&d), drive_free(&e);
+}
+END_TEST
+
+/* A step that was begun and has no end is none: commands under way stay in their places. */
+START_TEST(a_step_may_be_begun_again) {
+    const rbd_motor motor = {.joint = "axle", .gear = 1, .constant = 1, .delay = 3};
+    driven d = drive_wheel(&motor);
+    const double nan[1] = {NAN};
+    for (int k = 0; k < 12; k++) {
+        for (int n = 0; n < 4; n++) {
+            d.command[0].torque = 100 * (n + 1);
+            ck_assert_int_eq(rbd_actuators_begin(d.a, d.command, d.q, d.v, 1e-3, 0, d.tau, d.damping),
+                             RBD_OK);
+            if (n % 2) ck_assert_int_eq(rbd_actuators_again(d.a, nan, d.tau, d.damping), 0);
+        }
+        d.command[0].torque = k + 1;
+        ck_assert_int_eq(rbd_actuators_begin(d.a, d.command, d.q, d.v, 1e-3, 0, d.tau, d.damping), RBD_OK);
+        ck_assert(d.tau[0] == (k < 3 ? 0 : k - 2));
+        ck_assert_int_eq(rbd_actuators_again(d.a, d.v, d.tau, d.damping), 0);
+    }
+    drive_free(&d);
+}
+END_TEST
+
 /* ---- inverse ---- */
 
 /* With efficiency 0.8 a torque of 8 N m out needs 10 of the motor; lowering 8 N m, the motor holds 6.667.
@@ -666,7 +839,7 @@ START_TEST(efficiency_and_self_locking) {
 }
 END_TEST
 
-static void draw_friction(uint64_t *seed, rbd_friction *f) {
+static void draw_friction(uint64_t *seed, rbd_gear_friction *f) {
     f->coulomb = uniform(seed, 0, 0.5), f->viscous = uniform(seed, 0, 0.2);
     f->rest = uniform(seed, 0, 0.5), f->speed = uniform(seed, 0.1, 0.6), f->power = uniform(seed, 0.7, 3);
     f->load_motor = uniform(seed, 0, 0.25), f->load_joint = uniform(seed, 0, 0.25);
@@ -1072,7 +1245,7 @@ END_TEST
 START_TEST(coupled_shafts_stick_and_slide_as_rows) {
     const double J = 2500 * 1e-5, D = 3, G[4] = {1, 0, 1, 1}, dt = steps[_i];
     const rbd_contact_options rows = {.first_order = 1, .rows = 2, .tolerance = 1e-13, .iterations = 200};
-    const rbd_friction friction[2] = {{.coulomb = 6}, {.coulomb = 2}};
+    const rbd_gear_friction friction[2] = {{.coulomb = 6}, {.coulomb = 2}};
     const rbd_motor motors[2] = {{.gear = 50, .constant = 1}, {.gear = 50, .constant = 1}};
     double load[2] = {0}, added[3] = {0};
     int stuck[2] = {0}, slid[2] = {0};
@@ -1119,6 +1292,116 @@ START_TEST(coupled_shafts_stick_and_slide_as_rows) {
     }
     ck_assert_int_eq(d.repeats, 0);
     drive_free(&d);
+}
+END_TEST
+
+/* Stuck and sliding coupled shafts by their own law: M (v_next - v) = dt (other - c + G' t). Each shaft's
+   torque t is that of rotor, viscous friction and dry friction, which is the level against the motion, or
+   holds the shaft. Returns 1 if a shaft sticks and another one slides. */
+static int expect_coupled_laws(driven *d, const double *G, const rbd_motor *motors, int n, double dt) {
+    double M[9], c[3], v[3], t[3];
+    double momentum = 0;
+    int stuck = 0, slid = 0;
+    ck_assert_int_eq(rbd_crba(d->r.m, d->r.w, d->q, M), RBD_OK);
+    ck_assert_int_eq(rbd_bias(d->r.m, d->r.w, d->q, d->v, NULL, c), RBD_OK);
+    memcpy(v, d->v, sizeof v);
+    step(d, dt);
+    for (int k = 0; k < n * n; k++) momentum += fabs(M[k] * d->v[k % n]);
+    for (int i = 0; i < n; i++) {
+        const double J = motors[i].gear * motors[i].gear * motors[i].inertia, F = motors[i].friction.coulomb;
+        double x = 0, before = 0;
+        rbd_actuator_state s;
+        ck_assert_int_eq(rbd_actuators_get(d->a, i, &s), RBD_OK);
+        for (int j = 0; j < n; j++) x += G[n * i + j] * d->v[j], before += G[n * i + j] * v[j];
+        t[i] = s.joint;
+        const double f = t[i] + J * (x - before) / dt + motors[i].friction.viscous * x;
+        const double rounding = 1e-9 * (1 + fabs(t[i]) + F) + 1e-10 * momentum / dt;
+        ck_assert_msg(fabs(f) <= F + rounding, "%g N m beyond %g at %g, momentum %g", fabs(f) - F, F, x,
+                      momentum);
+        if (fabs(x) > 2e-9)
+            ck_assert_msg(fabs(f + copysign(F, x)) <= rounding, "%g N m off at %g", f + copysign(F, x), x);
+        ck_assert(f * x <= 1e-8 * F);
+        stuck += fabs(x) < 1e-8, slid += fabs(x) > 1e-3;
+    }
+    for (int j = 0; j < n; j++) {
+        double rest = dt * (c[j] - d->other[j]);
+        for (int l = 0; l < n; l++) rest += M[n * j + l] * (d->v[l] - v[l]) - dt * G[n * l + j] * t[l];
+        ck_assert_msg(fabs(rest) < 1e-9, "%g", rest);
+    }
+    return stuck > 0 && slid > 0;
+}
+
+/* Three joints in series, 0.1 to 10 kg. */
+static void draw_chain(uint64_t *seed, rbd_body *bodies, rbd_motor *motors, rbd_transmission *t) {
+    static const char *const joints[3] = {"one", "two", "three"};
+    memset(bodies, 0, 3 * sizeof *bodies);
+    memset(motors, 0, 3 * sizeof *motors);
+    *t = (rbd_transmission){.kind = RBD_BY_MATRIX, .n = 3};
+    for (int i = 0; i < 3; i++) {
+        const double mass = pow(10, uniform(seed, -1, 1));
+        bodies[i] = (rbd_body){.joint = joints[i], .parent = i - 1, .type = RBD_REVOLUTE, .mass = mass};
+        for (int k = 0; k < 3; k++) bodies[i].axis[k] = uniform(seed, -1, 1);
+        bodies[i].position[2] = i ? -0.3 : 0, bodies[i].com[2] = -0.2;
+        bodies[i].inertia[0] = bodies[i].inertia[3] = bodies[i].inertia[5] = 0.02 * mass;
+        motors[i] = (rbd_motor){.gear = 50, .constant = 1, .inertia = below(seed, 2) ? 1e-5 : 0};
+        motors[i].friction.coulomb = pow(10, uniform(seed, -2, 1.3));
+        motors[i].friction.viscous = below(seed, 2) ? uniform(seed, 0, 1) : 0;
+        t->joint[i] = joints[i];
+        for (int k = 0; k < 3; k++) t->matrix[3 * i + k] = uniform(seed, -0.5, 0.5) + (k == i ? 1.5 : 0);
+    }
+}
+
+START_TEST(coupled_shafts_stick_and_slide_exactly) {
+    uint64_t seed = 31;
+    int mixed = 0, made = 0, repeats = 0;
+    for (int k = 0; k < 30; k++) {
+        rbd_body bodies[3];
+        rbd_motor motors[3];
+        rbd_transmission t;
+        draw_chain(&seed, bodies, motors, &t);
+        driven d = drive("chain", bodies, 3, motors, 3, &t, 1, NULL, 0, &first_order);
+        const double dt = steps[k % 3];
+        for (int i = 0; i < 3; i++) d.q[i] = uniform(&seed, -1, 1), d.v[i] = uniform(&seed, -2, 2);
+        for (int n = 0; n < 200; n++) {
+            for (int i = 0; i < 3; i++) d.other[i] = 5 * sin((7 + i) * n * dt);
+            mixed += expect_coupled_laws(&d, t.matrix, motors, 3, dt);
+            made++;
+        }
+        ck_assert_int_eq(d.unsettled, 0);
+        repeats += d.repeats;
+        drive_free(&d);
+    }
+    ck_assert_int_gt(mixed, made / 10);
+    ck_assert_int_lt(repeats, 4 * made);
+}
+END_TEST
+
+/* The same motion as with friction in rows of the contact step: a leg with a belt that sticks and slides. */
+START_TEST(coupled_shafts_move_as_by_rows) {
+    const double dt = steps[_i];
+    const double G[4] = {1, 0, 1, 1};
+    const rbd_contact_options rows = {.first_order = 1, .rows = 2, .tolerance = 1e-13, .iterations = 200};
+    const rbd_gear_friction friction[2] = {{.coulomb = 6}, {.coulomb = 2}};
+    const rbd_motor plain = {.gear = 50, .constant = 1, .friction = {.viscous = 3}};
+    const rbd_motor without[2] = {plain, plain};
+    rbd_motor motors[2] = {plain, plain};
+    double load[2] = {0}, most = 0;
+    int stuck = 0;
+    for (int i = 0; i < 2; i++) motors[i].friction.coulomb = friction[i].coulomb;
+    driven d = drive("leg", leg, 2, motors, 2, &belt, 1, NULL, 0, &first_order);
+    driven e = drive("leg", leg, 2, without, 2, &belt, 1, NULL, 0, &rows);
+    d.q[0] = e.q[0] = 0.3, d.q[1] = e.q[1] = -0.7;
+    for (int k = 0; k * dt < 1; k++) {
+        for (int j = 0; j < 2; j++) d.other[j] = e.other[j] = -40 * d.q[j] + 25 * sin(5 * k * dt);
+        step(&d, dt);
+        step_by_rows(&e, friction, G, 2, load, dt);
+        for (int j = 0; j < 2; j++) most = fmax(most, fabs(d.q[j] - e.q[j]));
+        stuck += (fabs(d.v[0]) < 1e-8) != (fabs(d.v[0] + d.v[1]) < 1e-8);
+    }
+    ck_assert_int_gt(stuck, (int)(0.05 / dt));
+    ck_assert_int_eq(d.unsettled, 0);
+    drive_free(&d), drive_free(&e);
+    ck_assert_msg(most < 1e-8, "%g rad", most);
 }
 END_TEST
 
@@ -1629,6 +1912,7 @@ START_TEST(random_tables_give_finite_answers_within_limits) {
                 ck_assert_int_eq(rbd_actuators_get(d.a, i, &s), RBD_OK);
                 ck_assert(fabs(s.motor) < 1e9 && fabs(s.joint) < 1e9 && s.friction >= 0 && s.winding < 1e6);
                 const double most = motors[i].current > 0 ? motors[i].current : 1e15;
+                ck_assert(fabs(s.current) <= most * (1 + 1e-12));
                 ck_assert(fabs(drives[i].current) <= most && fabs(drives[i].torque) < 1e9);
                 if (motors[i].voltage > 0 && motors[i].current <= 0)
                     ck_assert(fabs(drives[i].voltage) <= motors[i].voltage * (1 + 1e-9));
@@ -1638,7 +1922,7 @@ START_TEST(random_tables_give_finite_answers_within_limits) {
         unsettled += d.unsettled;
         drive_free(&d);
     }
-    ck_assert_msg(unsettled * 100 <= steps_made, "%d of %d", unsettled, steps_made);
+    ck_assert_msg(unsettled * 10000 <= steps_made, "%d of %d", unsettled, steps_made);
 }
 END_TEST
 
@@ -1649,19 +1933,24 @@ static const struct {
     const char *name;
     size_t at;
     int needed, sign; /* whether 0 is refused, and a negative number is not */
+    const char *with; /* field that does nothing without it */
 } field[] = {
-#define MOTOR(name, needed, sign) {#name, offsetof(rbd_motor, name), needed, sign}
+#define MOTOR(name, needed, sign) {#name, offsetof(rbd_motor, name), needed, sign, NULL}
+#define PARTNER(name, with) {#name, offsetof(rbd_motor, name), 1, 0, with}
 #define FRICTION(name, needed) \
-    {#name, offsetof(rbd_motor, friction) + offsetof(rbd_friction, name), needed, 0}
-    MOTOR(gear, 1, 1),         MOTOR(constant, 1, 0),     MOTOR(inertia, 1, 0),    MOTOR(resistance, 1, 0),
-    MOTOR(current, 1, 0),      MOTOR(voltage, 0, 0),      MOTOR(copper, 0, 0),     MOTOR(heat_winding, 1, 0),
-    MOTOR(heat_case, 0, 0),    MOTOR(flow_winding, 1, 0), MOTOR(flow_case, 1, 0),  MOTOR(hot, 1, 0),
-    MOTOR(hottest, 1, 0),      MOTOR(cogging, 0, 0),      MOTOR(teeth, 1, 0),      MOTOR(phase, 0, 1),
-    MOTOR(step, 0, 0),         MOTOR(offset, 0, 1),       MOTOR(stiffness, 1, 0),  MOTOR(damping, 0, 0),
-    MOTOR(backlash, 0, 0),     FRICTION(coulomb, 0),      FRICTION(viscous, 0),    FRICTION(load_motor, 0),
-    FRICTION(load_joint, 0),   FRICTION(rest, 0),         FRICTION(rest_motor, 0), FRICTION(rest_joint, 0),
-    FRICTION(square_motor, 0), FRICTION(square_joint, 0), FRICTION(speed, 1),      FRICTION(power, 1),
-    FRICTION(bristle, 0),      FRICTION(still, 0)};
+    {#name, offsetof(rbd_motor, friction) + offsetof(rbd_gear_friction, name), needed, 0, NULL}
+    MOTOR(gear, 1, 1),         MOTOR(constant, 1, 0),     MOTOR(inertia, 1, 0),
+    MOTOR(resistance, 1, 0),   MOTOR(current, 1, 0),      MOTOR(voltage, 0, 0),
+    MOTOR(copper, 0, 0),       MOTOR(heat_winding, 1, 0), PARTNER(heat_case, "flow_case"),
+    MOTOR(flow_winding, 1, 0), MOTOR(flow_case, 1, 0),    MOTOR(hot, 1, 0),
+    MOTOR(hottest, 1, 0),      PARTNER(cogging, "teeth"), MOTOR(teeth, 1, 0),
+    MOTOR(phase, 0, 1),        MOTOR(step, 0, 0),         MOTOR(offset, 0, 1),
+    MOTOR(stiffness, 1, 0),    MOTOR(damping, 0, 0),      MOTOR(backlash, 0, 0),
+    FRICTION(coulomb, 0),      FRICTION(viscous, 0),      FRICTION(load_motor, 0),
+    FRICTION(load_joint, 0),   FRICTION(rest, 0),         FRICTION(rest_motor, 0),
+    FRICTION(rest_joint, 0),   FRICTION(square_motor, 0), FRICTION(square_joint, 0),
+    FRICTION(speed, 1),        FRICTION(power, 1),        FRICTION(bristle, 0),
+    FRICTION(still, 0)};
 
 /* A motor in which each field but the bristle, which goes without a spring, is used. */
 static const rbd_motor whole = {.name = "elbow",
@@ -1738,7 +2027,7 @@ START_TEST(each_field_is_checked_by_name) {
     }
     *x = 0;
     if (field[_i].needed) {
-        expect_refused(&r, &one, RBD_ERR_RANGE, field[_i].name);
+        expect_refused(&r, &one, RBD_ERR_RANGE, field[_i].with ? field[_i].with : field[_i].name);
     } else {
         ck_assert_int_eq(init(&r, &one, 1, NULL, 0, &a, &memory, NULL), RBD_OK);
         free(memory);
@@ -1763,7 +2052,21 @@ START_TEST(mistakes_in_a_table_are_named) {
     MISTAKE(RBD_ERR_RANGE, "delay", x.delay = -1);
     MISTAKE(RBD_ERR_RANGE, "delay", x.delay = 1001);
     MISTAKE(RBD_ERR_RANGE, "sampled", x.sampled = 2);
+    MISTAKE(RBD_ERR_RANGE, "by_voltage", x.by_voltage = 2);
     MISTAKE(RBD_ERR_RANGE, "bristle", x.friction.bristle = 100);
+
+    /* a field that does nothing without another */
+    x = (rbd_motor){.name = "elbow", .joint = "knee", .gear = 50, .constant = 1};
+    const rbd_motor plain = x;
+#define LONELY(field, change) (x = plain, change, expect_refused(&r, &x, RBD_ERR_RANGE, field))
+    LONELY("teeth", x.teeth = 12);
+    LONELY("phase", x.phase = -1);
+    LONELY("copper", x.copper = 0.0039);
+    LONELY("speed", (x.friction.coulomb = 1, x.friction.speed = 0.1));
+    LONELY("power", (x.friction.coulomb = 1, x.friction.power = 2));
+    LONELY("bristle", x.friction.bristle = 100);
+    LONELY("still", x.friction.still = 0.1);
+    LONELY("resistance", x.by_voltage = 1);
     MISTAKE(RBD_ERR_RANGE, "load_motor", x.friction.load_motor = 1);
     MISTAKE(RBD_ERR_RANGE, "power", x.friction.power = 0.05);
     robot_free(&r);
@@ -1896,7 +2199,7 @@ START_TEST(arguments_are_checked) {
         ck_assert_int_eq(rbd_actuators_inverse(d.a, q, q, bad, q, o), RBD_ERR_NAN);
         ck_assert_int_eq(rbd_actuators_inverse(d.a, q, q, q, bad, o), RBD_ERR_NAN);
         ck_assert_int_eq(rbd_actuators_begin(d.a, d.command, q, bad, 1e-3, 0, d.tau, d.damping), RBD_ERR_NAN);
-        for (int i = 0; i < 5; i++) {
+        for (int i = 0; i < 6; i++) {
             rbd_command command[2] = {{0}};
             ((double *)(void *)&command[1])[i] = bad[1];
             ck_assert_int_eq(rbd_actuators_begin(d.a, command, q, q, 1e-3, 0, d.tau, d.damping),
@@ -1962,6 +2265,13 @@ Suite *actuator_suite(void) {
     tcase_add_loop_test(c, a_command_is_late_by_its_delay, 0, 4);
     tcase_add_test(c, encoder_and_cogging_are_seen);
     tcase_add_loop_test(c, cogging_makes_no_energy, 0, 4);
+    tcase_add_loop_test(c, a_limit_is_decided_at_the_steps_end, 0, 8);
+    tcase_add_test(c, a_drive_at_its_limit_is_a_constant_torque);
+    tcase_add_test(c, a_voltage_makes_a_torque_speed_line);
+    tcase_add_loop_test(c, gains_in_volts_turn_the_shaft_the_same_way, 0, 2);
+    tcase_add_test(c, a_voltage_of_the_inverse_gives_the_torque);
+    tcase_add_test(c, a_command_is_a_torque_or_a_voltage);
+    tcase_add_test(c, a_step_may_be_begun_again);
     tcase_add_test(c, efficiency_and_self_locking);
     tcase_add_test(c, forward_of_the_inverse_is_the_identity);
     tcase_add_test(c, compensation_is_softened_near_rest);
@@ -1974,6 +2284,8 @@ Suite *actuator_suite(void) {
     tcase_add_loop_test(slow, a_robot_stands_on_elastic_legs, 0, LENGTH(steps));
     tcase_add_loop_test(c, coupled_shafts_have_the_inertia_and_damping_of_the_matrix, 0, 2);
     tcase_add_loop_test(c, coupled_shafts_stick_and_slide_as_rows, 0, LENGTH(steps));
+    tcase_add_test(c, coupled_shafts_stick_and_slide_exactly);
+    tcase_add_loop_test(c, coupled_shafts_move_as_by_rows, 0, LENGTH(steps));
     tcase_add_test(c, a_matrix_keeps_the_power);
     tcase_add_loop_test(c, rods_have_the_derivatives_of_their_angles, 0, 2);
     tcase_add_loop_test(c, rods_are_the_loops_of_the_same_mechanism, 0, 2);

@@ -148,6 +148,28 @@ START_TEST(block_sticks_and_slides) {
 }
 END_TEST
 
+/* Where nothing turns, corrections change nothing, and the first solution is the last. A block that spins in
+   the same place takes two. */
+START_TEST(what_does_not_turn_takes_one_solution) {
+    const double slope = 30 * pi / 180, gravity[3] = {9.81 * sin(slope), 0, -9.81 * cos(slope)};
+    const rbd_body block = box(0.4, 0.3, 0.2, 3);
+    for (int spins = 0; spins < 2; spins++) {
+        scene s;
+        open_scene(&s, "block", &block, 1, 1e-3);
+        add_corners(&s, 0, -1, 0.4, 0.3, -0.1, 0);
+        begin_scene(&s);
+        rbd_set_gravity(s.r.w, gravity);
+        s.q[2] = 0.1, s.v[2] = spins ? 5 : 0;
+        run(&s, 0.05);
+        for (int i = 0; i < 20; i++) {
+            step(&s);
+            ck_assert_int_eq(rbd_contact_last(s.c).sweeps, 1 + spins);
+        }
+        close_scene(&s);
+    }
+}
+END_TEST
+
 /* ---- far levers ---- */
 
 /* A cube of 0.1 m on three points far from it, symmetric to x. */
@@ -1526,6 +1548,7 @@ Suite *contact_step_suite(void) {
           *slow = slow_tests(suite);
     tcase_set_timeout(c, 60);
     tcase_add_test(slow, block_sticks_and_slides);
+    tcase_add_test(c, what_does_not_turn_takes_one_solution);
     tcase_add_test(slow, tripod_rests_and_slides);
     tcase_add_test(c, far_point_meets_the_ground);
     tcase_add_test(c, ball_rolls_without_gain);

@@ -615,6 +615,26 @@ START_TEST(the_estimate_is_the_optimum) {
 }
 END_TEST
 
+/* No sample: the prior p^2 / 2 less 0.01 log det P is least where each entry of the diagonal is 0.1, in units
+   of the options; so that is known to the last round's step, squared. */
+START_TEST(an_untold_payload_is_a_tenth_of_the_options) {
+    const rbd_estimate_options options[2] = {{.mass = 4, .reach = 0.5}, {.mass = 0.3, .reach = 2}};
+    for (int i = 0; i < 2; i++) {
+        const double m = 0.1 * options[i].mass, I = 2 * m * options[i].reach * options[i].reach;
+        const double want[10] = {m, 0, 0, 0, I, 0, 0, I, 0, I};
+        double pi[10];
+        learner x;
+
+        learner_begin(&x, iiwa_bodies, IIWA_NB, HAND, NULL, &options[i]);
+        ck_assert_int_eq(rbd_estimate_solve(x.e, pi, NULL, NULL), RBD_OK);
+        for (int k = 0; k < 10; k++)
+            ck_assert_msg(fabs(pi[k] - want[k]) < 1e-6 * (k == 0 ? m : I), "pi[%d]: %g, not %g", k, pi[k],
+                          want[k]);
+        learner_end(&x);
+    }
+}
+END_TEST
+
 /* ---- all types of joints, floating bases ---- */
 
 /* From samples at random states, with friction where there is some, the torques of another state follow. */
@@ -1041,6 +1061,7 @@ Suite *estimate_suite(void) {
     tcase_add_test(c, a_known_friction_is_not_felt);
     tcase_add_test(c, a_payload_and_friction_are_found);
     tcase_add_test(c, the_estimate_is_the_optimum);
+    tcase_add_test(c, an_untold_payload_is_a_tenth_of_the_options);
     tcase_add_test(c, all_types_of_joints_learn);
     tcase_add_test(c, a_floating_base_weighs_its_payload);
     tcase_add_test(c, a_released_hand_is_empty);

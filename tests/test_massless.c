@@ -332,6 +332,34 @@ START_TEST(a_work_of_the_other_kind_is_refused) {
 }
 END_TEST
 
+/* A payload makes no model with dynamics of one for kinematics alone, even if each joint moves mass then; its
+   body has it, and poses stay. A new build has dynamics. */
+START_TEST(a_payload_gives_no_dynamics) {
+    const double com[3] = {0.1, 0.2, 0.3}, q[3] = {0.3, -0.7, 0.02}, inertia[6] = {0.1, 0, 0, 0.1, 0, 0.1};
+    robot r = build_kinematic("arm", arm, NB);
+    double before[3], after[3], pi[10], g[3];
+    rbd_report report;
+    rbd_body b[NB];
+
+    ck_assert_int_eq(rbd_kinematics(r.m, r.w, q, NULL, NULL), RBD_OK);
+    ck_assert_int_eq(rbd_body_pose(r.m, r.w, LEFT, NULL, before), RBD_OK);
+    ck_assert_int_eq(rbd_add_payload(r.memory[0], LEFT, 2, com, inertia), RBD_OK);
+    ck_assert_int_eq(rbd_add_payload(r.memory[0], RIGHT, 2, com, inertia), RBD_OK);
+    REFUSED(rbd_gravity_torque(r.m, r.w, q, g));
+    refuse_dynamics(&r);
+
+    ck_assert_int_eq(rbd_body_parameters(r.m, LEFT, pi), RBD_OK);
+    ck_assert_double_eq_tol(pi[0], 2, 1e-15);
+    ck_assert_int_eq(rbd_kinematics(r.m, r.w, q, NULL, NULL), RBD_OK);
+    ck_assert_int_eq(rbd_body_pose(r.m, r.w, LEFT, NULL, after), RBD_OK);
+    for (int i = 0; i < 3; i++) ck_assert_double_eq(after[i], before[i]);
+
+    for (int i = 0; i < NB; i++) ck_assert_int_eq(rbd_describe(r.m, i, &b[i]), RBD_OK);
+    ck_assert_int_eq(build(b, 0, &report), RBD_OK);
+    robot_free(&r);
+}
+END_TEST
+
 Suite *massless_suite(void) {
     Suite *suite = suite_create("massless");
     TCase *c = tcase_create("massless");
@@ -343,6 +371,7 @@ Suite *massless_suite(void) {
     tcase_add_test(c, fixed_bodies_and_bases_count);
     tcase_add_test(c, robots_with_masses_are_as_ever);
     tcase_add_test(c, a_work_of_the_other_kind_is_refused);
+    tcase_add_test(c, a_payload_gives_no_dynamics);
     suite_add_tcase(suite, c);
     return suite;
 }

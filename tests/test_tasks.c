@@ -255,6 +255,16 @@ START_TEST(limits_come_from_model_or_problem) {
     expect_answer(&result, push_by(&r, &p, q, v, a, NULL, tau, &result), RBD_TASKS_OK);
     ck_assert(fabs(tau[0] - 3) < 1e-9 && fabs(a[0] - 3. / 34) < 1e-9); /* M = 2 + 16 * 2 */
 
+    /* the joint that follows has a limit too, -4 times of which counts */
+    const double efforts[4][3] = {{3, 0.5, 2}, {3, 0.9, 3}, {0, 0.9, 3.6}, {0, 0, 34. * 9}};
+    for (int k = 0; k < 4; k++) {
+        bodies[0].effort = efforts[k][0], bodies[1].effort = efforts[k][1];
+        robot both = BUILD(bodies);
+        expect_answer(&result, push_by(&both, &p, q, v, a, NULL, tau, &result), RBD_TASKS_OK);
+        ck_assert(fabs(tau[0] - efforts[k][2]) < 1e-4 && fabs(tau[0] - 34 * a[0]) < 1e-9);
+        robot_free(&both);
+    }
+
     p.speed = speed, p.torque = torque;
     expect_answer(&result, move_by(&r, &p, q, x, &result), RBD_TASKS_OK);
     ck_assert(x[0] == 5);
@@ -962,6 +972,8 @@ SPOIL(negative_torque_weight, x->problem.torque_weight = -1)
 SPOIL(nan_motion_cost, x->problem.motion_cost = NAN)
 SPOIL(nan_force_cost, x->problem.force_cost = NAN)
 SPOIL(negative_steps, x->problem.steps = -1)
+SPOIL(without_unknown, x->problem.without = 8)
+SPOIL(without_negative, x->problem.without = -1)
 SPOIL(nan_q, x->q[2] = NAN)
 SPOIL(nan_v, x->v[2] = NAN)
 SPOIL(nan_force, x->problem.f_ext = x->arrays[0]; x->arrays[0][4] = NAN)
@@ -1036,6 +1048,8 @@ static const struct {
     {nan_motion_cost, RBD_ERR_RANGE, -1, -1, -1, "motion_cost"},
     {nan_force_cost, RBD_ERR_RANGE, -1, -1, -1, "force_cost"},
     {negative_steps, RBD_ERR_RANGE, -1, -1, -1, "steps"},
+    {without_unknown, RBD_ERR_RANGE, -1, -1, -1, "without"},
+    {without_negative, RBD_ERR_RANGE, -1, -1, -1, "without"},
     {nan_q, RBD_ERR_NAN, -1, -1, -1, "q"},
     {nan_v, RBD_ERR_NAN, -1, -1, -1, "v"},
     {nan_force, RBD_ERR_NAN, -1, -1, -1, "f_ext"},

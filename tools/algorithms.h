@@ -41,7 +41,8 @@ enum {
     TAKES_POINT = 8,
     TAKES_GIVEN = 16,
     TAKES_CONSTRAINTS = 32,
-    TAKES_CONTACTS = 64
+    TAKES_CONTACTS = 64,
+    NO_MASS = 128 /* kinematics alone: of a robot without masses too */
 }; /* beside q */
 
 typedef struct algorithm {

@@ -382,6 +382,7 @@ static int run(options *o) {
     int status;
     if (o->body || o->constraints || o->contacts || o->algorithm->gives[0].columns == POSES)
         o->settings.urdf.keep_all = 1;
+    if (o->algorithm->takes & NO_MASS && !o->settings.urdf.lock_massless) o->settings.urdf.kinematic = 1;
     status = robot_open(&r, o->model, &o->settings);
     if (status == 0) {
         robot_print_warnings(&r);

@@ -1,6 +1,7 @@
 /* Robots from URDF files, and the options that say how. SPDX-License-Identifier: MIT */
 #include "robot.h"
 #include "nearest.h"
+#include <ctype.h>
 #include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -230,12 +231,34 @@ static void print_first_warnings(const char *path, const rbd_urdf *u) {
         print_finding(path, "warning", &u->warnings[i]);
 }
 
+/* The loader's sentence in the words of a command: "options.lock, rbd-model --lock" is "--lock" there. */
+static void use_own_words(char *text) {
+    static const char library[] = "options.", command[] = ", rbd-model --";
+    for (char *at = strstr(text, library); at; at = strstr(at, library)) {
+        char *end = at + strlen(library);
+        while (isalnum((unsigned char)*end) || *end == '_') end++;
+        if (strncmp(end, command, strlen(command)) == 0) {
+            end += strlen(command) - 2;
+            memmove(at, end, strlen(end) + 1);
+        } else {
+            at = end;
+        }
+    }
+}
+
+static rbd_urdf_status parse(const char *text, size_t length, const settings *s, rbd_urdf *u) {
+    const rbd_urdf_status status = rbd_urdf_parse(text, length, &s->urdf, u);
+    use_own_words(u->error.text);
+    for (int i = 0; i < u->nwarnings && i < u->warnings_max; i++) use_own_words(u->warnings[i].text);
+    return status;
+}
+
 /* Loads twice: to count, and to fill. */
 static int load_text(const char *path, rbd_urdf *u, const char *text, size_t length, const settings *s) {
     rbd_urdf_finding first[20];
     u->warnings = first;
     u->warnings_max = sizeof first / sizeof *first;
-    const rbd_urdf_status counted = rbd_urdf_parse(text, length, &s->urdf, u);
+    const rbd_urdf_status counted = parse(text, length, s, u);
     if (counted != RBD_URDF_OK) print_first_warnings(path, u);
     u->warnings = NULL;
     if (counted != RBD_URDF_OK) return EXIT_BAD;
@@ -244,7 +267,7 @@ static int load_text(const char *path, rbd_urdf *u, const char *text, size_t len
     u->names = allocate(u->names_max = u->names_size, 1);
     u->frames = allocate((size_t)(u->frames_max = u->nframes), sizeof *u->frames);
     u->warnings = allocate((size_t)(u->warnings_max = u->nwarnings), sizeof *u->warnings);
-    return rbd_urdf_parse(text, length, &s->urdf, u) == RBD_URDF_OK ? 0 : EXIT_BAD;
+    return parse(text, length, s, u) == RBD_URDF_OK ? 0 : EXIT_BAD;
 }
 
 static int load(robot *r, const settings *s) {

@@ -10,6 +10,9 @@
 #ifdef FIGURES_CONTACTS
 #include "rbd_constraints.h"
 #endif
+#ifdef FIGURES_ESTIMATE
+#include "rbd_estimate.h"
+#endif
 
 #ifdef FIGURES_GENERATED
 #include "bench/firmware/atlas_code.h"
@@ -53,7 +56,7 @@ static unsigned char given[MAX_NV];
 
 #if FIGURES_ROBOTS == 3 /* where there is RAM for it */
 static unsigned char derivatives_memory[RBD_DERIVATIVES_SIZE(ATLAS_NB, ATLAS_NV)];
-#ifndef FIGURES_ALONE
+#if !defined FIGURES_ALONE && !defined FIGURES_ESTIMATE
 static rbd_real by_v[MAX_NV * MAX_NV];
 #endif
 static rbd_derivatives *d;
@@ -92,6 +95,17 @@ static int list_constraints(const rbd_model *m, rbd_constraint list[4]) {
 }
 #endif
 
+#ifdef FIGURES_ESTIMATE
+/* The last body carries a payload: SAMPLES of its motion before the estimate is solved, or one. */
+enum { SAMPLES = 200 };
+static unsigned char observer_memory[RBD_OBSERVER_SIZE(ATLAS_NV)],
+    estimate_memory[RBD_ESTIMATE_SIZE(ATLAS_NV)];
+static rbd_observer *observer;
+static rbd_estimate *estimate;
+static rbd_const payload[10];
+static rbd_joint_friction friction[MAX_NV];
+#endif
+
 /* ---- instructions ---- */
 
 /* With -icount shift=4 an instruction takes 16 ns of the timer's time; RISC-V's minstret then counts ns. */
@@ -122,7 +136,7 @@ static double instructions(uint32_t from, uint32_t to) {
 CALL(nothing, m ? RBD_OK : RBD_ERR_NULL)
 CALL(id, rbd_rnea(m, w, q, v, a, NULL, out))
 CALL(fd, rbd_aba(m, w, q, v, tau, NULL, out))
-#if defined FIGURES_OWN || (!defined FIGURES_CONTACTS && !defined FIGURES_ALONE)
+#if defined FIGURES_OWN || (!defined FIGURES_CONTACTS && !defined FIGURES_ALONE && !defined FIGURES_ESTIMATE)
 #define FIGURES_MAIN
 CALL(mm, rbd_crba(m, w, q, out))
 CALL(fd_cholesky, rbd_fd_cholesky(m, w, q, v, tau, NULL, out))
@@ -154,6 +168,13 @@ CALL(constrained_fd_derivatives,
                                                                   .dlambda_dq = by_q_lambda,
                                                                   .dlambda_dv = by_v_lambda}))
 #endif
+#endif
+
+#ifdef FIGURES_ESTIMATE
+CALL(observer_step, rbd_observer_step(m, w, observer, q, v, tau, (rbd_real)1e-3, out, NULL, NULL))
+CALL(estimate_add, rbd_estimate_add(m, d, estimate, q, v, a, tau, NULL))
+CALL(estimate_solve, m ? rbd_estimate_solve(estimate, payload, friction, NULL) : RBD_ERR_NULL)
+CALL(estimate_solve_early, m ? rbd_estimate_solve(estimate, payload, friction, NULL) : RBD_ERR_NULL)
 #endif
 
 #ifdef FIGURES_GENERATED_CONSTRAINED /* rbd-codegen's, of the five-bar's loop and of HyQ on four points */
@@ -194,6 +215,11 @@ static const algorithm algorithms[] = {{"constrained_fd", constrained_fd},
                                        {"constrained_fd_derivatives", constrained_fd_derivatives}};
 #elif defined FIGURES_ALONE
 static const algorithm algorithms[] = {{"fd_alone", fd}};
+#elif defined FIGURES_ESTIMATE
+static const algorithm algorithms[] = {{"observer_step", observer_step},
+                                       {"estimate_add", estimate_add},
+                                       {"estimate_solve", estimate_solve},
+                                       {"estimate_solve_early", estimate_solve_early}};
 #else
 static const algorithm algorithms[] = {
     {"id", id},
@@ -275,6 +301,49 @@ static rbd_status draw_state(const rbd_model *m, uint64_t *seed_q, uint32_t *see
     }
     return status != RBD_OK ? status : rbd_kinematics(m, w, q, v, a); /* for the Jacobian */
 }
+
+#ifdef FIGURES_ESTIMATE
+/* tau = rbd_rnea + friction + the torque of four masses on the last body: f = m (acceleration - gravity). */
+static rbd_status draw_torque(const rbd_model *m) {
+    static const rbd_real corner[4][3] = {{0.1f, 0, 0}, {0, 0.1f, 0}, {0, 0, 0.1f}, {-0.1f, -0.1f, -0.1f}};
+    const rbd_real kilograms = 0.25f, gravity = 9.81f;
+    const int body = rbd_nb(m) - 1;
+    rbd_status status = rbd_rnea(m, w, q, v, a, NULL, tau);
+    if (status == RBD_OK) status = rbd_kinematics(m, w, q, v, a);
+
+    for (int i = 0; i < rbd_nv(m); i++) tau[i] += v[i] > 0 ? 1 + v[i] : v[i] - 1;
+    for (int i = 0; i < 4 && status == RBD_OK; i++) {
+        rbd_real f[6];
+        status = rbd_point_acceleration(m, w, body, corner[i], RBD_WORLD_AXES, f);
+        for (int j = 0; j < 3; j++) {
+            f[j] = 0;
+            f[3 + j] = kilograms * (f[3 + j] + (j == 2 ? gravity : 0));
+        }
+        if (status == RBD_OK) status = rbd_jacobian_transpose(m, w, body, corner[i], RBD_WORLD_AXES, f, out);
+        for (int j = 0; j < rbd_nv(m); j++) tau[j] += out[j];
+    }
+    return status;
+}
+
+/* An observer after its first step, which takes the state alone; and an estimate after some samples. */
+static rbd_status prepare_estimate(const rbd_model *m, int samples) {
+    rbd_observer_options options = {0};
+    uint64_t seed_q = 3;
+    uint32_t seed = 4;
+    options.gain = 30;
+    rbd_status status =
+        rbd_observer_init(m, &options, observer_memory, sizeof observer_memory, &observer, NULL);
+    if (status == RBD_OK)
+        status = rbd_estimate_init(m, rbd_nb(m) - 1, NULL, estimate_memory, sizeof estimate_memory, &estimate,
+                                   NULL);
+    for (int i = 0; i < samples && status == RBD_OK; i++) {
+        status = draw_state(m, &seed_q, &seed);
+        if (status == RBD_OK) status = draw_torque(m);
+        if (status == RBD_OK) status = estimate_add(m);
+    }
+    return status == RBD_OK ? observer_step(m) : status;
+}
+#endif
 
 static rbd_status prepare(const rbd_model *m) {
     const rbd_status status = rbd_work_init(m, memory, sizeof memory, &w);
@@ -369,19 +438,36 @@ static int print_row(const robot *r, const algorithm *g, size_t work) {
     return 1;
 }
 
-/* RAM: the work, and what a set of constraints takes beside it. */
-static size_t work_of(const rbd_model *m) {
+/* RAM: the work, and what a set of constraints, an observer or an estimate takes beside it. */
+static size_t work_of(const rbd_model *m, const algorithm *g) {
 #ifdef FIGURES_CONTACTS
+    (void)g;
     return rbd_work_size(m) + set_size;
+#elif defined FIGURES_ESTIMATE
+    if (g->call == observer_step) return rbd_work_size(m) + rbd_observer_size(m);
+    return rbd_work_size(m) + rbd_derivatives_size(m) + rbd_estimate_size(m);
 #else
+    (void)g;
     return rbd_work_size(m);
 #endif
+}
+
+/* All that a row needs. */
+static rbd_status prepare_row(const rbd_model *m, const algorithm *g) {
+    const rbd_status status = prepare(m);
+#ifdef FIGURES_ESTIMATE
+    if (status == RBD_OK) return prepare_estimate(m, g->call == estimate_solve_early ? 1 : SAMPLES);
+#else
+    (void)g;
+#endif
+    return status;
 }
 
 /* The rows of some algorithms; work: whether they need one. */
 static int print_rows(const robot *r, const algorithm *list, size_t n, int work) {
     for (size_t j = 0; j < n; j++)
-        if (prepare(r->model) != RBD_OK || !print_row(r, &list[j], work ? work_of(r->model) : 0)) {
+        if (prepare_row(r->model, &list[j]) != RBD_OK ||
+            !print_row(r, &list[j], work ? work_of(r->model, &list[j]) : 0)) {
             printf("%s, %s: wrong\n", r->name, list[j].name);
             return 0;
         }

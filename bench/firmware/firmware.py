@@ -34,10 +34,12 @@ ALGORITHMS = {**SMALL, **LARGE}
 GENERATED = {"generated_id": "id", "generated_fd": "fd", "generated_constrained_fd": "constrained"}
 CONSTRAINED = {"five_bar": "loop", "hyq": "feet"}  # of constrained dynamics, with models/ROBOT_SET.csv
 # Float, -O2, where RAM for Atlas is, each in a library of its own: contacts, 12 rows (work: with the set of constraints),
-# and rbd_aba by RBD_NO_CHOLESKY without what only mimic joints need.
+# rbd_aba by RBD_NO_CHOLESKY without what only mimic joints need, and observer and estimate (work: with their memory).
 KINDS = {"contacts": {"constrained_fd": "rbd_constrained_fd", "impact": "rbd_impact", "constrained_id": "rbd_constrained_id",
                       "constrained_fd_derivatives": "rbd_constrained_fd_derivatives"},
-         "alone": {"fd_alone": "rbd_aba"}}
+         "alone": {"fd_alone": "rbd_aba"},
+         "estimate": {"observer_step": "rbd_observer_step", "estimate_add": "rbd_estimate_add",
+                      "estimate_solve": "rbd_estimate_solve", "estimate_solve_early": "rbd_estimate_solve"}}
 # Float, at all levels, in a library with the features of one robot alone.
 OWN_ROBOTS = {"iiwa": "iiwa", "hyq": "HyQ"}
 OWN = {"id_own": "rbd_rnea", "mm_own": "rbd_crba", "fd_own": "rbd_aba", "id_derivatives_own": "rbd_id_derivatives",
@@ -201,7 +203,7 @@ def prove(target, folder, scalars, levels, parts):
     if "calls" in parts and len(lines) < (1 + 2 * len(levels)) * len(scalars):
         problem(f"{target}: libraries are missing: {lines}")
     programs = ("collision", "computed_torque", "five_bar", "gravity_compensation", "inverse_kinematics", "mpc_cart_pole",
-                "mpc_iiwa", "quadratic_programs", "recorded_control", "servo_arm", "standing",
+                "mpc_iiwa", "quadratic_programs", "recorded_control", "recorded_servos", "servo_arm", "standing",
                 "whole_body")
     for program in programs if "examples" in parts else ():
         if not (folder / "examples/firmware" / program).exists() and program.startswith(("five", "inverse", "mpc", "quad", "record", "servo", "stand", "whole")):  # an FPU

@@ -9,3 +9,6 @@
 #ifdef FIGURES_CONTACTS
 #include "rbd_constraints.h"
 #endif
+#ifdef FIGURES_ESTIMATE
+#include "rbd_estimate.h"
+#endif

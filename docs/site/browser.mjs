@@ -25,21 +25,25 @@ try {
   for (const path of pages) {
     await visit(path);
     const seen = await page.evaluate(() => ({
+      wide: document.documentElement.scrollWidth > innerWidth,
       cut: [...document.querySelectorAll("article pre")].filter((e) => e.scrollWidth > e.clientWidth + 1).map((e) => e.textContent.slice(0, 60)),
       buttons: document.querySelectorAll("article div.highlight").length - document.querySelectorAll("button.copy").length,
       long: document.body.scrollHeight > 4000, contents: document.querySelectorAll(".toc-tree a, article table a.reference").length,
       foot: document.querySelector("footer")?.textContent ?? "",
     }));
     const say = (wrong, words) => { if (wrong) complaints.push(`${path}: ${words}`); };
+    say(seen.wide, "wider than 1360 pixels");
     say(seen.cut.length, `cuts code: ${seen.cut}`);
     say(seen.buttons, "blocks without a button to copy");
     say(seen.long && seen.contents < 2 && !path.includes("bench_results"), "long, and has no contents");
     say(!/Copyright © \d{4}/.test(seen.foot), "no copyright");
   }
-  await page.setViewport({ width: 400, height: 800 });
-  for (const path of pages) {
-    await visit(path);
-    if ((await page.evaluate(() => document.documentElement.scrollWidth)) > 400) complaints.push(`${path}: wider than a phone`);
+  for (const width of [400, 800]) {
+    await page.setViewport({ width, height: 800 });
+    for (const path of pages) {
+      await visit(path);
+      if ((await page.evaluate(() => document.documentElement.scrollWidth)) > width) complaints.push(`${path}: wider than ${width} pixels`);
+    }
   }
   await page.setViewport({ width: 1360, height: 900 });
   await visit("search.html?q=rnea");

@@ -24,10 +24,10 @@ GUIDES = [
     ("An arm", ["docs/gravity_compensation.md", "docs/computed_torque.md", "docs/inverse_kinematics.md", "docs/actuators.md",
                 "docs/identification.md"]),
     ("A robot with legs", ["docs/floating_base.md", "docs/contacts.md", "docs/contact_step.md", "docs/qp.md",
-                           "docs/tasks.md", "docs/gradients.md"]),
+                           "docs/tasks.md", "docs/gradients.md", "docs/predictive_control.md"]),
     ("On the robot", ["docs/control_loop.md", "docs/porting.md", "docs/firmware.md", "examples/firmware/README.md",
                       "docs/reproducible.md", "docs/generated_code.md"]),
-    ("Research", ["docs/other_libraries.md", "docs/gpu.md", "docs/tools.md", "models/README.md", "docs/accuracy.md",
+    ("Research", ["docs/comparison.md", "docs/other_libraries.md", "docs/gpu.md", "docs/tools.md", "models/README.md", "docs/accuracy.md",
                   "docs/accuracy_tables.md",
                   "docs/performance.md", "bench/results/2026-11-27-xeon/report.md",
                   "bench/results/2026-11-27-contact/contact.md", "bench/results/2026-11-27-h200/report.md", "bench/README.md"]),
@@ -44,11 +44,11 @@ DOORS = [
     ("An arm", "Torques that carry its weight, motions that follow a path, a hand at a place.",
      ["docs/gravity_compensation.md", "docs/computed_torque.md", "docs/inverse_kinematics.md"]),
     ("A robot with legs", "A base that floats, feet that stand, slip and land, forces within friction.",
-     ["docs/floating_base.md", "docs/contacts.md", "docs/contact_step.md"]),
+     ["docs/floating_base.md", "docs/contacts.md", "docs/contact_step.md", "docs/tasks.md"]),
     ("A microcontroller", "No heap, the model in flash, the same code in float: what it costs, and how to bring it to your board.",
      ["docs/firmware.md", "docs/porting.md", "examples/firmware/README.md"]),
-    ("Research", "Derivatives, thousands of states at once, a GPU, other libraries' conventions, and how exact results are.",
-     ["docs/gradients.md", "docs/gpu.md", "docs/other_libraries.md", "python/README.md"]),
+    ("Research", "Derivatives, predictive control, thousands of states at once, a GPU, and rbd beside other libraries.",
+     ["docs/comparison.md", "docs/predictive_control.md", "docs/gpu.md", "python/README.md"]),
 ]
 # Rows of bench/instructions.csv, and the call that each is of.
 COSTS = {"id": "rbd_rnea", "mm": "rbd_crba", "mm_packed": "rbd_crba_packed", "fd": "rbd_aba",
@@ -224,11 +224,14 @@ def linked(text, header):
     out, k = [], 0
     tags = {tag: page_of(h, None) for h in (headers()[0], header) for tag in re.findall(r"^ *\[(\w+)\](?! *\[)", h.top, re.M)}
     tags |= {s.tag: page_of(header, s) for s in header.sections if s.tag}
-    for match in re.finditer(r"`[^`\n]*`|\b(?:rbd|RBD)_\w*[A-Za-z0-9](?:\(\))?|(?<=[ ;(])_[A-Z]+\b|\[[a-z ]+\]", text):
+    for match in re.finditer(r"`[^`\n]*`|\brbd(?:_\w+)?\.h\b|\b(?:rbd|RBD)_\w*[A-Za-z0-9](?:\(\))?|(?<=[ ;(])_[A-Z]+\b|\[[a-z ]+\]", text):
         word = match[0]
         out.append(escaped(text[k:match.start()]))
         name = "RBD_ERR" + word if word.startswith("_") else word.rstrip("()")
-        if word.startswith("["):
+        if re.fullmatch(r"rbd\w*\.h", word):
+            page = "reference/" + word[:-2]
+            out.append(f"[{word}](/{page}.md)" if word in extract.HEADERS and word != header.name else word.replace("_", "\\_"))
+        elif word.startswith("["):
             page = tags.get(word[1:-1])
             out.append(f"[{word[1:-1]}](/{page}.md)" if page else f"[{word[1:-1]}]".replace("[", "\\[").replace("]", "\\]"))
         elif name in places():
@@ -621,7 +624,10 @@ def index():
     if playground:
         out += [f'<a class="look" id="playground" href="playground/index.html">{picture}<b>Open the playground: your URDF, in this browser</b></a>', ""]
     code, printed = quick_start()
-    out += ["The torques that hold an arm still, in N m:", "", code, "", printed, ""]
+    out += ["The torques that hold an arm still, in N m. As `hold.c` in the folder of `rbd.h`:", "", code, "",
+            "    cc -std=c99 -O2 hold.c -lm && ./a.out", "", printed, ""]
+    out += ["**Get it:** copy the headers that you use beside your program: [Install](guides/install.md) has the lines for each build "
+            "system. In Python `pip install ./python`: [rbd from Python](guides/python.md).", ""]
     out += ['<div class="three">' + "".join(f"<div><b>{n}</b><span>{html.escape(what)}</span></div>" for n, what in numbers()) + "</div>", ""]
     out += doors()
     out += ["It allocates nothing, links nothing but libm, and takes a robot from a URDF file or from a table of your own. "
@@ -634,8 +640,16 @@ def index():
         out += ["```{toctree}", f":caption: {title}", ":maxdepth: 1", ":hidden:", ""]
         out += ["Playground <playground>"] if playground and title == "Begin" else []
         out += [page_name(p) for p in paths if (ROOT / p).exists() and p not in HIDDEN] + ["```", ""]
+    out += ["```{toctree}", ":caption: Python", ":maxdepth: 1", ":hidden:", "", *python_pages(), "```", ""]
     out += ["```{toctree}", ":caption: Reference", ":maxdepth: 1", ":hidden:", "", "reference/names", *reference(), "```", ""]
     return "\n".join(out)
+
+
+@functools.lru_cache(None)
+def python_pages():
+    """Pages of Python's reference: name and text."""
+    import python_reference  # needs numpy, which pages.py --check does without
+    return python_reference.pages(lambda text: linked(text, headers()[0]))
 
 
 def names_page():
@@ -685,7 +699,7 @@ def write(folder):
     """The pages for Sphinx in folder/, and in folder/extra/ what is copied as it is."""
     files = {h.name for h in headers()} | {"docs/overview.svg"}
     files.add("docs/playground.png")
-    pages = {**reference(), "reference/names": names_page(), "index": index()}
+    pages = {**reference(), **python_pages(), "reference/names": names_page(), "index": index()}
     if os.environ.get("RBD_PLAYGROUND") == "yes":
         pages["playground"] = "# Playground\n"  # of the menu; theme.py leads it to the playground itself
     for path in guides():

@@ -30,11 +30,12 @@ class Sections(html.parser.HTMLParser):
         elif tag in ("h1", "h2", "h3"):
             self.found.append([self.section if tag != "h1" else "", "", "", int(tag == "h1")])
             self.title = self.depth
-        elif tag == "dt" and anchor.startswith("c."):
+        elif tag == "dt" and anchor.startswith(("c.", "rbd.")):
             if self.last == "dt":
                 self.joined.add(len(self.found) - 1)
-            self.found.append([anchor, anchor.split(".")[-1], "", 2])
-        if self.skip or "headerlink" in attributes.get("class", "") or tag in ("script", "style", "annotation"):
+            self.found.append([anchor, anchor.split(".")[-1] if anchor.startswith("c.") else anchor[4:], "", 2])
+        kind = attributes.get("class", "")
+        if self.skip or "headerlink" in kind or kind.split()[:1] == ["math"] or tag in ("script", "style", "annotation"):
             self.skip += 1
 
     def handle_endtag(self, tag):

@@ -24,10 +24,12 @@ case ${1-} in
 names)
     python3 -B "$here/pages.py" --check
     python3 -B "$here/draw.py"
+    # The playground's module, which a browser's compiler sees with `--all` alone, fits the headers as they are.
+    ${CC:-cc} -std=c99 -fsyntax-only -Wall -Wextra -Wconversion -Werror "-I$here/../.." "$here/../../web/playground/module.c"
     ;;
 pages)
-    /usr/bin/python3 -c 'import sphinx, furo, myst_parser' && [ -f /usr/share/javascript/katex/katex.min.js ] ||
-        { echo "Sphinx, furo, MyST or KaTeX is not installed"; exit 77; }
+    /usr/bin/python3 -c 'import sphinx, furo, myst_parser, numpy' && [ -f /usr/share/javascript/katex/katex.min.js ] ||
+        { echo "Sphinx, furo, MyST, numpy or KaTeX is not installed"; exit 77; }
     PYTHONDONTWRITEBYTECODE=1 RBD_PLAYGROUND=no "$here/build.sh" "$scratch/site" -W --keep-going
     python3 -B "$here/links.py" "$scratch/site"
     python3 -B "$here/anchors.py" "$scratch/site"
@@ -39,7 +41,7 @@ pages)
     ;;
 guides) # their programs compile as shown and print what is shown
     cd "$here/../.."
-    for page in first_minutes gradients contacts inverse_kinematics qp tasks other_libraries gravity_compensation computed_torque floating_base; do program_of $page; done
+    for page in first_minutes gradients predictive_control contacts inverse_kinematics qp tasks other_libraries gravity_compensation computed_torque floating_base; do program_of $page; done
     ;;
 generated)
     codegen=$(realpath "$2")

@@ -24,6 +24,7 @@
 enum { N = IIWA_NV };
 enum { Q = 0, V = N, WANTED_Q = 2 * N, WANTED_V = 3 * N, INPUTS = 4 * N }; /* where they are in the inputs */
 enum { STATES = N, OUTPUTS = N }; /* integrals of the errors; torques */
+#define OUTPUT "torque"
 
 enum { KP, KD, KI, INTEGRAL_LIMIT, PERIOD_S, GAINS };
 static const rbd_real gains[GAINS] = {
@@ -32,6 +33,9 @@ static const rbd_real gains[GAINS] = {
 static inline uint64_t controller_configuration(void) {
     return recorder_hash_scalars(recorder_hash_start, gains, GAINS);
 }
+
+/* Before the first tick; for replay.c. */
+static inline rbd_status controller_start(void) { return RBD_OK; }
 
 /* Torques of the tick; moves the integrals on. */
 static rbd_status controller_tick(rbd_work *w, const rbd_real *in, rbd_real *integral, rbd_real *tau) {

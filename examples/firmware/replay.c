@@ -1,13 +1,17 @@
-/* replay.c - on a PC: reads a recording of recorded_control.c, computes each tick again, compares to the bit.
-   usage: replay RECORDING [TABLE.csv]    the table is for replay.gp
-   Exit status: 0 all the same bits; 1 a tick differs; 2 the recording is not whole, its ticks have the same
-   bits; 3 nothing was replayed. SPDX-License-Identifier: MIT */
+/* replay.c - on a PC: reads a recording of recorded_control.c, computes each tick again, compares to the bit;
+   one of recorded_servos.c if it is compiled with -DCONTROLLER='"servo_controller.h"'. usage: replay
+   RECORDING [TABLE.csv]    the table is for replay.gp Exit status: 0 all the same bits; 1 a tick differs; 2
+   the recording is not whole, its ticks have the same bits; 3 nothing was replayed. SPDX-License-Identifier:
+   MIT */
 #include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "recorded_controller.h"
+#ifndef CONTROLLER
+#define CONTROLLER "recorded_controller.h"
+#endif
+#include CONTROLLER
 
 enum { SAME, DIFFERS, DAMAGED, UNUSABLE, WORDS = INPUTS + STATES + OUTPUTS, LONGEST = 1024, MOST = 1 << 24 };
 
@@ -184,7 +188,7 @@ static int replay(const recording *r, rbd_work *w, FILE *table) {
         if (!t->present) continue;
         memcpy(state, t->state, sizeof state);
         controller_tick(w, t->in, state, tau);
-        int bad = differs("torque", number, t->tau, tau, OUTPUTS, differing);
+        int bad = differs(OUTPUT, number, t->tau, tau, OUTPUTS, differing);
         if (!bad && i + 1 < r->ticks && t[1].present)
             bad = differs("state after it", number, t[1].state, state, STATES, differing);
         differing += bad;
@@ -205,7 +209,8 @@ int main(int argc, char **argv) {
     fclose(file);
     if (status != UNUSABLE && argc == 3 && !(table = fopen(argv[2], "w")))
         status = cannot("cannot write the table", argv[2]);
-    const rbd_status refused = rbd_work_init(&iiwa_model, memory, sizeof memory, &w);
+    rbd_status refused = rbd_work_init(&iiwa_model, memory, sizeof memory, &w);
+    if (refused == RBD_OK) refused = controller_start();
     if (status != UNUSABLE && refused != RBD_OK) status = unusable(rbd_status_string(refused));
     if (status != UNUSABLE) {
         const int differing = replay(&r, w, table), there = r.ticks - r.missing;

@@ -91,7 +91,7 @@ int main(void) {
     board_start();
     for (int k = 0; k < NV; k++) {
         smooth[k] = motors[k];
-        smooth[k].friction = (rbd_friction){0};
+        smooth[k].friction = (rbd_gear_friction){0};
     }
     const rbd_real known = follow(motors, &inverse), unknown = follow(smooth, &other);
     printf(

@@ -95,7 +95,7 @@ friction = motor - arm.rnea(q, v, a)
 
 
 def friction_of(x):
-    """Six fields of rbd_friction. x has their square roots, so that none is negative. The power is 1."""
+    """Six fields of rbd_gear_friction. x has their square roots, so that none is negative. The power is 1."""
     coulomb, viscous, load_motor, rest, rest_motor, speed = x**2
     return rbd.Friction(coulomb, viscous, min(load_motor, 0.9), rest=rest, rest_motor=rest_motor, speed=speed + 0.05,
                         power=1)

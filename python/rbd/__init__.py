@@ -46,6 +46,7 @@ from ._mjcf import Mjcf, load_mjcf, parse_mjcf
 from ._model import Model, _again
 from ._names import JointInfo
 from ._qp import QpSolution, qp
+from ._show import Picture
 from ._spatial import AxisAngle, Placement, Spatial
 from ._tasks import Task, TaskContact, Tasks, TasksAcceleration, TasksVelocity
 from ._urdf import Frame, Urdf, load_urdf, parse_urdf
@@ -53,7 +54,7 @@ from ._urdf import Frame, Urdf, load_urdf, parse_urdf
 __all__ = ["ActuatorStates", "Actuators", "AxisAngle", "Body", "Constraint", "ConstraintSet", "Contact", "ContactOptions",
            "ContactResult", "ContactSet", "ContactSolution", "ContactState", "Deviations", "Drives", "Estimate",
            "Estimator", "Felt", "Frame", "Friction", "IkKind", "IkResult", "IkStatus", "IkTarget", "JointInfo",
-           "JointType", "Library", "Mjcf", "MjcfStatus", "Model", "Motor", "Observer", "Placement", "QpSolution",
+           "JointType", "Library", "Mjcf", "MjcfStatus", "Model", "Motor", "Observer", "Picture", "Placement", "QpSolution",
            "QpStatus", "RbdError", "RbdWarning", "Rod", "Rotor", "RowResult", "SOURCES", "Spatial", "Status", "Task",
            "TaskContact", "TaskKind", "Tasks", "TasksAcceleration", "TasksStatus", "TasksVelocity", "Transmission",
            "Urdf", "UrdfStatus", "load_mjcf", "load_table", "load_urdf", "parse_mjcf", "parse_urdf", "qp"]

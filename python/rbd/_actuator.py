@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Iterable, NamedTuple, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._arguments import _int, _number, _numbers, _utf8, _whole
+from ._arguments import _Declared, _int, _number, _numbers, _utf8, _whole
 from ._contacts import ContactSet
 from ._headers import Array, Matrix, Numbers, RbdError, Status, TransmissionKind, structure
 
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
 
 @dataclass
-class Friction:
-    """Friction of a gear at its shaft: rbd_friction of rbd_actuator.h, which has the formula. Zero will do for every
-    field."""
+class Friction(_Declared):
+    """Friction of a gear at its shaft: rbd_gear_friction of rbd_actuator.h, which has the formula. Zero will do for
+    every field."""
     coulomb: float = 0.0        #: N m: without load, at any speed
     viscous: float = 0.0        #: N m s: times the speed, beside the level
     load_motor: float = 0.0     #: share of the motor's torque: 1 - efficiency; below 1
@@ -39,7 +39,7 @@ class Friction:
 
 
 @dataclass
-class Motor:
+class Motor(_Declared):
     """A motor with drive, gear and, perhaps, a spring behind the gear: rbd_motor of rbd_actuator.h. gear, constant and,
     without a Transmission, joint must be given."""
     name: str | None = None         #: for messages
@@ -66,12 +66,13 @@ class Motor:
     damping: float = 0.0            #: N m s/rad, of this spring
     backlash: float = 0.0           #: rad: play of the spring
     delay: int = 0                  #: steps that a command takes
+    by_voltage: int = 0             #: 1: the drive sets volts, as of a hobby servo, and needs a resistance; 0: the current
     sampled: int = 0                #: 1: the drive is as slow as the step; 0: much faster
     friction: Friction | None = None  #: None: none
 
 
 @dataclass
-class Rod:
+class Rod(_Declared):
     """A crank on the body before the first joint, and a rod to a point of the last joint's body: rbd_rod."""
     place: Numbers = (0, 0, 0)      #: of the crank's axis, m, axes of the body before the first joint
     axis: Numbers = (0, 0, 0)       #: of the crank, of unit length
@@ -83,7 +84,7 @@ class Rod:
 
 
 @dataclass
-class Transmission:
+class Transmission(_Declared):
     """As many motors as joints that move together: rbd_transmission of rbd_actuator.h. By a matrix, shaft speeds =
     matrix @ joint speeds, or by a rod for each of one or two joints."""
     motor: int = 0                  #: the first of its motors, which stand together in the table
@@ -94,7 +95,7 @@ class Transmission:
 
 
 @dataclass
-class Rotor:
+class Rotor(_Declared):
     """A rotor on a body, round about its axis: rbd_rotor of rbd_actuator.h."""
     body: int | str = -1            #: that it is mounted on, index or name; -1: the world
     dof: int = 0                    #: that turns it, index into v
@@ -177,7 +178,7 @@ def _transmission(given, row, where):
         _fill(rod, row.rod[number], f"{where}, rod {number}")
 
 
-class Actuators:
+class Actuators(_Declared):
     """The motors of a Model, rbd_actuators; made by Model.actuators(motors):
 
         arm = model.actuators([rbd.Motor(joint="elbow", gear=50, constant=0.06), ...])
@@ -272,10 +273,12 @@ class Actuators:
         return self.library.scalar(_number("actuators", name, value))
 
     def step(self, q: ArrayLike, v: ArrayLike, dt: float, *, torque: ArrayLike = 0.0, position: ArrayLike = 0.0,
-             speed: ArrayLike = 0.0, kp: ArrayLike = 0.0, kd: ArrayLike = 0.0, tau: ArrayLike | None = None,
-             f_ext: ArrayLike | None = None, contacts: ContactSet | None = None) -> tuple[Array, Array]:
+             speed: ArrayLike = 0.0, kp: ArrayLike = 0.0, kd: ArrayLike = 0.0, voltage: ArrayLike = 0.0,
+             tau: ArrayLike | None = None, f_ext: ArrayLike | None = None,
+             contacts: ContactSet | None = None) -> tuple[Array, Array]:
         """A time step of the robot with its motors: q and v after dt. Each drive gives torque + kp (position - angle) +
-        kd (speed - shaft's speed) at its shaft, numbers or arrays of n.
+        kd (speed - shaft's speed) at its shaft, numbers or arrays of n. Drives with by_voltage have a voltage, V, in place
+        of the torque, and gains in V/rad and V s/rad.
 
             tau        nv: further torques of the joints; None = none
             f_ext      nb x 6: external wrenches; None = none
@@ -285,7 +288,7 @@ class Actuators:
         more = np.zeros(model.nv, dtype) if tau is None else self._state("step", "tau", tau, model.nv)
         commands = (structure("rbd_command", self.library.scalar) * self.n)()
         for name, given, value in (("q", "position", position), ("v", "speed", speed), ("kp", "kp", kp), ("kd", "kd", kd),
-                                   ("torque", "torque", torque)):
+                                   ("torque", "torque", torque), ("voltage", "voltage", voltage)):
             for row, x in zip(commands, self._command(given, value, name in ("kp", "kd"))):
                 setattr(row, name, x)
         first_order = bool(contacts is not None and contacts.options.first_order)

@@ -2,6 +2,8 @@
 """Arguments and results: their names, shapes and meanings, and the checks of what a user gives."""
 from __future__ import annotations
 
+import difflib
+import functools
 import math
 import operator
 import re
@@ -94,6 +96,36 @@ _SCALARS = ["dt", "restitution", "s"]        # are numbers in C
 _INTEGERS = ["body", "reference", "axes"]    # are whole numbers in C
 _GAINS = ["restitution", "weight", "dt"]     # have a range: ERR_RANGE
 _MASKS = {"given": np.dtype(np.uint8), "actuated": np.dtype(np.uint8)}  # are 0 or 1 in C
+
+
+@functools.lru_cache(maxsize=None)
+def _attributes(kind):
+    """Names of the attributes that a class declares, those that it inherits too."""
+    parts = [part for part in kind.__mro__ if part is not object]
+    names = {name: None for part in reversed(parts) for name in getattr(part, "__annotations__", {})}
+    values = {name: None for part in parts for name, value in vars(part).items()
+              if not callable(value) and not isinstance(value, (classmethod, staticmethod, property))}
+    return [name for name in {**names, **values} if not name.startswith("_")]
+
+
+class _Declared:
+    """Refuses to set an attribute that its class does not declare: a misspelt one would change nothing. Classes of
+    a user that inherit may have others."""
+
+    def __setattr__(self, name, value):
+        kind = type(self)
+        ours = kind.__module__.partition(".")[0] == __package__
+        if ours and not name.startswith("_") and name not in _attributes(kind):
+            raise AttributeError(f"{kind.__name__}: " + (f"'{name}' cannot be set" if hasattr(kind, name) else
+                                                         f"'{name}' is no attribute; {_meant(kind, name)}"))
+        super().__setattr__(name, value)
+
+
+def _meant(kind, name):
+    """Which attribute or call of a class a name may mean."""
+    known, calls = _attributes(kind), [word for word in dir(kind) if not word.startswith("_")]
+    near = difflib.get_close_matches(name, known, 1) or difflib.get_close_matches(name, calls, 1)
+    return f"did you mean '{near[0]}'?" if near else f"there are: {', '.join(known)}"
 
 
 def _shape(text, dims):

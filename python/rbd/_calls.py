@@ -10,7 +10,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from ._arguments import (_GAINS, _INTEGERS, _MASKS, _QUANTITIES, _SCALARS, _array, _axes, _broadcast, _finite,
+from ._arguments import (_Declared, _GAINS, _INTEGERS, _MASKS, _QUANTITIES, _SCALARS, _array, _axes, _broadcast, _finite,
                          _flag, _number, _numbers, _shape)
 from ._headers import RbdError, Status
 
@@ -27,7 +27,7 @@ def _c(memory, gives="", batch=False, struct=False, c_name="", c_inputs="", **sh
     batch    whether C has the call for n states, as rbd_batch_...; or the name of one that gives the same of q, v = 0
              and no f_ext
     struct   whether C takes the results as a struct of pointers
-    shapes   of quantities that have another shape here than in the table
+    shapes   of quantities that have another shape here than in the table; behind two blanks another meaning
     """
     def make(method):
         call = _Call(method, memory, gives, batch, struct, c_name, c_inputs, shapes)
@@ -72,7 +72,9 @@ class _Call:
             name, question, flag = item.partition("?")
             self.outputs.append(name)
             self.flags.append(names.index(flag or name) if question else None)
-        self.shapes = {name: shapes.get(name, _QUANTITIES[name][0]) for name in self.inputs + self.outputs}
+        own = {name: [*text.split("  "), _QUANTITIES[name][1]][:2] for name, text in shapes.items()}
+        self.shapes, self.meanings = ({name: own.get(name, _QUANTITIES[name])[k] for name in self.inputs + self.outputs}
+                                      for k in (0, 1))
         self.symbols = {name: tuple(shape.replace("-", "").split()) for name, shape in self.shapes.items()}
         self.tuple = _results(self.c_name, *self.outputs) if len(self.outputs) > 1 else None
 
@@ -85,7 +87,7 @@ class _Call:
         def lines(names):
             for name in names:
                 shape = self.shapes[name].replace(" ", " x ").replace("-", "")
-                yield f"    {name:<12} {shape:<9} {_QUANTITIES[name][1]}"
+                yield f"    {name:<12}  {shape:<9}  {self.meanings[name]}"
         text = [inspect.getdoc(method), "", *lines(self.inputs)]
         if self.outputs:
             text += ["gives", *lines(self.outputs)]
@@ -275,7 +277,7 @@ def _state(number, loop):
     return number if len(loop) < 2 else tuple(map(int, np.unravel_index(number, loop)))
 
 
-class _Owner:
+class _Owner(_Declared):
     """What Model, ConstraintSet and ContactSet have in common: memory for C, and the calls in it."""
 
     def __init__(self, library, lock):

@@ -56,12 +56,12 @@ def _compiled_for_machine(name):
 
 
 @functools.lru_cache(maxsize=None)
-def _compiled_urdf():
-    """The loader of URDF files with the libraries that it stands on, or None."""
+def _compiled_loader(kind):
+    """The loader of "urdf" or "mjcf" files with the libraries that it stands on, or None."""
     try:
-        needed = (_FOLDER / "urdf.txt").read_text().split() if _are_there() else []
+        needed = (_FOLDER / f"{kind}.txt").read_text().split() if _are_there() else []
         for name in needed:  # those that stand on none first: the next ones find them by name
             ctypes.CDLL(str(_FOLDER / name), mode=ctypes.RTLD_GLOBAL)
-        return _compiled("urdf")
-    except OSError:  # no urdf.txt, or a system without libstdc++
+        return _compiled(kind)
+    except OSError:  # no such list, or a system without libstdc++
         return None

@@ -41,6 +41,15 @@ class ContactSolution(NamedTuple):
     newton_steps: int
 
 
+def _fault_of_row(law):
+    """Which number of a bounded row the library refuses."""
+    if law.compliance < 0:
+        return f"compliance is {law.compliance}, below 0"
+    if law.lower > law.upper:
+        return f"lower is {law.lower}, above upper, which is {law.upper}"
+    return f"lower is {law.lower} and upper is {law.upper}; they must be below 1e30 and above -1e30"
+
+
 class ContactSet(_Owner):
     """Contacts that push only, slip and open, rbd_contact_set of a Model; made by Model.contacts(rows):
 
@@ -183,8 +192,11 @@ class ContactSet(_Owner):
         with self._lock:
             status = self.library.call("contact_friction", self._address("model"), self._address("contact_set"),
                                        dof, self.library.scalar(bound))
+            if status == Status.ERR_INDEX:
+                raise RbdError(Status(status), f"friction: dof {dof} has no row of dry friction: that takes "
+                               "ContactOptions(joint_friction=True) and friction in the description")
             if status:
-                raise self._error("friction", status)
+                raise RbdError(Status(status), f"friction: bound is {bound}; it must be 0 to 1e30")
             self._friction[dof] = bound
 
     def row_set(self, row: int, dofs: Sequence[int] = (), jacobian: ArrayLike = (), *, lower: float = 0.0,
@@ -199,11 +211,17 @@ class ContactSet(_Owner):
             bias         rad/s or m/s
             compliance   speed per impulse, 1/(kg m^2) or 1/kg
         """
-        call, n = "row_set", len(dofs)
+        call = "row_set"
+        if not isinstance(dofs, (Sequence, np.ndarray)):
+            raise TypeError(f"{call}: dofs must be a list of whole numbers, not {dofs!r}")
+        n = len(dofs)
         if n > 3:
             raise ValueError(f"{call}: dofs has {n} entries, and a row has 3 at most")
+        dofs = [self._dof(call, dof) for dof in dofs]
+        if len(set(dofs)) < n:
+            raise ValueError(f"{call}: dofs has one twice: {dofs}")
         law = structure("rbd_contact_row", self.library.scalar)(dofs=n)
-        law.dof[:n] = [self._dof(call, dof) for dof in dofs]
+        law.dof[:n] = dofs
         law.jacobian[:n] = [float(x) for x in _numbers(call, "jacobian", jacobian, (n,))]
         law.bias, law.compliance = _number(call, "bias", bias), _number(call, "compliance", compliance)
         law.lower, law.upper = _number(call, "lower", lower), _number(call, "upper", upper)
@@ -212,8 +230,8 @@ class ContactSet(_Owner):
             status = self.library.call("contact_row_set", self._address("model"), self._address("contact_set"),
                                        number, ctypes.byref(law))
             if status:
-                raise self._error(call, status)
-            self._bounded[number] = {"dofs": list(dofs), "jacobian": list(law.jacobian[:n]), "lower": law.lower,
+                raise RbdError(Status(status), f"{call}: {_fault_of_row(law)}")
+            self._bounded[number] = {"dofs": dofs, "jacobian": list(law.jacobian[:n]), "lower": law.lower,
                                      "upper": law.upper, "bias": law.bias, "compliance": law.compliance}
 
     def row_get(self, row: int) -> RowResult:

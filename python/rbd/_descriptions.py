@@ -12,14 +12,14 @@ from pathlib import Path
 
 import numpy as np
 
-from ._arguments import _array, _int, _utf8
+from ._arguments import _Declared, _array, _int, _utf8
 from ._compiling import _c_compiler, _compile
 from ._headers import JointType, Matrix, Numbers, structure
 from ._plain_table import _plain_rows
 
 
 @dataclass
-class Body:
+class Body(_Declared):
     """One body and the joint that carries it: a row of a description, rbd_body of rbd.h.
 
     `parent` is the index or the name of an earlier body; -1 is the world. `type` is a name such as "revolute"
@@ -50,7 +50,7 @@ class Body:
 
 
 @dataclass
-class Constraint:
+class Constraint(_Declared):
     """Frame 1, fixed in body 1, held to frame 2, fixed in body 2, along some axes: rbd_constraint of
     rbd_constraints.h. Bodies by index, or name of the link; -1 is the world."""
     name: str | None = None             #: for messages
@@ -66,7 +66,7 @@ class Constraint:
 
 
 @dataclass
-class Contact:
+class Contact(_Declared):
     """A point of body 1, or a ball about it, that may touch a plane of body 2: rbd_contact of rbd_contact.h.
     Bodies by index, or name of the link; -1 is the world."""
     name: str | None = None             #: for messages
@@ -88,7 +88,7 @@ class Contact:
 
 
 @dataclass
-class ContactOptions:
+class ContactOptions(_Declared):
     """rbd_contact_options of rbd_contact.h; 0 is the default in brackets."""
     margin: float = 0.0         #: closer contacts are rows, m [0.005]
     slop: float = 0.0           #: penetration that is left, m [1e-5]

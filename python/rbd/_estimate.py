@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._arguments import _number, _numbers
+from ._arguments import _Declared, _number, _numbers
 from ._headers import Array, RbdError, Status, structure
 from ._model import Model
 
@@ -32,8 +32,9 @@ class Deviations(NamedTuple):
     friction: Array     #: nv x 3
 
 
-class _Kept:
+class _Kept(_Declared):
     """An object of C in memory of its own, whose calls name what they refuse."""
+    model: Model
 
     def __init__(self, model, kind, *arguments):
         self.model = model

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ._arguments import _Declared
+
 PARAMETERS = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz")
 FRICTION = ("coulomb", "viscous", "offset")
 SPREAD = 0.5    # how far bodies may be from the description, as a share
@@ -16,7 +18,7 @@ class IdentifyError(ValueError):
 
 
 @dataclass
-class Log:
+class Log(_Declared):
     """Trajectories of all degrees of freedom: one row for each sample."""
     q: np.ndarray       #: rad or m
     v: np.ndarray       #: rad/s or m/s
@@ -27,7 +29,7 @@ class Log:
 
 
 @dataclass
-class Identified:
+class Identified(_Declared):
     """What a log tells of a robot."""
     joints: list            #: names
     friction: np.ndarray    #: joints x 3: coulomb, viscous, offset

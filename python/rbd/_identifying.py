@@ -16,8 +16,9 @@ from pathlib import Path
 
 import numpy as np
 
-from . import Model, load_urdf
+from . import Model, RbdError, load_urdf
 from ._descriptions import Body
+from ._headers import JointType
 from ._identify import (FRICTION, Identified, IdentifyError, Log, identify, predict, smooth, steady, together, told)
 
 __all__ = ["IdentifyError", "Identified", "Log", "identify", "main", "predict", "read_log"]
@@ -26,42 +27,62 @@ KINDS = ("q", "v", "tau", "current")
 
 # ---- logs ----
 
-def read_columns(path):
-    """The columns of a CSV file by name, as numbers."""
+def read_rows(path):
+    """The rows of a CSV file that have something in them, and the line of each."""
     try:
-        with open(path, newline="", encoding="utf-8") as file:
-            rows = [row for row in csv.reader(file) if row]
-    except OSError as error:
-        raise IdentifyError(f"{path}: {error.strerror}") from None
+        with open(path, newline="", encoding="utf-8-sig") as file:
+            reader = csv.reader(file)
+            rows = [(row, reader.line_num) for row in reader if any(cell.strip() for cell in row)]
+    except UnicodeDecodeError:
+        raise IdentifyError(f"{path}: it is no text in UTF-8: save it as CSV in UTF-8") from None
+    except csv.Error as error:
+        raise IdentifyError(f"{path}: it is no CSV: {error}") from None
     if len(rows) < 2:
         raise IdentifyError(f"{path}: no samples: a header and a row for each sample are needed")
+    return [row for row, _ in rows], [line for _, line in rows]
+
+
+def read_columns(path):
+    """The columns of a CSV file by name, as numbers; and the row of the file in which each sample stands."""
+    rows, lines = read_rows(path)
     header = [name.strip() for name in rows[0]]
+    for mark in ";\t" if len(header) == 1 else "":
+        if mark in header[0]:
+            raise IdentifyError(f"{path}, row {lines[0]}: columns are parted by {mark!r}: part them by commas, and write numbers with a "
+                                "point")
     values = np.empty((len(rows) - 1, len(header)))
-    for number, row in enumerate(rows[1:], 2):
+    for sample, (row, line) in enumerate(zip(rows[1:], lines[1:])):
         if len(row) != len(header):
-            raise IdentifyError(f"{path}, row {number}: {len(row)} values, but the header has {len(header)} columns")
-        for name, word, at in zip(header, row, range(len(header))):
+            raise IdentifyError(f"{path}, row {line}: {len(row)} values, but the header has {len(header)} columns")
+        for at, (name, word) in enumerate(zip(header, row)):
             try:
-                values[number - 2, at] = float(word)
+                values[sample, at] = float(word)
             except ValueError:
-                raise IdentifyError(f"{path}, row {number}, column '{name}': '{word}' is no number") from None
-            if not math.isfinite(values[number - 2, at]):
-                raise IdentifyError(f"{path}, row {number}, column '{name}': {word} is not finite")
+                raise IdentifyError(f"{path}, row {line}, column '{name}': '{word}' is no number") from None
+            if not math.isfinite(values[sample, at]):
+                raise IdentifyError(f"{path}, row {line}, column '{name}': {word} is not finite")
     twice = [name for name in header if header.count(name) > 1]
     if twice:
         raise IdentifyError(f"{path}: column '{twice[0]}' stands twice")
-    return dict(zip(header, values.T))
+    return dict(zip(header, values.T)), lines[1:]
+
+
+def name_hint(word, known):
+    near = difflib.get_close_matches(word, known, 1)
+    return f": did you mean '{near[0]}'?" if near else ""
 
 
 def check_names(path, columns, joints):
     """All columns are time, or a kind and a joint; each joint has a position and a torque or current."""
     known = ["time"] + [f"{kind}:{joint}" for kind in KINDS for joint in joints]
     for name in columns:
-        if name not in known:
-            near = difflib.get_close_matches(name, known, 1)
-            hint = f": did you mean '{near[0]}'?" if near else \
-                "; columns are time, and q:, v:, tau: or current: with the name of a joint"
-            raise IdentifyError(f"{path}: unknown column '{name}'{hint}")
+        if name in known:
+            continue
+        kind, _, joint = name.partition(":")
+        near = difflib.get_close_matches(kind, KINDS, 1) if joint in joints else []
+        hint = f": did you mean '{near[0]}:{joint}'?" if near else "" if joint in joints else name_hint(name, known)
+        hint = hint or "; columns are time, and q:, v:, tau: or current: with the name of a joint"
+        raise IdentifyError(f"{path}: unknown column '{name}'{hint}")
     for joint in joints:
         if f"q:{joint}" not in columns:
             raise IdentifyError(f"{path}: joint '{joint}' has no column 'q:{joint}'")
@@ -69,7 +90,7 @@ def check_names(path, columns, joints):
             raise IdentifyError(f"{path}: joint '{joint}' needs either a column 'tau:{joint}' or 'current:{joint}'")
 
 
-def sample_time(path, columns, dt):
+def sample_time(path, columns, lines, dt):
     """Of a column `time`, whose steps must be equal, or as given."""
     if dt is not None:
         return dt
@@ -79,32 +100,77 @@ def sample_time(path, columns, dt):
     middle = float(np.median(steps))
     if not middle > 0:
         raise IdentifyError(f"{path}: column 'time' does not grow")
+    if middle >= 1:
+        raise IdentifyError(f"{path}: column 'time' grows by {middle:.4g} a row: is it in milliseconds? It must be in seconds")
     odd = np.flatnonzero(np.abs(steps - middle) > 0.3 * middle)
     if len(odd):
-        raise IdentifyError(f"{path}, row {odd[0] + 3}: a step of {steps[odd[0]]:.4g} s; the others have {middle:.4g} s. "
+        raise IdentifyError(f"{path}, row {lines[odd[0] + 1]}: a step of {steps[odd[0]]:.4g} s; the others have {middle:.4g} s. "
                             "Fill gaps before, or cut the log there")
     return middle
 
 
+def check_range(path, model, columns):
+    """Positions far beyond a joint's limits are of another unit, or of another zero."""
+    for name in model.dof_names:
+        info = model.joint(name)
+        bound = max(abs(info.lower), abs(info.upper))
+        reach = np.abs(columns[f"q:{name}"]).max()
+        if not info.lower < info.upper or reach < 1.5 * bound + 0.1:
+            continue
+        unit, wrong = ("m", "mm") if info.type == JointType.PRISMATIC else ("rad", "degrees")
+        raise IdentifyError(f"{path}: column 'q:{name}' reaches {reach:.4g}, but the joint's limits are {info.lower:.4g} and "
+                            f"{info.upper:.4g} {unit}: is it in {wrong}?")
+
+
+def check_rate(path, name, slope, limit):
+    """A joint that moves far quicker than it can, for most of the log, is in another unit; limit 0: not known."""
+    quick = np.median(np.abs(slope))
+    if limit > 0 and quick > 2 * limit:
+        raise IdentifyError(f"{path}: column 'q:{name}' changes by {quick:.4g} a second and more in half of the log, but the "
+                            f"joint's limit is {limit:.4g}: is it in degrees or mm, or the time in another unit?")
+
+
+def check_speed(path, name, v, slope):
+    """A column of velocities is the slope of that of positions, but for noise."""
+    factor = v @ slope / max(slope @ slope, 1e-300)
+    if np.sqrt(np.mean(slope ** 2)) > 1e-3 and not 0.5 < factor < 2:
+        raise IdentifyError(f"{path}: column 'v:{name}' is {factor:.4g} times the slope of column 'q:{name}': it must be in rad/s "
+                            "(m/s of a slide)")
+
+
+def torques_of(path, columns, joints, constants):
+    """Of all joints, from torques or from currents."""
+    for name in constants:
+        if name not in joints:
+            raise IdentifyError(f"--constant '{name}': the robot has no joint of this name{name_hint(name, joints)}")
+    lacking = [joint for joint in joints if f"current:{joint}" in columns and joint not in constants]
+    if lacking:
+        others = f"; the same of {', '.join(map(repr, lacking[1:]))}" if lacking[1:] else ""
+        raise IdentifyError(f"{path}: joint '{lacking[0]}' has currents: give --constant '{lacking[0]}=N m/A'{others}")
+    return np.stack([columns[f"tau:{joint}"] if f"tau:{joint}" in columns else columns[f"current:{joint}"] * constants[joint]
+                     for joint in joints], axis=1)
+
+
 def read_log(path, model, dt=None, window=0.1, constants=None):
     """A Log from a CSV file. window: s, of the filter; constants: N m/A of joints with currents, by name."""
-    joints, columns, constants = list(model.dof_names), read_columns(path), constants or {}
+    joints, (columns, lines) = list(model.dof_names), read_columns(path)
     check_names(path, columns, joints)
-    dt = sample_time(path, columns, dt)
-    torques = []
-    for joint in joints:
-        if f"current:{joint}" in columns and joint not in constants:
-            raise IdentifyError(f"{path}: joint '{joint}' has currents: give --constant '{joint}=N m/A'")
-        torques.append(columns[f"tau:{joint}"] if f"tau:{joint}" in columns
-                       else columns[f"current:{joint}"] * constants[joint])
+    check_range(path, model, columns)
+    dt = sample_time(path, columns, lines, dt)
+    torques = torques_of(path, columns, joints, constants or {})
     samples = max(5, 2 * round(window / dt / 2) + 1)
-    if len(torques[0]) < 4 * samples:
-        raise IdentifyError(f"{path}: {len(torques[0])} samples are too few for a window of {samples}")
+    if len(torques) < 4 * samples:
+        raise IdentifyError(f"{path}: {len(torques)} samples are too few for a window of {samples}: four windows are the least")
+
     q, v, a = smooth(np.stack([columns[f"q:{joint}"] for joint in joints], axis=1), dt, samples)
-    tau = smooth(np.stack(torques, axis=1), dt, samples)[0]
-    if all(f"v:{joint}" in columns for joint in joints):
-        v, a, _ = smooth(np.stack([columns[f"v:{joint}"] for joint in joints], axis=1), dt, samples)
-    return Log(q, v, a, tau, steady(v, samples), together(samples))
+    for i, joint in enumerate(joints):
+        check_rate(path, joint, v[:, i], model.joint(joint).velocity)
+        if f"v:{joint}" not in columns:
+            continue
+        measured, slope, _ = smooth(columns[f"v:{joint}"][:, None], dt, samples)
+        check_speed(path, joint, measured[:, 0], v[:, i])
+        v[:, i], a[:, i] = measured[:, 0], slope[:, 0]
+    return Log(q, v, a, smooth(torques, dt, samples)[0], steady(v, samples), together(samples))
 
 
 # ---- what was found ----
@@ -224,9 +290,20 @@ def constants_of(words):
             out[joint] = float(value)
         except ValueError:
             equals = ""
-        if not equals:
+        if not equals or not math.isfinite(out[joint]) or out[joint] == 0:
             raise IdentifyError(f"--constant '{word}': write JOINT=NUMBER, in N m/A")
     return out
+
+
+def above_zero(text):
+    """A number of the command line."""
+    try:
+        number = float(text)
+    except ValueError:
+        number = 0
+    if not 0 < number < math.inf:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a number above 0")
+    return number
 
 
 def parse(arguments):
@@ -234,9 +311,9 @@ def parse(arguments):
     parser.add_argument("urdf", help="the robot, as it is described")
     parser.add_argument("log", help="CSV: time, and of each joint q:NAME, tau:NAME or current:NAME, perhaps v:NAME")
     parser.add_argument("--validate", metavar="CSV", help="another log that judges; default: the last fifth of the log")
-    parser.add_argument("--dt", type=float, help="s, sample time, of logs without a column time")
-    parser.add_argument("--window", type=float, default=0.1, help="s, of the filter; a third of the quickest period")
-    parser.add_argument("--slow", type=float, default=0.02, help="rad/s; a slower joint tells nothing")
+    parser.add_argument("--dt", type=above_zero, help="s, sample time, of logs without a column time")
+    parser.add_argument("--window", type=above_zero, default=0.1, help="s, of the filter; a third of the quickest period")
+    parser.add_argument("--slow", type=above_zero, default=0.02, help="rad/s; a slower joint tells nothing")
     parser.add_argument("--constant", action="append", default=[], metavar="JOINT=NM/A", help="of a joint with currents")
     parser.add_argument("--out", default="identified", help="folder for what was found")
     return parser.parse_args(arguments)
@@ -248,7 +325,11 @@ def part(log, rows):
 
 
 def run(options, show=print):
-    urdf = load_urdf(options.urdf)
+    try:
+        urdf = load_urdf(options.urdf)
+    except RbdError as error:
+        hint = "; rbd-identify takes URDF: rbd-model --urdf ROBOT.xml makes one" if "of MJCF" in str(error) else ""
+        raise IdentifyError(f"{error}{hint}") from None
     model = Model(urdf)
     if model.nq != model.nv or len(model.dof_names) != len(set(model.dof_names)) or any("[" in x for x in model.dof_names):
         raise IdentifyError(f"{options.urdf}: only robots on a fixed base, whose joints have one degree of freedom")
@@ -260,7 +341,10 @@ def run(options, show=print):
         cut = len(log.q) * 4 // 5
         judge, name = part(log, slice(cut, None)), "the last fifth"
         log = part(log, slice(cut))
-    found = identify(model, log, options.slow)
+    try:
+        found = identify(model, log, options.slow)
+    except IdentifyError as error:
+        raise IdentifyError(f"{options.log}: {error}") from None
 
     out = Path(options.out)
     out.mkdir(parents=True, exist_ok=True)
@@ -279,7 +363,8 @@ def main(arguments=None):
     try:
         run(parse(arguments))
     except (IdentifyError, OSError, ET.ParseError, ValueError) as error:
-        print(f"rbd-identify: {error}", file=sys.stderr)
+        known = isinstance(error, OSError) and error.filename
+        print(f"rbd-identify: {f'{error.filename}: {error.strerror}' if known else error}", file=sys.stderr)
         return 1
     return 0
 

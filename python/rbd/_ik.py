@@ -8,12 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ._arguments import _int, _number, _numbers, _whole
+from ._arguments import _Declared, _int, _number, _numbers, _whole
 from ._headers import Array, IkKind, IkStatus, Matrix, Numbers, RbdError, Status, structure
 
 
 @dataclass
-class IkTarget:
+class IkTarget(_Declared):
     """Something of the robot and where it shall be: rbd_ik_target of rbd_ik.h. Zero will do for every field that the
     kind needs not."""
     kind: str                           #: "point", "pose", "rotation", "axis" or "com"

@@ -32,9 +32,9 @@ class Kinematics(_Owner):
         """Computes pose, velocity and acceleration of one body and its ancestors, in less time than `kinematics`.
         The calls below then know these bodies only."""
 
-    @_c("work", "R p", p="3")
+    @_c("work", "R p", p="3  the link's origin, world frame: m")
     def body_pose(self, body):
-        """Pose of a body after `kinematics`: R, and p, the link's origin in the world, m."""
+        """Pose of a body after `kinematics`."""
 
     @_c("work", "velocity")
     def body_velocity(self, body):
@@ -53,7 +53,8 @@ class Kinematics(_Owner):
     def energy(self):
         """Energies of all bodies that a joint moves, after `kinematics`."""
 
-    @_c("work", "position velocity acceleration", velocity="3", acceleration="3")
+    @_c("work", "position velocity acceleration", velocity="3  world frame: m/s",
+        acceleration="3  world frame: m/s^2")
     def com(self):
         """Centre of mass of those bodies, its velocity and acceleration, world frame, after `kinematics`."""
 

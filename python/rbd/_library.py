@@ -12,7 +12,7 @@ from typing import Any, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._arguments import _int, _number, _numbers, _whole
+from ._arguments import _Declared, _int, _number, _numbers, _whole
 from ._compiled import _compiled_for_machine
 from ._compiling import _c_compiler, _compile, _words
 from ._contacts import ContactSolution
@@ -58,7 +58,7 @@ def _library_units(real, lanes=None):
     return [_SINGLE + _spatial_unit(), _batch_unit(real, lanes)]
 
 
-class Library:
+class Library(_Declared):
     """rbd.h and its companions, compiled for one scalar. A wheel brings them compiled; they are taken where
     no argument and no $RBD_FLAGS asks for others.
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ._arguments import _flag, _number, _numbers
+from ._compiled import _compiled_loader
 from ._compiling import _QUICK, _compile, _words
 from ._descriptions import Body, Constraint, _from_c, _rows
 from ._headers import Array, MjcfStatus, RbdError, _python_words, _warn, structure
@@ -33,7 +34,7 @@ class Mjcf(Urdf):
     v have other orders in quaternions and free joints, and lack joints that mimic others or are held still. Axes before
     the last count states."""
     constraints: list[Constraint]   #: connect and weld, for `ConstraintSet(model, mjcf.constraints)`
-    places: list[tuple[int, int]]   #: of each body's joint: first index in qpos and in qvel; -1 = it is fixed
+    places: dict[str, tuple[int, int]]  #: of each joint that moves, by name: first index in qpos and in qvel
     nqpos: int                      #: length of MuJoCo's qpos
     nqvel: int                      #: and of its qvel
 
@@ -58,6 +59,15 @@ class Mjcf(Urdf):
         known = {"fixed": (0, 0), "spherical": (4, 3), "floating": (7, 6)}
         return sum(known.get(body.type, (1, 1))[velocities] for body in self.bodies if not body.mimic)
 
+    def _place(self, name, body):
+        """Where MuJoCo has the joint of a body."""
+        if body.type == "fixed" or body.mimic:
+            return -1, -1
+        if body.joint not in self.places:
+            raise ValueError(f"{name}: joint {body.joint!r} of body {body.name!r} is not in the MJCF file, so MuJoCo's states "
+                             "have no numbers of it")
+        return self.places[body.joint]
+
     def _convert(self, name, length, **inputs):
         """States one by one."""
         arrays = []
@@ -71,7 +81,7 @@ class Mjcf(Urdf):
                   for array in arrays]
         result = np.zeros((len(states[0]), length))
         rows = _rows(self.bodies)
-        places = (structure("rbd_mjcf_place") * len(rows))(*self.places)
+        places = (structure("rbd_mjcf_place") * len(rows))(*(self._place(name, body) for body in self.bodies))
         robot = structure("rbd_mjcf")(bodies=ctypes.addressof(rows), nb=len(rows), places=ctypes.addressof(places))
         call = _mjcf_library()[f"rbd_mjcf_{name}"]
         call.restype = None
@@ -93,13 +103,19 @@ def _installed_mujoco():
 
 @functools.lru_cache(maxsize=None)
 def _mjcf_library():
-    """The loader, compiled with MuJoCo: of Python's package, else of the system."""
+    """The loader with MuJoCo: compiled with that of Python's package, else as the wheel brings it, else compiled with that
+    of the system."""
     flags, libraries = _installed_mujoco()
+    brought = _compiled_loader("mjcf")
+    if brought and not flags:
+        return brought
     compiler = _words("$CXX", os.environ.get("CXX", "").strip() or "c++")
     try:
         return _compile([_MJCF], [*compiler, *_QUICK, "-std=c++17", *flags], libraries,
                         "rbd_mjcf.h with MuJoCo, which takes some seconds")
     except RuntimeError as error:
+        if brought:  # no compiler: the wheel's MuJoCo reads the file, which may be older
+            return brought
         raise RuntimeError("MJCF files need MuJoCo with its headers (Debian: libmujoco-dev; or pip install mujoco) and a "
                            "C++ compiler. Without them a model is made of rows (Body) or of a C table (load_table), which "
                            f"rbd-model writes on another machine.\n{error}") from None
@@ -197,4 +213,5 @@ def _read_mjcf(call, name, arguments, source, options):
     constraints = [Constraint(k.name.decode(), k.body1, k.body2, *(tuple(getattr(k, member)) for member in (
         "rotation1", "position1", "rotation2", "position2", "axes")), k.kp, k.kd) for k in room["constraints"]]
     return Mjcf(robot.name.decode(), bodies, frames, sentences, tuple(robot.gravity), robot.fixed_mass, constraints,
-                [(place.qpos, place.dof) for place in room["places"]], robot.nqpos, robot.nqvel)
+                {body.joint: (place.qpos, place.dof) for body, place in zip(bodies, room["places"]) if place.qpos >= 0},
+                robot.nqpos, robot.nqvel)

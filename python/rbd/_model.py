@@ -25,6 +25,7 @@ from ._headers import Array, RbdError, Status, _warn, structure
 from ._kinematics import Kinematics
 from ._library import Library, _default_library
 from ._names import Names
+from ._show import Picture, _show
 from ._tables import _print_c
 from ._mjcf import _load_mjcf, _takes_mjcf_options
 from ._urdf import Urdf, _load_urdf, _takes_urdf_options
@@ -68,18 +69,19 @@ class Model(Derivatives, Kinematics, Names):
             file = isinstance(bodies, (str, os.PathLike))
             raise TypeError("Model: bodies must be a list of Body, or the result of load_urdf, not "
                             f"{type(bodies).__name__}" + "; Model.from_urdf takes the name of a file" * file)
-        self._setup(bodies, gravity, _default_library() if library is None else library, kinematic)
+        drawn = (urdf._path, urdf.frames) if urdf else (None, ())
+        self._setup(bodies, gravity, _default_library() if library is None else library, kinematic, drawn=drawn)
         if urdf and urdf.warnings:
             self.warnings = list(urdf.warnings)
         else:
             _warn(self.warnings)
 
-    def _setup(self, bodies, gravity, library, kinematic, layout="rows"):
-        """What a new model and a copy have in common."""
+    def _setup(self, bodies, gravity, library, kinematic, layout="rows", drawn=(None, ())):
+        """What a new model and a copy have in common. drawn: the URDF file and the frames of its links, for pictures."""
         if not isinstance(library, Library):
             raise TypeError(f"library must be a Library, as Library('float'), not {library!r}")
         super().__init__(library, threading.RLock())
-        self._batch_layout = layout
+        self._batch_layout, self._drawn = layout, drawn
         self.kinematic = bool(kinematic)
         bodies = list(bodies)
         self._rows = _rows(bodies)
@@ -169,7 +171,7 @@ class Model(Derivatives, Kinematics, Names):
 
     def __reduce__(self):
         return _again, (self.bodies, self.get_gravity(), self.library, self.kinematic, self._batch_layout,
-                        self.warnings)
+                        self.warnings, self._drawn)
 
     def __repr__(self):
         return f"<rbd.Model of {self.nb} bodies, nq = {self.nq}, nv = {self.nv}, {self.library.real}>"
@@ -241,7 +243,8 @@ class Model(Derivatives, Kinematics, Names):
             raise RbdError(Status(status), "lock_joints: " + self.library.finding_text(report.error))
         bodies = [body if row.type == new.type else _from_c(new)
                   for body, row, new in zip(self.bodies, rows, held)]
-        return _again(bodies, self.get_gravity(), self.library, self.kinematic, self._batch_layout, self.warnings)
+        return _again(bodies, self.get_gravity(), self.library, self.kinematic, self._batch_layout, self.warnings,
+                      self._drawn)
 
     def singular_dof(self) -> int:
         """After Status.ERR_SINGULAR or ERR_NAN: the degree of freedom whose pivot is not above its rounding,
@@ -312,6 +315,20 @@ class Model(Derivatives, Kinematics, Names):
         and those by accelerations of the bodies that carry them. rotors: a list of Rotor. It calls `kinematics`."""
         return _rotor_torque(self, rotors, q, v, a, f_ext)
 
+    # -- to look at --
+
+    def show(self, q: ArrayLike | None = None, times: ArrayLike | None = None, *,
+             file: str | os.PathLike[str] | None = None) -> Picture:
+        """Shows the robot in the browser, or in a notebook, as a page that needs neither server nor network. Bodies are
+        drawn as the URDF file has them (boxes, cylinders, balls, and meshes of STL and OBJ files), others as rods from
+        joint to joint, with the ellipsoids of their inertia.
+
+            q       nq: a configuration, None = neutral; or n x nq: a motion, which the page plays
+            times   n, s, growing: when the configurations are; None = 60 in a second. Between them `interpolate`
+            file    to write the page into; no browser is opened then
+        """
+        return _show(self, q, times, file)
+
     # -- for firmware --
 
     def c_model(self, name: str, source: str = "a Model in Python") -> str:
@@ -330,9 +347,9 @@ for _part in (Dynamics, Derivatives, Kinematics, Names):
         _member.__qualname__ = f"Model.{_member.__name__}"
 
 
-def _again(bodies, gravity, library, kinematic, layout, warnings):
+def _again(bodies, gravity, library, kinematic, layout, warnings, drawn=(None, ())):
     """A Model that was built before, and has warned."""
     model = Model.__new__(Model)
-    model._setup(bodies, gravity, library, kinematic, layout)
+    model._setup(bodies, gravity, library, kinematic, layout, drawn)
     model.warnings = list(warnings)
     return model

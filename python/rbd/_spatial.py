@@ -8,7 +8,7 @@ from typing import NamedTuple, TYPE_CHECKING
 
 import numpy as np
 
-from ._arguments import _broadcast, _finite
+from ._arguments import _Declared, _broadcast, _finite
 from ._headers import Array
 
 if TYPE_CHECKING:
@@ -102,7 +102,7 @@ def _spatial_unit():
     return "\n".join(lines)
 
 
-class Spatial:
+class Spatial(_Declared):
     """Rotations, placements and spatial vectors by rbd_spatial.h, as arrays: `library.spatial`,
     `model.library.spatial`.
 

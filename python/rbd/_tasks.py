@@ -9,7 +9,7 @@ from typing import Iterable, NamedTuple, Sequence, TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._arguments import _flag, _int, _number, _numbers, _whole
+from ._arguments import _Declared, _flag, _int, _number, _numbers, _whole
 from ._headers import Array, Matrix, Numbers, RbdError, Status, TaskKind, TasksStatus, structure
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ _LIMITS = {"position": 1, "speed": 2, "torque": 4}    # RBD_WITHOUT_...
 
 
 @dataclass
-class Task:
+class Task(_Declared):
     """A wish: rbd_task of rbd_tasks.h. Zero will do for every field that the kind needs not. With e from where it is to
     where it shall be, u its velocity and k the gain, its velocity shall be velocity + k e, or its acceleration
     acceleration + k^2 e + 2 damping k (velocity - u)."""
@@ -47,7 +47,7 @@ class Task:
 
 
 @dataclass
-class TaskContact:
+class TaskContact(_Declared):
     """A point of a body that touches the ground and is held there: rbd_task_contact of rbd_tasks.h."""
     body: int | str                     #: index, or name of the link
     point: Numbers = (0, 0, 0)          #: of the body, link axes, m
@@ -83,7 +83,7 @@ class TasksAcceleration(NamedTuple):
     dual: float             #: the largest component of the gradient, as a share of its largest term
 
 
-class Tasks:
+class Tasks(_Declared):
     """A controller of the whole body, rbd_tasks.h: at each tick the velocities, or the accelerations, contact forces and
     torques, that do what tasks ask for as well as contacts, friction and limits allow.
 
@@ -93,11 +93,11 @@ class Tasks:
         tau = control.acceleration(q, v).tau                # at each tick
         trunk.position = (0, 0, 0.5)                        # and as you like between them
 
-        tasks, contacts   lists of Task and TaskContact; change them, and the attributes below, between ticks
+        tasks, contacts   lists of Task and TaskContact; change them, and the attributes of these names, between ticks
         dt                s: until the next tick
         lower, upper      nv, rad or m; None: the model's; if one is None, there is none at that side
         speed, torque     nv; 0: none; None: the model's
-        acceleration      nv; None: none
+        acceleration      nv; None: none. Its attribute is `limit`
         braking           rad/s^2 or m/s^2: limits of position and speed ask for no more; 0 = 10
         without           limits that do not count: "position", "speed", "torque"
         limit_weight      0: limits of motion are hard; else soft, of this weight; torque_weight: those of torque
@@ -108,6 +108,23 @@ class Tasks:
 
     A tick begins with the limits that the last one ended at. It computes in the Model's memory: after it `kinematics`
     must be called anew. docs/tasks.md."""
+    model: Model
+    tasks: list[Task]
+    contacts: list[TaskContact]
+    dt: float
+    lower: ArrayLike | None
+    upper: ArrayLike | None
+    speed: ArrayLike | None
+    torque: ArrayLike | None
+    limit: ArrayLike | None         #: the argument `acceleration`
+    braking: float
+    without: Iterable[str]
+    limit_weight: float
+    torque_weight: float
+    passive: ArrayLike | None
+    motion_cost: float
+    force_cost: float
+    steps: int
 
     def __init__(self, model: Model, tasks: Iterable[Task] = (), contacts: Iterable[TaskContact] = (), *,
                  dt: float = 1e-3, lower: ArrayLike | None = None, upper: ArrayLike | None = None,
@@ -191,6 +208,8 @@ class Tasks:
         if self.passive is not None:
             kept.append(_numbers("Tasks", "passive", self.passive, (self.model.nv,)).astype(np.uint8))
             problem.passive = _pointer(kept[-1])
+        if isinstance(self.without, (str, int)):
+            raise TypeError(f"Tasks: without must be a list of names, such as ['torque'], not {self.without!r}")
         for name in self.without:
             if name not in _LIMITS:
                 raise ValueError(f"Tasks: without must be of 'position', 'speed' and 'torque', not {name!r}")

@@ -13,8 +13,8 @@ from typing import Iterable, Mapping, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._arguments import _flag, _number, _numbers, _utf8
-from ._compiled import _compiled_urdf
+from ._arguments import _Declared, _flag, _number, _numbers, _utf8
+from ._compiled import _compiled_loader
 from ._compiling import _QUICK, _compile, _run, _words
 from ._descriptions import Body, _from_c
 from ._headers import Array, JointType, Numbers, RbdError, UrdfStatus, _python_words, _warn, structure
@@ -38,7 +38,7 @@ class Frame(NamedTuple):
 
 
 @dataclass
-class Urdf:
+class Urdf(_Declared):
     """The content of a URDF file: `Model(urdf)` takes it."""
     name: str           #: of the robot
     bodies: list[Body]
@@ -46,13 +46,14 @@ class Urdf:
     warnings: list[str]     #: sentences
     gravity: Numbers        #: world frame, m/s^2
     fixed_mass: float       #: kg, of the links that are fixed to the world: in no body
+    _path = None            #  of the file, where it was one
     kinematic = False       #: whether joints may move no mass: if one does, Model(urdf) is for kinematics alone
 
 
 @functools.lru_cache(maxsize=None)
 def _urdf_library():
     """The loader with urdfdom: as the wheel brings it, else compiled."""
-    if brought := _compiled_urdf():
+    if brought := _compiled_loader("urdf"):
         return brought
     try:
         words = _run(["pkg-config", "--cflags", "--libs", "urdfdom"]).split()
@@ -175,7 +176,9 @@ def _load_urdf(call, path, options):
     path = os.fspath(path)
     with open(path, "rb") as file:
         text = file.read()
-    return _read_urdf(call, text, os.fsdecode(path), options)
+    urdf = _read_urdf(call, text, os.fsdecode(path), options)
+    urdf._path = os.path.abspath(os.fsdecode(path))
+    return urdf
 
 
 def _read_urdf(call, text, source, options):

@@ -163,7 +163,7 @@ def test_structures_are_those_of_the_header(double):
         assert {f.name for f in fields(kind)} | missing == {member for member, _ in rbd.structure(name)._fields_}
     assert [f.name for f in fields(rbd.IkTarget)] == [name for name, _ in rbd.structure("rbd_ik_target")._fields_]
     assert rbd.JointInfo._fields == tuple(name for name, _ in rbd.structure("rbd_joint_info")._fields_)
-    for kind, name in ((rbd.Friction, "rbd_friction"), (rbd.Motor, "rbd_motor"), (rbd.Rod, "rbd_rod"),
+    for kind, name in ((rbd.Friction, "rbd_gear_friction"), (rbd.Motor, "rbd_motor"), (rbd.Rod, "rbd_rod"),
                        (rbd.Rotor, "rbd_rotor")):
         assert {f.name for f in fields(kind)} == {member for member, _ in rbd.structure(name)._fields_}
     assert set(rbd.Drives._fields) == {name for name, _ in rbd.structure("rbd_drive")._fields_}
@@ -173,7 +173,8 @@ def test_structures_are_those_of_the_header(double):
              "rbd_ik_target", "rbd_ik_options", "rbd_ik_result",
              "rbd_task", "rbd_task_contact", "rbd_tasks", "rbd_tasks_result",
              "rbd_joint_friction", "rbd_estimate_fault", "rbd_observer_options", "rbd_estimate_options",
-             "rbd_friction", "rbd_motor", "rbd_rod", "rbd_transmission", "rbd_drive", "rbd_command", "rbd_actuator_state", "rbd_rotor",
+             "rbd_gear_friction", "rbd_motor", "rbd_rod", "rbd_transmission", "rbd_drive", "rbd_command",
+             "rbd_actuator_state", "rbd_rotor",
              "rbd_urdf_options", "rbd_urdf_lock", "rbd_urdf_frame", "rbd_urdf_finding", "rbd_urdf",
              "rbd_mjcf_options", "rbd_mjcf_lock", "rbd_mjcf_frame", "rbd_mjcf_place", "rbd_mjcf_finding", "rbd_mjcf"]
     unit = '#include "rbd_contact.h"\n#include "rbd_tasks.h"\n#include "rbd_estimate.h"\n#include "rbd_actuator.h"\n#include "rbd_urdf.h"\n#include "rbd_mjcf.h"\nconst size_t sizes[] = {%s};' % ", ".join(

@@ -143,10 +143,17 @@ def test_bad_bounded_rows_are_refused_by_name(double):
         rows.row_set(0, [0, 1], [1])
     with pytest.raises(ValueError, match="row_set: upper is inf"):
         rows.row_set(0, [0], [1], upper=math.inf)
-    with pytest.raises(rbd.RbdError) as error:
-        rows.row_set(0, [0], [1], lower=2, upper=1)
-    assert error.value.status == rbd.Status.ERR_RANGE
-    with pytest.raises(rbd.RbdError) as error:
+    with pytest.raises(ValueError, match="row_set: dofs has one twice: .1, 1."):
+        rows.row_set(0, [1, 1], [1, 1])
+    with pytest.raises(TypeError, match="row_set: dofs must be a list of whole numbers, not 0"):
+        rows.row_set(0, 0, [1])
+    for bad, match in (({"lower": 2, "upper": 1}, "row_set: lower is 2.0, above upper, which is 1.0"),
+                       ({"compliance": -1}, "row_set: compliance is -1.0, below 0"),
+                       ({"lower": 1e30, "upper": 1e31}, "row_set: lower is 1e.30 and upper is 1e.31")):
+        with pytest.raises(rbd.RbdError, match=match) as error:
+            rows.row_set(0, [0], [1], **bad)
+        assert error.value.status == rbd.Status.ERR_RANGE
+    with pytest.raises(rbd.RbdError, match="friction: dof 0 has no row of dry friction") as error:
         rows.friction(0, 1.0)
     assert error.value.status == rbd.Status.ERR_INDEX
     with pytest.raises(IndexError, match="row_get: no such row: -1"):

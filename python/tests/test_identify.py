@@ -111,7 +111,7 @@ def test_a_log_without_excitation_names_what_it_lacks(robots, tmp_path):
         return move
 
     log = write_log(tmp_path / "log.csv", truth, 1, move=only(3))
-    with pytest.raises(tool.IdentifyError, match="joint '.*' moves faster than 0.02 rad/s in 0 samples only"):
+    with pytest.raises(tool.IdentifyError, match="log.csv: joint '.*' moves faster than 0.02 rad/s in 0 samples only"):
         tool.run(tool.parse([str(URDF), str(log), "--out", str(tmp_path)]), str)
 
     def together(q, v, a):  # one joint after the other has the same motion: only some sums are told
@@ -123,6 +123,19 @@ def test_a_log_without_excitation_names_what_it_lacks(robots, tmp_path):
     assert found.unknown and any("not enough excitation" in line and found.unknown[0] in line for line in said)
     for body in found.parameters:
         truth.library.check_parameters(body)
+
+
+def scale(rows, columns, factor):
+    for row in rows[1:]:
+        row[columns] = [float(x) * factor for x in row[columns]]
+
+
+def with_speeds(rows, factor):
+    """A column v: of the first joint, the slope of its positions times a factor."""
+    slope = np.gradient([float(row[1]) for row in rows[1:]], DT)
+    rows[0].append("v:" + rows[0][1][2:])
+    for row, v in zip(rows[1:], slope):
+        row.append(v * factor)
 
 
 @pytest.mark.parametrize("change, message", [
@@ -137,6 +150,13 @@ def test_a_log_without_excitation_names_what_it_lacks(robots, tmp_path):
     (lambda rows: [row.pop(0) for row in rows], r"no column 'time': give --dt"),
     (lambda rows: rows.__delitem__(slice(30, None)), r"29 samples are too few"),
     (lambda rows: rows.__delitem__(slice(1, None)), r"no samples"),
+    (lambda rows: (rows.insert(3, []), rows[20].__setitem__(4, "")), r"row 21, column 'q:.*': '' is no number"),
+    (lambda rows: rows[0].__setitem__(3, "position:" + rows[0][3][2:]), r"unknown column 'position:.*'; columns are time, and q:"),
+    (lambda rows: scale(rows, slice(1, 8), 180 / np.pi), r"column 'q:.*' reaches .*limits are -.* rad: is it in degrees\?"),
+    (lambda rows: scale(rows, slice(0, 1), 1000), r"column 'time' grows by 5 a row: is it in milliseconds\?"),
+    (lambda rows: with_speeds(rows, 180 / np.pi), r"column 'v:.*' is 57\.\d+ times the slope of column 'q:.*'"),
+    (lambda rows: rows[0].__setitem__(slice(8, 15), ["current:" + x[4:] for x in rows[0][8:15]]),
+     r"joint '.*_1' has currents: give --constant '.*_1=N m/A'; the same of '.*_2', .*'.*_7'"),
 ])
 def test_a_bad_log_is_refused_by_name(robots, tmp_path, change, message, capsys):
     path = write_log(tmp_path / "log.csv", robots[1], 1, n=200)
@@ -151,9 +171,58 @@ def test_a_bad_log_is_refused_by_name(robots, tmp_path, change, message, capsys)
     assert capsys.readouterr().err.startswith("rbd-identify: ")
 
 
-def test_other_robots_and_words_are_refused(tmp_path):
+def test_a_part_of_the_joints_may_have_velocities(robots, tmp_path):
+    """Those of a joint that has a column count, and the others are slopes."""
+    path = write_log(tmp_path / "log.csv", robots[1], 1, n=400)
+    without = tool.read_log(path, robots[0])
+    with open(path) as file:
+        rows = list(csv.reader(file))
+    with_speeds(rows, 1.25)
+    with open(path, "w", newline="") as file:
+        csv.writer(file).writerows(rows)
+    log = tool.read_log(path, robots[0])
+    assert np.abs(log.v[:, 0] - 1.25 * without.v[:, 0]).max() < 0.01 * np.abs(without.v[:, 0]).max()
+    assert np.abs(log.a[:, 0] - 1.25 * without.a[:, 0]).max() < 0.03 * np.abs(without.a[:, 0]).max()
+    assert (log.v[:, 1:] == without.v[:, 1:]).all() and (log.a[:, 1:] == without.a[:, 1:]).all()
+
+
+def test_a_log_that_is_too_quick_is_refused(robots, tmp_path):
+    path = write_log(tmp_path / "log.csv", robots[1], 1, n=200)
+    with pytest.raises(tool.IdentifyError, match=r"log.csv: column 'q:.*_1' changes by .* in half of the log, but the joint's "
+                                                 r"limit is .*: is it in degrees or mm, or the time in another unit\?"):
+        tool.read_log(path, robots[0], dt=DT / 50, window=0.1 / 50)
+
+
+def test_files_of_spreadsheets(robots, tmp_path, capsys):
+    """A byte order mark does no harm; other encodings and separators are named."""
+    path = write_log(tmp_path / "log.csv", robots[1], 1, n=200)
+    text, plain = path.read_text(), tool.read_log(path, robots[0])
+    path.write_text(text, encoding="utf-8-sig")
+    assert (tool.read_log(path, robots[0]).q == plain.q).all()
+    for encoding, word, message in (("utf-16", ",", "log.csv: it is no text in UTF-8"),
+                                    ("utf-8", ";", "log.csv, row 1: columns are parted by ';': part them by commas")):
+        path.write_text(text.replace(",", word), encoding=encoding)
+        assert tool.main([str(URDF), str(path), "--out", str(tmp_path)]) == 1
+        assert message in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("words", [["--window", "0"], ["--window", "nan"], ["--dt", "0"], ["--dt", "x"], ["--slow", "-1"]])
+def test_bad_numbers_of_the_command_are_refused(words, capsys):
+    with pytest.raises(SystemExit):
+        tool.main([str(URDF), "log.csv", *words])
+    assert f"argument {words[0]}: '{words[1]}' is not a number above 0" in capsys.readouterr().err
+
+
+def test_other_robots_and_words_are_refused(robots, tmp_path, capsys):
     assert tool.main([str(rbd.SOURCES / "models/five_bar.urdf"), str(tmp_path / "none.csv")]) == 1
     assert tool.main([str(URDF), str(tmp_path / "none.csv")]) == 1
-    with pytest.raises(tool.IdentifyError, match="write JOINT=NUMBER"):
-        tool.constants_of(["a"])
+    assert "none.csv: No such file or directory" in capsys.readouterr().err
+    assert tool.main([str(rbd.SOURCES / "tests/mjcf/joints.xml"), str(tmp_path / "none.csv")]) == 1
+    assert "takes URDF: rbd-model --urdf" in capsys.readouterr().err
+    for word in "a", "a=nan", "a=0", "a=x":
+        with pytest.raises(tool.IdentifyError, match=f"--constant '{word}': write JOINT=NUMBER"):
+            tool.constants_of([word])
+    log = write_log(tmp_path / "log.csv", robots[1], 1, n=200)
+    with pytest.raises(tool.IdentifyError, match="--constant 'elbow': the robot has no joint of this name"):
+        tool.read_log(log, robots[0], constants={"elbow": 1})
     assert tool.constants_of(["a=b=2.5"]) == {"a=b": 2.5}

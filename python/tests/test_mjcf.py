@@ -23,7 +23,7 @@ def mujoco():
 
 def test_the_torque_of_gravity(mujoco):
     robot = rbd.parse_mjcf(ARM)
-    assert robot.name == "arm" and robot.gravity == (0, 0, -5) and robot.places == [(0, 0)]
+    assert robot.name == "arm" and robot.gravity == (0, 0, -5) and robot.places == {"j": (0, 0)}
     assert robot.bodies[0].lower == pytest.approx(-np.pi / 2)
     assert rbd.Model(robot).gravity_torque([0]) == pytest.approx([-2 * 5])
     assert rbd.Model(rbd.parse_mjcf(ARM, gravity=(0, 0, -1))).gravity_torque([0]) == pytest.approx([-2])
@@ -40,7 +40,7 @@ def test_states_of_mujoco(mujoco):
     assert (qpos.shape, qvel.shape) == ((3, robot.nqpos), (3, robot.nqvel)) == ((3, 30), (3, 26))
     assert np.allclose(robot.q_of_qpos(qpos), q, 0, 1e-14) and np.allclose(robot.v_of_qvel(qpos, qvel), v, 0, 1e-14)
     drone = [frame.link for frame in robot.frames].index("drone")
-    iq, iv = robot.places[robot.frames[drone].body]
+    iq, iv = robot.places["flight"]
     model.kinematics(q[1], v[1])
     R, p = model.body_pose(robot.frames[drone].body)
     velocity = model.body_velocity(robot.frames[drone].body)
@@ -48,6 +48,23 @@ def test_states_of_mujoco(mujoco):
     assert np.allclose(qvel[1, iv + 3:iv + 6], velocity[:3])
     with pytest.raises(ValueError, match=r"q_of_qpos: qpos must have the shape \(\.\.\., 30\), not \(29,\)"):
         robot.q_of_qpos(np.zeros(29))
+
+
+def test_states_of_a_description_that_was_changed(mujoco):
+    """Bodies may be removed, and bodies without joints added; a joint that MuJoCo does not know is named."""
+    text = ARM.replace("</body></worldbody>", "<body name='b' pos='1 0 0'><joint name='k'/><geom size='0.1'/></body></body>"
+                       "<body name='c' pos='9 0 0'><joint name='l' type='slide'/><geom size='0.1'/></body></worldbody>")
+    robot = rbd.parse_mjcf(text)
+    assert robot.q_of_qpos([1, 2, 3]).tolist() == [1, 2, 3]
+    robot.bodies.append(rbd.Body("tool", parent=1, type="fixed"))
+    assert robot.q_of_qpos([1, 2, 3]).tolist() == [1, 2, 3]
+    del robot.bodies[1]  # k of b: l is behind it
+    robot.bodies[-1].parent = 0
+    assert robot.q_of_qpos([1, 2, 3]).tolist() == [1, 3] and robot.qpos_of_q([4, 5]).tolist() == [4, 0, 5]
+    robot.bodies.append(rbd.Body("hand", parent=0, type="revolute", joint="grip"))
+    for call, arguments in ("q_of_qpos", [[1, 2, 3]]), ("qvel_of_v", [[1, 2, 3], [1, 2, 3]]):
+        with pytest.raises(ValueError, match=f"{call}: joint 'grip' of body 'hand' is not in the MJCF file"):
+            getattr(robot, call)(*arguments)
 
 
 def test_equalities_are_mimics_and_constraints(mujoco):
@@ -58,7 +75,8 @@ def test_equalities_are_mimics_and_constraints(mujoco):
     assert constraints.rows == 18 and [k.name for k in robot.constraints] == ["hook", "hung", "glue", "turned"]
     assert robot.nqvel - model.nv == 3
     with pytest.warns(rbd.RbdWarning):
-        assert len(rbd.load_mjcf(FILES / "equalities.xml", free_mimics=True).places) == len(robot.places)
+        free = rbd.load_mjcf(FILES / "equalities.xml", free_mimics=True)
+    assert set(free.places) - set(robot.places) == {"still"}
 
 
 def test_options_and_errors(mujoco):

@@ -89,6 +89,8 @@ def test_bad_input_is_named(iiwa):
             ([], [rbd.TaskContact(6, friction=-1)], {}, rbd.RbdError, "contact 0, field 'friction'"),
             ([], [], {"dt": 0}, rbd.RbdError, "field 'dt'"),
             ([], [], {"speed": [-1] * 7}, rbd.RbdError, "dof 0, field 'speed'"),
+            ([], [], {"without": 8}, TypeError, "without must be a list of names"),
+            ([], [], {"without": "torque"}, TypeError, "not 'torque'"),
             ([], [], {"without": ["weight"]}, ValueError, "'weight'")):
         with pytest.raises(kind, match=text.replace("'", ".")):
             rbd.Tasks(iiwa, tasks, contacts, **options).acceleration(q, v)

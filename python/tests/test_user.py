@@ -67,6 +67,16 @@ def test_fall(tmp_path, monkeypatch):
     assert len(frames) == 30 and all(path.read_bytes().startswith(b"\x89PNG") for path in frames)
 
 
+def test_landing(tmp_path, monkeypatch):
+    """It stands in the end, its feet carry it, and the page has two seconds."""
+    monkeypatch.setenv("PYTHONPATH", str(PYTHON))
+    printed = run(sys.executable, PYTHON / "examples/hyq_lands.py", tmp_path / "page.html")
+    height, force, weight = map(float, re.search(r"stands at (\S+) m; its feet carry (\S+) N of (\S+) N", printed).groups())
+    assert 0.5 < height < 0.65 and abs(force - weight) < 1
+    page = (tmp_path / "page.html").read_text()
+    assert '"bodies": 13' in page and len(page) > 13 * 12 * 4 * 120
+
+
 def test_servo_arm(tmp_path, monkeypatch):
     """What was identified explains the friction, and compensates it at each joint."""
     monkeypatch.setenv("PYTHONPATH", str(PYTHON))

@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import sysconfig
@@ -26,6 +27,12 @@ try:
     said["nv"] = rbd.Model.from_urdf(rbd.SOURCES / "models/hyq.urdf", floating=True).nv
 except RuntimeError as error:
     said["nv"] = str(error)
+try:
+    robot = rbd.parse_mjcf('<mujoco><worldbody><body><joint axis="0 1 0"/><geom size="0.1" pos="1 0 0" mass="2"/></body></worldbody></mujoco>')
+    said["mjcf"] = rbd.Model(robot).gravity_torque([0]).tolist()
+except RuntimeError as error:
+    said["mjcf"] = str(error)
+said["page"] = len(model.show(q, file="page.html").html)
 print(json.dumps(said))
 """
 
@@ -63,6 +70,9 @@ def test_package_of_a_wheel_compiles_nothing(installed):
     np.testing.assert_allclose(said["many"], model.rnea(model.random(2, n=50), v, a).sum(), rtol=1e-10)
     assert said["table"] == model.c_model("iiwa")
     assert said["nv"] == 18 or "urdfdom" in said["nv"]
+    if sysconfig.get_platform() == "linux-x86_64":
+        assert said["mjcf"] == pytest.approx([-2 * 9.81])
+    assert said["page"] > 10000
     assert not list(installed.glob("cache/*"))
 
 
@@ -77,6 +87,50 @@ def test_package_of_a_wheel_says_what_it_cannot(installed):
         assert "rbd needs 'cc'" in without_compiler('import rbd; rbd.Library("double")', installed).stderr
     finally:
         header.write_text(text)
+
+
+WINDOWS = """
+#include <stdio.h>
+#include <stdlib.h>
+#include "rbd_batch.h"
+#include "models/iiwa.h"
+int rbd_machine_level(void);
+int main(void) {
+    static double q[50 * 7], v[50 * 7], a[50 * 7], tau[50 * 7];
+    const rbd_model *model;
+    rbd_batch *batch;
+    size_t size = rbd_model_size(iiwa_bodies, IIWA_NB);
+    if (rbd_model_build(iiwa_bodies, IIWA_NB, malloc(size), size, &model, NULL) != RBD_OK) return 1;
+    size = rbd_batch_size(model);
+    if (rbd_batch_init(model, malloc(size), size, &batch) != RBD_OK) return 2;
+    for (int k = 0; k < 50 * 7; k++) q[k] = 0.01 * k, v[k] = 1 - 0.002 * k, a[k] = 0.5;
+    if (rbd_batch_rnea(model, batch, 50, q, v, a, NULL, tau) != RBD_OK) return 3;
+    for (int k = 0; k < 50 * 7; k++) printf("%.17g\\n", tau[k]);
+    return rbd_machine_level() < 0;
+}
+"""
+
+
+def test_package_of_a_windows_wheel(tmp_path):
+    """Its libraries load, as ctypes would load them, and compute what those of this machine do; a Python for Windows is not
+    at hand."""
+    if not os.environ.get("RBD_ALL_TESTS"):
+        pytest.skip("but by ./run test --all: a wheel, of which the library is compiled")
+    if not shutil.which("wine") or not shutil.which("x86_64-w64-mingw32-gcc"):
+        pytest.skip("wine or MinGW is not installed")
+    wheel = _run([sys.executable, str(PYTHON / "make_wheel.py"), "--quick", "windows-x86-64", str(tmp_path)]).strip()
+    assert wheel.endswith("-py3-none-win_amd64.whl")
+    _run([sys.executable, "-m", "zipfile", "-e", wheel, str(tmp_path)])
+    folder = tmp_path / "rbd/compiled"
+    (folder / "main.c").write_text(WINDOWS)
+    _run(["x86_64-w64-mingw32-gcc", "-std=c99", f"-I{rbd.SOURCES}", str(folder / "main.c"), str(folder / "double-0.dll"),
+          str(folder / "machine.dll"), "-o", str(folder / "main.exe")])
+    done = subprocess.run(["wine", str(folder / "main.exe")], env={**os.environ, "WINEDEBUG": "-all"}, stdout=subprocess.PIPE, text=True)
+    assert done.returncode == 0
+    k = np.arange(50 * 7).reshape(50, 7)
+    model = rbd.Model(rbd.load_table(rbd.SOURCES / "models/iiwa.h"))
+    expected = model.rnea(0.01 * k, 1 - 0.002 * k, np.full((50, 7), 0.5))
+    np.testing.assert_allclose(np.array(done.stdout.split(), float).reshape(50, 7), expected, rtol=1e-10, atol=1e-10)
 
 
 def compiled(path, text):

@@ -46,7 +46,7 @@ RBDI_LOCAL rbd_status rbdi_act_check_fields(const rbdi_act_where *where, const r
 #define RBDI_ACTUATOR_FIELDS(where, list) \
     rbdi_act_check_fields(where, list, (int)(sizeof(list) / sizeof((list)[0])))
 
-RBDI_LOCAL rbd_status rbdi_act_check_friction(const rbdi_act_where *where, const rbd_friction *f) {
+RBDI_LOCAL rbd_status rbdi_act_check_friction(const rbdi_act_where *where, const rbd_gear_friction *f) {
     const rbd_const most = RBDI_ACTUATOR_MOST, least = RBDI_ACTUATOR_LEAST;
     const int rest = rbdi_act_has_rest(f);
     const rbdi_act_field field[] = {{"coulomb", f->coulomb, 0, most, 1},
@@ -80,7 +80,7 @@ RBDI_LOCAL rbd_status rbdi_act_check_electric(const rbdi_act_where *where, const
         {"flow_case", m->flow_case, least, RBD_C(1e6), !(heat && m->heat_case > 0)},
         {"hot", m->hot, least, RBD_C(1e4), !limit},
         {"hottest", m->hottest, least, RBD_C(1e4), !limit},
-        {"resistance", m->resistance, least, most, !heat && !(m->voltage > 0)}};
+        {"resistance", m->resistance, least, most, !heat && !(m->voltage > 0) && !m->by_voltage}};
     const rbd_status status = RBDI_ACTUATOR_FIELDS(where, field);
     if (status) return status;
     if (limit && !(m->hottest > m->hot))
@@ -110,6 +110,8 @@ RBDI_LOCAL rbd_status rbdi_act_check_mechanical(const rbdi_act_where *where, con
     if (status) return status;
     if (m->delay < 0 || m->delay > RBDI_ACTUATOR_MOST_DELAY)
         return rbdi_act_refuse_field(where, RBD_ERR_RANGE, "delay", "below 0 or above 1000");
+    if (m->by_voltage != 0 && m->by_voltage != 1)
+        return rbdi_act_refuse_field(where, RBD_ERR_RANGE, "by_voltage", "neither 0 nor 1");
     if (m->sampled != 0 && m->sampled != 1)
         return rbdi_act_refuse_field(where, RBD_ERR_RANGE, "sampled", "neither 0 nor 1");
     if (spring && !(gear * gear * m->inertia >= RBDI_ACTUATOR_LEAST_REFLECTED))
@@ -145,10 +147,36 @@ RBDI_LOCAL rbd_status rbdi_act_find_joint(const rbd_model *m, const rbdi_act_whe
     return RBD_OK;
 }
 
+RBDI_INLINE int rbdi_act_is_used(rbd_const x) { return x > 0 || x < 0; }
+
+/* Fields that do nothing without others. */
+RBDI_LOCAL rbd_status rbdi_act_check_partners(const rbdi_act_where *where, const rbd_motor *m) {
+    const rbd_gear_friction *f = &m->friction;
+    const int rest = rbdi_act_has_rest(f),
+              dry = rest || f->coulomb > 0 || f->load_motor > 0 || f->load_joint > 0;
+    const struct {
+        const char *name;
+        int lonely;
+        const char *sentence;
+    } field[] = {{"teeth", m->teeth > 0 && !(m->cogging > 0), "does nothing without 'cogging'"},
+                 {"phase", rbdi_act_is_used(m->phase) && !(m->cogging > 0), "does nothing without 'cogging'"},
+                 {"flow_case", m->flow_case > 0 && !(m->heat_case > 0), "does nothing without 'heat_case'"},
+                 {"copper", m->copper > 0 && !(m->resistance > 0), "does nothing without 'resistance'"},
+                 {"speed", f->speed > 0 && !rest, "does nothing without friction at rest"},
+                 {"power", f->power > 0 && !rest, "does nothing without friction at rest"},
+                 {"bristle", f->bristle > 0 && !dry, "does nothing without dry friction"},
+                 {"still", f->still > 0 && !dry, "does nothing without dry friction"}};
+    for (int i = 0; i < (int)(sizeof field / sizeof *field); ++i)
+        if (field[i].lonely)
+            return rbdi_act_refuse_field(where, RBD_ERR_RANGE, field[i].name, field[i].sentence);
+    return RBD_OK;
+}
+
 RBDI_LOCAL rbd_status rbdi_act_check_motor(const rbdi_act_where *where, const rbd_motor *m) {
     rbd_status status = rbdi_act_check_mechanical(where, m);
     if (!status) status = rbdi_act_check_electric(where, m);
-    return status ? status : rbdi_act_check_friction(where, &m->friction);
+    if (!status) status = rbdi_act_check_friction(where, &m->friction);
+    return status ? status : rbdi_act_check_partners(where, m);
 }
 
 RBDI_LOCAL int rbdi_act_is_vector(const rbd_const x[3]) {

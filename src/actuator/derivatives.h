@@ -49,11 +49,11 @@ RBDI_LOCAL void rbdi_act_group_derivatives(const rbd_actuators *a, const rbdi_ac
     }
 }
 
-/* Whether a command's torque reaches the joint at once: it is no spring's, not cut by a limit, and not late.
-   */
+/* What a command's torque, or voltage, does to the joint at once: nothing if a spring lies between, a limit
+   cuts it, or it is late. */
 RBDI_LOCAL rbd_real rbdi_act_passes(const rbd_actuators *a, int i) {
     const rbd_motor *m = &a->motor[i];
-    return rbdi_set(m->stiffness > 0 || m->delay > 0 || a->shaft[i].saturated ? RBD_C(0) : RBD_C(1));
+    return m->stiffness > 0 || m->delay > 0 ? rbdi_zero() : a->shaft[i].pass;
 }
 
 RBDI_API rbd_status rbd_actuators_derivatives(const rbd_actuators *a, rbd_real *dq, rbd_real *dv,

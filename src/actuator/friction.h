@@ -13,13 +13,13 @@ RBDI_INLINE rbd_real rbdi_act_clamp(rbd_real x, rbd_real lower, rbd_real upper) 
 RBDI_INLINE int rbdi_act_sign(rbd_real x) { return (x > 0) - (x < 0); }
 
 /* Whether friction at rest differs from that of motion. */
-RBDI_INLINE int rbdi_act_has_rest(const rbd_friction *f) {
+RBDI_INLINE int rbdi_act_has_rest(const rbd_gear_friction *f) {
     return f->rest > 0 || f->rest_motor > 0 || f->rest_joint > 0 || f->square_motor > 0 ||
            f->square_joint > 0;
 }
 
 /* S = exp(-|x / speed|^power): the share of friction at rest. */
-RBDI_PART rbd_real rbdi_act_rest_share(const rbd_friction *f, rbd_real x) {
+RBDI_PART rbd_real rbdi_act_rest_share(const rbd_gear_friction *f, rbd_real x) {
     rbd_real ratio;
     if (!rbdi_act_has_rest(f)) return rbdi_zero();
     ratio = rbdi_abs(x) / f->speed;
@@ -29,8 +29,8 @@ RBDI_PART rbd_real rbdi_act_rest_share(const rbd_friction *f, rbd_real x) {
     return ratio > 5 ? rbdi_zero() : rbdi_act_exponential(-rbdi_act_exponential(ratio));
 }
 
-/* The level of rbd_friction, where S is known. */
-RBDI_PART rbd_real rbdi_act_level(const rbd_friction *f, rbd_real S, rbd_real motor, rbd_real joint) {
+/* The level of rbd_gear_friction, where S is known. */
+RBDI_PART rbd_real rbdi_act_level(const rbd_gear_friction *f, rbd_real S, rbd_real motor, rbd_real joint) {
     const rbd_real most = rbdi_set(RBDI_ACTUATOR_LARGEST);
     const rbd_real t_m = rbdi_act_clamp(motor, -most, most), t_x = rbdi_act_clamp(joint, -most, most);
     rbd_real level = f->coulomb + rbdi_abs(f->load_joint * t_x - f->load_motor * t_m);
@@ -46,7 +46,7 @@ RBDI_PART rbd_real rbdi_act_level(const rbd_friction *f, rbd_real S, rbd_real mo
     return level < most ? level : most;
 }
 
-RBDI_API rbd_real rbd_friction_level(const rbd_friction *friction, rbd_real speed, rbd_real motor,
+RBDI_API rbd_real rbd_friction_level(const rbd_gear_friction *friction, rbd_real speed, rbd_real motor,
                                      rbd_real joint) {
     if (!friction) return rbdi_zero();
     return rbdi_act_level(friction, rbdi_act_rest_share(friction, speed), motor, joint);

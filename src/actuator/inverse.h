@@ -12,7 +12,7 @@ typedef struct rbdi_act_wanted {
 
 /* Newton's method for u = base + side F(u, -t), F the level at rest share S. It is linear in pieces but for
    the squares: two steps do as a rule. Writes the slopes by t, base and so on. */
-RBDI_PART rbd_real rbdi_act_carry_load(const rbd_friction *f, rbd_real S, const rbdi_act_wanted *want,
+RBDI_PART rbd_real rbdi_act_carry_load(const rbd_gear_friction *f, rbd_real S, const rbdi_act_wanted *want,
                                        rbd_real base, rbd_real *slope, rbd_real *by_torque) {
     const rbd_real t = want->torque, one = rbdi_set(RBD_C(1));
     rbd_real u = base;
@@ -48,7 +48,7 @@ RBDI_PART rbd_real rbdi_act_winding_of(const rbd_motor *m, rbd_real t) {
 /* One shaft: u = t + J x' + viscous x + side F - cogging, within the limits. */
 RBDI_ONCE void rbdi_act_invert_shaft(const rbd_motor *m, const rbdi_act_shaft *s, const rbdi_act_wanted *want,
                                      rbd_real air, rbd_drive *drive) {
-    const rbd_friction *f = &m->friction;
+    const rbd_gear_friction *f = &m->friction;
     const rbd_real constant = rbdi_act_torque_constant(m), J = rbdi_act_rotor_inertia(m),
                    winding = s->winding + air;
     rbd_real u = want->torque + J * want->acceleration + f->viscous * want->speed;
@@ -83,7 +83,7 @@ RBDI_ONCE void rbdi_act_invert_shaft(const rbd_motor *m, const rbdi_act_shaft *s
 }
 
 /* The direction of friction at a planned speed. */
-RBDI_INLINE rbd_real rbdi_act_side(const rbd_friction *f, rbd_real x) {
+RBDI_INLINE rbd_real rbdi_act_side(const rbd_gear_friction *f, rbd_real x) {
     if (!(f->still > 0)) return (rbd_real)rbdi_act_sign(x);
     return rbdi_act_clamp(x / f->still, rbdi_set(RBD_C(-1)), rbdi_set(RBD_C(1)));
 }

@@ -3,23 +3,35 @@
 #include "actuator/motor.h"
 
 /* ---- laws [laws of shafts] ----
-   A rigid shaft, whose rotor turns with the joint. At the end's speed x it gives the torque
+   The motor's torque m(y) at its speed y of the step's end is what the drive asks for within its limits,
+   rbdi_act_motor_at, and cogging; it falls with y. A rigid shaft, whose rotor turns with the joint, gives at
+   the end's speed x = y the torque
 
-       t - (braking + viscous) x - J ((x - x_0) / dt + bias) - w,   w = clamp(b + k dt x_m, -F, F)
+       m(x) - viscous x - J ((x - x_0) / dt + bias) - w,   w = clamp(b + k dt x_m, -F, F)
 
-   with the motor's torque t, the level F, a bristle of stiffness k that now has the torque b, and the mean
-   speed x_m by which the joint moves, (1 - share) x_0 + share x. Without a bristle w = clamp(F x / creep, -F,
-   F): what sticks creeps, at most by RBDI_ACTUATOR_CREEP.
+   with the level F, a bristle of stiffness k that now has the torque b, and the mean speed x_m by which the
+   joint moves, (1 - share) x_0 + share x. Without a bristle w = clamp(F x / creep, -F, F): what sticks
+   creeps, at most by RBDI_ACTUATOR_CREEP.
 
    A shaft with a spring, whose rotor has an angle and a speed y of its own. With delta = angle - g, play 2 h,
    K = dt k + d, r = y - x_m the joint gets the impulse
 
        p = max(0, dt k (delta - h) + dt K r) + min(0, dt k (delta + h) + dt K r)
-       J (y - y_0) = dt (t - (braking + viscous) y) - p + p_f,   p_f = -dt F sign(y), or less at y = 0
+       J (y - y_0) = dt (m(y) - viscous y) - p + p_f,   p_f = -dt F sign(y), or less at y = 0
 
-   Both are solved exactly: first with y = 0; if friction cannot hold the rotor so, with p_f = +-dt F. The
-   energy of the spring changes by p r at most, that of the joints by p x_m, and that of the rotor by (p_f -
-   p) y at most: together they do not grow. */
+   Both are solved exactly for each line of m: first with y = 0; if friction cannot hold the rotor so, with
+   p_f = +-dt F. The line is the right one if it is that of m at the y that comes out. The energy of the
+   spring changes by p r at most, that of the joints by p x_m, and that of the rotor by (p_f - p) y at most:
+   together they do not grow. */
+
+/* A piece of a law: the torque s - slope x. */
+typedef struct rbdi_act_piece {
+    rbd_real s, slope;
+} rbdi_act_piece;
+
+RBDI_INLINE rbd_real rbdi_act_torque_of(rbdi_act_piece piece, rbd_real x) {
+    return piece.s - piece.slope * x;
+}
 
 /* Mean speed of a step on the joint's side. */
 RBDI_INLINE rbd_real rbdi_act_mean(const rbd_actuators *a, const rbdi_act_shaft *s, rbd_real x) {
@@ -43,27 +55,35 @@ RBDI_PART rbdi_act_stiction rbdi_act_sticks(const rbd_motor *m, const rbdi_act_s
     return w;
 }
 
-/* The branch of the friction of a rigid shaft at speed x: 1 or -1 where it slides. */
-RBDI_PART int rbdi_act_rigid_branch(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real x,
-                                    const rbd_actuators *a) {
-    const rbdi_act_stiction sticks = rbdi_act_sticks(m, s, a);
+/* -1 or 1 where the dry friction of a rigid shaft slides at speed x, 0 where it sticks. */
+RBDI_INLINE int rbdi_act_slides(const rbdi_act_shaft *s, rbdi_act_stiction sticks, rbd_real x) {
     const rbd_real w = sticks.offset + sticks.slope * x;
-    const int branch = w > s->level ? 1 : w < -s->level ? -1 : 0;
-    return branch * s->branch < 0 ? 0 : branch;
+    return w > s->level ? 1 : w < -s->level ? -1 : 0;
 }
 
-/* Tells the step the piece of the branch. */
-RBDI_PART void rbdi_act_rigid_law(const rbd_motor *m, rbdi_act_shaft *s, const rbd_actuators *a) {
+/* A rigid shaft without its dry friction. */
+RBDI_PART rbdi_act_piece rbdi_act_rigid_without(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real x,
+                                                const rbd_actuators *a) {
+    const rbdi_act_line line = rbdi_act_motor_at(s, x);
     const rbd_real J = rbdi_act_rotor_inertia(m);
-    s->s = s->t + J * (s->x / a->dt - s->bias);
-    s->slope = s->braking + m->friction.viscous + J / a->dt;
-    if (s->branch) {
-        s->s = s->s - (rbd_real)s->branch * s->level;
+    rbdi_act_piece piece;
+    piece.s = line.t + s->cogging + J * (s->x / a->dt - s->bias);
+    piece.slope = line.braking + s->cogging_slope + m->friction.viscous + J / a->dt;
+    return piece;
+}
+
+RBDI_PART rbdi_act_piece rbdi_act_rigid_law(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real x,
+                                            const rbd_actuators *a) {
+    const rbdi_act_stiction sticks = rbdi_act_sticks(m, s, a);
+    const int slides = rbdi_act_slides(s, sticks, x);
+    rbdi_act_piece piece = rbdi_act_rigid_without(m, s, x, a);
+    if (slides) {
+        piece.s = piece.s - (rbd_real)slides * s->level;
     } else {
-        const rbdi_act_stiction sticks = rbdi_act_sticks(m, s, a);
-        s->s = s->s - sticks.offset;
-        s->slope = s->slope + sticks.slope;
+        piece.s = piece.s - sticks.offset;
+        piece.slope = piece.slope + sticks.slope;
     }
+    return piece;
 }
 
 /* What a spring does: the impulse on the joint, its slope by -x_m, the rotor's speed. */
@@ -82,13 +102,14 @@ RBDI_PART rbd_real rbdi_act_mesh(const rbd_motor *m, const rbdi_act_shaft *s, rb
     return up > 0 ? up : down < 0 ? down : rbdi_zero();
 }
 
-/* The spring's law at the speed x of the joint's side. */
-RBDI_PART rbdi_act_spring rbdi_act_spring_at(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real x,
-                                             const rbd_actuators *a) {
+/* The spring's law at the speed x of the joint's side, if this is the motor's line. */
+RBDI_PART rbdi_act_spring rbdi_act_spring_by(const rbd_motor *m, const rbdi_act_shaft *s, rbdi_act_line line,
+                                             rbd_real x, const rbd_actuators *a) {
     const rbd_real dt = a->dt, x_m = rbdi_act_mean(a, s, x), most = dt * s->level;
-    const rbd_real J = rbdi_act_rotor_inertia(m), J_t = J + dt * (s->braking + m->friction.viscous);
+    const rbd_real t = line.t + s->cogging, braking = line.braking + s->cogging_slope;
+    const rbd_real J = rbdi_act_rotor_inertia(m), J_t = J + dt * (braking + m->friction.viscous);
     const rbd_real K = dt * m->stiffness + m->damping;
-    const rbd_real given = J * s->speed + dt * s->t;
+    const rbd_real given = J * s->speed + dt * t;
     rbdi_act_spring spring;
 
     spring.y = rbdi_zero();
@@ -104,42 +125,73 @@ RBDI_PART rbdi_act_spring rbdi_act_spring_at(const rbd_motor *m, const rbdi_act_
     return spring;
 }
 
-/* Its branch: the side of the play that touches, and the rotor's direction. */
-RBDI_INLINE int rbdi_act_spring_branch(const rbdi_act_spring *spring) {
-    return rbdi_act_sign(spring->p) + 3 * rbdi_act_sign(spring->y);
+/* The lines of a motor: what the drive asks for, the limits of the current and of the voltage. */
+RBDI_PART rbdi_act_line rbdi_act_line_of(const rbdi_act_shaft *s, int number) {
+    rbdi_act_line line;
+    line.saturated = number == 0 ? 0 : number % 2 ? 1 : -1;
+    line.t = number == 0 ? s->t : (rbd_real)line.saturated * (number > 2 ? s->stall : s->most);
+    line.braking = number == 0 ? s->braking : number > 2 ? s->droop : rbdi_zero();
+    return line;
 }
 
-/* Tells the step the piece at the speed s->told. */
-RBDI_PART void rbdi_act_elastic_law(const rbd_motor *m, rbdi_act_shaft *s, const rbd_actuators *a) {
-    const rbdi_act_spring spring = rbdi_act_spring_at(m, s, s->told, a);
-    s->branch = (int16_t)rbdi_act_spring_branch(&spring);
-    s->slope = a->share * spring.slope;
-    s->s = spring.p / a->dt + s->slope * s->told;
-}
-
-RBDI_INLINE void rbdi_act_tell(const rbd_motor *m, rbdi_act_shaft *s, const rbd_actuators *a) {
-    if (m->stiffness > 0)
-        rbdi_act_elastic_law(m, s, a);
-    else
-        rbdi_act_rigid_law(m, s, a);
-}
-
-/* Whether the shaft is on its branch at speed x. If not, takes the branch there, or half way. */
-RBDI_PART int rbdi_act_stays(const rbd_motor *m, rbdi_act_shaft *s, rbd_real x, const rbd_actuators *a) {
-    int branch, same;
-    if (m->stiffness > 0) {
-        const rbdi_act_spring spring = rbdi_act_spring_at(m, s, x, a);
-        s->told = a->repeats > RBDI_ACTUATOR_SOFT ? (s->told + x) / 2 : x;
-        return rbdi_act_spring_branch(&spring) == s->branch;
+/* With the line that is the motor's at the rotor's speed. As all laws are monotone, one is. */
+RBDI_PART rbdi_act_spring rbdi_act_spring_at(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real x,
+                                             const rbd_actuators *a) {
+    rbdi_act_spring best;
+    rbd_real least = rbdi_zero();
+    for (int k = 0; k < 5; ++k) {
+        const rbdi_act_line line = rbdi_act_line_of(s, k);
+        const rbdi_act_spring spring = rbdi_act_spring_by(m, s, line, x, a);
+        const rbdi_act_line there = rbdi_act_motor_at(s, spring.y);
+        const rbd_real off =
+            rbdi_abs(line.t - line.braking * spring.y - (there.t - there.braking * spring.y));
+        if (k == 0 || off < least) {
+            least = off;
+            best = spring;
+        }
+        if (!(least > 0)) break;
     }
-    branch = rbdi_act_rigid_branch(m, s, x, a);
-    same = branch == s->branch;
-    s->branch = (int16_t)branch;
-    return same;
+    return best;
 }
 
-/* The state of the shaft at the end of the step, where the joint's side has speed x. */
+/* The piece of a shaft's law at the speed x of its joint's side. */
+RBDI_PART rbdi_act_piece rbdi_act_law(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real x,
+                                      const rbd_actuators *a) {
+    rbdi_act_piece piece;
+    rbdi_act_spring spring;
+    if (!(m->stiffness > 0)) return rbdi_act_rigid_law(m, s, x, a);
+
+    spring = rbdi_act_spring_at(m, s, x, a);
+    piece.slope = a->share * spring.slope;
+    piece.s = spring.p / a->dt + piece.slope * x;
+    return piece;
+}
+
+/* By how much the joint's torque T at speed x is not that of the law. A coupled shaft may have any within the
+   level of friction while it sticks: there x is rounding. */
+RBDI_PART rbd_real rbdi_act_off(const rbd_motor *m, const rbdi_act_shaft *s, rbd_real T, rbd_real x,
+                                const rbd_actuators *a) {
+    if (s->dof < 0 && !(m->stiffness > 0) && !(m->friction.bristle > 0) &&
+        rbdi_abs(x) <= RBDI_ACTUATOR_CREEP * (1 + s->scale)) {
+        const rbd_real w = rbdi_act_torque_of(rbdi_act_rigid_without(m, s, x, a), x) - T;
+        return rbdi_act_clamp(w, -s->level, s->level) - w;
+    }
+    return T - rbdi_act_torque_of(rbdi_act_law(m, s, x, a), x);
+}
+
+/* The size of what the law adds up at the new speed, N m; not so small that rounding is another. */
+RBDI_PART rbd_real rbdi_act_size(const rbd_motor *m, const rbdi_act_shaft *s, const rbd_actuators *a) {
+    const rbdi_act_piece law = rbdi_act_law(m, s, s->next, a);
+    const rbd_real wound = rbdi_abs(s->angle - s->g) + m->backlash;
+    const rbd_real speeds = rbdi_abs(s->x) + rbdi_abs(s->next) + rbdi_abs(s->speed);
+    return rbdi_abs(law.s) + rbdi_abs(law.slope * s->next) + rbdi_abs(s->force) + m->stiffness * wound +
+           (a->dt * m->stiffness + m->damping) * speeds + RBD_C(1e-20);
+}
+
+/* The state of the shaft at the end of the step, where the joint's side has speed x and gets s->force. */
 RBDI_PART void rbdi_act_end_shaft(const rbd_motor *m, rbdi_act_shaft *s, rbd_real x, const rbd_actuators *a) {
+    rbdi_act_line line;
+    s->joint = s->force;
     if (m->stiffness > 0) {
         const rbdi_act_spring spring = rbdi_act_spring_at(m, s, x, a);
         s->joint = spring.p / a->dt;
@@ -147,14 +199,16 @@ RBDI_PART void rbdi_act_end_shaft(const rbd_motor *m, rbdi_act_shaft *s, rbd_rea
         s->angle = s->angle + a->dt * spring.y;
     } else {
         const rbdi_act_stiction sticks = rbdi_act_sticks(m, s, a);
-        s->joint = s->s - s->slope * x;
         s->speed = x;
         s->angle = s->g + a->dt * rbdi_act_mean(a, s, x);
         if (m->friction.bristle > 0)
             s->bristle = rbdi_act_clamp(sticks.offset + sticks.slope * x, -s->level, s->level);
     }
-    s->motor = s->t - s->braking * s->speed;
+
+    line = rbdi_act_motor_at(s, s->speed);
+    s->saturated = (int16_t)line.saturated;
     s->cogging = s->cogging - s->cogging_slope * s->speed;
+    s->motor = line.t - line.braking * s->speed + s->cogging;
     rbdi_act_heat(m, s, (s->motor - s->cogging) / rbdi_act_torque_constant(m), a->air, a->dt);
 }
 

@@ -1,24 +1,32 @@
 #ifndef RBDI_ACTUATOR_LAYOUT_H
 #define RBDI_ACTUATOR_LAYOUT_H
-#include "base/types.h"
 #include "algebra/types.h"
+#include "base/tolerances.h"
 #include "api/actuator.h"
 
 /* ---- method [method] ----
    Each drive is a shaft with angle g(q) and speed x = G v on the joints' side; t there is the torque t' G of
-   the joints. Everything between command and joint is a law p(x) of one shaft, monotone: at the end of a step
-   of length dt the joint gets the impulse p, and a larger speed x never a larger p. Such laws make no energy
-   whatever dt is.
+   the joints. Everything between command and joint is a law t(x) of one shaft, monotone: at the end of a step
+   of length dt the joint gets the impulse dt t, and a larger speed x never a larger t. Such laws make no
+   energy whatever dt is.
 
-   A law is piecewise linear, p / dt = s - slope x, but for dry friction, which is vertical at x = 0. A step
-   is told s and slope of the piece (the branch) at the last known x. If no shaft is on another branch at the
-   speeds that come out, they are those of the laws themselves, exactly. Else the step is made again with the
-   branches that were found; from the fourth time on, of those half way to the new speeds. A shaft with dry
-   friction goes from one direction of sliding to the other by way of sticking.
+   A law is piecewise linear, t = s - slope x; dry friction is steep at x = 0. A step is told s and slope of
+   the piece at a point of speeds x_p. If each law has at the speeds that come out the torque that the step
+   was told, they are those of the laws themselves, exactly. Else the step is made again with another point.
+   This is Newton's method for the least value of a convex function: that of the joints' motion, which is
+   quadratic, and for each shaft the integral of -t(x). From the second time on the point is where this
+   function is least on the way from the last point to the new speeds. There, at the share c of the way d,
 
-   Shafts that a transmission couples have the damping A = G' diag(slope) G, which is no diagonal. The step is
-   told a diagonal above it, L_jj = sum |A_jk|, and the torque (L - A) v of the v before: repeated, it
-   converges for every A. */
+       sum over shafts (T + c (T_new - T) - t(x_p + c d)) d = 0
+
+   with the torque T by which the joints are in motion at the point. It is known, since the step was told it.
+   So the repeats end for all laws, however steep.
+
+   Shafts that a transmission couples have slopes G' diag(slope) G, which are no diagonal, and what sticks is
+   no joint. For them the motion of the joints is learnt: T = T_p + P (x - x_p) with a matrix P, by a
+   correction of rank one for each repeat (SR1; Nocedal and Wright 2006, section 6.2). With P the speeds of up
+   to three shafts are found exactly, by trying which of them slide, and in which direction. The step is told
+   the torque that belongs to them, and a damping that is a diagonal. P is kept from step to step. */
 
 #define RBDI_ACTUATOR_MOST RBD_C(1e9)     /* of a field, a command, q and v */
 #define RBDI_ACTUATOR_LARGEST RBD_C(1e12) /* N m: torques in a level of friction; their squares are finite */
@@ -26,11 +34,12 @@
 #define RBDI_ACTUATOR_MOST_MOTORS 1000
 #define RBDI_ACTUATOR_MOST_DELAY 1000
 #define RBDI_ACTUATOR_REPEATS 50
-#define RBDI_ACTUATOR_SOFT 3            /* repeats after which speeds go half way */
+#define RBDI_ACTUATOR_HALVINGS 40       /* that find the least value on a way */
 #define RBDI_ACTUATOR_SLOPE RBD_C(1e-3) /* least slope of the inverse's equation: that of load_motor 0.999 */
 #define RBDI_ACTUATOR_DEAD RBD_C(1e-6) /* of crank times length: a rod nearer to its dead centre is refused */
-#define RBDI_ACTUATOR_HOTTEST RBD_C(1e6) /* degrees: no winding gets there */
-#define RBDI_ACTUATOR_WARM RBD_C(25)     /* degrees at which resistances are given */
+#define RBDI_ACTUATOR_HOTTEST RBD_C(1e6)    /* degrees: no winding gets there */
+#define RBDI_ACTUATOR_WARM RBD_C(25)        /* degrees at which resistances are given */
+#define RBDI_ACTUATOR_NOISE (30 * RBDI_EPS) /* changes of speed below this share are rounding */
 #if RBDI_KIND(RBD_CONST) == 2
 #define RBDI_ACTUATOR_CREEP RBD_C(1e-6) /* rad/s: a rigid shaft under its level of friction creeps so fast */
 #define RBDI_ACTUATOR_SETTLED RBD_C(1e-5)
@@ -44,7 +53,7 @@
 typedef struct rbdi_act_shaft {
     int16_t dof, at;   /* that it moves directly, and its coordinate in q; -1: a transmission does */
     int16_t saturated; /* as in rbd_drive */
-    int16_t branch;    /* of its law: of dry friction -1, 0, 1; of a spring see rbdi_act_elastic_law */
+    int16_t branch;    /* of dry friction at the step's beginning: -1, 1 where it slides */
     int16_t oldest;    /* command of the ring */
 
     /* state */
@@ -54,15 +63,21 @@ typedef struct rbdi_act_shaft {
     rbd_real motor, joint; /* N m, of the last step: the motor's torque, the shaft's on the joint's side */
 
     /* of the step */
+    rbd_command arrived;
     rbd_real g, x, bias; /* angle and speed of the joint's side at its beginning; G' v */
-    rbd_real t, braking; /* the motor's torque is t - braking speed at the step's end */
-    rbd_real now;        /* N m: the motor's torque at its beginning */
-    rbd_real gain, rate; /* its slopes by angle and speed in continuous time, both negative there */
-    rbd_real cogging;    /* N m, a part of t that no current makes: cogging - cogging_slope speed */
+    rbd_real t, braking; /* the drive asks for the torque t - braking speed, at the speed of the step's end */
+    rbd_real most;       /* N m: limit of the current */
+    rbd_real stall, droop; /* limits of the voltage: stall - droop speed, -stall - droop speed */
+    rbd_real now;          /* N m: the motor's torque at its beginning */
+    rbd_real gain, rate;   /* its slopes by angle and speed in continuous time, both negative there */
+    rbd_real pass;         /* its slope by the command's torque or voltage */
+    rbd_real cogging;      /* N m, that no current makes: cogging - cogging_slope speed */
     rbd_real cogging_slope;
-    rbd_real level;    /* of dry friction */
-    rbd_real told;     /* speed whose branch the step was told */
-    rbd_real s, slope; /* what it was told: the torque s - slope x */
+    rbd_real level;       /* of dry friction */
+    rbd_real point, base; /* the speed whose piece the step was told, and the joints' torque there */
+    rbd_real s, slope;    /* what it was told: the torque s - slope x */
+    rbd_real scale;       /* of coupled shafts, rad/s: the joints' shares in the speed that came out */
+    rbd_real next, force; /* the speed that came out, and the torque that the joints had there */
 } rbdi_act_shaft;
 
 /* Joints that motors move together. */
@@ -73,10 +88,13 @@ typedef struct rbdi_act_group {
     int16_t at[3];    /* their coordinates in q */
     rbdi_mat turn[2]; /* rods: joint frames at q = 0 in the frame before: axes, origin, joint axis */
     rbdi_v3 origin[2], axis[2];
-    rbd_real G[9];       /* n x n: shaft speeds by joint speeds */
-    rbd_real H[8];       /* rods, n x n x n: G by q */
-    rbd_real inverse[9]; /* of G */
-    rbd_real v[3];       /* speeds that the step was told last */
+    rbd_real G[9];             /* n x n: shaft speeds by joint speeds */
+    rbd_real H[8];             /* rods, n x n x n: G by q */
+    rbd_real inverse[9];       /* of G */
+    rbd_real v[3];             /* of the joints at the step's beginning */
+    rbd_real s[3], damping[3]; /* what the joints were told */
+    rbd_real mass[9];          /* kg m^2: dt P, n x n, by shaft speeds */
+    int known;                 /* whether there is a mass */
 } rbdi_act_group;
 
 struct rbd_actuators {

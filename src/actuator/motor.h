@@ -115,56 +115,101 @@ RBDI_PART rbd_real rbdi_act_encoder(const rbd_motor *m, rbd_real angle) {
     return (rbd_real)(int32_t)(steps + (steps < 0 ? RBD_C(-0.5) : RBD_C(0.5))) * m->step;
 }
 
-/* A limit cuts the torque: t and braking are its. That of the current is constant. That of the voltage falls
-   with the speed, (K^2 / R) x, and acts implicitly: with the speed before the step it would not be stable. */
-RBDI_PART void rbdi_act_saturate(const rbd_motor *m, rbdi_act_shaft *s, rbd_real winding, rbd_real limit,
-                                 int side) {
-    const rbd_real constant = rbdi_abs(rbdi_act_torque_constant(m));
-    s->saturated = (int16_t)side;
-    s->t = limit;
-    s->now = limit;
-    s->braking = rbdi_zero();
-    s->gain = rbdi_zero();
+/* A line t - braking x of a motor's torque by its speed. */
+typedef struct rbdi_act_line {
+    rbd_real t, braking;
+    int saturated; /* as in rbd_drive */
+} rbdi_act_line;
 
-    if (m->voltage > 0 && rbdi_abs(limit) < constant * rbdi_act_most_current(m, winding)) {
-        const rbd_real resistance = rbdi_act_resistance(m, winding);
-        s->t = (rbd_real)side * constant * m->voltage / resistance;
-        s->braking = constant * constant / resistance;
+/* The line within the limits at speed x, which all fall with the speed:
+
+       |t| <= most,   |t + droop x| <= stall */
+RBDI_PART rbdi_act_line rbdi_act_limit(const rbdi_act_shaft *s, rbdi_act_line line, rbd_real x) {
+    const rbd_real asked = line.t - line.braking * x;
+    rbd_real given;
+    line.saturated = 0;
+    if (asked > s->stall - s->droop * x) line.saturated = 1;
+    if (asked < -s->stall - s->droop * x) line.saturated = -1;
+    if (line.saturated) {
+        line.t = (rbd_real)line.saturated * s->stall;
+        line.braking = s->droop;
     }
-    s->rate = s->braking;
+
+    given = line.t - line.braking * x;
+    if (given <= s->most && given >= -s->most) return line;
+    if (!line.saturated) line.saturated = given > 0 ? 1 : -1;
+    line.t = given > 0 ? s->most : -s->most;
+    line.braking = rbdi_zero();
+    return line;
 }
 
-/* The motor's torque t - braking x under a command, at the angle and speed of its rotor. An implicit drive
-   has the angle of the step's end: angle + dt ((1 - share) speed + share x). */
+/* The motor's line at the speed x of its shaft at the step's end, without cogging. */
+RBDI_PART rbdi_act_line rbdi_act_motor_at(const rbdi_act_shaft *s, rbd_real x) {
+    rbdi_act_line line;
+    line.t = s->t;
+    line.braking = s->braking;
+    line.saturated = 0;
+    return rbdi_act_limit(s, line, x);
+}
+
+/* The limits at the winding's temperature. */
+RBDI_PART void rbdi_act_note_limits(const rbd_motor *m, rbdi_act_shaft *s, rbd_real winding) {
+    const rbd_real constant = rbdi_abs(rbdi_act_torque_constant(m));
+    s->most = constant * rbdi_act_most_current(m, winding);
+    s->stall = constant * RBDI_ACTUATOR_UNLIMITED;
+    s->droop = rbdi_zero();
+    if (m->voltage > 0 || m->by_voltage)
+        s->droop = rbdi_act_clamp(constant * constant / rbdi_act_resistance(m, winding), rbdi_zero(),
+                                  rbdi_set(RBDI_ACTUATOR_UNLIMITED));
+    if (m->voltage > 0) s->stall = constant * m->voltage / rbdi_act_resistance(m, winding);
+}
+
+/* What the drive asks for under a command, at the angle and speed of its rotor:
+
+       torque + kp (q - angle) + kd (v - speed)
+
+   A drive by voltage sets volts, which are the torque K volts / R - droop speed. A quick drive has the angle
+   and the speed of the step's end, angle + dt ((1 - share) speed + share x); one that samples those of its
+   beginning. */
 RBDI_PART void rbdi_act_drive_motor(const rbd_motor *m, rbdi_act_shaft *s, const rbd_command *c, rbd_real air,
                                     rbd_real dt, rbd_real share) {
     const rbd_real winding = s->winding + air, constant = rbdi_act_torque_constant(m);
-    rbd_real lower, upper;
+    rbd_real kp = c->kp, kd = c->kd, droop = rbdi_zero(), feed = c->torque;
+    rbdi_act_line line;
 
     rbdi_act_cog(m, s, dt, share);
-    s->saturated = 0;
-    s->gain = c->kp;
-    s->rate = c->kd;
-    s->t = c->torque + c->kp * (c->q - rbdi_act_encoder(m, s->angle)) + c->kd * c->v;
-    s->now = s->t - c->kd * s->speed;
-    if (m->sampled) {
-        s->t = s->now;
-        s->braking = rbdi_zero();
-    } else {
-        s->t = s->t - c->kp * dt * (1 - share) * s->speed;
-        s->braking = c->kd + c->kp * dt * share;
+    rbdi_act_note_limits(m, s, winding);
+    s->pass = rbdi_set(RBD_C(1));
+    if (m->by_voltage) {
+        const rbd_real conductance = 1 / rbdi_act_resistance(m, winding);
+        s->pass = constant * conductance;
+        feed = s->pass * c->voltage;
+        kp = rbdi_abs(s->pass) * kp;
+        kd = rbdi_abs(s->pass) * kd;
+        droop = s->droop;
     }
 
-    rbdi_act_current_range(m, winding, s->speed, &lower, &upper);
-    lower = lower * constant;
-    upper = upper * constant;
-    if (s->now > (lower > upper ? lower : upper))
-        rbdi_act_saturate(m, s, winding, lower > upper ? lower : upper, 1);
-    if (s->now < (lower > upper ? upper : lower))
-        rbdi_act_saturate(m, s, winding, lower > upper ? upper : lower, -1);
-    s->t = s->t + s->cogging;
-    s->braking = s->braking + s->cogging_slope;
-    s->now = s->now + s->cogging;
+    s->t = feed + kp * (c->q - rbdi_act_encoder(m, s->angle)) + kd * c->v;
+    s->now = s->t - (kd + droop) * s->speed;
+    s->gain = kp;
+    s->rate = kd + droop;
+    if (m->sampled) {
+        s->t = s->t - kd * s->speed;
+        s->braking = droop;
+    } else {
+        s->t = s->t - kp * dt * (1 - share) * s->speed;
+        s->braking = kd + droop + kp * dt * share;
+    }
+
+    /* in continuous time, at the step's beginning */
+    line.t = s->now;
+    line.braking = rbdi_zero();
+    line = rbdi_act_limit(s, line, s->speed);
+    s->saturated = (int16_t)line.saturated;
+    s->now = line.t - line.braking * s->speed + s->cogging;
+    if (!line.saturated) return;
+    s->pass = s->gain = rbdi_zero();
+    s->rate = line.braking;
 }
 
 #endif

@@ -1,8 +1,7 @@
 #ifndef RBDI_ACTUATOR_STEP_H
 #define RBDI_ACTUATOR_STEP_H
 #include "base/memory.h"
-#include "actuator/transmission.h"
-#include "actuator/laws.h"
+#include "actuator/coupled.h"
 
 /* ---- forward [forward code] ---- */
 
@@ -17,12 +16,14 @@ RBDI_LOCAL void rbdi_act_rest(rbd_actuators *a, rbd_real air) {
         s->motor = s->joint = s->level = rbdi_zero();
         s->cogging = s->cogging_slope = rbdi_zero();
         s->t = s->now = s->braking = s->gain = s->rate = rbdi_zero();
-        s->s = s->slope = s->told = rbdi_zero();
+        s->most = s->stall = s->droop = s->pass = rbdi_zero();
+        s->s = s->slope = s->point = s->base = s->next = s->force = s->scale = rbdi_zero();
         s->branch = s->saturated = s->oldest = 0;
     }
+    for (int i = 0; i < a->groups; ++i) a->group[i].known = 0;
     for (int i = 0; i < a->n * a->ring; ++i) {
         rbd_command *c = &a->commands[i];
-        c->q = c->v = c->kp = c->kd = c->torque = rbdi_zero();
+        c->q = c->v = c->kp = c->kd = c->torque = c->voltage = rbdi_zero();
     }
 }
 
@@ -39,77 +40,52 @@ RBDI_API rbd_status rbd_actuators_reset(rbd_actuators *a, const rbd_real *q, rbd
 RBDI_LOCAL rbd_command rbdi_act_delay(rbd_actuators *a, int i, const rbd_command *given) {
     rbdi_act_shaft *s = &a->shaft[i];
     rbd_command *oldest = &a->commands[i * a->ring + s->oldest];
-    rbd_command arrives;
+    s->arrived = *given;
     if (a->motor[i].delay < 1) return *given;
-    arrives = *oldest;
+    s->arrived = *oldest;
     *oldest = *given;
     s->oldest = (int16_t)((s->oldest + 1) % a->motor[i].delay);
-    return arrives;
+    return s->arrived;
 }
 
-RBDI_LOCAL int rbdi_act_is_command(const rbd_command *c) {
-    const rbd_real x[5] = {c->q, c->v, c->kp, c->kd, c->torque};
-    return rbdi_act_all_moderate(x, 5) && c->kp >= 0 && c->kd >= 0;
-}
-
-/* What the shafts of a group tell: with A = G' diag(slope) G, L_jj = sum |A_jk| and their last speeds v
-
-       damping = L,   tau = G's + (L - A) v */
-RBDI_LOCAL void rbdi_act_tell_group(const rbd_actuators *a, const rbdi_act_group *g, rbd_real *tau,
-                                    rbd_real *damping) {
-    const rbdi_act_shaft *s = &a->shaft[g->first];
-    const int n = g->n;
-    for (int j = 0; j < n; ++j) {
-        rbd_real sum = rbdi_zero(), bound = rbdi_zero();
-        for (int i = 0; i < n; ++i) sum = sum + g->G[n * i + j] * s[i].s;
-        for (int k = 0; k < n; ++k) {
-            rbd_real A = rbdi_zero();
-            for (int i = 0; i < n; ++i) A = A + g->G[n * i + j] * s[i].slope * g->G[n * i + k];
-            bound = bound + rbdi_abs(A);
-            sum = sum - A * g->v[k];
-        }
-        tau[g->dof[j]] = sum + bound * g->v[j];
-        damping[g->dof[j]] = bound;
+/* Takes the commands out again of a step that has not ended. */
+RBDI_LOCAL void rbdi_act_take_back(rbd_actuators *a) {
+    for (int i = 0; i < a->n && a->begun; ++i) {
+        const int delay = a->motor[i].delay;
+        rbdi_act_shaft *s = &a->shaft[i];
+        if (delay < 1) continue;
+        s->oldest = (int16_t)((s->oldest + delay - 1) % delay);
+        a->commands[i * a->ring + s->oldest] = s->arrived;
     }
+    a->begun = 0;
 }
 
-/* What all shafts tell the step. */
-RBDI_LOCAL void rbdi_act_tell_all(const rbd_actuators *a, rbd_real *tau, rbd_real *damping) {
+/* Whether a command is one for the motor: finite, no gain negative, a torque or a voltage. */
+RBDI_LOCAL int rbdi_act_is_command(const rbd_motor *m, const rbd_command *c) {
+    const rbd_real other = m->by_voltage ? c->torque : c->voltage;
+    const rbd_real x[6] = {c->q, c->v, c->kp, c->kd, c->torque, c->voltage};
+    return rbdi_act_all_moderate(x, 6) && c->kp >= 0 && c->kd >= 0 && other >= 0 && other <= 0;
+}
+
+/* What all shafts tell the step at their points. */
+RBDI_LOCAL void rbdi_act_tell_all(rbd_actuators *a, rbd_real *tau, rbd_real *damping) {
     rbdi_clear(tau, a->nv);
     rbdi_clear(damping, a->nv);
     for (int i = 0; i < a->n; ++i) {
         rbdi_act_shaft *s = &a->shaft[i];
-        rbdi_act_tell(&a->motor[i], s, a);
+        rbdi_act_piece piece;
         if (s->dof < 0) continue;
-        tau[s->dof] = s->s;
-        damping[s->dof] = s->slope;
+        piece = rbdi_act_law(&a->motor[i], s, s->point, a);
+        tau[s->dof] = s->s = piece.s;
+        damping[s->dof] = s->slope = piece.slope;
     }
-    for (int i = 0; i < a->groups; ++i) rbdi_act_tell_group(a, &a->group[i], tau, damping);
-}
-
-/* Notes the speeds of a group. Whether what it told for its last speeds holds for these. */
-RBDI_LOCAL int rbdi_act_group_settles(const rbd_actuators *a, rbdi_act_group *g, const rbd_real *v) {
-    const rbdi_act_shaft *s = &a->shaft[g->first];
-    const int n = g->n;
-    rbd_real change[3];
-    int settled = 1;
-    for (int j = 0; j < n; ++j) {
-        change[j] = v[g->dof[j]] - g->v[j];
-        g->v[j] = v[g->dof[j]];
-    }
-
-    for (int j = 0; j < n; ++j) {
-        rbd_real error = rbdi_zero(), size = rbdi_zero();
-        for (int k = 0; k < n; ++k) {
-            rbd_real A = rbdi_zero();
-            for (int i = 0; i < n; ++i) A = A + g->G[n * i + j] * s[i].slope * g->G[n * i + k];
-            error = error + rbdi_abs(A) * change[j] - A * change[k];
-            size = size + rbdi_abs(A) * (rbdi_abs(g->v[j]) + rbdi_abs(g->v[k]));
+    for (rbdi_act_group *g = a->group; g < a->group + a->groups; ++g) {
+        rbdi_act_tell_group(a, g);
+        for (int j = 0; j < g->n; ++j) {
+            tau[g->dof[j]] = g->s[j];
+            damping[g->dof[j]] = g->damping[j];
         }
-        for (int i = 0; i < n; ++i) size = size + rbdi_abs(g->G[n * i + j] * s[i].s);
-        settled &= rbdi_abs(error) <= RBDI_ACTUATOR_SETTLED * size;
     }
-    return settled;
 }
 
 RBDI_API rbd_status rbd_actuators_begin(rbd_actuators *a, const rbd_command *commands, const rbd_real *q,
@@ -117,10 +93,10 @@ RBDI_API rbd_status rbd_actuators_begin(rbd_actuators *a, const rbd_command *com
                                         rbd_real *damping) {
     rbd_status status;
     if (!a || !commands || !q || !v || !tau || !damping) return RBD_ERR_NULL;
-    a->begun = 0;
+    rbdi_act_take_back(a);
     if (!(dt >= RBD_C(1e-9) && dt <= RBD_C(1e3))) return RBD_ERR_RANGE;
     for (int i = 0; i < a->n; ++i)
-        if (!rbdi_act_is_command(&commands[i])) return RBD_ERR_RANGE;
+        if (!rbdi_act_is_command(&a->motor[i], &commands[i])) return RBD_ERR_RANGE;
     status = rbdi_act_map(a, q, v);
     if (status) return status;
 
@@ -138,58 +114,112 @@ RBDI_API rbd_status rbd_actuators_begin(rbd_actuators *a, const rbd_command *com
         }
         rbdi_act_drive_motor(m, s, &c, a->air, dt, m->stiffness > 0 ? rbdi_set(RBD_C(1)) : a->share);
         s->level = rbd_friction_level(&m->friction, s->speed, s->motor, -s->joint);
-        s->told = s->x;
-        if (!(m->stiffness > 0)) s->branch = (int16_t)rbdi_act_rigid_branch(m, s, s->x, a);
+        s->point = s->x;
+        s->branch = (int16_t)rbdi_act_slides(s, rbdi_act_sticks(m, s, a), s->x);
     }
-    for (int i = 0; i < a->groups; ++i)
-        for (int j = 0; j < a->group[i].n; ++j) a->group[i].v[j] = v[a->group[i].dof[j]];
+    for (rbdi_act_group *g = a->group; g < a->group + a->groups; ++g)
+        for (int j = 0; j < g->n; ++j) g->v[j] = v[g->dof[j]];
     rbdi_act_tell_all(a, tau, damping);
     return RBD_OK;
 }
 
-/* Calls for each shaft with its speed at joint speeds v; whether all settle. */
-RBDI_LOCAL int rbdi_act_settles(rbd_actuators *a, const rbd_real *v) {
-    int settled = 1;
-    for (int i = 0; i < a->n; ++i) {
-        rbdi_act_shaft *s = &a->shaft[i];
-        if (s->dof >= 0) settled &= rbdi_act_stays(&a->motor[i], s, v[s->dof], a);
+/* Notes the shafts' speeds at joint speeds v, and the torques that the joints have there. */
+RBDI_LOCAL void rbdi_act_note_speeds(rbd_actuators *a, const rbd_real *v) {
+    for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) {
+        if (s->dof < 0) continue;
+        s->next = v[s->dof];
+        s->force = s->s - s->slope * s->next;
     }
-    for (int k = 0; k < a->groups; ++k) {
-        rbdi_act_group *g = &a->group[k];
-        settled &= rbdi_act_group_settles(a, g, v);
-        for (int i = 0; i < g->n; ++i) {
-            const int at = g->first + i;
-            settled &= rbdi_act_stays(&a->motor[at], &a->shaft[at], rbdi_act_shaft_speed(g, i, v), a);
-        }
-    }
-    return settled;
+    for (int i = 0; i < a->groups; ++i) rbdi_act_note_group(a, &a->group[i], v);
 }
 
-/* Ends the step at joint speeds v. */
-RBDI_LOCAL void rbdi_act_end_step(rbd_actuators *a, const rbd_real *v) {
+/* Whether all shafts have the torques of their laws at the new speeds. */
+RBDI_LOCAL int rbdi_act_all_settle(const rbd_actuators *a) {
     for (int i = 0; i < a->n; ++i) {
-        rbdi_act_shaft *s = &a->shaft[i];
-        if (s->dof >= 0) rbdi_act_end_shaft(&a->motor[i], s, v[s->dof], a);
+        const rbd_motor *m = &a->motor[i];
+        const rbdi_act_shaft *s = &a->shaft[i];
+        if (s->dof < 0) continue;
+        if (rbdi_abs(rbdi_act_off(m, s, s->force, s->next, a)) > 8 * RBDI_EPS * rbdi_act_size(m, s, a))
+            return 0;
     }
-    for (int k = 0; k < a->groups; ++k) {
-        const rbdi_act_group *g = &a->group[k];
-        for (int i = 0; i < g->n; ++i) {
-            const int at = g->first + i;
-            rbdi_act_end_shaft(&a->motor[at], &a->shaft[at], rbdi_act_shaft_speed(g, i, v), a);
+    for (const rbdi_act_group *g = a->group; g < a->group + a->groups; ++g)
+        if (!rbdi_act_group_settles(a, g)) return 0;
+    return 1;
+}
+
+/* How the function of the method falls or grows at the share c of the way from the points to the new speeds.
+   */
+RBDI_LOCAL rbd_real rbdi_act_growth(const rbd_actuators *a, rbd_real c) {
+    rbd_real sum = rbdi_zero();
+    for (int i = 0; i < a->n; ++i) {
+        const rbdi_act_shaft *s = &a->shaft[i];
+        const rbd_real d = s->next - s->point, T = s->base + c * (s->force - s->base);
+        sum = sum + rbdi_act_off(&a->motor[i], s, T, s->point + c * d, a) * d;
+    }
+    return sum;
+}
+
+/* Whether the function grows at the new speeds by a quarter of what it falls at the points. */
+RBDI_LOCAL int rbdi_act_overshoots(const rbd_actuators *a) {
+    const rbd_real falls = -rbdi_act_growth(a, rbdi_zero());
+    return falls > 0 && rbdi_act_growth(a, rbdi_set(RBD_C(1))) > RBD_C(0.25) * falls;
+}
+
+/* Takes the next points: the new speeds, or, after the first repeat, where the function is least on the way
+   there. */
+RBDI_LOCAL void rbdi_act_move_points(rbd_actuators *a) {
+    rbd_real least = rbdi_zero(), most = rbdi_set(RBD_C(1));
+    const rbd_real half = rbdi_set(RBD_C(0.5));
+    if (a->repeats > 1 && rbdi_act_overshoots(a)) {
+        for (int k = 0; k < RBDI_ACTUATOR_HALVINGS; ++k) {
+            const rbd_real middle = half * (least + most);
+            if (rbdi_act_growth(a, middle) > 0)
+                most = middle;
+            else
+                least = middle;
         }
+        most = half * (least + most);
     }
+
+    for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) {
+        s->base = a->repeats > 1 ? s->base + most * (s->force - s->base) : s->force;
+        s->point = s->point + most * (s->next - s->point);
+    }
+}
+
+/* Ends the step at the speeds that were noted. */
+RBDI_LOCAL void rbdi_act_end_step(rbd_actuators *a) {
+    for (int i = 0; i < a->n; ++i) rbdi_act_end_shaft(&a->motor[i], &a->shaft[i], a->shaft[i].next, a);
+    for (int i = 0; i < a->groups; ++i)
+        if (a->group[i].known) rbdi_act_foresee(a, &a->group[i]);
+}
+
+/* Learns of the new speeds, and tells the step what follows from them. */
+RBDI_LOCAL void rbdi_act_repeat(rbd_actuators *a, rbd_real *tau, rbd_real *damping) {
+    ++a->repeats;
+    for (int i = 0; i < a->groups; ++i) {
+        if (!a->group[i].known)
+            rbdi_act_guess_mass(a, &a->group[i]);
+        else if (a->repeats > 1)
+            rbdi_act_learn(a, &a->group[i]);
+    }
+    rbdi_act_move_points(a);
+    rbdi_act_tell_all(a, tau, damping);
 }
 
 RBDI_API int rbd_actuators_again(rbd_actuators *a, const rbd_real *v_next, rbd_real *tau, rbd_real *damping) {
-    int finite;
     if (!a || !v_next || !tau || !damping || !a->begun) return 0;
-    finite = rbdi_act_all_moderate(v_next, a->nv);
-    if (finite && !rbdi_act_settles(a, v_next) && a->repeats < RBDI_ACTUATOR_REPEATS) {
-        ++a->repeats;
-        rbdi_act_tell_all(a, tau, damping);
+    if (!rbdi_act_all_moderate(v_next, a->nv)) {
+        rbdi_act_take_back(a);
+        return 0;
+    }
+
+    rbdi_act_note_speeds(a, v_next);
+    if (a->repeats < RBDI_ACTUATOR_REPEATS && !rbdi_act_all_settle(a)) {
+        rbdi_act_repeat(a, tau, damping);
         return 1;
     }
-    if (finite) rbdi_act_end_step(a, v_next);
+    rbdi_act_end_step(a);
     a->begun = 0;
     return 0;
 }

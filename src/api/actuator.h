@@ -30,7 +30,7 @@
    not have the same sign. It is M6 of Duclusaud and Passault (2024, arXiv 2410.08650); with fewer fields M1
    to M5. An efficiency eta is load_motor = 1 - eta; with load_joint = 1 the joint cannot drive the motor.
    Zero is a sensible default for every field. */
-typedef struct rbd_friction {
+typedef struct rbd_gear_friction {
     rbd_const coulomb;                    /* N m: without load, at any speed */
     rbd_const viscous;                    /* N m s: times the speed, beside the level */
     rbd_const load_motor, load_joint;     /* shares of both torques, 0 to 10; load_motor to 0.999 */
@@ -40,7 +40,7 @@ typedef struct rbd_friction {
     rbd_const speed, power; /* rad/s, and 0.1 to 10: how the part of rest fades; needed if there is one */
     rbd_const bristle;      /* N m/rad: stiffness before it slips; 0: rigid */
     rbd_const still; /* rad/s: the inverse compensates slower motion in proportion; 0: in full at any speed */
-} rbd_friction;
+} rbd_gear_friction;
 
 /* A motor with drive, gear and, perhaps, a spring or play behind the gear. The shaft is the gear's output:
    its angle is that of the rotor divided by gear. Zero is a sensible default for all but gear, constant and,
@@ -65,8 +65,9 @@ typedef struct rbd_motor {
     rbd_const stiffness, damping; /* N m/rad, N m s/rad: of a spring from the gear to the joint; 0: rigid */
     rbd_const backlash;           /* rad: play of the spring; needs a stiffness */
     int delay;                    /* steps that a command takes to arrive, at most 1000 */
-    int sampled; /* 1: the drive is as slow as the step, and may be unstable; 0: much faster, implicit */
-    rbd_friction friction;
+    int by_voltage; /* 1: the drive sets volts, as of a hobby servo, and needs a resistance; 0: the current */
+    int sampled;    /* 1: the drive is as slow as the step, and may be unstable; 0: much faster, implicit */
+    rbd_gear_friction friction;
 } rbd_motor;
 
 /* A crank on the rods' base, and a rod from its end to a point of the body that the joints move. */
@@ -101,7 +102,7 @@ typedef struct rbd_transmission {
    motor, joint    N m at the shaft: torques of the motor and of the joint on it; at rest they cancel, joint =
                    -motor
    Returns 0 without a friction. */
-RBDI_API rbd_real rbd_friction_level(const rbd_friction *friction, rbd_real speed, rbd_real motor,
+RBDI_API rbd_real rbd_friction_level(const rbd_gear_friction *friction, rbd_real speed, rbd_real motor,
                                      rbd_real joint);
 
 /* ---- actuators [actuators] ---- */
@@ -114,12 +115,12 @@ typedef struct rbd_actuators rbd_actuators; /* of one robot: its tables, and the
    memory          size bytes of any alignment: RBD_ACTUATORS_SIZE or rbd_actuators_size
    a               receives the actuators, inside memory: do not move it; NULL after an error
    report          receives the error; may be NULL. body: the motor's index, or n + the transmission's;
-                   field: of rbd_motor, rbd_friction, rbd_transmission or rbd_rod
+                   field: of rbd_motor, rbd_gear_friction, rbd_transmission or rbd_rod
    Errors: RBD_ERR_NULL, _WORK, _MEMORY; _COUNT, n or groups, or a transmission's n; _INDEX, a joint that does
    not exist, has not one degree of freedom, or moves twice; motors that a transmission has not, or joints of
-   rods that do not follow each other; _TYPE, a kind; _RANGE, a field that is missing, negative, not finite or
-   out of range; _AXIS, of a crank; _ARMATURE, the model has the rotor's inertia too; _SINGULAR, a matrix. All
-   shafts are at rest at angle 0, at 25 degrees: rbd_actuators_reset. */
+   rods that do not follow each other; _TYPE, a kind; _RANGE, a field that is missing, negative, not finite,
+   out of range, or does nothing without another; _AXIS, of a crank; _ARMATURE, the model has the rotor's
+   inertia too; _SINGULAR, a matrix. All shafts are at rest at angle 0, at 25 degrees: rbd_actuators_reset. */
 RBDI_API rbd_status rbd_actuators_init(const rbd_model *m, const rbd_motor *motors, int n,
                                        const rbd_transmission *transmissions, int groups, void *memory,
                                        size_t size, rbd_actuators **a, rbd_report *report);
@@ -151,7 +152,7 @@ RBDI_API int rbd_actuators_fault(const rbd_actuators *a);
 typedef struct rbd_drive {
     rbd_real torque;  /* N m at the shaft, of the motor; within its limits */
     rbd_real current; /* A */
-    rbd_real voltage; /* V */
+    rbd_real voltage; /* V, at the terminals: resistance times current, and the back-EMF */
     rbd_real angle;   /* rad, of the shaft on the motor's side of a spring, beyond the play: for a position
                          controller */
     int saturated;    /* 1 or -1: a limit cut the torque at its upper or lower end; else 0 */
@@ -180,11 +181,14 @@ RBDI_API rbd_status rbd_actuators_inverse(rbd_actuators *a, const rbd_real *q, c
    Any other step that takes a damping will do. It starts each time from the same q and v, so q_next and
    v_next are other arrays. Other torques are added behind each of both calls. */
 
-/* What the drive of a shaft is told: torque + kp (q - angle) + kd (v - speed). */
+/* What the drive of a shaft is told: torque + kp (q - angle) + kd (v - speed). A motor with by_voltage has no
+   torque but a voltage at its terminals, to which the gains add volts that turn the shaft that way. Its
+   current is (volts - gear constant speed) / resistance. */
 typedef struct rbd_command {
-    rbd_real q, v;   /* rad, rad/s, of the shaft */
-    rbd_real kp, kd; /* N m/rad, N m s/rad; not negative */
-    rbd_real torque; /* N m at the shaft */
+    rbd_real q, v;    /* rad, rad/s, of the shaft */
+    rbd_real kp, kd;  /* N m/rad, N m s/rad, or V/rad, V s/rad; not negative */
+    rbd_real torque;  /* N m at the shaft; 0 by voltage */
+    rbd_real voltage; /* V, positive as the rotor turns; 0 if not by voltage */
 } rbd_command;
 
 /* Puts all shafts at rest where q has them, and their temperatures at that of the air, in degrees. Commands
@@ -198,15 +202,16 @@ RBDI_API rbd_status rbd_actuators_reset(rbd_actuators *a, const rbd_real *q, rbd
                   Springs that are so stiff that they would vibrate faster than the step are damped by the
                   first, and ring with the second
    tau, damping   nv: torques tau - damping v_next; 0 where there is no motor
-   Errors: as rbd_actuators_map; RBD_ERR_RANGE, dt not between 1e-9 and 1e3, or a command negative where it
-   must not be, not finite or above 1e9. */
+   A step that was begun before and has not ended is none.
+   Errors: as rbd_actuators_map but _ORDER; RBD_ERR_RANGE, dt not between 1e-9 and 1e3, or a command negative
+   where it must not be, not finite or above 1e9, with a torque by voltage or a voltage by torque. */
 RBDI_API rbd_status rbd_actuators_begin(rbd_actuators *a, const rbd_command *commands, const rbd_real *q,
                                         const rbd_real *v, rbd_real dt, int first_order, rbd_real *tau,
                                         rbd_real *damping);
 
 /* Ends a step, and returns 0, if all shafts do at v_next what the step was told. Else returns 1: the step
    must be made again with the new tau and damping. After 50 repeats it takes what there is. A v_next that is
-   not finite ends the step; the shafts stay as they were. */
+   not finite ends the step; the shafts, and the commands under way, stay as they were. */
 RBDI_API int rbd_actuators_again(rbd_actuators *a, const rbd_real *v_next, rbd_real *tau, rbd_real *damping);
 
 /* A shaft after its last step. */
@@ -227,7 +232,7 @@ RBDI_API rbd_status rbd_actuators_get(const rbd_actuators *a, int motor, rbd_act
    the drives' gains or springs that are in touch, viscous friction, and the transmissions. The level of dry
    friction counts as constant; cogging, the bias of the rotors' inertia and delayed commands are left out.
    dq, dv     nv x nv: by positions, in the sense of v, and by velocities; each may be NULL
-   dcommand   nv x n, by the commands' torques; may be NULL
+   dcommand   nv x n, by the commands' torques, or voltages; may be NULL
    Errors: RBD_ERR_NULL; _ORDER, but between rbd_actuators_begin and the first rbd_actuators_again. */
 RBDI_API rbd_status rbd_actuators_derivatives(const rbd_actuators *a, rbd_real *dq, rbd_real *dv,
                                               rbd_real *dcommand);

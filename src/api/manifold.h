@@ -29,7 +29,7 @@ RBDI_API rbd_status rbd_step(const rbd_model *m, const rbd_real *q, const rbd_re
 /* One step of second order from torques, without contacts: the midpoint scheme of rbd_contact_step, which
    keeps energy and momentum of what turns to second order in dt. Of a single body it takes some energy where
    it turns by more than a quarter of a radian a step, and is stable up to two radians; joints that turn by
-   more than a tenth of a radian a step may gain energy. The option `momentum` of rbd_contact_step, also of a
+   more than a twentieth of a radian a step may gain energy. The option `momentum` of rbd_contact_step, also of a
    set without contacts, keeps momentum to rounding. Some three times the work of rbd_aba and rbd_step.
    tau, damping   nv. damping is implicit: tau acts as tau - damping v_next. NULL: 0
    f_ext          nb x 6 or NULL: in the axes that bodies have in the middle of the step

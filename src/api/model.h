@@ -33,8 +33,9 @@ RBDI_API size_t rbd_model_size(const rbd_body *bodies, int nb);
 /* Adds a payload, such as an object in the hand, to a body of a built model. Later results are those of a new
    build, to rounding. It costs a step for each link on the way to the root. To take the payload off, add it
    with mass and inertia negated. Every rbd_work and set of constraints stays valid; but make a set anew after
-   taking off mass that the model was built with. Make every rbd_derivatives anew: it has copies of masses. No
-   other call may use the model meanwhile. A model in a table of constants cannot be changed.
+   taking off mass that the model was built with. Make every rbd_derivatives anew: it has copies of masses. A
+   model for kinematics alone stays one: if its joints move mass now, build it anew. No other call may use the
+   model meanwhile. A model in a table of constants cannot be changed.
    memory   the memory that was given to rbd_model_build
    mass     kg, may be negative
    com      centre of mass of the payload, link frame, m

@@ -71,7 +71,7 @@ typedef struct rbd_qp_result {
          (((size_t)(n) + (size_t)(soft)) * (size_t)(n) + (size_t)(n) * ((size_t)(n) + 1) / 2 + \
           ((size_t)(n) + (size_t)(soft)) * ((size_t)(n) + (size_t)(soft) + 1) / 2 + 10 * (size_t)(n) + \
           5 * ((size_t)(n) + (size_t)(soft)) + 2 * ((size_t)(bounds) + (size_t)(rows))) + \
-     sizeof(int) * (4 * (size_t)(n) + (size_t)(soft) + 3 * ((size_t)(bounds) + (size_t)(rows))) + \
+     sizeof(int) * (5 * (size_t)(n) + (size_t)(soft) + 3 * ((size_t)(bounds) + (size_t)(rows))) + \
      2 * sizeof(rbd_real))
 
 /* Solves the problem by the dual active-set method of Goldfarb and Idnani (1983).

@@ -78,7 +78,7 @@ typedef struct rbd_task_contact {
 
 /* ---- problem [problem of tasks] ---- */
 
-/* Limits that do not count: rbd_tasks.without is their sum. */
+/* Limits that do not count: rbd_tasks.without is their sum; other numbers are an error. */
 typedef enum rbd_tasks_without {
     RBD_WITHOUT_POSITION = 1,
     RBD_WITHOUT_SPEED = 2,
@@ -93,7 +93,8 @@ typedef struct rbd_tasks {
     int contacts;
     rbd_real dt; /* s: until the next tick, above 0 */
 
-    /* Limits of dofs, nv each. NULL: those of the model, of joints with one dof and of their mimics. */
+    /* Limits of dofs, nv each. NULL: those of the model, of joints with one dof and of their mimics: q, v and
+       tau of a dof are such that each of these joints keeps its limits, whichever bears all of tau. */
     const rbd_real *lower;  /* rad or m, of joints with one coordinate; -RBD_QP_NONE and less: none */
     const rbd_real *upper;  /* RBD_QP_NONE and more: none. If only one is given, the other side has none */
     const rbd_real *speed;  /* rad/s or m/s; 0: none */
@@ -130,16 +131,20 @@ typedef enum rbd_tasks_part {
 typedef enum rbd_tasks_status {
     RBD_TASKS_OK = 0,
     RBD_TASKS_INEXACT = 1,     /* the QP of ->level did not end well: ->qp says why, ->primal by how much hard
-                                  rows are missed. Of level 1 and 2 the answer of the level before stands */
+                                  rows are missed, as where they nearly contradict each other and x is huge.
+                                  Of level 1 and 2 the answer of the level before stands */
     RBD_TASKS_INFEASIBLE = -1, /* hard rows contradict each other: result->part, ->at say which */
     RBD_TASKS_ERROR = -2       /* result->error says why */
 } rbd_tasks_status;
 
 typedef struct rbd_tasks_result {
-    int steps;              /* rows of the QPs that joined or left */
-    int level;              /* of the last QP */
-    rbd_qp_status qp;       /* its status */
-    rbd_real primal, dual;  /* the largest of rbd_qp_result, of all levels */
+    int steps;        /* rows of the QPs that joined or left */
+    int level;        /* of the last QP */
+    rbd_qp_status qp; /* its status */
+    rbd_real primal;  /* the largest miss of a hard row, of all levels, as a share of its terms: the side, and
+                        the entries times x, where a component counts as 1 rad/s, m/s, rad/s^2 or m/s^2 at
+                        least, and a force as what gives the robot 1 m/s^2; and that of rbd_qp_result */
+    rbd_real dual;    /* the largest of rbd_qp_result */
     rbd_tasks_part part[2]; /* INFEASIBLE: the two that contradict most; NOTHING: it is one alone */
     int at[2];              /* their contacts or dofs; -1: none */
     rbd_status error;       /* RBD_OK but after RBD_TASKS_ERROR */

@@ -20,6 +20,13 @@ RBDI_PART void rbdi_clear(rbd_real *x, int n) {
         RBDI_ONE_INDEX(x);
         *(rbdi_batch *)x = zero;
     }
+#else
+    for (; n >= 4; n -= 4, x += 4) {
+        x[0] = rbdi_zero();
+        x[1] = rbdi_zero();
+        x[2] = rbdi_zero();
+        x[3] = rbdi_zero();
+    }
 #endif
 
     for (; n > 0; --n, ++x) *x = rbdi_zero();

@@ -3,7 +3,8 @@
 #include "dynamics/crba.h"
 #include "constraints/kinematics.h"
 
-/* Interface: rbdi_constraint_rows, rbdi_constraint_state, rbdi_next_link, rbdi_walk, rbdi_walk_of */
+/* Interface: rbdi_constraint_columns, rbdi_constraint_rows, rbdi_constraint_state, rbdi_next_link, rbdi_walk,
+   rbdi_walk_of */
 
 /* ---- rows [rows] ---- */
 
@@ -110,6 +111,13 @@ RBDI_LOCAL void rbdi_clear_rows(const rbd_model *m, rbd_constraint_set *c) {
     c->dirty = 1;
 }
 
+/* Adds Y = J' of a constraint. p: origin of frame 1. */
+RBDI_LOCAL void rbdi_constraint_columns(const rbd_model *m, rbd_constraint_set *c, const rbdi_constraint *con,
+                                        const rbdi_axes_held *h, rbdi_v3 p) {
+    for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);)
+        rbdi_constraint_link(m, c, con, h, p, walk.link, walk.side ? -1 : 1);
+}
+
 enum { RBDI_SLOPES = 2 };
 
 /* Adds Y = J', gamma and J v of a constraint and, if `errors`, e. With errors = RBDI_SLOPES, Y = (de/dq)',
@@ -123,8 +131,7 @@ RBDI_LOCAL void rbdi_constraint_rows(const rbd_model *m, rbd_constraint_set *c, 
     p = rbdi_constraint_motion(c, con, &h, errors);
 
     if (errors == RBDI_SLOPES && con->angular == 1) rbdi_bend_axis(c, con, &h);
-    for (rbdi_walk walk = rbdi_walk_of(con); rbdi_next_link(m, &walk);)
-        rbdi_constraint_link(m, c, con, &h, p, walk.link, walk.side ? -1 : 1);
+    rbdi_constraint_columns(m, c, con, &h, p);
 }
 
 #endif

@@ -338,14 +338,14 @@ RBDI_LOCAL int rbdi_differentiate_corrections(const rbd_model *m, rbd_contact_se
                                               const rbdi_step_columns *to) {
     const int size = m->nv * m->nv;
     rbd_work *w = c->rows->w;
-    int solved;
+    int solved, changed;
     rbdi_copy_columns(m, to->dq, to->dv);
     rbdi_add_side(m, c, to->dv);
     for (int x = 0; x < 3; ++x)
         if (to->dv[x]) rbdi_multiply(to->dv[x], -rbdi_set(RBD_C(1)), size);
     solved = rbdi_differentiate_solution(m, c, d, c->moved, RBDI_FOR_VELOCITIES, to->dq);
 
-    rbdi_solve_between(m, c, tau, f_ext);
+    changed = rbdi_solve_between(m, c, tau, f_ext);
     rbdi_add_rho(m, c, d, c->moved, f_ext, to->dq, to->dv);
     rbdi_add_side(m, c, to->dv);
     for (int x = 0; x < 3; ++x) {
@@ -353,7 +353,7 @@ RBDI_LOCAL int rbdi_differentiate_corrections(const rbd_model *m, rbd_contact_se
         rbdi_solve_columns(m, w, w->H, -1, m->nv, m->nv, to->dv[x]);
         rbdi_subtract(to->dv[x], -rbdi_set(RBD_C(1)), to->dq[x], size);
     }
-    rbdi_solve_again(m, c, tau, f_ext);
+    rbdi_solve_again(m, c, tau, f_ext, changed);
     return solved;
 }
 

@@ -62,10 +62,12 @@ typedef struct rbdi_contact {
     rbdi_c3 point; /* link axes */
     rbd_const radius, friction, restitution, stiffness, damping;
     rbdi_gap gap;
-    rbd_real falls;    /* u_n that forces would add in the step without impulses, m/s */
-    rbd_real below;    /* the place of contact is so far below the centre, m: l of [contact rows] */
-    rbdi_v3 roll;      /* acceleration of the place of contact over the body, world axes, m/s^2 */
-    rbd_real force[3]; /* of the last step, world axes */
+    rbd_real falls;             /* u_n that forces would add in the step without impulses, m/s */
+    rbd_real below;             /* the place of contact is so far below the centre, m: l of [contact rows] */
+    rbd_real middle;            /* the ball's gap in the middle of the step, m */
+    rbdi_motion velocity, rate; /* there, of the body relative to the plane, world axes: turn and its rate;
+                                   velocity of the place of contact, and gamma */
+    rbd_real force[3];          /* of the last step, world axes */
     int body2;
     int row;      /* of the step, -1 = none */
     int on_plane; /* whether the place of contact is the foot of the centre on the plane */

@@ -92,9 +92,10 @@ RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, rbd_const proximal, co
     for (int i = 0; i < n; ++i) {
         const rbdi_contact_unknown *x = &s->unknown[i];
         const rbd_real *row = rbdi_newton_row(s, x);
-        const rbdi_contact_unknown *y = s->symmetric ? x : s->unknown;
+        const rbdi_contact_unknown *y = s->unknown;
         rbd_real *g = &s->G[i * stride];
-        for (int k = s->symmetric ? i : 0; k < n; ++k, ++y) {
+        for (int k = i; s->symmetric && k < n; ++k) g[k] = row[y[k].first];
+        for (int k = 0; !s->symmetric && k < n; ++k, ++y) {
             g[k] = row[y->first];
             if (y->rows == 3)
                 g[k] =

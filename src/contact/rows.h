@@ -61,44 +61,48 @@ RBDI_LOCAL void rbdi_place_below(const rbd_constraint_set *s, rbdi_constraint *c
     con->position[0].z = contact->point.z - (rbd_const)(contact->below * local.z);
 }
 
-/* gamma less the acceleration of the body-fixed point there: l omega x (omega x n) - l' omega x
-   n. */
-RBDI_INLINE rbdi_v3 rbdi_roll_of(rbdi_v3 omega, rbdi_v3 normal, rbd_real below, rbd_real rate) {
-    const rbdi_v3 turn = rbdi_cross(omega, normal);
-    return rbdi_sub(rbdi_scale(below, rbdi_cross(omega, turn)), rbdi_scale(rate, turn));
-}
+/* Computes motion and gap, with the place of contact on the ball:
 
-/* Computes the gap, with the place of contact on the ball. */
+       gamma = acc + l omega x (omega x n) */
 RBDI_LOCAL void rbdi_contact_gap(const rbd_contact_set *c, rbdi_constraint *con, rbdi_contact *contact) {
     const rbd_constraint_set *s = c->rows;
     const rbdi_v3 normal = rbdi_contact_normal(s, con);
     rbdi_relative_motion relative;
-    rbd_real middle, rate, gamma;
+    rbdi_v3 omega, roll;
 
     contact->on_plane = 0;
     contact->below = rbdi_set(contact->radius);
     rbdi_place_below(s, con, contact, normal);
     relative = rbdi_relative_motion_of(s, con);
-    contact->roll = rbdi_roll_of(relative.velocity.omega, normal, contact->below, rbdi_zero());
 
-    middle = rbdi_dot(normal, rbdi_sub(relative.body[0].p, rbdi_frame_origin(s, con, 1)));
-    rate = rbdi_dot(normal, relative.velocity.v);
-    gamma = rbdi_dot(normal, rbdi_add(relative.rate.v, contact->roll));
-    contact->gap = rbdi_gap_of(middle, rate, gamma, c->half);
+    omega = relative.velocity.omega;
+    roll = rbdi_scale(contact->below, rbdi_cross(omega, rbdi_cross(omega, normal)));
+    contact->velocity = relative.velocity;
+    contact->rate = relative.rate;
+    contact->rate.v = rbdi_add(relative.rate.v, roll);
+
+    contact->middle = rbdi_dot(normal, rbdi_sub(relative.body[0].p, rbdi_frame_origin(s, con, 1)));
+    contact->gap = rbdi_gap_of(contact->middle, rbdi_dot(normal, contact->velocity.v),
+                               rbdi_dot(normal, contact->rate.v), c->half);
 }
 
-/* Moves the place of contact from the ball to the plane. */
+/* Moves the place of contact from the ball to the plane: l by the gap, l' to its rate. Of the point of the
+   body that is there now,
+
+       velocity and gamma less gap omega x n and gap domega/dt x n,   and gamma less l' omega x n */
 RBDI_LOCAL void rbdi_place_on_plane(const rbd_constraint_set *s, rbdi_constraint *con,
                                     rbdi_contact *contact) {
-    const rbdi_v3 normal = rbdi_contact_normal(s, con);
-    const rbdi_relative_motion relative = rbdi_relative_motion_of(s, con);
-    const rbd_real middle = rbdi_dot(normal, rbdi_sub(relative.body[0].p, rbdi_frame_origin(s, con, 1))),
-                   rate = rbdi_dot(normal, relative.velocity.v);
+    const rbdi_v3 normal = rbdi_contact_normal(s, con), v = contact->velocity.v;
+    const rbdi_v3 turn = rbdi_cross(contact->velocity.omega, normal);
+    const rbdi_v3 faster = rbdi_cross(contact->rate.omega, normal);
 
     contact->on_plane = 1;
-    contact->below = contact->below + middle;
+    contact->below = contact->below + contact->middle;
     rbdi_place_below(s, con, contact, normal);
-    contact->roll = rbdi_roll_of(relative.velocity.omega, normal, contact->below, rate);
+
+    contact->velocity.v = rbdi_sub(v, rbdi_scale(contact->middle, turn));
+    contact->rate.v = rbdi_sub(contact->rate.v, rbdi_scale(contact->middle, faster));
+    contact->rate.v = rbdi_sub(contact->rate.v, rbdi_scale(rbdi_dot(normal, v), turn));
 }
 
 /* Whether this gap may become 0 within two steps, or is at most the margin, or not a number. */
@@ -206,13 +210,15 @@ RBDI_LOCAL int rbdi_list_rows(const rbd_model *m, rbd_contact_set *c, const rbd_
     return contacts;
 }
 
-/* Adds the part of gamma by which the place of contact moves over the body. */
-RBDI_LOCAL void rbdi_add_roll(rbd_constraint_set *s, const rbdi_constraint *con,
-                              const rbdi_contact *contact) {
+/* Y = J', J v_mid and gamma of a contact. */
+RBDI_LOCAL void rbdi_write_contact(const rbd_model *m, rbd_constraint_set *s, const rbdi_constraint *con,
+                                   const rbdi_contact *contact) {
+    const rbdi_v3 none = rbdi_vec0();
     rbdi_axes_held h;
-    if (!(contact->radius > 0) && !contact->on_plane) return;
     rbdi_set_axes(s, con, &h);
-    rbdi_add_held(con, &h, rbdi_vec0(), contact->roll, &s->gamma[con->row]);
+    rbdi_add_held(con, &h, none, contact->velocity.v, &s->velocity[con->row]);
+    rbdi_add_held(con, &h, none, contact->rate.v, &s->gamma[con->row]);
+    rbdi_constraint_columns(m, s, con, &h, rbdi_frame_origin(s, con, 0));
 }
 
 /* Y = J', and target = -J v_mid - dt/2 gamma. */
@@ -220,10 +226,9 @@ RBDI_LOCAL void rbdi_write_rows(const rbd_model *m, rbd_contact_set *c) {
     rbd_constraint_set *s = c->rows;
     rbdi_clear(s->Y, m->nv * s->stride);
     rbdi_clear(s->target, (int)(s->e - s->target) + s->stride); /* J v and gamma too */
-    for (int i = 0; i < s->n; ++i)
-        if (s->constraint[i].row >= 0) rbdi_constraint_rows(m, s, &s->constraint[i], i >= c->n);
     for (int i = 0; i < c->n; ++i)
-        if (c->contact[i].row >= 0) rbdi_add_roll(s, &s->constraint[i], &c->contact[i]);
+        if (c->contact[i].row >= 0) rbdi_write_contact(m, s, &s->constraint[i], &c->contact[i]);
+    for (int i = c->n; i < s->n; ++i) rbdi_constraint_rows(m, s, &s->constraint[i], 1);
 
     for (int i = 0; i < c->limits; ++i) {
         const rbdi_limit_row *limit = &c->limit[i];
@@ -252,6 +257,16 @@ RBDI_LOCAL void rbdi_find_falls(rbd_contact_set *c) {
     }
 }
 
+/* From the upper triangle of a symmetric matrix, in rows of this stride, to all of it in rows of n: first the
+   rows, in batches that may end within the next row, then the columns below the diagonal. */
+RBDI_LOCAL void rbdi_close_up(rbd_real *x, int stride, int n) {
+    for (int r = 0; r < n; ++r)
+        for (int t = r; t < n; t += RBDI_BATCH)
+            *(rbdi_batch *)&x[r * n + t] = *(const rbdi_batch *)&x[r * stride + t];
+
+    for (int r = 0; r < n - 1; ++r) rbdi_mirror(&x[r * n + r + 1], n, n - 1 - r, &x[(r + 1) * n + r]);
+}
+
 /* Delta of (4), rows x rows, in s->R; first the upper triangle, in rows of s->stride. Rows that rounding
    alone moves get 0 on the diagonal: no impulse changes their velocity. Slip and compliance come last. */
 RBDI_LOCAL void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
@@ -269,13 +284,9 @@ RBDI_LOCAL void rbdi_write_delta(const rbd_model *m, rbd_contact_set *c) {
         const rbdi_bounded_row *row = &c->bound[i];
         if (row->row >= 0) rbdi_delta(s, s->path, rbdi_paths_to(m, s, &row->law), row->row, 1);
     }
-    for (int r = 0; r < n; ++r) {
-        rbd_real *to = &delta[r * n];
-        const rbd_real *from = &delta[r * s->stride], *above = &delta[r];
-        for (int t = 0; t < r; ++t, above += n) to[t] = *above;
-        for (int t = r; t < n; ++t) to[t] = from[t];
+    rbdi_close_up(delta, s->stride, n);
+    for (int r = 0; r < n; ++r)
         if (delta[r * n + r] <= s->noise) delta[r * n + r] = rbdi_zero();
-    }
     for (const rbdi_contact *contact = c->contact; contact < c->contact + c->n; ++contact)
         for (int j = 0; j < 2 && contact->row >= 0; ++j) {
             rbd_real *d = &delta[(contact->row + j) * (n + 1)];

@@ -58,6 +58,8 @@ RBDI_PART void rbdi_contact_iterate(rbdi_contact_solver *s) {
     rbd_real least = rbdi_set(RBDI_UNBOUNDED);
     int sweeps = 2;
     s->solution.sweeps = s->solution.newton_steps = 0;
+    s->solution.residual = rbdi_zero();
+    if (s->rows == 0) return;
     rbdi_clear(s->best, s->rows);
 
     rbdi_contact_velocities(s);

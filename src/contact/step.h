@@ -52,6 +52,7 @@ RBDI_LOCAL rbd_status rbdi_begin_step(const rbd_model *m, rbd_contact_set *c, co
     rbd_constraint_set *s = c->rows;
     rbd_work *w = s->w;
     rbdi_mask doubt;
+    if (c->added && !rbdi_all_finite(c->added, m->nh)) return RBD_ERR_NAN;
 
     rbdi_move_joints(m, c->points, q, v, v, c->half, c->q_mid, c->v_mid);
     for (int k = 0; k < m->nv; ++k) c->at[k] = c->v_mid[k];
@@ -94,8 +95,10 @@ RBDI_LOCAL void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int pur
     rbd_constraint_set *s = c->rows;
     rbd_contact_problem given;
     for (int k = 0; k < m->nv; ++k) s->x[k] = c->x[0][k];
-    rbdi_reduce_rows(m, s, s->w->H);
-    rbdi_write_delta(m, c);
+    if (s->rows > 0) {
+        rbdi_reduce_rows(m, s, s->w->H);
+        rbdi_write_delta(m, c);
+    }
     rbdi_find_falls(c);
     for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
     (void)rbdi_write_biases(c, purpose);
@@ -116,35 +119,54 @@ RBDI_LOCAL void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int pur
     rbdi_contact_respond(m, c, c->x[0], c->moved);
 }
 
-/* Corrects the velocity terms for the first time: c->x[1], and c->moved with the impulses as they are. */
-RBDI_LOCAL void rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
-                                   const rbd_real *f_ext) {
-    rbd_real *change = c->rows->x;
+/* Corrects the velocity terms for the first time: c->x[1], and c->moved with the impulses as they are.
+   Returns whether velocities change by more than rounding: they do not at rest, or where nothing turns. */
+RBDI_LOCAL int rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
+                                  const rbd_real *f_ext) {
+    rbd_real *change = c->rows->x, changes = rbdi_zero(), speeds = c->solver.given.tolerance;
     rbdi_correct(m, c, c->moved, tau, f_ext, c->x[1]);
     for (int k = 0; k < m->nv; ++k) change[k] = c->x[1][k] - c->x[0][k];
     rbdi_vector_forward(m, c->rows->w, c->rows->w->H, change);
-    for (int k = 0; k < m->nv; ++k) c->moved[k] = c->moved[k] + change[k];
+
+    for (int k = 0; k < m->nv; ++k) {
+        changes = changes + rbdi_abs(change[k]);
+        speeds = speeds + rbdi_abs(c->moved[k]);
+        c->moved[k] = c->moved[k] + change[k];
+    }
+    return !(changes <= RBDI_EPS * speeds);
 }
 
-/* Corrects them again: c->x[2]. Solves with the biases of positions, and computes c->moved. Keeps the
-   impulses of the first solution in c->early. */
-RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
-                                 const rbd_real *f_ext) {
-    const rbd_contact_solution first = c->solver.solution;
+/* Corrects them again: c->x[2], and the velocities without impulses. */
+RBDI_LOCAL void rbdi_correct_again(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
+                                   const rbd_real *f_ext) {
     rbd_constraint_set *s = c->rows;
     rbdi_correct(m, c, c->moved, tau, f_ext, c->x[2]);
     rbdi_guard_solution(m, s->w->H, c->x[0], c->x[1], c->x[2]);
 
-    for (int r = 0; r < s->rows; ++r) c->early[r] = s->lambda[r];
     for (int k = 0; k < m->nv; ++k) {
         const rbdi_span span = s->span[k];
         rbdi_subtract(&s->b[span.first], (c->x[2][k] - c->x[0][k]) * s->D_inverse[k],
                       &s->Y[k * s->stride + span.first], span.end - span.first);
     }
     for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
+}
+
+/* Corrects again, if the first correction changed anything. Solves with the biases of positions, and computes
+   c->moved. Keeps the impulses of the first solution in c->early; if no bias changed either, that solution may
+   be good enough. */
+RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
+                                 const rbd_real *f_ext, int changed) {
+    const rbd_contact_solution first = c->solver.solution;
+    const rbd_constraint_set *s = c->rows;
+    if (changed) rbdi_correct_again(m, c, tau, f_ext);
+    for (int k = 0; !changed && k < m->nv; ++k) c->x[2][k] = c->x[1][k];
+
+    for (int r = 0; r < s->rows; ++r) c->early[r] = s->lambda[r];
     c->solver.given.tolerance = c->solver.given.tolerance / RBDI_LOOSE;
     for (int i = 0; i < c->bounds; ++i) rbdi_find_turn(c, &c->bound[i]);
-    (void)rbdi_write_biases(c, RBDI_FOR_POSITIONS);
+    changed |= rbdi_write_biases(c, RBDI_FOR_POSITIONS);
+    if (!changed && first.residual <= c->solver.given.tolerance) return;
+
     rbdi_contact_iterate(&c->solver);
     c->solver.solution.sweeps += first.sweeps;
     c->solver.solution.newton_steps += first.newton_steps;
@@ -168,8 +190,7 @@ RBDI_LOCAL rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *
     if (status) return status;
     rbdi_solve_first(m, c, first_order ? RBDI_FOR_POSITIONS : RBDI_FOR_VELOCITIES);
     if (first_order) return RBD_OK;
-    rbdi_solve_between(m, c, tau, f_ext);
-    rbdi_solve_again(m, c, tau, f_ext);
+    rbdi_solve_again(m, c, tau, f_ext, rbdi_solve_between(m, c, tau, f_ext));
     return RBD_OK;
 }
 

@@ -4,8 +4,8 @@
 #include "base/memory.h"
 #include "dynamics/row_sums.h"
 
-/* Interface: rbdi_factor, rbdi_invert, rbdi_solve, rbdi_solve_columns, rbdi_solve_forward, rbdi_solve_half,
-   rbdi_solve_transposed, rbdi_vector_forward, rbdi_vector_transposed */
+/* Interface: rbdi_factor, rbdi_invert, rbdi_mirror, rbdi_solve, rbdi_solve_columns, rbdi_solve_forward,
+   rbdi_solve_half, rbdi_solve_transposed, rbdi_vector_forward, rbdi_vector_transposed */
 
 /* -- the factor, and what it solves -- */
 

@@ -34,48 +34,48 @@
    standard deviations. If that is no body, it minimises this less weight log det P, with the least weight:
    the nearest that is one, found by interior points, anew in each call. */
 
-/* RBDI_ESTIMATE_LEAST: of the weight. A body that no sample tells of has a tenth of the options' mass.
-   RBDI_ESTIMATE_ROUNDS: at most; some 15 will do. RBDI_ESTIMATE_SMALL: share of P; a smaller step ends them.
-   RBDI_ESTIMATE_LESS: factor of the weight after a full step. RBDI_ESTIMATE_JAM: a smaller share
+/* RBDI_EST_LEAST: of the weight. A body that no sample tells of has a tenth of the options' mass.
+   RBDI_EST_ROUNDS: at most; some 15 will do. RBDI_EST_SMALL: share of P; a smaller step ends them.
+   RBDI_EST_LESS: factor of the weight after a full step. RBDI_EST_JAM: a smaller share
    makes Z anew.
-   RBDI_ESTIMATE_SHORT: share that is taken of a step to the rim; RBDI_ESTIMATE_CUTS: bisections that find it.
-   RBDI_ESTIMATE_RIM: a pivot of P must be above this share of its diagonal, and above RBDI_ESTIMATE_FLOOR, so
+   RBDI_EST_SHORT: share that is taken of a step to the rim; RBDI_EST_CUTS: bisections that find it.
+   RBDI_EST_RIM: a pivot of P must be above this share of its diagonal, and above RBDI_EST_FLOOR, so
    that no square of its inverse overflows.
-   RBDI_ESTIMATE_BALL: where the rounds begin: a ball of this mass and, about each axis, radius of gyration,
+   RBDI_EST_BALL: where the rounds begin: a ball of this mass and, about each axis, radius of gyration,
    in the units of the options. */
-#define RBDI_ESTIMATE_LEAST RBD_C(0.01)
-#define RBDI_ESTIMATE_ROUNDS 50
-#define RBDI_ESTIMATE_SMALL RBD_C(1e-3)
-#define RBDI_ESTIMATE_LESS RBD_C(0.1)
-#define RBDI_ESTIMATE_JAM RBD_C(0.01)
-#define RBDI_ESTIMATE_SHORT RBD_C(0.95)
-#define RBDI_ESTIMATE_CUTS 9
-#define RBDI_ESTIMATE_RIM (64 * RBDI_EPS)
-#define RBDI_ESTIMATE_FLOOR RBD_C(1e-12)
-#define RBDI_ESTIMATE_BALL RBD_C(0.06)
+#define RBDI_EST_LEAST RBD_C(0.01)
+#define RBDI_EST_ROUNDS 50
+#define RBDI_EST_SMALL RBD_C(1e-3)
+#define RBDI_EST_LESS RBD_C(0.1)
+#define RBDI_EST_JAM RBD_C(0.01)
+#define RBDI_EST_SHORT RBD_C(0.95)
+#define RBDI_EST_CUTS 9
+#define RBDI_EST_RIM (64 * RBDI_EPS)
+#define RBDI_EST_FLOOR RBD_C(1e-12)
+#define RBDI_EST_BALL RBD_C(0.06)
 
 /* Defaults, and the largest number that is computed with: of options, and of a row over its noise. */
-#define RBDI_ESTIMATE_MASS RBD_C(5)
-#define RBDI_ESTIMATE_REACH RBD_C(0.2)
-#define RBDI_ESTIMATE_FRICTION RBD_C(100)
-#define RBDI_ESTIMATE_FORGETTING RBD_C(0.998)
-#define RBDI_ESTIMATE_SLOW RBD_C(0.03)
-#define RBDI_ESTIMATE_NOISE RBD_C(0.1)
-#define RBDI_OBSERVER_SLOW RBD_C(0.02)
-#define RBDI_ESTIMATE_LARGE RBD_C(1e9)
+#define RBDI_EST_MASS RBD_C(5)
+#define RBDI_EST_REACH RBD_C(0.2)
+#define RBDI_EST_FRICTION RBD_C(100)
+#define RBDI_EST_FORGETTING RBD_C(0.998)
+#define RBDI_EST_SLOW RBD_C(0.03)
+#define RBDI_EST_NOISE RBD_C(0.1)
+#define RBDI_EST_OBSERVER_SLOW RBD_C(0.02)
+#define RBDI_EST_LARGE RBD_C(1e9)
 
 /* Columns of a row: offset, coulomb, viscous, ten of the payload, and the right side. */
 enum {
-    RBDI_FRICTIONS = 3,                                    /* columns of the friction of a dof */
-    RBDI_TEN = 10,                                         /* of the payload */
-    RBDI_TEN_ROW = RBDI_TEN + 1,                           /* a row of the payload alone */
-    RBDI_WHOLE_ROW = RBDI_FRICTIONS + RBDI_TEN_ROW,        /* a row of a dof */
-    RBDI_JOINT_TRIANGLE = RBDI_FRICTIONS * RBDI_WHOLE_ROW, /* scalars of the triangle of a dof */
-    RBDI_LOAD_TRIANGLE = RBDI_TEN * RBDI_TEN_ROW           /* and of the payload */
+    RBDI_EST_FRICTIONS = 3,                                            /* columns of the friction of a dof */
+    RBDI_EST_TEN = 10,                                                 /* of the payload */
+    RBDI_EST_TEN_ROW = RBDI_EST_TEN + 1,                               /* a row of the payload alone */
+    RBDI_EST_WHOLE_ROW = RBDI_EST_FRICTIONS + RBDI_EST_TEN_ROW,        /* a row of a dof */
+    RBDI_EST_JOINT_TRIANGLE = RBDI_EST_FRICTIONS * RBDI_EST_WHOLE_ROW, /* scalars of the triangle of a dof */
+    RBDI_EST_LOAD_TRIANGLE = RBDI_EST_TEN * RBDI_EST_TEN_ROW           /* and of the payload */
 };
 
 /* A dof is left out, has no friction, or has. */
-enum { RBDI_LEFT_OUT, RBDI_PLAIN, RBDI_RUBS };
+enum { RBDI_EST_LEFT_OUT, RBDI_EST_PLAIN, RBDI_EST_RUBS };
 
 struct rbd_observer {
     uint64_t shape[RBDI_SHAPE]; /* of the model */
@@ -94,25 +94,26 @@ struct rbd_estimate {
     rbd_real scale[3];   /* units of m, m c and S: the unknowns are shares of these, the prior's deviations */
     rbd_real stiff;      /* 1 / deviation of the prior of friction */
     rbd_real squares, samples; /* of what is left of the rows, and how many */
-    rbd_real P[RBDI_TEN];
-    rbd_real load[RBDI_LOAD_TRIANGLE];
+    rbd_real P[RBDI_EST_TEN];
+    rbd_real load[RBDI_EST_LOAD_TRIANGLE];
     unsigned char *kind; /* nv */
     rbd_real *certain;   /* nv: 1 / noise */
-    rbd_real *joint;     /* nv x RBDI_JOINT_TRIANGLE */
-    rbd_real *row;       /* nv x RBDI_WHOLE_ROW: of a sample */
+    rbd_real *joint;     /* nv x RBDI_EST_JOINT_TRIANGLE */
+    rbd_real *row;       /* nv x RBDI_EST_WHOLE_ROW: of a sample */
     rbd_real *y;         /* nv x 10: regressor */
     rbd_real *left;      /* nv */
 };
 
 /* Bytes for nv dofs. */
-#define RBDI_OBSERVER_BYTES(nv) \
+#define RBDI_EST_OBSERVER_BYTES(nv) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_observer)) + RBDI_ROUND(10 * (size_t)(nv) * sizeof(rbd_real)))
-#define RBDI_ESTIMATE_BYTES(nv) \
+#define RBDI_EST_BYTES(nv) \
     (RBDI_ALIGN + RBDI_ROUND(sizeof(rbd_estimate)) + RBDI_ROUND((size_t)(nv)) + \
-     RBDI_ROUND((size_t)(nv) * (RBDI_JOINT_TRIANGLE + RBDI_WHOLE_ROW + RBDI_TEN + 2) * sizeof(rbd_real)))
+     RBDI_ROUND((size_t)(nv) * (RBDI_EST_JOINT_TRIANGLE + RBDI_EST_WHOLE_ROW + RBDI_EST_TEN + 2) * \
+                sizeof(rbd_real)))
 
 /* Bytes that suffice for any model of nv degrees of freedom; constants. */
-#define RBD_OBSERVER_SIZE(nv) RBDI_OBSERVER_BYTES(nv)
-#define RBD_ESTIMATE_SIZE(nv) RBDI_ESTIMATE_BYTES(nv)
+#define RBD_OBSERVER_SIZE(nv) RBDI_EST_OBSERVER_BYTES(nv)
+#define RBD_ESTIMATE_SIZE(nv) RBDI_EST_BYTES(nv)
 
 #endif

@@ -6,7 +6,7 @@
 /* ---- estimate text [estimate text] ---- */
 
 /* The sentence of an error, where that of rbd_status_string speaks of a model. */
-RBDI_MESSAGES RBDI_PART const char *rbdi_estimate_sentence(rbd_status status) {
+RBDI_MESSAGES RBDI_PART const char *rbdi_est_sentence(rbd_status status) {
     switch ((int)status) {
     case RBD_ERR_RANGE: return "out of range";
     case RBD_ERR_NAN: return "not finite";
@@ -33,7 +33,7 @@ RBDI_API char *rbd_estimate_text(rbd_status status, const rbd_estimate_fault *fa
         }
         piece[n++] = ": ";
     }
-    piece[n++] = rbdi_estimate_sentence(status);
+    piece[n++] = rbdi_est_sentence(status);
     return rbdi_join(piece, n, text, size);
 }
 

@@ -6,7 +6,7 @@
    Upper triangles of least squares, full rows of n entries: row k is 0 before entry k. */
 
 /* Turns row x into the first `rows` rows of R. x keeps what they do not take. */
-RBDI_PART void rbdi_absorb(rbd_real *R, int rows, int n, rbd_real *x) {
+RBDI_PART void rbdi_est_absorb(rbd_real *R, int rows, int n, rbd_real *x) {
     for (int k = 0; k < rows; ++k, R += n) {
         const rbd_real square = R[k] * R[k] + x[k] * x[k];
         rbd_real size, c, s;
@@ -28,16 +28,16 @@ RBDI_PART void rbdi_absorb(rbd_real *R, int rows, int n, rbd_real *x) {
 }
 
 /* Takes in factor x_k = value. x: n scalars of scratch. */
-RBDI_PART void rbdi_absorb_one(rbd_real *R, int rows, int n, int k, rbd_real factor, rbd_real value,
-                               rbd_real *x) {
+RBDI_PART void rbdi_est_absorb_one(rbd_real *R, int rows, int n, int k, rbd_real factor, rbd_real value,
+                                   rbd_real *x) {
     for (int j = 0; j < n; ++j) x[j] = rbdi_zero();
     x[k] = factor;
     x[n - 1] = value;
-    rbdi_absorb(R, rows, n, x);
+    rbdi_est_absorb(R, rows, n, x);
 }
 
 /* x = R^-1 x of the first `rows` columns. */
-RBDI_PART void rbdi_solve_upper(const rbd_real *R, int rows, int n, rbd_real *x) {
+RBDI_PART void rbdi_est_solve_upper(const rbd_real *R, int rows, int n, rbd_real *x) {
     for (int k = rows - 1; k >= 0; --k) {
         for (int j = k + 1; j < rows; ++j) x[k] = x[k] - R[k * n + j] * x[j];
         x[k] = x[k] / R[k * n + k];
@@ -45,20 +45,20 @@ RBDI_PART void rbdi_solve_upper(const rbd_real *R, int rows, int n, rbd_real *x)
 }
 
 /* x = R'^-1 x. */
-RBDI_PART void rbdi_solve_lower(const rbd_real *R, int rows, int n, rbd_real *x) {
+RBDI_PART void rbdi_est_solve_lower(const rbd_real *R, int rows, int n, rbd_real *x) {
     for (int k = 0; k < rows; ++k) {
         x[k] = x[k] / R[k * n + k];
         for (int j = k + 1; j < rows; ++j) x[j] = x[j] - R[k * n + j] * x[k];
     }
 }
 
-RBDI_PART rbd_real rbdi_sum_of_squares(const rbd_real *x, int n) {
+RBDI_PART rbd_real rbdi_est_sum_of_squares(const rbd_real *x, int n) {
     rbd_real sum = rbdi_zero();
     for (int k = 0; k < n; ++k) sum = sum + x[k] * x[k];
     return sum;
 }
 
-RBDI_PART void rbdi_scale_all(rbd_real *x, int n, rbd_real factor) {
+RBDI_PART void rbdi_est_scale_all(rbd_real *x, int n, rbd_real factor) {
     for (int k = 0; k < n; ++k) x[k] = x[k] * factor;
 }
 

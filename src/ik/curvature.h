@@ -47,7 +47,7 @@ RBDI_LOCAL rbdi_ik_bend rbdi_ik_bend_of(const rbdi_ik *k, const rbd_ik_target *t
         const rbd_real length = rbdi_sqrt(rbdi_dot(e, e));
         const rbd_real angle = length / angular;
         b.turn = rbdi_scale(angular, e);
-        if (t->kind == RBD_IK_AXIS) b.s = rbdi_ik_axis(k, t);
+        if (t->kind == RBD_IK_AXIS) b.s = rbdi_ik_axis(k->m, k->w, t->body, t->axis);
         b.side = rbdi_cross(b.s, b.turn);
         if (angle > RBDI_IK_STRAIGHT) {
             const rbd_real half = t->kind == RBD_IK_AXIS ? angle : RBD_C(0.5) * angle;

@@ -3,7 +3,8 @@
 #include "motion/points.h"
 #include "ik/step.h"
 
-/* Interface: rbdi_ik_across, rbdi_ik_rotation, rbdi_ik_turn, rbdi_ik_unit */
+/* Interface: rbdi_ik_across, rbdi_ik_axis, rbdi_ik_body_com, rbdi_ik_com_jacobian, rbdi_ik_part_across,
+   rbdi_ik_turn, rbdi_ik_turn_to, rbdi_ik_unit, rbdi_ik_way */
 
 /* ---- targets [targets code] ---- */
 
@@ -53,22 +54,38 @@ RBDI_LOCAL rbdi_v3 rbdi_ik_turn(rbdi_v3 s, rbdi_v3 t) {
     return rbdi_scale(rbdi_set(RBDI_PI(rbd_const)), rbdi_ik_across(s));
 }
 
-/* The axis of a target, world axes. */
-RBDI_LOCAL rbdi_v3 rbdi_ik_axis(const rbdi_ik *k, const rbd_ik_target *t) {
-    return rbdi_mul_t(rbdi_axes_of(k->m, k->w, t->body), rbdi_ik_unit(t->axis));
+/* The turn, in the axes that E leads from, of a body with the axes E to the rotation R, 3 x 3. */
+RBDI_LOCAL rbdi_v3 rbdi_ik_turn_to(const rbd_real *R, rbdi_mat E) {
+    return rbdi_log_rotation(rbdi_mul_mat(rbdi_ik_rotation(R), E));
+}
+
+/* An axis of a body, of unit length, world axes. */
+RBDI_LOCAL rbdi_v3 rbdi_ik_axis(const rbd_model *m, const rbd_work *w, int body, const rbd_real *axis) {
+    return rbdi_mul_t(rbdi_axes_of(m, w, body), rbdi_ik_unit(axis));
+}
+
+/* The part of v across the unit vector s. A turn about s itself does not move it. */
+RBDI_LOCAL rbdi_v3 rbdi_ik_part_across(rbdi_v3 v, rbdi_v3 s) {
+    return rbdi_sub(v, rbdi_scale(rbdi_dot(s, v), s));
+}
+
+/* The way from a point to a place. */
+RBDI_LOCAL rbdi_v3 rbdi_ik_way(const rbd_real *place, rbdi_v3 p) {
+    return rbdi_sub(rbdi_load_vec(place, 1), p);
 }
 
 /* The turn, world axes, that a target wants. */
 RBDI_LOCAL rbdi_v3 rbdi_ik_wanted_turn(const rbdi_ik *k, const rbd_ik_target *t) {
-    if (t->kind == RBD_IK_AXIS) return rbdi_ik_turn(rbdi_ik_axis(k, t), rbdi_ik_unit(t->direction));
-    return rbdi_log_rotation(rbdi_mul_mat(rbdi_ik_rotation(t->rotation), rbdi_axes_of(k->m, k->w, t->body)));
+    if (t->kind == RBD_IK_AXIS)
+        return rbdi_ik_turn(rbdi_ik_axis(k->m, k->w, t->body, t->axis), rbdi_ik_unit(t->direction));
+    return rbdi_ik_turn_to(t->rotation, rbdi_axes_of(k->m, k->w, t->body));
 }
 
 /* Centre of mass of one body. */
-RBDI_LOCAL rbdi_v3 rbdi_ik_body_com(const rbdi_ik *k, const rbdi_frame *u) {
+RBDI_LOCAL rbdi_v3 rbdi_ik_body_com(const rbd_model *m, const rbd_work *w, const rbdi_frame *u) {
     rbd_real com[3];
     rbdi_store_vec(com, 1, rbdi_vec_c(u->com));
-    return rbdi_point_position(k->m, k->w, (int)(u - k->m->frame), com);
+    return rbdi_point_position(m, w, (int)(u - m->frame), com);
 }
 
 /* Centre of mass of all bodies that a joint moves. */
@@ -77,7 +94,8 @@ RBDI_LOCAL rbdi_v3 rbdi_ik_com(const rbdi_ik *k) {
     rbdi_v3 sum = rbdi_vec0();
 
     for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u)
-        if (u->link >= 0) sum = rbdi_add(sum, rbdi_scale(rbdi_set(u->mass / k->all), rbdi_ik_body_com(k, u)));
+        if (u->link >= 0)
+            sum = rbdi_add(sum, rbdi_scale(rbdi_set(u->mass / k->all), rbdi_ik_body_com(m, k->w, u)));
 
     return sum;
 }
@@ -117,58 +135,56 @@ RBDI_LOCAL void rbdi_ik_errors(rbdi_ik *k, const rbd_real *q) {
         if (rbdi_ik_moves_point(t->kind) || t->kind == RBD_IK_COM) {
             const rbdi_v3 at =
                 t->kind == RBD_IK_COM ? rbdi_ik_com(k) : rbdi_point_position(k->m, k->w, t->body, t->point);
-            const rbdi_v3 error = rbdi_sub(rbdi_load_vec(t->position, 1), at);
-            const rbd_real distance = rbdi_ik_append(k, &row, factor, error);
+            const rbd_real distance = rbdi_ik_append(k, &row, factor, rbdi_ik_way(t->position, at));
             k->result->metres = rbdi_ik_larger(k->result->metres, distance);
         }
     }
 }
 
-/* Masses and first moments of the subtrees of all links, the moments about the origin of the first link. */
-RBDI_LOCAL void rbdi_ik_subtrees(rbdi_ik *k) {
-    const rbd_model *m = k->m;
-    const rbdi_v3 o = k->w->kin[0].X.r;
+/* Masses and first moments of the subtrees of all links, the moments about the origin of the first link.
+   sums: nl x 4. */
+RBDI_LOCAL void rbdi_ik_subtrees(const rbd_model *m, const rbd_work *w, rbd_real *sums) {
+    const rbdi_v3 o = w->kin[0].X.r;
 
-    rbdi_clear(k->mass, 4 * m->nl);
+    rbdi_clear(sums, 4 * m->nl);
     for (const rbdi_frame *u = m->frame; u < m->frame + m->nb; ++u) {
         const rbd_real mass = rbdi_set(u->mass);
         rbdi_v3 moment;
         rbd_real *sum;
         if (u->link < 0) continue;
 
-        moment = rbdi_scale(mass, rbdi_sub(rbdi_ik_body_com(k, u), o));
-        sum = &k->mass[4 * u->link];
+        moment = rbdi_scale(mass, rbdi_sub(rbdi_ik_body_com(m, w, u), o));
+        sum = &sums[4 * u->link];
         sum[0] = sum[0] + mass;
         rbdi_store_vec(sum + 1, 1, rbdi_add(rbdi_load_vec(sum + 1, 1), moment));
     }
 
     for (int i = m->nl - 1; i > 0; --i)
         for (int j = 0; j < 4 && m->link[i].parent >= 0; ++j) {
-            rbd_real *sum = &k->mass[4 * m->link[i].parent + j];
-            *sum = *sum + k->mass[4 * i + j];
+            rbd_real *sum = &sums[4 * m->link[i].parent + j];
+            *sum = *sum + sums[4 * i + j];
         }
 }
 
-/* Jacobian of the centre of mass, in the last three rows of k->columns: a joint moves the centre of mass of
-   its subtree, whose share of the whole is that of its mass. */
-RBDI_LOCAL void rbdi_ik_com_jacobian(rbdi_ik *k) {
-    const rbd_model *m = k->m;
-    const rbdi_v3 o = k->w->kin[0].X.r;
-    const rbd_real all = rbdi_set(k->all);
+/* Jacobian of the centre of mass, 3 x nv: a joint moves the centre of mass of its subtree, whose share of the
+   whole is that of its mass. sums: nl x 4, scratch. */
+RBDI_LOCAL void rbdi_ik_com_jacobian(const rbd_model *m, const rbd_work *w, rbd_real *sums, rbd_real *J) {
+    const rbdi_v3 o = w->kin[0].X.r;
+    const rbd_real all = rbdi_set(rbd_mass(m));
 
-    rbdi_ik_subtrees(k);
-    rbdi_clear(k->columns, 6 * m->nv);
+    rbdi_ik_subtrees(m, w, sums);
+    rbdi_clear(J, 3 * m->nv);
     for (int i = 0; i < m->nl; ++i) {
         const rbdi_link *l = &m->link[i];
-        const rbd_real mass = k->mass[4 * i];
+        const rbd_real mass = sums[4 * i];
         rbdi_v3 centre;
         if (!(mass > 0)) continue;
 
-        centre = rbdi_add(o, rbdi_scale(RBD_C(1) / mass, rbdi_load_vec(&k->mass[4 * i + 1], 1)));
+        centre = rbdi_add(o, rbdi_scale(RBD_C(1) / mass, rbdi_load_vec(&sums[4 * i + 1], 1)));
         for (int j = 0; j < rbdi_link_dofs(m, l); ++j) {
             const rbd_real share = rbdi_ratio(m, l->iv + j) * mass / all;
-            const rbdi_v3 v = rbdi_scale(share, rbdi_column(m, k->w, i, j, centre).v);
-            rbd_real *to = &k->columns[3 * m->nv + rbdi_source(m, l->iv + j)];
+            const rbdi_v3 v = rbdi_scale(share, rbdi_column(m, w, i, j, centre).v);
+            rbd_real *to = &J[rbdi_source(m, l->iv + j)];
             rbdi_store_vec(to, m->nv, rbdi_add(rbdi_load_vec(to, m->nv), v));
         }
     }
@@ -180,7 +196,7 @@ RBDI_LOCAL void rbdi_ik_put_rows(rbdi_ik *k, int *row, rbd_real factor, int from
 
     for (int i = 0; i < k->dofs; ++i) {
         rbdi_v3 c = rbdi_load_vec(&k->columns[from * nv + k->dof[i].dof], nv);
-        if (off) c = rbdi_sub(c, rbdi_scale(rbdi_dot(*off, c), *off));
+        if (off) c = rbdi_ik_part_across(c, *off);
         rbdi_store_vec(&k->J[i * k->rows + *row], 1, rbdi_scale(factor, c));
     }
 
@@ -196,12 +212,12 @@ RBDI_LOCAL void rbdi_ik_jacobian(rbdi_ik *k) {
         const rbd_real factor = rbdi_ik_factor(t);
 
         if (t->kind == RBD_IK_COM)
-            rbdi_ik_com_jacobian(k);
+            rbdi_ik_com_jacobian(k->m, k->w, k->mass, &k->columns[3 * k->m->nv]);
         else
             rbd_jacobian(k->m, k->w, t->body, t->point, RBD_WORLD_AXES, k->columns);
 
         if (t->kind == RBD_IK_AXIS) {
-            const rbdi_v3 axis = rbdi_ik_axis(k, t);
+            const rbdi_v3 axis = rbdi_ik_axis(k->m, k->w, t->body, t->axis);
             rbdi_ik_put_rows(k, &row, factor * k->options.length, 0, &axis);
         }
         if (rbdi_ik_turns_body(t->kind)) rbdi_ik_put_rows(k, &row, factor * k->options.length, 0, NULL);

@@ -7,6 +7,29 @@
    blocks, costs next to nothing. Rows and right sides begin at a multiple of four, so that dot products have
    the same four sums whatever other vectors share a group. */
 
+/* How many rows of L have more than their diagonal; and where the rows of H end: row k with the last row of L
+   that reaches to k, for H is symmetric. */
+RBDI_PART void rbdi_qp_find_ends(rbdi_qp *s) {
+    int k = s->n;
+
+    s->coupled = s->n;
+    while (s->coupled > 0 && s->first[s->coupled - 1] == s->coupled - 1) s->coupled--;
+    for (int i = s->n - 1; i >= 0; --i) {
+        const int end = (i + 4) / 4 * 4;
+        while (k > s->first[i]) s->last[--k] = end < s->n ? end : s->n;
+    }
+}
+
+/* Component i of H x, and of |H| |x|: with the sums of all of the row, for both ends are multiples of four. */
+RBDI_ONCE rbd_real rbdi_qp_h_times(const rbdi_qp *s, int i, const rbd_real *x) {
+    const int from = s->first[i] / 4 * 4;
+    return rbdi_qp_dot(s->given.H + i * s->n + from, x + from, s->last[i] - from);
+}
+RBDI_ONCE rbd_real rbdi_qp_h_times_and_terms(const rbdi_qp *s, int i, const rbd_real *x, rbd_real *terms) {
+    const int from = s->first[i] / 4 * 4;
+    return rbdi_qp_dot_and_terms(s->given.H + i * s->n + from, x + from, s->last[i] - from, terms);
+}
+
 /* L L' = H + rho 1. Returns the first variable whose pivot is too small, or n. */
 RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
     const int n = s->n;
@@ -18,7 +41,7 @@ RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
         rbd_real pivot;
         int start = 0;
 
-        while (start < i && h[start] == 0) l[start++] = 0;
+        while (start < i && h[start] == 0) start++;
         if (start < i) start = start / 4 * 4;
         s->first[i] = start;
 
@@ -33,6 +56,7 @@ RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
         if (!(pivot > RBDI_QP_PIVOT * diagonal)) return i; /* nor if diagonal <= 0: pivot <= diagonal */
         l[i] = 1 / rbdi_sqrt(pivot);
     }
+    rbdi_qp_find_ends(s);
     return n;
 }
 
@@ -65,11 +89,15 @@ RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
 #define rbdi_qp_group_solve_lower rbdi_qp_solve_lower
 #define rbdi_qp_group_reflect_two rbdi_qp_reflect_two
 #define rbdi_qp_group_reflect_back rbdi_qp_reflect_back
+#define rbdi_qp_group_add rbdi_qp_add
 #endif
 
 /* t := L'^-1 t */
 RBDI_PART void rbdi_qp_solve_upper(const rbdi_qp *s, rbd_real *t) {
-    for (int i = s->n - 1; i >= 0; --i) {
+    int i = s->n - 1;
+
+    for (; i >= s->coupled; --i) t[i] = t[i] * rbdi_qp_pivot(s, i);
+    for (; i >= 0; --i) {
         const rbd_real *l = s->L + i * (i + 1) / 2;
         const int k = s->first[i];
         if (t[i] == 0) continue;
@@ -95,11 +123,11 @@ RBDI_PART void rbdi_qp_reflect_all(const rbdi_qp *s, rbd_real *t) {
     if (k % 2) rbdi_qp_reflect(s, k - 1, t);
 }
 
-/* Reflection e = s->equalities of a row, whose L^-1 row', behind the earlier reflections, is v. Returns 0 if
+/* Reflection e = s->reflections of a row, whose L^-1 row', behind the earlier reflections, is v. Returns 0 if
    the row depends on the earlier ones: that is set aside, and whether it agrees with them is seen later, like
    any row. Sparse rows first make the vectors short. */
 RBDI_PART int rbdi_qp_make_reflection(rbdi_qp *s, int row, rbd_real *v) {
-    const int n = s->n, e = s->equalities;
+    const int n = s->n, e = s->reflections;
     const rbd_real gone = rbdi_qp_dot(v, v, e), rest = rbdi_qp_dot(v + e, v + e, n - e);
     rbd_real length, onto;
     if (rest <= RBDI_QP_DEPENDENT * RBDI_QP_DEPENDENT * (gone + rest)) return 0;
@@ -114,17 +142,22 @@ RBDI_PART int rbdi_qp_make_reflection(rbdi_qp *s, int row, rbd_real *v) {
     s->end[e] = n;
     while (s->end[e] > e + 1 && v[s->end[e] - 1] == 0) s->end[e]--;
     if (e % 2) s->cross[e - 1] = rbdi_qp_dot(v + e - n, v + e, n - e);
-    s->equality[e] = row;
-    s->side[row] = 1;
-    s->equalities = e + 1;
+    s->reflections = e + 1;
+
+    if (rbdi_qp_is_equality(s, row)) {
+        s->equality[s->equalities++] = row;
+        s->side[row] = 1;
+    } else {
+        s->active[s->q] = row;
+        s->length[s->q++] = rbdi_sqrt(gone + rest);
+    }
     return 1;
 }
 
-/* Eliminates equalities by reflections (Householder 1958), a group of them: L^-1 row' of each goes onto an
-   axis. The memory of R and what follows is not in use yet: the group lies there. */
+/* Reflects rows (Householder 1958), a group of them: L^-1 row' of each goes onto an axis. */
 RBDI_PART void rbdi_qp_eliminate(rbdi_qp *s, const int *rows, int lanes) {
     const int n = s->n;
-    rbdi_qp_group *t = (rbdi_qp_group *)s->R;
+    rbdi_qp_group *t = (rbdi_qp_group *)s->x0;
     int from = n;
 
     rbdi_qp_clear((rbd_real *)t, n * RBDI_QP_GROUP);
@@ -136,26 +169,42 @@ RBDI_PART void rbdi_qp_eliminate(rbdi_qp *s, const int *rows, int lanes) {
         from = begin < from ? begin : from;
         for (int k = 0; k < s->to[row] - begin; ++k) to[k * RBDI_QP_GROUP] = c[k];
     }
-    rbdi_qp_group_solve_lower(s, t, from / 4 * 4);
-    for (int e = 0; e + 1 < s->equalities; e += 2) rbdi_qp_group_reflect_two(s, e, 0, t);
+    from = from / 4 * 4;
+    rbdi_qp_group_solve_lower(s, t, from);
+    for (int e = 0; e + 1 < s->reflections; e += 2)
+        if (s->end[e] > from || s->end[e + 1] > from) rbdi_qp_group_reflect_two(s, e, 0, t);
 
-    for (int lane = 0; lane < lanes && s->equalities < n; ++lane) {
-        const int e = s->equalities;
+    for (int lane = 0; lane < lanes; ++lane) {
+        const int e = s->reflections;
         rbd_real *v = s->V + e * n;
-        for (int k = 0; k < n; ++k) v[k] = ((const rbd_real *)t)[k * RBDI_QP_GROUP + lane];
-        if (e % 2) rbdi_qp_reflect(s, e - 1, v);
-        if (!rbdi_qp_make_reflection(s, rows[lane], v)) continue;
-        if (e % 2 && lane + 1 < lanes) rbdi_qp_group_reflect_two(s, e - 1, 0, t);
+        int made = 0;
+
+        if (e < n) {
+            for (int k = 0; k < n; ++k) v[k] = ((const rbd_real *)t)[k * RBDI_QP_GROUP + lane];
+            if (e % 2) rbdi_qp_reflect(s, e - 1, v);
+            made = rbdi_qp_make_reflection(s, rows[lane], v);
+        }
+        if (!made) s->side[rows[lane]] = 0;
+        if (made && e % 2 && lane + 1 < lanes) rbdi_qp_group_reflect_two(s, e - 1, 0, t);
     }
 }
 
-RBDI_PART void rbdi_qp_eliminate_equalities(rbdi_qp *s) {
+/* Whether a row can hold at the side of the guess. */
+RBDI_PART int rbdi_qp_can_hold(const rbdi_qp *s, int row) {
+    return s->side[row] && s->from[row] < s->to[row] && rbdi_abs(rbdi_qp_side(s, row)) < RBDI_QP_NONE;
+}
+
+/* Eliminates the equalities, or then the rows of the guess. Soft rows have no part in it. */
+RBDI_PART void rbdi_qp_eliminate_all(rbdi_qp *s, int guess) {
     int rows[RBDI_QP_GROUP], lanes = 0;
 
     for (int row = 0; row < s->all; ++row) {
-        if (!rbdi_qp_is_equality(s, row)) continue;
-        s->side[row] = 0;
-        if (!(rbdi_qp_weight(s, row) > 0)) rows[lanes++] = row;
+        if (rbdi_qp_is_equality(s, row) == guess || rbdi_qp_weight(s, row) > 0) continue;
+        if (guess && !rbdi_qp_can_hold(s, row)) {
+            s->side[row] = 0;
+            continue;
+        }
+        rows[lanes++] = row;
         if (lanes < RBDI_QP_GROUP) continue;
         rbdi_qp_eliminate(s, rows, lanes);
         lanes = 0;
@@ -163,36 +212,56 @@ RBDI_PART void rbdi_qp_eliminate_equalities(rbdi_qp *s) {
     if (lanes) rbdi_qp_eliminate(s, rows, lanes);
 }
 
-/* t := L'^-1 Q t of a group, which is 0 behind component `to`. */
-RBDI_PART void rbdi_qp_basis_of(const rbdi_qp *s, rbdi_qp_group *t, int to) {
-    rbdi_qp_group_reflect_back(s, t);
-    for (int i = to - 1; i >= 0; --i) {
+/* t := L'^-1 t of a group, which is 0 behind component `to`. */
+RBDI_PART void rbdi_qp_group_solve_upper(const rbdi_qp *s, rbdi_qp_group *t, int to) {
+    int i = to - 1;
+
+    for (; i >= s->coupled; --i) t[i] = rbdi_qp_pivot(s, i) * t[i];
+    for (; i >= 0; --i) {
         const rbd_real *l = s->L + i * (i + 1) / 2;
         const int k = s->first[i];
         t[i] = l[i] * t[i];
-        rbdi_qp_group_add(-t[i], l + k, t + k, i - k);
+        if (k < i) rbdi_qp_group_add(-t[i], l + k, t + k, i - k);
     }
 }
 
-/* J = L'^-1 Q [0; 1], for no active row. Its groups stand in the memory of R and of what follows R. */
+/* R of the rows of the guess: their reflections' diagonals, and what stands above. */
+RBDI_PART void rbdi_qp_take_guess(rbdi_qp *s) {
+    const int k = s->equalities;
+
+    for (int j = 0; j < s->q; ++j) {
+        const int side = s->side[s->active[j]] > 0 ? 1 : -1;
+        const rbd_real sign = rbdi_qp_sign(side), *above = s->V + (k + j) * s->n + k;
+        rbd_real *column = rbdi_qp_column(s, j);
+
+        for (int i = 0; i < j; ++i) column[i] = sign * above[i];
+        column[j] = sign * s->diagonal[k + j];
+        s->side[s->active[j]] = (signed char)side;
+        s->u[j] = 0;
+    }
+}
+
+/* J = L'^-1 Q [0; 1], the last columns first: they come to lie where the vectors of the guess were, which the
+   columns before have no use for. */
 RBDI_PART void rbdi_qp_basis(rbdi_qp *s) {
     const int n = s->n, k = s->equalities;
-    rbdi_qp_group *t = (rbdi_qp_group *)s->R;
+    rbdi_qp_group *t = (rbdi_qp_group *)s->x0;
 
     s->J = s->V + k * n;
     s->columns = n - k;
-    s->q = 0;
-    for (int j = 0; j < s->columns; j += RBDI_QP_GROUP) {
+    for (int j = (s->columns - 1) / RBDI_QP_GROUP * RBDI_QP_GROUP; j >= 0; j -= RBDI_QP_GROUP) {
         const int left = s->columns - j, lanes = left < RBDI_QP_GROUP ? left : RBDI_QP_GROUP;
-        const int to = k ? n : j + lanes;
+        const int end = k + j + lanes, count = end < s->reflections ? end : s->reflections;
 
         rbdi_qp_clear((rbd_real *)t, n * RBDI_QP_GROUP);
         for (int lane = 0; lane < lanes; ++lane) ((rbd_real *)t)[(k + j + lane) * RBDI_QP_GROUP + lane] = 1;
-        rbdi_qp_basis_of(s, t, to);
+        rbdi_qp_group_reflect_back(s, count, t);
+        rbdi_qp_group_solve_upper(s, t, count ? n : end);
         for (int lane = 0; lane < lanes; ++lane)
             for (int i = 0; i < n; ++i)
                 rbdi_qp_j(s, j + lane)[i] = ((const rbd_real *)t)[i * RBDI_QP_GROUP + lane];
     }
+    s->reflections = k;
 }
 
 /* t := L'^-1 Q (y; t2), R' y = b - A x, for the equalities A x = b; x NULL: 0. t2: t from there on. */
@@ -203,7 +272,7 @@ RBDI_PART void rbdi_qp_onto_equalities(const rbdi_qp *s, const rbd_real *x, rbd_
         if (x) b = b - rbdi_qp_row_times(s, row, x);
         t[e] = (b - rbdi_qp_dot(s->V + e * s->n, t, e)) * s->diagonal[e];
     }
-    rbdi_qp_reflect_back(s, t);
+    rbdi_qp_reflect_back(s, s->equalities, t);
     rbdi_qp_solve_upper(s, t);
 }
 

@@ -68,6 +68,7 @@ typedef struct rbdi_qp {
     int n, all, soft;  /* variables, rows with bounds, soft rows */
     int watches;       /* rows that x may miss: not 0, with a side, no equality that is eliminated */
     int equalities;    /* eliminated: the first reflections */
+    int reflections;   /* equalities, and until there is J the rows of the guess */
     int columns;       /* of J: n - equalities, and the slacks of active soft rows */
     int q;             /* active rows that are not eliminated */
     rbd_real rho;      /* added to H's diagonal */
@@ -78,8 +79,7 @@ typedef struct rbdi_qp {
     int loosen;        /* the number of steps at which accuracy grows next */
 
     rbd_real *L; /* packed rows, its diagonal inverted */
-    rbd_real
-        *V; /* equalities x n: vectors of the reflections from the diagonal on; R of the equalities above */
+    rbd_real *V; /* reflections x n: their vectors from the diagonal on; R of the equalities above */
     rbd_real *J; /* columns x n: each column of J is a row here */
     rbd_real *R; /* packed columns, its diagonal inverted */
 
@@ -93,11 +93,12 @@ typedef struct rbdi_qp {
     rbd_real *centre;  /* n: of the proximal round */
     rbd_real *g;       /* n: f - rho centre */
     rbd_real *t;       /* n: scratch */
-    rbd_real *beta;    /* equalities: 2/|v|^2 of each reflection */
-    rbd_real *cross; /* equalities: product of the vectors of reflection e, which is even, and the next one */
-    rbd_real *diagonal; /* equalities: of their R, inverted */
+    rbd_real *beta;    /* reflections: 2/|v|^2 */
+    rbd_real
+        *cross; /* reflections: product of the vectors of reflection e, which is even, and the next one */
+    rbd_real *diagonal; /* reflections: of their R, inverted */
     rbd_real *u_equal;  /* equalities: multipliers */
-    rbd_real *unit;     /* of each row: 1 over its length, or 1 if it is 0 */
+    rbd_real *unit;     /* of each row: 1 over its length */
     rbd_real *score;    /* watches: by how much x misses the row, in lengths of it */
 
     int *active;    /* q: rows */
@@ -105,6 +106,8 @@ typedef struct rbdi_qp {
     int *watched;   /* watches: rows that x may miss */
     int *equality;  /* equalities: rows */
     int *first;     /* of each row of L: where it begins */
+    int coupled;    /* rows of L: behind them it has nothing but its diagonal */
+    int *last;      /* of each row of H: behind its last entry that is not 0, a multiple of four or n */
     int *end;       /* of each reflection: behind its last component */
 } rbdi_qp;
 
@@ -150,6 +153,7 @@ RBDI_PART void rbdi_qp_place(rbdi_qp *s, void *memory) {
     s->to = rbdi_qp_ints(&at, s->all);
     s->equality = rbdi_qp_ints(&at, n);
     s->first = rbdi_qp_ints(&at, n);
+    s->last = rbdi_qp_ints(&at, n);
     s->end = rbdi_qp_ints(&at, n);
 }
 
@@ -173,6 +177,8 @@ RBDI_ONCE rbd_real rbdi_qp_side(const rbdi_qp *s, int row) {
 RBDI_INLINE const rbd_real *rbdi_qp_c(const rbdi_qp *s, int row) {
     return s->given.C + (row - s->given.bounds) * s->n + s->from[row];
 }
+/* The diagonal of L, inverted. */
+RBDI_INLINE rbd_real rbdi_qp_pivot(const rbdi_qp *s, int i) { return s->L[i * (i + 3) / 2]; }
 RBDI_ONCE rbd_real *rbdi_qp_column(const rbdi_qp *s, int k) { return s->R + k * (k + 1) / 2; }
 RBDI_INLINE rbd_real *rbdi_qp_j(const rbdi_qp *s, int k) { return s->J + k * s->n; }
 

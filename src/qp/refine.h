@@ -23,7 +23,7 @@ RBDI_PART rbd_real rbdi_qp_residuals(rbdi_qp *s, const rbd_real *x, rbd_real *si
 
     *size = 0;
     for (int i = 0; i < n; ++i) {
-        const rbd_real h = rbdi_qp_dot(s->given.H + i * n, x, n);
+        const rbd_real h = rbdi_qp_h_times(s, i, x);
         s->t[i] = -(h + s->rho * x[i] + s->g[i]);
         *size = rbdi_qp_larger(*size, rbdi_qp_larger(rbdi_abs(h), rbdi_abs(s->g[i])));
     }
@@ -67,7 +67,7 @@ RBDI_PART void rbdi_qp_correct(rbdi_qp *s, rbd_real *x) {
     rbdi_qp_solve_r(s, s->r);
 
     for (int k = 0; k < n; ++k) x[k] = x[k] + s->z[k];
-    for (int j = 0; j < s->columns; ++j) rbdi_qp_add(s->d[j], rbdi_qp_j(s, j), x, n);
+    rbdi_qp_add_columns(s, 0, s->d, x);
     for (int j = 0; j < s->q; ++j) s->u[j] = s->u[j] + s->r[j];
 }
 

@@ -1,10 +1,14 @@
 /* t := L^-1 t, where t is 0 before `from`, a multiple of four. */
 RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, RBDI_T *t, int from) {
-    for (int i = from; i < s->n; ++i) {
+    int i = from;
+
+    for (; i < s->coupled; ++i) {
         const rbd_real *l = s->L + i * (i + 1) / 2;
         const int k = s->first[i] > from ? s->first[i] : from;
-        t[i] = (t[i] - rbdi_qp_dot(l + k, t + k, i - k)) * l[i];
+        if (k < i) t[i] = t[i] - rbdi_qp_dot(l + k, t + k, i - k);
+        t[i] = t[i] * l[i];
     }
+    for (; i < s->n; ++i) t[i] = t[i] * rbdi_qp_pivot(s, i);
 }
 
 /* t := (1 - beta v v') t, of reflection e. */
@@ -38,9 +42,8 @@ RBDI_PART void rbdi_qp_reflect_two(const rbdi_qp *s, int e, int backwards, RBDI_
     rbdi_qp_adds(-a, v + from, -b, w + from, t + from, end - from);
 }
 
-/* t := Q t */
-RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, RBDI_T *t) {
-    const int k = s->equalities;
+/* t := Q t, of the first k reflections */
+RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, int k, RBDI_T *t) {
     if (k % 2) rbdi_qp_reflect(s, k - 1, t);
     for (int e = k / 2 * 2 - 2; e >= 0; e -= 2) rbdi_qp_reflect_two(s, e, 1, t);
 }

@@ -17,29 +17,21 @@ RBDI_PART void rbdi_qp_optimum_on_equalities(rbdi_qp *s) {
     rbdi_qp_onto_equalities(s, NULL, s->x0);
 }
 
-/* Joins a row without a step, if it is independent of the active ones. */
-RBDI_PART void rbdi_qp_guess(rbdi_qp *s, int row, int side) {
-    const int hard = !(rbdi_qp_weight(s, row) > 0);
-    const rbd_real bound = side > 0 ? s->given.upper[row] : s->given.lower[row];
-    rbd_real square;
+/* The soft equalities, and with `warm` the soft rows of the guess, join without a step: none depends on others.
+   Rows that pull leave then, so that the dual method may begin here. */
+RBDI_PART void rbdi_qp_first_soft_rows(rbdi_qp *s) {
+    for (int row = 0; row < s->all && s->soft; ++row) {
+        int side;
+        if (!(rbdi_qp_weight(s, row) > 0)) continue;
 
-    if (s->from[row] == s->to[row] || rbdi_abs(bound) >= RBDI_QP_NONE || (hard && s->q >= s->columns)) return;
-    s->own = rbdi_qp_enter(s, row, side);
-    square = rbdi_qp_free_part(s);
-    if (rbdi_qp_depends(s, row, square)) return;
-    rbdi_qp_way(s);
-    rbdi_qp_join(s, row, side, 0, square);
-}
-
-/* The soft equalities, and with `warm` the rows of the guess. Those that pull leave, so that the dual method
-   may begin here. */
-RBDI_PART void rbdi_qp_first_rows(rbdi_qp *s) {
-    for (int row = 0; row < s->all; ++row) {
-        const int equal = rbdi_qp_is_equality(s, row), soft = rbdi_qp_weight(s, row) > 0;
-        const int side = equal || s->options.warm ? s->side[row] : 0;
-        if (equal && !soft) continue;
+        if (rbdi_qp_is_equality(s, row)) s->side[row] = 1;
+        side = !rbdi_qp_can_hold(s, row) ? 0 : s->side[row] > 0 ? 1 : -1;
         s->side[row] = 0;
-        if (equal || side) rbdi_qp_guess(s, row, equal || side > 0 ? 1 : -1);
+        if (!side) continue;
+
+        s->own = rbdi_qp_enter(s, row, side);
+        rbdi_qp_way(s);
+        rbdi_qp_join(s, row, side, 0, rbdi_qp_free_part(s));
     }
 }
 
@@ -141,7 +133,7 @@ RBDI_PART int rbdi_qp_straight(rbdi_qp *s, const rbd_real *x, const rbd_real *fr
         largest = rbdi_qp_larger(largest, s->given.H[k * s->n + k]);
     }
     for (int k = 0; k < s->n; ++k)
-        curvature = rbdi_qp_larger(curvature, rbdi_abs(rbdi_qp_dot(s->given.H + k * s->n, s->z, s->n)));
+        curvature = rbdi_qp_larger(curvature, rbdi_abs(rbdi_qp_h_times(s, k, s->z)));
     rounding = RBDI_QP_BENT * (rbd_real)s->n * largest * length;
     return down < 0 && curvature <= rounding;
 }
@@ -173,7 +165,7 @@ RBDI_PART rbd_real rbdi_qp_gradient(const rbdi_qp *s, const rbd_real *x, rbd_rea
 
     for (int k = 0; k < s->n; ++k) {
         const rbd_real f = s->given.f[k];
-        y[k] = rbdi_qp_dot_and_terms(s->given.H + k * s->n, x, s->n, &terms) + f;
+        y[k] = rbdi_qp_h_times_and_terms(s, k, x, &terms) + f;
         largest = rbdi_qp_larger(largest, rbdi_abs(f) + terms);
     }
     return largest;
@@ -189,7 +181,7 @@ RBDI_PART rbd_qp_status rbdi_qp_rounds(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mi
         rbd_qp_status status;
 
         rbdi_qp_optimum_on_equalities(s);
-        if (s->result.rounds == 0) rbdi_qp_first_rows(s);
+        if (s->result.rounds == 0) rbdi_qp_first_soft_rows(s);
         status = rbdi_qp_round(s, x, miss);
         if (status != RBD_QP_OK || !(s->rho > 0)) return status;
 

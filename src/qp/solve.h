@@ -73,9 +73,10 @@ RBDI_PART rbd_qp_status rbdi_qp_check_value(rbdi_qp *s) {
         if (!rbdi_qp_finite(diagonal)) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "H");
         if (diagonal < 0) return rbdi_qp_refuse(s, RBD_QP_CONVEX, i, "H");
         s->t[i] = RBDI_QP_ASYMMETRY * diagonal;
-        for (int j = 0; j < i; ++j)
-            if (!(rbdi_abs(H[i * n + j] - H[j * n + i]) <= s->t[i] + s->t[j]))
-                return rbdi_qp_refuse_pair(s, i, j);
+        for (int j = 0; j < i; ++j) {
+            const rbd_real apart = H[i * n + j] - H[j * n + i];
+            if (!(apart == 0) && !(rbdi_abs(apart) <= s->t[i] + s->t[j])) return rbdi_qp_refuse_pair(s, i, j);
+        }
     }
     return RBD_QP_OK;
 }
@@ -119,7 +120,7 @@ RBDI_PART rbd_qp_status rbdi_qp_check_rows(rbdi_qp *s) {
         }
         s->from[row] = from;
         s->to[row] = to;
-        s->unit[row] = square > 0 ? 1 / rbdi_sqrt(square) : 1;
+        s->unit[row] = square > 0 ? 1 / rbdi_sqrt(square) : RBDI_QP_NONE;
         if (lower > upper) return rbdi_qp_refuse(s, RBD_QP_SIDES, row, "lower");
         if (from < to && (lower > -RBDI_QP_NONE || upper < RBDI_QP_NONE)) s->watched[s->watches++] = row;
     }
@@ -178,6 +179,7 @@ RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lam
     for (int row = 0; row < s->all; ++row) {
         const rbd_real weight = rbdi_qp_weight(s, row), miss = weight > 0 ? lambda[row] / weight : 0;
         const rbd_real value = rbdi_qp_row_times(s, row, x) - miss;
+        if (lambda[row] == 0 && value >= s->given.lower[row] && value <= s->given.upper[row]) continue;
         const rbd_real below = rbdi_qp_below(s, row, value), above = rbdi_qp_above(s, row, value);
         const int at_upper = lambda[row] > 0 || (!(lambda[row] < 0) && above > below);
         const rbd_real by = lambda[row] != 0 ? rbdi_abs(at_upper ? above : below) : at_upper ? above : below;
@@ -188,7 +190,8 @@ RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lam
         }
         if (by <= 0) continue;
         const rbd_real side = at_upper ? s->given.upper[row] : s->given.lower[row];
-        if (by <= s->result.primal * rbdi_abs(side)) continue;
+        /* its terms are more than this, for a sum is more than a root of squares */
+        if (by <= s->result.primal * (rbdi_abs(side) + furthest / s->unit[row])) continue;
         const rbd_real share = by / (rbdi_qp_terms(s, row, side) + rbdi_abs(miss));
         if (rbdi_qp_finite(share))
             s->result.primal = rbdi_qp_larger(s->result.primal, share);
@@ -220,7 +223,9 @@ RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
     if (status == RBD_QP_OK) status = rbdi_qp_factor_any(s);
     if (status != RBD_QP_OK) return status;
 
-    rbdi_qp_eliminate_equalities(s);
+    rbdi_qp_eliminate_all(s, 0);
+    if (s->options.warm) rbdi_qp_eliminate_all(s, 1);
+    rbdi_qp_take_guess(s);
     rbdi_qp_basis(s);
     for (int k = 0; k < s->n; ++k) {
         s->reach[k] = 0;
@@ -282,6 +287,7 @@ RBDI_API rbd_qp_status rbd_qp_solve(const rbd_qp_problem *problem, const rbd_qp_
     s.soft = 0;
     s.q = 0;
     s.equalities = 0;
+    s.reflections = 0;
     s.rho = 0;
     s.doubtful = 0;
     s.furthest = 0;

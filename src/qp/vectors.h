@@ -3,97 +3,62 @@
 #include "base/scalar.h"
 #include "qp/layout.h"
 
+/* Interface: rbdi_qp_dot, rbdi_qp_largest */
+
 /* ---- vectors [vectors] ----
    Loops over rows of n scalars, four at a time. A dot product has four sums and one for the rest, which are
    added in one order everywhere, so that RBD_REPRODUCIBLE holds with every SIMD unit.
 
    A pack: as many scalars as a SIMD register has, two or four. A group: like components of RBDI_QP_GROUP
-   vectors side by side, in a pack. A loop over its components has no sum across lanes, so that each vector
+   vectors side by side, in a pack; without a SIMD unit two of them, as the parts of a complex number, for
+   which compilers take two registers. A loop over its components has no sum across lanes, so that each vector
    comes out as if it were alone. */
 
 #if RBDI_GNU && RBDI_SIMD > 0
 #if RBDI_REAL_KIND == 2 || RBDI_SIMD == 4
-#define RBDI_QP_GROUP 4
+#define RBDI_QP_PACK 4
 #else
-#define RBDI_QP_GROUP 2
+#define RBDI_QP_PACK 2
 #endif
+#define RBDI_QP_GROUP RBDI_QP_PACK
 typedef rbd_real rbdi_pack
-    __attribute__((vector_size(RBDI_QP_GROUP * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
+    __attribute__((vector_size(RBDI_QP_PACK * sizeof(rbd_real)), aligned(sizeof(rbd_real)), may_alias));
 typedef __typeof__(*(rbdi_pack *)0 < *(rbdi_pack *)0) rbdi_pack_bits; /* integers as wide */
 typedef rbdi_pack rbdi_qp_group;
+#elif RBDI_GNU && RBDI_FOR_SPEED && !RBDI_GPU
+#define RBDI_QP_PACK 1
+#define RBDI_QP_GROUP 2
+#if RBDI_REAL_KIND == 2
+__extension__ typedef float _Complex rbdi_qp_group __attribute__((may_alias));
 #else
+__extension__ typedef double _Complex rbdi_qp_group __attribute__((may_alias));
+#endif
+#else
+#define RBDI_QP_PACK 1
 #define RBDI_QP_GROUP 1
 typedef rbd_real rbdi_qp_group;
 #endif
 
-/* sum of a_i t_i, of each vector t of a group */
-RBDI_ONCE rbdi_qp_group rbdi_qp_group_dot(const rbd_real *a, const rbdi_qp_group *t, int n) {
-    const rbdi_qp_group zero = {0};
-    rbdi_qp_group s0 = zero, s1 = zero, s2 = zero, s3 = zero, rest = zero;
-    int i = 0;
-
-    for (; i + 4 <= n; i += 4) {
-        s0 = s0 + a[i] * t[i];
-        s1 = s1 + a[i + 1] * t[i + 1];
-        s2 = s2 + a[i + 2] * t[i + 2];
-        s3 = s3 + a[i + 3] * t[i + 3];
-    }
-    for (; i < n; ++i) rest = rest + a[i] * t[i];
-    return ((s0 + s2) + (s1 + s3)) + rest;
-}
-
-/* The sums of a_i t_i and of b_i t_i. */
-RBDI_ONCE void rbdi_qp_group_dots(const rbd_real *a, const rbd_real *b, const rbdi_qp_group *t, int n,
-                                  rbdi_qp_group *with_a, rbdi_qp_group *with_b) {
-    const rbdi_qp_group zero = {0};
-    rbdi_qp_group a0 = zero, a1 = zero, a2 = zero, a3 = zero, rest_a = zero;
-    rbdi_qp_group b0 = zero, b1 = zero, b2 = zero, b3 = zero, rest_b = zero;
-    int i = 0;
-
-    for (; i + 4 <= n; i += 4) {
-        const rbdi_qp_group t0 = t[i], t1 = t[i + 1], t2 = t[i + 2], t3 = t[i + 3];
-        a0 = a0 + a[i] * t0;
-        b0 = b0 + b[i] * t0;
-        a1 = a1 + a[i + 1] * t1;
-        b1 = b1 + b[i + 1] * t1;
-        a2 = a2 + a[i + 2] * t2;
-        b2 = b2 + b[i + 2] * t2;
-        a3 = a3 + a[i + 3] * t3;
-        b3 = b3 + b[i + 3] * t3;
-    }
-    for (; i < n; ++i) {
-        rest_a = rest_a + a[i] * t[i];
-        rest_b = rest_b + b[i] * t[i];
-    }
-    *with_a = ((a0 + a2) + (a1 + a3)) + rest_a;
-    *with_b = ((b0 + b2) + (b1 + b3)) + rest_b;
-}
-
-/* t += k a + l b. */
-RBDI_ONCE void rbdi_qp_group_adds(rbdi_qp_group k, const rbd_real *a, rbdi_qp_group l, const rbd_real *b,
-                                  rbdi_qp_group *t, int n) {
-    for (int i = 0; i < n; ++i) t[i] = t[i] + k * a[i] + l * b[i];
-}
-
-/* t += k a, of each vector t of a group, with its k */
-RBDI_ONCE void rbdi_qp_group_add(rbdi_qp_group k, const rbd_real *a, rbdi_qp_group *t, int n) {
-    int i = 0;
-
-    for (; i + 4 <= n; i += 4) {
-        t[i] = t[i] + k * a[i];
-        t[i + 1] = t[i + 1] + k * a[i + 1];
-        t[i + 2] = t[i + 2] + k * a[i + 2];
-        t[i + 3] = t[i + 3] + k * a[i + 3];
-    }
-    for (; i < n; ++i) t[i] = t[i] + k * a[i];
-}
-
 #if RBDI_QP_GROUP > 1
+#define RBDI_T rbdi_qp_group
+#define rbdi_qp_dot rbdi_qp_group_dot
+#define rbdi_qp_dots rbdi_qp_group_dots
+#define rbdi_qp_add rbdi_qp_group_add
+#define rbdi_qp_adds rbdi_qp_group_adds
+#include "qp/vectors_of.h"
+#undef RBDI_T
+#undef rbdi_qp_dot
+#undef rbdi_qp_dots
+#undef rbdi_qp_add
+#undef rbdi_qp_adds
+#endif
+
+#if RBDI_QP_PACK > 1
 RBDI_INLINE rbdi_pack rbdi_qp_load(const rbd_real *a) { return *(const rbdi_pack *)a; }
 
 /* The sum of four sums: s0 and s2 first, s1 and s3. Packs of two: a has s0 and s1, b the others. */
 RBDI_INLINE rbd_real rbdi_qp_total(rbdi_pack a, rbdi_pack b) {
-#if RBDI_QP_GROUP == 4
+#if RBDI_QP_PACK == 4
     (void)b;
     return (a[0] + a[2]) + (a[1] + a[3]);
 #else
@@ -110,7 +75,7 @@ RBDI_INLINE rbd_real rbdi_qp_dot(const rbd_real *a, const rbd_real *b, int n) {
 
     for (; i + 4 <= n; i += 4) {
         sum = sum + rbdi_qp_load(a + i) * rbdi_qp_load(b + i);
-        if (RBDI_QP_GROUP == 2) more = more + rbdi_qp_load(a + i + 2) * rbdi_qp_load(b + i + 2);
+        if (RBDI_QP_PACK == 2) more = more + rbdi_qp_load(a + i + 2) * rbdi_qp_load(b + i + 2);
     }
     for (; i < n; ++i) rest = rest + a[i] * b[i];
     return rbdi_qp_total(sum, more) + rest;
@@ -128,7 +93,7 @@ RBDI_INLINE rbd_real rbdi_qp_dot_and_terms(const rbd_real *a, const rbd_real *b,
         const rbdi_pack product = rbdi_qp_load(a + i) * rbdi_qp_load(b + i);
         sum = sum + product;
         sum_size = sum_size + (rbdi_pack)((rbdi_pack_bits)product & size);
-        if (RBDI_QP_GROUP == 2) {
+        if (RBDI_QP_PACK == 2) {
             const rbdi_pack next = rbdi_qp_load(a + i + 2) * rbdi_qp_load(b + i + 2);
             more = more + next;
             more_size = more_size + (rbdi_pack)((rbdi_pack_bits)next & size);
@@ -147,7 +112,7 @@ RBDI_INLINE void rbdi_qp_add(rbd_real k, const rbd_real *a, rbd_real *b, int n) 
     const rbdi_pack zero = {0}, all = k - zero;
     int i = 0;
 
-    for (; i + RBDI_QP_GROUP <= n; i += RBDI_QP_GROUP)
+    for (; i + RBDI_QP_PACK <= n; i += RBDI_QP_PACK)
         *(rbdi_pack *)(b + i) = rbdi_qp_load(b + i) + all * rbdi_qp_load(a + i);
     for (; i < n; ++i) b[i] = b[i] + k * a[i];
 }
@@ -162,7 +127,7 @@ RBDI_INLINE void rbdi_qp_adds(rbd_real k, const rbd_real *a, rbd_real l, const r
     const rbdi_pack zero = {0}, all_k = k - zero, all_l = l - zero;
     int i = 0;
 
-    for (; i + RBDI_QP_GROUP <= n; i += RBDI_QP_GROUP)
+    for (; i + RBDI_QP_PACK <= n; i += RBDI_QP_PACK)
         *(rbdi_pack *)(t + i) =
             rbdi_qp_load(t + i) + all_k * rbdi_qp_load(a + i) + all_l * rbdi_qp_load(b + i);
     for (; i < n; ++i) t[i] = t[i] + k * a[i] + l * b[i];
@@ -174,7 +139,7 @@ RBDI_INLINE void rbdi_qp_rotate(rbd_real *a, rbd_real *b, int n, rbd_real cosine
     const rbd_real less = -sine;
     int i = 0;
 
-    for (; i + RBDI_QP_GROUP <= n; i += RBDI_QP_GROUP) {
+    for (; i + RBDI_QP_PACK <= n; i += RBDI_QP_PACK) {
         const rbdi_pack x = rbdi_qp_load(a + i), y = rbdi_qp_load(b + i);
         *(rbdi_pack *)(a + i) = c * x + s * y;
         *(rbdi_pack *)(b + i) = c * y + minus * x;
@@ -186,9 +151,10 @@ RBDI_INLINE void rbdi_qp_rotate(rbd_real *a, rbd_real *b, int n, rbd_real cosine
     }
 }
 #else
-RBDI_INLINE rbd_real rbdi_qp_dot(const rbd_real *a, const rbd_real *b, int n) {
-    return rbdi_qp_group_dot(a, b, n);
-}
+#define RBDI_T rbd_real
+#include "qp/vectors_of.h"
+#undef RBDI_T
+
 RBDI_PART rbd_real rbdi_qp_dot_and_terms(const rbd_real *a, const rbd_real *b, int n, rbd_real *terms) {
     rbd_real s0 = 0, s1 = 0, s2 = 0, s3 = 0, rest = 0, t0 = 0, t1 = 0, t2 = 0, t3 = 0, rest_size = 0;
     int i = 0;
@@ -212,11 +178,7 @@ RBDI_PART rbd_real rbdi_qp_dot_and_terms(const rbd_real *a, const rbd_real *b, i
     *terms = ((t0 + t2) + (t1 + t3)) + rest_size;
     return ((s0 + s2) + (s1 + s3)) + rest;
 }
-RBDI_INLINE void rbdi_qp_add(rbd_real k, const rbd_real *a, rbd_real *b, int n) {
-    rbdi_qp_group_add(k, a, b, n);
-}
-#define rbdi_qp_dots rbdi_qp_group_dots
-#define rbdi_qp_adds rbdi_qp_group_adds
+
 RBDI_ONCE void rbdi_qp_rotate(rbd_real *a, rbd_real *b, int n, rbd_real cosine, rbd_real sine) {
     const rbd_real less = -sine;
 

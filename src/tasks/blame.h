@@ -9,7 +9,7 @@
 
 RBDI_LOCAL rbd_real rbdi_tasks_share(const rbdi_tasks *k, int row) {
     const rbd_real *c = &k->C[(ptrdiff_t)(row - k->n) * k->n];
-    const rbd_real length = row < k->n ? rbdi_set(RBD_C(1)) : rbdi_sqrt(rbdi_tasks_dot(c, c, k->n));
+    const rbd_real length = row < k->n ? rbdi_set(RBD_C(1)) : rbdi_sqrt(rbdi_qp_dot(c, c, k->n));
     const rbd_real side = k->lambda[row] > 0 ? k->upper[row] : k->lower[row];
     if (!(k->lambda[row] < 0 || k->lambda[row] > 0)) return rbdi_zero();
     return rbdi_abs(k->lambda[row]) * (length + rbdi_abs(side));

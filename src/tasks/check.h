@@ -175,6 +175,8 @@ RBDI_LOCAL rbd_status rbdi_tasks_check_limits(const rbd_model *m, const rbd_task
         if (!rbdi_tasks_is_measure(scales[k]))
             return rbdi_tasks_refuse(result, RBD_ERR_RANGE, scale_names[k]);
     if (p->steps < 0) return rbdi_tasks_refuse(result, RBD_ERR_RANGE, "steps");
+    if (p->without < 0 || p->without > RBDI_TASKS_WITHOUT)
+        return rbdi_tasks_refuse(result, RBD_ERR_RANGE, "without");
     return RBD_OK;
 }
 

@@ -17,12 +17,6 @@ RBDI_LOCAL rbd_real *rbdi_tasks_append(rbdi_tasks *k, rbd_real lower, rbd_real u
     return row;
 }
 
-RBDI_LOCAL rbd_real rbdi_tasks_dot(const rbd_real *a, const rbd_real *b, int n) {
-    rbd_real sum = rbdi_zero();
-    for (int i = 0; i < n; ++i) sum = sum + a[i] * b[i];
-    return sum;
-}
-
 /* Two tangents and the normal of a contact's ground, as rows. */
 RBDI_LOCAL rbdi_mat rbdi_tasks_ground(const rbd_task_contact *c) {
     const rbdi_v3 given = rbdi_load_vec(c->normal, 1);
@@ -65,16 +59,21 @@ RBDI_LOCAL int rbdi_tasks_is_passive(const rbdi_tasks *k, int dof) {
     return k->m->frame[k->m->dof[dof].body].type == RBD_FLOATING;
 }
 
-/* The largest torque of a motor; RBDI_UNBOUNDED: any. */
+/* The largest torque of a dof; RBDI_UNBOUNDED: any. That of a mimic, x = ratio q, comes to ratio times its
+   own: whichever of the joints bears all, none bears more than its limit. */
 RBDI_LOCAL rbd_real rbdi_tasks_torque(const rbdi_tasks *k, int dof) {
-    const rbdi_frame *u = &k->m->frame[k->m->dof[dof].body];
-    rbd_real most = rbdi_zero();
+    const rbd_model *m = k->m;
+    const rbdi_frame *u = &m->frame[m->dof[dof].body];
+    rbd_real most = rbdi_set(RBDI_UNBOUNDED);
+    if (k->given->without & RBD_WITHOUT_TORQUE) return most;
+    if (k->given->torque) return k->given->torque[dof] > 0 ? k->given->torque[dof] : most;
 
-    if (k->given->torque)
-        most = k->given->torque[dof];
-    else if (u->nv == 1)
-        most = rbdi_set(u->effort);
-    if (!(most > 0) || (k->given->without & RBD_WITHOUT_TORQUE)) most = rbdi_set(RBDI_UNBOUNDED);
+    if (u->nv == 1 && u->effort > 0) most = rbdi_set(u->effort);
+    for (int i = 0; i < rbdi_mimics(m); ++i) {
+        const rbd_const own = m->frame[m->dof[m->nv + i].body].effort;
+        if (m->mimic[i].source_v == dof && own > 0)
+            most = rbdi_ik_smaller(most, rbdi_abs(rbdi_set(own * m->mimic[i].ratio)));
+    }
     return most;
 }
 

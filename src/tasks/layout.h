@@ -20,6 +20,7 @@
    widened to hold the x that was found: so a next level always has a solution, rounding included. */
 
 #define RBDI_TASKS_MOST 1000 /* tasks, contacts, rows of one task */
+#define RBDI_TASKS_WITHOUT (RBD_WITHOUT_POSITION + RBD_WITHOUT_SPEED + RBD_WITHOUT_TORQUE) /* all */
 #define RBDI_TASKS_BRAKING RBD_C(10)
 #define RBDI_TASKS_HELD RBD_C(20)
 #if RBDI_KIND(RBD_CONST) == 2
@@ -53,6 +54,7 @@ typedef struct rbdi_tasks {
     rbd_real *lower, *upper, *soft; /* n + rows; a task's row has y in both until its level is solved */
     rbd_real *x, *lambda;           /* n, n + rows */
     rbd_real *found;                /* n: x of the level before */
+    rbd_real *terms;                /* n: |x_i| and a unit of it */
     rbd_real *bias;                 /* nv: torque at a = 0 */
     rbd_real *J;                    /* 6 x nv: of one task or contact */
     void *scratch;                  /* memory of the QP */
@@ -67,7 +69,7 @@ typedef struct rbdi_tasks {
     ((size_t)(nv) + (size_t)(rows) + (3 + RBDI_TASKS_SIDES) * (size_t)(contacts))
 #define RBDI_TASKS_ALL(nv, rows, contacts) (RBDI_TASKS_N(nv, contacts) + RBDI_TASKS_C(nv, rows, contacts))
 #define RBDI_TASKS_SCALARS(nv, rows, contacts) \
-    (RBDI_TASKS_N(nv, contacts) * (RBDI_TASKS_ALL(nv, rows, contacts) + 3) + \
+    (RBDI_TASKS_N(nv, contacts) * (RBDI_TASKS_ALL(nv, rows, contacts) + 4) + \
      4 * RBDI_TASKS_ALL(nv, rows, contacts) + 7 * (size_t)(nv))
 #define RBDI_TASKS_CHARS(nv, rows, contacts) \
     (RBD_TASK_LEVELS * RBDI_TASKS_LIMITS(nv, contacts) + RBDI_TASKS_ALL(nv, rows, contacts))

@@ -9,36 +9,32 @@
 typedef struct rbdi_tasks_limit {
     rbd_tasks_part part; /* RBD_TASKS_NOTHING: a tangential force, or a row of a task */
     int at;              /* dof or contact */
-    int kept;            /* its place in k->kept; -1: an equality */
 } rbdi_tasks_limit;
 
 /* row: counted with the bounds. */
 RBDI_LOCAL rbdi_tasks_limit rbdi_tasks_limit_of(const rbdi_tasks *k, int row) {
-    const int nv = k->nv, c = row - k->n, first_contact = 2 * nv;
-    rbdi_tasks_limit limit = {RBD_TASKS_NOTHING, -1, -1};
+    const int nv = k->nv, c = row - k->n;
+    rbdi_tasks_limit limit = {RBD_TASKS_NOTHING, -1};
 
     if (row < nv) {
         limit.part = RBD_TASKS_MOTION_LIMIT;
-        limit.at = limit.kept = row;
+        limit.at = row;
     } else if (c < 0) {
         if ((row - nv) % 3 < 2) return limit;
         limit.part = RBD_TASKS_FORCE;
         limit.at = k->contact[(row - nv) / 3];
-        limit.kept = first_contact + RBDI_TASKS_CONTACT * limit.at;
     } else if (c < k->dynamics) {
         limit.part = RBD_TASKS_HELD;
         limit.at = k->contact[c / 3];
     } else if (c < k->friction) {
         limit.part = rbdi_tasks_is_passive(k, c - k->dynamics) ? RBD_TASKS_PASSIVE : RBD_TASKS_TORQUE_LIMIT;
         limit.at = c - k->dynamics;
-        limit.kept = nv + limit.at;
     } else {
         for (int i = 0, side = c - k->friction; i < k->closed; ++i) {
             const int sides = k->given->contact[k->contact[i]].sides == 8 ? 8 : 4;
             if (side < sides) {
                 limit.part = RBD_TASKS_FRICTION;
                 limit.at = k->contact[i];
-                limit.kept = first_contact + RBDI_TASKS_CONTACT * limit.at + 1 + side;
                 return limit;
             }
             side -= sides;
@@ -47,26 +43,48 @@ RBDI_LOCAL rbdi_tasks_limit rbdi_tasks_limit_of(const rbdi_tasks *k, int row) {
     return limit;
 }
 
-/* Copies the sides at which limits hold from those kept of a level, or back. Rows of tasks have none. */
-RBDI_LOCAL void rbdi_tasks_keep(rbdi_tasks *k, int level, int rows, int back) {
-    signed char *kept = k->kept + (size_t)level * RBDI_TASKS_LIMITS(k->nv, k->given->contacts);
-
-    for (int row = 0; row < k->n + rows; ++row) {
-        const int at = rbdi_tasks_limit_of(k, row).kept;
-        if (!back)
-            k->side[row] = (signed char)(at < 0 ? 0 : kept[at]);
-        else if (at >= 0)
-            kept[at] = k->side[row];
+/* Copies sides of limits from those kept, or back. */
+RBDI_LOCAL void rbdi_tasks_keep_some(signed char *side, signed char *kept, int n, int back) {
+    for (int i = 0; i < n; ++i) {
+        if (back)
+            kept[i] = side[i];
+        else
+            side[i] = kept[i];
     }
 }
 
-/* The squares that every level has: of x alone. A newton counts as its acceleration of the
-   robot. */
+/* Copies the sides at which limits hold from those kept of a level, or back. Rows of tasks have none. */
+RBDI_LOCAL void rbdi_tasks_keep(rbdi_tasks *k, int level, int rows, int back) {
+    signed char *kept = k->kept + (size_t)level * RBDI_TASKS_LIMITS(k->nv, k->given->contacts);
+    signed char *side = k->side, *friction = side + k->n + k->friction;
+
+    for (int row = 0; row < k->n + rows && !back; ++row) side[row] = 0;
+    rbdi_tasks_keep_some(side, kept, k->nv, back);
+    if (!k->accelerations) return;
+
+    rbdi_tasks_keep_some(side + k->n + k->dynamics, kept + k->nv, k->nv, back);
+    for (int i = 0; i < k->closed; ++i) {
+        const int contact = k->contact[i], sides = k->given->contact[contact].sides == 8 ? 8 : 4;
+        signed char *of_contact = kept + 2 * k->nv + RBDI_TASKS_CONTACT * contact;
+
+        rbdi_tasks_keep_some(side + k->nv + 3 * i + 2, of_contact, 1, back);
+        rbdi_tasks_keep_some(friction, of_contact + 1, sides, back);
+        friction += sides;
+    }
+}
+
+/* The force that counts as 1 m/s^2: that which gives the robot so much. */
+RBDI_LOCAL rbd_const rbdi_tasks_unit_force(const rbdi_tasks *k) {
+    const rbd_const mass = rbd_mass(k->m);
+    return mass > 0 ? mass : RBD_C(1);
+}
+
+/* The squares that every level has: of x alone. */
 RBDI_LOCAL void rbdi_tasks_clear_squares(rbdi_tasks *k) {
     const rbd_tasks *p = k->given;
     const rbd_real motion = p->motion_cost > 0 ? p->motion_cost : rbdi_set(RBDI_TASKS_MOTION_COST);
-    const rbd_const mass = rbd_mass(k->m);
-    const rbd_real force = p->force_cost > 0 ? p->force_cost : motion / (mass > 0 ? mass * mass : RBD_C(1));
+    const rbd_const unit = rbdi_tasks_unit_force(k);
+    const rbd_real force = p->force_cost > 0 ? p->force_cost : motion / (unit * unit);
 
     rbdi_clear(k->f, k->n);
     rbdi_clear(k->H, k->n * k->n);
@@ -115,7 +133,34 @@ RBDI_LOCAL rbd_qp_status rbdi_tasks_solve_level(rbdi_tasks *k, int level, int ro
 /* The value of a row, counted with the bounds, at x. */
 RBDI_LOCAL rbd_real rbdi_tasks_value(const rbdi_tasks *k, int row) {
     if (row < k->n) return k->x[row];
-    return rbdi_tasks_dot(&k->C[(ptrdiff_t)(row - k->n) * k->n], k->x, k->n);
+    return rbdi_qp_dot(&k->C[(ptrdiff_t)(row - k->n) * k->n], k->x, k->n);
+}
+
+/* The size of what is added up in a row: sum |c_i| (|x_i| + a unit of x_i). */
+RBDI_LOCAL rbd_real rbdi_tasks_terms(const rbdi_tasks *k, int row) {
+    const rbd_real *c = &k->C[(ptrdiff_t)(row - k->n) * k->n];
+    rbd_real sum = rbdi_zero();
+    if (row < k->n) return k->terms[row];
+    for (int i = 0; i < k->n; ++i) sum = sum + rbdi_abs(c[i]) * k->terms[i];
+    return sum;
+}
+
+/* By how much x misses hard rows, at most, as a share of each row's own terms. That of rbd_qp_result counts
+   all components of x as the largest: one may be missed by all of itself, where another is a million. */
+RBDI_LOCAL rbd_real rbdi_tasks_missed(const rbdi_tasks *k, int rows) {
+    const rbd_real force = rbdi_set(rbdi_tasks_unit_force(k)), motion = rbdi_set(RBD_C(1));
+    rbd_real most = rbdi_zero();
+
+    for (int i = 0; i < k->n; ++i) k->terms[i] = rbdi_abs(k->x[i]) + (i < k->nv ? motion : force);
+    for (int row = 0; row < k->n + rows; ++row) {
+        const rbd_real value = rbdi_tasks_value(k, row), below = k->lower[row] - value;
+        const rbd_real by = rbdi_ik_larger(below, value - k->upper[row]);
+        const rbd_real side = below > 0 ? k->lower[row] : k->upper[row];
+        if (!(by > 0) || k->soft[row] > 0) continue;
+        if (by <= most * (rbdi_abs(side) + rbdi_abs(value))) continue; /* the terms are more than the value */
+        most = rbdi_ik_larger(most, by / (rbdi_abs(side) + rbdi_tasks_terms(k, row)));
+    }
+    return most;
 }
 
 /* Before the next level: rows of tasks hold what they reached, and limits hold x. */
@@ -131,6 +176,13 @@ RBDI_LOCAL void rbdi_tasks_freeze(rbdi_tasks *k, int rows) {
         }
         k->soft[row] = rbdi_zero();
     }
+}
+
+/* Whether x keeps its rows well enough for a tick; result->primal. */
+RBDI_LOCAL int rbdi_tasks_keeps_rows(rbdi_tasks *k, int rows) {
+    const rbd_real missed = rbdi_tasks_missed(k, rows);
+    k->result->primal = rbdi_ik_larger(k->result->primal, missed);
+    return missed < RBDI_TASKS_ACCURACY && rbdi_tasks_are_within(k->x, k->n, -RBDI_IK_MOST, RBDI_IK_MOST);
 }
 
 /* Appends the rows and squares of the tasks of a level; returns how many tasks. */
@@ -152,6 +204,13 @@ RBDI_LOCAL int rbdi_tasks_has_answer(rbd_qp_status status) {
            status == RBD_QP_UNBOUNDED;
 }
 
+/* Whether a level above this one has tasks. */
+RBDI_LOCAL int rbdi_tasks_goes_on(const rbdi_tasks *k, int level) {
+    for (int i = 0; i < k->given->tasks; ++i)
+        if (k->given->task[i].level > level) return 1;
+    return 0;
+}
+
 /* Solves level by level. k->found is the answer, if there is any. */
 RBDI_LOCAL rbd_tasks_status rbdi_tasks_descend(rbdi_tasks *k) {
     int solved = 0;
@@ -162,7 +221,7 @@ RBDI_LOCAL rbd_tasks_status rbdi_tasks_descend(rbdi_tasks *k) {
         if (!rbdi_tasks_put_level(k, level) && level > 0) continue;
 
         status = rbdi_tasks_solve_level(k, level, rows);
-        if (status == RBD_QP_OK && !rbdi_tasks_are_within(k->x, k->n, -RBDI_IK_MOST, RBDI_IK_MOST))
+        if (status == RBD_QP_OK && !rbdi_tasks_keeps_rows(k, rows))
             status = k->result->qp = RBD_QP_INACCURATE; /* rows that nearly contradict each other */
         if (status != RBD_QP_OK && solved) return RBD_TASKS_INEXACT;
         if (status == RBD_QP_INFEASIBLE) return RBD_TASKS_INFEASIBLE;
@@ -173,6 +232,7 @@ RBDI_LOCAL rbd_tasks_status rbdi_tasks_descend(rbdi_tasks *k) {
 
         rbdi_ik_copy(k->x, k->n, k->found);
         if (status != RBD_QP_OK) return RBD_TASKS_INEXACT;
+        if (!rbdi_tasks_goes_on(k, level)) return RBD_TASKS_OK;
         solved = 1;
         rbdi_tasks_freeze(k, rows);
     }

@@ -1,5 +1,6 @@
 #ifndef RBDI_TASKS_ROWS_H
 #define RBDI_TASKS_ROWS_H
+#include "qp/vectors.h"
 #include "tasks/check.h"
 #include "tasks/contacts.h"
 
@@ -17,7 +18,7 @@ typedef struct rbdi_tasks_error {
    R I R' omega + r x m v. */
 RBDI_LOCAL void rbdi_tasks_put_momentum(rbdi_tasks *k) {
     const rbd_model *m = k->m;
-    rbd_real com[3], centre[3] = {0, 0, 0};
+    rbd_real centre[3] = {0, 0, 0};
     rbd_com(m, k->w, centre, NULL, NULL);
     rbdi_clear(k->J, 6 * k->nv);
 
@@ -28,9 +29,8 @@ RBDI_LOCAL void rbdi_tasks_put_momentum(rbdi_tasks *k) {
         rbdi_v3 p, r;
         if (u->link < 0) continue;
 
-        rbdi_store_vec(com, 1, rbdi_vec_c(u->com));
         E = rbdi_axes_of(m, k->w, body);
-        p = rbdi_point_position(m, k->w, body, com);
+        p = rbdi_ik_body_com(m, k->w, u);
         r = rbdi_sub(p, rbdi_load_vec(centre, 1));
 
         for (int i = u->link; i >= 0; i = m->link[i].parent) {
@@ -51,23 +51,24 @@ RBDI_LOCAL void rbdi_tasks_put_momentum(rbdi_tasks *k) {
     }
 }
 
-/* Momentum, or the centre of mass, which moves by the linear momentum over the mass. */
+/* Momentum, which has no place. */
 RBDI_LOCAL void rbdi_tasks_of_momentum(rbdi_tasks *k, const rbd_task *t, rbdi_tasks_error *s) {
-    const rbd_real share = rbdi_set(1 / rbd_mass(k->m));
-    rbd_real h_dot[6] = {0}, com[3] = {0}, a[3] = {0};
+    rbd_real h_dot[6] = {0};
 
     rbdi_tasks_put_momentum(k);
-    if (t->kind == RBD_TASK_MOMENTUM) {
-        rbd_momentum(k->m, k->w, NULL, h_dot);
-        s->drift = rbdi_load_motion(h_dot, 1);
-        s->stiffness = rbdi_zero();
-        s->damping = t->gain;
-        return;
-    }
+    rbd_momentum(k->m, k->w, NULL, h_dot);
+    s->drift = rbdi_load_motion(h_dot, 1);
+    s->stiffness = rbdi_zero();
+    s->damping = t->gain;
+}
 
-    for (int i = 3 * k->nv; i < 6 * k->nv; ++i) k->J[i] = share * k->J[i];
+/* The centre of mass. */
+RBDI_LOCAL void rbdi_tasks_of_com(rbdi_tasks *k, const rbd_task *t, rbdi_tasks_error *s) {
+    rbd_real com[3] = {0}, a[3] = {0};
+
+    rbdi_ik_com_jacobian(k->m, k->w, k->w->F, &k->J[3 * k->nv]);
     rbd_com(k->m, k->w, com, NULL, a);
-    s->e.v = rbdi_sub(rbdi_load_vec(t->position, 1), rbdi_load_vec(com, 1));
+    s->e.v = rbdi_ik_way(t->position, rbdi_load_vec(com, 1));
     s->drift.v = rbdi_load_vec(a, 1);
 }
 
@@ -101,7 +102,6 @@ RBDI_LOCAL rbdi_motion rbdi_tasks_motion(const rbdi_tasks *k, int body, const rb
 /* A point, pose or rotation, in the world or in the axes of another body. */
 RBDI_LOCAL void rbdi_tasks_of_body(rbdi_tasks *k, const rbd_task *t, rbdi_tasks_error *s) {
     const int reference = t->kind == RBD_TASK_RELATIVE ? t->reference : -1;
-    const rbdi_mat R = rbdi_ik_rotation(t->rotation);
     rbdi_mat seen = rbdi_axes_of(k->m, k->w, t->body); /* from the axes of `position` to the body's */
     rbdi_v3 p = rbdi_point_position(k->m, k->w, t->body, t->point);
 
@@ -122,24 +122,24 @@ RBDI_LOCAL void rbdi_tasks_of_body(rbdi_tasks *k, const rbd_task *t, rbdi_tasks_
 
     rbd_relative_jacobian(k->m, k->w, t->body, t->point, reference,
                           reference >= 0 ? RBD_LINK_AXES : RBD_WORLD_AXES, k->J);
-    s->e.v = rbdi_sub(rbdi_load_vec(t->position, 1), p);
-    if (rbdi_tasks_turns(t->kind)) s->e.omega = rbdi_log_rotation(rbdi_mul_mat(R, seen));
+    s->e.v = rbdi_ik_way(t->position, p);
+    if (rbdi_tasks_turns(t->kind)) s->e.omega = rbdi_ik_turn_to(t->rotation, seen);
 }
 
 /* An axis s: its turn is omega - (omega s) s, whose rate is alpha - (alpha s) s - (omega s) omega x s. */
 RBDI_LOCAL void rbdi_tasks_of_axis(rbdi_tasks *k, const rbd_task *t, rbdi_tasks_error *s) {
-    const rbdi_v3 axis = rbdi_mul_t(rbdi_axes_of(k->m, k->w, t->body), rbdi_ik_unit(t->axis));
+    const rbdi_v3 axis = rbdi_ik_axis(k->m, k->w, t->body, t->axis);
     const rbdi_v3 omega = rbdi_tasks_motion(k, t->body, NULL, 0).omega;
     const rbdi_v3 alpha = rbdi_tasks_motion(k, t->body, NULL, 1).omega;
 
     rbd_jacobian(k->m, k->w, t->body, NULL, RBD_WORLD_AXES, k->J);
     for (int i = 0; i < k->nv; ++i) {
         const rbdi_v3 c = rbdi_load_vec(&k->J[i], k->nv);
-        rbdi_store_vec(&k->J[i], k->nv, rbdi_sub(c, rbdi_scale(rbdi_dot(axis, c), axis)));
+        rbdi_store_vec(&k->J[i], k->nv, rbdi_ik_part_across(c, axis));
     }
 
     s->e.omega = rbdi_ik_turn(axis, rbdi_ik_unit(t->direction));
-    s->drift.omega = rbdi_sub(alpha, rbdi_scale(rbdi_dot(alpha, axis), axis));
+    s->drift.omega = rbdi_ik_part_across(alpha, axis);
     s->drift.omega = rbdi_sub(s->drift.omega, rbdi_scale(rbdi_dot(omega, axis), rbdi_cross(omega, axis)));
 }
 
@@ -174,13 +174,6 @@ RBDI_LOCAL rbdi_tasks_error rbdi_tasks_gains(const rbdi_tasks *k, const rbd_task
     return s;
 }
 
-/* The largest entry of n, by size. */
-RBDI_LOCAL rbd_real rbdi_tasks_largest(const rbd_real *x, int n) {
-    rbd_real most = rbdi_zero();
-    for (int i = 0; i < n; ++i) most = rbdi_ik_larger(most, rbdi_abs(x[i]));
-    return most;
-}
-
 /* Appends the rows of a task of bodies. A row of which rounding alone is left does not count: the next levels
    would have to keep it. */
 RBDI_LOCAL void rbdi_tasks_put_bodies(rbdi_tasks *k, const rbd_task *t, rbd_real weight) {
@@ -188,8 +181,10 @@ RBDI_LOCAL void rbdi_tasks_put_bodies(rbdi_tasks *k, const rbd_task *t, rbd_real
     const int first = rbdi_tasks_first(t->kind), end = rbdi_tasks_end(t->kind);
     rbd_real e[6], drift[6], rounding;
 
-    if (rbdi_tasks_of_robot(t->kind))
+    if (t->kind == RBD_TASK_MOMENTUM)
         rbdi_tasks_of_momentum(k, t, &s);
+    else if (t->kind == RBD_TASK_COM)
+        rbdi_tasks_of_com(k, t, &s);
     else if (t->kind == RBD_TASK_AXIS)
         rbdi_tasks_of_axis(k, t, &s);
     else
@@ -198,15 +193,15 @@ RBDI_LOCAL void rbdi_tasks_put_bodies(rbdi_tasks *k, const rbd_task *t, rbd_real
     rbdi_store_motion(drift, 1, s.drift);
     rounding = rbdi_set(64 * RBDI_EPS);
     if (rbdi_tasks_of_robot(t->kind))
-        rounding = rounding * rbdi_tasks_largest(&k->J[first * k->nv], (end - first) * k->nv);
+        rounding = rounding * rbdi_qp_largest(&k->J[first * k->nv], (end - first) * k->nv);
     else
-        rounding = rounding * rbdi_tasks_largest(k->J, 6 * k->nv);
+        rounding = rounding * rbdi_qp_largest(k->J, 6 * k->nv);
 
     for (int r = first; r < end; ++r) {
         const rbd_real *J = &k->J[r * k->nv];
-        const rbd_real u = k->accelerations ? rbdi_tasks_dot(J, k->v, k->nv) : rbdi_zero();
+        const rbd_real u = k->accelerations ? rbdi_qp_dot(J, k->v, k->nv) : rbdi_zero();
         const rbd_real y = rbdi_tasks_wish(k, &s, t->velocity[r], t->acceleration[r], u, e[r], drift[r]);
-        if (t->loose[r] || !(rbdi_tasks_largest(J, k->nv) > rounding)) continue;
+        if (t->loose[r] || !(rbdi_qp_largest(J, k->nv) > rounding)) continue;
         rbdi_ik_copy(J, k->nv, rbdi_tasks_append(k, y, y));
         rbdi_tasks_square(k, weight);
     }
@@ -227,7 +222,10 @@ RBDI_LOCAL void rbdi_tasks_put_posture(rbdi_tasks *k, const rbd_task *t, rbd_rea
                                                            : rbdi_set(RBD_C(1));
         if (!(own > 0)) continue;
         rbdi_tasks_append(k, y, y)[i] = rbdi_set(RBD_C(1));
-        rbdi_tasks_square(k, weight * own);
+
+        /* its square is one entry */
+        k->f[i] = k->f[i] - weight * own * y;
+        k->H[(ptrdiff_t)i * (k->n + 1)] = k->H[(ptrdiff_t)i * (k->n + 1)] + weight * own;
     }
 }
 

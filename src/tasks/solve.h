@@ -64,7 +64,8 @@ RBDI_LOCAL rbdi_tasks *rbdi_tasks_lay_out(const rbd_model *m, const rbd_tasks *p
     k->f = k->lambda + all;
     k->x = k->f + n;
     k->found = k->x + n;
-    k->bias = k->found + n;
+    k->terms = k->found + n;
+    k->bias = k->terms + n;
     k->J = k->bias + nv;
     k->scratch = at;
     k->scratch_size = RBD_QP_SIZE(n, n, rows, soft);
@@ -171,7 +172,7 @@ RBDI_API rbd_tasks_status rbd_tasks_acceleration(const rbd_model *m, rbd_work *w
     rbdi_ik_copy(k->found, k->nv, a);
     for (int i = 0; i < k->nv; ++i) {
         const rbd_real *row = &k->C[(ptrdiff_t)(k->dynamics + i) * k->n];
-        tau[i] = rbdi_tasks_is_passive(k, i) ? rbdi_zero() : rbdi_tasks_dot(row, k->found, k->n) + k->bias[i];
+        tau[i] = rbdi_tasks_is_passive(k, i) ? rbdi_zero() : rbdi_qp_dot(row, k->found, k->n) + k->bias[i];
     }
     if (forces && p->contacts) rbdi_tasks_put_forces(k, forces);
     return status;

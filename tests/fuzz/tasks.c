@@ -6,15 +6,16 @@
    takes Jacobians from velocities of points for unit speeds, and the dynamics from rbd_rnea. It checks that
 
    - contacts are held, motors and joints are within limits, forces within friction, passive dofs without
-     torque, and M a + c = tau + J'f;
+     torque, and M a + c = tau + J'f, each row to what RBD_TASKS_OK promises;
    - a level leaves the residuals of those before as they were;
    - no feasible move makes the last level better: along the gradient, projected onto what limits leave, with
      each of the limits that hold left out in turn, and random ones;
    - of a problem that is called infeasible projections onto its rows find no answer either;
    - a field that is NaN, 1e30 or -1 where it must not be is refused by name, and outputs are as they were.
 
-   Prints a table. Fails if anything is wrong, or if more than 1 % of the answers are inexact, 3 % in
-   float. */
+   An answer of a QP that is not exact, but near enough to be called so, is judged by its rows alone. Prints a
+   table. Fails if anything is wrong, if in float a move gains more than 1 % of the objective's terms in one
+   answer of 200, or if more than 1 % of the answers are inexact, 3 % in float. */
 #define RBD_IMPLEMENTATION
 #include "rbd_tasks.h"
 
@@ -28,12 +29,15 @@
 
 enum { DOFS = 24, CONTACTS = 3, TASKS = 4, OWN_ROWS = 2, N = DOFS + 3 * CONTACTS, ROWS = 160 };
 
+static const double pi = 3.14159265358979323846;
 static const int in_float = sizeof(rbd_real) == 4;
+static const double epsilon = sizeof(rbd_real) == 4 ? 1.2e-7 : 2.3e-16;
 
 /* lower <= c x <= upper; x: velocities, or accelerations and the forces of contacts in world axes. */
 typedef struct hard_rows {
     int count;
     double c[ROWS][N], lower[ROWS], upper[ROWS];
+    double rounding[ROWS]; /* of the side, where it is a difference of larger numbers */
 } hard_rows;
 
 /* The objective of a level: weight r^2 / 2 each, r = c x - y. */
@@ -64,7 +68,7 @@ typedef struct answer {
 
 static problem g;
 static unsigned char model_memory[200000], work_memory[200000], memory[1000000];
-static long wrong, large;
+static long wrong;
 static uint64_t number;
 
 static void fail(const char *what, double by) {
@@ -236,10 +240,14 @@ static void cross(const double *a, const double *b, double *c) {
     c[2] = z;
 }
 
+/* A wish is half a turn away: rounding says whether to the left or to the right. */
+static int half_turn;
+
 /* Rotation vector of R. */
 static void log_of(const double R[9], double w[3]) {
     const double s[3] = {(R[7] - R[5]) / 2, (R[2] - R[6]) / 2, (R[3] - R[1]) / 2};
     const double sine = length_of(s, 3), cosine = (R[0] + R[4] + R[8] - 1) / 2, angle = atan2(sine, cosine);
+    half_turn |= angle > pi - (in_float ? 1e-3 : 1e-7);
     for (int i = 0; i < 3; i++) w[i] = s[i] * (sine > 1e-9 ? angle / sine : 1);
 }
 
@@ -339,6 +347,7 @@ static int look(const rbd_task *t, int *first, double *e, double *u, double *rat
         }
         cross(axis, to, turned);
         const double sine = length_of(turned, 3), angle = atan2(sine, dot(axis, to, 3));
+        half_turn |= angle > pi - (in_float ? 1e-3 : 1e-7);
         cross(s.velocity, axis, spin);
         along = dot(s.velocity, axis, 3);
         const double rate_along = dot(s.rate, axis, 3);
@@ -438,7 +447,8 @@ static double *append_row(hard_rows *h, double lower, double upper) {
     double *c = h->c[h->count];
     memset(c, 0, N * sizeof *c);
     h->lower[h->count] = lower;
-    h->upper[h->count++] = upper;
+    h->upper[h->count] = upper;
+    h->rounding[h->count++] = 0;
     return c;
 }
 
@@ -482,6 +492,8 @@ static void put_limits(hard_rows *h) {
             double low, high;
             limits_of(iv, world_nq(b) == 1 ? iq : -1, &low, &high);
             append_row(h, low > -1e29 ? (low - v) / dt : -1e30, high < 1e29 ? (high - v) / dt : 1e30)[iv] = 1;
+            if (low > -1e29) h->rounding[h->count - 1] += epsilon * (fabs(low) + fabs(v)) / dt;
+            if (high < 1e29) h->rounding[h->count - 1] += epsilon * (fabs(high) + fabs(v)) / dt;
         }
         iq += world_nq(b);
     }
@@ -513,7 +525,6 @@ static void put_friction(hard_rows *h, int i) {
     const double u[3] = {(double)ground.yx, (double)ground.yy, (double)ground.yz};
     const double n[3] = {(double)ground.zx, (double)ground.zy, (double)ground.zz};
     const int sides = c->sides == 8 ? 8 : 4;
-    const double pi = 3.14159265358979323846;
     memcpy(append_row(h, (double)c->least, c->most > 0 ? (double)c->most : 1e30) + g.nv + 3 * i, n, sizeof n);
     for (int k = 0; k < sides; k++) {
         double *row = append_row(h, -1e30, 0) + g.nv + 3 * i;
@@ -566,10 +577,12 @@ static void put_hard_rows(hard_rows *h) {
     if (g.accelerations) put_torques(h, J);
 }
 
-/* The size of what is added up in a row, and its bounds: errors are measured against it. */
+/* The size of what is added up in a row, and its bounds: errors are measured against it. A component of x
+   counts as one unit at least; that of a force gives the robot 1 m/s^2. */
 static double size_of_row(const hard_rows *h, int k, const double *x) {
+    const double mass = (double)rbd_mass(g.m);
     double size = 0;
-    for (int i = 0; i < g.n; i++) size += fabs(h->c[k][i] * x[i]);
+    for (int i = 0; i < g.n; i++) size += fabs(h->c[k][i]) * (fabs(x[i]) + (i < g.nv ? 1 : mass));
     if (h->lower[k] > -1e29) size += fabs(h->lower[k]);
     if (h->upper[k] < 1e29) size += fabs(h->upper[k]);
     return size;
@@ -588,15 +601,14 @@ static void all_of(const answer *a, double *x) {
 }
 
 static void judge_rows(const hard_rows *h, const double *x) {
-    const double tolerance = in_float ? 0.1 : 1e-6, eps = in_float ? 1e-6 : 1e-15;
     for (int k = 0; k < h->count; k++) {
-        const double rounding = eps * (10 / (double)g.p.dt + 1000);
-        const double by = missed(h, k, x) / (1 + size_of_row(h, k, x));
-        if (!(by <= tolerance + rounding)) fail("a hard row is missed", by);
+        const double by = missed(h, k, x), size = size_of_row(h, k, x);
+        if (!(by <= RBDI_TASKS_ACCURACY * size + 10 * h->rounding[k]))
+            fail("a hard row is missed", by / size);
     }
 }
 
-/* tau is that of inverse dynamics with the forces as wrenches. */
+/* tau is that of inverse dynamics with the forces as wrenches; of passive dofs the rows above say so. */
 static void judge_dynamics(const answer *a) {
     rbd_real f_ext[6 * WORLD_BODIES] = {0}, tau[WORLD_DOFS], wrench[6], size = 1;
     if (g.p.f_ext) memcpy(f_ext, g.f_ext, sizeof g.f_ext);
@@ -613,7 +625,8 @@ static void judge_dynamics(const answer *a) {
         size = (rbd_real)fmax((double)size, fabs((double)a->x[i]) + fabs((double)tau[i]));
     for (int i = 0; i < g.nv; i++) {
         const double by = fabs((double)(a->tau[i] - tau[i])) / (double)size;
-        if (!(by < (in_float ? 3e-2 : 1e-6))) fail("tau is not that of inverse dynamics", by);
+        if (!is_passive(i) && !(by < (in_float ? 1e-3 : 1e-9)))
+            fail("tau is not that of inverse dynamics", by);
         if (is_passive(i) && !(a->tau[i] <= 0 && a->tau[i] >= 0))
             fail("a passive dof has a torque", (double)a->tau[i]);
     }
@@ -662,9 +675,15 @@ static double fall_along(const level_state *s, const double *d) {
     return -(t * slope + t * t * bend / 2);
 }
 
+/* In float weights and costs of motion are six decades apart, and a flat way is found to some share only:
+   that of one answer in 500 is above 1 %. */
+static int loose;
+static long loose_ones;
+
 static void judge_move(const level_state *s, const double *d) {
     const double by = fall_along(s, d) / s->size;
     if (!(by < (in_float ? 0.3 : 1e-5))) fail("a feasible move is better", by);
+    if (!(by < 0.01)) loose = 1;
 }
 
 /* d without what leaves the rows: those of equalities, of levels before, and limits that hold, but one. A d
@@ -755,15 +774,11 @@ static void judge(const answer *a, int tasks, int level) {
     static hard_rows h;
     static squares o, before, one;
     double x[N];
+    half_turn = 0;
     put_hard_rows(&h);
     all_of(a, x);
     for (int i = 0; i < g.n; i++)
         if (!(fabs(x[i]) < 1e12)) fail("an answer is not finite", x[i]);
-    for (int i = 0; i < g.n && in_float; i++)
-        if (fabs(x[i]) > 1e5) {
-            large++;
-            return;
-        }
     judge_rows(&h, x);
     if (g.accelerations) judge_dynamics(a);
 
@@ -774,7 +789,10 @@ static void judge(const answer *a, int tasks, int level) {
             memcpy(append_square(&before, one.weight[k], one.r[k]), one.c[k], sizeof one.c[k]);
     }
     put_level(level, tasks, a->x, &o);
+    if (half_turn || a->result.qp != RBD_QP_OK) return;
+    loose = 0;
     judge_optimum(&h, &o, &before, a);
+    loose_ones += loose;
 }
 
 /* The residuals of level 0 are the same with the levels after as without. */
@@ -935,6 +953,6 @@ int main(int count, char **arguments) {
         inexact += t->inexact;
         answers += t->exact + t->inexact;
     }
-    printf("wrong: %ld; too large for float to be judged: %ld\n", wrong, large);
-    return wrong > 0 || inexact * 100 > answers * (in_float ? 3 : 1);
+    printf("wrong: %ld; a move gains more than 1 %%: %ld\n", wrong, loose_ones);
+    return wrong > 0 || inexact * 100 > answers * (in_float ? 3 : 1) || loose_ones * 200 > answers;
 }

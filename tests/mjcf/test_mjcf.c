@@ -306,7 +306,7 @@ START_TEST(circles_of_equalities_are_cut) {
     ck_assert_msg(parse(&r, text, NULL) == RBD_MJCF_OK, "%s", r.error.text);
     ck_assert_int_eq(r.nwarnings, 2);
     ck_assert_str_eq(r.warnings[0].text,
-                     "equality 'number 3': joint 'c' follows by another equality too; this one is "
+                     "equality 'equality_3': joint 'c' follows by another equality too; this one is "
                      "left out");
     ck_assert_str_eq(r.warnings[1].text,
                      "joint 'a' follows itself by a circle of equalities; it is left free");
@@ -477,6 +477,46 @@ START_TEST(what_is_left_out_is_named) {
     rbd_mjcf strict = with_room(&x);
     ck_assert_int_gt(rbd_mjcf_load(path_of("left_out"), &options, &strict), 0);
     ck_assert_str_eq(strict.error.text, strict.warnings[0].text);
+}
+END_TEST
+
+/* What has no name is called by its kind and MuJoCo's number, an actuator by what it acts at too. */
+START_TEST(nameless_things_are_called_by_their_kind) {
+    static room x;
+    rbd_mjcf r = with_room(&x);
+    const char *text =
+        "<mujoco><worldbody><body name='leg'><joint name='hip' axis='1 0 0'/><geom size='1'/><site "
+        "name='end'/>"
+        "<body name='foot'><joint stiffness='3'/><geom size='1'/></body></body><body "
+        "mocap='true'/></worldbody>"
+        "<tendon><fixed name='rope'><joint joint='hip' coef='1'/></fixed>"
+        "<fixed><joint joint='hip' coef='2'/></fixed></tendon>"
+        "<equality><tendon tendon1='rope'/><weld body1='leg'/><connect body1='foot' anchor='0 0 "
+        "0'/></equality>"
+        "<actuator><motor joint='hip' gear='5'/><position joint='hip' name='servo'/><position joint='hip'/>"
+        "<motor joint='hip' gear='6'/><motor tendon='rope'/><motor site='end'/></actuator></mujoco>";
+    static const char *const expected[] = {
+        "are left out: 'joint_1'",
+        "fixed to the world: 'body_3'",
+        "tendons are left out: 'rope', tendon 1",
+        "at no joint are left out: actuator 4 of 'rope', actuator 5 of 'end'",
+        "laws of servos (gaintype, biastype) are left out: tau is the torque at the joint: 'servo', actuator "
+        "2 of joint 'hip'",
+        "the actuator's: actuator 0 of joint 'hip', actuator 3 of joint 'hip'",
+        "equality 'equality_0' holds what rbd has not",
+    };
+    enum { N = sizeof expected / sizeof *expected };
+
+    ck_assert_msg(parse(&r, text, NULL) == RBD_MJCF_OK, "%s", r.error.text);
+    ck_assert_int_eq(r.nwarnings, N);
+    for (int i = 0; i < N; i++) {
+        int found = 0;
+        for (int k = 0; k < r.nwarnings; k++) found |= strstr(r.warnings[k].text, expected[i]) != NULL;
+        ck_assert_msg(found, "%s", expected[i]);
+    }
+    ck_assert_int_eq(r.nconstraints, 2);
+    ck_assert_str_eq(r.constraints[0].name, "weld_1");
+    ck_assert_str_eq(r.constraints[1].name, "connect_2");
 }
 END_TEST
 
@@ -736,6 +776,7 @@ int main(void) {
     tcase_add_test(c, connect_and_weld_are_those_of_mujoco);
     tcase_add_test(c, welds_hold_the_reference);
     tcase_add_test(c, what_is_left_out_is_named);
+    tcase_add_test(c, nameless_things_are_called_by_their_kind);
     tcase_add_test(c, long_lists_of_names_are_counted);
     tcase_add_test(c, states_are_converted);
     tcase_add_test(c, errors_say_what_is_wrong);

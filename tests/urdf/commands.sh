@@ -158,8 +158,8 @@ cat >massless.urdf <<'END'
 <joint name="k" type="continuous"><parent link="b"/><child link="c"/><axis xyz="1 0 0"/></joint></robot>
 END
 expect 1 "massless.urdf:4: error: link 'c', joint 'k', mass: a movable leaf needs mass, inertia or armature: forward \
-dynamics would be singular; to hold it still: options.lock, rbd-model --lock 'k', or --lock-massless for all such; \
-for kinematics alone, as poses and Jacobians: options.kinematic, rbd-model --kinematic" \
+dynamics would be singular; to hold it still: --lock 'k', or --lock-massless for all such; \
+for kinematics alone, as poses and Jacobians: --kinematic" \
     "$rbd_model" massless.urdf
 held="massless.urdf:4: warning: joint 'k': it moves no mass; held still"
 expect 0 "$held" "$rbd_model" --check massless.urdf --lock-massless
@@ -179,7 +179,7 @@ cat >bare.urdf <<'END'
 <mimic joint="finger"/></joint></robot>
 END
 expect 1 "bare.urdf:2: error: no link that moves has mass: dynamics needs <inertial>; for kinematics alone, as poses and \
-Jacobians: options.kinematic, rbd-model --kinematic" "$rbd_model" bare.urdf
+Jacobians: --kinematic" "$rbd_model" bare.urdf
 expect 0 "" "$rbd_model" --kinematic --strict bare.urdf
 grep -qx "for kinematics alone: joint shoulder moves no mass" out || { fail "no word of kinematics alone"; cat out; }
 printf 'q.shoulder,q.elbow,q.finger\n0,1.5707963267948966,0\n' >table
@@ -193,6 +193,18 @@ for algorithm in gravity_torque mm energy com; do
     grep -qF "dynamics needs masses, and joint 'shoulder', which carries link 'upper', moves none: with --kinematic there \
 are poses and Jacobians alone" err || { fail "$algorithm without masses:"; cat err; }
 done
+# rbd-eval takes such a robot by itself for kinematics, and names what dynamics lacks
+"$rbd_eval" bare.urdf --algorithm pose <table >all 2>err || { fail "rbd-eval: poses without masses"; cat err; }
+"$rbd_eval" --kinematic bare.urdf --algorithm pose <table >out
+cmp -s out all || fail "rbd-eval: --kinematic makes other poses"
+for algorithm in "jacobian --body left" "point --body left" rates integrate_derivatives difference_derivatives; do
+    sed -e 's/$/,0,0,0,0,0,0/' -e '1s/,0,0,0,0,0,0/,v.shoulder,v.elbow,v.finger,a.shoulder,a.elbow,a.finger/' table |
+        "$rbd_eval" bare.urdf --algorithm $algorithm >out 2>err || { fail "$algorithm without masses"; cat err; }
+done
+expect 1 "bare.urdf:2: error: no link that moves has mass: dynamics needs <inertial>; for kinematics alone, as poses and \
+Jacobians: --kinematic" "$rbd_eval" bare.urdf --algorithm id --layout
+expect 0 "massless.urdf:4: warning: joint 'k': it moves no mass; held still" \
+    "$rbd_eval" --lock-massless massless.urdf --algorithm pose --layout
 expect 1 "bare.urdf: error: lock_massless holds the joints still that kinematic lets move: give one of them" \
     "$rbd_model" --kinematic --lock-massless bare.urdf
 "$rbd_model" --kinematic bare.urdf --c-model bare >bare_model.h && cat >bare.c <<'END'
@@ -220,7 +232,7 @@ ${CC:-cc} -std=c99 $unforced -I"$root" -I. bare.c -o bare -lm && ./bare || fail 
 # joints that mimic a missing one may move freely
 sed 's/mimic joint="finger"/mimic joint="fingr"/' bare.urdf >wrong.urdf
 expect 1 "wrong.urdf:5: error: joint 'other': it mimics 'fingr', which is missing; did you mean 'finger'?; to hold it still: \
-options.lock, rbd-model --lock 'other'; to let all such joints move freely: options.free_mimics, rbd-model --free-mimics" \
+--lock 'other'; to let all such joints move freely: --free-mimics" \
     "$rbd_model" --kinematic wrong.urdf
 expect 0 "wrong.urdf:5: warning: joint 'other': it mimics 'fingr', which is missing; did you mean 'finger'?; it moves freely" \
     "$rbd_model" --check --kinematic --free-mimics wrong.urdf

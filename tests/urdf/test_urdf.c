@@ -1235,6 +1235,26 @@ START_TEST(text_in_utf16_is_read) {
 }
 END_TEST
 
+/* A URDF in UTF-32, of both orders of bytes, with a byte order mark or without. */
+START_TEST(text_in_utf32_is_named) {
+    static room x;
+    static char wide[40000];
+    for (int i = 0; i < 4; i++) {
+        const size_t mark = i >> 1;
+        rbd_urdf robot = with_room(&x);
+        size_t n = 0;
+        memset(wide, 0, sizeof wide);
+        if (mark) {
+            memcpy(wide, i & 1 ? "\xff\xfe\0\0" : "\0\0\xfe\xff", 4);
+            n = 4;
+        }
+        for (const char *c = fixed_links; *c; c++, n += 4) wide[n + (i & 1 ? 0 : 3)] = *c;
+        ck_assert_int_eq(rbd_urdf_parse(wide, n, NULL, &robot), RBD_URDF_ERR_XML);
+        ck_assert_str_eq(robot.error.text, "it is text in UTF-32: save it as UTF-8");
+    }
+}
+END_TEST
+
 /* U+1F916, which takes two units, and the first of them alone. */
 START_TEST(pairs_of_utf16_are_characters) {
     static room x;
@@ -1269,6 +1289,14 @@ static const struct {
                {"ply\nformat", "PLY"},
                {"mtllib a.mtl", "OBJ"},
                {"%PDF-1.4", "PDF"},
+               {"{\\rtf1\\ansi <robot/>}", "RTF"},
+               {"GIF89a\1", "GIF"},
+               {"\x89PNG\r\n", "PNG"},
+               {"\xff\xd8\xff\xe0", "JPEG"},
+               {"BZh91AY", "bzip2"},
+               {"\3757zXZ", "xz"},
+               {"7z\xbc\xaf\x27", "7z archive"},
+               {"Rar!\x1a", "RAR archive"},
                {"{\"links\": []}", "JSON"},
                {"[1, 2]", "JSON"},
                {"---\nrobot: r", "YAML"},
@@ -1960,6 +1988,7 @@ int main(void) {
     tcase_add_test(c, quaternions_turn_joints_and_inertias);
     tcase_add_test(c, later_versions_of_urdf_are_read);
     tcase_add_test(c, text_in_utf16_is_read);
+    tcase_add_test(c, text_in_utf32_is_named);
     tcase_add_test(c, pairs_of_utf16_are_characters);
     tcase_add_loop_test(c, other_formats_are_named, 0, sizeof formats / sizeof *formats);
     tcase_add_test(c, a_binary_mesh_is_named);

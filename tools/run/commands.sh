@@ -161,9 +161,9 @@ cmd_wheel() {
 #+                             checksums, a bill of materials; --draft in spite of changes or a missing date
 cmd_release() {
     "$root/packaging/release.py" --check "$@" || exit
-    rm -rf "$root/build/wheels" # of headers as they were
+    cmd_site # first: it takes less, and fails more often
+    rm -rf "$build/wheels" # of headers as they were
     cmd_wheel linux-x86-64 linux-aarch64 windows-x86-64
-    cmd_site
     rm -rf "$build/release"
     "$root/packaging/release.py" --wheels "$build/wheels" --site "$build/site" "$@" "$build/release"
 }

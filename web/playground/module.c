@@ -168,7 +168,7 @@ static void tell_arrays(void) {
 /* src/robot.js knows these by number. */
 typedef char types_are_those_of_robot_js
     [RBD_FIXED == 0 && RBD_PRISMATIC == 4 && RBD_PLANAR == 13 && RBD_FLOATING == 15 ? 1 : -1];
-typedef char kinds_are_those_of_robot_js[RBD_IK_POINT == 0 && RBD_IK_POSE == 1 ? 1 : -1];
+typedef char kinds_are_those_of_robot_js[RBD_IK_POINT == 1 && RBD_IK_POSE == 2 ? 1 : -1];
 
 /* 0, or a status; web_json says more. */
 EXPORT int web_load(const char *xml, size_t length, int floating, int lock_massless, int kinematic) {

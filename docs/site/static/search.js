@@ -48,7 +48,7 @@ function show() {
         link.href = page + (anchor ? "#" + anchor : "");
         link.textContent = title;
         if (kind === 2) link.className = "name";
-        const shown = kind === 2 ? body.replace(/^.*?\)\s(?=[A-Z])/, "") : body; // without the prototype
+        const shown = kind === 2 ? body.replace(/^.*?\)\s(?=[A-Z])/, "").split(" argument shape meaning ")[0] : body; // sentences alone
         excerpt(shown, kind === 2 ? [] : query).split(new RegExp("(" + query.map((w) => w.replace(/\W/g, "")).join("|") + ")", "gi")).forEach((part, i) => {
             const piece = document.createElement(i % 2 ? "mark" : "span");
             piece.textContent = part;

@@ -16,8 +16,15 @@ const reading = (source) => [...(source.floating ? ["--floating"] : []), ...(sou
   ...(source.kinematic ? ["--kinematic"] : [])];
 const modelOptions = (source) => [...reading(source), "--c-model", $("name").value];
 
+// Of a robot without masses: the pose and the Jacobian of the link that is chosen.
+function functionsOf(source) {
+  if (!source.kinematic) return algorithms.map(([id]) => id).filter((id) => $(`algorithm-${id}`).checked);
+  const link = $("at").selectedOptions[0].textContent;
+  return [`pose:${link}`, `jacobian:${link}`];
+}
+
 function codeOptions(source) {
-  const chosen = algorithms.map(([id]) => id).filter((id) => $(`algorithm-${id}`).checked);
+  const chosen = functionsOf(source);
   return [...reading(source), "--name", $("name").value, "--algorithm", chosen.join(","),
     ...($("scalar").value === "float" ? ["--scalar", "float"] : []), ...($("limbs").value === "1" ? [] : ["--limbs", $("limbs").value]),
     ...flags.filter((f) => $(f).checked).map((f) => `--${f}`)];
@@ -28,6 +35,7 @@ const quoted = (s) => (/^[\w.\/=,:+@%-]+$/.test(s) ? s : `'${s.replaceAll("'", "
 
 // examples/firmware/robot_main.c with this robot's name, scalar and pose, and zeros or gravity where robot_id asks for more.
 function firmwareMain(robot) {
+  if (robot.source.kinematic) throw new Error("The main calls inverse dynamics, and no link of this robot has mass.");
   if (!$("algorithm-id").checked) throw new Error("The main calls inverse dynamics: choose the function id.");
   const name = $("name").value, scalar = $("scalar").value, literal = (x) => `${x}${scalar === "float" ? "f" : ""}`;
   const real = (x) => literal(Number.isInteger(x) ? x.toFixed(1) : String(x));
@@ -80,6 +88,6 @@ export function buildDownloads(current, tell) {
     return finish(r, r.files);
   });
   taking("save-main", async ({ robot }) => ({ [`${$("name").value}_main.c`]: firmwareMain(robot) }));
-  $("take").addEventListener("input", showCommands);
+  for (const id of ["take", "at"]) $(id).addEventListener("input", showCommands);
   return showCommands;
 }

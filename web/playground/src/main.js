@@ -72,15 +72,21 @@ async function open(source, pose) {
   $("robot").value = source.id ?? "";
   $("name").value = identifier(source.name);
   $("facts").textContent = `${model.name}: ${many(model.nb, "body", "bodies")}, `
-    + `${many(model.nv, "degree", "degrees")} of freedom, ${model.mass.toPrecision(4)} kg`;
+    + `${many(model.nv, "degree", "degrees")} of freedom, ${source.kinematic ? "no masses" : `${model.mass.toPrecision(4)} kg`}`;
   document.title = `${model.name} · rbd playground`;
   tell("");
   build();
   tellMissing();
   ask();
-  $("move").disabled = source.kinematic;
+  showDynamics(!source.kinematic);
   if (source.kinematic) tell("No link has mass: the page shows poses and inverse kinematics of this robot, no torques and no motion.", true);
   return true;
+}
+
+// A robot without masses has poses: where numbers of its dynamics would stand, the page says why there are none.
+function showDynamics(there) {
+  document.body.classList.toggle("kinematic", !there);
+  for (const id of ["move", "floor", "hold", "functions"]) $(id).disabled = !there;
 }
 
 // Meshes that the file names and that were not given.

@@ -20,7 +20,7 @@ export function eigen(matrix) {
 const times = (R, x) => [0, 1, 2].map((i) => R[3 * i] * x[0] + R[3 * i + 1] * x[1] + R[3 * i + 2] * x[2]);
 const plus = (a, b) => a.map((x, i) => x + b[i]);
 const timesBack = (R, x) => [0, 1, 2].map((i) => R[i] * x[0] + R[3 + i] * x[1] + R[6 + i] * x[2]);
-const POINT = 0, POSE = 1; // rbd_ik_kind; module.c compares
+const POINT = 1, POSE = 2; // rbd_ik_kind; module.c compares
 const near = 0.01;         // m: a ball that is this near to the floor touches it
 
 function quaternion(roll, pitch, yaw) {
