@@ -13,7 +13,9 @@
 
        one_word [MODELS]    by default 10,000; one build for each scalar. SPDX-License-Identifier: MIT */
 #define RBD_IMPLEMENTATION
+#ifdef RBD_LANES
 #define RBD_STATIC
+#endif
 #include "rbd_derivatives.h"
 
 #include "rbd_constraints.h"
@@ -405,13 +407,14 @@ static int run(const system_ *s, words *o) {
     SAY(6, rbd_hybrid(m, w, q, v, given, a, tau, NULL));
     for (int k = 0; k < 4; k++) { /* a foot at the end, a foot before it, and one held to the first body */
         const double point[3] = {s->size, 0, s->size}, place[3] = {0, s->size, 0};
+        const rbd_real no_bounce = {0};
         rbd_constraint foot = rbd_point_contact(k == 2 ? s->first - 1 : s->nb - 1, point, NULL);
         rbd_constraint_set *c;
         if (k == 3) foot = rbd_ball_loop(s->nb - 1, point, 0, place);
         o->status[7 + k] = o->status[1], o->dof[7 + k] = o->dof[1];
         if (rbd_constraint_set_init(m, w, &foot, 1, &memory[3], sizeof memory[3], &c, NULL) != RBD_OK)
             continue;
-        SAY(7 + k, k == 1 ? rbd_impact(m, c, q, v, rbdi_zero(), a, NULL)
+        SAY(7 + k, k == 1 ? rbd_impact(m, c, q, v, no_bounce, a, NULL)
                           : rbd_constrained_fd(m, c, q, v, tau, NULL, a, NULL));
     }
     return rbd_nv(m);

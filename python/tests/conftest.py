@@ -22,10 +22,13 @@ def double():
     return rbd.Library("double", flags=FLAGS)
 
 
-@pytest.fixture(autouse=True)
-def quick(monkeypatch):
-    """These flags for libraries that take the default, also of programs: -O3 takes half a minute of a processor."""
-    monkeypatch.setenv("RBD_FLAGS", FLAGS)
+@pytest.fixture(scope="session", autouse=True)
+def quick():
+    """These flags for libraries that take the default, also of programs and of fixtures of any scope: -O3 takes half a
+    minute of a processor."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("RBD_FLAGS", FLAGS)
+        yield
 
 
 @pytest.fixture

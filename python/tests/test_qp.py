@@ -6,11 +6,6 @@ import pytest
 import rbd
 
 
-@pytest.fixture(params=["double", "float"], scope="module")
-def library(request):
-    return rbd.Library(request.param)
-
-
 def test_answers_by_hand(library):
     """The place nearest to (1, 0.5) with x + y <= 1 and x >= 0; a soft row; an equality; no H."""
     near = 1e-5 if library.real == "float" else 1e-12
