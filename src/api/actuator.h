@@ -211,7 +211,8 @@ RBDI_API rbd_status rbd_actuators_begin(rbd_actuators *a, const rbd_command *com
 
 /* Ends a step, and returns 0, if all shafts do at v_next what the step was told. Else returns 1: the step
    must be made again with the new tau and damping. After 50 repeats it takes what there is. A v_next that is
-   not finite ends the step; the shafts, and the commands under way, stay as they were. */
+   not finite or above 1e9 ends the step; the shafts, and the commands under way, stay as they were. If shafts
+   are coupled it is asked for once more, since what was learnt of their inertia may have made it. */
 RBDI_API int rbd_actuators_again(rbd_actuators *a, const rbd_real *v_next, rbd_real *tau, rbd_real *damping);
 
 /* A shaft after its last step. */
