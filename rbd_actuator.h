@@ -423,6 +423,7 @@ typedef struct rbdi_act_shaft {
     rbd_real winding, housing; /* degrees above the air */
     rbd_real bristle;          /* N m: of the bristle, or 0 */
     rbd_real motor, joint; /* N m, of the last step: the motor's torque, the shaft's on the joint's side */
+    rbd_real current;      /* A, of the last step */
 
     /* of the step */
     rbd_command arrived;
@@ -807,7 +808,6 @@ RBDI_PART void rbdi_act_drive_motor(const rbd_motor *m, rbdi_act_shaft *s, const
     line.t = s->now;
     line.braking = rbdi_zero();
     line = rbdi_act_limit(s, line, s->speed);
-    s->saturated = (int16_t)line.saturated;
     s->now = line.t - line.braking * s->speed + s->cogging;
     if (!line.saturated) return;
     s->pass = s->gain = rbdi_zero();
@@ -1353,6 +1353,7 @@ RBDI_PART rbd_real rbdi_act_size(const rbd_motor *m, const rbdi_act_shaft *s, co
 /* The state of the shaft at the end of the step, where the joint's side has speed x and gets s->force. */
 RBDI_PART void rbdi_act_end_shaft(const rbd_motor *m, rbdi_act_shaft *s, rbd_real x, const rbd_actuators *a) {
     rbdi_act_line line;
+    rbd_real t;
     s->joint = s->force;
     if (m->stiffness > 0) {
         const rbdi_act_spring spring = rbdi_act_spring_at(m, s, x, a);
@@ -1368,10 +1369,11 @@ RBDI_PART void rbdi_act_end_shaft(const rbd_motor *m, rbdi_act_shaft *s, rbd_rea
     }
 
     line = rbdi_act_motor_at(s, s->speed);
+    t = line.t - line.braking * s->speed;
     s->saturated = (int16_t)line.saturated;
-    s->cogging = s->cogging - s->cogging_slope * s->speed;
-    s->motor = line.t - line.braking * s->speed + s->cogging;
-    rbdi_act_heat(m, s, (s->motor - s->cogging) / rbdi_act_torque_constant(m), a->air, a->dt);
+    s->motor = t + (s->cogging - s->cogging_slope * s->speed);
+    s->current = t / rbdi_act_torque_constant(m);
+    rbdi_act_heat(m, s, s->current, a->air, a->dt);
 }
 
 /* ==== src/actuator/coupled.h ==== */
@@ -1633,7 +1635,7 @@ RBDI_LOCAL void rbdi_act_rest(rbd_actuators *a, rbd_real air) {
     for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) {
         s->angle = s->g;
         s->speed = s->winding = s->housing = s->bristle = rbdi_zero();
-        s->motor = s->joint = s->level = rbdi_zero();
+        s->motor = s->joint = s->current = s->level = rbdi_zero();
         s->cogging = s->cogging_slope = rbdi_zero();
         s->t = s->now = s->braking = s->gain = s->rate = rbdi_zero();
         s->most = s->stall = s->droop = s->pass = rbdi_zero();
@@ -1855,7 +1857,7 @@ RBDI_API rbd_status rbd_actuators_get(const rbd_actuators *a, int motor, rbd_act
     state->motor = s->motor;
     state->joint = s->joint;
     state->friction = s->level;
-    state->current = (s->motor - s->cogging) / rbdi_act_torque_constant(&a->motor[motor]);
+    state->current = s->current;
     state->winding = s->winding + a->air;
     state->housing = s->housing + a->air;
     state->saturated = s->saturated;

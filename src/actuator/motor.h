@@ -205,7 +205,6 @@ RBDI_PART void rbdi_act_drive_motor(const rbd_motor *m, rbdi_act_shaft *s, const
     line.t = s->now;
     line.braking = rbdi_zero();
     line = rbdi_act_limit(s, line, s->speed);
-    s->saturated = (int16_t)line.saturated;
     s->now = line.t - line.braking * s->speed + s->cogging;
     if (!line.saturated) return;
     s->pass = s->gain = rbdi_zero();

@@ -13,7 +13,7 @@ RBDI_LOCAL void rbdi_act_rest(rbd_actuators *a, rbd_real air) {
     for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) {
         s->angle = s->g;
         s->speed = s->winding = s->housing = s->bristle = rbdi_zero();
-        s->motor = s->joint = s->level = rbdi_zero();
+        s->motor = s->joint = s->current = s->level = rbdi_zero();
         s->cogging = s->cogging_slope = rbdi_zero();
         s->t = s->now = s->braking = s->gain = s->rate = rbdi_zero();
         s->most = s->stall = s->droop = s->pass = rbdi_zero();
@@ -235,7 +235,7 @@ RBDI_API rbd_status rbd_actuators_get(const rbd_actuators *a, int motor, rbd_act
     state->motor = s->motor;
     state->joint = s->joint;
     state->friction = s->level;
-    state->current = (s->motor - s->cogging) / rbdi_act_torque_constant(&a->motor[motor]);
+    state->current = s->current;
     state->winding = s->winding + a->air;
     state->housing = s->housing + a->air;
     state->saturated = s->saturated;
