@@ -1434,7 +1434,7 @@ RBDI_PART void rbdi_qp_find_ends(rbdi_qp *s) {
     }
 }
 
-/* Component i of H x, and of |H| |x|: with the sums of all of the row, for both ends are multiples of four. */
+/* Component i of H x, and of |H| |x|: with the sums of all of the row, for its ends are multiples of four. */
 RBDI_ONCE rbd_real rbdi_qp_h_times(const rbdi_qp *s, int i, const rbd_real *x) {
     const int from = s->first[i] / 4 * 4;
     return rbdi_qp_dot(s->given.H + i * s->n + from, x + from, s->last[i] - from);
@@ -2268,8 +2268,8 @@ RBDI_PART void rbdi_qp_optimum_on_equalities(rbdi_qp *s) {
     rbdi_qp_onto_equalities(s, NULL, s->x0);
 }
 
-/* The soft equalities, and with `warm` the soft rows of the guess, join without a step: none depends on others.
-   Rows that pull leave then, so that the dual method may begin here. */
+/* The soft equalities, and with `warm` the soft rows of the guess, join without a step: none depends on
+   others. Rows that pull leave then, so that the dual method may begin here. */
 RBDI_PART void rbdi_qp_first_soft_rows(rbdi_qp *s) {
     for (int row = 0; row < s->all && s->soft; ++row) {
         int side;
