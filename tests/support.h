@@ -64,7 +64,7 @@ typedef void state_check(const robot *r, const state *s, int number);
 typedef void reference_check(const robot *r, const ref_model *model, const ref_state *s, int number);
 typedef void control_check(const robot *r, const ref_control_state *s, int number);
 
-/* A case for tests that take a third of a second and more at -Og: ./run quick leaves them out. */
+/* A case for tests that take a third of a second and more, not optimised: ./run quick leaves them out. */
 TCase *slow_tests(Suite *suite);
 
 /* On every reference model, `count` random states. */

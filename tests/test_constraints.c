@@ -2787,6 +2787,7 @@ END_TEST
 Suite *constraints_suite(void) {
     Suite *suite = suite_create("constraints");
     TCase *c = tcase_create("constraints"), *tolerances = tcase_create("tolerances");
+    TCase *slow = slow_tests(suite);
     tcase_set_timeout(c, 60);
     tcase_add_test(c, every_set_of_the_reference);
     tcase_add_test(c, long_chains_by_both_ways);
@@ -2809,7 +2810,7 @@ Suite *constraints_suite(void) {
     tcase_add_test(c, gains_have_the_bounds_that_are_documented);
     tcase_add_test(c, out_of_reach_names_a_row);
     tcase_add_test(c, angular_error_is_the_turn);
-    tcase_add_test(c, linkage_keeps_its_energy);
+    tcase_add_test(slow, linkage_keeps_its_energy);
     tcase_add_test(c, close_points_keep_their_rank);
     tcase_add_test(c, contradiction_names_the_row);
     tcase_add_test(c, without_the_named_row_the_others_agree);
@@ -2819,10 +2820,10 @@ Suite *constraints_suite(void) {
     tcase_add_test(c, straight_legs_cost_no_digits);
     tcase_add_test(c, links_without_inertia_cost_no_digits);
     tcase_add_test(c, motors_on_tiny_links_cost_no_digits);
-    tcase_add_test(c, rows_of_tiny_links_hold_or_are_an_error);
+    tcase_add_test(slow, rows_of_tiny_links_hold_or_are_an_error);
     tcase_add_test(c, columns_of_tiny_links_hold_or_are_an_error);
     tcase_add_test(c, wrists_near_gimbal_lock_have_derivatives);
-    tcase_add_test(c, legs_of_any_make_stand);
+    tcase_add_test(slow, legs_of_any_make_stand);
     tcase_add_test(c, legs_do_not_hide_a_singular_joint);
     tcase_add_test(c, singular_mass_matrix_is_an_error);
     tcase_add_test(c, constructors_hold_what_they_say);
