@@ -1,5 +1,6 @@
 #ifndef RBDI_TASKS_LEVELS_H
 #define RBDI_TASKS_LEVELS_H
+#include "qp/solve.h"
 #include "tasks/rows.h"
 
 /* ---- levels [levels] ---- */
@@ -99,7 +100,7 @@ RBDI_LOCAL rbd_qp_status rbdi_tasks_solve_level(rbdi_tasks *k, int level, int ro
     rbd_tasks_result *result = k->result;
     rbd_qp_problem qp;
     rbd_qp_options options;
-    rbd_qp_result done;
+    rbdi_qp s;
 
     for (int i = 0; i < k->n; ++i)
         for (int j = 0; j < i; ++j) k->H[(ptrdiff_t)j * k->n + i] = k->H[(ptrdiff_t)i * k->n + j];
@@ -119,13 +120,14 @@ RBDI_LOCAL rbd_qp_status rbdi_tasks_solve_level(rbdi_tasks *k, int level, int ro
     options.accuracy = rbdi_zero();
 
     if (options.warm) rbdi_tasks_keep(k, level, rows, 0);
-    result->qp = rbd_qp_solve(&qp, &options, k->scratch, k->scratch_size, k->x, k->lambda, k->side, &done);
+    result->qp = rbdi_qp_solve(&s, &qp, &options, 1, k->scratch, k->scratch_size, k->x, k->lambda, k->side);
     rbdi_tasks_keep(k, level, rows, 1);
     result->level = level;
-    result->steps += done.steps;
-    result->primal = rbdi_ik_larger(result->primal, done.primal);
-    result->dual = rbdi_ik_larger(result->dual, done.dual);
-    if (result->qp == RBD_QP_INACCURATE && rbdi_ik_larger(done.primal, done.dual) < RBDI_TASKS_ACCURACY)
+    result->steps += s.result.steps;
+    result->primal = rbdi_ik_larger(result->primal, s.result.primal);
+    result->dual = rbdi_ik_larger(result->dual, s.result.dual);
+    if (result->qp == RBD_QP_INACCURATE &&
+        rbdi_ik_larger(s.result.primal, s.result.dual) < RBDI_TASKS_ACCURACY)
         return RBD_QP_OK;
     return result->qp;
 }

@@ -1,6 +1,5 @@
 #ifndef RBDI_TASKS_SOLVE_H
 #define RBDI_TASKS_SOLVE_H
-#include "qp/solve.h"
 #include "tasks/bounds.h"
 #include "tasks/blame.h"
 
