@@ -978,6 +978,7 @@ typedef struct rbdi_qp {
     rbd_real *u_equal;  /* equalities: multipliers */
     rbd_real *unit;     /* of each row: 1 over its length */
     rbd_real *score;    /* watches: by how much x misses the row, in lengths of it */
+    rbd_real *value;    /* of each row: the row times x, as rbdi_qp_verify leaves it; where the scores were */
 
     int *active;    /* q: rows */
     int *from, *to; /* of each row: where it is not 0 */
@@ -1024,6 +1025,7 @@ RBDI_PART void rbdi_qp_place(rbdi_qp *s, void *memory) {
     s->u_equal = rbdi_qp_scalars(&at, n);
     s->unit = rbdi_qp_scalars(&at, s->all);
     s->score = rbdi_qp_scalars(&at, s->all);
+    s->value = s->score;
 
     s->active = rbdi_qp_ints(&at, most);
     s->from = rbdi_qp_ints(&at, s->all);
@@ -1806,6 +1808,8 @@ RBDI_PART void rbdi_qp_balance(rbdi_qp *s, rbd_real *y, rbd_real *t) {
 }
 
 /* ==== src/qp/active.h ==== */
+/* Interface: rbdi_qp_terms */
+
 /* ---- active rows [active rows] ---- */
 
 /* d = J'n of a row that wants to join at this side. A soft row brings its slack as a column. Returns the
@@ -2624,7 +2628,7 @@ RBDI_PART void rbdi_qp_multipliers(rbdi_qp *s, rbd_real *lambda) {
 
 /* result.primal and result.dual of x and lambda, whatever they came from: of each row, the miss, or where it
    pushes the distance from the side, as a share of its terms; and Hx + f + C'lambda, as a share of the
-   largest term. */
+   largest term. Leaves the value of each row. */
 RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
     rbd_real furthest = rbdi_qp_largest(x, s->n);
     rbd_real worst, sum = 0, size;
@@ -2637,7 +2641,7 @@ RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lam
     for (int k = 0; k < s->n; ++k) s->reach[k] = furthest;
     for (int row = 0; row < s->all; ++row) {
         const rbd_real weight = rbdi_qp_weight(s, row), miss = weight > 0 ? lambda[row] / weight : 0;
-        const rbd_real value = rbdi_qp_row_times(s, row, x) - miss;
+        const rbd_real value = (s->value[row] = rbdi_qp_row_times(s, row, x)) - miss;
         if (lambda[row] == 0 && value >= s->given.lower[row] && value <= s->given.upper[row]) continue;
         const rbd_real below = rbdi_qp_below(s, row, value), above = rbdi_qp_above(s, row, value);
         const int at_upper = lambda[row] > 0 || (!(lambda[row] < 0) && above > below);

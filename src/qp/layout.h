@@ -103,6 +103,7 @@ typedef struct rbdi_qp {
     rbd_real *u_equal;  /* equalities: multipliers */
     rbd_real *unit;     /* of each row: 1 over its length */
     rbd_real *score;    /* watches: by how much x misses the row, in lengths of it */
+    rbd_real *value;    /* of each row: the row times x, as rbdi_qp_verify leaves it; where the scores were */
 
     int *active;    /* q: rows */
     int *from, *to; /* of each row: where it is not 0 */
@@ -149,6 +150,7 @@ RBDI_PART void rbdi_qp_place(rbdi_qp *s, void *memory) {
     s->u_equal = rbdi_qp_scalars(&at, n);
     s->unit = rbdi_qp_scalars(&at, s->all);
     s->score = rbdi_qp_scalars(&at, s->all);
+    s->value = s->score;
 
     s->active = rbdi_qp_ints(&at, most);
     s->from = rbdi_qp_ints(&at, s->all);

@@ -165,7 +165,7 @@ RBDI_PART void rbdi_qp_multipliers(rbdi_qp *s, rbd_real *lambda) {
 
 /* result.primal and result.dual of x and lambda, whatever they came from: of each row, the miss, or where it
    pushes the distance from the side, as a share of its terms; and Hx + f + C'lambda, as a share of the
-   largest term. */
+   largest term. Leaves the value of each row. */
 RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
     rbd_real furthest = rbdi_qp_largest(x, s->n);
     rbd_real worst, sum = 0, size;
@@ -178,7 +178,7 @@ RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lam
     for (int k = 0; k < s->n; ++k) s->reach[k] = furthest;
     for (int row = 0; row < s->all; ++row) {
         const rbd_real weight = rbdi_qp_weight(s, row), miss = weight > 0 ? lambda[row] / weight : 0;
-        const rbd_real value = rbdi_qp_row_times(s, row, x) - miss;
+        const rbd_real value = (s->value[row] = rbdi_qp_row_times(s, row, x)) - miss;
         if (lambda[row] == 0 && value >= s->given.lower[row] && value <= s->given.upper[row]) continue;
         const rbd_real below = rbdi_qp_below(s, row, value), above = rbdi_qp_above(s, row, value);
         const int at_upper = lambda[row] > 0 || (!(lambda[row] < 0) && above > below);
