@@ -634,6 +634,33 @@ START_TEST(cogging_makes_no_energy) {
 }
 END_TEST
 
+/* What a state says of the last step stays while the next one is under way: its cogging is another, and a
+   limit cuts there. */
+START_TEST(a_state_is_that_of_the_last_step) {
+    const rbd_motor motor = {.joint = "axle",
+                             .gear = 5,
+                             .constant = 0.1,
+                             .current = 40,
+                             .inertia = 1e-3,
+                             .cogging = 0.2,
+                             .teeth = 12,
+                             .phase = 0.7};
+    driven d = drive_wheel(&motor);
+    rbd_actuator_state last, now;
+    d.command[0].torque = 2;
+    for (int k = 0; k < 20; k++) step(&d, 1e-3);
+    ck_assert_int_eq(rbd_actuators_get(d.a, 0, &last), RBD_OK);
+    ck_assert_double_eq_tol(last.current, 4, 1e-12); /* 2 N m at the shaft, of 0.5 N m/A */
+
+    d.command[0].torque = 1000;
+    ck_assert_int_eq(rbd_actuators_begin(d.a, d.command, d.q, d.v, 1e-3, 0, d.tau, d.damping), RBD_OK);
+    ck_assert_int_eq(rbd_actuators_get(d.a, 0, &now), RBD_OK);
+    ck_assert(now.current == last.current && now.motor == last.motor && now.joint == last.joint);
+    ck_assert_int_eq(now.saturated, last.saturated);
+    drive_free(&d);
+}
+END_TEST
+
 /* ---- limits at the step's end ---- */
 
 /* The torque that a motor has after a step is what its drive asks for at the angle and speed of the step's
@@ -2304,6 +2331,7 @@ Suite *actuator_suite(void) {
     tcase_add_loop_test(c, a_command_is_late_by_its_delay, 0, 4);
     tcase_add_test(c, encoder_and_cogging_are_seen);
     tcase_add_loop_test(c, cogging_makes_no_energy, 0, 4);
+    tcase_add_test(c, a_state_is_that_of_the_last_step);
     tcase_add_loop_test(c, a_limit_is_decided_at_the_steps_end, 0, 8);
     tcase_add_test(c, a_drive_at_its_limit_is_a_constant_torque);
     tcase_add_test(c, a_voltage_makes_a_torque_speed_line);
