@@ -39,8 +39,8 @@
    [guarantees]
      Those of rbd.h: no allocation, reentrant. With RBD_TASKS_OK contacts are held, hard limits kept and the
      equations of motion solved to result->primal, a share of each row's terms that is at most 1e-7 (float
-     1e-3), and mostly some roundings. With a status below 0 all outputs stay as they were. Outputs are finite.
-     The bits are the same on every machine with RBD_REPRODUCIBLE.
+     1e-3), and mostly some roundings. With a status below 0 all outputs stay as they were. Outputs are
+     finite. The bits are the same on every machine with RBD_REPRODUCIBLE.
 
    [limits]
      A tick costs kinematics, the mass matrix, a Jacobian for each task and contact, and a QP of nv + 3

@@ -64,7 +64,7 @@ typedef void state_check(const robot *r, const state *s, int number);
 typedef void reference_check(const robot *r, const ref_model *model, const ref_state *s, int number);
 typedef void control_check(const robot *r, const ref_control_state *s, int number);
 
-/* A case for tests that take a third of a second and more at -Og: ./run quick leaves them out. */
+/* A case for tests that take a third of a second and more, not optimised: ./run quick leaves them out. */
 TCase *slow_tests(Suite *suite);
 
 /* On every reference model, `count` random states. */
@@ -128,6 +128,7 @@ void record_figures(void);
 void print_figures(void);
 
 double largest(const double *x, int n); /* magnitude; infinite if anything is not finite */
+double larger(double x, double y);      /* infinite if one is NaN, which libm's fmax passes over */
 double dot(const double *a, const double *b, int n);
 void multiply(const double *M, const double *x, int rows, int columns, double *out);
 

@@ -1085,8 +1085,8 @@ static void learn_on_a_stand(learner *x, int kinematic, unsigned char memory[4][
     ck_assert_int_eq(rbd_estimate_init(r->m, 0, &options, memory[3], 20000, &x->e, NULL), RBD_OK);
 }
 
-/* No torque tells what a body of the world carries: it stays unknown. Friction is found, 3 + 0.5 |v| less 0.25.
-   Results that are not wanted need no arrays. */
+/* No torque tells what a body of the world carries: it stays unknown. Friction is found, 3 + 0.5 |v|
+   less 0.25. Results that are not wanted need no arrays. */
 START_TEST(a_payload_of_the_world_is_not_felt) {
     static unsigned char memory[4][20000];
     double pi[10], deviation[10];

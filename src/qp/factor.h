@@ -20,7 +20,7 @@ RBDI_PART void rbdi_qp_find_ends(rbdi_qp *s) {
     }
 }
 
-/* Component i of H x, and of |H| |x|: with the sums of all of the row, for both ends are multiples of four. */
+/* Component i of H x, and of |H| |x|: with the sums of all of the row, for its ends are multiples of four. */
 RBDI_ONCE rbd_real rbdi_qp_h_times(const rbdi_qp *s, int i, const rbd_real *x) {
     const int from = s->first[i] / 4 * 4;
     return rbdi_qp_dot(s->given.H + i * s->n + from, x + from, s->last[i] - from);

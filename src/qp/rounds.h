@@ -17,8 +17,8 @@ RBDI_PART void rbdi_qp_optimum_on_equalities(rbdi_qp *s) {
     rbdi_qp_onto_equalities(s, NULL, s->x0);
 }
 
-/* The soft equalities, and with `warm` the soft rows of the guess, join without a step: none depends on others.
-   Rows that pull leave then, so that the dual method may begin here. */
+/* The soft equalities, and with `warm` the soft rows of the guess, join without a step: none depends on
+   others. Rows that pull leave then, so that the dual method may begin here. */
 RBDI_PART void rbdi_qp_first_soft_rows(rbdi_qp *s) {
     for (int row = 0; row < s->all && s->soft; ++row) {
         int side;
