@@ -122,9 +122,7 @@ typedef struct rbd_motor {
     rbd_const current;    /* A: limit; 0: none */
     rbd_const voltage;    /* V: limit; with the resistance it gives the torque-speed line; 0: none */
     rbd_const copper;     /* 1/K: growth of the resistance above 25 degrees; copper 0.0039 */
-    rbd_const heat_winding,
-        heat_case; /* J/K; these and the flows 0: no heat; heat_case 0: the case stays as cold
-                                          as the air */
+    rbd_const heat_winding, heat_case; /* J/K; both 0: no heat; heat_case 0: the case is as cold as the air */
     rbd_const flow_winding, flow_case; /* K/W: from the winding to the case, from there to the air */
     rbd_const hot, hottest;          /* degrees: the limit of current falls between them to 0; both 0: none */
     rbd_const cogging, teeth, phase; /* N m at the rotor, periods in a turn of the rotor, rad */
@@ -210,7 +208,7 @@ RBDI_API char *rbd_actuators_finding_text(const rbd_finding *finding, int n, cha
 RBDI_API rbd_status rbd_actuators_map(rbd_actuators *a, const rbd_real *q, const rbd_real *v, rbd_real *angle,
                                       rbd_real *speed);
 
-/* The transmission at which the last rbd_actuators_map, _inverse or _begin failed; -1: none. */
+/* The transmission at which the last rbd_actuators_map, _inverse, _reset or _begin failed; -1: none. */
 RBDI_API int rbd_actuators_fault(const rbd_actuators *a);
 
 /* ---- inverse [inverse] ---- */
@@ -258,8 +256,11 @@ typedef struct rbd_command {
     rbd_real voltage; /* V, positive as the rotor turns; 0 if not by voltage */
 } rbd_command;
 
-/* Puts all shafts at rest where q has them, and their temperatures at that of the air, in degrees. Commands
-   under way are 0. Errors: as rbd_actuators_map; RBD_ERR_RANGE, air not within -273 and 1000. */
+/* Puts all shafts at rest where q has them, and their temperatures at that of the air. Commands under way are
+   0, and a step that has begun is forgotten.
+   q     nq
+   air   degrees Celsius, -273 to 1000
+   Errors: as rbd_actuators_map; RBD_ERR_RANGE, air. */
 RBDI_API rbd_status rbd_actuators_reset(rbd_actuators *a, const rbd_real *q, rbd_real air);
 
 /* Begins a step: what the shafts do to the joints, linear in the speeds at the step's end.
@@ -269,19 +270,22 @@ RBDI_API rbd_status rbd_actuators_reset(rbd_actuators *a, const rbd_real *q, rbd
                   Springs that are so stiff that they would vibrate faster than the step are damped by the
                   first, and ring with the second
    tau, damping   nv: torques tau - damping v_next; 0 where there is no motor
-   A step that was begun before and has not ended is none.
+   A step that was begun before and has not ended is forgotten: its commands are taken back.
    Errors: as rbd_actuators_map but _ORDER; RBD_ERR_RANGE, dt not between 1e-9 and 1e3, or a command negative
    where it must not be, not finite or above 1e9, with a torque by voltage or a voltage by torque. */
 RBDI_API rbd_status rbd_actuators_begin(rbd_actuators *a, const rbd_command *commands, const rbd_real *q,
                                         const rbd_real *v, rbd_real dt, int first_order, rbd_real *tau,
                                         rbd_real *damping);
 
-/* Ends a step, and returns 0, if all shafts do at v_next what the step was told. Else returns 1: the step
-   must be made again with the new tau and damping. After 50 repeats it takes what there is. A v_next that is
-   not finite ends the step; the shafts, and the commands under way, stay as they were. */
+/* Ends a step, and returns 0, if all shafts have at v_next the torques that the step was told. Else returns
+   1: the step must be made again with the new tau and damping. After 50 repeats it takes what there is.
+   v_next         nv: the speeds that came out. Where they are not finite or above 1e9, it returns 0; the
+                  shafts, and the commands under way, stay as they were
+   tau, damping   nv, as of rbd_actuators_begin
+   Returns 0 also if a pointer is NULL or no step has begun. */
 RBDI_API int rbd_actuators_again(rbd_actuators *a, const rbd_real *v_next, rbd_real *tau, rbd_real *damping);
 
-/* A shaft after its last step. */
+/* A shaft after its last step that has ended. */
 typedef struct rbd_actuator_state {
     rbd_real angle, speed; /* rad, rad/s: of the rotor, divided by gear */
     rbd_real motor, joint; /* N m at the shaft: torques of the motor, and of the shaft on the joint's side */
@@ -292,7 +296,9 @@ typedef struct rbd_actuator_state {
     int repeats;               /* of the step; 50: it did not settle */
 } rbd_actuator_state;
 
-/* Errors: RBD_ERR_NULL, _INDEX. */
+/* The state of a motor's shaft. Within a step, `friction` and `repeats` are those of this step so far.
+   motor   its index in the table
+   Errors: RBD_ERR_NULL, _INDEX. */
 RBDI_API rbd_status rbd_actuators_get(const rbd_actuators *a, int motor, rbd_actuator_state *state);
 
 /* Derivatives of the joint torques in the state at which rbd_actuators_begin was called, in continuous time:
@@ -423,6 +429,7 @@ typedef struct rbdi_act_shaft {
     rbd_real winding, housing; /* degrees above the air */
     rbd_real bristle;          /* N m: of the bristle, or 0 */
     rbd_real motor, joint; /* N m, of the last step: the motor's torque, the shaft's on the joint's side */
+    rbd_real current;      /* A, of the last step */
 
     /* of the step */
     rbd_command arrived;
@@ -678,8 +685,8 @@ RBDI_PART void rbdi_act_cog(const rbd_motor *m, rbdi_act_shaft *s, rbd_real dt, 
 
 /* A step of heat by implicit Euler; C_w, C_c capacities, g_w, g_c conductances, T above the air:
 
-       C_w (T_w' - T_w) / dt = I^2 R - g_w (T_w' - T_c'),   C_c (T_c' - T_c) / dt = g_w (T_w' - T_c') - g_c
-       T_c' */
+       C_w (T_w' - T_w) / dt = I^2 R - g_w (T_w' - T_c')
+       C_c (T_c' - T_c) / dt = g_w (T_w' - T_c') - g_c T_c' */
 RBDI_PART void rbdi_act_heat(const rbd_motor *m, rbdi_act_shaft *s, rbd_real current, rbd_real air,
                              rbd_real dt) {
     const rbd_real most = rbdi_set(RBDI_ACTUATOR_MOST), hottest = rbdi_set(RBDI_ACTUATOR_HOTTEST);
@@ -713,7 +720,7 @@ RBDI_PART rbd_real rbdi_act_encoder(const rbd_motor *m, rbd_real angle) {
     if (!(m->step > 0)) return seen;
 
     steps = seen / m->step;
-    if (!(rbdi_abs(steps) < RBD_C(1e9))) return seen; /* no int has the number */
+    if (!(rbdi_abs(steps) < RBD_C(1e9))) return seen; /* beyond int32_t */
     return (rbd_real)(int32_t)(steps + (steps < 0 ? RBD_C(-0.5) : RBD_C(0.5))) * m->step;
 }
 
@@ -807,7 +814,6 @@ RBDI_PART void rbdi_act_drive_motor(const rbd_motor *m, rbdi_act_shaft *s, const
     line.t = s->now;
     line.braking = rbdi_zero();
     line = rbdi_act_limit(s, line, s->speed);
-    s->saturated = (int16_t)line.saturated;
     s->now = line.t - line.braking * s->speed + s->cogging;
     if (!line.saturated) return;
     s->pass = s->gain = rbdi_zero();
@@ -1353,6 +1359,7 @@ RBDI_PART rbd_real rbdi_act_size(const rbd_motor *m, const rbdi_act_shaft *s, co
 /* The state of the shaft at the end of the step, where the joint's side has speed x and gets s->force. */
 RBDI_PART void rbdi_act_end_shaft(const rbd_motor *m, rbdi_act_shaft *s, rbd_real x, const rbd_actuators *a) {
     rbdi_act_line line;
+    rbd_real t;
     s->joint = s->force;
     if (m->stiffness > 0) {
         const rbdi_act_spring spring = rbdi_act_spring_at(m, s, x, a);
@@ -1368,24 +1375,27 @@ RBDI_PART void rbdi_act_end_shaft(const rbd_motor *m, rbdi_act_shaft *s, rbd_rea
     }
 
     line = rbdi_act_motor_at(s, s->speed);
+    t = line.t - line.braking * s->speed;
     s->saturated = (int16_t)line.saturated;
-    s->cogging = s->cogging - s->cogging_slope * s->speed;
-    s->motor = line.t - line.braking * s->speed + s->cogging;
-    rbdi_act_heat(m, s, (s->motor - s->cogging) / rbdi_act_torque_constant(m), a->air, a->dt);
+    s->motor = t + (s->cogging - s->cogging_slope * s->speed);
+    s->current = t / rbdi_act_torque_constant(m);
+    rbdi_act_heat(m, s, s->current, a->air, a->dt);
 }
 
 /* ==== src/actuator/coupled.h ==== */
 /* ---- coupled shafts [coupled shafts] ----
-   The shafts of a transmission. Their joints move as T = base + P (x - point), P = mass / dt. */
+   The shafts of a transmission. By their speeds x their joints move as T = base + P (x - point), P = M / dt,
+   where M is the mass that a group learns. */
 
-/* Joint speeds of shaft speeds x. */
+/* Speed of joint j at shaft speeds x. */
 RBDI_INLINE rbd_real rbdi_act_joint_speed(const rbdi_act_group *g, int j, const rbd_real *x) {
     rbd_real v = rbdi_zero();
     for (int i = 0; i < g->n; ++i) v = v + g->inverse[g->n * j + i] * x[i];
     return v;
 }
 
-/* Solves A x = b, A symmetric and positive definite, by L D L'; b becomes x. Returns 0 if A is not so. */
+/* Solves A x = b, A symmetric and positive definite, by L D L'; b becomes x, A its factor. Returns 0 if A is
+   not positive definite. */
 RBDI_LOCAL int rbdi_act_solve_small(rbd_real *A, int n, rbd_real *b) {
     for (int k = 0; k < n; ++k) {
         if (!(A[n * k + k] > 0)) return 0;
@@ -1402,7 +1412,7 @@ RBDI_LOCAL int rbdi_act_solve_small(rbd_real *A, int n, rbd_real *b) {
     return 1;
 }
 
-/* The law of each shaft at its point, without and with dry friction. */
+/* The law of each shaft at its point: without dry friction, and that friction where it sticks and slides. */
 typedef struct rbdi_act_laws {
     rbdi_act_piece without[3];
     rbdi_act_stiction sticks[3];
@@ -1424,8 +1434,8 @@ RBDI_LOCAL void rbdi_act_take_laws(const rbd_actuators *a, const rbdi_act_group 
     }
 }
 
-/* The speeds x at which the joints' torques are those of the laws, if shaft i slides as slides[i] says.
-   Returns by how much they contradict that, N m; below 0 if there are none. */
+/* The speeds x at which the joints have the torques of the laws, if shaft i sticks (slides[i] = 0) or slides
+   (1, -1). Returns by how much friction contradicts that at x, N m; below 0 if there is no x. */
 RBDI_LOCAL rbd_real rbdi_act_speeds_if(const rbd_actuators *a, const rbdi_act_group *g,
                                        const rbdi_act_laws *laws, const int *slides, rbd_real *x) {
     const rbdi_act_shaft *s = &a->shaft[g->first];
@@ -1456,8 +1466,8 @@ RBDI_LOCAL rbd_real rbdi_act_speeds_if(const rbd_actuators *a, const rbdi_act_gr
     return off;
 }
 
-/* Those speeds where each shaft sticks or slides as its law says: one of 3^n ways is right, but for rounding.
-   */
+/* Tries the 3^n ways in which shafts stick or slide, and takes the speeds x that contradict theirs least: but
+   for rounding one does not. */
 RBDI_LOCAL void rbdi_act_speeds(const rbd_actuators *a, const rbdi_act_group *g, const rbdi_act_laws *laws,
                                 rbd_real *x) {
     const int ways = g->n == 1 ? 3 : g->n == 2 ? 9 : 27;
@@ -1474,10 +1484,10 @@ RBDI_LOCAL void rbdi_act_speeds(const rbd_actuators *a, const rbdi_act_group *g,
     }
 }
 
-/* Tells the joints torques and dampings with which they have the torques T at the shaft speeds x: for A = G'
-   diag(slope) G
+/* Tells the joints torques and dampings with which they have the torques G'T at the shaft speeds x. The
+   dampings are a diagonal D that is at least A = G' diag(slope) G:
 
-       L_jj = sum |A_jk|,   torque = G'T + L G^-1 x,   damping = L */
+       D_jj = sum |A_jk|,   s = G'T + D G^-1 x */
 RBDI_LOCAL void rbdi_act_tell_joints(rbdi_act_group *g, const rbd_real *T, const rbd_real *x,
                                      const rbd_real *slope) {
     const int n = g->n;
@@ -1494,8 +1504,8 @@ RBDI_LOCAL void rbdi_act_tell_joints(rbdi_act_group *g, const rbd_real *T, const
     }
 }
 
-/* What a group tells the step: what its laws are at the point, or, where the joints' motion is known, the
-   solution. */
+/* Tells the joints of a group its laws at the point or, if the mass is known, at the speeds that will come
+   out. */
 RBDI_LOCAL void rbdi_act_tell_group(const rbd_actuators *a, rbdi_act_group *g) {
     const rbdi_act_shaft *s = &a->shaft[g->first];
     const int n = g->n;
@@ -1536,8 +1546,7 @@ RBDI_LOCAL void rbdi_act_note_group(const rbd_actuators *a, const rbdi_act_group
     }
 }
 
-/* Whether the shafts have the torques of their laws, but for rounding of these and of the joints' momentum.
-   */
+/* Whether the shafts have the torques of their laws, but for rounding of these and of the momentum. */
 RBDI_LOCAL int rbdi_act_group_settles(const rbd_actuators *a, const rbdi_act_group *g) {
     const rbdi_act_shaft *s = &a->shaft[g->first];
     for (int i = 0; i < g->n; ++i) {
@@ -1551,14 +1560,15 @@ RBDI_LOCAL int rbdi_act_group_settles(const rbd_actuators *a, const rbdi_act_gro
     return 1;
 }
 
-/* ---- motion that is learnt [learning] ---- */
+/* ---- mass that is learnt [learning] ---- */
 
-/* A first guess of the mass, kg m^2: the torque that was there, by a change of speed of its size. */
+/* A first guess of the mass, a diagonal in kg m^2: the impulse of the step over the largest change of speed
+   that it can have made. The least torque, 1e-3 N m, keeps it above 0. */
 RBDI_LOCAL void rbdi_act_guess_mass(const rbd_actuators *a, rbdi_act_group *g) {
     const rbdi_act_shaft *s = &a->shaft[g->first];
     for (int i = 0; i < g->n * g->n; ++i) g->mass[i] = rbdi_zero();
     for (int i = 0; i < g->n; ++i) {
-        const rbd_real change = rbdi_abs(s[i].x) + rbdi_abs(s[i].next) + a->dt; /* 1 rad/s^2 at least */
+        const rbd_real change = rbdi_abs(s[i].x) + rbdi_abs(s[i].next) + a->dt; /* by 1 rad/s^2 at least */
         const rbd_real torque = rbdi_abs(s[i].force) + s[i].level + RBD_C(1e-3);
         g->mass[(g->n + 1) * i] = a->dt * torque / change + rbdi_act_rotor_inertia(&a->motor[g->first + i]);
     }
@@ -1577,25 +1587,28 @@ RBDI_LOCAL int rbdi_act_is_positive(const rbd_real *A, int n) {
     return rbdi_act_solve_small(copy, n, none);
 }
 
-/* Corrects the mass so that it makes of d = next - point the change y of force dt: with r = y - P d
+/* Corrects the mass M so that M d = y, for the change d of the speeds and the impulse y that made it: by SR1
+   or, if that is not positive definite, by BFGS (Nocedal and Wright 2006, chapter 6). With r = y - M d
 
-       P + r r' / (r'd),   or, if that is not positive,   P + y y' / (y'd) - P d (P d)' / (d'P d) */
+       M + r r' / (r'd),   M + y y' / (y'd) - M d (M d)' / (d'M d)
+
+   SR1 is left out where r is across d to 1e-5, for it would divide by rounding. */
 RBDI_LOCAL void rbdi_act_learn(const rbd_actuators *a, rbdi_act_group *g) {
     const rbdi_act_shaft *s = &a->shaft[g->first];
     const int n = g->n;
-    rbd_real d[3], y[3], Pd[3], r[3], A[9];
-    rbd_real d_d = rbdi_zero(), y_d = d_d, r_d = d_d, r_r = d_d, dPd = d_d, size = d_d;
+    rbd_real d[3], y[3], Md[3], r[3], A[9];
+    rbd_real d_d = rbdi_zero(), y_d = d_d, r_d = d_d, r_r = d_d, dMd = d_d, size = d_d;
     for (int i = 0; i < n; ++i) d[i] = s[i].next - s[i].point;
     for (int i = 0; i < n; ++i) {
-        Pd[i] = rbdi_zero();
-        for (int k = 0; k < n; ++k) Pd[i] = Pd[i] + g->mass[n * i + k] * d[k];
+        Md[i] = rbdi_zero();
+        for (int k = 0; k < n; ++k) Md[i] = Md[i] + g->mass[n * i + k] * d[k];
         y[i] = a->dt * (s[i].force - s[i].base);
-        r[i] = y[i] - Pd[i];
+        r[i] = y[i] - Md[i];
         d_d = d_d + d[i] * d[i];
         y_d = y_d + y[i] * d[i];
         r_d = r_d + r[i] * d[i];
         r_r = r_r + r[i] * r[i];
-        dPd = dPd + d[i] * Pd[i];
+        dMd = dMd + d[i] * Md[i];
         size = size + s[i].scale * s[i].scale;
     }
     if (!(d_d > RBDI_ACTUATOR_NOISE * RBDI_ACTUATOR_NOISE * size) || !(y_d > 0) || !(r_r > 0)) return;
@@ -1605,14 +1618,13 @@ RBDI_LOCAL void rbdi_act_learn(const rbd_actuators *a, rbdi_act_group *g) {
     if (!rbdi_act_is_positive(A, n)) {
         for (int i = 0; i < n * n; ++i) A[i] = g->mass[i];
         rbdi_act_add_square(A, n, 1 / y_d, y);
-        rbdi_act_add_square(A, n, -1 / dPd, Pd);
+        rbdi_act_add_square(A, n, -1 / dMd, Md);
         if (!rbdi_act_is_positive(A, n)) return;
     }
     for (int i = 0; i < n * n; ++i) g->mass[i] = A[i];
 }
 
-/* The torque that the joints would have had at the speeds of the step's beginning: a guess for the next step.
-   */
+/* Guesses the base of the next step: the joints' torque at the speeds of this step's beginning. */
 RBDI_LOCAL void rbdi_act_foresee(const rbd_actuators *a, const rbdi_act_group *g) {
     rbdi_act_shaft *s = &a->shaft[g->first];
     for (int i = 0; i < g->n; ++i) {
@@ -1633,7 +1645,7 @@ RBDI_LOCAL void rbdi_act_rest(rbd_actuators *a, rbd_real air) {
     for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) {
         s->angle = s->g;
         s->speed = s->winding = s->housing = s->bristle = rbdi_zero();
-        s->motor = s->joint = s->level = rbdi_zero();
+        s->motor = s->joint = s->current = s->level = rbdi_zero();
         s->cogging = s->cogging_slope = rbdi_zero();
         s->t = s->now = s->braking = s->gain = s->rate = rbdi_zero();
         s->most = s->stall = s->droop = s->pass = rbdi_zero();
@@ -1668,7 +1680,7 @@ RBDI_LOCAL rbd_command rbdi_act_delay(rbd_actuators *a, int i, const rbd_command
     return s->arrived;
 }
 
-/* Takes the commands out again of a step that has not ended. */
+/* Puts the commands back of a step that has not ended: the oldest into the ring, the new one out. */
 RBDI_LOCAL void rbdi_act_take_back(rbd_actuators *a) {
     for (int i = 0; i < a->n && a->begun; ++i) {
         const int delay = a->motor[i].delay;
@@ -1680,14 +1692,14 @@ RBDI_LOCAL void rbdi_act_take_back(rbd_actuators *a) {
     a->begun = 0;
 }
 
-/* Whether a command is one for the motor: finite, no gain negative, a torque or a voltage. */
+/* Whether a command suits the motor: finite, no negative gain, no torque by voltage and no voltage else. */
 RBDI_LOCAL int rbdi_act_is_command(const rbd_motor *m, const rbd_command *c) {
     const rbd_real other = m->by_voltage ? c->torque : c->voltage;
     const rbd_real x[6] = {c->q, c->v, c->kp, c->kd, c->torque, c->voltage};
     return rbdi_act_all_moderate(x, 6) && c->kp >= 0 && c->kd >= 0 && other >= 0 && other <= 0;
 }
 
-/* What all shafts tell the step at their points. */
+/* Tells the step the pieces of all shafts at their points. */
 RBDI_LOCAL void rbdi_act_tell_all(rbd_actuators *a, rbd_real *tau, rbd_real *damping) {
     rbdi_clear(tau, a->nv);
     rbdi_clear(damping, a->nv);
@@ -1767,8 +1779,7 @@ RBDI_LOCAL int rbdi_act_all_settle(const rbd_actuators *a) {
     return 1;
 }
 
-/* How the function of the method falls or grows at the share c of the way from the points to the new speeds.
-   */
+/* Slope of the function of [method] at the share c of the way from the points to the new speeds. */
 RBDI_LOCAL rbd_real rbdi_act_growth(const rbd_actuators *a, rbd_real c) {
     rbd_real sum = rbdi_zero();
     for (int i = 0; i < a->n; ++i) {
@@ -1785,8 +1796,8 @@ RBDI_LOCAL int rbdi_act_overshoots(const rbd_actuators *a) {
     return falls > 0 && rbdi_act_growth(a, rbdi_set(RBD_C(1))) > RBD_C(0.25) * falls;
 }
 
-/* Takes the next points: the new speeds, or, after the first repeat, where the function is least on the way
-   there. */
+/* Moves the points to the new speeds or, if the function grows there after the first repeat, to where it is
+   least on the way. */
 RBDI_LOCAL void rbdi_act_move_points(rbd_actuators *a) {
     rbd_real least = rbdi_zero(), most = rbdi_set(RBD_C(1));
     const rbd_real half = rbdi_set(RBD_C(0.5));
@@ -1814,7 +1825,7 @@ RBDI_LOCAL void rbdi_act_end_step(rbd_actuators *a) {
         if (a->group[i].known) rbdi_act_foresee(a, &a->group[i]);
 }
 
-/* Learns of the new speeds, and tells the step what follows from them. */
+/* Learns masses from the new speeds, moves the points there, and tells the step the pieces. */
 RBDI_LOCAL void rbdi_act_repeat(rbd_actuators *a, rbd_real *tau, rbd_real *damping) {
     ++a->repeats;
     for (int i = 0; i < a->groups; ++i) {
@@ -1855,7 +1866,7 @@ RBDI_API rbd_status rbd_actuators_get(const rbd_actuators *a, int motor, rbd_act
     state->motor = s->motor;
     state->joint = s->joint;
     state->friction = s->level;
-    state->current = (s->motor - s->cogging) / rbdi_act_torque_constant(&a->motor[motor]);
+    state->current = s->current;
     state->winding = s->winding + a->air;
     state->housing = s->housing + a->air;
     state->saturated = s->saturated;

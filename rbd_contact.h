@@ -429,8 +429,8 @@ typedef struct rbdi_contact {
     rbd_real falls;             /* u_n that forces would add in the step without impulses, m/s */
     rbd_real below;             /* the place of contact is so far below the centre, m: l of [contact rows] */
     rbd_real middle;            /* the ball's gap in the middle of the step, m */
-    rbdi_motion velocity, rate; /* there, of the body relative to the plane, world axes: turn and its rate;
-                                   velocity of the place of contact, and gamma */
+    rbdi_motion velocity, rate; /* in the middle of the step, of the body relative to the plane, world axes:
+                                   omega and velocity at the place of contact; domega/dt and gamma */
     rbd_real force[3];          /* of the last step, world axes */
     int body2;
     int row;      /* of the step, -1 = none */
@@ -1936,10 +1936,10 @@ RBDI_LOCAL void rbdi_contact_gap(const rbd_contact_set *c, rbdi_constraint *con,
                                rbdi_dot(normal, contact->rate.v), c->half);
 }
 
-/* Moves the place of contact from the ball to the plane: l by the gap, l' to its rate. Of the point of the
-   body that is there now,
+/* Moves the place of contact along n from the ball to the plane: l grows by the gap, and l' is n'v. For the
+   point of the body at the new place
 
-       velocity and gamma less gap omega x n and gap domega/dt x n,   and gamma less l' omega x n */
+       v := v - gap omega x n,   gamma := gamma - gap domega/dt x n - l' omega x n */
 RBDI_LOCAL void rbdi_place_on_plane(const rbd_constraint_set *s, rbdi_constraint *con,
                                     rbdi_contact *contact) {
     const rbdi_v3 normal = rbdi_contact_normal(s, con), v = contact->velocity.v;
@@ -2107,8 +2107,9 @@ RBDI_LOCAL void rbdi_find_falls(rbd_contact_set *c) {
     }
 }
 
-/* From the upper triangle of a symmetric matrix, in rows of this stride, to all of it in rows of n: first the
-   rows, in batches that may end within the next row, then the columns below the diagonal. */
+/* Makes of the upper triangle of a symmetric matrix, in rows of this stride, all of it in rows of n: moves
+   the rows, then copies each into the column below the diagonal. The last batch of a row writes up to a batch
+   beyond it, which no later row is read from: rbdi_row_stride is longer than n by more. */
 RBDI_LOCAL void rbdi_close_up(rbd_real *x, int stride, int n) {
     for (int r = 0; r < n; ++r)
         for (int t = r; t < n; t += RBDI_BATCH)
@@ -2643,7 +2644,8 @@ RBDI_LOCAL void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int pur
 }
 
 /* Corrects the velocity terms for the first time: c->x[1], and c->moved with the impulses as they are.
-   Returns whether velocities change by more than rounding: they do not at rest, or where nothing turns. */
+   Returns whether velocities change by more than rounding: they do not at rest, or where nothing turns.
+   Speeds count as the solver's tolerance at least. */
 RBDI_LOCAL int rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
                                   const rbd_real *f_ext) {
     rbd_real *change = c->rows->x, changes = rbdi_zero(), speeds = c->solver.given.tolerance;
@@ -2674,15 +2676,17 @@ RBDI_LOCAL void rbdi_correct_again(const rbd_model *m, rbd_contact_set *c, const
     for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
 }
 
-/* Corrects again, if the first correction changed anything. Solves with the biases of positions, and
-   computes c->moved. Keeps the impulses of the first solution in c->early; if no bias changed either, that
-   solution may be good enough. */
+/* Corrects again, if the first correction changed anything; solves with the biases of positions, and computes
+   c->moved. Where neither correction nor biases changed anything, the first solution stays if it is good
+   enough. Its impulses are kept in c->early. */
 RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
                                  const rbd_real *f_ext, int changed) {
     const rbd_contact_solution first = c->solver.solution;
     const rbd_constraint_set *s = c->rows;
-    if (changed) rbdi_correct_again(m, c, tau, f_ext);
-    for (int k = 0; !changed && k < m->nv; ++k) c->x[2][k] = c->x[1][k];
+    if (changed)
+        rbdi_correct_again(m, c, tau, f_ext);
+    else
+        for (int k = 0; k < m->nv; ++k) c->x[2][k] = c->x[1][k];
 
     for (int r = 0; r < s->rows; ++r) c->early[r] = s->lambda[r];
     c->solver.given.tolerance = c->solver.given.tolerance / RBDI_LOOSE;
@@ -2710,10 +2714,14 @@ RBDI_LOCAL rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *
                                            const rbd_real *damping) {
     const int first_order = !(c->half > 0);
     const rbd_status status = rbdi_begin_step(m, c, q, v, tau, f_ext, damping);
+    int changed;
     if (status) return status;
+
     rbdi_solve_first(m, c, first_order ? RBDI_FOR_POSITIONS : RBDI_FOR_VELOCITIES);
     if (first_order) return RBD_OK;
-    rbdi_solve_again(m, c, tau, f_ext, rbdi_solve_between(m, c, tau, f_ext));
+
+    changed = rbdi_solve_between(m, c, tau, f_ext);
+    rbdi_solve_again(m, c, tau, f_ext, changed);
     return RBD_OK;
 }
 

@@ -57,13 +57,15 @@
      RBD_QP_ITERATIONS or _NAN instead, of those with soft rows alone a few of a hundred.
 
    [cost] Flash for a Cortex-M4F at -Os: 13.2 kB of rbd_qp_solve; DAQP 0.9.1 takes 29.5 kB. Contact forces of
-   HyQ without a warm start, DAQP first, both by gcc 12.2 -O2: instructions of a Cortex-M4F in float, the mean
-   of 32 problems; microseconds of a PC in double with -march=native, of 400 in the same run:
+   HyQ without a warm start, DAQP first, both by gcc 12.2 -O2. Instructions of a Cortex-M4F in float: the mean
+   of 32 problems; DAQP's are like ours, but not the same. Microseconds of a PC in double: the same 400
+   problems, the least mean of some runs, with -march=native (AVX-512) and without:
 
-     12 forces, 28 rows, few limits reached       108,526   43,105     4.3   3.5
-     the same, many                               193,063   99,575    10.1   8.3
-     18 accelerations too, 46 rows, few           447,307  149,759    21.5  10.1
-     the same, many                               499,026  221,909    23.0  14.6
+                                              instructions         native        without
+     12 forces, 28 rows, few limits reached   108,526   43,105    4.1   3.5     4.1   4.7
+     the same, many                           193,063   99,575    9.7   8.2     9.7  10.7
+     18 accelerations too, 46 rows, few       447,307  149,759   20.7  10.5    19.2  14.9
+     the same, many                           499,026  221,909   DAQP's time varies twofold
 */
 
 /* ==== src/api/configuration.h ==== */
@@ -879,6 +881,8 @@ RBDI_PART char *rbdi_join(const char *const *piece, int n, char *text, size_t si
 #endif
 
 /* ==== src/qp/layout.h ==== */
+/* Interface: rbdi_qp */
+
 /* ---- method [method] ----
    Minimise x'Hx/2 + f'x with n_i'x >= b_i, where the normal n_i of a row points into what is allowed: the
    row itself at its lower side, its negative at its upper one.
@@ -940,6 +944,7 @@ typedef struct rbdi_qp {
     rbd_qp_result result;
     rbd_real *lambda;  /* of each row */
     signed char *side; /* of each row: -1, 0 or 1; 1 for an equality that is eliminated */
+    int symmetric;     /* whether H is symmetric because of how the caller made it */
     int n, all, soft;  /* variables, rows with bounds, soft rows */
     int watches;       /* rows that x may miss: not 0, with a side, no equality that is eliminated */
     int equalities;    /* eliminated: the first reflections */
@@ -975,6 +980,7 @@ typedef struct rbdi_qp {
     rbd_real *u_equal;  /* equalities: multipliers */
     rbd_real *unit;     /* of each row: 1 over its length */
     rbd_real *score;    /* watches: by how much x misses the row, in lengths of it */
+    rbd_real *value;    /* of each row: the row times x, as rbdi_qp_verify leaves it; where the scores were */
 
     int *active;    /* q: rows */
     int *from, *to; /* of each row: where it is not 0 */
@@ -1021,6 +1027,7 @@ RBDI_PART void rbdi_qp_place(rbdi_qp *s, void *memory) {
     s->u_equal = rbdi_qp_scalars(&at, n);
     s->unit = rbdi_qp_scalars(&at, s->all);
     s->score = rbdi_qp_scalars(&at, s->all);
+    s->value = s->score;
 
     s->active = rbdi_qp_ints(&at, most);
     s->from = rbdi_qp_ints(&at, s->all);
@@ -1803,6 +1810,8 @@ RBDI_PART void rbdi_qp_balance(rbdi_qp *s, rbd_real *y, rbd_real *t) {
 }
 
 /* ==== src/qp/active.h ==== */
+/* Interface: rbdi_qp_terms */
+
 /* ---- active rows [active rows] ---- */
 
 /* d = J'n of a row that wants to join at this side. A soft row brings its slack as a column. Returns the
@@ -2458,7 +2467,7 @@ RBDI_PART rbd_qp_status rbdi_qp_rounds(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mi
 }
 
 /* ==== src/qp/solve.h ==== */
-/* Interface: RBDI_QP_MOST */
+/* Interface: rbdi_qp_solve, RBDI_QP_MOST */
 
 /* ---- solve [solve code] ---- */
 
@@ -2518,7 +2527,7 @@ RBDI_PART rbd_qp_status rbdi_qp_refuse_pair(rbdi_qp *s, int i, int j) {
     return rbdi_qp_refuse(s, RBD_QP_SYMMETRIC, i, "H");
 }
 
-/* H and f: finite, symmetric. */
+/* H and f: finite, symmetric. A sum of squares is symmetric, and finite if its diagonal is. */
 RBDI_PART rbd_qp_status rbdi_qp_check_value(rbdi_qp *s) {
     const rbd_real *H = s->given.H;
     const int n = s->n;
@@ -2529,7 +2538,7 @@ RBDI_PART rbd_qp_status rbdi_qp_check_value(rbdi_qp *s) {
         if (!rbdi_qp_finite(diagonal)) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "H");
         if (diagonal < 0) return rbdi_qp_refuse(s, RBD_QP_CONVEX, i, "H");
         s->t[i] = own;
-        for (int j = 0; j < i; ++j) {
+        for (int j = 0; j < i && !s->symmetric; ++j) {
             const rbd_real apart = rbdi_abs(H[i * n + j] - H[j * n + i]);
             if (!(apart <= own) && !(apart <= own + s->t[j])) return rbdi_qp_refuse_pair(s, i, j);
         }
@@ -2621,7 +2630,7 @@ RBDI_PART void rbdi_qp_multipliers(rbdi_qp *s, rbd_real *lambda) {
 
 /* result.primal and result.dual of x and lambda, whatever they came from: of each row, the miss, or where it
    pushes the distance from the side, as a share of its terms; and Hx + f + C'lambda, as a share of the
-   largest term. */
+   largest term. Leaves the value of each row. */
 RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
     rbd_real furthest = rbdi_qp_largest(x, s->n);
     rbd_real worst, sum = 0, size;
@@ -2634,7 +2643,7 @@ RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lam
     for (int k = 0; k < s->n; ++k) s->reach[k] = furthest;
     for (int row = 0; row < s->all; ++row) {
         const rbd_real weight = rbdi_qp_weight(s, row), miss = weight > 0 ? lambda[row] / weight : 0;
-        const rbd_real value = rbdi_qp_row_times(s, row, x) - miss;
+        const rbd_real value = (s->value[row] = rbdi_qp_row_times(s, row, x)) - miss;
         if (lambda[row] == 0 && value >= s->given.lower[row] && value <= s->given.upper[row]) continue;
         const rbd_real below = rbdi_qp_below(s, row, value), above = rbdi_qp_above(s, row, value);
         const int at_upper = lambda[row] > 0 || (!(lambda[row] < 0) && above > below);
@@ -2723,47 +2732,54 @@ RBDI_PART rbd_qp_status rbdi_qp_bound_result(rbdi_qp *s, rbd_qp_status status, r
     return status;
 }
 
-RBDI_API rbd_qp_status rbd_qp_solve(const rbd_qp_problem *problem, const rbd_qp_options *options,
-                                    void *memory, size_t size, rbd_real *x, rbd_real *lambda,
-                                    signed char *side, rbd_qp_result *result) {
+/* Solves a problem. s: what it leaves there and in the memory stays for the caller to read. symmetric: of the
+   state. */
+RBDI_PART rbd_qp_status rbdi_qp_solve(rbdi_qp *s, const rbd_qp_problem *problem,
+                                      const rbd_qp_options *options, int symmetric, void *memory, size_t size,
+                                      rbd_real *x, rbd_real *lambda, signed char *side) {
     static const rbd_qp_options defaults = {0, 0, 0, 0};
     static const rbd_qp_result none = {0, 0, 0, 0, 0, -1, NULL};
-    rbdi_qp s;
     rbd_qp_status status;
     int warm;
 
     rbdi_require_ieee();
-    s.result = none;
-    if (result) *result = none;
+    s->result = none;
     if (!problem || !memory || !x) return RBD_QP_NULL;
-    s.given = *problem;
-    s.options = options ? *options : defaults;
-    s.side = side;
-    s.lambda = lambda;
-    s.soft = 0;
-    s.q = 0;
-    s.equalities = 0;
-    s.reflections = 0;
-    s.rho = 0;
-    s.doubtful = 0;
-    s.furthest = 0;
-    status = rbdi_qp_check_problem(&s);
-    if (status == RBD_QP_OK && s.all && (!lambda || !side)) status = RBD_QP_NULL;
-    if (status == RBD_QP_OK && size < RBD_QP_SIZE(s.n, problem->bounds, problem->rows, s.soft))
+    s->given = *problem;
+    s->options = options ? *options : defaults;
+    s->symmetric = symmetric;
+    s->side = side;
+    s->lambda = lambda;
+    s->soft = 0;
+    s->q = 0;
+    s->equalities = 0;
+    s->reflections = 0;
+    s->rho = 0;
+    s->doubtful = 0;
+    s->furthest = 0;
+    status = rbdi_qp_check_problem(s);
+    if (status == RBD_QP_OK && s->all && (!lambda || !side)) status = RBD_QP_NULL;
+    if (status == RBD_QP_OK && size < RBD_QP_SIZE(s->n, problem->bounds, problem->rows, s->soft))
         status = RBD_QP_MEMORY;
+    if (status != RBD_QP_OK) return status;
 
-    if (status == RBD_QP_OK) {
-        warm = s.options.warm;
-        for (int k = 0; k < s.n; ++k)
-            if (!warm || !rbdi_qp_finite(x[k])) x[k] = 0;
-        for (int row = 0; row < s.all; ++row) {
-            lambda[row] = 0;
-            if (!warm) side[row] = 0;
-        }
-        rbdi_qp_place(&s, memory);
-        status = rbdi_qp_run(&s, x, lambda);
-        status = rbdi_qp_bound_result(&s, status, x, lambda);
+    warm = s->options.warm;
+    for (int k = 0; k < s->n; ++k)
+        if (!warm || !rbdi_qp_finite(x[k])) x[k] = 0;
+    for (int row = 0; row < s->all; ++row) {
+        lambda[row] = 0;
+        if (!warm) side[row] = 0;
     }
+    rbdi_qp_place(s, memory);
+    status = rbdi_qp_run(s, x, lambda);
+    return rbdi_qp_bound_result(s, status, x, lambda);
+}
+
+RBDI_API rbd_qp_status rbd_qp_solve(const rbd_qp_problem *problem, const rbd_qp_options *options,
+                                    void *memory, size_t size, rbd_real *x, rbd_real *lambda,
+                                    signed char *side, rbd_qp_result *result) {
+    rbdi_qp s;
+    const rbd_qp_status status = rbdi_qp_solve(&s, problem, options, 0, memory, size, x, lambda, side);
     if (result) *result = s.result;
     return status;
 }

@@ -342,7 +342,6 @@ typedef struct rbdi_tasks {
     rbd_real *lower, *upper, *soft; /* n + rows; a task's row has y in both until its level is solved */
     rbd_real *x, *lambda;           /* n, n + rows */
     rbd_real *found;                /* n: x of the level before */
-    rbd_real *terms;                /* n: |x_i| and a unit of it */
     rbd_real *bias;                 /* nv: torque at a = 0 */
     rbd_real *J;                    /* 6 x nv: of one task or contact */
     void *scratch;                  /* memory of the QP */
@@ -357,7 +356,7 @@ typedef struct rbdi_tasks {
     ((size_t)(nv) + (size_t)(rows) + (3 + RBDI_TASKS_SIDES) * (size_t)(contacts))
 #define RBDI_TASKS_ALL(nv, rows, contacts) (RBDI_TASKS_N(nv, contacts) + RBDI_TASKS_C(nv, rows, contacts))
 #define RBDI_TASKS_SCALARS(nv, rows, contacts) \
-    (RBDI_TASKS_N(nv, contacts) * (RBDI_TASKS_ALL(nv, rows, contacts) + 4) + \
+    (RBDI_TASKS_N(nv, contacts) * (RBDI_TASKS_ALL(nv, rows, contacts) + 3) + \
      4 * RBDI_TASKS_ALL(nv, rows, contacts) + 7 * (size_t)(nv))
 #define RBDI_TASKS_CHARS(nv, rows, contacts) \
     (RBD_TASK_LEVELS * RBDI_TASKS_LIMITS(nv, contacts) + RBDI_TASKS_ALL(nv, rows, contacts))
@@ -1001,7 +1000,7 @@ RBDI_LOCAL void rbdi_tasks_square(rbdi_tasks *k, rbd_real weight) {
     for (int i = 0; i < k->nv; ++i) {
         const rbd_real a = weight * row[i];
         rbd_real *to = &k->H[(ptrdiff_t)i * k->n];
-        if (!(a < 0 || a > 0)) continue;
+        if (a == 0) continue; /* a NaN is to reach the diagonal, where the QP looks for it */
         k->f[i] = k->f[i] - a * y;
         for (int j = 0; j <= i; ++j) to[j] = to[j] + a * row[j];
     }
@@ -1181,12 +1180,40 @@ RBDI_LOCAL void rbdi_tasks_clear_squares(rbdi_tasks *k) {
     }
 }
 
+/* By how much x misses hard rows of the QP that was solved, at most, as a share of each row's own terms. That
+   of rbd_qp_result counts all components of x as the largest: one may be missed by all of itself, where
+   another is a million. Here x_i counts as |x_i| + a unit of it. */
+RBDI_LOCAL rbd_real rbdi_tasks_missed(const rbdi_tasks *k, const rbdi_qp *s) {
+    const rbd_real force = rbdi_set(rbdi_tasks_unit_force(k)), motion = rbdi_set(RBD_C(1));
+    rbd_real most = rbdi_zero();
+
+    for (int i = 0; i < k->n; ++i) s->reach[i] = rbdi_abs(k->x[i]) + (i < k->nv ? motion : force);
+    for (int row = 0; row < s->all; ++row) {
+        const rbd_real value = s->value[row], below = k->lower[row] - value;
+        const rbd_real by = rbdi_ik_larger(below, value - k->upper[row]);
+        const rbd_real side = below > 0 ? k->lower[row] : k->upper[row];
+        if (!(by > 0) || k->soft[row] > 0) continue;
+        if (by <= most * (rbdi_abs(side) + rbdi_abs(value))) continue; /* the terms are more than the value */
+        most = rbdi_ik_larger(most, by / rbdi_qp_terms(s, row, side));
+    }
+    return most;
+}
+
+/* Whether x keeps its rows well enough for a tick; result->primal. Limits were widened by what the levels
+   before missed. */
+RBDI_LOCAL int rbdi_tasks_keeps_rows(rbdi_tasks *k, const rbdi_qp *s) {
+    k->missed = k->missed + rbdi_tasks_missed(k, s);
+    k->result->primal = rbdi_ik_larger(k->result->primal, k->missed);
+    return k->missed < RBDI_TASKS_ACCURACY && rbdi_tasks_are_within(k->x, k->n, -RBDI_IK_MOST, RBDI_IK_MOST);
+}
+
 /* Solves the QP of a level, with the first rows of C: those of its own tasks are squares in it. */
 RBDI_LOCAL rbd_qp_status rbdi_tasks_solve_level(rbdi_tasks *k, int level, int rows) {
     rbd_tasks_result *result = k->result;
     rbd_qp_problem qp;
     rbd_qp_options options;
-    rbd_qp_result done;
+    rbdi_qp s;
+    rbd_qp_status status;
 
     for (int i = 0; i < k->n; ++i)
         for (int j = 0; j < i; ++j) k->H[(ptrdiff_t)j * k->n + i] = k->H[(ptrdiff_t)i * k->n + j];
@@ -1206,48 +1233,25 @@ RBDI_LOCAL rbd_qp_status rbdi_tasks_solve_level(rbdi_tasks *k, int level, int ro
     options.accuracy = rbdi_zero();
 
     if (options.warm) rbdi_tasks_keep(k, level, rows, 0);
-    result->qp = rbd_qp_solve(&qp, &options, k->scratch, k->scratch_size, k->x, k->lambda, k->side, &done);
+    status = rbdi_qp_solve(&s, &qp, &options, 1, k->scratch, k->scratch_size, k->x, k->lambda, k->side);
     rbdi_tasks_keep(k, level, rows, 1);
+    result->qp = status;
     result->level = level;
-    result->steps += done.steps;
-    result->primal = rbdi_ik_larger(result->primal, done.primal);
-    result->dual = rbdi_ik_larger(result->dual, done.dual);
-    if (result->qp == RBD_QP_INACCURATE && rbdi_ik_larger(done.primal, done.dual) < RBDI_TASKS_ACCURACY)
-        return RBD_QP_OK;
-    return result->qp;
+    result->steps += s.result.steps;
+    result->primal = rbdi_ik_larger(result->primal, s.result.primal);
+    result->dual = rbdi_ik_larger(result->dual, s.result.dual);
+
+    if (status == RBD_QP_INACCURATE && rbdi_ik_larger(s.result.primal, s.result.dual) < RBDI_TASKS_ACCURACY)
+        status = RBD_QP_OK;
+    if (status == RBD_QP_OK && !rbdi_tasks_keeps_rows(k, &s))
+        status = result->qp = RBD_QP_INACCURATE; /* rows that nearly contradict each other */
+    return status;
 }
 
 /* The value of a row, counted with the bounds, at x. */
 RBDI_LOCAL rbd_real rbdi_tasks_value(const rbdi_tasks *k, int row) {
     if (row < k->n) return k->x[row];
     return rbdi_qp_dot(&k->C[(ptrdiff_t)(row - k->n) * k->n], k->x, k->n);
-}
-
-/* The size of what is added up in a row: sum |c_i| (|x_i| + a unit of x_i). */
-RBDI_LOCAL rbd_real rbdi_tasks_terms(const rbdi_tasks *k, int row) {
-    const rbd_real *c = &k->C[(ptrdiff_t)(row - k->n) * k->n];
-    rbd_real sum = rbdi_zero();
-    if (row < k->n) return k->terms[row];
-    for (int i = 0; i < k->n; ++i) sum = sum + rbdi_abs(c[i]) * k->terms[i];
-    return sum;
-}
-
-/* By how much x misses hard rows, at most, as a share of each row's own terms. That of rbd_qp_result counts
-   all components of x as the largest: one may be missed by all of itself, where another is a million. */
-RBDI_LOCAL rbd_real rbdi_tasks_missed(const rbdi_tasks *k, int rows) {
-    const rbd_real force = rbdi_set(rbdi_tasks_unit_force(k)), motion = rbdi_set(RBD_C(1));
-    rbd_real most = rbdi_zero();
-
-    for (int i = 0; i < k->n; ++i) k->terms[i] = rbdi_abs(k->x[i]) + (i < k->nv ? motion : force);
-    for (int row = 0; row < k->n + rows; ++row) {
-        const rbd_real value = rbdi_tasks_value(k, row), below = k->lower[row] - value;
-        const rbd_real by = rbdi_ik_larger(below, value - k->upper[row]);
-        const rbd_real side = below > 0 ? k->lower[row] : k->upper[row];
-        if (!(by > 0) || k->soft[row] > 0) continue;
-        if (by <= most * (rbdi_abs(side) + rbdi_abs(value))) continue; /* the terms are more than the value */
-        most = rbdi_ik_larger(most, by / (rbdi_abs(side) + rbdi_tasks_terms(k, row)));
-    }
-    return most;
 }
 
 /* Before the next level: rows of tasks hold what they reached, and limits hold x. */
@@ -1263,14 +1267,6 @@ RBDI_LOCAL void rbdi_tasks_freeze(rbdi_tasks *k, int rows) {
         }
         k->soft[row] = rbdi_zero();
     }
-}
-
-/* Whether x keeps its rows well enough for a tick; result->primal. Limits were widened by what the levels
-   before missed. */
-RBDI_LOCAL int rbdi_tasks_keeps_rows(rbdi_tasks *k, int rows) {
-    k->missed = k->missed + rbdi_tasks_missed(k, rows);
-    k->result->primal = rbdi_ik_larger(k->result->primal, k->missed);
-    return k->missed < RBDI_TASKS_ACCURACY && rbdi_tasks_are_within(k->x, k->n, -RBDI_IK_MOST, RBDI_IK_MOST);
 }
 
 /* Appends the rows and squares of the tasks of a level; returns how many tasks. */
@@ -1309,8 +1305,6 @@ RBDI_LOCAL rbd_tasks_status rbdi_tasks_descend(rbdi_tasks *k) {
         if (!rbdi_tasks_put_level(k, level) && level > 0) continue;
 
         status = rbdi_tasks_solve_level(k, level, rows);
-        if (status == RBD_QP_OK && !rbdi_tasks_keeps_rows(k, rows))
-            status = k->result->qp = RBD_QP_INACCURATE; /* rows that nearly contradict each other */
         if (status != RBD_QP_OK && solved) return RBD_TASKS_INEXACT;
         if (status == RBD_QP_INFEASIBLE) return RBD_TASKS_INFEASIBLE;
         if (!rbdi_tasks_has_answer(status)) {
@@ -1425,8 +1419,7 @@ RBDI_LOCAL rbdi_tasks *rbdi_tasks_lay_out(const rbd_model *m, const rbd_tasks *p
     k->f = k->lambda + all;
     k->x = k->f + n;
     k->found = k->x + n;
-    k->terms = k->found + n;
-    k->bias = k->terms + n;
+    k->bias = k->found + n;
     k->J = k->bias + nv;
     k->scratch = at;
     k->scratch_size = RBD_QP_SIZE(n, n, rows, soft);

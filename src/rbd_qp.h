@@ -56,13 +56,15 @@
      RBD_QP_ITERATIONS or _NAN instead, of those with soft rows alone a few of a hundred.
 
    [cost] Flash for a Cortex-M4F at -Os: 13.2 kB of rbd_qp_solve; DAQP 0.9.1 takes 29.5 kB. Contact forces of
-   HyQ without a warm start, DAQP first, both by gcc 12.2 -O2: instructions of a Cortex-M4F in float, the mean
-   of 32 problems; microseconds of a PC in double with -march=native, of 400 in the same run:
+   HyQ without a warm start, DAQP first, both by gcc 12.2 -O2. Instructions of a Cortex-M4F in float: the mean
+   of 32 problems; DAQP's are like ours, but not the same. Microseconds of a PC in double: the same 400
+   problems, the least mean of some runs, with -march=native (AVX-512) and without:
 
-     12 forces, 28 rows, few limits reached       108,526   43,105     4.3   3.5
-     the same, many                               193,063   99,575    10.1   8.3
-     18 accelerations too, 46 rows, few           447,307  149,759    21.5  10.1
-     the same, many                               499,026  221,909    23.0  14.6
+                                              instructions         native        without
+     12 forces, 28 rows, few limits reached   108,526   43,105    4.1   3.5     4.1   4.7
+     the same, many                           193,063   99,575    9.7   8.2     9.7  10.7
+     18 accelerations too, 46 rows, few       447,307  149,759   20.7  10.5    19.2  14.9
+     the same, many                           499,026  221,909   DAQP's time varies twofold
 */
 
 #include "api/configuration.h"

@@ -82,7 +82,8 @@ static rbd_qp_status share(const double *f_ext, int friction, double *f, double 
     return status;
 }
 
-/* How far the forces of a step with tau are from f, N; *slips: feet that do not stick. */
+/* How far the forces of a step with tau are from f, N; *slips: feet that bear something and do not
+   stick; at the tip of the cone, where a foot bears nothing, it may be called either. */
 static double apart(const double *f_ext, const double *f, const double *tau, int *slips) {
     const double rest[NV] = {0};
     double next_q[HYQ_NQ], next_v[NV], force[3], most = 0;
@@ -91,7 +92,8 @@ static double apart(const double *f_ext, const double *f, const double *tau, int
     check(rbd_contact_step(&hyq_model, contacts, q, rest, tau, f_ext, NULL, dt, next_q, next_v));
     *slips = 0;
     for (int i = 0; i < FEET; i++) {
-        *slips += rbd_contact_get(contacts, i, NULL, force) != RBD_STICKS;
+        const rbd_contact_state state = rbd_contact_get(contacts, i, NULL, force);
+        *slips += state != RBD_STICKS && force[2] > 1e-6;
         for (int k = 0; k < 3; k++) most = fmax(most, fabs(force[k] - f[3 * i + k]));
     }
     return most;

@@ -316,6 +316,8 @@ double largest(const double *x, int n) {
     return size;
 }
 
+double larger(double x, double y) { return x <= y ? y : x > y ? x : HUGE_VAL; }
+
 double dot(const double *a, const double *b, int n) {
     double sum = 0;
     for (int i = 0; i < n; i++) sum += a[i] * b[i];
@@ -364,8 +366,8 @@ static void remember(const char *what, const char *name, double error, double bo
         snprintf(r->what, sizeof r->what, "%s", what);
         memcpy(r->robot, group, sizeof group);
     }
-    r->error = fmax(r->error, error);
-    r->share = fmax(r->share, error / bound);
+    r->error = larger(r->error, error);
+    r->share = larger(r->share, error / bound);
 }
 
 void print_errors(void) {

@@ -206,6 +206,36 @@ static void check_rows(const rbd_body *bodies, int nb, double away) {
     expect(worst_momentum < 1e-11, "momentum", worst_momentum);
 }
 
+/* ---- squares ---- */
+
+/* H of the last QP is symmetric to the bit: the QP takes that for granted. */
+static void expect_symmetric(const rbd_tasks *p) {
+    const rbdi_tasks *k = rbdi_tasks_lay_out(m, p, memory);
+    int apart = 0;
+    for (int i = 0; i < k->n; i++)
+        for (int j = 0; j < k->n; j++) apart += !(k->H[i * k->n + j] == k->H[j * k->n + i]);
+    expect(apart == 0, "H is symmetric", apart);
+}
+
+/* A row that is no number reaches the diagonal of H, all that the QP of tasks looks at. */
+static void check_squares(void) {
+    const rbd_real q[MOST_Q] = {0}, y[1] = {0}, J[7] = {1, (rbd_real)0.5, -1, 0, 1, 1, 0};
+    const rbd_task t = {.kind = RBD_TASK_ROWS, .rows = 1, .jacobian = J, .y = y};
+    const rbd_tasks p = {.task = &t, .tasks = 1, .dt = 1};
+    rbd_real v[MOST_V] = {0};
+    rbd_tasks_result result;
+    build(iiwa_bodies, IIWA_NB);
+    expect(rbd_tasks_velocity(m, w, &p, q, memory, sizeof memory, v, &result) == RBD_TASKS_OK, "squares",
+           result.error);
+    expect_symmetric(&p);
+
+    rbdi_tasks *k = rows_at(&p, q, v, 0);
+    rbdi_tasks_clear_squares(k);
+    k->C[(k->rows - 1) * k->n + 2] = (rbd_real)NAN;
+    rbdi_tasks_square(k, 1);
+    expect(rbdi_tasks_solve_level(k, 0, 0) == RBD_QP_NAN, "no number", k->result->qp);
+}
+
 /* ---- a robot that stands ---- */
 
 static void check_standing(void) {
@@ -244,6 +274,7 @@ static void check_standing(void) {
         expect(fabs((double)up / (9.81 * (double)rbd_mass(m)) - 1) < bound, "weight", (double)up);
         for (int i = 0; i < m->nv; i++)
             expect(fabs((double)a[i]) < (IN_FLOAT ? 0.01 : 1e-6), "at rest", (double)a[i]);
+        expect_symmetric(&p);
         p.warm = 1;
     }
 }
@@ -365,6 +396,25 @@ static void check_wrenches(void) {
 
 /* ---- rows missed ---- */
 
+/* The largest miss of a hard row, as a share of its terms, where x_i counts as |x_i| + 1; of a QP whose last
+   rows are those of tasks. */
+static double missed_of_terms(const rbd_tasks *p, int of_tasks) {
+    const rbdi_tasks *k = rbdi_tasks_lay_out(m, p, memory);
+    double most = 0;
+    for (int row = 0; row < k->n + k->rows - of_tasks; row++) {
+        const double lower = (double)k->lower[row], upper = (double)k->upper[row];
+        double value = 0, terms = 0;
+        for (int i = 0; i < k->n; i++) {
+            const double c = row < k->n ? i == row : (double)k->C[(row - k->n) * k->n + i];
+            value += c * (double)k->x[i];
+            terms += fabs(c) * (fabs((double)k->x[i]) + 1);
+        }
+        const double side = value < lower ? lower : upper;
+        most = fmax(most, fmax(lower - value, value - upper) / (fabs(side) + terms));
+    }
+    return most;
+}
+
 /* Three slides in a row, the last of which is held: x0 + x1 + x2 = 0. The first is behind its stop and must
    come back, the others are asked for more and more. In float 1 is rounding beside them in the end: then the
    answer is no longer called exact. */
@@ -395,7 +445,9 @@ static void check_missed(void) {
         rbd_real v[3] = {0};
         const rbd_tasks_status status = rbd_tasks_velocity(m, w, &p, q, memory, sizeof memory, v, &result);
         const double missed = (double)v[0] + back, primal = (double)result.primal;
+        const double of_terms = missed_of_terms(&p, 2), rounding = IN_FLOAT ? 4e-7 : 1e-15;
         expect(status >= 0, "slides have an answer", status);
+        expect(primal > of_terms - rounding, "each row by its own terms", of_terms);
         if (status == RBD_TASKS_OK) expect(missed <= most * (1 + 2 * back), "a limit is kept", missed);
         if (status == RBD_TASKS_OK) expect(primal < most, "the result says so", primal);
         if (missed > 2 * most * (1 + 2 * back)) expect(primal > most, "and that it is not", primal);
@@ -410,6 +462,7 @@ int main(void) {
         check_rows(iiwa_bodies, IIWA_NB, i % 2 ? 0.7 : 1e-4);
         check_rows(tree, 7, i % 2 ? 0.7 : 1e-4);
     }
+    check_squares();
     check_standing();
     check_limits();
     check_places();

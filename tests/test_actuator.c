@@ -174,7 +174,7 @@ static double slides(double share, double bristle, double dt) {
     driven d = drive("iiwa", bodies, 7, motors, 7, NULL, 0, NULL, 0, NULL);
     memcpy(d.q, bent, sizeof bent);
     for (int k = 0; k < (int)(2 / dt); k++) step(&d, dt);
-    for (int i = 0; i < 7; i++) moved = fmax(moved, fabs(d.q[i] - bent[i]));
+    for (int i = 0; i < 7; i++) moved = larger(moved, fabs(d.q[i] - bent[i]));
     ck_assert_int_eq(d.unsettled, 0);
     drive_free(&d);
     return moved;
@@ -273,7 +273,7 @@ static double slides_by_rows(double share, double dt) {
         }
         step(&d, dt);
     }
-    for (int i = 0; i < 7; i++) moved = fmax(moved, fabs(d.q[i] - bent[i]));
+    for (int i = 0; i < 7; i++) moved = larger(moved, fabs(d.q[i] - bent[i]));
     drive_free(&d);
     return moved;
 }
@@ -344,8 +344,8 @@ static double difference_by_rows(double dt) {
         step(&d, dt);
         step_by_rows(&e, friction, G, 7, load, dt);
         for (int i = 0; i < 7; i++) {
-            most = fmax(most, fabs(d.q[i] - e.q[i]));
-            moved = fmax(moved, fabs(d.q[i] - bent[i]));
+            most = larger(most, fabs(d.q[i] - e.q[i]));
+            moved = larger(moved, fabs(d.q[i] - bent[i]));
             stuck += fabs(e.v[i]) < 1e-8;
         }
     }
@@ -550,7 +550,7 @@ START_TEST(an_implicit_drive_is_stable_in_long_steps) {
     d.command[0] = (rbd_command){.q = 1, .kp = 300, .kd = 5};
     for (int k = 0; k < 400 && fastest < 1e6; k++) {
         step(&d, 5e-3);
-        fastest = fmax(fastest, fabs(d.v[0]));
+        fastest = larger(fastest, fabs(d.v[0]));
     }
     if (_i) ck_assert(fastest >= 1e6);
     if (!_i) ck_assert(fabs(d.q[0] - 1) < 1e-9 && fastest < 200);
@@ -626,11 +626,38 @@ START_TEST(cogging_makes_no_energy) {
             double energy = 0.05 * d.v[0] * d.v[0] + (cos(1200 * s.angle) + 1) / 1200;
             if (behind) energy += 0.05 * s.speed * s.speed + 0.5e4 * wound * wound;
             if (i == 0) first = energy;
-            largest_energy = fmax(largest_energy, energy);
+            largest_energy = larger(largest_energy, energy);
         }
         ck_assert_msg(largest_energy <= first + 1e-4, "%g after %g", largest_energy, first);
         drive_free(&d);
     }
+}
+END_TEST
+
+/* What a state says of the last step stays while the next one is under way: its cogging is another, and a
+   limit cuts there. */
+START_TEST(a_state_is_that_of_the_last_step) {
+    const rbd_motor motor = {.joint = "axle",
+                             .gear = 5,
+                             .constant = 0.1,
+                             .current = 40,
+                             .inertia = 1e-3,
+                             .cogging = 0.2,
+                             .teeth = 12,
+                             .phase = 0.7};
+    driven d = drive_wheel(&motor);
+    rbd_actuator_state last, now;
+    d.command[0].torque = 2;
+    for (int k = 0; k < 20; k++) step(&d, 1e-3);
+    ck_assert_int_eq(rbd_actuators_get(d.a, 0, &last), RBD_OK);
+    ck_assert_double_eq_tol(last.current, 4, 1e-12); /* 2 N m at the shaft, of 0.5 N m/A */
+
+    d.command[0].torque = 1000;
+    ck_assert_int_eq(rbd_actuators_begin(d.a, d.command, d.q, d.v, 1e-3, 0, d.tau, d.damping), RBD_OK);
+    ck_assert_int_eq(rbd_actuators_get(d.a, 0, &now), RBD_OK);
+    ck_assert(now.current == last.current && now.motor == last.motor && now.joint == last.joint);
+    ck_assert_int_eq(now.saturated, last.saturated);
+    drive_free(&d);
 }
 END_TEST
 
@@ -647,7 +674,7 @@ static void expect_within_limits(const driven *d, int i, const rbd_motor *m, dou
     double low = -fabs(K) * m->current, high = -low;
     if (m->voltage > 0) {
         const double line = fabs(K) * m->voltage / m->resistance, back = K * K / m->resistance * s.speed;
-        low = fmax(low, fmin(-line - back, high));
+        low = larger(low, fmin(-line - back, high));
         high = fmin(high, fmax(line - back, low));
     }
     const double expected = fmin(fmax(asked, low), high);
@@ -961,7 +988,7 @@ static double follow(double dt, int compensated) {
         for (int i = 0; i < 7; i++) d.command[i].torque = drives[i].torque;
         step(&d, dt);
         plan((k + 1) * dt, q, v, acc);
-        for (int i = 0; i < 7; i++) off = fmax(off, fabs(d.q[i] - q[i]));
+        for (int i = 0; i < 7; i++) off = larger(off, fabs(d.q[i] - q[i]));
     }
     free(memory);
     drive_free(&d);
@@ -1096,7 +1123,7 @@ static double law_error(const rbd_motor *m, const rbd_actuator_state *before, co
         J * (after->speed - before->speed) - dt * (t - m->friction.viscous * after->speed) + p;
     const double level = dt * after->friction;
     double error = fmax(fabs(told - p / dt), fmax(0, fabs(friction) - level) / dt);
-    if (after->speed != 0) error = fmax(error, fabs(friction + (after->speed > 0 ? level : -level)) / dt);
+    if (after->speed != 0) error = larger(error, fabs(friction + (after->speed > 0 ? level : -level)) / dt);
     return error;
 }
 
@@ -1403,7 +1430,7 @@ START_TEST(coupled_shafts_move_as_by_rows) {
         for (int j = 0; j < 2; j++) d.other[j] = e.other[j] = -40 * d.q[j] + 25 * sin(5 * k * dt);
         step(&d, dt);
         step_by_rows(&e, friction, G, 2, load, dt);
-        for (int j = 0; j < 2; j++) most = fmax(most, fabs(d.q[j] - e.q[j]));
+        for (int j = 0; j < 2; j++) most = larger(most, fabs(d.q[j] - e.q[j]));
         stuck += (fabs(d.v[0]) < 1e-8) != (fabs(d.v[0] + d.v[1]) < 1e-8);
     }
     ck_assert_int_gt(stuck, (int)(0.05 / dt));
@@ -1853,13 +1880,13 @@ START_TEST(rotors_are_those_bodies) {
         ck_assert_int_eq(rbd_rnea(a.m, a.w, q, v, acc, all, without), RBD_OK);
         ck_assert_int_eq(rbd_rotor_torque(a.m, a.w, s.rotor, s.n, q, v, acc, f_ext, found), RBD_OK);
         ck_assert(relative_error(found, expected, a.nv) < 1e-12);
-        armature_error = fmax(armature_error, relative_error(without, expected, a.nv));
+        armature_error = larger(armature_error, relative_error(without, expected, a.nv));
 
         /* in slow motion: what docs/actuators.md says */
         for (int i = 0; i < a.nv; i++) v[i] /= 2, acc[i] /= 4;
         ck_assert_int_eq(rbd_rnea(b.m, b.w, q, v, acc, NULL, expected), RBD_OK);
         ck_assert_int_eq(rbd_rnea(a.m, a.w, q, v, acc, NULL, without), RBD_OK);
-        for (int i = 0; i < a.nv; i++) slow_error = fmax(slow_error, fabs(without[i] - expected[i]));
+        for (int i = 0; i < a.nv; i++) slow_error = larger(slow_error, fabs(without[i] - expected[i]));
     }
     ck_assert(armature_error > 1e-5);
     if (_i == 0) ck_assert(slow_error > 0.1 && slow_error < 0.5);
@@ -2304,6 +2331,7 @@ Suite *actuator_suite(void) {
     tcase_add_loop_test(c, a_command_is_late_by_its_delay, 0, 4);
     tcase_add_test(c, encoder_and_cogging_are_seen);
     tcase_add_loop_test(c, cogging_makes_no_energy, 0, 4);
+    tcase_add_test(c, a_state_is_that_of_the_last_step);
     tcase_add_loop_test(c, a_limit_is_decided_at_the_steps_end, 0, 8);
     tcase_add_test(c, a_drive_at_its_limit_is_a_constant_torque);
     tcase_add_test(c, a_voltage_makes_a_torque_speed_line);

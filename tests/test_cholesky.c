@@ -143,7 +143,7 @@ static void check_large_inverse(int trunk, int leaves) {
         for (int j = 0; j < n; j++) {
             double sum = i == j ? -1 : 0;
             for (int k = 0; k < n; k++) sum += M[i * n + k] * inverse[k * n + j];
-            error = fmax(error, isfinite(sum) ? fabs(sum) : HUGE_VAL);
+            error = larger(error, isfinite(sum) ? fabs(sum) : HUGE_VAL);
             ck_assert(memcmp(&inverse[i * n + j], &inverse[j * n + i], sizeof(double)) == 0);
         }
     expect_small("M minverse - 1", &r, trunk, error, 1e-12);

@@ -62,7 +62,7 @@ static void expect_close_to_one(const char *what, const robot *r, int number, co
                                 const double *expected, int n) {
     double worst = 0;
     for (int i = 0; i < n; i++)
-        worst = fmax(worst, isfinite(found[i]) ? fabs(found[i] - expected[i]) : HUGE_VAL);
+        worst = larger(worst, isfinite(found[i]) ? fabs(found[i] - expected[i]) : HUGE_VAL);
     expect_small(what, r, number, worst / fmax(1, largest(expected, n)), 1e-11);
 }
 
@@ -234,7 +234,7 @@ static double growth_of(const set *c) {
     for (int i = 0; i < c->rows; i++) {
         double diagonal = 0;
         for (int t = 0; t <= i; t++) diagonal += pow(c->c->R[t * c->c->stride + i], 2);
-        growth = fmax(growth, diagonal * pow(c->c->R_inverse[i], 2));
+        growth = larger(growth, diagonal * pow(c->c->R_inverse[i], 2));
     }
     return growth;
 }
@@ -245,7 +245,7 @@ static double released(const robot *r, const set *c, const double *J, const doub
     for (int i = 0; i < c->rows; i++) {
         double sum = 0;
         for (int k = 0; k < r->nv; k++) sum += J[i * r->nv + k] * a[k];
-        worst = fmax(worst, isfinite(sum) ? fabs(sum) : HUGE_VAL);
+        worst = larger(worst, isfinite(sum) ? fabs(sum) : HUGE_VAL);
     }
     return worst;
 }
@@ -279,9 +279,9 @@ static void check_both_ways(int n, uint64_t seed) {
             double sum = f[k] - tau[k];
             for (int i = 0; i < c.rows; i++) {
                 sum -= J[i * r.nv + k] * lambda[0][i];
-                size = fmax(size, fabs(J[i * r.nv + k] * lambda[0][i]));
+                size = larger(size, fabs(J[i * r.nv + k] * lambda[0][i]));
             }
-            error = fmax(error, isfinite(sum) ? fabs(sum) : HUGE_VAL), size = fmax(size, fabs(f[k]));
+            error = larger(error, isfinite(sum) ? fabs(sum) : HUGE_VAL), size = larger(size, fabs(f[k]));
         }
         const double bound = fmax(1e-9, 3e-14 * growth_of(&c)); /* by tcc's order of sums 1.2e-14 */
         expect_close("lambda by both ways", &r, number, lambda[0], lambda[1], c.rows, bound);
@@ -454,8 +454,8 @@ typedef struct residual {
     double error, size;
 } residual;
 static void add_residual(residual *to, double difference, double term) {
-    to->error = fmax(to->error, isfinite(difference) ? fabs(difference) : HUGE_VAL);
-    to->size = fmax(to->size, fabs(term));
+    to->error = larger(to->error, isfinite(difference) ? fabs(difference) : HUGE_VAL);
+    to->size = larger(to->size, fabs(term));
 }
 
 static int solved, dependent;
@@ -571,7 +571,7 @@ static void check_differences(const robot *r, const state *s, int number) {
                 for (int i = 0; i < nv; i++) {
                     const double D = (8 * (a[2][i] - a[3][i]) - (a[0][i] - a[1][i])) / (6 * h);
                     const double difference = fabs(D - found.a[x][i * nv + k]);
-                    worst[0] = fmax(worst[0], isfinite(difference) ? difference : HUGE_VAL);
+                    worst[0] = larger(worst[0], isfinite(difference) ? difference : HUGE_VAL);
                 }
                 for (int i = 0; i < rows; i++)
                     off[i] = (8 * (lambda[2][i] - lambda[3][i]) - (lambda[0][i] - lambda[1][i])) / (6 * h) -
@@ -580,7 +580,7 @@ static void check_differences(const robot *r, const state *s, int number) {
                     double difference = redundant ? 0 : off[i];
                     for (int row = 0; redundant && row < rows; row++)
                         difference += J[row * nv + i] * off[row];
-                    worst[1] = fmax(worst[1], isfinite(difference) ? fabs(difference) : HUGE_VAL);
+                    worst[1] = larger(worst[1], isfinite(difference) ? fabs(difference) : HUGE_VAL);
                 }
             }
             expect_small(names[x], r, number, worst[0] / (size[0] + 1e-3 * largest(a[0], nv)), 1e-5);
@@ -1839,7 +1839,7 @@ static double misses_of_columns(const set *c, const double *J, const double *da_
                 row += J[w * nv + k] * J[w * nv + k];
                 column += x * x;
             }
-            worst = fmax(worst, fabs(sum) / sqrt(row * column));
+            worst = larger(worst, fabs(sum) / sqrt(row * column));
         }
     return worst;
 }
@@ -2670,7 +2670,7 @@ START_TEST(rows_at_a_small_angle_cost_digits_once) {
         for (int k = 0; k < 2; k++) { /* J J' lambda = -J tau */
             const double expected = (double)((b * product(J[1 - k], tau) - d[1 - k] * product(J[k], tau)) /
                                              (d[0] * d[1] - b * b));
-            worst = fmax(worst, fabs(lambda[k] - expected) * angle); /* |lambda| is up to 1 / angle */
+            worst = larger(worst, fabs(lambda[k] - expected) * angle); /* |lambda| is up to 1 / angle */
         }
         free(c.memory);
     }

@@ -47,15 +47,15 @@ static violation violation_of(const problem *x) {
         const double *p = &x->p[3 * i], *u = &x->u[3 * i], size = hypot(p[0], p[1]),
                      speed = hypot(u[0], u[1]);
         if (x->state[i] == RBD_APART) continue;
-        v.into = fmax(v.into, -u[2]);
-        v.signorini = fmax(v.signorini, fabs(p[2] * u[2]));
-        v.dissipation = fmax(v.dissipation, fabs(p[0] * u[0] + p[1] * u[1] + x->mu[i] * p[2] * speed));
-        v.cone = fmax(v.cone, fmax(size - x->mu[i] * p[2] * (1 + 4 * DBL_EPSILON), -p[2]));
+        v.into = larger(v.into, -u[2]);
+        v.signorini = larger(v.signorini, fabs(p[2] * u[2]));
+        v.dissipation = larger(v.dissipation, fabs(p[0] * u[0] + p[1] * u[1] + x->mu[i] * p[2] * speed));
+        v.cone = larger(v.cone, fmax(size - x->mu[i] * p[2] * (1 + 4 * DBL_EPSILON), -p[2]));
     }
     for (int i = 0, r = 3 * x->n; i < x->bounded; i++, r++) {
         const double low = fmin(x->p[r] - x->lower[i], 1), high = fmin(x->upper[i] - x->p[r], 1);
-        v.cone = fmax(v.cone, fmax(-low, -high));
-        v.signorini = fmax(v.signorini, x->u[r] > 0 ? x->u[r] * low : -x->u[r] * high);
+        v.cone = larger(v.cone, fmax(-low, -high));
+        v.signorini = larger(v.signorini, x->u[r] > 0 ? x->u[r] * low : -x->u[r] * high);
     }
     return v;
 }
@@ -197,13 +197,14 @@ static void iterate_projection(const problem *x, double u[MOST_ROWS]) {
         for (int i = 0; i < x->n; i++) {
             double z[3], size;
             for (int j = 0; j < 3; j++) z[j] = p[3 * i + j] - u[3 * i + j] / trace;
-            size = hypot(z[0], z[1]), z[2] = fmax(z[2], 0);
+            size = hypot(z[0], z[1]), z[2] = larger(z[2], 0);
             for (int j = 0; size > x->mu[i] * z[2] && j < 2; j++) z[j] *= x->mu[i] * z[2] / size;
-            for (int j = 0; j < 3; j++) change = fmax(change, fabs(z[j] - p[3 * i + j])), p[3 * i + j] = z[j];
+            for (int j = 0; j < 3; j++)
+                change = larger(change, fabs(z[j] - p[3 * i + j])), p[3 * i + j] = z[j];
         }
         for (int i = 0, r = 3 * x->n; i < x->bounded; i++, r++) {
             const double z = fmin(fmax(p[r] - u[r] / trace, x->lower[i]), x->upper[i]);
-            change = fmax(change, fabs(z - p[r])), p[r] = z;
+            change = larger(change, fabs(z - p[r])), p[r] = z;
         }
         if (change * trace < 1e-13) return;
     }

@@ -121,7 +121,7 @@ static double held_iiwa(double share, int rows, double h) {
     memcpy(s.q, bent, sizeof bent);
     for (int n = (int)(2 / h + 0.5); n > 0; n--) step(&s);
 
-    for (int k = 0; k < IIWA_NV; k++) far = fmax(far, fabs(s.q[k] - bent[k]));
+    for (int k = 0; k < IIWA_NV; k++) far = larger(far, fabs(s.q[k] - bent[k]));
     close_scene(&s);
     return far;
 }
@@ -453,7 +453,7 @@ START_TEST(a_belt_of_two_motors_is_as_joints_along_the_diagonals) {
             along[0] = half * (s[1].v[0] + s[1].v[1]), along[1] = half * (s[1].v[0] - s[1].v[1]);
             wanted[0] = half * (s[1].q[0] + s[1].q[1]), wanted[1] = half * (s[1].q[0] - s[1].q[1]);
             for (int i = 0; i < 2; i++)
-                worst = fmax(worst, fabs(s[0].v[i] - along[i]) + fabs(s[0].q[i] - wanted[i]));
+                worst = larger(worst, fabs(s[0].v[i] - along[i]) + fabs(s[0].q[i] - wanted[i]));
         }
         ck_assert_msg(worst <= 1e-12, "differ by %g", worst);
         ck_assert_int_gt(sticks, 50);

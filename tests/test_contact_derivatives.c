@@ -171,7 +171,7 @@ static int compare(scene *s, const char *what, double bound) {
             for (int i = 0; i < 2 * n; i++) {
                 const double *row = &found.by[3 * (i >= n) + x][(i % n) * n], y = expected[i >= n][i % n];
                 const double error = fabs(row[k] - y) / fmax(largest(row, n), 1);
-                worst = fmax(worst, error);
+                worst = larger(worst, error);
                 ck_assert_msg(error <= bound, "%s %s: d%s_next[%d] / d%s[%d] is %.12g, differences say %.12g",
                               s->r.name, what, i < n ? "q" : "v", i % n, by[x], k, row[k], y);
             }

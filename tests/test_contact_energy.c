@@ -63,7 +63,7 @@ static double run(scene *s, double dt, double seconds) {
     double worst = 0;
     for (int n = 1; n <= steps; n++) {
         step(s, dt);
-        if (n % 10 == 0 || n == steps) worst = fmax(worst, fabs(energy(s) - start));
+        if (n % 10 == 0 || n == steps) worst = larger(worst, fabs(energy(s) - start));
     }
     ck_assert_double_finite(worst);
     return worst;
@@ -441,7 +441,7 @@ static const rbd_contact_options exact = {.momentum = 1};
 
 static double largest_of(const double *x, int n) {
     double most = 0;
-    for (int k = 0; k < n; k++) most = fmax(most, fabs(x[k]));
+    for (int k = 0; k < n; k++) most = larger(most, fabs(x[k]));
     return most;
 }
 
@@ -451,7 +451,7 @@ static double momentum_error(const double *h, const double *expected) {
     for (int k = 0; k < 6; k++) {
         const double size = largest_of(expected + (k < 3 ? 0 : 3), 3);
         ck_assert_double_finite(h[k]);
-        worst = fmax(worst, fabs(h[k] - expected[k]) / size);
+        worst = larger(worst, fabs(h[k] - expected[k]) / size);
     }
     return worst;
 }
@@ -610,7 +610,7 @@ START_TEST(momentum_changes_by_the_impulse) {
         ck_assert_int_eq(rbd_contact_step(s.r.m, s.c, s.q, s.v, s.tau, f_ext, damping, dt, s.q, s.v), RBD_OK);
         momentum_of(&s, after);
         for (int k = 0; k < 6; k++) {
-            largest = fmax(largest, fabs(after[k]));
+            largest = larger(largest, fabs(after[k]));
             ck_assert_double_eq_tol(after[k], before[k] + impulse[k], 1e-12 * largest);
         }
     }
@@ -881,7 +881,7 @@ START_TEST(four_bars_turn_for_a_minute) {
         const double end[3] = {0.3, 0, 0};
         (void)run(&s, 1e-3, 1);
         least = fmin(least, energy(&s));
-        most = fmax(most, energy(&s));
+        most = larger(most, energy(&s));
         ck_assert_int_eq(rbd_point_position(s.r.m, s.r.w, 2, end, tip), RBD_OK);
         ck_assert_double_eq_tol(tip[0], 0.45, 2e-5);
         ck_assert_double_eq_tol(tip[2], 0, 2e-5);
@@ -997,7 +997,7 @@ START_TEST(bounce_rises_as_high_as_the_drop) {
         s.q[2] = 1.1;
         for (double t = 0; t < 1.3; t += dt[k]) {
             step(&s, dt[k]);
-            if (t > 0.5) top = fmax(top, s.q[2] - 0.1);
+            if (t > 0.5) top = larger(top, s.q[2] - 0.1);
         }
         ck_assert_double_le(top, 1 + 1e-12);
         ck_assert_double_ge(top, 1 - 9.81 * dt[k] * dt[k] / 8 - 1e-12);
@@ -1197,7 +1197,7 @@ START_TEST(spring_gives_its_energy_back) {
         for (double t = 0; t < 0.8; t += dt[k]) {
             step(&s, dt[k]);
             lowest = fmin(lowest, s.q[0]);
-            if (lowest < 0) highest = fmax(highest, s.q[0]);
+            if (lowest < 0) highest = larger(highest, s.q[0]);
         }
         ck_assert_double_eq_tol(-lowest, depth, 1e2 * dt[k] * dt[k] + 1e-12);
         ck_assert_double_le(highest, 0.5 + 1e-9);
@@ -1261,7 +1261,7 @@ START_TEST(rod_falls_against_friction_onto_its_limit) {
         ck_assert_double_eq_tol(s.v[0], v, 10 * bound[k]);
         for (int n = 0; n < 2 / dt[k]; n++) {
             step(&s, dt[k]);
-            deepest = fmax(deepest, s.q[0] - 1);
+            deepest = larger(deepest, s.q[0] - 1);
         }
         ck_assert_double_le(deepest, 1e-10);
         ck_assert_double_eq_tol(s.q[0], 1, 1e-10);

@@ -74,7 +74,7 @@ static void step(scene *s) {
     const rbd_status status =
         rbd_contact_step(s->r.m, s->c, s->q, s->v, s->tau, NULL, s->damping, s->h, s->q, s->v);
     ck_assert_msg(status == RBD_OK, "%s: %s", s->r.name, rbd_status_string(status));
-    s->worst = fmax(s->worst, rbd_contact_last(s->c).residual);
+    s->worst = larger(s->worst, rbd_contact_last(s->c).residual);
     s->t += s->h;
 }
 
@@ -307,7 +307,7 @@ START_TEST(ball_rebounds_to_a_quarter) {
         while (s.t < 0.9) {
             step(&s);
             touched |= rbd_contact_get(s.c, 0, NULL, NULL) > RBD_OPENS;
-            if (touched) top = fmax(top, s.q[2] - 0.1);
+            if (touched) top = larger(top, s.q[2] - 0.1);
         }
         static const char *const words[3] = {"ball, restitution 0.5, from 1 m: rebounds to, m, at 0.5 ms",
                                              "ball, restitution 0.5, from 1 m: rebounds to, m, at 1 ms",
@@ -338,7 +338,7 @@ START_TEST(rod_lies_on_its_limit) {
             s.options.joint_limits = 1;
             begin_scene(&s);
             s.q[0] = upper ? -1 : 1;
-            while (s.t < 2) step(&s), deepest = fmax(deepest, upper ? s.q[0] - 0.5 : -0.5 - s.q[0]);
+            while (s.t < 2) step(&s), deepest = larger(deepest, upper ? s.q[0] - 0.5 : -0.5 - s.q[0]);
             expect_figure(5, "rod: beyond its limit, rad", fmax(deepest, 0), 0, 1e-12);
             ck_assert_double_eq_tol(fabs(s.q[0]), 0.5, 1e-12);
             ck_assert_double_eq_tol(s.v[0], 0, 1e-12);
@@ -551,7 +551,7 @@ START_TEST(thrown_box_comes_to_rest) {
                 touches |= rbd_contact_get(s.c, i, &gap, NULL) > RBD_OPENS;
                 deepest = fmin(deepest, gap);
             }
-            if (touches) gain = fmax(gain, now - before);
+            if (touches) gain = larger(gain, now - before);
             before = now;
         }
         expect_figure(7, "thrown box, 36 J: energy at rest, J", before, 2.943, 1e-3);
@@ -608,7 +608,7 @@ START_TEST(painleves_rod_jams) {
                               fmax(now - before, 0) / (s.h * s.h), 0, 0.2); /* second order: it turns */
                 before = now;
                 rbd_contact_get(s.c, 0, NULL, force);
-                impulse = fmax(impulse, force[2] * s.h);
+                impulse = larger(impulse, force[2] * s.h);
             }
             expect_figure(9, "Painleve's rod: residual, m/s", s.worst, 0, 1e-8);
             expect_figure(9, "Painleve's rod: impulse, N s", impulse, 0.365, 0.045);
@@ -635,7 +635,7 @@ START_TEST(held_constraints_stay_closed) {
         step(&s);
         rbd_kinematics(s.r.m, s.r.w, s.q, s.v, NULL);
         for (int i = 0; i < 2; i++) rbd_point_position(s.r.m, s.r.w, 1 + i, end, p[i]);
-        for (int j = 0; j < 3; j++) worst = fmax(worst, fabs(p[0][j] - p[1][j]));
+        for (int j = 0; j < 3; j++) worst = larger(worst, fabs(p[0][j] - p[1][j]));
     }
     ck_assert_double_le(worst, 1e-4);
     ck_assert_double_le(s.worst, 1e-7);
@@ -1171,7 +1171,7 @@ START_TEST(springs_make_no_energy_at_any_stiffness) {
         while (s.t < 2) {
             const double depth = fmax(0, 0.1 - s.q[2]);
             const double now = energy(&s, NULL) + stiffness[k / 2] * depth * depth / 2;
-            most = fmax(most, now - before);
+            most = larger(most, now - before);
             before = now;
             step(&s);
         }

@@ -50,7 +50,7 @@ static double error_at(const robot *r, const rbd_ik_target *t, int n, double len
     for (int i = 0; i < n; i++) {
         double distance, angle;
         miss(r, &t[i], &distance, &angle);
-        *metres = fmax(*metres, distance), *radians = fmax(*radians, angle);
+        *metres = larger(*metres, distance), *radians = larger(*radians, angle);
         sum += (t[i].weight > 0 ? t[i].weight : 1) * (distance * distance + length * length * angle * angle);
     }
     return sum;
@@ -316,7 +316,7 @@ static void expect_least(const robot *r, const rbd_ik_target *t, int n, const do
         if ((low && slope > 1e-3 * size) || (high && slope < -1e-3 * size)) {
             limits++;
             slopes[k] = fabs(slope);
-            steepest = fmax(steepest, fabs(slope));
+            steepest = larger(steepest, fabs(slope));
         } else {
             ck_assert_msg(fabs(slope) < 2e-3 * sqrt(size), "%s, dof %d: %g of %g", r->name, k, slope, size);
         }

@@ -576,8 +576,8 @@ START_TEST(sine_and_cosine_are_right_to_the_last_bits) {
         double R[9];
         ck_assert_int_eq(rbd_kinematics(r.m, r.w, &q, NULL, NULL), RBD_OK);
         ck_assert_int_eq(rbd_body_pose(r.m, r.w, 0, R, NULL), RBD_OK);
-        worst = fmax(worst, fabs((double)(R[0] - cosl(q))));
-        worst = fmax(worst, fabs((double)(R[3] - sinl(q))));
+        worst = larger(worst, fabs((double)(R[0] - cosl(q))));
+        worst = larger(worst, fabs((double)(R[3] - sinl(q))));
     }
     expect_small("sine and cosine", &r, 0, worst, 3e-16);
     robot_free(&r);

@@ -193,7 +193,7 @@ END_TEST
 static double from_orthonormal(const double R[9]) {
     double error = 0;
     for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) error = fmax(error, fabs(dot(R + 3 * i, R + 3 * j, 3) - (i == j)));
+        for (int j = 0; j < 3; j++) error = larger(error, fabs(dot(R + 3 * i, R + 3 * j, 3) - (i == j)));
     return error;
 }
 

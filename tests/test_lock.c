@@ -70,7 +70,7 @@ static void check_tree(const robot *r, const state *s, int number) {
         return;
     }
     double size = 1;
-    for (int k = 0; k < r->nv; k++) size = fmax(size, fabs((double)whole_tau[k]));
+    for (int k = 0; k < r->nv; k++) size = larger(size, fabs((double)whole_tau[k]));
     RUN(rbd_rnea(h.r.m, h.r.w, h.q, h.v, h.a, s->f_ext, tau));
     for (int k = 0; k < n; k++)
         expect_small("torque", r, number, fabs(tau[k] - (double)whole_tau[h.dof[k]]) / size, 1e-12);

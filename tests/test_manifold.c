@@ -308,7 +308,7 @@ START_TEST(random_stays_in_its_ranges_and_fills_them) {
         ck_assert(fabs(dot(q + CS_Q, q + CS_Q, 2) - 1) < 1e-14);
         for (int k = 0; k < EACH_NQ; k++) {
             low[k] = fmin(low[k], q[k]);
-            high[k] = fmax(high[k], q[k]);
+            high[k] = larger(high[k], q[k]);
         }
     }
     for (int k = 0; k < EACH_NQ; k++) {
@@ -351,7 +351,7 @@ START_TEST(random_knows_angles_from_lengths) {
         ck_assert(fabs(hypot(q[LIMITED], q[LIMITED + 1]) - 1) < 1e-15);
         for (int k = 0; k < NQ; k++) {
             low[k] = fmin(low[k], q[k]);
-            high[k] = fmax(high[k], q[k]);
+            high[k] = larger(high[k], q[k]);
         }
     }
     for (int k = 0; k < NQ; k++) {

@@ -148,7 +148,7 @@ static void check_swing(const robot *r, double *x, double h, double bound) {
     double exchanged = 0;
     for (int i = 0; i < (int)(1 / h + 0.5); i++) {
         runge_kutta(r, h, x);
-        exchanged = fmax(exchanged, fabs(energy(r, x, x + r->nq) - energy(r, x, NULL) - kinetic));
+        exchanged = larger(exchanged, fabs(energy(r, x, x + r->nq) - energy(r, x, NULL) - kinetic));
     }
     const double drift = fabs(energy(r, x, x + r->nq) - before);
     ck_assert_msg(exchanged > 1e-2, "%s: kinetic energy changes by %g only", r->name, exchanged);

@@ -1,8 +1,8 @@
-/* replay.c - on a PC: reads a recording of recorded_control.c, computes each tick again, compares to the bit;
-   one of recorded_servos.c if it is compiled with -DCONTROLLER='"servo_controller.h"'. usage: replay
-   RECORDING [TABLE.csv]    the table is for replay.gp Exit status: 0 all the same bits; 1 a tick differs; 2
-   the recording is not whole, its ticks have the same bits; 3 nothing was replayed. SPDX-License-Identifier:
-   MIT */
+/* replay.c - on a PC: reads a recording of recorded_control.c, computes each tick again, compares to the bit.
+   A recording of recorded_servos.c takes -DCONTROLLER='"servo_controller.h"' when this is compiled.
+   usage: replay RECORDING [TABLE.csv]    the table is for replay.gp
+   Exit status: 0 all the same bits; 1 a tick differs; 2 the recording is not whole, its ticks have the same
+   bits; 3 nothing was replayed. SPDX-License-Identifier: MIT */
 #include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>

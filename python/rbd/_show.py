@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from ._model import Model
 
 _PAGE = Path(__file__).resolve().parent / "viewer.html"
-_FRAMES = 60        # in a second
-_MOST = 1500        # in a page
+_FRAMES = 60        # pictures in a second of a motion
+_MOST = 1500        # pictures in a page: of a longer motion they are further apart
 
 _KINDS = {
     "shapes": ("shapes of the file", None),

@@ -22,14 +22,14 @@ def _visuals(path, frames):
         robot = ElementTree.parse(path).getroot() if path else ElementTree.Element("robot")
     except (OSError, ElementTree.ParseError):
         return items, meshes, missing
-    named = {material.get("name"): _colour(material) for material in robot.findall("material") if _colour(material)}
+    named = {material.get("name"): _colour(material) for material in robot.findall("material")}
     places = {frame.link: frame for frame in frames}
     for link in robot.findall("link"):
         frame = places.get(link.get("name"))
         for visual in link.findall("visual") if frame else ():
             try:
                 shape, place = _shape_of(visual, Path(path), meshes)
-            except (_Unreadable, ValueError, struct.error) as error:
+            except (_Unreadable, OSError) as error:
                 missing.append(f"Link '{frame.link}': {error}")
                 continue
             material = visual.find("material")
@@ -40,15 +40,25 @@ def _visuals(path, frames):
     return items, meshes, missing
 
 
-def _three(element, name, default):
-    """Numbers of an attribute."""
-    return np.array([float(word) for word in (element.get(name, default) if element is not None else default).split()])
+def _attribute(element, name, count, default=""):
+    """The numbers of an attribute, finite and so many."""
+    text = default if element is None else element.get(name, default)
+    try:
+        numbers = np.array([float(word) for word in text.split()])
+    except ValueError:
+        numbers = np.zeros(0)
+    if len(numbers) != count or not np.isfinite(numbers).all():
+        raise _Unreadable(f"{name} is '{text}'; it must have {count} number{'s' * (count > 1)}")
+    return numbers
 
 
 def _colour(material):
-    """Red, green, blue and opacity of a material, or None."""
-    colour = material.find("color")
-    return None if colour is None else [float(word) for word in colour.get("rgba", "0.7 0.7 0.7 1").split()]
+    """Red, green, blue and opacity of a material; None where there are none, or no numbers: other programs pass over
+    such colours too."""
+    try:
+        return _attribute(material.find("color"), "rgba", 4).tolist()
+    except _Unreadable:
+        return None
 
 
 def _turned(roll, pitch, yaw):
@@ -62,22 +72,33 @@ def _turned(roll, pitch, yaw):
 def _shape_of(visual, path, meshes):
     """The shape's name, and the matrix and position that place it in its link."""
     origin = visual.find("origin")
-    R, p = _turned(*_three(origin, "rpy", "0 0 0")), _three(origin, "xyz", "0 0 0")
+    R, p = _turned(*_attribute(origin, "rpy", 3, "0 0 0")), _attribute(origin, "xyz", 3, "0 0 0")
     geometry = next(iter(visual.findall("geometry/*")), None)
     kind = "nothing" if geometry is None else geometry.tag
     if kind == "box":
-        return kind, (R * _three(geometry, "size", ""), p)
+        return kind, (R * _attribute(geometry, "size", 3), p)
     if kind == "sphere":
-        return kind, (R * float(geometry.get("radius", "")), p)
+        return kind, (R * _attribute(geometry, "radius", 1), p)
     if kind == "cylinder":  # about its middle; that of the page begins at 0
-        radius, length = float(geometry.get("radius", "")), float(geometry.get("length", ""))
+        [radius], [length] = _attribute(geometry, "radius", 1), _attribute(geometry, "length", 1)
         return kind, (R * [radius, radius, length], p - R[:, 2] * length / 2)
     if kind != "mesh":
         raise _Unreadable(f"<{kind}> is not drawn")
     name = geometry.get("filename", "")
     if name not in meshes:
-        meshes[name] = _packed(_triangles(_found(name, path)))
-    return name, (R * _three(geometry, "scale", "1 1 1"), p)
+        meshes[name] = _packed(_mesh(name, path))
+    return name, (R * _attribute(geometry, "scale", 3, "1 1 1"), p)
+
+
+def _mesh(name, path):
+    """Corners of the triangles of a mesh that a file names: 3 n x 3."""
+    try:
+        corners = _triangles(_found(name, path))
+    except (ValueError, struct.error) as error:
+        raise _Unreadable(f"the mesh '{name}' cannot be read: {error}") from None
+    if corners.ndim != 2 or corners.shape[1] != 3 or not np.isfinite(corners).all():
+        raise _Unreadable(f"the mesh '{name}' has corners that are not three finite numbers")
+    return corners
 
 
 def _found(name, path):
@@ -122,7 +143,7 @@ def _obj(text):
             vertices.append([float(x) for x in rest[:3]])
         elif word == "f":
             face = [int(corner.split("/")[0]) for corner in rest]
-            face = [vertices[k - 1 if k > 0 else k] for k in face if -len(vertices) <= k <= len(vertices)]
+            face = [vertices[k - 1 if k > 0 else k] for k in face if k and -len(vertices) <= k <= len(vertices)]
             for second, third in zip(face[1:], face[2:]):
                 corners += [face[0], second, third]
     if not corners:

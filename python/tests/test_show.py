@@ -174,6 +174,46 @@ def test_collada(arm_file, double, tmp_path):
         assert len(scene["missing"]) == 2 and "other.dae" in scene["missing"][1]
 
 
+BOX = '<geometry><box size="1 1 1"/></geometry>'
+WRONG = {  # a shape, and why it is not drawn
+    '<geometry><box size="nan 1 1"/></geometry>': "size is 'nan 1 1'; it must have 3 numbers",
+    '<geometry><box size="1e400 1 1"/></geometry>': "size is '1e400 1 1'; it must have 3 numbers",
+    '<geometry><box size="1 1"/></geometry>': "size is '1 1'; it must have 3 numbers",
+    '<geometry><sphere/></geometry>': "radius is ''; it must have 1 number",
+    '<geometry><mesh filename="a" scale="1"/></geometry>': "the mesh 'a' is not there",
+    '<origin xyz="1 2"/>' + BOX: "xyz is '1 2'; it must have 3 numbers",
+    f'<geometry><mesh filename="{"a" * 5000}.stl"/></geometry>': "File name too long",
+    '<geometry><mesh filename="words.obj"/></geometry>': "the mesh 'words.obj' cannot be read: could not convert",
+    '<geometry><mesh filename="empty.obj"/></geometry>': "an OBJ without faces",
+    '<geometry><mesh filename="flat.obj"/></geometry>': "the mesh 'flat.obj' has corners that are not three finite numbers",
+    '<geometry><mesh filename="nan.stl"/></geometry>': "the mesh 'nan.stl' has corners that are not three finite numbers",
+}
+
+
+def test_what_is_wrong_is_named(double, tmp_path):
+    """Shapes that nobody can draw are named, and the others are drawn; colours that are none are grey. Names stay text."""
+    (tmp_path / "words.obj").write_text("v 0 0 x\nf 1 1 1\n")
+    (tmp_path / "empty.obj").write_text("f 0 0 0\n")
+    (tmp_path / "flat.obj").write_text("v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n")
+    (tmp_path / "nan.stl").write_text("solid a\nvertex nan 0 0\nvertex 0 1 0\nvertex 0 0 1\n")
+    colours = ["a b c d", "1 0 0", "nan 0 0 1"]
+    visuals = [*WRONG, *(f'{BOX}<material name="m{k}"><color rgba="{rgba}"/></material>' for k, rgba in enumerate(colours)),
+               '<geometry><mesh filename="&lt;/script&gt;&lt;script&gt;.stl"/></geometry>']
+    text = ARM[:ARM.index("<link")].replace("0.8 0.1 0.1 1", "red") + '<link name="base">' + "".join(
+        f"<visual>{visual}</visual>" for visual in visuals) + "</link></robot>"
+    path = tmp_path / "robot.urdf"
+    path.write_text(text)
+    model = rbd.Model([rbd.Body("body", type="floating", mass=1, inertia=(1, 0, 0, 1, 0, 1))], library=double)
+    model._drawn = path, [rbd.Frame("base", None, -1, 0, np.zeros(3), np.eye(3))]
+
+    picture = model.show(file=tmp_path / "page.html")
+    scene = scene_of(picture)
+    assert len(scene["missing"]) == len(WRONG) + 1 and picture.html.count("<script") == 1
+    for sentence, expected in zip(scene["missing"], WRONG.values()):
+        assert sentence.startswith("Link 'base': ") and expected in sentence
+    assert [item["colour"] for _, _, _, item in places(scene, "shapes", 0)] == 3 * [[0.72, 0.75, 0.78, 1.0]]
+
+
 def test_kinematic_robot(double, tmp_path):
     """One without masses has no centre of mass and no ellipsoids."""
     bodies = [rbd.Body("a", type="revolute", axis=(0, 0, 1)), rbd.Body("b", parent=0, type="prismatic", axis=(1, 0, 0), position=(1, 0, 0))]

@@ -4,16 +4,18 @@
 #include "actuator/laws.h"
 
 /* ---- coupled shafts [coupled shafts] ----
-   The shafts of a transmission. Their joints move as T = base + P (x - point), P = mass / dt. */
+   The shafts of a transmission. By their speeds x their joints move as T = base + P (x - point), P = M / dt,
+   where M is the mass that a group learns. */
 
-/* Joint speeds of shaft speeds x. */
+/* Speed of joint j at shaft speeds x. */
 RBDI_INLINE rbd_real rbdi_act_joint_speed(const rbdi_act_group *g, int j, const rbd_real *x) {
     rbd_real v = rbdi_zero();
     for (int i = 0; i < g->n; ++i) v = v + g->inverse[g->n * j + i] * x[i];
     return v;
 }
 
-/* Solves A x = b, A symmetric and positive definite, by L D L'; b becomes x. Returns 0 if A is not so. */
+/* Solves A x = b, A symmetric and positive definite, by L D L'; b becomes x, A its factor. Returns 0 if A is
+   not positive definite. */
 RBDI_LOCAL int rbdi_act_solve_small(rbd_real *A, int n, rbd_real *b) {
     for (int k = 0; k < n; ++k) {
         if (!(A[n * k + k] > 0)) return 0;
@@ -30,7 +32,7 @@ RBDI_LOCAL int rbdi_act_solve_small(rbd_real *A, int n, rbd_real *b) {
     return 1;
 }
 
-/* The law of each shaft at its point, without and with dry friction. */
+/* The law of each shaft at its point: without dry friction, and that friction where it sticks and slides. */
 typedef struct rbdi_act_laws {
     rbdi_act_piece without[3];
     rbdi_act_stiction sticks[3];
@@ -52,8 +54,8 @@ RBDI_LOCAL void rbdi_act_take_laws(const rbd_actuators *a, const rbdi_act_group 
     }
 }
 
-/* The speeds x at which the joints' torques are those of the laws, if shaft i slides as slides[i] says.
-   Returns by how much they contradict that, N m; below 0 if there are none. */
+/* The speeds x at which the joints have the torques of the laws, if shaft i sticks (slides[i] = 0) or slides
+   (1, -1). Returns by how much friction contradicts that at x, N m; below 0 if there is no x. */
 RBDI_LOCAL rbd_real rbdi_act_speeds_if(const rbd_actuators *a, const rbdi_act_group *g,
                                        const rbdi_act_laws *laws, const int *slides, rbd_real *x) {
     const rbdi_act_shaft *s = &a->shaft[g->first];
@@ -84,8 +86,8 @@ RBDI_LOCAL rbd_real rbdi_act_speeds_if(const rbd_actuators *a, const rbdi_act_gr
     return off;
 }
 
-/* Those speeds where each shaft sticks or slides as its law says: one of 3^n ways is right, but for rounding.
-   */
+/* Tries the 3^n ways in which shafts stick or slide, and takes the speeds x that contradict theirs least: but
+   for rounding one does not. */
 RBDI_LOCAL void rbdi_act_speeds(const rbd_actuators *a, const rbdi_act_group *g, const rbdi_act_laws *laws,
                                 rbd_real *x) {
     const int ways = g->n == 1 ? 3 : g->n == 2 ? 9 : 27;
@@ -102,10 +104,10 @@ RBDI_LOCAL void rbdi_act_speeds(const rbd_actuators *a, const rbdi_act_group *g,
     }
 }
 
-/* Tells the joints torques and dampings with which they have the torques T at the shaft speeds x: for A = G'
-   diag(slope) G
+/* Tells the joints torques and dampings with which they have the torques G'T at the shaft speeds x. The
+   dampings are a diagonal D that is at least A = G' diag(slope) G:
 
-       L_jj = sum |A_jk|,   torque = G'T + L G^-1 x,   damping = L */
+       D_jj = sum |A_jk|,   s = G'T + D G^-1 x */
 RBDI_LOCAL void rbdi_act_tell_joints(rbdi_act_group *g, const rbd_real *T, const rbd_real *x,
                                      const rbd_real *slope) {
     const int n = g->n;
@@ -122,8 +124,8 @@ RBDI_LOCAL void rbdi_act_tell_joints(rbdi_act_group *g, const rbd_real *T, const
     }
 }
 
-/* What a group tells the step: what its laws are at the point, or, where the joints' motion is known, the
-   solution. */
+/* Tells the joints of a group its laws at the point or, if the mass is known, at the speeds that will come
+   out. */
 RBDI_LOCAL void rbdi_act_tell_group(const rbd_actuators *a, rbdi_act_group *g) {
     const rbdi_act_shaft *s = &a->shaft[g->first];
     const int n = g->n;
@@ -164,8 +166,7 @@ RBDI_LOCAL void rbdi_act_note_group(const rbd_actuators *a, const rbdi_act_group
     }
 }
 
-/* Whether the shafts have the torques of their laws, but for rounding of these and of the joints' momentum.
-   */
+/* Whether the shafts have the torques of their laws, but for rounding of these and of the momentum. */
 RBDI_LOCAL int rbdi_act_group_settles(const rbd_actuators *a, const rbdi_act_group *g) {
     const rbdi_act_shaft *s = &a->shaft[g->first];
     for (int i = 0; i < g->n; ++i) {
@@ -179,14 +180,15 @@ RBDI_LOCAL int rbdi_act_group_settles(const rbd_actuators *a, const rbdi_act_gro
     return 1;
 }
 
-/* ---- motion that is learnt [learning] ---- */
+/* ---- mass that is learnt [learning] ---- */
 
-/* A first guess of the mass, kg m^2: the torque that was there, by a change of speed of its size. */
+/* A first guess of the mass, a diagonal in kg m^2: the impulse of the step over the largest change of speed
+   that it can have made. The least torque, 1e-3 N m, keeps it above 0. */
 RBDI_LOCAL void rbdi_act_guess_mass(const rbd_actuators *a, rbdi_act_group *g) {
     const rbdi_act_shaft *s = &a->shaft[g->first];
     for (int i = 0; i < g->n * g->n; ++i) g->mass[i] = rbdi_zero();
     for (int i = 0; i < g->n; ++i) {
-        const rbd_real change = rbdi_abs(s[i].x) + rbdi_abs(s[i].next) + a->dt; /* 1 rad/s^2 at least */
+        const rbd_real change = rbdi_abs(s[i].x) + rbdi_abs(s[i].next) + a->dt; /* by 1 rad/s^2 at least */
         const rbd_real torque = rbdi_abs(s[i].force) + s[i].level + RBD_C(1e-3);
         g->mass[(g->n + 1) * i] = a->dt * torque / change + rbdi_act_rotor_inertia(&a->motor[g->first + i]);
     }
@@ -205,25 +207,28 @@ RBDI_LOCAL int rbdi_act_is_positive(const rbd_real *A, int n) {
     return rbdi_act_solve_small(copy, n, none);
 }
 
-/* Corrects the mass so that it makes of d = next - point the change y of force dt: with r = y - P d
+/* Corrects the mass M so that M d = y, for the change d of the speeds and the impulse y that made it: by SR1
+   or, if that is not positive definite, by BFGS (Nocedal and Wright 2006, chapter 6). With r = y - M d
 
-       P + r r' / (r'd),   or, if that is not positive,   P + y y' / (y'd) - P d (P d)' / (d'P d) */
+       M + r r' / (r'd),   M + y y' / (y'd) - M d (M d)' / (d'M d)
+
+   SR1 is left out where r is across d to 1e-5, for it would divide by rounding. */
 RBDI_LOCAL void rbdi_act_learn(const rbd_actuators *a, rbdi_act_group *g) {
     const rbdi_act_shaft *s = &a->shaft[g->first];
     const int n = g->n;
-    rbd_real d[3], y[3], Pd[3], r[3], A[9];
-    rbd_real d_d = rbdi_zero(), y_d = d_d, r_d = d_d, r_r = d_d, dPd = d_d, size = d_d;
+    rbd_real d[3], y[3], Md[3], r[3], A[9];
+    rbd_real d_d = rbdi_zero(), y_d = d_d, r_d = d_d, r_r = d_d, dMd = d_d, size = d_d;
     for (int i = 0; i < n; ++i) d[i] = s[i].next - s[i].point;
     for (int i = 0; i < n; ++i) {
-        Pd[i] = rbdi_zero();
-        for (int k = 0; k < n; ++k) Pd[i] = Pd[i] + g->mass[n * i + k] * d[k];
+        Md[i] = rbdi_zero();
+        for (int k = 0; k < n; ++k) Md[i] = Md[i] + g->mass[n * i + k] * d[k];
         y[i] = a->dt * (s[i].force - s[i].base);
-        r[i] = y[i] - Pd[i];
+        r[i] = y[i] - Md[i];
         d_d = d_d + d[i] * d[i];
         y_d = y_d + y[i] * d[i];
         r_d = r_d + r[i] * d[i];
         r_r = r_r + r[i] * r[i];
-        dPd = dPd + d[i] * Pd[i];
+        dMd = dMd + d[i] * Md[i];
         size = size + s[i].scale * s[i].scale;
     }
     if (!(d_d > RBDI_ACTUATOR_NOISE * RBDI_ACTUATOR_NOISE * size) || !(y_d > 0) || !(r_r > 0)) return;
@@ -233,14 +238,13 @@ RBDI_LOCAL void rbdi_act_learn(const rbd_actuators *a, rbdi_act_group *g) {
     if (!rbdi_act_is_positive(A, n)) {
         for (int i = 0; i < n * n; ++i) A[i] = g->mass[i];
         rbdi_act_add_square(A, n, 1 / y_d, y);
-        rbdi_act_add_square(A, n, -1 / dPd, Pd);
+        rbdi_act_add_square(A, n, -1 / dMd, Md);
         if (!rbdi_act_is_positive(A, n)) return;
     }
     for (int i = 0; i < n * n; ++i) g->mass[i] = A[i];
 }
 
-/* The torque that the joints would have had at the speeds of the step's beginning: a guess for the next step.
-   */
+/* Guesses the base of the next step: the joints' torque at the speeds of this step's beginning. */
 RBDI_LOCAL void rbdi_act_foresee(const rbd_actuators *a, const rbdi_act_group *g) {
     rbdi_act_shaft *s = &a->shaft[g->first];
     for (int i = 0; i < g->n; ++i) {

@@ -191,6 +191,7 @@ RBDI_PART rbd_real rbdi_act_size(const rbd_motor *m, const rbdi_act_shaft *s, co
 /* The state of the shaft at the end of the step, where the joint's side has speed x and gets s->force. */
 RBDI_PART void rbdi_act_end_shaft(const rbd_motor *m, rbdi_act_shaft *s, rbd_real x, const rbd_actuators *a) {
     rbdi_act_line line;
+    rbd_real t;
     s->joint = s->force;
     if (m->stiffness > 0) {
         const rbdi_act_spring spring = rbdi_act_spring_at(m, s, x, a);
@@ -206,10 +207,11 @@ RBDI_PART void rbdi_act_end_shaft(const rbd_motor *m, rbdi_act_shaft *s, rbd_rea
     }
 
     line = rbdi_act_motor_at(s, s->speed);
+    t = line.t - line.braking * s->speed;
     s->saturated = (int16_t)line.saturated;
-    s->cogging = s->cogging - s->cogging_slope * s->speed;
-    s->motor = line.t - line.braking * s->speed + s->cogging;
-    rbdi_act_heat(m, s, (s->motor - s->cogging) / rbdi_act_torque_constant(m), a->air, a->dt);
+    s->motor = t + (s->cogging - s->cogging_slope * s->speed);
+    s->current = t / rbdi_act_torque_constant(m);
+    rbdi_act_heat(m, s, s->current, a->air, a->dt);
 }
 
 #endif

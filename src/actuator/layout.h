@@ -61,6 +61,7 @@ typedef struct rbdi_act_shaft {
     rbd_real winding, housing; /* degrees above the air */
     rbd_real bristle;          /* N m: of the bristle, or 0 */
     rbd_real motor, joint; /* N m, of the last step: the motor's torque, the shaft's on the joint's side */
+    rbd_real current;      /* A, of the last step */
 
     /* of the step */
     rbd_command arrived;

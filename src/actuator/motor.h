@@ -76,8 +76,8 @@ RBDI_PART void rbdi_act_cog(const rbd_motor *m, rbdi_act_shaft *s, rbd_real dt, 
 
 /* A step of heat by implicit Euler; C_w, C_c capacities, g_w, g_c conductances, T above the air:
 
-       C_w (T_w' - T_w) / dt = I^2 R - g_w (T_w' - T_c'),   C_c (T_c' - T_c) / dt = g_w (T_w' - T_c') - g_c
-       T_c' */
+       C_w (T_w' - T_w) / dt = I^2 R - g_w (T_w' - T_c')
+       C_c (T_c' - T_c) / dt = g_w (T_w' - T_c') - g_c T_c' */
 RBDI_PART void rbdi_act_heat(const rbd_motor *m, rbdi_act_shaft *s, rbd_real current, rbd_real air,
                              rbd_real dt) {
     const rbd_real most = rbdi_set(RBDI_ACTUATOR_MOST), hottest = rbdi_set(RBDI_ACTUATOR_HOTTEST);
@@ -111,7 +111,7 @@ RBDI_PART rbd_real rbdi_act_encoder(const rbd_motor *m, rbd_real angle) {
     if (!(m->step > 0)) return seen;
 
     steps = seen / m->step;
-    if (!(rbdi_abs(steps) < RBD_C(1e9))) return seen; /* no int has the number */
+    if (!(rbdi_abs(steps) < RBD_C(1e9))) return seen; /* beyond int32_t */
     return (rbd_real)(int32_t)(steps + (steps < 0 ? RBD_C(-0.5) : RBD_C(0.5))) * m->step;
 }
 
@@ -205,7 +205,6 @@ RBDI_PART void rbdi_act_drive_motor(const rbd_motor *m, rbdi_act_shaft *s, const
     line.t = s->now;
     line.braking = rbdi_zero();
     line = rbdi_act_limit(s, line, s->speed);
-    s->saturated = (int16_t)line.saturated;
     s->now = line.t - line.braking * s->speed + s->cogging;
     if (!line.saturated) return;
     s->pass = s->gain = rbdi_zero();

@@ -13,7 +13,7 @@ RBDI_LOCAL void rbdi_act_rest(rbd_actuators *a, rbd_real air) {
     for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) {
         s->angle = s->g;
         s->speed = s->winding = s->housing = s->bristle = rbdi_zero();
-        s->motor = s->joint = s->level = rbdi_zero();
+        s->motor = s->joint = s->current = s->level = rbdi_zero();
         s->cogging = s->cogging_slope = rbdi_zero();
         s->t = s->now = s->braking = s->gain = s->rate = rbdi_zero();
         s->most = s->stall = s->droop = s->pass = rbdi_zero();
@@ -48,7 +48,7 @@ RBDI_LOCAL rbd_command rbdi_act_delay(rbd_actuators *a, int i, const rbd_command
     return s->arrived;
 }
 
-/* Takes the commands out again of a step that has not ended. */
+/* Puts the commands back of a step that has not ended: the oldest into the ring, the new one out. */
 RBDI_LOCAL void rbdi_act_take_back(rbd_actuators *a) {
     for (int i = 0; i < a->n && a->begun; ++i) {
         const int delay = a->motor[i].delay;
@@ -60,14 +60,14 @@ RBDI_LOCAL void rbdi_act_take_back(rbd_actuators *a) {
     a->begun = 0;
 }
 
-/* Whether a command is one for the motor: finite, no gain negative, a torque or a voltage. */
+/* Whether a command suits the motor: finite, no negative gain, no torque by voltage and no voltage else. */
 RBDI_LOCAL int rbdi_act_is_command(const rbd_motor *m, const rbd_command *c) {
     const rbd_real other = m->by_voltage ? c->torque : c->voltage;
     const rbd_real x[6] = {c->q, c->v, c->kp, c->kd, c->torque, c->voltage};
     return rbdi_act_all_moderate(x, 6) && c->kp >= 0 && c->kd >= 0 && other >= 0 && other <= 0;
 }
 
-/* What all shafts tell the step at their points. */
+/* Tells the step the pieces of all shafts at their points. */
 RBDI_LOCAL void rbdi_act_tell_all(rbd_actuators *a, rbd_real *tau, rbd_real *damping) {
     rbdi_clear(tau, a->nv);
     rbdi_clear(damping, a->nv);
@@ -147,8 +147,7 @@ RBDI_LOCAL int rbdi_act_all_settle(const rbd_actuators *a) {
     return 1;
 }
 
-/* How the function of the method falls or grows at the share c of the way from the points to the new speeds.
-   */
+/* Slope of the function of [method] at the share c of the way from the points to the new speeds. */
 RBDI_LOCAL rbd_real rbdi_act_growth(const rbd_actuators *a, rbd_real c) {
     rbd_real sum = rbdi_zero();
     for (int i = 0; i < a->n; ++i) {
@@ -165,8 +164,8 @@ RBDI_LOCAL int rbdi_act_overshoots(const rbd_actuators *a) {
     return falls > 0 && rbdi_act_growth(a, rbdi_set(RBD_C(1))) > RBD_C(0.25) * falls;
 }
 
-/* Takes the next points: the new speeds, or, after the first repeat, where the function is least on the way
-   there. */
+/* Moves the points to the new speeds or, if the function grows there after the first repeat, to where it is
+   least on the way. */
 RBDI_LOCAL void rbdi_act_move_points(rbd_actuators *a) {
     rbd_real least = rbdi_zero(), most = rbdi_set(RBD_C(1));
     const rbd_real half = rbdi_set(RBD_C(0.5));
@@ -194,7 +193,7 @@ RBDI_LOCAL void rbdi_act_end_step(rbd_actuators *a) {
         if (a->group[i].known) rbdi_act_foresee(a, &a->group[i]);
 }
 
-/* Learns of the new speeds, and tells the step what follows from them. */
+/* Learns masses from the new speeds, moves the points there, and tells the step the pieces. */
 RBDI_LOCAL void rbdi_act_repeat(rbd_actuators *a, rbd_real *tau, rbd_real *damping) {
     ++a->repeats;
     for (int i = 0; i < a->groups; ++i) {
@@ -235,7 +234,7 @@ RBDI_API rbd_status rbd_actuators_get(const rbd_actuators *a, int motor, rbd_act
     state->motor = s->motor;
     state->joint = s->joint;
     state->friction = s->level;
-    state->current = (s->motor - s->cogging) / rbdi_act_torque_constant(&a->motor[motor]);
+    state->current = s->current;
     state->winding = s->winding + a->air;
     state->housing = s->housing + a->air;
     state->saturated = s->saturated;

@@ -55,9 +55,7 @@ typedef struct rbd_motor {
     rbd_const current;    /* A: limit; 0: none */
     rbd_const voltage;    /* V: limit; with the resistance it gives the torque-speed line; 0: none */
     rbd_const copper;     /* 1/K: growth of the resistance above 25 degrees; copper 0.0039 */
-    rbd_const heat_winding,
-        heat_case; /* J/K; these and the flows 0: no heat; heat_case 0: the case stays as cold
-                                          as the air */
+    rbd_const heat_winding, heat_case; /* J/K; both 0: no heat; heat_case 0: the case is as cold as the air */
     rbd_const flow_winding, flow_case; /* K/W: from the winding to the case, from there to the air */
     rbd_const hot, hottest;          /* degrees: the limit of current falls between them to 0; both 0: none */
     rbd_const cogging, teeth, phase; /* N m at the rotor, periods in a turn of the rotor, rad */
@@ -143,7 +141,7 @@ RBDI_API char *rbd_actuators_finding_text(const rbd_finding *finding, int n, cha
 RBDI_API rbd_status rbd_actuators_map(rbd_actuators *a, const rbd_real *q, const rbd_real *v, rbd_real *angle,
                                       rbd_real *speed);
 
-/* The transmission at which the last rbd_actuators_map, _inverse or _begin failed; -1: none. */
+/* The transmission at which the last rbd_actuators_map, _inverse, _reset or _begin failed; -1: none. */
 RBDI_API int rbd_actuators_fault(const rbd_actuators *a);
 
 /* ---- inverse [inverse] ---- */
@@ -191,8 +189,11 @@ typedef struct rbd_command {
     rbd_real voltage; /* V, positive as the rotor turns; 0 if not by voltage */
 } rbd_command;
 
-/* Puts all shafts at rest where q has them, and their temperatures at that of the air, in degrees. Commands
-   under way are 0. Errors: as rbd_actuators_map; RBD_ERR_RANGE, air not within -273 and 1000. */
+/* Puts all shafts at rest where q has them, and their temperatures at that of the air. Commands under way are
+   0, and a step that has begun is forgotten.
+   q     nq
+   air   degrees Celsius, -273 to 1000
+   Errors: as rbd_actuators_map; RBD_ERR_RANGE, air. */
 RBDI_API rbd_status rbd_actuators_reset(rbd_actuators *a, const rbd_real *q, rbd_real air);
 
 /* Begins a step: what the shafts do to the joints, linear in the speeds at the step's end.
@@ -202,19 +203,22 @@ RBDI_API rbd_status rbd_actuators_reset(rbd_actuators *a, const rbd_real *q, rbd
                   Springs that are so stiff that they would vibrate faster than the step are damped by the
                   first, and ring with the second
    tau, damping   nv: torques tau - damping v_next; 0 where there is no motor
-   A step that was begun before and has not ended is none.
+   A step that was begun before and has not ended is forgotten: its commands are taken back.
    Errors: as rbd_actuators_map but _ORDER; RBD_ERR_RANGE, dt not between 1e-9 and 1e3, or a command negative
    where it must not be, not finite or above 1e9, with a torque by voltage or a voltage by torque. */
 RBDI_API rbd_status rbd_actuators_begin(rbd_actuators *a, const rbd_command *commands, const rbd_real *q,
                                         const rbd_real *v, rbd_real dt, int first_order, rbd_real *tau,
                                         rbd_real *damping);
 
-/* Ends a step, and returns 0, if all shafts do at v_next what the step was told. Else returns 1: the step
-   must be made again with the new tau and damping. After 50 repeats it takes what there is. A v_next that is
-   not finite ends the step; the shafts, and the commands under way, stay as they were. */
+/* Ends a step, and returns 0, if all shafts have at v_next the torques that the step was told. Else returns
+   1: the step must be made again with the new tau and damping. After 50 repeats it takes what there is.
+   v_next         nv: the speeds that came out. Where they are not finite or above 1e9, it returns 0; the
+                  shafts, and the commands under way, stay as they were
+   tau, damping   nv, as of rbd_actuators_begin
+   Returns 0 also if a pointer is NULL or no step has begun. */
 RBDI_API int rbd_actuators_again(rbd_actuators *a, const rbd_real *v_next, rbd_real *tau, rbd_real *damping);
 
-/* A shaft after its last step. */
+/* A shaft after its last step that has ended. */
 typedef struct rbd_actuator_state {
     rbd_real angle, speed; /* rad, rad/s: of the rotor, divided by gear */
     rbd_real motor, joint; /* N m at the shaft: torques of the motor, and of the shaft on the joint's side */
@@ -225,7 +229,9 @@ typedef struct rbd_actuator_state {
     int repeats;               /* of the step; 50: it did not settle */
 } rbd_actuator_state;
 
-/* Errors: RBD_ERR_NULL, _INDEX. */
+/* The state of a motor's shaft. Within a step, `friction` and `repeats` are those of this step so far.
+   motor   its index in the table
+   Errors: RBD_ERR_NULL, _INDEX. */
 RBDI_API rbd_status rbd_actuators_get(const rbd_actuators *a, int motor, rbd_actuator_state *state);
 
 /* Derivatives of the joint torques in the state at which rbd_actuators_begin was called, in continuous time:

@@ -65,8 +65,8 @@ typedef struct rbdi_contact {
     rbd_real falls;             /* u_n that forces would add in the step without impulses, m/s */
     rbd_real below;             /* the place of contact is so far below the centre, m: l of [contact rows] */
     rbd_real middle;            /* the ball's gap in the middle of the step, m */
-    rbdi_motion velocity, rate; /* there, of the body relative to the plane, world axes: turn and its rate;
-                                   velocity of the place of contact, and gamma */
+    rbdi_motion velocity, rate; /* in the middle of the step, of the body relative to the plane, world axes:
+                                   omega and velocity at the place of contact; domega/dt and gamma */
     rbd_real force[3];          /* of the last step, world axes */
     int body2;
     int row;      /* of the step, -1 = none */

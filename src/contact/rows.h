@@ -86,10 +86,10 @@ RBDI_LOCAL void rbdi_contact_gap(const rbd_contact_set *c, rbdi_constraint *con,
                                rbdi_dot(normal, contact->rate.v), c->half);
 }
 
-/* Moves the place of contact from the ball to the plane: l by the gap, l' to its rate. Of the point of the
-   body that is there now,
+/* Moves the place of contact along n from the ball to the plane: l grows by the gap, and l' is n'v. For the
+   point of the body at the new place
 
-       velocity and gamma less gap omega x n and gap domega/dt x n,   and gamma less l' omega x n */
+       v := v - gap omega x n,   gamma := gamma - gap domega/dt x n - l' omega x n */
 RBDI_LOCAL void rbdi_place_on_plane(const rbd_constraint_set *s, rbdi_constraint *con,
                                     rbdi_contact *contact) {
     const rbdi_v3 normal = rbdi_contact_normal(s, con), v = contact->velocity.v;
@@ -257,8 +257,9 @@ RBDI_LOCAL void rbdi_find_falls(rbd_contact_set *c) {
     }
 }
 
-/* From the upper triangle of a symmetric matrix, in rows of this stride, to all of it in rows of n: first the
-   rows, in batches that may end within the next row, then the columns below the diagonal. */
+/* Makes of the upper triangle of a symmetric matrix, in rows of this stride, all of it in rows of n: moves
+   the rows, then copies each into the column below the diagonal. The last batch of a row writes up to a batch
+   beyond it, which no later row is read from: rbdi_row_stride is longer than n by more. */
 RBDI_LOCAL void rbdi_close_up(rbd_real *x, int stride, int n) {
     for (int r = 0; r < n; ++r)
         for (int t = r; t < n; t += RBDI_BATCH)

@@ -120,7 +120,8 @@ RBDI_LOCAL void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int pur
 }
 
 /* Corrects the velocity terms for the first time: c->x[1], and c->moved with the impulses as they are.
-   Returns whether velocities change by more than rounding: they do not at rest, or where nothing turns. */
+   Returns whether velocities change by more than rounding: they do not at rest, or where nothing turns.
+   Speeds count as the solver's tolerance at least. */
 RBDI_LOCAL int rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
                                   const rbd_real *f_ext) {
     rbd_real *change = c->rows->x, changes = rbdi_zero(), speeds = c->solver.given.tolerance;
@@ -151,15 +152,17 @@ RBDI_LOCAL void rbdi_correct_again(const rbd_model *m, rbd_contact_set *c, const
     for (int r = 0; r < s->rows; ++r) c->b[r] = -s->b[r];
 }
 
-/* Corrects again, if the first correction changed anything. Solves with the biases of positions, and
-   computes c->moved. Keeps the impulses of the first solution in c->early; if no bias changed either, that
-   solution may be good enough. */
+/* Corrects again, if the first correction changed anything; solves with the biases of positions, and computes
+   c->moved. Where neither correction nor biases changed anything, the first solution stays if it is good
+   enough. Its impulses are kept in c->early. */
 RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
                                  const rbd_real *f_ext, int changed) {
     const rbd_contact_solution first = c->solver.solution;
     const rbd_constraint_set *s = c->rows;
-    if (changed) rbdi_correct_again(m, c, tau, f_ext);
-    for (int k = 0; !changed && k < m->nv; ++k) c->x[2][k] = c->x[1][k];
+    if (changed)
+        rbdi_correct_again(m, c, tau, f_ext);
+    else
+        for (int k = 0; k < m->nv; ++k) c->x[2][k] = c->x[1][k];
 
     for (int r = 0; r < s->rows; ++r) c->early[r] = s->lambda[r];
     c->solver.given.tolerance = c->solver.given.tolerance / RBDI_LOOSE;
@@ -187,10 +190,14 @@ RBDI_LOCAL rbd_status rbdi_solve_positions(const rbd_model *m, rbd_contact_set *
                                            const rbd_real *damping) {
     const int first_order = !(c->half > 0);
     const rbd_status status = rbdi_begin_step(m, c, q, v, tau, f_ext, damping);
+    int changed;
     if (status) return status;
+
     rbdi_solve_first(m, c, first_order ? RBDI_FOR_POSITIONS : RBDI_FOR_VELOCITIES);
     if (first_order) return RBD_OK;
-    rbdi_solve_again(m, c, tau, f_ext, rbdi_solve_between(m, c, tau, f_ext));
+
+    changed = rbdi_solve_between(m, c, tau, f_ext);
+    rbdi_solve_again(m, c, tau, f_ext, changed);
     return RBD_OK;
 }
 

@@ -142,8 +142,7 @@ RBDI_INLINE void rbdi_own_sums(const rbd_model *m, rbd_derivatives *d, int base,
 
 /* Sums so many components of a field over subtrees, for the segments from root on: at most 14, for which
    there are registers. x: the field's first scalar in d->columns. All dofs of a block get the sum of the
-   block. Segments are taken one after the other: equal limbs as lanes, such as HyQ's legs, took more time.
-   */
+   block. Segments are taken one after the other: equal limbs as lanes, as HyQ's legs, took more time. */
 RBDI_INLINE void rbdi_sum_components(rbd_derivatives *d, const rbdi_segment *root, rbd_real *x, int count) {
     for (const rbdi_segment *seg = d->segment + d->segments - 1; seg >= root; --seg) {
         const rbdi_entry *e = d->entry + seg->end - 1, *first = d->entry + seg->first;

@@ -167,8 +167,8 @@ RBDI_INLINE void rbdi_columns_half(const rbd_model *m, rbd_work *w, const rbd_re
         rbdi_columns_forward(m, w, L, sign, stride, matrices, batches, n, X, Y);
 }
 
-/* The same of any number of columns of one matrix, or of at most half of RBDI_ROW batches of columns of two.
-   */
+/* The same of any number of columns of one matrix, or of at most half of RBDI_ROW batches of columns of
+   two. */
 RBDI_INLINE void rbdi_solve_half(const rbd_model *m, rbd_work *w, const rbd_real *L, int transposed, int sign,
                                  ptrdiff_t stride, int matrices, int n, rbd_real *X, rbd_real *Y) {
     while (n > 0) {

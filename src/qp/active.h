@@ -2,6 +2,8 @@
 #define RBDI_QP_ACTIVE_H
 #include "qp/factor.h"
 
+/* Interface: rbdi_qp_terms */
+
 /* ---- active rows [active rows] ---- */
 
 /* d = J'n of a row that wants to join at this side. A soft row brings its slack as a column. Returns the

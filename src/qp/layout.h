@@ -4,6 +4,8 @@
 #include "base/pieces.h"
 #include "api/qp.h"
 
+/* Interface: rbdi_qp */
+
 /* ---- method [method] ----
    Minimise x'Hx/2 + f'x with n_i'x >= b_i, where the normal n_i of a row points into what is allowed: the
    row itself at its lower side, its negative at its upper one.
@@ -65,6 +67,7 @@ typedef struct rbdi_qp {
     rbd_qp_result result;
     rbd_real *lambda;  /* of each row */
     signed char *side; /* of each row: -1, 0 or 1; 1 for an equality that is eliminated */
+    int symmetric;     /* whether H is symmetric because of how the caller made it */
     int n, all, soft;  /* variables, rows with bounds, soft rows */
     int watches;       /* rows that x may miss: not 0, with a side, no equality that is eliminated */
     int equalities;    /* eliminated: the first reflections */
@@ -100,6 +103,7 @@ typedef struct rbdi_qp {
     rbd_real *u_equal;  /* equalities: multipliers */
     rbd_real *unit;     /* of each row: 1 over its length */
     rbd_real *score;    /* watches: by how much x misses the row, in lengths of it */
+    rbd_real *value;    /* of each row: the row times x, as rbdi_qp_verify leaves it; where the scores were */
 
     int *active;    /* q: rows */
     int *from, *to; /* of each row: where it is not 0 */
@@ -146,6 +150,7 @@ RBDI_PART void rbdi_qp_place(rbdi_qp *s, void *memory) {
     s->u_equal = rbdi_qp_scalars(&at, n);
     s->unit = rbdi_qp_scalars(&at, s->all);
     s->score = rbdi_qp_scalars(&at, s->all);
+    s->value = s->score;
 
     s->active = rbdi_qp_ints(&at, most);
     s->from = rbdi_qp_ints(&at, s->all);

@@ -2,7 +2,7 @@
 #define RBDI_QP_SOLVE_H
 #include "qp/rounds.h"
 
-/* Interface: RBDI_QP_MOST */
+/* Interface: rbdi_qp_solve, RBDI_QP_MOST */
 
 /* ---- solve [solve code] ---- */
 
@@ -62,7 +62,7 @@ RBDI_PART rbd_qp_status rbdi_qp_refuse_pair(rbdi_qp *s, int i, int j) {
     return rbdi_qp_refuse(s, RBD_QP_SYMMETRIC, i, "H");
 }
 
-/* H and f: finite, symmetric. */
+/* H and f: finite, symmetric. A sum of squares is symmetric, and finite if its diagonal is. */
 RBDI_PART rbd_qp_status rbdi_qp_check_value(rbdi_qp *s) {
     const rbd_real *H = s->given.H;
     const int n = s->n;
@@ -73,7 +73,7 @@ RBDI_PART rbd_qp_status rbdi_qp_check_value(rbdi_qp *s) {
         if (!rbdi_qp_finite(diagonal)) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "H");
         if (diagonal < 0) return rbdi_qp_refuse(s, RBD_QP_CONVEX, i, "H");
         s->t[i] = own;
-        for (int j = 0; j < i; ++j) {
+        for (int j = 0; j < i && !s->symmetric; ++j) {
             const rbd_real apart = rbdi_abs(H[i * n + j] - H[j * n + i]);
             if (!(apart <= own) && !(apart <= own + s->t[j])) return rbdi_qp_refuse_pair(s, i, j);
         }
@@ -165,7 +165,7 @@ RBDI_PART void rbdi_qp_multipliers(rbdi_qp *s, rbd_real *lambda) {
 
 /* result.primal and result.dual of x and lambda, whatever they came from: of each row, the miss, or where it
    pushes the distance from the side, as a share of its terms; and Hx + f + C'lambda, as a share of the
-   largest term. */
+   largest term. Leaves the value of each row. */
 RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
     rbd_real furthest = rbdi_qp_largest(x, s->n);
     rbd_real worst, sum = 0, size;
@@ -178,7 +178,7 @@ RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lam
     for (int k = 0; k < s->n; ++k) s->reach[k] = furthest;
     for (int row = 0; row < s->all; ++row) {
         const rbd_real weight = rbdi_qp_weight(s, row), miss = weight > 0 ? lambda[row] / weight : 0;
-        const rbd_real value = rbdi_qp_row_times(s, row, x) - miss;
+        const rbd_real value = (s->value[row] = rbdi_qp_row_times(s, row, x)) - miss;
         if (lambda[row] == 0 && value >= s->given.lower[row] && value <= s->given.upper[row]) continue;
         const rbd_real below = rbdi_qp_below(s, row, value), above = rbdi_qp_above(s, row, value);
         const int at_upper = lambda[row] > 0 || (!(lambda[row] < 0) && above > below);
@@ -267,47 +267,54 @@ RBDI_PART rbd_qp_status rbdi_qp_bound_result(rbdi_qp *s, rbd_qp_status status, r
     return status;
 }
 
-RBDI_API rbd_qp_status rbd_qp_solve(const rbd_qp_problem *problem, const rbd_qp_options *options,
-                                    void *memory, size_t size, rbd_real *x, rbd_real *lambda,
-                                    signed char *side, rbd_qp_result *result) {
+/* Solves a problem. s: what it leaves there and in the memory stays for the caller to read. symmetric: of the
+   state. */
+RBDI_PART rbd_qp_status rbdi_qp_solve(rbdi_qp *s, const rbd_qp_problem *problem,
+                                      const rbd_qp_options *options, int symmetric, void *memory, size_t size,
+                                      rbd_real *x, rbd_real *lambda, signed char *side) {
     static const rbd_qp_options defaults = {0, 0, 0, 0};
     static const rbd_qp_result none = {0, 0, 0, 0, 0, -1, NULL};
-    rbdi_qp s;
     rbd_qp_status status;
     int warm;
 
     rbdi_require_ieee();
-    s.result = none;
-    if (result) *result = none;
+    s->result = none;
     if (!problem || !memory || !x) return RBD_QP_NULL;
-    s.given = *problem;
-    s.options = options ? *options : defaults;
-    s.side = side;
-    s.lambda = lambda;
-    s.soft = 0;
-    s.q = 0;
-    s.equalities = 0;
-    s.reflections = 0;
-    s.rho = 0;
-    s.doubtful = 0;
-    s.furthest = 0;
-    status = rbdi_qp_check_problem(&s);
-    if (status == RBD_QP_OK && s.all && (!lambda || !side)) status = RBD_QP_NULL;
-    if (status == RBD_QP_OK && size < RBD_QP_SIZE(s.n, problem->bounds, problem->rows, s.soft))
+    s->given = *problem;
+    s->options = options ? *options : defaults;
+    s->symmetric = symmetric;
+    s->side = side;
+    s->lambda = lambda;
+    s->soft = 0;
+    s->q = 0;
+    s->equalities = 0;
+    s->reflections = 0;
+    s->rho = 0;
+    s->doubtful = 0;
+    s->furthest = 0;
+    status = rbdi_qp_check_problem(s);
+    if (status == RBD_QP_OK && s->all && (!lambda || !side)) status = RBD_QP_NULL;
+    if (status == RBD_QP_OK && size < RBD_QP_SIZE(s->n, problem->bounds, problem->rows, s->soft))
         status = RBD_QP_MEMORY;
+    if (status != RBD_QP_OK) return status;
 
-    if (status == RBD_QP_OK) {
-        warm = s.options.warm;
-        for (int k = 0; k < s.n; ++k)
-            if (!warm || !rbdi_qp_finite(x[k])) x[k] = 0;
-        for (int row = 0; row < s.all; ++row) {
-            lambda[row] = 0;
-            if (!warm) side[row] = 0;
-        }
-        rbdi_qp_place(&s, memory);
-        status = rbdi_qp_run(&s, x, lambda);
-        status = rbdi_qp_bound_result(&s, status, x, lambda);
+    warm = s->options.warm;
+    for (int k = 0; k < s->n; ++k)
+        if (!warm || !rbdi_qp_finite(x[k])) x[k] = 0;
+    for (int row = 0; row < s->all; ++row) {
+        lambda[row] = 0;
+        if (!warm) side[row] = 0;
     }
+    rbdi_qp_place(s, memory);
+    status = rbdi_qp_run(s, x, lambda);
+    return rbdi_qp_bound_result(s, status, x, lambda);
+}
+
+RBDI_API rbd_qp_status rbd_qp_solve(const rbd_qp_problem *problem, const rbd_qp_options *options,
+                                    void *memory, size_t size, rbd_real *x, rbd_real *lambda,
+                                    signed char *side, rbd_qp_result *result) {
+    rbdi_qp s;
+    const rbd_qp_status status = rbdi_qp_solve(&s, problem, options, 0, memory, size, x, lambda, side);
     if (result) *result = s.result;
     return status;
 }

@@ -55,7 +55,6 @@ typedef struct rbdi_tasks {
     rbd_real *lower, *upper, *soft; /* n + rows; a task's row has y in both until its level is solved */
     rbd_real *x, *lambda;           /* n, n + rows */
     rbd_real *found;                /* n: x of the level before */
-    rbd_real *terms;                /* n: |x_i| and a unit of it */
     rbd_real *bias;                 /* nv: torque at a = 0 */
     rbd_real *J;                    /* 6 x nv: of one task or contact */
     void *scratch;                  /* memory of the QP */
@@ -70,7 +69,7 @@ typedef struct rbdi_tasks {
     ((size_t)(nv) + (size_t)(rows) + (3 + RBDI_TASKS_SIDES) * (size_t)(contacts))
 #define RBDI_TASKS_ALL(nv, rows, contacts) (RBDI_TASKS_N(nv, contacts) + RBDI_TASKS_C(nv, rows, contacts))
 #define RBDI_TASKS_SCALARS(nv, rows, contacts) \
-    (RBDI_TASKS_N(nv, contacts) * (RBDI_TASKS_ALL(nv, rows, contacts) + 4) + \
+    (RBDI_TASKS_N(nv, contacts) * (RBDI_TASKS_ALL(nv, rows, contacts) + 3) + \
      4 * RBDI_TASKS_ALL(nv, rows, contacts) + 7 * (size_t)(nv))
 #define RBDI_TASKS_CHARS(nv, rows, contacts) \
     (RBD_TASK_LEVELS * RBDI_TASKS_LIMITS(nv, contacts) + RBDI_TASKS_ALL(nv, rows, contacts))

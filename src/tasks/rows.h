@@ -158,7 +158,7 @@ RBDI_LOCAL void rbdi_tasks_square(rbdi_tasks *k, rbd_real weight) {
     for (int i = 0; i < k->nv; ++i) {
         const rbd_real a = weight * row[i];
         rbd_real *to = &k->H[(ptrdiff_t)i * k->n];
-        if (!(a < 0 || a > 0)) continue;
+        if (a == 0) continue; /* a NaN is to reach the diagonal, where the QP looks for it */
         k->f[i] = k->f[i] - a * y;
         for (int j = 0; j <= i; ++j) to[j] = to[j] + a * row[j];
     }

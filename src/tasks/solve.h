@@ -1,6 +1,5 @@
 #ifndef RBDI_TASKS_SOLVE_H
 #define RBDI_TASKS_SOLVE_H
-#include "qp/solve.h"
 #include "tasks/bounds.h"
 #include "tasks/blame.h"
 
@@ -64,8 +63,7 @@ RBDI_LOCAL rbdi_tasks *rbdi_tasks_lay_out(const rbd_model *m, const rbd_tasks *p
     k->f = k->lambda + all;
     k->x = k->f + n;
     k->found = k->x + n;
-    k->terms = k->found + n;
-    k->bias = k->terms + n;
+    k->bias = k->found + n;
     k->J = k->bias + nv;
     k->scratch = at;
     k->scratch_size = RBD_QP_SIZE(n, n, rows, soft);
