@@ -2,7 +2,7 @@
 # Compiles rbd.h, and the headers that stand on it, with every compiler found, as every standard, with all warnings as errors:
 # declarations only, with the implementation, with RBD_STATIC (for double alone, a keyword apart), and the declarations of
 # rbd_urdf.h and rbd_mjcf.h; for double and, with the first standard, float; without code, as a standard decides on syntax and meaning alone,
-# and the implementation with the first standard also at -O0, where a compiler sees more (GCC does at -O3 where the tests'
+# and the implementation with the first standard also at -O0, where a compiler sees more (GCC does at -O2 where the tests'
 # library is built). Then the batch calls for several numbers of lanes, with the SIMD unit for them where the compiler has it;
 # the first of them with code. With RBD_ALL_TESTS=yes float and lanes with the last standard too, all of the first at -O0, and
 # clang-19 at -O2.

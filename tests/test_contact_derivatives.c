@@ -607,14 +607,14 @@ static void check_tree(uint64_t *seed, int number) {
 
 START_TEST(random_trees) {
     agreed = sticking = slipping = unsolved = 0;
-    for (int i = 0; i < 240 / PART_OF_TREES; i++) {
+    for (int i = 0; i < 120 / PART_OF_TREES; i++) {
         uint64_t seed = 500 + (uint64_t)i;
         check_tree(&seed, i);
     }
-    ck_assert_int_ge(agreed, OF_TREES(5700));
-    ck_assert_int_ge(sticking, OF_TREES(25));
-    ck_assert_int_ge(slipping, OF_TREES(190));
-    ck_assert_int_le(unsolved, PART_OF_TREES == 1 ? 60 : 120 / PART_OF_TREES);
+    ck_assert_int_ge(agreed, OF_TREES(2850));
+    ck_assert_int_ge(sticking, OF_TREES(10));
+    ck_assert_int_ge(slipping, OF_TREES(95));
+    ck_assert_int_le(unsolved, PART_OF_TREES == 1 ? 30 : 60 / PART_OF_TREES);
 }
 END_TEST
 
