@@ -94,8 +94,8 @@ typedef struct rbd_tasks {
     rbd_real dt; /* s: until the next tick, above 0 */
 
     /* Limits of dofs, nv each. NULL: those of the model, of joints with one dof and of their mimics. A joint
-       that others mimic keeps their limits too. Its torque is at most its own limit, and at most |ratio| times
-       that of each mimic: so no motor has too much, even if one alone gives all of it. */
+       that others mimic keeps their limits too. Its torque is at most its own limit, and at most |ratio|
+       times that of each mimic: so no motor has too much, even if one alone gives all of it. */
     const rbd_real *lower;  /* rad or m, of joints with one coordinate; -RBD_QP_NONE and less: none */
     const rbd_real *upper;  /* RBD_QP_NONE and more: none. If only one is given, the other side has none */
     const rbd_real *speed;  /* rad/s or m/s; 0: none */
