@@ -280,7 +280,8 @@ RBDI_API rbd_status rbd_actuators_begin(rbd_actuators *a, const rbd_command *com
 /* Ends a step, and returns 0, if all shafts have at v_next the torques that the step was told. Else returns
    1: the step must be made again with the new tau and damping. After 50 repeats it takes what there is.
    v_next         nv: the speeds that came out. Where they are not finite or above 1e9, it returns 0; the
-                  shafts, and the commands under way, stay as they were
+                  shafts, and the commands under way, stay as they were. Of coupled shafts it asks once more
+                  before, without what it learnt of their inertia
    tau, damping   nv, as of rbd_actuators_begin
    Returns 0 also if a pointer is NULL or no step has begun. */
 RBDI_API int rbd_actuators_again(rbd_actuators *a, const rbd_real *v_next, rbd_real *tau, rbd_real *damping);
@@ -471,6 +472,7 @@ struct rbd_actuators {
     int n, groups, nq, nv, ring; /* ring: commands that each motor keeps */
     int fault;                   /* see rbd_actuators_fault */
     int begun, repeats;
+    int noted; /* speeds that came out since the points were those of the step's beginning */
     rbd_real dt, air;
     rbd_real share; /* of the way of a step that v_next makes: 1, or 1/2 */
     rbdi_act_shaft *shaft;
@@ -1504,30 +1506,37 @@ RBDI_LOCAL void rbdi_act_tell_joints(rbdi_act_group *g, const rbd_real *T, const
     }
 }
 
-/* Tells the joints of a group its laws at the point or, if the mass is known, at the speeds that will come
-   out. */
-RBDI_LOCAL void rbdi_act_tell_group(const rbd_actuators *a, rbdi_act_group *g) {
+/* The solution, where the joints' motion is known: torques T at the speeds x. Returns 0 if it is not, or if a
+   mass far from the true one makes torques or speeds without bound. */
+RBDI_LOCAL int rbdi_act_solve_group(const rbd_actuators *a, const rbdi_act_group *g, rbd_real *T, rbd_real *x,
+                                    rbd_real *slope) {
     const rbdi_act_shaft *s = &a->shaft[g->first];
     const int n = g->n;
-    rbd_real T[3], x[3], slope[3];
     rbdi_act_laws laws;
-    if (!g->known) {
-        for (int i = 0; i < n; ++i) {
-            const rbdi_act_piece piece = rbdi_act_law(&a->motor[g->first + i], &s[i], s[i].point, a);
-            x[i] = s[i].point;
-            T[i] = rbdi_act_torque_of(piece, x[i]);
-            slope[i] = piece.slope;
-        }
-        rbdi_act_tell_joints(g, T, x, slope);
-        return;
-    }
+    if (!g->known) return 0;
 
     rbdi_act_take_laws(a, g, &laws);
     rbdi_act_speeds(a, g, &laws, x);
     for (int i = 0; i < n; ++i) {
         T[i] = s[i].base;
         for (int k = 0; k < n; ++k) T[i] = T[i] + g->mass[n * i + k] / a->dt * (x[k] - s[k].point);
+        if (!(rbdi_abs(T[i]) <= RBDI_ACTUATOR_LARGEST && rbdi_abs(x[i]) <= RBDI_ACTUATOR_MOST)) return 0;
         slope[i] = laws.without[i].slope;
+    }
+    return 1;
+}
+
+/* Tells the joints of a group its laws at the point or, if the mass is known, at the speeds that will come
+   out. */
+RBDI_LOCAL void rbdi_act_tell_group(const rbd_actuators *a, rbdi_act_group *g) {
+    const rbdi_act_shaft *s = &a->shaft[g->first];
+    rbd_real T[3], x[3], slope[3];
+    g->known = rbdi_act_solve_group(a, g, T, x, slope);
+    for (int i = 0; i < g->n && !g->known; ++i) {
+        const rbdi_act_piece piece = rbdi_act_law(&a->motor[g->first + i], &s[i], s[i].point, a);
+        x[i] = s[i].point;
+        T[i] = rbdi_act_torque_of(piece, x[i]);
+        slope[i] = piece.slope;
     }
     rbdi_act_tell_joints(g, T, x, slope);
 }
@@ -1641,7 +1650,7 @@ RBDI_LOCAL void rbdi_act_foresee(const rbd_actuators *a, const rbdi_act_group *g
 RBDI_LOCAL void rbdi_act_rest(rbd_actuators *a, rbd_real air) {
     a->air = air;
     a->begun = 0;
-    a->repeats = 0;
+    a->repeats = a->noted = 0;
     for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) {
         s->angle = s->g;
         s->speed = s->winding = s->housing = s->bristle = rbdi_zero();
@@ -1735,7 +1744,7 @@ RBDI_API rbd_status rbd_actuators_begin(rbd_actuators *a, const rbd_command *com
     a->dt = dt;
     a->share = rbdi_set(first_order ? RBD_C(1) : RBD_C(0.5));
     a->begun = 1;
-    a->repeats = 0;
+    a->repeats = a->noted = 0;
     for (int i = 0; i < a->n; ++i) {
         const rbd_motor *m = &a->motor[i];
         rbdi_act_shaft *s = &a->shaft[i];
@@ -1801,7 +1810,7 @@ RBDI_LOCAL int rbdi_act_overshoots(const rbd_actuators *a) {
 RBDI_LOCAL void rbdi_act_move_points(rbd_actuators *a) {
     rbd_real least = rbdi_zero(), most = rbdi_set(RBD_C(1));
     const rbd_real half = rbdi_set(RBD_C(0.5));
-    if (a->repeats > 1 && rbdi_act_overshoots(a)) {
+    if (a->noted > 1 && rbdi_act_overshoots(a)) {
         for (int k = 0; k < RBDI_ACTUATOR_HALVINGS; ++k) {
             const rbd_real middle = half * (least + most);
             if (rbdi_act_growth(a, middle) > 0)
@@ -1813,7 +1822,7 @@ RBDI_LOCAL void rbdi_act_move_points(rbd_actuators *a) {
     }
 
     for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) {
-        s->base = a->repeats > 1 ? s->base + most * (s->force - s->base) : s->force;
+        s->base = a->noted > 1 ? s->base + most * (s->force - s->base) : s->force;
         s->point = s->point + most * (s->next - s->point);
     }
 }
@@ -1828,19 +1837,38 @@ RBDI_LOCAL void rbdi_act_end_step(rbd_actuators *a) {
 /* Learns masses from the new speeds, moves the points there, and tells the step the pieces. */
 RBDI_LOCAL void rbdi_act_repeat(rbd_actuators *a, rbd_real *tau, rbd_real *damping) {
     ++a->repeats;
+    ++a->noted;
     for (int i = 0; i < a->groups; ++i) {
         if (!a->group[i].known)
             rbdi_act_guess_mass(a, &a->group[i]);
-        else if (a->repeats > 1)
+        else if (a->noted > 1)
             rbdi_act_learn(a, &a->group[i]);
     }
     rbdi_act_move_points(a);
     rbdi_act_tell_all(a, tau, damping);
 }
 
+/* Begins the step anew without the masses that were learnt, which made speeds without bound. Returns 0 if
+   there are none. */
+RBDI_LOCAL int rbdi_act_forget(rbd_actuators *a, rbd_real *tau, rbd_real *damping) {
+    int known = 0;
+    for (rbdi_act_group *g = a->group; g < a->group + a->groups; ++g) {
+        known |= g->known;
+        g->known = 0;
+    }
+    if (!known) return 0;
+
+    ++a->repeats;
+    a->noted = 0;
+    for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) s->point = s->x;
+    rbdi_act_tell_all(a, tau, damping);
+    return 1;
+}
+
 RBDI_API int rbd_actuators_again(rbd_actuators *a, const rbd_real *v_next, rbd_real *tau, rbd_real *damping) {
     if (!a || !v_next || !tau || !damping || !a->begun) return 0;
     if (!rbdi_act_all_moderate(v_next, a->nv)) {
+        if (a->repeats < RBDI_ACTUATOR_REPEATS && rbdi_act_forget(a, tau, damping)) return 1;
         rbdi_act_take_back(a);
         return 0;
     }
@@ -2077,8 +2105,7 @@ RBDI_LOCAL rbd_status rbdi_act_check_mechanical(const rbdi_act_where *where, con
     return RBD_OK;
 }
 
-/* The coordinate and dof of a joint: it must have one of each, and no motor yet. dofs: count of those that
-   have one, in a list. */
+/* The coordinate and dof of a joint: it must have one of each, and no motor yet. */
 RBDI_LOCAL rbd_status rbdi_act_find_joint(const rbd_model *m, const rbdi_act_where *where, const char *joint,
                                           const rbd_motor *motor, int16_t *dof, int16_t *at) {
     const rbdi_frame *u;

@@ -1001,22 +1001,32 @@ RBDI_INLINE void rbdi_subtract_sides(rbd_real *y, rbd_real factor, const rbd_rea
         rbdi_subtract(y, factor, x, n);
 }
 
-/* G, or its upper triangle if it is symmetric, followed by -T'u. u: rows x sides. */
+/* Row i of G. Where all contacts stick, each unknown is one row: G is symmetric, and its upper triangle is
+   enough. One that slips moves three rows by one unknown. */
+RBDI_PART void rbdi_newton_row_of_G(rbdi_contact_solver *s, int i, rbd_real *g) {
+    const rbdi_contact_unknown *y = s->unknown;
+    const rbd_real *row = rbdi_newton_row(s, &s->unknown[i]);
+
+    if (s->symmetric) {
+        for (int k = i; k < s->unknowns; ++k) g[k] = row[y[k].first];
+        return;
+    }
+    for (int k = 0; k < s->unknowns; ++k, ++y) {
+        g[k] = row[y->first];
+        if (y->rows == 3)
+            g[k] = g[k] * y->column[0] + row[y->first + 1] * y->column[1] + row[y->first + 2] * y->column[2];
+    }
+}
+
+/* G, followed by -T'u. u: rows x sides. */
 RBDI_PART void rbdi_newton_matrix(rbdi_contact_solver *s, rbd_const proximal, const rbd_real *u) {
     const int n = s->unknowns, stride = s->stride, sides = s->sides;
     rbdi_clear(s->G, n * stride);
     for (int i = 0; i < n; ++i) {
         const rbdi_contact_unknown *x = &s->unknown[i];
-        const rbd_real *row = rbdi_newton_row(s, x);
-        const rbdi_contact_unknown *y = s->unknown;
         rbd_real *g = &s->G[i * stride];
-        for (int k = i; s->symmetric && k < n; ++k) g[k] = row[y[k].first];
-        for (int k = 0; !s->symmetric && k < n; ++k, ++y) {
-            g[k] = row[y->first];
-            if (y->rows == 3)
-                g[k] =
-                    g[k] * y->column[0] + row[y->first + 1] * y->column[1] + row[y->first + 2] * y->column[2];
-        }
+
+        rbdi_newton_row_of_G(s, i, g);
         g[i] = g[i] + x->alpha + x->scale * proximal;
         for (int j = 0; j < x->rows; ++j)
             rbdi_subtract_sides(&g[n], x->row[j], &u[(x->first + j) * sides], sides);

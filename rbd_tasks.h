@@ -156,8 +156,9 @@ typedef struct rbd_tasks {
     int contacts;
     rbd_real dt; /* s: until the next tick, above 0 */
 
-    /* Limits of dofs, nv each. NULL: those of the model, of joints with one dof and of their mimics: q, v and
-       tau of a dof are such that each of these joints keeps its limits, whichever bears all of tau. */
+    /* Limits of dofs, nv each. NULL: those of the model, of joints with one dof and of their mimics. A joint
+       that others mimic keeps their limits too. Its torque is at most its own limit, and at most |ratio| times
+       that of each mimic: so no motor has too much, even if one alone gives all of it. */
     const rbd_real *lower;  /* rad or m, of joints with one coordinate; -RBD_QP_NONE and less: none */
     const rbd_real *upper;  /* RBD_QP_NONE and more: none. If only one is given, the other side has none */
     const rbd_real *speed;  /* rad/s or m/s; 0: none */
@@ -204,10 +205,10 @@ typedef struct rbd_tasks_result {
     int steps;        /* rows of the QPs that joined or left */
     int level;        /* of the last QP */
     rbd_qp_status qp; /* its status */
-    rbd_real primal;  /* the largest miss of a hard row, summed over the levels, as a share of its terms: the
-                        side, and the entries times x, where a component counts as 1 rad/s, m/s, rad/s^2 or
-                        m/s^2 at least, and a force as what gives the robot 1 m/s^2; or that of rbd_qp_result,
-                        if it is larger */
+    rbd_real primal;  /* the largest miss of a hard row, as a share of its terms, summed over the levels; or
+                        that of rbd_qp_result, if it is larger. The terms are the side and the entries times
+                        x. There a component of x counts as 1 rad/s, m/s, rad/s^2 or m/s^2 at least, a force
+                        as what gives the robot 1 m/s^2 */
     rbd_real dual;    /* the largest of rbd_qp_result */
     rbd_tasks_part part[2]; /* INFEASIBLE: the two that contradict most; NOTHING: it is one alone */
     int at[2];              /* their contacts or dofs; -1: none */
@@ -1199,9 +1200,9 @@ RBDI_LOCAL rbd_real rbdi_tasks_missed(const rbdi_tasks *k, const rbdi_qp *s) {
     return most;
 }
 
-/* Whether x keeps its rows well enough for a tick; result->primal. Limits were widened by what the levels
-   before missed. */
-RBDI_LOCAL int rbdi_tasks_keeps_rows(rbdi_tasks *k, const rbdi_qp *s) {
+/* Adds what x misses of its rows to what the levels before missed, by which limits were widened. Returns
+   whether that is little enough for a tick. */
+RBDI_LOCAL int rbdi_tasks_count_missed(rbdi_tasks *k, const rbdi_qp *s) {
     k->missed = k->missed + rbdi_tasks_missed(k, s);
     k->result->primal = rbdi_ik_larger(k->result->primal, k->missed);
     return k->missed < RBDI_TASKS_ACCURACY && rbdi_tasks_are_within(k->x, k->n, -RBDI_IK_MOST, RBDI_IK_MOST);
@@ -1243,8 +1244,10 @@ RBDI_LOCAL rbd_qp_status rbdi_tasks_solve_level(rbdi_tasks *k, int level, int ro
 
     if (status == RBD_QP_INACCURATE && rbdi_ik_larger(s.result.primal, s.result.dual) < RBDI_TASKS_ACCURACY)
         status = RBD_QP_OK;
-    if (status == RBD_QP_OK && !rbdi_tasks_keeps_rows(k, &s))
-        status = result->qp = RBD_QP_INACCURATE; /* rows that nearly contradict each other */
+    if (status == RBD_QP_OK && !rbdi_tasks_count_missed(k, &s)) {
+        result->qp = RBD_QP_INACCURATE; /* rows that nearly contradict each other */
+        return RBD_QP_INACCURATE;
+    }
     return status;
 }
 
@@ -1328,10 +1331,14 @@ RBDI_LOCAL rbd_tasks_status rbdi_tasks_descend(rbdi_tasks *k) {
    0, counts by the first, a force or torque by the second. */
 
 RBDI_LOCAL rbd_real rbdi_tasks_share(const rbdi_tasks *k, int row) {
-    const rbd_real *c = &k->C[(ptrdiff_t)(row - k->n) * k->n];
-    const rbd_real length = row < k->n ? rbdi_set(RBD_C(1)) : rbdi_sqrt(rbdi_qp_dot(c, c, k->n));
     const rbd_real side = k->lambda[row] > 0 ? k->upper[row] : k->lower[row];
+    rbd_real length = rbdi_set(RBD_C(1));
     if (!(k->lambda[row] < 0 || k->lambda[row] > 0)) return rbdi_zero();
+
+    if (row >= k->n) {
+        const rbd_real *c = &k->C[(ptrdiff_t)(row - k->n) * k->n];
+        length = rbdi_sqrt(rbdi_qp_dot(c, c, k->n));
+    }
     return rbdi_abs(k->lambda[row]) * (length + rbdi_abs(side));
 }
 

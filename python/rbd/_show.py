@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ._arguments import _Declared, _numbers
+from ._arguments import _Declared, _array, _numbers
 from ._headers import JointType, _warn
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ def _show(model, q, times, file):
 def _states(model, q, times):
     """States, n x nq, and their times."""
     q = model.neutral() if q is None else q
-    if np.ndim(q) != 2:
+    if _array("show", "q", q).ndim != 2:
         if times is not None:
             raise ValueError("show: times are for a trajectory, q n x nq")
         return _numbers("show", "q", q, (model.nq,))[None], np.zeros(1)
@@ -85,8 +85,10 @@ def _states(model, q, times):
     if not len(states):
         raise ValueError("show: q has no states")
     times = np.arange(len(states)) / _FRAMES if times is None else _numbers("show", "times", times, (len(states),))
-    if (np.diff(times) <= 0).any():
+    if (times[1:] <= times[:-1]).any():
         raise ValueError("show: times must grow")
+    if abs(times).max() > 1e300:
+        raise ValueError("show: times are too far apart")
     return states, times
 
 

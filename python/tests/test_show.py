@@ -242,9 +242,12 @@ def test_wrong_arguments(iiwa, tmp_path):
     file, q = tmp_path / "page.html", np.zeros(7)
     for arguments, words in (((np.zeros(6),), "q must have the shape"), ((np.full(7, np.nan),), r"q\[0\] is nan"),
                              ((np.zeros((0, 7)),), "no states"), ((q, [0.0]), "times are for a trajectory"),
-                             (([q, q], [0.0]), "times must have the shape"), (([q, q], [1.0, 1.0]), "times must grow")):
+                             (([q, q], [0.0]), "times must have the shape"), (([q, q], [1.0, 1.0]), "times must grow"),
+                             (([q, q], [-1e308, 1e308]), "times are too far apart")):
         with pytest.raises(ValueError, match=f"^show: .*{words}|^show: {words}"):
             iiwa.show(*arguments, file=file)
+    with pytest.raises(TypeError, match="^show: q is not an array of numbers"):
+        iiwa.show([[0] * 7, [0] * 6], file=file)
     assert not file.exists()
 
 

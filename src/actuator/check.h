@@ -122,8 +122,7 @@ RBDI_LOCAL rbd_status rbdi_act_check_mechanical(const rbdi_act_where *where, con
     return RBD_OK;
 }
 
-/* The coordinate and dof of a joint: it must have one of each, and no motor yet. dofs: count of those that
-   have one, in a list. */
+/* The coordinate and dof of a joint: it must have one of each, and no motor yet. */
 RBDI_LOCAL rbd_status rbdi_act_find_joint(const rbd_model *m, const rbdi_act_where *where, const char *joint,
                                           const rbd_motor *motor, int16_t *dof, int16_t *at) {
     const rbdi_frame *u;

@@ -124,30 +124,37 @@ RBDI_LOCAL void rbdi_act_tell_joints(rbdi_act_group *g, const rbd_real *T, const
     }
 }
 
-/* Tells the joints of a group its laws at the point or, if the mass is known, at the speeds that will come
-   out. */
-RBDI_LOCAL void rbdi_act_tell_group(const rbd_actuators *a, rbdi_act_group *g) {
+/* The solution, where the joints' motion is known: torques T at the speeds x. Returns 0 if it is not, or if a
+   mass far from the true one makes torques or speeds without bound. */
+RBDI_LOCAL int rbdi_act_solve_group(const rbd_actuators *a, const rbdi_act_group *g, rbd_real *T, rbd_real *x,
+                                    rbd_real *slope) {
     const rbdi_act_shaft *s = &a->shaft[g->first];
     const int n = g->n;
-    rbd_real T[3], x[3], slope[3];
     rbdi_act_laws laws;
-    if (!g->known) {
-        for (int i = 0; i < n; ++i) {
-            const rbdi_act_piece piece = rbdi_act_law(&a->motor[g->first + i], &s[i], s[i].point, a);
-            x[i] = s[i].point;
-            T[i] = rbdi_act_torque_of(piece, x[i]);
-            slope[i] = piece.slope;
-        }
-        rbdi_act_tell_joints(g, T, x, slope);
-        return;
-    }
+    if (!g->known) return 0;
 
     rbdi_act_take_laws(a, g, &laws);
     rbdi_act_speeds(a, g, &laws, x);
     for (int i = 0; i < n; ++i) {
         T[i] = s[i].base;
         for (int k = 0; k < n; ++k) T[i] = T[i] + g->mass[n * i + k] / a->dt * (x[k] - s[k].point);
+        if (!(rbdi_abs(T[i]) <= RBDI_ACTUATOR_LARGEST && rbdi_abs(x[i]) <= RBDI_ACTUATOR_MOST)) return 0;
         slope[i] = laws.without[i].slope;
+    }
+    return 1;
+}
+
+/* Tells the joints of a group its laws at the point or, if the mass is known, at the speeds that will come
+   out. */
+RBDI_LOCAL void rbdi_act_tell_group(const rbd_actuators *a, rbdi_act_group *g) {
+    const rbdi_act_shaft *s = &a->shaft[g->first];
+    rbd_real T[3], x[3], slope[3];
+    g->known = rbdi_act_solve_group(a, g, T, x, slope);
+    for (int i = 0; i < g->n && !g->known; ++i) {
+        const rbdi_act_piece piece = rbdi_act_law(&a->motor[g->first + i], &s[i], s[i].point, a);
+        x[i] = s[i].point;
+        T[i] = rbdi_act_torque_of(piece, x[i]);
+        slope[i] = piece.slope;
     }
     rbdi_act_tell_joints(g, T, x, slope);
 }

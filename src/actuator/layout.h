@@ -103,6 +103,7 @@ struct rbd_actuators {
     int n, groups, nq, nv, ring; /* ring: commands that each motor keeps */
     int fault;                   /* see rbd_actuators_fault */
     int begun, repeats;
+    int noted; /* speeds that came out since the points were those of the step's beginning */
     rbd_real dt, air;
     rbd_real share; /* of the way of a step that v_next makes: 1, or 1/2 */
     rbdi_act_shaft *shaft;

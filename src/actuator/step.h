@@ -9,7 +9,7 @@
 RBDI_LOCAL void rbdi_act_rest(rbd_actuators *a, rbd_real air) {
     a->air = air;
     a->begun = 0;
-    a->repeats = 0;
+    a->repeats = a->noted = 0;
     for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) {
         s->angle = s->g;
         s->speed = s->winding = s->housing = s->bristle = rbdi_zero();
@@ -103,7 +103,7 @@ RBDI_API rbd_status rbd_actuators_begin(rbd_actuators *a, const rbd_command *com
     a->dt = dt;
     a->share = rbdi_set(first_order ? RBD_C(1) : RBD_C(0.5));
     a->begun = 1;
-    a->repeats = 0;
+    a->repeats = a->noted = 0;
     for (int i = 0; i < a->n; ++i) {
         const rbd_motor *m = &a->motor[i];
         rbdi_act_shaft *s = &a->shaft[i];
@@ -169,7 +169,7 @@ RBDI_LOCAL int rbdi_act_overshoots(const rbd_actuators *a) {
 RBDI_LOCAL void rbdi_act_move_points(rbd_actuators *a) {
     rbd_real least = rbdi_zero(), most = rbdi_set(RBD_C(1));
     const rbd_real half = rbdi_set(RBD_C(0.5));
-    if (a->repeats > 1 && rbdi_act_overshoots(a)) {
+    if (a->noted > 1 && rbdi_act_overshoots(a)) {
         for (int k = 0; k < RBDI_ACTUATOR_HALVINGS; ++k) {
             const rbd_real middle = half * (least + most);
             if (rbdi_act_growth(a, middle) > 0)
@@ -181,7 +181,7 @@ RBDI_LOCAL void rbdi_act_move_points(rbd_actuators *a) {
     }
 
     for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) {
-        s->base = a->repeats > 1 ? s->base + most * (s->force - s->base) : s->force;
+        s->base = a->noted > 1 ? s->base + most * (s->force - s->base) : s->force;
         s->point = s->point + most * (s->next - s->point);
     }
 }
@@ -196,19 +196,38 @@ RBDI_LOCAL void rbdi_act_end_step(rbd_actuators *a) {
 /* Learns masses from the new speeds, moves the points there, and tells the step the pieces. */
 RBDI_LOCAL void rbdi_act_repeat(rbd_actuators *a, rbd_real *tau, rbd_real *damping) {
     ++a->repeats;
+    ++a->noted;
     for (int i = 0; i < a->groups; ++i) {
         if (!a->group[i].known)
             rbdi_act_guess_mass(a, &a->group[i]);
-        else if (a->repeats > 1)
+        else if (a->noted > 1)
             rbdi_act_learn(a, &a->group[i]);
     }
     rbdi_act_move_points(a);
     rbdi_act_tell_all(a, tau, damping);
 }
 
+/* Begins the step anew without the masses that were learnt, which made speeds without bound. Returns 0 if
+   there are none. */
+RBDI_LOCAL int rbdi_act_forget(rbd_actuators *a, rbd_real *tau, rbd_real *damping) {
+    int known = 0;
+    for (rbdi_act_group *g = a->group; g < a->group + a->groups; ++g) {
+        known |= g->known;
+        g->known = 0;
+    }
+    if (!known) return 0;
+
+    ++a->repeats;
+    a->noted = 0;
+    for (rbdi_act_shaft *s = a->shaft; s < a->shaft + a->n; ++s) s->point = s->x;
+    rbdi_act_tell_all(a, tau, damping);
+    return 1;
+}
+
 RBDI_API int rbd_actuators_again(rbd_actuators *a, const rbd_real *v_next, rbd_real *tau, rbd_real *damping) {
     if (!a || !v_next || !tau || !damping || !a->begun) return 0;
     if (!rbdi_act_all_moderate(v_next, a->nv)) {
+        if (a->repeats < RBDI_ACTUATOR_REPEATS && rbdi_act_forget(a, tau, damping)) return 1;
         rbdi_act_take_back(a);
         return 0;
     }

@@ -213,7 +213,8 @@ RBDI_API rbd_status rbd_actuators_begin(rbd_actuators *a, const rbd_command *com
 /* Ends a step, and returns 0, if all shafts have at v_next the torques that the step was told. Else returns
    1: the step must be made again with the new tau and damping. After 50 repeats it takes what there is.
    v_next         nv: the speeds that came out. Where they are not finite or above 1e9, it returns 0; the
-                  shafts, and the commands under way, stay as they were
+                  shafts, and the commands under way, stay as they were. Of coupled shafts it asks once more
+                  before, without what it learnt of their inertia
    tau, damping   nv, as of rbd_actuators_begin
    Returns 0 also if a pointer is NULL or no step has begun. */
 RBDI_API int rbd_actuators_again(rbd_actuators *a, const rbd_real *v_next, rbd_real *tau, rbd_real *damping);

@@ -93,8 +93,9 @@ typedef struct rbd_tasks {
     int contacts;
     rbd_real dt; /* s: until the next tick, above 0 */
 
-    /* Limits of dofs, nv each. NULL: those of the model, of joints with one dof and of their mimics: q, v and
-       tau of a dof are such that each of these joints keeps its limits, whichever bears all of tau. */
+    /* Limits of dofs, nv each. NULL: those of the model, of joints with one dof and of their mimics. A joint
+       that others mimic keeps their limits too. Its torque is at most its own limit, and at most |ratio| times
+       that of each mimic: so no motor has too much, even if one alone gives all of it. */
     const rbd_real *lower;  /* rad or m, of joints with one coordinate; -RBD_QP_NONE and less: none */
     const rbd_real *upper;  /* RBD_QP_NONE and more: none. If only one is given, the other side has none */
     const rbd_real *speed;  /* rad/s or m/s; 0: none */
@@ -141,10 +142,10 @@ typedef struct rbd_tasks_result {
     int steps;        /* rows of the QPs that joined or left */
     int level;        /* of the last QP */
     rbd_qp_status qp; /* its status */
-    rbd_real primal;  /* the largest miss of a hard row, summed over the levels, as a share of its terms: the
-                        side, and the entries times x, where a component counts as 1 rad/s, m/s, rad/s^2 or
-                        m/s^2 at least, and a force as what gives the robot 1 m/s^2; or that of rbd_qp_result,
-                        if it is larger */
+    rbd_real primal;  /* the largest miss of a hard row, as a share of its terms, summed over the levels; or
+                        that of rbd_qp_result, if it is larger. The terms are the side and the entries times
+                        x. There a component of x counts as 1 rad/s, m/s, rad/s^2 or m/s^2 at least, a force
+                        as what gives the robot 1 m/s^2 */
     rbd_real dual;    /* the largest of rbd_qp_result */
     rbd_tasks_part part[2]; /* INFEASIBLE: the two that contradict most; NOTHING: it is one alone */
     int at[2];              /* their contacts or dofs; -1: none */

@@ -168,11 +168,13 @@ RBDI_LOCAL void rbdi_solve_again(const rbd_model *m, rbd_contact_set *c, const r
     c->solver.given.tolerance = c->solver.given.tolerance / RBDI_LOOSE;
     for (int i = 0; i < c->bounds; ++i) rbdi_find_turn(c, &c->bound[i]);
     changed |= rbdi_write_biases(c, RBDI_FOR_POSITIONS);
-    if (!changed && first.residual <= c->solver.given.tolerance) return;
+    if (changed || !(first.residual <= c->solver.given.tolerance)) {
+        rbdi_contact_iterate(&c->solver);
+        c->solver.solution.sweeps += first.sweeps;
+        c->solver.solution.newton_steps += first.newton_steps;
+    }
 
-    rbdi_contact_iterate(&c->solver);
-    c->solver.solution.sweeps += first.sweeps;
-    c->solver.solution.newton_steps += first.newton_steps;
+    /* anew: a change that c->moved rounds away would be missing in each step */
     rbdi_contact_respond(m, c, c->x[2], c->moved);
 }
 

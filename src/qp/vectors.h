@@ -11,8 +11,10 @@
 
    A pack: as many scalars as a SIMD register has, two or four. A group: like components of RBDI_QP_GROUP
    vectors side by side, in a pack; without a SIMD unit two of them, as the parts of a complex number, for
-   which compilers take two registers. A loop over its components has no sum across lanes, so that each vector
-   comes out as if it were alone. */
+   which compilers take two registers. Groups are added, and multiplied by real numbers alone, so that no part
+   reaches the other; and a loop over components has no sum across lanes. So each vector comes out as if it
+   were alone. vectors_of.h and reflections_of.h have each loop once: for vectors, and, by other names, for
+   groups. */
 
 #if RBDI_GNU && RBDI_SIMD > 0
 #if RBDI_REAL_KIND == 2 || RBDI_SIMD == 4

@@ -8,10 +8,14 @@
    0, counts by the first, a force or torque by the second. */
 
 RBDI_LOCAL rbd_real rbdi_tasks_share(const rbdi_tasks *k, int row) {
-    const rbd_real *c = &k->C[(ptrdiff_t)(row - k->n) * k->n];
-    const rbd_real length = row < k->n ? rbdi_set(RBD_C(1)) : rbdi_sqrt(rbdi_qp_dot(c, c, k->n));
     const rbd_real side = k->lambda[row] > 0 ? k->upper[row] : k->lower[row];
+    rbd_real length = rbdi_set(RBD_C(1));
     if (!(k->lambda[row] < 0 || k->lambda[row] > 0)) return rbdi_zero();
+
+    if (row >= k->n) {
+        const rbd_real *c = &k->C[(ptrdiff_t)(row - k->n) * k->n];
+        length = rbdi_sqrt(rbdi_qp_dot(c, c, k->n));
+    }
     return rbdi_abs(k->lambda[row]) * (length + rbdi_abs(side));
 }
 

@@ -114,9 +114,9 @@ RBDI_LOCAL rbd_real rbdi_tasks_missed(const rbdi_tasks *k, const rbdi_qp *s) {
     return most;
 }
 
-/* Whether x keeps its rows well enough for a tick; result->primal. Limits were widened by what the levels
-   before missed. */
-RBDI_LOCAL int rbdi_tasks_keeps_rows(rbdi_tasks *k, const rbdi_qp *s) {
+/* Adds what x misses of its rows to what the levels before missed, by which limits were widened. Returns
+   whether that is little enough for a tick. */
+RBDI_LOCAL int rbdi_tasks_count_missed(rbdi_tasks *k, const rbdi_qp *s) {
     k->missed = k->missed + rbdi_tasks_missed(k, s);
     k->result->primal = rbdi_ik_larger(k->result->primal, k->missed);
     return k->missed < RBDI_TASKS_ACCURACY && rbdi_tasks_are_within(k->x, k->n, -RBDI_IK_MOST, RBDI_IK_MOST);
@@ -158,8 +158,10 @@ RBDI_LOCAL rbd_qp_status rbdi_tasks_solve_level(rbdi_tasks *k, int level, int ro
 
     if (status == RBD_QP_INACCURATE && rbdi_ik_larger(s.result.primal, s.result.dual) < RBDI_TASKS_ACCURACY)
         status = RBD_QP_OK;
-    if (status == RBD_QP_OK && !rbdi_tasks_keeps_rows(k, &s))
-        status = result->qp = RBD_QP_INACCURATE; /* rows that nearly contradict each other */
+    if (status == RBD_QP_OK && !rbdi_tasks_count_missed(k, &s)) {
+        result->qp = RBD_QP_INACCURATE; /* rows that nearly contradict each other */
+        return RBD_QP_INACCURATE;
+    }
     return status;
 }
 
