@@ -2,6 +2,7 @@
    exponentials, inverse and forward, limits, heat, energy, rods that close. */
 #define RBD_STATIC
 #define RBD_IMPLEMENTATION
+#include "larger.h"
 #include "rbd_actuator.h"
 
 #include "models/iiwa.h"
@@ -77,10 +78,10 @@ static void check_exponentials(void) {
     double worst = 0, worst_log = 0;
     for (int k = 0; k < 100000; k++) {
         const rbd_real x = draw(-79, 79), y = (rbd_real)exp((double)draw(-60, 60));
-        worst = fmax(worst,
-                     fabs((double)rbdi_act_exponential(x) / exp((double)x) - 1) / (1 + fabs((double)x) / 8));
-        worst_log = fmax(worst_log,
-                         fabs((double)rbdi_act_logarithm(y) - log((double)y)) / (1 + fabs(log((double)y))));
+        worst = larger(worst, fabs((double)rbdi_act_exponential(x) / exp((double)x) - 1) /
+                                  (1 + fabs((double)x) / 8));
+        worst_log = larger(worst_log,
+                           fabs((double)rbdi_act_logarithm(y) - log((double)y)) / (1 + fabs(log((double)y))));
     }
     expect(worst < bound(1e-15, 4e-7), "exponential", worst);
     expect(worst_log < bound(1e-15, 4e-7), "logarithm", worst_log);
@@ -102,7 +103,7 @@ static void check_servos(void) {
         const rbd_gear_friction *f = &servos[k % 7].friction;
         const rbd_real x = draw(-10, 10), t_m = draw(-9, 9), t_x = draw(-9, 9);
         const double expected = published(f, (double)x, (double)t_m, (double)t_x);
-        worst = fmax(worst, fabs((double)rbd_friction_level(f, x, t_m, t_x) - expected) / (1 + expected));
+        worst = larger(worst, fabs((double)rbd_friction_level(f, x, t_m, t_x) - expected) / (1 + expected));
     }
     expect(worst < bound(1e-14, 2e-6), "friction of servos", worst);
 }
@@ -130,7 +131,7 @@ static void check_inverse(void) {
         if (error > bound(1e-13, 1e-5))
             jumps++;
         else
-            worst = fmax(worst, error);
+            worst = larger(worst, error);
     }
     expect(jumps <= 100, "motors on the jump of the squares", jumps);
     expect(worst < bound(1e-13, 1e-5), "forward of the inverse", worst);
@@ -197,7 +198,7 @@ static void check_holding(void) {
         motors[i].friction.coulomb = (rbd_const)fabs(1.001 * (double)g[i]) + (i % 6 ? 0 : RBD_C(0.1));
     memcpy(q, start, sizeof q);
     for (int k = 0; k < 1000; k++) step(none, other, q, v, RBD_C(1e-3));
-    for (int i = 0; i < 7; i++) moved = fmax(moved, fabs((double)(q[i] - start[i])));
+    for (int i = 0; i < 7; i++) moved = larger(moved, fabs((double)(q[i] - start[i])));
     expect(moved < bound(2e-9, 5e-6), "held by friction, moved by", moved);
 }
 
@@ -223,7 +224,7 @@ static void check_energy(double stiffness, double backlash, double dt) {
         const double wound = fmax(0, fabs((double)s.angle - (double)q[0]) - backlash / 2);
         const double energy = 0.05 * (double)v[0] * (double)v[0] + 0.025 * (double)s.speed * (double)s.speed +
                               0.5 * stiffness * wound * wound;
-        grown = fmax(grown, energy - last);
+        grown = larger(grown, energy - last);
         last = energy;
     }
     expect(grown < bound(1e-14, 1e-5 * (1 + stiffness * 1e-5)), "energy grown by", grown);
@@ -284,11 +285,11 @@ static void check_rods(void) {
             const double c = (double)rod->crank, s = (double)angle[i];
             const double C[3] = {-c * cos(s), (double)rod->place[1], (double)rod->place[2] + c * sin(s)};
             for (int j = 0; j < 3; j++) square += ((double)P[j] - C[j]) * ((double)P[j] - C[j]);
-            open = fmax(open, fabs(sqrt(square) - (double)rod->length));
+            open = larger(open, fabs(sqrt(square) - (double)rod->length));
         }
         expect(rbd_actuators_inverse(a, q, v, zero, tau, o) == RBD_OK, "inverse of rods", k);
-        power = fmax(power, fabs((double)(o[0].torque * speed[0] + o[1].torque * speed[1] - tau[0] * v[0] -
-                                          tau[1] * v[1])));
+        power = larger(power, fabs((double)(o[0].torque * speed[0] + o[1].torque * speed[1] - tau[0] * v[0] -
+                                            tau[1] * v[1])));
     }
     expect(open < bound(1e-14, 1e-6), "rods open by", open);
     expect(power < bound(1e-12, 1e-3), "power lost in rods", power);

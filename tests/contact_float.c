@@ -3,6 +3,7 @@
 #define RBD_REAL float
 #define RBD_STATIC
 #define RBD_IMPLEMENTATION
+#include "larger.h"
 #include "rbd_derivatives.h"
 #include "rbd_contact.h"
 
@@ -56,14 +57,14 @@ static void control(void) {
 
 /* HyQ drops by 5 cm onto its feet, and stands. */
 static void drop(float dt) {
-    float force[3], worst = 0;
-    double sum = 0;
+    float force[3];
+    double worst = 0, sum = 0;
     int unsolved = 0;
     open_hyq(dt, 0.05f, NULL);
     for (int n = (int)(2 / dt); n > 0; n--) {
         control();
         expect(rbd_contact_step(model, set, q, v, tau, NULL, damping, dt, q, v) == RBD_OK, "step", n);
-        worst = fmaxf(worst, rbd_contact_last(set).residual);
+        worst = larger(worst, rbd_contact_last(set).residual);
         unsolved += rbd_contact_last(set).residual > 1e-5f;
         for (int i = 0; i < FEET; i++) {
             rbd_contact_get(set, i, NULL, force);
@@ -117,7 +118,7 @@ static void differentiate(const char *what, float speed, rbd_contact_state state
             double size = 1, error = 0;
             for (int k = 0; k < HYQ_NV; k++) {
                 const double off = fabs((double)by[x][r * HYQ_NV + k] - row[k]);
-                size = fmax(size, fabs(row[k]));
+                size = larger(size, fabs(row[k]));
                 if (!(off <= error)) error = off; /* keeps what is not a number */
             }
             if (!(error / size <= worst)) worst = error / size;

@@ -3,6 +3,7 @@
    beside a search. */
 #define RBD_STATIC
 #define RBD_IMPLEMENTATION
+#include "larger.h"
 #include "rbd_estimate.h"
 
 #include "models/iiwa.h"
@@ -142,10 +143,10 @@ static void check_drift(void) {
         if (rbd_estimate_add(m[0], d, e, x->q, x->v, x->a, x->tau, NULL) ||
             rbd_observer_step(m[0], w[0], o, x->q, x->v, x->tau, dt, felt, NULL, NULL))
             exit(2);
-        if (tick % 100 == 0 && tick > 1000) worst = fmax(worst, fabs(weigh(e) - 2.5));
+        if (tick % 100 == 0 && tick > 1000) worst = larger(worst, fabs(weigh(e) - 2.5));
         if (tick == 10 * PERIOD) memcpy(first, felt, sizeof first);
         if (tick > 10 * PERIOD && tick % PERIOD == 0)
-            for (int i = 0; i < N; i++) drift = fmax(drift, fabs((double)(felt[i] - first[i])));
+            for (int i = 0; i < N; i++) drift = larger(drift, fabs((double)(felt[i] - first[i])));
     }
     expect(worst < (IN_FLOAT ? 2e-3 : 1e-6), "2.5 kg, drift", worst);
     expect(drift < (IN_FLOAT ? 1e-1 : 1e-9), "felt torque, drift", drift);
@@ -174,7 +175,7 @@ static void check_bounded_pair(void) {
                 }
             memcpy(at, here, sizeof at);
         }
-        worst = fmax(worst, found - best);
+        worst = larger(worst, found - best);
         expect(x[0] >= 0 && x[1] >= 0, "bounds", fmin((double)x[0], (double)x[1]));
     }
     expect(worst < (IN_FLOAT ? 1e-5 : 1e-7), "bounded friction", worst);

@@ -2,6 +2,7 @@
    places out of reach. */
 #define RBD_STATIC
 #define RBD_IMPLEMENTATION
+#include "larger.h"
 #include "ik_robots.h"
 
 #include "models/hyq.h"
@@ -101,11 +102,12 @@ static void check_rows(const rbd_body *bodies, int nb, double away) {
             cost[side] = (double)k->cost;
             for (int r = 0; r < k->rows; r++) e[side][r] = (double)k->e[r];
         }
-        worst_slope = fmax(worst_slope, fabs(slope + (cost[1] - cost[0]) / (4 * h)));
+        worst_slope = larger(worst_slope, fabs(slope + (cost[1] - cost[0]) / (4 * h)));
         for (int r = 0; r < k->rows; r++) {
             const int turn = (r >= 3 && r < 6) || (r >= 9 && r < 15); /* of the pose, rotation and axis */
             if (turn && away > 0.1) continue;
-            worst_row = fmax(worst_row, fabs((double)k->J[i * k->rows + r] + (e[1][r] - e[0][r]) / (2 * h)));
+            worst_row =
+                larger(worst_row, fabs((double)k->J[i * k->rows + r] + (e[1][r] - e[0][r]) / (2 * h)));
         }
     }
     /* rows of turns are off by some half of the angle */
@@ -142,7 +144,7 @@ static void check_curvature(const rbd_body *bodies, int nb, double away) {
                 rbdi_ik_errors(k, x);
                 sum += (side == 0 || side == 3 ? 0.5 : -0.5) * (double)k->cost;
             }
-            worst = fmax(worst, fabs(H[at] - sum / (4 * h * h)));
+            worst = larger(worst, fabs(H[at] - sum / (4 * h * h)));
         }
     }
     expect(worst < 1e-5, "curvature by differences", worst);
@@ -173,8 +175,8 @@ static void check_step(void) {
             const double to = (double)(k->q[k->dof[i].at] + k->d[i]);
             double sum = (double)(damping * k->d[i] - k->g[i]);
             for (int j = 0; j < k->dofs; j++) sum += (double)(rbdi_ik_entry(k, i, j) * k->d[j]);
-            size = fmax(size, fabs((double)k->g[i]));
-            if (k->dof[i].hold == RBDI_IK_FREE) worst = fmax(worst, fabs(sum));
+            size = larger(size, fabs((double)k->g[i]));
+            if (k->dof[i].hold == RBDI_IK_FREE) worst = larger(worst, fabs(sum));
             on_limits += k->dof[i].hold > RBDI_IK_STAYS;
             expect(to > (double)k->dof[i].lower - 1e-6 && to < (double)k->dof[i].upper + 1e-6, "step", to);
         }

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "larger.h"
 #include "rbd_contact.h"
 #include "rbd_qp.h"
 
@@ -94,7 +95,7 @@ static double apart(const double *f_ext, const double *f, const double *tau, int
     for (int i = 0; i < FEET; i++) {
         const rbd_contact_state state = rbd_contact_get(contacts, i, NULL, force);
         *slips += state != RBD_STICKS && force[2] > 1e-6;
-        for (int k = 0; k < 3; k++) most = fmax(most, fabs(force[k] - f[3 * i + k]));
+        for (int k = 0; k < 3; k++) most = larger(most, fabs(force[k] - f[3 * i + k]));
     }
     return most;
 }

@@ -26,6 +26,7 @@
 #endif
 
 #define RBD_IMPLEMENTATION
+#include "larger.h"
 #include "rbd_derivatives.h"
 #include "rbd_constraints.h"
 
@@ -124,7 +125,7 @@ static void for_models(void (*check)(void)) {
 
 static void judge(const char *what, int lane, double error, double bound) {
     const int number = (int)(lane_state[lane] - reference->states);
-    bound = fmax(bound, FLOOR);
+    bound = larger(bound, FLOOR);
     ck_assert_msg(error <= bound, "%s, %s: %s, state %d, lane %d: error %.3g exceeds %.3g", SCALAR_NAME, what,
                   reference->name, number, lane, error, bound);
 }
@@ -135,7 +136,7 @@ static double error_of(int lane, const rbd_real *x, const double *expected, int 
     for (int i = 0; i < n; i++) {
         const double value = get(x[i], lane);
         difference = isfinite(value) ? fmax(difference, fabs(value - expected[i])) : HUGE_VAL;
-        size = fmax(size, fabs(expected[i]));
+        size = larger(size, fabs(expected[i]));
     }
     return difference / size;
 }
@@ -224,7 +225,7 @@ static void compare_with_one(const char *what, int lane, const rbd_real *M, cons
             put(&one, lane, i == j);
             rbd_real sum = M[i * nv] * inverse[j];
             for (int k = 1; k < nv; k++) sum = sum + M[i * nv + k] * inverse[k * nv + j];
-            error = fmax(error, fabs(get(sum - one, lane)));
+            error = larger(error, fabs(get(sum - one, lane)));
         }
     judge(what, lane, error, INVERSE(lane_state[lane]->cond_M));
 }
@@ -255,8 +256,8 @@ static void check_round_trip(void) {
     EACH_LANE {
         double difference = 0, size = 1e-3;
         for (int i = 0; i < nv; i++) {
-            difference = fmax(difference, fabs(get(back[i] - a[i], lane)));
-            size = fmax(size, fabs(get(a[i], lane)));
+            difference = larger(difference, fabs(get(back[i] - a[i], lane)));
+            size = larger(size, fabs(get(a[i], lane)));
         }
         const double bound = INVERSE(lane_state[lane]->cond_M);
         const int number = (int)(lane_state[lane] - reference->states);
@@ -417,7 +418,7 @@ static void check_derivatives(void) {
     RUN(rbd_coriolis(model, d, q, v, M));
     EACH_LANE {
         double c[MAX_V], size = 1;
-        for (int i = 0; i < nv; i++) size = fmax(size, fabs(lane_state[lane]->c[i]));
+        for (int i = 0; i < nv; i++) size = larger(size, fabs(lane_state[lane]->c[i]));
         for (int i = 0; i < nv; i++) {
             c[i] = lane_state[lane]->g[i] - lane_state[lane]->c[i];
             for (int k = 0; k < nv; k++) c[i] += get(M[i * nv + k] * v[k], lane);
@@ -434,7 +435,7 @@ static void check_derivatives(void) {
         double sum = get(by_v[i], lane), size = 1;
         for (int k = 0; k < nv; k++) {
             const double x = get(M[i / nv * nv + k] * found[k * nv + i % nv], lane);
-            sum += x, size = fmax(size, fabs(x));
+            sum += x, size = larger(size, fabs(x));
         }
         judge("difference undoes integrate", lane, isfinite(sum) ? fabs(sum) / size : HUGE_VAL, 10 * DIRECT);
     }
@@ -517,7 +518,7 @@ static void check_choice(const choice *c) {
                 for (int j = begin; j < end; j++) {
                     const double e = fabs(get(some[j] - all[j], lane));
                     error = e <= error ? error : e; /* NaN too, which stays */
-                    size = fmax(size, fabs(get(all[j], lane)));
+                    size = larger(size, fabs(get(all[j], lane)));
                 }
                 ck_assert_msg(error <= bound * size,
                               "%s, %s: %s, outputs %d, lane %d: number %d differs by %g", SCALAR_NAME,

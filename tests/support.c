@@ -316,8 +316,6 @@ double largest(const double *x, int n) {
     return size;
 }
 
-double larger(double x, double y) { return x <= y ? y : x > y ? x : HUGE_VAL; }
-
 double dot(const double *a, const double *b, int n) {
     double sum = 0;
     for (int i = 0; i < n; i++) sum += a[i] * b[i];

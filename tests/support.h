@@ -7,6 +7,7 @@
 
 #include "rbd.h"
 
+#include "larger.h"
 #include "reference.h"
 #include "textbook.h"
 
@@ -128,7 +129,6 @@ void record_figures(void);
 void print_figures(void);
 
 double largest(const double *x, int n); /* magnitude; infinite if anything is not finite */
-double larger(double x, double y);      /* infinite if one is NaN, which libm's fmax passes over */
 double dot(const double *a, const double *b, int n);
 void multiply(const double *M, const double *x, int rows, int columns, double *out);
 

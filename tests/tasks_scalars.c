@@ -2,6 +2,7 @@
    stand, limits that are kept, levels. */
 #define RBD_STATIC
 #define RBD_IMPLEMENTATION
+#include "larger.h"
 #include "rbd_tasks.h"
 
 #include "models/hyq.h"
@@ -178,7 +179,7 @@ static void check_rows(const rbd_body *bodies, int nb, double away) {
             const int momentum = r >= 18 && r < 24;
             const int turn = !((r < 3) || (r >= 6 && r < 9) || (r >= 15 && r < 18) || (r >= 27 && r < 30));
             if (momentum || (turn && away > 0.1)) continue;
-            worst = fmax(worst, fabs(J[r][i] + (y[1][r] - y[0][r]) / (2 * h)));
+            worst = larger(worst, fabs(J[r][i] + (y[1][r] - y[0][r]) / (2 * h)));
         }
     }
     expect(worst < (away > 0.1 ? 1e-8 : 5 * away), "rows by differences", worst);
@@ -195,14 +196,14 @@ static void check_rows(const rbd_body *bodies, int nb, double away) {
     for (int r = 0; r < rows; r++) {
         double sum = drift[r];
         for (int i = 0; i < m->nv; i++) sum += J[r][i] * (double)a[i];
-        worst_drift = fmax(worst_drift, fabs(sum - (u[1][r] - u[0][r]) / (2 * h)));
+        worst_drift = larger(worst_drift, fabs(sum - (u[1][r] - u[0][r]) / (2 * h)));
     }
     expect(worst_drift < 1e-7, "rates of rows by differences", worst_drift);
 
     rates(&p, q, v, u[0]);
     rbd_kinematics(m, w, q, v, NULL);
     rbd_momentum(m, w, h6, NULL);
-    for (int r = 0; r < 6; r++) worst_momentum = fmax(worst_momentum, fabs(u[0][18 + r] - (double)h6[r]));
+    for (int r = 0; r < 6; r++) worst_momentum = larger(worst_momentum, fabs(u[0][18 + r] - (double)h6[r]));
     expect(worst_momentum < 1e-11, "momentum", worst_momentum);
 }
 
@@ -312,9 +313,9 @@ static void check_limits(void) {
             last[i] = (double)v[i];
             v[i] = v[i] + (rbd_real)dt * a[i];
             q[i] = q[i] + (rbd_real)dt * v[i];
-            beyond = fmax(beyond, fmax((double)(q[i] - upper[i]), (double)(lower[i] - q[i])));
+            beyond = larger(beyond, fmax((double)(q[i] - upper[i]), (double)(lower[i] - q[i])));
             if ((double)v[i] * last[i] > 0 && fabs((double)v[i]) < fabs(last[i]) && step % 2500 > 1)
-                hardest = fmax(hardest, (fabs(last[i]) - fabs((double)v[i])) / dt);
+                hardest = larger(hardest, (fabs(last[i]) - fabs((double)v[i])) / dt);
         }
         if (step % 2500 == 2499)
             for (int i = 0; i < 7; i++)
@@ -410,7 +411,8 @@ static double missed_of_terms(const rbd_tasks *p, int of_tasks) {
             terms += fabs(c) * (fabs((double)k->x[i]) + 1);
         }
         const double side = value < lower ? lower : upper;
-        most = fmax(most, fmax(lower - value, value - upper) / (fabs(side) + terms));
+        const double miss = fmax(lower - value, value - upper);
+        if (!(miss <= 0)) most = larger(most, miss / (fabs(side) + terms));
     }
     return most;
 }

@@ -2,6 +2,7 @@
    the single calls of rbd.c and the reference. Built for several BATCH_LANES, with double and with
    -DRBD_REAL=float; each is a program of its own. `batch_PROGRAM --errors` also prints the largest difference
    between both. */
+#include "larger.h"
 #include "quiet_check.h"
 #include <float.h>
 #include <math.h>
@@ -360,7 +361,7 @@ static double expect_row(const char *what, const robot *r, int state, const RBD_
     for (int i = 0; i < n; i++) {
         const double x = (double)found[i], y = (double)expected[i];
         difference = isfinite(x) ? fmax(difference, fabs(x - y)) : HUGE_VAL;
-        size = fmax(size, fabs(y));
+        size = larger(size, fabs(y));
         if (!isfinite(difference)) break;
     }
     if (!(difference <= bound * size))
@@ -376,7 +377,7 @@ static double expect_parts(const robot *r, call c, int state, const RBD_REAL *fo
     double largest = 0;
     parts_of(r, c, width);
     for (int k = 0; k < PARTS; found += width[k], expected += width[k], k++)
-        largest = fmax(largest, expect_row(call_name[c], r, state, found, expected, width[k], BOUND(c)));
+        largest = larger(largest, expect_row(call_name[c], r, state, found, expected, width[k], BOUND(c)));
     return largest;
 }
 
@@ -682,8 +683,8 @@ START_TEST(held_hand_is_the_same_in_lanes) {
                                             alone, alone + r.nv),
                          RBD_OK);
         for (int i = 0; i < r.nv; i++) {
-            size_of_a = fmax(size_of_a, fabs((double)alone[i]));
-            error = fmax(error, fabs((double)(a[s * r.nv + i] - alone[i])));
+            size_of_a = larger(size_of_a, fabs((double)alone[i]));
+            error = larger(error, fabs((double)(a[s * r.nv + i] - alone[i])));
         }
         ck_assert_msg(error < (sizeof(RBD_REAL) == 4 ? 1e-3 : 1e-11) * size_of_a, "%s, state %d: %g of %g",
                       r.name, s, error, size_of_a);

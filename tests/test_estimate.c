@@ -218,7 +218,7 @@ START_TEST(the_band_has_what_friction_hides) {
             const double off = fabs(x.felt[i] - expected[i]);
             ck_assert_msg(off <= x.band[i] + 1e-9, "dof %d, tick %d: off by %g of %g", i, tick, off,
                           x.band[i]);
-            if (tick > 100) nearest = fmax(nearest, off / x.band[i]);
+            if (tick > 100) nearest = larger(nearest, off / x.band[i]);
         }
     }
     ck_assert_msg(nearest > 0.95, "the band is too wide: %g", nearest);
@@ -277,7 +277,7 @@ START_TEST(an_observer_does_not_drift) {
                          RBD_OK);
         if (tick / PERIOD == 5) memcpy(first[k], felt, sizeof felt);
         for (int i = 0; i < ARM && tick / PERIOD > 5; i++)
-            worst = fmax(worst, fabs(felt[i] - first[k][i]) / (tick / PERIOD < 20 ? 1e6 : 1));
+            worst = larger(worst, fabs(felt[i] - first[k][i]) / (tick / PERIOD < 20 ? 1e6 : 1));
     }
     ck_assert_msg(worst < 1e-9, "%g", worst);
     free(x.memory);
@@ -379,9 +379,9 @@ static void improve(learner *x, double pi[10], rbd_joint_friction *friction) {
 static double friction_error(const rbd_joint_friction *f) {
     double worst = 0;
     for (int i = 0; i < ARM; i++) {
-        worst = fmax(worst, fabs(f[i].coulomb - coulomb[i]));
-        worst = fmax(worst, fabs(f[i].viscous - viscous[i]));
-        worst = fmax(worst, fabs(f[i].offset - offset[i]));
+        worst = larger(worst, fabs(f[i].coulomb - coulomb[i]));
+        worst = larger(worst, fabs(f[i].viscous - viscous[i]));
+        worst = larger(worst, fabs(f[i].offset - offset[i]));
     }
     return worst;
 }
@@ -842,8 +842,8 @@ START_TEST(an_estimate_does_not_drift) {
         ck_assert_int_eq(rbd_estimate_add(x.bare.m, x.d, x.e, q[k], v[k], a[k], tau[k], NULL), RBD_OK);
         improve(&x, pi, f);
         if (tick < 1000) continue;
-        for (int j = 0; j < 10; j++) worst = fmax(worst, fabs(pi[j] - want[j]));
-        worst_friction = fmax(worst_friction, friction_error(f));
+        for (int j = 0; j < 10; j++) worst = larger(worst, fabs(pi[j] - want[j]));
+        worst_friction = larger(worst_friction, friction_error(f));
     }
     ck_assert_msg(worst < 1e-4 && worst_friction < 1e-3, "%g, %g", worst, worst_friction);
     learner_end(&x);

@@ -1,6 +1,7 @@
 /* test_spatial.c - rbd_spatial.h: identities, closed forms, reference results. One source for all scalars:
        -DRBD_REAL=float, __float128, -DRBD_LANES=4, nothing (double).
    In a build of n lanes each lane draws numbers of its own. */
+#include "larger.h"
 #include "rbd_spatial.h"
 #define RBD_IMPLEMENTATION
 #include "rbd.h"
@@ -182,8 +183,8 @@ START_TEST(quaternions_come_back) {
         for (int lane = 0; lane < LANES; lane++) {
             double same = 0, opposite = 0;
             for (int k = 0; k < 4; k++) {
-                same = fmax(same, fabs(get(found[k] - q[k], lane)));
-                opposite = fmax(opposite, fabs(get(found[k] + q[k], lane)));
+                same = larger(same, fabs(get(found[k] - q[k], lane)));
+                opposite = larger(opposite, fabs(get(found[k] + q[k], lane)));
             }
             SMALL(fmin(same, opposite), BOUND);
             ck_assert(get(found[3], lane) >= 0);
@@ -445,7 +446,7 @@ static void expect(const char *what, const ref_model *model, const rbd_real *fou
                    int n) {
     rbd_real wanted[6];
     double size = 1e-3;
-    for (int k = 0; k < n; k++) size = fmax(size, fabs(expected[k]));
+    for (int k = 0; k < n; k++) size = larger(size, fabs(expected[k]));
     copy(expected, wanted, n);
     ck_assert_msg(worst(found, wanted, n) <= 10 * DOUBLE_BOUND * size, "%s: %s", model->name, what);
 }

@@ -218,7 +218,7 @@ START_TEST(a_stop_is_approached_without_a_jump) {
             if (limited) ck_assert(next[0] - v[0] < (1 + 1e-9) * dt);
             q[0] += dt * (second ? (v[0] + next[0]) / 2 : next[0]);
             v[0] = next[0];
-            fastest = fmax(fastest, v[0]);
+            fastest = larger(fastest, v[0]);
             ck_assert_msg(q[0] < 0.1 + (second ? 0.51 * dt * dt : 1e-12), "%g beyond", q[0] - 0.1);
         }
         ck_assert(fabs(q[0] - 0.1) < 1e-5 && fabs(fastest - 0.3) < 1e-9);
@@ -508,7 +508,7 @@ START_TEST(a_pushed_robot_keeps_its_feet) {
             ck_assert_int_eq(rbd_point_position(r.m, r.w, feet[i].body, toe, p), RBD_OK);
             ck_assert(hypot(p[0] - p0[i][0], p[1] - p0[i][1]) < 1e-4);
         }
-        far = fmax(far, fabs(q[HYQ_Q_ROOT_Y] - home[HYQ_Q_ROOT_Y]));
+        far = larger(far, fabs(q[HYQ_Q_ROOT_Y] - home[HYQ_Q_ROOT_Y]));
     }
     ck_assert(far > 0.01 && far < 0.05 && fabs(q[HYQ_Q_ROOT_Y] - home[HYQ_Q_ROOT_Y]) < 1e-4);
     ck_assert_int_lt(steps, 300); /* warm: a few rows change */
@@ -664,14 +664,15 @@ START_TEST(tasks_are_reached) {
             }
         }
         for (int i = 0; i < 3; i++) {
-            if (kind == RBD_TASK_AXIS) error = fmax(error, fabs(dot(&R[3 * i], t.axis, 3) - t.direction[i]));
+            if (kind == RBD_TASK_AXIS)
+                error = larger(error, fabs(dot(&R[3 * i], t.axis, 3) - t.direction[i]));
             if (kind != RBD_TASK_AXIS && kind != RBD_TASK_ROTATION && kind != RBD_TASK_MOMENTUM &&
                 kind != RBD_TASK_POSTURE)
-                error = fmax(error, fabs(p[i] - t.position[i]));
+                error = larger(error, fabs(p[i] - t.position[i]));
         }
         for (int i = 0; i < 9; i++)
             if (kind == RBD_TASK_POSE || kind == RBD_TASK_ROTATION || kind == RBD_TASK_RELATIVE)
-                error = fmax(error, fabs(R[i] - t.rotation[i]));
+                error = larger(error, fabs(R[i] - t.rotation[i]));
         ck_assert_msg(error < (kind == RBD_TASK_MOMENTUM ? 1e-3 : 1e-5), "kind %d, order %d: %g", kind, order,
                       error);
     }
@@ -801,7 +802,7 @@ static double follow(const robot *r, double beyond, const double *lower, const d
             wanted[i] = t[0].velocity[3 + i] + 20 * (t[0].position[i] - p[i]);
             error += pow(t[0].position[i] - p[i], 2);
         }
-        if (time > 0) worst = fmax(worst, sqrt(error)), sum += sqrt(error), count++;
+        if (time > 0) worst = larger(worst, sqrt(error)), sum += sqrt(error), count++;
 
         rbd_tasks_result result;
         if (by_tasks)

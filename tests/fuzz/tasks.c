@@ -17,6 +17,7 @@
    table. Fails if anything is wrong, if in float a move gains more than 1 % of the objective's terms in one
    answer of 200, or if more than 1 % of the answers are inexact, 3 % in float. */
 #define RBD_IMPLEMENTATION
+#include "../larger.h"
 #include "rbd_tasks.h"
 
 #include <math.h>
@@ -479,9 +480,9 @@ static void limits_of(int i, int iq, double *low, double *high) {
     }
     if (!g.accelerations && !(most > 0)) return;
     *low = fmin(*low, v + b * dt);
-    *high = fmax(*high, v - b * dt);
+    *high = larger(*high, v - b * dt);
     if (!(most > 0)) return;
-    *low = fmax(*low, v - most * dt);
+    *low = larger(*low, v - most * dt);
     *high = fmin(*high, v + most * dt);
 }
 
@@ -782,10 +783,10 @@ static void judge_infeasible(const hard_rows *h) {
                               : value < h->lower[k] ? h->lower[k] - value
                                                     : 0;
             if (!(square > 1e-20)) {
-                worst = fmax(worst, fabs(by));
+                worst = larger(worst, fabs(by));
                 continue;
             }
-            worst = fmax(worst, fabs(by) / (sqrt(square) * (1 + length_of(x, g.n))));
+            worst = larger(worst, fabs(by) / (sqrt(square) * (1 + length_of(x, g.n))));
             for (int i = 0; i < g.n; i++) x[i] += by / square * h->c[k][i];
         }
     }

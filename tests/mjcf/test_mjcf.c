@@ -9,6 +9,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include "../larger.h"
 #include "compare.h"
 
 enum { MAX = 100 };
@@ -345,8 +346,8 @@ static double row_difference(const loaded *r, const double *own, const double *J
     square(own, 3, nv, A);
     square(JT, 3, nv, B);
     for (int i = 0; i < nv * nv; i++) {
-        scale = fmax(scale, fabs(A[i]));
-        worst = fmax(worst, fabs(A[i] - B[i]));
+        scale = larger(scale, fabs(A[i]));
+        worst = larger(worst, fabs(A[i] - B[i]));
     }
     ck_assert_double_gt(scale, 1e-3);
     return worst / scale;
