@@ -1,5 +1,5 @@
-/* larger.h - the largest of what a test measures. libm's fmax passes over NaN, and so does what is asserted of
-   it. */
+/* larger.h - the largest of what a test measures. libm's fmax passes over NaN, and so does what is asserted
+   of it. */
 #ifndef LARGER_H
 #define LARGER_H
 
