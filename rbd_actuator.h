@@ -246,9 +246,9 @@ RBDI_API rbd_status rbd_actuators_inverse(rbd_actuators *a, const rbd_real *q, c
    Any other step that takes a damping will do. It starts each time from the same q and v, so q_next and
    v_next are other arrays. Other torques are added behind each of both calls. */
 
-/* What the drive of a shaft is told: torque + kp (q - angle) + kd (v - speed). A motor with by_voltage has no
-   torque but a voltage at its terminals, to which the gains add volts that turn the shaft that way. Its
-   current is (volts - gear constant speed) / resistance. */
+/* A command to the drive of a shaft, which gives torque + kp (q - angle) + kd (v - speed). With by_voltage it
+   sets a voltage at the motor's terminals in place of a torque, and the gains add volts to it, so that they
+   turn the shaft the same way. The current is then (volts - gear constant speed) / resistance. */
 typedef struct rbd_command {
     rbd_real q, v;    /* rad, rad/s, of the shaft */
     rbd_real kp, kd;  /* N m/rad, N m s/rad, or V/rad, V s/rad; not negative */
@@ -775,7 +775,7 @@ RBDI_PART void rbdi_act_note_limits(const rbd_motor *m, rbdi_act_shaft *s, rbd_r
     if (m->voltage > 0) s->stall = constant * m->voltage / rbdi_act_resistance(m, winding);
 }
 
-/* What the drive asks for under a command, at the angle and speed of its rotor:
+/* The torque that the drive asks for, at the angle and speed of its rotor:
 
        torque + kp (q - angle) + kd (v - speed)
 
@@ -1276,8 +1276,10 @@ RBDI_PART rbd_real rbdi_act_mesh(const rbd_motor *m, const rbdi_act_shaft *s, rb
 RBDI_PART rbdi_act_spring rbdi_act_spring_by(const rbd_motor *m, const rbdi_act_shaft *s, rbdi_act_line line,
                                              rbd_real x, const rbd_actuators *a) {
     const rbd_real dt = a->dt, x_m = rbdi_act_mean(a, s, x), most = dt * s->level;
-    const rbd_real t = line.t + s->cogging, braking = line.braking + s->cogging_slope;
-    const rbd_real J = rbdi_act_rotor_inertia(m), J_t = J + dt * (braking + m->friction.viscous);
+    const rbd_real t = line.t + s->cogging;
+    const rbd_real braking = line.braking + s->cogging_slope;
+    const rbd_real J = rbdi_act_rotor_inertia(m);
+    const rbd_real J_t = J + dt * (braking + m->friction.viscous);
     const rbd_real K = dt * m->stiffness + m->damping;
     const rbd_real given = J * s->speed + dt * t;
     rbdi_act_spring spring;
@@ -1793,7 +1795,8 @@ RBDI_LOCAL rbd_real rbdi_act_growth(const rbd_actuators *a, rbd_real c) {
     rbd_real sum = rbdi_zero();
     for (int i = 0; i < a->n; ++i) {
         const rbdi_act_shaft *s = &a->shaft[i];
-        const rbd_real d = s->next - s->point, T = s->base + c * (s->force - s->base);
+        const rbd_real d = s->next - s->point;
+        const rbd_real T = s->base + c * (s->force - s->base);
         sum = sum + rbdi_act_off(&a->motor[i], s, T, s->point + c * d, a) * d;
     }
     return sum;
@@ -1949,8 +1952,8 @@ RBDI_LOCAL void rbdi_act_group_derivatives(const rbd_actuators *a, const rbdi_ac
     }
 }
 
-/* What a command's torque, or voltage, does to the joint at once: nothing if a spring lies between, a limit
-   cuts it, or it is late. */
+/* How the joint's torque changes with the torque or voltage of a command, in the same step: 0 if a spring
+   lies between, a limit cuts the command, or it arrives later. */
 RBDI_LOCAL rbd_real rbdi_act_passes(const rbd_actuators *a, int i) {
     const rbd_motor *m = &a->motor[i];
     return m->stiffness > 0 || m->delay > 0 ? rbdi_zero() : a->shaft[i].pass;

@@ -1952,7 +1952,8 @@ RBDI_LOCAL void rbdi_contact_gap(const rbd_contact_set *c, rbdi_constraint *con,
        v := v - gap omega x n,   gamma := gamma - gap domega/dt x n - l' omega x n */
 RBDI_LOCAL void rbdi_place_on_plane(const rbd_constraint_set *s, rbdi_constraint *con,
                                     rbdi_contact *contact) {
-    const rbdi_v3 normal = rbdi_contact_normal(s, con), v = contact->velocity.v;
+    const rbdi_v3 normal = rbdi_contact_normal(s, con);
+    const rbdi_v3 v = contact->velocity.v;
     const rbdi_v3 turn = rbdi_cross(contact->velocity.omega, normal);
     const rbdi_v3 faster = rbdi_cross(contact->rate.omega, normal);
 
@@ -2658,7 +2659,9 @@ RBDI_LOCAL void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int pur
    Speeds count as the solver's tolerance at least. */
 RBDI_LOCAL int rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
                                   const rbd_real *f_ext) {
-    rbd_real *change = c->rows->x, changes = rbdi_zero(), speeds = c->solver.given.tolerance;
+    rbd_real *change = c->rows->x;
+    rbd_real changes = rbdi_zero();
+    rbd_real speeds = c->solver.given.tolerance;
     rbdi_correct(m, c, c->moved, tau, f_ext, c->x[1]);
     for (int k = 0; k < m->nv; ++k) change[k] = c->x[1][k] - c->x[0][k];
     rbdi_vector_forward(m, c->rows->w, c->rows->w->H, change);

@@ -49,8 +49,8 @@ RBDI_LOCAL void rbdi_act_group_derivatives(const rbd_actuators *a, const rbdi_ac
     }
 }
 
-/* What a command's torque, or voltage, does to the joint at once: nothing if a spring lies between, a limit
-   cuts it, or it is late. */
+/* How the joint's torque changes with the torque or voltage of a command, in the same step: 0 if a spring
+   lies between, a limit cuts the command, or it arrives later. */
 RBDI_LOCAL rbd_real rbdi_act_passes(const rbd_actuators *a, int i) {
     const rbd_motor *m = &a->motor[i];
     return m->stiffness > 0 || m->delay > 0 ? rbdi_zero() : a->shaft[i].pass;

@@ -106,8 +106,10 @@ RBDI_PART rbd_real rbdi_act_mesh(const rbd_motor *m, const rbdi_act_shaft *s, rb
 RBDI_PART rbdi_act_spring rbdi_act_spring_by(const rbd_motor *m, const rbdi_act_shaft *s, rbdi_act_line line,
                                              rbd_real x, const rbd_actuators *a) {
     const rbd_real dt = a->dt, x_m = rbdi_act_mean(a, s, x), most = dt * s->level;
-    const rbd_real t = line.t + s->cogging, braking = line.braking + s->cogging_slope;
-    const rbd_real J = rbdi_act_rotor_inertia(m), J_t = J + dt * (braking + m->friction.viscous);
+    const rbd_real t = line.t + s->cogging;
+    const rbd_real braking = line.braking + s->cogging_slope;
+    const rbd_real J = rbdi_act_rotor_inertia(m);
+    const rbd_real J_t = J + dt * (braking + m->friction.viscous);
     const rbd_real K = dt * m->stiffness + m->damping;
     const rbd_real given = J * s->speed + dt * t;
     rbdi_act_spring spring;

@@ -164,7 +164,7 @@ RBDI_PART void rbdi_act_note_limits(const rbd_motor *m, rbdi_act_shaft *s, rbd_r
     if (m->voltage > 0) s->stall = constant * m->voltage / rbdi_act_resistance(m, winding);
 }
 
-/* What the drive asks for under a command, at the angle and speed of its rotor:
+/* The torque that the drive asks for, at the angle and speed of its rotor:
 
        torque + kp (q - angle) + kd (v - speed)
 

@@ -152,7 +152,8 @@ RBDI_LOCAL rbd_real rbdi_act_growth(const rbd_actuators *a, rbd_real c) {
     rbd_real sum = rbdi_zero();
     for (int i = 0; i < a->n; ++i) {
         const rbdi_act_shaft *s = &a->shaft[i];
-        const rbd_real d = s->next - s->point, T = s->base + c * (s->force - s->base);
+        const rbd_real d = s->next - s->point;
+        const rbd_real T = s->base + c * (s->force - s->base);
         sum = sum + rbdi_act_off(&a->motor[i], s, T, s->point + c * d, a) * d;
     }
     return sum;

@@ -179,9 +179,9 @@ RBDI_API rbd_status rbd_actuators_inverse(rbd_actuators *a, const rbd_real *q, c
    Any other step that takes a damping will do. It starts each time from the same q and v, so q_next and
    v_next are other arrays. Other torques are added behind each of both calls. */
 
-/* What the drive of a shaft is told: torque + kp (q - angle) + kd (v - speed). A motor with by_voltage has no
-   torque but a voltage at its terminals, to which the gains add volts that turn the shaft that way. Its
-   current is (volts - gear constant speed) / resistance. */
+/* A command to the drive of a shaft, which gives torque + kp (q - angle) + kd (v - speed). With by_voltage it
+   sets a voltage at the motor's terminals in place of a torque, and the gains add volts to it, so that they
+   turn the shaft the same way. The current is then (volts - gear constant speed) / resistance. */
 typedef struct rbd_command {
     rbd_real q, v;    /* rad, rad/s, of the shaft */
     rbd_real kp, kd;  /* N m/rad, N m s/rad, or V/rad, V s/rad; not negative */

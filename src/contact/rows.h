@@ -92,7 +92,8 @@ RBDI_LOCAL void rbdi_contact_gap(const rbd_contact_set *c, rbdi_constraint *con,
        v := v - gap omega x n,   gamma := gamma - gap domega/dt x n - l' omega x n */
 RBDI_LOCAL void rbdi_place_on_plane(const rbd_constraint_set *s, rbdi_constraint *con,
                                     rbdi_contact *contact) {
-    const rbdi_v3 normal = rbdi_contact_normal(s, con), v = contact->velocity.v;
+    const rbdi_v3 normal = rbdi_contact_normal(s, con);
+    const rbdi_v3 v = contact->velocity.v;
     const rbdi_v3 turn = rbdi_cross(contact->velocity.omega, normal);
     const rbdi_v3 faster = rbdi_cross(contact->rate.omega, normal);
 

@@ -124,7 +124,9 @@ RBDI_LOCAL void rbdi_solve_first(const rbd_model *m, rbd_contact_set *c, int pur
    Speeds count as the solver's tolerance at least. */
 RBDI_LOCAL int rbdi_solve_between(const rbd_model *m, rbd_contact_set *c, const rbd_real *tau,
                                   const rbd_real *f_ext) {
-    rbd_real *change = c->rows->x, changes = rbdi_zero(), speeds = c->solver.given.tolerance;
+    rbd_real *change = c->rows->x;
+    rbd_real changes = rbdi_zero();
+    rbd_real speeds = c->solver.given.tolerance;
     rbdi_correct(m, c, c->moved, tau, f_ext, c->x[1]);
     for (int k = 0; k < m->nv; ++k) change[k] = c->x[1][k] - c->x[0][k];
     rbdi_vector_forward(m, c->rows->w, c->rows->w->H, change);

@@ -57,7 +57,8 @@ RBDI_LOCAL void rbdi_tasks_keep_some(signed char *side, signed char *kept, int n
 /* Copies the sides at which limits hold from those kept of a level, or back. Rows of tasks have none. */
 RBDI_LOCAL void rbdi_tasks_keep(rbdi_tasks *k, int level, int rows, int back) {
     signed char *kept = k->kept + (size_t)level * RBDI_TASKS_LIMITS(k->nv, k->given->contacts);
-    signed char *side = k->side, *friction = side + k->n + k->friction;
+    signed char *side = k->side;
+    signed char *friction = side + k->n + k->friction;
 
     for (int row = 0; row < k->n + rows && !back; ++row) side[row] = 0;
     rbdi_tasks_keep_some(side, kept, k->nv, back);
@@ -65,7 +66,8 @@ RBDI_LOCAL void rbdi_tasks_keep(rbdi_tasks *k, int level, int rows, int back) {
 
     rbdi_tasks_keep_some(side + k->n + k->dynamics, kept + k->nv, k->nv, back);
     for (int i = 0; i < k->closed; ++i) {
-        const int contact = k->contact[i], sides = k->given->contact[contact].sides == 8 ? 8 : 4;
+        const int contact = k->contact[i];
+        const int sides = k->given->contact[contact].sides == 8 ? 8 : 4;
         signed char *of_contact = kept + 2 * k->nv + RBDI_TASKS_CONTACT * contact;
 
         rbdi_tasks_keep_some(side + k->nv + 3 * i + 2, of_contact, 1, back);
@@ -104,7 +106,8 @@ RBDI_LOCAL rbd_real rbdi_tasks_missed(const rbdi_tasks *k, const rbdi_qp *s) {
 
     for (int i = 0; i < k->n; ++i) s->reach[i] = rbdi_abs(k->x[i]) + (i < k->nv ? motion : force);
     for (int row = 0; row < s->all; ++row) {
-        const rbd_real value = s->value[row], below = k->lower[row] - value;
+        const rbd_real value = s->value[row];
+        const rbd_real below = k->lower[row] - value;
         const rbd_real by = rbdi_ik_larger(below, value - k->upper[row]);
         const rbd_real side = below > 0 ? k->lower[row] : k->upper[row];
         if (!(by > 0) || k->soft[row] > 0) continue;
