@@ -13,6 +13,7 @@
 #define RBD_IMPLEMENTATION
 #include "rbd_contact.h"
 
+#include "../larger.h"
 #include "dense.h"
 #include "robots.h"
 
@@ -139,8 +140,6 @@ static void record(int quantity, double value) {
     if (!(error <= bound)) fail(quantities[quantity].name, error);
 }
 
-static double larger(double a, double b) { return a > b || !(b >= 0) ? a : b; }
-
 static double largest_of(const quad *x, int n) {
     double most = 0;
     for (int k = 0; k < n; k++) most = larger(most, fabs((double)x[k]));
@@ -200,17 +199,18 @@ static void find_velocities(laws *x, double speed) {
 static void judge_contact(const laws *x, int i, double *cone, double *signorini, double *dissipation) {
     const quad *p = &x->p[3 * i], *u = &x->u[3 * i];
     const double pt = magnitude_of(p, 2), ut = magnitude_of(u, 2), pn = (double)p[2], un = (double)u[2],
-                 d = (double)x->delta[3 * i + 2][3 * i + 2], s = x->speed,
+                 d = (double)x->delta[3 * i + 2][3 * i + 2], rigid = d - x->spring[i], s = x->speed,
                  along = (double)(p[0] * u[0] + p[1] * u[1]);
     double trace = d;
     for (int j = 0; j < 2; j++) trace += (double)x->delta[3 * i + j][3 * i + j];
     if (pn > 0 || pt > 0) *cone = larger(*cone, larger(pt / pn - x->mu[i], -pn) / (1 + x->mu[i]));
     if (!(d > 64 * unit_of_real * trace)) return;
 
-    /* the error of p_n, by the velocity that it moves */
-    const double error = un * (d - x->spring[i]) / d;
+    /* the errors of p_n and p_t, by the velocities that they move: a spring is no mass */
+    const double error = un * rigid / d;
     *signorini = larger(*signorini, larger(-error, d * pn * error / (s + d * pn)) / s);
-    *dissipation = larger(*dissipation, d * fabs(along + x->mu[i] * pn * ut) / (s * (s + d * (pt + pn))));
+    const double kept = fabs(along + x->mu[i] * pn * ut);
+    *dissipation = larger(*dissipation, rigid * kept / (s * (s + rigid * (pt + pn))));
 }
 
 static void judge_bounded(const laws *x, int r, double *cone, double *signorini) {
@@ -1835,7 +1835,7 @@ static void run_long(int scene_number, long steps) {
         }
         if (!finite(r.q, rbd_nq(model)) || !finite(r.v, nv)) fail(failure_names[NOT_FINITE], (double)n);
         const double energy = energy_of(&r);
-        least = fmin(least, energy), most = fmax(most, energy), made = fmax(made, energy - before);
+        least = fmin(least, energy), most = larger(most, energy), made = larger(made, energy - before);
         residual = larger(residual, (double)rbd_contact_last(set).residual);
         before = energy;
     }

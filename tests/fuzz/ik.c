@@ -16,6 +16,7 @@
 #include <time.h>
 
 #include "../ik_robots.h"
+#include "../larger.h"
 #include "models/iiwa.h"
 
 enum { MOST_Q = 8 };
@@ -145,7 +146,7 @@ int main(int count, char **arguments) {
     }
 
     build(0);
-    for (long k = 0; k < (poses + 19) / 20; k++) worst = fmax(worst, try_far(start + (uint64_t)k, &far));
+    for (long k = 0; k < (poses + 19) / 20; k++) worst = larger(worst, try_far(start + (uint64_t)k, &far));
     printf("%-10s %9ld %20s %12.1f %12d %6ld  distance off by %.1e m at most\n", "too far", far.poses, "",
            (double)far.evaluations / (double)far.poses, far.most, far.wrong, worst);
     return failed > 0 || far.wrong > 0 || worst > 1e-4;

@@ -10,6 +10,7 @@
 #define RBD_IMPLEMENTATION
 #include "rbd.h"
 
+#include "../larger.h"
 #include "robots.h"
 
 #include <float.h>
@@ -67,9 +68,10 @@ static void fail(const char *what, const char *why) {
 }
 
 static void record(int quantity, double error) {
-    if (!(error <= current[quantity].error)) current[quantity].error = error;
-    if (!(error <= worst_of[class_number][quantity].error))
-        worst_of[class_number][quantity] = (worst){error, robot_number};
+    worst *w = &worst_of[class_number][quantity];
+    const double most = larger(w->error, error);
+    current[quantity].error = larger(current[quantity].error, error);
+    if (most > w->error) *w = (worst){most, robot_number};
 }
 
 /* Relative to the size of what was added; where nothing was, the result must be exactly so. */

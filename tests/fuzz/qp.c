@@ -57,7 +57,7 @@ static void run(int of, uint64_t start, tally *t) {
     t->inaccurate += status == RBD_QP_INACCURATE;
     if (status == RBD_QP_OK) worst = judge_solution(&p);
     if (status == RBD_QP_INFEASIBLE) worst = judge_proof(&p);
-    if (worst.share > t->worst) t->worst = worst.share;
+    t->worst = larger(t->worst, worst.share);
 
     failed |= worst.share > allowed;
     failed |= status == RBD_QP_OK && of == CONTRADICTION && sizeof(rbd_real) == 8;
