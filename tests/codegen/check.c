@@ -154,8 +154,8 @@ static int is_angle(int k) {
 
 /* ---- comparison, relative to the largest entry ---- */
 
-/* Anything is right where rbd.h has NaN, of a state with NaN or an angle out of bounds; NaN anywhere if it may
-   stand there. Returns how often it does. */
+/* Anything is right where rbd.h has NaN, of a state with NaN or an angle out of bounds; NaN anywhere if it
+   may stand there. Returns how often it does. */
 static int compare(const char *what, int state, const REAL *right, const real *found, int n, int lane,
                    double tolerance, int may_be_nan) {
     const int anything = state == NOT_A_NUMBER || state == BEYOND;

@@ -121,6 +121,7 @@ typedef struct worst {
 static worst worst_of[PROBLEM_CLASSES][QUANTITIES];
 static double current[QUANTITIES];
 static long failed[PROBLEM_CLASSES][KINDS], failures, done[PROBLEM_CLASSES];
+static long of_class[PROBLEM_CLASSES], of_quantity[QUANTITIES]; /* comparisons */
 static int class_number, problem_number, shown = 3;
 
 enum { CLEAR, UNCLEAR, INFEASIBLE, DERIVATIVES, ASSEMBLED, NEAR_SINGULAR, COUNTS };
@@ -138,6 +139,8 @@ static void fail(int kind, double value) {
 static void record(int quantity, quad value) {
     const double error = value >= 0 ? (double)value : HUGE_VAL; /* not a number */
     worst *w = &worst_of[class_number][quantity];
+    of_class[class_number]++;
+    of_quantity[quantity]++;
     current[quantity] = larger(current[quantity], error);
     if (error > w->error) *w = (worst){error, problem_number};
     if (!(error <= quantities[quantity].bound)) fail(quantity, error);
@@ -995,6 +998,12 @@ static void hold_row(int quantity, const char *row) {
     }
 }
 
+static void expect_compared(const char *what, long comparisons) {
+    if (comparisons > 0) return;
+    printf("FAIL %s: nothing is compared\n", what);
+    failures++;
+}
+
 /* Compares with the rows behind the mark. */
 static void hold(const char *path) {
     char line[400];
@@ -1009,6 +1018,8 @@ static void hold(const char *path) {
         }
     }
     if (file) fclose(file);
+    for (int c = 0; c < PROBLEM_CLASSES; c++) expect_compared(problem_names[c], of_class[c]);
+    for (int k = 0; k < QUANTITIES; k++) expect_compared(quantities[k].name, of_quantity[k]);
     if (held != QUANTITIES) {
         printf("FAIL %s: %d rows of constraints instead of %d\n", path, held, (int)QUANTITIES);
         failures++;
@@ -1018,6 +1029,7 @@ static void hold(const char *path) {
 int main(int argc, char **argv) {
     int problems = 10000, from = 0, only = -1, publish = 0;
     double seconds = 0;
+    long all = 0;
     const char *document = NULL;
     for (int i = 1; i < argc; i++) {
         const int more = argc - 1 - i;
@@ -1053,5 +1065,6 @@ int main(int argc, char **argv) {
     else
         print_worst();
     if (document) hold(document);
-    return failures > 0;
+    for (int c = 0; c < PROBLEM_CLASSES; c++) all += done[c];
+    return failures > 0 || all == 0;
 }

@@ -123,7 +123,7 @@ typedef struct worst {
 } worst;
 static worst worst_of[KINDS][QUANTITIES];
 static double worst_unsolved[KINDS]; /* residual */
-static long counts[KINDS][COUNTS], failures;
+static long counts[KINDS][COUNTS], compared[QUANTITIES], failures;
 static int kind_now, number_now, shown = 5, show;
 
 static void fail(const char *what, double value) {
@@ -135,6 +135,7 @@ static void record(int quantity, double value) {
     const double error = value >= 0 ? value : value < 0 ? 0 : HUGE_VAL; /* not a number */
     worst *w = &worst_of[kind_now][quantity];
     const double bound = IN_FLOAT ? quantities[quantity].in_float : quantities[quantity].bound;
+    compared[quantity]++;
     if (show) printf("%-20s %.2e\n", quantities[quantity].name, error);
     if (error > w->error) *w = (worst){error, number_now};
     if (!(error <= bound)) fail(quantities[quantity].name, error);
@@ -2139,6 +2140,15 @@ static void run_kind(int kind, int from, int n) {
     for (int i = from; tree && i < from + each; i++) run_tree(kind, i);
 }
 
+/* A run that compares nothing is no success; one of all kinds, and not too short, has every quantity. */
+static void expect_compared(int is_long) {
+    long problems = 0;
+    for (int k = 0; k < KINDS; k++) problems += counts[k][PROBLEMS];
+    if (problems == 0) fail("no problem is tried", 0);
+    for (int q = 0; q < QUANTITIES && is_long; q++)
+        if (compared[q] == 0) fail(quantities[q].name, -1);
+}
+
 int main(int argc, char **argv) {
     int problems = 100000, from = 0, only = -1;
     double seconds = 0;
@@ -2158,6 +2168,7 @@ int main(int argc, char **argv) {
             only = kind_of(argv[++i]);
         else if (more > 0 && strcmp(argv[i], "--long") == 0) {
             const long steps = atol(argv[++i]);
+            if (steps < 1) fail("no step is tried", 0);
             kind_now = RUNS;
             for (int k = 0; k < LONG_SCENES; k++) run_long(k, steps);
             printf("%ld failures\n", failures);
@@ -2168,6 +2179,7 @@ int main(int argc, char **argv) {
             if (kind == SINGLE) run_single(number);
             if (kind == BROKEN) run_broken(number);
             if (kind > SINGLE && kind < TREES_END) run_tree(kind, number);
+            expect_compared(0);
             return failures > 0;
         } else {
             printf("usage: see the head of contacts.c\n");
@@ -2184,6 +2196,7 @@ int main(int argc, char **argv) {
     print_counts();
     print_runs();
     if (publish) publish_accuracy(publish), publish_runs(publish);
+    expect_compared(only < 0 && part >= 1000);
     printf("%ld failures\n", failures);
     return failures > 0;
 }

@@ -95,5 +95,5 @@ int main(int count, char **arguments) {
                t->iterations, t->inaccurate, t->failures, t->worst, t->steps / (double)t->problems, t->most);
         failures += t->failures;
     }
-    return failures > 0;
+    return failures > 0 || tallies[0].problems == 0;
 }

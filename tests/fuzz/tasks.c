@@ -978,5 +978,6 @@ int main(int count, char **arguments) {
         answers += t->exact + t->inexact;
     }
     printf("wrong: %ld; a move gains more than 1 %%: %ld\n", wrong, loose_ones);
-    return wrong > 0 || inexact * 100 > answers * (in_float ? 3 : 1) || loose_ones * 200 > answers;
+    return wrong > 0 || answers == 0 || inexact * 100 > answers * (in_float ? 3 : 1) ||
+           loose_ones * 200 > answers;
 }
