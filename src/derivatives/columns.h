@@ -53,16 +53,15 @@
    for rbd_coriolis of V: so the sums make 2 B or B.
 
    With a free base whose subtree has all other dofs (d->base) the frame has the axes of the base too. The S
-   of the base's dofs are unit vectors e there. With its velocity (w; v), V = (w; 0) in this frame, and
+   of the base's dofs are unit vectors there; [base entries] has their U and Phi. With the velocity (w; v) of
+   the base, V = (w; 0) in this frame, and
 
        A = (w_dot; v_dot + w x v - gravity)
 
-   Its dofs have
-
-       turns     U = (w x e; e x v)   Phi = (0; -gravity x e)
-       shifts    U = (0; w x e)       Phi = 0
-
-   RBDA 2.9, 2.10 and 5.3 have the two cross products, Echeandia and Wensing (2021) the matrix B. */
+   RBDA 2.9, 2.10 and 5.3 have the two cross products, Echeandia and Wensing (2021) the matrix B. Columns and
+   entries are those of Singh, Russell and Wensing (2022), after Carpentier and Mansard (2018). What the former
+   call Psi_dot, Psi_ddot and S_dot is Psi, Phi and V x S here; their I^C, B^C and f^C are sums over subtrees.
+   In these rooms U and D are not those of [aba], X is no pose and E no rotation, but for the E of poses. */
 
 #if RBDI_BATCH > 1
 typedef rbdi_batch rbdi_cbatch; /* a batch of constants */
