@@ -4079,10 +4079,10 @@ RBDI_INLINE rbdi_force rbdi_rbi_axis(const rbdi_link *l, int slides, rbdi_rbi C)
     return own;
 }
 
-/* Moves the wrenches of the dofs of link i's subtree to the parent's frame: those in w->F, and `own` of its own
-   dof, which is not there yet. They are kept by component, so that a batch of them moves at once. Batches count
-   from the last dof down. The last one may reach below the first dof, where nothing is set yet. `own` goes
-   directly into the batch: a batch loaded from where scalars were just stored makes the processor wait. */
+/* Moves the wrenches of the dofs of link i's subtree to the parent's frame: those in w->F, and `own` of its
+   own dof, which is not there yet. They are kept by component, so that a batch of them moves at once. Batches
+   count from the last dof down. The last one may reach below the first dof, where nothing is set yet. `own`
+   goes directly into the batch: to load a batch where scalars were just stored makes the processor wait. */
 RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int flags, ptrdiff_t stride,
                               rbdi_force own) {
     const rbdi_link *l = &m->link[i];
@@ -4257,10 +4257,10 @@ RBDI_PART void rbdi_crba_link(const rbd_model *m, const rbd_work *w, int i, ptrd
     *carried = rbdi_crba_step(m, w, i, rbdi_flags(&m->link[i]), stride, *carried, H, M);
 }
 
-/* RBDA table 6.2, into the packed tree matrix H or, if M is given, into the full matrix, which is zero before.
-   With mimic joints into H and the rows behind it, which rbdi_reduce_H adds up. `full` is M != NULL, known to
-   the compiler: at -Os the full matrix has code for common flags, which saves a fifth of its instructions. The
-   packed one has none: there it is a part of larger calls. */
+/* RBDA table 6.2, into the packed tree matrix H or, if M is given, into the full matrix, which is zero
+   before. With mimic joints into H and the rows behind it, which rbdi_reduce_H adds up. `full` is M != NULL,
+   known to the compiler: at -Os the full matrix has code for common flags, which saves a fifth of its
+   instructions. The packed one has none: there it is a part of larger calls. */
 RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_real *M, int full) {
     const rbd_model model = *m; /* copies, which no store into H or w->F can be thought to change */
     const rbd_work work = *w;
@@ -4611,8 +4611,8 @@ RBDI_PART void rbdi_aba_up_block(const rbd_model *m, rbd_work *w, int link, cons
 
 /* -- the three passes -- */
 
-/* Pass 1, one-axis link: its velocity-product acceleration c, and omega: the parent's becomes the link's. With
-   E, z, turn and slide as in [state], omega_p of the parent and omega_E = E omega_p:
+/* Pass 1, one-axis link: its velocity-product acceleration c, and omega: the parent's becomes the link's.
+   With E, z, turn and slide as in [state], omega_p of the parent and omega_E = E omega_p:
 
        c_omega = omega_E x z turn
        c_v     = E (omega_p x (omega_p x r)) + omega_E x (omega_E x d z) + 2 omega_E x z slide
@@ -4756,8 +4756,8 @@ RBDI_INLINE int rbdi_turns_first(const rbd_model *m, int i) {
     return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->first < 3 : l->rho > 0;
 }
 
-/* Whether a joint has slid so far that dof.scale of the nearest turning joint before it is no bound, because it
-   is taken at q = 0:
+/* Whether a joint has slid so far that dof.scale of the nearest turning joint before it is no bound, because
+   it is taken at q = 0:
 
        slide^2 times the mass of the subtree that slides > RBDI_FAR dof.scale */
 RBDI_PART rbdi_mask rbdi_slid_far(const rbd_model *m, const rbd_work *w) {
@@ -5035,7 +5035,8 @@ RBDI_INLINE rbd_real rbdi_factor_of(const rbdi_terms *g, int which, int t, const
 }
 
 /* y less the rows of X and, with two matrices, z less those of Y: so many batches, the last of which begins
-   with column `last`. Descendants come last to first, so that the row computed just before is the last one. */
+   with column `last`. Descendants come last to first, so that the row computed just before is the last one.
+   */
 RBDI_INLINE void rbdi_subtract_batches(rbdi_terms g, int which, int matrices, int batches, int last,
                                        rbd_real *y, rbd_real *z) {
     rbdi_batch sum[2][RBDI_ROW];
@@ -5413,8 +5414,8 @@ RBDI_PART void rbdi_check_pivot(rbd_work *w, int k, rbd_real e, rbdi_mask doubt)
     w->pivot[k] = rbdi_select(rbdi_or(rbdi_not(doubt), rbdi_less(noise, D)), one, bad);
 }
 
-/* The status by the verdicts in w->pivot. w->singular becomes the first bad pivot in the order of elimination.
-   The n results x become 0 in the lanes that have a bad pivot. */
+/* The status by the verdicts in w->pivot. w->singular becomes the first bad pivot in the order of
+   elimination. The n results x become 0 in the lanes that have a bad pivot. */
 RBDI_PART rbd_status rbdi_pivot_status(const rbd_model *m, rbd_work *w, rbd_real *x, int n) {
     const rbd_real half = rbdi_set(RBD_C(0.5)), o = rbdi_zero();
     rbdi_mask good = rbdi_less(o, half), number = good;
@@ -5434,9 +5435,10 @@ RBDI_PART rbd_status rbdi_pivot_status(const rbd_model *m, rbd_work *w, rbd_real
     return rbdi_any(rbdi_not(number)) ? RBD_ERR_NAN : RBD_ERR_SINGULAR;
 }
 
-/* The inertia of body b about the origin of its link, along each of the link's axes: moments, then masses. The
-   rounding of the build is added, because it may tilt a rod that lies on an axis. It is relative to the trace
-   of the inertia about the link's origin and about that of the user's frame, at r of the joint's body. */
+/* The inertia of body b about the origin of its link, along each of the link's axes: moments, then masses.
+   The rounding of the build is added, because it may tilt a rod that lies on an axis. It is relative to the
+   trace of the inertia about the link's origin and about that of the user's frame, at r of the joint's body.
+   */
 RBDI_COLD void rbdi_body_inertia(const rbd_model *m, int b, rbd_real inertia[6]) {
     const rbdi_frame *u = &m->frame[b];
     const rbdi_mat E = rbdi_mat_c(u->E);
@@ -5528,9 +5530,9 @@ RBDI_INLINE rbd_status rbdi_factor_status(const rbd_model *m, rbd_work *w, const
 
 /* ==== src/dynamics/aba_pivots.h ==== */
 /* -- by articulated bodies --
-   The bound e_k of [pivots], summed from the leaves to the root. K of a link is for IA what e is for a pivot: a
-   bound of the terms whose sum it is. K obeys the recursion of IA. With V = U/D, a joint that gives way leaves
-   its link P = 1 - S V' of the parent's motion, so that
+   The bound e_k of [pivots], summed from the leaves to the root. K of a link is for IA what e is for a pivot:
+   a bound of the terms whose sum it is. K obeys the recursion of IA. With V = U/D, a joint that gives way
+   leaves its link P = 1 - S V' of the parent's motion, so that
 
        Ia = P' IA P + V armature V'        which is IA - U U'/D
        Ka = P' K P + V G V'                with G of [pivots] for the armature
@@ -5579,8 +5581,8 @@ RBDI_COLD rbd_real rbdi_give_way(rbd_real K[6][6], const rbd_real S[6], const rb
     return e;
 }
 
-/* Adds the rounding of a change of frame to three diagonal entries, from `first` on: a share of the largest of
-   them. */
+/* Adds the rounding of a change of frame to three diagonal entries, from `first` on: a share of the largest
+   of them. */
 RBDI_COLD void rbdi_add_rounding(rbd_real K[6][6], int first) {
     rbd_real most = rbdi_zero();
     for (int j = first; j < first + 3; ++j) most = rbdi_select(rbdi_less(most, K[j][j]), K[j][j], most);

@@ -438,19 +438,19 @@ RBDI_INLINE RBDI_T rbdi_power(rbdi_motion S, rbdi_force f) {
 /* Interface: RBDI_OF */
 
 /* ---- common frame [common frame] ----
-   All quantities of a tree are in one frame. Its axes are those of the world. Its origin is the origin of
-   the tree's first link that rotates, and it moves with the velocity that this point has now. Every frame
-   that moves uniformly gives the same matrices. In this one the numbers do not grow with the distance and
-   the speed of the robot, so their differences keep their digits. Seen from this frame the world moves with
-   -v of that point.
+   All quantities of a tree are in one frame. Its axes are those of the world. Its origin is the origin of the
+   tree's first link that rotates, and it moves with the velocity that this point has now. Every frame that
+   moves uniformly gives the same matrices. In this one the numbers do not grow with the distance and the
+   speed of the robot, so their differences keep their digits. Seen from this frame the world moves with -v of
+   that point.
 
    In one frame a recursion over the links is a sum: over the ancestors of a link or over its subtree. All
    else is computed for each dof alone. SIMD lanes are dofs, in the caller's order.
 
    A joint of several dofs is a chain of dofs without mass between them. All its dofs have the same link and
-   the same parent. R = (ex ey ez) has the axes of the link, cycled so that the dof's own axis is ez; x is
-   the link's origin. V and A are velocity and acceleration of the link, V_p and A_p those of its parent.
-   (omega; v) and (omega_dot; a) are their two halves.
+   the same parent. R = (ex ey ez) has the axes of the link, cycled so that the dof's own axis is ez; x is the
+   link's origin. V and A are velocity and acceleration of the link, V_p and A_p those of its parent. (omega;
+   v) and (omega_dot; a) are their two halves.
 
        S = (rho ez; x x rho ez + kappa ez)      rho, kappa = 1, 0 turns; 0, 1 slides; 1, pitch: a screw
        V = V_p + sum over the joint of S qd
@@ -491,9 +491,10 @@ RBDI_INLINE RBDI_T rbdi_power(rbdi_motion S, rbdi_force f) {
        A = (w_dot; v_dot + w x v - gravity)
 
    RBDA 2.9, 2.10 and 5.3 have the two cross products, Echeandia and Wensing (2021) the matrix B. Columns and
-   entries are those of Singh, Russell and Wensing (2022), after Carpentier and Mansard (2018). What the former
-   call Psi_dot, Psi_ddot and S_dot is Psi, Phi and V x S here; their I^C, B^C and f^C are sums over subtrees.
-   In these rooms U and D are not those of [aba], X is no pose and E no rotation, but for the E of poses. */
+   entries are those of Singh, Russell and Wensing (2022), after Carpentier and Mansard (2018). What the
+   former call Psi_dot, Psi_ddot and S_dot is Psi, Phi and V x S here; their I^C, B^C and f^C are sums over
+   subtrees. In these rooms U and D are not those of [aba], X is no pose and E no rotation, but for the E of
+   poses. */
 
 #if RBDI_BATCH > 1
 typedef rbdi_batch rbdi_cbatch; /* a batch of constants */
@@ -838,8 +839,8 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
     }
 }
 
-/* Copies v or a into the lanes, which have the same order, from dof k on: 0, or the first behind a base. out: the
-   first scalar of the field in d->columns. */
+/* Copies v or a into the lanes, which have the same order, from dof k on: 0, or the first behind a base. out:
+   the first scalar of the field in d->columns. */
 RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v, rbd_real *out) {
     const int n = d->n;
 
@@ -1262,8 +1263,8 @@ RBDI_INLINE void rbdi_entries_behind(const rbdi_columns *cols, int want, rbdi_mo
     if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_force_dot(cols->F, S);
 }
 
-/* Adds the entries y of two dofs, one of each result, `stride` apart, to those of the joints that they follow.
-   With mimic joints the velocities of all joints are G v, and each result is G' (.) G. */
+/* Adds the entries y of two dofs, one of each result, `stride` apart, to those of the joints that they
+   follow. With mimic joints the velocities of all joints are G v, and each result is G' (.) G. */
 RBDI_PART void rbdi_add_entry(const rbd_model *m, const rbdi_entry *row, const rbdi_entry *column,
                               const rbd_real *y, ptrdiff_t stride, rbdi_wanted out) {
     const rbd_real ratio = rbdi_ratio(m, row->source) * rbdi_ratio(m, column->source);
@@ -1332,7 +1333,7 @@ RBDI_INLINE void rbdi_put_both(const rbdi_batch *y, const rbdi_batch *z, const r
     }
 }
 
-/* The row of the dof at e, from the columns behind a free base on. rel: its three lists, one after the other. */
+/* The row of the dof at e, from the columns behind a free base on. rel: its three lists, in a row. */
 RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, const rbdi_relatives *rel,
                               int want, rbdi_wanted row) {
     const rbd_real *own = (const rbd_real *)columns + e->at;
@@ -1819,8 +1820,8 @@ RBDI_PART int rbdi_list_of(uint64_t lanes) {
     return path ? 0 : -1;
 }
 
-/* The three lists of each dof behind a free base: batches with lanes on its path only, with both, with lanes in
-   its subtree only. */
+/* The three lists of each dof behind a free base: batches with lanes on its path only, with both, with lanes
+   in its subtree only. */
 RBDI_PART void rbdi_init_relatives(rbd_derivatives *d) {
     uint64_t *lanes = d->lanes;
 
@@ -2205,8 +2206,8 @@ RBDI_API rbd_status rbd_relative_jacobian_derivative(const rbd_model *m, const r
    v_dot = y_v - w x v + gravity. rbd_hybrid serves other models, and states in which y is in doubt. */
 
 #ifndef RBD_NO_CHOLESKY
-/* M^-1 x for the 3 x 3 matrix M of turns, by pivots from the end, as in [packed matrix]: M = L'DL. z, y: 1/D of
-   these rows. */
+/* M^-1 x for the 3 x 3 matrix M of turns, by pivots from the end, as in [packed matrix]: M = L'DL. z, y: 1/D
+   of these rows. */
 RBDI_INLINE rbdi_v3 rbdi_solve_turns(const rbd_model *m, rbdi_sym M, rbdi_v3 x, rbdi_mask *doubt) {
     const rbd_real z = rbdi_pivot_inverse(M.zz, m->dof[2].scale, doubt);
     const rbd_real L_zy = M.yz * z;
@@ -2373,13 +2374,13 @@ RBDI_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep) {
    times. If each of 24 links is twice as heavy as its parent, da/dq has no correct digit; by the factor it
    has six.
 
-   With a free base, gravity and the base's linear velocity enter the dynamics only by the A of the base.
-   The call leaves both out. Its unknowns are y = (A of the base; accelerations of the joints). y does not
-   depend on position, attitude and linear velocity of the base. At the end v_dot and its derivatives follow
-   from the linear part y_v of A and its derivatives. With the velocity (w; u) of the base,
+   With a free base, gravity and the base's linear velocity enter the dynamics only by the A of the base. The
+   call leaves both out. Its unknowns are y = (A of the base; accelerations of the joints). y does not depend
+   on position, attitude and linear velocity of the base. At the end v_dot and its derivatives follow from the
+   linear part y_v of A and its derivatives. With the velocity (w; u) of the base,
 
        v_dot = y_v - w x u + gravity
-       by w: dy_v/dw + [u]x      by u: -[w]x      by the turn theta: [gravity]x      by joints: those of y_v */
+       by w: dy_v/dw + [u]x     by u: -[w]x     by the turn theta: [gravity]x     by joints: those of y_v */
 
 #ifndef RBD_NO_CHOLESKY
 /* Writes M as a packed matrix, M_ik = S_k' F_i on the path of i. The model has no mimic joints. */
@@ -2423,8 +2424,8 @@ RBDI_COLD void rbdi_factor_again(const rbd_model *m, rbd_work *w) {
     rbdi_check_factor(m, w, w->H, doubt);
 }
 
-/* x = tau - c, with c_i = S_i' f_i; of a free base c = f. A batch of lanes is a piece of c: both have the caller's
-   order. */
+/* x = tau - c, with c_i = S_i' f_i; of a free base c = f. A batch of lanes is a piece of c: both have the
+   caller's order. */
 RBDI_PART void rbdi_net_torque(const rbd_model *m, rbd_derivatives *d, const rbd_real *tau, rbd_real *x) {
     rbd_real *bias = rbdi_mimics(m) ? d->work->tx : x;
 
@@ -2480,8 +2481,8 @@ RBDI_INLINE void rbdi_add_skew(rbd_real *out, ptrdiff_t nv, rbdi_v3 s) {
     }
 }
 
-/* Replaces y, in d->a, by a, and the derivatives by_q and by_v of y, either of which may be NULL, by those of a.
-   v: its first six are (w; u) of the base. The formulas are those of [forward dynamics code]. */
+/* Replaces y, in d->a, by a, and the derivatives by_q and by_v of y, either of which may be NULL, by those of
+   a. v: its first six are (w; u) of the base. The formulas are those of [forward dynamics code]. */
 RBDI_PART void rbdi_from_base(const rbd_model *m, const rbd_derivatives *d, const rbd_real *v, rbd_real *by_q,
                               rbd_real *by_v) {
     const ptrdiff_t nv = m->nv;

@@ -172,8 +172,8 @@ RBDI_INLINE void rbdi_sum_ancestors(rbd_derivatives *d, int base, rbd_real *Vp, 
     }
 }
 
-/* Copies v or a into the lanes, which have the same order, from dof k on: 0, or the first behind a base. out: the
-   first scalar of the field in d->columns. */
+/* Copies v or a into the lanes, which have the same order, from dof k on: 0, or the first behind a base. out:
+   the first scalar of the field in d->columns. */
 RBDI_INLINE void rbdi_spread(const rbd_derivatives *d, int k, const rbd_real *v, rbd_real *out) {
     const int n = d->n;
 

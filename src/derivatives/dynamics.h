@@ -54,13 +54,13 @@ RBDI_API rbd_status rbd_keep_zeros(rbd_derivatives *d, int keep) {
    times. If each of 24 links is twice as heavy as its parent, da/dq has no correct digit; by the factor it
    has six.
 
-   With a free base, gravity and the base's linear velocity enter the dynamics only by the A of the base.
-   The call leaves both out. Its unknowns are y = (A of the base; accelerations of the joints). y does not
-   depend on position, attitude and linear velocity of the base. At the end v_dot and its derivatives follow
-   from the linear part y_v of A and its derivatives. With the velocity (w; u) of the base,
+   With a free base, gravity and the base's linear velocity enter the dynamics only by the A of the base. The
+   call leaves both out. Its unknowns are y = (A of the base; accelerations of the joints). y does not depend
+   on position, attitude and linear velocity of the base. At the end v_dot and its derivatives follow from the
+   linear part y_v of A and its derivatives. With the velocity (w; u) of the base,
 
        v_dot = y_v - w x u + gravity
-       by w: dy_v/dw + [u]x      by u: -[w]x      by the turn theta: [gravity]x      by joints: those of y_v */
+       by w: dy_v/dw + [u]x     by u: -[w]x     by the turn theta: [gravity]x     by joints: those of y_v */
 
 #ifndef RBD_NO_CHOLESKY
 /* Writes M as a packed matrix, M_ik = S_k' F_i on the path of i. The model has no mimic joints. */
@@ -104,8 +104,8 @@ RBDI_COLD void rbdi_factor_again(const rbd_model *m, rbd_work *w) {
     rbdi_check_factor(m, w, w->H, doubt);
 }
 
-/* x = tau - c, with c_i = S_i' f_i; of a free base c = f. A batch of lanes is a piece of c: both have the caller's
-   order. */
+/* x = tau - c, with c_i = S_i' f_i; of a free base c = f. A batch of lanes is a piece of c: both have the
+   caller's order. */
 RBDI_PART void rbdi_net_torque(const rbd_model *m, rbd_derivatives *d, const rbd_real *tau, rbd_real *x) {
     rbd_real *bias = rbdi_mimics(m) ? d->work->tx : x;
 
@@ -161,8 +161,8 @@ RBDI_INLINE void rbdi_add_skew(rbd_real *out, ptrdiff_t nv, rbdi_v3 s) {
     }
 }
 
-/* Replaces y, in d->a, by a, and the derivatives by_q and by_v of y, either of which may be NULL, by those of a.
-   v: its first six are (w; u) of the base. The formulas are those of [forward dynamics code]. */
+/* Replaces y, in d->a, by a, and the derivatives by_q and by_v of y, either of which may be NULL, by those of
+   a. v: its first six are (w; u) of the base. The formulas are those of [forward dynamics code]. */
 RBDI_PART void rbdi_from_base(const rbd_model *m, const rbd_derivatives *d, const rbd_real *v, rbd_real *by_q,
                               rbd_real *by_v) {
     const ptrdiff_t nv = m->nv;

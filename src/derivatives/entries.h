@@ -43,8 +43,8 @@ RBDI_INLINE void rbdi_entries_behind(const rbdi_columns *cols, int want, rbdi_mo
     if (want & RBDI_WANT_M) y[RBDI_MASS] = rbdi_b_force_dot(cols->F, S);
 }
 
-/* Adds the entries y of two dofs, one of each result, `stride` apart, to those of the joints that they follow.
-   With mimic joints the velocities of all joints are G v, and each result is G' (.) G. */
+/* Adds the entries y of two dofs, one of each result, `stride` apart, to those of the joints that they
+   follow. With mimic joints the velocities of all joints are G v, and each result is G' (.) G. */
 RBDI_PART void rbdi_add_entry(const rbd_model *m, const rbdi_entry *row, const rbdi_entry *column,
                               const rbd_real *y, ptrdiff_t stride, rbdi_wanted out) {
     const rbd_real ratio = rbdi_ratio(m, row->source) * rbdi_ratio(m, column->source);
@@ -113,7 +113,7 @@ RBDI_INLINE void rbdi_put_both(const rbdi_batch *y, const rbdi_batch *z, const r
     }
 }
 
-/* The row of the dof at e, from the columns behind a free base on. rel: its three lists, one after the other. */
+/* The row of the dof at e, from the columns behind a free base on. rel: its three lists, in a row. */
 RBDI_INLINE void rbdi_put_row(const rbdi_columns *columns, const rbdi_entry *e, const rbdi_relatives *rel,
                               int want, rbdi_wanted row) {
     const rbd_real *own = (const rbd_real *)columns + e->at;

@@ -11,8 +11,8 @@
    v_dot = y_v - w x v + gravity. rbd_hybrid serves other models, and states in which y is in doubt. */
 
 #ifndef RBD_NO_CHOLESKY
-/* M^-1 x for the 3 x 3 matrix M of turns, by pivots from the end, as in [packed matrix]: M = L'DL. z, y: 1/D of
-   these rows. */
+/* M^-1 x for the 3 x 3 matrix M of turns, by pivots from the end, as in [packed matrix]: M = L'DL. z, y: 1/D
+   of these rows. */
 RBDI_INLINE rbdi_v3 rbdi_solve_turns(const rbd_model *m, rbdi_sym M, rbdi_v3 x, rbdi_mask *doubt) {
     const rbd_real z = rbdi_pivot_inverse(M.zz, m->dof[2].scale, doubt);
     const rbd_real L_zy = M.yz * z;

@@ -145,8 +145,8 @@ RBDI_PART int rbdi_list_of(uint64_t lanes) {
     return path ? 0 : -1;
 }
 
-/* The three lists of each dof behind a free base: batches with lanes on its path only, with both, with lanes in
-   its subtree only. */
+/* The three lists of each dof behind a free base: batches with lanes on its path only, with both, with lanes
+   in its subtree only. */
 RBDI_PART void rbdi_init_relatives(rbd_derivatives *d) {
     uint64_t *lanes = d->lanes;
 

@@ -7,8 +7,8 @@
 
 /* -- the three passes -- */
 
-/* Pass 1, one-axis link: its velocity-product acceleration c, and omega: the parent's becomes the link's. With
-   E, z, turn and slide as in [state], omega_p of the parent and omega_E = E omega_p:
+/* Pass 1, one-axis link: its velocity-product acceleration c, and omega: the parent's becomes the link's.
+   With E, z, turn and slide as in [state], omega_p of the parent and omega_E = E omega_p:
 
        c_omega = omega_E x z turn
        c_v     = E (omega_p x (omega_p x r)) + omega_E x (omega_E x d z) + 2 omega_E x z slide
@@ -152,8 +152,8 @@ RBDI_INLINE int rbdi_turns_first(const rbd_model *m, int i) {
     return rbdi_is(l, RBDI_BLOCK) ? rbdi_block_of(m, l)->first < 3 : l->rho > 0;
 }
 
-/* Whether a joint has slid so far that dof.scale of the nearest turning joint before it is no bound, because it
-   is taken at q = 0:
+/* Whether a joint has slid so far that dof.scale of the nearest turning joint before it is no bound, because
+   it is taken at q = 0:
 
        slide^2 times the mass of the subtree that slides > RBDI_FAR dof.scale */
 RBDI_PART rbdi_mask rbdi_slid_far(const rbd_model *m, const rbd_work *w) {

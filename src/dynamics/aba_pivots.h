@@ -4,9 +4,9 @@
 #include "dynamics/pivots.h"
 
 /* -- by articulated bodies --
-   The bound e_k of [pivots], summed from the leaves to the root. K of a link is for IA what e is for a pivot: a
-   bound of the terms whose sum it is. K obeys the recursion of IA. With V = U/D, a joint that gives way leaves
-   its link P = 1 - S V' of the parent's motion, so that
+   The bound e_k of [pivots], summed from the leaves to the root. K of a link is for IA what e is for a pivot:
+   a bound of the terms whose sum it is. K obeys the recursion of IA. With V = U/D, a joint that gives way
+   leaves its link P = 1 - S V' of the parent's motion, so that
 
        Ia = P' IA P + V armature V'        which is IA - U U'/D
        Ka = P' K P + V G V'                with G of [pivots] for the armature
@@ -55,8 +55,8 @@ RBDI_COLD rbd_real rbdi_give_way(rbd_real K[6][6], const rbd_real S[6], const rb
     return e;
 }
 
-/* Adds the rounding of a change of frame to three diagonal entries, from `first` on: a share of the largest of
-   them. */
+/* Adds the rounding of a change of frame to three diagonal entries, from `first` on: a share of the largest
+   of them. */
 RBDI_COLD void rbdi_add_rounding(rbd_real K[6][6], int first) {
     rbd_real most = rbdi_zero();
     for (int j = first; j < first + 3; ++j) most = rbdi_select(rbdi_less(most, K[j][j]), K[j][j], most);

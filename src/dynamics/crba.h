@@ -88,10 +88,10 @@ RBDI_INLINE rbdi_force rbdi_rbi_axis(const rbdi_link *l, int slides, rbdi_rbi C)
     return own;
 }
 
-/* Moves the wrenches of the dofs of link i's subtree to the parent's frame: those in w->F, and `own` of its own
-   dof, which is not there yet. They are kept by component, so that a batch of them moves at once. Batches count
-   from the last dof down. The last one may reach below the first dof, where nothing is set yet. `own` goes
-   directly into the batch: a batch loaded from where scalars were just stored makes the processor wait. */
+/* Moves the wrenches of the dofs of link i's subtree to the parent's frame: those in w->F, and `own` of its
+   own dof, which is not there yet. They are kept by component, so that a batch of them moves at once. Batches
+   count from the last dof down. The last one may reach below the first dof, where nothing is set yet. `own`
+   goes directly into the batch: to load a batch where scalars were just stored makes the processor wait. */
 RBDI_INLINE void rbdi_crba_up(const rbd_model *m, const rbd_work *w, int i, int flags, ptrdiff_t stride,
                               rbdi_force own) {
     const rbdi_link *l = &m->link[i];
@@ -266,10 +266,10 @@ RBDI_PART void rbdi_crba_link(const rbd_model *m, const rbd_work *w, int i, ptrd
     *carried = rbdi_crba_step(m, w, i, rbdi_flags(&m->link[i]), stride, *carried, H, M);
 }
 
-/* RBDA table 6.2, into the packed tree matrix H or, if M is given, into the full matrix, which is zero before.
-   With mimic joints into H and the rows behind it, which rbdi_reduce_H adds up. `full` is M != NULL, known to
-   the compiler: at -Os the full matrix has code for common flags, which saves a fifth of its instructions. The
-   packed one has none: there it is a part of larger calls. */
+/* RBDA table 6.2, into the packed tree matrix H or, if M is given, into the full matrix, which is zero
+   before. With mimic joints into H and the rows behind it, which rbdi_reduce_H adds up. `full` is M != NULL,
+   known to the compiler: at -Os the full matrix has code for common flags, which saves a fifth of its
+   instructions. The packed one has none: there it is a part of larger calls. */
 RBDI_INLINE void rbdi_crba(const rbd_model *m, rbd_work *w, rbd_real *H, rbd_real *M, int full) {
     const rbd_model model = *m; /* copies, which no store into H or w->F can be thought to change */
     const rbd_work work = *w;

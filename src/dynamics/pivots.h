@@ -40,8 +40,8 @@ RBDI_PART void rbdi_check_pivot(rbd_work *w, int k, rbd_real e, rbdi_mask doubt)
     w->pivot[k] = rbdi_select(rbdi_or(rbdi_not(doubt), rbdi_less(noise, D)), one, bad);
 }
 
-/* The status by the verdicts in w->pivot. w->singular becomes the first bad pivot in the order of elimination.
-   The n results x become 0 in the lanes that have a bad pivot. */
+/* The status by the verdicts in w->pivot. w->singular becomes the first bad pivot in the order of
+   elimination. The n results x become 0 in the lanes that have a bad pivot. */
 RBDI_PART rbd_status rbdi_pivot_status(const rbd_model *m, rbd_work *w, rbd_real *x, int n) {
     const rbd_real half = rbdi_set(RBD_C(0.5)), o = rbdi_zero();
     rbdi_mask good = rbdi_less(o, half), number = good;
@@ -61,9 +61,10 @@ RBDI_PART rbd_status rbdi_pivot_status(const rbd_model *m, rbd_work *w, rbd_real
     return rbdi_any(rbdi_not(number)) ? RBD_ERR_NAN : RBD_ERR_SINGULAR;
 }
 
-/* The inertia of body b about the origin of its link, along each of the link's axes: moments, then masses. The
-   rounding of the build is added, because it may tilt a rod that lies on an axis. It is relative to the trace
-   of the inertia about the link's origin and about that of the user's frame, at r of the joint's body. */
+/* The inertia of body b about the origin of its link, along each of the link's axes: moments, then masses.
+   The rounding of the build is added, because it may tilt a rod that lies on an axis. It is relative to the
+   trace of the inertia about the link's origin and about that of the user's frame, at r of the joint's body.
+   */
 RBDI_COLD void rbdi_body_inertia(const rbd_model *m, int b, rbd_real inertia[6]) {
     const rbdi_frame *u = &m->frame[b];
     const rbdi_mat E = rbdi_mat_c(u->E);
