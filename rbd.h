@@ -3120,24 +3120,27 @@ RBDI_PART uint32_t rbdi_features(const rbd_model *m) {
    or, if it has none, a block: a joint with several axes through one point. To add a type:
 
      always      its name in api/types.h, its q and v in [conventions], its row in rbdi_joint_facts
-     a chain     model/links.h: rbdi_build_joint turns each letter into a link that turns or slides. Such a
-                 chain needs no more. Coordinates other than angles and lengths are a new kind of link
+     a chain     of links that turn or slide needs that row alone and, where a length is not the first
+                 coordinate, motion/manifold.h: rbdi_random_joint. For links of another kind, as screws:
+                 model/links.h: rbdi_build_joint
      a block     rbdi_first_axis, below; model/joints.h: rbdi_joint_attitude, rbdi_joint_origin,
                  rbdi_block_pose; model/regroup.h: moments of mass that its motion leaves, and whether it
                  slides; model/lock.h: rbdi_block_motion_at; derivatives/memory.h: whether it only slides
      v is not    rbdi_type_turns, below, if its step is an exponential of a motion in body axes, and
      the rate    rbdi_has_quaternion; else motion/manifold.h: rbdi_step_joint, rbdi_difference_joint,
      of q        rbdi_joint_rates, rbdi_joint_velocity, rbdi_neutral_joint, rbdi_random_joint
-     its fields  model/describe.h: rbdi_describe_joint, if a description has axes or a pitch
+     its fields  model/describe.h: rbdi_describe_joint, if a description has fields for it other than axis and
+                 axis2
 
-   Floating joints are known in four more places, as bases of robots: model/features.h,
-   constraints/weights.h, contact/momentum.h, estimate/estimate.h, tasks/contacts.h. model/check.h asks
-   whether a joint is fixed. No other room names a type: the test `rooms` compares. */
+   Floating joints are known in more places, as bases of robots: model/features.h, constraints/weights.h,
+   contact/momentum.h, estimate/estimate.h, tasks/contacts.h. model/check.h asks whether a joint is fixed. No
+   other room names a type: the test `rooms` compares. */
 
 /* Numbers of coordinates and dofs, and the axes of one-axis links, in order: 'a' axis, 'b' axis2, 'x' 'y' 'z'
-   those of the joint frame. A type without axes is a block. */
+   those of the joint frame. A link turns about a small letter, and slides along a capital one. A type without
+   axes is a block. */
 typedef struct rbdi_joint_fact {
-    int nq, nv;
+    signed char nq, nv;
     char axes[4];
 } rbdi_joint_fact;
 
@@ -3147,9 +3150,9 @@ RBDI_PART const rbdi_joint_fact *rbdi_joint_facts(int type) {
         {1, 1, "a"},   /* revolute */
         {1, 1, "a"},   /* continuous */
         {2, 1, "a"},   /* continuous_cs */
-        {1, 1, "a"},   /* prismatic */
+        {1, 1, "A"},   /* prismatic */
         {1, 1, "a"},   /* helical */
-        {2, 2, "aa"},  /* cylindrical */
+        {2, 2, "aA"},  /* cylindrical */
         {2, 2, "ab"},  /* universal */
         {4, 3, ""},    /* spherical */
         {3, 3, "zyx"}, /* Euler zyx */
@@ -3163,6 +3166,10 @@ RBDI_PART const rbdi_joint_fact *rbdi_joint_facts(int type) {
 
     return &facts[type > RBD_FIXED && type < RBD_JOINT_TYPES ? type : RBD_FIXED];
 }
+
+/* Whether a letter of rbdi_joint_fact.axes is that of a link that slides; and as a small letter. */
+RBDI_INLINE int rbdi_axis_slides(char letter) { return !(letter & ('a' ^ 'A')); }
+RBDI_INLINE char rbdi_axis_name(char letter) { return (char)(letter | ('a' ^ 'A')); }
 
 /* The first spatial unit axis, omega_x .. omega_z, v_x .. v_z, of a block's dofs. The others follow it. */
 RBDI_INLINE int rbdi_first_axis(int type) {
@@ -3179,12 +3186,10 @@ RBDI_INLINE int rbdi_type_turns(int type) {
 /* Whether the last four coordinates are a quaternion. */
 RBDI_INLINE int rbdi_has_quaternion(int type) { return type == RBD_SPHERICAL || type == RBD_FLOATING; }
 
-/* Number of links of a joint. */
+/* Number of links of a joint: of a chain one for each dof, of a block one. */
 RBDI_PART int rbdi_links_of(int type) {
     const rbdi_joint_fact *fact = rbdi_joint_facts(type);
-    int n = 0;
-    while (fact->axes[n]) ++n;
-    return n == 0 && fact->nv > 0 ? 1 : n;
+    return fact->axes[0] ? fact->nv : fact->nv > 0;
 }
 
 RBDI_PART int rbdi_can_mimic(int type) {
@@ -5035,8 +5040,7 @@ RBDI_INLINE rbd_real rbdi_factor_of(const rbdi_terms *g, int which, int t, const
 }
 
 /* y less the rows of X and, with two matrices, z less those of Y: so many batches, the last of which begins
-   with column `last`. Descendants come last to first, so that the row computed just before is the last one.
-   */
+   with column `last`. Descendants come last to first: the row computed just before is the last one. */
 RBDI_INLINE void rbdi_subtract_batches(rbdi_terms g, int which, int matrices, int batches, int last,
                                        rbd_real *y, rbd_real *z) {
     rbdi_batch sum[2][RBDI_ROW];
@@ -5437,8 +5441,7 @@ RBDI_PART rbd_status rbdi_pivot_status(const rbd_model *m, rbd_work *w, rbd_real
 
 /* The inertia of body b about the origin of its link, along each of the link's axes: moments, then masses.
    The rounding of the build is added, because it may tilt a rod that lies on an axis. It is relative to the
-   trace of the inertia about the link's origin and about that of the user's frame, at r of the joint's body.
-   */
+   trace of the inertia, about the link's origin and about that of the user's frame at r of the joint's body. */
 RBDI_COLD void rbdi_body_inertia(const rbd_model *m, int b, rbd_real inertia[6]) {
     const rbdi_frame *u = &m->frame[b];
     const rbdi_mat E = rbdi_mat_c(u->E);
@@ -5464,11 +5467,14 @@ RBDI_COLD void rbdi_body_inertia(const rbd_model *m, int b, rbd_real inertia[6])
 RBDI_COLD void rbdi_add_links(const rbd_model *m, rbd_real *K) {
     for (int b = 0; b < m->nb; ++b) {
         const int i = m->frame[b].link;
-        const rbdi_link *l = &m->link[i < 0 ? 0 : i];
-        const int iv = rbdi_source(m, l->iv);
-        const rbd_real ratio = rbdi_ratio(m, l->iv);
-        rbd_real inertia[6];
+        const rbdi_link *l;
+        rbd_real inertia[6], ratio;
+        int iv;
         if (i < 0) continue; /* fixed to the world */
+
+        l = &m->link[i];
+        iv = rbdi_source(m, l->iv);
+        ratio = rbdi_ratio(m, l->iv);
         rbdi_body_inertia(m, b, inertia);
 
         if (!rbdi_is(l, RBDI_BLOCK)) {
@@ -7563,6 +7569,12 @@ RBDI_PART rbd_status rbdi_refuse_saying(rbd_report *report, rbd_status status, i
 #ifndef RBD_NO_BUILD
 
 /* ==== src/model/describe.h ==== */
+/* How many axes the description of a joint has: none, axis, or axis and axis2. */
+RBDI_PART int rbdi_described_axes(int type) {
+    const char *axes = rbdi_joint_facts(type)->axes;
+    return (rbdi_axis_name(axes[0]) == 'a') + (rbdi_axis_name(axes[1]) == 'b');
+}
+
 /* A pose of the model in the build's arithmetic. */
 RBDI_PART rbdi_wide_pose rbdi_widen_pose(const rbd_const E[9], rbdi_c3 r) {
     rbdi_wide_pose X;
@@ -7588,6 +7600,7 @@ RBDI_PART rbdi_wide_pose rbdi_link_place(const rbd_model *m, const rbdi_link *l)
    dof. */
 RBDI_LOCAL int rbdi_describe_joint(const rbd_model *m, int body, rbd_body *row) {
     const rbdi_frame *u = &m->frame[body];
+    const int axes = rbdi_described_axes(u->type);
     rbdi_wide_pose X = rbdi_widen_pose(u->E, u->r), parent;
     rbdi_wide R[9], axis[3] = {0, 0, 0}, axis2[3] = {0, 0, 0};
     int i = u->link, dof = 0;
@@ -7614,8 +7627,8 @@ RBDI_LOCAL int rbdi_describe_joint(const rbd_model *m, int body, rbd_body *row) 
 
     for (int k = 0; k < 3; ++k) {
         row->position[k] = (double)X.r[k];
-        row->axis[k] = u->type <= RBD_UNIVERSAL ? (double)axis[k] : 0;
-        row->axis2[k] = u->type == RBD_UNIVERSAL ? (double)axis2[k] : 0;
+        row->axis[k] = axes > 0 ? (double)axis[k] : 0;
+        row->axis2[k] = axes > 1 ? (double)axis2[k] : 0;
     }
 
     row->pitch = u->type == RBD_HELICAL ? (double)m->link[u->link].kappa : 0;
@@ -7899,17 +7912,16 @@ RBDI_LOCAL rbd_status rbdi_check_names(const rbd_body *bodies, int i, rbd_report
 
 RBDI_LOCAL rbd_status rbdi_check_joint(const rbd_body *b, int i, rbd_report *report) {
     const int type = (int)b->type;
-    const char *axes;
+    int axes;
     if (b->parent < -1 || b->parent >= i) return rbdi_refuse(report, RBD_ERR_PARENT, i, b->name, "parent");
     if (type < 0 || type >= RBD_JOINT_TYPES) return rbdi_refuse(report, RBD_ERR_TYPE, i, b->name, "type");
     if (type == RBD_FIXED && !rbdi_all_zero(b->axis, 3))
         return rbdi_refuse_saying(report, RBD_ERR_TYPE, i, b->name, "type",
                                   "missing? it is 0, fixed, but the joint has an axis");
 
-    axes = rbdi_joint_facts(type)->axes;
-    if (axes[0] == 'a' && !rbdi_is_axis(b->axis))
-        return rbdi_refuse(report, RBD_ERR_AXIS, i, b->name, "axis");
-    if (axes[0] == 'a' && axes[1] == 'b' && (!rbdi_is_axis(b->axis2) || rbdi_parallel(b->axis, b->axis2)))
+    axes = rbdi_described_axes(type);
+    if (axes > 0 && !rbdi_is_axis(b->axis)) return rbdi_refuse(report, RBD_ERR_AXIS, i, b->name, "axis");
+    if (axes > 1 && (!rbdi_is_axis(b->axis2) || rbdi_parallel(b->axis, b->axis2)))
         return rbdi_refuse(report, RBD_ERR_AXIS, i, b->name, "axis2");
 
     if (!rbdi_finite(&b->pitch, 1)) return rbdi_refuse(report, RBD_ERR_PITCH, i, b->name, "pitch");
@@ -8054,11 +8066,11 @@ RBDI_LOCAL rbdi_counts rbdi_count(const rbd_body *bodies, int nb) {
 }
 
 /* ==== src/model/links.h ==== */
-/* A joint's axis of this letter of rbdi_joint_fact.axes, of unit length, joint frame. */
-RBDI_LOCAL void rbdi_link_axis(const rbd_body *b, char which, rbdi_wide axis[3]) {
-    for (int k = 0; k < 3; ++k) axis[k] = which == 'x' + k;
-    if (which == 'a') rbdi_widen(b->axis, 3, axis);
-    if (which == 'b') rbdi_widen(b->axis2, 3, axis);
+/* The axis of a letter of rbdi_joint_fact.axes, of unit length, joint frame. */
+RBDI_LOCAL void rbdi_link_axis(const rbd_body *b, char letter, rbdi_wide axis[3]) {
+    const char name = rbdi_axis_name(letter);
+    const double *described = name == 'a' ? b->axis : b->axis2;
+    for (int k = 0; k < 3; ++k) axis[k] = name < 'x' ? (rbdi_wide)described[k] : name == 'x' + k;
     rbdi_unit(axis, axis);
 }
 
@@ -8117,7 +8129,7 @@ RBDI_LOCAL void rbdi_build_joint(const rbdi_build *build, int i, int *nl) {
                 l->kind = RBDI_SCREW;
                 l->kappa = (rbdi_wide)b->pitch;
             }
-            if (type == RBD_PRISMATIC || (type == RBD_CYLINDRICAL && k == 1)) {
+            if (rbdi_axis_slides(axes[k])) {
                 l->kind = RBDI_SCREW;
                 l->rho = 0;
                 l->kappa = 1;

@@ -116,8 +116,7 @@ RBDI_INLINE rbd_real rbdi_factor_of(const rbdi_terms *g, int which, int t, const
 }
 
 /* y less the rows of X and, with two matrices, z less those of Y: so many batches, the last of which begins
-   with column `last`. Descendants come last to first, so that the row computed just before is the last one.
-   */
+   with column `last`. Descendants come last to first: the row computed just before is the last one. */
 RBDI_INLINE void rbdi_subtract_batches(rbdi_terms g, int which, int matrices, int batches, int last,
                                        rbd_real *y, rbd_real *z) {
     rbdi_batch sum[2][RBDI_ROW];
