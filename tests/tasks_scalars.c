@@ -313,7 +313,7 @@ static void check_limits(void) {
             last[i] = (double)v[i];
             v[i] = v[i] + (rbd_real)dt * a[i];
             q[i] = q[i] + (rbd_real)dt * v[i];
-            beyond = larger(beyond, fmax((double)(q[i] - upper[i]), (double)(lower[i] - q[i])));
+            beyond = larger(beyond, larger((double)(q[i] - upper[i]), (double)(lower[i] - q[i])));
             if ((double)v[i] * last[i] > 0 && fabs((double)v[i]) < fabs(last[i]) && step % 2500 > 1)
                 hardest = larger(hardest, (fabs(last[i]) - fabs((double)v[i])) / dt);
         }
@@ -411,7 +411,7 @@ static double missed_of_terms(const rbd_tasks *p, int of_tasks) {
             terms += fabs(c) * (fabs((double)k->x[i]) + 1);
         }
         const double side = value < lower ? lower : upper;
-        const double miss = fmax(lower - value, value - upper);
+        const double miss = larger(lower - value, value - upper);
         if (!(miss <= 0)) most = larger(most, miss / (fabs(side) + terms));
     }
     return most;
