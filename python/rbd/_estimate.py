@@ -108,7 +108,7 @@ class Estimator(_Kept):
     mass        kg: as heavy as a payload may be; 0 = 5, and so on: defaults of rbd_estimate_options
     reach       m: as far as it may be from the body's origin; 0 = 0.2
     friction    N m, N m s/rad: as large as friction and offset may be; 0 = 100
-    forgetting  what a sample leaves of the weight of those before, above 0.5, at most 1; 0 = 0.998
+    forgetting  what a sample leaves of the weight of those before, 0.5 to 1; 0 = 0.998
     slow        rad/s or m/s: a slower degree of freedom tells nothing; 0 = 0.03
     noise       nv, N m: standard deviations of tau; None = 0.1
     left_out    nv: 1 where tau is not known; None = none"""
