@@ -979,8 +979,7 @@ typedef struct rbdi_qp {
     rbd_real *diagonal; /* reflections: of their R, inverted */
     rbd_real *u_equal;  /* equalities: multipliers */
     rbd_real *unit;     /* of each row: 1 over its length */
-    rbd_real *score;    /* watches: by how much x misses the row, in lengths of it */
-    rbd_real *value;    /* of each row: the row times x, as rbdi_qp_verify leaves it; where the scores were */
+    rbd_real *value;    /* of each row: the row times x; of a row that x cannot miss 0 */
 
     int *active;    /* q: rows */
     int *from, *to; /* of each row: where it is not 0 */
@@ -1026,8 +1025,7 @@ RBDI_PART void rbdi_qp_place(rbdi_qp *s, void *memory) {
     s->diagonal = rbdi_qp_scalars(&at, n);
     s->u_equal = rbdi_qp_scalars(&at, n);
     s->unit = rbdi_qp_scalars(&at, s->all);
-    s->score = rbdi_qp_scalars(&at, s->all);
-    s->value = s->score;
+    s->value = rbdi_qp_scalars(&at, s->all);
 
     s->active = rbdi_qp_ints(&at, most);
     s->from = rbdi_qp_ints(&at, s->all);
@@ -2055,9 +2053,8 @@ RBDI_INLINE rbd_real rbdi_qp_above(const rbdi_qp *s, int row, rbd_real value) {
 }
 
 /* Whether x misses a row by more than rounding explains, and by how much. */
-RBDI_PART int rbdi_qp_misses(const rbdi_qp *s, int row, const rbd_real *x, rbd_real accuracy,
-                             rbdi_qp_miss *miss) {
-    const rbd_real value = rbdi_qp_row_times(s, row, x);
+RBDI_PART int rbdi_qp_misses(const rbdi_qp *s, int row, rbd_real accuracy, rbdi_qp_miss *miss) {
+    const rbd_real value = s->value[row];
     const rbd_real below = rbdi_qp_below(s, row, value), above = rbdi_qp_above(s, row, value);
     const rbd_real by = rbdi_qp_larger(below, above);
     const rbd_real side = below > above ? s->given.lower[row] : s->given.upper[row];
@@ -2069,37 +2066,42 @@ RBDI_PART int rbdi_qp_misses(const rbdi_qp *s, int row, const rbd_real *x, rbd_r
     return 1;
 }
 
-/* score = by how much x misses each watched row, in lengths of the row. Returns the largest, or 0. */
-RBDI_PART rbd_real rbdi_qp_scores(rbdi_qp *s, const rbd_real *x) {
-    rbd_real most = 0;
-
+/* Values at x of the watched rows that are not active: those of the others come with the residuals. */
+RBDI_PART void rbdi_qp_evaluate(rbdi_qp *s, const rbd_real *x) {
     for (int i = 0; i < s->watches; ++i) {
         const int row = s->watched[i];
-        rbd_real value;
-
-        s->score[i] = 0;
-        if (s->side[row]) continue;
-        value = rbdi_qp_row_times(s, row, x);
-        s->score[i] = s->unit[row] * rbdi_qp_larger(s->given.lower[row] - value, value - s->given.upper[row]);
-        most = rbdi_qp_larger(s->score[i], most);
+        if (!s->side[row]) s->value[row] = rbdi_qp_row_times(s, row, x);
     }
-    return most;
+}
+
+/* By how much x misses a row, in lengths of it; 0 of an active one. */
+RBDI_INLINE rbd_real rbdi_qp_score(const rbdi_qp *s, int row) {
+    const rbd_real value = s->value[row];
+    if (s->side[row]) return 0;
+    return s->unit[row] * rbdi_qp_larger(s->given.lower[row] - value, value - s->given.upper[row]);
 }
 
 /* The inactive row that x misses most, in lengths of the row, beyond what rounding explains: row -1 if there
    is none. */
-RBDI_PART rbdi_qp_miss rbdi_qp_most_missed(rbdi_qp *s, const rbd_real *x, rbd_real accuracy) {
+RBDI_PART rbdi_qp_miss rbdi_qp_most_missed(const rbdi_qp *s, rbd_real accuracy) {
     rbdi_qp_miss worst = {-1, 0, 0};
-    rbd_real most = rbdi_qp_scores(s, x);
-    int first = 0;
-    if (!(most > 0)) return worst;
+    rbd_real most = 0;
+    int first = -1;
 
-    while (s->score[first] < most) ++first;
-    if (rbdi_qp_misses(s, s->watched[first], x, accuracy, &worst)) return worst;
+    for (int i = 0; i < s->watches; ++i) {
+        const rbd_real score = rbdi_qp_score(s, s->watched[i]);
+        if (!(score > most)) continue;
+        most = score;
+        first = s->watched[i];
+    }
+    if (first < 0 || rbdi_qp_misses(s, first, accuracy, &worst)) return worst;
 
     most = 0;
-    for (int i = 0; i < s->watches; ++i)
-        if (s->score[i] > most && rbdi_qp_misses(s, s->watched[i], x, accuracy, &worst)) most = s->score[i];
+    for (int i = 0; i < s->watches; ++i) {
+        const int row = s->watched[i];
+        const rbd_real score = rbdi_qp_score(s, row);
+        if (score > most && rbdi_qp_misses(s, row, accuracy, &worst)) most = score;
+    }
     return worst;
 }
 
@@ -2190,23 +2192,32 @@ RBDI_PART rbd_qp_status rbdi_qp_take_in(rbdi_qp *s, rbd_real *x, rbdi_qp_miss mi
 #define RBDI_QP_REFINED (16 * RBDI_EPS) /* shares below this are rounding */
 #define RBDI_QP_REFINEMENTS 2
 
-/* t = r1 without the equalities' part, r = r2. Returns the largest |r2|, as a share of its row's length;
-   *size: the largest term of r1. */
+/* y = H x + f. Returns the largest of the sums |f_k| + |H_k1 x_1| + ... */
+RBDI_PART rbd_real rbdi_qp_gradient(const rbdi_qp *s, const rbd_real *x, rbd_real *y) {
+    rbd_real largest = 0, terms;
+
+    for (int k = 0; k < s->n; ++k) {
+        const rbd_real f = s->given.f[k];
+        y[k] = rbdi_qp_h_times_and_terms(s, k, x, &terms) + f;
+        largest = rbdi_qp_larger(largest, rbdi_abs(f) + terms);
+    }
+    return largest;
+}
+
+/* t = r1 without the equalities' part, r = r2, and the values of these rows at x. Returns the largest |r2|, as
+   a share of its row's length; raises *size to the largest term of r1. */
 RBDI_PART rbd_real rbdi_qp_residuals(rbdi_qp *s, const rbd_real *x, rbd_real *size) {
-    const int n = s->n;
     rbd_real missed = 0;
 
-    *size = 0;
-    for (int i = 0; i < n; ++i) {
-        const rbd_real h = rbdi_qp_h_times(s, i, x);
-        s->t[i] = -(h + s->rho * x[i] + s->g[i]);
-        *size = rbdi_qp_larger(*size, rbdi_qp_larger(rbdi_abs(h), rbdi_abs(s->g[i])));
-    }
+    *size = rbdi_qp_larger(*size, rbdi_qp_gradient(s, x, s->t));
+    for (int i = 0; i < s->n; ++i) s->t[i] = s->rho * (s->centre[i] - x[i]) - s->t[i];
+
     for (int j = 0; j < s->q; ++j) {
         const int row = s->active[j];
         const rbd_real sign = rbdi_qp_sign(s->side[row]), weight = rbdi_qp_weight(s, row);
 
-        s->r[j] = sign * (rbdi_qp_side(s, row) - rbdi_qp_row_times(s, row, x));
+        s->value[row] = rbdi_qp_row_times(s, row, x);
+        s->r[j] = sign * (rbdi_qp_side(s, row) - s->value[row]);
         if (weight > 0) s->r[j] = s->r[j] - s->u[j] / weight;
         missed = rbdi_qp_larger(missed, rbdi_abs(s->r[j]) * s->unit[row]);
         *size = rbdi_qp_larger(*size, rbdi_abs(s->u[j]) / s->unit[row]);
@@ -2214,10 +2225,20 @@ RBDI_PART rbd_real rbdi_qp_residuals(rbdi_qp *s, const rbd_real *x, rbd_real *si
     }
     for (int e = 0; e < s->equalities; ++e) {
         const int row = s->equality[e];
-        const rbd_real by = rbdi_qp_row_times(s, row, x) - s->given.upper[row];
-        missed = rbdi_qp_larger(missed, rbdi_abs(by) * s->unit[row]);
+        s->value[row] = rbdi_qp_row_times(s, row, x);
+        missed = rbdi_qp_larger(missed, rbdi_abs(s->value[row] - s->given.upper[row]) * s->unit[row]);
     }
     return missed;
+}
+
+/* result.dual: the largest |t_k|, where t is what Hx + f + C'lambda leaves, as a share of the largest term;
+   not a number if one is none. */
+RBDI_PART void rbdi_qp_judge(rbdi_qp *s, rbd_real size) {
+    const rbd_real worst = rbdi_qp_largest(s->t, s->n);
+    rbd_real sum = 0;
+
+    for (int k = 0; k < s->n; ++k) sum = sum + s->t[k];
+    s->result.dual = (size > 0 ? worst / size : worst) + (sum - sum);
 }
 
 /* One correction, from t = r1 and r = r2. */
@@ -2247,19 +2268,20 @@ RBDI_PART void rbdi_qp_correct(rbdi_qp *s, rbd_real *x) {
 }
 
 /* The multipliers of the equalities; result.dual; and corrections where the residuals exceed rounding of x,
-   which may be far less than it was on the way. */
-RBDI_PART void rbdi_qp_refine(rbdi_qp *s, rbd_real *x) {
+   which may be far less than it was on the way. Returns whether x has changed. */
+RBDI_PART int rbdi_qp_refine(rbdi_qp *s, rbd_real *x) {
     for (int corrections = 0;; ++corrections) {
-        rbd_real size, worst;
-        const rbd_real missed = rbdi_qp_residuals(s, x, &size);
         const rbd_real furthest = rbdi_qp_larger(rbdi_qp_largest(x, s->n), RBDI_QP_CANCELLED * s->furthest);
+        rbd_real size = s->rho * furthest;
+        const rbd_real missed = rbdi_qp_residuals(s, x, &size);
 
         rbdi_qp_balance(s, s->t, s->z);
-        worst = rbdi_qp_largest(s->t, s->n);
-        s->result.dual = size > 0 ? worst / size : worst;
+        for (int e = 0; e < s->equalities; ++e)
+            size = rbdi_qp_larger(size, rbdi_abs(s->u_equal[e]) / s->unit[s->equality[e]]);
+        rbdi_qp_judge(s, size);
 
-        if (s->result.dual <= RBDI_QP_REFINED && missed <= RBDI_QP_REFINED * furthest) return;
-        if (corrections == RBDI_QP_REFINEMENTS) return;
+        if (s->result.dual <= RBDI_QP_REFINED && missed <= RBDI_QP_REFINED * furthest) return corrections > 0;
+        if (corrections == RBDI_QP_REFINEMENTS) return 1;
         rbdi_qp_correct(s, x);
     }
 }
@@ -2345,20 +2367,23 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
     rbdi_qp_point(s, x);
     while (s->result.steps < s->options.steps && rbdi_qp_release(s, 0)) rbdi_qp_point(s, x);
     rbdi_qp_reached(s, x);
+    rbdi_qp_evaluate(s, x);
 
     for (;;) {
         rbd_qp_status status;
-        *miss = rbdi_qp_most_missed(s, x, s->accuracy);
+        *miss = rbdi_qp_most_missed(s, s->accuracy);
         if (miss->row < 0 && refined) return RBD_QP_OK;
         if (s->result.steps >= s->options.steps) return RBD_QP_ITERATIONS;
 
         if (miss->row < 0) {
-            rbdi_qp_refine(s, x);
+            int moved = rbdi_qp_refine(s, x);
             refined = 1;
             if (rbdi_qp_release(s, s->accuracy)) {
                 rbdi_qp_point(s, x);
                 refined = 0;
+                moved = 1;
             }
+            if (moved) rbdi_qp_evaluate(s, x);
             /* x is exact now: less of what has cancelled before still counts. */
             rbdi_qp_clear(s->reach, s->n);
             rbdi_qp_raise(s->reach, x, RBDI_QP_KEEP * s->furthest, s->n);
@@ -2371,6 +2396,7 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
         }
         status = rbdi_qp_take_in(s, x, *miss);
         rbdi_qp_reached(s, x);
+        rbdi_qp_evaluate(s, x);
         refined = 0;
         if (status == RBD_QP_INFEASIBLE && !rbdi_qp_proven(s, *miss)) {
             if (s->accuracy > RBDI_QP_HOPELESS) return RBD_QP_INACCURATE;
@@ -2419,18 +2445,6 @@ RBDI_PART int rbdi_qp_endless(const rbdi_qp *s) {
             return 0;
     }
     return 1;
-}
-
-/* y = H x + f. Returns the largest of the sums |f_k| + |H_k1 x_1| + ... */
-RBDI_PART rbd_real rbdi_qp_gradient(const rbdi_qp *s, const rbd_real *x, rbd_real *y) {
-    rbd_real largest = 0, terms;
-
-    for (int k = 0; k < s->n; ++k) {
-        const rbd_real f = s->given.f[k];
-        y[k] = rbdi_qp_h_times_and_terms(s, k, x, &terms) + f;
-        largest = rbdi_qp_larger(largest, rbdi_abs(f) + terms);
-    }
-    return largest;
 }
 
 /* Rounds until x stays where it is: rho |x - centre| within the accuracy of H x and f. On a straight way each
@@ -2587,6 +2601,7 @@ RBDI_PART rbd_qp_status rbdi_qp_check_rows(rbdi_qp *s) {
         }
         s->from[row] = from;
         s->to[row] = to;
+        s->value[row] = 0;
         s->unit[row] = square > 0 ? 1 / rbdi_sqrt(square) : RBDI_QP_NONE;
         if (lower > upper) return rbdi_qp_refuse(s, RBD_QP_SIDES, row, "lower");
         if (from < to && (lower > -RBDI_QP_NONE || upper < RBDI_QP_NONE)) s->watched[s->watches++] = row;
@@ -2610,13 +2625,18 @@ RBDI_PART rbd_qp_status rbdi_qp_factor_any(rbdi_qp *s) {
     return at == s->n ? RBD_QP_OK : rbdi_qp_refuse(s, RBD_QP_CONVEX, at, "H");
 }
 
-/* Multipliers of what holds. A proof that did not hold may stand there. */
-RBDI_PART void rbdi_qp_multipliers(rbdi_qp *s, rbd_real *lambda) {
+/* Multipliers of what holds; one that is below 0 by rounding becomes 0. Returns whether none is. A proof that
+   did not hold may stand there. */
+RBDI_PART int rbdi_qp_multipliers(rbdi_qp *s, rbd_real *lambda) {
+    int as_found = 1;
+
     for (int row = 0; row < s->all; ++row) lambda[row] = 0;
     for (int j = 0; j < s->q; ++j) {
         const int row = s->active[j];
-        const rbd_real u = rbdi_qp_is_equality(s, row) ? s->u[j] : rbdi_qp_larger(s->u[j], 0);
+        const int pulls = s->u[j] < 0 && !rbdi_qp_is_equality(s, row);
+        const rbd_real u = pulls ? 0 : s->u[j];
         lambda[row] = s->side[row] > 0 ? u : -u;
+        as_found = as_found && !pulls;
     }
     for (int e = 0; e < s->equalities; ++e) lambda[s->equality[e]] = -s->u_equal[e];
 
@@ -2628,46 +2648,59 @@ RBDI_PART void rbdi_qp_multipliers(rbdi_qp *s, rbd_real *lambda) {
         lambda[row] = rbdi_qp_weight(s, row) * (above - below);
         s->side[row] = (signed char)(lambda[row] > 0 ? 1 : lambda[row] < 0 ? -1 : 0);
     }
+    return as_found;
 }
 
-/* result.primal and result.dual of x and lambda, whatever they came from: of each row, the miss, or where it
-   pushes the distance from the side, as a share of its terms; and Hx + f + C'lambda, as a share of the
-   largest term. Leaves the value of each row. */
-RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
+/* result.primal of x and lambda, by the values of the rows: of each row the miss, or where it pushes the
+   distance from the side, as a share of its terms. */
+RBDI_PART void rbdi_qp_verify_rows(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
     rbd_real furthest = rbdi_qp_largest(x, s->n);
-    rbd_real worst, sum = 0, size;
 
     s->result.primal = 0;
     /* x may be nothing but what has cancelled */
     if (furthest <= RBDI_QP_CANCELLED * s->furthest) furthest = RBDI_QP_KEEP * s->furthest;
-    size = rbdi_qp_gradient(s, x, s->t);
-    if (!(size > 0)) size = s->rho * furthest; /* without H and f multipliers are rounding of this */
     for (int k = 0; k < s->n; ++k) s->reach[k] = furthest;
+
     for (int row = 0; row < s->all; ++row) {
         const rbd_real weight = rbdi_qp_weight(s, row), miss = weight > 0 ? lambda[row] / weight : 0;
-        const rbd_real value = (s->value[row] = rbdi_qp_row_times(s, row, x)) - miss;
+        const rbd_real value = s->value[row] - miss;
         if (lambda[row] == 0 && value >= s->given.lower[row] && value <= s->given.upper[row]) continue;
         const rbd_real below = rbdi_qp_below(s, row, value), above = rbdi_qp_above(s, row, value);
         const int at_upper = lambda[row] > 0 || (!(lambda[row] < 0) && above > below);
         const rbd_real by = lambda[row] != 0 ? rbdi_abs(at_upper ? above : below) : at_upper ? above : below;
-
-        if (lambda[row] != 0) {
-            rbdi_qp_add_row(s, row, lambda[row], s->t);
-            if (s->from[row] < s->to[row]) size = rbdi_qp_larger(size, rbdi_abs(lambda[row]) / s->unit[row]);
-        }
-        if (by <= 0) continue;
         const rbd_real side = at_upper ? s->given.upper[row] : s->given.lower[row];
+
         /* its terms are more than this, for a sum is more than a root of squares */
-        if (by <= s->result.primal * (rbdi_abs(side) + furthest / s->unit[row])) continue;
+        if (by <= 0 || by <= s->result.primal * (rbdi_abs(side) + furthest / s->unit[row])) continue;
         const rbd_real share = by / (rbdi_qp_terms(s, row, side) + rbdi_abs(miss));
         if (rbdi_qp_finite(share))
             s->result.primal = rbdi_qp_larger(s->result.primal, share);
         else
             s->doubtful = 1;
     }
-    for (int k = 0; k < s->n; ++k) sum = sum + s->t[k];
-    worst = rbdi_qp_largest(s->t, s->n);
-    s->result.dual = (size > 0 ? worst / size : worst) + (sum - sum); /* not a number if one is none */
+}
+
+/* result.dual of x and lambda, whatever they came from. */
+RBDI_PART void rbdi_qp_verify_optimum(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
+    rbd_real size = rbdi_qp_gradient(s, x, s->t);
+    if (!(size > 0)) size = s->rho * rbdi_qp_largest(s->reach, s->n); /* multipliers are rounding of this */
+
+    for (int row = 0; row < s->all; ++row) {
+        if (lambda[row] == 0 || s->from[row] == s->to[row]) continue;
+        rbdi_qp_add_row(s, row, lambda[row], s->t);
+        size = rbdi_qp_larger(size, rbdi_abs(lambda[row]) / s->unit[row]);
+    }
+    rbdi_qp_judge(s, size);
+}
+
+/* The verdict on x and lambda. `ended`: x is as rbdi_qp_refine left it, with the values of the rows; if no
+   multiplier had to be set to 0 and there is no rho, so is result.dual. */
+RBDI_PART void rbdi_qp_verify(rbdi_qp *s, int ended, const rbd_real *x, rbd_real *lambda) {
+    const int as_refined = rbdi_qp_multipliers(s, lambda) && ended && !(s->rho > 0);
+
+    for (int row = 0; row < s->all && !ended; ++row) s->value[row] = rbdi_qp_row_times(s, row, x);
+    rbdi_qp_verify_rows(s, x, lambda);
+    if (!as_refined) rbdi_qp_verify_optimum(s, x, lambda);
 }
 
 /* A hard row of zeros contradicts itself, or asks for nothing. */
@@ -2707,8 +2740,7 @@ RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
     if (status == RBD_QP_INFEASIBLE) {
         rbdi_qp_refuse(s, RBD_QP_INFEASIBLE, miss.row, miss.side < 0 ? "lower" : "upper");
     } else {
-        rbdi_qp_multipliers(s, lambda);
-        rbdi_qp_verify(s, x, lambda);
+        rbdi_qp_verify(s, status == RBD_QP_OK, x, lambda);
     }
     if (status == RBD_QP_OK &&
         (s->doubtful || !(rbdi_qp_larger(s->result.primal, s->result.dual) <= 10 * s->options.accuracy)))

@@ -102,8 +102,7 @@ typedef struct rbdi_qp {
     rbd_real *diagonal; /* reflections: of their R, inverted */
     rbd_real *u_equal;  /* equalities: multipliers */
     rbd_real *unit;     /* of each row: 1 over its length */
-    rbd_real *score;    /* watches: by how much x misses the row, in lengths of it */
-    rbd_real *value;    /* of each row: the row times x, as rbdi_qp_verify leaves it; where the scores were */
+    rbd_real *value;    /* of each row: the row times x; of a row that x cannot miss 0 */
 
     int *active;    /* q: rows */
     int *from, *to; /* of each row: where it is not 0 */
@@ -149,8 +148,7 @@ RBDI_PART void rbdi_qp_place(rbdi_qp *s, void *memory) {
     s->diagonal = rbdi_qp_scalars(&at, n);
     s->u_equal = rbdi_qp_scalars(&at, n);
     s->unit = rbdi_qp_scalars(&at, s->all);
-    s->score = rbdi_qp_scalars(&at, s->all);
-    s->value = s->score;
+    s->value = rbdi_qp_scalars(&at, s->all);
 
     s->active = rbdi_qp_ints(&at, most);
     s->from = rbdi_qp_ints(&at, s->all);

@@ -83,20 +83,23 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
     rbdi_qp_point(s, x);
     while (s->result.steps < s->options.steps && rbdi_qp_release(s, 0)) rbdi_qp_point(s, x);
     rbdi_qp_reached(s, x);
+    rbdi_qp_evaluate(s, x);
 
     for (;;) {
         rbd_qp_status status;
-        *miss = rbdi_qp_most_missed(s, x, s->accuracy);
+        *miss = rbdi_qp_most_missed(s, s->accuracy);
         if (miss->row < 0 && refined) return RBD_QP_OK;
         if (s->result.steps >= s->options.steps) return RBD_QP_ITERATIONS;
 
         if (miss->row < 0) {
-            rbdi_qp_refine(s, x);
+            int moved = rbdi_qp_refine(s, x);
             refined = 1;
             if (rbdi_qp_release(s, s->accuracy)) {
                 rbdi_qp_point(s, x);
                 refined = 0;
+                moved = 1;
             }
+            if (moved) rbdi_qp_evaluate(s, x);
             /* x is exact now: less of what has cancelled before still counts. */
             rbdi_qp_clear(s->reach, s->n);
             rbdi_qp_raise(s->reach, x, RBDI_QP_KEEP * s->furthest, s->n);
@@ -109,6 +112,7 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
         }
         status = rbdi_qp_take_in(s, x, *miss);
         rbdi_qp_reached(s, x);
+        rbdi_qp_evaluate(s, x);
         refined = 0;
         if (status == RBD_QP_INFEASIBLE && !rbdi_qp_proven(s, *miss)) {
             if (s->accuracy > RBDI_QP_HOPELESS) return RBD_QP_INACCURATE;
@@ -157,18 +161,6 @@ RBDI_PART int rbdi_qp_endless(const rbdi_qp *s) {
             return 0;
     }
     return 1;
-}
-
-/* y = H x + f. Returns the largest of the sums |f_k| + |H_k1 x_1| + ... */
-RBDI_PART rbd_real rbdi_qp_gradient(const rbdi_qp *s, const rbd_real *x, rbd_real *y) {
-    rbd_real largest = 0, terms;
-
-    for (int k = 0; k < s->n; ++k) {
-        const rbd_real f = s->given.f[k];
-        y[k] = rbdi_qp_h_times_and_terms(s, k, x, &terms) + f;
-        largest = rbdi_qp_larger(largest, rbdi_abs(f) + terms);
-    }
-    return largest;
 }
 
 /* Rounds until x stays where it is: rho |x - centre| within the accuracy of H x and f. On a straight way each

@@ -120,6 +120,7 @@ RBDI_PART rbd_qp_status rbdi_qp_check_rows(rbdi_qp *s) {
         }
         s->from[row] = from;
         s->to[row] = to;
+        s->value[row] = 0;
         s->unit[row] = square > 0 ? 1 / rbdi_sqrt(square) : RBDI_QP_NONE;
         if (lower > upper) return rbdi_qp_refuse(s, RBD_QP_SIDES, row, "lower");
         if (from < to && (lower > -RBDI_QP_NONE || upper < RBDI_QP_NONE)) s->watched[s->watches++] = row;
@@ -143,13 +144,18 @@ RBDI_PART rbd_qp_status rbdi_qp_factor_any(rbdi_qp *s) {
     return at == s->n ? RBD_QP_OK : rbdi_qp_refuse(s, RBD_QP_CONVEX, at, "H");
 }
 
-/* Multipliers of what holds. A proof that did not hold may stand there. */
-RBDI_PART void rbdi_qp_multipliers(rbdi_qp *s, rbd_real *lambda) {
+/* Multipliers of what holds; one that is below 0 by rounding becomes 0. Returns whether none is. A proof that
+   did not hold may stand there. */
+RBDI_PART int rbdi_qp_multipliers(rbdi_qp *s, rbd_real *lambda) {
+    int as_found = 1;
+
     for (int row = 0; row < s->all; ++row) lambda[row] = 0;
     for (int j = 0; j < s->q; ++j) {
         const int row = s->active[j];
-        const rbd_real u = rbdi_qp_is_equality(s, row) ? s->u[j] : rbdi_qp_larger(s->u[j], 0);
+        const int pulls = s->u[j] < 0 && !rbdi_qp_is_equality(s, row);
+        const rbd_real u = pulls ? 0 : s->u[j];
         lambda[row] = s->side[row] > 0 ? u : -u;
+        as_found = as_found && !pulls;
     }
     for (int e = 0; e < s->equalities; ++e) lambda[s->equality[e]] = -s->u_equal[e];
 
@@ -161,46 +167,59 @@ RBDI_PART void rbdi_qp_multipliers(rbdi_qp *s, rbd_real *lambda) {
         lambda[row] = rbdi_qp_weight(s, row) * (above - below);
         s->side[row] = (signed char)(lambda[row] > 0 ? 1 : lambda[row] < 0 ? -1 : 0);
     }
+    return as_found;
 }
 
-/* result.primal and result.dual of x and lambda, whatever they came from: of each row, the miss, or where it
-   pushes the distance from the side, as a share of its terms; and Hx + f + C'lambda, as a share of the
-   largest term. Leaves the value of each row. */
-RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
+/* result.primal of x and lambda, by the values of the rows: of each row the miss, or where it pushes the
+   distance from the side, as a share of its terms. */
+RBDI_PART void rbdi_qp_verify_rows(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
     rbd_real furthest = rbdi_qp_largest(x, s->n);
-    rbd_real worst, sum = 0, size;
 
     s->result.primal = 0;
     /* x may be nothing but what has cancelled */
     if (furthest <= RBDI_QP_CANCELLED * s->furthest) furthest = RBDI_QP_KEEP * s->furthest;
-    size = rbdi_qp_gradient(s, x, s->t);
-    if (!(size > 0)) size = s->rho * furthest; /* without H and f multipliers are rounding of this */
     for (int k = 0; k < s->n; ++k) s->reach[k] = furthest;
+
     for (int row = 0; row < s->all; ++row) {
         const rbd_real weight = rbdi_qp_weight(s, row), miss = weight > 0 ? lambda[row] / weight : 0;
-        const rbd_real value = (s->value[row] = rbdi_qp_row_times(s, row, x)) - miss;
+        const rbd_real value = s->value[row] - miss;
         if (lambda[row] == 0 && value >= s->given.lower[row] && value <= s->given.upper[row]) continue;
         const rbd_real below = rbdi_qp_below(s, row, value), above = rbdi_qp_above(s, row, value);
         const int at_upper = lambda[row] > 0 || (!(lambda[row] < 0) && above > below);
         const rbd_real by = lambda[row] != 0 ? rbdi_abs(at_upper ? above : below) : at_upper ? above : below;
-
-        if (lambda[row] != 0) {
-            rbdi_qp_add_row(s, row, lambda[row], s->t);
-            if (s->from[row] < s->to[row]) size = rbdi_qp_larger(size, rbdi_abs(lambda[row]) / s->unit[row]);
-        }
-        if (by <= 0) continue;
         const rbd_real side = at_upper ? s->given.upper[row] : s->given.lower[row];
+
         /* its terms are more than this, for a sum is more than a root of squares */
-        if (by <= s->result.primal * (rbdi_abs(side) + furthest / s->unit[row])) continue;
+        if (by <= 0 || by <= s->result.primal * (rbdi_abs(side) + furthest / s->unit[row])) continue;
         const rbd_real share = by / (rbdi_qp_terms(s, row, side) + rbdi_abs(miss));
         if (rbdi_qp_finite(share))
             s->result.primal = rbdi_qp_larger(s->result.primal, share);
         else
             s->doubtful = 1;
     }
-    for (int k = 0; k < s->n; ++k) sum = sum + s->t[k];
-    worst = rbdi_qp_largest(s->t, s->n);
-    s->result.dual = (size > 0 ? worst / size : worst) + (sum - sum); /* not a number if one is none */
+}
+
+/* result.dual of x and lambda, whatever they came from. */
+RBDI_PART void rbdi_qp_verify_optimum(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
+    rbd_real size = rbdi_qp_gradient(s, x, s->t);
+    if (!(size > 0)) size = s->rho * rbdi_qp_largest(s->reach, s->n); /* multipliers are rounding of this */
+
+    for (int row = 0; row < s->all; ++row) {
+        if (lambda[row] == 0 || s->from[row] == s->to[row]) continue;
+        rbdi_qp_add_row(s, row, lambda[row], s->t);
+        size = rbdi_qp_larger(size, rbdi_abs(lambda[row]) / s->unit[row]);
+    }
+    rbdi_qp_judge(s, size);
+}
+
+/* The verdict on x and lambda. `ended`: x is as rbdi_qp_refine left it, with the values of the rows; if no
+   multiplier had to be set to 0 and there is no rho, so is result.dual. */
+RBDI_PART void rbdi_qp_verify(rbdi_qp *s, int ended, const rbd_real *x, rbd_real *lambda) {
+    const int as_refined = rbdi_qp_multipliers(s, lambda) && ended && !(s->rho > 0);
+
+    for (int row = 0; row < s->all && !ended; ++row) s->value[row] = rbdi_qp_row_times(s, row, x);
+    rbdi_qp_verify_rows(s, x, lambda);
+    if (!as_refined) rbdi_qp_verify_optimum(s, x, lambda);
 }
 
 /* A hard row of zeros contradicts itself, or asks for nothing. */
@@ -240,8 +259,7 @@ RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
     if (status == RBD_QP_INFEASIBLE) {
         rbdi_qp_refuse(s, RBD_QP_INFEASIBLE, miss.row, miss.side < 0 ? "lower" : "upper");
     } else {
-        rbdi_qp_multipliers(s, lambda);
-        rbdi_qp_verify(s, x, lambda);
+        rbdi_qp_verify(s, status == RBD_QP_OK, x, lambda);
     }
     if (status == RBD_QP_OK &&
         (s->doubtful || !(rbdi_qp_larger(s->result.primal, s->result.dual) <= 10 * s->options.accuracy)))
