@@ -135,7 +135,7 @@ RBDI_PART int rbdi_qp_make_reflection(rbdi_qp *s, int row, rbd_real *v) {
     /* v - (-+|v|) on axis e: no difference of like numbers. */
     length = rbdi_sqrt(rest);
     onto = v[e] > 0 ? -length : length;
-    s->beta[e] = 1 / (length * (length + rbdi_abs(v[e])));
+    s->beta[e] = 1 / (length * (length + rbdi_qp_abs(v[e])));
     s->diagonal[e] = 1 / onto;
     v[e] = v[e] - onto;
 
@@ -191,7 +191,7 @@ RBDI_PART void rbdi_qp_eliminate(rbdi_qp *s, const int *rows, int lanes) {
 
 /* Whether a row can hold at the side of the guess. */
 RBDI_PART int rbdi_qp_can_hold(const rbdi_qp *s, int row) {
-    return s->side[row] && s->from[row] < s->to[row] && rbdi_abs(rbdi_qp_side(s, row)) < RBDI_QP_NONE;
+    return s->side[row] && s->from[row] < s->to[row] && rbdi_qp_abs(rbdi_qp_side(s, row)) < RBDI_QP_NONE;
 }
 
 /* Eliminates the equalities, or then the rows of the guess. Soft rows have no part in it. */

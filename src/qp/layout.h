@@ -160,6 +160,16 @@ RBDI_PART void rbdi_qp_place(rbdi_qp *s, void *memory) {
     s->end = rbdi_qp_ints(&at, n);
 }
 
+/* |x|, and 0 of -0. Compilers have one instruction for it. */
+RBDI_INLINE rbd_real rbdi_qp_abs(rbd_real x) {
+#if RBDI_GNU && RBDI_REAL_KIND == 2
+    return __builtin_fabsf(x);
+#elif RBDI_GNU
+    return __builtin_fabs(x);
+#else
+    return x > 0 ? x : 0 - x;
+#endif
+}
 RBDI_INLINE rbd_real rbdi_qp_larger(rbd_real a, rbd_real b) { return a > b ? a : b; }
 
 /* The weight of a row, 0 if it is hard. */

@@ -22,7 +22,7 @@ RBDI_PART rbd_real rbdi_qp_gradient(const rbdi_qp *s, const rbd_real *x, rbd_rea
     for (int k = 0; k < s->n; ++k) {
         const rbd_real f = s->given.f[k];
         y[k] = rbdi_qp_h_times_and_terms(s, k, x, &terms) + f;
-        largest = rbdi_qp_larger(largest, rbdi_abs(f) + terms);
+        largest = rbdi_qp_larger(largest, rbdi_qp_abs(f) + terms);
     }
     return largest;
 }
@@ -42,14 +42,14 @@ RBDI_PART rbd_real rbdi_qp_residuals(rbdi_qp *s, const rbd_real *x, rbd_real *si
         s->value[row] = rbdi_qp_row_times(s, row, x);
         s->r[j] = sign * (rbdi_qp_side(s, row) - s->value[row]);
         if (weight > 0) s->r[j] = s->r[j] - s->u[j] / weight;
-        missed = rbdi_qp_larger(missed, rbdi_abs(s->r[j]) * s->unit[row]);
-        *size = rbdi_qp_larger(*size, rbdi_abs(s->u[j]) / s->unit[row]);
+        missed = rbdi_qp_larger(missed, rbdi_qp_abs(s->r[j]) * s->unit[row]);
+        *size = rbdi_qp_larger(*size, rbdi_qp_abs(s->u[j]) / s->unit[row]);
         rbdi_qp_add_row(s, row, sign * s->u[j], s->t);
     }
     for (int e = 0; e < s->equalities; ++e) {
         const int row = s->equality[e];
         s->value[row] = rbdi_qp_row_times(s, row, x);
-        missed = rbdi_qp_larger(missed, rbdi_abs(s->value[row] - s->given.upper[row]) * s->unit[row]);
+        missed = rbdi_qp_larger(missed, rbdi_qp_abs(s->value[row] - s->given.upper[row]) * s->unit[row]);
     }
     return missed;
 }
@@ -100,7 +100,7 @@ RBDI_PART int rbdi_qp_refine(rbdi_qp *s, rbd_real *x) {
 
         rbdi_qp_balance(s, s->t, s->z);
         for (int e = 0; e < s->equalities; ++e)
-            size = rbdi_qp_larger(size, rbdi_abs(s->u_equal[e]) / s->unit[s->equality[e]]);
+            size = rbdi_qp_larger(size, rbdi_qp_abs(s->u_equal[e]) / s->unit[s->equality[e]]);
         rbdi_qp_judge(s, size);
 
         if (s->result.dual <= RBDI_QP_REFINED && missed <= RBDI_QP_REFINED * furthest) return corrections > 0;

@@ -98,7 +98,7 @@ RBDI_PART int rbdi_qp_first_to_leave(const rbdi_qp *s, rbd_real *step) {
 RBDI_PART int rbdi_qp_gives_way(const rbdi_qp *s) {
     for (int j = 0; j < s->q; ++j)
         if (rbdi_qp_weight(s, s->active[j]) > 0 &&
-            rbdi_abs(s->r[j]) * s->length[j] > RBDI_QP_DEPENDENT * s->own)
+            rbdi_qp_abs(s->r[j]) * s->length[j] > RBDI_QP_DEPENDENT * s->own)
             return 1;
     return 0;
 }

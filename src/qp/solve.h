@@ -19,7 +19,7 @@ RBDI_PART rbd_qp_status rbdi_qp_refuse(rbdi_qp *s, rbd_qp_status status, int at,
     return status;
 }
 
-RBDI_ONCE int rbdi_qp_finite(rbd_real x) { return rbdi_abs(x) < RBDI_QP_NONE; }
+RBDI_ONCE int rbdi_qp_finite(rbd_real x) { return rbdi_qp_abs(x) < RBDI_QP_NONE; }
 
 /* Whether numbers, pointers and options make sense; completes the options. */
 RBDI_PART rbd_qp_status rbdi_qp_check_problem(rbdi_qp *s) {
@@ -74,7 +74,7 @@ RBDI_PART rbd_qp_status rbdi_qp_check_value(rbdi_qp *s) {
         if (diagonal < 0) return rbdi_qp_refuse(s, RBD_QP_CONVEX, i, "H");
         s->t[i] = own;
         for (int j = 0; j < i && !s->symmetric; ++j) {
-            const rbd_real apart = rbdi_abs(H[i * n + j] - H[j * n + i]);
+            const rbd_real apart = rbdi_qp_abs(H[i * n + j] - H[j * n + i]);
             if (!(apart <= own) && !(apart <= own + s->t[j])) return rbdi_qp_refuse_pair(s, i, j);
         }
     }
@@ -137,7 +137,7 @@ RBDI_PART rbd_qp_status rbdi_qp_factor_any(rbdi_qp *s) {
 
     for (int i = 0; i < s->n; ++i) {
         diagonal = rbdi_qp_larger(diagonal, s->given.H[i * s->n + i]);
-        slope = rbdi_qp_larger(slope, rbdi_abs(s->given.f[i]));
+        slope = rbdi_qp_larger(slope, rbdi_qp_abs(s->given.f[i]));
     }
     s->rho = diagonal > 0 ? (rbd_real)RBDI_QP_PROXIMAL * diagonal : slope > 0 ? slope / RBDI_QP_WAY : 1;
     at = rbdi_qp_factor(s);
@@ -186,12 +186,14 @@ RBDI_PART void rbdi_qp_verify_rows(rbdi_qp *s, const rbd_real *x, const rbd_real
         if (lambda[row] == 0 && value >= s->given.lower[row] && value <= s->given.upper[row]) continue;
         const rbd_real below = rbdi_qp_below(s, row, value), above = rbdi_qp_above(s, row, value);
         const int at_upper = lambda[row] > 0 || (!(lambda[row] < 0) && above > below);
-        const rbd_real by = lambda[row] != 0 ? rbdi_abs(at_upper ? above : below) : at_upper ? above : below;
+        const rbd_real by = lambda[row] != 0 ? rbdi_qp_abs(at_upper ? above : below)
+                            : at_upper       ? above
+                                             : below;
         const rbd_real side = at_upper ? s->given.upper[row] : s->given.lower[row];
 
         /* its terms are more than this, for a sum is more than a root of squares */
-        if (by <= 0 || by <= s->result.primal * (rbdi_abs(side) + furthest / s->unit[row])) continue;
-        const rbd_real share = by / (rbdi_qp_terms(s, row, side) + rbdi_abs(miss));
+        if (by <= 0 || by <= s->result.primal * (rbdi_qp_abs(side) + furthest / s->unit[row])) continue;
+        const rbd_real share = by / (rbdi_qp_terms(s, row, side) + rbdi_qp_abs(miss));
         if (rbdi_qp_finite(share))
             s->result.primal = rbdi_qp_larger(s->result.primal, share);
         else
@@ -207,7 +209,7 @@ RBDI_PART void rbdi_qp_verify_optimum(rbdi_qp *s, const rbd_real *x, const rbd_r
     for (int row = 0; row < s->all; ++row) {
         if (lambda[row] == 0 || s->from[row] == s->to[row]) continue;
         rbdi_qp_add_row(s, row, lambda[row], s->t);
-        size = rbdi_qp_larger(size, rbdi_abs(lambda[row]) / s->unit[row]);
+        size = rbdi_qp_larger(size, rbdi_qp_abs(lambda[row]) / s->unit[row]);
     }
     rbdi_qp_judge(s, size);
 }
