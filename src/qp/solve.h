@@ -73,7 +73,7 @@ RBDI_PART rbd_qp_status rbdi_qp_check_value(rbdi_qp *s) {
         if (!rbdi_qp_finite(diagonal)) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "H");
         if (diagonal < 0) return rbdi_qp_refuse(s, RBD_QP_CONVEX, i, "H");
         s->t[i] = own;
-        for (int j = 0; j < i && !s->symmetric; ++j) {
+        for (int j = 0; j < i && !s->shape.symmetric; ++j) {
             const rbd_real apart = rbdi_qp_abs(H[i * n + j] - H[j * n + i]);
             if (!(apart <= own) && !(apart <= own + s->t[j])) return rbdi_qp_refuse_pair(s, i, j);
         }
@@ -86,7 +86,7 @@ RBDI_PART rbd_qp_status rbdi_qp_check_pairs(rbdi_qp *s) {
     const rbd_real *H = s->given.H;
     const int n = s->n;
 
-    for (int i = 0; i < n; ++i) {
+    for (int i = 0; i < s->shape.coupled; ++i) {
         for (int j = 0; j < i; ++j) {
             const rbd_real minor = H[i * n + i] * H[j * n + j];
             if (!(H[i * n + j] * H[i * n + j] <= minor + RBDI_QP_ASYMMETRY * minor))
@@ -110,9 +110,10 @@ RBDI_PART rbd_qp_status rbdi_qp_check_rows(rbdi_qp *s) {
         if (lower != lower || lower >= RBDI_QP_NONE) return rbdi_qp_refuse(s, RBD_QP_NAN, row, "lower");
         if (upper != upper || upper <= -RBDI_QP_NONE) return rbdi_qp_refuse(s, RBD_QP_NAN, row, "upper");
         if (row >= p->bounds) {
-            const rbd_real *c = p->C + (row - p->bounds) * n;
-            to = n;
-            from = 0;
+            const int of_c = row - p->bounds;
+            const rbd_real *c = p->C + of_c * n;
+            to = of_c < s->shape.heads ? s->shape.coupled : n;
+            from = of_c >= s->shape.tails && of_c < s->shape.rest ? s->shape.coupled : 0;
             while (to > from && c[to - 1] == 0) --to;
             while (from < to && c[from] == 0) ++from;
             square = rbdi_qp_dot(c + from, c + from, to - from);
@@ -287,11 +288,11 @@ RBDI_PART rbd_qp_status rbdi_qp_bound_result(rbdi_qp *s, rbd_qp_status status, r
     return status;
 }
 
-/* Solves a problem. s: what it leaves there and in the memory stays for the caller to read. symmetric: of the
-   state. */
+/* Solves a problem. s: what it leaves there and in the memory stays for the caller to read. shape: NULL if
+   nothing is known. */
 RBDI_PART rbd_qp_status rbdi_qp_solve(rbdi_qp *s, const rbd_qp_problem *problem,
-                                      const rbd_qp_options *options, int symmetric, void *memory, size_t size,
-                                      rbd_real *x, rbd_real *lambda, signed char *side) {
+                                      const rbd_qp_options *options, const rbdi_qp_shape *shape, void *memory,
+                                      size_t size, rbd_real *x, rbd_real *lambda, signed char *side) {
     static const rbd_qp_options defaults = {0, 0, 0, 0};
     static const rbd_qp_result none = {0, 0, 0, 0, 0, -1, NULL};
     rbd_qp_status status;
@@ -302,7 +303,12 @@ RBDI_PART rbd_qp_status rbdi_qp_solve(rbdi_qp *s, const rbd_qp_problem *problem,
     if (!problem || !memory || !x) return RBD_QP_NULL;
     s->given = *problem;
     s->options = options ? *options : defaults;
-    s->symmetric = symmetric;
+    s->shape.symmetric = 0;
+    s->shape.coupled = problem->n;
+    s->shape.heads = 0;
+    s->shape.tails = 0;
+    s->shape.rest = 0;
+    if (shape) s->shape = *shape;
     s->side = side;
     s->lambda = lambda;
     s->soft = 0;
@@ -334,7 +340,7 @@ RBDI_API rbd_qp_status rbd_qp_solve(const rbd_qp_problem *problem, const rbd_qp_
                                     void *memory, size_t size, rbd_real *x, rbd_real *lambda,
                                     signed char *side, rbd_qp_result *result) {
     rbdi_qp s;
-    const rbd_qp_status status = rbdi_qp_solve(&s, problem, options, 0, memory, size, x, lambda, side);
+    const rbd_qp_status status = rbdi_qp_solve(&s, problem, options, NULL, memory, size, x, lambda, side);
     if (result) *result = s.result;
     return status;
 }

@@ -205,7 +205,15 @@ RBDI_PART void rbdi_qp_raise(rbd_real *a, const rbd_real *x, rbd_real least, int
 }
 
 RBDI_ONCE void rbdi_qp_clear(rbd_real *a, int n) {
-    for (int i = 0; i < n; ++i) a[i] = 0;
+    int i = 0;
+
+    for (; RBDI_FOR_SPEED && i + 4 <= n; i += 4) {
+        a[i] = 0;
+        a[i + 1] = 0;
+        a[i + 2] = 0;
+        a[i + 3] = 0;
+    }
+    for (; i < n; ++i) a[i] = 0;
 }
 RBDI_ONCE void rbdi_qp_copy(const rbd_real *from, rbd_real *to, int n) {
     for (int i = 0; i < n; ++i) to[i] = from[i];
