@@ -48,24 +48,24 @@
      Dense matrices, of up to some hundred variables: a step costs about 3 n^2 products, and one for each
      entry of C. H must be convex. If it is only semidefinite, a proximal method takes some rounds, and the
      optimum is exact to the accuracy, not to rounding. Squares of the entries of a row must be normal
-     numbers. result->dual is a share of the largest term: what is 1e8 times weaker (float: 1e3) is less
-     exact. Weights of soft rows more than 1e14 above H (float: 1e4) may end in RBD_QP_ITERATIONS or
-     _INACCURATE, never in _INFEASIBLE: hard rows are better there. Linear programs whose vertices lie far
+     numbers. result->dual is a share of the cost's largest term: what is 1e8 times weaker (float: 1e3) is
+     less exact. Rows at an angle of less than 1e-6 (float: 1e-2) may have multipliers too large to be exact:
+     RBD_QP_INACCURATE. Weights of soft rows more than 1e14 above H (float: 1e4) may end in RBD_QP_ITERATIONS
+     or _INACCURATE, never in _INFEASIBLE: hard rows are better there. Linear programs whose vertices lie far
      apart, as those of Klee and Minty do from 7 variables on (float: 5), may end in RBD_QP_ITERATIONS: more
      options->rounds. In float RBD_QP_UNBOUNDED is said where f falls by a tenth of its terms; less is
      RBD_QP_INACCURATE. Of problems without H (all 0) that are unbounded a few of a thousand end in
      RBD_QP_ITERATIONS or _NAN instead, of those with soft rows alone a few of a hundred.
 
-   [cost] Flash for a Cortex-M4F at -Os: 13.2 kB of rbd_qp_solve; DAQP 0.9.1 takes 29.5 kB. Contact forces of
-   HyQ without a warm start, DAQP first, both by gcc 12.2 -O2. Instructions of a Cortex-M4F in float: the mean
-   of 32 problems; DAQP's are like ours, but not the same. Microseconds of a PC in double: the same 400
-   problems, the least mean of some runs, with -march=native (AVX-512) and without:
+   [cost] Flash for a Cortex-M4F at -Os: 13.2 kB of rbd_qp_solve. Contact forces of HyQ without a warm
+   start, by gcc 12.2 -O2: instructions of a Cortex-M4F in float, the mean of 32 problems; microseconds of a
+   PC in double, the mean of 400, with -march=native (AVX-512) and without. More in docs/qp.md:
 
-                                              instructions         native        without
-     12 forces, 28 rows, few limits reached   108,526   43,105    4.1   3.5     4.1   4.7
-     the same, many                           193,063   99,575    9.7   8.2     9.7  10.7
-     18 accelerations too, 46 rows, few       447,307  149,759   20.7  10.5    19.2  14.9
-     the same, many                           499,026  221,909   DAQP's time varies twofold
+                                              instructions    native   without
+     12 forces, 28 rows, few limits reached         43,105       3.5       4.7
+     the same, many                                 99,575       8.2      10.7
+     18 accelerations too, 46 rows, few            149,759      10.5      14.9
+     the same, many                                221,909
 */
 
 /* ==== src/api/configuration.h ==== */
@@ -341,8 +341,9 @@ typedef struct rbd_qp_result {
     int active;      /* rows that hold, equalities too */
     rbd_real primal; /* the largest miss of a row, or distance of one that pushes from its side, as a share of
                         its terms: the side, and its entries times the largest x */
-    rbd_real dual;   /* the largest component of Hx + f + C'lambda, as a share of the largest term */
-    int at;          /* after an error the row, counted with the bounds, or the variable; -1: none */
+    rbd_real dual; /* the largest component of Hx + f + C'lambda, as a share of the largest term of the cost:
+                        of Hx + f, or lambda of a soft row times the row */
+    int at;        /* after an error the row, counted with the bounds, or the variable; -1: none */
     const char *field; /* after an error: of rbd_qp_problem or rbd_qp_options; NULL: none */
 } rbd_qp_result;
 
@@ -955,8 +956,9 @@ typedef struct rbdi_qp {
     rbd_real own;      /* length of the last row that wanted to join, in the metric of H^-1 */
     rbd_real furthest; /* largest |x_k| so far */
     rbd_real accuracy; /* of rows: that of the options, and tenfold each time after `loosen` steps */
-    int doubtful;      /* rows contradict each other by what may be rounding, or sums overflow */
-    int loosen;        /* the number of steps at which accuracy grows next */
+    rbd_real balance; /* the largest component of Hx + f + C'lambda, as a share of the largest of all terms */
+    int doubtful;     /* rows contradict each other by what may be rounding, or sums overflow */
+    int loosen;       /* the number of steps at which accuracy grows next */
 
     rbd_real *L; /* packed rows, its diagonal inverted */
     rbd_real *V; /* reflections x n: their vectors from the diagonal on; R of the equalities above */
@@ -2632,10 +2634,12 @@ RBDI_PART void rbdi_qp_multipliers(rbdi_qp *s, rbd_real *lambda) {
 
 /* result.primal and result.dual of x and lambda, whatever they came from: of each row, the miss, or where it
    pushes the distance from the side, as a share of its terms; and Hx + f + C'lambda, as a share of the
-   largest term. Leaves the value of each row. */
+   largest term of the cost: of Hx + f, and lambda of a soft row. Not of a hard row: where rows nearly depend
+   on each other, their lambda may be so large that its rounding, which counts, is all of the gradient.
+   s->balance is the share of that too. Leaves the value of each row. */
 RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
     rbd_real furthest = rbdi_qp_largest(x, s->n);
-    rbd_real worst, sum = 0, size;
+    rbd_real worst, sum = 0, size, push = 0;
 
     s->result.primal = 0;
     /* x may be nothing but what has cancelled */
@@ -2652,8 +2656,10 @@ RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lam
         const rbd_real by = lambda[row] != 0 ? rbdi_abs(at_upper ? above : below) : at_upper ? above : below;
 
         if (lambda[row] != 0) {
+            const rbd_real term = s->from[row] < s->to[row] ? rbdi_abs(lambda[row]) / s->unit[row] : 0;
             rbdi_qp_add_row(s, row, lambda[row], s->t);
-            if (s->from[row] < s->to[row]) size = rbdi_qp_larger(size, rbdi_abs(lambda[row]) / s->unit[row]);
+            if (weight > 0) size = rbdi_qp_larger(size, term);
+            push = rbdi_qp_larger(push, term);
         }
         if (by <= 0) continue;
         const rbd_real side = at_upper ? s->given.upper[row] : s->given.lower[row];
@@ -2666,8 +2672,11 @@ RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lam
             s->doubtful = 1;
     }
     for (int k = 0; k < s->n; ++k) sum = sum + s->t[k];
-    worst = rbdi_qp_largest(s->t, s->n);
-    s->result.dual = (size > 0 ? worst / size : worst) + (sum - sum); /* not a number if one is none */
+    worst = rbdi_qp_largest(s->t, s->n) + (sum - sum); /* not a number if one is none */
+    push = rbdi_qp_larger(push, size);
+    s->balance = push > 0 ? worst / push : worst;
+    worst = worst + RBDI_EPS * (push - size);
+    s->result.dual = size > 0 ? worst / size : worst;
 }
 
 /* A hard row of zeros contradicts itself, or asks for nothing. */
@@ -2731,6 +2740,7 @@ RBDI_PART rbd_qp_status rbdi_qp_bound_result(rbdi_qp *s, rbd_qp_status status, r
         status = rbdi_qp_refuse(s, RBD_QP_NAN, k, NULL);
     }
     if (!(s->result.dual - s->result.dual == 0)) s->result.dual = RBDI_QP_NONE;
+    if (!(s->balance - s->balance == 0)) s->balance = RBDI_QP_NONE;
     return status;
 }
 
@@ -2759,6 +2769,7 @@ RBDI_PART rbd_qp_status rbdi_qp_solve(rbdi_qp *s, const rbd_qp_problem *problem,
     s->rho = 0;
     s->doubtful = 0;
     s->furthest = 0;
+    s->balance = 0;
     status = rbdi_qp_check_problem(s);
     if (status == RBD_QP_OK && s->all && (!lambda || !side)) status = RBD_QP_NULL;
     if (status == RBD_QP_OK && size < RBD_QP_SIZE(s->n, problem->bounds, problem->rows, s->soft))

@@ -165,10 +165,12 @@ RBDI_PART void rbdi_qp_multipliers(rbdi_qp *s, rbd_real *lambda) {
 
 /* result.primal and result.dual of x and lambda, whatever they came from: of each row, the miss, or where it
    pushes the distance from the side, as a share of its terms; and Hx + f + C'lambda, as a share of the
-   largest term. Leaves the value of each row. */
+   largest term of the cost: of Hx + f, and lambda of a soft row. Not of a hard row: where rows nearly depend
+   on each other, their lambda may be so large that its rounding, which counts, is all of the gradient.
+   s->balance is the share of that too. Leaves the value of each row. */
 RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
     rbd_real furthest = rbdi_qp_largest(x, s->n);
-    rbd_real worst, sum = 0, size;
+    rbd_real worst, sum = 0, size, push = 0;
 
     s->result.primal = 0;
     /* x may be nothing but what has cancelled */
@@ -185,8 +187,10 @@ RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lam
         const rbd_real by = lambda[row] != 0 ? rbdi_abs(at_upper ? above : below) : at_upper ? above : below;
 
         if (lambda[row] != 0) {
+            const rbd_real term = s->from[row] < s->to[row] ? rbdi_abs(lambda[row]) / s->unit[row] : 0;
             rbdi_qp_add_row(s, row, lambda[row], s->t);
-            if (s->from[row] < s->to[row]) size = rbdi_qp_larger(size, rbdi_abs(lambda[row]) / s->unit[row]);
+            if (weight > 0) size = rbdi_qp_larger(size, term);
+            push = rbdi_qp_larger(push, term);
         }
         if (by <= 0) continue;
         const rbd_real side = at_upper ? s->given.upper[row] : s->given.lower[row];
@@ -199,8 +203,11 @@ RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lam
             s->doubtful = 1;
     }
     for (int k = 0; k < s->n; ++k) sum = sum + s->t[k];
-    worst = rbdi_qp_largest(s->t, s->n);
-    s->result.dual = (size > 0 ? worst / size : worst) + (sum - sum); /* not a number if one is none */
+    worst = rbdi_qp_largest(s->t, s->n) + (sum - sum); /* not a number if one is none */
+    push = rbdi_qp_larger(push, size);
+    s->balance = push > 0 ? worst / push : worst;
+    worst = worst + RBDI_EPS * (push - size);
+    s->result.dual = size > 0 ? worst / size : worst;
 }
 
 /* A hard row of zeros contradicts itself, or asks for nothing. */
@@ -264,6 +271,7 @@ RBDI_PART rbd_qp_status rbdi_qp_bound_result(rbdi_qp *s, rbd_qp_status status, r
         status = rbdi_qp_refuse(s, RBD_QP_NAN, k, NULL);
     }
     if (!(s->result.dual - s->result.dual == 0)) s->result.dual = RBDI_QP_NONE;
+    if (!(s->balance - s->balance == 0)) s->balance = RBDI_QP_NONE;
     return status;
 }
 
@@ -292,6 +300,7 @@ RBDI_PART rbd_qp_status rbdi_qp_solve(rbdi_qp *s, const rbd_qp_problem *problem,
     s->rho = 0;
     s->doubtful = 0;
     s->furthest = 0;
+    s->balance = 0;
     status = rbdi_qp_check_problem(s);
     if (status == RBD_QP_OK && s->all && (!lambda || !side)) status = RBD_QP_NULL;
     if (status == RBD_QP_OK && size < RBD_QP_SIZE(s->n, problem->bounds, problem->rows, s->soft))
