@@ -1290,8 +1290,8 @@ typedef struct rbdi_kin { /* per link, kept for the calls after rbd_kinematics *
 #define RBDI_WORK_ARRAYS(ARRAY, nl, nblock, nbranch, ndof, nqx, nv, nh) \
     ARRAY(rbd_real, angle, RBDI_PADDED(nl))         /* joint angles less these right angles */ \
     ARRAY(rbd_real, quarters, RBDI_PADDED(nl))      /* right angles */ \
-    ARRAY(rbd_real, c, RBDI_PADDED(nl))             /* cosines of the whole angles */ \
-    ARRAY(rbd_real, s, RBDI_PADDED(nl))             /* sines */ \
+    ARRAY(rbd_real, cosine, RBDI_PADDED(nl))        /* of the whole angles */ \
+    ARRAY(rbd_real, sine, RBDI_PADDED(nl))          /* of the whole angles */ \
     ARRAY(ptrdiff_t, start, RBDI_PADDED_STARTS(nv)) /* [packed matrix]: where rows of a matrix begin */ \
     ARRAY(rbdi_branch, branch, nbranch) \
     ARRAY(rbdi_block_work, block, nblock) \
@@ -3346,11 +3346,12 @@ RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int
     }
 
 #ifdef RBDI_POLYNOMIAL_SINCOS
-    rbdi_sincos_array(w->angle, w->quarters, from, end, w->s, w->c);
+    rbdi_sincos_array(w->angle, w->quarters, from, end, w->sine, w->cosine);
 #elif defined RBDI_SINCOS /* rbd-codegen records the two for itself */
-    for (int i = from; i < end; ++i) RBDI_SINCOS(w->angle[i], (int)m->link[i].quarters, &w->s[i], &w->c[i]);
+    for (int i = from; i < end; ++i)
+        RBDI_SINCOS(w->angle[i], (int)m->link[i].quarters, &w->sine[i], &w->cosine[i]);
 #else
-    for (int i = from; i < end; ++i) rbdi_sincos_link(&m->link[i], w->angle[i], &w->s[i], &w->c[i]);
+    for (int i = from; i < end; ++i) rbdi_sincos_link(&m->link[i], w->angle[i], &w->sine[i], &w->cosine[i]);
 #endif
     if (plain) return;
 
@@ -3361,11 +3362,11 @@ RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int
         if (rbdi_is(l, RBDI_REVOLUTE_CS)) {
             rbd_real c, s;
             rbdi_unit_cs(&q[l->iq], &c, &s);
-            w->c[i] = c * l->cg - s * l->sg;
-            w->s[i] = c * l->sg + s * l->cg;
+            w->cosine[i] = c * l->cg - s * l->sg;
+            w->sine[i] = c * l->sg + s * l->cg;
         } else if (rbdi_is(l, RBDI_SCREW) && !(l->rho > 0)) {
-            w->c[i] = rbdi_set(l->cg);
-            w->s[i] = rbdi_set(l->sg);
+            w->cosine[i] = rbdi_set(l->cg);
+            w->sine[i] = rbdi_set(l->sg);
         }
     }
 }
@@ -3378,8 +3379,8 @@ RBDI_INLINE void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q)
 /* The state of a one-axis joint after rbdi_joints or rbdi_range_joints. */
 RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i, int flags) {
     rbdi_trig t;
-    t.c = w->c[i];
-    t.s = w->s[i];
+    t.c = w->cosine[i];
+    t.s = w->sine[i];
     t.d = flags & RBDI_SLIDES ? w->d[i] : rbdi_set(m->link[i].d);
     return t;
 }
@@ -5444,7 +5445,7 @@ RBDI_PART rbd_status rbdi_pivot_status(const rbd_model *m, rbd_work *w, rbd_real
 
 /* The inertia of body b about the origin of its link, along each of the link's axes: moments, then masses.
    The rounding of the build is added, because it may tilt a rod that lies on an axis. It is relative to the
-   trace of the inertia, about the link's origin and about that of the user's frame at r of the joint's body. */
+   trace of the inertia, about the link's origin and about that of the user's frame, r of the joint's body. */
 RBDI_COLD void rbdi_body_inertia(const rbd_model *m, int b, rbd_real inertia[6]) {
     const rbdi_frame *u = &m->frame[b];
     const rbdi_mat E = rbdi_mat_c(u->E);
@@ -5972,8 +5973,8 @@ RBDI_INLINE rbdi_v3 rbdi_parent_velocity(const rbd_work *w, const rbdi_link *l, 
     return l->parent < 0 ? rbdi_vec0() : rbdi_add(parent->v, rbdi_cross(parent->state.omega, r));
 }
 
-/* World pose of link i, from its parent's, p; if moving, the velocity of its origin too. Its angular velocity
-   is known. */
+/* World pose of a one-axis link from its parent's, p. If moving, the velocity of its origin too, from its
+   angular velocity, which rbdi_kin_states has set. */
 RBDI_INLINE rbdi_pose rbdi_kin_axis(const rbd_work *w, const rbdi_link *l, rbdi_kin *k, int flags,
                                     rbdi_trig t, const rbd_real *v, int moving, rbdi_pose p) {
     p = rbdi_pose_step(l, flags & ~RBDI_ROOT, t, p);
@@ -5989,7 +5990,7 @@ RBDI_INLINE rbdi_pose rbdi_kin_axis(const rbd_work *w, const rbdi_link *l, rbdi_
     return p;
 }
 
-/* The same of the links first .. end - 1. */
+/* The same of the links first .. end - 1, blocks too. */
 RBDI_LOCAL void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *v,
                                int moving) {
     rbdi_pose p = rbdi_world_pose();
@@ -6033,9 +6034,11 @@ RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_re
     w->moving = v || a;
     v = v ? rbdi_expand_v(m, v, w->vx) : w->zero;
     a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
+
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
     if (w->moving) rbdi_kin_states(m, w, 0, m->nl, v, a);
     rbdi_kin_links(m, w, 0, m->nl, v, w->moving);
+
     *w->rotors = rbdi_zero();
     for (int i = 0; w->moving && i < m->nv + rbdi_mimics(m); ++i)
         *w->rotors = *w->rotors + v[i] * v[i] * (RBD_C(0.5) * m->dof[i].armature);
@@ -6057,11 +6060,14 @@ RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int bod
     a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
     q = rbdi_expand_q(m, w, q);
     l = m->link;
-    leaf = last < 0 ? 0 : l[last].first; /* a dof of the subtrees of all links on the path */
+    leaf =
+        last < 0 ? 0 : l[last].first; /* a dof of the subtrees of all links on the path, and of no others */
 
+    /* each run of links on the path, first .. end - 1. The links between do not move the body */
     for (int first = 0, end; first <= last; first = end) {
         for (; l->end <= leaf; ++l) ++first;
         for (end = first; end <= last && l->end > leaf; ++l) ++end;
+
         rbdi_range_joints(m, w, first, end, q);
         if (w->moving) rbdi_kin_states(m, w, first, end, v, a);
         rbdi_kin_links(m, w, first, end, v, w->moving);

@@ -63,7 +63,7 @@ RBDI_PART rbd_status rbdi_pivot_status(const rbd_model *m, rbd_work *w, rbd_real
 
 /* The inertia of body b about the origin of its link, along each of the link's axes: moments, then masses.
    The rounding of the build is added, because it may tilt a rod that lies on an axis. It is relative to the
-   trace of the inertia, about the link's origin and about that of the user's frame at r of the joint's body. */
+   trace of the inertia, about the link's origin and about that of the user's frame, r of the joint's body. */
 RBDI_COLD void rbdi_body_inertia(const rbd_model *m, int b, rbd_real inertia[6]) {
     const rbdi_frame *u = &m->frame[b];
     const rbdi_mat E = rbdi_mat_c(u->E);
