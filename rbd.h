@@ -1907,7 +1907,7 @@ typedef uint32_t rbdi_bit;
 RBDI_INLINE rbdi_batch rbdi_all_lanes(rbd_real x) {
 #if RBDI_BATCH > 1
     const rbdi_batch zero = {0};
-    return x - zero;
+    return x - zero; /* x + zero would lose the sign of -0 */
 #else
     return x;
 #endif
@@ -2150,13 +2150,14 @@ RBDI_PART void rbdi_sincos_one(rbd_real x, rbd_real quarters, rbd_real *s, rbd_r
     *c = rbdi_first_lane(cosine);
 }
 
-/* Sines and cosines of the angles first .. end - 1 plus right angles, in as few batches as can be, aligned if
-   these are as few. Entries that share a batch with them are written too; the arrays are padded. The error is
-   below 2.3e-16 (double), 1.0e-7 (float) up to the limit, and twice as much beyond it. */
+/* Sines and cosines of the angles first .. end - 1 plus right angles, in the least number of batches, which
+   are aligned where that takes no more. Entries that share a batch with them are written too. The arrays are
+   padded. The error is below 2.3e-16 (double), 1.0e-7 (float) up to the limit, and twice as much beyond it.
+   */
 RBDI_PART void rbdi_sincos_array(const rbd_real *x, const rbd_real *quarters, int first, int end, rbd_real *s,
                                  rbd_real *c) {
     const int size = (end - first + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH;
-    int start = first / RBDI_BATCH * RBDI_BATCH;
+    int start = first / RBDI_BATCH * RBDI_BATCH; /* aligned */
     rbdi_bits beyond = rbdi_to_bits(rbdi_zero_batch());
     rbdi_bit any = 0;
 
@@ -2166,11 +2167,14 @@ RBDI_PART void rbdi_sincos_array(const rbd_real *x, const rbd_real *quarters, in
         beyond |= rbdi_beyond(angle * angle, RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT);
         rbdi_sincos_batch(angle, *(const rbdi_batch *)&quarters[i], (rbdi_batch *)&s[i], (rbdi_batch *)&c[i]);
     }
+
+    /* large angles anew, one by one */
 #ifdef RBDI_BATCH_SCALAR
     any = beyond;
 #else
     for (int i = 0; i < (int)(sizeof beyond / sizeof any); ++i) any |= beyond[i];
 #endif
+
     for (int i = first; any && i < end; ++i) rbdi_sincos_one(x[i], quarters[i], &s[i], &c[i]);
 }
 #endif
@@ -5049,12 +5053,16 @@ RBDI_INLINE void rbdi_subtract_batches(rbdi_terms g, int which, int matrices, in
                                        rbd_real *y, rbd_real *z) {
     rbdi_batch sum[2][RBDI_ROW];
 
-    RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
-        const rbd_real *from = (a > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last);
-        sum[a][b] = which == RBDI_FRESH ? rbdi_zero_batch() : *(const rbdi_batch *)from;
-        if (which == RBDI_PATH) sum[a][b] = sum[a][b] * g.scale;
+    /* y and z, or 0 */
+    RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) {
+        RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
+            const rbd_real *from = (a > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last);
+            sum[a][b] = which == RBDI_FRESH ? rbdi_zero_batch() : *(const rbdi_batch *)from;
+            if (which == RBDI_PATH) sum[a][b] = sum[a][b] * g.scale;
+        }
     }
 
+    /* less x times each row */
     RBDI_UNROLL_TWO for (int i = 0; i < g.n; ++i) {
         const int t = which == RBDI_ELIMINATED || which == RBDI_DESCENDANTS ? g.n - 1 - i : i;
         const rbd_real *row = g.X + rbdi_start_of(&g, which, t),
@@ -5064,14 +5072,20 @@ RBDI_INLINE void rbdi_subtract_batches(rbdi_terms g, int which, int matrices, in
         RBDI_ONE_INDEX(row);
         if (matrices > 1) RBDI_ONE_INDEX(other);
 
-        RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
-            const rbd_real *from = (a > 0 ? other : row) + (b < batches - 1 ? b * RBDI_BATCH : last);
-            sum[a][b] = sum[a][b] - *(const rbdi_batch *)from * x;
+        RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) {
+            RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
+                const rbd_real *from = (a > 0 ? other : row) + (b < batches - 1 ? b * RBDI_BATCH : last);
+                sum[a][b] = sum[a][b] - *(const rbdi_batch *)from * x;
+            }
         }
     }
 
-    RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) *
-        (rbdi_batch *)((a > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last)) = sum[a][b];
+    RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) {
+        RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
+            rbd_real *to = (a > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last);
+            *(rbdi_batch *)to = sum[a][b];
+        }
+    }
 }
 
 /* The same of one matrix with n columns, fewer than a batch. */
@@ -5161,6 +5175,9 @@ RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
         rbdi_multiply(&H[m->dof[k].row], H[m->dof[k].row + m->dof[k].depth], m->dof[k].depth);
     return doubt;
 }
+
+/* One vector has functions of its own: its batches are entries of a row, those of many columns below are
+   columns. */
 
 /* Solves L' y = x, in place, from the leaves: y_i = x_i - sum over the descendants k of L_ki y_k. `path`, by
    depth on a dof's path, has the sums that its descendants subtract. It is stored as it is loaded, in batches

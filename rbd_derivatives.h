@@ -1568,8 +1568,10 @@ RBDI_INLINE void rbdi_put_base_columns(const rbd_derivatives *d, int b, rbdi_b3 
 
     out += first * nv;
     RBDI_UNROLL_SIX for (int k = 0; k < RBDI_BATCH; ++k) {
-        if (k < nv - first) RBDI_UNROLL_SIX
-            for (int j = 0; j < 6; ++j) out[k * nv + j] = ((const rbd_real *)&x[j])[k];
+        if (k < nv - first) {
+            RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j)
+                out[k * nv + j] = ((const rbd_real *)&x[j])[k];
+        }
     }
 }
 
@@ -2772,8 +2774,9 @@ RBDI_PART void rbdi_regress_body(const rbd_model *m, const rbd_derivatives *d, c
             rbd_real part[10];
             rbdi_regress(K, stride, S_k, part);
             for (int j = 0; j < 10; ++j) y[j] = y[j] + part[j] * ratio;
-        } else
+        } else {
             rbdi_regress(K, stride, S_k, y);
+        }
     }
 }
 
