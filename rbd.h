@@ -3124,9 +3124,8 @@ RBDI_PART uint32_t rbdi_features(const rbd_model *m) {
    or, if it has none, a block: a joint with several axes through one point. To add a type:
 
      always      its name in api/types.h, its q and v in [conventions], its row in rbdi_joint_facts
-     a chain     of links that turn or slide needs that row alone and, where a length is not the first
-                 coordinate, motion/manifold.h: rbdi_random_joint. For links of another kind, as screws:
-                 model/links.h: rbdi_build_joint
+     a chain     of links that turn or slide needs that row alone and, for lengths, motion/manifold.h:
+                 rbdi_random_joint. For links of another kind, as screws: model/links.h: rbdi_build_joint
      a block     rbdi_first_axis, below; model/joints.h: rbdi_joint_attitude, rbdi_joint_origin,
                  rbdi_block_pose; model/regroup.h: moments of mass that its motion leaves, and whether it
                  slides; model/lock.h: rbdi_block_motion_at; derivatives/memory.h: whether it only slides
