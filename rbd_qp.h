@@ -48,24 +48,24 @@
      Dense matrices, of up to some hundred variables: a step costs about 3 n^2 products, and one for each
      entry of C. H must be convex. If it is only semidefinite, a proximal method takes some rounds, and the
      optimum is exact to the accuracy, not to rounding. Squares of the entries of a row must be normal
-     numbers. result->dual is a share of the largest term: what is 1e8 times weaker (float: 1e3) is less
-     exact. Weights of soft rows more than 1e14 above H (float: 1e4) may end in RBD_QP_ITERATIONS or
-     _INACCURATE, never in _INFEASIBLE: hard rows are better there. Linear programs whose vertices lie far
+     numbers. result->dual is a share of the cost's largest term: what is 1e8 times weaker (float: 1e3) is
+     less exact. Rows at an angle of less than 1e-6 (float: 1e-2) may have multipliers too large to be exact:
+     RBD_QP_INACCURATE. Weights of soft rows more than 1e14 above H (float: 1e4) may end in RBD_QP_ITERATIONS
+     or _INACCURATE, never in _INFEASIBLE: hard rows are better there. Linear programs whose vertices lie far
      apart, as those of Klee and Minty do from 7 variables on (float: 5), may end in RBD_QP_ITERATIONS: more
      options->rounds. In float RBD_QP_UNBOUNDED is said where f falls by a tenth of its terms; less is
      RBD_QP_INACCURATE. Of problems without H (all 0) that are unbounded a few of a thousand end in
      RBD_QP_ITERATIONS or _NAN instead, of those with soft rows alone a few of a hundred.
 
-   [cost] Flash for a Cortex-M4F at -Os: 13.2 kB of rbd_qp_solve; DAQP 0.9.1 takes 29.5 kB. Contact forces of
-   HyQ without a warm start, DAQP first, both by gcc 12.2 -O2. Instructions of a Cortex-M4F in float: the mean
-   of 32 problems; DAQP's are like ours, but not the same. Microseconds of a PC in double: the same 400
-   problems, the least mean of some runs, with -march=native (AVX-512) and without:
+   [cost] Flash for a Cortex-M4F at -Os: 13.2 kB of rbd_qp_solve. Contact forces of HyQ without a warm
+   start, by gcc 12.2 -O2: instructions of a Cortex-M4F in float, the mean of 32 problems; microseconds of a
+   PC in double, the mean of 400, with -march=native (AVX-512) and without. More in docs/qp.md:
 
-                                              instructions         native        without
-     12 forces, 28 rows, few limits reached   108,526   43,105    4.1   3.5     4.1   4.7
-     the same, many                           193,063   99,575    9.7   8.2     9.7  10.7
-     18 accelerations too, 46 rows, few       447,307  149,759   20.7  10.5    19.2  14.9
-     the same, many                           499,026  221,909   DAQP's time varies twofold
+                                              instructions    native   without
+     12 forces, 28 rows, few limits reached         43,105       3.5       4.7
+     the same, many                                 99,575       8.2      10.7
+     18 accelerations too, 46 rows, few            149,759      10.5      14.9
+     the same, many                                221,909
 */
 
 /* ==== src/api/configuration.h ==== */
@@ -341,8 +341,9 @@ typedef struct rbd_qp_result {
     int active;      /* rows that hold, equalities too */
     rbd_real primal; /* the largest miss of a row, or distance of one that pushes from its side, as a share of
                         its terms: the side, and its entries times the largest x */
-    rbd_real dual;   /* the largest component of Hx + f + C'lambda, as a share of the largest term */
-    int at;          /* after an error the row, counted with the bounds, or the variable; -1: none */
+    rbd_real dual; /* the largest component of Hx + f + C'lambda, as a share of the largest term of the cost:
+                        of Hx + f, or lambda of a soft row times the row */
+    int at;        /* after an error the row, counted with the bounds, or the variable; -1: none */
     const char *field; /* after an error: of rbd_qp_problem or rbd_qp_options; NULL: none */
 } rbd_qp_result;
 
@@ -835,9 +836,9 @@ RBDI_INLINE rbd_real rbdi_reciprocal(rbd_real D, rbd_const threshold, rbdi_mask 
 /* 1 / D of a pivot, 0 where that would overflow. The pivot is in doubt if it is small beside scale, the
    inertia that it came from: see [tolerances]. */
 RBDI_INLINE rbd_real rbdi_pivot_inverse(rbd_real D, rbd_const scale, rbdi_mask *doubt) {
-    rbdi_mask none = rbdi_less(D, D);
+    rbdi_mask tiny = rbdi_less(D, D); /* not asked: such a pivot is in doubt as well */
     *doubt = rbdi_or(*doubt, rbdi_not(rbdi_less(rbdi_set(scale * RBDI_DOUBT), D)));
-    return rbdi_reciprocal(D, RBDI_TINY, &none);
+    return rbdi_reciprocal(D, RBDI_TINY, &tiny);
 }
 #endif
 
@@ -937,6 +938,14 @@ RBDI_PART char *rbdi_join(const char *const *piece, int n, char *text, size_t si
 #endif
 #define RBDI_QP_NONE ((rbd_real)RBD_QP_NONE)
 
+/* What a caller of rbdi_qp_solve knows of its problem, which spares a search. */
+typedef struct rbdi_qp_shape {
+    int symmetric;   /* whether H is symmetric because of how it was made */
+    int coupled;     /* H is diagonal from this variable on: only its diagonal is read there */
+    int heads;       /* rows of C before this one are 0 from variable `coupled` on */
+    int tails, rest; /* rows of C from `tails` to before `rest` are 0 before it */
+} rbdi_qp_shape;
+
 /* The state of one solution. A row is counted with the bounds. Matrices have no padding. */
 typedef struct rbdi_qp {
     rbd_qp_problem given;
@@ -944,7 +953,7 @@ typedef struct rbdi_qp {
     rbd_qp_result result;
     rbd_real *lambda;  /* of each row */
     signed char *side; /* of each row: -1, 0 or 1; 1 for an equality that is eliminated */
-    int symmetric;     /* whether H is symmetric because of how the caller made it */
+    rbdi_qp_shape shape;
     int n, all, soft;  /* variables, rows with bounds, soft rows */
     int watches;       /* rows that x may miss: not 0, with a side, no equality that is eliminated */
     int equalities;    /* eliminated: the first reflections */
@@ -955,8 +964,9 @@ typedef struct rbdi_qp {
     rbd_real own;      /* length of the last row that wanted to join, in the metric of H^-1 */
     rbd_real furthest; /* largest |x_k| so far */
     rbd_real accuracy; /* of rows: that of the options, and tenfold each time after `loosen` steps */
-    int doubtful;      /* rows contradict each other by what may be rounding, or sums overflow */
-    int loosen;        /* the number of steps at which accuracy grows next */
+    rbd_real balance; /* the largest component of Hx + f + C'lambda, as a share of the largest of all terms */
+    int doubtful;     /* rows contradict each other by what may be rounding, or sums overflow */
+    int loosen;       /* the number of steps at which accuracy grows next */
 
     rbd_real *L; /* packed rows, its diagonal inverted */
     rbd_real *V; /* reflections x n: their vectors from the diagonal on; R of the equalities above */
@@ -979,8 +989,7 @@ typedef struct rbdi_qp {
     rbd_real *diagonal; /* reflections: of their R, inverted */
     rbd_real *u_equal;  /* equalities: multipliers */
     rbd_real *unit;     /* of each row: 1 over its length */
-    rbd_real *score;    /* watches: by how much x misses the row, in lengths of it */
-    rbd_real *value;    /* of each row: the row times x, as rbdi_qp_verify leaves it; where the scores were */
+    rbd_real *value;    /* of each row: the row times x; of a row that x cannot miss 0 */
 
     int *active;    /* q: rows */
     int *from, *to; /* of each row: where it is not 0 */
@@ -1026,8 +1035,7 @@ RBDI_PART void rbdi_qp_place(rbdi_qp *s, void *memory) {
     s->diagonal = rbdi_qp_scalars(&at, n);
     s->u_equal = rbdi_qp_scalars(&at, n);
     s->unit = rbdi_qp_scalars(&at, s->all);
-    s->score = rbdi_qp_scalars(&at, s->all);
-    s->value = s->score;
+    s->value = rbdi_qp_scalars(&at, s->all);
 
     s->active = rbdi_qp_ints(&at, most);
     s->from = rbdi_qp_ints(&at, s->all);
@@ -1039,6 +1047,16 @@ RBDI_PART void rbdi_qp_place(rbdi_qp *s, void *memory) {
     s->end = rbdi_qp_ints(&at, n);
 }
 
+/* |x|, and 0 of -0. Compilers have one instruction for it. */
+RBDI_INLINE rbd_real rbdi_qp_abs(rbd_real x) {
+#if RBDI_GNU && RBDI_REAL_KIND == 2
+    return __builtin_fabsf(x);
+#elif RBDI_GNU
+    return __builtin_fabs(x);
+#else
+    return x > 0 ? x : 0 - x;
+#endif
+}
 RBDI_INLINE rbd_real rbdi_qp_larger(rbd_real a, rbd_real b) { return a > b ? a : b; }
 
 /* The weight of a row, 0 if it is hard. */
@@ -1059,8 +1077,8 @@ RBDI_ONCE rbd_real rbdi_qp_side(const rbdi_qp *s, int row) {
 RBDI_INLINE const rbd_real *rbdi_qp_c(const rbdi_qp *s, int row) {
     return s->given.C + (row - s->given.bounds) * s->n + s->from[row];
 }
-/* The diagonal of L, inverted. */
-RBDI_INLINE rbd_real rbdi_qp_pivot(const rbdi_qp *s, int i) { return s->L[i * (i + 3) / 2]; }
+/* Where the diagonal of L stands, inverted: the next one is i + 2 behind it. */
+RBDI_INLINE int rbdi_qp_pivot(int i) { return i * (i + 3) / 2; }
 RBDI_ONCE rbd_real *rbdi_qp_column(const rbdi_qp *s, int k) { return s->R + k * (k + 1) / 2; }
 RBDI_INLINE rbd_real *rbdi_qp_j(const rbdi_qp *s, int k) { return s->J + k * s->n; }
 
@@ -1234,7 +1252,7 @@ RBDI_INLINE rbd_real rbdi_qp_dot_and_terms(const rbd_real *a, const rbd_real *b,
     }
     for (; i < n; ++i) {
         rest = rest + a[i] * b[i];
-        rest_size = rest_size + rbdi_abs(a[i] * b[i]);
+        rest_size = rest_size + rbdi_qp_abs(a[i] * b[i]);
     }
     *terms = rbdi_qp_total(sum_size, more_size) + rest_size;
     return rbdi_qp_total(sum, more) + rest;
@@ -1368,14 +1386,14 @@ RBDI_PART rbd_real rbdi_qp_dot_and_terms(const rbd_real *a, const rbd_real *b, i
         s1 = s1 + p1;
         s2 = s2 + p2;
         s3 = s3 + p3;
-        t0 = t0 + rbdi_abs(p0);
-        t1 = t1 + rbdi_abs(p1);
-        t2 = t2 + rbdi_abs(p2);
-        t3 = t3 + rbdi_abs(p3);
+        t0 = t0 + rbdi_qp_abs(p0);
+        t1 = t1 + rbdi_qp_abs(p1);
+        t2 = t2 + rbdi_qp_abs(p2);
+        t3 = t3 + rbdi_qp_abs(p3);
     }
     for (; i < n; ++i) {
         rest = rest + a[i] * b[i];
-        rest_size = rest_size + rbdi_abs(a[i] * b[i]);
+        rest_size = rest_size + rbdi_qp_abs(a[i] * b[i]);
     }
     *terms = ((t0 + t2) + (t1 + t3)) + rest_size;
     return ((s0 + s2) + (s1 + s3)) + rest;
@@ -1396,16 +1414,24 @@ RBDI_ONCE void rbdi_qp_rotate(rbd_real *a, rbd_real *b, int n, rbd_real cosine, 
 /* The largest |a_i|. */
 RBDI_PART rbd_real rbdi_qp_largest(const rbd_real *a, int n) {
     rbd_real largest = 0;
-    for (int i = 0; i < n; ++i) largest = rbdi_qp_larger(largest, rbdi_abs(a[i]));
+    for (int i = 0; i < n; ++i) largest = rbdi_qp_larger(largest, rbdi_qp_abs(a[i]));
     return largest;
 }
 /* a_i becomes the largest of a_i, |x_i| and least. */
 RBDI_PART void rbdi_qp_raise(rbd_real *a, const rbd_real *x, rbd_real least, int n) {
-    for (int i = 0; i < n; ++i) a[i] = rbdi_qp_larger(rbdi_qp_larger(a[i], rbdi_abs(x[i])), least);
+    for (int i = 0; i < n; ++i) a[i] = rbdi_qp_larger(rbdi_qp_larger(a[i], rbdi_qp_abs(x[i])), least);
 }
 
 RBDI_ONCE void rbdi_qp_clear(rbd_real *a, int n) {
-    for (int i = 0; i < n; ++i) a[i] = 0;
+    int i = 0;
+
+    for (; RBDI_FOR_SPEED && i + 4 <= n; i += 4) {
+        a[i] = 0;
+        a[i + 1] = 0;
+        a[i + 2] = 0;
+        a[i + 3] = 0;
+    }
+    for (; i < n; ++i) a[i] = 0;
 }
 RBDI_ONCE void rbdi_qp_copy(const rbd_real *from, rbd_real *to, int n) {
     for (int i = 0; i < n; ++i) to[i] = from[i];
@@ -1446,10 +1472,16 @@ RBDI_PART void rbdi_qp_find_ends(rbdi_qp *s) {
 /* Component i of H x, and of |H| |x|: with the sums of all of the row, for its ends are multiples of four. */
 RBDI_ONCE rbd_real rbdi_qp_h_times(const rbdi_qp *s, int i, const rbd_real *x) {
     const int from = s->first[i] / 4 * 4;
+    if (i >= s->coupled) return s->given.H[i * (s->n + 1)] * x[i];
     return rbdi_qp_dot(s->given.H + i * s->n + from, x + from, s->last[i] - from);
 }
 RBDI_ONCE rbd_real rbdi_qp_h_times_and_terms(const rbdi_qp *s, int i, const rbd_real *x, rbd_real *terms) {
     const int from = s->first[i] / 4 * 4;
+    if (i >= s->coupled) {
+        const rbd_real h = rbdi_qp_h_times(s, i, x);
+        *terms = rbdi_qp_abs(h);
+        return h;
+    }
     return rbdi_qp_dot_and_terms(s->given.H + i * s->n + from, x + from, s->last[i] - from, terms);
 }
 
@@ -1462,7 +1494,7 @@ RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
         const rbd_real diagonal = h[i] + s->rho;
         rbd_real *l = s->L + i * (i + 1) / 2;
         rbd_real pivot;
-        int start = 0;
+        int start = i < s->shape.coupled ? 0 : i;
 
         while (start < i && h[start] == 0) start++;
         if (start < i) start = start / 4 * 4;
@@ -1485,9 +1517,9 @@ RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
 
 /* Solutions by L and reflections, of one vector; and the same of a group. */
 #define RBDI_T rbd_real
-/* t := L^-1 t, where t is 0 before `from`, a multiple of four. */
-RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, RBDI_T *t, int from) {
-    int i = from;
+/* t := L^-1 t, where t is 0 before `from`, a multiple of four, and from `to` on. */
+RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, RBDI_T *t, int from, int to) {
+    int i = from, at;
 
     for (; i < s->coupled; ++i) {
         const rbd_real *l = s->L + i * (i + 1) / 2;
@@ -1495,7 +1527,11 @@ RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, RBDI_T *t, int from) {
         if (k < i) t[i] = t[i] - rbdi_qp_dot(l + k, t + k, i - k);
         t[i] = t[i] * l[i];
     }
-    for (; i < s->n; ++i) t[i] = t[i] * rbdi_qp_pivot(s, i);
+    at = rbdi_qp_pivot(i);
+    for (; i < to; ++i) {
+        t[i] = t[i] * s->L[at];
+        at = at + i + 2;
+    }
 }
 
 /* t := (1 - beta v v') t, of reflection e. */
@@ -1546,9 +1582,9 @@ RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, int k, RBDI_T *t) {
 #define rbdi_qp_reflect rbdi_qp_group_reflect
 #define rbdi_qp_reflect_two rbdi_qp_group_reflect_two
 #define rbdi_qp_reflect_back rbdi_qp_group_reflect_back
-/* t := L^-1 t, where t is 0 before `from`, a multiple of four. */
-RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, RBDI_T *t, int from) {
-    int i = from;
+/* t := L^-1 t, where t is 0 before `from`, a multiple of four, and from `to` on. */
+RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, RBDI_T *t, int from, int to) {
+    int i = from, at;
 
     for (; i < s->coupled; ++i) {
         const rbd_real *l = s->L + i * (i + 1) / 2;
@@ -1556,7 +1592,11 @@ RBDI_PART void rbdi_qp_solve_lower(const rbdi_qp *s, RBDI_T *t, int from) {
         if (k < i) t[i] = t[i] - rbdi_qp_dot(l + k, t + k, i - k);
         t[i] = t[i] * l[i];
     }
-    for (; i < s->n; ++i) t[i] = t[i] * rbdi_qp_pivot(s, i);
+    at = rbdi_qp_pivot(i);
+    for (; i < to; ++i) {
+        t[i] = t[i] * s->L[at];
+        at = at + i + 2;
+    }
 }
 
 /* t := (1 - beta v v') t, of reflection e. */
@@ -1613,9 +1653,12 @@ RBDI_PART void rbdi_qp_reflect_back(const rbdi_qp *s, int k, RBDI_T *t) {
 
 /* t := L'^-1 t */
 RBDI_PART void rbdi_qp_solve_upper(const rbdi_qp *s, rbd_real *t) {
-    int i = s->n - 1;
+    int i = s->n - 1, at = rbdi_qp_pivot(i);
 
-    for (; i >= s->coupled; --i) t[i] = t[i] * rbdi_qp_pivot(s, i);
+    for (; i >= s->coupled; --i) {
+        t[i] = t[i] * s->L[at];
+        at = at - i - 1;
+    }
     for (; i >= 0; --i) {
         const rbd_real *l = s->L + i * (i + 1) / 2;
         const int k = s->first[i];
@@ -1632,7 +1675,7 @@ RBDI_PART void rbdi_qp_spread(const rbdi_qp *s, int row, rbd_real *t) {
         t[row] = 1;
     else
         rbdi_qp_copy(rbdi_qp_c(s, row), t + s->from[row], s->to[row] - s->from[row]);
-    rbdi_qp_solve_lower(s, t, s->from[row] / 4 * 4);
+    rbdi_qp_solve_lower(s, t, s->from[row] / 4 * 4, s->to[row]);
 }
 
 /* t := Q't, two reflections at a time */
@@ -1654,7 +1697,7 @@ RBDI_PART int rbdi_qp_make_reflection(rbdi_qp *s, int row, rbd_real *v) {
     /* v - (-+|v|) on axis e: no difference of like numbers. */
     length = rbdi_sqrt(rest);
     onto = v[e] > 0 ? -length : length;
-    s->beta[e] = 1 / (length * (length + rbdi_abs(v[e])));
+    s->beta[e] = 1 / (length * (length + rbdi_qp_abs(v[e])));
     s->diagonal[e] = 1 / onto;
     v[e] = v[e] - onto;
 
@@ -1677,19 +1720,20 @@ RBDI_PART int rbdi_qp_make_reflection(rbdi_qp *s, int row, rbd_real *v) {
 RBDI_PART void rbdi_qp_eliminate(rbdi_qp *s, const int *rows, int lanes) {
     const int n = s->n;
     rbdi_qp_group *t = (rbdi_qp_group *)s->x0;
-    int from = n;
+    int from = n, to = 0;
 
     rbdi_qp_clear((rbd_real *)t, n * RBDI_QP_GROUP);
     for (int lane = 0; lane < lanes; ++lane) {
-        const int row = rows[lane], begin = s->from[row];
+        const int row = rows[lane], begin = s->from[row], end = s->to[row];
         const rbd_real one = 1, *c = row < s->given.bounds ? &one : rbdi_qp_c(s, row);
-        rbd_real *to = (rbd_real *)t + begin * RBDI_QP_GROUP + lane;
+        rbd_real *own = (rbd_real *)t + begin * RBDI_QP_GROUP + lane;
 
         from = begin < from ? begin : from;
-        for (int k = 0; k < s->to[row] - begin; ++k) to[k * RBDI_QP_GROUP] = c[k];
+        to = end > to ? end : to;
+        for (int k = 0; k < end - begin; ++k) own[k * RBDI_QP_GROUP] = c[k];
     }
     from = from / 4 * 4;
-    rbdi_qp_group_solve_lower(s, t, from);
+    rbdi_qp_group_solve_lower(s, t, from, to);
     for (int e = 0; e + 1 < s->reflections; e += 2)
         if (s->end[e] > from || s->end[e + 1] > from) rbdi_qp_group_reflect_two(s, e, 0, t);
 
@@ -1710,7 +1754,7 @@ RBDI_PART void rbdi_qp_eliminate(rbdi_qp *s, const int *rows, int lanes) {
 
 /* Whether a row can hold at the side of the guess. */
 RBDI_PART int rbdi_qp_can_hold(const rbdi_qp *s, int row) {
-    return s->side[row] && s->from[row] < s->to[row] && rbdi_abs(rbdi_qp_side(s, row)) < RBDI_QP_NONE;
+    return s->side[row] && s->from[row] < s->to[row] && rbdi_qp_abs(rbdi_qp_side(s, row)) < RBDI_QP_NONE;
 }
 
 /* Eliminates the equalities, or then the rows of the guess. Soft rows have no part in it. */
@@ -1733,9 +1777,12 @@ RBDI_PART void rbdi_qp_eliminate_all(rbdi_qp *s, int guess) {
 
 /* t := L'^-1 t of a group, which is 0 behind component `to`. */
 RBDI_PART void rbdi_qp_group_solve_upper(const rbdi_qp *s, rbdi_qp_group *t, int to) {
-    int i = to - 1;
+    int i = to - 1, at = rbdi_qp_pivot(i);
 
-    for (; i >= s->coupled; --i) t[i] = rbdi_qp_pivot(s, i) * t[i];
+    for (; i >= s->coupled; --i) {
+        t[i] = s->L[at] * t[i];
+        at = at - i - 1;
+    }
     for (; i >= 0; --i) {
         const rbd_real *l = s->L + i * (i + 1) / 2;
         const int k = s->first[i];
@@ -1799,7 +1846,7 @@ RBDI_PART void rbdi_qp_onto_equalities(const rbdi_qp *s, const rbd_real *x, rbd_
 RBDI_PART void rbdi_qp_balance(rbdi_qp *s, rbd_real *y, rbd_real *t) {
     if (!s->equalities) return;
     rbdi_qp_copy(y, t, s->n);
-    rbdi_qp_solve_lower(s, t, 0);
+    rbdi_qp_solve_lower(s, t, 0, s->n);
     rbdi_qp_reflect_all(s, t);
 
     /* R u = -t */
@@ -1874,7 +1921,7 @@ RBDI_PART void rbdi_qp_join(rbdi_qp *s, int row, int side, rbd_real u, rbd_real 
 
     if (q < s->columns - 1) {
         const rbd_real length = rbdi_sqrt(square);
-        const rbd_real scale = 1 / (length * (length + rbdi_abs(a)));
+        const rbd_real scale = 1 / (length * (length + rbdi_qp_abs(a)));
         const rbd_real onto = a > 0 ? -length : length;
 
         for (int k = 0; k < n; ++k) s->z[k] = scale * (s->z[k] - onto * J_q[k]);
@@ -1907,7 +1954,7 @@ RBDI_PART void rbdi_qp_drop_slack(rbdi_qp *s, int row, rbd_real sign) {
     if (q >= last || !(square > 0)) return;
 
     const rbd_real length = rbdi_sqrt(square);
-    const rbd_real scale = 1 / (length * (length + rbdi_abs(slack[last])));
+    const rbd_real scale = 1 / (length * (length + rbdi_qp_abs(slack[last])));
     rbd_real along = 0;
 
     slack[last] = slack[last] + (slack[last] > 0 ? length : -length);
@@ -1993,10 +2040,10 @@ RBDI_PART rbd_real rbdi_qp_terms(const rbdi_qp *s, int row, rbd_real side) {
     rbd_real terms;
     const rbd_real *c;
 
-    if (row < s->given.bounds) return rbdi_abs(side) + s->reach[row];
+    if (row < s->given.bounds) return rbdi_qp_abs(side) + s->reach[row];
     c = rbdi_qp_c(s, row);
     rbdi_qp_dot_and_terms(c, s->reach + s->from[row], s->to[row] - s->from[row], &terms);
-    return rbdi_abs(side) + terms;
+    return rbdi_qp_abs(side) + terms;
 }
 
 /* How far u < 0 of active row j may be rounding, in its length: a share of the largest multiplier; of a soft
@@ -2017,7 +2064,7 @@ RBDI_PART int rbdi_qp_release(rbdi_qp *s, rbd_real share) {
     rbd_real least = 0, largest = 0;
     int worst = -1;
 
-    for (int j = 0; j < s->q; ++j) largest = rbdi_qp_larger(largest, rbdi_abs(s->u[j] * s->length[j]));
+    for (int j = 0; j < s->q; ++j) largest = rbdi_qp_larger(largest, rbdi_qp_abs(s->u[j] * s->length[j]));
     for (int j = 0; j < s->q; ++j) {
         const rbd_real u = s->u[j] * s->length[j];
         if (!(u < least) || rbdi_qp_is_equality(s, s->active[j])) continue;
@@ -2055,9 +2102,8 @@ RBDI_INLINE rbd_real rbdi_qp_above(const rbdi_qp *s, int row, rbd_real value) {
 }
 
 /* Whether x misses a row by more than rounding explains, and by how much. */
-RBDI_PART int rbdi_qp_misses(const rbdi_qp *s, int row, const rbd_real *x, rbd_real accuracy,
-                             rbdi_qp_miss *miss) {
-    const rbd_real value = rbdi_qp_row_times(s, row, x);
+RBDI_PART int rbdi_qp_misses(const rbdi_qp *s, int row, rbd_real accuracy, rbdi_qp_miss *miss) {
+    const rbd_real value = s->value[row];
     const rbd_real below = rbdi_qp_below(s, row, value), above = rbdi_qp_above(s, row, value);
     const rbd_real by = rbdi_qp_larger(below, above);
     const rbd_real side = below > above ? s->given.lower[row] : s->given.upper[row];
@@ -2069,37 +2115,42 @@ RBDI_PART int rbdi_qp_misses(const rbdi_qp *s, int row, const rbd_real *x, rbd_r
     return 1;
 }
 
-/* score = by how much x misses each watched row, in lengths of the row. Returns the largest, or 0. */
-RBDI_PART rbd_real rbdi_qp_scores(rbdi_qp *s, const rbd_real *x) {
-    rbd_real most = 0;
-
+/* Values at x of the watched rows that are not active: those of the others come with the residuals. */
+RBDI_PART void rbdi_qp_evaluate(rbdi_qp *s, const rbd_real *x) {
     for (int i = 0; i < s->watches; ++i) {
         const int row = s->watched[i];
-        rbd_real value;
-
-        s->score[i] = 0;
-        if (s->side[row]) continue;
-        value = rbdi_qp_row_times(s, row, x);
-        s->score[i] = s->unit[row] * rbdi_qp_larger(s->given.lower[row] - value, value - s->given.upper[row]);
-        most = rbdi_qp_larger(s->score[i], most);
+        if (!s->side[row]) s->value[row] = rbdi_qp_row_times(s, row, x);
     }
-    return most;
+}
+
+/* By how much x misses a row, in lengths of it; 0 of an active one. */
+RBDI_INLINE rbd_real rbdi_qp_score(const rbdi_qp *s, int row) {
+    const rbd_real value = s->value[row];
+    if (s->side[row]) return 0;
+    return s->unit[row] * rbdi_qp_larger(s->given.lower[row] - value, value - s->given.upper[row]);
 }
 
 /* The inactive row that x misses most, in lengths of the row, beyond what rounding explains: row -1 if there
    is none. */
-RBDI_PART rbdi_qp_miss rbdi_qp_most_missed(rbdi_qp *s, const rbd_real *x, rbd_real accuracy) {
+RBDI_PART rbdi_qp_miss rbdi_qp_most_missed(const rbdi_qp *s, rbd_real accuracy) {
     rbdi_qp_miss worst = {-1, 0, 0};
-    rbd_real most = rbdi_qp_scores(s, x);
-    int first = 0;
-    if (!(most > 0)) return worst;
+    rbd_real most = 0;
+    int first = -1;
 
-    while (s->score[first] < most) ++first;
-    if (rbdi_qp_misses(s, s->watched[first], x, accuracy, &worst)) return worst;
+    for (int i = 0; i < s->watches; ++i) {
+        const rbd_real score = rbdi_qp_score(s, s->watched[i]);
+        if (!(score > most)) continue;
+        most = score;
+        first = s->watched[i];
+    }
+    if (first < 0 || rbdi_qp_misses(s, first, accuracy, &worst)) return worst;
 
     most = 0;
-    for (int i = 0; i < s->watches; ++i)
-        if (s->score[i] > most && rbdi_qp_misses(s, s->watched[i], x, accuracy, &worst)) most = s->score[i];
+    for (int i = 0; i < s->watches; ++i) {
+        const int row = s->watched[i];
+        const rbd_real score = rbdi_qp_score(s, row);
+        if (score > most && rbdi_qp_misses(s, row, accuracy, &worst)) most = score;
+    }
     return worst;
 }
 
@@ -2123,7 +2174,7 @@ RBDI_PART int rbdi_qp_first_to_leave(const rbdi_qp *s, rbd_real *step) {
 RBDI_PART int rbdi_qp_gives_way(const rbdi_qp *s) {
     for (int j = 0; j < s->q; ++j)
         if (rbdi_qp_weight(s, s->active[j]) > 0 &&
-            rbdi_abs(s->r[j]) * s->length[j] > RBDI_QP_DEPENDENT * s->own)
+            rbdi_qp_abs(s->r[j]) * s->length[j] > RBDI_QP_DEPENDENT * s->own)
             return 1;
     return 0;
 }
@@ -2190,34 +2241,61 @@ RBDI_PART rbd_qp_status rbdi_qp_take_in(rbdi_qp *s, rbd_real *x, rbdi_qp_miss mi
 #define RBDI_QP_REFINED (16 * RBDI_EPS) /* shares below this are rounding */
 #define RBDI_QP_REFINEMENTS 2
 
-/* t = r1 without the equalities' part, r = r2. Returns the largest |r2|, as a share of its row's length;
-   *size: the largest term of r1. */
-RBDI_PART rbd_real rbdi_qp_residuals(rbdi_qp *s, const rbd_real *x, rbd_real *size) {
-    const int n = s->n;
+/* y = H x + f. Returns the largest of the sums |f_k| + |H_k1 x_1| + ... */
+RBDI_PART rbd_real rbdi_qp_gradient(const rbdi_qp *s, const rbd_real *x, rbd_real *y) {
+    rbd_real largest = 0, terms;
+
+    for (int k = 0; k < s->n; ++k) {
+        const rbd_real f = s->given.f[k];
+        y[k] = rbdi_qp_h_times_and_terms(s, k, x, &terms) + f;
+        largest = rbdi_qp_larger(largest, rbdi_qp_abs(f) + terms);
+    }
+    return largest;
+}
+
+/* t = r1 without the equalities' part, r = r2, and the values of these rows at x. Returns the largest |r2|, as
+   a share of its row's length; raises *size to the largest term of the cost in r1, *push to that of all rows. */
+RBDI_PART rbd_real rbdi_qp_residuals(rbdi_qp *s, const rbd_real *x, rbd_real *size, rbd_real *push) {
     rbd_real missed = 0;
 
-    *size = 0;
-    for (int i = 0; i < n; ++i) {
-        const rbd_real h = rbdi_qp_h_times(s, i, x);
-        s->t[i] = -(h + s->rho * x[i] + s->g[i]);
-        *size = rbdi_qp_larger(*size, rbdi_qp_larger(rbdi_abs(h), rbdi_abs(s->g[i])));
-    }
+    *size = rbdi_qp_larger(*size, rbdi_qp_gradient(s, x, s->t));
+    for (int i = 0; i < s->n; ++i) s->t[i] = s->rho * (s->centre[i] - x[i]) - s->t[i];
+
     for (int j = 0; j < s->q; ++j) {
         const int row = s->active[j];
         const rbd_real sign = rbdi_qp_sign(s->side[row]), weight = rbdi_qp_weight(s, row);
 
-        s->r[j] = sign * (rbdi_qp_side(s, row) - rbdi_qp_row_times(s, row, x));
+        s->value[row] = rbdi_qp_row_times(s, row, x);
+        s->r[j] = sign * (rbdi_qp_side(s, row) - s->value[row]);
         if (weight > 0) s->r[j] = s->r[j] - s->u[j] / weight;
-        missed = rbdi_qp_larger(missed, rbdi_abs(s->r[j]) * s->unit[row]);
-        *size = rbdi_qp_larger(*size, rbdi_abs(s->u[j]) / s->unit[row]);
+        missed = rbdi_qp_larger(missed, rbdi_qp_abs(s->r[j]) * s->unit[row]);
+        const rbd_real term = rbdi_qp_abs(s->u[j]) / s->unit[row];
+        if (weight > 0) *size = rbdi_qp_larger(*size, term);
+        *push = rbdi_qp_larger(*push, term);
         rbdi_qp_add_row(s, row, sign * s->u[j], s->t);
     }
     for (int e = 0; e < s->equalities; ++e) {
         const int row = s->equality[e];
-        const rbd_real by = rbdi_qp_row_times(s, row, x) - s->given.upper[row];
-        missed = rbdi_qp_larger(missed, rbdi_abs(by) * s->unit[row]);
+        s->value[row] = rbdi_qp_row_times(s, row, x);
+        missed = rbdi_qp_larger(missed, rbdi_qp_abs(s->value[row] - s->given.upper[row]) * s->unit[row]);
     }
     return missed;
+}
+
+/* result.dual: the largest |t_k|, where t is what Hx + f + C'lambda leaves, as a share of `size`, the largest
+   term of the cost: of Hx + f, and lambda of a soft row. Not of a hard row, whose largest is `push`: where rows
+   nearly depend on each other, their lambda may be so large that its rounding, which counts, is all of the
+   gradient. s->balance is the share of the larger of the two. Both are not a number if a t_k is none. */
+RBDI_PART void rbdi_qp_judge(rbdi_qp *s, rbd_real size, rbd_real push) {
+    const rbd_real larger = rbdi_qp_larger(size, push);
+    rbd_real worst = rbdi_qp_largest(s->t, s->n), sum = 0;
+
+    for (int k = 0; k < s->n; ++k) sum = sum + s->t[k];
+    worst = worst + (sum - sum);
+    s->balance = larger > 0 ? worst / larger : worst;
+
+    worst = worst + RBDI_EPS * (larger - size);
+    s->result.dual = size > 0 ? worst / size : worst;
 }
 
 /* One correction, from t = r1 and r = r2. */
@@ -2247,19 +2325,20 @@ RBDI_PART void rbdi_qp_correct(rbdi_qp *s, rbd_real *x) {
 }
 
 /* The multipliers of the equalities; result.dual; and corrections where the residuals exceed rounding of x,
-   which may be far less than it was on the way. */
-RBDI_PART void rbdi_qp_refine(rbdi_qp *s, rbd_real *x) {
+   which may be far less than it was on the way. Returns whether x has changed. */
+RBDI_PART int rbdi_qp_refine(rbdi_qp *s, rbd_real *x) {
     for (int corrections = 0;; ++corrections) {
-        rbd_real size, worst;
-        const rbd_real missed = rbdi_qp_residuals(s, x, &size);
         const rbd_real furthest = rbdi_qp_larger(rbdi_qp_largest(x, s->n), RBDI_QP_CANCELLED * s->furthest);
+        rbd_real size = s->rho * furthest, push = 0;
+        const rbd_real missed = rbdi_qp_residuals(s, x, &size, &push);
 
         rbdi_qp_balance(s, s->t, s->z);
-        worst = rbdi_qp_largest(s->t, s->n);
-        s->result.dual = size > 0 ? worst / size : worst;
+        for (int e = 0; e < s->equalities; ++e)
+            push = rbdi_qp_larger(push, rbdi_qp_abs(s->u_equal[e]) / s->unit[s->equality[e]]);
+        rbdi_qp_judge(s, size, push);
 
-        if (s->result.dual <= RBDI_QP_REFINED && missed <= RBDI_QP_REFINED * furthest) return;
-        if (corrections == RBDI_QP_REFINEMENTS) return;
+        if (s->balance <= RBDI_QP_REFINED && missed <= RBDI_QP_REFINED * furthest) return corrections > 0;
+        if (corrections == RBDI_QP_REFINEMENTS) return 1;
         rbdi_qp_correct(s, x);
     }
 }
@@ -2274,7 +2353,7 @@ RBDI_PART void rbdi_qp_refine(rbdi_qp *s, rbd_real *x) {
 /* x0: optimum on the equalities alone. */
 RBDI_PART void rbdi_qp_optimum_on_equalities(rbdi_qp *s) {
     for (int k = 0; k < s->n; ++k) s->x0[k] = -s->g[k];
-    rbdi_qp_solve_lower(s, s->x0, 0);
+    rbdi_qp_solve_lower(s, s->x0, 0, s->n);
     rbdi_qp_reflect_all(s, s->x0);
     rbdi_qp_onto_equalities(s, NULL, s->x0);
 }
@@ -2310,14 +2389,14 @@ RBDI_PART int rbdi_qp_proven(rbdi_qp *s, rbdi_qp_miss miss) {
     s->lambda[miss.row] = (rbd_real)miss.side;
     for (int j = 0; j < s->q; ++j) {
         const int row = s->active[j];
-        if (rbdi_abs(s->r[j]) * s->length[j] > RBDI_QP_DEPENDENT * s->own)
+        if (rbdi_qp_abs(s->r[j]) * s->length[j] > RBDI_QP_DEPENDENT * s->own)
             s->lambda[row] = s->side[row] > 0 ? -s->r[j] : s->r[j];
     }
     rbdi_qp_clear(s->t, s->n);
     for (int row = 0; row < s->all; ++row) {
         if (s->lambda[row] == 0) continue;
         rbdi_qp_add_row(s, row, -s->lambda[row], s->t);
-        largest = rbdi_qp_larger(largest, rbdi_abs(s->lambda[row]) / s->unit[row]);
+        largest = rbdi_qp_larger(largest, rbdi_qp_abs(s->lambda[row]) / s->unit[row]);
     }
     rbdi_qp_balance(s, s->t, s->z);
     for (int e = 0; e < s->equalities; ++e) s->lambda[s->equality[e]] = -s->u_equal[e];
@@ -2328,11 +2407,11 @@ RBDI_PART int rbdi_qp_proven(rbdi_qp *s, rbdi_qp_miss miss) {
         if (lambda == 0) continue;
         if (rbdi_qp_weight(s, row) > 0) return 0; /* it gives way */
         sum = sum + lambda * side;
-        terms = terms + rbdi_abs(lambda * side);
+        terms = terms + rbdi_qp_abs(lambda * side);
     }
     for (int k = 0; k < s->n; ++k) {
-        if (!(rbdi_abs(s->t[k]) <= 10 * s->options.accuracy * largest)) return 0;
-        left = left + rbdi_abs(s->t[k]) * s->furthest;
+        if (!(rbdi_qp_abs(s->t[k]) <= 10 * s->options.accuracy * largest)) return 0;
+        left = left + rbdi_qp_abs(s->t[k]) * s->furthest;
     }
     return sum < -(10 * s->options.accuracy * terms + left);
 }
@@ -2345,20 +2424,23 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
     rbdi_qp_point(s, x);
     while (s->result.steps < s->options.steps && rbdi_qp_release(s, 0)) rbdi_qp_point(s, x);
     rbdi_qp_reached(s, x);
+    rbdi_qp_evaluate(s, x);
 
     for (;;) {
         rbd_qp_status status;
-        *miss = rbdi_qp_most_missed(s, x, s->accuracy);
+        *miss = rbdi_qp_most_missed(s, s->accuracy);
         if (miss->row < 0 && refined) return RBD_QP_OK;
         if (s->result.steps >= s->options.steps) return RBD_QP_ITERATIONS;
 
         if (miss->row < 0) {
-            rbdi_qp_refine(s, x);
+            int moved = rbdi_qp_refine(s, x);
             refined = 1;
             if (rbdi_qp_release(s, s->accuracy)) {
                 rbdi_qp_point(s, x);
                 refined = 0;
+                moved = 1;
             }
+            if (moved) rbdi_qp_evaluate(s, x);
             /* x is exact now: less of what has cancelled before still counts. */
             rbdi_qp_clear(s->reach, s->n);
             rbdi_qp_raise(s->reach, x, RBDI_QP_KEEP * s->furthest, s->n);
@@ -2371,6 +2453,7 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
         }
         status = rbdi_qp_take_in(s, x, *miss);
         rbdi_qp_reached(s, x);
+        rbdi_qp_evaluate(s, x);
         refined = 0;
         if (status == RBD_QP_INFEASIBLE && !rbdi_qp_proven(s, *miss)) {
             if (s->accuracy > RBDI_QP_HOPELESS) return RBD_QP_INACCURATE;
@@ -2391,11 +2474,11 @@ RBDI_PART int rbdi_qp_straight(rbdi_qp *s, const rbd_real *x, const rbd_real *fr
     for (int k = 0; k < s->n; ++k) {
         s->z[k] = from ? x[k] - from[k] : x[k];
         down = down + s->given.f[k] * s->z[k];
-        length = rbdi_qp_larger(length, rbdi_abs(s->z[k]));
+        length = rbdi_qp_larger(length, rbdi_qp_abs(s->z[k]));
         largest = rbdi_qp_larger(largest, s->given.H[k * s->n + k]);
     }
     for (int k = 0; k < s->n; ++k)
-        curvature = rbdi_qp_larger(curvature, rbdi_abs(rbdi_qp_h_times(s, k, s->z)));
+        curvature = rbdi_qp_larger(curvature, rbdi_qp_abs(rbdi_qp_h_times(s, k, s->z)));
     rounding = RBDI_QP_BENT * (rbd_real)s->n * largest * length;
     return down < 0 && curvature <= rounding;
 }
@@ -2415,22 +2498,10 @@ RBDI_PART int rbdi_qp_endless(const rbdi_qp *s) {
     for (int row = 0; row < s->all; ++row) {
         const rbd_real by = rbdi_qp_row_times(s, row, s->z);
         const rbd_real side = by < 0 ? s->given.lower[row] : s->given.upper[row];
-        if (rbdi_abs(side) < RBDI_QP_NONE && rbdi_abs(by) > s->options.accuracy / s->unit[row] * length)
+        if (rbdi_qp_abs(side) < RBDI_QP_NONE && rbdi_qp_abs(by) > s->options.accuracy / s->unit[row] * length)
             return 0;
     }
     return 1;
-}
-
-/* y = H x + f. Returns the largest of the sums |f_k| + |H_k1 x_1| + ... */
-RBDI_PART rbd_real rbdi_qp_gradient(const rbdi_qp *s, const rbd_real *x, rbd_real *y) {
-    rbd_real largest = 0, terms;
-
-    for (int k = 0; k < s->n; ++k) {
-        const rbd_real f = s->given.f[k];
-        y[k] = rbdi_qp_h_times_and_terms(s, k, x, &terms) + f;
-        largest = rbdi_qp_larger(largest, rbdi_abs(f) + terms);
-    }
-    return largest;
 }
 
 /* Rounds until x stays where it is: rho |x - centre| within the accuracy of H x and f. On a straight way each
@@ -2449,8 +2520,8 @@ RBDI_PART rbd_qp_status rbdi_qp_rounds(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mi
 
         size = rbdi_qp_gradient(s, x, s->t);
         for (int k = 0; k < s->n; ++k) {
-            moved = rbdi_qp_larger(moved, s->rho * rbdi_abs(x[k] - s->centre[k]));
-            furthest = rbdi_qp_larger(furthest, s->rho * rbdi_abs(x[k]));
+            moved = rbdi_qp_larger(moved, s->rho * rbdi_qp_abs(x[k] - s->centre[k]));
+            furthest = rbdi_qp_larger(furthest, s->rho * rbdi_qp_abs(x[k]));
         }
         if (moved <= RBDI_QP_ENOUGH * s->options.accuracy * size ||
             (!(size > 0) && moved <= RBDI_QP_STILL * furthest))
@@ -2486,7 +2557,7 @@ RBDI_PART rbd_qp_status rbdi_qp_refuse(rbdi_qp *s, rbd_qp_status status, int at,
     return status;
 }
 
-RBDI_ONCE int rbdi_qp_finite(rbd_real x) { return rbdi_abs(x) < RBDI_QP_NONE; }
+RBDI_ONCE int rbdi_qp_finite(rbd_real x) { return rbdi_qp_abs(x) < RBDI_QP_NONE; }
 
 /* Whether numbers, pointers and options make sense; completes the options. */
 RBDI_PART rbd_qp_status rbdi_qp_check_problem(rbdi_qp *s) {
@@ -2540,8 +2611,8 @@ RBDI_PART rbd_qp_status rbdi_qp_check_value(rbdi_qp *s) {
         if (!rbdi_qp_finite(diagonal)) return rbdi_qp_refuse(s, RBD_QP_NAN, i, "H");
         if (diagonal < 0) return rbdi_qp_refuse(s, RBD_QP_CONVEX, i, "H");
         s->t[i] = own;
-        for (int j = 0; j < i && !s->symmetric; ++j) {
-            const rbd_real apart = rbdi_abs(H[i * n + j] - H[j * n + i]);
+        for (int j = 0; j < i && !s->shape.symmetric; ++j) {
+            const rbd_real apart = rbdi_qp_abs(H[i * n + j] - H[j * n + i]);
             if (!(apart <= own) && !(apart <= own + s->t[j])) return rbdi_qp_refuse_pair(s, i, j);
         }
     }
@@ -2553,7 +2624,7 @@ RBDI_PART rbd_qp_status rbdi_qp_check_pairs(rbdi_qp *s) {
     const rbd_real *H = s->given.H;
     const int n = s->n;
 
-    for (int i = 0; i < n; ++i) {
+    for (int i = 0; i < s->shape.coupled; ++i) {
         for (int j = 0; j < i; ++j) {
             const rbd_real minor = H[i * n + i] * H[j * n + j];
             if (!(H[i * n + j] * H[i * n + j] <= minor + RBDI_QP_ASYMMETRY * minor))
@@ -2577,9 +2648,10 @@ RBDI_PART rbd_qp_status rbdi_qp_check_rows(rbdi_qp *s) {
         if (lower != lower || lower >= RBDI_QP_NONE) return rbdi_qp_refuse(s, RBD_QP_NAN, row, "lower");
         if (upper != upper || upper <= -RBDI_QP_NONE) return rbdi_qp_refuse(s, RBD_QP_NAN, row, "upper");
         if (row >= p->bounds) {
-            const rbd_real *c = p->C + (row - p->bounds) * n;
-            to = n;
-            from = 0;
+            const int of_c = row - p->bounds;
+            const rbd_real *c = p->C + of_c * n;
+            to = of_c < s->shape.heads ? s->shape.coupled : n;
+            from = of_c >= s->shape.tails && of_c < s->shape.rest ? s->shape.coupled : 0;
             while (to > from && c[to - 1] == 0) --to;
             while (from < to && c[from] == 0) ++from;
             square = rbdi_qp_dot(c + from, c + from, to - from);
@@ -2587,6 +2659,7 @@ RBDI_PART rbd_qp_status rbdi_qp_check_rows(rbdi_qp *s) {
         }
         s->from[row] = from;
         s->to[row] = to;
+        s->value[row] = 0;
         s->unit[row] = square > 0 ? 1 / rbdi_sqrt(square) : RBDI_QP_NONE;
         if (lower > upper) return rbdi_qp_refuse(s, RBD_QP_SIDES, row, "lower");
         if (from < to && (lower > -RBDI_QP_NONE || upper < RBDI_QP_NONE)) s->watched[s->watches++] = row;
@@ -2603,20 +2676,25 @@ RBDI_PART rbd_qp_status rbdi_qp_factor_any(rbdi_qp *s) {
 
     for (int i = 0; i < s->n; ++i) {
         diagonal = rbdi_qp_larger(diagonal, s->given.H[i * s->n + i]);
-        slope = rbdi_qp_larger(slope, rbdi_abs(s->given.f[i]));
+        slope = rbdi_qp_larger(slope, rbdi_qp_abs(s->given.f[i]));
     }
     s->rho = diagonal > 0 ? (rbd_real)RBDI_QP_PROXIMAL * diagonal : slope > 0 ? slope / RBDI_QP_WAY : 1;
     at = rbdi_qp_factor(s);
     return at == s->n ? RBD_QP_OK : rbdi_qp_refuse(s, RBD_QP_CONVEX, at, "H");
 }
 
-/* Multipliers of what holds. A proof that did not hold may stand there. */
-RBDI_PART void rbdi_qp_multipliers(rbdi_qp *s, rbd_real *lambda) {
+/* Multipliers of what holds; one that is below 0 by rounding becomes 0. Returns whether none is. A proof that
+   did not hold may stand there. */
+RBDI_PART int rbdi_qp_multipliers(rbdi_qp *s, rbd_real *lambda) {
+    int as_found = 1;
+
     for (int row = 0; row < s->all; ++row) lambda[row] = 0;
     for (int j = 0; j < s->q; ++j) {
         const int row = s->active[j];
-        const rbd_real u = rbdi_qp_is_equality(s, row) ? s->u[j] : rbdi_qp_larger(s->u[j], 0);
+        const int pulls = s->u[j] < 0 && !rbdi_qp_is_equality(s, row);
+        const rbd_real u = pulls ? 0 : s->u[j];
         lambda[row] = s->side[row] > 0 ? u : -u;
+        as_found = as_found && !pulls;
     }
     for (int e = 0; e < s->equalities; ++e) lambda[s->equality[e]] = -s->u_equal[e];
 
@@ -2628,46 +2706,63 @@ RBDI_PART void rbdi_qp_multipliers(rbdi_qp *s, rbd_real *lambda) {
         lambda[row] = rbdi_qp_weight(s, row) * (above - below);
         s->side[row] = (signed char)(lambda[row] > 0 ? 1 : lambda[row] < 0 ? -1 : 0);
     }
+    return as_found;
 }
 
-/* result.primal and result.dual of x and lambda, whatever they came from: of each row, the miss, or where it
-   pushes the distance from the side, as a share of its terms; and Hx + f + C'lambda, as a share of the
-   largest term. Leaves the value of each row. */
-RBDI_PART void rbdi_qp_verify(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
+/* result.primal of x and lambda, by the values of the rows: of each row the miss, or where it pushes the
+   distance from the side, as a share of its terms. */
+RBDI_PART void rbdi_qp_verify_rows(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
     rbd_real furthest = rbdi_qp_largest(x, s->n);
-    rbd_real worst, sum = 0, size;
 
     s->result.primal = 0;
     /* x may be nothing but what has cancelled */
     if (furthest <= RBDI_QP_CANCELLED * s->furthest) furthest = RBDI_QP_KEEP * s->furthest;
-    size = rbdi_qp_gradient(s, x, s->t);
-    if (!(size > 0)) size = s->rho * furthest; /* without H and f multipliers are rounding of this */
     for (int k = 0; k < s->n; ++k) s->reach[k] = furthest;
+
     for (int row = 0; row < s->all; ++row) {
         const rbd_real weight = rbdi_qp_weight(s, row), miss = weight > 0 ? lambda[row] / weight : 0;
-        const rbd_real value = (s->value[row] = rbdi_qp_row_times(s, row, x)) - miss;
+        const rbd_real value = s->value[row] - miss;
         if (lambda[row] == 0 && value >= s->given.lower[row] && value <= s->given.upper[row]) continue;
         const rbd_real below = rbdi_qp_below(s, row, value), above = rbdi_qp_above(s, row, value);
         const int at_upper = lambda[row] > 0 || (!(lambda[row] < 0) && above > below);
-        const rbd_real by = lambda[row] != 0 ? rbdi_abs(at_upper ? above : below) : at_upper ? above : below;
-
-        if (lambda[row] != 0) {
-            rbdi_qp_add_row(s, row, lambda[row], s->t);
-            if (s->from[row] < s->to[row]) size = rbdi_qp_larger(size, rbdi_abs(lambda[row]) / s->unit[row]);
-        }
-        if (by <= 0) continue;
+        const rbd_real by = lambda[row] != 0 ? rbdi_qp_abs(at_upper ? above : below)
+                            : at_upper       ? above
+                                             : below;
         const rbd_real side = at_upper ? s->given.upper[row] : s->given.lower[row];
+
         /* its terms are more than this, for a sum is more than a root of squares */
-        if (by <= s->result.primal * (rbdi_abs(side) + furthest / s->unit[row])) continue;
-        const rbd_real share = by / (rbdi_qp_terms(s, row, side) + rbdi_abs(miss));
+        if (by <= 0 || by <= s->result.primal * (rbdi_qp_abs(side) + furthest / s->unit[row])) continue;
+        const rbd_real share = by / (rbdi_qp_terms(s, row, side) + rbdi_qp_abs(miss));
         if (rbdi_qp_finite(share))
             s->result.primal = rbdi_qp_larger(s->result.primal, share);
         else
             s->doubtful = 1;
     }
-    for (int k = 0; k < s->n; ++k) sum = sum + s->t[k];
-    worst = rbdi_qp_largest(s->t, s->n);
-    s->result.dual = (size > 0 ? worst / size : worst) + (sum - sum); /* not a number if one is none */
+}
+
+/* result.dual and s->balance of x and lambda, whatever they came from. */
+RBDI_PART void rbdi_qp_verify_optimum(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
+    rbd_real size = rbdi_qp_gradient(s, x, s->t), push = 0;
+    if (!(size > 0)) size = s->rho * rbdi_qp_largest(s->reach, s->n); /* multipliers are rounding of this */
+
+    for (int row = 0; row < s->all; ++row) {
+        if (lambda[row] == 0 || s->from[row] == s->to[row]) continue;
+        const rbd_real term = rbdi_qp_abs(lambda[row]) / s->unit[row];
+        rbdi_qp_add_row(s, row, lambda[row], s->t);
+        if (rbdi_qp_weight(s, row) > 0) size = rbdi_qp_larger(size, term);
+        push = rbdi_qp_larger(push, term);
+    }
+    rbdi_qp_judge(s, size, push);
+}
+
+/* The verdict on x and lambda. `ended`: x is as rbdi_qp_refine left it, with the values of the rows; if no
+   multiplier had to be set to 0 and there is no rho, so is result.dual. */
+RBDI_PART void rbdi_qp_verify(rbdi_qp *s, int ended, const rbd_real *x, rbd_real *lambda) {
+    const int as_refined = rbdi_qp_multipliers(s, lambda) && ended && !(s->rho > 0);
+
+    for (int row = 0; row < s->all && !ended; ++row) s->value[row] = rbdi_qp_row_times(s, row, x);
+    rbdi_qp_verify_rows(s, x, lambda);
+    if (!as_refined) rbdi_qp_verify_optimum(s, x, lambda);
 }
 
 /* A hard row of zeros contradicts itself, or asks for nothing. */
@@ -2707,8 +2802,7 @@ RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
     if (status == RBD_QP_INFEASIBLE) {
         rbdi_qp_refuse(s, RBD_QP_INFEASIBLE, miss.row, miss.side < 0 ? "lower" : "upper");
     } else {
-        rbdi_qp_multipliers(s, lambda);
-        rbdi_qp_verify(s, x, lambda);
+        rbdi_qp_verify(s, status == RBD_QP_OK, x, lambda);
     }
     if (status == RBD_QP_OK &&
         (s->doubtful || !(rbdi_qp_larger(s->result.primal, s->result.dual) <= 10 * s->options.accuracy)))
@@ -2731,14 +2825,15 @@ RBDI_PART rbd_qp_status rbdi_qp_bound_result(rbdi_qp *s, rbd_qp_status status, r
         status = rbdi_qp_refuse(s, RBD_QP_NAN, k, NULL);
     }
     if (!(s->result.dual - s->result.dual == 0)) s->result.dual = RBDI_QP_NONE;
+    if (!(s->balance - s->balance == 0)) s->balance = RBDI_QP_NONE;
     return status;
 }
 
-/* Solves a problem. s: what it leaves there and in the memory stays for the caller to read. symmetric: of the
-   state. */
+/* Solves a problem. s: what it leaves there and in the memory stays for the caller to read. shape: NULL if
+   nothing is known. */
 RBDI_PART rbd_qp_status rbdi_qp_solve(rbdi_qp *s, const rbd_qp_problem *problem,
-                                      const rbd_qp_options *options, int symmetric, void *memory, size_t size,
-                                      rbd_real *x, rbd_real *lambda, signed char *side) {
+                                      const rbd_qp_options *options, const rbdi_qp_shape *shape, void *memory,
+                                      size_t size, rbd_real *x, rbd_real *lambda, signed char *side) {
     static const rbd_qp_options defaults = {0, 0, 0, 0};
     static const rbd_qp_result none = {0, 0, 0, 0, 0, -1, NULL};
     rbd_qp_status status;
@@ -2749,7 +2844,12 @@ RBDI_PART rbd_qp_status rbdi_qp_solve(rbdi_qp *s, const rbd_qp_problem *problem,
     if (!problem || !memory || !x) return RBD_QP_NULL;
     s->given = *problem;
     s->options = options ? *options : defaults;
-    s->symmetric = symmetric;
+    s->shape.symmetric = 0;
+    s->shape.coupled = problem->n;
+    s->shape.heads = 0;
+    s->shape.tails = 0;
+    s->shape.rest = 0;
+    if (shape) s->shape = *shape;
     s->side = side;
     s->lambda = lambda;
     s->soft = 0;
@@ -2759,6 +2859,7 @@ RBDI_PART rbd_qp_status rbdi_qp_solve(rbdi_qp *s, const rbd_qp_problem *problem,
     s->rho = 0;
     s->doubtful = 0;
     s->furthest = 0;
+    s->balance = 0;
     status = rbdi_qp_check_problem(s);
     if (status == RBD_QP_OK && s->all && (!lambda || !side)) status = RBD_QP_NULL;
     if (status == RBD_QP_OK && size < RBD_QP_SIZE(s->n, problem->bounds, problem->rows, s->soft))
@@ -2781,7 +2882,7 @@ RBDI_API rbd_qp_status rbd_qp_solve(const rbd_qp_problem *problem, const rbd_qp_
                                     void *memory, size_t size, rbd_real *x, rbd_real *lambda,
                                     signed char *side, rbd_qp_result *result) {
     rbdi_qp s;
-    const rbd_qp_status status = rbdi_qp_solve(&s, problem, options, 0, memory, size, x, lambda, side);
+    const rbd_qp_status status = rbdi_qp_solve(&s, problem, options, NULL, memory, size, x, lambda, side);
     if (result) *result = s.result;
     return status;
 }

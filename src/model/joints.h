@@ -89,7 +89,8 @@ RBDI_PART void rbdi_sincos_link(const rbdi_link *l, rbd_real angle, rbd_real *si
    angle q + gamma is rounded before its sine is computed: by one more rounding of q, 6e-11 rad at q = 1e6 in
    double, or not at all if gamma is 0, because the joint angle at q = 0 is a multiple of 90 degrees. */
 RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *q) {
-    int all_done = 1, from = first;
+    int plain = 1;    /* whether no link slides or has (cos, sin) as coordinates */
+    int from = first; /* of the sines: blocks at the beginning have none */
 
     /* angles of turning links, slides, poses of blocks */
     for (int i = first; i < end; ++i) {
@@ -99,11 +100,11 @@ RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int
         if (rbdi_is(l, RBDI_REVOLUTE)) {
             w->angle[i] = q[l->iq] + l->gamma;
         } else if (rbdi_is(l, RBDI_BLOCK)) {
-            from += i == from; /* a base has no sine */
+            from += i == from;
             w->angle[i] = rbdi_zero();
             w->block[l->block].X = rbdi_block_pose(l, rbdi_block_of(m, l), &q[l->iq]);
         } else {
-            all_done = 0;
+            plain = 0;
             w->angle[i] = rbdi_zero();
             if (l->rho > 0 && rbdi_is(l, RBDI_SCREW)) w->angle[i] = q[l->iq] + l->gamma;
             if (rbdi_is(l, RBDI_SCREW)) w->d[i] = q[l->iq] * l->kappa + l->d;
@@ -117,7 +118,7 @@ RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int
 #else
     for (int i = from; i < end; ++i) rbdi_sincos_link(&m->link[i], w->angle[i], &w->s[i], &w->c[i]);
 #endif
-    if (all_done) return;
+    if (plain) return;
 
     /* joints whose q is (cos, sin), and links that only slide */
     for (int i = from; i < end; ++i) {

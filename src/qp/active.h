@@ -64,7 +64,7 @@ RBDI_PART void rbdi_qp_join(rbdi_qp *s, int row, int side, rbd_real u, rbd_real 
 
     if (q < s->columns - 1) {
         const rbd_real length = rbdi_sqrt(square);
-        const rbd_real scale = 1 / (length * (length + rbdi_abs(a)));
+        const rbd_real scale = 1 / (length * (length + rbdi_qp_abs(a)));
         const rbd_real onto = a > 0 ? -length : length;
 
         for (int k = 0; k < n; ++k) s->z[k] = scale * (s->z[k] - onto * J_q[k]);
@@ -97,7 +97,7 @@ RBDI_PART void rbdi_qp_drop_slack(rbdi_qp *s, int row, rbd_real sign) {
     if (q >= last || !(square > 0)) return;
 
     const rbd_real length = rbdi_sqrt(square);
-    const rbd_real scale = 1 / (length * (length + rbdi_abs(slack[last])));
+    const rbd_real scale = 1 / (length * (length + rbdi_qp_abs(slack[last])));
     rbd_real along = 0;
 
     slack[last] = slack[last] + (slack[last] > 0 ? length : -length);
@@ -183,10 +183,10 @@ RBDI_PART rbd_real rbdi_qp_terms(const rbdi_qp *s, int row, rbd_real side) {
     rbd_real terms;
     const rbd_real *c;
 
-    if (row < s->given.bounds) return rbdi_abs(side) + s->reach[row];
+    if (row < s->given.bounds) return rbdi_qp_abs(side) + s->reach[row];
     c = rbdi_qp_c(s, row);
     rbdi_qp_dot_and_terms(c, s->reach + s->from[row], s->to[row] - s->from[row], &terms);
-    return rbdi_abs(side) + terms;
+    return rbdi_qp_abs(side) + terms;
 }
 
 /* How far u < 0 of active row j may be rounding, in its length: a share of the largest multiplier; of a soft
@@ -207,7 +207,7 @@ RBDI_PART int rbdi_qp_release(rbdi_qp *s, rbd_real share) {
     rbd_real least = 0, largest = 0;
     int worst = -1;
 
-    for (int j = 0; j < s->q; ++j) largest = rbdi_qp_larger(largest, rbdi_abs(s->u[j] * s->length[j]));
+    for (int j = 0; j < s->q; ++j) largest = rbdi_qp_larger(largest, rbdi_qp_abs(s->u[j] * s->length[j]));
     for (int j = 0; j < s->q; ++j) {
         const rbd_real u = s->u[j] * s->length[j];
         if (!(u < least) || rbdi_qp_is_equality(s, s->active[j])) continue;

@@ -23,10 +23,16 @@ RBDI_PART void rbdi_qp_find_ends(rbdi_qp *s) {
 /* Component i of H x, and of |H| |x|: with the sums of all of the row, for its ends are multiples of four. */
 RBDI_ONCE rbd_real rbdi_qp_h_times(const rbdi_qp *s, int i, const rbd_real *x) {
     const int from = s->first[i] / 4 * 4;
+    if (i >= s->coupled) return s->given.H[i * (s->n + 1)] * x[i];
     return rbdi_qp_dot(s->given.H + i * s->n + from, x + from, s->last[i] - from);
 }
 RBDI_ONCE rbd_real rbdi_qp_h_times_and_terms(const rbdi_qp *s, int i, const rbd_real *x, rbd_real *terms) {
     const int from = s->first[i] / 4 * 4;
+    if (i >= s->coupled) {
+        const rbd_real h = rbdi_qp_h_times(s, i, x);
+        *terms = rbdi_qp_abs(h);
+        return h;
+    }
     return rbdi_qp_dot_and_terms(s->given.H + i * s->n + from, x + from, s->last[i] - from, terms);
 }
 
@@ -39,7 +45,7 @@ RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
         const rbd_real diagonal = h[i] + s->rho;
         rbd_real *l = s->L + i * (i + 1) / 2;
         rbd_real pivot;
-        int start = 0;
+        int start = i < s->shape.coupled ? 0 : i;
 
         while (start < i && h[start] == 0) start++;
         if (start < i) start = start / 4 * 4;
@@ -94,9 +100,12 @@ RBDI_PART int rbdi_qp_factor(rbdi_qp *s) {
 
 /* t := L'^-1 t */
 RBDI_PART void rbdi_qp_solve_upper(const rbdi_qp *s, rbd_real *t) {
-    int i = s->n - 1;
+    int i = s->n - 1, at = rbdi_qp_pivot(i);
 
-    for (; i >= s->coupled; --i) t[i] = t[i] * rbdi_qp_pivot(s, i);
+    for (; i >= s->coupled; --i) {
+        t[i] = t[i] * s->L[at];
+        at = at - i - 1;
+    }
     for (; i >= 0; --i) {
         const rbd_real *l = s->L + i * (i + 1) / 2;
         const int k = s->first[i];
@@ -113,7 +122,7 @@ RBDI_PART void rbdi_qp_spread(const rbdi_qp *s, int row, rbd_real *t) {
         t[row] = 1;
     else
         rbdi_qp_copy(rbdi_qp_c(s, row), t + s->from[row], s->to[row] - s->from[row]);
-    rbdi_qp_solve_lower(s, t, s->from[row] / 4 * 4);
+    rbdi_qp_solve_lower(s, t, s->from[row] / 4 * 4, s->to[row]);
 }
 
 /* t := Q't, two reflections at a time */
@@ -135,7 +144,7 @@ RBDI_PART int rbdi_qp_make_reflection(rbdi_qp *s, int row, rbd_real *v) {
     /* v - (-+|v|) on axis e: no difference of like numbers. */
     length = rbdi_sqrt(rest);
     onto = v[e] > 0 ? -length : length;
-    s->beta[e] = 1 / (length * (length + rbdi_abs(v[e])));
+    s->beta[e] = 1 / (length * (length + rbdi_qp_abs(v[e])));
     s->diagonal[e] = 1 / onto;
     v[e] = v[e] - onto;
 
@@ -158,19 +167,20 @@ RBDI_PART int rbdi_qp_make_reflection(rbdi_qp *s, int row, rbd_real *v) {
 RBDI_PART void rbdi_qp_eliminate(rbdi_qp *s, const int *rows, int lanes) {
     const int n = s->n;
     rbdi_qp_group *t = (rbdi_qp_group *)s->x0;
-    int from = n;
+    int from = n, to = 0;
 
     rbdi_qp_clear((rbd_real *)t, n * RBDI_QP_GROUP);
     for (int lane = 0; lane < lanes; ++lane) {
-        const int row = rows[lane], begin = s->from[row];
+        const int row = rows[lane], begin = s->from[row], end = s->to[row];
         const rbd_real one = 1, *c = row < s->given.bounds ? &one : rbdi_qp_c(s, row);
-        rbd_real *to = (rbd_real *)t + begin * RBDI_QP_GROUP + lane;
+        rbd_real *own = (rbd_real *)t + begin * RBDI_QP_GROUP + lane;
 
         from = begin < from ? begin : from;
-        for (int k = 0; k < s->to[row] - begin; ++k) to[k * RBDI_QP_GROUP] = c[k];
+        to = end > to ? end : to;
+        for (int k = 0; k < end - begin; ++k) own[k * RBDI_QP_GROUP] = c[k];
     }
     from = from / 4 * 4;
-    rbdi_qp_group_solve_lower(s, t, from);
+    rbdi_qp_group_solve_lower(s, t, from, to);
     for (int e = 0; e + 1 < s->reflections; e += 2)
         if (s->end[e] > from || s->end[e + 1] > from) rbdi_qp_group_reflect_two(s, e, 0, t);
 
@@ -191,7 +201,7 @@ RBDI_PART void rbdi_qp_eliminate(rbdi_qp *s, const int *rows, int lanes) {
 
 /* Whether a row can hold at the side of the guess. */
 RBDI_PART int rbdi_qp_can_hold(const rbdi_qp *s, int row) {
-    return s->side[row] && s->from[row] < s->to[row] && rbdi_abs(rbdi_qp_side(s, row)) < RBDI_QP_NONE;
+    return s->side[row] && s->from[row] < s->to[row] && rbdi_qp_abs(rbdi_qp_side(s, row)) < RBDI_QP_NONE;
 }
 
 /* Eliminates the equalities, or then the rows of the guess. Soft rows have no part in it. */
@@ -214,9 +224,12 @@ RBDI_PART void rbdi_qp_eliminate_all(rbdi_qp *s, int guess) {
 
 /* t := L'^-1 t of a group, which is 0 behind component `to`. */
 RBDI_PART void rbdi_qp_group_solve_upper(const rbdi_qp *s, rbdi_qp_group *t, int to) {
-    int i = to - 1;
+    int i = to - 1, at = rbdi_qp_pivot(i);
 
-    for (; i >= s->coupled; --i) t[i] = rbdi_qp_pivot(s, i) * t[i];
+    for (; i >= s->coupled; --i) {
+        t[i] = s->L[at] * t[i];
+        at = at - i - 1;
+    }
     for (; i >= 0; --i) {
         const rbd_real *l = s->L + i * (i + 1) / 2;
         const int k = s->first[i];
@@ -280,7 +293,7 @@ RBDI_PART void rbdi_qp_onto_equalities(const rbdi_qp *s, const rbd_real *x, rbd_
 RBDI_PART void rbdi_qp_balance(rbdi_qp *s, rbd_real *y, rbd_real *t) {
     if (!s->equalities) return;
     rbdi_qp_copy(y, t, s->n);
-    rbdi_qp_solve_lower(s, t, 0);
+    rbdi_qp_solve_lower(s, t, 0, s->n);
     rbdi_qp_reflect_all(s, t);
 
     /* R u = -t */

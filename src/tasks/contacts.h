@@ -130,9 +130,11 @@ RBDI_LOCAL void rbdi_tasks_put_robot(rbdi_tasks *k) {
     for (int i = 0; i < k->closed; ++i) rbdi_tasks_hold(k, &k->given->contact[k->contact[i]]);
     k->dynamics = k->rows;
     k->friction = k->rows;
+    k->robot = k->rows;
     if (!k->accelerations) return;
     rbdi_tasks_put_dynamics(k, M);
     rbdi_tasks_put_friction(k);
+    k->robot = k->rows;
 }
 
 #endif
