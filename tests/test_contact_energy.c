@@ -1323,8 +1323,8 @@ static void open_hinged(scene *s, uint64_t *seed, double turn, int momentum) {
     s->v[6] = turn;
 }
 
-/* What docs/contact_step.md says of them, in 2,000 steps whose length counts as 1 s: the largest change of energy,
-   as a share, of so many. */
+/* What docs/contact_step.md says of them, in 2,000 steps whose length counts as 1 s: the largest change of
+   energy, as a share, of so many. */
 static double hinged_energy(double turn, int momentum, int many) {
     uint64_t seed = 7;
     double worst = 0;
