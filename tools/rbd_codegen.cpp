@@ -86,7 +86,8 @@ bool is_identifier(const std::string &s) {
     return true;
 }
 
-/* NAME, or NAME:LINK where it is a link's. before: the word of the list before it, whose link may have a comma. */
+/* NAME, or NAME:LINK where it is a link's. before: the word of the list before it, whose link may have a
+   comma. */
 int check_algorithm(const std::string &given, const std::string &before) {
     const std::string name = given.substr(0, given.find(':'));
     const bool has_link = name != given;
@@ -114,8 +115,8 @@ std::string own_name(const std::string &name) {
     return name == "rnea" ? "id" : name == "crba" ? "mm" : name == "aba" ? "fd" : name;
 }
 
-/* The words of a list with commas between, without their quotes. False: a quote is not closed, or something follows it.
- */
+/* The words of a list with commas between, without their quotes. False: a quote is not closed, or something
+   follows it. */
 bool split(const std::string &list, std::vector<std::string> *words) {
     for (size_t at = 0; at <= list.size(); at++) {
         std::string word;
