@@ -955,6 +955,7 @@ typedef struct rbdi_qp {
     rbdi_qp_shape shape;
     int n, all, soft;  /* variables, rows with bounds, soft rows */
     int watches;       /* rows that x may miss: not 0, with a side, no equality that is eliminated */
+    int zeros;         /* rows of zeros */
     int equalities;    /* eliminated: the first reflections */
     int reflections;   /* equalities, and until there is J the rows of the guess */
     int columns;       /* of J: n - equalities, and the slacks of active soft rows */
@@ -1688,8 +1689,12 @@ RBDI_PART void rbdi_qp_reflect_all(const rbdi_qp *s, rbd_real *t) {
    any row. Sparse rows first make the vectors short. */
 RBDI_PART int rbdi_qp_make_reflection(rbdi_qp *s, int row, rbd_real *v) {
     const int n = s->n, e = s->reflections;
-    const rbd_real gone = rbdi_qp_dot(v, v, e), rest = rbdi_qp_dot(v + e, v + e, n - e);
-    rbd_real length, onto;
+    rbd_real gone, rest, length, onto;
+    int end = n;
+
+    while (end > e + 1 && v[end - 1] == 0) end--;
+    gone = rbdi_qp_dot(v, v, e);
+    rest = rbdi_qp_dot(v + e, v + e, end - e);
     if (rest <= RBDI_QP_DEPENDENT * RBDI_QP_DEPENDENT * (gone + rest)) return 0;
 
     /* v - (-+|v|) on axis e: no difference of like numbers. */
@@ -1699,9 +1704,8 @@ RBDI_PART int rbdi_qp_make_reflection(rbdi_qp *s, int row, rbd_real *v) {
     s->diagonal[e] = 1 / onto;
     v[e] = v[e] - onto;
 
-    s->end[e] = n;
-    while (s->end[e] > e + 1 && v[s->end[e] - 1] == 0) s->end[e]--;
-    if (e % 2) s->cross[e - 1] = rbdi_qp_dot(v + e - n, v + e, n - e);
+    s->end[e] = end;
+    if (e % 2) s->cross[e - 1] = rbdi_qp_dot(v + e - n, v + e, end - e);
     s->reflections = e + 1;
 
     if (rbdi_qp_is_equality(s, row)) {
@@ -1760,6 +1764,7 @@ RBDI_PART void rbdi_qp_eliminate_all(rbdi_qp *s, int guess) {
     int rows[RBDI_QP_GROUP], lanes = 0;
 
     for (int row = 0; row < s->all; ++row) {
+        if (guess && !s->side[row]) continue;
         if (rbdi_qp_is_equality(s, row) == guess || rbdi_qp_weight(s, row) > 0) continue;
         if (guess && !rbdi_qp_can_hold(s, row)) {
             s->side[row] = 0;
@@ -1828,12 +1833,13 @@ RBDI_PART void rbdi_qp_basis(rbdi_qp *s) {
     s->reflections = k;
 }
 
-/* t := L'^-1 Q (y; t2), R' y = b - A x, for the equalities A x = b; x NULL: 0. t2: t from there on. */
-RBDI_PART void rbdi_qp_onto_equalities(const rbdi_qp *s, const rbd_real *x, rbd_real *t) {
+/* t := L'^-1 Q (y; t2), R' y = b, for the equalities A x = b; `further`: R' y = b - A x, from the values of these
+   rows. t2: t from there on. */
+RBDI_PART void rbdi_qp_onto_equalities(const rbdi_qp *s, int further, rbd_real *t) {
     for (int e = 0; e < s->equalities; ++e) {
         const int row = s->equality[e];
         rbd_real b = s->given.upper[row];
-        if (x) b = b - rbdi_qp_row_times(s, row, x);
+        if (further) b = b - s->value[row];
         t[e] = (b - rbdi_qp_dot(s->V + e * s->n, t, e)) * s->diagonal[e];
     }
     rbdi_qp_reflect_back(s, s->equalities, t);
@@ -2293,7 +2299,7 @@ RBDI_PART void rbdi_qp_correct(rbdi_qp *s, rbd_real *x) {
     const int n = s->n;
 
     rbdi_qp_clear(s->z, n);
-    if (s->equalities) rbdi_qp_onto_equalities(s, x, s->z);
+    if (s->equalities) rbdi_qp_onto_equalities(s, 1, s->z);
     for (int j = 0; j < s->q; ++j) {
         const int row = s->active[j];
         s->r[j] = s->r[j] - rbdi_qp_sign(s->side[row]) * rbdi_qp_row_times(s, row, s->z);
@@ -2345,7 +2351,7 @@ RBDI_PART void rbdi_qp_optimum_on_equalities(rbdi_qp *s) {
     for (int k = 0; k < s->n; ++k) s->x0[k] = -s->g[k];
     rbdi_qp_solve_lower(s, s->x0, 0, s->n);
     rbdi_qp_reflect_all(s, s->x0);
-    rbdi_qp_onto_equalities(s, NULL, s->x0);
+    rbdi_qp_onto_equalities(s, 0, s->x0);
 }
 
 /* The soft equalities, and with `warm` the soft rows of the guess, join without a step: none depends on
@@ -2630,6 +2636,7 @@ RBDI_PART rbd_qp_status rbdi_qp_check_rows(rbdi_qp *s) {
     const int n = s->n;
 
     s->watches = 0;
+    s->zeros = 0;
     for (int row = 0; row < s->all; ++row) {
         const rbd_real lower = p->lower[row], upper = p->upper[row];
         int from = row, to = row + 1;
@@ -2650,6 +2657,7 @@ RBDI_PART rbd_qp_status rbdi_qp_check_rows(rbdi_qp *s) {
         s->from[row] = from;
         s->to[row] = to;
         s->value[row] = 0;
+        s->zeros += from == to;
         s->unit[row] = square > 0 ? 1 / rbdi_sqrt(square) : RBDI_QP_NONE;
         if (lower > upper) return rbdi_qp_refuse(s, RBD_QP_SIDES, row, "lower");
         if (from < to && (lower > -RBDI_QP_NONE || upper < RBDI_QP_NONE)) s->watched[s->watches++] = row;
@@ -2689,7 +2697,7 @@ RBDI_PART int rbdi_qp_multipliers(rbdi_qp *s, rbd_real *lambda) {
     for (int e = 0; e < s->equalities; ++e) lambda[s->equality[e]] = -s->u_equal[e];
 
     /* Rows of zeros: e = u/w is what 0 misses. */
-    for (int row = 0; row < s->all; ++row) {
+    for (int row = 0; row < s->all && s->zeros; ++row) {
         const rbd_real below = rbdi_qp_larger(s->given.lower[row], 0);
         const rbd_real above = rbdi_qp_larger(-s->given.upper[row], 0);
         if (s->from[row] < s->to[row]) continue;
@@ -2755,7 +2763,7 @@ RBDI_PART void rbdi_qp_verify(rbdi_qp *s, int ended, const rbd_real *x, rbd_real
 
 /* A hard row of zeros contradicts itself, or asks for nothing. */
 RBDI_PART rbd_qp_status rbdi_qp_zero_rows(rbdi_qp *s, rbdi_qp_miss *miss) {
-    for (int row = 0; row < s->all; ++row) {
+    for (int row = 0; row < s->all && s->zeros; ++row) {
         const rbd_real lower = s->given.lower[row], upper = s->given.upper[row];
         if (s->from[row] < s->to[row] || rbdi_qp_weight(s, row) > 0 || (lower <= 0 && upper >= 0)) continue;
         miss->row = row;

@@ -137,8 +137,12 @@ RBDI_PART void rbdi_qp_reflect_all(const rbdi_qp *s, rbd_real *t) {
    any row. Sparse rows first make the vectors short. */
 RBDI_PART int rbdi_qp_make_reflection(rbdi_qp *s, int row, rbd_real *v) {
     const int n = s->n, e = s->reflections;
-    const rbd_real gone = rbdi_qp_dot(v, v, e), rest = rbdi_qp_dot(v + e, v + e, n - e);
-    rbd_real length, onto;
+    rbd_real gone, rest, length, onto;
+    int end = n;
+
+    while (end > e + 1 && v[end - 1] == 0) end--;
+    gone = rbdi_qp_dot(v, v, e);
+    rest = rbdi_qp_dot(v + e, v + e, end - e);
     if (rest <= RBDI_QP_DEPENDENT * RBDI_QP_DEPENDENT * (gone + rest)) return 0;
 
     /* v - (-+|v|) on axis e: no difference of like numbers. */
@@ -148,9 +152,8 @@ RBDI_PART int rbdi_qp_make_reflection(rbdi_qp *s, int row, rbd_real *v) {
     s->diagonal[e] = 1 / onto;
     v[e] = v[e] - onto;
 
-    s->end[e] = n;
-    while (s->end[e] > e + 1 && v[s->end[e] - 1] == 0) s->end[e]--;
-    if (e % 2) s->cross[e - 1] = rbdi_qp_dot(v + e - n, v + e, n - e);
+    s->end[e] = end;
+    if (e % 2) s->cross[e - 1] = rbdi_qp_dot(v + e - n, v + e, end - e);
     s->reflections = e + 1;
 
     if (rbdi_qp_is_equality(s, row)) {
@@ -209,6 +212,7 @@ RBDI_PART void rbdi_qp_eliminate_all(rbdi_qp *s, int guess) {
     int rows[RBDI_QP_GROUP], lanes = 0;
 
     for (int row = 0; row < s->all; ++row) {
+        if (guess && !s->side[row]) continue;
         if (rbdi_qp_is_equality(s, row) == guess || rbdi_qp_weight(s, row) > 0) continue;
         if (guess && !rbdi_qp_can_hold(s, row)) {
             s->side[row] = 0;
@@ -277,12 +281,13 @@ RBDI_PART void rbdi_qp_basis(rbdi_qp *s) {
     s->reflections = k;
 }
 
-/* t := L'^-1 Q (y; t2), R' y = b - A x, for the equalities A x = b; x NULL: 0. t2: t from there on. */
-RBDI_PART void rbdi_qp_onto_equalities(const rbdi_qp *s, const rbd_real *x, rbd_real *t) {
+/* t := L'^-1 Q (y; t2), R' y = b, for the equalities A x = b; `further`: R' y = b - A x, from the values of these
+   rows. t2: t from there on. */
+RBDI_PART void rbdi_qp_onto_equalities(const rbdi_qp *s, int further, rbd_real *t) {
     for (int e = 0; e < s->equalities; ++e) {
         const int row = s->equality[e];
         rbd_real b = s->given.upper[row];
-        if (x) b = b - rbdi_qp_row_times(s, row, x);
+        if (further) b = b - s->value[row];
         t[e] = (b - rbdi_qp_dot(s->V + e * s->n, t, e)) * s->diagonal[e];
     }
     rbdi_qp_reflect_back(s, s->equalities, t);

@@ -78,6 +78,7 @@ typedef struct rbdi_qp {
     rbdi_qp_shape shape;
     int n, all, soft;  /* variables, rows with bounds, soft rows */
     int watches;       /* rows that x may miss: not 0, with a side, no equality that is eliminated */
+    int zeros;         /* rows of zeros */
     int equalities;    /* eliminated: the first reflections */
     int reflections;   /* equalities, and until there is J the rows of the guess */
     int columns;       /* of J: n - equalities, and the slacks of active soft rows */

@@ -69,7 +69,7 @@ RBDI_PART void rbdi_qp_correct(rbdi_qp *s, rbd_real *x) {
     const int n = s->n;
 
     rbdi_qp_clear(s->z, n);
-    if (s->equalities) rbdi_qp_onto_equalities(s, x, s->z);
+    if (s->equalities) rbdi_qp_onto_equalities(s, 1, s->z);
     for (int j = 0; j < s->q; ++j) {
         const int row = s->active[j];
         s->r[j] = s->r[j] - rbdi_qp_sign(s->side[row]) * rbdi_qp_row_times(s, row, s->z);

@@ -14,7 +14,7 @@ RBDI_PART void rbdi_qp_optimum_on_equalities(rbdi_qp *s) {
     for (int k = 0; k < s->n; ++k) s->x0[k] = -s->g[k];
     rbdi_qp_solve_lower(s, s->x0, 0, s->n);
     rbdi_qp_reflect_all(s, s->x0);
-    rbdi_qp_onto_equalities(s, NULL, s->x0);
+    rbdi_qp_onto_equalities(s, 0, s->x0);
 }
 
 /* The soft equalities, and with `warm` the soft rows of the guess, join without a step: none depends on
