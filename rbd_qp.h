@@ -881,7 +881,7 @@ RBDI_PART char *rbdi_join(const char *const *piece, int n, char *text, size_t si
 #endif
 
 /* ==== src/qp/layout.h ==== */
-/* Interface: rbdi_qp */
+/* Interface: rbdi_qp, rbdi_qp_shape */
 
 /* ---- method [method] ----
    Minimise x'Hx/2 + f'x with n_i'x >= b_i, where the normal n_i of a row points into what is allowed: the

@@ -1,5 +1,6 @@
 #ifndef RBDI_QP_FACTOR_H
 #define RBDI_QP_FACTOR_H
+#include "base/scalar.h"
 #include "qp/vectors.h"
 
 /* ---- factor and equalities [factor] ----
