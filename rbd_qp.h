@@ -957,7 +957,7 @@ typedef struct rbdi_qp {
     int watches;       /* rows that x may miss: not 0, with a side, no equality that is eliminated */
     int zeros;         /* rows of zeros */
     int equalities;    /* eliminated: the first reflections */
-    int reflections;   /* equalities, and until there is J the rows of the guess */
+    int reflections;   /* equalities, and until there is J the active rows */
     int columns;       /* of J: n - equalities, and the slacks of active soft rows */
     int q;             /* active rows that are not eliminated */
     rbd_real rho;      /* added to H's diagonal */
@@ -969,7 +969,8 @@ typedef struct rbdi_qp {
 
     rbd_real *L; /* packed rows, its diagonal inverted */
     rbd_real *V; /* reflections x n: their vectors from the diagonal on; R of the equalities above */
-    rbd_real *J; /* columns x n: each column of J is a row here */
+    rbd_real
+        *J; /* columns x n: each column of J is a row here; NULL until a row joins or a soft one is there */
     rbd_real *R; /* packed columns, its diagonal inverted */
 
     rbd_real *d, *r;   /* n + soft: see [method] */
@@ -1017,14 +1018,15 @@ RBDI_PART void rbdi_qp_place(rbdi_qp *s, void *memory) {
     s->L = rbdi_qp_scalars(&at, n * (n + 1) / 2);
     s->R = rbdi_qp_scalars(&at, most * (most + 1) / 2);
 
+    /* these four together have room for a group of vectors */
     s->d = rbdi_qp_scalars(&at, most);
     s->r = rbdi_qp_scalars(&at, most);
+    s->leaving = rbdi_qp_scalars(&at, most);
+    s->z = rbdi_qp_scalars(&at, n);
+
     s->u = rbdi_qp_scalars(&at, most);
     s->length = rbdi_qp_scalars(&at, most);
-    s->leaving = rbdi_qp_scalars(&at, most);
-
     s->x0 = rbdi_qp_scalars(&at, n);
-    s->z = rbdi_qp_scalars(&at, n);
     s->reach = rbdi_qp_scalars(&at, n);
     s->centre = rbdi_qp_scalars(&at, n);
     s->g = rbdi_qp_scalars(&at, n);
@@ -1057,6 +1059,9 @@ RBDI_INLINE rbd_real rbdi_qp_abs(rbd_real x) {
 #endif
 }
 RBDI_INLINE rbd_real rbdi_qp_larger(rbd_real a, rbd_real b) { return a > b ? a : b; }
+
+/* Scratch for a group of vectors, while d, r, leaving and z have no use. */
+#define RBDI_QP_GROUP_OF(s) ((rbdi_qp_group *)(s)->d)
 
 /* The weight of a row, 0 if it is hard. */
 RBDI_ONCE rbd_real rbdi_qp_weight(const rbdi_qp *s, int row) {
@@ -1677,9 +1682,8 @@ RBDI_PART void rbdi_qp_spread(const rbdi_qp *s, int row, rbd_real *t) {
     rbdi_qp_solve_lower(s, t, s->from[row] / 4 * 4, s->to[row]);
 }
 
-/* t := Q't, two reflections at a time */
-RBDI_PART void rbdi_qp_reflect_all(const rbdi_qp *s, rbd_real *t) {
-    const int k = s->equalities;
+/* t := Q't, of the first k reflections, two at a time */
+RBDI_PART void rbdi_qp_reflect_all(const rbdi_qp *s, int k, rbd_real *t) {
     for (int e = 0; e + 1 < k; e += 2) rbdi_qp_reflect_two(s, e, 0, t);
     if (k % 2) rbdi_qp_reflect(s, k - 1, t);
 }
@@ -1721,7 +1725,7 @@ RBDI_PART int rbdi_qp_make_reflection(rbdi_qp *s, int row, rbd_real *v) {
 /* Reflects rows (Householder 1958), a group of them: L^-1 row' of each goes onto an axis. */
 RBDI_PART void rbdi_qp_eliminate(rbdi_qp *s, const int *rows, int lanes) {
     const int n = s->n;
-    rbdi_qp_group *t = (rbdi_qp_group *)s->x0;
+    rbdi_qp_group *t = RBDI_QP_GROUP_OF(s);
     int from = n, to = 0;
 
     rbdi_qp_clear((rbd_real *)t, n * RBDI_QP_GROUP);
@@ -1810,14 +1814,14 @@ RBDI_PART void rbdi_qp_take_guess(rbdi_qp *s) {
     }
 }
 
-/* J = L'^-1 Q [0; 1], the last columns first: they come to lie where the vectors of the guess were, which the
-   columns before have no use for. */
+/* J = L'^-1 Q [0; 1], if it is not there yet, the last columns first: they come to lie where the vectors of
+   the guess were, which the columns before have no use for. */
 RBDI_PART void rbdi_qp_basis(rbdi_qp *s) {
     const int n = s->n, k = s->equalities;
-    rbdi_qp_group *t = (rbdi_qp_group *)s->x0;
+    rbdi_qp_group *t = RBDI_QP_GROUP_OF(s);
+    if (s->J) return;
 
     s->J = s->V + k * n;
-    s->columns = n - k;
     for (int j = (s->columns - 1) / RBDI_QP_GROUP * RBDI_QP_GROUP; j >= 0; j -= RBDI_QP_GROUP) {
         const int left = s->columns - j, lanes = left < RBDI_QP_GROUP ? left : RBDI_QP_GROUP;
         const int end = k + j + lanes, count = end < s->reflections ? end : s->reflections;
@@ -1831,6 +1835,34 @@ RBDI_PART void rbdi_qp_basis(rbdi_qp *s) {
                 rbdi_qp_j(s, j + lane)[i] = ((const rbd_real *)t)[i * RBDI_QP_GROUP + lane];
     }
     s->reflections = k;
+}
+
+/* d = J'y; y is lost. Without J it goes by the factors. */
+RBDI_PART void rbdi_qp_project(const rbdi_qp *s, rbd_real *y, rbd_real *d) {
+    if (s->J) {
+        for (int j = 0; j < s->columns; ++j) d[j] = rbdi_qp_dot(rbdi_qp_j(s, j), y, s->n);
+        return;
+    }
+    rbdi_qp_solve_lower(s, y, 0, s->n);
+    rbdi_qp_reflect_all(s, s->reflections, y);
+    rbdi_qp_copy(y + s->equalities, d, s->columns);
+}
+
+/* y += J d of the columns from `from` to before `to`, two at a time; without J by the factors, with t as
+   scratch. */
+RBDI_PART void rbdi_qp_add_columns(const rbdi_qp *s, int from, int to, const rbd_real *d, rbd_real *y) {
+    int j = from;
+
+    if (!s->J) {
+        rbdi_qp_clear(s->t, s->n);
+        rbdi_qp_copy(d + from, s->t + s->equalities + from, to - from);
+        rbdi_qp_reflect_back(s, s->reflections, s->t);
+        rbdi_qp_solve_upper(s, s->t);
+        rbdi_qp_add(1, s->t, y, s->n);
+        return;
+    }
+    for (; j + 2 <= to; j += 2) rbdi_qp_adds(d[j], rbdi_qp_j(s, j), d[j + 1], rbdi_qp_j(s, j + 1), y, s->n);
+    if (j < to) rbdi_qp_add(d[j], rbdi_qp_j(s, j), y, s->n);
 }
 
 /* t := L'^-1 Q (y; t2), R' y = b, for the equalities A x = b; `further`: R' y = b - A x, from the values of these
@@ -1851,7 +1883,7 @@ RBDI_PART void rbdi_qp_balance(rbdi_qp *s, rbd_real *y, rbd_real *t) {
     if (!s->equalities) return;
     rbdi_qp_copy(y, t, s->n);
     rbdi_qp_solve_lower(s, t, 0, s->n);
-    rbdi_qp_reflect_all(s, t);
+    rbdi_qp_reflect_all(s, s->equalities, t);
 
     /* R u = -t */
     for (int e = s->equalities - 1; e >= 0; --e) {
@@ -1872,6 +1904,7 @@ RBDI_PART void rbdi_qp_balance(rbdi_qp *s, rbd_real *y, rbd_real *t) {
 RBDI_PART rbd_real rbdi_qp_enter(rbdi_qp *s, int row, int side) {
     const rbd_real weight = rbdi_qp_weight(s, row), sign = rbdi_qp_sign(side);
 
+    rbdi_qp_basis(s);
     if (row < s->given.bounds) {
         for (int j = 0; j < s->columns; ++j) s->d[j] = sign * rbdi_qp_j(s, j)[row];
     } else {
@@ -1901,17 +1934,10 @@ RBDI_INLINE int rbdi_qp_depends(const rbdi_qp *s, int row, rbd_real square) {
     return !(rbdi_qp_weight(s, row) > 0) && square <= least * least;
 }
 
-/* y += J d of the columns from j on, two at a time */
-RBDI_PART void rbdi_qp_add_columns(const rbdi_qp *s, int j, const rbd_real *d, rbd_real *y) {
-    for (; j + 2 <= s->columns; j += 2)
-        rbdi_qp_adds(d[j], rbdi_qp_j(s, j), d[j + 1], rbdi_qp_j(s, j + 1), y, s->n);
-    if (j < s->columns) rbdi_qp_add(d[j], rbdi_qp_j(s, j), y, s->n);
-}
-
 /* z = J2 d2 */
 RBDI_PART void rbdi_qp_way(rbdi_qp *s) {
     rbdi_qp_clear(s->z, s->n);
-    rbdi_qp_add_columns(s, s->q, s->d, s->z);
+    rbdi_qp_add_columns(s, s->q, s->columns, s->d, s->z);
 }
 
 /* The row joins, with d and z = J2 d2 as they are; square: |d2|^2. A reflection turns d2 onto its first
@@ -2026,17 +2052,23 @@ RBDI_PART void rbdi_qp_solve_r_transposed(const rbdi_qp *s, rbd_real *y) {
     }
 }
 
-/* x and u of the active rows: R' y = b - N'x0, x = x0 + J1 y, u = R^-1 y. */
-RBDI_PART void rbdi_qp_point(rbdi_qp *s, rbd_real *x) {
+/* r = y and u of the active rows: R' y = b - N'x0, u = R^-1 y. */
+RBDI_PART void rbdi_qp_push(rbdi_qp *s) {
     for (int j = 0; j < s->q; ++j) {
         const int row = s->active[j];
         const rbd_real missed = rbdi_qp_side(s, row) - rbdi_qp_row_times(s, row, s->x0);
-        s->u[j] = rbdi_qp_sign(s->side[row]) * missed;
+        s->r[j] = rbdi_qp_sign(s->side[row]) * missed;
     }
-    rbdi_qp_solve_r_transposed(s, s->u);
-    rbdi_qp_copy(s->x0, x, s->n);
-    for (int j = 0; j < s->q; ++j) rbdi_qp_add(s->u[j], rbdi_qp_j(s, j), x, s->n);
+    rbdi_qp_solve_r_transposed(s, s->r);
+    rbdi_qp_copy(s->r, s->u, s->q);
     rbdi_qp_solve_r(s, s->u);
+}
+
+/* x and u of the active rows: x = x0 + J1 y. */
+RBDI_PART void rbdi_qp_point(rbdi_qp *s, rbd_real *x) {
+    rbdi_qp_push(s);
+    rbdi_qp_copy(s->x0, x, s->n);
+    if (s->q) rbdi_qp_add_columns(s, 0, s->q, s->r, x);
 }
 
 /* The scale of a row's miss: its side, and its terms with the largest x so far. */
@@ -2062,6 +2094,19 @@ RBDI_PART rbd_real rbdi_qp_slight(const rbdi_qp *s, int j, rbd_real share, rbd_r
     return of_terms < slight ? of_terms : slight;
 }
 
+/* Active row l leaves before there is J: the reflections of the rows behind it are made anew. */
+RBDI_PART void rbdi_qp_forget(rbdi_qp *s, int l) {
+    const int end = s->q;
+
+    s->side[s->active[l]] = 0;
+    s->q = l;
+    s->reflections = s->equalities + l;
+    for (int j = l + 1; j < end; j += RBDI_QP_GROUP)
+        rbdi_qp_eliminate(s, s->active + j, end - j < RBDI_QP_GROUP ? end - j : RBDI_QP_GROUP);
+    rbdi_qp_take_guess(s);
+    s->result.steps++;
+}
+
 /* The active inequality that pulls most, u < 0 by more than what share may be rounding, leaves. Returns
    whether one does. */
 RBDI_PART int rbdi_qp_release(rbdi_qp *s, rbd_real share) {
@@ -2077,7 +2122,10 @@ RBDI_PART int rbdi_qp_release(rbdi_qp *s, rbd_real share) {
         worst = j;
     }
     if (worst < 0) return 0;
-    rbdi_qp_leave(s, worst);
+    if (s->J)
+        rbdi_qp_leave(s, worst);
+    else
+        rbdi_qp_forget(s, worst);
     return 1;
 }
 
@@ -2306,7 +2354,7 @@ RBDI_PART void rbdi_qp_correct(rbdi_qp *s, rbd_real *x) {
     }
 
     /* d = (y1; y2), r = R^-1 (y1 - J1'r1) */
-    for (int j = 0; j < s->columns; ++j) s->d[j] = rbdi_qp_dot(rbdi_qp_j(s, j), s->t, n);
+    rbdi_qp_project(s, s->t, s->d);
     rbdi_qp_solve_r_transposed(s, s->r);
     for (int j = 0; j < s->q; ++j) {
         const rbd_real y = s->r[j];
@@ -2316,7 +2364,7 @@ RBDI_PART void rbdi_qp_correct(rbdi_qp *s, rbd_real *x) {
     rbdi_qp_solve_r(s, s->r);
 
     for (int k = 0; k < n; ++k) x[k] = x[k] + s->z[k];
-    rbdi_qp_add_columns(s, 0, s->d, x);
+    rbdi_qp_add_columns(s, 0, s->columns, s->d, x);
     for (int j = 0; j < s->q; ++j) s->u[j] = s->u[j] + s->r[j];
 }
 
@@ -2350,7 +2398,7 @@ RBDI_PART int rbdi_qp_refine(rbdi_qp *s, rbd_real *x) {
 RBDI_PART void rbdi_qp_optimum_on_equalities(rbdi_qp *s) {
     for (int k = 0; k < s->n; ++k) s->x0[k] = -s->g[k];
     rbdi_qp_solve_lower(s, s->x0, 0, s->n);
-    rbdi_qp_reflect_all(s, s->x0);
+    rbdi_qp_reflect_all(s, s->equalities, s->x0);
     rbdi_qp_onto_equalities(s, 0, s->x0);
 }
 
@@ -2417,8 +2465,9 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
     int refined = 0;
 
     rbdi_qp_reached(s, s->x0);
+    rbdi_qp_push(s);
+    while (s->result.steps < s->options.steps && rbdi_qp_release(s, 0)) rbdi_qp_push(s);
     rbdi_qp_point(s, x);
-    while (s->result.steps < s->options.steps && rbdi_qp_release(s, 0)) rbdi_qp_point(s, x);
     rbdi_qp_reached(s, x);
     rbdi_qp_evaluate(s, x);
 
@@ -2784,7 +2833,7 @@ RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
     rbdi_qp_eliminate_all(s, 0);
     if (s->options.warm) rbdi_qp_eliminate_all(s, 1);
     rbdi_qp_take_guess(s);
-    rbdi_qp_basis(s);
+    s->columns = s->n - s->equalities;
     for (int k = 0; k < s->n; ++k) {
         s->reach[k] = 0;
         s->centre[k] = s->options.warm && s->rho > 0 ? x[k] : 0;
@@ -2868,6 +2917,7 @@ RBDI_PART rbd_qp_status rbdi_qp_solve(rbdi_qp *s, const rbd_qp_problem *problem,
         if (!warm) side[row] = 0;
     }
     rbdi_qp_place(s, memory);
+    s->J = NULL;
     status = rbdi_qp_run(s, x, lambda);
     return rbdi_qp_bound_result(s, status, x, lambda);
 }

@@ -126,9 +126,8 @@ RBDI_PART void rbdi_qp_spread(const rbdi_qp *s, int row, rbd_real *t) {
     rbdi_qp_solve_lower(s, t, s->from[row] / 4 * 4, s->to[row]);
 }
 
-/* t := Q't, two reflections at a time */
-RBDI_PART void rbdi_qp_reflect_all(const rbdi_qp *s, rbd_real *t) {
-    const int k = s->equalities;
+/* t := Q't, of the first k reflections, two at a time */
+RBDI_PART void rbdi_qp_reflect_all(const rbdi_qp *s, int k, rbd_real *t) {
     for (int e = 0; e + 1 < k; e += 2) rbdi_qp_reflect_two(s, e, 0, t);
     if (k % 2) rbdi_qp_reflect(s, k - 1, t);
 }
@@ -170,7 +169,7 @@ RBDI_PART int rbdi_qp_make_reflection(rbdi_qp *s, int row, rbd_real *v) {
 /* Reflects rows (Householder 1958), a group of them: L^-1 row' of each goes onto an axis. */
 RBDI_PART void rbdi_qp_eliminate(rbdi_qp *s, const int *rows, int lanes) {
     const int n = s->n;
-    rbdi_qp_group *t = (rbdi_qp_group *)s->x0;
+    rbdi_qp_group *t = RBDI_QP_GROUP_OF(s);
     int from = n, to = 0;
 
     rbdi_qp_clear((rbd_real *)t, n * RBDI_QP_GROUP);
@@ -259,14 +258,14 @@ RBDI_PART void rbdi_qp_take_guess(rbdi_qp *s) {
     }
 }
 
-/* J = L'^-1 Q [0; 1], the last columns first: they come to lie where the vectors of the guess were, which the
-   columns before have no use for. */
+/* J = L'^-1 Q [0; 1], if it is not there yet, the last columns first: they come to lie where the vectors of
+   the guess were, which the columns before have no use for. */
 RBDI_PART void rbdi_qp_basis(rbdi_qp *s) {
     const int n = s->n, k = s->equalities;
-    rbdi_qp_group *t = (rbdi_qp_group *)s->x0;
+    rbdi_qp_group *t = RBDI_QP_GROUP_OF(s);
+    if (s->J) return;
 
     s->J = s->V + k * n;
-    s->columns = n - k;
     for (int j = (s->columns - 1) / RBDI_QP_GROUP * RBDI_QP_GROUP; j >= 0; j -= RBDI_QP_GROUP) {
         const int left = s->columns - j, lanes = left < RBDI_QP_GROUP ? left : RBDI_QP_GROUP;
         const int end = k + j + lanes, count = end < s->reflections ? end : s->reflections;
@@ -280,6 +279,34 @@ RBDI_PART void rbdi_qp_basis(rbdi_qp *s) {
                 rbdi_qp_j(s, j + lane)[i] = ((const rbd_real *)t)[i * RBDI_QP_GROUP + lane];
     }
     s->reflections = k;
+}
+
+/* d = J'y; y is lost. Without J it goes by the factors. */
+RBDI_PART void rbdi_qp_project(const rbdi_qp *s, rbd_real *y, rbd_real *d) {
+    if (s->J) {
+        for (int j = 0; j < s->columns; ++j) d[j] = rbdi_qp_dot(rbdi_qp_j(s, j), y, s->n);
+        return;
+    }
+    rbdi_qp_solve_lower(s, y, 0, s->n);
+    rbdi_qp_reflect_all(s, s->reflections, y);
+    rbdi_qp_copy(y + s->equalities, d, s->columns);
+}
+
+/* y += J d of the columns from `from` to before `to`, two at a time; without J by the factors, with t as
+   scratch. */
+RBDI_PART void rbdi_qp_add_columns(const rbdi_qp *s, int from, int to, const rbd_real *d, rbd_real *y) {
+    int j = from;
+
+    if (!s->J) {
+        rbdi_qp_clear(s->t, s->n);
+        rbdi_qp_copy(d + from, s->t + s->equalities + from, to - from);
+        rbdi_qp_reflect_back(s, s->reflections, s->t);
+        rbdi_qp_solve_upper(s, s->t);
+        rbdi_qp_add(1, s->t, y, s->n);
+        return;
+    }
+    for (; j + 2 <= to; j += 2) rbdi_qp_adds(d[j], rbdi_qp_j(s, j), d[j + 1], rbdi_qp_j(s, j + 1), y, s->n);
+    if (j < to) rbdi_qp_add(d[j], rbdi_qp_j(s, j), y, s->n);
 }
 
 /* t := L'^-1 Q (y; t2), R' y = b, for the equalities A x = b; `further`: R' y = b - A x, from the values of these
@@ -300,7 +327,7 @@ RBDI_PART void rbdi_qp_balance(rbdi_qp *s, rbd_real *y, rbd_real *t) {
     if (!s->equalities) return;
     rbdi_qp_copy(y, t, s->n);
     rbdi_qp_solve_lower(s, t, 0, s->n);
-    rbdi_qp_reflect_all(s, t);
+    rbdi_qp_reflect_all(s, s->equalities, t);
 
     /* R u = -t */
     for (int e = s->equalities - 1; e >= 0; --e) {

@@ -76,7 +76,7 @@ RBDI_PART void rbdi_qp_correct(rbdi_qp *s, rbd_real *x) {
     }
 
     /* d = (y1; y2), r = R^-1 (y1 - J1'r1) */
-    for (int j = 0; j < s->columns; ++j) s->d[j] = rbdi_qp_dot(rbdi_qp_j(s, j), s->t, n);
+    rbdi_qp_project(s, s->t, s->d);
     rbdi_qp_solve_r_transposed(s, s->r);
     for (int j = 0; j < s->q; ++j) {
         const rbd_real y = s->r[j];
@@ -86,7 +86,7 @@ RBDI_PART void rbdi_qp_correct(rbdi_qp *s, rbd_real *x) {
     rbdi_qp_solve_r(s, s->r);
 
     for (int k = 0; k < n; ++k) x[k] = x[k] + s->z[k];
-    rbdi_qp_add_columns(s, 0, s->d, x);
+    rbdi_qp_add_columns(s, 0, s->columns, s->d, x);
     for (int j = 0; j < s->q; ++j) s->u[j] = s->u[j] + s->r[j];
 }
 

@@ -250,7 +250,7 @@ RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
     rbdi_qp_eliminate_all(s, 0);
     if (s->options.warm) rbdi_qp_eliminate_all(s, 1);
     rbdi_qp_take_guess(s);
-    rbdi_qp_basis(s);
+    s->columns = s->n - s->equalities;
     for (int k = 0; k < s->n; ++k) {
         s->reach[k] = 0;
         s->centre[k] = s->options.warm && s->rho > 0 ? x[k] : 0;
@@ -334,6 +334,7 @@ RBDI_PART rbd_qp_status rbdi_qp_solve(rbdi_qp *s, const rbd_qp_problem *problem,
         if (!warm) side[row] = 0;
     }
     rbdi_qp_place(s, memory);
+    s->J = NULL;
     status = rbdi_qp_run(s, x, lambda);
     return rbdi_qp_bound_result(s, status, x, lambda);
 }
