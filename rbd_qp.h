@@ -1060,9 +1060,6 @@ RBDI_INLINE rbd_real rbdi_qp_abs(rbd_real x) {
 }
 RBDI_INLINE rbd_real rbdi_qp_larger(rbd_real a, rbd_real b) { return a > b ? a : b; }
 
-/* Scratch for a group of vectors, while d, r, leaving and z have no use. */
-#define RBDI_QP_GROUP_OF(s) ((rbdi_qp_group *)(s)->d)
-
 /* The weight of a row, 0 if it is hard. */
 RBDI_ONCE rbd_real rbdi_qp_weight(const rbdi_qp *s, int row) {
     return s->given.soft ? s->given.soft[row] : 0;
@@ -1459,6 +1456,9 @@ RBDI_ONCE void rbdi_qp_add_row(const rbdi_qp *s, int row, rbd_real k, rbd_real *
    L is kept in the envelope of H, each row from its first entry that is not 0 on: a diagonal H, or one of
    blocks, costs next to nothing. Rows and right sides begin at a multiple of four, so that dot products have
    the same four sums whatever other vectors share a group. */
+
+/* Scratch for a group of vectors, while d, r, leaving and z have no use. */
+#define RBDI_QP_GROUP_OF(s) ((rbdi_qp_group *)(s)->d)
 
 /* How many rows of L have more than their diagonal; and where the rows of H end: row k with the last row of L
    that reaches to k, for H is symmetric. */

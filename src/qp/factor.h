@@ -8,6 +8,9 @@
    blocks, costs next to nothing. Rows and right sides begin at a multiple of four, so that dot products have
    the same four sums whatever other vectors share a group. */
 
+/* Scratch for a group of vectors, while d, r, leaving and z have no use. */
+#define RBDI_QP_GROUP_OF(s) ((rbdi_qp_group *)(s)->d)
+
 /* How many rows of L have more than their diagonal; and where the rows of H end: row k with the last row of L
    that reaches to k, for H is symmetric. */
 RBDI_PART void rbdi_qp_find_ends(rbdi_qp *s) {

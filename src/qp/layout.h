@@ -183,9 +183,6 @@ RBDI_INLINE rbd_real rbdi_qp_abs(rbd_real x) {
 }
 RBDI_INLINE rbd_real rbdi_qp_larger(rbd_real a, rbd_real b) { return a > b ? a : b; }
 
-/* Scratch for a group of vectors, while d, r, leaving and z have no use. */
-#define RBDI_QP_GROUP_OF(s) ((rbdi_qp_group *)(s)->d)
-
 /* The weight of a row, 0 if it is hard. */
 RBDI_ONCE rbd_real rbdi_qp_weight(const rbdi_qp *s, int row) {
     return s->given.soft ? s->given.soft[row] : 0;
