@@ -397,6 +397,8 @@ static int figure_count, figures_are_kept;
 
 void record_figures(void) { figures_are_kept = 1; }
 
+int figures_are_recorded(void) { return figures_are_kept; }
+
 const char *why_not_figure(int item, const char *what, double found, double expected, double bound) {
     figure *f = figures;
     const double off = fabs(found - expected);

@@ -565,6 +565,15 @@ START_TEST(work_is_bounded) {
     expect_answer(&result, push_by(&r, &p, q, v, a, f, tau, &result), RBD_TASKS_INEXACT);
     ck_assert(result.qp == RBD_QP_ITERATIONS && result.level == 1);
     expect_dynamics(&r, &p, q, v, a, f, tau);
+
+    /* the answer is that of level 0 alone, and so is what the result says of it */
+    const double primal = result.primal, dual = result.dual;
+    double alone[MAX_V];
+    p.tasks = 1;
+    expect_answer(&result, push_by(&r, &p, q, v, alone, f, tau, &result), RBD_TASKS_OK);
+    ck_assert(memcmp(a, alone, (size_t)r.nv * sizeof *a) == 0);
+    ck_assert(primal == result.primal && primal < 1e-7 && dual == result.dual && dual < 1e-7);
+    p.tasks = 2;
     p.steps = 0;
     expect_answer(&result, push_by(&r, &p, q, v, a, f, tau, &result), RBD_TASKS_OK);
     ck_assert_int_gt(result.steps, 2);
