@@ -471,7 +471,8 @@ struct rbd_contact_set {
     int max_rows;            /* rows at most */
     int contacts;            /* that are rows of the step */
     int points;              /* that move straight: RBDI_ORIGINS or RBDI_CENTRES */
-    int differ;              /* whether `nu` and `moved` differ */
+    int differ;              /* whether biases of positions and velocities differ */
+    int jams;                /* whether positions have no solution, and `moved` is `nu` */
     rbdi_contact *contact;   /* n */
     rbdi_limit_row *limit;   /* limits */
     rbdi_bounded_row *bound; /* bounds */
@@ -2779,13 +2780,14 @@ RBDI_LOCAL rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set 
     for (int k = 0; k < m->nv; ++k) c->nu[k] = c->moved[k];
     asked = rbdi_write_biases(c, RBDI_FOR_VELOCITIES);
     c->differ = asked > 0;
+    c->jams = 0;
     if (c->differ) {
         const int again = c->half > 0 && first.residual > c->solver.given.tolerance;
         for (int r = 0; again && r < c->rows->rows; ++r) c->rows->lambda[r] = c->early[r];
         rbdi_contact_iterate(&c->solver);
         rbdi_contact_respond(m, c, c->half > 0 ? c->x[2] : c->x[0], c->nu);
-        if (again && first.residual > RBDI_JAMS * asked && c->solver.solution.residual < first.residual)
-            for (int k = 0; k < m->nv; ++k) c->moved[k] = c->nu[k];
+        c->jams = again && first.residual > RBDI_JAMS * asked && c->solver.solution.residual < first.residual;
+        for (int k = 0; c->jams && k < m->nv; ++k) c->moved[k] = c->nu[k];
         c->solver.solution.residual = rbdi_worse(first.residual, c->solver.solution.residual);
         c->solver.solution.sweeps += first.sweeps;
         c->solver.solution.newton_steps += first.newton_steps;
@@ -3255,7 +3257,7 @@ RBDI_LOCAL int rbdi_differentiate_step(const rbd_model *m, rbd_contact_set *c, r
                                        const rbd_real *tau, const rbd_real *f_ext,
                                        const rbdi_step_columns *to, rbd_status *status) {
     const int first_order = !(c->half > 0);
-    int solved = 1;
+    int solved = 1, positions, velocities;
     rbdi_differentiate_falls(m, c, d, f_ext, to->dq);
     rbdi_solve_first(m, c, first_order ? RBDI_FOR_POSITIONS : RBDI_FOR_VELOCITIES);
     rbdi_write_rho(m, c, d, c->moved, f_ext, NULL, to->dq);
@@ -3265,14 +3267,18 @@ RBDI_LOCAL int rbdi_differentiate_step(const rbd_model *m, rbd_contact_set *c, r
     }
 
     rbdi_copy_columns(m, to->dq, to->dv);
-    solved &= rbdi_differentiate_solution(m, c, d, c->moved, RBDI_FOR_POSITIONS, to->dq);
+    positions = rbdi_differentiate_solution(m, c, d, c->moved, RBDI_FOR_POSITIONS, to->dq);
     *status = rbdi_solve_velocities(m, c);
     if (!c->differ) {
         rbdi_copy_columns(m, to->dq, to->dv);
-        return solved;
+        return solved & positions;
     }
     if (to->dv[0]) rbdi_write_sides(m, c, d, c->nu, f_ext, rbdi_side(m, c, 2), NULL, NULL);
-    return solved & rbdi_differentiate_solution(m, c, d, c->nu, RBDI_FOR_VELOCITIES, to->dv);
+    velocities = rbdi_differentiate_solution(m, c, d, c->nu, RBDI_FOR_VELOCITIES, to->dv);
+    if (!c->jams) return solved & positions & velocities;
+
+    rbdi_copy_columns(m, to->dv, to->dq);
+    return solved & velocities;
 }
 
 RBDI_API rbd_status rbd_contact_step_derivatives(const rbd_model *m, rbd_contact_set *c, rbd_derivatives *d,

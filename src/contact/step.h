@@ -239,13 +239,14 @@ RBDI_LOCAL rbd_status rbdi_solve_velocities(const rbd_model *m, rbd_contact_set 
     for (int k = 0; k < m->nv; ++k) c->nu[k] = c->moved[k];
     asked = rbdi_write_biases(c, RBDI_FOR_VELOCITIES);
     c->differ = asked > 0;
+    c->jams = 0;
     if (c->differ) {
         const int again = c->half > 0 && first.residual > c->solver.given.tolerance;
         for (int r = 0; again && r < c->rows->rows; ++r) c->rows->lambda[r] = c->early[r];
         rbdi_contact_iterate(&c->solver);
         rbdi_contact_respond(m, c, c->half > 0 ? c->x[2] : c->x[0], c->nu);
-        if (again && first.residual > RBDI_JAMS * asked && c->solver.solution.residual < first.residual)
-            for (int k = 0; k < m->nv; ++k) c->moved[k] = c->nu[k];
+        c->jams = again && first.residual > RBDI_JAMS * asked && c->solver.solution.residual < first.residual;
+        for (int k = 0; c->jams && k < m->nv; ++k) c->moved[k] = c->nu[k];
         c->solver.solution.residual = rbdi_worse(first.residual, c->solver.solution.residual);
         c->solver.solution.sweeps += first.sweeps;
         c->solver.solution.newton_steps += first.newton_steps;
