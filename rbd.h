@@ -1290,8 +1290,8 @@ typedef struct rbdi_kin { /* per link, kept for the calls after rbd_kinematics *
 #define RBDI_WORK_ARRAYS(ARRAY, nl, nblock, nbranch, ndof, nqx, nv, nh) \
     ARRAY(rbd_real, angle, RBDI_PADDED(nl))         /* joint angles less these right angles */ \
     ARRAY(rbd_real, quarters, RBDI_PADDED(nl))      /* right angles */ \
-    ARRAY(rbd_real, c, RBDI_PADDED(nl))             /* cosines of the whole angles */ \
-    ARRAY(rbd_real, s, RBDI_PADDED(nl))             /* sines */ \
+    ARRAY(rbd_real, cosine, RBDI_PADDED(nl))        /* of the whole angles */ \
+    ARRAY(rbd_real, sine, RBDI_PADDED(nl))          /* of the whole angles */ \
     ARRAY(ptrdiff_t, start, RBDI_PADDED_STARTS(nv)) /* [packed matrix]: where rows of a matrix begin */ \
     ARRAY(rbdi_branch, branch, nbranch) \
     ARRAY(rbdi_block_work, block, nblock) \
@@ -1907,7 +1907,7 @@ typedef uint32_t rbdi_bit;
 RBDI_INLINE rbdi_batch rbdi_all_lanes(rbd_real x) {
 #if RBDI_BATCH > 1
     const rbdi_batch zero = {0};
-    return x - zero;
+    return x - zero; /* x + zero would lose the sign of -0 */
 #else
     return x;
 #endif
@@ -2150,13 +2150,14 @@ RBDI_PART void rbdi_sincos_one(rbd_real x, rbd_real quarters, rbd_real *s, rbd_r
     *c = rbdi_first_lane(cosine);
 }
 
-/* Sines and cosines of the angles first .. end - 1 plus right angles, in as few batches as can be, aligned if
-   these are as few. Entries that share a batch with them are written too; the arrays are padded. The error is
-   below 2.3e-16 (double), 1.0e-7 (float) up to the limit, and twice as much beyond it. */
+/* Sines and cosines of the angles first .. end - 1 plus right angles, in the least number of batches, which
+   are aligned where that takes no more. Entries that share a batch with them are written too. The arrays are
+   padded. The error is below 2.3e-16 (double), 1.0e-7 (float) up to the limit, and twice as much beyond it.
+   */
 RBDI_PART void rbdi_sincos_array(const rbd_real *x, const rbd_real *quarters, int first, int end, rbd_real *s,
                                  rbd_real *c) {
     const int size = (end - first + RBDI_BATCH - 1) / RBDI_BATCH * RBDI_BATCH;
-    int start = first / RBDI_BATCH * RBDI_BATCH;
+    int start = first / RBDI_BATCH * RBDI_BATCH; /* aligned */
     rbdi_bits beyond = rbdi_to_bits(rbdi_zero_batch());
     rbdi_bit any = 0;
 
@@ -2166,11 +2167,14 @@ RBDI_PART void rbdi_sincos_array(const rbd_real *x, const rbd_real *quarters, in
         beyond |= rbdi_beyond(angle * angle, RBDI_SINCOS_LIMIT * RBDI_SINCOS_LIMIT);
         rbdi_sincos_batch(angle, *(const rbdi_batch *)&quarters[i], (rbdi_batch *)&s[i], (rbdi_batch *)&c[i]);
     }
+
+    /* large angles anew, one by one */
 #ifdef RBDI_BATCH_SCALAR
     any = beyond;
 #else
     for (int i = 0; i < (int)(sizeof beyond / sizeof any); ++i) any |= beyond[i];
 #endif
+
     for (int i = first; any && i < end; ++i) rbdi_sincos_one(x[i], quarters[i], &s[i], &c[i]);
 }
 #endif
@@ -3120,24 +3124,26 @@ RBDI_PART uint32_t rbdi_features(const rbd_model *m) {
    or, if it has none, a block: a joint with several axes through one point. To add a type:
 
      always      its name in api/types.h, its q and v in [conventions], its row in rbdi_joint_facts
-     a chain     model/links.h: rbdi_build_joint turns each letter into a link that turns or slides. Such a
-                 chain needs no more. Coordinates other than angles and lengths are a new kind of link
+     a chain     of links that turn or slide needs that row alone and, for lengths, motion/manifold.h:
+                 rbdi_random_joint. For links of another kind, as screws: model/links.h: rbdi_build_joint
      a block     rbdi_first_axis, below; model/joints.h: rbdi_joint_attitude, rbdi_joint_origin,
                  rbdi_block_pose; model/regroup.h: moments of mass that its motion leaves, and whether it
                  slides; model/lock.h: rbdi_block_motion_at; derivatives/memory.h: whether it only slides
      v is not    rbdi_type_turns, below, if its step is an exponential of a motion in body axes, and
      the rate    rbdi_has_quaternion; else motion/manifold.h: rbdi_step_joint, rbdi_difference_joint,
      of q        rbdi_joint_rates, rbdi_joint_velocity, rbdi_neutral_joint, rbdi_random_joint
-     its fields  model/describe.h: rbdi_describe_joint, if a description has axes or a pitch
+     its fields  model/describe.h: rbdi_describe_joint, if a description has fields for it other than axis and
+                 axis2
 
-   Floating joints are known in four more places, as bases of robots: model/features.h,
-   constraints/weights.h, contact/momentum.h, estimate/estimate.h, tasks/contacts.h. model/check.h asks
-   whether a joint is fixed. No other room names a type: the test `rooms` compares. */
+   Floating joints are known in more places, as bases of robots: model/features.h, constraints/weights.h,
+   contact/momentum.h, estimate/estimate.h, tasks/contacts.h. model/check.h asks whether a joint is fixed. No
+   other room names a type: the test `rooms` compares. */
 
 /* Numbers of coordinates and dofs, and the axes of one-axis links, in order: 'a' axis, 'b' axis2, 'x' 'y' 'z'
-   those of the joint frame. A type without axes is a block. */
+   those of the joint frame. A link turns about a small letter, and slides along a capital one. A type without
+   axes is a block. */
 typedef struct rbdi_joint_fact {
-    int nq, nv;
+    signed char nq, nv;
     char axes[4];
 } rbdi_joint_fact;
 
@@ -3147,9 +3153,9 @@ RBDI_PART const rbdi_joint_fact *rbdi_joint_facts(int type) {
         {1, 1, "a"},   /* revolute */
         {1, 1, "a"},   /* continuous */
         {2, 1, "a"},   /* continuous_cs */
-        {1, 1, "a"},   /* prismatic */
+        {1, 1, "A"},   /* prismatic */
         {1, 1, "a"},   /* helical */
-        {2, 2, "aa"},  /* cylindrical */
+        {2, 2, "aA"},  /* cylindrical */
         {2, 2, "ab"},  /* universal */
         {4, 3, ""},    /* spherical */
         {3, 3, "zyx"}, /* Euler zyx */
@@ -3163,6 +3169,10 @@ RBDI_PART const rbdi_joint_fact *rbdi_joint_facts(int type) {
 
     return &facts[type > RBD_FIXED && type < RBD_JOINT_TYPES ? type : RBD_FIXED];
 }
+
+/* Whether a letter of rbdi_joint_fact.axes is that of a link that slides; and as a small letter. */
+RBDI_INLINE int rbdi_axis_slides(char letter) { return !(letter & ('a' ^ 'A')); }
+RBDI_INLINE char rbdi_axis_name(char letter) { return (char)(letter | ('a' ^ 'A')); }
 
 /* The first spatial unit axis, omega_x .. omega_z, v_x .. v_z, of a block's dofs. The others follow it. */
 RBDI_INLINE int rbdi_first_axis(int type) {
@@ -3179,12 +3189,10 @@ RBDI_INLINE int rbdi_type_turns(int type) {
 /* Whether the last four coordinates are a quaternion. */
 RBDI_INLINE int rbdi_has_quaternion(int type) { return type == RBD_SPHERICAL || type == RBD_FLOATING; }
 
-/* Number of links of a joint. */
+/* Number of links of a joint: of a chain one for each dof, of a block one. */
 RBDI_PART int rbdi_links_of(int type) {
     const rbdi_joint_fact *fact = rbdi_joint_facts(type);
-    int n = 0;
-    while (fact->axes[n]) ++n;
-    return n == 0 && fact->nv > 0 ? 1 : n;
+    return fact->axes[0] ? fact->nv : fact->nv > 0;
 }
 
 RBDI_PART int rbdi_can_mimic(int type) {
@@ -3341,11 +3349,12 @@ RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int
     }
 
 #ifdef RBDI_POLYNOMIAL_SINCOS
-    rbdi_sincos_array(w->angle, w->quarters, from, end, w->s, w->c);
+    rbdi_sincos_array(w->angle, w->quarters, from, end, w->sine, w->cosine);
 #elif defined RBDI_SINCOS /* rbd-codegen records the two for itself */
-    for (int i = from; i < end; ++i) RBDI_SINCOS(w->angle[i], (int)m->link[i].quarters, &w->s[i], &w->c[i]);
+    for (int i = from; i < end; ++i)
+        RBDI_SINCOS(w->angle[i], (int)m->link[i].quarters, &w->sine[i], &w->cosine[i]);
 #else
-    for (int i = from; i < end; ++i) rbdi_sincos_link(&m->link[i], w->angle[i], &w->s[i], &w->c[i]);
+    for (int i = from; i < end; ++i) rbdi_sincos_link(&m->link[i], w->angle[i], &w->sine[i], &w->cosine[i]);
 #endif
     if (plain) return;
 
@@ -3356,11 +3365,11 @@ RBDI_PART void rbdi_range_joints(const rbd_model *m, rbd_work *w, int first, int
         if (rbdi_is(l, RBDI_REVOLUTE_CS)) {
             rbd_real c, s;
             rbdi_unit_cs(&q[l->iq], &c, &s);
-            w->c[i] = c * l->cg - s * l->sg;
-            w->s[i] = c * l->sg + s * l->cg;
+            w->cosine[i] = c * l->cg - s * l->sg;
+            w->sine[i] = c * l->sg + s * l->cg;
         } else if (rbdi_is(l, RBDI_SCREW) && !(l->rho > 0)) {
-            w->c[i] = rbdi_set(l->cg);
-            w->s[i] = rbdi_set(l->sg);
+            w->cosine[i] = rbdi_set(l->cg);
+            w->sine[i] = rbdi_set(l->sg);
         }
     }
 }
@@ -3373,8 +3382,8 @@ RBDI_INLINE void rbdi_joints(const rbd_model *m, rbd_work *w, const rbd_real *q)
 /* The state of a one-axis joint after rbdi_joints or rbdi_range_joints. */
 RBDI_INLINE rbdi_trig rbdi_trig_of(const rbd_model *m, const rbd_work *w, int i, int flags) {
     rbdi_trig t;
-    t.c = w->c[i];
-    t.s = w->s[i];
+    t.c = w->cosine[i];
+    t.s = w->sine[i];
     t.d = flags & RBDI_SLIDES ? w->d[i] : rbdi_set(m->link[i].d);
     return t;
 }
@@ -4861,9 +4870,9 @@ RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int
     return y;
 }
 
-/* The same of a block, its axes one by one, the first first. all: y as an array. A free base has U/D of each
-   axis only for those before it, and 1 for its own: as above its qdd is x - y_k, and the new y_k is x. The
-   axes behind it do not move yet. */
+/* The same of a block, its axes one by one, the first first. all: y as an array. A free base keeps U/D only
+   for the axes before: for its own axis it is 1, for those behind 0. So its qdd is x - y_k, and x the new
+   y_k. */
 RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w, int i, rbdi_motion y,
                                           rbd_real *a) {
     const rbdi_link *l = &m->link[i];
@@ -5038,18 +5047,21 @@ RBDI_INLINE rbd_real rbdi_factor_of(const rbdi_terms *g, int which, int t, const
 }
 
 /* y less the rows of X and, with two matrices, z less those of Y: so many batches, the last of which begins
-   with column `last`. Descendants come last to first, so that the row computed just before is the last one.
-   */
+   with column `last`. Descendants come last to first: the row computed just before is the last one. */
 RBDI_INLINE void rbdi_subtract_batches(rbdi_terms g, int which, int matrices, int batches, int last,
                                        rbd_real *y, rbd_real *z) {
     rbdi_batch sum[2][RBDI_ROW];
 
-    RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
-        const rbd_real *from = (a > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last);
-        sum[a][b] = which == RBDI_FRESH ? rbdi_zero_batch() : *(const rbdi_batch *)from;
-        if (which == RBDI_PATH) sum[a][b] = sum[a][b] * g.scale;
+    /* y and z, or 0 */
+    RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) {
+        RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
+            const rbd_real *from = (a > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last);
+            sum[a][b] = which == RBDI_FRESH ? rbdi_zero_batch() : *(const rbdi_batch *)from;
+            if (which == RBDI_PATH) sum[a][b] = sum[a][b] * g.scale;
+        }
     }
 
+    /* less x times each row */
     RBDI_UNROLL_TWO for (int i = 0; i < g.n; ++i) {
         const int t = which == RBDI_ELIMINATED || which == RBDI_DESCENDANTS ? g.n - 1 - i : i;
         const rbd_real *row = g.X + rbdi_start_of(&g, which, t),
@@ -5059,14 +5071,20 @@ RBDI_INLINE void rbdi_subtract_batches(rbdi_terms g, int which, int matrices, in
         RBDI_ONE_INDEX(row);
         if (matrices > 1) RBDI_ONE_INDEX(other);
 
-        RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
-            const rbd_real *from = (a > 0 ? other : row) + (b < batches - 1 ? b * RBDI_BATCH : last);
-            sum[a][b] = sum[a][b] - *(const rbdi_batch *)from * x;
+        RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) {
+            RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
+                const rbd_real *from = (a > 0 ? other : row) + (b < batches - 1 ? b * RBDI_BATCH : last);
+                sum[a][b] = sum[a][b] - *(const rbdi_batch *)from * x;
+            }
         }
     }
 
-    RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) *
-        (rbdi_batch *)((a > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last)) = sum[a][b];
+    RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) {
+        RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
+            rbd_real *to = (a > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last);
+            *(rbdi_batch *)to = sum[a][b];
+        }
+    }
 }
 
 /* The same of one matrix with n columns, fewer than a batch. */
@@ -5156,6 +5174,9 @@ RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
         rbdi_multiply(&H[m->dof[k].row], H[m->dof[k].row + m->dof[k].depth], m->dof[k].depth);
     return doubt;
 }
+
+/* One vector has functions of its own: its batches are entries of a row, those of many columns below are
+   columns. */
 
 /* Solves L' y = x, in place, from the leaves: y_i = x_i - sum over the descendants k of L_ki y_k. `path`, by
    depth on a dof's path, has the sums that its descendants subtract. It is stored as it is loaded, in batches
@@ -5440,8 +5461,7 @@ RBDI_PART rbd_status rbdi_pivot_status(const rbd_model *m, rbd_work *w, rbd_real
 
 /* The inertia of body b about the origin of its link, along each of the link's axes: moments, then masses.
    The rounding of the build is added, because it may tilt a rod that lies on an axis. It is relative to the
-   trace of the inertia about the link's origin and about that of the user's frame, at r of the joint's body.
-   */
+   trace of the inertia, about the link's origin and about that of the user's frame, r of the joint's body. */
 RBDI_COLD void rbdi_body_inertia(const rbd_model *m, int b, rbd_real inertia[6]) {
     const rbdi_frame *u = &m->frame[b];
     const rbdi_mat E = rbdi_mat_c(u->E);
@@ -5467,11 +5487,14 @@ RBDI_COLD void rbdi_body_inertia(const rbd_model *m, int b, rbd_real inertia[6])
 RBDI_COLD void rbdi_add_links(const rbd_model *m, rbd_real *K) {
     for (int b = 0; b < m->nb; ++b) {
         const int i = m->frame[b].link;
-        const rbdi_link *l = &m->link[i < 0 ? 0 : i];
-        const int iv = rbdi_source(m, l->iv);
-        const rbd_real ratio = rbdi_ratio(m, l->iv);
-        rbd_real inertia[6];
+        const rbdi_link *l;
+        rbd_real inertia[6], ratio;
+        int iv;
         if (i < 0) continue; /* fixed to the world */
+
+        l = &m->link[i];
+        iv = rbdi_source(m, l->iv);
+        ratio = rbdi_ratio(m, l->iv);
         rbdi_body_inertia(m, b, inertia);
 
         if (!rbdi_is(l, RBDI_BLOCK)) {
@@ -5966,8 +5989,8 @@ RBDI_INLINE rbdi_v3 rbdi_parent_velocity(const rbd_work *w, const rbdi_link *l, 
     return l->parent < 0 ? rbdi_vec0() : rbdi_add(parent->v, rbdi_cross(parent->state.omega, r));
 }
 
-/* World pose of link i, from its parent's, p; if moving, the velocity of its origin too. Its angular velocity
-   is known. */
+/* World pose of a one-axis link from its parent's, p. If moving, the velocity of its origin too, from its
+   angular velocity, which rbdi_kin_states has set. */
 RBDI_INLINE rbdi_pose rbdi_kin_axis(const rbd_work *w, const rbdi_link *l, rbdi_kin *k, int flags,
                                     rbdi_trig t, const rbd_real *v, int moving, rbdi_pose p) {
     p = rbdi_pose_step(l, flags & ~RBDI_ROOT, t, p);
@@ -5983,7 +6006,7 @@ RBDI_INLINE rbdi_pose rbdi_kin_axis(const rbd_work *w, const rbdi_link *l, rbdi_
     return p;
 }
 
-/* The same of the links first .. end - 1. */
+/* The same of the links first .. end - 1, blocks too. */
 RBDI_LOCAL void rbdi_kin_links(const rbd_model *m, rbd_work *w, int first, int end, const rbd_real *v,
                                int moving) {
     rbdi_pose p = rbdi_world_pose();
@@ -6027,9 +6050,11 @@ RBDI_API rbd_status rbd_kinematics(const rbd_model *m, rbd_work *w, const rbd_re
     w->moving = v || a;
     v = v ? rbdi_expand_v(m, v, w->vx) : w->zero;
     a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
+
     rbdi_joints(m, w, rbdi_expand_q(m, w, q));
     if (w->moving) rbdi_kin_states(m, w, 0, m->nl, v, a);
     rbdi_kin_links(m, w, 0, m->nl, v, w->moving);
+
     *w->rotors = rbdi_zero();
     for (int i = 0; w->moving && i < m->nv + rbdi_mimics(m); ++i)
         *w->rotors = *w->rotors + v[i] * v[i] * (RBD_C(0.5) * m->dof[i].armature);
@@ -6051,11 +6076,14 @@ RBDI_API rbd_status rbd_body_kinematics(const rbd_model *m, rbd_work *w, int bod
     a = a ? rbdi_expand_v(m, a, w->ax) : w->zero;
     q = rbdi_expand_q(m, w, q);
     l = m->link;
-    leaf = last < 0 ? 0 : l[last].first; /* a dof of the subtrees of all links on the path */
+    leaf =
+        last < 0 ? 0 : l[last].first; /* a dof of the subtrees of all links on the path, and of no others */
 
+    /* each run of links on the path, first .. end - 1. The links between do not move the body */
     for (int first = 0, end; first <= last; first = end) {
         for (; l->end <= leaf; ++l) ++first;
         for (end = first; end <= last && l->end > leaf; ++l) ++end;
+
         rbdi_range_joints(m, w, first, end, q);
         if (w->moving) rbdi_kin_states(m, w, first, end, v, a);
         rbdi_kin_links(m, w, first, end, v, w->moving);
@@ -7566,6 +7594,12 @@ RBDI_PART rbd_status rbdi_refuse_saying(rbd_report *report, rbd_status status, i
 #ifndef RBD_NO_BUILD
 
 /* ==== src/model/describe.h ==== */
+/* How many axes the description of a joint has: none, axis, or axis and axis2. */
+RBDI_PART int rbdi_described_axes(int type) {
+    const char *axes = rbdi_joint_facts(type)->axes;
+    return (rbdi_axis_name(axes[0]) == 'a') + (rbdi_axis_name(axes[1]) == 'b');
+}
+
 /* A pose of the model in the build's arithmetic. */
 RBDI_PART rbdi_wide_pose rbdi_widen_pose(const rbd_const E[9], rbdi_c3 r) {
     rbdi_wide_pose X;
@@ -7591,6 +7625,7 @@ RBDI_PART rbdi_wide_pose rbdi_link_place(const rbd_model *m, const rbdi_link *l)
    dof. */
 RBDI_LOCAL int rbdi_describe_joint(const rbd_model *m, int body, rbd_body *row) {
     const rbdi_frame *u = &m->frame[body];
+    const int axes = rbdi_described_axes(u->type);
     rbdi_wide_pose X = rbdi_widen_pose(u->E, u->r), parent;
     rbdi_wide R[9], axis[3] = {0, 0, 0}, axis2[3] = {0, 0, 0};
     int i = u->link, dof = 0;
@@ -7617,8 +7652,8 @@ RBDI_LOCAL int rbdi_describe_joint(const rbd_model *m, int body, rbd_body *row) 
 
     for (int k = 0; k < 3; ++k) {
         row->position[k] = (double)X.r[k];
-        row->axis[k] = u->type <= RBD_UNIVERSAL ? (double)axis[k] : 0;
-        row->axis2[k] = u->type == RBD_UNIVERSAL ? (double)axis2[k] : 0;
+        row->axis[k] = axes > 0 ? (double)axis[k] : 0;
+        row->axis2[k] = axes > 1 ? (double)axis2[k] : 0;
     }
 
     row->pitch = u->type == RBD_HELICAL ? (double)m->link[u->link].kappa : 0;
@@ -7902,17 +7937,16 @@ RBDI_LOCAL rbd_status rbdi_check_names(const rbd_body *bodies, int i, rbd_report
 
 RBDI_LOCAL rbd_status rbdi_check_joint(const rbd_body *b, int i, rbd_report *report) {
     const int type = (int)b->type;
-    const char *axes;
+    int axes;
     if (b->parent < -1 || b->parent >= i) return rbdi_refuse(report, RBD_ERR_PARENT, i, b->name, "parent");
     if (type < 0 || type >= RBD_JOINT_TYPES) return rbdi_refuse(report, RBD_ERR_TYPE, i, b->name, "type");
     if (type == RBD_FIXED && !rbdi_all_zero(b->axis, 3))
         return rbdi_refuse_saying(report, RBD_ERR_TYPE, i, b->name, "type",
                                   "missing? it is 0, fixed, but the joint has an axis");
 
-    axes = rbdi_joint_facts(type)->axes;
-    if (axes[0] == 'a' && !rbdi_is_axis(b->axis))
-        return rbdi_refuse(report, RBD_ERR_AXIS, i, b->name, "axis");
-    if (axes[0] == 'a' && axes[1] == 'b' && (!rbdi_is_axis(b->axis2) || rbdi_parallel(b->axis, b->axis2)))
+    axes = rbdi_described_axes(type);
+    if (axes > 0 && !rbdi_is_axis(b->axis)) return rbdi_refuse(report, RBD_ERR_AXIS, i, b->name, "axis");
+    if (axes > 1 && (!rbdi_is_axis(b->axis2) || rbdi_parallel(b->axis, b->axis2)))
         return rbdi_refuse(report, RBD_ERR_AXIS, i, b->name, "axis2");
 
     if (!rbdi_finite(&b->pitch, 1)) return rbdi_refuse(report, RBD_ERR_PITCH, i, b->name, "pitch");
@@ -8057,11 +8091,11 @@ RBDI_LOCAL rbdi_counts rbdi_count(const rbd_body *bodies, int nb) {
 }
 
 /* ==== src/model/links.h ==== */
-/* A joint's axis of this letter of rbdi_joint_fact.axes, of unit length, joint frame. */
-RBDI_LOCAL void rbdi_link_axis(const rbd_body *b, char which, rbdi_wide axis[3]) {
-    for (int k = 0; k < 3; ++k) axis[k] = which == 'x' + k;
-    if (which == 'a') rbdi_widen(b->axis, 3, axis);
-    if (which == 'b') rbdi_widen(b->axis2, 3, axis);
+/* The axis of a letter of rbdi_joint_fact.axes, of unit length, joint frame. */
+RBDI_LOCAL void rbdi_link_axis(const rbd_body *b, char letter, rbdi_wide axis[3]) {
+    const char name = rbdi_axis_name(letter);
+    const double *described = name == 'a' ? b->axis : b->axis2;
+    for (int k = 0; k < 3; ++k) axis[k] = name < 'x' ? (rbdi_wide)described[k] : name == 'x' + k;
     rbdi_unit(axis, axis);
 }
 
@@ -8120,7 +8154,7 @@ RBDI_LOCAL void rbdi_build_joint(const rbdi_build *build, int i, int *nl) {
                 l->kind = RBDI_SCREW;
                 l->kappa = (rbdi_wide)b->pitch;
             }
-            if (type == RBD_PRISMATIC || (type == RBD_CYLINDRICAL && k == 1)) {
+            if (rbdi_axis_slides(axes[k])) {
                 l->kind = RBDI_SCREW;
                 l->rho = 0;
                 l->kappa = 1;

@@ -882,7 +882,7 @@ RBDI_PART char *rbdi_join(const char *const *piece, int n, char *text, size_t si
 #endif
 
 /* ==== src/qp/layout.h ==== */
-/* Interface: rbdi_qp */
+/* Interface: rbdi_qp, rbdi_qp_shape */
 
 /* ---- method [method] ----
    Minimise x'Hx/2 + f'x with n_i'x >= b_i, where the normal n_i of a row points into what is allowed: the
@@ -956,8 +956,9 @@ typedef struct rbdi_qp {
     rbdi_qp_shape shape;
     int n, all, soft;  /* variables, rows with bounds, soft rows */
     int watches;       /* rows that x may miss: not 0, with a side, no equality that is eliminated */
+    int zeros;         /* rows of zeros */
     int equalities;    /* eliminated: the first reflections */
-    int reflections;   /* equalities, and until there is J the rows of the guess */
+    int reflections;   /* equalities, and until there is J the active rows */
     int columns;       /* of J: n - equalities, and the slacks of active soft rows */
     int q;             /* active rows that are not eliminated */
     rbd_real rho;      /* added to H's diagonal */
@@ -970,7 +971,8 @@ typedef struct rbdi_qp {
 
     rbd_real *L; /* packed rows, its diagonal inverted */
     rbd_real *V; /* reflections x n: their vectors from the diagonal on; R of the equalities above */
-    rbd_real *J; /* columns x n: each column of J is a row here */
+    rbd_real
+        *J; /* columns x n: each column of J is a row here; NULL until a row joins or a soft one is there */
     rbd_real *R; /* packed columns, its diagonal inverted */
 
     rbd_real *d, *r;   /* n + soft: see [method] */
@@ -1018,14 +1020,15 @@ RBDI_PART void rbdi_qp_place(rbdi_qp *s, void *memory) {
     s->L = rbdi_qp_scalars(&at, n * (n + 1) / 2);
     s->R = rbdi_qp_scalars(&at, most * (most + 1) / 2);
 
+    /* these four together have room for a group of vectors */
     s->d = rbdi_qp_scalars(&at, most);
     s->r = rbdi_qp_scalars(&at, most);
+    s->leaving = rbdi_qp_scalars(&at, most);
+    s->z = rbdi_qp_scalars(&at, n);
+
     s->u = rbdi_qp_scalars(&at, most);
     s->length = rbdi_qp_scalars(&at, most);
-    s->leaving = rbdi_qp_scalars(&at, most);
-
     s->x0 = rbdi_qp_scalars(&at, n);
-    s->z = rbdi_qp_scalars(&at, n);
     s->reach = rbdi_qp_scalars(&at, n);
     s->centre = rbdi_qp_scalars(&at, n);
     s->g = rbdi_qp_scalars(&at, n);
@@ -1456,6 +1459,9 @@ RBDI_ONCE void rbdi_qp_add_row(const rbdi_qp *s, int row, rbd_real k, rbd_real *
    blocks, costs next to nothing. Rows and right sides begin at a multiple of four, so that dot products have
    the same four sums whatever other vectors share a group. */
 
+/* Scratch for a group of vectors, while d, r, leaving and z have no use. */
+#define RBDI_QP_GROUP_OF(s) ((rbdi_qp_group *)(s)->d)
+
 /* How many rows of L have more than their diagonal; and where the rows of H end: row k with the last row of L
    that reaches to k, for H is symmetric. */
 RBDI_PART void rbdi_qp_find_ends(rbdi_qp *s) {
@@ -1678,9 +1684,8 @@ RBDI_PART void rbdi_qp_spread(const rbdi_qp *s, int row, rbd_real *t) {
     rbdi_qp_solve_lower(s, t, s->from[row] / 4 * 4, s->to[row]);
 }
 
-/* t := Q't, two reflections at a time */
-RBDI_PART void rbdi_qp_reflect_all(const rbdi_qp *s, rbd_real *t) {
-    const int k = s->equalities;
+/* t := Q't, of the first k reflections, two at a time */
+RBDI_PART void rbdi_qp_reflect_all(const rbdi_qp *s, int k, rbd_real *t) {
     for (int e = 0; e + 1 < k; e += 2) rbdi_qp_reflect_two(s, e, 0, t);
     if (k % 2) rbdi_qp_reflect(s, k - 1, t);
 }
@@ -1690,8 +1695,12 @@ RBDI_PART void rbdi_qp_reflect_all(const rbdi_qp *s, rbd_real *t) {
    any row. Sparse rows first make the vectors short. */
 RBDI_PART int rbdi_qp_make_reflection(rbdi_qp *s, int row, rbd_real *v) {
     const int n = s->n, e = s->reflections;
-    const rbd_real gone = rbdi_qp_dot(v, v, e), rest = rbdi_qp_dot(v + e, v + e, n - e);
-    rbd_real length, onto;
+    rbd_real gone, rest, length, onto;
+    int end = n;
+
+    while (end > e + 1 && v[end - 1] == 0) end--;
+    gone = rbdi_qp_dot(v, v, e);
+    rest = rbdi_qp_dot(v + e, v + e, end - e);
     if (rest <= RBDI_QP_DEPENDENT * RBDI_QP_DEPENDENT * (gone + rest)) return 0;
 
     /* v - (-+|v|) on axis e: no difference of like numbers. */
@@ -1701,9 +1710,8 @@ RBDI_PART int rbdi_qp_make_reflection(rbdi_qp *s, int row, rbd_real *v) {
     s->diagonal[e] = 1 / onto;
     v[e] = v[e] - onto;
 
-    s->end[e] = n;
-    while (s->end[e] > e + 1 && v[s->end[e] - 1] == 0) s->end[e]--;
-    if (e % 2) s->cross[e - 1] = rbdi_qp_dot(v + e - n, v + e, n - e);
+    s->end[e] = end;
+    if (e % 2) s->cross[e - 1] = rbdi_qp_dot(v + e - n, v + e, end - e);
     s->reflections = e + 1;
 
     if (rbdi_qp_is_equality(s, row)) {
@@ -1719,7 +1727,7 @@ RBDI_PART int rbdi_qp_make_reflection(rbdi_qp *s, int row, rbd_real *v) {
 /* Reflects rows (Householder 1958), a group of them: L^-1 row' of each goes onto an axis. */
 RBDI_PART void rbdi_qp_eliminate(rbdi_qp *s, const int *rows, int lanes) {
     const int n = s->n;
-    rbdi_qp_group *t = (rbdi_qp_group *)s->x0;
+    rbdi_qp_group *t = RBDI_QP_GROUP_OF(s);
     int from = n, to = 0;
 
     rbdi_qp_clear((rbd_real *)t, n * RBDI_QP_GROUP);
@@ -1762,6 +1770,7 @@ RBDI_PART void rbdi_qp_eliminate_all(rbdi_qp *s, int guess) {
     int rows[RBDI_QP_GROUP], lanes = 0;
 
     for (int row = 0; row < s->all; ++row) {
+        if (guess && !s->side[row]) continue;
         if (rbdi_qp_is_equality(s, row) == guess || rbdi_qp_weight(s, row) > 0) continue;
         if (guess && !rbdi_qp_can_hold(s, row)) {
             s->side[row] = 0;
@@ -1807,14 +1816,14 @@ RBDI_PART void rbdi_qp_take_guess(rbdi_qp *s) {
     }
 }
 
-/* J = L'^-1 Q [0; 1], the last columns first: they come to lie where the vectors of the guess were, which the
-   columns before have no use for. */
+/* J = L'^-1 Q [0; 1], if it is not there yet, the last columns first: they come to lie where the vectors of
+   the guess were, which the columns before have no use for. */
 RBDI_PART void rbdi_qp_basis(rbdi_qp *s) {
     const int n = s->n, k = s->equalities;
-    rbdi_qp_group *t = (rbdi_qp_group *)s->x0;
+    rbdi_qp_group *t = RBDI_QP_GROUP_OF(s);
+    if (s->J) return;
 
     s->J = s->V + k * n;
-    s->columns = n - k;
     for (int j = (s->columns - 1) / RBDI_QP_GROUP * RBDI_QP_GROUP; j >= 0; j -= RBDI_QP_GROUP) {
         const int left = s->columns - j, lanes = left < RBDI_QP_GROUP ? left : RBDI_QP_GROUP;
         const int end = k + j + lanes, count = end < s->reflections ? end : s->reflections;
@@ -1830,12 +1839,41 @@ RBDI_PART void rbdi_qp_basis(rbdi_qp *s) {
     s->reflections = k;
 }
 
-/* t := L'^-1 Q (y; t2), R' y = b - A x, for the equalities A x = b; x NULL: 0. t2: t from there on. */
-RBDI_PART void rbdi_qp_onto_equalities(const rbdi_qp *s, const rbd_real *x, rbd_real *t) {
+/* d = J'y; y is lost. Without J it goes by the factors. */
+RBDI_PART void rbdi_qp_project(const rbdi_qp *s, rbd_real *y, rbd_real *d) {
+    if (s->J) {
+        for (int j = 0; j < s->columns; ++j) d[j] = rbdi_qp_dot(rbdi_qp_j(s, j), y, s->n);
+        return;
+    }
+    rbdi_qp_solve_lower(s, y, 0, s->n);
+    rbdi_qp_reflect_all(s, s->reflections, y);
+    rbdi_qp_copy(y + s->equalities, d, s->columns);
+}
+
+/* y += J d of the columns from `from` to before `to`, two at a time; without J by the factors, with t as
+   scratch. */
+RBDI_PART void rbdi_qp_add_columns(const rbdi_qp *s, int from, int to, const rbd_real *d, rbd_real *y) {
+    int j = from;
+
+    if (!s->J) {
+        rbdi_qp_clear(s->t, s->n);
+        rbdi_qp_copy(d + from, s->t + s->equalities + from, to - from);
+        rbdi_qp_reflect_back(s, s->reflections, s->t);
+        rbdi_qp_solve_upper(s, s->t);
+        rbdi_qp_add(1, s->t, y, s->n);
+        return;
+    }
+    for (; j + 2 <= to; j += 2) rbdi_qp_adds(d[j], rbdi_qp_j(s, j), d[j + 1], rbdi_qp_j(s, j + 1), y, s->n);
+    if (j < to) rbdi_qp_add(d[j], rbdi_qp_j(s, j), y, s->n);
+}
+
+/* t := L'^-1 Q (y; t2), R' y = b, for the equalities A x = b; `further`: R' y = b - A x, from the values of these
+   rows. t2: t from there on. */
+RBDI_PART void rbdi_qp_onto_equalities(const rbdi_qp *s, int further, rbd_real *t) {
     for (int e = 0; e < s->equalities; ++e) {
         const int row = s->equality[e];
         rbd_real b = s->given.upper[row];
-        if (x) b = b - rbdi_qp_row_times(s, row, x);
+        if (further) b = b - s->value[row];
         t[e] = (b - rbdi_qp_dot(s->V + e * s->n, t, e)) * s->diagonal[e];
     }
     rbdi_qp_reflect_back(s, s->equalities, t);
@@ -1847,7 +1885,7 @@ RBDI_PART void rbdi_qp_balance(rbdi_qp *s, rbd_real *y, rbd_real *t) {
     if (!s->equalities) return;
     rbdi_qp_copy(y, t, s->n);
     rbdi_qp_solve_lower(s, t, 0, s->n);
-    rbdi_qp_reflect_all(s, t);
+    rbdi_qp_reflect_all(s, s->equalities, t);
 
     /* R u = -t */
     for (int e = s->equalities - 1; e >= 0; --e) {
@@ -1868,6 +1906,7 @@ RBDI_PART void rbdi_qp_balance(rbdi_qp *s, rbd_real *y, rbd_real *t) {
 RBDI_PART rbd_real rbdi_qp_enter(rbdi_qp *s, int row, int side) {
     const rbd_real weight = rbdi_qp_weight(s, row), sign = rbdi_qp_sign(side);
 
+    rbdi_qp_basis(s);
     if (row < s->given.bounds) {
         for (int j = 0; j < s->columns; ++j) s->d[j] = sign * rbdi_qp_j(s, j)[row];
     } else {
@@ -1897,17 +1936,10 @@ RBDI_INLINE int rbdi_qp_depends(const rbdi_qp *s, int row, rbd_real square) {
     return !(rbdi_qp_weight(s, row) > 0) && square <= least * least;
 }
 
-/* y += J d of the columns from j on, two at a time */
-RBDI_PART void rbdi_qp_add_columns(const rbdi_qp *s, int j, const rbd_real *d, rbd_real *y) {
-    for (; j + 2 <= s->columns; j += 2)
-        rbdi_qp_adds(d[j], rbdi_qp_j(s, j), d[j + 1], rbdi_qp_j(s, j + 1), y, s->n);
-    if (j < s->columns) rbdi_qp_add(d[j], rbdi_qp_j(s, j), y, s->n);
-}
-
 /* z = J2 d2 */
 RBDI_PART void rbdi_qp_way(rbdi_qp *s) {
     rbdi_qp_clear(s->z, s->n);
-    rbdi_qp_add_columns(s, s->q, s->d, s->z);
+    rbdi_qp_add_columns(s, s->q, s->columns, s->d, s->z);
 }
 
 /* The row joins, with d and z = J2 d2 as they are; square: |d2|^2. A reflection turns d2 onto its first
@@ -2022,17 +2054,23 @@ RBDI_PART void rbdi_qp_solve_r_transposed(const rbdi_qp *s, rbd_real *y) {
     }
 }
 
-/* x and u of the active rows: R' y = b - N'x0, x = x0 + J1 y, u = R^-1 y. */
-RBDI_PART void rbdi_qp_point(rbdi_qp *s, rbd_real *x) {
+/* r = y and u of the active rows: R' y = b - N'x0, u = R^-1 y. */
+RBDI_PART void rbdi_qp_push(rbdi_qp *s) {
     for (int j = 0; j < s->q; ++j) {
         const int row = s->active[j];
         const rbd_real missed = rbdi_qp_side(s, row) - rbdi_qp_row_times(s, row, s->x0);
-        s->u[j] = rbdi_qp_sign(s->side[row]) * missed;
+        s->r[j] = rbdi_qp_sign(s->side[row]) * missed;
     }
-    rbdi_qp_solve_r_transposed(s, s->u);
-    rbdi_qp_copy(s->x0, x, s->n);
-    for (int j = 0; j < s->q; ++j) rbdi_qp_add(s->u[j], rbdi_qp_j(s, j), x, s->n);
+    rbdi_qp_solve_r_transposed(s, s->r);
+    rbdi_qp_copy(s->r, s->u, s->q);
     rbdi_qp_solve_r(s, s->u);
+}
+
+/* x and u of the active rows: x = x0 + J1 y. */
+RBDI_PART void rbdi_qp_point(rbdi_qp *s, rbd_real *x) {
+    rbdi_qp_push(s);
+    rbdi_qp_copy(s->x0, x, s->n);
+    if (s->q) rbdi_qp_add_columns(s, 0, s->q, s->r, x);
 }
 
 /* The scale of a row's miss: its side, and its terms with the largest x so far. */
@@ -2058,6 +2096,19 @@ RBDI_PART rbd_real rbdi_qp_slight(const rbdi_qp *s, int j, rbd_real share, rbd_r
     return of_terms < slight ? of_terms : slight;
 }
 
+/* Active row l leaves before there is J: the reflections of the rows behind it are made anew. */
+RBDI_PART void rbdi_qp_forget(rbdi_qp *s, int l) {
+    const int end = s->q;
+
+    s->side[s->active[l]] = 0;
+    s->q = l;
+    s->reflections = s->equalities + l;
+    for (int j = l + 1; j < end; j += RBDI_QP_GROUP)
+        rbdi_qp_eliminate(s, s->active + j, end - j < RBDI_QP_GROUP ? end - j : RBDI_QP_GROUP);
+    rbdi_qp_take_guess(s);
+    s->result.steps++;
+}
+
 /* The active inequality that pulls most, u < 0 by more than what share may be rounding, leaves. Returns
    whether one does. */
 RBDI_PART int rbdi_qp_release(rbdi_qp *s, rbd_real share) {
@@ -2073,7 +2124,10 @@ RBDI_PART int rbdi_qp_release(rbdi_qp *s, rbd_real share) {
         worst = j;
     }
     if (worst < 0) return 0;
-    rbdi_qp_leave(s, worst);
+    if (s->J)
+        rbdi_qp_leave(s, worst);
+    else
+        rbdi_qp_forget(s, worst);
     return 1;
 }
 
@@ -2303,14 +2357,14 @@ RBDI_PART void rbdi_qp_correct(rbdi_qp *s, rbd_real *x) {
     const int n = s->n;
 
     rbdi_qp_clear(s->z, n);
-    if (s->equalities) rbdi_qp_onto_equalities(s, x, s->z);
+    if (s->equalities) rbdi_qp_onto_equalities(s, 1, s->z);
     for (int j = 0; j < s->q; ++j) {
         const int row = s->active[j];
         s->r[j] = s->r[j] - rbdi_qp_sign(s->side[row]) * rbdi_qp_row_times(s, row, s->z);
     }
 
     /* d = (y1; y2), r = R^-1 (y1 - J1'r1) */
-    for (int j = 0; j < s->columns; ++j) s->d[j] = rbdi_qp_dot(rbdi_qp_j(s, j), s->t, n);
+    rbdi_qp_project(s, s->t, s->d);
     rbdi_qp_solve_r_transposed(s, s->r);
     for (int j = 0; j < s->q; ++j) {
         const rbd_real y = s->r[j];
@@ -2320,7 +2374,7 @@ RBDI_PART void rbdi_qp_correct(rbdi_qp *s, rbd_real *x) {
     rbdi_qp_solve_r(s, s->r);
 
     for (int k = 0; k < n; ++k) x[k] = x[k] + s->z[k];
-    rbdi_qp_add_columns(s, 0, s->d, x);
+    rbdi_qp_add_columns(s, 0, s->columns, s->d, x);
     for (int j = 0; j < s->q; ++j) s->u[j] = s->u[j] + s->r[j];
 }
 
@@ -2354,8 +2408,8 @@ RBDI_PART int rbdi_qp_refine(rbdi_qp *s, rbd_real *x) {
 RBDI_PART void rbdi_qp_optimum_on_equalities(rbdi_qp *s) {
     for (int k = 0; k < s->n; ++k) s->x0[k] = -s->g[k];
     rbdi_qp_solve_lower(s, s->x0, 0, s->n);
-    rbdi_qp_reflect_all(s, s->x0);
-    rbdi_qp_onto_equalities(s, NULL, s->x0);
+    rbdi_qp_reflect_all(s, s->equalities, s->x0);
+    rbdi_qp_onto_equalities(s, 0, s->x0);
 }
 
 /* The soft equalities, and with `warm` the soft rows of the guess, join without a step: none depends on
@@ -2421,8 +2475,9 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
     int refined = 0;
 
     rbdi_qp_reached(s, s->x0);
+    rbdi_qp_push(s);
+    while (s->result.steps < s->options.steps && rbdi_qp_release(s, 0)) rbdi_qp_push(s);
     rbdi_qp_point(s, x);
-    while (s->result.steps < s->options.steps && rbdi_qp_release(s, 0)) rbdi_qp_point(s, x);
     rbdi_qp_reached(s, x);
     rbdi_qp_evaluate(s, x);
 
@@ -2640,6 +2695,7 @@ RBDI_PART rbd_qp_status rbdi_qp_check_rows(rbdi_qp *s) {
     const int n = s->n;
 
     s->watches = 0;
+    s->zeros = 0;
     for (int row = 0; row < s->all; ++row) {
         const rbd_real lower = p->lower[row], upper = p->upper[row];
         int from = row, to = row + 1;
@@ -2660,6 +2716,7 @@ RBDI_PART rbd_qp_status rbdi_qp_check_rows(rbdi_qp *s) {
         s->from[row] = from;
         s->to[row] = to;
         s->value[row] = 0;
+        s->zeros += from == to;
         s->unit[row] = square > 0 ? 1 / rbdi_sqrt(square) : RBDI_QP_NONE;
         if (lower > upper) return rbdi_qp_refuse(s, RBD_QP_SIDES, row, "lower");
         if (from < to && (lower > -RBDI_QP_NONE || upper < RBDI_QP_NONE)) s->watched[s->watches++] = row;
@@ -2699,7 +2756,7 @@ RBDI_PART int rbdi_qp_multipliers(rbdi_qp *s, rbd_real *lambda) {
     for (int e = 0; e < s->equalities; ++e) lambda[s->equality[e]] = -s->u_equal[e];
 
     /* Rows of zeros: e = u/w is what 0 misses. */
-    for (int row = 0; row < s->all; ++row) {
+    for (int row = 0; row < s->all && s->zeros; ++row) {
         const rbd_real below = rbdi_qp_larger(s->given.lower[row], 0);
         const rbd_real above = rbdi_qp_larger(-s->given.upper[row], 0);
         if (s->from[row] < s->to[row]) continue;
@@ -2767,7 +2824,7 @@ RBDI_PART void rbdi_qp_verify(rbdi_qp *s, int ended, const rbd_real *x, rbd_real
 
 /* A hard row of zeros contradicts itself, or asks for nothing. */
 RBDI_PART rbd_qp_status rbdi_qp_zero_rows(rbdi_qp *s, rbdi_qp_miss *miss) {
-    for (int row = 0; row < s->all; ++row) {
+    for (int row = 0; row < s->all && s->zeros; ++row) {
         const rbd_real lower = s->given.lower[row], upper = s->given.upper[row];
         if (s->from[row] < s->to[row] || rbdi_qp_weight(s, row) > 0 || (lower <= 0 && upper >= 0)) continue;
         miss->row = row;
@@ -2788,7 +2845,7 @@ RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
     rbdi_qp_eliminate_all(s, 0);
     if (s->options.warm) rbdi_qp_eliminate_all(s, 1);
     rbdi_qp_take_guess(s);
-    rbdi_qp_basis(s);
+    s->columns = s->n - s->equalities;
     for (int k = 0; k < s->n; ++k) {
         s->reach[k] = 0;
         s->centre[k] = s->options.warm && s->rho > 0 ? x[k] : 0;
@@ -2874,6 +2931,7 @@ RBDI_PART rbd_qp_status rbdi_qp_solve(rbdi_qp *s, const rbd_qp_problem *problem,
         if (!warm) side[row] = 0;
     }
     rbdi_qp_place(s, memory);
+    s->J = NULL;
     status = rbdi_qp_run(s, x, lambda);
     return rbdi_qp_bound_result(s, status, x, lambda);
 }

@@ -718,15 +718,21 @@ RBDI_LOCAL rbd_status rbdi_tasks_check(const rbd_model *m, const rbd_work *w, co
 /* ==== src/tasks/contacts.h ==== */
 /* ---- contacts and dynamics [contacts and dynamics] ---- */
 
-/* Appends a row of zeros with these sides; returns it. */
-RBDI_LOCAL rbd_real *rbdi_tasks_append(rbdi_tasks *k, rbd_real lower, rbd_real upper) {
+/* Appends a row with these sides; returns it, for its entries to be written. */
+RBDI_LOCAL rbd_real *rbdi_tasks_append_any(rbdi_tasks *k, rbd_real lower, rbd_real upper) {
     rbd_real *row = &k->C[(ptrdiff_t)k->rows * k->n];
 
-    rbdi_clear(row, k->n);
     k->lower[k->n + k->rows] = lower;
     k->upper[k->n + k->rows] = upper;
     k->soft[k->n + k->rows] = rbdi_zero();
     ++k->rows;
+    return row;
+}
+
+/* The same of a row of zeros. */
+RBDI_LOCAL rbd_real *rbdi_tasks_append(rbdi_tasks *k, rbd_real lower, rbd_real upper) {
+    rbd_real *row = rbdi_tasks_append_any(k, lower, upper);
+    rbdi_clear(row, k->n);
     return row;
 }
 
@@ -797,8 +803,8 @@ RBDI_LOCAL void rbdi_tasks_put_dynamics(rbdi_tasks *k, const rbd_real *M) {
         const int passive = rbdi_tasks_is_passive(k, i);
         const rbd_real most = passive ? rbdi_zero() : rbdi_tasks_torque(k, i);
         const int limited = most < RBDI_UNBOUNDED;
-        rbd_real *row =
-            rbdi_tasks_append(k, limited ? -most - k->bias[i] : -most, limited ? most - k->bias[i] : most);
+        rbd_real *row = rbdi_tasks_append_any(k, limited ? -most - k->bias[i] : -most,
+                                              limited ? most - k->bias[i] : most);
 
         for (int j = 0; j < k->nv; ++j) row[j] = M[i * k->nv + j];
         for (int j = 0; j < 3 * k->closed; ++j) row[k->nv + j] = -k->C[(ptrdiff_t)j * k->n + i];
@@ -1242,7 +1248,7 @@ RBDI_LOCAL rbd_qp_status rbdi_tasks_solve_level(rbdi_tasks *k, int level, int ro
     qp.C = k->C;
     qp.lower = k->lower;
     qp.upper = k->upper;
-    qp.soft = k->soft;
+    qp.soft = k->given->limit_weight > 0 || k->given->torque_weight > 0 ? k->soft : NULL;
     options.steps = k->given->steps;
     options.warm = k->given->warm;
     options.rounds = 0;

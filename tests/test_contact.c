@@ -603,7 +603,7 @@ END_TEST
 
 Suite *contact_suite(void) {
     Suite *suite = suite_create("contact");
-    TCase *c = tcase_create("solver");
+    TCase *c = tcase_create("contact");
     tcase_set_timeout(c, 60);
     tcase_add_test(c, one_contact_is_one_of_all_solutions);
     tcase_add_test(c, one_contact_obeys_its_laws);

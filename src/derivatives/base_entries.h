@@ -95,8 +95,10 @@ RBDI_INLINE void rbdi_put_base_columns(const rbd_derivatives *d, int b, rbdi_b3 
 
     out += first * nv;
     RBDI_UNROLL_SIX for (int k = 0; k < RBDI_BATCH; ++k) {
-        if (k < nv - first) RBDI_UNROLL_SIX
-            for (int j = 0; j < 6; ++j) out[k * nv + j] = ((const rbd_real *)&x[j])[k];
+        if (k < nv - first) {
+            RBDI_UNROLL_SIX for (int j = 0; j < 6; ++j)
+                out[k * nv + j] = ((const rbd_real *)&x[j])[k];
+        }
     }
 }
 

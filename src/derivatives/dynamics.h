@@ -74,8 +74,8 @@ RBDI_PART void rbdi_put_packed(const rbd_model *m, const rbd_derivatives *d, rbd
         const rbdi_motion S = rbdi_load_motion(RBDI_OF(d, i, S), RBDI_BATCH);
         rbd_real *row = H + o[i].row, *pivot = row + m->dof[o[i].dof].depth, *to = pivot;
 
-        if (d->base)
-            rbdi_store_force(row, 1, F); /* S_k are unit vectors. The next row corrects what is too much */
+        /* S_k of a base are unit vectors. A row shorter than six spills into the next, which comes later */
+        if (d->base) rbdi_store_force(row, 1, F);
         for (int k = e[i].parent; k >= d->base; k = e[k].parent)
             *--to = rbdi_power(rbdi_load_motion(RBDI_OF(d, k, S), RBDI_BATCH), F);
         *pivot = rbdi_power(S, F) + m->dof[o[i].dof].armature;

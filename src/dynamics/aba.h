@@ -254,9 +254,9 @@ RBDI_INLINE rbdi_motion rbdi_aba_down(const rbd_model *m, const rbd_work *w, int
     return y;
 }
 
-/* The same of a block, its axes one by one, the first first. all: y as an array. A free base has U/D of each
-   axis only for those before it, and 1 for its own: as above its qdd is x - y_k, and the new y_k is x. The
-   axes behind it do not move yet. */
+/* The same of a block, its axes one by one, the first first. all: y as an array. A free base keeps U/D only
+   for the axes before: for its own axis it is 1, for those behind 0. So its qdd is x - y_k, and x the new
+   y_k. */
 RBDI_PART rbdi_motion rbdi_aba_down_block(const rbd_model *m, const rbd_work *w, int i, rbdi_motion y,
                                           rbd_real *a) {
     const rbdi_link *l = &m->link[i];

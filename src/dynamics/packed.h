@@ -44,6 +44,9 @@ RBDI_PART rbdi_mask rbdi_factor(const rbd_model *m, rbd_work *w, rbd_real *H) {
     return doubt;
 }
 
+/* One vector has functions of its own: its batches are entries of a row, those of many columns below are
+   columns. */
+
 /* Solves L' y = x, in place, from the leaves: y_i = x_i - sum over the descendants k of L_ki y_k. `path`, by
    depth on a dof's path, has the sums that its descendants subtract. It is stored as it is loaded, in batches
    and then scalars: the processor would wait for a batch that was stored as scalars. */

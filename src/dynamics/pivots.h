@@ -63,8 +63,7 @@ RBDI_PART rbd_status rbdi_pivot_status(const rbd_model *m, rbd_work *w, rbd_real
 
 /* The inertia of body b about the origin of its link, along each of the link's axes: moments, then masses.
    The rounding of the build is added, because it may tilt a rod that lies on an axis. It is relative to the
-   trace of the inertia about the link's origin and about that of the user's frame, at r of the joint's body.
-   */
+   trace of the inertia, about the link's origin and about that of the user's frame, r of the joint's body. */
 RBDI_COLD void rbdi_body_inertia(const rbd_model *m, int b, rbd_real inertia[6]) {
     const rbdi_frame *u = &m->frame[b];
     const rbdi_mat E = rbdi_mat_c(u->E);
@@ -90,11 +89,14 @@ RBDI_COLD void rbdi_body_inertia(const rbd_model *m, int b, rbd_real inertia[6])
 RBDI_COLD void rbdi_add_links(const rbd_model *m, rbd_real *K) {
     for (int b = 0; b < m->nb; ++b) {
         const int i = m->frame[b].link;
-        const rbdi_link *l = &m->link[i < 0 ? 0 : i];
-        const int iv = rbdi_source(m, l->iv);
-        const rbd_real ratio = rbdi_ratio(m, l->iv);
-        rbd_real inertia[6];
+        const rbdi_link *l;
+        rbd_real inertia[6], ratio;
+        int iv;
         if (i < 0) continue; /* fixed to the world */
+
+        l = &m->link[i];
+        iv = rbdi_source(m, l->iv);
+        ratio = rbdi_ratio(m, l->iv);
         rbdi_body_inertia(m, b, inertia);
 
         if (!rbdi_is(l, RBDI_BLOCK)) {

@@ -116,18 +116,21 @@ RBDI_INLINE rbd_real rbdi_factor_of(const rbdi_terms *g, int which, int t, const
 }
 
 /* y less the rows of X and, with two matrices, z less those of Y: so many batches, the last of which begins
-   with column `last`. Descendants come last to first, so that the row computed just before is the last one.
-   */
+   with column `last`. Descendants come last to first: the row computed just before is the last one. */
 RBDI_INLINE void rbdi_subtract_batches(rbdi_terms g, int which, int matrices, int batches, int last,
                                        rbd_real *y, rbd_real *z) {
     rbdi_batch sum[2][RBDI_ROW];
 
-    RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
-        const rbd_real *from = (a > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last);
-        sum[a][b] = which == RBDI_FRESH ? rbdi_zero_batch() : *(const rbdi_batch *)from;
-        if (which == RBDI_PATH) sum[a][b] = sum[a][b] * g.scale;
+    /* y and z, or 0 */
+    RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) {
+        RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
+            const rbd_real *from = (a > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last);
+            sum[a][b] = which == RBDI_FRESH ? rbdi_zero_batch() : *(const rbdi_batch *)from;
+            if (which == RBDI_PATH) sum[a][b] = sum[a][b] * g.scale;
+        }
     }
 
+    /* less x times each row */
     RBDI_UNROLL_TWO for (int i = 0; i < g.n; ++i) {
         const int t = which == RBDI_ELIMINATED || which == RBDI_DESCENDANTS ? g.n - 1 - i : i;
         const rbd_real *row = g.X + rbdi_start_of(&g, which, t),
@@ -137,14 +140,20 @@ RBDI_INLINE void rbdi_subtract_batches(rbdi_terms g, int which, int matrices, in
         RBDI_ONE_INDEX(row);
         if (matrices > 1) RBDI_ONE_INDEX(other);
 
-        RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
-            const rbd_real *from = (a > 0 ? other : row) + (b < batches - 1 ? b * RBDI_BATCH : last);
-            sum[a][b] = sum[a][b] - *(const rbdi_batch *)from * x;
+        RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) {
+            RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
+                const rbd_real *from = (a > 0 ? other : row) + (b < batches - 1 ? b * RBDI_BATCH : last);
+                sum[a][b] = sum[a][b] - *(const rbdi_batch *)from * x;
+            }
         }
     }
 
-    RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) *
-        (rbdi_batch *)((a > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last)) = sum[a][b];
+    RBDI_UNROLL_ROW for (int a = 0; a < matrices; ++a) {
+        RBDI_UNROLL_ROW for (int b = 0; b < batches; ++b) {
+            rbd_real *to = (a > 0 ? z : y) + (b < batches - 1 ? b * RBDI_BATCH : last);
+            *(rbdi_batch *)to = sum[a][b];
+        }
+    }
 }
 
 /* The same of one matrix with n columns, fewer than a batch. */

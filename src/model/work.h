@@ -36,8 +36,8 @@ typedef struct rbdi_kin { /* per link, kept for the calls after rbd_kinematics *
 #define RBDI_WORK_ARRAYS(ARRAY, nl, nblock, nbranch, ndof, nqx, nv, nh) \
     ARRAY(rbd_real, angle, RBDI_PADDED(nl))         /* joint angles less these right angles */ \
     ARRAY(rbd_real, quarters, RBDI_PADDED(nl))      /* right angles */ \
-    ARRAY(rbd_real, c, RBDI_PADDED(nl))             /* cosines of the whole angles */ \
-    ARRAY(rbd_real, s, RBDI_PADDED(nl))             /* sines */ \
+    ARRAY(rbd_real, cosine, RBDI_PADDED(nl))        /* of the whole angles */ \
+    ARRAY(rbd_real, sine, RBDI_PADDED(nl))          /* of the whole angles */ \
     ARRAY(ptrdiff_t, start, RBDI_PADDED_STARTS(nv)) /* [packed matrix]: where rows of a matrix begin */ \
     ARRAY(rbdi_branch, branch, nbranch) \
     ARRAY(rbdi_block_work, block, nblock) \

@@ -4,7 +4,7 @@
 #include "base/pieces.h"
 #include "api/qp.h"
 
-/* Interface: rbdi_qp */
+/* Interface: rbdi_qp, rbdi_qp_shape */
 
 /* ---- method [method] ----
    Minimise x'Hx/2 + f'x with n_i'x >= b_i, where the normal n_i of a row points into what is allowed: the
@@ -78,8 +78,9 @@ typedef struct rbdi_qp {
     rbdi_qp_shape shape;
     int n, all, soft;  /* variables, rows with bounds, soft rows */
     int watches;       /* rows that x may miss: not 0, with a side, no equality that is eliminated */
+    int zeros;         /* rows of zeros */
     int equalities;    /* eliminated: the first reflections */
-    int reflections;   /* equalities, and until there is J the rows of the guess */
+    int reflections;   /* equalities, and until there is J the active rows */
     int columns;       /* of J: n - equalities, and the slacks of active soft rows */
     int q;             /* active rows that are not eliminated */
     rbd_real rho;      /* added to H's diagonal */
@@ -92,7 +93,8 @@ typedef struct rbdi_qp {
 
     rbd_real *L; /* packed rows, its diagonal inverted */
     rbd_real *V; /* reflections x n: their vectors from the diagonal on; R of the equalities above */
-    rbd_real *J; /* columns x n: each column of J is a row here */
+    rbd_real
+        *J; /* columns x n: each column of J is a row here; NULL until a row joins or a soft one is there */
     rbd_real *R; /* packed columns, its diagonal inverted */
 
     rbd_real *d, *r;   /* n + soft: see [method] */
@@ -140,14 +142,15 @@ RBDI_PART void rbdi_qp_place(rbdi_qp *s, void *memory) {
     s->L = rbdi_qp_scalars(&at, n * (n + 1) / 2);
     s->R = rbdi_qp_scalars(&at, most * (most + 1) / 2);
 
+    /* these four together have room for a group of vectors */
     s->d = rbdi_qp_scalars(&at, most);
     s->r = rbdi_qp_scalars(&at, most);
+    s->leaving = rbdi_qp_scalars(&at, most);
+    s->z = rbdi_qp_scalars(&at, n);
+
     s->u = rbdi_qp_scalars(&at, most);
     s->length = rbdi_qp_scalars(&at, most);
-    s->leaving = rbdi_qp_scalars(&at, most);
-
     s->x0 = rbdi_qp_scalars(&at, n);
-    s->z = rbdi_qp_scalars(&at, n);
     s->reach = rbdi_qp_scalars(&at, n);
     s->centre = rbdi_qp_scalars(&at, n);
     s->g = rbdi_qp_scalars(&at, n);

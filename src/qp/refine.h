@@ -77,14 +77,14 @@ RBDI_PART void rbdi_qp_correct(rbdi_qp *s, rbd_real *x) {
     const int n = s->n;
 
     rbdi_qp_clear(s->z, n);
-    if (s->equalities) rbdi_qp_onto_equalities(s, x, s->z);
+    if (s->equalities) rbdi_qp_onto_equalities(s, 1, s->z);
     for (int j = 0; j < s->q; ++j) {
         const int row = s->active[j];
         s->r[j] = s->r[j] - rbdi_qp_sign(s->side[row]) * rbdi_qp_row_times(s, row, s->z);
     }
 
     /* d = (y1; y2), r = R^-1 (y1 - J1'r1) */
-    for (int j = 0; j < s->columns; ++j) s->d[j] = rbdi_qp_dot(rbdi_qp_j(s, j), s->t, n);
+    rbdi_qp_project(s, s->t, s->d);
     rbdi_qp_solve_r_transposed(s, s->r);
     for (int j = 0; j < s->q; ++j) {
         const rbd_real y = s->r[j];
@@ -94,7 +94,7 @@ RBDI_PART void rbdi_qp_correct(rbdi_qp *s, rbd_real *x) {
     rbdi_qp_solve_r(s, s->r);
 
     for (int k = 0; k < n; ++k) x[k] = x[k] + s->z[k];
-    rbdi_qp_add_columns(s, 0, s->d, x);
+    rbdi_qp_add_columns(s, 0, s->columns, s->d, x);
     for (int j = 0; j < s->q; ++j) s->u[j] = s->u[j] + s->r[j];
 }
 

@@ -13,8 +13,8 @@
 RBDI_PART void rbdi_qp_optimum_on_equalities(rbdi_qp *s) {
     for (int k = 0; k < s->n; ++k) s->x0[k] = -s->g[k];
     rbdi_qp_solve_lower(s, s->x0, 0, s->n);
-    rbdi_qp_reflect_all(s, s->x0);
-    rbdi_qp_onto_equalities(s, NULL, s->x0);
+    rbdi_qp_reflect_all(s, s->equalities, s->x0);
+    rbdi_qp_onto_equalities(s, 0, s->x0);
 }
 
 /* The soft equalities, and with `warm` the soft rows of the guess, join without a step: none depends on
@@ -80,8 +80,9 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
     int refined = 0;
 
     rbdi_qp_reached(s, s->x0);
+    rbdi_qp_push(s);
+    while (s->result.steps < s->options.steps && rbdi_qp_release(s, 0)) rbdi_qp_push(s);
     rbdi_qp_point(s, x);
-    while (s->result.steps < s->options.steps && rbdi_qp_release(s, 0)) rbdi_qp_point(s, x);
     rbdi_qp_reached(s, x);
     rbdi_qp_evaluate(s, x);
 

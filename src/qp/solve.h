@@ -102,6 +102,7 @@ RBDI_PART rbd_qp_status rbdi_qp_check_rows(rbdi_qp *s) {
     const int n = s->n;
 
     s->watches = 0;
+    s->zeros = 0;
     for (int row = 0; row < s->all; ++row) {
         const rbd_real lower = p->lower[row], upper = p->upper[row];
         int from = row, to = row + 1;
@@ -122,6 +123,7 @@ RBDI_PART rbd_qp_status rbdi_qp_check_rows(rbdi_qp *s) {
         s->from[row] = from;
         s->to[row] = to;
         s->value[row] = 0;
+        s->zeros += from == to;
         s->unit[row] = square > 0 ? 1 / rbdi_sqrt(square) : RBDI_QP_NONE;
         if (lower > upper) return rbdi_qp_refuse(s, RBD_QP_SIDES, row, "lower");
         if (from < to && (lower > -RBDI_QP_NONE || upper < RBDI_QP_NONE)) s->watched[s->watches++] = row;
@@ -161,7 +163,7 @@ RBDI_PART int rbdi_qp_multipliers(rbdi_qp *s, rbd_real *lambda) {
     for (int e = 0; e < s->equalities; ++e) lambda[s->equality[e]] = -s->u_equal[e];
 
     /* Rows of zeros: e = u/w is what 0 misses. */
-    for (int row = 0; row < s->all; ++row) {
+    for (int row = 0; row < s->all && s->zeros; ++row) {
         const rbd_real below = rbdi_qp_larger(s->given.lower[row], 0);
         const rbd_real above = rbdi_qp_larger(-s->given.upper[row], 0);
         if (s->from[row] < s->to[row]) continue;
@@ -229,7 +231,7 @@ RBDI_PART void rbdi_qp_verify(rbdi_qp *s, int ended, const rbd_real *x, rbd_real
 
 /* A hard row of zeros contradicts itself, or asks for nothing. */
 RBDI_PART rbd_qp_status rbdi_qp_zero_rows(rbdi_qp *s, rbdi_qp_miss *miss) {
-    for (int row = 0; row < s->all; ++row) {
+    for (int row = 0; row < s->all && s->zeros; ++row) {
         const rbd_real lower = s->given.lower[row], upper = s->given.upper[row];
         if (s->from[row] < s->to[row] || rbdi_qp_weight(s, row) > 0 || (lower <= 0 && upper >= 0)) continue;
         miss->row = row;
@@ -250,7 +252,7 @@ RBDI_PART rbd_qp_status rbdi_qp_run(rbdi_qp *s, rbd_real *x, rbd_real *lambda) {
     rbdi_qp_eliminate_all(s, 0);
     if (s->options.warm) rbdi_qp_eliminate_all(s, 1);
     rbdi_qp_take_guess(s);
-    rbdi_qp_basis(s);
+    s->columns = s->n - s->equalities;
     for (int k = 0; k < s->n; ++k) {
         s->reach[k] = 0;
         s->centre[k] = s->options.warm && s->rho > 0 ? x[k] : 0;
@@ -336,6 +338,7 @@ RBDI_PART rbd_qp_status rbdi_qp_solve(rbdi_qp *s, const rbd_qp_problem *problem,
         if (!warm) side[row] = 0;
     }
     rbdi_qp_place(s, memory);
+    s->J = NULL;
     status = rbdi_qp_run(s, x, lambda);
     return rbdi_qp_bound_result(s, status, x, lambda);
 }

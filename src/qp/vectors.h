@@ -1,6 +1,5 @@
 #ifndef RBDI_QP_VECTORS_H
 #define RBDI_QP_VECTORS_H
-#include "base/scalar.h"
 #include "qp/layout.h"
 
 /* Interface: rbdi_qp_dot, rbdi_qp_largest */
