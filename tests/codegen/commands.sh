@@ -70,6 +70,13 @@ expect 1 "--algorithm jacobian:ploe: the robot has no link 'ploe'; did you mean 
     --algorithm jacobian:ploe "$root/models/cart_pole.urdf"
 expect 1 "--algorithm pose:world: link 'world' is the world and no body" --algorithm pose:world "$iiwa"
 expect 2 "--algorithm: 'id' stands twice$see" --algorithm id,rnea a
+expect 2 "--algorithm: there is no ' long'; a link with a comma stands in quotes: '\"pose:pole, long\"'$see" \
+    --algorithm "pose:pole, long" a
+for list in '"pose:a,b' 'id,"pose:a,b"x' '"'; do
+    expect 2 "--algorithm: a quote is not closed, or something follows it: $list$see" --algorithm "$list" a
+done
+expect 1 "--algorithm pose:po\"le, long: the robot has no link 'po\"le, long'" \
+    --algorithm 'id,"pose:po""le, long",mm' "$root/models/cart_pole.urdf"
 expect 2 "--algorithm: 'impact' needs --constraints FILE$see" --algorithm id,impact a
 expect 2 "--constraints: no algorithm of the list takes them$see" --constraints feet.csv a
 expect 2 "--passive: 'constrained_id' is not in the list$see" --passive x --algorithm impact --constraints feet.csv a
@@ -208,6 +215,8 @@ selftest noise --floating --scalar float --algorithm fd,momentum_matrix noise.ur
 # names that could be those of a part, and of a self-test
 sed "s/\(link\|link name\)='1'/\1='45_1'/g" chain.urdf >parts.urdf
 selftest test --block 50 --algorithm jacobian:45,jacobian:45_1 parts.urdf
+sed 's/"pole"/"pole, \&quot;long\&quot;"/' "$root/models/cart_pole.urdf" >comma.urdf
+selftest test --algorithm 'id,"jacobian:pole, ""long""",mm' comma.urdf
 selftest hyq --floating --algorithm id,fd --block 300 "$hyq"
 selftest pairs --scalar float --floating --limbs 4 --f-ext --algorithm id,minv "$root/models/atlas.urdf"
 grep -q "^#define LIMBS 2" pairs_code.c || fail "the pairs of limbs are not computed at once"
