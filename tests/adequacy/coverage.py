@@ -52,6 +52,8 @@ def programs():
     out.append(("spatial frames", ["spatial_frames.c"], [], QUICK, []))
     for name, flags in {"double": [], "float": ["-DRBD_REAL=float"], "scalars": ["-U__SSE2__"]}.items():
         out.append((f"qp {name}", ["test_qp.c"], [], [*RUN_LONG, *flags], []))
+    for real in "double", "float":
+        out.append((f"tasks {real}", ["tasks_scalars.c"], [], [*RUN_LONG, f"-DRBD_REAL={real}"], []))
     return out
 
 
