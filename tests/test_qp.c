@@ -844,6 +844,41 @@ START_TEST(slight_contradictions_are_inaccurate) {
 END_TEST
 
 /* Without a value to lower, x is the nearest place to 0, to rounding. */
+/* x0 >= gap and x0 + angle x1 <= 0 meet at x1 = -gap / angle, which is nearer than the optimum without rows. The
+   rows are too nearly parallel to be solved; but that is no contradiction. */
+START_TEST(rows_that_meet_within_reach_contradict_nothing) {
+    const rbd_qp_problem p = problem_of(2, 0, 2);
+    const double angle = (double)RBDI_QP_DEPENDENT / 2, far = 1e4, gap = angle * far / 5;
+    set(H, (const double[]){1, 0, 0, 1}, 4);
+    set(f, (const double[]){0, -far}, 2);
+    set(C, (const double[]){1, 0, 1, angle}, 4);
+    set(lower, (const double[]){gap, -INF}, 2);
+    set(upper, (const double[]){INF, 0}, 2);
+    ck_assert_int_eq(solve(&p), RBD_QP_INACCURATE);
+}
+END_TEST
+
+/* A variable, whichever, that others set to 0, but for rounding, keeps a bound of 0. */
+START_TEST(a_bound_of_zero_holds_but_for_rounding) {
+    seed = 41;
+    for (int k = 0; k < 200; k++) {
+        const int n = between(2, 4), zero = between(0, n - 1);
+        const rbd_qp_problem p = problem_of(n, n, 1);
+        double sum = 0;
+        for (int i = 0; i < n; i++) {
+            for (int j = 0; j < n; j++) H[i * n + j] = i == j;
+            f[i] = (rbd_real)normal();
+            C[i] = (rbd_real)(1 + fabs(normal()));
+            lower[i] = upper[i] = i == zero ? 0 : (rbd_real)normal();
+            if (i == zero) upper[i] = NONE;
+            sum += (double)C[i] * (double)lower[i];
+        }
+        lower[n] = upper[n] = (rbd_real)sum;
+        ck_assert_msg(solve(&p) == RBD_QP_OK, "problem %d", k);
+    }
+}
+END_TEST
+
 START_TEST(rows_alone_are_met) {
     const double row[3] = {0.1, 0.7, 1. / 3}, square = 0.01 + 0.49 + 1. / 9;
     rbd_qp_problem p = problem_of(3, 0, 1);
@@ -1316,6 +1351,8 @@ int main(void) {
     tcase_add_test(c, a_slight_asymmetry_is_rounding);
     tcase_add_test(c, steps_and_rounds_are_bounded);
     tcase_add_test(c, slight_contradictions_are_inaccurate);
+    tcase_add_test(c, rows_that_meet_within_reach_contradict_nothing);
+    tcase_add_test(c, a_bound_of_zero_holds_but_for_rounding);
     tcase_add_test(c, rows_alone_are_met);
     tcase_add_test(c, an_optimum_at_0_is_ok);
     tcase_add_test(c, weighted_squares_are_not_unbounded);
