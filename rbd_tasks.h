@@ -333,6 +333,7 @@ typedef struct rbdi_tasks {
     int nv, n;              /* dofs, components of x */
     int closed;             /* contacts */
     int dynamics, friction; /* the first row of each kind: a row of C is counted from 0 */
+    int robot;              /* rows of C before those of tasks */
     int rows;               /* of C so far */
     rbd_real missed;        /* sum over the levels of the largest miss of a row, as a share of its terms */
     size_t scratch_size;
@@ -717,15 +718,21 @@ RBDI_LOCAL rbd_status rbdi_tasks_check(const rbd_model *m, const rbd_work *w, co
 /* ==== src/tasks/contacts.h ==== */
 /* ---- contacts and dynamics [contacts and dynamics] ---- */
 
-/* Appends a row of zeros with these sides; returns it. */
-RBDI_LOCAL rbd_real *rbdi_tasks_append(rbdi_tasks *k, rbd_real lower, rbd_real upper) {
+/* Appends a row with these sides; returns it, for its entries to be written. */
+RBDI_LOCAL rbd_real *rbdi_tasks_append_any(rbdi_tasks *k, rbd_real lower, rbd_real upper) {
     rbd_real *row = &k->C[(ptrdiff_t)k->rows * k->n];
 
-    rbdi_clear(row, k->n);
     k->lower[k->n + k->rows] = lower;
     k->upper[k->n + k->rows] = upper;
     k->soft[k->n + k->rows] = rbdi_zero();
     ++k->rows;
+    return row;
+}
+
+/* The same of a row of zeros. */
+RBDI_LOCAL rbd_real *rbdi_tasks_append(rbdi_tasks *k, rbd_real lower, rbd_real upper) {
+    rbd_real *row = rbdi_tasks_append_any(k, lower, upper);
+    rbdi_clear(row, k->n);
     return row;
 }
 
@@ -796,8 +803,8 @@ RBDI_LOCAL void rbdi_tasks_put_dynamics(rbdi_tasks *k, const rbd_real *M) {
         const int passive = rbdi_tasks_is_passive(k, i);
         const rbd_real most = passive ? rbdi_zero() : rbdi_tasks_torque(k, i);
         const int limited = most < RBDI_UNBOUNDED;
-        rbd_real *row =
-            rbdi_tasks_append(k, limited ? -most - k->bias[i] : -most, limited ? most - k->bias[i] : most);
+        rbd_real *row = rbdi_tasks_append_any(k, limited ? -most - k->bias[i] : -most,
+                                              limited ? most - k->bias[i] : most);
 
         for (int j = 0; j < k->nv; ++j) row[j] = M[i * k->nv + j];
         for (int j = 0; j < 3 * k->closed; ++j) row[k->nv + j] = -k->C[(ptrdiff_t)j * k->n + i];
@@ -842,9 +849,11 @@ RBDI_LOCAL void rbdi_tasks_put_robot(rbdi_tasks *k) {
     for (int i = 0; i < k->closed; ++i) rbdi_tasks_hold(k, &k->given->contact[k->contact[i]]);
     k->dynamics = k->rows;
     k->friction = k->rows;
+    k->robot = k->rows;
     if (!k->accelerations) return;
     rbdi_tasks_put_dynamics(k, M);
     rbdi_tasks_put_friction(k);
+    k->robot = k->rows;
 }
 
 /* ==== src/tasks/rows.h ==== */
@@ -910,7 +919,7 @@ RBDI_LOCAL void rbdi_tasks_of_momentum(rbdi_tasks *k, const rbd_task *t, rbdi_ta
 RBDI_LOCAL void rbdi_tasks_of_com(rbdi_tasks *k, const rbd_task *t, rbdi_tasks_error *s) {
     rbd_real com[3] = {0}, a[3] = {0};
 
-    rbdi_ik_com_jacobian(k->m, k->w, k->w->F, &k->J[3 * k->nv]);
+    rbdi_ik_com_jacobian(k->m, k->w, rbd_mass(k->m), k->w->F, &k->J[3 * k->nv]);
     rbd_com(k->m, k->w, com, NULL, a);
     s->e.v = rbdi_ik_way(t->position, rbdi_load_vec(com, 1));
     s->drift.v = rbdi_load_vec(a, 1);
@@ -1177,7 +1186,7 @@ RBDI_LOCAL void rbdi_tasks_clear_squares(rbdi_tasks *k) {
     const rbd_real force = p->force_cost > 0 ? p->force_cost : motion / (unit * unit);
 
     rbdi_clear(k->f, k->n);
-    rbdi_clear(k->H, k->n * k->n);
+    rbdi_clear(k->H, k->nv * k->n);
     for (int i = 0; i < k->n; ++i) {
         const rbd_real own = i < k->nv ? rbdi_zero() : p->contact[k->contact[(i - k->nv) / 3]].cost;
         k->H[(ptrdiff_t)i * k->n + i] = i < k->nv ? motion : own > 0 ? own : force;
@@ -1224,10 +1233,11 @@ RBDI_LOCAL rbd_qp_status rbdi_tasks_solve_level(rbdi_tasks *k, int level, int ro
     rbd_tasks_result *result = k->result;
     rbd_qp_problem qp;
     rbd_qp_options options;
+    const rbdi_qp_shape shape = {1, k->nv, k->dynamics, k->friction, k->robot};
     rbdi_qp s;
     rbd_qp_status status;
 
-    for (int i = 0; i < k->n; ++i)
+    for (int i = 0; i < k->nv; ++i)
         for (int j = 0; j < i; ++j) k->H[(ptrdiff_t)j * k->n + i] = k->H[(ptrdiff_t)i * k->n + j];
 
     qp.n = k->n;
@@ -1238,14 +1248,14 @@ RBDI_LOCAL rbd_qp_status rbdi_tasks_solve_level(rbdi_tasks *k, int level, int ro
     qp.C = k->C;
     qp.lower = k->lower;
     qp.upper = k->upper;
-    qp.soft = k->soft;
+    qp.soft = k->given->limit_weight > 0 || k->given->torque_weight > 0 ? k->soft : NULL;
     options.steps = k->given->steps;
     options.warm = k->given->warm;
     options.rounds = 0;
     options.accuracy = rbdi_zero();
 
     if (options.warm) rbdi_tasks_keep(k, level, rows, 0);
-    status = rbdi_qp_solve(&s, &qp, &options, 1, k->scratch, k->scratch_size, k->x, k->lambda, k->side);
+    status = rbdi_qp_solve(&s, &qp, &options, &shape, k->scratch, k->scratch_size, k->x, k->lambda, k->side);
     rbdi_tasks_keep(k, level, rows, 1);
     result->qp = status;
     result->level = level;

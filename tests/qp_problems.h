@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "larger.h"
 #include "rbd_qp.h"
 
 #define NONE ((rbd_real)RBD_QP_NONE)
@@ -60,7 +61,7 @@ static double entry(const rbd_qp_problem *p, int row, int j) {
 }
 static double largest_of(const rbd_real *v, int n) {
     double largest = 0;
-    for (int i = 0; i < n; i++) largest = fabs((double)v[i]) > largest ? fabs((double)v[i]) : largest;
+    for (int i = 0; i < n; i++) largest = larger(largest, fabs((double)v[i]));
     return largest;
 }
 
@@ -151,7 +152,7 @@ static judgement judge_proof(const rbd_qp_problem *p) {
     for (int j = 0; j < n; j++) {
         double terms = 0;
         for (int row = 0; row < all; row++) terms += fabs(entry(p, row, j) * (double)lambda[row]);
-        largest = fmax(largest, terms);
+        largest = larger(largest, terms);
     }
     for (int j = 0; j < n; j++) {
         double sum = 0;

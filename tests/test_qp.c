@@ -1068,7 +1068,7 @@ START_TEST(ok_is_said_of_the_solution_alone) {
             }
             below = (double)p.lower[row] - value - 2 * tight * fabs((double)p.lower[row]);
             above = value - (double)p.upper[row] - 2 * tight * fabs((double)p.upper[row]);
-            ck_assert_msg(!(fmax(below, above) > 2 * tight * terms), "problem %d, row %d", k, row);
+            ck_assert_msg(larger(below, above) <= 2 * tight * terms, "problem %d, row %d", k, row);
         }
     }
 }

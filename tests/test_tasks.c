@@ -59,7 +59,7 @@ static void expect_dynamics(const robot *r, const rbd_tasks *p, const double *q,
         const double *given = c->normal, z[3] = {0, 0, 1};
         const double *n = dot(given, given, 3) > 0 ? given : z;
         const double normal = dot(&f[3 * i], n, 3) / sqrt(dot(n, n, 3));
-        const double slope = sqrt(fmax(0, dot(&f[3 * i], &f[3 * i], 3) - normal * normal));
+        const double slope = sqrt(larger(0, dot(&f[3 * i], &f[3 * i], 3) - normal * normal));
         if (c->open) {
             ck_assert(f[3 * i] == 0 && f[3 * i + 1] == 0 && f[3 * i + 2] == 0);
             continue;
@@ -561,7 +561,7 @@ START_TEST(feet_push_along_their_normals) {
         for (int i = 0; i < FEET; i++) {
             const double *n = feet[i].normal;
             const double normal = dot(&f[3 * i], n, 3) / sqrt(dot(n, n, 3));
-            const double slope = sqrt(fmax(0, dot(&f[3 * i], &f[3 * i], 3) - normal * normal));
+            const double slope = sqrt(larger(0, dot(&f[3 * i], &f[3 * i], 3) - normal * normal));
             steep += slope > 0.69 * 0.2 * normal; /* at least cos(pi / 4) of mu where a side holds */
         }
         ck_assert_int_ge(steep, k < 2 ? 0 : 1);

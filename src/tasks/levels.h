@@ -90,7 +90,7 @@ RBDI_LOCAL void rbdi_tasks_clear_squares(rbdi_tasks *k) {
     const rbd_real force = p->force_cost > 0 ? p->force_cost : motion / (unit * unit);
 
     rbdi_clear(k->f, k->n);
-    rbdi_clear(k->H, k->n * k->n);
+    rbdi_clear(k->H, k->nv * k->n);
     for (int i = 0; i < k->n; ++i) {
         const rbd_real own = i < k->nv ? rbdi_zero() : p->contact[k->contact[(i - k->nv) / 3]].cost;
         k->H[(ptrdiff_t)i * k->n + i] = i < k->nv ? motion : own > 0 ? own : force;
@@ -137,10 +137,11 @@ RBDI_LOCAL rbd_qp_status rbdi_tasks_solve_level(rbdi_tasks *k, int level, int ro
     rbd_tasks_result *result = k->result;
     rbd_qp_problem qp;
     rbd_qp_options options;
+    const rbdi_qp_shape shape = {1, k->nv, k->dynamics, k->friction, k->robot};
     rbdi_qp s;
     rbd_qp_status status;
 
-    for (int i = 0; i < k->n; ++i)
+    for (int i = 0; i < k->nv; ++i)
         for (int j = 0; j < i; ++j) k->H[(ptrdiff_t)j * k->n + i] = k->H[(ptrdiff_t)i * k->n + j];
 
     qp.n = k->n;
@@ -151,14 +152,14 @@ RBDI_LOCAL rbd_qp_status rbdi_tasks_solve_level(rbdi_tasks *k, int level, int ro
     qp.C = k->C;
     qp.lower = k->lower;
     qp.upper = k->upper;
-    qp.soft = k->soft;
+    qp.soft = k->given->limit_weight > 0 || k->given->torque_weight > 0 ? k->soft : NULL;
     options.steps = k->given->steps;
     options.warm = k->given->warm;
     options.rounds = 0;
     options.accuracy = rbdi_zero();
 
     if (options.warm) rbdi_tasks_keep(k, level, rows, 0);
-    status = rbdi_qp_solve(&s, &qp, &options, 1, k->scratch, k->scratch_size, k->x, k->lambda, k->side);
+    status = rbdi_qp_solve(&s, &qp, &options, &shape, k->scratch, k->scratch_size, k->x, k->lambda, k->side);
     rbdi_tasks_keep(k, level, rows, 1);
     result->qp = status;
     result->level = level;

@@ -57,7 +57,7 @@ static void run(int of, uint64_t start, tally *t) {
     t->inaccurate += status == RBD_QP_INACCURATE;
     if (status == RBD_QP_OK) worst = judge_solution(&p);
     if (status == RBD_QP_INFEASIBLE) worst = judge_proof(&p);
-    if (worst.share > t->worst) t->worst = worst.share;
+    t->worst = larger(t->worst, worst.share);
 
     failed |= worst.share > allowed;
     failed |= status == RBD_QP_OK && (of == CONTRADICTION || gradient_share(&p) > 20 * RBDI_QP_ACCURACY);
@@ -95,5 +95,5 @@ int main(int count, char **arguments) {
                t->iterations, t->inaccurate, t->failures, t->worst, t->steps / (double)t->problems, t->most);
         failures += t->failures;
     }
-    return failures > 0;
+    return failures > 0 || tallies[0].problems == 0;
 }
