@@ -1209,7 +1209,7 @@ RBDI_LOCAL rbd_real rbdi_tasks_missed(const rbdi_tasks *k, const rbdi_qp *s) {
         if (!(by > 0) || k->soft[row] > 0) continue;
         if (by <= most * (rbdi_abs(side) + rbdi_abs(value))) continue; /* the terms are more than the value */
         const rbd_real share = by / rbdi_qp_terms(s, row, side);
-        most = rbdi_ik_larger(most, share < 1 ? share : rbdi_set(RBD_C(1))); /* 1: nor if sums overflow */
+        most = rbdi_ik_larger(most, rbdi_ik_smaller(share, rbdi_set(RBD_C(1)))); /* 1 if sums overflow */
     }
     return most;
 }
@@ -1376,8 +1376,7 @@ RBDI_LOCAL void rbdi_tasks_blame(rbdi_tasks *k, int rows) {
             const rbdi_tasks_limit limit = rbdi_tasks_limit_of(k, row);
             const int equal = k->lower[row] >= k->upper[row];
             const rbd_real share = rbdi_tasks_share(k, row);
-            if (!(share > 0) || limit.part == RBD_TASKS_NOTHING || (i && limit.part == result->part[0]))
-                continue;
+            if (!(share > 0) || (i && limit.part == result->part[0])) continue;
             if (equal > firm || (equal == firm && !(share > most))) continue;
             firm = equal;
             most = share;

@@ -361,6 +361,8 @@ static void check_places(void) {
     for (int row = 0; row < all; row++)
         if (is_limit(k, row)) expect(k->side[row] == row * row % 3 - row % 2, "a side is kept", row);
 
+    expect(rbdi_tasks_limit_of(k, all).part == RBD_TASKS_NOTHING, "a row of a task is no limit", all);
+    expect(rbdi_tasks_part_name(RBD_TASKS_NOTHING)[0] == 'n', "nothing has a name", 0);
     expect(k->rows - k->friction == 8 + 4 + 8, "sides of all pyramids", k->rows - k->friction);
     for (int i = 0; i < 4; i++) {
         expect(friction[i] == (c[i].open ? 0 : c[i].sides), "rows of friction", friction[i]);
@@ -466,6 +468,42 @@ static void check_missed(int steps) {
         expect(IN_FLOAT ? inexact > 0 && inexact < 6 : inexact == 0, "inexact", inexact);
 }
 
+/* ---- rows that nearly depend on each other ---- */
+
+/* A plate that is held at two points, and shall turn. The nearer they are, the larger are the multipliers,
+   whose rounding is more than the QP's accuracy in the end; x is 0 all the same, and that is what is asked. */
+static void check_near_contacts(void) {
+    const rbd_body plate = {
+        .parent = -1, .type = RBD_PLANAR, .axis = {0, 0, 1}, .mass = 1, .inertia = {1, 0, 0, 1, 0, 1}};
+    const rbd_task turn = {.kind = RBD_TASK_ROTATION, .velocity = {0, 0, 1}};
+    int inexact = 0;
+    build(&plate, 1);
+    for (double apart = .1; apart > (IN_FLOAT ? 2e-4 : 2e-9); apart /= 2) {
+        const rbd_task_contact c[2] = {{.point = {(rbd_real)0.3, (rbd_real)0.2, 0}},
+                                       {.point = {(rbd_real)(0.3 + apart), (rbd_real)0.2, 0}}};
+        const rbd_tasks p = {
+            .task = &turn, .tasks = 1, .contact = c, .contacts = 2, .dt = 1, .motion_cost = 1};
+        const rbd_real q[MOST_Q] = {0};
+        rbd_real v[MOST_V] = {0};
+        rbd_tasks_result result;
+        const rbd_tasks_status status = rbd_tasks_velocity(m, w, &p, q, memory, sizeof memory, v, &result);
+        expect(status == RBD_TASKS_OK, "near contacts", apart);
+        for (int i = 0; i < m->nv; i++) expect(fabs((double)v[i]) < 1e-9, "held", (double)v[i]);
+        inexact += result.qp == RBD_QP_INACCURATE;
+    }
+    expect(inexact > 0, "inexact multipliers", inexact);
+}
+
+/* Variables and soft rows of a thousand floating bodies are too many. */
+static void check_sizes(void) {
+    static rbd_model many;
+    rbd_tasks p = {.contacts = 900, .limit_weight = 1, .torque_weight = 1};
+    many.nv = 5000;
+    expect(rbd_tasks_size(&many, &p) > 0, "5000 dofs", many.nv);
+    many.nv = 6000;
+    expect(rbd_tasks_size(&many, &p) == 0, "6000 dofs", many.nv);
+}
+
 int main(void) {
     for (int i = 0; i < 20 && !IN_FLOAT; i++) {
         check_rows(hyq_bodies, HYQ_NB, i % 2 ? 0.7 : 1e-4);
@@ -478,6 +516,8 @@ int main(void) {
     check_places();
     check_grounds();
     check_wrenches();
+    check_near_contacts();
+    check_sizes();
     check_missed(0);
     check_missed(1);
     printf("%s\n", failures ? "FAILED" : "rbd_tasks.h: ok");

@@ -113,7 +113,7 @@ RBDI_LOCAL rbd_real rbdi_tasks_missed(const rbdi_tasks *k, const rbdi_qp *s) {
         if (!(by > 0) || k->soft[row] > 0) continue;
         if (by <= most * (rbdi_abs(side) + rbdi_abs(value))) continue; /* the terms are more than the value */
         const rbd_real share = by / rbdi_qp_terms(s, row, side);
-        most = rbdi_ik_larger(most, share < 1 ? share : rbdi_set(RBD_C(1))); /* 1: nor if sums overflow */
+        most = rbdi_ik_larger(most, rbdi_ik_smaller(share, rbdi_set(RBD_C(1)))); /* 1 if sums overflow */
     }
     return most;
 }
