@@ -129,7 +129,7 @@ RBDI_PART rbd_qp_status rbdi_qp_round(rbdi_qp *s, rbd_real *x, rbdi_qp_miss *mis
 
 /* z = x, or x - from; whether the value falls on this way, and H does not bend it, but for rounding. */
 RBDI_PART int rbdi_qp_straight(rbdi_qp *s, const rbd_real *x, const rbd_real *from) {
-    rbd_real down = 0, curvature = 0, length = 0, largest = 0, rounding;
+    rbd_real down = 0, curvature = 0, length = 0, largest = 0, rounding, terms;
 
     for (int k = 0; k < s->n; ++k) {
         s->z[k] = from ? x[k] - from[k] : x[k];
@@ -138,7 +138,7 @@ RBDI_PART int rbdi_qp_straight(rbdi_qp *s, const rbd_real *x, const rbd_real *fr
         largest = rbdi_qp_larger(largest, s->given.H[k * s->n + k]);
     }
     for (int k = 0; k < s->n; ++k)
-        curvature = rbdi_qp_larger(curvature, rbdi_qp_abs(rbdi_qp_h_times(s, k, s->z)));
+        curvature = rbdi_qp_larger(curvature, rbdi_qp_abs(rbdi_qp_h_times(s, k, s->z, &terms)));
     rounding = RBDI_QP_BENT * (rbd_real)s->n * largest * length;
     return down < 0 && curvature <= rounding;
 }
