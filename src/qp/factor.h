@@ -108,10 +108,17 @@ RBDI_PART void rbdi_qp_spread(const rbdi_qp *s, int row, rbd_real *t) {
     rbdi_qp_solve_lower(s, t, s->from[row] / 4 * 4, s->to[row]);
 }
 
-/* t := Q't, of the first k reflections, two at a time */
-RBDI_PART void rbdi_qp_reflect_all(const rbdi_qp *s, int k, rbd_real *t) {
+/* t := Q'L^-1 t, of the first k reflections, two at a time */
+RBDI_PART void rbdi_qp_forth(const rbdi_qp *s, int k, rbd_real *t) {
+    rbdi_qp_solve_lower(s, t, 0, s->n);
     for (int e = 0; e + 1 < k; e += 2) rbdi_qp_reflect_two(s, e, 0, t);
     if (k % 2) rbdi_qp_reflect(s, k - 1, t);
+}
+
+/* t := L'^-1 Q t, of the first k reflections */
+RBDI_PART void rbdi_qp_back(const rbdi_qp *s, int k, rbd_real *t) {
+    rbdi_qp_reflect_back(s, k, t);
+    rbdi_qp_solve_upper(s, t, s->n);
 }
 
 /* Reflection e = s->reflections of a row, whose L^-1 row', behind the earlier reflections, is v. Returns 0 if
@@ -253,8 +260,7 @@ RBDI_PART void rbdi_qp_project(const rbdi_qp *s, rbd_real *y, rbd_real *d) {
         for (int j = 0; j < s->columns; ++j) d[j] = rbdi_qp_dot(rbdi_qp_j(s, j), y, s->n);
         return;
     }
-    rbdi_qp_solve_lower(s, y, 0, s->n);
-    rbdi_qp_reflect_all(s, s->reflections, y);
+    rbdi_qp_forth(s, s->reflections, y);
     rbdi_qp_copy(y + s->equalities, d, s->columns);
 }
 
@@ -266,8 +272,7 @@ RBDI_PART void rbdi_qp_add_columns(const rbdi_qp *s, int from, int to, const rbd
     if (!s->J) {
         rbdi_qp_clear(s->t, s->n);
         rbdi_qp_copy(d + from, s->t + s->equalities + from, to - from);
-        rbdi_qp_reflect_back(s, s->reflections, s->t);
-        rbdi_qp_solve_upper(s, s->t, s->n);
+        rbdi_qp_back(s, s->reflections, s->t);
         rbdi_qp_add(1, s->t, y, s->n);
         return;
     }
@@ -284,16 +289,14 @@ RBDI_PART void rbdi_qp_onto_equalities(const rbdi_qp *s, int further, rbd_real *
         if (further) b = b - s->value[row];
         t[e] = (b - rbdi_qp_dot(s->V + e * s->n, t, e)) * s->diagonal[e];
     }
-    rbdi_qp_reflect_back(s, s->equalities, t);
-    rbdi_qp_solve_upper(s, t, s->n);
+    rbdi_qp_back(s, s->equalities, t);
 }
 
 /* Multipliers u_equal of the equalities that balance y best; y += A' u_equal. t: scratch, n. */
 RBDI_PART void rbdi_qp_balance(rbdi_qp *s, rbd_real *y, rbd_real *t) {
     if (!s->equalities) return;
     rbdi_qp_copy(y, t, s->n);
-    rbdi_qp_solve_lower(s, t, 0, s->n);
-    rbdi_qp_reflect_all(s, s->equalities, t);
+    rbdi_qp_forth(s, s->equalities, t);
 
     /* R u = -t */
     for (int e = s->equalities - 1; e >= 0; --e) {
