@@ -48,24 +48,24 @@
      Dense matrices, of up to some hundred variables: a step costs about 3 n^2 products, and one for each
      entry of C. H must be convex. If it is only semidefinite, a proximal method takes some rounds, and the
      optimum is exact to the accuracy, not to rounding. Squares of the entries of a row must be normal
-     numbers. result->dual is a share of the largest term: what is 1e8 times weaker (float: 1e3) is less
-     exact. Weights of soft rows more than 1e14 above H (float: 1e4) may end in RBD_QP_ITERATIONS or
-     _INACCURATE, never in _INFEASIBLE: hard rows are better there. Linear programs whose vertices lie far
+     numbers. result->dual is a share of the cost's largest term: what is 1e8 times weaker (float: 1e3) is
+     less exact. Rows at an angle of less than 1e-6 (float: 1e-2) may have multipliers too large to be exact:
+     RBD_QP_INACCURATE. Weights of soft rows more than 1e14 above H (float: 1e4) may end in RBD_QP_ITERATIONS
+     or _INACCURATE, never in _INFEASIBLE: hard rows are better there. Linear programs whose vertices lie far
      apart, as those of Klee and Minty do from 7 variables on (float: 5), may end in RBD_QP_ITERATIONS: more
      options->rounds. In float RBD_QP_UNBOUNDED is said where f falls by a tenth of its terms; less is
      RBD_QP_INACCURATE. Of problems without H (all 0) that are unbounded a few of a thousand end in
      RBD_QP_ITERATIONS or _NAN instead, of those with soft rows alone a few of a hundred.
 
-   [cost] Flash for a Cortex-M4F at -Os: 13.2 kB of rbd_qp_solve; DAQP 0.9.1 takes 29.5 kB. Contact forces of
-   HyQ without a warm start, DAQP first, both by gcc 12.2 -O2. Instructions of a Cortex-M4F in float: the mean
-   of 32 problems; DAQP's are like ours, but not the same. Microseconds of a PC in double: the same 400
-   problems, the least mean of some runs, with -march=native (AVX-512) and without:
+   [cost] Flash for a Cortex-M4F at -Os: 13.2 kB of rbd_qp_solve. Contact forces of HyQ without a warm
+   start, by gcc 12.2 -O2: instructions of a Cortex-M4F in float, the mean of 32 problems; microseconds of a
+   PC in double, the mean of 400, with -march=native (AVX-512) and without. More in docs/qp.md:
 
-                                              instructions         native        without
-     12 forces, 28 rows, few limits reached   108,526   43,105    4.1   3.5     4.1   4.7
-     the same, many                           193,063   99,575    9.7   8.2     9.7  10.7
-     18 accelerations too, 46 rows, few       447,307  149,759   20.7  10.5    19.2  14.9
-     the same, many                           499,026  221,909   DAQP's time varies twofold
+                                              instructions    native   without
+     12 forces, 28 rows, few limits reached         43,105       3.5       4.7
+     the same, many                                 99,575       8.2      10.7
+     18 accelerations too, 46 rows, few            149,759      10.5      14.9
+     the same, many                                221,909
 */
 
 /* ==== src/api/configuration.h ==== */
@@ -341,8 +341,9 @@ typedef struct rbd_qp_result {
     int active;      /* rows that hold, equalities too */
     rbd_real primal; /* the largest miss of a row, or distance of one that pushes from its side, as a share of
                         its terms: the side, and its entries times the largest x */
-    rbd_real dual;   /* the largest component of Hx + f + C'lambda, as a share of the largest term */
-    int at;          /* after an error the row, counted with the bounds, or the variable; -1: none */
+    rbd_real dual; /* the largest component of Hx + f + C'lambda, as a share of the largest term of the cost:
+                        of Hx + f, or lambda of a soft row times the row */
+    int at;        /* after an error the row, counted with the bounds, or the variable; -1: none */
     const char *field; /* after an error: of rbd_qp_problem or rbd_qp_options; NULL: none */
 } rbd_qp_result;
 
@@ -835,9 +836,9 @@ RBDI_INLINE rbd_real rbdi_reciprocal(rbd_real D, rbd_const threshold, rbdi_mask 
 /* 1 / D of a pivot, 0 where that would overflow. The pivot is in doubt if it is small beside scale, the
    inertia that it came from: see [tolerances]. */
 RBDI_INLINE rbd_real rbdi_pivot_inverse(rbd_real D, rbd_const scale, rbdi_mask *doubt) {
-    rbdi_mask none = rbdi_less(D, D);
+    rbdi_mask tiny = rbdi_less(D, D); /* not asked: such a pivot is in doubt as well */
     *doubt = rbdi_or(*doubt, rbdi_not(rbdi_less(rbdi_set(scale * RBDI_DOUBT), D)));
-    return rbdi_reciprocal(D, RBDI_TINY, &none);
+    return rbdi_reciprocal(D, RBDI_TINY, &tiny);
 }
 #endif
 
@@ -964,8 +965,9 @@ typedef struct rbdi_qp {
     rbd_real own;      /* length of the last row that wanted to join, in the metric of H^-1 */
     rbd_real furthest; /* largest |x_k| so far */
     rbd_real accuracy; /* of rows: that of the options, and tenfold each time after `loosen` steps */
-    int doubtful;      /* rows contradict each other by what may be rounding, or sums overflow */
-    int loosen;        /* the number of steps at which accuracy grows next */
+    rbd_real balance; /* the largest component of Hx + f + C'lambda, as a share of the largest of all terms */
+    int doubtful;     /* rows contradict each other by what may be rounding, or sums overflow */
+    int loosen;       /* the number of steps at which accuracy grows next */
 
     rbd_real *L; /* packed rows, its diagonal inverted */
     rbd_real *V; /* reflections x n: their vectors from the diagonal on; R of the equalities above */
@@ -2303,8 +2305,8 @@ RBDI_PART rbd_real rbdi_qp_gradient(const rbdi_qp *s, const rbd_real *x, rbd_rea
 }
 
 /* t = r1 without the equalities' part, r = r2, and the values of these rows at x. Returns the largest |r2|, as
-   a share of its row's length; raises *size to the largest term of r1. */
-RBDI_PART rbd_real rbdi_qp_residuals(rbdi_qp *s, const rbd_real *x, rbd_real *size) {
+   a share of its row's length; raises *size to the largest term of the cost in r1, *push to that of all rows. */
+RBDI_PART rbd_real rbdi_qp_residuals(rbdi_qp *s, const rbd_real *x, rbd_real *size, rbd_real *push) {
     rbd_real missed = 0;
 
     *size = rbdi_qp_larger(*size, rbdi_qp_gradient(s, x, s->t));
@@ -2318,7 +2320,9 @@ RBDI_PART rbd_real rbdi_qp_residuals(rbdi_qp *s, const rbd_real *x, rbd_real *si
         s->r[j] = sign * (rbdi_qp_side(s, row) - s->value[row]);
         if (weight > 0) s->r[j] = s->r[j] - s->u[j] / weight;
         missed = rbdi_qp_larger(missed, rbdi_qp_abs(s->r[j]) * s->unit[row]);
-        *size = rbdi_qp_larger(*size, rbdi_qp_abs(s->u[j]) / s->unit[row]);
+        const rbd_real term = rbdi_qp_abs(s->u[j]) / s->unit[row];
+        if (weight > 0) *size = rbdi_qp_larger(*size, term);
+        *push = rbdi_qp_larger(*push, term);
         rbdi_qp_add_row(s, row, sign * s->u[j], s->t);
     }
     for (int e = 0; e < s->equalities; ++e) {
@@ -2329,14 +2333,20 @@ RBDI_PART rbd_real rbdi_qp_residuals(rbdi_qp *s, const rbd_real *x, rbd_real *si
     return missed;
 }
 
-/* result.dual: the largest |t_k|, where t is what Hx + f + C'lambda leaves, as a share of the largest term;
-   not a number if one is none. */
-RBDI_PART void rbdi_qp_judge(rbdi_qp *s, rbd_real size) {
-    const rbd_real worst = rbdi_qp_largest(s->t, s->n);
-    rbd_real sum = 0;
+/* result.dual: the largest |t_k|, where t is what Hx + f + C'lambda leaves, as a share of `size`, the largest
+   term of the cost: of Hx + f, and lambda of a soft row. Not of a hard row, whose largest is `push`: where rows
+   nearly depend on each other, their lambda may be so large that its rounding, which counts, is all of the
+   gradient. s->balance is the share of the larger of the two. Both are not a number if a t_k is none. */
+RBDI_PART void rbdi_qp_judge(rbdi_qp *s, rbd_real size, rbd_real push) {
+    const rbd_real larger = rbdi_qp_larger(size, push);
+    rbd_real worst = rbdi_qp_largest(s->t, s->n), sum = 0;
 
     for (int k = 0; k < s->n; ++k) sum = sum + s->t[k];
-    s->result.dual = (size > 0 ? worst / size : worst) + (sum - sum);
+    worst = worst + (sum - sum);
+    s->balance = larger > 0 ? worst / larger : worst;
+
+    worst = worst + RBDI_EPS * (larger - size);
+    s->result.dual = size > 0 ? worst / size : worst;
 }
 
 /* One correction, from t = r1 and r = r2. */
@@ -2370,15 +2380,15 @@ RBDI_PART void rbdi_qp_correct(rbdi_qp *s, rbd_real *x) {
 RBDI_PART int rbdi_qp_refine(rbdi_qp *s, rbd_real *x) {
     for (int corrections = 0;; ++corrections) {
         const rbd_real furthest = rbdi_qp_larger(rbdi_qp_largest(x, s->n), RBDI_QP_CANCELLED * s->furthest);
-        rbd_real size = s->rho * furthest;
-        const rbd_real missed = rbdi_qp_residuals(s, x, &size);
+        rbd_real size = s->rho * furthest, push = 0;
+        const rbd_real missed = rbdi_qp_residuals(s, x, &size, &push);
 
         rbdi_qp_balance(s, s->t, s->z);
         for (int e = 0; e < s->equalities; ++e)
-            size = rbdi_qp_larger(size, rbdi_qp_abs(s->u_equal[e]) / s->unit[s->equality[e]]);
-        rbdi_qp_judge(s, size);
+            push = rbdi_qp_larger(push, rbdi_qp_abs(s->u_equal[e]) / s->unit[s->equality[e]]);
+        rbdi_qp_judge(s, size, push);
 
-        if (s->result.dual <= RBDI_QP_REFINED && missed <= RBDI_QP_REFINED * furthest) return corrections > 0;
+        if (s->balance <= RBDI_QP_REFINED && missed <= RBDI_QP_REFINED * furthest) return corrections > 0;
         if (corrections == RBDI_QP_REFINEMENTS) return 1;
         rbdi_qp_correct(s, x);
     }
@@ -2783,17 +2793,19 @@ RBDI_PART void rbdi_qp_verify_rows(rbdi_qp *s, const rbd_real *x, const rbd_real
     }
 }
 
-/* result.dual of x and lambda, whatever they came from. */
+/* result.dual and s->balance of x and lambda, whatever they came from. */
 RBDI_PART void rbdi_qp_verify_optimum(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
-    rbd_real size = rbdi_qp_gradient(s, x, s->t);
+    rbd_real size = rbdi_qp_gradient(s, x, s->t), push = 0;
     if (!(size > 0)) size = s->rho * s->reach[0]; /* multipliers are rounding of this */
 
     for (int row = 0; row < s->all; ++row) {
         if (lambda[row] == 0 || s->from[row] == s->to[row]) continue;
+        const rbd_real term = rbdi_qp_abs(lambda[row]) / s->unit[row];
         rbdi_qp_add_row(s, row, lambda[row], s->t);
-        size = rbdi_qp_larger(size, rbdi_qp_abs(lambda[row]) / s->unit[row]);
+        if (rbdi_qp_weight(s, row) > 0) size = rbdi_qp_larger(size, term);
+        push = rbdi_qp_larger(push, term);
     }
-    rbdi_qp_judge(s, size);
+    rbdi_qp_judge(s, size, push);
 }
 
 /* The verdict on x and lambda. `ended`: x is as rbdi_qp_refine left it, with the values of the rows; if no
@@ -2866,6 +2878,7 @@ RBDI_PART rbd_qp_status rbdi_qp_bound_result(rbdi_qp *s, rbd_qp_status status, r
         status = rbdi_qp_refuse(s, RBD_QP_NAN, k, NULL);
     }
     if (!(s->result.dual - s->result.dual == 0)) s->result.dual = RBDI_QP_NONE;
+    if (!(s->balance - s->balance == 0)) s->balance = RBDI_QP_NONE;
     return status;
 }
 
@@ -2893,6 +2906,7 @@ RBDI_PART rbd_qp_status rbdi_qp_solve(rbdi_qp *s, const rbd_qp_problem *problem,
     s->rho = 0;
     s->doubtful = 0;
     s->furthest = 0;
+    s->balance = 0;
     status = rbdi_qp_check_problem(s);
     if (status == RBD_QP_OK && s->all && (!lambda || !side)) status = RBD_QP_NULL;
     if (status == RBD_QP_OK && size < RBD_QP_SIZE(s->n, problem->bounds, problem->rows, s->soft))

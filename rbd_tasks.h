@@ -205,11 +205,12 @@ typedef struct rbd_tasks_result {
     int steps;        /* rows of the QPs that joined or left */
     int level;        /* of the last QP */
     rbd_qp_status qp; /* its status */
-    rbd_real primal;  /* the largest miss of a hard row, as a share of its terms, summed over the levels; or
-                        that of rbd_qp_result, if it is larger. The terms are the side and the entries times
-                        x. There a component of x counts as 1 rad/s, m/s, rad/s^2 or m/s^2 at least, a force
-                        as what gives the robot 1 m/s^2 */
-    rbd_real dual;    /* the largest of rbd_qp_result */
+    rbd_real primal;  /* of the answer: the largest miss of a hard row, as a share of its terms, summed over
+                        the levels that count; or that of rbd_qp_result, if it is larger. The terms are the
+                        side and the entries times x. There a component of x counts as 1 rad/s, m/s, rad/s^2
+                        or m/s^2 at least, a force as what gives the robot 1 m/s^2 */
+    rbd_real dual;    /* of the answer: the largest component of Hx + f + C'lambda of a QP, as a share of the
+                        largest of its terms */
     rbd_tasks_part part[2]; /* INFEASIBLE: the two that contradict most; NOTHING: it is one alone */
     int at[2];              /* their contacts or dofs; -1: none */
     rbd_status error;       /* RBD_OK but after RBD_TASKS_ERROR */
@@ -918,7 +919,7 @@ RBDI_LOCAL void rbdi_tasks_of_momentum(rbdi_tasks *k, const rbd_task *t, rbdi_ta
 RBDI_LOCAL void rbdi_tasks_of_com(rbdi_tasks *k, const rbd_task *t, rbdi_tasks_error *s) {
     rbd_real com[3] = {0}, a[3] = {0};
 
-    rbdi_ik_com_jacobian(k->m, k->w, k->w->F, &k->J[3 * k->nv]);
+    rbdi_ik_com_jacobian(k->m, k->w, rbd_mass(k->m), k->w->F, &k->J[3 * k->nv]);
     rbd_com(k->m, k->w, com, NULL, a);
     s->e.v = rbdi_ik_way(t->position, rbdi_load_vec(com, 1));
     s->drift.v = rbdi_load_vec(a, 1);
@@ -1207,7 +1208,8 @@ RBDI_LOCAL rbd_real rbdi_tasks_missed(const rbdi_tasks *k, const rbdi_qp *s) {
         const rbd_real side = below > 0 ? k->lower[row] : k->upper[row];
         if (!(by > 0) || k->soft[row] > 0) continue;
         if (by <= most * (rbdi_abs(side) + rbdi_abs(value))) continue; /* the terms are more than the value */
-        most = rbdi_ik_larger(most, by / rbdi_qp_terms(s, row, side));
+        const rbd_real share = by / rbdi_qp_terms(s, row, side);
+        most = rbdi_ik_larger(most, share < 1 ? share : rbdi_set(RBD_C(1))); /* 1: nor if sums overflow */
     }
     return most;
 }
@@ -1218,6 +1220,12 @@ RBDI_LOCAL int rbdi_tasks_count_missed(rbdi_tasks *k, const rbdi_qp *s) {
     k->missed = k->missed + rbdi_tasks_missed(k, s);
     k->result->primal = rbdi_ik_larger(k->result->primal, k->missed);
     return k->missed < RBDI_TASKS_ACCURACY && rbdi_tasks_are_within(k->x, k->n, -RBDI_IK_MOST, RBDI_IK_MOST);
+}
+
+/* Whether a QP has ended with an x that is of use, though perhaps not the best. */
+RBDI_LOCAL int rbdi_tasks_has_answer(rbd_qp_status status) {
+    return status == RBD_QP_OK || status == RBD_QP_INACCURATE || status == RBD_QP_ITERATIONS ||
+           status == RBD_QP_UNBOUNDED;
 }
 
 /* Solves the QP of a level, with the first rows of C: those of its own tasks are squares in it. */
@@ -1253,11 +1261,13 @@ RBDI_LOCAL rbd_qp_status rbdi_tasks_solve_level(rbdi_tasks *k, int level, int ro
     result->level = level;
     result->steps += s.result.steps;
     result->primal = rbdi_ik_larger(result->primal, s.result.primal);
-    result->dual = rbdi_ik_larger(result->dual, s.result.dual);
+    result->dual = rbdi_ik_larger(result->dual, s.balance);
+    if (!rbdi_tasks_has_answer(status)) return status;
 
-    if (status == RBD_QP_INACCURATE && rbdi_ik_larger(s.result.primal, s.result.dual) < RBDI_TASKS_ACCURACY)
+    /* x is what counts: nobody asks for multipliers, of rows that nearly depend on each other */
+    if (status == RBD_QP_INACCURATE && rbdi_ik_larger(s.result.primal, s.balance) < RBDI_TASKS_ACCURACY)
         status = RBD_QP_OK;
-    if (status == RBD_QP_OK && !rbdi_tasks_count_missed(k, &s)) {
+    if (!rbdi_tasks_count_missed(k, &s) && status == RBD_QP_OK) {
         result->qp = RBD_QP_INACCURATE; /* rows that nearly contradict each other */
         return RBD_QP_INACCURATE;
     }
@@ -1298,12 +1308,6 @@ RBDI_LOCAL int rbdi_tasks_put_level(rbdi_tasks *k, int level) {
     return tasks;
 }
 
-/* Whether a QP has ended with an x that is of use, though perhaps not the best. */
-RBDI_LOCAL int rbdi_tasks_has_answer(rbd_qp_status status) {
-    return status == RBD_QP_OK || status == RBD_QP_INACCURATE || status == RBD_QP_ITERATIONS ||
-           status == RBD_QP_UNBOUNDED;
-}
-
 /* Whether a level above this one has tasks. */
 RBDI_LOCAL int rbdi_tasks_goes_on(const rbdi_tasks *k, int level) {
     for (int i = 0; i < k->given->tasks; ++i)
@@ -1316,12 +1320,17 @@ RBDI_LOCAL rbd_tasks_status rbdi_tasks_descend(rbdi_tasks *k) {
     int solved = 0;
 
     for (int level = 0; level < RBD_TASK_LEVELS && k->n > 0; ++level) {
+        const rbd_real primal = k->result->primal, dual = k->result->dual;
         const int rows = k->rows;
         rbd_qp_status status;
         if (!rbdi_tasks_put_level(k, level) && level > 0) continue;
 
         status = rbdi_tasks_solve_level(k, level, rows);
-        if (status != RBD_QP_OK && solved) return RBD_TASKS_INEXACT;
+        if (status != RBD_QP_OK && solved) { /* the answer of the level before stands */
+            k->result->primal = primal;
+            k->result->dual = dual;
+            return RBD_TASKS_INEXACT;
+        }
         if (status == RBD_QP_INFEASIBLE) return RBD_TASKS_INFEASIBLE;
         if (!rbdi_tasks_has_answer(status)) {
             rbdi_tasks_refuse(k->result, RBD_ERR_NAN, NULL);

@@ -126,6 +126,7 @@ void print_errors(void);
 const char *why_not_figure(int item, const char *what, double found, double expected, double bound);
 #define expect_figure(...) FAIL_IF(why_not_figure(__VA_ARGS__))
 void record_figures(void);
+int figures_are_recorded(void);
 void print_figures(void);
 
 double largest(const double *x, int n); /* magnitude; infinite if anything is not finite */

@@ -339,7 +339,7 @@ START_TEST(rod_lies_on_its_limit) {
             begin_scene(&s);
             s.q[0] = upper ? -1 : 1;
             while (s.t < 2) step(&s), deepest = larger(deepest, upper ? s.q[0] - 0.5 : -0.5 - s.q[0]);
-            expect_figure(5, "rod: beyond its limit, rad", fmax(deepest, 0), 0, 1e-12);
+            expect_figure(5, "rod: beyond its limit, rad", larger(deepest, 0), 0, 1e-12);
             ck_assert_double_eq_tol(fabs(s.q[0]), 0.5, 1e-12);
             ck_assert_double_eq_tol(s.v[0], 0, 1e-12);
             /* the limit's torque is what gravity's is */
@@ -605,7 +605,7 @@ START_TEST(painleves_rod_jams) {
                 step(&s);
                 now = energy(&s, NULL);
                 expect_figure(9, "Painleve's rod: energy gained in a step over dt squared, J/s^2",
-                              fmax(now - before, 0) / (s.h * s.h), 0, 0.2); /* second order: it turns */
+                              larger(now - before, 0) / (s.h * s.h), 0, 0.2); /* second order: it turns */
                 before = now;
                 rbd_contact_get(s.c, 0, NULL, force);
                 impulse = larger(impulse, force[2] * s.h);
@@ -697,13 +697,13 @@ static void check_contacts(const scene *s) {
     for (int i = 0; i < s->n; i++) {
         double gap, f[3];
         const rbd_contact_state state = rbd_contact_get(s->c, i, &gap, f);
-        expect_figure(10, "HyQ and Atlas: penetration, m", fmax(-gap, 0), 0, 2e-5 + 0.5 * s->h * s->h);
+        expect_figure(10, "HyQ and Atlas: penetration, m", larger(-gap, 0), 0, 2e-5 + 0.5 * s->h * s->h);
         ck_assert_double_ge(f[2], 0);
         if (!(f[2] > 0))
             ck_assert_double_eq(hypot(f[0], f[1]), 0);
         else
             expect_figure(10, "HyQ and Atlas: friction beyond its cone, share",
-                          fmax(hypot(f[0], f[1]) / (s->list[i].friction * f[2]) - 1, 0), 0, 1e-14);
+                          larger(hypot(f[0], f[1]) / (s->list[i].friction * f[2]) - 1, 0), 0, 1e-14);
         if (state <= RBD_OPENS) ck_assert_double_eq(f[2], 0);
     }
 }
@@ -1169,7 +1169,7 @@ START_TEST(springs_make_no_energy_at_any_stiffness) {
         s.q[2] = 0.6;
         before = energy(&s, NULL);
         while (s.t < 2) {
-            const double depth = fmax(0, 0.1 - s.q[2]);
+            const double depth = larger(0, 0.1 - s.q[2]);
             const double now = energy(&s, NULL) + stiffness[k / 2] * depth * depth / 2;
             most = larger(most, now - before);
             before = now;

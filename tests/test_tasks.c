@@ -59,7 +59,7 @@ static void expect_dynamics(const robot *r, const rbd_tasks *p, const double *q,
         const double *given = c->normal, z[3] = {0, 0, 1};
         const double *n = dot(given, given, 3) > 0 ? given : z;
         const double normal = dot(&f[3 * i], n, 3) / sqrt(dot(n, n, 3));
-        const double slope = sqrt(fmax(0, dot(&f[3 * i], &f[3 * i], 3) - normal * normal));
+        const double slope = sqrt(larger(0, dot(&f[3 * i], &f[3 * i], 3) - normal * normal));
         if (c->open) {
             ck_assert(f[3 * i] == 0 && f[3 * i + 1] == 0 && f[3 * i + 2] == 0);
             continue;
@@ -453,7 +453,7 @@ START_TEST(feet_push_along_their_normals) {
         for (int i = 0; i < FEET; i++) {
             const double *n = feet[i].normal;
             const double normal = dot(&f[3 * i], n, 3) / sqrt(dot(n, n, 3));
-            const double slope = sqrt(fmax(0, dot(&f[3 * i], &f[3 * i], 3) - normal * normal));
+            const double slope = sqrt(larger(0, dot(&f[3 * i], &f[3 * i], 3) - normal * normal));
             steep += slope > 0.69 * 0.2 * normal; /* at least cos(pi / 4) of mu where a side holds */
         }
         ck_assert_int_ge(steep, k < 2 ? 0 : 1);
@@ -565,6 +565,15 @@ START_TEST(work_is_bounded) {
     expect_answer(&result, push_by(&r, &p, q, v, a, f, tau, &result), RBD_TASKS_INEXACT);
     ck_assert(result.qp == RBD_QP_ITERATIONS && result.level == 1);
     expect_dynamics(&r, &p, q, v, a, f, tau);
+
+    /* the answer is that of level 0 alone, and so is what the result says of it */
+    const double primal = result.primal, dual = result.dual;
+    double alone[MAX_V];
+    p.tasks = 1;
+    expect_answer(&result, push_by(&r, &p, q, v, alone, f, tau, &result), RBD_TASKS_OK);
+    ck_assert(memcmp(a, alone, (size_t)r.nv * sizeof *a) == 0);
+    ck_assert(primal == result.primal && primal < 1e-7 && dual == result.dual && dual < 1e-7);
+    p.tasks = 2;
     p.steps = 0;
     expect_answer(&result, push_by(&r, &p, q, v, a, f, tau, &result), RBD_TASKS_OK);
     ck_assert_int_gt(result.steps, 2);

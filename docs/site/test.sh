@@ -30,7 +30,7 @@ names)
 pages)
     /usr/bin/python3 -c 'import sphinx, furo, myst_parser, numpy' && [ -f /usr/share/javascript/katex/katex.min.js ] ||
         { echo "Sphinx, furo, MyST, numpy or KaTeX is not installed"; exit 77; }
-    PYTHONDONTWRITEBYTECODE=1 RBD_PLAYGROUND=no "$here/build.sh" "$scratch/site" -W --keep-going
+    PYTHONDONTWRITEBYTECODE=1 RBD_PLAYGROUND=no RBD_COLOURS=no "$here/build.sh" "$scratch/site" -W --keep-going
     python3 -B "$here/links.py" "$scratch/site"
     python3 -B "$here/anchors.py" "$scratch/site"
     ! command -v node >/dev/null || node "$here/search_test.js" "$scratch/site/_static/search_index.js"

@@ -28,8 +28,8 @@ RBDI_PART rbd_real rbdi_qp_gradient(const rbdi_qp *s, const rbd_real *x, rbd_rea
 }
 
 /* t = r1 without the equalities' part, r = r2, and the values of these rows at x. Returns the largest |r2|, as
-   a share of its row's length; raises *size to the largest term of r1. */
-RBDI_PART rbd_real rbdi_qp_residuals(rbdi_qp *s, const rbd_real *x, rbd_real *size) {
+   a share of its row's length; raises *size to the largest term of the cost in r1, *push to that of all rows. */
+RBDI_PART rbd_real rbdi_qp_residuals(rbdi_qp *s, const rbd_real *x, rbd_real *size, rbd_real *push) {
     rbd_real missed = 0;
 
     *size = rbdi_qp_larger(*size, rbdi_qp_gradient(s, x, s->t));
@@ -43,7 +43,9 @@ RBDI_PART rbd_real rbdi_qp_residuals(rbdi_qp *s, const rbd_real *x, rbd_real *si
         s->r[j] = sign * (rbdi_qp_side(s, row) - s->value[row]);
         if (weight > 0) s->r[j] = s->r[j] - s->u[j] / weight;
         missed = rbdi_qp_larger(missed, rbdi_qp_abs(s->r[j]) * s->unit[row]);
-        *size = rbdi_qp_larger(*size, rbdi_qp_abs(s->u[j]) / s->unit[row]);
+        const rbd_real term = rbdi_qp_abs(s->u[j]) / s->unit[row];
+        if (weight > 0) *size = rbdi_qp_larger(*size, term);
+        *push = rbdi_qp_larger(*push, term);
         rbdi_qp_add_row(s, row, sign * s->u[j], s->t);
     }
     for (int e = 0; e < s->equalities; ++e) {
@@ -54,14 +56,20 @@ RBDI_PART rbd_real rbdi_qp_residuals(rbdi_qp *s, const rbd_real *x, rbd_real *si
     return missed;
 }
 
-/* result.dual: the largest |t_k|, where t is what Hx + f + C'lambda leaves, as a share of the largest term;
-   not a number if one is none. */
-RBDI_PART void rbdi_qp_judge(rbdi_qp *s, rbd_real size) {
-    const rbd_real worst = rbdi_qp_largest(s->t, s->n);
-    rbd_real sum = 0;
+/* result.dual: the largest |t_k|, where t is what Hx + f + C'lambda leaves, as a share of `size`, the largest
+   term of the cost: of Hx + f, and lambda of a soft row. Not of a hard row, whose largest is `push`: where rows
+   nearly depend on each other, their lambda may be so large that its rounding, which counts, is all of the
+   gradient. s->balance is the share of the larger of the two. Both are not a number if a t_k is none. */
+RBDI_PART void rbdi_qp_judge(rbdi_qp *s, rbd_real size, rbd_real push) {
+    const rbd_real larger = rbdi_qp_larger(size, push);
+    rbd_real worst = rbdi_qp_largest(s->t, s->n), sum = 0;
 
     for (int k = 0; k < s->n; ++k) sum = sum + s->t[k];
-    s->result.dual = (size > 0 ? worst / size : worst) + (sum - sum);
+    worst = worst + (sum - sum);
+    s->balance = larger > 0 ? worst / larger : worst;
+
+    worst = worst + RBDI_EPS * (larger - size);
+    s->result.dual = size > 0 ? worst / size : worst;
 }
 
 /* One correction, from t = r1 and r = r2. */
@@ -95,15 +103,15 @@ RBDI_PART void rbdi_qp_correct(rbdi_qp *s, rbd_real *x) {
 RBDI_PART int rbdi_qp_refine(rbdi_qp *s, rbd_real *x) {
     for (int corrections = 0;; ++corrections) {
         const rbd_real furthest = rbdi_qp_larger(rbdi_qp_largest(x, s->n), RBDI_QP_CANCELLED * s->furthest);
-        rbd_real size = s->rho * furthest;
-        const rbd_real missed = rbdi_qp_residuals(s, x, &size);
+        rbd_real size = s->rho * furthest, push = 0;
+        const rbd_real missed = rbdi_qp_residuals(s, x, &size, &push);
 
         rbdi_qp_balance(s, s->t, s->z);
         for (int e = 0; e < s->equalities; ++e)
-            size = rbdi_qp_larger(size, rbdi_qp_abs(s->u_equal[e]) / s->unit[s->equality[e]]);
-        rbdi_qp_judge(s, size);
+            push = rbdi_qp_larger(push, rbdi_qp_abs(s->u_equal[e]) / s->unit[s->equality[e]]);
+        rbdi_qp_judge(s, size, push);
 
-        if (s->result.dual <= RBDI_QP_REFINED && missed <= RBDI_QP_REFINED * furthest) return corrections > 0;
+        if (s->balance <= RBDI_QP_REFINED && missed <= RBDI_QP_REFINED * furthest) return corrections > 0;
         if (corrections == RBDI_QP_REFINEMENTS) return 1;
         rbdi_qp_correct(s, x);
     }

@@ -204,17 +204,19 @@ RBDI_PART void rbdi_qp_verify_rows(rbdi_qp *s, const rbd_real *x, const rbd_real
     }
 }
 
-/* result.dual of x and lambda, whatever they came from. */
+/* result.dual and s->balance of x and lambda, whatever they came from. */
 RBDI_PART void rbdi_qp_verify_optimum(rbdi_qp *s, const rbd_real *x, const rbd_real *lambda) {
-    rbd_real size = rbdi_qp_gradient(s, x, s->t);
+    rbd_real size = rbdi_qp_gradient(s, x, s->t), push = 0;
     if (!(size > 0)) size = s->rho * s->reach[0]; /* multipliers are rounding of this */
 
     for (int row = 0; row < s->all; ++row) {
         if (lambda[row] == 0 || s->from[row] == s->to[row]) continue;
+        const rbd_real term = rbdi_qp_abs(lambda[row]) / s->unit[row];
         rbdi_qp_add_row(s, row, lambda[row], s->t);
-        size = rbdi_qp_larger(size, rbdi_qp_abs(lambda[row]) / s->unit[row]);
+        if (rbdi_qp_weight(s, row) > 0) size = rbdi_qp_larger(size, term);
+        push = rbdi_qp_larger(push, term);
     }
-    rbdi_qp_judge(s, size);
+    rbdi_qp_judge(s, size, push);
 }
 
 /* The verdict on x and lambda. `ended`: x is as rbdi_qp_refine left it, with the values of the rows; if no
@@ -287,6 +289,7 @@ RBDI_PART rbd_qp_status rbdi_qp_bound_result(rbdi_qp *s, rbd_qp_status status, r
         status = rbdi_qp_refuse(s, RBD_QP_NAN, k, NULL);
     }
     if (!(s->result.dual - s->result.dual == 0)) s->result.dual = RBDI_QP_NONE;
+    if (!(s->balance - s->balance == 0)) s->balance = RBDI_QP_NONE;
     return status;
 }
 
@@ -314,6 +317,7 @@ RBDI_PART rbd_qp_status rbdi_qp_solve(rbdi_qp *s, const rbd_qp_problem *problem,
     s->rho = 0;
     s->doubtful = 0;
     s->furthest = 0;
+    s->balance = 0;
     status = rbdi_qp_check_problem(s);
     if (status == RBD_QP_OK && s->all && (!lambda || !side)) status = RBD_QP_NULL;
     if (status == RBD_QP_OK && size < RBD_QP_SIZE(s->n, problem->bounds, problem->rows, s->soft))

@@ -112,7 +112,8 @@ RBDI_LOCAL rbd_real rbdi_tasks_missed(const rbdi_tasks *k, const rbdi_qp *s) {
         const rbd_real side = below > 0 ? k->lower[row] : k->upper[row];
         if (!(by > 0) || k->soft[row] > 0) continue;
         if (by <= most * (rbdi_abs(side) + rbdi_abs(value))) continue; /* the terms are more than the value */
-        most = rbdi_ik_larger(most, by / rbdi_qp_terms(s, row, side));
+        const rbd_real share = by / rbdi_qp_terms(s, row, side);
+        most = rbdi_ik_larger(most, share < 1 ? share : rbdi_set(RBD_C(1))); /* 1: nor if sums overflow */
     }
     return most;
 }
@@ -123,6 +124,12 @@ RBDI_LOCAL int rbdi_tasks_count_missed(rbdi_tasks *k, const rbdi_qp *s) {
     k->missed = k->missed + rbdi_tasks_missed(k, s);
     k->result->primal = rbdi_ik_larger(k->result->primal, k->missed);
     return k->missed < RBDI_TASKS_ACCURACY && rbdi_tasks_are_within(k->x, k->n, -RBDI_IK_MOST, RBDI_IK_MOST);
+}
+
+/* Whether a QP has ended with an x that is of use, though perhaps not the best. */
+RBDI_LOCAL int rbdi_tasks_has_answer(rbd_qp_status status) {
+    return status == RBD_QP_OK || status == RBD_QP_INACCURATE || status == RBD_QP_ITERATIONS ||
+           status == RBD_QP_UNBOUNDED;
 }
 
 /* Solves the QP of a level, with the first rows of C: those of its own tasks are squares in it. */
@@ -158,11 +165,13 @@ RBDI_LOCAL rbd_qp_status rbdi_tasks_solve_level(rbdi_tasks *k, int level, int ro
     result->level = level;
     result->steps += s.result.steps;
     result->primal = rbdi_ik_larger(result->primal, s.result.primal);
-    result->dual = rbdi_ik_larger(result->dual, s.result.dual);
+    result->dual = rbdi_ik_larger(result->dual, s.balance);
+    if (!rbdi_tasks_has_answer(status)) return status;
 
-    if (status == RBD_QP_INACCURATE && rbdi_ik_larger(s.result.primal, s.result.dual) < RBDI_TASKS_ACCURACY)
+    /* x is what counts: nobody asks for multipliers, of rows that nearly depend on each other */
+    if (status == RBD_QP_INACCURATE && rbdi_ik_larger(s.result.primal, s.balance) < RBDI_TASKS_ACCURACY)
         status = RBD_QP_OK;
-    if (status == RBD_QP_OK && !rbdi_tasks_count_missed(k, &s)) {
+    if (!rbdi_tasks_count_missed(k, &s) && status == RBD_QP_OK) {
         result->qp = RBD_QP_INACCURATE; /* rows that nearly contradict each other */
         return RBD_QP_INACCURATE;
     }
@@ -203,12 +212,6 @@ RBDI_LOCAL int rbdi_tasks_put_level(rbdi_tasks *k, int level) {
     return tasks;
 }
 
-/* Whether a QP has ended with an x that is of use, though perhaps not the best. */
-RBDI_LOCAL int rbdi_tasks_has_answer(rbd_qp_status status) {
-    return status == RBD_QP_OK || status == RBD_QP_INACCURATE || status == RBD_QP_ITERATIONS ||
-           status == RBD_QP_UNBOUNDED;
-}
-
 /* Whether a level above this one has tasks. */
 RBDI_LOCAL int rbdi_tasks_goes_on(const rbdi_tasks *k, int level) {
     for (int i = 0; i < k->given->tasks; ++i)
@@ -221,12 +224,17 @@ RBDI_LOCAL rbd_tasks_status rbdi_tasks_descend(rbdi_tasks *k) {
     int solved = 0;
 
     for (int level = 0; level < RBD_TASK_LEVELS && k->n > 0; ++level) {
+        const rbd_real primal = k->result->primal, dual = k->result->dual;
         const int rows = k->rows;
         rbd_qp_status status;
         if (!rbdi_tasks_put_level(k, level) && level > 0) continue;
 
         status = rbdi_tasks_solve_level(k, level, rows);
-        if (status != RBD_QP_OK && solved) return RBD_TASKS_INEXACT;
+        if (status != RBD_QP_OK && solved) { /* the answer of the level before stands */
+            k->result->primal = primal;
+            k->result->dual = dual;
+            return RBD_TASKS_INEXACT;
+        }
         if (status == RBD_QP_INFEASIBLE) return RBD_TASKS_INFEASIBLE;
         if (!rbdi_tasks_has_answer(status)) {
             rbdi_tasks_refuse(k->result, RBD_ERR_NAN, NULL);
