@@ -585,7 +585,7 @@ START_TEST(a_problem_that_drifts_is_solved_ten_thousand_times) {
 }
 END_TEST
 
-/* After one step of two x is (1, 3): the first variable holds, the second one is 2 above its limit, a share of 1 + 3. */
+/* After one step of two x is (1, 3): the second variable is 2 above its limit, a share of 1 + 3. */
 START_TEST(an_unfinished_x_is_judged_where_it_is) {
     const rbd_real square[4] = {1, 0, 0, 1}, slope[2] = {-6, -3}, below[2] = {-RBD_QP_NONE, -RBD_QP_NONE};
     const rbd_real above[2] = {1, 1};
