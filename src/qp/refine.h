@@ -59,8 +59,8 @@ RBDI_PART rbd_real rbdi_qp_residuals(rbdi_qp *s, const rbd_real *x, rbd_real *si
 
 /* result.dual: the largest |t_k|, where t is what Hx + f + C'lambda leaves, as a share of `size`, the largest
    term of the cost: of Hx + f, and lambda of a soft row. Not of a hard row, whose largest is `push`: where
-   rows nearly depend on each other, their lambda may be so large that its rounding, which counts, is all of the
-   gradient. s->balance is the share of the larger of the two. Both are not a number if a t_k is none. */
+   rows nearly depend on each other, their lambda may be so large that its rounding, which counts, is all of
+   the gradient. s->balance is the share of the larger of the two. Both are not a number if a t_k is none. */
 RBDI_PART void rbdi_qp_judge(rbdi_qp *s, rbd_real size, rbd_real push) {
     const rbd_real larger = rbdi_qp_larger(size, push);
     rbd_real worst = rbdi_qp_largest(s->t, s->n), sum = 0;
