@@ -585,6 +585,19 @@ START_TEST(a_problem_that_drifts_is_solved_ten_thousand_times) {
 }
 END_TEST
 
+/* After one step of two x is (1, 3): the second variable is 2 above its limit, a share of 1 + 3. */
+START_TEST(an_unfinished_x_is_judged_where_it_is) {
+    const rbd_real square[4] = {1, 0, 0, 1}, slope[2] = {-6, -3}, below[2] = {-RBD_QP_NONE, -RBD_QP_NONE};
+    const rbd_real above[2] = {1, 1};
+    const rbd_qp_problem p = {.n = 2, .bounds = 2, .H = square, .f = slope, .lower = below, .upper = above};
+    const rbd_qp_options one = {.steps = 1};
+    ck_assert_int_eq(rbd_qp_solve(&p, &one, memory, sizeof memory, x, lambda, side, &result),
+                     RBD_QP_ITERATIONS);
+    ck_assert(fabs((double)result.primal - 0.5) < 1e-6);
+    ck_assert(result.dual < tight);
+}
+END_TEST
+
 START_TEST(order_and_units_do_not_matter) {
     seed = 23;
     for (int k = 0; k < 100; k++) {
@@ -1369,6 +1382,7 @@ int main(void) {
     tcase_add_test(c, rows_hold_as_a_share_of_a_small_solution);
     tcase_add_test(c, multipliers_that_overflow_are_named);
     tcase_add_test(c, sums_that_overflow_are_not_ok);
+    tcase_add_test(c, an_unfinished_x_is_judged_where_it_is);
     tcase_add_test(c, results_that_are_too_large_are_none);
     tcase_add_test(c, the_memory_is_enough);
     tcase_add_test(c, what_was_found_is_a_sentence);
