@@ -28,9 +28,9 @@
      [conventions] [configuration] [guarantees] [limits]
      [tables] [actuators] [inverse] [forward] [rotors]
      --- stop here if you only use it ---
-     [method] [exponential] [friction code] [motor code] [drive code] [rods] [transmission code]
-     [inverse code] [laws of shafts] [coupled shafts] [learning] [forward code] [derivatives code] [checks]
-     [tables code] [rotors code] [text code]
+     [method] [exponential] [friction code] [motor code] [cogging] [drive code] [rods] [transmission code]
+     [inverse code] [laws of shafts] [search] [coupled shafts] [foretelling] [learning] [forward code]
+     [derivatives code] [checks] [tables code] [rotors code] [text code]
 
    [conventions] Those of rbd.h, beyond them:
      shaft        the output of one motor's gear, in the data sheet's coordinate. Its angle times gear is the
@@ -43,15 +43,15 @@
      data. With __float128 the part of friction at rest has the accuracy of double.
 
    [guarantees]
-     Finite input gives finite output. Springs and play add no energy, whatever the step is, and friction
-     opposes the speed at the step's end. No motor passes its limits there. A rotor that friction holds on a
-     spring stays to the bit. The bits are the same on every machine with RBD_REPRODUCIBLE.
+     Finite input gives finite output. Friction, springs and play add no energy in a step that settles, whatever
+     its order and length are, but for rounding. No motor passes its limits at the step's end. A rotor that
+     friction holds on a spring stays to the bit. The bits are the same on every machine with RBD_REPRODUCIBLE.
 
    [limits]
      A rigid shaft that its friction holds creeps by 1e-9 rad/s at most (float: 1e-6), or gives way as its
      bristle says. The level of friction is that of the state before a step, and of the loads of the last one.
-     Steps settle by repeats, of which there are 50 at most; several transmissions along one limb may need
-     more. Not here: inductance, whose time constant is a millisecond or less, and the dynamics of the
+     Steps settle by repeats, of which there are 50 at most. Cogging gives its own height of energy at most, and
+     a drive's speed gain dt kd v^2 / 8 in a step of second order in which a shaft turns around. Not here: inductance, whose time constant is a millisecond or less, and the dynamics of the
      current's loop, rods with mass, tendons with slack, hysteresis of strain-wave gears, friction by
      temperature. That actuators belong to another robot cannot be seen: no call but the first takes a model.
 */
@@ -599,8 +599,8 @@ RBDI_INLINE int rbdi_act_has_rest(const rbd_gear_friction *f) {
 }
 
 /* S = exp(-|x / speed|^power) = exp(-exp(power log |x / speed|)): the share of friction at rest. The logarithm
-   is one from 1e-30 to 1e30. Below, S is 1: with the least power of 0.1 that is 1e-3 off, at 1e-30 of a slow
-   speed. Above exp(5), S is exp(-148) or less, 0 in float and nothing beside 1. */
+   takes 1e-30 to 1e30. Below, S is 1: with the least power, 0.1, it is 1e-3 off. Where the power of the ratio
+   is above exp(5), S is below exp(-148), 0 in float and nothing beside 1. */
 RBDI_PART rbd_real rbdi_act_rest_share(const rbd_gear_friction *f, rbd_real x) {
     rbd_real ratio;
     if (!rbdi_act_has_rest(f)) return rbdi_zero();
@@ -1592,12 +1592,11 @@ RBDI_LOCAL void rbdi_act_note_rounding(rbd_actuators *a) {
     for (int i = 0; i < a->n; ++i) {
         rbdi_act_shaft *s = &a->shaft[i];
         s->size = s->size + rbdi_act_size(&a->motor[i], s, a);
-        if (s->dof < 0) {
-            s->size = s->size + s->smooth * s->scale;
-            for (int k = 0; k < a->n && a->known; ++k)
-                s->size = s->size + rbdi_abs(a->mass[a->n * i + k]) / a->dt * a->shaft[k].scale;
-        }
         a->heavy = a->heavy + RBDI_ACTUATOR_ROUNDING * s->size;
+        if (s->dof >= 0) continue;
+        s->size = s->size + s->smooth * s->scale;
+        for (int k = 0; k < a->n && a->known; ++k)
+            s->size = s->size + rbdi_abs(a->mass[a->n * i + k]) / a->dt * a->shaft[k].scale;
     }
 }
 
@@ -1635,8 +1634,8 @@ RBDI_LOCAL void rbdi_act_take_pieces(rbd_actuators *a) {
     }
 }
 
-/* Finds the speeds, `next`, at which the joints ask for the torques of the pieces, `force`. Returns 0 if there
-   are none within bounds.
+/* Finds the speeds, `next`, at which the joints ask for the torques of the pieces, `force`. Returns 0 if
+   there are none within bounds.
 
        (M / dt + slope) x = start - seen_T + M / dt seen_x */
 RBDI_LOCAL int rbdi_act_solve_pieces(rbd_actuators *a) {
@@ -1698,8 +1697,8 @@ RBDI_LOCAL int rbdi_act_foretell(rbd_actuators *a) {
 
 /* ==== src/actuator/learning.h ==== */
 /* ---- learning [learning] ----
-   Each repeat tells a change d of the shafts' speeds and the impulse y that made it: M d = y. M is corrected by
-   BFGS (Nocedal and Wright 2006, section 6.1):
+   Each repeat tells a change d of the shafts' speeds and the impulse y that made it: M d = y. M is corrected
+   by BFGS (Nocedal and Wright 2006, section 6.1):
 
        M + y y' / (y'd) - M d (M d)' / (d'M d)
 
